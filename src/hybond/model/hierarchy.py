@@ -70,6 +70,8 @@ class WrittenBond:
     name: str
     label: str
     where: str
+    arrow: int = 0
+    """Which arrow of its chain it is, or one of the bonds of."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -376,8 +378,10 @@ def _is_bare(value: Value) -> bool:
     return quantity is not None and quantity.dimension == DIMENSIONLESS
 
 
-def bond_ends(text: str, scope: Scope, where: str) -> tuple[str, list[list[str]]]:
-    """Return the label of a text of bonds and its ends, chain by chain, ranges run together.
+def bonds_in(text: str, scope: Scope, where: str) -> tuple[str, list[list[list[str]]]]:
+    """Return the label of a text of bonds, and for each arrow the ends of its bonds.
+
+    Ranges at one arrow run together; elsewhere in a chain they may be others.
 
     Raises
     ------
@@ -394,39 +398,40 @@ def bond_ends(text: str, scope: Scope, where: str) -> tuple[str, list[list[str]]
             hint='write "a -> b", "a -> b -> c" or "b3: a -> b"',
         )
     label = match["label"] or ""
-    rows = together(ends, scope, where)
-    if label and (len(ends) > 2 or len(rows) > 1):
-        what = "a chain" if len(ends) > 2 else f"{len(rows)} bonds"
+    arrows = [together(pair, scope, where) for pair in pairwise(ends)]
+    if label and (len(ends) > 2 or len(arrows[0]) > 1):
+        what = "a chain" if len(ends) > 2 else f"{len(arrows[0])} bonds"
         raise ModelError(
             f"a label names one bond, {text!r} is {what}",
             code="HB-M109",
             where=where,
             hint="write the labelled bond on its own",
         )
-    for end in rows[0] if rows else ():
+    for end in (end for bonds in arrows for pair in bonds[:1] for end in pair):
         if not _END.match(end):
-            arrows = re.sub(r"\s*(?:[=–—-]+\s*>|→)\s*", " -> ", text)
+            shown = re.sub(r"\s*(?:[=–—-]+\s*>|→)\s*", " -> ", text)
             hint = 'write "a -> b", and names with letters, digits and _'
             if "<" in text or "←" in text:
                 hint = 'turn it round: the half arrow of "a -> b" points at b'
-            elif arrows != text and "->" in arrows:
-                hint = f'write "{arrows[:60]}"'
+            elif shown != text and "->" in shown:
+                hint = f'write "{shown[:60]}"'
             raise ModelError(
                 f"{text!r} is not a bond: {end!r} names no element",
                 code="HB-M109",
                 where=where,
                 hint=hint,
             )
-    return label, rows
+    return label, arrows
 
 
 def _bonds(text: str, scope: Scope, opened: Opened, where: str) -> list[WrittenBond]:
-    label, rows = bond_ends(text, scope, where)
+    label, arrows = bonds_in(text, scope, where)
     found = []
-    for a, b in (pair for row in rows for pair in pairwise(row)):
-        name = f"{label}: {a} -> {b}" if label else f"{a} -> {b}"
-        tail, head = (_end(e, scope, opened) for e in (a, b))
-        found.append(WrittenBond(tail, head, join(scope.prefix, name), label, where))
+    for arrow, bonds in enumerate(arrows):
+        for a, b in bonds:
+            name = f"{label}: {a} -> {b}" if label else f"{a} -> {b}"
+            tail, head = (_end(e, scope, opened) for e in (a, b))
+            found.append(WrittenBond(tail, head, join(scope.prefix, name), label, where, arrow))
     return found
 
 

@@ -12,7 +12,7 @@ from hybond.model.array_places import Place, places_of
 from hybond.model.arrays import each, is_array, switching
 from hybond.model.builder import Model
 from hybond.model.expressions import names, parse
-from hybond.model.hierarchy import bond_ends, parameters_of, width_of
+from hybond.model.hierarchy import bonds_in, parameters_of, width_of
 from hybond.model.parts import Part, SubmodelPart
 from hybond.model.scope import Scope, constant
 from hybond.units import DIMENSIONLESS, format_quantity, try_quantity
@@ -63,8 +63,9 @@ def written_out(model: Model, *, layout: Mapping[str, Place] | None = None) -> M
     }
     new.bonds = []
     for k, text in enumerate(model.bonds):
-        label, rows = bond_ends(text, scope, f"graph.bonds[{k}]")
-        new.bonds += [(f"{label}: " if label else "") + " -> ".join(row) for row in rows]
+        label, arrows = bonds_in(text, scope, f"graph.bonds[{k}]")
+        front = f"{label}: " if label else ""
+        new.bonds += [f"{front}{a} -> {b}" for bonds in arrows for a, b in bonds]
     new.layout = places_of(model.layout, scope, lambda name: width_of(model, name, model.models))
     return new
 

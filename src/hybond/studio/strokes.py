@@ -162,18 +162,15 @@ def strokes(known: Meaning, mode: Mode | None, path: str) -> dict[str, Any]:
     bonds: dict[str, Any] = {}
     path = _first_member(path, graph)
     prefix = join(path, "graph.bonds[")
-    last, arrow_of = "", 0
     for written, arrow in zip(known.bonds, shown.arrows):
-        arrow_of = arrow_of + 1 if written.where == last else 0
-        last = written.where
         if not written.where.startswith(prefix):
             continue
         chain = written.where[len(prefix) : -1]
         if not known.whole:
             chain, key = "", written.name
         else:
-            key = f"{chain}.{arrow_of}"
-        bonds[key] = _arrow(arrow)
+            key = f"{chain}.{written.arrow}"
+        bonds.setdefault(key, _arrow(arrow))  # of a range the first is shown for all
     nodes: dict[str, Any] = {}
     own = () if path or known.model is None else known.model.elements
     arrays = {base_of(key): key for key in own if is_array(key)}
