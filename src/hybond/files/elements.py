@@ -115,6 +115,8 @@ def _check_single(data: dict[str, Any], kind: str, place: Place) -> None:
             )
         return
     given = [(place / kind, value)] if kind in ("Se", "Sf", "TF", "GY") else []
+    if kind == "junction":
+        given += [(place / key, option) for key, option in data.items()]
     for section in ("parameters", "inputs") if kind == "submodel" else ():
         inner = data.get(section)
         if isinstance(inner, dict):

@@ -11,7 +11,7 @@ from hybond.model.builder import Model
 from hybond.model.origin import SECTIONS, Path, as_read
 from hybond.model.parts import SubmodelPart
 
-_STEP = re.compile(r"([A-Za-z_]\w*)|\[(\d+)\]|\.")
+_STEP = re.compile(r"([A-Za-z_]\w*(?:\[[^\[\]]*[^\[\]\d][^\[\]]*\])?)|\[(\d+)\]|\.")
 _OTHER = ("graph", "causality", "experiment", "models", "layout")
 _KEYS = ("domain", "indeterminate", "title", "about", "name")
 
