@@ -179,3 +179,12 @@ def test_data_of_a_model_says_it_as_written(model: hb.Model) -> None:
     data = json.loads(hb.dumps(model, format="json"))
     assert data["elements"]["c[1..n]"] == {"C": "(i) [uF]", "e": ["1 V", "2 V", "3 V"]}
     assert list(data["machines"]) == ["spark[1..n]"]
+
+
+def test_a_range_in_a_list_of_signals_is_each_of_its_members(model: hb.Model) -> None:
+    again = hb.loads(TEXT.replace('["u[n]", "all_up"]', '["c[1..n].e", "sum(u[1..n])", "u[n]"]'))
+    listed = ["c[1].e", "c[2].e", "c[3].e", "sum(u[1..n])", "u[3]"]
+    assert again.flatten().experiment["plot"] == listed
+    assert hb.simulate(again)["sum(u[1..n])"].at(0.0) == 0.0
+    assert again.experiment["plot"][0] == "c[1..n].e"
+    assert model.flatten(parameters={"n": 3}).experiment["plot"] == ["u[3]", "all_up"]

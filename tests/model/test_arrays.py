@@ -240,3 +240,58 @@ def test_members_can_be_set_one_by_one_and_together() -> None:
     with pytest.raises(hb.HybondError) as caught:
         of("c[5].C", 1)
     assert caught.value.code in ("HB-M107", "HB-M152")
+
+
+LINES = """
+hybond = 1
+domain = "electrical"
+parameters = { m = 2, k = 3 }
+[elements]
+V = { Se = "1 V" }
+"line[1..m]" = { submodel = "line", parameters = { n = "k + i - 1", r = "(2*i) [ohm]" } }
+R = { R = "10 ohm" }
+[graph]
+bonds = ["V -> line[1].a", "line[1..m-1].b -> line[2..m].a", "line[m].b -> R"]
+[signals]
+all = "sum(line[1..m].held)"
+[models.line]
+domain = "electrical"
+parameters = { n = 5, r = "1 ohm" }
+[models.line.elements]
+"i[1..n]" = { junction = 1 }
+"loss[1..n]" = { R = "r*j[1]" }
+"x[1..n]" = { junction = 0 }
+"c[1..n]" = { C = "1 mF" }
+[models.line.graph]
+bonds = ["i[1..n] -> x[1..n] -> c[1..n]", "i[1..n] -> loss[1..n]", "x[1..n-1] -> i[2..n]"]
+[models.line.signals]
+held = "sum(c[1..n].q)"
+"j[1..n]" = "1 + 0*i"
+[models.line.ports]
+a = "i[1]"
+b = "x[n]"
+"tap[1..n]" = "x[i]"
+"""
+
+
+def test_arrays_of_submodels_hold_arrays_as_long_as_their_parameter_says() -> None:
+    model = hb.loads(LINES)
+    graph = model.flatten()
+    assert [s.path for s in graph.storages] == [
+        *(f"line[1].c[{k}].q" for k in (1, 2, 3)),
+        *(f"line[2].c[{k}].q" for k in (1, 2, 3, 4)),
+    ]
+    # at rest the current of a divider: k cells of 2 ohm, then k + 1 of 4 ohm
+    for k in (3, 1, 2):
+        run = hb.simulate(model, "2 s", parameters={"k": k}, rtol=1e-10)
+        i = 1 / (2 * k + 4 * (k + 1) + 10)
+        assert run["R.f"].at(2.0) == pytest.approx(i, rel=1e-6)
+        volts = [1 - 2 * i * j for j in range(1, k + 1)]
+        volts += [1 - 2 * i * k - 4 * i * j for j in range(1, k + 2)]
+        assert run["all"].at(2.0) == pytest.approx(1e-3 * sum(volts), rel=1e-6)
+        assert run["line[2].tap[1].e"].at(2.0) == pytest.approx(volts[k], rel=1e-6)
+
+
+def test_a_longer_line_among_shorter_ones_is_a_parameter_of_one_member() -> None:
+    run = hb.simulate(hb.loads(LINES), "2 s", parameters={"line[1].n": 6, "line[2].r": "1 ohm"})
+    assert run["R.f"].at(2.0) == pytest.approx(1 / (12 + 4 + 10), rel=1e-6)

@@ -9,14 +9,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from typing import Any
 
 from hybond.errors import HybondError, ModelError, UnitError
 from hybond.model import fieldless
 from hybond.model.builder import Model
-from hybond.model.expressions import names, parse
+from hybond.model.expressions import Name, names, parse
 from hybond.model.expressions.slots import Slots
 from hybond.model.graph import Bond, FlatGraph, Integral, Node, Storage
 from hybond.model.hierarchy import Opened, Scope, constant, literal, open_model
+from hybond.model.indices import spread
 from hybond.model.junction_laws import check_readers, check_units, law_warnings, open_laws
 from hybond.model.kinds import KINDS, RESISTORS, STORAGES
 from hybond.model.lawbook import law_of, start_of
@@ -131,7 +133,7 @@ def _flatten(
         parameters={k: v.value for k, v in opened.parameters.items()},
         dimensions=dimensions,
         samples=samples,
-        experiment=dict(model.experiment),
+        experiment=_experiment(model, root),
         layout=opened.layout,
         warnings=law_warnings(machines),
         by_path={n.path: n.index for n in nodes},
@@ -144,6 +146,26 @@ def _flatten(
     )
     check_readers(graph)
     return fieldless.checked(graph)
+
+
+def _experiment(model: Model, root: Scope) -> dict[str, Any]:
+    """Return what a run of the model is, with members of arrays one by one in its lists."""
+    found = dict(model.experiment)
+    for key in ("plot", "outputs"):
+        listed = found.get(key)
+        if isinstance(listed, list | tuple) and any("[" in str(name) for name in listed):
+            where = f"experiment.{key}"
+            found[key] = [own for name in listed for own in _listed(str(name), root, where)]
+    return found
+
+
+def _listed(text: str, root: Scope, where: str) -> list[str]:
+    """Return the signals that a text in a list stands for: several only if it is a name."""
+    try:
+        tree = parse(text, where=where) if "[" in text else None
+    except HybondError:
+        return [text]  # refused where it is read
+    return spread(text, root, where) if isinstance(tree, Name) else [text]
 
 
 def _parametric(node: Node, raw: RawNode, resolver: Resolver) -> Parametric:

@@ -160,7 +160,7 @@ class _Parser:
         hint = {
             "=": "compare with <, <=, > or >=; an expression cannot assign",
             '"': 'close the quotes: "contact->v".e',
-            "[": "brackets hold a unit, 9.8 [m/s] or (x) [m/s], or, with no space, an index, c[3].q",
+            "[": "brackets hold a unit, 9.8 [m/s] or (x) [m], or, with no space, an index, c[3].q",
         }.get(found, "write arithmetic, comparisons, and, or, not, if, functions and pre(...)")
         self.fail(f"found {found!r}, which is not part of an expression,", at, hint=hint)
 
