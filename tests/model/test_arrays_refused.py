@@ -139,3 +139,34 @@ def test_hints_know_what_counts_and_what_ranges_read() -> None:
         ("HB-H106", "parameters.unused"),
         ("HB-H108", "inputs.idle[1..n]"),
     ]
+
+
+HOSTILE = 'hybond = 1\n[elements]\na = { junction = 0 }\n"c[1..100]" = { C = 1 }\n'
+BONDS = '[graph]\nbonds = ["a -> c[1..100]"]\n'
+
+
+@pytest.mark.parametrize(
+    ("rest", "code"),
+    [
+        ("[graph]\nbonds = [" + '"a -> c[1..100]", ' * 9 + "]", "HB-F103"),
+        ("[signals]\n" + "".join(f'"s{k}[1..100]" = "1"\n' for k in range(9)), "HB-F103"),
+        ("[ports]\n" + "".join(f'"s{k}[1..100]" = "a"\n' for k in range(9)), "HB-F103"),
+        ('[machines."m[1..9]"]\nstates = { on = ["c[1..100]"] }\nstart = "on"', "HB-F103"),
+        (BONDS + '[signals]\ns = "sum(c[1..99].q) + sum(c[1..99].q)"', "HB-E107"),
+        (BONDS + '[signals]\ns = "sum(c[1..99].q*sum(c[1..99].q))"', "HB-E107"),
+        (BONDS + '[signals]\ns = "sum(c[1..99].q)"', ""),
+    ],
+    ids=["bonds", "signals", "ports", "machines", "sums", "sums of sums", "a sum"],
+)
+def test_a_short_text_cannot_make_more_than_the_limits_say(
+    rest: str, code: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("hybond.model.hierarchy.OPENED", 800)
+    for room in ("indices", "resolve"):
+        monkeypatch.setattr(f"hybond.model.{room}.MAX_NODES", 200)
+    try:
+        hb.loads(HOSTILE + rest).flatten()
+        found = ""
+    except hb.HybondError as error:
+        found = error.code
+    assert found == code

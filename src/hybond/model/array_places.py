@@ -14,6 +14,8 @@ from hybond.model.arrays import base_of
 from hybond.model.indices import one, spread
 from hybond.model.scope import Scope
 
+PLACES = 200_000
+"""Members that get a place."""
 Place = tuple[float, float]
 APART = 2.0
 """Cells from one member of a row to the next, beside what a submodel is wide."""
@@ -47,6 +49,8 @@ def places_of(
     single: dict[str, dict[int, Place]] = {}
     where = "layout"
     for key, (x, y) in layout.items():
+        if len(found) > PLACES:
+            break  # of what nobody sees
         if ".." in key:
             step = APART + width(base_of(key))
             for k, name in enumerate(spread(key, scope, where)):

@@ -38,7 +38,7 @@ from hybond.units import DIMENSIONLESS, try_quantity
 
 _DEPTH = 64
 OPENED = 200_000
-"""Elements of a model whose submodels are opened."""
+"""Elements of a model whose submodels and arrays are opened, with the bonds of its ranges."""
 TOLD = 8
 """Parameters in a circle that a refusal names."""
 _END = re.compile(r"\w+(?:\[\d+\])?(?:\.\w+(?:\[\d+\])?)*\Z")
@@ -175,14 +175,8 @@ def _open(
     places = places_of(model.layout, scope, lambda name: width_of(model, name, known))
     for name, part, own in each(model.elements, scope, "elements", opened.arrays):
         path = join(prefix, name)
-        opened.count += bool(prefix) or own is not scope  # a loop in Python may write more
-        if opened.count > OPENED:
-            raise ModelError(
-                f"more than {OPENED} elements when all submodels and arrays are opened",
-                code="HB-F103",
-                where=prefix,
-                hint="simulate a part of the model",
-            )
+        # a loop in Python may write more
+        _count(opened, bool(prefix) or own is not scope, prefix)
         if isinstance(part, Part):
             opened.nodes[path] = Written(own, part)
             continue
@@ -200,9 +194,11 @@ def _open(
         _connect(part, inner, path, own, opened)
         _put(path, places.get(name), opened.layout)
     for port, target, own in each(model.ports, scope, "ports", opened.arrays):
+        _count(opened, own is not scope, prefix)
         path = join(prefix, port)
         opened.ports[path] = join(prefix, one(target, own, path))
     for name, signal, own in each(model.signals, scope, "signals", opened.arrays):
+        _count(opened, own is not scope, prefix)
         path = join(prefix, name)
         if isinstance(signal, Integral):
             opened.integrals[path] = (own, signal)
@@ -217,14 +213,18 @@ def _open(
         for output, start in block.outputs.items():
             opened.integrals[join(path, output)] = (scope, Integral("0", start))
     for name, given_input, own in each(model.inputs, scope, "inputs", opened.arrays):
+        _count(opened, own is not scope, prefix)
         opened.inputs[join(prefix, name)] = (own, given_input)
     for name, machine, own in each(model.machines, scope, "machines", opened.arrays):
-        opened.machines[join(prefix, name)] = (
-            own,
-            switching(machine, own, f"machines.{join(prefix, name)}"),
-        )
+        path = join(prefix, name)
+        switched = switching(machine, own, f"machines.{path}")
+        if switched is not machine:
+            _count(opened, sum(map(len, switched.states.values())), prefix)
+        opened.machines[path] = (own, switched)
     for k, text in enumerate(model.bonds):
-        opened.bonds.extend(_bonds(text, scope, opened, join(prefix, f"graph.bonds[{k}]")))
+        bonds = _bonds(text, scope, opened, join(prefix, f"graph.bonds[{k}]"))
+        _count(opened, len(bonds) if "[" in text else 0, prefix)
+        opened.bonds.extend(bonds)
     for bond, at in model.pins.items():
         where = join(prefix, "causality.pins")
         bond, at = one(bond, scope, where), one(at, scope, where)
@@ -233,6 +233,18 @@ def _open(
         for name in spread(machine_name, scope, join(prefix, "causality.reference")):
             opened.reference[join(prefix, name)] = state
     opened.layout.update({join(prefix, k): v for k, v in places.items()})
+
+
+def _count(opened: Opened, number: int, prefix: str) -> None:
+    """Note that so many more elements, members and bonds of ranges are opened."""
+    opened.count += number
+    if opened.count > OPENED:
+        raise ModelError(
+            f"more than {OPENED} elements when all submodels and arrays are opened",
+            code="HB-F103",
+            where=prefix,
+            hint="simulate a part of the model",
+        )
 
 
 def _put(path: str, at: tuple[float, float] | None, layout: dict[str, tuple[float, float]]) -> None:

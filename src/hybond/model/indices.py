@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 
-from hybond.errors import ModelError
+from hybond.errors import ExpressionError, ModelError
 from hybond.model.expressions import (
     And,
     Binary,
@@ -24,13 +24,15 @@ from hybond.model.expressions import (
     transform,
 )
 from hybond.model.expressions.slots import settled
-from hybond.model.expressions.tree import GATHER, MOST_ARGUMENTS
+from hybond.model.expressions.tree import GATHER, MOST_ARGUMENTS, extent
 from hybond.model.scope import Scope, constant
 from hybond.names import did_you_mean, join, steps
 from hybond.units import DIMENSIONLESS
 
 MEMBERS = 10_000
 """Members of one array, and bonds of one text."""
+MAX_NODES = 20_000
+"""Values and operators of what gathers members, written out."""
 COUNTED = "how many members an array has is part of what the model is made of"
 INSIDE = re.compile(r"(?<=\w)\[([^\[\]]*)\]")
 """What stands in the brackets behind a name."""
@@ -234,6 +236,13 @@ def _each(arg: Expr, scope: Scope, where: str) -> list[Expr]:
     if not several:
         return [arg]
     rows = together(several, scope, where)
+    if len(rows) * extent(arg)[1] > MAX_NODES:
+        raise ExpressionError(
+            f"with all its members the expression has more than {MAX_NODES} values and operators",
+            code="HB-E107",
+            where=where,
+            hint="gather fewer, or let signals of an array be gathered",
+        )
     return [substitute(arg, {n: Name(own) for n, own in zip(several, row)}) for row in rows]
 
 

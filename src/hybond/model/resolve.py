@@ -38,13 +38,16 @@ from hybond.model.expressions.parse import MAX_NESTING
 from hybond.model.expressions.tree import extent, with_children
 from hybond.model.graph import Bond, Node, Storage, Watch
 from hybond.model.hierarchy import Opened, Scope
-from hybond.model.indices import gathered, gathers, no_member, of_an_array, one
+from hybond.model.indices import MAX_NODES, gathered, gathers, no_member, of_an_array, one
 from hybond.names import did_you_mean, join, port_number
 from hybond.units import Dimension
 
 MAX_LEVELS = 500
-MAX_NODES = 20_000
-"""Levels and nodes of an expression in which signals have been put for their names."""
+"""Levels of an expression in which signals have been put for their names."""
+TOO_MANY = (
+    f"with all that it reads the expression has more than {MAX_NODES} values and operators, "
+    f"or {MAX_LEVELS} in one another"
+)
 _QUOTED = re.compile(r'"([^"]*)"\.([a-z]+)\Z')
 
 
@@ -89,6 +92,7 @@ class Resolver:
         if isinstance(tree, Number):
             return tree
         local = local or {}
+        several: list[int] = []
 
         def visit(e: Expr) -> Expr:
             if isinstance(e, Compare) and e.op in ("==", "!="):
@@ -96,7 +100,11 @@ class Resolver:
             if isinstance(e, Name):
                 return local[e.path] if e.path in local else self.name(e.path, scope, where)
             if isinstance(e, Call) and gathers(e):
-                return visit(gathered(e, scope, where))
+                written = gathered(e, scope, where)
+                several.append(extent(written)[1])
+                if sum(several) > MAX_NODES:
+                    raise _too_long(TOO_MANY, where)
+                return visit(written)
             if isinstance(e, String):
                 raise ModelError(
                     f"the text {e.text!r} stands alone",
@@ -109,8 +117,7 @@ class Resolver:
         whole = visit(tree)
         levels, nodes = extent(whole)
         if levels > MAX_LEVELS or nodes > MAX_NODES:
-            why = f"more than {MAX_NODES} values and operators, or {MAX_LEVELS} in one another"
-            raise _too_long(f"with all that it reads the expression has {why}", where)
+            raise _too_long(TOO_MANY, where)
         return transform(transform(whole, _decided), self._watch)
 
     def _equality(self, e: Compare, scope: Scope, where: str) -> Expr:
