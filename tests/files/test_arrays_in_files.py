@@ -15,6 +15,7 @@ from hybond.export.identifiers import distinct, slot_name, spoken
 from hybond.files.load import from_data
 from hybond.files.schema import json_schema
 from hybond.studio.edits import apply, cut_out
+from hybond.studio.of_runs import numbers_of
 from hybond.studio.problems import place_of
 from hybond.studio.strokes import meaning, strokes
 from hybond.studio.view import view
@@ -154,6 +155,14 @@ def test_the_studio_shows_an_array_as_one_node() -> None:
     assert told["nodes"]["gap[1..n]"] == {"controlled": True, "off": True}
     inside = strokes(known, None, "r[k = 1..n]")
     assert inside["nodes"]["r"]["says"] == "10 ohm"
+    graph = known.graph
+    assert graph is not None
+    shown = {key: graph.bonds[k].name for key, k in numbers_of(known, "").items()}
+    assert shown["0.0"] == "top[0] -> gap[1]"
+    assert shown["0.1"] == "gap[1] -> top[1]"
+    assert shown["1.0"] == "gap[1] -> c[1]"
+    assert set(shown) == set(told["bonds"])
+    assert numbers_of(known, "r[k = 1..n]").keys() == inside["bonds"].keys() != set()
     assert place_of(data, "elements.c[2].C") == {"nodes": ["c[1..n]"]}
 
 

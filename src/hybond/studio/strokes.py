@@ -160,7 +160,7 @@ def strokes(known: Meaning, mode: Mode | None, path: str) -> dict[str, Any]:
         title=False,
     )
     bonds: dict[str, Any] = {}
-    path = _first_member(path, graph)
+    path = first_member(path, graph)
     prefix = join(path, "graph.bonds[")
     for written, arrow in zip(known.bonds, shown.arrows):
         if not written.where.startswith(prefix):
@@ -200,7 +200,7 @@ def strokes(known: Meaning, mode: Mode | None, path: str) -> dict[str, Any]:
     }
 
 
-def _first_member(path: str, graph: FlatGraph) -> str:
+def first_member(path: str, graph: FlatGraph) -> str:
     """Return a path with the first member in place of each array: one is shown for all."""
     if "[" not in path:
         return path
