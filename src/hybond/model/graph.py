@@ -108,6 +108,8 @@ class Bond:
     domain: Domain
     where: str = ""
     """Where it is written: ``graph.bonds[2]``; empty if it is none that was written."""
+    arrow: int = 0
+    """Which arrow of its chain there it is, or is one of the bonds of."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,6 +11,7 @@ from hybond.model.expressions import Compare, Expr, Name, Number, Pre, children,
 from hybond.model.fed_laws import fed_laws
 from hybond.model.graph import Machine, Node, Rule
 from hybond.model.hierarchy import Opened, Scope
+from hybond.model.indices import without_ranges
 from hybond.model.junction_laws import law_of_junction
 from hybond.model.laws import JunctionLaw
 from hybond.model.planar_friction import paired, pairs_of
@@ -156,6 +157,8 @@ def _rule(
                 hint=did_you_mean(name, states),
             )
     tree = parse(match[3], where=where)
+    if "[" in match[3]:
+        tree = without_ranges(tree, scope, where)
     guard = resolver.resolve(tree, scope, where)
     if not is_condition(guard):
         raise ModelError(
