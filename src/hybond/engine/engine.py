@@ -173,6 +173,8 @@ class Engine:
     y: Floats
     states: int
     until: float
+    span: float
+    """What thresholds of time are parts of, s: the same for runs that go on from one another."""
     stop: float
     """Where this stretch of the run ends: at `until`, unless somebody drives it in pieces."""
     sampled_at: float

@@ -24,6 +24,8 @@ TIME: Final = 2
 INPUT: Final = 3
 ACCUMULATION: Final = 4
 SAMPLE: Final = 6
+CHANGE: Final = 7
+"""Parameters or inputs of a run that goes on were set."""
 
 
 @record

@@ -30,6 +30,7 @@ from hybond.engine.planar.descent import (
     step_descent,
 )
 from hybond.engine.planar.stops import arm_slips, begin_slips, follows_slip
+from hybond.engine.run.carried import cause_of_beginning, take_up, warm_up
 from hybond.engine.run.edges import reach_edges, straight_on, time_at_once
 from hybond.engine.run.guard_values import put_on_constraints
 from hybond.engine.run.kinks_passed import (
@@ -49,6 +50,7 @@ from hybond.engine.run.log import (
     report_step,
 )
 from hybond.engine.run.run_records import (
+    FRESH,
     IDLE,
     PAUSED,
     STOPPED,
@@ -86,13 +88,8 @@ def run_to_end(e: Engine, r: Run) -> int:
     status = OK
     if not r.begun:
         r.begun = True
-        begin(e)
-        e.samples_end = e.until
-        interval_after(e, 0.0)
-        status = settle_now(e, r, START)
-        if status == OK:
-            status = rest_now(e, r)
-    while status == OK and (e.t < e.until or r.flowing):
+        status = begin_now(e, r)
+    while status == OK and (e.t < e.until or r.flowing) and not is_over(e):
         cause = flow(e, r)
         if cause < 0:
             return REFUSED
@@ -111,6 +108,24 @@ def run_to_end(e: Engine, r: Run) -> int:
             look_at_laws(e)
         report_end(e, r.report)
     return status
+
+
+def begin_now(e: Engine, r: Run) -> int:
+    """Begin as the model says, or as was put in, and settle the first instant."""
+    if r.way == FRESH:
+        begin(e)
+    e.samples_end = e.until
+    interval_after(e, e.t)
+    if r.way != FRESH and take_up(e, r) != OK:
+        return REFUSED
+    status = settle_now(e, r, cause_of_beginning(e, r))
+    return rest_now(e, r) if status == OK else status
+
+
+def is_over(e: Engine) -> bool:
+    """Whether the machine has fired that ends the run."""
+    m = e.model
+    return m.ends >= 0 and e.state[m.ends] != m.start[m.ends]
 
 
 def settle_now(e: Engine, r: Run, cause: int) -> int:
@@ -146,7 +161,7 @@ def settle_now(e: Engine, r: Run, cause: int) -> int:
     else:
         r.idle_at[r.idle % (IDLE + 1)] = e.t
         r.idle += 1
-        if r.idle > IDLE and e.t - r.idle_at[r.idle % (IDLE + 1)] <= MOMENT * e.until:
+        if r.idle > IDLE and e.t - r.idle_at[r.idle % (IDLE + 1)] <= MOMENT * e.span:
             why = "a guard holds again and again, and nothing changes"
             if e.model.tells != 0:
                 return in_vain(e, why)
@@ -285,7 +300,11 @@ def begin_flow(e: Engine, r: Run) -> int:
     if e.slide.k == 0:
         start_scale(e, e.mode)
     r.beyond = 0.0
-    return start(e, e.t, e.y, min(e.next_break, e.stop), True)
+    if start(e, e.t, e.y, min(e.next_break, e.stop), True) != OK:
+        return REFUSED
+    if r.warm:
+        warm_up(e, r)
+    return OK
 
 
 def follow(e: Engine) -> int:

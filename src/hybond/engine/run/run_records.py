@@ -19,6 +19,12 @@ STOPPED: Final = 5
 """Why a motion ended: its stretch did, and nothing happened."""
 PAUSED: Final = 7
 """Likewise: a run in slices has had the steps of this one."""
+FRESH: Final = 0
+"""How a run begins: as the model says, from a state that is given, or from where another ended,
+with something changed or with nothing."""
+GIVEN: Final = 1
+CHANGED: Final = 2
+GOES_ON: Final = 3
 
 
 @record
@@ -51,6 +57,15 @@ class Run:
     beside: Floats
     """Rates on both sides of a kink."""
     begun: bool
+    way: int
+    """How it begins: FRESH, GIVEN, CHANGED or GOES_ON."""
+    remembers: bool
+    """Whether it goes on with what another run has seen."""
+    warm: bool
+    """Whether steps are to go on as long as they were: `warm_h`, with the error before."""
+    warm_h: float
+    warm_error: float
+    warm_implicit: bool
     flowing: bool
     """Whether time passes in a mode: a run in slices was paused there."""
     beyond: float
@@ -93,6 +108,7 @@ def begin(e: Engine) -> None:
     m = e.model
     e.until = m.until
     e.stop = m.until
+    e.span = m.span
     e.t = 0.0
     for k in range(m.storages):
         e.y[k] = m.storage_start[k]

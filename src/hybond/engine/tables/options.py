@@ -26,6 +26,7 @@ from hybond.run_options import (
     seconds_of,
     sliding_of,
     solver_of,
+    span_of,
     stepping_step,
     stepping_theta,
     tolerances_of,
@@ -54,6 +55,8 @@ class Settings:
     """What a run is asked for."""
 
     until: float
+    span: float
+    """What thresholds of time are parts of, s: see `run_options.span_of`."""
     solver: str
     """One of `METHODS`."""
     step: float | None
@@ -78,6 +81,7 @@ class Settings:
         impact, exponent = (STEPPING_IMPACT, 1.0) if self.solver in STEPPING else self.impact
         return {
             "until": self.until,
+            "span": self.span,
             "points": 1,
             "rtol": self.rtol,
             "atol": math.nan if self.atol is None else self.atol,
@@ -138,6 +142,7 @@ def settings_of(
     choice, band = sliding_of(sliding, hysteresis, experiment)
     settings = Settings(
         until=end,
+        span=span_of(experiment, end),
         solver=name,
         step=None,
         rtol=rtol,

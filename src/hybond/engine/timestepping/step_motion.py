@@ -155,7 +155,7 @@ def warn_of_shares(e: Engine, s: Stepping) -> None:
 def guard_fires(e: Engine, s: Stepping) -> bool:
     """Whether a guard of a machine written by hand holds at the end of a step, in `e.shown`."""
     m = e.model
-    if not s.hand:
+    if not s.hand and m.ends < 0:
         return False
     fires = False
     for k in range(m.machines):
@@ -203,7 +203,10 @@ def settle_in_steps(e: Engine, r: Run, cause: int) -> int:
         for k in range(m.blocks):
             for j in range(m.block_set[k], m.block_set[k + 1]):
                 e.y[m.storages + m.block_signal[j]] = r.settling.s[m.block_signal[j]]
-        if m.tells != 0:
+        if cause == GUARD and m.ends >= 0:
+            # the laws have no say in what ends the run
+            e.state[m.ends] = m.rule_target[m.rule_first[m.ends]]
+        elif m.tells != 0:
             begin_warning(e.warned, NEXT_DECIDES, e.t)
         s.begins = True
         return steady_bonds(e, s)
