@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from hybond.blocks.runners import Runner
 from hybond.engine.compiled.refusal import Refusal
 from hybond.engine.compiled.sliced import ACCUMULATES, REFUSED
+from hybond.engine.outcome.beginnings import Beginning
 from hybond.engine.outcome.engines import Prepared
 from hybond.engine.outcome.faults import Fault, error_of
 from hybond.engine.outcome.journal import Journal
@@ -53,15 +54,22 @@ class EngineRun:
         keep: int | None = None,
         journal: Journal | None = None,
         runners: Mapping[str, Runner] | None = None,
+        begin: Beginning | None = None,
+        until: float | None = None,
     ) -> None:
         self.tables = model.tables
         self.trace = Trace()
-        self.records = Records(model.tables, self.trace)
+        self.records = Records(model.tables, self.trace, begin)
         self.progress = progress
         self.keep = keep
         self.journal = journal
         self._slice = FIRST
         self._run = model.run(runners)
+        if begin is not None:
+            end = float(model.tables.numbers["until"]) if until is None else until
+            self._run.begin_from(
+                begin.number, begin.place, way=begin.way, until=end, deep=begin.deep
+            )
         self.trace.signals = Signals(model, self.trace)
 
     def run(self) -> str:

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.engine.compiled.rows import MACHINES_OF_INSTANT, MACHINES_OF_STEP, Rows
+from hybond.engine.outcome.beginnings import Beginning
 from hybond.engine.outcome.combinations import (
     ALONE,
     Combination,
@@ -42,6 +43,8 @@ CAUSES: dict[int, Cause] = {
     4: "accumulation",
     5: "step",
     6: "sample",
+    7: "change",
+    8: "until",
 }
 BROKEN = 16
 """What the cause of an instant is more than it was, if it could not be settled."""
@@ -192,8 +195,11 @@ class Instants:
 class Records:
     """Turns the rows of one run into its trace."""
 
-    def __init__(self, tables: ModelTables, trace: Trace) -> None:
+    def __init__(
+        self, tables: ModelTables, trace: Trace, begin: Beginning | None = None
+    ) -> None:
         self.graph = tables.graph
+        self.begin = begin
         self.trace = trace
         self.explain = Explaining(tables)
         self.warnings = Warnings(self.graph, self.explain, tables.ints["element_node"])
@@ -201,7 +207,7 @@ class Records:
         self.broken: tuple[Instants, int] | None = None
         """An instant that could not be settled."""
         self.mode: Mode = self.graph.start_mode
-        self.t = 0.0
+        self.t = 0.0 if begin is None else begin.t
         self.steps = 0
         self.in_steps = False
         """Whether these are the records of time-stepping."""
@@ -239,6 +245,8 @@ class Records:
                 rows.step_place,
                 points,
             )
+            if self.begin is not None and float(new.time[0, 0]) < self.begin.t:
+                begin_later(new, self.begin.t)
             self._add_steps(new)
         return found
 
@@ -367,7 +375,7 @@ class Records:
         cause = CAUSES[int(rows.instant_place[k, 0])]
         if cause == "start":
             # the row begins with what was settled
-            before = np.array(start_of(self.graph))
+            before = np.array(start_of(self.graph) if self.begin is None else self.begin.state)
         return Event(
             t,
             cause,
@@ -436,6 +444,22 @@ class Records:
                     f"in mode ({self.graph.mode_text(mode)}) the equations leave "
                     f"{', '.join(names)} open; least leakage decides"
                 )
+
+
+def begin_later(steps: Steps, t: float) -> None:
+    """Let the first step begin at a time within it: its polynomial is that of what is left."""
+    t0, t1 = steps.time[0, :2].tolist()
+    first = (t - t0) / (t1 - t0)
+    left = 1.0 - first
+    c = np.vstack([steps.state[0, 0], steps.dense[0]])
+    powers = range(len(c))
+    moved = [
+        left**k * sum(math.comb(j, k) * first ** (j - k) * c[j] for j in powers if j >= k)
+        for k in powers
+    ]
+    steps.time[0, 0] = t
+    steps.state[0, 0] = moved[0]
+    steps.dense[0] = moved[1:]
 
 
 def _first(counts: NDArray[np.intc]) -> NDArray[np.intp]:

@@ -8,7 +8,6 @@ anew from these, as equations of modes, is found anew.
 
 from __future__ import annotations
 
-import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import Block, Places, grow_block, grow_places
@@ -20,13 +19,17 @@ from hybond.engine.inputs.interval import is_due
 from hybond.engine.instant.instant import CHANGE, SAMPLE, START, TIME
 from hybond.engine.instant.trial import a_priori
 from hybond.engine.methods.flow_records import AUTO
+from hybond.engine.methods.stepping import by_radau
 from hybond.engine.methods.stiffness import turn
 from hybond.engine.run.run_records import FRESH, GIVEN, GOES_ON, Run
 from hybond.engine.sliding.branches import choose_anew
+from hybond.engine.timestepping.step_records import MOREAU
 from hybond.engine.words import Floats, Ints, record
 
-OWN_FLOATS: Final = 5
-OWN_INTS: Final = 6
+OWN_FLOATS: Final = 3
+OWN_INTS: Final = 1
+STEP_FLOATS: Final = 5
+STEP_INTS: Final = 6
 
 
 @record
@@ -112,7 +115,6 @@ def carry_memory(e: Engine, r: Run, c: Carrier) -> None:
     g = e.landings
     many = machines_carried(e)
     carry_floats(c, e.states, e.largest_state)
-    carry_floats(c, m.storages, e.rounding)
     carry_floats(c, m.classes, e.largest)
     carry_floats(c, m.classes, e.checks.largest)
     if m.laws > 0:
@@ -133,11 +135,11 @@ def carry_memory(e: Engine, r: Run, c: Carrier) -> None:
     carry_ints(c, m.reactions, g.sign)
     carry_ints(c, m.storages, g.held)
     carry_own(e, r, c)
+    carry_step(e, r, c)
 
 
 def carry_own(e: Engine, r: Run, c: Carrier) -> None:
-    """Carry single numbers, those of the method last: it takes them when it has begun."""
-    s = e.step
+    """Carry single numbers."""
     own = c.floats
     places = c.ints
     grow_block(c.number, own + OWN_FLOATS)
@@ -148,27 +150,51 @@ def carry_own(e: Engine, r: Run, c: Carrier) -> None:
         e.energy = c.number.at[own]
         e.scale_energy = c.number.at[own + 1]
         e.sampled_at = c.number.at[own + 2]
-        r.warm = True
-        r.warm_h = c.number.at[own + 3]
-        r.warm_error = c.number.at[own + 4]
         e.landings.events = c.place.at[places]
+        return
+    c.number.at[own] = e.energy
+    c.number.at[own + 1] = e.scale_energy
+    c.number.at[own + 2] = e.sampled_at
+    c.place.at[places] = e.landings.events
+
+
+def carry_step(e: Engine, r: Run, c: Carrier) -> None:
+    """Carry the step that the end of the run has cut short, if it was one, and how it began."""
+    s = e.step
+    own = c.floats
+    places = c.ints
+    grow_block(c.number, own + STEP_FLOATS)
+    grow_places(c.place, places + STEP_INTS)
+    c.floats += STEP_FLOATS
+    c.ints += STEP_INTS
+    if c.puts:
+        r.warm_t = c.number.at[own]
+        r.warm_h = c.number.at[own + 1]
+        r.warm_error = c.number.at[own + 2]
+        r.warm_grid = c.number.at[own + 3]
+        r.warm_next = c.number.at[own + 4]
+        r.warm = c.place.at[places] != 0
         r.warm_implicit = c.place.at[places + 1] != 0
         s.bound = c.place.at[places + 2]
         s.free = c.place.at[places + 3]
         s.long_bound = c.place.at[places + 4]
         s.long_free = c.place.at[places + 5]
+        carry_floats(c, e.states, r.warm_y)
+        carry_floats(c, e.model.storages, r.warm_rounding)
         return
-    c.number.at[own] = e.energy
-    c.number.at[own + 1] = e.scale_energy
-    c.number.at[own + 2] = e.sampled_at
-    c.number.at[own + 3] = s.h
-    c.number.at[own + 4] = s.error_before
-    c.place.at[places] = e.landings.events
+    c.number.at[own] = s.t0
+    c.number.at[own + 1] = s.h_asked
+    c.number.at[own + 2] = s.error_asked
+    c.number.at[own + 3] = s.grid
+    c.number.at[own + 4] = s.grid_asked
+    c.place.at[places] = 1 if r.cut else 0
     c.place.at[places + 1] = 1 if s.implicit else 0
     c.place.at[places + 2] = s.bound
     c.place.at[places + 3] = s.free
     c.place.at[places + 4] = s.long_bound
     c.place.at[places + 5] = s.long_free
+    carry_floats(c, e.states, s.y0)
+    carry_floats(c, e.model.storages, e.rounding)
 
 
 def take_out(e: Engine, r: Run, c: Carrier) -> None:
@@ -195,6 +221,7 @@ def take_over(e: Engine, r: Run, c: Carrier, way: int, until: float, deep: bool)
     if deep:
         carry_memory(e, r, c)
     r.remembers = deep
+    r.resumed = e.t
 
 
 def cause_of_beginning(e: Engine, r: Run) -> int:
@@ -219,7 +246,7 @@ def take_up(e: Engine, r: Run) -> int:
     for k in range(m.machines):
         e.landed[k] = 1 if g.landed[k] >= 0 else 0
         g.any_landed = g.any_landed or g.landed[k] >= 0
-    if r.warm and m.method == AUTO and r.warm_implicit != e.step.implicit:
+    if m.method == AUTO and r.warm_implicit != e.step.implicit:
         turn(e)
     if not g.any_landed or r.remembers:
         return OK
@@ -246,9 +273,23 @@ def know_signs(e: Engine, contact: int) -> None:
         e.landings.sign[j] = 0 if force == 0.0 else (1 if force > 0.0 else -1)
 
 
+def begin_again(e: Engine, r: Run) -> bool:
+    """Go back to where the step began that the end of the run before has cut short, if one was."""
+    if not r.warm or r.way != GOES_ON or by_radau(e) or e.model.method >= MOREAU:
+        r.warm = False
+        return False
+    e.t = r.warm_t
+    for k in range(e.states):
+        e.y[k] = r.warm_y[k]
+    return True
+
+
 def warm_up(e: Engine, r: Run) -> None:
-    """Let steps go on as long as they were where the run was taken up."""
+    """Let the step be what it would have been if the end of the run had not cut it short."""
     r.warm = False
-    if r.warm_h > 0.0 and math.isfinite(r.warm_h):
-        e.step.h = r.warm_h
-        e.step.error_before = r.warm_error
+    e.step.h = r.warm_h
+    e.step.error_before = r.warm_error
+    e.step.grid = r.warm_grid
+    e.step.grid_next = r.warm_next
+    for k in range(e.model.storages):
+        e.rounding[k] = r.warm_rounding[k]

@@ -30,7 +30,7 @@ from hybond.engine.planar.descent import (
     step_descent,
 )
 from hybond.engine.planar.stops import arm_slips, begin_slips, follows_slip
-from hybond.engine.run.carried import cause_of_beginning, take_up, warm_up
+from hybond.engine.run.carried import begin_again, cause_of_beginning, take_up, warm_up
 from hybond.engine.run.edges import reach_edges, straight_on, time_at_once
 from hybond.engine.run.guard_values import put_on_constraints
 from hybond.engine.run.kinks_passed import (
@@ -153,6 +153,7 @@ def settle_now(e: Engine, r: Run, cause: int) -> int:
         return REFUSED
     report_slide(e, r.report)
     if i.steps > 0:
+        r.cut = False
         r.events += 1
         report_event(e, r.report, i)
     if settled or cause != GUARD:
@@ -184,6 +185,7 @@ def rest_now(e: Engine, r: Run) -> int:
         if landed < 0:
             return REFUSED
         if landed > 0:
+            r.cut = False
             r.events += 1
             report_event(e, r.report, r.instant)
     return OK
@@ -198,8 +200,13 @@ def flow(e: Engine, r: Run) -> int:
     if m.method == MOREAU:
         return flow_in_steps(e, r)
     g = r.locator
-    if not r.flowing and begin_flow(e, r) != OK:
-        return -1
+    r.cut = False
+    if not r.flowing:
+        again = begin_again(e, r)
+        if begin_flow(e, r) != OK:
+            return -1
+        if again:
+            warm_up(e, r)
     r.flowing = False
     end = min(e.next_break, e.stop)
     instant = room_of_instant(e, e.t)
@@ -259,6 +266,7 @@ def flow(e: Engine, r: Run) -> int:
                 foresee(e, e.t)
                 if e.next_break <= end:
                     return timed_cause(e)
+                r.cut = True
                 return GUARD if end >= e.until else STOPPED
             g.asleep = max(g.asleep - 1, 0)
             if e.checks.looked == e.t:
@@ -271,7 +279,7 @@ def flow(e: Engine, r: Run) -> int:
                 return -1
             if count_kink(e, r) != OK:
                 return -1
-            if start(e, e.t, e.y, min(e.next_break, e.stop), True) != OK:
+            if start(e, e.t, e.y, bound_of(e), True) != OK:
                 return -1
             continue
         if note(e, r, at, at) != OK:
@@ -300,11 +308,15 @@ def begin_flow(e: Engine, r: Run) -> int:
     if e.slide.k == 0:
         start_scale(e, e.mode)
     r.beyond = 0.0
-    if start(e, e.t, e.y, min(e.next_break, e.stop), True) != OK:
-        return REFUSED
-    if r.warm:
-        warm_up(e, r)
-    return OK
+    return start(e, e.t, e.y, bound_of(e), True)
+
+
+def bound_of(e: Engine) -> float:
+    """Return up to when a motion may go on: what its first step is chosen by.
+
+    A run that is made in parts has the same first steps as in one.
+    """
+    return min(e.next_break, max(e.stop, e.span))
 
 
 def follow(e: Engine) -> int:
@@ -341,7 +353,7 @@ def go_from_edge(e: Engine, r: Run) -> int:
     if straight_on(e, r) and note(e, r, e.step.t1, e.step.t1) != OK:
         return REFUSED
     r.edge_at = e.t
-    return start(e, e.t, e.y, min(e.next_break, e.stop), True)
+    return start(e, e.t, e.y, bound_of(e), True)
 
 
 def find_within(e: Engine, g: Locator) -> int:
@@ -457,7 +469,8 @@ def note(e: Engine, r: Run, t: float, shown: float) -> int:
     if m.disks > 0:
         arm_slips(e, t, e.y)
     e.t = t
-    report_step(e, r.report)
+    if t > r.resumed:
+        report_step(e, r.report)
     look_now_and_then(e)
     if limits_vary(m) and look_at_limits(e) != OK:
         return REFUSED

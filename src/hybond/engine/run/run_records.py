@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Final
 
 from hybond.engine.engine import OK, Engine, say_fault
@@ -61,11 +62,21 @@ class Run:
     """How it begins: FRESH, GIVEN, CHANGED or GOES_ON."""
     remembers: bool
     """Whether it goes on with what another run has seen."""
+    cut: bool
+    """Whether the last step was ended by the end of the run alone: time would have gone on."""
     warm: bool
-    """Whether steps are to go on as long as they were: `warm_h`, with the error before."""
+    """Whether the run goes on with such a step, which it takes once more, in full."""
+    warm_t: float
+    """When it began, the state there, and what it began with."""
+    warm_y: Floats
+    warm_rounding: Floats
     warm_h: float
     warm_error: float
+    warm_grid: float
+    warm_next: float
     warm_implicit: bool
+    resumed: float
+    """When the run went on: what was before is not reported."""
     flowing: bool
     """Whether time passes in a mode: a run in slices was paused there."""
     beyond: float
@@ -99,6 +110,9 @@ def make_run(e: Engine, report: Report) -> Run:
     r.nap = 1
     r.edge_at = -1.0
     r.edge_from = floats(e.states)
+    r.warm_y = floats(e.states)
+    r.warm_rounding = floats(e.model.storages)
+    r.resumed = -math.inf
     r.slice = -1
     return r
 
