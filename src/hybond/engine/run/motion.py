@@ -14,7 +14,7 @@ from hybond.engine.contacts.impacts_seen import before_event, observe_event
 from hybond.engine.contacts.landing import keep_still, land_contacts, stuck
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.inputs.interval import interval_after
-from hybond.engine.instant.instant import GUARD, START, begin_instant
+from hybond.engine.instant.instant import GUARD, START, TIME, begin_instant
 from hybond.engine.instant.settle import settle
 from hybond.engine.laws.laws import check_limits, limits_vary, observe
 from hybond.engine.methods.one_instant import room_of_instant
@@ -65,6 +65,7 @@ from hybond.engine.run.together import (
     is_kink_alone,
     last_of_instant,
 )
+from hybond.engine.sliding.branches import know_around
 from hybond.engine.sliding.combine import combine_here
 from hybond.engine.sliding.onto import onto_surfaces
 from hybond.engine.sliding.sliding import slide_after
@@ -118,7 +119,14 @@ def begin_now(e: Engine, r: Run) -> int:
     interval_after(e, e.t)
     if r.way != FRESH and take_up(e, r) != OK:
         return REFUSED
-    status = settle_now(e, r, cause_of_beginning(e, r))
+    cause = cause_of_beginning(e, r)
+    if cause == TIME:
+        # what was settled there is not settled again
+        if e.slide.many > 0:
+            know_around(e, e.state)
+        report_slide(e, r.report)
+        return OK
+    status = settle_now(e, r, cause)
     return rest_now(e, r) if status == OK else status
 
 
@@ -237,6 +245,7 @@ def flow(e: Engine, r: Run) -> int:
                 continue
             return -1
         at = g.at
+        near = at < math.inf
         if at < math.inf:
             if m.kinks > 0:
                 see_jump(e, r, at)
@@ -258,6 +267,7 @@ def flow(e: Engine, r: Run) -> int:
             if shown >= end and shown - e.step.t0 >= instant:
                 # what crosses its bound just after a timed event does so with it
                 shown = last_of_instant(e, g, shown, shown + instant)
+                near = near or shown != e.step.t1
                 if g.failed:
                     return -1
             if note(e, r, e.step.t1, shown) != OK:
@@ -266,8 +276,8 @@ def flow(e: Engine, r: Run) -> int:
                 foresee(e, e.t)
                 if e.next_break <= end:
                     return timed_cause(e)
-                r.cut = True
-                return GUARD if end >= e.until else STOPPED
+                r.cut = not near
+                return GUARD if near else STOPPED
             g.asleep = max(g.asleep - 1, 0)
             if e.checks.looked == e.t:
                 look_at_guards(e)
