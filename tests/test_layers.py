@@ -22,7 +22,7 @@ LAYERS = [
     ["library"],
     ["causality", "hints"],
     ["equations", "switching"],
-    ["progress", "run_options", "trace", "translate"],
+    ["progress", "run_ends", "run_options", "states", "trace", "translate"],
     ["engine"],
     ["report"],
     ["simulation", "result"],

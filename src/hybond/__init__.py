@@ -54,6 +54,7 @@ if TYPE_CHECKING:
     from hybond.model.parts import InputPart as Input
     from hybond.result import Result, Signal
     from hybond.simulation import simulate
+    from hybond.states import State, load_state
     from hybond.sweep.collection import Ensemble
     from hybond.sweep.ensemble import ensemble
 
@@ -98,6 +99,7 @@ _HOME = {
     "restitution": "hybond.analysis.restitution.restitution",
     "structure": "hybond.analysis.structure.structure",
     "simulate": "hybond.simulation",
+    **dict.fromkeys(("State", "load_state"), "hybond.states"),
     "state_equations": "hybond.equations.derive",
     **dict.fromkeys(("StateSpace", "state_space"), "hybond.export.linear.state_space"),
 }

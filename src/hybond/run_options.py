@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from numbers import Real
 from typing import Any, Literal
 
@@ -111,8 +111,10 @@ def is_condition(until: Any) -> bool:
     return isinstance(until, str) and _CONDITION.search(until) is not None
 
 
-def end_of(until: float | str | None, experiment: Mapping[str, Any]) -> float:
-    """Return when a run ends, s: as asked for, or as the experiment says.
+def end_of(
+    until: float | str | Sequence[float | str] | None, experiment: Mapping[str, Any]
+) -> float:
+    """Return when a run ends at the latest, s: as asked for, or as the experiment says.
 
     Raises
     ------
@@ -124,7 +126,8 @@ def end_of(until: float | str | None, experiment: Mapping[str, Any]) -> float:
     >>> end_of(None, {"until": "50 ms"})
     0.05
     """
-    end = seconds_of(until if until is not None else experiment.get("until"), "until")
+    given = time_in(until)
+    end = seconds_of(given if given is not None else time_in(experiment.get("until")), "until")
     if end is None or not 0.0 < end < math.inf:
         raise UsageError(
             "the run has no end time" if end is None else f"until = {end:g} s",

@@ -272,6 +272,12 @@ class Trace:
     """What tells signals, powers and energies; the engine sets it."""
     energy: float = 0.0
     """The largest energy seen, J: what rounding of stored quantities is measured by."""
+    begin: float = 0.0
+    """When the run began, s."""
+    ended_by: str = ""
+    """The condition that ended it, as written, if one did."""
+    carried: tuple[Vector, NDArray[np.intc]] | None = None
+    """What a run that goes on from its end is handed; the engine takes it."""
 
     def warn(self, text: str) -> None:
         """Note a warning once."""

@@ -44,6 +44,12 @@ class EngineRun:
     ----------
     runners : mapping
         What runs each block, by its path.
+    begin : Beginning
+        Where it begins, if not where the model says.
+    until : float
+        When it ends, s, if before the time that its tables have.
+    shown : Prepared
+        The model without the machine that ends the run.
     """
 
     def __init__(
@@ -56,9 +62,12 @@ class EngineRun:
         runners: Mapping[str, Runner] | None = None,
         begin: Beginning | None = None,
         until: float | None = None,
+        shown: Prepared | None = None,
     ) -> None:
         self.tables = model.tables
         self.trace = Trace()
+        if begin is not None:
+            self.trace.begin = begin.t
         self.records = Records(model.tables, self.trace, begin)
         self.progress = progress
         self.keep = keep
@@ -70,7 +79,7 @@ class EngineRun:
             self._run.begin_from(
                 begin.number, begin.place, way=begin.way, until=end, deep=begin.deep
             )
-        self.trace.signals = Signals(model, self.trace)
+        self.trace.signals = Signals(shown or model, self.trace)
 
     def run(self) -> str:
         """Run to the end; return ``"ok"`` or ``"accumulation"``.
@@ -93,6 +102,10 @@ class EngineRun:
                 self.journal.close()
         if self._run.status == REFUSED:
             raise self._error()
+        self.trace.carried = self._run.carried()
+        ends = self.tables.graph.ends
+        if ends >= 0 and self._run.mode[ends] != 0:
+            self.trace.ended_by = self.tables.graph.machines[ends].states[self._run.mode[ends]]
         if self._run.status == ACCUMULATES:
             self._note_stuck()
             return "accumulation"
@@ -233,7 +246,7 @@ def _write(journal: Journal, found: Instants) -> None:
     for k, t in enumerate(rows.instant_time[:, 0].tolist()):
         cause = CAUSES.get(int(rows.instant_place[k, 0]))
         if cause is not None:
-            mode = tuple(found.states[k].tolist())
+            mode = tuple(found.states[k].tolist())[: len(journal.graph.machines)]
             journal.row(t, cause, mode, rows.instant_state[k, 1].tolist())
 
 

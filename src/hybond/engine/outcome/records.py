@@ -199,6 +199,9 @@ class Records:
         self, tables: ModelTables, trace: Trace, begin: Beginning | None = None
     ) -> None:
         self.graph = tables.graph
+        ends = self.graph.ends
+        self.many = ends if ends >= 0 else len(self.graph.machines)
+        """Machines that are shown: not the one that is there to end the run."""
         self.begin = begin
         self.trace = trace
         self.explain = Explaining(tables)
@@ -222,7 +225,7 @@ class Records:
     def add(self, rows: Rows) -> Instants | None:
         """Add the rows of a slice; return its instants, if there are any."""
         for t, combination in combinations(rows, len(self.graph.machines)):
-            self._note_slide(t, combination)
+            self._note_slide(t, combination.of(self.many))
         found = Instants(rows, self.mode) if len(rows.instant_time) else None
         if found is not None:
             self._add_instants(found)
@@ -242,7 +245,7 @@ class Records:
                 rows.step_until,
                 rows.step_state,
                 rows.step_dense,
-                rows.step_place,
+                self._places(rows.step_place),
                 points,
             )
             if self.begin is not None and float(new.time[0, 0]) < self.begin.t:
@@ -270,6 +273,13 @@ class Records:
             self.trace.segments.cut(over)
 
     # -- motion
+
+    def _places(self, place: NDArray[np.intc]) -> NDArray[np.intc]:
+        """Return places of steps, of the machines that are shown."""
+        if self.graph.ends < 0:
+            return place
+        last = MACHINES_OF_STEP + self.graph.ends
+        return np.ascontiguousarray(np.delete(place, [last, place.shape[1] - 1], axis=1))
 
     def _points(self, rows: Rows) -> Points:
         """Return what time-stepping tells besides; energies are those from the beginning on."""
@@ -311,11 +321,10 @@ class Records:
     def _segment(
         self, steps: Steps, first: int, last: int, which: tuple[Combination, int | None]
     ) -> Segment:
-        machines = len(self.graph.machines)
+        machines = self.many
         place = steps.place[first, MACHINES_OF_STEP:].tolist()
-        landed = tuple(
-            m.path for m, k in zip(self.graph.machines, place[machines:], strict=True) if k
-        )
+        shown = self.graph.machines[:machines]
+        landed = tuple(m.path for m, k in zip(shown, place[machines:], strict=True) if k)
         t0 = float(steps.time[first, 0])
         if steps.points is not None:
             return self._stepped(steps, first, last, tuple(place[:machines]))
@@ -372,14 +381,19 @@ class Records:
         rows = found.rows
         t = float(rows.instant_time[k, 0])
         before, after = rows.instant_state[k]
-        cause = CAUSES[int(rows.instant_place[k, 0])]
+        cause: Cause = CAUSES[int(rows.instant_place[k, 0])]
         if cause == "start":
             # the row begins with what was settled
             before = np.array(start_of(self.graph) if self.begin is None else self.begin.state)
+        steps = self.explain.steps(found, k)
+        ends = self.graph.ends
+        if ends >= 0:
+            steps = tuple(replace(step, mode=step.mode[:ends]) for step in steps)
+            cause = "until" if found.states[k][ends] != 0 else cause
         return Event(
             t,
             cause,
-            self.explain.steps(found, k),
+            steps,
             before,
             after,
             tuple(

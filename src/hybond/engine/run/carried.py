@@ -8,6 +8,7 @@ anew from these, as equations of modes, is found anew.
 
 from __future__ import annotations
 
+import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import Block, Places, grow_block, grow_places
@@ -28,7 +29,7 @@ from hybond.engine.words import Floats, Ints, record
 
 OWN_FLOATS: Final = 3
 OWN_INTS: Final = 1
-STEP_FLOATS: Final = 5
+STEP_FLOATS: Final = 7
 STEP_INTS: Final = 6
 
 
@@ -173,7 +174,10 @@ def carry_step(e: Engine, r: Run, c: Carrier) -> None:
         r.warm_error = c.number.at[own + 2]
         r.warm_grid = c.number.at[own + 3]
         r.warm_next = c.number.at[own + 4]
-        r.warm = c.place.at[places] != 0
+        # by another method, or with other steps, it would not be the same one
+        same = c.number.at[own + 5] == float(e.model.method) and c.number.at[own + 6] == e.model.step
+        sound = r.warm_t < e.t and r.warm_h > 0.0 and r.warm_h < math.inf
+        r.warm = same and sound and c.place.at[places] != 0
         r.warm_implicit = c.place.at[places + 1] != 0
         s.bound = c.place.at[places + 2]
         s.free = c.place.at[places + 3]
@@ -187,6 +191,8 @@ def carry_step(e: Engine, r: Run, c: Carrier) -> None:
     c.number.at[own + 2] = s.error_asked
     c.number.at[own + 3] = s.grid
     c.number.at[own + 4] = s.grid_asked
+    c.number.at[own + 5] = float(e.model.method)
+    c.number.at[own + 6] = e.model.step
     c.place.at[places] = 1 if r.cut else 0
     c.place.at[places + 1] = 1 if s.implicit else 0
     c.place.at[places + 2] = s.bound
@@ -241,6 +247,8 @@ def take_up(e: Engine, r: Run) -> int:
     """Know again what is at rest, and how the method went on, before a first instant is settled."""
     m = e.model
     g = e.landings
+    if m.slides == 0:
+        e.slide.many = 0
     if e.slide.many > 0:
         choose_anew(e)
     for k in range(m.machines):

@@ -120,7 +120,7 @@ def begin_now(e: Engine, r: Run) -> int:
     if r.way != FRESH and take_up(e, r) != OK:
         return REFUSED
     cause = cause_of_beginning(e, r)
-    if cause == TIME:
+    if cause == TIME and e.model.method != MOREAU:
         # what was settled there is not settled again
         if e.slide.many > 0:
             know_around(e, e.state)

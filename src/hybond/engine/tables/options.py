@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -12,6 +12,7 @@ from hybond.engine.tables.bands import banded
 from hybond.errors import UsageError
 from hybond.model.expressions import Expr, Name
 from hybond.model.graph import FlatGraph
+from hybond.run_ends import ends_of
 from hybond.run_options import (
     ALIASES,
     DEFAULT,
@@ -102,7 +103,7 @@ class Settings:
 
 def settings_of(
     experiment: Mapping[str, Any],
-    until: float | str | None = None,
+    until: float | str | Sequence[float | str] | None = None,
     *,
     solver: str | None = None,
     rtol: float | None = None,
@@ -207,6 +208,14 @@ def options_of(graph: FlatGraph, given: Mapping[str, Any]) -> Options:
             hint="one or more: the rows beside those of events",
         )
     own = {name: value for name, value in given.items() if name != "points"}
+    conditions = ends_of(own.get("until"), experiment).conditions
+    if conditions:
+        raise UsageError(
+            f"an export does not end where {conditions[0]!r} holds",
+            code="HB-E641",
+            where="until",
+            hint='give a time alone: until="10 s"',
+        )
     settings, band = settings_of(experiment, **own)
     if band is not None:
         graph = banded(graph, band)
