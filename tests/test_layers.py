@@ -25,7 +25,7 @@ LAYERS = [
     ["progress", "run_ends", "run_options", "states", "trace", "translate"],
     ["engine"],
     ["report"],
-    ["simulation", "result"],
+    ["script", "script_steps", "simulation", "result"],
     ["analysis", "circuits", "sweep", "export", "draw", "testing"],
     ["studio", "cli"],
 ]

@@ -119,6 +119,9 @@ class Result:
     ['c.e', 'c.q']
     """
 
+    marks: tuple[tuple[float, str], ...] = ()
+    """When steps of a script begin, s, and their labels."""
+
     def __init__(
         self,
         graph: FlatGraph,

@@ -9,11 +9,11 @@ from typing import Any
 from hybond.errors import HybondError, UsageError
 from hybond.model.expressions import And, Bool, Or
 from hybond.model.graph import FlatGraph, Machine, Rule, Watch
-from hybond.run_options import is_condition, seconds, time_in
+from hybond.run_options import is_condition, time_in
 
 NAME = "until"
 """Of the machine that ends a run: nobody sees it but in the event that it makes."""
-RUNS = "runs"
+RUNS, ENDS = "runs", "ends"
 
 Until = float | str | Sequence[float | str] | None
 
@@ -117,7 +117,8 @@ def _ended(graph: FlatGraph, conditions: Sequence[str]) -> FlatGraph:
             )
         rules.append(replace(rule, target=k + 1))
     many = len(graph.machines)
-    states = (RUNS, *conditions)
+    one = len(conditions) == 1
+    states = (RUNS, *(ENDS if one else f"{ENDS}_{k + 1}" for k in range(len(conditions))))
     machine = Machine(
         many,
         NAME,
@@ -137,9 +138,3 @@ def _ended(graph: FlatGraph, conditions: Sequence[str]) -> FlatGraph:
 
 def _is_constant(rule: Rule) -> bool:
     return not rule.reads and not isinstance(rule.guard, And | Or)
-
-
-def seconds_to(time: float | str | None, experiment: Mapping[str, Any]) -> float | None:
-    """Return a time as it was given, or as the experiment says, s; None if neither does."""
-    chosen = time if time is not None else time_in(experiment.get("until"))
-    return None if chosen is None else seconds(chosen, "until")

@@ -78,6 +78,8 @@ class Event:
     """Machines that stay in their pinnacle state when time goes on: their impacts are over."""
     t0: float | None = None
     """Beginning of the step within which it happened, in a run that does not locate events."""
+    label: str = ""
+    """What a script calls the step that begins there."""
 
 
 @dataclass(frozen=True, slots=True)

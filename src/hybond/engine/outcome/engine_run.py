@@ -105,7 +105,8 @@ class EngineRun:
         self.trace.carried = self._run.carried()
         ends = self.tables.graph.ends
         if ends >= 0 and self._run.mode[ends] != 0:
-            self.trace.ended_by = self.tables.graph.machines[ends].states[self._run.mode[ends]]
+            rules = self.tables.graph.machines[ends].rules
+            self.trace.ended_by = rules[self._run.mode[ends] - 1].text
         if self._run.status == ACCUMULATES:
             self._note_stuck()
             return "accumulation"
