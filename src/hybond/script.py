@@ -34,7 +34,7 @@ from hybond.run_ends import ended
 from hybond.run_options import STEPPING, seconds_of, time_in
 from hybond.script_steps import Step, conditions_of, latest_end, steps_of, unrolled
 from hybond.simulation import Start, begun, notices
-from hybond.states import State
+from hybond.states import State, load_state
 from hybond.trace import Event, Segment, Trace
 from hybond.trace import Step as Visit
 
@@ -316,6 +316,8 @@ def run_script(
     todo = list(unrolled(script))
     own = {**base.experiment, "until": time_in(base.experiment.get("until"))}
     bound = seconds_of(limit if limit is not None else own["until"], "limit")
+    if isinstance(start, str):
+        start = load_state(start)
     latest = _latest(todo, bound, start)
     if own["until"] is None:
         own.pop("until")
@@ -323,7 +325,8 @@ def run_script(
     writes = _Writing(model, base, parameters or {}, todo)
     maker = choose_engine(engine)
     first = base if band is None else banded(base, band)
-    begin, settings = begun(start, first, settings, maker)
+    given = start if start is not None else base.experiment.get("start")
+    begin, settings = begun(given, first, settings, maker)
     if begin is None:
         begin = beginning_by_name({}, first, prepared(first, settings, maker).tables)
     runners = runners_of(base, fmus=fmus)

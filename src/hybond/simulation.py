@@ -225,7 +225,8 @@ def simulate(
     if band is not None:
         graph = banded(graph, band)
     maker = choose_engine(engine or ENGINE)
-    begin, settings = begun(start, graph, settings, maker)
+    given = start if start is not None else graph.experiment.get("start")
+    begin, settings = begun(given, graph, settings, maker)
     runners = runners_of(graph, fmus=fmus)
     ending = ended(graph, ends.conditions)
     shown_by = None if ending is graph else prepared(graph, settings, maker)
@@ -298,6 +299,14 @@ def begun(
     if isinstance(given, State) and given.memory and time_in(graph.experiment.get("until")) is None:
         settings = replace(settings, span=given.memory.span)
     tables = prepared(graph, settings, maker).tables
+    units = [s.path for s in graph.samples if s.block is not None and s.block.function is None]
+    if isinstance(given, State) and given.t > 0.0 and units:
+        raise UsageError(
+            f"the run cannot go on: the unit of {units[0]} would begin anew",
+            code="HB-S138",
+            where="start",
+            hint="run it in one, or by a script, in which units go on",
+        )
     if isinstance(given, State):
         begin = beginning_of(given, graph, tables)
     else:

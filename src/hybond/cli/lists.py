@@ -8,7 +8,8 @@ from collections.abc import Iterable, Sequence
 from hybond.errors import HybondError, ModelError, UsageError
 from hybond.model.graph import FlatGraph, Mode
 from hybond.names import did_you_mean
-from hybond.run_options import seconds
+from hybond.run_ends import Until, ends_of
+from hybond.run_options import seconds, time_in
 from hybond.units import try_quantity
 
 
@@ -103,8 +104,32 @@ def sample_times(texts: Sequence[str], until: float) -> list[float]:
     return times
 
 
+def run_until(graph: FlatGraph, until: Sequence[str] | None) -> tuple[Until, float]:
+    """Return what ends the run, and when it ends at the latest, s.
+
+    Raises
+    ------
+    UsageError
+        HB-S106 if neither the options nor the file say so, or they make no sense; HB-S132 for
+        conditions without a time.
+    ModelError
+        HB-S106 if what the file says makes no sense.
+    """
+    given = list(until) if until else None
+    where = "experiment.until" if given is None else "--until"
+    try:
+        ends = ends_of(given, graph.experiment)
+    except UsageError as error:
+        kind = ModelError if given is None else UsageError
+        raise kind(error.why, code=error.code, where=where, hint=error.hint) from None
+    if given is None:
+        return None, end_time(graph, None)
+    time = ends.time
+    return given, end_time(graph, None if time is None else str(time))
+
+
 def end_time(graph: FlatGraph, until: str | None) -> float:
-    """Return when the run is to end, s.
+    """Return when the run is to end at the latest, s.
 
     Raises
     ------
@@ -113,7 +138,7 @@ def end_time(graph: FlatGraph, until: str | None) -> float:
     ModelError
         HB-S106 if what the file says makes no sense.
     """
-    given = graph.experiment.get("until") if until is None else until
+    given = time_in(graph.experiment.get("until")) if until is None else until
     if given is None:
         raise UsageError(
             "the run has no end time",

@@ -209,12 +209,13 @@ def options_of(graph: FlatGraph, given: Mapping[str, Any]) -> Options:
         )
     own = {name: value for name, value in given.items() if name != "points"}
     conditions = ends_of(own.get("until"), experiment).conditions
-    if conditions:
+    if conditions or experiment.get("start") is not None:
+        said = f"end where {conditions[0]!r} holds" if conditions else "begin with another start"
         raise UsageError(
-            f"an export does not end where {conditions[0]!r} holds",
+            f"an export does not {said}",
             code="HB-E641",
-            where="until",
-            hint='give a time alone: until="10 s"',
+            where="until" if conditions else "experiment.start",
+            hint='give a time alone: until="10 s"' if conditions else "write it into the elements",
         )
     settings, band = settings_of(experiment, **own)
     if band is not None:
