@@ -25,7 +25,7 @@ LAYERS = [
     ["progress", "run_ends", "run_options", "states", "trace", "translate"],
     ["engine"],
     ["report"],
-    ["script", "script_steps", "simulation", "result"],
+    ["script", "script_result", "script_steps", "simulation", "result"],
     ["analysis", "circuits", "sweep", "export", "draw", "testing"],
     ["studio", "cli"],
 ]

@@ -51,7 +51,7 @@ def ends_of(until: Until, experiment: Mapping[str, Any]) -> Ends:
     Ends(time='2 s', conditions=('v.f < 0',))
     """
     given = experiment.get("until") if until is None else until
-    listed = list(given) if isinstance(given, list | tuple) else [given]
+    listed: list[Any] = list(given) if isinstance(given, list | tuple) else [given]
     conditions = tuple(dict.fromkeys(u for u in listed if is_condition(u)))
     times = [u for u in listed if u is not None and not is_condition(u)]
     if len(times) > 1 or (isinstance(given, list | tuple) and not listed):

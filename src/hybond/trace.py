@@ -18,7 +18,9 @@ from hybond.model.graph import Mode
 
 Vector = NDArray[np.float64]
 StepKind = Literal["mythical", "pinnacle", "continuous"]
-Cause = Literal["start", "guard", "time", "input", "sample", "accumulation", "step", "change", "until"]
+Cause = Literal[
+    "start", "guard", "time", "input", "sample", "accumulation", "step", "change", "until"
+]
 
 
 @dataclass(frozen=True, slots=True)

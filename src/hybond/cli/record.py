@@ -10,7 +10,7 @@ from typing import Any
 from hybond.errors import HybondError
 from hybond.model.graph import FlatGraph
 from hybond.result import Result
-from hybond.script import ScriptResult
+from hybond.script_result import ScriptResult
 from hybond.trace import Event, Fired, Step
 
 VERSION = 1

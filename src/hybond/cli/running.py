@@ -16,8 +16,15 @@ from hybond.progress import Progress
 from hybond.result import Result
 from hybond.run_ends import Until
 from hybond.run_options import end_of, is_condition, seconds_of, time_in
-from hybond.script import ScriptResult, run_script
+from hybond.script import run_script
+from hybond.script_result import ScriptResult
 from hybond.simulation import simulate
+
+OPTIONS = (
+    *("solver", "rtol", "atol", "step", "max_step", "theta", "impact", "sliding", "hysteresis"),
+    *("max_events", "max_steps"),
+)
+"""What the run of a script is asked for beside its steps."""
 
 
 def read_graph(file: str, settings: Sequence[str] = ()) -> FlatGraph:
@@ -97,9 +104,7 @@ def script_with(model: Model, given: Namespace) -> ScriptResult:
             )
     bound = limits[0] if limits[0] is not None else time_in(changed.experiment.get("until"))
     end = seconds_of(bound, "--until")
-    names = ("solver", "rtol", "atol", "step", "max_step", "theta", "impact", "sliding")
-    names += ("hysteresis", "max_events", "max_steps")
-    options = {name: getattr(given, name) for name in names}
+    options = {name: getattr(given, name) for name in OPTIONS}
     with Interruptible() as interruptible, Progress(end or 1.0) as bar:
 
         def progress(t: float, events: int) -> None:

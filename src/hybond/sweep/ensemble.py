@@ -23,7 +23,7 @@ from hybond.model.parts import Value
 from hybond.names import did_you_mean
 from hybond.progress import Asked, shown
 from hybond.result import Result
-from hybond.run_ends import ends_of
+from hybond.run_ends import Until, ends_of
 from hybond.run_options import STEPPING, end_of
 from hybond.simulation import simulate
 from hybond.sweep.collection import Ensemble
@@ -51,7 +51,7 @@ _RUN = ("engine", "keep", "fmus")
 @called('hb.ensemble(model, "1 s", sets={"m": [1.0, 2.0]})')
 def ensemble(
     model: Model,
-    until: float | str | None = None,
+    until: Until = None,
     *,
     sets: Mapping[str, Any] | Iterable[Mapping[str, Any]],
     outputs: str | Sequence[str] | None = None,

@@ -19,7 +19,7 @@ from hybond.engine.compiled.rows import COUNTS, FLOATS, INTS, Rows, rows_of
 from hybond.engine.compiled.sliced import OK, PAUSED, RAISED, REFUSED, SlicedRun, fitted
 from hybond.engine.engine import Fault, make_engine
 from hybond.engine.model import Model
-from hybond.engine.run.carried import make_carrier, take_over, take_out
+from hybond.engine.run.carried import make_carrier, take_out, take_over
 from hybond.engine.run.log import forget_rows, make_report, report_broken
 from hybond.engine.run.motion import run_to_end
 from hybond.engine.run.run_records import make_run

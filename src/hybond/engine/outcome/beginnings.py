@@ -167,9 +167,7 @@ def mode_named(graph: FlatGraph, states: Mapping[str, Any]) -> Mode:
     return tuple(mode)
 
 
-def beginning_by_name(
-    given: Mapping[str, Any], graph: FlatGraph, tables: ModelTables
-) -> Beginning:
+def beginning_by_name(given: Mapping[str, Any], graph: FlatGraph, tables: ModelTables) -> Beginning:
     """Return how a run begins with values by name; what is not named is as the model starts.
 
     Names are those of stored quantities (``ball.p``), their co-energy variables (``ball.f``),

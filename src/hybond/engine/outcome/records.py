@@ -195,9 +195,7 @@ class Instants:
 class Records:
     """Turns the rows of one run into its trace."""
 
-    def __init__(
-        self, tables: ModelTables, trace: Trace, begin: Beginning | None = None
-    ) -> None:
+    def __init__(self, tables: ModelTables, trace: Trace, begin: Beginning | None = None) -> None:
         self.graph = tables.graph
         ends = self.graph.ends
         self.many = ends if ends >= 0 else len(self.graph.machines)

@@ -62,9 +62,7 @@ def state_at(graph: FlatGraph, trace: Trace, signals: Signals, t: float | None) 
     rest = {i.path: y[len(graph.storages) + i.index] for i in graph.integrals}
     assert graph.read is not None
     units = {path: unit_of(graph.read(path), graph) for path in (*stored, *rest)}
-    return State(
-        graph.name, t, stored, rest, graph.mode_names(mode), landed, units, memory
-    )
+    return State(graph.name, t, stored, rest, graph.mode_names(mode), landed, units, memory)
 
 
 def _end(trace: Trace) -> float:

@@ -11,8 +11,14 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.engine.algebra.blocks import Block, Places, grow_block, grow_places
-from hybond.engine.algebra.blocks import make_block, make_places
+from hybond.engine.algebra.blocks import (
+    Block,
+    Places,
+    grow_block,
+    grow_places,
+    make_block,
+    make_places,
+)
 from hybond.engine.contacts.landing_records import CROWD, LAST_TIMES
 from hybond.engine.contacts.rest import find_moved
 from hybond.engine.engine import OK, Engine
@@ -175,7 +181,9 @@ def carry_step(e: Engine, r: Run, c: Carrier) -> None:
         r.warm_grid = c.number.at[own + 3]
         r.warm_next = c.number.at[own + 4]
         # by another method, or with other steps, it would not be the same one
-        same = c.number.at[own + 5] == float(e.model.method) and c.number.at[own + 6] == e.model.step
+        same = (
+            c.number.at[own + 5] == float(e.model.method) and c.number.at[own + 6] == e.model.step
+        )
         sound = r.warm_t < e.t and r.warm_h > 0.0 and r.warm_h < math.inf
         r.warm = same and sound and c.place.at[places] != 0
         r.warm_implicit = c.place.at[places + 1] != 0

@@ -57,7 +57,9 @@ from hybond.engine.run.run_records import (
     Run,
     begin,
     begin_count,
+    bound_of,
     count_step,
+    is_over,
     timed_cause,
 )
 from hybond.engine.run.stranded import in_vain, no_slip
@@ -128,12 +130,6 @@ def begin_now(e: Engine, r: Run) -> int:
         return OK
     status = settle_now(e, r, cause)
     return rest_now(e, r) if status == OK else status
-
-
-def is_over(e: Engine) -> bool:
-    """Whether the machine has fired that ends the run."""
-    m = e.model
-    return m.ends >= 0 and e.state[m.ends] != m.start[m.ends]
 
 
 def settle_now(e: Engine, r: Run, cause: int) -> int:
@@ -319,14 +315,6 @@ def begin_flow(e: Engine, r: Run) -> int:
         start_scale(e, e.mode)
     r.beyond = 0.0
     return start(e, e.t, e.y, bound_of(e), True)
-
-
-def bound_of(e: Engine) -> float:
-    """Return up to when a motion may go on: what its first step is chosen by.
-
-    A run that is made in parts has the same first steps as in one.
-    """
-    return min(e.next_break, max(e.stop, e.span))
 
 
 def follow(e: Engine) -> int:

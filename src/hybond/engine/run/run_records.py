@@ -132,6 +132,20 @@ def begin(e: Engine) -> None:
         e.state[k] = m.start[k]
 
 
+def is_over(e: Engine) -> bool:
+    """Whether the machine has fired that ends the run."""
+    m = e.model
+    return m.ends >= 0 and e.state[m.ends] != m.start[m.ends]
+
+
+def bound_of(e: Engine) -> float:
+    """Return up to when a motion may go on: what its first step is chosen by.
+
+    A run that is made in parts has the same first steps as in one.
+    """
+    return min(e.next_break, max(e.stop, e.span))
+
+
 def begin_count(e: Engine, r: Run) -> None:
     """Count steps anew from the present instant on."""
     r.taken = 0
