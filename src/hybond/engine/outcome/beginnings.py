@@ -125,7 +125,13 @@ def _check(
         fits = len(place) > events and place[events] >= 0
         fits = fits and all(((k >= 0) & (k <= LAST_TIMES)).all() for k in kept)
     if not fits:
-        raise _wrong("memory", "its numbers are not those of a run of this model", "save it anew")
+        raise not_of_this_model("they are no places of it")
+
+
+def not_of_this_model(why: str) -> UsageError:
+    """Return the refusal of numbers that no run of a model has written."""
+    said = f"its numbers are not those of a run of this model: {why}"
+    return _wrong("memory", said, "save the state anew")
 
 
 def _given(t: float, y: Sequence[float], place: NDArray[np.intc]) -> Beginning:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from hybond.blocks.runners import Runner
 from hybond.engine.compiled.refusal import Refusal
 from hybond.engine.compiled.sliced import ACCUMULATES, REFUSED
-from hybond.engine.outcome.beginnings import Beginning
+from hybond.engine.outcome.beginnings import Beginning, not_of_this_model
 from hybond.engine.outcome.engines import Prepared
 from hybond.engine.outcome.faults import Fault, error_of
 from hybond.engine.outcome.journal import Journal
@@ -76,9 +76,12 @@ class EngineRun:
         self._run = model.run(runners)
         if begin is not None:
             end = float(model.tables.numbers["until"]) if until is None else until
-            self._run.begin_from(
-                begin.number, begin.place, way=begin.way, until=end, deep=begin.deep
-            )
+            try:
+                self._run.begin_from(
+                    begin.number, begin.place, way=begin.way, until=end, deep=begin.deep
+                )
+            except ValueError as error:
+                raise not_of_this_model(str(error)) from None
         self.trace.signals = Signals(shown or model, self.trace)
 
     def run(self) -> str:

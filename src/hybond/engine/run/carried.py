@@ -184,7 +184,8 @@ def carry_step(e: Engine, r: Run, c: Carrier) -> None:
         same = (
             c.number.at[own + 5] == float(e.model.method) and c.number.at[own + 6] == e.model.step
         )
-        sound = r.warm_t < e.t and r.warm_h > 0.0 and r.warm_h < math.inf
+        sound = r.warm_h > 0.0 or r.warm_next > 0.0
+        sound = sound and r.warm_t < e.t and r.warm_h < math.inf and r.warm_next < math.inf
         r.warm = same and sound and c.place.at[places] != 0
         r.warm_implicit = c.place.at[places + 1] != 0
         s.bound = c.place.at[places + 2]

@@ -128,6 +128,7 @@ def begin_now(e: Engine, r: Run) -> int:
             know_around(e, e.state)
         report_slide(e, r.report)
         return OK
+    r.warm = False
     status = settle_now(e, r, cause)
     return rest_now(e, r) if status == OK else status
 
