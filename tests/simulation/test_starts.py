@@ -75,7 +75,7 @@ def test_a_state_is_read_back_bit_for_bit(tmp_path: Path) -> None:
 
 
 HALF = {"eps": 0.5}
-"""Of restitution: a ball that has come to rest at t0 (1 + 2 eps/(1 - eps)), three times its fall."""
+"""Of restitution: it is at rest after three times its first fall, 1 + 2 eps/(1 - eps)."""
 
 
 def resting() -> tuple[hb.Model, hb.Result]:
