@@ -32,7 +32,7 @@ def draw_marks(panels: Sequence[Axes], result: Any, *, factor: float, inches: fl
     inches : float
         How wide the panels are.
     """
-    marks = result.marks
+    marks = getattr(result, "marks", ())
     if not marks or not panels:
         return
     low, high = panels[0].get_xlim()
