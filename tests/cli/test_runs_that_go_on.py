@@ -73,7 +73,7 @@ def test_a_run_goes_on_from_what_another_has_saved(shell: Any) -> None:
 
 def test_a_file_with_a_script_is_run_by_it(shell: Any) -> None:
     shell.file("rig.toml", RIG)
-    done = shell("run", "rig.toml", "--plot", "rig.png")
+    done = shell("run", "rig.toml")
     assert done.code == 0, done.err
     assert "start: charge" in done.out and "change: pulse" in done.out
     run = shell("run", "rig.toml", "--json").json
@@ -93,3 +93,5 @@ def test_steps_without_sense_are_told_with_their_place(shell: Any) -> None:
     assert "last" in said
     shell.file("bad.toml", RIG.replace('V = "0 V"', 'W = "0 V"'))
     assert "HB-S141" in shell("run", "bad.toml").err
+    shell.file("bad.toml", RIG.replace("C.e > 8 V", "C.u > 8 V"))
+    assert "HB-S136 at bad.toml" in shell("check", "bad.toml").err

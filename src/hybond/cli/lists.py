@@ -8,8 +8,9 @@ from collections.abc import Iterable, Sequence
 from hybond.errors import HybondError, ModelError, UsageError
 from hybond.model.graph import FlatGraph, Mode
 from hybond.names import did_you_mean
-from hybond.run_ends import Until, ends_of
-from hybond.run_options import seconds, time_in
+from hybond.run_ends import Until, ended, ends_of
+from hybond.run_options import is_condition, seconds, time_in
+from hybond.script_steps import conditions_of, steps_of, unrolled
 from hybond.units import try_quantity
 
 
@@ -187,9 +188,20 @@ def check_signals(graph: FlatGraph, names: Iterable[str], where: str) -> list[st
 
 
 def check_experiment(graph: FlatGraph) -> None:
-    """Refuse an experiment that asks for signals the model does not have."""
+    """Refuse an experiment with names that the model does not have, or steps without sense."""
     for key in ("plot", "outputs"):
         check_signals(graph, map(str, graph.experiment.get(key, ())), f"experiment.{key}")
+    until = graph.experiment.get("until")
+    listed = until if isinstance(until, list | tuple) else [until]
+    conditions = [("experiment.until", u) for u in listed if is_condition(u)]
+    script = graph.experiment.get("script")
+    steps = steps_of(script, "experiment.script") if script is not None else ()
+    conditions += [("experiment.script", c) for s in unrolled(steps) for c in conditions_of(s)]
+    for where, text in dict.fromkeys(conditions):
+        try:
+            ended(graph, [str(text)])
+        except UsageError as error:
+            raise ModelError(error.why, code=error.code, where=where, hint=error.hint) from None
 
 
 def mode_of(graph: FlatGraph, text: str | None) -> Mode:
