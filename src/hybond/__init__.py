@@ -57,7 +57,10 @@ if TYPE_CHECKING:
     from hybond.model.parts import Block, Integral, Sampled, Submodel
     from hybond.model.parts import InputPart as Input
     from hybond.result import Result
+    from hybond.script import run_script
+    from hybond.script_steps import Step
     from hybond.simulation import simulate
+    from hybond.states import State, load_state
     from hybond.sweep.collection import Ensemble
     from hybond.sweep.ensemble import ensemble
 
@@ -107,6 +110,9 @@ _HOME = {
     "restitution": "hybond.analysis.restitution.restitution",
     "structure": "hybond.analysis.structure.structure",
     "simulate": "hybond.simulation",
+    "run_script": "hybond.script",
+    "Step": "hybond.script_steps",
+    **dict.fromkeys(("State", "load_state"), "hybond.states"),
     "state_equations": "hybond.equations.derive",
     **dict.fromkeys(("StateSpace", "state_space"), "hybond.export.linear.state_space"),
 }
@@ -152,7 +158,9 @@ __all__ = [
     "Se",
     "Sf",
     "Signal",
+    "State",
     "StateSpace",
+    "Step",
     "Submodel",
     "TF",
     "UnitError",
@@ -175,12 +183,14 @@ __all__ = [
     "library",
     "linearise",
     "load",
+    "load_state",
     "loads",
     "newton_law_model",
     "read_bond_graph",
     "read_circuit",
     "residuals",
     "restitution",
+    "run_script",
     "save",
     "simulate",
     "state_equations",

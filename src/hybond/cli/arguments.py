@@ -233,6 +233,15 @@ def parser_of_words() -> Parser:
     run.add_argument("file", metavar="FILE", help="a model file, or a netlist")
     _settings(run)
     _solver(run)
+    run.add_argument(
+        "--start", metavar="FILE", help="begin with a state that --save-state has written"
+    )
+    run.add_argument(
+        "--save-state", metavar="FILE", help="write the state at the end, a .json to start from"
+    )
+    run.add_argument(
+        "--no-script", action="store_true", help="one run, though the file has a script"
+    )
     _limits(run)
     run.add_argument("--at", metavar="T,...", action="append", help="sample times, as 0.5,'50 ms'")
     run.add_argument(
@@ -393,7 +402,13 @@ def _settings(parser: ArgumentParser) -> None:
 
 
 def _solver(parser: ArgumentParser) -> None:
-    parser.add_argument("--until", metavar="T", help="end time, as 3 or '50 ms'")
+    parser.add_argument(
+        "--until",
+        metavar="T",
+        action="append",
+        help="end time, as 3 or '50 ms', or a condition, as 'v.f < 0'; "
+        "several times: what is first ends the run",
+    )
     names = "auto, rk45, radau, exact, rk4, euler, qss1-3, liqss1-3, moreau-jean"
     parser.add_argument("--solver", metavar="NAME", help=names)
     parser.add_argument("--rtol", metavar="R", type=float, help="relative tolerance")

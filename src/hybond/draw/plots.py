@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from hybond.draw.impulses import draw_impulses, impulses_of
+from hybond.draw.marks import draw_marks
 from hybond.draw.measure import shorten, width
 from hybond.draw.mode_strip import draw_strip, lanes, room_beside
 from hybond.draw.scales import axis_scale, printed
@@ -150,6 +151,7 @@ def _stacked(
             )
     for panel in panels:
         _time_axis(panel, result, factor, time_label if panel is panels[-1] else "")
+    draw_marks(panels, result, factor=factor, inches=inches)
     figure.align_ylabels(panels[: len(groups)])
     title = shorten(str(result.title), 10.5, 72.0 * inches)
     figure.text(

@@ -207,10 +207,23 @@ Impact = Literal["newton", "newton_simultaneous", "poisson", "lzb", "lzb_hertz"]
 """The law of impacts at several contacts."""
 
 
+class ScriptStep(Struct, forbid_unknown_fields=True):
+    """One step of a script: what is set at its beginning, and what ends it."""
+
+    label: str | UnsetType = UNSET
+    set: dict[str, Scalar] | UnsetType = UNSET
+    until: Scalar | list[Scalar] | UnsetType = UNSET
+    lasts: Scalar | UnsetType = UNSET
+    repeat: int | UnsetType = UNSET
+    steps: list[ScriptStep] | UnsetType = UNSET
+
+
 class Experiment(Struct, forbid_unknown_fields=True):
     """What a run of the model is, unless the caller says otherwise."""
 
-    until: Scalar | UnsetType = UNSET
+    until: Scalar | list[Scalar] | UnsetType = UNSET
+    start: str | dict[str, Scalar] | UnsetType = UNSET
+    script: list[ScriptStep] | UnsetType = UNSET
     solver: str | UnsetType = UNSET
     rtol: Number | UnsetType = UNSET
     atol: Number | UnsetType = UNSET

@@ -23,7 +23,7 @@ from hybond.model.junction_laws import check_readers, check_units, law_warnings,
 from hybond.model.kinds import KINDS, RESISTORS, STORAGES
 from hybond.model.lawbook import law_of, start_of
 from hybond.model.located import locate
-from hybond.model.machines import machines_of, switched_by, with_laws_of_junctions
+from hybond.model.machines import machines_of, rule_of, switched_by, with_laws_of_junctions
 from hybond.model.misfits import units_of
 from hybond.model.parametric import Parametric, parametric
 from hybond.model.parts import Value
@@ -145,6 +145,10 @@ def _flatten(
         pins=pins_of(opened, resolver),
         reference=reference_of(opened, machines),
         read=lambda text: resolver.resolve(parse(text, where=text), root, text),
+        condition=lambda text: (
+            rule_of(text, resolver, root, text, dimensions),
+            tuple(resolver.watches),
+        ),
         parametric=lambda k: _parametric(nodes[k], raw_nodes[k], resolver),
         locate=lambda error: locate(error, model, asked),
     )
