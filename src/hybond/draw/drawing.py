@@ -8,9 +8,9 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from hybond.draw.arrange import Arrangement, arrange
 from hybond.draw.badges import Badge, badges
 from hybond.draw.compose import compose
-from hybond.draw.layout import layout
 from hybond.draw.legend import entries
 from hybond.draw.mpl import draw_on_axes, figure_bytes
 from hybond.draw.scene import Scene
@@ -172,19 +172,19 @@ def draw(
 
 def finished(shown: Sketch, *, legend: bool = True) -> Drawing:
     """Return the drawing of a sketch: laid out, composed, with its words."""
-    positions = positions_of(shown)
+    places = places_of(shown)
     scene = with_words(
-        compose(shown, positions),
+        compose(shown, places),
         title=shown.title,
         caption=shown.caption,
         legend=entries([shown]) if legend else [],
     )
-    return Drawing(scene, dict(zip((s.path for s in shown.symbols), positions, strict=True)))
+    return Drawing(scene, dict(zip((s.path for s in shown.symbols), places.positions, strict=True)))
 
 
-def positions_of(shown: Sketch) -> tuple[tuple[float, float], ...]:
-    """Return where the symbols of a sketch stand, in grid cells: the same for every mode."""
-    return _positions(
+def places_of(shown: Sketch) -> Arrangement:
+    """Return where the symbols and arrows of a sketch are: the same for every mode."""
+    return _places(
         tuple(s.kind for s in shown.symbols),
         tuple((a.tail, a.head) for a in shown.arrows),
         tuple(shown.pins.items()),
@@ -192,13 +192,13 @@ def positions_of(shown: Sketch) -> tuple[tuple[float, float], ...]:
 
 
 @lru_cache(maxsize=32)
-def _positions(
+def _places(
     kinds: tuple[str, ...],
     bonds: tuple[tuple[int, int], ...],
     pins: tuple[tuple[int, tuple[float, float]], ...],
-) -> tuple[tuple[float, float], ...]:
+) -> Arrangement:
     """Remember layouts: a model is drawn again for each mode."""
-    return layout(kinds, bonds, pinned=dict(pins))
+    return arrange(kinds, bonds, pinned=dict(pins))
 
 
 def draw_mode(

@@ -11,7 +11,7 @@ from hybond.causality.dynamics import causality_of, dynamics
 from hybond.causality.modes import changed
 from hybond.causality.reference import reference_mode
 from hybond.draw.badges import Badge, badges
-from hybond.draw.drawing import Drawing, finished, positions_of
+from hybond.draw.drawing import Drawing, finished, places_of
 from hybond.draw.panels import side_by_side
 from hybond.draw.simplify import simplified, zeros_of
 from hybond.draw.sketch import mode_caption, sketch
@@ -169,9 +169,9 @@ def draw_modes(
         )
     if simplify:
         sketches = [simplified(s, zeros_of(graph)) for s in sketches]
-    positions = positions_of(sketches[0])
-    scene = side_by_side(sketches, positions, columns=columns, legend=legend)
-    places = dict(zip((s.path for s in sketches[0].symbols), positions, strict=True))
+    arrangement = places_of(sketches[0])
+    scene = side_by_side(sketches, arrangement, columns=columns, legend=legend)
+    places = dict(zip((s.path for s in sketches[0].symbols), arrangement.positions, strict=True))
     return Drawing(scene, places)
 
 
