@@ -181,7 +181,8 @@ def _begun(
     search.descend(rounds=2, reach=1)
     cells = {n: cell for n, k in number.items() if (cell := small.at[k]) is not None}
     boards = [_multiplied(kinds, bonds, cells, legs, axis) for axis in (0, 1)]
-    return min(boards, key=lambda b: b.cost(range(len(kinds))))
+    boards.sort(key=lambda b: b.cost(range(len(kinds))))
+    return boards[attempt % 2]
 
 
 def _multiplied(
@@ -202,13 +203,18 @@ def _multiplied(
         return (cell[0] + by, cell[1]) if axis == 0 else (cell[0], cell[1] + by)
 
     inside = set(legs[0])
+    # what every leg hangs on stands at the middle one
+    hubs = {a if b in inside else b for a, b in bonds if (a in inside) != (b in inside)}
+    half = pitch * ((len(legs) - 1) // 2)
     for k, leg in enumerate(legs):
         for n, cell in zip(leg, first, strict=True):
             board.put(n, moved(cell, k * pitch))
     for n, cell in sorted(cells.items()):
         if n in inside:
             continue
-        wish = moved(cell, more if cell[axis] > high else 0)
+        wish = moved(
+            cell, more if cell[axis] > high else half if n in hubs and cell[axis] >= low else 0
+        )
         board.put(n, nearest(wish, set(board.who)))
     board.best_turns(range(len(bonds)))
     return board

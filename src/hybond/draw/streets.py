@@ -108,15 +108,14 @@ class Streets(Board):
             if ends is None or ends[0][0] == ends[1][0] or ends[0][1] == ends[1][1]:
                 continue
             here = self.turns[b]
-            least, best = self._bond_cost(b, _NONE), here
-            for way in (LEVEL_FIRST, UPRIGHT_FIRST, STRAIGHT_AWAY):
-                if way == here or (way == STRAIGHT_AWAY and not _next_door(*ends)):
-                    continue
-                self.turn(b, way)
-                cost = self._bond_cost(b, _NONE)
-                if cost < least:
-                    least, best = cost, way
-            if self.turns[b] != best:
+            ways = (LEVEL_FIRST, UPRIGHT_FIRST, STRAIGHT_AWAY)[: 3 if _next_door(*ends) else 2]
+            costs = []
+            for way in ways:
+                cells, steps = _way(*ends, way)
+                more = 0 if way == here else 1  # a tie leaves it as it is
+                costs.append(_length(*ends, way) + more + self._met(b, cells, steps, _NONE))
+            best = costs.index(min(costs))
+            if best != here:
                 self.turn(b, best)
 
     def corner(self, bond: int) -> Cell | None:
@@ -178,19 +177,39 @@ class Streets(Board):
         if len(self.near[tail]) > 1 and len(self.near[head]) > 1:
             dx, dy = bx - ax, by - ay
             total += BACKWARDS * (dx < 0 or (dx == 0 and dy < 0)) + VERTICAL * (dy != 0)
-        for cell, how in self._cells[bond]:
-            if cell in self.who:
+        return total + self._met(bond, self._cells[bond], self._steps[bond], changed)
+
+    def _met(
+        self,
+        bond: int,
+        cells: Sequence[tuple[Cell, int]],
+        steps: Sequence[Step],
+        changed: set[int] | frozenset[int],
+    ) -> int:
+        """Return what it costs that a bond on this way meets nodes and other bonds.
+
+        A pair of bonds that are both `changed` is counted once.
+        """
+        total = 0
+        who, passes, shared = self.who, self._passes, self._shared
+        for cell, how in cells:
+            if cell in who:
                 total += ON_NODE
-            for other, passing in self._passes[cell].items():
-                # A pair of changed bonds is counted once; level and upright ones cross.
-                if other != bond and _meet(how, passing) and (other not in changed or bond < other):
-                    total += CROSS
-        for step in self._steps[bond]:
-            for other in self._shared[step]:
-                if other != bond and (other not in changed or bond < other):
-                    total += SAME_WAY
+            others = passes.get(cell)
+            if others:
+                for other, passing in others.items():
+                    if other == bond or (other in changed and bond > other):
+                        continue
+                    if how != passing or how == _CORNER:
+                        total += CROSS
+        for step in steps:
+            along = shared.get(step)
+            if along:
+                for other in along:
+                    if other != bond and (other not in changed or bond < other):
+                        total += SAME_WAY
             if step[2] > 1:
-                over = self._shared.get((step[0], step[1], 5 - step[2]), ())
+                over = shared.get((step[0], step[1], 5 - step[2]), ())
                 total += CROSS * sum(o not in changed or bond < o for o in over)
         return total
 
