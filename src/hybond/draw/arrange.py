@@ -129,11 +129,13 @@ def arranged(
     size = len(kinds)
     groups = legs_of(kinds, bonds) if not fixed and size <= _LARGE else []
     small = size <= _THOROUGH
-    steps = min(150 * size, _STEPS) if small else min(_STEPS, 400000 // size)
+    alone = size - sum(len(leg) for group in groups for leg in group[1:])
+    steps = min(150 * alone, _STEPS) if small else min(_STEPS, 400000 // size)
     near = Board(kinds, bonds).near
     crowded = sum(max(0, len(n) - 4) for n in near)  # bonds that have no side of their own
     best: tuple[int, Streets] | None = None
-    for attempt in range(_TRIES if small else 1):
+    tries = max(2, min(_TRIES, _TRIES * 40 // size)) if small else 1
+    for attempt in range(tries):
         board = _begun(kinds, bonds, fixed, groups, seed, attempt)
         search = Search(board, set(fixed), groups)
         if size <= _LARGE:
@@ -158,31 +160,93 @@ def _begun(
     groups: Sequence[Sequence[Leg]],
     seed: int,
     attempt: int,
+    row: Mapping[int, Cell] | None = None,
 ) -> Streets:
-    """Return a board with every node placed, legs in a row."""
+    """Return a board with every node placed, legs in a row; `row` is where some begin."""
     if not groups:
         board = Streets(kinds, bonds)
-        rows = first_rows(board, fixed)
-        starts = [start_board(kinds, bonds, fixed, row) for row in rows]
+        rows = [row] if row else first_rows(board, fixed)
+        starts = [start_board(kinds, bonds, fixed, cells) for cells in rows]
         starts.sort(key=lambda b: b.cost(range(len(kinds))))
         for n, cell in enumerate(starts[attempt % len(starts)].at):
             if cell is not None:
                 board.put(n, cell)
         return board
+    upright = attempt % 2 == 0
+    if row is None and attempt % 3 < 2:
+        row = _between_hubs(Board(kinds, bonds), groups, upright=upright)
     legs = groups[0]
     kept = [n for n in range(len(kinds)) if not any(n in leg for leg in legs[1:])]
     number = {n: k for k, n in enumerate(kept)}
     fewer = [[tuple(number[n] for n in leg) for leg in group] for group in groups[1:]]
     own = [(number[a], number[b]) for a, b in bonds if a in number and b in number]
     own_kinds = [kinds[n] for n in kept]
-    small = _begun(own_kinds, own, {}, fewer, seed, attempt)
+    inner = None if row is None else {number[n]: cell for n, cell in row.items() if n in number}
+    small = _begun(own_kinds, own, {}, fewer, seed, attempt, inner)
     search = Search(small, set(), fewer)
-    search.anneal(min(100 * len(kept), 3000), seed=seed + attempt, hot=160 if attempt else 40)
+    # what is begun well is only put right, or it is lost again
+    search.anneal(min(100 * len(kept), 3000), seed=seed + attempt, hot=15 if row else 160)
     search.descend(rounds=2, reach=1)
     cells = {n: cell for n, k in number.items() if (cell := small.at[k]) is not None}
+    if row:
+        return _multiplied(kinds, bonds, cells, legs, 0 if upright else 1)
     boards = [_multiplied(kinds, bonds, cells, legs, axis) for axis in (0, 1)]
     boards.sort(key=lambda b: b.cost(range(len(kinds))))
     return boards[attempt % 2]
+
+
+def _between_hubs(
+    board: Board, groups: Sequence[Sequence[Leg]], *, upright: bool
+) -> dict[int, Cell] | None:
+    """Return a line from hub to hub through the first leg of each group that lies between two.
+
+    Legs that stand side by side then reach each hub from its own side, and nothing is crossed.
+    """
+    lines: list[list[int]] = []
+    for legs in groups:
+        inside = set(legs[0])
+        shared = set.intersection(*({m for n in leg for m in board.near[n]} for leg in legs))
+        hubs = sorted(shared - inside)
+        paths = [
+            path
+            for k, a in enumerate(hubs)
+            for b in hubs[k + 1 :]
+            if (path := _through(board, a, b, inside)) is not None
+        ]
+        if not paths:
+            continue
+        line = max(paths, key=len)
+        for known in lines:  # one hub may end one line and begin the next
+            if {known[0], known[-1]} & {line[0], line[-1]} and len({*known} & {*line}) == 1:
+                if known[0] in (line[0], line[-1]):
+                    known.reverse()
+                known += (line if line[0] == known[-1] else line[::-1])[1:]
+                break
+        else:
+            lines.append(line)
+    cells: dict[int, Cell] = {}
+    for k, line in enumerate(lines):
+        for place, n in enumerate(line):
+            cells.setdefault(n, (6 * k, place) if upright else (place, 6 * k))
+    return cells or None
+
+
+def _through(board: Board, a: int, b: int, inside: set[int]) -> list[int] | None:
+    """Return the shortest path from one hub to another through the nodes of a leg."""
+    before: dict[int, int] = {a: a}
+    new = [a]
+    for node in new:
+        for m in board.near[node]:
+            if m in before or (m not in inside and (m != b or node == a)):
+                continue
+            before[m] = node
+            if m == b:
+                path = [b]
+                while path[-1] != a:
+                    path.append(before[path[-1]])
+                return path[::-1]
+            new.append(m)
+    return None
 
 
 def _multiplied(

@@ -85,6 +85,10 @@ class Search:
             dx, dy = int(rng.random() * 3) - 1, int(rng.random() * 3) - 1
             if rng.random() < 0.5:
                 return self._shifted({n: (dx, dy) for leg in legs for n in leg})
+            # farther apart or closer, in the row in which they stand
+            one, two = board.at[legs[0][0]], board.at[legs[1][0]]
+            if one is not None and two is not None:
+                dx, dy = (dx, 0) if one[1] == two[1] else (0, dy)
             return self._shifted({n: (k * dx, k * dy) for k, leg in enumerate(legs) for n in leg})
         node = free[int(rng.random() * len(free))]
         near = board.near[node]

@@ -8,6 +8,7 @@ which is left to nodes with more bonds than sides.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from functools import lru_cache
 
 from hybond.draw.board import BACKWARDS, BENT, LONGER, UNIT, VERTICAL, Board, Cell
 
@@ -21,10 +22,11 @@ ASKEW = 60
 LEVEL_FIRST, UPRIGHT_FIRST, STRAIGHT_AWAY = 0, 1, 2
 """Turns, seen from the tail of a bond."""
 
-_LEVEL, _UPRIGHT, _CORNER = 1, 2, 3
+_ROW = 12
+"""Bits of a cell's number that are its row: `x * 2**12 + y`. A step's is that of its cell, twice
+doubled, and its kind: 0 level, 1 upright, 2 and 3 askew."""
 
-Step = tuple[int, int, int]
-"""A unit of the grid's lines: its lower end, and 0 for level, 1 for upright, 2 or 3 for askew."""
+Numbers = tuple[int, ...]
 
 
 class Streets(Board):
@@ -49,15 +51,17 @@ class Streets(Board):
     def __init__(self, kinds: Sequence[str], bonds: Sequence[tuple[int, int]]) -> None:
         super().__init__(kinds, bonds)
         self.turns = [LEVEL_FIRST] * len(bonds)
-        self._passes: dict[Cell, dict[int, int]] = {}  # bonds by the cells that they pass, and how
-        self._shared: dict[Step, list[int]] = {}
-        self._cells: list[list[tuple[Cell, int]]] = [[] for _ in bonds]
-        self._steps: list[list[Step]] = [[] for _ in bonds]
+        self._taken: set[int] = set()  # cells of nodes
+        self._level: dict[int, list[int]] = {}  # bonds by the cells that they pass level
+        self._upright: dict[int, list[int]] = {}  # the same for upright ones; corners are both
+        self._shared: dict[int, list[int]] = {}  # bonds by their steps
+        self._ways: list[tuple[list[int], list[int], list[int]]] = [([], [], []) for _ in bonds]
 
     def put(self, node: int, cell: Cell) -> None:
         """Place a node on a free cell."""
         self.at[node] = cell
         self.who[cell] = node
+        self._taken.add((cell[0] << _ROW) + cell[1])
         for b in self.bonds_of[node]:
             tail, head = self.bonds[b]
             start, end = self.at[tail], self.at[head]
@@ -69,9 +73,11 @@ class Streets(Board):
         cell = self.at[node]
         assert cell is not None
         for b in self.bonds_of[node]:
-            self._lift(b)
+            if self._ends[b] is not None:
+                self._lift(b)
         self.at[node] = None
         del self.who[cell]
+        self._taken.discard((cell[0] << _ROW) + cell[1])
         return cell
 
     def _lay(self, b: int, start: Cell, end: Cell) -> None:
@@ -79,19 +85,20 @@ class Streets(Board):
         self._ends[b] = (start, end)
         if self.turns[b] == STRAIGHT_AWAY and not _next_door(start, end):
             self.turns[b] = LEVEL_FIRST
-        cells, steps = _way(start, end, self.turns[b])
-        self._cells[b], self._steps[b] = cells, steps
-        for cell, how in cells:
-            self._passes.setdefault(cell, {})[b] = how
-        for step in steps:
-            self._shared.setdefault(step, []).append(b)
+        way = self._ways[b] = _way(start, end, self.turns[b])
+        for known, numbers in zip((self._level, self._upright, self._shared), way, strict=True):
+            for number in numbers:
+                if number in known:
+                    known[number].append(b)
+                else:
+                    known[number] = [b]
 
     def _lift(self, b: int) -> None:
-        for cell, _ in self._cells[b]:
-            del self._passes[cell][b]
-        for step in self._steps[b]:
-            self._shared[step].remove(b)
-        self._cells[b], self._steps[b], self._ends[b] = [], [], None
+        way = self._ways[b]
+        for known, numbers in zip((self._level, self._upright, self._shared), way, strict=True):
+            for number in numbers:
+                known[number].remove(b)
+        self._ways[b], self._ends[b] = ([], [], []), None
 
     def turn(self, bond: int, way: int) -> None:
         """Give a bond another turn."""
@@ -111,9 +118,8 @@ class Streets(Board):
             ways = (LEVEL_FIRST, UPRIGHT_FIRST, STRAIGHT_AWAY)[: 3 if _next_door(*ends) else 2]
             costs = []
             for way in ways:
-                cells, steps = _way(*ends, way)
                 more = 0 if way == here else 1  # a tie leaves it as it is
-                costs.append(_length(*ends, way) + more + self._met(b, cells, steps, _NONE))
+                costs.append(_length(*ends, way) + more + self._met(b, _way(*ends, way), _NONE))
             best = costs.index(min(costs))
             if best != here:
                 self.turn(b, best)
@@ -134,8 +140,12 @@ class Streets(Board):
         for n in changed:
             touched.update(self.near[n])
             cell = self.at[n]
-            if cell is not None and cell in self._passes:
-                total += ON_NODE * sum(b not in bonds for b in self._passes[cell])
+            if cell is not None:
+                number = (cell[0] << _ROW) + cell[1]
+                for passes in (self._level, self._upright):
+                    for b in passes.get(number, ()):
+                        if b not in bonds:
+                            total += ON_NODE
         return total + sum(self._node_cost(n) for n in touched)
 
     def least(self, moves: Mapping[int, Cell]) -> int:
@@ -148,19 +158,13 @@ class Streets(Board):
                 total += _length(start, end, LEVEL_FIRST)
         return total
 
-    def flaws(self, bond: int) -> int:
-        """Return over how many nodes a bond runs, and how many steps it shares with others."""
-        found = sum(cell in self.who for cell, _ in self._cells[bond])
-        return found + sum(len(self._shared[s]) - 1 for s in self._steps[bond])
-
     def defects(self) -> int:
         """Return how many crossings, shared steps and passed nodes there are, askew ones too."""
         total = sum(len(s) - 1 for s in self._shared.values() if len(s) > 1)
-        for b, cells in enumerate(self._cells):
-            total += sum(cell in self.who for cell, _ in cells)
-            total += self.turns[b] == STRAIGHT_AWAY and self.corner(b) is None and self._askew(b)
-            for cell, how in cells:
-                total += sum(o > b and _meet(how, h) for o, h in self._passes[cell].items())
+        for b, (level, upright, _) in enumerate(self._ways):
+            total += len(self._taken.intersection(level)) + len(self._taken.intersection(upright))
+            total += self.turns[b] == STRAIGHT_AWAY and self._askew(b)
+            total += sum(o != b for number in level for o in self._upright.get(number, ()))
         return total
 
     def _askew(self, bond: int) -> bool:
@@ -177,13 +181,12 @@ class Streets(Board):
         if len(self.near[tail]) > 1 and len(self.near[head]) > 1:
             dx, dy = bx - ax, by - ay
             total += BACKWARDS * (dx < 0 or (dx == 0 and dy < 0)) + VERTICAL * (dy != 0)
-        return total + self._met(bond, self._cells[bond], self._steps[bond], changed)
+        return total + self._met(bond, self._ways[bond], changed)
 
     def _met(
         self,
         bond: int,
-        cells: Sequence[tuple[Cell, int]],
-        steps: Sequence[Step],
+        way: tuple[list[int], list[int], list[int]],
         changed: set[int] | frozenset[int],
     ) -> int:
         """Return what it costs that a bond on this way meets nodes and other bonds.
@@ -191,25 +194,21 @@ class Streets(Board):
         A pair of bonds that are both `changed` is counted once.
         """
         total = 0
-        who, passes, shared = self.who, self._passes, self._shared
-        for cell, how in cells:
-            if cell in who:
-                total += ON_NODE
-            others = passes.get(cell)
-            if others:
-                for other, passing in others.items():
-                    if other == bond or (other in changed and bond > other):
-                        continue
-                    if how != passing or how == _CORNER:
+        level, upright, steps = way
+        taken, shared = self._taken, self._shared
+        for numbers, across in ((level, self._upright), (upright, self._level)):
+            for number in numbers:
+                if number in taken:
+                    total += ON_NODE
+                for other in across.get(number, ()):
+                    if other != bond and (other not in changed or bond < other):
                         total += CROSS
         for step in steps:
-            along = shared.get(step)
-            if along:
-                for other in along:
-                    if other != bond and (other not in changed or bond < other):
-                        total += SAME_WAY
-            if step[2] > 1:
-                over = shared.get((step[0], step[1], 5 - step[2]), ())
+            for other in shared.get(step, ()):
+                if other != bond and (other not in changed or bond < other):
+                    total += SAME_WAY
+            if step & 2:
+                over = shared.get(step ^ 1, ())
                 total += CROSS * sum(o not in changed or bond < o for o in over)
         return total
 
@@ -223,11 +222,6 @@ class Streets(Board):
 
 
 _NONE: frozenset[int] = frozenset()
-
-
-def _meet(how: int, passing: int) -> bool:
-    """Whether two bonds that pass one cell cross there, or touch at a corner."""
-    return how != passing or how == _CORNER
 
 
 def _next_door(a: Cell, b: Cell) -> bool:
@@ -247,19 +241,31 @@ def _length(a: Cell, b: Cell, turn: int) -> int:
     return UNIT + LONGER * (dx + dy - 1) + (ASKEW if turn == STRAIGHT_AWAY else BEND)
 
 
-def _way(a: Cell, b: Cell, turn: int) -> tuple[list[tuple[Cell, int]], list[Step]]:
-    """Return the cells that a bond passes, and the steps that it goes."""
-    (ax, ay), (bx, by) = a, b
-    if turn == STRAIGHT_AWAY and _next_door(a, b):
-        falls = (bx - ax) * (by - ay) > 0
-        return [], [(min(ax, bx), min(ay, by), 2 if falls else 3)]
-    level_y, upright_x = (ay, bx) if turn == LEVEL_FIRST else (by, ax)
-    left, right = (ax, bx) if ax < bx else (bx, ax)
-    top, bottom = (ay, by) if ay < by else (by, ay)
-    steps = [(x, level_y, 0) for x in range(left, right)]
-    steps += [(upright_x, y, 1) for y in range(top, bottom)]
-    cells = [((x, level_y), _LEVEL) for x in range(left + 1, right)]
-    cells += [((upright_x, y), _UPRIGHT) for y in range(top + 1, bottom)]
-    if ax != bx and ay != by:
-        cells.append(((upright_x, level_y), _CORNER))
-    return cells, steps
+def _way(a: Cell, b: Cell, turn: int) -> tuple[list[int], list[int], list[int]]:
+    """Return the cells that a bond passes level and upright, and the steps that it goes."""
+    level, upright, steps = _from_origin(b[0] - a[0], b[1] - a[1], turn)
+    start = (a[0] << _ROW) + a[1]
+    first = start << 2
+    return (
+        [start + n for n in level],
+        [start + n for n in upright],
+        [first + n for n in steps],
+    )
+
+
+@lru_cache(maxsize=8192)
+def _from_origin(dx: int, dy: int, turn: int) -> tuple[Numbers, Numbers, Numbers]:
+    if turn == STRAIGHT_AWAY and abs(dx) == 1 == abs(dy):
+        corner = (min(dx, 0) << _ROW) + min(dy, 0)
+        return (), (), ((corner << 2) + (2 if dx * dy > 0 else 3),)
+    level_y, upright_x = (0, dx) if turn == LEVEL_FIRST else (dy, 0)
+    left, right, top, bottom = min(dx, 0), max(dx, 0), min(dy, 0), max(dy, 0)
+    level = [(x << _ROW) + level_y for x in range(left + 1, right)]
+    upright = [(upright_x << _ROW) + y for y in range(top + 1, bottom)]
+    steps = [((x << _ROW) + level_y) << 2 for x in range(left, right)]
+    steps += [(((upright_x << _ROW) + y) << 2) + 1 for y in range(top, bottom)]
+    if dx and dy:
+        corner = (upright_x << _ROW) + level_y
+        level.append(corner)
+        upright.append(corner)
+    return tuple(level), tuple(upright), tuple(steps)
