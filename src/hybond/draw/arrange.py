@@ -176,9 +176,14 @@ def _begun(
     if row is None and attempt % 3 < 2:
         row = _between_hubs(Board(kinds, bonds), groups, upright=upright)
     legs = groups[0]
-    kept = [n for n in range(len(kinds)) if not any(n in leg for leg in legs[1:])]
+    links = _links(Board(kinds, bonds), legs)
+    kept = [n for n in range(len(kinds)) if n not in links and not any(n in g for g in legs[1:])]
     number = {n: k for k, n in enumerate(kept)}
-    fewer = [[tuple(number[n] for n in leg) for leg in group] for group in groups[1:]]
+    fewer = [
+        [tuple(number[n] for n in leg) for leg in group]
+        for group in groups[1:]
+        if all(n in number for leg in group for n in leg)
+    ]
     own = [(number[a], number[b]) for a, b in bonds if a in number and b in number]
     own_kinds = [kinds[n] for n in kept]
     inner = None if row is None else {number[n]: cell for n, cell in row.items() if n in number}
@@ -259,7 +264,7 @@ def _multiplied(
     """Return a board with the other legs beside the first, along `axis`, and room for them."""
     first = [cells[n] for n in legs[0]]
     low, high = min(c[axis] for c in first), max(c[axis] for c in first)
-    pitch = high - low + 1
+    pitch = high - low + (2 if len(cells) + len(first) * (len(legs) - 1) < len(kinds) else 1)
     more = pitch * (len(legs) - 1)
     board = Streets(kinds, bonds)
 
@@ -280,8 +285,39 @@ def _multiplied(
             cell, more if cell[axis] > high else half if n in hubs and cell[axis] >= low else 0
         )
         board.put(n, nearest(wish, set(board.who)))
+    if len(board.who) < len(kinds):
+        known = {n: cell for n, cell in enumerate(board.at) if cell is not None}
+        whole = start_board(kinds, bonds, known, {})
+        for n, place in enumerate(whole.at):
+            if n not in known and place is not None:
+                board.put(n, place)
     board.best_turns(range(len(bonds)))
     return board
+
+
+def _links(board: Board, legs: Sequence[Leg]) -> set[int]:
+    """Return what lies between legs and is joined to some of them but not to all."""
+    leg_of = {n: k for k, leg in enumerate(legs) for n in leg}
+    hubs = set.intersection(*({m for n in leg for m in board.near[n]} for leg in legs))
+    found: set[int] = set()
+    seen = set(leg_of) | hubs
+    for start in range(len(board.kinds)):
+        if start in seen:
+            continue
+        seen.add(start)
+        piece, met, outside = [start], set(), False
+        for node in piece:
+            for m in board.near[node]:
+                if m in leg_of:
+                    met.add(leg_of[m])
+                elif m in hubs:
+                    outside = True
+                elif m not in seen:
+                    seen.add(m)
+                    piece.append(m)
+        if met and not outside:
+            found.update(piece)
+    return found
 
 
 def _turn_about(search: Search) -> None:
