@@ -175,7 +175,7 @@ def main(names: list[str]) -> None:
             print(f"{path.name:34}{str(error).splitlines()[0][:90]}")
             continue
         start = time.process_time()
-        drawing = hb.draw_mode(model, {}, simplify=True)
+        drawing = model.draw()
         seconds = time.process_time() - start
         found = counts(drawing.scene)
         print(

@@ -11,10 +11,11 @@ from typing import TYPE_CHECKING
 from hybond.draw.arrange import Arrangement, arrange
 from hybond.draw.badges import Badge, badges
 from hybond.draw.compose import compose
+from hybond.draw.first_mode import first_mode
 from hybond.draw.legend import entries
 from hybond.draw.mpl import draw_on_axes, figure_bytes
 from hybond.draw.scene import Scene
-from hybond.draw.simplify import simplified, zeros_of
+from hybond.draw.simplify import shown_of
 from hybond.draw.sketch import Causality, Sketch, sketch
 from hybond.draw.svg import write_svg
 from hybond.draw.tikz import write_tikz
@@ -96,7 +97,7 @@ def draw(
     dynamic_bonds: Collection[int] = (),
     marks: Mapping[str, str | tuple[str, str] | Badge] | None = None,
     numbers: bool = False,
-    simplify: bool = False,
+    simplify: bool | None = None,
     title: bool = True,
     legend: bool = True,
 ) -> Drawing:
@@ -117,8 +118,9 @@ def draw(
         Badges beside elements: ``{"pad": "derivative", "i": ("12 kHz", "purple")}``.
     numbers : bool
         Number the bonds, from 1.
-    simplify : bool
+    simplify : bool, optional
         Leave out what decides nothing: junctions between two bonds, grounds, losses of zero.
+        Without it that is done where a model is made of parts; the legend says so.
     title : bool
         Write the model's title above.
     legend : bool
@@ -165,9 +167,7 @@ def draw(
         numbers=numbers,
         title=title,
     )
-    if simplify:
-        shown = simplified(shown, zeros_of(graph))
-    return finished(shown, legend=legend)
+    return finished(*shown_of([shown], graph, simplify), legend=legend)
 
 
 def finished(shown: Sketch, *, legend: bool = True) -> Drawing:
@@ -203,15 +203,23 @@ def _places(
 
 def draw_mode(
     graph: Model | FlatGraph,
-    mode: AnyMode,
+    mode: AnyMode | None = None,
     *,
     marks: Mapping[str, str | tuple[str, str] | Badge] | None = None,
     numbers: bool = False,
-    simplify: bool = False,
+    simplify: bool | None = None,
     title: bool = True,
     legend: bool = True,
 ) -> Drawing:
     """Draw a bond graph with the causal strokes of one mode.
+
+    Parameters
+    ----------
+    graph : Model or FlatGraph
+    mode : tuple of int or mapping, optional
+        Without it the mode in which a run goes on after its start.
+    marks, numbers, simplify, title, legend
+        As for `draw`.
 
     Examples
     --------
@@ -227,7 +235,7 @@ def draw_mode(
     from hybond.causality.dynamics import causality_of
 
     graph = graph_of(graph)
-    mode = graph.mode_of(mode)
+    mode = first_mode(graph) if mode is None else graph.mode_of(mode)
     return draw(
         graph,
         mode=mode,

@@ -13,7 +13,7 @@ from hybond.causality.reference import reference_mode
 from hybond.draw.badges import Badge, badges
 from hybond.draw.drawing import Drawing, finished, places_of
 from hybond.draw.panels import side_by_side
-from hybond.draw.simplify import simplified, zeros_of
+from hybond.draw.simplify import shown_of
 from hybond.draw.sketch import mode_caption, sketch
 from hybond.errors import UsageError
 from hybond.model.builder import graph_of
@@ -32,7 +32,7 @@ def draw_hybrid(
     *,
     marks: Mapping[str, str | tuple[str, str] | Badge] | None = None,
     numbers: bool = False,
-    simplify: bool = False,
+    simplify: bool | None = None,
     title: bool = True,
     legend: bool = True,
 ) -> Drawing:
@@ -79,9 +79,7 @@ def draw_hybrid(
         title=title,
         caption=f"reference mode: {caption}" if caption else "",
     )
-    if simplify:
-        shown = simplified(shown, zeros_of(graph))
-    return finished(shown, legend=legend)
+    return finished(*shown_of([shown], graph, simplify), legend=legend)
 
 
 def draw_modes(
@@ -91,7 +89,7 @@ def draw_modes(
     reference: AnyMode | None = None,
     columns: int | None = None,
     numbers: bool = False,
-    simplify: bool = False,
+    simplify: bool | None = None,
     title: bool = True,
     legend: bool = True,
 ) -> Drawing:
@@ -167,8 +165,7 @@ def draw_modes(
                 caption=caption,
             )
         )
-    if simplify:
-        sketches = [simplified(s, zeros_of(graph)) for s in sketches]
+    sketches = shown_of(sketches, graph, simplify)
     arrangement = places_of(sketches[0])
     scene = side_by_side(sketches, arrangement, columns=columns, legend=legend)
     places = dict(zip((s.path for s in sketches[0].symbols), arrangement.positions, strict=True))

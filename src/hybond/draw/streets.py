@@ -13,10 +13,10 @@ from functools import lru_cache
 from hybond.draw.board import BACKWARDS, BENT, LONGER, UNIT, VERTICAL, Board, Cell
 
 ON_NODE = 260
-CROSS = 120
+CROSS = 200
 SAME_WAY = 90
 """Each step that two bonds share."""
-BEND = 24
+BEND = 40
 ASKEW = 60
 
 LEVEL_FIRST, UPRIGHT_FIRST, STRAIGHT_AWAY = 0, 1, 2

@@ -18,7 +18,7 @@ Way = tuple[Point, ...]
 
 _HALF = (0.34, 0.3)
 """Half the room that a node's letters take, in cells."""
-_LENGTH, _BEND, _CROSS, _ASKEW = 10.0, 14.0, 80.0, 45.0
+_LENGTH, _BEND, _CROSS, _ASKEW = 10.0, 14.0, 160.0, 45.0
 _SHARE, _TOUCH = 400.0, 60.0
 _ROUNDS = 3
 

@@ -268,7 +268,7 @@ class Model:
         *,
         mode: Mapping[str, str] | None = None,
         numbers: bool = False,
-        simplify: bool = False,
+        simplify: bool | None = None,
         legend: bool = True,
         schematic: bool = False,
     ) -> Any:
@@ -277,11 +277,13 @@ class Model:
         Parameters
         ----------
         mode : mapping of machine to state
-            Machines that are left out are in their start state.
+            Machines that are left out are in their start state. Without it: the mode in which a
+            run goes on after its start.
         numbers : bool
             Number the bonds.
-        simplify : bool
-            Leave out junctions between two bonds, grounds, and losses of zero.
+        simplify : bool, optional
+            Leave out junctions between two bonds, grounds, and losses of zero. Without it that is
+            done where a model is made of parts.
         legend : bool
             Explain the signs that occur.
         schematic : bool
@@ -300,7 +302,7 @@ class Model:
             return draw_schematic(self)
 
         graph = self.flatten()
-        chosen = graph.mode_of(mode or {})
+        chosen = None if mode is None else graph.mode_of(mode)
         return draw_mode(graph, chosen, numbers=numbers, simplify=simplify, legend=legend)
 
     def _new_name(self, name: str) -> None:
