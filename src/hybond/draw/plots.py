@@ -123,8 +123,8 @@ def _stacked(
         right = max(right, min(beside, _WIDE / 3))
     inches = _WIDE - left - right
     # names of curves that are too many for a row make the figure wider
-    beside = [_column_of(n, tall) for n in groups.values() if _row_of(n) > inches]
-    page = _WIDE + max(0.0, max(beside, default=0.0) + 0.15 - right)
+    columns = [_column_of(n, tall) for n in groups.values() if _row_of(n) > inches]
+    page = _WIDE + max(0.0, max(columns, default=0.0) + 0.15 - right)
     figure = _figure((page, height), interactive=interactive)
 
     def place(y: float, high: float) -> Any:
