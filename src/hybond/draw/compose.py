@@ -26,7 +26,7 @@ from hybond.draw.labels import (
     beside_junction,
     best,
 )
-from hybond.draw.measure import shorten, width
+from hybond.draw.measure import shorten, width, wrapped
 from hybond.draw.scene import Band, Frame, Group, Line, Mark, Text
 from hybond.draw.sketch import Arrow, Sketch, Symbol
 from hybond.draw.style import look
@@ -37,6 +37,8 @@ _LEADING = 1.22
 """Distance of lines of text per font size."""
 _ROOM = 130.0
 """Widest small text before it is cut."""
+_ROOMS = ((_ROOM, 3), (100.0, 3), (_ROOM, 1), (70.0, 3), (70.0, 1), (45.0, 1), (30.0, 1), (20.0, 1))
+"""Width and lines of a law that are tried in turn for the small text of a symbol."""
 _REGION = 24.0
 """Breadth of the ground under a bond of dynamic causality and the nodes that it joins."""
 _EMPHASIS = 17.0
@@ -113,7 +115,7 @@ def compose(sketch: Sketch, places: Arrangement) -> tuple[Group, ...]:
     texts: dict[int, tuple[Mark, ...]] = {}
     for k in order:
         taken = _sides(k, sketch.arrows, centres, bends)
-        texts[k] = _label(sketch.symbols[k], words[k], framed[k], taken, clutter)
+        texts[k] = _label(sketch.symbols[k], framed[k], taken, clutter)
     for k, symbol in enumerate(sketch.symbols):
         marks_of = (*_node_marks(symbol, boxes[k], centres[k]), *texts[k])
         nodes.append(Group("node", symbol.path, symbol.about, marks_of))
@@ -153,11 +155,14 @@ def _grounds(
     return (Group("region", "", "", tuple(bands)),) if bands else ()
 
 
-def _words(symbol: Symbol, room: float) -> tuple[_Words, ...]:
-    """Return the small text of a symbol, line by line."""
+def _words(symbol: Symbol, room: float, most: int = 1) -> tuple[_Words, ...]:
+    """Return the small text of a symbol, line by line; a law has at most so many."""
     state = " off" if symbol.off else ""
     role = "junctionname" if symbol.is_junction else "name"
-    lines = [(role + state, symbol.path, True), ("parameter" + state, symbol.parameter, False)]
+    lines = [(role + state, symbol.path, True)]
+    said = "parameter" + state
+    law = wrapped(symbol.parameter, look(said).size or 10.0, room, most=most)
+    lines += [(said, line, False) for line in law]
     if symbol.machine:
         lines.append(("machine" + state, f"[{symbol.machine}]", False))
     if symbol.law:
@@ -270,13 +275,11 @@ def _sides(
     return sides
 
 
-def _label(
-    symbol: Symbol, words: tuple[_Words, ...], box: Box, taken: set[str], clutter: Clutter
-) -> tuple[Mark, ...]:
+def _label(symbol: Symbol, box: Box, taken: set[str], clutter: Clutter) -> tuple[Mark, ...]:
     """Place the small text of a symbol; where there is no room for all, it is cut."""
     found: tuple[Place, int, tuple[_Words, ...]] | None = None
-    for room in (_ROOM, 70.0, 45.0, 30.0):
-        lines = words if room == _ROOM else _words(symbol, room)
+    for room, most in _ROOMS:
+        lines = _words(symbol, room, most)
         if not lines:
             return ()
         size = (max(w.width for w in lines), sum(w.height for w in lines))

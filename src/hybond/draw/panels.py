@@ -9,7 +9,7 @@ from hybond.draw.arrange import Arrangement
 from hybond.draw.compose import compose
 from hybond.draw.geometry import Box
 from hybond.draw.legend import entries, moved, rows, width_of
-from hybond.draw.measure import shorten, width
+from hybond.draw.measure import width, wrapped
 from hybond.draw.scene import Frame, Group, Mark, Scene, Text
 from hybond.draw.sketch import Sketch
 from hybond.draw.style import look
@@ -62,10 +62,10 @@ def side_by_side(
     size = look("title").size or 13.0
     words: list[Mark] = []
     top = MARGIN
-    if title:
-        text = shorten(title, 1.1 * size, page)
+    for text in wrapped(title, size, page, most=3, words=True, bold=True):
         words.append(Text("title", text, MARGIN, top + size, "start"))
-        top += size + 12.0
+        top += size + 6.0
+    top += 6.0 if title else 0.0
     panels: list[Group] = []
     for k, (groups, (caption, _), one) in enumerate(zip(pictures, captions, sketches, strict=True)):
         row, column = divmod(k, across)

@@ -30,6 +30,9 @@ if TYPE_CHECKING:
 # Okabe and Ito's colours, told apart by everyone; yellow is too light for lines.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000")
 
+_DASHES = ("-", "--", ":", "-.")
+"""Of curves beyond the colours, so that each has a look of its own."""
+
 _WIDE = 7.4
 _TALL = 1.75
 _LANE = 0.2
@@ -218,7 +221,14 @@ def _signals(ax: Axes, result: Any, names: Sequence[str], unit: str, factor: flo
     for k, whole in enumerate(traces):
         colour = COLOURS[k % len(COLOURS)]
         trace = thinned(whole, begin, float(result.t_end), columns=_COLUMNS)
-        (line,) = ax.plot(trace.t * factor, trace.y * scale, color=colour, linewidth=1.4, zorder=3)
+        (line,) = ax.plot(
+            trace.t * factor,
+            trace.y * scale,
+            color=colour,
+            linewidth=1.4,
+            linestyle=_DASHES[k // len(COLOURS) % len(_DASHES)],
+            zorder=3,
+        )
         lines.append(line)
         _circles(ax, trace, colour, factor, scale, result.t_end)
     _limits(ax, values * scale, np.concatenate([i[:, 1] for i in impulses]))
