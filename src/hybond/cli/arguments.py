@@ -185,6 +185,14 @@ def parser_of_words() -> Parser:
         "(default if the model is made of parts)",
     )
     detail.add_argument("--full", action="store_true", help="draw all there is")
+    draw.add_argument("--closed", action="store_true", help="draw each part as a box")
+    draw.add_argument(
+        "--open",
+        metavar="PART",
+        action="append",
+        default=[],
+        help="draw each part as a box but this one, with a frame around what is in it",
+    )
     _settings(draw)
 
     causality = _verb(

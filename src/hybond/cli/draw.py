@@ -43,7 +43,7 @@ def _schematic(given: Namespace) -> Drawing:
     """Return the schematic of a model made of parts."""
     from hybond.draw import draw_schematic
 
-    for option in ("mode", "columns", "numbers", "simplify", "full"):
+    for option in ("mode", "columns", "numbers", "simplify", "full", "closed", "open"):
         if getattr(given, option):
             raise UsageError(
                 f"a schematic has no {option}",
@@ -60,7 +60,13 @@ def _picture(graph: FlatGraph, given: Namespace) -> Drawing:
 
     modes = [mode_of(graph, text) for text in given.mode]
     simplify = True if given.simplify else False if given.full else None
-    signs = {"numbers": given.numbers, "simplify": simplify, "legend": given.legend}
+    opened = given.open if given.open or given.closed else None
+    signs = {
+        "numbers": given.numbers,
+        "simplify": simplify,
+        "open": opened,
+        "legend": given.legend,
+    }
     if given.panels or (len(modes) > 1 and not given.hybrid):
         return draw_modes(
             graph,

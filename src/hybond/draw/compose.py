@@ -27,6 +27,7 @@ from hybond.draw.labels import (
     best,
 )
 from hybond.draw.measure import shorten, width, wrapped
+from hybond.draw.opened import opened
 from hybond.draw.scene import Band, Frame, Group, Line, Mark, Text
 from hybond.draw.sketch import Arrow, Sketch, Symbol
 from hybond.draw.style import look
@@ -124,7 +125,8 @@ def compose(sketch: Sketch, places: Arrangement) -> tuple[Group, ...]:
     for arrow, shape, marks in groups:
         number = _number(arrow, shape, clutter)
         bonds.append(Group("bond", arrow.name, arrow.name, (*marks, *number)))
-    return (*_grounds(sketch, shapes, centres, bends, framed), *bonds, *nodes)
+    grounds = _grounds(sketch, shapes, centres, bends, framed)
+    return (*opened(sketch, nodes, centres), *grounds, *bonds, *nodes)
 
 
 def _grounds(
@@ -159,7 +161,7 @@ def _words(symbol: Symbol, room: float, most: int = 1) -> tuple[_Words, ...]:
     """Return the small text of a symbol, line by line; a law has at most so many."""
     state = " off" if symbol.off else ""
     role = "junctionname" if symbol.is_junction else "name"
-    lines = [(role + state, symbol.path, True)]
+    lines = [] if symbol.kind == "part" else [(role + state, symbol.path, True)]
     said = "parameter" + state
     law = wrapped(symbol.parameter, look(said).size or 10.0, room, most=most)
     lines += [(said, line, False) for line in law]
@@ -178,6 +180,11 @@ def _words(symbol: Symbol, room: float, most: int = 1) -> tuple[_Words, ...]:
 
 def _letters(symbol: Symbol, centre: Point) -> Box:
     """Return the box of a symbol's letters, with the subscript of a controlled one."""
+    if symbol.kind == "part":
+        half = max(
+            width(symbol.letters, look("node boxed").size or 13.0, bold=True) / 2 + 7.0, 20.0
+        )
+        return Box(centre[0] - half, centre[1] - 14.0, centre[0] + half, centre[1] + 14.0)
     size = look("node").size or 19.0
     half = max(width(symbol.letters, size, bold=True) / 2, 6.0)
     if symbol.controlled:
@@ -233,6 +240,11 @@ def _cross(shape: BondShape) -> tuple[Segment, Segment]:
 
 
 def _node_marks(symbol: Symbol, box: Box, centre: Point) -> list[Mark]:
+    if symbol.kind == "part":
+        late = " derivative" if symbol.derivative else ""
+        role = "node boxed" + late + (" off" if symbol.off else "")
+        baseline = centre[1] + 0.36 * (look("node boxed").size or 13.0)
+        return [Frame("part" + late, box, 3.0), Text(role, symbol.letters, centre[0], baseline)]
     size = look("node").size or 19.0
     role = "node junction" if symbol.is_junction else "node"
     if symbol.controlled:

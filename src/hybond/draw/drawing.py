@@ -98,6 +98,7 @@ def draw(
     marks: Mapping[str, str | tuple[str, str] | Badge] | None = None,
     numbers: bool = False,
     simplify: bool | None = None,
+    open: Collection[str] | None = None,
     title: bool = True,
     legend: bool = True,
 ) -> Drawing:
@@ -121,6 +122,9 @@ def draw(
     simplify : bool, optional
         Leave out what decides nothing: junctions between two bonds, grounds, losses of zero.
         Without it that is done where a model is made of parts; the legend says so.
+    open : collection of str, optional
+        Draw each part as one box, but for those that are named here: these have a frame around
+        what is in them. Without it everything is drawn, and no frames.
     title : bool
         Write the model's title above.
     legend : bool
@@ -137,7 +141,8 @@ def draw(
         HB-M144 for what is no mode.
     UsageError
         HB-D106 for a mark on a node that does not exist,
-        HB-D107 for a tone that does not exist.
+        HB-D107 for a tone that does not exist,
+        HB-D111 for a part to open that does not exist.
 
     References
     ----------
@@ -167,7 +172,7 @@ def draw(
         numbers=numbers,
         title=title,
     )
-    return finished(*shown_of([shown], graph, simplify), legend=legend)
+    return finished(*shown_of([shown], graph, simplify, open), legend=legend)
 
 
 def finished(shown: Sketch, *, legend: bool = True) -> Drawing:
@@ -208,6 +213,7 @@ def draw_mode(
     marks: Mapping[str, str | tuple[str, str] | Badge] | None = None,
     numbers: bool = False,
     simplify: bool | None = None,
+    open: Collection[str] | None = None,
     title: bool = True,
     legend: bool = True,
 ) -> Drawing:
@@ -218,7 +224,7 @@ def draw_mode(
     graph : Model or FlatGraph
     mode : tuple of int or mapping, optional
         Without it the mode in which a run goes on after its start.
-    marks, numbers, simplify, title, legend
+    marks, numbers, simplify, open, title, legend
         As for `draw`.
 
     Examples
@@ -243,6 +249,7 @@ def draw_mode(
         marks=marks,
         numbers=numbers,
         simplify=simplify,
+        open=open,
         title=title,
         legend=legend,
     )

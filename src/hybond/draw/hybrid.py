@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from hybond.causality.dynamics import causality_of, dynamics
@@ -33,6 +33,7 @@ def draw_hybrid(
     marks: Mapping[str, str | tuple[str, str] | Badge] | None = None,
     numbers: bool = False,
     simplify: bool | None = None,
+    open: Collection[str] | None = None,
     title: bool = True,
     legend: bool = True,
 ) -> Drawing:
@@ -47,7 +48,7 @@ def draw_hybrid(
     graph : Model or FlatGraph
     reference : tuple of int, optional
         Without it the mode in which most storages are in integral causality.
-    marks, numbers, simplify, title, legend
+    marks, numbers, simplify, open, title, legend
         As for `draw`.
 
     References
@@ -79,7 +80,7 @@ def draw_hybrid(
         title=title,
         caption=f"reference mode: {caption}" if caption else "",
     )
-    return finished(*shown_of([shown], graph, simplify), legend=legend)
+    return finished(*shown_of([shown], graph, simplify, open), legend=legend)
 
 
 def draw_modes(
@@ -90,6 +91,7 @@ def draw_modes(
     columns: int | None = None,
     numbers: bool = False,
     simplify: bool | None = None,
+    open: Collection[str] | None = None,
     title: bool = True,
     legend: bool = True,
 ) -> Drawing:
@@ -107,7 +109,7 @@ def draw_modes(
         Without it the mode in which most storages are in integral causality.
     columns : int, optional
         Panels in a row; without it as many as suit a page.
-    numbers, simplify, title, legend
+    numbers, simplify, open, title, legend
         As for `draw`.
 
     Raises
@@ -165,7 +167,7 @@ def draw_modes(
                 caption=caption,
             )
         )
-    sketches = shown_of(sketches, graph, simplify)
+    sketches = shown_of(sketches, graph, simplify, open)
     arrangement = places_of(sketches[0])
     scene = side_by_side(sketches, arrangement, columns=columns, legend=legend)
     places = dict(zip((s.path for s in sketches[0].symbols), arrangement.positions, strict=True))

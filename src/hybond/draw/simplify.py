@@ -17,6 +17,7 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from dataclasses import replace
 
+from hybond.draw.parts import in_frames
 from hybond.draw.sketch import Arrow, Sketch, Symbol
 from hybond.model.graph import FlatGraph
 
@@ -36,12 +37,21 @@ def made_of_parts(graph: FlatGraph) -> bool:
     return any("." in n.path for n in graph.nodes if not n.hidden and not n.implied)
 
 
-def shown_of(sketches: Sequence[Sketch], graph: FlatGraph, simplify: bool | None) -> list[Sketch]:
-    """Return sketches of one graph as they are drawn: None simplifies what is made of parts."""
-    if simplify or (simplify is None and made_of_parts(graph)):
-        zeros = zeros_of(graph)
-        return [simplified(s, zeros) for s in sketches]
-    return list(sketches)
+def shown_of(
+    sketches: Sequence[Sketch],
+    graph: FlatGraph,
+    simplify: bool | None,
+    opened: Collection[str] | None = None,
+) -> list[Sketch]:
+    """Return sketches of one graph as they are drawn: None simplifies what is made of parts.
+
+    With `opened` parts are frames, see `hybond.draw.parts.in_frames`.
+    """
+    zeros = zeros_of(graph)
+    simpler = simplify or (simplify is None and made_of_parts(graph))
+    if opened is not None:
+        sketches = [in_frames(s, opened) for s in sketches]
+    return [simplified(s, zeros) if simpler else s for s in sketches]
 
 
 def zeros_of(graph: FlatGraph) -> dict[str, str]:
@@ -92,6 +102,10 @@ def simplified(sketch: Sketch, zeros: dict[str, str]) -> Sketch:
         arrows=tuple(replace(a, tail=place[a.tail], head=place[a.head]) for a in arrows),
         pins={place[k]: at for k, at in sketch.pins.items() if k in place},
         left_out=len(symbols) - len(kept),
+        frames=tuple(
+            replace(f, members=tuple(place[k] for k in f.members if k in place))
+            for f in sketch.frames
+        ),
     )
 
 

@@ -83,6 +83,14 @@ class Arrow:
 
 
 @dataclass(frozen=True, slots=True)
+class Frame:
+    """What is drawn around the symbols of a part that is open."""
+
+    path: str
+    members: tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class Sketch:
     """Symbols, arrows, and the words around them."""
 
@@ -93,6 +101,7 @@ class Sketch:
     pins: dict[int, tuple[float, float]] = field(default_factory=dict)
     left_out: int = 0
     """How many symbols it is drawn without, because they decide nothing."""
+    frames: tuple[Frame, ...] = ()
 
 
 def sketch(

@@ -269,6 +269,7 @@ class Model:
         mode: Mapping[str, str] | None = None,
         numbers: bool = False,
         simplify: bool | None = None,
+        open: Sequence[str] | None = None,
         legend: bool = True,
         schematic: bool = False,
     ) -> Any:
@@ -284,6 +285,9 @@ class Model:
         simplify : bool, optional
             Leave out junctions between two bonds, grounds, and losses of zero. Without it that is
             done where a model is made of parts.
+        open : sequence of str, optional
+            Draw each part as one box, but for those named here, which have a frame around what is
+            in them: ``open=()`` closes all.
         legend : bool
             Explain the signs that occur.
         schematic : bool
@@ -294,7 +298,8 @@ class Model:
         ModelError
             HB-M144 for a machine or state that does not exist.
         UsageError
-            HB-D110 for a schematic of a model without parts.
+            HB-D110 for a schematic of a model without parts, HB-D111 for a part to open that does
+            not exist.
         """
         from hybond.draw import draw_mode, draw_schematic
 
@@ -303,7 +308,9 @@ class Model:
 
         graph = self.flatten()
         chosen = None if mode is None else graph.mode_of(mode)
-        return draw_mode(graph, chosen, numbers=numbers, simplify=simplify, legend=legend)
+        return draw_mode(
+            graph, chosen, numbers=numbers, simplify=simplify, open=open, legend=legend
+        )
 
     def _new_name(self, name: str) -> None:
         if not isinstance(name, str) or not _NAME.match(name) or name in RESERVED:
