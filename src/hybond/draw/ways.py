@@ -21,6 +21,12 @@ _HALF = (0.34, 0.3)
 _LENGTH, _BEND, _CROSS, _ASKEW = 10.0, 14.0, 160.0, 45.0
 _SHARE, _TOUCH = 400.0, 60.0
 _ROUNDS = 3
+_EFFORT = 9000
+"""Ways that are looked for, times the number of bonds: a tangle of hundreds stays one."""
+_MOST = 400
+"""Bonds beyond which ways stay as the placement has them."""
+_AROUND = 5.0
+"""Cells around the ends of a bond within which its way is looked for."""
 
 
 def clear_ways(
@@ -47,18 +53,20 @@ def clear_ways(
     found = list(ways)
     boxes = [_room(p) for p in positions]
     lines: _Lines | None = None
-    for _ in range(_ROUNDS):
+    effort = _EFFORT // max(len(bonds), 1) if len(bonds) <= _MOST else 0
+    for _ in range(_ROUNDS if effort else 0):
         changed = False
         for b, flaw in sorted(enumerate(_flaws(found, bonds, boxes)), key=lambda f: -f[1]):
-            if flaw == 0:
-                continue
+            if flaw == 0 or effort == 0:
+                break
+            effort -= 1
             lines = lines or _Lines(positions)
             before = _price(found[b], b, found, bonds, boxes)
             new = lines.route(b, bonds, found)
             if new is not None and _price(new, b, found, bonds, boxes) < before - 1e-9:
                 found[b] = new
                 changed = True
-        if not changed:
+        if not changed or effort == 0:
             break
     return found
 
@@ -189,8 +197,11 @@ class _Lines:
         start, goal = self._at(tail), self._at(head)
         taken, passed, slanted = self._used(bond, ways)
         ends = {tail, head}
+        window = _bounds((self.positions[tail], self.positions[head])).grown(_AROUND)
 
         def free(i: int, j: int) -> bool:
+            if not (window.x0 < xs[i] < window.x1 and window.y0 < ys[j] < window.y1):
+                return False
             return all(n in ends for n in self.inside.get((i, j), ()))
 
         def step_price(i: int, j: int, k: int) -> tuple[float, int, int]:
