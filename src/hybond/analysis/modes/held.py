@@ -6,7 +6,7 @@ what is said of all states of the held model is said of all instants of the mode
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from hybond.model.expressions import (
@@ -55,10 +55,13 @@ class Held:
         Its last integrated signals are what is held.
     given : tuple of Expr
         What each of these is, of time and inputs of the model.
+    where : tuple of Expr
+        Conditions on the model, as they read in the held one.
     """
 
     graph: FlatGraph
     given: tuple[Expr, ...]
+    where: tuple[Expr, ...] = ()
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -77,7 +80,7 @@ class Held:
         return [float(compile_expression(e, index, pre_offset=0)(row)) for e in self.given]
 
 
-def held(graph: FlatGraph) -> Held:
+def held(graph: FlatGraph, where: Sequence[Expr] = ()) -> Held:
     """Return a model with its surroundings held; it has no timed events and no samples.
 
     Examples
@@ -131,6 +134,7 @@ def held(graph: FlatGraph) -> Held:
         written=None,
         parametric=None,
     )
+    conditions = tuple(put(e) for e in where)
     more = tuple(
         Integral(first + k, _called(e, graph), Number(0.0), 0.0) for k, e in enumerate(found)
     )
@@ -143,7 +147,7 @@ def held(graph: FlatGraph) -> Held:
         integrals=(*made.integrals, *more),
         dimensions={**graph.dimensions, **dimensions},
     )
-    return Held(made, tuple(found))
+    return Held(made, tuple(found), conditions)
 
 
 def _called(e: Expr, graph: FlatGraph) -> str:
@@ -151,9 +155,8 @@ def _called(e: Expr, graph: FlatGraph) -> str:
     return to_text(transform(e, lambda n: paths.get(n.path, n) if isinstance(n, Name) else n))
 
 
-def _with_laws(graph: FlatGraph, put: object) -> FlatGraph:
+def _with_laws(graph: FlatGraph, put: Callable[[Expr], Expr]) -> FlatGraph:
     """Return the graph with all laws and rates rewritten."""
-    assert callable(put)
 
     def node(n: Node) -> Node:
         if n.law is None or n.law.matrix is not None:
@@ -210,7 +213,7 @@ def without_rules(graph: FlatGraph) -> Lifted:
     )
 
 
-def guards_of(graph: FlatGraph) -> Iterable[Expr]:
+def guards_of(graph: FlatGraph) -> Iterator[Expr]:
     """Yield all guards."""
     for m in graph.machines:
         for r in m.rules:

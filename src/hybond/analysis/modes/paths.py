@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.analysis.modes.cases import NotAffine, Pair, Read, Values, truths, values
-from hybond.analysis.modes.cell import FLAT, Cell, Programs, Row, Spent
+from hybond.analysis.modes.cell import FLAT, Cell, Programs, Row
 from hybond.analysis.modes.entry import Barred, Entries, Entry
 from hybond.model.expressions import Expr
 from hybond.model.graph import FlatGraph, Mode, Rule
@@ -58,8 +58,8 @@ class Path:
     why: str = ""
     back: int = -1
     """Of a cycle: the visit that the last one repeats."""
-    still: bool = True
-    """Whether some state of the cell needs no jump of the surroundings."""
+    stand: Cell | None = None
+    """The part of the cell in which nothing outside jumps; None if there is none."""
 
     @property
     def last(self) -> Mode:
@@ -301,17 +301,17 @@ class Instants:
         return self._path(point, "holds")
 
     def _path(self, point: _Point, end: End, why: str = "", back: int = -1) -> Path:
-        cell, still = self._still(point.cell)
-        return Path(point.visits[0].mode, point.visits, cell, end, why, back, still)
+        begin = point.visits[0].mode
+        return Path(begin, point.visits, point.cell, end, why, back, self._still(point.cell))
 
-    def _still(self, cell: Cell) -> tuple[Cell, bool]:
-        """Return a cell with a point in which nothing outside jumps, if it has one."""
+    def _still(self, cell: Cell) -> Cell | None:
+        """Return the part of a cell in which nothing outside jumps, if there is one."""
         found: Cell | None = cell
         for k, state in enumerate(self.space.jumping):
             a = np.zeros(self.space.many)
             a[state], a[self.space.states + k] = 1.0, -1.0
             found = None if found is None else found.cut(Row(a, 0.0, "="))
-        return (cell, False) if found is None else (replace(cell, point=found.point), True)
+        return found
 
     def _values(
         self,
@@ -354,6 +354,3 @@ class Instants:
 
 def _said(barred: Barred) -> str:
     return f"{barred.error.code}: {barred.error.why}"
-
-
-__all__ = ["Instants", "Path", "Space", "Spent", "Visit"]
