@@ -138,7 +138,9 @@ def parser_of_words() -> Parser:
     check.add_argument(
         "--cross", action="store_true", help="run it with two engines and compare what they say"
     )
-    check.add_argument("--until", metavar="T", help="of --cross and --modes: end time, as 3 or '50 ms'")
+    check.add_argument(
+        "--until", metavar="T", help="of --cross and --modes: end time, as 3 or '50 ms'"
+    )
     check.add_argument(
         "--step", metavar="H", help="of --cross: the longest step; it is halved twice or more"
     )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 from hybond.draw.drawing import Drawing
@@ -220,7 +221,7 @@ def _node(n: ModeNode, box: Box, *, first: bool) -> Group:
     if first:
         line = ((box.x0 - 24.0, y), (box.x0, y))
         marks += [Line("stroke", line), _tip("stroke", line)]
-        marks.append(Text("number", "start", box.x0 - 26.0, y - 6.0, "start"))
+        marks.append(Text("number", "start", box.x0 - 30.0, y - 7.0, "start"))
     return Group("mode", n.mode, ", ".join(n.kinds), tuple(marks))
 
 
@@ -231,7 +232,7 @@ def _cycles(found: ModeGraph) -> set[Pair]:
         if not gap.cycle or len(gap.modes) < 2 or gap.modes[-1] not in gap.modes[:-1]:
             continue
         own = gap.modes[gap.modes.index(gap.modes[-1]) :]
-        pairs |= set(zip(own, own[1:], strict=False))
+        pairs |= set(pairwise(own))
     return pairs
 
 

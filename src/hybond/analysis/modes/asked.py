@@ -9,8 +9,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from hybond.analysis.modes.steps import Fired, Met
 from hybond.analysis.modes.records import Known
+from hybond.analysis.modes.steps import Fired, Met
 from hybond.engine.outcome.apart import Apart
 from hybond.errors import HybondError
 from hybond.model.graph import FlatGraph, Mode

@@ -161,9 +161,7 @@ def _with_laws(graph: FlatGraph, put: Callable[[Expr], Expr]) -> FlatGraph:
     def node(n: Node) -> Node:
         if n.law is None or n.law.matrix is not None:
             return n
-        return replace(
-            n, law=replace(n.law, expressions=tuple(put(e) for e in n.law.expressions))
-        )
+        return replace(n, law=replace(n.law, expressions=tuple(put(e) for e in n.law.expressions)))
 
     return replace(
         graph,

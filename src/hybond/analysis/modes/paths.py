@@ -337,9 +337,7 @@ class Instants:
 
             return read
 
-        return Values(
-            reading(finite, impulse, mode), reading(before, {}, old), self.space.many
-        )
+        return Values(reading(finite, impulse, mode), reading(before, {}, old), self.space.many)
 
     def _significant(self, rows: Matrix) -> list[Vector]:
         """Return the rows that are not zero but for rounding."""

@@ -36,6 +36,8 @@ PROGRAMS = 4000
 """Linear programs solved: about ten seconds."""
 SAMPLES = 100
 """States sampled per mode."""
+EDGES = 200
+"""Edges up to which those are told that are not seen and not excluded."""
 EVENTS = 20_000
 """Events of the run."""
 POINTS = 5
@@ -142,6 +144,7 @@ def reachable(
             limit,
         )
         sampled.explore([*first, *met.kinds])
+        met.not_excluded(EDGES)
         left_out += sampled.left_out
     time, why = _verdict(met.gaps, undecided, exact=exact)
     unreachable = met.unreachable()

@@ -58,8 +58,8 @@ def _sum(row: Row, names: Sequence[str]) -> str:
     """Return a row with a leading coefficient of one."""
     places = np.flatnonzero(row.a)
     lead = float(row.a[places[0]])
-    terms = []
-    for k in places:
+    terms: list[str] = []
+    for k in places.tolist():
         c = float(row.a[k]) / lead
         size = "" if abs(abs(c) - 1.0) < 1e-12 else f"{_number(abs(c))}*"
         sign = (" - " if c < 0 else " + ") if terms else ("-" if c < 0 else "")

@@ -19,7 +19,7 @@ Vector = NDArray[np.float64]
 
 OWN = 20
 """States of a run in each mode that are taken as they are."""
-GAPS = 5
+GAPS = 2
 """States without a mode that are told, per mode."""
 
 
@@ -101,16 +101,14 @@ class Samples:
         own, lifted = self.asked.graph, self.project.graph
         return len(lifted.integrals) - len(own.integrals)
 
-    def _gap(
-        self, mode: Mode, y: Vector, named: dict[str, float], error: DivergenceOfTime
-    ) -> None:
+    def _gap(self, mode: Mode, y: Vector, named: dict[str, float], error: DivergenceOfTime) -> None:
         text = self.asked.graph.mode_text(mode)
         self.met.gaps.append(
             Gap(
                 begin=text,
                 states=(),
                 modes=(text,),
-                why=error.why,
+                why=error.why.partition(": ")[2] or error.why,
                 cycle=True,
                 witness=named,
                 confirmed=self.asked.stops(y, mode, "HB-N401"),

@@ -57,6 +57,27 @@ class Met:
         r = m.rules[rule]
         return Fires(m.path, m.states[r.source], m.states[r.target], r.text)
 
+    def not_excluded(self, most: int) -> None:
+        """Note the rules that were not met, in the modes that were: nothing says they cannot fire.
+
+        Parameters
+        ----------
+        most : int
+            Edges up to which this is done.
+        """
+        met = {at for _, _, fired in self.edges for at in fired}
+        for mode in list(self.kinds):
+            for m in self.graph.machines:
+                for k, rule in enumerate(m.rules):
+                    if m.law is not None or rule.source != mode[m.index] or (m.index, k) in met:
+                        continue
+                    if len(self.edges) >= most:
+                        return
+                    target = list(mode)
+                    target[m.index] = rule.target
+                    self.mode(tuple(target))
+                    self.edge(mode, tuple(target), ((m.index, k),), "not excluded")
+
     def nodes(self) -> tuple[ModeNode, ...]:
         """Return the modes with their kinds."""
         return tuple(
