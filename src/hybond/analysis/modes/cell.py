@@ -58,6 +58,9 @@ class Programs:
         ------
         Spent
         """
+        found = _ranges(rows, self.scale)
+        if found is not None:
+            return _between(*found, self.scale, small=False)
         if self.spent:
             raise Spent
         self.made += 1
@@ -65,6 +68,9 @@ class Programs:
 
     def near(self, rows: tuple[Row, ...]) -> Vector | None:
         """Return a point inside of the rows whose variables are small, None if there is none."""
+        found = _ranges(rows, self.scale)
+        if found is not None:
+            return _between(*found, self.scale, small=True)
         point = self.inside(rows)
         if point is None:
             return None
@@ -132,6 +138,48 @@ class Cell:
             if len(others) < len(kept) and self.programs.inside((*others, -row)) is None:
                 kept = list(others)
         return tuple(kept)
+
+
+def _ranges(rows: tuple[Row, ...], scale: Vector) -> tuple[Vector, Vector, Vector] | None:
+    """Return the range of each variable if no row joins two; whether it has to be an open one."""
+    low, high = np.full(len(scale), -np.inf), np.full(len(scale), np.inf)
+    strict = np.zeros(len(scale), dtype=bool)
+    ends: dict[tuple[int, bool], list[tuple[float, bool]]] = {}
+    for row in rows:
+        places = np.flatnonzero(row.a)
+        if len(places) > 1:
+            return None
+        if len(places) == 0:
+            continue
+        k = int(places[0])
+        end = row.b / float(row.a[k])
+        above = row.a[k] > 0.0
+        if row.kind == "=" or above:
+            ends.setdefault((k, True), []).append((end, row.kind == "<"))
+        if row.kind == "=" or not above:
+            ends.setdefault((k, False), []).append((end, row.kind == "<"))
+    for (k, above), own in ends.items():
+        end = min(e for e, _ in own) if above else max(e for e, _ in own)
+        (high if above else low)[k] = end
+        strict[k] |= any(s and e == end for e, s in own)
+    return low, high, strict
+
+
+def _between(
+    low: Vector, high: Vector, strict: Vector, scale: Vector, *, small: bool
+) -> Vector | None:
+    """Return a point between ends, None if there is none; a small one if asked for."""
+    room = (high - low) / scale
+    if np.any(np.where(strict, room <= 2.0 * SLACK, room < 0.0)):
+        return None
+    point = np.zeros(len(scale))
+    for k, (a, b, size) in enumerate(zip(low, high, scale, strict=True)):
+        inside = min(0.5 * (b - a), 0.5 * float(size))
+        if a > -inside:
+            point[k] = 0.5 * (a + b) if b - a < size and not small else a + inside
+        elif b < inside:
+            point[k] = 0.5 * (a + b) if b - a < size and not small else b - inside
+    return point
 
 
 def _matrices(

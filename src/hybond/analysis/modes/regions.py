@@ -46,6 +46,8 @@ def _bound(name: str, rows: dict[str, Row], k: int) -> str:
     value = {side: _number(row.b / float(row.a[k])) for side, row in rows.items()}
     if "=" in rows:
         return f"{name} = {value['=']}"
+    if len(rows) == 2 and value["below"] == value["above"]:
+        return f"{name} = {value['above']}"
     if len(rows) == 2:
         low, high = rows["below"].kind, rows["above"].kind
         return f"{value['below']} {low} {name} {high} {value['above']}"
