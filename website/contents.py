@@ -34,6 +34,7 @@ GROUPS: dict[str, tuple[str, ...]] = {
         "complementarity",
         "time_stepping",
         "sliding",
+        "verification",
         "restitution",
         "residuals",
         "switching",
