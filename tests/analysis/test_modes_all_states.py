@@ -1,4 +1,4 @@
-"""All states of each mode at once: gaps that can be worked out by hand, proofs, what never fires."""
+"""All states of each mode at once: gaps worked out by hand, proofs, what never fires."""
 
 from pathlib import Path
 
@@ -44,10 +44,12 @@ def test_the_ball_of_two_contacts_has_no_mode_between_two_speeds():
     assert kinds(found)["off, on"] == {"continuous", "mythical"}
 
 
-@pytest.mark.parametrize(("p", "stops"), [(-1.01, False), (-0.99, True), (-0.51, True), (-0.49, False)])
+@pytest.mark.parametrize(
+    ("p", "stops"), [(-1.01, False), (-0.99, True), (-0.51, True), (-0.49, False)]
+)
 def test_the_gap_is_where_runs_stop(p, stops):
     text = (EXAMPLES / "bouncing_ball_no_mode.toml").read_text(encoding="utf-8")
-    text = text.replace('I = "1 kg"', f'I = "1 kg", p = "{p} N*s"').replace("1 m\"", "0 m\"")
+    text = text.replace('I = "1 kg"', f'I = "1 kg", p = "{p} N*s"').replace('1 m"', '0 m"')
     run = hb.simulate(hb.loads(text), until="1 us", on_error="return")
     assert (run.error is not None and run.error.code == "HB-N401") is stops
 
@@ -141,6 +143,24 @@ def test_what_joins_two_states_is_a_condition_on_both():
     assert kept.exact and kept.time == "proved"
 
 
+def test_a_law_that_asks_for_the_state_is_affine_in_each_mode():
+    m = capacitor((["a", "b"], "a", ["a -> b when f.e > 2", "b -> a when f.e < 1"]))
+    m.add(g=hb.Sf('if m0.state == "b" then -2*c.e else 1'))
+    m.bond("g -> n")
+    found = hb.reachable(m, until=0)
+    assert found.exact and found.time == "proved"
+
+
+def test_twenty_switches_cost_no_more_than_the_modes_that_follow_each_other():
+    rules = [[f"a -> b when c.e > {k + 1}", f"b -> a when c.e < {k}"] for k in range(20)]
+    model = capacitor(*((["a", "b"], "a", own) for own in rules))
+    found = hb.reachable(model, until=0, limit=2, samples=1)
+    # from the start mode: as many of them on, from the first, as there are volts
+    own = {e.target for e in found.edges if e.begin == "all at start"}
+    assert own == {", ".join(f"m{j} = b" for j in range(k + 1)) for k in range(20)}
+    assert found.left_out and found.time == "not decided"
+
+
 def test_what_is_left_out_is_said():
     rules = ["a -> b when c.e > 2", "b -> a when c.e < 1"]
     found = hb.reachable(capacitor((["a", "b"], "a", rules)), until=0, limit=1, samples=5)
@@ -211,7 +231,10 @@ def test_random_machines_stop_where_settling_by_hand_does_not_end(seed):
             (
                 list(names),
                 "a",
-                [f"{names[s]} -> {names[t]} when c.e > {lo} and c.e < {hi}" for s, t, lo, hi in own],
+                [
+                    f"{names[s]} -> {names[t]} when c.e > {lo} and c.e < {hi}"
+                    for s, t, lo, hi in own
+                ],
             )
             for own in machines
         )

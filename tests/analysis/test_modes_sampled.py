@@ -1,4 +1,4 @@
-"""Modes that follow each other in models with bent laws: those of runs, and of samples of states."""
+"""Modes that follow each other where laws are bent: those of runs, and of samples of states."""
 
 import json
 from pathlib import Path

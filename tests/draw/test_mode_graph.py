@@ -1,4 +1,4 @@
-"""The state diagram: every mode and transition is in it, frames do not overlap, arrows end at them."""
+"""The state diagram: all modes and transitions, frames that stand apart, arrows that end there."""
 
 import re
 from xml.etree import ElementTree
@@ -44,7 +44,8 @@ def test_arrows_begin_and_end_at_frames():
     boxes = _boxes(found.nodes)
     svg = draw_mode_graph(found).svg()
     for source, target, path in re.findall(
-        r'data-edge="(mode \d) -&gt; (mode \d)">\n<title>.*?</title>\n<path class="\w+" d="M(.*?)"/>',
+        r'data-edge="(mode \d) -&gt; (mode \d)">\n<title>.*?</title>\n'
+        r'<path class="\w+" d="M(.*?)"/>',
         svg,
     ):
         ends = [tuple(map(float, p.split())) for p in path.split("L")]

@@ -17,6 +17,9 @@ FLAT = 1e-10
 SLACK = 1e-8
 """An open cell whose widest ball is smaller than this, in scaled units, counts as empty."""
 
+CUTS = 25
+"""Cuts for each linear program that is allowed."""
+
 
 @dataclass(frozen=True)
 class Row:
@@ -40,16 +43,18 @@ class Programs:
     scale : array, shape (variables,)
         A usual size of each variable.
     most : int
+        Cuts may be that many times `CUTS`: most need no program.
     """
 
     scale: Vector
     most: int
     made: int = 0
+    cuts: int = 0
 
     @property
     def spent(self) -> bool:
         """Whether no more may be solved."""
-        return self.made >= self.most
+        return self.made >= self.most or self.cuts >= CUTS * self.most
 
     def inside(self, rows: tuple[Row, ...]) -> Vector | None:
         """Return a point well inside of the rows, None if there is none.
@@ -61,7 +66,7 @@ class Programs:
         found = _ranges(rows, self.scale)
         if found is not None:
             return _between(*found, self.scale, small=False)
-        if self.spent:
+        if self.made >= self.most:
             raise Spent
         self.made += 1
         return _widest(rows, self.scale)
@@ -108,7 +113,15 @@ class Cell:
     programs: Programs = field(repr=False)
 
     def cut(self, row: Row) -> Cell | None:
-        """Return the part in which a row holds, None if there is none."""
+        """Return the part in which a row holds, None if there is none.
+
+        Raises
+        ------
+        Spent
+        """
+        if self.programs.spent:
+            raise Spent
+        self.programs.cuts += 1
         scale = self.programs.scale
         size = float(np.max(np.abs(row.a * scale), initial=0.0))
         if size <= FLAT * abs(row.b) or size == 0.0:

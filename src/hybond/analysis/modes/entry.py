@@ -6,7 +6,7 @@ there are coefficients then give them all, and more states confirm it.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -17,8 +17,26 @@ from hybond.analysis.modes.cases import NotAffine
 from hybond.analysis.modes.held import Lifted, straight
 from hybond.engine.outcome.apart import Apart
 from hybond.errors import HybondError
-from hybond.model.expressions import Expr, Name, Number, names, simplify, substitute
+from hybond.model.expressions import (
+    And,
+    Binary,
+    Bool,
+    Call,
+    Compare,
+    Expr,
+    If,
+    Name,
+    Neg,
+    Not,
+    Number,
+    Or,
+    children,
+    names,
+    simplify,
+)
+from hybond.model.expressions.tree import transform, with_children
 from hybond.model.graph import FlatGraph, Mode
+from hybond.model.kinds import TWO_PORTS
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
@@ -160,29 +178,62 @@ def check_straight(graph: FlatGraph, mode: Mode) -> None:
         if node.law is None or node.law.matrix is not None:
             continue
         if node.impulsive:
-            raise NotAffine(f"the law of {node.path}, which carries impulses")
-        if node.about.name in ("TF", "GY"):
-            laws += [(node.path, Number(0.0) if not names(e) else e) for e in node.law.expressions]
-            if any(names(simplify(substitute(e, flags))) for e in node.law.expressions):
-                raise NotAffine(f"the modulus of {node.path}")
-            continue
-        laws += [(node.path, e) for e in node.law.expressions]
-    laws += [(i.path, i.rate) for i in graph.integrals]
+            raise NotAffine(f"the law of {node.path}, which carries impulses,")
+        own = [in_mode(e, flags) for e in node.law.expressions]
+        if node.kind in TWO_PORTS and any(names(e) for e in own):
+            raise NotAffine(f"the modulus of {node.path}")
+        laws += [(node.path, e) for e in own]
+    laws += [(i.path, in_mode(i.rate, flags)) for i in graph.integrals]
     for path, e in laws:
-        if not straight(simplify(substitute(e, flags))):
+        if not straight(e):
             raise NotAffine(f"the law of {path}")
 
 
-def flags_of(graph: FlatGraph, mode: Mode) -> dict[str, Expr]:
+def flags_of(graph: FlatGraph, mode: Mode) -> dict[str, bool]:
     """Return what the flags of states and switches are in a mode, by canonical name."""
     on = graph.on_nodes(mode)
-    found: dict[str, Expr] = {
-        f"on:{n.index}": Number(float(n.index in on)) for n in graph.nodes if n.controlled
-    }
+    found = {f"on:{n.index}": n.index in on for n in graph.nodes if n.controlled}
     for m in graph.machines:
         for k in range(len(m.states)):
-            found[f"in:{m.index}:{k}"] = Number(float(mode[m.index] == k))
+            found[f"in:{m.index}:{k}"] = mode[m.index] == k
     return found
+
+
+def in_mode(e: Expr, flags: Mapping[str, bool]) -> Expr:
+    """Return what an expression is where flags are known.
+
+    Examples
+    --------
+    >>> from hybond.model.expressions import parse
+    >>> str(in_mode(parse("if a and not b then 2*c else d"), {"a": True, "b": False}))
+    '2*c'
+    """
+
+    def settle(node: Expr) -> Expr:
+        match node:
+            case Name() if node.path in flags:
+                return Bool(flags[node.path])
+            case Not(arg=Bool(value)):
+                return Bool(not value)
+            case And() | Or():
+                decides = isinstance(node, Or)
+                if Bool(decides) in node.args:
+                    return Bool(decides)
+                left = tuple(a for a in node.args if not isinstance(a, Bool))
+                if not left:
+                    return Bool(not decides)
+                return left[0] if len(left) == 1 else type(node)(left)
+            case If(cond=Bool(value)):
+                return node.then if value else node.orelse
+            case Binary() | Neg() | Call() | Compare():
+                below = children(node)
+                plain = tuple(Number(float(b.value)) if isinstance(b, Bool) else b for b in below)
+                return with_children(node, plain)
+            case _:
+                return node
+
+    found = simplify(transform(e, settle))
+    return Number(float(found.value)) if isinstance(found, Bool) else found
 
 
 def read_by(expressions: Iterable[Expr]) -> tuple[str, ...]:

@@ -16,12 +16,15 @@ from hybond.analysis.modes.held import Held, guards_of, without_rules
 from hybond.analysis.modes.paths import Instants, Path, Space
 from hybond.analysis.modes.records import Gap, Known
 from hybond.analysis.modes.regions import conditions
-from hybond.analysis.modes.steps import Met
+from hybond.analysis.modes.steps import Met, name_of
 from hybond.errors import DivergenceOfTime, HybondError
 from hybond.model.expressions import Name
 from hybond.model.graph import Mode
 
 Vector = NDArray[np.float64]
+
+GAPS = 40
+"""Sets of states without a mode that are told."""
 
 
 @dataclass
@@ -48,6 +51,8 @@ class Cells:
     open: dict[Mode, str] = field(default_factory=dict)
     """Modes with states of which nothing is told, with the reason."""
     left_out: list[str] = field(default_factory=list)
+    untold: int = 0
+    """Sets of states without a mode beyond those that are told."""
 
     def explore(self, first: Iterable[Mode]) -> None:
         """Look at the states of all modes that follow those given, breadth first."""
@@ -78,11 +83,13 @@ class Cells:
             except Spent:
                 self.open[mode] = "its states are cut into more cells than are looked at"
                 break
+        if self.untold:
+            self.left_out.append(f"{self.untold} more sets of states from which no mode holds")
         if queue or programs.spent:
-            text = self.held.graph.mode_text
-            names = ", ".join(f"({text(m)})" for m in list(queue)[:4])
+            graph = self.held.graph
+            names = ", ".join(f"({name_of(graph, m)})" for m in list(queue)[:4])
             more = f" and {len(queue) - 4} more" if len(queue) > 4 else ""
-            spent = f"{programs.made} linear programs and " if programs.spent else ""
+            spent = f"{programs.cuts} cuts of states and " if programs.spent else ""
             self.left_out.append(
                 f"after {spent}{looked} modes: what follows {names or 'them'}{more}"
             )
@@ -92,6 +99,11 @@ class Cells:
         visits = path.visits
         if path.end == "open":
             self.open.setdefault(path.begin, path.why)
+        if path.end == "holds" and self._known(path):
+            return
+        if path.end in ("cycle", "barred") and len(met.gaps) >= GAPS:
+            self.untold += 1
+            return
         found = self._witness(path)
         known: Known = "possible" if found is not None else "not excluded"
         named = {} if found is None else self._named(found)
@@ -111,6 +123,20 @@ class Cells:
             met.mode(path.last, "continuous")
         if path.end in ("cycle", "barred"):
             self._gap(path, found, named)
+
+    def _known(self, path: Path) -> bool:
+        """Whether a path tells nothing that others did not tell."""
+        kinds, edges = self.met.kinds, self.met.edges
+        for k, visit in enumerate(path.visits):
+            last = k + 1 == len(path.visits)
+            kind = "continuous" if last else "pinnacle" if visit.written else "mythical"
+            if (k or last) and kind not in kinds.get(visit.mode, ()):
+                return False
+            if k:
+                edge = edges.get((path.visits[k - 1].mode, visit.mode, visit.fired))
+                if edge is None or edge.known == "not excluded":
+                    return False
+        return True
 
     def _witness(self, path: Path) -> Vector | None:
         """Return a state at which the engine does as the path says, None if it does not."""
@@ -137,17 +163,17 @@ class Cells:
         return {n: float(v) + 0.0 for n, v in zip(self.held.names, y, strict=True)}
 
     def _gap(self, path: Path, y: Vector | None, named: dict[str, float]) -> None:
-        text = self.held.graph.mode_text
+        graph = self.held.graph
         cycle = path.end == "cycle"
         modes = [v.mode for v in path.visits]
-        why = f"({text(modes[path.back])}) again, and so on" if cycle else path.why
+        why = f"({name_of(graph, modes[path.back])}) again, and so on" if cycle else path.why
         names = [*self.held.names]
         names += [f"pre({names[k]})" for k in self._jumping]
         self.met.gaps.append(
             Gap(
-                begin=text(path.begin),
+                begin=name_of(graph, path.begin),
                 states=conditions(path.cell, names) or ("any state",),
-                modes=tuple(text(m) for m in modes),
+                modes=tuple(name_of(graph, m) for m in modes),
                 why=why,
                 cycle=cycle,
                 witness=named,

@@ -18,7 +18,7 @@ from hybond.analysis.modes.exact import Cells
 from hybond.analysis.modes.held import Held, held, without_rules
 from hybond.analysis.modes.records import Gap, ModeGraph, Verdict
 from hybond.analysis.modes.samples import Samples
-from hybond.analysis.modes.steps import Met
+from hybond.analysis.modes.steps import Met, name_of
 from hybond.calls import called
 from hybond.causality.reachable import reachable as by_structure
 from hybond.errors import DivergenceOfTime, HybondError, UsageError
@@ -98,8 +98,7 @@ def reachable(
     >>> found = hb.reachable(m, until=0)
     >>> found.time, str(found.gaps[0]), found.gaps[0].confirmed
     ('possible', '1 < c.q < 2', True)
-    >>> m.machines["m"].rules = ("off -> on when c.e > 2", "on -> off when c.e < 1")
-    >>> hb.reachable(m, until=0).time
+    >>> hb.reachable(m, until=0, where="c.q > 2").time
     'proved'
     """
     graph = graph_of(model)
@@ -153,7 +152,7 @@ def reachable(
         unreachable = _never_in(graph, structure.modes) if structure.complete else ()
     return ModeGraph(
         title=graph.title or graph.name,
-        start=graph.mode_text(graph.start_mode),
+        start=name_of(graph, graph.start_mode),
         nodes=met.nodes(),
         edges=tuple(met.edges.values()),
         transitions=met.transitions(whole=exact),
@@ -233,7 +232,7 @@ def _start(own: Asked, met: Met, run: Result | None) -> list[Mode]:
         first.append(own.note(met, got, begin, "seen"))
     else:
         names = _names(graph)
-        text = graph.mode_text(begin)
+        text = name_of(graph, begin)
         cycle = isinstance(got, DivergenceOfTime)
         named = {n: float(v) for n, v in zip(names, own.apart.start, strict=True)}
         modes = (text,)

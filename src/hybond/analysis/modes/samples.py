@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from hybond.analysis.modes.asked import Asked
 from hybond.analysis.modes.records import Gap
-from hybond.analysis.modes.steps import Met
+from hybond.analysis.modes.steps import Met, name_of
 from hybond.errors import DivergenceOfTime, HybondError
 from hybond.model.graph import Mode
 
@@ -102,7 +102,7 @@ class Samples:
         return len(lifted.integrals) - len(own.integrals)
 
     def _gap(self, mode: Mode, y: Vector, named: dict[str, float], error: DivergenceOfTime) -> None:
-        text = self.asked.graph.mode_text(mode)
+        text = name_of(self.asked.graph, mode)
         self.met.gaps.append(
             Gap(
                 begin=text,

@@ -6,12 +6,32 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from hybond.analysis.modes.records import Edge, Fires, Gap, Known, ModeNode, Transition
-from hybond.model.graph import FlatGraph, Mode
+from hybond.model.graph import MANY, FlatGraph, Mode
 
 Fired = tuple[tuple[int, int], ...]
 """Machines, and numbers of their rules."""
 ORDER: tuple[Known, ...] = ("not excluded", "possible", "seen")
 KINDS = ("start", "continuous", "pinnacle", "mythical")
+
+
+def name_of(graph: FlatGraph, mode: Mode) -> str:
+    """Return a mode for people: of many machines, all that are not in their start state.
+
+    Examples
+    --------
+    >>> import hybond as hb
+    >>> graph = hb.load("examples/diode_inductor.toml").flatten()
+    >>> name_of(graph, (1, 0))
+    'open, blocks'
+    """
+    if len(graph.machines) <= MANY:
+        return graph.mode_text(mode)
+    away = [
+        f"{m.path} = {m.states[k]}"
+        for m, k in zip(graph.machines, mode, strict=True)
+        if k != m.start
+    ]
+    return ", ".join(away) or "all at start"
 
 
 @dataclass
@@ -42,13 +62,12 @@ class Met:
         old = self.edges.get(key)
         if old is not None and ORDER.index(old.known) >= ORDER.index(known):
             return
-        text = self.graph.mode_text
         self.edges[key] = Edge(
-            text(source),
-            text(target),
+            name_of(self.graph, source),
+            name_of(self.graph, target),
             tuple(self._fires(m, k) for m, k in fired),
             known,
-            "" if begin is None else text(begin),
+            "" if begin is None else name_of(self.graph, begin),
             dict(witness or {}),
         )
 
@@ -81,7 +100,7 @@ class Met:
     def nodes(self) -> tuple[ModeNode, ...]:
         """Return the modes with their kinds."""
         return tuple(
-            ModeNode(self.graph.mode_text(mode), tuple(k for k in KINDS if k in kinds))
+            ModeNode(name_of(self.graph, mode), tuple(k for k in KINDS if k in kinds))
             for mode, kinds in self.kinds.items()
         )
 
