@@ -66,3 +66,11 @@ def test_laws_of_junctions_are_sampled():
 def test_the_record_is_plain_data(rod):
     data = json.loads(json.dumps(rod.to_data()))
     assert data["time"] == "not decided" and data["edges"][0]["fires"][0]["machine"] == "tip"
+
+
+def test_a_run_that_slides_adds_no_mode_that_is_left_at_once():
+    """Two weirs that slide: complementary guards, nothing jumps, so no mode is a pinnacle."""
+    found = hb.reachable(hb.load(EXAMPLES / "weirs.toml"))
+    assert found.exact and found.time == "proved"
+    assert {k for n in found.nodes for k in n.kinds} == {"start", "continuous"}
+    assert all(e.fires for e in found.edges)

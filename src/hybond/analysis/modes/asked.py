@@ -76,17 +76,24 @@ class Asked:
     ) -> Mode:
         """Put what happened at an instant into what was met; return the mode that holds."""
         last = before
+        # where machines begin or cease to slide, or land, the mode at the end is a convention
+        rules = all(len(self.fired(s)) == len(s.fired) for s in event.steps)
         for k, step in enumerate(event.steps):
-            if k or step.fired or step.mode != before:
-                kind = "mythical" if step.kind == "mythical" else step.kind
-                met.mode(step.mode, kind)
-            elif step.kind != "mythical":
+            tried = step.kind == "mythical" and not (k or step.fired)
+            if rules and not (tried and step.mode == before):
                 met.mode(step.mode, step.kind)
             if step.mode != last:
                 fired = self.fired(step)
-                met.edge(last, step.mode, fired, known, begin=before, witness=witness)
+                if fired or self._by_laws(last, step.mode):
+                    met.edge(last, step.mode, fired, known, begin=before, witness=witness)
             last = step.mode
+        met.mode(last, "continuous")
         return last
+
+    def _by_laws(self, old: Mode, new: Mode) -> bool:
+        """Whether junctions with laws of their own lead from one mode to another."""
+        pairs = zip(self.graph.machines, old, new, strict=True)
+        return all(m.law is not None for m, a, b in pairs if a != b)
 
 
 def modes_of(event: Event, before: Mode) -> list[Mode]:
