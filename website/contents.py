@@ -35,6 +35,7 @@ GROUPS: dict[str, tuple[str, ...]] = {
         "complementarity",
         "time_stepping",
         "sliding",
+        "verification",
         "restitution",
         "residuals",
         "switching",

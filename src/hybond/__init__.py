@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     from hybond.analysis.linear.frequency import FrequencyResponse, frequency_response
     from hybond.analysis.linear.linearisation import Linearisation
     from hybond.analysis.linear.linearise import linearise
+    from hybond.analysis.modes.reachable import reachable
+    from hybond.analysis.modes.records import ModeGraph
     from hybond.analysis.residuals.residuals import residuals
     from hybond.analysis.restitution.newton_law import newton_law_model
     from hybond.analysis.restitution.restitution import restitution
@@ -105,7 +107,9 @@ _HOME = {
         ("FrequencyResponse", "frequency_response"), "hybond.analysis.linear.frequency"
     ),
     "linearise": "hybond.analysis.linear.linearise",
+    "ModeGraph": "hybond.analysis.modes.records",
     "newton_law_model": "hybond.analysis.restitution.newton_law",
+    "reachable": "hybond.analysis.modes.reachable",
     "residuals": "hybond.analysis.residuals.residuals",
     "restitution": "hybond.analysis.restitution.restitution",
     "structure": "hybond.analysis.structure.structure",
@@ -148,6 +152,7 @@ __all__ = [
     "Input",
     "Integral",
     "Linearisation",
+    "ModeGraph",
     "Model",
     "ModelError",
     "NumericsError",
@@ -186,6 +191,7 @@ __all__ = [
     "load_state",
     "loads",
     "newton_law_model",
+    "reachable",
     "read_bond_graph",
     "read_circuit",
     "residuals",

@@ -116,12 +116,31 @@ def parser_of_words() -> Parser:
         "check",
         "hybond check ball.toml",
         "hybond check --cross rectifier.toml --step '10 us'",
+        "hybond check --modes relay.toml --out modes.svg",
     )
     check.add_argument("file", metavar="FILE", help="a model file")
     check.add_argument(
+        "--modes",
+        action="store_true",
+        help="say which modes can follow each other, and whether time always goes on",
+    )
+    check.add_argument("--out", metavar="FILE", help="of --modes: draw them, .svg, .png, ...")
+    check.add_argument(
+        "--where",
+        action="append",
+        default=[],
+        metavar="CONDITION",
+        help="of --modes: what is known of states, as 'pad.q >= 0'; as often as needed",
+    )
+    check.add_argument(
+        "--limit", type=int, metavar="N", help="of --modes: modes that are looked at (200)"
+    )
+    check.add_argument(
         "--cross", action="store_true", help="run it with two engines and compare what they say"
     )
-    check.add_argument("--until", metavar="T", help="of --cross: end time, as 3 or '50 ms'")
+    check.add_argument(
+        "--until", metavar="T", help="of --cross and --modes: end time, as 3 or '50 ms'"
+    )
     check.add_argument(
         "--step", metavar="H", help="of --cross: the longest step; it is halved twice or more"
     )
