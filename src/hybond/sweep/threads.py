@@ -41,6 +41,8 @@ def in_threads(
     numbers: Vector,
     workers: int,
     keep: Callable[[int, Ran], None],
+    *,
+    modes: bool = False,
 ) -> None:
     """Run members; hand those that are done to `keep`, with the number of the first.
 
@@ -57,6 +59,8 @@ def in_threads(
         Threads.
     keep : callable
         Called in this thread.
+    modes : bool
+        Whether the modes that were written are kept.
 
     Raises
     ------
@@ -70,7 +74,7 @@ def in_threads(
 
     def work() -> None:
         try:
-            members = NativeMembers(model, slots, t, stop)
+            members = NativeMembers(model, slots, t, stop, modes=modes)
             each = CHUNK
             while not stop.value and (part := parts.next(each)):
                 began = time.perf_counter()
