@@ -28,7 +28,7 @@ LARGEST = 100_000
 """Members in one."""
 ROOM = 64e6
 """Bytes that are looked at of one."""
-TRIED = 0.004
+TRIED = 0.02
 """How long members are tried to see how long they take, s."""
 Range = tuple[int, int]
 
@@ -272,18 +272,28 @@ def _here(
 
 def part_size(runner: Runner) -> int:
     """Return how many members make a part: as many as run in about two seconds."""
-    members = len(runner.job.plan)
-    runner.trial(range(1))
-    many, each = 1, 0.0
-    while True:
-        began = time.perf_counter()
-        runner.trial(range(0, members, max(members // many, 1))[:many])
-        took = time.perf_counter() - began
-        each = took / min(many, members)
-        if took >= TRIED or many >= members:
-            break
-        many *= 8
     wide = sum(max(c.points, 1) for c in runner.collectors) + runner.looked
     most = min(LARGEST, max(int(ROOM / (8.0 * wide)), 1))
-    size = int(min(max(GOAL / max(each, 1e-9), 1.0), most))
+    size = int(min(max(GOAL / max(each_takes(runner, TRIED)[0], 1e-9), 1.0), most))
     return 1 << (size.bit_length() - 1)
+
+
+def each_takes(runner: Runner, patience: float) -> tuple[float, Part]:
+    """Return how long a member takes, s, if many run one after the other; and those tried.
+
+    Some are run, spread over all of them, until that has taken `patience`.
+    """
+    members = len(runner.job.plan)
+    runner.trial(range(1))
+    many, alone = 1, 0.0
+    while True:
+        began = time.perf_counter()
+        part = runner.trial(range(0, members, max(members // many, 1))[:many])
+        took = time.perf_counter() - began
+        if many == 1:
+            alone = took
+        if took >= patience or many >= members:
+            break
+        many *= 8
+    # what is paid once for all of them is no part of it
+    return max(took - alone, 0.0) / (many - 1) if many > 1 and took > alone else took / many, part

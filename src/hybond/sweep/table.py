@@ -72,6 +72,7 @@ class SweepTable(Views):
     ) -> None:
         self.job, self.collectors, self.folder = job, collectors, folder
         self._ranges, self._read = tuple(ranges), read
+        self._rows: tuple[tuple[int, int], dict[str, Any]] = ((0, 0), {})
         self.how = ""
         self.seconds = 0.0
         self.notes: tuple[str, ...] = ()
@@ -144,8 +145,13 @@ class SweepTable(Views):
         if name == "t_end":
             return part.t_end
         if name in OWN:
-            return [_said(part, k, name) for k in range(len(part))]
-        values = self.plan.rows(part.first, part.last)[name]
+            found = [""] * len(part)
+            for k in part.said:
+                found[k] = _said(part, k, name)
+            return found
+        if (part.first, part.last) != self._rows[0]:
+            self._rows = ((part.first, part.last), self.plan.rows(part.first, part.last))
+        values = self._rows[1][name]
         return values if isinstance(values, np.ndarray) else list(values)
 
     def counts(self) -> dict[str, int]:
@@ -232,7 +238,7 @@ class SweepTable(Views):
 
 
 def _said(part: Part, k: int, name: str) -> str:
-    code, place, why, warned = part.said.get(k, ("", "", "", ""))
+    code, place, why, warned = part.said[k]
     if name == "code":
         return code
     if name == "warnings":
