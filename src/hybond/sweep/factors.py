@@ -31,6 +31,8 @@ Vector = NDArray[np.float64]
 
 LEVELS = 100_000_000
 """Levels that one factor may have."""
+EXACT = 10_000
+"""Even levels up to which decimals stay decimals: 0.1, 0.2, 0.3."""
 _CALL = re.compile(r"\s*(\w+)\s*\((.*)\)\s*\Z", re.DOTALL)
 _NUMBER = re.compile(r"\s*[+-]?[\d.]+([eE][+-]?\d+)?")
 
@@ -169,8 +171,15 @@ def _between(path: str, text: str, way: str, low: str, high: str, count: str) ->
         law, _ = law_of(path, text, "uniform" if way == "lin" else "loguniform", [repr(a), repr(b)])
         return Factor(path, text, None, dimension, law)
     number = _whole(path, text, count)
-    levels = np.linspace(a, b, number) if way == "lin" else _ratios(a, b, number)
+    levels = _even(a, b, number) if way == "lin" else _ratios(a, b, number)
     return Factor(path, text, levels, dimension)
+
+
+def _even(a: float, b: float, number: int) -> Vector:
+    if number > EXACT or number == 1:
+        return np.linspace(a, b, number)
+    low, high = Fraction(repr(a)), Fraction(repr(b))
+    return np.array([float(low + (high - low) * k / (number - 1)) for k in range(number)])
 
 
 def _ratios(a: float, b: float, number: int) -> Vector:
