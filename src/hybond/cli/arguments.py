@@ -262,7 +262,7 @@ def parser_of_words() -> Parser:
         metavar="PATH=VALUES",
         action="append",
         default=[],
-        help="a path and its values: LOW..HIGH:NUMBER, LOW:HIGH:STEP, log(LOW,HIGH,NUMBER), V,W,... "
+        help="PATH and values: LOW..HIGH:NUMBER, LOW:HIGH:STEP, log(LOW,HIGH,NUMBER), V,W,... "
         "or with --sample a distribution; several options: all combinations",
     )
     sweep.add_argument(
@@ -277,7 +277,9 @@ def parser_of_words() -> Parser:
         "--workers", metavar="N", type=int, help="threads (default: one for each core)"
     )
     sweep.add_argument(
-        "--out", metavar="FILE", help="write the table as .csv, .npz or .json; of --collect: a folder"
+        "--out",
+        metavar="FILE",
+        help="write the table as .csv, .npz or .json; of --collect: a folder",
     )
     sweep.add_argument("--json", action="store_true", help="print one JSON object and nothing else")
 

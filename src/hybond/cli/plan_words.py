@@ -31,6 +31,12 @@ def plan_words(parser: ArgumentParser) -> ArgumentParser:
         "--cluster", metavar="ADDRESS", help="of --collect: a scheduler of Dask, tcp://HOST:PORT"
     )
     parser.add_argument(
+        "--part",
+        metavar="N",
+        type=int,
+        help="of --collect: members written at once (default: as many as run in two seconds)",
+    )
+    parser.add_argument(
         "--estimate", action="store_true", help="of --collect: say what it takes, and run nothing"
     )
     return parser

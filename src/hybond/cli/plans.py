@@ -18,7 +18,7 @@ from hybond.cli.streams import complain, say
 from hybond.errors import NumericsError, UsageError
 from hybond.names import in_columns
 from hybond.progress import MembersDone
-from hybond.sweep.estimate import estimate
+from hybond.sweep.estimating import estimate
 from hybond.sweep.folder import ABOUT
 from hybond.sweep.plan import Plan
 from hybond.sweep.sweeping import sweep
@@ -37,9 +37,7 @@ def plan_sweep(given: Namespace, options: dict[str, Any]) -> int:
         vary = [f"{k}={','.join(map(repr, values))}" for k, values in conversion.steps]
     model, fixed = changed_with(read, given.settings)
     check_experiment(model.flatten(parameters=fixed))
-    plan = Plan(
-        factors_of(vary), sample=given.sample, seed=given.seed, together=given.together
-    )
+    plan = Plan(factors_of(vary), sample=given.sample, seed=given.seed, together=given.together)
     until = end_time(model.flatten(parameters=fixed), given.until)
     asked: dict[str, Any] = {
         **{"collect": given.collect, "until": until, "parameters": fixed, "out": given.out},
@@ -54,7 +52,7 @@ def plan_sweep(given: Namespace, options: dict[str, Any]) -> int:
             say(str(found))
         return 0
     with MembersDone(len(plan)) as bar:
-        table = sweep(model, plan, executor=given.cluster, progress=bar, **asked)
+        table = sweep(model, plan, executor=given.cluster, part=given.part, progress=bar, **asked)
     counts = table.counts()
     if given.json:
         sys.stdout.write(to_json({**plan_record(table, counts), "file": given.file}))

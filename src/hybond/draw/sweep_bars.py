@@ -57,13 +57,16 @@ def draw_tornado(
                 color="#444444",
             )
     ax.axvline(middle, color="#000000", linewidth=0.8)
-    ax.margins(x=0.14)
+    ax.margins(x=0.2)
     _names(ax, [_named(table, row[0]) for row in rows])
     unit = table.unit(value)
     ax.set_xlabel(f"{value} [{unit}]" if unit else value, fontsize=9.5, parse_math=False)
-    ax.barh([], [], color=LOW, label="lower end")
-    ax.barh([], [], color=HIGH, label="upper end")
-    ax.legend(loc="upper left", bbox_to_anchor=(1.01, 1.02), frameon=False, fontsize=8.5)
+    from matplotlib.patches import Patch
+
+    ax.legend(
+        handles=[Patch(color=LOW, label="lower end"), Patch(color=HIGH, label="upper end")],
+        **{"loc": "upper left", "bbox_to_anchor": (1.01, 1.02), "frameon": False, "fontsize": 8.5},
+    )
     save_figure(figure, path)
     return figure
 

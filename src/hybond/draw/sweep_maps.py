@@ -55,6 +55,10 @@ def draw_map(table: Any, x: str, y: str, value: str, *, path: Any = None) -> Fig
     across, up = np.asarray(across, dtype=float), np.asarray(up, dtype=float)
     figure = _figure((7.4, 4.4), interactive=path is None)
     ax = figure.add_axes((0.11, 0.12, 0.58, 0.76))
+    if any(c.text == value and c.kind == "whole" for c in table.collectors):
+        few = np.unique(outcome[np.isfinite(outcome)])
+        if len(few) <= NAMED:
+            outcome = np.array([f"{v:.0f}" if np.isfinite(v) else "" for v in outcome], object)
     if outcome.dtype == object:
         number, names, inks = _classes(outcome)
         _fill(ax, table, (x, y), across, up, number, _listed(inks))
@@ -151,9 +155,8 @@ def _is_log(levels: Vector) -> bool:
     if len(levels) < 3 or levels[0] <= 0.0 or levels[-1] < 20.0 * levels[0]:
         return False
     middle = float(np.median(levels))
-    return abs(np.log(middle**2 / (levels[0] * levels[-1]))) < abs(
-        np.log(middle / (0.5 * (levels[0] + levels[-1])))
-    )
+    by_ratio = abs(np.log(middle**2 / (levels[0] * levels[-1])))
+    return bool(by_ratio < abs(np.log(middle / (0.5 * (levels[0] + levels[-1])))))
 
 
 def _scaled(ax: Any, across: Vector, up: Vector) -> None:

@@ -34,6 +34,7 @@ class _Room(ModuleType):
         runs: str = "",
         workers: int | None = None,
         executor: Any = None,
+        part: int | None = None,
         progress: Asked = None,
         **options: Any,
     ) -> SweepTable:
@@ -41,11 +42,25 @@ class _Room(ModuleType):
         from hybond.sweep.sweeping import sweep
 
         return sweep(
-            *(model, plan),
-            **{"collect": collect, "until": until, "parameters": parameters, "out": out},
-            **{"runs": runs, "workers": workers, "executor": executor, "progress": progress},
+            model,
+            plan,
+            collect=collect,
+            until=until,
+            parameters=parameters,
+            out=out,
+            runs=runs,
+            workers=workers,
+            executor=executor,
+            part=part,
+            progress=progress,
             **options,
         )
+
+    def estimate(self, *args: Any, **options: Any) -> Any:
+        """Return what a sweep takes; see `hybond.sweep.estimating.estimate`."""
+        from hybond.sweep.estimating import estimate
+
+        return estimate(*args, **options)
 
 
 sys.modules[__name__].__class__ = _Room

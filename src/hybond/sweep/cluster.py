@@ -105,7 +105,9 @@ def _opened(executor: Any) -> Any:
     client, own = executor, isinstance(executor, str)
     if own:
         try:
-            client = Client(executor, timeout=PATIENCE, set_as_default=False)
+            client = Client(  # type: ignore[no-untyped-call, unused-ignore]
+                executor, timeout=PATIENCE, set_as_default=False
+            )
         except (OSError, TimeoutError, ValueError, RuntimeError) as error:
             raise UsageError(
                 f"no scheduler answers at {executor}: {error}",

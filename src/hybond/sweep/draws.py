@@ -84,7 +84,9 @@ class Draws:
         """The only ones that are drawn all at once."""
         from scipy.stats import qmc
 
-        return np.asarray(qmc.LatinHypercube(self.dims, **_seeded(qmc, self.seed)).random(self.count))
+        return np.asarray(
+            qmc.LatinHypercube(self.dims, **_seeded(qmc, self.seed)).random(self.count)
+        )
 
     def _sobol(self, dims: int, first: int, last: int) -> Vector:
         from scipy.stats import qmc

@@ -215,9 +215,7 @@ def _of_values(path: str, values: Sequence[Any]) -> Factor:
         if isinstance(value, bool) or not isinstance(value, str | int | float):
             raise _refusal(f"{path} = {value!r} is no value", path)
         found.append(
-            try_quantity(value)
-            if isinstance(value, str)
-            else Quantity(float(value), DIMENSIONLESS)
+            try_quantity(value) if isinstance(value, str) else Quantity(float(value), DIMENSIONLESS)
         )
     text = ", ".join(v if isinstance(v, str) else repr(v) for v in values)
     numbers = [q for q in found if q is not None]

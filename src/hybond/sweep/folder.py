@@ -1,10 +1,10 @@
 """The folder of a sweep: what it is of, its parts, and a lock; kill -9 leaves it whole.
 
-    sweep.json              what is computed: model, plan, collectors, options; its key
-    parts/000000000-1000.npz  what was collected of members; with the key
-    runs/000000000.nc       full runs, if they were asked for
-    table.csv, table.parquet  everything, once all members are there
-    lock                    held as long as a sweep goes on; who dies lets go
+sweep.json              what is computed: model, plan, collectors, options; its key
+parts/000000000-1000.npz  what was collected of members; with the key
+runs/000000000.nc       full runs, if they were asked for
+table.csv, table.parquet  everything, once all members are there
+lock                    held as long as a sweep goes on; who dies lets go
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
 """The modes that runs wrote, one after the other: how long, how often, when first, in which order.
 
-A mode is written if time passes in it or if it is left at the same instant as a pinnacle; mythical
-modes are not. All is told of many runs at once: `stays` says how many modes each wrote, `since` when
-they were entered, `modes` the states of the machines in them, run after run.
+A mode is written if time passes in it, or as a pinnacle if it is left at the same instant; mythical
+modes are not. All is told of many runs at once.
 """
 
 from __future__ import annotations
@@ -64,7 +63,9 @@ class Journeys:
         """Return when a machine was first in one of some states, s; nan if it never was."""
         found = np.full(len(self.stays), np.nan)
         within = np.flatnonzero(np.isin(self.modes[:, machine], states))
-        run, at = np.unique(np.repeat(np.arange(len(self.stays)), self.stays)[within], return_index=True)
+        run, at = np.unique(
+            np.repeat(np.arange(len(self.stays)), self.stays)[within], return_index=True
+        )
         found[run] = self.since[within[at]]
         return found
 

@@ -41,9 +41,7 @@ LAWS: Mapping[str, tuple[Make, tuple[str, ...]]] = {
 """Each with what makes it, and what it is given: in capitals what has the unit of the factor."""
 
 
-def law_of(
-    path: str, text: str, name: str, words: Sequence[str]
-) -> tuple[Any, Dimension | None]:
+def law_of(path: str, text: str, name: str, words: Sequence[str]) -> tuple[Any, Dimension | None]:
     """Return a frozen distribution, in SI, and the dimension of what is drawn.
 
     Raises

@@ -55,9 +55,7 @@ def write_parquet(table: SweepTable, path: str | Path) -> None:
             return pa.string()
         return pa.float64()
 
-    schema = pa.schema(
-        [pa.field(n, type_of(n), metadata={"unit": table.unit(n)}) for n in names]
-    )
+    schema = pa.schema([pa.field(n, type_of(n), metadata={"unit": table.unit(n)}) for n in names])
 
     def column(part: Any, name: str) -> Any:
         values = table._of_part(part, name)

@@ -97,7 +97,9 @@ class Part:
                 for name, (at, known) in about["texts"].items()
             }
             columns = {name: arrays[at] if at else texts[name] for name, at in about["columns"]}
-            said = {int(k): (code, place, why, warned) for k, code, place, why, warned in about["said"]}
+            said = {
+                int(k): (code, place, why, warned) for k, code, place, why, warned in about["said"]
+            }
             return Part(about["first"], texts["status"], arrays["t_end"], said, columns)
         except (KeyError, IndexError, TypeError, OSError, EOFError, zipfile.BadZipFile) as error:
             raise ValueError(f"damaged: {error}") from error

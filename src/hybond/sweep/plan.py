@@ -80,14 +80,15 @@ class Plan:
         self._draws: Draws | None = None
         if sample is not None:
             if together:
-                raise _refusal("a sample of values side by side", "together", "leave one of them out")
+                raise _refusal(
+                    "a sample of values side by side", "together", "leave one of them out"
+                )
             self._draws = draws_of(sample, len(self.factors), seed)
         else:
             for factor in self.factors:
                 if factor.levels is None:
                     raise _refusal(
-                        f"{factor.path} = {factor.text!r} is a distribution, and no sample is asked "
-                        "for",
+                        f"{factor.path} = {factor.text!r} is a distribution, and no sample",
                         "sample",
                         f"--sample lhs:1000, or levels of {factor.path}",
                     )
@@ -169,9 +170,7 @@ class Plan:
             elif not isinstance(given, str) and path in units:
                 given = [f"{value!r} {units[path]}" for value in given]
             factors[path] = given
-        return Plan(
-            factors, sample=data["sample"], seed=data["seed"], together=data["together"]
-        )
+        return Plan(factors, sample=data["sample"], seed=data["seed"], together=data["together"])
 
     def __repr__(self) -> str:
         return f"<Plan: {len(self)} members, {self.way} of {', '.join(self.paths)}>"

@@ -134,14 +134,14 @@ class Runner:
                 members, more = self._of_family(family, work, members)
                 left.append(more)
             while len(members):
-                family = self._made(work, words, int(members[0]))
-                if family is None:
+                made = self._made(work, words, int(members[0]))
+                if made is None:
                     left.append(members[:1])
                     members = members[1:]
                     continue
-                self._families[words] = families = [*families[1 - KEPT :], family]
+                self._families[words] = families = [*families[1 - KEPT :], made]
                 before = len(members)
-                members, more = self._of_family(family, work, members)
+                members, more = self._of_family(made, work, members)
                 left.append(more)
                 if len(members) == before:
                     left.append(members[:1])
@@ -347,7 +347,9 @@ class _Work:
 
     def part(self) -> Part:
         """Return what was kept."""
-        return Part(self.first, self.status, self.t_end, dict(sorted(self.said.items())), self.columns)
+        return Part(
+            self.first, self.status, self.t_end, dict(sorted(self.said.items())), self.columns
+        )
 
 
 def checked(job: Job) -> tuple[FlatGraph, tuple[Collector, ...]]:

@@ -44,6 +44,7 @@ def sweep(
     runs: str = "",
     workers: int | None = None,
     executor: Any = None,
+    part: int | None = None,
     progress: Asked = None,
     **options: Any,
 ) -> SweepTable:
@@ -78,6 +79,9 @@ def sweep(
         Where members run: the address of a scheduler of Dask (``"tcp://127.0.0.1:8786"``), a
         client of one, or any executor. Parts go there as a model file and numbers; lost ones are
         run again.
+    part : int
+        Members that are written at once, what is lost at the most when somebody dies; by default
+        as many as run in two seconds. A folder that is there has its own.
     progress : bool, bar of tqdm or callable
         As for `hybond.ensemble`.
     **options
@@ -117,9 +121,11 @@ def sweep(
             hint='out="sweep"',
         )
     threads = workers_of(workers)
+    if part is not None and (not isinstance(part, int) or isinstance(part, bool) or part < 1):
+        raise UsageError(f"part = {part!r}", code="HB-S115", where="part", hint="1 or more members")
     folder = None if out is None else Folder(Path(out))
     try:
-        return _swept(job, folder, threads, executor, progress, began)
+        return _swept(job, folder, threads, executor, part, progress, began)
     finally:
         if folder is not None:
             folder.close()
@@ -178,6 +184,7 @@ def _swept(
     folder: Folder | None,
     threads: int,
     executor: Any,
+    part: int | None,
     progress: Asked,
     began: float,
 ) -> SweepTable:
@@ -187,7 +194,7 @@ def _swept(
         data = job.to_dict()
         key = key_of(data)
     about = None if folder is None else folder.about()
-    size = part_size(runner) if about is None else int(about["part"])
+    size = int(about["part"]) if about is not None else part or part_size(runner)
     if folder is not None and data is not None:
         size = folder.begin(data, key, size)
         if job.runs:
@@ -243,9 +250,13 @@ def _swept(
     if begun:
         how = f"{begun} members were there; {how}"
     if interrupted:
-        missing_now = [r for r in missing if (kept.get(r) if folder is None else folder.read(*r)) is None]
+        missing_now = [
+            r for r in missing if (kept.get(r) if folder is None else folder.read(*r)) is None
+        ]
         ranges = [r for r in ranges if r not in set(missing_now)]
-    table = SweepTable(job, runner.collectors, ranges, read, None if folder is None else folder.path)
+    table = SweepTable(
+        job, runner.collectors, ranges, read, None if folder is None else folder.path
+    )
     table.interrupted, table.how, table.notes = interrupted, how, tuple(notes)
     if folder is not None and not interrupted:
         with told(folder.path):

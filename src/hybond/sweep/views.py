@@ -26,9 +26,7 @@ BLOCK = 20_000_000
 class Views:
     """Maps, families, tornados and indices; `SweepTable` is the only one that has them."""
 
-    def plot_map(
-        self, x: str, y: str, value: str, *, path: str | Path | None = None
-    ) -> Any:
+    def plot_map(self, x: str, y: str, value: str, *, path: str | Path | None = None) -> Any:
         """Draw an outcome, a number or a text such as ``sequence``, over two factors.
 
         A grid of the two is drawn as cells, anything else as points.
@@ -42,9 +40,7 @@ class Views:
 
         return draw_map(_table(self), x, y, value, path=path)
 
-    def quantiles(
-        self, curve: str, at: tuple[float, ...] = BANDS
-    ) -> tuple[Vector, Vector]:
+    def quantiles(self, curve: str, at: tuple[float, ...] = BANDS) -> tuple[Vector, Vector]:
         """Return times, and quantiles of a curve over the members, shape (quantiles, times).
 
         Members whose run had ended before a time are no part of the quantiles there.

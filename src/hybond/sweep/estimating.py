@@ -125,7 +125,9 @@ def estimate(
             whole = path_of(folder, 0, job.runs)
             files = whole.rglob("*") if whole.is_dir() else [whole]
             run = float(sum(f.stat().st_size for f in files if f.is_file()))
-    wide = 8 + sum(8 * c.points if c.points else 4 if c.kind == "text" else 8 for c in runner.collectors)
+    wide = 8 + sum(
+        8 * c.points if c.points else 4 if c.kind == "text" else 8 for c in runner.collectors
+    )
     said = sum(len("".join(words)) for words in part.said.values()) / tried
     free = float("nan")
     if out is not None:
