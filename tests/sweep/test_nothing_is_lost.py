@@ -45,7 +45,14 @@ until = "3 s"
 """
 MANY = 4000
 SWEEP = (
-    *("sweep", "ball.toml", "--vary", "height.start=lin(4,6,4)", "--vary", "e=lin(-0.004,0.95,1000)"),
+    *(
+        "sweep",
+        "ball.toml",
+        "--vary",
+        "height.start=lin(4,6,4)",
+        "--vary",
+        "e=lin(-0.004,0.95,1000)",
+    ),
     *("--collect", "final(height), count(events), first(impact.hits), sequence"),
 )
 

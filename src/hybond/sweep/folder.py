@@ -1,10 +1,11 @@
 """The folder of a sweep: what it is of, its parts, and a lock; kill -9 leaves it whole.
 
-sweep.json              what is computed: model, plan, collectors, options; its key
-parts/000000000-1000.npz  what was collected of members; with the key
-runs/000000000.nc       full runs, if they were asked for
-table.csv, table.parquet  everything, once all members are there
-lock                    held as long as a sweep goes on; who dies lets go
+sweep.json    what is computed: model, plan, collectors, options; its key
+parts/        what was collected of members, with the key
+runs/         full runs, if they were asked for
+table.csv     everything, once all members are there; table.parquet with pyarrow
+notes.txt     workers that died, parts that were run again
+lock          held as long as a sweep goes on; who dies lets go
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from hybond.files.whole import write_whole
 from hybond.sweep.part import Part
 
 ABOUT = "sweep.json"
+NOTES = "notes.txt"
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 _WHAT = {
     "model": "the model has been edited",
@@ -140,6 +142,11 @@ class Folder:
         except (OSError, ValueError):
             return None
         return part if (part.first, part.last) == (first, last) else None
+
+    def note(self, text: str) -> None:
+        """Write down what is to be said of the sweep, at once: who runs it may die."""
+        with told(self.path), open(self.path / NOTES, "a", encoding="utf-8") as file:
+            file.write(text + "\n")
 
     def close(self) -> None:
         """Let go of the lock."""

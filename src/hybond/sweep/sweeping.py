@@ -204,10 +204,16 @@ def _swept(
     kept: dict[Range, Part] = {}
     notes: list[str] = []
     missing = ranges
+
+    def note(text: str) -> None:
+        notes.append(text)
+        if folder is not None:
+            folder.note(text)
+
     if folder is not None:
         missing = [r for r in ranges if folder.read(*r) is None]
-        damaged = [r for r in missing if folder.place(*r).exists()]
-        notes += [f"the part of members {a} to {b - 1} is damaged: run again" for a, b in damaged]
+        for a, b in (r for r in missing if folder.place(*r).exists()):
+            note(f"the part of members {a} to {b - 1} is damaged: run again")
 
     def keep(part: Part) -> None:
         if folder is None:
@@ -244,7 +250,7 @@ def _swept(
                 from hybond.sweep.cluster import elsewhere
 
                 assert data is not None
-                how = elsewhere(executor, data, key, missing, keep, tell, notes.append)
+                how = elsewhere(executor, data, key, missing, keep, tell, note)
         except KeyboardInterrupt:
             interrupted, how = True, "interrupted"
     if begun:
