@@ -1,4 +1,4 @@
-"""Sweeps that are killed, full disks, damaged parts, edited models: the table of an undisturbed run.
+"""Killed sweeps, full disks, damaged parts, edited models: the table of an undisturbed run.
 
 What is held against each other are files, byte for byte.
 """
