@@ -20,6 +20,7 @@ GROUPS: dict[str, tuple[str, ...]] = {
         "results",
         "measurements",
         "ensembles",
+        "sweeps",
         "blocks",
         "export",
         "testing",

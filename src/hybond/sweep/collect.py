@@ -119,8 +119,7 @@ def _collector(graph: FlatGraph, text: str) -> Collector:
         return Collector(text, text)
     call = _CALL.match(text)
     if call is None or call[1] in WORDS:
-        hint = did_you_mean(text, [*WORDS, *(f"final({n})" for n in graph.signals)])
-        raise _refusal(f"{text!r} is nothing to collect", hint)
+        raise _refusal(f"{text!r} is nothing to collect", _meant(graph, text))
     name, words = call[1], split_arguments(call[2])
     if name not in COLLECTORS and name not in FUNCTIONS:
         raise UsageError(
@@ -148,6 +147,15 @@ def _collector(graph: FlatGraph, text: str) -> Collector:
         case _:
             machine, states = _states(graph, words[0])
             return Collector(text, name, words[0], machine=machine, states=states, unit="s")
+
+
+def _meant(graph: FlatGraph, text: str) -> str:
+    """Return what to collect of what is a signal; else nothing better than the usual."""
+    try:
+        read_name(graph, text)
+    except HybondError:
+        return did_you_mean(text, WORDS) if text.isidentifier() else ""
+    return f"final({text}), at({text}, 1 ms), max({text})"
 
 
 def _points(text: str, word: str) -> int:

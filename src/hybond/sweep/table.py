@@ -111,7 +111,7 @@ class SweepTable(Views):
         UsageError
             HB-P109 for one that there is not.
         """
-        known = [*self.columns, *(c.text for c in self.collectors)]
+        known = [*dict.fromkeys([*self.columns, *(c.text for c in self.collectors)])]
         if name not in known:
             raise UsageError(
                 f"the table has no column {name!r}",
