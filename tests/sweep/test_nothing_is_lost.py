@@ -208,3 +208,14 @@ def test_a_full_disk_loses_nothing(folder: Path) -> None:
     again = small(folder / "s", model, collect=collect)
     whole = small(folder / "whole", model, collect=collect)
     np.testing.assert_array_equal(again[collect], whole[collect])
+
+
+def test_files_of_others_stay_where_they_are(folder: Path) -> None:
+    place = folder / "s"
+    small(place, progress=lambda done, _: (_ for _ in ()).throw(KeyboardInterrupt))
+    kept = [place / ".git", place / "parts" / ".keep", place / ".0123abcd.mine"]
+    left = [place / ".0123abcd.table.csv", place / "parts" / ".0123abcd.000-008.npz"]
+    for file in (*kept, *left):
+        file.write_text("x")
+    small(place)
+    assert all(file.exists() for file in kept) and not any(file.exists() for file in left)

@@ -48,7 +48,15 @@ def run_part(data: Mapping[str, Any], key: str, first: int, last: int) -> bytes:
         )
     known = getattr(_KEPT, "runner", None)
     if known is None or known[0] != key:
-        known = _KEPT.runner = (key, Runner(Job.from_dict(data), 1))
+        job = Job.from_dict(data)
+        if job.plan.digest() != data["drawn"]:
+            raise UsageError(
+                "a worker draws other numbers from the same seed",
+                code="HB-P112",
+                where="executor",
+                hint="install the same version of SciPy on all machines",
+            )
+        known = _KEPT.runner = (key, Runner(job, 1))
     part: Part = known[1].run(first, last)
     return part.to_bytes(key)
 
@@ -71,12 +79,14 @@ def elsewhere(
     NumericsError
         HB-P111 for parts whose workers die again and again, or executors that do.
     """
-    if data["runs"]:
+    if data["runs"] or data["units"]:
         raise UsageError(
-            "full runs are kept on this machine only",
+            "full runs are kept on this machine only"
+            if data["runs"]
+            else "functional mock-up units are files of this machine",
             code="HB-P110",
-            where="runs",
-            hint="leave out runs, or executor",
+            where="executor",
+            hint="leave out runs, or executor" if data["runs"] else "leave out executor",
         )
     with _opened(executor) as (pool, workers, who):
         work = _Given(pool, data, key, keep, tell, note)

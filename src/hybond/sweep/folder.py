@@ -14,6 +14,8 @@ import contextlib
 import errno
 import json
 import os
+import re
+import shutil
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -24,10 +26,16 @@ from hybond.sweep.part import Part
 
 ABOUT = "sweep.json"
 NOTES = "notes.txt"
+_LEFT = re.compile(
+    r"\.[0-9a-f]{8}\.(table\.csv|table\.parquet|sweep\.json|\d+-\d+\.npz|\d+\.(nc|zarr))"
+)
+"""Names of files that are not whole yet, see `hybond.files.whole`."""
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 _WHAT = {
     "model": "the model has been edited",
     "plan": "the plan is another",
+    "drawn": "other numbers are drawn, as by another version of SciPy",
+    "units": "a functional mock-up unit is another file",
     "collect": "other things are collected",
     "until": "it ends at another time",
     "options": "the options are others",
@@ -95,8 +103,15 @@ class Folder:
         else:
             size = int(about["part"])
         with told(self.path):
-            for left in self.parts.glob(".*"):  # what was being written when somebody died
-                left.unlink()
+            # what was being written when somebody died
+            for place in (self.path, self.parts, self.runs):
+                for left in place.glob(".*"):
+                    if not _LEFT.fullmatch(left.name):
+                        continue
+                    if left.is_dir():
+                        shutil.rmtree(left)
+                    else:
+                        left.unlink()
         return size
 
     def about(self) -> dict[str, Any] | None:

@@ -6,11 +6,13 @@ import hashlib
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 from hybond._version import __version__
 from hybond.files import dumps, loads
 from hybond.model.builder import Model
+from hybond.model.graph import FlatGraph
 from hybond.sweep.plan import Plan
 
 
@@ -42,8 +44,8 @@ class Job:
     fixed: Mapping[str, Any] = field(default_factory=dict)
     runs: str = ""
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return it as plain data.
+    def to_dict(self, graph: FlatGraph) -> dict[str, Any]:
+        """Return it as plain data; `graph` is that of one of its members.
 
         Raises
         ------
@@ -54,6 +56,8 @@ class Job:
             "hybond": __version__,
             "model": dumps(self.model, inline=True),
             "plan": self.plan.to_dict(),
+            "drawn": self.plan.digest(),
+            "units": {path: _digest(file) for path, file in _files(graph)},
             "collect": list(self.collect),
             "until": self.until,
             "options": dict(self.options),
@@ -73,6 +77,16 @@ class Job:
             data["fixed"],
             data["runs"],
         )
+
+
+def _files(graph: FlatGraph) -> list[tuple[str, Path]]:
+    """Return the functional mock-up units that a model runs, by the path of their blocks."""
+    blocks = [(s.path, s.block.description) for s in graph.samples if s.block is not None]
+    return [(path, Path(about.path)) for path, about in blocks if about is not None]
+
+
+def _digest(file: Path) -> str:
+    return hashlib.sha256(file.read_bytes()).hexdigest()[:16]
 
 
 def key_of(data: Mapping[str, Any]) -> str:

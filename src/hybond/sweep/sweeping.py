@@ -191,7 +191,7 @@ def _swept(
     runner = Runner(job, threads, None if folder is None or not job.runs else folder.runs)
     data, key = None, ""
     if folder is not None or executor is not None:
-        data = job.to_dict()
+        data = job.to_dict(runner.graph)
         key = key_of(data)
     about = None if folder is None else folder.about()
     size = int(about["part"]) if about is not None else part or part_size(runner)
