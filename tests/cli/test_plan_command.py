@@ -63,6 +63,8 @@ def test_levels_of_plans_in_a_sweep_as_ever(shell: Any) -> None:
     ("words", "code"),
     [
         (["--sample", "lhs:3", "--vary", "m=1..2"], "HB-X101"),
+        (["--seed", "0", "--vary", "m=1,2"], "HB-X101"),
+        (["--part", "3", "--vary", "m=1,2"], "HB-X101"),
         (["--collect", "ended"], "HB-X103"),
         (["--collect", "ended", "--vary", "m"], "HB-X103"),
         (["--collect", "ended", "--vary", "m=1", "--vary", "m=2"], "HB-X103"),

@@ -58,6 +58,19 @@ def test_elements_starts_and_parameters_vary() -> None:
     assert table.unit("c.C") == "F" and table.unit("final(c.e)") == "V"
 
 
+def test_elements_within_submodels_vary() -> None:
+    boost = hb.load(Path(__file__).parents[2] / "examples" / "boost.toml")
+    sets = {"coil.l.I": [1e-3, 2e-3], "coil.l.f": [0.0, 1.0], "supply.U": [10.0, 12.0]}
+    plan = hb.Plan(sets, together=True)
+    table = hb.sweep(boost, plan, until="0.2 ms", collect="final(C.c.e), sequence")
+    assert "ordinary" not in table.how
+    for k in range(2):
+        given = {path: values[k] for path, values in sets.items()}
+        run = hb.simulate(boost, "0.2 ms", parameters=given)
+        assert table["final(C.c.e)"][k] == run.final["C.c.e"]
+        assert table["sequence"][k].endswith(", ".join(run.mode.values()))
+
+
 def test_what_is_collected_of_a_ball() -> None:
     e = np.array([0.3, 0.5, 0.8])
     table = hb.sweep(ball(), {"e": e}, collect=WHAT)

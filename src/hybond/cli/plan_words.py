@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
 
-SWITCHES = ("collect", "sample", "estimate", "cluster", "runs")
+SWITCHES = ("collect", "sample", "seed", "estimate", "cluster", "runs", "part")
 """Any of them makes a sweep one whose rows are collected in a folder."""
 
 
@@ -23,7 +23,7 @@ def plan_words(parser: ArgumentParser) -> ArgumentParser:
         metavar="WAY:N",
         help="draw N members: random, lhs, sobol, saltelli; or ends, for a tornado",
     )
-    parser.add_argument("--seed", metavar="N", type=int, default=0, help="of --sample (default: 0)")
+    parser.add_argument("--seed", metavar="N", type=int, help="of --sample (default: 0)")
     parser.add_argument(
         "--runs", metavar="FORM", help="of --collect: keep full runs too, as netcdf or zarr"
     )
@@ -44,4 +44,4 @@ def plan_words(parser: ArgumentParser) -> ArgumentParser:
 
 def is_plan(given: Namespace) -> bool:
     """Whether the options of a sweep make a plan of it."""
-    return any(getattr(given, name) for name in SWITCHES)
+    return any(getattr(given, name) not in (None, False, []) for name in SWITCHES)

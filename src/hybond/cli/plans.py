@@ -37,7 +37,9 @@ def plan_sweep(given: Namespace, options: dict[str, Any]) -> int:
         vary = [f"{k}={','.join(map(repr, values))}" for k, values in conversion.steps]
     model, fixed = changed_with(read, given.settings)
     check_experiment(model.flatten(parameters=fixed))
-    plan = Plan(factors_of(vary), sample=given.sample, seed=given.seed, together=given.together)
+    plan = Plan(
+        factors_of(vary), sample=given.sample, seed=given.seed or 0, together=given.together
+    )
     until = end_time(model.flatten(parameters=fixed), given.until)
     asked: dict[str, Any] = {
         **{"collect": given.collect, "until": until, "parameters": fixed, "out": given.out},
