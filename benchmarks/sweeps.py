@@ -19,14 +19,14 @@ import time
 from pathlib import Path
 
 import numpy as np
+from problems.ball import RTOL, model
+from problems.ensemble import END
 
 import hybond as hb
 from hybond.engine.compiled import members
 from hybond.engine.compiled.members import NativeMembers
 from hybond.engine.tables.options import settings_of
 from hybond.sweep.family import family_of
-from problems.ball import RTOL, model
-from problems.ensemble import END
 
 COLLECT = {
     "at the end": "final(height), final(v.f), count(events)",

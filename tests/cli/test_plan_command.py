@@ -42,7 +42,8 @@ def test_failures_are_told_and_counted(shell: Any) -> None:
     assert done.err.startswith("member 1: HB-M163")
 
 
-def test_an_estimate_runs_nothing_for_good(shell: Any) -> None:
+def test_an_estimate_runs_nothing_for_good(shell: Any, monkeypatch: Any) -> None:
+    monkeypatch.setattr("hybond.sweep.estimating.PATIENCE", 0.05)
     words = ("--vary", "m=1:2:0.001", "--collect", "final(mass.f)", "--out", "s", "--estimate")
     done = shell("sweep", "spring.toml", *words)
     assert done.code == 0 and done.out.startswith("1001 members") and not Path("s").exists()

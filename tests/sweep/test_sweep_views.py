@@ -91,7 +91,8 @@ def test_what_cannot_be_told_is_refused(look: Any) -> None:
     assert refused.value.code == "HB-P113"
 
 
-def test_an_estimate_counts_members_and_space() -> None:
+def test_an_estimate_counts_members_and_space(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("hybond.sweep.estimating.PATIENCE", 0.05)
     plan = {"a": "0:1:0.001", "b": "0:1:0.001"}
     found = hb.sweep.estimate(line(), plan, collect="final(q.q)")
     assert found.members == 1001**2 and found.failed == 0 and not found.ordinary

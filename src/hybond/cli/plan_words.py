@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
 
-SWITCHES = ("collect", "sample", "seed", "estimate", "cluster", "runs", "part")
+SWITCHES = ("collect", "sample", "estimate", "cluster", "runs")
+NUMBERS = ("seed", "part")
 """Any of them makes a sweep one whose rows are collected in a folder."""
 
 
@@ -44,4 +45,5 @@ def plan_words(parser: ArgumentParser) -> ArgumentParser:
 
 def is_plan(given: Namespace) -> bool:
     """Whether the options of a sweep make a plan of it."""
-    return any(getattr(given, name) not in (None, False, []) for name in SWITCHES)
+    numbers = any(getattr(given, name) is not None for name in NUMBERS)
+    return numbers or any(getattr(given, name) for name in SWITCHES)
