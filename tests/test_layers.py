@@ -22,10 +22,10 @@ LAYERS = [
     ["library"],
     ["causality", "hints"],
     ["equations", "switching"],
-    ["progress", "run_options", "trace", "translate"],
+    ["progress", "run_ends", "run_options", "states", "trace", "translate"],
     ["engine"],
     ["report"],
-    ["simulation", "measures", "result"],
+    ["script", "script_result", "script_steps", "simulation", "measures", "result"],
     ["analysis", "circuits", "sweep", "export", "draw", "testing"],
     ["studio", "cli"],
 ]

@@ -23,6 +23,9 @@ if TYPE_CHECKING:
     from hybond.analysis.complementarity.form import complementarity
     from hybond.analysis.coverage import Coverage, coverage
     from hybond.analysis.cross.check import CrossCheck, cross_check
+    from hybond.analysis.linear.frequency import FrequencyResponse, frequency_response
+    from hybond.analysis.linear.linearisation import Linearisation
+    from hybond.analysis.linear.linearise import linearise
     from hybond.analysis.residuals.residuals import residuals
     from hybond.analysis.restitution.newton_law import newton_law_model
     from hybond.analysis.restitution.restitution import restitution
@@ -54,7 +57,10 @@ if TYPE_CHECKING:
     from hybond.model.parts import Block, Integral, Sampled, Submodel
     from hybond.model.parts import InputPart as Input
     from hybond.result import Result
+    from hybond.script import run_script
+    from hybond.script_steps import Step
     from hybond.simulation import simulate
+    from hybond.states import State, load_state
     from hybond.sweep.collection import Ensemble
     from hybond.sweep.ensemble import ensemble
 
@@ -96,11 +102,19 @@ _HOME = {
     "ensemble": "hybond.sweep.ensemble",
     "complementarity": "hybond.analysis.complementarity.form",
     "junction_matrix": "hybond.equations.junction_matrix",
+    "Linearisation": "hybond.analysis.linear.linearisation",
+    **dict.fromkeys(
+        ("FrequencyResponse", "frequency_response"), "hybond.analysis.linear.frequency"
+    ),
+    "linearise": "hybond.analysis.linear.linearise",
     "newton_law_model": "hybond.analysis.restitution.newton_law",
     "residuals": "hybond.analysis.residuals.residuals",
     "restitution": "hybond.analysis.restitution.restitution",
     "structure": "hybond.analysis.structure.structure",
     "simulate": "hybond.simulation",
+    "run_script": "hybond.script",
+    "Step": "hybond.script_steps",
+    **dict.fromkeys(("State", "load_state"), "hybond.states"),
     "state_equations": "hybond.equations.derive",
     **dict.fromkeys(("StateSpace", "state_space"), "hybond.export.linear.state_space"),
 }
@@ -129,12 +143,14 @@ __all__ = [
     "EquationError",
     "ExpressionError",
     "FileError",
+    "FrequencyResponse",
     "G",
     "GY",
     "HybondError",
     "I",
     "Input",
     "Integral",
+    "Linearisation",
     "Model",
     "ModelError",
     "NumericsError",
@@ -146,7 +162,9 @@ __all__ = [
     "Se",
     "Sf",
     "Signal",
+    "State",
     "StateSpace",
+    "Step",
     "Submodel",
     "SweepTable",
     "TF",
@@ -165,15 +183,19 @@ __all__ = [
     "dumps",
     "ensemble",
     "export",
+    "frequency_response",
     "junction_matrix",
     "library",
+    "linearise",
     "load",
+    "load_state",
     "loads",
     "newton_law_model",
     "read_bond_graph",
     "read_circuit",
     "residuals",
     "restitution",
+    "run_script",
     "save",
     "simulate",
     "state_equations",

@@ -17,6 +17,7 @@ from typing import Any, NoReturn
 
 from hybond._version import __version__
 from hybond.cli.analysis_words import analyse_words, equations_words
+from hybond.cli.linear_words import linearise_words
 from hybond.cli.measure_words import measure_words
 from hybond.cli.misfits import in_words, unknown_option
 from hybond.cli.plan_words import plan_words
@@ -31,6 +32,7 @@ VERBS = {
     "causality": "say which strokes depend on the mode, and why",
     "equations": "print the equations of all modes, or of one",
     "analyse": "analyse the structure of each mode, a contact, what sensors can tell",
+    "linearise": "linearise a model near a point; Bode, steps, poles; or inject a sine",
     "run": "simulate a model",
     "sweep": "simulate a model with many values of its parameters",
     "measure": "simulate, and say what is measured of it: means, extremes, harmonics, losses",
@@ -221,6 +223,7 @@ def parser_of_words() -> Parser:
 
     _settings(equations_words(_verb, verbs))
     _settings(analyse_words(_verb, verbs))
+    _settings(linearise_words(_verb, verbs))
 
     run = _verb(
         verbs,
@@ -231,6 +234,15 @@ def parser_of_words() -> Parser:
     run.add_argument("file", metavar="FILE", help="a model file, or a netlist")
     _settings(run)
     _solver(run)
+    run.add_argument(
+        "--start", metavar="FILE", help="begin with a state that --save-state has written"
+    )
+    run.add_argument(
+        "--save-state", metavar="FILE", help="write the state at the end, a .json to start from"
+    )
+    run.add_argument(
+        "--no-script", action="store_true", help="one run, though the file has a script"
+    )
     _limits(run)
     run.add_argument("--at", metavar="T,...", action="append", help="sample times, as 0.5,'50 ms'")
     run.add_argument(
@@ -397,7 +409,13 @@ def _settings(parser: ArgumentParser) -> None:
 
 
 def _solver(parser: ArgumentParser) -> None:
-    parser.add_argument("--until", metavar="T", help="end time, as 3 or '50 ms'")
+    parser.add_argument(
+        "--until",
+        metavar="T",
+        action="append",
+        help="end time, as 3 or '50 ms', or a condition, as 'v.f < 0'; "
+        "several times: what is first ends the run",
+    )
     names = "auto, rk45, radau, exact, rk4, euler, qss1-3, liqss1-3, moreau-jean"
     parser.add_argument("--solver", metavar="NAME", help=names)
     parser.add_argument("--rtol", metavar="R", type=float, help="relative tolerance")
