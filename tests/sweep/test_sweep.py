@@ -141,11 +141,27 @@ def test_a_failing_run_is_a_row(tmp_path: Path) -> None:
     )
     with (tmp_path / "s" / "table.csv").open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
-    assert [row["status"] for row in rows] == ["ok", "error", "ok"] == table["ended"].tolist()
+    assert [row["status"] for row in rows] == ["ok", "error", "ok"]
+    assert table["ended"].tolist() == ["time", "error", "time"]
     assert rows[1]["code"] == "HB-M163" and "size zero" in rows[1]["message"]
     assert rows[1]["final(c.e)"] == "nan"
     assert float(rows[2]["final(c.e)"]) == pytest.approx(10.0 * math.exp(-0.5), rel=1e-7)
     assert table.counts() == {"ok": 2, "error (HB-M163)": 1}
+
+
+def test_members_end_where_a_condition_holds() -> None:
+    table = hb.sweep(
+        ball(),
+        {"e": [0.5, 0.8], "height.start": [0.8, 5.0]},
+        until=["v.f > 0.1", "0.9 s"],
+        collect="ended, final(height), sequence, count(impact)",
+    )
+    # from 0.8 m it strikes after 0.4 s, and comes up at once; from 5 m it falls for 1 s
+    assert table["ended"].tolist() == ["v.f > 0.1", "time"] * 2
+    np.testing.assert_allclose(table["t_end"], [0.4, 0.9, 0.4, 0.9], rtol=1e-9)
+    np.testing.assert_allclose(table["final(height)"][1::2], 5.0 - 0.5 * G * 0.9**2, rtol=1e-9)
+    assert table["sequence"].tolist() == ["away > hits > away", "away"] * 2
+    assert table["count(impact)"].tolist() == [2.0, 0.0] * 2
 
 
 def test_a_measurement_that_there_is_not_says_so() -> None:

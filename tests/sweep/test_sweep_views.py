@@ -64,7 +64,7 @@ def test_drawings(tmp_path: Path) -> None:
     np.testing.assert_allclose(mesh.get_array().reshape(4, 5), a + 2 * b, atol=1e-9)
     assert figure.axes[0].get_xlim() == (-0.125, 1.125)
     named = table.plot_map("a", "b", "ended")
-    assert [t.get_text() for t in named.axes[0].get_legend().get_texts()] == ["ok"]
+    assert [t.get_text() for t in named.axes[0].get_legend().get_texts()] == ["time"]
     family = table.plot_family("curve(q.q, 5)", path=tmp_path / "family.png")
     median = next(line for line in family.axes[0].lines if line.get_label() == "median")
     np.testing.assert_allclose(median.get_ydata()[-1], 1.5, atol=1e-9)

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from hybond.cli.lists import check_experiment, end_time
+from hybond.cli.lists import check_experiment, run_until
 from hybond.cli.netlists import read_model
 from hybond.cli.outputs import TABLES
 from hybond.cli.record import VERSION, to_json
@@ -36,11 +36,12 @@ def plan_sweep(given: Namespace, options: dict[str, Any]) -> int:
     if not vary and conversion is not None:  # the netlist says itself what varies
         vary = [f"{k}={','.join(map(repr, values))}" for k, values in conversion.steps]
     model, fixed = changed_with(read, given.settings)
-    check_experiment(model.flatten(parameters=fixed))
+    graph = model.flatten(parameters=fixed)
+    check_experiment(graph)
     plan = Plan(
         factors_of(vary), sample=given.sample, seed=given.seed or 0, together=given.together
     )
-    until = end_time(model.flatten(parameters=fixed), given.until)
+    until = run_until(graph, given.until)[0]
     asked: dict[str, Any] = {
         **{"collect": given.collect, "until": until, "parameters": fixed, "out": given.out},
         **{"runs": given.runs or "", "workers": given.workers, **options},

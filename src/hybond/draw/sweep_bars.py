@@ -6,9 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from hybond.draw.losses import save_figure
 from hybond.draw.measure import shorten
-from hybond.draw.plots import _figure
+from hybond.draw.plots import new_figure, write_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -67,8 +66,7 @@ def draw_tornado(
         handles=[Patch(color=LOW, label="lower end"), Patch(color=HIGH, label="upper end")],
         **{"loc": "upper left", "bbox_to_anchor": (1.01, 1.02), "frameon": False, "fontsize": 8.5},
     )
-    save_figure(figure, path)
-    return figure
+    return write_figure(figure, path)
 
 
 def draw_sobol(table: Any, value: str, found: Any, *, path: Any = None) -> Figure:
@@ -107,13 +105,12 @@ def draw_sobol(table: Any, value: str, found: Any, *, path: Any = None) -> Figur
     _names(ax, [found.names[k] for k in order])
     ax.set_xlabel("part of the variance", fontsize=9.5)
     ax.legend(loc="upper left", bbox_to_anchor=(1.01, 1.02), frameon=False, fontsize=8.5)
-    save_figure(figure, path)
-    return figure
+    return write_figure(figure, path)
 
 
 def _bars(table: Any, said: str, many: int, path: Any) -> tuple[Figure, Any]:
     height = 1.4 + 0.42 * many
-    figure = _figure((7.4, height), interactive=path is None)
+    figure = new_figure((7.4, height), interactive=path is None)
     ax = figure.add_axes((0.2, 0.6 / height, 0.58, (height - 1.15) / height))
     ax.tick_params(labelsize=8)
     ax.grid(visible=True, axis="x", color="#e6e6e6", linewidth=0.6)

@@ -6,9 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from hybond.draw.losses import save_figure
 from hybond.draw.measure import shorten
-from hybond.draw.plots import _figure
+from hybond.draw.plots import new_figure, write_figure
 from hybond.draw.scales import axis_scale
 
 if TYPE_CHECKING:
@@ -37,7 +36,7 @@ def draw_family(table: Any, curve: str, *, path: Any = None) -> Figure:
     t, (low, lower, median, upper, high) = table.quantiles(curve)
     factor, time_label = axis_scale("s", table.job.until, least=0.5)
     x = t * factor
-    figure = _figure((7.4, 3.6), interactive=path is None)
+    figure = new_figure((7.4, 3.6), interactive=path is None)
     ax = figure.add_axes((0.11, 0.14, 0.66, 0.74))
     members = set(np.linspace(0, len(table) - 1, min(SHOWN, len(table))).astype(int).tolist())
     for part in table.parts():
@@ -60,5 +59,4 @@ def draw_family(table: Any, curve: str, *, path: Any = None) -> Figure:
     ax.legend(loc="upper left", bbox_to_anchor=(1.01, 1.02), frameon=False, fontsize=8.5)
     title = shorten(str(table.title), 10.5, 480.0)
     figure.text(0.11, 0.93, title, fontsize=10.5, fontweight="bold", va="center", parse_math=False)
-    save_figure(figure, path)
-    return figure
+    return write_figure(figure, path)

@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hybond.draw.losses import save_figure
 from hybond.draw.measure import shorten
-from hybond.draw.plots import _figure
+from hybond.draw.plots import new_figure, write_figure
 from hybond.errors import UsageError
 
 if TYPE_CHECKING:
@@ -53,7 +52,7 @@ def draw_map(table: Any, x: str, y: str, value: str, *, path: Any = None) -> Fig
                 hint="factors that are numbers",
             )
     across, up = np.asarray(across, dtype=float), np.asarray(up, dtype=float)
-    figure = _figure((7.4, 4.4), interactive=path is None)
+    figure = new_figure((7.4, 4.4), interactive=path is None)
     ax = figure.add_axes((0.11, 0.12, 0.58, 0.76))
     if any(c.text == value and c.kind == "whole" for c in table.collectors):
         few = np.unique(outcome[np.isfinite(outcome)])
@@ -79,8 +78,7 @@ def draw_map(table: Any, x: str, y: str, value: str, *, path: Any = None) -> Fig
     ax.tick_params(labelsize=8)
     title = shorten(f"{table.title}: {value}", 10.5, 480.0)
     figure.text(0.11, 0.93, title, fontsize=10.5, fontweight="bold", va="center", parse_math=False)
-    save_figure(figure, path)
-    return figure
+    return write_figure(figure, path)
 
 
 def _named(name: str, unit: str) -> str:

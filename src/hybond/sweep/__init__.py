@@ -16,6 +16,7 @@ from hybond.calls import called
 if TYPE_CHECKING:
     from hybond.model.builder import Model
     from hybond.progress import Asked
+    from hybond.run_ends import Until
     from hybond.sweep.plan import Plan
     from hybond.sweep.table import SweepTable
 
@@ -28,7 +29,7 @@ class _Room(ModuleType):
         plan: Plan | Mapping[str, Any],
         *,
         collect: str | Sequence[str],
-        until: float | str | None = None,
+        until: Until = None,
         parameters: Mapping[str, Any] | None = None,
         out: str | Path | None = None,
         runs: str = "",

@@ -28,7 +28,7 @@ COLLECTORS: Mapping[str, str] = {
     "count": "count(events), the start included; count(M): how often machine M changed its state",
     "mode_time": "mode_time(M.s): how long machine M was in its state s; junctions: x.on, x.off",
     "first": "first(M.s): when machine M was in its state s first; nan if it never was",
-    "ended": "ended: ok, accumulation, unsound or error",
+    "ended": "ended: what ended it: time, a condition, accumulation, unsound or error",
     "mode": "mode: the states of all machines where the run ended",
     "sequence": "sequence: the modes one after the other",
 }

@@ -12,6 +12,7 @@ from typing import Any
 from hybond.calls import called
 from hybond.model.builder import Model
 from hybond.result import Result
+from hybond.run_ends import Until
 from hybond.sweep.full_runs import path_of, write_run
 from hybond.sweep.plan import Plan
 from hybond.sweep.runner import Runner
@@ -88,7 +89,7 @@ def estimate(
     plan: Plan | Mapping[str, Any],
     *,
     collect: str | Sequence[str],
-    until: float | str | None = None,
+    until: Until = None,
     parameters: Mapping[str, Any] | None = None,
     out: str | Path | None = None,
     runs: str = "",

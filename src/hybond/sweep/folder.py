@@ -38,6 +38,7 @@ _WHAT = {
     "units": "a functional mock-up unit is another file",
     "collect": "other things are collected",
     "until": "it ends at another time",
+    "ends": "other conditions end it",
     "options": "the options are others",
     "fixed": "other parameters are set",
     "runs": "full runs are kept in another form",

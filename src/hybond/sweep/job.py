@@ -13,6 +13,7 @@ from hybond._version import __version__
 from hybond.files import dumps, loads
 from hybond.model.builder import Model
 from hybond.model.graph import FlatGraph
+from hybond.run_ends import Until
 from hybond.sweep.plan import Plan
 
 
@@ -27,7 +28,9 @@ class Job:
     collect : tuple of str
         Collectors, as written.
     until : float
-        s.
+        When members end at the latest, s.
+    ends : tuple of str
+        Conditions that end them before.
     options : mapping
         Of `hybond.simulate`.
     fixed : mapping
@@ -43,6 +46,12 @@ class Job:
     options: Mapping[str, Any] = field(default_factory=dict)
     fixed: Mapping[str, Any] = field(default_factory=dict)
     runs: str = ""
+    ends: tuple[str, ...] = ()
+
+    @property
+    def whole_until(self) -> Until:
+        """What ends a member, as `hybond.simulate` takes it."""
+        return [*self.ends, self.until] if self.ends else self.until
 
     def to_dict(self, graph: FlatGraph) -> dict[str, Any]:
         """Return it as plain data; `graph` is that of one of its members.
@@ -60,6 +69,7 @@ class Job:
             "units": {path: _digest(file) for path, file in _files(graph)},
             "collect": list(self.collect),
             "until": self.until,
+            "ends": list(self.ends),
             "options": dict(self.options),
             "fixed": dict(self.fixed),
             "runs": self.runs,
@@ -76,6 +86,7 @@ class Job:
             data["options"],
             data["fixed"],
             data["runs"],
+            tuple(data["ends"]),
         )
 
 

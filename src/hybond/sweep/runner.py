@@ -65,7 +65,8 @@ class Runner:
         read = [c.signal for c in self.collectors if c.function in ("final", "at", "curve")]
         self._names = tuple(dict.fromkeys(read))
         self._modes = any(c.of_modes for c in self.collectors)
-        whole = bool(job.runs) or any(c.measure is not None for c in self.collectors)
+        early = bool(job.ends) or job.model.experiment.get("start") is not None
+        whole = early or bool(job.runs) or any(c.measure is not None for c in self.collectors)
         task = Task(job.model, job.until, job.options, self._names, self._t, False)
         asked, self.alone = asked_of(task)
         self._asked: tuple[Settings, float | None] | None = None if whole else asked
@@ -225,7 +226,7 @@ class Runner:
         options = {"progress": look, **self.job.options}
         try:
             return simulate(
-                *(self._local.model, self.job.until),
+                *(self._local.model, self.job.whole_until),
                 **{"parameters": parameters, "on_error": "return", **options},
             )
         except HybondError as error:
@@ -293,7 +294,7 @@ class _Work:
                 row = values[runner._names.index(c.signal)]
                 column[members] = row[:, -1] if c.function == "final" else row[:, runner.places(c)]
             elif c.kind == "text":
-                texts = ["ok"] * len(members)
+                texts = ["time"] * len(members)
                 if journeys is not None and c.function != "ended":
                     texts = of_modes(c, journeys, runner.graph)
                 for k, text in zip(members.tolist(), texts, strict=True):
@@ -393,7 +394,7 @@ def read_run(runner: Runner, run: Result) -> tuple[dict[str, Any], HybondError |
             if c.measure is not None:
                 found[c.text] = float(c.measure.of(run)) if run.segments else np.nan
             elif c.function == "ended":
-                found[c.text] = run.status
+                found[c.text] = run.ended_by
             elif c.of_modes:
                 if journey is not None:
                     found[c.text] = of_modes(c, journey, runner.graph)[0]

@@ -10,6 +10,7 @@ from typing import Any
 from hybond.errors import UsageError
 from hybond.model.builder import Model
 from hybond.progress import Asked, shown
+from hybond.run_ends import Until, ends_of
 from hybond.run_options import end_of
 from hybond.sweep.ensemble import check_options
 from hybond.sweep.folder import Folder, told
@@ -38,7 +39,7 @@ def sweep(
     plan: Plan | Mapping[str, Any],
     *,
     collect: str | Sequence[str],
-    until: float | str | None = None,
+    until: Until = None,
     parameters: Mapping[str, Any] | None = None,
     out: str | Path | None = None,
     runs: str = "",
@@ -63,8 +64,9 @@ def sweep(
     collect : str or sequence of str
         What is collected: ``"final(ball.p), max(contact.e), count(events)"``; see
         `hybond.sweep.collect.COLLECTORS` and `hybond.measures.asked.FUNCTIONS`.
-    until : float or str
-        End time of all members; default: what the experiment says.
+    until : float, str or list
+        What ends members, as for `hybond.simulate`: a time, or conditions and a time; default: what
+        the experiment says.
     parameters : mapping
         Of `hybond.simulate`, the same for all members.
     out : str or Path
@@ -135,7 +137,7 @@ def job_of(
     model: Model,
     plan: Plan | Mapping[str, Any],
     collect: str | Sequence[str],
-    until: float | str | None,
+    until: Until,
     parameters: Mapping[str, Any] | None,
     runs: str,
     options: Mapping[str, Any],
@@ -156,10 +158,17 @@ def job_of(
     check_options(options)
     if not isinstance(plan, Plan):
         plan = Plan(plan)
-    end = end_of(until, model.experiment)
+    end, ends = end_of(until, model.experiment), ends_of(until, model.experiment).conditions
+    if isinstance(model.experiment.get("start"), str):
+        raise UsageError(
+            "members start from the file of a state, which is no part of the model",
+            code="HB-S115",
+            where="experiment.start",
+            hint="leave start out, or give values by name",
+        )
     texts = (collect,) if isinstance(collect, str) else tuple(collect)
     fixed = {k: v for k, v in (parameters or {}).items() if k not in plan.paths}
-    return Job(model, plan, texts, end, dict(options), fixed, check_form(runs))
+    return Job(model, plan, texts, end, dict(options), fixed, check_form(runs), ends)
 
 
 def workers_of(workers: int | None) -> int:

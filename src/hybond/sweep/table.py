@@ -181,7 +181,7 @@ class SweepTable(Views):
         rows = self.plan.rows(member, member + 1)
         given = {p: v[0] if isinstance(v, list) else float(v[0]) for p, v in rows.items()}
         return simulate(
-            *(self.job.model, self.job.until),
+            *(self.job.model, self.job.whole_until),
             parameters={**self.job.fixed, **given},
             on_error="return",
             **self.job.options,
