@@ -31,6 +31,8 @@ ROOM = 64e6
 """Bytes that are looked at of one."""
 TRIED = 0.02
 """How long members are tried to see how long they take, s."""
+LONG = 1.0
+"""A member that takes so long is tried once, s; beside it, tables take no time."""
 Range = tuple[int, int]
 
 
@@ -297,10 +299,11 @@ def _here(
 
 
 def part_size(runner: Runner) -> int:
-    """Return how many members make a part: as many as run in about two seconds."""
+    """Return how many members make a part: as many as run in about two seconds, two a thread."""
     wide = sum(max(c.points, 1) for c in runner.collectors) + runner.looked
     most = min(LARGEST, max(int(ROOM / (8.0 * wide)), 1))
-    size = int(min(max(GOAL / max(each_takes(runner, TRIED)[0], 1e-9), 1.0), most))
+    least = 2.0 * runner.workers
+    size = int(min(max(GOAL / max(each_takes(runner, TRIED)[0], 1e-9), least), most))
     return 1 << (size.bit_length() - 1)
 
 
@@ -310,7 +313,11 @@ def each_takes(runner: Runner, patience: float) -> tuple[float, Part]:
     Some are run, spread over all of them, until that has taken `patience`.
     """
     members = len(runner.job.plan)
-    runner.trial(range(1))
+    began = time.perf_counter()
+    part = runner.trial(range(1))
+    took = time.perf_counter() - began
+    if took >= LONG:
+        return took / runner.workers, part
     many, alone = 1, 0.0
     while True:
         began = time.perf_counter()
