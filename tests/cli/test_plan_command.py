@@ -60,6 +60,17 @@ def test_levels_of_plans_in_a_sweep_as_ever(shell: Any) -> None:
         }
 
 
+def test_a_logarithm_is_no_range(shell: Any) -> None:
+    for options in ([], ["--collect", "final(mass.f)"]):
+        done = shell("sweep", "spring.toml", "--vary", "m=log(20),log(7)", *options, "--json").json
+        record = done.get("final", done.get("collected"))[
+            "mass.f" if not options else "final(mass.f)"
+        ]
+        found = record if not options else [record["least"], record["most"]]
+        ends = [3.0 * math.cos(2.0 * math.sqrt(8.0 / math.log(x))) for x in (20.0, 7.0)]
+        assert sorted(found) == pytest.approx(sorted(ends), abs=1e-6)
+
+
 @pytest.mark.parametrize(
     ("words", "code"),
     [

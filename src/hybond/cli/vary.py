@@ -19,7 +19,9 @@ MEMBERS = 1_000_000
 """Members that one sweep may have."""
 _NUMBER = re.compile(r"\s*[+-]?[\d.]+([eE][+-]?\d+)?")
 _COUNT = re.compile(r"0*([0-9]{1,18})")
-_OTHER = re.compile(r"(" + "|".join((*LAWS, "lin", "log")) + r")\s*\(|[^,:(]+:[^,:(]+:[^,:(]+\Z")
+_OTHER = re.compile(
+    rf"({'|'.join(LAWS)})\s*\([^()]*\)|(lin|log)\s*\([^(),]*,[^(),]*,[^(),]*\)|[^,:(]+(:[^,:(]+){{2}}"
+)
 """Levels and distributions of a plan."""
 Values = tuple[str, list[str | float]]
 
@@ -42,7 +44,7 @@ def values_of(text: str) -> Values:
     ('k', ['2 N/m', '1e3'])
     """
     path, _, given = (word.strip() for word in text.partition("="))
-    if ".." not in given and path and _OTHER.match(given):
+    if ".." not in given and path and _OTHER.fullmatch(given):
         factor = factor_of(path, given)
         if factor.levels is None:
             raise _refusal(f"{text!r} is a distribution: --sample says how many are drawn")

@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from hybond.errors import UsageError
 from hybond.measures.asked import split_arguments
+from hybond.model.expressions.tree import FUNCTIONS, GATHER
 from hybond.model.parts import Value
 from hybond.names import did_you_mean
 from hybond.sweep.laws import LAWS, frozen_of, law_of
@@ -130,8 +131,11 @@ def factor_of(path: str, given: Any) -> Factor:
 
 def _read(path: str, text: str) -> Factor:
     call = _CALL.match(text)
-    if call is not None and (call[1] in LAWS or call[1] in ("lin", "log")):
-        return _called(path, text, call[1], split_arguments(call[2]))
+    given = None if call is None else split_arguments(call[2])
+    name = "" if call is None or given is None else call[1]
+    # log(2) is a logarithm, and log(2), log(3) are two
+    if given is not None and name in (*LAWS, "lin", "log") and (name, len(given)) != ("log", 1):
+        return _called(path, text, name, given)
     if ".." in text:
         span, _, count = (word.strip() for word in text.rpartition(":"))
         low, _, high = (word.strip() for word in (span or count).partition(".."))
@@ -142,7 +146,8 @@ def _read(path: str, text: str) -> Factor:
     parts = text.split(":")
     if len(words) == 1 and len(parts) == 3:
         return _stepped(path, text, *(part.strip() for part in parts))
-    if call is not None and len(words) == 1 and len(split_arguments(call[2]) or ()) > 1:
+    known = (*FUNCTIONS, *GATHER, "if", "pre")
+    if call is not None and len(words) == 1 and given and call[1] not in known:
         raise _refusal(
             f"there is no distribution {call[1]!r}",
             path,
@@ -151,9 +156,7 @@ def _read(path: str, text: str) -> Factor:
     return _of_values(path, list(words))
 
 
-def _called(path: str, text: str, name: str, words: list[str] | None) -> Factor:
-    if words is None:
-        raise _refusal(f"a parenthesis in {text!r} is left open", path)
+def _called(path: str, text: str, name: str, words: list[str]) -> Factor:
     if name in ("lin", "log") and len(words) in (2, 3):
         return _between(path, text, name, words[0], words[1], words[2] if words[2:] else "")
     if name in ("lin", "log"):
