@@ -6,7 +6,7 @@ import ctypes
 import os
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from queue import Empty, SimpleQueue
 
 import numpy as np
@@ -23,6 +23,8 @@ LARGE = 512
 """Members in that at the most: what is kept of them is put away then."""
 SHARE = 4
 """Parts that every thread gets at the least, so that all end together."""
+BEGINNING = 1.0
+"""For a thread to begin, s."""
 WAITING = 0.1
 """Between two looks at whoever wants it to stop, s."""
 
@@ -85,10 +87,11 @@ def in_threads(
         except BaseException as error:
             found.put(error)
 
-    threads = [threading.Thread(target=work, daemon=True) for _ in range(workers)]
-    for thread in threads:
-        thread.start()
+    threads: list[threading.Thread] = []
     try:
+        for _ in range(workers):
+            threads.append(threading.Thread(target=work, daemon=True))
+            threads[-1].start()
         left = workers
         while left:
             try:
@@ -103,8 +106,27 @@ def in_threads(
                 keep(*done)
     finally:
         stop.value = 1
-        for thread in threads:
-            thread.join()
+        _ended(threads)
+
+
+def _ended(threads: Sequence[threading.Thread]) -> None:
+    """Wait until threads have ended, whatever is pressed meanwhile.
+
+    One that went on in the library while Python ends would work on memory that is freed.
+    """
+    pressed = False
+    end = time.monotonic() + BEGINNING
+    for thread in threads:
+        while thread.is_alive() or (thread.ident is None and time.monotonic() < end):
+            try:
+                if thread.is_alive():
+                    thread.join()
+                else:  # Ctrl-C was pressed while it was begun
+                    time.sleep(0.001)
+            except KeyboardInterrupt:
+                pressed = True
+    if pressed:
+        raise KeyboardInterrupt
 
 
 class _Parts:
