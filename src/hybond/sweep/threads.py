@@ -74,7 +74,8 @@ def in_threads(
     found: SimpleQueue[tuple[int, Ran] | BaseException | None] = SimpleQueue()
     parts = _Parts(len(numbers), workers)
 
-    def work() -> None:
+    def work(over: threading.Event) -> None:
+        members = None
         try:
             members = NativeMembers(model, slots, t, stop, modes=modes)
             each = CHUNK
@@ -86,12 +87,16 @@ def in_threads(
             found.put(None)
         except BaseException as error:
             found.put(error)
+        finally:
+            del members
+            over.set()
 
-    threads: list[threading.Thread] = []
+    threads: list[tuple[threading.Thread, threading.Event]] = []
     try:
         for _ in range(workers):
-            threads.append(threading.Thread(target=work, daemon=True))
-            threads[-1].start()
+            over = threading.Event()
+            threads.append((threading.Thread(target=work, args=(over,), daemon=True), over))
+            threads[-1][0].start()
         left = workers
         while left:
             try:
@@ -109,20 +114,18 @@ def in_threads(
         _ended(threads)
 
 
-def _ended(threads: Sequence[threading.Thread]) -> None:
+def _ended(threads: Sequence[tuple[threading.Thread, threading.Event]]) -> None:
     """Wait until threads have ended, whatever is pressed meanwhile.
 
     One that went on in the library while Python ends would work on memory that is freed.
     """
     pressed = False
     end = time.monotonic() + BEGINNING
-    for thread in threads:
-        while thread.is_alive() or (thread.ident is None and time.monotonic() < end):
+    for thread, over in threads:
+        # Ctrl-C may have been pressed while it was begun: then it is not known whether it was
+        while not over.is_set() and (thread.ident is not None or time.monotonic() < end):
             try:
-                if thread.is_alive():
-                    thread.join()
-                else:  # Ctrl-C was pressed while it was begun
-                    time.sleep(0.001)
+                over.wait(0.01)
             except KeyboardInterrupt:
                 pressed = True
     if pressed:
