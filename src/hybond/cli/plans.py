@@ -19,7 +19,6 @@ from hybond.errors import NumericsError, UsageError
 from hybond.names import in_columns
 from hybond.progress import MembersDone
 from hybond.sweep.estimating import estimate
-from hybond.sweep.folder import ABOUT
 from hybond.sweep.plan import Plan
 from hybond.sweep.sweeping import sweep
 from hybond.sweep.table import SweepTable
@@ -196,8 +195,11 @@ def _told(table: SweepTable, counts: dict[str, int]) -> int:
     if warned:
         complain(f"{warned} members warn: see the column warnings")
     if table.interrupted:
-        kept = f", in {table.folder / ABOUT}'s folder" if table.folder is not None else ""
-        complain(f"interrupted: {len(table)} of {len(table.plan)} members are kept{kept}")
+        done = f"{len(table)} of {len(table.plan)} members"
+        if table.folder is None:
+            complain(f"interrupted after {done}; with --out they would be kept")
+        else:
+            complain(f"interrupted: {done} are in {table.folder}; the same command goes on there")
         return 130
     codes = [2 if code[3:4] in "MUCEF" else 1 if code[3:4] in "RS" else 3 for code in seen]
     codes += [NumericsError.exit_code for kind in counts if kind.startswith("accumulation")]
