@@ -23,6 +23,7 @@ GROUPS: dict[str, tuple[str, ...]] = {
         "measurements",
         "linear",
         "ensembles",
+        "sweeps",
         "blocks",
         "export",
         "testing",

@@ -92,8 +92,10 @@ _HOME = {
     "FMU": "hybond.blocks.fmu",
     "Input": "hybond.model.parts",
     "Model": "hybond.model.builder",
+    "Plan": "hybond.sweep.plan",
     "Result": "hybond.result",
     "Signal": "hybond.measures.signal",
+    "SweepTable": "hybond.sweep.table",
     **dict.fromkeys(("draw_hybrid", "draw_mode", "draw_modes"), "hybond.draw"),
     **dict.fromkeys(("Coverage", "coverage"), "hybond.analysis.coverage"),
     **dict.fromkeys(("CrossCheck", "cross_check"), "hybond.analysis.cross.check"),
@@ -127,9 +129,10 @@ _ROOMS = {
     "export": "hybond.export",
     "library": "hybond.library",
     "studio": "hybond.studio",
+    "sweep": "hybond.sweep",
     "switching": "hybond.switching",
 }
-"""Rooms that are public as such; `causality`, `draw`, `export` and `studio` can be called."""
+"""Rooms that are public as such; `causality`, `draw`, `export`, `studio`, `sweep` can be called."""
 
 __all__ = [
     "FMU",
@@ -157,6 +160,7 @@ __all__ = [
     "ModelError",
     "NumericsError",
     "One",
+    "Plan",
     "R",
     "Result",
     "Sampled",
@@ -167,6 +171,7 @@ __all__ = [
     "StateSpace",
     "Step",
     "Submodel",
+    "SweepTable",
     "TF",
     "UnitError",
     "UsageError",
@@ -203,6 +208,7 @@ __all__ = [
     "state_space",
     "structure",
     "studio",
+    "sweep",
     "switching",
 ]
 

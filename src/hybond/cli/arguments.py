@@ -20,6 +20,7 @@ from hybond.cli.analysis_words import analyse_words, equations_words
 from hybond.cli.linear_words import linearise_words
 from hybond.cli.measure_words import measure_words
 from hybond.cli.misfits import in_words, unknown_option
+from hybond.cli.plan_words import plan_words
 from hybond.errors import UsageError
 from hybond.names import did_you_mean
 
@@ -294,6 +295,8 @@ def parser_of_words() -> Parser:
         "sweep",
         "hybond sweep ball.toml --vary m=1..2kg:11 --out masses.csv",
         "hybond sweep ball.toml --vary m=1kg,2kg --vary h0=1..3:5 --signals height",
+        "hybond sweep ball.toml --vary 'm=normal(1 kg, 50 g)' --sample lhs:1000 --seed 7 "
+        "--collect 'final(ball.p), count(events)' --out masses",
     )
     sweep.add_argument("file", metavar="FILE", help="a model file")
     sweep.add_argument(
@@ -301,13 +304,13 @@ def parser_of_words() -> Parser:
         metavar="PATH=VALUES",
         action="append",
         default=[],
-        help="a parameter and its values, LOW..HIGH:NUMBER or V,W,...; "
-        "several options: all combinations",
+        help="PATH and values: LOW..HIGH:NUMBER, LOW:HIGH:STEP, log(LOW,HIGH,NUMBER), V,W,... "
+        "or with --sample a distribution; several options: all combinations",
     )
     sweep.add_argument(
         "--together", action="store_true", help="the first values of all, the second, ...: no grid"
     )
-    _settings(sweep)
+    _settings(plan_words(sweep))
     _solver(sweep)
     sweep.add_argument(
         "--signals", metavar="NAME,...", action="append", help="what is read at the end"
@@ -315,7 +318,11 @@ def parser_of_words() -> Parser:
     sweep.add_argument(
         "--workers", metavar="N", type=int, help="threads (default: one for each core)"
     )
-    sweep.add_argument("--out", metavar="FILE", help="write the table as .csv, .npz or .json")
+    sweep.add_argument(
+        "--out",
+        metavar="FILE",
+        help="write the table as .csv, .npz or .json; of --collect: a folder",
+    )
     sweep.add_argument("--json", action="store_true", help="print one JSON object and nothing else")
 
     measure = measure_words(_verb, verbs)
