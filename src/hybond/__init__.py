@@ -23,6 +23,9 @@ if TYPE_CHECKING:
     from hybond.analysis.complementarity.form import complementarity
     from hybond.analysis.coverage import Coverage, coverage
     from hybond.analysis.cross.check import CrossCheck, cross_check
+    from hybond.analysis.linear.frequency import FrequencyResponse, frequency_response
+    from hybond.analysis.linear.linearisation import Linearisation
+    from hybond.analysis.linear.linearise import linearise
     from hybond.analysis.residuals.residuals import residuals
     from hybond.analysis.restitution.newton_law import newton_law_model
     from hybond.analysis.restitution.restitution import restitution
@@ -94,6 +97,11 @@ _HOME = {
     "ensemble": "hybond.sweep.ensemble",
     "complementarity": "hybond.analysis.complementarity.form",
     "junction_matrix": "hybond.equations.junction_matrix",
+    "Linearisation": "hybond.analysis.linear.linearisation",
+    **dict.fromkeys(
+        ("FrequencyResponse", "frequency_response"), "hybond.analysis.linear.frequency"
+    ),
+    "linearise": "hybond.analysis.linear.linearise",
     "newton_law_model": "hybond.analysis.restitution.newton_law",
     "residuals": "hybond.analysis.residuals.residuals",
     "restitution": "hybond.analysis.restitution.restitution",
@@ -126,12 +134,14 @@ __all__ = [
     "EquationError",
     "ExpressionError",
     "FileError",
+    "FrequencyResponse",
     "G",
     "GY",
     "HybondError",
     "I",
     "Input",
     "Integral",
+    "Linearisation",
     "Model",
     "ModelError",
     "NumericsError",
@@ -160,8 +170,10 @@ __all__ = [
     "dumps",
     "ensemble",
     "export",
+    "frequency_response",
     "junction_matrix",
     "library",
+    "linearise",
     "load",
     "loads",
     "newton_law_model",

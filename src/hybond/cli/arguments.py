@@ -17,6 +17,7 @@ from typing import Any, NoReturn
 
 from hybond._version import __version__
 from hybond.cli.analysis_words import analyse_words, equations_words
+from hybond.cli.linear_words import linearise_words
 from hybond.cli.measure_words import measure_words
 from hybond.cli.misfits import in_words, unknown_option
 from hybond.errors import UsageError
@@ -30,6 +31,7 @@ VERBS = {
     "causality": "say which strokes depend on the mode, and why",
     "equations": "print the equations of all modes, or of one",
     "analyse": "analyse the structure of each mode, a contact, what sensors can tell",
+    "linearise": "linearise a model near a point; Bode, steps, poles; or inject a sine",
     "run": "simulate a model",
     "sweep": "simulate a model with many values of its parameters",
     "measure": "simulate, and say what is measured of it: means, extremes, harmonics, losses",
@@ -220,6 +222,7 @@ def parser_of_words() -> Parser:
 
     _settings(equations_words(_verb, verbs))
     _settings(analyse_words(_verb, verbs))
+    _settings(linearise_words(_verb, verbs))
 
     run = _verb(
         verbs,

@@ -91,6 +91,10 @@ def verb(given: Namespace) -> int:
             from hybond.cli.analyse import analyse
 
             return analyse(given)
+        case "linearise":
+            from hybond.cli.linearise import linearise
+
+            return linearise(given)
         case "sweep":
             from hybond.cli.sweep import sweep
 

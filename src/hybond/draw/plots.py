@@ -92,6 +92,11 @@ def plot_run(
         assert figure is not None
     else:
         figure = _stacked(result, groups, factor, time_label, interactive=path is None)
+    return write_figure(figure, path)
+
+
+def write_figure(figure: Figure, path: str | Path | None) -> Figure:
+    """Write a figure to a file, in the format of its ending, if there is one; return the figure."""
     if path is not None:
         file = Path(path) if Path(path).suffix else Path(f"{path}.png")
         picture = io.BytesIO()
@@ -111,7 +116,7 @@ def _stacked(
     gap, top, bottom, right = 0.16, 0.42, 0.5, 0.95 if shown else 0.25
     tall = _TALL if len(groups) < 5 else 1.25
     height = top + len(groups) * (tall + gap) + strip + bottom + (0.16 if more else 0.0)
-    figure = _figure((_WIDE, height), interactive=interactive)
+    figure = new_figure((_WIDE, height), interactive=interactive)
     # names beside the lanes take room from the lanes, and then more names stand beside them
     for _ in range(2):
         beside = room_beside(result, shown, inches=_WIDE - left - right) + 0.05
@@ -163,7 +168,7 @@ def _stacked(
     return figure
 
 
-def _figure(size: tuple[float, float], *, interactive: bool) -> Figure:
+def new_figure(size: tuple[float, float], *, interactive: bool) -> Figure:
     """Return a figure that pyplot knows, so that `plt.show()` works; not for a mere file."""
     if interactive:
         from matplotlib import get_backend, pyplot

@@ -150,8 +150,8 @@ class Reduction:
         Which of the descriptor's variables are left.
     """
 
-    def __init__(self, s: Scaled, *, last: NDArray[np.bool_] | None = None) -> None:
-        """Take a scaled descriptor; variables in `last` go only where no other may."""
+    def __init__(self, s: Scaled, *, last: NDArray[np.int_] | None = None) -> None:
+        """Take a scaled descriptor; variables go only where none with a lower `last` may."""
         n, p = s.B.shape
         self.e, self.a = Tracked.of(s.E), Tracked.of(s.A)
         self.b = [Tracked.of(s.B)]
@@ -161,7 +161,7 @@ class Reduction:
         self.index = 0
         self.ranks: list[Rank] = []
         self._size_e = float(np.linalg.norm(s.E, 2)) if n else 0.0
-        self._weights = np.ones(n) if last is None else np.where(last, 2.0**-20, 1.0)
+        self._weights = np.ones(n) if last is None else 2.0 ** (-20.0 * last)
         while len(self.e.value):
             rank = rank_of(self.e.value, self._size_e)
             self.ranks.append(rank)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -27,8 +28,8 @@ class Proper:
     """Which of `v` the states are, but for what `direct` adds to them."""
 
 
-def proper(E: Matrix, A: Matrix, B: Matrix, stored: int) -> Proper:
-    """Reduce a descriptor; the first `stored` variables may be states.
+def proper(E: Matrix, A: Matrix, B: Matrix, stored: int, *, keep: Sequence[int] = ()) -> Proper:
+    """Reduce a descriptor; the first `stored` variables may be states, those of `keep` before all.
 
     Raises
     ------
@@ -51,8 +52,10 @@ def proper(E: Matrix, A: Matrix, B: Matrix, stored: int) -> Proper:
     names = tuple(str(k) for k in range(n))
     unit = scaled(Descriptor.of(E, A, np.zeros((n, 0)), states=names, inputs=()))
     unit = replace(unit, B=_row_scales(E, A, unit)[:, None] * B)
+    last = (np.arange(n) < stored).astype(int)
+    last[list(keep)] = 2
     try:
-        left = Reduction(unit, last=np.arange(n) < stored)
+        left = Reduction(unit, last=last)
     except np.linalg.LinAlgError:
         raise EquationError(
             "the equations of this mode do not determine all variables",

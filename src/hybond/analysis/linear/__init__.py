@@ -1,0 +1,1 @@
+"""Models linearised at a point, and switched models asked for their frequency response."""

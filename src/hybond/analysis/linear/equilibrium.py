@@ -1,0 +1,249 @@
+"""The rest of a model: states from which nothing moves, found by Newton's iteration.
+
+Each step solves ``A d = -rates`` with the matrix of the linearisation at the present point, in the
+states that are independent there. Where A has no inverse there are either many states of rest or
+none. Of many, the one is taken that keeps what the motion conserves (the volume in two tanks that a
+pipe joins) and else is nearest; there is none where what A cannot change is not zero.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NoReturn
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybond.analysis.linear.point import Point, settled
+from hybond.engine.outcome.apart import Apart
+from hybond.equations.calculus import rate_name
+from hybond.equations.linear_rows import linear_rows
+from hybond.errors import HybondError, NumericsError
+from hybond.export.linear.proper import Proper, proper
+from hybond.model.expressions import compile_expression
+from hybond.model.graph import FlatGraph, Mode
+
+Vector = NDArray[np.float64]
+
+SINGULAR = 1e-10
+"""Singular values of the balanced matrix below this part of the largest count as zero."""
+REST = 1e-10
+"""A rate below this part of the largest effort or flow seen around counts as none."""
+HELD = 1e-6
+"""A rate that no state changes, above this part of them, goes on for ever."""
+STEPS = 60
+"""Of Newton's iteration."""
+LEAST = 1e-4
+"""Part of a step below which it is not shortened any more."""
+SMALL = 1e-6
+"""Part of the largest state that the step is at a rest at the most, by rates that are rounding."""
+STUCK = 4
+"""Steps that may make nothing smaller."""
+NEARER = "give start values nearer to it, or linearise at the end of a long run"
+OTHER = "choose another mode, or linearise at a time of a run, or at states that you give"
+
+
+def equilibrium(graph: FlatGraph, mode: Mode, *, chosen: bool) -> tuple[Point, list[str]]:
+    """Return a point at which nothing moves, and what is to be said of it.
+
+    The search begins at the start of a run. Where a step ends in another mode it goes on there,
+    unless the mode was `chosen`.
+
+    Raises
+    ------
+    NumericsError
+        HB-A510 if there is none, or it is not found.
+    """
+    return _Search(graph, mode, chosen=chosen).found()
+
+
+@dataclass(frozen=True, slots=True)
+class _Here:
+    """The linearisation at a point of the search.
+
+    Parameters
+    ----------
+    rates : array
+        Of the kept states.
+    still : array of bool
+        Which of them have to be at rest: not integrals that nothing reads.
+    """
+
+    point: Point
+    found: Proper
+    rates: Vector
+    still: NDArray[np.bool_]
+
+
+class _Search:
+    def __init__(self, graph: FlatGraph, mode: Mode, *, chosen: bool) -> None:
+        self.graph, self.mode, self.chosen = graph, mode, chosen
+        self.apart = Apart(graph)
+        self.stored = len(graph.storages)
+        self.rates = [rate_name(s) for s in graph.storages] + [i.rate for i in graph.integrals]
+        self.paths = [s.path for s in graph.storages] + [i.path for i in graph.integrals]
+        self.sizes = np.zeros(len(self.rates))
+        """What the rate of each state is measured by: the largest seen of its kind around."""
+        self.largest = 0.0
+        """The largest state seen."""
+        self.stuck = 0
+        """Steps that made nothing smaller."""
+
+    def found(self) -> tuple[Point, list[str]]:
+        point = settled(
+            self.apart, self.graph, self.apart.start, self.mode, chosen=self.chosen, said=""
+        )
+        begin = point.state
+        for _ in range(STEPS):
+            here = self._here(point)
+            move, notes, lost = self._move(here, begin)
+            if self._off(here) <= REST and (lost is not None or self._is_small(move, here)):
+                self._check(point)
+                return Point(
+                    point.t, point.mode, point.state, point.values, point.landed, "equilibrium"
+                ), notes
+            if lost is not None:
+                self._none(point, lost)
+            point = self._ahead(here, move)
+        self._none(
+            point,
+            f"the iteration does not settle in {STEPS} steps",
+            hint=NEARER,
+        )
+
+    def _here(self, point: Point) -> _Here:
+        graph = self.graph
+        rows = linear_rows(graph, point.mode, point.values, inputs=(), outputs={})
+        if rows.timed:
+            self._none(
+                point,
+                f"{', '.join(rows.timed)} changes with time",
+                hint="linearise at a time of a run, or at states that you give: both hold the time",
+            )
+        first = range(self.stored, rows.stored)
+        found = proper(rows.E, rows.A, rows.B, rows.stored, keep=first)
+        read = np.abs(found.A).max(axis=0, initial=0.0) > 0.0
+        still = [k < self.stored or bool(read[j]) for j, k in enumerate(found.kept)]
+        self._measure(point)
+        return _Here(point, found, self._rates(point, found), np.array(still, dtype=bool))
+
+    def _measure(self, point: Point) -> None:
+        """Note how large efforts and flows are around each state."""
+        graph = self.graph
+        self.largest = max(self.largest, float(np.abs(point.state).max(initial=0.0)))
+        for k in range(len(self.sizes)):
+            if k < self.stored:
+                s = graph.storages[k]
+                kind = "e" if s.kind == "I" else "f"
+                domain = graph.bonds[s.bond].domain
+                same = [b.index for b in graph.bonds if b.domain == domain]
+                now = max(abs(point.values[f"{kind}:{b}"]) for b in same)
+            else:
+                now = abs(point.values[f"s:{k - self.stored}"])
+            self.sizes[k] = max(self.sizes[k], now)
+
+    def _rates(self, point: Point, found: Proper) -> Vector:
+        index = {name: k for k, name in enumerate(point.values)}
+        row = list(point.values.values())
+        rates = [compile_expression(self.rates[k], index, pre_offset=0)(row) for k in found.kept]
+        return np.array(rates, dtype=float)
+
+    def _off(self, here: _Here) -> float:
+        """Return the largest rate that should be none, as a part of what it is measured by."""
+        sizes = np.maximum(self.sizes[list(here.found.kept)], 1e-300)
+        return float((np.abs(here.rates) / sizes)[here.still].max(initial=0.0))
+
+    def _is_small(self, move: Vector, here: _Here) -> bool:
+        """Whether a step is rounding, or comes of rates that are."""
+        return bool(np.abs(move).max(initial=0.0) <= SMALL * self.largest)
+
+    def _move(self, here: _Here, begin: Vector) -> tuple[Vector, list[str], str | None]:
+        """Return Newton's step of the kept states, notes, and why there is no rest, if so."""
+        from scipy.linalg import matrix_balance
+
+        kept, still = np.array(here.found.kept, dtype=int), here.still
+        move = np.zeros(len(kept))
+        notes = [
+            f"{self.paths[kept[j]]} goes on at {here.rates[j]:.6g} a second; nothing reads it"
+            for j in np.flatnonzero(~still)
+            if here.rates[j]
+        ]
+        A, f = here.found.A[np.ix_(still, still)], here.rates[still]
+        if not len(A):
+            return move, notes, None
+        balanced, (scale, _) = matrix_balance(A, permute=False, separate=True)
+        u, values, vt = np.linalg.svd(balanced)
+        rank = int((values > SINGULAR * values.max(initial=0.0)).sum())
+        g = f / scale
+        d = -vt[:rank].T @ ((u[:, :rank].T @ g) / values[:rank])
+        lost = None
+        if rank < len(A):
+            conserved, free = u[:, rank:].T, vt[rank:].T
+            off = np.abs(conserved.T @ (conserved @ g)) * scale
+            part = off / np.maximum(self.sizes[kept[still]], 1e-300)
+            worst = int(np.argmax(part))
+            if part[worst] > HELD:
+                lost = (
+                    f"{self.paths[kept[still][worst]]} goes on changing, {f[worst]:.6g} a second, "
+                    "whatever the states are"
+                )
+            now = (here.point.state[kept] - begin[kept])[still] / scale
+            d = d + free @ np.linalg.lstsq(conserved @ free, -conserved @ (now + d), rcond=1e-8)[0]
+            many = len(A) - rank
+            notes.append(
+                f"not the only rest: {many} direction{'s' if many > 1 else ''} in which the states "
+                "may be moved; what the motion conserves is as at the start"
+            )
+        move[still] = d * scale
+        return move, notes, lost
+
+    def _ahead(self, here: _Here, move: Vector) -> Point:
+        """Return the next point: the whole step, or as much of it as makes rates smaller."""
+        point = here.point
+        direction = here.found.basis[: len(point.state)] @ move
+        before = self._off(here)
+        part = 1.0
+        last: Point | None = None
+        why: HybondError | None = None
+        while part > LEAST:
+            try:
+                trial = self._settled(point.state + part * direction, point.mode)
+            except HybondError as error:
+                why = error
+                part /= 2.0
+                continue
+            last = trial
+            if trial.mode != point.mode:
+                if self.chosen:
+                    said = self.graph.mode_text(self.mode)
+                    self._none(trial, f"on the way to it the mode ({said}) is left")
+                return trial
+            after = self._off(_Here(trial, here.found, self._rates(trial, here.found), here.still))
+            if after <= (1.0 - 0.1 * part) * before or after <= REST:
+                return trial
+            part /= 2.0
+        if last is None:
+            assert why is not None
+            raise why
+        self.stuck += 1
+        if self.stuck > STUCK:
+            self._none(point, "no step makes the rates smaller", hint=NEARER)
+        return last
+
+    def _settled(self, state: Vector, mode: Mode) -> Point:
+        return settled(self.apart, self.graph, state, mode, chosen=False, said="")
+
+    def _check(self, point: Point) -> None:
+        """Refuse a rest in which the mode is left at once."""
+        after = self._settled(point.state, point.mode)
+        if after.mode != point.mode:
+            text = self.graph.mode_text(after.mode)
+            self._none(point, f"there the mode is left at once for ({text})")
+
+    def _none(self, point: Point, why: str, hint: str = OTHER) -> NoReturn:
+        raise NumericsError(
+            f"no equilibrium: {why}",
+            code="HB-A510",
+            where=self.graph.mode_text(point.mode),
+            hint=hint,
+        )

@@ -1,0 +1,196 @@
+"""Periods of a model, and a window that holds whole periods of it and of an injected sine."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+
+from hybond.errors import UsageError
+from hybond.model.expressions import Call, Compare, Expr, Name, Number, differentiate, names
+from hybond.model.expressions.tree import walk
+from hybond.model.graph import FlatGraph
+from hybond.model.inputs import Constant, Free, Pwm, Timetable
+
+CLOSE = 1e-3
+"""Part of a frequency by which it may be moved, so that a window is short."""
+TURNS = 24
+"""Periods of the sine that a window has at most."""
+RATIO = 10_000
+"""Largest whole number in the ratio of two periods of a model that count as having one in
+common."""
+
+
+@dataclass(frozen=True, slots=True)
+class Window:
+    """Whole periods of two things at once.
+
+    Parameters
+    ----------
+    frequency : float
+        Of the sine, Hz: as asked for, or near it.
+    turns : int
+        Periods of the sine in the window.
+    cycles : int
+        Periods of the model in it; 0 if it has none.
+    length : float
+        s.
+    """
+
+    frequency: float
+    turns: int
+    cycles: int
+    length: float
+
+
+def period_of(graph: FlatGraph) -> float | None:
+    """Return the time after which all that a model reads of time repeats, None if nothing does.
+
+    Raises
+    ------
+    UsageError
+        HB-A511 where that cannot be told, or there is no common period.
+
+    Examples
+    --------
+    >>> import hybond as hb
+    >>> m = hb.Model("rc")
+    >>> m.add(V=hb.Se("1 V*sin(2*pi*time/(20 ms)) + u"), j=hb.One(), r=hb.R(2), c=hb.C(1))
+    >>> m.bond("V -> j -> r", "j -> c")
+    >>> m.input(u=hb.Input(pwm={"period": "5 ms", "duty": 0.5}))
+    >>> round(period_of(m.flatten()), 9)
+    0.02
+    """
+    found: list[float] = []
+    for i in graph.inputs:
+        match i.waveform:
+            case Constant() | Free():
+                pass
+            case Pwm(period=period):
+                found.append(period)
+            case Timetable(period=period) if period:
+                found.append(period)
+            case _:
+                raise _unknown(f"the input {i.path} does not repeat")
+    for e, where in _trees(graph):
+        found += _in_tree(e, where)
+    return _common(found)
+
+
+def _trees(graph: FlatGraph) -> Iterator[tuple[Expr, str]]:
+    """Yield what is evaluated while a model runs, and what it belongs to."""
+    for node in graph.nodes:
+        for e in node.law.expressions if node.law is not None else ():
+            yield e, node.path
+    for integral in graph.integrals:
+        yield integral.rate, integral.path
+    for sample in graph.samples:
+        yield Call("mod", (Name("time"), Number(sample.every))), sample.path
+    for machine in graph.machines:
+        for rule in machine.rules:
+            yield rule.guard, machine.path
+    for watch in graph.watches:
+        yield watch.compare, "a comparison of time"
+
+
+def _in_tree(e: Expr, where: str) -> list[float]:
+    """Return the periods of what an expression reads of time."""
+    found: list[float] = []
+    explained = 0
+    many = 0
+    for part, _ in walk(e):
+        match part:
+            case Name("time"):
+                many += 1
+            case Call("mod", (argument, Number(value))):
+                speed = _speed(argument)
+                if speed:
+                    found.append(abs(value / speed))
+                    explained += _times(argument)
+            case Call("sin" | "cos", (argument,)):
+                speed = _speed(argument)
+                if speed:
+                    found.append(2.0 * math.pi / abs(speed))
+                    explained += _times(argument)
+            case Compare():
+                pass
+    if many != explained:
+        raise _unknown(f"{where} reads the time in a way that need not repeat")
+    return found
+
+
+def _times(e: Expr) -> int:
+    return sum(part == Name("time") for part, _ in walk(e))
+
+
+def _speed(e: Expr) -> float | None:
+    """Return the constant slope by time of what reads nothing else."""
+    if names(e) != {"time"}:
+        return None
+    slope = differentiate(e, "time")
+    return slope.value if isinstance(slope, Number) else None
+
+
+def _common(found: list[float]) -> float | None:
+    if not found:
+        return None
+    common = Fraction(1)
+    for period in found[1:]:
+        ratio = Fraction(period / found[0]).limit_denominator(RATIO)
+        if abs(float(ratio) * found[0] / period - 1.0) > 1e-9 or not ratio:
+            raise _unknown(f"periods of {found[0]:g} s and {period:g} s have none in common")
+        common = Fraction(
+            math.lcm(common.numerator * ratio.denominator, ratio.numerator * common.denominator),
+            common.denominator * ratio.denominator,
+        )
+    return float(common) * found[0]
+
+
+def window_of(frequency: float, period: float | None) -> Window:
+    """Return a window for a frequency near the one that is asked for.
+
+    The shortest of at most `TURNS` periods of the sine whose frequency is off by less than `CLOSE`;
+    else the one that is off least.
+
+    Raises
+    ------
+    UsageError
+        HB-A509 for half of the model's own frequency and its multiples, where the response has
+        another part at the same frequency.
+
+    Examples
+    --------
+    >>> window_of(333.0, 1e-3)
+    Window(frequency=333.3333333333333, turns=1, cycles=3, length=0.003)
+    """
+    if period is None:
+        return Window(frequency, 1, 0, 1.0 / frequency)
+    best: Window | None = None
+    for turns in range(1, TURNS + 1):
+        cycles = max(round(turns / (frequency * period)), 1)
+        if math.gcd(turns, cycles) != 1 or 2 * turns % cycles == 0:
+            continue
+        own = turns / (cycles * period)
+        trial = Window(own, turns, cycles, cycles * period)
+        if abs(own / frequency - 1.0) <= CLOSE:
+            return trial
+        if best is None or abs(own - frequency) < abs(best.frequency - frequency):
+            best = trial
+    if best is None or abs(best.frequency / frequency - 1.0) > 0.25:
+        raise UsageError(
+            f"{frequency:g} Hz cannot be told from the model's own {1 / period:g} Hz",
+            code="HB-A509",
+            where="frequencies",
+            hint="not a multiple of half of the switching frequency",
+        )
+    return best
+
+
+def _unknown(why: str) -> UsageError:
+    return UsageError(
+        why,
+        code="HB-A511",
+        where="period",
+        hint='say after which time all repeats: hb.frequency_response(..., period="10 us")',
+    )

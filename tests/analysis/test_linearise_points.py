@@ -1,0 +1,175 @@
+"""Where a model is linearised: rests that Newton finds, times of runs, states that are given."""
+
+import numpy as np
+import pytest
+
+import hybond as hb
+from hybond.errors import HybondError
+
+
+def tanks() -> hb.Model:
+    """Two tanks that a pipe joins; nothing leaves: the volume is kept."""
+    m = hb.Model("tanks", domain="hydraulic")
+    m.add(a=hb.C("2 l/bar", q="3 l"), na=hb.Zero(), pipe=hb.One(), nb=hb.Zero(), b=hb.C("1 l/bar"))
+    m.add(r=hb.R({"e": "1e9*f + 1e12*f*abs(f)"}))
+    m.bond("na -> a", "na -> pipe -> nb -> b", "pipe -> r")
+    return m
+
+
+def test_of_many_rests_the_one_that_keeps_the_volume() -> None:
+    lin = hb.linearise(tanks(), inputs=[], outputs=["na.e", "nb.e"], at="equilibrium")
+    # 3 l in 3 l/bar: 1 bar in both
+    assert lin.operating["na.e"] == pytest.approx(1e5, rel=1e-9)
+    assert lin.operating["nb.e"] == pytest.approx(1e5, rel=1e-9)
+    assert any("not the only rest" in note for note in lin.notes)
+    # one pole at zero, exactly; the other discharges one into the other: -(1/Ca + 1/Cb)/R
+    slow = -(1e5 / 2e-3 + 1e5 / 1e-3) / 1e9
+    assert lin.poles().tolist() == pytest.approx([slow, 0.0], rel=1e-9, abs=0.0)
+
+
+def test_a_rest_at_zero() -> None:
+    m = hb.Model("rc")
+    m.add(n=hb.Zero(), c=hb.C(3.0, q=2.0), r=hb.R(7.0))
+    m.bond("n -> c", "n -> r")
+    lin = hb.linearise(m, at="equilibrium")
+    assert lin.steady and abs(lin.operating["c.q"]) < 1e-12
+    assert lin.poles() == pytest.approx([-1 / 21], rel=1e-12)
+
+
+def pendulum(torque: str = "0 N*m") -> hb.Model:
+    m = hb.Model("pendulum", domain="rotational", parameters={"T": torque})
+    m.add(w=hb.One(), J=hb.I("0.5 kg*m^2"), b=hb.R("0.1 N*m*s"), g=hb.Se("T - 4 [N*m]*sin(th)"))
+    m.bond("g -> w -> J", "w -> b")
+    m.signal(th=hb.Integral("w.f", start=2.6))
+    return m
+
+
+def test_the_rest_that_is_near() -> None:
+    up = hb.linearise(pendulum(), inputs=["T"], outputs=["th"], at="equilibrium")
+    # from 2.6 rad the iteration goes to the upright rest, which falls: s^2 J + s b - 4 = 0
+    assert up.operating["th"] == pytest.approx(np.pi, abs=1e-9) and not up.stable
+    assert up.poles() == pytest.approx(np.sort(np.roots([0.5, 0.1, -4.0])), rel=1e-9)
+    hanging = hb.linearise(pendulum(), inputs=["T"], outputs=["th"], at={"th": 0.0})
+    assert hanging.stable
+    assert np.sort_complex(hanging.poles()) == pytest.approx(
+        np.sort_complex(np.roots([0.5, 0.1, 4.0])), rel=1e-9
+    )
+    assert hanging.gain()[0, 0] == pytest.approx(0.25, rel=1e-9)
+
+
+def test_no_rest_is_refused_with_what_goes_on() -> None:
+    m = hb.Model("falling", domain="translational")
+    m.add(g=hb.Se("-9.81 N"), v=hb.One(), m=hb.I("1 kg"))
+    m.bond("g -> v -> m")
+    with pytest.raises(HybondError, match=r"m\.p goes on changing, -9\.81 a second") as refused:
+        hb.linearise(m, at="equilibrium")
+    assert refused.value.code == "HB-A510"
+    with pytest.raises(HybondError, match="HB-A510"):
+        # 5 N*m cannot be held by 4
+        hb.linearise(pendulum("5 N*m"), at="equilibrium")
+    m = hb.Model("driven")
+    m.add(V=hb.Se("sin(time/(1 s))"), j=hb.One(), r=hb.R(1), c=hb.C(1))
+    m.bond("V -> j -> r", "j -> c")
+    with pytest.raises(HybondError, match="V changes with time"):
+        hb.linearise(m, at="equilibrium")
+
+
+def test_what_nothing_reads_may_go_on() -> None:
+    m = hb.Model("motor", domain="rotational")
+    m.add(T=hb.Se("2 N*m"), w=hb.One(), J=hb.I("1 kg*m^2"), b=hb.R("0.5 N*m*s"))
+    m.bond("T -> w -> J", "w -> b")
+    m.signal(angle=hb.Integral("w.f"))
+    lin = hb.linearise(m, inputs=["T"], outputs=["w.f"], at="equilibrium")
+    assert lin.operating["w.f"] == pytest.approx(4.0, rel=1e-9)
+    assert any("angle goes on at 4 a second" in note for note in lin.notes)
+
+
+def switched(guard: str = "time >= 1") -> hb.Model:
+    m = hb.Model("rc", domain="electrical")
+    m.add(V=hb.Se("6 V"), s=hb.One(), n=hb.Zero(), c=hb.C("1 F"), r=hb.R("4 ohm"), rs=hb.R("2 ohm"))
+    m.bond("V -> s -> n -> c", "s -> rs", "n -> r")
+    m.machine("S", states={"on": ["s"], "off": []}, start="on", rules=[f"on -> off when {guard}"])
+    return m
+
+
+def test_along_a_run_each_in_its_mode() -> None:
+    run = hb.simulate(switched(), until="2 s")
+    both = hb.linearise(run, inputs=["V"], outputs=["n.e"], at=[0.5, "1.5 s"])
+    assert [lin.mode["S"] for lin in both] == ["on", "off"]
+    assert both[0].poles() == pytest.approx([-0.75], rel=1e-12)
+    assert both[1].poles() == pytest.approx([-0.25], rel=1e-12)
+    # q = 4 (1 - exp(-0.75 t)): two thirds of 6 V
+    assert both[0].operating["c.q"] == pytest.approx(4 * (1 - np.exp(-0.375)), rel=1e-8)
+    # at the event itself: after all that happened there
+    (there,) = hb.linearise(run, inputs=["V"], outputs=["n.e"], at=[1.0])
+    assert there.mode["S"] == "off"
+    assert hb.linearise(run).mode["S"] == "off"
+
+
+def test_an_event_at_the_very_end_is_over() -> None:
+    run = hb.simulate(switched(), until="1 s")
+    assert hb.linearise(run, inputs=["V"], outputs=["n.e"], at="end").mode["S"] == "off"
+
+
+def test_sliding_has_no_one_mode() -> None:
+    m = hb.Model("relay")
+    m.add(f=hb.Se("1 - 3*side"), v=hb.One(), m=hb.I(1.0), r=hb.R(0.1))
+    m.bond("f -> v -> m", "v -> r")
+    m.signal(side='if S.state == "up" then 1 else 0')
+    m.machine(
+        "S",
+        states={"up": [], "down": []},
+        start="down",
+        rules=["down -> up when v.f > 0.5", "up -> down when v.f < 0.5"],
+    )
+    run = hb.simulate(m, until="3 s")
+    assert run.sliding
+    with pytest.raises(HybondError, match="slides along") as refused:
+        hb.linearise(run, at=2.5)
+    assert refused.value.code == "HB-A505"
+
+
+@pytest.mark.parametrize(
+    ("asked", "code"),
+    [
+        ({"inputs": ["W"]}, "HB-A501"),
+        ({"inputs": ["V.f"]}, "HB-A501"),
+        ({"outputs": ["n.q"]}, "HB-S109"),
+        ({"at": {"c.x": 1.0}}, "HB-A503"),
+        ({"at": {"c.q": "1 m"}}, "HB-A503"),
+        ({"at": "2 ms"}, "HB-A503"),
+        ({"mode": {"S": "shut"}}, "HB-M144"),
+    ],
+)
+def test_refusals_of_a_model(asked: dict[str, object], code: str) -> None:
+    with pytest.raises(HybondError) as refused:
+        hb.linearise(switched(), **asked)  # type: ignore[call-overload]
+    assert refused.value.code == code and refused.value.hint
+
+
+def test_a_mode_that_is_left_at_once() -> None:
+    m = switched("c.e > 2")
+    with pytest.raises(HybondError, match="left at once") as refused:
+        hb.linearise(m, at={"c.q": 3.0}, mode={"S": "on"})
+    assert refused.value.code == "HB-A507"
+    assert hb.linearise(m, at={"c.q": 3.0}).mode == {"S": "off"}
+
+
+def test_states_that_contradict_each_other() -> None:
+    m = hb.Model("pair", domain="electrical")
+    m.add(n=hb.Zero(), a=hb.C("1 F"), b=hb.C("1 F"), r=hb.R("1 ohm"))
+    m.bond("n -> a", "n -> b", "n -> r")
+    with pytest.raises(HybondError, match="cannot stay") as refused:
+        hb.linearise(m, at={"a.q": 1.0})
+    assert refused.value.code == "HB-A504"
+    lin = hb.linearise(m, at={"a.q": 1.0, "b.q": 1.0}, inputs=[], outputs=["n.e"])
+    assert lin.poles() == pytest.approx([-0.5], rel=1e-12)
+
+
+def test_a_root_at_its_end_has_no_slope() -> None:
+    m = hb.Model("tank")
+    m.add(t=hb.C(1.0), n=hb.Zero(), o=hb.R({"f": "sqrt(e)"}))
+    m.bond("n -> t", "n -> o")
+    with pytest.raises(HybondError) as refused:
+        hb.linearise(m)
+    assert refused.value.code == "HB-A506" and refused.value.where == "o"
