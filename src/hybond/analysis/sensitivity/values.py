@@ -1,0 +1,101 @@
+"""Values of a run at points, as the laws with slots want them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybond.analysis.sensitivity.gradients import PRIOR
+from hybond.analysis.sensitivity.tangent import At
+from hybond.analysis.sensitivity.wanted import Wanted
+from hybond.equations.slots import slots_of
+from hybond.model.expressions import Expr, Name, compile_expression, differentiate, names
+from hybond.model.expressions.slots import slot_of
+from hybond.model.graph import Mode
+from hybond.model.inputs import Pwm, Timetable
+from hybond.result import Result
+from hybond.trace import Segment
+
+Vector = NDArray[np.float64]
+
+
+class Values:
+    """The values of a run, by canonical name, with those of what is varied."""
+
+    def __init__(self, run: Result, found: Wanted) -> None:
+        self.run, self.found = run, found
+        self.names = list(slots_of(run.graph).index)
+        self._asked: list[Expr] = [Name(n) for n in self.names]
+        self.own = dict(zip(found.columns, found.values.tolist(), strict=True))
+        self._index = {name: k for k, name in enumerate(found.columns)}
+
+    def within(self, segment: Segment, t: Vector) -> At:
+        """Return values at times of a segment."""
+        read = self.run.signals.of(segment, self._asked, t)
+        return self._at(read, t, float(segment.t[0]))
+
+    def before(self, segment: Segment, t: float, state: Vector) -> At:
+        """Return values at the end of a segment, in a state that is given."""
+        at = np.array([t])
+        read = self.run.signals.at(segment, self._asked, at, state[None])
+        return self._at(read, at, float(segment.t[0]))
+
+    def after(self, t: float, state: Vector, mode: Mode) -> At:
+        """Return values at an instant, right limits of inputs, in a mode that is entered."""
+        read = self.run.signals.after(t, state, mode, self._asked)
+        return self._at([np.array([v]) for v in read], np.array([t]), t)
+
+    def with_prior(self, at: At, prior: Mapping[str, float]) -> At:
+        """Return values together with a priori ones."""
+        values = {**at.values, **{PRIOR + n: v for n, v in prior.items()}}
+        return At(values, at.inputs, at.points)
+
+    def _at(self, read: Sequence[Vector], t: Vector, begin: float) -> At:
+        values: Mapping[str, Vector | float] = {
+            **dict(zip(self.names, read, strict=True)),
+            **self.own,
+        }
+        return At(values, self._inputs(t, begin), len(t))
+
+    def _inputs(self, t: Vector, begin: float) -> Vector:
+        """Return how inputs follow parameters in the piece that begins or lies at a time."""
+        graph = self.found.graph
+        slopes = np.zeros((len(t), len(graph.inputs), len(self.own)))
+        for i in graph.inputs:
+            piece = i.waveform.piece(begin)
+            moving = isinstance(i.waveform, Timetable) and i.waveform.linear
+            for k, at in enumerate(t.tolist() if moving else [begin]):
+                row = self.slope(i.waveform.value(at, piece))
+                slopes[k if moving else slice(None), i.index] = row
+        return slopes
+
+    def slope(self, value: float) -> Vector:
+        """Return the derivatives of a number that follows from parameters."""
+        slot = slot_of(value)
+        found = np.zeros(len(self.own))
+        if slot is None:
+            return found
+        row = list(self.own.values())
+        for name in names(slot.tree):
+            slope = compile_expression(differentiate(slot.tree, name), self._index, pre_offset=0)
+            found[self._index[name]] = float(slope(row))
+        return found
+
+    def edges(self, t: float, close: float) -> list[Vector]:
+        """Return the derivatives of the instants of inputs that are at a time."""
+        found = []
+        for i in self.found.graph.inputs:
+            waveform = i.waveform
+            piece = waveform.piece(t + close)
+            if isinstance(waveform, Pwm):
+                edge: float = waveform._edge(piece)
+            elif isinstance(waveform, Timetable):
+                edge = waveform.begin(piece)
+            else:
+                continue
+            slot = slot_of(edge)
+            if abs((edge if slot is None else slot.value) - t) <= close:
+                found.append(self.slope(edge))
+        return found
