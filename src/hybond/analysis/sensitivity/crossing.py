@@ -110,7 +110,7 @@ def _by_guards(fields: Fields, segment: Segment, end: Field, event: Event) -> li
                 h = Binary("-", compare.left, compare.right)
                 if not names(h):
                     continue
-                made = _zero(fields, segment, end, h)
+                made = _zero(fields, segment, end, h, rule.text)
                 if isinstance(made, str):
                     grazed.append(made)
                 elif made is not None:
@@ -120,7 +120,9 @@ def _by_guards(fields: Fields, segment: Segment, end: Field, event: Event) -> li
     return found
 
 
-def _zero(fields: Fields, segment: Segment, end: Field, h: Expr) -> Crossing | str | None:
+def _zero(
+    fields: Fields, segment: Segment, end: Field, h: Expr, text: str
+) -> Crossing | str | None:
     """Return how a function that is zero crosses, its text if it only touches, None if it is not."""
     rows = end.tangent.rows
     made = rows.made(h)
@@ -134,13 +136,13 @@ def _zero(fields: Fields, segment: Segment, end: Field, h: Expr) -> Crossing | s
     largest, size = _sizes(fields, segment, made)
     if abs(speed) <= GRAZES * max(largest, abs(speed)) or speed == 0.0:
         still = abs(value) <= 1e-7 * size and size > 0.0
-        return to_text(h) if still and largest > 0.0 else None
+        return text if still and largest > 0.0 else None
     if abs(value) > CLOSE * length * abs(speed):
         return None
     by = np.zeros(fields.size + len(fields.columns.parameters))
     by[:n] = -slope[:n] / speed
     by[fields.size :] = -slope[n + 1 :] / speed
-    return Crossing(by, to_text(h))
+    return Crossing(by, text)
 
 
 def _sizes(fields: Fields, segment: Segment, made: Expr) -> tuple[float, float]:

@@ -31,7 +31,7 @@ from hybond.analysis.sensitivity.tangent import (
     Tangent,
     Undetermined,
     null_space,
-    solved,
+    smallest,
 )
 
 Vector = NDArray[np.float64]
@@ -106,6 +106,7 @@ def entered(tangent: Tangent, at: At, areas: Mapping[str, float], before: Before
     rates = np.zeros((n, len(bonds)))
     moves = Gradients(rows.rates[: len(rows.graph.storages)], bonds).at(at.values, 1)[0]
     rates[: len(moves)] = moves
+    rates = rates @ rows.spread
     by_w, by_x = by_w[0], direct[0][:, :n]
     held = direct[0] @ before.all
     if tangent.prior:
@@ -115,7 +116,7 @@ def entered(tangent: Tangent, at: At, areas: Mapping[str, float], before: Before
     names = [AREA + name for name in bonds]
     values = {**before.field.at.values, **{AREA + n_: areas.get(n_, 0.0) for n_ in bonds}}
     known = At(values, before.field.at.inputs, 1)
-    by_area = Gradients(rows.areas, names).at(values, 1)[0]
+    by_area = Gradients(rows.areas, names).at(values, 1)[0] @ rows.spread
     area_held = np.zeros((len(by_area), held.shape[1]))
     if areas:
         area_held = Direct(rows.areas, tangent.columns).at(known)[0] @ before.all
@@ -123,7 +124,7 @@ def entered(tangent: Tangent, at: At, areas: Mapping[str, float], before: Before
         by_bonds = read.at(values, 1)[0]
         if by_bonds.any():
             area_held += by_bonds @ np.array([before.prior(name) for name in bonds])
-    w = len(bonds)
+    w = by_w.shape[1]
     left = np.zeros((len(by_w) + len(by_area), 2 * w))
     left[: len(by_w), :w], left[: len(by_w), w:] = by_w, by_x @ rates
     left[len(by_w) :, w:] = by_area
@@ -132,7 +133,7 @@ def entered(tangent: Tangent, at: At, areas: Mapping[str, float], before: Before
     moved = rates @ loose[w:]
     if np.abs(moved).max(initial=0.0) > OPEN:
         raise Undetermined("the mode that is entered leaves open how its state is shared")
-    found = solved(left[None], -right[None], least=True)[0]
+    found = smallest(left[None], -right[None])[0]
     off = left @ found + right
     size = np.abs(left) @ np.abs(found) + np.abs(right)
     if (np.abs(off) > 1e-6 * size.max(axis=0, initial=0.0)).any():

@@ -9,10 +9,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+import numpy as np
+from numpy.typing import NDArray
+
 from hybond.analysis.sensitivity.gradients import AREA, RATE, without_pre
 from hybond.analysis.sensitivity.wanted import followed, stored_law
 from hybond.equations.calculus import partial_time, rate_name
 from hybond.equations.element_parts import Part, Parts, configure, settings
+from hybond.equations.peeling import Peeling
+from hybond.equations.ring import Numbers, Row
 from hybond.errors import EquationError
 from hybond.model.expressions import (
     Binary,
@@ -25,7 +30,7 @@ from hybond.model.expressions import (
     simplify,
     substitute,
 )
-from hybond.model.expressions.slots import tree_of
+from hybond.model.expressions.slots import is_slotted, tree_of
 from hybond.model.graph import FlatGraph, Mode, Node
 from hybond.model.junction_structure import junction_rows
 from hybond.model.kinds import STORAGES
@@ -45,7 +50,11 @@ class ModeRows:
     ----------
     bonds : list of str
         The bond variables w.
+    spread : array, shape (2 * bonds, open)
+        All bond variables by those that junctions and constant two-ports leave open; it holds for
+        impulse areas, too.
     rows : list of Expr
+        What else holds.
     areas : list of Expr
         Of impulse areas, in names ``J|e:3``.
     rates : list of Expr
@@ -61,17 +70,18 @@ class ModeRows:
         self.discrete = settings(graph, mode, truths)
         self.rows: list[Expr] = []
         self.areas: list[Expr] = []
+        self._structure: list[Row[float]] = []
         on = graph.on_nodes(mode)
         parts = Parts(graph)
         for node in graph.nodes:
             off = node.controlled and node.index not in on
             if node.is_junction:
-                for row in junction_rows(node, self.many, off=off):
-                    self._put(self._sum(row))
+                self._structure += junction_rows(node, self.many, off=off)
             elif node.kind in STORAGES:
                 self._storage(node)
             else:
                 self._element(node, parts.of(node, off, self.discrete))
+        self.spread = self._peeled()
         rates: list[Expr] = [rate_name(s) for s in graph.storages]
         rates += [i.rate for i in graph.integrals]
         self.rates = [self.made(e) for e in rates]
@@ -96,6 +106,17 @@ class ModeRows:
         return [self.made(partial_time(e, self.graph)) for e in rows]
 
     # -- rows
+
+    def _peeled(self) -> NDArray[np.float64]:
+        peeled = Peeling(Numbers({}), self._structure, 2 * self.many)
+        for row in peeled.constraints:
+            self._put(self._sum(row))
+        free = peeled.free()
+        spread = np.zeros((2 * self.many, len(free)))
+        for k in range(2 * self.many):
+            for j, c in peeled.reduce({k: 1.0}).items():
+                spread[k, free.index(j)] = c
+        return spread
 
     def _put(self, row: Expr, area: Expr | None = None) -> None:
         """Add a row, and what it says of impulse areas: the same without what is finite."""
@@ -126,7 +147,12 @@ class ModeRows:
             name = self.bonds[part.source.bond + (0 if node.kind == "Se" else self.many)]
             self._put(Binary("-", Name(name), part.source.value), Name(AREA + name))
             return
-        for row in (*part.power, *part.laws):
+        for row in part.power:
+            if any(is_slotted(c) for c in row.values()):
+                self._put(self._sum(row))
+            else:
+                self._structure.append(dict(row))
+        for row in part.laws:
             self._put(self._sum(row))
         for dynamic in part.dynamic:
             free = dynamic.impulse_free

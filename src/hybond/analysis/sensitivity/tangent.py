@@ -120,8 +120,8 @@ class Tangent:
         self._second: _Second | None = None
 
     def slopes(self, at: At) -> tuple[Vector, Vector]:
-        """Return the slopes of the rows by bond variables, and by all columns."""
-        return self._by_w.at(at.values, at.points), self._direct.at(at)
+        """Return the slopes of the rows by open bond variables, and by all columns."""
+        return self._by_w.at(at.values, at.points) @ self.rows.spread, self._direct.at(at)
 
     def by_prior(self, at: At) -> Vector:
         """Return the slopes of the rows by what they read a priori."""
@@ -137,12 +137,12 @@ class Tangent:
         """
         by_w, direct = self.slopes(at)
         if self._full is None:
-            self._full = not len(null_space(by_w[0])[1])
+            self._full = by_w.shape[1] == by_w.shape[2] and not null_space(by_w[0])[1].size
         if self._full:
-            return solved(by_w, -direct)
+            return self.rows.spread @ solved(by_w, -direct)
         if self._second is None:
             self._second = _Second(self)
-        return self._second.bonds(at, by_w, direct)
+        return self.rows.spread @ self._second.bonds(at, by_w, direct)
 
     def rates(self, at: At, bonds: Vector) -> Vector:
         """Return how the rates of states change, shape (points or 1, states, columns)."""
@@ -166,7 +166,7 @@ class _Second:
 
     def __init__(self, tangent: Tangent) -> None:
         rows, columns = tangent.rows, tangent.columns
-        self._bonds = len(rows.bonds)
+        self._spread = rows.spread
         self._rate_names = [RATE + n for n in rows.bonds]
         along = rows.along(rows.rows)
         self._drift = Compiled(rows.along_held(rows.rows))
@@ -175,27 +175,28 @@ class _Second:
         self._moves = Gradients(rows.rates, rows.bonds)
 
     def bonds(self, at: At, by_w: Vector, direct: Vector) -> Vector:
-        n = self._bonds
         drift = self._drift.at(at.values, at.points)
-        moving = solved(by_w, -drift[:, :, None], least=True)[:, :, 0]
+        moving = self._spread @ smallest(by_w, -drift[:, :, None])
         more = At(
-            {**at.values, **dict(zip(self._rate_names, moving.T, strict=True))},
+            {**at.values, **dict(zip(self._rate_names, moving[:, :, 0].T, strict=True))},
             at.inputs,
             at.points,
         )
-        second, own = self._by_w.at(more.values, at.points), self._direct.at(more)
+        second = self._by_w.at(more.values, at.points) @ self._spread
+        own = self._direct.at(more)
+        rows, n = by_w.shape[1:]
         points = max(len(by_w), len(direct), len(second), len(own))
-        left = np.zeros((points if max(len(by_w), len(second)) > 1 else 1, 2 * n, 2 * n))
-        left[:, :n, :n] = by_w
-        left[:, n:, :n] = second
-        left[:, n:, n:] = by_w
-        right = np.zeros((points, 2 * n, direct.shape[2]))
-        right[:, :n], right[:, n:] = direct, own
-        _, loose = null_space(left[0])
-        moved = self._moves.at(at.values, at.points)[0] @ loose[:n]
+        left = np.zeros((max(len(by_w), len(second)), 2 * rows, 2 * n))
+        left[:, :rows, :n] = by_w
+        left[:, rows:, :n] = second
+        left[:, rows:, n:] = by_w
+        right = np.zeros((points, 2 * rows, direct.shape[2]))
+        right[:, :rows], right[:, rows:] = direct, own
+        loose = self._spread @ null_space(left[0])[1][:n]
+        moved = self._moves.at(at.values, at.points)[0] @ loose
         if np.abs(moved).max(initial=0.0) > OPEN:
             raise Undetermined("the mode leaves open how its states move")
-        return solved(left, -right, least=True)[:, :n]
+        return smallest(left, -right)[:, :n]
 
 
 class Undetermined(Exception):
@@ -228,22 +229,42 @@ def null_space(matrix: Vector) -> tuple[int, Vector]:
     return rank, loose / np.where(size > 0.0, size, 1.0)
 
 
-def solved(left: Vector, right: Vector, *, least: bool = False) -> Vector:
-    """Return the solutions of ``left @ y = right`` at points; one matrix may serve all.
-
-    Parameters
-    ----------
-    least : bool
-        Whether the matrices may be singular: then the smallest solution, of scaled variables.
-    """
+def solved(left: Vector, right: Vector) -> Vector:
+    """Return the solutions of ``left @ y = right`` at points; one matrix may serve all."""
     unit, rows, columns = scaled(left)
     scaled_right = right / rows[..., None]
-    if least:
-        found = np.linalg.pinv(unit, rcond=RANK) @ scaled_right
-    elif len(unit) == 1 and len(right) > 1:
+    if len(unit) == 1 and len(right) > 1:
         points, n, many = scaled_right.shape
         flat = scaled_right.transpose(1, 0, 2).reshape(n, points * many)
         found = np.linalg.solve(unit[0], flat).reshape(n, points, many).transpose(1, 0, 2)
     else:
         found = np.linalg.solve(unit, scaled_right)
+    return np.asarray(found / columns[..., None])
+
+
+def smallest(left: Vector, right: Vector) -> Vector:
+    """Return solutions where matrices are singular, at all points of one rank.
+
+    The matrices are bordered with what the first one makes zero, from both sides; what the rows
+    contradict falls into the border. Where that is not regular, each is decomposed.
+    """
+    unit, rows, columns = scaled(left)
+    scaled_right = right / rows[..., None]
+    u, sizes, vt = np.linalg.svd(unit[0])
+    rank = int((sizes > RANK * sizes.max(initial=0.0)).sum())
+    many, wide = unit.shape[1:]
+    size = many + wide - rank
+    whole = np.zeros((len(unit), size, size))
+    whole[:, :many, :wide] = unit
+    whole[:, :many, wide:] = u[:, rank:]
+    whole[:, many:, :wide] = vt[rank:]
+    points = max(len(unit), len(right))
+    border = np.zeros((points, size, right.shape[2]))
+    border[:, :many] = scaled_right
+    try:
+        found = solved(whole, border)[:, :wide]
+    except np.linalg.LinAlgError:
+        found = np.full((1, 1, 1), np.inf)
+    if not np.abs(found).max(initial=0.0) < 1.0 / RANK * np.abs(border).max(initial=1.0):
+        found = np.linalg.pinv(unit, rcond=RANK) @ scaled_right
     return np.asarray(found / columns[..., None])
