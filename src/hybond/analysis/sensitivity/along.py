@@ -31,7 +31,10 @@ Vector = NDArray[np.float64]
 
 TOLERANCE = 1e-9
 """Part of the variations by which a step and its two halves, which are taken, may differ."""
-HALVINGS = 12
+NOTHING = 1e-5
+"""Of the largest variation, or of what a state is for each unit of a parameter: what is below
+`TOLERANCE` of this part of it is rounding."""
+HALVINGS = 10
 AT_ONCE = 64
 """Steps whose fields are read together."""
 
@@ -128,6 +131,12 @@ class _Along:
         for k, t in enumerate(run.trace.events.times):
             self.events.setdefault(float(t), []).append(k)
         self.largest = np.zeros((fields.size, len(fields.columns.parameters)))
+        p = np.abs(fields.values.found.values)
+        self.per_parameter = np.where(p > 0.0, 1.0 / np.where(p > 0.0, p, 1.0), 0.0)
+        self.sizes = np.zeros(fields.size)
+        for segment in run.segments:
+            own = np.abs(segment.y[:, : fields.columns.time]).max(axis=0, initial=0.0)
+            self.sizes[: len(own)] = np.maximum(self.sizes[: len(own)], own)
 
     def made(self, start: Vector) -> Chain:
         many = len(self.fields.columns.parameters)
@@ -182,7 +191,10 @@ class _Along:
         fine = halves[1].forward(halves[0].forward(d))
         h = whole.t1 - whole.t0
         size = np.abs(whole.A).max(axis=0) @ np.abs(d) + np.abs(whole.B).max(axis=0)
-        size = np.maximum.reduce([np.abs(d), np.abs(fine), self.largest, h * size])
+        unit = np.where(self.sizes > 0.0, self.sizes, 1.0)[:, None]
+        most = np.maximum(np.abs(fine) / unit, self.largest / unit).max(axis=0)
+        floor = NOTHING * unit * np.maximum(most, self.per_parameter)
+        size = np.maximum.reduce([np.abs(d), np.abs(fine), self.largest, h * size, floor])
         if (np.abs(fine - coarse) <= TOLERANCE * size).all() or depth == HALVINGS:
             self.chain.links += halves
             self.largest = np.maximum(self.largest, np.abs(fine))
