@@ -29,6 +29,10 @@ if TYPE_CHECKING:
     from hybond.analysis.residuals.residuals import residuals
     from hybond.analysis.restitution.newton_law import newton_law_model
     from hybond.analysis.restitution.restitution import restitution
+    from hybond.analysis.sensitivity.goals import EventTime, Final, Total
+    from hybond.analysis.sensitivity.gradient import Gradient, gradient
+    from hybond.analysis.sensitivity.record import Sensitivities
+    from hybond.analysis.sensitivity.sensitivities import sensitivities
     from hybond.analysis.structure.structure import structure
     from hybond.blocks.fmu import FMU
     from hybond.causality.report import causality
@@ -102,6 +106,10 @@ _HOME = {
         ("FrequencyResponse", "frequency_response"), "hybond.analysis.linear.frequency"
     ),
     "linearise": "hybond.analysis.linear.linearise",
+    **dict.fromkeys(("EventTime", "Final", "Total"), "hybond.analysis.sensitivity.goals"),
+    **dict.fromkeys(("Gradient", "gradient"), "hybond.analysis.sensitivity.gradient"),
+    "Sensitivities": "hybond.analysis.sensitivity.record",
+    "sensitivities": "hybond.analysis.sensitivity.sensitivities",
     "newton_law_model": "hybond.analysis.restitution.newton_law",
     "residuals": "hybond.analysis.residuals.residuals",
     "restitution": "hybond.analysis.restitution.restitution",
@@ -132,11 +140,14 @@ __all__ = [
     "DivergenceOfTime",
     "Ensemble",
     "EquationError",
+    "EventTime",
     "ExpressionError",
     "FileError",
+    "Final",
     "FrequencyResponse",
     "G",
     "GY",
+    "Gradient",
     "HybondError",
     "I",
     "Input",
@@ -150,11 +161,13 @@ __all__ = [
     "Result",
     "Sampled",
     "Se",
+    "Sensitivities",
     "Sf",
     "Signal",
     "StateSpace",
     "Submodel",
     "TF",
+    "Total",
     "UnitError",
     "UsageError",
     "Zero",
@@ -171,6 +184,7 @@ __all__ = [
     "ensemble",
     "export",
     "frequency_response",
+    "gradient",
     "junction_matrix",
     "library",
     "linearise",
@@ -182,6 +196,7 @@ __all__ = [
     "residuals",
     "restitution",
     "save",
+    "sensitivities",
     "simulate",
     "state_equations",
     "state_space",

@@ -204,9 +204,7 @@ class _Along:
             d = self._accepted(segment, d, own, quarters, depth + 1)
         return d
 
-    def _steps(
-        self, segment: Segment, a: Vector, b: Vector
-    ) -> Iterator[tuple[Step, list[Step]]]:
+    def _steps(self, segment: Segment, a: Vector, b: Vector) -> Iterator[tuple[Step, list[Step]]]:
         """Yield each step and its halves."""
         c, _, _ = radau()
         middle = 0.5 * (a + b)

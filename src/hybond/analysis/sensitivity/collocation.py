@@ -75,7 +75,7 @@ class Step:
         return np.asarray(d + (self.t1 - self.t0) * moved)
 
     def backward(self, adjoint: Vector) -> tuple[Vector, Vector]:
-        """Return the adjoint at the beginning, shape (n,), and what parameters add, (parameters,)."""
+        """Return the adjoint at the beginning, and what parameters add."""
         _, _, b = radau()
         h = self.t1 - self.t0
         mu = np.linalg.solve(self._matrix().T, h * np.kron(b, adjoint)).reshape(STAGES, -1)

@@ -123,7 +123,7 @@ def _by_guards(fields: Fields, segment: Segment, end: Field, event: Event) -> li
 def _zero(
     fields: Fields, segment: Segment, end: Field, h: Expr, text: str
 ) -> Crossing | str | None:
-    """Return how a function that is zero crosses, its text if it only touches, None if it is not."""
+    """Return how a function crosses zero, its text if it only touches, None if it is not zero."""
     rows = end.tangent.rows
     made = rows.made(h)
     value = float(Compiled([made]).at(end.at.values, 1)[0, 0])

@@ -72,7 +72,9 @@ class Before:
             return np.asarray(rate * self.t + self.field.at.inputs[0, k] @ self.p)
         if kind in ("e", "f"):
             row = self.field.tangent.rows.bonds.index(name)
-            return np.asarray(self.field.bonds[0, row] @ np.vstack([self.written, self.all[-self._rest :]]))
+            return np.asarray(
+                self.field.bonds[0, row] @ np.vstack([self.written, self.all[-self._rest :]])
+            )
         return np.zeros_like(self.t)
 
     @property

@@ -1,8 +1,8 @@
 """All equations of one mode as expressions that are zero, with parameters as names in them.
 
-    r(w, x, t, p) = 0     2 * bonds rows for the bond variables w
-    x' = rates(w, x, t, p)
-    r_J(J, w, x, p) = 0   what impulse areas J keep to: the structure, moduli as before the jump
+r(w, x, t, p) = 0     2 * bonds rows for the bond variables w
+x' = rates(w, x, t, p)
+r_J(J, w, x, p) = 0   what impulse areas J keep to: the structure, moduli as before the jump
 """
 
 from __future__ import annotations
@@ -138,9 +138,7 @@ class ModeRows:
             z: Expr = Name(f"{kind}:{s.bond}")
             if s.kind == "I" and s.sign < 0:
                 z = Neg(z)
-            self._put(
-                Binary("-", z, stored_law(self.graph, s)), Name(f"{AREA}{kind}:{s.bond}")
-            )
+            self._put(Binary("-", z, stored_law(self.graph, s)), Name(f"{AREA}{kind}:{s.bond}"))
 
     def _element(self, node: Node, part: Part) -> None:
         if part.source is not None:

@@ -33,9 +33,7 @@ class Opened:
     """Values of parameters other than the model's own."""
 
 
-def opened_model(
-    model: Model, asked: Sequence[str], parameters: Mapping[str, Value]
-) -> Opened:
+def opened_model(model: Model, asked: Sequence[str], parameters: Mapping[str, Value]) -> Opened:
     """Return a copy of a model in which all that is varied is a parameter.
 
     Parameters

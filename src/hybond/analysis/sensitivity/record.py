@@ -214,7 +214,11 @@ class Sensitivities:
             yield from _table(rows)
         if len(self.t):
             where = "at the end" if self.ends is None else "before it"
-            yield f"{where}, t = {end:.9g} s" if self.ends is None else f"last values, t = {end:.9g} s"
+            yield (
+                f"{where}, t = {end:.9g} s"
+                if self.ends is None
+                else f"last values, t = {end:.9g} s"
+            )
             rows = [["", "value", *(f"by {w}" for w in self.wrt)]]
             for i, name in enumerate(self.of):
                 row = [f"{v:.6g}" for v in self.derivatives[-1, i]]

@@ -94,7 +94,7 @@ def sensitivities(
     >>> m.signal(h=hb.Integral("v.f", start="5 m"))
     >>> s = hb.sensitivities(m, "1.5 s", wrt=["h.start", "g"], of=["v.f"])
     >>> round(s.of_event(1, "h.start"), 9), round(s.final("v.f", "g"), 9)
-    (0.1, 0.3)
+    (0.1, -0.6)
     """
     opened = opened_model(model, wrt, parameters or {})
     found = slotted(opened, {})

@@ -58,9 +58,7 @@ def started(fields: Fields, event: Event, states: Vector, begin: Field) -> Vecto
     return passed(fields, event.t, begin, event, before)
 
 
-def passed(
-    fields: Fields, t: float, end: Field, event: Event | None, before: Before
-) -> Vector:
+def passed(fields: Fields, t: float, end: Field, event: Event | None, before: Before) -> Vector:
     """Return how the state is varied after all modes that were written at an instant."""
     if event is None:
         return before.x

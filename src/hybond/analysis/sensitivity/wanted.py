@@ -9,16 +9,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.analysis.sensitivity.opened import Opened
+from hybond.equations.stored_laws import stored_names
 from hybond.errors import EquationError
 from hybond.model.builder import Model
-from hybond.model.expressions import Expr, compile_expression, differentiate, names, substitute
+from hybond.model.expressions import (
+    Expr,
+    Number,
+    compile_expression,
+    differentiate,
+    names,
+    substitute,
+)
 from hybond.model.expressions.slots import PREFIX, Slots, tree_of
 from hybond.model.expressions.tree import transform
-from hybond.model.expressions import Number
 from hybond.model.flatten import flatten
 from hybond.model.graph import FlatGraph, Storage
 from hybond.model.parts import Value
-from hybond.equations.stored_laws import stored_names
 
 Vector = NDArray[np.float64]
 
@@ -106,7 +112,6 @@ def slotted(opened: Opened, given: Mapping[str, Value]) -> Wanted:
         tuple(units),
         follows,
     )
-
 
 
 def followed(e: Expr) -> Expr:
