@@ -83,8 +83,8 @@ def crossing(
         raise Undetermined("what became zero at this instant was not found")
     first = found[0]
     for other in found[1:]:
-        size = np.abs(first.by) + np.abs(other.by)
-        if (np.abs(first.by - other.by) > SAME * max(size.max(), 1e-300)).any():
+        both = np.abs(first.by) + np.abs(other.by)
+        if (np.abs(first.by - other.by) > SAME * both.max(initial=0.0)).any():
             raise Undetermined(
                 f"{first.text} and {other.text} happen at one instant: which comes first would "
                 "change"

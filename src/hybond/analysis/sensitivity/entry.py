@@ -72,14 +72,9 @@ class Before:
             return np.asarray(rate * self.t + self.field.at.inputs[0, k] @ self.p)
         if kind in ("e", "f"):
             row = self.field.tangent.rows.bonds.index(name)
-            return np.asarray(
-                self.field.bonds[0, row] @ np.vstack([self.written, self.all[-self._rest :]])
-            )
+            written = np.vstack([self.written, self.t[None], self.p])
+            return np.asarray(self.field.bonds[0, row] @ written)
         return np.zeros_like(self.t)
-
-    @property
-    def _rest(self) -> int:
-        return 1 + len(self.p)
 
     @property
     def all(self) -> Vector:

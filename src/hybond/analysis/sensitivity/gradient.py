@@ -185,6 +185,7 @@ def _goal(varied: Varied, goal: Goal) -> tuple[float, Vector, Vector, int, str]:
         last = chain.readings[-1]
         unit = unit_of(signal_of(graph, goal.signal), graph)
         return float(last.values[0]), last.by[0], last.direct[0], last.place, unit
+    assert isinstance(goal, Total)
     e = signal_of(graph, goal.signal)
     for event in varied.run.trace.events:
         for step in event.steps:

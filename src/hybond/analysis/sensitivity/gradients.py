@@ -98,7 +98,7 @@ class Gradients:
         self.steady = all(n.startswith(PREFIX) for n in self._slopes.names)
 
     def at(self, values: Values, points: int) -> Vector:
-        """Return the slopes, shape (points, expressions, names); one point stands for all if steady."""
+        """Return the slopes, shape (points, expressions, names); one point if all are steady."""
         if self.steady:
             points = 1
         found = np.zeros((points, *self.shape))

@@ -118,8 +118,7 @@ def _opened(
             value = _number(part.options.get(rest[0], 0.0), asked)
             options = {**part.options, rest[0]: own}
             model = _with(model, "elements", name, replace(part, options=options))
-    elif isinstance(model.signals.get(name), Integral) and rest == ["start"]:
-        signal = model.signals[name]
+    elif isinstance(signal := model.signals.get(name), Integral) and rest == ["start"]:
         value = _number(signal.start, asked)
         model = _with(model, "signals", name, replace(signal, start=own))
     elif name in model.inputs and not rest and model.inputs[name].constant is not None:

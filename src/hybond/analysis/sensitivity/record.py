@@ -196,7 +196,8 @@ class Sensitivities:
 
         for name in names:
             self._place(name, self.of, "of")
-        return plot_sensitivities(self, names or self.of, path=path)
+        figure: Figure = plot_sensitivities(self, names or self.of, path=path)
+        return figure
 
     def __str__(self) -> str:
         return "\n".join(self._lines())
@@ -213,12 +214,7 @@ class Sensitivities:
             yield "instants of events"
             yield from _table(rows)
         if len(self.t):
-            where = "at the end" if self.ends is None else "before it"
-            yield (
-                f"{where}, t = {end:.9g} s"
-                if self.ends is None
-                else f"last values, t = {end:.9g} s"
-            )
+            yield f"{'at the end' if self.ends is None else 'before that'}, t = {end:.9g} s"
             rows = [["", "value", *(f"by {w}" for w in self.wrt)]]
             for i, name in enumerate(self.of):
                 row = [f"{v:.6g}" for v in self.derivatives[-1, i]]
