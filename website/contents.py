@@ -14,11 +14,13 @@ GROUPS: dict[str, tuple[str, ...]] = {
     ),
     "How to": (
         "library",
+        "drives",
         "systems",
         "circuits",
         "drawing",
         "results",
         "measurements",
+        "linear",
         "ensembles",
         "blocks",
         "export",

@@ -18,7 +18,7 @@ from hybond.model.graph import Mode
 
 Vector = NDArray[np.float64]
 StepKind = Literal["mythical", "pinnacle", "continuous"]
-Cause = Literal["start", "guard", "time", "input", "sample", "accumulation", "step"]
+Cause = Literal["start", "guard", "time", "input", "sample", "law", "accumulation", "step"]
 
 
 @dataclass(frozen=True, slots=True)

@@ -169,3 +169,41 @@ def test_a_duty_that_is_sampled_comes_late() -> None:
     late = 12.0 / (1 + s * 100e-6 / 2 + s * s * 1e-8) * np.exp(-s * 0.4 * 1e-5)
     assert found.ok
     np.testing.assert_allclose(found.response, late, rtol=1e-3)
+
+
+def test_a_nonlinear_model_around_its_rest_as_its_linearisation() -> None:
+    """Two ways that share nothing: derivatives of laws, and a run. They differ by the square of
+    the amplitude, a hundredth of the flow."""
+    m = hb.Model("tank", domain="hydraulic")
+    m.add(Q=hb.Sf("1 l/s"), tank=hb.C("5 l/bar", q="1.25 l"), n=hb.Zero())
+    m.add(out=hb.R({"f": "1 [l/s]*sqrt(e/(25 kPa))"}))
+    m.bond("Q -> n -> tank", "n -> out")
+    lin = hb.linearise(m, inputs=["Q"], outputs=["out.f"], at="equilibrium")
+    for part, close in ((1e-2, 1e-4), (1e-3, 2e-6)):
+        found = hb.frequency_response(
+            m,
+            input="Q",
+            output="out.f",
+            frequencies=[0.05],
+            amplitude=part * 1e-3,
+            tolerance=1e-7,
+            rtol=1e-11,
+        )
+        off = abs(found.response[0] / lin.bode([0.05]).response[0] - 1)
+        assert found.ok and off < close
+        # twice the frequency comes with the amplitude, and is what makes it nonlinear
+        assert 0.01 * part < found.distortion[0] < part
+
+
+def test_the_limit_of_friction_while_it_slips() -> None:
+    """An input that a law of a junction reads: the mass moves by ``m v' = F - d v - limit``."""
+    m = hb.Model("brake", domain="translational")
+    m.add(F=hb.Se("20 N"), v=hb.One(law="coulomb", limit="L"), m=hb.I("1 kg"), d=hb.R("2 N*s/m"))
+    m.bond("F -> v -> m", "v -> d")
+    m.input(L="5 N")
+    found = hb.frequency_response(m, input="L", output="v.f", frequencies=[0.5])
+    s = 2j * np.pi * 0.5
+    assert found.ok and found.response[0] == pytest.approx(-1 / (s + 2), rel=1e-6)
+    lin = hb.linearise(hb.simulate(m, until="10 s"), inputs=["L"], outputs=["v.f"])
+    assert lin.mode == {"v": "forward"}
+    assert lin.transfer(s)[0, 0] == pytest.approx(-1 / (s + 2), rel=1e-12)

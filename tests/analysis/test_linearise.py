@@ -1,11 +1,20 @@
 """Linearisations against closed forms and differences of the rates that a run has."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 import hybond as hb
+from hybond.analysis.linear.asked import inputs_of
+from hybond.analysis.linear.point import valued
 from hybond.engine.outcome.apart import Apart
 from hybond.equations.calculus import rate_name
+from hybond.equations.linear_rows import linear_rows
+from hybond.export.linear.proper import proper
+from hybond.result import read_name
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
 
 
 def rlc() -> hb.Model:
@@ -39,12 +48,37 @@ def test_rlc_in_closed_form() -> None:
     assert lin.gain()[:, 0] == pytest.approx([1.0, 0.0, 0.0], abs=1e-12)
 
 
-def test_the_same_matrices_as_the_state_space_of_a_linear_mode() -> None:
-    lin = hb.linearise(rlc(), inputs=["V"], outputs=["c.e", "l.f"])
-    other = hb.state_space(rlc(), ["c.e", "l.f"], inputs=["V"])
-    assert lin.states == other.states
-    for name in "ABCD":
-        assert getattr(lin, name) == pytest.approx(getattr(other, name), rel=1e-13, abs=1e-13)
+@pytest.mark.parametrize(
+    ("name", "mode", "outputs"),
+    [
+        ("boost", {}, ["out.e"]),
+        ("clutch_rigid", {"clutch": "closed"}, ["w1.f", "grip.e"]),
+        ("bouncing_ball", {"floor": "touching"}, ["contact.e", "v.f"]),
+        ("diagnosis_circuit", {"S2": "on"}, ["n1.e", "in.f"]),
+    ],
+)
+def test_examples_as_their_transfer_functions_in_symbols(
+    name: str, mode: dict[str, str], outputs: list[str]
+) -> None:
+    graph = hb.load(EXAMPLES / f"{name}.toml").flatten()
+    start = graph.mode_of(mode)
+    point = valued(graph, Apart(graph).signals, 0.0, Apart(graph).start, start)
+    t = hb.state_equations(graph, outputs=outputs).transfer(mode)
+    asked = inputs_of(graph, graph, t.inputs)
+    rows = linear_rows(
+        graph,
+        start,
+        point.values,
+        inputs=asked.columns,
+        outputs={n: read_name(graph, n) for n in outputs},
+    )
+    found = proper(rows.E, rows.A, rows.B, rows.stored)
+    for at in (0.7 + 0.3j, 12.0j, 400.0 + 90.0j):
+        inner = np.linalg.solve(at * np.eye(len(found.A)) - found.A, found.B)
+        own = found.basis[rows.outputs] @ inner + found.direct[0][rows.outputs]
+        expected = [[t.response(y, u, at) for u in t.inputs] for y in outputs]
+        assert own == pytest.approx(np.array(expected), rel=1e-9, abs=1e-15)
+    assert rows.straight
 
 
 def plant() -> hb.Model:
@@ -123,6 +157,7 @@ def test_a_mass_behind_a_crank_follows_while_both_move() -> None:
         p1_th = M * (r1 * w1 + r * w1_th + r2 * w * w)
         A = [[p1_w / (M * r), p1_th - p1_w * w * r1 / r], [1 / (M * r), -w * r1 / r]]
         B = M * r * w1_T
+    assert lin.input_units == ("N*m",)
     np.testing.assert_allclose(lin.A, A, rtol=1e-11, atol=1e-11)
     assert lin.B[:, 0] == pytest.approx([B, 0.0], rel=1e-11)
 

@@ -173,3 +173,45 @@ def test_a_root_at_its_end_has_no_slope() -> None:
     with pytest.raises(HybondError) as refused:
         hb.linearise(m)
     assert refused.value.code == "HB-A506" and refused.value.where == "o"
+
+
+def ball() -> hb.Model:
+    m = hb.Model("ball", domain="translational")
+    m.add(weight=hb.Se("-10 N"), v=hb.One(), ball=hb.I("1 kg"), drag=hb.R("0.5 N*s/m"))
+    m.add(contact=hb.Zero(), floor=hb.Sf("-0.4*pre(v.f)"))
+    m.bond("weight -> v -> ball", "v -> drag", "contact -> v", "floor -> contact")
+    m.signal(height=hb.Integral("v.f", start="1 m"))
+    m.machine(
+        "impact",
+        states={"away": [], "hits": ["contact"]},
+        start="away",
+        rules=["away -> hits when height <= 0 and v.f < 0", "hits -> away when pre(v.f) >= 0"],
+    )
+    return m
+
+
+def test_a_law_of_impacts_says_nothing_in_flight_and_holds_at_rest() -> None:
+    run = hb.simulate(ball(), until="6 s")
+    flight, rest = hb.linearise(run, inputs=["weight"], outputs=["v.f"], at=[0.2, 6.0])
+    # m v' = F - d v, and the height follows
+    assert flight.mode["impact"] == "away"
+    assert flight.poles().tolist() == pytest.approx([-0.5, 0.0], rel=1e-12)
+    assert flight.transfer(2.0)[0, 0] == pytest.approx(1 / 2.5, rel=1e-12)
+    # landed: the velocity is zero whatever the weight
+    assert run.accumulations and rest.mode["impact"] == "hits"
+    assert "ball.p" not in rest.states and rest.transfer(2.0)[0, 0] == pytest.approx(0.0, abs=1e-12)
+    # and a state that lasts no time has no motion
+    with pytest.raises(HybondError, match="left at once") as refused:
+        hb.linearise(ball(), at={"ball.p": -1.0, "height": 0.0}, mode={"impact": "hits"})
+    assert refused.value.code == "HB-A507"
+
+
+def test_a_run_by_time_stepping() -> None:
+    m = hb.Model("rectifier", domain="electrical")
+    m.add(V=hb.Se("10 V"), d=hb.One(law="diode"), rs=hb.R("2 ohm"), n=hb.Zero())
+    m.add(c=hb.C("0.5 F", q="1 C"), r=hb.R("8 ohm"))
+    m.bond("V -> d -> n", "d -> rs", "n -> c", "n -> r")
+    run = hb.simulate(m, until="1 s", solver="moreau-jean", step="1 ms")
+    lin = hb.linearise(run, inputs=["V"], outputs=["n.e"], at=0.5)
+    assert lin.poles() == pytest.approx([-(1 / 2 + 1 / 8) / 0.5], rel=1e-12)
+    assert lin.B[0, 0] == pytest.approx(0.5, rel=1e-12)

@@ -138,6 +138,17 @@ def as_python(model: hb.Model, *more: object, **options: object) -> hb.Result:
     return hb.simulate(model, *more, engine="python", **options)  # type: ignore[arg-type]
 
 
+def test_a_law_that_reads_the_second_input_of_a_model_without_machines() -> None:
+    """It read the state of a machine that is not there: Python raised, the library read beyond."""
+    m = hb.Model("ramp", domain="electrical")
+    m.add(V=hb.Se("volts"), r=hb.R({"f": "e*hot"}))
+    m.bond("V -> r")
+    m.input(volts=hb.Input(table=[[0, 0], [1, 8]], linear=True), hot=hb.Input(constant=0.5))
+    library, python = both(m, until=1)
+    assert_alike(library, python)
+    assert python["r.f"].at(0.5) == pytest.approx(2, rel=1e-12)
+
+
 def test_progress_and_journal_follow_a_run(tmp_path: Path) -> None:
     seen: list[tuple[float, int]] = []
     run = as_python(

@@ -229,3 +229,21 @@ def test_a_sampled_signal_has_no_matrices() -> None:
     with pytest.raises(hb.EquationError) as caught:
         hb.state_space(m, ["c.e"])
     assert caught.value.code == "HB-E671"
+
+
+def test_a_source_that_follows_the_time_as_well() -> None:
+    """What is driven by the time is what is driven from outside; the rest is in the loop."""
+    m = rlc()
+    m.elements["V"] = hb.Se(
+        "set - 3*c.e + 2 [V]*sin(time/(1 s)) + (if time > 1 then 1 else 0)*1 [V]"
+    )
+    m.input(set="1 V")
+    s = state_space(m, ["c.e"], inputs=["set", "V"])
+    R, L, C = 2.0, 0.5, 0.1
+    expected = 1.0 / (4j * 4j * L * C + 4j * R * C + 4.0)
+    assert response(s, 4j)[0] == pytest.approx([expected, expected], rel=1e-12)
+    # but time must not multiply what it is added to
+    m.elements["V"] = hb.Se("set*(time/(1 s))")
+    with pytest.raises(EquationError) as refused:
+        state_space(m, ["c.e"])
+    assert refused.value.code == "HB-E671" and "linearise" in refused.value.hint

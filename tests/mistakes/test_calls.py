@@ -10,6 +10,7 @@ import pytest
 import hybond as hb
 
 RECORDS = {"Conversion", "Coverage", "CrossCheck", "Ensemble", "Result", "Signal", "StateSpace"}
+RECORDS |= {"Linearisation", "FrequencyResponse"}
 """What functions return; nobody makes one."""
 OTHER = {"Block", "FMU"}
 """Made of any names, which are looked at when a model takes them."""

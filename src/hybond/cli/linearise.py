@@ -100,6 +100,8 @@ def _linearised(
     if not any(times):
         return (linearised(model, inputs=inputs, outputs=outputs, at="start"),) * len(times)
     run = simulate_with(model.flatten(), max(times))
+    if run.status == "interrupted":
+        raise KeyboardInterrupt
     if run.error is not None and run.t_end < max(times):
         raise run.error
     return tuple(linearised(run, inputs=inputs, outputs=outputs, at=times))

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import io
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from hybond.draw.measure import shorten
-from hybond.draw.plots import COLOURS, _figure
+from hybond.draw.plots import COLOURS, new_figure, write_figure
 from hybond.draw.scales import axis_scale
-from hybond.files.whole import write_whole
 from hybond.measures.energy_curves import energy_curves
 from hybond.measures.window import window_of
 
@@ -55,7 +52,7 @@ def plot_losses(result: Any, *, path: Any = None, depth: int | None = None) -> F
         float(np.max(np.abs(curves.supplied))), float(np.max(np.abs(sum(bands, np.zeros(1)))))
     )
     scale, unit = axis_scale("J", high)
-    figure = _figure((7.4, 3.4), interactive=path is None)
+    figure = new_figure((7.4, 3.4), interactive=path is None)
     ax = figure.add_axes((0.1, 0.15, 0.64, 0.72))
     t = curves.t * factor
     low = np.zeros(len(t))
@@ -106,15 +103,4 @@ def plot_losses(result: Any, *, path: Any = None, depth: int | None = None) -> F
         va="center",
         parse_math=False,
     )
-    save_figure(figure, path)
-    return figure
-
-
-def save_figure(figure: Figure, path: Any) -> None:
-    """Write a figure to a file, in the format of its ending; a .png without one."""
-    if path is None:
-        return
-    file = Path(path) if Path(path).suffix else Path(f"{path}.png")
-    picture = io.BytesIO()
-    figure.savefig(picture, format=file.suffix[1:], dpi=150)
-    write_whole(file, picture.getvalue())
+    return write_figure(figure, path)

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from hybond.draw.losses import save_figure
 from hybond.draw.measure import shorten
-from hybond.draw.plots import _figure
+from hybond.draw.plots import new_figure, write_figure
 from hybond.measures.losses import Losses, Row
 from hybond.measures.value import shown
 
@@ -47,7 +46,7 @@ def draw_sankey(losses: Losses, *, title: str = "", path: Any = None) -> Figure:
     total = max(sum(-s[2] for s in gives), sum(s[2] for s in takes)) or 1.0
     many = max(len(gives), len(takes), 1)
     tall = 1.6 + _GAP * many
-    figure = _figure((7.4, tall + 0.8), interactive=path is None)
+    figure = new_figure((7.4, tall + 0.8), interactive=path is None)
     ax = figure.add_axes((0.28, 0.03, 0.44, tall / (tall + 0.8) - 0.05))
     ax.set_axis_off()
     ax.set_xlim(_LEFT - _BAR, _RIGHT + _BAR)
@@ -67,8 +66,7 @@ def draw_sankey(losses: Losses, *, title: str = "", path: Any = None) -> Figure:
             va="center",
             parse_math=False,
         )
-    save_figure(figure, path)
-    return figure
+    return write_figure(figure, path)
 
 
 def _shares(row: Row) -> list[tuple[str, str, float]]:

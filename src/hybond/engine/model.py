@@ -364,8 +364,10 @@ class Model:
     oriented: int
     """Whether `orient` is there; else time-stepping chooses, configuration by configuration."""
     orient: Ints
-    """Whether the net variable of each port is given, for all states of the other machines, the
+    """Whether the net variable of each port is given, for all that the other machines switch, the
     last of which runs fastest."""
+    orient_place: Ints
+    """Of each state of a machine: what it adds to the place among these settings."""
 
     # contacts that may come to rest, and what they then carry
     contact_at: Ints

@@ -18,7 +18,7 @@ from hybond.equations.degenerate import effective
 from hybond.equations.element_parts import Parts, configure, settings
 from hybond.equations.peeling import Peeling
 from hybond.equations.ring import Numbers, Row
-from hybond.equations.slopes import Slopes
+from hybond.equations.slopes import ConstantSlopes, Slopes
 from hybond.equations.stored_laws import stored_names
 from hybond.errors import EquationError
 from hybond.model.expressions import Expr, Number, Pre, names, substitute, uses_pre
@@ -86,7 +86,7 @@ class Turning:
 def linear_rows(
     graph: FlatGraph,
     mode: Mode,
-    values: Mapping[str, float],
+    values: Mapping[str, float] | None,
     *,
     inputs: Sequence[str],
     outputs: Mapping[str, Expr],
@@ -96,8 +96,8 @@ def linear_rows(
 
     Parameters
     ----------
-    values : mapping
-        Of every canonical name at the point.
+    values : mapping or None
+        Of every canonical name at the point. None: what needs a point is refused.
     inputs : sequence of str
         ``u:k``, ``p:path``, or ``source:node`` for what is added to the value of a source.
     outputs : mapping of str to Expr
@@ -109,7 +109,8 @@ def linear_rows(
     ------
     EquationError
         HB-E671 for what is sampled and for a law that holds at an instant, HB-A506 for a law
-        without a finite slope, HB-Q105 if the mode leaves open what is asked for.
+        without a finite slope, HB-Q105 if the mode leaves open what is asked for. Without a point
+        HB-Q103 for a law that is not linear, HB-E671 for a source or signal that is not.
     """
     return _Assembly(graph, mode, values, tuple(inputs), outputs, landed=landed).made()
 
@@ -131,7 +132,7 @@ class _Assembly:
         self,
         graph: FlatGraph,
         mode: Mode,
-        values: Mapping[str, float],
+        values: Mapping[str, float] | None,
         inputs: tuple[str, ...],
         outputs: Mapping[str, Expr],
         *,
@@ -146,15 +147,23 @@ class _Assembly:
             )
         self.graph, self.mode, self.outputs = graph, mode, outputs
         self.landed = landed
+        # a law that reads pre() in another mode is one behind an OFF junction: it says nothing here
+        self.fieldless = any(
+            m.fieldless[k] for m, k in zip(graph.machines, mode, strict=True) if m.fieldless
+        )
         self.bonds, self.stored = len(graph.bonds), len(graph.storages)
         self.known = [f"x:{s.index}" for s in graph.storages]
         self.known += [f"s:{i.index}" for i in graph.integrals]
         self.place = {name: k for k, name in enumerate(self.known)}
         self.inputs = {name: k for k, name in enumerate(inputs)}
         self.on = graph.on_nodes(mode)
-        watched = {f"at:{w.index}": values.get(f"at:{w.index}", 0.0) for w in graph.watches}
-        self.discrete = settings(graph, mode, watched)
-        self.slopes = Slopes(graph, values, self.discrete)
+        if values is None:
+            self.discrete = settings(graph, mode, {})
+            self.slopes: Slopes = ConstantSlopes(graph, self.discrete)
+        else:
+            watched = {f"at:{w.index}": values[f"at:{w.index}"] for w in graph.watches}
+            self.discrete = settings(graph, mode, watched)
+            self.slopes = Slopes(graph, values, self.discrete)
         self.parts = Parts(graph)
         self.timed: dict[str, None] = {}
 
@@ -167,12 +176,27 @@ class _Assembly:
                 structure += junction_rows(node, self.bonds, off=off)
             elif node.kind not in STORAGES:
                 self._element(node, structure, rows)
+        for row in self._storage_rows():
+            self._sort(row, structure, rows)
         peeled = Peeling(Numbers({}), structure, 2 * self.bonds)
-        rows += self._storage_rows()
         rows += [_Linear(bonds=row) for row in peeled.constraints]
         rows += self._rate_rows()
-        free = peeled.free()
-        return self._square(peeled, rows, free)
+        return self._square(peeled, rows, peeled.free())
+
+    def _sort(self, row: _Linear, structure: list[Row[float]], rows: list[_Linear]) -> None:
+        """Put a row that gives one bond variable, by what never turns, to the structure."""
+        if row.law is not None or [abs(c) for c in row.bonds.values()] != [1.0]:
+            rows.append(row)
+            return
+        known = {self._state_column(k): c for k, c in row.states.items()}
+        known |= {self._input_column(j): c for j, c in row.inputs.items()}
+        structure.append({**row.bonds, **known})
+
+    def _state_column(self, k: int) -> int:
+        return 2 * self.bonds + k
+
+    def _input_column(self, j: int) -> int:
+        return 2 * self.bonds + len(self.known) + j
 
     # -- rows
 
@@ -189,19 +213,21 @@ class _Assembly:
             self._parameters(row, constant)
             if node.kind in SOURCES and source is not None:
                 row.inputs[source] = -1.0
-            if constant in part.power and not row.inputs:
-                structure.append(row.bonds)
-            else:
+            if row.inputs:
                 rows.append(row)
+            else:
+                structure.append(row.bonds)
         if part.source is not None:
             way = 0 if node.kind == "Se" else self.bonds
-            row = self.linear(part.source.value, node.path, -1.0)
+            row = self.linear(part.source.value, node.path, -1.0, given=True)
             row.bonds[part.source.bond + way] = row.bonds.get(part.source.bond + way, 0.0) + 1.0
             if source is not None:
                 row.inputs[source] = row.inputs.get(source, 0.0) - 1.0
-            rows.append(row)
+            if not names(part.source.value):
+                row.law = None
+            self._sort(row, structure, rows)
         for dynamic in part.dynamic:
-            row = self.linear(dynamic.expression, node.path, 1.0)
+            row = self.linear(dynamic.expression, node.path, 1.0, given=node.kind in SOURCES)
             if node.kind in SOURCES and source is not None:
                 row.inputs[source] = row.inputs.get(source, 0.0) - 1.0
             rows.append(row)
@@ -242,10 +268,10 @@ class _Assembly:
             rows.append(row)
         return rows
 
-    def linear(self, e: Expr, where: str, factor: float) -> _Linear:
-        """Return the slopes of an expression, times a factor."""
+    def linear(self, e: Expr, where: str, factor: float, *, given: bool = False) -> _Linear:
+        """Return the slopes of an expression, times a factor; whether it is given from outside."""
         if uses_pre(e):
-            if not self.landed:
+            if self.fieldless and not self.landed:
                 raise EquationError(
                     "a law that reads pre() holds at an instant and describes no motion",
                     code="HB-E671",
@@ -256,7 +282,7 @@ class _Assembly:
         if "time" in names(e):
             self.timed[where] = None
         row = _Linear(law=(e, factor))
-        self._put(row, self.slopes.of(e, where), factor)
+        self._put(row, self.slopes.of(e, where, given=given), factor)
         return row
 
     def _put(self, row: _Linear, slopes: Mapping[str, float], factor: float) -> None:
@@ -351,7 +377,7 @@ class _Assembly:
         moves = self._moves()
         drift = np.array(
             [
-                sum(c * moves[k] for k, c in row.states.items()) if f is None else f.drift
+                self._drift(row, moves) if f is None else f.drift
                 for row, f in zip(rows, found, strict=True)
             ]
         )
@@ -374,16 +400,23 @@ class _Assembly:
                 parts = peeled.reduce({self._column(other): 1.0})
                 way = np.zeros(m - many)
                 for k, c in parts.items():
-                    if column[k] in at:
+                    if k in column and column[k] in at:
                         way[at[column[k]]] = c
+                given = self._drift(_Linear(parts), moves)
                 sure[i] &= bool((np.abs(null @ way) <= 1e-9 * np.abs(way).max(initial=0.0)).all())
-                slopes[name] = slopes.get(name, 0.0) + second * float(way @ rates)
+                slopes[name] = slopes.get(name, 0.0) + second * (float(way @ rates) + given)
             row = _Linear()
             self._put(row, slopes, own.factor)
             whole[:], direct[:] = 0.0, 0.0
             self._write(peeled, row, column, -1.0, whole, direct)
             A[i, :m], B[i] = whole[columns], direct
         return Turning(A, B, sure)
+
+    def _drift(self, row: _Linear, moves: list[float]) -> float:
+        """Return how fast a row of constant coefficients moves with the states that it reads."""
+        first, end = self._state_column(0), self._input_column(0)
+        read = {k - first: c for k, c in row.bonds.items() if first <= k < end}
+        return sum(c * moves[k] for part in (row.states, read) for k, c in part.items())
 
     def _moves(self) -> list[float]:
         """Return the rate of each state at the point."""
@@ -400,8 +433,14 @@ class _Assembly:
         a: Matrix,
         b: Matrix,
     ) -> None:
+        inputs = self._input_column(0)
         for k, c in peeled.reduce(row.bonds).items():
-            a[column[k]] += factor * c
+            if k >= inputs:
+                b[k - inputs] += factor * c
+            elif k >= 2 * self.bonds:
+                a[k - 2 * self.bonds] += factor * c
+            else:
+                a[column[k]] += factor * c
         for k, c in row.states.items():
             a[k] += factor * c
         for k, c in row.inputs.items():

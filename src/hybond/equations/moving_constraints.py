@@ -46,12 +46,19 @@ def turned(rows: LinearRows, kept: Sequence[int]) -> tuple[LinearRows, bool]:
         return rows, sure
     G = mix @ rows.A[still][:, :n]
     own = G[:, follow]
-    size = np.abs(own).max(axis=0, initial=0.0)
-    if not size.all() or np.linalg.matrix_rank(own / size, tol=RANK) < len(follow):
+    columns = np.abs(own).max(axis=0, initial=0.0)
+    if not columns.all():
         return rows, False
-    back = np.linalg.pinv(own / size, rcond=RANK) / size[:, None]
-    A, B = rows.A.copy(), rows.B.copy()
+    lines = np.abs(own / columns).max(axis=1, initial=0.0)
+    lines[lines == 0.0] = 1.0
+    unit = own / columns / lines[:, None]
+    if np.linalg.matrix_rank(unit, tol=RANK) < len(follow):
+        return rows, False
+    inverse = np.linalg.pinv(unit, rcond=RANK)
+    inverse[np.abs(inverse) <= ROUNDING * np.abs(inverse).max(initial=0.0)] = 0.0
+    back = inverse / columns[:, None] / lines
     mix[~weight] = 0.0
+    A, B = rows.A.copy(), rows.B.copy()
     more_a, more_b = _product(back, mix, turning.A[still]), _product(back, mix, turning.B[still])
     for k, more, direct in zip(follow, more_a, more_b, strict=True):
         (rate,) = np.flatnonzero(rows.E[:, k])

@@ -22,6 +22,7 @@ from hybond.model.expressions import (
 from hybond.model.expressions.slots import PREFIX, is_slotted, plain, tree_of
 from hybond.model.expressions.tree import transform
 from hybond.model.graph import FlatGraph
+from hybond.model.kinds import SOURCES
 
 KINK = 1e-9
 """What turns within this part of the sizes of what it is made of has its kink at the point."""
@@ -85,8 +86,13 @@ class Slopes:
             largest[kind] = max(largest.get(kind, 0.0), abs(value))
         self._largest = largest
 
-    def of(self, e: Expr, where: str) -> dict[str, float]:
+    def of(self, e: Expr, where: str, *, given: bool = False) -> dict[str, float]:
         """Return the slopes of an expression by name, those that are not zero.
+
+        Parameters
+        ----------
+        given : bool
+            Whether it is the value of a source, which may follow the time.
 
         Raises
         ------
@@ -95,7 +101,7 @@ class Slopes:
         """
         fixed = transform(configure(e, self.discrete), _followed)
         found = {}
-        for name in sorted(names(fixed)):
+        for name in sorted(names(fixed) - {"time"}):
             slope = self.at(fixed, name, where)
             if slope:
                 found[name] = slope
@@ -170,6 +176,55 @@ class Slopes:
             own = max(abs(self.values.get(name, 0.0)), self._largest[name.partition(":")[0]])
             total += abs(slope) * own if math.isfinite(slope) else 0.0
         return total
+
+
+class ConstantSlopes(Slopes):
+    """Differentiates expressions that are linear with constant coefficients; refuses all others."""
+
+    def __init__(self, graph: FlatGraph, discrete: Mapping[str, Expr]) -> None:
+        super().__init__(graph, {}, discrete)
+
+    def of(self, e: Expr, where: str, *, given: bool = False) -> dict[str, float]:
+        """Return the slopes of an expression by name, those that are not zero.
+
+        Raises
+        ------
+        EquationError
+            HB-Q103 for the law of an element that is not linear, HB-E671 for anything else.
+        """
+        fixed = configure(e, self.discrete)
+        read = sorted(names(fixed))
+        timed = {n for n in read if n == "time" or n.startswith("at:")}
+        if (timed and not given) or any(names(a) - timed for a in turning(fixed)):
+            raise self._bent(fixed, where)
+        found = {}
+        for name in read:
+            slope = simplify(differentiate(fixed, name))
+            if name in timed and not names(slope) - timed:
+                continue  # what follows the time alone is what the source is driven by
+            if not isinstance(slope, Number):
+                raise self._bent(fixed, where)
+            if slope.value:
+                found[name] = float(slope.value)
+        return found
+
+    def _bent(self, e: Expr, where: str) -> EquationError:
+        index = self.graph.by_path.get(where)
+        kind = "" if index is None else self.graph.nodes[index].kind
+        if kind and kind not in SOURCES:
+            return EquationError(
+                "the law is not linear, so the mode has no matrices",
+                code="HB-Q103",
+                where=where,
+                hint="linearise at a point: hb.linearise",
+            )
+        return EquationError(
+            f"{to_text(e)} is not linear with constant coefficients",
+            code="HB-E671",
+            where=where,
+            hint="linearise at a point: hb.linearise; or make what it reads an input or a "
+            "parameter, or choose another output",
+        )
 
 
 def _followed(e: Expr) -> Expr:

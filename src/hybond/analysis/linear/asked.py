@@ -6,15 +6,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from hybond.errors import EquationError, UsageError
+from hybond.measures.naming import read_name
 from hybond.model.builder import Model
-from hybond.model.expressions import Expr, Name
+from hybond.model.expressions import Expr, Name, Number, names
 from hybond.model.expressions.slots import PREFIX, Slots
 from hybond.model.flatten import flatten
 from hybond.model.graph import FlatGraph, Node
 from hybond.model.kinds import SOURCES
 from hybond.model.unit_words import unit_of
 from hybond.names import did_you_mean
-from hybond.result import read_name
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,7 +70,7 @@ def inputs_of(model: Model | FlatGraph, graph: FlatGraph, asked: Sequence[str] |
         if name in own:
             at: Expr = Name(f"u:{own[name]}")
             columns.append(f"u:{own[name]}")
-            units.append(unit_of(at, graph))
+            units.append(input_unit(graph, own[name]))
             values.append(at)
         elif path is not None:
             node = sources[path]
@@ -95,12 +95,23 @@ def inputs_of(model: Model | FlatGraph, graph: FlatGraph, asked: Sequence[str] |
     return Inputs(tuple(asked), tuple(columns), tuple(units), tuple(values), followed)
 
 
+def input_unit(graph: FlatGraph, index: int) -> str:
+    """Return the unit of an input of the model: that of the source which it is, if it is one.
+
+    A torque is then in N*m, which its dimension alone does not tell from J.
+    """
+    name = Name(f"u:{index}")
+    for node in graph.nodes:
+        if node.kind in SOURCES and node.law is not None and node.law.expressions[0] == name:
+            kind = "e" if node.kind == "Se" else "f"
+            return unit_of(Name(f"{kind}:{node.ends[0].bond}"), graph)
+    return unit_of(name, graph)
+
+
 def _driven(node: Node) -> bool:
     """Whether a source only passes on what the model says elsewhere, or is a plain zero."""
     assert node.law is not None
     e = node.law.expressions[0]
-    from hybond.model.expressions import Number, names
-
     return bool(names(e) - {"time"}) or (isinstance(e, Number) and e.value == 0.0)
 
 

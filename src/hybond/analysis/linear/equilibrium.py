@@ -97,6 +97,10 @@ class _Search:
         for _ in range(STEPS):
             here = self._here(point)
             move, notes, lost = self._move(here, begin)
+            # rounding is that of the terms which cancel in a rate
+            kept = list(here.found.kept)
+            terms = np.abs(here.found.A) @ np.maximum(np.abs(move), np.abs(point.state[kept]))
+            self.sizes[kept] = np.maximum(self.sizes[kept], terms)
             if self._off(here) <= REST and (lost is not None or self._is_small(move, here)):
                 self._check(point)
                 return Point(

@@ -15,13 +15,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from hybond.analysis.linear.asked import input_unit
 from hybond.analysis.linear.injection import injected, source_of
 from hybond.analysis.linear.periods import Window, period_of, window_of
 from hybond.analysis.linear.responses import Bode, frequencies_of
 from hybond.analysis.linear.windows import coefficients, left_over
 from hybond.analysis.linear.words import unit_over
 from hybond.calls import called
-from hybond.errors import UsageError
+from hybond.errors import NumericsError, UsageError
+from hybond.measures.naming import read_name
 from hybond.model.builder import Model
 from hybond.model.expressions import Name, compile_expression
 from hybond.model.graph import FlatGraph
@@ -29,7 +31,6 @@ from hybond.model.inputs import Waveform
 from hybond.model.kept import kept_graph
 from hybond.model.parts import Value
 from hybond.model.unit_words import unit_of
-from hybond.result import read_name
 from hybond.run_options import seconds_of
 from hybond.simulation import simulate
 from hybond.units import format_quantity, try_quantity
@@ -212,6 +213,8 @@ def frequency_response(
     UsageError
         HB-A501 for an input that there is not, HB-S109 for an output, HB-A509 for frequencies or
         an amplitude that make no sense, HB-A511 for a period that cannot be told.
+    NumericsError
+        HB-A512 for a run that stops before its end.
     HybondError
         What a run raises.
 
@@ -284,7 +287,17 @@ def _one(
     made = injected(graph, name, amplitude, window.frequency)
     many = FIRST
     while True:
-        run = simulate(made, many * window.length, **options)
+        end = many * window.length
+        run = simulate(made, end, **options)
+        if run.status == "interrupted":
+            raise KeyboardInterrupt
+        if run.t_end < end * (1.0 - 1e-12):
+            raise NumericsError(
+                f"the run with the sine stopped at {run.t_end:.6g} s of {end:.6g} s",
+                code="HB-A512",
+                where=f"{window.frequency:g} Hz",
+                hint="run the model itself that long, and see what stops it",
+            )
         found = coefficients(run, output, window, (1, 2))
         left = left_over(found[:, 0])
         settled = left <= tolerance
@@ -302,19 +315,18 @@ def _amplitude(graph: FlatGraph, name: str, given: float | str | None) -> tuple[
     """Return the amplitude of the sine, SI, and the unit of the input."""
     inputs = {i.path: i for i in graph.inputs}
     if name in inputs:
-        at = Name(f"u:{inputs[name].index}")
+        unit = input_unit(graph, inputs[name].index)
         wave: Waveform = inputs[name].waveform
         value = wave.value(0.0, wave.piece(0.0))
     else:
         node = graph.nodes[source_of(graph, name)]
         assert node.law is not None
-        at = Name(f"{'e' if node.kind == 'Se' else 'f'}:{node.ends[0].bond}")
+        unit = unit_of(Name(f"{'e' if node.kind == 'Se' else 'f'}:{node.ends[0].bond}"), graph)
         law = node.law.expressions[0]
         try:
             value = float(compile_expression(law, {"time": 0}, pre_offset=0)([0.0]))
         except KeyError:
             value = 0.0
-    unit = unit_of(at, graph)
     if given is not None:
         quantity = try_quantity(given) if isinstance(given, str) else None
         number = given if not isinstance(given, str) else quantity.value if quantity else np.nan

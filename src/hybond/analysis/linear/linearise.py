@@ -14,8 +14,9 @@ from hybond.analysis.linear.point import Point, of_run, of_start, of_states
 from hybond.calls import called
 from hybond.equations.linear_rows import LinearRows, linear_rows
 from hybond.equations.moving_constraints import turned
-from hybond.errors import EquationError, UsageError
-from hybond.export.linear.proper import Proper, proper
+from hybond.errors import UsageError
+from hybond.export.linear.proper import proper
+from hybond.export.linear.state_space import check_proper
 from hybond.model.builder import Model, graph_of
 from hybond.model.expressions import Expr, Name, compile_expression, names
 from hybond.model.graph import AnyMode, FlatGraph
@@ -191,7 +192,7 @@ def _made(
         notes = [*notes, "a constraint that turns with the motion is taken as frozen at the point"]
     states = tuple(rows.variables[k] for k in found.kept)
     outputs = tuple(signals)
-    _check_proper(found, rows, outputs, asked.names, graph.mode_text(point.mode))
+    check_proper(found, rows.outputs, outputs, asked.names, graph.mode_text(point.mode))
     canonical = {s.path: Name(f"x:{s.index}") for s in graph.storages}
     canonical |= {i.path: Name(f"s:{i.index}") for i in graph.integrals}
     return Linearisation(
@@ -225,20 +226,6 @@ def _signals_of(
     if slotted is graph:
         return dict(signals)
     return {name: slotted.signals.get(name, e) for name, e in signals.items()}
-
-
-def _check_proper(
-    found: Proper, rows: LinearRows, outputs: Sequence[str], inputs: Sequence[str], mode: str
-) -> None:
-    for derivative in found.direct[1:]:
-        for i, j in np.argwhere(derivative[rows.outputs]):
-            raise EquationError(
-                f"{outputs[i]} needs the derivative of {inputs[j]}",
-                code="HB-E672",
-                where=mode,
-                hint="a source meets storage with nothing in between: put a resistor there, or "
-                "choose another output or input",
-            )
 
 
 def _operating(

@@ -17,8 +17,9 @@ from hybond.engine.words import (
     records,
 )
 
-OPEN_KEPT: Final = 16
-"""Configurations with open laws that are kept."""
+OPEN_KEPT: Final = 64
+"""Configurations with open laws that are kept: the legs of three phases with dead time meet more
+than 16."""
 AGAIN: Final = 4
 """States that differ by rounding from which branches are looked for."""
 TURNED: Final = 8

@@ -80,8 +80,8 @@ def open_mode(e: Engine, p: Ports) -> Mode:
 def orientation(m: Model, base: Ints, given: Ints) -> None:
     """Put which variable of each port is given into `given`.
 
-    The choice is the reference mode of causality, which the tables hold for all states of the
-    machines beside the laws.
+    The choice is the reference mode of causality, which the tables hold for all that the
+    machines beside the laws switch.
     """
     if m.oriented == 0:
         for p in range(m.ports):
@@ -90,7 +90,7 @@ def orientation(m: Model, base: Ints, given: Ints) -> None:
     number = 0
     for k in range(m.machines):
         if m.is_law[k] == 0:
-            number = number * (m.state_first[k + 1] - m.state_first[k]) + base[k]
+            number += m.orient_place[m.state_first[k] + base[k]]
     for p in range(m.ports):
         given[p] = NET if m.orient[number * m.ports + p] != 0 else COMMON
 

@@ -54,8 +54,10 @@ def part_of(m: Model, mode: Mode, element: int) -> int:
     number = 0
     for i in range(m.select_first[element], m.select_first[element + 1]):
         index = m.select_index[i]
-        state = mode.state[index]
-        if m.select_kind[i] != 0:
+        state = 0
+        if m.select_kind[i] == 0:
+            state = mode.state[index]
+        else:
             for d in range(m.discrete):
                 if m.discrete_kind[d] == m.select_kind[i] and m.discrete_index[d] == index:
                     state = mode.state[m.machines + d]

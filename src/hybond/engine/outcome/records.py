@@ -42,6 +42,7 @@ CAUSES: dict[int, Cause] = {
     4: "accumulation",
     5: "step",
     6: "sample",
+    10: "law",
 }
 BROKEN = 16
 """What the cause of an instant is more than it was, if it could not be settled."""

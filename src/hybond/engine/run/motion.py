@@ -14,7 +14,7 @@ from hybond.engine.contacts.impacts_seen import before_event, observe_event
 from hybond.engine.contacts.landing import keep_still, land_contacts, stuck
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.inputs.interval import interval_after
-from hybond.engine.instant.instant import GUARD, START, begin_instant
+from hybond.engine.instant.instant import GUARD, LAW, START, begin_instant
 from hybond.engine.instant.settle import settle
 from hybond.engine.laws.laws import check_limits, limits_vary, observe
 from hybond.engine.methods.one_instant import room_of_instant
@@ -31,7 +31,6 @@ from hybond.engine.planar.descent import (
 )
 from hybond.engine.planar.stops import arm_slips, begin_slips, follows_slip
 from hybond.engine.run.edges import reach_edges, straight_on, time_at_once
-from hybond.engine.run.guard_values import put_on_constraints
 from hybond.engine.run.kinks_passed import (
     count_kink,
     end_at_kink,
@@ -58,6 +57,7 @@ from hybond.engine.run.run_records import (
     count_step,
     timed_cause,
 )
+from hybond.engine.run.source_jumps import jumps_at_once, jumps_onto_storage, put_before_kink
 from hybond.engine.run.stranded import in_vain, no_slip
 from hybond.engine.run.together import (
     is_kink_alone,
@@ -183,8 +183,12 @@ def flow(e: Engine, r: Run) -> int:
     if m.method == MOREAU:
         return flow_in_steps(e, r)
     g = r.locator
-    if not r.flowing and begin_flow(e, r) != OK:
-        return -1
+    if not r.flowing:
+        if begin_flow(e, r) != OK:
+            return -1
+        if jumps_at_once(e, r):
+            report_step(e, r.report)
+            return LAW
     r.flowing = False
     end = min(e.next_break, e.stop)
     instant = room_of_instant(e, e.t)
@@ -252,7 +256,12 @@ def flow(e: Engine, r: Run) -> int:
                 return -1
             continue
         if is_kink_alone(e, g):
-            if end_at_kink(e, r, at) != OK or note(e, r, e.step.t1, e.step.t1) != OK:
+            if end_at_kink(e, r, at) != OK:
+                return -1
+            if jumps_onto_storage(e, r, at):
+                report_step(e, r.report)
+                return LAW if count_kink(e, r) == OK else -1
+            if note(e, r, e.step.t1, e.step.t1) != OK:
                 return -1
             if count_kink(e, r) != OK:
                 return -1
@@ -427,7 +436,7 @@ def note(e: Engine, r: Run, t: float, shown: float) -> int:
         e.y[k] = e.step.y1[k]
     if shown != e.step.t1:
         between(e, shown, e.y)
-    if put_on_constraints(e, t, e.y) != OK:
+    if put_before_kink(e, t, e.y) != OK:
         return REFUSED
     if e.slide.k > 0 and onto_surfaces(e, t, e.y) != OK:
         return REFUSED

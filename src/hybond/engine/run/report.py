@@ -15,6 +15,7 @@ from hybond.engine.instant.instant import (
     ACCUMULATION,
     GUARD,
     INPUT,
+    LAW,
     MYTHICAL,
     PINNACLE,
     SAMPLE,
@@ -214,6 +215,8 @@ def cause_name(cause: int) -> Text:
         return "input"
     if cause == SAMPLE:
         return "sample"
+    if cause == LAW:
+        return "law"
     if cause == ACCUMULATION:
         return "accumulation"
     return "step"

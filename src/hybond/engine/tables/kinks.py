@@ -1,7 +1,8 @@
 """Tables of kinks: what changes its sign where a law, a source or the rate of a signal has one.
 
 Comparisons, `abs`, `sign`, `min`, `max`, whole numbers and corners of tables. A method of high
-order ends its step there; those with steps of their own do not.
+order ends its step there; those with steps of their own do so for sources alone, which may jump
+onto what is stored.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from typing import TYPE_CHECKING
 from hybond.engine.tables.guards import magnitude
 from hybond.engine.tables.options import METHODS
 from hybond.equations.surfaces import moves
-from hybond.model.expressions import Expr, ending, names, turning, uses_pre
+from hybond.model.expressions import Call, Expr, Number, ending, names, turning, uses_pre
 from hybond.model.graph import FlatGraph
 from hybond.run_options import QUANTISED
 
@@ -28,7 +29,7 @@ def put_kinks(t: ModelTables) -> None:
     """Put what is watched for kinks behind the comparisons of guards."""
     found: dict[Expr, int] = {}
     switches: dict[Expr, set[int]] = {}
-    for e, node in _asked(t) if t.numbers["method"] in FOLLOWED else []:
+    for e, node in _followed(t):
         turns = [a for a in turning(e) if moves(a) and not uses_pre(a)]
         for a in turns if len(turns) <= MOST else []:
             found.setdefault(a, node)
@@ -40,7 +41,7 @@ def put_kinks(t: ModelTables) -> None:
     t.ints["kink_pair"] = [len(t.pairs) + k for k in range(len(found))]
     t.pairs += found
     t.ints["atom_value"] += [t.values.number(a) for a in found]
-    t.ints["atom_size"] += [t.values.number(magnitude(a)) for a in found]
+    t.ints["atom_size"] += [t.values.number(_terms(a)) for a in found]
     t.ints["atom_zero"] += [1] * len(found)
     edges = dict.fromkeys(
         a for e, _ in _asked(t) for a in ending(e) if moves(a) and not uses_pre(a)
@@ -52,6 +53,23 @@ def put_kinks(t: ModelTables) -> None:
     read = sorted({t.slots.index[n] for a in edges for n in names(a)})
     t.ints["edge_bond"] = [k - bonds.start for k in read if k in bonds]
     t.numbers["edge_bonds"] = len(t.ints["edge_bond"])
+
+
+def _terms(turning: Expr) -> Expr:
+    """Return what the terms of something that turns add up to; a sine turns between -1 and 1."""
+    if isinstance(turning, Call) and turning.function == "sin":
+        return Number(1.0)
+    return magnitude(turning)
+
+
+def _followed(t: ModelTables) -> list[tuple[Expr, int]]:
+    """Return what is watched for kinks: of methods of low order, sources alone, which may jump."""
+    if t.numbers["method"] == METHODS["moreau-jean"]:
+        return []
+    asked = _asked(t)
+    if t.numbers["method"] in FOLLOWED:
+        return asked
+    return [(e, k) for e, k in asked if k >= 0 and t.graph.nodes[k].kind in ("Se", "Sf")]
 
 
 def _switch_of(graph: FlatGraph, node: int) -> int:

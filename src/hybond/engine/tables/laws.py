@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 NONE = -2
 """What stands for an option that a law does not have."""
 CONFIGURATIONS = 4096
-"""Ways to set the machines beside the laws, for each of which a variable of each law is given."""
+"""Ways to set what machines switch beside the laws; for each, a variable of each law is given."""
 OPTIONS = ("limit", "breakaway", "gap", "gate", "restitution", "stiffness")
 
 
@@ -139,29 +139,70 @@ def _put_disks(t: ModelTables, laws: list[JunctionLaw]) -> None:
 
 
 def _put_orientation(t: ModelTables) -> None:
-    """Put which variable of each law is given, for all states of the other machines."""
+    """Put which variable of each law is given, for all that the other machines switch."""
     g = t.graph
     t.ints["orient"] = []
+    t.ints["orient_place"] = []
     t.numbers["oriented"] = 1
     if not t.numbers["ports"]:
         return
-    sizes = [1 if m.law is not None else len(m.states) for m in g.machines]
+    kinds = _kinds_of_states(g)
+    sizes = [1 + max(kind) for kind in kinds]
     if math.prod(sizes) > CONFIGURATIONS:
         if t.numbers["method"] == METHODS["moreau-jean"]:
             t.numbers["oriented"] = 0
             return
         raise ModelError(
-            f"the machines beside junction laws have {math.prod(sizes)} settings, more than an "
-            f"export looks at ({CONFIGURATIONS})",
+            f"the machines beside junction laws have {math.prod(sizes)} settings, more than are "
+            f"looked at ({CONFIGURATIONS})",
             code="HB-E650",
             where=g.name,
             hint="write the diodes and contacts as machines with rules, or split the model",
         )
+    stride = math.prod(sizes)
+    for kind, size in zip(kinds, sizes, strict=True):
+        stride //= size
+        t.ints["orient_place"] += [stride * k for k in kind]
     arrays = compile_arrays(g)
     known: dict[frozenset[int], list[int]] = {}
-    for mode in product(*(range(k) for k in sizes)):
+    for setting in product(*(range(k) for k in sizes)):
+        mode = tuple(kind.index(k) for kind, k in zip(kinds, setting, strict=True))
         on = g.on_nodes(mode)
         if on not in known:
             given = orientation(g, mode, arrays)
             known[on] = [int(v == "net") for v in given.values()]
         t.ints["orient"] += known[on]
+
+
+def _kinds_of_states(g: FlatGraph) -> list[list[int]]:
+    """Number the states of each machine by what they switch on where power reaches a law.
+
+    A machine of signals alone, or of a clock of its own, has one kind of state, and so has a law.
+    """
+    laws = {law.node for m in g.machines if m.law is not None for law in m.law.junctions}
+    near = {node for part in _parts(g) if not laws.isdisjoint(part) for node in part}
+    found = []
+    for m in g.machines:
+        switched = [frozenset(near.intersection(m.on[k])) for k in range(len(m.states))]
+        kinds = [switched[0]] * len(switched) if m.law is not None else switched
+        different = list(dict.fromkeys(kinds))
+        found.append([different.index(kind) for kind in kinds])
+    return found
+
+
+def _parts(g: FlatGraph) -> list[set[int]]:
+    """Return the nodes that bonds join, part by part."""
+    part = list(range(len(g.nodes)))
+
+    def top(node: int) -> int:
+        while part[node] != node:
+            part[node] = part[part[node]]
+            node = part[node]
+        return node
+
+    for bond in g.bonds:
+        part[top(bond.tail)] = top(bond.head)
+    joined: dict[int, set[int]] = {}
+    for node in range(len(g.nodes)):
+        joined.setdefault(top(node), set()).add(node)
+    return list(joined.values())

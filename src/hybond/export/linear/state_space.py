@@ -142,12 +142,13 @@ def state_space(
     wanted = graph.mode_of({} if mode is None else mode)
     system = extended(graph, wanted, tuple(outputs))
     chosen = _chosen(system, inputs)
-    found = proper(system.E, system.A, system.B[:, chosen], system.stored)
+    rows = system.rows
+    found = proper(rows.E, rows.A, rows.B[:, chosen], rows.stored)
     names = tuple(system.inputs[k] for k in chosen)
-    states = tuple(system.variables[k] for k in found.kept)
+    states = tuple(rows.variables[k] for k in found.kept)
     if outputs:
-        C, D = found.basis[system.outputs], found.direct[0][system.outputs]
-        _check_proper(found, system.outputs, tuple(outputs), names, graph.mode_text(wanted))
+        C, D = found.basis[rows.outputs], found.direct[0][rows.outputs]
+        check_proper(found, rows.outputs, tuple(outputs), names, graph.mode_text(wanted))
     else:
         # without what the inputs add at once: that is what `shifts` tells
         C, D = np.eye(len(states)), np.zeros((len(states), len(names)))
@@ -179,9 +180,16 @@ def _chosen(system: Extended, inputs: Sequence[str] | None) -> list[int]:
     return [system.inputs.index(name) for name in inputs]
 
 
-def _check_proper(
+def check_proper(
     found: Proper, rows: list[int], outputs: tuple[str, ...], inputs: tuple[str, ...], mode: str
 ) -> None:
+    """Refuse outputs, at these `rows`, that need the derivative of an input.
+
+    Raises
+    ------
+    EquationError
+        HB-E672.
+    """
     for derivative in found.direct[1:]:
         for i, j in np.argwhere(derivative[rows]):
             raise EquationError(

@@ -1,0 +1,54 @@
+"""Of the machines beside junction laws only what they switch near a law counts."""
+
+import math
+
+import pytest
+
+import hybond as hb
+
+
+def rectifier() -> hb.Model:
+    m = hb.Model("rectifier", domain="electrical")
+    m.add(V=hb.Se("10 [V]*sin(100*pi*time)"), d=hb.One(law="diode"), n=hb.Zero(), r=hb.R("5 ohm"))
+    m.add(rest=hb.One(), c=hb.C("1 mF"))
+    m.bond("V -> d -> n -> r", "n -> rest -> c")
+    return m
+
+
+@pytest.mark.parametrize("engine", ["library", "python"])
+def test_thirteen_machines_of_signals_are_one_setting(engine: str) -> None:
+    m = rectifier()
+    for k in range(13):
+        m.machine(f"m{k}", states={"a": [], "b": []}, start="a", rules=[f"a -> b when time > {k}"])
+    m.machine("M", states={"off": [], "on": ["rest"]}, start="off", rules=[])
+    run = hb.simulate(m, until="15 ms", engine=engine)
+    assert run["r.f"].at([0.004, 0.006]) == pytest.approx([2 * math.sin(0.4 * math.pi)] * 2)
+    assert run["r.f"].at(0.014) == pytest.approx(0, abs=1e-12)
+
+
+def test_thirteen_clocks_apart_from_the_law_are_one_setting() -> None:
+    m = rectifier()
+    for k in range(13):
+        m.add(**{f"t{k}": hb.Submodel("control.timer", T=0.001 * (k + 1), inputs={"u": "1"})})
+    m.machine("M", states={"on": ["rest"], "off": []}, start="on", rules=["on -> off when time>1"])
+    run = hb.simulate(m, until="15 ms", rtol=1e-9)
+    # the capacitor follows the source until the current of the diode ends, then it discharges
+    w, tau = 100 * math.pi, 5e-3
+    end = (math.pi - math.atan(w * tau)) / w
+    expected = 10 * math.sin(w * end) * math.exp(-(0.014 - end) / tau)
+    assert run["c.e"].at(0.014) == pytest.approx(expected, rel=1e-7)
+    assert [run[f"t{k}.out"].at(0.0135) for k in range(13)] == [1] * 13
+
+
+def test_thirteen_switches_in_a_circuit_with_a_diode_are_too_many() -> None:
+    m = rectifier()
+    for k in range(13):
+        m.add(**{f"s{k}": hb.One(), f"r{k}": hb.R("1 ohm")})
+        m.bond(f"n -> s{k} -> r{k}")
+        rule = f"off -> on when time > {k}"
+        m.machine(f"m{k}", states={"off": [], "on": [f"s{k}"]}, start="off", rules=[rule])
+    m.machine("M", states={"off": [], "on": ["rest"]}, start="off", rules=[])
+    with pytest.raises(hb.ModelError) as refusal:
+        hb.simulate(m, until="15 ms")
+    assert refusal.value.code == "HB-E650"
+    assert f"{2**14} settings" in str(refusal.value)

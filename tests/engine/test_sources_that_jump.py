@@ -1,0 +1,129 @@
+"""A source that jumps onto what is stored is an instant, also where no rule and no input says so.
+
+Oracles: what is stored follows the source, the impulse is what is stored more, a source gives its
+impulse times its own value behind the jump, and what is not stored of that is lost.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import pytest
+
+import hybond as hb
+
+MASS = 2.0
+METHODS = ("auto", "rk45", "radau", "exact", "qss2", "rk4")
+SHAPES: dict[str, tuple[str, Callable[[float], float], list[float]]] = {
+    "floor": ("floor(time/(1 s) + 0.5)", lambda t: math.floor(t + 0.5), [0.5, 1.5]),
+    "ceil": ("ceil(time/(1 s))", lambda t: math.ceil(t), [0.0, 1.0, 2.0]),
+    "mod": ("mod(time, 1 s)/(1 s)", lambda t: t % 1.0, [1.0, 2.0]),
+    "sign": (
+        "sign(sin(7*time/(1 s)))",
+        lambda t: math.copysign(1.0, math.sin(7 * t)),
+        [k * math.pi / 7 for k in range(5)],
+    ),
+    "if": (
+        "if sin(7*time/(1 s)) >= 0 then 1 else 0",
+        lambda t: float(math.sin(7 * t) >= 0),
+        [k * math.pi / 7 for k in range(5)],
+    ),
+}
+
+
+def driven(shape: str, kind: str, turned: bool) -> hb.Model:
+    """A mass on a source of speed, or a capacitor on one of voltage."""
+    mechanical = kind == "Sf"
+    m = hb.Model("driven", domain="translational" if mechanical else "electrical")
+    if mechanical:
+        m.add(s=hb.Sf(f"({shape})*1 [m/s]"), store=hb.I(f"{MASS} kg"), node=hb.One())
+    else:
+        m.add(s=hb.Se(f"({shape})*1 [V]"), store=hb.C(f"{MASS} F"), node=hb.Zero())
+    m.bond("s -> node", "store -> node" if turned else "node -> store")
+    return m
+
+
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize("kind", ["Sf", "Se"])
+@pytest.mark.parametrize("shape", SHAPES)
+def test_what_a_source_jumps_onto_takes_an_impulse_and_is_recorded(
+    shape: str, kind: str, turned: bool
+) -> None:
+    text, value, times = SHAPES[shape]
+    run = hb.simulate(driven(text, kind, turned), "2.2 s")
+    assert run.status == "ok" and run.audit().holds()
+    stored = "store.p" if kind == "Sf" else "store.q"
+    of_bond = "s.e" if kind == "Sf" else "s.f"
+    sign = -1.0 if turned and kind == "Sf" else 1.0  # power into it: e and -f
+    events = [e for e in run.events if e.steps[-1].impulses or e.t > 0.0]
+    assert [e.t for e in events] == pytest.approx(times, abs=1e-12)
+    for event in events:
+        before = value(event.t - 1e-9) if event.t > 1e-9 else 0.0
+        after = value(event.t + 1e-9)
+        step = event.steps[-1]
+        assert step.energy is not None
+        assert step.impulses[of_bond] == pytest.approx(MASS * (after - before), rel=1e-8)
+        assert step.energy.source == pytest.approx(
+            MASS * (after - before) * after, rel=1e-8, abs=1e-8
+        )
+        assert step.energy.lost == pytest.approx(0.5 * MASS * (after - before) ** 2, rel=1e-8)
+    for t in (0.3, 0.7, 1.2, 1.7, 2.2):
+        assert sign * float(run[stored].at(t)) == pytest.approx(MASS * value(t), abs=1e-9)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_each_method_meets_the_jump(method: str) -> None:
+    text, value, times = SHAPES["floor"]
+    step = "10 ms" if method == "rk4" else None
+    run = hb.simulate(driven(text, "Sf", False), "2.2 s", solver=method, step=step)
+    assert run.status == "ok" and run.audit().holds()
+    assert [e.t for e in run.events[1:]] == pytest.approx(times, abs=1e-9)
+    assert float(run["store.p"].at(2.0)) == pytest.approx(MASS * value(2.0), abs=1e-9)
+
+
+def test_a_source_that_follows_another_motion_jumps_where_that_crosses() -> None:
+    m = hb.Model("follows", domain="translational")
+    m.add(
+        push=hb.Se("1 N"),
+        slow=hb.I("1 kg"),
+        v=hb.One(),
+        s=hb.Sf("if v.f > 0.5 [m/s] then 1 [m/s] else 0 [m/s]"),
+        mass=hb.I(f"{MASS} kg"),
+        w=hb.One(),
+    )
+    m.bond("push -> v -> slow", "s -> w -> mass")
+    run = hb.simulate(m, "1 s")
+    assert run.audit().holds()
+    (event,) = run.events[1:]
+    assert (event.cause, event.t) == ("law", pytest.approx(0.5, abs=1e-9))
+    assert float(run["slow.p"].at(1.0)) == pytest.approx(1.0, abs=1e-9)
+    assert float(run["mass.p"].at(1.0)) == pytest.approx(MASS, abs=1e-9)
+
+
+def test_a_kink_without_a_jump_is_no_event() -> None:
+    m = driven("abs(time/(1 s) - 0.5) + max(time/(1 s), 1)", "Sf", False)
+    run = hb.simulate(m, "2 s")
+    assert len(run.events) == 1 and run.audit().holds()
+    assert float(run["store.p"].at(1.5)) == pytest.approx(MASS * 2.5, abs=1e-9)
+
+
+def test_a_jump_onto_a_resistor_alone_is_no_event() -> None:
+    m = hb.Model("lamp", domain="electrical")
+    m.add(s=hb.Se("floor(time/(1 s) + 0.5)*1 [V]"), r=hb.R("1 ohm"), l=hb.I("1 H"), i=hb.One())
+    m.bond("s -> i -> r", "i -> l")
+    run = hb.simulate(m, "1 s")
+    assert len(run.events) == 1 and run.audit().holds()
+    assert float(run["l.f"].at(1.0)) == pytest.approx(1.0 - math.exp(-0.5), rel=1e-8)
+
+
+def test_a_timed_event_at_the_very_jump_is_one_instant_with_it() -> None:
+    m = driven("floor(time/(1 s))", "Sf", False)
+    m.add(lamp=hb.R("1 N*s/m"), load=hb.Sf("u"), w=hb.One())
+    m.bond("load -> w -> lamp")
+    m.input(u=hb.Input(pwm={"period": "1 s", "duty": 0.5, "high": "1 m/s", "low": 0}))
+    run = hb.simulate(m, "2.5 s")
+    assert run.status == "ok" and run.audit().holds()
+    jumps = [e for e in run.events if e.t in (1.0, 2.0)]
+    assert [e.steps[-1].impulses["s.e"] for e in jumps] == pytest.approx([MASS, MASS])
+    assert float(run["store.p"].at(1.0, side="left")) == pytest.approx(0.0, abs=1e-12)
