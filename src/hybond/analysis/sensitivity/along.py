@@ -20,6 +20,8 @@ from numpy.typing import NDArray
 from hybond.analysis.sensitivity.collocation import STAGES, Jump, Step, radau
 from hybond.analysis.sensitivity.crossing import crossing
 from hybond.analysis.sensitivity.fields import Field, Fields
+from hybond.analysis.sensitivity.gradients import Compiled
+from hybond.analysis.sensitivity.kinks import jumped, kinks_of
 from hybond.analysis.sensitivity.switch import started, switched
 from hybond.analysis.sensitivity.tangent import Read, Undetermined
 from hybond.errors import HybondError
@@ -93,6 +95,17 @@ class Chain:
     ends: float | None = None
     """Where the derivative ends before the run does, s."""
     why: str = ""
+    rough: list[float] = field(default_factory=list)
+    """Where halving steps did not make two halves and the whole agree, s."""
+
+    def notes(self) -> tuple[str, ...]:
+        """Return what else is to be known."""
+        if not self.rough:
+            return ()
+        return (
+            f"near t = {self.rough[0]:.6g} s the derivatives have fewer digits: their motion is "
+            "not smooth there",
+        )
 
     def forward(self) -> list[Vector]:
         """Return the variations before the first link, and after each."""
@@ -173,15 +186,26 @@ class _Along:
         begin, end = float(segment.t[0]), float(segment.t[-1])
         inside = self.times[(self.times > begin) & (self.times < end)]
         mesh = np.unique(np.concatenate([segment.t, inside]))
-        self._read(segment, mesh, len(self.chain.links), first=True)
+        self._read(segment, mesh, len(self.chain.links))
+        self._kinks = {kink.t: kink for kink in kinks_of(self.fields, segment)}
         for some in _slices(len(mesh) - 1):
             a, b = mesh[some], mesh[some.start + 1 : some.stop + 1]
             for k, (whole, halves) in enumerate(self._steps(segment, a, b)):
                 d = self._accepted(segment, d, whole, halves, 0)
                 self._now = float(b[k])
+                d = self._kink(segment, d)
                 self._places[some.start + k + 1] = len(self.chain.links)
         self._put(mesh)
         return d
+
+    def _kink(self, segment: Segment, d: Vector) -> Vector:
+        """Take the jump of a law where there is one."""
+        kink = self._kinks.get(self._now)
+        jump = None if kink is None else jumped(self.fields, segment, kink)
+        if jump is None:
+            return d
+        self.chain.links.append(jump)
+        return jump.forward(d)
 
     def _accepted(
         self, segment: Segment, d: Vector, whole: Step, halves: list[Step], depth: int
@@ -195,7 +219,10 @@ class _Along:
         most = np.maximum(np.abs(fine) / unit, self.largest / unit).max(axis=0)
         floor = NOTHING * unit * np.maximum(most, self.per_parameter)
         size = np.maximum.reduce([np.abs(d), np.abs(fine), self.largest, h * size, floor])
-        if (np.abs(fine - coarse) <= TOLERANCE * size).all() or depth == HALVINGS:
+        good = bool((np.abs(fine - coarse) <= TOLERANCE * size).all())
+        if good or depth == HALVINGS:
+            if not good:
+                self.chain.rough.append(whole.t0)
             self.chain.links += halves
             self.largest = np.maximum(self.largest, np.abs(fine))
             return fine
@@ -210,7 +237,10 @@ class _Along:
         middle = 0.5 * (a + b)
         spans = [(a, b), (a, middle), (middle, b)]
         t = np.stack([x[:, None] + (y - x)[:, None] * c for x, y in spans], axis=1)
-        slopes = self.fields.within(segment, t.ravel()).slopes
+        read = t.copy()
+        for kink in self._kinks.values():
+            read[t == kink.t] = kink.left
+        slopes = self.fields.within(segment, read.ravel()).slopes
         n = self.fields.columns.time
         size = self.fields.size
         many = slopes.shape[2] - n - 1
@@ -277,10 +307,9 @@ class _Along:
 
     # -- readings
 
-    def _read(self, segment: Segment, mesh: Vector, place: int, *, first: bool) -> None:
+    def _read(self, segment: Segment, mesh: Vector, place: int) -> None:
         self._field = self.fields.within(segment, mesh)
         self._places = {0: place}
-        self._mesh_of = segment
 
     def _put(self, mesh: Vector) -> None:
         values, by = self._outputs(self._field)
@@ -298,8 +327,6 @@ class _Along:
         self._put(np.array([t]))
 
     def _outputs(self, field: Field) -> tuple[Vector, Vector]:
-        from hybond.analysis.sensitivity.gradients import Compiled
-
         made = [field.tangent.rows.made(e) for e in self.outputs]
         values = Compiled(made).at(field.at.values, field.at.points)
         return values, Read(field.tangent, made).at(field.at, field.bonds)

@@ -110,7 +110,7 @@ def _by_guards(fields: Fields, segment: Segment, end: Field, event: Event) -> li
                 h = Binary("-", compare.left, compare.right)
                 if not names(h):
                     continue
-                made = _zero(fields, segment, end, h, rule.text)
+                made = crossed(fields, segment, end, h, rule.text)
                 if isinstance(made, str):
                     grazed.append(made)
                 elif made is not None:
@@ -120,7 +120,7 @@ def _by_guards(fields: Fields, segment: Segment, end: Field, event: Event) -> li
     return found
 
 
-def _zero(
+def crossed(
     fields: Fields, segment: Segment, end: Field, h: Expr, text: str
 ) -> Crossing | str | None:
     """Return how a function crosses zero, its text if it only touches, None if it is not zero."""

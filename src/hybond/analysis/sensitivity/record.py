@@ -69,6 +69,8 @@ class Sensitivities:
         Where the derivatives end before the run does, s.
     why : str
         Why they end there.
+    notes : tuple of str
+        What else is to be known.
     """
 
     run: Result = field(repr=False)
@@ -83,6 +85,7 @@ class Sensitivities:
     events: tuple[EventDerivative, ...]
     ends: float | None = None
     why: str = ""
+    notes: tuple[str, ...] = ()
 
     def __getitem__(self, name: str | tuple[str, str]) -> Vector:
         """Return the derivatives of a signal, shape (points, wrt); by one thing: (points,).
@@ -222,6 +225,7 @@ class Sensitivities:
             yield from _table(rows)
         if self.ends is not None:
             yield f"no derivatives from {self.ends:.9g} s on: {self.why}"
+        yield from self.notes
 
 
 def _table(rows: Sequence[Sequence[str]]) -> Iterator[str]:

@@ -185,6 +185,7 @@ class Varied:
             tuple(events),
             chain.ends,
             chain.why,
+            chain.notes(),
         )
 
 
