@@ -61,6 +61,9 @@ if TYPE_CHECKING:
     from hybond.model.parts import Block, Integral, Sampled, Submodel
     from hybond.model.parts import InputPart as Input
     from hybond.result import Result
+    from hybond.fitting.fit import fit
+    from hybond.fitting.optimise import Optimum, optimise
+    from hybond.fitting.record import Fit
     from hybond.simulation import simulate
     from hybond.sweep.collection import Ensemble
     from hybond.sweep.ensemble import ensemble
@@ -109,6 +112,9 @@ _HOME = {
     **dict.fromkeys(("EventTime", "Final", "Total"), "hybond.analysis.sensitivity.goals"),
     **dict.fromkeys(("Gradient", "gradient"), "hybond.analysis.sensitivity.gradient"),
     "Sensitivities": "hybond.analysis.sensitivity.record",
+    "Fit": "hybond.fitting.record",
+    "fit": "hybond.fitting.fit",
+    **dict.fromkeys(("Optimum", "optimise"), "hybond.fitting.optimise"),
     "sensitivities": "hybond.analysis.sensitivity.sensitivities",
     "newton_law_model": "hybond.analysis.restitution.newton_law",
     "residuals": "hybond.analysis.residuals.residuals",
@@ -144,6 +150,7 @@ __all__ = [
     "ExpressionError",
     "FileError",
     "Final",
+    "Fit",
     "FrequencyResponse",
     "G",
     "GY",
@@ -157,6 +164,7 @@ __all__ = [
     "ModelError",
     "NumericsError",
     "One",
+    "Optimum",
     "R",
     "Result",
     "Sampled",
@@ -183,6 +191,7 @@ __all__ = [
     "dumps",
     "ensemble",
     "export",
+    "fit",
     "frequency_response",
     "gradient",
     "junction_matrix",
@@ -191,6 +200,7 @@ __all__ = [
     "load",
     "loads",
     "newton_law_model",
+    "optimise",
     "read_bond_graph",
     "read_circuit",
     "residuals",

@@ -29,6 +29,8 @@ class Opened:
     names: tuple[str, ...]
     paths: tuple[str, ...]
     model: Model
+    settable: tuple[str, ...]
+    """Where each of `names` can be set: starts without a 0 behind them."""
     given: Mapping[str, Value]
     """Values of parameters other than the model's own."""
 
@@ -66,7 +68,7 @@ def opened_model(model: Model, asked: Sequence[str], parameters: Mapping[str, Va
         )
     known = list(settable(model))
     model, left = with_parts(model, parameters)
-    paths = []
+    paths, keys = [], []
     for name in asked:
         path = name
         if name not in known and name.endswith("0") and name[:-1] in known:
@@ -78,9 +80,10 @@ def opened_model(model: Model, asked: Sequence[str], parameters: Mapping[str, Va
                 where="wrt",
                 hint=did_you_mean(name, known) or ", ".join(known),
             )
+        keys.append(path)
         model, own = _opened(model, path.split("."), "", {}, name)
         paths.append(own)
-    return Opened(tuple(asked), tuple(paths), model, left)
+    return Opened(tuple(asked), tuple(paths), model, tuple(keys), left)
 
 
 def _opened(

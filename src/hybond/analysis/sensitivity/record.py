@@ -195,7 +195,7 @@ class Sensitivities:
         path : path, optional
             Write the figure there too, in the format of its ending.
         """
-        from hybond.draw.sensitivity_plots import plot_sensitivities
+        from hybond.draw.variation_plots import plot_sensitivities
 
         for name in names:
             self._place(name, self.of, "of")
