@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 Vector = NDArray[np.float64]
 
 _WIDE, _TALL = 7.4, 1.75
-_LEFT, _RIGHT, _TOP, _BOTTOM, _GAP = 0.95, 0.25, 0.62, 0.5, 0.16
+_LEFT, _RIGHT, _TOP, _BOTTOM, _GAP = 0.95, 0.25, 0.78, 0.5, 0.16
 _EVENT = "#8c8c8c"
 
 
@@ -200,7 +200,7 @@ def _finish(ax: Axes, end: float) -> None:
 def _say(figure: Figure, text: str) -> None:
     height = figure.get_size_inches()[1]
     figure.text(
-        _LEFT / _WIDE, 0.07 / height, shorten(text, 8.0, 470.0), fontsize=8.0, color="#555555",
+        _LEFT / _WIDE, 1.0 - 0.45 / height, shorten(text, 8.0, 470.0), fontsize=8.0, color="#555555",
         parse_math=False,
     )  # fmt: skip
 

@@ -171,7 +171,7 @@ def _cases(
     cases: list[Case] = []
     first: Wanted | None = None
     for d, own in read:
-        opened = opened_model(model, names, {**parameters, **own})
+        opened = opened_model(model, names, {**parameters, **own}, where="free")
         found = slotted(opened, {})
         first = first or found
         check_followed(found.graph)

@@ -161,7 +161,7 @@ def optimise(
 
     names = [free] if isinstance(free, str) else list(free)
     logs = [log] if isinstance(log, str) else list(log)
-    opened = opened_model(model, names, parameters or {})
+    opened = opened_model(model, names, parameters or {}, where="free")
     first = slotted(opened, {})
     scale = scale_of(names, first.values, bounds or {}, logs)
     trials = 0

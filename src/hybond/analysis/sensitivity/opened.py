@@ -35,7 +35,13 @@ class Opened:
     """Values of parameters other than the model's own."""
 
 
-def opened_model(model: Model, asked: Sequence[str], parameters: Mapping[str, Value]) -> Opened:
+def opened_model(
+    model: Model,
+    asked: Sequence[str],
+    parameters: Mapping[str, Value],
+    *,
+    where: str = "wrt",
+) -> Opened:
     """Return a copy of a model in which all that is varied is a parameter.
 
     Parameters
@@ -44,6 +50,8 @@ def opened_model(model: Model, asked: Sequence[str], parameters: Mapping[str, Va
         Parameters (``m``), values of elements (``pad.C``), starts (``ball.p``, also ``ball.p0``).
     parameters : mapping
         Values by path, other than those of the model.
+    where : str
+        The argument that a refusal names.
 
     Raises
     ------
@@ -64,7 +72,7 @@ def opened_model(model: Model, asked: Sequence[str], parameters: Mapping[str, Va
     asked = [asked] if isinstance(asked, str) else list(asked)
     if not asked:
         raise UsageError(
-            "nothing is varied", code="HB-A520", where="wrt", hint="wrt=['m', 'pad.C', 'ball.p']"
+            "nothing is varied", code="HB-A520", where=where, hint=f"{where}=['m', 'pad.C', 'ball.p']"
         )
     known = list(settable(model))
     model, left = with_parts(model, parameters)
@@ -77,7 +85,7 @@ def opened_model(model: Model, asked: Sequence[str], parameters: Mapping[str, Va
             raise UsageError(
                 f"{name!r} is no parameter, no value of an element and no start",
                 code="HB-A520",
-                where="wrt",
+                where=where,
                 hint=did_you_mean(name, known) or ", ".join(known),
             )
         keys.append(path)
@@ -115,7 +123,7 @@ def _opened(
                 raise EquationError(
                     f"{asked} is not how the start of {name} is said",
                     code="HB-A521",
-                    where="wrt",
+                    where=asked,
                     hint=f"{name}.{next(k for k in starts if k in part.options)}",
                 )
             value = _number(part.options.get(rest[0], 0.0), asked)
@@ -130,7 +138,7 @@ def _opened(
         model = _with(model, "inputs", name, replace(part_, constant=own))
     else:
         raise EquationError(
-            f"{asked} is no number", code="HB-A521", where="wrt", hint="vary what is a number"
+            f"{asked} is no number", code="HB-A521", where=asked, hint="vary what is a number"
         )
     return _with(model, "parameters", own, value), join(prefix, own)
 
@@ -140,7 +148,7 @@ def _number(value: object, asked: str) -> Value:
         raise EquationError(
             f"{asked} is a law or a matrix and no number",
             code="HB-A521",
-            where="wrt",
+            where=asked,
             hint="give its law a parameter of its own, and vary that",
         )
     return value
