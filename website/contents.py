@@ -21,6 +21,7 @@ GROUPS: dict[str, tuple[str, ...]] = {
         "results",
         "measurements",
         "linear",
+        "sensitivity",
         "ensembles",
         "blocks",
         "export",

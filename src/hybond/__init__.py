@@ -55,15 +55,15 @@ if TYPE_CHECKING:
     )
     from hybond.files.load import load, loads
     from hybond.files.save import dumps, save
+    from hybond.fitting.fit import fit
+    from hybond.fitting.optimise import Optimum, optimise
+    from hybond.fitting.record import Fit
     from hybond.measures.signal import Signal
     from hybond.model.builder import Model
     from hybond.model.constructors import GY, TF, C, G, I, One, R, Se, Sf, Zero
     from hybond.model.parts import Block, Integral, Sampled, Submodel
     from hybond.model.parts import InputPart as Input
     from hybond.result import Result
-    from hybond.fitting.fit import fit
-    from hybond.fitting.optimise import Optimum, optimise
-    from hybond.fitting.record import Fit
     from hybond.simulation import simulate
     from hybond.sweep.collection import Ensemble
     from hybond.sweep.ensemble import ensemble

@@ -112,7 +112,9 @@ def test_what_is_far_out_counts_less() -> None:
     y = np.exp(-T / 2.0) + NOISE
     y[[3, 12, 25]] += 2.0
     plain = hb.fit(discharge(), {"t": T, "c.e": y}, free=["R"])
-    robust = hb.fit(discharge(), {"t": T, "c.e": y}, free=["R"], loss="soft_l1", sigma={"c.e": 0.02})
+    robust = hb.fit(
+        discharge(), {"t": T, "c.e": y}, free=["R"], loss="soft_l1", sigma={"c.e": 0.02}
+    )
     assert abs(robust["R"] - 2.0) < 0.1 < abs(plain["R"] - 2.0)
 
 

@@ -52,7 +52,9 @@ def plot_sensitivities(
         scale, label = axis_scale(found.of_units[i], float(np.abs(values).max(initial=0.0)))
         t, rows = _broken(found.t, values)
         lines = [
-            ax.plot(t * factor, rows[:, j] * scale, color=COLOURS[j % 7], linewidth=1.4, zorder=3)[0]
+            ax.plot(t * factor, rows[:, j] * scale, color=COLOURS[j % 7], linewidth=1.4, zorder=3)[
+                0
+            ]
             for j in range(len(found.wrt))
         ]
         _label(ax, name, label)

@@ -113,9 +113,7 @@ def fit(
     names = [free] if isinstance(free, str) else list(free)
     logs = [log] if isinstance(log, str) else list(log)
     if loss not in LOSSES:
-        raise UsageError(
-            f"loss = {loss!r}", code="HB-A532", where="loss", hint=", ".join(LOSSES)
-        )
+        raise UsageError(f"loss = {loss!r}", code="HB-A532", where="loss", hint=", ".join(LOSSES))
     cases, first = _cases(model, data, names, parameters or {}, sigma or {})
     scale = scale_of(names, first.values, bounds or {}, logs)
     options = {k: v for k, v in (("solver", solver), ("rtol", rtol)) if v is not None}
@@ -164,9 +162,7 @@ def _cases(
         source, own = one if _is_pair(one) else (one, {})
         read.append((read_data(source, k), own))
     if not read:
-        raise UsageError(
-            "there are no data", code="HB-A530", where="data", hint="name a CSV file"
-        )
+        raise UsageError("there are no data", code="HB-A530", where="data", hint="name a CSV file")
     sizes = _sizes([d for d, _ in read], sigma)
     cases: list[Case] = []
     first: Wanted | None = None
@@ -183,8 +179,11 @@ def _cases(
 
 
 def _is_pair(one: Any) -> bool:
-    return isinstance(one, tuple) and len(one) == 2 and isinstance(one[1], Mapping) and (
-        not isinstance(one[0], Mapping) or not set(one[1]) & {"t", "time"}
+    return (
+        isinstance(one, tuple)
+        and len(one) == 2
+        and isinstance(one[1], Mapping)
+        and (not isinstance(one[0], Mapping) or not set(one[1]) & {"t", "time"})
     )
 
 
@@ -215,7 +214,7 @@ def _record(
     found: Any, scale: Scale, trials: Trials, first: Wanted, known: bool, begin: Vector
 ) -> Fit:
     """Return the record, with intervals from the slopes at the end."""
-    from scipy.stats import t as student
+    from scipy.special import stdtrit
 
     values = scale.values(found.x)
     residuals = trials.residuals(values)
@@ -233,7 +232,7 @@ def _record(
     lost = unseen | (np.abs(vt[open_]) > 1e-6).any(axis=0)
     errors = np.sqrt(np.diag(covariance))
     errors[lost] = np.inf
-    reach = student.ppf(0.5 + CONFIDENCE / 2, left) * errors
+    reach = stdtrit(left, 0.5 + CONFIDENCE / 2) * errors
     with np.errstate(over="ignore", invalid="ignore"):
         ends = np.stack([scale.values(found.x - reach), scale.values(found.x + reach)])
     deviation = np.where(errors > 0.0, errors, 1.0)
@@ -262,9 +261,7 @@ def _record(
         units=first.units,
         start=first.values,
         correlation=correlation,
-        residual={
-            name: _rms(trials, residuals, name) for c in trials.cases for name in c.signals
-        },
+        residual={name: _rms(trials, residuals, name) for c in trials.cases for name in c.signals},
         measurements=len(residuals),
         runs=tuple(trials.last_runs()),
         data=tuple(c.data for c in trials.cases),

@@ -50,7 +50,9 @@ class Scale:
         ([0.002, 0.5], [0.0, 1.0])
         """
         with np.errstate(over="ignore"):
-            return np.where(self.logs, self.size * np.exp(np.where(self.logs, z, 0.0)), self.size * z)
+            return np.where(
+                self.logs, self.size * np.exp(np.where(self.logs, z, 0.0)), self.size * z
+            )
 
     def slopes(self, z: Vector) -> Vector:
         """Return the derivatives of values by variables."""
@@ -60,7 +62,9 @@ class Scale:
         """Return the variables of values; of a logarithm's 0 minus infinity."""
         with np.errstate(divide="ignore", invalid="ignore"):
             part = values / self.size
-            return np.where(self.logs, np.log(np.where(self.logs, np.maximum(part, 0.0), 1.0)), part)
+            return np.where(
+                self.logs, np.log(np.where(self.logs, np.maximum(part, 0.0), 1.0)), part
+            )
 
     @property
     def bounds(self) -> tuple[Vector, Vector]:
@@ -102,7 +106,9 @@ def scale_of(
         if name in logs:
             low[k] = max(low[k], 0.0)
         if not low[k] < high[k] or not low[k] <= start[k] <= high[k]:
-            raise _wrong(name, f"from {low[k]:g} to {high[k]:g} does not hold its start {start[k]:g}")
+            raise _wrong(
+                name, f"from {low[k]:g} to {high[k]:g} does not hold its start {start[k]:g}"
+            )
     # a start of zero says nothing of sizes: its bounds may
     size = start.copy()
     for k in np.flatnonzero(size == 0.0):

@@ -72,7 +72,10 @@ def opened_model(
     asked = [asked] if isinstance(asked, str) else list(asked)
     if not asked:
         raise UsageError(
-            "nothing is varied", code="HB-A520", where=where, hint=f"{where}=['m', 'pad.C', 'ball.p']"
+            "nothing is varied",
+            code="HB-A520",
+            where=where,
+            hint=f"{where}=['m', 'pad.C', 'ball.p']",
         )
     known = list(settable(model))
     model, left = with_parts(model, parameters)
