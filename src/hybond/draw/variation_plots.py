@@ -131,13 +131,15 @@ def _values(found: Any) -> list[str]:
 
 def _curve(run: Any, name: str) -> tuple[Vector, Vector]:
     """Return a signal of a run, broken at its events."""
-    parts_t, parts_y = [], []
+    parts_t: list[Vector] = []
+    parts_y: list[Vector] = []
+    gap = np.array([np.nan])
     for segment in run.segments:
         t = np.linspace(segment.t[0], segment.t[-1], 60)
         inside = run.sample(t[:-1], [name])[name]
         last = run.sample(t[-1:], [name], side="left")[name]
-        parts_t += [t, [np.nan]]
-        parts_y += [inside, last, [np.nan]]
+        parts_t += [t, gap]
+        parts_y += [inside, last, gap]
     return np.concatenate(parts_t), np.concatenate(parts_y)
 
 
@@ -202,8 +204,8 @@ def _finish(ax: Axes, end: float) -> None:
 def _say(figure: Figure, text: str) -> None:
     height = figure.get_size_inches()[1]
     figure.text(
-        _LEFT / _WIDE, 1.0 - 0.45 / height, shorten(text, 8.0, 470.0), fontsize=8.0, color="#555555",
-        parse_math=False,
+        _LEFT / _WIDE, 1.0 - 0.45 / height, shorten(text, 8.0, 470.0), fontsize=8.0,
+        color="#555555", parse_math=False,
     )  # fmt: skip
 
 

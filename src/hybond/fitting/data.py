@@ -50,8 +50,8 @@ class Data:
 def read_data(source: Any, number: int = 1) -> Data:
     """Return data from a file, or from a mapping of names to sequences.
 
-    A file has a line of names, comma-separated: ``time`` (or ``t``) and signals, each with a unit in
-    brackets if it is not the SI unit (``height [mm]``). Cells may be empty.
+    A file has a line of names, comma-separated: ``time`` (or ``t``) and signals, each with a unit
+    in brackets if it is not the SI unit (``height [mm]``). Cells may be empty.
 
     Raises
     ------

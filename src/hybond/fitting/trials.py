@@ -48,7 +48,7 @@ class Case:
 
     def residuals(self, run: Result) -> Vector:
         """Return what a run leaves of the data, in order of signals, divided by sizes."""
-        read = run.sample(self.data.t, self.signals)
+        read = run.sample(self.data.t.tolist(), self.signals)
         parts = [
             (read[name] - column)[~np.isnan(column)] / self.sizes[name]
             for name, column in self.data.columns.items()
@@ -83,7 +83,8 @@ class Trials:
         key = values.tobytes()
         if self._last is not None and self._last[0] == key:
             return self._last[2]
-        runs, parts = [], []
+        runs: list[tuple[Result, Mapping[str, float]]] = []
+        parts = []
         for case in self.cases:
             given = dict(zip(case.opened.paths, values.tolist(), strict=True))
             try:

@@ -111,9 +111,8 @@ def scale_of(
             )
     # a start of zero says nothing of sizes: its bounds may
     size = start.copy()
-    for k in np.flatnonzero(size == 0.0):
-        span = high[k] - low[k]
-        size[k] = span if np.isfinite(span) else 1.0
+    span = high - low
+    size = np.where(size == 0.0, np.where(np.isfinite(span), span, 1.0), size)
     own = np.array([n in logs for n in names])
     return Scale(tuple(names), size, own, low, high, np.where(own, 0.0, start / size))
 

@@ -64,7 +64,7 @@ class Step:
         _, a, _ = radau()
         h, n = self.t1 - self.t0, self.A.shape[1]
         left = -h * np.einsum("ij,ikl->ikjl", a, self.A)
-        return left.reshape(STAGES * n, STAGES * n) + np.eye(STAGES * n)
+        return np.asarray(left.reshape(STAGES * n, STAGES * n) + np.eye(STAGES * n))
 
     def forward(self, d: Vector) -> Vector:
         """Return the variations at the end, shape (n, parameters)."""
