@@ -143,6 +143,7 @@ class _Along:
         self.events: dict[float, list[int]] = {}
         for k, t in enumerate(run.trace.events.times):
             self.events.setdefault(float(t), []).append(k)
+        self._now = 0.0
         self.largest = np.zeros((fields.size, len(fields.columns.parameters)))
         p = np.abs(fields.values.found.values)
         self.per_parameter = np.where(p > 0.0, 1.0 / np.where(p > 0.0, p, 1.0), 0.0)
@@ -327,7 +328,7 @@ class _Along:
         self._put(np.array([t]))
 
     def _outputs(self, field: Field) -> tuple[Vector, Vector]:
-        made = [field.tangent.rows.made(e) for e in self.outputs]
+        made = [field.tangent.rows.moving(e) for e in self.outputs]
         values = Compiled(made).at(field.at.values, field.at.points)
         return values, Read(field.tangent, made).at(field.at, field.bonds)
 

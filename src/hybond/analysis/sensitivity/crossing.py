@@ -25,6 +25,8 @@ Vector = NDArray[np.float64]
 
 CLOSE = 1e-6
 """Part of a segment within which a function that crosses at its speed would be zero."""
+LOCATED = 1e-11
+"""Part of a time within which the run has located a crossing."""
 GRAZES = 1e-6
 """A speed of crossing below this part of the largest one of the segment is none."""
 SAME = 1e-6
@@ -125,7 +127,8 @@ def crossed(
 ) -> Crossing | str | None:
     """Return how a function crosses zero, its text if it only touches, None if it is not zero."""
     rows = end.tangent.rows
-    made = rows.made(h)
+    # until it fires, what a guard reads a priori is what there is
+    made = rows.moving(h)
     value = float(Compiled([made]).at(end.at.values, 1)[0, 0])
     if not names(made) or not np.isfinite(value):
         return None
@@ -137,7 +140,7 @@ def crossed(
     if abs(speed) <= GRAZES * max(largest, abs(speed)) or speed == 0.0:
         still = abs(value) <= 1e-7 * size and size > 0.0
         return text if still and largest > 0.0 else None
-    if abs(value) > CLOSE * length * abs(speed):
+    if abs(value) > max(CLOSE * length, LOCATED * float(segment.t[-1])) * abs(speed):
         return None
     by = np.zeros(fields.size + len(fields.columns.parameters))
     by[:n] = -slope[:n] / speed

@@ -25,12 +25,11 @@ from numpy.typing import NDArray
 from hybond.analysis.sensitivity.fields import Field
 from hybond.analysis.sensitivity.gradients import AREA, Gradients
 from hybond.analysis.sensitivity.tangent import (
-    OPEN,
     At,
     Direct,
     Tangent,
     Undetermined,
-    null_space,
+    opens,
     smallest,
 )
 
@@ -126,9 +125,7 @@ def entered(tangent: Tangent, at: At, areas: Mapping[str, float], before: Before
     left[: len(by_w), :w], left[: len(by_w), w:] = by_w, by_x @ rates
     left[len(by_w) :, w:] = by_area
     right = np.vstack([held, area_held])
-    _, loose = null_space(left)
-    moved = rates @ loose[w:]
-    if np.abs(moved).max(initial=0.0) > OPEN:
+    if opens(left, np.hstack([np.zeros_like(rates), rates])):
         raise Undetermined("the mode that is entered leaves open how its state is shared")
     found = smallest(left[None], -right[None])[0]
     off = left @ found + right

@@ -112,7 +112,11 @@ class Fields:
         assert isinstance(made, Combination) and made.modes is not None
         if made.product and len(made.surfaces) > 1:
             raise Undetermined("products of weights are combined on several surfaces")
-        return [self.entered(t, state, tuple(m)) for m in made.modes.tolist()]
+        parts = [self.entered(t, state, tuple(m)) for m in made.modes.tolist()]
+        if len({p.tangent.rank(p.at) for p in parts}) > 1:
+            # the limit of jumps back and forth, and no mean of two fields
+            raise Undetermined("modes that hold storage together differently are combined")
+        return parts
 
     def surfaces(self, segment: Segment) -> list[Expr]:
         """Return the switching functions that are slid on, of states, time and parameters only."""
@@ -180,7 +184,7 @@ class _Mode:
     def __init__(self, fields: Fields, mode: Mode, truths: dict[str, float]) -> None:
         self.rows = ModeRows(fields.graph, mode, truths)
         self.tangent = Tangent(self.rows, fields.columns)
-        self._extra = [self.rows.made(e) for e in fields.integrands]
+        self._extra = [self.rows.moving(e) for e in fields.integrands]
         self._rates = Compiled([*self.rows.rates, *self._extra])
         self._read = Read(self.tangent, self._extra)
         self._readers: dict[Expr, Read] = {}

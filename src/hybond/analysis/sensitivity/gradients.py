@@ -63,7 +63,11 @@ class Compiled:
 
     def at(self, values: Values, points: int) -> Vector:
         """Return all values, shape (points, expressions)."""
-        row = [np.asarray(values[name], dtype=float) for name in self.names]
+        # a law that reads a priori values says nothing within a motion: its junction is OFF
+        row = [
+            np.asarray(values.get(name, 0.0) if name.startswith(PRIOR) else values[name], float)
+            for name in self.names
+        ]
         found = np.empty((points, len(self._made)))
         with np.errstate(all="ignore"):
             for k, f in enumerate(self._made):

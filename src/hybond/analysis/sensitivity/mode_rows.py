@@ -18,19 +18,20 @@ from hybond.equations.calculus import partial_time, rate_name
 from hybond.equations.element_parts import Part, Parts, configure, settings
 from hybond.equations.peeling import Peeling
 from hybond.equations.ring import Numbers, Row
-from hybond.errors import EquationError
 from hybond.model.expressions import (
     Binary,
     Expr,
     Name,
     Neg,
     Number,
+    Pre,
     differentiate,
     names,
     simplify,
     substitute,
 )
 from hybond.model.expressions.slots import is_slotted, tree_of
+from hybond.model.expressions.tree import transform
 from hybond.model.graph import FlatGraph, Mode, Node
 from hybond.model.junction_structure import junction_rows
 from hybond.model.kinds import STORAGES
@@ -84,11 +85,15 @@ class ModeRows:
         self.spread = self._peeled()
         rates: list[Expr] = [rate_name(s) for s in graph.storages]
         rates += [i.rate for i in graph.integrals]
-        self.rates = [self.made(e) for e in rates]
+        self.rates = [self.moving(e) for e in rates]
 
     def made(self, e: Expr) -> Expr:
         """Return an expression as it is in this mode, in names of parameters."""
         return without_pre(simplify(followed(configure(e, self.discrete))))
+
+    def moving(self, e: Expr) -> Expr:
+        """Return the same for a motion, in which what is read a priori is what there is."""
+        return self.made(transform(e, lambda n: n.arg if isinstance(n, Pre) else n))
 
     def along(self, rows: Sequence[Expr]) -> list[Expr]:
         """Return the time derivatives of rows along the motion, with rates in names ``dw|e:3``."""
@@ -161,13 +166,6 @@ class ModeRows:
                     self.areas.append(Name(AREA + name))
             elif free:
                 area = Name(AREA + free[0])
-            elif node.impulsive:
-                raise EquationError(
-                    f"{node.path} gives what depends on an impulse (friction while it strikes)",
-                    code="HB-A522",
-                    where=node.path,
-                    hint="compare two runs",
-                )
             else:
                 area = None
             if area is None and dynamic.kind == "structure":

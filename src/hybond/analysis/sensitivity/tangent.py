@@ -117,11 +117,18 @@ class Tangent:
         """What is read a priori: an impact, which is no motion."""
         self._by_prior = Gradients(rows.rows, [PRIOR + n for n in prior])
         self._full: bool | None = None
+        self._rank: int | None = None
         self._second: _Second | None = None
 
     def slopes(self, at: At) -> tuple[Vector, Vector]:
         """Return the slopes of the rows by open bond variables, and by all columns."""
         return self._by_w.at(at.values, at.points) @ self.rows.spread, self._direct.at(at)
+
+    def rank(self, at: At) -> int:
+        """Return how many open bond variables the rows determine, at the first point."""
+        if self._rank is None:
+            self._rank = rank_of(self._by_w.at(at.values, at.points)[0] @ self.rows.spread)
+        return self._rank - self.rows.spread.shape[1]
 
     def by_prior(self, at: At) -> Vector:
         """Return the slopes of the rows by what they read a priori."""
@@ -137,7 +144,7 @@ class Tangent:
         """
         by_w, direct = self.slopes(at)
         if self._full is None:
-            self._full = by_w.shape[1] == by_w.shape[2] and not null_space(by_w[0])[1].size
+            self._full = by_w.shape[1] == by_w.shape[2] == rank_of(by_w[0])
         if self._full:
             return self.rows.spread @ solved(by_w, -direct)
         if self._second is None:
@@ -192,9 +199,9 @@ class _Second:
         left[:, rows:, n:] = by_w
         right = np.zeros((points, 2 * rows, direct.shape[2]))
         right[:, :rows], right[:, rows:] = direct, own
-        loose = self._spread @ null_space(left[0])[1][:n]
-        moved = self._moves.at(at.values, at.points)[0] @ loose
-        if np.abs(moved).max(initial=0.0) > OPEN:
+        moves = np.zeros((self._moves.shape[0], 2 * n))
+        moves[:, :n] = self._moves.at(at.values, at.points)[0] @ self._spread
+        if opens(left[0], moves):
             raise Undetermined("the mode leaves open how its states move")
         return smallest(left, -right)[:, :n]
 
@@ -217,16 +224,23 @@ def scaled(matrix: Vector) -> tuple[Vector, Vector, Vector]:
     return found, rows, columns
 
 
-def null_space(matrix: Vector) -> tuple[int, Vector]:
-    """Return the rank of a matrix, and what it makes zero, each column scaled to one."""
+def rank_of(matrix: Vector) -> int:
+    """Return the rank of a matrix, its rows and columns scaled."""
     if not matrix.size:
-        return 0, np.eye(matrix.shape[1])
+        return 0
+    sizes = np.linalg.svd(scaled(matrix)[0], compute_uv=False)
+    return int((sizes > RANK * sizes.max(initial=0.0)).sum())
+
+
+def opens(matrix: Vector, rows: Vector) -> bool:
+    """Whether what a matrix makes zero moves a combination of variables, a row each."""
     unit, _, columns = scaled(matrix)
     _, sizes, vt = np.linalg.svd(unit)
     rank = int((sizes > RANK * sizes.max(initial=0.0)).sum())
-    loose = vt[rank:].T / columns[:, None]
-    size = np.abs(loose).max(axis=0, initial=0.0)
-    return rank, loose / np.where(size > 0.0, size, 1.0)
+    own = rows / columns
+    size = np.abs(own).max(axis=1, initial=0.0)
+    own = own[size > 0.0] / size[size > 0.0, None]
+    return bool((np.abs(own @ vt[rank:].T) > OPEN).any())
 
 
 def solved(left: Vector, right: Vector) -> Vector:

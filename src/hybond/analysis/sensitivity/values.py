@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from hybond.analysis.sensitivity.gradients import PRIOR
 from hybond.analysis.sensitivity.tangent import At
-from hybond.analysis.sensitivity.wanted import Wanted
+from hybond.analysis.sensitivity.wanted import Wanted, followed
 from hybond.equations.slots import slots_of
 from hybond.model.expressions import Expr, Name, compile_expression, differentiate, names
 from hybond.model.expressions.slots import slot_of
@@ -20,13 +20,17 @@ from hybond.trace import Segment
 
 Vector = NDArray[np.float64]
 
+BESIDE = 1e-12
+"""Part of a time by which its right limit is read."""
+
 
 class Values:
     """The values of a run, by canonical name, with those of what is varied."""
 
     def __init__(self, run: Result, found: Wanted) -> None:
         self.run, self.found = run, found
-        self.names = list(slots_of(run.graph).index)
+        # comparisons of time are those of the graph with slots, which merges none
+        self.names = [n for n in slots_of(run.graph).index if not n.startswith("at:")]
         self._asked: list[Expr] = [Name(n) for n in self.names]
         self.own = dict(zip(found.columns, found.values.tolist(), strict=True))
         self._index = {name: k for k, name in enumerate(found.columns)}
@@ -34,30 +38,44 @@ class Values:
     def within(self, segment: Segment, t: Vector) -> At:
         """Return values at times of a segment."""
         read = self.run.signals.of(segment, self._asked, t)
-        return self._at(read, t, float(segment.t[0]))
+        return self._at(read, t, segment)
 
     def before(self, segment: Segment, t: float, state: Vector) -> At:
         """Return values at the end of a segment, in a state that is given."""
         at = np.array([t])
         read = self.run.signals.at(segment, self._asked, at, state[None])
-        return self._at(read, at, float(segment.t[0]))
+        return self._at(read, at, segment)
 
     def after(self, t: float, state: Vector, mode: Mode) -> At:
         """Return values at an instant, right limits of inputs, in a mode that is entered."""
         read = self.run.signals.after(t, state, mode, self._asked)
-        return self._at([np.array([v]) for v in read], np.array([t]), t)
+        return self._at([np.array([v]) for v in read], np.array([t]), None)
 
     def with_prior(self, at: At, prior: Mapping[str, float]) -> At:
         """Return values together with a priori ones."""
         values = {**at.values, **{PRIOR + n: v for n, v in prior.items()}}
         return At(values, at.inputs, at.points)
 
-    def _at(self, read: Sequence[Vector], t: Vector, begin: float) -> At:
+    def _at(self, read: Sequence[Vector], t: Vector, segment: Segment | None) -> At:
+        begin = float(t[0]) if segment is None else float(segment.t[0])
+        end = begin if segment is None else float(segment.t[-1])
         values: Mapping[str, Vector | float] = {
             **dict(zip(self.names, read, strict=True)),
             **self.own,
+            **self._truths(0.5 * (begin + end) if end > begin else begin + BESIDE * abs(begin)),
         }
         return At(values, self._inputs(t, begin), len(t))
+
+    def _truths(self, t: float) -> dict[str, float]:
+        """Return which comparisons of time hold at a time between two timed events."""
+        index = {"time": 0, **{name: k + 1 for name, k in self._index.items()}}
+        row = [t, *self.own.values()]
+        return {
+            f"at:{w.index}": float(
+                compile_expression(followed(w.compare), index, pre_offset=0)(row)
+            )
+            for w in self.found.graph.watches
+        }
 
     def _inputs(self, t: Vector, begin: float) -> Vector:
         """Return how inputs follow parameters in the piece that begins or lies at a time."""
