@@ -128,7 +128,7 @@ class Tangent:
         """Return how many open bond variables the rows determine, at the first point."""
         if self._rank is None:
             self._rank = rank_of(self._by_w.at(at.values, at.points)[0] @ self.rows.spread)
-        return self._rank - self.rows.spread.shape[1]
+        return int(self._rank - self.rows.spread.shape[1])
 
     def by_prior(self, at: At) -> Vector:
         """Return the slopes of the rows by what they read a priori."""
