@@ -22,11 +22,10 @@ LAYERS = [
     ["library"],
     ["causality", "hints"],
     ["equations", "switching"],
-    ["progress", "run_options", "trace", "translate"],
+    ["progress", "run_ends", "run_options", "states", "trace", "translate"],
     ["engine"],
     ["report"],
-    ["simulation", "measures", "result"],
-    ["analysis", "circuits", "sweep", "export", "draw", "fitting", "testing"],
+    ["script", "script_result", "script_steps", "simulation", "measures", "result", "analysis", "circuits", "sweep", "export", "draw", "fitting", "testing"],
     ["studio", "cli"],
 ]
 LAYER = {room: index for index, rooms in enumerate(LAYERS) for room in rooms}

@@ -18,6 +18,7 @@ GROUPS: dict[str, tuple[str, ...]] = {
         "systems",
         "circuits",
         "drawing",
+        "runs",
         "results",
         "measurements",
         "linear",

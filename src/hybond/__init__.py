@@ -64,7 +64,10 @@ if TYPE_CHECKING:
     from hybond.model.parts import Block, Integral, Sampled, Submodel
     from hybond.model.parts import InputPart as Input
     from hybond.result import Result
+    from hybond.script import run_script
+    from hybond.script_steps import Step
     from hybond.simulation import simulate
+    from hybond.states import State, load_state
     from hybond.sweep.collection import Ensemble
     from hybond.sweep.ensemble import ensemble
 
@@ -121,6 +124,9 @@ _HOME = {
     "restitution": "hybond.analysis.restitution.restitution",
     "structure": "hybond.analysis.structure.structure",
     "simulate": "hybond.simulation",
+    "run_script": "hybond.script",
+    "Step": "hybond.script_steps",
+    **dict.fromkeys(("State", "load_state"), "hybond.states"),
     "state_equations": "hybond.equations.derive",
     **dict.fromkeys(("StateSpace", "state_space"), "hybond.export.linear.state_space"),
 }
@@ -172,7 +178,9 @@ __all__ = [
     "Sensitivities",
     "Sf",
     "Signal",
+    "State",
     "StateSpace",
+    "Step",
     "Submodel",
     "TF",
     "Total",
@@ -198,6 +206,7 @@ __all__ = [
     "library",
     "linearise",
     "load",
+    "load_state",
     "loads",
     "newton_law_model",
     "optimise",
@@ -205,6 +214,7 @@ __all__ = [
     "read_circuit",
     "residuals",
     "restitution",
+    "run_script",
     "save",
     "sensitivities",
     "simulate",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import re
 from collections.abc import Callable, Iterable, Sequence
 
 
@@ -52,6 +53,17 @@ def port_number(text: str) -> int:
     (2, 0, 0)
     """
     return int(text) if len(text) < 10 and text.isascii() and text.isdigit() else 0
+
+
+def steps(path: str) -> list[str]:
+    """Return the parts of a dotted path; dots in brackets are part of a name.
+
+    Examples
+    --------
+    >>> steps("left.cell[1..n].q"), steps("v")
+    (['left', 'cell[1..n]', 'q'], ['v'])
+    """
+    return re.split(r"\.(?![^\[\]]*\])", path)
 
 
 def join(*parts: str) -> str:

@@ -69,7 +69,7 @@ class EventTable(Sequence[Event]):
         for event in self.events:
             since = "" if event.t0 is None else f"{event.t0:.9g} .. "
             time = f"t = {since}{event.t:.9g} s"
-            cause: str = event.cause
+            cause: str = f"{event.cause}: {event.label}" if event.label else event.cause
             focus = {f.machine for step in event.steps for f in step.fired}
             for k, step in enumerate(event.steps):
                 for fired in step.fired:

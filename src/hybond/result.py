@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from hybond.engine.outcome.audit import Audit, audit
 from hybond.engine.outcome.signals import Signals
+from hybond.engine.outcome.states_at import state_at
 from hybond.errors import HybondError, UsageError
 from hybond.files.whole import whole, write_arrays
 from hybond.measures.measuring import Measuring
@@ -22,6 +23,8 @@ from hybond.model.expressions import Expr
 from hybond.model.graph import FlatGraph
 from hybond.model.unit_words import unit_of
 from hybond.report import EventTable
+from hybond.run_options import seconds
+from hybond.states import State
 from hybond.trace import Accumulation, Segment, Sliding, Trace, Turn
 from hybond.units import format_quantity
 
@@ -72,6 +75,9 @@ class Result(Measuring):
     ['c.e', 'c.q']
     """
 
+    marks: tuple[tuple[float, str], ...] = ()
+    """When steps of a script begin, s, and their labels."""
+
     def __init__(
         self,
         graph: FlatGraph,
@@ -104,13 +110,40 @@ class Result(Measuring):
 
     @property
     def t_begin(self) -> float:
-        """The time from which on the run was kept, s: 0 unless it was told to keep less."""
-        return self.trace.segments.times[0] if self.segments else 0.0
+        """From when on the run was kept, s: its start unless it was told to keep less."""
+        return self.trace.segments.times[0] if self.segments else self.trace.begin
 
     @property
     def t_end(self) -> float:
         """The time reached, s."""
-        return float(self.segments[-1].t[-1]) if self.segments else 0.0
+        return float(self.segments[-1].t[-1]) if self.segments else self.trace.begin
+
+    @property
+    def ended_by(self) -> str:
+        """What ended the run: a condition as written, ``"time"``, or its status if it stopped."""
+        return self.trace.ended_by or ("time" if self.status == "ok" else self.status)
+
+    def state(self, t: float | str | None = None) -> State:
+        """Return the state at a time, s or a quantity, or at the end: a run can start from it.
+
+        Raises
+        ------
+        UsageError
+            HB-S110 for a time outside the run.
+
+        Examples
+        --------
+        >>> import hybond as hb
+        >>> run = hb.simulate(hb.load("examples/bouncing_ball.toml"))
+        >>> print(run.state("0.5 s"))
+        bouncing_ball at t = 0.5 s
+          ball.p  -4.90333 kg*m/s
+          pad.q   0 m
+          height  1.77417 m
+          floor   flying
+        """
+        asked = None if t is None else seconds(t, "t")
+        return state_at(self.graph, self.trace, self.signals, asked)
 
     @property
     def accumulations(self) -> tuple[Accumulation, ...]:
@@ -184,6 +217,9 @@ class Result(Measuring):
             count = points_per_segment
             if count is None:
                 count = int(POINTS * (segment.t[-1] - segment.t[0]) / span)
+            if count == 0 and len(segment.t) == 2 and segment.t[1] > segment.t[0]:
+                asked.append(segment.t)  # the common case of fast switching
+                continue
             even = np.linspace(segment.t[0], segment.t[-1], count + 2)
             t = np.sort(np.concatenate([segment.t, even]))
             t = t[np.append(True, t[1:] > t[:-1])]
@@ -270,7 +306,7 @@ class Result(Measuring):
     def _settled_at_end(self) -> bool:
         events = self.trace.events
         # the time first: the record of the event may have to be made
-        if not events or events.times[-1] != self.t_end or not self.t_end > 0.0:
+        if not events or events.times[-1] != self.t_end or not self.t_end > self.trace.begin:
             return False
         return events[-1].cause != "step"
 
@@ -291,7 +327,7 @@ class Result(Measuring):
     def final(self) -> dict[str, float]:
         """Stored quantities, co-energy variables, signals and listed outputs at the end."""
         if not self.segments:
-            return {}
+            return self._after_last_event(self.names) if self.trace.events else {}
         values = self.sample([self.t_end], self.names)
         return {name: float(v[0]) for name, v in values.items()}
 

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal
 
 from hybond.blocks.runners import runners_of
 from hybond.calls import called
+from hybond.engine.outcome.beginnings import Beginning, beginning_by_name, beginning_of
 from hybond.engine.outcome.engine_run import EngineRun
-from hybond.engine.outcome.engines import choose_engine, prepared
+from hybond.engine.outcome.engines import EngineChoice, choose_engine, prepared
 from hybond.engine.outcome.journal import Journal
 from hybond.engine.outcome.steps_run import StepsRun
 from hybond.engine.outcome.unsound import unsound_refusal
@@ -23,8 +25,19 @@ from hybond.model.kept import kept_graph
 from hybond.model.parts import Value
 from hybond.progress import Asked, shown
 from hybond.result import Result, Status
-from hybond.run_options import STEPPING, STEPPING_IMPACT, Choice, ignored_impact, solver_of
+from hybond.run_ends import Until, ended, ends_of
+from hybond.run_options import (
+    STEPPING,
+    STEPPING_IMPACT,
+    Choice,
+    ignored_impact,
+    solver_of,
+    time_in,
+)
+from hybond.states import State, load_state
 
+Start = Result | State | Mapping[str, Any] | str | Path | None
+"""Where a run may begin."""
 ENGINE: Literal["library", "python"] | None = None
 """What makes runs that do not say what should."""
 
@@ -32,8 +45,9 @@ ENGINE: Literal["library", "python"] | None = None
 @called('hb.simulate(model, until="1 s", solver="auto")')
 def simulate(
     model: Model | FlatGraph,
-    until: float | str | None = None,
+    until: Until = None,
     *,
+    start: Start = None,
     parameters: Mapping[str, Value] | None = None,
     solver: str | None = None,
     rtol: float | None = None,
@@ -54,14 +68,22 @@ def simulate(
     journal: str | Path | None = None,
     fmus: bool = False,
 ) -> Result:
-    """Simulate a model from t = 0.
+    """Simulate a model from t = 0, or from where another run has come.
 
     Parameters
     ----------
     model : Model or FlatGraph
         A model, built or loaded. Options that are not given are taken from its experiment.
-    until : float or str
-        End time, s or a quantity (``"50 ms"``).
+    until : float, str or list
+        End time, s or a quantity (``"50 ms"``); a condition as guards are (``"v.f < 0"``), where it
+        holds first; or conditions and one time, whatever is first. Conditions alone have the time
+        of the experiment beside them. `Result.ended_by` says what it was.
+    start : Result, State, mapping, str or Path
+        Where the run begins. A run, or a state of one (`Result.state`), also in a file: time goes
+        on, so that `until` is later. With the same model and parameters it goes on as if it had not
+        been interrupted; another model has what is stored and the modes that both have, and is
+        settled. A mapping gives values by name in place of those of the model:
+        ``{"ball.p": "1 kg*m/s", "floor": "touching"}``.
     parameters : mapping
         Values by dotted path that replace the model's own.
     solver : str
@@ -179,9 +201,10 @@ def simulate(
                 where="journal",
                 hint="take a solver that locates events",
             )
+        ends = ends_of(until, graph.experiment)
         settings, band = settings_of(
             graph.experiment,
-            until,
+            ends.time,
             solver=solver,
             rtol=rtol,
             atol=atol,
@@ -202,7 +225,11 @@ def simulate(
     if band is not None:
         graph = banded(graph, band)
     maker = choose_engine(engine or ENGINE)
+    given = start if start is not None else graph.experiment.get("start")
+    begin, settings = begun(given, graph, settings, maker)
     runners = runners_of(graph, fmus=fmus)
+    ending = ended(graph, ends.conditions)
+    shown_by = None if ending is graph else prepared(graph, settings, maker)
     run: EngineRun | StepsRun
     try:
         with shown(progress, settings.until) as shows:
@@ -216,12 +243,28 @@ def simulate(
 
             looked = None if shows is None and watch is None else look
             if name in STEPPING:
-                run = StepsRun(graph, settings, maker, progress=looked, runners=runners)
+                run = StepsRun(
+                    ending,
+                    settings,
+                    maker,
+                    progress=looked,
+                    runners=runners,
+                    begin=begin,
+                    shown=shown_by,
+                )
             else:
-                own = prepared(graph, settings, maker)
+                own = prepared(ending, settings, maker)
                 # last of all: it replaces the file that is there
                 opened = None if journal is None else _opened(journal, graph)
-                run = EngineRun(own, progress=looked, keep=keep, journal=opened, runners=runners)
+                run = EngineRun(
+                    own,
+                    progress=looked,
+                    keep=keep,
+                    journal=opened,
+                    runners=runners,
+                    begin=begin,
+                    shown=shown_by,
+                )
             run.trace.engine = maker.said
             for text in notices(graph, settings, impact):
                 run.trace.warn(text)
@@ -229,6 +272,53 @@ def simulate(
     finally:
         for runner in runners.values():
             runner.close()
+
+
+def begun(
+    start: Start, graph: FlatGraph, settings: Settings, maker: EngineChoice
+) -> tuple[Beginning | None, Settings]:
+    """Return where a run begins, None where the model says, and what it is asked for then.
+
+    Raises
+    ------
+    UsageError
+        HB-S133 if it would end before; HB-S134, HB-S135 for a start that is none.
+    """
+    if start is None:
+        return None, settings
+    given = start.state() if isinstance(start, Result) else start
+    if isinstance(given, str | Path):
+        given = load_state(given)
+    if not isinstance(given, State | Mapping):
+        raise UsageError(
+            f"start = {given!r} is no run, no state and no mapping",
+            code="HB-S134",
+            where="start",
+            hint='start=run, start=run.state("1 s"), or start={"ball.p": "1 kg*m/s"}',
+        )
+    if isinstance(given, State) and given.memory and time_in(graph.experiment.get("until")) is None:
+        settings = replace(settings, span=given.memory.span)
+    tables = prepared(graph, settings, maker).tables
+    units = [s.path for s in graph.samples if s.block is not None and s.block.function is None]
+    if isinstance(given, State) and given.t > 0.0 and units:
+        raise UsageError(
+            f"the run cannot go on: the unit of {units[0]} would begin anew",
+            code="HB-S138",
+            where="start",
+            hint="run it in one, or by a script, in which units go on",
+        )
+    if isinstance(given, State):
+        begin = beginning_of(given, graph, tables)
+    else:
+        begin = beginning_by_name(given, graph, tables)
+    if not 0.0 <= begin.t < settings.until:
+        raise UsageError(
+            f"the run begins at t = {begin.t:.9g} s and ends at {settings.until:.9g} s",
+            code="HB-S133",
+            where="until",
+            hint="time goes on where the other run ended: until is later than that",
+        )
+    return begin, settings
 
 
 def _of_experiment(error: UsageError, graph: FlatGraph, asked: Mapping[str, Any]) -> UsageError:
@@ -291,7 +381,7 @@ def _finish(
         failure = error
     if status in ("ok", "accumulation") and trace.unsound:
         status = "unsound"
-        reached = trace.segments[-1].t[-1] if trace.segments else 0.0
+        reached = trace.segments[-1].t[-1] if trace.segments else trace.begin
         failure = unsound_refusal(trace.unsound, float(reached))
     for warning in graph.warnings:
         trace.warn(warning)

@@ -18,7 +18,9 @@ from hybond.model.graph import Mode
 
 Vector = NDArray[np.float64]
 StepKind = Literal["mythical", "pinnacle", "continuous"]
-Cause = Literal["start", "guard", "time", "input", "sample", "law", "accumulation", "step"]
+Cause = Literal[
+    "start", "guard", "time", "input", "sample", "law", "accumulation", "step", "change", "until"
+]
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,6 +82,8 @@ class Event:
     """Machines that stay in their pinnacle state when time goes on: their impacts are over."""
     t0: float | None = None
     """Beginning of the step within which it happened, in a run that does not locate events."""
+    label: str = ""
+    """What a script calls the step that begins there."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -274,6 +278,12 @@ class Trace:
     """What tells signals, powers and energies; the engine sets it."""
     energy: float = 0.0
     """The largest energy seen, J: what rounding of stored quantities is measured by."""
+    begin: float = 0.0
+    """When the run began, s."""
+    ended_by: str = ""
+    """The condition that ended it, as written, if one did."""
+    carried: tuple[Vector, NDArray[np.intc]] | None = None
+    """What a run that goes on from its end is handed; the engine takes it."""
 
     def warn(self, text: str) -> None:
         """Note a warning once."""

@@ -1,7 +1,7 @@
 /** The canvas: everything that the pointer and the keyboard do to a bond graph. */
 import { Component, createRef } from "preact";
 import { BondShapeView, CELL, NodeShape, boxOf, joint, pixels, portSides } from "./shapes";
-import { bondShape, sides, type Point } from "./geometry";
+import { bondShape, nodeOf, sides, type Point } from "./geometry";
 import type { GraphNode, Strokes } from "./messages";
 import { InstantShown, Minimap, nearest, type Sight } from "./overlays";
 import { quantity, type State, type Store } from "./store";
@@ -24,6 +24,9 @@ interface Own {
   gesture: Gesture | null;
   moved: Point;
 }
+
+/** Which ends bonds have in common, ranges of arrays left out: these are drawn side by side. */
+const pairOf = (ends: string[]) => ends.map((e) => e.replace(/\[[^\]]*\]/g, "")).sort().join("|");
 
 export class Canvas extends Component<Props, Own> {
   svg = createRef<SVGSVGElement>();
@@ -165,7 +168,7 @@ export class Canvas extends Component<Props, Own> {
   private under(e: PointerEvent, but = ""): string {
     for (const found of document.elementsFromPoint(e.clientX, e.clientY)) {
       const port = found.closest?.("[data-port]")?.getAttribute("data-port");
-      if (port && port.split(".")[0] !== but) return port;
+      if (port && nodeOf(port) !== but) return port;
       const node = found.closest?.("[data-node]")?.getAttribute("data-node");
       if (node && node !== but) return node;
     }
@@ -275,7 +278,7 @@ export class Canvas extends Component<Props, Own> {
       });
     } else if (gesture.kind === "box") this.setState({ gesture: { ...gesture, now: this.inGraph(at) } });
     else if (gesture.kind === "wire") {
-      const target = this.under(e, gesture.from.split(".")[0]);
+      const target = this.under(e, nodeOf(gesture.from));
       this.setState({ gesture: { ...gesture, now: this.inGraph(at), target } });
     }
   };
@@ -318,7 +321,7 @@ export class Canvas extends Component<Props, Own> {
         .map((n) => n.name);
       if (inside.length) store.set({ nodes: new Set(gesture.add ? [...state.nodes, ...inside] : inside) });
     } else if (gesture.kind === "wire") {
-      const target = this.under(e, gesture.from.split(".")[0]) || gesture.target;
+      const target = this.under(e, nodeOf(gesture.from)) || gesture.target;
       if (target) void store.bond(gesture.from, target);
       else if (Math.hypot(...sub(this.local(e), gesture.start)) < 8)
         store.set({ bondFrom: gesture.from }); // a tap on the handle: the next tap is the other end
@@ -337,7 +340,7 @@ export class Canvas extends Component<Props, Own> {
   }
 
   private centreOf(end: string, by: Map<string, GraphNode>, at: Map<string, Point>, ports: Map<string, string>): Point {
-    const name = end.split(".")[0];
+    const name = nodeOf(end);
     return joint(by.get(name)!, end, false, at.get(name)!, ports.get(name))[0];
   }
 
@@ -389,7 +392,7 @@ export class Canvas extends Component<Props, Own> {
     else if (e.key === "a" && ctrl) store.set({ nodes: new Set(nodes.map((n) => n.name)) });
     else if (e.key === "d" && ctrl) void store.duplicate();
     else if (e.key === "Delete" || e.key === "Backspace") store.remove();
-    else if (e.key === "PageUp" && state.level) store.open(state.level.split(".").slice(0, -1).join("."));
+    else if (e.key === "PageUp" && state.level) store.open(state.level.split(/\.(?![^[]*\])/).slice(0, -1).join("."));
     else return;
     e.preventDefault();
   };
@@ -426,7 +429,7 @@ export class Canvas extends Component<Props, Own> {
       if (!around.has(b.head)) around.set(b.head, []);
       around.get(b.tail)!.push(at.get(b.head)!);
       around.get(b.head)!.push(at.get(b.tail)!);
-      const pair = [...b.ends].sort().join("|");
+      const pair = pairOf(b.ends);
       pairs.set(pair, [...(pairs.get(pair) ?? []), b.key]);
     }
     const toward = new Map<string, Point>();
@@ -444,7 +447,7 @@ export class Canvas extends Component<Props, Own> {
     const most = values
       ? Math.max(1e-300, ...Object.values(values).map((v) => Math.abs((v.e ?? 0) * (v.f ?? 0))))
       : 1;
-    const target = gesture?.kind === "wire" ? gesture.target.split(".")[0] : "";
+    const target = gesture?.kind === "wire" ? nodeOf(gesture.target) : "";
     return (
       <div class="canvas" onDragOver={(e) => e.preventDefault()} onDrop={this.dropped}>
         <svg
@@ -484,7 +487,7 @@ export class Canvas extends Component<Props, Own> {
             <g>{look.view.bonds.map((b) => {
               const [tail, head] = [by.get(b.tail)!, by.get(b.head)!];
               const [t, h] = [at.get(b.tail)!, at.get(b.head)!];
-              const same = pairs.get([...b.ends].sort().join("|"))!;
+              const same = pairs.get(pairOf(b.ends))!;
               const value = values?.[b.key];
               return (
                 <BondShapeView

@@ -17,6 +17,9 @@ export interface BondShape {
   barb: Segment;
 }
 
+/** The node that an end of a bond names, less its port; an array may have dots in its brackets. */
+export const nodeOf = (end: string): string => /^[^.[]*(?:\[[^\]]*\])?/.exec(end)![0];
+
 export const CLEARANCE = 5.5;
 export const BARB_LENGTH = 11;
 export const BARB_ANGLE = (35 * Math.PI) / 180;

@@ -7,6 +7,7 @@ import {
   PARALLEL,
   bondShape,
   letterBox,
+  nodeOf,
   stroke,
   width,
   type BondShape,
@@ -86,7 +87,7 @@ export function boxOf(node: GraphNode, controlled: boolean, at: Point, ports = "
 /** Where a bond meets a node: its centre and letters, or a port of a part. */
 export function joint(node: GraphNode, end: string, controlled: boolean, at: Point, ports = ""): [Point, Box] {
   if (node.kind === "part") {
-    const port = end.slice(node.name.length + 1);
+    const port = end.slice(nodeOf(end).length + 1);
     const off = portPlaces(node, ports).get(port);
     if (off) {
       const p: Point = [at[0] + off[0], at[1] + off[1]];

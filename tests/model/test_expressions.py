@@ -138,7 +138,7 @@ def test_grammar(text, tree):
     [
         ("", "HB-E101", "empty"),
         ("__import__('os')", "HB-E101", "column 12"),
-        ("x[0]", "HB-E101", "'['"),
+        ("x [0]", "HB-E101", "'['"),
         ("lambda x: x", "HB-E101", "':'"),
         ("x = y", "HB-E101", "'='"),
         ("x; y", "HB-E101", "';'"),

@@ -114,3 +114,16 @@ def test_what_cannot_watch_is_refused_and_an_ensemble_has_no_watch() -> None:
         hb.simulate(m, 1.0, watch=5)  # type: ignore[arg-type]
     with pytest.raises(hb.UsageError, match="HB-S115"):
         hb.ensemble(m, 1.0, sets={"r": [1.0, 2.0]}, watch=lambda run: None)
+
+
+def test_a_run_ends_where_the_experiment_has_a_condition() -> None:
+    session = Session(None)
+    asked(session, "open", example="bouncing_ball")
+    edit(session, do="set", path=["experiment", "until"], value=["height < 0.5 m", "3 s"])
+    told = finished(session)
+    # it falls from 3 m, under 9.81 m/s^2
+    assert (told["status"], told["until"]) == ("ok", 3.0)
+    assert told["tEnd"] == pytest.approx((2.0 * 2.5 / 9.81) ** 0.5, rel=1e-9)
+    event = asked(session, "events", run=told["run"])["events"][-1]
+    assert event["cause"] == "until"
+    assert finished(session, until="height < 1 m")["status"] == "ok"

@@ -183,10 +183,21 @@ def parser_of_words() -> Parser:
         help="explain the signs that occur (default: yes)",
     )
     draw.add_argument("--numbers", action="store_true", help="number the bonds")
-    draw.add_argument(
+    detail = draw.add_mutually_exclusive_group()
+    detail.add_argument(
         "--simplify",
         action="store_true",
-        help="leave out junctions between two bonds, grounds, and losses of zero",
+        help="leave out junctions between two bonds, grounds, and losses of zero "
+        "(default if the model is made of parts)",
+    )
+    detail.add_argument("--full", action="store_true", help="draw all there is")
+    draw.add_argument("--closed", action="store_true", help="draw each part as a box")
+    draw.add_argument(
+        "--open",
+        metavar="PART",
+        action="append",
+        default=[],
+        help="draw each part as a box but this one, with a frame around what is in it",
     )
     _settings(draw)
 
@@ -235,6 +246,15 @@ def parser_of_words() -> Parser:
     run.add_argument("file", metavar="FILE", help="a model file, or a netlist")
     _settings(run)
     _solver(run)
+    run.add_argument(
+        "--start", metavar="FILE", help="begin with a state that --save-state has written"
+    )
+    run.add_argument(
+        "--save-state", metavar="FILE", help="write the state at the end, a .json to start from"
+    )
+    run.add_argument(
+        "--no-script", action="store_true", help="one run, though the file has a script"
+    )
     _limits(run)
     run.add_argument("--at", metavar="T,...", action="append", help="sample times, as 0.5,'50 ms'")
     run.add_argument(
@@ -397,7 +417,13 @@ def _settings(parser: ArgumentParser) -> None:
 
 
 def _solver(parser: ArgumentParser) -> None:
-    parser.add_argument("--until", metavar="T", help="end time, as 3 or '50 ms'")
+    parser.add_argument(
+        "--until",
+        metavar="T",
+        action="append",
+        help="end time, as 3 or '50 ms', or a condition, as 'v.f < 0'; "
+        "several times: what is first ends the run",
+    )
     names = "auto, rk45, radau, exact, rk4, euler, qss1-3, liqss1-3, moreau-jean"
     parser.add_argument("--solver", metavar="NAME", help=names)
     parser.add_argument("--rtol", metavar="R", type=float, help="relative tolerance")

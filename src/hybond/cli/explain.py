@@ -6,7 +6,7 @@ import textwrap
 from argparse import Namespace
 from collections.abc import Iterator
 
-from hybond.cli.lists import end_time
+from hybond.cli.lists import run_until
 from hybond.cli.run import ending
 from hybond.cli.running import exit_code, read_graph, simulate_with
 from hybond.cli.streams import complain, say
@@ -22,9 +22,9 @@ from hybond.units import format_quantity, parse_unit
 def explain(given: Namespace) -> int:
     """Simulate and print the event table, then each event in full."""
     graph = read_graph(given.file, given.settings)
-    until = end_time(graph, given.until)
+    until, end = run_until(graph, given.until)
     at = None if given.at is None else seconds(given.at, "--at")
-    run = simulate_with(graph, until, given)
+    run = simulate_with(graph, until, given, end=end)
     say(explanation(run, at))
     if run.error is not None:
         complain(str(run.error))

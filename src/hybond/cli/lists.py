@@ -9,7 +9,9 @@ from hybond.errors import HybondError, ModelError, UsageError
 from hybond.measures.asked import asked_of_experiment
 from hybond.model.graph import FlatGraph, Mode
 from hybond.names import did_you_mean
-from hybond.run_options import seconds
+from hybond.run_ends import Until, ended, ends_of
+from hybond.run_options import is_condition, seconds, time_in
+from hybond.script_steps import conditions_of, steps_of, unrolled
 from hybond.units import try_quantity
 
 
@@ -104,8 +106,32 @@ def sample_times(texts: Sequence[str], until: float) -> list[float]:
     return times
 
 
+def run_until(graph: FlatGraph, until: Sequence[str] | None) -> tuple[Until, float]:
+    """Return what ends the run, and when it ends at the latest, s.
+
+    Raises
+    ------
+    UsageError
+        HB-S106 if neither the options nor the file say so, or they make no sense; HB-S132 for
+        conditions without a time.
+    ModelError
+        HB-S106 if what the file says makes no sense.
+    """
+    given = list(until) if until else None
+    where = "experiment.until" if given is None else "--until"
+    try:
+        ends = ends_of(given, graph.experiment)
+    except UsageError as error:
+        kind = ModelError if given is None else UsageError
+        raise kind(error.why, code=error.code, where=where, hint=error.hint) from None
+    if given is None:
+        return None, end_time(graph, None)
+    time = ends.time
+    return given, end_time(graph, None if time is None else str(time))
+
+
 def end_time(graph: FlatGraph, until: str | None) -> float:
-    """Return when the run is to end, s.
+    """Return when the run is to end at the latest, s.
 
     Raises
     ------
@@ -114,7 +140,7 @@ def end_time(graph: FlatGraph, until: str | None) -> float:
     ModelError
         HB-S106 if what the file says makes no sense.
     """
-    given = graph.experiment.get("until") if until is None else until
+    given = time_in(graph.experiment.get("until")) if until is None else until
     if given is None:
         raise UsageError(
             "the run has no end time",
@@ -163,9 +189,20 @@ def check_signals(graph: FlatGraph, names: Iterable[str], where: str) -> list[st
 
 
 def check_experiment(graph: FlatGraph) -> None:
-    """Refuse an experiment that asks for signals or measurements that there are not."""
+    """Refuse an experiment with names that the model does not have, or steps without sense."""
     for key in ("plot", "outputs"):
         check_signals(graph, map(str, graph.experiment.get(key, ())), f"experiment.{key}")
+    until = graph.experiment.get("until")
+    listed = until if isinstance(until, list | tuple) else [until]
+    conditions = [("experiment.until", u) for u in listed if is_condition(u)]
+    script = graph.experiment.get("script")
+    steps = steps_of(script, "experiment.script") if script is not None else ()
+    conditions += [("experiment.script", c) for s in unrolled(steps) for c in conditions_of(s)]
+    for where, text in dict.fromkeys(conditions):
+        try:
+            ended(graph, [str(text)])
+        except UsageError as error:
+            raise ModelError(error.why, code=error.code, where=where, hint=error.hint) from None
     asked_of_experiment(graph)
 
 

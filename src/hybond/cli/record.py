@@ -10,6 +10,7 @@ from typing import Any
 from hybond.errors import HybondError
 from hybond.model.graph import FlatGraph
 from hybond.result import Result
+from hybond.script_result import ScriptResult
 from hybond.trace import Event, Fired, Step
 
 VERSION = 1
@@ -51,6 +52,8 @@ def run_record(
         "status": run.status,
         "until": run.until,
         "t_end": run.t_end,
+        "ended_by": run.ended_by,
+        **_steps(run),
         "solver": run.solver,
         "mode": run.mode,
         "events": [_event(run.graph, e) for e in run.events] if events else [],
@@ -87,6 +90,17 @@ def run_record(
     if run.error is not None:
         record["error"] = run.error.to_dict()
     return record
+
+
+def _steps(run: Result) -> dict[str, Any]:
+    """Return the steps of a script, if it was one."""
+    if not isinstance(run, ScriptResult):
+        return {}
+    steps = [
+        {"label": s.label, "t0": s.t0, "t1": s.t1, "ended_by": s.ended_by, "set": dict(s.set)}
+        for s in run.steps
+    ]
+    return {"script": steps}
 
 
 def failure_record(file: str, error: HybondError | None) -> dict[str, Any]:
@@ -179,6 +193,8 @@ def _final(run: Result, notes: list[str]) -> dict[str, float]:
 def _event(graph: FlatGraph, event: Event) -> dict[str, Any]:
     steps = [_step(graph, s) for s in event.steps]
     record: dict[str, Any] = {"t": event.t, "cause": event.cause, "steps": steps}
+    if event.label:
+        record["label"] = event.label
     if event.t0 is not None:
         record["since"] = event.t0
     if event.landed:

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from argparse import Namespace
 from collections.abc import Sequence
 
-from hybond.cli.lists import check_experiment, check_signals, end_time, sample_times, split
+from hybond.cli.lists import check_experiment, check_signals, run_until, sample_times, split
 from hybond.cli.measure import measures_record, print_measures
 from hybond.cli.netlists import measurements, notes, print_measurements, read_model
 from hybond.cli.outputs import PICTURES, TABLES, write_all
 from hybond.cli.record import run_record, sampled, to_json, units_of
-from hybond.cli.running import exit_code, simulate_with
+from hybond.cli.running import exit_code, script_with, simulate_with
 from hybond.cli.settings import flatten_with
 from hybond.cli.streams import complain, say
 from hybond.cli.targets import check_target
@@ -32,19 +33,26 @@ def run(given: Namespace) -> int:
     table = check_target(given.out, TABLES, "--out")
     plot = check_target(given.plot, PICTURES, "--plot")
     check_target(given.journal, (".csv",), "--journal")
+    saved = check_target(given.save_state, (".json",), "--save-state")
     model, conversion = read_model(given.file, given.diode_current)
     graph = flatten_with(model, given.settings)
     check_experiment(graph)
-    until = end_time(graph, given.until)
-    times = sample_times(given.at or [], until)
+    scripted = bool(graph.experiment.get("script")) and not given.no_script
+    until, end = (None, math.inf) if scripted else run_until(graph, given.until)
+    times = sample_times(given.at or [], end)
     signals = check_signals(graph, split(given.signals or []), "--signals")
 
-    result = simulate_with(graph, until, given)
+    if scripted:
+        result: Result = script_with(model, given)
+    else:
+        result = simulate_with(graph, until, given, end=end)
     asked = asked_of_experiment(graph)
     measured = measurements(result, conversion)
     suggested = notes(result, conversion)
 
     problems = write_all(result, table, plot, given.file, signals)
+    if saved is not None and result.error is None:
+        result.state().save(saved)
     names = signals or (default_names(result) if times else [])
     if given.json:
         said = [f"{p.code} at {p.where}: {p.why}" for p in problems]
@@ -84,6 +92,8 @@ def _print(run: Result, times: Sequence[float], names: Sequence[str]) -> None:
         say()
         say(_table(run, times, names))
     say()
+    for step in getattr(run, "steps", ()):
+        say(f"  {step.t0:.9g} .. {step.t1:.9g} s  {step.label or 'step'}: {step.ended_by}")
     say(ending(run))
     final, units = record["final"], record["units"]
     width = max(map(len, final), default=0)
@@ -121,6 +131,8 @@ def ending(run: Result) -> str:
         "accumulation": f"stopped where events accumulate, of {end}",
         "error": f"stopped by an error, of {end}",
     }[run.status]
+    if run.trace.ended_by:
+        how = f"{run.trace.ended_by} holds"
     mode = ", ".join(run.mode.values()) or "the only mode"
     return f"t = {run.t_end:.9g} s  {how}  ({mode})"
 

@@ -8,12 +8,23 @@ from collections.abc import Sequence
 from hybond.cli.interrupt import Interruptible
 from hybond.cli.lists import check_experiment
 from hybond.cli.netlists import read_model
-from hybond.cli.settings import flatten_with
-from hybond.errors import NumericsError
+from hybond.cli.settings import changed_with, flatten_with
+from hybond.errors import NumericsError, UsageError
+from hybond.model.builder import Model
 from hybond.model.graph import FlatGraph
 from hybond.progress import Progress
 from hybond.result import Result
+from hybond.run_ends import Until
+from hybond.run_options import end_of, is_condition, seconds_of, time_in
+from hybond.script import run_script
+from hybond.script_result import ScriptResult
 from hybond.simulation import simulate
+
+OPTIONS = (
+    *("solver", "rtol", "atol", "step", "max_step", "theta", "impact", "sliding", "hysteresis"),
+    *("max_events", "max_steps"),
+)
+"""What the run of a script is asked for beside its steps."""
 
 
 def read_graph(file: str, settings: Sequence[str] = ()) -> FlatGraph:
@@ -28,17 +39,22 @@ def read_graph(file: str, settings: Sequence[str] = ()) -> FlatGraph:
     return graph
 
 
-def simulate_with(graph: FlatGraph, until: float, given: Namespace | None = None) -> Result:
+def simulate_with(
+    graph: FlatGraph, until: Until, given: Namespace | None = None, *, end: float | None = None
+) -> Result:
     """Simulate with progress and Ctrl-C; errors of the run are in the result.
 
     Parameters
     ----------
-    until : float
-        s.
+    until : float, str or list
+        When it ends, as for `simulate`.
     given : Namespace
         The options of the solver; without it the model's own.
+    end : float
+        When it ends at the latest, s; by default `until`.
     """
-    with Interruptible() as interruptible, Progress(until) as bar:
+    latest = end_of(until, graph.experiment) if end is None else end
+    with Interruptible() as interruptible, Progress(latest) as bar:
 
         def progress(t: float, events: int) -> None:
             bar(t, events)
@@ -47,6 +63,7 @@ def simulate_with(graph: FlatGraph, until: float, given: Namespace | None = None
         return simulate(
             graph,
             until,
+            start=getattr(given, "start", None),
             solver=getattr(given, "solver", None),
             rtol=getattr(given, "rtol", None),
             atol=getattr(given, "atol", None),
@@ -63,6 +80,46 @@ def simulate_with(graph: FlatGraph, until: float, given: Namespace | None = None
             fmus=getattr(given, "fmus", False),
             progress=progress,
             on_error="return",
+        )
+
+
+def script_with(model: Model, given: Namespace) -> ScriptResult:
+    """Run the script of a model with progress and Ctrl-C; errors of the run are in the result."""
+    changed, parameters = changed_with(model, given.settings)
+    limits = given.until or [None]
+    if len(limits) > 1 or (limits[0] is not None and is_condition(limits[0])):
+        raise UsageError(
+            "a script has its own ends; --until is a time, the latest for all of it",
+            code="HB-S106",
+            where="--until",
+            hint="--until 10s, or --no-script",
+        )
+    for name in ("keep", "journal"):
+        if getattr(given, name) is not None:
+            raise UsageError(
+                f"the run of a script has no {name}",
+                code="HB-S113",
+                where=f"--{name}",
+                hint="leave it out, or give --no-script",
+            )
+    bound = limits[0] if limits[0] is not None else time_in(changed.experiment.get("until"))
+    end = seconds_of(bound, "--until")
+    options = {name: getattr(given, name) for name in OPTIONS}
+    with Interruptible() as interruptible, Progress(end or 1.0) as bar:
+
+        def progress(t: float, events: int) -> None:
+            bar(t, events)
+            interruptible.check()
+
+        return run_script(
+            changed,
+            limit=end,
+            start=given.start,
+            parameters=parameters,
+            progress=progress,
+            on_error="return",
+            fmus=given.fmus,
+            **options,
         )
 
 

@@ -7,7 +7,7 @@ from argparse import Namespace
 from pathlib import Path
 from typing import Any
 
-from hybond.cli.lists import check_experiment, check_signals, end_time, split
+from hybond.cli.lists import check_experiment, check_signals, run_until, split
 from hybond.cli.netlists import read_model
 from hybond.cli.record import VERSION, to_json
 from hybond.cli.refusal import refusal_of
@@ -40,7 +40,7 @@ def sweep(given: Namespace) -> int:
     model, fixed = changed_with(read, given.settings)
     graph = model.flatten(parameters=fixed)
     check_experiment(graph)
-    until = end_time(graph, given.until)
+    until = run_until(graph, given.until)[0]
     signals = check_signals(graph, split(given.signals or []), "--signals")
     count = len(next(iter(varied.values())))
     same: dict[str, list[Any]] = {k: [v] * count for k, v in fixed.items() if k not in varied}

@@ -27,6 +27,7 @@ from hybond.model.hierarchy import submodel_of
 from hybond.model.kinds import KINDS
 from hybond.model.parts import Part, SubmodelPart
 from hybond.model.symbol import Symbol
+from hybond.model.written_out import written_out
 
 CELL = (116.0, 104.0)
 """Pixels from one cell of the layout to the next: symbols need more than letters."""
@@ -88,6 +89,7 @@ def draw_schematic(
     >>> [g.name for g in draw_schematic(m).scene.groups][:2]
     ['title', 'wire']
     """
+    model = written_out(model, layout=positions)
     bonds = _bonds(model)
     names = list(model.elements)
     if not any(isinstance(part, SubmodelPart) for part in model.elements.values()):
@@ -97,7 +99,7 @@ def draw_schematic(
             where=model.name,
             hint="draw its bond graph, or build it from parts of the library",
         )
-    places = _places(model, names, bonds, positions)
+    places = _places(model, names, bonds)
     nodes = {name: _node(model, name, places[name]) for name in names}
     dots = {n for n in names if _is_dot(model, n, bonds)}
     toward = _toward(nodes, bonds)
@@ -144,9 +146,8 @@ def _places(
     model: Model,
     names: Sequence[str],
     bonds: Sequence[tuple[str, str]],
-    positions: Mapping[str, tuple[float, float]] | None,
 ) -> dict[str, tuple[float, float]]:
-    given = dict(positions if positions is not None else model.layout)
+    given = model.layout
     number = {n: k for k, n in enumerate(names)}
     if set(number) <= given.keys():
         return {n: given[n] for n in names}

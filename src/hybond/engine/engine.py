@@ -107,6 +107,11 @@ class Step:
     grid: float
     """Where the grid of fixed steps begins, and how many of them lead to its next point."""
     grid_next: float
+    h_asked: float
+    """What the last step began with: the size that was to be tried, the error before, the point of
+    the grid."""
+    error_asked: float
+    grid_asked: float
     rated: bool
     """Whether `f` is known there; fixed steps find it out when they need it."""
     implicit: bool
@@ -173,6 +178,8 @@ class Engine:
     y: Floats
     states: int
     until: float
+    span: float
+    """What thresholds of time are parts of, s: the same for runs that go on from one another."""
     stop: float
     """Where this stretch of the run ends: at `until`, unless somebody drives it in pieces."""
     sampled_at: float

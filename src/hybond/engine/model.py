@@ -464,6 +464,10 @@ class Model:
     outputs: int
     output_value: Ints
     until: float
+    span: float
+    """What thresholds of time are parts of, s."""
+    ends: int
+    """The machine whose first transition ends the run, or -1."""
     points: int
     rtol: float
     atol: float

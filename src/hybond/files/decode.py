@@ -61,19 +61,19 @@ def read_model(data: dict[str, Any], place: Place, reading: Reading, name: str) 
     elements = data.get("elements", {})
     reading.count_elements(len(elements), place / "elements")
     for key, value in elements.items():
-        _name(model, key, place / "elements" / key)
-        model.elements[key] = read_element(value, place / "elements" / key)
+        _name(model, key, place / "elements" / key, array=True)
+        model.elements[key] = read_element(value, place / "elements" / key, array="[" in key)
     model.bonds = list(data.get("graph", {}).get("bonds", ()))
     for key, value in data.get("signals", {}).items():
-        _name(model, key, place / "signals" / key)
+        _name(model, key, place / "signals" / key, array=True)
         model.signals[key] = (
             value if isinstance(value, str) else _dynamic(value, place / "signals" / key)
         )
     for key, value in data.get("inputs", {}).items():
-        _name(model, key, place / "inputs" / key)
+        _name(model, key, place / "inputs" / key, array=True)
         model.inputs[key] = _input(value, place / "inputs" / key)
     for key, value in data.get("machines", {}).items():
-        _name(model, key, place / "machines" / key)
+        _name(model, key, place / "machines" / key, array=True)
         states = {state: tuple(on) for state, on in value["states"].items()}
         model.machines[key] = MachinePart(states, value["start"], tuple(value.get("rules", ())))
     for key, value in data.get("blocks", {}).items():
@@ -89,7 +89,7 @@ def read_model(data: dict[str, Any], place: Place, reading: Reading, name: str) 
     model.pins = dict(causality.get("pins", {}))
     model.reference_states = dict(causality.get("reference", {}))
     for key, value in data.get("ports", {}).items():
-        _name(Model(), key, place / "ports" / key)
+        _name(Model(), key, place / "ports" / key, array=True)
         model.ports[key] = value
     for key, value in data.get("models", {}).items():
         _name(Model(), key, place / "models" / key)
@@ -110,10 +110,10 @@ def read_model(data: dict[str, Any], place: Place, reading: Reading, name: str) 
     return model
 
 
-def _name(model: Model, name: str, place: Place) -> None:
+def _name(model: Model, name: str, place: Place, *, array: bool = False) -> None:
     """Refuse a name that the builder refuses, with the code of the builder."""
     try:
-        model._new_name(name)
+        model._new_name(name, array=array)
     except ModelError as error:
         raise place.refuse(shortened(error.why, 120), code=error.code, hint=error.hint) from None
 

@@ -25,8 +25,8 @@ _MEANT = {
 """What words mean that are no kinds."""
 
 
-def read_element(data: Any, place: Place) -> Part | SubmodelPart:
-    """Return the element that `data` describes.
+def read_element(data: Any, place: Place, *, array: bool = False) -> Part | SubmodelPart:
+    """Return the element that `data` describes; in an array a list has a value for each member.
 
     Raises
     ------
@@ -54,6 +54,8 @@ def read_element(data: Any, place: Place) -> Part | SubmodelPart:
             code="HB-F114",
             hint="junction = 0 or junction = 1",
         )
+    if not array:
+        _check_single(data, kind, place)
     check(data, ELEMENTS[kind], place)
     if kind == "submodel":
         return SubmodelPart(value, dict(data.get("parameters", {})), dict(data.get("inputs", {})))
@@ -100,9 +102,41 @@ def _kind(data: dict[str, Any], place: Place) -> str:
     )
 
 
+def _check_single(data: dict[str, Any], kind: str, place: Place) -> None:
+    """Refuse lists of values where there are no members to have one each."""
+    hint = 'a list of values is for an array: "cell[1..3]" = ...'
+    value = data[kind]
+    if kind in ("C", "I", "R", "G") and isinstance(value, list) and value:
+        if not isinstance(value[0], list):
+            raise (place / kind / 0).refuse(
+                f"{describe(value[0])}, where a list is needed",
+                code="HB-F112",
+                hint=f"a field takes [[a, b], [c, d]]; {hint}",
+            )
+        return
+    given = [(place / kind, value)] if kind in ("Se", "Sf", "TF", "GY") else []
+    if kind == "junction":
+        given += [(place / key, option) for key, option in data.items()]
+    for section in ("parameters", "inputs") if kind == "submodel" else ():
+        inner = data.get(section)
+        if isinstance(inner, dict):
+            given += [(place / section / key, value) for key, value in inner.items()]
+    for at, value in given:
+        if isinstance(value, list):
+            raise at.refuse(
+                f"{describe(value)}, where a number or text is needed", code="HB-F112", hint=hint
+            )
+
+
 def _check_value(kind: str, value: Any, place: Place) -> None:
     if isinstance(value, list):
-        if not value or any(len(row) != len(value) for row in value):
+        if value and not any(isinstance(row, list) for row in value):
+            return  # of an array
+        if (
+            not all(isinstance(row, list) for row in value)
+            or not value
+            or any(len(row) != len(value) for row in value)
+        ):
             raise place.refuse(
                 "the matrix of a field is square, with a row for each port",
                 code="HB-F114",

@@ -16,8 +16,11 @@ VERSION = 1
 
 Number = int | float
 Scalar = int | float | str
+Each = int | float | str | list[int | float | str]
+"""A value; in an array it may be a list with one for each member."""
 Row = tuple[int | float | str, int | float | str]
-Matrix = list[list[int | float | str]]
+Listed = list[int | float | str | list[int | float | str]]
+"""The matrix of a field, or a value for each member of an array."""
 
 
 class LawTable(Struct, forbid_unknown_fields=True):
@@ -55,7 +58,7 @@ Start = int | float | str | list[int | float | str]
 class CElement(Struct, forbid_unknown_fields=True):
     """A capacitance or spring; starts at displacement `q` or effort `e`."""
 
-    C: int | float | str | LawOfC | Matrix
+    C: int | float | str | LawOfC | Listed
     q: Start | UnsetType = UNSET
     e: Start | UnsetType = UNSET
     domain: str | UnsetType = UNSET
@@ -64,7 +67,7 @@ class CElement(Struct, forbid_unknown_fields=True):
 class IElement(Struct, forbid_unknown_fields=True):
     """An inertia or inductance; starts at momentum `p` or flow `f`."""
 
-    I: int | float | str | LawOfI | Matrix
+    I: int | float | str | LawOfI | Listed
     p: Start | UnsetType = UNSET
     f: Start | UnsetType = UNSET
     domain: str | UnsetType = UNSET
@@ -73,7 +76,7 @@ class IElement(Struct, forbid_unknown_fields=True):
 class RElement(Struct, forbid_unknown_fields=True):
     """A resistance; `impulsive` if its law acts on impulses too."""
 
-    R: int | float | str | LawOfR | Matrix
+    R: int | float | str | LawOfR | Listed
     impulsive: bool | UnsetType = UNSET
     domain: str | UnsetType = UNSET
 
@@ -81,7 +84,7 @@ class RElement(Struct, forbid_unknown_fields=True):
 class GElement(Struct, forbid_unknown_fields=True):
     """A conductance; `impulsive` if its law acts on impulses too."""
 
-    G: int | float | str | LawOfR | Matrix
+    G: int | float | str | LawOfR | Listed
     impulsive: bool | UnsetType = UNSET
     domain: str | UnsetType = UNSET
 
@@ -89,28 +92,28 @@ class GElement(Struct, forbid_unknown_fields=True):
 class SeElement(Struct, forbid_unknown_fields=True):
     """An effort source."""
 
-    Se: Scalar
+    Se: Each
     domain: str | UnsetType = UNSET
 
 
 class SfElement(Struct, forbid_unknown_fields=True):
     """A flow source."""
 
-    Sf: Scalar
+    Sf: Each
     domain: str | UnsetType = UNSET
 
 
 class TFElement(Struct, forbid_unknown_fields=True):
     """A transformer with its modulus."""
 
-    TF: Scalar
+    TF: Each
     domain: str | UnsetType = UNSET
 
 
 class GYElement(Struct, forbid_unknown_fields=True):
     """A gyrator with its modulus."""
 
-    GY: Scalar
+    GY: Each
     domain: str | UnsetType = UNSET
 
 
@@ -124,10 +127,10 @@ class JunctionElement(Struct, forbid_unknown_fields=True):
     law: Literal["diode", "thyristor", "unilateral", "coulomb", "relay"] | UnsetType = UNSET
     gate: str | UnsetType = UNSET
     gap: str | UnsetType = UNSET
-    restitution: Scalar | UnsetType = UNSET
-    stiffness: Scalar | UnsetType = UNSET
-    limit: Scalar | UnsetType = UNSET
-    breakaway: Scalar | UnsetType = UNSET
+    restitution: Each | UnsetType = UNSET
+    stiffness: Each | UnsetType = UNSET
+    limit: Each | UnsetType = UNSET
+    breakaway: Each | UnsetType = UNSET
     pair: str | UnsetType = UNSET
     impulsive: bool | UnsetType = UNSET
     domain: str | UnsetType = UNSET
@@ -137,8 +140,8 @@ class SubmodelElement(Struct, forbid_unknown_fields=True):
     """An instance of a submodel: a name of [models] or of the library, or a model file."""
 
     submodel: Annotated[str, Meta(min_length=1)]
-    parameters: dict[str, Scalar] | UnsetType = UNSET
-    inputs: dict[str, Scalar] | UnsetType = UNSET
+    parameters: dict[str, Each] | UnsetType = UNSET
+    inputs: dict[str, Each] | UnsetType = UNSET
 
 
 ELEMENTS: dict[str, type[Struct]] = {
@@ -204,10 +207,23 @@ Impact = Literal["newton", "newton_simultaneous", "poisson", "lzb", "lzb_hertz"]
 """The law of impacts at several contacts."""
 
 
+class ScriptStep(Struct, forbid_unknown_fields=True):
+    """One step of a script: what is set at its beginning, and what ends it."""
+
+    label: str | UnsetType = UNSET
+    set: dict[str, Scalar] | UnsetType = UNSET
+    until: Scalar | list[Scalar] | UnsetType = UNSET
+    lasts: Scalar | UnsetType = UNSET
+    repeat: int | UnsetType = UNSET
+    steps: list[ScriptStep] | UnsetType = UNSET
+
+
 class Experiment(Struct, forbid_unknown_fields=True):
     """What a run of the model is, unless the caller says otherwise."""
 
-    until: Scalar | UnsetType = UNSET
+    until: Scalar | list[Scalar] | UnsetType = UNSET
+    start: str | dict[str, Scalar] | UnsetType = UNSET
+    script: list[ScriptStep] | UnsetType = UNSET
     solver: str | UnsetType = UNSET
     rtol: Number | UnsetType = UNSET
     atol: Number | UnsetType = UNSET

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from hybond.model.arrays import base_of, is_array
 from hybond.model.builder import Model
 from hybond.model.checked import Hint
 from hybond.model.expressions import Expr, Number, names
@@ -13,7 +14,7 @@ from hybond.model.kinds import RESISTORS, STORAGES, TWO_PORTS
 
 def graph_hints(model: Model, graph: FlatGraph) -> Iterator[Hint]:
     """Yield the hints at nodes and bonds of the model itself, not of its submodels."""
-    own = [n for n in graph.nodes if n.path in model.elements and not n.hidden and not n.implied]
+    own = [n for n in _own(model, graph) if not n.hidden and not n.implied]
     for node in own:
         if node.kind in STORAGES + RESISTORS:
             yield from _arrows(graph, node)
@@ -23,6 +24,18 @@ def graph_hints(model: Model, graph: FlatGraph) -> Iterator[Hint]:
         yield from _still(graph, region)
     for region in _regions(graph, through=False):
         yield from _ungrounded(graph, region)
+
+
+def _own(model: Model, graph: FlatGraph) -> Iterator[Node]:
+    """Yield the nodes of the model itself; of an array one speaks for all."""
+    arrays = {base_of(key) for key in model.elements if is_array(key)}
+    for node in graph.nodes:
+        base = base_of(node.path)
+        if node.path in model.elements:
+            yield node
+        elif base in arrays and "." not in node.path:
+            arrays.discard(base)
+            yield node
 
 
 def _arrows(graph: FlatGraph, node: Node) -> Iterator[Hint]:

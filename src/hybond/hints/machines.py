@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from hybond.hints.uses import texts_of, used_in
+from hybond.model.arrays import base_of, is_array
 from hybond.model.builder import Model
 from hybond.model.checked import Hint
 from hybond.model.expressions import names
@@ -15,11 +16,14 @@ def machine_hints(model: Model, graph: FlatGraph) -> Iterator[Hint]:
     """Yield the hints at machines of the model itself."""
     texts = (text for text in texts_of(model) if ".state" in text)
     read = {name for text in texts for name in used_in(text)}
+    arrays = {base_of(key) for key in model.machines if is_array(key)}
     for machine in graph.machines:
-        if machine.path not in model.machines or machine.law is not None:
+        base = base_of(machine.path)
+        if machine.law is not None or (machine.path not in model.machines and base not in arrays):
             continue
+        arrays.discard(base)  # one member speaks for all
         yield from _states(machine)
-        yield from _switching(machine, graph, f"{machine.path}.state" in read)
+        yield from _switching(machine, graph, f"{base}.state" in read)
 
 
 def _states(machine: Machine) -> Iterator[Hint]:

@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterator
 
 from hybond.hints.uses import texts_of, used_in
+from hybond.model.arrays import base_of
 from hybond.model.builder import Model
 from hybond.model.checked import Hint
 from hybond.names import join
@@ -27,7 +28,7 @@ def _of(model: Model, prefix: str, outer: set[str]) -> Iterator[Hint]:
                 "use it, or take it out",
             )
     for name in model.inputs:
-        if name not in used and not _read_outside(name, outer):
+        if base_of(name) not in used and not _read_outside(name, outer):
             yield Hint(
                 "HB-H108",
                 _where("inputs", prefix, name),
@@ -38,7 +39,7 @@ def _of(model: Model, prefix: str, outer: set[str]) -> Iterator[Hint]:
     for text in model.experiment.get("measure", ()):
         listed |= set(re.findall(r"\w+(?:\.\w+)*", str(text)))
     for name in model.signals if listed and not prefix else ():
-        if name not in used:
+        if base_of(name) not in used:
             yield Hint(
                 "HB-H108",
                 _where("signals", prefix, name),

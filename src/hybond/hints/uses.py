@@ -7,8 +7,10 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from hybond.errors import HybondError
+from hybond.model.arrays import index_texts
 from hybond.model.builder import Model
 from hybond.model.expressions import names, parse
+from hybond.model.indices import INSIDE
 from hybond.model.parts import Integral, Part, Sampled, SubmodelPart
 from hybond.units import try_quantity
 
@@ -24,6 +26,8 @@ def used_in(text: str) -> set[str]:
     ['k', 'spring', 'spring.q']
     >>> sorted(used_in("off -> on when time >= t_on"))
     ['t_on', 'time']
+    >>> sorted(used_in("sum(cell[1..n].q)"))
+    ['cell', 'cell.q', 'n']
     """
     rule = text.partition(" when ")[2] if "->" in text and " when " in text else text
     if try_quantity(rule) is not None:
@@ -34,6 +38,9 @@ def used_in(text: str) -> set[str]:
         found = set(_WORD.findall(rule))
     if ".state" in rule:
         found |= set(_WORD.findall(rule))
+    for name in [n for n in found if "[" in n]:
+        found.discard(name)
+        found |= {INSIDE.sub("", name), *_WORD.findall(" ".join(INSIDE.findall(name)))}
     for name in list(found):
         parts = name.split(".")
         found |= {".".join(parts[:k]) for k in range(1, len(parts))}
@@ -44,6 +51,7 @@ def texts_of(model: Model, *, parameters: bool = True) -> Iterator[str]:
     """Yield all texts of a model that are read as expressions, those for submodels too."""
     if parameters:
         yield from _texts(model.parameters)
+    yield from index_texts(model)
     for part in model.elements.values():
         if isinstance(part, Part):
             yield from _texts(part.value)

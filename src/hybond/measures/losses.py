@@ -363,6 +363,6 @@ def _right(run: Result, t: float) -> Vector:
         return np.asarray(events[-1].after, dtype=float)
     segment = run.segments[run._segment_at(t, "right")]
     if t > segment.t[-1]:
-        state, _ = run.signals._rest(segment, t)
+        state, _ = run.signals.rest(segment, t)
         return np.asarray(state, dtype=float)
     return np.asarray(segment.at(t), dtype=float)

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from hybond.model.checked import Checked
     from hybond.model.graph import FlatGraph
 
-_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*\Z")
+_NAME = re.compile(r"([A-Za-z_][A-Za-z0-9_]*)(\[[^\[\]]+\])?\Z")
 RESERVED = frozenset(
     {"time", "pi", "pre", "and", "or", "not", "if", "then", "else", "true", "false"}
 )
@@ -100,10 +100,36 @@ class Model:
         self.indeterminate = "error"
         """``"error"`` or ``"least leakage"``: what a guard on an undetermined signal means."""
 
-    def add(self, **elements: Part | SubmodelPart) -> None:
-        """Add elements, junctions and submodels by name."""
-        for name, part in elements.items():
-            self._new_name(name)
+    def add(
+        self,
+        arrays: Mapping[str, Part | SubmodelPart] | None = None,
+        /,
+        **elements: Part | SubmodelPart,
+    ) -> None:
+        """Add elements, junctions and submodels by name, arrays of them in a mapping.
+
+        Parameters
+        ----------
+        arrays : mapping
+            Names that Python has no words for to what they are.
+        **elements
+            Names to what they are.
+
+        Examples
+        --------
+        A chain of three masses, the first of which is pushed:
+
+        >>> import hybond as hb
+        >>> m = hb.Model("chain", domain="translational", parameters={"n": 3})
+        >>> m.add({"m[1..n]": hb.I("i*1 [kg]"), "v[1..n]": hb.One(), "s[1..n-1]": hb.C("1 mm/N"),
+        ...        "pull[1..n-1]": hb.Zero()}, push=hb.Se("1 N"))
+        >>> m.bond("v[1..n] -> m[1..n]", "push -> v[1]",
+        ...        "v[1..n-1] -> pull[1..n-1] -> v[2..n]", "pull[1..n-1] -> s[1..n-1]")
+        >>> [s.path for s in m.flatten().storages]
+        ['m[1].p', 'm[2].p', 'm[3].p', 's[1].q', 's[2].q']
+        """
+        for name, part in {**(arrays or {}), **elements}.items():
+            self._new_name(name, array=True)
             if not isinstance(part, Part | SubmodelPart):
                 raise _no_element(part, name)
             self.elements[name] = part
@@ -124,10 +150,15 @@ class Model:
         """Add or change parameters."""
         self.parameters.update(parameters)
 
-    def signal(self, **signals: str | Integral | Sampled) -> None:
-        """Add signals: an expression, an `Integral`, or what is `Sampled`."""
-        for name, signal in signals.items():
-            self._new_name(name)
+    def signal(
+        self,
+        arrays: Mapping[str, str | Integral | Sampled] | None = None,
+        /,
+        **signals: str | Integral | Sampled,
+    ) -> None:
+        """Add signals: an expression, an `Integral`, or what is `Sampled`; arrays in a mapping."""
+        for name, signal in {**(arrays or {}), **signals}.items():
+            self._new_name(name, array=True)
             number = isinstance(signal, Real) and not isinstance(signal, bool)
             if not number and not isinstance(signal, str | Integral | Sampled):
                 raise ModelError(
@@ -138,10 +169,12 @@ class Model:
                 )
             self.signals[name] = signal
 
-    def input(self, **inputs: InputPart | Value) -> None:
-        """Add inputs; a plain number, quantity or callable is allowed."""
-        for name, given in inputs.items():
-            self._new_name(name)
+    def input(
+        self, arrays: Mapping[str, InputPart | Value] | None = None, /, **inputs: InputPart | Value
+    ) -> None:
+        """Add inputs; a plain number, quantity or callable is allowed; arrays in a mapping."""
+        for name, given in {**(arrays or {}), **inputs}.items():
+            self._new_name(name, array=True)
             if isinstance(given, InputPart):
                 self.inputs[name] = given
             elif callable(given):
@@ -164,7 +197,7 @@ class Model:
         rules: Sequence[str] = (),
     ) -> None:
         """Add a state machine: the controlled junctions each state switches ON, and its rules."""
-        self._new_name(name)
+        self._new_name(name, array=True)
         where = f"machines.{name}"
         for state, listed in states.items() if isinstance(states, Mapping) else ():
             if isinstance(listed, str) or not isinstance(listed, Iterable):
@@ -193,9 +226,9 @@ class Model:
             {k: tuple(v) for k, v in states.items()}, start, tuple(rules)
         )
 
-    def port(self, **ports: str) -> None:
-        """Expose nodes of a submodel: ``port(shaft="inertia_junction")``."""
-        self.ports.update(ports)
+    def port(self, arrays: Mapping[str, str] | None = None, /, **ports: str) -> None:
+        """Expose nodes of a submodel: ``port(shaft="inertia_junction")``; arrays in a mapping."""
+        self.ports.update({**(arrays or {}), **ports})
 
     def pin(self, bond: str, *, at: str) -> None:
         """Fix the causal stroke of a bond.
@@ -270,7 +303,8 @@ class Model:
         *,
         mode: Mapping[str, str] | None = None,
         numbers: bool = False,
-        simplify: bool = False,
+        simplify: bool | None = None,
+        open: Sequence[str] | None = None,
         legend: bool = True,
         schematic: bool = False,
     ) -> Any:
@@ -279,11 +313,16 @@ class Model:
         Parameters
         ----------
         mode : mapping of machine to state
-            Machines that are left out are in their start state.
+            Machines that are left out are in their start state. Without it: the mode in which a
+            run goes on after its start.
         numbers : bool
             Number the bonds.
-        simplify : bool
-            Leave out junctions between two bonds, grounds, and losses of zero.
+        simplify : bool, optional
+            Leave out junctions between two bonds, grounds, and losses of zero. Without it that is
+            done where a model is made of parts.
+        open : sequence of str, optional
+            Draw each part as one box, but for those named here, which have a frame around what is
+            in them: ``open=()`` closes all.
         legend : bool
             Explain the signs that occur.
         schematic : bool
@@ -294,7 +333,8 @@ class Model:
         ModelError
             HB-M144 for a machine or state that does not exist.
         UsageError
-            HB-D110 for a schematic of a model without parts.
+            HB-D110 for a schematic of a model without parts, HB-D111 for a part to open that does
+            not exist.
         """
         from hybond.draw import draw_mode, draw_schematic
 
@@ -302,22 +342,26 @@ class Model:
             return draw_schematic(self)
 
         graph = self.flatten()
-        chosen = graph.mode_of(mode or {})
-        return draw_mode(graph, chosen, numbers=numbers, simplify=simplify, legend=legend)
+        chosen = None if mode is None else graph.mode_of(mode)
+        return draw_mode(
+            graph, chosen, numbers=numbers, simplify=simplify, open=open, legend=legend
+        )
 
-    def _new_name(self, name: str) -> None:
-        if not isinstance(name, str) or not _NAME.match(name) or name in RESERVED:
+    def _new_name(self, name: str, *, array: bool = False) -> None:
+        match = _NAME.match(name) if isinstance(name, str) else None
+        if match is None or match[1] in RESERVED or (match[2] and not array):
             raise ModelError(
                 f"{name!r} cannot be a name",
                 code="HB-M103",
                 where=name,
-                hint="letters, digits and _; not a word of the expression language",
+                hint="letters, digits and _; not a word of the expression language"
+                + ("; an array is written cell[1..10]" if array and "[" in str(name) else ""),
             )
         taken = (
             *(self.elements, self.signals, self.inputs, self.machines, self.blocks),
             self.parameters,
         )
-        if any(name in group for group in taken):
+        if any(name in group or (match[2] and match[1] in group) for group in taken):
             raise ModelError(
                 f"the name {name!r} is used twice", code="HB-M104", where=name, hint="rename one"
             )

@@ -7,21 +7,23 @@ bonds domains, read inputs, signals and laws, then machines, then check what onl
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 from hybond.errors import HybondError, ModelError, UnitError
 from hybond.model import fieldless
 from hybond.model.builder import Model
-from hybond.model.expressions import parse
+from hybond.model.expressions import Name, names, parse
 from hybond.model.expressions.slots import Slots
 from hybond.model.graph import Bond, FlatGraph, Integral, Node, Storage
-from hybond.model.hierarchy import Opened, Scope, constant, literal, open_model
+from hybond.model.hierarchy import Opened, Scope, WrittenBond, constant, literal, open_model
+from hybond.model.indices import spread
 from hybond.model.junction_laws import check_readers, check_units, law_warnings, open_laws
 from hybond.model.kinds import KINDS, RESISTORS, STORAGES
 from hybond.model.lawbook import law_of, start_of
 from hybond.model.located import locate
-from hybond.model.machines import machines_of, switched_by, with_laws_of_junctions
+from hybond.model.machines import machines_of, rule_of, switched_by, with_laws_of_junctions
 from hybond.model.misfits import units_of
 from hybond.model.parametric import Parametric, parametric
 from hybond.model.parts import Value
@@ -33,7 +35,7 @@ from hybond.model.waveforms import check_given, give_units, inputs_of
 from hybond.model.wiring import RawBond, RawNode, domains_of, ends_of
 from hybond.names import did_you_mean
 from hybond.uncollected import uncollected
-from hybond.units import DIMENSIONLESS, DOMAINS, Dimension, parse_unit
+from hybond.units import DIMENSIONLESS, DOMAINS, Dimension, parse_unit, try_quantity
 
 _TIME = parse_unit("s")[1]
 
@@ -66,14 +68,14 @@ def _flatten(
     model: Model, overrides: Mapping[str, Value], slots: Slots | None, asked: Mapping[str, Value]
 ) -> FlatGraph:
     opened = open_model(model, overrides, slots)
-    written = len(opened.bonds)  # after these come bonds of laws and behind switched elements
+    written = tuple(opened.bonds)  # after these come bonds of laws and behind switched elements
     with_laws = open_laws(opened)
     switched = switched_by(opened)
     raw_nodes, raw_bonds = _graph(opened, switched)
     ends = ends_of(raw_nodes, raw_bonds)
     domains = domains_of(raw_nodes, raw_bonds, opened)
     bonds = tuple(
-        Bond(k, b.tail, b.head, b.name, domains[k], b.where if k < written else "")
+        Bond(k, b.tail, b.head, b.name, domains[k], *_place(written, k))
         for k, b in enumerate(raw_bonds)
     )
     nodes = [
@@ -135,7 +137,7 @@ def _flatten(
         parameters={k: v.value for k, v in opened.parameters.items()},
         dimensions=dimensions,
         samples=samples,
-        experiment=dict(model.experiment),
+        experiment=_experiment(model, root),
         layout=opened.layout,
         warnings=law_warnings(machines),
         by_path={n.path: n.index for n in nodes},
@@ -143,11 +145,40 @@ def _flatten(
         pins=pins_of(opened, resolver),
         reference=reference_of(opened, machines),
         read=lambda text: resolver.resolve(parse(text, where=text), root, text),
+        condition=lambda text: (
+            rule_of(text, resolver, root, text, dimensions),
+            tuple(resolver.watches),
+        ),
         parametric=lambda k: _parametric(nodes[k], raw_nodes[k], resolver),
         locate=lambda error: locate(error, model, asked),
     )
     check_readers(graph)
     return fieldless.checked(graph)
+
+
+def _experiment(model: Model, root: Scope) -> dict[str, Any]:
+    """Return what a run of the model is, with members of arrays one by one in its lists."""
+    found = dict(model.experiment)
+    for key in ("plot", "outputs"):
+        listed = found.get(key)
+        if isinstance(listed, list | tuple) and any("[" in str(name) for name in listed):
+            where = f"experiment.{key}"
+            found[key] = [own for name in listed for own in _listed(str(name), root, where)]
+    return found
+
+
+def _listed(text: str, root: Scope, where: str) -> list[str]:
+    """Return the signals that a text in a list stands for: several only if it is a name."""
+    try:
+        tree = parse(text, where=where) if "[" in text else None
+    except HybondError:
+        return [text]  # refused where it is read
+    return spread(text, root, where) if isinstance(tree, Name) else [text]
+
+
+def _place(written: Sequence[WrittenBond], k: int) -> tuple[str, int]:
+    """Return where a bond is written, and as which arrow of its chain."""
+    return (written[k].where, written[k].arrow) if k < len(written) else ("", 0)
 
 
 def _parametric(node: Node, raw: RawNode, resolver: Resolver) -> Parametric:
@@ -223,11 +254,27 @@ def _label(raw: RawNode) -> str:
 
 
 def _shown(raw: RawNode) -> tuple[float, Dimension] | None:
-    """Return the value of the parameter that an element of a submodel has: ``R`` says little."""
-    if raw.written is None or not raw.written.scope.prefix:
+    """Return the value of the parameter that an element of a submodel has: ``R`` says little.
+
+    So does what an array says of all its members, ``(1 + 0.1*i) [mF]``.
+    """
+    if raw.written is None:
         return None
-    number = raw.written.scope.parameters.get(_label(raw))
+    scope, label = raw.written.scope, _label(raw)
+    number = scope.parameters.get(label) if scope.prefix else None
+    if scope.index and label and try_quantity(label) is None and scope.index in _names(label):
+        try:
+            number = constant(label, scope.parameters, raw.path)
+        except HybondError:
+            number = None  # it reads signals
     return None if number is None else (number.value, number.dimension or DIMENSIONLESS)
+
+
+def _names(text: str) -> set[str]:
+    try:
+        return names(parse(text))
+    except HybondError:
+        return set()
 
 
 def _storages(raw_nodes: list[RawNode], nodes: list[Node]) -> tuple[Storage, ...]:

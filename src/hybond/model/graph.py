@@ -108,6 +108,8 @@ class Bond:
     domain: Domain
     where: str = ""
     """Where it is written: ``graph.bonds[2]``; empty if it is none that was written."""
+    arrow: int = 0
+    """Which arrow of its chain there it is, or is one of the bonds of."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -257,6 +259,12 @@ class FlatGraph:
     """Strokes that the modeller fixed: bond index to 0 (stroke at its tail) or 1 (its head)."""
     reference: Mode | None = None
     """The reference mode of causality, if the modeller gave one."""
+    ends: int = -1
+    """The machine that was put in to end runs, the last one, or -1: see `run_ends`."""
+    condition: Callable[[str], tuple[Rule, tuple[Watch, ...]]] | None = field(
+        default=None, compare=False, repr=False
+    )
+    """Text of a guard to a rule from state 0 to 1, and the comparisons of time there are then."""
     read: Callable[[str], Expr] | None = field(default=None, compare=False, repr=False)
     """Text of an expression in the model's own names to canonical names."""
     parametric: Callable[[int], Parametric] | None = field(default=None, compare=False, repr=False)
@@ -340,7 +348,8 @@ class FlatGraph:
             return "the only mode"
         if len(self.machines) <= MANY:
             return ", ".join(self.mode_names(mode).values())
-        away = [m.path for m, k in zip(self.machines, mode, strict=True) if k != m.start]
+        pairs = zip(self.machines, mode, strict=True)
+        away = [m.path for m, k in pairs if k != m.start and m.index != self.ends]
         named = {*focus, *(away if len(away) <= MANY else away[: MANY - 1])}
         shown = [f"{m} = {k}" for m, k in self.mode_names(mode).items() if m in named]
         rest = len(self.machines) - len(shown)
@@ -352,4 +361,5 @@ class FlatGraph:
 
     def mode_names(self, mode: Mode) -> dict[str, str]:
         """Return `mode` as ``{machine: state}``."""
-        return {m.path: m.states[k] for m, k in zip(self.machines, mode, strict=True)}
+        pairs = zip(self.machines, mode, strict=True)
+        return {m.path: m.states[k] for m, k in pairs if m.index != self.ends}

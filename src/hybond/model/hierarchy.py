@@ -6,25 +6,18 @@ gives them, and follows ports. It does not know what a name in a law means; `res
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field
 from itertools import pairwise
-from numbers import Real
 
 from hybond.errors import HybondError, ModelError
+from hybond.model.array_places import places_of
+from hybond.model.arrays import base_of, each, switching
 from hybond.model.builder import Model
-from hybond.model.expressions import (
-    Expr,
-    Number,
-    names,
-    parse,
-    simplify,
-    substitute,
-    transform,
-)
-from hybond.model.expressions.slots import Slots, plain
+from hybond.model.expressions import Number, names, parse
+from hybond.model.expressions.slots import Slots
+from hybond.model.indices import no_member, one, spread, together
 from hybond.model.misnamed import check_given, no_such_end, no_such_target
 from hybond.model.parts import (
     BlockPart,
@@ -36,25 +29,20 @@ from hybond.model.parts import (
     SubmodelPart,
     Value,
 )
+from hybond.model.scope import Scope as Scope
+from hybond.model.scope import constant as constant
+from hybond.model.scope import literal as literal
+from hybond.model.scope import without_units as without_units
 from hybond.names import did_you_mean, join
 from hybond.units import DIMENSIONLESS, try_quantity
 
 _DEPTH = 64
 OPENED = 200_000
-"""Elements of a model whose submodels are opened."""
+"""Elements of a model whose submodels and arrays are opened, with the bonds of its ranges."""
 TOLD = 8
 """Parameters in a circle that a refusal names."""
-_END = re.compile(r"\w+(?:\.\w+)*\Z")
+_END = re.compile(r"\w+(?:\[\d+\])?(?:\.\w+(?:\[\d+\])?)*\Z")
 _BOND = re.compile(r"\s*(?:(?P<label>[A-Za-z_]\w*)\s*:)?(?P<chain>.+)\Z", re.DOTALL)
-
-
-@dataclass(slots=True)
-class Scope:
-    """One opened model: its dotted prefix and the values of its parameters."""
-
-    prefix: str
-    model: Model
-    parameters: dict[str, Number] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,6 +70,8 @@ class WrittenBond:
     name: str
     label: str
     where: str
+    arrow: int = 0
+    """Which arrow of its chain it is, or one of the bonds of."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,6 +101,8 @@ class Opened:
     machines: dict[str, tuple[Scope, MachinePart]] = field(default_factory=dict)
     parameters: dict[str, Number] = field(default_factory=dict)
     ports: dict[str, str] = field(default_factory=dict)
+    arrays: dict[str, list[int]] = field(default_factory=dict)
+    """The indices of each array."""
     layout: dict[str, tuple[float, float]] = field(default_factory=dict)
     pins: list[WrittenPin] = field(default_factory=list)
     reference: dict[str, str] = field(default_factory=dict)
@@ -147,6 +139,14 @@ def open_model(model: Model, overrides: Mapping[str, Value], slots: Slots | None
                 for port, target in opened.ports.items():
                     if target == end.path:
                         raise no_such_target(port, target, opened.nodes)
+                missing = no_member(end.path, opened.arrays)
+                if missing is not None:
+                    raise ModelError(
+                        f"the bond {bond.name!r} ends at {end.path!r}, but {missing[0]}",
+                        code="HB-M154",
+                        where=bond.where,
+                        hint=missing[1],
+                    )
                 raise no_such_end(bond.name, end.path, bond.where, opened.nodes, opened.ports)
     return opened
 
@@ -168,22 +168,17 @@ def _open(
             where=prefix,
             hint="a model cannot contain itself",
         )
-    opened.count += len(model.elements) if prefix else 0  # a loop in Python may write more
-    if opened.count > OPENED:
-        raise ModelError(
-            f"more than {OPENED} elements when all submodels are opened",
-            code="HB-F103",
-            where=prefix,
-            hint="simulate a part of the model",
-        )
     known = {**known, **model.models}
     scope = Scope(prefix, model)
-    scope.parameters = _parameters(model, prefix, given, overrides, slots)
+    scope.parameters = parameters_of(model, prefix, given, overrides, slots)
     opened.parameters.update({join(prefix, k): v for k, v in scope.parameters.items()})
-    for name, part in model.elements.items():
+    places = places_of(model.layout, scope, lambda name: width_of(model, name, known))
+    for name, part, own in each(model.elements, scope, "elements", opened.arrays):
         path = join(prefix, name)
+        # a loop in Python may write more
+        _count(opened, bool(prefix) or own is not scope, prefix)
         if isinstance(part, Part):
-            opened.nodes[path] = Written(scope, part)
+            opened.nodes[path] = Written(own, part)
             continue
         inner = submodel_of(part, path, known)
         if any(inner is outer for outer in chain):
@@ -194,38 +189,62 @@ def _open(
                 hint="break the cycle",
             )
         check_given(part.parameters, "parameter", _known(inner), inner.name, path)
-        passed = {
-            k: constant(v, scope.parameters, join(path, k)) for k, v in part.parameters.items()
-        }
+        passed = {k: constant(v, own.parameters, join(path, k)) for k, v in part.parameters.items()}
         _open(inner, path, passed, opened, overrides, (*chain, inner), known, slots)
-        _connect(part, inner, path, scope, opened)
-        _put(path, model.layout.get(name), opened.layout)
-    for port, target in model.ports.items():
-        opened.ports[join(prefix, port)] = join(prefix, target)
-    for name, signal in model.signals.items():
+        _connect(part, inner, path, own, opened)
+        _put(path, places.get(name), opened.layout)
+    for port, target, own in each(model.ports, scope, "ports", opened.arrays):
+        _count(opened, own is not scope, prefix)
+        path = join(prefix, port)
+        opened.ports[path] = join(prefix, one(target, own, path))
+    for name, signal, own in each(model.signals, scope, "signals", opened.arrays):
+        _count(opened, own is not scope, prefix)
         path = join(prefix, name)
         if isinstance(signal, Integral):
-            opened.integrals[path] = (scope, signal)
+            opened.integrals[path] = (own, signal)
         elif isinstance(signal, Sampled):
-            opened.integrals[path] = (scope, Integral("0", signal.start))
-            opened.sampled[path] = (scope, signal)
+            opened.integrals[path] = (own, Integral("0", signal.start))
+            opened.sampled[path] = (own, signal)
         else:
-            opened.signals[path] = (scope, signal)
+            opened.signals[path] = (own, signal)
     for name, block in model.blocks.items():
         path = join(prefix, name)
         opened.blocks[path] = (scope, block)
         for output, start in block.outputs.items():
             opened.integrals[join(path, output)] = (scope, Integral("0", start))
-    for name, given_input in model.inputs.items():
-        opened.inputs[join(prefix, name)] = (scope, given_input)
-    for name, machine in model.machines.items():
-        opened.machines[join(prefix, name)] = (scope, machine)
+    for name, given_input, own in each(model.inputs, scope, "inputs", opened.arrays):
+        _count(opened, own is not scope, prefix)
+        opened.inputs[join(prefix, name)] = (own, given_input)
+    for name, machine, own in each(model.machines, scope, "machines", opened.arrays):
+        path = join(prefix, name)
+        switched = switching(machine, own, f"machines.{path}")
+        if switched is not machine:
+            _count(opened, sum(map(len, switched.states.values())), prefix)
+        opened.machines[path] = (own, switched)
     for k, text in enumerate(model.bonds):
-        opened.bonds.extend(_bonds(text, scope, opened, join(prefix, f"graph.bonds[{k}]")))
+        bonds = _bonds(text, scope, opened, join(prefix, f"graph.bonds[{k}]"))
+        _count(opened, len(bonds) if "[" in text else 0, prefix)
+        opened.bonds.extend(bonds)
     for bond, at in model.pins.items():
+        where = join(prefix, "causality.pins")
+        bond, at = one(bond, scope, where), one(at, scope, where)
         opened.pins.append(WrittenPin(scope, bond, at, _end(at, scope, opened).path))
-    opened.reference.update({join(prefix, k): v for k, v in model.reference_states.items()})
-    opened.layout.update({join(prefix, k): v for k, v in model.layout.items()})
+    for machine_name, state in model.reference_states.items():
+        for name in spread(machine_name, scope, join(prefix, "causality.reference")):
+            opened.reference[join(prefix, name)] = state
+    opened.layout.update({join(prefix, k): v for k, v in places.items()})
+
+
+def _count(opened: Opened, number: int, prefix: str) -> None:
+    """Note that so many more elements, members and bonds of ranges are opened."""
+    opened.count += number
+    if opened.count > OPENED:
+        raise ModelError(
+            f"more than {OPENED} elements when all submodels and arrays are opened",
+            code="HB-F103",
+            where=prefix,
+            hint="simulate a part of the model",
+        )
 
 
 def _put(path: str, at: tuple[float, float] | None, layout: dict[str, tuple[float, float]]) -> None:
@@ -273,13 +292,26 @@ def submodel_of(part: SubmodelPart, path: str, known: Mapping[str, Model]) -> Mo
     return ready
 
 
-def _parameters(
+def width_of(model: Model, name: str, known: Mapping[str, Model]) -> float:
+    """Return how many cells a member of an array is wide when it is drawn."""
+    for key, part in model.elements.items():
+        if base_of(key) == name and isinstance(part, SubmodelPart):
+            across = [x for x, _ in submodel_of(part, key, known).layout.values()]
+            return max(across, default=0.0) - min(across, default=0.0)
+    return 0.0
+
+
+def parameters_of(
     model: Model,
     prefix: str,
     given: Mapping[str, Number],
     overrides: dict[str, Value],
     slots: Slots | None,
 ) -> dict[str, Number]:
+    """Return the values of the parameters of a model, those that are `given` as they are.
+
+    What is used of `overrides` is taken out of it.
+    """
     values: dict[str, Number] = dict(given)
     written: dict[str, Value] = {k: v for k, v in model.parameters.items() if k not in given}
     for name in model.parameters:
@@ -292,7 +324,7 @@ def _parameters(
     if bare:
         # a number without a unit is in SI, and of what the model's own value is made of
         try:
-            own = _parameters(model, prefix, {}, {}, None)
+            own = parameters_of(model, prefix, {}, {}, None)
         except HybondError:
             own = {}  # what the model says itself has no value, and need not have one
         for name in bare:
@@ -358,76 +390,16 @@ def _is_bare(value: Value) -> bool:
     return quantity is not None and quantity.dimension == DIMENSIONLESS
 
 
-def literal(value: Value, where: str) -> Expr:
-    """Return a number, a quantity or an expression as a tree."""
-    if isinstance(value, bool) or not isinstance(value, Real | str):
-        raise ModelError(
-            f"{value!r} is not a number, a quantity or an expression",
-            code="HB-M110",
-            where=where,
-            hint='write 2.5, "10 mA" or "2*k"',
-        )
-    if isinstance(value, str):
-        quantity = try_quantity(value)
-        if quantity is None:
-            return parse(value, where=where)
-        bare = quantity.dimension == DIMENSIONLESS
-        number = Number(quantity.value, None if bare else quantity.dimension)
-    else:
-        number = Number(float(value))
-    if abs(number.value) == float("inf") or number.value != number.value:
-        raise ModelError(
-            f"{value!r} is not a finite number", code="HB-M110", where=where, hint="use a number"
-        )
-    return number
+def bonds_in(text: str, scope: Scope, where: str) -> tuple[str, list[list[list[str]]]]:
+    """Return the label of a text of bonds, and for each arrow the ends of its bonds.
 
-
-def without_units(e: Expr) -> Expr:
-    """Return the tree with plain SI numbers: units have done their work once checked."""
-    return transform(e, lambda n: Number(n.value) if isinstance(n, Number) else n)
-
-
-def constant(
-    value: Value,
-    parameters: Mapping[str, Number],
-    where: str,
-    *,
-    known: Collection[str] | None = None,
-) -> Number:
-    """Return the value of an expression of parameters, in SI, with its dimension.
-
-    What is `known` by name, but has no value yet, may be meant by a name that is wrong.
+    Ranges at one arrow run together; elsewhere in a chain they may be others.
 
     Raises
     ------
     ModelError
-        HB-M107 for an unknown name, HB-M110 if the result is not a finite number.
+        HB-M109 for what is no bond, HB-M152 and HB-M153 for ranges.
     """
-    from hybond.model.dimensions import infer_dimension
-
-    tree = literal(value, where)
-    if isinstance(tree, Number):
-        return tree
-    for name in sorted(names(tree)):
-        if name not in parameters:
-            raise ModelError(
-                f"{name!r} is not a parameter; a value here is made of parameters and numbers",
-                code="HB-M107",
-                where=where,
-                hint=did_you_mean(name, parameters if known is None else known)
-                or "write a number, or give the model such a parameter",
-            )
-    bound = substitute(tree, parameters)
-    dimension = infer_dimension(bound, lambda _: None, where=where)
-    folded = simplify(without_units(bound))
-    if not isinstance(folded, Number) or not math.isfinite(plain(folded.value)):
-        raise ModelError(
-            f"{value!r} has no finite value", code="HB-M110", where=where, hint="look for 1/0"
-        )
-    return Number(folded.value, dimension)
-
-
-def _bonds(text: str, scope: Scope, opened: Opened, where: str) -> list[WrittenBond]:
     match = _BOND.match(text) if isinstance(text, str) else None
     ends = [] if match is None else [e.strip() for e in match["chain"].split("->")]
     if match is None or len(ends) < 2 or not all(ends):
@@ -438,32 +410,40 @@ def _bonds(text: str, scope: Scope, opened: Opened, where: str) -> list[WrittenB
             hint='write "a -> b", "a -> b -> c" or "b3: a -> b"',
         )
     label = match["label"] or ""
-    if label and len(ends) > 2:
+    arrows = [together(pair, scope, where) for pair in pairwise(ends)]
+    if label and (len(ends) > 2 or len(arrows[0]) > 1):
+        what = "a chain" if len(ends) > 2 else f"{len(arrows[0])} bonds"
         raise ModelError(
-            f"a label names one bond, {text!r} is a chain",
+            f"a label names one bond, {text!r} is {what}",
             code="HB-M109",
             where=where,
             hint="write the labelled bond on its own",
         )
-    for end in ends:
+    for end in (end for bonds in arrows for pair in bonds[:1] for end in pair):
         if not _END.match(end):
-            arrows = re.sub(r"\s*(?:[=–—-]+\s*>|→)\s*", " -> ", text)
+            shown = re.sub(r"\s*(?:[=–—-]+\s*>|→)\s*", " -> ", text)
             hint = 'write "a -> b", and names with letters, digits and _'
             if "<" in text or "←" in text:
                 hint = 'turn it round: the half arrow of "a -> b" points at b'
-            elif arrows != text and "->" in arrows:
-                hint = f'write "{arrows[:60]}"'
+            elif shown != text and "->" in shown:
+                hint = f'write "{shown[:60]}"'
             raise ModelError(
                 f"{text!r} is not a bond: {end!r} names no element",
                 code="HB-M109",
                 where=where,
                 hint=hint,
             )
+    return label, arrows
+
+
+def _bonds(text: str, scope: Scope, opened: Opened, where: str) -> list[WrittenBond]:
+    label, arrows = bonds_in(text, scope, where)
     found = []
-    for a, b in pairwise(ends):
-        name = f"{label}: {a} -> {b}" if label else f"{a} -> {b}"
-        tail, head = (_end(e, scope, opened) for e in (a, b))
-        found.append(WrittenBond(tail, head, join(scope.prefix, name), label, where))
+    for arrow, bonds in enumerate(arrows):
+        for a, b in bonds:
+            name = f"{label}: {a} -> {b}" if label else f"{a} -> {b}"
+            tail, head = (_end(e, scope, opened) for e in (a, b))
+            found.append(WrittenBond(tail, head, join(scope.prefix, name), label, where, arrow))
     return found
 
 

@@ -118,14 +118,15 @@ def _written(model: Model, known: _Known, parameters: Mapping[str, Value]) -> Fl
 def _with(graph: FlatGraph, writing: Writing, row: list[float]) -> FlatGraph:
     """Return a graph with numbers in its slots."""
     written = Written(graph, writing, row)
-    read, parametric = graph.read, graph.parametric
-    assert read is not None and parametric is not None
+    read, parametric, condition = graph.read, graph.parametric, graph.condition
+    assert read is not None and parametric is not None and condition is not None
     found: FlatGraph = written.put(graph, stays=True)
     return replace(
         found,
         written=written,
         read=lambda text: written.put(read(text)),
         parametric=lambda k: written.put(parametric(k)),
+        condition=lambda text: written.put(condition(text)),
     )
 
 

@@ -6,11 +6,12 @@ import re
 from collections.abc import Collection
 
 from hybond.errors import HybondError, UsageError
+from hybond.model.arrays import base_of, is_array, parts_of
 from hybond.model.builder import Model
 from hybond.model.origin import SECTIONS, Path, as_read
 from hybond.model.parts import SubmodelPart
 
-_STEP = re.compile(r"([A-Za-z_]\w*)|\[(\d+)\]|\.")
+_STEP = re.compile(r"([A-Za-z_]\w*(?:\[[^\[\]]*[^\[\]\d][^\[\]]*\])?)|\[(\d+)\]|\.")
 _OTHER = ("graph", "causality", "experiment", "models", "layout")
 _KEYS = ("domain", "indeterminate", "title", "about", "name")
 
@@ -78,6 +79,7 @@ def _in(
     if model.origin is None:
         return None
     known = {**known, **model.models}
+    path = _of_array(model, path)
     name = path[0]
     part = model.elements.get(str(name))
     if isinstance(part, SubmodelPart) and len(path) > 1:
@@ -103,6 +105,26 @@ def _in(
                 return None
             return model.origin.within((group, *path))
     return None
+
+
+def _of_array(model: Model, path: Path) -> Path:
+    """Return a path with the array that a member belongs to as one key."""
+    if len(path) < 2 or not isinstance(path[1], int) or path[0] in _OTHER:
+        return path
+    arrays = [
+        key
+        for group in (model.elements, model.signals, model.inputs, model.machines, model.ports)
+        for key in group
+        if is_array(key) and base_of(key) == path[0]
+    ]
+    within = [key for key in arrays if (found := parts_of(key)) and _holds(found, path[1])]
+    return ((within or arrays)[0], *path[2:]) if arrays else path
+
+
+def _holds(key: tuple[str, str, str, str], index: int) -> bool:
+    first, last = key[2:]
+    literal = first.isdecimal() and last.isdecimal()
+    return literal and int(first) <= index <= int(last)
 
 
 def _same(model: Model, name: str | int) -> bool:

@@ -11,6 +11,7 @@ from hybond.model.expressions import Compare, Expr, Name, Number, Pre, children,
 from hybond.model.fed_laws import fed_laws
 from hybond.model.graph import Machine, Node, Rule
 from hybond.model.hierarchy import Opened, Scope
+from hybond.model.indices import without_ranges
 from hybond.model.junction_laws import law_of_junction
 from hybond.model.laws import JunctionLaw
 from hybond.model.planar_friction import paired, pairs_of
@@ -155,11 +156,31 @@ def _rule(
                 where=where,
                 hint=did_you_mean(name, states),
             )
-    tree = parse(match[3], where=where)
+    found = rule_of(match[3].strip(), resolver, scope, where, dimensions)
+    return replace(found, source=states.index(match[1]), target=states.index(match[2]))
+
+
+def rule_of(
+    text: str,
+    resolver: Resolver,
+    scope: Scope,
+    where: str,
+    dimensions: Mapping[str, Dimension | None],
+) -> Rule:
+    """Return the rule from state 0 to state 1 that has a text for its guard.
+
+    Raises
+    ------
+    ModelError
+        HB-M146 for what is no condition; those of names and units.
+    """
+    tree = parse(text, where=where)
+    if "[" in text:
+        tree = without_ranges(tree, scope, where)
     guard = resolver.resolve(tree, scope, where)
     if not is_condition(guard):
         raise ModelError(
-            f"the guard {match[3].strip()!r} is a number, not a condition",
+            f"the guard {text!r} is a number, not a condition",
             code="HB-M146",
             where=where,
             hint="compare it with something, such as > 0",
@@ -170,9 +191,7 @@ def _rule(
         meaning = resolver.resolve(read, scope, where)
         if not isinstance(meaning, Number):
             reads.append((str(read), meaning))
-    return Rule(
-        states.index(match[1]), states.index(match[2]), guard, match[3].strip(), tuple(reads)
-    )
+    return Rule(0, 1, guard, text, tuple(reads))
 
 
 def _reads(tree: Expr) -> list[Expr]:

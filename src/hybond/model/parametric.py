@@ -64,6 +64,8 @@ class _Reading:
         self.names: dict[str, Expr] = {
             name: Name(f"p:{join(self.scope.prefix, name)}") for name in self.scope.parameters
         }
+        if self.scope.index:
+            self.names[self.scope.index] = self.scope.parameters[self.scope.index]
         for k in range(len(node.ends)):
             for variable in variables:
                 name = f"{variable}{k + 1 if many else ''}"

@@ -2,7 +2,7 @@
 
 A path leads to a parameter (``m``, ``motor.k``), to the value of an element (``ball.I``), to the
 start of a storage, an integral or a machine (``ball.f``, ``height.start``, ``floor.start``), or to
-an input.
+an input. Of an array it leads to one member, ``c[3].C``, or to all, as written: ``c[1..n].C``.
 """
 
 from __future__ import annotations
@@ -10,13 +10,15 @@ from __future__ import annotations
 import copy
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from typing import Any
 
 from hybond.errors import ModelError
+from hybond.model.arrays import is_array, with_member_apart
 from hybond.model.builder import Model
 from hybond.model.hierarchy import submodel_of
 from hybond.model.kinds import KINDS
 from hybond.model.parts import InputPart, Integral, Part, Sampled, SubmodelPart, Value
-from hybond.names import join
+from hybond.names import join, steps
 
 
 def with_parts(model: Model, given: Mapping[str, Value]) -> tuple[Model, dict[str, Value]]:
@@ -43,7 +45,7 @@ def with_parts(model: Model, given: Mapping[str, Value]) -> tuple[Model, dict[st
 
 def with_part(model: Model, path: str, value: Value) -> Model | None:
     """Return a copy of a model in which one part is set, None if the path is no part's."""
-    return _set(model, path.split("."), value, {}) if isinstance(path, str) else None
+    return _set(model, steps(path), value, {}) if isinstance(path, str) else None
 
 
 def settable(model: Model) -> Iterator[str]:
@@ -64,6 +66,8 @@ def _set(model: Model, names: list[str], value: Value, known: Mapping[str, Model
     """Return a copy of `model` in which a part is changed, or None if the path is no part's."""
     name, *rest = names
     known = {**known, **model.models}
+    if is_array(name) and not any(name in group for group in _arrays(model)):
+        model = with_member_apart(model, name)
     part = model.elements.get(name)
     if isinstance(part, Part) and len(rest) == 1:
         new_part = _changed(part, rest[0], value)
@@ -73,7 +77,12 @@ def _set(model: Model, names: list[str], value: Value, known: Mapping[str, Model
             inputs = {**part.inputs, rest[0]: value}
             return _copy(model, "elements", name, replace(part, inputs=inputs))
         inner = _inner(part, known)
-        if inner is None or (len(rest) == 1 and rest[0] in inner.parameters):
+        if inner is not None and len(rest) == 1 and rest[0] in inner.parameters:
+            if ".." not in name:
+                return None
+            given = {**part.parameters, rest[0]: value}
+            return _copy(model, "elements", name, replace(part, parameters=given))
+        if inner is None:
             return None
         new_inner = _set(inner, rest, value, known)
         if new_inner is None:
@@ -87,6 +96,10 @@ def _set(model: Model, names: list[str], value: Value, known: Mapping[str, Model
     if name in model.inputs and not rest:
         return _copy(model, "inputs", name, InputPart(constant=value))
     return None
+
+
+def _arrays(model: Model) -> tuple[dict[str, Any], ...]:
+    return model.elements, model.signals, model.inputs, model.machines
 
 
 def _changed(part: Part, key: str, value: Value) -> Part | None:

@@ -16,6 +16,7 @@ from hybond.model.expressions import (
     And,
     Binary,
     Bool,
+    Call,
     Compare,
     Expr,
     If,
@@ -37,12 +38,16 @@ from hybond.model.expressions.parse import MAX_NESTING
 from hybond.model.expressions.tree import extent, with_children
 from hybond.model.graph import Bond, Node, Storage, Watch
 from hybond.model.hierarchy import Opened, Scope
+from hybond.model.indices import MAX_NODES, gathered, gathers, no_member, of_an_array, one
 from hybond.names import did_you_mean, join, port_number
 from hybond.units import Dimension
 
 MAX_LEVELS = 500
-MAX_NODES = 20_000
-"""Levels and nodes of an expression in which signals have been put for their names."""
+"""Levels of an expression in which signals have been put for their names."""
+TOO_MANY = (
+    f"with all that it reads the expression has more than {MAX_NODES} values and operators, "
+    f"or {MAX_LEVELS} in one another"
+)
 _QUOTED = re.compile(r'"([^"]*)"\.([a-z]+)\Z')
 
 
@@ -87,12 +92,19 @@ class Resolver:
         if isinstance(tree, Number):
             return tree
         local = local or {}
+        several: list[int] = []
 
         def visit(e: Expr) -> Expr:
             if isinstance(e, Compare) and e.op in ("==", "!="):
                 return self._equality(e, scope, where)
             if isinstance(e, Name):
                 return local[e.path] if e.path in local else self.name(e.path, scope, where)
+            if isinstance(e, Call) and gathers(e):
+                written = gathered(e, scope, where)
+                several.append(extent(written)[1])
+                if sum(several) > MAX_NODES:
+                    raise _too_long(TOO_MANY, where)
+                return visit(written)
             if isinstance(e, String):
                 raise ModelError(
                     f"the text {e.text!r} stands alone",
@@ -105,8 +117,7 @@ class Resolver:
         whole = visit(tree)
         levels, nodes = extent(whole)
         if levels > MAX_LEVELS or nodes > MAX_NODES:
-            why = f"more than {MAX_NODES} values and operators, or {MAX_LEVELS} in one another"
-            raise _too_long(f"with all that it reads the expression has {why}", where)
+            raise _too_long(TOO_MANY, where)
         return transform(transform(whole, _decided), self._watch)
 
     def _equality(self, e: Compare, scope: Scope, where: str) -> Expr:
@@ -114,7 +125,7 @@ class Resolver:
         for a, b in ((e.left, e.right), (e.right, e.left)):
             if not isinstance(a, Name) or not a.path.endswith(".state"):
                 continue
-            path = join(scope.prefix, a.path.removesuffix(".state"))
+            path = join(scope.prefix, one(a.path, scope, where).removesuffix(".state"))
             if path not in self.machines:
                 continue
             index, states = self.machines[path]
@@ -156,6 +167,8 @@ class Resolver:
         """Return what one name means."""
         if text == "time":
             return Name("time")
+        if "[" in text:
+            text = of_an_array(text, scope, where, self.opened.arrays)
         quoted = _QUOTED.match(text)
         if quoted:
             return self._bond_variable(quoted[1], quoted[2], scope, where)
@@ -172,6 +185,14 @@ class Resolver:
             return self.signal(path)
         found = self._of_a_node(path, where)
         if found is None:
+            missing = no_member(path, self.opened.arrays)
+            if missing is not None:
+                raise ModelError(
+                    f"{text!r} is not known here: {missing[0]}",
+                    code="HB-M154",
+                    where=where,
+                    hint=missing[1],
+                )
             raise ModelError(
                 f"{text!r} is not known here",
                 code="HB-M120",

@@ -7,6 +7,9 @@ from collections.abc import Collection
 from dataclasses import dataclass
 from itertools import pairwise
 
+from hybond.model.arrays import base_of, is_array
+from hybond.names import steps
+
 _CHAIN = re.compile(r"\s*(?:([A-Za-z_]\w*)\s*:)?(.+)\Z", re.DOTALL)
 
 
@@ -53,15 +56,22 @@ def _join(label: str, ends: list[str]) -> str:
     return (f"{label}: " if label else "") + " -> ".join(ends)
 
 
-def node_of(end: str) -> str:
+def node_of(end: str, known: Collection[str] = ()) -> str:
     """Return the node that an end names, less its port: the first part of the path.
+
+    What is in brackets is a member of an array, or several: the array is meant, if it is `known`.
 
     Examples
     --------
-    >>> node_of("motor.shaft"), node_of("v")
-    ('motor', 'v')
+    >>> node_of("motor.shaft"), node_of("v"), node_of("c[2..n].in", ["v", "c[1..n]"])
+    ('motor', 'v', 'c[1..n]')
     """
-    return end.partition(".")[0]
+    if "[" not in end:
+        return end.partition(".")[0]
+    first = steps(end)[0]
+    if first in known:
+        return first
+    return next((k for k in known if is_array(k) and base_of(k) == base_of(first)), first)
 
 
 def without(bonds: list[str], keys: Collection[str]) -> list[str]:
@@ -123,16 +133,20 @@ def renamed(bonds: list[str], names: dict[str, str]) -> list[str]:
     --------
     >>> renamed(["a -> b.plus", "a: a -> c"], {"a": "x", "b": "y"})
     ['x -> y.plus', 'a: x -> c']
+    >>> renamed(["c[1..n-1].out -> c[2..n]"], {"c[1..n]": "d[1..n]"})
+    ['d[1..n-1].out -> d[2..n]']
     """
     found = []
     for text in bonds:
         label, ends = _split(text)
-        if not any(node_of(e) in names for e in ends):
+        if not any(node_of(e, names) in names for e in ends):
             found.append(text)
             continue
         moved = []
         for e in ends:
-            node, dot, port = e.partition(".")
-            moved.append(names.get(node, node) + dot + port)
+            node, new = steps(e)[0], names.get(node_of(e, names))
+            if new is not None and node not in names:
+                new = base_of(new) + node[len(base_of(node)) :]  # an array keeps its ranges
+            moved.append((node if new is None else new) + e[len(node) :])
         found.append(_join(label, moved))
     return found

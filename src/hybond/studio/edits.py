@@ -12,6 +12,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from hybond.errors import UsageError
+from hybond.model.arrays import base_of, is_array, parts_of
 from hybond.model.builder import RESERVED
 from hybond.studio.chains import links, node_of, renamed, reversed_bonds, without
 from hybond.studio.levels import Data, Level, bonds_of, level_of, table
@@ -108,7 +109,8 @@ def _section(level: Level, *keys: str) -> Data:
 
 def _name(level: Level, text: object, where: str) -> str:
     name = str(text)
-    if not NAME.match(name) or name in RESERVED:
+    array = is_array(name) and parts_of(name) is not None and len(name) < 128
+    if not NAME.match(base_of(name) if array else name) or name in RESERVED:
         raise refused(
             f"{name!r} cannot be a name",
             where=where,
@@ -147,7 +149,10 @@ def _remove(level: Level, edit: Message) -> None:
     names = {str(n) for n in edit.get("names", ())}
     keys = {str(k) for k in edit.get("bonds", ())}
     bonds = bonds_of(level.data)
-    keys |= {b.key for b in links(bonds) if {node_of(b.tail), node_of(b.head)} & names}
+    elements = table(level.data, "elements")
+    for b in links(bonds):
+        if {node_of(b.tail, elements), node_of(b.head, elements)} & names:
+            keys.add(b.key)
     if keys:
         _section(level, "graph")["bonds"] = without(bonds, keys)
     for section in ("elements", "layout", "machines", "signals", "inputs", "blocks"):
@@ -173,7 +178,7 @@ def _bond(level: Level, edit: Message) -> None:
     tail, head = str(edit.get("tail", "")).strip(), str(edit.get("head", "")).strip()
     elements = table(level.data, "elements")
     for end in (tail, head):
-        if node_of(end) not in elements:
+        if node_of(end, elements) not in elements:
             raise refused(f"there is no element {end!r}", where="graph.bonds")
     if tail == head:
         raise refused("a bond joins two elements", where="graph.bonds")
@@ -211,16 +216,24 @@ def _rename(level: Level, edit: Message) -> None:
         graph = table(level.data, "graph")
         if "bonds" in graph:
             graph["bonds"] = renamed(bonds_of(level.data), {old: name})
-    word = re.compile(rf"(?<![\w.]){re.escape(old)}(?!\w)")
+    if is_array(old) != is_array(name):
+        raise refused("an array stays one", where=old, hint="change it in the text")
+    word, word_of = _word(old), base_of(name)
     for key in ("elements", "signals", "inputs", "blocks", "parameters", "experiment"):
         if key in level.data:
-            level.data[key] = _replaced(level.data[key], word, name)
+            level.data[key] = _replaced(level.data[key], word, word_of)
     for machine in table(level.data, "machines").values():
-        _rename_in_machine(machine, word, name)
+        _rename_in_machine(machine, word, word_of)
     ports = table(level.data, "ports")
     for port, target in ports.items():
-        if isinstance(target, str) and node_of(target) == old:
-            ports[port] = name + target[len(old) :]
+        if isinstance(target, str) and node_of(target, (old,)) == old:
+            ports[port] = base_of(name) + target[len(base_of(old)) :]
+
+
+def _word(name: str) -> re.Pattern[str]:
+    """Return what finds a name in a text: of an array, before its brackets."""
+    end = r"(?=\[)" if is_array(name) else r"(?!\w)"
+    return re.compile(rf"(?<![\w.]){re.escape(base_of(name))}{end}")
 
 
 def _replaced(value: Any, what: re.Pattern[str], by: str) -> Any:
@@ -312,17 +325,17 @@ def _paste(level: Level, edit: Message) -> None:
     names: dict[str, str] = {}
     for section in ("elements", "machines"):
         for name in table(given, section):
-            if not NAME.match(str(name)):
+            if not NAME.match(base_of(str(name))):
                 raise refused(f"{name!r} cannot be a name", where=section)
-            names[name] = fresh(taken, str(name))
+            base = base_of(str(name))
+            names[name] = fresh({base_of(t) for t in taken}, base) + str(name)[len(base) :]
             taken.add(names[name])
     for section in ("elements", "machines"):
         for name, value in table(given, section).items():
             words = copy.deepcopy(value)
             for old, new in names.items():
                 if old != new:
-                    word = re.compile(rf"(?<![\w.]){re.escape(old)}(?!\w)")
-                    words = _replaced(words, word, new)
+                    words = _replaced(words, _word(old), base_of(new))
             _section(level, section)[names[name]] = words
     bonds = renamed(bonds_of(given), {k: v for k, v in names.items()})
     if bonds:
@@ -368,7 +381,7 @@ def cut_out(data: Data, path: str, names: set[str]) -> Data:
     bonds = [
         f"{b.tail} -> {b.head}"
         for b in links(bonds_of(level.data))
-        if node_of(b.tail) in names and node_of(b.head) in names
+        if node_of(b.tail, names) in names and node_of(b.head, names) in names
     ]
     if bonds:
         found["graph"] = {"bonds": bonds}

@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from hybond.names import steps
+
 Data = dict[str, Any]
 
 
@@ -49,7 +51,7 @@ def level_of(data: Data, path: str) -> Level | None:
     """
     level = Level("", (), data, str(data.get("name", "")))
     known: dict[str, tuple[tuple[str, ...] | None, Data]] = _models(level)
-    for part in path.split(".") if path else ():
+    for part in steps(path) if path else ():
         element = table(level.data, "elements").get(part)
         name = element.get("submodel") if isinstance(element, Mapping) else None
         if not isinstance(name, str):

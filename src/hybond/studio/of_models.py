@@ -13,6 +13,7 @@ from hybond.draw.scene import Line, Mark, Text
 from hybond.errors import UsageError
 from hybond.model.hierarchy import submodel_of
 from hybond.model.parts import SubmodelPart
+from hybond.names import steps
 from hybond.studio.formulas import equations, structure
 from hybond.studio.stock import stock
 from hybond.studio.view import view
@@ -54,7 +55,7 @@ def schematic(session: Session, message: Mapping[str, Any]) -> Message:
     if model is None or seen is None:
         error = session.meaning().error
         raise error or UsageError("there is no model", code="HB-W103", where="schematic")
-    for name in path.split(".") if path else ():
+    for name in steps(path) if path else ():
         part = model.elements.get(name)
         if not isinstance(part, SubmodelPart):
             raise UsageError(f"{path!r} is no level", code="HB-W103", where="schematic")

@@ -11,7 +11,7 @@ from hybond.result import Side
 from hybond.studio.curves import at_cursor, curve, numbers, strip, units_of
 from hybond.studio.instants import events
 from hybond.studio.phase import phase
-from hybond.studio.strokes import Meaning, mode_of, strokes
+from hybond.studio.strokes import Meaning, first_member, mode_of, strokes
 
 if TYPE_CHECKING:
     from hybond.studio.session import Session
@@ -128,12 +128,14 @@ def cursor(session: Session, message: Mapping[str, Any]) -> Message:
 
 
 def numbers_of(known: Meaning, path: str) -> dict[str, int]:
-    """Return the numbers of the bonds of a level in the graph, by what the page calls them."""
+    """Return the numbers of the bonds of a level in the graph, by what the page calls them.
+
+    Of a range and of an array the first is shown for all.
+    """
+    path = path if known.graph is None else first_member(path, known.graph)
     prefix = f"{path}.graph.bonds[" if path else "graph.bonds["
-    found, last, arrow = {}, "", 0
+    found: dict[str, int] = {}
     for k, written in enumerate(() if known.graph is None else known.graph.bonds):
-        arrow = arrow + 1 if written.where == last else 0
-        last = written.where
         if written.where.startswith(prefix):
-            found[f"{written.where[len(prefix) : -1]}.{arrow}"] = k
+            found.setdefault(f"{written.where[len(prefix) : -1]}.{written.arrow}", k)
     return found

@@ -10,7 +10,8 @@ from hybond.errors import HybondError
 from hybond.hints.look import hints_of
 from hybond.model.builder import Model
 from hybond.model.graph import FlatGraph
-from hybond.studio.chains import links
+from hybond.names import steps
+from hybond.studio.chains import links, node_of
 from hybond.studio.levels import Data, bonds_of, table
 from hybond.studio.strokes import Meaning
 
@@ -71,7 +72,7 @@ def place_of(data: Data, where: str) -> dict[str, Any]:
     for b in written:
         if where in (f"{b.tail} -> {b.head}", f"{b.label}: {b.tail} -> {b.head}"):
             return {"bonds": [b.key]}
-    parts = where.split(".")
+    parts = _parts(where, data)
     if parts[0] in _SECTIONS and len(parts) > 1:
         if parts[0] == "elements":
             return {"nodes": [parts[1]]} if parts[1] in table(data, "elements") else {}
@@ -82,6 +83,12 @@ def place_of(data: Data, where: str) -> dict[str, Any]:
         if parts[0] in table(data, section):
             return {"entry": [section, parts[0]]}
     return {}
+
+
+def _parts(where: str, data: Mapping[str, Any]) -> list[str]:
+    """Return the steps of a path, a member of an array as the array."""
+    known = {k for section in _SECTIONS for k in table(data, section)}
+    return [node_of(step, known) for step in steps(where)]
 
 
 def tone(found: list[Mapping[str, Any]]) -> str:

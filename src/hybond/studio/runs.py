@@ -12,6 +12,7 @@ from typing import Any
 from hybond.errors import HybondError, UsageError
 from hybond.model.builder import Model
 from hybond.result import Result
+from hybond.run_ends import Until
 from hybond.simulation import simulate
 from hybond.studio.curves import curve, strip
 
@@ -33,7 +34,7 @@ class Running:
 
     number: int
     title: str
-    until: float | str | None
+    until: Until
     revision: int
     result: Result | None = None
     error: HybondError | None = None
@@ -96,7 +97,7 @@ class Runs:
         self,
         model: Model,
         *,
-        until: float | str | None = None,
+        until: Until = None,
         options: Mapping[str, Any] | None = None,
         revision: int = 0,
         wanted: Sequence[str] = (),

@@ -17,10 +17,11 @@ from hybond.causality.reference import reference_mode
 from hybond.draw.sketch import Arrow, sketch
 from hybond.errors import HybondError
 from hybond.files.load import from_data
+from hybond.model.arrays import base_of, is_array
 from hybond.model.builder import Model
 from hybond.model.graph import FlatGraph, Mode
 from hybond.model.kinds import TWO_PORTS
-from hybond.names import join
+from hybond.names import join, steps
 from hybond.studio.chains import links, node_of
 from hybond.studio.levels import Data, bonds_of, table
 from hybond.studio.view import kind_of
@@ -87,10 +88,13 @@ def skeleton(data: Data) -> Data:
     bonds = [b for b in links(bonds_of(data)) if b.tail != b.head]
     while True:
         count: dict[str, int] = {}
-        bonds = [b for b in bonds if {node_of(b.tail), node_of(b.head)} <= kinds.keys()]
+        bonds = [
+            b for b in bonds if {node_of(b.tail, kinds), node_of(b.head, kinds)} <= kinds.keys()
+        ]
         for b in bonds:
             for end in (b.tail, b.head):
-                count[node_of(end)] = count.get(node_of(end), 0) + 1
+                node = node_of(end, kinds)
+                count[node] = count.get(node, 0) + 1
         least = {name: 2 if kind in TWO_PORTS else 1 for name, kind in kinds.items()}
         poor = {
             name
@@ -115,7 +119,7 @@ def skeleton(data: Data) -> Data:
         states = table(machine, "states") if isinstance(machine, dict) else {}
         if states and machine.get("start") in states:
             listed = {
-                s: [n for n in on if n in kept] if isinstance(on, list) else []
+                s: [n for n in on if node_of(str(n), kept) in kept] if isinstance(on, list) else []
                 for s, on in states.items()
             }
             machines[name] = {"states": listed, "start": machine["start"]}
@@ -126,6 +130,8 @@ def skeleton(data: Data) -> Data:
     }
     if machines:
         found["machines"] = machines
+    if any("[" in name for name in kept):
+        found["parameters"] = table(data, "parameters")
     if "models" in data:
         found["models"] = data["models"]
     return found
@@ -140,33 +146,33 @@ def strokes(known: Meaning, mode: Mode | None, path: str) -> dict[str, Any]:
     graph = known.graph
     if graph is None:
         return {"bonds": {}, "nodes": {}, "conflicts": []}
-    arrays = compile_arrays(graph)
-    reference = reference_mode(graph, arrays=arrays)
+    compiled = compile_arrays(graph)
+    reference = reference_mode(graph, arrays=compiled)
     mode = graph.start_mode if mode is None else mode
-    causality = causality_of(graph, mode, reference=reference, arrays=arrays)
+    causality = causality_of(graph, mode, reference=reference, arrays=compiled)
     shown = sketch(
         graph,
         mode=mode,
         causality=causality,
-        dynamic_bonds=dynamics(graph, reference, arrays=arrays).dynamic,
+        dynamic_bonds=dynamics(graph, reference, arrays=compiled).dynamic,
         title=False,
     )
     bonds: dict[str, Any] = {}
+    path = first_member(path, graph)
     prefix = join(path, "graph.bonds[")
-    last, arrow_of = "", 0
     written_bonds = [b for b in graph.bonds if b.where]
     for written, arrow in zip(written_bonds, shown.arrows, strict=True):
-        arrow_of = arrow_of + 1 if written.where == last else 0
-        last = written.where
         if not written.where.startswith(prefix):
             continue
         chain = written.where[len(prefix) : -1]
         if not known.whole:
             chain, key = "", written.name
         else:
-            key = f"{chain}.{arrow_of}"
-        bonds[key] = _arrow(arrow)
+            key = f"{chain}.{written.arrow}"
+        bonds.setdefault(key, _arrow(arrow))  # of a range the first is shown for all
     nodes: dict[str, Any] = {}
+    own = () if path or known.model is None else known.model.elements
+    arrays = {base_of(key): key for key in own if is_array(key)}
     start = f"{path}." if path else ""
     for symbol in shown.symbols:
         if not symbol.path.startswith(start) or "." in symbol.path[len(start) :]:
@@ -179,13 +185,30 @@ def strokes(known: Meaning, mode: Mode | None, path: str) -> dict[str, Any]:
         told: dict[str, Any] = {k: True for k, v in about.items() if v}
         if symbol.parameter and symbol.kind not in ("0", "1"):
             told["says"] = symbol.parameter
-        nodes[symbol.path[len(start) :]] = told
+        name = symbol.path[len(start) :]
+        nodes[name] = told
+        if base_of(name) in arrays:
+            # the first member is shown for all, its value is not that of all
+            one = {k: v for k, v in told.items() if k != "says"}
+            nodes[arrays.pop(base_of(name))] = one
     conflicts = [] if _decided_by_laws(graph) else causality.conflicts
     return {
         "bonds": bonds,
         "nodes": nodes,
         "conflicts": [conflict_error(graph, mode, c).to_dict() for c in conflicts],
     }
+
+
+def first_member(path: str, graph: FlatGraph) -> str:
+    """Return a path with the first member in place of each array: one is shown for all."""
+    if "[" not in path:
+        return path
+    wanted = [base_of(step) for step in steps(path)]
+    for node in graph.nodes:
+        own = steps(node.path)[: len(wanted)]
+        if [base_of(step) for step in own] == wanted:
+            return ".".join(own)
+    return path
 
 
 def _decided_by_laws(graph: FlatGraph) -> bool:

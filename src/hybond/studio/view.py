@@ -10,11 +10,12 @@ from typing import Any
 from hybond.draw.layout import layout
 from hybond.draw.sketch import typeset
 from hybond.model.kinds import KINDS
+from hybond.names import steps
 from hybond.studio.chains import Link, links, node_of
 from hybond.studio.levels import Data, Level, bonds_of, level_of, table
 from hybond.studio.places import Places
 
-_WORD = re.compile(r"(?<![\w.])[A-Za-z_]\w*(?:\.\w+)*")
+_WORD = re.compile(r"(?<![\w.])[A-Za-z_]\w*(?:\[[^\[\]]*\])?(?:\.\w+)*")
 LAID_OUT = 1500
 """Nodes up to which what has no place is laid out with care; beyond, in rows."""
 
@@ -39,13 +40,17 @@ def view(data: Data, path: str, shown: Places | None = None) -> dict[str, Any] |
         return None
     elements = {k: v for k, v in table(level.data, "elements").items() if isinstance(v, dict)}
     written = links(bonds_of(level.data))
-    bonds = [b for b in written if {node_of(b.tail), node_of(b.head)} <= elements.keys()]
+    bonds = [b for b in written if _ends(b, elements) <= elements.keys()]
     machines = _switched(level)
     places = _places(level, elements, bonds, shown or {})
     nodes = [_node(name, entry, data, path, machines, places) for name, entry in elements.items()]
     ports = {target: port for port, target in table(level.data, "ports").items()}
     for node in nodes:
-        outside = [p for t, p in ports.items() if isinstance(t, str) and node_of(t) == node["name"]]
+        outside = [
+            p
+            for t, p in ports.items()
+            if isinstance(t, str) and node_of(t, elements) == node["name"]
+        ]
         if outside:
             node["outside"] = outside
     signals = _signal_nodes(level)
@@ -53,10 +58,10 @@ def view(data: Data, path: str, shown: Places | None = None) -> dict[str, Any] |
         "path": path,
         "name": level.name,
         "editable": level.editable,
-        "crumbs": path.split(".") if path else [],
+        "crumbs": steps(path) if path else [],
         "domain": level.data.get("domain", "generic"),
         "nodes": nodes,
-        "bonds": [_bond(b) for b in bonds],
+        "bonds": [_bond(b, elements) for b in bonds],
         "modulations": list(_modulations(level, elements, signals)),
         "signals": signals,
     }
@@ -119,12 +124,16 @@ def _given(entry: Mapping[str, Any]) -> str:
     return ", ".join(given[:2]) + (", …" if len(given) > 2 else "")
 
 
-def _bond(link: Link) -> dict[str, Any]:
+def _ends(link: Link, elements: Mapping[str, Any]) -> set[str]:
+    return {node_of(link.tail, elements), node_of(link.head, elements)}
+
+
+def _bond(link: Link, elements: Mapping[str, Any]) -> dict[str, Any]:
     text = f"{link.tail} -> {link.head}"
     return {
         "key": link.key,
-        "tail": node_of(link.tail),
-        "head": node_of(link.head),
+        "tail": node_of(link.tail, elements),
+        "head": node_of(link.head, elements),
         "ends": [link.tail, link.head],
         "text": f"{link.label}: {text}" if link.label else text,
     }
@@ -137,7 +146,7 @@ def _switched(level: Level) -> dict[str, str]:
         states = machine.get("states") if isinstance(machine, dict) else None
         for on in states.values() if isinstance(states, dict) else ():
             for node in on if isinstance(on, list) else ():
-                found[str(node)] = name
+                found[node_of(str(node), level.data.get("elements", ()))] = name
     return found
 
 
@@ -155,7 +164,8 @@ def _places(
     names = list(elements)
     number = {name: k for k, name in enumerate(names)}
     kinds = tuple("TF" if (k := kind_of(e)) in ("part", "?") else k for e in elements.values())
-    pairs = tuple((number[node_of(b.tail)], number[node_of(b.head)]) for b in bonds)
+    ends = [(node_of(b.tail, number), node_of(b.head, number)) for b in bonds]
+    pairs = tuple((number[tail], number[head]) for tail, head in ends)
     pins = tuple((number[name], at) for name, at in given.items())
     return dict(zip(names, _laid_out(kinds, pairs, pins), strict=True))
 
@@ -201,9 +211,9 @@ def _modulations(
 
     def sources(value: Any, seen: frozenset[str]) -> Iterator[str]:
         for word in _read(value):
-            head = word.partition(".")[0]
+            head = node_of(word, elements)
             if head in elements:
-                if "." in word:
+                if "." in word.rpartition("]")[2]:
                     yield head
             elif head in sections and head not in seen:
                 yield from sources(sections[head], seen | {head})

@@ -23,6 +23,7 @@ from hybond.model.parts import Value
 from hybond.names import did_you_mean
 from hybond.progress import Asked, shown
 from hybond.result import Result
+from hybond.run_ends import Until, ends_of
 from hybond.run_options import STEPPING, end_of
 from hybond.simulation import simulate
 from hybond.sweep.collection import Ensemble
@@ -50,7 +51,7 @@ _RUN = ("engine", "keep", "fmus")
 @called('hb.ensemble(model, "1 s", sets={"m": [1.0, 2.0]})')
 def ensemble(
     model: Model,
-    until: float | str | None = None,
+    until: Until = None,
     *,
     sets: Mapping[str, Any] | Iterable[Mapping[str, Any]],
     outputs: str | Sequence[str] | None = None,
@@ -131,6 +132,12 @@ def ensemble(
         raise _refusal(f"workers = {workers!r}", "workers", "1 or more threads")
     columns = columns_of(sets)
     end = end_of(until, model.experiment)
+    conditions = ends_of(until, model.experiment).conditions
+    if conditions:
+        why = f"members do not end where {conditions[0]!r} holds"
+        raise _refusal(why, "until", 'an ensemble ends at a time: until="1 s"')
+    if model.experiment.get("start") is not None:
+        raise _refusal("members start as the model says", "experiment.start", "leave start out")
     task = Task(
         model,
         end,
@@ -378,7 +385,7 @@ def _times(samples: int | Sequence[float] | Vector | None, end: float) -> Vector
 
 
 def _check_options(options: Mapping[str, Any]) -> None:
-    known = inspect.signature(simulate).parameters.keys() - {"model", "until", "progress"}
+    known = inspect.signature(simulate).parameters.keys() - {"model", "until", "progress", "start"}
     for name in options:
         if name in _OWN:
             raise _refusal(f"an ensemble has no {name!r}", name, _OWN[name])

@@ -30,7 +30,7 @@ from hybond.model.graph import FlatGraph, Mode
 from hybond.model.parts import Value
 from hybond.names import did_you_mean
 from hybond.result import Result
-from hybond.run_options import ALIASES, RTOL, SOLVERS, STEPPING, seconds
+from hybond.run_options import ALIASES, RTOL, SOLVERS, STEPPING, end_of, seconds
 from hybond.simulation import simulate
 
 FIXED = ("moreau-jean", "rk4", "euler")
@@ -208,6 +208,8 @@ def cross_check(
             where="levels",
             hint="2 or 3",
         )
+    # two engines are compared over one time, whatever else would end a run
+    until = end_of(until, graph.experiment)
     pair, chosen = _engines(graph, engines)
     wide = watched(graph)
     own = simulator(wide, until, rtol, progress)
@@ -334,8 +336,7 @@ def _values(
         return [min(v, 1e-2) for v in values]
     given = step if step is not None else graph.experiment.get("step")
     if given is None:
-        end = until if until is not None else graph.experiment.get("until", 0.0)
-        h = seconds(end, "until") / STEPS
+        h = end_of(until, graph.experiment) / STEPS
     else:
         h = seconds(given, "step")
     return [h / 2.0**k for k in range(levels + MORE)]

@@ -33,9 +33,17 @@ typedef struct HybondRun {
     Report *log;
     int status;
     bool settling; /* whether it was an instant that could not be settled */
+    Carrier *carrier;
     Look *l;
     Meter *meter;
 } HybondRun;
+
+/* What a run hands to one that goes on: the numbers of the record Carried in native.py. */
+typedef struct HybondCarried {
+    int floats, ints;
+    double *number;
+    int *place;
+} HybondCarried;
 
 /* The log of a run: how many there are of what, and columns of numbers; as in rows.py. */
 #define COUNTS(X) \
@@ -205,6 +213,33 @@ SHOWN int hybond_try(HybondRun *run, const int *state, int *hold)
     }
     run->settling = true;
     return try_at_start(run->e, run->r, state, hold);
+}
+
+/* Write down where a run has come: how many numbers, and where they stand until the next call. */
+SHOWN int hybond_take(HybondRun *run, HybondCarried *carried)
+{
+    if (setjmp(run->arena.spent) != 0) {
+        return SPENT;
+    }
+    if (run->carrier == NULL) {
+        run->carrier = make_carrier(run->e);
+    }
+    take_out(run->e, run->r, run->carrier);
+    carried->floats = run->carrier->floats;
+    carried->ints = run->carrier->ints;
+    carried->number = run->carrier->number->at;
+    carried->place = run->carrier->place->at;
+    return 0;
+}
+
+/* Let a run that has not begun begin with numbers that stand where `hybond_take` had them. */
+SHOWN int hybond_put(HybondRun *run, int way, double until, int deep)
+{
+    if (setjmp(run->arena.spent) != 0) {
+        return SPENT;
+    }
+    take_over(run->e, run->r, run->carrier, way, until, deep != 0);
+    return 0;
 }
 
 SHOWN void hybond_see(const HybondRun *run, HybondSeen *seen)

@@ -13,16 +13,16 @@ import os
 import weakref
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from hybond.blocks.runners import Runner
 from hybond.engine.compiled.answering import CALLBACK, Answering, Question
 from hybond.engine.compiled.refusal import Refusal, refusal_of
 from hybond.engine.compiled.rows import COUNTS, Rows, Seen, rows_of
-from hybond.engine.compiled.sliced import OK, RAISED, SPENT, SlicedRun
+from hybond.engine.compiled.sliced import OK, PAUSED, RAISED, SPENT, SlicedRun, fitted
 from hybond.engine.compiled.sources import NAME, digest
 from hybond.engine.tables import ModelTables
 from hybond.engine.tables.code import Code
@@ -80,6 +80,8 @@ def library() -> ctypes.CDLL:
     found.hybond_ask.argtypes = [ctypes.c_void_p, ctypes.POINTER(Question), CALLBACK]
     found.hybond_ask.restype = None
     found.hybond_fault.restype = None
+    found.hybond_take.argtypes = [ctypes.c_void_p, ctypes.c_void_p]
+    found.hybond_put.argtypes = [ctypes.c_void_p, ctypes.c_int, ctypes.c_double, ctypes.c_int]
     for name in ("hybond_forget", "hybond_end"):
         getattr(found, name).argtypes = [ctypes.c_void_p]
         getattr(found, name).restype = None
@@ -168,6 +170,17 @@ class NativeModel:
         setattr(self.record, name, column.ctypes.data_as(ctypes.POINTER(kind)))
 
 
+class Carried(ctypes.Structure):
+    """What a run hands to one that goes on from it, as the library shows it."""
+
+    _fields_: ClassVar[Any] = [
+        ("floats", ctypes.c_int),
+        ("ints", ctypes.c_int),
+        ("number", ctypes.POINTER(ctypes.c_double)),
+        ("place", ctypes.POINTER(ctypes.c_int)),
+    ]
+
+
 class NativeRun(SlicedRun):
     """One run of a model by the library.
 
@@ -244,6 +257,34 @@ class NativeRun(SlicedRun):
         if self.error is not None:
             raise self.error
         return hold if status == OK else None
+
+    def carried(self) -> tuple[NDArray[np.float64], NDArray[np.intc]]:
+        """Return what a run that goes on from here is handed."""
+        seen = self._taken_out()
+        return (
+            _copied(seen.number, np.float64, (seen.floats,)),
+            _copied(seen.place, np.intc, (seen.ints,)),
+        )
+
+    def _taken_out(self) -> Carried:
+        seen = Carried()
+        if self._library.hybond_take(self._handle, ctypes.byref(seen)) == SPENT:
+            raise MemoryError
+        return seen
+
+    def begin_from(
+        self, number: ArrayLike, place: ArrayLike, *, way: int, until: float, deep: bool
+    ) -> None:
+        """Let the run, which has not begun, begin with such numbers."""
+        if self.status != PAUSED or self.t > 0.0:
+            raise ValueError("the run has begun")
+        numbers, places = fitted(self.carried(), number, place, deep=deep)
+        seen = self._taken_out()
+        ctypes.memmove(seen.number, numbers.ctypes.data, numbers.nbytes)
+        ctypes.memmove(seen.place, places.ctypes.data, places.nbytes)
+        if self._library.hybond_put(self._handle, way, until, int(deep)) == SPENT:
+            raise MemoryError
+        self._see()
 
     def _taken(self) -> Rows:
         s, model = self._seen, self.model.record

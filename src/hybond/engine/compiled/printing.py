@@ -18,7 +18,7 @@ ROOTS = (
     *("make_look", "look_into", "points_at", "points_within", "ask_for"),
     *("look_values", "look_parts", "parts_of", "make_meter", "look_powers", "look_energies"),
     *("look_stored", "look_sources", "look_by_knowns", "try_at_start"),
-    *("run_code", "run_pair_code"),
+    *("run_code", "run_pair_code", "make_carrier", "take_out", "take_over"),
 )
 """What `library.c` calls, and what evaluates expressions."""
 COLUMNS = """\

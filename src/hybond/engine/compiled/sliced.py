@@ -98,6 +98,33 @@ class SlicedRun(ABC):
         """Enter a mode, as `tried`."""
 
     @abstractmethod
+    def carried(self) -> tuple[NDArray[np.float64], NDArray[np.intc]]:
+        """Return what a run that goes on from here is handed: see `engine.run.carried`."""
+
+    @abstractmethod
+    def begin_from(
+        self, number: ArrayLike, place: ArrayLike, *, way: int, until: float, deep: bool
+    ) -> None:
+        """Let the run, which has not begun, begin with such numbers.
+
+        Parameters
+        ----------
+        number, place : array_like
+            As `carried` returns them; without `deep` as many as the state takes.
+        way : int
+            GIVEN, CHANGED or GOES_ON of `engine.run.run_records`.
+        until : float
+            When it ends, s.
+        deep : bool
+            Whether they hold what a run of the same model remembers.
+
+        Raises
+        ------
+        ValueError
+            For other numbers than a run of this model has, or a run that has begun.
+        """
+
+    @abstractmethod
     def _taken(self) -> Rows:
         """Return what was written down, and forget it."""
 
@@ -165,6 +192,28 @@ class SlicedRun(ABC):
         with self._lock:
             self.status = REFUSED
             return self._try(asked)
+
+
+def fitted(
+    own: tuple[NDArray[np.float64], NDArray[np.intc]],
+    number: ArrayLike,
+    place: ArrayLike,
+    *,
+    deep: bool,
+) -> tuple[NDArray[np.float64], NDArray[np.intc]]:
+    """Return numbers that a run begins with, if they are as many as its own are.
+
+    Raises
+    ------
+    ValueError
+    """
+    numbers = np.ascontiguousarray(number, dtype=np.float64).reshape(-1)
+    places = np.ascontiguousarray(place, dtype=np.intc).reshape(-1)
+    most = len(own[0]), len(own[1])
+    fits = (len(numbers), len(places)) == most if deep else len(numbers) <= most[0]
+    if not fits or len(places) > most[1]:
+        raise ValueError(f"{len(numbers)} and {len(places)} numbers, where a run has {most}")
+    return numbers, places
 
 
 def _check_slice(steps: int) -> None:

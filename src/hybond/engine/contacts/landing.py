@@ -117,7 +117,7 @@ def worth_trying(e: Engine, g: Landings, k: int) -> bool:
         closed = closed and found
     if closed:
         return False  # it closed without our help
-    room = room_of(e.t, e.until)
+    room = room_of(e.t, e.span)
     if g.touch_rebound[k] >= 0.5 * g.touch_approach[k]:
         # it flies about as long as before
         return g.touch_gap[k] <= LIVELY * room
@@ -190,8 +190,8 @@ def flight_over(e: Engine, g: Landings, k: int) -> bool:
     m = e.model
     contact = g.touch_contact[k]
     machine = m.contact_machine[contact]
-    tick = tick_of(e.t, e.until)
-    room = room_of(e.t, e.until)
+    tick = tick_of(e.t, e.span)
+    room = room_of(e.t, e.span)
     flight = 0.0
     peak = 0.0
     for r in range(m.reaction_first[contact], m.reaction_first[contact + 1]):
@@ -359,7 +359,7 @@ def stuck(e: Engine) -> bool:
         g.stuck_machine = k
         g.limit_t = e.t
         g.limit_ratio = math.nan
-        if fell_silent(g, k, e.until):
+        if fell_silent(g, k, e.span):
             if not limit_of(g, g.times, k, g.kept[k]):
                 g.limit_t = e.t
                 g.limit_ratio = math.nan
@@ -368,7 +368,7 @@ def stuck(e: Engine) -> bool:
             if m.tells != 0:
                 warn_of_unrest(e, g, k)
             return True
-        if chatters(g, k, e.until):
+        if chatters(g, k, e.span):
             g.stuck_events = g.other_kept[k]
             g.stuck_why = CHATTERS
             return True
@@ -381,7 +381,7 @@ def stuck(e: Engine) -> bool:
         return False
     first = g.event_times[g.events % CROWD]
     last = g.event_times[(g.events - 1) % CROWD]
-    return last - first <= FEW_EVENTS * e.until
+    return last - first <= FEW_EVENTS * e.span
 
 
 def keep_still(e: Engine, y: Floats) -> None:

@@ -24,6 +24,8 @@ TIME: Final = 2
 INPUT: Final = 3
 ACCUMULATION: Final = 4
 SAMPLE: Final = 6
+CHANGE: Final = 7
+"""Parameters or inputs of a run that goes on were set."""
 LAW: Final = 10
 """A source, or what modulates one, jumps onto what is stored."""
 

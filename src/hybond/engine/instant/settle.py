@@ -23,6 +23,7 @@ from hybond.engine.instant.indeterminate import (
     warn_of_open,
 )
 from hybond.engine.instant.instant import (
+    CHANGE,
     CONTINUOUS,
     MYTHICAL,
     PINNACLE,
@@ -170,7 +171,7 @@ def settle(e: Engine, g: Settling, i: Instant) -> int:
     if is_fieldless(e, e.mode):
         why = "the mode holds at an instant only (a law reads pre()) but no guard leaves it"
         return say_fault(e, "HB-N403", why, "")
-    if i.steps == 0 and i.cause == START:
+    if i.steps == 0 and (i.cause == START or i.cause == CHANGE):
         drop_fired(i)
         note_step(i, CONTINUOUS)
         tell_trial(e, i, g.x, True)

@@ -28,6 +28,8 @@ THROWN_BACK: Final = -6
 """Its own jump does."""
 OVER_A_STEP: Final = -7
 """Complementarity over a step. Read are common and net variable of each junction of the law."""
+STEP_ENDS: Final = -8
+"""What ends the run holds where a step ends, at which nothing could be settled."""
 
 
 @record

@@ -10,15 +10,16 @@ from traceback import walk_tb
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from hybond.blocks.runners import Runner
 from hybond.engine.compiled.answering import Calls
 from hybond.engine.compiled.refusal import Refusal
 from hybond.engine.compiled.rows import COUNTS, FLOATS, INTS, Rows, rows_of
-from hybond.engine.compiled.sliced import OK, RAISED, REFUSED, SlicedRun
+from hybond.engine.compiled.sliced import OK, PAUSED, RAISED, REFUSED, SlicedRun, fitted
 from hybond.engine.engine import Fault, make_engine
 from hybond.engine.model import Model
+from hybond.engine.run.carried import make_carrier, take_out, take_over
 from hybond.engine.run.log import forget_rows, make_report, report_broken
 from hybond.engine.run.motion import run_to_end
 from hybond.engine.run.run_records import make_run
@@ -112,6 +113,29 @@ class PythonRun(SlicedRun):
         status = try_at_start(self._engine, self._run, state.tolist(), hold)
         self._see()
         return np.array(hold, dtype=np.intc) if status == OK else None
+
+    def carried(self) -> tuple[NDArray[np.float64], NDArray[np.intc]]:
+        """Return what a run that goes on from here is handed."""
+        c = make_carrier(self._engine)
+        take_out(self._engine, self._run, c)
+        return (
+            np.array(c.number.at[: c.floats], dtype=np.float64),
+            np.array(c.place.at[: c.ints], dtype=np.intc),
+        )
+
+    def begin_from(
+        self, number: ArrayLike, place: ArrayLike, *, way: int, until: float, deep: bool
+    ) -> None:
+        """Let the run, which has not begun, begin with such numbers."""
+        if self.status != PAUSED or self.t > 0.0:
+            raise ValueError("the run has begun")
+        numbers, places = fitted(self.carried(), number, place, deep=deep)
+        c = make_carrier(self._engine)
+        take_out(self._engine, self._run, c)
+        c.number.at[: len(numbers)] = numbers.tolist()
+        c.place.at[: len(places)] = places.tolist()
+        take_over(self._engine, self._run, c, way, until, deep)
+        self._see()
 
     def _taken(self) -> Rows:
         log, warned, m = self._log, self._log.warned, self.model.record

@@ -47,7 +47,7 @@ def look_ahead(e: Engine, r: Laws) -> int:
         turns = turns or may_turn(r, k)
     if not turns:
         return OK
-    step = AHEAD * max(e.until, math.fabs(r.t))
+    step = AHEAD * max(e.span, math.fabs(r.t))
     for k in range(m.storages):
         r.moved[k] = r.x[k] + step * r.field[k]
     for k in range(m.integrals):
@@ -88,7 +88,7 @@ def turns_at_once(e: Engine, r: Laws, t: float) -> bool:
     """
     m = e.model
     mode = e.mode
-    step = AHEAD * max(e.until, math.fabs(t))
+    step = AHEAD * max(e.span, math.fabs(t))
     r.broken = 0
     for k in range(m.storages):
         r.moved[k] = e.trial.x[k]

@@ -81,12 +81,8 @@ def orientation(m: Model, base: Ints, given: Ints) -> None:
     """Put which variable of each port is given into `given`.
 
     The choice is the reference mode of causality, which the tables hold for all that the
-    machines beside the laws switch.
+    machines beside the laws switch; of too many settings for the start alone.
     """
-    if m.oriented == 0:
-        for p in range(m.ports):
-            given[p] = NET if m.port_two_sided[p] != 0 else COMMON
-        return
     number = 0
     for k in range(m.machines):
         if m.is_law[k] == 0:

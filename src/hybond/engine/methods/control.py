@@ -104,6 +104,8 @@ def controlled_step(e: Engine, t_end: float) -> int:
     s = e.step
     remaining = t_end - s.t
     begin_step(e)
+    s.h_asked = s.h
+    s.error_asked = s.error_before
     smallest = 10.0 * spacing(s.t0)
     h = max(min(s.h, e.model.max_step), smallest)
     may_land = remaining <= e.model.max_step * (1.0 + 1e-12)

@@ -53,6 +53,7 @@ def fixed_step(e: Engine, t_end: float) -> int:
     if not s.rated and find_rate(e) != OK:
         return NOT_FINITE
     begin_step(e)
+    s.grid_asked = s.grid_next
     s.rejected = 0
     if advance_fixed(e, t1) != OK:
         return not_finite(e)

@@ -19,7 +19,7 @@ LEAST: Final = 8.0
 def room_of_instant(e: Engine, t: float) -> float:
     """Return how long an instant lasts: `event_tol` of the run, eight last places at least."""
     now = math.fabs(t)
-    return max(e.model.event_tol * max(e.until, now), LEAST * spacing(now))
+    return max(e.model.event_tol * max(e.span, now), LEAST * spacing(now))
 
 
 def is_one_kink(e: Engine, t0: float, y0: Floats, t1: float, y1: Floats) -> bool:

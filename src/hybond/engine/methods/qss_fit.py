@@ -44,7 +44,7 @@ def fit_rates(e: Engine, a: Quantised, horizon: float) -> int:
     s = e.step
     t = s.t0
     smallest = 4.0 * spacing(t)
-    h = max(min(min(horizon, a.reach), LOOKED * e.until), smallest)
+    h = max(min(min(horizon, a.reach), LOOKED * e.span), smallest)
     while not asked_along(e, a, h):
         if h <= smallest:
             return rate_not_finite(e, h, True)

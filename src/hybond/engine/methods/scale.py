@@ -34,7 +34,7 @@ def start_scale(e: Engine, mode: Mode) -> None:
     moment later count.
     """
     if not found_terms(e, mode, e.t):
-        soon = SHORT * e.until
+        soon = SHORT * e.span
         if e.next_break < math.inf:
             soon = min(soon, 0.5 * (e.next_break - e.t))
         hold_guess(e, mode)
@@ -77,7 +77,7 @@ def found_terms(e: Engine, mode: Mode, t: float) -> bool:
     for k in range(m.storages):
         at = m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 0 else 0)
         size = size_of(e, mode, at, e.work.xi, e.v)
-        e.rounding[k] = ROUNDED * SHORT * e.until * size
+        e.rounding[k] = ROUNDED * SHORT * e.span * size
         found = found or size > 0.0
     return found
 

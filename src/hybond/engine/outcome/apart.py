@@ -47,6 +47,7 @@ class Apart:
         experiment = self.graph.experiment
         settings = Settings(
             until=1.0,
+            span=1.0,
             solver="rk45",
             step=None,
             rtol=1e-8,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 from typing import Literal
 
@@ -29,6 +29,13 @@ class Combination:
     """The mode shown."""
     modes: NDArray[np.intc] | None = None
     """Shape (parts, machines), or None. The states of machines in each mode that is combined."""
+
+    def of(self, machines: int) -> Combination:
+        """Return the same of the first machines alone."""
+        if len(self.mode) <= machines:
+            return self
+        modes = None if self.modes is None else np.ascontiguousarray(self.modes[:, :machines])
+        return replace(self, mode=self.mode[:machines], modes=modes)
 
     def is_like(self, other: Combination) -> bool:
         """Whether the same surfaces are slid on in the same way."""

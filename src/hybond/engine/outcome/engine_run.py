@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from hybond.blocks.runners import Runner
 from hybond.engine.compiled.refusal import Refusal
 from hybond.engine.compiled.sliced import ACCUMULATES, REFUSED
+from hybond.engine.outcome.beginnings import Beginning, not_of_this_model
 from hybond.engine.outcome.engines import Prepared
 from hybond.engine.outcome.faults import Fault, error_of
 from hybond.engine.outcome.journal import Journal
@@ -43,6 +44,12 @@ class EngineRun:
     ----------
     runners : mapping
         What runs each block, by its path.
+    begin : Beginning
+        Where it begins, if not where the model says.
+    until : float
+        When it ends, s, if before the time that its tables have.
+    shown : Prepared
+        The model without the machine that ends the run.
     """
 
     def __init__(
@@ -53,16 +60,29 @@ class EngineRun:
         keep: int | None = None,
         journal: Journal | None = None,
         runners: Mapping[str, Runner] | None = None,
+        begin: Beginning | None = None,
+        until: float | None = None,
+        shown: Prepared | None = None,
     ) -> None:
         self.tables = model.tables
         self.trace = Trace()
-        self.records = Records(model.tables, self.trace)
+        if begin is not None:
+            self.trace.begin = begin.t
+        self.records = Records(model.tables, self.trace, begin)
         self.progress = progress
         self.keep = keep
         self.journal = journal
         self._slice = FIRST
         self._run = model.run(runners)
-        self.trace.signals = Signals(model, self.trace)
+        if begin is not None:
+            end = float(model.tables.numbers["until"]) if until is None else until
+            try:
+                self._run.begin_from(
+                    begin.number, begin.place, way=begin.way, until=end, deep=begin.deep
+                )
+            except ValueError as error:
+                raise not_of_this_model(str(error)) from None
+        self.trace.signals = Signals(shown or model, self.trace)
 
     def run(self) -> str:
         """Run to the end; return ``"ok"`` or ``"accumulation"``.
@@ -85,6 +105,11 @@ class EngineRun:
                 self.journal.close()
         if self._run.status == REFUSED:
             raise self._error()
+        self.trace.carried = self._run.carried()
+        ends = self.tables.graph.ends
+        if ends >= 0 and self._run.mode[ends] != 0:
+            rules = self.tables.graph.machines[ends].rules
+            self.trace.ended_by = rules[self._run.mode[ends] - 1].text
         if self._run.status == ACCUMULATES:
             self._note_stuck()
             return "accumulation"
@@ -225,7 +250,7 @@ def _write(journal: Journal, found: Instants) -> None:
     for k, t in enumerate(rows.instant_time[:, 0].tolist()):
         cause = CAUSES.get(int(rows.instant_place[k, 0]))
         if cause is not None:
-            mode = tuple(found.states[k].tolist())
+            mode = tuple(found.states[k].tolist())[: len(journal.graph.machines)]
             journal.row(t, cause, mode, rows.instant_state[k, 1].tolist())
 
 

@@ -28,6 +28,7 @@ WHY = {
     -5: "the other surfaces push it back",
     -6: "its jump throws it back",
     OVER_A_STEP: "complementarity over the step",
+    -8: "holds where the step ends",
 }
 """Why a transition fired if no rule did: as in `hybond.engine.instant.told`."""
 OPEN_BEFORE = 2

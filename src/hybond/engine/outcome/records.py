@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.engine.compiled.rows import MACHINES_OF_INSTANT, MACHINES_OF_STEP, Rows
+from hybond.engine.outcome.beginnings import Beginning
 from hybond.engine.outcome.combinations import (
     ALONE,
     Combination,
@@ -42,6 +43,8 @@ CAUSES: dict[int, Cause] = {
     4: "accumulation",
     5: "step",
     6: "sample",
+    7: "change",
+    8: "until",
     10: "law",
 }
 BROKEN = 16
@@ -193,8 +196,12 @@ class Instants:
 class Records:
     """Turns the rows of one run into its trace."""
 
-    def __init__(self, tables: ModelTables, trace: Trace) -> None:
+    def __init__(self, tables: ModelTables, trace: Trace, begin: Beginning | None = None) -> None:
         self.graph = tables.graph
+        ends = self.graph.ends
+        self.many = ends if ends >= 0 else len(self.graph.machines)
+        """Machines that are shown: not the one that is there to end the run."""
+        self.begin = begin
         self.trace = trace
         self.explain = Explaining(tables)
         self.warnings = Warnings(self.graph, self.explain, tables.ints["element_node"])
@@ -202,7 +209,7 @@ class Records:
         self.broken: tuple[Instants, int] | None = None
         """An instant that could not be settled."""
         self.mode: Mode = self.graph.start_mode
-        self.t = 0.0
+        self.t = 0.0 if begin is None else begin.t
         self.steps = 0
         self.in_steps = False
         """Whether these are the records of time-stepping."""
@@ -217,7 +224,7 @@ class Records:
     def add(self, rows: Rows) -> Instants | None:
         """Add the rows of a slice; return its instants, if there are any."""
         for t, combination in combinations(rows, len(self.graph.machines)):
-            self._note_slide(t, combination)
+            self._note_slide(t, combination.of(self.many))
         found = Instants(rows, self.mode) if len(rows.instant_time) else None
         if found is not None:
             self._add_instants(found)
@@ -237,9 +244,11 @@ class Records:
                 rows.step_until,
                 rows.step_state,
                 rows.step_dense,
-                rows.step_place,
+                self._places(rows.step_place),
                 points,
             )
+            if self.begin is not None and float(new.time[0, 0]) < self.begin.t:
+                begin_later(new, self.begin.t)
             self._add_steps(new)
         return found
 
@@ -263,6 +272,13 @@ class Records:
             self.trace.segments.cut(over)
 
     # -- motion
+
+    def _places(self, place: NDArray[np.intc]) -> NDArray[np.intc]:
+        """Return places of steps, of the machines that are shown."""
+        if self.graph.ends < 0:
+            return place
+        last = MACHINES_OF_STEP + self.graph.ends
+        return np.ascontiguousarray(np.delete(place, [last, place.shape[1] - 1], axis=1))
 
     def _points(self, rows: Rows) -> Points:
         """Return what time-stepping tells besides; energies are those from the beginning on."""
@@ -304,11 +320,10 @@ class Records:
     def _segment(
         self, steps: Steps, first: int, last: int, which: tuple[Combination, int | None]
     ) -> Segment:
-        machines = len(self.graph.machines)
+        machines = self.many
         place = steps.place[first, MACHINES_OF_STEP:].tolist()
-        landed = tuple(
-            m.path for m, k in zip(self.graph.machines, place[machines:], strict=True) if k
-        )
+        shown = self.graph.machines[:machines]
+        landed = tuple(m.path for m, k in zip(shown, place[machines:], strict=True) if k)
         t0 = float(steps.time[first, 0])
         if steps.points is not None:
             return self._stepped(steps, first, last, tuple(place[:machines]))
@@ -365,14 +380,19 @@ class Records:
         rows = found.rows
         t = float(rows.instant_time[k, 0])
         before, after = rows.instant_state[k]
-        cause = CAUSES[int(rows.instant_place[k, 0])]
+        cause: Cause = CAUSES[int(rows.instant_place[k, 0])]
         if cause == "start":
             # the row begins with what was settled
-            before = np.array(start_of(self.graph))
+            before = np.array(start_of(self.graph) if self.begin is None else self.begin.state)
+        steps = self.explain.steps(found, k)
+        ends = self.graph.ends
+        if ends >= 0:
+            steps = tuple(replace(step, mode=step.mode[:ends]) for step in steps)
+            cause = "until" if found.states[k][ends] != 0 else cause
         return Event(
             t,
             cause,
-            self.explain.steps(found, k),
+            steps,
             before,
             after,
             tuple(
@@ -437,6 +457,22 @@ class Records:
                     f"in mode ({self.graph.mode_text(mode)}) the equations leave "
                     f"{', '.join(names)} open; least leakage decides"
                 )
+
+
+def begin_later(steps: Steps, t: float) -> None:
+    """Let the first step begin at a time within it: its polynomial is that of what is left."""
+    t0, t1 = steps.time[0, :2].tolist()
+    first = (t - t0) / (t1 - t0)
+    left = 1.0 - first
+    c = np.vstack([steps.state[0, 0], steps.dense[0]])
+    powers = range(len(c))
+    moved = [
+        left**k * sum(math.comb(j, k) * first ** (j - k) * c[j] for j in powers if j >= k)
+        for k in powers
+    ]
+    steps.time[0, 0] = t
+    steps.state[0, 0] = moved[0]
+    steps.dense[0] = moved[1:]
 
 
 def _first(counts: NDArray[np.intc]) -> NDArray[np.intp]:

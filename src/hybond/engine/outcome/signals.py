@@ -21,6 +21,7 @@ from hybond.engine.outcome.along import Along
 from hybond.engine.outcome.combinations import ALONE, Combination
 from hybond.engine.outcome.engines import Prepared
 from hybond.engine.outcome.records import Block, Interpolants
+from hybond.engine.tables import ModelTables
 from hybond.model.expressions import ARRAYS, Expr, Name, Number, compile_expression, names, uses_pre
 from hybond.model.graph import FlatGraph, Mode
 from hybond.trace import Segment, Trace
@@ -47,6 +48,11 @@ class Signals:
         """Who asks has first to say into what: nobody else may come between."""
         self._into: object = None
 
+    @property
+    def tables(self) -> ModelTables:
+        """The tables of the model."""
+        return self._model.tables
+
     def __deepcopy__(self, memo: dict[int, Any]) -> Signals:
         """Return signals of a copied run, with a look of their own."""
         return Signals(self._model, copy.deepcopy(self._trace, memo))
@@ -61,7 +67,7 @@ class Signals:
             if not resting.all():
                 found[:, ~resting] = self._of(segment, expressions, t[~resting])
             for k in np.flatnonzero(resting).tolist():
-                state, mode = self._rest(segment, float(t[k]))
+                state, mode = self.rest(segment, float(t[k]))
                 found[:, k] = self.after(float(t[k]), state, mode, expressions)
         return list(found)
 
@@ -141,7 +147,7 @@ class Signals:
         for k, e in enumerate(expressions):
             found[k, points] = self._value(e, columns, points.shape)
 
-    def _rest(self, segment: Segment, t: float) -> tuple[Vector, Mode]:
+    def rest(self, segment: Segment, t: float) -> tuple[Vector, Mode]:
         """Return state and mode at a time behind the last step of a segment.
 
         Between the last of impacts that come to rest and their limit nothing is integrated: there
@@ -329,7 +335,7 @@ class Signals:
     def weight(self, segment: Segment, t: float, machine: int, state: int) -> float:
         """Return the part of the time that a machine spends in a state at a time."""
         if t > segment.t[-1]:
-            return float(self._rest(segment, t)[1][machine] == state)
+            return float(self.rest(segment, t)[1][machine] == state)
         steps, times = self._within(segment, np.array([t]))
         with self._lock:
             self._enter(segment)

@@ -76,7 +76,7 @@ def compare(graph: FlatGraph, step: float, fine: Trace, coarse: Trace) -> StepEr
     if not n or not fine.segments or not coarse.segments:
         return None
     end = min(float(fine.segments[-1].t[-1]), float(coarse.segments[-1].t[-1]))
-    times = np.linspace(0.0, end, SAMPLES + 1)
+    times = np.linspace(float(fine.segments[0].t[0]), end, SAMPLES + 1)
     a, b = (_sampled(trace, times)[:, :n] for trace in (fine, coarse))
     largest = np.maximum(np.abs(a).max(axis=0), np.abs(b).max(axis=0))
     counts = np.zeros(n, dtype=bool)

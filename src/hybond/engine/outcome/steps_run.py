@@ -7,8 +7,9 @@ from contextlib import AbstractContextManager
 from dataclasses import replace
 
 from hybond.blocks.runners import Runner
+from hybond.engine.outcome.beginnings import Beginning
 from hybond.engine.outcome.engine_run import EngineRun
-from hybond.engine.outcome.engines import EngineChoice, prepared
+from hybond.engine.outcome.engines import EngineChoice, Prepared, prepared
 from hybond.engine.outcome.step_error import BAD, StepError, compare
 from hybond.engine.tables.options import Settings
 from hybond.errors import HybondError
@@ -42,18 +43,27 @@ class StepsRun:
         *,
         progress: Callable[[float, int], object] | None = None,
         runners: Mapping[str, Runner] | None = None,
+        begin: Beginning | None = None,
+        until: float | None = None,
+        shown: Prepared | None = None,
     ) -> None:
         self.graph = graph
+        self.begin = begin
         self.settings = settings
         self.progress = progress
         self._maker = maker
         own = prepared(graph, settings, maker)
-        self._fine = EngineRun(own, progress=progress, runners=runners)
+        self._fine = EngineRun(
+            own, progress=progress, runners=runners, begin=begin, until=until, shown=shown
+        )
         self.trace = self._fine.trace
         assert settings.step is not None
         self.step = settings.step
         # with two steps in all there is nothing to compare
-        self._compares = settings.until > 4.0 * self.step and not runners
+        lasts = (until or settings.until) - self.trace.begin
+        # what ends the run would end the other one elsewhere
+        self._compares = lasts > 4.0 * self.step and not runners and graph.ends < 0
+        self._until = until
 
     def run(self) -> str:
         """Run to the end, and once more with a longer step; return ``"ok"``.
@@ -93,6 +103,8 @@ class StepsRun:
         longer = replace(self.settings, step=factor * self.step)
         coarse = EngineRun(
             prepared(self.graph, longer, self._maker),
+            begin=self.begin,
+            until=self._until,
             # so that a run can be interrupted here as well
             progress=None if self.progress is None else self._progress_at_end,
         )

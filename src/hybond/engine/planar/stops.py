@@ -170,7 +170,7 @@ def heading_counts_to(e: Engine, d: int, t: float, y: Floats) -> float:
     """Return the speed up to which the heading counts where slip begins."""
     m = e.model
     p = e.planar
-    h = SOON * max(e.until - t, t)
+    h = SOON * max(e.span - t, t)
     angle = y[m.storages + m.disk_heading[d]]
     freeze(e, d, angle, y, p.y)
     if not find_push(e, d, t, p.y, h):
@@ -190,5 +190,5 @@ def heading_counts_to(e: Engine, d: int, t: float, y: Floats) -> float:
     if not find_push(e, d, t + h, p.frozen, h):
         return 0.0
     grows = math.hypot(p.slip[0] - x, p.slip[1] - z) / h
-    lasts = friction / grows if grows > 0.0 else e.until - t
+    lasts = friction / grows if grows > 0.0 else max(e.span - t, t)
     return LONGER * friction / h * lasts

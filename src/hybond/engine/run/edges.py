@@ -71,7 +71,7 @@ def straight_on(e: Engine, r: Run) -> bool:
 
 def time_at_once(e: Engine) -> float:
     """Return how long what reaches an edge may still be on its way."""
-    return max(room_of_instant(e, e.t), AT_ONCE * e.until)
+    return max(room_of_instant(e, e.t), AT_ONCE * e.span)
 
 
 def vanish(e: Engine, r: Run) -> bool:

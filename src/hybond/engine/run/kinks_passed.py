@@ -104,7 +104,7 @@ def count_kink(e: Engine, r: Run) -> int:
         r.locator.asleep = r.nap
         r.nap = min(2 * r.nap, LONGEST_NAP)
         return OK
-    if r.kinks > IDLE and e.t - r.kink_at[r.kinks % (IDLE + 1)] <= BACK_AT_ONCE * e.until:
+    if r.kinks > IDLE and e.t - r.kink_at[r.kinks % (IDLE + 1)] <= BACK_AT_ONCE * e.span:
         return switches_back(e, r) if r.jumps else OK
     return OK
 
@@ -197,7 +197,7 @@ def stuck_at_kink(e: Engine, r: Run) -> int:
     """Say of a step that is too small that it gets no farther than the kink just passed."""
     if e.refusal or r.kinks == 0 or not r.jumps:
         return REFUSED
-    if e.t - r.kink_at[(r.kinks - 1) % (IDLE + 1)] > SOON_BACK * e.until:
+    if e.t - r.kink_at[(r.kinks - 1) % (IDLE + 1)] > SOON_BACK * e.span:
         return REFUSED
     return switches_back(e, r)
 

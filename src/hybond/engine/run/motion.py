@@ -14,7 +14,7 @@ from hybond.engine.contacts.impacts_seen import before_event, observe_event
 from hybond.engine.contacts.landing import keep_still, land_contacts, stuck
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.inputs.interval import interval_after
-from hybond.engine.instant.instant import GUARD, LAW, START, begin_instant
+from hybond.engine.instant.instant import GUARD, LAW, START, TIME, begin_instant
 from hybond.engine.instant.settle import settle
 from hybond.engine.laws.laws import check_limits, limits_vary, observe
 from hybond.engine.methods.one_instant import room_of_instant
@@ -30,6 +30,7 @@ from hybond.engine.planar.descent import (
     step_descent,
 )
 from hybond.engine.planar.stops import arm_slips, begin_slips, follows_slip
+from hybond.engine.run.carried import begin_again, cause_of_beginning, take_up, warm_up
 from hybond.engine.run.edges import reach_edges, straight_on, time_at_once
 from hybond.engine.run.kinks_passed import (
     count_kink,
@@ -48,13 +49,16 @@ from hybond.engine.run.log import (
     report_step,
 )
 from hybond.engine.run.run_records import (
+    FRESH,
     IDLE,
     PAUSED,
     STOPPED,
     Run,
     begin,
     begin_count,
+    bound_of,
     count_step,
+    is_over,
     timed_cause,
 )
 from hybond.engine.run.source_jumps import jumps_at_once, jumps_onto_storage, put_before_kink
@@ -63,6 +67,7 @@ from hybond.engine.run.together import (
     is_kink_alone,
     last_of_instant,
 )
+from hybond.engine.sliding.branches import know_around
 from hybond.engine.sliding.combine import combine_here
 from hybond.engine.sliding.onto import onto_surfaces
 from hybond.engine.sliding.sliding import slide_after
@@ -86,13 +91,8 @@ def run_to_end(e: Engine, r: Run) -> int:
     status = OK
     if not r.begun:
         r.begun = True
-        begin(e)
-        e.samples_end = e.until
-        interval_after(e, 0.0)
-        status = settle_now(e, r, START)
-        if status == OK:
-            status = rest_now(e, r)
-    while status == OK and (e.t < e.until or r.flowing):
+        status = begin_now(e, r)
+    while status == OK and (e.t < e.until or r.flowing) and not is_over(e):
         cause = flow(e, r)
         if cause < 0:
             return REFUSED
@@ -111,6 +111,26 @@ def run_to_end(e: Engine, r: Run) -> int:
             look_at_laws(e)
         report_end(e, r.report)
     return status
+
+
+def begin_now(e: Engine, r: Run) -> int:
+    """Begin as the model says, or as was put in, and settle the first instant."""
+    if r.way == FRESH:
+        begin(e)
+    e.samples_end = e.until
+    interval_after(e, e.t)
+    if r.way != FRESH and take_up(e, r) != OK:
+        return REFUSED
+    cause = cause_of_beginning(e, r)
+    if cause == TIME and e.model.method != MOREAU:
+        # what was settled there is not settled again
+        if e.slide.many > 0:
+            know_around(e, e.state)
+        report_slide(e, r.report)
+        return OK
+    r.warm = False
+    status = settle_now(e, r, cause)
+    return rest_now(e, r) if status == OK else status
 
 
 def settle_now(e: Engine, r: Run, cause: int) -> int:
@@ -138,6 +158,7 @@ def settle_now(e: Engine, r: Run, cause: int) -> int:
         return REFUSED
     report_slide(e, r.report)
     if i.steps > 0:
+        r.cut = False
         r.events += 1
         report_event(e, r.report, i)
     if settled or cause != GUARD:
@@ -146,7 +167,7 @@ def settle_now(e: Engine, r: Run, cause: int) -> int:
     else:
         r.idle_at[r.idle % (IDLE + 1)] = e.t
         r.idle += 1
-        if r.idle > IDLE and e.t - r.idle_at[r.idle % (IDLE + 1)] <= MOMENT * e.until:
+        if r.idle > IDLE and e.t - r.idle_at[r.idle % (IDLE + 1)] <= MOMENT * e.span:
             why = "a guard holds again and again, and nothing changes"
             if e.model.tells != 0:
                 return in_vain(e, why)
@@ -169,6 +190,7 @@ def rest_now(e: Engine, r: Run) -> int:
         if landed < 0:
             return REFUSED
         if landed > 0:
+            r.cut = False
             r.events += 1
             report_event(e, r.report, r.instant)
     return OK
@@ -183,9 +205,13 @@ def flow(e: Engine, r: Run) -> int:
     if m.method == MOREAU:
         return flow_in_steps(e, r)
     g = r.locator
+    r.cut = False
     if not r.flowing:
+        again = begin_again(e, r)
         if begin_flow(e, r) != OK:
             return -1
+        if again:
+            warm_up(e, r)
         if jumps_at_once(e, r):
             report_step(e, r.report)
             return LAW
@@ -219,6 +245,7 @@ def flow(e: Engine, r: Run) -> int:
                 continue
             return -1
         at = g.at
+        near = at < math.inf
         if at < math.inf:
             if m.kinks > 0:
                 see_jump(e, r, at)
@@ -240,6 +267,7 @@ def flow(e: Engine, r: Run) -> int:
             if shown >= end and shown - e.step.t0 >= instant:
                 # what crosses its bound just after a timed event does so with it
                 shown = last_of_instant(e, g, shown, shown + instant)
+                near = near or shown != e.step.t1
                 if g.failed:
                     return -1
             if note(e, r, e.step.t1, shown) != OK:
@@ -248,7 +276,8 @@ def flow(e: Engine, r: Run) -> int:
                 foresee(e, e.t)
                 if e.next_break <= end:
                     return timed_cause(e)
-                return GUARD if end >= e.until else STOPPED
+                r.cut = not near
+                return GUARD if near else STOPPED
             g.asleep = max(g.asleep - 1, 0)
             if e.checks.looked == e.t:
                 look_at_guards(e)
@@ -265,7 +294,7 @@ def flow(e: Engine, r: Run) -> int:
                 return -1
             if count_kink(e, r) != OK:
                 return -1
-            if start(e, e.t, e.y, min(e.next_break, e.stop), True) != OK:
+            if start(e, e.t, e.y, bound_of(e), True) != OK:
                 return -1
             continue
         if note(e, r, at, at) != OK:
@@ -294,7 +323,7 @@ def begin_flow(e: Engine, r: Run) -> int:
     if e.slide.k == 0:
         start_scale(e, e.mode)
     r.beyond = 0.0
-    return start(e, e.t, e.y, min(e.next_break, e.stop), True)
+    return start(e, e.t, e.y, bound_of(e), True)
 
 
 def follow(e: Engine) -> int:
@@ -331,7 +360,7 @@ def go_from_edge(e: Engine, r: Run) -> int:
     if straight_on(e, r) and note(e, r, e.step.t1, e.step.t1) != OK:
         return REFUSED
     r.edge_at = e.t
-    return start(e, e.t, e.y, min(e.next_break, e.stop), True)
+    return start(e, e.t, e.y, bound_of(e), True)
 
 
 def find_within(e: Engine, g: Locator) -> int:
@@ -447,7 +476,8 @@ def note(e: Engine, r: Run, t: float, shown: float) -> int:
     if m.disks > 0:
         arm_slips(e, t, e.y)
     e.t = t
-    report_step(e, r.report)
+    if t > r.resumed:
+        report_step(e, r.report)
     look_now_and_then(e)
     if limits_vary(m) and look_at_limits(e) != OK:
         return REFUSED

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Final
 
 from hybond.engine.engine import OK, Engine, say_fault
@@ -19,6 +20,12 @@ STOPPED: Final = 5
 """Why a motion ended: its stretch did, and nothing happened."""
 PAUSED: Final = 7
 """Likewise: a run in slices has had the steps of this one."""
+FRESH: Final = 0
+"""How a run begins: as the model says, from a state that is given, or from where another ended,
+with something changed or with nothing."""
+GIVEN: Final = 1
+CHANGED: Final = 2
+GOES_ON: Final = 3
 
 
 @record
@@ -51,6 +58,25 @@ class Run:
     beside: Floats
     """Rates on both sides of a kink."""
     begun: bool
+    way: int
+    """How it begins: FRESH, GIVEN, CHANGED or GOES_ON."""
+    remembers: bool
+    """Whether it goes on with what another run has seen."""
+    cut: bool
+    """Whether the last step was ended by the end of the run alone: time would have gone on."""
+    warm: bool
+    """Whether the run goes on with such a step, which it takes once more, in full."""
+    warm_t: float
+    """When it began, the state there, and what it began with."""
+    warm_y: Floats
+    warm_rounding: Floats
+    warm_h: float
+    warm_error: float
+    warm_grid: float
+    warm_next: float
+    warm_implicit: bool
+    resumed: float
+    """When the run went on: what was before is not reported."""
     flowing: bool
     """Whether time passes in a mode: a run in slices was paused there."""
     beyond: float
@@ -84,6 +110,9 @@ def make_run(e: Engine, report: Report) -> Run:
     r.nap = 1
     r.edge_at = -1.0
     r.edge_from = floats(e.states)
+    r.warm_y = floats(e.states)
+    r.warm_rounding = floats(e.model.storages)
+    r.resumed = -math.inf
     r.slice = -1
     return r
 
@@ -93,6 +122,7 @@ def begin(e: Engine) -> None:
     m = e.model
     e.until = m.until
     e.stop = m.until
+    e.span = m.span
     e.t = 0.0
     for k in range(m.storages):
         e.y[k] = m.storage_start[k]
@@ -100,6 +130,20 @@ def begin(e: Engine) -> None:
         e.y[m.storages + k] = m.integral_start[k]
     for k in range(m.machines):
         e.state[k] = m.start[k]
+
+
+def is_over(e: Engine) -> bool:
+    """Whether the machine has fired that ends the run."""
+    m = e.model
+    return m.ends >= 0 and e.state[m.ends] != m.start[m.ends]
+
+
+def bound_of(e: Engine) -> float:
+    """Return up to when a motion may go on: what its first step is chosen by.
+
+    A run that is made in parts has the same first steps as in one.
+    """
+    return min(e.next_break, max(e.stop, e.span))
 
 
 def begin_count(e: Engine, r: Run) -> None:

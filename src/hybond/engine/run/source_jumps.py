@@ -118,7 +118,7 @@ def is_at_kink(e: Engine) -> bool:
 
 def moment(e: Engine) -> float:
     """Return a time that is none, and long enough to be on one side of a kink."""
-    return LAST_PLACES * spacing(max(e.t, e.until))
+    return LAST_PLACES * spacing(max(e.t, e.span))
 
 
 def differ(e: Engine, r: Run) -> bool:

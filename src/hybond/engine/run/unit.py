@@ -122,7 +122,7 @@ def indicators_of(e: Engine) -> int:
 
 def settle_unit(e: Engine, r: Run) -> int:
     """Settle the present instant, which somebody else's solver has found."""
-    if math.fabs(e.t - e.next_break) <= INSTANT * max(e.until, math.fabs(e.t)):
+    if math.fabs(e.t - e.next_break) <= INSTANT * max(e.span, math.fabs(e.t)):
         e.t = e.next_break
         return settled(e, r, timed_cause(e))
     for k in range(e.model.inputs):
@@ -141,7 +141,7 @@ def settle_guard(e: Engine, r: Run) -> int:
         return REFUSED
     part = INSTANT
     while part <= LATE and guard_holds(e):
-        if advance(e, r, e.t + part * max(e.until, math.fabs(e.t))) != OK:
+        if advance(e, r, e.t + part * max(e.span, math.fabs(e.t))) != OK:
             return REFUSED
         part *= 10.0
     return OK

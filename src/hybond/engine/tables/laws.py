@@ -9,9 +9,7 @@ from typing import TYPE_CHECKING
 from hybond.causality.arrays import compile_arrays
 from hybond.causality.orientation import orientation
 from hybond.engine.tables.expressions import number_of
-from hybond.engine.tables.options import METHODS
 from hybond.equations.calculus import gradient, partial_time
-from hybond.errors import ModelError
 from hybond.model.expressions import Expr, Number, names
 from hybond.model.graph import FlatGraph
 from hybond.model.laws import JunctionLaw
@@ -24,18 +22,13 @@ if TYPE_CHECKING:
 NONE = -2
 """What stands for an option that a law does not have."""
 CONFIGURATIONS = 4096
-"""Ways to set what machines switch beside the laws; for each, a variable of each law is given."""
+"""Ways to set what machines switch beside the laws up to which the tables say for each which
+variable of each law is given; beyond, the engine finds it from the equations of what it enters."""
 OPTIONS = ("limit", "breakaway", "gap", "gate", "restitution", "stiffness")
 
 
 def put_laws(t: ModelTables) -> None:
-    """Put the laws of junctions into the tables: a port for each junction that has one.
-
-    Raises
-    ------
-    ModelError
-        HB-E650 more settings of machines beside the laws than are looked at.
-    """
+    """Put the laws of junctions into the tables: a port for each junction that has one."""
     g = t.graph
     laws = [(m, law) for m in g.machines if m.law is not None for law in m.law.junctions]
     junctions = [n.index for n in g.nodes if n.is_junction]
@@ -148,22 +141,17 @@ def _put_orientation(t: ModelTables) -> None:
         return
     kinds = _kinds_of_states(g)
     sizes = [1 + max(kind) for kind in kinds]
+    arrays = compile_arrays(g)
     if math.prod(sizes) > CONFIGURATIONS:
-        if t.numbers["method"] == METHODS["moreau-jean"]:
-            t.numbers["oriented"] = 0
-            return
-        raise ModelError(
-            f"the machines beside junction laws have {math.prod(sizes)} settings, more than are "
-            f"looked at ({CONFIGURATIONS})",
-            code="HB-E650",
-            where=g.name,
-            hint="write the diodes and contacts as machines with rules, or split the model",
-        )
+        # those of the start are where the search begins for a setting that is entered
+        t.numbers["oriented"] = 0
+        t.ints["orient_place"] = [0 for kind in kinds for _ in kind]
+        t.ints["orient"] = [int(v == "net") for v in orientation(g, g.start_mode, arrays).values()]
+        return
     stride = math.prod(sizes)
     for kind, size in zip(kinds, sizes, strict=True):
         stride //= size
         t.ints["orient_place"] += [stride * k for k in kind]
-    arrays = compile_arrays(g)
     known: dict[frozenset[int], list[int]] = {}
     for setting in product(*(range(k) for k in sizes)):
         mode = tuple(kind.index(k) for kind, k in zip(kinds, setting, strict=True))

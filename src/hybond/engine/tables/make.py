@@ -71,6 +71,7 @@ def tables_of(
     put_told(t, tells=tells)
     _reads(t)
     _outputs(t, options.outputs)
+    t.numbers["ends"] = graph.ends
     put_rated(t)
     check_depths(t.pairs, t.slots.index)
     return t

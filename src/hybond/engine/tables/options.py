@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -12,6 +12,7 @@ from hybond.engine.tables.bands import banded
 from hybond.errors import UsageError
 from hybond.model.expressions import Expr, Name
 from hybond.model.graph import FlatGraph
+from hybond.run_ends import ends_of
 from hybond.run_options import (
     ALIASES,
     DEFAULT,
@@ -26,6 +27,7 @@ from hybond.run_options import (
     seconds_of,
     sliding_of,
     solver_of,
+    span_of,
     stepping_step,
     stepping_theta,
     tolerances_of,
@@ -54,6 +56,8 @@ class Settings:
     """What a run is asked for."""
 
     until: float
+    span: float
+    """What thresholds of time are parts of, s: see `run_options.span_of`."""
     solver: str
     """One of `METHODS`."""
     step: float | None
@@ -78,6 +82,7 @@ class Settings:
         impact, exponent = (STEPPING_IMPACT, 1.0) if self.solver in STEPPING else self.impact
         return {
             "until": self.until,
+            "span": self.span,
             "points": 1,
             "rtol": self.rtol,
             "atol": math.nan if self.atol is None else self.atol,
@@ -98,7 +103,7 @@ class Settings:
 
 def settings_of(
     experiment: Mapping[str, Any],
-    until: float | str | None = None,
+    until: float | str | Sequence[float | str] | None = None,
     *,
     solver: str | None = None,
     rtol: float | None = None,
@@ -138,6 +143,7 @@ def settings_of(
     choice, band = sliding_of(sliding, hysteresis, experiment)
     settings = Settings(
         until=end,
+        span=span_of(experiment, end),
         solver=name,
         step=None,
         rtol=rtol,
@@ -202,6 +208,15 @@ def options_of(graph: FlatGraph, given: Mapping[str, Any]) -> Options:
             hint="one or more: the rows beside those of events",
         )
     own = {name: value for name, value in given.items() if name != "points"}
+    conditions = ends_of(own.get("until"), experiment).conditions
+    if conditions or experiment.get("start") is not None:
+        said = f"end where {conditions[0]!r} holds" if conditions else "begin with another start"
+        raise UsageError(
+            f"an export does not {said}",
+            code="HB-E641",
+            where="until" if conditions else "experiment.start",
+            hint='give a time alone: until="10 s"' if conditions else "write it into the elements",
+        )
     settings, band = settings_of(experiment, **own)
     if band is not None:
         graph = banded(graph, band)

@@ -23,8 +23,16 @@ import math
 from typing import Final
 
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
-from hybond.engine.instant.instant import GUARD, START, begin_instant
+from hybond.engine.instant.instant import (
+    CONTINUOUS,
+    GUARD,
+    START,
+    begin_instant,
+    note_fired,
+    note_step,
+)
 from hybond.engine.instant.settle import settle
+from hybond.engine.instant.told import STEP_ENDS, say_why
 from hybond.engine.laws.laws import check_limits, limits_vary
 from hybond.engine.mode.equations import mode_of
 from hybond.engine.mode.values import evaluate
@@ -155,7 +163,7 @@ def warn_of_shares(e: Engine, s: Stepping) -> None:
 def guard_fires(e: Engine, s: Stepping) -> bool:
     """Whether a guard of a machine written by hand holds at the end of a step, in `e.shown`."""
     m = e.model
-    if not s.hand:
+    if not s.hand and m.ends < 0:
         return False
     fires = False
     for k in range(m.machines):
@@ -174,6 +182,25 @@ def guard_fires(e: Engine, s: Stepping) -> bool:
             begin_warning(e.warned, FIRES_ALWAYS, e.t)
             add_about(e.warned, float(k))
     return fires
+
+
+def end_run(e: Engine, r: Run) -> None:
+    """End the run where what ends it holds: laws that cannot decide have no say in that."""
+    m = e.model
+    i = r.instant
+    rule = m.rule_first[m.ends]
+    while rule < m.rule_first[m.ends + 1] and value(m, m.rule_value[rule], e.shown) == 0.0:
+        rule += 1
+    if rule == m.rule_first[m.ends + 1]:
+        return
+    begin_instant(i, e.t, GUARD)
+    i.since = e.stepping.t0
+    note_fired(i, m.ends, e.state[m.ends], m.rule_target[rule])
+    say_why(i.told, STEP_ENDS)
+    e.state[m.ends] = m.rule_target[rule]
+    note_step(i, CONTINUOUS)
+    r.events += 1
+    report_event(e, r.report, i)
 
 
 def settle_in_steps(e: Engine, r: Run, cause: int) -> int:
@@ -203,7 +230,9 @@ def settle_in_steps(e: Engine, r: Run, cause: int) -> int:
         for k in range(m.blocks):
             for j in range(m.block_set[k], m.block_set[k + 1]):
                 e.y[m.storages + m.block_signal[j]] = r.settling.s[m.block_signal[j]]
-        if m.tells != 0:
+        if cause == GUARD and m.ends >= 0:
+            end_run(e, r)
+        elif m.tells != 0:
             begin_warning(e.warned, NEXT_DECIDES, e.t)
         s.begins = True
         return steady_bonds(e, s)

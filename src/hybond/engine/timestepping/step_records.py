@@ -188,7 +188,7 @@ def make_stepping(m: Model) -> Stepping:
     n = m.ports
     states = m.storages + m.integrals
     for k in range(m.machines):
-        s.hand = s.hand or m.is_law[k] == 0
+        s.hand = s.hand or (m.is_law[k] == 0 and k != m.ends)
     s.begins = True
     s.grid_new = True
     s.v0 = floats(2 * m.slots)

@@ -294,7 +294,7 @@ def _results(model: Model, run: Result | None, error: str) -> Iterator[str]:
         yield escape(f"The run stopped: {error}") + r"\par"
     if not len(run.events) and not run.names:
         return
-    names = model.experiment.get("plot") or [s.path for s in run.graph.storages][:6]
+    names = run.graph.experiment.get("plot") or [s.path for s in run.graph.storages][:6]
     if run.t_end > run.t_begin:
         for picture in plots(run, names):
             yield rf"\begin{{center}}\fitted{{%{chr(10)}{picture}%{chr(10)}}}\end{{center}}"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from hybond.errors import HybondError
+from hybond.model.arrays import index_texts
 from hybond.model.builder import Model
 from hybond.model.expressions import (
     Compare,
@@ -101,6 +102,7 @@ class Live:
     def _fix_elements(self) -> None:
         """Note what start values, inputs, submodels and signals within laws take as numbers."""
         self.fixed |= {path for path in self.graph.parameters if "." in path}
+        self._fix(list(index_texts(self.model)))
         for part in self.model.elements.values():
             if isinstance(part, SubmodelPart):
                 self._fix(dict(part.parameters))

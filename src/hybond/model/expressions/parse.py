@@ -11,6 +11,7 @@ from typing import NoReturn
 from hybond.errors import ExpressionError, UnitError
 from hybond.model.expressions.tree import (
     FUNCTIONS,
+    GATHER,
     And,
     Binary,
     Bool,
@@ -27,6 +28,7 @@ from hybond.model.expressions.tree import (
     String,
     children,
     depth,
+    names,
     uses_pre,
     walk,
 )
@@ -46,8 +48,9 @@ KEYWORDS = frozenset({"if", "then", "else", "and", "or", "not", "true", "false"}
 _TOKEN = re.compile(
     r"""\s*(?:
       (?P<number>(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)(?:\s*(?P<unit>\[[^\[\]]*\]))?
-    | (?P<name>(?:"[^"\n]*"(?=\.\w)|[^\W\d]\w*)(?:\.\w+)*)
+    | (?P<name>(?:"[^"\n]*"(?=\.\w)|[^\W\d]\w*(?:\[[^\[\]]*\])?)(?:\.\w+(?:\[[^\[\]]*\])?)*)
     | "(?P<string>[^"\n]*)"
+    | (?P<brackets>\[[^\[\]]*\])
     | (?P<mark>\*\*|<=|>=|==|!=|[-+*/^()<>,%°])
     )""",
     re.VERBOSE,
@@ -90,7 +93,9 @@ def parse(text: str, *, where: str = "") -> Expr:
     Notes
     -----
     A number may be followed by one unit symbol (``10 mA``, ``5 cm^2``) or by any unit in brackets
-    (``9.81 [m/s^2]``). Without brackets ``5 m/s`` is 5 metres divided by the name ``s``.
+    (``9.81 [m/s^2]``), parentheses by a unit in brackets. Without brackets ``5 m/s`` is 5 metres
+    divided by the name ``s``. A name may have an index, ``cell[3].q``, with no space before it;
+    ``sum``, ``any``, ``all``, ``min`` and ``max`` take ranges of them, ``sum(cell[1..9].q)``.
 
     Examples
     --------
@@ -139,6 +144,8 @@ class _Parser:
             at = match.end()
             kind = "number" if match["number"] else str(match.lastgroup)
             word = match[kind]
+            if kind == "brackets" and not (tokens and tokens[-1].text == ")"):
+                self.strange(match.start(kind))
             if kind == "mark" and word == "**":
                 word = "^"
             start = match.start(kind) - (kind == "string")
@@ -153,7 +160,7 @@ class _Parser:
         hint = {
             "=": "compare with <, <=, > or >=; an expression cannot assign",
             '"': 'close the quotes: "contact->v".e',
-            "[": "only a unit after a number stands in brackets: 9.81 [m/s^2]",
+            "[": "brackets hold a unit, 9.8 [m/s] or (x) [m], or, with no space, an index, c[3].q",
         }.get(found, "write arithmetic, comparisons, and, or, not, if, functions and pre(...)")
         self.fail(f"found {found!r}, which is not part of an expression,", at, hint=hint)
 
@@ -261,7 +268,7 @@ class _Parser:
             case "(":
                 e = self.expression(_IF)
                 self.expect(")", opened=token)
-                return e
+                return self.in_unit(e)
             case "-":
                 following = self.tokens[self.at]
                 if following.kind == "number":
@@ -315,6 +322,17 @@ class _Parser:
             self.fail(error.why, at, code="HB-E102", hint=error.hint)
         return Number(quantity.value, None if unit is None else quantity.dimension)
 
+    def in_unit(self, e: Expr) -> Expr:
+        """Return what stands in parentheses times the unit behind them, if there is one."""
+        if self.now.kind != "brackets":
+            return e
+        token = self.take()
+        try:
+            one = parse_quantity(f"1 {token.text}")
+        except UnitError as error:
+            self.fail(error.why, token.at, code="HB-E102", hint=error.hint)
+        return Binary("*", e, Number(one.value, one.dimension))
+
     def not_a_unit(self, number: _Token, symbol: _Token, hint: str) -> NoReturn:
         call = "(...)" if self.is_mark("(") else ""
         product = f"for a product write {number.text[:40]}*{symbol.text[:40]}{call}"
@@ -325,8 +343,8 @@ class _Parser:
     def named(self, token: _Token) -> Expr:
         if not self.is_mark("("):
             return Number(math.pi) if token.text == "pi" else Name(token.text)
-        if token.text != "pre" and token.text not in FUNCTIONS:
-            hint = did_you_mean(token.text, ["pre", *FUNCTIONS])
+        if token.text != "pre" and token.text not in FUNCTIONS and token.text not in GATHER:
+            hint = did_you_mean(token.text, ["pre", *FUNCTIONS, *GATHER])
             self.fail(f"unknown function {token}", token.at, code="HB-E103", hint=hint)
         opened = self.take()
         args: list[Expr] = []
@@ -336,6 +354,13 @@ class _Parser:
                 self.take()
                 args.append(self.expression(_IF))
         self.expect(")", opened=opened)
+        if token.text in (*GATHER, "min", "max") and any(".." in n for a in args for n in names(a)):
+            return self.in_unit(Call(token.text, tuple(args)))
+        if token.text in GATHER:
+            hint = f"write {token.text}(cell[1..10].q), with a range of members"
+            self.fail(
+                f"{token.text} takes members of an array", token.at, code="HB-E104", hint=hint
+            )
         least, most = FUNCTIONS.get(token.text, (1, 1))
         if not least <= len(args) <= most:
             needs = str(least) if least == most else f"{least} to {most}"
@@ -344,7 +369,7 @@ class _Parser:
             hint = f"write {token.text}({arguments})"
             self.fail(why, token.at, code="HB-E104", hint=hint)
         if token.text != "pre":
-            return Call(token.text, tuple(args))
+            return self.in_unit(Call(token.text, tuple(args)))
         if uses_pre(args[0]):
             hint = "the a priori value of an a priori value is not kept"
             self.fail("pre(...) stands inside pre(...)", token.at, hint=hint)

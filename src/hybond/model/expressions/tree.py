@@ -161,11 +161,16 @@ class Table(Expr):
                 raise ExpressionError(why, code="HB-E108", where="table", hint=hint)
 
 
+MOST_ARGUMENTS = 64
+"""Arguments of ``min`` and ``max``."""
+GATHER = ("sum", "any", "all")
+"""What takes members of an array, ``sum(cell[1..10].q)``, and is written out before it has a
+meaning."""
 FUNCTIONS: Mapping[str, tuple[int, int]] = {
     **dict.fromkeys(("sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh"), (1, 1)),
     **dict.fromkeys(("exp", "log", "log10", "sqrt", "abs", "sign", "floor", "ceil"), (1, 1)),
     **dict.fromkeys(("atan2", "hypot", "mod"), (2, 2)),
-    **dict.fromkeys(("min", "max"), (2, 64)),
+    **dict.fromkeys(("min", "max"), (2, MOST_ARGUMENTS)),
 }
 """The functions and how many arguments each takes, least and most."""
 

@@ -42,7 +42,7 @@ function C(e, t) {
 }
 function w(t) {
 	var n, r = t.__v, i = r.__e, a = [], o = [], s = t.__P;
-	s && ((n = g({ constructor: u }, r)).__v = r.__v + 1, e.vnode && e.vnode(n), ie(s, n, r, t.__n, s.namespaceURI, 32 & r.__u ? [i] : null, a, i || C(r), 32 & r.__u, o), n.__v = r.__v, n.__.__k[n.__i] = n, j(a, n, o), r.__ = r.__e = null, n.__e != i && T(n));
+	s && ((n = g({ constructor: u }, r)).__v = r.__v + 1, e.vnode && e.vnode(n), ne(s, n, r, t.__n, s.namespaceURI, 32 & r.__u ? [i] : null, a, i || C(r), 32 & r.__u, o), n.__v = r.__v, n.__.__k[n.__i] = n, N(a, n, o), r.__ = r.__e = null, n.__e != i && T(n));
 }
 function T(e) {
 	if ((e = e.__) && e.__c && !e.props.__P) return e.__e = null, e.__k.some(function(t) {
@@ -61,12 +61,12 @@ function D() {
 }
 function O(e, t, n, r, i, a, o, s, c, l, u) {
 	var p, m, h, g, _, v, y = r.__k || f, b = t.length;
-	for (c = k(n, t, y, c, b), p = 0; p < b; p++) (h = n.__k[p]) != null && (m = ~h.__i && y[h.__i] || d, h.__i = p, v = ie(e, h, m, i, a, o, s, c, l, u), g = h.__e, (m.ref != h.ref || 8 & m.__u) && (m.ref && N(m.ref, null, h, m), h.ref && u.push(h.ref, h.__c || g, h)), _ ||= g, 4 & h.__u ? (c = ee(h, c, e, !m.__v), m.__e && (m.__e = null)) : typeof h.type == "function" && v !== void 0 ? c = v : g && (c = g.nextSibling), h.__u &= -21);
+	for (c = k(n, t, y, c, b), p = 0; p < b; p++) (h = n.__k[p]) != null && (m = ~h.__i && y[h.__i] || d, h.__i = p, v = ne(e, h, m, i, a, o, s, c, l, u), g = h.__e, (m.ref != h.ref || 8 & m.__u) && (m.ref && F(m.ref, null, h, m), h.ref && u.push(h.ref, h.__c || g, h)), _ ||= g, 4 & h.__u ? (c = A(h, c, e, !m.__v), m.__e && (m.__e = null)) : typeof h.type == "function" && v !== void 0 ? c = v : g && (c = g.nextSibling), h.__u &= -21);
 	return n.__e = _, c;
 }
 function k(e, t, n, r, i) {
 	var a, o, s, c, l, d, f, p, h, g = n.length, _ = g, v = 0, b = 0, S = e.__k = Array(i);
-	for (a = 0; a < i; a++) (o = t[a]) != null && typeof o != "boolean" && typeof o != "function" ? (typeof o != "object" || o.constructor === String ? o = S[a] = y(null, o) : m(o) ? o = S[a] = y(x, { children: o }) : o.constructor === u && o.__b ? o = S[a] = y(o.type, o.props, o.key, o.ref, o.__v) : S[a] = o, c = a + v, o.__ = e, o.__b = e.__b + 1, s = null, ~(l = o.__i = A(o, n, c, _)) && (_--, (s = n[l]) && (s.__u |= 2)), s && s.__v ? (o.__u |= 16, l == c - 1 ? v-- : l == c + 1 ? v++ : l != c && (l > c ? v-- : v++, b = 1)) : (~l || (i > g ? v-- : i < g && v++), typeof o.type != "function" && (o.__u |= 4))) : S[a] = null;
+	for (a = 0; a < i; a++) (o = t[a]) != null && typeof o != "boolean" && typeof o != "function" ? (typeof o != "object" || o.constructor === String ? o = S[a] = y(null, o) : m(o) ? o = S[a] = y(x, { children: o }) : o.constructor === u && o.__b ? o = S[a] = y(o.type, o.props, o.key, o.ref, o.__v) : S[a] = o, c = a + v, o.__ = e, o.__b = e.__b + 1, s = null, ~(l = o.__i = j(o, n, c, _)) && (_--, (s = n[l]) && (s.__u |= 2)), s && s.__v ? (o.__u |= 16, l == c - 1 ? v-- : l == c + 1 ? v++ : l != c && (l > c ? v-- : v++, b = 1)) : (~l || (i > g ? v-- : i < g && v++), typeof o.type != "function" && (o.__u |= 4))) : S[a] = null;
 	if (b) {
 		for (d = [], f = [], a = 0; a < i; a++) if ((o = S[a]) && 16 & o.__u) {
 			for (v = 0, p = d.length; v < p;) d[h = v + p >> 1] < o.__i ? v = h + 1 : p = h;
@@ -74,21 +74,21 @@ function k(e, t, n, r, i) {
 		}
 		for (v = d.length; a--;) f[a] && (f[a] == v ? v-- : S[a].__u |= 4);
 	}
-	if (_) for (a = 0; a < g; a++) !(s = n[a]) || 2 & s.__u || (s.__e == r && (r = C(s)), se(s, s));
+	if (_) for (a = 0; a < g; a++) !(s = n[a]) || 2 & s.__u || (s.__e == r && (r = C(s)), ae(s, s));
 	return r;
 }
-function ee(e, t, n, r) {
+function A(e, t, n, r) {
 	var i, a, o, s;
 	if (typeof e.type == "function") {
 		if (e.props.__P) return t;
-		if (i = e.__k) for (a = 0; a < i.length; a++) i[a] && (i[a].__ = e, t = ee(i[a], t, n, !1));
+		if (i = e.__k) for (a = 0; a < i.length; a++) i[a] && (i[a].__ = e, t = A(i[a], t, n, !1));
 		return t;
 	}
 	for (t && !t.parentNode && (t = C(e)) && !t.parentNode && (t = null), o = e.__e, s = t; s && s.nodeType == 8;) s = s.nextSibling;
 	for (o != s && (!r && n.moveBefore && o.parentNode ? n.moveBefore(o, t) : n.insertBefore(o, t || null)), t = o; (t &&= t.nextSibling) && t.nodeType == 8 && !t.data.startsWith("$s"););
 	return t;
 }
-function A(e, t, n, r) {
+function j(e, t, n, r) {
 	var i, a = e.key, o = e.type, s = t[n], c = s && !(2 & s.__u);
 	if (s === null && a == null || c && a == s.key && o == s.type) return n;
 	if (r > +!!c) {
@@ -97,18 +97,18 @@ function A(e, t, n, r) {
 	}
 	return -1;
 }
-function te(e, t, n) {
+function M(e, t, n) {
 	n ??= "", t[0] == "-" ? e.setProperty(t, n) : e[t] = n;
 }
-function ne(e, t, n, r, i) {
+function ee(e, t, n, r, i) {
 	var a, o;
 	if (t == "style") {
 		if (typeof n == "string") e.style.cssText = n;
 		else {
-			if (typeof r == "string" && (e.style.cssText = r = ""), r) for (t in r) n && t in n || te(e.style, t);
-			if (n) for (t in n) r && n[t] == r[t] || te(e.style, t, n[t]);
+			if (typeof r == "string" && (e.style.cssText = r = ""), r) for (t in r) n && t in n || M(e.style, t);
+			if (n) for (t in n) r && n[t] == r[t] || M(e.style, t, n[t]);
 		}
-	} else if (t[0] == "o" && t[1] == "n") typeof n != "function" && (n = null), typeof r != "function" && (r = null), (e.__e ||= {})[t] = n, n && r || (o = l[t] || (l[t] = re(t)), (e.__a ||= {})[t] = c, a = t != (t = t.replace(s, "$1")), (t = t.slice(2))[0] < "a" && (t = t.toLowerCase()), n ? e.addEventListener(t, o, a) : e.removeEventListener(t, o, a));
+	} else if (t[0] == "o" && t[1] == "n") typeof n != "function" && (n = null), typeof r != "function" && (r = null), (e.__e ||= {})[t] = n, n && r || (o = l[t] || (l[t] = te(t)), (e.__a ||= {})[t] = c, a = t != (t = t.replace(s, "$1")), (t = t.slice(2))[0] < "a" && (t = t.toLowerCase()), n ? e.addEventListener(t, o, a) : e.removeEventListener(t, o, a));
 	else {
 		if (i == "http://www.w3.org/2000/svg") t = t.replace(/xlink(H|:h)/, "h").replace(/sName$/, "s");
 		else if (t != "width" && t != "height" && t != "href" && t != "list" && t != "form" && t != "tabIndex" && t != "download" && t != "rowSpan" && t != "colSpan" && t != "role" && t != "popover" && t in e) try {
@@ -119,7 +119,7 @@ function ne(e, t, n, r, i) {
 		n == null || !1 === n && t[4] != "-" ? e.removeAttribute(t) : e.setAttribute(t, t == "popover" && n == 1 ? "" : n);
 	}
 }
-function re(t) {
+function te(t) {
 	return function(n) {
 		var r = this.__e;
 		if (r) {
@@ -129,58 +129,58 @@ function re(t) {
 		}
 	};
 }
-function ie(t, n, r, i, a, o, s, c, l, d) {
-	var p, h, v, y, b, w, T, E, D, k, ee, A, te, ne, re, ie, j, N, F = n.type;
+function ne(t, n, r, i, a, o, s, c, l, d) {
+	var p, h, v, y, b, w, T, E, D, k, A, j, M, ee, te, ne, N, F, L = n.type;
 	if (n.constructor !== u) return null;
-	128 & r.__u && (l = 32 & r.__u, p = r.__c.__z) && (n.__u |= l, h = o = [], p.nodeType == 8 ? c = ae(p, o) : o.push(p), c = o[0] || c), (p = e.__b) && p(n);
-	n: if (typeof F == "function") {
+	128 & r.__u && (l = 32 & r.__u, p = r.__c.__z) && (n.__u |= l, h = o = [], p.nodeType == 8 ? c = re(p, o) : o.push(p), c = o[0] || c), (p = e.__b) && p(n);
+	n: if (typeof L == "function") {
 		v = s.length;
 		try {
-			if (E = n.props, D = (p = F.prototype) && p.render, k = (p = F.contextType) && i[p.__c], ee = p ? k ? k.props.value : p.__ : i, (y = r.__c) ? (n.__c = y, 2 & y.__g && (y.__g |= 1)) : (D ? n.__c = y = new F(E, ee) : (n.__c = y = new S(E, ee), y.constructor = F, y.render = P), k && k.sub(y), y.state || (y.state = {}), y.__n = i, y.__g |= 8, y.__h = [], y.__k = []), D && (y.__s || (y.__s = y.state), F.getDerivedStateFromProps && (y.__s == y.state && (y.__s = g({}, y.__s)), g(y.__s, F.getDerivedStateFromProps(E, y.__s)))), b = y.props, w = y.state, y.__v = n, r.__c) {
-				if (E !== b && D && !F.getDerivedStateFromProps && y.componentWillReceiveProps && y.componentWillReceiveProps(E, ee), n.__v == r.__v && !(8 & y.__g) || !(4 & y.__g) && y.shouldComponentUpdate && !1 === y.shouldComponentUpdate(E, y.__s, ee)) {
+			if (E = n.props, D = (p = L.prototype) && p.render, k = (p = L.contextType) && i[p.__c], A = p ? k ? k.props.value : p.__ : i, (y = r.__c) ? (n.__c = y, 2 & y.__g && (y.__g |= 1)) : (D ? n.__c = y = new L(E, A) : (n.__c = y = new S(E, A), y.constructor = L, y.render = I), k && k.sub(y), y.state || (y.state = {}), y.__n = i, y.__g |= 8, y.__h = [], y.__k = []), D && (y.__s || (y.__s = y.state), L.getDerivedStateFromProps && (y.__s == y.state && (y.__s = g({}, y.__s)), g(y.__s, L.getDerivedStateFromProps(E, y.__s)))), b = y.props, w = y.state, y.__v = n, r.__c) {
+				if (E !== b && D && !L.getDerivedStateFromProps && y.componentWillReceiveProps && y.componentWillReceiveProps(E, A), n.__v == r.__v && !(8 & y.__g) || !(4 & y.__g) && y.shouldComponentUpdate && !1 === y.shouldComponentUpdate(E, y.__s, A)) {
 					n.__v != r.__v && (y.props = E, y.state = y.__s, y.__g &= -9), n.__e = r.__e, n.__k = r.__k, n.__k.some(function(e) {
 						e && (e.__ = n);
 					}), f.push.apply(y.__h, y.__k), y.__k = [], y.__h.length && s.push(y), c = C(r);
 					break n;
 				}
-				y.componentWillUpdate && y.componentWillUpdate(E, y.__s, ee), D && y.componentDidUpdate && y.__h.push(function() {
+				y.componentWillUpdate && y.componentWillUpdate(E, y.__s, A), D && y.componentDidUpdate && y.__h.push(function() {
 					y.componentDidUpdate(b, w, T);
 				});
-			} else D && !F.getDerivedStateFromProps && y.componentWillMount && y.componentWillMount(), D && y.componentDidMount && y.__h.push(y.componentDidMount);
-			y.context = ee, y.props = E, y.__P = t, y.__g &= -5, A = e.__r, te = D ? 25 : 0;
+			} else D && !L.getDerivedStateFromProps && y.componentWillMount && y.componentWillMount(), D && y.componentDidMount && y.__h.push(y.componentDidMount);
+			y.context = A, y.props = E, y.__P = t, y.__g &= -5, j = e.__r, M = D ? 25 : 0;
 			do
-				y.__g &= -9, A && A(n), p = y.render(y.props, y.state = y.__s, y.context);
-			while (8 & y.__g && ++te < 25);
-			D && (f.push.apply(y.__h, y.__k), y.__k = []), y.state = y.__s, y.getChildContext && (i = g({}, i, y.getChildContext())), D && r.__c && y.getSnapshotBeforeUpdate && (T = y.getSnapshotBeforeUpdate(b, w)), ne = p && p.type === x && p.key == null ? p.props.children : p, E.__P && (p = c, a = (t = E.__P).namespaceURI, l = o = null, r.props && r.props.__P != t && (r.__k.some(function(e) {
-				e && se(e, e);
-			}), r.__k = null), c = r.__k ? C(r, 0) : null), c = O(t, m(ne) ? ne : [ne], n, r, i, a, o, s, c, l, d), E.__P && (n.__e = null, c = p), n.__u &= -161, h && h.some(_), y.__h.length && s.push(y), 1 & y.__g && (y.__g &= -4);
+				y.__g &= -9, j && j(n), p = y.render(y.props, y.state = y.__s, y.context);
+			while (8 & y.__g && ++M < 25);
+			D && (f.push.apply(y.__h, y.__k), y.__k = []), y.state = y.__s, y.getChildContext && (i = g({}, i, y.getChildContext())), D && r.__c && y.getSnapshotBeforeUpdate && (T = y.getSnapshotBeforeUpdate(b, w)), ee = p && p.type === x && p.key == null ? p.props.children : p, E.__P && (p = c, a = (t = E.__P).namespaceURI, l = o = null, r.props && r.props.__P != t && (r.__k.some(function(e) {
+				e && ae(e, e);
+			}), r.__k = null), c = r.__k ? C(r, 0) : null), c = O(t, m(ee) ? ee : [ee], n, r, i, a, o, s, c, l, d), E.__P && (n.__e = null, c = p), n.__u &= -161, h && h.some(_), y.__h.length && s.push(y), 1 & y.__g && (y.__g &= -4);
 		} catch (t) {
 			if (s.length = v, n.__v = null, l || o) {
 				if (t && t.then) {
 					if (n.__u |= 128 | l, o) {
-						for (~(j = o.indexOf(c || void 0)) || (j = o.length); (N = o[j - 1]) && N.nodeType == 8;) j--;
-						for (; j < o.length; j++) if (N = o[j]) {
-							if (o[j] = null, re) {
-								if (N == ie) break;
+						for (~(N = o.indexOf(c || void 0)) || (N = o.length); (F = o[N - 1]) && F.nodeType == 8;) N--;
+						for (; N < o.length; N++) if (F = o[N]) {
+							if (o[N] = null, te) {
+								if (F == ne) break;
 							} else {
-								if (N.nodeType != 8) break;
-								N.data.startsWith("$s") && (ie = ae(re = N));
+								if (F.nodeType != 8) break;
+								F.data.startsWith("$s") && (ne = re(te = F));
 							}
 						}
 					}
-					if (!re) {
+					if (!te) {
 						for (; c && c.nodeType == 8 && c.nextSibling;) c = c.nextSibling;
-						re = c;
+						te = c;
 					}
-					(p = ae(re = n.__c.__z || (n.__c.__z = re))) ? (n.__e = re, c = p) : n.__e = c, c &&= c.nextSibling;
+					(p = re(te = n.__c.__z || (n.__c.__z = te))) ? (n.__e = te, c = p) : n.__e = c, c &&= c.nextSibling;
 				} else o && o.some(_);
 			} else n.__e = r.__e;
-			n.__k ||= r.__k || [], t && t.then || oe(n), e.__e(t, n, r);
+			n.__k ||= r.__k || [], t && t.then || ie(n), e.__e(t, n, r);
 		}
-	} else c = n.__e = M(r.__e, n, r, i, a, o, s, l, d, t);
+	} else c = n.__e = P(r.__e, n, r, i, a, o, s, l, d, t);
 	return (p = e.diffed) && p(n), c;
 }
-function ae(e, t) {
+function re(e, t) {
 	if (e && e.nodeType == 8 && e.data.startsWith("$s")) for (var n = 1; e = e.nextSibling;) {
 		if (e.nodeType == 8) {
 			if (e.data.startsWith("$s")) n++;
@@ -189,11 +189,11 @@ function ae(e, t) {
 		t && t.push(e);
 	}
 }
-function oe(e) {
-	e && (e.__c && (e.__c.__g |= 4), e.__k && e.__k.some(oe));
+function ie(e) {
+	e && (e.__c && (e.__c.__g |= 4), e.__k && e.__k.some(ie));
 }
-function j(t, n, r) {
-	for (var i = 0; i < r.length;) N(r[i++], r[i++], r[i++]);
+function N(t, n, r) {
+	for (var i = 0; i < r.length;) F(r[i++], r[i++], r[i++]);
 	e.__c && e.__c(n, t), t.some(function(n) {
 		try {
 			t = n.__h, n.__h = [], t.some(function(e) {
@@ -204,7 +204,7 @@ function j(t, n, r) {
 		}
 	});
 }
-function M(t, n, r, i, a, o, s, c, l, u) {
+function P(t, n, r, i, a, o, s, c, l, u) {
 	var f, g, v, y, b, x, S, w, T = r.props || d, E = n.props, D = n.type;
 	if (D == "svg" ? a = "http://www.w3.org/2000/svg" : D == "math" ? a = "http://www.w3.org/1998/Math/MathML" : a ||= "http://www.w3.org/1999/xhtml", o) {
 		for (f = 0; f < o.length; f++) if ((b = o[f]) && (D ? b.localName == D : b.nodeType == 3)) {
@@ -218,22 +218,22 @@ function M(t, n, r, i, a, o, s, c, l, u) {
 	}
 	if (D) {
 		if (u = D == "template" && t.content || t, o = D == "textarea" && E.defaultValue != null ? null : o && h.call(u.childNodes), !c && o) for (T = {}, f = 0; f < t.attributes.length; f++) T[(b = t.attributes[f]).name] = b.value;
-		for (f in T) b = T[f], f == "dangerouslySetInnerHTML" ? v = b : f == "children" || f in E || f == "value" && "defaultValue" in E || f == "checked" && "defaultChecked" in E || ne(t, f, null, b, a);
-		for (f in E) b = E[f], f == "children" ? y = b : f == "dangerouslySetInnerHTML" ? g = b : f == "value" ? x = b : f == "checked" ? S = b : c && typeof b != "function" || T[f] === b || ne(t, f, b, T[f], a);
-		g ? (c || v && (g.__html == v.__html || g.__html == t.innerHTML) || (t.innerHTML = g.__html), n.__k = []) : (v && (t.textContent = ""), (D == "foreignObject" || a == "http://www.w3.org/1998/Math/MathML" && p.test(D)) && (a = "http://www.w3.org/1999/xhtml"), O(u, m(y) ? y : [y], n, r, i, a, o, s, o ? o[0] : r.__k && C(r, 0), c, l), o && o.some(_)), c && D != "textarea" || (f = "value", D == "progress" && x == null ? t.removeAttribute(f) : x == null || x === t[f] && (D != "progress" || x) || ne(t, f, x, T[f], a), f = "checked", S != null && S != t[f] && ne(t, f, S, T[f], a));
+		for (f in T) b = T[f], f == "dangerouslySetInnerHTML" ? v = b : f == "children" || f in E || f == "value" && "defaultValue" in E || f == "checked" && "defaultChecked" in E || ee(t, f, null, b, a);
+		for (f in E) b = E[f], f == "children" ? y = b : f == "dangerouslySetInnerHTML" ? g = b : f == "value" ? x = b : f == "checked" ? S = b : c && typeof b != "function" || T[f] === b || ee(t, f, b, T[f], a);
+		g ? (c || v && (g.__html == v.__html || g.__html == t.innerHTML) || (t.innerHTML = g.__html), n.__k = []) : (v && (t.textContent = ""), (D == "foreignObject" || a == "http://www.w3.org/1998/Math/MathML" && p.test(D)) && (a = "http://www.w3.org/1999/xhtml"), O(u, m(y) ? y : [y], n, r, i, a, o, s, o ? o[0] : r.__k && C(r, 0), c, l), o && o.some(_)), c && D != "textarea" || (f = "value", D == "progress" && x == null ? t.removeAttribute(f) : x == null || x === t[f] && (D != "progress" || x) || ee(t, f, x, T[f], a), f = "checked", S != null && S != t[f] && ee(t, f, S, T[f], a));
 	} else T === E || c && t.data == E || (t.data = E);
 	return t;
 }
-function N(t, n, r, i) {
+function F(t, n, r, i) {
 	try {
 		typeof t == "function" ? n ? n.__x = t(n) || 1 : (i &&= i.__c || i.__e) && (n = i.__x) && (i.__x = null, typeof n == "function" ? n() : t(null)) : t.current = n;
 	} catch (t) {
 		e.__e(t, r);
 	}
 }
-function se(t, n, r) {
+function ae(t, n, r) {
 	var i, a, o, s;
-	if (e.unmount && e.unmount(t), !(i = t.ref) || i.current && i.current != t.__e || N(i, null, n, t), i = t.__c) {
+	if (e.unmount && e.unmount(t), !(i = t.ref) || i.current && i.current != t.__e || F(i, null, n, t), i = t.__c) {
 		if (i.componentWillUnmount) try {
 			i.componentWillUnmount();
 		} catch (t) {
@@ -241,15 +241,15 @@ function se(t, n, r) {
 		}
 		i.__P = i.__n = null;
 	}
-	if (i = t.__k) for (s = 0; s < i.length; s++) i[s] && se(i[s], n, typeof t.type != "function" || r && !t.props.__P);
-	!r && (i = t.__c) && (i = i.__z) && (a = ae(i, o = [])) && (i == t.__e && o.some(_), _(a), _(i)), r || _(t.__e), t.__e = t.__c = t.__ = null;
+	if (i = t.__k) for (s = 0; s < i.length; s++) i[s] && ae(i[s], n, typeof t.type != "function" || r && !t.props.__P);
+	!r && (i = t.__c) && (i = i.__z) && (a = re(i, o = [])) && (i == t.__e && o.some(_), _(a), _(i)), r || _(t.__e), t.__e = t.__c = t.__ = null;
 }
-function P(e, t, n) {
+function I(e, t, n) {
 	return this.constructor(e, n);
 }
-function F(t, n) {
+function L(t, n) {
 	var r, i, a, o;
-	e.__ && e.__(t, n), n.nodeType == 9 && (n = n.documentElement), i = (r = t && 32 & t.__u) ? null : n.__k, n.__k = y(x, { children: [t] }), a = [], o = [], ie(n, n.__k, i || d, d, n.namespaceURI, i ? null : n.firstChild ? h.call(n.childNodes) : null, a, i ? i.__e : n.firstChild, r, o), j(a, n.__k, o), n.__k.props.children = null;
+	e.__ && e.__(t, n), n.nodeType == 9 && (n = n.documentElement), i = (r = t && 32 & t.__u) ? null : n.__k, n.__k = y(x, { children: [t] }), a = [], o = [], ne(n, n.__k, i || d, d, n.namespaceURI, i ? null : n.firstChild ? h.call(n.childNodes) : null, a, i ? i.__e : n.firstChild, r, o), N(a, n.__k, o), n.__k.props.children = null;
 }
 e = { __e: function(e, t, n, r) {
 	for (var a, o, s; t = t.__;) if ((a = t.__c) && !(1 & a.__g)) {
@@ -270,8 +270,8 @@ e = { __e: function(e, t, n, r) {
 	return e.__v.__b - t.__v.__b;
 }, o = Symbol(), s = /(PointerCapture)$|Capture$/i, c = 0, l = {};
 // src/geometry.ts
-var ce = 5.5, le = 35 * Math.PI / 180;
-function ue(e, t) {
+var oe = (e) => /^[^.[]*(?:\[[^\]]*\])?/.exec(e)[0], se = 5.5, ce = 35 * Math.PI / 180;
+function le(e, t) {
 	return {
 		x0: e.x0 - t,
 		y0: e.y0 - t,
@@ -279,7 +279,7 @@ function ue(e, t) {
 		y1: e.y1 + t
 	};
 }
-function de(e, [t, n]) {
+function ue(e, [t, n]) {
 	let r = 0, i = 1, a = [[
 		t[0],
 		n[0] - t[0],
@@ -301,51 +301,51 @@ function de(e, [t, n]) {
 	}
 	return r < i ? [r, i] : null;
 }
-function fe(e, t) {
+function de(e, t) {
 	let n = Math.hypot(e, t), r = -t / n, i = e / n;
 	return (Math.abs(e) >= Math.abs(t) ? i > 0 : r < 0) ? [r + 0, i + 0] : [-r + 0, -i + 0];
 }
-function pe(e, t, n, r, i = 0) {
+function fe(e, t, n, r, i = 0) {
 	let a = r[0] - n[0], o = r[1] - n[1], s = Math.hypot(a, o);
 	if (s === 0) return {
 		tail: n,
 		head: r,
 		barb: [r, r]
 	};
-	let [c, l] = fe(a, o), u = [n[0] + i * c, n[1] + i * l], d = [r[0] + i * c, r[1] + i * l], f = de(ue(e, ce), [u, d]), p = de(ue(t, ce), [u, d]), m = f ? f[1] : 0, h = p ? p[0] : 1;
+	let [c, l] = de(a, o), u = [n[0] + i * c, n[1] + i * l], d = [r[0] + i * c, r[1] + i * l], f = ue(le(e, se), [u, d]), p = ue(le(t, se), [u, d]), m = f ? f[1] : 0, h = p ? p[0] : 1;
 	h <= m && (m = .35, h = .65);
-	let g = [u[0] + m * a, u[1] + m * o], _ = [u[0] + h * a, u[1] + h * o], v = a / s, y = o / s, b = Math.min(11, .5 * s * (h - m)), x = b * Math.cos(le), S = b * Math.sin(le);
+	let g = [u[0] + m * a, u[1] + m * o], _ = [u[0] + h * a, u[1] + h * o], v = a / s, y = o / s, b = Math.min(11, .5 * s * (h - m)), x = b * Math.cos(ce), S = b * Math.sin(ce);
 	return {
 		tail: g,
 		head: _,
 		barb: [_, [_[0] - x * v + S * c, _[1] - x * y + S * l]]
 	};
 }
-function me(e, t) {
+function pe(e, t) {
 	let n = e.head[0] - e.tail[0], r = e.head[1] - e.tail[1];
 	if (n === 0 && r === 0) return [e.head, e.head];
-	let [i, a] = fe(n, r), [o, s] = t ? e.head : e.tail, c = 15 / 2;
+	let [i, a] = de(n, r), [o, s] = t ? e.head : e.tail, c = 15 / 2;
 	return [[o + c * i, s + c * a], [o - c * i, s - c * a]];
 }
-var he = /* @__PURE__ */ new Set([..."iljI|.,:;'!()[]{}/\\ ·‹›-ftr\"²³°"]), ge = /* @__PURE__ */ new Set([..."mwMW@%…+=<>~ΩQOGD&→δ_"]);
-function _e(e, t, n = !1) {
+var me = /* @__PURE__ */ new Set([..."iljI|.,:;'!()[]{}/\\ ·‹›-ftr\"²³°"]), he = /* @__PURE__ */ new Set([..."mwMW@%…+=<>~ΩQOGD&→δ_"]);
+function ge(e, t, n = !1) {
 	let r = 0;
-	for (let t of e) he.has(t) ? r += .42 : ge.has(t) ? r += .88 : t !== t.toLowerCase() && t === t.toUpperCase() ? r += .7 : r += (t.codePointAt(0) ?? 0) < 11904 ? .64 : 1.05;
+	for (let t of e) me.has(t) ? r += .42 : he.has(t) ? r += .88 : t !== t.toLowerCase() && t === t.toUpperCase() ? r += .7 : r += (t.codePointAt(0) ?? 0) < 11904 ? .64 : 1.05;
 	return r * t * (n ? 1.1 : 1);
 }
-var ve = .73;
-function ye(e, t, [n, r]) {
-	let i = Math.max(_e(e, 19, !0) / 2, 6);
+var _e = .73;
+function ve(e, t, [n, r]) {
+	let i = Math.max(ge(e, 19, !0) / 2, 6);
 	t && (i += 6);
 	let a = {
 		x0: n - i,
-		y0: r - ve * 19 / 2 - 1,
+		y0: r - _e * 19 / 2 - 1,
 		x1: n + i,
-		y1: r + ve * 19 / 2 + (t ? 3 : 1)
+		y1: r + _e * 19 / 2 + (t ? 3 : 1)
 	};
-	return t ? ue(a, 2) : a;
+	return t ? le(a, 2) : a;
 }
-function be(e, t) {
+function ye(e, t) {
 	let n = /* @__PURE__ */ new Set();
 	for (let [r, i] of t) {
 		let t = r - e[0], a = i - e[1];
@@ -354,9 +354,9 @@ function be(e, t) {
 	return n;
 }
 // node_modules/preact/jsx-runtime/dist/jsxRuntime.mjs
-var xe = Symbol.for("pv"), Se = 0;
+var be = Symbol.for("pv"), xe = 0;
 Array.isArray;
-function I(t, n, r, i, a, o) {
+function R(t, n, r, i, a, o) {
 	n ||= {};
 	var s, c, l = n;
 	if ("ref" in l && typeof t != "function") for (c in l = {}, n) c == "ref" ? s = n[c] : l[c] = n[c];
@@ -370,17 +370,17 @@ function I(t, n, r, i, a, o) {
 		__b: 0,
 		__e: null,
 		__c: null,
-		constructor: xe,
-		__v: --Se,
+		constructor: be,
+		__v: --xe,
 		__i: -1,
 		__u: 0
 	};
 	return (a || o) && (u.__source = a, u.__self = o), e.vnode && e.vnode(u), u;
 }
 // src/shapes.tsx
-var L = [100, 84];
-function R(e, t) {
-	return [e * L[0], t * L[1]];
+var z = [100, 84];
+function Se(e, t) {
+	return [e * z[0], t * z[1]];
 }
 var Ce = 18;
 function we(e, t) {
@@ -390,7 +390,7 @@ function we(e, t) {
 	}).join("");
 }
 function Te(e, t) {
-	let n = e.ports ?? [], r = (e) => n.filter((n, r) => t[r] === e), i = (e) => Math.max(0, ...r(e).map((e) => _e(e, 9))), a = (e) => r(e).reduce((e, t) => e + _e(t, 9) + 10, 0), o = Math.max(r("e").length, r("w").length), s = Math.max(54, Math.min(150, _e(e.letters, 10.5) + 16), i("e") + i("w") + 26, a("n"), a("s")), c = o ? -(o - 1) * Ce / 2 : 0, l = o ? c - 15 : 4;
+	let n = e.ports ?? [], r = (e) => n.filter((n, r) => t[r] === e), i = (e) => Math.max(0, ...r(e).map((e) => ge(e, 9))), a = (e) => r(e).reduce((e, t) => e + ge(t, 9) + 10, 0), o = Math.max(r("e").length, r("w").length), s = Math.max(54, Math.min(150, ge(e.letters, 10.5) + 16), i("e") + i("w") + 26, a("n"), a("s")), c = o ? -(o - 1) * Ce / 2 : 0, l = o ? c - 15 : 4;
 	return {
 		half: s / 2,
 		first: c,
@@ -425,11 +425,11 @@ function De(e, t, n, r = "") {
 			y1: n[1] + a
 		};
 	}
-	return ye(e.letters, t, n);
+	return ve(e.letters, t, n);
 }
 function Oe(e, t, n, r, i = "") {
 	if (e.kind === "part") {
-		let n = t.slice(e.name.length + 1), a = Ee(e, i).get(n);
+		let n = t.slice(oe(t).length + 1), a = Ee(e, i).get(n);
 		if (a) {
 			let e = [r[0] + a[0], r[1] + a[1]];
 			return [e, {
@@ -469,48 +469,48 @@ var Me = class extends S {
 		return je(e, this.props);
 	}
 	render(e) {
-		let [t, n] = Oe(e.tail, e.bond.ends[0], e.tailControlled, [e.tx, e.ty], e.tailPorts), [r, i] = Oe(e.head, e.bond.ends[1], e.headControlled, [e.hx, e.hy], e.headPorts), a = pe(n, i, t, r, e.shift * 9), o = e.drawn, s = (o?.off ? " off" : "") + (o?.conflict ? " conflict" : ""), [c, l] = [(a.tail[0] + a.head[0]) / 2, (a.tail[1] + a.head[1]) / 2], u = new Set(o?.late ?? []);
-		return /* @__PURE__ */ I("g", {
+		let [t, n] = Oe(e.tail, e.bond.ends[0], e.tailControlled, [e.tx, e.ty], e.tailPorts), [r, i] = Oe(e.head, e.bond.ends[1], e.headControlled, [e.hx, e.hy], e.headPorts), a = fe(n, i, t, r, e.shift * 9), o = e.drawn, s = (o?.off ? " off" : "") + (o?.conflict ? " conflict" : ""), [c, l] = [(a.tail[0] + a.head[0]) / 2, (a.tail[1] + a.head[1]) / 2], u = new Set(o?.late ?? []);
+		return /* @__PURE__ */ R("g", {
 			class: "bond" + (e.selected ? " selected" : "") + s,
 			"data-bond": e.bond.key,
 			"data-text": e.bond.text,
 			children: [
-				/* @__PURE__ */ I("line", {
+				/* @__PURE__ */ R("line", {
 					class: "reach",
 					...ke([a.tail, a.head])
 				}),
-				e.flow !== 0 && /* @__PURE__ */ I("line", {
+				e.flow !== 0 && /* @__PURE__ */ R("line", {
 					class: "power",
 					...ke(e.flow > 0 ? [a.tail, a.head] : [a.head, a.tail]),
 					style: { strokeWidth: `${2 + 5 * Math.abs(e.flow)}px` }
 				}),
-				/* @__PURE__ */ I("line", {
+				/* @__PURE__ */ R("line", {
 					class: "line",
 					...ke([a.tail, a.head])
 				}),
-				/* @__PURE__ */ I("line", {
+				/* @__PURE__ */ R("line", {
 					class: "line barb",
 					...ke(a.barb)
 				}),
-				o?.strokes.map((e) => /* @__PURE__ */ I("line", {
+				o?.strokes.map((e) => /* @__PURE__ */ R("line", {
 					class: "stroke" + (u.has(e) ? " derivative" : ""),
 					"data-end": e,
-					...ke(me(a, e))
+					...ke(pe(a, e))
 				})),
-				o?.dashed?.map((e) => /* @__PURE__ */ I("line", {
+				o?.dashed?.map((e) => /* @__PURE__ */ R("line", {
 					class: "stroke dynamic" + (u.has(e) ? " derivative" : ""),
 					"data-end": e,
-					...ke(me(a, e))
+					...ke(pe(a, e))
 				})),
-				o?.conflict && /* @__PURE__ */ I("path", {
+				o?.conflict && /* @__PURE__ */ R("path", {
 					class: "cross",
 					d: `M${c - 4.5},${l - 4.5}l9,9m0,-9l-9,9`
 				}),
-				e.effort && /* @__PURE__ */ I(x, { children: [/* @__PURE__ */ I("text", {
+				e.effort && /* @__PURE__ */ R(x, { children: [/* @__PURE__ */ R("text", {
 					class: "value",
 					...Ae(a, 1),
 					children: e.effort
-				}), /* @__PURE__ */ I("text", {
+				}), /* @__PURE__ */ R("text", {
 					class: "value",
 					...Ae(a, -1),
 					children: e.rate
@@ -592,14 +592,14 @@ var Fe = class extends S {
 				role: "machine",
 				text: `port ${t.outside.join(", ")}`
 			}] : []
-		], c = Pe(e, i, s.length), l = ve * 19 / 2, u = Te(t, e.ports);
-		return /* @__PURE__ */ I("g", {
+		], c = Pe(e, i, s.length), l = _e * 19 / 2, u = Te(t, e.ports);
+		return /* @__PURE__ */ R("g", {
 			class: a,
 			"data-node": t.name,
 			transform: `translate(${e.x},${e.y})`,
 			children: [
-				t.kind === "part" ? /* @__PURE__ */ I(x, { children: [
-					/* @__PURE__ */ I("rect", {
+				t.kind === "part" ? /* @__PURE__ */ R(x, { children: [
+					/* @__PURE__ */ R("rect", {
 						class: "frame",
 						x: -u.half,
 						y: u.top,
@@ -607,42 +607,42 @@ var Fe = class extends S {
 						height: u.bottom - u.top,
 						rx: 6
 					}),
-					/* @__PURE__ */ I("text", {
+					/* @__PURE__ */ R("text", {
 						class: "title",
 						y: u.title,
 						"text-anchor": "middle",
 						children: t.letters
 					}),
-					[...Ee(t, e.ports)].map(([n, [r, i]], a) => /* @__PURE__ */ I("g", {
+					[...Ee(t, e.ports)].map(([n, [r, i]], a) => /* @__PURE__ */ R("g", {
 						class: "port",
 						"data-port": `${t.name}.${n}`,
 						children: [
-							/* @__PURE__ */ I("circle", {
+							/* @__PURE__ */ R("circle", {
 								class: "hit",
 								cx: r,
 								cy: i,
 								r: 9
 							}),
-							/* @__PURE__ */ I("circle", {
+							/* @__PURE__ */ R("circle", {
 								cx: r,
 								cy: i,
 								r: 3
 							}),
-							/* @__PURE__ */ I("text", {
+							/* @__PURE__ */ R("text", {
 								...Ne(e.ports[a], r, i),
 								children: n
 							})
 						]
 					}))
-				] }) : /* @__PURE__ */ I(x, { children: [
-					/* @__PURE__ */ I("rect", {
+				] }) : /* @__PURE__ */ R(x, { children: [
+					/* @__PURE__ */ R("rect", {
 						class: "reach",
 						x: i.x0 - e.x - 6,
 						y: i.y0 - e.y - 6,
 						width: i.x1 - i.x0 + 12,
 						height: i.y1 - i.y0 + 12
 					}),
-					r && /* @__PURE__ */ I("rect", {
+					r && /* @__PURE__ */ R("rect", {
 						class: "switch",
 						x: i.x0 - e.x,
 						y: i.y0 - e.y,
@@ -650,43 +650,43 @@ var Fe = class extends S {
 						height: i.y1 - i.y0,
 						rx: 6
 					}),
-					/* @__PURE__ */ I("text", {
+					/* @__PURE__ */ R("text", {
 						class: "letters",
 						x: r ? -4 : 0,
 						y: l,
 						"text-anchor": "middle",
 						children: t.letters
 					}),
-					r && /* @__PURE__ */ I("text", {
+					r && /* @__PURE__ */ R("text", {
 						class: "subscript",
-						x: _e(t.letters, 19, !0) / 2 - 3.5,
+						x: ge(t.letters, 19, !0) / 2 - 3.5,
 						y: l + 3.5,
 						children: "c"
 					})
 				] }),
-				s.map((e, t) => /* @__PURE__ */ I("text", {
+				s.map((e, t) => /* @__PURE__ */ R("text", {
 					class: e.role,
 					x: c.x,
 					y: c.y + 13 * t,
 					"text-anchor": c.anchor,
 					children: e.text.length > 24 ? e.text.slice(0, 23) + "…" : e.text
 				})),
-				e.selected && /* @__PURE__ */ I("g", {
+				e.selected && /* @__PURE__ */ R("g", {
 					class: "handle",
 					"data-handle": t.name,
 					children: [
-						/* @__PURE__ */ I("circle", {
+						/* @__PURE__ */ R("circle", {
 							class: "hit",
 							cx: i.x1 - e.x + 12,
 							cy: i.y0 - e.y - 8,
 							r: 14
 						}),
-						/* @__PURE__ */ I("circle", {
+						/* @__PURE__ */ R("circle", {
 							cx: i.x1 - e.x + 12,
 							cy: i.y0 - e.y - 8,
 							r: 6
 						}),
-						/* @__PURE__ */ I("path", { d: `M${i.x1 - e.x + 9},${i.y0 - e.y - 5}l6,-6m-4,0h4v4` })
+						/* @__PURE__ */ R("path", { d: `M${i.x1 - e.x + 9},${i.y0 - e.y - 5}l6,-6m-4,0h4v4` })
 					]
 				})
 			]
@@ -1084,7 +1084,7 @@ var He = [
 	[1e-9, "n"],
 	[1e-12, "p"]
 ];
-function z(e, t) {
+function B(e, t) {
 	if (e === null) return "—";
 	if (e === 0 || !/^[A-Za-zΩ]+$/.test(t) || t === "kg") return `${Ve(e)} ${t}`.trim();
 	let [n, r] = He.find(([t]) => Math.abs(e) >= t * (1 - 1e-9)) ?? He[He.length - 1];
@@ -1093,31 +1093,31 @@ function z(e, t) {
 // src/overlays.tsx
 function Ue({ store: e, state: t }) {
 	let { event: n, step: r } = t.instant, i = n.steps[r], a = r < n.steps.length - 1 ? "values before" : "values after";
-	return /* @__PURE__ */ I("div", {
+	return /* @__PURE__ */ R("div", {
 		class: "wiretext instant " + i.kind,
 		role: "status",
 		children: [
-			/* @__PURE__ */ I("button", {
+			/* @__PURE__ */ R("button", {
 				"aria-label": "Mode before",
 				disabled: r === 0,
 				onClick: () => e.showInstant(n, r - 1),
 				children: "◂"
 			}),
 			"t = ",
-			z(n.t, "s"),
+			B(n.t, "s"),
 			", mode ",
 			r + 1,
 			" of ",
 			n.steps.length,
 			": ",
-			/* @__PURE__ */ I("b", { children: i.kind }),
+			/* @__PURE__ */ R("b", { children: i.kind }),
 			" ",
-			/* @__PURE__ */ I("small", { children: [
+			/* @__PURE__ */ R("small", { children: [
 				"(",
 				a,
 				")"
 			] }),
-			/* @__PURE__ */ I("button", {
+			/* @__PURE__ */ R("button", {
 				"aria-label": "Mode after",
 				disabled: r + 1 === n.steps.length,
 				onClick: () => e.showInstant(n, r + 1),
@@ -1140,27 +1140,27 @@ function Ge({ state: e, sight: t, size: n }) {
 	let r = e.look.view.nodes;
 	if (r.length < 25) return null;
 	let i = r.map((e) => e.x), a = r.map((e) => e.y), [o, s] = [Math.min(...i) - 1, Math.min(...a) - 1], [c, l] = [Math.max(...i) + 2 - o, Math.max(...a) + 2 - s], u = {
-		x: -t.x / t.k / L[0],
-		y: -t.y / t.k / L[1]
+		x: -t.x / t.k / z[0],
+		y: -t.y / t.k / z[1]
 	};
-	return /* @__PURE__ */ I("svg", {
+	return /* @__PURE__ */ R("svg", {
 		class: "minimap",
 		viewBox: `${o} ${s} ${c} ${l}`,
 		"aria-hidden": "true",
-		children: [r.map((e) => /* @__PURE__ */ I("circle", {
+		children: [r.map((e) => /* @__PURE__ */ R("circle", {
 			cx: e.x,
 			cy: e.y,
 			r: c / 90
-		})), /* @__PURE__ */ I("rect", {
+		})), /* @__PURE__ */ R("rect", {
 			x: u.x,
 			y: u.y,
-			width: n[0] / t.k / L[0],
-			height: n[1] / t.k / L[1]
+			width: n[0] / t.k / z[0],
+			height: n[1] / t.k / z[1]
 		})]
 	});
 }
 // src/canvas.tsx
-var Ke = class extends S {
+var Ke = (e) => e.map((e) => e.replace(/\[[^\]]*\]/g, "")).sort().join("|"), qe = class extends S {
 	svg = b();
 	state = {
 		sight: {
@@ -1217,12 +1217,12 @@ var Ke = class extends S {
 		this.seen = n;
 		let r = this.svg.current.getBoundingClientRect(), i = t.view.nodes.filter((t) => e.nodes.has(t.name)), { x: a, y: o, k: s } = this.state.sight;
 		if (i.some((e) => {
-			let [t, n] = R(e.x, e.y), [i, c] = [a + s * t, o + s * n];
+			let [t, n] = Se(e.x, e.y), [i, c] = [a + s * t, o + s * n];
 			return i < 40 || c < 40 || i > r.width - 40 || c > r.height - 40;
 		}) && i.length) {
 			if (!this.touched) this.fit();
 			else {
-				let [e, t] = R(i[0].x, i[0].y);
+				let [e, t] = Se(i[0].x, i[0].y);
 				this.setState({ sight: {
 					k: s,
 					x: r.width / 2 - s * e,
@@ -1249,7 +1249,7 @@ var Ke = class extends S {
 			} });
 			return;
 		}
-		let r = e.map((e) => e.x * L[0]), i = e.map((e) => e.y * L[1]), [a, o] = [Math.min(...r) - 90, Math.max(...r) + 90], [s, c] = [Math.min(...i) - 60, Math.max(...i) + 70], l = Math.min(1.5, n.width / (o - a), n.height / (c - s));
+		let r = e.map((e) => e.x * z[0]), i = e.map((e) => e.y * z[1]), [a, o] = [Math.min(...r) - 90, Math.max(...r) + 90], [s, c] = [Math.min(...i) - 60, Math.max(...i) + 70], l = Math.min(1.5, n.width / (o - a), n.height / (c - s));
 		this.setState({ sight: {
 			k: l,
 			x: n.width / 2 - l * (a + o) / 2,
@@ -1288,7 +1288,7 @@ var Ke = class extends S {
 	under(e, t = "") {
 		for (let n of document.elementsFromPoint(e.clientX, e.clientY)) {
 			let e = n.closest?.("[data-port]")?.getAttribute("data-port");
-			if (e && e.split(".")[0] !== t) return e;
+			if (e && oe(e) !== t) return e;
 			let r = n.closest?.("[data-node]")?.getAttribute("data-node");
 			if (r && r !== t) return r;
 		}
@@ -1424,7 +1424,7 @@ var Ke = class extends S {
 					now: this.inGraph(r)
 				} });
 				else if (t.kind === "wire") {
-					let n = this.under(e, t.from.split(".")[0]);
+					let n = this.under(e, oe(t.from));
 					this.setState({ gesture: {
 						...t,
 						now: this.inGraph(r),
@@ -1448,7 +1448,7 @@ var Ke = class extends S {
 				} else if (t.kind === "drag") {
 					let a = e.altKey ? .05 : .25, o = {};
 					for (let e of i.look.view.nodes) if (t.names.includes(e.name)) {
-						let t = e.x + n[0] / L[0], r = e.y + n[1] / L[1];
+						let t = e.x + n[0] / z[0], r = e.y + n[1] / z[1];
 						o[e.name] = [Math.round(t / a) * a, Math.round(r / a) * a];
 					}
 					this.place(o), r.edit({
@@ -1457,13 +1457,13 @@ var Ke = class extends S {
 					});
 				} else if (t.kind === "box") {
 					let [e, n] = [t.start[0], t.now[0]].sort((e, t) => e - t), [a, o] = [t.start[1], t.now[1]].sort((e, t) => e - t), s = i.look.view.nodes.filter((t) => {
-						let [r, i] = R(t.x, t.y);
+						let [r, i] = Se(t.x, t.y);
 						return r >= e && r <= n && i >= a && i <= o;
 					}).map((e) => e.name);
 					s.length && r.set({ nodes: new Set(t.add ? [...i.nodes, ...s] : s) });
 				} else if (t.kind === "wire") {
-					let n = this.under(e, t.from.split(".")[0]) || t.target;
-					n ? r.bond(t.from, n) : Math.hypot(...Je(this.local(e), t.start)) < 8 && r.set({ bondFrom: t.from });
+					let n = this.under(e, oe(t.from)) || t.target;
+					n ? r.bond(t.from, n) : Math.hypot(...Ye(this.local(e), t.start)) < 8 && r.set({ bondFrom: t.from });
 				} else t.kind === "pan" && !t.moved && r.set({
 					nodes: /* @__PURE__ */ new Set(),
 					bonds: /* @__PURE__ */ new Set(),
@@ -1491,7 +1491,7 @@ var Ke = class extends S {
 		} });
 	}
 	centreOf(e, t, n, r) {
-		let i = e.split(".")[0];
+		let i = oe(e);
 		return Oe(t.get(i), e, !1, n.get(i), r.get(i))[0];
 	}
 	enter(e) {
@@ -1499,7 +1499,7 @@ var Ke = class extends S {
 		r?.kind === "part" && r.known ? t.open(n.level ? `${n.level}.${e}` : e) : (t.set({ tab: "item" }), requestAnimationFrame(() => document.querySelector(".side [data-first]")?.focus()));
 	}
 	key = (e) => {
-		let { store: t, state: n } = this.props, r = n.look?.view.nodes ?? [], i = e.ctrlKey || e.metaKey, a = n.nodes.size === 1 ? r.find((e) => n.nodes.has(e.name)) : void 0, o = Ye[e.key];
+		let { store: t, state: n } = this.props, r = n.look?.view.nodes ?? [], i = e.ctrlKey || e.metaKey, a = n.nodes.size === 1 ? r.find((e) => n.nodes.has(e.name)) : void 0, o = Xe[e.key];
 		if (o && e.altKey && n.nodes.size) {
 			let i = e.shiftKey ? .25 : 1, a = {};
 			for (let e of r) n.nodes.has(e.name) && (a[e.name] = [e.x + i * o[0], e.y + i * o[1]]);
@@ -1542,7 +1542,7 @@ var Ke = class extends S {
 		else if (e.key === "a" && i) t.set({ nodes: new Set(r.map((e) => e.name)) });
 		else if (e.key === "d" && i) t.duplicate();
 		else if (e.key === "Delete" || e.key === "Backspace") t.remove();
-		else if (e.key === "PageUp" && n.level) t.open(n.level.split(".").slice(0, -1).join("."));
+		else if (e.key === "PageUp" && n.level) t.open(n.level.split(/\.(?![^[]*\])/).slice(0, -1).join("."));
 		else return;
 		e.preventDefault();
 	};
@@ -1551,20 +1551,20 @@ var Ke = class extends S {
 		if (!t) return;
 		e.preventDefault();
 		let { element: n, stem: r } = JSON.parse(t), [i, a] = this.inGraph(this.local(e));
-		this.props.store.add(n, r, [Math.round(i / L[0] * 4) / 4, Math.round(a / L[1] * 4) / 4]);
+		this.props.store.add(n, r, [Math.round(i / z[0] * 4) / 4, Math.round(a / z[1] * 4) / 4]);
 	};
 	render({ state: e, store: t }, { sight: n, gesture: r, moved: i }) {
 		let a = e.look;
-		if (!a) return /* @__PURE__ */ I("div", { class: "canvas" });
+		if (!a) return /* @__PURE__ */ R("div", { class: "canvas" });
 		let o = e.cursor?.strokes ?? a.strokes, s = r?.kind === "drag" ? new Set(r.names) : null, c = /* @__PURE__ */ new Map(), l = /* @__PURE__ */ new Map();
 		for (let e of a.view.nodes) {
-			let [t, n] = R(e.x, e.y);
+			let [t, n] = Se(e.x, e.y);
 			c.set(e.name, s?.has(e.name) ? [t + i[0], n + i[1]] : [t, n]), l.set(e.name, e);
 		}
 		let u = (e) => o.nodes[e.name]?.controlled ?? (!!e.machine || !!e.law), d = /* @__PURE__ */ new Map(), f = /* @__PURE__ */ new Map();
 		for (let e of a.view.bonds) {
 			d.has(e.tail) || d.set(e.tail, []), d.has(e.head) || d.set(e.head, []), d.get(e.tail).push(c.get(e.head)), d.get(e.head).push(c.get(e.tail));
-			let t = [...e.ends].sort().join("|");
+			let t = Ke(e.ends);
 			f.set(t, [...f.get(t) ?? [], e.key]);
 		}
 		let p = /* @__PURE__ */ new Map();
@@ -1582,13 +1582,13 @@ var Ke = class extends S {
 		}
 		let m = /* @__PURE__ */ new Map();
 		for (let e of a.view.nodes) e.kind === "part" && m.set(e.name, we(e, p));
-		let h = (e) => m.get(e) ?? "", g = e.cursor?.values, _ = g ? Math.max(1e-300, ...Object.values(g).map((e) => Math.abs((e.e ?? 0) * (e.f ?? 0)))) : 1, v = r?.kind === "wire" ? r.target.split(".")[0] : "";
-		return /* @__PURE__ */ I("div", {
+		let h = (e) => m.get(e) ?? "", g = e.cursor?.values, _ = g ? Math.max(1e-300, ...Object.values(g).map((e) => Math.abs((e.e ?? 0) * (e.f ?? 0)))) : 1, v = r?.kind === "wire" ? oe(r.target) : "";
+		return /* @__PURE__ */ R("div", {
 			class: "canvas",
 			onDragOver: (e) => e.preventDefault(),
 			onDrop: this.dropped,
 			children: [
-				/* @__PURE__ */ I("svg", {
+				/* @__PURE__ */ R("svg", {
 					ref: this.svg,
 					tabindex: 0,
 					role: "application",
@@ -1601,19 +1601,19 @@ var Ke = class extends S {
 					onKeyDown: this.key,
 					class: e.flowing ? "flowing" : "",
 					children: [
-						/* @__PURE__ */ I("defs", { children: [/* @__PURE__ */ I("pattern", {
+						/* @__PURE__ */ R("defs", { children: [/* @__PURE__ */ R("pattern", {
 							id: "dots",
-							width: L[0] / 4,
-							height: L[1] / 4,
+							width: z[0] / 4,
+							height: z[1] / 4,
 							patternUnits: "userSpaceOnUse",
 							patternTransform: `translate(${n.x},${n.y}) scale(${n.k})`,
-							children: /* @__PURE__ */ I("circle", {
+							children: /* @__PURE__ */ R("circle", {
 								cx: 0,
 								cy: 0,
 								r: .7,
 								class: "dot"
 							})
-						}), /* @__PURE__ */ I("marker", {
+						}), /* @__PURE__ */ R("marker", {
 							id: "signal",
 							viewBox: "0 0 8 8",
 							refX: 7,
@@ -1621,25 +1621,25 @@ var Ke = class extends S {
 							markerWidth: 7,
 							markerHeight: 7,
 							orient: "auto",
-							children: /* @__PURE__ */ I("path", {
+							children: /* @__PURE__ */ R("path", {
 								d: "M0,1L8,4L0,7z",
 								class: "signalhead"
 							})
 						})] }),
-						n.k > .45 && /* @__PURE__ */ I("rect", {
+						n.k > .45 && /* @__PURE__ */ R("rect", {
 							class: "paper",
 							width: "100%",
 							height: "100%",
 							fill: "url(#dots)"
 						}),
-						/* @__PURE__ */ I("g", {
+						/* @__PURE__ */ R("g", {
 							transform: `translate(${n.x},${n.y}) scale(${n.k})`,
 							children: [
 								a.view.modulations.map((e) => {
 									let t = l.get(e.from), n = l.get(e.to);
 									if (!t || !n) return null;
-									let [r, i] = [c.get(e.from), c.get(e.to)], a = pe(De(t, u(t), r, h(t.name)), De(n, u(n), i, h(n.name)), r, i, 7);
-									return /* @__PURE__ */ I("line", {
+									let [r, i] = [c.get(e.from), c.get(e.to)], a = fe(De(t, u(t), r, h(t.name)), De(n, u(n), i, h(n.name)), r, i, 7);
+									return /* @__PURE__ */ R("line", {
 										class: "signal",
 										x1: a.tail[0],
 										y1: a.tail[1],
@@ -1648,9 +1648,9 @@ var Ke = class extends S {
 										"marker-end": "url(#signal)"
 									});
 								}),
-								/* @__PURE__ */ I("g", { children: a.view.bonds.map((t) => {
-									let [r, i] = [l.get(t.tail), l.get(t.head)], [a, s] = [c.get(t.tail), c.get(t.head)], d = f.get([...t.ends].sort().join("|")), p = g?.[t.key];
-									return /* @__PURE__ */ I(Me, {
+								/* @__PURE__ */ R("g", { children: a.view.bonds.map((t) => {
+									let [r, i] = [l.get(t.tail), l.get(t.head)], [a, s] = [c.get(t.tail), c.get(t.head)], d = f.get(Ke(t.ends)), p = g?.[t.key];
+									return /* @__PURE__ */ R(Me, {
 										bond: t,
 										tail: r,
 										head: i,
@@ -1665,12 +1665,12 @@ var Ke = class extends S {
 										shift: d.indexOf(t.key) - (d.length - 1) / 2,
 										drawn: o.bonds[t.key] ?? o.bonds[`${t.ends[0]} -> ${t.ends[1]}`],
 										selected: e.bonds.has(t.key),
-										effort: p && n.k > .6 ? z(p.e, p.units[0]) : "",
-										rate: p && n.k > .6 ? z(p.f, p.units[1]) : "",
+										effort: p && n.k > .6 ? B(p.e, p.units[0]) : "",
+										rate: p && n.k > .6 ? B(p.f, p.units[1]) : "",
 										flow: e.flowing && p ? (p.e ?? 0) * (p.f ?? 0) / _ : 0
 									}, t.key);
 								}) }),
-								/* @__PURE__ */ I("g", { children: a.view.nodes.map((t) => /* @__PURE__ */ I(Fe, {
+								/* @__PURE__ */ R("g", { children: a.view.nodes.map((t) => /* @__PURE__ */ R(Fe, {
 									node: t,
 									x: c.get(t.name)[0],
 									y: c.get(t.name)[1],
@@ -1678,13 +1678,13 @@ var Ke = class extends S {
 									selected: e.nodes.has(t.name),
 									ports: h(t.name),
 									target: v === t.name || e.bondFrom === t.name,
-									taken: [...be(c.get(t.name), d.get(t.name) ?? [])].sort().join("")
+									taken: [...ye(c.get(t.name), d.get(t.name) ?? [])].sort().join("")
 								}, t.name)) }),
-								r?.kind === "wire" && /* @__PURE__ */ I(qe, {
+								r?.kind === "wire" && /* @__PURE__ */ R(Je, {
 									from: this.centreOf(r.from, l, c, m),
 									to: r.now
 								}),
-								r?.kind === "box" && /* @__PURE__ */ I("rect", {
+								r?.kind === "box" && /* @__PURE__ */ R("rect", {
 									class: "marquee",
 									x: Math.min(r.start[0], r.now[0]),
 									y: Math.min(r.start[1], r.now[1]),
@@ -1695,7 +1695,7 @@ var Ke = class extends S {
 						})
 					]
 				}),
-				r?.kind === "wire" && /* @__PURE__ */ I("div", {
+				r?.kind === "wire" && /* @__PURE__ */ R("div", {
 					class: "wiretext",
 					role: "status",
 					children: [
@@ -1706,11 +1706,11 @@ var Ke = class extends S {
 						r.target || "…"
 					]
 				}),
-				e.instant && /* @__PURE__ */ I(Ue, {
+				e.instant && /* @__PURE__ */ R(Ue, {
 					store: t,
 					state: e
 				}),
-				e.bondFrom && /* @__PURE__ */ I("div", {
+				e.bondFrom && /* @__PURE__ */ R("div", {
 					class: "wiretext",
 					role: "status",
 					children: [
@@ -1722,22 +1722,22 @@ var Ke = class extends S {
 						": choose the other end"
 					]
 				}),
-				/* @__PURE__ */ I("div", {
+				/* @__PURE__ */ R("div", {
 					class: "views",
 					children: [
-						/* @__PURE__ */ I("button", {
+						/* @__PURE__ */ R("button", {
 							title: "Zoom in (+)",
 							"aria-label": "Zoom in",
 							onClick: () => this.zoom(1.25),
 							children: "+"
 						}),
-						/* @__PURE__ */ I("button", {
+						/* @__PURE__ */ R("button", {
 							title: "Zoom out (-)",
 							"aria-label": "Zoom out",
 							onClick: () => this.zoom(.8),
 							children: "−"
 						}),
-						/* @__PURE__ */ I("button", {
+						/* @__PURE__ */ R("button", {
 							title: "Show all (f)",
 							"aria-label": "Show all",
 							onClick: this.fit,
@@ -1745,24 +1745,24 @@ var Ke = class extends S {
 						})
 					]
 				}),
-				/* @__PURE__ */ I(Ge, {
+				/* @__PURE__ */ R(Ge, {
 					state: e,
 					sight: n,
 					size: this.size
 				}),
-				a.view.crumbs.length > 0 && /* @__PURE__ */ I("nav", {
+				a.view.crumbs.length > 0 && /* @__PURE__ */ R("nav", {
 					class: "crumbs",
 					"aria-label": "Submodel",
 					children: [
-						/* @__PURE__ */ I("button", {
+						/* @__PURE__ */ R("button", {
 							onClick: () => t.open(""),
 							children: a.title || a.file
 						}),
-						a.view.crumbs.map((e, n) => /* @__PURE__ */ I(x, { children: [" › ", /* @__PURE__ */ I("button", {
+						a.view.crumbs.map((e, n) => /* @__PURE__ */ R(x, { children: [" › ", /* @__PURE__ */ R("button", {
 							onClick: () => t.open(a.view.crumbs.slice(0, n + 1).join(".")),
 							children: e
 						})] })),
-						!a.view.editable && /* @__PURE__ */ I("span", { children: [
+						!a.view.editable && /* @__PURE__ */ R("span", { children: [
 							" (",
 							a.view.name,
 							", a ready part: to look at)"
@@ -1773,8 +1773,8 @@ var Ke = class extends S {
 		});
 	}
 };
-function qe({ from: e, to: t }) {
-	return /* @__PURE__ */ I("line", {
+function Je({ from: e, to: t }) {
+	return /* @__PURE__ */ R("line", {
 		class: "wire",
 		x1: e[0],
 		y1: e[1],
@@ -1782,37 +1782,37 @@ function qe({ from: e, to: t }) {
 		y2: t[1]
 	});
 }
-var Je = (e, t) => [e[0] - t[0], e[1] - t[1]], Ye = {
+var Ye = (e, t) => [e[0] - t[0], e[1] - t[1]], Xe = {
 	ArrowLeft: [-1, 0],
 	ArrowRight: [1, 0],
 	ArrowUp: [0, -1],
 	ArrowDown: [0, 1]
-}, Xe, B, Ze, Qe, $e = Object.is, et = 0, tt = [], nt = [], V = e, rt = V.__b, it = V.__r, at = V.diffed, ot = V.__c, st = V.unmount, ct = V.__;
-function lt(e, t) {
-	V.__h && V.__h(B, e, et || t), et = 0;
-	var n = B.__H || (B.__H = {
+}, Ze, Qe, $e, et, tt = Object.is, nt = 0, rt = [], it = [], V = e, at = V.__b, ot = V.__r, st = V.diffed, ct = V.__c, lt = V.unmount, ut = V.__;
+function dt(e, t) {
+	V.__h && V.__h(Qe, e, nt || t), nt = 0;
+	var n = Qe.__H || (Qe.__H = {
 		__: [],
 		__h: []
 	});
 	return e >= n.__.length && n.__.push({}), n.__[e];
 }
 function H(e) {
-	return et = 1, ut(xt, e);
+	return nt = 1, ft(Ct, e);
 }
-function ut(e, t, n) {
-	var r = lt(Xe++, 2);
-	if (r.t = e, !r.__c && (r.__ = [n ? n(t) : xt(void 0, t), function(e) {
+function ft(e, t, n) {
+	var r = dt(Ze++, 2);
+	if (r.t = e, !r.__c && (r.__ = [n ? n(t) : Ct(void 0, t), function(e) {
 		var t = (r.__N || r.__)[0], n = r.t(t, e);
-		$e(t, n) || (r.__N = [n, r.__[1]], r.__c.setState({}));
-	}], r.__c = B, !B.__f)) {
-		B.__f = !0;
-		var i = B.shouldComponentUpdate;
-		B.shouldComponentUpdate = function(e, t, n) {
+		tt(t, n) || (r.__N = [n, r.__[1]], r.__c.setState({}));
+	}], r.__c = Qe, !Qe.__f)) {
+		Qe.__f = !0;
+		var i = Qe.shouldComponentUpdate;
+		Qe.shouldComponentUpdate = function(e, t, n) {
 			var r = this.__H;
 			if (!r) return !0;
 			var a = !1, o = this.props != e;
 			if (r.__.some(function(e) {
-				e.__N && (a = !0, $e(e.__[0], e.__N[0]) || (o = !0));
+				e.__N && (a = !0, tt(e.__[0], e.__N[0]) || (o = !0));
 			}), i) {
 				var s = i.call(this, e, t, n);
 				return a ? s || o : s;
@@ -1822,67 +1822,67 @@ function ut(e, t, n) {
 	}
 	return r.__;
 }
-function dt(e, t) {
-	var n = lt(Xe++, 3);
-	!V.__s && bt(n.__H, t) && (n.__P = !0, n.__ = e, n.u = t, B.__H.__h.push(n));
+function pt(e, t) {
+	var n = dt(Ze++, 3);
+	!V.__s && St(n.__H, t) && (n.__P = !0, n.__ = e, n.u = t, Qe.__H.__h.push(n));
 }
-function ft(e) {
-	return et = 5, pt(function() {
+function mt(e) {
+	return nt = 5, ht(function() {
 		return { current: e };
 	}, []);
 }
-function pt(e, t) {
-	var n = lt(Xe++, 7);
-	return bt(n.__H, t) && (n.__ = e(), n.__H = t), n.__;
+function ht(e, t) {
+	var n = dt(Ze++, 7);
+	return St(n.__H, t) && (n.__ = e(), n.__H = t), n.__;
 }
-function mt() {
+function gt() {
 	var e;
 	do {
-		for (; e = nt.shift();) try {
-			vt(e);
+		for (; e = it.shift();) try {
+			bt(e);
 		} catch (t) {
 			V.__e(t, { __: (e = e.__P) && e.__v });
 		}
-		for (; e = tt.shift();) {
+		for (; e = rt.shift();) {
 			var t = e.__H;
 			if (e.__P && t) try {
-				t.__h.some(vt), t.__h.some(yt), t.__h = [];
+				t.__h.some(bt), t.__h.some(xt), t.__h = [];
 			} catch (n) {
 				t.__h = [], V.__e(n, e.__v);
 			}
 		}
-	} while (nt.length);
+	} while (it.length);
 }
 V.__b = function(e) {
-	B = null, rt && rt(e);
+	Qe = null, at && at(e);
 }, V.__ = function(e, t) {
-	e && t.__k && t.__k.__m && (e.__m = t.__k.__m), ct && ct(e, t);
+	e && t.__k && t.__k.__m && (e.__m = t.__k.__m), ut && ut(e, t);
 }, V.__r = function(e) {
-	it && it(e), Xe = 0;
-	var t = (B = e.__c).__H;
-	t && (Ze == B ? B.__h = [] : (t.__h.some(vt), t.__h.some(yt), Xe = 0), t.__h = [], t.__.some(function(e) {
+	ot && ot(e), Ze = 0;
+	var t = (Qe = e.__c).__H;
+	t && ($e == Qe ? Qe.__h = [] : (t.__h.some(bt), t.__h.some(xt), Ze = 0), t.__h = [], t.__.some(function(e) {
 		e.__N && (e.__ = e.__N), e.u = e.__N = void 0;
-	})), Ze = B;
+	})), $e = Qe;
 }, V.diffed = function(e) {
-	at && at(e);
+	st && st(e);
 	var t = e.__c;
-	t && t.__H && (t.__H.__h.length && _t(tt.push(t)), t.__H.__.some(function(e) {
+	t && t.__H && (t.__H.__h.length && yt(rt.push(t)), t.__H.__.some(function(e) {
 		e.u && (e.__H = e.u);
-	})), Ze = B = null;
+	})), $e = Qe = null;
 }, V.__c = function(e, t) {
 	t.some(function(e) {
 		try {
-			e.__h.some(vt), e.__h = e.__h.filter(function(e) {
-				return !e.__ || yt(e);
+			e.__h.some(bt), e.__h = e.__h.filter(function(e) {
+				return !e.__ || xt(e);
 			});
 		} catch (t) {
 			e.__h = [function() {
 				throw t;
 			}];
 		}
-	}), ot && ot(e, t);
+	}), ct && ct(e, t);
 }, V.unmount = function(e) {
-	st && st(e);
+	lt && lt(e);
 	var t, n, r = e.__c;
 	r && r.__H && (r.__H.__.some(function(r) {
 		try {
@@ -1891,50 +1891,50 @@ V.__b = function(e) {
 					for (n = e.__; n && (!n.__c || !n.__c.__P);) n = n.__;
 					n &&= n.__c;
 				}
-				r.__P = n, _t(nt.push(r));
-			} else vt(r);
+				r.__P = n, yt(it.push(r));
+			} else bt(r);
 		} catch (e) {
 			t = e;
 		}
 	}), r.__H = void 0, t && V.__e(t, r.__v));
 };
-var ht = typeof requestAnimationFrame == "function";
-function gt(e) {
-	var t, n = function() {
-		clearTimeout(r), ht && cancelAnimationFrame(t), setTimeout(e);
-	}, r = setTimeout(n, 35);
-	ht && (t = requestAnimationFrame(n));
-}
-function _t(e) {
-	e != 1 && Qe == V.requestAnimationFrame || ((Qe = V.requestAnimationFrame) || gt)(mt);
-}
+var _t = typeof requestAnimationFrame == "function";
 function vt(e) {
-	var t = B, n = e.__c;
-	typeof n == "function" && (e.__c = void 0, n()), B = t;
+	var t, n = function() {
+		clearTimeout(r), _t && cancelAnimationFrame(t), setTimeout(e);
+	}, r = setTimeout(n, 35);
+	_t && (t = requestAnimationFrame(n));
 }
 function yt(e) {
-	var t = B;
-	e.__c = e.__(), B = t;
+	e != 1 && et == V.requestAnimationFrame || ((et = V.requestAnimationFrame) || vt)(gt);
 }
-function bt(e, t) {
+function bt(e) {
+	var t = Qe, n = e.__c;
+	typeof n == "function" && (e.__c = void 0, n()), Qe = t;
+}
+function xt(e) {
+	var t = Qe;
+	e.__c = e.__(), Qe = t;
+}
+function St(e, t) {
 	return !e || e.length != t.length || t.some(function(t, n) {
-		return !$e(t, e[n]);
+		return !tt(t, e[n]);
 	});
 }
-function xt(e, t) {
+function Ct(e, t) {
 	return typeof t == "function" ? t(e) : t;
 }
 // src/events.tsx
-var St = 100;
-function Ct({ store: e, state: t }) {
+var wt = 100;
+function Tt({ store: e, state: t }) {
 	let [n, r] = H([]), [i, a] = H(0), [o, s] = H(0), c = t.run;
-	dt(() => s(0), [c?.run]), dt(() => {
+	pt(() => s(0), [c?.run]), pt(() => {
 		if (!c || c.tEnd === void 0) return r([]);
 		let t = !1;
 		return e.transport.ask("events", {
 			run: c.run,
 			first: o,
-			count: St
+			count: wt
 		}).then((e) => {
 			t || (r(e.events), a(e.total));
 		}).catch((t) => e.refused(t)), () => {
@@ -1942,60 +1942,60 @@ function Ct({ store: e, state: t }) {
 		};
 	}, [c?.run, o]);
 	let l = t.instant?.event.event;
-	return /* @__PURE__ */ I("section", {
+	return /* @__PURE__ */ R("section", {
 		class: "events",
 		tabindex: 0,
 		"aria-label": "Events",
 		children: [
-			c && c.tEnd !== void 0 && /* @__PURE__ */ I("p", {
+			c && c.tEnd !== void 0 && /* @__PURE__ */ R("p", {
 				class: "status " + c.status,
 				children: [
-					c.status === "ok" ? "ok" : /* @__PURE__ */ I("b", { children: c.status }),
+					c.status === "ok" ? "ok" : /* @__PURE__ */ R("b", { children: c.status }),
 					", ",
 					i,
 					" events, ",
-					z(c.took, "s"),
+					B(c.took, "s"),
 					c.method ? `, ${c.method}` : ""
 				]
 			}),
-			c?.warnings?.map((e) => /* @__PURE__ */ I("p", {
+			c?.warnings?.map((e) => /* @__PURE__ */ R("p", {
 				class: "warning",
 				children: e
 			})),
-			i > St && /* @__PURE__ */ I("p", { children: [
-				/* @__PURE__ */ I("button", {
+			i > wt && /* @__PURE__ */ R("p", { children: [
+				/* @__PURE__ */ R("button", {
 					disabled: o === 0,
-					onClick: () => s(Math.max(0, o - St)),
+					onClick: () => s(Math.max(0, o - wt)),
 					children: "◂"
 				}),
 				" ",
 				o + 1,
 				" to ",
-				Math.min(o + St, i),
+				Math.min(o + wt, i),
 				" of ",
 				i,
 				" ",
-				/* @__PURE__ */ I("button", {
-					disabled: o + St >= i,
-					onClick: () => s(o + St),
+				/* @__PURE__ */ R("button", {
+					disabled: o + wt >= i,
+					onClick: () => s(o + wt),
 					children: "▸"
 				})
 			] }),
-			/* @__PURE__ */ I("ol", { children: n.map((n) => /* @__PURE__ */ I("li", {
+			/* @__PURE__ */ R("ol", { children: n.map((n) => /* @__PURE__ */ R("li", {
 				class: n.event === l ? "open" : "",
-				children: [/* @__PURE__ */ I("button", {
+				children: [/* @__PURE__ */ R("button", {
 					"data-event": n.event,
 					"aria-expanded": n.event === l,
 					onClick: () => e.showInstant(n, 0),
 					children: [
-						/* @__PURE__ */ I("b", { children: z(n.t, "s") }),
+						/* @__PURE__ */ R("b", { children: B(n.t, "s") }),
 						" ",
-						/* @__PURE__ */ I("i", { children: n.cause }),
+						/* @__PURE__ */ R("i", { children: n.cause }),
 						" ",
 						n.steps.flatMap((e) => e.fired).map((e) => `${e.machine}: ${e.source} → ${e.target}`).join("; "),
-						n.steps.some((e) => e.kind !== "continuous") && /* @__PURE__ */ I("em", { children: [" ", wt(n)] })
+						n.steps.some((e) => e.kind !== "continuous") && /* @__PURE__ */ R("em", { children: [" ", Et(n)] })
 					]
-				}), n.event === l && /* @__PURE__ */ I(Tt, {
+				}), n.event === l && /* @__PURE__ */ R(Dt, {
 					store: e,
 					state: t,
 					event: n
@@ -2004,18 +2004,18 @@ function Ct({ store: e, state: t }) {
 		]
 	});
 }
-function wt(e) {
+function Et(e) {
 	let t = (t) => e.steps.filter((e) => e.kind === t).length;
 	return [[t("mythical"), "mythical"], [t("pinnacle"), "pinnacle"]].filter(([e]) => e).map(([e, t]) => e === 1 ? t : `${e} ${t}`).join(", ");
 }
-function Tt({ store: e, state: t, event: n }) {
+function Dt({ store: e, state: t, event: n }) {
 	let r = t.instant.step, i = n.steps[r];
-	return /* @__PURE__ */ I("div", {
+	return /* @__PURE__ */ R("div", {
 		class: "detail",
 		children: [
-			/* @__PURE__ */ I("div", {
+			/* @__PURE__ */ R("div", {
 				class: "row",
-				children: n.steps.map((t, i) => /* @__PURE__ */ I("button", {
+				children: n.steps.map((t, i) => /* @__PURE__ */ R("button", {
 					class: "stepbutton " + t.kind,
 					"aria-pressed": i === r,
 					"data-step": i,
@@ -2027,32 +2027,32 @@ function Tt({ store: e, state: t, event: n }) {
 					]
 				}))
 			}),
-			/* @__PURE__ */ I("p", { children: [
+			/* @__PURE__ */ R("p", { children: [
 				"mode: ",
 				Object.entries(i.mode).map(([e, t]) => `${e} = ${t}`).join(", ") || "the only one",
 				i.kind === "mythical" && " (lasts no time, stores nothing)",
 				i.kind === "pinnacle" && " (lasts no time, writes the state)"
 			] }),
-			i.fired.map((e) => /* @__PURE__ */ I("p", {
+			i.fired.map((e) => /* @__PURE__ */ R("p", {
 				class: "fired",
 				children: [
-					/* @__PURE__ */ I("b", { children: e.machine }),
+					/* @__PURE__ */ R("b", { children: e.machine }),
 					": ",
 					e.source,
 					" → ",
 					e.target,
 					", because ",
-					/* @__PURE__ */ I("code", { children: e.why })
+					/* @__PURE__ */ R("code", { children: e.why })
 				]
 			})),
-			Object.keys(i.impulses).length > 0 && /* @__PURE__ */ I("p", { children: [
+			Object.keys(i.impulses).length > 0 && /* @__PURE__ */ R("p", { children: [
 				"impulses",
 				i.kind === "mythical" ? " (on trial)" : "",
 				":",
 				" ",
 				Object.entries(i.impulses).map(([e, t]) => `${e} = ${Ve(t, 6)} δ`).join(", ")
 			] }),
-			i.energy && /* @__PURE__ */ I("p", { children: [
+			i.energy && /* @__PURE__ */ R("p", { children: [
 				"energy ",
 				i.energy.before,
 				" → ",
@@ -2062,23 +2062,23 @@ function Tt({ store: e, state: t, event: n }) {
 				", lost ",
 				i.energy.lost
 			] }),
-			i.undetermined.length > 0 && /* @__PURE__ */ I("p", { children: ["not determined: ", i.undetermined.join(", ")] })
+			i.undetermined.length > 0 && /* @__PURE__ */ R("p", { children: ["not determined: ", i.undetermined.join(", ")] })
 		]
 	});
 }
 // src/formulas.tsx
-var Et = new Set("math mrow mi mo mn mtext mspace mfrac msub msup msubsup mover munder munderover msqrt mroot mtable mtr mtd mstyle".split(" "));
-function Dt(e) {
+var Ot = new Set("math mrow mi mo mn mtext mspace mfrac msub msup msubsup mover munder munderover msqrt mroot mtable mtr mtd mstyle".split(" "));
+function kt(e) {
 	if (typeof e == "string") return e;
 	let [t, n, ...r] = e, i = t === "math" ? { display: "block" } : {};
-	return v(Et.has(t) ? t : "mrow", {
+	return v(Ot.has(t) ? t : "mrow", {
 		...n,
 		...i
-	}, ...r.map(Dt));
+	}, ...r.map(kt));
 }
-function Ot({ store: e, state: t }) {
+function At({ store: e, state: t }) {
 	let [n, r] = H("all"), [i, a] = H(!1), [o, s] = H(null), c = t.look, l = t.cursor?.mode ?? Object.fromEntries(c.machines.map((e) => [e.path, e.state])), u = n === "mode" ? JSON.stringify(l) : "";
-	return dt(() => {
+	return pt(() => {
 		let t = !1;
 		return s(null), e.transport.ask(n === "structure" ? "structure" : "equations", {
 			one: n === "mode",
@@ -2090,41 +2090,41 @@ function Ot({ store: e, state: t }) {
 		c.revision,
 		n,
 		u
-	]), /* @__PURE__ */ I("section", {
+	]), /* @__PURE__ */ R("section", {
 		class: "formulas",
 		children: [
-			/* @__PURE__ */ I("div", {
+			/* @__PURE__ */ R("div", {
 				class: "row",
 				children: [[
 					["all", "all modes"],
 					["mode", "the mode drawn"],
 					["structure", "structure"]
-				].map(([e, t]) => /* @__PURE__ */ I("button", {
+				].map(([e, t]) => /* @__PURE__ */ R("button", {
 					"aria-pressed": n === e,
 					onClick: () => r(e),
 					children: t
-				})), o?.formula && /* @__PURE__ */ I("label", { children: [/* @__PURE__ */ I("input", {
+				})), o?.formula && /* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("input", {
 					type: "checkbox",
 					checked: i,
 					onChange: (e) => a(e.currentTarget.checked)
 				}), " as text"] })]
 			}),
-			!o && /* @__PURE__ */ I("p", {
+			!o && /* @__PURE__ */ R("p", {
 				class: "hint",
 				children: "…"
 			}),
-			o?.formula && !i ? /* @__PURE__ */ I("div", {
+			o?.formula && !i ? /* @__PURE__ */ R("div", {
 				class: "formula",
 				tabindex: 0,
 				role: "group",
 				"aria-label": "Equations",
-				children: Dt(o.formula)
-			}) : o && /* @__PURE__ */ I("pre", {
+				children: kt(o.formula)
+			}) : o && /* @__PURE__ */ R("pre", {
 				class: "equations",
 				tabindex: 0,
 				children: o.text
 			}),
-			o?.notes?.map((e) => /* @__PURE__ */ I("p", {
+			o?.notes?.map((e) => /* @__PURE__ */ R("p", {
 				class: "hint",
 				children: e
 			}))
@@ -2132,12 +2132,12 @@ function Ot({ store: e, state: t }) {
 	});
 }
 // src/fields.tsx
-var kt = 0;
-function At(e) {
-	let [t, n] = H(e.value), [r] = H(() => `list${++kt}`), i = ft(!1);
-	return dt(() => {
+var jt = 0;
+function Mt(e) {
+	let [t, n] = H(e.value), [r] = H(() => `list${++jt}`), i = mt(!1);
+	return pt(() => {
 		i.current || n(e.value);
-	}, [e.value]), /* @__PURE__ */ I(x, { children: [/* @__PURE__ */ I("input", {
+	}, [e.value]), /* @__PURE__ */ R(x, { children: [/* @__PURE__ */ R("input", {
 		"aria-label": e.label,
 		value: t,
 		disabled: e.disabled,
@@ -2154,20 +2154,20 @@ function At(e) {
 		onKeyDown: (t) => {
 			t.key === "Enter" && t.currentTarget.blur(), t.key === "Escape" && (n(e.value), i.current = !1, requestAnimationFrame(() => document.querySelector(".canvas svg")?.focus())), t.stopPropagation();
 		}
-	}), e.list && /* @__PURE__ */ I("datalist", {
+	}), e.list && /* @__PURE__ */ R("datalist", {
 		id: r,
-		children: e.list.map((e) => /* @__PURE__ */ I("option", { value: e }))
+		children: e.list.map((e) => /* @__PURE__ */ R("option", { value: e }))
 	})] });
 }
-function jt(e) {
+function Nt(e) {
 	let t = e.trim();
 	return t === "" ? null : /^[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?$/i.test(t) ? Number(t) : t;
 }
 // src/item.tsx
-var Mt = {
+var Pt = {
 	C: ["q", "e"],
 	I: ["p", "f"]
-}, Nt = {
+}, Ft = {
 	diode: [],
 	thyristor: ["gate"],
 	unilateral: [
@@ -2178,86 +2178,86 @@ var Mt = {
 	coulomb: ["limit", "breakaway"],
 	relay: ["limit"]
 };
-function Pt({ store: e, state: t }) {
+function It({ store: e, state: t }) {
 	let n = t.look, r = n.view.nodes.filter((e) => t.nodes.has(e.name)), i = n.view.bonds.filter((e) => t.bonds.has(e.key));
-	if (r.length === 1) return /* @__PURE__ */ I(zt, {
+	if (r.length === 1) return /* @__PURE__ */ R(Vt, {
 		store: e,
 		state: t,
 		node: r[0]
 	});
 	if (i.length === 1 && !r.length) {
 		let r = i[0], a = t.cursor?.values[r.key];
-		return /* @__PURE__ */ I("section", { children: [
-			/* @__PURE__ */ I("h2", { children: "Bond" }),
-			/* @__PURE__ */ I("label", { children: [/* @__PURE__ */ I("span", { children: "written" }), /* @__PURE__ */ I(At, {
+		return /* @__PURE__ */ R("section", { children: [
+			/* @__PURE__ */ R("h2", { children: "Bond" }),
+			/* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: "written" }), /* @__PURE__ */ R(Mt, {
 				label: "Bond",
 				first: !0,
 				value: r.text,
 				disabled: !n.view.editable,
-				onWrite: (n) => void Ft(e, t, r.key, n)
+				onWrite: (n) => void Lt(e, t, r.key, n)
 			})] }),
-			a && /* @__PURE__ */ I("p", { children: [
+			a && /* @__PURE__ */ R("p", { children: [
 				"effort ",
-				z(a.e, a.units[0]),
+				B(a.e, a.units[0]),
 				", flow ",
-				z(a.f, a.units[1]),
+				B(a.f, a.units[1]),
 				", power",
 				" ",
-				a.e === null || a.f === null ? "—" : z(a.e * a.f, "W")
+				a.e === null || a.f === null ? "—" : B(a.e * a.f, "W")
 			] }),
-			/* @__PURE__ */ I("div", {
+			/* @__PURE__ */ R("div", {
 				class: "row",
-				children: [/* @__PURE__ */ I("button", {
+				children: [/* @__PURE__ */ R("button", {
 					onClick: () => e.reverse(),
 					children: "Turn round (r)"
-				}), /* @__PURE__ */ I("button", {
+				}), /* @__PURE__ */ R("button", {
 					onClick: () => e.remove(),
 					children: "Delete"
 				})]
 			})
 		] });
 	}
-	return r.length + i.length > 1 ? /* @__PURE__ */ I("section", { children: [/* @__PURE__ */ I("h2", { children: [
+	return r.length + i.length > 1 ? /* @__PURE__ */ R("section", { children: [/* @__PURE__ */ R("h2", { children: [
 		r.length,
 		" elements, ",
 		i.length,
 		" bonds"
-	] }), /* @__PURE__ */ I("div", {
+	] }), /* @__PURE__ */ R("div", {
 		class: "row",
 		children: [
-			/* @__PURE__ */ I("button", {
-				onClick: () => It(e, r, "y"),
+			/* @__PURE__ */ R("button", {
+				onClick: () => Rt(e, r, "y"),
 				children: "In a row"
 			}),
-			/* @__PURE__ */ I("button", {
-				onClick: () => It(e, r, "x"),
+			/* @__PURE__ */ R("button", {
+				onClick: () => Rt(e, r, "x"),
 				children: "In a column"
 			}),
-			/* @__PURE__ */ I("button", {
+			/* @__PURE__ */ R("button", {
 				disabled: r.length < 3,
-				onClick: () => Lt(e, r, "x"),
+				onClick: () => zt(e, r, "x"),
 				children: "Evenly across"
 			}),
-			/* @__PURE__ */ I("button", {
+			/* @__PURE__ */ R("button", {
 				disabled: r.length < 3,
-				onClick: () => Lt(e, r, "y"),
+				onClick: () => zt(e, r, "y"),
 				children: "Evenly down"
 			}),
-			/* @__PURE__ */ I("button", {
+			/* @__PURE__ */ R("button", {
 				onClick: () => void e.duplicate(),
 				children: "Duplicate"
 			}),
-			/* @__PURE__ */ I("button", {
+			/* @__PURE__ */ R("button", {
 				onClick: () => e.remove(),
 				children: "Delete"
 			})
 		]
-	})] }) : /* @__PURE__ */ I(Rt, {
+	})] }) : /* @__PURE__ */ R(Bt, {
 		store: e,
 		state: t
 	});
 }
-async function Ft(e, t, n, r) {
+async function Lt(e, t, n, r) {
 	let [i] = n.split(".").map(Number);
 	t.look.view.bonds.filter((e) => e.key.startsWith(`${i}.`)).length === 1 ? await e.edit({
 		do: "write bond",
@@ -2272,14 +2272,14 @@ async function Ft(e, t, n, r) {
 		text: r
 	}));
 }
-function It(e, t, n) {
+function Rt(e, t, n) {
 	let r = t.reduce((e, t) => e + t[n], 0) / t.length, i = Math.round(r * 4) / 4, a = Object.fromEntries(t.map((e) => [e.name, n === "y" ? [e.x, i] : [i, e.y]]));
 	e.edit({
 		do: "move",
 		at: a
 	});
 }
-function Lt(e, t, n) {
+function zt(e, t, n) {
 	let r = [...t].sort((e, t) => e[n] - t[n]), [i, a] = [r[0][n], r[r.length - 1][n]], o = Object.fromEntries(r.map((e, t) => {
 		let o = i + (a - i) * t / (r.length - 1);
 		return [e.name, n === "x" ? [o, e.y] : [e.x, o]];
@@ -2289,26 +2289,26 @@ function Lt(e, t, n) {
 		at: o
 	});
 }
-function Rt({ store: e, state: t }) {
+function Bt({ store: e, state: t }) {
 	let n = t.look, r = t.stock?.domains ?? [], i = (t, n) => void e.edit({
 		do: "set",
 		path: t,
 		value: n
 	});
-	return /* @__PURE__ */ I("section", { children: [
-		/* @__PURE__ */ I("h2", { children: "Model" }),
-		/* @__PURE__ */ I("label", { children: [/* @__PURE__ */ I("span", { children: "title" }), /* @__PURE__ */ I(At, {
+	return /* @__PURE__ */ R("section", { children: [
+		/* @__PURE__ */ R("h2", { children: "Model" }),
+		/* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: "title" }), /* @__PURE__ */ R(Mt, {
 			label: "Title",
 			first: !0,
 			value: n.title,
 			disabled: !n.view.editable,
 			onWrite: (e) => i(["title"], e)
 		})] }),
-		/* @__PURE__ */ I("label", { children: [/* @__PURE__ */ I("span", { children: "domain" }), /* @__PURE__ */ I("select", {
+		/* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: "domain" }), /* @__PURE__ */ R("select", {
 			disabled: !n.view.editable,
 			value: n.view.domain,
 			onChange: (e) => i(["domain"], e.currentTarget.value),
-			children: r.map((e) => /* @__PURE__ */ I("option", {
+			children: r.map((e) => /* @__PURE__ */ R("option", {
 				value: e.name,
 				children: [
 					e.name,
@@ -2317,21 +2317,21 @@ function Rt({ store: e, state: t }) {
 				]
 			}))
 		})] }),
-		/* @__PURE__ */ I("p", {
+		/* @__PURE__ */ R("p", {
 			class: "hint",
 			children: [
 				"Put elements down from the palette, or press ",
-				/* @__PURE__ */ I("kbd", { children: "a" }),
+				/* @__PURE__ */ R("kbd", { children: "a" }),
 				" and write ",
-				/* @__PURE__ */ I("code", { children: "R load 10 ohm" }),
+				/* @__PURE__ */ R("code", { children: "R load 10 ohm" }),
 				". Drag from the handle of a selected element to bond it, or press ",
-				/* @__PURE__ */ I("kbd", { children: "b" }),
+				/* @__PURE__ */ R("kbd", { children: "b" }),
 				". Strokes follow each edit."
 			]
 		})
 	] });
 }
-function zt({ store: e, state: t, node: n }) {
+function Vt({ store: e, state: t, node: n }) {
 	let r = !t.look.view.editable, i = n.entry, a = (t, r) => void e.edit({
 		do: "set",
 		path: [
@@ -2345,66 +2345,66 @@ function zt({ store: e, state: t, node: n }) {
 		old: n.name,
 		new: t.trim()
 	}).then((n) => n && e.set({ nodes: /* @__PURE__ */ new Set([t.trim()]) })), s = n.kind === "0" || n.kind === "1", c = t.stock?.parts.find((e) => e.name === i.submodel);
-	return /* @__PURE__ */ I("section", { children: [
-		/* @__PURE__ */ I("h2", { children: n.kind === "part" ? String(i.submodel) : t.stock?.kinds.find((e) => e.kind === n.kind)?.about ?? n.kind }),
-		/* @__PURE__ */ I("label", { children: [/* @__PURE__ */ I("span", { children: "name" }), /* @__PURE__ */ I(At, {
+	return /* @__PURE__ */ R("section", { children: [
+		/* @__PURE__ */ R("h2", { children: n.kind === "part" ? String(i.submodel) : t.stock?.kinds.find((e) => e.kind === n.kind)?.about ?? n.kind }),
+		/* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: "name" }), /* @__PURE__ */ R(Mt, {
 			label: "Name",
 			first: s || n.kind === "part",
 			value: n.name,
 			disabled: r,
 			onWrite: o
 		})] }),
-		!s && n.kind !== "part" && /* @__PURE__ */ I(Bt, {
+		!s && n.kind !== "part" && /* @__PURE__ */ R(Ht, {
 			node: n,
 			off: r,
 			set: a
 		}),
-		Mt[n.kind]?.map((e) => /* @__PURE__ */ I("label", { children: [/* @__PURE__ */ I("span", { children: ["start ", e] }), /* @__PURE__ */ I(At, {
+		Pt[n.kind]?.map((e) => /* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: ["start ", e] }), /* @__PURE__ */ R(Mt, {
 			label: `Start value ${e}`,
-			value: Ut(i[e]),
+			value: Gt(i[e]),
 			disabled: r,
 			placeholder: "0",
-			onWrite: (t) => a([e], jt(t))
+			onWrite: (t) => a([e], Nt(t))
 		})] })),
-		s && /* @__PURE__ */ I(x, { children: [
-			/* @__PURE__ */ I("label", { children: [/* @__PURE__ */ I("span", { children: "kind" }), /* @__PURE__ */ I("select", {
+		s && /* @__PURE__ */ R(x, { children: [
+			/* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: "kind" }), /* @__PURE__ */ R("select", {
 				disabled: r,
 				value: n.kind,
 				onChange: (e) => a(["junction"], Number(e.currentTarget.value)),
-				children: [/* @__PURE__ */ I("option", {
+				children: [/* @__PURE__ */ R("option", {
 					value: "0",
 					children: "0, common effort"
-				}), /* @__PURE__ */ I("option", {
+				}), /* @__PURE__ */ R("option", {
 					value: "1",
 					children: "1, common flow"
 				})]
 			})] }),
-			/* @__PURE__ */ I("label", { children: [/* @__PURE__ */ I("span", { children: "law" }), /* @__PURE__ */ I("select", {
+			/* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: "law" }), /* @__PURE__ */ R("select", {
 				disabled: r,
-				value: Ut(i.law),
+				value: Gt(i.law),
 				onChange: (e) => a(["law"], e.currentTarget.value || null),
-				children: [/* @__PURE__ */ I("option", {
+				children: [/* @__PURE__ */ R("option", {
 					value: "",
 					children: "none"
-				}), t.stock?.laws.map((e) => /* @__PURE__ */ I("option", {
+				}), t.stock?.laws.map((e) => /* @__PURE__ */ R("option", {
 					value: e,
 					children: e
 				}))]
 			})] }),
-			(Nt[Ut(i.law)] ?? []).map((e) => /* @__PURE__ */ I("label", { children: [/* @__PURE__ */ I("span", { children: e }), /* @__PURE__ */ I(At, {
+			(Ft[Gt(i.law)] ?? []).map((e) => /* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: e }), /* @__PURE__ */ R(Mt, {
 				label: e,
-				value: Ut(i[e]),
+				value: Gt(i[e]),
 				disabled: r,
-				onWrite: (t) => a([e], jt(t))
+				onWrite: (t) => a([e], Nt(t))
 			})] })),
-			/* @__PURE__ */ I(Vt, {
+			/* @__PURE__ */ R(Ut, {
 				store: e,
 				state: t,
 				node: n
 			})
 		] }),
-		n.kind === "part" && /* @__PURE__ */ I(x, { children: [
-			c && /* @__PURE__ */ I("p", {
+		n.kind === "part" && /* @__PURE__ */ R(x, { children: [
+			c && /* @__PURE__ */ R("p", {
 				class: "hint",
 				children: c.title
 			}),
@@ -2413,41 +2413,41 @@ function zt({ store: e, state: t, node: n }) {
 				...i.parameters
 			}).map(([e]) => {
 				let t = i.parameters?.[e];
-				return /* @__PURE__ */ I("label", { children: [/* @__PURE__ */ I("span", { children: e }), /* @__PURE__ */ I(At, {
+				return /* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: e }), /* @__PURE__ */ R(Mt, {
 					label: e,
-					value: Ut(t),
+					value: Gt(t),
 					disabled: r,
 					placeholder: c?.parameters[e],
-					onWrite: (t) => a(["parameters", e], jt(t))
+					onWrite: (t) => a(["parameters", e], Nt(t))
 				})] });
 			}),
-			n.inputs?.map((e) => /* @__PURE__ */ I("label", { children: [/* @__PURE__ */ I("span", { children: [e, " ⟵"] }), /* @__PURE__ */ I(At, {
+			n.inputs?.map((e) => /* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: [e, " ⟵"] }), /* @__PURE__ */ R(Mt, {
 				label: `Input ${e}`,
-				value: Ut(i.inputs?.[e]),
+				value: Gt(i.inputs?.[e]),
 				disabled: r,
 				placeholder: "an expression",
-				list: Wt(t),
-				onWrite: (t) => a(["inputs", e], jt(t))
+				list: Kt(t),
+				onWrite: (t) => a(["inputs", e], Nt(t))
 			})] })),
-			n.known && /* @__PURE__ */ I("button", {
+			n.known && /* @__PURE__ */ R("button", {
 				onClick: () => e.open(t.level ? `${t.level}.${n.name}` : n.name),
 				children: "Open"
 			})
 		] }),
-		/* @__PURE__ */ I("div", {
+		/* @__PURE__ */ R("div", {
 			class: "row",
 			children: [
-				/* @__PURE__ */ I("button", {
+				/* @__PURE__ */ R("button", {
 					disabled: r,
 					onClick: () => e.set({ bondFrom: n.name }),
 					children: "Bond (b)"
 				}),
-				/* @__PURE__ */ I("button", {
+				/* @__PURE__ */ R("button", {
 					disabled: r,
 					onClick: () => void e.duplicate(),
 					children: "Duplicate"
 				}),
-				/* @__PURE__ */ I("button", {
+				/* @__PURE__ */ R("button", {
 					disabled: r,
 					onClick: () => e.remove(),
 					children: "Delete"
@@ -2456,11 +2456,11 @@ function zt({ store: e, state: t, node: n }) {
 		})
 	] });
 }
-function Bt({ node: e, off: t, set: n }) {
+function Ht({ node: e, off: t, set: n }) {
 	let r = e.entry[e.kind];
 	if (typeof r == "object" && r && !Array.isArray(r)) {
 		let [i, a] = Object.entries(r)[0] ?? ["e", ""];
-		if (typeof a == "string") return /* @__PURE__ */ I("label", { children: [/* @__PURE__ */ I("span", { children: [i, " ="] }), /* @__PURE__ */ I(At, {
+		if (typeof a == "string") return /* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: [i, " ="] }), /* @__PURE__ */ R(Mt, {
 			label: `Law, ${i} =`,
 			first: !0,
 			value: a,
@@ -2468,31 +2468,31 @@ function Bt({ node: e, off: t, set: n }) {
 			onWrite: (t) => n([e.kind, i], t)
 		})] });
 	}
-	return typeof r == "object" && r ? /* @__PURE__ */ I("p", {
+	return typeof r == "object" && r ? /* @__PURE__ */ R("p", {
 		class: "hint",
 		children: "A field or a table: edit it in the text."
-	}) : /* @__PURE__ */ I("label", { children: [/* @__PURE__ */ I("span", { children: "value" }), /* @__PURE__ */ I(At, {
+	}) : /* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: "value" }), /* @__PURE__ */ R(Mt, {
 		label: "Value",
 		first: !0,
-		value: Ut(r),
+		value: Gt(r),
 		disabled: t,
 		onWrite: (t) => {
 			let r = /^\s*([ef])\s*=\s*(.+)$/.exec(t);
-			n([e.kind], r ? { [r[1]]: r[2] } : jt(t) ?? 1);
+			n([e.kind], r ? { [r[1]]: r[2] } : Nt(t) ?? 1);
 		}
 	})] });
 }
-function Vt({ store: e, state: t, node: n }) {
+function Ut({ store: e, state: t, node: n }) {
 	let r = t.look;
-	return n.machine ? /* @__PURE__ */ I("p", { children: ["switched by ", /* @__PURE__ */ I("button", {
+	return n.machine ? /* @__PURE__ */ R("p", { children: ["switched by ", /* @__PURE__ */ R("button", {
 		class: "link",
 		onClick: () => e.set({ tab: "machines" }),
 		children: n.machine
-	})] }) : n.law ? null : /* @__PURE__ */ I("button", {
+	})] }) : n.law ? null : /* @__PURE__ */ R("button", {
 		disabled: !r.view.editable,
 		onClick: () => void e.edit({
 			do: "set",
-			path: ["machines", Ht(Object.keys(r.panels.machines), `${n.name}_switch`)],
+			path: ["machines", Wt(Object.keys(r.panels.machines), `${n.name}_switch`)],
 			value: {
 				states: {
 					on: [n.name],
@@ -2505,14 +2505,14 @@ function Vt({ store: e, state: t, node: n }) {
 		children: "Let a state machine switch it"
 	});
 }
-function Ht(e, t) {
+function Wt(e, t) {
 	if (!e.includes(t)) return t;
 	for (let n = 2;; n++) if (!e.includes(`${t}${n}`)) return `${t}${n}`;
 }
-function Ut(e) {
+function Gt(e) {
 	return e == null ? "" : typeof e == "object" ? JSON.stringify(e) : String(e);
 }
-function Wt(e) {
+function Kt(e) {
 	let t = e.look;
 	if (!t) return [];
 	let n = ["time"];
@@ -2520,10 +2520,10 @@ function Wt(e) {
 	return n.push(...Object.keys(t.panels.machines).map((e) => `${e}.state`), ...e.run?.names ?? []), n.push("pre", "abs", "min", "max", "sqrt", "sin", "cos", "exp", "and", "or", "not"), n.push(...t.view.signals.map((e) => e.name), ...Object.keys(t.panels.parameters)), [...new Set(n)];
 }
 // src/expression.tsx
-var Gt = 250, Kt = /[A-Za-z_][\w.]*$/, qt = 0;
-function Jt(e) {
-	let [t, n] = H(e.value), [r, i] = H([]), [a, o] = H(-1), [s, c] = H(null), [l] = H(() => `words${++qt}`), u = ft(null), d = ft(!1), f = ft(0);
-	dt(() => {
+var qt = 250, Jt = /[A-Za-z_][\w.]*$/, Yt = 0;
+function Xt(e) {
+	let [t, n] = H(e.value), [r, i] = H([]), [a, o] = H(-1), [s, c] = H(null), [l] = H(() => `words${++Yt}`), u = mt(null), d = mt(!1), f = mt(0);
+	pt(() => {
 		d.current || n(e.value), c(null);
 	}, [e.value]);
 	let p = () => {
@@ -2531,20 +2531,20 @@ function Jt(e) {
 	}, m = () => {
 		let t = u.current.value;
 		n(t);
-		let r = Kt.exec(t.slice(0, u.current.selectionStart ?? t.length))?.[0] ?? "", a = r.toLowerCase(), s = r ? e.words.filter((e) => e !== r && e.toLowerCase().includes(a)) : [];
+		let r = Jt.exec(t.slice(0, u.current.selectionStart ?? t.length))?.[0] ?? "", a = r.toLowerCase(), s = r ? e.words.filter((e) => e !== r && e.toLowerCase().includes(a)) : [];
 		s.sort((e, t) => Number(t.toLowerCase().startsWith(a)) - Number(e.toLowerCase().startsWith(a))), i(s.slice(0, 8)), o(-1);
 		let l = ++f.current;
 		setTimeout(() => {
 			l === f.current && e.check(t).then((e) => l === f.current && c(e)).catch(() => {});
-		}, Gt);
+		}, qt);
 	}, h = (e) => {
-		let t = u.current, n = t.selectionStart ?? t.value.length, r = t.value.slice(0, n).replace(Kt, e);
+		let t = u.current, n = t.selectionStart ?? t.value.length, r = t.value.slice(0, n).replace(Jt, e);
 		t.value = r + t.value.slice(n), t.setSelectionRange(r.length, r.length), p(), m(), i([]), t.focus();
 	};
-	return /* @__PURE__ */ I("span", {
+	return /* @__PURE__ */ R("span", {
 		class: "expression",
 		children: [
-			/* @__PURE__ */ I("input", {
+			/* @__PURE__ */ R("input", {
 				ref: u,
 				"aria-label": e.label,
 				value: t,
@@ -2578,11 +2578,11 @@ function Jt(e) {
 					}
 				}
 			}),
-			r.length > 0 && /* @__PURE__ */ I("ul", {
+			r.length > 0 && /* @__PURE__ */ R("ul", {
 				id: l,
 				role: "listbox",
 				"aria-label": "Names",
-				children: r.map((e, t) => /* @__PURE__ */ I("li", {
+				children: r.map((e, t) => /* @__PURE__ */ R("li", {
 					id: `${l}-${t}`,
 					role: "option",
 					"aria-selected": t === a,
@@ -2592,21 +2592,21 @@ function Jt(e) {
 					children: e
 				}))
 			}),
-			s && /* @__PURE__ */ I("small", {
+			s && /* @__PURE__ */ R("small", {
 				class: "wrong",
 				id: `${l}-wrong`,
 				role: "status",
 				children: [
 					s.why,
 					" ",
-					s.try && /* @__PURE__ */ I("em", { children: s.try })
+					s.try && /* @__PURE__ */ R("em", { children: s.try })
 				]
 			})
 		]
 	});
 }
 // src/machines.tsx
-function Yt(e) {
+function Zt(e) {
 	let t = /^\s*(\w+)\s*->\s*(\w+)\s+when\s+(.+)$/s.exec(e);
 	return t ? {
 		source: t[1],
@@ -2614,19 +2614,19 @@ function Yt(e) {
 		guard: t[3]
 	} : null;
 }
-function Xt({ store: e, state: t }) {
+function Qt({ store: e, state: t }) {
 	let n = t.look, r = Object.entries(n.panels.machines);
-	return /* @__PURE__ */ I("section", { children: [
-		/* @__PURE__ */ I("h2", { children: "State machines" }),
-		r.map(([n, r]) => /* @__PURE__ */ I(Zt, {
+	return /* @__PURE__ */ R("section", { children: [
+		/* @__PURE__ */ R("h2", { children: "State machines" }),
+		r.map(([n, r]) => /* @__PURE__ */ R($t, {
 			store: e,
 			state: t,
 			name: n,
 			machine: r
 		}, n)),
-		n.view.editable && /* @__PURE__ */ I("button", {
+		n.view.editable && /* @__PURE__ */ R("button", {
 			onClick: () => {
-				let i = n.view.nodes.find((e) => t.nodes.has(e.name) && (e.kind === "0" || e.kind === "1")), a = Ht([...r.map(([e]) => e), ...n.view.nodes.map((e) => e.name)], "S");
+				let i = n.view.nodes.find((e) => t.nodes.has(e.name) && (e.kind === "0" || e.kind === "1")), a = Wt([...r.map(([e]) => e), ...n.view.nodes.map((e) => e.name)], "S");
 				e.edit({
 					do: "set",
 					path: ["machines", a],
@@ -2642,23 +2642,23 @@ function Xt({ store: e, state: t }) {
 			},
 			children: "New machine"
 		}),
-		/* @__PURE__ */ I("p", {
+		/* @__PURE__ */ R("p", {
 			class: "hint",
 			children: [
 				"In guards ",
-				/* @__PURE__ */ I("code", { children: "pre(x)" }),
+				/* @__PURE__ */ R("code", { children: "pre(x)" }),
 				" is the value before the instant (a priori ",
-				/* @__PURE__ */ I("b", { children: "x⁻" }),
+				/* @__PURE__ */ R("b", { children: "x⁻" }),
 				"), ",
-				/* @__PURE__ */ I("code", { children: "x" }),
+				/* @__PURE__ */ R("code", { children: "x" }),
 				" the one that holds after it (a posteriori ",
-				/* @__PURE__ */ I("b", { children: "x⁺" }),
+				/* @__PURE__ */ R("b", { children: "x⁺" }),
 				")."
 			]
 		})
 	] });
 }
-function Zt({ store: e, state: t, name: n, machine: r }) {
+function $t({ store: e, state: t, name: n, machine: r }) {
 	let i = t.look, a = !i.view.editable, o = t.level ? `${t.level}.${n}` : n, s = t.cursor?.mode[o] ?? i.machines.find((e) => e.path === o)?.state, c = Object.keys(r.states ?? {}), l = r.rules ?? [], u = (t) => void e.edit({
 		do: "set",
 		path: ["machines", n],
@@ -2678,13 +2678,13 @@ function Zt({ store: e, state: t, name: n, machine: r }) {
 		}, { problem: c } = await e.transport.ask("attempt", { edit: s });
 		return c?.where.includes(n) ? c : null;
 	}, p = i.view.nodes.filter((e) => e.kind !== "part" && e.kind !== "?").map((e) => e.name);
-	return /* @__PURE__ */ I("div", {
+	return /* @__PURE__ */ R("div", {
 		class: "machine",
 		"data-machine": n,
 		children: [
-			/* @__PURE__ */ I("div", {
+			/* @__PURE__ */ R("div", {
 				class: "row",
-				children: [/* @__PURE__ */ I(At, {
+				children: [/* @__PURE__ */ R(Mt, {
 					label: `Name of machine ${n}`,
 					value: n,
 					disabled: a,
@@ -2693,7 +2693,7 @@ function Zt({ store: e, state: t, name: n, machine: r }) {
 						old: n,
 						new: t.trim()
 					})
-				}), !a && /* @__PURE__ */ I("button", {
+				}), !a && /* @__PURE__ */ R("button", {
 					class: "small",
 					"aria-label": `Delete machine ${n}`,
 					onClick: () => void e.edit({
@@ -2704,15 +2704,15 @@ function Zt({ store: e, state: t, name: n, machine: r }) {
 					children: "✕"
 				})]
 			}),
-			/* @__PURE__ */ I(Qt, {
+			/* @__PURE__ */ R(en, {
 				machine: r,
 				now: s,
 				onState: (t) => e.setMode(o, t)
 			}),
-			c.map((t) => /* @__PURE__ */ I("div", {
+			c.map((t) => /* @__PURE__ */ R("div", {
 				class: "row state",
 				children: [
-					/* @__PURE__ */ I("input", {
+					/* @__PURE__ */ R("input", {
 						type: "radio",
 						name: `start-${n}`,
 						"aria-label": `${n} starts in ${t}`,
@@ -2724,7 +2724,7 @@ function Zt({ store: e, state: t, name: n, machine: r }) {
 							start: t
 						})
 					}),
-					/* @__PURE__ */ I(At, {
+					/* @__PURE__ */ R(Mt, {
 						label: `State ${t} of ${n}`,
 						value: t,
 						disabled: a,
@@ -2746,11 +2746,11 @@ function Zt({ store: e, state: t, name: n, machine: r }) {
 							});
 						}
 					}),
-					/* @__PURE__ */ I("span", {
+					/* @__PURE__ */ R("span", {
 						class: "on",
 						children: "ON"
 					}),
-					/* @__PURE__ */ I(At, {
+					/* @__PURE__ */ R(Mt, {
 						label: `Junctions that state ${t} of ${n} switches on`,
 						value: (r.states[t] ?? []).join(", "),
 						disabled: a,
@@ -2767,44 +2767,44 @@ function Zt({ store: e, state: t, name: n, machine: r }) {
 				]
 			})),
 			l.map((e, r) => {
-				let i = Yt(e), o = i && /\bpre\s*\(/.test(i.guard);
-				return /* @__PURE__ */ I("div", {
+				let i = Zt(e), o = i && /\bpre\s*\(/.test(i.guard);
+				return /* @__PURE__ */ R("div", {
 					class: "row rule",
-					children: [i ? /* @__PURE__ */ I(x, { children: [
-						/* @__PURE__ */ I("select", {
+					children: [i ? /* @__PURE__ */ R(x, { children: [
+						/* @__PURE__ */ R("select", {
 							disabled: a,
 							"aria-label": "From",
 							value: i.source,
 							onChange: (e) => d(r, `${e.currentTarget.value} -> ${i.target} when ${i.guard}`),
-							children: c.map((e) => /* @__PURE__ */ I("option", { children: e }))
+							children: c.map((e) => /* @__PURE__ */ R("option", { children: e }))
 						}),
 						"→",
-						/* @__PURE__ */ I("select", {
+						/* @__PURE__ */ R("select", {
 							disabled: a,
 							"aria-label": "To",
 							value: i.target,
 							onChange: (e) => d(r, `${i.source} -> ${e.currentTarget.value} when ${i.guard}`),
-							children: c.map((e) => /* @__PURE__ */ I("option", { children: e }))
+							children: c.map((e) => /* @__PURE__ */ R("option", { children: e }))
 						}),
-						/* @__PURE__ */ I(Jt, {
+						/* @__PURE__ */ R(Xt, {
 							label: `Guard ${r + 1} of ${n}`,
 							value: i.guard,
 							disabled: a,
-							words: Wt(t),
+							words: Kt(t),
 							check: (e) => f(r, `${i.source} -> ${i.target} when ${e}`),
 							onWrite: (e) => d(r, `${i.source} -> ${i.target} when ${e}`)
 						}),
-						/* @__PURE__ */ I("span", {
+						/* @__PURE__ */ R("span", {
 							class: "reads " + (o ? "prior" : "after"),
 							title: o ? "reads a priori values, x⁻" : "reads a posteriori values, x⁺",
 							children: o ? "x⁻" : "x⁺"
 						})
-					] }) : /* @__PURE__ */ I(At, {
+					] }) : /* @__PURE__ */ R(Mt, {
 						label: `Rule ${r + 1} of ${n}`,
 						value: e,
 						disabled: a,
 						onWrite: (e) => d(r, e)
-					}), !a && /* @__PURE__ */ I("button", {
+					}), !a && /* @__PURE__ */ R("button", {
 						class: "small",
 						"aria-label": `Delete rule ${r + 1} of ${n}`,
 						onClick: () => d(r, null),
@@ -2812,21 +2812,21 @@ function Zt({ store: e, state: t, name: n, machine: r }) {
 					})]
 				});
 			}),
-			!a && /* @__PURE__ */ I("div", {
+			!a && /* @__PURE__ */ R("div", {
 				class: "row",
-				children: [/* @__PURE__ */ I("button", {
+				children: [/* @__PURE__ */ R("button", {
 					onClick: () => u({
 						...r,
 						states: {
 							...r.states,
-							[Ht(c, "state")]: []
+							[Wt(c, "state")]: []
 						}
 					}),
 					children: "Add state"
-				}), /* @__PURE__ */ I("button", {
+				}), /* @__PURE__ */ R("button", {
 					disabled: c.length < 2,
 					onClick: () => {
-						let e = c.find((e) => !l.some((t) => Yt(t)?.source === e)) ?? c[0], t = c.find((t) => t !== e);
+						let e = c.find((e) => !l.some((t) => Zt(t)?.source === e)) ?? c[0], t = c.find((t) => t !== e);
 						u({
 							...r,
 							rules: [...l, `${e} -> ${t} when time >= 1`]
@@ -2838,18 +2838,18 @@ function Zt({ store: e, state: t, name: n, machine: r }) {
 		]
 	});
 }
-function Qt({ machine: e, now: t, onState: n }) {
-	let r = Object.keys(e.states ?? {}), i = (e) => 46 + 108 * r.indexOf(e), a = (e.rules ?? []).map(Yt).filter((e) => !!e && r.includes(e.source) && r.includes(e.target)), o = /* @__PURE__ */ new Map(), s = 26 + 16 * Math.max(1, ...a.map((e) => Math.abs(r.indexOf(e.target) - r.indexOf(e.source))));
-	return /* @__PURE__ */ I("div", {
+function en({ machine: e, now: t, onState: n }) {
+	let r = Object.keys(e.states ?? {}), i = (e) => 46 + 108 * r.indexOf(e), a = (e.rules ?? []).map(Zt).filter((e) => !!e && r.includes(e.source) && r.includes(e.target)), o = /* @__PURE__ */ new Map(), s = 26 + 16 * Math.max(1, ...a.map((e) => Math.abs(r.indexOf(e.target) - r.indexOf(e.source))));
+	return /* @__PURE__ */ R("div", {
 		class: "diagram",
-		children: /* @__PURE__ */ I("svg", {
+		children: /* @__PURE__ */ R("svg", {
 			width: 46 + 108 * r.length,
 			height: 2 * s + 10,
 			viewBox: `0 ${-s} ${46 + 108 * r.length} ${2 * s + 10}`,
 			role: "group",
 			"aria-label": "States and rules",
 			children: [
-				/* @__PURE__ */ I("defs", { children: /* @__PURE__ */ I("marker", {
+				/* @__PURE__ */ R("defs", { children: /* @__PURE__ */ R("marker", {
 					id: "rulehead",
 					viewBox: "0 0 8 8",
 					refX: 7,
@@ -2857,26 +2857,26 @@ function Qt({ machine: e, now: t, onState: n }) {
 					markerWidth: 7,
 					markerHeight: 7,
 					orient: "auto",
-					children: /* @__PURE__ */ I("path", {
+					children: /* @__PURE__ */ R("path", {
 						d: "M0,1L8,4L0,7z",
 						class: "rulehead"
 					})
 				}) }),
 				a.map((e) => {
 					let [t, n] = [i(e.source), i(e.target)], r = `${e.source}>${e.target}`, a = o.get(r) ?? 0;
-					if (o.set(r, a + 1), t === n) return /* @__PURE__ */ I("path", {
+					if (o.set(r, a + 1), t === n) return /* @__PURE__ */ R("path", {
 						class: "arc",
 						d: `M${t - 8},-14 C${t - 26},-44 ${t + 26},-44 ${t + 8},-14`,
 						"marker-end": "url(#rulehead)",
-						children: /* @__PURE__ */ I("title", { children: e.guard })
+						children: /* @__PURE__ */ R("title", { children: e.guard })
 					});
 					let s = n > t ? -1 : 1, c = s * (22 + 14 * Math.abs(n - t) / 108 + 9 * a), l = e.guard.length > 26 ? e.guard.slice(0, 25) + "…" : e.guard;
-					return /* @__PURE__ */ I("g", { children: [/* @__PURE__ */ I("path", {
+					return /* @__PURE__ */ R("g", { children: [/* @__PURE__ */ R("path", {
 						class: "arc",
 						d: `M${t},${14 * s} C${t},${c} ${n},${c} ${n},${14 * s}`,
 						"marker-end": "url(#rulehead)",
-						children: /* @__PURE__ */ I("title", { children: e.guard })
-					}), /* @__PURE__ */ I("text", {
+						children: /* @__PURE__ */ R("title", { children: e.guard })
+					}), /* @__PURE__ */ R("text", {
 						class: "guard",
 						x: (t + n) / 2,
 						y: .78 * c + (s < 0 ? -3 : 10),
@@ -2884,7 +2884,7 @@ function Qt({ machine: e, now: t, onState: n }) {
 						children: l
 					})] });
 				}),
-				r.map((r) => /* @__PURE__ */ I("g", {
+				r.map((r) => /* @__PURE__ */ R("g", {
 					class: "statebox" + (r === t ? " now" : "") + (r === e.start ? " start" : ""),
 					role: "button",
 					tabindex: 0,
@@ -2893,20 +2893,20 @@ function Qt({ machine: e, now: t, onState: n }) {
 					onClick: () => n(r),
 					onKeyDown: (e) => (e.key === "Enter" || e.key === " ") && n(r),
 					children: [
-						/* @__PURE__ */ I("rect", {
+						/* @__PURE__ */ R("rect", {
 							x: i(r) - 38,
 							y: -14,
 							width: 76,
 							height: 28,
 							rx: 8
 						}),
-						/* @__PURE__ */ I("text", {
+						/* @__PURE__ */ R("text", {
 							x: i(r),
 							y: 4,
 							"text-anchor": "middle",
 							children: r.length > 11 ? r.slice(0, 10) + "…" : r
 						}),
-						r === e.start && /* @__PURE__ */ I("circle", {
+						r === e.start && /* @__PURE__ */ R("circle", {
 							cx: i(r) - 38,
 							cy: -14,
 							r: 4
@@ -2918,7 +2918,7 @@ function Qt({ machine: e, now: t, onState: n }) {
 	});
 }
 // src/sweeps.tsx
-var [$t, en] = [720, 190], tn = 74, [nn, rn] = [8, 20], an = [
+var [tn, nn] = [720, 190], rn = 74, [an, U] = [8, 20], W = [
 	"var(--s0)",
 	"var(--s1)",
 	"var(--s2)",
@@ -2928,35 +2928,35 @@ var [$t, en] = [720, 190], tn = 74, [nn, rn] = [8, 20], an = [
 	"var(--s6)",
 	"var(--s7)"
 ];
-function U(e) {
+function on(e) {
 	return `color-mix(in oklab, var(--c5) ${Math.round(100 * e)}%, var(--c1))`;
 }
-function W({ store: e, state: t }) {
+function sn({ store: e, state: t }) {
 	let n = t.sweep, [r, i] = H(null), a = n.members.filter((e) => e), o = a.length ? (a.find((e) => e.curves)?.curves ?? []).map((e) => e.name) : [], s = a.filter((e) => e.error), c = a.find((e) => e.until !== void 0)?.until ?? 1;
-	return /* @__PURE__ */ I("div", {
+	return /* @__PURE__ */ R("div", {
 		class: "plots sweep",
 		children: [
-			/* @__PURE__ */ I("div", {
+			/* @__PURE__ */ R("div", {
 				class: "plotbar",
 				children: [
-					/* @__PURE__ */ I("b", { children: n.path }),
+					/* @__PURE__ */ R("b", { children: n.path }),
 					" from ",
 					n.values[0],
 					" to ",
 					n.values[n.values.length - 1],
-					/* @__PURE__ */ I("span", {
+					/* @__PURE__ */ R("span", {
 						class: "scale",
 						"aria-hidden": "true"
 					}),
-					/* @__PURE__ */ I("span", {
+					/* @__PURE__ */ R("span", {
 						role: "status",
 						children: [n.done ? `${a.length} runs${a.length < n.values.length ? ", cancelled" : ""}` : `${a.length} of ${n.values.length}`, s.length > 0 && `, ${s.length} stopped: ${s[0].error.code}`]
 					}),
-					!n.done && /* @__PURE__ */ I("button", {
+					!n.done && /* @__PURE__ */ R("button", {
 						onClick: e.cancel,
 						children: "Cancel"
 					}),
-					/* @__PURE__ */ I("input", {
+					/* @__PURE__ */ R("input", {
 						type: "range",
 						"aria-label": `Run of the sweep over ${n.path}`,
 						min: 0,
@@ -2965,11 +2965,11 @@ function W({ store: e, state: t }) {
 						value: r ?? 0,
 						onInput: (e) => i(Number(e.currentTarget.value))
 					}),
-					r !== null && /* @__PURE__ */ I(x, { children: [/* @__PURE__ */ I("output", { children: [
+					r !== null && /* @__PURE__ */ R(x, { children: [/* @__PURE__ */ R("output", { children: [
 						n.path,
 						" = ",
 						n.values[r]
-					] }), !n.path.includes(".") && /* @__PURE__ */ I("button", {
+					] }), !n.path.includes(".") && /* @__PURE__ */ R("button", {
 						onClick: () => {
 							let t = n.values[r];
 							n.path.split(".").length === 1 && e.edit({
@@ -2981,20 +2981,20 @@ function W({ store: e, state: t }) {
 						},
 						children: "Take this value"
 					})] }),
-					/* @__PURE__ */ I("button", {
+					/* @__PURE__ */ R("button", {
 						onClick: () => e.set({ sweep: null }),
 						children: "Close"
 					})
 				]
 			}),
-			o.map((e, t) => /* @__PURE__ */ I(on, {
+			o.map((e, t) => /* @__PURE__ */ R(cn, {
 				name: e,
 				curves: n.members.map((e) => e?.curves?.[t]),
 				end: c,
 				chosen: r,
 				choose: i
 			}, e)),
-			/* @__PURE__ */ I(sn, {
+			/* @__PURE__ */ R(ln, {
 				sweep: n,
 				end: c,
 				chosen: r,
@@ -3003,10 +3003,10 @@ function W({ store: e, state: t }) {
 		]
 	});
 }
-function on({ name: e, curves: t, end: n, chosen: r, choose: i }) {
+function cn({ name: e, curves: t, end: n, chosen: r, choose: i }) {
 	let a = t.filter((e) => !!e && !e.error), [o, s] = [Infinity, -Infinity];
 	for (let e of a) for (let t of e.y) t !== null && ([o, s] = [Math.min(o, t), Math.max(s, t)]);
-	if (!a.length || o > s) return /* @__PURE__ */ I("p", {
+	if (!a.length || o > s) return /* @__PURE__ */ R("p", {
 		class: "hint",
 		children: [
 			e,
@@ -3014,79 +3014,79 @@ function on({ name: e, curves: t, end: n, chosen: r, choose: i }) {
 			t.find((e) => e?.error)?.error?.why ?? "no values yet"
 		]
 	});
-	let c = a[0].unit, l = s - o || Math.abs(s) || 1, u = (e) => tn + e / n * ($t - tn - 8), d = (e) => en - rn - (e - o) / l * (en - rn - nn), f = (e) => {
+	let c = a[0].unit, l = s - o || Math.abs(s) || 1, u = (e) => rn + e / n * (tn - rn - 8), d = (e) => nn - U - (e - o) / l * (nn - U - an), f = (e) => {
 		let t = "", n = "M";
 		return e.t.forEach((r, i) => {
 			let a = e.y[i];
 			a === null ? n = "M" : (t += `${n}${u(r).toFixed(1)},${d(a).toFixed(1)}`, n = "L");
 		}), t;
 	}, p = t.map((e, t) => t).filter((e) => e !== r);
-	return r !== null && p.push(r), /* @__PURE__ */ I("svg", {
+	return r !== null && p.push(r), /* @__PURE__ */ R("svg", {
 		class: "family",
-		viewBox: `0 0 ${$t} ${en}`,
+		viewBox: `0 0 ${tn} ${nn}`,
 		role: "img",
 		"aria-label": `${e} of ${a.length} runs, between ${Ve(o)} and ${Ve(s)} ${c}`,
 		children: [
-			/* @__PURE__ */ I("rect", {
+			/* @__PURE__ */ R("rect", {
 				class: "box",
-				x: tn,
-				y: nn,
-				width: $t - tn - 8,
-				height: en - rn - nn
+				x: rn,
+				y: an,
+				width: tn - rn - 8,
+				height: nn - U - an
 			}),
-			o < 0 && s > 0 && /* @__PURE__ */ I("line", {
+			o < 0 && s > 0 && /* @__PURE__ */ R("line", {
 				class: "axis",
-				x1: tn,
-				x2: $t - 8,
+				x1: rn,
+				x2: tn - 8,
 				y1: d(0),
 				y2: d(0)
 			}),
 			p.map((e) => {
 				let n = t[e];
-				return !n || n.error ? null : /* @__PURE__ */ I("path", {
+				return !n || n.error ? null : /* @__PURE__ */ R("path", {
 					class: e === r ? "way chosen" : "way",
 					d: f(n),
-					style: `stroke: ${U(e / Math.max(1, t.length - 1))}`,
+					style: `stroke: ${on(e / Math.max(1, t.length - 1))}`,
 					onClick: () => i(e),
-					children: /* @__PURE__ */ I("title", { children: ["run ", e + 1] })
+					children: /* @__PURE__ */ R("title", { children: ["run ", e + 1] })
 				}, e);
 			}),
-			/* @__PURE__ */ I("text", {
+			/* @__PURE__ */ R("text", {
 				x: 69,
-				y: nn + 9,
+				y: an + 9,
 				"text-anchor": "end",
-				children: z(s, c)
+				children: B(s, c)
 			}),
-			/* @__PURE__ */ I("text", {
+			/* @__PURE__ */ R("text", {
 				x: 69,
-				y: en - rn,
+				y: nn - U,
 				"text-anchor": "end",
-				children: z(o, c)
+				children: B(o, c)
 			}),
-			/* @__PURE__ */ I("text", {
+			/* @__PURE__ */ R("text", {
 				class: "what",
-				transform: `translate(12,${(en - rn) / 2}) rotate(-90)`,
+				transform: `translate(12,${(nn - U) / 2}) rotate(-90)`,
 				"text-anchor": "middle",
 				children: e
 			}),
-			/* @__PURE__ */ I("text", {
-				x: tn,
-				y: en - 5,
+			/* @__PURE__ */ R("text", {
+				x: rn,
+				y: nn - 5,
 				children: "0 s"
 			}),
-			/* @__PURE__ */ I("text", {
-				x: $t - 8,
-				y: en - 5,
+			/* @__PURE__ */ R("text", {
+				x: tn - 8,
+				y: nn - 5,
 				"text-anchor": "end",
-				children: z(n, "s")
+				children: B(n, "s")
 			})
 		]
 	});
 }
-function sn({ sweep: e, end: t, chosen: n, choose: r }) {
+function ln({ sweep: e, end: t, chosen: n, choose: r }) {
 	let i = [...e.members].reverse().find((e) => e?.named)?.named ?? [];
 	if (i.length < 2) return null;
-	let a = Math.max(...e.members.map((e) => e?.modes?.length ?? 0)), o = ($t - tn - 8) / e.values.length, s = (e) => {
+	let a = Math.max(...e.members.map((e) => e?.modes?.length ?? 0)), o = (tn - rn - 8) / e.values.length, s = (e) => {
 		let t = [];
 		return e.forEach((e, n) => {
 			let r = t[t.length - 1];
@@ -3097,64 +3097,64 @@ function sn({ sweep: e, end: t, chosen: n, choose: r }) {
 			]);
 		}), t;
 	};
-	return /* @__PURE__ */ I("figure", {
+	return /* @__PURE__ */ R("figure", {
 		class: "modemap",
-		children: [/* @__PURE__ */ I("svg", {
-			viewBox: `0 0 ${$t} 184`,
+		children: [/* @__PURE__ */ R("svg", {
+			viewBox: `0 0 ${tn} 184`,
 			role: "img",
 			"aria-label": `Modes over ${e.path} and time: ${i.join("; ")}`,
 			children: [
-				e.members.map((t, c) => t?.modes ? /* @__PURE__ */ I("g", {
+				e.members.map((t, c) => t?.modes ? /* @__PURE__ */ R("g", {
 					class: c === n ? "chosen" : "",
 					onClick: () => r(c),
-					children: s(t.modes).map(([t, n, r]) => /* @__PURE__ */ I("rect", {
-						x: tn + c * o,
+					children: s(t.modes).map(([t, n, r]) => /* @__PURE__ */ R("rect", {
+						x: rn + c * o,
 						width: o + .4,
-						y: nn + 150 * (1 - n / a),
+						y: an + 150 * (1 - n / a),
 						height: 150 * (n - t) / a + .4,
-						fill: an[r % an.length],
-						children: /* @__PURE__ */ I("title", { children: `${e.values[c]}: ${i[r]}` })
+						fill: W[r % W.length],
+						children: /* @__PURE__ */ R("title", { children: `${e.values[c]}: ${i[r]}` })
 					}))
 				}) : null),
-				/* @__PURE__ */ I("text", {
+				/* @__PURE__ */ R("text", {
 					x: 69,
-					y: nn + 9,
+					y: an + 9,
 					"text-anchor": "end",
-					children: z(t, "s")
+					children: B(t, "s")
 				}),
-				/* @__PURE__ */ I("text", {
+				/* @__PURE__ */ R("text", {
 					x: 69,
-					y: nn + 150,
+					y: an + 150,
 					"text-anchor": "end",
 					children: "0 s"
 				}),
-				/* @__PURE__ */ I("text", {
-					x: tn,
-					y: nn + 150 + 14,
+				/* @__PURE__ */ R("text", {
+					x: rn,
+					y: an + 150 + 14,
 					children: e.values[0]
 				}),
-				/* @__PURE__ */ I("text", {
-					x: $t - 8,
-					y: nn + 150 + 14,
+				/* @__PURE__ */ R("text", {
+					x: tn - 8,
+					y: an + 150 + 14,
 					"text-anchor": "end",
 					children: e.values[e.values.length - 1]
 				}),
-				/* @__PURE__ */ I("text", {
+				/* @__PURE__ */ R("text", {
 					class: "what",
-					x: (tn + $t) / 2,
-					y: nn + 150 + 18,
+					x: (rn + tn) / 2,
+					y: an + 150 + 18,
 					"text-anchor": "middle",
 					children: e.path
 				})
 			]
-		}), /* @__PURE__ */ I("figcaption", { children: [i.slice(0, 16).map((e, t) => /* @__PURE__ */ I("span", { children: [
-			/* @__PURE__ */ I("i", { style: `background: ${an[t % an.length]}` }),
+		}), /* @__PURE__ */ R("figcaption", { children: [i.slice(0, 16).map((e, t) => /* @__PURE__ */ R("span", { children: [
+			/* @__PURE__ */ R("i", { style: `background: ${W[t % W.length]}` }),
 			" ",
 			e
 		] })), i.length > 16 && ` and ${i.length - 16} more`] })]
 	});
 }
-function cn({ store: e, path: t, low: n, high: r, onDone: i }) {
+function G({ store: e, path: t, low: n, high: r, onDone: i }) {
 	let [a, o] = H(n), [s, c] = H(r), [l, u] = H("15"), [d, f] = H(!1), p = (n) => {
 		n.preventDefault(), e.sweep({
 			path: t,
@@ -3163,25 +3163,25 @@ function cn({ store: e, path: t, low: n, high: r, onDone: i }) {
 			count: l,
 			log: d
 		}).then((e) => e && i());
-	}, m = (e, n, r) => /* @__PURE__ */ I("label", { children: [/* @__PURE__ */ I("span", { children: e }), /* @__PURE__ */ I("input", {
+	}, m = (e, n, r) => /* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: e }), /* @__PURE__ */ R("input", {
 		"aria-label": `Sweep ${t} ${e}`,
 		value: n,
 		onInput: (e) => r(e.currentTarget.value),
 		onKeyDown: (e) => e.stopPropagation()
 	})] });
-	return /* @__PURE__ */ I("form", {
+	return /* @__PURE__ */ R("form", {
 		class: "sweepfields",
 		onSubmit: p,
 		children: [
 			m("from", a, o),
 			m("to", s, c),
 			m("runs", l, u),
-			/* @__PURE__ */ I("label", { children: [/* @__PURE__ */ I("input", {
+			/* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("input", {
 				type: "checkbox",
 				checked: d,
 				onChange: (e) => f(e.currentTarget.checked)
 			}), " by ratios"] }),
-			/* @__PURE__ */ I("button", {
+			/* @__PURE__ */ R("button", {
 				type: "submit",
 				children: "Sweep"
 			})
@@ -3189,23 +3189,23 @@ function cn({ store: e, path: t, low: n, high: r, onDone: i }) {
 	});
 }
 // src/panels.tsx
-function ln({ store: e, state: t }) {
+function un({ store: e, state: t }) {
 	let n = t.look, r = !n.view.editable, i = n.panels.experiment, a = (t, n) => e.edit({
 		do: "set",
 		path: t,
 		value: n
 	}), o = (i, o, s) => {
 		let c = Object.entries(n.panels[i]);
-		return /* @__PURE__ */ I(x, { children: [
-			/* @__PURE__ */ I("h2", { children: o }),
-			c.map(([n, r]) => /* @__PURE__ */ I(un, {
+		return /* @__PURE__ */ R(x, { children: [
+			/* @__PURE__ */ R("h2", { children: o }),
+			c.map(([n, r]) => /* @__PURE__ */ R(fn, {
 				store: e,
 				state: t,
 				section: i,
 				name: n,
 				value: r
 			}, n)),
-			!r && /* @__PURE__ */ I("button", {
+			!r && /* @__PURE__ */ R("button", {
 				onClick: () => {
 					let e = {
 						parameters: "k",
@@ -3216,54 +3216,54 @@ function ln({ store: e, state: t }) {
 						...n.view.nodes.map((e) => e.name),
 						...n.view.signals.map((e) => e.name)
 					];
-					a([i, Ht(t, e)], s);
+					a([i, Wt(t, e)], s);
 				},
 				children: "Add"
 			})
 		] });
 	};
-	return /* @__PURE__ */ I("section", { children: [
+	return /* @__PURE__ */ R("section", { children: [
 		o("parameters", "Parameters", 1),
 		o("signals", "Signals", "time"),
 		o("inputs", "Inputs", { constant: 1 }),
-		!t.level && /* @__PURE__ */ I(x, { children: [
-			/* @__PURE__ */ I("h2", { children: "Run" }),
-			/* @__PURE__ */ I("label", { children: [/* @__PURE__ */ I("span", { children: "until" }), /* @__PURE__ */ I(At, {
+		!t.level && /* @__PURE__ */ R(x, { children: [
+			/* @__PURE__ */ R("h2", { children: "Run" }),
+			/* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: "until" }), /* @__PURE__ */ R(Mt, {
 				label: "Until",
-				value: Ut(i.until),
+				value: Gt(i.until),
 				placeholder: "1 s",
-				onWrite: (e) => void a(["experiment", "until"], jt(e))
+				onWrite: (e) => void a(["experiment", "until"], Nt(e))
 			})] }),
-			/* @__PURE__ */ I("label", { children: [/* @__PURE__ */ I("span", { children: "solver" }), /* @__PURE__ */ I("select", {
-				value: Ut(i.solver),
+			/* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: "solver" }), /* @__PURE__ */ R("select", {
+				value: Gt(i.solver),
 				onChange: (e) => void a(["experiment", "solver"], e.currentTarget.value || null),
-				children: [/* @__PURE__ */ I("option", {
+				children: [/* @__PURE__ */ R("option", {
 					value: "",
 					children: "auto"
-				}), t.stock?.solvers.filter((e) => e.name !== "auto").map((e) => /* @__PURE__ */ I("option", {
+				}), t.stock?.solvers.filter((e) => e.name !== "auto").map((e) => /* @__PURE__ */ R("option", {
 					value: e.name,
 					title: e.about,
 					children: e.name
 				}))]
 			})] }),
-			/* @__PURE__ */ I("label", { children: [/* @__PURE__ */ I("span", { children: "rtol" }), /* @__PURE__ */ I(At, {
+			/* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: "rtol" }), /* @__PURE__ */ R(Mt, {
 				label: "Relative tolerance",
-				value: Ut(i.rtol),
+				value: Gt(i.rtol),
 				placeholder: "1e-8",
-				onWrite: (e) => void a(["experiment", "rtol"], jt(e))
+				onWrite: (e) => void a(["experiment", "rtol"], Nt(e))
 			})] })
 		] })
 	] });
 }
-var G = /^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)(\s*\S.*)?$/i;
-function un({ store: e, state: t, section: n, name: r, value: i }) {
-	let a = !t.look.view.editable, o = typeof i != "object", s = n === "parameters" ? G.exec(Ut(i)) : null, [c] = H(() => s && Number(s[1]) || 1), [l, u] = H(!1), d = t.level ? `${t.level}.${r}` : r, f = (e) => `${+((Number(s?.[1]) || 1) * e).toPrecision(6)}${s?.[2] ?? ""}`;
-	return /* @__PURE__ */ I("div", {
+var dn = /^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)(\s*\S.*)?$/i;
+function fn({ store: e, state: t, section: n, name: r, value: i }) {
+	let a = !t.look.view.editable, o = typeof i != "object", s = n === "parameters" ? dn.exec(Gt(i)) : null, [c] = H(() => s && Number(s[1]) || 1), [l, u] = H(!1), d = t.level ? `${t.level}.${r}` : r, f = (e) => `${+((Number(s?.[1]) || 1) * e).toPrecision(6)}${s?.[2] ?? ""}`;
+	return /* @__PURE__ */ R("div", {
 		class: "entry",
 		"data-entry": r,
 		children: [
-			/* @__PURE__ */ I("label", { children: [
-				/* @__PURE__ */ I(At, {
+			/* @__PURE__ */ R("label", { children: [
+				/* @__PURE__ */ R(Mt, {
 					label: `Name ${r}`,
 					value: r,
 					disabled: a,
@@ -3273,23 +3273,23 @@ function un({ store: e, state: t, section: n, name: r, value: i }) {
 						new: t.trim()
 					})
 				}),
-				o ? /* @__PURE__ */ I(At, {
+				o ? /* @__PURE__ */ R(Mt, {
 					label: r,
-					value: Ut(i),
+					value: Gt(i),
 					disabled: a,
-					list: n === "signals" ? Wt(t) : void 0,
+					list: n === "signals" ? Kt(t) : void 0,
 					onWrite: (t) => void e.edit({
 						do: "set",
 						path: [n, r],
-						value: jt(t)
+						value: Nt(t)
 					})
-				}) : /* @__PURE__ */ I(dn, {
+				}) : /* @__PURE__ */ R(pn, {
 					store: e,
 					path: [n, r],
 					value: i,
 					off: a
 				}),
-				s && /* @__PURE__ */ I("button", {
+				s && /* @__PURE__ */ R("button", {
 					class: "small",
 					"aria-label": `Sweep ${r}`,
 					title: "Run over a range",
@@ -3297,7 +3297,7 @@ function un({ store: e, state: t, section: n, name: r, value: i }) {
 					onClick: () => u(!l),
 					children: "⋯"
 				}),
-				!a && /* @__PURE__ */ I("button", {
+				!a && /* @__PURE__ */ R("button", {
 					class: "small",
 					"aria-label": `Delete ${r}`,
 					onClick: () => void e.edit({
@@ -3308,14 +3308,14 @@ function un({ store: e, state: t, section: n, name: r, value: i }) {
 					children: "✕"
 				})
 			] }),
-			l && s && /* @__PURE__ */ I(cn, {
+			l && s && /* @__PURE__ */ R(G, {
 				store: e,
 				path: d,
 				low: f(.5),
 				high: f(2),
 				onDone: () => u(!1)
 			}),
-			s && !a && /* @__PURE__ */ I("input", {
+			s && !a && /* @__PURE__ */ R("input", {
 				type: "range",
 				"aria-label": `Slider ${r}`,
 				min: -1,
@@ -3334,20 +3334,20 @@ function un({ store: e, state: t, section: n, name: r, value: i }) {
 		]
 	});
 }
-function dn({ store: e, path: t, value: n, off: r }) {
-	return /* @__PURE__ */ I("span", {
+function pn({ store: e, path: t, value: n, off: r }) {
+	return /* @__PURE__ */ R("span", {
 		class: "structured",
-		children: Object.entries(n).map(([n, i]) => typeof i == "object" && i && !Array.isArray(i) ? /* @__PURE__ */ I(dn, {
+		children: Object.entries(n).map(([n, i]) => typeof i == "object" && i && !Array.isArray(i) ? /* @__PURE__ */ R(pn, {
 			store: e,
 			path: [...t, n],
 			value: i,
 			off: r
-		}) : /* @__PURE__ */ I("label", { children: [/* @__PURE__ */ I("span", { children: n }), /* @__PURE__ */ I(At, {
+		}) : /* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: n }), /* @__PURE__ */ R(Mt, {
 			label: `${t.join(" ")} ${n}`,
-			value: Ut(i),
+			value: Gt(i),
 			disabled: r,
 			onWrite: (r) => {
-				let i = jt(r);
+				let i = Nt(r);
 				if (r.trim().startsWith("[")) try {
 					i = JSON.parse(r);
 				} catch {}
@@ -3360,58 +3360,58 @@ function dn({ store: e, path: t, value: n, off: r }) {
 		})] }))
 	});
 }
-function fn({ store: e, state: t }) {
+function mn({ store: e, state: t }) {
 	let n = t.look.problems;
-	return /* @__PURE__ */ I("section", { children: [
-		/* @__PURE__ */ I("h2", { children: "Problems" }),
-		!n.length && /* @__PURE__ */ I("p", { children: "None." }),
-		/* @__PURE__ */ I("ul", {
+	return /* @__PURE__ */ R("section", { children: [
+		/* @__PURE__ */ R("h2", { children: "Problems" }),
+		!n.length && /* @__PURE__ */ R("p", { children: "None." }),
+		/* @__PURE__ */ R("ul", {
 			class: "problems",
-			children: n.map((t) => /* @__PURE__ */ I("li", {
+			children: n.map((t) => /* @__PURE__ */ R("li", {
 				class: t.grave,
-				children: /* @__PURE__ */ I("button", {
+				children: /* @__PURE__ */ R("button", {
 					onClick: () => e.select(t.select),
 					children: [
-						/* @__PURE__ */ I("b", { children: t.code }),
+						/* @__PURE__ */ R("b", { children: t.code }),
 						" ",
-						t.where && /* @__PURE__ */ I("i", { children: t.where }),
-						/* @__PURE__ */ I("span", { children: t.why }),
-						t.try && /* @__PURE__ */ I("em", { children: ["Try: ", t.try] })
+						t.where && /* @__PURE__ */ R("i", { children: t.where }),
+						/* @__PURE__ */ R("span", { children: t.why }),
+						t.try && /* @__PURE__ */ R("em", { children: ["Try: ", t.try] })
 					]
 				})
 			}))
 		})
 	] });
 }
-function pn({ store: e, state: t }) {
+function hn({ store: e, state: t }) {
 	let { view: n, strokes: r } = t.look;
-	return /* @__PURE__ */ I("section", {
+	return /* @__PURE__ */ R("section", {
 		class: "tables",
 		children: [
-			/* @__PURE__ */ I("h2", { children: "Elements" }),
-			/* @__PURE__ */ I("table", { children: [/* @__PURE__ */ I("thead", { children: /* @__PURE__ */ I("tr", { children: [
-				/* @__PURE__ */ I("th", {
+			/* @__PURE__ */ R("h2", { children: "Elements" }),
+			/* @__PURE__ */ R("table", { children: [/* @__PURE__ */ R("thead", { children: /* @__PURE__ */ R("tr", { children: [
+				/* @__PURE__ */ R("th", {
 					scope: "col",
 					children: "name"
 				}),
-				/* @__PURE__ */ I("th", {
+				/* @__PURE__ */ R("th", {
 					scope: "col",
 					children: "kind"
 				}),
-				/* @__PURE__ */ I("th", {
+				/* @__PURE__ */ R("th", {
 					scope: "col",
 					children: "value"
 				}),
-				/* @__PURE__ */ I("th", {
+				/* @__PURE__ */ R("th", {
 					scope: "col",
 					children: "state"
 				})
-			] }) }), /* @__PURE__ */ I("tbody", { children: n.nodes.map((n) => {
+			] }) }), /* @__PURE__ */ R("tbody", { children: n.nodes.map((n) => {
 				let i = r.nodes[n.name];
-				return /* @__PURE__ */ I("tr", {
+				return /* @__PURE__ */ R("tr", {
 					class: t.nodes.has(n.name) ? "chosen" : "",
 					children: [
-						/* @__PURE__ */ I("td", { children: /* @__PURE__ */ I("button", {
+						/* @__PURE__ */ R("td", { children: /* @__PURE__ */ R("button", {
 							class: "link",
 							onClick: () => e.set({
 								nodes: /* @__PURE__ */ new Set([n.name]),
@@ -3419,9 +3419,9 @@ function pn({ store: e, state: t }) {
 							}),
 							children: n.name
 						}) }),
-						/* @__PURE__ */ I("td", { children: n.kind === "part" ? String(n.entry.submodel) : n.kind }),
-						/* @__PURE__ */ I("td", { children: i?.says ?? n.says }),
-						/* @__PURE__ */ I("td", { children: [
+						/* @__PURE__ */ R("td", { children: n.kind === "part" ? String(n.entry.submodel) : n.kind }),
+						/* @__PURE__ */ R("td", { children: i?.says ?? n.says }),
+						/* @__PURE__ */ R("td", { children: [
 							i?.off ? "OFF" : i?.controlled ? "ON" : "",
 							i?.derivative ? "derivative" : "",
 							n.law ?? "",
@@ -3430,26 +3430,26 @@ function pn({ store: e, state: t }) {
 					]
 				});
 			}) })] }),
-			/* @__PURE__ */ I("h2", { children: "Bonds" }),
-			/* @__PURE__ */ I("table", { children: [/* @__PURE__ */ I("thead", { children: /* @__PURE__ */ I("tr", { children: [
-				/* @__PURE__ */ I("th", {
+			/* @__PURE__ */ R("h2", { children: "Bonds" }),
+			/* @__PURE__ */ R("table", { children: [/* @__PURE__ */ R("thead", { children: /* @__PURE__ */ R("tr", { children: [
+				/* @__PURE__ */ R("th", {
 					scope: "col",
 					children: "bond"
 				}),
-				/* @__PURE__ */ I("th", {
+				/* @__PURE__ */ R("th", {
 					scope: "col",
 					children: "stroke at"
 				}),
-				/* @__PURE__ */ I("th", {
+				/* @__PURE__ */ R("th", {
 					scope: "col",
 					children: "other modes"
 				})
-			] }) }), /* @__PURE__ */ I("tbody", { children: n.bonds.map((n) => {
+			] }) }), /* @__PURE__ */ R("tbody", { children: n.bonds.map((n) => {
 				let i = r.bonds[n.key] ?? r.bonds[`${n.ends[0]} -> ${n.ends[1]}`];
-				return /* @__PURE__ */ I("tr", {
+				return /* @__PURE__ */ R("tr", {
 					class: t.bonds.has(n.key) ? "chosen" : "",
 					children: [
-						/* @__PURE__ */ I("td", { children: /* @__PURE__ */ I("button", {
+						/* @__PURE__ */ R("td", { children: /* @__PURE__ */ R("button", {
 							class: "link",
 							onClick: () => e.set({
 								bonds: /* @__PURE__ */ new Set([n.key]),
@@ -3457,17 +3457,17 @@ function pn({ store: e, state: t }) {
 							}),
 							children: n.text
 						}) }),
-						/* @__PURE__ */ I("td", { children: i ? i.strokes.map((e) => n.ends[e]).join(", ") + (i.conflict ? " (conflict)" : "") + (i.off ? " (OFF)" : "") : "—" }),
-						/* @__PURE__ */ I("td", { children: i?.dashed?.map((e) => n.ends[e]).join(", ") ?? "" })
+						/* @__PURE__ */ R("td", { children: i ? i.strokes.map((e) => n.ends[e]).join(", ") + (i.conflict ? " (conflict)" : "") + (i.off ? " (OFF)" : "") : "—" }),
+						/* @__PURE__ */ R("td", { children: i?.dashed?.map((e) => n.ends[e]).join(", ") ?? "" })
 					]
 				});
 			}) })] })
 		]
 	});
 }
-function mn({ store: e, state: t }) {
+function gn({ store: e, state: t }) {
 	let [n, r] = H(null), [i, a] = H(null), o = t.look.revision;
-	dt(() => {
+	pt(() => {
 		let t = !1;
 		return e.transport.ask("text").then((e) => !t && r(e)).catch(() => {}), () => {
 			t = !0;
@@ -3476,15 +3476,15 @@ function mn({ store: e, state: t }) {
 	let s = () => {
 		i !== null && e.ask("replace", { text: i }).then((e) => e && a(null));
 	};
-	return /* @__PURE__ */ I("section", {
+	return /* @__PURE__ */ R("section", {
 		class: "textpanel",
 		children: [
-			/* @__PURE__ */ I("h2", { children: [
+			/* @__PURE__ */ R("h2", { children: [
 				t.look.file,
 				" ",
-				i !== null && /* @__PURE__ */ I("small", { children: "not applied" })
+				i !== null && /* @__PURE__ */ R("small", { children: "not applied" })
 			] }),
-			/* @__PURE__ */ I("textarea", {
+			/* @__PURE__ */ R("textarea", {
 				"aria-label": "Text of the model file",
 				spellcheck: !1,
 				value: i ?? n?.text ?? "",
@@ -3493,13 +3493,13 @@ function mn({ store: e, state: t }) {
 					e.key === "Enter" && (e.ctrlKey || e.metaKey) && s(), e.stopPropagation();
 				}
 			}),
-			/* @__PURE__ */ I("div", {
+			/* @__PURE__ */ R("div", {
 				class: "row",
-				children: [/* @__PURE__ */ I("button", {
+				children: [/* @__PURE__ */ R("button", {
 					disabled: i === null,
 					onClick: s,
 					children: "Apply (Ctrl+Enter)"
-				}), /* @__PURE__ */ I("button", {
+				}), /* @__PURE__ */ R("button", {
 					disabled: i === null,
 					onClick: () => a(null),
 					children: "Discard"
@@ -3509,7 +3509,7 @@ function mn({ store: e, state: t }) {
 	});
 }
 // src/palette.tsx
-function hn(e) {
+function _n(e) {
 	let t = e.stock, n = (t?.kinds ?? []).map((e) => ({
 		key: e.kind,
 		letters: e.kind === "G" ? "G" : e.letters,
@@ -3532,20 +3532,20 @@ function hn(e) {
 		parts: r
 	};
 }
-function gn({ store: e, state: t }) {
-	let [n, r] = H(""), { kinds: i, parts: a } = hn(t), o = t.look?.view.domain ?? "", s = n.toLowerCase().split(/\s+/).filter(Boolean), c = (e) => s.every((t) => `${e.key} ${e.about}`.toLowerCase().includes(t)), l = [...a].sort(([e], [t]) => Number(t === o) - Number(e === o)), u = (e) => (t) => t.dataTransfer.setData("application/x-hybond", JSON.stringify({
+function vn({ store: e, state: t }) {
+	let [n, r] = H(""), { kinds: i, parts: a } = _n(t), o = t.look?.view.domain ?? "", s = n.toLowerCase().split(/\s+/).filter(Boolean), c = (e) => s.every((t) => `${e.key} ${e.about}`.toLowerCase().includes(t)), l = [...a].sort(([e], [t]) => Number(t === o) - Number(e === o)), u = (e) => (t) => t.dataTransfer.setData("application/x-hybond", JSON.stringify({
 		element: e.element,
 		stem: e.stem
 	})), d = (t) => {
 		e.add(t.element, t.stem), e.set({ panel: "" });
 	}, f = !t.look?.view.editable;
-	return /* @__PURE__ */ I("aside", {
+	return /* @__PURE__ */ R("aside", {
 		class: "palette" + (t.panel === "palette" ? " open" : ""),
 		"aria-label": "Palette",
 		children: [
-			/* @__PURE__ */ I("div", {
+			/* @__PURE__ */ R("div", {
 				class: "kinds",
-				children: i.map((e) => /* @__PURE__ */ I("button", {
+				children: i.map((e) => /* @__PURE__ */ R("button", {
 					disabled: f,
 					draggable: !0,
 					onDragStart: u(e),
@@ -3556,27 +3556,27 @@ function gn({ store: e, state: t }) {
 					children: e.letters
 				}))
 			}),
-			/* @__PURE__ */ I("input", {
+			/* @__PURE__ */ R("input", {
 				type: "search",
 				placeholder: "Parts …",
 				"aria-label": "Search parts",
 				value: n,
 				onInput: (e) => r(e.currentTarget.value)
 			}),
-			/* @__PURE__ */ I("div", {
+			/* @__PURE__ */ R("div", {
 				class: "shelves",
 				tabindex: 0,
 				role: "region",
 				"aria-label": "Ready parts",
 				children: l.map(([e, t]) => {
 					let n = t.filter(c);
-					return n.length ? /* @__PURE__ */ I("details", {
+					return n.length ? /* @__PURE__ */ R("details", {
 						open: s.length > 0 || e === o,
-						children: [/* @__PURE__ */ I("summary", { children: [
+						children: [/* @__PURE__ */ R("summary", { children: [
 							e,
 							" ",
-							/* @__PURE__ */ I("small", { children: n.length })
-						] }), n.map((e) => /* @__PURE__ */ I("button", {
+							/* @__PURE__ */ R("small", { children: n.length })
+						] }), n.map((e) => /* @__PURE__ */ R("button", {
 							class: "offer",
 							disabled: f,
 							draggable: !0,
@@ -3592,8 +3592,8 @@ function gn({ store: e, state: t }) {
 		]
 	});
 }
-function _n({ store: e, state: t }) {
-	let [n, r] = H(""), { kinds: i, parts: a } = hn(t), o = [...i, ...[...a.values()].flat()], [s, ...c] = n.trim().split(/\s+/), l = i.find((e) => e.key === s), u = n.includes("->") ? [] : l ? [l, ...o.filter((e) => e !== l && e.key.includes(s))] : o.filter((e) => `${e.key} ${e.about}`.toLowerCase().includes(n.trim().toLowerCase())), d = () => {
+function yn({ store: e, state: t }) {
+	let [n, r] = H(""), { kinds: i, parts: a } = _n(t), o = [...i, ...[...a.values()].flat()], [s, ...c] = n.trim().split(/\s+/), l = i.find((e) => e.key === s), u = n.includes("->") ? [] : l ? [l, ...o.filter((e) => e !== l && e.key.includes(s))] : o.filter((e) => `${e.key} ${e.about}`.toLowerCase().includes(n.trim().toLowerCase())), d = () => {
 		document.querySelector(".canvas svg")?.focus(), e.set({ adding: !1 });
 	}, f = async () => {
 		if (n.includes("->")) return await e.edit({
@@ -3610,11 +3610,11 @@ function _n({ store: e, state: t }) {
 		}
 		await e.add(r, i || t.stem), d();
 	};
-	return /* @__PURE__ */ I("div", {
+	return /* @__PURE__ */ R("div", {
 		class: "quick",
 		role: "dialog",
 		"aria-label": "Add",
-		children: [/* @__PURE__ */ I("input", {
+		children: [/* @__PURE__ */ R("input", {
 			ref: (e) => e?.focus(),
 			value: n,
 			"aria-label": "What to add",
@@ -3623,10 +3623,10 @@ function _n({ store: e, state: t }) {
 			onKeyDown: (e) => {
 				e.key === "Enter" && f(), e.key === "Escape" && d(), e.stopPropagation();
 			}
-		}), /* @__PURE__ */ I("ul", { children: u.slice(0, 8).map((e, t) => /* @__PURE__ */ I("li", {
+		}), /* @__PURE__ */ R("ul", { children: u.slice(0, 8).map((e, t) => /* @__PURE__ */ R("li", {
 			class: t === 0 ? "chosen" : "",
 			children: [
-				/* @__PURE__ */ I("b", { children: e.letters }),
+				/* @__PURE__ */ R("b", { children: e.letters }),
 				" ",
 				e.about
 			]
@@ -3634,65 +3634,65 @@ function _n({ store: e, state: t }) {
 	});
 }
 // node_modules/uplot/dist/uPlot.esm.js
-var vn = !0, yn = "uplot", bn = "u-hz", xn = "u-vt", Sn = "u-title", Cn = "u-wrap", wn = "u-under", Tn = "u-over", En = "u-axis", Dn = "u-off", On = "u-select", kn = "u-cursor-x", An = "u-cursor-y", jn = "u-cursor-pt", Mn = "u-legend", Nn = "u-live", Pn = "u-inline", Fn = "u-series", In = "u-marker", Ln = "u-label", Rn = "u-value", zn = "width", Bn = "height", Vn = "top", Hn = "bottom", Un = "left", Wn = "right", Gn = "#000", Kn = "#0000", qn = "mousemove", Jn = "mousedown", Yn = "mouseup", Xn = "mouseenter", Zn = "mouseleave", Qn = "dblclick", $n = "resize", er = "scroll", tr = "change", nr = "dppxchange", rr = "--", ir = typeof window < "u", ar = ir ? document : null, or = ir ? window : null, sr = ir ? navigator : null, K, cr;
-function lr() {
+var bn = !0, xn = "uplot", Sn = "u-hz", Cn = "u-vt", wn = "u-title", Tn = "u-wrap", En = "u-under", Dn = "u-over", On = "u-axis", kn = "u-off", An = "u-select", jn = "u-cursor-x", Mn = "u-cursor-y", Nn = "u-cursor-pt", Pn = "u-legend", Fn = "u-live", In = "u-inline", Ln = "u-series", Rn = "u-marker", zn = "u-label", Bn = "u-value", Vn = "width", Hn = "height", Un = "top", Wn = "bottom", Gn = "left", Kn = "right", qn = "#000", Jn = "#0000", Yn = "mousemove", Xn = "mousedown", Zn = "mouseup", Qn = "mouseenter", $n = "mouseleave", er = "dblclick", tr = "resize", nr = "scroll", rr = "change", ir = "dppxchange", ar = "--", or = typeof window < "u", sr = or ? document : null, cr = or ? window : null, lr = or ? navigator : null, K, ur;
+function dr() {
 	let e = devicePixelRatio;
-	K != e && (K = e, cr && Cr(tr, cr, lr), cr = matchMedia(`(min-resolution: ${K - .001}dppx) and (max-resolution: ${K + .001}dppx)`), Sr(tr, cr, lr), or.dispatchEvent(new CustomEvent(nr)));
+	K != e && (K = e, ur && Tr(rr, ur, dr), ur = matchMedia(`(min-resolution: ${K - .001}dppx) and (max-resolution: ${K + .001}dppx)`), wr(rr, ur, dr), cr.dispatchEvent(new CustomEvent(ir)));
 }
-function ur(e, t) {
+function fr(e, t) {
 	if (t != null) {
 		let n = e.classList;
 		!n.contains(t) && n.add(t);
 	}
 }
-function dr(e, t) {
+function pr(e, t) {
 	let n = e.classList;
 	n.contains(t) && n.remove(t);
 }
 function q(e, t, n) {
 	e.style[t] = n + "px";
 }
-function fr(e, t, n, r) {
-	let i = ar.createElement(e);
-	return t != null && ur(i, t), n?.insertBefore(i, r), i;
+function mr(e, t, n, r) {
+	let i = sr.createElement(e);
+	return t != null && fr(i, t), n?.insertBefore(i, r), i;
 }
-function pr(e, t) {
-	return fr("div", e, t);
-}
-var mr = /* @__PURE__ */ new WeakMap();
-function hr(e, t, n, r, i) {
-	let a = "translate(" + t + "px," + n + "px)";
-	a != mr.get(e) && (e.style.transform = a, mr.set(e, a), t < 0 || n < 0 || t > r || n > i ? ur(e, Dn) : dr(e, Dn));
+function hr(e, t) {
+	return mr("div", e, t);
 }
 var gr = /* @__PURE__ */ new WeakMap();
-function _r(e, t, n) {
-	let r = t + n;
-	r != gr.get(e) && (gr.set(e, r), e.style.background = t, e.style.borderColor = n);
+function _r(e, t, n, r, i) {
+	let a = "translate(" + t + "px," + n + "px)";
+	a != gr.get(e) && (e.style.transform = a, gr.set(e, a), t < 0 || n < 0 || t > r || n > i ? fr(e, kn) : pr(e, kn));
 }
 var vr = /* @__PURE__ */ new WeakMap();
-function yr(e, t, n, r) {
-	let i = t + "" + n;
-	i != vr.get(e) && (vr.set(e, i), e.style.height = n + "px", e.style.width = t + "px", e.style.marginLeft = r ? -t / 2 + "px" : 0, e.style.marginTop = r ? -n / 2 + "px" : 0);
+function yr(e, t, n) {
+	let r = t + n;
+	r != vr.get(e) && (vr.set(e, r), e.style.background = t, e.style.borderColor = n);
 }
-var br = { passive: !0 }, xr = {
-	...br,
+var br = /* @__PURE__ */ new WeakMap();
+function xr(e, t, n, r) {
+	let i = t + "" + n;
+	i != br.get(e) && (br.set(e, i), e.style.height = n + "px", e.style.width = t + "px", e.style.marginLeft = r ? -t / 2 + "px" : 0, e.style.marginTop = r ? -n / 2 + "px" : 0);
+}
+var Sr = { passive: !0 }, Cr = {
+	...Sr,
 	capture: !0
 };
-function Sr(e, t, n, r) {
-	t.addEventListener(e, n, r ? xr : br);
-}
-function Cr(e, t, n, r) {
-	t.removeEventListener(e, n, br);
-}
-ir && lr();
 function wr(e, t, n, r) {
+	t.addEventListener(e, n, r ? Cr : Sr);
+}
+function Tr(e, t, n, r) {
+	t.removeEventListener(e, n, Sr);
+}
+or && dr();
+function Er(e, t, n, r) {
 	let i;
 	n ||= 0, r ||= t.length - 1;
 	let a = r <= 2147483647;
-	for (; r - n > 1;) i = a ? n + r >> 1 : Gr((n + r) / 2), t[i] < e ? n = i : r = i;
+	for (; r - n > 1;) i = a ? n + r >> 1 : qr((n + r) / 2), t[i] < e ? n = i : r = i;
 	return e - t[n] <= t[r] - e ? n : r;
 }
-function Tr(e) {
+function Dr(e) {
 	return (t, n, r) => {
 		let i = -1, a = -1;
 		for (let a = n; a <= r; a++) if (e(t[a])) {
@@ -3706,9 +3706,9 @@ function Tr(e) {
 		return [i, a];
 	};
 }
-var Er = (e) => e != null, Dr = (e) => e != null && e > 0, Or = Tr(Er), kr = Tr(Dr);
-function Ar(e, t, n, r = 0, i = !1) {
-	let a = i ? kr : Or, o = i ? Dr : Er;
+var Or = (e) => e != null, kr = (e) => e != null && e > 0, Ar = Dr(Or), jr = Dr(kr);
+function Mr(e, t, n, r = 0, i = !1) {
+	let a = i ? jr : Ar, o = i ? kr : Or;
 	[t, n] = a(e, t, n);
 	let s = e[t], c = e[t];
 	if (t > -1) {
@@ -3719,106 +3719,106 @@ function Ar(e, t, n, r = 0, i = !1) {
 			o(t) && (t < s ? s = t : t > c && (c = t));
 		}
 	}
-	return [s ?? ni, c ?? -ni];
+	return [s ?? ii, c ?? -ii];
 }
-function jr(e, t, n, r) {
-	let i = Zr(e), a = Zr(t);
+function Nr(e, t, n, r) {
+	let i = $r(e), a = $r(t);
 	e == t && (i == -1 ? (e *= n, t /= n) : (e /= n, t *= n));
-	let o = n == 10 ? Qr : $r, s = i == 1 ? Gr : qr, c = a == 1 ? qr : Gr, l = s(o(Wr(e))), u = c(o(Wr(t))), d = Xr(n, l), f = Xr(n, u);
-	return n == 10 && (l < 0 && (d = X(d, -l)), u < 0 && (f = X(f, -u))), r || n == 2 ? (e = d * i, t = f * a) : (e = gi(e, d), t = hi(t, f)), [e, t];
+	let o = n == 10 ? ei : ti, s = i == 1 ? qr : Yr, c = a == 1 ? Yr : qr, l = s(o(Kr(e))), u = c(o(Kr(t))), d = Qr(n, l), f = Qr(n, u);
+	return n == 10 && (l < 0 && (d = Z(d, -l)), u < 0 && (f = Z(f, -u))), r || n == 2 ? (e = d * i, t = f * a) : (e = _i(e, d), t = X(t, f)), [e, t];
 }
-function Mr(e, t, n, r) {
-	let i = jr(e, t, n, r);
+function Pr(e, t, n, r) {
+	let i = Nr(e, t, n, r);
 	return e == 0 && (i[0] = 0), t == 0 && (i[1] = 0), i;
 }
-var Nr = .1, Pr = {
+var Fr = .1, Ir = {
 	mode: 3,
-	pad: Nr
-}, Fr = {
+	pad: Fr
+}, Lr = {
 	pad: 0,
 	soft: null,
 	mode: 0
-}, Ir = {
-	min: Fr,
-	max: Fr
+}, Rr = {
+	min: Lr,
+	max: Lr
 };
-function Lr(e, t, n, r) {
-	return Ei(n) ? zr(e, t, n) : (Fr.pad = n, Fr.soft = r ? 0 : null, Fr.mode = r ? 3 : 0, zr(e, t, Ir));
+function zr(e, t, n, r) {
+	return Oi(n) ? Vr(e, t, n) : (Lr.pad = n, Lr.soft = r ? 0 : null, Lr.mode = r ? 3 : 0, Vr(e, t, Rr));
 }
 function J(e, t) {
 	return e ?? t;
 }
-function Rr(e, t, n) {
+function Br(e, t, n) {
 	for (t = J(t, 0), n = J(n, e.length - 1); t <= n;) {
 		if (e[t] != null) return !0;
 		t++;
 	}
 	return !1;
 }
-function zr(e, t, n) {
-	let r = n.min, i = n.max, a = J(r.pad, 0), o = J(i.pad, 0), s = J(r.hard, -ni), c = J(i.hard, ni), l = J(r.soft, ni), u = J(i.soft, -ni), d = J(r.mode, 0), f = J(i.mode, 0), p = t - e, m = Qr(p), h = Yr(Wr(e), Wr(t)), g = Wr(Qr(h) - m);
-	(p < 1e-24 || g > 10) && (p = 0, (e == 0 || t == 0) && (p = 1e-24, d == 2 && l != ni && (a = 0), f == 2 && u != -ni && (o = 0)));
-	let _ = p || h || 1e3, v = Xr(10, Gr(Qr(_))), y = X(gi(e - _ * (p == 0 ? e == 0 ? .1 : 1 : a), v / 10), 24), b = e >= l && (d == 1 || d == 3 && y <= l || d == 2 && y >= l) ? l : ni, x = Yr(s, y < b && e >= b ? b : Jr(b, y)), S = X(hi(t + _ * (p == 0 ? t == 0 ? .1 : 1 : o), v / 10), 24), C = t <= u && (f == 1 || f == 3 && S >= u || f == 2 && S <= u) ? u : -ni, w = Jr(c, S > C && t <= C ? C : Yr(C, S));
+function Vr(e, t, n) {
+	let r = n.min, i = n.max, a = J(r.pad, 0), o = J(i.pad, 0), s = J(r.hard, -ii), c = J(i.hard, ii), l = J(r.soft, ii), u = J(i.soft, -ii), d = J(r.mode, 0), f = J(i.mode, 0), p = t - e, m = ei(p), h = Zr(Kr(e), Kr(t)), g = Kr(ei(h) - m);
+	(p < 1e-24 || g > 10) && (p = 0, (e == 0 || t == 0) && (p = 1e-24, d == 2 && l != ii && (a = 0), f == 2 && u != -ii && (o = 0)));
+	let _ = p || h || 1e3, v = Qr(10, qr(ei(_))), y = Z(_i(e - _ * (p == 0 ? e == 0 ? .1 : 1 : a), v / 10), 24), b = e >= l && (d == 1 || d == 3 && y <= l || d == 2 && y >= l) ? l : ii, x = Zr(s, y < b && e >= b ? b : Xr(b, y)), S = Z(X(t + _ * (p == 0 ? t == 0 ? .1 : 1 : o), v / 10), 24), C = t <= u && (f == 1 || f == 3 && S >= u || f == 2 && S <= u) ? u : -ii, w = Xr(c, S > C && t <= C ? C : Zr(C, S));
 	return x == w && x == 0 && (w = 100), [x, w];
 }
-var Br = new Intl.NumberFormat(ir ? sr.language : "en-US"), Vr = (e) => Br.format(e), Hr = Math, Ur = Hr.PI, Wr = Hr.abs, Gr = Hr.floor, Kr = Hr.round, qr = Hr.ceil, Jr = Hr.min, Yr = Hr.max, Xr = Hr.pow, Zr = Hr.sign, Qr = Hr.log10, $r = Hr.log2, ei = (e, t = 1) => Hr.sinh(e) * t, ti = (e, t = 1) => Hr.asinh(e / t), ni = Infinity;
-function ri(e) {
-	return (Qr((e ^ e >> 31) - (e >> 31)) | 0) + 1;
-}
-function ii(e, t, n) {
-	return Jr(Yr(e, t), n);
-}
+var Hr = new Intl.NumberFormat(or ? lr.language : "en-US"), Ur = (e) => Hr.format(e), Wr = Math, Gr = Wr.PI, Kr = Wr.abs, qr = Wr.floor, Jr = Wr.round, Yr = Wr.ceil, Xr = Wr.min, Zr = Wr.max, Qr = Wr.pow, $r = Wr.sign, ei = Wr.log10, ti = Wr.log2, ni = (e, t = 1) => Wr.sinh(e) * t, ri = (e, t = 1) => Wr.asinh(e / t), ii = Infinity;
 function ai(e) {
+	return (ei((e ^ e >> 31) - (e >> 31)) | 0) + 1;
+}
+function oi(e, t, n) {
+	return Xr(Zr(e, t), n);
+}
+function si(e) {
 	return typeof e == "function";
 }
 function Y(e) {
-	return ai(e) ? e : () => e;
+	return si(e) ? e : () => e;
 }
-var oi = () => {}, si = (e) => e, ci = (e, t) => t, li = (e) => null, ui = (e) => !0, di = (e, t) => e == t, fi = /\.\d*?(?=9{6,}|0{6,})/gm, pi = (e) => {
-	if (Ci(e) || _i.has(e)) return e;
-	let t = `${e}`, n = t.match(fi);
+var ci = () => {}, li = (e) => e, ui = (e, t) => t, di = (e) => null, fi = (e) => !0, pi = (e, t) => e == t, mi = /\.\d*?(?=9{6,}|0{6,})/gm, hi = (e) => {
+	if (Ti(e) || vi.has(e)) return e;
+	let t = `${e}`, n = t.match(mi);
 	if (n == null) return e;
 	let r = n[0].length - 1;
 	if (t.indexOf("e-") != -1) {
 		let [e, n] = t.split("e");
-		return +`${pi(e)}e${n}`;
+		return +`${hi(e)}e${n}`;
 	}
-	return X(e, r);
+	return Z(e, r);
 };
-function mi(e, t) {
-	return pi(X(pi(e / t)) * t);
-}
-function hi(e, t) {
-	return pi(qr(pi(e / t)) * t);
-}
 function gi(e, t) {
-	return pi(Gr(pi(e / t)) * t);
+	return hi(Z(hi(e / t)) * t);
 }
-function X(e, t = 0) {
-	if (Ci(e)) return e;
+function X(e, t) {
+	return hi(Yr(hi(e / t)) * t);
+}
+function _i(e, t) {
+	return hi(qr(hi(e / t)) * t);
+}
+function Z(e, t = 0) {
+	if (Ti(e)) return e;
 	let n = 10 ** t;
-	return Kr(e * n * (1 + 2 ** -52)) / n;
+	return Jr(e * n * (1 + 2 ** -52)) / n;
 }
-var _i = /* @__PURE__ */ new Map();
-function vi(e) {
+var vi = /* @__PURE__ */ new Map();
+function yi(e) {
 	return (("" + e).split(".")[1] || "").length;
 }
-function Z(e, t, n, r) {
-	let i = [], a = r.map(vi);
+function bi(e, t, n, r) {
+	let i = [], a = r.map(yi);
 	for (let o = t; o < n; o++) {
-		let t = Wr(o), n = X(Xr(e, o), t);
+		let t = Kr(o), n = Z(Qr(e, o), t);
 		for (let s = 0; s < r.length; s++) {
-			let c = e == 10 ? +`${r[s]}e${o}` : r[s] * n, l = (o >= 0 ? 0 : t) + (o >= a[s] ? 0 : a[s]), u = e == 10 ? c : X(c, l);
-			i.push(u), _i.set(u, l);
+			let c = e == 10 ? +`${r[s]}e${o}` : r[s] * n, l = (o >= 0 ? 0 : t) + (o >= a[s] ? 0 : a[s]), u = e == 10 ? c : Z(c, l);
+			i.push(u), vi.set(u, l);
 		}
 	}
 	return i;
 }
-var yi = {}, bi = [], xi = [null, null], Si = Array.isArray, Ci = Number.isInteger, wi = (e) => e === void 0;
-function Ti(e) {
+var xi = {}, Si = [], Ci = [null, null], wi = Array.isArray, Ti = Number.isInteger, Ei = (e) => e === void 0;
+function Di(e) {
 	return typeof e == "string";
 }
-function Ei(e) {
+function Oi(e) {
 	let t = !1;
 	if (e != null) {
 		let n = e.constructor;
@@ -3826,35 +3826,35 @@ function Ei(e) {
 	}
 	return t;
 }
-function Di(e) {
+function ki(e) {
 	return typeof e == "object" && !!e;
 }
-var Oi = Object.getPrototypeOf(Uint8Array), ki = "__proto__";
-function Ai(e, t = Ei) {
+var Ai = Object.getPrototypeOf(Uint8Array), ji = "__proto__";
+function Mi(e, t = Oi) {
 	let n;
-	if (Si(e)) {
+	if (wi(e)) {
 		let r = e.find((e) => e != null);
-		if (Si(r) || t(r)) {
+		if (wi(r) || t(r)) {
 			n = Array(e.length);
-			for (let r = 0; r < e.length; r++) n[r] = Ai(e[r], t);
+			for (let r = 0; r < e.length; r++) n[r] = Mi(e[r], t);
 		} else n = e.slice();
-	} else if (e instanceof Oi) n = e.slice();
+	} else if (e instanceof Ai) n = e.slice();
 	else if (t(e)) {
 		n = {};
-		for (let r in e) r != ki && (n[r] = Ai(e[r], t));
+		for (let r in e) r != ji && (n[r] = Mi(e[r], t));
 	} else n = e;
 	return n;
 }
-function ji(e) {
+function Ni(e) {
 	let t = arguments;
 	for (let n = 1; n < t.length; n++) {
 		let r = t[n];
-		for (let t in r) t != ki && (Ei(e[t]) ? ji(e[t], Ai(r[t])) : e[t] = Ai(r[t]));
+		for (let t in r) t != ji && (Oi(e[t]) ? Ni(e[t], Mi(r[t])) : e[t] = Mi(r[t]));
 	}
 	return e;
 }
-var Mi = 0, Ni = 1, Pi = 2;
-function Fi(e, t, n) {
+var Pi = 0, Fi = 1, Ii = 2;
+function Li(e, t, n) {
 	for (let r = 0, i, a = -1; r < t.length; r++) {
 		let o = t[r];
 		if (o > a) {
@@ -3863,11 +3863,11 @@ function Fi(e, t, n) {
 		}
 	}
 }
-function Ii(e, t) {
-	if (zi(e)) {
+function Ri(e, t) {
+	if (Vi(e)) {
 		let t = e[0].slice();
 		for (let n = 1; n < e.length; n++) t.push(...e[n].slice(1));
-		return Bi(t[0]) || (t = Ri(t)), t;
+		return Hi(t[0]) || (t = Bi(t)), t;
 	}
 	let n = /* @__PURE__ */ new Set();
 	for (let t = 0; t < e.length; t++) {
@@ -3879,18 +3879,18 @@ function Ii(e, t) {
 	for (let n = 0; n < e.length; n++) {
 		let o = e[n], s = o[0];
 		for (let e = 1; e < o.length; e++) {
-			let c = o[e], l = Array(i).fill(void 0), u = t ? t[n][e] : Ni, d = [];
+			let c = o[e], l = Array(i).fill(void 0), u = t ? t[n][e] : Fi, d = [];
 			for (let e = 0; e < c.length; e++) {
 				let t = c[e], n = a.get(s[e]);
-				t === null ? u != Mi && (l[n] = t, u == Pi && d.push(n)) : l[n] = t;
+				t === null ? u != Pi && (l[n] = t, u == Ii && d.push(n)) : l[n] = t;
 			}
-			Fi(l, d, i), r.push(l);
+			Li(l, d, i), r.push(l);
 		}
 	}
 	return r;
 }
-var Li = typeof queueMicrotask > "u" ? (e) => Promise.resolve().then(e) : queueMicrotask;
-function Ri(e) {
+var zi = typeof queueMicrotask > "u" ? (e) => Promise.resolve().then(e) : queueMicrotask;
+function Bi(e) {
 	let t = e[0], n = t.length, r = Array(n);
 	for (let e = 0; e < r.length; e++) r[e] = e;
 	r.sort((e, n) => t[e] - t[n]);
@@ -3902,7 +3902,7 @@ function Ri(e) {
 	}
 	return i;
 }
-function zi(e) {
+function Vi(e) {
 	let t = e[0][0], n = t.length;
 	for (let r = 1; r < e.length; r++) {
 		let i = e[r][0];
@@ -3913,14 +3913,14 @@ function zi(e) {
 	}
 	return !0;
 }
-function Bi(e, t = 100) {
+function Hi(e, t = 100) {
 	let n = e.length;
 	if (n <= 1) return !0;
 	let r = 0, i = n - 1;
 	for (; r <= i && e[r] == null;) r++;
 	for (; i >= r && e[i] == null;) i--;
 	if (i <= r) return !0;
-	let a = Yr(1, Gr((i - r + 1) / t));
+	let a = Zr(1, qr((i - r + 1) / t));
 	for (let t = e[r], n = r + a; n <= i; n += a) {
 		let r = e[n];
 		if (r != null) {
@@ -3930,7 +3930,7 @@ function Bi(e, t = 100) {
 	}
 	return !0;
 }
-var Vi = [
+var Ui = [
 	"January",
 	"February",
 	"March",
@@ -3943,7 +3943,7 @@ var Vi = [
 	"October",
 	"November",
 	"December"
-], Hi = [
+], Wi = [
 	"Sunday",
 	"Monday",
 	"Tuesday",
@@ -3952,33 +3952,33 @@ var Vi = [
 	"Friday",
 	"Saturday"
 ];
-function Ui(e) {
+function Gi(e) {
 	return e.slice(0, 3);
 }
-var Wi = Hi.map(Ui), Gi = {
-	MMMM: Vi,
-	MMM: Vi.map(Ui),
-	WWWW: Hi,
-	WWW: Wi
+var Ki = Wi.map(Gi), qi = {
+	MMMM: Ui,
+	MMM: Ui.map(Gi),
+	WWWW: Wi,
+	WWW: Ki
 };
-function Ki(e) {
+function Ji(e) {
 	return (e < 10 ? "0" : "") + e;
 }
-function qi(e) {
+function Yi(e) {
 	return (e < 10 ? "00" : e < 100 ? "0" : "") + e;
 }
-var Ji = {
+var Xi = {
 	YYYY: (e) => e.getFullYear(),
 	YY: (e) => (e.getFullYear() + "").slice(2),
 	MMMM: (e, t) => t.MMMM[e.getMonth()],
 	MMM: (e, t) => t.MMM[e.getMonth()],
-	MM: (e) => Ki(e.getMonth() + 1),
+	MM: (e) => Ji(e.getMonth() + 1),
 	M: (e) => e.getMonth() + 1,
-	DD: (e) => Ki(e.getDate()),
+	DD: (e) => Ji(e.getDate()),
 	D: (e) => e.getDate(),
 	WWWW: (e, t) => t.WWWW[e.getDay()],
 	WWW: (e, t) => t.WWW[e.getDay()],
-	HH: (e) => Ki(e.getHours()),
+	HH: (e) => Ji(e.getHours()),
 	H: (e) => e.getHours(),
 	h: (e) => {
 		let t = e.getHours();
@@ -3987,35 +3987,35 @@ var Ji = {
 	AA: (e) => e.getHours() >= 12 ? "PM" : "AM",
 	aa: (e) => e.getHours() >= 12 ? "pm" : "am",
 	a: (e) => e.getHours() >= 12 ? "p" : "a",
-	mm: (e) => Ki(e.getMinutes()),
+	mm: (e) => Ji(e.getMinutes()),
 	m: (e) => e.getMinutes(),
-	ss: (e) => Ki(e.getSeconds()),
+	ss: (e) => Ji(e.getSeconds()),
 	s: (e) => e.getSeconds(),
-	fff: (e) => qi(e.getMilliseconds())
+	fff: (e) => Yi(e.getMilliseconds())
 };
-function Yi(e, t) {
-	t ||= Gi;
+function Zi(e, t) {
+	t ||= qi;
 	let n = [], r = /\{([a-z]+)\}|[^{]+/gi, i;
-	for (; i = r.exec(e);) n.push(i[0][0] == "{" ? Ji[i[1]] : i[0]);
+	for (; i = r.exec(e);) n.push(i[0][0] == "{" ? Xi[i[1]] : i[0]);
 	return (e) => {
 		let r = "";
 		for (let i = 0; i < n.length; i++) r += typeof n[i] == "string" ? n[i] : n[i](e, t);
 		return r;
 	};
 }
-var Xi = new Intl.DateTimeFormat().resolvedOptions().timeZone;
-function Zi(e, t) {
+var Qi = new Intl.DateTimeFormat().resolvedOptions().timeZone;
+function $i(e, t) {
 	let n;
-	return t == "UTC" || t == "Etc/UTC" ? n = /* @__PURE__ */ new Date(+e + e.getTimezoneOffset() * 6e4) : t == Xi ? n = e : (n = new Date(e.toLocaleString("en-US", { timeZone: t })), n.setMilliseconds(e.getMilliseconds())), n;
+	return t == "UTC" || t == "Etc/UTC" ? n = /* @__PURE__ */ new Date(+e + e.getTimezoneOffset() * 6e4) : t == Qi ? n = e : (n = new Date(e.toLocaleString("en-US", { timeZone: t })), n.setMilliseconds(e.getMilliseconds())), n;
 }
-var Qi = (e) => e % 1 == 0, $i = [
+var ea = (e) => e % 1 == 0, ta = [
 	1,
 	2,
 	2.5,
 	5
-], ea = Z(10, -32, 0, $i), ta = Z(10, 0, 32, $i), na = ta.filter(Qi), ra = ea.concat(ta), ia = "\n", aa = "{YYYY}", oa = ia + aa, sa = "{M}/{D}", ca = ia + sa, la = ca + "/{YY}", ua = "{aa}", da = "{h}:{mm}" + ua, fa = ia + da, pa = ":{ss}", Q = null;
-function ma(e) {
-	let t = e * 1e3, n = t * 60, r = n * 60, i = r * 24, a = i * 30, o = i * 365, s = (e == 1 ? Z(10, 0, 3, $i).filter(Qi) : Z(10, -3, 0, $i)).concat([
+], na = bi(10, -32, 0, ta), ra = bi(10, 0, 32, ta), ia = ra.filter(ea), aa = na.concat(ra), oa = "\n", sa = "{YYYY}", ca = oa + sa, la = "{M}/{D}", ua = oa + la, da = ua + "/{YY}", fa = "{aa}", pa = "{h}:{mm}" + fa, ma = oa + pa, ha = ":{ss}", Q = null;
+function ga(e) {
+	let t = e * 1e3, n = t * 60, r = n * 60, i = r * 24, a = i * 30, o = i * 365, s = (e == 1 ? bi(10, 0, 3, ta).filter(ea) : bi(10, -3, 0, ta)).concat([
 		t,
 		t * 5,
 		t * 10,
@@ -4059,7 +4059,7 @@ function ma(e) {
 	]), c = [
 		[
 			o,
-			aa,
+			sa,
 			Q,
 			Q,
 			Q,
@@ -4071,7 +4071,7 @@ function ma(e) {
 		[
 			i * 28,
 			"{MMM}",
-			oa,
+			ca,
 			Q,
 			Q,
 			Q,
@@ -4081,8 +4081,8 @@ function ma(e) {
 		],
 		[
 			i,
-			sa,
-			oa,
+			la,
+			ca,
 			Q,
 			Q,
 			Q,
@@ -4092,10 +4092,10 @@ function ma(e) {
 		],
 		[
 			r,
-			"{h}" + ua,
-			la,
+			"{h}" + fa,
+			da,
 			Q,
-			ca,
+			ua,
 			Q,
 			Q,
 			Q,
@@ -4103,10 +4103,10 @@ function ma(e) {
 		],
 		[
 			n,
+			pa,
 			da,
-			la,
 			Q,
-			ca,
+			ua,
 			Q,
 			Q,
 			Q,
@@ -4114,45 +4114,45 @@ function ma(e) {
 		],
 		[
 			t,
-			pa,
-			la + " " + da,
+			ha,
+			da + " " + pa,
 			Q,
-			ca + " " + da,
+			ua + " " + pa,
 			Q,
-			fa,
+			ma,
 			Q,
 			1
 		],
 		[
 			e,
-			pa + ".{fff}",
-			la + " " + da,
+			ha + ".{fff}",
+			da + " " + pa,
 			Q,
-			ca + " " + da,
+			ua + " " + pa,
 			Q,
-			fa,
+			ma,
 			Q,
 			1
 		]
 	];
 	function l(t) {
 		return (s, c, l, u, d, f) => {
-			let p = [], m = d >= o, h = d >= a && d < o, g = t(l), _ = X(g * e, 3), v = wa(g.getFullYear(), m ? 0 : g.getMonth(), h || m ? 1 : g.getDate()), y = X(v * e, 3);
+			let p = [], m = d >= o, h = d >= a && d < o, g = t(l), _ = Z(g * e, 3), v = Ea(g.getFullYear(), m ? 0 : g.getMonth(), h || m ? 1 : g.getDate()), y = Z(v * e, 3);
 			if (h || m) {
-				let n = h ? d / a : 0, r = m ? d / o : 0, i = _ == y ? _ : X(wa(v.getFullYear() + r, v.getMonth() + n, 1) * e, 3), s = new Date(Kr(i / e)), c = s.getFullYear(), l = s.getMonth();
+				let n = h ? d / a : 0, r = m ? d / o : 0, i = _ == y ? _ : Z(Ea(v.getFullYear() + r, v.getMonth() + n, 1) * e, 3), s = new Date(Jr(i / e)), c = s.getFullYear(), l = s.getMonth();
 				for (let a = 0; i <= u; a++) {
-					let o = wa(c + r * a, l + n * a, 1), s = o - t(X(o * e, 3));
-					i = X((+o + s) * e, 3), i <= u && p.push(i);
+					let o = Ea(c + r * a, l + n * a, 1), s = o - t(Z(o * e, 3));
+					i = Z((+o + s) * e, 3), i <= u && p.push(i);
 				}
 			} else {
-				let a = d >= i ? i : d, o = y + (Gr(l) - Gr(_)) + hi(_ - y, a);
+				let a = d >= i ? i : d, o = y + (qr(l) - qr(_)) + X(_ - y, a);
 				p.push(o);
 				let m = t(o), h = m.getHours() + m.getMinutes() / n + m.getSeconds() / r, g = d / r, v = f / s.axes[c]._space;
-				for (; o = X(o + d, e == 1 ? 0 : 3), !(o > u);) if (g > 1) {
-					let e = Gr(X(h + g, 6)) % 24, n = t(o).getHours() - e;
+				for (; o = Z(o + d, e == 1 ? 0 : 3), !(o > u);) if (g > 1) {
+					let e = qr(Z(h + g, 6)) % 24, n = t(o).getHours() - e;
 					n > 1 && (n = -1), o -= n * r, h = (h + g) % 24;
 					let i = p[p.length - 1];
-					X((o - i) / d, 3) * v >= .7 && p.push(o);
+					Z((o - i) / d, 3) * v >= .7 && p.push(o);
 				} else p.push(o);
 			}
 			return p;
@@ -4164,12 +4164,12 @@ function ma(e) {
 		l
 	];
 }
-var [ha, ga, _a] = ma(1), [va, ya, ba] = ma(.001);
-Z(2, -53, 53, [1]);
-function xa(e, t) {
+var [_a, va, ya] = ga(1), [ba, xa, Sa] = ga(.001);
+bi(2, -53, 53, [1]);
+function Ca(e, t) {
 	return e.map((e) => e.map((n, r) => r == 0 || r == 8 || n == null ? n : t(r == 1 || e[8] == 0 ? n : e[1] + n)));
 }
-function Sa(e, t) {
+function wa(e, t) {
 	return (n, r, i, a, o) => {
 		let s = t.find((e) => o >= e[0]) || t[t.length - 1], c, l, u, d, f, p;
 		return r.map((t) => {
@@ -4178,98 +4178,98 @@ function Sa(e, t) {
 		});
 	};
 }
-function Ca(e, t) {
-	let n = Yi(t);
+function Ta(e, t) {
+	let n = Zi(t);
 	return (t, r, i, a, o) => r.map((t) => n(e(t)));
 }
-function wa(e, t, n) {
+function Ea(e, t, n) {
 	return new Date(e, t, n);
 }
-function Ta(e, t) {
+function Da(e, t) {
 	return t(e);
 }
-var Ea = "{YYYY}-{MM}-{DD} {h}:{mm}{aa}";
-function Da(e, t) {
-	return (n, r, i, a) => a == null ? rr : t(e(r));
+var Oa = "{YYYY}-{MM}-{DD} {h}:{mm}{aa}";
+function ka(e, t) {
+	return (n, r, i, a) => a == null ? ar : t(e(r));
 }
-function Oa(e, t) {
+function Aa(e, t) {
 	let n = e.series[t];
 	return n.width ? n.stroke(e, t) : n.points.width ? n.points.stroke(e, t) : null;
 }
-function ka(e, t) {
+function ja(e, t) {
 	return e.series[t].fill(e, t);
 }
-var Aa = {
+var Ma = {
 	show: !0,
 	live: !0,
 	isolate: !1,
-	mount: oi,
+	mount: ci,
 	markers: {
 		show: !0,
 		width: 2,
-		stroke: Oa,
-		fill: ka,
+		stroke: Aa,
+		fill: ja,
 		dash: "solid"
 	},
 	idx: null,
 	idxs: null,
 	values: []
 };
-function ja(e, t) {
-	let n = e.cursor.points, r = pr(), i = n.size(e, t);
-	q(r, zn, i), q(r, Bn, i);
+function Na(e, t) {
+	let n = e.cursor.points, r = hr(), i = n.size(e, t);
+	q(r, Vn, i), q(r, Hn, i);
 	let a = i / -2;
 	q(r, "marginLeft", a), q(r, "marginTop", a);
 	let o = n.width(e, t, i);
 	return o && q(r, "borderWidth", o), r;
 }
-function Ma(e, t) {
+function Pa(e, t) {
 	let n = e.series[t].points;
 	return n._fill || n._stroke;
 }
-function Na(e, t) {
+function Fa(e, t) {
 	let n = e.series[t].points;
 	return n._stroke || n._fill;
 }
-function Pa(e, t) {
+function Ia(e, t) {
 	return e.series[t].points.size;
 }
-var Fa = [0, 0];
-function Ia(e, t, n) {
-	return Fa[0] = t, Fa[1] = n, Fa;
+var La = [0, 0];
+function Ra(e, t, n) {
+	return La[0] = t, La[1] = n, La;
 }
-function La(e, t, n, r = !0) {
+function za(e, t, n, r = !0) {
 	return (e) => {
 		e.button != 0 || r && e.target != t || n(e);
 	};
 }
-function Ra(e, t, n, r = !0) {
+function Ba(e, t, n, r = !0) {
 	return (e) => {
 		r && e.target != t || n(e);
 	};
 }
-var za = {
+var Va = {
 	show: !0,
 	x: !0,
 	y: !0,
 	lock: !1,
-	move: Ia,
+	move: Ra,
 	points: {
 		one: !1,
-		show: ja,
-		size: Pa,
+		show: Na,
+		size: Ia,
 		width: 0,
-		stroke: Na,
-		fill: Ma
+		stroke: Fa,
+		fill: Pa
 	},
 	bind: {
-		mousedown: La,
-		mouseup: La,
-		click: La,
-		dblclick: La,
-		mousemove: Ra,
-		mouseleave: Ra,
-		mouseenter: Ra
+		mousedown: za,
+		mouseup: za,
+		click: za,
+		dblclick: za,
+		mousemove: Ba,
+		mouseleave: Ba,
+		mouseenter: Ba
 	},
 	drag: {
 		setScale: !0,
@@ -4299,139 +4299,139 @@ var za = {
 	dataIdx: null,
 	idxs: null,
 	event: null
-}, Ba = {
+}, Ha = {
 	show: !0,
 	stroke: "rgba(0,0,0,0.07)",
 	width: 2
-}, Va = ji({}, Ba, { filter: ci }), Ha = ji({}, Va, { size: 10 }), Ua = ji({}, Ba, { show: !1 }), Wa = "12px system-ui, -apple-system, \"Segoe UI\", Roboto, \"Helvetica Neue\", Arial, \"Noto Sans\", sans-serif, \"Apple Color Emoji\", \"Segoe UI Emoji\", \"Segoe UI Symbol\", \"Noto Color Emoji\"", Ga = "bold " + Wa, Ka = 1.5, qa = {
+}, Ua = Ni({}, Ha, { filter: ui }), Wa = Ni({}, Ua, { size: 10 }), Ga = Ni({}, Ha, { show: !1 }), Ka = "12px system-ui, -apple-system, \"Segoe UI\", Roboto, \"Helvetica Neue\", Arial, \"Noto Sans\", sans-serif, \"Apple Color Emoji\", \"Segoe UI Emoji\", \"Segoe UI Symbol\", \"Noto Color Emoji\"", qa = "bold " + Ka, Ja = 1.5, Ya = {
 	show: !0,
 	scale: "x",
-	stroke: Gn,
+	stroke: qn,
 	space: 50,
 	gap: 5,
 	alignTo: 1,
 	size: 50,
 	labelGap: 0,
 	labelSize: 30,
-	labelFont: Ga,
+	labelFont: qa,
 	side: 2,
-	grid: Va,
-	ticks: Ha,
-	border: Ua,
-	font: Wa,
-	lineGap: Ka,
+	grid: Ua,
+	ticks: Wa,
+	border: Ga,
+	font: Ka,
+	lineGap: Ja,
 	rotate: 0
-}, Ja = "Value", Ya = "Time", Xa = {
+}, Xa = "Value", Za = "Time", Qa = {
 	show: !0,
 	scale: "x",
 	auto: !1,
 	sorted: 1,
-	min: ni,
+	min: ii,
 	max: -Infinity,
 	idxs: []
 };
-function Za(e, t, n, r, i) {
-	return t.map((e) => e == null ? "" : Vr(e));
+function $a(e, t, n, r, i) {
+	return t.map((e) => e == null ? "" : Ur(e));
 }
-function Qa(e, t, n, r, i, a, o) {
-	let s = [], c = _i.get(i) || 0;
-	n = o ? n : X(hi(n, i), c);
-	for (let e = n; e <= r; e = X(e + i, c)) s.push(Object.is(e, -0) ? 0 : e);
+function eo(e, t, n, r, i, a, o) {
+	let s = [], c = vi.get(i) || 0;
+	n = o ? n : Z(X(n, i), c);
+	for (let e = n; e <= r; e = Z(e + i, c)) s.push(Object.is(e, -0) ? 0 : e);
 	return s;
 }
-function $a(e, t, n, r, i, a, o) {
+function to(e, t, n, r, i, a, o) {
 	let s = [], c = e.scales[e.axes[t].scale].log;
-	i = Xr(c, Gr((c == 10 ? Qr : $r)(n))), c == 10 && (i = ra[wr(i, ra)]);
+	i = Qr(c, qr((c == 10 ? ei : ti)(n))), c == 10 && (i = aa[Er(i, aa)]);
 	let l = n, u = i * c;
-	c == 10 && (u = ra[wr(u, ra)]);
+	c == 10 && (u = aa[Er(u, aa)]);
 	do
-		s.push(l), l += i, c == 10 && !_i.has(l) && (l = X(l, _i.get(i))), l >= u && (i = l, u = i * c, c == 10 && (u = ra[wr(u, ra)]));
+		s.push(l), l += i, c == 10 && !vi.has(l) && (l = Z(l, vi.get(i))), l >= u && (i = l, u = i * c, c == 10 && (u = aa[Er(u, aa)]));
 	while (l <= r);
 	return s;
 }
-function eo(e, t, n, r, i, a, o) {
-	let s = e.scales[e.axes[t].scale].asinh, c = r > s ? $a(e, t, Yr(s, n), r, i) : [s], l = r >= 0 && n <= 0 ? [0] : [];
-	return (n < -s ? $a(e, t, Yr(s, -r), -n, i) : [s]).reverse().map((e) => -e).concat(l, c);
+function no(e, t, n, r, i, a, o) {
+	let s = e.scales[e.axes[t].scale].asinh, c = r > s ? to(e, t, Zr(s, n), r, i) : [s], l = r >= 0 && n <= 0 ? [0] : [];
+	return (n < -s ? to(e, t, Zr(s, -r), -n, i) : [s]).reverse().map((e) => -e).concat(l, c);
 }
-var to = /./, no = /[12357]/, ro = /[125]/, io = /1/, ao = (e, t, n, r) => e.map((e, i) => t == 4 && e == 0 || i % r == 0 && n.test(e.toExponential()[+(e < 0)]) ? e : null);
-function oo(e, t, n, r, i) {
-	let a = e.axes[n], o = a.scale, s = e.scales[o], c = e.valToPos, l = a._space, u = c(10, o), d = c(9, o) - u >= l ? to : c(7, o) - u >= l ? no : c(5, o) - u >= l ? ro : io;
-	if (d == io) {
-		let e = Wr(c(1, o) - u);
-		if (e < l) return ao(t.slice().reverse(), s.distr, d, qr(l / e)).reverse();
+var ro = /./, io = /[12357]/, ao = /[125]/, oo = /1/, so = (e, t, n, r) => e.map((e, i) => t == 4 && e == 0 || i % r == 0 && n.test(e.toExponential()[+(e < 0)]) ? e : null);
+function co(e, t, n, r, i) {
+	let a = e.axes[n], o = a.scale, s = e.scales[o], c = e.valToPos, l = a._space, u = c(10, o), d = c(9, o) - u >= l ? ro : c(7, o) - u >= l ? io : c(5, o) - u >= l ? ao : oo;
+	if (d == oo) {
+		let e = Kr(c(1, o) - u);
+		if (e < l) return so(t.slice().reverse(), s.distr, d, Yr(l / e)).reverse();
 	}
-	return ao(t, s.distr, d, 1);
+	return so(t, s.distr, d, 1);
 }
-function so(e, t, n, r, i) {
-	let a = e.axes[n], o = a.scale, s = a._space, c = e.valToPos, l = Wr(c(1, o) - c(2, o));
-	return l < s ? ao(t.slice().reverse(), 3, to, qr(s / l)).reverse() : t;
+function lo(e, t, n, r, i) {
+	let a = e.axes[n], o = a.scale, s = a._space, c = e.valToPos, l = Kr(c(1, o) - c(2, o));
+	return l < s ? so(t.slice().reverse(), 3, ro, Yr(s / l)).reverse() : t;
 }
-function co(e, t, n, r) {
-	return r == null ? rr : t == null ? "" : Vr(t);
+function uo(e, t, n, r) {
+	return r == null ? ar : t == null ? "" : Ur(t);
 }
-var lo = {
+var fo = {
 	show: !0,
 	scale: "y",
-	stroke: Gn,
+	stroke: qn,
 	space: 30,
 	gap: 5,
 	alignTo: 1,
 	size: 50,
 	labelGap: 0,
 	labelSize: 30,
-	labelFont: Ga,
+	labelFont: qa,
 	side: 3,
-	grid: Va,
-	ticks: Ha,
-	border: Ua,
-	font: Wa,
-	lineGap: Ka,
+	grid: Ua,
+	ticks: Wa,
+	border: Ga,
+	font: Ka,
+	lineGap: Ja,
 	rotate: 0
 };
-function uo(e, t) {
-	return X((3 + (e || 1) * 2) * t, 3);
+function po(e, t) {
+	return Z((3 + (e || 1) * 2) * t, 3);
 }
-function fo(e, t) {
-	let { scale: n, idxs: r } = e.series[0], i = e._data[0], a = e.valToPos(i[r[0]], n, !0), o = Wr(e.valToPos(i[r[1]], n, !0) - a) / (e.series[t].points.space * K);
+function mo(e, t) {
+	let { scale: n, idxs: r } = e.series[0], i = e._data[0], a = e.valToPos(i[r[0]], n, !0), o = Kr(e.valToPos(i[r[1]], n, !0) - a) / (e.series[t].points.space * K);
 	return r[1] - r[0] <= o;
 }
-var po = {
+var ho = {
 	scale: null,
 	auto: !0,
 	sorted: 0,
-	min: ni,
+	min: ii,
 	max: -Infinity
-}, mo = (e, t, n, r, i) => i, ho = {
+}, go = (e, t, n, r, i) => i, _o = {
 	show: !0,
 	auto: !0,
 	sorted: 0,
-	gaps: mo,
+	gaps: go,
 	alpha: 1,
-	facets: [ji({}, po, { scale: "x" }), ji({}, po, { scale: "y" })]
-}, go = {
+	facets: [Ni({}, ho, { scale: "x" }), Ni({}, ho, { scale: "y" })]
+}, vo = {
 	scale: "y",
 	auto: !0,
 	sorted: 0,
 	show: !0,
 	spanGaps: !1,
-	gaps: mo,
+	gaps: go,
 	alpha: 1,
 	points: {
-		show: fo,
+		show: mo,
 		filter: null
 	},
 	values: null,
-	min: ni,
+	min: ii,
 	max: -Infinity,
 	idxs: [],
 	path: null,
 	clip: null
 };
-function _o(e, t, n, r, i) {
+function yo(e, t, n, r, i) {
 	return n / 10;
 }
-var vo = {
-	time: vn,
+var bo = {
+	time: bn,
 	auto: !0,
 	distr: 1,
 	log: 10,
@@ -4440,12 +4440,12 @@ var vo = {
 	max: null,
 	dir: 1,
 	ori: 0
-}, yo = ji({}, vo, {
+}, xo = Ni({}, bo, {
 	time: !1,
 	ori: 1
-}), bo = {};
-function xo(e, t) {
-	let n = bo[e];
+}), So = {};
+function Co(e, t) {
+	let n = So[e];
 	return n || (n = {
 		key: e,
 		plots: [],
@@ -4458,38 +4458,38 @@ function xo(e, t) {
 		pub(e, t, r, i, a, o, s) {
 			for (let c = 0; c < n.plots.length; c++) n.plots[c] != t && n.plots[c].pub(e, t, r, i, a, o, s);
 		}
-	}, e != null && (bo[e] = n)), n;
+	}, e != null && (So[e] = n)), n;
 }
-var So = 1, Co = 2;
-function wo(e, t, n) {
+var wo = 1, To = 2;
+function Eo(e, t, n) {
 	let r = e.mode, i = e.series[t], a = r == 2 ? e._data[t] : e._data, o = e.scales, s = e.bbox, c = a[0], l = r == 2 ? a[1] : a[t], u = r == 2 ? o[i.facets[0].scale] : o[e.series[0].scale], d = r == 2 ? o[i.facets[1].scale] : o[i.scale], f = s.left, p = s.top, m = s.width, h = s.height, g = e.valToPosH, _ = e.valToPosV;
-	return u.ori == 0 ? n(i, c, l, u, d, g, _, f, p, m, h, No, Fo, Lo, zo, Vo) : n(i, c, l, u, d, _, g, p, f, h, m, Po, Io, Ro, Bo, Ho);
+	return u.ori == 0 ? n(i, c, l, u, d, g, _, f, p, m, h, Fo, Lo, zo, Vo, Uo) : n(i, c, l, u, d, _, g, p, f, h, m, Io, Ro, Bo, Ho, Wo);
 }
-function To(e, t) {
-	let n = 0, r = 0, i = J(e.bands, bi);
+function Do(e, t) {
+	let n = 0, r = 0, i = J(e.bands, Si);
 	for (let e = 0; e < i.length; e++) {
 		let a = i[e];
 		a.series[0] == t ? n = a.dir : a.series[1] == t && (a.dir == 1 ? r |= 1 : r |= 2);
 	}
 	return [n, r == 1 ? -1 : r == 2 ? 1 : r == 3 ? 2 : 0];
 }
-function Eo(e, t, n, r, i) {
+function Oo(e, t, n, r, i) {
 	let a = e.mode, o = e.series[t], s = a == 2 ? o.facets[1].scale : o.scale, c = e.scales[s];
 	return i == -1 ? c.min : i == 1 ? c.max : c.distr == 3 ? c.dir == 1 ? c.min : c.max : 0;
 }
-function Do(e, t, n, r, i, a) {
-	return wo(e, t, (e, t, o, s, c, l, u, d, f, p, m) => {
-		let h = e.pxRound, g = s.dir * (s.ori == 0 ? 1 : -1), _ = s.ori == 0 ? Fo : Io, v, y;
+function ko(e, t, n, r, i, a) {
+	return Eo(e, t, (e, t, o, s, c, l, u, d, f, p, m) => {
+		let h = e.pxRound, g = s.dir * (s.ori == 0 ? 1 : -1), _ = s.ori == 0 ? Lo : Ro, v, y;
 		g == 1 ? (v = n, y = r) : (v = r, y = n);
 		let b = h(l(t[v], s, p, d)), x = h(u(o[v], c, m, f)), S = h(l(t[y], s, p, d)), C = h(u(a == 1 ? c.max : c.min, c, m, f)), w = new Path2D(i);
 		return _(w, S, C), _(w, b, C), _(w, b, x), w;
 	});
 }
-function Oo(e, t, n, r, i, a) {
+function Ao(e, t, n, r, i, a) {
 	let o = null;
 	if (e.length > 0) {
 		o = new Path2D();
-		let s = t == 0 ? Lo : Ro, c = n;
+		let s = t == 0 ? zo : Bo, c = n;
 		for (let t = 0; t < e.length; t++) {
 			let n = e[t];
 			if (n[1] > n[0]) {
@@ -4502,11 +4502,11 @@ function Oo(e, t, n, r, i, a) {
 	}
 	return o;
 }
-function ko(e, t, n) {
+function jo(e, t, n) {
 	let r = e[e.length - 1];
 	r && r[0] == t ? r[1] = n : e.push([t, n]);
 }
-function Ao(e, t, n, r, i, a, o) {
+function Mo(e, t, n, r, i, a, o) {
 	let s = [], c = e.length;
 	for (let l = i == 1 ? n : r; l >= n && l <= r; l += i) if (t[l] === null) {
 		let u = l, d = l;
@@ -4519,11 +4519,11 @@ function Ao(e, t, n, r, i, a, o) {
 	}
 	return s;
 }
-function jo(e) {
-	return e == 0 ? si : e == 1 ? Kr : (t) => mi(t, e);
+function No(e) {
+	return e == 0 ? li : e == 1 ? Jr : (t) => gi(t, e);
 }
-function Mo(e) {
-	let t = e == 0 ? No : Po, n = e == 0 ? (e, t, n, r, i, a) => {
+function Po(e) {
+	let t = e == 0 ? Fo : Io, n = e == 0 ? (e, t, n, r, i, a) => {
 		e.arcTo(t, n, r, i, a);
 	} : (e, t, n, r, i, a) => {
 		e.arcTo(n, t, i, r, a);
@@ -4533,36 +4533,36 @@ function Mo(e) {
 		e.rect(n, t, i, r);
 	};
 	return (e, i, a, o, s, c = 0, l = 0) => {
-		c == 0 && l == 0 ? r(e, i, a, o, s) : (c = Jr(c, o / 2, s / 2), l = Jr(l, o / 2, s / 2), t(e, i + c, a), n(e, i + o, a, i + o, a + s, c), n(e, i + o, a + s, i, a + s, l), n(e, i, a + s, i, a, l), n(e, i, a, i + o, a, c), e.closePath());
+		c == 0 && l == 0 ? r(e, i, a, o, s) : (c = Xr(c, o / 2, s / 2), l = Xr(l, o / 2, s / 2), t(e, i + c, a), n(e, i + o, a, i + o, a + s, c), n(e, i + o, a + s, i, a + s, l), n(e, i, a + s, i, a, l), n(e, i, a, i + o, a, c), e.closePath());
 	};
 }
-var No = (e, t, n) => {
+var Fo = (e, t, n) => {
 	e.moveTo(t, n);
-}, Po = (e, t, n) => {
-	e.moveTo(n, t);
-}, Fo = (e, t, n) => {
-	e.lineTo(t, n);
 }, Io = (e, t, n) => {
+	e.moveTo(n, t);
+}, Lo = (e, t, n) => {
+	e.lineTo(t, n);
+}, Ro = (e, t, n) => {
 	e.lineTo(n, t);
-}, Lo = Mo(0), Ro = Mo(1), zo = (e, t, n, r, i, a) => {
+}, zo = Po(0), Bo = Po(1), Vo = (e, t, n, r, i, a) => {
 	e.arc(t, n, r, i, a);
-}, Bo = (e, t, n, r, i, a) => {
+}, Ho = (e, t, n, r, i, a) => {
 	e.arc(n, t, r, i, a);
-}, Vo = (e, t, n, r, i, a, o) => {
+}, Uo = (e, t, n, r, i, a, o) => {
 	e.bezierCurveTo(t, n, r, i, a, o);
-}, Ho = (e, t, n, r, i, a, o) => {
+}, Wo = (e, t, n, r, i, a, o) => {
 	e.bezierCurveTo(n, t, i, r, o, a);
 };
-function Uo(e) {
-	return (e, t, n, r, i) => wo(e, t, (t, a, o, s, c, l, u, d, f, p, m) => {
+function Go(e) {
+	return (e, t, n, r, i) => Eo(e, t, (t, a, o, s, c, l, u, d, f, p, m) => {
 		let { pxRound: h, points: g } = t, _, v;
-		s.ori == 0 ? (_ = No, v = zo) : (_ = Po, v = Bo);
-		let y = X(g.width * K, 3), b = (g.size - g.width) / 2 * K, x = X(b * 2, 3), S = new Path2D(), C = new Path2D(), { left: w, top: T, width: E, height: D } = e.bbox;
-		Lo(C, w - x, T - x, E + x * 2, D + x * 2);
+		s.ori == 0 ? (_ = Fo, v = Vo) : (_ = Io, v = Ho);
+		let y = Z(g.width * K, 3), b = (g.size - g.width) / 2 * K, x = Z(b * 2, 3), S = new Path2D(), C = new Path2D(), { left: w, top: T, width: E, height: D } = e.bbox;
+		zo(C, w - x, T - x, E + x * 2, D + x * 2);
 		let O = (e) => {
 			if (o[e] != null) {
 				let t = h(l(a[e], s, p, d)), n = h(u(o[e], c, m, f));
-				_(S, t + b, n), v(S, t, n, b, 0, Ur * 2);
+				_(S, t + b, n), v(S, t, n, b, 0, Gr * 2);
 			}
 		};
 		if (i) i.forEach(O);
@@ -4575,25 +4575,25 @@ function Uo(e) {
 		};
 	});
 }
-function Wo(e) {
+function Ko(e) {
 	return (t, n, r, i, a, o) => {
 		r != i && (a != r && o != r && e(t, n, r), a != i && o != i && e(t, n, i), e(t, n, o));
 	};
 }
-var Go = Wo(Fo), Ko = Wo(Io);
-function qo(e) {
+var qo = Ko(Lo), Jo = Ko(Ro);
+function Yo(e) {
 	let t = J(e?.alignGaps, 0);
-	return (e, n, r, i) => wo(e, n, (a, o, s, c, l, u, d, f, p, m, h) => {
-		[r, i] = Or(s, r, i);
+	return (e, n, r, i) => Eo(e, n, (a, o, s, c, l, u, d, f, p, m, h) => {
+		[r, i] = Ar(s, r, i);
 		let g = a.pxRound, _ = (e) => g(u(e, c, m, f)), v = (e) => g(d(e, l, h, p)), y, b;
-		c.ori == 0 ? (y = Fo, b = Go) : (y = Io, b = Ko);
+		c.ori == 0 ? (y = Lo, b = qo) : (y = Ro, b = Jo);
 		let x = c.dir * (c.ori == 0 ? 1 : -1), S = {
 			stroke: new Path2D(),
 			fill: null,
 			clip: null,
 			band: null,
 			gaps: null,
-			flags: So
+			flags: wo
 		}, C = S.stroke, w = !1;
 		if (i - r >= m * 4) {
 			let t = (t) => e.posToVal(t, c.key, !0), n = null, a = null, l, u, d, f = _(o[x == 1 ? r : i]), p = _(o[r]), m = _(o[i]), h = t(x == 1 ? p + 1 : m - 1);
@@ -4606,134 +4606,134 @@ function qo(e) {
 			let t = s[e];
 			t === null ? w = !0 : t != null && y(C, _(o[e]), v(t));
 		}
-		let [T, E] = To(e, n);
+		let [T, E] = Do(e, n);
 		if (a.fill != null || T != 0) {
 			let t = S.fill = new Path2D(C), s = v(a.fillTo(e, n, a.min, a.max, T)), c = _(o[r]), l = _(o[i]);
 			x == -1 && ([l, c] = [c, l]), y(t, l, s), y(t, c, s);
 		}
 		if (!a.spanGaps) {
 			let l = [];
-			w && l.push(...Ao(o, s, r, i, x, _, t)), S.gaps = l = a.gaps(e, n, r, i, l), S.clip = Oo(l, c.ori, f, p, m, h);
+			w && l.push(...Mo(o, s, r, i, x, _, t)), S.gaps = l = a.gaps(e, n, r, i, l), S.clip = Ao(l, c.ori, f, p, m, h);
 		}
-		return E != 0 && (S.band = E == 2 ? [Do(e, n, r, i, C, -1), Do(e, n, r, i, C, 1)] : Do(e, n, r, i, C, E)), S;
+		return E != 0 && (S.band = E == 2 ? [ko(e, n, r, i, C, -1), ko(e, n, r, i, C, 1)] : ko(e, n, r, i, C, E)), S;
 	});
 }
-function Jo(e) {
+function Xo(e) {
 	let t = J(e.align, 1), n = J(e.ascDesc, !1), r = J(e.alignGaps, 0), i = J(e.extend, !1);
-	return (e, a, o, s) => wo(e, a, (c, l, u, d, f, p, m, h, g, _, v) => {
-		[o, s] = Or(u, o, s);
-		let y = c.pxRound, { left: b, width: x } = e.bbox, S = (e) => y(p(e, d, _, h)), C = (e) => y(m(e, f, v, g)), w = d.ori == 0 ? Fo : Io, T = {
+	return (e, a, o, s) => Eo(e, a, (c, l, u, d, f, p, m, h, g, _, v) => {
+		[o, s] = Ar(u, o, s);
+		let y = c.pxRound, { left: b, width: x } = e.bbox, S = (e) => y(p(e, d, _, h)), C = (e) => y(m(e, f, v, g)), w = d.ori == 0 ? Lo : Ro, T = {
 			stroke: new Path2D(),
 			fill: null,
 			clip: null,
 			band: null,
 			gaps: null,
-			flags: So
-		}, E = T.stroke, D = d.dir * (d.ori == 0 ? 1 : -1), O = C(u[D == 1 ? o : s]), k = S(l[D == 1 ? o : s]), ee = k, A = k;
-		i && t == -1 && (A = b, w(E, A, O)), w(E, k, O);
+			flags: wo
+		}, E = T.stroke, D = d.dir * (d.ori == 0 ? 1 : -1), O = C(u[D == 1 ? o : s]), k = S(l[D == 1 ? o : s]), A = k, j = k;
+		i && t == -1 && (j = b, w(E, j, O)), w(E, k, O);
 		for (let e = D == 1 ? o : s; e >= o && e <= s; e += D) {
 			let n = u[e];
 			if (n == null) continue;
 			let r = S(l[e]), i = C(n);
-			t == 1 ? w(E, r, O) : w(E, ee, i), w(E, r, i), O = i, ee = r;
+			t == 1 ? w(E, r, O) : w(E, A, i), w(E, r, i), O = i, A = r;
 		}
-		let te = ee;
-		i && t == 1 && (te = b + x, w(E, te, O));
-		let [ne, re] = To(e, a);
-		if (c.fill != null || ne != 0) {
-			let t = T.fill = new Path2D(E), n = C(c.fillTo(e, a, c.min, c.max, ne));
-			w(t, te, n), w(t, A, n);
+		let M = A;
+		i && t == 1 && (M = b + x, w(E, M, O));
+		let [ee, te] = Do(e, a);
+		if (c.fill != null || ee != 0) {
+			let t = T.fill = new Path2D(E), n = C(c.fillTo(e, a, c.min, c.max, ee));
+			w(t, M, n), w(t, j, n);
 		}
 		if (!c.spanGaps) {
 			let i = [];
-			i.push(...Ao(l, u, o, s, D, S, r));
+			i.push(...Mo(l, u, o, s, D, S, r));
 			let f = c.width * K / 2, p = n || t == 1 ? f : -f, m = n || t == -1 ? -f : f;
 			i.forEach((e) => {
 				e[0] += p, e[1] += m;
-			}), T.gaps = i = c.gaps(e, a, o, s, i), T.clip = Oo(i, d.ori, h, g, _, v);
+			}), T.gaps = i = c.gaps(e, a, o, s, i), T.clip = Ao(i, d.ori, h, g, _, v);
 		}
-		return re != 0 && (T.band = re == 2 ? [Do(e, a, o, s, E, -1), Do(e, a, o, s, E, 1)] : Do(e, a, o, s, E, re)), T;
+		return te != 0 && (T.band = te == 2 ? [ko(e, a, o, s, E, -1), ko(e, a, o, s, E, 1)] : ko(e, a, o, s, E, te)), T;
 	});
 }
-function Yo(e, t, n, r, i, a, o = ni) {
+function Zo(e, t, n, r, i, a, o = ii) {
 	if (e.length > 1) {
 		let s = null;
 		for (let c = 0, l = Infinity; c < e.length; c++) if (t[c] !== void 0) {
 			if (s != null) {
-				let t = Wr(e[c] - e[s]);
-				t < l && (l = t, o = Wr(n(e[c], r, i, a) - n(e[s], r, i, a)));
+				let t = Kr(e[c] - e[s]);
+				t < l && (l = t, o = Kr(n(e[c], r, i, a) - n(e[s], r, i, a)));
 			}
 			s = c;
 		}
 	}
 	return o;
 }
-function Xo(e) {
-	e ||= yi;
+function Qo(e) {
+	e ||= xi;
 	let t = J(e.size, [
 		.6,
-		ni,
+		ii,
 		1
 	]), n = e.align || 0, r = e.gap || 0, i = e.radius;
 	i = i == null ? [0, 0] : typeof i == "number" ? [i, 0] : i;
-	let a = Y(i), o = 1 - t[0], s = J(t[1], ni), c = J(t[2], 1), l = J(e.disp, yi), u = J(e.each, (e) => {}), { fill: d, stroke: f } = l;
-	return (e, t, i, p) => wo(e, t, (m, h, g, _, v, y, b, x, S, C, w) => {
-		let T = m.pxRound, E = n, D = r * K, O = s * K, k = c * K, ee, A;
-		_.ori == 0 ? [ee, A] = a(e, t) : [A, ee] = a(e, t);
-		let te = _.dir * (_.ori == 0 ? 1 : -1), ne = _.ori == 0 ? Lo : Ro, re = _.ori == 0 ? u : (e, t, n, r, i, a, o) => {
+	let a = Y(i), o = 1 - t[0], s = J(t[1], ii), c = J(t[2], 1), l = J(e.disp, xi), u = J(e.each, (e) => {}), { fill: d, stroke: f } = l;
+	return (e, t, i, p) => Eo(e, t, (m, h, g, _, v, y, b, x, S, C, w) => {
+		let T = m.pxRound, E = n, D = r * K, O = s * K, k = c * K, A, j;
+		_.ori == 0 ? [A, j] = a(e, t) : [j, A] = a(e, t);
+		let M = _.dir * (_.ori == 0 ? 1 : -1), ee = _.ori == 0 ? zo : Bo, te = _.ori == 0 ? u : (e, t, n, r, i, a, o) => {
 			u(e, t, n, i, r, o, a);
-		}, ie = J(e.bands, bi).find((e) => e.series[0] == t), ae = ie == null ? 0 : ie.dir, oe = m.fillTo(e, t, m.min, m.max, ae), j = T(b(oe, v, w, S)), M, N, se, P = C, F = T(m.width * K), ce = !1, le = null, ue = null, de = null, fe = null;
-		d != null && (F == 0 || f != null) && (ce = !0, le = d.values(e, t, i, p), ue = /* @__PURE__ */ new Map(), new Set(le).forEach((e) => {
+		}, ne = J(e.bands, Si).find((e) => e.series[0] == t), re = ne == null ? 0 : ne.dir, ie = m.fillTo(e, t, m.min, m.max, re), N = T(b(ie, v, w, S)), P, F, ae, I = C, L = T(m.width * K), oe = !1, se = null, ce = null, le = null, ue = null;
+		d != null && (L == 0 || f != null) && (oe = !0, se = d.values(e, t, i, p), ce = /* @__PURE__ */ new Map(), new Set(se).forEach((e) => {
+			e != null && ce.set(e, new Path2D());
+		}), L > 0 && (le = f.values(e, t, i, p), ue = /* @__PURE__ */ new Map(), new Set(le).forEach((e) => {
 			e != null && ue.set(e, new Path2D());
-		}), F > 0 && (de = f.values(e, t, i, p), fe = /* @__PURE__ */ new Map(), new Set(de).forEach((e) => {
-			e != null && fe.set(e, new Path2D());
 		})));
-		let { x0: pe, size: me } = l;
-		if (pe != null && me != null) {
-			E = 1, h = pe.values(e, t, i, p), pe.unit == 2 && (h = h.map((t) => e.posToVal(x + t * C, _.key, !0)));
-			let n = me.values(e, t, i, p);
-			N = me.unit == 2 ? n[0] * C : y(n[0], _, C, x) - y(0, _, C, x), P = Yo(h, g, y, _, C, x, P), se = P - N + D;
-		} else P = Yo(h, g, y, _, C, x, P), se = P * o + D, N = P - se;
-		se < 1 && (se = 0), F >= N / 2 && (F = 0), se < 5 && (T = si);
-		let he = se > 0, ge = P - se - (he ? F : 0);
-		N = T(ii(ge, k, O)), M = (E == 0 ? N / 2 : E == te ? 0 : N) - E * te * ((E == 0 ? D / 2 : 0) + (he ? F / 2 : 0));
-		let _e = {
+		let { x0: de, size: fe } = l;
+		if (de != null && fe != null) {
+			E = 1, h = de.values(e, t, i, p), de.unit == 2 && (h = h.map((t) => e.posToVal(x + t * C, _.key, !0)));
+			let n = fe.values(e, t, i, p);
+			F = fe.unit == 2 ? n[0] * C : y(n[0], _, C, x) - y(0, _, C, x), I = Zo(h, g, y, _, C, x, I), ae = I - F + D;
+		} else I = Zo(h, g, y, _, C, x, I), ae = I * o + D, F = I - ae;
+		ae < 1 && (ae = 0), L >= F / 2 && (L = 0), ae < 5 && (T = li);
+		let pe = ae > 0, me = I - ae - (pe ? L : 0);
+		F = T(oi(me, k, O)), P = (E == 0 ? F / 2 : E == M ? 0 : F) - E * M * ((E == 0 ? D / 2 : 0) + (pe ? L / 2 : 0));
+		let he = {
 			stroke: null,
 			fill: null,
 			clip: null,
 			band: null,
 			gaps: null,
 			flags: 0
-		}, ve = ce ? null : new Path2D(), ye = null;
-		if (ie != null) ye = e.data[ie.series[1]];
+		}, ge = oe ? null : new Path2D(), _e = null;
+		if (ne != null) _e = e.data[ne.series[1]];
 		else {
 			let { y0: n, y1: r } = l;
-			n != null && r != null && (g = r.values(e, t, i, p), ye = n.values(e, t, i, p));
+			n != null && r != null && (g = r.values(e, t, i, p), _e = n.values(e, t, i, p));
 		}
-		let be = ee * N, xe = A * N;
-		for (let n = te == 1 ? i : p; n >= i && n <= p; n += te) {
+		let ve = A * F, ye = j * F;
+		for (let n = M == 1 ? i : p; n >= i && n <= p; n += M) {
 			let r = g[n];
 			if (r == null) continue;
-			if (ye != null) {
-				let e = ye[n] ?? 0;
+			if (_e != null) {
+				let e = _e[n] ?? 0;
 				if (r - e == 0) continue;
-				j = b(e, v, w, S);
+				N = b(e, v, w, S);
 			}
-			let i = y(_.distr != 2 || l != null ? h[n] : n, _, C, x), a = b(J(r, oe), v, w, S), o = T(i - M), s = T(Yr(a, j)), c = T(Jr(a, j)), u = s - c;
+			let i = y(_.distr != 2 || l != null ? h[n] : n, _, C, x), a = b(J(r, ie), v, w, S), o = T(i - P), s = T(Zr(a, N)), c = T(Xr(a, N)), u = s - c;
 			if (r != null) {
-				let i = r < 0 ? xe : be, a = r < 0 ? be : xe;
-				ce ? (F > 0 && de[n] != null && ne(fe.get(de[n]), o, c + Gr(F / 2), N, Yr(0, u - F), i, a), le[n] != null && ne(ue.get(le[n]), o, c + Gr(F / 2), N, Yr(0, u - F), i, a)) : ne(ve, o, c + Gr(F / 2), N, Yr(0, u - F), i, a), re(e, t, n, o - F / 2, c, N + F, u);
+				let i = r < 0 ? ye : ve, a = r < 0 ? ve : ye;
+				oe ? (L > 0 && le[n] != null && ee(ue.get(le[n]), o, c + qr(L / 2), F, Zr(0, u - L), i, a), se[n] != null && ee(ce.get(se[n]), o, c + qr(L / 2), F, Zr(0, u - L), i, a)) : ee(ge, o, c + qr(L / 2), F, Zr(0, u - L), i, a), te(e, t, n, o - L / 2, c, F + L, u);
 			}
 		}
-		return F > 0 ? _e.stroke = ce ? fe : ve : ce || (_e._fill = m.width == 0 ? m._fill : m._stroke ?? m._fill, _e.width = 0), _e.fill = ce ? ue : ve, _e;
+		return L > 0 ? he.stroke = oe ? ue : ge : oe || (he._fill = m.width == 0 ? m._fill : m._stroke ?? m._fill, he.width = 0), he.fill = oe ? ce : ge, he;
 	});
 }
-function Zo(e, t) {
+function $o(e, t) {
 	let n = J(t?.alignGaps, 0);
-	return (t, r, i, a) => wo(t, r, (o, s, c, l, u, d, f, p, m, h, g) => {
-		[i, a] = Or(c, i, a);
+	return (t, r, i, a) => Eo(t, r, (o, s, c, l, u, d, f, p, m, h, g) => {
+		[i, a] = Ar(c, i, a);
 		let _ = o.pxRound, v = (e) => _(d(e, l, h, p)), y = (e) => _(f(e, u, g, m)), b, x, S;
-		l.ori == 0 ? (b = No, S = Fo, x = Vo) : (b = Po, S = Io, x = Ho);
+		l.ori == 0 ? (b = Fo, S = Lo, x = Uo) : (b = Io, S = Ro, x = Wo);
 		let C = l.dir * (l.ori == 0 ? 1 : -1), w = v(s[C == 1 ? i : a]), T = w, E = [], D = [];
 		for (let e = C == 1 ? i : a; e >= i && e <= a; e += C) if (c[e] != null) {
 			let t = s[e], n = v(t);
@@ -4745,23 +4745,23 @@ function Zo(e, t) {
 			clip: null,
 			band: null,
 			gaps: null,
-			flags: So
-		}, k = O.stroke, [ee, A] = To(t, r);
-		if (o.fill != null || ee != 0) {
-			let e = O.fill = new Path2D(k), n = y(o.fillTo(t, r, o.min, o.max, ee));
+			flags: wo
+		}, k = O.stroke, [A, j] = Do(t, r);
+		if (o.fill != null || A != 0) {
+			let e = O.fill = new Path2D(k), n = y(o.fillTo(t, r, o.min, o.max, A));
 			S(e, T, n), S(e, w, n);
 		}
 		if (!o.spanGaps) {
 			let e = [];
-			e.push(...Ao(s, c, i, a, C, v, n)), O.gaps = e = o.gaps(t, r, i, a, e), O.clip = Oo(e, l.ori, p, m, h, g);
+			e.push(...Mo(s, c, i, a, C, v, n)), O.gaps = e = o.gaps(t, r, i, a, e), O.clip = Ao(e, l.ori, p, m, h, g);
 		}
-		return A != 0 && (O.band = A == 2 ? [Do(t, r, i, a, k, -1), Do(t, r, i, a, k, 1)] : Do(t, r, i, a, k, A)), O;
+		return j != 0 && (O.band = j == 2 ? [ko(t, r, i, a, k, -1), ko(t, r, i, a, k, 1)] : ko(t, r, i, a, k, j)), O;
 	});
 }
-function Qo(e) {
-	return Zo($o, e);
+function es(e) {
+	return $o(ts, e);
 }
-function $o(e, t, n, r, i, a) {
+function ts(e, t, n, r, i, a) {
 	let o = e.length;
 	if (o < 2) return null;
 	let s = new Path2D();
@@ -4776,61 +4776,61 @@ function $o(e, t, n, r, i, a) {
 	}
 	return s;
 }
-var es = /* @__PURE__ */ new Set();
-function ts() {
-	for (let e of es) e.syncRect(!0);
+var ns = /* @__PURE__ */ new Set();
+function rs() {
+	for (let e of ns) e.syncRect(!0);
 }
-ir && (Sr($n, or, ts), Sr(er, or, ts, !0), Sr(nr, or, () => {
-	_s.pxRatio = K;
+or && (wr(tr, cr, rs), wr(nr, cr, rs, !0), wr(ir, cr, () => {
+	ys.pxRatio = K;
 }));
-var ns = qo(), rs = Uo();
-function is(e, t, n, r) {
-	return (r ? [e[0], e[1]].concat(e.slice(2)) : [e[0]].concat(e.slice(1))).map((e, r) => os(e, r, t, n));
-}
-function as(e, t) {
-	return e.map((e, n) => n == 0 ? {} : ji({}, t, e));
-}
+var is = Yo(), as = Go();
 function os(e, t, n, r) {
-	return ji({}, t == 0 ? n : r, e);
+	return (r ? [e[0], e[1]].concat(e.slice(2)) : [e[0]].concat(e.slice(1))).map((e, r) => cs(e, r, t, n));
 }
-function ss(e, t, n) {
-	return t == null ? xi : [t, n];
+function ss(e, t) {
+	return e.map((e, n) => n == 0 ? {} : Ni({}, t, e));
 }
-var cs = ss;
+function cs(e, t, n, r) {
+	return Ni({}, t == 0 ? n : r, e);
+}
 function ls(e, t, n) {
-	return t == null ? xi : Lr(t, n, Nr, !0);
+	return t == null ? Ci : [t, n];
 }
-function us(e, t, n, r) {
-	return t == null ? xi : jr(t, n, e.scales[r].log, !1);
+var us = ls;
+function ds(e, t, n) {
+	return t == null ? Ci : zr(t, n, Fr, !0);
 }
-var ds = us;
 function fs(e, t, n, r) {
-	return t == null ? xi : Mr(t, n, e.scales[r].log, !1);
+	return t == null ? Ci : Nr(t, n, e.scales[r].log, !1);
 }
 var ps = fs;
-function ms(e, t, n, r, i) {
-	let a = Yr(ri(e), ri(t)), o = t - e, s = wr(i / r * o, n);
+function ms(e, t, n, r) {
+	return t == null ? Ci : Pr(t, n, e.scales[r].log, !1);
+}
+var hs = ms;
+function gs(e, t, n, r, i) {
+	let a = Zr(ai(e), ai(t)), o = t - e, s = Er(i / r * o, n);
 	do {
 		let e = n[s], t = r * e / o;
-		if (t >= i && a + (e < 5 ? _i.get(e) : 0) <= 17) return [e, t];
+		if (t >= i && a + (e < 5 ? vi.get(e) : 0) <= 17) return [e, t];
 	} while (++s < n.length);
 	return [0, 0];
 }
-function hs(e) {
+function _s(e) {
 	let t, n;
-	return e = e.replace(/(\d+)px/, (e, r) => (t = Kr((n = +r) * K)) + "px"), [
+	return e = e.replace(/(\d+)px/, (e, r) => (t = Jr((n = +r) * K)) + "px"), [
 		e,
 		t,
 		n
 	];
 }
-function gs(e) {
+function vs(e) {
 	e.show && [e.font, e.labelFont].forEach((e) => {
-		let t = X(e[2] * K, 1);
+		let t = Z(e[2] * K, 1);
 		e[0] = e[0].replace(/[0-9.]+px/, t + "px"), e[1] = t;
 	});
 }
-function _s(e, t, n) {
+function ys(e, t, n) {
 	let r = { mode: J(e.mode, 1) }, i = r.mode;
 	function a(e, t, n, r) {
 		let i = t.valToPct(e);
@@ -4846,24 +4846,24 @@ function _s(e, t, n) {
 	r.valToPosH = a, r.valToPosV = o;
 	let c = !1;
 	r.status = 0;
-	let l = r.root = pr(yn);
-	if (e.id != null && (l.id = e.id), ur(l, e.class), e.title) {
-		let t = pr(Sn, l);
+	let l = r.root = hr(xn);
+	if (e.id != null && (l.id = e.id), fr(l, e.class), e.title) {
+		let t = hr(wn, l);
 		t.textContent = e.title;
 	}
-	let u = fr("canvas"), d = r.ctx = u.getContext("2d"), f = pr(Cn, l);
-	Sr("click", f, (e) => {
+	let u = mr("canvas"), d = r.ctx = u.getContext("2d"), f = hr(Tn, l);
+	wr("click", f, (e) => {
 		e.target === m && (U != tn || W != nn) && sn.click(r, e);
 	}, !0);
-	let p = r.under = pr(wn, f);
+	let p = r.under = hr(En, f);
 	f.appendChild(u);
-	let m = r.over = pr(Tn, f);
-	e = Ai(e);
-	let h = +J(e.pxAlign, 1), g = jo(h);
+	let m = r.over = hr(Dn, f);
+	e = Mi(e);
+	let h = +J(e.pxAlign, 1), g = No(h);
 	(e.plugins || []).forEach((t) => {
 		t.opts && (e = t.opts(r, e) || e);
 	});
-	let _ = e.ms || .001, v = r.series = i == 1 ? is(e.series || [], Xa, go, !1) : as(e.series || [null], ho), y = r.axes = is(e.axes || [], qa, lo, !0), b = r.scales = {}, x = r.bands = e.bands || [];
+	let _ = e.ms || .001, v = r.series = i == 1 ? os(e.series || [], Qa, vo, !1) : ss(e.series || [null], _o), y = r.axes = os(e.axes || [], Ya, fo, !0), b = r.scales = {}, x = r.bands = e.bands || [];
 	x.forEach((e) => {
 		e.fill = Y(e.fill || null), e.dir = J(e.dir, -1);
 	});
@@ -4872,7 +4872,7 @@ function _s(e, t, n) {
 		series: Ot
 	}, w = (e.drawOrder || ["axes", "series"]).map((e) => C[e]);
 	function T(e) {
-		let t = e.distr == 3 ? (t) => Qr(t > 0 ? t : e.clamp(r, t, e.min, e.max, e.key)) : e.distr == 4 ? (t) => ti(t, e.asinh) : e.distr == 100 ? (t) => e.fwd(t) : (e) => e;
+		let t = e.distr == 3 ? (t) => ei(t > 0 ? t : e.clamp(r, t, e.min, e.max, e.key)) : e.distr == 4 ? (t) => ri(t, e.asinh) : e.distr == 100 ? (t) => e.fwd(t) : (e) => e;
 		return (n) => {
 			let r = t(n), { _min: i, _max: a } = e, o = a - i;
 			return (r - i) / o;
@@ -4881,30 +4881,30 @@ function _s(e, t, n) {
 	function E(t) {
 		let n = b[t];
 		if (n == null) {
-			let r = (e.scales || yi)[t] || yi;
+			let r = (e.scales || xi)[t] || xi;
 			if (r.from != null) {
 				E(r.from);
-				let e = ji({}, b[r.from], r, { key: t });
+				let e = Ni({}, b[r.from], r, { key: t });
 				e.valToPct = T(e), b[t] = e;
 			} else {
-				n = b[t] = ji({}, t == S ? vo : yo, r), n.key = t;
-				let e = n.time, a = n.range, o = Si(a);
+				n = b[t] = Ni({}, t == S ? bo : xo, r), n.key = t;
+				let e = n.time, a = n.range, o = wi(a);
 				if ((t != S || i == 2 && !e) && (o && (a[0] == null || a[1] == null) && (a = {
-					min: a[0] == null ? Pr : {
+					min: a[0] == null ? Ir : {
 						mode: 1,
 						hard: a[0],
 						soft: a[0]
 					},
-					max: a[1] == null ? Pr : {
+					max: a[1] == null ? Ir : {
 						mode: 1,
 						hard: a[1],
 						soft: a[1]
 					}
-				}, o = !1), !o && Ei(a))) {
+				}, o = !1), !o && Oi(a))) {
 					let e = a;
-					a = (t, n, r) => n == null ? xi : Lr(n, r, e);
+					a = (t, n, r) => n == null ? Ci : zr(n, r, e);
 				}
-				n.range = Y(a || (e ? cs : t == S ? n.distr == 3 ? ds : n.distr == 4 ? ps : ss : n.distr == 3 ? us : n.distr == 4 ? fs : ls)), n.auto = Y(!o && n.auto), n.clamp = Y(n.clamp || _o), n._min = n._max = null, n.valToPct = T(n);
+				n.range = Y(a || (e ? us : t == S ? n.distr == 3 ? ps : n.distr == 4 ? hs : ls : n.distr == 3 ? fs : n.distr == 4 ? ms : ds)), n.auto = Y(!o && n.auto), n.clamp = Y(n.clamp || yo), n._min = n._max = null, n.valToPct = T(n);
 			}
 		}
 	}
@@ -4914,107 +4914,107 @@ function _s(e, t, n) {
 		E(e.scale);
 	});
 	for (let t in e.scales) E(t);
-	let D = b[S], O = D.distr, k, ee;
-	D.ori == 0 ? (ur(l, bn), k = a, ee = o) : (ur(l, xn), k = o, ee = a);
-	let A = {};
+	let D = b[S], O = D.distr, k, A;
+	D.ori == 0 ? (fr(l, Sn), k = a, A = o) : (fr(l, Cn), k = o, A = a);
+	let j = {};
 	for (let e in b) {
 		let t = b[e];
-		(t.min != null || t.max != null) && (A[e] = {
+		(t.min != null || t.max != null) && (j[e] = {
 			min: t.min,
 			max: t.max
 		}, t.min = t.max = null);
 	}
-	let te = e.tzDate || ((e) => new Date(Kr(e / _))), ne = e.fmtDate || Yi, re = _ == 1 ? _a(te) : ba(te), ie = Sa(te, xa(_ == 1 ? ga : ya, ne)), ae = Da(te, Ta(Ea, ne)), oe = [], j = r.legend = ji({}, Aa, e.legend), M = r.cursor = ji({}, za, { drag: { y: i == 2 } }, e.cursor), N = j.show, se = M.show, P = j.markers;
-	j.idxs = oe, P.width = Y(P.width), P.dash = Y(P.dash), P.stroke = Y(P.stroke), P.fill = Y(P.fill);
-	let F, ce, le, ue = [], de = [], fe, pe = !1, me = {};
-	if (j.live) {
+	let M = e.tzDate || ((e) => new Date(Jr(e / _))), ee = e.fmtDate || Zi, te = _ == 1 ? ya(M) : Sa(M), ne = wa(M, Ca(_ == 1 ? va : xa, ee)), re = ka(M, Da(Oa, ee)), ie = [], N = r.legend = Ni({}, Ma, e.legend), P = r.cursor = Ni({}, Va, { drag: { y: i == 2 } }, e.cursor), F = N.show, ae = P.show, I = N.markers;
+	N.idxs = ie, I.width = Y(I.width), I.dash = Y(I.dash), I.stroke = Y(I.stroke), I.fill = Y(I.fill);
+	let L, oe, se, ce = [], le = [], ue, de = !1, fe = {};
+	if (N.live) {
 		let e = v[1] ? v[1].values : null;
-		pe = e != null, fe = pe ? e(r, 1, 0) : { _: 0 };
-		for (let e in fe) me[e] = rr;
+		de = e != null, ue = de ? e(r, 1, 0) : { _: 0 };
+		for (let e in ue) fe[e] = ar;
 	}
-	if (N) {
-		if (F = fr("table", Mn, l), le = fr("tbody", null, F), j.mount(r, F), pe) {
-			ce = fr("thead", null, F, le);
-			let e = fr("tr", null, ce);
-			for (var he in fr("th", null, e), fe) fr("th", Ln, e).textContent = he;
-		} else ur(F, Pn), j.live && ur(F, Nn);
+	if (F) {
+		if (L = mr("table", Pn, l), se = mr("tbody", null, L), N.mount(r, L), de) {
+			oe = mr("thead", null, L, se);
+			let e = mr("tr", null, oe);
+			for (var pe in mr("th", null, e), ue) mr("th", zn, e).textContent = pe;
+		} else fr(L, In), N.live && fr(L, Fn);
 	}
-	let ge = { show: !0 }, _e = { show: !1 };
-	function ve(e, t) {
-		if (t == 0 && (pe || !j.live || i == 2)) return xi;
-		let n = [], a = fr("tr", Fn, le, le.childNodes[t]);
-		ur(a, e.class), e.show || ur(a, Dn);
-		let o = fr("th", null, a);
-		if (P.show) {
-			let e = pr(In, o);
+	let me = { show: !0 }, he = { show: !1 };
+	function ge(e, t) {
+		if (t == 0 && (de || !N.live || i == 2)) return Ci;
+		let n = [], a = mr("tr", Ln, se, se.childNodes[t]);
+		fr(a, e.class), e.show || fr(a, kn);
+		let o = mr("th", null, a);
+		if (I.show) {
+			let e = hr(Rn, o);
 			if (t > 0) {
-				let n = P.width(r, t);
-				n && (e.style.border = n + "px " + P.dash(r, t) + " " + P.stroke(r, t)), e.style.background = P.fill(r, t);
+				let n = I.width(r, t);
+				n && (e.style.border = n + "px " + I.dash(r, t) + " " + I.stroke(r, t)), e.style.background = I.fill(r, t);
 			}
 		}
-		let s = pr(Ln, o);
-		for (var c in e.label instanceof HTMLElement ? s.appendChild(e.label) : s.textContent = e.label, t > 0 && (P.show || (s.style.color = e.width > 0 ? P.stroke(r, t) : P.fill(r, t)), be("click", o, (t) => {
-			if (M._lock) return;
-			We(t);
+		let s = hr(zn, o);
+		for (var c in e.label instanceof HTMLElement ? s.appendChild(e.label) : s.textContent = e.label, t > 0 && (I.show || (s.style.color = e.width > 0 ? I.stroke(r, t) : I.fill(r, t)), ve("click", o, (t) => {
+			if (P._lock) return;
+			Ue(t);
 			let n = v.indexOf(e);
-			if ((t.ctrlKey || t.metaKey) != j.isolate) {
+			if ((t.ctrlKey || t.metaKey) != N.isolate) {
 				let e = v.some((e, t) => t > 0 && t != n && e.show);
 				v.forEach((t, r) => {
-					r > 0 && mn(r, e ? r == n ? ge : _e : ge, !0, Z.setSeries);
+					r > 0 && mn(r, e ? r == n ? me : he : me, !0, X.setSeries);
 				});
-			} else mn(n, { show: !e.show }, !0, Z.setSeries);
-		}, !1), qe && be(Xn, o, (t) => {
-			M._lock || (We(t), mn(v.indexOf(e), tr, !0, Z.setSeries));
-		}, !1)), fe) {
-			let e = fr("td", Rn, a);
+			} else mn(n, { show: !e.show }, !0, X.setSeries);
+		}, !1), Ke && ve(Qn, o, (t) => {
+			P._lock || (Ue(t), mn(v.indexOf(e), tr, !0, X.setSeries));
+		}, !1)), ue) {
+			let e = mr("td", Bn, a);
 			e.textContent = "--", n.push(e);
 		}
 		return [a, n];
 	}
-	let ye = /* @__PURE__ */ new Map();
-	function be(e, t, n, i = !0) {
-		let a = ye.get(t) || {}, o = M.bind[e](r, t, n, i);
-		o && (Sr(e, t, a[e] = o), ye.set(t, a));
+	let _e = /* @__PURE__ */ new Map();
+	function ve(e, t, n, i = !0) {
+		let a = _e.get(t) || {}, o = P.bind[e](r, t, n, i);
+		o && (wr(e, t, a[e] = o), _e.set(t, a));
 	}
-	function xe(e, t, n) {
-		let r = ye.get(t) || {};
-		for (let n in r) (e == null || n == e) && (Cr(n, t, r[n]), delete r[n]);
-		e ?? ye.delete(t);
+	function ye(e, t, n) {
+		let r = _e.get(t) || {};
+		for (let n in r) (e == null || n == e) && (Tr(n, t, r[n]), delete r[n]);
+		e ?? _e.delete(t);
 	}
-	let Se = 0, I = 0, L = 0, R = 0, Ce = 0, we = 0, Te = Ce, Ee = we, De = L, Oe = R, ke = 0, Ae = 0, je = 0, Me = 0;
+	let be = 0, xe = 0, R = 0, z = 0, Se = 0, Ce = 0, we = Se, Te = Ce, Ee = R, De = z, Oe = 0, ke = 0, Ae = 0, je = 0;
 	r.bbox = {};
-	let Ne = !1, Pe = !1, Fe = !1, Ie = !1, Le = !1, Re = !1;
-	function ze(e, t, n) {
-		(n || e != r.width || t != r.height) && Be(e, t), Bt(!1), Fe = !0, Pe = !0, Gt();
+	let Me = !1, Ne = !1, Pe = !1, Fe = !1, Ie = !1, Le = !1;
+	function Re(e, t, n) {
+		(n || e != r.width || t != r.height) && ze(e, t), Bt(!1), Pe = !0, Ne = !0, Gt();
 	}
-	function Be(e, t) {
-		r.width = Se = L = e, r.height = I = R = t, Ce = we = 0, z(), Ue();
+	function ze(e, t) {
+		r.width = be = R = e, r.height = xe = z = t, Se = Ce = 0, He(), B();
 		let n = r.bbox;
-		ke = n.left = mi(Ce * K, .5), Ae = n.top = mi(we * K, .5), je = n.width = mi(L * K, .5), Me = n.height = mi(R * K, .5);
+		Oe = n.left = gi(Se * K, .5), ke = n.top = gi(Ce * K, .5), Ae = n.width = gi(R * K, .5), je = n.height = gi(z * K, .5);
 	}
-	function Ve() {
+	function Be() {
 		let e = !1, t = 0;
 		for (; !e;) {
 			t++;
 			let n = Lt(t), i = Rt(t);
-			e = t == 3 || n && i, e || (Be(r.width, r.height), Pe = !0);
+			e = t == 3 || n && i, e || (ze(r.width, r.height), Ne = !0);
 		}
 	}
-	function He({ width: e, height: t }) {
-		ze(e, t);
+	function Ve({ width: e, height: t }) {
+		Re(e, t);
 	}
-	r.setSize = He;
-	function z() {
+	r.setSize = Ve;
+	function He() {
 		let e = !1, t = !1, n = !1, r = !1;
 		y.forEach((i, a) => {
 			if (i.show && i._show) {
 				let { side: a, _size: o } = i, s = a % 2, c = o + (i.label == null ? 0 : i.labelSize);
-				c > 0 && (s ? (L -= c, a == 3 ? (Ce += c, r = !0) : n = !0) : (R -= c, a == 0 ? (we += c, e = !0) : t = !0));
+				c > 0 && (s ? (R -= c, a == 3 ? (Se += c, r = !0) : n = !0) : (z -= c, a == 0 ? (Ce += c, e = !0) : t = !0));
 			}
-		}), tt[0] = e, tt[1] = n, tt[2] = t, tt[3] = r, L -= it[1] + it[3], Ce += it[3], R -= it[2] + it[0], we += it[0];
+		}), tt[0] = e, tt[1] = n, tt[2] = t, tt[3] = r, R -= V[1] + V[3], Se += V[3], z -= V[2] + V[0], Ce += V[0];
 	}
-	function Ue() {
-		let e = Ce + L, t = we + R, n = Ce, r = we;
+	function B() {
+		let e = Se + R, t = Ce + z, n = Se, r = Ce;
 		function i(i, a) {
 			switch (i) {
 				case 1: return e += a, e - a;
@@ -5030,13 +5030,13 @@ function _s(e, t, n) {
 			}
 		});
 	}
-	if (M.dataIdx == null) {
-		let e = M.hover, n = e.skip = new Set(e.skip ?? []);
+	if (P.dataIdx == null) {
+		let e = P.hover, n = e.skip = new Set(e.skip ?? []);
 		n.add(void 0);
 		let r = e.prox = Y(e.prox), i = e.bias ??= 0;
-		M.dataIdx = (e, a, o, s) => {
+		P.dataIdx = (e, a, o, s) => {
 			if (a == 0) return o;
-			let c = o, l = r(e, a, o, s) ?? ni, u = l >= 0 && l < ni, d = D.ori == 0 ? L : R, f = M.left, p = t[0], m = t[a];
+			let c = o, l = r(e, a, o, s) ?? ii, u = l >= 0 && l < ii, d = D.ori == 0 ? R : z, f = P.left, p = t[0], m = t[a];
 			if (n.has(m[o])) {
 				c = null;
 				let e = null, t = null, r;
@@ -5048,61 +5048,61 @@ function _s(e, t, n) {
 						i <= a ? i <= l && (c = e) : a <= l && (c = t);
 					} else c = t == null ? e : e == null ? t : o - e <= t - o ? e : t;
 				}
-			} else u && Wr(f - k(p[o], D, d, 0)) > l && (c = null);
+			} else u && Kr(f - k(p[o], D, d, 0)) > l && (c = null);
 			return c;
 		};
 	}
-	let We = (e) => {
-		M.event = e;
+	let Ue = (e) => {
+		P.event = e;
 	};
-	M.idxs = oe, M._lock = !1;
-	let Ge = M.points;
-	Ge.show = Y(Ge.show), Ge.size = Y(Ge.size), Ge.stroke = Y(Ge.stroke), Ge.width = Y(Ge.width), Ge.fill = Y(Ge.fill);
-	let Ke = r.focus = ji({}, e.focus || { alpha: .3 }, M.focus), qe = Ke.prox >= 0, Je = qe && Ge.one, Ye = [], Xe = [], B = [];
+	P.idxs = ie, P._lock = !1;
+	let We = P.points;
+	We.show = Y(We.show), We.size = Y(We.size), We.stroke = Y(We.stroke), We.width = Y(We.width), We.fill = Y(We.fill);
+	let Ge = r.focus = Ni({}, e.focus || { alpha: .3 }, P.focus), Ke = Ge.prox >= 0, qe = Ke && We.one, Je = [], Ye = [], Xe = [];
 	function Ze(e, t) {
-		let n = Ge.show(r, t);
-		if (n instanceof HTMLElement) return ur(n, jn), ur(n, e.class), hr(n, -10, -10, L, R), m.insertBefore(n, Ye[t]), n;
+		let n = We.show(r, t);
+		if (n instanceof HTMLElement) return fr(n, Nn), fr(n, e.class), _r(n, -10, -10, R, z), m.insertBefore(n, Je[t]), n;
 	}
 	function Qe(e, t) {
 		if (i == 1 || t > 0) {
 			let t = i == 1 && b[e.scale].time, n = e.value;
-			e.value = t ? Ti(n) ? Da(te, Ta(n, ne)) : n || ae : n || co, e.label = e.label || (t ? Ya : Ja);
+			e.value = t ? Di(n) ? ka(M, Da(n, ee)) : n || re : n || uo, e.label = e.label || (t ? Za : Xa);
 		}
-		if (Je || t > 0) {
-			e.width = e.width == null ? 1 : e.width, e.paths = e.paths || ns || li, e.fillTo = Y(e.fillTo || Eo), e.pxAlign = +J(e.pxAlign, h), e.pxRound = jo(e.pxAlign), e.stroke = Y(e.stroke || null), e.fill = Y(e.fill || null), e._stroke = e._fill = e._paths = e._focus = null;
-			let t = uo(Yr(1, e.width), 1), n = e.points = ji({}, {
+		if (qe || t > 0) {
+			e.width = e.width == null ? 1 : e.width, e.paths = e.paths || is || di, e.fillTo = Y(e.fillTo || Oo), e.pxAlign = +J(e.pxAlign, h), e.pxRound = No(e.pxAlign), e.stroke = Y(e.stroke || null), e.fill = Y(e.fill || null), e._stroke = e._fill = e._paths = e._focus = null;
+			let t = po(Zr(1, e.width), 1), n = e.points = Ni({}, {
 				size: t,
-				width: Yr(1, t * .2),
+				width: Zr(1, t * .2),
 				stroke: e.stroke,
 				space: t * 2,
-				paths: rs,
+				paths: as,
 				_stroke: null,
 				_fill: null
 			}, e.points);
 			n.show = Y(n.show), n.filter = Y(n.filter), n.fill = Y(n.fill), n.stroke = Y(n.stroke), n.paths = Y(n.paths), n.pxAlign = e.pxAlign;
 		}
-		if (N) {
-			let n = ve(e, t);
-			ue.splice(t, 0, n[0]), de.splice(t, 0, n[1]), j.values.push(null);
+		if (F) {
+			let n = ge(e, t);
+			ce.splice(t, 0, n[0]), le.splice(t, 0, n[1]), N.values.push(null);
 		}
-		if (se) {
-			oe.splice(t, 0, null);
+		if (ae) {
+			ie.splice(t, 0, null);
 			let n = null;
-			Je ? t == 0 && (n = Ze(e, t)) : t > 0 && (n = Ze(e, t)), Ye.splice(t, 0, n), Xe.splice(t, 0, 0), B.splice(t, 0, 0);
+			qe ? t == 0 && (n = Ze(e, t)) : t > 0 && (n = Ze(e, t)), Je.splice(t, 0, n), Ye.splice(t, 0, 0), Xe.splice(t, 0, 0);
 		}
-		hi("addSeries", t);
+		mi("addSeries", t);
 	}
 	function $e(e, t) {
-		t ??= v.length, e = i == 1 ? os(e, t, Xa, go) : os(e, t, {}, ho), v.splice(t, 0, e), Qe(v[t], t);
+		t ??= v.length, e = i == 1 ? cs(e, t, Qa, vo) : cs(e, t, {}, _o), v.splice(t, 0, e), Qe(v[t], t);
 	}
 	r.addSeries = $e;
 	function et(e) {
-		if (v.splice(e, 1), N) {
-			j.values.splice(e, 1), de.splice(e, 1);
-			let t = ue.splice(e, 1)[0];
-			xe(null, t.firstChild), t.remove();
+		if (v.splice(e, 1), F) {
+			N.values.splice(e, 1), le.splice(e, 1);
+			let t = ce.splice(e, 1)[0];
+			ye(null, t.firstChild), t.remove();
 		}
-		se && (oe.splice(e, 1), Ye.splice(e, 1)[0].remove(), Xe.splice(e, 1), B.splice(e, 1)), hi("delSeries", e);
+		ae && (ie.splice(e, 1), Je.splice(e, 1)[0].remove(), Ye.splice(e, 1), Xe.splice(e, 1)), mi("delSeries", e);
 	}
 	r.delSeries = et;
 	let tt = [
@@ -5116,24 +5116,24 @@ function _s(e, t, n) {
 			let n = e.side % 2, i = b[e.scale];
 			i ??= (e.scale = n ? v[1].scale : S, b[e.scale]);
 			let a = i.time;
-			e.size = Y(e.size), e.space = Y(e.space), e.rotate = Y(e.rotate), Si(e.incrs) && e.incrs.forEach((e) => {
-				!_i.has(e) && _i.set(e, vi(e));
-			}), e.incrs = Y(e.incrs || (i.distr == 2 ? na : a ? _ == 1 ? ha : va : ra)), e.splits = Y(e.splits || (a && i.distr == 1 ? re : i.distr == 3 ? $a : i.distr == 4 ? eo : Qa)), e.stroke = Y(e.stroke), e.grid.stroke = Y(e.grid.stroke), e.ticks.stroke = Y(e.ticks.stroke), e.border.stroke = Y(e.border.stroke);
+			e.size = Y(e.size), e.space = Y(e.space), e.rotate = Y(e.rotate), wi(e.incrs) && e.incrs.forEach((e) => {
+				!vi.has(e) && vi.set(e, yi(e));
+			}), e.incrs = Y(e.incrs || (i.distr == 2 ? ia : a ? _ == 1 ? _a : ba : aa)), e.splits = Y(e.splits || (a && i.distr == 1 ? te : i.distr == 3 ? to : i.distr == 4 ? no : eo)), e.stroke = Y(e.stroke), e.grid.stroke = Y(e.grid.stroke), e.ticks.stroke = Y(e.ticks.stroke), e.border.stroke = Y(e.border.stroke);
 			let o = e.values;
-			e.values = Si(o) && !Si(o[0]) ? Y(o) : a ? Si(o) ? Sa(te, xa(o, ne)) : Ti(o) ? Ca(te, o) : o || ie : o || Za, e.filter = Y(e.filter || (i.distr >= 3 && i.log == 10 ? oo : i.distr == 3 && i.log == 2 ? so : ci)), e.font = hs(e.font), e.labelFont = hs(e.labelFont), e._size = e.size(r, null, t, 0), e._space = e._rotate = e._incrs = e._found = e._splits = e._values = null, e._size > 0 && (tt[t] = !0, e._el = pr(En, f));
+			e.values = wi(o) && !wi(o[0]) ? Y(o) : a ? wi(o) ? wa(M, Ca(o, ee)) : Di(o) ? Ta(M, o) : o || ne : o || $a, e.filter = Y(e.filter || (i.distr >= 3 && i.log == 10 ? co : i.distr == 3 && i.log == 2 ? lo : ui)), e.font = _s(e.font), e.labelFont = _s(e.labelFont), e._size = e.size(r, null, t, 0), e._space = e._rotate = e._incrs = e._found = e._splits = e._values = null, e._size > 0 && (tt[t] = !0, e._el = hr(On, f));
 		}
 	}
-	function V(e, t, n, r) {
+	function rt(e, t, n, r) {
 		let [i, a, o, s] = n, c = t % 2, l = 0;
-		return c == 0 && (s || a) && (l = t == 0 && !i || t == 2 && !o ? Kr(qa.size / 3) : 0), c == 1 && (i || o) && (l = t == 1 && !a || t == 3 && !s ? Kr(lo.size / 2) : 0), l;
+		return c == 0 && (s || a) && (l = t == 0 && !i || t == 2 && !o ? Jr(Ya.size / 3) : 0), c == 1 && (i || o) && (l = t == 1 && !a || t == 3 && !s ? Jr(fo.size / 2) : 0), l;
 	}
-	let rt = r.padding = (e.padding || [
-		V,
-		V,
-		V,
-		V
-	]).map((e) => Y(J(e, V))), it = r._padding = rt.map((e, t) => e(r, t, tt, 0)), at, ot = null, st = null, ct = i == 1 ? v[0].idxs : null, lt = null, H = !1;
-	function ut(e, n) {
+	let it = r.padding = (e.padding || [
+		rt,
+		rt,
+		rt,
+		rt
+	]).map((e) => Y(J(e, rt))), V = r._padding = it.map((e, t) => e(r, t, tt, 0)), at, ot = null, st = null, ct = i == 1 ? v[0].idxs : null, lt = null, ut = !1;
+	function dt(e, n) {
 		if (t = e ?? [], r.data = r._data = t, i == 2) {
 			at = 0;
 			for (let e = 1; e < v.length; e++) at += t[e][0].length;
@@ -5147,28 +5147,28 @@ function _s(e, t, n) {
 			}
 			r._data = t = e;
 		}
-		if (Bt(!0), hi("setData"), O == 2 && (Fe = !0), n !== !1) {
+		if (Bt(!0), mi("setData"), O == 2 && (Pe = !0), n !== !1) {
 			let e = D;
-			e.auto(r, H) ? dt() : pn(S, e.min, e.max), Ie ||= M.left >= 0, Re = !0, Gt();
+			e.auto(r, ut) ? H() : pn(S, e.min, e.max), Fe ||= P.left >= 0, Le = !0, Gt();
 		}
 	}
-	r.setData = ut;
-	function dt() {
-		H = !0;
+	r.setData = dt;
+	function H() {
+		ut = !0;
 		let e, n;
-		i == 1 && (at > 0 ? (ot = ct[0] = 0, st = ct[1] = at - 1, e = t[0][ot], n = t[0][st], O == 2 ? (e = ot, n = st) : e == n && (O == 3 ? [e, n] = jr(e, e, D.log, !1) : O == 4 ? [e, n] = Mr(e, e, D.log, !1) : D.time ? n = e + Kr(86400 / _) : [e, n] = Lr(e, n, Nr, !0))) : (ot = ct[0] = e = null, st = ct[1] = n = null)), pn(S, e, n);
+		i == 1 && (at > 0 ? (ot = ct[0] = 0, st = ct[1] = at - 1, e = t[0][ot], n = t[0][st], O == 2 ? (e = ot, n = st) : e == n && (O == 3 ? [e, n] = Nr(e, e, D.log, !1) : O == 4 ? [e, n] = Pr(e, e, D.log, !1) : D.time ? n = e + Jr(86400 / _) : [e, n] = zr(e, n, Fr, !0))) : (ot = ct[0] = e = null, st = ct[1] = n = null)), pn(S, e, n);
 	}
 	let ft, pt, mt, ht, gt, _t, vt, yt, bt, xt;
 	function St(e, t, n, r, i, a) {
-		e ??= Kn, n ??= bi, r ??= "butt", i ??= Kn, a ??= "round", e != ft && (d.strokeStyle = ft = e), i != pt && (d.fillStyle = pt = i), t != mt && (d.lineWidth = mt = t), a != gt && (d.lineJoin = gt = a), r != _t && (d.lineCap = _t = r), n != ht && d.setLineDash(ht = n);
+		e ??= Jn, n ??= Si, r ??= "butt", i ??= Jn, a ??= "round", e != ft && (d.strokeStyle = ft = e), i != pt && (d.fillStyle = pt = i), t != mt && (d.lineWidth = mt = t), a != gt && (d.lineJoin = gt = a), r != _t && (d.lineCap = _t = r), n != ht && d.setLineDash(ht = n);
 	}
 	function Ct(e, t, n, r) {
 		t != pt && (d.fillStyle = pt = t), e != vt && (d.font = vt = e), n != yt && (d.textAlign = yt = n), r != bt && (d.textBaseline = bt = r);
 	}
 	function wt(e, t, n, i, a = 0) {
-		if (i.length > 0 && e.auto(r, H) && (t == null || t.min == null)) {
-			let t = J(ot, 0), r = J(st, i.length - 1), o = n.min == null ? Ar(i, t, r, a, e.distr == 3) : [n.min, n.max];
-			e.min = Jr(e.min, n.min = o[0]), e.max = Yr(e.max, n.max = o[1]);
+		if (i.length > 0 && e.auto(r, ut) && (t == null || t.min == null)) {
+			let t = J(ot, 0), r = J(st, i.length - 1), o = n.min == null ? Mr(i, t, r, a, e.distr == 3) : [n.min, n.max];
+			e.min = Xr(e.min, n.min = o[0]), e.max = Zr(e.max, n.max = o[1]);
 		}
 	}
 	let Tt = {
@@ -5178,47 +5178,47 @@ function _s(e, t, n) {
 	function Et() {
 		for (let e in b) {
 			let t = b[e];
-			A[e] == null && (t.min == null || A[S] != null && t.auto(r, H)) && (A[e] = Tt);
+			j[e] == null && (t.min == null || j[S] != null && t.auto(r, ut)) && (j[e] = Tt);
 		}
 		for (let e in b) {
 			let t = b[e];
-			A[e] == null && t.from != null && A[t.from] != null && (A[e] = Tt);
+			j[e] == null && t.from != null && j[t.from] != null && (j[e] = Tt);
 		}
-		A[S] != null && Bt(!0);
+		j[S] != null && Bt(!0);
 		let e = {};
-		for (let t in A) {
-			let n = A[t];
+		for (let t in j) {
+			let n = j[t];
 			if (n != null) {
-				let a = e[t] = Ai(b[t], Di);
-				if (n.min != null) ji(a, n);
+				let a = e[t] = Mi(b[t], ki);
+				if (n.min != null) Ni(a, n);
 				else if (t != S || i == 2) {
 					if (at == 0 && a.from == null) {
 						let e = a.range(r, null, null, t);
 						a.min = e[0], a.max = e[1];
-					} else a.min = ni, a.max = -Infinity;
+					} else a.min = ii, a.max = -Infinity;
 				}
 			}
 		}
 		if (at > 0) {
 			v.forEach((n, a) => {
 				if (i == 1) {
-					let i = n.scale, o = A[i];
+					let i = n.scale, o = j[i];
 					if (o == null) return;
 					let s = e[i];
 					if (a == 0) {
 						let e = s.range(r, s.min, s.max, i);
-						s.min = e[0], s.max = e[1], ot = wr(s.min, t[0]), st = wr(s.max, t[0]), st - ot > 1 && (t[0][ot] < s.min && ot++, t[0][st] > s.max && st--), n.min = lt[ot], n.max = lt[st];
+						s.min = e[0], s.max = e[1], ot = Er(s.min, t[0]), st = Er(s.max, t[0]), st - ot > 1 && (t[0][ot] < s.min && ot++, t[0][st] > s.max && st--), n.min = lt[ot], n.max = lt[st];
 					} else n.show && n.auto && wt(s, o, n, t[a], n.sorted);
 					n.idxs[0] = ot, n.idxs[1] = st;
 				} else if (a > 0 && n.show && n.auto) {
 					let [r, i] = n.facets, o = r.scale, s = i.scale, [c, l] = t[a], u = e[o], d = e[s];
-					u != null && wt(u, A[o], r, c, r.sorted), d != null && wt(d, A[s], i, l, i.sorted), n.min = i.min, n.max = i.max;
+					u != null && wt(u, j[o], r, c, r.sorted), d != null && wt(d, j[s], i, l, i.sorted), n.min = i.min, n.max = i.max;
 				}
 			});
 			for (let t in e) {
-				let n = e[t], i = A[t];
+				let n = e[t], i = j[t];
 				if (n.from == null && (i == null || i.min == null)) {
-					let e = n.range(r, n.min == ni ? null : n.min, n.max == -Infinity ? null : n.max, t);
+					let e = n.range(r, n.min == ii ? null : n.min, n.max == -Infinity ? null : n.max, t);
 					n.min = e[0], n.max = e[1];
 				}
 			}
@@ -5240,28 +5240,28 @@ function _s(e, t, n) {
 			if (i.min != r.min || i.max != r.max) {
 				i.min = r.min, i.max = r.max;
 				let e = i.distr;
-				i._min = e == 3 ? Qr(i.min) : e == 4 ? ti(i.min, i.asinh) : e == 100 ? i.fwd(i.min) : i.min, i._max = e == 3 ? Qr(i.max) : e == 4 ? ti(i.max, i.asinh) : e == 100 ? i.fwd(i.max) : i.max, n[t] = a = !0;
+				i._min = e == 3 ? ei(i.min) : e == 4 ? ri(i.min, i.asinh) : e == 100 ? i.fwd(i.min) : i.min, i._max = e == 3 ? ei(i.max) : e == 4 ? ri(i.max, i.asinh) : e == 100 ? i.fwd(i.max) : i.max, n[t] = a = !0;
 			}
 		}
 		if (a) {
 			v.forEach((e, t) => {
 				i == 2 ? t > 0 && n.y && (e._paths = null) : n[e.scale] && (e._paths = null);
 			});
-			for (let e in n) Fe = !0, hi("setScale", e);
-			se && M.left >= 0 && (Ie = Re = !0);
+			for (let e in n) Pe = !0, mi("setScale", e);
+			ae && P.left >= 0 && (Fe = Le = !0);
 		}
-		for (let e in A) A[e] = null;
+		for (let e in j) j[e] = null;
 	}
 	function Dt(e) {
-		let t = ii(ot - 1, 0, at - 1), n = ii(st + 1, 0, at - 1);
+		let t = oi(ot - 1, 0, at - 1), n = oi(st + 1, 0, at - 1);
 		for (; e[t] == null && t > 0;) t--;
 		for (; e[n] == null && n < at - 1;) n++;
 		return [t, n];
 	}
 	function Ot() {
 		if (at > 0) {
-			let e = v.some((e) => e._focus) && xt != Ke.alpha;
-			e && (d.globalAlpha = xt = Ke.alpha), v.forEach((e, n) => {
+			let e = v.some((e) => e._focus) && xt != Ge.alpha;
+			e && (d.globalAlpha = xt = Ge.alpha), v.forEach((e, n) => {
 				if (n > 0 && e.show && (kt(n, !1), kt(n, !0), e._paths == null)) {
 					let a = xt;
 					xt != e.alpha && (d.globalAlpha = xt = e.alpha);
@@ -5276,7 +5276,7 @@ function _s(e, t, n) {
 						let n = e._paths == null ? null : e._paths.gaps, i = e.points.show(r, t, ot, st, n), a = e.points.filter(r, t, i, n);
 						(i || a) && (e.points._paths = e.points.paths(r, t, ot, st, a), At(t, !0));
 					}
-					xt != n && (d.globalAlpha = xt = n), hi("drawSeries", t);
+					xt != n && (d.globalAlpha = xt = n), mi("drawSeries", t);
 				}
 			}), e && (d.globalAlpha = xt = 1);
 		}
@@ -5287,12 +5287,12 @@ function _s(e, t, n) {
 	}
 	function At(e, t) {
 		let n = t ? v[e].points : v[e], { stroke: r, fill: i, clip: a, flags: o, _stroke: s = n._stroke, _fill: c = n._fill, _width: l = n.width } = n._paths;
-		l = X(l * K, 3);
+		l = Z(l * K, 3);
 		let u = null, f = l % 2 / 2;
 		t && c == null && (c = l > 0 ? "#fff" : s);
 		let p = n.pxAlign == 1 && f > 0;
 		if (p && d.translate(f, f), !t) {
-			let e = ke - l / 2, t = Ae - l / 2, n = je + l, r = Me + l;
+			let e = Oe - l / 2, t = ke - l / 2, n = Ae + l, r = je + l;
 			u = new Path2D(), u.rect(e, t, n, r);
 		}
 		t ? Mt(s, l, n.dash, n.cap, c, r, i, o, a) : jt(e, s, l, n.dash, n.cap, c, r, i, o, u, a), p && d.translate(-f, -f);
@@ -5301,15 +5301,15 @@ function _s(e, t, n) {
 		let p = !1;
 		u != 0 && x.forEach((m, h) => {
 			if (m.series[0] == e) {
-				let e = v[m.series[1]], g = t[m.series[1]], _ = (e._paths || yi).band;
-				Si(_) && (_ = m.dir == 1 ? _[0] : _[1]);
+				let e = v[m.series[1]], g = t[m.series[1]], _ = (e._paths || xi).band;
+				wi(_) && (_ = m.dir == 1 ? _[0] : _[1]);
 				let y, b = null;
-				e.show && _ && Rr(g, ot, st) ? (b = m.fill(r, h) || s, y = e._paths.clip) : _ = null, Mt(n, i, a, o, b, c, l, u, d, f, y, _), p = !0;
+				e.show && _ && Br(g, ot, st) ? (b = m.fill(r, h) || s, y = e._paths.clip) : _ = null, Mt(n, i, a, o, b, c, l, u, d, f, y, _), p = !0;
 			}
 		}), p || Mt(n, i, a, o, s, c, l, u, d, f);
 	}
 	function Mt(e, t, n, r, i, a, o, s, c, l, u, f) {
-		St(e, t, n, r, i), (c || l || f) && (d.save(), c && d.clip(c), l && d.clip(l)), f ? (s & 3) == 3 ? (d.clip(f), u && d.clip(u), Pt(i, o), Nt(e, a, t)) : s & Co ? (Pt(i, o), d.clip(f), Nt(e, a, t)) : s & So && (d.save(), d.clip(f), u && d.clip(u), Pt(i, o), d.restore(), Nt(e, a, t)) : (Pt(i, o), Nt(e, a, t)), (c || l || f) && d.restore();
+		St(e, t, n, r, i), (c || l || f) && (d.save(), c && d.clip(c), l && d.clip(l)), f ? (s & 3) == 3 ? (d.clip(f), u && d.clip(u), Pt(i, o), Nt(e, a, t)) : s & To ? (Pt(i, o), d.clip(f), Nt(e, a, t)) : s & wo && (d.save(), d.clip(f), u && d.clip(u), Pt(i, o), d.restore(), Nt(e, a, t)) : (Pt(i, o), Nt(e, a, t)), (c || l || f) && d.restore();
 	}
 	function Nt(e, t, n) {
 		n > 0 && (t instanceof Map ? t.forEach((e, t) => {
@@ -5326,7 +5326,7 @@ function _s(e, t, n) {
 		if (i <= 0) o = [0, 0];
 		else {
 			let s = a._space = a.space(r, e, t, n, i);
-			o = ms(t, n, a._incrs = a.incrs(r, e, t, n, i, s), i, s);
+			o = gs(t, n, a._incrs = a.incrs(r, e, t, n, i, s), i, s);
 		}
 		return a._found = o;
 	}
@@ -5348,19 +5348,19 @@ function _s(e, t, n) {
 				return;
 			}
 			n._show || (t = !1, n._show = !0, Bt(!1));
-			let o = n.side, s = o % 2, { min: c, max: l } = a, [u, d] = Ft(i, c, l, s == 0 ? L : R);
+			let o = n.side, s = o % 2, { min: c, max: l } = a, [u, d] = Ft(i, c, l, s == 0 ? R : z);
 			if (d == 0) return;
 			let f = a.distr == 2, p = n._splits = n.splits(r, i, c, l, u, d, f), m = a.distr == 2 ? p.map((e) => lt[e]) : p, h = a.distr == 2 ? lt[p[1]] - lt[p[0]] : u, g = n._values = n.values(r, n.filter(r, m, i, d, h), i, d, h);
 			n._rotate = o == 2 ? n.rotate(r, g, i, d) : 0;
 			let _ = n._size;
-			n._size = qr(n.size(r, g, i, e)), _ != null && n._size != _ && (t = !1);
+			n._size = Yr(n.size(r, g, i, e)), _ != null && n._size != _ && (t = !1);
 		}), t;
 	}
 	function Rt(e) {
 		let t = !0;
-		return rt.forEach((n, i) => {
+		return it.forEach((n, i) => {
 			let a = n(r, i, tt, e);
-			a != it[i] && (t = !1), it[i] = a;
+			a != V[i] && (t = !1), V[i] = a;
 		}), t;
 	}
 	function zt() {
@@ -5369,33 +5369,33 @@ function _s(e, t, n) {
 			if (!t.show || !t._show) continue;
 			let n = t.side, i = n % 2, a, o, c = t.stroke(r, e), l = n == 0 || n == 3 ? -1 : 1, [u, f] = t._found;
 			if (t.label != null) {
-				let s = t.labelGap * l, p = Kr((t._lpos + s) * K);
-				Ct(t.labelFont[0], c, "center", n == 2 ? Vn : Hn), d.save(), i == 1 ? (a = o = 0, d.translate(p, Kr(Ae + Me / 2)), d.rotate((n == 3 ? -Ur : Ur) / 2)) : (a = Kr(ke + je / 2), o = p);
-				let m = ai(t.label) ? t.label(r, e, u, f) : t.label;
+				let s = t.labelGap * l, p = Jr((t._lpos + s) * K);
+				Ct(t.labelFont[0], c, "center", n == 2 ? Un : Wn), d.save(), i == 1 ? (a = o = 0, d.translate(p, Jr(ke + je / 2)), d.rotate((n == 3 ? -Gr : Gr) / 2)) : (a = Jr(Oe + Ae / 2), o = p);
+				let m = si(t.label) ? t.label(r, e, u, f) : t.label;
 				d.fillText(m, a, o), d.restore();
 			}
 			if (f == 0) continue;
-			let p = b[t.scale], m = i == 0 ? je : Me, h = i == 0 ? ke : Ae, _ = t._splits, v = p.distr == 2 ? _.map((e) => lt[e]) : _, x = p.distr == 2 ? lt[_[1]] - lt[_[0]] : u, S = t.ticks, C = t.border, w = S.show ? S.size : 0, T = Kr(w * K), E = Kr((t.alignTo == 2 ? t._size - w - t.gap : t.gap) * K), D = t._rotate * -Ur / 180, O = g(t._pos * K), k = O + (T + E) * l;
+			let p = b[t.scale], m = i == 0 ? Ae : je, h = i == 0 ? Oe : ke, _ = t._splits, v = p.distr == 2 ? _.map((e) => lt[e]) : _, x = p.distr == 2 ? lt[_[1]] - lt[_[0]] : u, S = t.ticks, C = t.border, w = S.show ? S.size : 0, T = Jr(w * K), E = Jr((t.alignTo == 2 ? t._size - w - t.gap : t.gap) * K), D = t._rotate * -Gr / 180, O = g(t._pos * K), k = O + (T + E) * l;
 			o = i == 0 ? k : 0, a = i == 1 ? k : 0;
-			let ee = t.font[0];
-			Ct(ee, c, t.align == 1 ? Un : t.align == 2 ? Wn : D > 0 ? Un : D < 0 ? Wn : i == 0 ? "center" : n == 3 ? Wn : Un, D || i == 1 ? "middle" : n == 2 ? Vn : Hn);
-			let A = t.font[1] * t.lineGap, te = _.map((e) => g(s(e, p, m, h))), ne = t._values;
-			for (let e = 0; e < ne.length; e++) {
-				let t = ne[e];
+			let A = t.font[0];
+			Ct(A, c, t.align == 1 ? Gn : t.align == 2 ? Kn : D > 0 ? Gn : D < 0 ? Kn : i == 0 ? "center" : n == 3 ? Kn : Gn, D || i == 1 ? "middle" : n == 2 ? Un : Wn);
+			let j = t.font[1] * t.lineGap, M = _.map((e) => g(s(e, p, m, h))), ee = t._values;
+			for (let e = 0; e < ee.length; e++) {
+				let t = ee[e];
 				if (t != null) {
-					i == 0 ? a = te[e] : o = te[e], t = "" + t;
+					i == 0 ? a = M[e] : o = M[e], t = "" + t;
 					let n = t.indexOf("\n") == -1 ? [t] : t.split(/\n/gm);
 					for (let e = 0; e < n.length; e++) {
 						let t = n[e];
-						D ? (d.save(), d.translate(a, o + e * A), d.rotate(D), d.fillText(t, 0, 0), d.restore()) : d.fillText(t, a, o + e * A);
+						D ? (d.save(), d.translate(a, o + e * j), d.rotate(D), d.fillText(t, 0, 0), d.restore()) : d.fillText(t, a, o + e * j);
 					}
 				}
 			}
-			S.show && It(te, S.filter(r, v, e, f, x), i, n, O, T, X(S.width * K, 3), S.stroke(r, e), S.dash, S.cap);
-			let re = t.grid;
-			re.show && It(te, re.filter(r, v, e, f, x), i, i == 0 ? 2 : 1, i == 0 ? Ae : ke, i == 0 ? Me : je, X(re.width * K, 3), re.stroke(r, e), re.dash, re.cap), C.show && It([O], [1], +(i == 0), i == 0 ? 1 : 2, i == 1 ? Ae : ke, i == 1 ? Me : je, X(C.width * K, 3), C.stroke(r, e), C.dash, C.cap);
+			S.show && It(M, S.filter(r, v, e, f, x), i, n, O, T, Z(S.width * K, 3), S.stroke(r, e), S.dash, S.cap);
+			let te = t.grid;
+			te.show && It(M, te.filter(r, v, e, f, x), i, i == 0 ? 2 : 1, i == 0 ? ke : Oe, i == 0 ? je : Ae, Z(te.width * K, 3), te.stroke(r, e), te.dash, te.cap), C.show && It([O], [1], +(i == 0), i == 0 ? 1 : 2, i == 1 ? ke : Oe, i == 1 ? je : Ae, Z(C.width * K, 3), C.stroke(r, e), C.dash, C.cap);
 		}
-		hi("drawAxes");
+		mi("drawAxes");
 	}
 	function Bt(e) {
 		v.forEach((t, n) => {
@@ -5407,47 +5407,47 @@ function _s(e, t, n) {
 	let Vt = !1, Ht = !1, Ut = [];
 	function Wt() {
 		Ht = !1;
-		for (let e = 0; e < Ut.length; e++) hi(...Ut[e]);
+		for (let e = 0; e < Ut.length; e++) mi(...Ut[e]);
 		Ut.length = 0;
 	}
 	function Gt() {
-		Vt ||= (Li(qt), !0);
+		Vt ||= (zi(qt), !0);
 	}
 	function Kt(e, t = !1) {
 		Vt = !0, Ht = t, e(r), qt(), t && Ut.length > 0 && queueMicrotask(Wt);
 	}
 	r.batch = Kt;
 	function qt() {
-		if (Ne &&= (Et(), !1), Fe &&= (Ve(), !1), Pe) {
-			if (q(p, Un, Ce), q(p, Vn, we), q(p, zn, L), q(p, Bn, R), q(m, Un, Ce), q(m, Vn, we), q(m, zn, L), q(m, Bn, R), q(f, zn, Se), q(f, Bn, I), u.width = Kr(Se * K), u.height = Kr(I * K), y.forEach(({ _el: e, _show: t, _size: n, _pos: r, side: i }) => {
+		if (Me &&= (Et(), !1), Pe &&= (Be(), !1), Ne) {
+			if (q(p, Gn, Se), q(p, Un, Ce), q(p, Vn, R), q(p, Hn, z), q(m, Gn, Se), q(m, Un, Ce), q(m, Vn, R), q(m, Hn, z), q(f, Vn, be), q(f, Hn, xe), u.width = Jr(be * K), u.height = Jr(xe * K), y.forEach(({ _el: e, _show: t, _size: n, _pos: r, side: i }) => {
 				if (e != null) {
 					if (t) {
 						let t = i === 3 || i === 0 ? n : 0, a = i % 2 == 1;
-						q(e, a ? "left" : "top", r - t), q(e, a ? "width" : "height", n), q(e, a ? "top" : "left", a ? we : Ce), q(e, a ? "height" : "width", a ? R : L), dr(e, Dn);
-					} else ur(e, Dn);
+						q(e, a ? "left" : "top", r - t), q(e, a ? "width" : "height", n), q(e, a ? "top" : "left", a ? Ce : Se), q(e, a ? "height" : "width", a ? z : R), pr(e, kn);
+					} else fr(e, kn);
 				}
-			}), ft = pt = mt = gt = _t = vt = yt = bt = ht = null, xt = 1, Or(!0), Ce != Te || we != Ee || L != De || R != Oe) {
+			}), ft = pt = mt = gt = _t = vt = yt = bt = ht = null, xt = 1, Or(!0), Se != we || Ce != Te || R != Ee || z != De) {
 				Bt(!1);
-				let e = L / De, t = R / Oe;
-				if (se && !Ie && M.left >= 0) {
-					M.left *= e, M.top *= t, Zt && hr(Zt, Kr(M.left), 0, L, R), Qt && hr(Qt, 0, Kr(M.top), L, R);
-					for (let n = 0; n < Ye.length; n++) {
-						let r = Ye[n];
-						r != null && (Xe[n] *= e, B[n] *= t, hr(r, qr(Xe[n]), qr(B[n]), L, R));
+				let e = R / Ee, t = z / De;
+				if (ae && !Fe && P.left >= 0) {
+					P.left *= e, P.top *= t, Zt && _r(Zt, Jr(P.left), 0, R, z), Qt && _r(Qt, 0, Jr(P.top), R, z);
+					for (let n = 0; n < Je.length; n++) {
+						let r = Je[n];
+						r != null && (Ye[n] *= e, Xe[n] *= t, _r(r, Yr(Ye[n]), Yr(Xe[n]), R, z));
 					}
 				}
-				if (G.show && !Le && G.left >= 0 && G.width > 0) {
+				if (G.show && !Ie && G.left >= 0 && G.width > 0) {
 					G.left *= e, G.width *= e, G.top *= t, G.height *= t;
-					for (let e in Ir) q(un, e, G[e]);
+					for (let e in jr) q(un, e, G[e]);
 				}
-				Te = Ce, Ee = we, De = L, Oe = R;
+				we = Se, Te = Ce, Ee = R, De = z;
 			}
-			hi("setSize"), Pe = !1;
+			mi("setSize"), Ne = !1;
 		}
-		Se > 0 && I > 0 && (d.clearRect(0, 0, u.width, u.height), hi("drawClear"), w.forEach((e) => e()), hi("draw")), G.show && Le && (dn(G), Le = !1), se && Ie && (Er(null, !0, !1), Ie = !1), j.show && j.live && Re && (xr(), Re = !1), c || (c = !0, r.status = 1, hi("ready")), H = !1, Vt = !1;
+		be > 0 && xe > 0 && (d.clearRect(0, 0, u.width, u.height), mi("drawClear"), w.forEach((e) => e()), mi("draw")), G.show && Ie && (dn(G), Ie = !1), ae && Fe && (Cr(null, !0, !1), Fe = !1), N.show && N.live && Le && (br(), Le = !1), c || (c = !0, r.status = 1, mi("ready")), ut = !1, Vt = !1;
 	}
 	r.redraw = (e, t) => {
-		Fe = t || !1, e === !1 ? Gt() : pn(S, D.min, D.max);
+		Pe = t || !1, e === !1 ? Gt() : pn(S, D.min, D.max);
 	};
 	function Jt(e, n) {
 		let i = b[e];
@@ -5461,32 +5461,32 @@ function _s(e, t, n) {
 				n.min = n.max, n.max = e;
 			}
 			if (at > 1 && n.min != null && n.max != null && n.max - n.min < 1e-16) return;
-			e == S && i.distr == 2 && at > 0 && (n.min = wr(n.min, t[0]), n.max = wr(n.max, t[0]), n.min == n.max && n.max++), A[e] = n, Ne = !0, Gt();
+			e == S && i.distr == 2 && at > 0 && (n.min = Er(n.min, t[0]), n.max = Er(n.max, t[0]), n.min == n.max && n.max++), j[e] = n, Me = !0, Gt();
 		}
 	}
 	r.setScale = Jt;
-	let Yt, Xt, Zt, Qt, $t, en, tn, nn, rn, an, U, W, on = !1, sn = M.drag, cn = sn.x, ln = sn.y;
-	se && (M.x && (Yt = pr(kn, m)), M.y && (Xt = pr(An, m)), D.ori == 0 ? (Zt = Yt, Qt = Xt) : (Zt = Xt, Qt = Yt), U = M.left, W = M.top);
-	let G = r.select = ji({
+	let Yt, Xt, Zt, Qt, $t, en, tn, nn, rn, an, U, W, on = !1, sn = P.drag, cn = sn.x, ln = sn.y;
+	ae && (P.x && (Yt = hr(jn, m)), P.y && (Xt = hr(Mn, m)), D.ori == 0 ? (Zt = Yt, Qt = Xt) : (Zt = Xt, Qt = Yt), U = P.left, W = P.top);
+	let G = r.select = Ni({
 		show: !0,
 		over: !0,
 		left: 0,
 		width: 0,
 		top: 0,
 		height: 0
-	}, e.select), un = G.show ? pr(On, G.over ? m : p) : null;
+	}, e.select), un = G.show ? hr(An, G.over ? m : p) : null;
 	function dn(e, t) {
 		if (G.show) {
-			for (let t in e) G[t] = e[t], t in Ir && q(un, t, e[t]);
-			t !== !1 && hi("setSelect");
+			for (let t in e) G[t] = e[t], t in jr && q(un, t, e[t]);
+			t !== !1 && mi("setSelect");
 		}
 	}
 	r.setSelect = dn;
 	function fn(e) {
-		if (v[e].show) N && dr(ue[e], Dn);
-		else if (N && ur(ue[e], Dn), se) {
-			let t = Je ? Ye[0] : Ye[e];
-			t != null && hr(t, -10, -10, L, R);
+		if (v[e].show) F && pr(ce[e], kn);
+		else if (F && fr(ce[e], kn), ae) {
+			let t = qe ? Je[0] : Je[e];
+			t != null && _r(t, -10, -10, R, z);
 		}
 	}
 	function pn(e, t, n) {
@@ -5496,13 +5496,13 @@ function _s(e, t, n) {
 		});
 	}
 	function mn(e, t, n, a) {
-		t.focus != null && ir(e), t.show != null && v.forEach((n, r) => {
+		t.focus != null && nr(e), t.show != null && v.forEach((n, r) => {
 			r > 0 && (e == r || e == null) && (n.show = t.show, fn(r), i == 2 ? (pn(n.facets[0].scale, null, null), pn(n.facets[1].scale, null, null)) : pn(n.scale, null, null), Gt());
-		}), n !== !1 && hi("setSeries", e, t), a && ki("setSeries", r, e, t);
+		}), n !== !1 && mi("setSeries", e, t), a && Ti("setSeries", r, e, t);
 	}
 	r.setSeries = mn;
 	function hn(e, t) {
-		ji(x[e], t);
+		Ni(x[e], t);
 	}
 	function gn(e, t) {
 		e.fill = Y(e.fill || null), e.dir = J(e.dir, -1), t ??= x.length, x.splice(t, 0, e);
@@ -5512,129 +5512,129 @@ function _s(e, t, n) {
 	}
 	r.addBand = gn, r.setBand = hn, r.delBand = _n;
 	function vn(e, t) {
-		v[e].alpha = t, se && Ye[e] != null && (Ye[e].style.opacity = t), N && ue[e] && (ue[e].style.opacity = t);
+		v[e].alpha = t, ae && Je[e] != null && (Je[e].style.opacity = t), F && ce[e] && (ce[e].style.opacity = t);
 	}
-	let Gn, $n, er, tr = { focus: !0 };
-	function ir(e) {
-		if (e != er) {
-			let t = e == null, n = Ke.alpha != 1;
+	let yn, bn, qn, tr = { focus: !0 };
+	function nr(e) {
+		if (e != qn) {
+			let t = e == null, n = Ge.alpha != 1;
 			v.forEach((r, a) => {
 				if (i == 1 || a > 0) {
 					let i = t || a == 0 || a == e;
-					r._focus = t ? null : i, n && vn(a, i ? 1 : Ke.alpha);
+					r._focus = t ? null : i, n && vn(a, i ? 1 : Ge.alpha);
 				}
-			}), er = e, n && Gt();
+			}), qn = e, n && Gt();
 		}
 	}
-	N && qe && be(Zn, F, (e) => {
-		M._lock || (We(e), er != null && mn(null, tr, !0, Z.setSeries));
+	F && Ke && ve($n, L, (e) => {
+		P._lock || (Ue(e), qn != null && mn(null, tr, !0, X.setSeries));
 	});
-	function sr(e, t, n) {
+	function rr(e, t, n) {
 		let r = b[t];
-		n && (e = e / K - (r.ori == 1 ? we : Ce));
-		let i = L;
-		r.ori == 1 && (i = R, e = i - e), r.dir == -1 && (e = i - e);
+		n && (e = e / K - (r.ori == 1 ? Ce : Se));
+		let i = R;
+		r.ori == 1 && (i = z, e = i - e), r.dir == -1 && (e = i - e);
 		let a = r._min, o = r._max, s = e / i, c = a + (o - a) * s, l = r.distr;
-		return l == 3 ? Xr(10, c) : l == 4 ? ei(c, r.asinh) : l == 100 ? r.bwd(c) : c;
+		return l == 3 ? Qr(10, c) : l == 4 ? ni(c, r.asinh) : l == 100 ? r.bwd(c) : c;
 	}
-	function cr(e, n) {
-		return wr(sr(e, S, n), t[0], ot, st);
+	function or(e, n) {
+		return Er(rr(e, S, n), t[0], ot, st);
 	}
-	r.valToIdx = (e) => wr(e, t[0]), r.posToIdx = cr, r.posToVal = sr, r.valToPos = (e, t, n) => b[t].ori == 0 ? a(e, b[t], n ? je : L, n ? ke : 0) : o(e, b[t], n ? Me : R, n ? Ae : 0), r.setCursor = (e, t, n) => {
-		U = e.left, W = e.top, Er(null, t, n);
+	r.valToIdx = (e) => Er(e, t[0]), r.posToIdx = or, r.posToVal = rr, r.valToPos = (e, t, n) => b[t].ori == 0 ? a(e, b[t], n ? Ae : R, n ? Oe : 0) : o(e, b[t], n ? je : z, n ? ke : 0), r.setCursor = (e, t, n) => {
+		U = e.left, W = e.top, Cr(null, t, n);
 	};
 	function lr(e, t) {
-		q(un, Un, G.left = e), q(un, zn, G.width = t);
+		q(un, Gn, G.left = e), q(un, Vn, G.width = t);
 	}
-	function mr(e, t) {
-		q(un, Vn, G.top = e), q(un, Bn, G.height = t);
+	function ur(e, t) {
+		q(un, Un, G.top = e), q(un, Hn, G.height = t);
 	}
-	let gr = D.ori == 0 ? lr : mr, vr = D.ori == 1 ? lr : mr;
-	function br() {
-		if (N && j.live) for (let e = +(i == 2); e < v.length; e++) {
-			if (e == 0 && pe) continue;
-			let t = j.values[e], n = 0;
-			for (let r in t) de[e][n++].firstChild.nodeValue = t[r];
+	let dr = D.ori == 0 ? lr : ur, gr = D.ori == 1 ? lr : ur;
+	function vr() {
+		if (F && N.live) for (let e = +(i == 2); e < v.length; e++) {
+			if (e == 0 && de) continue;
+			let t = N.values[e], n = 0;
+			for (let r in t) le[e][n++].firstChild.nodeValue = t[r];
 		}
 	}
-	function xr(e, t) {
+	function br(e, t) {
 		if (e != null && (e.idxs ? e.idxs.forEach((e, t) => {
-			oe[t] = e;
-		}) : wi(e.idx) || oe.fill(e.idx), j.idx = oe[0]), N && j.live) {
-			for (let e = 0; e < v.length; e++) (e > 0 || i == 1 && !pe) && Tr(e, oe[e]);
-			br();
+			ie[t] = e;
+		}) : Ei(e.idx) || ie.fill(e.idx), N.idx = ie[0]), F && N.live) {
+			for (let e = 0; e < v.length; e++) (e > 0 || i == 1 && !de) && Sr(e, ie[e]);
+			vr();
 		}
-		Re = !1, t !== !1 && hi("setLegend");
+		Le = !1, t !== !1 && mi("setLegend");
 	}
-	r.setLegend = xr;
-	function Tr(e, n) {
+	r.setLegend = br;
+	function Sr(e, n) {
 		let i = v[e], a = e == 0 && O == 2 ? lt : t[e], o;
-		pe ? o = i.values(r, e, n) ?? me : (o = i.value(r, n == null ? null : a[n], e, n), o = o == null ? me : { _: o }), j.values[e] = o;
+		de ? o = i.values(r, e, n) ?? fe : (o = i.value(r, n == null ? null : a[n], e, n), o = o == null ? fe : { _: o }), N.values[e] = o;
 	}
-	function Er(e, n, a) {
-		rn = U, an = W, [U, W] = M.move(r, U, W), M.left = U, M.top = W, se && (Zt && hr(Zt, Kr(U), 0, L, R), Qt && hr(Qt, 0, Kr(W), L, R));
+	function Cr(e, n, a) {
+		rn = U, an = W, [U, W] = P.move(r, U, W), P.left = U, P.top = W, ae && (Zt && _r(Zt, Jr(U), 0, R, z), Qt && _r(Qt, 0, Jr(W), R, z));
 		let o, s = ot > st;
-		Gn = ni, $n = null;
-		let c = D.ori == 0 ? L : R, l = D.ori == 1 ? L : R;
+		yn = ii, bn = null;
+		let c = D.ori == 0 ? R : z, l = D.ori == 1 ? R : z;
 		if (U < 0 || at == 0 || s) {
-			o = M.idx = null;
+			o = P.idx = null;
 			for (let e = 0; e < v.length; e++) {
-				let t = Ye[e];
-				t != null && hr(t, -10, -10, L, R);
+				let t = Je[e];
+				t != null && _r(t, -10, -10, R, z);
 			}
-			qe && mn(null, tr, !0, e == null && Z.setSeries), j.live && (oe.fill(o), Re = !0);
+			Ke && mn(null, tr, !0, e == null && X.setSeries), N.live && (ie.fill(o), Le = !0);
 		} else {
 			let e, n, a;
-			i == 1 && (e = D.ori == 0 ? U : W, n = sr(e, S), o = M.idx = wr(n, t[0], ot, st), a = k(t[0][o], D, c, 0));
+			i == 1 && (e = D.ori == 0 ? U : W, n = rr(e, S), o = P.idx = Er(n, t[0], ot, st), a = k(t[0][o], D, c, 0));
 			let s = -10, u = -10, d = 0, f = 0, p = !0, m = "", h = "";
 			for (let e = +(i == 2); e < v.length; e++) {
-				let g = v[e], _ = oe[e], y = _ == null ? null : i == 1 ? t[e][_] : t[e][1][_], x = M.dataIdx(r, e, o, n), S = x == null ? null : i == 1 ? t[e][x] : t[e][1][x];
-				if (Re = Re || S != y || x != _, oe[e] = x, e > 0 && g.show) {
-					let n = x == null ? -10 : x == o ? a : k(i == 1 ? t[0][x] : t[e][0][x], D, c, 0), _ = S == null ? -10 : ee(S, i == 1 ? b[g.scale] : b[g.facets[1].scale], l, 0);
-					if (qe && S != null) {
-						let t = D.ori == 1 ? U : W, n = Wr(Ke.dist(r, e, x, _, t));
-						if (n < Gn) {
-							let r = Ke.bias;
+				let g = v[e], _ = ie[e], y = _ == null ? null : i == 1 ? t[e][_] : t[e][1][_], x = P.dataIdx(r, e, o, n), S = x == null ? null : i == 1 ? t[e][x] : t[e][1][x];
+				if (Le = Le || S != y || x != _, ie[e] = x, e > 0 && g.show) {
+					let n = x == null ? -10 : x == o ? a : k(i == 1 ? t[0][x] : t[e][0][x], D, c, 0), _ = S == null ? -10 : A(S, i == 1 ? b[g.scale] : b[g.facets[1].scale], l, 0);
+					if (Ke && S != null) {
+						let t = D.ori == 1 ? U : W, n = Kr(Ge.dist(r, e, x, _, t));
+						if (n < yn) {
+							let r = Ge.bias;
 							if (r != 0) {
-								let i = sr(t, g.scale), a = S >= 0 ? 1 : -1, o = i >= 0 ? 1 : -1;
-								o == a && (o == 1 ? r == 1 ? S >= i : S <= i : r == 1 ? S <= i : S >= i) && (Gn = n, $n = e);
-							} else Gn = n, $n = e;
+								let i = rr(t, g.scale), a = S >= 0 ? 1 : -1, o = i >= 0 ? 1 : -1;
+								o == a && (o == 1 ? r == 1 ? S >= i : S <= i : r == 1 ? S <= i : S >= i) && (yn = n, bn = e);
+							} else yn = n, bn = e;
 						}
 					}
-					if (Re || Je) {
+					if (Le || qe) {
 						let t, i;
 						D.ori == 0 ? (t = n, i = _) : (t = _, i = n);
-						let a, o, c, l, g, v, y = !0, b = Ge.bbox;
+						let a, o, c, l, g, v, y = !0, b = We.bbox;
 						if (b != null) {
 							y = !1;
 							let t = b(r, e);
 							c = t.left, l = t.top, a = t.width, o = t.height;
-						} else c = t, l = i, a = o = Ge.size(r, e);
-						if (v = Ge.fill(r, e), g = Ge.stroke(r, e), Je) e == $n && Gn <= Ke.prox && (s = c, u = l, d = a, f = o, p = y, m = v, h = g);
+						} else c = t, l = i, a = o = We.size(r, e);
+						if (v = We.fill(r, e), g = We.stroke(r, e), qe) e == bn && yn <= Ge.prox && (s = c, u = l, d = a, f = o, p = y, m = v, h = g);
 						else {
-							let t = Ye[e];
-							t != null && (Xe[e] = c, B[e] = l, yr(t, a, o, y), _r(t, v, g), hr(t, qr(c), qr(l), L, R));
+							let t = Je[e];
+							t != null && (Ye[e] = c, Xe[e] = l, xr(t, a, o, y), yr(t, v, g), _r(t, Yr(c), Yr(l), R, z));
 						}
 					}
 				}
 			}
-			if (Je) {
-				let e = Ke.prox;
-				if (Re || (er == null ? Gn <= e : Gn > e || $n != er)) {
-					let e = Ye[0];
-					e != null && (Xe[0] = s, B[0] = u, yr(e, d, f, p), _r(e, m, h), hr(e, qr(s), qr(u), L, R));
+			if (qe) {
+				let e = Ge.prox;
+				if (Le || (qn == null ? yn <= e : yn > e || bn != qn)) {
+					let e = Je[0];
+					e != null && (Ye[0] = s, Xe[0] = u, xr(e, d, f, p), yr(e, m, h), _r(e, Yr(s), Yr(u), R, z));
 				}
 			}
 		}
 		if (G.show && on) {
 			if (e != null) {
-				let [t, n] = Z.scales, [r, i] = Z.match, [a, o] = e.cursor.sync.scales, s = e.cursor.drag;
+				let [t, n] = X.scales, [r, i] = X.match, [a, o] = e.cursor.sync.scales, s = e.cursor.drag;
 				if (cn = s._x, ln = s._y, cn || ln) {
 					let { left: s, top: u, width: d, height: f } = e.select, p = e.scales[a].ori, m = e.posToVal, h, g, _, v, y, x = t != null && r(t, a), S = n != null && i(n, o);
-					x && cn ? (p == 0 ? (h = s, g = d) : (h = u, g = f), _ = b[t], v = k(m(h, a), _, c, 0), y = k(m(h + g, a), _, c, 0), gr(Jr(v, y), Wr(y - v))) : gr(0, c), S && ln ? (p == 1 ? (h = s, g = d) : (h = u, g = f), _ = b[n], v = ee(m(h, o), _, l, 0), y = ee(m(h + g, o), _, l, 0), vr(Jr(v, y), Wr(y - v))) : vr(0, l);
-				} else zr();
+					x && cn ? (p == 0 ? (h = s, g = d) : (h = u, g = f), _ = b[t], v = k(m(h, a), _, c, 0), y = k(m(h + g, a), _, c, 0), dr(Xr(v, y), Kr(y - v))) : dr(0, c), S && ln ? (p == 1 ? (h = s, g = d) : (h = u, g = f), _ = b[n], v = A(m(h, o), _, l, 0), y = A(m(h + g, o), _, l, 0), gr(Xr(v, y), Kr(y - v))) : gr(0, l);
+				} else Lr();
 			} else {
-				let e = Wr(rn - $t), t = Wr(an - en);
+				let e = Kr(rn - $t), t = Kr(an - en);
 				if (D.ori == 1) {
 					let n = e;
 					e = t, t = n;
@@ -5643,164 +5643,164 @@ function _s(e, t, n) {
 				let n = sn.uni;
 				n == null ? sn.x && sn.y && (cn || ln) && (cn = ln = !0) : cn && ln && (cn = e >= n, ln = t >= n, !cn && !ln && (t > e ? ln = !0 : cn = !0));
 				let r, i;
-				cn && (D.ori == 0 ? (r = tn, i = U) : (r = nn, i = W), gr(Jr(r, i), Wr(i - r)), ln || vr(0, l)), ln && (D.ori == 1 ? (r = tn, i = U) : (r = nn, i = W), vr(Jr(r, i), Wr(i - r)), cn || gr(0, c)), !cn && !ln && (gr(0, 0), vr(0, 0));
+				cn && (D.ori == 0 ? (r = tn, i = U) : (r = nn, i = W), dr(Xr(r, i), Kr(i - r)), ln || gr(0, l)), ln && (D.ori == 1 ? (r = tn, i = U) : (r = nn, i = W), gr(Xr(r, i), Kr(i - r)), cn || dr(0, c)), !cn && !ln && (dr(0, 0), gr(0, 0));
 			}
 		}
 		if (sn._x = cn, sn._y = ln, e == null) {
 			if (a) {
-				if (Ci != null) {
-					let [e, t] = Z.scales;
-					Z.values[0] = e == null ? null : sr(D.ori == 0 ? U : W, e), Z.values[1] = t == null ? null : sr(D.ori == 1 ? U : W, t);
+				if (_i != null) {
+					let [e, t] = X.scales;
+					X.values[0] = e == null ? null : rr(D.ori == 0 ? U : W, e), X.values[1] = t == null ? null : rr(D.ori == 1 ? U : W, t);
 				}
-				ki(qn, r, U, W, L, R, o);
+				Ti(Yn, r, U, W, R, z, o);
 			}
-			if (qe) {
-				let e = a && Z.setSeries, t = Ke.prox;
-				er == null ? Gn <= t && mn($n, tr, !0, e) : Gn > t ? mn(null, tr, !0, e) : $n != er && mn($n, tr, !0, e);
+			if (Ke) {
+				let e = a && X.setSeries, t = Ge.prox;
+				qn == null ? yn <= t && mn(bn, tr, !0, e) : yn > t ? mn(null, tr, !0, e) : bn != qn && mn(bn, tr, !0, e);
 			}
 		}
-		Re && (j.idx = o, xr()), n !== !1 && hi("setCursor");
+		Le && (N.idx = o, br()), n !== !1 && mi("setCursor");
 	}
 	let Dr = null;
 	Object.defineProperty(r, "rect", { get() {
 		return Dr ?? Or(!1), Dr;
 	} });
 	function Or(e = !1) {
-		e ? Dr = null : (Dr = m.getBoundingClientRect(), hi("syncRect", Dr));
+		e ? Dr = null : (Dr = m.getBoundingClientRect(), mi("syncRect", Dr));
 	}
 	function kr(e, t, n, r, i, a, o) {
-		M._lock || on && e != null && e.movementX == 0 && e.movementY == 0 || (Fr(e, t, n, r, i, a, o, !1, e != null), e == null ? Er(t, !0, !1) : Er(null, !0, !0));
+		P._lock || on && e != null && e.movementX == 0 && e.movementY == 0 || (Ar(e, t, n, r, i, a, o, !1, e != null), e == null ? Cr(t, !0, !1) : Cr(null, !0, !0));
 	}
-	function Fr(e, t, n, i, a, o, c, l, u) {
-		if (Dr ?? Or(!1), We(e), e != null) n = e.clientX - Dr.left, i = e.clientY - Dr.top;
+	function Ar(e, t, n, i, a, o, c, l, u) {
+		if (Dr ?? Or(!1), Ue(e), e != null) n = e.clientX - Dr.left, i = e.clientY - Dr.top;
 		else {
 			if (n < 0 || i < 0) {
 				U = -10, W = -10;
 				return;
 			}
-			let [e, r] = Z.scales, c = t.cursor.sync, [l, u] = c.values, [d, f] = c.scales, [p, m] = Z.match, h = t.axes[0].side % 2 == 1, g = D.ori == 0 ? L : R, _ = D.ori == 1 ? L : R, v = h ? o : a, y = h ? a : o, x = h ? i : n, S = h ? n : i;
+			let [e, r] = X.scales, c = t.cursor.sync, [l, u] = c.values, [d, f] = c.scales, [p, m] = X.match, h = t.axes[0].side % 2 == 1, g = D.ori == 0 ? R : z, _ = D.ori == 1 ? R : z, v = h ? o : a, y = h ? a : o, x = h ? i : n, S = h ? n : i;
 			if (n = d == null ? x / v * g : p(e, d) ? s(l, b[e], g, 0) : -10, i = f == null ? S / y * _ : m(r, f) ? s(u, b[r], _, 0) : -10, D.ori == 1) {
 				let e = n;
 				n = i, i = e;
 			}
 		}
-		u && (t == null || t.cursor.event.type == qn) && ((n <= 1 || n >= L - 1) && (n = mi(n, L)), (i <= 1 || i >= R - 1) && (i = mi(i, R))), l ? ($t = n, en = i, [tn, nn] = M.move(r, n, i)) : (U = n, W = i);
+		u && (t == null || t.cursor.event.type == Yn) && ((n <= 1 || n >= R - 1) && (n = gi(n, R)), (i <= 1 || i >= z - 1) && (i = gi(i, z))), l ? ($t = n, en = i, [tn, nn] = P.move(r, n, i)) : (U = n, W = i);
 	}
-	let Ir = {
+	let jr = {
 		width: 0,
 		height: 0,
 		left: 0,
 		top: 0
 	};
-	function zr() {
-		dn(Ir, !1);
+	function Lr() {
+		dn(jr, !1);
 	}
-	let Br, Vr, Hr, Gr;
-	function Zr(e, t, n, i, a, o, s) {
-		on = !0, cn = ln = sn._x = sn._y = !1, Fr(e, t, n, i, a, o, s, !0, !1), e != null && (be(Yn, ar, $r, !1), ki(Jn, r, tn, nn, L, R, null));
+	let Rr, Vr, Hr, Ur;
+	function Wr(e, t, n, i, a, o, s) {
+		on = !0, cn = ln = sn._x = sn._y = !1, Ar(e, t, n, i, a, o, s, !0, !1), e != null && (ve(Zn, sr, qr, !1), Ti(Xn, r, tn, nn, R, z, null));
 		let { left: c, top: l, width: u, height: d } = G;
-		Br = c, Vr = l, Hr = u, Gr = d;
+		Rr = c, Vr = l, Hr = u, Ur = d;
 	}
-	function $r(e, t, n, i, a, o, s) {
-		on = sn._x = sn._y = !1, Fr(e, t, n, i, a, o, s, !1, !0);
-		let { left: c, top: l, width: u, height: d } = G, f = u > 0 || d > 0, p = Br != c || Vr != l || Hr != u || Gr != d;
+	function qr(e, t, n, i, a, o, s) {
+		on = sn._x = sn._y = !1, Ar(e, t, n, i, a, o, s, !1, !0);
+		let { left: c, top: l, width: u, height: d } = G, f = u > 0 || d > 0, p = Rr != c || Vr != l || Hr != u || Ur != d;
 		if (f && p && dn(G), sn.setScale && f && p) {
 			let e = c, t = u, n = l, r = d;
-			if (D.ori == 1 && (e = l, t = d, n = c, r = u), cn && pn(S, sr(e, S), sr(e + t, S)), ln) for (let e in b) {
+			if (D.ori == 1 && (e = l, t = d, n = c, r = u), cn && pn(S, rr(e, S), rr(e + t, S)), ln) for (let e in b) {
 				let t = b[e];
-				e != S && t.from == null && t.min != ni && pn(e, sr(n + r, e), sr(n, e));
+				e != S && t.from == null && t.min != ii && pn(e, rr(n + r, e), rr(n, e));
 			}
-			zr();
-		} else M.lock && (M._lock = !M._lock, Er(t, !0, e != null));
-		e != null && (xe(Yn, ar), ki(Yn, r, U, W, L, R, null));
+			Lr();
+		} else P.lock && (P._lock = !P._lock, Cr(t, !0, e != null));
+		e != null && (ye(Zn, sr), Ti(Zn, r, U, W, R, z, null));
 	}
-	function ri(e, t, n, r, i, a, o) {
-		if (M._lock) return;
-		We(e);
+	function $r(e, t, n, r, i, a, o) {
+		if (P._lock) return;
+		Ue(e);
 		let s = on;
 		if (on) {
 			let e = !0, t = !0, n, r;
-			D.ori == 0 ? (n = cn, r = ln) : (n = ln, r = cn), n && r && (e = U <= 10 || U >= L - 10, t = W <= 10 || W >= R - 10), n && e && (U = U < tn ? 0 : L), r && t && (W = W < nn ? 0 : R), Er(null, !0, !0), on = !1;
+			D.ori == 0 ? (n = cn, r = ln) : (n = ln, r = cn), n && r && (e = U <= 10 || U >= R - 10, t = W <= 10 || W >= z - 10), n && e && (U = U < tn ? 0 : R), r && t && (W = W < nn ? 0 : z), Cr(null, !0, !0), on = !1;
 		}
-		U = -10, W = -10, oe.fill(null), Er(null, !0, !0), s && (on = s);
+		U = -10, W = -10, ie.fill(null), Cr(null, !0, !0), s && (on = s);
 	}
-	function oi(e, t, n, i, a, o, s) {
-		M._lock || (We(e), dt(), zr(), e != null && ki(Qn, r, U, W, L, R, null));
+	function ti(e, t, n, i, a, o, s) {
+		P._lock || (Ue(e), H(), Lr(), e != null && Ti(er, r, U, W, R, z, null));
 	}
-	function si() {
-		y.forEach(gs), ze(r.width, r.height, !0);
+	function ai() {
+		y.forEach(vs), Re(r.width, r.height, !0);
 	}
-	Sr(nr, or, si);
-	let fi = {};
-	fi.mousedown = Zr, fi.mousemove = kr, fi.mouseup = $r, fi.dblclick = oi, fi.setSeries = (e, t, n, i) => {
-		let a = Z.match[2];
+	wr(ir, cr, ai);
+	let ci = {};
+	ci.mousedown = Wr, ci.mousemove = kr, ci.mouseup = qr, ci.dblclick = ti, ci.setSeries = (e, t, n, i) => {
+		let a = X.match[2];
 		n = a(r, t, n), n != -1 && mn(n, i, !0, !1);
-	}, se && (be(Jn, m, Zr), be(qn, m, kr), be(Xn, m, (e) => {
-		We(e), Or(!1);
-	}), be(Zn, m, ri), be(Qn, m, oi), es.add(r), r.syncRect = Or);
-	let pi = r.hooks = e.hooks || {};
-	function hi(e, t, n) {
+	}, ae && (ve(Xn, m, Wr), ve(Yn, m, kr), ve(Qn, m, (e) => {
+		Ue(e), Or(!1);
+	}), ve($n, m, $r), ve(er, m, ti), ns.add(r), r.syncRect = Or);
+	let li = r.hooks = e.hooks || {};
+	function mi(e, t, n) {
 		Ht ? Ut.push([
 			e,
 			t,
 			n
-		]) : e in pi && pi[e].forEach((e) => {
+		]) : e in li && li[e].forEach((e) => {
 			e.call(null, r, t, n);
 		});
 	}
 	(e.plugins || []).forEach((e) => {
-		for (let t in e.hooks) pi[t] = (pi[t] || []).concat(e.hooks[t]);
+		for (let t in e.hooks) li[t] = (li[t] || []).concat(e.hooks[t]);
 	});
-	let gi = (e, t, n) => n, Z = ji({
+	let hi = (e, t, n) => n, X = Ni({
 		key: null,
 		setSeries: !1,
 		filters: {
-			pub: ui,
-			sub: ui
+			pub: fi,
+			sub: fi
 		},
 		scales: [S, v[1] ? v[1].scale : null],
 		match: [
-			di,
-			di,
-			gi
+			pi,
+			pi,
+			hi
 		],
 		values: [null, null]
-	}, M.sync);
-	Z.match.length == 2 && Z.match.push(gi), M.sync = Z;
-	let Ci = Z.key, Oi = xo(Ci);
-	function ki(e, t, n, r, i, a, o) {
-		Z.filters.pub(e, t, n, r, i, a, o) && Oi.pub(e, t, n, r, i, a, o);
+	}, P.sync);
+	X.match.length == 2 && X.match.push(hi), P.sync = X;
+	let _i = X.key, bi = Co(_i);
+	function Ti(e, t, n, r, i, a, o) {
+		X.filters.pub(e, t, n, r, i, a, o) && bi.pub(e, t, n, r, i, a, o);
 	}
-	Oi.sub(r);
-	function Mi(e, t, n, r, i, a, o) {
-		Z.filters.sub(e, t, n, r, i, a, o) && fi[e](null, t, n, r, i, a, o);
+	bi.sub(r);
+	function Ai(e, t, n, r, i, a, o) {
+		X.filters.sub(e, t, n, r, i, a, o) && ci[e](null, t, n, r, i, a, o);
 	}
-	r.pub = Mi;
-	function Ni() {
-		Oi.unsub(r), es.delete(r), ye.clear(), Cr(nr, or, si), l.remove(), F?.remove(), hi("destroy");
+	r.pub = Ai;
+	function ji() {
+		bi.unsub(r), ns.delete(r), _e.clear(), Tr(ir, cr, ai), l.remove(), L?.remove(), mi("destroy");
 	}
-	r.destroy = Ni;
+	r.destroy = ji;
 	function Pi() {
-		hi("init", e, t), ut(t || e.data, !1), A[S] ? Jt(S, A[S]) : dt(), Le = G.show && (G.width > 0 || G.height > 0), Ie = Re = !0, ze(e.width, e.height);
+		mi("init", e, t), dt(t || e.data, !1), j[S] ? Jt(S, j[S]) : H(), Ie = G.show && (G.width > 0 || G.height > 0), Fe = Le = !0, Re(e.width, e.height);
 	}
 	return v.forEach(Qe), y.forEach(nt), n ? n instanceof HTMLElement ? (n.appendChild(l), Pi()) : n(r, Pi) : Pi(), r;
 }
-_s.assign = ji, _s.fmtNum = Vr, _s.rangeNum = Lr, _s.rangeLog = jr, _s.rangeAsinh = Mr, _s.orient = wo, _s.pxRatio = K, _s.join = Ii, _s.fmtDate = Yi, _s.tzDate = Zi, _s.sync = xo;
+ys.assign = Ni, ys.fmtNum = Ur, ys.rangeNum = zr, ys.rangeLog = Nr, ys.rangeAsinh = Pr, ys.orient = Eo, ys.pxRatio = K, ys.join = Ri, ys.fmtDate = Zi, ys.tzDate = $i, ys.sync = Co;
 {
-	_s.addGap = ko, _s.clipGaps = Oo;
-	let e = _s.paths = { points: Uo };
-	e.linear = qo, e.stepped = Jo, e.bars = Xo, e.spline = Qo;
+	ys.addGap = jo, ys.clipGaps = Ao;
+	let e = ys.paths = { points: Go };
+	e.linear = Yo, e.stepped = Xo, e.bars = Qo, e.spline = es;
 }
 // src/phase.tsx
-var [vs, ys] = [420, 300], $ = {
+var [bs, xs] = [420, 300], $ = {
 	left: 64,
 	right: 12,
 	top: 10,
 	bottom: 34
 };
-function bs({ store: e, state: t }) {
+function Ss({ store: e, state: t }) {
 	let [n, r] = H(null), [i, a] = t.plotted, o = t.run, [s, c] = t.span;
-	if (dt(() => {
+	if (pt(() => {
 		if (!i || !a) return;
 		let t = !1;
 		return e.transport.ask("phase", {
@@ -5817,12 +5817,12 @@ function bs({ store: e, state: t }) {
 		a,
 		s,
 		c
-	]), !i || !a) return /* @__PURE__ */ I("p", {
+	]), !i || !a) return /* @__PURE__ */ R("p", {
 		class: "hint",
 		children: "Plot two signals: the second is drawn over the first."
 	});
 	if (!n) return null;
-	let [l, u, d, f] = n.box, [p, m] = [u - l || 1, f - d || 1], h = (e) => $.left + (e - l) / p * (vs - $.left - $.right), g = (e) => ys - $.bottom - (e - d) / m * (ys - $.top - $.bottom), _ = (e, t, n) => `${h(e[n]).toFixed(1)},${g(t[n]).toFixed(1)}`, v = (e) => e[e.length - 1], y = n.pieces.slice(1).map(([e, t], r) => {
+	let [l, u, d, f] = n.box, [p, m] = [u - l || 1, f - d || 1], h = (e) => $.left + (e - l) / p * (bs - $.left - $.right), g = (e) => xs - $.bottom - (e - d) / m * (xs - $.top - $.bottom), _ = (e, t, n) => `${h(e[n]).toFixed(1)},${g(t[n]).toFixed(1)}`, v = (e) => e[e.length - 1], y = n.pieces.slice(1).map(([e, t], r) => {
 		let [i, a] = n.pieces[r];
 		return {
 			x1: h(v(i)),
@@ -5831,81 +5831,81 @@ function bs({ store: e, state: t }) {
 			y2: g(t[0])
 		};
 	}), b = t.cursor?.signals, x = b && b[i] != null && b[a] != null ? [h(b[i]), g(b[a])] : null;
-	return /* @__PURE__ */ I("figure", {
+	return /* @__PURE__ */ R("figure", {
 		class: "phase",
 		"aria-label": `${a} over ${i}`,
-		children: /* @__PURE__ */ I("svg", {
-			viewBox: `0 0 ${vs} ${ys}`,
+		children: /* @__PURE__ */ R("svg", {
+			viewBox: `0 0 ${bs} ${xs}`,
 			role: "img",
 			"aria-label": `${a} over ${i}, from ${Ve(l)} to ${Ve(u)} ${n.units[0]} and from ${Ve(d)} to ${Ve(f)} ${n.units[1]}`,
 			children: [
-				/* @__PURE__ */ I("rect", {
+				/* @__PURE__ */ R("rect", {
 					class: "box",
 					x: $.left,
 					y: $.top,
-					width: vs - $.left - $.right,
-					height: ys - $.top - $.bottom
+					width: bs - $.left - $.right,
+					height: xs - $.top - $.bottom
 				}),
-				l < 0 && u > 0 && /* @__PURE__ */ I("line", {
+				l < 0 && u > 0 && /* @__PURE__ */ R("line", {
 					class: "axis",
 					x1: h(0),
 					x2: h(0),
 					y1: $.top,
-					y2: ys - $.bottom
+					y2: xs - $.bottom
 				}),
-				d < 0 && f > 0 && /* @__PURE__ */ I("line", {
+				d < 0 && f > 0 && /* @__PURE__ */ R("line", {
 					class: "axis",
 					x1: $.left,
-					x2: vs - $.right,
+					x2: bs - $.right,
 					y1: g(0),
 					y2: g(0)
 				}),
-				y.map((e) => Math.hypot(e.x2 - e.x1, e.y2 - e.y1) > 1 && /* @__PURE__ */ I("line", {
+				y.map((e) => Math.hypot(e.x2 - e.x1, e.y2 - e.y1) > 1 && /* @__PURE__ */ R("line", {
 					class: "jump",
 					...e
 				})),
-				n.pieces.map(([e, t]) => /* @__PURE__ */ I("path", {
+				n.pieces.map(([e, t]) => /* @__PURE__ */ R("path", {
 					class: "way",
 					d: `M${e.map((n, r) => _(e, t, r)).join("L")}`
 				})),
-				x && /* @__PURE__ */ I("circle", {
+				x && /* @__PURE__ */ R("circle", {
 					class: "now",
 					cx: x[0],
 					cy: x[1],
 					r: 4.5
 				}),
-				/* @__PURE__ */ I("text", {
+				/* @__PURE__ */ R("text", {
 					x: $.left,
-					y: ys - $.bottom + 14,
-					children: z(l, n.units[0])
+					y: xs - $.bottom + 14,
+					children: B(l, n.units[0])
 				}),
-				/* @__PURE__ */ I("text", {
-					x: vs - $.right,
-					y: ys - $.bottom + 14,
+				/* @__PURE__ */ R("text", {
+					x: bs - $.right,
+					y: xs - $.bottom + 14,
 					"text-anchor": "end",
-					children: z(u, n.units[0])
+					children: B(u, n.units[0])
 				}),
-				/* @__PURE__ */ I("text", {
-					x: (vs + $.left) / 2,
-					y: ys - 6,
+				/* @__PURE__ */ R("text", {
+					x: (bs + $.left) / 2,
+					y: xs - 6,
 					"text-anchor": "middle",
 					class: "what",
 					children: i
 				}),
-				/* @__PURE__ */ I("text", {
+				/* @__PURE__ */ R("text", {
 					x: $.left - 5,
-					y: ys - $.bottom,
+					y: xs - $.bottom,
 					"text-anchor": "end",
-					children: z(d, n.units[1])
+					children: B(d, n.units[1])
 				}),
-				/* @__PURE__ */ I("text", {
+				/* @__PURE__ */ R("text", {
 					x: $.left - 5,
 					y: $.top + 10,
 					"text-anchor": "end",
-					children: z(f, n.units[1])
+					children: B(f, n.units[1])
 				}),
-				/* @__PURE__ */ I("text", {
-					transform: `translate(12,${(ys - $.bottom) / 2}) rotate(-90)`,
+				/* @__PURE__ */ R("text", {
+					transform: `translate(12,${(xs - $.bottom) / 2}) rotate(-90)`,
 					"text-anchor": "middle",
 					class: "what",
 					children: a
@@ -5915,7 +5915,7 @@ function bs({ store: e, state: t }) {
 	});
 }
 // src/plots.tsx
-var xs = [
+var Cs = [
 	"--c1",
 	"--c2",
 	"--c3",
@@ -5923,16 +5923,16 @@ var xs = [
 	"--c5",
 	"--c6"
 ];
-function Ss({ store: e, state: t }) {
-	let [n, r] = H(null), [i, a] = H(!1), [o, s] = H(800), c = ft(null), l = t.run, [u, d] = t.span;
-	dt(() => {
+function ws({ store: e, state: t }) {
+	let [n, r] = H(null), [i, a] = H(!1), [o, s] = H(800), c = mt(null), l = t.run, [u, d] = t.span;
+	pt(() => {
 		let e = c.current;
 		if (!e) return;
 		let t = new ResizeObserver(() => s(Math.max(200, e.clientWidth - 18)));
 		return t.observe(e), () => t.disconnect();
 	}, [!l]);
 	let f = t.plotted.join("\n");
-	if (dt(() => {
+	if (pt(() => {
 		if (!l) return;
 		let n = !1, a = i ? t.runs.filter((e) => e.tEnd !== void 0) : [l];
 		return Promise.all(a.map((n) => e.transport.ask("curves", {
@@ -5959,29 +5959,29 @@ function Ss({ store: e, state: t }) {
 		o,
 		i,
 		t.runs.length
-	]), t.running && t.soFar) return /* @__PURE__ */ I(Cs, {
+	]), t.running && t.soFar) return /* @__PURE__ */ R(Ts, {
 		state: t,
 		soFar: t.soFar
 	});
-	if (!l || l.tEnd === void 0) return /* @__PURE__ */ I("p", {
+	if (!l || l.tEnd === void 0) return /* @__PURE__ */ R("p", {
 		class: "hint plots",
 		children: l?.error ? "" : t.running ? "Running …" : "Press Run."
 	});
 	let p = t.cursor?.t ?? null, m = u === l.tBegin && d === l.tEnd;
-	return /* @__PURE__ */ I("div", {
+	return /* @__PURE__ */ R("div", {
 		class: "plots",
 		ref: c,
 		children: [
-			/* @__PURE__ */ I("div", {
+			/* @__PURE__ */ R("div", {
 				class: "plotbar",
 				children: [
-					/* @__PURE__ */ I(ws, {
+					/* @__PURE__ */ R(Es, {
 						store: e,
 						state: t,
 						run: l
 					}),
-					t.runs.length > 1 && /* @__PURE__ */ I("label", { children: [
-						/* @__PURE__ */ I("input", {
+					t.runs.length > 1 && /* @__PURE__ */ R("label", { children: [
+						/* @__PURE__ */ R("input", {
 							type: "checkbox",
 							checked: i,
 							onChange: (e) => a(e.currentTarget.checked)
@@ -5990,15 +5990,15 @@ function Ss({ store: e, state: t }) {
 						t.runs.length,
 						" runs"
 					] }),
-					!m && /* @__PURE__ */ I("button", {
+					!m && /* @__PURE__ */ R("button", {
 						onClick: () => e.set({ span: [l.tBegin, l.tEnd] }),
 						children: "Whole run"
 					}),
-					/* @__PURE__ */ I("label", {
+					/* @__PURE__ */ R("label", {
 						class: "scrub",
 						children: [
-							/* @__PURE__ */ I("span", { children: "t" }),
-							/* @__PURE__ */ I("input", {
+							/* @__PURE__ */ R("span", { children: "t" }),
+							/* @__PURE__ */ R("input", {
 								type: "range",
 								"aria-label": "Time cursor",
 								min: l.tBegin,
@@ -6009,24 +6009,24 @@ function Ss({ store: e, state: t }) {
 									e.set({ instant: null }), e.moveCursor(Number(t.currentTarget.value));
 								}
 							}),
-							/* @__PURE__ */ I("output", { children: p === null ? "" : z(p, "s") })
+							/* @__PURE__ */ R("output", { children: p === null ? "" : B(p, "s") })
 						]
 					}),
-					/* @__PURE__ */ I("label", { children: [/* @__PURE__ */ I("input", {
+					/* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("input", {
 						type: "checkbox",
 						checked: t.phase,
 						onChange: (t) => e.set({ phase: t.currentTarget.checked })
 					}), " phase plane"] }),
-					/* @__PURE__ */ I("label", { children: [/* @__PURE__ */ I("input", {
+					/* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("input", {
 						type: "checkbox",
 						checked: t.flowing,
 						onChange: (t) => e.set({ flowing: t.currentTarget.checked })
 					}), " power along bonds"] })
 				]
 			}),
-			t.plotted.map((r, i) => /* @__PURE__ */ I(Ts, {
+			t.plotted.map((r, i) => /* @__PURE__ */ R(Ds, {
 				name: r,
-				ink: xs[i % xs.length],
+				ink: Cs[i % Cs.length],
 				curves: (n?.runs ?? []).flatMap((e) => e.curves.filter((e) => e.name === r)),
 				span: t.span,
 				cursor: p,
@@ -6039,11 +6039,11 @@ function Ss({ store: e, state: t }) {
 					e.set({ instant: null }), e.moveCursor(t);
 				}
 			}, r)),
-			t.phase && /* @__PURE__ */ I(bs, {
+			t.phase && /* @__PURE__ */ R(Ss, {
 				store: e,
 				state: t
 			}),
-			/* @__PURE__ */ I(ks, {
+			/* @__PURE__ */ R(js, {
 				lanes: n?.strip ?? [],
 				span: t.span,
 				cursor: p,
@@ -6052,14 +6052,14 @@ function Ss({ store: e, state: t }) {
 		]
 	});
 }
-function Cs({ state: e, soFar: t }) {
-	let n = ft(null), r = [t.tBegin, t.tEnd];
-	return /* @__PURE__ */ I("div", {
+function Ts({ state: e, soFar: t }) {
+	let n = mt(null), r = [t.tBegin, t.tEnd];
+	return /* @__PURE__ */ R("div", {
 		class: "plots",
 		ref: n,
-		children: [t.curves.map((i, a) => /* @__PURE__ */ I(Ts, {
+		children: [t.curves.map((i, a) => /* @__PURE__ */ R(Ds, {
 			name: i.name,
-			ink: xs[a % xs.length],
+			ink: Cs[a % Cs.length],
 			curves: [i],
 			span: r,
 			cursor: null,
@@ -6069,7 +6069,7 @@ function Cs({ state: e, soFar: t }) {
 			last: a === t.curves.length - 1,
 			onSpan: () => {},
 			onTime: () => {}
-		}, i.name)), /* @__PURE__ */ I(ks, {
+		}, i.name)), /* @__PURE__ */ R(js, {
 			lanes: t.strip,
 			span: r,
 			cursor: null,
@@ -6077,18 +6077,18 @@ function Cs({ state: e, soFar: t }) {
 		})]
 	});
 }
-function ws({ store: e, state: t, run: n }) {
+function Es({ store: e, state: t, run: n }) {
 	let r = (t.look?.view.nodes ?? []).flatMap((e) => e.kind === "part" ? [] : [`${e.name}.e`, `${e.name}.f`]), i = [.../* @__PURE__ */ new Set([...n.names, ...r])].filter((e) => !t.plotted.includes(e));
-	return /* @__PURE__ */ I("span", {
+	return /* @__PURE__ */ R("span", {
 		class: "chooser",
 		children: [
-			t.plotted.map((n) => /* @__PURE__ */ I("button", {
+			t.plotted.map((n) => /* @__PURE__ */ R("button", {
 				class: "chip",
 				"aria-label": `Do not plot ${n}`,
 				onClick: () => e.set({ plotted: t.plotted.filter((e) => e !== n) }),
 				children: [n, " ✕"]
 			})),
-			/* @__PURE__ */ I("input", {
+			/* @__PURE__ */ R("input", {
 				"aria-label": "Plot a signal",
 				placeholder: "plot …",
 				list: "signals",
@@ -6098,14 +6098,14 @@ function ws({ store: e, state: t, run: n }) {
 					r && e.set({ plotted: [...t.plotted, r] }), n.currentTarget.value = "";
 				}
 			}),
-			/* @__PURE__ */ I("datalist", {
+			/* @__PURE__ */ R("datalist", {
 				id: "signals",
-				children: i.map((e) => /* @__PURE__ */ I("option", { value: e }))
+				children: i.map((e) => /* @__PURE__ */ R("option", { value: e }))
 			})
 		]
 	});
 }
-var Ts = class extends S {
+var Ds = class extends S {
 	box = b();
 	plot = null;
 	componentDidMount() {
@@ -6124,8 +6124,8 @@ var Ts = class extends S {
 		a.replaceChildren();
 		let o = e.filter((e) => !e.error);
 		if (!o.length) return;
-		let s = getComputedStyle(a), c = s.getPropertyValue("--ink"), l = s.getPropertyValue("--line"), u = o.map((e, t) => s.getPropertyValue(t === o.length - 1 ? this.props.ink : xs[(t + 3) % xs.length])), d = o.map((e) => [e.t, e.y]), f = d.length === 1 ? d[0] : _s.join(d), p = o[o.length - 1].unit, m = o.flatMap((e) => e.impulses);
-		this.plot = new _s({
+		let s = getComputedStyle(a), c = s.getPropertyValue("--ink"), l = s.getPropertyValue("--line"), u = o.map((e, t) => s.getPropertyValue(t === o.length - 1 ? this.props.ink : Cs[(t + 3) % Cs.length])), d = o.map((e) => [e.t, e.y]), f = d.length === 1 ? d[0] : ys.join(d), p = o[o.length - 1].unit, m = o.flatMap((e) => e.impulses);
+		this.plot = new ys({
 			width: Math.max(n - 4, 200),
 			height: r ? 132 : 112,
 			padding: [
@@ -6147,7 +6147,7 @@ var Ts = class extends S {
 					time: !1,
 					range: () => t
 				},
-				y: { range: (e, t, n) => Es(t, n, m.length > 0) }
+				y: { range: (e, t, n) => Os(t, n, m.length > 0) }
 			},
 			axes: [{
 				show: r,
@@ -6158,7 +6158,7 @@ var Ts = class extends S {
 				},
 				ticks: { stroke: l },
 				size: 26,
-				values: (e, t) => Ds(t, "s")
+				values: (e, t) => ks(t, "s")
 			}, {
 				stroke: c,
 				grid: {
@@ -6171,7 +6171,7 @@ var Ts = class extends S {
 				labelSize: 18,
 				labelFont: "11px sans-serif",
 				font: "10px sans-serif",
-				values: (e, t) => Ds(t, p)
+				values: (e, t) => ks(t, p)
 			}],
 			series: [{}, ...o.map((e, t) => ({
 				stroke: u[t],
@@ -6203,7 +6203,7 @@ var Ts = class extends S {
 			if (p < a || p > a + s) continue;
 			let m = l - Math.sign(f) * (.25 + .3 * Math.abs(f) / i) * c, h = Math.min(Math.max(m, o + 6 * d), o + c - 6 * d), g = Math.sign(h - l) || 1;
 			if (u.beginPath(), u.moveTo(p, l), u.lineTo(p, h), u.moveTo(p - 4 * d, h - 7 * d * g), u.lineTo(p, h), u.lineTo(p + 4 * d, h - 7 * d * g), u.stroke(), t.length <= 12) {
-				let e = `${z(f, r ? r + "s" : "")} δ`, t = p + 8 * d + u.measureText(e).width < a + s;
+				let e = `${B(f, r ? r + "s" : "")} δ`, t = p + 8 * d + u.measureText(e).width < a + s;
 				u.textAlign = t ? "left" : "right", u.fillText(e, p + (t ? 6 : -6) * d, (l + h) / 2);
 			}
 		}
@@ -6217,16 +6217,16 @@ var Ts = class extends S {
 	}
 	render({ name: e, curves: t, value: n, cursor: r }) {
 		let i = t.find((e) => e.error);
-		return /* @__PURE__ */ I("figure", {
+		return /* @__PURE__ */ R("figure", {
 			class: "trace",
 			"aria-label": `Plot of ${e}`,
 			children: [
-				/* @__PURE__ */ I("div", { ref: this.box }),
-				r !== null && /* @__PURE__ */ I("output", {
+				/* @__PURE__ */ R("div", { ref: this.box }),
+				r !== null && /* @__PURE__ */ R("output", {
 					class: "reading",
-					children: z(n, t.find((e) => !e.error)?.unit ?? "")
+					children: B(n, t.find((e) => !e.error)?.unit ?? "")
 				}),
-				i && /* @__PURE__ */ I("p", {
+				i && /* @__PURE__ */ R("p", {
 					class: "hint",
 					children: [
 						i.error.code,
@@ -6238,13 +6238,13 @@ var Ts = class extends S {
 		});
 	}
 };
-function Es(e, t, n) {
+function Os(e, t, n) {
 	let [r, i] = [e ?? 0, t ?? 1];
 	n && ([r, i] = [Math.min(r, 0), Math.max(i, 0)]);
 	let a = .08 * (i - r) || .1 * Math.abs(r) || 1;
 	return [r - a, i + a];
 }
-function Ds(e, t) {
+function ks(e, t) {
 	let n = Math.max(...e.map(Math.abs)), r = [
 		1e9,
 		1e6,
@@ -6265,7 +6265,7 @@ function Ds(e, t) {
 	}[r] ?? "", a = /^[A-Za-zΩ]+$/.test(t) && t !== "kg";
 	return e.map((e) => a ? `${+(e / r).toPrecision(5)} ${i}${t}` : `${+e.toPrecision(5)} ${t}`);
 }
-var Os = [
+var As = [
 	"var(--s0)",
 	"var(--s1)",
 	"var(--s2)",
@@ -6275,21 +6275,21 @@ var Os = [
 	"var(--s6)",
 	"var(--s7)"
 ];
-function ks({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
+function js({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
 	if (!e.length) return null;
 	let a = (e) => 1e3 * (e - t) / (n - t || 1);
-	return /* @__PURE__ */ I("div", {
+	return /* @__PURE__ */ R("div", {
 		class: "strip",
 		children: [
-			/* @__PURE__ */ I("div", {
+			/* @__PURE__ */ R("div", {
 				class: "stripnames",
 				"aria-hidden": "true",
-				children: e.map((e) => /* @__PURE__ */ I("span", {
+				children: e.map((e) => /* @__PURE__ */ R("span", {
 					title: e.machine,
 					children: e.machine
 				}))
 			}),
-			/* @__PURE__ */ I("svg", {
+			/* @__PURE__ */ R("svg", {
 				viewBox: `0 0 1000 ${18 * e.length}`,
 				preserveAspectRatio: "none",
 				style: { height: `${18 * e.length}px` },
@@ -6299,24 +6299,24 @@ function ks({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
 					let r = e.currentTarget.getBoundingClientRect();
 					i(t + (e.clientX - r.left) / r.width * (n - t));
 				},
-				children: [e.map((e, r) => /* @__PURE__ */ I("g", {
+				children: [e.map((e, r) => /* @__PURE__ */ R("g", {
 					transform: `translate(0,${r * 18})`,
-					children: [e.stays?.map(([r, i, o]) => /* @__PURE__ */ I("rect", {
+					children: [e.stays?.map(([r, i, o]) => /* @__PURE__ */ R("rect", {
 						x: a(Math.max(r, t)),
 						width: Math.max(.7, a(Math.min(i, n)) - a(Math.max(r, t))),
 						y: 1,
 						height: 16,
-						fill: Os[o % Os.length],
-						children: /* @__PURE__ */ I("title", { children: e.states[o] })
-					})), e.shares?.map((e, t) => e.map((n, r) => n > 0 ? /* @__PURE__ */ I("rect", {
+						fill: As[o % As.length],
+						children: /* @__PURE__ */ R("title", { children: e.states[o] })
+					})), e.shares?.map((e, t) => e.map((n, r) => n > 0 ? /* @__PURE__ */ R("rect", {
 						x: 1e3 * r / e.length,
 						width: 1e3 / e.length,
 						y: 1,
 						height: 16,
-						fill: Os[t % Os.length],
+						fill: As[t % As.length],
 						opacity: n
 					}) : null))]
-				})), r !== null && r >= t && r <= n && /* @__PURE__ */ I("line", {
+				})), r !== null && r >= t && r <= n && /* @__PURE__ */ R("line", {
 					class: "now",
 					x1: a(r),
 					x2: a(r),
@@ -6324,10 +6324,10 @@ function ks({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
 					y2: 18 * e.length
 				})]
 			}),
-			/* @__PURE__ */ I("div", {
+			/* @__PURE__ */ R("div", {
 				class: "stripwords",
 				"aria-hidden": "true",
-				children: e.map((e, r) => e.stays?.filter(([e, r]) => a(Math.min(r, n)) - a(Math.max(e, t)) > 60).map(([i, o, s]) => /* @__PURE__ */ I("span", {
+				children: e.map((e, r) => e.stays?.filter(([e, r]) => a(Math.min(r, n)) - a(Math.max(e, t)) > 60).map(([i, o, s]) => /* @__PURE__ */ R("span", {
 					style: {
 						left: `${(a(Math.max(i, t)) + a(Math.min(o, n))) / 20}%`,
 						top: `${r * 18}px`
@@ -6339,20 +6339,20 @@ function ks({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
 	});
 }
 // src/power.tsx
-var As = {
+var Ms = {
 	C: ["gives back", "stores"],
 	I: ["gives back", "stores"],
 	R: ["gives", "dissipates"],
 	G: ["gives", "dissipates"],
 	Se: ["supplies", "absorbs"],
 	Sf: ["supplies", "absorbs"]
-}, [js, Ms, Ns, Ps] = [
+}, [Ns, Ps, Fs, Is] = [
 	310,
 	17,
 	7,
 	10
 ];
-function Fs(e) {
+function Ls(e) {
 	let t = e.cursor?.values ?? {}, { nodes: n, bonds: r } = e.look.view, i = /* @__PURE__ */ new Map();
 	for (let e of r) {
 		let n = t[e.key];
@@ -6372,33 +6372,33 @@ function Fs(e) {
 		unknown: a.filter((e) => i.get(e.name) === null).map((e) => e.name)
 	};
 }
-function Is({ store: e, state: t }) {
-	if (!t.cursor) return /* @__PURE__ */ I("p", {
+function Rs({ store: e, state: t }) {
+	if (!t.cursor) return /* @__PURE__ */ R("p", {
 		class: "hint",
 		children: "Run the model and choose a time in its plots."
 	});
-	let { found: n, unknown: r } = Fs(t), i = Math.max(0, ...n.map((e) => Math.abs(e.power))), a = n.filter((e) => Math.abs(e.power) > 1e-6 * i).sort((e, t) => Math.abs(t.power) - Math.abs(e.power)), o = a.filter((e) => e.power < 0), s = a.filter((e) => e.power > 0), c = (e) => e.reduce((e, t) => e + Math.abs(t.power), 0), l = Math.max(c(o), c(s)) || 1, u = Math.max(1, o.length, s.length) * (Ms + Ns) + 120, d = (u - Math.max(o.length, s.length) * Ns - 8) / l, f = (t) => e.set({
+	let { found: n, unknown: r } = Ls(t), i = Math.max(0, ...n.map((e) => Math.abs(e.power))), a = n.filter((e) => Math.abs(e.power) > 1e-6 * i).sort((e, t) => Math.abs(t.power) - Math.abs(e.power)), o = a.filter((e) => e.power < 0), s = a.filter((e) => e.power > 0), c = (e) => e.reduce((e, t) => e + Math.abs(t.power), 0), l = Math.max(c(o), c(s)) || 1, u = Math.max(1, o.length, s.length) * (Ps + Fs) + 120, d = (u - Math.max(o.length, s.length) * Fs - 8) / l, f = (t) => e.set({
 		nodes: /* @__PURE__ */ new Set([t.name]),
 		bonds: /* @__PURE__ */ new Set()
 	}), p = (e, t) => {
 		let n = 4, r = 4;
 		return e.map((e) => {
 			let i = Math.abs(e.power) * d, [a, o] = [n, r];
-			n += Math.max(i, 1) + Ns, r += i;
-			let [s, c] = t ? [Ps, js / 2 - Ps / 2] : [js - Ps, js / 2 + Ps / 2], l = (s + c) / 2;
-			return /* @__PURE__ */ I("g", {
+			n += Math.max(i, 1) + Fs, r += i;
+			let [s, c] = t ? [Is, Ns / 2 - Is / 2] : [Ns - Is, Ns / 2 + Is / 2], l = (s + c) / 2;
+			return /* @__PURE__ */ R("g", {
 				class: "flow " + (t ? "gives" : "takes"),
 				onClick: () => f(e.node),
 				children: [
-					/* @__PURE__ */ I("path", { d: `M${s},${a}C${l},${a} ${l},${o} ${c},${o}V${o + i}C${l},${o + i} ${l},${a + i} ${s},${a + i}Z` }),
-					/* @__PURE__ */ I("rect", {
-						x: t ? 0 : js - Ps,
+					/* @__PURE__ */ R("path", { d: `M${s},${a}C${l},${a} ${l},${o} ${c},${o}V${o + i}C${l},${o + i} ${l},${a + i} ${s},${a + i}Z` }),
+					/* @__PURE__ */ R("rect", {
+						x: t ? 0 : Ns - Is,
 						y: a,
-						width: Ps,
+						width: Is,
 						height: Math.max(i, 1)
 					}),
-					/* @__PURE__ */ I("text", {
-						x: t ? Ps + 4 : js - Ps - 4,
+					/* @__PURE__ */ R("text", {
+						x: t ? Is + 4 : Ns - Is - 4,
 						y: a + Math.max(i, 1) / 2 + 4,
 						"text-anchor": t ? "start" : "end",
 						children: e.node.name
@@ -6407,78 +6407,78 @@ function Is({ store: e, state: t }) {
 			});
 		});
 	};
-	return /* @__PURE__ */ I("section", {
+	return /* @__PURE__ */ R("section", {
 		class: "power-panel",
 		children: [
-			/* @__PURE__ */ I("h2", { children: ["Power at t = ", z(t.cursor.t, "s")] }),
-			a.length > 0 ? /* @__PURE__ */ I("svg", {
+			/* @__PURE__ */ R("h2", { children: ["Power at t = ", B(t.cursor.t, "s")] }),
+			a.length > 0 ? /* @__PURE__ */ R("svg", {
 				class: "sankey",
-				viewBox: `0 0 ${js} ${u}`,
+				viewBox: `0 0 ${Ns} ${u}`,
 				role: "img",
 				"aria-label": `Sankey diagram: ${o.map((e) => e.node.name).join(", ")} give, ${s.map((e) => e.node.name).join(", ")} take`,
 				children: [
 					p(o, !0),
 					p(s, !1),
-					/* @__PURE__ */ I("rect", {
+					/* @__PURE__ */ R("rect", {
 						class: "middle-bar",
-						x: js / 2 - Ps / 2,
+						x: Ns / 2 - Is / 2,
 						y: 4,
-						width: Ps,
+						width: Is,
 						height: l * d
 					})
 				]
-			}) : /* @__PURE__ */ I("p", {
+			}) : /* @__PURE__ */ R("p", {
 				class: "hint",
 				children: "No power flows."
 			}),
-			/* @__PURE__ */ I("table", { children: [/* @__PURE__ */ I("thead", { children: /* @__PURE__ */ I("tr", { children: [
-				/* @__PURE__ */ I("th", {
+			/* @__PURE__ */ R("table", { children: [/* @__PURE__ */ R("thead", { children: /* @__PURE__ */ R("tr", { children: [
+				/* @__PURE__ */ R("th", {
 					scope: "col",
 					children: "element"
 				}),
-				/* @__PURE__ */ I("th", {
+				/* @__PURE__ */ R("th", {
 					scope: "col",
 					children: "does"
 				}),
-				/* @__PURE__ */ I("th", {
+				/* @__PURE__ */ R("th", {
 					scope: "col",
 					children: "power"
 				})
-			] }) }), /* @__PURE__ */ I("tbody", { children: a.map((e) => /* @__PURE__ */ I("tr", {
+			] }) }), /* @__PURE__ */ R("tbody", { children: a.map((e) => /* @__PURE__ */ R("tr", {
 				class: t.nodes.has(e.node.name) ? "chosen" : "",
 				children: [
-					/* @__PURE__ */ I("td", { children: /* @__PURE__ */ I("button", {
+					/* @__PURE__ */ R("td", { children: /* @__PURE__ */ R("button", {
 						class: "link",
 						onClick: () => f(e.node),
 						children: e.node.name
 					}) }),
-					/* @__PURE__ */ I("td", { children: (As[e.node.kind] ?? ["gives", "takes"])[+(e.power > 0)] }),
-					/* @__PURE__ */ I("td", {
+					/* @__PURE__ */ R("td", { children: (Ms[e.node.kind] ?? ["gives", "takes"])[+(e.power > 0)] }),
+					/* @__PURE__ */ R("td", {
 						class: "figure",
-						children: z(Math.abs(e.power), "W")
+						children: B(Math.abs(e.power), "W")
 					})
 				]
 			})) })] }),
-			r.length > 0 && /* @__PURE__ */ I("p", {
+			r.length > 0 && /* @__PURE__ */ R("p", {
 				class: "hint",
 				children: ["not determined: ", r.join(", ")]
 			}),
-			/* @__PURE__ */ I("p", {
+			/* @__PURE__ */ R("p", {
 				class: "hint",
 				children: [
 					"supplied and given back ",
-					z(c(o), "W"),
+					B(c(o), "W"),
 					", taken ",
-					z(c(s), "W")
+					B(c(s), "W")
 				]
 			})
 		]
 	});
 }
 // src/splitter.tsx
-function Ls(e) {
+function zs(e) {
 	let t = (t) => e.onChange(Math.round(Math.max(e.least, Math.min(e.most, t))));
-	return /* @__PURE__ */ I("div", {
+	return /* @__PURE__ */ R("div", {
 		class: "splitter " + (e.upright ? "upright" : "level"),
 		role: "separator",
 		tabindex: 0,
@@ -6507,9 +6507,9 @@ function Ls(e) {
 	});
 }
 // src/schematic.tsx
-function Rs({ store: e, state: t }) {
+function Bs({ store: e, state: t }) {
 	let [n, r] = H(null), [i, a] = H(""), o = t.look, s = o.view.nodes.map((e) => `${e.x},${e.y}`).join(" ");
-	dt(() => {
+	pt(() => {
 		let t = !1;
 		return e.transport.ask("schematic", { level: o.view.path }).then((e) => {
 			t || (r(e), a(""));
@@ -6541,32 +6541,32 @@ function Rs({ store: e, state: t }) {
 		let i = o.view.nodes.find((e) => e.name === r);
 		n === "part" && i?.kind === "part" && i.known && e.open(t.level ? `${t.level}.${r}` : r);
 	};
-	return /* @__PURE__ */ I("section", {
+	return /* @__PURE__ */ R("section", {
 		class: "schematic",
 		"aria-label": "Schematic",
-		children: [i && /* @__PURE__ */ I("p", {
+		children: [i && /* @__PURE__ */ R("p", {
 			class: "hint",
 			children: i
-		}), n && /* @__PURE__ */ I("svg", {
+		}), n && /* @__PURE__ */ R("svg", {
 			viewBox: `0 0 ${n.width} ${n.height}`,
 			style: { maxWidth: `${n.width * 1.6}px` },
 			role: "img",
 			"aria-label": `Schematic: ${n.groups.filter((e) => e.name === "part").map((e) => e.key).join(", ")}`,
-			children: n.groups.map((e) => /* @__PURE__ */ I("g", {
+			children: n.groups.map((e) => /* @__PURE__ */ R("g", {
 				class: e.name + (l(e.name, e.key) ? " selected" : ""),
 				"data-schematic": e.key,
 				onClick: (t) => u(t, e.name, e.key),
 				onDblClick: () => d(e.name, e.key),
-				children: [e.about && /* @__PURE__ */ I("title", { children: e.about }), e.marks.map((e) => e.d === void 0 ? /* @__PURE__ */ I("text", {
+				children: [e.about && /* @__PURE__ */ R("title", { children: e.about }), e.marks.map((e) => e.d === void 0 ? /* @__PURE__ */ R("text", {
 					class: e.role,
 					x: e.x,
 					y: e.y,
 					"text-anchor": e.anchor,
 					children: e.text
-				}) : /* @__PURE__ */ I(x, { children: [/* @__PURE__ */ I("path", {
+				}) : /* @__PURE__ */ R(x, { children: [/* @__PURE__ */ R("path", {
 					class: "reach",
 					d: e.d
-				}), /* @__PURE__ */ I("path", {
+				}), /* @__PURE__ */ R("path", {
 					class: e.role,
 					d: e.d
 				})] }))]
@@ -6575,7 +6575,7 @@ function Rs({ store: e, state: t }) {
 	});
 }
 // src/app.tsx
-var zs = [
+var Vs = [
 	["item", "Properties"],
 	["machines", "Machines"],
 	["model", "Model"],
@@ -6584,7 +6584,7 @@ var zs = [
 	["text", "Text"],
 	["equations", "Equations"],
 	["power", "Power"]
-], Bs = class extends S {
+], Hs = class extends S {
 	state = this.props.store.state;
 	stop = () => {};
 	componentDidMount() {
@@ -6627,39 +6627,39 @@ var zs = [
 	};
 	render({ store: e }, t) {
 		let n = t.look;
-		if (!n) return /* @__PURE__ */ I("div", {
+		if (!n) return /* @__PURE__ */ R("div", {
 			class: "studio loading",
 			role: "status",
 			children: t.connected ? "Opening …" : "Connecting …"
 		});
 		let r = t.dark === null ? "" : t.dark ? " dark" : " light", i = n.problems.filter((e) => e.grave === "error").length, a = n.problems.length - i, o = [...t.nodes, ...[...t.bonds].map((e) => n.view.bonds.find((t) => t.key === e)?.text)].join(", ");
-		return /* @__PURE__ */ I("main", {
+		return /* @__PURE__ */ R("main", {
 			class: "studio" + r + (t.bottom ? " withbottom" : ""),
 			style: `--side: ${t.room.side}px; --low: ${t.room.low ? `${t.room.low}px` : "44%"}`,
 			children: [
-				/* @__PURE__ */ I(Hs, {
+				/* @__PURE__ */ R(Ws, {
 					store: e,
 					state: t,
 					errors: i
 				}),
-				/* @__PURE__ */ I("div", {
+				/* @__PURE__ */ R("div", {
 					class: "middle",
 					children: [
-						/* @__PURE__ */ I(gn, {
+						/* @__PURE__ */ R(vn, {
 							store: e,
 							state: t
 						}),
-						/* @__PURE__ */ I("div", {
+						/* @__PURE__ */ R("div", {
 							class: "canvases" + (t.schematic ? " two" : ""),
-							children: [/* @__PURE__ */ I(Ke, {
+							children: [/* @__PURE__ */ R(qe, {
 								store: e,
 								state: t
-							}), t.schematic && /* @__PURE__ */ I(Rs, {
+							}), t.schematic && /* @__PURE__ */ R(Bs, {
 								store: e,
 								state: t
 							})]
 						}),
-						/* @__PURE__ */ I(Ls, {
+						/* @__PURE__ */ R(zs, {
 							upright: !0,
 							label: "Width of the panels",
 							value: t.room.side,
@@ -6671,60 +6671,60 @@ var zs = [
 								side: n
 							} })
 						}),
-						/* @__PURE__ */ I("aside", {
+						/* @__PURE__ */ R("aside", {
 							class: "side" + (t.panel === "side" ? " open" : ""),
 							"aria-label": "Panels",
-							children: [/* @__PURE__ */ I("div", {
+							children: [/* @__PURE__ */ R("div", {
 								class: "tabs",
 								role: "tablist",
 								"aria-label": "Panels",
-								children: zs.map(([r, a]) => /* @__PURE__ */ I("button", {
+								children: Vs.map(([r, a]) => /* @__PURE__ */ R("button", {
 									role: "tab",
 									id: `tab-${r}`,
 									"aria-controls": "panel",
 									"aria-selected": t.tab === r,
 									onClick: () => e.set({ tab: r }),
-									children: [a, r === "problems" && n.problems.length > 0 && /* @__PURE__ */ I("span", {
+									children: [a, r === "problems" && n.problems.length > 0 && /* @__PURE__ */ R("span", {
 										class: "count" + (i ? " error" : ""),
 										children: n.problems.length
 									})]
 								}))
-							}), /* @__PURE__ */ I("div", {
+							}), /* @__PURE__ */ R("div", {
 								class: "panel",
 								id: "panel",
 								role: "tabpanel",
 								"aria-labelledby": `tab-${t.tab}`,
 								tabindex: 0,
 								children: [
-									t.tab === "item" && /* @__PURE__ */ I(Pt, {
+									t.tab === "item" && /* @__PURE__ */ R(It, {
 										store: e,
 										state: t
 									}),
-									t.tab === "machines" && /* @__PURE__ */ I(Xt, {
+									t.tab === "machines" && /* @__PURE__ */ R(Qt, {
 										store: e,
 										state: t
 									}),
-									t.tab === "model" && /* @__PURE__ */ I(ln, {
+									t.tab === "model" && /* @__PURE__ */ R(un, {
 										store: e,
 										state: t
 									}),
-									t.tab === "problems" && /* @__PURE__ */ I(fn, {
+									t.tab === "problems" && /* @__PURE__ */ R(mn, {
 										store: e,
 										state: t
 									}),
-									t.tab === "table" && /* @__PURE__ */ I(pn, {
+									t.tab === "table" && /* @__PURE__ */ R(hn, {
 										store: e,
 										state: t
 									}),
-									t.tab === "text" && /* @__PURE__ */ I(mn, {
+									t.tab === "text" && /* @__PURE__ */ R(gn, {
 										store: e,
 										state: t
 									}),
-									t.tab === "equations" && /* @__PURE__ */ I(Ot, {
+									t.tab === "equations" && /* @__PURE__ */ R(At, {
 										store: e,
 										state: t
 									}),
-									t.tab === "power" && /* @__PURE__ */ I(Is, {
+									t.tab === "power" && /* @__PURE__ */ R(Rs, {
 										store: e,
 										state: t
 									})
@@ -6733,10 +6733,10 @@ var zs = [
 						})
 					]
 				}),
-				t.bottom && /* @__PURE__ */ I("div", {
+				t.bottom && /* @__PURE__ */ R("div", {
 					class: "bottom",
 					children: [
-						/* @__PURE__ */ I(Ls, {
+						/* @__PURE__ */ R(zs, {
 							upright: !1,
 							label: "Height of the plots",
 							value: t.room.low || 320,
@@ -6748,31 +6748,31 @@ var zs = [
 								low: n
 							} })
 						}),
-						t.sweep ? /* @__PURE__ */ I(W, {
+						t.sweep ? /* @__PURE__ */ R(sn, {
 							store: e,
 							state: t
-						}) : /* @__PURE__ */ I(Ss, {
+						}) : /* @__PURE__ */ R(ws, {
 							store: e,
 							state: t
 						}),
-						/* @__PURE__ */ I(Ct, {
+						/* @__PURE__ */ R(Tt, {
 							store: e,
 							state: t
 						})
 					]
 				}),
-				/* @__PURE__ */ I("footer", { children: [
-					/* @__PURE__ */ I("span", {
+				/* @__PURE__ */ R("footer", { children: [
+					/* @__PURE__ */ R("span", {
 						id: "chosen",
 						role: "status",
 						"aria-live": "polite",
 						children: o || (n.whole ? "" : "strokes of what is joined so far")
 					}),
-					/* @__PURE__ */ I(Vs, {
+					/* @__PURE__ */ R(Us, {
 						store: e,
 						state: t
 					}),
-					/* @__PURE__ */ I("button", {
+					/* @__PURE__ */ R("button", {
 						class: "verdict" + (i ? " error" : a ? " hint" : ""),
 						onClick: () => e.set({
 							tab: "problems",
@@ -6780,34 +6780,34 @@ var zs = [
 						}),
 						children: i ? `${i} ${i === 1 ? "problem" : "problems"}: ${n.problems[0].code} ${n.problems[0].where}` : a ? `${a} hint${a > 1 ? "s" : ""}` : "fine"
 					}),
-					/* @__PURE__ */ I("button", {
+					/* @__PURE__ */ R("button", {
 						class: "verdict",
 						"aria-pressed": t.bottom,
 						onClick: () => e.set({ bottom: !t.bottom }),
 						children: "plots"
 					})
 				] }),
-				t.adding && n.view.editable && /* @__PURE__ */ I(_n, {
+				t.adding && n.view.editable && /* @__PURE__ */ R(yn, {
 					store: e,
 					state: t
 				}),
-				t.notice && /* @__PURE__ */ I("div", {
+				t.notice && /* @__PURE__ */ R("div", {
 					class: "notice",
 					role: "alert",
 					children: [
-						/* @__PURE__ */ I("b", { children: t.notice.code }),
+						/* @__PURE__ */ R("b", { children: t.notice.code }),
 						" ",
-						t.notice.where && /* @__PURE__ */ I("i", { children: [t.notice.where, ": "] }),
+						t.notice.where && /* @__PURE__ */ R("i", { children: [t.notice.where, ": "] }),
 						t.notice.why,
-						t.notice.try && /* @__PURE__ */ I("em", { children: [" Try: ", t.notice.try] }),
-						/* @__PURE__ */ I("button", {
+						t.notice.try && /* @__PURE__ */ R("em", { children: [" Try: ", t.notice.try] }),
+						/* @__PURE__ */ R("button", {
 							"aria-label": "Close this message",
 							onClick: () => e.set({ notice: null }),
 							children: "✕"
 						})
 					]
 				}),
-				!t.connected && /* @__PURE__ */ I("div", {
+				!t.connected && /* @__PURE__ */ R("div", {
 					class: "notice",
 					role: "alert",
 					children: "The studio does not answer. What you did is in the file; trying again …"
@@ -6816,79 +6816,79 @@ var zs = [
 		});
 	}
 };
-function Vs({ store: e, state: t }) {
+function Us({ store: e, state: t }) {
 	let n = t.look.machines, r = t.cursor?.mode;
-	return n.length ? /* @__PURE__ */ I("span", {
+	return n.length ? /* @__PURE__ */ R("span", {
 		class: "modes",
 		children: [
-			t.cursor && /* @__PURE__ */ I("b", { children: [
+			t.cursor && /* @__PURE__ */ R("b", { children: [
 				"t = ",
 				+t.cursor.t.toPrecision(6),
 				" s"
 			] }),
-			n.slice(0, 8).map((t) => /* @__PURE__ */ I("label", { children: [t.path, /* @__PURE__ */ I("select", {
+			n.slice(0, 8).map((t) => /* @__PURE__ */ R("label", { children: [t.path, /* @__PURE__ */ R("select", {
 				"aria-label": `State of ${t.path} that is drawn`,
 				value: r?.[t.path] ?? t.state,
 				onChange: (n) => e.setMode(t.path, n.currentTarget.value),
-				children: t.states.map((e) => /* @__PURE__ */ I("option", { children: e }))
+				children: t.states.map((e) => /* @__PURE__ */ R("option", { children: e }))
 			})] })),
 			n.length > 8 && `and ${n.length - 8} more`
 		]
 	}) : null;
 }
-function Hs({ store: e, state: t, errors: n }) {
+function Ws({ store: e, state: t, errors: n }) {
 	let r = t.look, i = t.running, a = Number(r.panels.experiment.until) || t.run?.until || 1;
-	return /* @__PURE__ */ I("header", { children: [
-		/* @__PURE__ */ I(Us, {
+	return /* @__PURE__ */ R("header", { children: [
+		/* @__PURE__ */ R(Gs, {
 			store: e,
 			state: t
 		}),
-		/* @__PURE__ */ I("h1", {
+		/* @__PURE__ */ R("h1", {
 			title: r.file,
 			children: r.title || r.file
 		}),
-		/* @__PURE__ */ I("span", {
+		/* @__PURE__ */ R("span", {
 			class: "saved" + (r.unsaved ? " error" : ""),
 			role: "status",
 			children: r.unsaved ? `not saved: ${r.unsaved}` : r.inMemory ? "in memory" : r.writable ? "saved" : "read only: open in another studio"
 		}),
-		/* @__PURE__ */ I("span", { class: "spring" }),
-		/* @__PURE__ */ I("button", {
+		/* @__PURE__ */ R("span", { class: "spring" }),
+		/* @__PURE__ */ R("button", {
 			class: "narrow",
 			"aria-label": "Palette",
 			"aria-pressed": t.panel === "palette",
 			onClick: () => e.set({ panel: t.panel === "palette" ? "" : "palette" }),
 			children: "＋"
 		}),
-		/* @__PURE__ */ I("button", {
+		/* @__PURE__ */ R("button", {
 			class: "narrow",
 			"aria-label": "Panels",
 			"aria-pressed": t.panel === "side",
 			onClick: () => e.set({ panel: t.panel === "side" ? "" : "side" }),
 			children: "☰"
 		}),
-		/* @__PURE__ */ I("button", {
+		/* @__PURE__ */ R("button", {
 			title: "Undo (Ctrl+Z)",
 			"aria-label": "Undo",
 			disabled: !r.canUndo,
 			onClick: e.undo,
 			children: "↶"
 		}),
-		/* @__PURE__ */ I("button", {
+		/* @__PURE__ */ R("button", {
 			title: "Redo (Ctrl+Y)",
 			"aria-label": "Redo",
 			disabled: !r.canRedo,
 			onClick: e.redo,
 			children: "↷"
 		}),
-		/* @__PURE__ */ I("button", {
+		/* @__PURE__ */ R("button", {
 			class: "wide",
 			disabled: !r.view.editable || !r.view.nodes.length,
 			title: "Lay out anew; selected elements stay where they are",
 			onClick: () => void e.ask("arrange", { keep: [...t.nodes] }),
 			children: "Arrange"
 		}),
-		/* @__PURE__ */ I("button", {
+		/* @__PURE__ */ R("button", {
 			class: "wide",
 			"aria-pressed": t.schematic,
 			title: "The schematic beside the bond graph",
@@ -6896,22 +6896,22 @@ function Hs({ store: e, state: t, errors: n }) {
 			onClick: () => e.set({ schematic: !t.schematic }),
 			children: "Schematic"
 		}),
-		i ? /* @__PURE__ */ I(x, { children: [/* @__PURE__ */ I("progress", {
+		i ? /* @__PURE__ */ R(x, { children: [/* @__PURE__ */ R("progress", {
 			"aria-label": "Progress of the run",
 			max: a,
 			value: i.t
-		}), /* @__PURE__ */ I("button", {
+		}), /* @__PURE__ */ R("button", {
 			class: "run",
 			onClick: e.cancel,
 			children: "Cancel"
-		})] }) : /* @__PURE__ */ I("button", {
+		})] }) : /* @__PURE__ */ R("button", {
 			class: "run",
 			disabled: n > 0,
 			title: "Run (Ctrl+Enter)",
 			onClick: () => void e.start(),
 			children: "▶ Run"
 		}),
-		/* @__PURE__ */ I("button", {
+		/* @__PURE__ */ R("button", {
 			"aria-label": "Dark or light",
 			title: "Dark or light",
 			onClick: () => e.set({ dark: !(t.dark ?? matchMedia("(prefers-color-scheme: dark)").matches) }),
@@ -6919,7 +6919,7 @@ function Hs({ store: e, state: t, errors: n }) {
 		})
 	] });
 }
-function Us({ store: e, state: t }) {
+function Gs({ store: e, state: t }) {
 	let n = (e) => e.currentTarget.closest("details").removeAttribute("open"), r = (t) => {
 		e.set({
 			level: "",
@@ -6950,79 +6950,79 @@ function Us({ store: e, state: t }) {
 			e.refused(t);
 		}
 	}, o = t.stock;
-	return /* @__PURE__ */ I("details", {
+	return /* @__PURE__ */ R("details", {
 		class: "menu",
-		children: [/* @__PURE__ */ I("summary", {
+		children: [/* @__PURE__ */ R("summary", {
 			"aria-label": "Menu",
 			children: "hybond"
-		}), /* @__PURE__ */ I("div", {
+		}), /* @__PURE__ */ R("div", {
 			class: "sheet",
 			onClick: (e) => e.target.tagName === "BUTTON" && n(e),
 			children: [
-				/* @__PURE__ */ I("button", {
+				/* @__PURE__ */ R("button", {
 					onClick: () => r({}),
 					children: "New model"
 				}),
-				/* @__PURE__ */ I("button", {
+				/* @__PURE__ */ R("button", {
 					onClick: i,
 					children: "Save as …"
 				}),
-				/* @__PURE__ */ I("hr", {}),
+				/* @__PURE__ */ R("hr", {}),
 				[
 					"svg",
 					"pdf",
 					"png",
 					"tex"
-				].map((e) => /* @__PURE__ */ I("button", {
+				].map((e) => /* @__PURE__ */ R("button", {
 					onClick: () => void a(e),
 					children: ["Picture as ", e === "tex" ? "TikZ" : e.toUpperCase()]
 				})),
-				/* @__PURE__ */ I("button", {
+				/* @__PURE__ */ R("button", {
 					onClick: () => void a("svg", !0),
 					children: "Schematic as SVG"
 				}),
-				/* @__PURE__ */ I("hr", {}),
-				/* @__PURE__ */ I("label", { children: [
+				/* @__PURE__ */ R("hr", {}),
+				/* @__PURE__ */ R("label", { children: [
 					"open",
 					" ",
-					/* @__PURE__ */ I("select", {
+					/* @__PURE__ */ R("select", {
 						"aria-label": "Open a file",
 						value: "",
 						onChange: (e) => {
 							r({ file: e.currentTarget.value }), n(e);
 						},
-						children: [/* @__PURE__ */ I("option", {
+						children: [/* @__PURE__ */ R("option", {
 							value: "",
 							children: "a file …"
-						}), o?.files.map((e) => /* @__PURE__ */ I("option", { children: e }))]
+						}), o?.files.map((e) => /* @__PURE__ */ R("option", { children: e }))]
 					})
 				] }),
-				/* @__PURE__ */ I("label", { children: [
+				/* @__PURE__ */ R("label", { children: [
 					"open",
 					" ",
-					/* @__PURE__ */ I("select", {
+					/* @__PURE__ */ R("select", {
 						"aria-label": "Open an example",
 						value: "",
 						onChange: (e) => {
 							r({ example: e.currentTarget.value }), n(e);
 						},
-						children: [/* @__PURE__ */ I("option", {
+						children: [/* @__PURE__ */ R("option", {
 							value: "",
 							children: "an example …"
-						}), o?.examples.map((e) => /* @__PURE__ */ I("option", { children: e }))]
+						}), o?.examples.map((e) => /* @__PURE__ */ R("option", { children: e }))]
 					})
 				] }),
-				/* @__PURE__ */ I("small", { children: ["hybond ", o?.version] })
+				/* @__PURE__ */ R("small", { children: ["hybond ", o?.version] })
 			]
 		})]
 	});
 }
 // src/widget.tsx
-function Ws({ model: e, el: t }) {
+function Ks({ model: e, el: t }) {
 	let n = new Re(), r = new Be(n), i = (e) => n.received(e);
-	return e.on("msg:custom", i), n.connected({ send: (t) => e.send(t) }), t.style.height = `${e.get("height")}px`, t.classList.add("hybond-widget"), F(/* @__PURE__ */ I(Bs, { store: r }), t), r.begin(), () => {
-		e.off("msg:custom", i), F(null, t);
+	return e.on("msg:custom", i), n.connected({ send: (t) => e.send(t) }), t.style.height = `${e.get("height")}px`, t.classList.add("hybond-widget"), L(/* @__PURE__ */ R(Hs, { store: r }), t), r.begin(), () => {
+		e.off("msg:custom", i), L(null, t);
 	};
 }
-var Gs = { render: Ws };
-export { Gs as default, Ws as render };
+var qs = { render: Ks };
+export { qs as default, Ks as render };

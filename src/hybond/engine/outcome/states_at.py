@@ -1,0 +1,89 @@
+"""The state of a run at a time, as a record."""
+
+from __future__ import annotations
+
+import bisect
+
+import numpy as np
+
+from hybond.engine.outcome.beginnings import place_of
+from hybond.engine.outcome.combinations import ALONE, Combination
+from hybond.engine.outcome.signals import Signals
+from hybond.errors import UsageError
+from hybond.model.fingerprint import fingerprint_of
+from hybond.model.graph import FlatGraph, Mode
+from hybond.model.unit_words import unit_of
+from hybond.states import Memory, State
+from hybond.trace import Trace
+
+
+def state_at(graph: FlatGraph, trace: Trace, signals: Signals, t: float | None) -> State:
+    """Return the state of a run at a time, after what happened then; at its end with None.
+
+    At the end it holds all that the run has seen: what goes on from there is as if it had not been
+    interrupted. Elsewhere a run that starts from it has the same motion, within the tolerances.
+
+    Raises
+    ------
+    UsageError
+        HB-S110 for a time outside the run.
+    """
+    tables = signals.tables
+    n = len(graph.storages) + len(graph.integrals)
+    end = _end(trace)
+    if t is None:
+        t = end
+    if not trace.begin <= t <= end:
+        raise UsageError(
+            f"the run goes from {trace.begin:.9g} to {end:.9g} s, not to {t:g} s",
+            code="HB-S110",
+            where="t",
+            hint="ask for a time within it",
+        )
+    many = len(graph.machines)
+    if t == end and trace.carried is not None:
+        number, place = trace.carried
+        y, mode = number[1 : 1 + n].tolist(), tuple(place[:many].tolist())
+        landed = tuple(m.path for m, k in zip(graph.machines, place[many:].tolist()) if k >= 0)
+        deep = True
+    else:
+        y, mode, landed, made = _within(graph, trace, signals, t)
+        number = np.array([t, *y])
+        place = place_of(tables, mode, landed, made.surfaces, product=made.product)
+        deep = False
+    memory = Memory(
+        fingerprint_of(graph),
+        float(tables.numbers["span"]),
+        tuple(number.tolist()),
+        tuple(place.tolist()),
+        deep,
+    )
+    stored = {s.path: y[s.index] for s in graph.storages}
+    rest = {i.path: y[len(graph.storages) + i.index] for i in graph.integrals}
+    assert graph.read is not None
+    units = {path: unit_of(graph.read(path), graph) for path in (*stored, *rest)}
+    return State(graph.name, t, stored, rest, graph.mode_names(mode), landed, units, memory)
+
+
+def _end(trace: Trace) -> float:
+    if trace.segments:
+        return float(trace.segments[-1].t[-1])
+    return trace.events.times[-1] if trace.events else trace.begin
+
+
+def _within(
+    graph: FlatGraph, trace: Trace, signals: Signals, t: float
+) -> tuple[list[float], Mode, tuple[str, ...], Combination]:
+    n = len(graph.storages) + len(graph.integrals)
+    events = trace.events
+    k = bisect.bisect_right(trace.segments.times, t) - 1
+    last = events[-1] if events else None
+    if last is not None and (k < 0 or (t == last.t and t == float(trace.segments[-1].t[-1]))):
+        # an event at the very end starts no segment
+        return last.after[:n].tolist(), last.steps[-1].mode, last.landed, ALONE
+    segment = trace.segments[max(k, 0)]
+    if t > segment.t[-1]:
+        state, mode = signals.rest(segment, t)
+        return state[:n].tolist(), mode, segment.landed, ALONE
+    made = segment.combined if isinstance(segment.combined, Combination) else ALONE
+    return segment.at(t)[:n].tolist(), segment.mode, segment.landed, made

@@ -1,0 +1,312 @@
+"""What a run hands to one that goes on from where it ended: the state, and what it remembers.
+
+One walk writes the numbers down and reads them back, so that the two cannot differ. First comes
+what any run can begin with: time, state, mode, what has landed, surfaces slid on. Then what this
+run has seen and thresholds are measured by: sizes, impacts, the size of steps. What can be found
+anew from these, as equations of modes, is found anew.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from hybond.engine.algebra.blocks import (
+    Block,
+    Places,
+    grow_block,
+    grow_places,
+    make_block,
+    make_places,
+)
+from hybond.engine.contacts.landing_records import CROWD, LAST_TIMES
+from hybond.engine.contacts.rest import find_moved
+from hybond.engine.engine import OK, Engine
+from hybond.engine.inputs.interval import is_due
+from hybond.engine.instant.instant import CHANGE, SAMPLE, START, TIME
+from hybond.engine.instant.trial import a_priori
+from hybond.engine.methods.flow_records import AUTO
+from hybond.engine.methods.stepping import by_radau
+from hybond.engine.methods.stiffness import turn
+from hybond.engine.run.run_records import FRESH, GIVEN, GOES_ON, Run
+from hybond.engine.sliding.branches import choose_anew
+from hybond.engine.timestepping.step_records import MOREAU
+from hybond.engine.words import Floats, Ints, record
+
+OWN_FLOATS: Final = 3
+OWN_INTS: Final = 1
+STEP_FLOATS: Final = 7
+STEP_INTS: Final = 6
+
+
+@record
+class Carrier:
+    """Numbers on their way: into a run with `puts`, else out of it; and how many went."""
+
+    puts: bool
+    floats: int
+    number: Block
+    ints: int
+    place: Places
+
+
+def make_carrier(e: Engine) -> Carrier:
+    """Return one that has nothing."""
+    c = Carrier()
+    c.number = make_block(e.states + 1)
+    c.place = make_places(e.model.machines + 1)
+    return c
+
+
+def carry_floats(c: Carrier, n: int, row: Floats) -> None:
+    """Carry a row of numbers."""
+    grow_block(c.number, c.floats + n)
+    for k in range(n):
+        if c.puts:
+            row[k] = c.number.at[c.floats + k]
+        else:
+            c.number.at[c.floats + k] = row[k]
+    c.floats += n
+
+
+def carry_ints(c: Carrier, n: int, row: Ints) -> None:
+    """Carry a row of whole numbers."""
+    grow_places(c.place, c.ints + n)
+    for k in range(n):
+        if c.puts:
+            row[k] = c.place.at[c.ints + k]
+        else:
+            c.place.at[c.ints + k] = row[k]
+    c.ints += n
+
+
+def machines_carried(e: Engine) -> int:
+    """Return how many machines there are beside the last one, if it is there to end the run."""
+    return e.model.ends if e.model.ends >= 0 else e.model.machines
+
+
+def carry_state(e: Engine, c: Carrier) -> None:
+    """Carry what any run can begin with."""
+    m = e.model
+    s = e.slide
+    grow_block(c.number, c.floats + 1)
+    if c.puts:
+        e.t = c.number.at[c.floats]
+    else:
+        c.number.at[c.floats] = e.t
+    c.floats += 1
+    carry_floats(c, e.states, e.y)
+    carry_ints(c, machines_carried(e), e.state)
+    carry_ints(c, machines_carried(e), e.landings.landed)
+    grow_places(c.place, c.ints + m.surfaces + 1)
+    if c.puts:
+        s.many = 0
+        s.slid_product = c.place.at[c.ints + m.surfaces] != 0
+    for k in range(m.surfaces):
+        if c.puts and c.place.at[c.ints + k] != 0:
+            s.surface[s.many] = k
+            s.many += 1
+        elif not c.puts:
+            c.place.at[c.ints + k] = 0
+    for k in range(s.many):
+        if not c.puts:
+            c.place.at[c.ints + s.surface[k]] = 1
+    if not c.puts:
+        c.place.at[c.ints + m.surfaces] = 1 if s.slid_product else 0
+    c.ints += m.surfaces + 1
+
+
+def carry_memory(e: Engine, r: Run, c: Carrier) -> None:
+    """Carry what the run has seen."""
+    m = e.model
+    g = e.landings
+    many = machines_carried(e)
+    carry_floats(c, e.states, e.largest_state)
+    carry_floats(c, m.classes, e.largest)
+    carry_floats(c, m.classes, e.checks.largest)
+    if m.laws > 0:
+        carry_floats(c, m.ports, e.laws.largest)
+        carry_floats(c, m.ports, e.laws.largest_limit)
+    carry_floats(c, LAST_TIMES * many, g.times)
+    carry_floats(c, LAST_TIMES * many, g.others)
+    carry_floats(c, many, g.since)
+    carry_floats(c, many, g.speed)
+    carry_floats(c, many, g.flight)
+    carry_floats(c, CROWD, g.event_times)
+    carry_floats(c, m.disks, e.planar.largest)
+    carry_floats(c, m.disks, e.planar.ever)
+    carry_ints(c, many, g.kept)
+    carry_ints(c, many, g.count)
+    carry_ints(c, many, g.known)
+    carry_ints(c, many, g.other_kept)
+    carry_ints(c, m.reactions, g.sign)
+    carry_ints(c, m.storages, g.held)
+    carry_own(e, r, c)
+    carry_step(e, r, c)
+
+
+def carry_own(e: Engine, r: Run, c: Carrier) -> None:
+    """Carry single numbers."""
+    own = c.floats
+    places = c.ints
+    grow_block(c.number, own + OWN_FLOATS)
+    grow_places(c.place, places + OWN_INTS)
+    c.floats += OWN_FLOATS
+    c.ints += OWN_INTS
+    if c.puts:
+        e.energy = c.number.at[own]
+        e.scale_energy = c.number.at[own + 1]
+        e.sampled_at = c.number.at[own + 2]
+        e.landings.events = c.place.at[places]
+        return
+    c.number.at[own] = e.energy
+    c.number.at[own + 1] = e.scale_energy
+    c.number.at[own + 2] = e.sampled_at
+    c.place.at[places] = e.landings.events
+
+
+def carry_step(e: Engine, r: Run, c: Carrier) -> None:
+    """Carry the step that the end of the run has cut short, if it was one, and how it began."""
+    s = e.step
+    own = c.floats
+    places = c.ints
+    grow_block(c.number, own + STEP_FLOATS)
+    grow_places(c.place, places + STEP_INTS)
+    c.floats += STEP_FLOATS
+    c.ints += STEP_INTS
+    if c.puts:
+        r.warm_t = c.number.at[own]
+        r.warm_h = c.number.at[own + 1]
+        r.warm_error = c.number.at[own + 2]
+        r.warm_grid = c.number.at[own + 3]
+        r.warm_next = c.number.at[own + 4]
+        # by another method, or with other steps, it would not be the same one
+        same = (
+            c.number.at[own + 5] == float(e.model.method) and c.number.at[own + 6] == e.model.step
+        )
+        sound = r.warm_h > 0.0 or r.warm_next > 0.0
+        sound = sound and r.warm_t < e.t and r.warm_h < math.inf and r.warm_next < math.inf
+        r.warm = same and sound and c.place.at[places] != 0
+        r.warm_implicit = c.place.at[places + 1] != 0
+        s.bound = c.place.at[places + 2]
+        s.free = c.place.at[places + 3]
+        s.long_bound = c.place.at[places + 4]
+        s.long_free = c.place.at[places + 5]
+        carry_floats(c, e.states, r.warm_y)
+        carry_floats(c, e.model.storages, r.warm_rounding)
+        return
+    c.number.at[own] = s.t0
+    c.number.at[own + 1] = s.h_asked
+    c.number.at[own + 2] = s.error_asked
+    c.number.at[own + 3] = s.grid
+    c.number.at[own + 4] = s.grid_asked
+    c.number.at[own + 5] = float(e.model.method)
+    c.number.at[own + 6] = e.model.step
+    c.place.at[places] = 1 if r.cut else 0
+    c.place.at[places + 1] = 1 if s.implicit else 0
+    c.place.at[places + 2] = s.bound
+    c.place.at[places + 3] = s.free
+    c.place.at[places + 4] = s.long_bound
+    c.place.at[places + 5] = s.long_free
+    carry_floats(c, e.states, s.y0)
+    carry_floats(c, e.model.storages, e.rounding)
+
+
+def take_out(e: Engine, r: Run, c: Carrier) -> None:
+    """Write down where a run has come, with all that it remembers."""
+    c.puts = False
+    c.floats = 0
+    c.ints = 0
+    carry_state(e, c)
+    carry_memory(e, r, c)
+
+
+def take_over(e: Engine, r: Run, c: Carrier, way: int, until: float, deep: bool) -> None:
+    """Let a run that has not begun begin with these numbers, the memory of another with `deep`."""
+    e.until = until
+    e.stop = until
+    e.span = e.model.span
+    r.way = way
+    c.puts = True
+    c.floats = 0
+    c.ints = 0
+    for k in range(e.model.machines):
+        e.state[k] = e.model.start[k]
+    carry_state(e, c)
+    if deep:
+        carry_memory(e, r, c)
+    r.remembers = deep
+    r.resumed = e.t
+
+
+def cause_of_beginning(e: Engine, r: Run) -> int:
+    """Return what the first instant of a run is."""
+    m = e.model
+    if r.way == FRESH or r.way == GIVEN:
+        return START
+    if r.way != GOES_ON:
+        return CHANGE
+    for k in range(m.samples):
+        if is_due(m, k, e.t):
+            return SAMPLE
+    return TIME
+
+
+def take_up(e: Engine, r: Run) -> int:
+    """Know again what is at rest, and how the method went on, before a first instant is settled."""
+    m = e.model
+    g = e.landings
+    if m.slides == 0:
+        e.slide.many = 0
+    if e.slide.many > 0:
+        choose_anew(e)
+    for k in range(m.machines):
+        e.landed[k] = 1 if g.landed[k] >= 0 else 0
+        g.any_landed = g.any_landed or g.landed[k] >= 0
+    if m.method == AUTO and r.warm_implicit != e.step.implicit:
+        turn(e)
+    if not g.any_landed or r.remembers:
+        return OK
+    for k in range(m.storages):
+        g.x[k] = e.y[k]
+    for k in range(m.integrals):
+        g.s[k] = e.y[m.storages + k]
+    found = a_priori(e, e.t, g.x, g.s, e.state)
+    if found != OK:
+        return found
+    for k in range(m.machines):
+        know_signs(e, g.landed[k])
+    find_moved(e, g.held)
+    return OK
+
+
+def know_signs(e: Engine, contact: int) -> None:
+    """Find the signs of the reactions of a contact at rest: those of what it carries."""
+    m = e.model
+    if contact < 0:
+        return
+    for j in range(m.reaction_first[contact], m.reaction_first[contact + 1]):
+        force = e.pre[m.bond_slot + m.reaction_column[j]]
+        e.landings.sign[j] = 0 if force == 0.0 else (1 if force > 0.0 else -1)
+
+
+def begin_again(e: Engine, r: Run) -> bool:
+    """Go back to where the step began that the end of the run before has cut short, if one was."""
+    if not r.warm or r.way != GOES_ON or by_radau(e) or e.model.method >= MOREAU:
+        r.warm = False
+        return False
+    e.t = r.warm_t
+    for k in range(e.states):
+        e.y[k] = r.warm_y[k]
+    return True
+
+
+def warm_up(e: Engine, r: Run) -> None:
+    """Let the step be what it would have been if the end of the run had not cut it short."""
+    r.warm = False
+    e.step.h = r.warm_h
+    e.step.error_before = r.warm_error
+    e.step.grid = r.warm_grid
+    e.step.grid_next = r.warm_next
+    for k in range(e.model.storages):
+        e.rounding[k] = r.warm_rounding[k]

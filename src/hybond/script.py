@@ -1,0 +1,310 @@
+"""Runs by a script: step after step, each with what is set at its beginning and what ends it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybond.blocks.runners import runners_of
+from hybond.calls import called
+from hybond.engine.outcome.beginnings import CHANGED, GOES_ON, Beginning, beginning_by_name
+from hybond.engine.outcome.engine_run import EngineRun
+from hybond.engine.outcome.engines import choose_engine, prepared
+from hybond.engine.outcome.signals import Signals
+from hybond.engine.outcome.steps_run import StepsRun
+from hybond.engine.tables.bands import banded
+from hybond.engine.tables.options import settings_of
+from hybond.errors import HybondError, UsageError
+from hybond.model.builder import Model
+from hybond.model.given import check_model
+from hybond.model.graph import FlatGraph
+from hybond.model.kept import kept_graph, kind_of
+from hybond.model.parts import Value
+from hybond.names import did_you_mean
+from hybond.progress import Asked, shown
+from hybond.result import Result, Status
+from hybond.run_ends import ended
+from hybond.run_options import STEPPING, seconds_of, time_in
+from hybond.script_result import Done, Part, ScriptResult
+from hybond.script_steps import Step, conditions_of, latest_end, steps_of, unrolled
+from hybond.simulation import Start, begun, notices
+from hybond.states import State, load_state
+from hybond.trace import Trace
+
+Vector = NDArray[np.float64]
+STARTS = ("start", "p", "q", "e", "f")
+"""How paths end that say where a model begins."""
+
+
+@called('hb.run_script(model, steps=[hb.Step(until="1 s")])')
+def run_script(
+    model: Model,
+    steps: Sequence[Step | Mapping[str, Any]] | None = None,
+    *,
+    limit: float | str | None = None,
+    start: Start = None,
+    parameters: Mapping[str, Value] | None = None,
+    progress: Asked = None,
+    on_error: Literal["raise", "return"] = "raise",
+    engine: Literal["library", "python"] | None = None,
+    fmus: bool = False,
+    **options: Any,
+) -> ScriptResult:
+    """Run a model by a script, as on a test rig; return one run.
+
+    Each step sets parameters, values of elements and inputs, which stay so from then on, and ends
+    at a time, after a while, or where a condition holds. The model stays what it is: what would
+    make other parts of it is refused.
+
+    Parameters
+    ----------
+    model : Model
+    steps : sequence of Step
+        Or tables with the same words; by default those of the experiment, `script`.
+    limit : float or str
+        When the script ends at the latest, s or a quantity; by default when the experiment does. A
+        step that ends where a condition holds, and says no time, has until then.
+    start : Result, State, mapping, str or Path
+        Where it begins, as for `simulate`.
+    parameters : mapping
+        Values by dotted path that replace the model's own.
+    progress, on_error, engine, fmus
+        As for `simulate`.
+    **options
+        `solver`, `rtol`, `atol`, `step`, `max_step`, `theta`, `sliding`, `hysteresis`, `impact`,
+        `max_events`, `max_steps`, as for `simulate`.
+
+    Returns
+    -------
+    ScriptResult
+        Its events have the labels of steps; `steps` says when each began and what ended it.
+
+    Raises
+    ------
+    UsageError
+        HB-S140 for a script that makes no sense, HB-S141 for what a step cannot set, HB-S132 for
+        one that may not end.
+    HybondError
+        As `simulate`.
+
+    Examples
+    --------
+    A capacitor is charged until it has 8 V, and rests for a second.
+
+    >>> import hybond as hb
+    >>> m = hb.Model("rc", domain="electrical", parameters={"V": "10 V"})
+    >>> m.add(U=hb.Se("V"), R=hb.R("1 kohm"), C=hb.C("1 mF"), i=hb.One())
+    >>> m.bond("U -> i -> R", "i -> C")
+    >>> charge = hb.Step(until="C.e > 8", label="charge")
+    >>> run = hb.run_script(m, [charge, hb.Step(lasts="1 s", set={"V": "8 V"})], limit="10 s")
+    >>> [(step.ended_by, round(step.t1, 6)) for step in run.steps]
+    [('C.e > 8', 1.609438), ('time', 2.609438)]
+    """
+    check_model(model)
+    base = kept_graph(model, parameters or {})
+    script = steps_of(base.experiment.get("script") if steps is None else steps)
+    todo = list(unrolled(script))
+    own = {**base.experiment, "until": time_in(base.experiment.get("until"))}
+    bound = seconds_of(limit if limit is not None else own["until"], "limit")
+    if isinstance(start, str):
+        start = load_state(start)
+    latest = _latest(todo, bound, start)
+    if own["until"] is None:
+        own.pop("until")
+    settings, band = settings_of(own, latest, **options)
+    writes = _Writing(model, base, parameters or {}, todo)
+    maker = choose_engine(engine)
+    first = base if band is None else banded(base, band)
+    given = start if start is not None else base.experiment.get("start")
+    begin, settings = begun(given, first, settings, maker)
+    if begin is None:
+        begin = beginning_by_name({}, first, prepared(first, settings, maker).tables)
+    runners = runners_of(base, fmus=fmus)
+    parts: list[Part] = []
+    done: list[Done] = []
+    status: Status = "ok"
+    failure: HybondError | None = None
+    try:
+        with shown(progress, latest) as shows:
+            for k, step in enumerate(todo):
+                graph = writes.graph(step)
+                if band is not None:
+                    graph = banded(graph, band)
+                end = latest_end(step, begin.t, bound)
+                assert end is not None
+                if end <= begin.t:
+                    raise UsageError(
+                        f"step {k + 1} begins at {begin.t:.9g} s and ends at {end:.9g} s",
+                        code="HB-S140",
+                        where=f"steps[{k}].until",
+                        hint="until is a time since the start of the run; lasts is how long",
+                    )
+                runs_with = ended(graph, conditions_of(step))
+                plain = prepared(graph, settings, maker)
+                run: EngineRun | StepsRun
+                if settings.solver in STEPPING:
+                    run = StepsRun(
+                        runs_with, settings, maker, progress=shows, runners=runners,
+                        begin=begin, until=end, shown=plain,
+                    )  # fmt: skip
+                else:
+                    run = EngineRun(
+                        prepared(runs_with, settings, maker), progress=shows, runners=runners,
+                        begin=begin, until=end, shown=plain,
+                    )  # fmt: skip
+                run.trace.engine = maker.said
+                assert isinstance(run.trace.signals, Signals)
+                parts.append(Part(graph, run.trace, run.trace.signals))
+                status, failure = _went(run, graph)
+                done.append(_done(step, run.trace, begin.t, status))
+                if status != "ok" or run.trace.carried is None:
+                    break
+                if run.trace.ended_by == "" and _is_last_chance(step, end, bound):
+                    if k + 1 < len(todo):
+                        run.trace.warn(_over(k, step, end, len(todo)))
+                    break
+                changes = k + 1 < len(todo) and bool(todo[k + 1].set)
+                begin = _next(run.trace, graph, changes=changes)
+    finally:
+        for runner in runners.values():
+            runner.close()
+    for text in notices(base, settings, options.get("impact")):
+        parts[0].trace.warn(text)
+    for warning in base.warnings:
+        parts[0].trace.warn(warning)
+    result = ScriptResult(base, parts, done, status, latest, settings.solver, failure)
+    if failure is not None and on_error == "raise":
+        failure.partial = result
+        raise failure
+    return result
+
+
+def _went(run: EngineRun | StepsRun, graph: FlatGraph) -> tuple[Status, HybondError | None]:
+    try:
+        stopped = run.run() == "accumulation"
+    except KeyboardInterrupt:
+        return "interrupted", None
+    except HybondError as error:
+        return "error", graph.locate(error) if graph.locate is not None else error
+    if run.trace.unsound:
+        from hybond.engine.outcome.unsound import unsound_refusal
+
+        reached = run.trace.segments[-1].t[-1] if run.trace.segments else run.trace.begin
+        return "unsound", unsound_refusal(run.trace.unsound, float(reached))
+    return ("accumulation" if stopped else "ok"), None
+
+
+def _done(step: Step, trace: Trace, t0: float, status: Status) -> Done:
+    t1 = float(trace.segments[-1].t[-1]) if trace.segments else t0
+    ended_by = trace.ended_by or ("time" if status == "ok" else status)
+    return Done(step.label, t0, t1, ended_by, dict(step.set))
+
+
+def _next(trace: Trace, graph: FlatGraph, *, changes: bool) -> Beginning:
+    """Return how the step after this one begins: with something set, or as if nothing was."""
+    assert trace.carried is not None
+    number, place = trace.carried
+    n = len(graph.storages) + len(graph.integrals)
+    return Beginning(number, place, CHANGED if changes else GOES_ON, True, n)
+
+
+def _latest(steps: Sequence[Step], bound: float | None, start: Start) -> float:
+    """Return when a script ends at the latest, s."""
+    begin = 0.0
+    if isinstance(start, Result):
+        begin = start.t_end
+    elif isinstance(start, State):
+        begin = start.t
+    latest = begin
+    for k, step in enumerate(steps):
+        end = latest_end(step, latest, bound)
+        if end is None:
+            raise UsageError(
+                f"step {k + 1} ends where {conditions_of(step)[0]!r} holds, and may not end at all",
+                code="HB-S132",
+                where=f"steps[{k}].until",
+                hint='give a time beside it, lasts="10 s", or a limit for the whole script',
+            )
+        latest = max(latest, end)
+    return latest
+
+
+def _is_last_chance(step: Step, end: float, bound: float | None) -> bool:
+    """Whether a step had until the end of the script, and no time of its own."""
+    return bool(conditions_of(step)) and latest_end(step, 0.0, None) is None and end == bound
+
+
+def _over(k: int, step: Step, end: float, many: int) -> str:
+    name = f" ({step.label})" if step.label else ""
+    return (
+        f"the script stopped in step {k + 1} of {many}{name}: {conditions_of(step)[0]!r} did not "
+        f"hold up to its end, t = {end:.9g} s"
+    )
+
+
+class _Writing:
+    """The graphs of a model with what the steps of a script set.
+
+    All that is ever set is so from the beginning, at first to what it was: then the numbers of each
+    step are written into the slots of one graph.
+    """
+
+    def __init__(
+        self,
+        model: Model,
+        base: FlatGraph,
+        parameters: Mapping[str, Value],
+        steps: Sequence[Step],
+    ) -> None:
+        self._model = model
+        self._base = base
+        self._now: dict[str, Value] = dict(parameters)
+        for k, step in enumerate(steps):
+            for path, value in step.set.items():
+                if path.rpartition(".")[2] in STARTS and path not in base.parameters:
+                    raise self._refused(k, path, "it says where the model starts", "a parameter")
+                if path in self._now or path not in base.parameters:
+                    continue
+                kind, _ = kind_of(value)
+                if kind is None:
+                    self._now[path] = float(base.parameters[path])
+                elif not isinstance(kind, str):
+                    self._now[path] = f"{float(base.parameters[path])!r} {kind}"
+        self._k = 0
+
+    def graph(self, step: Step) -> FlatGraph:
+        """Return the model with what a step sets."""
+        k, self._k = self._k, self._k + 1
+        self._now.update(step.set)
+        if not self._now:
+            return self._base
+        try:
+            found = kept_graph(self._model, self._now)
+        except HybondError as error:
+            path = next(iter(step.set), "")
+            raise self._refused(k, path, error.why, error.hint) from None
+        for name in ("nodes", "bonds", "storages", "machines", "integrals", "inputs"):
+            if _said(getattr(found, name)) != _said(getattr(self._base, name)):
+                path = next(iter(step.set), "")
+                raise self._refused(
+                    k, path, "it makes other parts of the model", "what is a number in it"
+                )
+        return found
+
+    @staticmethod
+    def _refused(k: int, path: str, why: str, hint: str) -> UsageError:
+        return UsageError(
+            f"step {k + 1} cannot set {path!r}: {why}",
+            code="HB-S141",
+            where=f"steps[{k}].set.{path}",
+            hint=hint or did_you_mean(path, ()) or "a parameter, the value of an element, an input",
+        )
+
+
+def _said(items: Sequence[Any]) -> list[Any]:
+    """Return what parts there are, without their numbers."""
+    keys = ("path", "kind", "states", "on", "ends", "tail", "head", "controlled")
+    return [[getattr(item, key, None) for key in keys] for item in items]
