@@ -25,7 +25,8 @@ LAYERS = [
     ["progress", "run_ends", "run_options", "states", "trace", "translate"],
     ["engine"],
     ["report"],
-    ["script", "script_result", "script_steps", "simulation", "measures", "result", "analysis", "circuits", "sweep", "export", "draw", "fitting", "testing"],
+    ["script", "script_result", "script_steps", "simulation", "measures", "result"],
+    ["analysis", "circuits", "sweep", "export", "draw", "fitting", "testing"],
     ["studio", "cli"],
 ]
 LAYER = {room: index for index, rooms in enumerate(LAYERS) for room in rooms}
