@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.analysis.sensitivity.collocation import STAGES, Jump, Step, radau
-from hybond.analysis.sensitivity.crossing import crossing
+from hybond.analysis.sensitivity.crossing import NO_CAUSE, crossing
 from hybond.analysis.sensitivity.fields import Field, Fields
 from hybond.analysis.sensitivity.gradients import Compiled
 from hybond.analysis.sensitivity.kinks import jumped, kinks_of
@@ -39,6 +39,19 @@ NOTHING = 1e-5
 HALVINGS = 10
 AT_ONCE = 64
 """Steps whose fields are read together."""
+
+
+UNSEEN = 1e-6
+"""Part by which rates on both sides of an instant without a cause may differ."""
+ENDS = {
+    "accumulation": "impacts accumulated and came to rest",
+    "step": "time-stepping locates no events",
+    "sample": "a value is sampled",
+    "law": "a source jumps onto what is stored",
+    "until": "the run ends where a condition holds, not at a time",
+    "change": "the run was changed from outside",
+}
+"""Causes of events behind which there are no derivatives, and why."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -271,17 +284,15 @@ class _Along:
             raise Undetermined("two events happen at one instant: which comes first would change")
         event = self.run.trace.events[own[0]] if own else None
         number = own[0] if own else None
-        if event is not None and event.cause in ("accumulation", "step", "sample"):
-            raise Undetermined(
-                {
-                    "accumulation": "impacts accumulated and came to rest",
-                    "step": "time-stepping locates no events",
-                    "sample": "a value is sampled",
-                }[event.cause]
-            )
+        if event is not None and event.cause in ENDS:
+            raise Undetermined(ENDS[event.cause])
         end = self.fields.ending(segment, None if event is None else np.asarray(event.before))
         begin = self._begin(following, event)
         found = crossing(self.fields, segment, end, event, following)
+        if found.text == NO_CAUSE:
+            size = np.abs(end.f[0]) + np.abs(begin.f[0])
+            if (np.abs(end.f[0] - begin.f[0]) > UNSEEN * size).any():
+                raise Undetermined("the motion changes, and what became zero was not found")
         jump = switched(self.fields, t, end, found, event, begin)
         self.chain.instants.append(Instant(len(self.chain.links), t, found.text, number))
         self.chain.links.append(jump)

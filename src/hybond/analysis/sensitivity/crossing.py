@@ -29,6 +29,8 @@ LOCATED = 1e-11
 """Part of a time within which the run has located a crossing."""
 GRAZES = 1e-6
 """A speed of crossing below this part of the largest one of the segment is none."""
+NO_CAUSE = "time"
+"""The text of a crossing that nothing but time makes."""
 SAME = 1e-6
 """Part by which two derivatives of an instant may differ and be one."""
 
@@ -81,7 +83,7 @@ def crossing(
         found += _by_time(fields, end, t, close)
     if not found:
         if event is None or event.cause in ("time", "input"):
-            return Crossing(np.zeros(fields.size + len(fields.columns.parameters)), "time")
+            return Crossing(np.zeros(fields.size + len(fields.columns.parameters)), NO_CAUSE)
         raise Undetermined("what became zero at this instant was not found")
     first = found[0]
     for other in found[1:]:
