@@ -94,3 +94,15 @@ def test_what_is_not_followed_is_refused() -> None:
     name = next(k for k, v in held.flatten().parameters.items() if isinstance(v, float))
     with pytest.raises(hb.EquationError, match="HB-A522"):
         hb.sensitivities(held, "1 s", wrt=[name])
+
+
+def test_an_edge_at_the_very_end_has_two_sides() -> None:
+    m = hb.Model("pulses", parameters={"f": 10.0})
+    m.input(u=hb.Input(pwm={"period": "1/f", "duty": 0.5}))
+    m.signal(x=hb.Integral("u"))
+    m.add(s=hb.Se(1.0), r=hb.R(1.0))
+    m.bond("s -> r")
+    s = hb.sensitivities(m, 0.5, wrt=["f"], of=["x"], times=[0.42])
+    assert s.ends == pytest.approx(0.5) and "very end" in s.why
+    # at 0.42, in the fifth pulse since 0.4: x = 4 d/f + (t - 4/f), d = 1/2
+    assert s.at(0.42, "x", "f") == pytest.approx(-4 * 0.5 / 100 + 4 / 100, rel=1e-9)

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.analysis.sensitivity.collocation import STAGES, Jump, Step, radau
-from hybond.analysis.sensitivity.crossing import NO_CAUSE, crossing
+from hybond.analysis.sensitivity.crossing import LOCATED, NO_CAUSE, crossing
 from hybond.analysis.sensitivity.fields import Field, Fields
 from hybond.analysis.sensitivity.gradients import Compiled
 from hybond.analysis.sensitivity.kinks import jumped, kinks_of
@@ -43,6 +43,8 @@ AT_ONCE = 64
 
 UNSEEN = 1e-6
 """Part by which rates on both sides of an instant without a cause may differ."""
+ONE = 1e-4
+"""Part by which the derivatives of two instants may differ and they are one and the same."""
 ENDS = {
     "accumulation": "impacts accumulated and came to rest",
     "step": "time-stepping locates no events",
@@ -157,6 +159,7 @@ class _Along:
         for k, t in enumerate(run.trace.events.times):
             self.events.setdefault(float(t), []).append(k)
         self._now = 0.0
+        self._moves: Vector | None = None
         self.largest = np.zeros((fields.size, len(fields.columns.parameters)))
         p = np.abs(fields.values.found.values)
         self.per_parameter = np.where(p > 0.0, 1.0 / np.where(p > 0.0, p, 1.0), 0.0)
@@ -181,7 +184,7 @@ class _Along:
                 d = self._motion(segment, d)
                 following = segments[k + 1] if k + 1 < len(segments) else None
                 d = self._switch(segment, following, d)
-                if following is None:
+                if following is None or self.chain.ends is not None:
                     break
         except Undetermined as reason:
             self._end(str(reason))
@@ -294,13 +297,27 @@ class _Along:
             if (np.abs(end.f[0] - begin.f[0]) > UNSEEN * size).any():
                 raise Undetermined("the motion changes, and what became zero was not found")
         jump = switched(self.fields, t, end, found, event, begin)
+        moves = jump.moved(d)
+        self._together(segment, moves)
         self.chain.instants.append(Instant(len(self.chain.links), t, found.text, number))
         self.chain.links.append(jump)
         d = jump.forward(d)
         self.largest = np.maximum(self.largest, np.abs(d))
-        if following is None:
+        if t >= (1.0 - LOCATED) * self.run.t_end and moves.any():
+            # one side of it is before the event, and the other one behind
+            self.chain.ends, self.chain.why = t, "something happens at the very end of the run"
+        elif following is None:
             self._read_last(begin, t)
         return d
+
+    def _together(self, segment: Segment, moves: Vector) -> None:
+        """Refuse two instants that are one as far as the run can tell, and move differently."""
+        t, last = float(segment.t[-1]), self._moves
+        self._moves = moves
+        if last is None or t - float(segment.t[0]) > LOCATED * t:
+            return
+        if (np.abs(moves - last) > ONE * (np.abs(moves) + np.abs(last))).any():
+            raise Undetermined("two events happen at one instant: which comes first would change")
 
     def _begin(self, segment: Segment | None, event: Event | None) -> Field:
         """Return the field with which a segment begins, or that of a last event."""
