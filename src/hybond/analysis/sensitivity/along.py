@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.analysis.sensitivity.collocation import STAGES, Jump, Step, radau
-from hybond.analysis.sensitivity.crossing import LOCATED, NO_CAUSE, crossing
+from hybond.analysis.sensitivity.crossing import LOCATED, NO_CAUSE, crossing, timed
 from hybond.analysis.sensitivity.fields import Field, Fields
 from hybond.analysis.sensitivity.gradients import Compiled
 from hybond.analysis.sensitivity.kinks import jumped, kinks_of
@@ -45,6 +45,7 @@ UNSEEN = 1e-6
 """Part by which rates on both sides of an instant without a cause may differ."""
 ONE = 1e-4
 """Part by which the derivatives of two instants may differ and they are one and the same."""
+AT_THE_END = "something happens at the very end of the run"
 ENDS = {
     "accumulation": "impacts accumulated and came to rest",
     "step": "time-stepping locates no events",
@@ -282,6 +283,9 @@ class _Along:
         if following is not None and following.t[0] > t:
             raise Undetermined("impacts accumulate")
         if following is None and not own:
+            end = self.fields.ending(segment, None)
+            if any(c.by.any() for c in timed(self.fields, end, t)):
+                self.chain.ends, self.chain.why = t, AT_THE_END
             return d
         if len(own) > 1:
             raise Undetermined("two events happen at one instant: which comes first would change")
@@ -305,7 +309,7 @@ class _Along:
         self.largest = np.maximum(self.largest, np.abs(d))
         if t >= (1.0 - LOCATED) * self.run.t_end and moves.any():
             # one side of it is before the event, and the other one behind
-            self.chain.ends, self.chain.why = t, "something happens at the very end of the run"
+            self.chain.ends, self.chain.why = t, AT_THE_END
         elif following is None:
             self._read_last(begin, t)
         return d

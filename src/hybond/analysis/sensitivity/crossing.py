@@ -69,18 +69,13 @@ def crossing(
         If the instant has no derivative: the reason.
     """
     t = float(segment.t[-1])
-    length = t - float(segment.t[0])
     found: list[Crossing] = []
     if event is not None and event.cause == "guard":
         found = _by_guards(fields, segment, end, event)
     if not found and segment.sliding is not None:
         found = _by_weights(fields, segment, end)
     if not found:
-        close = 1e-9 * max(t, length)
-        size = fields.size
-        for edge in fields.values.edges(t, close):
-            found.append(Crossing(np.concatenate([np.zeros(size), edge]), "an input has an edge"))
-        found += _by_time(fields, end, t, close)
+        found = timed(fields, end, t)
     if not found:
         if event is None or event.cause in ("time", "input"):
             return Crossing(np.zeros(fields.size + len(fields.columns.parameters)), NO_CAUSE)
@@ -181,6 +176,17 @@ def _by_weights(fields: Fields, segment: Segment, end: Field) -> list[Crossing]:
         by[fields.size :] = -slope[n + 1 :] / speed
         found.append(Crossing(by, "the end of sliding"))
     return found
+
+
+def timed(fields: Fields, end: Field, t: float) -> list[Crossing]:
+    """Return the edges of inputs and the comparisons of time that lie at an instant."""
+    close = 1e-9 * t
+    found = []
+    for edge in fields.values.edges(t, close):
+        found.append(
+            Crossing(np.concatenate([np.zeros(fields.size), edge]), "an input has an edge")
+        )
+    return found + _by_time(fields, end, t, close)
 
 
 def _by_time(fields: Fields, end: Field, t: float, close: float) -> list[Crossing]:
