@@ -26,7 +26,7 @@ LAYERS = [
     ["engine"],
     ["report"],
     ["script", "script_result", "script_steps", "simulation", "measures", "result"],
-    ["analysis", "circuits", "sweep", "export", "draw", "testing"],
+    ["analysis", "circuits", "sweep", "export", "draw", "fitting", "testing"],
     ["studio", "cli"],
 ]
 LAYER = {room: index for index, rooms in enumerate(LAYERS) for room in rooms}

@@ -22,6 +22,7 @@ GROUPS: dict[str, tuple[str, ...]] = {
         "results",
         "measurements",
         "linear",
+        "sensitivity",
         "ensembles",
         "sweeps",
         "blocks",

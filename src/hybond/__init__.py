@@ -31,6 +31,10 @@ if TYPE_CHECKING:
     from hybond.analysis.residuals.residuals import residuals
     from hybond.analysis.restitution.newton_law import newton_law_model
     from hybond.analysis.restitution.restitution import restitution
+    from hybond.analysis.sensitivity.goals import EventTime, Final, Total
+    from hybond.analysis.sensitivity.gradient import Gradient, gradient
+    from hybond.analysis.sensitivity.record import Sensitivities
+    from hybond.analysis.sensitivity.sensitivities import sensitivities
     from hybond.analysis.structure.structure import structure
     from hybond.blocks.fmu import FMU
     from hybond.causality.report import causality
@@ -53,6 +57,9 @@ if TYPE_CHECKING:
     )
     from hybond.files.load import load, loads
     from hybond.files.save import dumps, save
+    from hybond.fitting.fit import fit
+    from hybond.fitting.optimise import Optimum, optimise
+    from hybond.fitting.record import Fit
     from hybond.measures.signal import Signal
     from hybond.model.builder import Model
     from hybond.model.constructors import GY, TF, C, G, I, One, R, Se, Sf, Zero
@@ -109,6 +116,13 @@ _HOME = {
         ("FrequencyResponse", "frequency_response"), "hybond.analysis.linear.frequency"
     ),
     "linearise": "hybond.analysis.linear.linearise",
+    **dict.fromkeys(("EventTime", "Final", "Total"), "hybond.analysis.sensitivity.goals"),
+    **dict.fromkeys(("Gradient", "gradient"), "hybond.analysis.sensitivity.gradient"),
+    "Sensitivities": "hybond.analysis.sensitivity.record",
+    "Fit": "hybond.fitting.record",
+    "fit": "hybond.fitting.fit",
+    **dict.fromkeys(("Optimum", "optimise"), "hybond.fitting.optimise"),
+    "sensitivities": "hybond.analysis.sensitivity.sensitivities",
     "ModeGraph": "hybond.analysis.modes.records",
     "newton_law_model": "hybond.analysis.restitution.newton_law",
     "reachable": "hybond.analysis.modes.reachable",
@@ -145,11 +159,15 @@ __all__ = [
     "DivergenceOfTime",
     "Ensemble",
     "EquationError",
+    "EventTime",
     "ExpressionError",
     "FileError",
+    "Final",
+    "Fit",
     "FrequencyResponse",
     "G",
     "GY",
+    "Gradient",
     "HybondError",
     "I",
     "Input",
@@ -160,11 +178,13 @@ __all__ = [
     "ModelError",
     "NumericsError",
     "One",
+    "Optimum",
     "Plan",
     "R",
     "Result",
     "Sampled",
     "Se",
+    "Sensitivities",
     "Sf",
     "Signal",
     "State",
@@ -173,6 +193,7 @@ __all__ = [
     "Submodel",
     "SweepTable",
     "TF",
+    "Total",
     "UnitError",
     "UsageError",
     "Zero",
@@ -188,7 +209,9 @@ __all__ = [
     "dumps",
     "ensemble",
     "export",
+    "fit",
     "frequency_response",
+    "gradient",
     "junction_matrix",
     "library",
     "linearise",
@@ -196,6 +219,7 @@ __all__ = [
     "load_state",
     "loads",
     "newton_law_model",
+    "optimise",
     "reachable",
     "read_bond_graph",
     "read_circuit",
@@ -203,6 +227,7 @@ __all__ = [
     "restitution",
     "run_script",
     "save",
+    "sensitivities",
     "simulate",
     "state_equations",
     "state_space",

@@ -17,6 +17,7 @@ from typing import Any, NoReturn
 
 from hybond._version import __version__
 from hybond.cli.analysis_words import analyse_words, equations_words
+from hybond.cli.fit_words import fit_words
 from hybond.cli.linear_words import linearise_words
 from hybond.cli.measure_words import measure_words
 from hybond.cli.misfits import in_words, unknown_option
@@ -36,6 +37,7 @@ VERBS = {
     "run": "simulate a model",
     "sweep": "simulate a model with many values of its parameters",
     "measure": "simulate, and say what is measured of it: means, extremes, harmonics, losses",
+    "fit": "find values of a model with which its runs are nearest to data",
     "explain": "simulate, and say when and why each switch happened",
     "convert": "write a model file in the other format, or from a SPICE netlist",
     "library": "list the ready parts, look for some, or show one",
@@ -328,6 +330,8 @@ def parser_of_words() -> Parser:
     measure = measure_words(_verb, verbs)
     _settings(measure)
     _solver(measure)
+
+    _settings(fit_words(_verb, verbs))
 
     explain = _verb(verbs, "explain", "hybond explain ball.toml --at '0.8 s'")
     explain.add_argument("file", metavar="FILE", help="a model file")
