@@ -61,7 +61,12 @@ from hybond.engine.run.run_records import (
     is_over,
     timed_cause,
 )
-from hybond.engine.run.source_jumps import jumps_at_once, jumps_onto_storage, put_before_kink
+from hybond.engine.run.source_jumps import (
+    jumps_at_end,
+    jumps_at_once,
+    jumps_onto_storage,
+    put_before_kink,
+)
 from hybond.engine.run.stranded import in_vain, no_slip
 from hybond.engine.run.together import (
     is_kink_alone,
@@ -276,6 +281,8 @@ def flow(e: Engine, r: Run) -> int:
                 foresee(e, e.t)
                 if e.next_break <= end:
                     return timed_cause(e)
+                if not near and jumps_at_end(e, r):
+                    return LAW
                 r.cut = not near
                 return GUARD if near else STOPPED
             g.asleep = max(g.asleep - 1, 0)
