@@ -26,7 +26,10 @@ def joined(factor: str, kind: str, turned: bool) -> hb.Model:
         m.add(dog=hb.One(), lean=hb.G({"f": f"({factor})*x.f"}))
         m.bond("a -> A", "a -> x -> dog -> B", "lean -> a" if turned else "a -> lean")
     m.machine(
-        "S", states={"open": [], "shut": ["dog"]}, start="open", rules=["open -> shut when time >= 0.5 s"]
+        "S",
+        states={"open": [], "shut": ["dog"]},
+        start="open",
+        rules=["open -> shut when time >= 0.5 s"],
     )
     return m
 
@@ -55,7 +58,10 @@ def test_a_source_and_a_resistor_of_one_law_agree() -> None:
         own.add(dog=hb.Zero(), lean=lean)
         own.bond("a -> A", "a -> x -> dog -> B", "a -> lean")
         own.machine(
-            "S", states={"open": [], "shut": ["dog"]}, start="open", rules=["open -> shut when time >= 0.5 s"]
+            "S",
+            states={"open": [], "shut": ["dog"]},
+            start="open",
+            rules=["open -> shut when time >= 0.5 s"],
         )
         jumps.append(dict(hb.simulate(own, "0.6 s").events[-1].steps[-1].impulses))
     assert jumps[0] == pytest.approx(jumps[1])
@@ -67,7 +73,10 @@ def test_what_is_declared_impulsive_is() -> None:
     m.add(dog=hb.Zero(), lean=hb.R({"e": "0.5*x.e"}, impulsive=True))
     m.bond("a -> A", "a -> x -> dog -> B", "a -> lean")
     m.machine(
-        "S", states={"open": [], "shut": ["dog"]}, start="open", rules=["open -> shut when time >= 0.5 s"]
+        "S",
+        states={"open": [], "shut": ["dog"]},
+        start="open",
+        rules=["open -> shut when time >= 0.5 s"],
     )
     run = hb.simulate(m, "0.6 s")
     # A gives 1.5 of what B takes: 3 - 1.5*P = P/2

@@ -81,7 +81,9 @@ def test_a_closed_switch_loses_nothing_of_what_a_source_jumps_onto() -> None:
     m = hb.Model("switched", domain="electrical")
     m.add(V=hb.Se("floor(time/(1 s) + 0.5)*1 [V]"), s=hb.One(), n=hb.Zero(), C=hb.C("2 F"))
     m.bond("V -> s -> n -> C")
-    m.machine("S", states={"on": ["s"], "off": []}, start="on", rules=["on -> off when time >= 2 s"])
+    m.machine(
+        "S", states={"on": ["s"], "off": []}, start="on", rules=["on -> off when time >= 2 s"]
+    )
     run = hb.simulate(m, "2.2 s")
     found = run.losses()
     assert not found.notes
