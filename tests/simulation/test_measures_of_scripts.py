@@ -6,6 +6,8 @@ what it takes to change a loaded spring or a moving mass.
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -83,7 +85,7 @@ def test_what_is_set_is_a_row_and_all_adds_up(run: hb.Result) -> None:
 def test_windows_of_a_script_add_up(run: hb.Result) -> None:
     whole = run.losses()
     edges = (0.0, 0.3, 0.5, 1.0, 1.7, 2.0)
-    parts = [run.losses(start=a, end=b) for a, b in zip(edges, edges[1:], strict=False)]
+    parts = [run.losses(start=a, end=b) for a, b in pairwise(edges)]
     assert all(part.holds() for part in parts)
     for column in ("supplied", "dissipated", "lost", "stored"):
         total = sum(getattr(part, column) for part in parts)

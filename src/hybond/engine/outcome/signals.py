@@ -124,7 +124,7 @@ class Signals:
         behind = np.sign(read[:many])
         earlier = np.array(t, dtype=float)
         moment = MOMENTS * np.spacing(np.maximum(np.abs(t[ends]), starts[-1]))
-        todo = near.any(axis=0)
+        todo = np.asarray(near.any(axis=0))
         for _ in range(ROUNDS):
             here = ends[todo]
             if not len(here):
