@@ -296,7 +296,11 @@ def losses_of(run: Result, window: Window, *, tolerance: float = TOLERANCE) -> L
     shared = sum(j.shared for j in jumps)
     if shared:
         notes.append(f"of {shared} jumps the loss is split in proportion between their switches")
-    pseudo = [n.path for n in graph.nodes if n.ends and n.domain.pseudo and not n.is_junction]
+    pseudo = [
+        n.path
+        for n in graph.nodes
+        if n.ends and n.domain.pseudo and n.domain.effort is not None and not n.is_junction
+    ]
     if pseudo:
         notes.append(f"on pseudo bonds there is no energy: {', '.join(pseudo[:8])}")
     through += abs(given)
