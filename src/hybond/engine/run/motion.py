@@ -25,6 +25,7 @@ from hybond.engine.mode.values import begin_field, evaluate, set_state
 from hybond.engine.planar.descent import (
     ENDLESS,
     IS_DOWN,
+    any_ends,
     begin_descent,
     end_descent,
     step_descent,
@@ -412,14 +413,6 @@ def lead_to_rest(e: Engine, r: Run, end: float) -> int:
             break
     end_descent(e, e.t, e.y)
     return OK
-
-
-def any_ends(e: Engine) -> bool:
-    """Whether the last step has brought a slip to rest."""
-    found = False
-    for d in range(e.model.disks):
-        found = found or e.planar.ends[d] != 0
-    return found
 
 
 def land(e: Engine, g: Locator, room: float, end: float) -> int:
