@@ -19,6 +19,7 @@ from hybond.files.whole import whole, write_arrays
 from hybond.measures.measuring import Measuring
 from hybond.measures.naming import names_of, read_name
 from hybond.measures.signal import Signal
+from hybond.measures.window import instant_near
 from hybond.model.expressions import Expr
 from hybond.model.graph import FlatGraph
 from hybond.model.unit_words import unit_of
@@ -126,6 +127,8 @@ class Result(Measuring):
     def state(self, t: float | str | None = None) -> State:
         """Return the state at a time, s or a quantity, or at the end: a run can start from it.
 
+        A time that is one instant with an event is the event's: what happened there is over.
+
         Raises
         ------
         UsageError
@@ -143,6 +146,8 @@ class Result(Measuring):
           floor   away
         """
         asked = None if t is None else seconds(t, "t")
+        if asked is not None and self.t_begin <= asked <= self.t_end:
+            asked = instant_near(self, asked)
         return state_at(self.graph, self.trace, self.signals, asked)
 
     @property
@@ -232,11 +237,26 @@ class Result(Measuring):
         assert isinstance(self.trace.signals, Signals)
         return self.trace.signals
 
+    def signals_of(self, number: int) -> Signals:
+        """Return what tells the signals of a segment, by its number."""
+        return self.signals
+
+    def expression_of(self, number: int, name: str) -> Expr:
+        """Return an expression of names as it is in a segment, by its number."""
+        return self.expression(name)
+
+    def changes(self) -> list[tuple[float, Signals, Signals, Vector]]:
+        """Return when parameters were set, what tells signals before and after, and the state."""
+        return []
+
     def _of(
-        self, names: Iterable[str], which: Sequence[int] | NDArray[np.intp], t: Vector
+        self, names: Iterable[str | Expr], which: Sequence[int] | NDArray[np.intp], t: Vector
     ) -> list[Vector]:
-        """Return signals by name at points of segments, whose numbers are in order."""
-        expressions = [self.expression(name) for name in names]
+        """Return signals, by name or expression, at points of segments in order of their numbers.
+
+        Expressions are in canonical names.
+        """
+        expressions = [self.expression(n) if isinstance(n, str) else n for n in names]
         if not len(t):
             return [np.zeros(0) for _ in expressions]
         segments = np.asarray(which, dtype=np.intp)
@@ -274,6 +294,11 @@ class Result(Measuring):
         starts = self.trace.segments.times
         before = bisect.bisect_right if side == "right" else bisect.bisect_left
         cut = side == "left" and bool(self.trace.segments.forgotten)
+        if not starts and self.trace.events and t and set(t) == {begin}:
+            # a condition that held at the start: nothing moved
+            for name, value in self._after_last_event(names).items():
+                found[name][:] = value
+            return found
         for a in t:
             if not starts or (cut and a == begin) or not begin <= a <= end:
                 raise UsageError(

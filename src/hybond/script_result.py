@@ -94,8 +94,28 @@ class ScriptResult(Result):
         """Return in which step a segment lies, by their numbers."""
         return int(bisect.bisect_right(self._first.tolist(), segment)) - 1
 
+    def signals_of(self, number: int) -> Signals:
+        """Return what tells the signals of a segment: those of its step."""
+        return self.parts[self.part_of(number)].signals
+
+    def expression_of(self, number: int, name: str) -> Expr:
+        """Return an expression of names with the parameters of the step that a segment is of."""
+        return self._expression_in(self.part_of(number), name)
+
+    def changes(self) -> list[tuple[float, Signals, Signals, Vector]]:
+        """Return when steps begin that set something, with the state that they found."""
+        found = []
+        for k, (last, part, step) in enumerate(
+            zip(self.parts, self.parts[1:], self.steps[1:], strict=False)
+        ):
+            if step.set and last.trace.carried is not None:
+                n = len(part.graph.storages) + len(part.graph.integrals)
+                state = np.array(last.trace.carried[0][1 : 1 + n], dtype=float)
+                found.append((part.trace.begin, last.signals, self.parts[k + 1].signals, state))
+        return found
+
     def _of(
-        self, names: Iterable[str], which: Sequence[int] | NDArray[np.intp], t: Vector
+        self, names: Iterable[str | Expr], which: Sequence[int] | NDArray[np.intp], t: Vector
     ) -> list[Vector]:
         asked = list(names)
         segments = np.asarray(which, dtype=np.intp)
@@ -109,7 +129,7 @@ class ScriptResult(Result):
                 part.trace.segments,
                 segments[places] - first,
                 t[places],
-                [self._expression_in(k, name) for name in asked],
+                [self._expression_in(k, n) if isinstance(n, str) else n for n in asked],
             )
             for row, values in zip(found, read, strict=True):
                 row[places] = values

@@ -274,5 +274,8 @@ _POWER_PAIRS += "thermal K W/K;thermal_pseudo K W;magnetic A V"
 DOMAINS: Mapping[str, Domain] = {
     name: Domain(name, e, f, parse_unit(e)[1], parse_unit(f)[1], name.endswith("pseudo"))
     for name, e, f in map(str.split, _POWER_PAIRS.split(";"))
-} | {"generic": Domain("generic", "", "", None, None)}
-"""Units of effort and flow by domain; ``generic`` leaves both open."""
+} | {
+    "generic": Domain("generic", "", "", None, None),
+    "generic_pseudo": Domain("generic_pseudo", "", "", None, None, True),
+}
+"""Units of effort and flow by domain; ``generic`` and ``generic_pseudo`` leave both open."""

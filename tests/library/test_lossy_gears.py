@@ -197,3 +197,28 @@ def test_a_trapezoidal_thread_holds_what_a_ball_screw_lets_down() -> None:
         for run in trials(joints, 0.1, **parts):
             assert (run["m.speed"].at(0.1) < 0) == moves
             assert run["s.sticks"].at(0.1) == (not moves)
+
+
+@pytest.mark.parametrize("ratio", [2.0, -0.5])
+@pytest.mark.parametrize(("forward", "backward"), [(1.0, 1.0), (0.8, 0.6), (1.0, -0.5), (0.5, 0.9)])
+def test_teeth_give_no_energy_in_an_impact(ratio: float, forward: float, backward: float) -> None:
+    """A dog clutch behind the gear: momentum seen from the input is kept, 0.9 J and more are lost.
+
+    Friction is a finite force: it has no part in an impact, whatever the efficiencies.
+    """
+    m = hb.Model("dog", domain="rotational")
+    m.add(A=inertia(1, w="3 rad/s"), C=inertia(1), dog=hb.Zero())
+    m.add(
+        g=hb.Submodel(
+            "rotational.lossy_gear", ratio=ratio, inputs={"forward": forward, "backward": backward}
+        )
+    )
+    m.bond("A.shaft -> g.input", "g.output -> dog -> C.shaft")
+    shut = ["open -> shut when time >= 1e-6 s"]
+    m.machine("D", states={"open": [], "shut": ["dog"]}, start="open", rules=shut)
+    run = hb.simulate(m, "1.1e-6 s")
+    step = run.events[-1].steps[-1]
+    w = 3 / (1 + ratio**-2)
+    assert run["A.speed"].at(1.1e-6) == pytest.approx(w, rel=1e-9)
+    assert run["C.speed"].at(1.1e-6) == pytest.approx(w / ratio, rel=1e-9)
+    assert step.energy is not None and step.energy.lost == pytest.approx(4.5 - 1.5 * w, rel=1e-9)

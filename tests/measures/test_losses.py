@@ -212,3 +212,23 @@ def test_pictures(tmp_path: Path) -> None:
             t.get_text() for ax in figure.axes if ax.get_legend() for t in ax.get_legend().texts
         }
         assert any("ohmic" in t for t in texts)
+
+
+def test_clocks_of_controllers_store_no_energy() -> None:
+    """A timer, a period meter and the firing of a bridge count seconds, which are no joules."""
+    m = hb.Model("clocks", domain="electrical")
+    m.add(
+        v=hb.Submodel("electrical.voltage_source", inputs={"u": "1 [mV]*sin(314*time/(1 s))"}),
+        r=hb.Submodel("electrical.resistor", R="1 kohm"),
+        g=hb.Submodel("electrical.ground"),
+        timer=hb.Submodel("control.timer", T="10 s", inputs={"u": "1"}),
+        meter=hb.Submodel("control.period_meter", inputs={"u": "v.plus.e/(1 V)"}),
+        firing=hb.Submodel("control.line_firing", inputs={"u": "v.plus.e/(1 V)", "alpha": "1"}),
+    )
+    m.bond("v.plus -> r.plus", "v.minus -> r.minus", "g.pin -> v.minus")
+    run = hb.simulate(m, "0.1 s")
+    found = run.losses(depth=1)
+    assert {row.name for row in found} == {"v", "r"} and not found.notes and found.holds()
+    assert found["r"].dissipated == pytest.approx(1e-9 * (0.05 - math.sin(62.8) / 1256), rel=1e-8)
+    assert float(run["timer.waited"].at(0.1)) == pytest.approx(0.1, rel=1e-12)
+    assert float(run["firing.frequency"].at(0.1)) == pytest.approx(314 / (2 * math.pi), rel=1e-8)

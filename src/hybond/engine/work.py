@@ -90,6 +90,8 @@ class Work:
     # entering a mode: constraints, their residuals, what was before
     constraints: int
     lefts: int
+    origin: float
+    """Whether energy is counted from what a storage starts with: 1, or from zero: 0."""
     gap: Block
     gap_size: Block
     gap_first: Block

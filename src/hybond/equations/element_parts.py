@@ -237,11 +237,14 @@ def _resistor(node: Node, laws: list[Expr]) -> tuple[list[dict[str, float]], lis
         at_zero = simplify(substitute(e, {n: Number(0.0) for n in slopes}))
         numbers = {n: d.value for n, d in slopes.items() if isinstance(d, Number)}
         straight = len(numbers) == len(slopes) and not bent(e)
-        if straight and at_zero == Number(0.0) and not node.impulsive:
+        both = (f"e:{end.bond}", f"f:{end.bond}")
+        foreign = bool(numbers.keys() - {*both})
+        if straight and not foreign and at_zero == Number(0.0) and not node.impulsive:
             constant.append(numbers)
         else:
-            both = (f"e:{end.bond}", f"f:{end.bond}")
-            free = () if node.impulsive else both
+            # a multiple of what another bond has is no impulse where that is one
+            given = straight and foreign and not slopes.keys() & {*both} - {own}
+            free = () if node.impulsive else (own,) if given else both
             partner = (f"e:{end.bond}", 1.0) if flow else (f"f:{end.bond}", float(end.sign))
             dynamic.append(Dynamic("law", node.index, e, slopes, slopes, free, partner))
     return constant, dynamic

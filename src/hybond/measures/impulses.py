@@ -59,6 +59,7 @@ def impulses_in(run: Result, name: str, window: Window) -> tuple[Impulse, ...]:
         if event.cause == "step" or not window.has(event.t):
             continue
         area = 0.0
+        expression = run.expression_of(run._segment_at(event.t, "right"), name)
         for step in event.steps:
             struck = sorted(read & step.areas.keys()) if step.kind != "mythical" else []
             for variable in struck:
@@ -82,7 +83,7 @@ def _factor(run: Result, name: str, e: Expr, variable: str, event: Event, struck
     k = run._segment_at(event.t, "right")
     beside = sorted({k, max(k - 1, 0)} if event.t > run.t_begin else {k})
     at = np.full(len(beside), event.t)
-    (values,) = run.signals.of_points(run.trace.segments, np.array(beside), at, [slope])
+    (values,) = run._of([slope], np.array(beside), at)
     least, most = float(values.min()), float(values.max())
     if not abs(most - least) <= SAME * max(abs(most), abs(least)):
         raise _meaningless(run, name, event, "what it multiplies an impulse with jumps there")

@@ -119,6 +119,8 @@ def _split(weights: dict[int, float], lost: float, jump: Jump) -> dict[int, floa
     """Return what was lost by place; nowhere (-1) if there is none."""
     if not weights:
         return {-1: lost} if lost else {}
+    if len(weights) == 1:
+        return {next(iter(weights)): lost}
     total = sum(weights.values())
     size = max(*(abs(w) for w in weights.values()), abs(lost))
     largest = max(weights, key=lambda k: abs(weights[k]))
@@ -200,9 +202,8 @@ class _Values:
         number = run._segment_at(event.t, "left")
         if not later and self._first and event.t > run.t_begin:
             asked = np.array([number])
-            (found,) = run.signals.of_points(
-                run.trace.segments, asked, np.array([event.t]), [Name(name)]
-            )
+            (found,) = run._of([Name(name)], asked, np.array([event.t]))
             return float(found[0])
         mode = event.steps[-1].mode
-        return run.signals.after(event.t, self._states[later], mode, [Name(name)])[0]
+        signals = run.signals_of(run._segment_at(event.t, "right"))
+        return signals.after(event.t, self._states[later], mode, [Name(name)])[0]

@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 Vector = NDArray[np.float64]
 
 COLUMNS = ("supplied", "dissipated", "lost", "stored")
+SET = "(set)"
+"""The row of what a script gave or took when it set what storages are made of."""
 NOWHERE = "(jumps)"
 """The row of what was lost in jumps that belong to no junction: an inconsistent start."""
 _KINDS = {"Se": "source", "Sf": "source", "R": "resistor", "G": "resistor"}
@@ -274,6 +276,7 @@ def losses_of(run: Result, window: Window, *, tolerance: float = TOLERANCE) -> L
     passed = energies_into(run, nodes, window, tolerance=tolerance)
     into = dict(zip((n.index for n in nodes), passed.total.tolist(), strict=True))
     book = _Book(graph)
+    given = _set_by_script(run, window)
     for node in nodes:
         if node.kind in ("Se", "Sf") and not node.implied:
             book.add(node, supplied=-into[node.index])
@@ -293,10 +296,18 @@ def losses_of(run: Result, window: Window, *, tolerance: float = TOLERANCE) -> L
     shared = sum(j.shared for j in jumps)
     if shared:
         notes.append(f"of {shared} jumps the loss is split in proportion between their switches")
-    pseudo = [n.path for n in graph.nodes if n.ends and n.domain.pseudo and not n.is_junction]
+    pseudo = [
+        n.path
+        for n in graph.nodes
+        if n.ends and n.domain.pseudo and n.domain.effort is not None and not n.is_junction
+    ]
     if pseudo:
         notes.append(f"on pseudo bonds there is no energy: {', '.join(pseudo[:8])}")
-    return Losses(book.rows(through), window.start, window.end, through, notes=tuple(notes))
+    through += abs(given)
+    rows = book.rows(through)
+    if abs(given) > 1e-15 * through:
+        rows = (*rows, Row(SET, "script", supplied=given))
+    return Losses(rows, window.start, window.end, through, notes=tuple(notes))
 
 
 class _Book:
@@ -340,8 +351,35 @@ def _stored(run: Result, nodes: Sequence[Node], window: Window) -> list[tuple[No
             if s.node == node.index:
                 own[s.index] = end[s.index]
         rows.append(own)
-    energy = run.signals.stored(np.array(rows))
-    return [(n, float(e - energy[0])) for n, e in zip(storages, energy[1:], strict=True)]
+    early, late = (run.signals_of(k) for k in _numbers(run, window))
+    if early is late:
+        energy = late.stored(np.array(rows))
+        return [(n, float(e - energy[0])) for n, e in zip(storages, energy[1:], strict=True)]
+    # parameters were set on the way: each storage alone, by what it is at either time
+    alone: list[Vector] = []
+    for state, signals in ((begin, early), (end, late)):
+        own = np.tile(state, (len(storages) + 1, 1))
+        for k, node in enumerate(storages):
+            for s in graph.storages:
+                own[k + 1, s.index] = 0.0 if s.node == node.index else state[s.index]
+        energy = signals.stored(own)
+        alone.append(energy[0] - energy[1:])
+    return [(n, float(b - a)) for n, a, b in zip(storages, *alone, strict=True)]
+
+
+def _numbers(run: Result, window: Window) -> tuple[int, int]:
+    """Return the segments in which a window begins and ends, by their numbers."""
+    first = 0 if window.first else run._segment_at(window.start, "right")
+    return first, run._segment_at(window.end, "right")
+
+
+def _set_by_script(run: Result, window: Window) -> float:
+    """Return the energy that storages have more when a script sets what they are."""
+    found = 0.0
+    for t, before, after, state in run.changes():
+        if window.has(t):
+            found += float(after.stored(state[None])[0] - before.stored(state[None])[0])
+    return found
 
 
 def state_at_start(run: Result, window: Window) -> Vector:
@@ -363,6 +401,6 @@ def _right(run: Result, t: float) -> Vector:
         return np.asarray(events[-1].after, dtype=float)
     segment = run.segments[run._segment_at(t, "right")]
     if t > segment.t[-1]:
-        state, _ = run.signals.rest(segment, t)
+        state, _ = run.signals_of(run._segment_at(t, "right")).rest(segment, t)
         return np.asarray(state, dtype=float)
     return np.asarray(segment.at(t), dtype=float)

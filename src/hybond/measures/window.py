@@ -86,7 +86,7 @@ def window_of(
             "the run has no motion to measure",
             code="HB-R102",
             where="run",
-            hint="see run.error",
+            hint="see run.error" if run.error else "it ended where it began: see run.events",
         )
     low, high = run.t_begin, run.t_end
     begin = low if start is None else time_of(start, "start")
@@ -206,6 +206,11 @@ class _Edges:
         around = [*self._times[max(k - 1, 0) : k + 1], *self._ends]
         best = min(around, key=lambda a: abs(a - t))
         return best if abs(best - t) <= reach else t
+
+
+def instant_near(run: Result, t: float) -> float:
+    """Return the event of a run that is the same instant as a time, or the time."""
+    return _Edges(run).near(t)
 
 
 def seconds_text(t: float) -> str:

@@ -48,7 +48,7 @@ class Model:
     domain : str
         The physical domain of bonds that do not say otherwise: ``"electrical"``,
         ``"translational"``, ``"rotational"``, ``"hydraulic"``, ``"thermal"``,
-        ``"thermal_pseudo"``, ``"magnetic"`` or ``"generic"`` (no units).
+        ``"thermal_pseudo"``, ``"magnetic"``, ``"generic"`` or ``"generic_pseudo"`` (no units).
     parameters : mapping
         Names to numbers, quantities (``"10 mA"``) or expressions of earlier parameters.
 

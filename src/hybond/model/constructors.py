@@ -31,6 +31,7 @@ Domain: TypeAlias = Literal[
     "thermal_pseudo",
     "magnetic",
     "generic",
+    "generic_pseudo",
 ]
 LawName: TypeAlias = Literal["diode", "thyristor", "unilateral", "coulomb", "relay"]
 

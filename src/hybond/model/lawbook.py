@@ -80,7 +80,7 @@ REMEMBERED = 4096
 
 def _plain_key(node: Node, value: object) -> _Key | None:
     """Return what the law of one quantity depends on alone, None for laws that need more."""
-    if len(node.ends) != 1 or node.kind in TWO_PORTS or node.domain.name == "generic":
+    if len(node.ends) != 1 or node.kind in TWO_PORTS or node.domain.effort is None:
         return None
     if isinstance(value, str):
         if len(value) > SHORT or try_quantity(value) is None:
@@ -149,7 +149,7 @@ class _Reader:
                 where=f"elements.{other}.domain",
                 hint=f"take the domain of {other!r} out, or put a TF or GY between the domains",
             )
-        own = self.node.kind not in TWO_PORTS and domain.name != "generic"
+        own = self.node.kind not in TWO_PORTS and domain.effort is not None
         of = f", {domain.name} as it is" if own else ""
         hint = f"give a value in {wants or expected}, or declare the domain of {path!r}"
         if made:

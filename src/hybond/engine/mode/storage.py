@@ -115,6 +115,7 @@ def with_stored(e: Engine, x: Floats) -> Floats:
 def energy_of(e: Engine, x: Floats) -> float:
     """Return the stored energy, J; that of a nonlinear storage is counted from x = 0.
 
+    Where a law has no value there, as of a gas without volume, from what is stored at the start.
     Storage on pseudo bonds has none: effort times flow is no power there.
     """
     m = e.model
@@ -138,23 +139,37 @@ def place_along(e: Engine, g: int, x: Floats, part: float) -> None:
     m = e.model
     for i in range(m.group_first[g], m.group_first[g + 1]):
         k = m.group_storage[i]
-        e.work.values[m.stored_slot + k] = part * x[k]
+        begin = e.work.origin * m.storage_start[k]
+        e.work.values[m.stored_slot + k] = begin + part * (x[k] - begin)
 
 
 def power_at(e: Engine, g: int, x: Floats, part: float) -> float:
-    """Return ``z dx`` of a storage at a part of the way from 0 to what it stores."""
+    """Return ``z dx`` of a storage at a part of the way from its origin to what it stores."""
     m = e.model
     place_along(e, g, x, part)
     total = 0.0
     for i in range(m.group_first[g], m.group_first[g + 1]):
         k = m.group_storage[i]
-        total += value(m, m.co_energy[k], e.work.values) * x[k]
+        way = x[k] - e.work.origin * m.storage_start[k]
+        total += value(m, m.co_energy[k], e.work.values) * way
     return total
 
 
-def energy_along(e: Engine, g: int, x: Floats) -> float:
-    """Integrate ``z dx`` of a storage from 0 along a ray."""
+def has_origin(e: Engine, g: int, x: Floats) -> bool:
+    """Whether the laws of a storage have values where it stores nothing."""
     m = e.model
+    place_along(e, g, x, 0.0)
+    known = True
+    for i in range(m.group_first[g], m.group_first[g + 1]):
+        k = m.group_storage[i]
+        known = known and math.isfinite(value(m, m.co_energy[k], e.work.values))
+    return known
+
+
+def energy_along(e: Engine, g: int, x: Floats) -> float:
+    """Integrate ``z dx`` of a storage from its origin along a ray."""
+    m = e.model
+    e.work.origin = 0.0
     first = m.point_first[g]
     points = m.point_first[g + 1] - first
     total = 0.0
@@ -163,12 +178,15 @@ def energy_along(e: Engine, g: int, x: Floats) -> float:
             power = power_at(e, g, x, m.point_at[first + i])
             total += m.point_weight[first + i] * power
         return total
+    if not has_origin(e, g, x):
+        e.work.origin = 1.0
     # the formulas sample: of a spring with play they may see nothing but the play
     low = 0.0
     while low < 1.0:
         high = next_bend(e, g, x, low)
         total += energy_between(e, g, x, low, high)
         low = high
+    e.work.origin = 0.0
     return total
 
 

@@ -210,7 +210,9 @@ def beginning_by_name(given: Mapping[str, Any], graph: FlatGraph, tables: ModelT
             s = co_energy[name]
             kind = "e" if s.kind == "C" else "f"
             number = _read(name, value, graph.dimensions.get(f"{kind}:{s.bond}"))
-            storages[s.index] = replace(s, start=number, start_is="co-energy")
+            # the name is that of a signal: the flow of its bond, which may point out of the storage
+            into = number if s.kind == "C" else s.sign * number
+            storages[s.index] = replace(s, start=into, start_is="co-energy")
         else:
             known = [*stored, *co_energy, *integrals, *machines, "time"]
             raise _wrong(name, f"the model has no {name!r}", did_you_mean(str(name), known))

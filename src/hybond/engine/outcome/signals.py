@@ -28,6 +28,13 @@ from hybond.trace import Segment, Trace
 
 Vector = NDArray[np.float64]
 
+AT_KINK = 1e-9
+"""Part of its terms below which what changes its sign at a kink is zero."""
+MOMENTS = 64
+"""Units in the last place that a limit from the left is before a kink, at first."""
+ROUNDS = 7
+"""How often that is made four times as long where the kink is not passed."""
+
 
 class Signals:
     """What the segments of a run have for signals; any number of threads may ask.
@@ -90,6 +97,53 @@ class Signals:
         expressions : sequence of Expr
             In canonical names.
         """
+        return self._of_points(segments, which, self._left(segments, which, t), expressions)
+
+    def _left(self, segments: Chronicle[Segment], which: NDArray[np.intp], t: Vector) -> Vector:
+        """Return the times, a moment earlier where a segment ends at a kink: its left limit.
+
+        A source that jumps there has the value behind the kink at the very time.
+        """
+        tables = self._model.tables
+        many, starts = int(tables.numbers["kinks"]), segments.times
+        if not many or not len(t) or not len(starts):
+            return t
+        last = self._trace.events.times[-1:]
+        end = last[0] if len(last) and last[0] > starts[-1] else np.inf
+        ends = np.flatnonzero(np.append(starts, end)[which + 1] == t)
+        if not len(ends):
+            return t
+        first = int(tables.numbers["kink_atom"])
+        atoms = [
+            tables.values.all[k]
+            for name in ("atom_value", "atom_size")
+            for k in tables.ints[name][first : first + many]
+        ]
+        read = np.array(self._of_points(segments, which[ends], t[ends], atoms))
+        near = np.abs(read[:many]) <= AT_KINK * np.abs(read[many:])
+        behind = np.sign(read[:many])
+        earlier = np.array(t, dtype=float)
+        moment = MOMENTS * np.spacing(np.maximum(np.abs(t[ends]), starts[-1]))
+        todo = np.asarray(near.any(axis=0))
+        for _ in range(ROUNDS):
+            here = ends[todo]
+            if not len(here):
+                break
+            before = np.maximum(t[here] - moment[todo], np.asarray(starts)[which[here]])
+            earlier[here] = before
+            there = np.array(self._of_points(segments, which[here], before, atoms[:many]))
+            passed = (np.sign(there) != behind[:, todo]) & (there != 0.0)
+            todo[todo] = (near[:, todo] & ~passed).any(axis=0)
+            moment *= 4.0
+        return earlier
+
+    def _of_points(
+        self,
+        segments: Chronicle[Segment],
+        which: NDArray[np.intp],
+        t: Vector,
+        expressions: Sequence[Expr],
+    ) -> list[Vector]:
         found = np.zeros((len(expressions), len(t)))
         asked, first = np.unique(which, return_index=True)
         ends = np.append(first[1:], len(t))

@@ -344,3 +344,11 @@ def no_end(e: Engine, t: float) -> int:
             if e.planar.ours[d] != 0:
                 add_fact(e.fault, float(e.model.disk_machine[d]))
     return ENDLESS
+
+
+def any_ends(e: Engine) -> bool:
+    """Whether the last step has brought a slip to rest."""
+    found = False
+    for d in range(e.model.disks):
+        found = found or e.planar.ends[d] != 0
+    return found

@@ -25,6 +25,7 @@ from hybond.engine.mode.values import begin_field, evaluate, set_state
 from hybond.engine.planar.descent import (
     ENDLESS,
     IS_DOWN,
+    any_ends,
     begin_descent,
     end_descent,
     step_descent,
@@ -61,7 +62,12 @@ from hybond.engine.run.run_records import (
     is_over,
     timed_cause,
 )
-from hybond.engine.run.source_jumps import jumps_at_once, jumps_onto_storage, put_before_kink
+from hybond.engine.run.source_jumps import (
+    jumps_at_end,
+    jumps_at_once,
+    jumps_onto_storage,
+    put_before_kink,
+)
 from hybond.engine.run.stranded import in_vain, no_slip
 from hybond.engine.run.together import (
     is_kink_alone,
@@ -276,6 +282,8 @@ def flow(e: Engine, r: Run) -> int:
                 foresee(e, e.t)
                 if e.next_break <= end:
                     return timed_cause(e)
+                if not near and jumps_at_end(e, r):
+                    return LAW
                 r.cut = not near
                 return GUARD if near else STOPPED
             g.asleep = max(g.asleep - 1, 0)
@@ -405,14 +413,6 @@ def lead_to_rest(e: Engine, r: Run, end: float) -> int:
             break
     end_descent(e, e.t, e.y)
     return OK
-
-
-def any_ends(e: Engine) -> bool:
-    """Whether the last step has brought a slip to rest."""
-    found = False
-    for d in range(e.model.disks):
-        found = found or e.planar.ends[d] != 0
-    return found
 
 
 def land(e: Engine, g: Locator, room: float, end: float) -> int:

@@ -65,30 +65,43 @@ def jumps_at_once(e: Engine, r: Run) -> bool:
 
     What is a whole number just now, or has no sign, has another value as soon as time passes.
     """
+    soon = e.t + moment(e)
+    if not are_apart(e, r, e.t, soon) or step(e, soon) != OK:
+        return False
+    for i in range(e.states):
+        e.y[i] = e.step.y1[i]
+    e.t = e.step.t1
+    return True
+
+
+def jumps_at_end(e: Engine, r: Run) -> bool:
+    """Return whether the run ends at a kink from which on constraints are others.
+
+    What happens at the very end belongs to the run.
+    """
+    return are_apart(e, r, e.t - moment(e), e.t)
+
+
+def are_apart(e: Engine, r: Run, before: float, behind: float) -> bool:
+    """Whether now is a kink, and constraints at two times around it hold different states."""
     m = e.model
     if m.kinks == 0 or not is_constrained(e.mode) or e.slide.k > 0 or m.storages == 0:
         return False
     many = e.states
     refusal = e.refusal
-    soon = e.t + moment(e)
-    at_kink = evaluate(e, e.mode, e.shown, e.t, e.y) == OK and is_at_kink(e)
-    if at_kink:
+    apart = evaluate(e, e.mode, e.shown, e.t, e.y) == OK and is_at_kink(e)
+    if apart:
         for i in range(many):
             r.beside[i] = e.y[i]
             r.beside[many + i] = e.y[i]
             r.rate[i] = e.y[i]
-        known = put_on_constraints(e, e.t, r.rate) == OK
-        known = known and put_on_constraints(e, soon, e.y) == OK
-        at_kink = known and differ(e, r)
+        known = put_on_constraints(e, before, r.rate) == OK
+        known = known and put_on_constraints(e, behind, e.y) == OK
+        apart = known and differ(e, r)
         for i in range(many):
             e.y[i] = r.beside[i]
     e.refusal = refusal
-    if not at_kink or step(e, soon) != OK:
-        return False
-    for i in range(many):
-        e.y[i] = e.step.y1[i]
-    e.t = e.step.t1
-    return True
+    return apart
 
 
 def put_before_kink(e: Engine, t: float, y: Floats) -> int:
