@@ -21,8 +21,7 @@ from hybond.model.parts import Value
 from hybond.result import Result, Status
 from hybond.run_options import seconds_of
 from hybond.states import State
-from hybond.trace import Event, Segment, Trace
-from hybond.trace import Step as Visit
+from hybond.trace import Event, Segment, Trace, Visit
 
 Vector = NDArray[np.float64]
 
