@@ -22,10 +22,10 @@ LAYERS = [
     ["library"],
     ["causality", "hints"],
     ["equations", "switching"],
-    ["progress", "run_ends", "run_options", "states", "trace", "translate"],
+    ["progress", "runs", "translate"],
     ["engine"],
     ["report"],
-    ["script", "script_result", "script_steps", "simulation", "measures", "result"],
+    ["measures", "result", "scripts", "simulation"],
     ["analysis", "circuits", "sweep", "export", "draw", "testing"],
     ["studio", "cli"],
 ]

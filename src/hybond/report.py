@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from hybond.chronicle import Chronicle
 from hybond.model.graph import FlatGraph
 from hybond.names import in_columns
-from hybond.trace import Event, Fired, Visit
+from hybond.runs.trace import Event, Fired, Visit
 from hybond.units import format_quantity
 
 SHOWN = 3

@@ -25,8 +25,8 @@ from hybond.model.kept import kept_graph
 from hybond.model.parts import Value
 from hybond.progress import Asked, shown
 from hybond.result import Result, Status
-from hybond.run_ends import Until, ended, ends_of
-from hybond.run_options import (
+from hybond.runs.ends import Until, ended, ends_of
+from hybond.runs.options import (
     STEPPING,
     STEPPING_IMPACT,
     Choice,
@@ -34,7 +34,7 @@ from hybond.run_options import (
     solver_of,
     time_in,
 )
-from hybond.states import State, load_state
+from hybond.runs.states import State, load_state
 
 Start = Result | State | Mapping[str, Any] | str | Path | None
 """Where a run may begin."""

@@ -14,8 +14,8 @@ from hybond.errors import HybondError
 from hybond.model.dimensions import infer_dimension
 from hybond.report import fired_text, joule
 from hybond.result import Result
-from hybond.run_options import seconds
-from hybond.trace import Event, Visit
+from hybond.runs.options import seconds
+from hybond.runs.trace import Event, Visit
 from hybond.units import format_quantity, parse_unit
 
 

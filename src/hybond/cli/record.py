@@ -10,8 +10,8 @@ from typing import Any
 from hybond.errors import HybondError
 from hybond.model.graph import FlatGraph
 from hybond.result import Result
-from hybond.script_result import ScriptResult
-from hybond.trace import Event, Fired, Visit
+from hybond.runs.trace import Event, Fired, Visit
+from hybond.scripts.result import ScriptResult
 
 VERSION = 1
 """Version of the object's schema."""

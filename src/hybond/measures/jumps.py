@@ -22,7 +22,7 @@ from hybond.measures.window import Window
 from hybond.model.expressions import Name
 from hybond.model.fieldless import reads_pre
 from hybond.model.graph import FlatGraph, Node
-from hybond.trace import Event, Visit
+from hybond.runs.trace import Event, Visit
 
 if TYPE_CHECKING:
     from hybond.result import Result

@@ -6,7 +6,7 @@ from typing import Any
 
 from hybond.report import fired_text, joule
 from hybond.result import Result
-from hybond.trace import Event, Visit
+from hybond.runs.trace import Event, Visit
 
 PAGE = 500
 """Events told at once."""

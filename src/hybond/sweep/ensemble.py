@@ -23,8 +23,8 @@ from hybond.model.parts import Value
 from hybond.names import did_you_mean
 from hybond.progress import Asked, shown
 from hybond.result import Result
-from hybond.run_ends import Until, ends_of
-from hybond.run_options import STEPPING, end_of
+from hybond.runs.ends import Until, ends_of
+from hybond.runs.options import STEPPING, end_of
 from hybond.simulation import simulate
 from hybond.sweep.collection import Ensemble
 from hybond.sweep.family import Family, family_of

@@ -14,7 +14,7 @@ from hybond.equations.surfaces import surfaces_of
 from hybond.model.expressions import names
 from hybond.model.graph import Machine, Mode, Rule
 from hybond.model.kinds import TWO_PORTS
-from hybond.trace import Energy, Fired, Visit, VisitKind
+from hybond.runs.trace import Energy, Fired, Visit, VisitKind
 
 if TYPE_CHECKING:
     from hybond.engine.outcome.records import Instants

@@ -10,8 +10,8 @@ from hybond.calls import fits
 from hybond.errors import UsageError
 from hybond.model.parts import Value
 from hybond.names import did_you_mean
-from hybond.run_ends import Until
-from hybond.run_options import is_condition, seconds
+from hybond.runs.ends import Until
+from hybond.runs.options import is_condition, seconds
 
 MOST = 10_000
 """Steps of a script, those that are repeated counted as often."""

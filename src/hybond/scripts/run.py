@@ -26,13 +26,13 @@ from hybond.model.parts import Value
 from hybond.names import did_you_mean
 from hybond.progress import Asked, shown
 from hybond.result import Result, Status
-from hybond.run_ends import ended
-from hybond.run_options import STEPPING, seconds_of, time_in
-from hybond.script_result import Done, Part, ScriptResult
-from hybond.script_steps import Step, conditions_of, latest_end, steps_of, unrolled
+from hybond.runs.ends import ended
+from hybond.runs.options import STEPPING, seconds_of, time_in
+from hybond.runs.states import State, load_state
+from hybond.runs.trace import Trace
+from hybond.scripts.result import Done, Part, ScriptResult
+from hybond.scripts.steps import Step, conditions_of, latest_end, steps_of, unrolled
 from hybond.simulation import Start, begun, notices
-from hybond.states import State, load_state
-from hybond.trace import Trace
 
 Vector = NDArray[np.float64]
 STARTS = ("start", "p", "q", "e", "f")
