@@ -25,7 +25,7 @@ LAYERS = [
     ["progress", "runs", "translate"],
     ["engine"],
     ["report"],
-    ["measures", "result", "scripts", "simulation"],
+    ["measures", "one_run", "result", "scripts", "simulation"],
     ["analysis", "circuits", "sweep", "export", "draw", "testing"],
     ["studio", "cli"],
 ]

@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hybond import simulation
 from hybond.calls import called
 from hybond.engine.compiled.members import Ran
 from hybond.engine.compiled.native import Unavailable, library
@@ -306,7 +305,7 @@ def _asked(task: Task) -> tuple[tuple[Settings, float | None] | None, str]:
         return None, f"solver {settings.solver!r}"
     if task.options.get("keep") is not None:
         return None, "keep"
-    if (task.options.get("engine") or simulation.ENGINE) == "python":
+    if task.options.get("engine") == "python":
         return None, "the engine as Python"
     try:
         library()
