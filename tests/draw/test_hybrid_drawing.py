@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 import re
 from pathlib import Path
 from typing import Any
@@ -133,6 +134,13 @@ def test_overview_has_a_solid_stroke_per_bond_and_a_dashed_one_where_it_moves(
         assert bool(elsewhere) >= (key in proved)
 
 
+def lies_on(p, points) -> bool:
+    return any(
+        math.dist(a, p) + math.dist(p, b) == pytest.approx(math.dist(a, b))
+        for a, b in itertools.pairwise(points)
+    )
+
+
 def test_panels_point_out_the_strokes_that_moved_and_no_others(model: FlatGraph) -> None:
     panels = panels_of(draw_modes(model))
     first = {g.key: stroke_ends(g)["solid"] for g in panels[0][2] if g.name == "bond"}
@@ -143,9 +151,9 @@ def test_panels_point_out_the_strokes_that_moved_and_no_others(model: FlatGraph)
         assert len(bands) == len(moved)
         for bond in moved:
             line = next(m for m in bond.marks if m.role.split()[0] == "bond")
-            middle = [(a + b) / 2 for a, b in zip(*line.points)]
             assert any(
-                [(a + b) / 2 for a, b in zip(*band.points)] == pytest.approx(middle)
+                band.points[1:-1] == line.points[1:-1]
+                and all(lies_on(p, line.points) for p in band.points)
                 for band in bands
             )
 

@@ -17,7 +17,7 @@ OTHER = {"Block", "FMU"}
 
 
 LATER = {"Integral", "Sampled", "Submodel", "Input"}
-LATER |= {"C", "I", "R", "G", "Se", "Sf", "TF", "GY"}
+LATER |= {"C", "I", "R", "G", "Se", "Sf", "TF", "GY", "Step"}
 """Whose values are looked at when a model takes them, or when they are to mean something."""
 
 

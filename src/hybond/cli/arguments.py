@@ -181,10 +181,21 @@ def parser_of_words() -> Parser:
         help="explain the signs that occur (default: yes)",
     )
     draw.add_argument("--numbers", action="store_true", help="number the bonds")
-    draw.add_argument(
+    detail = draw.add_mutually_exclusive_group()
+    detail.add_argument(
         "--simplify",
         action="store_true",
-        help="leave out junctions between two bonds, grounds, and losses of zero",
+        help="leave out junctions between two bonds, grounds, and losses of zero "
+        "(default if the model is made of parts)",
+    )
+    detail.add_argument("--full", action="store_true", help="draw all there is")
+    draw.add_argument("--closed", action="store_true", help="draw each part as a box")
+    draw.add_argument(
+        "--open",
+        metavar="PART",
+        action="append",
+        default=[],
+        help="draw each part as a box but this one, with a frame around what is in it",
     )
     _settings(draw)
 

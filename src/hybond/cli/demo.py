@@ -107,7 +107,7 @@ def _run(file: Path, out: Path) -> Result:
     from hybond.draw import draw_mode
 
     graph = read_graph(str(file))
-    draw_mode(graph, graph.start_mode).save(out / f"{file.stem}.svg")
+    draw_mode(graph).save(out / f"{file.stem}.svg")
     run = simulate_with(graph, end_time(graph, None))
     write_whole(out / f"{file.stem}.txt", explanation(run) + "\n")
     write_plot(run, out / f"{file.stem}.png", ())

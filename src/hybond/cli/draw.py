@@ -43,7 +43,7 @@ def _schematic(given: Namespace) -> Drawing:
     """Return the schematic of a model made of parts."""
     from hybond.draw import draw_schematic
 
-    for option in ("mode", "columns", "numbers", "simplify"):
+    for option in ("mode", "columns", "numbers", "simplify", "full", "closed", "open"):
         if getattr(given, option):
             raise UsageError(
                 f"a schematic has no {option}",
@@ -59,7 +59,14 @@ def _picture(graph: FlatGraph, given: Namespace) -> Drawing:
     from hybond.draw import draw_hybrid, draw_mode, draw_modes
 
     modes = [mode_of(graph, text) for text in given.mode]
-    signs = {"numbers": given.numbers, "simplify": given.simplify, "legend": given.legend}
+    simplify = True if given.simplify else False if given.full else None
+    opened = given.open if given.open or given.closed else None
+    signs = {
+        "numbers": given.numbers,
+        "simplify": simplify,
+        "open": opened,
+        "legend": given.legend,
+    }
     if given.panels or (len(modes) > 1 and not given.hybrid):
         return draw_modes(
             graph,
@@ -84,5 +91,4 @@ def _picture(graph: FlatGraph, given: Namespace) -> Drawing:
     if given.hybrid or (graph.machines and not modes):
         reference = modes[0] if modes else None
         return draw_hybrid(graph, reference, **signs)
-    mode = modes[0] if modes else graph.start_mode
-    return draw_mode(graph, mode, **signs)
+    return draw_mode(graph, modes[0] if modes else None, **signs)

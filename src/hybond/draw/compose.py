@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
+from hybond.draw.arrange import Arrangement
 from hybond.draw.geometry import (
     PARALLEL,
     BondShape,
@@ -15,7 +17,7 @@ from hybond.draw.geometry import (
     bond_shape,
     stroke,
 )
-from hybond.draw.grid import pixels
+from hybond.draw.grid import grid_of
 from hybond.draw.labels import (
     Clutter,
     Place,
@@ -24,7 +26,8 @@ from hybond.draw.labels import (
     beside_junction,
     best,
 )
-from hybond.draw.measure import shorten, width
+from hybond.draw.measure import shorten, width, wrapped
+from hybond.draw.opened import opened
 from hybond.draw.scene import Band, Frame, Group, Line, Mark, Text
 from hybond.draw.sketch import Arrow, Sketch, Symbol
 from hybond.draw.style import look
@@ -35,6 +38,8 @@ _LEADING = 1.22
 """Distance of lines of text per font size."""
 _ROOM = 130.0
 """Widest small text before it is cut."""
+_ROOMS = ((_ROOM, 3), (100.0, 3), (_ROOM, 1), (70.0, 3), (70.0, 1), (45.0, 1), (30.0, 1), (20.0, 1))
+"""Width and lines of a law that are tried in turn for the small text of a symbol."""
 _REGION = 24.0
 """Breadth of the ground under a bond of dynamic causality and the nodes that it joins."""
 _EMPHASIS = 17.0
@@ -68,23 +73,26 @@ class _Words:
         return self.role.startswith("badge")
 
 
-def compose(sketch: Sketch, positions: Sequence[Point]) -> tuple[Group, ...]:
-    """Return the marks of a sketch whose symbols stand at `positions` (grid cells).
+def compose(sketch: Sketch, places: Arrangement) -> tuple[Group, ...]:
+    """Return the marks of a sketch whose symbols and arrows have these `places`.
 
     Where letters and texts stand does not depend on the strokes, so that the pictures of two
     modes lie exactly on each other.
     """
     words = [_words(s, _ROOM) for s in sketch.symbols]
-    centres = pixels(
-        positions,
+    grid = grid_of(
+        places.positions,
         [max((w.width for w in ws), default=0.0) for ws in words],
         corner=[s.is_junction for s in sketch.symbols],
+        bends=places.bends,
     )
+    centres = [grid.at(p) for p in places.positions]
+    bends = [tuple(grid.at(p) for p in way) for way in places.bends]
     boxes = [_letters(s, c) for s, c in zip(sketch.symbols, centres, strict=True)]
     framed = [
         b.grown(2.0) if s.controlled else b for s, b in zip(sketch.symbols, boxes, strict=True)
     ]
-    shapes = _shapes(sketch.arrows, framed, centres)
+    shapes = _shapes(sketch.arrows, framed, centres, bends)
 
     clutter = Clutter()
     for box in framed:
@@ -93,7 +101,7 @@ def compose(sketch: Sketch, positions: Sequence[Point]) -> tuple[Group, ...]:
     for arrow, shape in zip(sketch.arrows, shapes, strict=True):
         marks = _bond_marks(arrow, shape)
         for line in (
-            (shape.tail, shape.head),
+            *pairwise(shape.points),
             shape.barb,
             stroke(shape, 0),
             stroke(shape, 1),
@@ -107,8 +115,8 @@ def compose(sketch: Sketch, positions: Sequence[Point]) -> tuple[Group, ...]:
     order = sorted(range(len(boxes)), key=lambda k: sketch.symbols[k].is_junction)
     texts: dict[int, tuple[Mark, ...]] = {}
     for k in order:
-        taken = _sides(k, sketch.arrows, centres)
-        texts[k] = _label(sketch.symbols[k], words[k], framed[k], taken, clutter)
+        taken = _sides(k, sketch.arrows, centres, bends)
+        texts[k] = _label(sketch.symbols[k], framed[k], taken, clutter)
     for k, symbol in enumerate(sketch.symbols):
         marks_of = (*_node_marks(symbol, boxes[k], centres[k]), *texts[k])
         nodes.append(Group("node", symbol.path, symbol.about, marks_of))
@@ -117,16 +125,21 @@ def compose(sketch: Sketch, positions: Sequence[Point]) -> tuple[Group, ...]:
     for arrow, shape, marks in groups:
         number = _number(arrow, shape, clutter)
         bonds.append(Group("bond", arrow.name, arrow.name, (*marks, *number)))
-    return (*_grounds(sketch, shapes, centres, framed), *bonds, *nodes)
+    grounds = _grounds(sketch, shapes, centres, bends, framed)
+    return (*opened(sketch, nodes, centres), *grounds, *bonds, *nodes)
 
 
 def _grounds(
-    sketch: Sketch, shapes: Sequence[BondShape], centres: Sequence[Point], framed: Sequence[Box]
+    sketch: Sketch,
+    shapes: Sequence[BondShape],
+    centres: Sequence[Point],
+    bends: Sequence[Sequence[Point]],
+    framed: Sequence[Box],
 ) -> tuple[Group, ...]:
     """Return what lies under the graph: regions of dynamic causality, bonds pointed out."""
     bands: list[Mark] = [
-        Band("region", (centres[a.tail], centres[a.head]), _REGION)
-        for a in sketch.arrows
+        Band("region", (centres[a.tail], *way, centres[a.head]), _REGION)
+        for a, way in zip(sketch.arrows, bends, strict=True)
         if a.region
     ]
     bands += [
@@ -144,11 +157,14 @@ def _grounds(
     return (Group("region", "", "", tuple(bands)),) if bands else ()
 
 
-def _words(symbol: Symbol, room: float) -> tuple[_Words, ...]:
-    """Return the small text of a symbol, line by line."""
+def _words(symbol: Symbol, room: float, most: int = 1) -> tuple[_Words, ...]:
+    """Return the small text of a symbol, line by line; a law has at most so many."""
     state = " off" if symbol.off else ""
     role = "junctionname" if symbol.is_junction else "name"
-    lines = [(role + state, symbol.path, True), ("parameter" + state, symbol.parameter, False)]
+    lines = [] if symbol.kind == "part" else [(role + state, symbol.path, True)]
+    said = "parameter" + state
+    law = wrapped(symbol.parameter, look(said).size or 10.0, room, most=most)
+    lines += [(said, line, False) for line in law]
     if symbol.machine:
         lines.append(("machine" + state, f"[{symbol.machine}]", False))
     if symbol.law:
@@ -164,6 +180,11 @@ def _words(symbol: Symbol, room: float) -> tuple[_Words, ...]:
 
 def _letters(symbol: Symbol, centre: Point) -> Box:
     """Return the box of a symbol's letters, with the subscript of a controlled one."""
+    if symbol.kind == "part":
+        half = max(
+            width(symbol.letters, look("node boxed").size or 13.0, bold=True) / 2 + 7.0, 20.0
+        )
+        return Box(centre[0] - half, centre[1] - 14.0, centre[0] + half, centre[1] + 14.0)
     size = look("node").size or 19.0
     half = max(width(symbol.letters, size, bold=True) / 2, 6.0)
     if symbol.controlled:
@@ -177,7 +198,10 @@ def _letters(symbol: Symbol, centre: Point) -> Box:
 
 
 def _shapes(
-    arrows: Sequence[Arrow], boxes: Sequence[Box], centres: Sequence[Point]
+    arrows: Sequence[Arrow],
+    boxes: Sequence[Box],
+    centres: Sequence[Point],
+    bends: Sequence[Sequence[Point]],
 ) -> list[BondShape]:
     together: dict[tuple[int, int], list[int]] = {}
     for k, a in enumerate(arrows):
@@ -186,16 +210,15 @@ def _shapes(
     for k, a in enumerate(arrows):
         same = together[min(a.tail, a.head), max(a.tail, a.head)]
         shift = PARALLEL * (same.index(k) - (len(same) - 1) / 2)
-        shapes.append(
-            bond_shape(boxes[a.tail], boxes[a.head], centres[a.tail], centres[a.head], shift=shift)
-        )
+        ends = (boxes[a.tail], boxes[a.head], centres[a.tail], centres[a.head])
+        shapes.append(bond_shape(*ends, shift=shift, bends=bends[k]))
     return shapes
 
 
 def _bond_marks(arrow: Arrow, shape: BondShape) -> list[Line]:
     state = (" off" if arrow.off else "") + (" conflict" if arrow.conflict else "")
     marks = [
-        Line("bond" + state, (shape.tail, shape.head)),
+        Line("bond" + state, shape.points),
         Line("barb" + state, shape.barb),
     ]
     for end in arrow.strokes:
@@ -217,6 +240,11 @@ def _cross(shape: BondShape) -> tuple[Segment, Segment]:
 
 
 def _node_marks(symbol: Symbol, box: Box, centre: Point) -> list[Mark]:
+    if symbol.kind == "part":
+        late = " derivative" if symbol.derivative else ""
+        role = "node boxed" + late + (" off" if symbol.off else "")
+        baseline = centre[1] + 0.36 * (look("node boxed").size or 13.0)
+        return [Frame("part" + late, box, 3.0), Text(role, symbol.letters, centre[0], baseline)]
     size = look("node").size or 19.0
     role = "node junction" if symbol.is_junction else "node"
     if symbol.controlled:
@@ -239,13 +267,18 @@ def _node_marks(symbol: Symbol, box: Box, centre: Point) -> list[Mark]:
     return marks
 
 
-def _sides(node: int, arrows: Sequence[Arrow], centres: Sequence[Point]) -> set[str]:
+def _sides(
+    node: int,
+    arrows: Sequence[Arrow],
+    centres: Sequence[Point],
+    bends: Sequence[Sequence[Point]],
+) -> set[str]:
     """Return the compass sides of a node where bonds leave."""
     sides = set()
-    for a in arrows:
+    for a, way in zip(arrows, bends, strict=True):
         if node not in (a.tail, a.head):
             continue
-        other = centres[a.head if a.tail == node else a.tail]
+        other = (*way, centres[a.head])[0] if a.tail == node else (centres[a.tail], *way)[-1]
         dx, dy = other[0] - centres[node][0], other[1] - centres[node][1]
         if abs(dy) >= 0.3 * abs(dx):
             sides.add("s" if dy > 0 else "n")
@@ -254,13 +287,11 @@ def _sides(node: int, arrows: Sequence[Arrow], centres: Sequence[Point]) -> set[
     return sides
 
 
-def _label(
-    symbol: Symbol, words: tuple[_Words, ...], box: Box, taken: set[str], clutter: Clutter
-) -> tuple[Mark, ...]:
+def _label(symbol: Symbol, box: Box, taken: set[str], clutter: Clutter) -> tuple[Mark, ...]:
     """Place the small text of a symbol; where there is no room for all, it is cut."""
     found: tuple[Place, int, tuple[_Words, ...]] | None = None
-    for room in (_ROOM, 70.0, 45.0, 30.0):
-        lines = words if room == _ROOM else _words(symbol, room)
+    for room, most in _ROOMS:
+        lines = _words(symbol, room, most)
         if not lines:
             return ()
         size = (max(w.width for w in lines), sum(w.height for w in lines))
@@ -292,9 +323,9 @@ def _number(arrow: Arrow, shape: BondShape, clutter: Clutter) -> tuple[Mark, ...
     if not arrow.number:
         return ()
     size = look("number").size or 9.0
-    normal = barb_side(shape.head[0] - shape.tail[0], shape.head[1] - shape.tail[1])
+    (ax, ay), (bx, by) = line = shape.longest
     block = (width(arrow.number, size), size)
-    place, _ = best(beside_bond((shape.tail, shape.head), normal, block), clutter)
+    place, _ = best(beside_bond(line, barb_side(bx - ax, by - ay), block), clutter)
     clutter.add_box(place.box)
     role = "number" + (" off" if arrow.off else "")
     return (Text(role, arrow.number, place.x, place.box.y1 - 0.13 * size, place.anchor),)

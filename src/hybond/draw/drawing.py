@@ -9,13 +9,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from hybond.calls import called
+from hybond.draw.arrange import Arrangement, arrange
 from hybond.draw.badges import Badge, badges
 from hybond.draw.compose import compose
-from hybond.draw.layout import layout
+from hybond.draw.first_mode import first_mode
 from hybond.draw.legend import entries
 from hybond.draw.mpl import draw_on_axes, figure_bytes
 from hybond.draw.scene import Scene
-from hybond.draw.simplify import simplified, zeros_of
+from hybond.draw.simplify import shown_of
 from hybond.draw.sketch import Causality, Sketch, sketch
 from hybond.draw.svg import write_svg
 from hybond.draw.tikz import write_tikz
@@ -98,7 +99,8 @@ def draw(
     dynamic_bonds: Collection[int] = (),
     marks: Mapping[str, str | tuple[str, str] | Badge] | None = None,
     numbers: bool = False,
-    simplify: bool = False,
+    simplify: bool | None = None,
+    open: Collection[str] | None = None,
     title: bool = True,
     legend: bool = True,
 ) -> Drawing:
@@ -119,8 +121,12 @@ def draw(
         Badges beside elements: ``{"pad": "derivative", "i": ("12 kHz", "purple")}``.
     numbers : bool
         Number the bonds, from 1.
-    simplify : bool
+    simplify : bool, optional
         Leave out what decides nothing: junctions between two bonds, grounds, losses of zero.
+        Without it that is done where a model is made of parts; the legend says so.
+    open : collection of str, optional
+        Draw each part as one box, but for those that are named here: these have a frame around
+        what is in them. Without it everything is drawn, and no frames.
     title : bool
         Write the model's title above.
     legend : bool
@@ -137,7 +143,8 @@ def draw(
         HB-M144 for what is no mode.
     UsageError
         HB-D106 for a mark on a node that does not exist,
-        HB-D107 for a tone that does not exist.
+        HB-D107 for a tone that does not exist,
+        HB-D111 for a part to open that does not exist.
 
     References
     ----------
@@ -167,26 +174,24 @@ def draw(
         numbers=numbers,
         title=title,
     )
-    if simplify:
-        shown = simplified(shown, zeros_of(graph))
-    return finished(shown, legend=legend)
+    return finished(*shown_of([shown], graph, simplify, open), legend=legend)
 
 
 def finished(shown: Sketch, *, legend: bool = True) -> Drawing:
     """Return the drawing of a sketch: laid out, composed, with its words."""
-    positions = positions_of(shown)
+    places = places_of(shown)
     scene = with_words(
-        compose(shown, positions),
+        compose(shown, places),
         title=shown.title,
         caption=shown.caption,
         legend=entries([shown]) if legend else [],
     )
-    return Drawing(scene, dict(zip((s.path for s in shown.symbols), positions, strict=True)))
+    return Drawing(scene, dict(zip((s.path for s in shown.symbols), places.positions, strict=True)))
 
 
-def positions_of(shown: Sketch) -> tuple[tuple[float, float], ...]:
-    """Return where the symbols of a sketch stand, in grid cells: the same for every mode."""
-    return _positions(
+def places_of(shown: Sketch) -> Arrangement:
+    """Return where the symbols and arrows of a sketch are: the same for every mode."""
+    return _places(
         tuple(s.kind for s in shown.symbols),
         tuple((a.tail, a.head) for a in shown.arrows),
         tuple(shown.pins.items()),
@@ -194,27 +199,36 @@ def positions_of(shown: Sketch) -> tuple[tuple[float, float], ...]:
 
 
 @lru_cache(maxsize=32)
-def _positions(
+def _places(
     kinds: tuple[str, ...],
     bonds: tuple[tuple[int, int], ...],
     pins: tuple[tuple[int, tuple[float, float]], ...],
-) -> tuple[tuple[float, float], ...]:
+) -> Arrangement:
     """Remember layouts: a model is drawn again for each mode."""
-    return layout(kinds, bonds, pinned=dict(pins))
+    return arrange(kinds, bonds, pinned=dict(pins))
 
 
 @called('hb.draw_mode(model, {"floor": "touching"})')
 def draw_mode(
     graph: Model | FlatGraph,
-    mode: AnyMode,
+    mode: AnyMode | None = None,
     *,
     marks: Mapping[str, str | tuple[str, str] | Badge] | None = None,
     numbers: bool = False,
-    simplify: bool = False,
+    simplify: bool | None = None,
+    open: Collection[str] | None = None,
     title: bool = True,
     legend: bool = True,
 ) -> Drawing:
     """Draw a bond graph with the causal strokes of one mode.
+
+    Parameters
+    ----------
+    graph : Model or FlatGraph
+    mode : tuple of int or mapping, optional
+        Without it the mode in which a run goes on after its start.
+    marks, numbers, simplify, open, title, legend
+        As for `draw`.
 
     Examples
     --------
@@ -230,7 +244,7 @@ def draw_mode(
     from hybond.causality.dynamics import causality_of
 
     graph = graph_of(graph)
-    mode = graph.mode_of(mode)
+    mode = first_mode(graph) if mode is None else graph.mode_of(mode)
     return draw(
         graph,
         mode=mode,
@@ -238,6 +252,7 @@ def draw_mode(
         marks=marks,
         numbers=numbers,
         simplify=simplify,
+        open=open,
         title=title,
         legend=legend,
     )

@@ -8,7 +8,9 @@ effort acts as input, as long as the letters are high.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 Point = tuple[float, float]
 Segment = tuple[Point, Point]
@@ -79,19 +81,38 @@ class BondShape:
     tail: Point
     head: Point
     barb: Segment
+    bends: tuple[Point, ...] = ()
+
+    @property
+    def points(self) -> tuple[Point, ...]:
+        """The line, from tail to head."""
+        return (self.tail, *self.bends, self.head)
+
+    @property
+    def longest(self) -> Segment:
+        """The longest straight piece of the line, the first of those that are equal."""
+        return max(pairwise(self.points), key=lambda piece: round(math.dist(*piece), 6))
 
     @property
     def middle(self) -> Point:
-        """The point halfway."""
-        return ((self.tail[0] + self.head[0]) / 2, (self.tail[1] + self.head[1]) / 2)
+        """The point halfway along its longest piece."""
+        (ax, ay), (bx, by) = self.longest
+        return ((ax + bx) / 2, (ay + by) / 2)
 
-    def shortened(self, by: float) -> Segment:
-        """Return the line less `by` at each end, or its middle if it is not that long."""
-        (ax, ay), (bx, by_) = self.tail, self.head
-        long = math.hypot(bx - ax, by_ - ay)
-        part = min(by / long, 0.5) if long else 0.5
-        dx, dy = part * (bx - ax), part * (by_ - ay)
-        return ((ax + dx, ay + dy), (bx - dx, by_ - dy))
+    def end(self, end: int) -> Segment:
+        """Return the piece at the tail (0) or head (1), in the direction of the bond."""
+        return (self.points[-2], self.head) if end else (self.tail, self.points[1])
+
+    def shortened(self, by: float) -> tuple[Point, ...]:
+        """Return the line less `by` at each end, or the middle of a piece not that long."""
+        points = list(self.points)
+        for here, there in ((0, 1), (-1, -2)):
+            (ax, ay), (bx, by_) = points[here], points[there]
+            long = math.hypot(bx - ax, by_ - ay)
+            most = long / 2 if len(points) == 2 and here == 0 else long
+            part = min(by, most) / long if long else 0.0
+            points[here] = (ax + part * (bx - ax), ay + part * (by_ - ay))
+        return tuple(points)
 
 
 def barb_side(dx: float, dy: float) -> Point:
@@ -110,7 +131,9 @@ def barb_side(dx: float, dy: float) -> Point:
     return (nx + 0.0, ny + 0.0) if below else (-nx + 0.0, -ny + 0.0)
 
 
-def bond_shape(tail: Box, head: Box, a: Point, b: Point, *, shift: float = 0.0) -> BondShape:
+def bond_shape(
+    tail: Box, head: Box, a: Point, b: Point, *, shift: float = 0.0, bends: Sequence[Point] = ()
+) -> BondShape:
     """Return the shape of a bond between two nodes.
 
     Parameters
@@ -121,6 +144,8 @@ def bond_shape(tail: Box, head: Box, a: Point, b: Point, *, shift: float = 0.0) 
         The points that the line joins: the centres of the nodes.
     shift : float
         Offset towards the barb's side, for parallel bonds.
+    bends : sequence of point
+        Where the line bends on its way.
 
     Examples
     --------
@@ -130,21 +155,40 @@ def bond_shape(tail: Box, head: Box, a: Point, b: Point, *, shift: float = 0.0) 
     >>> shape.barb[1][1] > 0  # below
     True
     """
-    dx, dy = b[0] - a[0], b[1] - a[1]
+    points = _beside((a, *bends, b), shift) if shift else (a, *bends, b)
+    first, second = (points[0], points[1]), (points[-2], points[-1])
+    out, into = tail.grown(CLEARANCE).cut(first), head.grown(CLEARANCE).cut(second)
+    leave, reach = out[1] if out else 0.0, into[0] if into else 1.0
+    if len(points) == 2 and reach <= leave:  # letters that touch: a short bond beats none
+        leave, reach = 0.35, 0.65
+    start, end = _along(first, min(leave, 0.95)), _along(second, max(reach, 0.05))
+    dx, dy = second[1][0] - second[0][0], second[1][1] - second[0][1]
     nx, ny = barb_side(dx, dy)
-    a, b = (a[0] + shift * nx, a[1] + shift * ny), (b[0] + shift * nx, b[1] + shift * ny)
-    out, into = tail.grown(CLEARANCE).cut((a, b)), head.grown(CLEARANCE).cut((a, b))
-    first, last = out[1] if out else 0.0, into[0] if into else 1.0
-    if last <= first:  # letters that touch: a short bond is better than none
-        first, last = 0.35, 0.65
-    start = (a[0] + first * dx, a[1] + first * dy)
-    end = (a[0] + last * dx, a[1] + last * dy)
     long = math.hypot(dx, dy)
     ux, uy = dx / long, dy / long
-    size = min(BARB_LENGTH, 0.5 * long * (last - first))
+    last = math.dist(start if len(points) == 2 else second[0], end)
+    size = min(BARB_LENGTH, 0.5 * last if len(points) == 2 else last)
     back, aside = size * math.cos(BARB_ANGLE), size * math.sin(BARB_ANGLE)
     tip = (end[0] - back * ux + aside * nx, end[1] - back * uy + aside * ny)
-    return BondShape(start, end, (end, tip))
+    return BondShape(start, end, (end, tip), tuple(points[1:-1]))
+
+
+def _along(piece: Segment, part: float) -> Point:
+    (ax, ay), (bx, by) = piece
+    return (ax + part * (bx - ax), ay + part * (by - ay))
+
+
+def _beside(points: Sequence[Point], shift: float) -> tuple[Point, ...]:
+    """Return a line beside another, towards the barb's side of each of its pieces."""
+    moves: list[tuple[float, float]] = []
+    for (ax, ay), (bx, by) in pairwise(points):
+        nx, ny = barb_side(bx - ax, by - ay)
+        moves.append((shift * nx, shift * ny))
+    found = []
+    for k, (x, y) in enumerate(points):
+        near = {moves[max(k - 1, 0)], moves[min(k, len(moves) - 1)]}
+        found.append((x + sum(m[0] for m in near), y + sum(m[1] for m in near)))
+    return tuple(found)
 
 
 def stroke(shape: BondShape, end: int) -> Segment:
@@ -156,7 +200,8 @@ def stroke(shape: BondShape, end: int) -> Segment:
     >>> stroke(shape, 1)
     ((50.0, 7.5), (50.0, -7.5))
     """
-    nx, ny = barb_side(shape.head[0] - shape.tail[0], shape.head[1] - shape.tail[1])
+    (ax, ay), (bx, by) = shape.end(end)
+    nx, ny = barb_side(bx - ax, by - ay)
     x, y = shape.head if end else shape.tail
     half = STROKE_LENGTH / 2
     return ((x + half * nx, y + half * ny), (x - half * nx, y - half * ny))

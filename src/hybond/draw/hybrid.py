@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from hybond.calls import called
@@ -12,9 +12,9 @@ from hybond.causality.dynamics import causality_of, dynamics
 from hybond.causality.modes import changed
 from hybond.causality.reference import reference_mode
 from hybond.draw.badges import Badge, badges
-from hybond.draw.drawing import Drawing, finished, positions_of
+from hybond.draw.drawing import Drawing, finished, places_of
 from hybond.draw.panels import side_by_side
-from hybond.draw.simplify import simplified, zeros_of
+from hybond.draw.simplify import shown_of
 from hybond.draw.sketch import mode_caption, sketch
 from hybond.errors import UsageError
 from hybond.model.builder import graph_of
@@ -34,7 +34,8 @@ def draw_hybrid(
     *,
     marks: Mapping[str, str | tuple[str, str] | Badge] | None = None,
     numbers: bool = False,
-    simplify: bool = False,
+    simplify: bool | None = None,
+    open: Collection[str] | None = None,
     title: bool = True,
     legend: bool = True,
 ) -> Drawing:
@@ -49,7 +50,7 @@ def draw_hybrid(
     graph : Model or FlatGraph
     reference : tuple of int, optional
         Without it the mode in which most storages are in integral causality.
-    marks, numbers, simplify, title, legend
+    marks, numbers, simplify, open, title, legend
         As for `draw`.
 
     References
@@ -81,9 +82,7 @@ def draw_hybrid(
         title=title,
         caption=f"reference mode: {caption}" if caption else "",
     )
-    if simplify:
-        shown = simplified(shown, zeros_of(graph))
-    return finished(shown, legend=legend)
+    return finished(*shown_of([shown], graph, simplify, open), legend=legend)
 
 
 @called("hb.draw_modes(model)")
@@ -94,7 +93,8 @@ def draw_modes(
     reference: AnyMode | None = None,
     columns: int | None = None,
     numbers: bool = False,
-    simplify: bool = False,
+    simplify: bool | None = None,
+    open: Collection[str] | None = None,
     title: bool = True,
     legend: bool = True,
 ) -> Drawing:
@@ -112,7 +112,7 @@ def draw_modes(
         Without it the mode in which most storages are in integral causality.
     columns : int, optional
         Panels in a row; without it as many as suit a page.
-    numbers, simplify, title, legend
+    numbers, simplify, open, title, legend
         As for `draw`.
 
     Raises
@@ -177,11 +177,10 @@ def draw_modes(
                 caption=caption,
             )
         )
-    if simplify:
-        sketches = [simplified(s, zeros_of(graph)) for s in sketches]
-    positions = positions_of(sketches[0])
-    scene = side_by_side(sketches, positions, columns=columns, legend=legend)
-    places = dict(zip((s.path for s in sketches[0].symbols), positions, strict=True))
+    sketches = shown_of(sketches, graph, simplify, open)
+    arrangement = places_of(sketches[0])
+    scene = side_by_side(sketches, arrangement, columns=columns, legend=legend)
+    places = dict(zip((s.path for s in sketches[0].symbols), arrangement.positions, strict=True))
     return Drawing(scene, places)
 
 

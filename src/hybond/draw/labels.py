@@ -147,7 +147,7 @@ def _corners(letters: Box, size: Point) -> list[Place]:
     w, h = size
     x, y = (letters.x0 + letters.x1) / 2, (letters.y0 + letters.y1) / 2
     places = []
-    for gap in (10.0, 14.0, 20.0, 28.0):
+    for gap in (10.0, 14.0, 20.0, 28.0, 38.0):
         for south in (False, True):
             for west in (False, True):
                 top = y + gap if south else y - gap - h

@@ -64,18 +64,16 @@ def layout(
             placed.update({n: (float(x), float(y)) for n, (x, y) in cells.items() if n not in own})
         else:
             floating.append(cells)
+    on_pages(floating, placed)
+    return tuple(placed[n] for n in range(len(kinds)))
+
+
+def on_pages(parts: list[dict[int, Cell]], placed: dict[int, Position]) -> None:
+    """Set components out from left to right, in rows about as wide as a page, beside `placed`."""
     left, top = 0, 0
     if placed:
         left = math.ceil(max(x for x, _ in placed.values())) + 2
         top = math.floor(min(y for _, y in placed.values()))
-    _side_by_side(floating, placed, left, top)
-    return tuple(placed[n] for n in range(len(kinds)))
-
-
-def _side_by_side(
-    parts: list[dict[int, Cell]], placed: dict[int, Position], left: int, top: int
-) -> None:
-    """Set components out from left to right, in rows about as wide as a page."""
     area = sum((_size(c)[0] + 1) * (_size(c)[1] + 1) for c in parts)
     page = max(12, *(_size(c)[0] for c in parts), math.isqrt(3 * area)) if parts else 0
     x, y, tall = 0, top, 0
@@ -109,10 +107,10 @@ def _component(
     fixed: dict[int, Cell] = {}
     for n, (x, y) in pins.items():
         # Two pins may round to one cell: the second takes the nearest free one for the search.
-        fixed[local[n]] = _nearest((round(x), round(y)), set(fixed.values()))
+        fixed[local[n]] = nearest((round(x), round(y)), set(fixed.values()))
     size = len(nodes)
-    rows = _first_rows(Board(own_kinds, own_bonds), fixed)
-    starts = [_start(own_kinds, own_bonds, fixed, row) for row in rows]
+    rows = first_rows(Board(own_kinds, own_bonds), fixed)
+    starts = [start_board(own_kinds, own_bonds, fixed, row) for row in rows]
     starts.sort(key=lambda b: b.cost(range(size)))  # stable: a tie keeps the order of trying
     # A step of a tangled graph costs more and gains less.
     tangle = min(1.0, size / max(len(own_bonds), 1)) ** 2
@@ -154,7 +152,7 @@ def _turn_about(board: Board) -> None:
     board.move(ways[costs.index(min(costs))])
 
 
-def _first_rows(board: Board, fixed: Mapping[int, Cell]) -> list[dict[int, Cell]]:
+def first_rows(board: Board, fixed: Mapping[int, Cell]) -> list[dict[int, Cell]]:
     """Return candidate placements of the spine or of the longest ring."""
     if fixed:
         return [{}]
@@ -189,7 +187,7 @@ def _rectangle(size: int, height: int) -> list[Cell]:
     return around[:size]
 
 
-def _start(
+def start_board(
     kinds: Sequence[str],
     bonds: Sequence[tuple[int, int]],
     fixed: Mapping[int, Cell],
@@ -244,10 +242,10 @@ def _best_cell(board: Board, node: int) -> Cell:
                         best = (cost, abs(dx) + abs(dy), cell)
         if best is not None:
             return best[2]
-    return _nearest(anchors[0], set(board.who))
+    return nearest(anchors[0], set(board.who))
 
 
-def _nearest(wish: Cell, taken: set[Cell]) -> Cell:
+def nearest(wish: Cell, taken: set[Cell]) -> Cell:
     """Return the free cell nearest to `wish`."""
     reach = 0
     while True:

@@ -73,6 +73,10 @@ def entries(sketches: Sequence[Sketch]) -> list[Entry]:
         found.append(Entry("controlled by [machine]", _controlled()))
     if any(n.law for n in symbols):
         found.append(Entry(f"law of a junction: {_laws(symbols)}", _law()))
+    if left_out := max((s.left_out for s in sketches), default=0):
+        nodes = "node that decides" if left_out == 1 else "nodes that decide"
+        what = f"without {left_out} {nodes} nothing"
+        found.append(Entry(what, (Text("sample junction", "…", _SAMPLE / 2 + 1.0, 2.0),)))
     return found
 
 

@@ -55,3 +55,48 @@ def shorten(text: str, size: float, room: float, *, keep_end: bool = False) -> s
         if width(cut, size) <= room:
             return cut
     return "…"
+
+
+_BREAKS = (frozenset(" ·*+-,="), frozenset(" ·*+-,=/("))
+"""After these a law may go on in the next line, the first where one of them will do."""
+
+
+def wrapped(
+    text: str, size: float, room: float, *, most: int, words: bool = False, bold: bool = False
+) -> list[str]:
+    """Return `text` in lines that fit into `room`, at most so many; the last one may be cut.
+
+    Parameters
+    ----------
+    words : bool
+        Break at spaces only, as in a title; else also after the signs of a law.
+    bold : bool
+        Whether it is printed bold.
+
+    Examples
+    --------
+    >>> wrapped("a + b*(c + d)", 10.0, 40.0, most=3)
+    ['a + b*', '(c + d)']
+    >>> wrapped("Ball on a springy floor", 10.0, 60.0, most=2, words=True)
+    ['Ball on a', 'springy f…']
+    """
+
+    def fits(line: str) -> bool:
+        return width(line, size, bold=bold) <= room
+
+    lines: list[str] = []
+    rest = text
+    while rest:
+        if fits(rest) or len(lines) == most - 1:
+            lines.append(shorten(rest, size * (1.1 if bold else 1.0), room))
+            break
+        end = 0
+        for signs in (frozenset(" "),) if words else _BREAKS:
+            ends = (k + 1 for k, c in enumerate(rest) if c in signs)
+            end = end or max((k for k in ends if fits(rest[:k].rstrip())), default=0)
+        if end == 0:  # one word that is too long
+            lines.append(shorten(rest, size * (1.1 if bold else 1.0), room))
+            break
+        lines.append(rest[:end].rstrip())
+        rest = rest[end:].lstrip()
+    return lines

@@ -1,8 +1,16 @@
-"""The strip of modes below a plot: one lane per machine, one block per stay in a state."""
+"""The strip of modes below a plot: one lane per machine, one block per stay in a state.
+
+Where a machine changes faster than pixels tell, the height of a colour is the share of time that is
+spent in its state.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from hybond.draw.measure import width
 
@@ -13,6 +21,10 @@ LANES = 10
 """Most machines shown."""
 
 _COLOURS = ("#e3e6ea", "#9ecae1", "#fdd49e", "#a1d99b", "#dadaeb", "#fcbba1", "#d9d9b0", "#c7e9e4")
+
+MANY = 600
+"""Stays of a machine from which on its lane shows shares of time."""
+_COLUMNS = 900
 
 Stay = tuple[float, float, int]
 """From, to, state."""
@@ -38,10 +50,29 @@ def stays(result: Any, machine: int) -> list[Stay]:
     return found
 
 
+def shares(
+    all_stays: Sequence[Stay], state: int, edges: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return the part of the time between neighbouring edges that is spent in a state.
+
+    Examples
+    --------
+    >>> shares([(0.0, 1.0, 0), (1.0, 4.0, 1)], 1, np.array([0.0, 2.0, 4.0])).tolist()
+    [0.5, 1.0]
+    """
+    times = np.array([t for a, b, _ in all_stays for t in (a, b)])
+    spent = np.array([(b - a) * (k == state) for a, b, k in all_stays])
+    total = np.repeat(np.cumsum(spent), 2)
+    total[0::2] -= spent
+    share = np.diff(np.interp(edges, times, total)) / np.diff(edges)
+    return np.asarray(np.clip(share, 0.0, 1.0))
+
+
 def lanes(result: Any) -> tuple[list[int], int]:
     """Return the machines to show, those that move first, and how many are left out."""
     machines = range(len(result.graph.machines))
-    moving = [m for m in machines if len({s.mode[m] for s in result.segments}) > 1]
+    modes = {tuple(s.mode) for s in result.segments}
+    moving = [m for m in machines if len({mode[m] for mode in modes}) > 1]
     still = [m for m in machines if m not in set(moving)]
     return sorted((moving + still)[:LANES]), max(0, len(machines) - LANES)
 
@@ -61,7 +92,8 @@ def room_beside(result: Any, shown: list[int], *, inches: float) -> float:
     for m in shown:
         states = result.graph.machines[m].states
         found = stays(result, m)
-        named = {k for a, b, k in found if _fits(states[k], (b - a) / span * inches)}
+        few = found if len(found) <= MANY else ()
+        named = {k for a, b, k in few if _fits(states[k], (b - a) / span * inches)}
         beside = {k for _, _, k in found} - named
         names = sum(0.03 * inches + width(states[k], 7.5) / 72.0 for k in beside)
         widest = max(widest, 0.01 * inches + names if beside else 0.0)
@@ -91,7 +123,13 @@ def draw_strip(ax: Axes, result: Any, shown: list[int], *, factor: float, inches
         states = result.graph.machines[m].states
         named: set[int] = set()
         present: set[int] = set()
-        for start, end, state in stays(result, m):
+        found = stays(result, m)
+        if len(found) > MANY:
+            present |= {state for _, _, state in found}
+            _draw_shares(ax, found, lane, factor)
+            _explain(ax, lane, {k: states[k] for k in sorted(present)}, inches)
+            continue
+        for start, end, state in found:
             a, b = start * factor, end * factor
             corners.append([(a, lane - 0.4), (b, lane - 0.4), (b, lane + 0.4), (a, lane + 0.4)])
             colours.append(_COLOURS[state % len(_COLOURS)])
@@ -132,6 +170,23 @@ def draw_strip(ax: Axes, result: Any, shown: list[int], *, factor: float, inches
     ax.tick_params(axis="y", length=0)
     for side in ("top", "right", "left"):
         ax.spines[side].set_visible(False)
+
+
+def _draw_shares(ax: Axes, found: Sequence[Stay], lane: int, factor: float) -> None:
+    """Fill a lane with the colours of its states, as high as their shares of time."""
+    edges = np.linspace(found[0][0], found[-1][1], _COLUMNS + 1)
+    low = np.full(_COLUMNS, lane - 0.4)
+    for state in sorted({k for _, _, k in found}):
+        high = low + 0.8 * shares(found, state, edges)
+        ax.stairs(
+            high,
+            edges * factor,
+            baseline=low,
+            fill=True,
+            color=_COLOURS[state % len(_COLOURS)],
+            linewidth=0.0,
+        )
+        low = high
 
 
 def _explain(ax: Axes, lane: int, names: dict[int, str], inches: float) -> None:

@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from hybond.draw.arrange import Arrangement
 from hybond.draw.compose import compose
-from hybond.draw.geometry import Box, Point
+from hybond.draw.geometry import Box
 from hybond.draw.legend import entries, moved, rows, width_of
-from hybond.draw.measure import shorten, width
+from hybond.draw.measure import width, wrapped
 from hybond.draw.scene import Frame, Group, Mark, Scene, Text
 from hybond.draw.sketch import Sketch
 from hybond.draw.style import look
@@ -23,7 +24,7 @@ _PAGE = 1.5
 
 def side_by_side(
     sketches: Sequence[Sketch],
-    positions: Sequence[Point],
+    places: Arrangement,
     *,
     columns: int | None = None,
     legend: bool = True,
@@ -33,7 +34,7 @@ def side_by_side(
     Parameters
     ----------
     sketches : sequence of Sketch
-        Of one graph, so that `positions` (grid cells) hold for all.
+        Of one graph, so that `places` hold for all.
     columns : int, optional
         Panels in a row.
 
@@ -41,11 +42,11 @@ def side_by_side(
     --------
     >>> from hybond.draw.sketch import Symbol
     >>> two = [Sketch((Symbol("c", "C", "C"),), (), caption=text) for text in ("on", "off")]
-    >>> scene = side_by_side(two, [(0.0, 0.0)], columns=2)
+    >>> scene = side_by_side(two, Arrangement(((0.0, 0.0),), ()), columns=2)
     >>> [mark.x for group in scene.groups for mark in group.marks if mark.role == "node"]
     [121.0, 347.0]
     """
-    pictures = [compose(s, positions) for s in sketches]
+    pictures = [compose(s, places) for s in sketches]
     extent = extent_of_groups(g for groups in pictures for g in groups)
     inner = max(extent.x1 - extent.x0, _NARROWEST)
     captions = [caption_lines(s.caption, inner, 0.0, 0.0) for s in sketches]
@@ -61,10 +62,10 @@ def side_by_side(
     size = look("title").size or 13.0
     words: list[Mark] = []
     top = MARGIN
-    if title:
-        text = shorten(title, 1.1 * size, page)
+    for text in wrapped(title, size, page, most=3, words=True, bold=True):
         words.append(Text("title", text, MARGIN, top + size, "start"))
-        top += size + 12.0
+        top += size + 6.0
+    top += 6.0 if title else 0.0
     panels: list[Group] = []
     for k, (groups, (caption, _), one) in enumerate(zip(pictures, captions, sketches, strict=True)):
         row, column = divmod(k, across)

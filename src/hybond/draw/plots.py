@@ -1,13 +1,15 @@
 """Plots of results: signals over time, with jumps, impulses and a strip of modes.
 
 One axes per unit. At a jump the line is broken: an open circle is the left limit, a filled one
-the right limit. Where events are too dense for circles and event lines these are left out.
+the right limit. Where events are too dense for circles and event lines these are left out, and
+where points are denser than pixels the lowest and highest of each column of pixels are drawn.
 """
 
 from __future__ import annotations
 
 import io
 from collections.abc import Sequence
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,7 +20,7 @@ from hybond.draw.marks import draw_marks
 from hybond.draw.measure import shorten, width
 from hybond.draw.mode_strip import draw_strip, lanes, room_beside
 from hybond.draw.scales import axis_scale, printed
-from hybond.draw.traces import Trace, Vector, apart, trace_of
+from hybond.draw.traces import Trace, Vector, apart, thinned, trace_of
 from hybond.errors import UsageError
 from hybond.files.whole import write_whole
 
@@ -29,12 +31,19 @@ if TYPE_CHECKING:
 # Okabe and Ito's colours, told apart by everyone; yellow is too light for lines.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000")
 
+_DASHES = ("-", "--", ":", "-.")
+"""Of curves beyond the colours, so that each has a look of its own."""
+
 _WIDE = 7.4
 _TALL = 1.75
 _LANE = 0.2
 _CIRCLE_GAP = 0.012
 """Least distance of circles, as a part of the time shown."""
 _LINE_GAP = 0.006
+_COLUMNS = 1800
+"""Columns of pixels for which curves are drawn: two for each of a picture of this size."""
+_NAMES = 8
+"""Names that stand below each other beside axes of the usual height."""
 
 
 def plot_run(
@@ -117,15 +126,18 @@ def _stacked(
     gap, top, bottom, right = 0.16, 0.42, 0.5, 0.95 if shown else 0.25
     tall = _TALL if len(groups) < 5 else 1.25
     height = top + len(groups) * (tall + gap) + strip + bottom + (0.16 if more else 0.0)
-    figure = new_figure((_WIDE, height), interactive=interactive)
     # names beside the lanes take room from the lanes, and then more names stand beside them
     for _ in range(2):
         beside = room_beside(result, shown, inches=_WIDE - left - right) + 0.05
         right = max(right, min(beside, _WIDE / 3))
     inches = _WIDE - left - right
+    # names of curves that are too many for a row make the figure wider
+    columns = [_column_of(n, tall) for n in groups.values() if _row_of(n) > inches]
+    page = _WIDE + max(0.0, max(columns, default=0.0) + 0.15 - right)
+    figure = new_figure((page, height), interactive=interactive)
 
     def place(y: float, high: float) -> Any:
-        box = (left / _WIDE, y / height, inches / _WIDE, high / height)
+        box = (left / page, y / height, inches / page, high / height)
         return figure.add_axes(box)
 
     y = height - top
@@ -142,7 +154,7 @@ def _stacked(
         panels.append(lane_axes)
         if more:
             figure.text(
-                (left + inches) / _WIDE,
+                (left + inches) / page,
                 0.06 / height,
                 f"and {more} machines more",
                 fontsize=7.5,
@@ -155,7 +167,7 @@ def _stacked(
     figure.align_ylabels(panels[: len(groups)])
     title = shorten(str(result.title), 10.5, 72.0 * inches)
     figure.text(
-        left / _WIDE,
+        left / page,
         1 - 0.2 / height,
         title,
         fontsize=10.5,
@@ -166,24 +178,41 @@ def _stacked(
     warnings = len(result.warnings)
     if warnings:
         said = f"{warnings} warning{'s' if warnings > 1 else ''}: see run.warnings"
-        figure.text(0.06 / _WIDE, 0.06 / height, said, fontsize=7.5, color="#a05000")
+        figure.text(0.06 / page, 0.06 / height, said, fontsize=7.5, color="#a05000")
     return figure
 
 
 def new_figure(size: tuple[float, float], *, interactive: bool) -> Figure:
-    """Return a figure that pyplot knows, so that `plt.show()` works; not for a mere file."""
+    """Return a figure that pyplot knows, so that `plt.show()` works; not for a mere file.
+
+    A notebook shows what is returned, and all that pyplot knows: one picture is enough.
+    """
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    kind = _picture()
     if interactive:
         from matplotlib import get_backend, pyplot
 
-        # a notebook shows what is returned, and all that pyplot knows: one picture is enough
         if "inline" not in get_backend().lower():
-            return pyplot.figure(figsize=size)
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure as Plain
-
-    figure = Plain(figsize=size)
+            return pyplot.figure(figsize=size, FigureClass=kind)
+    figure = kind(figsize=size)
     FigureCanvasAgg(figure)
     return figure
+
+
+@cache
+def _picture() -> type[Figure]:
+    from matplotlib.figure import Figure as Plain
+
+    class Picture(Plain):
+        """A figure that a notebook shows, whatever has been imported there."""
+
+        def _repr_png_(self) -> bytes:
+            file = io.BytesIO()
+            self.savefig(file, format="png", dpi=110)
+            return file.getvalue()
+
+    return Picture
 
 
 def _signals(ax: Axes, result: Any, names: Sequence[str], unit: str, factor: float) -> None:
@@ -195,9 +224,18 @@ def _signals(ax: Axes, result: Any, names: Sequence[str], unit: str, factor: flo
     largest = float(np.max(np.abs(values), initial=0.0))
     scale, label = axis_scale(unit, largest)
     lines = []
-    for k, trace in enumerate(traces):
+    begin = min((float(t.t[0]) for t in traces if len(t.t)), default=0.0)
+    for k, whole in enumerate(traces):
         colour = COLOURS[k % len(COLOURS)]
-        (line,) = ax.plot(trace.t * factor, trace.y * scale, color=colour, linewidth=1.4, zorder=3)
+        trace = thinned(whole, begin, float(result.t_end), columns=_COLUMNS)
+        (line,) = ax.plot(
+            trace.t * factor,
+            trace.y * scale,
+            color=colour,
+            linewidth=1.4,
+            linestyle=_DASHES[k // len(COLOURS) % len(_DASHES)],
+            zorder=3,
+        )
         lines.append(line)
         _circles(ax, trace, colour, factor, scale, result.t_end)
     _limits(ax, values * scale, np.concatenate([i[:, 1] for i in impulses]))
@@ -231,7 +269,11 @@ def _circles(
     room = apart(trace.jumps[:, 0], _CIRCLE_GAP * t_end)
     # Too dense for circles: thin uprights, or a fast square wave would look like two levels.
     t, left, right = trace.jumps[~room].T
-    ax.vlines(t * factor, left * scale, right * scale, color=colour, linewidth=0.5, alpha=0.35)
+    if len(t):  # one line with breaks is drawn much faster than as many lines
+        gap = np.full(len(t), np.nan)
+        across = np.column_stack([t, t, gap]).ravel() * factor
+        up = np.column_stack([left, right, gap]).ravel() * scale
+        ax.plot(across, up, color=colour, linewidth=0.9, solid_capstyle="butt", zorder=3)
     roomy = trace.jumps[room]
     for column, face in ((1, "white"), (2, colour)):
         ax.plot(
@@ -266,15 +308,37 @@ def _limits(ax: Axes, values: Vector, areas: Vector) -> None:
     ax.set_ylim(low, high)
 
 
+def _row_of(names: Sequence[str]) -> float:
+    """Return how wide, in inches, a row of names and their lines is."""
+    return sum(width(shorten(n, 8.5, 150.0), 8.5) + 32.0 for n in names) / 72.0
+
+
+def _column_of(names: Sequence[str], tall: float) -> float:
+    """Return how wide, in inches, names below each other are that stand beside their axes."""
+    columns = -(-len(names) // max(1, round(_NAMES * tall / _TALL)))
+    return columns * (max(width(shorten(n, 8.5, 150.0), 8.5) for n in names) + 34.0) / 72.0
+
+
 def _legend(ax: Axes, lines: Sequence[Any], names: Sequence[str]) -> None:
-    """Name the lines above the axes."""
+    """Name the lines above the axes, or beside them where a row has no room."""
+    figure = ax.get_figure(root=True)
+    box = ax.get_position()
+    wide, high = figure.get_size_inches() if figure is not None else (_WIDE, _TALL)
+    inches = box.width * wide
+    if _row_of(names) > inches:
+        rows = max(1, round(_NAMES * box.height * high / _TALL))
+        where: dict[str, Any] = {
+            "loc": "upper left",
+            "bbox_to_anchor": (1.0 + 0.08 / inches, 1.0),
+            "ncols": -(-len(names) // rows),
+        }
+    else:
+        where = {"loc": "lower left", "bbox_to_anchor": (0.0, 0.97), "ncols": len(names)}
     # Neutral labels first: matplotlib leaves out those that begin with an underscore.
     legend = ax.legend(
         lines,
         [str(k) for k in range(len(names))],
-        loc="lower left",
-        bbox_to_anchor=(0.0, 0.97),
-        ncols=min(len(names), 6),
+        **where,
         frameon=False,
         fontsize=8.5,
         borderaxespad=0.0,

@@ -17,8 +17,41 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from dataclasses import replace
 
+from hybond.draw.parts import in_frames
 from hybond.draw.sketch import Arrow, Sketch, Symbol
 from hybond.model.graph import FlatGraph
+
+
+def made_of_parts(graph: FlatGraph) -> bool:
+    """Return whether a model is put together from parts, which have pins, grounds and losses.
+
+    Examples
+    --------
+    >>> import hybond as hb
+    >>> m = hb.Model("lone", domain="electrical")
+    >>> m.add(c=hb.C("1 mF"), r=hb.R("1 ohm"), node=hb.Zero())
+    >>> m.bond("node -> c", "node -> r")
+    >>> made_of_parts(m.flatten())
+    False
+    """
+    return any("." in n.path for n in graph.nodes if not n.hidden and not n.implied)
+
+
+def shown_of(
+    sketches: Sequence[Sketch],
+    graph: FlatGraph,
+    simplify: bool | None,
+    opened: Collection[str] | None = None,
+) -> list[Sketch]:
+    """Return sketches of one graph as they are drawn: None simplifies what is made of parts.
+
+    With `opened` parts are frames, see `hybond.draw.parts.in_frames`.
+    """
+    zeros = zeros_of(graph)
+    simpler = simplify or (simplify is None and made_of_parts(graph))
+    if opened is not None:
+        sketches = [in_frames(s, opened) for s in sketches]
+    return [simplified(s, zeros) if simpler else s for s in sketches]
 
 
 def zeros_of(graph: FlatGraph) -> dict[str, str]:
@@ -68,6 +101,11 @@ def simplified(sketch: Sketch, zeros: dict[str, str]) -> Sketch:
         symbols=tuple(symbols[k] for k in kept),
         arrows=tuple(replace(a, tail=place[a.tail], head=place[a.head]) for a in arrows),
         pins={place[k]: at for k, at in sketch.pins.items() if k in place},
+        left_out=len(symbols) - len(kept),
+        frames=tuple(
+            replace(f, members=tuple(place[k] for k in f.members if k in place))
+            for f in sketch.frames
+        ),
     )
 
 
@@ -173,9 +211,12 @@ def _without_passage(
 
 def _joined(comes: Arrow, goes: Arrow) -> Arrow:
     """Return one bond for two in a row, whose strokes are at the same ends."""
+    strokes = comes.strokes or goes.strokes
     return replace(
         comes,
         head=goes.head,
+        strokes=strokes,
+        dashed=tuple(e for e in (0, 1) if e in (*comes.dashed, *goes.dashed) and e not in strokes),
         name=f"{comes.name}, {goes.name}",
         number=", ".join(n for n in (comes.number, goes.number) if n),
         late=tuple(sorted({*comes.late, *goes.late})),

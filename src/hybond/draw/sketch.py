@@ -83,6 +83,14 @@ class Arrow:
 
 
 @dataclass(frozen=True, slots=True)
+class Frame:
+    """What is drawn around the symbols of a part that is open."""
+
+    path: str
+    members: tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class Sketch:
     """Symbols, arrows, and the words around them."""
 
@@ -91,6 +99,9 @@ class Sketch:
     title: str = ""
     caption: str = ""
     pins: dict[int, tuple[float, float]] = field(default_factory=dict)
+    left_out: int = 0
+    """How many symbols it is drawn without, because they decide nothing."""
+    frames: tuple[Frame, ...] = ()
 
 
 def sketch(
@@ -135,7 +146,7 @@ def sketch(
             )
         )
 
-    red = _conflict_bonds(causality)
+    red, idle = _conflict_bonds(causality)
     derived = _derivative_bonds(graph, causality, inner)
     preferred = _integral_ends(graph, inner)
     dynamic = set(dynamic_bonds)
@@ -167,7 +178,7 @@ def sketch(
                 late=late,
                 integral=bond.index in preferred and bool(strokes) and strokes[0] not in late,
                 conflict=not red.isdisjoint([bond.index, *behind]),
-                off=bond.tail in off or bond.head in off,
+                off=bond.tail in off or bond.head in off or bond.index in idle,
                 region=bond.index in dynamic,
                 emphasis=bond.index in emphasis,
             )
@@ -300,14 +311,23 @@ def _badges(
     return found
 
 
-def _conflict_bonds(causality: Causality | None) -> set[int]:
+def _conflict_bonds(causality: Causality | None) -> tuple[set[int], set[int]]:
+    """Return the bonds that are in conflict, and those that only carry nothing.
+
+    Where a junction that is OFF meets another each says that there is no flow, or no effort: that
+    is said twice and no conflict, as between diodes that all block.
+    """
     found: set[int] = set()
+    idle: set[int] = set()
     for conflict in causality.conflicts if causality is not None else ():
         bonds = getattr(conflict, "bonds", None)
         if bonds is None:
             bonds = (getattr(conflict, "bond", None),)
-        found.update(b for b in bonds if isinstance(b, int))
-    return found
+        rules = {getattr(getattr(conflict, o, None), "rule", "") for o in ("origin_a", "origin_b")}
+        gives = getattr(conflict, "gives", ())
+        twice = rules == {"off"} and len(set(gives)) == 1
+        (idle if twice else found).update(b for b in bonds if isinstance(b, int))
+    return found, idle
 
 
 def _derivative_bonds(

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 
 from hybond.draw.geometry import Box
 from hybond.draw.legend import Entry, moved, rows, width_of
-from hybond.draw.measure import shorten, width
+from hybond.draw.measure import shorten, width, wrapped
 from hybond.draw.scene import Band, Frame, Group, Line, Mark, Scene, Text
 from hybond.draw.style import look
 
@@ -14,6 +14,7 @@ MARGIN = 14.0
 _LEAST = 260.0
 _MOST = 520.0
 """How far a title may widen the page."""
+_TITLE_LINES = 3
 
 
 def with_words(
@@ -38,9 +39,9 @@ def with_words(
     )
     head: list[Mark] = []
     y = MARGIN
-    if title:
+    for line in wrapped(title, size, wide, most=_TITLE_LINES, words=True, bold=True):
         y += size
-        head.append(Text("title", shorten(title, 1.1 * size, wide), MARGIN, y, "start"))
+        head.append(Text("title", line, MARGIN, y, "start"))
         y += 6.0
     lines, y = caption_lines(caption, wide, MARGIN, y)
     head += lines

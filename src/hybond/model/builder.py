@@ -303,7 +303,8 @@ class Model:
         *,
         mode: Mapping[str, str] | None = None,
         numbers: bool = False,
-        simplify: bool = False,
+        simplify: bool | None = None,
+        open: Sequence[str] | None = None,
         legend: bool = True,
         schematic: bool = False,
     ) -> Any:
@@ -312,11 +313,16 @@ class Model:
         Parameters
         ----------
         mode : mapping of machine to state
-            Machines that are left out are in their start state.
+            Machines that are left out are in their start state. Without it: the mode in which a
+            run goes on after its start.
         numbers : bool
             Number the bonds.
-        simplify : bool
-            Leave out junctions between two bonds, grounds, and losses of zero.
+        simplify : bool, optional
+            Leave out junctions between two bonds, grounds, and losses of zero. Without it that is
+            done where a model is made of parts.
+        open : sequence of str, optional
+            Draw each part as one box, but for those named here, which have a frame around what is
+            in them: ``open=()`` closes all.
         legend : bool
             Explain the signs that occur.
         schematic : bool
@@ -327,7 +333,8 @@ class Model:
         ModelError
             HB-M144 for a machine or state that does not exist.
         UsageError
-            HB-D110 for a schematic of a model without parts.
+            HB-D110 for a schematic of a model without parts, HB-D111 for a part to open that does
+            not exist.
         """
         from hybond.draw import draw_mode, draw_schematic
 
@@ -335,8 +342,10 @@ class Model:
             return draw_schematic(self)
 
         graph = self.flatten()
-        chosen = graph.mode_of(mode or {})
-        return draw_mode(graph, chosen, numbers=numbers, simplify=simplify, legend=legend)
+        chosen = None if mode is None else graph.mode_of(mode)
+        return draw_mode(
+            graph, chosen, numbers=numbers, simplify=simplify, open=open, legend=legend
+        )
 
     def _new_name(self, name: str, *, array: bool = False) -> None:
         match = _NAME.match(name) if isinstance(name, str) else None
