@@ -127,7 +127,7 @@ def test_members_of_an_array_stand_in_a_row() -> None:
     m.models["wide"] = hb.library.part("electrical.resistor")
     m.models["wide"].layout["minus"] = (6, 0)
     m.elements["r[k = 1..n]"] = hb.Submodel("wide")
-    at = draw(m.flatten()).positions
+    at = draw(m.flatten(), simplify=False).positions
     assert [at[f"top[{k}]"] for k in range(4)] == [(2 * k, 0) for k in range(4)]
     assert [at[f"gap[{k}]"] for k in (1, 2, 3)] == [(1, 0), (3, 0), (5, 0)]
     assert at["c[2]"] == (3, 2)
