@@ -9,7 +9,7 @@ from numbers import Real
 from typing import TYPE_CHECKING
 
 from hybond.errors import UsageError
-from hybond.units import format_quantity, parse_unit, try_quantity
+from hybond.units import parse_unit, try_quantity
 
 if TYPE_CHECKING:
     from hybond.result import Result
@@ -206,8 +206,3 @@ class _Edges:
         around = [*self._times[max(k - 1, 0) : k + 1], *self._ends]
         best = min(around, key=lambda a: abs(a - t))
         return best if abs(best - t) <= reach else t
-
-
-def seconds_text(t: float) -> str:
-    """Return a time for people."""
-    return format_quantity(t, "s")
