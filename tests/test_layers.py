@@ -26,7 +26,7 @@ LAYERS = [
     ["engine"],
     ["report"],
     ["measures", "one_run", "result", "scripts", "simulation"],
-    ["analysis", "circuits", "sweep", "export", "draw", "testing"],
+    ["analysis", "circuits", "sweep", "export", "draw", "fitting", "testing"],
     ["studio", "cli"],
 ]
 LAYER = {room: index for index, rooms in enumerate(LAYERS) for room in rooms}

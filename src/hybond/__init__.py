@@ -26,9 +26,15 @@ if TYPE_CHECKING:
     from hybond.analysis.linear.frequency import FrequencyResponse, frequency_response
     from hybond.analysis.linear.linearisation import Linearisation
     from hybond.analysis.linear.linearise import linearise
+    from hybond.analysis.modes.reachable import reachable
+    from hybond.analysis.modes.records import ModeGraph
     from hybond.analysis.residuals.residuals import residuals
     from hybond.analysis.restitution.newton_law import newton_law_model
     from hybond.analysis.restitution.restitution import restitution
+    from hybond.analysis.sensitivity.goals import EventTime, Final, Total
+    from hybond.analysis.sensitivity.gradient import Gradient, gradient
+    from hybond.analysis.sensitivity.record import Sensitivities
+    from hybond.analysis.sensitivity.sensitivities import sensitivities
     from hybond.analysis.structure.structure import structure
     from hybond.blocks.fmu import FMU
     from hybond.causality.report import causality
@@ -51,6 +57,9 @@ if TYPE_CHECKING:
     )
     from hybond.files.load import load, loads
     from hybond.files.save import dumps, save
+    from hybond.fitting.fit import fit
+    from hybond.fitting.optimise import Optimum, optimise
+    from hybond.fitting.record import Fit
     from hybond.measures.signal import Signal
     from hybond.model.builder import Model
     from hybond.model.constructors import GY, TF, C, G, I, One, R, Se, Sf, Zero
@@ -90,8 +99,10 @@ _HOME = {
     "FMU": "hybond.blocks.fmu",
     "Input": "hybond.model.parts",
     "Model": "hybond.model.builder",
+    "Plan": "hybond.sweep.plan",
     "Result": "hybond.result",
     "Signal": "hybond.measures.signal",
+    "SweepTable": "hybond.sweep.table",
     **dict.fromkeys(("draw_hybrid", "draw_mode", "draw_modes"), "hybond.draw"),
     **dict.fromkeys(("Coverage", "coverage"), "hybond.analysis.coverage"),
     **dict.fromkeys(("CrossCheck", "cross_check"), "hybond.analysis.cross.check"),
@@ -105,7 +116,16 @@ _HOME = {
         ("FrequencyResponse", "frequency_response"), "hybond.analysis.linear.frequency"
     ),
     "linearise": "hybond.analysis.linear.linearise",
+    **dict.fromkeys(("EventTime", "Final", "Total"), "hybond.analysis.sensitivity.goals"),
+    **dict.fromkeys(("Gradient", "gradient"), "hybond.analysis.sensitivity.gradient"),
+    "Sensitivities": "hybond.analysis.sensitivity.record",
+    "Fit": "hybond.fitting.record",
+    "fit": "hybond.fitting.fit",
+    **dict.fromkeys(("Optimum", "optimise"), "hybond.fitting.optimise"),
+    "sensitivities": "hybond.analysis.sensitivity.sensitivities",
+    "ModeGraph": "hybond.analysis.modes.records",
     "newton_law_model": "hybond.analysis.restitution.newton_law",
+    "reachable": "hybond.analysis.modes.reachable",
     "residuals": "hybond.analysis.residuals.residuals",
     "restitution": "hybond.analysis.restitution.restitution",
     "structure": "hybond.analysis.structure.structure",
@@ -123,9 +143,10 @@ _ROOMS = {
     "export": "hybond.export",
     "library": "hybond.library",
     "studio": "hybond.studio",
+    "sweep": "hybond.sweep",
     "switching": "hybond.switching",
 }
-"""Rooms that are public as such; `causality`, `draw`, `export` and `studio` can be called."""
+"""Rooms that are public as such; `causality`, `draw`, `export`, `studio`, `sweep` can be called."""
 
 __all__ = [
     "FMU",
@@ -138,31 +159,41 @@ __all__ = [
     "DivergenceOfTime",
     "Ensemble",
     "EquationError",
+    "EventTime",
     "ExpressionError",
     "FileError",
+    "Final",
+    "Fit",
     "FrequencyResponse",
     "G",
     "GY",
+    "Gradient",
     "HybondError",
     "I",
     "Input",
     "Integral",
     "Linearisation",
+    "ModeGraph",
     "Model",
     "ModelError",
     "NumericsError",
     "One",
+    "Optimum",
+    "Plan",
     "R",
     "Result",
     "Sampled",
     "Se",
+    "Sensitivities",
     "Sf",
     "Signal",
     "State",
     "StateSpace",
     "Step",
     "Submodel",
+    "SweepTable",
     "TF",
+    "Total",
     "UnitError",
     "UsageError",
     "Zero",
@@ -178,7 +209,9 @@ __all__ = [
     "dumps",
     "ensemble",
     "export",
+    "fit",
     "frequency_response",
+    "gradient",
     "junction_matrix",
     "library",
     "linearise",
@@ -186,17 +219,21 @@ __all__ = [
     "load_state",
     "loads",
     "newton_law_model",
+    "optimise",
+    "reachable",
     "read_bond_graph",
     "read_circuit",
     "residuals",
     "restitution",
     "run_script",
     "save",
+    "sensitivities",
     "simulate",
     "state_equations",
     "state_space",
     "structure",
     "studio",
+    "sweep",
     "switching",
 ]
 

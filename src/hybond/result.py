@@ -137,10 +137,10 @@ class Result(Measuring):
         >>> run = hb.simulate(hb.load("examples/bouncing_ball.toml"))
         >>> print(run.state("0.5 s"))
         bouncing_ball at t = 0.5 s
-          ball.p  -4.90333 kg*m/s
+          ball.p  -4.905 N·s
           pad.q   0 m
-          height  1.77417 m
-          floor   flying
+          height  1.77375 m
+          floor   away
         """
         asked = None if t is None else seconds(t, "t")
         return state_at(self.graph, self.trace, self.signals, asked)

@@ -10,14 +10,15 @@ import pytest
 import hybond as hb
 
 RECORDS = {"Conversion", "Coverage", "CrossCheck", "Ensemble", "Result", "Signal", "StateSpace"}
-RECORDS |= {"Linearisation", "FrequencyResponse", "State"}
+RECORDS |= {"Linearisation", "FrequencyResponse", "State", "SweepTable", "ModeGraph"}
+RECORDS |= {"Fit", "Gradient", "Optimum", "Sensitivities"}
 """What functions return; nobody makes one."""
 OTHER = {"Block", "FMU"}
 """Made of any names, which are looked at when a model takes them."""
 
 
 LATER = {"Integral", "Sampled", "Submodel", "Input"}
-LATER |= {"C", "I", "R", "G", "Se", "Sf", "TF", "GY", "Step"}
+LATER |= {"C", "I", "R", "G", "Se", "Sf", "TF", "GY", "Step", "EventTime", "Final", "Total"}
 """Whose values are looked at when a model takes them, or when they are to mean something."""
 
 

@@ -196,3 +196,24 @@ def test_ctrl_c_ends_a_long_member_soon(workers: int) -> None:
     assert done[0].interrupted and done[0].status[0] == "ok"
     assert set(done[0].status[1:]) == {"interrupted"}
     assert threading.active_count() < 20
+
+
+@pytest.mark.parametrize("begun", [1, 2])
+def test_ctrl_c_while_threads_are_begun_leaves_none_behind(
+    begun: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One that went on in the library while Python ended crashed it."""
+    real, many = threading.Thread.start, [0]
+
+    def start(thread: threading.Thread) -> None:
+        real(thread)
+        many[0] += 1
+        if many[0] == begun:
+            raise KeyboardInterrupt
+
+    there = threading.active_count()
+    monkeypatch.setattr(threading.Thread, "start", start)
+    found = hb.ensemble(circuit(), sets={"R": np.linspace(1.0, 2.0, 2000)}, workers=2)
+    assert found.interrupted
+    time.sleep(0.02)
+    assert threading.active_count() == there

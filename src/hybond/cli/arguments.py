@@ -17,9 +17,11 @@ from typing import Any, NoReturn
 
 from hybond._version import __version__
 from hybond.cli.analysis_words import analyse_words, equations_words
+from hybond.cli.fit_words import fit_words
 from hybond.cli.linear_words import linearise_words
 from hybond.cli.measure_words import measure_words
 from hybond.cli.misfits import in_words, unknown_option
+from hybond.cli.plan_words import plan_words
 from hybond.errors import UsageError
 from hybond.names import did_you_mean
 
@@ -35,6 +37,7 @@ VERBS = {
     "run": "simulate a model",
     "sweep": "simulate a model with many values of its parameters",
     "measure": "simulate, and say what is measured of it: means, extremes, harmonics, losses",
+    "fit": "find values of a model with which its runs are nearest to data",
     "explain": "simulate, and say when and why each switch happened",
     "convert": "write a model file in the other format, or from a SPICE netlist",
     "library": "list the ready parts, look for some, or show one",
@@ -116,12 +119,31 @@ def parser_of_words() -> Parser:
         "check",
         "hybond check ball.toml",
         "hybond check --cross rectifier.toml --step '10 us'",
+        "hybond check --modes relay.toml --out modes.svg",
     )
     check.add_argument("file", metavar="FILE", help="a model file")
     check.add_argument(
+        "--modes",
+        action="store_true",
+        help="say which modes can follow each other, and whether time always goes on",
+    )
+    check.add_argument("--out", metavar="FILE", help="of --modes: draw them, .svg, .png, ...")
+    check.add_argument(
+        "--where",
+        action="append",
+        default=[],
+        metavar="CONDITION",
+        help="of --modes: what is known of states, as 'pad.q >= 0'; as often as needed",
+    )
+    check.add_argument(
+        "--limit", type=int, metavar="N", help="of --modes: modes that are looked at (200)"
+    )
+    check.add_argument(
         "--cross", action="store_true", help="run it with two engines and compare what they say"
     )
-    check.add_argument("--until", metavar="T", help="of --cross: end time, as 3 or '50 ms'")
+    check.add_argument(
+        "--until", metavar="T", help="of --cross and --modes: end time, as 3 or '50 ms'"
+    )
     check.add_argument(
         "--step", metavar="H", help="of --cross: the longest step; it is halved twice or more"
     )
@@ -275,6 +297,8 @@ def parser_of_words() -> Parser:
         "sweep",
         "hybond sweep ball.toml --vary m=1..2kg:11 --out masses.csv",
         "hybond sweep ball.toml --vary m=1kg,2kg --vary h0=1..3:5 --signals height",
+        "hybond sweep ball.toml --vary 'm=normal(1 kg, 50 g)' --sample lhs:1000 --seed 7 "
+        "--collect 'final(ball.p), count(events)' --out masses",
     )
     sweep.add_argument("file", metavar="FILE", help="a model file")
     sweep.add_argument(
@@ -282,13 +306,13 @@ def parser_of_words() -> Parser:
         metavar="PATH=VALUES",
         action="append",
         default=[],
-        help="a parameter and its values, LOW..HIGH:NUMBER or V,W,...; "
-        "several options: all combinations",
+        help="PATH and values: LOW..HIGH:NUMBER, LOW:HIGH:STEP, log(LOW,HIGH,NUMBER), V,W,... "
+        "or with --sample a distribution; several options: all combinations",
     )
     sweep.add_argument(
         "--together", action="store_true", help="the first values of all, the second, ...: no grid"
     )
-    _settings(sweep)
+    _settings(plan_words(sweep))
     _solver(sweep)
     sweep.add_argument(
         "--signals", metavar="NAME,...", action="append", help="what is read at the end"
@@ -296,12 +320,18 @@ def parser_of_words() -> Parser:
     sweep.add_argument(
         "--workers", metavar="N", type=int, help="threads (default: one for each core)"
     )
-    sweep.add_argument("--out", metavar="FILE", help="write the table as .csv, .npz or .json")
+    sweep.add_argument(
+        "--out",
+        metavar="FILE",
+        help="write the table as .csv, .npz or .json; of --collect: a folder",
+    )
     sweep.add_argument("--json", action="store_true", help="print one JSON object and nothing else")
 
     measure = measure_words(_verb, verbs)
     _settings(measure)
     _solver(measure)
+
+    _settings(fit_words(_verb, verbs))
 
     explain = _verb(verbs, "explain", "hybond explain ball.toml --at '0.8 s'")
     explain.add_argument("file", metavar="FILE", help="a model file")

@@ -40,6 +40,10 @@ def check(given: Namespace) -> int:
     check_options(given)
     if given.cross:
         return cross(given)
+    if given.modes:
+        from hybond.cli.modes import modes
+
+        return modes(given)
     model = load(given.file)
     if given.json:
         return _as_data(given, model)

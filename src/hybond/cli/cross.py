@@ -14,22 +14,39 @@ from hybond.errors import NumericsError, UsageError
 VERSION = 1
 """Version of the object of ``--json``."""
 
+OWNERS = {
+    "until": ("cross", "modes"),
+    "step": ("cross",),
+    "engines": ("cross",),
+    "out": ("modes",),
+    "where": ("modes",),
+    "limit": ("modes",),
+}
+"""The options of a check that belong to one kind of it."""
+
 
 def check_options(given: Namespace) -> None:
-    """Refuse options of a cross-check without one.
+    """Refuse options of a cross-check or of modes without one, and both at once.
 
     Raises
     ------
     UsageError
         HB-X101.
     """
-    for option in ("until", "step", "engines"):
-        if getattr(given, option) and not given.cross:
+    if given.cross and given.modes:
+        raise UsageError(
+            "--modes does not go with --cross",
+            code="HB-X101",
+            where="hybond check",
+            hint="one after the other",
+        )
+    for option, owners in OWNERS.items():
+        if getattr(given, option) and not any(getattr(given, owner) for owner in owners):
             raise UsageError(
-                f"--{option} belongs to --cross",
+                f"--{option} belongs to --{' and --'.join(owners)}",
                 code="HB-X101",
                 where="hybond check",
-                hint=f"hybond check --cross --{option} ... {given.file}",
+                hint=f"hybond check --{owners[0]} --{option} ... {given.file}",
             )
 
 

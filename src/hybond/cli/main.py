@@ -103,6 +103,10 @@ def verb(given: Namespace) -> int:
             from hybond.cli.measure import measure
 
             return measure(given)
+        case "fit":
+            from hybond.cli.fit import fit
+
+            return fit(given)
         case "explain":
             from hybond.cli.explain import explain
 

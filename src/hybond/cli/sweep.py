@@ -9,6 +9,7 @@ from typing import Any
 
 from hybond.cli.lists import check_experiment, check_signals, run_until, split
 from hybond.cli.netlists import read_model
+from hybond.cli.plan_words import is_plan
 from hybond.cli.record import VERSION, to_json
 from hybond.cli.refusal import refusal_of
 from hybond.cli.settings import changed_with
@@ -31,6 +32,10 @@ TOLD = 3
 
 def sweep(given: Namespace) -> int:
     """Simulate all members; print a table, or one JSON object; write the file asked for."""
+    if is_plan(given):
+        from hybond.cli.plans import plan_sweep
+
+        return plan_sweep(given, _options(given))
     target = check_target(given.out, TABLES, "--out")
     read, conversion = read_model(given.file)
     vary = given.vary

@@ -11,19 +11,25 @@ import numpy as np
 
 from hybond.cli.lists import split
 from hybond.errors import UsageError
+from hybond.sweep.factors import factor_of
+from hybond.sweep.laws import LAWS
 from hybond.units import parse_unit, try_quantity
 
 MEMBERS = 1_000_000
 """Members that one sweep may have."""
 _NUMBER = re.compile(r"\s*[+-]?[\d.]+([eE][+-]?\d+)?")
 _COUNT = re.compile(r"0*([0-9]{1,18})")
+_OTHER = re.compile(
+    rf"({'|'.join(LAWS)})\s*\([^()]*\)|(lin|log)\s*\([^(),]*,[^(),]*,[^(),]*\)|[^,:(]+(:[^,:(]+){{2}}"
+)
+"""Levels and distributions of a plan."""
 Values = tuple[str, list[str | float]]
 
 
 def values_of(text: str) -> Values:
     """Return the path and the values of ``path=low..high:number`` or ``path=v,w,...``.
 
-    A range takes its unit from either end.
+    A range takes its unit from either end. Other levels are those of `hybond.sweep.factors`.
 
     Raises
     ------
@@ -38,6 +44,12 @@ def values_of(text: str) -> Values:
     ('k', ['2 N/m', '1e3'])
     """
     path, _, given = (word.strip() for word in text.partition("="))
+    if ".." not in given and path and _OTHER.fullmatch(given):
+        factor = factor_of(path, given)
+        if factor.levels is None:
+            raise _refusal(f"{text!r} is a distribution: --sample says how many are drawn")
+        _check_members(factor.many)
+        return path, [factor.shown(float(v)) for v in factor.levels]
     if ".." not in given:
         words: list[str | float] = list(split([given]))
         if not path or not words:

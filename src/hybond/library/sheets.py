@@ -64,6 +64,7 @@ def sheet(name: str) -> Sheet:
     ...     print(line.name, "=", line.value, "-", line.about)
     drop = 0 V - voltage at which the current begins
     R_on = 0 ohm - resistance while it conducts
+    G_off = 0 S - conductance that leaks beside it, also while it conducts
     """
     model = part(name)
     text = SHELVES.joinpath(*name.split(".")).with_suffix(".toml").read_text(encoding="utf-8")

@@ -124,7 +124,7 @@ def ensemble(
             "model",
             "give the Model, not what model.flatten() returns",
         )
-    _check_options(options)
+    check_options(options)
     if workers is not None and (
         not isinstance(workers, int) or isinstance(workers, bool) or workers < 1
     ):
@@ -199,7 +199,7 @@ class _Work:
             return f"interrupted after {self._done} of {_members(self.total)}"
 
     def _all(self, workers: int) -> str:
-        asked, alone = _asked(self.task)
+        asked, alone = asked_of(self.task)
         together = ordinary = 0
         rest = np.arange(self.total)
         if asked is None:
@@ -297,7 +297,7 @@ class _Work:
             self._progress(self._done, self.total)
 
 
-def _asked(task: Task) -> tuple[tuple[Settings, float | None] | None, str]:
+def asked_of(task: Task) -> tuple[tuple[Settings, float | None] | None, str]:
     """Return what runs of the library are asked for; None and why if it is no such runs."""
     options = {k: v for k, v in task.options.items() if k not in _RUN}
     settings, band = settings_of(task.model.experiment, task.until, **options)
@@ -383,7 +383,8 @@ def _times(samples: int | Sequence[float] | Vector | None, end: float) -> Vector
     return t
 
 
-def _check_options(options: Mapping[str, Any]) -> None:
+def check_options(options: Mapping[str, Any]) -> None:
+    """Refuse options of `simulate` that many runs do not have; HB-S115."""
     known = inspect.signature(simulate).parameters.keys() - {"model", "until", "progress", "start"}
     for name in options:
         if name in _OWN:

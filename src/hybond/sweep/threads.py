@@ -6,7 +6,7 @@ import ctypes
 import os
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from queue import Empty, SimpleQueue
 
 import numpy as np
@@ -23,6 +23,8 @@ LARGE = 512
 """Members in that at the most: what is kept of them is put away then."""
 SHARE = 4
 """Parts that every thread gets at the least, so that all end together."""
+BEGINNING = 1.0
+"""For a thread to begin, s."""
 WAITING = 0.1
 """Between two looks at whoever wants it to stop, s."""
 
@@ -41,6 +43,8 @@ def in_threads(
     numbers: Vector,
     workers: int,
     keep: Callable[[int, Ran], None],
+    *,
+    modes: bool = False,
 ) -> None:
     """Run members; hand those that are done to `keep`, with the number of the first.
 
@@ -57,6 +61,8 @@ def in_threads(
         Threads.
     keep : callable
         Called in this thread.
+    modes : bool
+        Whether the modes that were written are kept.
 
     Raises
     ------
@@ -68,9 +74,10 @@ def in_threads(
     found: SimpleQueue[tuple[int, Ran] | BaseException | None] = SimpleQueue()
     parts = _Parts(len(numbers), workers)
 
-    def work() -> None:
+    def work(over: threading.Event) -> None:
+        members = None
         try:
-            members = NativeMembers(model, slots, t, stop)
+            members = NativeMembers(model, slots, t, stop, modes=modes)
             each = CHUNK
             while not stop.value and (part := parts.next(each)):
                 began = time.perf_counter()
@@ -80,11 +87,16 @@ def in_threads(
             found.put(None)
         except BaseException as error:
             found.put(error)
+        finally:
+            del members
+            over.set()
 
-    threads = [threading.Thread(target=work, daemon=True) for _ in range(workers)]
-    for thread in threads:
-        thread.start()
+    threads: list[tuple[threading.Thread, threading.Event]] = []
     try:
+        for _ in range(workers):
+            over = threading.Event()
+            threads.append((threading.Thread(target=work, args=(over,), daemon=True), over))
+            threads[-1][0].start()
         left = workers
         while left:
             try:
@@ -99,8 +111,25 @@ def in_threads(
                 keep(*done)
     finally:
         stop.value = 1
-        for thread in threads:
-            thread.join()
+        _ended(threads)
+
+
+def _ended(threads: Sequence[tuple[threading.Thread, threading.Event]]) -> None:
+    """Wait until threads have ended, whatever is pressed meanwhile.
+
+    One that went on in the library while Python ends would work on memory that is freed.
+    """
+    pressed = False
+    end = time.monotonic() + BEGINNING
+    for thread, over in threads:
+        # Ctrl-C may have been pressed while it was begun: then it is not known whether it was
+        while not over.is_set() and (thread.ident is not None or time.monotonic() < end):
+            try:
+                over.wait(0.01)
+            except KeyboardInterrupt:
+                pressed = True
+    if pressed:
+        raise KeyboardInterrupt
 
 
 class _Parts:

@@ -22,6 +22,10 @@ typedef struct HybondSets {
     int done;                  /* members that were run */
     size_t events;             /* of all of them, one after the other */
     const double *event;
+    int *stays;                /* modes that each wrote; NULL: they are not asked for */
+    size_t rows;               /* of all of them: when they were written, states of the machines */
+    const double *since;
+    const int *mode;
 } HybondSets;
 
 /* What an arena holds at a moment. */
@@ -38,6 +42,9 @@ typedef struct HybondMembers {
     int *step;
     size_t events, room;
     int times;
+    double *since;
+    int *mode, *now;
+    size_t rows, rooms;
 } HybondMembers;
 
 SHOWN HybondMembers *hybond_members_begin(const Model *model, int times);
@@ -89,7 +96,8 @@ SHOWN HybondMembers *hybond_members_begin(const Model *model, int times)
     all->look = hybond_begin(model, 1);
     all->t = malloc(((size_t)times + 1) * sizeof(double));
     all->step = malloc(((size_t)times + 1) * sizeof(int));
-    if (all->run == NULL || all->look == NULL || all->t == NULL || all->step == NULL
+    all->now = malloc(((size_t)model->machines + 1) * sizeof(int));
+    if (all->now == NULL || all->run == NULL || all->look == NULL || all->t == NULL || all->step == NULL
         || !keep_image(&all->run->arena, &all->begun)
         || !keep_image(&all->look->arena, &all->looking)) {
         hybond_members_end(all);
@@ -108,6 +116,9 @@ SHOWN void hybond_members_end(HybondMembers *all)
         free(all->event);
         free(all->t);
         free(all->step);
+        free(all->since);
+        free(all->mode);
+        free(all->now);
         free(all);
     }
 }
@@ -264,6 +275,63 @@ static bool keep_events(HybondMembers *all, const Report *log)
     return true;
 }
 
+/* Have room for a row more of the modes that were written. */
+static bool room_for_mode(HybondMembers *all, int machines)
+{
+    if (all->rows < all->rooms) {
+        return true;
+    }
+    const size_t wanted = 2 * all->rooms + 64;
+    double *since = realloc(all->since, wanted * sizeof(double));
+    if (since != NULL) {
+        all->since = since;
+    }
+    int *mode = realloc(all->mode, wanted * ((size_t)machines + 1) * sizeof(int));
+    if (mode != NULL) {
+        all->mode = mode;
+    }
+    if (since == NULL || mode == NULL) {
+        return false;
+    }
+    all->rooms = wanted;
+    return true;
+}
+
+/* Keep the modes that were written, those left at the same instant too; -1 without memory. */
+static int keep_modes(HybondMembers *all, const Report *log)
+{
+    const Model *m = all->run->model;
+    const int machines = m->machines;
+    const size_t size = (size_t)machines * sizeof(int);
+    const size_t first = all->rows;
+    int visit = 0;
+    const int *fired = log->fired->at;
+    memcpy(all->now, m->start, size);
+    for (int k = 0; k < log->instants; ++k) {
+        const int *place = log->instant_place->at + (size_t)(3 + 2 * machines) * (size_t)k;
+        for (int last = visit + place[1]; visit < last; ++visit) {
+            const int *row = log->visit->at + 5 * (size_t)visit;
+            for (int f = 0; f < row[1]; ++f, fired += 6) {
+                if (fired[2] >= 0) {
+                    all->now[fired[0]] = fired[2];
+                }
+            }
+            if (visit + 1 == last) {
+                memcpy(all->now, place + 3, size);
+            }
+            if (row[0] != MYTHICAL) {
+                if (!room_for_mode(all, machines)) {
+                    return -1;
+                }
+                all->since[all->rows] = log->instant_time->at[2 * k];
+                memcpy(all->mode + all->rows * (size_t)machines, all->now, size);
+                ++all->rows;
+            }
+        }
+    }
+    return (int)(all->rows - first);
+}
+
 /* Run a member; PAUSED if it was stopped. */
 static int run_member(HybondMembers *all, HybondSets *sets, int k)
 {
@@ -286,13 +354,25 @@ static int run_member(HybondMembers *all, HybondSets *sets, int k)
         return ORDINARY;
     }
     double *out = sets->out + (size_t)k * ((size_t)sets->times + 1) * (size_t)sets->outputs;
-    return look_at_outputs(all, sets, out) == OK && keep_events(all, log) ? OK : ORDINARY;
+    const size_t events = all->events;
+    if (look_at_outputs(all, sets, out) != OK || !keep_events(all, log)) {
+        return ORDINARY;
+    }
+    if (sets->stays != NULL) {
+        sets->stays[k] = keep_modes(all, log);
+        if (sets->stays[k] < 0) {
+            all->events = events;
+            return ORDINARY;
+        }
+    }
+    return OK;
 }
 
 /* Run members one after the other; return how many were run before `stop`. */
 SHOWN int hybond_members_run(HybondMembers *all, HybondSets *sets)
 {
     all->events = 0;
+    all->rows = 0;
     sets->done = 0;
     for (int k = 0; k < sets->many; ++k) {
         const int status = run_member(all, sets, k);
@@ -302,10 +382,16 @@ SHOWN int hybond_members_run(HybondMembers *all, HybondSets *sets)
         const Report *log = all->run->log;
         sets->status[k] = status;
         sets->count[k] = status == OK ? log->instants : 0;
+        if (sets->stays != NULL && status != OK) {
+            sets->stays[k] = 0;
+        }
         sets->end[k] = status == OK ? log->step_time->at[3 * log->steps - 1] : 0.0;
         sets->done = k + 1;
     }
     sets->event = all->event;
     sets->events = all->events;
+    sets->since = all->since;
+    sets->mode = all->mode;
+    sets->rows = all->rows;
     return sets->done;
 }

@@ -31,6 +31,10 @@ class Sets(ctypes.Structure):
         ("done", ctypes.c_int),
         ("events", ctypes.c_size_t),
         ("event", ctypes.POINTER(ctypes.c_double)),
+        ("stays", ctypes.c_void_p),
+        ("rows", ctypes.c_size_t),
+        ("since", ctypes.POINTER(ctypes.c_double)),
+        ("mode", ctypes.POINTER(ctypes.c_int)),
     )
 
 
@@ -50,6 +54,12 @@ class Ran:
         Slots at the times, then at the end.
     events : array
         Times of the events of all members that were run.
+    stays : array of int, shape (members,)
+        How many modes each wrote; none if they were not asked for.
+    since : array
+        When these were entered, s, of all members.
+    mode : array of int, shape (modes, machines)
+        The states of the machines in them.
     """
 
     plain: NDArray[np.bool_]
@@ -57,6 +67,9 @@ class Ran:
     end: Vector
     out: Vector
     events: Vector
+    stays: NDArray[np.intc]
+    since: Vector
+    mode: NDArray[np.intc]
 
 
 class NativeMembers:
@@ -71,6 +84,8 @@ class NativeMembers:
         When, s, in order; and at the end besides.
     stop : ctypes.c_int
         Not zero: members end early.
+    modes : bool
+        Whether the modes that were written are kept.
 
     Raises
     ------
@@ -78,9 +93,16 @@ class NativeMembers:
     """
 
     def __init__(
-        self, model: NativeModel, slots: NDArray[np.intc], t: Vector, stop: ctypes.c_int
+        self,
+        model: NativeModel,
+        slots: NDArray[np.intc],
+        t: Vector,
+        stop: ctypes.c_int,
+        *,
+        modes: bool = False,
     ) -> None:
         self._library = _running()
+        self._modes = modes
         self._slots, self._t, self._stop = slots, t, stop
         self._model = model
         self._record = model_struct()()
@@ -111,6 +133,7 @@ class NativeMembers:
         end = np.zeros(many)
         out = np.full((many, len(self._t) + 1, len(self._slots)), np.nan)
         given = np.ascontiguousarray(numbers)
+        stays = np.zeros(many if self._modes else 0, dtype=np.intc)
         sets = Sets(many, given.shape[1], len(self._slots), len(self._t))
         for name, column in (
             ("number", given),
@@ -124,11 +147,25 @@ class NativeMembers:
         ):
             setattr(sets, name, address(column))
         sets.stop = ctypes.addressof(self._stop)
+        if self._modes:
+            sets.stays = address(stays)
         done = self._library.hybond_members_run(self._handle, ctypes.byref(sets))
         events = np.zeros(0)
         if sets.events:
             events = np.ctypeslib.as_array(sets.event, (sets.events,)).copy()
-        return Ran(status[:done] == OK, count[:done], end[:done], out[:done], events)
+        since, mode = np.zeros(0), np.zeros((0, self._record.machines), dtype=np.intc)
+        if sets.rows:
+            shape = (sets.rows, self._record.machines)
+            since = np.ctypeslib.as_array(sets.since, (sets.rows,)).copy()
+            mode = (
+                np.ctypeslib.as_array(sets.mode, shape).copy()
+                if shape[1]
+                else np.zeros(shape, dtype=np.intc)
+            )
+        return Ran(
+            *(status[:done] == OK, count[:done], end[:done], out[:done], events),
+            *(stays[:done], since, mode),
+        )
 
 
 def _running() -> Any:

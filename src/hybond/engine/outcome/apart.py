@@ -109,11 +109,11 @@ class Apart:
             for m in self.graph.machines
         }
 
-    def _run(self, y: Vector, mode: Mode) -> EngineRun:
-        """Return a run that begins there: the same tables with another start."""
-        tables, graph, values = self._prepared.tables, self.graph, y.tolist()
+    def begun(self, y: Vector, mode: Mode) -> FlatGraph:
+        """Return the model with another start, for a run from there."""
+        graph, values = self.graph, np.asarray(y, dtype=float).tolist()
         nx = len(graph.storages)
-        begun = replace(
+        return replace(
             graph,
             storages=tuple(
                 replace(s, start=a, start_is="stored") for s, a in zip(graph.storages, values)
@@ -121,10 +121,14 @@ class Apart:
             integrals=tuple(replace(i, start=a) for i, a in zip(graph.integrals, values[nx:])),
             machines=tuple(replace(m, start=k) for m, k in zip(graph.machines, mode, strict=True)),
         )
+
+    def _run(self, y: Vector, mode: Mode) -> EngineRun:
+        """Return a run that begins there: the same tables with another start."""
+        tables, values, nx = self._prepared.tables, y.tolist(), len(self.graph.storages)
         start = {"storage_start": values[:nx], "integral_start": values[nx:]}
         own = replace(
             tables,
-            graph=begun,
+            graph=self.begun(y, mode),
             floats={**tables.floats, **start},
             ints={**tables.ints, "start": list(mode)},
         )

@@ -1,0 +1,1 @@
+"""Derivatives of runs by parameters and start values, through every switch."""

@@ -1,0 +1,370 @@
+"""A run as a chain of linear maps of its variations: steps of motion, and switches between them.
+
+    start:      d = derivatives of the start, through what is settled there
+    motion:     d' = A(t) d + B(t), A and B at the states of the run's dense output; steps by
+                collocation, halved until two halves agree with the whole to `TOLERANCE`
+    switch:     d+ = S d- + P, the saltation matrix (`switch`)
+
+Forward, the chain gives all variations; from its end, the adjoint of one goal. It ends where a
+derivative ends: at an instant that is only touched, or that two things share.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybond.analysis.sensitivity.collocation import STAGES, Jump, Step, radau
+from hybond.analysis.sensitivity.crossing import LOCATED, NO_CAUSE, crossing, timed
+from hybond.analysis.sensitivity.fields import Field, Fields
+from hybond.analysis.sensitivity.gradients import Compiled
+from hybond.analysis.sensitivity.kinks import jumped, kinks_of
+from hybond.analysis.sensitivity.switch import started, switched
+from hybond.analysis.sensitivity.tangent import Read, Undetermined
+from hybond.errors import HybondError
+from hybond.model.expressions import Expr
+from hybond.result import Result
+from hybond.runs.trace import Event, Segment
+
+Vector = NDArray[np.float64]
+
+TOLERANCE = 1e-9
+"""Part of the variations by which a step and its two halves, which are taken, may differ."""
+NOTHING = 1e-5
+"""Of the largest variation, or of what a state is for each unit of a parameter: what is below
+`TOLERANCE` of this part of it is rounding."""
+HALVINGS = 10
+AT_ONCE = 64
+"""Steps whose fields are read together."""
+
+
+UNSEEN = 1e-6
+"""Part by which rates on both sides of an instant without a cause may differ."""
+ONE = 1e-4
+"""Part by which the derivatives of two instants may differ and they are one and the same."""
+AT_THE_END = "something happens at the very end of the run"
+ENDS = {
+    "accumulation": "impacts accumulated and came to rest",
+    "step": "time-stepping locates no events",
+    "sample": "a value is sampled",
+    "law": "a source jumps onto what is stored",
+    "until": "the run ends where a condition holds, not at a time",
+    "change": "the run was changed from outside",
+}
+"""Causes of events behind which there are no derivatives, and why."""
+
+
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """Where the chain is read.
+
+    Parameters
+    ----------
+    place : int
+        After how many links.
+    t : float
+    values : array, shape (outputs,)
+    by : array, shape (outputs, n)
+    direct : array, shape (outputs, parameters)
+    """
+
+    place: int
+    t: float
+    values: Vector
+    by: Vector
+    direct: Vector
+
+
+@dataclass(frozen=True, slots=True)
+class Instant:
+    """A switch of the run.
+
+    Parameters
+    ----------
+    place : int or None
+        Which link it is, None if it has no derivative.
+    t : float
+    text : str
+        What became zero.
+    event : int or None
+        Its number in the run's table.
+    """
+
+    place: int | None
+    t: float
+    text: str
+    event: int | None
+
+
+@dataclass
+class Chain:
+    """The linear maps of a run."""
+
+    start: Vector
+    """Shape (n, parameters)."""
+    links: list[Step | Jump] = field(default_factory=list)
+    readings: list[Reading] = field(default_factory=list)
+    instants: list[Instant] = field(default_factory=list)
+    ends: float | None = None
+    """Where the derivative ends before the run does, s."""
+    why: str = ""
+    rough: list[float] = field(default_factory=list)
+    """Where halving steps did not make two halves and the whole agree, s."""
+
+    def notes(self) -> tuple[str, ...]:
+        """Return what else is to be known."""
+        if not self.rough:
+            return ()
+        return (
+            f"near t = {self.rough[0]:.6g} s the derivatives have fewer digits: their motion is "
+            "not smooth there",
+        )
+
+    def forward(self) -> list[Vector]:
+        """Return the variations before the first link, and after each."""
+        found = [self.start]
+        for link in self.links:
+            found.append(link.forward(found[-1]))
+        return found
+
+
+def chain_of(
+    run: Result,
+    fields: Fields,
+    start: Vector,
+    outputs: Sequence[Expr],
+    times: Sequence[float],
+) -> Chain:
+    """Return the chain of a run.
+
+    Parameters
+    ----------
+    start : array, shape (states, parameters)
+        Derivatives of the start before it is settled.
+    outputs : sequence of Expr
+        Read at the ends of segments, at accepted points and at `times`.
+    """
+    return _Along(run, fields, outputs, times).made(start)
+
+
+class _Along:
+    def __init__(
+        self, run: Result, fields: Fields, outputs: Sequence[Expr], times: Sequence[float]
+    ) -> None:
+        self.run, self.fields, self.outputs = run, fields, list(outputs)
+        self.times = np.unique(np.asarray(list(times), dtype=float))
+        self.events: dict[float, list[int]] = {}
+        for k, t in enumerate(run.trace.events.times):
+            self.events.setdefault(float(t), []).append(k)
+        self._now = 0.0
+        self._moves: Vector | None = None
+        self.largest = np.zeros((fields.size, len(fields.columns.parameters)))
+        p = np.abs(fields.values.found.values)
+        self.per_parameter = np.where(p > 0.0, 1.0 / np.where(p > 0.0, p, 1.0), 0.0)
+        self.sizes = np.zeros(fields.size)
+        for segment in run.segments:
+            own = np.abs(segment.y[:, : fields.columns.time]).max(axis=0, initial=0.0)
+            self.sizes[: len(own)] = np.maximum(self.sizes[: len(own)], own)
+
+    def made(self, start: Vector) -> Chain:
+        many = len(self.fields.columns.parameters)
+        whole = np.zeros((self.fields.size, many))
+        self.chain = Chain(whole)
+        segments = list(self.run.segments)
+        try:
+            first = self._begin(segments[0], None)
+            events = self.run.trace.events
+            if len(events) and events[0].cause == "start":
+                start = started(self.fields, events[0], start, first)
+            whole[: len(start)] = start
+            d = whole
+            for k, segment in enumerate(segments):
+                d = self._motion(segment, d)
+                following = segments[k + 1] if k + 1 < len(segments) else None
+                d = self._switch(segment, following, d)
+                if following is None or self.chain.ends is not None:
+                    break
+        except Undetermined as reason:
+            self._end(str(reason))
+        except HybondError as error:
+            self._end(error.why)
+        return self.chain
+
+    # -- motion
+
+    def _motion(self, segment: Segment, d: Vector) -> Vector:
+        self._now = float(segment.t[0])
+        if segment.bonds is not None:
+            raise Undetermined("time-stepping locates no events")
+        if segment.landed:
+            raise Undetermined("impacts accumulated and came to rest")
+        begin, end = float(segment.t[0]), float(segment.t[-1])
+        inside = self.times[(self.times > begin) & (self.times < end)]
+        mesh = np.unique(np.concatenate([segment.t, inside]))
+        self._read(segment, mesh, len(self.chain.links))
+        self._kinks = {kink.t: kink for kink in kinks_of(self.fields, segment)}
+        for some in _slices(len(mesh) - 1):
+            a, b = mesh[some], mesh[some.start + 1 : some.stop + 1]
+            for k, (whole, halves) in enumerate(self._steps(segment, a, b)):
+                d = self._accepted(segment, d, whole, halves, 0)
+                self._now = float(b[k])
+                d = self._kink(segment, d)
+                self._places[some.start + k + 1] = len(self.chain.links)
+        self._put(mesh)
+        return d
+
+    def _kink(self, segment: Segment, d: Vector) -> Vector:
+        """Take the jump of a law where there is one."""
+        kink = self._kinks.get(self._now)
+        jump = None if kink is None else jumped(self.fields, segment, kink)
+        if jump is None:
+            return d
+        self.chain.links.append(jump)
+        return jump.forward(d)
+
+    def _accepted(
+        self, segment: Segment, d: Vector, whole: Step, halves: list[Step], depth: int
+    ) -> Vector:
+        """Take a step by its halves, if these and the whole agree; else each half as a step."""
+        coarse = whole.forward(d)
+        fine = halves[1].forward(halves[0].forward(d))
+        h = whole.t1 - whole.t0
+        size = np.abs(whole.A).max(axis=0) @ np.abs(d) + np.abs(whole.B).max(axis=0)
+        unit = np.where(self.sizes > 0.0, self.sizes, 1.0)[:, None]
+        most = np.maximum(np.abs(fine) / unit, self.largest / unit).max(axis=0)
+        floor = NOTHING * unit * np.maximum(most, self.per_parameter)
+        size = np.maximum.reduce([np.abs(d), np.abs(fine), self.largest, h * size, floor])
+        good = bool((np.abs(fine - coarse) <= TOLERANCE * size).all())
+        if good or depth == HALVINGS:
+            if not good:
+                self.chain.rough.append(whole.t0)
+            self.chain.links += halves
+            self.largest = np.maximum(self.largest, np.abs(fine))
+            return fine
+        for half in halves:
+            ((own, quarters),) = self._steps(segment, np.array([half.t0]), np.array([half.t1]))
+            d = self._accepted(segment, d, own, quarters, depth + 1)
+        return d
+
+    def _steps(self, segment: Segment, a: Vector, b: Vector) -> Iterator[tuple[Step, list[Step]]]:
+        """Yield each step and its halves."""
+        c, _, _ = radau()
+        middle = 0.5 * (a + b)
+        spans = [(a, b), (a, middle), (middle, b)]
+        t = np.stack([x[:, None] + (y - x)[:, None] * c for x, y in spans], axis=1)
+        read = t.copy()
+        for kink in self._kinks.values():
+            read[t == kink.t] = kink.left
+        slopes = self.fields.within(segment, read.ravel()).slopes
+        n = self.fields.columns.time
+        size = self.fields.size
+        many = slopes.shape[2] - n - 1
+        if len(slopes) == 1:
+            slopes = np.broadcast_to(slopes, (t.size, *slopes.shape[1:]))
+        A = np.zeros((t.size, size, size))
+        A[:, :, :n] = slopes[:, :, :n]
+        A = A.reshape(len(a), 3, STAGES, size, size)
+        B = slopes[:, :, n + 1 :].reshape(len(a), 3, STAGES, size, many)
+        for k in range(len(a)):
+            made = [
+                Step(float(x[k]), float(y[k]), A[k, j], B[k, j]) for j, (x, y) in enumerate(spans)
+            ]
+            yield made[0], made[1:]
+
+    # -- switches
+
+    def _switch(self, segment: Segment, following: Segment | None, d: Vector) -> Vector:
+        t = float(segment.t[-1])
+        self._now = t
+        own = [k for k in self.events.get(t, []) if self.run.trace.events[k].cause != "start"]
+        if following is not None and following.t[0] > t:
+            raise Undetermined("impacts accumulate")
+        if following is None and not own:
+            end = self.fields.ending(segment, None)
+            if any(c.by.any() for c in timed(self.fields, end, t)):
+                self.chain.ends, self.chain.why = t, AT_THE_END
+            return d
+        if len(own) > 1:
+            raise Undetermined("two events happen at one instant: which comes first would change")
+        event = self.run.trace.events[own[0]] if own else None
+        number = own[0] if own else None
+        if event is not None and event.cause in ENDS:
+            raise Undetermined(ENDS[event.cause])
+        end = self.fields.ending(segment, None if event is None else np.asarray(event.before))
+        begin = self._begin(following, event)
+        found = crossing(self.fields, segment, end, event, following)
+        if found.text == NO_CAUSE:
+            size = np.abs(end.f[0]) + np.abs(begin.f[0])
+            if (np.abs(end.f[0] - begin.f[0]) > UNSEEN * size).any():
+                raise Undetermined("the motion changes, and what became zero was not found")
+        jump = switched(self.fields, t, end, found, event, begin)
+        moves = jump.moved(d)
+        self._together(segment, moves)
+        self.chain.instants.append(Instant(len(self.chain.links), t, found.text, number))
+        self.chain.links.append(jump)
+        d = jump.forward(d)
+        self.largest = np.maximum(self.largest, np.abs(d))
+        if t >= (1.0 - LOCATED) * self.run.t_end and moves.any():
+            # one side of it is before the event, and the other one behind
+            self.chain.ends, self.chain.why = t, AT_THE_END
+        elif following is None:
+            self._read_last(begin, t)
+        return d
+
+    def _together(self, segment: Segment, moves: Vector) -> None:
+        """Refuse two instants that are one as far as the run can tell, and move differently."""
+        t, last = float(segment.t[-1]), self._moves
+        self._moves = moves
+        if last is None or t - float(segment.t[0]) > LOCATED * t:
+            return
+        if (np.abs(moves - last) > ONE * (np.abs(moves) + np.abs(last))).any():
+            raise Undetermined("two events happen at one instant: which comes first would change")
+
+    def _begin(self, segment: Segment | None, event: Event | None) -> Field:
+        """Return the field with which a segment begins, or that of a last event."""
+        if segment is None:
+            assert event is not None
+            return self.fields.entered(event.t, np.asarray(event.after), event.steps[-1].mode)
+        if segment.landed:
+            raise Undetermined("impacts accumulated and came to rest")
+        return self.fields.within(segment, segment.t[:1])
+
+    def _end(self, why: str) -> None:
+        """Note where the derivative ends."""
+        self.chain.ends, self.chain.why = self._now, why
+        number = next(iter(self.events.get(self._now, [])), None)
+        self.chain.instants.append(Instant(None, self._now, why, number))
+
+    # -- readings
+
+    def _read(self, segment: Segment, mesh: Vector, place: int) -> None:
+        self._field = self.fields.within(segment, mesh)
+        self._places = {0: place}
+
+    def _put(self, mesh: Vector) -> None:
+        values, by = self._outputs(self._field)
+        n, size = self.fields.columns.time, self.fields.size
+        for k, t in enumerate(mesh.tolist()):
+            row = by[min(k, len(by) - 1)]
+            whole = np.zeros((len(row), size))
+            whole[:, :n] = row[:, :n]
+            self.chain.readings.append(
+                Reading(self._places[k], t, values[k], whole, row[:, n + 1 :])
+            )
+
+    def _read_last(self, field: Field, t: float) -> None:
+        self._field, self._places = field, {0: len(self.chain.links)}
+        self._put(np.array([t]))
+
+    def _outputs(self, field: Field) -> tuple[Vector, Vector]:
+        made = [field.tangent.rows.moving(e) for e in self.outputs]
+        values = Compiled(made).at(field.at.values, field.at.points)
+        return values, Read(field.tangent, made).at(field.at, field.bonds)
+
+
+def _slices(many: int) -> Iterator[slice]:
+    for first in range(0, many, AT_ONCE):
+        yield slice(first, min(first + AT_ONCE, many))

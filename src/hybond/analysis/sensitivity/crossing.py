@@ -1,0 +1,205 @@
+"""What ends a motion, and how its instant moves.
+
+    h(x, t, p) = 0 with h' = h_x f + h_t not zero:    d tau = -(h_x d + h_p dp) / h'
+
+h is the comparison of a guard that becomes true, a branch of a junction's law that ends, the edge
+of an input, a comparison of time, or a weight of sliding that reaches its end. Where h' is zero the
+guard is only touched (grazing) and the instant has no derivative; where two of them are zero at
+once, their order would change, and it has none either unless both say the same.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybond.analysis.sensitivity.fields import Field, Fields
+from hybond.analysis.sensitivity.gradients import Compiled
+from hybond.analysis.sensitivity.tangent import Read, Undetermined
+from hybond.model.expressions import Binary, Expr, comparisons, names, to_text
+from hybond.runs.trace import Event, Segment
+
+Vector = NDArray[np.float64]
+
+CLOSE = 1e-6
+"""Part of a segment within which a function that crosses at its speed would be zero."""
+LOCATED = 1e-11
+"""Part of a time within which the run has located a crossing."""
+GRAZES = 1e-6
+"""A speed of crossing below this part of the largest one of the segment is none."""
+NO_CAUSE = "time"
+"""The text of a crossing that nothing but time makes."""
+SAME = 1e-6
+"""Part by which two derivatives of an instant may differ and be one."""
+
+
+@dataclass(frozen=True, slots=True)
+class Crossing:
+    """How an instant moves.
+
+    Parameters
+    ----------
+    by : array, shape (n + parameters,)
+        ``d tau`` by states, what is integrated beside them, and parameters.
+    text : str
+        What became zero.
+    """
+
+    by: Vector
+    text: str
+
+
+def crossing(
+    fields: Fields, segment: Segment, end: Field, event: Event | None, following: Segment | None
+) -> Crossing:
+    """Return how the end of a segment moves.
+
+    Parameters
+    ----------
+    end : Field
+        At the end of the segment, from the left.
+    event : Event or None
+        What happened there, None if only a field changes.
+
+    Raises
+    ------
+    Undetermined
+        If the instant has no derivative: the reason.
+    """
+    t = float(segment.t[-1])
+    found: list[Crossing] = []
+    if event is not None and event.cause == "guard":
+        found = _by_guards(fields, segment, end, event)
+    if not found and segment.sliding is not None:
+        found = _by_weights(fields, segment, end)
+    if not found:
+        found = timed(fields, end, t)
+    if not found:
+        if event is None or event.cause in ("time", "input"):
+            return Crossing(np.zeros(fields.size + len(fields.columns.parameters)), NO_CAUSE)
+        raise Undetermined("what became zero at this instant was not found")
+    first = found[0]
+    for other in found[1:]:
+        both = np.abs(first.by) + np.abs(other.by)
+        if (np.abs(first.by - other.by) > SAME * both.max(initial=0.0)).any():
+            raise Undetermined(
+                f"{first.text} and {other.text} happen at one instant: which comes first would "
+                "change"
+            )
+    return first
+
+
+def _by_guards(fields: Fields, segment: Segment, end: Field, event: Event) -> list[Crossing]:
+    """Return the comparisons of guards that fired first and that became zero."""
+    graph = fields.graph
+    found: list[Crossing] = []
+    grazed: list[str] = []
+    machines = {m.path: m for m in graph.machines}
+    for fired in event.steps[0].fired:
+        machine = machines.get(fired.machine)
+        if machine is None or fired.source not in machine.states:
+            continue
+        source = machine.states.index(fired.source)
+        rules = [r for r in machine.rules if r.source == source]
+        own = [r for r in rules if machine.states[r.target] == fired.target]
+        for rule in own or rules:
+            for compare in comparisons(rule.guard):
+                h = Binary("-", compare.left, compare.right)
+                if not names(h):
+                    continue
+                made = crossed(fields, segment, end, h, rule.text)
+                if isinstance(made, str):
+                    grazed.append(made)
+                elif made is not None:
+                    found.append(made)
+    if not found and grazed:
+        raise Undetermined(f"{grazed[0]} is only touched (grazing)")
+    return found
+
+
+def crossed(
+    fields: Fields, segment: Segment, end: Field, h: Expr, text: str
+) -> Crossing | str | None:
+    """Return how a function crosses zero, its text if it only touches, None if it is not zero."""
+    rows = end.tangent.rows
+    # until it fires, what a guard reads a priori is what there is
+    made = rows.moving(h)
+    value = float(Compiled([made]).at(end.at.values, 1)[0, 0])
+    if not names(made) or not np.isfinite(value):
+        return None
+    slope = Read(end.tangent, [made]).at(end.at, end.bonds)[0, 0]
+    n = fields.columns.time
+    speed = float(slope[:n] @ end.f[0, :n] + slope[n])
+    length = max(float(segment.t[-1] - segment.t[0]), 1e-12 * abs(float(segment.t[-1])))
+    largest, size = _sizes(fields, segment, made)
+    if abs(speed) <= GRAZES * max(largest, abs(speed)) or speed == 0.0:
+        still = abs(value) <= 1e-7 * size and size > 0.0
+        return text if still and largest > 0.0 else None
+    if abs(value) > max(CLOSE * length, LOCATED * float(segment.t[-1])) * abs(speed):
+        return None
+    by = np.zeros(fields.size + len(fields.columns.parameters))
+    by[:n] = -slope[:n] / speed
+    by[fields.size :] = -slope[n + 1 :] / speed
+    return Crossing(by, text)
+
+
+def _sizes(fields: Fields, segment: Segment, made: Expr) -> tuple[float, float]:
+    """Return the largest speed of a function within a segment, and its largest value."""
+    t = np.linspace(segment.t[0], segment.t[-1], 9)[:-1]
+    field = fields.within(segment, t)
+    slope = Read(field.tangent, [made]).at(field.at, field.bonds)[:, 0]
+    n = fields.columns.time
+    speed = np.abs((slope[:, :n] * field.f[:, :n]).sum(axis=1) + slope[:, n]).max(initial=0.0)
+    value = np.abs(Compiled([made]).at(field.at.values, len(t))).max(initial=0.0)
+    return float(speed), float(value)
+
+
+def _by_weights(fields: Fields, segment: Segment, end: Field) -> list[Crossing]:
+    """Return the weight of sliding that reaches 0 or 1 at the end."""
+    t = float(np.nextafter(segment.t[-1], 0.0))
+    state = np.array([float(np.ravel(end.at.values[n])[0]) for n in fields.columns.states])
+    _, weights, slopes = fields.weights(segment, t, state)
+    ends = np.minimum(np.abs(weights), np.abs(1.0 - weights))
+    if not (ends < 1e-3).any():
+        return []
+    n = fields.columns.time
+    found = []
+    for k in np.flatnonzero(ends < 1e-3).tolist():
+        slope = slopes[k]
+        speed = float(slope[:n] @ end.f[0, :n] + slope[n])
+        if speed == 0.0:
+            raise Undetermined("sliding ends without a weight that passes its end")
+        by = np.zeros(fields.size + len(fields.columns.parameters))
+        by[:n] = -slope[:n] / speed
+        by[fields.size :] = -slope[n + 1 :] / speed
+        found.append(Crossing(by, "the end of sliding"))
+    return found
+
+
+def timed(fields: Fields, end: Field, t: float) -> list[Crossing]:
+    """Return the edges of inputs and the comparisons of time that lie at an instant."""
+    close = 1e-9 * t
+    found = []
+    for edge in fields.values.edges(t, close):
+        found.append(
+            Crossing(np.concatenate([np.zeros(fields.size), edge]), "an input has an edge")
+        )
+    return found + _by_time(fields, end, t, close)
+
+
+def _by_time(fields: Fields, end: Field, t: float, close: float) -> list[Crossing]:
+    """Return the comparisons of time that change their truth at an instant."""
+    found = []
+    for watch in fields.graph.watches:
+        h = end.tangent.rows.made(Binary("-", watch.compare.left, watch.compare.right))
+        value = float(Compiled([h]).at(end.at.values, 1)[0, 0])
+        slope = Read(end.tangent, [h]).at(end.at, end.bonds)[0, 0]
+        n = fields.columns.time
+        if not slope[n] or abs(value) > close * abs(slope[n]):
+            continue
+        by = np.zeros(fields.size + len(fields.columns.parameters))
+        by[fields.size :] = -slope[n + 1 :] / slope[n]
+        found.append(Crossing(by, to_text(watch.compare)))
+    return found

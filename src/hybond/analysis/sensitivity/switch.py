@@ -1,0 +1,98 @@
+"""The saltation of a switch, through every mode that was passed at the instant.
+
+    x- moves with the instant:       X = d + f- dtau
+    each mode that was written:      X <- its entry map, differentiated (`entry`)
+    and is seen at the old time:     d+ = X - f+ dtau
+
+with dtau of the crossing. Several modes written at one instant (pinnacles) compose. Sources:
+Rozenvasser 1967; Galan, Feehery and Barton 1999.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybond.analysis.sensitivity.collocation import Jump
+from hybond.analysis.sensitivity.crossing import Crossing
+from hybond.analysis.sensitivity.entry import Before, entered
+from hybond.analysis.sensitivity.fields import Field, Fields
+from hybond.runs.trace import Event
+
+Vector = NDArray[np.float64]
+
+
+def switched(
+    fields: Fields, t: float, end: Field, found: Crossing, event: Event | None, begin: Field
+) -> Jump:
+    """Return what a switch makes of the variations.
+
+    Parameters
+    ----------
+    end, begin : Field
+        At the instant, from the left and from the right.
+
+    Raises
+    ------
+    Undetermined
+        Where a mode that was passed has no derivative.
+    """
+    n, size = fields.columns.time, fields.size
+    many = len(fields.columns.parameters)
+    basis = size + many
+    dtau = found.by
+    moved = np.eye(size, basis) + np.outer(end.f[0], dtau)
+    p = np.eye(many, basis, size)
+    moved[:n] = passed(fields, t, end, event, Before(moved[:n], dtau, p, end, moved[:n]))
+    whole = moved - np.outer(begin.f[0], dtau)
+    return Jump(t, whole[:, :size], whole[:, size:], dtau[:size], dtau[size:])
+
+
+def started(fields: Fields, event: Event, states: Vector, begin: Field) -> Vector:
+    """Return the variations after the start was settled, shape (states, parameters)."""
+    many = states.shape[1]
+    before = Before(states, np.zeros(many), np.eye(many), begin, states)
+    return passed(fields, event.t, begin, event, before)
+
+
+def passed(fields: Fields, t: float, end: Field, event: Event | None, before: Before) -> Vector:
+    """Return how the state is varied after all modes that were written at an instant."""
+    if event is None:
+        return before.x
+    state = np.array(event.before, dtype=float)
+    x = before.x
+    written = [s for s in event.steps if s.kind != "mythical"]
+    prior = _one(end)
+    for k, step in enumerate(written):
+        last = k == len(written) - 1
+        state = state + _moved(fields, step.areas)
+        if last:
+            state = np.array(event.after, dtype=float)
+        at = fields.values.with_prior(fields.values.after(t, state, step.mode), prior)
+        mode = fields.mode(step.mode, at)
+        x = entered(mode.tangent, at, step.areas, replace(before, x=x))
+        if not last:
+            field = mode.field(at)
+            before = replace(before, x=x, written=x, field=field)
+            prior = _one(field)
+    return x
+
+
+def _one(field: Field) -> dict[str, float]:
+    return {name: float(np.ravel(v)[0]) for name, v in field.at.values.items()}
+
+
+def _moved(fields: Fields, areas: Mapping[str, float]) -> Vector:
+    """Return what impulse areas add to what is stored and integrated."""
+    graph = fields.graph
+    moved = np.zeros(len(graph.storages) + len(graph.integrals))
+    for s in graph.storages:
+        name, sign = (f"e:{s.bond}", 1.0) if s.kind == "I" else (f"f:{s.bond}", float(s.sign))
+        moved[s.index] = sign * areas.get(name, 0.0)
+    return moved
+
+
+__all__ = ["passed", "started", "switched"]

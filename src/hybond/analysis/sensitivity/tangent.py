@@ -1,0 +1,284 @@
+"""How everything in a mode changes with its state, with time and with parameters.
+
+    r_w dw + r_x dx + r_t dt + r_p dp = 0          dw by dx, dt, dp: one linear solve per point
+    d(x') = rates_w dw + rates_x dx + rates_t dt + rates_p dp
+
+where storage follows other storage, r_w is singular: the rows then keep dx on their constraints,
+and what they leave open of dw follows from their time derivatives along the motion,
+
+    r_w dw' + (r_w)' dw + d(r_x x' + r_t) = 0      one more unknown dw', solved together
+
+Every r_w is the derivative of a law as it is written; nothing is a difference.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybond.analysis.sensitivity.gradients import PRIOR, RATE, Compiled, Gradients
+from hybond.analysis.sensitivity.mode_rows import ModeRows
+from hybond.model.expressions import Expr
+
+Vector = NDArray[np.float64]
+
+RANK = 1e-11
+"""Singular values of scaled rows below this part of the largest count as zero."""
+OPEN = 1e-7
+"""A change that open variables make beyond this part of itself is undetermined."""
+
+
+@dataclass(frozen=True, slots=True)
+class Columns:
+    """What is differentiated by: states, then time, then parameters, then a priori values.
+
+    Parameters
+    ----------
+    states : list of str
+    inputs : int
+    parameters : list of str
+    """
+
+    states: list[str]
+    inputs: int
+    parameters: list[str]
+
+    @property
+    def time(self) -> int:
+        """Where the column of time stands."""
+        return len(self.states)
+
+    @property
+    def many(self) -> int:
+        """Columns without those of a priori values."""
+        return len(self.states) + 1 + len(self.parameters)
+
+
+@dataclass(frozen=True, slots=True)
+class At:
+    """Values at points, and how inputs follow parameters there.
+
+    Parameters
+    ----------
+    values : mapping
+        Of every canonical name and ``p:path``: shape (points,), or a number.
+    inputs : array, shape (points, inputs, parameters)
+    points : int
+    """
+
+    values: Mapping[str, Vector | float]
+    inputs: Vector
+    points: int
+
+
+class Direct:
+    """What expressions change with directly, bond variables held."""
+
+    def __init__(self, expressions: Sequence[Expr], columns: Columns) -> None:
+        u = [f"u:{k}" for k in range(columns.inputs)]
+        self._columns = columns
+        self._own = Gradients(expressions, [*columns.states, "time", *columns.parameters])
+        self._inputs = Gradients(expressions, u)
+        self.steady = self._own.steady and not self._inputs._places
+
+    def at(self, at: At) -> Vector:
+        """Return the slopes by states, time, parameters, shape (points, expressions, columns)."""
+        found = self._own.at(at.values, at.points)
+        if self._inputs._places:
+            by_u = self._inputs.at(at.values, at.points)
+            rates = [
+                np.broadcast_to(np.asarray(at.values[f"du:{k}"], dtype=float), (at.points,))
+                for k in range(self._columns.inputs)
+            ]
+            found = np.repeat(found, at.points, axis=0) if len(found) < at.points else found
+            n = self._columns.time
+            found[:, :, n] += np.einsum("...ru,u...->...r", by_u, np.array(rates))
+            found[:, :, n + 1 :] += by_u @ at.inputs
+        return found
+
+
+class Tangent:
+    """The equations of a mode, differentiated."""
+
+    def __init__(self, rows: ModeRows, columns: Columns) -> None:
+        self.rows, self.columns = rows, columns
+        self._by_w = Gradients(rows.rows, rows.bonds)
+        self._direct = Direct(rows.rows, columns)
+        self._rates = Read(self, rows.rates)
+        prior = sorted(
+            n.removeprefix(PRIOR)
+            for n in frozenset().union(*(Compiled([e]).names for e in rows.rows))
+            if n.startswith(PRIOR)
+        )
+        self.prior = prior
+        """What is read a priori: an impact, which is no motion."""
+        self._by_prior = Gradients(rows.rows, [PRIOR + n for n in prior])
+        self._full: bool | None = None
+        self._rank: int | None = None
+        self._second: _Second | None = None
+
+    def slopes(self, at: At) -> tuple[Vector, Vector]:
+        """Return the slopes of the rows by open bond variables, and by all columns."""
+        return self._by_w.at(at.values, at.points) @ self.rows.spread, self._direct.at(at)
+
+    def rank(self, at: At) -> int:
+        """Return how many open bond variables the rows determine, at the first point."""
+        if self._rank is None:
+            self._rank = rank_of(self._by_w.at(at.values, at.points)[0] @ self.rows.spread)
+        return int(self._rank - self.rows.spread.shape[1])
+
+    def by_prior(self, at: At) -> Vector:
+        """Return the slopes of the rows by what they read a priori."""
+        return self._by_prior.at(at.values, at.points)
+
+    def bonds(self, at: At) -> Vector:
+        """Return how bond variables change, shape (points or 1, 2 * bonds, columns).
+
+        Raises
+        ------
+        Undetermined
+            Where the mode leaves open what moves its states.
+        """
+        by_w, direct = self.slopes(at)
+        if self._full is None:
+            self._full = by_w.shape[1] == by_w.shape[2] == rank_of(by_w[0])
+        if self._full:
+            return self.rows.spread @ solved(by_w, -direct)
+        if self._second is None:
+            self._second = _Second(self)
+        return self.rows.spread @ self._second.bonds(at, by_w, direct)
+
+    def rates(self, at: At, bonds: Vector) -> Vector:
+        """Return how the rates of states change, shape (points or 1, states, columns)."""
+        return self._rates.at(at, bonds)
+
+
+class Read:
+    """How expressions of a mode change."""
+
+    def __init__(self, tangent: Tangent, expressions: Sequence[Expr]) -> None:
+        self._by_w = Gradients(expressions, tangent.rows.bonds)
+        self._direct = Direct(expressions, tangent.columns)
+
+    def at(self, at: At, bonds: Vector) -> Vector:
+        """Return the slopes by all columns, shape (points or 1, expressions, columns)."""
+        return self._by_w.at(at.values, at.points) @ bonds + self._direct.at(at)
+
+
+class _Second:
+    """Rows together with their time derivatives, where these are needed."""
+
+    def __init__(self, tangent: Tangent) -> None:
+        rows, columns = tangent.rows, tangent.columns
+        self._spread = rows.spread
+        self._rate_names = [RATE + n for n in rows.bonds]
+        along = rows.along(rows.rows)
+        self._drift = Compiled(rows.along_held(rows.rows))
+        self._by_w = Gradients(along, rows.bonds)
+        self._direct = Direct(along, columns)
+        self._moves = Gradients(rows.rates, rows.bonds)
+
+    def bonds(self, at: At, by_w: Vector, direct: Vector) -> Vector:
+        drift = self._drift.at(at.values, at.points)
+        moving = self._spread @ smallest(by_w, -drift[:, :, None])
+        more = At(
+            {**at.values, **dict(zip(self._rate_names, moving[:, :, 0].T, strict=True))},
+            at.inputs,
+            at.points,
+        )
+        second = self._by_w.at(more.values, at.points) @ self._spread
+        own = self._direct.at(more)
+        rows, n = by_w.shape[1:]
+        points = max(len(by_w), len(direct), len(second), len(own))
+        left = np.zeros((max(len(by_w), len(second)), 2 * rows, 2 * n))
+        left[:, :rows, :n] = by_w
+        left[:, rows:, :n] = second
+        left[:, rows:, n:] = by_w
+        right = np.zeros((points, 2 * rows, direct.shape[2]))
+        right[:, :rows], right[:, rows:] = direct, own
+        moves = np.zeros((self._moves.shape[0], 2 * n))
+        moves[:, :n] = self._moves.at(at.values, at.points)[0] @ self._spread
+        if opens(left[0], moves):
+            raise Undetermined("the mode leaves open how its states move")
+        return smallest(left, -right)[:, :n]
+
+
+class Undetermined(Exception):
+    """What is asked for has no one value here."""
+
+
+def scaled(matrix: Vector) -> tuple[Vector, Vector, Vector]:
+    """Return matrices with rows and columns near one, and what rows and columns were divided by."""
+    found = np.array(matrix, dtype=float)
+    rows, columns = np.ones(found.shape[:-1]), np.ones(found.shape[:-2] + found.shape[-1:])
+    for _ in range(3):
+        for axis, kept in ((-1, rows), (-2, columns)):
+            size = np.sqrt(np.abs(found).max(axis=axis, initial=0.0))
+            size[size == 0.0] = 1.0
+            size = 2.0 ** np.round(np.log2(size))
+            kept *= size
+            found /= np.expand_dims(size, axis)
+    return found, rows, columns
+
+
+def rank_of(matrix: Vector) -> int:
+    """Return the rank of a matrix, its rows and columns scaled."""
+    if not matrix.size:
+        return 0
+    sizes = np.linalg.svd(scaled(matrix)[0], compute_uv=False)
+    return int((sizes > RANK * sizes.max(initial=0.0)).sum())
+
+
+def opens(matrix: Vector, rows: Vector) -> bool:
+    """Whether what a matrix makes zero moves a combination of variables, a row each."""
+    unit, _, columns = scaled(matrix)
+    _, sizes, vt = np.linalg.svd(unit)
+    rank = int((sizes > RANK * sizes.max(initial=0.0)).sum())
+    own = rows / columns
+    size = np.abs(own).max(axis=1, initial=0.0)
+    own = own[size > 0.0] / size[size > 0.0, None]
+    return bool((np.abs(own @ vt[rank:].T) > OPEN).any())
+
+
+def solved(left: Vector, right: Vector) -> Vector:
+    """Return the solutions of ``left @ y = right`` at points; one matrix may serve all."""
+    unit, rows, columns = scaled(left)
+    scaled_right = right / rows[..., None]
+    if len(unit) == 1 and len(right) > 1:
+        points, n, many = scaled_right.shape
+        flat = scaled_right.transpose(1, 0, 2).reshape(n, points * many)
+        found = np.linalg.solve(unit[0], flat).reshape(n, points, many).transpose(1, 0, 2)
+    else:
+        found = np.linalg.solve(unit, scaled_right)
+    return np.asarray(found / columns[..., None])
+
+
+def smallest(left: Vector, right: Vector) -> Vector:
+    """Return solutions where matrices are singular, at all points of one rank.
+
+    The matrices are bordered with what the first one makes zero, from both sides; what the rows
+    contradict falls into the border. Where that is not regular, each is decomposed.
+    """
+    unit, rows, columns = scaled(left)
+    scaled_right = right / rows[..., None]
+    u, sizes, vt = np.linalg.svd(unit[0])
+    rank = int((sizes > RANK * sizes.max(initial=0.0)).sum())
+    many, wide = unit.shape[1:]
+    size = many + wide - rank
+    whole = np.zeros((len(unit), size, size))
+    whole[:, :many, :wide] = unit
+    whole[:, :many, wide:] = u[:, rank:]
+    whole[:, many:, :wide] = vt[rank:]
+    points = max(len(unit), len(right))
+    border = np.zeros((points, size, right.shape[2]))
+    border[:, :many] = scaled_right
+    try:
+        found = solved(whole, border)[:, :wide]
+    except np.linalg.LinAlgError:
+        found = np.full((1, 1, 1), np.inf)
+    if not np.abs(found).max(initial=0.0) < 1.0 / RANK * np.abs(border).max(initial=1.0):
+        found = np.linalg.pinv(unit, rcond=RANK) @ scaled_right
+    return np.asarray(found / columns[..., None])

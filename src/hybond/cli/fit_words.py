@@ -1,0 +1,54 @@
+"""The options of ``hybond fit``."""
+
+from __future__ import annotations
+
+from argparse import ArgumentParser
+from collections.abc import Callable
+from typing import Any
+
+
+def fit_words(verb: Callable[..., ArgumentParser], verbs: Any) -> ArgumentParser:
+    """Add ``hybond fit``."""
+    parser = verb(
+        verbs,
+        "fit",
+        "hybond fit ball.toml drop.csv --free pad.C,damper.G",
+        "hybond fit ball.toml one.csv two.csv --free pad.C --log pad.C --plot fit.png",
+        "hybond fit ball.toml drop.csv --free m --bounds 'm=0.5..2 kg' --loss soft_l1",
+    )
+    parser.add_argument("file", metavar="FILE", help="a model file, or a netlist")
+    parser.add_argument(
+        "data",
+        metavar="DATA",
+        nargs="+",
+        help="CSV files: a column time, and one for each signal that was measured",
+    )
+    parser.add_argument(
+        "--free",
+        metavar="PATH,...",
+        action="append",
+        required=True,
+        help="what is looked for: parameters, values of elements, starts",
+    )
+    parser.add_argument(
+        "--log", metavar="PATH,...", action="append", help="what is looked for by its logarithm"
+    )
+    parser.add_argument(
+        "--bounds",
+        metavar="PATH=LOW..HIGH",
+        action="append",
+        default=[],
+        help="between which values; either may be left out",
+    )
+    parser.add_argument(
+        "--loss",
+        metavar="LOSS",
+        default="linear",
+        help="what a residual counts: linear (squares), soft_l1, huber, cauchy, arctan",
+    )
+    parser.add_argument("--rtol", metavar="X", type=float, help="relative tolerance of the runs")
+    parser.add_argument("--plot", metavar="FILE", help="plot data and runs")
+    parser.add_argument(
+        "--json", action="store_true", help="print one JSON object and nothing else"
+    )
+    return parser

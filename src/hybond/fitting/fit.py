@@ -1,0 +1,283 @@
+"""`fit`: values of a model that bring its runs to data, by least squares with exact slopes.
+
+    residuals r = (signal - data) / size          of all files, signals and times
+    slopes    dr/dp                                from the variations of the run (`sensitivities`)
+    z <- trust-region step of 1/2 sum rho(r^2)     SciPy: Branch, Coleman and Li 1999
+    covariance s^2 (J^T J)^-1,  s^2 = r^T r / (n - p),  intervals by Student's t
+
+A trial with other events is a trial like any other: its value and its slopes are those of its own
+run. One that cannot be run is too far away: the step is shortened.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybond.analysis.sensitivity.opened import opened_model
+from hybond.analysis.sensitivity.sensitivities import check_followed, signal_of
+from hybond.analysis.sensitivity.wanted import Wanted, slotted
+from hybond.calls import called
+from hybond.errors import NumericsError, UsageError
+from hybond.fitting.data import Data, read_data
+from hybond.fitting.record import Fit
+from hybond.fitting.trials import Case, Trials
+from hybond.fitting.varied import Scale, scale_of
+from hybond.model.builder import Model
+from hybond.model.parts import Value
+
+Vector = NDArray[np.float64]
+Loss = Literal["linear", "soft_l1", "huber", "cauchy", "arctan"]
+LOSSES = ("linear", "soft_l1", "huber", "cauchy", "arctan")
+Source = str | Path | Mapping[str, Any] | Data
+
+CONFIDENCE = 0.95
+UNSEEN = 1e-10
+"""Singular values of the scaled slopes below this part of the largest: data do not tell."""
+
+
+@called('hb.fit(model, "data.csv", free=["pad.C", "damper.G"])')
+def fit(
+    model: Model,
+    data: Source | Sequence[Source | tuple[Source, Mapping[str, Value]]],
+    free: Sequence[str] | str,
+    *,
+    bounds: Mapping[str, tuple[Value, Value]] | None = None,
+    log: Sequence[str] | str = (),
+    sigma: Mapping[str, float] | None = None,
+    loss: Loss = "linear",
+    parameters: Mapping[str, Value] | None = None,
+    solver: str | None = None,
+    rtol: float | None = None,
+    max_runs: int = 200,
+) -> Fit:
+    """Return values of a model with which its runs are nearest to data.
+
+    Parameters
+    ----------
+    model : Model
+        Its own values are where the search starts.
+    data : path, mapping, or sequence of them
+        CSV files, or mappings of names to sequences: ``time`` (or ``t``, s) and signals by name.
+        With a run of its own for each: ``(data, {"height.start": "2 m"})`` sets values of that
+        run.
+    free : sequence of str
+        What is looked for: parameters, values of elements, starts, as in `sensitivities`.
+    bounds : mapping of name to (low, high)
+        None is no bound.
+    log : sequence of str
+        What is looked for by its logarithm: it stays positive, and its interval is one of factors.
+    sigma : mapping of signal to float
+        Known standard deviations, SI. Otherwise signals are weighed by how much they vary, and the
+        intervals follow from what is left.
+    loss : {"linear", "soft_l1", "huber", "cauchy", "arctan"}
+        What a residual counts: its square, or less of it where it is far out.
+    parameters : mapping
+        Values by dotted path that replace the model's own, in all runs.
+    solver, rtol
+        As for `simulate`.
+    max_runs : int
+        Trials at most.
+
+    Returns
+    -------
+    Fit
+
+    Raises
+    ------
+    UsageError
+        HB-A520 for a path that cannot be set, HB-A532 for bounds, a loss or sizes that are wrong,
+        HB-S109 for a column that is no signal.
+    FileError
+        HB-A530 for data that cannot be read.
+    NumericsError
+        HB-A533 if the model cannot be run with the values at the start.
+
+    Examples
+    --------
+    >>> import hybond as hb, numpy as np
+    >>> m = hb.Model("rc", parameters={"R": "1 ohm"}, domain="electrical")
+    >>> m.add(c=hb.C("1 F", e="1 V"), r=hb.R("R"), n=hb.Zero())
+    >>> m.bond("n -> c", "n -> r")
+    >>> t = np.linspace(0, 3, 7)
+    >>> found = hb.fit(m, {"t": t, "c.e": np.exp(-t/2)}, free=["R"])
+    >>> round(found["R"], 6)
+    2.0
+    """
+    from scipy.optimize import least_squares
+
+    names = [free] if isinstance(free, str) else list(free)
+    logs = [log] if isinstance(log, str) else list(log)
+    if loss not in LOSSES:
+        raise UsageError(f"loss = {loss!r}", code="HB-A532", where="loss", hint=", ".join(LOSSES))
+    cases, first = _cases(model, data, names, parameters or {}, sigma or {})
+    scale = scale_of(names, first.values, bounds or {}, logs)
+    options = {k: v for k, v in (("solver", solver), ("rtol", rtol)) if v is not None}
+    trials = Trials(cases, options)
+    begin = trials.residuals(scale.values(scale.start))
+    if not np.isfinite(begin).all():
+        raise NumericsError(
+            f"with the values at the start the model does not run: {trials.error}",
+            code="HB-A533",
+            where="free",
+            hint="start from other values: parameters={...}",
+        )
+    if len(begin) < len(names):
+        raise UsageError(
+            f"{len(begin)} measurements do not tell {len(names)} values",
+            code="HB-A532",
+            where="data",
+            hint="give more data, or leave fewer values free",
+        )
+    low, high = scale.bounds
+    found = least_squares(
+        lambda z: trials.residuals(scale.values(z)),
+        scale.start,
+        lambda z: trials.slopes(scale.values(z)) * scale.slopes(z),
+        bounds=(low, high),
+        loss=loss,
+        max_nfev=max_runs,
+        xtol=1e-10,
+        ftol=1e-12,
+        gtol=1e-12,
+    )
+    return _record(found, scale, trials, first, sigma is not None, begin)
+
+
+def _cases(
+    model: Model,
+    data: Any,
+    names: Sequence[str],
+    parameters: Mapping[str, Value],
+    sigma: Mapping[str, float],
+) -> tuple[list[Case], Wanted]:
+    """Return what is to be fitted, and the values at the start."""
+    several = list(data) if isinstance(data, list | tuple) and not _is_pair(data) else [data]
+    read: list[tuple[Data, Mapping[str, Value]]] = []
+    for k, one in enumerate(several, start=1):
+        source, own = one if _is_pair(one) else (one, {})
+        read.append((read_data(source, k), own))
+    if not read:
+        raise UsageError("there are no data", code="HB-A530", where="data", hint="name a CSV file")
+    sizes = _sizes([d for d, _ in read], sigma)
+    cases: list[Case] = []
+    first: Wanted | None = None
+    for d, own in read:
+        opened = opened_model(model, names, {**parameters, **own}, where="free")
+        found = slotted(opened, {})
+        first = first or found
+        check_followed(found.graph)
+        for name in d.columns:
+            signal_of(found.plain, name)
+        cases.append(Case(d, opened, sizes, float(d.t[-1]) or 1e-12))
+    assert first is not None
+    return cases, first
+
+
+def _is_pair(one: Any) -> bool:
+    return (
+        isinstance(one, tuple)
+        and len(one) == 2
+        and isinstance(one[1], Mapping)
+        and (not isinstance(one[0], Mapping) or not set(one[1]) & {"t", "time"})
+    )
+
+
+def _sizes(data: Sequence[Data], sigma: Mapping[str, float]) -> dict[str, float]:
+    """Return what residuals of each signal are divided by."""
+    every: dict[str, list[Vector]] = {}
+    for d in data:
+        for name, column in d.columns.items():
+            every.setdefault(name, []).append(column[~np.isnan(column)])
+    for name, value in sigma.items():
+        if name not in every or not value > 0.0:
+            raise UsageError(
+                f"sigma of {name} = {value!r}",
+                code="HB-A532",
+                where="sigma",
+                hint="a positive number for each column of the data",
+            )
+    sizes = {}
+    for name, columns in every.items():
+        whole = np.concatenate(columns)
+        spread = float(np.std(whole)) if len(whole) else 0.0
+        largest = float(np.abs(whole).max(initial=0.0))
+        sizes[name] = sigma.get(name, spread if spread > 1e-12 * largest else largest or 1.0)
+    return sizes
+
+
+def _record(
+    found: Any, scale: Scale, trials: Trials, first: Wanted, known: bool, begin: Vector
+) -> Fit:
+    """Return the record, with intervals from the slopes at the end."""
+    from scipy.special import stdtrit
+
+    values = scale.values(found.x)
+    residuals = trials.residuals(values)
+    J = trials.slopes(values) * scale.slopes(found.x)
+    free = len(values)
+    left = max(len(residuals) - free, 1)
+    variance = 1.0 if known else float(residuals @ residuals) / left
+    size = np.linalg.norm(J, axis=0)
+    unseen = size <= 0.0
+    size[unseen] = 1.0
+    _, s, vt = np.linalg.svd(J / size, full_matrices=False)
+    open_ = s <= UNSEEN * s.max(initial=0.0)
+    weights = np.where(open_, 0.0, 1.0 / np.where(open_, 1.0, s) ** 2)
+    covariance = (vt.T * weights) @ vt / np.outer(size, size) * variance
+    lost = unseen | (np.abs(vt[open_]) > 1e-6).any(axis=0)
+    errors = np.sqrt(np.diag(covariance))
+    errors[lost] = np.inf
+    reach = stdtrit(left, 0.5 + CONFIDENCE / 2) * errors
+    with np.errstate(over="ignore", invalid="ignore"):
+        ends = np.stack([scale.values(found.x - reach), scale.values(found.x + reach)])
+    deviation = np.where(errors > 0.0, errors, 1.0)
+    with np.errstate(invalid="ignore"):
+        correlation = covariance / np.outer(deviation, deviation)
+    notes = []
+    if lost.any():
+        which = ", ".join(n for n, out in zip(scale.names, lost) if out)
+        notes.append(f"the data do not tell {which}: there is no interval")
+    at = (found.active_mask != 0) & ~lost
+    if at.any():
+        which = ", ".join(n for n, out in zip(scale.names, at) if out)
+        notes.append(f"{which} at a bound: the interval is as if there were none")
+    if trials.missing:
+        notes.append(f"{trials.missing} measurements without a slope: derivatives end before them")
+    if not found.success:
+        notes.append(f"not converged: {found.message}")
+    if found.status in (1, 2, 3, 4) and begin @ begin < residuals @ residuals:
+        notes.append("no better than the start: the loss counts less than squares")
+    return Fit(
+        names=scale.names,
+        paths=trials.cases[0].opened.settable,
+        values=values,
+        low=ends.min(axis=0),
+        high=ends.max(axis=0),
+        units=first.units,
+        start=first.values,
+        correlation=correlation,
+        residual={name: _rms(trials, residuals, name) for c in trials.cases for name in c.signals},
+        measurements=len(residuals),
+        runs=tuple(trials.last_runs()),
+        data=tuple(c.data for c in trials.cases),
+        trials=trials.runs,
+        converged=bool(found.success),
+        notes=tuple(notes),
+    )
+
+
+def _rms(trials: Trials, residuals: Vector, name: str) -> float:
+    """Return the root of the mean square of what is left of a signal, SI."""
+    at, found = 0, []
+    for case in trials.cases:
+        for own, column in case.data.columns.items():
+            many = int((~np.isnan(column)).sum())
+            if own == name:
+                found.append(residuals[at : at + many] * case.sizes[name])
+            at += many
+    return float(np.sqrt(np.mean(np.concatenate(found) ** 2)))

@@ -1,0 +1,151 @@
+"""`Fit`: values that were found, and how well the data tell them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybond.errors import UsageError
+from hybond.fitting.data import Data
+from hybond.names import did_you_mean
+from hybond.result import Result
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Vector = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Fit:
+    """Values of a model that bring its runs to data; made by `fit`.
+
+    Parameters
+    ----------
+    names : tuple of str
+        What was free.
+    paths : tuple of str
+        Where that is set in the model.
+    values : array, shape (free,)
+        SI.
+    low, high : array, shape (free,)
+        The 95 % confidence interval of each, from the slopes at the end; infinite where the data
+        do not tell.
+    units : tuple of str
+    start : array, shape (free,)
+        Where the search began.
+    correlation : array, shape (free, free)
+    residual : mapping
+        By signal, the root of the mean square of what is left, SI.
+    measurements : int
+    runs : tuple of Result
+        With the values that were found, one for each set of data.
+    data : tuple of Data
+    trials : int
+        Runs that it took.
+    converged : bool
+    notes : tuple of str
+        What else is to be known.
+    """
+
+    names: tuple[str, ...]
+    paths: tuple[str, ...]
+    values: Vector
+    low: Vector
+    high: Vector
+    units: tuple[str, ...]
+    start: Vector
+    correlation: Vector
+    residual: Mapping[str, float]
+    measurements: int
+    runs: tuple[Result, ...] = field(repr=False)
+    data: tuple[Data, ...] = field(repr=False)
+    trials: int
+    converged: bool
+    notes: tuple[str, ...] = ()
+
+    def __getitem__(self, name: str) -> float:
+        """Return a value by name, SI.
+
+        Raises
+        ------
+        UsageError
+            HB-A523 for a name that was not free.
+        """
+        if name not in self.names:
+            raise UsageError(
+                f"{name!r} was not free",
+                code="HB-A523",
+                where="free",
+                hint=did_you_mean(name, self.names) or ", ".join(self.names),
+            )
+        return float(self.values[self.names.index(name)])
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """The values by path, for ``hb.simulate(model, parameters=...)``."""
+        return dict(zip(self.paths, self.values.tolist(), strict=True))
+
+    def plot(self, path: str | Path | None = None) -> Figure:
+        """Plot the data and the runs with the values that were found.
+
+        Parameters
+        ----------
+        path : path, optional
+            Write the figure there too, in the format of its ending.
+        """
+        from hybond.draw.variation_plots import plot_fit
+
+        return plot_fit(self, path=path)
+
+    def __str__(self) -> str:
+        return "\n".join(self._lines())
+
+    def _lines(self) -> Iterator[str]:
+        title = self.runs[0].title if self.runs else ""
+        files = ", ".join(d.name for d in self.data)
+        yield f"{title}: fitted to {self.measurements} measurements of {files}"
+        rows = [["", "value", "95 % interval", "start"]]
+        for k, name in enumerate(self.names):
+            interval = f"{self.low[k]:.6g} .. {self.high[k]:.6g}"
+            unit = f" {self.units[k]}" if self.units[k] else ""
+            rows.append([name, f"{self.values[k]:.6g}{unit}", interval, f"{self.start[k]:.6g}"])
+        widths = [max(len(row[k]) for row in rows) for k in range(4)]
+        for row in rows:
+            yield "  " + "  ".join(c.ljust(w) for c, w in zip(row, widths, strict=True)).rstrip()
+        for i in range(len(self.names)):
+            for j in range(i):
+                if abs(self.correlation[i, j]) > 0.95:
+                    yield (
+                        f"{self.names[j]} and {self.names[i]} are told together: correlation "
+                        f"{self.correlation[i, j]:.3f}"
+                    )
+        left = ", ".join(f"{v:.4g} of {name}" for name, v in self.residual.items())
+        yield f"left, root mean square: {left}; {self.trials} runs"
+        yield from self.notes
+
+    def to_dict(self) -> dict[str, object]:
+        """Return all numbers as plain data, SI."""
+
+        def plain(values: Vector) -> list[float | None]:
+            return [v if np.isfinite(v) else None for v in values.tolist()]
+
+        return {
+            "free": list(self.names),
+            "values": plain(self.values),
+            "low": plain(self.low),
+            "high": plain(self.high),
+            "units": list(self.units),
+            "start": plain(self.start),
+            "correlation": [plain(row) for row in self.correlation],
+            "residual": dict(self.residual),
+            "measurements": self.measurements,
+            "trials": self.trials,
+            "converged": self.converged,
+            "notes": list(self.notes),
+        }

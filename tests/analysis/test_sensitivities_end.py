@@ -1,0 +1,108 @@
+"""Where a run has no derivative, the record says so and gives no number."""
+
+import numpy as np
+import pytest
+
+import hybond as hb
+
+
+def thrown(reach: float) -> hb.Model:
+    """A ball that is thrown up 5 m high, and a place where it becomes heavier, reached or not."""
+    m = hb.Model("thrown", parameters={"v0": 10.0, "top": reach})
+    m.add(
+        weight=hb.Se('if w.state == "high" then -15 else -10'), ball=hb.I(1.0, f="v0"), v=hb.One()
+    )
+    m.bond("weight -> v -> ball")
+    m.signal(h=hb.Integral("v.f"))
+    m.machine("w", states={"low": [], "high": []}, start="low", rules=["low -> high when h >= top"])
+    return m
+
+
+def test_a_ceiling_that_is_only_touched() -> None:
+    s = hb.sensitivities(thrown(5.0), "2 s", wrt=["v0"], of=["v.f"], times=[0.5])
+    assert s.ends == pytest.approx(1.0, abs=1e-3)
+    assert "grazing" in s.why and "h >= top" in s.why
+    assert s.at(0.5, "v.f", "v0") == pytest.approx(1.0, rel=1e-12)
+    assert s.events[0].by is None and s.t[-1] <= s.ends
+    for ask in (lambda: s.final("v.f", "v0"), lambda: s.of_event(1, "v0")):
+        with pytest.raises(hb.NumericsError, match="HB-A524") as caught:
+            ask()
+        assert "grazing" in str(caught.value)
+    assert "no derivatives from" in str(s)
+
+
+def test_a_ceiling_that_is_passed_has_a_derivative() -> None:
+    s = hb.sensitivities(thrown(3.2), "1 s", wrt=["v0", "top"], of=["v.f"])
+    # 10 t - 5 t^2 = 3.2 at t = 0.4, with 6 m/s
+    assert s.events[0].by == pytest.approx([-0.4 / 6, 1 / 6], rel=1e-8)
+
+
+def two(first: float, second: float) -> hb.Model:
+    """Two tanks that fill, each with a valve that opens at a level."""
+    m = hb.Model("two", parameters={"a": 1.0, "b": 1.0})
+    m.add(p=hb.Sf("a"), q=hb.Sf("b"), c=hb.C(1.0), d=hb.C(1.0), n=hb.Zero(), k=hb.Zero())
+    m.add(x=hb.One(), y=hb.One(), r=hb.R(1.0), s=hb.R(1.0))
+    m.bond("p -> n -> c", "q -> k -> d", "n -> x -> r", "k -> y -> s")
+    m.machine("A", states={"shut": [], "open": ["x"]}, start="shut",
+              rules=[f"shut -> open when c.e > {first}"])  # fmt: skip
+    m.machine("B", states={"shut": [], "open": ["y"]}, start="shut",
+              rules=[f"shut -> open when d.e > {second}"])  # fmt: skip
+    return m
+
+
+def test_two_events_at_one_instant_have_no_order() -> None:
+    s = hb.sensitivities(two(1.0, 1.0), "2 s", wrt=["a", "b"], of=["c.e"])
+    assert s.ends == pytest.approx(1.0) and "one instant" in s.why
+    apart = hb.sensitivities(two(1.0, 1.1), "2 s", wrt=["a", "b"], of=["c.e", "d.e"])
+    assert [e.by.tolist() for e in apart.events if e.by is not None] == [
+        pytest.approx([-1.0, 0.0], abs=1e-10),
+        pytest.approx([0.0, -1.1], abs=1e-10),
+    ]
+    # behind the valve: e' = a - e; e = a + (1 - a) exp(-(t - 1/a))
+    assert apart.final("c.e", "a") == pytest.approx(1 - np.exp(-1.0), rel=1e-8)
+
+
+def test_impacts_that_come_to_rest() -> None:
+    m = hb.Model("ball", domain="translational", parameters={"eps": 0.5})
+    m.add(weight=hb.Se("-10 N"), ball=hb.I("1 kg"), v=hb.One())
+    m.add(floor=hb.Zero(law="unilateral", gap="h", restitution="eps"))
+    m.bond("weight -> v -> ball", "floor -> v")
+    m.signal(h=hb.Integral("v.f", start="5 m"))
+    s = hb.sensitivities(m, "4 s", wrt=["eps"], of=["v.f"])
+    assert s.run.accumulations[0].t == pytest.approx(3.0, rel=1e-6)
+    assert s.ends is not None and 2.5 < s.ends <= 3.0001 and "accumulate" in s.why
+    assert s.events[1].by == pytest.approx([2.0], rel=1e-8)  # 1 + 2 eps
+
+
+def test_what_is_not_followed_is_refused() -> None:
+    m = two(1.0, 2.0)
+    with pytest.raises(hb.UsageError, match="HB-A520") as caught:
+        hb.sensitivities(m, "1 s", wrt=["c.D"])
+    assert "c.C" in str(caught.value)
+    with pytest.raises(hb.UsageError, match="HB-S109"):
+        hb.sensitivities(m, "1 s", wrt=["a"], of=["nothing.e"])
+    s = hb.sensitivities(m, "0.5 s", wrt=["a"])
+    for ask in (lambda: s["c.e"], lambda: s["c.q", "b"], lambda: s.at(0.123, "c.q", "a")):
+        with pytest.raises(hb.UsageError, match="HB-A523"):
+            ask()
+    bent = hb.Model("bent")
+    bent.add(c=hb.C({"e": "q^3"}, q=1.0), r=hb.R(1.0))
+    bent.bond("c -> r")
+    with pytest.raises(hb.EquationError, match="HB-A521"):
+        hb.sensitivities(bent, "1 s", wrt=["c.C"])
+    held = hb.load("examples/planar_puck.toml")
+    name = next(k for k, v in held.flatten().parameters.items() if isinstance(v, float))
+    with pytest.raises(hb.EquationError, match="HB-A522"):
+        hb.sensitivities(held, "1 s", wrt=[name])
+
+
+def test_an_edge_at_the_very_end_has_two_sides() -> None:
+    m = hb.Model("pulses", parameters={"f": 10.0})
+    m.input(u=hb.Input(pwm={"period": "1/f", "duty": 0.5}))
+    m.signal(x=hb.Integral("u"))
+    m.add(s=hb.Se(1.0), r=hb.R(1.0))
+    m.bond("s -> r")
+    s = hb.sensitivities(m, 0.5, wrt=["f"], of=["x"], times=[0.42])
+    assert s.ends == pytest.approx(0.5) and "very end" in s.why
+    # at 0.42, in the fifth pulse since 0.4: x = 4 d/f + (t - 4/f), d = 1/2
+    assert s.at(0.42, "x", "f") == pytest.approx(-4 * 0.5 / 100 + 4 / 100, rel=1e-9)

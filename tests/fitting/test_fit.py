@@ -1,0 +1,200 @@
+"""Fits against the values that data were made with, and against SciPy's own covariance."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.linalg import expm
+from scipy.optimize import brentq, curve_fit
+
+import hybond as hb
+
+TRUE = {"pad.C": 1.3e-3, "damper.G": 6.0}
+
+
+def dropped() -> dict[str, np.ndarray]:
+    """Return the ball's height and velocity by closed forms of flight and contact, with noise.
+
+    Flight: v' = -g. In contact: m v' = F - m g, q' = -v, with the force F = q/C - v/G of the pad
+    and the damper, until it would pull: linear, by the matrix exponential.
+    """
+    C, G, g = TRUE["pad.C"], TRUE["damper.G"], 9.81
+    t = np.linspace(0.0, 1.5, 151)[1:]
+    hit = np.sqrt(2 * 3.0 / g)
+    A = np.array([[-1 / G, 1 / C, 0, -g], [-1.0, 0, 0, 0], [1.0, 0, 0, 0], [0, 0, 0, 0]])
+    enter = np.array([-g * hit, 0.0, 0.0, 1.0])
+
+    def force(s: float) -> float:
+        v, q, _, _ = expm(A * s) @ enter
+        return float(q / C - v / G)
+
+    low = brentq(force, 0.05, 0.15, xtol=1e-14)
+    leave = expm(A * low) @ enter
+    v, h = np.empty_like(t), np.empty_like(t)
+    for i, at in enumerate(t):
+        if at < hit:
+            v[i], h[i] = -g * at, 3.0 - g * at**2 / 2
+        elif at < hit + low:
+            v[i], _, h[i], _ = expm(A * (at - hit)) @ enter
+        else:
+            s = at - hit - low
+            v[i], h[i] = leave[0] - g * s, leave[2] + leave[0] * s - g * s**2 / 2
+    random = np.random.default_rng(3)
+    return {
+        "time": t,
+        "height": h + random.normal(0.0, 0.01, len(t)),
+        "v.f": v + random.normal(0.0, 0.05, len(t)),
+    }
+
+
+def test_the_contact_of_a_ball_is_found_within_its_interval(tmp_path: Path) -> None:
+    m = hb.load("examples/bouncing_ball.toml")
+    found = hb.fit(m, dropped(), free=list(TRUE), log=["pad.C"])
+    assert found.converged and found.measurements == 300
+    for k, name in enumerate(TRUE):
+        assert found.low[k] < TRUE[name] < found.high[k]
+        assert found.high[k] - found.low[k] < 0.25 * TRUE[name]
+    assert found.residual == pytest.approx({"height": 0.01, "v.f": 0.05}, rel=0.1)
+    assert found.trials < 20 and "pad.C" in str(found)
+    run = hb.simulate(m, "1.5 s", parameters=found.parameters)
+    assert run["v.f"].at(1.0) == pytest.approx(found.runs[0]["v.f"].at(1.0), rel=1e-9)
+    found.plot(tmp_path / "fit.svg")
+    assert (tmp_path / "fit.svg").read_text().count("<use") > 300
+
+
+def discharge(R: float = 1.0) -> hb.Model:
+    m = hb.Model("rc", parameters={"R": R, "e0": 1.0})
+    m.add(c=hb.C(1.0, e="e0"), r=hb.R("R"), n=hb.Zero())
+    m.bond("n -> c", "n -> r")
+    return m
+
+
+T = np.linspace(0.1, 6.0, 40)
+NOISE = np.random.default_rng(1).normal(0.0, 0.02, len(T))
+
+
+def test_intervals_are_those_of_a_fit_of_the_closed_form() -> None:
+    y = 3.0 * np.exp(-T / 2.0) + NOISE
+    found = hb.fit(discharge(), {"t": T, "c.e": y}, free=["R", "e0"])
+    best, covariance = curve_fit(
+        lambda t, R, e: e * np.exp(-t / R), T, y, p0=[1, 1], xtol=1e-12, ftol=1e-12
+    )
+    assert found.values == pytest.approx(best, rel=1e-6)
+    half = 2.0243941639 * np.sqrt(np.diag(covariance))  # Student's t, 38 degrees of freedom
+    assert found.high - best == pytest.approx(half, rel=1e-4)
+    assert found.correlation[0, 1] == pytest.approx(
+        covariance[0, 1] / np.sqrt(covariance[0, 0] * covariance[1, 1]), rel=1e-4
+    )
+    known = hb.fit(discharge(), {"t": T, "c.e": y}, free=["R", "e0"], sigma={"c.e": 0.5})
+    _, own = curve_fit(
+        lambda t, R, e: e * np.exp(-t / R), T, y, p0=[1, 1], sigma=0.5 * np.ones(40),
+        absolute_sigma=True,
+    )  # fmt: skip
+    assert known.high - best == pytest.approx(2.0243941639 * np.sqrt(np.diag(own)), rel=1e-4)
+
+
+def test_several_files_each_with_its_own_start(tmp_path: Path) -> None:
+    paths = []
+    for k, start in enumerate((1.0, 3.0)):
+        path = tmp_path / f"run{k}.csv"
+        y = start * np.exp(-T / 2.0)
+        lines = ["t [ms], c.e"]
+        lines += [f"{1e3 * a!r},{b!r}" for a, b in zip(T.tolist(), y.tolist())]
+        lines[5] = lines[5].partition(",")[0] + ","  # a cell without a measurement
+        path.write_text("\n".join(lines), encoding="utf-8")
+        paths.append((path, {"e0": start}))
+    found = hb.fit(discharge(), paths, free=["R"], bounds={"R": (0.5, None)})
+    assert found["R"] == pytest.approx(2.0, rel=1e-6)
+    assert found.measurements == 78 and len(found.runs) == 2
+
+
+def test_what_is_far_out_counts_less() -> None:
+    y = np.exp(-T / 2.0) + NOISE
+    y[[3, 12, 25]] += 2.0
+    plain = hb.fit(discharge(), {"t": T, "c.e": y}, free=["R"])
+    robust = hb.fit(
+        discharge(), {"t": T, "c.e": y}, free=["R"], loss="soft_l1", sigma={"c.e": 0.02}
+    )
+    assert abs(robust["R"] - 2.0) < 0.1 < abs(plain["R"] - 2.0)
+
+
+def test_trials_with_other_numbers_of_events() -> None:
+    """A tank with a valve that the start never opens, and the data do."""
+    m = hb.Model("tank", parameters={"inflow": 0.4, "level": 1.0})
+    m.add(s=hb.Sf("inflow"), c=hb.C(1.0), n=hb.Zero(), j=hb.One(), r=hb.R(1.0))
+    m.bond("s -> n -> c", "n -> j -> r")
+    m.machine("valve", states={"shut": [], "open": ["j"]}, start="shut",
+              rules=["shut -> open when c.e > level"])  # fmt: skip
+    t = np.linspace(0.1, 2.0, 20)
+    late = np.maximum(t - 1.0 / 0.9, 0.0)
+    y = np.where(t < 1.0 / 0.9, 0.9 * t, 0.9 + 0.1 * np.exp(-late))
+    found = hb.fit(m, {"t": t, "c.e": y}, free=["inflow"])
+    assert len(found.runs[0].trace.events) == 2
+    assert found["inflow"] == pytest.approx(0.9, rel=1e-6)
+
+
+def test_what_the_data_do_not_tell_has_no_interval() -> None:
+    m = discharge()
+    m.parameter(other=1.0)
+    m.add(d=hb.C(1.0, e=1.0), k=hb.R("other"))
+    m.bond("d -> k")
+    found = hb.fit(m, {"t": T, "c.e": np.exp(-T / 2.0) + NOISE}, free=["R", "other"])
+    assert np.isinf(found.high[1]) and np.isfinite(found.high[0])
+    assert "do not tell other" in str(found)
+
+
+def test_refusals(tmp_path: Path) -> None:
+    m, good = discharge(), {"t": T, "c.e": np.exp(-T)}
+
+    def refused(code: str, data: object = good, **options: object) -> None:
+        given = {"free": ["R"], **options}
+        with pytest.raises(hb.HybondError, match=code):
+            hb.fit(m, data, **given)  # type: ignore[arg-type]
+
+    refused("HB-A520", free=["Q"])
+    refused("HB-A532", bounds={"Q": (0, 1)})
+    refused("HB-A532", bounds={"R": (2.0, 3.0)})
+    refused("HB-A532", bounds={"R": (0.0, "1 furlong")})
+    refused("HB-A532", loss="square")
+    refused("HB-A532", sigma={"c.e": 0.0})
+    refused("HB-A532", {"t": [1.0], "c.e": [1.0]}, free=["R", "e0"])
+    rooted = hb.Model("rooted", parameters={"a": -1.0})
+    rooted.add(c=hb.C(1.0, e=1.0), r=hb.R({"e": "f*sqrt(a + 0*f)"}))
+    rooted.bond("c -> r")
+    with pytest.raises(hb.NumericsError, match="HB-A533"):
+        hb.fit(rooted, good, free=["a"])
+    refused("HB-S109", {"t": T, "q.e": T})
+    for bad in (7, {"c.e": T}, {"t": T}, {"t": T[::-1], "c.e": T}, {"t": T, "c.e": T[1:]}):
+        refused("HB-A530", bad)
+    for text in ("t,c.e\n1,x", "t,c.e\n1", "t,t\n1,1", "t [yd3],c.e\n1,1", "", "t,c.e\n1,inf"):
+        path = tmp_path / "bad.csv"
+        path.write_text(text, encoding="utf-8")
+        refused("HB-A530", path)
+    refused("HB-A530", tmp_path / "none.csv")
+
+
+def test_a_resistor_is_matched_to_its_source() -> None:
+    m = hb.Model("load", parameters={"R": 0.5})
+    m.add(V=hb.Se(1.0), own=hb.R(2.0), load=hb.R("R"), j=hb.One())
+    m.bond("V -> j -> own", "j -> load")
+    goal = hb.Total("-load.e*load.f")
+    found = hb.optimise(m, goal, free=["R"], until=1.0, log=["R"])
+    assert found["R"] == pytest.approx(2.0, rel=1e-5) and found.value == pytest.approx(-0.125)
+    held = hb.optimise(m, goal, free=["R"], until=1.0, bounds={"R": (0.1, 1.5)})
+    assert held["R"] == pytest.approx(1.5) and held.at_bound == ("R",)
+    # d/dR of -R/(2 + R)^2
+    assert held.slopes == pytest.approx([-(2.0 - 1.5) / 3.5**3], rel=1e-7)
+
+
+def test_a_throw_that_returns_latest() -> None:
+    """Up at an angle with a given speed: it flies longest straight up; the event's own adjoint."""
+    m = hb.Model("throw", parameters={"turn": 0.6})
+    m.add(w=hb.Se(-10.0), up=hb.I(1.0, f="20*sin(turn)"), v=hb.One())
+    m.bond("w -> v -> up")
+    m.signal(h=hb.Integral("v.f"))
+    m.machine("s", states={"air": [], "down": []}, start="air",
+              rules=["air -> down when h < 0"])  # fmt: skip
+    found = hb.optimise(m, hb.Final("-h"), free=["turn"], until=1.0, bounds={"turn": (0.1, 3.0)})
+    assert found["turn"] == pytest.approx(np.pi / 2, abs=1e-6)
+    g = hb.gradient(m, hb.EventTime(1), "5 s", wrt=["turn"])
+    assert g.by == pytest.approx([4.0 * np.cos(0.6)], rel=1e-9)
