@@ -27,7 +27,8 @@ LAYERS = [
     ["report"],
     ["measures", "one_run", "result", "scripts", "simulation"],
     ["analysis", "circuits", "sweep", "export", "draw", "fitting", "testing"],
-    ["studio", "cli"],
+    ["studio"],
+    ["cli"],
 ]
 LAYER = {room: index for index, rooms in enumerate(LAYERS) for room in rooms}
 
