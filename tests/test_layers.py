@@ -22,12 +22,13 @@ LAYERS = [
     ["library"],
     ["causality", "hints"],
     ["equations", "switching"],
-    ["progress", "run_ends", "run_options", "states", "trace", "translate"],
+    ["progress", "runs", "translate"],
     ["engine"],
     ["report"],
-    ["script", "script_result", "script_steps", "simulation", "measures", "result"],
+    ["measures", "one_run", "result", "scripts", "simulation"],
     ["analysis", "circuits", "sweep", "export", "draw", "fitting", "testing"],
-    ["studio", "cli"],
+    ["studio"],
+    ["cli"],
 ]
 LAYER = {room: index for index, rooms in enumerate(LAYERS) for room in rooms}
 

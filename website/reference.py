@@ -20,7 +20,10 @@ KINDS = {
         *("load", "loads", "save", "dumps"),
         *("read_circuit", "Conversion", "read_bond_graph"),
     ),
-    "Runs": ("simulate", "Result", "Signal", "ensemble", "Ensemble", "cross_check", "CrossCheck"),
+    "Runs": (
+        *("simulate", "Result", "Signal", "State", "load_state", "run_script", "Step"),
+        *("ensemble", "Ensemble", "cross_check", "CrossCheck"),
+    ),
 }
 """Public names by what they are for; what is in none of these is listed by what it is."""
 

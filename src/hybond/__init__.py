@@ -66,10 +66,10 @@ if TYPE_CHECKING:
     from hybond.model.parts import Block, Integral, Sampled, Submodel
     from hybond.model.parts import InputPart as Input
     from hybond.result import Result
-    from hybond.script import run_script
-    from hybond.script_steps import Step
+    from hybond.runs.states import State, load_state
+    from hybond.scripts.run import run_script
+    from hybond.scripts.steps import Step
     from hybond.simulation import simulate
-    from hybond.states import State, load_state
     from hybond.sweep.collection import Ensemble
     from hybond.sweep.ensemble import ensemble
 
@@ -130,9 +130,9 @@ _HOME = {
     "restitution": "hybond.analysis.restitution.restitution",
     "structure": "hybond.analysis.structure.structure",
     "simulate": "hybond.simulation",
-    "run_script": "hybond.script",
-    "Step": "hybond.script_steps",
-    **dict.fromkeys(("State", "load_state"), "hybond.states"),
+    "run_script": "hybond.scripts.run",
+    "Step": "hybond.scripts.steps",
+    **dict.fromkeys(("State", "load_state"), "hybond.runs.states"),
     "state_equations": "hybond.equations.derive",
     **dict.fromkeys(("StateSpace", "state_space"), "hybond.export.linear.state_space"),
 }

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from hybond.chronicle import Chronicle
 from hybond.model.graph import FlatGraph
 from hybond.names import in_columns
-from hybond.trace import Event, Fired, Step
+from hybond.runs.trace import Event, Fired, Visit
 from hybond.units import format_quantity
 
 SHOWN = 3
@@ -83,10 +83,10 @@ class EventTable(Sequence[Event]):
                 time = cause = ""
         return rows
 
-    def _mode(self, step: Step, focus: Collection[str]) -> str:
+    def _mode(self, step: Visit, focus: Collection[str]) -> str:
         return f"({self.graph.mode_text(step.mode, focus)})"
 
-    def _details(self, step: Step, event: Event) -> str:
+    def _details(self, step: Visit, event: Event) -> str:
         parts = []
         for name, area in sorted(step.impulses.items(), key=self._rank)[:SHOWN]:
             mark = "in the step" if event.cause == "step" else "δ"

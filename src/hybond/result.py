@@ -24,9 +24,9 @@ from hybond.model.expressions import Expr
 from hybond.model.graph import FlatGraph
 from hybond.model.unit_words import unit_of
 from hybond.report import EventTable
-from hybond.run_options import seconds
-from hybond.states import State
-from hybond.trace import Accumulation, Segment, Sliding, Trace, Turn
+from hybond.runs.options import seconds
+from hybond.runs.states import State
+from hybond.runs.trace import Accumulation, Segment, Sliding, Trace, Turn
 from hybond.units import format_quantity
 
 if TYPE_CHECKING:

@@ -3,43 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal
 
 from hybond.blocks.runners import runners_of
 from hybond.calls import called
-from hybond.engine.outcome.beginnings import Beginning, beginning_by_name, beginning_of
-from hybond.engine.outcome.engine_run import EngineRun
-from hybond.engine.outcome.engines import EngineChoice, choose_engine, prepared
-from hybond.engine.outcome.journal import Journal
-from hybond.engine.outcome.steps_run import StepsRun
-from hybond.engine.outcome.unsound import unsound_refusal
+from hybond.engine.outcome.engines import choose_engine
 from hybond.engine.tables.bands import banded
-from hybond.engine.tables.options import Settings, settings_of
-from hybond.errors import HybondError, UsageError
+from hybond.engine.tables.options import settings_of
+from hybond.errors import UsageError
 from hybond.model.builder import Model
-from hybond.model.given import check_model
 from hybond.model.graph import FlatGraph
-from hybond.model.kept import kept_graph
 from hybond.model.parts import Value
+from hybond.one_run import Start, begun, gone, graph_of, handed_over, made, notices, of_experiment
 from hybond.progress import Asked, shown
-from hybond.result import Result, Status
-from hybond.run_ends import Until, ended, ends_of
-from hybond.run_options import (
-    STEPPING,
-    STEPPING_IMPACT,
-    Choice,
-    ignored_impact,
-    solver_of,
-    time_in,
-)
-from hybond.states import State, load_state
-
-Start = Result | State | Mapping[str, Any] | str | Path | None
-"""Where a run may begin."""
-ENGINE: Literal["library", "python"] | None = None
-"""What makes runs that do not say what should."""
+from hybond.result import Result
+from hybond.runs.ends import Until, ends_of
+from hybond.runs.options import STEPPING, Choice, solver_of
 
 
 @called('hb.simulate(model, until="1 s", solver="auto")')
@@ -164,14 +144,7 @@ def simulate(
     >>> round(float(run["c.e"].at(1.0)), 6)
     3.678794
     """
-    check_model(model)
-    if not isinstance(parameters, Mapping | None):
-        raise UsageError(
-            f"parameters = {parameters!r} does not map paths to values",
-            code="HB-S130",
-            where="parameters",
-            hint='parameters={"m": "2 kg", "ball.f": 1.0}',
-        )
+    graph = graph_of(model, parameters, on_error)
     if watch is not None and not callable(watch):
         raise UsageError(
             f"watch = {watch!r} cannot be called",
@@ -179,11 +152,19 @@ def simulate(
             where="watch",
             hint="watch=look, where look(run) takes what was computed so far",
         )
-    graph = kept_graph(model, parameters or {}) if isinstance(model, Model) else model
-    if on_error not in ("raise", "return"):
-        raise UsageError(
-            f"on_error = {on_error!r}", code="HB-S105", where="on_error", hint="raise or return"
-        )
+    options: dict[str, Any] = {
+        "solver": solver,
+        "rtol": rtol,
+        "atol": atol,
+        "step": step,
+        "max_step": max_step,
+        "theta": theta,
+        "sliding": sliding,
+        "hysteresis": hysteresis,
+        "impact": impact,
+        "max_events": max_events,
+        "max_steps": max_steps,
+    }
     try:
         name = solver_of(solver, graph.experiment)
         whole = isinstance(keep, int) and not isinstance(keep, bool) and keep >= 1
@@ -202,35 +183,15 @@ def simulate(
                 hint="take a solver that locates events",
             )
         ends = ends_of(until, graph.experiment)
-        settings, band = settings_of(
-            graph.experiment,
-            ends.time,
-            solver=solver,
-            rtol=rtol,
-            atol=atol,
-            step=step,
-            max_step=max_step,
-            theta=theta,
-            sliding=sliding,
-            hysteresis=hysteresis,
-            impact=impact,
-            max_events=max_events,
-            max_steps=max_steps,
-        )
+        settings, band = settings_of(graph.experiment, ends.time, **options)
     except UsageError as error:
-        asked = {"until": until, "solver": solver, "rtol": rtol, "atol": atol, "step": step}
-        asked |= {"max_step": max_step, "theta": theta, "sliding": sliding, "impact": impact}
-        asked |= {"hysteresis": hysteresis, "max_events": max_events, "max_steps": max_steps}
-        raise _of_experiment(error, graph, asked) from None
+        raise of_experiment(error, graph, {"until": until, **options}) from None
     if band is not None:
         graph = banded(graph, band)
-    maker = choose_engine(engine or ENGINE)
+    maker = choose_engine(engine)
     given = start if start is not None else graph.experiment.get("start")
     begin, settings = begun(given, graph, settings, maker)
     runners = runners_of(graph, fmus=fmus)
-    ending = ended(graph, ends.conditions)
-    shown_by = None if ending is graph else prepared(graph, settings, maker)
-    run: EngineRun | StepsRun
     try:
         with shown(progress, settings.until) as shows:
 
@@ -241,154 +202,24 @@ def simulate(
                     with run.so_far():
                         watch(Result(graph, run.trace, "running", settings.until, name, None))
 
-            looked = None if shows is None and watch is None else look
-            if name in STEPPING:
-                run = StepsRun(
-                    ending,
-                    settings,
-                    maker,
-                    progress=looked,
-                    runners=runners,
-                    begin=begin,
-                    shown=shown_by,
-                )
-            else:
-                own = prepared(ending, settings, maker)
-                # last of all: it replaces the file that is there
-                opened = None if journal is None else _opened(journal, graph)
-                run = EngineRun(
-                    own,
-                    progress=looked,
-                    keep=keep,
-                    journal=opened,
-                    runners=runners,
-                    begin=begin,
-                    shown=shown_by,
-                )
-            run.trace.engine = maker.said
+            run = made(
+                graph,
+                ends.conditions,
+                settings,
+                maker,
+                begin=begin,
+                progress=None if shows is None and watch is None else look,
+                runners=runners,
+                keep=keep,
+                journal=journal,
+            )
             for text in notices(graph, settings, impact):
                 run.trace.warn(text)
-            return _finish(graph, run, settings.until, name, on_error)
+            status, failure = gone(run, graph)
+            for warning in graph.warnings:
+                run.trace.warn(warning)
+            result = Result(graph, run.trace, status, settings.until, name, failure)
+            return handed_over(result, on_error)
     finally:
         for runner in runners.values():
             runner.close()
-
-
-def begun(
-    start: Start, graph: FlatGraph, settings: Settings, maker: EngineChoice
-) -> tuple[Beginning | None, Settings]:
-    """Return where a run begins, None where the model says, and what it is asked for then.
-
-    Raises
-    ------
-    UsageError
-        HB-S133 if it would end before; HB-S134, HB-S135 for a start that is none.
-    """
-    if start is None:
-        return None, settings
-    given = start.state() if isinstance(start, Result) else start
-    if isinstance(given, str | Path):
-        given = load_state(given)
-    if not isinstance(given, State | Mapping):
-        raise UsageError(
-            f"start = {given!r} is no run, no state and no mapping",
-            code="HB-S134",
-            where="start",
-            hint='start=run, start=run.state("1 s"), or start={"ball.p": "1 kg*m/s"}',
-        )
-    if isinstance(given, State) and given.memory and time_in(graph.experiment.get("until")) is None:
-        settings = replace(settings, span=given.memory.span)
-    tables = prepared(graph, settings, maker).tables
-    units = [s.path for s in graph.samples if s.block is not None and s.block.function is None]
-    if isinstance(given, State) and given.t > 0.0 and units:
-        raise UsageError(
-            f"the run cannot go on: the unit of {units[0]} would begin anew",
-            code="HB-S138",
-            where="start",
-            hint="run it in one, or by a script, in which units go on",
-        )
-    if isinstance(given, State):
-        begin = beginning_of(given, graph, tables)
-    else:
-        begin = beginning_by_name(given, graph, tables)
-    if not 0.0 <= begin.t < settings.until:
-        raise UsageError(
-            f"the run begins at t = {begin.t:.9g} s and ends at {settings.until:.9g} s",
-            code="HB-S133",
-            where="until",
-            hint="time goes on where the other run ended: until is later than that",
-        )
-    return begin, settings
-
-
-def _of_experiment(error: UsageError, graph: FlatGraph, asked: Mapping[str, Any]) -> UsageError:
-    """Say where the model asks for what is refused, unless the call does."""
-    if graph.locate is not None and asked.get(error.where) is None:
-        if error.where in graph.experiment:
-            error.where = f"experiment.{error.where}"
-        graph.locate(error)
-    return error
-
-
-def notices(graph: FlatGraph, settings: Settings, impact: str | None) -> list[str]:
-    """Return what is to be said of what a run is asked for, before it begins."""
-    if settings.solver in STEPPING:
-        said = ignored_impact(impact, graph.experiment)
-    else:
-        said = _friction_left_out(settings.impact[0], graph)
-    return [] if said is None else [said]
-
-
-def _friction_left_out(impact: str, graph: FlatGraph) -> str | None:
-    """Return what is to be said where a law of impacts has no friction, and the model has some."""
-    names = [m.path for m in graph.machines if m.law for law in m.law.junctions if law.impulsive]
-    if not names or impact in ("newton", STEPPING_IMPACT):
-        return None
-    return (
-        f"impact = {impact!r} has no friction: the impulses of {', '.join(names)} are left out; "
-        f"'newton' and {STEPPING_IMPACT!r} have them"
-    )
-
-
-def _opened(journal: str | Path, graph: FlatGraph) -> Journal:
-    if not isinstance(journal, str | Path) or Path(journal).suffix.lower() != ".csv":
-        # a file that is there is replaced: let it not be a model
-        raise UsageError(
-            f"the journal cannot be {str(journal)!r}",
-            code="HB-S113",
-            where="journal",
-            hint='name a CSV file, such as journal="events.csv"',
-        )
-    return Journal(Path(journal), graph)
-
-
-def _finish(
-    graph: FlatGraph,
-    run: EngineRun | StepsRun,
-    end: float,
-    name: str,
-    on_error: str,
-) -> Result:
-    """Run; return the result, also that of a run that stopped."""
-    trace = run.trace
-    status: Status = "error"
-    failure: HybondError | None = None
-    try:
-        status = "accumulation" if run.run() == "accumulation" else "ok"
-    except KeyboardInterrupt:
-        status = "interrupted"
-    except HybondError as error:
-        failure = error
-    if status in ("ok", "accumulation") and trace.unsound:
-        status = "unsound"
-        reached = trace.segments[-1].t[-1] if trace.segments else trace.begin
-        failure = unsound_refusal(trace.unsound, float(reached))
-    for warning in graph.warnings:
-        trace.warn(warning)
-    if failure is not None and graph.locate is not None:
-        failure = graph.locate(failure)
-    result = Result(graph, trace, status, end, name, failure)
-    if failure is not None and on_error == "raise":
-        failure.partial = result
-        raise failure
-    return result

@@ -6,7 +6,7 @@ import pytest
 
 import hybond as hb
 from hybond.cli.demo import EXPECTED
-from hybond.cli.examples import examples_folder, models_in
+from hybond.files.examples import examples_folder, models_in
 
 CONFLICT = """\
 hybond = 1

@@ -57,6 +57,14 @@ def test_in_python(discharge: hb.Result, text: str, value: float | None) -> None
     assert float(found) == pytest.approx(wanted, rel=1e-9)
 
 
+def test_each_knows_the_window_that_it_is_of(discharge: hb.Result, waves: hb.Result) -> None:
+    for text in ("mean(c.e, start=1)", "rise_time(c.e, start=1)", "settling_time(c.e, start=1)"):
+        found = discharge.measure(text)
+        assert (found.start, found.end) == (1.0, 3.0), text
+    ripple = waves.measure("ripple(half, period=20 ms)")
+    assert ripple.end - ripple.start == pytest.approx(0.02)
+
+
 def test_waves_as_text(waves: hb.Result) -> None:
     texts = ("thd(square, 50 Hz)", "duty(pulse, 2, period=20 ms)", "frequency(half, level=0.5)")
     found = waves.measure(*texts, "ripple_rms(half, period=20 ms)", "peak_to_peak(half)")

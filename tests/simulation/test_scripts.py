@@ -129,6 +129,8 @@ def test_a_script_goes_on_from_a_run_and_a_run_from_a_script() -> None:
         ([hb.Step(lasts=1, repeat=0)], "HB-S140"),
         ([hb.Step(lasts=1, repeat=10**9)], "HB-S140"),
         ([hb.Step(lasts=1), hb.Step(until=0.5)], "HB-S140"),
+        ([hb.Step(until=[1.0, "2 s"])], "HB-S140"),
+        ([hb.Step(until="soon")], "HB-S106"),
         ([hb.Step(until="C.e > 1 V")], "HB-S132"),
         ([hb.Step(lasts=1, set={"W": "1 V"})], "HB-S141"),
         ([hb.Step(lasts=1, set={"C.q": "1 C"})], "HB-S141"),
@@ -139,6 +141,40 @@ def test_a_script_that_makes_no_sense_is_refused(steps: list[hb.Step], code: str
     with pytest.raises(hb.UsageError) as error:
         hb.run_script(charging(), steps)
     assert error.value.code == code, error.value
+
+
+@pytest.mark.parametrize(
+    ("options", "code", "where"),
+    [
+        ({"on_error": "ignore"}, "HB-S105", "on_error"),
+        ({"parameters": ["V"]}, "HB-S130", "parameters"),
+        ({"until": "3 s"}, "HB-S130", "run_script"),
+        ({"keep": 3}, "HB-S130", "run_script"),
+        ({"rtol": 2.0}, "HB-S107", "rtol"),
+        ({"start": 3}, "HB-S134", "start"),
+    ],
+)
+def test_a_call_that_does_not_fit_is_refused(
+    options: dict[str, object], code: str, where: str
+) -> None:
+    with pytest.raises(hb.UsageError) as error:
+        hb.run_script(charging(), [hb.Step(lasts=1)], **options)  # type: ignore[arg-type]
+    assert (error.value.code, error.value.where) == (code, where)
+
+
+def test_a_flat_graph_has_nothing_that_a_script_can_set() -> None:
+    with pytest.raises(hb.UsageError) as error:
+        hb.run_script(charging().flatten(), [hb.Step(lasts=1)])  # type: ignore[arg-type]
+    assert (error.value.code, error.value.where) == ("HB-S130", "model")
+
+
+def test_a_script_begins_with_a_state_in_a_file(tmp_path: Path) -> None:
+    m, file = charging(), tmp_path / "state.json"
+    hb.simulate(m, "10 s", rtol=1e-12).state("1 s").save(file)
+    for start in (file, str(file)):
+        run = hb.run_script(m, [hb.Step(lasts=0.5)], start=start, rtol=1e-12)
+        assert (run.t_begin, run.t_end) == (1.0, 1.5)
+        assert run.final["C.e"] == pytest.approx(10.0 * (1.0 - math.exp(-1.5)), rel=1e-10)
 
 
 def test_labels_stand_in_the_table_and_in_the_picture(tmp_path: Path) -> None:

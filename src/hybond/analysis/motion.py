@@ -28,7 +28,7 @@ from hybond.model.expressions import (
     substitute,
 )
 from hybond.result import Result
-from hybond.trace import Segment
+from hybond.runs.trace import Segment
 
 Array = NDArray[np.float64]
 ROOTS = ("e:", "f:", "x:", "s:")

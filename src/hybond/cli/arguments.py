@@ -22,6 +22,7 @@ from hybond.cli.linear_words import linearise_words
 from hybond.cli.measure_words import measure_words
 from hybond.cli.misfits import in_words, unknown_option
 from hybond.cli.plan_words import plan_words
+from hybond.cli.run_words import IMPACTS, limits_words, settings_words, solver_words
 from hybond.errors import UsageError
 from hybond.names import did_you_mean
 
@@ -46,7 +47,6 @@ VERBS = {
     "completion": "print what a shell needs to complete verbs and options",
 }
 
-IMPACTS = "law of multiple impacts: newton, newton_simultaneous, poisson, lzb, lzb_hertz"
 CODES = "Exit codes: 0 fine, 1 usage, 2 the model, 3 the numerics, 130 interrupted."
 
 
@@ -157,7 +157,7 @@ def parser_of_words() -> Parser:
         action="store_true",
         help="print one JSON object with places",
     )
-    _settings(check)
+    settings_words(check)
 
     draw = _verb(
         verbs,
@@ -219,7 +219,7 @@ def parser_of_words() -> Parser:
         default=[],
         help="draw each part as a box but this one, with a frame around what is in it",
     )
-    _settings(draw)
+    settings_words(draw)
 
     causality = _verb(
         verbs,
@@ -251,11 +251,11 @@ def parser_of_words() -> Parser:
     causality.add_argument(
         "--json", action="store_true", help="print one JSON object and nothing else"
     )
-    _settings(causality)
+    settings_words(causality)
 
-    _settings(equations_words(_verb, verbs))
-    _settings(analyse_words(_verb, verbs))
-    _settings(linearise_words(_verb, verbs))
+    settings_words(equations_words(_verb, verbs))
+    settings_words(analyse_words(_verb, verbs))
+    settings_words(linearise_words(_verb, verbs))
 
     run = _verb(
         verbs,
@@ -264,8 +264,8 @@ def parser_of_words() -> Parser:
         "hybond run ball.toml --json --at '0.5, 800 ms' --signals height,ball.p",
     )
     run.add_argument("file", metavar="FILE", help="a model file, or a netlist")
-    _settings(run)
-    _solver(run)
+    settings_words(run)
+    solver_words(run)
     run.add_argument(
         "--start", metavar="FILE", help="begin with a state that --save-state has written"
     )
@@ -275,7 +275,7 @@ def parser_of_words() -> Parser:
     run.add_argument(
         "--no-script", action="store_true", help="one run, though the file has a script"
     )
-    _limits(run)
+    limits_words(run)
     run.add_argument("--at", metavar="T,...", action="append", help="sample times, as 0.5,'50 ms'")
     run.add_argument(
         "--signals",
@@ -312,8 +312,8 @@ def parser_of_words() -> Parser:
     sweep.add_argument(
         "--together", action="store_true", help="the first values of all, the second, ...: no grid"
     )
-    _settings(plan_words(sweep))
-    _solver(sweep)
+    settings_words(plan_words(sweep))
+    solver_words(sweep)
     sweep.add_argument(
         "--signals", metavar="NAME,...", action="append", help="what is read at the end"
     )
@@ -328,17 +328,17 @@ def parser_of_words() -> Parser:
     sweep.add_argument("--json", action="store_true", help="print one JSON object and nothing else")
 
     measure = measure_words(_verb, verbs)
-    _settings(measure)
-    _solver(measure)
+    settings_words(measure)
+    solver_words(measure)
 
-    _settings(fit_words(_verb, verbs))
+    settings_words(fit_words(_verb, verbs))
 
     explain = _verb(verbs, "explain", "hybond explain ball.toml --at '0.8 s'")
     explain.add_argument("file", metavar="FILE", help="a model file")
     explain.add_argument("--at", metavar="T", help="only the event nearest to this time")
-    _settings(explain)
-    _solver(explain)
-    _limits(explain)
+    settings_words(explain)
+    solver_words(explain)
+    limits_words(explain)
 
     convert = _verb(
         verbs,
@@ -400,7 +400,7 @@ def parser_of_words() -> Parser:
     )
     export.add_argument("--out", metavar="FILE", help="the file to write; - prints it")
     export.add_argument("--force", action="store_true", help="replace a file that is there")
-    _settings(export)
+    settings_words(export)
     export.add_argument("--until", metavar="T", help="end time, as 3 or '50 ms'")
     export.add_argument(
         "--solver", metavar="NAME", help="auto, rk45, radau, exact, rk4, euler, moreau-jean"
@@ -429,58 +429,3 @@ def _verb(verbs: Any, name: str, *examples: str) -> ArgumentParser:
         allow_abbrev=False,
     )
     return parser
-
-
-def _settings(parser: ArgumentParser) -> None:
-    parser.add_argument(
-        "--set",
-        dest="settings",
-        metavar="PATH=VALUE",
-        action="append",
-        default=[],
-        help="change a parameter (m=2kg), an element (ball.I=2kg) or a start (ball.f='1 m/s')",
-    )
-
-
-def _solver(parser: ArgumentParser) -> None:
-    parser.add_argument(
-        "--until",
-        metavar="T",
-        action="append",
-        help="end time, as 3 or '50 ms', or a condition, as 'v.f < 0'; "
-        "several times: what is first ends the run",
-    )
-    names = "auto, rk45, radau, exact, rk4, euler, qss1-3, liqss1-3, moreau-jean"
-    parser.add_argument("--solver", metavar="NAME", help=names)
-    parser.add_argument("--rtol", metavar="R", type=float, help="relative tolerance")
-    parser.add_argument("--atol", metavar="A", type=float, help="absolute tolerance, SI")
-    parser.add_argument("--step", metavar="H", help="step of rk4, euler and moreau-jean")
-    parser.add_argument(
-        "--theta", metavar="W", type=float, help="of moreau-jean, 0.5 to 1: weight of a step's end"
-    )
-    parser.add_argument("--max-step", metavar="H", help="longest step")
-    parser.add_argument(
-        "--fmus", action="store_true", help="run the code of the FMUs that the model names"
-    )
-    parser.add_argument("--impact", metavar="NAME", help=IMPACTS)
-    parser.add_argument(
-        "--sliding",
-        metavar="WAY",
-        help="where both sides push into a switching surface: filippov, hysteresis, refuse",
-    )
-    parser.add_argument("--hysteresis", metavar="H", help="half the band of --sliding hysteresis")
-
-
-def _limits(parser: ArgumentParser) -> None:
-    parser.add_argument(
-        "--max-events", metavar="N", type=int, help="stop there (default: 1,000,000)"
-    )
-    parser.add_argument(
-        "--max-steps", metavar="N", type=int, help="steps between two events (default: 4,000,000)"
-    )
-    parser.add_argument(
-        "--keep", metavar="N", type=int, help="keep the last N segments and events only"
-    )
-    parser.add_argument(
-        "--journal", metavar="FILE", help="write events as .csv as they happen, also with --keep"
-    )

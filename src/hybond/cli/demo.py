@@ -6,7 +6,6 @@ import time
 from argparse import Namespace
 from pathlib import Path
 
-from hybond.cli.examples import examples_folder, models_in
 from hybond.cli.explain import explanation
 from hybond.cli.lists import end_time
 from hybond.cli.outputs import write_plot
@@ -14,6 +13,7 @@ from hybond.cli.refusal import refusal_of
 from hybond.cli.running import exit_code, read_graph, simulate_with
 from hybond.cli.streams import complain, say
 from hybond.errors import UsageError
+from hybond.files.examples import examples_folder, models_in
 from hybond.files.whole import write_whole
 from hybond.result import Result
 

@@ -14,8 +14,8 @@ from hybond.errors import HybondError
 from hybond.model.dimensions import infer_dimension
 from hybond.report import fired_text, joule
 from hybond.result import Result
-from hybond.run_options import seconds
-from hybond.trace import Event, Step
+from hybond.runs.options import seconds
+from hybond.runs.trace import Event, Visit
 from hybond.units import format_quantity, parse_unit
 
 
@@ -53,7 +53,7 @@ def _heading(event: Event) -> str:
     return f"t = {since}{event.t:.9g} s ({event.cause})"
 
 
-def _step(run: Result, step: Step) -> Iterator[str]:
+def _step(run: Result, step: Visit) -> Iterator[str]:
     """Return what a step wrote; nothing for a mode that was entered without a jump."""
     over = [f for f in step.fired if f.passed_over]
     if not (step.impulses or step.exchanged or step.undetermined or over):

@@ -5,9 +5,9 @@ from __future__ import annotations
 from argparse import Namespace
 from pathlib import Path
 
-from hybond.cli.examples import example
 from hybond.cli.streams import say
 from hybond.cli.targets import check_new, check_target
+from hybond.files.examples import example
 from hybond.files.whole import write_whole
 
 STARTER = """\

@@ -10,8 +10,8 @@ from typing import Any
 from hybond.errors import HybondError
 from hybond.model.graph import FlatGraph
 from hybond.result import Result
-from hybond.script_result import ScriptResult
-from hybond.trace import Event, Fired, Step
+from hybond.runs.trace import Event, Fired, Visit
+from hybond.scripts.result import ScriptResult
 
 VERSION = 1
 """Version of the object's schema."""
@@ -202,7 +202,7 @@ def _event(graph: FlatGraph, event: Event) -> dict[str, Any]:
     return record
 
 
-def _step(graph: FlatGraph, step: Step) -> dict[str, Any]:
+def _step(graph: FlatGraph, step: Visit) -> dict[str, Any]:
     record: dict[str, Any] = {
         "mode": graph.mode_names(step.mode),
         "kind": step.kind,

@@ -14,10 +14,10 @@ from hybond.model.builder import Model
 from hybond.model.graph import FlatGraph
 from hybond.progress import Progress
 from hybond.result import Result
-from hybond.run_ends import Until
-from hybond.run_options import end_of, is_condition, seconds_of, time_in
-from hybond.script import run_script
-from hybond.script_result import ScriptResult
+from hybond.runs.ends import Until
+from hybond.runs.options import end_of, is_condition, seconds_of, time_in
+from hybond.scripts.result import ScriptResult
+from hybond.scripts.run import run_script
 from hybond.simulation import simulate
 
 OPTIONS = (

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 from hybond.errors import HybondError, ModelError, UsageError
 from hybond.measures.naming import read_name
 from hybond.measures.value import About, Measurement
+from hybond.measures.window import window_of
 from hybond.model.graph import FlatGraph
 from hybond.names import did_you_mean
 
@@ -63,7 +64,7 @@ def _step(name: str) -> Make:
                 hint="let the run go on longer, or give final=, band= or high=",
             )
         unit = "s" if name.endswith("time") else ""
-        return Measurement(value, About(unit, signal.run.t_begin, signal.run.t_end))
+        return Measurement(value, _about(signal, unit, options))
 
     return make
 
@@ -71,9 +72,16 @@ def _step(name: str) -> Make:
 def _ripple(name: str) -> Make:
     def make(signal: Signal, options: dict[str, Any]) -> Measurement:
         value = getattr(signal.ripple(**options), name)
-        return Measurement(value, About("", signal.run.t_begin, signal.run.t_end))
+        return Measurement(value, _about(signal, "", options))
 
     return make
+
+
+def _about(signal: Signal, unit: str, options: dict[str, Any]) -> About:
+    """Return over which window something was measured that does not say so itself."""
+    asked = {k: v for k, v in options.items() if k in ("start", "end", "period", "periods")}
+    window = window_of(signal.run, **asked)
+    return About(unit, window.start, window.end)
 
 
 FUNCTIONS: Mapping[str, tuple[Make, tuple[str, ...], str]] = {

@@ -11,7 +11,7 @@ from hybond.errors import UsageError
 from hybond.measures.window import Window
 from hybond.model.expressions import Expr, Number, differentiate, names, simplify
 from hybond.names import plural
-from hybond.trace import Event
+from hybond.runs.trace import Event
 
 if TYPE_CHECKING:
     from hybond.result import Result

@@ -22,7 +22,7 @@ from hybond.measures.window import Window
 from hybond.model.expressions import Name
 from hybond.model.fieldless import reads_pre
 from hybond.model.graph import FlatGraph, Node
-from hybond.trace import Event, Step
+from hybond.runs.trace import Event, Visit
 
 if TYPE_CHECKING:
     from hybond.result import Result
@@ -71,7 +71,7 @@ def _of_event(run: Result, event: Event) -> list[Jump]:
     return found
 
 
-def _moved(graph: FlatGraph, state: Vector, step: Step) -> Vector:
+def _moved(graph: FlatGraph, state: Vector, step: Visit) -> Vector:
     """Return the state after a step: each stored quantity jumps by the impulse of its rate."""
     after = state.copy()
     for s in graph.storages:
@@ -81,7 +81,7 @@ def _moved(graph: FlatGraph, state: Vector, step: Step) -> Vector:
 
 
 def _of_step(
-    run: Result, event: Event, step: Step, before: Vector, after: Vector, *, first: bool
+    run: Result, event: Event, step: Visit, before: Vector, after: Vector, *, first: bool
 ) -> Jump:
     graph, areas = run.graph, step.areas
     assert step.energy is not None

@@ -16,6 +16,7 @@ from hybond.measures.crossings import Crossing, Edge, crossings_of, duty_of, per
 from hybond.measures.extremes import extreme_of, range_of
 from hybond.measures.harmonics import Spectrum, spectrum_of, thd_of
 from hybond.measures.pieces import TOLERANCE
+from hybond.measures.ripple import Ripple, ripple_of
 from hybond.measures.stepping_up import StepInfo, step_of
 from hybond.measures.value import About, Measurement
 from hybond.measures.window import Time, Window, frequency_of, window_of
@@ -26,22 +27,6 @@ if TYPE_CHECKING:
 
 Vector = NDArray[np.float64]
 Side = Literal["left", "right"]
-
-
-@dataclass(frozen=True, slots=True)
-class Ripple:
-    """How much a signal varies about its mean, as parts of the mean.
-
-    Parameters
-    ----------
-    peak_to_peak : float
-        The maximum less the minimum.
-    rms : float
-        Of what is left without the mean: the ripple factor of a rectifier.
-    """
-
-    peak_to_peak: float
-    rms: float
 
 
 @dataclass(frozen=True)
@@ -244,20 +229,10 @@ class Signal:
         Raises
         ------
         UsageError
-            HB-R108 for a mean of zero.
+            HB-R106 for impulses, HB-R108 for a mean of zero.
         """
         window = self._window(start, end, period, periods)
-        height = range_of(self.run, self.name, window, tolerance=tolerance)
-        root = rms_of(self.run, self.name, window, tolerance=tolerance)
-        mean = abs(mean_of(self.run, self.name, window, tolerance=tolerance))
-        if not mean > 1e-9 * root:
-            raise UsageError(
-                f"the mean of {self.name} is {mean:.6g}, and ripple is a part of it",
-                code="HB-R108",
-                where=self.name,
-                hint="peak_to_peak() and rms() need no mean",
-            )
-        return Ripple(height / mean, max(root**2 - mean**2, 0.0) ** 0.5 / mean)
+        return ripple_of(self.run, self.name, window, tolerance=tolerance)
 
     # -- crossings
 

@@ -9,7 +9,7 @@ from numbers import Real
 from typing import TYPE_CHECKING
 
 from hybond.errors import UsageError
-from hybond.units import format_quantity, parse_unit, try_quantity
+from hybond.units import parse_unit, try_quantity
 
 if TYPE_CHECKING:
     from hybond.result import Result
@@ -211,8 +211,3 @@ class _Edges:
 def instant_near(run: Result, t: float) -> float:
     """Return the event of a run that is the same instant as a time, or the time."""
     return _Edges(run).near(t)
-
-
-def seconds_text(t: float) -> str:
-    """Return a time for people."""
-    return format_quantity(t, "s")

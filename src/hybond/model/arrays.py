@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import copy
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -143,8 +143,8 @@ def of_member(part: Any, member: Member, where: str) -> Any:
     if member.place is None:
         return part
 
-    def own(value: Any, *, rows: bool = False) -> Any:
-        if not isinstance(value, list | tuple) or (rows and _is_matrix(value)):
+    def own(value: Any) -> Any:
+        if not isinstance(value, list | tuple):
             return value
         if len(value) != member.count:
             raise ModelError(
@@ -155,6 +155,15 @@ def of_member(part: Any, member: Member, where: str) -> Any:
             )
         return value[member.place or 0]
 
+    found = _with_own(part, own)
+    if isinstance(found, Part) and "pair" in found.options:
+        pair = one(str(found.options["pair"]), member.scope, where)
+        return replace(found, options={**found.options, "pair": pair})
+    return found
+
+
+def _with_own(part: Any, own: Callable[[Any], Any]) -> Any:
+    """Return a part with what `own` makes of each of its values; a matrix is one value."""
     if isinstance(part, SubmodelPart):
         given = {k: own(v) for k, v in part.parameters.items()}
         inputs = {k: own(v) for k, v in part.inputs.items()}
@@ -162,9 +171,8 @@ def of_member(part: Any, member: Member, where: str) -> Any:
     if isinstance(part, Part):
         field = _is_matrix(part.value) or _gives_list(part.value)
         options = {k: v if field else own(v) for k, v in part.options.items()}
-        if "pair" in options:
-            options["pair"] = one(str(options["pair"]), member.scope, where)
-        return replace(part, value=own(part.value, rows=True), options=options)
+        value = part.value if _is_matrix(part.value) else own(part.value)
+        return replace(part, value=value, options=options)
     return part
 
 
@@ -325,12 +333,4 @@ def _piece(part: Any, cut: slice | int) -> Any:
             return value[cut] if isinstance(cut, slice) else [value[cut]]
         return value
 
-    if isinstance(part, SubmodelPart):
-        given = {k: own(v) for k, v in part.parameters.items()}
-        inputs = {k: own(v) for k, v in part.inputs.items()}
-        return replace(part, parameters=given, inputs=inputs)
-    if isinstance(part, Part):
-        field = _is_matrix(part.value) or _gives_list(part.value)
-        options = {k: v if field else own(v) for k, v in part.options.items()}
-        return replace(part, value=own(part.value), options=options)
-    return part
+    return _with_own(part, own)

@@ -260,7 +260,7 @@ class FlatGraph:
     reference: Mode | None = None
     """The reference mode of causality, if the modeller gave one."""
     ends: int = -1
-    """The machine that was put in to end runs, the last one, or -1: see `run_ends`."""
+    """The machine that was put in to end runs, the last one, or -1: see `runs.ends`."""
     condition: Callable[[str], tuple[Rule, tuple[Watch, ...]]] | None = field(
         default=None, compare=False, repr=False
     )

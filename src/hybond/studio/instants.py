@@ -6,7 +6,7 @@ from typing import Any
 
 from hybond.report import fired_text, joule
 from hybond.result import Result
-from hybond.trace import Event, Step
+from hybond.runs.trace import Event, Visit
 
 PAGE = 500
 """Events told at once."""
@@ -42,7 +42,7 @@ def event(run: Result, number: int) -> dict[str, Any]:
     }
 
 
-def _step(run: Result, step: Step) -> dict[str, Any]:
+def _step(run: Result, step: Visit) -> dict[str, Any]:
     told: dict[str, Any] = {
         "kind": step.kind,
         "mode": run.graph.mode_names(step.mode),

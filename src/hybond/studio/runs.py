@@ -12,7 +12,7 @@ from typing import Any
 from hybond.errors import HybondError, UsageError
 from hybond.model.builder import Model
 from hybond.result import Result
-from hybond.run_ends import Until
+from hybond.runs.ends import Until
 from hybond.simulation import simulate
 from hybond.studio.curves import curve, strip
 

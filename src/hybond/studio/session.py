@@ -12,8 +12,8 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from hybond.cli.examples import examples_folder, models_in
 from hybond.errors import FileError, HybondError, UsageError
+from hybond.files.examples import examples_folder, models_in
 from hybond.files.toml_text import toml_text
 from hybond.model.graph import FlatGraph, Mode
 from hybond.studio import of_models, of_runs

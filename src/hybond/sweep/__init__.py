@@ -16,7 +16,7 @@ from hybond.calls import called
 if TYPE_CHECKING:
     from hybond.model.builder import Model
     from hybond.progress import Asked
-    from hybond.run_ends import Until
+    from hybond.runs.ends import Until
     from hybond.sweep.plan import Plan
     from hybond.sweep.table import SweepTable
 

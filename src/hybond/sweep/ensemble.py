@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hybond import simulation
 from hybond.calls import called
 from hybond.engine.compiled.members import Ran
 from hybond.engine.compiled.native import Unavailable, library
@@ -23,8 +22,8 @@ from hybond.model.parts import Value
 from hybond.names import did_you_mean
 from hybond.progress import Asked, shown
 from hybond.result import Result
-from hybond.run_ends import Until, ends_of
-from hybond.run_options import STEPPING, end_of
+from hybond.runs.ends import Until, ends_of
+from hybond.runs.options import STEPPING, end_of
 from hybond.simulation import simulate
 from hybond.sweep.collection import Ensemble
 from hybond.sweep.family import Family, family_of
@@ -306,7 +305,7 @@ def asked_of(task: Task) -> tuple[tuple[Settings, float | None] | None, str]:
         return None, f"solver {settings.solver!r}"
     if task.options.get("keep") is not None:
         return None, "keep"
-    if (task.options.get("engine") or simulation.ENGINE) == "python":
+    if task.options.get("engine") == "python":
         return None, "the engine as Python"
     try:
         library()

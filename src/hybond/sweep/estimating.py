@@ -12,7 +12,7 @@ from typing import Any
 from hybond.calls import called
 from hybond.model.builder import Model
 from hybond.result import Result
-from hybond.run_ends import Until
+from hybond.runs.ends import Until
 from hybond.sweep.full_runs import path_of, write_run
 from hybond.sweep.plan import Plan
 from hybond.sweep.runner import Runner

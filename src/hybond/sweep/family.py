@@ -30,7 +30,7 @@ from hybond.model.junction_laws import warn_of_values
 from hybond.model.parts import Value
 from hybond.model.unit_words import unit_of
 from hybond.model.written import Writing
-from hybond.simulation import notices
+from hybond.one_run import notices
 
 Vector = NDArray[np.float64]
 

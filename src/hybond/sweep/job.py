@@ -13,7 +13,7 @@ from hybond._version import __version__
 from hybond.files import dumps, loads
 from hybond.model.builder import Model
 from hybond.model.graph import FlatGraph
-from hybond.run_ends import Until
+from hybond.runs.ends import Until
 from hybond.sweep.plan import Plan
 
 

@@ -10,8 +10,8 @@ from typing import Any
 from hybond.errors import UsageError
 from hybond.model.builder import Model
 from hybond.progress import Asked, shown
-from hybond.run_ends import Until, ends_of
-from hybond.run_options import end_of
+from hybond.runs.ends import Until, ends_of
+from hybond.runs.options import end_of
 from hybond.sweep.ensemble import check_options
 from hybond.sweep.folder import Folder, told
 from hybond.sweep.full_runs import check_form

@@ -30,7 +30,7 @@ from hybond.model.graph import FlatGraph, Mode
 from hybond.model.parts import Value
 from hybond.names import did_you_mean
 from hybond.result import Result
-from hybond.run_options import ALIASES, RTOL, SOLVERS, STEPPING, end_of, seconds
+from hybond.runs.options import ALIASES, RTOL, SOLVERS, STEPPING, end_of, seconds
 from hybond.simulation import simulate
 
 FIXED = ("moreau-jean", "rk4", "euler")

@@ -19,7 +19,7 @@ from hybond.errors import HybondError
 from hybond.model.expressions import Number, names
 from hybond.model.graph import FlatGraph, Machine, Mode
 from hybond.result import Result
-from hybond.trace import Event
+from hybond.runs.trace import Event
 
 Matrix = NDArray[np.float64]
 

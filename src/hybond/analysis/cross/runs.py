@@ -20,7 +20,7 @@ from hybond.model.expressions import Name, Number
 from hybond.model.graph import FlatGraph, Integral, Machine
 from hybond.model.planar_friction import kept_paths
 from hybond.result import Result
-from hybond.trace import Event, Segment
+from hybond.runs.trace import Event, Segment
 
 Vector = NDArray[np.float64]
 Kind = Literal["stored", "integrated", "common", "net", "kept"]

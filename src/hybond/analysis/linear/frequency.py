@@ -31,7 +31,7 @@ from hybond.model.inputs import Waveform
 from hybond.model.kept import kept_graph
 from hybond.model.parts import Value
 from hybond.model.unit_words import unit_of
-from hybond.run_options import seconds_of
+from hybond.runs.options import seconds_of
 from hybond.simulation import simulate
 from hybond.units import format_quantity, try_quantity
 

@@ -13,14 +13,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from hybond.analysis.linear.damping import Damping, damping_of
 from hybond.analysis.linear.margins import Margins, margins_of
-from hybond.analysis.linear.responses import Bode, Step, frequencies_of, span_of
+from hybond.analysis.linear.responses import Bode, StepResponse, frequencies_of, span_of
 from hybond.analysis.linear.words import table_of, unit_over
 from hybond.equations.descriptor import Descriptor
 from hybond.equations.pencil import analyse
 from hybond.errors import EquationError, UsageError
 from hybond.export.linear.state_space import StateSpace
 from hybond.names import did_you_mean
-from hybond.run_options import seconds
+from hybond.runs.options import seconds
 from hybond.units import format_quantity
 
 if TYPE_CHECKING:
@@ -210,7 +210,7 @@ class Linearisation:
             frequencies_of(None, self._rates(i, j), decades=3.0),
         )
 
-    def step(self, until: float | str | None = None, *, points: int = 501) -> Step:
+    def step(self, until: float | str | None = None, *, points: int = 501) -> StepResponse:
         """Return the response to a unit step of each input, from the operating point.
 
         It is propagated exactly, by the exponential of a matrix, from point to point.
@@ -242,7 +242,7 @@ class Linearisation:
         for k in range(1, points):
             x[k] = ahead[:, :n] @ x[k - 1] + ahead[:, n:]
         y = np.einsum("qn,mnp->mqp", self.C, x) + self.D
-        return Step(t, y, self.inputs, self.outputs, self.input_units, self.output_units)
+        return StepResponse(t, y, self.inputs, self.outputs, self.input_units, self.output_units)
 
     # -- other forms
 

@@ -17,7 +17,7 @@ from hybond.model.graph import FlatGraph, Mode
 from hybond.model.unit_words import unit_of
 from hybond.names import did_you_mean
 from hybond.result import Result
-from hybond.run_options import seconds
+from hybond.runs.options import seconds
 from hybond.units import parse_unit, try_quantity
 
 Vector = NDArray[np.float64]

@@ -63,7 +63,7 @@ class Bode:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Step:
+class StepResponse:
     """Responses to a unit step of each input.
 
     Parameters

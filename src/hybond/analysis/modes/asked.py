@@ -14,8 +14,8 @@ from hybond.analysis.modes.steps import Fired, Met
 from hybond.engine.outcome.apart import Apart
 from hybond.errors import HybondError
 from hybond.model.graph import FlatGraph, Mode
+from hybond.runs.trace import Event, Visit
 from hybond.simulation import simulate
-from hybond.trace import Event, Step
 
 Vector = NDArray[np.float64]
 
@@ -42,7 +42,7 @@ class Asked:
             for k, r in enumerate(m.rules)
         }
 
-    def fired(self, step: Step) -> Fired:
+    def fired(self, step: Visit) -> Fired:
         """Return the rules that led to a step, by number."""
         return tuple(
             self._numbers[f.machine, f.source, f.target, f.guard]

@@ -27,7 +27,7 @@ from hybond.analysis.sensitivity.tangent import Read, Undetermined
 from hybond.errors import HybondError
 from hybond.model.expressions import Expr
 from hybond.result import Result
-from hybond.trace import Event, Segment
+from hybond.runs.trace import Event, Segment
 
 Vector = NDArray[np.float64]
 

@@ -19,7 +19,7 @@ from hybond.analysis.sensitivity.fields import Field, Fields
 from hybond.analysis.sensitivity.gradients import Compiled
 from hybond.analysis.sensitivity.tangent import Read, Undetermined
 from hybond.model.expressions import Binary, Expr, comparisons, names, to_text
-from hybond.trace import Event, Segment
+from hybond.runs.trace import Event, Segment
 
 Vector = NDArray[np.float64]
 

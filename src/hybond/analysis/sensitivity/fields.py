@@ -27,7 +27,7 @@ from hybond.equations.calculus import partial_time
 from hybond.equations.surfaces import surfaces_of
 from hybond.model.expressions import Expr
 from hybond.model.graph import Mode
-from hybond.trace import Segment
+from hybond.runs.trace import Segment
 
 Vector = NDArray[np.float64]
 

@@ -19,7 +19,7 @@ from hybond.analysis.sensitivity.fields import Field, Fields
 from hybond.analysis.sensitivity.gradients import Compiled
 from hybond.analysis.sensitivity.tangent import Undetermined
 from hybond.model.expressions import Expr, names, turning
-from hybond.trace import Segment
+from hybond.runs.trace import Segment
 
 Vector = NDArray[np.float64]
 

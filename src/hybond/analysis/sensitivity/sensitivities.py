@@ -23,7 +23,7 @@ from hybond.model.graph import FlatGraph
 from hybond.model.parts import Value
 from hybond.model.unit_words import unit_of
 from hybond.result import Result
-from hybond.run_options import seconds
+from hybond.runs.options import seconds
 from hybond.simulation import simulate
 
 Vector = NDArray[np.float64]

@@ -20,7 +20,7 @@ from hybond.analysis.sensitivity.collocation import Jump
 from hybond.analysis.sensitivity.crossing import Crossing
 from hybond.analysis.sensitivity.entry import Before, entered
 from hybond.analysis.sensitivity.fields import Field, Fields
-from hybond.trace import Event
+from hybond.runs.trace import Event
 
 Vector = NDArray[np.float64]
 

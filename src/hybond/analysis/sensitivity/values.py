@@ -16,7 +16,7 @@ from hybond.model.expressions.slots import slot_of
 from hybond.model.graph import Mode
 from hybond.model.inputs import Called, Pwm, Timetable
 from hybond.result import Result
-from hybond.trace import Segment
+from hybond.runs.trace import Segment
 
 Vector = NDArray[np.float64]
 

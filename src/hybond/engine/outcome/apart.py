@@ -14,8 +14,8 @@ from hybond.engine.outcome.engines import Prepared, choose_engine, prepared
 from hybond.engine.outcome.signals import Signals
 from hybond.engine.tables.options import Settings
 from hybond.model.graph import FlatGraph, Mode
-from hybond.run_options import impact_of
-from hybond.trace import Event, Trace
+from hybond.runs.options import impact_of
+from hybond.runs.trace import Event, Trace
 
 Vector = NDArray[np.float64]
 MANY = 1_000_000

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from hybond.engine.outcome.signals import Signals
 from hybond.model.graph import FlatGraph
-from hybond.trace import Segment, Trace, Violation
+from hybond.runs.trace import Segment, Trace, Violation
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]

@@ -23,7 +23,7 @@ from hybond.engine.outcome.journal import Journal
 from hybond.engine.outcome.records import CAUSES, Instants, Records
 from hybond.engine.outcome.signals import Signals
 from hybond.errors import HybondError
-from hybond.trace import Accumulation, Trace, Turn
+from hybond.runs.trace import Accumulation, Trace, Turn
 
 LOOKED = 0.05
 """Seconds between two looks at the world outside: progress, and whoever wants it to stop."""

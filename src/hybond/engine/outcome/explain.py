@@ -14,12 +14,12 @@ from hybond.equations.surfaces import surfaces_of
 from hybond.model.expressions import names
 from hybond.model.graph import Machine, Mode, Rule
 from hybond.model.kinds import TWO_PORTS
-from hybond.trace import Energy, Fired, Step, StepKind
+from hybond.runs.trace import Energy, Fired, Visit, VisitKind
 
 if TYPE_CHECKING:
     from hybond.engine.outcome.records import Instants
 
-KINDS: tuple[StepKind, ...] = ("mythical", "pinnacle", "continuous")
+KINDS: tuple[VisitKind, ...] = ("mythical", "pinnacle", "continuous")
 LANDS, SLIDES_ON, SLIDES_OFF = -2, -3, -4
 OVER_A_STEP = -7
 WHY = {
@@ -62,7 +62,7 @@ class Explaining:
             self._of_bond.setdefault(variable, []).append((name, sign))
         self._passing = self._passages()
 
-    def steps(self, found: Instants, k: int) -> tuple[Step, ...]:
+    def steps(self, found: Instants, k: int) -> tuple[Visit, ...]:
         """Return the modes visited at instant k."""
         mode = found.before(k)
         first, beyond = int(found.visit[k]), int(found.visit[k + 1])
@@ -84,7 +84,7 @@ class Explaining:
                 states[machine] = target
         return tuple(states)
 
-    def _step(self, found: Instants, v: int, mode: Mode) -> Step:
+    def _step(self, found: Instants, v: int, mode: Mode) -> Visit:
         rows = found.rows
         hits = slice(int(found.hit[v]), int(found.hit[v + 1]))
         impulses: dict[str, float] = {}
@@ -105,7 +105,7 @@ class Explaining:
         if rows.visit[v, 4]:
             before, after, given = rows.visit_energy[v].tolist()
             energy = Energy(before, after, given, before + given - after)
-        return Step(
+        return Visit(
             mode,
             KINDS[int(rows.visit[v, 0])],
             self.fired(found, v),

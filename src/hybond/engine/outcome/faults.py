@@ -20,7 +20,7 @@ from hybond.errors import (
     NumericsError,
 )
 from hybond.model.graph import FlatGraph, Mode
-from hybond.trace import Fired
+from hybond.runs.trace import Fired
 
 HINTS = {
     "HB-C101": "put a resistor between them, or change the rule that switches them together",

@@ -31,7 +31,7 @@ from hybond.engine.outcome.warned import Warnings
 from hybond.engine.tables import ModelTables
 from hybond.engine.tables.start import start_of
 from hybond.model.graph import Mode
-from hybond.trace import Accumulation, Cause, Event, Segment, Sliding, Trace, Turn
+from hybond.runs.trace import Accumulation, Cause, Event, Segment, Sliding, Trace, Turn
 
 Vector = NDArray[np.float64]
 

@@ -24,7 +24,7 @@ from hybond.engine.outcome.records import Block, Interpolants
 from hybond.engine.tables import ModelTables
 from hybond.model.expressions import ARRAYS, Expr, Name, Number, compile_expression, names, uses_pre
 from hybond.model.graph import FlatGraph, Mode
-from hybond.trace import Segment, Trace
+from hybond.runs.trace import Segment, Trace
 
 Vector = NDArray[np.float64]
 

@@ -13,8 +13,8 @@ from hybond.errors import UsageError
 from hybond.model.fingerprint import fingerprint_of
 from hybond.model.graph import FlatGraph, Mode
 from hybond.model.unit_words import unit_of
-from hybond.states import Memory, State
-from hybond.trace import Trace
+from hybond.runs.states import Memory, State
+from hybond.runs.trace import Trace
 
 
 def state_at(graph: FlatGraph, trace: Trace, signals: Signals, t: float | None) -> State:

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.model.graph import FlatGraph
-from hybond.trace import Trace
+from hybond.runs.trace import Trace
 from hybond.units import format_quantity
 
 Vector = NDArray[np.float64]

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from hybond.engine.tables.contacts import rules_of
 from hybond.errors import NumericsError
 from hybond.model.graph import FlatGraph, Node
-from hybond.trace import Violation
+from hybond.runs.trace import Violation
 
 ELEMENT, STORAGE, JUNCTION, UNTOUCHED, UNFIRED, APART, IMPACT = range(7)
 """What does not hold: as in `hybond.engine.checks.noting`."""

@@ -12,7 +12,7 @@ from hybond.engine.outcome.explain import Explaining
 from hybond.engine.outcome.unsound import violation
 from hybond.engine.tables.contacts import contacts_of
 from hybond.model.graph import FlatGraph, Mode
-from hybond.trace import Violation
+from hybond.runs.trace import Violation
 
 if TYPE_CHECKING:
     from hybond.engine.outcome.records import Instants

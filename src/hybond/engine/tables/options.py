@@ -12,8 +12,8 @@ from hybond.engine.tables.bands import banded
 from hybond.errors import UsageError
 from hybond.model.expressions import Expr, Name
 from hybond.model.graph import FlatGraph
-from hybond.run_ends import ends_of
-from hybond.run_options import (
+from hybond.runs.ends import ends_of
+from hybond.runs.options import (
     ALIASES,
     DEFAULT,
     FIXED,
@@ -57,7 +57,7 @@ class Settings:
 
     until: float
     span: float
-    """What thresholds of time are parts of, s: see `run_options.span_of`."""
+    """What thresholds of time are parts of, s: see `runs.options.span_of`."""
     solver: str
     """One of `METHODS`."""
     step: float | None

@@ -18,8 +18,8 @@ from hybond.model.graph import FlatGraph
 from hybond.model.parts import InputPart, Integral, Part, Sampled, SubmodelPart
 from hybond.report import fired_text, joule
 from hybond.result import Result
+from hybond.runs.trace import Event
 from hybond.simulation import simulate
-from hybond.trace import Event
 from hybond.units import try_quantity
 
 EVENTS = 60

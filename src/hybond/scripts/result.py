@@ -19,10 +19,9 @@ from hybond.model.expressions import Expr
 from hybond.model.graph import FlatGraph
 from hybond.model.parts import Value
 from hybond.result import Result, Status
-from hybond.run_options import seconds_of
-from hybond.states import State
-from hybond.trace import Event, Segment, Trace
-from hybond.trace import Step as Visit
+from hybond.runs.options import seconds_of
+from hybond.runs.states import State
+from hybond.runs.trace import Event, Segment, Trace, Visit
 
 Vector = NDArray[np.float64]
 

@@ -17,7 +17,7 @@ from hybond.chronicle import Chronicle
 from hybond.model.graph import Mode
 
 Vector = NDArray[np.float64]
-StepKind = Literal["mythical", "pinnacle", "continuous"]
+VisitKind = Literal["mythical", "pinnacle", "continuous"]
 Cause = Literal[
     "start", "guard", "time", "input", "sample", "law", "accumulation", "step", "change", "until"
 ]
@@ -52,11 +52,11 @@ class Energy:
 
 
 @dataclass(frozen=True, slots=True)
-class Step:
-    """One mode visited within an event, entered by `fired`."""
+class Visit:
+    """One step of an event: a mode that was visited, entered by `fired`."""
 
     mode: Mode
-    kind: StepKind
+    kind: VisitKind
     fired: tuple[Fired, ...]
     impulses: Mapping[str, float]
     """Area of the impulse part of each signal that has one; trial values in a mythical step."""
@@ -74,7 +74,7 @@ class Event:
 
     t: float
     cause: Cause
-    steps: tuple[Step, ...]
+    steps: tuple[Visit, ...]
     before: Vector
     """Stored quantities and integrated signals at the left limit."""
     after: Vector

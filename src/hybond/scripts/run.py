@@ -2,39 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any, Literal
 
-import numpy as np
-from numpy.typing import NDArray
-
-from hybond.blocks.runners import runners_of
+from hybond.blocks.runners import Runner, runners_of
 from hybond.calls import called
 from hybond.engine.outcome.beginnings import CHANGED, GOES_ON, Beginning, beginning_by_name
-from hybond.engine.outcome.engine_run import EngineRun
-from hybond.engine.outcome.engines import choose_engine, prepared
+from hybond.engine.outcome.engines import EngineChoice, choose_engine, prepared
 from hybond.engine.outcome.signals import Signals
-from hybond.engine.outcome.steps_run import StepsRun
 from hybond.engine.tables.bands import banded
-from hybond.engine.tables.options import settings_of
+from hybond.engine.tables.options import Settings, settings_of
 from hybond.errors import HybondError, UsageError
 from hybond.model.builder import Model
-from hybond.model.given import check_model
 from hybond.model.graph import FlatGraph
 from hybond.model.kept import kept_graph, kind_of
 from hybond.model.parts import Value
 from hybond.names import did_you_mean
+from hybond.one_run import Start, begun, gone, graph_of, handed_over, made, notices, of_experiment
 from hybond.progress import Asked, shown
 from hybond.result import Result, Status
-from hybond.run_ends import ended
-from hybond.run_options import STEPPING, seconds_of, time_in
-from hybond.script_result import Done, Part, ScriptResult
-from hybond.script_steps import Step, conditions_of, latest_end, steps_of, unrolled
-from hybond.simulation import Start, begun, notices
-from hybond.states import State, load_state
-from hybond.trace import Trace
+from hybond.runs.options import Choice, seconds_of, time_in
+from hybond.runs.states import State, load_state
+from hybond.runs.trace import Trace
+from hybond.scripts.result import Done, Part, ScriptResult
+from hybond.scripts.steps import Step, conditions_of, latest_end, steps_of, unrolled
 
-Vector = NDArray[np.float64]
 STARTS = ("start", "p", "q", "e", "f")
 """How paths end that say where a model begins."""
 
@@ -51,7 +45,17 @@ def run_script(
     on_error: Literal["raise", "return"] = "raise",
     engine: Literal["library", "python"] | None = None,
     fmus: bool = False,
-    **options: Any,
+    solver: str | None = None,
+    rtol: float | None = None,
+    atol: float | None = None,
+    step: float | str | None = None,
+    max_step: float | str | None = None,
+    theta: float | None = None,
+    sliding: Choice | None = None,
+    hysteresis: float | str | None = None,
+    impact: str | None = None,
+    max_events: int | None = None,
+    max_steps: int | None = None,
 ) -> ScriptResult:
     """Run a model by a script, as on a test rig; return one run.
 
@@ -73,9 +77,8 @@ def run_script(
         Values by dotted path that replace the model's own.
     progress, on_error, engine, fmus
         As for `simulate`.
-    **options
-        `solver`, `rtol`, `atol`, `step`, `max_step`, `theta`, `sliding`, `hysteresis`, `impact`,
-        `max_events`, `max_steps`, as for `simulate`.
+    solver, rtol, atol, step, max_step, theta, sliding, hysteresis, impact, max_events, max_steps
+        As for `simulate`, the same for all steps.
 
     Returns
     -------
@@ -85,8 +88,8 @@ def run_script(
     Raises
     ------
     UsageError
-        HB-S140 for a script that makes no sense, HB-S141 for what a step cannot set, HB-S132 for
-        one that may not end.
+        HB-S130 for a flat graph, HB-S140 for a script that makes no sense, HB-S141 for what a step
+        cannot set, HB-S132 for one that may not end.
     HybondError
         As `simulate`.
 
@@ -103,19 +106,40 @@ def run_script(
     >>> [(step.ended_by, round(step.t1, 6)) for step in run.steps]
     [('C.e > 8', 1.609438), ('time', 2.609438)]
     """
-    check_model(model)
-    base = kept_graph(model, parameters or {})
+    base = graph_of(model, parameters, on_error)
+    if not isinstance(model, Model):
+        raise UsageError(
+            "a script sets parameters of a model, and its flat graph has none to set any more",
+            code="HB-S130",
+            where="model",
+            hint="give the hybond.Model that it was made of",
+        )
     script = steps_of(base.experiment.get("script") if steps is None else steps)
     todo = list(unrolled(script))
     own = {**base.experiment, "until": time_in(base.experiment.get("until"))}
     bound = seconds_of(limit if limit is not None else own["until"], "limit")
-    if isinstance(start, str):
+    if isinstance(start, str | Path):
         start = load_state(start)
     latest = _latest(todo, bound, start)
     if own["until"] is None:
         own.pop("until")
-    settings, band = settings_of(own, latest, **options)
-    writes = _Writing(model, base, parameters or {}, todo)
+    options: dict[str, Any] = {
+        "solver": solver,
+        "rtol": rtol,
+        "atol": atol,
+        "step": step,
+        "max_step": max_step,
+        "theta": theta,
+        "sliding": sliding,
+        "hysteresis": hysteresis,
+        "impact": impact,
+        "max_events": max_events,
+        "max_steps": max_steps,
+    }
+    try:
+        settings, band = settings_of(own, latest, **options)
+    except UsageError as error:
+        raise of_experiment(error, base, {"until": latest, **options}) from None
     maker = choose_engine(engine)
     first = base if band is None else banded(base, band)
     given = start if start is not None else base.experiment.get("start")
@@ -123,78 +147,80 @@ def run_script(
     if begin is None:
         begin = beginning_by_name({}, first, prepared(first, settings, maker).tables)
     runners = runners_of(base, fmus=fmus)
-    parts: list[Part] = []
-    done: list[Done] = []
-    status: Status = "ok"
-    failure: HybondError | None = None
+    rig = _Rig(_Writing(model, base, parameters or {}, todo), band, settings, maker, runners, bound)
     try:
         with shown(progress, latest) as shows:
-            for k, step in enumerate(todo):
-                graph = writes.graph(step)
-                if band is not None:
-                    graph = banded(graph, band)
-                end = latest_end(step, begin.t, bound)
-                assert end is not None
-                if end <= begin.t:
-                    raise UsageError(
-                        f"step {k + 1} begins at {begin.t:.9g} s and ends at {end:.9g} s",
-                        code="HB-S140",
-                        where=f"steps[{k}].until",
-                        hint="until is a time since the start of the run; lasts is how long",
-                    )
-                runs_with = ended(graph, conditions_of(step))
-                plain = prepared(graph, settings, maker)
-                run: EngineRun | StepsRun
-                if settings.solver in STEPPING:
-                    run = StepsRun(
-                        runs_with, settings, maker, progress=shows, runners=runners,
-                        begin=begin, until=end, shown=plain,
-                    )  # fmt: skip
-                else:
-                    run = EngineRun(
-                        prepared(runs_with, settings, maker), progress=shows, runners=runners,
-                        begin=begin, until=end, shown=plain,
-                    )  # fmt: skip
-                run.trace.engine = maker.said
-                assert isinstance(run.trace.signals, Signals)
-                parts.append(Part(graph, run.trace, run.trace.signals))
-                status, failure = _went(run, graph)
-                done.append(_done(step, run.trace, begin.t, status))
-                if status != "ok" or run.trace.carried is None:
-                    break
-                if run.trace.ended_by == "" and _is_last_chance(step, end, bound):
-                    if k + 1 < len(todo):
-                        run.trace.warn(_over(k, step, end, len(todo)))
-                    break
-                changes = k + 1 < len(todo) and bool(todo[k + 1].set)
-                begin = _next(run.trace, graph, changes=changes)
+            status, failure = rig.run(todo, begin, shows)
     finally:
         for runner in runners.values():
             runner.close()
-    for text in notices(base, settings, options.get("impact")):
-        parts[0].trace.warn(text)
-    for warning in base.warnings:
-        parts[0].trace.warn(warning)
-    result = ScriptResult(base, parts, done, status, latest, settings.solver, failure)
-    if failure is not None and on_error == "raise":
-        failure.partial = result
-        raise failure
-    return result
+    for text in (*notices(base, settings, impact), *base.warnings):
+        rig.parts[0].trace.warn(text)
+    result = ScriptResult(base, rig.parts, rig.done, status, latest, settings.solver, failure)
+    return handed_over(result, on_error)
 
 
-def _went(run: EngineRun | StepsRun, graph: FlatGraph) -> tuple[Status, HybondError | None]:
-    try:
-        stopped = run.run() == "accumulation"
-    except KeyboardInterrupt:
-        return "interrupted", None
-    except HybondError as error:
-        return "error", graph.locate(error) if graph.locate is not None else error
-    if run.trace.unsound:
-        from hybond.engine.outcome.unsound import unsound_refusal
+@dataclass(frozen=True, slots=True)
+class _Rig:
+    """What runs step after step, and what they have left behind so far."""
 
-        reached = run.trace.segments[-1].t[-1] if run.trace.segments else run.trace.begin
-        return "unsound", unsound_refusal(run.trace.unsound, float(reached))
-    return ("accumulation" if stopped else "ok"), None
+    writes: _Writing
+    band: float | None
+    settings: Settings
+    maker: EngineChoice
+    runners: Mapping[str, Runner]
+    bound: float | None
+    parts: list[Part] = field(default_factory=list)
+    done: list[Done] = field(default_factory=list)
+
+    def run(
+        self, todo: Sequence[Step], begin: Beginning, shows: Callable[[float, int], object] | None
+    ) -> tuple[Status, HybondError | None]:
+        """Do all steps, or those up to one that stops; return how it went, and what stopped it."""
+        status: Status = "ok"
+        failure: HybondError | None = None
+        for k, step in enumerate(todo):
+            graph = self.writes.graph(k, step)
+            if self.band is not None:
+                graph = banded(graph, self.band)
+            end = self._end(k, step, begin.t)
+            run = made(
+                graph,
+                conditions_of(step),
+                self.settings,
+                self.maker,
+                begin=begin,
+                progress=shows,
+                runners=self.runners,
+                until=end,
+            )
+            trace = run.trace
+            assert isinstance(trace.signals, Signals)
+            self.parts.append(Part(graph, trace, trace.signals))
+            status, failure = gone(run, graph)
+            self.done.append(_done(step, trace, begin.t, status))
+            if status != "ok" or trace.carried is None:
+                break
+            if trace.ended_by == "" and _is_last_chance(step, end, self.bound):
+                if k + 1 < len(todo):
+                    trace.warn(_over(k, step, end, len(todo)))
+                break
+            changes = k + 1 < len(todo) and bool(todo[k + 1].set)
+            begin = _next(trace, graph, changes=changes)
+        return status, failure
+
+    def _end(self, k: int, step: Step, begin: float) -> float:
+        """Return when a step ends at the latest, s."""
+        end = latest_end(step, begin, self.bound)
+        assert end is not None  # `_latest` has asked
+        if end > begin:
+            return end
+        raise UsageError(
+            f"step {k + 1} begins at {begin:.9g} s and ends at {end:.9g} s",
+            code="HB-S140",
+            where=f"steps[{k}].until",
+            hint="until is a time since the start of the run; lasts is how long",
+        )
 
 
 def _done(step: Step, trace: Trace, t0: float, status: Status) -> Done:
@@ -273,11 +299,9 @@ class _Writing:
                     self._now[path] = float(base.parameters[path])
                 elif not isinstance(kind, str):
                     self._now[path] = f"{float(base.parameters[path])!r} {kind}"
-        self._k = 0
 
-    def graph(self, step: Step) -> FlatGraph:
-        """Return the model with what a step sets."""
-        k, self._k = self._k, self._k + 1
+    def graph(self, k: int, step: Step) -> FlatGraph:
+        """Return the model with what step `k` sets, and those before it have set."""
         self._now.update(step.set)
         if not self._now:
             return self._base

@@ -10,8 +10,8 @@ from hybond.calls import fits
 from hybond.errors import UsageError
 from hybond.model.parts import Value
 from hybond.names import did_you_mean
-from hybond.run_ends import Until
-from hybond.run_options import is_condition, seconds
+from hybond.runs.ends import Until
+from hybond.runs.options import is_condition, seconds
 
 MOST = 10_000
 """Steps of a script, those that are repeated counted as often."""
@@ -92,6 +92,12 @@ def _step(item: Any, where: str) -> Step:
         return Step(set=item.set, label=item.label, repeat=item.repeat, steps=inner)
     if not ends:
         raise _wrong(where, "nothing ends it", 'until="1 s", until="v.f < 0" or lasts="50 ms"')
+    listed = item.until if isinstance(item.until, list | tuple) else [item.until]
+    times = [u for u in listed if u is not None and not is_condition(u)]
+    if len(times) > 1:
+        raise _wrong(where, f"until = {listed!r} has {len(times)} times", "one, and conditions")
+    for time in times:
+        seconds(time, f"{where}.until")
     if item.lasts is not None and not seconds(item.lasts, f"{where}.lasts") > 0.0:
         raise _wrong(where, f"lasts = {item.lasts!r}", "a time above zero")
     return item
