@@ -72,15 +72,23 @@ def join(*parts: str) -> str:
 
 
 def in_columns(
-    rows: Iterable[Sequence[str]], justified: Callable[[str, int], str] = str.ljust
+    rows: Iterable[Sequence[str]],
+    justified: Callable[[str, int], str] = str.ljust,
+    *,
+    widest: int | None = None,
 ) -> list[str]:
     """Return rows of words as lines with straight columns.
+
+    With `widest`, longer words do not make a column wider: they push the rest of their own line.
 
     Examples
     --------
     >>> in_columns([("a", "flow"), ("spring", "1")])
     ['a       flow', 'spring  1']
+    >>> in_columns([("a", "flow"), ("long-winded", "1")], widest=4)
+    ['a  flow', 'long-winded  1']
     """
     table = list(rows)
-    widths = [max(map(len, column)) for column in zip(*table)]
+    most = widest or max((len(word) for row in table for word in row), default=0)
+    widths = [max((n for n in map(len, column) if n <= most), default=0) for column in zip(*table)]
     return ["  ".join(map(justified, row, widths)).rstrip() for row in table]

@@ -230,10 +230,10 @@ class Result(Measuring):
         return self.trace.signals
 
     def _of(
-        self, names: Iterable[str], which: Sequence[int] | NDArray[np.intp], t: Vector
+        self, names: Iterable[str | Expr], which: Sequence[int] | NDArray[np.intp], t: Vector
     ) -> list[Vector]:
-        """Return signals by name at points of segments, whose numbers are in order."""
-        expressions = [self.expression(name) for name in names]
+        """Return signals, by name or in canonical names, at points of segments in order."""
+        expressions = [self.expression(n) if isinstance(n, str) else n for n in names]
         if not len(t):
             return [np.zeros(0) for _ in expressions]
         segments = np.asarray(which, dtype=np.intp)
@@ -293,6 +293,18 @@ class Result(Measuring):
             for name, value in self._after_last_event(names).items():
                 found[name][at_end] = value
         return found
+
+    def _told(self, k: int) -> tuple[Signals, Segment]:
+        """Return what tells the signals of the segment with this number, and the segment."""
+        return self.signals, self.segments[k]
+
+    def _graph_at(self, k: int) -> FlatGraph:
+        """Return the model of the segment with this number."""
+        return self.graph
+
+    def _run_at(self, t: float) -> Result:
+        """Return the run of one model in which a time lies, after all that happened there."""
+        return self
 
     def _segment_at(self, t: float, side: Side) -> int:
         if side == "right":

@@ -94,8 +94,19 @@ class ScriptResult(Result):
         """Return in which step a segment lies, by their numbers."""
         return int(bisect.bisect_right(self._first.tolist(), segment)) - 1
 
+    def _told(self, k: int) -> tuple[Signals, Segment]:
+        at = self.part_of(k)
+        part = self.parts[at]
+        return part.signals, part.trace.segments[k - int(self._first[at])]
+
+    def _graph_at(self, k: int) -> FlatGraph:
+        return self.parts[self.part_of(k)].graph
+
+    def _run_at(self, t: float) -> Result:
+        return self._alone(self.part_of(self._segment_at(t, "right")))
+
     def _of(
-        self, names: Iterable[str], which: Sequence[int] | NDArray[np.intp], t: Vector
+        self, names: Iterable[str | Expr], which: Sequence[int] | NDArray[np.intp], t: Vector
     ) -> list[Vector]:
         asked = list(names)
         segments = np.asarray(which, dtype=np.intp)
@@ -115,7 +126,9 @@ class ScriptResult(Result):
                 row[places] = values
         return found
 
-    def _expression_in(self, k: int, name: str) -> Expr:
+    def _expression_in(self, k: int, name: str | Expr) -> Expr:
+        if not isinstance(name, str):
+            return name  # canonical names are the same in all steps
         if (k, name) not in self._read:
             self._read[k, name] = read_name(self.parts[k].graph, name)
         return self._read[k, name]
@@ -139,10 +152,8 @@ class ScriptResult(Result):
     def energies(self, segment: Segment) -> Vector:
         """Return energy supplied and dissipated within a segment, as `Result.energies`."""
         times = self.trace.segments.times
-        at = bisect.bisect_right(times, float(segment.t[0])) - 1
-        k = self.part_of(at)
-        part = self.parts[k]
-        return part.signals.energies(part.trace.segments[at - int(self._first[k])])
+        signals, own = self._told(bisect.bisect_right(times, float(segment.t[0])) - 1)
+        return signals.energies(own)
 
     def audit(self) -> Audit:
         """Return the worst imbalance of power and energy over all steps."""

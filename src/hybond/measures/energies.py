@@ -135,11 +135,12 @@ def _powers(run: Result, bonds: Sequence[int], segment: NDArray[np.intp], t: Vec
     ]
     names = [Name(f"{v}:{b}") for v in "ef" for b in bonds]
     if not sliding:
-        values = np.array(run.signals.of_points(run.trace.segments, segment, t, names))
+        values = np.array(run._of(names, segment, t))
         values = values.reshape(2, len(bonds), len(t))
         return np.asarray(values[0] * values[1])
     found = np.zeros((len(bonds), len(t)))
     for k in asked.tolist():
         own = segment == k
-        found[:, own] = run.signals.powers(run.segments[k], bonds, t[own])
+        signals, told = run._told(k)
+        found[:, own] = signals.powers(told, bonds, t[own])
     return found

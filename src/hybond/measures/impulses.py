@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from hybond.errors import UsageError
+from hybond.measures.naming import read_name
 from hybond.measures.window import Window
 from hybond.model.expressions import Expr, Number, differentiate, names, simplify
 from hybond.names import plural
@@ -62,6 +63,7 @@ def impulses_in(run: Result, name: str, window: Window) -> tuple[Impulse, ...]:
         for step in event.steps:
             struck = sorted(read & step.areas.keys()) if step.kind != "mythical" else []
             for variable in struck:
+                expression = read_name(run._graph_at(run._segment_at(event.t, "right")), name)
                 factor = _factor(run, name, expression, variable, event, step.areas.keys())
                 area += factor * step.areas[variable]
         if area:
@@ -82,7 +84,7 @@ def _factor(run: Result, name: str, e: Expr, variable: str, event: Event, struck
     k = run._segment_at(event.t, "right")
     beside = sorted({k, max(k - 1, 0)} if event.t > run.t_begin else {k})
     at = np.full(len(beside), event.t)
-    (values,) = run.signals.of_points(run.trace.segments, np.array(beside), at, [slope])
+    (values,) = run._of([slope], np.array(beside), at)
     least, most = float(values.min()), float(values.max())
     if not abs(most - least) <= SAME * max(abs(most), abs(least)):
         raise _meaningless(run, name, event, "what it multiplies an impulse with jumps there")

@@ -200,9 +200,8 @@ class _Values:
         number = run._segment_at(event.t, "left")
         if not later and self._first and event.t > run.t_begin:
             asked = np.array([number])
-            (found,) = run.signals.of_points(
-                run.trace.segments, asked, np.array([event.t]), [Name(name)]
-            )
+            (found,) = run._of([Name(name)], asked, np.array([event.t]))
             return float(found[0])
         mode = event.steps[-1].mode
-        return run.signals.after(event.t, self._states[later], mode, [Name(name)])[0]
+        signals, _ = run._told(run._segment_at(event.t, "right"))
+        return signals.after(event.t, self._states[later], mode, [Name(name)])[0]

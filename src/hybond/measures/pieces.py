@@ -147,13 +147,13 @@ class Reader:
         self.run = run
         self.name = name if isinstance(name, str) else "signal"
         self.expression = run.expression(name) if isinstance(name, str) else name
+        self._asked = name
 
     def __call__(self, segment: Whole, t: Vector) -> Vector:
         """Return values at times of segments whose numbers are in order, shape (n,)."""
         if not len(t):
             return np.zeros(0)
-        run = self.run
-        (found,) = run.signals.of_points(run.trace.segments, segment, t, [self.expression])
+        (found,) = self.run._of([self._asked], segment, t)
         bad = np.flatnonzero(~np.isfinite(found))
         if len(bad):
             raise NumericsError(
