@@ -19,7 +19,7 @@ SHOWN = 3
 """Impulses shown per step; all are in the record."""
 
 WIDEST = 60
-"""The widest column, in letters: the mode of many machines pushes its own line only."""
+"""The widest column, in letters, and the longest mode: of many machines some are named."""
 
 
 class EventTable(Sequence[Event]):
@@ -87,7 +87,19 @@ class EventTable(Sequence[Event]):
         return rows
 
     def _mode(self, step: Step, focus: Collection[str]) -> str:
-        return f"({self.graph.mode_text(step.mode, focus)})"
+        text = f"({self.graph.mode_text(step.mode, focus)})"
+        if len(text) <= WIDEST:
+            return text
+        # too much for a line: what just switched, as far as there is room
+        states = self.graph.mode_names(step.mode)
+        told = sorted(states, key=lambda machine: machine not in focus)
+        shown: list[str] = []
+        for machine in told:
+            words = [*shown, f"{machine} = {states[machine]}"]
+            if shown and len(", ".join(words)) > WIDEST - len("(,  and 99 more)"):
+                break
+            shown = words
+        return f"({', '.join(shown)} and {len(states) - len(shown)} more)"
 
     def _details(self, step: Step, event: Event) -> str:
         parts = []

@@ -154,21 +154,24 @@ def _machines(graph: FlatGraph) -> None:
         say(f"  machine {machine.path}: {', '.join(states)}; {rules}")
     if graph.machines:
         modes = math.prod(len(m.states) for m in graph.machines)
-        say(f"  {modes} modes (* start; a fieldless state lasts an instant only)")
+        short = any(f for m in graph.machines for f in m.fieldless)
+        more = "; a fieldless state lasts an instant only" if short else ""
+        say(f"  {modes} modes (* start{more})")
 
 
 def _findings(graph: FlatGraph, causality: Causality) -> list[str]:
     """Return what an engineer wants to know of the causality of a mode."""
-    lines = []
+    lines: list[str] = []
+    if causality.conflicts and _has_laws(graph):
+        # no run is ever in this combination: what it would depend on says nothing
+        return ["never entered so: the laws of its junctions take other branches, as a run finds"]
     if causality.derivative:
         paths = ", ".join(graph.storages[k].path for k in causality.derivative)
         lines.append(f"derivative causality: {paths} (dependent on other storages or sources)")
     if causality.loops:
         names = ", ".join(repr(graph.bonds[b].name) for b in causality.loops)
         lines.append(f"algebraic loop through {names} (solved at each evaluation)")
-    if causality.conflicts and _has_laws(graph):
-        lines.append("no causality: the laws of its junctions do not take these branches together")
-    elif causality.conflicts:
+    if causality.conflicts:
         count = len(causality.conflicts)
         lines.append(f"{count} causal conflict{'s' if count > 1 else ''}")
     return lines
