@@ -77,9 +77,7 @@ def _page(of: Sheet) -> Iterator[str]:
     yield of.about
     yield from _section("ports", [(p.name, f"{p.domain}, shares its {p.shares}") for p in of.ports])
     yield from _section("parameters", [(k.name, k.value, k.about) for k in of.parameters])
-    yield from _section(
-        "inputs", [(k.name, _with_unit(k), k.about) for k in of.inputs]
-    )
+    yield from _section("inputs", [(k.name, _with_unit(k), k.about) for k in of.inputs])
     yield from _section("signals", [(k.name, k.unit, k.about or k.value) for k in of.signals])
     yield ""
     yield "in a model file"

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from hybond.draw.measure import width
 
@@ -11,11 +15,17 @@ if TYPE_CHECKING:
 
 LANES = 10
 """Most machines shown."""
+DENSE = 40
+"""Stays for each inch from which on they are no blocks, but mixed colours."""
+PIXELS = 150
+"""Pixels of such a lane for each inch."""
 
 _COLOURS = ("#e3e6ea", "#9ecae1", "#fdd49e", "#a1d99b", "#dadaeb", "#fcbba1", "#d9d9b0", "#c7e9e4")
 
 Stay = tuple[float, float, int]
 """From, to, state."""
+
+Vector = NDArray[np.float64]
 
 
 def stays(result: Any, machine: int) -> list[Stay]:
@@ -36,6 +46,36 @@ def stays(result: Any, machine: int) -> list[Stay]:
         elif end > start or not found:
             found.append((start, end, state))
     return found
+
+
+def share_of(all_stays: Sequence[Stay], state: int, edges: Vector) -> Vector:
+    """Return the part of each pixel that is spent in a state.
+
+    Examples
+    --------
+    >>> share_of([(0.0, 2.5, 0), (2.5, 3.0, 1)], 1, np.array([0.0, 1.0, 2.0, 3.0])).tolist()
+    [0.0, 0.0, 0.5]
+    """
+    times = np.array([t for a, b, _ in all_stays for t in (a, b)])
+    spent = np.array([(b - a) * (k == state) for a, b, k in all_stays])
+    total = np.repeat(np.cumsum(spent), 2)
+    total[0::2] -= spent
+    share = np.diff(np.interp(edges, times, total)) / np.diff(edges)
+    return np.asarray(np.clip(share, 0.0, 1.0))
+
+
+def mixed(all_stays: Sequence[Stay], edges: Vector) -> Vector:
+    """Return the colour of each pixel, shape (pixels, 3): states weigh as long as they last.
+
+    Blocks that are narrower than a pixel would show some of the stays, and not others.
+    """
+    from matplotlib.colors import to_rgb
+
+    found = np.zeros((len(edges) - 1, 3))
+    for state in sorted({k for _, _, k in all_stays}):
+        colour = np.array(to_rgb(_COLOURS[state % len(_COLOURS)]))
+        found += share_of(all_stays, state, edges)[:, None] * colour
+    return np.asarray(np.clip(found, 0.0, 1.0))
 
 
 def lanes(result: Any) -> tuple[list[int], int]:
@@ -61,7 +101,8 @@ def room_beside(result: Any, shown: list[int], *, inches: float) -> float:
     for m in shown:
         states = result.graph.machines[m].states
         found = stays(result, m)
-        named = {k for a, b, k in found if _fits(states[k], (b - a) / span * inches)}
+        dense = len(found) > DENSE * inches
+        named = {k for a, b, k in found if _fits(states[k], (b - a) / span * inches) and not dense}
         beside = {k for _, _, k in found} - named
         names = sum(0.03 * inches + width(states[k], 7.5) / 72.0 for k in beside)
         widest = max(widest, 0.01 * inches + names if beside else 0.0)
@@ -91,7 +132,18 @@ def draw_strip(ax: Axes, result: Any, shown: list[int], *, factor: float, inches
         states = result.graph.machines[m].states
         named: set[int] = set()
         present: set[int] = set()
-        for start, end, state in stays(result, m):
+        found = stays(result, m)
+        if len(found) > DENSE * inches:
+            edges = np.linspace(found[0][0], found[-1][1], int(PIXELS * inches) + 1)
+            ax.imshow(
+                mixed(found, edges)[None],
+                extent=(edges[0] * factor, edges[-1] * factor, lane + 0.4, lane - 0.4),
+                aspect="auto",
+                interpolation="nearest",
+            )
+            _explain(ax, lane, {k: states[k] for k in sorted({k for *_, k in found})}, inches)
+            continue
+        for start, end, state in found:
             a, b = start * factor, end * factor
             corners.append([(a, lane - 0.4), (b, lane - 0.4), (b, lane + 0.4), (a, lane + 0.4)])
             colours.append(_COLOURS[state % len(_COLOURS)])

@@ -17,7 +17,7 @@ from hybond.draw.impulses import draw_impulses, impulses_of
 from hybond.draw.marks import draw_marks
 from hybond.draw.measure import shorten, width
 from hybond.draw.mode_strip import draw_strip, lanes, room_beside
-from hybond.draw.scales import axis_scale, printed
+from hybond.draw.scales import axis_scale, printed, time_scale
 from hybond.draw.traces import Trace, Vector, apart, trace_of
 from hybond.errors import UsageError
 from hybond.files.whole import write_whole
@@ -29,7 +29,14 @@ if TYPE_CHECKING:
 # Okabe and Ito's colours, told apart by everyone; yellow is too light for lines.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000")
 
+DASHES: tuple[Any, ...] = ("-", (0, (5, 1.5)), (0, (1.2, 1.2)), (0, (6, 1.5, 1.2, 1.5)))
+"""Where there are more lines than colours."""
+
 _WIDE = 7.4
+_LEGEND, _ROW = 0.16, 0.19
+"""Height of the first row of a legend, which stands into the gap, and of each further one, in."""
+_NAMED = 150.0
+"""Most room for a name in a legend, points."""
 _TALL = 1.75
 _LANE = 0.2
 _CIRCLE_GAP = 0.012
@@ -76,7 +83,7 @@ def plot_run(
             if known
             else "the model has no elements",
         )
-    factor, time_label = axis_scale("s", result.t_end, least=0.5)
+    factor, time_label = time_scale(result.t_end)
     if ax is not None:
         if len(groups) > 1:
             units = ", ".join(repr(printed(u)) for u in groups)
@@ -116,7 +123,11 @@ def _stacked(
     strip = _LANE * len(shown)
     gap, top, bottom, right = 0.16, 0.42, 0.5, 0.95 if shown else 0.25
     tall = _TALL if len(groups) < 5 else 1.25
+    # the first row of a legend takes room from its axes; more rows make the figure taller
+    rows = {u: -(-len(n) // _columns(n, _WIDE - left - right)) for u, n in groups.items()}
+    taller = {u: _ROW * (r - 1) for u, r in rows.items()}
     height = top + len(groups) * (tall + gap) + strip + bottom + (0.16 if more else 0.0)
+    height += sum(taller.values())
     figure = new_figure((_WIDE, height), interactive=interactive)
     # names beside the lanes take room from the lanes, and then more names stand beside them
     for _ in range(2):
@@ -131,8 +142,8 @@ def _stacked(
     y = height - top
     panels: list[Any] = []
     for unit, names in groups.items():
-        y -= tall
-        panel = place(y, tall - (0.16 if len(names) > 1 else 0.0))
+        y -= tall + taller[unit]
+        panel = place(y, tall - (_LEGEND if len(names) > 1 else 0.0))
         panels.append(panel)
         _signals(panel, result, names, unit, factor)
         y -= gap
@@ -197,7 +208,15 @@ def _signals(ax: Axes, result: Any, names: Sequence[str], unit: str, factor: flo
     lines = []
     for k, trace in enumerate(traces):
         colour = COLOURS[k % len(COLOURS)]
-        (line,) = ax.plot(trace.t * factor, trace.y * scale, color=colour, linewidth=1.4, zorder=3)
+        dashes = DASHES[k // len(COLOURS) % len(DASHES)]
+        (line,) = ax.plot(
+            trace.t * factor,
+            trace.y * scale,
+            color=colour,
+            linewidth=1.4,
+            linestyle=dashes,
+            zorder=3,
+        )
         lines.append(line)
         _circles(ax, trace, colour, factor, scale, result.t_end)
     _limits(ax, values * scale, np.concatenate([i[:, 1] for i in impulses]))
@@ -215,7 +234,7 @@ def _signals(ax: Axes, result: Any, names: Sequence[str], unit: str, factor: flo
         ax.set_ylabel(shorten(names[0], 9.5, 95.0) + bracket, fontsize=9.5, parse_math=False)
     else:
         ax.set_ylabel(label, fontsize=9.5, parse_math=False)
-        _legend(ax, lines, names)
+        _legend(ax, lines, names, _columns(names, ax.get_position().width * _wide(ax)))
     ax.tick_params(labelsize=8)
     ax.grid(visible=True, axis="y", color="#e6e6e6", linewidth=0.6)
     for side in ("top", "right"):
@@ -266,7 +285,20 @@ def _limits(ax: Axes, values: Vector, areas: Vector) -> None:
     ax.set_ylim(low, high)
 
 
-def _legend(ax: Axes, lines: Sequence[Any], names: Sequence[str]) -> None:
+def _wide(ax: Axes) -> float:
+    figure = ax.get_figure(root=True)
+    assert figure is not None
+    return float(figure.get_figwidth())
+
+
+def _columns(names: Sequence[str], inches: float) -> int:
+    """Return how many names of a legend stand beside each other within a width."""
+    widest = max(width(shorten(n, 8.5, _NAMED), 8.5) for n in names)
+    # the line, its distance from the name, and the distance of columns, in letters
+    return min(len(names), max(int((72.0 * inches + 12.0) / (widest + 3.6 * 8.5)), 1), 6)
+
+
+def _legend(ax: Axes, lines: Sequence[Any], names: Sequence[str], columns: int) -> None:
     """Name the lines above the axes."""
     # Neutral labels first: matplotlib leaves out those that begin with an underscore.
     legend = ax.legend(
@@ -274,7 +306,7 @@ def _legend(ax: Axes, lines: Sequence[Any], names: Sequence[str]) -> None:
         [str(k) for k in range(len(names))],
         loc="lower left",
         bbox_to_anchor=(0.0, 0.97),
-        ncols=min(len(names), 6),
+        ncols=columns,
         frameon=False,
         fontsize=8.5,
         borderaxespad=0.0,
@@ -283,7 +315,7 @@ def _legend(ax: Axes, lines: Sequence[Any], names: Sequence[str]) -> None:
     )
     for text, name in zip(legend.get_texts(), names, strict=True):
         text.set_parse_math(False)
-        text.set_text(shorten(name, 8.5, 150.0))
+        text.set_text(shorten(name, 8.5, _NAMED))
 
 
 def _time_axis(ax: Axes, result: Any, factor: float, label: str) -> None:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.draw.impulses import impulses_of
-from hybond.draw.mode_strip import lanes, stays
+from hybond.draw.mode_strip import lanes, share_of, stays
 from hybond.model.expressions import Name
 from hybond.result import Result
 from hybond.studio.levels import Data
@@ -126,21 +126,11 @@ def strip(run: Result, t0: float, t1: float, width: int) -> list[dict[str, Any]]
         else:
             edges = np.linspace(t0, t1, width + 1)
             lane["shares"] = [
-                np.round(_share(all_stays, k, edges), 3).tolist()
+                np.round(share_of(all_stays, k, edges), 3).tolist()
                 for k in range(len(machine.states))
             ]
         found.append(lane)
     return found
-
-
-def _share(all_stays: Sequence[tuple[float, float, int]], state: int, edges: Vector) -> Vector:
-    """Return the part of each pixel that is spent in a state."""
-    times = np.array([t for a, b, _ in all_stays for t in (a, b)])
-    spent = np.array([(b - a) * (k == state) for a, b, k in all_stays])
-    total = np.repeat(np.cumsum(spent), 2)
-    total[0::2] -= spent
-    share = np.diff(np.interp(edges, times, total)) / np.diff(edges)
-    return np.asarray(np.clip(share, 0.0, 1.0))
 
 
 def at_cursor(run: Result, t: float, side: str, bonds: Sequence[int]) -> dict[str, Any]:

@@ -158,7 +158,6 @@ def _of_run(
             "at=...)",
         )
 
-
     def near(when: float | str) -> Linearisation:
         t = time_in(run, when)
         own = run._run_at(t)
