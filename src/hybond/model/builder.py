@@ -352,7 +352,7 @@ class Model:
                 else "letters, digits and _; not a word of the expression language"
                 + ("; an array is written cell[1..10]" if array and "[" in str(name) else ""),
             )
-        taken = {
+        taken: dict[str, Mapping[str, object]] = {
             "an element": self.elements,
             "a signal": self.signals,
             "an input": self.inputs,
@@ -366,7 +366,7 @@ class Model:
                     f"the name {name!r} is used twice: {what} has it already",
                     code="HB-M104",
                     where=name,
-                    hint=f"rename one; elements, parameters, signals, inputs and machines share "
+                    hint="rename one; elements, parameters, signals, inputs and machines share "
                     "their names",
                 )
 
