@@ -35,9 +35,9 @@ def port_hints(model: Model, graph: FlatGraph) -> Iterator[Hint]:
             continue
         for port in _ports_of(element.model):
             for name in members.get(base_of(key), ()):
-                node = graph.by_path.get(f"{name}.{port}")
-                if node is not None and _open(graph, graph.nodes[node], f"{name}."):
-                    yield _hint(key, name, port, graph.nodes[node])
+                k = graph.by_path.get(f"{name}.{port}")
+                if k is not None and _open(graph, graph.nodes[k], f"{name}."):
+                    yield _hint(key, name, port, graph.nodes[k])
                     break
 
 
