@@ -142,10 +142,10 @@ def check_given(path: str, given: Dimension | None, opened: Opened) -> None:
     if own is not None and given is not None and own != given:
         # as its part writes it: a torque is in N*m, and not in J
         unit = str(part.constant).partition(" ")[2] or str(own)
-        timed = f": numbers beside time have units, as in 2 [{unit}/s]*time"
+        lacks = f"{unit}/s" if str(given) == "s" else str(own / given)
         raise UnitError(
             f"the input is in {unit}, and is given in {given}",
             code="HB-U103",
             where=path,
-            hint=f"give it in {unit}" + (timed if str(given) == "s" else ""),
+            hint=f"give it in {unit}: a number in it may lack its unit, as in 2 [{lacks}]",
         )
