@@ -50,8 +50,10 @@ def drawing(sheet: Sheet) -> str:
 def page(domain: str, sheets: Sequence[Sheet]) -> Iterator[str]:
     yield f"# Parts: {domain}"
     yield ""
-    yield "How parts are used is on the [page before](../library.md). `docs/make_library.py` "
-    yield "writes this page from the files of the parts."
+    yield "<!-- docs/make_library.py writes this page from the files of the parts -->"
+    yield ""
+    yield "[Ready parts](../library.md) says how they are joined and what parameters, inputs and"
+    yield "signals are."
     yield ""
     yield "| part | |"
     yield "| --- | --- |"

@@ -12,6 +12,7 @@ from hybond.draw import draw_mode
 from hybond.errors import HybondError
 from hybond.files.whole import write_whole
 from hybond.model.graph import FlatGraph, Mode
+from hybond.model.parts import SubmodelPart
 
 MODES = 4
 """Modes of a run that are drawn, in the order in which they are entered."""
@@ -54,7 +55,10 @@ def _page(file: Path, target: Path, *, units: bool) -> tuple[str, str]:
     run.plot(path=str(target / f"{file.stem}.png"))
     title = model.title or file.stem
     lines = [f"# {title}", "", "## Bond graph", ""]
-    lines += _drawings(graph, _entered(run, graph), file.stem, target)
+    if any(isinstance(e, SubmodelPart) for e in model.elements.values()):
+        lines += _of_parts(model, file.stem, target)
+    else:
+        lines += _drawings(graph, _entered(run, graph), file.stem, target)
     lines += ["", "## Run", "", f"![Signals of the run]({file.stem}.png)", ""]
     if run.error is not None:
         lines += [
@@ -100,6 +104,19 @@ def _drawings(graph: FlatGraph, modes: list[Mode], stem: str, target: Path) -> l
         picture = re.sub(r"<\?xml.*?\?>", "", (target / name).read_text(encoding="utf-8"))
         lines += [f"<figure>{picture.strip()}</figure>"]
     return [*lines, "</div>", "```"]
+
+
+def _of_parts(model: hb.Model, stem: str, target: Path) -> list[str]:
+    """Draw a model of parts: with symbols, and its bond graph without what decides nothing."""
+    lines = []
+    for name, options in (
+        ("parts", {"schematic": True}),
+        ("graph", {"simplify": True, "legend": False}),
+    ):
+        picture = f"{stem}_{name}.svg"
+        model.draw(**options).save(target / picture)
+        lines += [f"![{name} of {stem}]({picture})", ""]
+    return lines
 
 
 def _events(run: hb.Result) -> list[str]:

@@ -16,6 +16,8 @@ def did_you_mean(name: str, known: Iterable[str], *, limit: int = 3) -> str:
     "did you mean 'ball.p', 'ball.f'?"
     >>> did_you_mean("v", ["V", "R", "C"])
     "did you mean 'V'?"
+    >>> did_you_mean("peak", ["max", "peak_to_peak"])
+    "did you mean 'peak_to_peak'?"
     >>> did_you_mean("zzz", ["ball", "pad"])
     'known names: ball, pad'
     """
@@ -24,6 +26,10 @@ def did_you_mean(name: str, known: Iterable[str], *, limit: int = 3) -> str:
     # who forgets a capital means the name that is otherwise the same
     same = [c for c in choices if c.lower() == name.lower()]
     near = list(dict.fromkeys([*same, *near]))[:limit]
+    if not near and len(name) > 2:
+        # who knows the first word of a name means what goes on behind it
+        near = sorted(c for c in choices if c.startswith((f"{name}_", f"{name}.", f"{name}[")))
+        near = near[:limit]
     if near:
         return "did you mean " + ", ".join(repr(n) for n in near) + "?"
     if not choices:
@@ -72,15 +78,23 @@ def join(*parts: str) -> str:
 
 
 def in_columns(
-    rows: Iterable[Sequence[str]], justified: Callable[[str, int], str] = str.ljust
+    rows: Iterable[Sequence[str]],
+    justified: Callable[[str, int], str] = str.ljust,
+    *,
+    widest: int | None = None,
 ) -> list[str]:
     """Return rows of words as lines with straight columns.
+
+    With `widest`, longer words do not make a column wider: they push the rest of their own line.
 
     Examples
     --------
     >>> in_columns([("a", "flow"), ("spring", "1")])
     ['a       flow', 'spring  1']
+    >>> in_columns([("a", "flow"), ("long-winded", "1")], widest=4)
+    ['a  flow', 'long-winded  1']
     """
     table = list(rows)
-    widths = [max(map(len, column)) for column in zip(*table)]
+    most = widest or max((len(word) for row in table for word in row), default=0)
+    widths = [max((n for n in map(len, column) if n <= most), default=0) for column in zip(*table)]
     return ["  ".join(map(justified, row, widths)).rstrip() for row in table]

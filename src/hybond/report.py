@@ -18,6 +18,9 @@ from hybond.units import format_quantity
 SHOWN = 3
 """Impulses shown per step; all are in the record."""
 
+WIDEST = 60
+"""The widest column, in letters, and the longest mode: of many machines some are named."""
+
 
 class EventTable(Sequence[Event]):
     """The events of a run; prints as a table.
@@ -125,7 +128,7 @@ class EventTable(Sequence[Event]):
         rows = self.rows()
         if not rows:
             return "no events"
-        return "\n".join(in_columns(rows))
+        return "\n".join(in_columns(rows, widest=WIDEST))
 
     def __repr__(self) -> str:
         return str(self)

@@ -237,9 +237,11 @@ def format_quantity(value: float, unit: Dimension | str, digits: int = 6) -> str
     --------
     >>> format_quantity(0.04932851, "J"), format_quantity(-0.0993262, "V*s")
     ('49.3285 mJ', '-0.0993262 V·s')
+    >>> format_quantity(-0.0, "A")
+    '0 A'
     """
     symbol, prefix = str(unit), ""
-    shown = value / parse_unit(symbol)[0]
+    shown = value / parse_unit(symbol)[0] + 0.0  # no minus before a zero
     if symbol in _PREFIXED and symbol != "g" and shown and math.isfinite(shown):
         exponent = int(f"{shown:.{digits - 1}e}".split("e")[1])
         power = min(max(exponent // 3 * 3, -12), 12)

@@ -50,4 +50,4 @@ def test_elements_of_a_part_show_values_and_those_of_the_model_what_is_written()
     m.bond("V -> n -> part.plus", "part.minus -> m", "zero -> m", "n -> own")
     shown = {node.path: node.said for node in m.flatten().nodes}
     assert (shown["own"], shown["part.r"]) == ("R0", "20 ohm")
-    assert ">20 ohm<" in draw(m).svg()
+    assert ">20 Ω<" in draw(m).svg()

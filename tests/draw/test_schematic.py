@@ -162,7 +162,7 @@ def test_a_model_of_single_elements_has_no_schematic() -> None:
 def test_names_stand_beside_symbols() -> None:
     drawing, _ = wires_of("boost")
     words = {m.text for g in drawing.scene.groups for m in g.marks if isinstance(m, Text)}
-    assert {"diode", "coil", "100 uH", "node", "earth"} <= words
+    assert {"diode", "coil", "100 µH", "node", "earth"} <= words
 
 
 HEAD = 'hybond = 1\n[elements]\nn = { junction = 0 }\n[ports]\np = "n"\n[symbol]\n'

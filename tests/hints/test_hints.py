@@ -28,6 +28,7 @@ MENDED = {
     "HB-H106": ('"2 ohm"', '"R1"'),
     "HB-H107": ("V -> n", "V -> sw -> n"),
     "HB-H108": ('Se = "10 V"', 'Se = "u"'),
+    "HB-H110": ('right -> m.flange"', 'right -> m.flange", "pad.left -> wall.flange"'),
     "HB-H109": ('start = "on"', 'start = "on"\nrules = ["on -> off when time > 1"]'),
 }
 
@@ -56,6 +57,9 @@ def test_a_remedy_takes_the_hint_away(code: str) -> None:
     old, new = MENDED[code]
     text = example(code).replace(old, new)
     assert text != example(code)
+    if "wall.flange" in new:
+        frame = 'wall = { submodel = "translational.frame" }'
+        text = text.replace("[elements]\n", f"[elements]\n{frame}\n")
     if "g.pin" in new:
         text = text.replace("[elements]\n", '[elements]\ng = { submodel = "electrical.ground" }\n')
     checked = hb.loads(text).check()

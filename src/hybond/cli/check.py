@@ -27,12 +27,16 @@ from hybond.model.builder import Model
 from hybond.model.checked import Checked, Hint
 from hybond.model.graph import FlatGraph, Mode
 from hybond.model.planar_friction import kept_paths
+from hybond.names import plural
 
 BONDS = 5000
 """Conflicts ahead are looked for in models of up to this many bonds: in a second or so."""
 
 MODES = 64
 """Other modes are looked at if there are not more than this."""
+
+SHOWN = 4
+"""Modes named of those of which the same is to be said."""
 
 
 def check(given: Namespace) -> int:
@@ -158,21 +162,24 @@ def _machines(graph: FlatGraph) -> None:
         say(f"  machine {machine.path}: {', '.join(states)}; {rules}")
     if graph.machines:
         modes = math.prod(len(m.states) for m in graph.machines)
-        say(f"  {modes} modes (* start; a fieldless state lasts an instant only)")
+        short = any(f for m in graph.machines for f in m.fieldless)
+        more = "; a fieldless state lasts an instant only" if short else ""
+        say(f"  {modes} modes (* start{more})")
 
 
 def _findings(graph: FlatGraph, causality: Causality) -> list[str]:
     """Return what an engineer wants to know of the causality of a mode."""
-    lines = []
+    lines: list[str] = []
+    if causality.conflicts and _has_laws(graph):
+        # no run is ever in this combination: what it would depend on says nothing
+        return ["no run is in it: the laws of junctions take other branches"]
     if causality.derivative:
         paths = ", ".join(graph.storages[k].path for k in causality.derivative)
         lines.append(f"derivative causality: {paths} (dependent on other storages or sources)")
     if causality.loops:
         names = ", ".join(repr(graph.bonds[b].name) for b in causality.loops)
         lines.append(f"algebraic loop through {names} (solved at each evaluation)")
-    if causality.conflicts and _has_laws(graph):
-        lines.append("no causality: the laws of its junctions do not take these branches together")
-    elif causality.conflicts:
+    if causality.conflicts:
         count = len(causality.conflicts)
         lines.append(f"{count} causal conflict{'s' if count > 1 else ''}")
     return lines
@@ -183,15 +190,29 @@ def _other_modes(graph: FlatGraph, reference: Reference) -> None:
     if math.prod(len(m.states) for m in graph.machines) > MODES:
         say(f"other modes: more than {MODES}, not looked at")
         return
+    alike: dict[tuple[str, ...], list[str]] = {}
+    never = 0
     for mode in itertools.product(*(range(len(m.states)) for m in graph.machines)):
         if mode == graph.start_mode:
             continue
         causality = causality_of(graph, mode, reference=reference)
-        lines = _findings(graph, causality)
+        if causality.conflicts and _has_laws(graph):
+            never += 1
+            continue
+        lines = tuple(_findings(graph, causality))
         if lines:
-            say(f"mode {_text(graph, mode)}")
+            alike.setdefault(lines, []).append(_text(graph, mode))
+    for lines, modes in alike.items():
+        more = len(modes) - SHOWN
+        shown = modes if more < 2 else [*modes[:SHOWN], f"{more} more"]
+        say(f"{plural('mode', len(modes))} {', '.join(shown)}")
         for line in lines:
             say(f"  {line}")
+    if never:
+        say(
+            f"{never} {plural('combination', never)} of branches that no run enters: the laws of "
+            "junctions take others"
+        )
 
 
 def _text(graph: FlatGraph, mode: Mode) -> str:

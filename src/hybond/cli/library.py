@@ -9,6 +9,7 @@ from collections.abc import Iterator, Sequence
 from hybond.cli.streams import say
 from hybond.errors import UsageError
 from hybond.library import Sheet, names, sheet
+from hybond.library.sheets import Line
 from hybond.names import did_you_mean, in_columns
 
 
@@ -76,13 +77,17 @@ def _page(of: Sheet) -> Iterator[str]:
     yield of.about
     yield from _section("ports", [(p.name, f"{p.domain}, shares its {p.shares}") for p in of.ports])
     yield from _section("parameters", [(k.name, k.value, k.about) for k in of.parameters])
-    yield from _section(
-        "inputs", [(k.name, f"{k.value} {k.unit}".strip(), k.about) for k in of.inputs]
-    )
+    yield from _section("inputs", [(k.name, _with_unit(k), k.about) for k in of.inputs])
     yield from _section("signals", [(k.name, k.unit, k.about or k.value) for k in of.signals])
     yield ""
     yield "in a model file"
     yield f"  {_element(of)}"
+
+
+def _with_unit(line: Line) -> str:
+    """Return the value of an input with its unit, which a quantity has already."""
+    own = line.value.partition(" ")[2]
+    return line.value if own else f"{line.value} {line.unit}".strip()
 
 
 def _element(of: Sheet) -> str:

@@ -19,7 +19,7 @@ from hybond.cli.targets import check_target
 from hybond.engine.outcome.step_error import GOOD
 from hybond.errors import HybondError
 from hybond.measures.asked import asked_of_experiment
-from hybond.names import in_columns
+from hybond.names import in_columns, plural
 from hybond.report import EventTable
 from hybond.result import Result
 from hybond.units import format_quantity
@@ -140,9 +140,12 @@ def ending(run: Result) -> str:
 def stats_line(run: Result) -> str:
     """Return how much work a run was, in one line."""
     count = {k: int(v) for k, v in run.stats.items() if float(v).is_integer()}
-    words = [f"{count[k]} {k}" for k in ("steps", "rejected", "evaluations", "modes") if k in count]
+    words = [f"{count[k]} {k}" for k in ("steps", "rejected", "evaluations") if k in count]
+    if "modes" in count:
+        words.append(f"{count['modes']} {plural('mode', count['modes'])}")
     events, kept = count.get("events", len(run.events)), len(run.events)
-    words.append(f"{events} events" + (f", the last {kept} kept" if kept < events else ""))
+    many = f"{events} {plural('event', events)}"
+    words.append(many + (f", the last {kept} kept" if kept < events else ""))
     return ", ".join([run.solver, *words])
 
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from hybond.draw.measure import shorten
 from hybond.draw.plots import COLOURS, new_figure, write_figure
-from hybond.draw.scales import axis_scale, printed
+from hybond.draw.scales import axis_scale, printed, time_scale
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -136,7 +136,7 @@ def plot_step(step: Any, *, title: str, path: str | Path | None = None) -> Figur
     """Plot step responses: axes for each output, a line for each input."""
     many = max(len(step.outputs), 1)
     figure, panels = _stack((1.75,) * many, title, interactive=path is None)
-    factor, seconds = axis_scale("s", float(step.t[-1]), least=0.5)
+    factor, seconds = time_scale(float(step.t[-1]))
     for i, ax in enumerate(panels[: len(step.outputs)]):
         y = step.y[:, i, :]
         unit = step.output_units[i]

@@ -8,7 +8,7 @@ import numpy as np
 
 from hybond.draw.measure import shorten
 from hybond.draw.plots import COLOURS, new_figure, write_figure
-from hybond.draw.scales import axis_scale
+from hybond.draw.scales import axis_scale, time_scale
 from hybond.measures.energy_curves import energy_curves
 from hybond.measures.window import window_of
 
@@ -47,7 +47,7 @@ def plot_losses(result: Any, *, path: Any = None, depth: int | None = None) -> F
     if rest:
         bands.append(sum((curves.losses[n] for n in rest), np.zeros(len(curves.t))))
         labels.append(f"{len(rest)} more")
-    factor, time_label = axis_scale("s", result.t_end, least=0.5)
+    factor, time_label = time_scale(result.t_end)
     high = max(
         float(np.max(np.abs(curves.supplied))), float(np.max(np.abs(sum(bands, np.zeros(1)))))
     )

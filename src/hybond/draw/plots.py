@@ -35,6 +35,10 @@ _DASHES = ("-", "--", ":", "-.")
 """Of curves beyond the colours, so that each has a look of its own."""
 
 _WIDE = 7.4
+_LEGEND, _ROW = 0.16, 0.19
+"""Height of the first row of a legend, which stands into the gap, and of each further one, in."""
+_NAMED = 150.0
+"""Most room for a name in a legend, points."""
 _TALL = 1.75
 _LANE = 0.2
 _CIRCLE_GAP = 0.012
@@ -85,7 +89,7 @@ def plot_run(
             if known
             else "the model has no elements",
         )
-    factor, time_label = axis_scale("s", result.t_end, least=0.5)
+    factor, time_label = time_scale(result.t_end)
     if ax is not None:
         if len(groups) > 1:
             units = ", ".join(repr(printed(u)) for u in groups)
@@ -125,6 +129,9 @@ def _stacked(
     strip = _LANE * len(shown)
     gap, top, bottom, right = 0.16, 0.42, 0.5, 0.95 if shown else 0.25
     tall = _TALL if len(groups) < 5 else 1.25
+    # the first row of a legend takes room from its axes; more rows make the figure taller
+    rows = {u: -(-len(n) // _columns(n, _WIDE - left - right)) for u, n in groups.items()}
+    taller = {u: _ROW * (r - 1) for u, r in rows.items()}
     height = top + len(groups) * (tall + gap) + strip + bottom + (0.16 if more else 0.0)
     # names beside the lanes take room from the lanes, and then more names stand beside them
     for _ in range(2):
@@ -143,8 +150,8 @@ def _stacked(
     y = height - top
     panels: list[Any] = []
     for unit, names in groups.items():
-        y -= tall
-        panel = place(y, tall - (0.16 if len(names) > 1 else 0.0))
+        y -= tall + taller[unit]
+        panel = place(y, tall - (_LEGEND if len(names) > 1 else 0.0))
         panels.append(panel)
         _signals(panel, result, names, unit, factor)
         y -= gap
@@ -253,7 +260,7 @@ def _signals(ax: Axes, result: Any, names: Sequence[str], unit: str, factor: flo
         ax.set_ylabel(shorten(names[0], 9.5, 95.0) + bracket, fontsize=9.5, parse_math=False)
     else:
         ax.set_ylabel(label, fontsize=9.5, parse_math=False)
-        _legend(ax, lines, names)
+        _legend(ax, lines, names, _columns(names, ax.get_position().width * _wide(ax)))
     ax.tick_params(labelsize=8)
     ax.grid(visible=True, axis="y", color="#e6e6e6", linewidth=0.6)
     for side in ("top", "right"):
@@ -347,7 +354,7 @@ def _legend(ax: Axes, lines: Sequence[Any], names: Sequence[str]) -> None:
     )
     for text, name in zip(legend.get_texts(), names, strict=True):
         text.set_parse_math(False)
-        text.set_text(shorten(name, 8.5, 150.0))
+        text.set_text(shorten(name, 8.5, _NAMED))
 
 
 def _time_axis(ax: Axes, result: Any, factor: float, label: str) -> None:

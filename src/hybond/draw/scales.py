@@ -46,6 +46,26 @@ def axis_scale(unit: str, largest: float, *, least: float = 0.1) -> tuple[float,
     return float(f"1e{-power}"), _PREFIXES[power] + printed(unit)
 
 
+def time_scale(longest: float) -> tuple[float, str]:
+    """Return the factor and the unit with which an axis of time is best read.
+
+    Nobody counts in kiloseconds: from 2000 s on these are minutes, then hours, then days.
+
+    Examples
+    --------
+    >>> time_scale(0.02), time_scale(1500.0), time_scale(3600.0)
+    ((1000.0, 'ms'), (1.0, 's'), (0.016666666666666666, 'min'))
+    >>> time_scale(86400.0)[1], time_scale(30 * 86400.0)[1]
+    ('h', 'd')
+    """
+    if not 2000.0 <= longest < math.inf:
+        return axis_scale("s", longest, least=0.5)
+    for seconds, unit in ((60.0, "min"), (3600.0, "h")):
+        if longest <= 240.0 * seconds:
+            return 1.0 / seconds, unit
+    return 1.0 / 86400.0, "d"
+
+
 def printed(unit: str) -> str:
     """Return a unit as it is printed.
 

@@ -274,6 +274,24 @@ _POWER = re.compile(r"\^(\(-?\d+\)|-?\d+)(?![\d.])")
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
+_QUANTITY = re.compile(r"(-?\d[\d.]*(?:e[-+]?\d+)?)( [^\W\d].*)?")
+_MICRO = re.compile(r"\bu(?=(?:[A-Zgms]|Wb|Hz|ohm|bar)\b)")
+_OHM = re.compile(r"(?<![^\W_])([pnuµmkMG]?)ohm\b")
+_DIGITS = 7
+"""Most digits of a number; a value that was computed has more."""
+
+
+def _of_quantity(text: str) -> str:
+    """Write a number with a unit, ``22.2222222222222 uohm``, as ``22.2222 µΩ``."""
+    found = _QUANTITY.fullmatch(text.strip())
+    if found is None:
+        return text
+    number, unit = found[1], found[2] or ""
+    if sum(map(str.isdigit, number.partition("e")[0])) > _DIGITS:
+        number = f"{float(number):.6g}"
+    return number + _OHM.sub(r"\1Ω", _MICRO.sub("µ", unit))
+
+
 def typeset(text: str) -> str:
     """Write ``m/(N*s^2)`` the way it is printed: ``m/(N·s²)``.
 
@@ -281,7 +299,10 @@ def typeset(text: str) -> str:
     --------
     >>> typeset("10 m/(N*s^2)"), typeset("3 kg*m**-1"), typeset("x^2.5")
     ('10 m/(N·s²)', '3 kg·m⁻¹', 'x^2.5')
+    >>> typeset("22.2222222222222 mohm"), typeset("100 uH"), typeset("u*2")
+    ('22.2222 mΩ', '100 µH', 'u·2')
     """
+    text = _of_quantity(text)
     text = text.replace("**", "^")
     text = _POWER.sub(lambda found: found[1].strip("()").translate(_RAISED), text).replace("*", "·")
     return " ".join(text.split())

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from hybond.errors import HybondError
 from hybond.hints.graphs import graph_hints
 from hybond.hints.machines import machine_hints
+from hybond.hints.ports import port_hints
 from hybond.hints.unused import unused_hints
 from hybond.model.builder import Model
 from hybond.model.checked import Checked, Hint
@@ -41,6 +42,7 @@ def hints_of(model: Model, graph: FlatGraph) -> tuple[Hint, ...]:
 
 def _all(model: Model, graph: FlatGraph) -> Iterator[Hint]:
     yield from graph_hints(model, graph)
+    yield from port_hints(model, graph)
     yield from machine_hints(model, graph)
     yield from unused_hints(model)
 

@@ -350,21 +350,34 @@ class Model:
     def _new_name(self, name: str, *, array: bool = False) -> None:
         match = _NAME.match(name) if isinstance(name, str) else None
         if match is None or match[1] in RESERVED or (match[2] and not array):
+            word = match is not None and match[1] in RESERVED
+            why = ": it is a word of the expression language" if word else ""
             raise ModelError(
-                f"{name!r} cannot be a name",
+                f"{name!r} cannot be a name{why}",
                 code="HB-M103",
                 where=name,
-                hint="letters, digits and _; not a word of the expression language"
+                hint=f"another one, such as {name}_1"
+                if word
+                else "letters, digits and _; not a word of the expression language"
                 + ("; an array is written cell[1..10]" if array and "[" in str(name) else ""),
             )
-        taken = (
-            *(self.elements, self.signals, self.inputs, self.machines, self.blocks),
-            self.parameters,
-        )
-        if any(name in group or (match[2] and match[1] in group) for group in taken):
-            raise ModelError(
-                f"the name {name!r} is used twice", code="HB-M104", where=name, hint="rename one"
-            )
+        taken: dict[str, Mapping[str, object]] = {
+            "an element": self.elements,
+            "a signal": self.signals,
+            "an input": self.inputs,
+            "a machine": self.machines,
+            "a block": self.blocks,
+            "a parameter": self.parameters,
+        }
+        for what, group in taken.items():
+            if name in group or (match[2] and match[1] in group):
+                raise ModelError(
+                    f"the name {name!r} is used twice: {what} has it already",
+                    code="HB-M104",
+                    where=name,
+                    hint="rename one; elements, parameters, signals, inputs and machines share "
+                    "their names",
+                )
 
     def __repr__(self) -> str:
         counts = [

@@ -140,9 +140,12 @@ def check_given(path: str, given: Dimension | None, opened: Opened) -> None:
     scope, part = opened.given[path]
     own = _input(0, path, scope, part).dimension
     if own is not None and given is not None and own != given:
+        # as its part writes it: a torque is in N*m, and not in J
+        unit = str(part.constant).partition(" ")[2] or str(own)
+        lacks = f"{unit}/s" if str(given) == "s" else str(own / given)
         raise UnitError(
-            f"the input is in {own}, and is given in {given}",
+            f"the input is in {unit}, and is given in {given}",
             code="HB-U103",
             where=path,
-            hint=f"give it in {own}",
+            hint=f"give it in {unit}: a number in it may lack its unit, as in 2 [{lacks}]",
         )

@@ -134,7 +134,9 @@ class ScriptResult(Result):
                 row[places] = values
         return found
 
-    def _expression_in(self, k: int, name: str) -> Expr:
+    def _expression_in(self, k: int, name: str | Expr) -> Expr:
+        if not isinstance(name, str):
+            return name  # canonical names are the same in all steps
         if (k, name) not in self._read:
             self._read[k, name] = read_name(self.parts[k].graph, name)
         return self._read[k, name]
@@ -158,10 +160,8 @@ class ScriptResult(Result):
     def energies(self, segment: Segment) -> Vector:
         """Return energy supplied and dissipated within a segment, as `Result.energies`."""
         times = self.trace.segments.times
-        at = bisect.bisect_right(times, float(segment.t[0])) - 1
-        k = self.part_of(at)
-        part = self.parts[k]
-        return part.signals.energies(part.trace.segments[at - int(self._first[k])])
+        signals, own = self._told(bisect.bisect_right(times, float(segment.t[0])) - 1)
+        return signals.energies(own)
 
     def audit(self) -> Audit:
         """Return the worst imbalance of power and energy over all steps."""

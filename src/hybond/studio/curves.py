@@ -141,9 +141,7 @@ def at_cursor(run: Result, t: float, side: str, bonds: Sequence[int]) -> dict[st
     number = run._segment_at(t, "left" if left else "right")
     names = [Name(f"{v}:{b}") for b in bonds for v in "ef"]
     states = dict(zip((m.path for m in run.graph.machines), run.segments[number].mode))
-    values = run.signals.of_points(
-        run.trace.segments, np.array([number], dtype=np.intp), np.array([t]), names
-    )
+    values = run._of(names, np.array([number], dtype=np.intp), np.array([t]))
     pairs = numbers([float(v[0]) for v in values])
     return {
         "t": t,

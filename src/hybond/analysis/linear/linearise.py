@@ -10,7 +10,7 @@ import numpy as np
 from hybond.analysis.linear.asked import Inputs, inputs_of, outputs_of
 from hybond.analysis.linear.equilibrium import equilibrium
 from hybond.analysis.linear.linearisation import Linearisation
-from hybond.analysis.linear.point import Point, of_run, of_start, of_states
+from hybond.analysis.linear.point import Point, of_run, of_start, of_states, time_in
 from hybond.calls import called
 from hybond.equations.linear_rows import LinearRows, linear_rows
 from hybond.equations.moving_constraints import turned
@@ -157,13 +157,18 @@ def _of_run(
             hint='a time, "start" or "end"; other states are for the model: hb.linearise(model, '
             "at=...)",
         )
-    graph = run.graph
-    asked = inputs_of(graph, graph, inputs)
-    signals = outputs_of(graph, outputs)
+
+    def near(when: float | str) -> Linearisation:
+        t = time_in(run, when)
+        own = run._run_at(t)
+        graph = own.graph
+        asked, signals = inputs_of(graph, graph, inputs), outputs_of(graph, outputs)
+        return _made(graph, of_run(own, t), asked, signals, [], steady=False)
+
     if isinstance(at, list | tuple | np.ndarray):
         times = at.tolist() if isinstance(at, np.ndarray) else at
-        return tuple(_made(graph, of_run(run, t), asked, signals, [], steady=False) for t in times)
-    return _made(graph, of_run(run, at), asked, signals, [], steady=False)
+        return tuple(near(t) for t in times)
+    return near(at)
 
 
 def _made(

@@ -71,15 +71,14 @@ def valued(graph: FlatGraph, signals: Signals, t: float, state: Vector, mode: Mo
     return Point(t, mode, state, dict(zip(slots_of(graph).index, found, strict=True)))
 
 
-def of_run(run: Result, at: float | str) -> Point:
-    """Return the point of a run at a time; at an event after all that happened there.
+def time_in(run: Result, at: float | str) -> float:
+    """Return a time within a run, s.
 
     Raises
     ------
     UsageError
-        HB-S110 for a time outside the run, HB-A505 where it slides and has no one mode.
+        HB-S110 for a time outside the run.
     """
-    graph = run.graph
     if not run.segments:
         raise UsageError(
             "the run has no motion", code="HB-S110", where="at", hint="run it for some time first"
@@ -89,6 +88,18 @@ def of_run(run: Result, at: float | str) -> Point:
     else:
         t = seconds(at, "at")
     run.sample([t], [])
+    return t
+
+
+def of_run(run: Result, t: float) -> Point:
+    """Return the point of a run at a time; at an event after all that happened there.
+
+    Raises
+    ------
+    NumericsError
+        HB-A505 where it slides and has no one mode.
+    """
+    graph = run.graph
     events = run.trace.events
     said = f"t = {t:.9g} s of the run"
     if t == run.t_end and t > 0.0 and events and events.times[-1] == t:

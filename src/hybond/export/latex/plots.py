@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from hybond.draw.scales import axis_scale
+from hybond.draw.scales import axis_scale, time_scale
 from hybond.draw.tex import escape
 from hybond.draw.traces import trace_of
 from hybond.result import Result
@@ -45,7 +45,7 @@ def _axes(run: Result, names: list[str], unit: str) -> Iterator[str]:
     finite = every[np.isfinite(every)]
     low, high = (float(finite.min()), float(finite.max())) if finite.size else (0.0, 1.0)
     factor, label = axis_scale(unit, max(abs(low), abs(high)))
-    per_second, seconds = axis_scale("s", run.t_end, least=0.5)
+    per_second, seconds = time_scale(run.t_end)
     ticks = nice(low * factor, high * factor)
     begin, end = run.t_begin * per_second, run.t_end * per_second
     bottom, top = ticks[0], ticks[-1]
