@@ -322,15 +322,7 @@ class Result(Measuring):
                 found[name][at_end] = value
         return found
 
-    def _told(self, k: int) -> tuple[Signals, Segment]:
-        """Return what tells the signals of the segment with this number, and the segment."""
-        return self.signals, self.segments[k]
-
-    def _graph_at(self, k: int) -> FlatGraph:
-        """Return the model of the segment with this number."""
-        return self.graph
-
-    def _run_at(self, t: float) -> Result:
+    def at_one_model(self, t: float) -> Result:
         """Return the run of one model in which a time lies, after all that happened there."""
         return self
 

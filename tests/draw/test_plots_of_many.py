@@ -2,12 +2,7 @@
 
 from __future__ import annotations
 
-import numpy as np
-import pytest
-from matplotlib.colors import to_rgb
-
 import hybond as hb
-from hybond.draw.mode_strip import _COLOURS
 from hybond.draw.plots import plot_run
 
 
@@ -36,25 +31,3 @@ def test_the_legend_of_many_signals_stays_within_the_picture_and_below_the_title
     looks = {(h.get_color(), h.get_linestyle()) for h in legend.get_lines()}
     assert len(looks) > 7  # more than there are colours: dashes tell the others apart
     assert panel.get_xlabel() == "time [h]"
-
-
-def test_a_lane_of_very_many_stays_has_the_colours_mixed_by_their_time() -> None:
-    m = hb.Model("chopper", domain="electrical", parameters={"T": "1 ms", "d": 0.25})
-    m.add(V=hb.Se("1 V"), s=hb.One(), n=hb.Zero(), r=hb.R("1 ohm"))
-    m.bond("V -> s -> n -> r")
-    m.machine(
-        "leg",
-        states={"on": ["s"], "off": []},
-        start="on",
-        rules=["on -> off when mod(time, T)/T >= d", "off -> on when mod(time, T)/T < d"],
-    )
-    run = hb.simulate(m, until="1 s")
-    figure = plot_run(run, ["r.e"], path=None)
-    strip = figure.axes[-1]
-    (image,) = strip.get_images()
-    shown = np.asarray(image.get_array())[0]
-    on, off = np.array(to_rgb(_COLOURS[0])), np.array(to_rgb(_COLOURS[1]))
-    np.testing.assert_allclose(shown.mean(axis=0), 0.25 * on + 0.75 * off, atol=1e-6)
-    # no pixel shows one of the states alone
-    assert np.abs(shown - on).max(axis=1).min() > 0.1
-    assert image.get_extent()[:2] == pytest.approx([0.0, 1.0])

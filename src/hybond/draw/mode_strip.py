@@ -19,10 +19,6 @@ if TYPE_CHECKING:
 
 LANES = 10
 """Most machines shown."""
-DENSE = 40
-"""Stays for each inch from which on they are no blocks, but mixed colours."""
-PIXELS = 150
-"""Pixels of such a lane for each inch."""
 
 _COLOURS = ("#e3e6ea", "#9ecae1", "#fdd49e", "#a1d99b", "#dadaeb", "#fcbba1", "#d9d9b0", "#c7e9e4")
 
@@ -32,8 +28,6 @@ _COLUMNS = 900
 
 Stay = tuple[float, float, int]
 """From, to, state."""
-
-Vector = NDArray[np.float64]
 
 
 def stays(result: Any, machine: int) -> list[Stay]:

@@ -19,7 +19,7 @@ from hybond.draw.impulses import draw_impulses, impulses_of
 from hybond.draw.marks import draw_marks
 from hybond.draw.measure import shorten, width
 from hybond.draw.mode_strip import draw_strip, lanes, room_beside
-from hybond.draw.scales import axis_scale, printed
+from hybond.draw.scales import axis_scale, printed, time_scale
 from hybond.draw.traces import Trace, Vector, apart, thinned, trace_of
 from hybond.errors import UsageError
 from hybond.files.whole import write_whole
@@ -35,10 +35,6 @@ _DASHES = ("-", "--", ":", "-.")
 """Of curves beyond the colours, so that each has a look of its own."""
 
 _WIDE = 7.4
-_LEGEND, _ROW = 0.16, 0.19
-"""Height of the first row of a legend, which stands into the gap, and of each further one, in."""
-_NAMED = 150.0
-"""Most room for a name in a legend, points."""
 _TALL = 1.75
 _LANE = 0.2
 _CIRCLE_GAP = 0.012
@@ -129,9 +125,6 @@ def _stacked(
     strip = _LANE * len(shown)
     gap, top, bottom, right = 0.16, 0.42, 0.5, 0.95 if shown else 0.25
     tall = _TALL if len(groups) < 5 else 1.25
-    # the first row of a legend takes room from its axes; more rows make the figure taller
-    rows = {u: -(-len(n) // _columns(n, _WIDE - left - right)) for u, n in groups.items()}
-    taller = {u: _ROW * (r - 1) for u, r in rows.items()}
     height = top + len(groups) * (tall + gap) + strip + bottom + (0.16 if more else 0.0)
     # names beside the lanes take room from the lanes, and then more names stand beside them
     for _ in range(2):
@@ -139,7 +132,8 @@ def _stacked(
         right = max(right, min(beside, _WIDE / 3))
     inches = _WIDE - left - right
     # names of curves that are too many for a row make the figure wider
-    columns = [_column_of(n, tall) for n in groups.values() if _row_of(n) > inches]
+    own = tall - 0.16  # of axes with several curves
+    columns = [_column_of(n, own) for n in groups.values() if _row_of(n) > inches]
     page = _WIDE + max(0.0, max(columns, default=0.0) + 0.15 - right)
     figure = new_figure((page, height), interactive=interactive)
 
@@ -150,8 +144,8 @@ def _stacked(
     y = height - top
     panels: list[Any] = []
     for unit, names in groups.items():
-        y -= tall + taller[unit]
-        panel = place(y, tall - (_LEGEND if len(names) > 1 else 0.0))
+        y -= tall
+        panel = place(y, tall - (0.16 if len(names) > 1 else 0.0))
         panels.append(panel)
         _signals(panel, result, names, unit, factor)
         y -= gap
@@ -260,7 +254,7 @@ def _signals(ax: Axes, result: Any, names: Sequence[str], unit: str, factor: flo
         ax.set_ylabel(shorten(names[0], 9.5, 95.0) + bracket, fontsize=9.5, parse_math=False)
     else:
         ax.set_ylabel(label, fontsize=9.5, parse_math=False)
-        _legend(ax, lines, names, _columns(names, ax.get_position().width * _wide(ax)))
+        _legend(ax, lines, names)
     ax.tick_params(labelsize=8)
     ax.grid(visible=True, axis="y", color="#e6e6e6", linewidth=0.6)
     for side in ("top", "right"):
@@ -354,7 +348,7 @@ def _legend(ax: Axes, lines: Sequence[Any], names: Sequence[str]) -> None:
     )
     for text, name in zip(legend.get_texts(), names, strict=True):
         text.set_parse_math(False)
-        text.set_text(shorten(name, 8.5, _NAMED))
+        text.set_text(shorten(name, 8.5, 150.0))
 
 
 def _time_axis(ax: Axes, result: Any, factor: float, label: str) -> None:

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from hybond.errors import UsageError
-from hybond.measures.naming import read_name
 from hybond.measures.window import Window
 from hybond.model.expressions import Expr, Number, differentiate, names, simplify
 from hybond.names import plural
@@ -64,7 +63,6 @@ def impulses_in(run: Result, name: str, window: Window) -> tuple[Impulse, ...]:
         for step in event.steps:
             struck = sorted(read & step.areas.keys()) if step.kind != "mythical" else []
             for variable in struck:
-                expression = read_name(run._graph_at(run._segment_at(event.t, "right")), name)
                 factor = _factor(run, name, expression, variable, event, step.areas.keys())
                 area += factor * step.areas[variable]
         if area:

@@ -399,8 +399,7 @@ def _right(run: Result, t: float) -> Vector:
     events = run.trace.events
     if t == run.t_end and run._settled_at_end:
         return np.asarray(events[-1].after, dtype=float)
-    k = run._segment_at(t, "right")
-    segment = run.segments[k]
+    segment = run.segments[run._segment_at(t, "right")]
     if t > segment.t[-1]:
         state, _ = run.signals_of(run._segment_at(t, "right")).rest(segment, t)
         return np.asarray(state, dtype=float)

@@ -160,8 +160,14 @@ class ScriptResult(Result):
     def energies(self, segment: Segment) -> Vector:
         """Return energy supplied and dissipated within a segment, as `Result.energies`."""
         times = self.trace.segments.times
-        signals, own = self._told(bisect.bisect_right(times, float(segment.t[0])) - 1)
-        return signals.energies(own)
+        at = bisect.bisect_right(times, float(segment.t[0])) - 1
+        k = self.part_of(at)
+        part = self.parts[k]
+        return part.signals.energies(part.trace.segments[at - int(self._first[k])])
+
+    def at_one_model(self, t: float) -> Result:
+        """Return the step in which a time lies, as a run of its own."""
+        return self._alone(self.part_of(self._segment_at(t, "right")))
 
     def audit(self) -> Audit:
         """Return the worst imbalance of power and energy over all steps."""

@@ -160,7 +160,7 @@ def _of_run(
 
     def near(when: float | str) -> Linearisation:
         t = time_in(run, when)
-        own = run._run_at(t)
+        own = run.at_one_model(t)
         graph = own.graph
         asked, signals = inputs_of(graph, graph, inputs), outputs_of(graph, outputs)
         return _made(graph, of_run(own, t), asked, signals, [], steady=False)
