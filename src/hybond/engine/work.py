@@ -34,6 +34,8 @@ class Work:
     guess: Block
     kept_guess: Block
     had_guess: bool
+    had_values: bool
+    """Whether laws that have none at zero had values beside what is known."""
     freedom: Block
     terms: Floats
     slopes: Block
