@@ -1,4 +1,4 @@
-"""An integral whose rate jumps and is driven back from both sides: refused at once, with a recipe."""
+"""An integral whose rate jumps and is driven back from both sides: refused, with a recipe."""
 
 import math
 

@@ -1,7 +1,7 @@
 """What rounding of the unknowns that Newton finds is measured by: the terms they were solved from.
 
-A current that laws make zero is a difference of others: its own value is nothing but their rounding.
-To first order an unknown moves by the inverse of the Jacobian times what rounding leaves in each
+A current that laws make zero is a difference of others: its own value is but their rounding. To
+first order an unknown moves by the inverse of the Jacobian times what rounding leaves in each
 residual, which is a part of the sizes of its terms.
 """
 
