@@ -217,7 +217,7 @@ def rectified(part: str | hb.Model, **values: float) -> hb.Result:
 
 
 def test_diodes_open_phases_of_a_field_as_those_of_single_coils() -> None:
-    # one is coils in phases, the other a field at rest; HB-J111 with coils that turn, pmsm_park
+    # one is coils in phases, the other a field at rest
     one = rectified("electrical.synchronous_motor", L=2e-3)
     two = rectified("electrical.pmsm", L_d=2e-3, L_q=2e-3)
     for name in ("load.f", "m.torque", "m.current_a", "m.i_d"):

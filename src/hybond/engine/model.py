@@ -337,6 +337,7 @@ class Model:
     """The gap among the pairs; -1 if it is constant."""
     port_gate: Ints
     port_gate_constant: Floats
+    port_gate_pair: Ints
     port_restitution: Ints
     port_restitution_constant: Floats
     port_stiffness: Ints

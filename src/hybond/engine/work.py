@@ -34,12 +34,15 @@ class Work:
     guess: Block
     kept_guess: Block
     had_guess: bool
+    had_values: bool
+    """Whether laws that have none at zero had values beside what is known."""
     freedom: Block
     terms: Floats
     slopes: Block
     frozen: Block
     jacobian: Block
     jacobian2: Block
+    inverse: Block
     whole: Block
     """Of Newton with shorter steps: the whole step, what it is measured by, where a part leads,
     and the slopes where it begins."""
@@ -149,6 +152,7 @@ def make_work(m: Model) -> Work:
     w.frozen = make_block(1)
     w.jacobian = make_block(1)
     w.jacobian2 = make_block(1)
+    w.inverse = make_block(1)
     w.whole = make_block(1)
     w.weight = make_block(1)
     w.trial = make_block(1)

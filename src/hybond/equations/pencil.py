@@ -28,6 +28,7 @@ from hybond.equations.ranks import (
     Scaled,
     Tracked,
     counted,
+    exponents,
     rank_of,
     scaled,
     worst,
@@ -239,17 +240,59 @@ def poles_of(a: Matrix) -> NDArray[Any]:
     """Return the eigenvalues; those at the origin, however often they coincide, are exactly 0.
 
     A double eigenvalue at 0 (a free mass) is found by QR only to half the digits. How many there
-    are is a matter of ranks: they are the infinite eigenvalues of the pencil (a, 1).
+    are is a matter of ranks, of a matrix in even units: they are the infinite eigenvalues of the
+    pencil (a, 1).
+
+    Examples
+    --------
+    >>> poles_of(np.array([[0.0, 1.0, 0.0], [0.0, -1e5, 1.0], [0.0, 0.0, -1e5]])).tolist()
+    [-100000.0, -100000.0, 0.0]
     """
     n = len(a)
     if not n:
         return np.zeros(0)
-    values = np.linalg.eigvals(a)
-    none = np.zeros((n, 0))
+    even, unit = in_even_units(a)
+    values = np.linalg.eigvals(even) * unit
     try:
-        moving = len(Reduction(Scaled(a, np.eye(n), none, none.T, none.T, np.ones(n), 1.0)).kept)
+        moving = len(Reduction(inverted(even)).kept)
     except np.linalg.LinAlgError:
         moving = n
     values[np.argsort(np.abs(values), kind="stable")[: n - moving]] = 0.0
     ordered = values[np.lexsort((values.imag, values.real))]
     return np.asarray(ordered if ordered.imag.any() else ordered.real)
+
+
+def inverted(a: Matrix) -> Scaled:
+    """Return the pencil (a, 1), rows and columns scaled so that entries of a are near 1.
+
+    Ranks of a are not those of units or of time constants: a slow pole beside a fast one is none
+    at the origin.
+    """
+    n = len(a)
+    terms: list[tuple[tuple[tuple[int, float], ...], float]] = [
+        (((int(i), 1.0), (n + int(j), 1.0)), float(np.log2(abs(a[i, j]))))
+        for i, j in np.argwhere(a)
+    ]
+    x = exponents(terms, 2 * n)
+    rows, columns = np.exp2(x[:n]), np.exp2(x[n:])
+    none = np.zeros((n, 0))
+    return Scaled(
+        a * rows[:, None] * columns, np.diag(rows * columns), none, none.T, none.T, columns, 1.0
+    )
+
+
+def in_even_units(a: Matrix) -> tuple[Matrix, float]:
+    """Return ``T^-1 a T / unit`` with entries as near to 1 as they can be, and the unit.
+
+    T and the unit are powers of two: the eigenvalues are the same, times the unit, bit for bit.
+    """
+    n = len(a)
+    terms: list[tuple[tuple[tuple[int, float], ...], float]] = []
+    for i, j in np.argwhere(a):
+        own: tuple[tuple[int, float], ...] = ((n, -1.0),)
+        if i != j:
+            own = ((int(i), -1.0), (int(j), 1.0), *own)
+        terms.append((own, float(np.log2(abs(a[i, j])))))
+    x = exponents(terms, n + 1)
+    t, unit = np.exp2(x[:n]), float(np.exp2(x[n]))
+    return a * t / t[:, None] / unit, unit

@@ -108,7 +108,8 @@ def measure_bonds(e: Engine, mode: Mode) -> None:
     for k in range(2 * m.bonds):
         c.tolerance[k] = PART * c.magnitude[k] + ROUNDING * c.largest[m.bond_class[k]]
         if not c.first_look:
-            c.tolerance[k] += LOST_DIGITS * size_of(e, mode, k, e.work.xi, c.v)
+            size = size_of(e, mode, k, e.work.xi, c.v)
+            c.tolerance[k] += LOST_DIGITS * size
     if m.dynamics > 0:
         for k in range(2 * m.bonds):
             c.tolerance[k] += SOLVED * most

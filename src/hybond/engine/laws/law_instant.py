@@ -7,7 +7,7 @@ from typing import Final
 
 from hybond.engine.complementarity.law_roles import CUT, SHUT
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
-from hybond.engine.expressions.paired import evaluate_pair
+from hybond.engine.expressions.paired import evaluate_pair, holds
 from hybond.engine.expressions.pairs import clear, sign_at
 from hybond.engine.instant.jump import enter_mode
 from hybond.engine.laws.gaps import check_gaps
@@ -104,6 +104,15 @@ def find_able(e: Engine, r: Laws) -> int:
             r.able[k] = 1 if on or sign <= 0 or gap <= CLOSED * r.largest[k] else 0
         if m.port_gate[k] != NO_LAW_VALUE:
             gate = quantity(m, m.port_gate, m.port_gate_constant, k, r.v) != 0.0
+            if m.port_gate_pair[k] >= 0:
+                # what it compares is zero by rounding where its law's own rule counts it as zero
+                measure_values(m, m.port_gate_pair[k], r.v, r.terms)
+                stack.was = e.pre
+                gate = holds(m, m.port_gate_pair[k], stack)
+                stack.was = r.v
+                if stack.refused != 0:
+                    place = node_name(m, m.port_node[k])
+                    return say_fault(e, "HB-J101", "a gate is not a number", place)
             r.able[k] = 1 if on or gate else 0
     return OK
 

@@ -132,7 +132,8 @@ def turn_ahead(e: Engine, r: Laws, k: int) -> None:
         for i in range(m.read_first[rule], m.read_first[rule + 1]):
             b = m.read_slot[i] - m.bond_slot
             if 0 <= b and b < 2 * m.bonds:
-                noise += ROUNDED * size_of(e, e.mode, b, e.work.xi, r.later)
+                size = size_of(e, e.mode, b, e.work.xi, r.later)
+                noise += ROUNDED * size
         turned = True
         for a in range(m.atom_first[rule], m.atom_first[rule + 1]):
             moved = value(m, m.atom_value[a], r.later) - r.atom[a]

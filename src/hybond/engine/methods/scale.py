@@ -73,7 +73,9 @@ def found_terms(e: Engine, mode: Mode, t: float) -> bool:
         source = mode.source[k]
         if source >= 0 and m.source_size[source] >= 0:
             # a source that is zero may be a difference of what is large
-            e.work.xi[m.storages + k] = value(m, m.source_size[source], e.v)
+            given = value(m, m.source_size[source], e.v)
+            if math.isfinite(given):
+                e.work.xi[m.storages + k] = given
     for k in range(m.storages):
         at = m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 0 else 0)
         size = size_of(e, mode, at, e.work.xi, e.v)

@@ -108,6 +108,7 @@ def make_equations(e: Engine, mode: Mode, given: Ints) -> None:
     mode.ways.shares = 0
     mode.flow_known = False
     mode.saw = False
+    mode.sized = False
     mode.leakage.stages = 0
     mode.leakage.first = 0
     mode.leakage.second = 0

@@ -143,6 +143,10 @@ class Mode:
     ways: Ways
     saw: bool
     seen: Floats
+    sized: bool
+    sized_at: Floats
+    free_size: Block
+    """What rounding of the free unknowns is measured by, at the bond variables `sized_at`."""
     rates: Reads
     """What the rates of the state read."""
     flow_known: bool
@@ -221,6 +225,8 @@ def make_mode(m: Model) -> Mode:
     mode.guess = make_block(1)
     mode.ways = make_ways()
     mode.seen = floats(n)
+    mode.sized_at = floats(n)
+    mode.free_size = make_block(1)
     mode.rates = make_reads(m)
     return mode
 

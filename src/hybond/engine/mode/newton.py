@@ -15,6 +15,7 @@ from hybond.engine.mode.continuation import continued
 from hybond.engine.mode.damped import SETTLED, damped
 from hybond.engine.mode.dynamic_rows import dynamic_value, slopes_at
 from hybond.engine.mode.mode_records import Mode
+from hybond.engine.mode.neighbours import from_neighbours
 from hybond.engine.mode.newton_system import (
     by_free,
     is_zero,
@@ -94,7 +95,8 @@ def newton(e: Engine, mode: Mode, v: Floats) -> int:
     """Solve for the free unknowns, from where Newton ended last, or else from zero.
 
     With full steps, then with shorter ones, then on the way from laws with a resistance beside
-    them. What is found is put back into the laws.
+    them; if laws have no values at zero, from what is known beside them. What is found is put back
+    into the laws.
     """
     work = e.work
     frees = mode.finite_frees
@@ -112,17 +114,18 @@ def newton(e: Engine, mode: Mode, v: Floats) -> int:
         found = from_swings(e, mode, v, r)
     if not found and mode.guessed:
         found = shorter_steps(e, mode, v, r, mode.guess.at)
+    work.had_values = False
     if not found:
         with_free(mode, 2 * e.model.bonds, work.base, r, work.w)
         for j in range(frees):
             r[j] = 0.0
         with_free(mode, 2 * e.model.bonds, work.base, r, work.w)
         rows = system(e, mode, v, work.w)
-        if not all_finite(rows, work.residual.at) and not mode.guessed:
-            return blame(e, mode, v)
-        found = damped(e, mode, v, r, TOLERANCE)
-    if not found:
-        found = continued(e, mode, v, r, TOLERANCE)
+        if not all_finite(rows, work.residual.at):
+            found = from_neighbours(e, mode, v, r, TOLERANCE)
+        else:
+            found = damped(e, mode, v, r, TOLERANCE)
+            found = found or continued(e, mode, v, r, TOLERANCE)
     if found:
         with_free(mode, 2 * e.model.bonds, work.base, r, work.w)
         return OK
@@ -252,7 +255,7 @@ def no_solution(e: Engine, mode: Mode, v: Floats) -> int:
         work.guess.at[j] = mode.guess.at[j] if guessed else 0.0
     with_free(mode, 2 * e.model.bonds, work.base, work.guess.at, work.w)
     rows = system(e, mode, v, work.w)
-    if not all_finite(rows, work.residual.at):
+    if not all_finite(rows, work.residual.at) and not work.had_values:
         return blame(e, mode, v)
     no_values(e, mode)
     e.fault.t = v[0]

@@ -12,6 +12,7 @@ from typing import Final
 from hybond.engine.algebra.blocks import row_size
 from hybond.engine.engine import Engine
 from hybond.engine.mode.mode_records import Mode
+from hybond.engine.mode.solved_sizes import solved_sizes
 from hybond.engine.mode.storage import own_stiffness, reach_of, with_stored
 from hybond.engine.model import Model
 from hybond.engine.words import Floats
@@ -24,22 +25,25 @@ of it."""
 def size_of(e: Engine, mode: Mode, b: int, xi: Floats, v: Floats) -> float:
     """Return the size of the terms of bond variable `b`, as `solve` found it from the knowns `xi`.
 
-    Those of what is left free count as well, and the value itself.
+    Those of what is left free count as well, as large as what Newton solved it from, and the value
+    itself.
     """
     first = e.model.bond_slot
+    if mode.finite_frees > 0:
+        solved_sizes(e, mode, xi, v)
     size = row_size(mode.finite, mode.same[b], xi)
     at = b * mode.finite_frees
     for j in range(mode.finite_frees):
         if mode.finite_free.at[at + j] != 0.0:
-            free = v[first + mode.free_column[j]]
-            size += math.fabs(mode.finite_free.at[at + j]) * math.fabs(free)
+            size += math.fabs(mode.finite_free.at[at + j]) * mode.free_size.at[j]
     return max(size, math.fabs(v[first + b]))
 
 
 def sizes_of(e: Engine, mode: Mode, v: Floats) -> None:
     """Put the sizes of the terms of all bond variables into `e.work.sizes`, after `solve`."""
     for b in range(2 * e.model.bonds):
-        e.work.sizes[b] = size_of(e, mode, b, e.work.xi, v)
+        size = size_of(e, mode, b, e.work.xi, v)
+        e.work.sizes[b] = size
 
 
 def measure(e: Engine, mode: Mode, pair: int, xi: Floats, v: Floats, terms: Floats) -> None:
@@ -58,7 +62,8 @@ def measure(e: Engine, mode: Mode, pair: int, xi: Floats, v: Floats, terms: Floa
         if b < 0 or b >= 2 * m.bonds:
             terms[slot] = math.fabs(v[slot])
         elif e.slide.k == 0:
-            terms[slot] = max(size_of(e, mode, b, xi, v), reach * mode.seen[b])
+            size = size_of(e, mode, b, xi, v)
+            terms[slot] = max(size, reach * mode.seen[b])
 
 
 def measure_values(m: Model, pair: int, v: Floats, terms: Floats) -> None:

@@ -272,6 +272,18 @@ def _slides_on(c: Case) -> Said:
     )
 
 
+def _rate_jumps(c: Case) -> Said:
+    (signal,) = c.numbers
+    path = c.graph.integrals[signal].path
+    why = f"the rate of {path!r} jumps and switches back at once, again and again {c.now}"
+    return Said(
+        why,
+        path,
+        "let the rate read the state of a machine with these conditions as its guards, which "
+        'slides: if limit.state == "high" then 0 else ...; or take control.pi_clamped',
+    )
+
+
 WORDS: Mapping[str, Callable[[Case], Said]] = {
     "HB-C101": _sources,
     "HB-C103": _too_high,
@@ -297,6 +309,7 @@ WORDS: Mapping[str, Callable[[Case], Said]] = {
     "HB-N406": _in_vain,
     "HB-N407": _limits,
     "HB-N408": _slides_on,
+    "HB-N410": _rate_jumps,
 }
 NO_NUMBERS = (
     "HB-C103",

@@ -19,6 +19,7 @@ HB-N406    the rules that hold
 HB-N407    the machine; the limit; that of breaking loose
 HB-N408    1 if no end of a slip is found, 0 if no step follows it; the machines that slip
 HB-N409    the mean step, s
+HB-N410    the integrated signal whose rate jumps; nothing if it is another that does
 """
 
 from __future__ import annotations

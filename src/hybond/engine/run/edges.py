@@ -11,7 +11,7 @@ from typing import Final
 
 from hybond.engine.engine import OK, Engine
 from hybond.engine.methods.one_instant import room_of_instant
-from hybond.engine.mode.sizes import size_of
+from hybond.engine.mode.sizes import sizes_of
 from hybond.engine.mode.values import evaluate, field
 from hybond.engine.model import value
 from hybond.engine.run.run_records import Run
@@ -135,7 +135,8 @@ def rounding_at(e: Engine, k: int, y: Floats) -> float:
     m = e.model
     if evaluate(e, e.mode, e.v, e.t, y) != OK:
         return 0.0
+    sizes_of(e, e.mode, e.v)
     for i in range(m.edge_bonds):
         b = m.edge_bond[i]
-        e.v[m.bond_slot + b] = size_of(e, e.mode, b, e.work.xi, e.v)
+        e.v[m.bond_slot + b] = e.work.sizes[b]
     return LEVEL * value(m, m.edge_size[k], e.v)

@@ -14,8 +14,10 @@ from hybond.engine.methods.one_instant import room_of_instant
 from hybond.engine.methods.stepping import between, reach, retry
 from hybond.engine.mode.reading import solve_read
 from hybond.engine.mode.values import field, set_motion
-from hybond.engine.model import node_name, value
+from hybond.engine.model import node_name, stored_name, value
+from hybond.engine.reasons.facts import add_fact
 from hybond.engine.run.guard_values import has_crossed, holds_at, show
+from hybond.engine.run.held_by_kinks import is_held
 from hybond.engine.run.locator import ALL_PARTS, NO_KINK, Locator
 from hybond.engine.run.run_records import IDLE, Run
 from hybond.engine.run.together import LAST_PLACES, before_kink, kink_there
@@ -101,11 +103,16 @@ def count_kink(e: Engine, r: Run) -> int:
     if r.jumps and r.back >= BACK:
         return switches_back(e, r)
     if r.crowd >= CROWD:
+        if is_held(e, r):
+            return switches_back(e, r)
         r.locator.asleep = r.nap
         r.nap = min(2 * r.nap, LONGEST_NAP)
         return OK
-    if r.kinks > IDLE and e.t - r.kink_at[r.kinks % (IDLE + 1)] <= BACK_AT_ONCE * e.span:
-        return switches_back(e, r) if r.jumps else OK
+    lately = e.t - r.kink_at[r.kinks % (IDLE + 1)] if r.kinks > IDLE else math.inf
+    if r.jumps and lately <= BACK_AT_ONCE * e.span:
+        return switches_back(e, r)
+    if lately <= SOON_BACK * e.span and is_held(e, r):
+        return switches_back(e, r)
     return OK
 
 
@@ -195,7 +202,11 @@ def atom_of(e: Engine, g: Locator, atom: int, t: float) -> float:
 
 def stuck_at_kink(e: Engine, r: Run) -> int:
     """Say of a step that is too small that it gets no farther than the kink just passed."""
-    if e.refusal or r.kinks == 0 or not r.jumps:
+    if e.refusal or e.model.kinks == 0:
+        return REFUSED
+    if is_held(e, r):
+        return switches_back(e, r)
+    if r.kinks == 0 or not r.jumps:
         return REFUSED
     if e.t - r.kink_at[(r.kinks - 1) % (IDLE + 1)] > SOON_BACK * e.span:
         return REFUSED
@@ -205,7 +216,15 @@ def stuck_at_kink(e: Engine, r: Run) -> int:
 def switches_back(e: Engine, r: Run) -> int:
     """Refuse a jump inside a law that would slide."""
     m = e.model
+    if r.jumping < 0:
+        is_held(e, r)
     node = m.kink_node[r.kink] if r.kink >= 0 else -1
     place = node_name(m, node) if node >= 0 else ""
     why = "a jump of a law or a source switches back at once, again and again"
-    return say_fault(e, "HB-N410", why, place)
+    if r.jumping < m.storages:
+        return say_fault(e, "HB-N410", why, place)
+    why = "the rate of a signal jumps and switches back at once, again and again"
+    say_fault(e, "HB-N410", why, stored_name(m, r.jumping))
+    if m.tells != 0:
+        add_fact(e.fault, float(r.jumping - m.storages))
+    return REFUSED

@@ -57,6 +57,11 @@ class Run:
     rate: Floats
     beside: Floats
     """Rates on both sides of a kink."""
+    after: Floats
+    crossing: float
+    """How long straight on it is to a kink that holds the motion, s."""
+    jumping: int
+    """The state whose rate jumps at it, -1 where none does."""
     begun: bool
     way: int
     """How it begins: FRESH, GIVEN, CHANGED or GOES_ON."""
@@ -106,7 +111,9 @@ def make_run(e: Engine, report: Report) -> Run:
     r.kink_at = floats(IDLE + 1)
     r.rate = floats(e.states)
     r.beside = floats(4 * e.states)
+    r.after = floats(e.states)
     r.kink = -1
+    r.jumping = -1
     r.nap = 1
     r.edge_at = -1.0
     r.edge_from = floats(e.states)

@@ -46,6 +46,7 @@ def put_laws(t: ModelTables) -> None:
     for option in OPTIONS:
         _put_option(t, option, [law for _, law in laws])
     _put_gaps(t, [law for _, law in laws])
+    _put_gates(t, [law for _, law in laws])
     _put_pairs(t, [law for _, law in laws])
     _put_slopes(t, [law for _, law in laws])
     _put_disks(t, [law for _, law in laws])
@@ -78,6 +79,18 @@ def _put_gaps(t: ModelTables, laws: list[JunctionLaw]) -> None:
         pairs.append(len(t.pairs))
         t.pairs.append(law.gap)
     t.ints["port_gap_pair"] = pairs
+
+
+def _put_gates(t: ModelTables, laws: list[JunctionLaw]) -> None:
+    """Put gates among the pairs: what they compare has rounding, as in the rules of their law."""
+    pairs = []
+    for law in laws:
+        if law.gate is None or isinstance(law.gate, Number):
+            pairs.append(-1)
+            continue
+        pairs.append(len(t.pairs))
+        t.pairs.append(law.gate)
+    t.ints["port_gate_pair"] = pairs
 
 
 def _column(g: FlatGraph, name: str) -> int:

@@ -63,10 +63,7 @@ def put_parts(t: ModelTables, found: list[Part]) -> None:
     t.ints["source_linear"] = [int(not reads_bonds(s.rate)) for s in sources]
     t.ints["source_curved"] = [int(any(reads_bonds(e) for e in d.values())) for d in slopes]
     t.ints["source_bent"] = [int(_bends(s.value)) for s in sources]
-    t.ints["source_size"] = [
-        t.values.number(magnitude(s.value)) if turning(s.value) and not uses_pre(s.value) else -1
-        for s in sources
-    ]
+    t.ints["source_size"] = [_rounded(t, s.value) for s in sources]
     t.ints["source_timed"] = [int(_of_time(s.value)) for s in sources]
     put_rows(t, "look_first", [_bonds_read(t, s.value) for s in sources], look_bond=INTS)
     put_rows(
@@ -89,6 +86,18 @@ def _bends(e: Expr) -> bool:
 
     slopes = (differentiate(e, n) for n in sorted(posterior_names(e)) if moves(Name(n)))
     return any(moves(part) for part in (*turning(e), *slopes))
+
+
+def _rounded(t: ModelTables, e: Expr) -> int:
+    """Return what a value is measured by where it is zero: the terms that it is a difference of.
+
+    A sine of a great angle is known to rounding of the angle.
+    """
+    if uses_pre(e):
+        return -1
+    if turning(e):
+        return t.values.number(magnitude(e))
+    return t.values.number(rounding(e)) if _bends(e) else -1
 
 
 def _of_time(e: Expr) -> bool:

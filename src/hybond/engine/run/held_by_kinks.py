@@ -1,0 +1,139 @@
+"""A motion that stands before a jump of a law, and is driven back from behind it.
+
+Steps there become too small to see the kink from both sides, or so small that they all end at one.
+So rates are compared along a straight line through the kink: they lead to it from either side.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from hybond.engine.engine import OK, Engine
+from hybond.engine.methods.one_instant import room_of_instant
+from hybond.engine.mode.reading import solve_read
+from hybond.engine.mode.values import field, set_motion
+from hybond.engine.model import value
+from hybond.engine.run.guard_values import show
+from hybond.engine.run.locator import ALL_PARTS, NO_KINK, Locator
+from hybond.engine.run.run_records import Run
+
+JUMPS: Final = 0.75
+"""A jump is as large from a quarter of a way; what is bent is a half or less, like a root."""
+SEEN: Final = 1e-9
+"""Part of the rates below which a change of them is no jump."""
+NEAR: Final = 1e-8
+"""Part of the run within which a kink that holds the motion is reached."""
+WIDE: Final = 64.0
+"""Instants on either side of it at which rates are compared, at the least."""
+HALVINGS: Final = 60
+
+
+def is_held(e: Engine, r: Run) -> bool:
+    """Whether a jump at a kink next to the present state holds the motion, into `r.kink`.
+
+    The state whose rate jumps there is `r.jumping`.
+    """
+    g = r.locator
+    refusal = e.refusal
+    held = False
+    if field(e, e.mode, e.t, e.y, r.rate) == OK:
+        for k in range(g.guards):
+            if not held and g.side[k] != NO_KINK:
+                held = holds_motion(e, r, k)
+    g.looked = math.nan
+    e.refusal = refusal
+    return held
+
+
+def holds_motion(e: Engine, r: Run, k: int) -> bool:
+    """Whether the kink of guard k does; the rates at the present state are in `r.rate`."""
+    g = r.locator
+    atom = e.model.atom_value[g.atom[g.atom_first[k]]]
+    if not math.isfinite(along(e, r, atom, 0.0)):
+        return False
+    far = room_of_instant(e, e.t)
+    passed = way_through(e, r, atom, far)
+    while not passed and far < NEAR * e.until:
+        far *= 4.0
+        passed = way_through(e, r, atom, far)
+    if not passed:
+        return False
+    at = r.crossing
+    wide = max(far, WIDE * room_of_instant(e, e.t))
+    if not rates_beside(e, r, at, wide) or not both_lead_to(e, r, atom, at, 0.25 * wide):
+        return False
+    r.jumping = -1
+    most = 0.0
+    for i in range(e.states):
+        apart = math.fabs(r.beside[i] - r.beside[e.states + i])
+        near = math.fabs(r.beside[2 * e.states + i] - r.beside[3 * e.states + i])
+        size = math.fabs(r.beside[2 * e.states + i]) + math.fabs(r.beside[3 * e.states + i])
+        if near > JUMPS * apart and near > SEEN * size and near > most:
+            most = near
+            r.jumping = i
+    if r.jumping < 0:
+        return False
+    r.kink = g.atom[g.atom_first[k]] - e.model.kink_atom
+    return True
+
+
+def way_through(e: Engine, r: Run, atom: int, far: float) -> bool:
+    """Whether what is compared changes its sign within `far`; where it does is `r.crossing`."""
+    low = -far
+    high = far
+    before = along(e, r, atom, low)
+    if not before * along(e, r, atom, high) < 0.0:
+        return False
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        if before * along(e, r, atom, middle) > 0.0:
+            low = middle
+        else:
+            high = middle
+    r.crossing = 0.5 * (low + high)
+    return True
+
+
+def along(e: Engine, r: Run, atom: int, h: float) -> float:
+    """Return what is compared at the state that the present rates lead to in a time."""
+    for i in range(e.states):
+        r.locator.y[i] = e.y[i] + h * r.rate[i]
+    return compared(e, r.locator, atom, e.t + h)
+
+
+def compared(e: Engine, g: Locator, atom: int, t: float) -> float:
+    """Return a difference that is watched, at the state in `g.y`; nan if it has no value."""
+    show(e, g, ALL_PARTS)
+    g.looked = math.nan
+    set_motion(e, e.v, t, g.y)
+    if solve_read(e, e.mode, g.reads, e.v) != OK:
+        return math.nan
+    return value(e.model, atom, e.v)
+
+
+def rates_beside(e: Engine, r: Run, at: float, wide: float) -> bool:
+    """Put the rates behind and before the crossing there, at that way and at a quarter of it."""
+    g = r.locator
+    known = True
+    for k in range(4):
+        h = at + wide * (1.0 if k % 2 == 0 else -1.0) * (1.0 if k < 2 else 0.25)
+        for i in range(e.states):
+            g.y[i] = e.y[i] + h * r.rate[i]
+        known = known and field(e, e.mode, e.t + h, g.y, r.after) == OK
+        for i in range(e.states):
+            r.beside[k * e.states + i] = r.after[i]
+    return known
+
+
+def both_lead_to(e: Engine, r: Run, atom: int, at: float, near: float) -> bool:
+    """Whether rates on either side lead towards the kink, at that way from it."""
+    g = r.locator
+    both = True
+    for side in range(2):
+        h = at + (near if side == 0 else -near)
+        here = along(e, r, atom, h)
+        for i in range(e.states):
+            g.y[i] = e.y[i] + h * r.rate[i] + near * r.beside[(2 + side) * e.states + i]
+        both = both and here * (compared(e, g, atom, e.t + h + near) - here) < 0.0
+    return both
