@@ -87,7 +87,19 @@ class EventTable(Sequence[Event]):
         return rows
 
     def _mode(self, step: Visit, focus: Collection[str]) -> str:
-        return f"({self.graph.mode_text(step.mode, focus)})"
+        text = f"({self.graph.mode_text(step.mode, focus)})"
+        if len(text) <= WIDEST:
+            return text
+        # too much for a line: what just switched, as far as there is room
+        states = self.graph.mode_names(step.mode)
+        told = sorted(states, key=lambda machine: machine not in focus)
+        shown: list[str] = []
+        for machine in told:
+            words = [*shown, f"{machine} = {states[machine]}"]
+            if shown and len(", ".join(words)) > WIDEST - len("(,  and 99 more)"):
+                break
+            shown = words
+        return f"({', '.join(shown)} and {len(states) - len(shown)} more)"
 
     def _details(self, step: Visit, event: Event) -> str:
         parts = []

@@ -154,7 +154,7 @@ def test_the_studio_shows_an_array_as_one_node() -> None:
     assert set(told["bonds"]) == {key for key, _, _ in ends}
     assert told["nodes"]["gap[1..n]"] == {"controlled": True, "off": True}
     inside = strokes(known, None, "r[k = 1..n]")
-    assert inside["nodes"]["r"]["says"] == "10 ohm"
+    assert inside["nodes"]["r"]["says"] == "10 Ω"
     graph = known.graph
     assert graph is not None
     shown = {key: graph.bonds[k].name for key, k in numbers_of(known, "").items()}
