@@ -71,7 +71,8 @@ def public(name: str) -> str:
     """Return the page of a public name, made from its docstrings."""
     what = getattr(hb, name)
     if isinstance(what, ModuleType):
-        body = [f".. automodule:: {what.__name__}", "   :members:", "   :imported-members:"]
+        body = [f".. automodule:: {what.__name__}", f"   :members: {', '.join(_own(what))}"]
+        body += ["   :imported-members:"]
     elif inspect.isclass(what):
         body = [f".. autoclass:: hybond.{name}", "   :members:"]
         if issubclass(what, Exception):
@@ -105,3 +106,11 @@ def library(domains: list[str]) -> str:
         )
         lines.append(f"| [{domain}]({domain}.md) | {links} |")
     return "\n".join([*lines, "", toctree(domains)])
+
+
+def _own(room: ModuleType) -> list[str]:
+    """Return the names that a room offers and that are hybond's."""
+    offered = getattr(room, "__all__", None) or [n for n in vars(room) if not n.startswith("_")]
+    return [
+        n for n in offered if str(getattr(getattr(room, n), "__module__", "")).startswith("hybond")
+    ]

@@ -56,3 +56,13 @@ def test_forty_switches_in_a_circuit_with_a_diode_are_found_as_they_are_entered(
         closed = math.floor(t / 1e-3)
         voltage = max(10.0 * math.sin(100 * math.pi * t), 0.0)
         assert run["d.f"].at(t) == pytest.approx(voltage * (1 / 5 + closed / 40), abs=1e-9)
+
+
+@pytest.mark.parametrize("engine", ["library", "python"])
+def test_time_stepping_of_machines_without_any_law_reads_no_place_of_settings(engine: str) -> None:
+    m = hb.Model("lamp", domain="electrical")
+    m.add(V=hb.Se("10 V"), s=hb.One(), r=hb.R("5 ohm"))
+    m.bond("V -> s -> r")
+    m.machine("S", states={"off": [], "on": ["s"]}, start="off", rules=["off -> on when time>0.5"])
+    run = hb.simulate(m, "1 s", solver="moreau-jean", step="10 ms", engine=engine)
+    assert run["r.f"].at([0.2, 0.8]) == pytest.approx([0.0, 2.0])

@@ -84,7 +84,8 @@ def orientation(m: Model, base: Ints, given: Ints) -> None:
     machines beside the laws switch; of too many settings for the start alone.
     """
     number = 0
-    for k in range(m.machines):
+    # a model without ports, which time-stepping asks for them too, has no places either
+    for k in range(m.machines if m.ports > 0 else 0):
         if m.is_law[k] == 0:
             number += m.orient_place[m.state_first[k] + base[k]]
     for p in range(m.ports):
