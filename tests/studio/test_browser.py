@@ -374,23 +374,39 @@ def test_the_schematic_stands_beside_the_bond_graph_with_one_selection(
     assert not page.complaints()
 
 
+def with_axe(desk: Any) -> Callable[[], list[Any]]:
+    """Put axe into the page that is open; return what tells its serious findings."""
+    axe = pytest.importorskip("axe_core_python")
+    script = next(Path(axe.__file__).parent.glob("axe*.js")).read_text(encoding="utf-8")
+    desk.execute_script(script)
+    return lambda: desk.execute_async_script(
+        "const done = arguments[0];"
+        "axe.run(document, {resultTypes: ['violations']}).then(r => done(r.violations"
+        ".filter(v => ['serious', 'critical'].includes(v.impact))"
+        ".map(v => [v.id, v.nodes.map(n => n.html.slice(0, 120))])))"
+    )
+
+
+def test_axe_finds_nothing_serious_in_a_schematic(
+    desk: Any, serve: Callable[[str], str], tmp_path: Path
+) -> None:
+    (tmp_path / "boost.toml").write_text((EXAMPLES / "boost.toml").read_text())
+    page = Page(desk, serve("boost.toml"))
+    next(b for b in page.all("header button") if b.text == "Schematic").click()
+    page.until(lambda: page.one('[data-schematic="coil"] path.symbol'), "the schematic")
+    assert with_axe(desk)() == []
+
+
 def test_axe_finds_nothing_serious_in_light_and_dark(
     desk: Any, serve: Callable[[str], str], tmp_path: Path
 ) -> None:
-    axe = pytest.importorskip("axe_core_python")
-    script = next(Path(axe.__file__).parent.glob("axe*.js")).read_text(encoding="utf-8")
     (tmp_path / "rod.toml").write_text((EXAMPLES / "falling_rod.toml").read_text())
     page = Page(desk, serve("rod.toml"))
-    desk.execute_script(script)
     found: dict[str, list[Any]] = {}
+    axe = with_axe(desk)
 
     def look(where: str) -> None:
-        found[where] = desk.execute_async_script(
-            "const done = arguments[0];"
-            "axe.run(document, {resultTypes: ['violations']}).then(r => done(r.violations"
-            ".filter(v => ['serious', 'critical'].includes(v.impact))"
-            ".map(v => [v.id, v.nodes.map(n => n.html.slice(0, 120))])))"
-        )
+        found[where] = axe()
 
     look("drawn")
     page.click("button.run")
