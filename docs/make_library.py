@@ -33,7 +33,8 @@ def domain_of(sheet: Sheet) -> str:
 
 def has_graph(sheet: Sheet) -> bool:
     """Return whether there is a bond graph to draw: most of control is signals alone."""
-    return bool(hb.library.part(sheet.name).elements)
+    model = hb.library.part(sheet.name)
+    return bool(model.elements) and bool(model.flatten().nodes)
 
 
 def drawing_of(sheet: Sheet) -> Path:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -70,12 +71,14 @@ def impulses_in(run: Result, name: str, window: Window) -> tuple[Impulse, ...]:
     return tuple(found)
 
 
-def _factor(run: Result, name: str, e: Expr, variable: str, event: Event, struck: object) -> float:
+def _factor(
+    run: Result, name: str, e: Expr, variable: str, event: Event, struck: Collection[str]
+) -> float:
     """Return what an expression multiplies an impulse with."""
     slope = simplify(differentiate(e, variable))
     if isinstance(slope, Number):
         return float(slope.value)
-    if set(names(slope)) & set(struck):  # type: ignore[call-overload]
+    if not set(struck).isdisjoint(names(slope)):
         raise _meaningless(run, name, event, "it is not linear in what has an impulse")
     if event.t == run.t_begin and any(n[:2] in ("e:", "f:", "x:") for n in names(slope)):
         # what it was before the run is not known

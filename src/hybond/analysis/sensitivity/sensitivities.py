@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.analysis.sensitivity.along import Chain, chain_of
+from hybond.analysis.sensitivity.collocation import Jump
 from hybond.analysis.sensitivity.fields import Fields
 from hybond.analysis.sensitivity.opened import opened_model
 from hybond.analysis.sensitivity.record import EventDerivative, Sensitivities
@@ -170,7 +171,8 @@ class Varied:
             by = None
             if instant.place is not None:
                 link = chain.links[instant.place]
-                by = link.moved(d[instant.place]) @ follows  # type: ignore[union-attr]
+                assert isinstance(link, Jump)  # an instant is a jump of the variations
+                by = link.moved(d[instant.place]) @ follows
             events.append(EventDerivative(instant.t, instant.event, instant.text, by))
         return Sensitivities(
             self.run,
