@@ -127,3 +127,29 @@ def test_a_timed_event_at_the_very_jump_is_one_instant_with_it() -> None:
     jumps = [e for e in run.events if e.t in (1.0, 2.0)]
     assert [e.steps[-1].impulses["s.e"] for e in jumps] == pytest.approx([MASS, MASS])
     assert float(run["store.p"].at(1.0, side="left")) == pytest.approx(0.0, abs=1e-12)
+
+
+def test_an_unconnected_part_beside_the_jump_is_not_touched() -> None:
+    m = driven(SHAPES["floor"][0], "Sf", False)
+    m.add(swing=hb.I("1 kg", f="1 m/s"), spring=hb.C("1 m/N"), w=hb.One())
+    m.bond("w -> swing", "w -> spring")
+    run = hb.simulate(m, "2 s")
+    assert [e.t for e in run.events[1:]] == pytest.approx([0.5, 1.5], abs=1e-12)
+    assert float(run["swing.f"].at(2.0)) == pytest.approx(math.cos(2.0), abs=1e-9)
+
+
+def test_a_source_behind_an_open_junction_jumps_onto_nothing_until_that_closes() -> None:
+    m = hb.Model("gate", domain="translational")
+    m.add(s=hb.Sf("floor(time/(1 s) + 0.5)*1 [m/s]"), gate=hb.Zero(), v=hb.One())
+    m.add(mass=hb.I(f"{MASS} kg"))
+    m.bond("s -> gate -> v -> mass")
+    m.machine(
+        "M", states={"off": [], "on": ["gate"]}, start="off", rules=["off -> on when time>=1"]
+    )
+    run = hb.simulate(m, "2 s")
+    assert run.audit().holds()
+    assert [(e.cause, e.t) for e in run.events[1:]] == [
+        ("time", pytest.approx(1.0)),
+        ("law", pytest.approx(1.5)),
+    ]
+    assert run["mass.p"].at([0.7, 1.2, 1.7]) == pytest.approx([0.0, MASS, 2.0 * MASS])
