@@ -292,14 +292,20 @@ class Records:
     def _add_steps(self, new: Steps) -> None:
         """Note the segments that are over; what belongs to the next one waits."""
         key = _key(new)
+        changes = (np.flatnonzero((key[1:] != key[:-1]).any(axis=1)) + 1).tolist()
         if self._waiting:
-            if (key[0] == _key(self._waiting[-1])[-1]).all() and (key == key[0]).all():
+            goes_on = bool((key[0] == _key(self._waiting[-1])[-1]).all())
+            if goes_on and not changes:
                 self._waiting.append(new)
                 return
-            new = Steps.joined([*self._waiting, new])
-            key = _key(new)
-        changes = np.flatnonzero((key[1:] != key[:-1]).any(axis=1)) + 1
-        begins = [0, *changes.tolist()]
+            # only what the segment has in this slice is copied to its rest
+            head = changes.pop(0) if goes_on else 0
+            waiting = [*self._waiting, new.part(0, head)] if head else self._waiting
+            over = Steps.joined(waiting)
+            self._note_segments(over, [0, len(over.time)])
+            new = new.part(head, len(new.time))
+            changes = [k - head for k in changes]
+        begins = [0, *changes]
         self._note_segments(new, begins)
         at = begins[-1]
         self._waiting = [new.part(at, len(new.time))]
