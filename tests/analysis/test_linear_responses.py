@@ -91,13 +91,18 @@ def test_a_pole_at_the_origin_has_no_gain_at_rest() -> None:
 
 def test_plots_show_what_was_computed(tmp_path: Path) -> None:
     lin = filtered()
-    bode = lin.plot_bode(tmp_path / "bode.svg")
+    bode = lin.plot_bode(tmp_path / "bode.svg", output="n.e")
     upper, lower = bode.axes
     shown = upper.lines[0].get_xydata()
     own = lin.bode()
     np.testing.assert_allclose(shown[:, 1], own.decibels)
     assert any("phase margin" in t.get_text() for t in upper.texts)
     assert lower.get_xlabel() == "frequency [kHz]" and "dB" in upper.get_ylabel()
+    both = lin.plot_bode().axes[0]
+    assert [t.get_text() for t in both.get_legend().get_texts()] == ["n.e / V", "i.f / V [A/V]"]
+    for line, name in zip(both.lines, ("n.e", "i.f"), strict=True):
+        x, y = line.get_xydata().T
+        np.testing.assert_allclose(y, lin.bode(x * 1e3, output=name).decibels)
     poles = lin.plot_poles(tmp_path / "poles.png", output="n.e")
     crosses = poles.axes[0].lines[2].get_xydata()
     assert sorted(crosses[:, 0] + 1j * crosses[:, 1], key=abs) == pytest.approx(

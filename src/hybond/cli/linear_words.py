@@ -45,7 +45,7 @@ def linearise_words(verb: Verb, verbs: Any) -> ArgumentParser:
     parser.add_argument(
         "--kind",
         metavar="WHAT",
-        help="of --plot: bode (the default), nyquist, step, poles; of the first input and output",
+        help="of --plot: bode (the default) or step, of all pairs; nyquist or poles, of the first",
     )
     parser.add_argument(
         "--frequencies",

@@ -44,7 +44,7 @@ def plot_bode(
     Parameters
     ----------
     curves : sequence of Bode
-        Drawn as lines, of one unit.
+        Drawn as lines; several ones are named.
     margins : Margins, optional
         Marked where there are any.
     dots : sequence of (Bode, label, filled)
@@ -76,10 +76,9 @@ def plot_bode(
                     zorder=4,
                     label=label if face == colour else "",
                 )
-    first = whole[0]
-    named = shorten(f"{first.output} / {first.input}", 9.5, 110.0)
-    unit = f"dB of {printed(first.unit)}" if first.unit else "dB"
-    upper.set_ylabel(f"{named} [{unit}]", fontsize=9.5, parse_math=False)
+    upper.set_ylabel(_of_what(whole), fontsize=9.5, parse_math=False)
+    if len(curves) > 1:
+        _name_curves(upper, curves)
     lower.set_ylabel("phase [°]", fontsize=9.5)
     for ax in (upper, lower):
         ax.set_xscale("log")
@@ -243,6 +242,35 @@ def _finish(ax: Axes) -> None:
     ax.grid(visible=True, axis="y", color="#e6e6e6", linewidth=0.6)
     for side in ("top", "right"):
         ax.spines[side].set_visible(False)
+
+
+def _of_what(curves: Sequence[Any]) -> str:
+    """Return what the magnitudes are of, as far as it is the same in all."""
+    first = curves[0]
+    units = {printed(c.unit) if c.unit else "" for c in curves}
+    unit = next(iter(units)) if len(units) == 1 else ""
+    same = all((c.output, c.input) == (first.output, first.input) for c in curves)
+    named = shorten(f"{first.output} / {first.input}", 9.5, 110.0) if same else "magnitude"
+    return f"{named} [dB of {unit}]" if unit else f"{named} [dB]"
+
+
+def _name_curves(ax: Axes, curves: Sequence[Any]) -> None:
+    """Put a legend where the least of the curves is below it."""
+    legend = ax.legend(
+        ax.get_lines()[: len(curves)],
+        [str(k) for k in range(len(curves))],
+        loc="best",
+        frameon=True,
+        edgecolor="none",
+        framealpha=0.8,
+        fontsize=8.0,
+        handlelength=1.2,
+    )
+    units = {c.unit for c in curves}
+    for text, curve in zip(legend.get_texts(), curves, strict=True):
+        unit = f" [{printed(curve.unit)}]" if curve.unit and len(units) > 1 else ""
+        text.set_parse_math(False)
+        text.set_text(shorten(f"{curve.output} / {curve.input}{unit}", 8.0, 130.0))
 
 
 def _degrees(ax: Axes) -> None:

@@ -29,6 +29,10 @@ if TYPE_CHECKING:
 Matrix = NDArray[np.float64]
 
 
+_CURVES = 6
+"""Pairs in one Bode plot."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Linearisation:
     """``x' = A x + B u``, ``y = C x + D u`` near a point; made by `linearise`.
@@ -298,12 +302,29 @@ class Linearisation:
         input: str | None = None,
         output: str | None = None,
     ) -> Figure:
-        """Plot magnitude and phase of one pair, with the margins where there are any."""
+        """Plot magnitude and phase of pairs: of all that respond, if neither is named.
+
+        Six at most, and then the title says of how many; one alone has its margins.
+        """
         from hybond.draw.linear_plots import plot_bode
 
-        found = self.bode(frequencies, input=input, output=output)
-        margins = self.margins(input=input, output=output)
-        return plot_bode([found], margins=margins, title=self._heading(), path=path)
+        outputs = self.outputs if output is None else [self.outputs[self._output(output)]]
+        inputs = self.inputs if input is None else [self.inputs[self._input(input)]]
+        pairs = [(o, i) for o in outputs for i in inputs]
+        if frequencies is None and len(pairs) > 1:
+            rates = [self._rates(self._output(o), self._input(i)) for o, i in pairs]
+            frequencies = frequencies_of(None, np.concatenate(rates))
+        whole = [self.bode(frequencies, input=i, output=o) for o, i in pairs]
+        found = [b for b in whole if np.any(b.response != 0.0)][:_CURVES] or whole[:1]
+        if not found:
+            found = [self.bode(frequencies, input=input, output=output)]
+        margins = None
+        if len(found) == 1:
+            margins = self.margins(input=found[0].input, output=found[0].output)
+        title = self._heading()
+        if 1 < len(found) < len(whole):
+            title = f"{len(found)} of {len(whole)} pairs of {title}"
+        return plot_bode(found, margins=margins, title=title, path=path)
 
     def plot_nyquist(
         self,
