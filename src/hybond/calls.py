@@ -16,6 +16,9 @@ P = ParamSpec("P")
 T = TypeVar("T")
 C = TypeVar("C")
 
+DEBUG = "HYBOND_DEBUG"
+"""An environment variable: if it is set, a refusal has the frames inside hybond, too."""
+
 
 def called(
     example: str, *, code: str = "HB-S130", kind: type[HybondError] = UsageError
@@ -59,7 +62,13 @@ def called(
                 why, hint = _misfit(name, signature, args, options)
                 remedy = f"{hint} As in {example}" if hint else example
                 raise kind(why, code=code, where=name, hint=remedy) from None
-            return function(*args, **options)
+            try:
+                return function(*args, **options)
+            except HybondError as error:
+                if os.environ.get(DEBUG):
+                    raise
+                # what is refused is the caller's: the frames between are of no use to them
+                raise error.with_traceback(None)
 
         return call
 
