@@ -16,7 +16,7 @@ from hybond.engine.model import value
 from hybond.engine.tables import answered, tables_of
 from hybond.engine.tables.code import Code
 from hybond.errors import ModelError
-from hybond.model.expressions import Binary, Expr, Name, compile_expression, parse
+from hybond.model.expressions import Binary, Expr, Name, Number, compile_expression, parse
 
 TEXTS = [
     "a + b - c*a/b",
@@ -107,9 +107,11 @@ def test_expressions_of_an_example(name: str) -> None:
 
 
 def test_an_expression_that_is_too_deep_is_refused() -> None:
-    deep: Expr = Name("a")
-    for _ in range(DEEPEST):
+    deep: Expr = Binary("-", Number(1.0), Name("a"))  # needs one place: what is right of it is read
+    for _ in range(DEEPEST - 1):
         deep = Binary("+", Name("a"), deep)
+    Code({"a": 0}, 1).add(deep, paired=False)
+    deep = Binary("+", Name("a"), deep)
     with pytest.raises(ModelError) as caught:
         Code({"a": 0}, 1).add(deep, paired=False)
     assert caught.value.code == "HB-E636"

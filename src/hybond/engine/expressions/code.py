@@ -79,66 +79,83 @@ APPLY: Final = 27  # and a function of functions.py, of one number
 APPLY_TO_TWO: Final = 28
 READ: Final = 29  # and where a table begins: how many points, whether it goes on, the points
 SLOPE: Final = 30
+ADD_NUMBER: Final = 31  # and which one; four operators in the order of those above, on numbers only
+DIVIDE_NUMBER: Final = 34
+ADD_SIGNAL: Final = 35  # and its slot, likewise
+DIVIDE_SIGNAL: Final = 38
 
 
 def run_code(code: Ints, begin: int, number: Floats, v: Floats, stack: Floats) -> float:
-    """Return the expression whose instructions begin at `begin`, at the values `v`."""
-    top = -1
+    """Return the expression whose instructions begin at `begin`, at the values `v`.
+
+    What is on top of the stack is at hand as `x`, and `stack` has what lies below it.
+    """
+    x = 0.0
+    below = -1
     i = begin
     while code[i] != END:
         what = code[i]
         i += 1
         if what == NUMBER:
-            top += 1
-            stack[top] = number[code[i]]
+            below += 1
+            stack[below] = x
+            x = number[code[i]]
             i += 1
         elif what == SIGNAL:
-            top += 1
-            stack[top] = v[code[i]]
+            below += 1
+            stack[below] = x
+            x = v[code[i]]
+            i += 1
+        elif what >= ADD_NUMBER and what <= DIVIDE_NUMBER:
+            x = combined(what - ADD_NUMBER + ADD, x, number[code[i]])
+            i += 1
+        elif what >= ADD_SIGNAL and what <= DIVIDE_SIGNAL:
+            x = combined(what - ADD_SIGNAL + ADD, x, v[code[i]])
             i += 1
         elif what >= ADD and what <= RAISE:
-            top -= 1
-            stack[top] = combined(what, stack[top], stack[top + 1])
+            x = combined(what, stack[below], x)
+            below -= 1
         elif what == NEGATE:
-            stack[top] = -stack[top]
+            x = -x
         elif what == SQUARE:
-            stack[top] = stack[top] * stack[top]
+            x = x * x
         elif what >= LESS and what <= UNEQUAL:
-            top -= 1
-            stack[top] = 1.0 if is_so(what, stack[top], stack[top + 1]) else 0.0
+            x = 1.0 if is_so(what, stack[below], x) else 0.0
+            below -= 1
         elif what == DENY:
-            stack[top] = 1.0 if stack[top] == 0.0 else 0.0
+            x = 1.0 if x == 0.0 else 0.0
         elif what == AFFIRM:
-            stack[top] = 1.0 if stack[top] != 0.0 else 0.0
+            x = 1.0 if x != 0.0 else 0.0
         elif what == SKIP:
             i += code[i] + 1
         elif what == SKIP_UNLESS or what == SKIP_IF:
-            i += code[i] + 1 if (stack[top] != 0.0) == (what == SKIP_IF) else 1
-            top -= 1
+            i += code[i] + 1 if (x != 0.0) == (what == SKIP_IF) else 1
+            x = stack[below]
+            below -= 1
         elif what == ABSOLUTE:
-            stack[top] = math.fabs(stack[top])
+            x = math.fabs(x)
         elif what == SIGN:
-            stack[top] = sign_of(stack[top])
+            x = sign_of(x)
         elif what == LENGTH:
-            top -= 1
-            stack[top] = math.hypot(stack[top], stack[top + 1])
+            x = math.hypot(stack[below], x)
+            below -= 1
         elif what == LEAST:
-            top -= 1
-            stack[top] = least_of(stack[top], stack[top + 1])
+            x = least_of(stack[below], x)
+            below -= 1
         elif what == GREATEST:
-            top -= 1
-            stack[top] = greatest_of(stack[top], stack[top + 1])
+            x = greatest_of(stack[below], x)
+            below -= 1
         elif what == APPLY:
-            stack[top] = function_of(code[i], stack[top], 0.0)
+            x = function_of(code[i], x, 0.0)
             i += 1
         elif what == APPLY_TO_TWO:
-            top -= 1
-            stack[top] = function_of(code[i], stack[top], stack[top + 1])
+            x = function_of(code[i], stack[below], x)
+            below -= 1
             i += 1
         else:
-            stack[top] = looked_up(what, number, code[i], stack[top])
+            x = looked_up(what, number, code[i], x)
             i += 1
-    return stack[top]
+    return x
 
 
 def combined(what: int, a: float, b: float) -> float:

@@ -103,7 +103,7 @@ class Code:
     >>> code.add(parse("2*x + pre(x)"), paired=False)
     0
     >>> code.instructions
-    [1, 0, 2, 3, 6, 2, 11, 4, 0]
+    [1, 0, 37, 3, 2, 11, 4, 0]
     >>> code.numbers
     [2.0]
     """
@@ -151,6 +151,11 @@ class Code:
                 return _then(below, c.DENY)
             case Binary(op="^", right=Number(value=2.0)) if not paired:
                 return _then(below[:1], c.SQUARE)
+            case Binary(op, right=Number() | Name()) if op != "^" and not paired:
+                # one instruction for a number or a signal and the operator behind it
+                (left, depth), ((what, which), _) = below
+                first = c.ADD_NUMBER if what == c.NUMBER else c.ADD_SIGNAL
+                return [*left, first + _ARITHMETIC[op] - c.ADD, which], depth
             case Binary(op):
                 return _then(below, _ARITHMETIC[op])
             case Compare(op):
