@@ -68,7 +68,7 @@ def called(
                 if os.environ.get(DEBUG):
                     raise
                 # what is refused is the caller's: the frames between are of no use to them
-                raise error.with_traceback(None)
+                raise error.with_traceback(None) from error.__cause__
 
         return call
 
