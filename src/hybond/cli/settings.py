@@ -5,10 +5,10 @@ from __future__ import annotations
 import copy
 from collections.abc import Sequence
 
-from hybond.errors import ModelError, UsageError
+from hybond.errors import UsageError
 from hybond.model.builder import Model
 from hybond.model.graph import FlatGraph
-from hybond.model.paths import settable, with_part
+from hybond.model.paths import with_part
 from hybond.names import did_you_mean
 
 
@@ -40,16 +40,7 @@ def flatten_with(model: Model, settings: Sequence[str]) -> FlatGraph:
     (3.0, 2.0)
     """
     changed, parameters = _read(model, settings)
-    try:
-        return changed.flatten(parameters=parameters)
-    except ModelError as error:
-        if error.code == "HB-M107" and error.where in parameters:
-            paths = list(settable(model))
-            under = [p for p in paths if p.rpartition(".")[0] == error.where]
-            error.hint = did_you_mean(error.where, paths)
-            if under:
-                error.hint = "did you mean " + ", ".join(map(repr, under[:3])) + "?"
-        raise
+    return changed.flatten(parameters=parameters)
 
 
 def model_with(model: Model, settings: Sequence[str]) -> Model:

@@ -27,7 +27,7 @@ from hybond.model.machines import machines_of, rule_of, switched_by, with_laws_o
 from hybond.model.misfits import units_of
 from hybond.model.parametric import Parametric, parametric
 from hybond.model.parts import Value
-from hybond.model.paths import with_parts
+from hybond.model.paths import settable_like, with_parts
 from hybond.model.pins import pins_of, reference_of
 from hybond.model.resolve import Resolver
 from hybond.model.sampled import samples_of
@@ -61,6 +61,8 @@ def flatten(model: Model, overrides: Mapping[str, Value], slots: Slots | None = 
     try:
         return _flatten(changed, left, slots, overrides)
     except HybondError as error:
+        if error.code == "HB-M107" and error.where in overrides:
+            error.hint = settable_like(model, error.where)
         raise locate(error, changed, overrides) from None
 
 

@@ -129,9 +129,7 @@ def open_model(model: Model, overrides: Mapping[str, Value], slots: Slots | None
             f"the model has no parameter {wrong!r}",
             code="HB-M107",
             where=wrong,
-            hint=did_you_mean(wrong, [*dict.fromkeys((*opened.parameters, *opened.nodes))])
-            if wrong not in opened.nodes
-            else f"did you mean '{wrong}.{opened.nodes[wrong].part.kind}'?",
+            hint=did_you_mean(wrong, opened.parameters),
         )
     for bond in opened.bonds:
         for end in (bond.tail, bond.head):

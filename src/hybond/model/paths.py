@@ -18,7 +18,7 @@ from hybond.model.builder import Model
 from hybond.model.hierarchy import submodel_of
 from hybond.model.kinds import KINDS
 from hybond.model.parts import InputPart, Integral, Part, Sampled, SubmodelPart, Value
-from hybond.names import join, steps
+from hybond.names import did_you_mean, join, steps
 
 
 def with_parts(model: Model, given: Mapping[str, Value]) -> tuple[Model, dict[str, Value]]:
@@ -60,6 +60,24 @@ def settable(model: Model) -> Iterator[str]:
     ['r', 'c.C', 'c.q', 'c.e']
     """
     return _paths(model, "", {})
+
+
+def settable_like(model: Model, wrong: str) -> str:
+    """Return what may be meant by a path that sets nothing: what can be set that is like it.
+
+    Examples
+    --------
+    >>> import hybond as hb
+    >>> m = hb.Model("rc", parameters={"r": 2})
+    >>> m.add(c=hb.C("1 mF"))
+    >>> settable_like(m, "c")
+    "did you mean 'c.C', 'c.q', 'c.e'?"
+    """
+    paths = list(settable(model))
+    under = [p for p in paths if p.rpartition(".")[0] == wrong]
+    if under:
+        return "did you mean " + ", ".join(map(repr, under[:3])) + "?"
+    return did_you_mean(wrong, paths)
 
 
 def _set(model: Model, names: list[str], value: Value, known: Mapping[str, Model]) -> Model | None:
