@@ -4,6 +4,7 @@ Tests that need what the machine lacks are skipped, and the end of a run counts 
 """
 
 import os
+import signal
 from collections import Counter, defaultdict
 
 import needs
@@ -14,6 +15,12 @@ from hypothesis import settings
 settings.register_profile("same", derandomize=True, deadline=None, database=None)
 settings.register_profile("new", deadline=None)
 settings.load_profile("new" if os.environ.get("HYBOND_FUZZ") else "same")
+
+
+def pytest_configure() -> None:
+    """Hear interrupts, also where the tests were started in the background, which ignores them."""
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.hookimpl(tryfirst=True)
