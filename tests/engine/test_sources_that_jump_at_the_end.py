@@ -104,3 +104,20 @@ def test_a_run_that_ends_where_it_begins_has_values_there() -> None:
     with pytest.raises(hb.UsageError, match="HB-R102") as refused:
         run["k.q"].mean()
     assert "ended where it began" in str(refused.value)
+
+
+@pytest.mark.parametrize("solver", ["auto", "rk45", "radau"])
+@pytest.mark.parametrize(("end", "after"), [(0.5, 2.5), (0.6, 2.6)])
+def test_what_was_zero_all_the_time_before_the_jump_has_no_size(
+    solver: str, end: float, after: float
+) -> None:
+    m = hb.Model("empty", domain="electrical")
+    m.add(
+        V=hb.Se("(2 + time/(1 s))*floor(time/(1 s) + 0.5)*1 [V]"), C=hb.C(f"{SIZE} F"), n=hb.Zero()
+    )
+    m.bond("V -> n -> C")
+    run = hb.simulate(m, end, solver=solver)
+    assert run.status == "ok" and run.audit().holds()
+    assert [e.t for e in run.events] == [0.0, pytest.approx(0.5, abs=1e-11)]
+    assert float(run["C.q"].at(end)) == pytest.approx(SIZE * after, rel=1e-9)
+    assert run.events[-1].steps[-1].impulses["V.f"] == pytest.approx(2.5 * SIZE, rel=1e-9)

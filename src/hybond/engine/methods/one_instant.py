@@ -14,6 +14,8 @@ from hybond.engine.words import Floats
 
 LEAST: Final = 8.0
 """Units in the last place that an instant lasts at least."""
+LAST: Final = 2.0
+"""Units in the last place that time may be short of a kink, and still be there."""
 
 
 def room_of_instant(e: Engine, t: float) -> float:
@@ -40,7 +42,10 @@ def is_one_kink(e: Engine, t0: float, y0: Floats, t1: float, y1: Floats) -> bool
     passed = False
     for k in range(m.kinks):
         there = value(m, m.atom_value[m.kink_atom + k], e.v)
-        passed = passed or (s.kink[k] != there and s.kink[k] * there <= 0.0)
+        way = math.fabs(s.kink[k] - there)
+        # a run may end at the kink itself, but for rounding of the time
+        reached = math.fabs(there) * (t1 - t0) <= LAST * spacing(t1) * way
+        passed = passed or (s.kink[k] != there and (s.kink[k] * there <= 0.0 or reached))
     return passed
 
 

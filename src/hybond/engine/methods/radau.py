@@ -266,6 +266,8 @@ def advance_radau(e: Engine, r: Radau, rtol: float, t_end: float, h: float, long
         if try_radau(e, r, rtol) == STEP_MADE:
             return STEP_MADE
         r.rejected += 1
+        # what was expected is to blame, too: what never moved is found to be zero from zero alone
+        r.known = False
         if r.shrink < 1.0 and h * r.shrink < smallest:
             return STEP_TOO_SMALL
         h *= r.shrink
