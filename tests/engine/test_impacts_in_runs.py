@@ -305,3 +305,19 @@ def test_a_cradle_of_balls_struck_at_once_repeats_itself(law):
     for k in (2, 4):
         swings = [run[f"swing{j}.q"].at(k * half) for j in range(1, 6)]
         assert swings == pytest.approx([-0.05, 0.0, 0.0, 0.0, 0.0], abs=1e-8)
+
+
+@pytest.mark.parametrize("loss", [1e-5, 3e-4])
+def test_speeds_that_are_left_of_large_ones_may_be_off_by_their_rounding(loss: float) -> None:
+    """The balls left behind creep with what is left of speeds 1e5 times as large."""
+    eps = 1.0 - loss
+    m = example("newtons_cradle")
+    run = hb.simulate(m, parameters={"eps": eps}, rtol=1e-11)
+    assert run.status == "ok" and run.audit().holds()
+    fastest = 0.05 * (0.981 / 0.1) ** 0.5
+    hit = 0.5 * np.pi * (0.1 / 0.981) ** 0.5
+    first = next(e.t for e in run.events if e.t > 0.0)
+    assert first == pytest.approx(hit, rel=1e-9)
+    speeds = [float(run[f"v{k}.f"].at(hit + 1e-6)) for k in range(1, 6)]
+    assert speeds[4] == pytest.approx(((1 + eps) / 2) ** 4 * fastest, rel=1e-7)
+    assert sum(speeds) == pytest.approx(fastest, rel=1e-6)

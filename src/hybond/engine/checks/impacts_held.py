@@ -22,7 +22,7 @@ from hybond.engine.engine import OK, Engine
 from hybond.engine.impacts.impact_records import NEWTON, NEWTON_SIMULTANEOUS
 from hybond.engine.laws.law_instant import NO_LAW_VALUE, is_stored, quantity
 from hybond.engine.laws.law_records import Laws
-from hybond.engine.laws.ports import open_mode, solve_with, times_partner
+from hybond.engine.laws.ports import open_mode, partner_row, solve_with, times_partner
 from hybond.engine.mode.guess import give_back_guess, hold_guess
 from hybond.engine.mode.tableau import COMMON
 from hybond.engine.timestepping.step_records import MOREAU
@@ -30,6 +30,8 @@ from hybond.engine.words import Floats
 
 MISSED: Final = 1e-6
 """Part of the fastest speed by which one may miss its law, as where storage is not linear."""
+ROUNDED: Final = 64.0 * 2.220446049250313e-16
+"""Part of the flows whose difference a speed is that rounding may move it by."""
 CARRIES: Final = 1e-9
 """Part of the largest impulse from which on one is more than rounding."""
 
@@ -43,12 +45,15 @@ def hold_impact(e: Engine, r: Laws, by_branches: bool) -> None:
     c = e.checks
     if not has_contacts(e, r) or not show_speeds(e, r, r.x, c.before):
         return
+    rounding = ROUNDED * most_of_terms(e, r, e.work.w)
     if by_branches:
         for b in range(2 * m.bonds):
             c.prior[b] = e.pre[m.bond_slot + b]
         times_partner(m, r.now, c.prior, c.before)
+        rounding = ROUNDED * most_of_terms(e, r, c.prior)
     if not show_speeds(e, r, r.landed, c.after):
         return
+    rounding = max(rounding, ROUNDED * most_of_terms(e, r, e.work.w))
     fastest = 0.0
     strongest = 0.0
     closed = 0
@@ -57,11 +62,26 @@ def hold_impact(e: Engine, r: Laws, by_branches: bool) -> None:
             fastest = max(fastest, max(math.fabs(c.before[k]), math.fabs(c.after[k])))
             strongest = max(strongest, math.fabs(impulse_of(e, r, k)))
             closed += 1
-    if not strikes(e, r, MISSED * fastest):
+    may = max(MISSED * fastest, rounding)
+    if not strikes(e, r, may):
         return
     for k in range(m.ports):
         if is_contact(e, r, k):
-            hold_contact(e, r, k, closed == 1, MISSED * fastest, CARRIES * strongest)
+            hold_contact(e, r, k, closed == 1, may, CARRIES * strongest)
+
+
+def most_of_terms(e: Engine, r: Laws, w: Floats) -> float:
+    """Return the largest sum of sizes of flows whose difference is the speed of a contact."""
+    m = e.model
+    most = 0.0
+    for k in range(m.ports):
+        if is_contact(e, r, k):
+            row = partner_row(r.now, k)
+            total = 0.0
+            for i in range(m.pair_first[row], m.pair_first[row + 1]):
+                total += math.fabs(m.pair_value[i] * w[m.pair_column[i]])
+            most = max(most, total)
+    return most
 
 
 def hold_contact(e: Engine, r: Laws, k: int, alone: bool, may: float, least: float) -> None:
