@@ -110,9 +110,10 @@ def map_of(
     grid = _grid(table, x, y, own)
     if grid is None:
         kept = members if own is None else members[own[members]]
-        axes = (Axis(n, table.unit(n), is_log(v), None) for n, v in ((x, across), (y, up)))
         return OutcomeMap(
-            *axes, value, table.unit(value), kept, across[kept], up[kept], number[kept], names, inks
+            Axis(x, table.unit(x), is_log(across[kept]), None),
+            Axis(y, table.unit(y), is_log(up[kept]), None),
+            *(value, table.unit(value), kept, across[kept], up[kept], number[kept], names, inks),
         )
     columns, rows, cells = grid
     there = cells >= 0

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from hybond.errors import UsageError
 from hybond.files.whole import whole
+from hybond.model.parts import Value
 from hybond.names import did_you_mean
 from hybond.result import Result
 from hybond.simulation import simulate
@@ -163,8 +164,19 @@ class SweepTable(Views):
                 found[f"{status} ({code})" if code else status] += 1
         return dict(sorted(found.items(), key=lambda item: (-item[1], item[0])))
 
-    def run(self, member: int) -> Result:
-        """Run a member again, and return all of it; an error is in ``result.error``.
+    def rows(self, first: int, last: int) -> list[list[Any]]:
+        """Return the rows of members `first` to `last` - 1 that are there, cells by `columns`."""
+        found: list[list[Any]] = []
+        for a, b in self._ranges:
+            here = slice(max(first - a, 0), max(min(last, b) - a, 0))
+            if here.start < here.stop and a < last and b > first:
+                part = self._read(a, b)
+                columns = [self._cells(part, name)[here] for name in self.columns]
+                found += map(list, zip(*columns, strict=True))
+        return found
+
+    def parameters(self, member: int) -> dict[str, Value]:
+        """Return what a member is run with, as ``parameters=`` of `hybond.simulate`.
 
         Raises
         ------
@@ -180,9 +192,19 @@ class SweepTable(Views):
             )
         rows = self.plan.rows(member, member + 1)
         given = {p: v[0] if isinstance(v, list) else float(v[0]) for p, v in rows.items()}
+        return {**self.job.fixed, **given}
+
+    def run(self, member: int) -> Result:
+        """Run a member again, and return all of it; an error is in ``result.error``.
+
+        Raises
+        ------
+        UsageError
+            HB-P109 for a member that there is not.
+        """
         return simulate(
             *(self.job.model, self.job.whole_until),
-            parameters={**self.job.fixed, **given},
+            parameters=self.parameters(member),
             on_error="return",
             **self.job.options,
         )
