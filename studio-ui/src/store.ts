@@ -1,9 +1,9 @@
 /** All that the page knows, and what can be done with it. No drawing here. */
-import type { Cursor, Instant, Look, Place, Problem, RunSummary, Member, SoFar, Stock, Swept } from "./messages";
+import type { Cursor, Instant, Look, Place, Problem, RunSummary, Member, PlanForm, PlanNow, SoFar, Stock, Swept } from "./messages";
 import { shared } from "./sharing";
 import { Refused, type Transport } from "./transport";
 
-export type Tab = "item" | "machines" | "model" | "problems" | "table" | "text" | "equations" | "power";
+export type Tab = "item" | "machines" | "model" | "problems" | "table" | "text" | "equations" | "power" | "plan";
 
 export interface State {
   connected: boolean;
@@ -22,6 +22,11 @@ export interface State {
   runs: RunSummary[];
   running: { run: number; t: number; events: number } | null;
   sweep: Swept | null;
+  /** The plan of many runs that is being written, and the sweep of one that runs or has ended. */
+  asking: PlanForm | null;
+  plan: PlanNow | null;
+  /** Whether its views are shown below, in place of plots. */
+  planShown: boolean;
   /** The plots of a run that goes on. */
   soFar: SoFar | null;
   cursor: Cursor | null;
@@ -58,6 +63,9 @@ const BEGIN: State = {
   running: null,
   soFar: null,
   sweep: null,
+  asking: null,
+  plan: null,
+  planShown: false,
   cursor: null,
   instant: null,
   plotted: [],
@@ -101,6 +109,8 @@ export class Store {
     this.set({ runs });
     const last = runs[runs.length - 1];
     if (last && !this.state.run) this.show(last);
+    const { now } = await this.transport.ask<{ now: PlanNow | null }>("plan state");
+    this.set({ plan: now });
   }
 
   private where() {
@@ -149,13 +159,16 @@ export class Store {
     } else if (message.tell === "progress") {
       this.set({ running: message as never });
     } else if (message.tell === "sweeping") {
-      this.set({ sweep: { ...(message as unknown as Swept), members: [], done: false }, bottom: true });
+      this.set({ sweep: { ...(message as unknown as Swept), members: [], done: false }, planShown: false, bottom: true });
     } else if (message.tell === "member" || message.tell === "swept") {
       const { sweep } = this.state;
       if (sweep?.sweep !== message.sweep || !sweep) return;
       const members = [...sweep.members];
       if (message.tell === "member") members[message.member as number] = message as unknown as Member;
       this.set({ sweep: { ...sweep, members, done: message.tell === "swept" } });
+    } else if (message.tell === "planning") {
+      const { plan } = this.state;
+      if (plan?.plan === message.plan) this.set({ plan: { ...plan, ...(message as unknown as PlanNow) } });
     } else if (message.tell === "partial") {
       this.set({ soFar: message as never });
     } else if (message.tell === "finished") {
@@ -293,7 +306,28 @@ export class Store {
         names: this.state.plotted,
       });
       if (!this.state.runs.some((r) => r.run === run))
-        this.set({ running: { run, t: 0, events: 0 }, soFar: null, sweep: null, bottom: true });
+        this.set({ running: { run, t: 0, events: 0 }, soFar: null, sweep: null, planShown: false, bottom: true });
+    } catch (error) {
+      this.refused(error);
+    }
+  }
+
+  /** Run all members of the plan that is written. */
+  async sweepPlan(form: PlanForm): Promise<void> {
+    try {
+      const plan = await this.transport.ask<PlanNow>("plan begin", form);
+      this.set({ plan, planShown: true, bottom: true, panel: "" });
+    } catch (error) {
+      this.refused(error);
+    }
+  }
+
+  /** Run one member of the sweep by itself, and plot it. */
+  async openMember(member: number): Promise<void> {
+    try {
+      const { run } = await this.transport.ask<{ run: number }>("plan open", { plan: this.state.plan?.plan, member, names: this.state.plotted });
+      if (!this.state.runs.some((r) => r.run === run)) this.set({ running: { run, t: 0, events: 0 }, soFar: null });
+      this.set({ sweep: null, planShown: false, bottom: true });
     } catch (error) {
       this.refused(error);
     }

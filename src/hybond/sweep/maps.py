@@ -65,7 +65,8 @@ class OutcomeMap:
     number : array, shape (points,)
         The outcome, or which of `names` it is; nan where there is none.
     names, inks : tuple of str
-        Texts, the frequent ones first, and their colours; empty if the outcome is a number.
+        Texts in the order of the members, of very many the frequent ones, and their colours; empty
+        if the outcome is a number.
     """
 
     x: Axis
@@ -156,7 +157,8 @@ def _told(
         return np.asarray(outcome, dtype=float), (), ()
     counts = Counter(map(str, outcome))
     ranked = sorted(counts, key=lambda n: (-counts[n], n))
-    kept, others = ranked[:NAMED], ranked[NAMED:]
+    others = ranked[NAMED:]
+    kept = [n for n in counts if n not in others]  # as they come: more members keep the colours
     names = [n or "no outcome" for n in kept] + [f"{len(others)} others"] * bool(others)
     inks = [NONE if not n else INKS[k] for k, n in enumerate(kept)] + [OTHERS] * bool(others)
     place = {n: k for k, n in enumerate(kept)}

@@ -42,7 +42,7 @@ function C(e, t) {
 }
 function w(t) {
 	var n, r = t.__v, i = r.__e, a = [], o = [], s = t.__P;
-	s && ((n = g({ constructor: u }, r)).__v = r.__v + 1, e.vnode && e.vnode(n), ne(s, n, r, t.__n, s.namespaceURI, 32 & r.__u ? [i] : null, a, i || C(r), 32 & r.__u, o), n.__v = r.__v, n.__.__k[n.__i] = n, N(a, n, o), r.__ = r.__e = null, n.__e != i && T(n));
+	s && ((n = g({ constructor: u }, r)).__v = r.__v + 1, e.vnode && e.vnode(n), re(s, n, r, t.__n, s.namespaceURI, 32 & r.__u ? [i] : null, a, i || C(r), 32 & r.__u, o), n.__v = r.__v, n.__.__k[n.__i] = n, M(a, n, o), r.__ = r.__e = null, n.__e != i && T(n));
 }
 function T(e) {
 	if ((e = e.__) && e.__c && !e.props.__P) return e.__e = null, e.__k.some(function(t) {
@@ -61,7 +61,7 @@ function D() {
 }
 function O(e, t, n, r, i, a, o, s, c, l, u) {
 	var p, m, h, g, _, v, y = r.__k || f, b = t.length;
-	for (c = k(n, t, y, c, b), p = 0; p < b; p++) (h = n.__k[p]) != null && (m = ~h.__i && y[h.__i] || d, h.__i = p, v = ne(e, h, m, i, a, o, s, c, l, u), g = h.__e, (m.ref != h.ref || 8 & m.__u) && (m.ref && F(m.ref, null, h, m), h.ref && u.push(h.ref, h.__c || g, h)), _ ||= g, 4 & h.__u ? (c = A(h, c, e, !m.__v), m.__e && (m.__e = null)) : typeof h.type == "function" && v !== void 0 ? c = v : g && (c = g.nextSibling), h.__u &= -21);
+	for (c = k(n, t, y, c, b), p = 0; p < b; p++) (h = n.__k[p]) != null && (m = ~h.__i && y[h.__i] || d, h.__i = p, v = re(e, h, m, i, a, o, s, c, l, u), g = h.__e, (m.ref != h.ref || 8 & m.__u) && (m.ref && P(m.ref, null, h, m), h.ref && u.push(h.ref, h.__c || g, h)), _ ||= g, 4 & h.__u ? (c = A(h, c, e, !m.__v), m.__e && (m.__e = null)) : typeof h.type == "function" && v !== void 0 ? c = v : g && (c = g.nextSibling), h.__u &= -21);
 	return n.__e = _, c;
 }
 function k(e, t, n, r, i) {
@@ -74,7 +74,7 @@ function k(e, t, n, r, i) {
 		}
 		for (v = d.length; a--;) f[a] && (f[a] == v ? v-- : S[a].__u |= 4);
 	}
-	if (_) for (a = 0; a < g; a++) !(s = n[a]) || 2 & s.__u || (s.__e == r && (r = C(s)), ae(s, s));
+	if (_) for (a = 0; a < g; a++) !(s = n[a]) || 2 & s.__u || (s.__e == r && (r = C(s)), oe(s, s));
 	return r;
 }
 function A(e, t, n, r) {
@@ -97,18 +97,18 @@ function j(e, t, n, r) {
 	}
 	return -1;
 }
-function M(e, t, n) {
+function ee(e, t, n) {
 	n ??= "", t[0] == "-" ? e.setProperty(t, n) : e[t] = n;
 }
-function ee(e, t, n, r, i) {
+function te(e, t, n, r, i) {
 	var a, o;
 	if (t == "style") {
 		if (typeof n == "string") e.style.cssText = n;
 		else {
-			if (typeof r == "string" && (e.style.cssText = r = ""), r) for (t in r) n && t in n || M(e.style, t);
-			if (n) for (t in n) r && n[t] == r[t] || M(e.style, t, n[t]);
+			if (typeof r == "string" && (e.style.cssText = r = ""), r) for (t in r) n && t in n || ee(e.style, t);
+			if (n) for (t in n) r && n[t] == r[t] || ee(e.style, t, n[t]);
 		}
-	} else if (t[0] == "o" && t[1] == "n") typeof n != "function" && (n = null), typeof r != "function" && (r = null), (e.__e ||= {})[t] = n, n && r || (o = l[t] || (l[t] = te(t)), (e.__a ||= {})[t] = c, a = t != (t = t.replace(s, "$1")), (t = t.slice(2))[0] < "a" && (t = t.toLowerCase()), n ? e.addEventListener(t, o, a) : e.removeEventListener(t, o, a));
+	} else if (t[0] == "o" && t[1] == "n") typeof n != "function" && (n = null), typeof r != "function" && (r = null), (e.__e ||= {})[t] = n, n && r || (o = l[t] || (l[t] = ne(t)), (e.__a ||= {})[t] = c, a = t != (t = t.replace(s, "$1")), (t = t.slice(2))[0] < "a" && (t = t.toLowerCase()), n ? e.addEventListener(t, o, a) : e.removeEventListener(t, o, a));
 	else {
 		if (i == "http://www.w3.org/2000/svg") t = t.replace(/xlink(H|:h)/, "h").replace(/sName$/, "s");
 		else if (t != "width" && t != "height" && t != "href" && t != "list" && t != "form" && t != "tabIndex" && t != "download" && t != "rowSpan" && t != "colSpan" && t != "role" && t != "popover" && t in e) try {
@@ -119,7 +119,7 @@ function ee(e, t, n, r, i) {
 		n == null || !1 === n && t[4] != "-" ? e.removeAttribute(t) : e.setAttribute(t, t == "popover" && n == 1 ? "" : n);
 	}
 }
-function te(t) {
+function ne(t) {
 	return function(n) {
 		var r = this.__e;
 		if (r) {
@@ -129,15 +129,15 @@ function te(t) {
 		}
 	};
 }
-function ne(t, n, r, i, a, o, s, c, l, d) {
-	var p, h, v, y, b, w, T, E, D, k, A, j, M, ee, te, ne, N, F, L = n.type;
+function re(t, n, r, i, a, o, s, c, l, d) {
+	var p, h, v, y, b, w, T, E, D, k, A, j, ee, te, ne, re, M, P, I = n.type;
 	if (n.constructor !== u) return null;
-	128 & r.__u && (l = 32 & r.__u, p = r.__c.__z) && (n.__u |= l, h = o = [], p.nodeType == 8 ? c = re(p, o) : o.push(p), c = o[0] || c), (p = e.__b) && p(n);
-	n: if (typeof L == "function") {
+	128 & r.__u && (l = 32 & r.__u, p = r.__c.__z) && (n.__u |= l, h = o = [], p.nodeType == 8 ? c = ie(p, o) : o.push(p), c = o[0] || c), (p = e.__b) && p(n);
+	n: if (typeof I == "function") {
 		v = s.length;
 		try {
-			if (E = n.props, D = (p = L.prototype) && p.render, k = (p = L.contextType) && i[p.__c], A = p ? k ? k.props.value : p.__ : i, (y = r.__c) ? (n.__c = y, 2 & y.__g && (y.__g |= 1)) : (D ? n.__c = y = new L(E, A) : (n.__c = y = new S(E, A), y.constructor = L, y.render = I), k && k.sub(y), y.state || (y.state = {}), y.__n = i, y.__g |= 8, y.__h = [], y.__k = []), D && (y.__s || (y.__s = y.state), L.getDerivedStateFromProps && (y.__s == y.state && (y.__s = g({}, y.__s)), g(y.__s, L.getDerivedStateFromProps(E, y.__s)))), b = y.props, w = y.state, y.__v = n, r.__c) {
-				if (E !== b && D && !L.getDerivedStateFromProps && y.componentWillReceiveProps && y.componentWillReceiveProps(E, A), n.__v == r.__v && !(8 & y.__g) || !(4 & y.__g) && y.shouldComponentUpdate && !1 === y.shouldComponentUpdate(E, y.__s, A)) {
+			if (E = n.props, D = (p = I.prototype) && p.render, k = (p = I.contextType) && i[p.__c], A = p ? k ? k.props.value : p.__ : i, (y = r.__c) ? (n.__c = y, 2 & y.__g && (y.__g |= 1)) : (D ? n.__c = y = new I(E, A) : (n.__c = y = new S(E, A), y.constructor = I, y.render = F), k && k.sub(y), y.state || (y.state = {}), y.__n = i, y.__g |= 8, y.__h = [], y.__k = []), D && (y.__s || (y.__s = y.state), I.getDerivedStateFromProps && (y.__s == y.state && (y.__s = g({}, y.__s)), g(y.__s, I.getDerivedStateFromProps(E, y.__s)))), b = y.props, w = y.state, y.__v = n, r.__c) {
+				if (E !== b && D && !I.getDerivedStateFromProps && y.componentWillReceiveProps && y.componentWillReceiveProps(E, A), n.__v == r.__v && !(8 & y.__g) || !(4 & y.__g) && y.shouldComponentUpdate && !1 === y.shouldComponentUpdate(E, y.__s, A)) {
 					n.__v != r.__v && (y.props = E, y.state = y.__s, y.__g &= -9), n.__e = r.__e, n.__k = r.__k, n.__k.some(function(e) {
 						e && (e.__ = n);
 					}), f.push.apply(y.__h, y.__k), y.__k = [], y.__h.length && s.push(y), c = C(r);
@@ -146,41 +146,41 @@ function ne(t, n, r, i, a, o, s, c, l, d) {
 				y.componentWillUpdate && y.componentWillUpdate(E, y.__s, A), D && y.componentDidUpdate && y.__h.push(function() {
 					y.componentDidUpdate(b, w, T);
 				});
-			} else D && !L.getDerivedStateFromProps && y.componentWillMount && y.componentWillMount(), D && y.componentDidMount && y.__h.push(y.componentDidMount);
-			y.context = A, y.props = E, y.__P = t, y.__g &= -5, j = e.__r, M = D ? 25 : 0;
+			} else D && !I.getDerivedStateFromProps && y.componentWillMount && y.componentWillMount(), D && y.componentDidMount && y.__h.push(y.componentDidMount);
+			y.context = A, y.props = E, y.__P = t, y.__g &= -5, j = e.__r, ee = D ? 25 : 0;
 			do
 				y.__g &= -9, j && j(n), p = y.render(y.props, y.state = y.__s, y.context);
-			while (8 & y.__g && ++M < 25);
-			D && (f.push.apply(y.__h, y.__k), y.__k = []), y.state = y.__s, y.getChildContext && (i = g({}, i, y.getChildContext())), D && r.__c && y.getSnapshotBeforeUpdate && (T = y.getSnapshotBeforeUpdate(b, w)), ee = p && p.type === x && p.key == null ? p.props.children : p, E.__P && (p = c, a = (t = E.__P).namespaceURI, l = o = null, r.props && r.props.__P != t && (r.__k.some(function(e) {
-				e && ae(e, e);
-			}), r.__k = null), c = r.__k ? C(r, 0) : null), c = O(t, m(ee) ? ee : [ee], n, r, i, a, o, s, c, l, d), E.__P && (n.__e = null, c = p), n.__u &= -161, h && h.some(_), y.__h.length && s.push(y), 1 & y.__g && (y.__g &= -4);
+			while (8 & y.__g && ++ee < 25);
+			D && (f.push.apply(y.__h, y.__k), y.__k = []), y.state = y.__s, y.getChildContext && (i = g({}, i, y.getChildContext())), D && r.__c && y.getSnapshotBeforeUpdate && (T = y.getSnapshotBeforeUpdate(b, w)), te = p && p.type === x && p.key == null ? p.props.children : p, E.__P && (p = c, a = (t = E.__P).namespaceURI, l = o = null, r.props && r.props.__P != t && (r.__k.some(function(e) {
+				e && oe(e, e);
+			}), r.__k = null), c = r.__k ? C(r, 0) : null), c = O(t, m(te) ? te : [te], n, r, i, a, o, s, c, l, d), E.__P && (n.__e = null, c = p), n.__u &= -161, h && h.some(_), y.__h.length && s.push(y), 1 & y.__g && (y.__g &= -4);
 		} catch (t) {
 			if (s.length = v, n.__v = null, l || o) {
 				if (t && t.then) {
 					if (n.__u |= 128 | l, o) {
-						for (~(N = o.indexOf(c || void 0)) || (N = o.length); (F = o[N - 1]) && F.nodeType == 8;) N--;
-						for (; N < o.length; N++) if (F = o[N]) {
-							if (o[N] = null, te) {
-								if (F == ne) break;
+						for (~(M = o.indexOf(c || void 0)) || (M = o.length); (P = o[M - 1]) && P.nodeType == 8;) M--;
+						for (; M < o.length; M++) if (P = o[M]) {
+							if (o[M] = null, ne) {
+								if (P == re) break;
 							} else {
-								if (F.nodeType != 8) break;
-								F.data.startsWith("$s") && (ne = re(te = F));
+								if (P.nodeType != 8) break;
+								P.data.startsWith("$s") && (re = ie(ne = P));
 							}
 						}
 					}
-					if (!te) {
+					if (!ne) {
 						for (; c && c.nodeType == 8 && c.nextSibling;) c = c.nextSibling;
-						te = c;
+						ne = c;
 					}
-					(p = re(te = n.__c.__z || (n.__c.__z = te))) ? (n.__e = te, c = p) : n.__e = c, c &&= c.nextSibling;
+					(p = ie(ne = n.__c.__z || (n.__c.__z = ne))) ? (n.__e = ne, c = p) : n.__e = c, c &&= c.nextSibling;
 				} else o && o.some(_);
 			} else n.__e = r.__e;
-			n.__k ||= r.__k || [], t && t.then || ie(n), e.__e(t, n, r);
+			n.__k ||= r.__k || [], t && t.then || ae(n), e.__e(t, n, r);
 		}
-	} else c = n.__e = P(r.__e, n, r, i, a, o, s, l, d, t);
+	} else c = n.__e = N(r.__e, n, r, i, a, o, s, l, d, t);
 	return (p = e.diffed) && p(n), c;
 }
-function re(e, t) {
+function ie(e, t) {
 	if (e && e.nodeType == 8 && e.data.startsWith("$s")) for (var n = 1; e = e.nextSibling;) {
 		if (e.nodeType == 8) {
 			if (e.data.startsWith("$s")) n++;
@@ -189,11 +189,11 @@ function re(e, t) {
 		t && t.push(e);
 	}
 }
-function ie(e) {
-	e && (e.__c && (e.__c.__g |= 4), e.__k && e.__k.some(ie));
+function ae(e) {
+	e && (e.__c && (e.__c.__g |= 4), e.__k && e.__k.some(ae));
 }
-function N(t, n, r) {
-	for (var i = 0; i < r.length;) F(r[i++], r[i++], r[i++]);
+function M(t, n, r) {
+	for (var i = 0; i < r.length;) P(r[i++], r[i++], r[i++]);
 	e.__c && e.__c(n, t), t.some(function(n) {
 		try {
 			t = n.__h, n.__h = [], t.some(function(e) {
@@ -204,7 +204,7 @@ function N(t, n, r) {
 		}
 	});
 }
-function P(t, n, r, i, a, o, s, c, l, u) {
+function N(t, n, r, i, a, o, s, c, l, u) {
 	var f, g, v, y, b, x, S, w, T = r.props || d, E = n.props, D = n.type;
 	if (D == "svg" ? a = "http://www.w3.org/2000/svg" : D == "math" ? a = "http://www.w3.org/1998/Math/MathML" : a ||= "http://www.w3.org/1999/xhtml", o) {
 		for (f = 0; f < o.length; f++) if ((b = o[f]) && (D ? b.localName == D : b.nodeType == 3)) {
@@ -218,22 +218,22 @@ function P(t, n, r, i, a, o, s, c, l, u) {
 	}
 	if (D) {
 		if (u = D == "template" && t.content || t, o = D == "textarea" && E.defaultValue != null ? null : o && h.call(u.childNodes), !c && o) for (T = {}, f = 0; f < t.attributes.length; f++) T[(b = t.attributes[f]).name] = b.value;
-		for (f in T) b = T[f], f == "dangerouslySetInnerHTML" ? v = b : f == "children" || f in E || f == "value" && "defaultValue" in E || f == "checked" && "defaultChecked" in E || ee(t, f, null, b, a);
-		for (f in E) b = E[f], f == "children" ? y = b : f == "dangerouslySetInnerHTML" ? g = b : f == "value" ? x = b : f == "checked" ? S = b : c && typeof b != "function" || T[f] === b || ee(t, f, b, T[f], a);
-		g ? (c || v && (g.__html == v.__html || g.__html == t.innerHTML) || (t.innerHTML = g.__html), n.__k = []) : (v && (t.textContent = ""), (D == "foreignObject" || a == "http://www.w3.org/1998/Math/MathML" && p.test(D)) && (a = "http://www.w3.org/1999/xhtml"), O(u, m(y) ? y : [y], n, r, i, a, o, s, o ? o[0] : r.__k && C(r, 0), c, l), o && o.some(_)), c && D != "textarea" || (f = "value", D == "progress" && x == null ? t.removeAttribute(f) : x == null || x === t[f] && (D != "progress" || x) || ee(t, f, x, T[f], a), f = "checked", S != null && S != t[f] && ee(t, f, S, T[f], a));
+		for (f in T) b = T[f], f == "dangerouslySetInnerHTML" ? v = b : f == "children" || f in E || f == "value" && "defaultValue" in E || f == "checked" && "defaultChecked" in E || te(t, f, null, b, a);
+		for (f in E) b = E[f], f == "children" ? y = b : f == "dangerouslySetInnerHTML" ? g = b : f == "value" ? x = b : f == "checked" ? S = b : c && typeof b != "function" || T[f] === b || te(t, f, b, T[f], a);
+		g ? (c || v && (g.__html == v.__html || g.__html == t.innerHTML) || (t.innerHTML = g.__html), n.__k = []) : (v && (t.textContent = ""), (D == "foreignObject" || a == "http://www.w3.org/1998/Math/MathML" && p.test(D)) && (a = "http://www.w3.org/1999/xhtml"), O(u, m(y) ? y : [y], n, r, i, a, o, s, o ? o[0] : r.__k && C(r, 0), c, l), o && o.some(_)), c && D != "textarea" || (f = "value", D == "progress" && x == null ? t.removeAttribute(f) : x == null || x === t[f] && (D != "progress" || x) || te(t, f, x, T[f], a), f = "checked", S != null && S != t[f] && te(t, f, S, T[f], a));
 	} else T === E || c && t.data == E || (t.data = E);
 	return t;
 }
-function F(t, n, r, i) {
+function P(t, n, r, i) {
 	try {
 		typeof t == "function" ? n ? n.__x = t(n) || 1 : (i &&= i.__c || i.__e) && (n = i.__x) && (i.__x = null, typeof n == "function" ? n() : t(null)) : t.current = n;
 	} catch (t) {
 		e.__e(t, r);
 	}
 }
-function ae(t, n, r) {
+function oe(t, n, r) {
 	var i, a, o, s;
-	if (e.unmount && e.unmount(t), !(i = t.ref) || i.current && i.current != t.__e || F(i, null, n, t), i = t.__c) {
+	if (e.unmount && e.unmount(t), !(i = t.ref) || i.current && i.current != t.__e || P(i, null, n, t), i = t.__c) {
 		if (i.componentWillUnmount) try {
 			i.componentWillUnmount();
 		} catch (t) {
@@ -241,15 +241,15 @@ function ae(t, n, r) {
 		}
 		i.__P = i.__n = null;
 	}
-	if (i = t.__k) for (s = 0; s < i.length; s++) i[s] && ae(i[s], n, typeof t.type != "function" || r && !t.props.__P);
-	!r && (i = t.__c) && (i = i.__z) && (a = re(i, o = [])) && (i == t.__e && o.some(_), _(a), _(i)), r || _(t.__e), t.__e = t.__c = t.__ = null;
+	if (i = t.__k) for (s = 0; s < i.length; s++) i[s] && oe(i[s], n, typeof t.type != "function" || r && !t.props.__P);
+	!r && (i = t.__c) && (i = i.__z) && (a = ie(i, o = [])) && (i == t.__e && o.some(_), _(a), _(i)), r || _(t.__e), t.__e = t.__c = t.__ = null;
 }
-function I(e, t, n) {
+function F(e, t, n) {
 	return this.constructor(e, n);
 }
-function L(t, n) {
+function I(t, n) {
 	var r, i, a, o;
-	e.__ && e.__(t, n), n.nodeType == 9 && (n = n.documentElement), i = (r = t && 32 & t.__u) ? null : n.__k, n.__k = y(x, { children: [t] }), a = [], o = [], ne(n, n.__k, i || d, d, n.namespaceURI, i ? null : n.firstChild ? h.call(n.childNodes) : null, a, i ? i.__e : n.firstChild, r, o), N(a, n.__k, o), n.__k.props.children = null;
+	e.__ && e.__(t, n), n.nodeType == 9 && (n = n.documentElement), i = (r = t && 32 & t.__u) ? null : n.__k, n.__k = y(x, { children: [t] }), a = [], o = [], re(n, n.__k, i || d, d, n.namespaceURI, i ? null : n.firstChild ? h.call(n.childNodes) : null, a, i ? i.__e : n.firstChild, r, o), M(a, n.__k, o), n.__k.props.children = null;
 }
 e = { __e: function(e, t, n, r) {
 	for (var a, o, s; t = t.__;) if ((a = t.__c) && !(1 & a.__g)) {
@@ -270,8 +270,8 @@ e = { __e: function(e, t, n, r) {
 	return e.__v.__b - t.__v.__b;
 }, o = Symbol(), s = /(PointerCapture)$|Capture$/i, c = 0, l = {};
 // src/geometry.ts
-var oe = (e) => /^[^.[]*(?:\[[^\]]*\])?/.exec(e)[0], se = 5.5, ce = 35 * Math.PI / 180;
-function le(e, t) {
+var se = (e) => /^[^.[]*(?:\[[^\]]*\])?/.exec(e)[0], ce = 5.5, le = 35 * Math.PI / 180;
+function ue(e, t) {
 	return {
 		x0: e.x0 - t,
 		y0: e.y0 - t,
@@ -279,7 +279,7 @@ function le(e, t) {
 		y1: e.y1 + t
 	};
 }
-function ue(e, [t, n]) {
+function de(e, [t, n]) {
 	let r = 0, i = 1, a = [[
 		t[0],
 		n[0] - t[0],
@@ -301,51 +301,51 @@ function ue(e, [t, n]) {
 	}
 	return r < i ? [r, i] : null;
 }
-function de(e, t) {
+function fe(e, t) {
 	let n = Math.hypot(e, t), r = -t / n, i = e / n;
 	return (Math.abs(e) >= Math.abs(t) ? i > 0 : r < 0) ? [r + 0, i + 0] : [-r + 0, -i + 0];
 }
-function fe(e, t, n, r, i = 0) {
+function pe(e, t, n, r, i = 0) {
 	let a = r[0] - n[0], o = r[1] - n[1], s = Math.hypot(a, o);
 	if (s === 0) return {
 		tail: n,
 		head: r,
 		barb: [r, r]
 	};
-	let [c, l] = de(a, o), u = [n[0] + i * c, n[1] + i * l], d = [r[0] + i * c, r[1] + i * l], f = ue(le(e, se), [u, d]), p = ue(le(t, se), [u, d]), m = f ? f[1] : 0, h = p ? p[0] : 1;
+	let [c, l] = fe(a, o), u = [n[0] + i * c, n[1] + i * l], d = [r[0] + i * c, r[1] + i * l], f = de(ue(e, ce), [u, d]), p = de(ue(t, ce), [u, d]), m = f ? f[1] : 0, h = p ? p[0] : 1;
 	h <= m && (m = .35, h = .65);
-	let g = [u[0] + m * a, u[1] + m * o], _ = [u[0] + h * a, u[1] + h * o], v = a / s, y = o / s, b = Math.min(11, .5 * s * (h - m)), x = b * Math.cos(ce), S = b * Math.sin(ce);
+	let g = [u[0] + m * a, u[1] + m * o], _ = [u[0] + h * a, u[1] + h * o], v = a / s, y = o / s, b = Math.min(11, .5 * s * (h - m)), x = b * Math.cos(le), S = b * Math.sin(le);
 	return {
 		tail: g,
 		head: _,
 		barb: [_, [_[0] - x * v + S * c, _[1] - x * y + S * l]]
 	};
 }
-function pe(e, t) {
+function me(e, t) {
 	let n = e.head[0] - e.tail[0], r = e.head[1] - e.tail[1];
 	if (n === 0 && r === 0) return [e.head, e.head];
-	let [i, a] = de(n, r), [o, s] = t ? e.head : e.tail, c = 15 / 2;
+	let [i, a] = fe(n, r), [o, s] = t ? e.head : e.tail, c = 15 / 2;
 	return [[o + c * i, s + c * a], [o - c * i, s - c * a]];
 }
-var me = /* @__PURE__ */ new Set([..."iljI|.,:;'!()[]{}/\\ ·‹›-ftr\"²³°"]), he = /* @__PURE__ */ new Set([..."mwMW@%…+=<>~ΩQOGD&→δ_"]);
-function ge(e, t, n = !1) {
+var he = /* @__PURE__ */ new Set([..."iljI|.,:;'!()[]{}/\\ ·‹›-ftr\"²³°"]), ge = /* @__PURE__ */ new Set([..."mwMW@%…+=<>~ΩQOGD&→δ_"]);
+function _e(e, t, n = !1) {
 	let r = 0;
-	for (let t of e) me.has(t) ? r += .42 : he.has(t) ? r += .88 : t !== t.toLowerCase() && t === t.toUpperCase() ? r += .7 : r += (t.codePointAt(0) ?? 0) < 11904 ? .64 : 1.05;
+	for (let t of e) he.has(t) ? r += .42 : ge.has(t) ? r += .88 : t !== t.toLowerCase() && t === t.toUpperCase() ? r += .7 : r += (t.codePointAt(0) ?? 0) < 11904 ? .64 : 1.05;
 	return r * t * (n ? 1.1 : 1);
 }
-var _e = .73;
-function ve(e, t, [n, r]) {
-	let i = Math.max(ge(e, 19, !0) / 2, 6);
+var ve = .73;
+function ye(e, t, [n, r]) {
+	let i = Math.max(_e(e, 19, !0) / 2, 6);
 	t && (i += 6);
 	let a = {
 		x0: n - i,
-		y0: r - _e * 19 / 2 - 1,
+		y0: r - ve * 19 / 2 - 1,
 		x1: n + i,
-		y1: r + _e * 19 / 2 + (t ? 3 : 1)
+		y1: r + ve * 19 / 2 + (t ? 3 : 1)
 	};
-	return t ? le(a, 2) : a;
+	return t ? ue(a, 2) : a;
 }
-function ye(e, t) {
+function be(e, t) {
 	let n = /* @__PURE__ */ new Set();
 	for (let [r, i] of t) {
 		let t = r - e[0], a = i - e[1];
@@ -354,9 +354,9 @@ function ye(e, t) {
 	return n;
 }
 // node_modules/preact/jsx-runtime/dist/jsxRuntime.mjs
-var be = Symbol.for("pv"), xe = 0;
+var xe = Symbol.for("pv"), Se = 0;
 Array.isArray;
-function R(t, n, r, i, a, o) {
+function L(t, n, r, i, a, o) {
 	n ||= {};
 	var s, c, l = n;
 	if ("ref" in l && typeof t != "function") for (c in l = {}, n) c == "ref" ? s = n[c] : l[c] = n[c];
@@ -370,27 +370,27 @@ function R(t, n, r, i, a, o) {
 		__b: 0,
 		__e: null,
 		__c: null,
-		constructor: be,
-		__v: --xe,
+		constructor: xe,
+		__v: --Se,
 		__i: -1,
 		__u: 0
 	};
 	return (a || o) && (u.__source = a, u.__self = o), e.vnode && e.vnode(u), u;
 }
 // src/shapes.tsx
-var z = [100, 84];
-function Se(e, t) {
-	return [e * z[0], t * z[1]];
+var R = [100, 84];
+function Ce(e, t) {
+	return [e * R[0], t * R[1]];
 }
-var Ce = 18;
-function we(e, t) {
+var we = 18;
+function Te(e, t) {
 	return (e.ports ?? []).map((n, r) => {
 		let [i, a] = t.get(`${e.name}.${n}`) ?? [0, 0];
 		return Math.abs(i) < 1 && Math.abs(a) < 1 ? r % 2 ? "e" : "w" : Math.abs(a) > 1.1 * Math.abs(i) ? a > 0 ? "s" : "n" : i > 0 ? "e" : "w";
 	}).join("");
 }
-function Te(e, t) {
-	let n = e.ports ?? [], r = (e) => n.filter((n, r) => t[r] === e), i = (e) => Math.max(0, ...r(e).map((e) => ge(e, 9))), a = (e) => r(e).reduce((e, t) => e + ge(t, 9) + 10, 0), o = Math.max(r("e").length, r("w").length), s = Math.max(54, Math.min(150, ge(e.letters, 10.5) + 16), i("e") + i("w") + 26, a("n"), a("s")), c = o ? -(o - 1) * Ce / 2 : 0, l = o ? c - 15 : 4;
+function Ee(e, t) {
+	let n = e.ports ?? [], r = (e) => n.filter((n, r) => t[r] === e), i = (e) => Math.max(0, ...r(e).map((e) => _e(e, 9))), a = (e) => r(e).reduce((e, t) => e + _e(t, 9) + 10, 0), o = Math.max(r("e").length, r("w").length), s = Math.max(54, Math.min(150, _e(e.letters, 10.5) + 16), i("e") + i("w") + 26, a("n"), a("s")), c = o ? -(o - 1) * we / 2 : 0, l = o ? c - 15 : 4;
 	return {
 		half: s / 2,
 		first: c,
@@ -399,8 +399,8 @@ function Te(e, t) {
 		bottom: (o ? -c + 11 : 12) + (r("s").length ? 13 : 0)
 	};
 }
-function Ee(e, t) {
-	let { half: n, first: r, top: i, bottom: a } = Te(e, t), o = /* @__PURE__ */ new Map(), s = {
+function De(e, t) {
+	let { half: n, first: r, top: i, bottom: a } = Ee(e, t), o = /* @__PURE__ */ new Map(), s = {
 		e: 0,
 		w: 0,
 		n: 0,
@@ -408,16 +408,16 @@ function Ee(e, t) {
 	};
 	return (e.ports ?? []).forEach((e, c) => {
 		let l = t[c], u = s[l]++;
-		if (l === "e" || l === "w") o.set(e, [l === "e" ? n : -n, r + u * Ce]);
+		if (l === "e" || l === "w") o.set(e, [l === "e" ? n : -n, r + u * we]);
 		else {
 			let r = [...t].filter((e) => e === l).length;
 			o.set(e, [2 * n * (u + 1) / (r + 1) - n, l === "n" ? i : a]);
 		}
 	}), o;
 }
-function De(e, t, n, r = "") {
+function Oe(e, t, n, r = "") {
 	if (e.kind === "part") {
-		let { half: t, top: i, bottom: a } = Te(e, r);
+		let { half: t, top: i, bottom: a } = Ee(e, r);
 		return {
 			x0: n[0] - t,
 			y0: n[1] + i,
@@ -425,11 +425,11 @@ function De(e, t, n, r = "") {
 			y1: n[1] + a
 		};
 	}
-	return ve(e.letters, t, n);
+	return ye(e.letters, t, n);
 }
-function Oe(e, t, n, r, i = "") {
+function ke(e, t, n, r, i = "") {
 	if (e.kind === "part") {
-		let n = t.slice(oe(t).length + 1), a = Ee(e, i).get(n);
+		let n = t.slice(se(t).length + 1), a = De(e, i).get(n);
 		if (a) {
 			let e = [r[0] + a[0], r[1] + a[1]];
 			return [e, {
@@ -440,15 +440,15 @@ function Oe(e, t, n, r, i = "") {
 			}];
 		}
 	}
-	return [r, De(e, n, r, i)];
+	return [r, Oe(e, n, r, i)];
 }
-var ke = ([[e, t], [n, r]]) => ({
+var Ae = ([[e, t], [n, r]]) => ({
 	x1: e,
 	y1: t,
 	x2: n,
 	y2: r
 });
-function Ae(e, t) {
+function je(e, t) {
 	let [n, r] = [(e.tail[0] + e.head[0]) / 2, (e.tail[1] + e.head[1]) / 2];
 	return Math.abs(e.head[0] - e.tail[0]) >= Math.abs(e.head[1] - e.tail[1]) ? {
 		x: n,
@@ -460,66 +460,66 @@ function Ae(e, t) {
 		"text-anchor": t > 0 ? "end" : "start"
 	};
 }
-function je(e, t) {
+function Me(e, t) {
 	for (let n in e) if (e[n] !== t[n]) return !0;
 	return !1;
 }
-var Me = class extends S {
+var Ne = class extends S {
 	shouldComponentUpdate(e) {
-		return je(e, this.props);
+		return Me(e, this.props);
 	}
 	render(e) {
-		let [t, n] = Oe(e.tail, e.bond.ends[0], e.tailControlled, [e.tx, e.ty], e.tailPorts), [r, i] = Oe(e.head, e.bond.ends[1], e.headControlled, [e.hx, e.hy], e.headPorts), a = fe(n, i, t, r, e.shift * 9), o = e.drawn, s = (o?.off ? " off" : "") + (o?.conflict ? " conflict" : ""), [c, l] = [(a.tail[0] + a.head[0]) / 2, (a.tail[1] + a.head[1]) / 2], u = new Set(o?.late ?? []);
-		return /* @__PURE__ */ R("g", {
+		let [t, n] = ke(e.tail, e.bond.ends[0], e.tailControlled, [e.tx, e.ty], e.tailPorts), [r, i] = ke(e.head, e.bond.ends[1], e.headControlled, [e.hx, e.hy], e.headPorts), a = pe(n, i, t, r, e.shift * 9), o = e.drawn, s = (o?.off ? " off" : "") + (o?.conflict ? " conflict" : ""), [c, l] = [(a.tail[0] + a.head[0]) / 2, (a.tail[1] + a.head[1]) / 2], u = new Set(o?.late ?? []);
+		return /* @__PURE__ */ L("g", {
 			class: "bond" + (e.selected ? " selected" : "") + s,
 			"data-bond": e.bond.key,
 			"data-text": e.bond.text,
 			children: [
-				/* @__PURE__ */ R("line", {
+				/* @__PURE__ */ L("line", {
 					class: "reach",
-					...ke([a.tail, a.head])
+					...Ae([a.tail, a.head])
 				}),
-				e.flow !== 0 && /* @__PURE__ */ R("line", {
+				e.flow !== 0 && /* @__PURE__ */ L("line", {
 					class: "power",
-					...ke(e.flow > 0 ? [a.tail, a.head] : [a.head, a.tail]),
+					...Ae(e.flow > 0 ? [a.tail, a.head] : [a.head, a.tail]),
 					style: { strokeWidth: `${2 + 5 * Math.abs(e.flow)}px` }
 				}),
-				/* @__PURE__ */ R("line", {
+				/* @__PURE__ */ L("line", {
 					class: "line",
-					...ke([a.tail, a.head])
+					...Ae([a.tail, a.head])
 				}),
-				/* @__PURE__ */ R("line", {
+				/* @__PURE__ */ L("line", {
 					class: "line barb",
-					...ke(a.barb)
+					...Ae(a.barb)
 				}),
-				o?.strokes.map((e) => /* @__PURE__ */ R("line", {
+				o?.strokes.map((e) => /* @__PURE__ */ L("line", {
 					class: "stroke" + (u.has(e) ? " derivative" : ""),
 					"data-end": e,
-					...ke(pe(a, e))
+					...Ae(me(a, e))
 				})),
-				o?.dashed?.map((e) => /* @__PURE__ */ R("line", {
+				o?.dashed?.map((e) => /* @__PURE__ */ L("line", {
 					class: "stroke dynamic" + (u.has(e) ? " derivative" : ""),
 					"data-end": e,
-					...ke(pe(a, e))
+					...Ae(me(a, e))
 				})),
-				o?.conflict && /* @__PURE__ */ R("path", {
+				o?.conflict && /* @__PURE__ */ L("path", {
 					class: "cross",
 					d: `M${c - 4.5},${l - 4.5}l9,9m0,-9l-9,9`
 				}),
-				e.effort && /* @__PURE__ */ R(x, { children: [/* @__PURE__ */ R("text", {
+				e.effort && /* @__PURE__ */ L(x, { children: [/* @__PURE__ */ L("text", {
 					class: "value",
-					...Ae(a, 1),
+					...je(a, 1),
 					children: e.effort
-				}), /* @__PURE__ */ R("text", {
+				}), /* @__PURE__ */ L("text", {
 					class: "value",
-					...Ae(a, -1),
+					...je(a, -1),
 					children: e.rate
 				})] })
 			]
 		});
 	}
 };
-function Ne(e, t, n) {
+function Pe(e, t, n) {
 	return e === "n" ? {
 		x: t,
 		y: n + 13,
@@ -534,7 +534,7 @@ function Ne(e, t, n) {
 		"text-anchor": e === "w" ? "start" : "end"
 	};
 }
-function Pe(e, t, n) {
+function Fe(e, t, n) {
 	let r = e.node.kind === "0" || e.node.kind === "1", i = new Set(e.taken), a = [...r || e.taken === "s" ? "nsew" : "snew"].find((e) => !i.has(e)), o = n * 13, s = (t.x0 + t.x1) / 2 - e.x;
 	return e.node.kind === "part" && e.ports.includes("s") ? e.ports.includes("n") ? {
 		x: s + 8,
@@ -566,12 +566,12 @@ function Pe(e, t, n) {
 		anchor: "start"
 	};
 }
-var Fe = class extends S {
+var Ie = class extends S {
 	shouldComponentUpdate(e) {
-		return je(e, this.props);
+		return Me(e, this.props);
 	}
 	render(e) {
-		let { node: t, state: n } = e, r = n?.controlled ?? (!!t.machine || !!t.law), i = De(t, r, [e.x, e.y], e.ports), a = "node" + (t.kind === "0" || t.kind === "1" ? " junction" : "") + (t.kind === "part" ? " part" : "") + (n?.off ? " off" : "") + (n?.derivative ? " derivative" : "") + (e.selected ? " selected" : "") + (e.target ? " target" : ""), o = n?.says ?? t.says, s = [
+		let { node: t, state: n } = e, r = n?.controlled ?? (!!t.machine || !!t.law), i = Oe(t, r, [e.x, e.y], e.ports), a = "node" + (t.kind === "0" || t.kind === "1" ? " junction" : "") + (t.kind === "part" ? " part" : "") + (n?.off ? " off" : "") + (n?.derivative ? " derivative" : "") + (e.selected ? " selected" : "") + (e.target ? " target" : ""), o = n?.says ?? t.says, s = [
 			{
 				role: "name",
 				text: t.name
@@ -592,14 +592,14 @@ var Fe = class extends S {
 				role: "machine",
 				text: `port ${t.outside.join(", ")}`
 			}] : []
-		], c = Pe(e, i, s.length), l = _e * 19 / 2, u = Te(t, e.ports);
-		return /* @__PURE__ */ R("g", {
+		], c = Fe(e, i, s.length), l = ve * 19 / 2, u = Ee(t, e.ports);
+		return /* @__PURE__ */ L("g", {
 			class: a,
 			"data-node": t.name,
 			transform: `translate(${e.x},${e.y})`,
 			children: [
-				t.kind === "part" ? /* @__PURE__ */ R(x, { children: [
-					/* @__PURE__ */ R("rect", {
+				t.kind === "part" ? /* @__PURE__ */ L(x, { children: [
+					/* @__PURE__ */ L("rect", {
 						class: "frame",
 						x: -u.half,
 						y: u.top,
@@ -607,42 +607,42 @@ var Fe = class extends S {
 						height: u.bottom - u.top,
 						rx: 6
 					}),
-					/* @__PURE__ */ R("text", {
+					/* @__PURE__ */ L("text", {
 						class: "title",
 						y: u.title,
 						"text-anchor": "middle",
 						children: t.letters
 					}),
-					[...Ee(t, e.ports)].map(([n, [r, i]], a) => /* @__PURE__ */ R("g", {
+					[...De(t, e.ports)].map(([n, [r, i]], a) => /* @__PURE__ */ L("g", {
 						class: "port",
 						"data-port": `${t.name}.${n}`,
 						children: [
-							/* @__PURE__ */ R("circle", {
+							/* @__PURE__ */ L("circle", {
 								class: "hit",
 								cx: r,
 								cy: i,
 								r: 9
 							}),
-							/* @__PURE__ */ R("circle", {
+							/* @__PURE__ */ L("circle", {
 								cx: r,
 								cy: i,
 								r: 3
 							}),
-							/* @__PURE__ */ R("text", {
-								...Ne(e.ports[a], r, i),
+							/* @__PURE__ */ L("text", {
+								...Pe(e.ports[a], r, i),
 								children: n
 							})
 						]
 					}))
-				] }) : /* @__PURE__ */ R(x, { children: [
-					/* @__PURE__ */ R("rect", {
+				] }) : /* @__PURE__ */ L(x, { children: [
+					/* @__PURE__ */ L("rect", {
 						class: "reach",
 						x: i.x0 - e.x - 6,
 						y: i.y0 - e.y - 6,
 						width: i.x1 - i.x0 + 12,
 						height: i.y1 - i.y0 + 12
 					}),
-					r && /* @__PURE__ */ R("rect", {
+					r && /* @__PURE__ */ L("rect", {
 						class: "switch",
 						x: i.x0 - e.x,
 						y: i.y0 - e.y,
@@ -650,43 +650,43 @@ var Fe = class extends S {
 						height: i.y1 - i.y0,
 						rx: 6
 					}),
-					/* @__PURE__ */ R("text", {
+					/* @__PURE__ */ L("text", {
 						class: "letters",
 						x: r ? -4 : 0,
 						y: l,
 						"text-anchor": "middle",
 						children: t.letters
 					}),
-					r && /* @__PURE__ */ R("text", {
+					r && /* @__PURE__ */ L("text", {
 						class: "subscript",
-						x: ge(t.letters, 19, !0) / 2 - 3.5,
+						x: _e(t.letters, 19, !0) / 2 - 3.5,
 						y: l + 3.5,
 						children: "c"
 					})
 				] }),
-				s.map((e, t) => /* @__PURE__ */ R("text", {
+				s.map((e, t) => /* @__PURE__ */ L("text", {
 					class: e.role,
 					x: c.x,
 					y: c.y + 13 * t,
 					"text-anchor": c.anchor,
 					children: e.text.length > 24 ? e.text.slice(0, 23) + "…" : e.text
 				})),
-				e.selected && /* @__PURE__ */ R("g", {
+				e.selected && /* @__PURE__ */ L("g", {
 					class: "handle",
 					"data-handle": t.name,
 					children: [
-						/* @__PURE__ */ R("circle", {
+						/* @__PURE__ */ L("circle", {
 							class: "hit",
 							cx: i.x1 - e.x + 12,
 							cy: i.y0 - e.y - 8,
 							r: 14
 						}),
-						/* @__PURE__ */ R("circle", {
+						/* @__PURE__ */ L("circle", {
 							cx: i.x1 - e.x + 12,
 							cy: i.y0 - e.y - 8,
 							r: 6
 						}),
-						/* @__PURE__ */ R("path", { d: `M${i.x1 - e.x + 9},${i.y0 - e.y - 5}l6,-6m-4,0h4v4` })
+						/* @__PURE__ */ L("path", { d: `M${i.x1 - e.x + 9},${i.y0 - e.y - 5}l6,-6m-4,0h4v4` })
 					]
 				})
 			]
@@ -694,22 +694,22 @@ var Fe = class extends S {
 	}
 };
 // src/sharing.ts
-function Ie(e, t) {
+function Le(e, t) {
 	if (e === t || typeof t != "object" || !t || typeof e != "object" || !e || Array.isArray(e) !== Array.isArray(t)) return t;
 	let [n, r] = [e, t], i = Object.keys(r), a = i.length === Object.keys(n).length;
 	for (let e of i) {
-		let t = Ie(n[e], r[e]);
+		let t = Le(n[e], r[e]);
 		r[e] = t, a &&= t === n[e] && e in n;
 	}
 	return a ? e : t;
 }
 // src/transport.ts
-var Le = class extends Error {
+var Re = class extends Error {
 	problem;
 	constructor(e) {
 		super(e.why), this.problem = e;
 	}
-}, Re = class {
+}, ze = class {
 	count = 0;
 	waiting = /* @__PURE__ */ new Map();
 	held = [];
@@ -745,10 +745,10 @@ var Le = class extends Error {
 		if (typeof e.id == "number") {
 			let t = this.waiting.get(e.id);
 			if (this.waiting.delete(e.id), !t) return;
-			e.error ? t.failed(new Le(e.error)) : t.done(e);
+			e.error ? t.failed(new Re(e.error)) : t.done(e);
 		} else this.onTold(e);
 	}
-}, ze = {
+}, Be = {
 	connected: !1,
 	look: null,
 	stock: null,
@@ -765,6 +765,9 @@ var Le = class extends Error {
 	running: null,
 	soFar: null,
 	sweep: null,
+	asking: null,
+	plan: null,
+	planShown: !1,
 	cursor: null,
 	instant: null,
 	plotted: [],
@@ -780,9 +783,9 @@ var Le = class extends Error {
 		side: 340,
 		low: 0
 	}
-}, Be = class {
+}, Ve = class {
 	transport;
-	state = ze;
+	state = Be;
 	listeners = /* @__PURE__ */ new Set();
 	queue = Promise.resolve();
 	constructor(e) {
@@ -804,6 +807,8 @@ var Le = class extends Error {
 		this.set({ runs: e });
 		let t = e[e.length - 1];
 		t && !this.state.run && this.show(t);
+		let { now: n } = await this.transport.ask("plan state");
+		this.set({ plan: n });
 	}
 	where() {
 		return {
@@ -823,7 +828,7 @@ var Le = class extends Error {
 		}
 	}
 	refused(e) {
-		e instanceof Le ? this.set({ notice: e.problem }) : this.state.connected && this.set({ notice: {
+		e instanceof Re ? this.set({ notice: e.problem }) : this.state.connected && this.set({ notice: {
 			code: "",
 			where: "",
 			why: String(e),
@@ -831,7 +836,7 @@ var Le = class extends Error {
 		} });
 	}
 	take(e) {
-		let t = Ie(this.state.look, e), n = new Set(t.view.nodes.map((e) => e.name)), r = new Set(t.view.bonds.map((e) => e.key));
+		let t = Le(this.state.look, e), n = new Set(t.view.nodes.map((e) => e.name)), r = new Set(t.view.bonds.map((e) => e.key));
 		this.set({
 			look: t,
 			level: t.view.path,
@@ -849,6 +854,7 @@ var Le = class extends Error {
 				members: [],
 				done: !1
 			},
+			planShown: !1,
 			bottom: !0
 		});
 		else if (e.tell === "member" || e.tell === "swept") {
@@ -859,6 +865,12 @@ var Le = class extends Error {
 				...t,
 				members: n,
 				done: e.tell === "swept"
+			} });
+		} else if (e.tell === "planning") {
+			let { plan: t } = this.state;
+			t?.plan === e.plan && this.set({ plan: {
+				...t,
+				...e
 			} });
 		} else if (e.tell === "partial") this.set({ soFar: e });
 		else if (e.tell === "finished") {
@@ -1022,6 +1034,43 @@ var Le = class extends Error {
 				},
 				soFar: null,
 				sweep: null,
+				planShown: !1,
+				bottom: !0
+			});
+		} catch (e) {
+			this.refused(e);
+		}
+	}
+	async sweepPlan(e) {
+		try {
+			let t = await this.transport.ask("plan begin", e);
+			this.set({
+				plan: t,
+				planShown: !0,
+				bottom: !0,
+				panel: ""
+			});
+		} catch (e) {
+			this.refused(e);
+		}
+	}
+	async openMember(e) {
+		try {
+			let { run: t } = await this.transport.ask("plan open", {
+				plan: this.state.plan?.plan,
+				member: e,
+				names: this.state.plotted
+			});
+			this.state.runs.some((e) => e.run === t) || this.set({
+				running: {
+					run: t,
+					t: 0,
+					events: 0
+				},
+				soFar: null
+			}), this.set({
+				sweep: null,
+				planShown: !1,
 				bottom: !0
 			});
 		} catch (e) {
@@ -1052,7 +1101,7 @@ var Le = class extends Error {
 				mode: n ?? null,
 				level: this.state.level,
 				names: this.state.plotted
-			}), o = Ie(this.state.cursor?.strokes ?? this.state.look?.strokes, a.strokes);
+			}), o = Le(this.state.cursor?.strokes ?? this.state.look?.strokes, a.strokes);
 			i === this.cursorCount && this.set({ cursor: {
 				...a,
 				strokes: o
@@ -1068,13 +1117,13 @@ var Le = class extends Error {
 		} }), this.moveCursor(e.t, t < e.steps.length - 1 ? "left" : "right", e.steps[t].mode);
 	}
 };
-function Ve(e, t = 4) {
+function He(e, t = 4) {
 	if (e === null) return "—";
 	if (e === 0) return "0";
 	let n = Math.abs(e);
 	return n >= 1e5 || n < .001 ? e.toExponential(t - 1) : String(+e.toPrecision(t));
 }
-var He = [
+var Ue = [
 	[1e9, "G"],
 	[1e6, "M"],
 	[1e3, "k"],
@@ -1084,40 +1133,40 @@ var He = [
 	[1e-9, "n"],
 	[1e-12, "p"]
 ];
-function B(e, t) {
+function z(e, t) {
 	if (e === null) return "—";
-	if (e === 0 || !/^[A-Za-zΩ]+$/.test(t) || t === "kg") return `${Ve(e)} ${t}`.trim();
-	let [n, r] = He.find(([t]) => Math.abs(e) >= t * (1 - 1e-9)) ?? He[He.length - 1];
+	if (e === 0 || !/^[A-Za-zΩ]+$/.test(t) || t === "kg") return `${He(e)} ${t}`.trim();
+	let [n, r] = Ue.find(([t]) => Math.abs(e) >= t * (1 - 1e-9)) ?? Ue[Ue.length - 1];
 	return `${+(e / n).toPrecision(4)} ${r}${t}`.trim();
 }
 // src/overlays.tsx
-function Ue({ store: e, state: t }) {
+function We({ store: e, state: t }) {
 	let { event: n, step: r } = t.instant, i = n.steps[r], a = r < n.steps.length - 1 ? "values before" : "values after";
-	return /* @__PURE__ */ R("div", {
+	return /* @__PURE__ */ L("div", {
 		class: "wiretext instant " + i.kind,
 		role: "status",
 		children: [
-			/* @__PURE__ */ R("button", {
+			/* @__PURE__ */ L("button", {
 				"aria-label": "Mode before",
 				disabled: r === 0,
 				onClick: () => e.showInstant(n, r - 1),
 				children: "◂"
 			}),
 			"t = ",
-			B(n.t, "s"),
+			z(n.t, "s"),
 			", mode ",
 			r + 1,
 			" of ",
 			n.steps.length,
 			": ",
-			/* @__PURE__ */ R("b", { children: i.kind }),
+			/* @__PURE__ */ L("b", { children: i.kind }),
 			" ",
-			/* @__PURE__ */ R("small", { children: [
+			/* @__PURE__ */ L("small", { children: [
 				"(",
 				a,
 				")"
 			] }),
-			/* @__PURE__ */ R("button", {
+			/* @__PURE__ */ L("button", {
 				"aria-label": "Mode after",
 				disabled: r + 1 === n.steps.length,
 				onClick: () => e.showInstant(n, r + 1),
@@ -1126,7 +1175,7 @@ function Ue({ store: e, state: t }) {
 		]
 	});
 }
-function We(e, t, [n, r]) {
+function Ge(e, t, [n, r]) {
 	let i, a = Infinity;
 	for (let o of e) {
 		let e = (o.x - t.x) * n + (o.y - t.y) * r, s = Math.abs((o.x - t.x) * r - (o.y - t.y) * n);
@@ -1136,31 +1185,31 @@ function We(e, t, [n, r]) {
 	}
 	return i;
 }
-function Ge({ state: e, sight: t, size: n }) {
+function Ke({ state: e, sight: t, size: n }) {
 	let r = e.look.view.nodes;
 	if (r.length < 25) return null;
 	let i = r.map((e) => e.x), a = r.map((e) => e.y), [o, s] = [Math.min(...i) - 1, Math.min(...a) - 1], [c, l] = [Math.max(...i) + 2 - o, Math.max(...a) + 2 - s], u = {
-		x: -t.x / t.k / z[0],
-		y: -t.y / t.k / z[1]
+		x: -t.x / t.k / R[0],
+		y: -t.y / t.k / R[1]
 	};
-	return /* @__PURE__ */ R("svg", {
+	return /* @__PURE__ */ L("svg", {
 		class: "minimap",
 		viewBox: `${o} ${s} ${c} ${l}`,
 		"aria-hidden": "true",
-		children: [r.map((e) => /* @__PURE__ */ R("circle", {
+		children: [r.map((e) => /* @__PURE__ */ L("circle", {
 			cx: e.x,
 			cy: e.y,
 			r: c / 90
-		})), /* @__PURE__ */ R("rect", {
+		})), /* @__PURE__ */ L("rect", {
 			x: u.x,
 			y: u.y,
-			width: n[0] / t.k / z[0],
-			height: n[1] / t.k / z[1]
+			width: n[0] / t.k / R[0],
+			height: n[1] / t.k / R[1]
 		})]
 	});
 }
 // src/canvas.tsx
-var Ke = (e) => e.map((e) => e.replace(/\[[^\]]*\]/g, "")).sort().join("|"), qe = class extends S {
+var qe = (e) => e.map((e) => e.replace(/\[[^\]]*\]/g, "")).sort().join("|"), Je = class extends S {
 	svg = b();
 	state = {
 		sight: {
@@ -1217,12 +1266,12 @@ var Ke = (e) => e.map((e) => e.replace(/\[[^\]]*\]/g, "")).sort().join("|"), qe 
 		this.seen = n;
 		let r = this.svg.current.getBoundingClientRect(), i = t.view.nodes.filter((t) => e.nodes.has(t.name)), { x: a, y: o, k: s } = this.state.sight;
 		if (i.some((e) => {
-			let [t, n] = Se(e.x, e.y), [i, c] = [a + s * t, o + s * n];
+			let [t, n] = Ce(e.x, e.y), [i, c] = [a + s * t, o + s * n];
 			return i < 40 || c < 40 || i > r.width - 40 || c > r.height - 40;
 		}) && i.length) {
 			if (!this.touched) this.fit();
 			else {
-				let [e, t] = Se(i[0].x, i[0].y);
+				let [e, t] = Ce(i[0].x, i[0].y);
 				this.setState({ sight: {
 					k: s,
 					x: r.width / 2 - s * e,
@@ -1249,7 +1298,7 @@ var Ke = (e) => e.map((e) => e.replace(/\[[^\]]*\]/g, "")).sort().join("|"), qe 
 			} });
 			return;
 		}
-		let r = e.map((e) => e.x * z[0]), i = e.map((e) => e.y * z[1]), [a, o] = [Math.min(...r) - 90, Math.max(...r) + 90], [s, c] = [Math.min(...i) - 60, Math.max(...i) + 70], l = Math.min(1.5, n.width / (o - a), n.height / (c - s));
+		let r = e.map((e) => e.x * R[0]), i = e.map((e) => e.y * R[1]), [a, o] = [Math.min(...r) - 90, Math.max(...r) + 90], [s, c] = [Math.min(...i) - 60, Math.max(...i) + 70], l = Math.min(1.5, n.width / (o - a), n.height / (c - s));
 		this.setState({ sight: {
 			k: l,
 			x: n.width / 2 - l * (a + o) / 2,
@@ -1288,7 +1337,7 @@ var Ke = (e) => e.map((e) => e.replace(/\[[^\]]*\]/g, "")).sort().join("|"), qe 
 	under(e, t = "") {
 		for (let n of document.elementsFromPoint(e.clientX, e.clientY)) {
 			let e = n.closest?.("[data-port]")?.getAttribute("data-port");
-			if (e && oe(e) !== t) return e;
+			if (e && se(e) !== t) return e;
 			let r = n.closest?.("[data-node]")?.getAttribute("data-node");
 			if (r && r !== t) return r;
 		}
@@ -1424,7 +1473,7 @@ var Ke = (e) => e.map((e) => e.replace(/\[[^\]]*\]/g, "")).sort().join("|"), qe 
 					now: this.inGraph(r)
 				} });
 				else if (t.kind === "wire") {
-					let n = this.under(e, oe(t.from));
+					let n = this.under(e, se(t.from));
 					this.setState({ gesture: {
 						...t,
 						now: this.inGraph(r),
@@ -1448,7 +1497,7 @@ var Ke = (e) => e.map((e) => e.replace(/\[[^\]]*\]/g, "")).sort().join("|"), qe 
 				} else if (t.kind === "drag") {
 					let a = e.altKey ? .05 : .25, o = {};
 					for (let e of i.look.view.nodes) if (t.names.includes(e.name)) {
-						let t = e.x + n[0] / z[0], r = e.y + n[1] / z[1];
+						let t = e.x + n[0] / R[0], r = e.y + n[1] / R[1];
 						o[e.name] = [Math.round(t / a) * a, Math.round(r / a) * a];
 					}
 					this.place(o), r.edit({
@@ -1457,13 +1506,13 @@ var Ke = (e) => e.map((e) => e.replace(/\[[^\]]*\]/g, "")).sort().join("|"), qe 
 					});
 				} else if (t.kind === "box") {
 					let [e, n] = [t.start[0], t.now[0]].sort((e, t) => e - t), [a, o] = [t.start[1], t.now[1]].sort((e, t) => e - t), s = i.look.view.nodes.filter((t) => {
-						let [r, i] = Se(t.x, t.y);
+						let [r, i] = Ce(t.x, t.y);
 						return r >= e && r <= n && i >= a && i <= o;
 					}).map((e) => e.name);
 					s.length && r.set({ nodes: new Set(t.add ? [...i.nodes, ...s] : s) });
 				} else if (t.kind === "wire") {
-					let n = this.under(e, oe(t.from)) || t.target;
-					n ? r.bond(t.from, n) : Math.hypot(...Ye(this.local(e), t.start)) < 8 && r.set({ bondFrom: t.from });
+					let n = this.under(e, se(t.from)) || t.target;
+					n ? r.bond(t.from, n) : Math.hypot(...Xe(this.local(e), t.start)) < 8 && r.set({ bondFrom: t.from });
 				} else t.kind === "pan" && !t.moved && r.set({
 					nodes: /* @__PURE__ */ new Set(),
 					bonds: /* @__PURE__ */ new Set(),
@@ -1491,15 +1540,15 @@ var Ke = (e) => e.map((e) => e.replace(/\[[^\]]*\]/g, "")).sort().join("|"), qe 
 		} });
 	}
 	centreOf(e, t, n, r) {
-		let i = oe(e);
-		return Oe(t.get(i), e, !1, n.get(i), r.get(i))[0];
+		let i = se(e);
+		return ke(t.get(i), e, !1, n.get(i), r.get(i))[0];
 	}
 	enter(e) {
 		let { store: t, state: n } = this.props, r = n.look?.view.nodes.find((t) => t.name === e);
 		r?.kind === "part" && r.known ? t.open(n.level ? `${n.level}.${e}` : e) : (t.set({ tab: "item" }), requestAnimationFrame(() => document.querySelector(".side [data-first]")?.focus()));
 	}
 	key = (e) => {
-		let { store: t, state: n } = this.props, r = n.look?.view.nodes ?? [], i = e.ctrlKey || e.metaKey, a = n.nodes.size === 1 ? r.find((e) => n.nodes.has(e.name)) : void 0, o = Xe[e.key];
+		let { store: t, state: n } = this.props, r = n.look?.view.nodes ?? [], i = e.ctrlKey || e.metaKey, a = n.nodes.size === 1 ? r.find((e) => n.nodes.has(e.name)) : void 0, o = Ze[e.key];
 		if (o && e.altKey && n.nodes.size) {
 			let i = e.shiftKey ? .25 : 1, a = {};
 			for (let e of r) n.nodes.has(e.name) && (a[e.name] = [e.x + i * o[0], e.y + i * o[1]]);
@@ -1510,7 +1559,7 @@ var Ke = (e) => e.map((e) => e.replace(/\[[^\]]*\]/g, "")).sort().join("|"), qe 
 		} else if (o && !i) {
 			let e = a ?? r[0];
 			if (!e) return;
-			let n = a ? We(r, a, o) : e;
+			let n = a ? Ge(r, a, o) : e;
 			n && t.set({
 				nodes: /* @__PURE__ */ new Set([n.name]),
 				bonds: /* @__PURE__ */ new Set(),
@@ -1551,20 +1600,20 @@ var Ke = (e) => e.map((e) => e.replace(/\[[^\]]*\]/g, "")).sort().join("|"), qe 
 		if (!t) return;
 		e.preventDefault();
 		let { element: n, stem: r } = JSON.parse(t), [i, a] = this.inGraph(this.local(e));
-		this.props.store.add(n, r, [Math.round(i / z[0] * 4) / 4, Math.round(a / z[1] * 4) / 4]);
+		this.props.store.add(n, r, [Math.round(i / R[0] * 4) / 4, Math.round(a / R[1] * 4) / 4]);
 	};
 	render({ state: e, store: t }, { sight: n, gesture: r, moved: i }) {
 		let a = e.look;
-		if (!a) return /* @__PURE__ */ R("div", { class: "canvas" });
+		if (!a) return /* @__PURE__ */ L("div", { class: "canvas" });
 		let o = e.cursor?.strokes ?? a.strokes, s = r?.kind === "drag" ? new Set(r.names) : null, c = /* @__PURE__ */ new Map(), l = /* @__PURE__ */ new Map();
 		for (let e of a.view.nodes) {
-			let [t, n] = Se(e.x, e.y);
+			let [t, n] = Ce(e.x, e.y);
 			c.set(e.name, s?.has(e.name) ? [t + i[0], n + i[1]] : [t, n]), l.set(e.name, e);
 		}
 		let u = (e) => o.nodes[e.name]?.controlled ?? (!!e.machine || !!e.law), d = /* @__PURE__ */ new Map(), f = /* @__PURE__ */ new Map();
 		for (let e of a.view.bonds) {
 			d.has(e.tail) || d.set(e.tail, []), d.has(e.head) || d.set(e.head, []), d.get(e.tail).push(c.get(e.head)), d.get(e.head).push(c.get(e.tail));
-			let t = Ke(e.ends);
+			let t = qe(e.ends);
 			f.set(t, [...f.get(t) ?? [], e.key]);
 		}
 		let p = /* @__PURE__ */ new Map();
@@ -1581,14 +1630,14 @@ var Ke = (e) => e.map((e) => e.replace(/\[[^\]]*\]/g, "")).sort().join("|"), qe 
 			p.set(t, [e + o[0] - a[0], i + o[1] - a[1]]);
 		}
 		let m = /* @__PURE__ */ new Map();
-		for (let e of a.view.nodes) e.kind === "part" && m.set(e.name, we(e, p));
-		let h = (e) => m.get(e) ?? "", g = e.cursor?.values, _ = g ? Math.max(1e-300, ...Object.values(g).map((e) => Math.abs((e.e ?? 0) * (e.f ?? 0)))) : 1, v = r?.kind === "wire" ? oe(r.target) : "";
-		return /* @__PURE__ */ R("div", {
+		for (let e of a.view.nodes) e.kind === "part" && m.set(e.name, Te(e, p));
+		let h = (e) => m.get(e) ?? "", g = e.cursor?.values, _ = g ? Math.max(1e-300, ...Object.values(g).map((e) => Math.abs((e.e ?? 0) * (e.f ?? 0)))) : 1, v = r?.kind === "wire" ? se(r.target) : "";
+		return /* @__PURE__ */ L("div", {
 			class: "canvas",
 			onDragOver: (e) => e.preventDefault(),
 			onDrop: this.dropped,
 			children: [
-				/* @__PURE__ */ R("svg", {
+				/* @__PURE__ */ L("svg", {
 					ref: this.svg,
 					tabindex: 0,
 					role: "application",
@@ -1601,19 +1650,19 @@ var Ke = (e) => e.map((e) => e.replace(/\[[^\]]*\]/g, "")).sort().join("|"), qe 
 					onKeyDown: this.key,
 					class: e.flowing ? "flowing" : "",
 					children: [
-						/* @__PURE__ */ R("defs", { children: [/* @__PURE__ */ R("pattern", {
+						/* @__PURE__ */ L("defs", { children: [/* @__PURE__ */ L("pattern", {
 							id: "dots",
-							width: z[0] / 4,
-							height: z[1] / 4,
+							width: R[0] / 4,
+							height: R[1] / 4,
 							patternUnits: "userSpaceOnUse",
 							patternTransform: `translate(${n.x},${n.y}) scale(${n.k})`,
-							children: /* @__PURE__ */ R("circle", {
+							children: /* @__PURE__ */ L("circle", {
 								cx: 0,
 								cy: 0,
 								r: .7,
 								class: "dot"
 							})
-						}), /* @__PURE__ */ R("marker", {
+						}), /* @__PURE__ */ L("marker", {
 							id: "signal",
 							viewBox: "0 0 8 8",
 							refX: 7,
@@ -1621,25 +1670,25 @@ var Ke = (e) => e.map((e) => e.replace(/\[[^\]]*\]/g, "")).sort().join("|"), qe 
 							markerWidth: 7,
 							markerHeight: 7,
 							orient: "auto",
-							children: /* @__PURE__ */ R("path", {
+							children: /* @__PURE__ */ L("path", {
 								d: "M0,1L8,4L0,7z",
 								class: "signalhead"
 							})
 						})] }),
-						n.k > .45 && /* @__PURE__ */ R("rect", {
+						n.k > .45 && /* @__PURE__ */ L("rect", {
 							class: "paper",
 							width: "100%",
 							height: "100%",
 							fill: "url(#dots)"
 						}),
-						/* @__PURE__ */ R("g", {
+						/* @__PURE__ */ L("g", {
 							transform: `translate(${n.x},${n.y}) scale(${n.k})`,
 							children: [
 								a.view.modulations.map((e) => {
 									let t = l.get(e.from), n = l.get(e.to);
 									if (!t || !n) return null;
-									let [r, i] = [c.get(e.from), c.get(e.to)], a = fe(De(t, u(t), r, h(t.name)), De(n, u(n), i, h(n.name)), r, i, 7);
-									return /* @__PURE__ */ R("line", {
+									let [r, i] = [c.get(e.from), c.get(e.to)], a = pe(Oe(t, u(t), r, h(t.name)), Oe(n, u(n), i, h(n.name)), r, i, 7);
+									return /* @__PURE__ */ L("line", {
 										class: "signal",
 										x1: a.tail[0],
 										y1: a.tail[1],
@@ -1648,9 +1697,9 @@ var Ke = (e) => e.map((e) => e.replace(/\[[^\]]*\]/g, "")).sort().join("|"), qe 
 										"marker-end": "url(#signal)"
 									});
 								}),
-								/* @__PURE__ */ R("g", { children: a.view.bonds.map((t) => {
-									let [r, i] = [l.get(t.tail), l.get(t.head)], [a, s] = [c.get(t.tail), c.get(t.head)], d = f.get(Ke(t.ends)), p = g?.[t.key];
-									return /* @__PURE__ */ R(Me, {
+								/* @__PURE__ */ L("g", { children: a.view.bonds.map((t) => {
+									let [r, i] = [l.get(t.tail), l.get(t.head)], [a, s] = [c.get(t.tail), c.get(t.head)], d = f.get(qe(t.ends)), p = g?.[t.key];
+									return /* @__PURE__ */ L(Ne, {
 										bond: t,
 										tail: r,
 										head: i,
@@ -1665,12 +1714,12 @@ var Ke = (e) => e.map((e) => e.replace(/\[[^\]]*\]/g, "")).sort().join("|"), qe 
 										shift: d.indexOf(t.key) - (d.length - 1) / 2,
 										drawn: o.bonds[t.key] ?? o.bonds[`${t.ends[0]} -> ${t.ends[1]}`],
 										selected: e.bonds.has(t.key),
-										effort: p && n.k > .6 ? B(p.e, p.units[0]) : "",
-										rate: p && n.k > .6 ? B(p.f, p.units[1]) : "",
+										effort: p && n.k > .6 ? z(p.e, p.units[0]) : "",
+										rate: p && n.k > .6 ? z(p.f, p.units[1]) : "",
 										flow: e.flowing && p ? (p.e ?? 0) * (p.f ?? 0) / _ : 0
 									}, t.key);
 								}) }),
-								/* @__PURE__ */ R("g", { children: a.view.nodes.map((t) => /* @__PURE__ */ R(Fe, {
+								/* @__PURE__ */ L("g", { children: a.view.nodes.map((t) => /* @__PURE__ */ L(Ie, {
 									node: t,
 									x: c.get(t.name)[0],
 									y: c.get(t.name)[1],
@@ -1678,13 +1727,13 @@ var Ke = (e) => e.map((e) => e.replace(/\[[^\]]*\]/g, "")).sort().join("|"), qe 
 									selected: e.nodes.has(t.name),
 									ports: h(t.name),
 									target: v === t.name || e.bondFrom === t.name,
-									taken: [...ye(c.get(t.name), d.get(t.name) ?? [])].sort().join("")
+									taken: [...be(c.get(t.name), d.get(t.name) ?? [])].sort().join("")
 								}, t.name)) }),
-								r?.kind === "wire" && /* @__PURE__ */ R(Je, {
+								r?.kind === "wire" && /* @__PURE__ */ L(Ye, {
 									from: this.centreOf(r.from, l, c, m),
 									to: r.now
 								}),
-								r?.kind === "box" && /* @__PURE__ */ R("rect", {
+								r?.kind === "box" && /* @__PURE__ */ L("rect", {
 									class: "marquee",
 									x: Math.min(r.start[0], r.now[0]),
 									y: Math.min(r.start[1], r.now[1]),
@@ -1695,7 +1744,7 @@ var Ke = (e) => e.map((e) => e.replace(/\[[^\]]*\]/g, "")).sort().join("|"), qe 
 						})
 					]
 				}),
-				r?.kind === "wire" && /* @__PURE__ */ R("div", {
+				r?.kind === "wire" && /* @__PURE__ */ L("div", {
 					class: "wiretext",
 					role: "status",
 					children: [
@@ -1706,11 +1755,11 @@ var Ke = (e) => e.map((e) => e.replace(/\[[^\]]*\]/g, "")).sort().join("|"), qe 
 						r.target || "…"
 					]
 				}),
-				e.instant && /* @__PURE__ */ R(Ue, {
+				e.instant && /* @__PURE__ */ L(We, {
 					store: t,
 					state: e
 				}),
-				e.bondFrom && /* @__PURE__ */ R("div", {
+				e.bondFrom && /* @__PURE__ */ L("div", {
 					class: "wiretext",
 					role: "status",
 					children: [
@@ -1722,22 +1771,22 @@ var Ke = (e) => e.map((e) => e.replace(/\[[^\]]*\]/g, "")).sort().join("|"), qe 
 						": choose the other end"
 					]
 				}),
-				/* @__PURE__ */ R("div", {
+				/* @__PURE__ */ L("div", {
 					class: "views",
 					children: [
-						/* @__PURE__ */ R("button", {
+						/* @__PURE__ */ L("button", {
 							title: "Zoom in (+)",
 							"aria-label": "Zoom in",
 							onClick: () => this.zoom(1.25),
 							children: "+"
 						}),
-						/* @__PURE__ */ R("button", {
+						/* @__PURE__ */ L("button", {
 							title: "Zoom out (-)",
 							"aria-label": "Zoom out",
 							onClick: () => this.zoom(.8),
 							children: "−"
 						}),
-						/* @__PURE__ */ R("button", {
+						/* @__PURE__ */ L("button", {
 							title: "Show all (f)",
 							"aria-label": "Show all",
 							onClick: this.fit,
@@ -1745,24 +1794,24 @@ var Ke = (e) => e.map((e) => e.replace(/\[[^\]]*\]/g, "")).sort().join("|"), qe 
 						})
 					]
 				}),
-				/* @__PURE__ */ R(Ge, {
+				/* @__PURE__ */ L(Ke, {
 					state: e,
 					sight: n,
 					size: this.size
 				}),
-				a.view.crumbs.length > 0 && /* @__PURE__ */ R("nav", {
+				a.view.crumbs.length > 0 && /* @__PURE__ */ L("nav", {
 					class: "crumbs",
 					"aria-label": "Submodel",
 					children: [
-						/* @__PURE__ */ R("button", {
+						/* @__PURE__ */ L("button", {
 							onClick: () => t.open(""),
 							children: a.title || a.file
 						}),
-						a.view.crumbs.map((e, n) => /* @__PURE__ */ R(x, { children: [" › ", /* @__PURE__ */ R("button", {
+						a.view.crumbs.map((e, n) => /* @__PURE__ */ L(x, { children: [" › ", /* @__PURE__ */ L("button", {
 							onClick: () => t.open(a.view.crumbs.slice(0, n + 1).join(".")),
 							children: e
 						})] })),
-						!a.view.editable && /* @__PURE__ */ R("span", { children: [
+						!a.view.editable && /* @__PURE__ */ L("span", { children: [
 							" (",
 							a.view.name,
 							", a ready part: to look at)"
@@ -1773,8 +1822,8 @@ var Ke = (e) => e.map((e) => e.replace(/\[[^\]]*\]/g, "")).sort().join("|"), qe 
 		});
 	}
 };
-function Je({ from: e, to: t }) {
-	return /* @__PURE__ */ R("line", {
+function Ye({ from: e, to: t }) {
+	return /* @__PURE__ */ L("line", {
 		class: "wire",
 		x1: e[0],
 		y1: e[1],
@@ -1782,37 +1831,37 @@ function Je({ from: e, to: t }) {
 		y2: t[1]
 	});
 }
-var Ye = (e, t) => [e[0] - t[0], e[1] - t[1]], Xe = {
+var Xe = (e, t) => [e[0] - t[0], e[1] - t[1]], Ze = {
 	ArrowLeft: [-1, 0],
 	ArrowRight: [1, 0],
 	ArrowUp: [0, -1],
 	ArrowDown: [0, 1]
-}, Ze, Qe, $e, et, tt = Object.is, nt = 0, rt = [], it = [], V = e, at = V.__b, ot = V.__r, st = V.diffed, ct = V.__c, lt = V.unmount, ut = V.__;
-function dt(e, t) {
-	V.__h && V.__h(Qe, e, nt || t), nt = 0;
-	var n = Qe.__H || (Qe.__H = {
+}, Qe, $e, et, tt, nt = Object.is, rt = 0, it = [], at = [], B = e, ot = B.__b, st = B.__r, ct = B.diffed, lt = B.__c, ut = B.unmount, dt = B.__;
+function ft(e, t) {
+	B.__h && B.__h($e, e, rt || t), rt = 0;
+	var n = $e.__H || ($e.__H = {
 		__: [],
 		__h: []
 	});
 	return e >= n.__.length && n.__.push({}), n.__[e];
 }
-function H(e) {
-	return nt = 1, ft(Ct, e);
+function V(e) {
+	return rt = 1, pt(Ct, e);
 }
-function ft(e, t, n) {
-	var r = dt(Ze++, 2);
+function pt(e, t, n) {
+	var r = ft(Qe++, 2);
 	if (r.t = e, !r.__c && (r.__ = [n ? n(t) : Ct(void 0, t), function(e) {
 		var t = (r.__N || r.__)[0], n = r.t(t, e);
-		tt(t, n) || (r.__N = [n, r.__[1]], r.__c.setState({}));
-	}], r.__c = Qe, !Qe.__f)) {
-		Qe.__f = !0;
-		var i = Qe.shouldComponentUpdate;
-		Qe.shouldComponentUpdate = function(e, t, n) {
+		nt(t, n) || (r.__N = [n, r.__[1]], r.__c.setState({}));
+	}], r.__c = $e, !$e.__f)) {
+		$e.__f = !0;
+		var i = $e.shouldComponentUpdate;
+		$e.shouldComponentUpdate = function(e, t, n) {
 			var r = this.__H;
 			if (!r) return !0;
 			var a = !1, o = this.props != e;
 			if (r.__.some(function(e) {
-				e.__N && (a = !0, tt(e.__[0], e.__N[0]) || (o = !0));
+				e.__N && (a = !0, nt(e.__[0], e.__N[0]) || (o = !0));
 			}), i) {
 				var s = i.call(this, e, t, n);
 				return a ? s || o : s;
@@ -1822,54 +1871,54 @@ function ft(e, t, n) {
 	}
 	return r.__;
 }
-function pt(e, t) {
-	var n = dt(Ze++, 3);
-	!V.__s && St(n.__H, t) && (n.__P = !0, n.__ = e, n.u = t, Qe.__H.__h.push(n));
+function H(e, t) {
+	var n = ft(Qe++, 3);
+	!B.__s && St(n.__H, t) && (n.__P = !0, n.__ = e, n.u = t, $e.__H.__h.push(n));
 }
 function mt(e) {
-	return nt = 5, ht(function() {
+	return rt = 5, ht(function() {
 		return { current: e };
 	}, []);
 }
 function ht(e, t) {
-	var n = dt(Ze++, 7);
+	var n = ft(Qe++, 7);
 	return St(n.__H, t) && (n.__ = e(), n.__H = t), n.__;
 }
 function gt() {
 	var e;
 	do {
-		for (; e = it.shift();) try {
+		for (; e = at.shift();) try {
 			bt(e);
 		} catch (t) {
-			V.__e(t, { __: (e = e.__P) && e.__v });
+			B.__e(t, { __: (e = e.__P) && e.__v });
 		}
-		for (; e = rt.shift();) {
+		for (; e = it.shift();) {
 			var t = e.__H;
 			if (e.__P && t) try {
 				t.__h.some(bt), t.__h.some(xt), t.__h = [];
 			} catch (n) {
-				t.__h = [], V.__e(n, e.__v);
+				t.__h = [], B.__e(n, e.__v);
 			}
 		}
-	} while (it.length);
+	} while (at.length);
 }
-V.__b = function(e) {
-	Qe = null, at && at(e);
-}, V.__ = function(e, t) {
-	e && t.__k && t.__k.__m && (e.__m = t.__k.__m), ut && ut(e, t);
-}, V.__r = function(e) {
-	ot && ot(e), Ze = 0;
-	var t = (Qe = e.__c).__H;
-	t && ($e == Qe ? Qe.__h = [] : (t.__h.some(bt), t.__h.some(xt), Ze = 0), t.__h = [], t.__.some(function(e) {
+B.__b = function(e) {
+	$e = null, ot && ot(e);
+}, B.__ = function(e, t) {
+	e && t.__k && t.__k.__m && (e.__m = t.__k.__m), dt && dt(e, t);
+}, B.__r = function(e) {
+	st && st(e), Qe = 0;
+	var t = ($e = e.__c).__H;
+	t && (et == $e ? $e.__h = [] : (t.__h.some(bt), t.__h.some(xt), Qe = 0), t.__h = [], t.__.some(function(e) {
 		e.__N && (e.__ = e.__N), e.u = e.__N = void 0;
-	})), $e = Qe;
-}, V.diffed = function(e) {
-	st && st(e);
+	})), et = $e;
+}, B.diffed = function(e) {
+	ct && ct(e);
 	var t = e.__c;
-	t && t.__H && (t.__H.__h.length && yt(rt.push(t)), t.__H.__.some(function(e) {
+	t && t.__H && (t.__H.__h.length && yt(it.push(t)), t.__H.__.some(function(e) {
 		e.u && (e.__H = e.u);
-	})), $e = Qe = null;
-}, V.__c = function(e, t) {
+	})), et = $e = null;
+}, B.__c = function(e, t) {
 	t.some(function(e) {
 		try {
 			e.__h.some(bt), e.__h = e.__h.filter(function(e) {
@@ -1880,9 +1929,9 @@ V.__b = function(e) {
 				throw t;
 			}];
 		}
-	}), ct && ct(e, t);
-}, V.unmount = function(e) {
-	lt && lt(e);
+	}), lt && lt(e, t);
+}, B.unmount = function(e) {
+	ut && ut(e);
 	var t, n, r = e.__c;
 	r && r.__H && (r.__H.__.some(function(r) {
 		try {
@@ -1891,12 +1940,12 @@ V.__b = function(e) {
 					for (n = e.__; n && (!n.__c || !n.__c.__P);) n = n.__;
 					n &&= n.__c;
 				}
-				r.__P = n, yt(it.push(r));
+				r.__P = n, yt(at.push(r));
 			} else bt(r);
 		} catch (e) {
 			t = e;
 		}
-	}), r.__H = void 0, t && V.__e(t, r.__v));
+	}), r.__H = void 0, t && B.__e(t, r.__v));
 };
 var _t = typeof requestAnimationFrame == "function";
 function vt(e) {
@@ -1906,19 +1955,19 @@ function vt(e) {
 	_t && (t = requestAnimationFrame(n));
 }
 function yt(e) {
-	e != 1 && et == V.requestAnimationFrame || ((et = V.requestAnimationFrame) || vt)(gt);
+	e != 1 && tt == B.requestAnimationFrame || ((tt = B.requestAnimationFrame) || vt)(gt);
 }
 function bt(e) {
-	var t = Qe, n = e.__c;
-	typeof n == "function" && (e.__c = void 0, n()), Qe = t;
+	var t = $e, n = e.__c;
+	typeof n == "function" && (e.__c = void 0, n()), $e = t;
 }
 function xt(e) {
-	var t = Qe;
-	e.__c = e.__(), Qe = t;
+	var t = $e;
+	e.__c = e.__(), $e = t;
 }
 function St(e, t) {
 	return !e || e.length != t.length || t.some(function(t, n) {
-		return !tt(t, e[n]);
+		return !nt(t, e[n]);
 	});
 }
 function Ct(e, t) {
@@ -1927,8 +1976,8 @@ function Ct(e, t) {
 // src/events.tsx
 var wt = 100;
 function Tt({ store: e, state: t }) {
-	let [n, r] = H([]), [i, a] = H(0), [o, s] = H(0), c = t.run;
-	pt(() => s(0), [c?.run]), pt(() => {
+	let [n, r] = V([]), [i, a] = V(0), [o, s] = V(0), c = t.run;
+	H(() => s(0), [c?.run]), H(() => {
 		if (!c || c.tEnd === void 0) return r([]);
 		let t = !1;
 		return e.transport.ask("events", {
@@ -1942,28 +1991,28 @@ function Tt({ store: e, state: t }) {
 		};
 	}, [c?.run, o]);
 	let l = t.instant?.event.event;
-	return /* @__PURE__ */ R("section", {
+	return /* @__PURE__ */ L("section", {
 		class: "events",
 		tabindex: 0,
 		"aria-label": "Events",
 		children: [
-			c && c.tEnd !== void 0 && /* @__PURE__ */ R("p", {
+			c && c.tEnd !== void 0 && /* @__PURE__ */ L("p", {
 				class: "status " + c.status,
 				children: [
-					c.status === "ok" ? "ok" : /* @__PURE__ */ R("b", { children: c.status }),
+					c.status === "ok" ? "ok" : /* @__PURE__ */ L("b", { children: c.status }),
 					", ",
 					i,
 					" events, ",
-					B(c.took, "s"),
+					z(c.took, "s"),
 					c.method ? `, ${c.method}` : ""
 				]
 			}),
-			c?.warnings?.map((e) => /* @__PURE__ */ R("p", {
+			c?.warnings?.map((e) => /* @__PURE__ */ L("p", {
 				class: "warning",
 				children: e
 			})),
-			i > wt && /* @__PURE__ */ R("p", { children: [
-				/* @__PURE__ */ R("button", {
+			i > wt && /* @__PURE__ */ L("p", { children: [
+				/* @__PURE__ */ L("button", {
 					disabled: o === 0,
 					onClick: () => s(Math.max(0, o - wt)),
 					children: "◂"
@@ -1975,27 +2024,27 @@ function Tt({ store: e, state: t }) {
 				" of ",
 				i,
 				" ",
-				/* @__PURE__ */ R("button", {
+				/* @__PURE__ */ L("button", {
 					disabled: o + wt >= i,
 					onClick: () => s(o + wt),
 					children: "▸"
 				})
 			] }),
-			/* @__PURE__ */ R("ol", { children: n.map((n) => /* @__PURE__ */ R("li", {
+			/* @__PURE__ */ L("ol", { children: n.map((n) => /* @__PURE__ */ L("li", {
 				class: n.event === l ? "open" : "",
-				children: [/* @__PURE__ */ R("button", {
+				children: [/* @__PURE__ */ L("button", {
 					"data-event": n.event,
 					"aria-expanded": n.event === l,
 					onClick: () => e.showInstant(n, 0),
 					children: [
-						/* @__PURE__ */ R("b", { children: B(n.t, "s") }),
+						/* @__PURE__ */ L("b", { children: z(n.t, "s") }),
 						" ",
-						/* @__PURE__ */ R("i", { children: n.cause }),
+						/* @__PURE__ */ L("i", { children: n.cause }),
 						" ",
 						n.steps.flatMap((e) => e.fired).map((e) => `${e.machine}: ${e.source} → ${e.target}`).join("; "),
-						n.steps.some((e) => e.kind !== "continuous") && /* @__PURE__ */ R("em", { children: [" ", Et(n)] })
+						n.steps.some((e) => e.kind !== "continuous") && /* @__PURE__ */ L("em", { children: [" ", Et(n)] })
 					]
-				}), n.event === l && /* @__PURE__ */ R(Dt, {
+				}), n.event === l && /* @__PURE__ */ L(Dt, {
 					store: e,
 					state: t,
 					event: n
@@ -2010,12 +2059,12 @@ function Et(e) {
 }
 function Dt({ store: e, state: t, event: n }) {
 	let r = t.instant.step, i = n.steps[r];
-	return /* @__PURE__ */ R("div", {
+	return /* @__PURE__ */ L("div", {
 		class: "detail",
 		children: [
-			/* @__PURE__ */ R("div", {
+			/* @__PURE__ */ L("div", {
 				class: "row",
-				children: n.steps.map((t, i) => /* @__PURE__ */ R("button", {
+				children: n.steps.map((t, i) => /* @__PURE__ */ L("button", {
 					class: "stepbutton " + t.kind,
 					"aria-pressed": i === r,
 					"data-step": i,
@@ -2027,32 +2076,32 @@ function Dt({ store: e, state: t, event: n }) {
 					]
 				}))
 			}),
-			/* @__PURE__ */ R("p", { children: [
+			/* @__PURE__ */ L("p", { children: [
 				"mode: ",
 				Object.entries(i.mode).map(([e, t]) => `${e} = ${t}`).join(", ") || "the only one",
 				i.kind === "mythical" && " (lasts no time, stores nothing)",
 				i.kind === "pinnacle" && " (lasts no time, writes the state)"
 			] }),
-			i.fired.map((e) => /* @__PURE__ */ R("p", {
+			i.fired.map((e) => /* @__PURE__ */ L("p", {
 				class: "fired",
 				children: [
-					/* @__PURE__ */ R("b", { children: e.machine }),
+					/* @__PURE__ */ L("b", { children: e.machine }),
 					": ",
 					e.source,
 					" → ",
 					e.target,
 					", because ",
-					/* @__PURE__ */ R("code", { children: e.why })
+					/* @__PURE__ */ L("code", { children: e.why })
 				]
 			})),
-			Object.keys(i.impulses).length > 0 && /* @__PURE__ */ R("p", { children: [
+			Object.keys(i.impulses).length > 0 && /* @__PURE__ */ L("p", { children: [
 				"impulses",
 				i.kind === "mythical" ? " (on trial)" : "",
 				":",
 				" ",
-				Object.entries(i.impulses).map(([e, t]) => `${e} = ${Ve(t, 6)} δ`).join(", ")
+				Object.entries(i.impulses).map(([e, t]) => `${e} = ${He(t, 6)} δ`).join(", ")
 			] }),
-			i.energy && /* @__PURE__ */ R("p", { children: [
+			i.energy && /* @__PURE__ */ L("p", { children: [
 				"energy ",
 				i.energy.before,
 				" → ",
@@ -2062,7 +2111,7 @@ function Dt({ store: e, state: t, event: n }) {
 				", lost ",
 				i.energy.lost
 			] }),
-			i.undetermined.length > 0 && /* @__PURE__ */ R("p", { children: ["not determined: ", i.undetermined.join(", ")] })
+			i.undetermined.length > 0 && /* @__PURE__ */ L("p", { children: ["not determined: ", i.undetermined.join(", ")] })
 		]
 	});
 }
@@ -2077,8 +2126,8 @@ function kt(e) {
 	}, ...r.map(kt));
 }
 function At({ store: e, state: t }) {
-	let [n, r] = H("all"), [i, a] = H(!1), [o, s] = H(null), c = t.look, l = t.cursor?.mode ?? Object.fromEntries(c.machines.map((e) => [e.path, e.state])), u = n === "mode" ? JSON.stringify(l) : "";
-	return pt(() => {
+	let [n, r] = V("all"), [i, a] = V(!1), [o, s] = V(null), c = t.look, l = t.cursor?.mode ?? Object.fromEntries(c.machines.map((e) => [e.path, e.state])), u = n === "mode" ? JSON.stringify(l) : "";
+	return H(() => {
 		let t = !1;
 		return s(null), e.transport.ask(n === "structure" ? "structure" : "equations", {
 			one: n === "mode",
@@ -2090,41 +2139,41 @@ function At({ store: e, state: t }) {
 		c.revision,
 		n,
 		u
-	]), /* @__PURE__ */ R("section", {
+	]), /* @__PURE__ */ L("section", {
 		class: "formulas",
 		children: [
-			/* @__PURE__ */ R("div", {
+			/* @__PURE__ */ L("div", {
 				class: "row",
 				children: [[
 					["all", "all modes"],
 					["mode", "the mode drawn"],
 					["structure", "structure"]
-				].map(([e, t]) => /* @__PURE__ */ R("button", {
+				].map(([e, t]) => /* @__PURE__ */ L("button", {
 					"aria-pressed": n === e,
 					onClick: () => r(e),
 					children: t
-				})), o?.formula && /* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("input", {
+				})), o?.formula && /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("input", {
 					type: "checkbox",
 					checked: i,
 					onChange: (e) => a(e.currentTarget.checked)
 				}), " as text"] })]
 			}),
-			!o && /* @__PURE__ */ R("p", {
+			!o && /* @__PURE__ */ L("p", {
 				class: "hint",
 				children: "…"
 			}),
-			o?.formula && !i ? /* @__PURE__ */ R("div", {
+			o?.formula && !i ? /* @__PURE__ */ L("div", {
 				class: "formula",
 				tabindex: 0,
 				role: "group",
 				"aria-label": "Equations",
 				children: kt(o.formula)
-			}) : o && /* @__PURE__ */ R("pre", {
+			}) : o && /* @__PURE__ */ L("pre", {
 				class: "equations",
 				tabindex: 0,
 				children: o.text
 			}),
-			o?.notes?.map((e) => /* @__PURE__ */ R("p", {
+			o?.notes?.map((e) => /* @__PURE__ */ L("p", {
 				class: "hint",
 				children: e
 			}))
@@ -2134,10 +2183,10 @@ function At({ store: e, state: t }) {
 // src/fields.tsx
 var jt = 0;
 function Mt(e) {
-	let [t, n] = H(e.value), [r] = H(() => `list${++jt}`), i = mt(!1);
-	return pt(() => {
+	let [t, n] = V(e.value), [r] = V(() => `list${++jt}`), i = mt(!1);
+	return H(() => {
 		i.current || n(e.value);
-	}, [e.value]), /* @__PURE__ */ R(x, { children: [/* @__PURE__ */ R("input", {
+	}, [e.value]), /* @__PURE__ */ L(x, { children: [/* @__PURE__ */ L("input", {
 		"aria-label": e.label,
 		value: t,
 		disabled: e.disabled,
@@ -2154,9 +2203,9 @@ function Mt(e) {
 		onKeyDown: (t) => {
 			t.key === "Enter" && t.currentTarget.blur(), t.key === "Escape" && (n(e.value), i.current = !1, requestAnimationFrame(() => document.querySelector(".canvas svg")?.focus())), t.stopPropagation();
 		}
-	}), e.list && /* @__PURE__ */ R("datalist", {
+	}), e.list && /* @__PURE__ */ L("datalist", {
 		id: r,
-		children: e.list.map((e) => /* @__PURE__ */ R("option", { value: e }))
+		children: e.list.map((e) => /* @__PURE__ */ L("option", { value: e }))
 	})] });
 }
 function Nt(e) {
@@ -2180,79 +2229,79 @@ var Pt = {
 };
 function It({ store: e, state: t }) {
 	let n = t.look, r = n.view.nodes.filter((e) => t.nodes.has(e.name)), i = n.view.bonds.filter((e) => t.bonds.has(e.key));
-	if (r.length === 1) return /* @__PURE__ */ R(Vt, {
+	if (r.length === 1) return /* @__PURE__ */ L(Vt, {
 		store: e,
 		state: t,
 		node: r[0]
 	});
 	if (i.length === 1 && !r.length) {
 		let r = i[0], a = t.cursor?.values[r.key];
-		return /* @__PURE__ */ R("section", { children: [
-			/* @__PURE__ */ R("h2", { children: "Bond" }),
-			/* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: "written" }), /* @__PURE__ */ R(Mt, {
+		return /* @__PURE__ */ L("section", { children: [
+			/* @__PURE__ */ L("h2", { children: "Bond" }),
+			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "written" }), /* @__PURE__ */ L(Mt, {
 				label: "Bond",
 				first: !0,
 				value: r.text,
 				disabled: !n.view.editable,
 				onWrite: (n) => void Lt(e, t, r.key, n)
 			})] }),
-			a && /* @__PURE__ */ R("p", { children: [
+			a && /* @__PURE__ */ L("p", { children: [
 				"effort ",
-				B(a.e, a.units[0]),
+				z(a.e, a.units[0]),
 				", flow ",
-				B(a.f, a.units[1]),
+				z(a.f, a.units[1]),
 				", power",
 				" ",
-				a.e === null || a.f === null ? "—" : B(a.e * a.f, "W")
+				a.e === null || a.f === null ? "—" : z(a.e * a.f, "W")
 			] }),
-			/* @__PURE__ */ R("div", {
+			/* @__PURE__ */ L("div", {
 				class: "row",
-				children: [/* @__PURE__ */ R("button", {
+				children: [/* @__PURE__ */ L("button", {
 					onClick: () => e.reverse(),
 					children: "Turn round (r)"
-				}), /* @__PURE__ */ R("button", {
+				}), /* @__PURE__ */ L("button", {
 					onClick: () => e.remove(),
 					children: "Delete"
 				})]
 			})
 		] });
 	}
-	return r.length + i.length > 1 ? /* @__PURE__ */ R("section", { children: [/* @__PURE__ */ R("h2", { children: [
+	return r.length + i.length > 1 ? /* @__PURE__ */ L("section", { children: [/* @__PURE__ */ L("h2", { children: [
 		r.length,
 		" elements, ",
 		i.length,
 		" bonds"
-	] }), /* @__PURE__ */ R("div", {
+	] }), /* @__PURE__ */ L("div", {
 		class: "row",
 		children: [
-			/* @__PURE__ */ R("button", {
+			/* @__PURE__ */ L("button", {
 				onClick: () => Rt(e, r, "y"),
 				children: "In a row"
 			}),
-			/* @__PURE__ */ R("button", {
+			/* @__PURE__ */ L("button", {
 				onClick: () => Rt(e, r, "x"),
 				children: "In a column"
 			}),
-			/* @__PURE__ */ R("button", {
+			/* @__PURE__ */ L("button", {
 				disabled: r.length < 3,
 				onClick: () => zt(e, r, "x"),
 				children: "Evenly across"
 			}),
-			/* @__PURE__ */ R("button", {
+			/* @__PURE__ */ L("button", {
 				disabled: r.length < 3,
 				onClick: () => zt(e, r, "y"),
 				children: "Evenly down"
 			}),
-			/* @__PURE__ */ R("button", {
+			/* @__PURE__ */ L("button", {
 				onClick: () => void e.duplicate(),
 				children: "Duplicate"
 			}),
-			/* @__PURE__ */ R("button", {
+			/* @__PURE__ */ L("button", {
 				onClick: () => e.remove(),
 				children: "Delete"
 			})
 		]
-	})] }) : /* @__PURE__ */ R(Bt, {
+	})] }) : /* @__PURE__ */ L(Bt, {
 		store: e,
 		state: t
 	});
@@ -2295,20 +2344,20 @@ function Bt({ store: e, state: t }) {
 		path: t,
 		value: n
 	});
-	return /* @__PURE__ */ R("section", { children: [
-		/* @__PURE__ */ R("h2", { children: "Model" }),
-		/* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: "title" }), /* @__PURE__ */ R(Mt, {
+	return /* @__PURE__ */ L("section", { children: [
+		/* @__PURE__ */ L("h2", { children: "Model" }),
+		/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "title" }), /* @__PURE__ */ L(Mt, {
 			label: "Title",
 			first: !0,
 			value: n.title,
 			disabled: !n.view.editable,
 			onWrite: (e) => i(["title"], e)
 		})] }),
-		/* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: "domain" }), /* @__PURE__ */ R("select", {
+		/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "domain" }), /* @__PURE__ */ L("select", {
 			disabled: !n.view.editable,
 			value: n.view.domain,
 			onChange: (e) => i(["domain"], e.currentTarget.value),
-			children: r.map((e) => /* @__PURE__ */ R("option", {
+			children: r.map((e) => /* @__PURE__ */ L("option", {
 				value: e.name,
 				children: [
 					e.name,
@@ -2317,15 +2366,15 @@ function Bt({ store: e, state: t }) {
 				]
 			}))
 		})] }),
-		/* @__PURE__ */ R("p", {
+		/* @__PURE__ */ L("p", {
 			class: "hint",
 			children: [
 				"Put elements down from the palette, or press ",
-				/* @__PURE__ */ R("kbd", { children: "a" }),
+				/* @__PURE__ */ L("kbd", { children: "a" }),
 				" and write ",
-				/* @__PURE__ */ R("code", { children: "R load 10 ohm" }),
+				/* @__PURE__ */ L("code", { children: "R load 10 ohm" }),
 				". Drag from the handle of a selected element to bond it, or press ",
-				/* @__PURE__ */ R("kbd", { children: "b" }),
+				/* @__PURE__ */ L("kbd", { children: "b" }),
 				". Strokes follow each edit."
 			]
 		})
@@ -2345,66 +2394,66 @@ function Vt({ store: e, state: t, node: n }) {
 		old: n.name,
 		new: t.trim()
 	}).then((n) => n && e.set({ nodes: /* @__PURE__ */ new Set([t.trim()]) })), s = n.kind === "0" || n.kind === "1", c = t.stock?.parts.find((e) => e.name === i.submodel);
-	return /* @__PURE__ */ R("section", { children: [
-		/* @__PURE__ */ R("h2", { children: n.kind === "part" ? String(i.submodel) : t.stock?.kinds.find((e) => e.kind === n.kind)?.about ?? n.kind }),
-		/* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: "name" }), /* @__PURE__ */ R(Mt, {
+	return /* @__PURE__ */ L("section", { children: [
+		/* @__PURE__ */ L("h2", { children: n.kind === "part" ? String(i.submodel) : t.stock?.kinds.find((e) => e.kind === n.kind)?.about ?? n.kind }),
+		/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "name" }), /* @__PURE__ */ L(Mt, {
 			label: "Name",
 			first: s || n.kind === "part",
 			value: n.name,
 			disabled: r,
 			onWrite: o
 		})] }),
-		!s && n.kind !== "part" && /* @__PURE__ */ R(Ht, {
+		!s && n.kind !== "part" && /* @__PURE__ */ L(Ht, {
 			node: n,
 			off: r,
 			set: a
 		}),
-		Pt[n.kind]?.map((e) => /* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: ["start ", e] }), /* @__PURE__ */ R(Mt, {
+		Pt[n.kind]?.map((e) => /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: ["start ", e] }), /* @__PURE__ */ L(Mt, {
 			label: `Start value ${e}`,
 			value: Gt(i[e]),
 			disabled: r,
 			placeholder: "0",
 			onWrite: (t) => a([e], Nt(t))
 		})] })),
-		s && /* @__PURE__ */ R(x, { children: [
-			/* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: "kind" }), /* @__PURE__ */ R("select", {
+		s && /* @__PURE__ */ L(x, { children: [
+			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "kind" }), /* @__PURE__ */ L("select", {
 				disabled: r,
 				value: n.kind,
 				onChange: (e) => a(["junction"], Number(e.currentTarget.value)),
-				children: [/* @__PURE__ */ R("option", {
+				children: [/* @__PURE__ */ L("option", {
 					value: "0",
 					children: "0, common effort"
-				}), /* @__PURE__ */ R("option", {
+				}), /* @__PURE__ */ L("option", {
 					value: "1",
 					children: "1, common flow"
 				})]
 			})] }),
-			/* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: "law" }), /* @__PURE__ */ R("select", {
+			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "law" }), /* @__PURE__ */ L("select", {
 				disabled: r,
 				value: Gt(i.law),
 				onChange: (e) => a(["law"], e.currentTarget.value || null),
-				children: [/* @__PURE__ */ R("option", {
+				children: [/* @__PURE__ */ L("option", {
 					value: "",
 					children: "none"
-				}), t.stock?.laws.map((e) => /* @__PURE__ */ R("option", {
+				}), t.stock?.laws.map((e) => /* @__PURE__ */ L("option", {
 					value: e,
 					children: e
 				}))]
 			})] }),
-			(Ft[Gt(i.law)] ?? []).map((e) => /* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: e }), /* @__PURE__ */ R(Mt, {
+			(Ft[Gt(i.law)] ?? []).map((e) => /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: e }), /* @__PURE__ */ L(Mt, {
 				label: e,
 				value: Gt(i[e]),
 				disabled: r,
 				onWrite: (t) => a([e], Nt(t))
 			})] })),
-			/* @__PURE__ */ R(Ut, {
+			/* @__PURE__ */ L(Ut, {
 				store: e,
 				state: t,
 				node: n
 			})
 		] }),
-		n.kind === "part" && /* @__PURE__ */ R(x, { children: [
-			c && /* @__PURE__ */ R("p", {
+		n.kind === "part" && /* @__PURE__ */ L(x, { children: [
+			c && /* @__PURE__ */ L("p", {
 				class: "hint",
 				children: c.title
 			}),
@@ -2413,7 +2462,7 @@ function Vt({ store: e, state: t, node: n }) {
 				...i.parameters
 			}).map(([e]) => {
 				let t = i.parameters?.[e];
-				return /* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: e }), /* @__PURE__ */ R(Mt, {
+				return /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: e }), /* @__PURE__ */ L(Mt, {
 					label: e,
 					value: Gt(t),
 					disabled: r,
@@ -2421,7 +2470,7 @@ function Vt({ store: e, state: t, node: n }) {
 					onWrite: (t) => a(["parameters", e], Nt(t))
 				})] });
 			}),
-			n.inputs?.map((e) => /* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: [e, " ⟵"] }), /* @__PURE__ */ R(Mt, {
+			n.inputs?.map((e) => /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: [e, " ⟵"] }), /* @__PURE__ */ L(Mt, {
 				label: `Input ${e}`,
 				value: Gt(i.inputs?.[e]),
 				disabled: r,
@@ -2429,25 +2478,25 @@ function Vt({ store: e, state: t, node: n }) {
 				list: Kt(t),
 				onWrite: (t) => a(["inputs", e], Nt(t))
 			})] })),
-			n.known && /* @__PURE__ */ R("button", {
+			n.known && /* @__PURE__ */ L("button", {
 				onClick: () => e.open(t.level ? `${t.level}.${n.name}` : n.name),
 				children: "Open"
 			})
 		] }),
-		/* @__PURE__ */ R("div", {
+		/* @__PURE__ */ L("div", {
 			class: "row",
 			children: [
-				/* @__PURE__ */ R("button", {
+				/* @__PURE__ */ L("button", {
 					disabled: r,
 					onClick: () => e.set({ bondFrom: n.name }),
 					children: "Bond (b)"
 				}),
-				/* @__PURE__ */ R("button", {
+				/* @__PURE__ */ L("button", {
 					disabled: r,
 					onClick: () => void e.duplicate(),
 					children: "Duplicate"
 				}),
-				/* @__PURE__ */ R("button", {
+				/* @__PURE__ */ L("button", {
 					disabled: r,
 					onClick: () => e.remove(),
 					children: "Delete"
@@ -2460,7 +2509,7 @@ function Ht({ node: e, off: t, set: n }) {
 	let r = e.entry[e.kind];
 	if (typeof r == "object" && r && !Array.isArray(r)) {
 		let [i, a] = Object.entries(r)[0] ?? ["e", ""];
-		if (typeof a == "string") return /* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: [i, " ="] }), /* @__PURE__ */ R(Mt, {
+		if (typeof a == "string") return /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: [i, " ="] }), /* @__PURE__ */ L(Mt, {
 			label: `Law, ${i} =`,
 			first: !0,
 			value: a,
@@ -2468,10 +2517,10 @@ function Ht({ node: e, off: t, set: n }) {
 			onWrite: (t) => n([e.kind, i], t)
 		})] });
 	}
-	return typeof r == "object" && r ? /* @__PURE__ */ R("p", {
+	return typeof r == "object" && r ? /* @__PURE__ */ L("p", {
 		class: "hint",
 		children: "A field or a table: edit it in the text."
-	}) : /* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: "value" }), /* @__PURE__ */ R(Mt, {
+	}) : /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "value" }), /* @__PURE__ */ L(Mt, {
 		label: "Value",
 		first: !0,
 		value: Gt(r),
@@ -2484,11 +2533,11 @@ function Ht({ node: e, off: t, set: n }) {
 }
 function Ut({ store: e, state: t, node: n }) {
 	let r = t.look;
-	return n.machine ? /* @__PURE__ */ R("p", { children: ["switched by ", /* @__PURE__ */ R("button", {
+	return n.machine ? /* @__PURE__ */ L("p", { children: ["switched by ", /* @__PURE__ */ L("button", {
 		class: "link",
 		onClick: () => e.set({ tab: "machines" }),
 		children: n.machine
-	})] }) : n.law ? null : /* @__PURE__ */ R("button", {
+	})] }) : n.law ? null : /* @__PURE__ */ L("button", {
 		disabled: !r.view.editable,
 		onClick: () => void e.edit({
 			do: "set",
@@ -2522,8 +2571,8 @@ function Kt(e) {
 // src/expression.tsx
 var qt = 250, Jt = /[A-Za-z_][\w.]*$/, Yt = 0;
 function Xt(e) {
-	let [t, n] = H(e.value), [r, i] = H([]), [a, o] = H(-1), [s, c] = H(null), [l] = H(() => `words${++Yt}`), u = mt(null), d = mt(!1), f = mt(0);
-	pt(() => {
+	let [t, n] = V(e.value), [r, i] = V([]), [a, o] = V(-1), [s, c] = V(null), [l] = V(() => `words${++Yt}`), u = mt(null), d = mt(!1), f = mt(0);
+	H(() => {
 		d.current || n(e.value), c(null);
 	}, [e.value]);
 	let p = () => {
@@ -2540,15 +2589,31 @@ function Xt(e) {
 	}, h = (e) => {
 		let t = u.current, n = t.selectionStart ?? t.value.length, r = t.value.slice(0, n).replace(Jt, e);
 		t.value = r + t.value.slice(n), t.setSelectionRange(r.length, r.length), p(), m(), i([]), t.focus();
-	};
-	return /* @__PURE__ */ R("span", {
+	}, g = () => {
+		d.current = !1, f.current++, p(), t !== e.value && e.onWrite(t);
+	}, _ = (t) => {
+		t.stopPropagation();
+		let i = {
+			ArrowDown: 1,
+			ArrowUp: -1
+		}[t.key];
+		if (i && r.length) t.preventDefault(), o((a + i + r.length) % r.length);
+		else if ((t.key === "Tab" || t.key === "Enter") && a >= 0) t.preventDefault(), h(r[a]);
+		else if (t.key === "Enter") u.current.blur();
+		else if (t.key === "Escape") {
+			if (r.length) return p();
+			n(e.value), c(null), d.current = !1, requestAnimationFrame(() => document.querySelector(".canvas svg")?.focus());
+		}
+	}, v = s ?? (t === e.value ? e.told ?? null : null);
+	return /* @__PURE__ */ L("span", {
 		class: "expression",
 		children: [
-			/* @__PURE__ */ R("input", {
+			/* @__PURE__ */ L("input", {
 				ref: u,
 				"aria-label": e.label,
 				value: t,
 				disabled: e.disabled,
+				placeholder: e.placeholder,
 				spellcheck: !1,
 				autocomplete: "off",
 				role: "combobox",
@@ -2556,33 +2621,18 @@ function Xt(e) {
 				"aria-expanded": r.length > 0,
 				"aria-controls": l,
 				"aria-activedescendant": a >= 0 ? `${l}-${a}` : void 0,
-				"aria-invalid": !!s,
-				"aria-errormessage": s ? `${l}-wrong` : void 0,
+				"aria-invalid": !!v,
+				"aria-errormessage": v ? `${l}-wrong` : void 0,
 				onFocus: () => d.current = !0,
 				onInput: m,
-				onBlur: () => {
-					d.current = !1, f.current++, p(), t !== e.value && e.onWrite(t);
-				},
-				onKeyDown: (t) => {
-					t.stopPropagation();
-					let i = {
-						ArrowDown: 1,
-						ArrowUp: -1
-					}[t.key];
-					if (i && r.length) t.preventDefault(), o((a + i + r.length) % r.length);
-					else if ((t.key === "Tab" || t.key === "Enter") && a >= 0) t.preventDefault(), h(r[a]);
-					else if (t.key === "Enter") u.current.blur();
-					else if (t.key === "Escape") {
-						if (r.length) return p();
-						n(e.value), c(null), d.current = !1, requestAnimationFrame(() => document.querySelector(".canvas svg")?.focus());
-					}
-				}
+				onBlur: g,
+				onKeyDown: _
 			}),
-			r.length > 0 && /* @__PURE__ */ R("ul", {
+			r.length > 0 && /* @__PURE__ */ L("ul", {
 				id: l,
 				role: "listbox",
 				"aria-label": "Names",
-				children: r.map((e, t) => /* @__PURE__ */ R("li", {
+				children: r.map((e, t) => /* @__PURE__ */ L("li", {
 					id: `${l}-${t}`,
 					role: "option",
 					"aria-selected": t === a,
@@ -2592,14 +2642,14 @@ function Xt(e) {
 					children: e
 				}))
 			}),
-			s && /* @__PURE__ */ R("small", {
+			v && /* @__PURE__ */ L("small", {
 				class: "wrong",
 				id: `${l}-wrong`,
 				role: "status",
 				children: [
-					s.why,
+					v.why,
 					" ",
-					s.try && /* @__PURE__ */ R("em", { children: s.try })
+					v.try && /* @__PURE__ */ L("em", { children: v.try })
 				]
 			})
 		]
@@ -2616,15 +2666,15 @@ function Zt(e) {
 }
 function Qt({ store: e, state: t }) {
 	let n = t.look, r = Object.entries(n.panels.machines);
-	return /* @__PURE__ */ R("section", { children: [
-		/* @__PURE__ */ R("h2", { children: "State machines" }),
-		r.map(([n, r]) => /* @__PURE__ */ R($t, {
+	return /* @__PURE__ */ L("section", { children: [
+		/* @__PURE__ */ L("h2", { children: "State machines" }),
+		r.map(([n, r]) => /* @__PURE__ */ L($t, {
 			store: e,
 			state: t,
 			name: n,
 			machine: r
 		}, n)),
-		n.view.editable && /* @__PURE__ */ R("button", {
+		n.view.editable && /* @__PURE__ */ L("button", {
 			onClick: () => {
 				let i = n.view.nodes.find((e) => t.nodes.has(e.name) && (e.kind === "0" || e.kind === "1")), a = Wt([...r.map(([e]) => e), ...n.view.nodes.map((e) => e.name)], "S");
 				e.edit({
@@ -2642,17 +2692,17 @@ function Qt({ store: e, state: t }) {
 			},
 			children: "New machine"
 		}),
-		/* @__PURE__ */ R("p", {
+		/* @__PURE__ */ L("p", {
 			class: "hint",
 			children: [
 				"In guards ",
-				/* @__PURE__ */ R("code", { children: "pre(x)" }),
+				/* @__PURE__ */ L("code", { children: "pre(x)" }),
 				" is the value before the instant (a priori ",
-				/* @__PURE__ */ R("b", { children: "x⁻" }),
+				/* @__PURE__ */ L("b", { children: "x⁻" }),
 				"), ",
-				/* @__PURE__ */ R("code", { children: "x" }),
+				/* @__PURE__ */ L("code", { children: "x" }),
 				" the one that holds after it (a posteriori ",
-				/* @__PURE__ */ R("b", { children: "x⁺" }),
+				/* @__PURE__ */ L("b", { children: "x⁺" }),
 				")."
 			]
 		})
@@ -2678,13 +2728,13 @@ function $t({ store: e, state: t, name: n, machine: r }) {
 		}, { problem: c } = await e.transport.ask("attempt", { edit: s });
 		return c?.where.includes(n) ? c : null;
 	}, p = i.view.nodes.filter((e) => e.kind !== "part" && e.kind !== "?").map((e) => e.name);
-	return /* @__PURE__ */ R("div", {
+	return /* @__PURE__ */ L("div", {
 		class: "machine",
 		"data-machine": n,
 		children: [
-			/* @__PURE__ */ R("div", {
+			/* @__PURE__ */ L("div", {
 				class: "row",
-				children: [/* @__PURE__ */ R(Mt, {
+				children: [/* @__PURE__ */ L(Mt, {
 					label: `Name of machine ${n}`,
 					value: n,
 					disabled: a,
@@ -2693,7 +2743,7 @@ function $t({ store: e, state: t, name: n, machine: r }) {
 						old: n,
 						new: t.trim()
 					})
-				}), !a && /* @__PURE__ */ R("button", {
+				}), !a && /* @__PURE__ */ L("button", {
 					class: "small",
 					"aria-label": `Delete machine ${n}`,
 					onClick: () => void e.edit({
@@ -2704,15 +2754,15 @@ function $t({ store: e, state: t, name: n, machine: r }) {
 					children: "✕"
 				})]
 			}),
-			/* @__PURE__ */ R(en, {
+			/* @__PURE__ */ L(en, {
 				machine: r,
 				now: s,
 				onState: (t) => e.setMode(o, t)
 			}),
-			c.map((t) => /* @__PURE__ */ R("div", {
+			c.map((t) => /* @__PURE__ */ L("div", {
 				class: "row state",
 				children: [
-					/* @__PURE__ */ R("input", {
+					/* @__PURE__ */ L("input", {
 						type: "radio",
 						name: `start-${n}`,
 						"aria-label": `${n} starts in ${t}`,
@@ -2724,7 +2774,7 @@ function $t({ store: e, state: t, name: n, machine: r }) {
 							start: t
 						})
 					}),
-					/* @__PURE__ */ R(Mt, {
+					/* @__PURE__ */ L(Mt, {
 						label: `State ${t} of ${n}`,
 						value: t,
 						disabled: a,
@@ -2746,11 +2796,11 @@ function $t({ store: e, state: t, name: n, machine: r }) {
 							});
 						}
 					}),
-					/* @__PURE__ */ R("span", {
+					/* @__PURE__ */ L("span", {
 						class: "on",
 						children: "ON"
 					}),
-					/* @__PURE__ */ R(Mt, {
+					/* @__PURE__ */ L(Mt, {
 						label: `Junctions that state ${t} of ${n} switches on`,
 						value: (r.states[t] ?? []).join(", "),
 						disabled: a,
@@ -2768,25 +2818,25 @@ function $t({ store: e, state: t, name: n, machine: r }) {
 			})),
 			l.map((e, r) => {
 				let i = Zt(e), o = i && /\bpre\s*\(/.test(i.guard);
-				return /* @__PURE__ */ R("div", {
+				return /* @__PURE__ */ L("div", {
 					class: "row rule",
-					children: [i ? /* @__PURE__ */ R(x, { children: [
-						/* @__PURE__ */ R("select", {
+					children: [i ? /* @__PURE__ */ L(x, { children: [
+						/* @__PURE__ */ L("select", {
 							disabled: a,
 							"aria-label": "From",
 							value: i.source,
 							onChange: (e) => d(r, `${e.currentTarget.value} -> ${i.target} when ${i.guard}`),
-							children: c.map((e) => /* @__PURE__ */ R("option", { children: e }))
+							children: c.map((e) => /* @__PURE__ */ L("option", { children: e }))
 						}),
 						"→",
-						/* @__PURE__ */ R("select", {
+						/* @__PURE__ */ L("select", {
 							disabled: a,
 							"aria-label": "To",
 							value: i.target,
 							onChange: (e) => d(r, `${i.source} -> ${e.currentTarget.value} when ${i.guard}`),
-							children: c.map((e) => /* @__PURE__ */ R("option", { children: e }))
+							children: c.map((e) => /* @__PURE__ */ L("option", { children: e }))
 						}),
-						/* @__PURE__ */ R(Xt, {
+						/* @__PURE__ */ L(Xt, {
 							label: `Guard ${r + 1} of ${n}`,
 							value: i.guard,
 							disabled: a,
@@ -2794,17 +2844,17 @@ function $t({ store: e, state: t, name: n, machine: r }) {
 							check: (e) => f(r, `${i.source} -> ${i.target} when ${e}`),
 							onWrite: (e) => d(r, `${i.source} -> ${i.target} when ${e}`)
 						}),
-						/* @__PURE__ */ R("span", {
+						/* @__PURE__ */ L("span", {
 							class: "reads " + (o ? "prior" : "after"),
 							title: o ? "reads a priori values, x⁻" : "reads a posteriori values, x⁺",
 							children: o ? "x⁻" : "x⁺"
 						})
-					] }) : /* @__PURE__ */ R(Mt, {
+					] }) : /* @__PURE__ */ L(Mt, {
 						label: `Rule ${r + 1} of ${n}`,
 						value: e,
 						disabled: a,
 						onWrite: (e) => d(r, e)
-					}), !a && /* @__PURE__ */ R("button", {
+					}), !a && /* @__PURE__ */ L("button", {
 						class: "small",
 						"aria-label": `Delete rule ${r + 1} of ${n}`,
 						onClick: () => d(r, null),
@@ -2812,9 +2862,9 @@ function $t({ store: e, state: t, name: n, machine: r }) {
 					})]
 				});
 			}),
-			!a && /* @__PURE__ */ R("div", {
+			!a && /* @__PURE__ */ L("div", {
 				class: "row",
-				children: [/* @__PURE__ */ R("button", {
+				children: [/* @__PURE__ */ L("button", {
 					onClick: () => u({
 						...r,
 						states: {
@@ -2823,7 +2873,7 @@ function $t({ store: e, state: t, name: n, machine: r }) {
 						}
 					}),
 					children: "Add state"
-				}), /* @__PURE__ */ R("button", {
+				}), /* @__PURE__ */ L("button", {
 					disabled: c.length < 2,
 					onClick: () => {
 						let e = c.find((e) => !l.some((t) => Zt(t)?.source === e)) ?? c[0], t = c.find((t) => t !== e);
@@ -2840,16 +2890,16 @@ function $t({ store: e, state: t, name: n, machine: r }) {
 }
 function en({ machine: e, now: t, onState: n }) {
 	let r = Object.keys(e.states ?? {}), i = (e) => 46 + 108 * r.indexOf(e), a = (e.rules ?? []).map(Zt).filter((e) => !!e && r.includes(e.source) && r.includes(e.target)), o = /* @__PURE__ */ new Map(), s = 26 + 16 * Math.max(1, ...a.map((e) => Math.abs(r.indexOf(e.target) - r.indexOf(e.source))));
-	return /* @__PURE__ */ R("div", {
+	return /* @__PURE__ */ L("div", {
 		class: "diagram",
-		children: /* @__PURE__ */ R("svg", {
+		children: /* @__PURE__ */ L("svg", {
 			width: 46 + 108 * r.length,
 			height: 2 * s + 10,
 			viewBox: `0 ${-s} ${46 + 108 * r.length} ${2 * s + 10}`,
 			role: "group",
 			"aria-label": "States and rules",
 			children: [
-				/* @__PURE__ */ R("defs", { children: /* @__PURE__ */ R("marker", {
+				/* @__PURE__ */ L("defs", { children: /* @__PURE__ */ L("marker", {
 					id: "rulehead",
 					viewBox: "0 0 8 8",
 					refX: 7,
@@ -2857,26 +2907,26 @@ function en({ machine: e, now: t, onState: n }) {
 					markerWidth: 7,
 					markerHeight: 7,
 					orient: "auto",
-					children: /* @__PURE__ */ R("path", {
+					children: /* @__PURE__ */ L("path", {
 						d: "M0,1L8,4L0,7z",
 						class: "rulehead"
 					})
 				}) }),
 				a.map((e) => {
 					let [t, n] = [i(e.source), i(e.target)], r = `${e.source}>${e.target}`, a = o.get(r) ?? 0;
-					if (o.set(r, a + 1), t === n) return /* @__PURE__ */ R("path", {
+					if (o.set(r, a + 1), t === n) return /* @__PURE__ */ L("path", {
 						class: "arc",
 						d: `M${t - 8},-14 C${t - 26},-44 ${t + 26},-44 ${t + 8},-14`,
 						"marker-end": "url(#rulehead)",
-						children: /* @__PURE__ */ R("title", { children: e.guard })
+						children: /* @__PURE__ */ L("title", { children: e.guard })
 					});
 					let s = n > t ? -1 : 1, c = s * (22 + 14 * Math.abs(n - t) / 108 + 9 * a), l = e.guard.length > 26 ? e.guard.slice(0, 25) + "…" : e.guard;
-					return /* @__PURE__ */ R("g", { children: [/* @__PURE__ */ R("path", {
+					return /* @__PURE__ */ L("g", { children: [/* @__PURE__ */ L("path", {
 						class: "arc",
 						d: `M${t},${14 * s} C${t},${c} ${n},${c} ${n},${14 * s}`,
 						"marker-end": "url(#rulehead)",
-						children: /* @__PURE__ */ R("title", { children: e.guard })
-					}), /* @__PURE__ */ R("text", {
+						children: /* @__PURE__ */ L("title", { children: e.guard })
+					}), /* @__PURE__ */ L("text", {
 						class: "guard",
 						x: (t + n) / 2,
 						y: .78 * c + (s < 0 ? -3 : 10),
@@ -2884,7 +2934,7 @@ function en({ machine: e, now: t, onState: n }) {
 						children: l
 					})] });
 				}),
-				r.map((r) => /* @__PURE__ */ R("g", {
+				r.map((r) => /* @__PURE__ */ L("g", {
 					class: "statebox" + (r === t ? " now" : "") + (r === e.start ? " start" : ""),
 					role: "button",
 					tabindex: 0,
@@ -2893,20 +2943,20 @@ function en({ machine: e, now: t, onState: n }) {
 					onClick: () => n(r),
 					onKeyDown: (e) => (e.key === "Enter" || e.key === " ") && n(r),
 					children: [
-						/* @__PURE__ */ R("rect", {
+						/* @__PURE__ */ L("rect", {
 							x: i(r) - 38,
 							y: -14,
 							width: 76,
 							height: 28,
 							rx: 8
 						}),
-						/* @__PURE__ */ R("text", {
+						/* @__PURE__ */ L("text", {
 							x: i(r),
 							y: 4,
 							"text-anchor": "middle",
 							children: r.length > 11 ? r.slice(0, 10) + "…" : r
 						}),
-						r === e.start && /* @__PURE__ */ R("circle", {
+						r === e.start && /* @__PURE__ */ L("circle", {
 							cx: i(r) - 38,
 							cy: -14,
 							r: 4
@@ -2932,31 +2982,31 @@ function on(e) {
 	return `color-mix(in oklab, var(--c5) ${Math.round(100 * e)}%, var(--c1))`;
 }
 function sn({ store: e, state: t }) {
-	let n = t.sweep, [r, i] = H(null), a = n.members.filter((e) => e), o = a.length ? (a.find((e) => e.curves)?.curves ?? []).map((e) => e.name) : [], s = a.filter((e) => e.error), c = a.find((e) => e.until !== void 0)?.until ?? 1;
-	return /* @__PURE__ */ R("div", {
+	let n = t.sweep, [r, i] = V(null), a = n.members.filter((e) => e), o = a.length ? (a.find((e) => e.curves)?.curves ?? []).map((e) => e.name) : [], s = a.filter((e) => e.error), c = a.find((e) => e.until !== void 0)?.until ?? 1;
+	return /* @__PURE__ */ L("div", {
 		class: "plots sweep",
 		children: [
-			/* @__PURE__ */ R("div", {
+			/* @__PURE__ */ L("div", {
 				class: "plotbar",
 				children: [
-					/* @__PURE__ */ R("b", { children: n.path }),
+					/* @__PURE__ */ L("b", { children: n.path }),
 					" from ",
 					n.values[0],
 					" to ",
 					n.values[n.values.length - 1],
-					/* @__PURE__ */ R("span", {
+					/* @__PURE__ */ L("span", {
 						class: "scale",
 						"aria-hidden": "true"
 					}),
-					/* @__PURE__ */ R("span", {
+					/* @__PURE__ */ L("span", {
 						role: "status",
 						children: [n.done ? `${a.length} runs${a.length < n.values.length ? ", cancelled" : ""}` : `${a.length} of ${n.values.length}`, s.length > 0 && `, ${s.length} stopped: ${s[0].error.code}`]
 					}),
-					!n.done && /* @__PURE__ */ R("button", {
+					!n.done && /* @__PURE__ */ L("button", {
 						onClick: e.cancel,
 						children: "Cancel"
 					}),
-					/* @__PURE__ */ R("input", {
+					/* @__PURE__ */ L("input", {
 						type: "range",
 						"aria-label": `Run of the sweep over ${n.path}`,
 						min: 0,
@@ -2965,11 +3015,11 @@ function sn({ store: e, state: t }) {
 						value: r ?? 0,
 						onInput: (e) => i(Number(e.currentTarget.value))
 					}),
-					r !== null && /* @__PURE__ */ R(x, { children: [/* @__PURE__ */ R("output", { children: [
+					r !== null && /* @__PURE__ */ L(x, { children: [/* @__PURE__ */ L("output", { children: [
 						n.path,
 						" = ",
 						n.values[r]
-					] }), !n.path.includes(".") && /* @__PURE__ */ R("button", {
+					] }), !n.path.includes(".") && /* @__PURE__ */ L("button", {
 						onClick: () => {
 							let t = n.values[r];
 							n.path.split(".").length === 1 && e.edit({
@@ -2981,20 +3031,20 @@ function sn({ store: e, state: t }) {
 						},
 						children: "Take this value"
 					})] }),
-					/* @__PURE__ */ R("button", {
+					/* @__PURE__ */ L("button", {
 						onClick: () => e.set({ sweep: null }),
 						children: "Close"
 					})
 				]
 			}),
-			o.map((e, t) => /* @__PURE__ */ R(cn, {
+			o.map((e, t) => /* @__PURE__ */ L(cn, {
 				name: e,
 				curves: n.members.map((e) => e?.curves?.[t]),
 				end: c,
 				chosen: r,
 				choose: i
 			}, e)),
-			/* @__PURE__ */ R(ln, {
+			/* @__PURE__ */ L(ln, {
 				sweep: n,
 				end: c,
 				chosen: r,
@@ -3006,7 +3056,7 @@ function sn({ store: e, state: t }) {
 function cn({ name: e, curves: t, end: n, chosen: r, choose: i }) {
 	let a = t.filter((e) => !!e && !e.error), [o, s] = [Infinity, -Infinity];
 	for (let e of a) for (let t of e.y) t !== null && ([o, s] = [Math.min(o, t), Math.max(s, t)]);
-	if (!a.length || o > s) return /* @__PURE__ */ R("p", {
+	if (!a.length || o > s) return /* @__PURE__ */ L("p", {
 		class: "hint",
 		children: [
 			e,
@@ -3021,20 +3071,20 @@ function cn({ name: e, curves: t, end: n, chosen: r, choose: i }) {
 			a === null ? n = "M" : (t += `${n}${u(r).toFixed(1)},${d(a).toFixed(1)}`, n = "L");
 		}), t;
 	}, p = t.map((e, t) => t).filter((e) => e !== r);
-	return r !== null && p.push(r), /* @__PURE__ */ R("svg", {
+	return r !== null && p.push(r), /* @__PURE__ */ L("svg", {
 		class: "family",
 		viewBox: `0 0 ${tn} ${nn}`,
 		role: "img",
-		"aria-label": `${e} of ${a.length} runs, between ${Ve(o)} and ${Ve(s)} ${c}`,
+		"aria-label": `${e} of ${a.length} runs, between ${He(o)} and ${He(s)} ${c}`,
 		children: [
-			/* @__PURE__ */ R("rect", {
+			/* @__PURE__ */ L("rect", {
 				class: "box",
 				x: rn,
 				y: an,
 				width: tn - rn - 8,
 				height: nn - U - an
 			}),
-			o < 0 && s > 0 && /* @__PURE__ */ R("line", {
+			o < 0 && s > 0 && /* @__PURE__ */ L("line", {
 				class: "axis",
 				x1: rn,
 				x2: tn - 8,
@@ -3043,42 +3093,42 @@ function cn({ name: e, curves: t, end: n, chosen: r, choose: i }) {
 			}),
 			p.map((e) => {
 				let n = t[e];
-				return !n || n.error ? null : /* @__PURE__ */ R("path", {
+				return !n || n.error ? null : /* @__PURE__ */ L("path", {
 					class: e === r ? "way chosen" : "way",
 					d: f(n),
 					style: `stroke: ${on(e / Math.max(1, t.length - 1))}`,
 					onClick: () => i(e),
-					children: /* @__PURE__ */ R("title", { children: ["run ", e + 1] })
+					children: /* @__PURE__ */ L("title", { children: ["run ", e + 1] })
 				}, e);
 			}),
-			/* @__PURE__ */ R("text", {
+			/* @__PURE__ */ L("text", {
 				x: 69,
 				y: an + 9,
 				"text-anchor": "end",
-				children: B(s, c)
+				children: z(s, c)
 			}),
-			/* @__PURE__ */ R("text", {
+			/* @__PURE__ */ L("text", {
 				x: 69,
 				y: nn - U,
 				"text-anchor": "end",
-				children: B(o, c)
+				children: z(o, c)
 			}),
-			/* @__PURE__ */ R("text", {
+			/* @__PURE__ */ L("text", {
 				class: "what",
 				transform: `translate(12,${(nn - U) / 2}) rotate(-90)`,
 				"text-anchor": "middle",
 				children: e
 			}),
-			/* @__PURE__ */ R("text", {
+			/* @__PURE__ */ L("text", {
 				x: rn,
 				y: nn - 5,
 				children: "0 s"
 			}),
-			/* @__PURE__ */ R("text", {
+			/* @__PURE__ */ L("text", {
 				x: tn - 8,
 				y: nn - 5,
 				"text-anchor": "end",
-				children: B(n, "s")
+				children: z(n, "s")
 			})
 		]
 	});
@@ -3097,49 +3147,49 @@ function ln({ sweep: e, end: t, chosen: n, choose: r }) {
 			]);
 		}), t;
 	};
-	return /* @__PURE__ */ R("figure", {
+	return /* @__PURE__ */ L("figure", {
 		class: "modemap",
-		children: [/* @__PURE__ */ R("svg", {
+		children: [/* @__PURE__ */ L("svg", {
 			viewBox: `0 0 ${tn} 184`,
 			role: "img",
 			"aria-label": `Modes over ${e.path} and time: ${i.join("; ")}`,
 			children: [
-				e.members.map((t, c) => t?.modes ? /* @__PURE__ */ R("g", {
+				e.members.map((t, c) => t?.modes ? /* @__PURE__ */ L("g", {
 					class: c === n ? "chosen" : "",
 					onClick: () => r(c),
-					children: s(t.modes).map(([t, n, r]) => /* @__PURE__ */ R("rect", {
+					children: s(t.modes).map(([t, n, r]) => /* @__PURE__ */ L("rect", {
 						x: rn + c * o,
 						width: o + .4,
 						y: an + 150 * (1 - n / a),
 						height: 150 * (n - t) / a + .4,
 						fill: W[r % W.length],
-						children: /* @__PURE__ */ R("title", { children: `${e.values[c]}: ${i[r]}` })
+						children: /* @__PURE__ */ L("title", { children: `${e.values[c]}: ${i[r]}` })
 					}))
 				}) : null),
-				/* @__PURE__ */ R("text", {
+				/* @__PURE__ */ L("text", {
 					x: 69,
 					y: an + 9,
 					"text-anchor": "end",
-					children: B(t, "s")
+					children: z(t, "s")
 				}),
-				/* @__PURE__ */ R("text", {
+				/* @__PURE__ */ L("text", {
 					x: 69,
 					y: an + 150,
 					"text-anchor": "end",
 					children: "0 s"
 				}),
-				/* @__PURE__ */ R("text", {
+				/* @__PURE__ */ L("text", {
 					x: rn,
 					y: an + 150 + 14,
 					children: e.values[0]
 				}),
-				/* @__PURE__ */ R("text", {
+				/* @__PURE__ */ L("text", {
 					x: tn - 8,
 					y: an + 150 + 14,
 					"text-anchor": "end",
 					children: e.values[e.values.length - 1]
 				}),
-				/* @__PURE__ */ R("text", {
+				/* @__PURE__ */ L("text", {
 					class: "what",
 					x: (rn + tn) / 2,
 					y: an + 150 + 18,
@@ -3147,15 +3197,15 @@ function ln({ sweep: e, end: t, chosen: n, choose: r }) {
 					children: e.path
 				})
 			]
-		}), /* @__PURE__ */ R("figcaption", { children: [i.slice(0, 16).map((e, t) => /* @__PURE__ */ R("span", { children: [
-			/* @__PURE__ */ R("i", { style: `background: ${W[t % W.length]}` }),
+		}), /* @__PURE__ */ L("figcaption", { children: [i.slice(0, 16).map((e, t) => /* @__PURE__ */ L("span", { children: [
+			/* @__PURE__ */ L("i", { style: `background: ${W[t % W.length]}` }),
 			" ",
 			e
 		] })), i.length > 16 && ` and ${i.length - 16} more`] })]
 	});
 }
 function G({ store: e, path: t, low: n, high: r, onDone: i }) {
-	let [a, o] = H(n), [s, c] = H(r), [l, u] = H("15"), [d, f] = H(!1), p = (n) => {
+	let [a, o] = V(n), [s, c] = V(r), [l, u] = V("15"), [d, f] = V(!1), p = (n) => {
 		n.preventDefault(), e.sweep({
 			path: t,
 			from: a,
@@ -3163,25 +3213,25 @@ function G({ store: e, path: t, low: n, high: r, onDone: i }) {
 			count: l,
 			log: d
 		}).then((e) => e && i());
-	}, m = (e, n, r) => /* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: e }), /* @__PURE__ */ R("input", {
+	}, m = (e, n, r) => /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: e }), /* @__PURE__ */ L("input", {
 		"aria-label": `Sweep ${t} ${e}`,
 		value: n,
 		onInput: (e) => r(e.currentTarget.value),
 		onKeyDown: (e) => e.stopPropagation()
 	})] });
-	return /* @__PURE__ */ R("form", {
+	return /* @__PURE__ */ L("form", {
 		class: "sweepfields",
 		onSubmit: p,
 		children: [
 			m("from", a, o),
 			m("to", s, c),
 			m("runs", l, u),
-			/* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("input", {
+			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("input", {
 				type: "checkbox",
 				checked: d,
 				onChange: (e) => f(e.currentTarget.checked)
 			}), " by ratios"] }),
-			/* @__PURE__ */ R("button", {
+			/* @__PURE__ */ L("button", {
 				type: "submit",
 				children: "Sweep"
 			})
@@ -3196,16 +3246,16 @@ function un({ store: e, state: t }) {
 		value: n
 	}), o = (i, o, s) => {
 		let c = Object.entries(n.panels[i]);
-		return /* @__PURE__ */ R(x, { children: [
-			/* @__PURE__ */ R("h2", { children: o }),
-			c.map(([n, r]) => /* @__PURE__ */ R(fn, {
+		return /* @__PURE__ */ L(x, { children: [
+			/* @__PURE__ */ L("h2", { children: o }),
+			c.map(([n, r]) => /* @__PURE__ */ L(fn, {
 				store: e,
 				state: t,
 				section: i,
 				name: n,
 				value: r
 			}, n)),
-			!r && /* @__PURE__ */ R("button", {
+			!r && /* @__PURE__ */ L("button", {
 				onClick: () => {
 					let e = {
 						parameters: "k",
@@ -3222,31 +3272,31 @@ function un({ store: e, state: t }) {
 			})
 		] });
 	};
-	return /* @__PURE__ */ R("section", { children: [
+	return /* @__PURE__ */ L("section", { children: [
 		o("parameters", "Parameters", 1),
 		o("signals", "Signals", "time"),
 		o("inputs", "Inputs", { constant: 1 }),
-		!t.level && /* @__PURE__ */ R(x, { children: [
-			/* @__PURE__ */ R("h2", { children: "Run" }),
-			/* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: "until" }), /* @__PURE__ */ R(Mt, {
+		!t.level && /* @__PURE__ */ L(x, { children: [
+			/* @__PURE__ */ L("h2", { children: "Run" }),
+			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "until" }), /* @__PURE__ */ L(Mt, {
 				label: "Until",
 				value: Gt(i.until),
 				placeholder: "1 s",
 				onWrite: (e) => void a(["experiment", "until"], Nt(e))
 			})] }),
-			/* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: "solver" }), /* @__PURE__ */ R("select", {
+			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "solver" }), /* @__PURE__ */ L("select", {
 				value: Gt(i.solver),
 				onChange: (e) => void a(["experiment", "solver"], e.currentTarget.value || null),
-				children: [/* @__PURE__ */ R("option", {
+				children: [/* @__PURE__ */ L("option", {
 					value: "",
 					children: "auto"
-				}), t.stock?.solvers.filter((e) => e.name !== "auto").map((e) => /* @__PURE__ */ R("option", {
+				}), t.stock?.solvers.filter((e) => e.name !== "auto").map((e) => /* @__PURE__ */ L("option", {
 					value: e.name,
 					title: e.about,
 					children: e.name
 				}))]
 			})] }),
-			/* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: "rtol" }), /* @__PURE__ */ R(Mt, {
+			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "rtol" }), /* @__PURE__ */ L(Mt, {
 				label: "Relative tolerance",
 				value: Gt(i.rtol),
 				placeholder: "1e-8",
@@ -3257,13 +3307,13 @@ function un({ store: e, state: t }) {
 }
 var dn = /^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)(\s*\S.*)?$/i;
 function fn({ store: e, state: t, section: n, name: r, value: i }) {
-	let a = !t.look.view.editable, o = typeof i != "object", s = n === "parameters" ? dn.exec(Gt(i)) : null, [c] = H(() => s && Number(s[1]) || 1), [l, u] = H(!1), d = t.level ? `${t.level}.${r}` : r, f = (e) => `${+((Number(s?.[1]) || 1) * e).toPrecision(6)}${s?.[2] ?? ""}`;
-	return /* @__PURE__ */ R("div", {
+	let a = !t.look.view.editable, o = typeof i != "object", s = n === "parameters" ? dn.exec(Gt(i)) : null, [c] = V(() => s && Number(s[1]) || 1), [l, u] = V(!1), d = t.level ? `${t.level}.${r}` : r, f = (e) => `${+((Number(s?.[1]) || 1) * e).toPrecision(6)}${s?.[2] ?? ""}`;
+	return /* @__PURE__ */ L("div", {
 		class: "entry",
 		"data-entry": r,
 		children: [
-			/* @__PURE__ */ R("label", { children: [
-				/* @__PURE__ */ R(Mt, {
+			/* @__PURE__ */ L("label", { children: [
+				/* @__PURE__ */ L(Mt, {
 					label: `Name ${r}`,
 					value: r,
 					disabled: a,
@@ -3273,7 +3323,7 @@ function fn({ store: e, state: t, section: n, name: r, value: i }) {
 						new: t.trim()
 					})
 				}),
-				o ? /* @__PURE__ */ R(Mt, {
+				o ? /* @__PURE__ */ L(Mt, {
 					label: r,
 					value: Gt(i),
 					disabled: a,
@@ -3283,13 +3333,13 @@ function fn({ store: e, state: t, section: n, name: r, value: i }) {
 						path: [n, r],
 						value: Nt(t)
 					})
-				}) : /* @__PURE__ */ R(pn, {
+				}) : /* @__PURE__ */ L(pn, {
 					store: e,
 					path: [n, r],
 					value: i,
 					off: a
 				}),
-				s && /* @__PURE__ */ R("button", {
+				s && /* @__PURE__ */ L("button", {
 					class: "small",
 					"aria-label": `Sweep ${r}`,
 					title: "Run over a range",
@@ -3297,7 +3347,7 @@ function fn({ store: e, state: t, section: n, name: r, value: i }) {
 					onClick: () => u(!l),
 					children: "⋯"
 				}),
-				!a && /* @__PURE__ */ R("button", {
+				!a && /* @__PURE__ */ L("button", {
 					class: "small",
 					"aria-label": `Delete ${r}`,
 					onClick: () => void e.edit({
@@ -3308,14 +3358,14 @@ function fn({ store: e, state: t, section: n, name: r, value: i }) {
 					children: "✕"
 				})
 			] }),
-			l && s && /* @__PURE__ */ R(G, {
+			l && s && /* @__PURE__ */ L(G, {
 				store: e,
 				path: d,
 				low: f(.5),
 				high: f(2),
 				onDone: () => u(!1)
 			}),
-			s && !a && /* @__PURE__ */ R("input", {
+			s && !a && /* @__PURE__ */ L("input", {
 				type: "range",
 				"aria-label": `Slider ${r}`,
 				min: -1,
@@ -3335,14 +3385,14 @@ function fn({ store: e, state: t, section: n, name: r, value: i }) {
 	});
 }
 function pn({ store: e, path: t, value: n, off: r }) {
-	return /* @__PURE__ */ R("span", {
+	return /* @__PURE__ */ L("span", {
 		class: "structured",
-		children: Object.entries(n).map(([n, i]) => typeof i == "object" && i && !Array.isArray(i) ? /* @__PURE__ */ R(pn, {
+		children: Object.entries(n).map(([n, i]) => typeof i == "object" && i && !Array.isArray(i) ? /* @__PURE__ */ L(pn, {
 			store: e,
 			path: [...t, n],
 			value: i,
 			off: r
-		}) : /* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: n }), /* @__PURE__ */ R(Mt, {
+		}) : /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: n }), /* @__PURE__ */ L(Mt, {
 			label: `${t.join(" ")} ${n}`,
 			value: Gt(i),
 			disabled: r,
@@ -3362,21 +3412,21 @@ function pn({ store: e, path: t, value: n, off: r }) {
 }
 function mn({ store: e, state: t }) {
 	let n = t.look.problems;
-	return /* @__PURE__ */ R("section", { children: [
-		/* @__PURE__ */ R("h2", { children: "Problems" }),
-		!n.length && /* @__PURE__ */ R("p", { children: "None." }),
-		/* @__PURE__ */ R("ul", {
+	return /* @__PURE__ */ L("section", { children: [
+		/* @__PURE__ */ L("h2", { children: "Problems" }),
+		!n.length && /* @__PURE__ */ L("p", { children: "None." }),
+		/* @__PURE__ */ L("ul", {
 			class: "problems",
-			children: n.map((t) => /* @__PURE__ */ R("li", {
+			children: n.map((t) => /* @__PURE__ */ L("li", {
 				class: t.grave,
-				children: /* @__PURE__ */ R("button", {
+				children: /* @__PURE__ */ L("button", {
 					onClick: () => e.select(t.select),
 					children: [
-						/* @__PURE__ */ R("b", { children: t.code }),
+						/* @__PURE__ */ L("b", { children: t.code }),
 						" ",
-						t.where && /* @__PURE__ */ R("i", { children: t.where }),
-						/* @__PURE__ */ R("span", { children: t.why }),
-						t.try && /* @__PURE__ */ R("em", { children: ["Try: ", t.try] })
+						t.where && /* @__PURE__ */ L("i", { children: t.where }),
+						/* @__PURE__ */ L("span", { children: t.why }),
+						t.try && /* @__PURE__ */ L("em", { children: ["Try: ", t.try] })
 					]
 				})
 			}))
@@ -3385,33 +3435,33 @@ function mn({ store: e, state: t }) {
 }
 function hn({ store: e, state: t }) {
 	let { view: n, strokes: r } = t.look;
-	return /* @__PURE__ */ R("section", {
+	return /* @__PURE__ */ L("section", {
 		class: "tables",
 		children: [
-			/* @__PURE__ */ R("h2", { children: "Elements" }),
-			/* @__PURE__ */ R("table", { children: [/* @__PURE__ */ R("thead", { children: /* @__PURE__ */ R("tr", { children: [
-				/* @__PURE__ */ R("th", {
+			/* @__PURE__ */ L("h2", { children: "Elements" }),
+			/* @__PURE__ */ L("table", { children: [/* @__PURE__ */ L("thead", { children: /* @__PURE__ */ L("tr", { children: [
+				/* @__PURE__ */ L("th", {
 					scope: "col",
 					children: "name"
 				}),
-				/* @__PURE__ */ R("th", {
+				/* @__PURE__ */ L("th", {
 					scope: "col",
 					children: "kind"
 				}),
-				/* @__PURE__ */ R("th", {
+				/* @__PURE__ */ L("th", {
 					scope: "col",
 					children: "value"
 				}),
-				/* @__PURE__ */ R("th", {
+				/* @__PURE__ */ L("th", {
 					scope: "col",
 					children: "state"
 				})
-			] }) }), /* @__PURE__ */ R("tbody", { children: n.nodes.map((n) => {
+			] }) }), /* @__PURE__ */ L("tbody", { children: n.nodes.map((n) => {
 				let i = r.nodes[n.name];
-				return /* @__PURE__ */ R("tr", {
+				return /* @__PURE__ */ L("tr", {
 					class: t.nodes.has(n.name) ? "chosen" : "",
 					children: [
-						/* @__PURE__ */ R("td", { children: /* @__PURE__ */ R("button", {
+						/* @__PURE__ */ L("td", { children: /* @__PURE__ */ L("button", {
 							class: "link",
 							onClick: () => e.set({
 								nodes: /* @__PURE__ */ new Set([n.name]),
@@ -3419,9 +3469,9 @@ function hn({ store: e, state: t }) {
 							}),
 							children: n.name
 						}) }),
-						/* @__PURE__ */ R("td", { children: n.kind === "part" ? String(n.entry.submodel) : n.kind }),
-						/* @__PURE__ */ R("td", { children: i?.says ?? n.says }),
-						/* @__PURE__ */ R("td", { children: [
+						/* @__PURE__ */ L("td", { children: n.kind === "part" ? String(n.entry.submodel) : n.kind }),
+						/* @__PURE__ */ L("td", { children: i?.says ?? n.says }),
+						/* @__PURE__ */ L("td", { children: [
 							i?.off ? "OFF" : i?.controlled ? "ON" : "",
 							i?.derivative ? "derivative" : "",
 							n.law ?? "",
@@ -3430,26 +3480,26 @@ function hn({ store: e, state: t }) {
 					]
 				});
 			}) })] }),
-			/* @__PURE__ */ R("h2", { children: "Bonds" }),
-			/* @__PURE__ */ R("table", { children: [/* @__PURE__ */ R("thead", { children: /* @__PURE__ */ R("tr", { children: [
-				/* @__PURE__ */ R("th", {
+			/* @__PURE__ */ L("h2", { children: "Bonds" }),
+			/* @__PURE__ */ L("table", { children: [/* @__PURE__ */ L("thead", { children: /* @__PURE__ */ L("tr", { children: [
+				/* @__PURE__ */ L("th", {
 					scope: "col",
 					children: "bond"
 				}),
-				/* @__PURE__ */ R("th", {
+				/* @__PURE__ */ L("th", {
 					scope: "col",
 					children: "stroke at"
 				}),
-				/* @__PURE__ */ R("th", {
+				/* @__PURE__ */ L("th", {
 					scope: "col",
 					children: "other modes"
 				})
-			] }) }), /* @__PURE__ */ R("tbody", { children: n.bonds.map((n) => {
+			] }) }), /* @__PURE__ */ L("tbody", { children: n.bonds.map((n) => {
 				let i = r.bonds[n.key] ?? r.bonds[`${n.ends[0]} -> ${n.ends[1]}`];
-				return /* @__PURE__ */ R("tr", {
+				return /* @__PURE__ */ L("tr", {
 					class: t.bonds.has(n.key) ? "chosen" : "",
 					children: [
-						/* @__PURE__ */ R("td", { children: /* @__PURE__ */ R("button", {
+						/* @__PURE__ */ L("td", { children: /* @__PURE__ */ L("button", {
 							class: "link",
 							onClick: () => e.set({
 								bonds: /* @__PURE__ */ new Set([n.key]),
@@ -3457,8 +3507,8 @@ function hn({ store: e, state: t }) {
 							}),
 							children: n.text
 						}) }),
-						/* @__PURE__ */ R("td", { children: i ? i.strokes.map((e) => n.ends[e]).join(", ") + (i.conflict ? " (conflict)" : "") + (i.off ? " (OFF)" : "") : "—" }),
-						/* @__PURE__ */ R("td", { children: i?.dashed?.map((e) => n.ends[e]).join(", ") ?? "" })
+						/* @__PURE__ */ L("td", { children: i ? i.strokes.map((e) => n.ends[e]).join(", ") + (i.conflict ? " (conflict)" : "") + (i.off ? " (OFF)" : "") : "—" }),
+						/* @__PURE__ */ L("td", { children: i?.dashed?.map((e) => n.ends[e]).join(", ") ?? "" })
 					]
 				});
 			}) })] })
@@ -3466,8 +3516,8 @@ function hn({ store: e, state: t }) {
 	});
 }
 function gn({ store: e, state: t }) {
-	let [n, r] = H(null), [i, a] = H(null), o = t.look.revision;
-	pt(() => {
+	let [n, r] = V(null), [i, a] = V(null), o = t.look.revision;
+	H(() => {
 		let t = !1;
 		return e.transport.ask("text").then((e) => !t && r(e)).catch(() => {}), () => {
 			t = !0;
@@ -3476,15 +3526,15 @@ function gn({ store: e, state: t }) {
 	let s = () => {
 		i !== null && e.ask("replace", { text: i }).then((e) => e && a(null));
 	};
-	return /* @__PURE__ */ R("section", {
+	return /* @__PURE__ */ L("section", {
 		class: "textpanel",
 		children: [
-			/* @__PURE__ */ R("h2", { children: [
+			/* @__PURE__ */ L("h2", { children: [
 				t.look.file,
 				" ",
-				i !== null && /* @__PURE__ */ R("small", { children: "not applied" })
+				i !== null && /* @__PURE__ */ L("small", { children: "not applied" })
 			] }),
-			/* @__PURE__ */ R("textarea", {
+			/* @__PURE__ */ L("textarea", {
 				"aria-label": "Text of the model file",
 				spellcheck: !1,
 				value: i ?? n?.text ?? "",
@@ -3493,13 +3543,13 @@ function gn({ store: e, state: t }) {
 					e.key === "Enter" && (e.ctrlKey || e.metaKey) && s(), e.stopPropagation();
 				}
 			}),
-			/* @__PURE__ */ R("div", {
+			/* @__PURE__ */ L("div", {
 				class: "row",
-				children: [/* @__PURE__ */ R("button", {
+				children: [/* @__PURE__ */ L("button", {
 					disabled: i === null,
 					onClick: s,
 					children: "Apply (Ctrl+Enter)"
-				}), /* @__PURE__ */ R("button", {
+				}), /* @__PURE__ */ L("button", {
 					disabled: i === null,
 					onClick: () => a(null),
 					children: "Discard"
@@ -3533,19 +3583,19 @@ function _n(e) {
 	};
 }
 function vn({ store: e, state: t }) {
-	let [n, r] = H(""), { kinds: i, parts: a } = _n(t), o = t.look?.view.domain ?? "", s = n.toLowerCase().split(/\s+/).filter(Boolean), c = (e) => s.every((t) => `${e.key} ${e.about}`.toLowerCase().includes(t)), l = [...a].sort(([e], [t]) => Number(t === o) - Number(e === o)), u = (e) => (t) => t.dataTransfer.setData("application/x-hybond", JSON.stringify({
+	let [n, r] = V(""), { kinds: i, parts: a } = _n(t), o = t.look?.view.domain ?? "", s = n.toLowerCase().split(/\s+/).filter(Boolean), c = (e) => s.every((t) => `${e.key} ${e.about}`.toLowerCase().includes(t)), l = [...a].sort(([e], [t]) => Number(t === o) - Number(e === o)), u = (e) => (t) => t.dataTransfer.setData("application/x-hybond", JSON.stringify({
 		element: e.element,
 		stem: e.stem
 	})), d = (t) => {
 		e.add(t.element, t.stem), e.set({ panel: "" });
 	}, f = !t.look?.view.editable;
-	return /* @__PURE__ */ R("aside", {
+	return /* @__PURE__ */ L("aside", {
 		class: "palette" + (t.panel === "palette" ? " open" : ""),
 		"aria-label": "Palette",
 		children: [
-			/* @__PURE__ */ R("div", {
+			/* @__PURE__ */ L("div", {
 				class: "kinds",
-				children: i.map((e) => /* @__PURE__ */ R("button", {
+				children: i.map((e) => /* @__PURE__ */ L("button", {
 					disabled: f,
 					draggable: !0,
 					onDragStart: u(e),
@@ -3556,27 +3606,27 @@ function vn({ store: e, state: t }) {
 					children: e.letters
 				}))
 			}),
-			/* @__PURE__ */ R("input", {
+			/* @__PURE__ */ L("input", {
 				type: "search",
 				placeholder: "Parts …",
 				"aria-label": "Search parts",
 				value: n,
 				onInput: (e) => r(e.currentTarget.value)
 			}),
-			/* @__PURE__ */ R("div", {
+			/* @__PURE__ */ L("div", {
 				class: "shelves",
 				tabindex: 0,
 				role: "region",
 				"aria-label": "Ready parts",
 				children: l.map(([e, t]) => {
 					let n = t.filter(c);
-					return n.length ? /* @__PURE__ */ R("details", {
+					return n.length ? /* @__PURE__ */ L("details", {
 						open: s.length > 0 || e === o,
-						children: [/* @__PURE__ */ R("summary", { children: [
+						children: [/* @__PURE__ */ L("summary", { children: [
 							e,
 							" ",
-							/* @__PURE__ */ R("small", { children: n.length })
-						] }), n.map((e) => /* @__PURE__ */ R("button", {
+							/* @__PURE__ */ L("small", { children: n.length })
+						] }), n.map((e) => /* @__PURE__ */ L("button", {
 							class: "offer",
 							disabled: f,
 							draggable: !0,
@@ -3593,7 +3643,7 @@ function vn({ store: e, state: t }) {
 	});
 }
 function yn({ store: e, state: t }) {
-	let [n, r] = H(""), { kinds: i, parts: a } = _n(t), o = [...i, ...[...a.values()].flat()], [s, ...c] = n.trim().split(/\s+/), l = i.find((e) => e.key === s), u = n.includes("->") ? [] : l ? [l, ...o.filter((e) => e !== l && e.key.includes(s))] : o.filter((e) => `${e.key} ${e.about}`.toLowerCase().includes(n.trim().toLowerCase())), d = () => {
+	let [n, r] = V(""), { kinds: i, parts: a } = _n(t), o = [...i, ...[...a.values()].flat()], [s, ...c] = n.trim().split(/\s+/), l = i.find((e) => e.key === s), u = n.includes("->") ? [] : l ? [l, ...o.filter((e) => e !== l && e.key.includes(s))] : o.filter((e) => `${e.key} ${e.about}`.toLowerCase().includes(n.trim().toLowerCase())), d = () => {
 		document.querySelector(".canvas svg")?.focus(), e.set({ adding: !1 });
 	}, f = async () => {
 		if (n.includes("->")) return await e.edit({
@@ -3610,11 +3660,11 @@ function yn({ store: e, state: t }) {
 		}
 		await e.add(r, i || t.stem), d();
 	};
-	return /* @__PURE__ */ R("div", {
+	return /* @__PURE__ */ L("div", {
 		class: "quick",
 		role: "dialog",
 		"aria-label": "Add",
-		children: [/* @__PURE__ */ R("input", {
+		children: [/* @__PURE__ */ L("input", {
 			ref: (e) => e?.focus(),
 			value: n,
 			"aria-label": "What to add",
@@ -3623,76 +3673,1343 @@ function yn({ store: e, state: t }) {
 			onKeyDown: (e) => {
 				e.key === "Enter" && f(), e.key === "Escape" && d(), e.stopPropagation();
 			}
-		}), /* @__PURE__ */ R("ul", { children: u.slice(0, 8).map((e, t) => /* @__PURE__ */ R("li", {
+		}), /* @__PURE__ */ L("ul", { children: u.slice(0, 8).map((e, t) => /* @__PURE__ */ L("li", {
 			class: t === 0 ? "chosen" : "",
 			children: [
-				/* @__PURE__ */ R("b", { children: e.letters }),
+				/* @__PURE__ */ L("b", { children: e.letters }),
 				" ",
 				e.about
 			]
 		})) })]
 	});
 }
-// node_modules/uplot/dist/uPlot.esm.js
-var bn = !0, xn = "uplot", Sn = "u-hz", Cn = "u-vt", wn = "u-title", Tn = "u-wrap", En = "u-under", Dn = "u-over", On = "u-axis", kn = "u-off", An = "u-select", jn = "u-cursor-x", Mn = "u-cursor-y", Nn = "u-cursor-pt", Pn = "u-legend", Fn = "u-live", In = "u-inline", Ln = "u-series", Rn = "u-marker", zn = "u-label", Bn = "u-value", Vn = "width", Hn = "height", Un = "top", Wn = "bottom", Gn = "left", Kn = "right", qn = "#000", Jn = "#0000", Yn = "mousemove", Xn = "mousedown", Zn = "mouseup", Qn = "mouseenter", $n = "mouseleave", er = "dblclick", tr = "resize", nr = "scroll", rr = "change", ir = "dppxchange", ar = "--", or = typeof window < "u", sr = or ? document : null, cr = or ? window : null, lr = or ? navigator : null, K, ur;
-function dr() {
-	let e = devicePixelRatio;
-	K != e && (K = e, ur && Tr(rr, ur, dr), ur = matchMedia(`(min-resolution: ${K - .001}dppx) and (max-resolution: ${K + .001}dppx)`), wr(rr, ur, dr), cr.dispatchEvent(new CustomEvent(ir)));
+// src/axes.ts
+function bn(e) {
+	return /^([^:,()]+\.\.[^:,()]+?)(:11)?$/.exec(e.trim())?.[1] ?? null;
+}
+function xn(e, t, n, r = 5) {
+	if (!(t - e > 1e-9 * Math.max(Math.abs(e), Math.abs(t)))) {
+		let r = Math.abs(e) * .1 || 1;
+		[e, t] = n ? [e * .9, e * 1.1] : [e - r, t + r];
+	}
+	if (!n) return {
+		low: e,
+		high: t,
+		log: n,
+		part: (n) => (n - e) / (t - e),
+		value: (n) => e + n * (t - e),
+		ticks: wn(e, t, r)
+	};
+	let [i, a] = [Math.log(e), Math.log(t)];
+	return {
+		low: e,
+		high: t,
+		log: n,
+		part: (e) => (Math.log(e) - i) / (a - i),
+		value: (e) => Math.exp(i + e * (a - i)),
+		ticks: Tn(e, t, r)
+	};
+}
+function Sn(e, t, n) {
+	if (e.edges) return xn(e.edges[0], e.edges[e.edges.length - 1], e.log, n);
+	let [r, i] = Cn(t.filter((e) => e !== null));
+	if (e.log) return xn(r / (i / r) ** .04, i * (i / r) ** .04, !0, n);
+	let a = .05 * (i - r);
+	return xn(r - a, i + a, !1, n);
+}
+function Cn(e) {
+	let [t, n] = [Infinity, -Infinity];
+	for (let r of e) r < t && (t = r), r > n && (n = r);
+	return t <= n ? [t, n] : [0, 1];
+}
+function wn(e, t, n) {
+	let r = (t - e) / n, i = 10 ** Math.floor(Math.log10(r)), a = [
+		1,
+		2,
+		5,
+		10
+	].map((e) => e * i).find((e) => e >= r * .999) ?? r, o = [];
+	for (let n = Math.ceil(e / a - 1e-9); n * a <= t * (1 + 1e-12) + 1e-9 * a; n++) o.push(+(n * a).toPrecision(12));
+	return o;
+}
+function Tn(e, t, n) {
+	let r = [];
+	for (let i of [
+		[1],
+		[1, 3],
+		[
+			1,
+			2,
+			5
+		]
+	]) {
+		r.length = 0;
+		for (let n = Math.floor(Math.log10(e)); n <= Math.ceil(Math.log10(t)); n++) for (let a of i) a * 10 ** n >= e * .999 && a * 10 ** n <= t * 1.001 && r.push(+(a * 10 ** n).toPrecision(6));
+		if (r.length >= n - 2) break;
+	}
+	return r.length > 1 ? r : [e, t];
+}
+function En(e, t) {
+	return t ? `${e} [${t}]` : e;
+}
+function K(e) {
+	return e === null ? "none" : He(e, 5);
+}
+var Dn = [
+	"440154",
+	"482878",
+	"3e4989",
+	"31688e",
+	"26828e",
+	"1f9e89",
+	"35b779",
+	"6ece58",
+	"b5de2b",
+	"fde725"
+];
+function On(e) {
+	let t = Math.min(Math.max(e, 0), 1) * (Dn.length - 1), n = Math.min(Math.floor(t), Dn.length - 2);
+	return `rgb(${[
+		0,
+		2,
+		4
+	].map((e) => {
+		let [r, i] = [Dn[n], Dn[n + 1]].map((t) => parseInt(t.slice(e, e + 2), 16));
+		return Math.round(r + (t - n) * (i - r));
+	}).join(",")})`;
+}
+var kn = Dn.map((e) => `#${e}`).join(", "), An = 120, jn = [
+	"grid",
+	"together",
+	"ends"
+], Mn = ["grid", "together"];
+function Nn({ store: e, state: t }) {
+	let [n, r] = V(null), [i, a] = V(null), [o, s] = V(null), c = t.look.revision, l = t.asking;
+	if (H(() => {
+		let t = !1;
+		return e.transport.ask("plan words").then((n) => {
+			t || (r(n), a(null), e.state.asking || e.set({ asking: In(n) }));
+		}).catch((e) => !t && a(e.problem ?? null)), () => {
+			t = !0;
+		};
+	}, [c]), H(() => {
+		if (!l) return;
+		let t = !1, n = setTimeout(() => {
+			e.transport.ask("plan look", l).then((e) => !t && s(e)).catch((e) => !t && a(e.problem ?? null));
+		}, An);
+		return () => {
+			t = !0, clearTimeout(n);
+		};
+	}, [l, c]), i) return /* @__PURE__ */ L("p", {
+		class: "hint",
+		children: [
+			"There is nothing to sweep yet: ",
+			i.code,
+			" ",
+			i.why
+		]
+	});
+	if (!n || !l) return /* @__PURE__ */ L("p", {
+		class: "hint",
+		children: "…"
+	});
+	let u = (t) => e.set({ asking: {
+		...e.state.asking,
+		...t
+	} }), d = (t, n) => (r) => e.transport.ask("plan look", n(r)).then((e) => e.wrong[t] ?? null), f = o?.wrong ?? {}, p = t.plan?.state === "running", m = (e, t) => l.factors.map((n, r) => r === e ? {
+		...n,
+		...t
+	} : n), h = (e, t) => {
+		let r = t.trim(), i = n.values[r], a = l.factors[e], o = i && (!a.values || a.values === Ln(n.values[a.path] ?? "", l.way));
+		return m(e, {
+			path: r,
+			...o ? { values: Ln(i, l.way) } : {}
+		});
+	}, g = (e) => u({
+		way: e,
+		count: l.count || "128",
+		factors: l.factors.map((t) => ({
+			...t,
+			values: Ln(t.values, e)
+		}))
+	}), _ = () => {
+		let e = n.paths.find((e) => e in n.values && !l.factors.some((t) => t.path === e)) ?? "";
+		u({ factors: [...l.factors, {
+			path: e,
+			values: Ln(n.values[e] ?? "", l.way)
+		}] });
+	}, v = o?.members ?? 0;
+	return /* @__PURE__ */ L("section", {
+		class: "plan",
+		children: [
+			/* @__PURE__ */ L("h2", { children: "What varies" }),
+			l.factors.map((e, t) => /* @__PURE__ */ L("div", {
+				class: "factor",
+				"data-factor": t,
+				children: [
+					/* @__PURE__ */ L(Xt, {
+						label: `Factor ${t + 1}`,
+						value: e.path,
+						words: n.paths,
+						placeholder: "mu, pad.C, ball.f",
+						onWrite: (e) => u({ factors: h(t, e) }),
+						check: d(`path.${t}`, (e) => ({
+							...l,
+							factors: h(t, e)
+						})),
+						told: f[`path.${t}`]
+					}),
+					/* @__PURE__ */ L(Xt, {
+						label: `Values of factor ${t + 1}`,
+						value: e.values,
+						words: [
+							"lin(",
+							"log(",
+							"uniform(",
+							"loguniform(",
+							"normal(",
+							"lognormal(",
+							"truncnormal(",
+							"triangular("
+						],
+						placeholder: "0.2:0.3:0.005",
+						onWrite: (e) => u({ factors: m(t, { values: e.trim() }) }),
+						check: d(`values.${t}`, (e) => ({
+							...l,
+							factors: m(t, { values: e })
+						})),
+						told: f[`values.${t}`]
+					}),
+					/* @__PURE__ */ L("button", {
+						class: "small",
+						"aria-label": `Leave out factor ${t + 1}`,
+						disabled: l.factors.length < 2,
+						onClick: () => u({ factors: l.factors.filter((e, n) => n !== t) }),
+						children: "✕"
+					})
+				]
+			}, t)),
+			/* @__PURE__ */ L("div", {
+				class: "row",
+				children: /* @__PURE__ */ L("button", {
+					onClick: _,
+					children: "Add a factor"
+				})
+			}),
+			/* @__PURE__ */ L("details", { children: [/* @__PURE__ */ L("summary", { children: "How values are written" }), /* @__PURE__ */ L("dl", { children: [
+				/* @__PURE__ */ L("dt", { children: "0.2:0.3:0.005" }),
+				/* @__PURE__ */ L("dd", { children: "from, to, step" }),
+				/* @__PURE__ */ L("dt", { children: "1..2 kg:11, log(1e-4, 1e-2, 50)" }),
+				/* @__PURE__ */ L("dd", { children: "so many, evenly or by ratios" }),
+				/* @__PURE__ */ L("dt", { children: "1 kg, 1.5 kg" }),
+				/* @__PURE__ */ L("dd", { children: "these" }),
+				/* @__PURE__ */ L("dt", { children: "1..2 kg, log(1e-4, 1e-2), normal(1 kg, 50 g)" }),
+				/* @__PURE__ */ L("dd", { children: "distributions, for samples" })
+			] })] }),
+			/* @__PURE__ */ L("h2", { children: "How members are drawn" }),
+			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "way" }), /* @__PURE__ */ L("select", {
+				"aria-label": "Way",
+				value: l.way,
+				onChange: (e) => g(e.currentTarget.value),
+				children: Object.keys(n.ways).map((e) => /* @__PURE__ */ L("option", {
+					value: e,
+					children: Pn[e] ?? e
+				}))
+			})] }),
+			/* @__PURE__ */ L("p", {
+				class: "hint",
+				children: n.ways[l.way]
+			}),
+			!jn.includes(l.way) && /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "number" }), /* @__PURE__ */ L(Mt, {
+				label: "Number",
+				value: l.count,
+				onWrite: (e) => u({ count: e.trim() })
+			})] }),
+			!Mn.includes(l.way) && l.way !== "ends" && /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "seed" }), /* @__PURE__ */ L(Mt, {
+				label: "Seed",
+				value: l.seed,
+				onWrite: (e) => u({ seed: e.trim() || "0" })
+			})] }),
+			/* @__PURE__ */ L(Fn, { problem: f.seed ?? f.way }),
+			/* @__PURE__ */ L("h2", { children: "What is collected" }),
+			/* @__PURE__ */ L(Xt, {
+				label: "Collect",
+				value: l.collect,
+				words: n.words,
+				placeholder: "final(x), max(x), count(events), sequence",
+				onWrite: (e) => u({ collect: e.trim() }),
+				check: d("collect", (e) => ({
+					...l,
+					collect: e
+				})),
+				told: f.collect
+			}),
+			/* @__PURE__ */ L("details", { children: [/* @__PURE__ */ L("summary", { children: "What can be collected" }), /* @__PURE__ */ L("ul", { children: Object.values(n.collectors).map((e) => {
+				let [t, ...n] = e.split(":");
+				return /* @__PURE__ */ L("li", { children: [/* @__PURE__ */ L("code", { children: t }), n.join(":")] });
+			}) })] }),
+			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "until" }), /* @__PURE__ */ L(Mt, {
+				label: "Until of the sweep",
+				value: l.until,
+				placeholder: String(t.look.panels.experiment.until ?? "1 s"),
+				onWrite: (e) => u({ until: e.trim() })
+			})] }),
+			/* @__PURE__ */ L(Fn, { problem: f.until }),
+			/* @__PURE__ */ L("div", {
+				class: "row begin",
+				children: [p ? /* @__PURE__ */ L("button", {
+					class: "run",
+					onClick: () => void e.transport.ask("plan cancel").catch(() => {}),
+					children: "Cancel"
+				}) : /* @__PURE__ */ L("button", {
+					class: "run",
+					disabled: !v || Object.keys(f).length > 0,
+					onClick: () => void e.sweepPlan(e.state.asking),
+					children: ["▶ Run ", v > 0 ? `${v} members` : "the sweep"]
+				}), t.plan && !t.planShown && /* @__PURE__ */ L("button", {
+					onClick: () => e.set({
+						planShown: !0,
+						bottom: !0,
+						panel: ""
+					}),
+					children: "Show the last"
+				})]
+			}),
+			o && !Object.keys(f).length && /* @__PURE__ */ L(x, { children: [/* @__PURE__ */ L("h2", { children: "The same in a terminal" }), /* @__PURE__ */ L("div", {
+				class: "command",
+				children: [/* @__PURE__ */ L("code", {
+					tabindex: 0,
+					children: o.command
+				}), /* @__PURE__ */ L("button", {
+					onClick: () => void navigator.clipboard?.writeText(o.command).catch((t) => e.refused(t)),
+					children: "Copy"
+				})]
+			})] })
+		]
+	});
+}
+var Pn = {
+	grid: "all combinations",
+	together: "side by side",
+	random: "at random",
+	lhs: "Latin hypercube",
+	sobol: "Sobol' sequence",
+	saltelli: "for Sobol indices",
+	ends: "for a tornado"
+};
+function Fn({ problem: e }) {
+	return e ? /* @__PURE__ */ L("small", {
+		class: "wrong",
+		role: "status",
+		children: [
+			e.why,
+			" ",
+			e.try && /* @__PURE__ */ L("em", { children: e.try })
+		]
+	}) : null;
+}
+function In(e) {
+	let t = e.paths.find((t) => t in e.values) ?? e.paths[0] ?? "";
+	return {
+		factors: [{
+			path: t,
+			values: e.values[t] ?? ""
+		}],
+		way: "grid",
+		count: "128",
+		seed: "0",
+		until: "",
+		collect: e.collect
+	};
+}
+function Ln(e, t) {
+	let n = bn(e);
+	return n ? Mn.includes(t) ? `${n}:11` : n : e;
+}
+// src/bands.tsx
+var [Rn, zn, Bn, Vn] = [
+	66,
+	14,
+	10,
+	38
+];
+function Hn({ found: e, wide: t, high: n, chosen: r, choose: i, open: a }) {
+	let { t: o, bands: s, curves: c } = e, l = [...s, ...c].flat().filter((e) => e !== null);
+	if (!l.length) return /* @__PURE__ */ L("p", {
+		class: "hint",
+		children: "No run has come so far that it has values."
+	});
+	let u = t > 620, d = Math.max(t - (u ? 230 : 0), 160), [f, p] = [d - Rn - zn, n - Bn - Vn], [m, h] = Cn(l), g = .05 * (h - m), _ = xn(o[0], o[o.length - 1], !1, Math.max(2, Math.round(f / 90))), v = xn(m - g, h + g, !1, Math.max(2, Math.round(p / 45))), y = (e) => Rn + _.part(e) * f, b = (e) => Bn + (1 - v.part(e)) * p, x = (e) => {
+		let [t, n] = ["", "M"];
+		return e.forEach((e, r) => {
+			e === null ? n = "M" : [t, n] = [`${t}${n}${y(o[r]).toFixed(1)},${b(e).toFixed(1)}`, "L"];
+		}), t;
+	}, S = (e, t) => {
+		let n = "";
+		for (let r = 0; r < o.length; r++) {
+			if (e[r] === null || t[r] === null) continue;
+			let i = r;
+			for (; i + 1 < o.length && e[i + 1] !== null && t[i + 1] !== null;) i++;
+			let a = (e, t) => `${y(o[t]).toFixed(1)},${b(e[t]).toFixed(1)}`, s = Array.from({ length: i - r + 1 }, (e, t) => r + t);
+			n += `M${s.map((e) => a(t, e)).join("L")}L${s.reverse().map((t) => a(e, t)).join("L")}Z`, r = i;
+		}
+		return n;
+	}, [C, w, T, E, D] = s, O = r === null ? -1 : e.members.indexOf(r);
+	return /* @__PURE__ */ L("figure", {
+		class: "outcomes" + (u ? " beside" : ""),
+		"data-view": "family",
+		children: [/* @__PURE__ */ L("div", {
+			class: "area",
+			style: `width: ${d}px; height: ${n}px`,
+			tabindex: 0,
+			role: "group",
+			"aria-label": `${e.signal} of many runs over time. Arrows choose a run, Enter opens it.`,
+			onKeyDown: (t) => {
+				if (t.key === "Enter" && r !== null) return a(r);
+				let n = {
+					ArrowRight: 1,
+					ArrowUp: 1,
+					ArrowLeft: -1,
+					ArrowDown: -1
+				}[t.key];
+				if (!n) return;
+				t.preventDefault();
+				let o = O < 0 ? 0 : O + n;
+				e.members[o] !== void 0 && i(e.members[o]);
+			},
+			children: /* @__PURE__ */ L("svg", {
+				width: d,
+				height: n,
+				role: "img",
+				"aria-label": `${e.signal}: from ${K(m)} to ${K(h)} ${e.unit}; the median ends at ${K(T[T.length - 1])}`,
+				children: [
+					/* @__PURE__ */ L("rect", {
+						class: "box",
+						x: Rn,
+						y: Bn,
+						width: f,
+						height: p
+					}),
+					/* @__PURE__ */ L("path", {
+						class: "band",
+						d: S(C, D)
+					}),
+					/* @__PURE__ */ L("path", {
+						class: "band inner",
+						d: S(w, E)
+					}),
+					c.map((t, n) => n === O ? null : /* @__PURE__ */ L("path", {
+						class: "one",
+						d: x(t),
+						onClick: () => (i(e.members[n]), a(e.members[n])),
+						children: /* @__PURE__ */ L("title", { children: ["run ", e.members[n]] })
+					})),
+					/* @__PURE__ */ L("path", {
+						class: "median",
+						d: x(T)
+					}),
+					O >= 0 && /* @__PURE__ */ L("path", {
+						class: "one chosen",
+						d: x(c[O]),
+						onClick: () => a(r)
+					}),
+					_.ticks.map((e) => /* @__PURE__ */ L("g", { children: [/* @__PURE__ */ L("line", {
+						class: "tick",
+						x1: y(e),
+						x2: y(e),
+						y1: Bn + p,
+						y2: Bn + p + 4
+					}), /* @__PURE__ */ L("text", {
+						x: y(e),
+						y: Bn + p + 15,
+						"text-anchor": "middle",
+						children: z(e, "s")
+					})] })),
+					v.ticks.map((e) => /* @__PURE__ */ L("g", { children: [/* @__PURE__ */ L("line", {
+						class: "tick",
+						x1: Rn - 4,
+						x2: Rn,
+						y1: b(e),
+						y2: b(e)
+					}), /* @__PURE__ */ L("text", {
+						x: Rn - 7,
+						y: b(e) + 3.5,
+						"text-anchor": "end",
+						children: K(e)
+					})] })),
+					/* @__PURE__ */ L("text", {
+						class: "what",
+						x: Rn + f / 2,
+						y: n - 6,
+						"text-anchor": "middle",
+						children: "time"
+					}),
+					/* @__PURE__ */ L("text", {
+						class: "what",
+						transform: `translate(12,${Bn + p / 2}) rotate(-90)`,
+						"text-anchor": "middle",
+						children: En(e.signal, e.unit)
+					})
+				]
+			})
+		}), /* @__PURE__ */ L("figcaption", { children: [
+			/* @__PURE__ */ L("b", { children: En(e.signal, e.unit) }),
+			/* @__PURE__ */ L("span", {
+				class: "key",
+				children: [/* @__PURE__ */ L("i", { class: "line median" }), " median"]
+			}),
+			/* @__PURE__ */ L("span", {
+				class: "key",
+				children: [/* @__PURE__ */ L("i", { class: "fill inner" }), " 25 to 75 %"]
+			}),
+			/* @__PURE__ */ L("span", {
+				class: "key",
+				children: [/* @__PURE__ */ L("i", { class: "fill" }), " 5 to 95 %"]
+			}),
+			/* @__PURE__ */ L("span", {
+				class: "key",
+				children: [
+					/* @__PURE__ */ L("i", { class: "line one" }),
+					" ",
+					e.members.length,
+					" of ",
+					e.kept,
+					" runs"
+				]
+			}),
+			e.every > 1 && /* @__PURE__ */ L("small", { children: [
+				"every ",
+				e.every,
+				". of the times is drawn"
+			] }),
+			/* @__PURE__ */ L("output", { children: O >= 0 ? `run ${r}` : "" })
+		] })]
+	});
+}
+// src/bars.tsx
+var [Un, Wn, Gn] = [
+	22,
+	40,
+	34
+];
+function Kn(e, t) {
+	return Math.min(24 + 7 * Math.max(...e.map((e) => e.length)), t * .35);
+}
+function qn({ found: e, wide: t, open: n }) {
+	let r = e.middle;
+	if (r === null) return /* @__PURE__ */ L("p", {
+		class: "hint",
+		children: "The run in the middle has no value."
+	});
+	let i = Math.min(t, 820), a = Kn(e.rows.map((e) => En(e.path, e.unit)), i), [o, s] = [44, Un + Gn * e.rows.length + Wn], [c, l] = Cn([r, ...e.rows.flatMap((e) => e.outcomes).filter((e) => e !== null)]), u = .14 * (l - c), d = xn(c - u, l + u, !1, Math.max(2, Math.round((i - a - o) / 100))), f = (e) => a + d.part(e) * (i - a - o);
+	return /* @__PURE__ */ L("figure", {
+		class: "bars",
+		"data-view": "tornado",
+		children: [/* @__PURE__ */ L("svg", {
+			width: i,
+			height: s,
+			role: "group",
+			"aria-label": `How far each factor moves ${e.value} from ${K(r)} ${e.unit}`,
+			children: [
+				d.ticks.map((e) => /* @__PURE__ */ L("g", { children: [/* @__PURE__ */ L("line", {
+					class: "grid",
+					x1: f(e),
+					x2: f(e),
+					y1: Un,
+					y2: s - Wn
+				}), /* @__PURE__ */ L("text", {
+					x: f(e),
+					y: s - Wn + 15,
+					"text-anchor": "middle",
+					children: K(e)
+				})] })),
+				e.rows.map((t, i) => /* @__PURE__ */ L("g", {
+					transform: `translate(0,${Un + i * Gn})`,
+					"data-factor": t.path,
+					children: [/* @__PURE__ */ L("text", {
+						class: "what",
+						x: a - 8,
+						y: Gn / 2 + 4,
+						"text-anchor": "end",
+						children: En(t.path, t.unit)
+					}), t.outcomes.map((i, a) => {
+						if (i === null) return /* @__PURE__ */ L("text", {
+							x: f(r) + 4,
+							y: Gn / 2 + 4,
+							children: "no value"
+						});
+						let o = i > r || i === r && a === 1, s = `${t.path} = ${K(t.ends[a])}: ${e.value} = ${K(i)}`, c = () => n(t.members[a]);
+						return /* @__PURE__ */ L("g", {
+							class: "bar " + (a ? "upper" : "lower"),
+							role: "button",
+							tabindex: 0,
+							"aria-label": `${s}. Open this run.`,
+							onClick: c,
+							onKeyDown: (e) => e.key === "Enter" && c(),
+							children: [/* @__PURE__ */ L("rect", {
+								x: Math.min(f(i), f(r)),
+								y: 5,
+								width: Math.max(Math.abs(f(i) - f(r)), 1),
+								height: Gn - 10,
+								"data-outcome": i,
+								children: /* @__PURE__ */ L("title", { children: s })
+							}), /* @__PURE__ */ L("text", {
+								x: f(i) + (o ? 4 : -4),
+								y: Gn / 2 + 4,
+								"text-anchor": o ? "start" : "end",
+								children: K(t.ends[a])
+							})]
+						});
+					})]
+				})),
+				/* @__PURE__ */ L("line", {
+					class: "middle",
+					x1: f(r),
+					x2: f(r),
+					y1: Un - 4,
+					y2: s - Wn
+				}),
+				/* @__PURE__ */ L("text", {
+					x: f(r),
+					y: Un - 9,
+					"text-anchor": "middle",
+					children: K(r)
+				}),
+				/* @__PURE__ */ L("text", {
+					class: "what",
+					x: (a + i - o) / 2,
+					y: s - 6,
+					"text-anchor": "middle",
+					children: En(e.value, e.unit)
+				})
+			]
+		}), /* @__PURE__ */ L("figcaption", { children: [/* @__PURE__ */ L("span", {
+			class: "key",
+			children: [/* @__PURE__ */ L("i", { class: "lower" }), " lower end of the factor"]
+		}), /* @__PURE__ */ L("span", {
+			class: "key",
+			children: [/* @__PURE__ */ L("i", { class: "upper" }), " upper end"]
+		})] })]
+	});
+}
+function Jn({ found: e, wide: t }) {
+	let n = Math.min(t, 820), r = Kn(e.rows.map((e) => e.path), n), [i, a] = [64, Un + Gn * e.rows.length + Wn], o = e.rows.flatMap((e) => [e.first, e.total].flatMap(([e, t]) => e === null ? [] : [e - (t ?? 0), e + (t ?? 0)]));
+	if (!o.length) return /* @__PURE__ */ L("p", {
+		class: "hint",
+		children: "The outcome does not vary."
+	});
+	let [s, c] = Cn([0, ...o]), l = xn(s, Math.max(c, .1) * 1.02, !1, Math.max(2, Math.round((n - r - i) / 90))), u = (e) => r + l.part(e) * (n - r - i);
+	return /* @__PURE__ */ L("figure", {
+		class: "bars",
+		"data-view": "sobol",
+		children: [/* @__PURE__ */ L("svg", {
+			width: n,
+			height: a,
+			role: "img",
+			"aria-label": `Parts of the variance of ${e.value}: ${e.rows.map((e) => `${e.path} alone ${K(e.first[0])}, with others ${K(e.total[0])}`).join("; ")}`,
+			children: [
+				l.ticks.map((e) => /* @__PURE__ */ L("g", { children: [/* @__PURE__ */ L("line", {
+					class: "grid",
+					x1: u(e),
+					x2: u(e),
+					y1: Un,
+					y2: a - Wn
+				}), /* @__PURE__ */ L("text", {
+					x: u(e),
+					y: a - Wn + 15,
+					"text-anchor": "middle",
+					children: K(e)
+				})] })),
+				e.rows.map((e, t) => /* @__PURE__ */ L("g", {
+					transform: `translate(0,${Un + t * Gn})`,
+					"data-factor": e.path,
+					children: [/* @__PURE__ */ L("text", {
+						class: "what",
+						x: r - 8,
+						y: Gn / 2 + 4,
+						"text-anchor": "end",
+						children: e.path
+					}), [e.first, e.total].map(([e, t], n) => {
+						if (e === null) return null;
+						let r = 5 + n * 13, i = Math.max(u(e), u(e + (t ?? 0)));
+						return /* @__PURE__ */ L("g", {
+							class: "bar still " + (n ? "upper" : "lower"),
+							children: [
+								/* @__PURE__ */ L("rect", {
+									x: Math.min(u(e), u(0)),
+									y: r,
+									width: Math.abs(u(e) - u(0)),
+									height: 11,
+									"data-index": e
+								}),
+								t !== null && /* @__PURE__ */ L("path", {
+									class: "whisker",
+									d: `M${u(e - t)},${r + 2}v7m0,-3.5H${u(e + t)}m0,-3.5v7`
+								}),
+								/* @__PURE__ */ L("text", {
+									x: i + 5,
+									y: r + 9,
+									children: K(+e.toFixed(3))
+								})
+							]
+						});
+					})]
+				})),
+				/* @__PURE__ */ L("line", {
+					class: "middle",
+					x1: u(0),
+					x2: u(0),
+					y1: Un - 4,
+					y2: a - Wn
+				}),
+				/* @__PURE__ */ L("text", {
+					class: "what",
+					x: (r + n - i) / 2,
+					y: a - 6,
+					"text-anchor": "middle",
+					children: ["part of the variance of ", e.value]
+				})
+			]
+		}), /* @__PURE__ */ L("figcaption", { children: [
+			/* @__PURE__ */ L("span", {
+				class: "key",
+				children: [/* @__PURE__ */ L("i", { class: "lower" }), " alone"]
+			}),
+			/* @__PURE__ */ L("span", {
+				class: "key",
+				children: [/* @__PURE__ */ L("i", { class: "upper" }), " with others"]
+			}),
+			/* @__PURE__ */ L("small", { children: [
+				e.points,
+				" points, 95 % intervals",
+				e.leftOut > 0 && `; ${e.leftOut} left out: a run failed`
+			] })
+		] })]
+	});
+}
+// src/outcomes.tsx
+var [Yn, Xn, Zn, Qn] = [
+	66,
+	12,
+	10,
+	38
+], $n = 14;
+function er({ found: e, wide: t, high: n, dark: r, chosen: i, choose: a, open: o }) {
+	let s = mt(null), [c, l] = V(null), u = t > 620, [d, f] = [Math.max(t - (u ? 230 : 0), 160), n], [p, m] = [d - Yn - Xn, f - Zn - Qn], h = Sn(e.x, e.across, Math.max(2, Math.round(p / 90))), g = Sn(e.y, e.up, Math.max(2, Math.round(m / 50))), _ = e.across.length, v = e.x.edges && e.y.edges ? {
+		x: e.x.edges,
+		y: e.y.edges
+	} : null, y = (e) => h.part(e) * p, b = (e) => (1 - g.part(e)) * m, x = (t) => v ? [e.across[t % _], e.up[Math.floor(t / _)]] : [e.across[t], e.up[t]], S = e.number.filter((e) => e !== null), [C, w] = Cn(S), T = (t) => t === null ? e.none : e.names.length ? e.inks[t] : On(w > C ? (t - C) / (w - C) : .5), E = (t) => e.number[t] === null ? "no value" : e.names.length ? e.names[e.number[t]] : K(e.number[t]);
+	H(() => {
+		let t = s.current, n = t?.getContext("2d");
+		if (!t || !n) return;
+		let r = devicePixelRatio || 1;
+		[t.width, t.height] = [p * r, m * r], n.setTransform(r, 0, 0, r, 0, 0), n.clearRect(0, 0, p, m);
+		let i = getComputedStyle(t).getPropertyValue("--paper");
+		e.number.forEach((t, a) => {
+			if (e.members[a] < 0) return;
+			if (n.fillStyle = T(t), v) {
+				let [e, t] = [a % _, Math.floor(a / _)], [i, o] = [Math.round(y(v.x[e]) * r) / r, Math.round(y(v.x[e + 1]) * r) / r], [s, c] = [Math.round(b(v.y[t + 1]) * r) / r, Math.round(b(v.y[t]) * r) / r];
+				n.fillRect(i, s, o - i, c - s);
+				return;
+			}
+			let [o, s] = x(a);
+			o !== null && s !== null && (n.beginPath(), n.arc(y(o), b(s), e.members.length > 2e3 ? 2 : 3.6, 0, 7), n.fill(), n.strokeStyle = i, n.lineWidth = .6, n.stroke());
+		});
+	}, [
+		e,
+		d,
+		f,
+		r
+	]);
+	let D = (t) => {
+		let n = t.currentTarget.getBoundingClientRect(), [r, i] = [t.clientX - n.left, t.clientY - n.top];
+		if (v) {
+			let [t, n] = [v.x.findIndex((e) => y(e) > r) - 1, v.y.findIndex((e) => b(e) < i) - 1], a = n * _ + t;
+			return t >= 0 && n >= 0 && e.members[a] >= 0 ? a : null;
+		}
+		let [a, o] = [-1, $n ** 2];
+		return e.members.forEach((e, t) => {
+			let [n, s] = x(t), c = n === null || s === null ? Infinity : (y(n) - r) ** 2 + (b(s) - i) ** 2;
+			c < o && ([a, o] = [t, c]);
+		}), a < 0 ? null : a;
+	}, O = i === null ? -1 : e.members.indexOf(i), k = (t) => {
+		if (t.key === "Enter" && i !== null) return o(i);
+		let n = {
+			ArrowRight: 1,
+			ArrowLeft: -1,
+			ArrowUp: v ? _ : 1,
+			ArrowDown: v ? -_ : -1
+		}[t.key];
+		if (!n) return;
+		t.preventDefault();
+		let r = O < 0 ? 0 : O + n;
+		e.members[r] >= 0 && a(e.members[r]);
+	}, A = e.members.filter((e, t) => e >= 0 && !v && x(t).includes(null)).length, j = c ?? (O < 0 ? null : O), ee = (t) => {
+		let [n, r] = x(t);
+		return `run ${e.members[t]}: ${e.x.name} = ${K(n)}, ${e.y.name} = ${K(r)}, ${e.value} = ${E(t)}`;
+	}, [te, ne] = O < 0 ? [null, null] : x(O);
+	return /* @__PURE__ */ L("figure", {
+		class: "outcomes" + (u ? " beside" : ""),
+		"data-view": e.view,
+		children: [/* @__PURE__ */ L("div", {
+			class: "area",
+			style: `width: ${d}px; height: ${f}px`,
+			tabindex: 0,
+			role: "group",
+			"aria-label": `${e.value} over ${e.x.name} and ${e.y.name}, ${v ? "cells" : "points"}. Arrows choose a run, Enter opens it.`,
+			onKeyDown: k,
+			children: [/* @__PURE__ */ L("canvas", {
+				ref: s,
+				style: `left: ${Yn}px; top: ${Zn}px; width: ${p}px; height: ${m}px`,
+				"data-span": JSON.stringify([
+					h.low,
+					h.high,
+					g.low,
+					g.high
+				]),
+				onMouseMove: (e) => l(D(e)),
+				onMouseLeave: () => l(null),
+				onClick: (t) => {
+					let n = D(t);
+					n !== null && (a(e.members[n]), o(e.members[n]));
+				}
+			}), /* @__PURE__ */ L("svg", {
+				width: d,
+				height: f,
+				role: "img",
+				"aria-label": `${e.value}: ${e.names.length ? e.names.join("; ") : `${K(C)} to ${K(w)} ${e.unit}`}`,
+				children: [
+					/* @__PURE__ */ L("rect", {
+						class: "box",
+						x: Yn,
+						y: Zn,
+						width: p,
+						height: m
+					}),
+					h.ticks.map((e) => /* @__PURE__ */ L("g", { children: [/* @__PURE__ */ L("line", {
+						class: "tick",
+						x1: Yn + y(e),
+						x2: Yn + y(e),
+						y1: Zn + m,
+						y2: Zn + m + 4
+					}), /* @__PURE__ */ L("text", {
+						x: Yn + y(e),
+						y: Zn + m + 15,
+						"text-anchor": "middle",
+						children: K(e)
+					})] })),
+					g.ticks.map((e) => /* @__PURE__ */ L("g", { children: [/* @__PURE__ */ L("line", {
+						class: "tick",
+						x1: Yn - 4,
+						x2: Yn,
+						y1: Zn + b(e),
+						y2: Zn + b(e)
+					}), /* @__PURE__ */ L("text", {
+						x: Yn - 7,
+						y: Zn + b(e) + 3.5,
+						"text-anchor": "end",
+						children: K(e)
+					})] })),
+					/* @__PURE__ */ L("text", {
+						class: "what",
+						x: Yn + p / 2,
+						y: f - 6,
+						"text-anchor": "middle",
+						children: En(e.x.name, e.x.unit)
+					}),
+					/* @__PURE__ */ L("text", {
+						class: "what",
+						transform: `translate(12,${Zn + m / 2}) rotate(-90)`,
+						"text-anchor": "middle",
+						children: En(e.y.name, e.y.unit)
+					}),
+					te !== null && ne !== null && /* @__PURE__ */ L("circle", {
+						class: "chosen",
+						cx: Yn + y(te),
+						cy: Zn + b(ne),
+						r: 7
+					})
+				]
+			})]
+		}), /* @__PURE__ */ L("figcaption", { children: [
+			/* @__PURE__ */ L("b", { children: En(e.value, e.unit) }),
+			e.names.map((t, n) => /* @__PURE__ */ L("span", {
+				class: "key",
+				children: [
+					/* @__PURE__ */ L("i", { style: `background: ${e.inks[n]}` }),
+					" ",
+					t
+				]
+			})),
+			!e.names.length && S.length > 0 && /* @__PURE__ */ L("span", {
+				class: "bar",
+				children: [
+					/* @__PURE__ */ L("i", { style: `background: linear-gradient(to right, ${kn})` }),
+					/* @__PURE__ */ L("span", { children: K(C) }),
+					/* @__PURE__ */ L("span", { children: K(w) })
+				]
+			}),
+			!e.names.length && e.members.some((t, n) => t >= 0 && e.number[n] === null) && /* @__PURE__ */ L("span", {
+				class: "key",
+				children: [/* @__PURE__ */ L("i", { style: `background: ${e.none}` }), " no value"]
+			}),
+			e.members.length < e.all && /* @__PURE__ */ L("small", { children: [
+				e.members.length,
+				" of ",
+				e.all,
+				" runs are drawn"
+			] }),
+			A > 0 && /* @__PURE__ */ L("small", { children: [A === 1 ? "1 run has" : `${A} runs have`, " no value for an axis"] }),
+			/* @__PURE__ */ L("output", { children: j !== null && e.members[j] >= 0 ? ee(j) : "" })
+		] })]
+	});
+}
+// src/planned.tsx
+var tr = [
+	["map", "Map"],
+	["scatter", "Scatter"],
+	["family", "Curves"],
+	["tornado", "Tornado"],
+	["sobol", "Sobol indices"],
+	["table", "Table"]
+], nr = 92, rr = "(max-width: 760px)", ir = 500;
+function ar({ store: e, state: t, plan: n }) {
+	let [r, i] = V(() => pr(n)), [a, o] = V(null), [[s, c], l] = V([700, 340]), u = mt(null);
+	H(() => {
+		i(pr(n)), o(null);
+	}, [n.plan]), H(() => {
+		let e = u.current;
+		if (!e) return;
+		let t = new ResizeObserver(() => l([Math.max(260, e.clientWidth - 24), matchMedia(rr).matches ? 0 : e.clientHeight]));
+		return t.observe(e), () => t.disconnect();
+	}, []);
+	let [d, f] = mr(e, n, r), p = (e) => i({
+		...r,
+		...e
+	}), m = [...n.factors.filter((e) => e.number).map((e) => e.path), ...n.columns.filter((e) => e.kind === "number" || e.kind === "whole").map((e) => e.name)], h = n.columns.filter((e) => e.kind !== "curve").map((e) => e.name), g = (e, t, n) => /* @__PURE__ */ L("label", { children: [e, /* @__PURE__ */ L("select", {
+		"aria-label": e,
+		value: r[t],
+		onChange: (e) => p({ [t]: e.currentTarget.value }),
+		children: n.map((e) => /* @__PURE__ */ L("option", { children: e }))
+	})] }), _ = (t) => void e.openMember(t), v = c ? Math.max(c - nr, 190) : Math.round(Math.min(.8 * s, 340)), y = n.factors.map((e) => e.path), b = n.way === "grid" && r.view === "map" ? n.factors.filter((e) => e.levels.length > 1 && e.path !== r.x && e.path !== r.y) : [], S = b.length > 0 && y.includes(r.x) && y.includes(r.y);
+	return /* @__PURE__ */ L("section", {
+		class: "plots planned",
+		ref: u,
+		"aria-label": "Sweep",
+		children: [
+			/* @__PURE__ */ L("div", {
+				class: "plotbar",
+				children: [
+					/* @__PURE__ */ L(sr, {
+						store: e,
+						plan: n
+					}),
+					/* @__PURE__ */ L(cr, {
+						store: e,
+						plan: n,
+						chosen: a,
+						choose: o,
+						open: _
+					}),
+					/* @__PURE__ */ L("button", {
+						onClick: () => void hr(e, n),
+						disabled: !n.kept,
+						children: "Table as CSV"
+					}),
+					/* @__PURE__ */ L("button", {
+						onClick: () => e.set({ planShown: !1 }),
+						children: "Plots"
+					})
+				]
+			}),
+			/* @__PURE__ */ L("div", {
+				class: "plotbar",
+				children: [
+					/* @__PURE__ */ L("div", {
+						class: "choices",
+						role: "group",
+						"aria-label": "Views",
+						children: tr.map(([e, t]) => /* @__PURE__ */ L("button", {
+							"aria-pressed": r.view === e,
+							onClick: () => p({
+								view: e,
+								...fr(n, e)
+							}),
+							children: t
+						}))
+					}),
+					(r.view === "map" || r.view === "scatter") && /* @__PURE__ */ L(x, { children: [
+						g("of", "value", r.view === "map" ? h : [
+							...h,
+							"status",
+							...y
+						]),
+						g("across", "x", m),
+						g("up", "y", m)
+					] }),
+					r.view === "family" && g("of", "curve", n.columns.filter((e) => e.kind === "curve").map((e) => e.name)),
+					(r.view === "tornado" || r.view === "sobol") && g("of", "value", m.filter((e) => !y.includes(e))),
+					S && b.map((e) => /* @__PURE__ */ L("label", { children: [e.path, /* @__PURE__ */ L("select", {
+						"aria-label": `Level of ${e.path}`,
+						value: r.at[e.path] ?? 0,
+						onChange: (t) => p({ at: {
+							...r.at,
+							[e.path]: Number(t.currentTarget.value)
+						} }),
+						children: e.levels.map((e, t) => /* @__PURE__ */ L("option", {
+							value: t,
+							children: e
+						}))
+					})] }))
+				]
+			}),
+			n.error && /* @__PURE__ */ L("p", {
+				class: "wrong",
+				children: [
+					n.error.code,
+					" ",
+					n.error.where,
+					" ",
+					n.error.why,
+					" ",
+					/* @__PURE__ */ L("em", { children: n.error.try })
+				]
+			}),
+			f ? /* @__PURE__ */ L("p", {
+				class: "hint",
+				children: [
+					f.why,
+					". ",
+					or[r.view] ?? f.try
+				]
+			}) : d ? d.view === "table" ? /* @__PURE__ */ L(lr, {
+				found: d,
+				open: _,
+				turn: (e) => p({ first: e })
+			}) : d.view === "family" ? /* @__PURE__ */ L(Hn, {
+				found: d,
+				wide: Math.min(s, 4 * v),
+				high: v,
+				chosen: a,
+				choose: o,
+				open: _
+			}) : d.view === "tornado" ? /* @__PURE__ */ L(qn, {
+				found: d,
+				wide: s,
+				open: _
+			}) : d.view === "sobol" ? /* @__PURE__ */ L(Jn, {
+				found: d,
+				wide: s
+			}) : /* @__PURE__ */ L(er, {
+				found: d,
+				wide: Math.min(s, 3.4 * v),
+				high: v,
+				dark: t.dark,
+				chosen: a,
+				choose: o,
+				open: _
+			}) : /* @__PURE__ */ L("p", {
+				class: "hint",
+				children: n.kept ? "…" : n.state === "running" ? "The first runs are on their way …" : "No run was done."
+			})
+		]
+	});
+}
+var or = {
+	tornado: "Draw members ‘for a tornado’.",
+	sobol: "Draw members ‘for Sobol indices’.",
+	family: "Collect a curve: curve(height, 101)."
+};
+function sr({ store: e, plan: t }) {
+	let n = t.left === null ? "" : t.left < 1 ? ", under 1 s to go" : t.left < 120 ? `, ${Math.round(t.left)} s to go` : t.left < 7200 ? `, ${Math.round(t.left / 60)} min to go` : `, ${(t.left / 3600).toFixed(1)} h to go`, r = t.factors.map((e) => e.path).join(", ");
+	return t.state === "running" ? /* @__PURE__ */ L(x, { children: [
+		/* @__PURE__ */ L("progress", {
+			"aria-label": "Progress of the sweep",
+			max: t.members,
+			value: t.done
+		}),
+		/* @__PURE__ */ L("span", { children: [
+			t.done,
+			" of ",
+			t.members,
+			" runs",
+			n
+		] }),
+		/* @__PURE__ */ L("button", {
+			onClick: () => void e.transport.ask("plan cancel").catch(() => {}),
+			children: "Cancel"
+		})
+	] }) : /* @__PURE__ */ L("span", {
+		role: "status",
+		children: [
+			/* @__PURE__ */ L("b", { children: r }),
+			": ",
+			t.state === "done" ? `${t.members} runs` : `${t.kept} of ${t.members} runs, ${t.state === "cancelled" ? "cancelled" : "stopped"}`
+		]
+	});
+}
+function cr({ store: e, plan: t, chosen: n, choose: r, open: i }) {
+	let [a, o] = V(null);
+	H(() => {
+		if (o(null), n === null) return;
+		let r = !1;
+		return e.transport.ask("plan member", {
+			plan: t.plan,
+			member: n
+		}).then((e) => !r && o(e)).catch((t) => e.refused(t)), () => {
+			r = !0;
+		};
+	}, [
+		n,
+		t.plan,
+		t.state
+	]);
+	let s = a && a.member === n ? Object.entries(a.sets) : [], c = e.state.look?.panels.parameters ?? {}, l = async () => {
+		for (let [t, n] of s) if (!await e.edit({
+			do: "set",
+			path: ["parameters", t],
+			value: n,
+			level: ""
+		})) return;
+		await e.start();
+	};
+	return /* @__PURE__ */ L("div", {
+		class: "plotbar one",
+		children: [/* @__PURE__ */ L("label", { children: ["run", /* @__PURE__ */ L("input", {
+			type: "number",
+			"aria-label": "Run of the sweep",
+			min: 0,
+			max: t.members - 1,
+			value: n ?? "",
+			onKeyDown: (e) => (e.stopPropagation(), e.key === "Enter" && n !== null && i(n)),
+			onInput: (e) => {
+				let n = Number(e.currentTarget.value);
+				e.currentTarget.value && Number.isInteger(n) && n >= 0 && n < t.members && r(n);
+			}
+		})] }), n !== null && /* @__PURE__ */ L(x, { children: [
+			/* @__PURE__ */ L("output", { children: [
+				s.map(([e, t]) => `${e} = ${dr(t)}`).join(", "),
+				a?.row && t.columns.filter((e) => e.kind !== "curve").map((e) => `; ${e.name} = ${ur(a.row[e.name])}`).join(""),
+				a?.row?.code && `; ${a.row.status}: ${a.row.code} ${a.row.message}`
+			] }),
+			/* @__PURE__ */ L("button", {
+				onClick: () => i(n),
+				children: "Open"
+			}),
+			s.length > 0 && s.every(([e]) => e in c) && /* @__PURE__ */ L("button", {
+				onClick: () => void l(),
+				children: "Take these values"
+			})
+		] })]
+	});
+}
+function lr({ found: e, open: t, turn: n }) {
+	let r = e.columns.map((e, t) => t).filter((t) => t === 0 || ![
+		"code",
+		"message",
+		"warnings"
+	].includes(e.columns[t].name) || e.rows.some((e) => e[t])), i = new Set(r.filter((t) => e.rows.some((e) => typeof e[t] == "number"))), a = e.first + e.rows.length;
+	return /* @__PURE__ */ L("div", {
+		class: "rows",
+		children: [/* @__PURE__ */ L("div", {
+			class: "tables",
+			tabindex: 0,
+			role: "region",
+			"aria-label": "Table of the sweep",
+			children: /* @__PURE__ */ L("table", { children: [/* @__PURE__ */ L("thead", { children: /* @__PURE__ */ L("tr", { children: r.map((t) => /* @__PURE__ */ L("th", {
+				scope: "col",
+				class: i.has(t) ? "figure" : "",
+				children: [e.columns[t].name, e.columns[t].unit && ` [${e.columns[t].unit}]`]
+			})) }) }), /* @__PURE__ */ L("tbody", { children: e.rows.map((e) => /* @__PURE__ */ L("tr", { children: r.map((n) => /* @__PURE__ */ L("td", {
+				class: i.has(n) ? "figure" : "",
+				children: n === 0 ? /* @__PURE__ */ L("button", {
+					class: "link",
+					onClick: () => t(Number(e[0])),
+					children: e[0]
+				}) : ur(e[n])
+			})) })) })] })
+		}), /* @__PURE__ */ L("div", {
+			class: "plotbar",
+			children: [
+				/* @__PURE__ */ L("button", {
+					disabled: !e.first,
+					onClick: () => n(Math.max(e.first - 200, 0)),
+					children: "Before"
+				}),
+				/* @__PURE__ */ L("span", { children: [
+					e.first,
+					" to ",
+					a - 1,
+					" of ",
+					e.kept
+				] }),
+				/* @__PURE__ */ L("button", {
+					disabled: a >= e.kept,
+					onClick: () => n(a),
+					children: "After"
+				})
+			]
+		})]
+	});
+}
+function ur(e) {
+	return typeof e == "number" ? K(e) : e ?? "none";
+}
+function dr(e) {
+	let [t, ...n] = String(e).split(" ");
+	return Number.isFinite(Number(t)) ? [K(Number(t)), ...n].join(" ") : String(e);
 }
 function fr(e, t) {
+	let n = e.factors.filter((e) => e.number).map((e) => e.path), r = e.columns.filter((e) => e.kind === "number" || e.kind === "whole").map((e) => e.name), i = e.columns.filter((e) => e.kind === "text").map((e) => e.name), [a = "", o = n[0] ?? ""] = n;
+	switch (t) {
+		case "map": return {
+			value: i.includes("sequence") ? "sequence" : r[0] ?? i[0] ?? "",
+			x: a,
+			y: o
+		};
+		case "scatter": return {
+			value: i[0] ?? "status",
+			x: r.length > 1 ? r[0] : a,
+			y: r[1] ?? r[0] ?? o
+		};
+		case "family": return { curve: e.columns.find((e) => e.kind === "curve")?.name ?? "" };
+		default: return { value: r[0] ?? "" };
+	}
+}
+function pr(e) {
+	let t = e.way.split(":")[0], n = e.columns.find((e) => e.kind === "curve"), r = e.factors.filter((e) => e.number).length, i = t === "ends" ? "tornado" : t === "saltelli" ? "sobol" : n && (r < 2 || e.columns.length === 1) ? "family" : r < 2 ? "scatter" : "map";
+	return {
+		view: i,
+		x: "",
+		y: "",
+		value: "",
+		curve: "",
+		at: {},
+		first: 0,
+		...fr(e, i)
+	};
+}
+function mr(e, t, n) {
+	let [r, i] = V({
+		key: "",
+		seen: null,
+		refused: null
+	}), a = JSON.stringify([t.plan, n]), o = mt({
+		key: "",
+		kept: -1,
+		ended: !1
+	}), s = mt(!1), c = mt(!1), l = async () => {
+		if (s.current) return;
+		s.current = !0;
+		let t = "";
+		for (; !c.current && JSON.stringify(o.current) !== t;) {
+			let n = o.current;
+			t = JSON.stringify(n);
+			let [r, a] = JSON.parse(n.key);
+			try {
+				let t = await e.transport.ask("plan view", {
+					plan: r,
+					...a
+				});
+				n.key === o.current.key && i({
+					key: n.key,
+					seen: t,
+					refused: null
+				});
+			} catch (e) {
+				let t = e.problem ?? null;
+				n.key === o.current.key && i({
+					key: n.key,
+					seen: null,
+					refused: t
+				});
+			}
+			n.key === o.current.key && !o.current.ended && await new Promise((e) => setTimeout(e, ir));
+		}
+		s.current = !1;
+	};
+	return H(() => (c.current = !1, () => {
+		c.current = !0;
+	}), []), H(() => {
+		o.current = {
+			key: a,
+			kept: t.kept,
+			ended: t.state !== "running"
+		}, t.kept && l();
+	}, [
+		a,
+		t.kept,
+		t.state
+	]), [r.seen && JSON.parse(r.key || "[]")[0] === t.plan && r.seen.view === n.view ? r.seen : null, r.key === a ? r.refused : null];
+}
+async function hr(e, t) {
+	try {
+		let { text: n, name: r } = await e.transport.ask("plan csv", { plan: t.plan }), i = document.createElement("a");
+		i.href = URL.createObjectURL(new Blob([n], { type: "text/csv" })), i.download = r, i.click(), URL.revokeObjectURL(i.href);
+	} catch (t) {
+		e.refused(t);
+	}
+}
+// node_modules/uplot/dist/uPlot.esm.js
+var gr = !0, _r = "uplot", vr = "u-hz", yr = "u-vt", br = "u-title", xr = "u-wrap", Sr = "u-under", Cr = "u-over", wr = "u-axis", Tr = "u-off", Er = "u-select", Dr = "u-cursor-x", Or = "u-cursor-y", kr = "u-cursor-pt", Ar = "u-legend", jr = "u-live", Mr = "u-inline", Nr = "u-series", Pr = "u-marker", Fr = "u-label", Ir = "u-value", Lr = "width", Rr = "height", zr = "top", Br = "bottom", Vr = "left", Hr = "right", Ur = "#000", Wr = "#0000", Gr = "mousemove", Kr = "mousedown", qr = "mouseup", Jr = "mouseenter", Yr = "mouseleave", Xr = "dblclick", Zr = "resize", Qr = "scroll", $r = "change", ei = "dppxchange", ti = "--", ni = typeof window < "u", ri = ni ? document : null, ii = ni ? window : null, ai = ni ? navigator : null, q, oi;
+function si() {
+	let e = devicePixelRatio;
+	q != e && (q = e, oi && xi($r, oi, si), oi = matchMedia(`(min-resolution: ${q - .001}dppx) and (max-resolution: ${q + .001}dppx)`), bi($r, oi, si), ii.dispatchEvent(new CustomEvent(ei)));
+}
+function ci(e, t) {
 	if (t != null) {
 		let n = e.classList;
 		!n.contains(t) && n.add(t);
 	}
 }
-function pr(e, t) {
+function li(e, t) {
 	let n = e.classList;
 	n.contains(t) && n.remove(t);
 }
-function q(e, t, n) {
+function J(e, t, n) {
 	e.style[t] = n + "px";
 }
-function mr(e, t, n, r) {
-	let i = sr.createElement(e);
-	return t != null && fr(i, t), n?.insertBefore(i, r), i;
+function ui(e, t, n, r) {
+	let i = ri.createElement(e);
+	return t != null && ci(i, t), n?.insertBefore(i, r), i;
 }
-function hr(e, t) {
-	return mr("div", e, t);
+function di(e, t) {
+	return ui("div", e, t);
 }
-var gr = /* @__PURE__ */ new WeakMap();
-function _r(e, t, n, r, i) {
+var fi = /* @__PURE__ */ new WeakMap();
+function pi(e, t, n, r, i) {
 	let a = "translate(" + t + "px," + n + "px)";
-	a != gr.get(e) && (e.style.transform = a, gr.set(e, a), t < 0 || n < 0 || t > r || n > i ? fr(e, kn) : pr(e, kn));
+	a != fi.get(e) && (e.style.transform = a, fi.set(e, a), t < 0 || n < 0 || t > r || n > i ? ci(e, Tr) : li(e, Tr));
 }
-var vr = /* @__PURE__ */ new WeakMap();
-function yr(e, t, n) {
+var mi = /* @__PURE__ */ new WeakMap();
+function hi(e, t, n) {
 	let r = t + n;
-	r != vr.get(e) && (vr.set(e, r), e.style.background = t, e.style.borderColor = n);
+	r != mi.get(e) && (mi.set(e, r), e.style.background = t, e.style.borderColor = n);
 }
-var br = /* @__PURE__ */ new WeakMap();
-function xr(e, t, n, r) {
+var gi = /* @__PURE__ */ new WeakMap();
+function _i(e, t, n, r) {
 	let i = t + "" + n;
-	i != br.get(e) && (br.set(e, i), e.style.height = n + "px", e.style.width = t + "px", e.style.marginLeft = r ? -t / 2 + "px" : 0, e.style.marginTop = r ? -n / 2 + "px" : 0);
+	i != gi.get(e) && (gi.set(e, i), e.style.height = n + "px", e.style.width = t + "px", e.style.marginLeft = r ? -t / 2 + "px" : 0, e.style.marginTop = r ? -n / 2 + "px" : 0);
 }
-var Sr = { passive: !0 }, Cr = {
-	...Sr,
+var vi = { passive: !0 }, yi = {
+	...vi,
 	capture: !0
 };
-function wr(e, t, n, r) {
-	t.addEventListener(e, n, r ? Cr : Sr);
+function bi(e, t, n, r) {
+	t.addEventListener(e, n, r ? yi : vi);
 }
-function Tr(e, t, n, r) {
-	t.removeEventListener(e, n, Sr);
+function xi(e, t, n, r) {
+	t.removeEventListener(e, n, vi);
 }
-or && dr();
-function Er(e, t, n, r) {
+ni && si();
+function Si(e, t, n, r) {
 	let i;
 	n ||= 0, r ||= t.length - 1;
 	let a = r <= 2147483647;
-	for (; r - n > 1;) i = a ? n + r >> 1 : qr((n + r) / 2), t[i] < e ? n = i : r = i;
+	for (; r - n > 1;) i = a ? n + r >> 1 : Ui((n + r) / 2), t[i] < e ? n = i : r = i;
 	return e - t[n] <= t[r] - e ? n : r;
 }
-function Dr(e) {
+function Ci(e) {
 	return (t, n, r) => {
 		let i = -1, a = -1;
 		for (let a = n; a <= r; a++) if (e(t[a])) {
@@ -3706,9 +5023,9 @@ function Dr(e) {
 		return [i, a];
 	};
 }
-var Or = (e) => e != null, kr = (e) => e != null && e > 0, Ar = Dr(Or), jr = Dr(kr);
-function Mr(e, t, n, r = 0, i = !1) {
-	let a = i ? jr : Ar, o = i ? kr : Or;
+var wi = (e) => e != null, Ti = (e) => e != null && e > 0, Ei = Ci(wi), Di = Ci(Ti);
+function Oi(e, t, n, r = 0, i = !1) {
+	let a = i ? Di : Ei, o = i ? Ti : wi;
 	[t, n] = a(e, t, n);
 	let s = e[t], c = e[t];
 	if (t > -1) {
@@ -3719,106 +5036,106 @@ function Mr(e, t, n, r = 0, i = !1) {
 			o(t) && (t < s ? s = t : t > c && (c = t));
 		}
 	}
-	return [s ?? ii, c ?? -ii];
+	return [s ?? ea, c ?? -ea];
 }
-function Nr(e, t, n, r) {
-	let i = $r(e), a = $r(t);
+function ki(e, t, n, r) {
+	let i = Yi(e), a = Yi(t);
 	e == t && (i == -1 ? (e *= n, t /= n) : (e /= n, t *= n));
-	let o = n == 10 ? ei : ti, s = i == 1 ? qr : Yr, c = a == 1 ? Yr : qr, l = s(o(Kr(e))), u = c(o(Kr(t))), d = Qr(n, l), f = Qr(n, u);
-	return n == 10 && (l < 0 && (d = Z(d, -l)), u < 0 && (f = Z(f, -u))), r || n == 2 ? (e = d * i, t = f * a) : (e = _i(e, d), t = X(t, f)), [e, t];
+	let o = n == 10 ? Xi : Zi, s = i == 1 ? Ui : Gi, c = a == 1 ? Gi : Ui, l = s(o(Hi(e))), u = c(o(Hi(t))), d = Ji(n, l), f = Ji(n, u);
+	return n == 10 && (l < 0 && (d = Z(d, -l)), u < 0 && (f = Z(f, -u))), r || n == 2 ? (e = d * i, t = f * a) : (e = ma(e, d), t = pa(t, f)), [e, t];
 }
-function Pr(e, t, n, r) {
-	let i = Nr(e, t, n, r);
+function Ai(e, t, n, r) {
+	let i = ki(e, t, n, r);
 	return e == 0 && (i[0] = 0), t == 0 && (i[1] = 0), i;
 }
-var Fr = .1, Ir = {
+var ji = .1, Mi = {
 	mode: 3,
-	pad: Fr
-}, Lr = {
+	pad: ji
+}, Ni = {
 	pad: 0,
 	soft: null,
 	mode: 0
-}, Rr = {
-	min: Lr,
-	max: Lr
+}, Pi = {
+	min: Ni,
+	max: Ni
 };
-function zr(e, t, n, r) {
-	return Oi(n) ? Vr(e, t, n) : (Lr.pad = n, Lr.soft = r ? 0 : null, Lr.mode = r ? 3 : 0, Vr(e, t, Rr));
+function Fi(e, t, n, r) {
+	return Ta(n) ? Li(e, t, n) : (Ni.pad = n, Ni.soft = r ? 0 : null, Ni.mode = r ? 3 : 0, Li(e, t, Pi));
 }
-function J(e, t) {
+function Y(e, t) {
 	return e ?? t;
 }
-function Br(e, t, n) {
-	for (t = J(t, 0), n = J(n, e.length - 1); t <= n;) {
+function Ii(e, t, n) {
+	for (t = Y(t, 0), n = Y(n, e.length - 1); t <= n;) {
 		if (e[t] != null) return !0;
 		t++;
 	}
 	return !1;
 }
-function Vr(e, t, n) {
-	let r = n.min, i = n.max, a = J(r.pad, 0), o = J(i.pad, 0), s = J(r.hard, -ii), c = J(i.hard, ii), l = J(r.soft, ii), u = J(i.soft, -ii), d = J(r.mode, 0), f = J(i.mode, 0), p = t - e, m = ei(p), h = Zr(Kr(e), Kr(t)), g = Kr(ei(h) - m);
-	(p < 1e-24 || g > 10) && (p = 0, (e == 0 || t == 0) && (p = 1e-24, d == 2 && l != ii && (a = 0), f == 2 && u != -ii && (o = 0)));
-	let _ = p || h || 1e3, v = Qr(10, qr(ei(_))), y = Z(_i(e - _ * (p == 0 ? e == 0 ? .1 : 1 : a), v / 10), 24), b = e >= l && (d == 1 || d == 3 && y <= l || d == 2 && y >= l) ? l : ii, x = Zr(s, y < b && e >= b ? b : Xr(b, y)), S = Z(X(t + _ * (p == 0 ? t == 0 ? .1 : 1 : o), v / 10), 24), C = t <= u && (f == 1 || f == 3 && S >= u || f == 2 && S <= u) ? u : -ii, w = Xr(c, S > C && t <= C ? C : Zr(C, S));
+function Li(e, t, n) {
+	let r = n.min, i = n.max, a = Y(r.pad, 0), o = Y(i.pad, 0), s = Y(r.hard, -ea), c = Y(i.hard, ea), l = Y(r.soft, ea), u = Y(i.soft, -ea), d = Y(r.mode, 0), f = Y(i.mode, 0), p = t - e, m = Xi(p), h = qi(Hi(e), Hi(t)), g = Hi(Xi(h) - m);
+	(p < 1e-24 || g > 10) && (p = 0, (e == 0 || t == 0) && (p = 1e-24, d == 2 && l != ea && (a = 0), f == 2 && u != -ea && (o = 0)));
+	let _ = p || h || 1e3, v = Ji(10, Ui(Xi(_))), y = Z(ma(e - _ * (p == 0 ? e == 0 ? .1 : 1 : a), v / 10), 24), b = e >= l && (d == 1 || d == 3 && y <= l || d == 2 && y >= l) ? l : ea, x = qi(s, y < b && e >= b ? b : Ki(b, y)), S = Z(pa(t + _ * (p == 0 ? t == 0 ? .1 : 1 : o), v / 10), 24), C = t <= u && (f == 1 || f == 3 && S >= u || f == 2 && S <= u) ? u : -ea, w = Ki(c, S > C && t <= C ? C : qi(C, S));
 	return x == w && x == 0 && (w = 100), [x, w];
 }
-var Hr = new Intl.NumberFormat(or ? lr.language : "en-US"), Ur = (e) => Hr.format(e), Wr = Math, Gr = Wr.PI, Kr = Wr.abs, qr = Wr.floor, Jr = Wr.round, Yr = Wr.ceil, Xr = Wr.min, Zr = Wr.max, Qr = Wr.pow, $r = Wr.sign, ei = Wr.log10, ti = Wr.log2, ni = (e, t = 1) => Wr.sinh(e) * t, ri = (e, t = 1) => Wr.asinh(e / t), ii = Infinity;
-function ai(e) {
-	return (ei((e ^ e >> 31) - (e >> 31)) | 0) + 1;
+var Ri = new Intl.NumberFormat(ni ? ai.language : "en-US"), zi = (e) => Ri.format(e), Bi = Math, Vi = Bi.PI, Hi = Bi.abs, Ui = Bi.floor, Wi = Bi.round, Gi = Bi.ceil, Ki = Bi.min, qi = Bi.max, Ji = Bi.pow, Yi = Bi.sign, Xi = Bi.log10, Zi = Bi.log2, Qi = (e, t = 1) => Bi.sinh(e) * t, $i = (e, t = 1) => Bi.asinh(e / t), ea = Infinity;
+function ta(e) {
+	return (Xi((e ^ e >> 31) - (e >> 31)) | 0) + 1;
 }
-function oi(e, t, n) {
-	return Xr(Zr(e, t), n);
+function na(e, t, n) {
+	return Ki(qi(e, t), n);
 }
-function si(e) {
+function ra(e) {
 	return typeof e == "function";
 }
-function Y(e) {
-	return si(e) ? e : () => e;
+function X(e) {
+	return ra(e) ? e : () => e;
 }
-var ci = () => {}, li = (e) => e, ui = (e, t) => t, di = (e) => null, fi = (e) => !0, pi = (e, t) => e == t, mi = /\.\d*?(?=9{6,}|0{6,})/gm, hi = (e) => {
-	if (Ti(e) || vi.has(e)) return e;
-	let t = `${e}`, n = t.match(mi);
+var ia = () => {}, aa = (e) => e, oa = (e, t) => t, sa = (e) => null, ca = (e) => !0, la = (e, t) => e == t, ua = /\.\d*?(?=9{6,}|0{6,})/gm, da = (e) => {
+	if (Sa(e) || ha.has(e)) return e;
+	let t = `${e}`, n = t.match(ua);
 	if (n == null) return e;
 	let r = n[0].length - 1;
 	if (t.indexOf("e-") != -1) {
 		let [e, n] = t.split("e");
-		return +`${hi(e)}e${n}`;
+		return +`${da(e)}e${n}`;
 	}
 	return Z(e, r);
 };
-function gi(e, t) {
-	return hi(Z(hi(e / t)) * t);
+function fa(e, t) {
+	return da(Z(da(e / t)) * t);
 }
-function X(e, t) {
-	return hi(Yr(hi(e / t)) * t);
+function pa(e, t) {
+	return da(Gi(da(e / t)) * t);
 }
-function _i(e, t) {
-	return hi(qr(hi(e / t)) * t);
+function ma(e, t) {
+	return da(Ui(da(e / t)) * t);
 }
 function Z(e, t = 0) {
-	if (Ti(e)) return e;
+	if (Sa(e)) return e;
 	let n = 10 ** t;
-	return Jr(e * n * (1 + 2 ** -52)) / n;
+	return Wi(e * n * (1 + 2 ** -52)) / n;
 }
-var vi = /* @__PURE__ */ new Map();
-function yi(e) {
+var ha = /* @__PURE__ */ new Map();
+function ga(e) {
 	return (("" + e).split(".")[1] || "").length;
 }
-function bi(e, t, n, r) {
-	let i = [], a = r.map(yi);
+function _a(e, t, n, r) {
+	let i = [], a = r.map(ga);
 	for (let o = t; o < n; o++) {
-		let t = Kr(o), n = Z(Qr(e, o), t);
+		let t = Hi(o), n = Z(Ji(e, o), t);
 		for (let s = 0; s < r.length; s++) {
 			let c = e == 10 ? +`${r[s]}e${o}` : r[s] * n, l = (o >= 0 ? 0 : t) + (o >= a[s] ? 0 : a[s]), u = e == 10 ? c : Z(c, l);
-			i.push(u), vi.set(u, l);
+			i.push(u), ha.set(u, l);
 		}
 	}
 	return i;
 }
-var xi = {}, Si = [], Ci = [null, null], wi = Array.isArray, Ti = Number.isInteger, Ei = (e) => e === void 0;
-function Di(e) {
+var va = {}, ya = [], ba = [null, null], xa = Array.isArray, Sa = Number.isInteger, Ca = (e) => e === void 0;
+function wa(e) {
 	return typeof e == "string";
 }
-function Oi(e) {
+function Ta(e) {
 	let t = !1;
 	if (e != null) {
 		let n = e.constructor;
@@ -3826,35 +5143,35 @@ function Oi(e) {
 	}
 	return t;
 }
-function ki(e) {
+function Ea(e) {
 	return typeof e == "object" && !!e;
 }
-var Ai = Object.getPrototypeOf(Uint8Array), ji = "__proto__";
-function Mi(e, t = Oi) {
+var Da = Object.getPrototypeOf(Uint8Array), Oa = "__proto__";
+function ka(e, t = Ta) {
 	let n;
-	if (wi(e)) {
+	if (xa(e)) {
 		let r = e.find((e) => e != null);
-		if (wi(r) || t(r)) {
+		if (xa(r) || t(r)) {
 			n = Array(e.length);
-			for (let r = 0; r < e.length; r++) n[r] = Mi(e[r], t);
+			for (let r = 0; r < e.length; r++) n[r] = ka(e[r], t);
 		} else n = e.slice();
-	} else if (e instanceof Ai) n = e.slice();
+	} else if (e instanceof Da) n = e.slice();
 	else if (t(e)) {
 		n = {};
-		for (let r in e) r != ji && (n[r] = Mi(e[r], t));
+		for (let r in e) r != Oa && (n[r] = ka(e[r], t));
 	} else n = e;
 	return n;
 }
-function Ni(e) {
+function Aa(e) {
 	let t = arguments;
 	for (let n = 1; n < t.length; n++) {
 		let r = t[n];
-		for (let t in r) t != ji && (Oi(e[t]) ? Ni(e[t], Mi(r[t])) : e[t] = Mi(r[t]));
+		for (let t in r) t != Oa && (Ta(e[t]) ? Aa(e[t], ka(r[t])) : e[t] = ka(r[t]));
 	}
 	return e;
 }
-var Pi = 0, Fi = 1, Ii = 2;
-function Li(e, t, n) {
+var ja = 0, Ma = 1, Na = 2;
+function Pa(e, t, n) {
 	for (let r = 0, i, a = -1; r < t.length; r++) {
 		let o = t[r];
 		if (o > a) {
@@ -3863,11 +5180,11 @@ function Li(e, t, n) {
 		}
 	}
 }
-function Ri(e, t) {
-	if (Vi(e)) {
+function Fa(e, t) {
+	if (Ra(e)) {
 		let t = e[0].slice();
 		for (let n = 1; n < e.length; n++) t.push(...e[n].slice(1));
-		return Hi(t[0]) || (t = Bi(t)), t;
+		return za(t[0]) || (t = La(t)), t;
 	}
 	let n = /* @__PURE__ */ new Set();
 	for (let t = 0; t < e.length; t++) {
@@ -3879,18 +5196,18 @@ function Ri(e, t) {
 	for (let n = 0; n < e.length; n++) {
 		let o = e[n], s = o[0];
 		for (let e = 1; e < o.length; e++) {
-			let c = o[e], l = Array(i).fill(void 0), u = t ? t[n][e] : Fi, d = [];
+			let c = o[e], l = Array(i).fill(void 0), u = t ? t[n][e] : Ma, d = [];
 			for (let e = 0; e < c.length; e++) {
 				let t = c[e], n = a.get(s[e]);
-				t === null ? u != Pi && (l[n] = t, u == Ii && d.push(n)) : l[n] = t;
+				t === null ? u != ja && (l[n] = t, u == Na && d.push(n)) : l[n] = t;
 			}
-			Li(l, d, i), r.push(l);
+			Pa(l, d, i), r.push(l);
 		}
 	}
 	return r;
 }
-var zi = typeof queueMicrotask > "u" ? (e) => Promise.resolve().then(e) : queueMicrotask;
-function Bi(e) {
+var Ia = typeof queueMicrotask > "u" ? (e) => Promise.resolve().then(e) : queueMicrotask;
+function La(e) {
 	let t = e[0], n = t.length, r = Array(n);
 	for (let e = 0; e < r.length; e++) r[e] = e;
 	r.sort((e, n) => t[e] - t[n]);
@@ -3902,7 +5219,7 @@ function Bi(e) {
 	}
 	return i;
 }
-function Vi(e) {
+function Ra(e) {
 	let t = e[0][0], n = t.length;
 	for (let r = 1; r < e.length; r++) {
 		let i = e[r][0];
@@ -3913,14 +5230,14 @@ function Vi(e) {
 	}
 	return !0;
 }
-function Hi(e, t = 100) {
+function za(e, t = 100) {
 	let n = e.length;
 	if (n <= 1) return !0;
 	let r = 0, i = n - 1;
 	for (; r <= i && e[r] == null;) r++;
 	for (; i >= r && e[i] == null;) i--;
 	if (i <= r) return !0;
-	let a = Zr(1, qr((i - r + 1) / t));
+	let a = qi(1, Ui((i - r + 1) / t));
 	for (let t = e[r], n = r + a; n <= i; n += a) {
 		let r = e[n];
 		if (r != null) {
@@ -3930,7 +5247,7 @@ function Hi(e, t = 100) {
 	}
 	return !0;
 }
-var Ui = [
+var Ba = [
 	"January",
 	"February",
 	"March",
@@ -3943,7 +5260,7 @@ var Ui = [
 	"October",
 	"November",
 	"December"
-], Wi = [
+], Va = [
 	"Sunday",
 	"Monday",
 	"Tuesday",
@@ -3952,33 +5269,33 @@ var Ui = [
 	"Friday",
 	"Saturday"
 ];
-function Gi(e) {
+function Ha(e) {
 	return e.slice(0, 3);
 }
-var Ki = Wi.map(Gi), qi = {
-	MMMM: Ui,
-	MMM: Ui.map(Gi),
-	WWWW: Wi,
-	WWW: Ki
+var Ua = Va.map(Ha), Wa = {
+	MMMM: Ba,
+	MMM: Ba.map(Ha),
+	WWWW: Va,
+	WWW: Ua
 };
-function Ji(e) {
+function Ga(e) {
 	return (e < 10 ? "0" : "") + e;
 }
-function Yi(e) {
+function Ka(e) {
 	return (e < 10 ? "00" : e < 100 ? "0" : "") + e;
 }
-var Xi = {
+var qa = {
 	YYYY: (e) => e.getFullYear(),
 	YY: (e) => (e.getFullYear() + "").slice(2),
 	MMMM: (e, t) => t.MMMM[e.getMonth()],
 	MMM: (e, t) => t.MMM[e.getMonth()],
-	MM: (e) => Ji(e.getMonth() + 1),
+	MM: (e) => Ga(e.getMonth() + 1),
 	M: (e) => e.getMonth() + 1,
-	DD: (e) => Ji(e.getDate()),
+	DD: (e) => Ga(e.getDate()),
 	D: (e) => e.getDate(),
 	WWWW: (e, t) => t.WWWW[e.getDay()],
 	WWW: (e, t) => t.WWW[e.getDay()],
-	HH: (e) => Ji(e.getHours()),
+	HH: (e) => Ga(e.getHours()),
 	H: (e) => e.getHours(),
 	h: (e) => {
 		let t = e.getHours();
@@ -3987,35 +5304,35 @@ var Xi = {
 	AA: (e) => e.getHours() >= 12 ? "PM" : "AM",
 	aa: (e) => e.getHours() >= 12 ? "pm" : "am",
 	a: (e) => e.getHours() >= 12 ? "p" : "a",
-	mm: (e) => Ji(e.getMinutes()),
+	mm: (e) => Ga(e.getMinutes()),
 	m: (e) => e.getMinutes(),
-	ss: (e) => Ji(e.getSeconds()),
+	ss: (e) => Ga(e.getSeconds()),
 	s: (e) => e.getSeconds(),
-	fff: (e) => Yi(e.getMilliseconds())
+	fff: (e) => Ka(e.getMilliseconds())
 };
-function Zi(e, t) {
-	t ||= qi;
+function Ja(e, t) {
+	t ||= Wa;
 	let n = [], r = /\{([a-z]+)\}|[^{]+/gi, i;
-	for (; i = r.exec(e);) n.push(i[0][0] == "{" ? Xi[i[1]] : i[0]);
+	for (; i = r.exec(e);) n.push(i[0][0] == "{" ? qa[i[1]] : i[0]);
 	return (e) => {
 		let r = "";
 		for (let i = 0; i < n.length; i++) r += typeof n[i] == "string" ? n[i] : n[i](e, t);
 		return r;
 	};
 }
-var Qi = new Intl.DateTimeFormat().resolvedOptions().timeZone;
-function $i(e, t) {
+var Ya = new Intl.DateTimeFormat().resolvedOptions().timeZone;
+function Xa(e, t) {
 	let n;
-	return t == "UTC" || t == "Etc/UTC" ? n = /* @__PURE__ */ new Date(+e + e.getTimezoneOffset() * 6e4) : t == Qi ? n = e : (n = new Date(e.toLocaleString("en-US", { timeZone: t })), n.setMilliseconds(e.getMilliseconds())), n;
+	return t == "UTC" || t == "Etc/UTC" ? n = /* @__PURE__ */ new Date(+e + e.getTimezoneOffset() * 6e4) : t == Ya ? n = e : (n = new Date(e.toLocaleString("en-US", { timeZone: t })), n.setMilliseconds(e.getMilliseconds())), n;
 }
-var ea = (e) => e % 1 == 0, ta = [
+var Za = (e) => e % 1 == 0, Qa = [
 	1,
 	2,
 	2.5,
 	5
-], na = bi(10, -32, 0, ta), ra = bi(10, 0, 32, ta), ia = ra.filter(ea), aa = na.concat(ra), oa = "\n", sa = "{YYYY}", ca = oa + sa, la = "{M}/{D}", ua = oa + la, da = ua + "/{YY}", fa = "{aa}", pa = "{h}:{mm}" + fa, ma = oa + pa, ha = ":{ss}", Q = null;
-function ga(e) {
-	let t = e * 1e3, n = t * 60, r = n * 60, i = r * 24, a = i * 30, o = i * 365, s = (e == 1 ? bi(10, 0, 3, ta).filter(ea) : bi(10, -3, 0, ta)).concat([
+], $a = _a(10, -32, 0, Qa), eo = _a(10, 0, 32, Qa), to = eo.filter(Za), no = $a.concat(eo), ro = "\n", io = "{YYYY}", ao = ro + io, oo = "{M}/{D}", so = ro + oo, co = so + "/{YY}", lo = "{aa}", uo = "{h}:{mm}" + lo, fo = ro + uo, po = ":{ss}", Q = null;
+function mo(e) {
+	let t = e * 1e3, n = t * 60, r = n * 60, i = r * 24, a = i * 30, o = i * 365, s = (e == 1 ? _a(10, 0, 3, Qa).filter(Za) : _a(10, -3, 0, Qa)).concat([
 		t,
 		t * 5,
 		t * 10,
@@ -4059,7 +5376,7 @@ function ga(e) {
 	]), c = [
 		[
 			o,
-			sa,
+			io,
 			Q,
 			Q,
 			Q,
@@ -4071,7 +5388,7 @@ function ga(e) {
 		[
 			i * 28,
 			"{MMM}",
-			ca,
+			ao,
 			Q,
 			Q,
 			Q,
@@ -4081,8 +5398,8 @@ function ga(e) {
 		],
 		[
 			i,
-			la,
-			ca,
+			oo,
+			ao,
 			Q,
 			Q,
 			Q,
@@ -4092,10 +5409,10 @@ function ga(e) {
 		],
 		[
 			r,
-			"{h}" + fa,
-			da,
+			"{h}" + lo,
+			co,
 			Q,
-			ua,
+			so,
 			Q,
 			Q,
 			Q,
@@ -4103,10 +5420,10 @@ function ga(e) {
 		],
 		[
 			n,
-			pa,
-			da,
+			uo,
+			co,
 			Q,
-			ua,
+			so,
 			Q,
 			Q,
 			Q,
@@ -4114,42 +5431,42 @@ function ga(e) {
 		],
 		[
 			t,
-			ha,
-			da + " " + pa,
+			po,
+			co + " " + uo,
 			Q,
-			ua + " " + pa,
+			so + " " + uo,
 			Q,
-			ma,
+			fo,
 			Q,
 			1
 		],
 		[
 			e,
-			ha + ".{fff}",
-			da + " " + pa,
+			po + ".{fff}",
+			co + " " + uo,
 			Q,
-			ua + " " + pa,
+			so + " " + uo,
 			Q,
-			ma,
+			fo,
 			Q,
 			1
 		]
 	];
 	function l(t) {
 		return (s, c, l, u, d, f) => {
-			let p = [], m = d >= o, h = d >= a && d < o, g = t(l), _ = Z(g * e, 3), v = Ea(g.getFullYear(), m ? 0 : g.getMonth(), h || m ? 1 : g.getDate()), y = Z(v * e, 3);
+			let p = [], m = d >= o, h = d >= a && d < o, g = t(l), _ = Z(g * e, 3), v = wo(g.getFullYear(), m ? 0 : g.getMonth(), h || m ? 1 : g.getDate()), y = Z(v * e, 3);
 			if (h || m) {
-				let n = h ? d / a : 0, r = m ? d / o : 0, i = _ == y ? _ : Z(Ea(v.getFullYear() + r, v.getMonth() + n, 1) * e, 3), s = new Date(Jr(i / e)), c = s.getFullYear(), l = s.getMonth();
+				let n = h ? d / a : 0, r = m ? d / o : 0, i = _ == y ? _ : Z(wo(v.getFullYear() + r, v.getMonth() + n, 1) * e, 3), s = new Date(Wi(i / e)), c = s.getFullYear(), l = s.getMonth();
 				for (let a = 0; i <= u; a++) {
-					let o = Ea(c + r * a, l + n * a, 1), s = o - t(Z(o * e, 3));
+					let o = wo(c + r * a, l + n * a, 1), s = o - t(Z(o * e, 3));
 					i = Z((+o + s) * e, 3), i <= u && p.push(i);
 				}
 			} else {
-				let a = d >= i ? i : d, o = y + (qr(l) - qr(_)) + X(_ - y, a);
+				let a = d >= i ? i : d, o = y + (Ui(l) - Ui(_)) + pa(_ - y, a);
 				p.push(o);
 				let m = t(o), h = m.getHours() + m.getMinutes() / n + m.getSeconds() / r, g = d / r, v = f / s.axes[c]._space;
 				for (; o = Z(o + d, e == 1 ? 0 : 3), !(o > u);) if (g > 1) {
-					let e = qr(Z(h + g, 6)) % 24, n = t(o).getHours() - e;
+					let e = Ui(Z(h + g, 6)) % 24, n = t(o).getHours() - e;
 					n > 1 && (n = -1), o -= n * r, h = (h + g) % 24;
 					let i = p[p.length - 1];
 					Z((o - i) / d, 3) * v >= .7 && p.push(o);
@@ -4164,12 +5481,12 @@ function ga(e) {
 		l
 	];
 }
-var [_a, va, ya] = ga(1), [ba, xa, Sa] = ga(.001);
-bi(2, -53, 53, [1]);
-function Ca(e, t) {
+var [ho, go, _o] = mo(1), [vo, yo, bo] = mo(.001);
+_a(2, -53, 53, [1]);
+function xo(e, t) {
 	return e.map((e) => e.map((n, r) => r == 0 || r == 8 || n == null ? n : t(r == 1 || e[8] == 0 ? n : e[1] + n)));
 }
-function wa(e, t) {
+function So(e, t) {
 	return (n, r, i, a, o) => {
 		let s = t.find((e) => o >= e[0]) || t[t.length - 1], c, l, u, d, f, p;
 		return r.map((t) => {
@@ -4178,98 +5495,98 @@ function wa(e, t) {
 		});
 	};
 }
-function Ta(e, t) {
-	let n = Zi(t);
+function Co(e, t) {
+	let n = Ja(t);
 	return (t, r, i, a, o) => r.map((t) => n(e(t)));
 }
-function Ea(e, t, n) {
+function wo(e, t, n) {
 	return new Date(e, t, n);
 }
-function Da(e, t) {
+function To(e, t) {
 	return t(e);
 }
-var Oa = "{YYYY}-{MM}-{DD} {h}:{mm}{aa}";
-function ka(e, t) {
-	return (n, r, i, a) => a == null ? ar : t(e(r));
+var Eo = "{YYYY}-{MM}-{DD} {h}:{mm}{aa}";
+function Do(e, t) {
+	return (n, r, i, a) => a == null ? ti : t(e(r));
 }
-function Aa(e, t) {
+function Oo(e, t) {
 	let n = e.series[t];
 	return n.width ? n.stroke(e, t) : n.points.width ? n.points.stroke(e, t) : null;
 }
-function ja(e, t) {
+function ko(e, t) {
 	return e.series[t].fill(e, t);
 }
-var Ma = {
+var Ao = {
 	show: !0,
 	live: !0,
 	isolate: !1,
-	mount: ci,
+	mount: ia,
 	markers: {
 		show: !0,
 		width: 2,
-		stroke: Aa,
-		fill: ja,
+		stroke: Oo,
+		fill: ko,
 		dash: "solid"
 	},
 	idx: null,
 	idxs: null,
 	values: []
 };
-function Na(e, t) {
-	let n = e.cursor.points, r = hr(), i = n.size(e, t);
-	q(r, Vn, i), q(r, Hn, i);
+function jo(e, t) {
+	let n = e.cursor.points, r = di(), i = n.size(e, t);
+	J(r, Lr, i), J(r, Rr, i);
 	let a = i / -2;
-	q(r, "marginLeft", a), q(r, "marginTop", a);
+	J(r, "marginLeft", a), J(r, "marginTop", a);
 	let o = n.width(e, t, i);
-	return o && q(r, "borderWidth", o), r;
+	return o && J(r, "borderWidth", o), r;
 }
-function Pa(e, t) {
+function Mo(e, t) {
 	let n = e.series[t].points;
 	return n._fill || n._stroke;
 }
-function Fa(e, t) {
+function No(e, t) {
 	let n = e.series[t].points;
 	return n._stroke || n._fill;
 }
-function Ia(e, t) {
+function Po(e, t) {
 	return e.series[t].points.size;
 }
-var La = [0, 0];
-function Ra(e, t, n) {
-	return La[0] = t, La[1] = n, La;
+var Fo = [0, 0];
+function Io(e, t, n) {
+	return Fo[0] = t, Fo[1] = n, Fo;
 }
-function za(e, t, n, r = !0) {
+function Lo(e, t, n, r = !0) {
 	return (e) => {
 		e.button != 0 || r && e.target != t || n(e);
 	};
 }
-function Ba(e, t, n, r = !0) {
+function Ro(e, t, n, r = !0) {
 	return (e) => {
 		r && e.target != t || n(e);
 	};
 }
-var Va = {
+var zo = {
 	show: !0,
 	x: !0,
 	y: !0,
 	lock: !1,
-	move: Ra,
+	move: Io,
 	points: {
 		one: !1,
-		show: Na,
-		size: Ia,
+		show: jo,
+		size: Po,
 		width: 0,
-		stroke: Fa,
-		fill: Pa
+		stroke: No,
+		fill: Mo
 	},
 	bind: {
-		mousedown: za,
-		mouseup: za,
-		click: za,
-		dblclick: za,
-		mousemove: Ba,
-		mouseleave: Ba,
-		mouseenter: Ba
+		mousedown: Lo,
+		mouseup: Lo,
+		click: Lo,
+		dblclick: Lo,
+		mousemove: Ro,
+		mouseleave: Ro,
+		mouseenter: Ro
 	},
 	drag: {
 		setScale: !0,
@@ -4299,139 +5616,139 @@ var Va = {
 	dataIdx: null,
 	idxs: null,
 	event: null
-}, Ha = {
+}, Bo = {
 	show: !0,
 	stroke: "rgba(0,0,0,0.07)",
 	width: 2
-}, Ua = Ni({}, Ha, { filter: ui }), Wa = Ni({}, Ua, { size: 10 }), Ga = Ni({}, Ha, { show: !1 }), Ka = "12px system-ui, -apple-system, \"Segoe UI\", Roboto, \"Helvetica Neue\", Arial, \"Noto Sans\", sans-serif, \"Apple Color Emoji\", \"Segoe UI Emoji\", \"Segoe UI Symbol\", \"Noto Color Emoji\"", qa = "bold " + Ka, Ja = 1.5, Ya = {
+}, Vo = Aa({}, Bo, { filter: oa }), Ho = Aa({}, Vo, { size: 10 }), Uo = Aa({}, Bo, { show: !1 }), Wo = "12px system-ui, -apple-system, \"Segoe UI\", Roboto, \"Helvetica Neue\", Arial, \"Noto Sans\", sans-serif, \"Apple Color Emoji\", \"Segoe UI Emoji\", \"Segoe UI Symbol\", \"Noto Color Emoji\"", Go = "bold " + Wo, Ko = 1.5, qo = {
 	show: !0,
 	scale: "x",
-	stroke: qn,
+	stroke: Ur,
 	space: 50,
 	gap: 5,
 	alignTo: 1,
 	size: 50,
 	labelGap: 0,
 	labelSize: 30,
-	labelFont: qa,
+	labelFont: Go,
 	side: 2,
-	grid: Ua,
-	ticks: Wa,
-	border: Ga,
-	font: Ka,
-	lineGap: Ja,
+	grid: Vo,
+	ticks: Ho,
+	border: Uo,
+	font: Wo,
+	lineGap: Ko,
 	rotate: 0
-}, Xa = "Value", Za = "Time", Qa = {
+}, Jo = "Value", Yo = "Time", Xo = {
 	show: !0,
 	scale: "x",
 	auto: !1,
 	sorted: 1,
-	min: ii,
+	min: ea,
 	max: -Infinity,
 	idxs: []
 };
-function $a(e, t, n, r, i) {
-	return t.map((e) => e == null ? "" : Ur(e));
+function Zo(e, t, n, r, i) {
+	return t.map((e) => e == null ? "" : zi(e));
 }
-function eo(e, t, n, r, i, a, o) {
-	let s = [], c = vi.get(i) || 0;
-	n = o ? n : Z(X(n, i), c);
+function Qo(e, t, n, r, i, a, o) {
+	let s = [], c = ha.get(i) || 0;
+	n = o ? n : Z(pa(n, i), c);
 	for (let e = n; e <= r; e = Z(e + i, c)) s.push(Object.is(e, -0) ? 0 : e);
 	return s;
 }
-function to(e, t, n, r, i, a, o) {
+function $o(e, t, n, r, i, a, o) {
 	let s = [], c = e.scales[e.axes[t].scale].log;
-	i = Qr(c, qr((c == 10 ? ei : ti)(n))), c == 10 && (i = aa[Er(i, aa)]);
+	i = Ji(c, Ui((c == 10 ? Xi : Zi)(n))), c == 10 && (i = no[Si(i, no)]);
 	let l = n, u = i * c;
-	c == 10 && (u = aa[Er(u, aa)]);
+	c == 10 && (u = no[Si(u, no)]);
 	do
-		s.push(l), l += i, c == 10 && !vi.has(l) && (l = Z(l, vi.get(i))), l >= u && (i = l, u = i * c, c == 10 && (u = aa[Er(u, aa)]));
+		s.push(l), l += i, c == 10 && !ha.has(l) && (l = Z(l, ha.get(i))), l >= u && (i = l, u = i * c, c == 10 && (u = no[Si(u, no)]));
 	while (l <= r);
 	return s;
 }
-function no(e, t, n, r, i, a, o) {
-	let s = e.scales[e.axes[t].scale].asinh, c = r > s ? to(e, t, Zr(s, n), r, i) : [s], l = r >= 0 && n <= 0 ? [0] : [];
-	return (n < -s ? to(e, t, Zr(s, -r), -n, i) : [s]).reverse().map((e) => -e).concat(l, c);
+function es(e, t, n, r, i, a, o) {
+	let s = e.scales[e.axes[t].scale].asinh, c = r > s ? $o(e, t, qi(s, n), r, i) : [s], l = r >= 0 && n <= 0 ? [0] : [];
+	return (n < -s ? $o(e, t, qi(s, -r), -n, i) : [s]).reverse().map((e) => -e).concat(l, c);
 }
-var ro = /./, io = /[12357]/, ao = /[125]/, oo = /1/, so = (e, t, n, r) => e.map((e, i) => t == 4 && e == 0 || i % r == 0 && n.test(e.toExponential()[+(e < 0)]) ? e : null);
-function co(e, t, n, r, i) {
-	let a = e.axes[n], o = a.scale, s = e.scales[o], c = e.valToPos, l = a._space, u = c(10, o), d = c(9, o) - u >= l ? ro : c(7, o) - u >= l ? io : c(5, o) - u >= l ? ao : oo;
-	if (d == oo) {
-		let e = Kr(c(1, o) - u);
-		if (e < l) return so(t.slice().reverse(), s.distr, d, Yr(l / e)).reverse();
+var ts = /./, ns = /[12357]/, rs = /[125]/, is = /1/, as = (e, t, n, r) => e.map((e, i) => t == 4 && e == 0 || i % r == 0 && n.test(e.toExponential()[+(e < 0)]) ? e : null);
+function os(e, t, n, r, i) {
+	let a = e.axes[n], o = a.scale, s = e.scales[o], c = e.valToPos, l = a._space, u = c(10, o), d = c(9, o) - u >= l ? ts : c(7, o) - u >= l ? ns : c(5, o) - u >= l ? rs : is;
+	if (d == is) {
+		let e = Hi(c(1, o) - u);
+		if (e < l) return as(t.slice().reverse(), s.distr, d, Gi(l / e)).reverse();
 	}
-	return so(t, s.distr, d, 1);
+	return as(t, s.distr, d, 1);
 }
-function lo(e, t, n, r, i) {
-	let a = e.axes[n], o = a.scale, s = a._space, c = e.valToPos, l = Kr(c(1, o) - c(2, o));
-	return l < s ? so(t.slice().reverse(), 3, ro, Yr(s / l)).reverse() : t;
+function ss(e, t, n, r, i) {
+	let a = e.axes[n], o = a.scale, s = a._space, c = e.valToPos, l = Hi(c(1, o) - c(2, o));
+	return l < s ? as(t.slice().reverse(), 3, ts, Gi(s / l)).reverse() : t;
 }
-function uo(e, t, n, r) {
-	return r == null ? ar : t == null ? "" : Ur(t);
+function cs(e, t, n, r) {
+	return r == null ? ti : t == null ? "" : zi(t);
 }
-var fo = {
+var ls = {
 	show: !0,
 	scale: "y",
-	stroke: qn,
+	stroke: Ur,
 	space: 30,
 	gap: 5,
 	alignTo: 1,
 	size: 50,
 	labelGap: 0,
 	labelSize: 30,
-	labelFont: qa,
+	labelFont: Go,
 	side: 3,
-	grid: Ua,
-	ticks: Wa,
-	border: Ga,
-	font: Ka,
-	lineGap: Ja,
+	grid: Vo,
+	ticks: Ho,
+	border: Uo,
+	font: Wo,
+	lineGap: Ko,
 	rotate: 0
 };
-function po(e, t) {
+function us(e, t) {
 	return Z((3 + (e || 1) * 2) * t, 3);
 }
-function mo(e, t) {
-	let { scale: n, idxs: r } = e.series[0], i = e._data[0], a = e.valToPos(i[r[0]], n, !0), o = Kr(e.valToPos(i[r[1]], n, !0) - a) / (e.series[t].points.space * K);
+function ds(e, t) {
+	let { scale: n, idxs: r } = e.series[0], i = e._data[0], a = e.valToPos(i[r[0]], n, !0), o = Hi(e.valToPos(i[r[1]], n, !0) - a) / (e.series[t].points.space * q);
 	return r[1] - r[0] <= o;
 }
-var ho = {
+var fs = {
 	scale: null,
 	auto: !0,
 	sorted: 0,
-	min: ii,
+	min: ea,
 	max: -Infinity
-}, go = (e, t, n, r, i) => i, _o = {
+}, ps = (e, t, n, r, i) => i, ms = {
 	show: !0,
 	auto: !0,
 	sorted: 0,
-	gaps: go,
+	gaps: ps,
 	alpha: 1,
-	facets: [Ni({}, ho, { scale: "x" }), Ni({}, ho, { scale: "y" })]
-}, vo = {
+	facets: [Aa({}, fs, { scale: "x" }), Aa({}, fs, { scale: "y" })]
+}, hs = {
 	scale: "y",
 	auto: !0,
 	sorted: 0,
 	show: !0,
 	spanGaps: !1,
-	gaps: go,
+	gaps: ps,
 	alpha: 1,
 	points: {
-		show: mo,
+		show: ds,
 		filter: null
 	},
 	values: null,
-	min: ii,
+	min: ea,
 	max: -Infinity,
 	idxs: [],
 	path: null,
 	clip: null
 };
-function yo(e, t, n, r, i) {
+function gs(e, t, n, r, i) {
 	return n / 10;
 }
-var bo = {
-	time: bn,
+var _s = {
+	time: gr,
 	auto: !0,
 	distr: 1,
 	log: 10,
@@ -4440,12 +5757,12 @@ var bo = {
 	max: null,
 	dir: 1,
 	ori: 0
-}, xo = Ni({}, bo, {
+}, vs = Aa({}, _s, {
 	time: !1,
 	ori: 1
-}), So = {};
-function Co(e, t) {
-	let n = So[e];
+}), ys = {};
+function bs(e, t) {
+	let n = ys[e];
 	return n || (n = {
 		key: e,
 		plots: [],
@@ -4458,38 +5775,38 @@ function Co(e, t) {
 		pub(e, t, r, i, a, o, s) {
 			for (let c = 0; c < n.plots.length; c++) n.plots[c] != t && n.plots[c].pub(e, t, r, i, a, o, s);
 		}
-	}, e != null && (So[e] = n)), n;
+	}, e != null && (ys[e] = n)), n;
 }
-var wo = 1, To = 2;
-function Eo(e, t, n) {
+var xs = 1, Ss = 2;
+function Cs(e, t, n) {
 	let r = e.mode, i = e.series[t], a = r == 2 ? e._data[t] : e._data, o = e.scales, s = e.bbox, c = a[0], l = r == 2 ? a[1] : a[t], u = r == 2 ? o[i.facets[0].scale] : o[e.series[0].scale], d = r == 2 ? o[i.facets[1].scale] : o[i.scale], f = s.left, p = s.top, m = s.width, h = s.height, g = e.valToPosH, _ = e.valToPosV;
-	return u.ori == 0 ? n(i, c, l, u, d, g, _, f, p, m, h, Fo, Lo, zo, Vo, Uo) : n(i, c, l, u, d, _, g, p, f, h, m, Io, Ro, Bo, Ho, Wo);
+	return u.ori == 0 ? n(i, c, l, u, d, g, _, f, p, m, h, Ms, Ps, Is, Rs, Bs) : n(i, c, l, u, d, _, g, p, f, h, m, Ns, Fs, Ls, zs, Vs);
 }
-function Do(e, t) {
-	let n = 0, r = 0, i = J(e.bands, Si);
+function ws(e, t) {
+	let n = 0, r = 0, i = Y(e.bands, ya);
 	for (let e = 0; e < i.length; e++) {
 		let a = i[e];
 		a.series[0] == t ? n = a.dir : a.series[1] == t && (a.dir == 1 ? r |= 1 : r |= 2);
 	}
 	return [n, r == 1 ? -1 : r == 2 ? 1 : r == 3 ? 2 : 0];
 }
-function Oo(e, t, n, r, i) {
+function Ts(e, t, n, r, i) {
 	let a = e.mode, o = e.series[t], s = a == 2 ? o.facets[1].scale : o.scale, c = e.scales[s];
 	return i == -1 ? c.min : i == 1 ? c.max : c.distr == 3 ? c.dir == 1 ? c.min : c.max : 0;
 }
-function ko(e, t, n, r, i, a) {
-	return Eo(e, t, (e, t, o, s, c, l, u, d, f, p, m) => {
-		let h = e.pxRound, g = s.dir * (s.ori == 0 ? 1 : -1), _ = s.ori == 0 ? Lo : Ro, v, y;
+function Es(e, t, n, r, i, a) {
+	return Cs(e, t, (e, t, o, s, c, l, u, d, f, p, m) => {
+		let h = e.pxRound, g = s.dir * (s.ori == 0 ? 1 : -1), _ = s.ori == 0 ? Ps : Fs, v, y;
 		g == 1 ? (v = n, y = r) : (v = r, y = n);
 		let b = h(l(t[v], s, p, d)), x = h(u(o[v], c, m, f)), S = h(l(t[y], s, p, d)), C = h(u(a == 1 ? c.max : c.min, c, m, f)), w = new Path2D(i);
 		return _(w, S, C), _(w, b, C), _(w, b, x), w;
 	});
 }
-function Ao(e, t, n, r, i, a) {
+function Ds(e, t, n, r, i, a) {
 	let o = null;
 	if (e.length > 0) {
 		o = new Path2D();
-		let s = t == 0 ? zo : Bo, c = n;
+		let s = t == 0 ? Is : Ls, c = n;
 		for (let t = 0; t < e.length; t++) {
 			let n = e[t];
 			if (n[1] > n[0]) {
@@ -4502,11 +5819,11 @@ function Ao(e, t, n, r, i, a) {
 	}
 	return o;
 }
-function jo(e, t, n) {
+function Os(e, t, n) {
 	let r = e[e.length - 1];
 	r && r[0] == t ? r[1] = n : e.push([t, n]);
 }
-function Mo(e, t, n, r, i, a, o) {
+function ks(e, t, n, r, i, a, o) {
 	let s = [], c = e.length;
 	for (let l = i == 1 ? n : r; l >= n && l <= r; l += i) if (t[l] === null) {
 		let u = l, d = l;
@@ -4519,11 +5836,11 @@ function Mo(e, t, n, r, i, a, o) {
 	}
 	return s;
 }
-function No(e) {
-	return e == 0 ? li : e == 1 ? Jr : (t) => gi(t, e);
+function As(e) {
+	return e == 0 ? aa : e == 1 ? Wi : (t) => fa(t, e);
 }
-function Po(e) {
-	let t = e == 0 ? Fo : Io, n = e == 0 ? (e, t, n, r, i, a) => {
+function js(e) {
+	let t = e == 0 ? Ms : Ns, n = e == 0 ? (e, t, n, r, i, a) => {
 		e.arcTo(t, n, r, i, a);
 	} : (e, t, n, r, i, a) => {
 		e.arcTo(n, t, i, r, a);
@@ -4533,36 +5850,36 @@ function Po(e) {
 		e.rect(n, t, i, r);
 	};
 	return (e, i, a, o, s, c = 0, l = 0) => {
-		c == 0 && l == 0 ? r(e, i, a, o, s) : (c = Xr(c, o / 2, s / 2), l = Xr(l, o / 2, s / 2), t(e, i + c, a), n(e, i + o, a, i + o, a + s, c), n(e, i + o, a + s, i, a + s, l), n(e, i, a + s, i, a, l), n(e, i, a, i + o, a, c), e.closePath());
+		c == 0 && l == 0 ? r(e, i, a, o, s) : (c = Ki(c, o / 2, s / 2), l = Ki(l, o / 2, s / 2), t(e, i + c, a), n(e, i + o, a, i + o, a + s, c), n(e, i + o, a + s, i, a + s, l), n(e, i, a + s, i, a, l), n(e, i, a, i + o, a, c), e.closePath());
 	};
 }
-var Fo = (e, t, n) => {
+var Ms = (e, t, n) => {
 	e.moveTo(t, n);
-}, Io = (e, t, n) => {
+}, Ns = (e, t, n) => {
 	e.moveTo(n, t);
-}, Lo = (e, t, n) => {
+}, Ps = (e, t, n) => {
 	e.lineTo(t, n);
-}, Ro = (e, t, n) => {
+}, Fs = (e, t, n) => {
 	e.lineTo(n, t);
-}, zo = Po(0), Bo = Po(1), Vo = (e, t, n, r, i, a) => {
+}, Is = js(0), Ls = js(1), Rs = (e, t, n, r, i, a) => {
 	e.arc(t, n, r, i, a);
-}, Ho = (e, t, n, r, i, a) => {
+}, zs = (e, t, n, r, i, a) => {
 	e.arc(n, t, r, i, a);
-}, Uo = (e, t, n, r, i, a, o) => {
+}, Bs = (e, t, n, r, i, a, o) => {
 	e.bezierCurveTo(t, n, r, i, a, o);
-}, Wo = (e, t, n, r, i, a, o) => {
+}, Vs = (e, t, n, r, i, a, o) => {
 	e.bezierCurveTo(n, t, i, r, o, a);
 };
-function Go(e) {
-	return (e, t, n, r, i) => Eo(e, t, (t, a, o, s, c, l, u, d, f, p, m) => {
+function Hs(e) {
+	return (e, t, n, r, i) => Cs(e, t, (t, a, o, s, c, l, u, d, f, p, m) => {
 		let { pxRound: h, points: g } = t, _, v;
-		s.ori == 0 ? (_ = Fo, v = Vo) : (_ = Io, v = Ho);
-		let y = Z(g.width * K, 3), b = (g.size - g.width) / 2 * K, x = Z(b * 2, 3), S = new Path2D(), C = new Path2D(), { left: w, top: T, width: E, height: D } = e.bbox;
-		zo(C, w - x, T - x, E + x * 2, D + x * 2);
+		s.ori == 0 ? (_ = Ms, v = Rs) : (_ = Ns, v = zs);
+		let y = Z(g.width * q, 3), b = (g.size - g.width) / 2 * q, x = Z(b * 2, 3), S = new Path2D(), C = new Path2D(), { left: w, top: T, width: E, height: D } = e.bbox;
+		Is(C, w - x, T - x, E + x * 2, D + x * 2);
 		let O = (e) => {
 			if (o[e] != null) {
 				let t = h(l(a[e], s, p, d)), n = h(u(o[e], c, m, f));
-				_(S, t + b, n), v(S, t, n, b, 0, Gr * 2);
+				_(S, t + b, n), v(S, t, n, b, 0, Vi * 2);
 			}
 		};
 		if (i) i.forEach(O);
@@ -4575,25 +5892,25 @@ function Go(e) {
 		};
 	});
 }
-function Ko(e) {
+function Us(e) {
 	return (t, n, r, i, a, o) => {
 		r != i && (a != r && o != r && e(t, n, r), a != i && o != i && e(t, n, i), e(t, n, o));
 	};
 }
-var qo = Ko(Lo), Jo = Ko(Ro);
-function Yo(e) {
-	let t = J(e?.alignGaps, 0);
-	return (e, n, r, i) => Eo(e, n, (a, o, s, c, l, u, d, f, p, m, h) => {
-		[r, i] = Ar(s, r, i);
+var Ws = Us(Ps), Gs = Us(Fs);
+function Ks(e) {
+	let t = Y(e?.alignGaps, 0);
+	return (e, n, r, i) => Cs(e, n, (a, o, s, c, l, u, d, f, p, m, h) => {
+		[r, i] = Ei(s, r, i);
 		let g = a.pxRound, _ = (e) => g(u(e, c, m, f)), v = (e) => g(d(e, l, h, p)), y, b;
-		c.ori == 0 ? (y = Lo, b = qo) : (y = Ro, b = Jo);
+		c.ori == 0 ? (y = Ps, b = Ws) : (y = Fs, b = Gs);
 		let x = c.dir * (c.ori == 0 ? 1 : -1), S = {
 			stroke: new Path2D(),
 			fill: null,
 			clip: null,
 			band: null,
 			gaps: null,
-			flags: wo
+			flags: xs
 		}, C = S.stroke, w = !1;
 		if (i - r >= m * 4) {
 			let t = (t) => e.posToVal(t, c.key, !0), n = null, a = null, l, u, d, f = _(o[x == 1 ? r : i]), p = _(o[r]), m = _(o[i]), h = t(x == 1 ? p + 1 : m - 1);
@@ -4606,29 +5923,29 @@ function Yo(e) {
 			let t = s[e];
 			t === null ? w = !0 : t != null && y(C, _(o[e]), v(t));
 		}
-		let [T, E] = Do(e, n);
+		let [T, E] = ws(e, n);
 		if (a.fill != null || T != 0) {
 			let t = S.fill = new Path2D(C), s = v(a.fillTo(e, n, a.min, a.max, T)), c = _(o[r]), l = _(o[i]);
 			x == -1 && ([l, c] = [c, l]), y(t, l, s), y(t, c, s);
 		}
 		if (!a.spanGaps) {
 			let l = [];
-			w && l.push(...Mo(o, s, r, i, x, _, t)), S.gaps = l = a.gaps(e, n, r, i, l), S.clip = Ao(l, c.ori, f, p, m, h);
+			w && l.push(...ks(o, s, r, i, x, _, t)), S.gaps = l = a.gaps(e, n, r, i, l), S.clip = Ds(l, c.ori, f, p, m, h);
 		}
-		return E != 0 && (S.band = E == 2 ? [ko(e, n, r, i, C, -1), ko(e, n, r, i, C, 1)] : ko(e, n, r, i, C, E)), S;
+		return E != 0 && (S.band = E == 2 ? [Es(e, n, r, i, C, -1), Es(e, n, r, i, C, 1)] : Es(e, n, r, i, C, E)), S;
 	});
 }
-function Xo(e) {
-	let t = J(e.align, 1), n = J(e.ascDesc, !1), r = J(e.alignGaps, 0), i = J(e.extend, !1);
-	return (e, a, o, s) => Eo(e, a, (c, l, u, d, f, p, m, h, g, _, v) => {
-		[o, s] = Ar(u, o, s);
-		let y = c.pxRound, { left: b, width: x } = e.bbox, S = (e) => y(p(e, d, _, h)), C = (e) => y(m(e, f, v, g)), w = d.ori == 0 ? Lo : Ro, T = {
+function qs(e) {
+	let t = Y(e.align, 1), n = Y(e.ascDesc, !1), r = Y(e.alignGaps, 0), i = Y(e.extend, !1);
+	return (e, a, o, s) => Cs(e, a, (c, l, u, d, f, p, m, h, g, _, v) => {
+		[o, s] = Ei(u, o, s);
+		let y = c.pxRound, { left: b, width: x } = e.bbox, S = (e) => y(p(e, d, _, h)), C = (e) => y(m(e, f, v, g)), w = d.ori == 0 ? Ps : Fs, T = {
 			stroke: new Path2D(),
 			fill: null,
 			clip: null,
 			band: null,
 			gaps: null,
-			flags: wo
+			flags: xs
 		}, E = T.stroke, D = d.dir * (d.ori == 0 ? 1 : -1), O = C(u[D == 1 ? o : s]), k = S(l[D == 1 ? o : s]), A = k, j = k;
 		i && t == -1 && (j = b, w(E, j, O)), w(E, k, O);
 		for (let e = D == 1 ? o : s; e >= o && e <= s; e += D) {
@@ -4637,103 +5954,103 @@ function Xo(e) {
 			let r = S(l[e]), i = C(n);
 			t == 1 ? w(E, r, O) : w(E, A, i), w(E, r, i), O = i, A = r;
 		}
-		let M = A;
-		i && t == 1 && (M = b + x, w(E, M, O));
-		let [ee, te] = Do(e, a);
-		if (c.fill != null || ee != 0) {
-			let t = T.fill = new Path2D(E), n = C(c.fillTo(e, a, c.min, c.max, ee));
-			w(t, M, n), w(t, j, n);
+		let ee = A;
+		i && t == 1 && (ee = b + x, w(E, ee, O));
+		let [te, ne] = ws(e, a);
+		if (c.fill != null || te != 0) {
+			let t = T.fill = new Path2D(E), n = C(c.fillTo(e, a, c.min, c.max, te));
+			w(t, ee, n), w(t, j, n);
 		}
 		if (!c.spanGaps) {
 			let i = [];
-			i.push(...Mo(l, u, o, s, D, S, r));
-			let f = c.width * K / 2, p = n || t == 1 ? f : -f, m = n || t == -1 ? -f : f;
+			i.push(...ks(l, u, o, s, D, S, r));
+			let f = c.width * q / 2, p = n || t == 1 ? f : -f, m = n || t == -1 ? -f : f;
 			i.forEach((e) => {
 				e[0] += p, e[1] += m;
-			}), T.gaps = i = c.gaps(e, a, o, s, i), T.clip = Ao(i, d.ori, h, g, _, v);
+			}), T.gaps = i = c.gaps(e, a, o, s, i), T.clip = Ds(i, d.ori, h, g, _, v);
 		}
-		return te != 0 && (T.band = te == 2 ? [ko(e, a, o, s, E, -1), ko(e, a, o, s, E, 1)] : ko(e, a, o, s, E, te)), T;
+		return ne != 0 && (T.band = ne == 2 ? [Es(e, a, o, s, E, -1), Es(e, a, o, s, E, 1)] : Es(e, a, o, s, E, ne)), T;
 	});
 }
-function Zo(e, t, n, r, i, a, o = ii) {
+function Js(e, t, n, r, i, a, o = ea) {
 	if (e.length > 1) {
 		let s = null;
 		for (let c = 0, l = Infinity; c < e.length; c++) if (t[c] !== void 0) {
 			if (s != null) {
-				let t = Kr(e[c] - e[s]);
-				t < l && (l = t, o = Kr(n(e[c], r, i, a) - n(e[s], r, i, a)));
+				let t = Hi(e[c] - e[s]);
+				t < l && (l = t, o = Hi(n(e[c], r, i, a) - n(e[s], r, i, a)));
 			}
 			s = c;
 		}
 	}
 	return o;
 }
-function Qo(e) {
-	e ||= xi;
-	let t = J(e.size, [
+function Ys(e) {
+	e ||= va;
+	let t = Y(e.size, [
 		.6,
-		ii,
+		ea,
 		1
 	]), n = e.align || 0, r = e.gap || 0, i = e.radius;
 	i = i == null ? [0, 0] : typeof i == "number" ? [i, 0] : i;
-	let a = Y(i), o = 1 - t[0], s = J(t[1], ii), c = J(t[2], 1), l = J(e.disp, xi), u = J(e.each, (e) => {}), { fill: d, stroke: f } = l;
-	return (e, t, i, p) => Eo(e, t, (m, h, g, _, v, y, b, x, S, C, w) => {
-		let T = m.pxRound, E = n, D = r * K, O = s * K, k = c * K, A, j;
+	let a = X(i), o = 1 - t[0], s = Y(t[1], ea), c = Y(t[2], 1), l = Y(e.disp, va), u = Y(e.each, (e) => {}), { fill: d, stroke: f } = l;
+	return (e, t, i, p) => Cs(e, t, (m, h, g, _, v, y, b, x, S, C, w) => {
+		let T = m.pxRound, E = n, D = r * q, O = s * q, k = c * q, A, j;
 		_.ori == 0 ? [A, j] = a(e, t) : [j, A] = a(e, t);
-		let M = _.dir * (_.ori == 0 ? 1 : -1), ee = _.ori == 0 ? zo : Bo, te = _.ori == 0 ? u : (e, t, n, r, i, a, o) => {
+		let ee = _.dir * (_.ori == 0 ? 1 : -1), te = _.ori == 0 ? Is : Ls, ne = _.ori == 0 ? u : (e, t, n, r, i, a, o) => {
 			u(e, t, n, i, r, o, a);
-		}, ne = J(e.bands, Si).find((e) => e.series[0] == t), re = ne == null ? 0 : ne.dir, ie = m.fillTo(e, t, m.min, m.max, re), N = T(b(ie, v, w, S)), P, F, ae, I = C, L = T(m.width * K), oe = !1, se = null, ce = null, le = null, ue = null;
-		d != null && (L == 0 || f != null) && (oe = !0, se = d.values(e, t, i, p), ce = /* @__PURE__ */ new Map(), new Set(se).forEach((e) => {
-			e != null && ce.set(e, new Path2D());
-		}), L > 0 && (le = f.values(e, t, i, p), ue = /* @__PURE__ */ new Map(), new Set(le).forEach((e) => {
-			e != null && ue.set(e, new Path2D());
+		}, re = Y(e.bands, ya).find((e) => e.series[0] == t), ie = re == null ? 0 : re.dir, ae = m.fillTo(e, t, m.min, m.max, ie), M = T(b(ae, v, w, S)), N, P, oe, F = C, I = T(m.width * q), se = !1, ce = null, le = null, ue = null, de = null;
+		d != null && (I == 0 || f != null) && (se = !0, ce = d.values(e, t, i, p), le = /* @__PURE__ */ new Map(), new Set(ce).forEach((e) => {
+			e != null && le.set(e, new Path2D());
+		}), I > 0 && (ue = f.values(e, t, i, p), de = /* @__PURE__ */ new Map(), new Set(ue).forEach((e) => {
+			e != null && de.set(e, new Path2D());
 		})));
-		let { x0: de, size: fe } = l;
-		if (de != null && fe != null) {
-			E = 1, h = de.values(e, t, i, p), de.unit == 2 && (h = h.map((t) => e.posToVal(x + t * C, _.key, !0)));
-			let n = fe.values(e, t, i, p);
-			F = fe.unit == 2 ? n[0] * C : y(n[0], _, C, x) - y(0, _, C, x), I = Zo(h, g, y, _, C, x, I), ae = I - F + D;
-		} else I = Zo(h, g, y, _, C, x, I), ae = I * o + D, F = I - ae;
-		ae < 1 && (ae = 0), L >= F / 2 && (L = 0), ae < 5 && (T = li);
-		let pe = ae > 0, me = I - ae - (pe ? L : 0);
-		F = T(oi(me, k, O)), P = (E == 0 ? F / 2 : E == M ? 0 : F) - E * M * ((E == 0 ? D / 2 : 0) + (pe ? L / 2 : 0));
-		let he = {
+		let { x0: fe, size: pe } = l;
+		if (fe != null && pe != null) {
+			E = 1, h = fe.values(e, t, i, p), fe.unit == 2 && (h = h.map((t) => e.posToVal(x + t * C, _.key, !0)));
+			let n = pe.values(e, t, i, p);
+			P = pe.unit == 2 ? n[0] * C : y(n[0], _, C, x) - y(0, _, C, x), F = Js(h, g, y, _, C, x, F), oe = F - P + D;
+		} else F = Js(h, g, y, _, C, x, F), oe = F * o + D, P = F - oe;
+		oe < 1 && (oe = 0), I >= P / 2 && (I = 0), oe < 5 && (T = aa);
+		let me = oe > 0, he = F - oe - (me ? I : 0);
+		P = T(na(he, k, O)), N = (E == 0 ? P / 2 : E == ee ? 0 : P) - E * ee * ((E == 0 ? D / 2 : 0) + (me ? I / 2 : 0));
+		let ge = {
 			stroke: null,
 			fill: null,
 			clip: null,
 			band: null,
 			gaps: null,
 			flags: 0
-		}, ge = oe ? null : new Path2D(), _e = null;
-		if (ne != null) _e = e.data[ne.series[1]];
+		}, _e = se ? null : new Path2D(), ve = null;
+		if (re != null) ve = e.data[re.series[1]];
 		else {
 			let { y0: n, y1: r } = l;
-			n != null && r != null && (g = r.values(e, t, i, p), _e = n.values(e, t, i, p));
+			n != null && r != null && (g = r.values(e, t, i, p), ve = n.values(e, t, i, p));
 		}
-		let ve = A * F, ye = j * F;
-		for (let n = M == 1 ? i : p; n >= i && n <= p; n += M) {
+		let ye = A * P, be = j * P;
+		for (let n = ee == 1 ? i : p; n >= i && n <= p; n += ee) {
 			let r = g[n];
 			if (r == null) continue;
-			if (_e != null) {
-				let e = _e[n] ?? 0;
+			if (ve != null) {
+				let e = ve[n] ?? 0;
 				if (r - e == 0) continue;
-				N = b(e, v, w, S);
+				M = b(e, v, w, S);
 			}
-			let i = y(_.distr != 2 || l != null ? h[n] : n, _, C, x), a = b(J(r, ie), v, w, S), o = T(i - P), s = T(Zr(a, N)), c = T(Xr(a, N)), u = s - c;
+			let i = y(_.distr != 2 || l != null ? h[n] : n, _, C, x), a = b(Y(r, ae), v, w, S), o = T(i - N), s = T(qi(a, M)), c = T(Ki(a, M)), u = s - c;
 			if (r != null) {
-				let i = r < 0 ? ye : ve, a = r < 0 ? ve : ye;
-				oe ? (L > 0 && le[n] != null && ee(ue.get(le[n]), o, c + qr(L / 2), F, Zr(0, u - L), i, a), se[n] != null && ee(ce.get(se[n]), o, c + qr(L / 2), F, Zr(0, u - L), i, a)) : ee(ge, o, c + qr(L / 2), F, Zr(0, u - L), i, a), te(e, t, n, o - L / 2, c, F + L, u);
+				let i = r < 0 ? be : ye, a = r < 0 ? ye : be;
+				se ? (I > 0 && ue[n] != null && te(de.get(ue[n]), o, c + Ui(I / 2), P, qi(0, u - I), i, a), ce[n] != null && te(le.get(ce[n]), o, c + Ui(I / 2), P, qi(0, u - I), i, a)) : te(_e, o, c + Ui(I / 2), P, qi(0, u - I), i, a), ne(e, t, n, o - I / 2, c, P + I, u);
 			}
 		}
-		return L > 0 ? he.stroke = oe ? ue : ge : oe || (he._fill = m.width == 0 ? m._fill : m._stroke ?? m._fill, he.width = 0), he.fill = oe ? ce : ge, he;
+		return I > 0 ? ge.stroke = se ? de : _e : se || (ge._fill = m.width == 0 ? m._fill : m._stroke ?? m._fill, ge.width = 0), ge.fill = se ? le : _e, ge;
 	});
 }
-function $o(e, t) {
-	let n = J(t?.alignGaps, 0);
-	return (t, r, i, a) => Eo(t, r, (o, s, c, l, u, d, f, p, m, h, g) => {
-		[i, a] = Ar(c, i, a);
+function Xs(e, t) {
+	let n = Y(t?.alignGaps, 0);
+	return (t, r, i, a) => Cs(t, r, (o, s, c, l, u, d, f, p, m, h, g) => {
+		[i, a] = Ei(c, i, a);
 		let _ = o.pxRound, v = (e) => _(d(e, l, h, p)), y = (e) => _(f(e, u, g, m)), b, x, S;
-		l.ori == 0 ? (b = Fo, S = Lo, x = Uo) : (b = Io, S = Ro, x = Wo);
+		l.ori == 0 ? (b = Ms, S = Ps, x = Bs) : (b = Ns, S = Fs, x = Vs);
 		let C = l.dir * (l.ori == 0 ? 1 : -1), w = v(s[C == 1 ? i : a]), T = w, E = [], D = [];
 		for (let e = C == 1 ? i : a; e >= i && e <= a; e += C) if (c[e] != null) {
 			let t = s[e], n = v(t);
@@ -4745,23 +6062,23 @@ function $o(e, t) {
 			clip: null,
 			band: null,
 			gaps: null,
-			flags: wo
-		}, k = O.stroke, [A, j] = Do(t, r);
+			flags: xs
+		}, k = O.stroke, [A, j] = ws(t, r);
 		if (o.fill != null || A != 0) {
 			let e = O.fill = new Path2D(k), n = y(o.fillTo(t, r, o.min, o.max, A));
 			S(e, T, n), S(e, w, n);
 		}
 		if (!o.spanGaps) {
 			let e = [];
-			e.push(...Mo(s, c, i, a, C, v, n)), O.gaps = e = o.gaps(t, r, i, a, e), O.clip = Ao(e, l.ori, p, m, h, g);
+			e.push(...ks(s, c, i, a, C, v, n)), O.gaps = e = o.gaps(t, r, i, a, e), O.clip = Ds(e, l.ori, p, m, h, g);
 		}
-		return j != 0 && (O.band = j == 2 ? [ko(t, r, i, a, k, -1), ko(t, r, i, a, k, 1)] : ko(t, r, i, a, k, j)), O;
+		return j != 0 && (O.band = j == 2 ? [Es(t, r, i, a, k, -1), Es(t, r, i, a, k, 1)] : Es(t, r, i, a, k, j)), O;
 	});
 }
-function es(e) {
-	return $o(ts, e);
+function Zs(e) {
+	return Xs(Qs, e);
 }
-function ts(e, t, n, r, i, a) {
+function Qs(e, t, n, r, i, a) {
 	let o = e.length;
 	if (o < 2) return null;
 	let s = new Path2D();
@@ -4776,62 +6093,62 @@ function ts(e, t, n, r, i, a) {
 	}
 	return s;
 }
-var ns = /* @__PURE__ */ new Set();
-function rs() {
-	for (let e of ns) e.syncRect(!0);
+var $s = /* @__PURE__ */ new Set();
+function ec() {
+	for (let e of $s) e.syncRect(!0);
 }
-or && (wr(tr, cr, rs), wr(nr, cr, rs, !0), wr(ir, cr, () => {
-	ys.pxRatio = K;
+ni && (bi(Zr, ii, ec), bi(Qr, ii, ec, !0), bi(ei, ii, () => {
+	gc.pxRatio = q;
 }));
-var is = Yo(), as = Go();
-function os(e, t, n, r) {
-	return (r ? [e[0], e[1]].concat(e.slice(2)) : [e[0]].concat(e.slice(1))).map((e, r) => cs(e, r, t, n));
+var tc = Ks(), nc = Hs();
+function rc(e, t, n, r) {
+	return (r ? [e[0], e[1]].concat(e.slice(2)) : [e[0]].concat(e.slice(1))).map((e, r) => ac(e, r, t, n));
 }
-function ss(e, t) {
-	return e.map((e, n) => n == 0 ? {} : Ni({}, t, e));
+function ic(e, t) {
+	return e.map((e, n) => n == 0 ? {} : Aa({}, t, e));
 }
-function cs(e, t, n, r) {
-	return Ni({}, t == 0 ? n : r, e);
+function ac(e, t, n, r) {
+	return Aa({}, t == 0 ? n : r, e);
 }
-function ls(e, t, n) {
-	return t == null ? Ci : [t, n];
+function oc(e, t, n) {
+	return t == null ? ba : [t, n];
 }
-var us = ls;
-function ds(e, t, n) {
-	return t == null ? Ci : zr(t, n, Fr, !0);
+var sc = oc;
+function cc(e, t, n) {
+	return t == null ? ba : Fi(t, n, ji, !0);
 }
-function fs(e, t, n, r) {
-	return t == null ? Ci : Nr(t, n, e.scales[r].log, !1);
+function lc(e, t, n, r) {
+	return t == null ? ba : ki(t, n, e.scales[r].log, !1);
 }
-var ps = fs;
-function ms(e, t, n, r) {
-	return t == null ? Ci : Pr(t, n, e.scales[r].log, !1);
+var uc = lc;
+function dc(e, t, n, r) {
+	return t == null ? ba : Ai(t, n, e.scales[r].log, !1);
 }
-var hs = ms;
-function gs(e, t, n, r, i) {
-	let a = Zr(ai(e), ai(t)), o = t - e, s = Er(i / r * o, n);
+var fc = dc;
+function pc(e, t, n, r, i) {
+	let a = qi(ta(e), ta(t)), o = t - e, s = Si(i / r * o, n);
 	do {
 		let e = n[s], t = r * e / o;
-		if (t >= i && a + (e < 5 ? vi.get(e) : 0) <= 17) return [e, t];
+		if (t >= i && a + (e < 5 ? ha.get(e) : 0) <= 17) return [e, t];
 	} while (++s < n.length);
 	return [0, 0];
 }
-function _s(e) {
+function mc(e) {
 	let t, n;
-	return e = e.replace(/(\d+)px/, (e, r) => (t = Jr((n = +r) * K)) + "px"), [
+	return e = e.replace(/(\d+)px/, (e, r) => (t = Wi((n = +r) * q)) + "px"), [
 		e,
 		t,
 		n
 	];
 }
-function vs(e) {
+function hc(e) {
 	e.show && [e.font, e.labelFont].forEach((e) => {
-		let t = Z(e[2] * K, 1);
+		let t = Z(e[2] * q, 1);
 		e[0] = e[0].replace(/[0-9.]+px/, t + "px"), e[1] = t;
 	});
 }
-function ys(e, t, n) {
-	let r = { mode: J(e.mode, 1) }, i = r.mode;
+function gc(e, t, n) {
+	let r = { mode: Y(e.mode, 1) }, i = r.mode;
 	function a(e, t, n, r) {
 		let i = t.valToPct(e);
 		return r + n * (t.dir == -1 ? 1 - i : i);
@@ -4846,33 +6163,33 @@ function ys(e, t, n) {
 	r.valToPosH = a, r.valToPosV = o;
 	let c = !1;
 	r.status = 0;
-	let l = r.root = hr(xn);
-	if (e.id != null && (l.id = e.id), fr(l, e.class), e.title) {
-		let t = hr(wn, l);
+	let l = r.root = di(_r);
+	if (e.id != null && (l.id = e.id), ci(l, e.class), e.title) {
+		let t = di(br, l);
 		t.textContent = e.title;
 	}
-	let u = mr("canvas"), d = r.ctx = u.getContext("2d"), f = hr(Tn, l);
-	wr("click", f, (e) => {
+	let u = ui("canvas"), d = r.ctx = u.getContext("2d"), f = di(xr, l);
+	bi("click", f, (e) => {
 		e.target === m && (U != tn || W != nn) && sn.click(r, e);
 	}, !0);
-	let p = r.under = hr(En, f);
+	let p = r.under = di(Sr, f);
 	f.appendChild(u);
-	let m = r.over = hr(Dn, f);
-	e = Mi(e);
-	let h = +J(e.pxAlign, 1), g = No(h);
+	let m = r.over = di(Cr, f);
+	e = ka(e);
+	let h = +Y(e.pxAlign, 1), g = As(h);
 	(e.plugins || []).forEach((t) => {
 		t.opts && (e = t.opts(r, e) || e);
 	});
-	let _ = e.ms || .001, v = r.series = i == 1 ? os(e.series || [], Qa, vo, !1) : ss(e.series || [null], _o), y = r.axes = os(e.axes || [], Ya, fo, !0), b = r.scales = {}, x = r.bands = e.bands || [];
+	let _ = e.ms || .001, v = r.series = i == 1 ? rc(e.series || [], Xo, hs, !1) : ic(e.series || [null], ms), y = r.axes = rc(e.axes || [], qo, ls, !0), b = r.scales = {}, x = r.bands = e.bands || [];
 	x.forEach((e) => {
-		e.fill = Y(e.fill || null), e.dir = J(e.dir, -1);
+		e.fill = X(e.fill || null), e.dir = Y(e.dir, -1);
 	});
 	let S = i == 2 ? v[1].facets[0].scale : v[0].scale, C = {
 		axes: zt,
 		series: Ot
 	}, w = (e.drawOrder || ["axes", "series"]).map((e) => C[e]);
 	function T(e) {
-		let t = e.distr == 3 ? (t) => ei(t > 0 ? t : e.clamp(r, t, e.min, e.max, e.key)) : e.distr == 4 ? (t) => ri(t, e.asinh) : e.distr == 100 ? (t) => e.fwd(t) : (e) => e;
+		let t = e.distr == 3 ? (t) => Xi(t > 0 ? t : e.clamp(r, t, e.min, e.max, e.key)) : e.distr == 4 ? (t) => $i(t, e.asinh) : e.distr == 100 ? (t) => e.fwd(t) : (e) => e;
 		return (n) => {
 			let r = t(n), { _min: i, _max: a } = e, o = a - i;
 			return (r - i) / o;
@@ -4881,30 +6198,30 @@ function ys(e, t, n) {
 	function E(t) {
 		let n = b[t];
 		if (n == null) {
-			let r = (e.scales || xi)[t] || xi;
+			let r = (e.scales || va)[t] || va;
 			if (r.from != null) {
 				E(r.from);
-				let e = Ni({}, b[r.from], r, { key: t });
+				let e = Aa({}, b[r.from], r, { key: t });
 				e.valToPct = T(e), b[t] = e;
 			} else {
-				n = b[t] = Ni({}, t == S ? bo : xo, r), n.key = t;
-				let e = n.time, a = n.range, o = wi(a);
+				n = b[t] = Aa({}, t == S ? _s : vs, r), n.key = t;
+				let e = n.time, a = n.range, o = xa(a);
 				if ((t != S || i == 2 && !e) && (o && (a[0] == null || a[1] == null) && (a = {
-					min: a[0] == null ? Ir : {
+					min: a[0] == null ? Mi : {
 						mode: 1,
 						hard: a[0],
 						soft: a[0]
 					},
-					max: a[1] == null ? Ir : {
+					max: a[1] == null ? Mi : {
 						mode: 1,
 						hard: a[1],
 						soft: a[1]
 					}
-				}, o = !1), !o && Oi(a))) {
+				}, o = !1), !o && Ta(a))) {
 					let e = a;
-					a = (t, n, r) => n == null ? Ci : zr(n, r, e);
+					a = (t, n, r) => n == null ? ba : Fi(n, r, e);
 				}
-				n.range = Y(a || (e ? us : t == S ? n.distr == 3 ? ps : n.distr == 4 ? hs : ls : n.distr == 3 ? fs : n.distr == 4 ? ms : ds)), n.auto = Y(!o && n.auto), n.clamp = Y(n.clamp || yo), n._min = n._max = null, n.valToPct = T(n);
+				n.range = X(a || (e ? sc : t == S ? n.distr == 3 ? uc : n.distr == 4 ? fc : oc : n.distr == 3 ? lc : n.distr == 4 ? dc : cc)), n.auto = X(!o && n.auto), n.clamp = X(n.clamp || gs), n._min = n._max = null, n.valToPct = T(n);
 			}
 		}
 	}
@@ -4915,7 +6232,7 @@ function ys(e, t, n) {
 	});
 	for (let t in e.scales) E(t);
 	let D = b[S], O = D.distr, k, A;
-	D.ori == 0 ? (fr(l, Sn), k = a, A = o) : (fr(l, Cn), k = o, A = a);
+	D.ori == 0 ? (ci(l, vr), k = a, A = o) : (ci(l, yr), k = o, A = a);
 	let j = {};
 	for (let e in b) {
 		let t = b[e];
@@ -4924,97 +6241,97 @@ function ys(e, t, n) {
 			max: t.max
 		}, t.min = t.max = null);
 	}
-	let M = e.tzDate || ((e) => new Date(Jr(e / _))), ee = e.fmtDate || Zi, te = _ == 1 ? ya(M) : Sa(M), ne = wa(M, Ca(_ == 1 ? va : xa, ee)), re = ka(M, Da(Oa, ee)), ie = [], N = r.legend = Ni({}, Ma, e.legend), P = r.cursor = Ni({}, Va, { drag: { y: i == 2 } }, e.cursor), F = N.show, ae = P.show, I = N.markers;
-	N.idxs = ie, I.width = Y(I.width), I.dash = Y(I.dash), I.stroke = Y(I.stroke), I.fill = Y(I.fill);
-	let L, oe, se, ce = [], le = [], ue, de = !1, fe = {};
-	if (N.live) {
+	let ee = e.tzDate || ((e) => new Date(Wi(e / _))), te = e.fmtDate || Ja, ne = _ == 1 ? _o(ee) : bo(ee), re = So(ee, xo(_ == 1 ? go : yo, te)), ie = Do(ee, To(Eo, te)), ae = [], M = r.legend = Aa({}, Ao, e.legend), N = r.cursor = Aa({}, zo, { drag: { y: i == 2 } }, e.cursor), P = M.show, oe = N.show, F = M.markers;
+	M.idxs = ae, F.width = X(F.width), F.dash = X(F.dash), F.stroke = X(F.stroke), F.fill = X(F.fill);
+	let I, se, ce, le = [], ue = [], de, fe = !1, pe = {};
+	if (M.live) {
 		let e = v[1] ? v[1].values : null;
-		de = e != null, ue = de ? e(r, 1, 0) : { _: 0 };
-		for (let e in ue) fe[e] = ar;
+		fe = e != null, de = fe ? e(r, 1, 0) : { _: 0 };
+		for (let e in de) pe[e] = ti;
 	}
-	if (F) {
-		if (L = mr("table", Pn, l), se = mr("tbody", null, L), N.mount(r, L), de) {
-			oe = mr("thead", null, L, se);
-			let e = mr("tr", null, oe);
-			for (var pe in mr("th", null, e), ue) mr("th", zn, e).textContent = pe;
-		} else fr(L, In), N.live && fr(L, Fn);
+	if (P) {
+		if (I = ui("table", Ar, l), ce = ui("tbody", null, I), M.mount(r, I), fe) {
+			se = ui("thead", null, I, ce);
+			let e = ui("tr", null, se);
+			for (var me in ui("th", null, e), de) ui("th", Fr, e).textContent = me;
+		} else ci(I, Mr), M.live && ci(I, jr);
 	}
-	let me = { show: !0 }, he = { show: !1 };
-	function ge(e, t) {
-		if (t == 0 && (de || !N.live || i == 2)) return Ci;
-		let n = [], a = mr("tr", Ln, se, se.childNodes[t]);
-		fr(a, e.class), e.show || fr(a, kn);
-		let o = mr("th", null, a);
-		if (I.show) {
-			let e = hr(Rn, o);
+	let he = { show: !0 }, ge = { show: !1 };
+	function _e(e, t) {
+		if (t == 0 && (fe || !M.live || i == 2)) return ba;
+		let n = [], a = ui("tr", Nr, ce, ce.childNodes[t]);
+		ci(a, e.class), e.show || ci(a, Tr);
+		let o = ui("th", null, a);
+		if (F.show) {
+			let e = di(Pr, o);
 			if (t > 0) {
-				let n = I.width(r, t);
-				n && (e.style.border = n + "px " + I.dash(r, t) + " " + I.stroke(r, t)), e.style.background = I.fill(r, t);
+				let n = F.width(r, t);
+				n && (e.style.border = n + "px " + F.dash(r, t) + " " + F.stroke(r, t)), e.style.background = F.fill(r, t);
 			}
 		}
-		let s = hr(zn, o);
-		for (var c in e.label instanceof HTMLElement ? s.appendChild(e.label) : s.textContent = e.label, t > 0 && (I.show || (s.style.color = e.width > 0 ? I.stroke(r, t) : I.fill(r, t)), ve("click", o, (t) => {
-			if (P._lock) return;
-			Ue(t);
+		let s = di(Fr, o);
+		for (var c in e.label instanceof HTMLElement ? s.appendChild(e.label) : s.textContent = e.label, t > 0 && (F.show || (s.style.color = e.width > 0 ? F.stroke(r, t) : F.fill(r, t)), ye("click", o, (t) => {
+			if (N._lock) return;
+			We(t);
 			let n = v.indexOf(e);
-			if ((t.ctrlKey || t.metaKey) != N.isolate) {
+			if ((t.ctrlKey || t.metaKey) != M.isolate) {
 				let e = v.some((e, t) => t > 0 && t != n && e.show);
 				v.forEach((t, r) => {
-					r > 0 && mn(r, e ? r == n ? me : he : me, !0, X.setSeries);
+					r > 0 && mn(r, e ? r == n ? he : ge : he, !0, Qn.setSeries);
 				});
-			} else mn(n, { show: !e.show }, !0, X.setSeries);
-		}, !1), Ke && ve(Qn, o, (t) => {
-			P._lock || (Ue(t), mn(v.indexOf(e), tr, !0, X.setSeries));
-		}, !1)), ue) {
-			let e = mr("td", Bn, a);
+			} else mn(n, { show: !e.show }, !0, Qn.setSeries);
+		}, !1), qe && ye(Jr, o, (t) => {
+			N._lock || (We(t), mn(v.indexOf(e), Sn, !0, Qn.setSeries));
+		}, !1)), de) {
+			let e = ui("td", Ir, a);
 			e.textContent = "--", n.push(e);
 		}
 		return [a, n];
 	}
-	let _e = /* @__PURE__ */ new Map();
-	function ve(e, t, n, i = !0) {
-		let a = _e.get(t) || {}, o = P.bind[e](r, t, n, i);
-		o && (wr(e, t, a[e] = o), _e.set(t, a));
+	let ve = /* @__PURE__ */ new Map();
+	function ye(e, t, n, i = !0) {
+		let a = ve.get(t) || {}, o = N.bind[e](r, t, n, i);
+		o && (bi(e, t, a[e] = o), ve.set(t, a));
 	}
-	function ye(e, t, n) {
-		let r = _e.get(t) || {};
-		for (let n in r) (e == null || n == e) && (Tr(n, t, r[n]), delete r[n]);
-		e ?? _e.delete(t);
+	function be(e, t, n) {
+		let r = ve.get(t) || {};
+		for (let n in r) (e == null || n == e) && (xi(n, t, r[n]), delete r[n]);
+		e ?? ve.delete(t);
 	}
-	let be = 0, xe = 0, R = 0, z = 0, Se = 0, Ce = 0, we = Se, Te = Ce, Ee = R, De = z, Oe = 0, ke = 0, Ae = 0, je = 0;
+	let xe = 0, Se = 0, L = 0, R = 0, Ce = 0, we = 0, Te = Ce, Ee = we, De = L, Oe = R, ke = 0, Ae = 0, je = 0, Me = 0;
 	r.bbox = {};
-	let Me = !1, Ne = !1, Pe = !1, Fe = !1, Ie = !1, Le = !1;
-	function Re(e, t, n) {
-		(n || e != r.width || t != r.height) && ze(e, t), Bt(!1), Pe = !0, Ne = !0, Gt();
+	let Ne = !1, Pe = !1, Fe = !1, Ie = !1, Le = !1, Re = !1;
+	function ze(e, t, n) {
+		(n || e != r.width || t != r.height) && Be(e, t), Bt(!1), Fe = !0, Pe = !0, Gt();
 	}
-	function ze(e, t) {
-		r.width = be = R = e, r.height = xe = z = t, Se = Ce = 0, He(), B();
+	function Be(e, t) {
+		r.width = xe = L = e, r.height = Se = R = t, Ce = we = 0, Ue(), z();
 		let n = r.bbox;
-		Oe = n.left = gi(Se * K, .5), ke = n.top = gi(Ce * K, .5), Ae = n.width = gi(R * K, .5), je = n.height = gi(z * K, .5);
+		ke = n.left = fa(Ce * q, .5), Ae = n.top = fa(we * q, .5), je = n.width = fa(L * q, .5), Me = n.height = fa(R * q, .5);
 	}
-	function Be() {
+	function Ve() {
 		let e = !1, t = 0;
 		for (; !e;) {
 			t++;
 			let n = Lt(t), i = Rt(t);
-			e = t == 3 || n && i, e || (ze(r.width, r.height), Ne = !0);
+			e = t == 3 || n && i, e || (Be(r.width, r.height), Pe = !0);
 		}
 	}
-	function Ve({ width: e, height: t }) {
-		Re(e, t);
+	function He({ width: e, height: t }) {
+		ze(e, t);
 	}
-	r.setSize = Ve;
-	function He() {
+	r.setSize = He;
+	function Ue() {
 		let e = !1, t = !1, n = !1, r = !1;
 		y.forEach((i, a) => {
 			if (i.show && i._show) {
 				let { side: a, _size: o } = i, s = a % 2, c = o + (i.label == null ? 0 : i.labelSize);
-				c > 0 && (s ? (R -= c, a == 3 ? (Se += c, r = !0) : n = !0) : (z -= c, a == 0 ? (Ce += c, e = !0) : t = !0));
+				c > 0 && (s ? (L -= c, a == 3 ? (Ce += c, r = !0) : n = !0) : (R -= c, a == 0 ? (we += c, e = !0) : t = !0));
 			}
-		}), tt[0] = e, tt[1] = n, tt[2] = t, tt[3] = r, R -= V[1] + V[3], Se += V[3], z -= V[2] + V[0], Ce += V[0];
+		}), nt[0] = e, nt[1] = n, nt[2] = t, nt[3] = r, L -= B[1] + B[3], Ce += B[3], R -= B[2] + B[0], we += B[0];
 	}
-	function B() {
-		let e = Se + R, t = Ce + z, n = Se, r = Ce;
+	function z() {
+		let e = Ce + L, t = we + R, n = Ce, r = we;
 		function i(i, a) {
 			switch (i) {
 				case 1: return e += a, e - a;
@@ -5030,13 +6347,13 @@ function ys(e, t, n) {
 			}
 		});
 	}
-	if (P.dataIdx == null) {
-		let e = P.hover, n = e.skip = new Set(e.skip ?? []);
+	if (N.dataIdx == null) {
+		let e = N.hover, n = e.skip = new Set(e.skip ?? []);
 		n.add(void 0);
-		let r = e.prox = Y(e.prox), i = e.bias ??= 0;
-		P.dataIdx = (e, a, o, s) => {
+		let r = e.prox = X(e.prox), i = e.bias ??= 0;
+		N.dataIdx = (e, a, o, s) => {
 			if (a == 0) return o;
-			let c = o, l = r(e, a, o, s) ?? ii, u = l >= 0 && l < ii, d = D.ori == 0 ? R : z, f = P.left, p = t[0], m = t[a];
+			let c = o, l = r(e, a, o, s) ?? ea, u = l >= 0 && l < ea, d = D.ori == 0 ? L : R, f = N.left, p = t[0], m = t[a];
 			if (n.has(m[o])) {
 				c = null;
 				let e = null, t = null, r;
@@ -5048,127 +6365,127 @@ function ys(e, t, n) {
 						i <= a ? i <= l && (c = e) : a <= l && (c = t);
 					} else c = t == null ? e : e == null ? t : o - e <= t - o ? e : t;
 				}
-			} else u && Kr(f - k(p[o], D, d, 0)) > l && (c = null);
+			} else u && Hi(f - k(p[o], D, d, 0)) > l && (c = null);
 			return c;
 		};
 	}
-	let Ue = (e) => {
-		P.event = e;
+	let We = (e) => {
+		N.event = e;
 	};
-	P.idxs = ie, P._lock = !1;
-	let We = P.points;
-	We.show = Y(We.show), We.size = Y(We.size), We.stroke = Y(We.stroke), We.width = Y(We.width), We.fill = Y(We.fill);
-	let Ge = r.focus = Ni({}, e.focus || { alpha: .3 }, P.focus), Ke = Ge.prox >= 0, qe = Ke && We.one, Je = [], Ye = [], Xe = [];
-	function Ze(e, t) {
-		let n = We.show(r, t);
-		if (n instanceof HTMLElement) return fr(n, Nn), fr(n, e.class), _r(n, -10, -10, R, z), m.insertBefore(n, Je[t]), n;
-	}
+	N.idxs = ae, N._lock = !1;
+	let Ge = N.points;
+	Ge.show = X(Ge.show), Ge.size = X(Ge.size), Ge.stroke = X(Ge.stroke), Ge.width = X(Ge.width), Ge.fill = X(Ge.fill);
+	let Ke = r.focus = Aa({}, e.focus || { alpha: .3 }, N.focus), qe = Ke.prox >= 0, Je = qe && Ge.one, Ye = [], Xe = [], Ze = [];
 	function Qe(e, t) {
+		let n = Ge.show(r, t);
+		if (n instanceof HTMLElement) return ci(n, kr), ci(n, e.class), pi(n, -10, -10, L, R), m.insertBefore(n, Ye[t]), n;
+	}
+	function $e(e, t) {
 		if (i == 1 || t > 0) {
 			let t = i == 1 && b[e.scale].time, n = e.value;
-			e.value = t ? Di(n) ? ka(M, Da(n, ee)) : n || re : n || uo, e.label = e.label || (t ? Za : Xa);
+			e.value = t ? wa(n) ? Do(ee, To(n, te)) : n || ie : n || cs, e.label = e.label || (t ? Yo : Jo);
 		}
-		if (qe || t > 0) {
-			e.width = e.width == null ? 1 : e.width, e.paths = e.paths || is || di, e.fillTo = Y(e.fillTo || Oo), e.pxAlign = +J(e.pxAlign, h), e.pxRound = No(e.pxAlign), e.stroke = Y(e.stroke || null), e.fill = Y(e.fill || null), e._stroke = e._fill = e._paths = e._focus = null;
-			let t = po(Zr(1, e.width), 1), n = e.points = Ni({}, {
+		if (Je || t > 0) {
+			e.width = e.width == null ? 1 : e.width, e.paths = e.paths || tc || sa, e.fillTo = X(e.fillTo || Ts), e.pxAlign = +Y(e.pxAlign, h), e.pxRound = As(e.pxAlign), e.stroke = X(e.stroke || null), e.fill = X(e.fill || null), e._stroke = e._fill = e._paths = e._focus = null;
+			let t = us(qi(1, e.width), 1), n = e.points = Aa({}, {
 				size: t,
-				width: Zr(1, t * .2),
+				width: qi(1, t * .2),
 				stroke: e.stroke,
 				space: t * 2,
-				paths: as,
+				paths: nc,
 				_stroke: null,
 				_fill: null
 			}, e.points);
-			n.show = Y(n.show), n.filter = Y(n.filter), n.fill = Y(n.fill), n.stroke = Y(n.stroke), n.paths = Y(n.paths), n.pxAlign = e.pxAlign;
+			n.show = X(n.show), n.filter = X(n.filter), n.fill = X(n.fill), n.stroke = X(n.stroke), n.paths = X(n.paths), n.pxAlign = e.pxAlign;
 		}
-		if (F) {
-			let n = ge(e, t);
-			ce.splice(t, 0, n[0]), le.splice(t, 0, n[1]), N.values.push(null);
+		if (P) {
+			let n = _e(e, t);
+			le.splice(t, 0, n[0]), ue.splice(t, 0, n[1]), M.values.push(null);
 		}
-		if (ae) {
-			ie.splice(t, 0, null);
+		if (oe) {
+			ae.splice(t, 0, null);
 			let n = null;
-			qe ? t == 0 && (n = Ze(e, t)) : t > 0 && (n = Ze(e, t)), Je.splice(t, 0, n), Ye.splice(t, 0, 0), Xe.splice(t, 0, 0);
+			Je ? t == 0 && (n = Qe(e, t)) : t > 0 && (n = Qe(e, t)), Ye.splice(t, 0, n), Xe.splice(t, 0, 0), Ze.splice(t, 0, 0);
 		}
-		mi("addSeries", t);
+		Xn("addSeries", t);
 	}
-	function $e(e, t) {
-		t ??= v.length, e = i == 1 ? cs(e, t, Qa, vo) : cs(e, t, {}, _o), v.splice(t, 0, e), Qe(v[t], t);
+	function et(e, t) {
+		t ??= v.length, e = i == 1 ? ac(e, t, Xo, hs) : ac(e, t, {}, ms), v.splice(t, 0, e), $e(v[t], t);
 	}
-	r.addSeries = $e;
-	function et(e) {
-		if (v.splice(e, 1), F) {
-			N.values.splice(e, 1), le.splice(e, 1);
-			let t = ce.splice(e, 1)[0];
-			ye(null, t.firstChild), t.remove();
+	r.addSeries = et;
+	function tt(e) {
+		if (v.splice(e, 1), P) {
+			M.values.splice(e, 1), ue.splice(e, 1);
+			let t = le.splice(e, 1)[0];
+			be(null, t.firstChild), t.remove();
 		}
-		ae && (ie.splice(e, 1), Je.splice(e, 1)[0].remove(), Ye.splice(e, 1), Xe.splice(e, 1)), mi("delSeries", e);
+		oe && (ae.splice(e, 1), Ye.splice(e, 1)[0].remove(), Xe.splice(e, 1), Ze.splice(e, 1)), Xn("delSeries", e);
 	}
-	r.delSeries = et;
-	let tt = [
+	r.delSeries = tt;
+	let nt = [
 		!1,
 		!1,
 		!1,
 		!1
 	];
-	function nt(e, t) {
+	function rt(e, t) {
 		if (e._show = e.show, e.show) {
 			let n = e.side % 2, i = b[e.scale];
 			i ??= (e.scale = n ? v[1].scale : S, b[e.scale]);
 			let a = i.time;
-			e.size = Y(e.size), e.space = Y(e.space), e.rotate = Y(e.rotate), wi(e.incrs) && e.incrs.forEach((e) => {
-				!vi.has(e) && vi.set(e, yi(e));
-			}), e.incrs = Y(e.incrs || (i.distr == 2 ? ia : a ? _ == 1 ? _a : ba : aa)), e.splits = Y(e.splits || (a && i.distr == 1 ? te : i.distr == 3 ? to : i.distr == 4 ? no : eo)), e.stroke = Y(e.stroke), e.grid.stroke = Y(e.grid.stroke), e.ticks.stroke = Y(e.ticks.stroke), e.border.stroke = Y(e.border.stroke);
+			e.size = X(e.size), e.space = X(e.space), e.rotate = X(e.rotate), xa(e.incrs) && e.incrs.forEach((e) => {
+				!ha.has(e) && ha.set(e, ga(e));
+			}), e.incrs = X(e.incrs || (i.distr == 2 ? to : a ? _ == 1 ? ho : vo : no)), e.splits = X(e.splits || (a && i.distr == 1 ? ne : i.distr == 3 ? $o : i.distr == 4 ? es : Qo)), e.stroke = X(e.stroke), e.grid.stroke = X(e.grid.stroke), e.ticks.stroke = X(e.ticks.stroke), e.border.stroke = X(e.border.stroke);
 			let o = e.values;
-			e.values = wi(o) && !wi(o[0]) ? Y(o) : a ? wi(o) ? wa(M, Ca(o, ee)) : Di(o) ? Ta(M, o) : o || ne : o || $a, e.filter = Y(e.filter || (i.distr >= 3 && i.log == 10 ? co : i.distr == 3 && i.log == 2 ? lo : ui)), e.font = _s(e.font), e.labelFont = _s(e.labelFont), e._size = e.size(r, null, t, 0), e._space = e._rotate = e._incrs = e._found = e._splits = e._values = null, e._size > 0 && (tt[t] = !0, e._el = hr(On, f));
+			e.values = xa(o) && !xa(o[0]) ? X(o) : a ? xa(o) ? So(ee, xo(o, te)) : wa(o) ? Co(ee, o) : o || re : o || Zo, e.filter = X(e.filter || (i.distr >= 3 && i.log == 10 ? os : i.distr == 3 && i.log == 2 ? ss : oa)), e.font = mc(e.font), e.labelFont = mc(e.labelFont), e._size = e.size(r, null, t, 0), e._space = e._rotate = e._incrs = e._found = e._splits = e._values = null, e._size > 0 && (nt[t] = !0, e._el = di(wr, f));
 		}
 	}
-	function rt(e, t, n, r) {
+	function it(e, t, n, r) {
 		let [i, a, o, s] = n, c = t % 2, l = 0;
-		return c == 0 && (s || a) && (l = t == 0 && !i || t == 2 && !o ? Jr(Ya.size / 3) : 0), c == 1 && (i || o) && (l = t == 1 && !a || t == 3 && !s ? Jr(fo.size / 2) : 0), l;
+		return c == 0 && (s || a) && (l = t == 0 && !i || t == 2 && !o ? Wi(qo.size / 3) : 0), c == 1 && (i || o) && (l = t == 1 && !a || t == 3 && !s ? Wi(ls.size / 2) : 0), l;
 	}
-	let it = r.padding = (e.padding || [
-		rt,
-		rt,
-		rt,
-		rt
-	]).map((e) => Y(J(e, rt))), V = r._padding = it.map((e, t) => e(r, t, tt, 0)), at, ot = null, st = null, ct = i == 1 ? v[0].idxs : null, lt = null, ut = !1;
-	function dt(e, n) {
+	let at = r.padding = (e.padding || [
+		it,
+		it,
+		it,
+		it
+	]).map((e) => X(Y(e, it))), B = r._padding = at.map((e, t) => e(r, t, nt, 0)), ot, st = null, ct = null, lt = i == 1 ? v[0].idxs : null, ut = null, dt = !1;
+	function ft(e, n) {
 		if (t = e ?? [], r.data = r._data = t, i == 2) {
-			at = 0;
-			for (let e = 1; e < v.length; e++) at += t[e][0].length;
+			ot = 0;
+			for (let e = 1; e < v.length; e++) ot += t[e][0].length;
 		} else {
-			t.length == 0 && (r.data = r._data = t = [[]]), lt = t[0], at = lt.length;
+			t.length == 0 && (r.data = r._data = t = [[]]), ut = t[0], ot = ut.length;
 			let e = t;
 			if (O == 2) {
 				e = t.slice();
-				let n = e[0] = Array(at);
-				for (let e = 0; e < at; e++) n[e] = e;
+				let n = e[0] = Array(ot);
+				for (let e = 0; e < ot; e++) n[e] = e;
 			}
 			r._data = t = e;
 		}
-		if (Bt(!0), mi("setData"), O == 2 && (Pe = !0), n !== !1) {
+		if (Bt(!0), Xn("setData"), O == 2 && (Fe = !0), n !== !1) {
 			let e = D;
-			e.auto(r, ut) ? H() : pn(S, e.min, e.max), Fe ||= P.left >= 0, Le = !0, Gt();
+			e.auto(r, dt) ? V() : pn(S, e.min, e.max), Ie ||= N.left >= 0, Re = !0, Gt();
 		}
 	}
-	r.setData = dt;
-	function H() {
-		ut = !0;
+	r.setData = ft;
+	function V() {
+		dt = !0;
 		let e, n;
-		i == 1 && (at > 0 ? (ot = ct[0] = 0, st = ct[1] = at - 1, e = t[0][ot], n = t[0][st], O == 2 ? (e = ot, n = st) : e == n && (O == 3 ? [e, n] = Nr(e, e, D.log, !1) : O == 4 ? [e, n] = Pr(e, e, D.log, !1) : D.time ? n = e + Jr(86400 / _) : [e, n] = zr(e, n, Fr, !0))) : (ot = ct[0] = e = null, st = ct[1] = n = null)), pn(S, e, n);
+		i == 1 && (ot > 0 ? (st = lt[0] = 0, ct = lt[1] = ot - 1, e = t[0][st], n = t[0][ct], O == 2 ? (e = st, n = ct) : e == n && (O == 3 ? [e, n] = ki(e, e, D.log, !1) : O == 4 ? [e, n] = Ai(e, e, D.log, !1) : D.time ? n = e + Wi(86400 / _) : [e, n] = Fi(e, n, ji, !0))) : (st = lt[0] = e = null, ct = lt[1] = n = null)), pn(S, e, n);
 	}
-	let ft, pt, mt, ht, gt, _t, vt, yt, bt, xt;
+	let pt, H, mt, ht, gt, _t, vt, yt, bt, xt;
 	function St(e, t, n, r, i, a) {
-		e ??= Jn, n ??= Si, r ??= "butt", i ??= Jn, a ??= "round", e != ft && (d.strokeStyle = ft = e), i != pt && (d.fillStyle = pt = i), t != mt && (d.lineWidth = mt = t), a != gt && (d.lineJoin = gt = a), r != _t && (d.lineCap = _t = r), n != ht && d.setLineDash(ht = n);
+		e ??= Wr, n ??= ya, r ??= "butt", i ??= Wr, a ??= "round", e != pt && (d.strokeStyle = pt = e), i != H && (d.fillStyle = H = i), t != mt && (d.lineWidth = mt = t), a != gt && (d.lineJoin = gt = a), r != _t && (d.lineCap = _t = r), n != ht && d.setLineDash(ht = n);
 	}
 	function Ct(e, t, n, r) {
-		t != pt && (d.fillStyle = pt = t), e != vt && (d.font = vt = e), n != yt && (d.textAlign = yt = n), r != bt && (d.textBaseline = bt = r);
+		t != H && (d.fillStyle = H = t), e != vt && (d.font = vt = e), n != yt && (d.textAlign = yt = n), r != bt && (d.textBaseline = bt = r);
 	}
 	function wt(e, t, n, i, a = 0) {
-		if (i.length > 0 && e.auto(r, ut) && (t == null || t.min == null)) {
-			let t = J(ot, 0), r = J(st, i.length - 1), o = n.min == null ? Mr(i, t, r, a, e.distr == 3) : [n.min, n.max];
-			e.min = Xr(e.min, n.min = o[0]), e.max = Zr(e.max, n.max = o[1]);
+		if (i.length > 0 && e.auto(r, dt) && (t == null || t.min == null)) {
+			let t = Y(st, 0), r = Y(ct, i.length - 1), o = n.min == null ? Oi(i, t, r, a, e.distr == 3) : [n.min, n.max];
+			e.min = Ki(e.min, n.min = o[0]), e.max = qi(e.max, n.max = o[1]);
 		}
 	}
 	let Tt = {
@@ -5178,7 +6495,7 @@ function ys(e, t, n) {
 	function Et() {
 		for (let e in b) {
 			let t = b[e];
-			j[e] == null && (t.min == null || j[S] != null && t.auto(r, ut)) && (j[e] = Tt);
+			j[e] == null && (t.min == null || j[S] != null && t.auto(r, dt)) && (j[e] = Tt);
 		}
 		for (let e in b) {
 			let t = b[e];
@@ -5189,17 +6506,17 @@ function ys(e, t, n) {
 		for (let t in j) {
 			let n = j[t];
 			if (n != null) {
-				let a = e[t] = Mi(b[t], ki);
-				if (n.min != null) Ni(a, n);
+				let a = e[t] = ka(b[t], Ea);
+				if (n.min != null) Aa(a, n);
 				else if (t != S || i == 2) {
-					if (at == 0 && a.from == null) {
+					if (ot == 0 && a.from == null) {
 						let e = a.range(r, null, null, t);
 						a.min = e[0], a.max = e[1];
-					} else a.min = ii, a.max = -Infinity;
+					} else a.min = ea, a.max = -Infinity;
 				}
 			}
 		}
-		if (at > 0) {
+		if (ot > 0) {
 			v.forEach((n, a) => {
 				if (i == 1) {
 					let i = n.scale, o = j[i];
@@ -5207,9 +6524,9 @@ function ys(e, t, n) {
 					let s = e[i];
 					if (a == 0) {
 						let e = s.range(r, s.min, s.max, i);
-						s.min = e[0], s.max = e[1], ot = Er(s.min, t[0]), st = Er(s.max, t[0]), st - ot > 1 && (t[0][ot] < s.min && ot++, t[0][st] > s.max && st--), n.min = lt[ot], n.max = lt[st];
+						s.min = e[0], s.max = e[1], st = Si(s.min, t[0]), ct = Si(s.max, t[0]), ct - st > 1 && (t[0][st] < s.min && st++, t[0][ct] > s.max && ct--), n.min = ut[st], n.max = ut[ct];
 					} else n.show && n.auto && wt(s, o, n, t[a], n.sorted);
-					n.idxs[0] = ot, n.idxs[1] = st;
+					n.idxs[0] = st, n.idxs[1] = ct;
 				} else if (a > 0 && n.show && n.auto) {
 					let [r, i] = n.facets, o = r.scale, s = i.scale, [c, l] = t[a], u = e[o], d = e[s];
 					u != null && wt(u, j[o], r, c, r.sorted), d != null && wt(d, j[s], i, l, i.sorted), n.min = i.min, n.max = i.max;
@@ -5218,7 +6535,7 @@ function ys(e, t, n) {
 			for (let t in e) {
 				let n = e[t], i = j[t];
 				if (n.from == null && (i == null || i.min == null)) {
-					let e = n.range(r, n.min == ii ? null : n.min, n.max == -Infinity ? null : n.max, t);
+					let e = n.range(r, n.min == ea ? null : n.min, n.max == -Infinity ? null : n.max, t);
 					n.min = e[0], n.max = e[1];
 				}
 			}
@@ -5240,28 +6557,28 @@ function ys(e, t, n) {
 			if (i.min != r.min || i.max != r.max) {
 				i.min = r.min, i.max = r.max;
 				let e = i.distr;
-				i._min = e == 3 ? ei(i.min) : e == 4 ? ri(i.min, i.asinh) : e == 100 ? i.fwd(i.min) : i.min, i._max = e == 3 ? ei(i.max) : e == 4 ? ri(i.max, i.asinh) : e == 100 ? i.fwd(i.max) : i.max, n[t] = a = !0;
+				i._min = e == 3 ? Xi(i.min) : e == 4 ? $i(i.min, i.asinh) : e == 100 ? i.fwd(i.min) : i.min, i._max = e == 3 ? Xi(i.max) : e == 4 ? $i(i.max, i.asinh) : e == 100 ? i.fwd(i.max) : i.max, n[t] = a = !0;
 			}
 		}
 		if (a) {
 			v.forEach((e, t) => {
 				i == 2 ? t > 0 && n.y && (e._paths = null) : n[e.scale] && (e._paths = null);
 			});
-			for (let e in n) Pe = !0, mi("setScale", e);
-			ae && P.left >= 0 && (Fe = Le = !0);
+			for (let e in n) Fe = !0, Xn("setScale", e);
+			oe && N.left >= 0 && (Ie = Re = !0);
 		}
 		for (let e in j) j[e] = null;
 	}
 	function Dt(e) {
-		let t = oi(ot - 1, 0, at - 1), n = oi(st + 1, 0, at - 1);
+		let t = na(st - 1, 0, ot - 1), n = na(ct + 1, 0, ot - 1);
 		for (; e[t] == null && t > 0;) t--;
-		for (; e[n] == null && n < at - 1;) n++;
+		for (; e[n] == null && n < ot - 1;) n++;
 		return [t, n];
 	}
 	function Ot() {
-		if (at > 0) {
-			let e = v.some((e) => e._focus) && xt != Ge.alpha;
-			e && (d.globalAlpha = xt = Ge.alpha), v.forEach((e, n) => {
+		if (ot > 0) {
+			let e = v.some((e) => e._focus) && xt != Ke.alpha;
+			e && (d.globalAlpha = xt = Ke.alpha), v.forEach((e, n) => {
 				if (n > 0 && e.show && (kt(n, !1), kt(n, !0), e._paths == null)) {
 					let a = xt;
 					xt != e.alpha && (d.globalAlpha = xt = e.alpha);
@@ -5273,10 +6590,10 @@ function ys(e, t, n) {
 					let n = xt;
 					xt != e.alpha && (d.globalAlpha = xt = e.alpha), e._paths != null && At(t, !1);
 					{
-						let n = e._paths == null ? null : e._paths.gaps, i = e.points.show(r, t, ot, st, n), a = e.points.filter(r, t, i, n);
-						(i || a) && (e.points._paths = e.points.paths(r, t, ot, st, a), At(t, !0));
+						let n = e._paths == null ? null : e._paths.gaps, i = e.points.show(r, t, st, ct, n), a = e.points.filter(r, t, i, n);
+						(i || a) && (e.points._paths = e.points.paths(r, t, st, ct, a), At(t, !0));
 					}
-					xt != n && (d.globalAlpha = xt = n), mi("drawSeries", t);
+					xt != n && (d.globalAlpha = xt = n), Xn("drawSeries", t);
 				}
 			}), e && (d.globalAlpha = xt = 1);
 		}
@@ -5287,12 +6604,12 @@ function ys(e, t, n) {
 	}
 	function At(e, t) {
 		let n = t ? v[e].points : v[e], { stroke: r, fill: i, clip: a, flags: o, _stroke: s = n._stroke, _fill: c = n._fill, _width: l = n.width } = n._paths;
-		l = Z(l * K, 3);
+		l = Z(l * q, 3);
 		let u = null, f = l % 2 / 2;
 		t && c == null && (c = l > 0 ? "#fff" : s);
 		let p = n.pxAlign == 1 && f > 0;
 		if (p && d.translate(f, f), !t) {
-			let e = Oe - l / 2, t = ke - l / 2, n = Ae + l, r = je + l;
+			let e = ke - l / 2, t = Ae - l / 2, n = je + l, r = Me + l;
 			u = new Path2D(), u.rect(e, t, n, r);
 		}
 		t ? Mt(s, l, n.dash, n.cap, c, r, i, o, a) : jt(e, s, l, n.dash, n.cap, c, r, i, o, u, a), p && d.translate(-f, -f);
@@ -5301,24 +6618,24 @@ function ys(e, t, n) {
 		let p = !1;
 		u != 0 && x.forEach((m, h) => {
 			if (m.series[0] == e) {
-				let e = v[m.series[1]], g = t[m.series[1]], _ = (e._paths || xi).band;
-				wi(_) && (_ = m.dir == 1 ? _[0] : _[1]);
+				let e = v[m.series[1]], g = t[m.series[1]], _ = (e._paths || va).band;
+				xa(_) && (_ = m.dir == 1 ? _[0] : _[1]);
 				let y, b = null;
-				e.show && _ && Br(g, ot, st) ? (b = m.fill(r, h) || s, y = e._paths.clip) : _ = null, Mt(n, i, a, o, b, c, l, u, d, f, y, _), p = !0;
+				e.show && _ && Ii(g, st, ct) ? (b = m.fill(r, h) || s, y = e._paths.clip) : _ = null, Mt(n, i, a, o, b, c, l, u, d, f, y, _), p = !0;
 			}
 		}), p || Mt(n, i, a, o, s, c, l, u, d, f);
 	}
 	function Mt(e, t, n, r, i, a, o, s, c, l, u, f) {
-		St(e, t, n, r, i), (c || l || f) && (d.save(), c && d.clip(c), l && d.clip(l)), f ? (s & 3) == 3 ? (d.clip(f), u && d.clip(u), Pt(i, o), Nt(e, a, t)) : s & To ? (Pt(i, o), d.clip(f), Nt(e, a, t)) : s & wo && (d.save(), d.clip(f), u && d.clip(u), Pt(i, o), d.restore(), Nt(e, a, t)) : (Pt(i, o), Nt(e, a, t)), (c || l || f) && d.restore();
+		St(e, t, n, r, i), (c || l || f) && (d.save(), c && d.clip(c), l && d.clip(l)), f ? (s & 3) == 3 ? (d.clip(f), u && d.clip(u), Pt(i, o), Nt(e, a, t)) : s & Ss ? (Pt(i, o), d.clip(f), Nt(e, a, t)) : s & xs && (d.save(), d.clip(f), u && d.clip(u), Pt(i, o), d.restore(), Nt(e, a, t)) : (Pt(i, o), Nt(e, a, t)), (c || l || f) && d.restore();
 	}
 	function Nt(e, t, n) {
 		n > 0 && (t instanceof Map ? t.forEach((e, t) => {
-			d.strokeStyle = ft = t, d.stroke(e);
+			d.strokeStyle = pt = t, d.stroke(e);
 		}) : t != null && e && d.stroke(t));
 	}
 	function Pt(e, t) {
 		t instanceof Map ? t.forEach((e, t) => {
-			d.fillStyle = pt = t, d.fill(e);
+			d.fillStyle = H = t, d.fill(e);
 		}) : t != null && e && d.fill(t);
 	}
 	function Ft(e, t, n, i) {
@@ -5326,7 +6643,7 @@ function ys(e, t, n) {
 		if (i <= 0) o = [0, 0];
 		else {
 			let s = a._space = a.space(r, e, t, n, i);
-			o = gs(t, n, a._incrs = a.incrs(r, e, t, n, i, s), i, s);
+			o = pc(t, n, a._incrs = a.incrs(r, e, t, n, i, s), i, s);
 		}
 		return a._found = o;
 	}
@@ -5348,19 +6665,19 @@ function ys(e, t, n) {
 				return;
 			}
 			n._show || (t = !1, n._show = !0, Bt(!1));
-			let o = n.side, s = o % 2, { min: c, max: l } = a, [u, d] = Ft(i, c, l, s == 0 ? R : z);
+			let o = n.side, s = o % 2, { min: c, max: l } = a, [u, d] = Ft(i, c, l, s == 0 ? L : R);
 			if (d == 0) return;
-			let f = a.distr == 2, p = n._splits = n.splits(r, i, c, l, u, d, f), m = a.distr == 2 ? p.map((e) => lt[e]) : p, h = a.distr == 2 ? lt[p[1]] - lt[p[0]] : u, g = n._values = n.values(r, n.filter(r, m, i, d, h), i, d, h);
+			let f = a.distr == 2, p = n._splits = n.splits(r, i, c, l, u, d, f), m = a.distr == 2 ? p.map((e) => ut[e]) : p, h = a.distr == 2 ? ut[p[1]] - ut[p[0]] : u, g = n._values = n.values(r, n.filter(r, m, i, d, h), i, d, h);
 			n._rotate = o == 2 ? n.rotate(r, g, i, d) : 0;
 			let _ = n._size;
-			n._size = Yr(n.size(r, g, i, e)), _ != null && n._size != _ && (t = !1);
+			n._size = Gi(n.size(r, g, i, e)), _ != null && n._size != _ && (t = !1);
 		}), t;
 	}
 	function Rt(e) {
 		let t = !0;
-		return it.forEach((n, i) => {
-			let a = n(r, i, tt, e);
-			a != V[i] && (t = !1), V[i] = a;
+		return at.forEach((n, i) => {
+			let a = n(r, i, nt, e);
+			a != B[i] && (t = !1), B[i] = a;
 		}), t;
 	}
 	function zt() {
@@ -5369,21 +6686,21 @@ function ys(e, t, n) {
 			if (!t.show || !t._show) continue;
 			let n = t.side, i = n % 2, a, o, c = t.stroke(r, e), l = n == 0 || n == 3 ? -1 : 1, [u, f] = t._found;
 			if (t.label != null) {
-				let s = t.labelGap * l, p = Jr((t._lpos + s) * K);
-				Ct(t.labelFont[0], c, "center", n == 2 ? Un : Wn), d.save(), i == 1 ? (a = o = 0, d.translate(p, Jr(ke + je / 2)), d.rotate((n == 3 ? -Gr : Gr) / 2)) : (a = Jr(Oe + Ae / 2), o = p);
-				let m = si(t.label) ? t.label(r, e, u, f) : t.label;
+				let s = t.labelGap * l, p = Wi((t._lpos + s) * q);
+				Ct(t.labelFont[0], c, "center", n == 2 ? zr : Br), d.save(), i == 1 ? (a = o = 0, d.translate(p, Wi(Ae + Me / 2)), d.rotate((n == 3 ? -Vi : Vi) / 2)) : (a = Wi(ke + je / 2), o = p);
+				let m = ra(t.label) ? t.label(r, e, u, f) : t.label;
 				d.fillText(m, a, o), d.restore();
 			}
 			if (f == 0) continue;
-			let p = b[t.scale], m = i == 0 ? Ae : je, h = i == 0 ? Oe : ke, _ = t._splits, v = p.distr == 2 ? _.map((e) => lt[e]) : _, x = p.distr == 2 ? lt[_[1]] - lt[_[0]] : u, S = t.ticks, C = t.border, w = S.show ? S.size : 0, T = Jr(w * K), E = Jr((t.alignTo == 2 ? t._size - w - t.gap : t.gap) * K), D = t._rotate * -Gr / 180, O = g(t._pos * K), k = O + (T + E) * l;
+			let p = b[t.scale], m = i == 0 ? je : Me, h = i == 0 ? ke : Ae, _ = t._splits, v = p.distr == 2 ? _.map((e) => ut[e]) : _, x = p.distr == 2 ? ut[_[1]] - ut[_[0]] : u, S = t.ticks, C = t.border, w = S.show ? S.size : 0, T = Wi(w * q), E = Wi((t.alignTo == 2 ? t._size - w - t.gap : t.gap) * q), D = t._rotate * -Vi / 180, O = g(t._pos * q), k = O + (T + E) * l;
 			o = i == 0 ? k : 0, a = i == 1 ? k : 0;
 			let A = t.font[0];
-			Ct(A, c, t.align == 1 ? Gn : t.align == 2 ? Kn : D > 0 ? Gn : D < 0 ? Kn : i == 0 ? "center" : n == 3 ? Kn : Gn, D || i == 1 ? "middle" : n == 2 ? Un : Wn);
-			let j = t.font[1] * t.lineGap, M = _.map((e) => g(s(e, p, m, h))), ee = t._values;
-			for (let e = 0; e < ee.length; e++) {
-				let t = ee[e];
+			Ct(A, c, t.align == 1 ? Vr : t.align == 2 ? Hr : D > 0 ? Vr : D < 0 ? Hr : i == 0 ? "center" : n == 3 ? Hr : Vr, D || i == 1 ? "middle" : n == 2 ? zr : Br);
+			let j = t.font[1] * t.lineGap, ee = _.map((e) => g(s(e, p, m, h))), te = t._values;
+			for (let e = 0; e < te.length; e++) {
+				let t = te[e];
 				if (t != null) {
-					i == 0 ? a = M[e] : o = M[e], t = "" + t;
+					i == 0 ? a = ee[e] : o = ee[e], t = "" + t;
 					let n = t.indexOf("\n") == -1 ? [t] : t.split(/\n/gm);
 					for (let e = 0; e < n.length; e++) {
 						let t = n[e];
@@ -5391,11 +6708,11 @@ function ys(e, t, n) {
 					}
 				}
 			}
-			S.show && It(M, S.filter(r, v, e, f, x), i, n, O, T, Z(S.width * K, 3), S.stroke(r, e), S.dash, S.cap);
-			let te = t.grid;
-			te.show && It(M, te.filter(r, v, e, f, x), i, i == 0 ? 2 : 1, i == 0 ? ke : Oe, i == 0 ? je : Ae, Z(te.width * K, 3), te.stroke(r, e), te.dash, te.cap), C.show && It([O], [1], +(i == 0), i == 0 ? 1 : 2, i == 1 ? ke : Oe, i == 1 ? je : Ae, Z(C.width * K, 3), C.stroke(r, e), C.dash, C.cap);
+			S.show && It(ee, S.filter(r, v, e, f, x), i, n, O, T, Z(S.width * q, 3), S.stroke(r, e), S.dash, S.cap);
+			let ne = t.grid;
+			ne.show && It(ee, ne.filter(r, v, e, f, x), i, i == 0 ? 2 : 1, i == 0 ? Ae : ke, i == 0 ? Me : je, Z(ne.width * q, 3), ne.stroke(r, e), ne.dash, ne.cap), C.show && It([O], [1], +(i == 0), i == 0 ? 1 : 2, i == 1 ? Ae : ke, i == 1 ? Me : je, Z(C.width * q, 3), C.stroke(r, e), C.dash, C.cap);
 		}
-		mi("drawAxes");
+		Xn("drawAxes");
 	}
 	function Bt(e) {
 		v.forEach((t, n) => {
@@ -5407,52 +6724,52 @@ function ys(e, t, n) {
 	let Vt = !1, Ht = !1, Ut = [];
 	function Wt() {
 		Ht = !1;
-		for (let e = 0; e < Ut.length; e++) mi(...Ut[e]);
+		for (let e = 0; e < Ut.length; e++) Xn(...Ut[e]);
 		Ut.length = 0;
 	}
 	function Gt() {
-		Vt ||= (zi(qt), !0);
+		Vt ||= (Ia(qt), !0);
 	}
 	function Kt(e, t = !1) {
 		Vt = !0, Ht = t, e(r), qt(), t && Ut.length > 0 && queueMicrotask(Wt);
 	}
 	r.batch = Kt;
 	function qt() {
-		if (Me &&= (Et(), !1), Pe &&= (Be(), !1), Ne) {
-			if (q(p, Gn, Se), q(p, Un, Ce), q(p, Vn, R), q(p, Hn, z), q(m, Gn, Se), q(m, Un, Ce), q(m, Vn, R), q(m, Hn, z), q(f, Vn, be), q(f, Hn, xe), u.width = Jr(be * K), u.height = Jr(xe * K), y.forEach(({ _el: e, _show: t, _size: n, _pos: r, side: i }) => {
+		if (Ne &&= (Et(), !1), Fe &&= (Ve(), !1), Pe) {
+			if (J(p, Vr, Ce), J(p, zr, we), J(p, Lr, L), J(p, Rr, R), J(m, Vr, Ce), J(m, zr, we), J(m, Lr, L), J(m, Rr, R), J(f, Lr, xe), J(f, Rr, Se), u.width = Wi(xe * q), u.height = Wi(Se * q), y.forEach(({ _el: e, _show: t, _size: n, _pos: r, side: i }) => {
 				if (e != null) {
 					if (t) {
 						let t = i === 3 || i === 0 ? n : 0, a = i % 2 == 1;
-						q(e, a ? "left" : "top", r - t), q(e, a ? "width" : "height", n), q(e, a ? "top" : "left", a ? Ce : Se), q(e, a ? "height" : "width", a ? z : R), pr(e, kn);
-					} else fr(e, kn);
+						J(e, a ? "left" : "top", r - t), J(e, a ? "width" : "height", n), J(e, a ? "top" : "left", a ? we : Ce), J(e, a ? "height" : "width", a ? R : L), li(e, Tr);
+					} else ci(e, Tr);
 				}
-			}), ft = pt = mt = gt = _t = vt = yt = bt = ht = null, xt = 1, Or(!0), Se != we || Ce != Te || R != Ee || z != De) {
+			}), pt = H = mt = gt = _t = vt = yt = bt = ht = null, xt = 1, Pn(!0), Ce != Te || we != Ee || L != De || R != Oe) {
 				Bt(!1);
-				let e = R / Ee, t = z / De;
-				if (ae && !Fe && P.left >= 0) {
-					P.left *= e, P.top *= t, Zt && _r(Zt, Jr(P.left), 0, R, z), Qt && _r(Qt, 0, Jr(P.top), R, z);
-					for (let n = 0; n < Je.length; n++) {
-						let r = Je[n];
-						r != null && (Ye[n] *= e, Xe[n] *= t, _r(r, Yr(Ye[n]), Yr(Xe[n]), R, z));
+				let e = L / De, t = R / Oe;
+				if (oe && !Ie && N.left >= 0) {
+					N.left *= e, N.top *= t, Zt && pi(Zt, Wi(N.left), 0, L, R), Qt && pi(Qt, 0, Wi(N.top), L, R);
+					for (let n = 0; n < Ye.length; n++) {
+						let r = Ye[n];
+						r != null && (Xe[n] *= e, Ze[n] *= t, pi(r, Gi(Xe[n]), Gi(Ze[n]), L, R));
 					}
 				}
-				if (G.show && !Ie && G.left >= 0 && G.width > 0) {
+				if (G.show && !Le && G.left >= 0 && G.width > 0) {
 					G.left *= e, G.width *= e, G.top *= t, G.height *= t;
-					for (let e in jr) q(un, e, G[e]);
+					for (let e in Ln) J(un, e, G[e]);
 				}
-				we = Se, Te = Ce, Ee = R, De = z;
+				Te = Ce, Ee = we, De = L, Oe = R;
 			}
-			mi("setSize"), Ne = !1;
+			Xn("setSize"), Pe = !1;
 		}
-		be > 0 && xe > 0 && (d.clearRect(0, 0, u.width, u.height), mi("drawClear"), w.forEach((e) => e()), mi("draw")), G.show && Ie && (dn(G), Ie = !1), ae && Fe && (Cr(null, !0, !1), Fe = !1), N.show && N.live && Le && (br(), Le = !1), c || (c = !0, r.status = 1, mi("ready")), ut = !1, Vt = !1;
+		xe > 0 && Se > 0 && (d.clearRect(0, 0, u.width, u.height), Xn("drawClear"), w.forEach((e) => e()), Xn("draw")), G.show && Le && (dn(G), Le = !1), oe && Ie && (Mn(null, !0, !1), Ie = !1), M.show && M.live && Re && (An(), Re = !1), c || (c = !0, r.status = 1, Xn("ready")), dt = !1, Vt = !1;
 	}
 	r.redraw = (e, t) => {
-		Pe = t || !1, e === !1 ? Gt() : pn(S, D.min, D.max);
+		Fe = t || !1, e === !1 ? Gt() : pn(S, D.min, D.max);
 	};
 	function Jt(e, n) {
 		let i = b[e];
 		if (i.from == null) {
-			if (at == 0) {
+			if (ot == 0) {
 				let t = i.range(r, n.min, n.max, e);
 				n.min = t[0], n.max = t[1];
 			}
@@ -5460,33 +6777,33 @@ function ys(e, t, n) {
 				let e = n.min;
 				n.min = n.max, n.max = e;
 			}
-			if (at > 1 && n.min != null && n.max != null && n.max - n.min < 1e-16) return;
-			e == S && i.distr == 2 && at > 0 && (n.min = Er(n.min, t[0]), n.max = Er(n.max, t[0]), n.min == n.max && n.max++), j[e] = n, Me = !0, Gt();
+			if (ot > 1 && n.min != null && n.max != null && n.max - n.min < 1e-16) return;
+			e == S && i.distr == 2 && ot > 0 && (n.min = Si(n.min, t[0]), n.max = Si(n.max, t[0]), n.min == n.max && n.max++), j[e] = n, Ne = !0, Gt();
 		}
 	}
 	r.setScale = Jt;
-	let Yt, Xt, Zt, Qt, $t, en, tn, nn, rn, an, U, W, on = !1, sn = P.drag, cn = sn.x, ln = sn.y;
-	ae && (P.x && (Yt = hr(jn, m)), P.y && (Xt = hr(Mn, m)), D.ori == 0 ? (Zt = Yt, Qt = Xt) : (Zt = Xt, Qt = Yt), U = P.left, W = P.top);
-	let G = r.select = Ni({
+	let Yt, Xt, Zt, Qt, $t, en, tn, nn, rn, an, U, W, on = !1, sn = N.drag, cn = sn.x, ln = sn.y;
+	oe && (N.x && (Yt = di(Dr, m)), N.y && (Xt = di(Or, m)), D.ori == 0 ? (Zt = Yt, Qt = Xt) : (Zt = Xt, Qt = Yt), U = N.left, W = N.top);
+	let G = r.select = Aa({
 		show: !0,
 		over: !0,
 		left: 0,
 		width: 0,
 		top: 0,
 		height: 0
-	}, e.select), un = G.show ? hr(An, G.over ? m : p) : null;
+	}, e.select), un = G.show ? di(Er, G.over ? m : p) : null;
 	function dn(e, t) {
 		if (G.show) {
-			for (let t in e) G[t] = e[t], t in jr && q(un, t, e[t]);
-			t !== !1 && mi("setSelect");
+			for (let t in e) G[t] = e[t], t in Ln && J(un, t, e[t]);
+			t !== !1 && Xn("setSelect");
 		}
 	}
 	r.setSelect = dn;
 	function fn(e) {
-		if (v[e].show) F && pr(ce[e], kn);
-		else if (F && fr(ce[e], kn), ae) {
-			let t = qe ? Je[0] : Je[e];
-			t != null && _r(t, -10, -10, R, z);
+		if (v[e].show) P && li(le[e], Tr);
+		else if (P && ci(le[e], Tr), oe) {
+			let t = Je ? Ye[0] : Ye[e];
+			t != null && pi(t, -10, -10, L, R);
 		}
 	}
 	function pn(e, t, n) {
@@ -5496,145 +6813,145 @@ function ys(e, t, n) {
 		});
 	}
 	function mn(e, t, n, a) {
-		t.focus != null && nr(e), t.show != null && v.forEach((n, r) => {
+		t.focus != null && Cn(e), t.show != null && v.forEach((n, r) => {
 			r > 0 && (e == r || e == null) && (n.show = t.show, fn(r), i == 2 ? (pn(n.facets[0].scale, null, null), pn(n.facets[1].scale, null, null)) : pn(n.scale, null, null), Gt());
-		}), n !== !1 && mi("setSeries", e, t), a && Ti("setSeries", r, e, t);
+		}), n !== !1 && Xn("setSeries", e, t), a && tr("setSeries", r, e, t);
 	}
 	r.setSeries = mn;
 	function hn(e, t) {
-		Ni(x[e], t);
+		Aa(x[e], t);
 	}
 	function gn(e, t) {
-		e.fill = Y(e.fill || null), e.dir = J(e.dir, -1), t ??= x.length, x.splice(t, 0, e);
+		e.fill = X(e.fill || null), e.dir = Y(e.dir, -1), t ??= x.length, x.splice(t, 0, e);
 	}
 	function _n(e) {
 		e == null ? x.length = 0 : x.splice(e, 1);
 	}
 	r.addBand = gn, r.setBand = hn, r.delBand = _n;
 	function vn(e, t) {
-		v[e].alpha = t, ae && Je[e] != null && (Je[e].style.opacity = t), F && ce[e] && (ce[e].style.opacity = t);
+		v[e].alpha = t, oe && Ye[e] != null && (Ye[e].style.opacity = t), P && le[e] && (le[e].style.opacity = t);
 	}
-	let yn, bn, qn, tr = { focus: !0 };
-	function nr(e) {
-		if (e != qn) {
-			let t = e == null, n = Ge.alpha != 1;
+	let yn, bn, xn, Sn = { focus: !0 };
+	function Cn(e) {
+		if (e != xn) {
+			let t = e == null, n = Ke.alpha != 1;
 			v.forEach((r, a) => {
 				if (i == 1 || a > 0) {
 					let i = t || a == 0 || a == e;
-					r._focus = t ? null : i, n && vn(a, i ? 1 : Ge.alpha);
+					r._focus = t ? null : i, n && vn(a, i ? 1 : Ke.alpha);
 				}
-			}), qn = e, n && Gt();
+			}), xn = e, n && Gt();
 		}
 	}
-	F && Ke && ve($n, L, (e) => {
-		P._lock || (Ue(e), qn != null && mn(null, tr, !0, X.setSeries));
+	P && qe && ye(Yr, I, (e) => {
+		N._lock || (We(e), xn != null && mn(null, Sn, !0, Qn.setSeries));
 	});
-	function rr(e, t, n) {
+	function wn(e, t, n) {
 		let r = b[t];
-		n && (e = e / K - (r.ori == 1 ? Ce : Se));
-		let i = R;
-		r.ori == 1 && (i = z, e = i - e), r.dir == -1 && (e = i - e);
+		n && (e = e / q - (r.ori == 1 ? we : Ce));
+		let i = L;
+		r.ori == 1 && (i = R, e = i - e), r.dir == -1 && (e = i - e);
 		let a = r._min, o = r._max, s = e / i, c = a + (o - a) * s, l = r.distr;
-		return l == 3 ? Qr(10, c) : l == 4 ? ni(c, r.asinh) : l == 100 ? r.bwd(c) : c;
+		return l == 3 ? Ji(10, c) : l == 4 ? Qi(c, r.asinh) : l == 100 ? r.bwd(c) : c;
 	}
-	function or(e, n) {
-		return Er(rr(e, S, n), t[0], ot, st);
+	function Tn(e, n) {
+		return Si(wn(e, S, n), t[0], st, ct);
 	}
-	r.valToIdx = (e) => Er(e, t[0]), r.posToIdx = or, r.posToVal = rr, r.valToPos = (e, t, n) => b[t].ori == 0 ? a(e, b[t], n ? Ae : R, n ? Oe : 0) : o(e, b[t], n ? je : z, n ? ke : 0), r.setCursor = (e, t, n) => {
-		U = e.left, W = e.top, Cr(null, t, n);
+	r.valToIdx = (e) => Si(e, t[0]), r.posToIdx = Tn, r.posToVal = wn, r.valToPos = (e, t, n) => b[t].ori == 0 ? a(e, b[t], n ? je : L, n ? ke : 0) : o(e, b[t], n ? Me : R, n ? Ae : 0), r.setCursor = (e, t, n) => {
+		U = e.left, W = e.top, Mn(null, t, n);
 	};
-	function lr(e, t) {
-		q(un, Gn, G.left = e), q(un, Vn, G.width = t);
+	function En(e, t) {
+		J(un, Vr, G.left = e), J(un, Lr, G.width = t);
 	}
-	function ur(e, t) {
-		q(un, Un, G.top = e), q(un, Hn, G.height = t);
+	function K(e, t) {
+		J(un, zr, G.top = e), J(un, Rr, G.height = t);
 	}
-	let dr = D.ori == 0 ? lr : ur, gr = D.ori == 1 ? lr : ur;
-	function vr() {
-		if (F && N.live) for (let e = +(i == 2); e < v.length; e++) {
-			if (e == 0 && de) continue;
-			let t = N.values[e], n = 0;
-			for (let r in t) le[e][n++].firstChild.nodeValue = t[r];
+	let Dn = D.ori == 0 ? En : K, On = D.ori == 1 ? En : K;
+	function kn() {
+		if (P && M.live) for (let e = +(i == 2); e < v.length; e++) {
+			if (e == 0 && fe) continue;
+			let t = M.values[e], n = 0;
+			for (let r in t) ue[e][n++].firstChild.nodeValue = t[r];
 		}
 	}
-	function br(e, t) {
+	function An(e, t) {
 		if (e != null && (e.idxs ? e.idxs.forEach((e, t) => {
-			ie[t] = e;
-		}) : Ei(e.idx) || ie.fill(e.idx), N.idx = ie[0]), F && N.live) {
-			for (let e = 0; e < v.length; e++) (e > 0 || i == 1 && !de) && Sr(e, ie[e]);
-			vr();
+			ae[t] = e;
+		}) : Ca(e.idx) || ae.fill(e.idx), M.idx = ae[0]), P && M.live) {
+			for (let e = 0; e < v.length; e++) (e > 0 || i == 1 && !fe) && jn(e, ae[e]);
+			kn();
 		}
-		Le = !1, t !== !1 && mi("setLegend");
+		Re = !1, t !== !1 && Xn("setLegend");
 	}
-	r.setLegend = br;
-	function Sr(e, n) {
-		let i = v[e], a = e == 0 && O == 2 ? lt : t[e], o;
-		de ? o = i.values(r, e, n) ?? fe : (o = i.value(r, n == null ? null : a[n], e, n), o = o == null ? fe : { _: o }), N.values[e] = o;
+	r.setLegend = An;
+	function jn(e, n) {
+		let i = v[e], a = e == 0 && O == 2 ? ut : t[e], o;
+		fe ? o = i.values(r, e, n) ?? pe : (o = i.value(r, n == null ? null : a[n], e, n), o = o == null ? pe : { _: o }), M.values[e] = o;
 	}
-	function Cr(e, n, a) {
-		rn = U, an = W, [U, W] = P.move(r, U, W), P.left = U, P.top = W, ae && (Zt && _r(Zt, Jr(U), 0, R, z), Qt && _r(Qt, 0, Jr(W), R, z));
-		let o, s = ot > st;
-		yn = ii, bn = null;
-		let c = D.ori == 0 ? R : z, l = D.ori == 1 ? R : z;
-		if (U < 0 || at == 0 || s) {
-			o = P.idx = null;
+	function Mn(e, n, a) {
+		rn = U, an = W, [U, W] = N.move(r, U, W), N.left = U, N.top = W, oe && (Zt && pi(Zt, Wi(U), 0, L, R), Qt && pi(Qt, 0, Wi(W), L, R));
+		let o, s = st > ct;
+		yn = ea, bn = null;
+		let c = D.ori == 0 ? L : R, l = D.ori == 1 ? L : R;
+		if (U < 0 || ot == 0 || s) {
+			o = N.idx = null;
 			for (let e = 0; e < v.length; e++) {
-				let t = Je[e];
-				t != null && _r(t, -10, -10, R, z);
+				let t = Ye[e];
+				t != null && pi(t, -10, -10, L, R);
 			}
-			Ke && mn(null, tr, !0, e == null && X.setSeries), N.live && (ie.fill(o), Le = !0);
+			qe && mn(null, Sn, !0, e == null && Qn.setSeries), M.live && (ae.fill(o), Re = !0);
 		} else {
 			let e, n, a;
-			i == 1 && (e = D.ori == 0 ? U : W, n = rr(e, S), o = P.idx = Er(n, t[0], ot, st), a = k(t[0][o], D, c, 0));
+			i == 1 && (e = D.ori == 0 ? U : W, n = wn(e, S), o = N.idx = Si(n, t[0], st, ct), a = k(t[0][o], D, c, 0));
 			let s = -10, u = -10, d = 0, f = 0, p = !0, m = "", h = "";
 			for (let e = +(i == 2); e < v.length; e++) {
-				let g = v[e], _ = ie[e], y = _ == null ? null : i == 1 ? t[e][_] : t[e][1][_], x = P.dataIdx(r, e, o, n), S = x == null ? null : i == 1 ? t[e][x] : t[e][1][x];
-				if (Le = Le || S != y || x != _, ie[e] = x, e > 0 && g.show) {
+				let g = v[e], _ = ae[e], y = _ == null ? null : i == 1 ? t[e][_] : t[e][1][_], x = N.dataIdx(r, e, o, n), S = x == null ? null : i == 1 ? t[e][x] : t[e][1][x];
+				if (Re = Re || S != y || x != _, ae[e] = x, e > 0 && g.show) {
 					let n = x == null ? -10 : x == o ? a : k(i == 1 ? t[0][x] : t[e][0][x], D, c, 0), _ = S == null ? -10 : A(S, i == 1 ? b[g.scale] : b[g.facets[1].scale], l, 0);
-					if (Ke && S != null) {
-						let t = D.ori == 1 ? U : W, n = Kr(Ge.dist(r, e, x, _, t));
+					if (qe && S != null) {
+						let t = D.ori == 1 ? U : W, n = Hi(Ke.dist(r, e, x, _, t));
 						if (n < yn) {
-							let r = Ge.bias;
+							let r = Ke.bias;
 							if (r != 0) {
-								let i = rr(t, g.scale), a = S >= 0 ? 1 : -1, o = i >= 0 ? 1 : -1;
+								let i = wn(t, g.scale), a = S >= 0 ? 1 : -1, o = i >= 0 ? 1 : -1;
 								o == a && (o == 1 ? r == 1 ? S >= i : S <= i : r == 1 ? S <= i : S >= i) && (yn = n, bn = e);
 							} else yn = n, bn = e;
 						}
 					}
-					if (Le || qe) {
+					if (Re || Je) {
 						let t, i;
 						D.ori == 0 ? (t = n, i = _) : (t = _, i = n);
-						let a, o, c, l, g, v, y = !0, b = We.bbox;
+						let a, o, c, l, g, v, y = !0, b = Ge.bbox;
 						if (b != null) {
 							y = !1;
 							let t = b(r, e);
 							c = t.left, l = t.top, a = t.width, o = t.height;
-						} else c = t, l = i, a = o = We.size(r, e);
-						if (v = We.fill(r, e), g = We.stroke(r, e), qe) e == bn && yn <= Ge.prox && (s = c, u = l, d = a, f = o, p = y, m = v, h = g);
+						} else c = t, l = i, a = o = Ge.size(r, e);
+						if (v = Ge.fill(r, e), g = Ge.stroke(r, e), Je) e == bn && yn <= Ke.prox && (s = c, u = l, d = a, f = o, p = y, m = v, h = g);
 						else {
-							let t = Je[e];
-							t != null && (Ye[e] = c, Xe[e] = l, xr(t, a, o, y), yr(t, v, g), _r(t, Yr(c), Yr(l), R, z));
+							let t = Ye[e];
+							t != null && (Xe[e] = c, Ze[e] = l, _i(t, a, o, y), hi(t, v, g), pi(t, Gi(c), Gi(l), L, R));
 						}
 					}
 				}
 			}
-			if (qe) {
-				let e = Ge.prox;
-				if (Le || (qn == null ? yn <= e : yn > e || bn != qn)) {
-					let e = Je[0];
-					e != null && (Ye[0] = s, Xe[0] = u, xr(e, d, f, p), yr(e, m, h), _r(e, Yr(s), Yr(u), R, z));
+			if (Je) {
+				let e = Ke.prox;
+				if (Re || (xn == null ? yn <= e : yn > e || bn != xn)) {
+					let e = Ye[0];
+					e != null && (Xe[0] = s, Ze[0] = u, _i(e, d, f, p), hi(e, m, h), pi(e, Gi(s), Gi(u), L, R));
 				}
 			}
 		}
 		if (G.show && on) {
 			if (e != null) {
-				let [t, n] = X.scales, [r, i] = X.match, [a, o] = e.cursor.sync.scales, s = e.cursor.drag;
+				let [t, n] = Qn.scales, [r, i] = Qn.match, [a, o] = e.cursor.sync.scales, s = e.cursor.drag;
 				if (cn = s._x, ln = s._y, cn || ln) {
 					let { left: s, top: u, width: d, height: f } = e.select, p = e.scales[a].ori, m = e.posToVal, h, g, _, v, y, x = t != null && r(t, a), S = n != null && i(n, o);
-					x && cn ? (p == 0 ? (h = s, g = d) : (h = u, g = f), _ = b[t], v = k(m(h, a), _, c, 0), y = k(m(h + g, a), _, c, 0), dr(Xr(v, y), Kr(y - v))) : dr(0, c), S && ln ? (p == 1 ? (h = s, g = d) : (h = u, g = f), _ = b[n], v = A(m(h, o), _, l, 0), y = A(m(h + g, o), _, l, 0), gr(Xr(v, y), Kr(y - v))) : gr(0, l);
-				} else Lr();
+					x && cn ? (p == 0 ? (h = s, g = d) : (h = u, g = f), _ = b[t], v = k(m(h, a), _, c, 0), y = k(m(h + g, a), _, c, 0), Dn(Ki(v, y), Hi(y - v))) : Dn(0, c), S && ln ? (p == 1 ? (h = s, g = d) : (h = u, g = f), _ = b[n], v = A(m(h, o), _, l, 0), y = A(m(h + g, o), _, l, 0), On(Ki(v, y), Hi(y - v))) : On(0, l);
+				} else Rn();
 			} else {
-				let e = Kr(rn - $t), t = Kr(an - en);
+				let e = Hi(rn - $t), t = Hi(an - en);
 				if (D.ori == 1) {
 					let n = e;
 					e = t, t = n;
@@ -5643,164 +6960,164 @@ function ys(e, t, n) {
 				let n = sn.uni;
 				n == null ? sn.x && sn.y && (cn || ln) && (cn = ln = !0) : cn && ln && (cn = e >= n, ln = t >= n, !cn && !ln && (t > e ? ln = !0 : cn = !0));
 				let r, i;
-				cn && (D.ori == 0 ? (r = tn, i = U) : (r = nn, i = W), dr(Xr(r, i), Kr(i - r)), ln || gr(0, l)), ln && (D.ori == 1 ? (r = tn, i = U) : (r = nn, i = W), gr(Xr(r, i), Kr(i - r)), cn || dr(0, c)), !cn && !ln && (dr(0, 0), gr(0, 0));
+				cn && (D.ori == 0 ? (r = tn, i = U) : (r = nn, i = W), Dn(Ki(r, i), Hi(i - r)), ln || On(0, l)), ln && (D.ori == 1 ? (r = tn, i = U) : (r = nn, i = W), On(Ki(r, i), Hi(i - r)), cn || Dn(0, c)), !cn && !ln && (Dn(0, 0), On(0, 0));
 			}
 		}
 		if (sn._x = cn, sn._y = ln, e == null) {
 			if (a) {
-				if (_i != null) {
-					let [e, t] = X.scales;
-					X.values[0] = e == null ? null : rr(D.ori == 0 ? U : W, e), X.values[1] = t == null ? null : rr(D.ori == 1 ? U : W, t);
+				if ($n != null) {
+					let [e, t] = Qn.scales;
+					Qn.values[0] = e == null ? null : wn(D.ori == 0 ? U : W, e), Qn.values[1] = t == null ? null : wn(D.ori == 1 ? U : W, t);
 				}
-				Ti(Yn, r, U, W, R, z, o);
+				tr(Gr, r, U, W, L, R, o);
 			}
-			if (Ke) {
-				let e = a && X.setSeries, t = Ge.prox;
-				qn == null ? yn <= t && mn(bn, tr, !0, e) : yn > t ? mn(null, tr, !0, e) : bn != qn && mn(bn, tr, !0, e);
+			if (qe) {
+				let e = a && Qn.setSeries, t = Ke.prox;
+				xn == null ? yn <= t && mn(bn, Sn, !0, e) : yn > t ? mn(null, Sn, !0, e) : bn != xn && mn(bn, Sn, !0, e);
 			}
 		}
-		Le && (N.idx = o, br()), n !== !1 && mi("setCursor");
+		Re && (M.idx = o, An()), n !== !1 && Xn("setCursor");
 	}
-	let Dr = null;
+	let Nn = null;
 	Object.defineProperty(r, "rect", { get() {
-		return Dr ?? Or(!1), Dr;
+		return Nn ?? Pn(!1), Nn;
 	} });
-	function Or(e = !1) {
-		e ? Dr = null : (Dr = m.getBoundingClientRect(), mi("syncRect", Dr));
+	function Pn(e = !1) {
+		e ? Nn = null : (Nn = m.getBoundingClientRect(), Xn("syncRect", Nn));
 	}
-	function kr(e, t, n, r, i, a, o) {
-		P._lock || on && e != null && e.movementX == 0 && e.movementY == 0 || (Ar(e, t, n, r, i, a, o, !1, e != null), e == null ? Cr(t, !0, !1) : Cr(null, !0, !0));
+	function Fn(e, t, n, r, i, a, o) {
+		N._lock || on && e != null && e.movementX == 0 && e.movementY == 0 || (In(e, t, n, r, i, a, o, !1, e != null), e == null ? Mn(t, !0, !1) : Mn(null, !0, !0));
 	}
-	function Ar(e, t, n, i, a, o, c, l, u) {
-		if (Dr ?? Or(!1), Ue(e), e != null) n = e.clientX - Dr.left, i = e.clientY - Dr.top;
+	function In(e, t, n, i, a, o, c, l, u) {
+		if (Nn ?? Pn(!1), We(e), e != null) n = e.clientX - Nn.left, i = e.clientY - Nn.top;
 		else {
 			if (n < 0 || i < 0) {
 				U = -10, W = -10;
 				return;
 			}
-			let [e, r] = X.scales, c = t.cursor.sync, [l, u] = c.values, [d, f] = c.scales, [p, m] = X.match, h = t.axes[0].side % 2 == 1, g = D.ori == 0 ? R : z, _ = D.ori == 1 ? R : z, v = h ? o : a, y = h ? a : o, x = h ? i : n, S = h ? n : i;
+			let [e, r] = Qn.scales, c = t.cursor.sync, [l, u] = c.values, [d, f] = c.scales, [p, m] = Qn.match, h = t.axes[0].side % 2 == 1, g = D.ori == 0 ? L : R, _ = D.ori == 1 ? L : R, v = h ? o : a, y = h ? a : o, x = h ? i : n, S = h ? n : i;
 			if (n = d == null ? x / v * g : p(e, d) ? s(l, b[e], g, 0) : -10, i = f == null ? S / y * _ : m(r, f) ? s(u, b[r], _, 0) : -10, D.ori == 1) {
 				let e = n;
 				n = i, i = e;
 			}
 		}
-		u && (t == null || t.cursor.event.type == Yn) && ((n <= 1 || n >= R - 1) && (n = gi(n, R)), (i <= 1 || i >= z - 1) && (i = gi(i, z))), l ? ($t = n, en = i, [tn, nn] = P.move(r, n, i)) : (U = n, W = i);
+		u && (t == null || t.cursor.event.type == Gr) && ((n <= 1 || n >= L - 1) && (n = fa(n, L)), (i <= 1 || i >= R - 1) && (i = fa(i, R))), l ? ($t = n, en = i, [tn, nn] = N.move(r, n, i)) : (U = n, W = i);
 	}
-	let jr = {
+	let Ln = {
 		width: 0,
 		height: 0,
 		left: 0,
 		top: 0
 	};
-	function Lr() {
-		dn(jr, !1);
+	function Rn() {
+		dn(Ln, !1);
 	}
-	let Rr, Vr, Hr, Ur;
-	function Wr(e, t, n, i, a, o, s) {
-		on = !0, cn = ln = sn._x = sn._y = !1, Ar(e, t, n, i, a, o, s, !0, !1), e != null && (ve(Zn, sr, qr, !1), Ti(Xn, r, tn, nn, R, z, null));
+	let zn, Bn, Vn, Hn;
+	function Un(e, t, n, i, a, o, s) {
+		on = !0, cn = ln = sn._x = sn._y = !1, In(e, t, n, i, a, o, s, !0, !1), e != null && (ye(qr, ri, Wn, !1), tr(Kr, r, tn, nn, L, R, null));
 		let { left: c, top: l, width: u, height: d } = G;
-		Rr = c, Vr = l, Hr = u, Ur = d;
+		zn = c, Bn = l, Vn = u, Hn = d;
 	}
-	function qr(e, t, n, i, a, o, s) {
-		on = sn._x = sn._y = !1, Ar(e, t, n, i, a, o, s, !1, !0);
-		let { left: c, top: l, width: u, height: d } = G, f = u > 0 || d > 0, p = Rr != c || Vr != l || Hr != u || Ur != d;
+	function Wn(e, t, n, i, a, o, s) {
+		on = sn._x = sn._y = !1, In(e, t, n, i, a, o, s, !1, !0);
+		let { left: c, top: l, width: u, height: d } = G, f = u > 0 || d > 0, p = zn != c || Bn != l || Vn != u || Hn != d;
 		if (f && p && dn(G), sn.setScale && f && p) {
 			let e = c, t = u, n = l, r = d;
-			if (D.ori == 1 && (e = l, t = d, n = c, r = u), cn && pn(S, rr(e, S), rr(e + t, S)), ln) for (let e in b) {
+			if (D.ori == 1 && (e = l, t = d, n = c, r = u), cn && pn(S, wn(e, S), wn(e + t, S)), ln) for (let e in b) {
 				let t = b[e];
-				e != S && t.from == null && t.min != ii && pn(e, rr(n + r, e), rr(n, e));
+				e != S && t.from == null && t.min != ea && pn(e, wn(n + r, e), wn(n, e));
 			}
-			Lr();
-		} else P.lock && (P._lock = !P._lock, Cr(t, !0, e != null));
-		e != null && (ye(Zn, sr), Ti(Zn, r, U, W, R, z, null));
+			Rn();
+		} else N.lock && (N._lock = !N._lock, Mn(t, !0, e != null));
+		e != null && (be(qr, ri), tr(qr, r, U, W, L, R, null));
 	}
-	function $r(e, t, n, r, i, a, o) {
-		if (P._lock) return;
-		Ue(e);
+	function Gn(e, t, n, r, i, a, o) {
+		if (N._lock) return;
+		We(e);
 		let s = on;
 		if (on) {
 			let e = !0, t = !0, n, r;
-			D.ori == 0 ? (n = cn, r = ln) : (n = ln, r = cn), n && r && (e = U <= 10 || U >= R - 10, t = W <= 10 || W >= z - 10), n && e && (U = U < tn ? 0 : R), r && t && (W = W < nn ? 0 : z), Cr(null, !0, !0), on = !1;
+			D.ori == 0 ? (n = cn, r = ln) : (n = ln, r = cn), n && r && (e = U <= 10 || U >= L - 10, t = W <= 10 || W >= R - 10), n && e && (U = U < tn ? 0 : L), r && t && (W = W < nn ? 0 : R), Mn(null, !0, !0), on = !1;
 		}
-		U = -10, W = -10, ie.fill(null), Cr(null, !0, !0), s && (on = s);
+		U = -10, W = -10, ae.fill(null), Mn(null, !0, !0), s && (on = s);
 	}
-	function ti(e, t, n, i, a, o, s) {
-		P._lock || (Ue(e), H(), Lr(), e != null && Ti(er, r, U, W, R, z, null));
+	function Kn(e, t, n, i, a, o, s) {
+		N._lock || (We(e), V(), Rn(), e != null && tr(Xr, r, U, W, L, R, null));
 	}
-	function ai() {
-		y.forEach(vs), Re(r.width, r.height, !0);
+	function qn() {
+		y.forEach(hc), ze(r.width, r.height, !0);
 	}
-	wr(ir, cr, ai);
-	let ci = {};
-	ci.mousedown = Wr, ci.mousemove = kr, ci.mouseup = qr, ci.dblclick = ti, ci.setSeries = (e, t, n, i) => {
-		let a = X.match[2];
+	bi(ei, ii, qn);
+	let Jn = {};
+	Jn.mousedown = Un, Jn.mousemove = Fn, Jn.mouseup = Wn, Jn.dblclick = Kn, Jn.setSeries = (e, t, n, i) => {
+		let a = Qn.match[2];
 		n = a(r, t, n), n != -1 && mn(n, i, !0, !1);
-	}, ae && (ve(Xn, m, Wr), ve(Yn, m, kr), ve(Qn, m, (e) => {
-		Ue(e), Or(!1);
-	}), ve($n, m, $r), ve(er, m, ti), ns.add(r), r.syncRect = Or);
-	let li = r.hooks = e.hooks || {};
-	function mi(e, t, n) {
+	}, oe && (ye(Kr, m, Un), ye(Gr, m, Fn), ye(Jr, m, (e) => {
+		We(e), Pn(!1);
+	}), ye(Yr, m, Gn), ye(Xr, m, Kn), $s.add(r), r.syncRect = Pn);
+	let Yn = r.hooks = e.hooks || {};
+	function Xn(e, t, n) {
 		Ht ? Ut.push([
 			e,
 			t,
 			n
-		]) : e in li && li[e].forEach((e) => {
+		]) : e in Yn && Yn[e].forEach((e) => {
 			e.call(null, r, t, n);
 		});
 	}
 	(e.plugins || []).forEach((e) => {
-		for (let t in e.hooks) li[t] = (li[t] || []).concat(e.hooks[t]);
+		for (let t in e.hooks) Yn[t] = (Yn[t] || []).concat(e.hooks[t]);
 	});
-	let hi = (e, t, n) => n, X = Ni({
+	let Zn = (e, t, n) => n, Qn = Aa({
 		key: null,
 		setSeries: !1,
 		filters: {
-			pub: fi,
-			sub: fi
+			pub: ca,
+			sub: ca
 		},
 		scales: [S, v[1] ? v[1].scale : null],
 		match: [
-			pi,
-			pi,
-			hi
+			la,
+			la,
+			Zn
 		],
 		values: [null, null]
-	}, P.sync);
-	X.match.length == 2 && X.match.push(hi), P.sync = X;
-	let _i = X.key, bi = Co(_i);
-	function Ti(e, t, n, r, i, a, o) {
-		X.filters.pub(e, t, n, r, i, a, o) && bi.pub(e, t, n, r, i, a, o);
+	}, N.sync);
+	Qn.match.length == 2 && Qn.match.push(Zn), N.sync = Qn;
+	let $n = Qn.key, er = bs($n);
+	function tr(e, t, n, r, i, a, o) {
+		Qn.filters.pub(e, t, n, r, i, a, o) && er.pub(e, t, n, r, i, a, o);
 	}
-	bi.sub(r);
-	function Ai(e, t, n, r, i, a, o) {
-		X.filters.sub(e, t, n, r, i, a, o) && ci[e](null, t, n, r, i, a, o);
+	er.sub(r);
+	function nr(e, t, n, r, i, a, o) {
+		Qn.filters.sub(e, t, n, r, i, a, o) && Jn[e](null, t, n, r, i, a, o);
 	}
-	r.pub = Ai;
-	function ji() {
-		bi.unsub(r), ns.delete(r), _e.clear(), Tr(ir, cr, ai), l.remove(), L?.remove(), mi("destroy");
+	r.pub = nr;
+	function rr() {
+		er.unsub(r), $s.delete(r), ve.clear(), xi(ei, ii, qn), l.remove(), I?.remove(), Xn("destroy");
 	}
-	r.destroy = ji;
-	function Pi() {
-		mi("init", e, t), dt(t || e.data, !1), j[S] ? Jt(S, j[S]) : H(), Ie = G.show && (G.width > 0 || G.height > 0), Fe = Le = !0, Re(e.width, e.height);
+	r.destroy = rr;
+	function ir() {
+		Xn("init", e, t), ft(t || e.data, !1), j[S] ? Jt(S, j[S]) : V(), Le = G.show && (G.width > 0 || G.height > 0), Ie = Re = !0, ze(e.width, e.height);
 	}
-	return v.forEach(Qe), y.forEach(nt), n ? n instanceof HTMLElement ? (n.appendChild(l), Pi()) : n(r, Pi) : Pi(), r;
+	return v.forEach($e), y.forEach(rt), n ? n instanceof HTMLElement ? (n.appendChild(l), ir()) : n(r, ir) : ir(), r;
 }
-ys.assign = Ni, ys.fmtNum = Ur, ys.rangeNum = zr, ys.rangeLog = Nr, ys.rangeAsinh = Pr, ys.orient = Eo, ys.pxRatio = K, ys.join = Ri, ys.fmtDate = Zi, ys.tzDate = $i, ys.sync = Co;
+gc.assign = Aa, gc.fmtNum = zi, gc.rangeNum = Fi, gc.rangeLog = ki, gc.rangeAsinh = Ai, gc.orient = Cs, gc.pxRatio = q, gc.join = Fa, gc.fmtDate = Ja, gc.tzDate = Xa, gc.sync = bs;
 {
-	ys.addGap = jo, ys.clipGaps = Ao;
-	let e = ys.paths = { points: Go };
-	e.linear = Yo, e.stepped = Xo, e.bars = Qo, e.spline = es;
+	gc.addGap = Os, gc.clipGaps = Ds;
+	let e = gc.paths = { points: Hs };
+	e.linear = Ks, e.stepped = qs, e.bars = Ys, e.spline = Zs;
 }
 // src/phase.tsx
-var [bs, xs] = [420, 300], $ = {
+var [_c, vc] = [420, 300], $ = {
 	left: 64,
 	right: 12,
 	top: 10,
 	bottom: 34
 };
-function Ss({ store: e, state: t }) {
-	let [n, r] = H(null), [i, a] = t.plotted, o = t.run, [s, c] = t.span;
-	if (pt(() => {
+function yc({ store: e, state: t }) {
+	let [n, r] = V(null), [i, a] = t.plotted, o = t.run, [s, c] = t.span;
+	if (H(() => {
 		if (!i || !a) return;
 		let t = !1;
 		return e.transport.ask("phase", {
@@ -5817,12 +7134,12 @@ function Ss({ store: e, state: t }) {
 		a,
 		s,
 		c
-	]), !i || !a) return /* @__PURE__ */ R("p", {
+	]), !i || !a) return /* @__PURE__ */ L("p", {
 		class: "hint",
 		children: "Plot two signals: the second is drawn over the first."
 	});
 	if (!n) return null;
-	let [l, u, d, f] = n.box, [p, m] = [u - l || 1, f - d || 1], h = (e) => $.left + (e - l) / p * (bs - $.left - $.right), g = (e) => xs - $.bottom - (e - d) / m * (xs - $.top - $.bottom), _ = (e, t, n) => `${h(e[n]).toFixed(1)},${g(t[n]).toFixed(1)}`, v = (e) => e[e.length - 1], y = n.pieces.slice(1).map(([e, t], r) => {
+	let [l, u, d, f] = n.box, [p, m] = [u - l || 1, f - d || 1], h = (e) => $.left + (e - l) / p * (_c - $.left - $.right), g = (e) => vc - $.bottom - (e - d) / m * (vc - $.top - $.bottom), _ = (e, t, n) => `${h(e[n]).toFixed(1)},${g(t[n]).toFixed(1)}`, v = (e) => e[e.length - 1], y = n.pieces.slice(1).map(([e, t], r) => {
 		let [i, a] = n.pieces[r];
 		return {
 			x1: h(v(i)),
@@ -5831,81 +7148,81 @@ function Ss({ store: e, state: t }) {
 			y2: g(t[0])
 		};
 	}), b = t.cursor?.signals, x = b && b[i] != null && b[a] != null ? [h(b[i]), g(b[a])] : null;
-	return /* @__PURE__ */ R("figure", {
+	return /* @__PURE__ */ L("figure", {
 		class: "phase",
 		"aria-label": `${a} over ${i}`,
-		children: /* @__PURE__ */ R("svg", {
-			viewBox: `0 0 ${bs} ${xs}`,
+		children: /* @__PURE__ */ L("svg", {
+			viewBox: `0 0 ${_c} ${vc}`,
 			role: "img",
-			"aria-label": `${a} over ${i}, from ${Ve(l)} to ${Ve(u)} ${n.units[0]} and from ${Ve(d)} to ${Ve(f)} ${n.units[1]}`,
+			"aria-label": `${a} over ${i}, from ${He(l)} to ${He(u)} ${n.units[0]} and from ${He(d)} to ${He(f)} ${n.units[1]}`,
 			children: [
-				/* @__PURE__ */ R("rect", {
+				/* @__PURE__ */ L("rect", {
 					class: "box",
 					x: $.left,
 					y: $.top,
-					width: bs - $.left - $.right,
-					height: xs - $.top - $.bottom
+					width: _c - $.left - $.right,
+					height: vc - $.top - $.bottom
 				}),
-				l < 0 && u > 0 && /* @__PURE__ */ R("line", {
+				l < 0 && u > 0 && /* @__PURE__ */ L("line", {
 					class: "axis",
 					x1: h(0),
 					x2: h(0),
 					y1: $.top,
-					y2: xs - $.bottom
+					y2: vc - $.bottom
 				}),
-				d < 0 && f > 0 && /* @__PURE__ */ R("line", {
+				d < 0 && f > 0 && /* @__PURE__ */ L("line", {
 					class: "axis",
 					x1: $.left,
-					x2: bs - $.right,
+					x2: _c - $.right,
 					y1: g(0),
 					y2: g(0)
 				}),
-				y.map((e) => Math.hypot(e.x2 - e.x1, e.y2 - e.y1) > 1 && /* @__PURE__ */ R("line", {
+				y.map((e) => Math.hypot(e.x2 - e.x1, e.y2 - e.y1) > 1 && /* @__PURE__ */ L("line", {
 					class: "jump",
 					...e
 				})),
-				n.pieces.map(([e, t]) => /* @__PURE__ */ R("path", {
+				n.pieces.map(([e, t]) => /* @__PURE__ */ L("path", {
 					class: "way",
 					d: `M${e.map((n, r) => _(e, t, r)).join("L")}`
 				})),
-				x && /* @__PURE__ */ R("circle", {
+				x && /* @__PURE__ */ L("circle", {
 					class: "now",
 					cx: x[0],
 					cy: x[1],
 					r: 4.5
 				}),
-				/* @__PURE__ */ R("text", {
+				/* @__PURE__ */ L("text", {
 					x: $.left,
-					y: xs - $.bottom + 14,
-					children: B(l, n.units[0])
+					y: vc - $.bottom + 14,
+					children: z(l, n.units[0])
 				}),
-				/* @__PURE__ */ R("text", {
-					x: bs - $.right,
-					y: xs - $.bottom + 14,
+				/* @__PURE__ */ L("text", {
+					x: _c - $.right,
+					y: vc - $.bottom + 14,
 					"text-anchor": "end",
-					children: B(u, n.units[0])
+					children: z(u, n.units[0])
 				}),
-				/* @__PURE__ */ R("text", {
-					x: (bs + $.left) / 2,
-					y: xs - 6,
+				/* @__PURE__ */ L("text", {
+					x: (_c + $.left) / 2,
+					y: vc - 6,
 					"text-anchor": "middle",
 					class: "what",
 					children: i
 				}),
-				/* @__PURE__ */ R("text", {
+				/* @__PURE__ */ L("text", {
 					x: $.left - 5,
-					y: xs - $.bottom,
+					y: vc - $.bottom,
 					"text-anchor": "end",
-					children: B(d, n.units[1])
+					children: z(d, n.units[1])
 				}),
-				/* @__PURE__ */ R("text", {
+				/* @__PURE__ */ L("text", {
 					x: $.left - 5,
 					y: $.top + 10,
 					"text-anchor": "end",
-					children: B(f, n.units[1])
+					children: z(f, n.units[1])
 				}),
-				/* @__PURE__ */ R("text", {
-					transform: `translate(12,${(xs - $.bottom) / 2}) rotate(-90)`,
+				/* @__PURE__ */ L("text", {
+					transform: `translate(12,${(vc - $.bottom) / 2}) rotate(-90)`,
 					"text-anchor": "middle",
 					class: "what",
 					children: a
@@ -5915,7 +7232,7 @@ function Ss({ store: e, state: t }) {
 	});
 }
 // src/plots.tsx
-var Cs = [
+var bc = [
 	"--c1",
 	"--c2",
 	"--c3",
@@ -5923,16 +7240,16 @@ var Cs = [
 	"--c5",
 	"--c6"
 ];
-function ws({ store: e, state: t }) {
-	let [n, r] = H(null), [i, a] = H(!1), [o, s] = H(800), c = mt(null), l = t.run, [u, d] = t.span;
-	pt(() => {
+function xc({ store: e, state: t }) {
+	let [n, r] = V(null), [i, a] = V(!1), [o, s] = V(800), c = mt(null), l = t.run, [u, d] = t.span;
+	H(() => {
 		let e = c.current;
 		if (!e) return;
 		let t = new ResizeObserver(() => s(Math.max(200, e.clientWidth - 18)));
 		return t.observe(e), () => t.disconnect();
 	}, [!l]);
 	let f = t.plotted.join("\n");
-	if (pt(() => {
+	if (H(() => {
 		if (!l) return;
 		let n = !1, a = i ? t.runs.filter((e) => e.tEnd !== void 0) : [l];
 		return Promise.all(a.map((n) => e.transport.ask("curves", {
@@ -5959,29 +7276,44 @@ function ws({ store: e, state: t }) {
 		o,
 		i,
 		t.runs.length
-	]), t.running && t.soFar) return /* @__PURE__ */ R(Ts, {
+	]), t.running && t.soFar) return /* @__PURE__ */ L(Sc, {
 		state: t,
 		soFar: t.soFar
 	});
-	if (!l || l.tEnd === void 0) return /* @__PURE__ */ R("p", {
+	if (!l || l.tEnd === void 0) return /* @__PURE__ */ L("p", {
 		class: "hint plots",
-		children: l?.error ? "" : t.running ? "Running …" : "Press Run."
+		children: [
+			l?.error ? "" : t.running ? "Running …" : "Press Run.",
+			" ",
+			t.plan && /* @__PURE__ */ L("button", {
+				onClick: () => e.set({ planShown: !0 }),
+				children: "← Sweep"
+			})
+		]
 	});
 	let p = t.cursor?.t ?? null, m = u === l.tBegin && d === l.tEnd;
-	return /* @__PURE__ */ R("div", {
+	return /* @__PURE__ */ L("div", {
 		class: "plots",
 		ref: c,
 		children: [
-			/* @__PURE__ */ R("div", {
+			/* @__PURE__ */ L("div", {
 				class: "plotbar",
 				children: [
-					/* @__PURE__ */ R(Es, {
+					t.plan && /* @__PURE__ */ L("button", {
+						onClick: () => e.set({ planShown: !0 }),
+						children: "← Sweep"
+					}),
+					l.own && /* @__PURE__ */ L("b", {
+						class: "own",
+						children: l.title
+					}),
+					/* @__PURE__ */ L(Cc, {
 						store: e,
 						state: t,
 						run: l
 					}),
-					t.runs.length > 1 && /* @__PURE__ */ R("label", { children: [
-						/* @__PURE__ */ R("input", {
+					t.runs.length > 1 && /* @__PURE__ */ L("label", { children: [
+						/* @__PURE__ */ L("input", {
 							type: "checkbox",
 							checked: i,
 							onChange: (e) => a(e.currentTarget.checked)
@@ -5990,15 +7322,15 @@ function ws({ store: e, state: t }) {
 						t.runs.length,
 						" runs"
 					] }),
-					!m && /* @__PURE__ */ R("button", {
+					!m && /* @__PURE__ */ L("button", {
 						onClick: () => e.set({ span: [l.tBegin, l.tEnd] }),
 						children: "Whole run"
 					}),
-					/* @__PURE__ */ R("label", {
+					/* @__PURE__ */ L("label", {
 						class: "scrub",
 						children: [
-							/* @__PURE__ */ R("span", { children: "t" }),
-							/* @__PURE__ */ R("input", {
+							/* @__PURE__ */ L("span", { children: "t" }),
+							/* @__PURE__ */ L("input", {
 								type: "range",
 								"aria-label": "Time cursor",
 								min: l.tBegin,
@@ -6009,24 +7341,24 @@ function ws({ store: e, state: t }) {
 									e.set({ instant: null }), e.moveCursor(Number(t.currentTarget.value));
 								}
 							}),
-							/* @__PURE__ */ R("output", { children: p === null ? "" : B(p, "s") })
+							/* @__PURE__ */ L("output", { children: p === null ? "" : z(p, "s") })
 						]
 					}),
-					/* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("input", {
+					/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("input", {
 						type: "checkbox",
 						checked: t.phase,
 						onChange: (t) => e.set({ phase: t.currentTarget.checked })
 					}), " phase plane"] }),
-					/* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("input", {
+					/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("input", {
 						type: "checkbox",
 						checked: t.flowing,
 						onChange: (t) => e.set({ flowing: t.currentTarget.checked })
 					}), " power along bonds"] })
 				]
 			}),
-			t.plotted.map((r, i) => /* @__PURE__ */ R(Ds, {
+			t.plotted.map((r, i) => /* @__PURE__ */ L(wc, {
 				name: r,
-				ink: Cs[i % Cs.length],
+				ink: bc[i % bc.length],
 				curves: (n?.runs ?? []).flatMap((e) => e.curves.filter((e) => e.name === r)),
 				span: t.span,
 				cursor: p,
@@ -6039,11 +7371,11 @@ function ws({ store: e, state: t }) {
 					e.set({ instant: null }), e.moveCursor(t);
 				}
 			}, r)),
-			t.phase && /* @__PURE__ */ R(Ss, {
+			t.phase && /* @__PURE__ */ L(yc, {
 				store: e,
 				state: t
 			}),
-			/* @__PURE__ */ R(js, {
+			/* @__PURE__ */ L(Oc, {
 				lanes: n?.strip ?? [],
 				span: t.span,
 				cursor: p,
@@ -6052,14 +7384,14 @@ function ws({ store: e, state: t }) {
 		]
 	});
 }
-function Ts({ state: e, soFar: t }) {
+function Sc({ state: e, soFar: t }) {
 	let n = mt(null), r = [t.tBegin, t.tEnd];
-	return /* @__PURE__ */ R("div", {
+	return /* @__PURE__ */ L("div", {
 		class: "plots",
 		ref: n,
-		children: [t.curves.map((i, a) => /* @__PURE__ */ R(Ds, {
+		children: [t.curves.map((i, a) => /* @__PURE__ */ L(wc, {
 			name: i.name,
-			ink: Cs[a % Cs.length],
+			ink: bc[a % bc.length],
 			curves: [i],
 			span: r,
 			cursor: null,
@@ -6069,7 +7401,7 @@ function Ts({ state: e, soFar: t }) {
 			last: a === t.curves.length - 1,
 			onSpan: () => {},
 			onTime: () => {}
-		}, i.name)), /* @__PURE__ */ R(js, {
+		}, i.name)), /* @__PURE__ */ L(Oc, {
 			lanes: t.strip,
 			span: r,
 			cursor: null,
@@ -6077,18 +7409,18 @@ function Ts({ state: e, soFar: t }) {
 		})]
 	});
 }
-function Es({ store: e, state: t, run: n }) {
+function Cc({ store: e, state: t, run: n }) {
 	let r = (t.look?.view.nodes ?? []).flatMap((e) => e.kind === "part" ? [] : [`${e.name}.e`, `${e.name}.f`]), i = [.../* @__PURE__ */ new Set([...n.names, ...r])].filter((e) => !t.plotted.includes(e));
-	return /* @__PURE__ */ R("span", {
+	return /* @__PURE__ */ L("span", {
 		class: "chooser",
 		children: [
-			t.plotted.map((n) => /* @__PURE__ */ R("button", {
+			t.plotted.map((n) => /* @__PURE__ */ L("button", {
 				class: "chip",
 				"aria-label": `Do not plot ${n}`,
 				onClick: () => e.set({ plotted: t.plotted.filter((e) => e !== n) }),
 				children: [n, " ✕"]
 			})),
-			/* @__PURE__ */ R("input", {
+			/* @__PURE__ */ L("input", {
 				"aria-label": "Plot a signal",
 				placeholder: "plot …",
 				list: "signals",
@@ -6098,14 +7430,14 @@ function Es({ store: e, state: t, run: n }) {
 					r && e.set({ plotted: [...t.plotted, r] }), n.currentTarget.value = "";
 				}
 			}),
-			/* @__PURE__ */ R("datalist", {
+			/* @__PURE__ */ L("datalist", {
 				id: "signals",
-				children: i.map((e) => /* @__PURE__ */ R("option", { value: e }))
+				children: i.map((e) => /* @__PURE__ */ L("option", { value: e }))
 			})
 		]
 	});
 }
-var Ds = class extends S {
+var wc = class extends S {
 	box = b();
 	plot = null;
 	componentDidMount() {
@@ -6124,8 +7456,8 @@ var Ds = class extends S {
 		a.replaceChildren();
 		let o = e.filter((e) => !e.error);
 		if (!o.length) return;
-		let s = getComputedStyle(a), c = s.getPropertyValue("--ink"), l = s.getPropertyValue("--line"), u = o.map((e, t) => s.getPropertyValue(t === o.length - 1 ? this.props.ink : Cs[(t + 3) % Cs.length])), d = o.map((e) => [e.t, e.y]), f = d.length === 1 ? d[0] : ys.join(d), p = o[o.length - 1].unit, m = o.flatMap((e) => e.impulses);
-		this.plot = new ys({
+		let s = getComputedStyle(a), c = s.getPropertyValue("--ink"), l = s.getPropertyValue("--line"), u = o.map((e, t) => s.getPropertyValue(t === o.length - 1 ? this.props.ink : bc[(t + 3) % bc.length])), d = o.map((e) => [e.t, e.y]), f = d.length === 1 ? d[0] : gc.join(d), p = o[o.length - 1].unit, m = o.flatMap((e) => e.impulses);
+		this.plot = new gc({
 			width: Math.max(n - 4, 200),
 			height: r ? 132 : 112,
 			padding: [
@@ -6147,7 +7479,7 @@ var Ds = class extends S {
 					time: !1,
 					range: () => t
 				},
-				y: { range: (e, t, n) => Os(t, n, m.length > 0) }
+				y: { range: (e, t, n) => Tc(t, n, m.length > 0) }
 			},
 			axes: [{
 				show: r,
@@ -6158,7 +7490,7 @@ var Ds = class extends S {
 				},
 				ticks: { stroke: l },
 				size: 26,
-				values: (e, t) => ks(t, "s")
+				values: (e, t) => Ec(t, "s")
 			}, {
 				stroke: c,
 				grid: {
@@ -6171,7 +7503,7 @@ var Ds = class extends S {
 				labelSize: 18,
 				labelFont: "11px sans-serif",
 				font: "10px sans-serif",
-				values: (e, t) => ks(t, p)
+				values: (e, t) => Ec(t, p)
 			}],
 			series: [{}, ...o.map((e, t) => ({
 				stroke: u[t],
@@ -6203,7 +7535,7 @@ var Ds = class extends S {
 			if (p < a || p > a + s) continue;
 			let m = l - Math.sign(f) * (.25 + .3 * Math.abs(f) / i) * c, h = Math.min(Math.max(m, o + 6 * d), o + c - 6 * d), g = Math.sign(h - l) || 1;
 			if (u.beginPath(), u.moveTo(p, l), u.lineTo(p, h), u.moveTo(p - 4 * d, h - 7 * d * g), u.lineTo(p, h), u.lineTo(p + 4 * d, h - 7 * d * g), u.stroke(), t.length <= 12) {
-				let e = `${B(f, r ? r + "s" : "")} δ`, t = p + 8 * d + u.measureText(e).width < a + s;
+				let e = `${z(f, r ? r + "s" : "")} δ`, t = p + 8 * d + u.measureText(e).width < a + s;
 				u.textAlign = t ? "left" : "right", u.fillText(e, p + (t ? 6 : -6) * d, (l + h) / 2);
 			}
 		}
@@ -6217,16 +7549,16 @@ var Ds = class extends S {
 	}
 	render({ name: e, curves: t, value: n, cursor: r }) {
 		let i = t.find((e) => e.error);
-		return /* @__PURE__ */ R("figure", {
+		return /* @__PURE__ */ L("figure", {
 			class: "trace",
 			"aria-label": `Plot of ${e}`,
 			children: [
-				/* @__PURE__ */ R("div", { ref: this.box }),
-				r !== null && /* @__PURE__ */ R("output", {
+				/* @__PURE__ */ L("div", { ref: this.box }),
+				r !== null && /* @__PURE__ */ L("output", {
 					class: "reading",
-					children: B(n, t.find((e) => !e.error)?.unit ?? "")
+					children: z(n, t.find((e) => !e.error)?.unit ?? "")
 				}),
-				i && /* @__PURE__ */ R("p", {
+				i && /* @__PURE__ */ L("p", {
 					class: "hint",
 					children: [
 						i.error.code,
@@ -6238,13 +7570,13 @@ var Ds = class extends S {
 		});
 	}
 };
-function Os(e, t, n) {
+function Tc(e, t, n) {
 	let [r, i] = [e ?? 0, t ?? 1];
 	n && ([r, i] = [Math.min(r, 0), Math.max(i, 0)]);
 	let a = .08 * (i - r) || .1 * Math.abs(r) || 1;
 	return [r - a, i + a];
 }
-function ks(e, t) {
+function Ec(e, t) {
 	let n = Math.max(...e.map(Math.abs)), r = [
 		1e9,
 		1e6,
@@ -6265,7 +7597,7 @@ function ks(e, t) {
 	}[r] ?? "", a = /^[A-Za-zΩ]+$/.test(t) && t !== "kg";
 	return e.map((e) => a ? `${+(e / r).toPrecision(5)} ${i}${t}` : `${+e.toPrecision(5)} ${t}`);
 }
-var As = [
+var Dc = [
 	"var(--s0)",
 	"var(--s1)",
 	"var(--s2)",
@@ -6275,21 +7607,21 @@ var As = [
 	"var(--s6)",
 	"var(--s7)"
 ];
-function js({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
+function Oc({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
 	if (!e.length) return null;
 	let a = (e) => 1e3 * (e - t) / (n - t || 1);
-	return /* @__PURE__ */ R("div", {
+	return /* @__PURE__ */ L("div", {
 		class: "strip",
 		children: [
-			/* @__PURE__ */ R("div", {
+			/* @__PURE__ */ L("div", {
 				class: "stripnames",
 				"aria-hidden": "true",
-				children: e.map((e) => /* @__PURE__ */ R("span", {
+				children: e.map((e) => /* @__PURE__ */ L("span", {
 					title: e.machine,
 					children: e.machine
 				}))
 			}),
-			/* @__PURE__ */ R("svg", {
+			/* @__PURE__ */ L("svg", {
 				viewBox: `0 0 1000 ${18 * e.length}`,
 				preserveAspectRatio: "none",
 				style: { height: `${18 * e.length}px` },
@@ -6299,24 +7631,24 @@ function js({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
 					let r = e.currentTarget.getBoundingClientRect();
 					i(t + (e.clientX - r.left) / r.width * (n - t));
 				},
-				children: [e.map((e, r) => /* @__PURE__ */ R("g", {
+				children: [e.map((e, r) => /* @__PURE__ */ L("g", {
 					transform: `translate(0,${r * 18})`,
-					children: [e.stays?.map(([r, i, o]) => /* @__PURE__ */ R("rect", {
+					children: [e.stays?.map(([r, i, o]) => /* @__PURE__ */ L("rect", {
 						x: a(Math.max(r, t)),
 						width: Math.max(.7, a(Math.min(i, n)) - a(Math.max(r, t))),
 						y: 1,
 						height: 16,
-						fill: As[o % As.length],
-						children: /* @__PURE__ */ R("title", { children: e.states[o] })
-					})), e.shares?.map((e, t) => e.map((n, r) => n > 0 ? /* @__PURE__ */ R("rect", {
+						fill: Dc[o % Dc.length],
+						children: /* @__PURE__ */ L("title", { children: e.states[o] })
+					})), e.shares?.map((e, t) => e.map((n, r) => n > 0 ? /* @__PURE__ */ L("rect", {
 						x: 1e3 * r / e.length,
 						width: 1e3 / e.length,
 						y: 1,
 						height: 16,
-						fill: As[t % As.length],
+						fill: Dc[t % Dc.length],
 						opacity: n
 					}) : null))]
-				})), r !== null && r >= t && r <= n && /* @__PURE__ */ R("line", {
+				})), r !== null && r >= t && r <= n && /* @__PURE__ */ L("line", {
 					class: "now",
 					x1: a(r),
 					x2: a(r),
@@ -6324,10 +7656,10 @@ function js({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
 					y2: 18 * e.length
 				})]
 			}),
-			/* @__PURE__ */ R("div", {
+			/* @__PURE__ */ L("div", {
 				class: "stripwords",
 				"aria-hidden": "true",
-				children: e.map((e, r) => e.stays?.filter(([e, r]) => a(Math.min(r, n)) - a(Math.max(e, t)) > 60).map(([i, o, s]) => /* @__PURE__ */ R("span", {
+				children: e.map((e, r) => e.stays?.filter(([e, r]) => a(Math.min(r, n)) - a(Math.max(e, t)) > 60).map(([i, o, s]) => /* @__PURE__ */ L("span", {
 					style: {
 						left: `${(a(Math.max(i, t)) + a(Math.min(o, n))) / 20}%`,
 						top: `${r * 18}px`
@@ -6339,20 +7671,20 @@ function js({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
 	});
 }
 // src/power.tsx
-var Ms = {
+var kc = {
 	C: ["gives back", "stores"],
 	I: ["gives back", "stores"],
 	R: ["gives", "dissipates"],
 	G: ["gives", "dissipates"],
 	Se: ["supplies", "absorbs"],
 	Sf: ["supplies", "absorbs"]
-}, [Ns, Ps, Fs, Is] = [
+}, [Ac, jc, Mc, Nc] = [
 	310,
 	17,
 	7,
 	10
 ];
-function Ls(e) {
+function Pc(e) {
 	let t = e.cursor?.values ?? {}, { nodes: n, bonds: r } = e.look.view, i = /* @__PURE__ */ new Map();
 	for (let e of r) {
 		let n = t[e.key];
@@ -6372,33 +7704,33 @@ function Ls(e) {
 		unknown: a.filter((e) => i.get(e.name) === null).map((e) => e.name)
 	};
 }
-function Rs({ store: e, state: t }) {
-	if (!t.cursor) return /* @__PURE__ */ R("p", {
+function Fc({ store: e, state: t }) {
+	if (!t.cursor) return /* @__PURE__ */ L("p", {
 		class: "hint",
 		children: "Run the model and choose a time in its plots."
 	});
-	let { found: n, unknown: r } = Ls(t), i = Math.max(0, ...n.map((e) => Math.abs(e.power))), a = n.filter((e) => Math.abs(e.power) > 1e-6 * i).sort((e, t) => Math.abs(t.power) - Math.abs(e.power)), o = a.filter((e) => e.power < 0), s = a.filter((e) => e.power > 0), c = (e) => e.reduce((e, t) => e + Math.abs(t.power), 0), l = Math.max(c(o), c(s)) || 1, u = Math.max(1, o.length, s.length) * (Ps + Fs) + 120, d = (u - Math.max(o.length, s.length) * Fs - 8) / l, f = (t) => e.set({
+	let { found: n, unknown: r } = Pc(t), i = Math.max(0, ...n.map((e) => Math.abs(e.power))), a = n.filter((e) => Math.abs(e.power) > 1e-6 * i).sort((e, t) => Math.abs(t.power) - Math.abs(e.power)), o = a.filter((e) => e.power < 0), s = a.filter((e) => e.power > 0), c = (e) => e.reduce((e, t) => e + Math.abs(t.power), 0), l = Math.max(c(o), c(s)) || 1, u = Math.max(1, o.length, s.length) * (jc + Mc) + 120, d = (u - Math.max(o.length, s.length) * Mc - 8) / l, f = (t) => e.set({
 		nodes: /* @__PURE__ */ new Set([t.name]),
 		bonds: /* @__PURE__ */ new Set()
 	}), p = (e, t) => {
 		let n = 4, r = 4;
 		return e.map((e) => {
 			let i = Math.abs(e.power) * d, [a, o] = [n, r];
-			n += Math.max(i, 1) + Fs, r += i;
-			let [s, c] = t ? [Is, Ns / 2 - Is / 2] : [Ns - Is, Ns / 2 + Is / 2], l = (s + c) / 2;
-			return /* @__PURE__ */ R("g", {
+			n += Math.max(i, 1) + Mc, r += i;
+			let [s, c] = t ? [Nc, Ac / 2 - Nc / 2] : [Ac - Nc, Ac / 2 + Nc / 2], l = (s + c) / 2;
+			return /* @__PURE__ */ L("g", {
 				class: "flow " + (t ? "gives" : "takes"),
 				onClick: () => f(e.node),
 				children: [
-					/* @__PURE__ */ R("path", { d: `M${s},${a}C${l},${a} ${l},${o} ${c},${o}V${o + i}C${l},${o + i} ${l},${a + i} ${s},${a + i}Z` }),
-					/* @__PURE__ */ R("rect", {
-						x: t ? 0 : Ns - Is,
+					/* @__PURE__ */ L("path", { d: `M${s},${a}C${l},${a} ${l},${o} ${c},${o}V${o + i}C${l},${o + i} ${l},${a + i} ${s},${a + i}Z` }),
+					/* @__PURE__ */ L("rect", {
+						x: t ? 0 : Ac - Nc,
 						y: a,
-						width: Is,
+						width: Nc,
 						height: Math.max(i, 1)
 					}),
-					/* @__PURE__ */ R("text", {
-						x: t ? Is + 4 : Ns - Is - 4,
+					/* @__PURE__ */ L("text", {
+						x: t ? Nc + 4 : Ac - Nc - 4,
 						y: a + Math.max(i, 1) / 2 + 4,
 						"text-anchor": t ? "start" : "end",
 						children: e.node.name
@@ -6407,78 +7739,78 @@ function Rs({ store: e, state: t }) {
 			});
 		});
 	};
-	return /* @__PURE__ */ R("section", {
+	return /* @__PURE__ */ L("section", {
 		class: "power-panel",
 		children: [
-			/* @__PURE__ */ R("h2", { children: ["Power at t = ", B(t.cursor.t, "s")] }),
-			a.length > 0 ? /* @__PURE__ */ R("svg", {
+			/* @__PURE__ */ L("h2", { children: ["Power at t = ", z(t.cursor.t, "s")] }),
+			a.length > 0 ? /* @__PURE__ */ L("svg", {
 				class: "sankey",
-				viewBox: `0 0 ${Ns} ${u}`,
+				viewBox: `0 0 ${Ac} ${u}`,
 				role: "img",
 				"aria-label": `Sankey diagram: ${o.map((e) => e.node.name).join(", ")} give, ${s.map((e) => e.node.name).join(", ")} take`,
 				children: [
 					p(o, !0),
 					p(s, !1),
-					/* @__PURE__ */ R("rect", {
+					/* @__PURE__ */ L("rect", {
 						class: "middle-bar",
-						x: Ns / 2 - Is / 2,
+						x: Ac / 2 - Nc / 2,
 						y: 4,
-						width: Is,
+						width: Nc,
 						height: l * d
 					})
 				]
-			}) : /* @__PURE__ */ R("p", {
+			}) : /* @__PURE__ */ L("p", {
 				class: "hint",
 				children: "No power flows."
 			}),
-			/* @__PURE__ */ R("table", { children: [/* @__PURE__ */ R("thead", { children: /* @__PURE__ */ R("tr", { children: [
-				/* @__PURE__ */ R("th", {
+			/* @__PURE__ */ L("table", { children: [/* @__PURE__ */ L("thead", { children: /* @__PURE__ */ L("tr", { children: [
+				/* @__PURE__ */ L("th", {
 					scope: "col",
 					children: "element"
 				}),
-				/* @__PURE__ */ R("th", {
+				/* @__PURE__ */ L("th", {
 					scope: "col",
 					children: "does"
 				}),
-				/* @__PURE__ */ R("th", {
+				/* @__PURE__ */ L("th", {
 					scope: "col",
 					children: "power"
 				})
-			] }) }), /* @__PURE__ */ R("tbody", { children: a.map((e) => /* @__PURE__ */ R("tr", {
+			] }) }), /* @__PURE__ */ L("tbody", { children: a.map((e) => /* @__PURE__ */ L("tr", {
 				class: t.nodes.has(e.node.name) ? "chosen" : "",
 				children: [
-					/* @__PURE__ */ R("td", { children: /* @__PURE__ */ R("button", {
+					/* @__PURE__ */ L("td", { children: /* @__PURE__ */ L("button", {
 						class: "link",
 						onClick: () => f(e.node),
 						children: e.node.name
 					}) }),
-					/* @__PURE__ */ R("td", { children: (Ms[e.node.kind] ?? ["gives", "takes"])[+(e.power > 0)] }),
-					/* @__PURE__ */ R("td", {
+					/* @__PURE__ */ L("td", { children: (kc[e.node.kind] ?? ["gives", "takes"])[+(e.power > 0)] }),
+					/* @__PURE__ */ L("td", {
 						class: "figure",
-						children: B(Math.abs(e.power), "W")
+						children: z(Math.abs(e.power), "W")
 					})
 				]
 			})) })] }),
-			r.length > 0 && /* @__PURE__ */ R("p", {
+			r.length > 0 && /* @__PURE__ */ L("p", {
 				class: "hint",
 				children: ["not determined: ", r.join(", ")]
 			}),
-			/* @__PURE__ */ R("p", {
+			/* @__PURE__ */ L("p", {
 				class: "hint",
 				children: [
 					"supplied and given back ",
-					B(c(o), "W"),
+					z(c(o), "W"),
 					", taken ",
-					B(c(s), "W")
+					z(c(s), "W")
 				]
 			})
 		]
 	});
 }
 // src/splitter.tsx
-function zs(e) {
+function Ic(e) {
 	let t = (t) => e.onChange(Math.round(Math.max(e.least, Math.min(e.most, t))));
-	return /* @__PURE__ */ R("div", {
+	return /* @__PURE__ */ L("div", {
 		class: "splitter " + (e.upright ? "upright" : "level"),
 		role: "separator",
 		tabindex: 0,
@@ -6507,14 +7839,14 @@ function zs(e) {
 	});
 }
 // src/schematic.tsx
-function Bs({ store: e, state: t }) {
-	let [n, r] = H(null), [i, a] = H(""), o = t.look, s = o.view.nodes.map((e) => `${e.x},${e.y}`).join(" ");
-	pt(() => {
+function Lc({ store: e, state: t }) {
+	let [n, r] = V(null), [i, a] = V(""), o = t.look, s = o.view.nodes.map((e) => `${e.x},${e.y}`).join(" ");
+	H(() => {
 		let t = !1;
 		return e.transport.ask("schematic", { level: o.view.path }).then((e) => {
 			t || (r(e), a(""));
 		}).catch((e) => {
-			t || (r(null), a(e instanceof Le ? `${e.problem.why}. ${e.problem.try ?? ""}` : String(e)));
+			t || (r(null), a(e instanceof Re ? `${e.problem.why}. ${e.problem.try ?? ""}` : String(e)));
 		}), () => {
 			t = !0;
 		};
@@ -6541,32 +7873,32 @@ function Bs({ store: e, state: t }) {
 		let i = o.view.nodes.find((e) => e.name === r);
 		n === "part" && i?.kind === "part" && i.known && e.open(t.level ? `${t.level}.${r}` : r);
 	};
-	return /* @__PURE__ */ R("section", {
+	return /* @__PURE__ */ L("section", {
 		class: "schematic",
 		"aria-label": "Schematic",
-		children: [i && /* @__PURE__ */ R("p", {
+		children: [i && /* @__PURE__ */ L("p", {
 			class: "hint",
 			children: i
-		}), n && /* @__PURE__ */ R("svg", {
+		}), n && /* @__PURE__ */ L("svg", {
 			viewBox: `0 0 ${n.width} ${n.height}`,
 			style: { maxWidth: `${n.width * 1.6}px` },
 			role: "img",
 			"aria-label": `Schematic: ${n.groups.filter((e) => e.name === "part").map((e) => e.key).join(", ")}`,
-			children: n.groups.map((e) => /* @__PURE__ */ R("g", {
+			children: n.groups.map((e) => /* @__PURE__ */ L("g", {
 				class: e.name + (l(e.name, e.key) ? " selected" : ""),
 				"data-schematic": e.key,
 				onClick: (t) => u(t, e.name, e.key),
 				onDblClick: () => d(e.name, e.key),
-				children: [e.about && /* @__PURE__ */ R("title", { children: e.about }), e.marks.map((e) => e.d === void 0 ? /* @__PURE__ */ R("text", {
+				children: [e.about && /* @__PURE__ */ L("title", { children: e.about }), e.marks.map((e) => e.d === void 0 ? /* @__PURE__ */ L("text", {
 					class: e.role,
 					x: e.x,
 					y: e.y,
 					"text-anchor": e.anchor,
 					children: e.text
-				}) : /* @__PURE__ */ R(x, { children: [/* @__PURE__ */ R("path", {
+				}) : /* @__PURE__ */ L(x, { children: [/* @__PURE__ */ L("path", {
 					class: "reach",
 					d: e.d
-				}), /* @__PURE__ */ R("path", {
+				}), /* @__PURE__ */ L("path", {
 					class: e.role,
 					d: e.d
 				})] }))]
@@ -6575,7 +7907,7 @@ function Bs({ store: e, state: t }) {
 	});
 }
 // src/app.tsx
-var Vs = [
+var Rc = [
 	["item", "Properties"],
 	["machines", "Machines"],
 	["model", "Model"],
@@ -6583,8 +7915,9 @@ var Vs = [
 	["table", "Table"],
 	["text", "Text"],
 	["equations", "Equations"],
-	["power", "Power"]
-], Hs = class extends S {
+	["power", "Power"],
+	["plan", "Sweep"]
+], zc = class extends S {
 	state = this.props.store.state;
 	stop = () => {};
 	componentDidMount() {
@@ -6627,39 +7960,39 @@ var Vs = [
 	};
 	render({ store: e }, t) {
 		let n = t.look;
-		if (!n) return /* @__PURE__ */ R("div", {
+		if (!n) return /* @__PURE__ */ L("div", {
 			class: "studio loading",
 			role: "status",
 			children: t.connected ? "Opening …" : "Connecting …"
 		});
 		let r = t.dark === null ? "" : t.dark ? " dark" : " light", i = n.problems.filter((e) => e.grave === "error").length, a = n.problems.length - i, o = [...t.nodes, ...[...t.bonds].map((e) => n.view.bonds.find((t) => t.key === e)?.text)].join(", ");
-		return /* @__PURE__ */ R("main", {
+		return /* @__PURE__ */ L("main", {
 			class: "studio" + r + (t.bottom ? " withbottom" : ""),
 			style: `--side: ${t.room.side}px; --low: ${t.room.low ? `${t.room.low}px` : "44%"}`,
 			children: [
-				/* @__PURE__ */ R(Ws, {
+				/* @__PURE__ */ L(Vc, {
 					store: e,
 					state: t,
 					errors: i
 				}),
-				/* @__PURE__ */ R("div", {
+				/* @__PURE__ */ L("div", {
 					class: "middle",
 					children: [
-						/* @__PURE__ */ R(vn, {
+						/* @__PURE__ */ L(vn, {
 							store: e,
 							state: t
 						}),
-						/* @__PURE__ */ R("div", {
+						/* @__PURE__ */ L("div", {
 							class: "canvases" + (t.schematic ? " two" : ""),
-							children: [/* @__PURE__ */ R(qe, {
+							children: [/* @__PURE__ */ L(Je, {
 								store: e,
 								state: t
-							}), t.schematic && /* @__PURE__ */ R(Bs, {
+							}), t.schematic && /* @__PURE__ */ L(Lc, {
 								store: e,
 								state: t
 							})]
 						}),
-						/* @__PURE__ */ R(zs, {
+						/* @__PURE__ */ L(Ic, {
 							upright: !0,
 							label: "Width of the panels",
 							value: t.room.side,
@@ -6671,60 +8004,64 @@ var Vs = [
 								side: n
 							} })
 						}),
-						/* @__PURE__ */ R("aside", {
+						/* @__PURE__ */ L("aside", {
 							class: "side" + (t.panel === "side" ? " open" : ""),
 							"aria-label": "Panels",
-							children: [/* @__PURE__ */ R("div", {
+							children: [/* @__PURE__ */ L("div", {
 								class: "tabs",
 								role: "tablist",
 								"aria-label": "Panels",
-								children: Vs.map(([r, a]) => /* @__PURE__ */ R("button", {
+								children: Rc.map(([r, a]) => /* @__PURE__ */ L("button", {
 									role: "tab",
 									id: `tab-${r}`,
 									"aria-controls": "panel",
 									"aria-selected": t.tab === r,
 									onClick: () => e.set({ tab: r }),
-									children: [a, r === "problems" && n.problems.length > 0 && /* @__PURE__ */ R("span", {
+									children: [a, r === "problems" && n.problems.length > 0 && /* @__PURE__ */ L("span", {
 										class: "count" + (i ? " error" : ""),
 										children: n.problems.length
 									})]
 								}))
-							}), /* @__PURE__ */ R("div", {
+							}), /* @__PURE__ */ L("div", {
 								class: "panel",
 								id: "panel",
 								role: "tabpanel",
 								"aria-labelledby": `tab-${t.tab}`,
 								tabindex: 0,
 								children: [
-									t.tab === "item" && /* @__PURE__ */ R(It, {
+									t.tab === "item" && /* @__PURE__ */ L(It, {
 										store: e,
 										state: t
 									}),
-									t.tab === "machines" && /* @__PURE__ */ R(Qt, {
+									t.tab === "machines" && /* @__PURE__ */ L(Qt, {
 										store: e,
 										state: t
 									}),
-									t.tab === "model" && /* @__PURE__ */ R(un, {
+									t.tab === "model" && /* @__PURE__ */ L(un, {
 										store: e,
 										state: t
 									}),
-									t.tab === "problems" && /* @__PURE__ */ R(mn, {
+									t.tab === "problems" && /* @__PURE__ */ L(mn, {
 										store: e,
 										state: t
 									}),
-									t.tab === "table" && /* @__PURE__ */ R(hn, {
+									t.tab === "table" && /* @__PURE__ */ L(hn, {
 										store: e,
 										state: t
 									}),
-									t.tab === "text" && /* @__PURE__ */ R(gn, {
+									t.tab === "text" && /* @__PURE__ */ L(gn, {
 										store: e,
 										state: t
 									}),
-									t.tab === "equations" && /* @__PURE__ */ R(At, {
+									t.tab === "equations" && /* @__PURE__ */ L(At, {
 										store: e,
 										state: t
 									}),
-									t.tab === "power" && /* @__PURE__ */ R(Rs, {
+									t.tab === "power" && /* @__PURE__ */ L(Fc, {
+										store: e,
+										state: t
+									}),
+									t.tab === "plan" && /* @__PURE__ */ L(Nn, {
 										store: e,
 										state: t
 									})
@@ -6733,46 +8070,46 @@ var Vs = [
 						})
 					]
 				}),
-				t.bottom && /* @__PURE__ */ R("div", {
+				t.bottom && /* @__PURE__ */ L("div", {
 					class: "bottom",
-					children: [
-						/* @__PURE__ */ R(zs, {
-							upright: !1,
-							label: "Height of the plots",
-							value: t.room.low || 320,
-							least: 120,
-							most: 900,
-							sign: -1,
-							onChange: (n) => e.set({ room: {
-								...t.room,
-								low: n
-							} })
-						}),
-						t.sweep ? /* @__PURE__ */ R(sn, {
-							store: e,
-							state: t
-						}) : /* @__PURE__ */ R(ws, {
-							store: e,
-							state: t
-						}),
-						/* @__PURE__ */ R(Tt, {
-							store: e,
-							state: t
-						})
-					]
+					children: [/* @__PURE__ */ L(Ic, {
+						upright: !1,
+						label: "Height of the plots",
+						value: t.room.low || 320,
+						least: 120,
+						most: 900,
+						sign: -1,
+						onChange: (n) => e.set({ room: {
+							...t.room,
+							low: n
+						} })
+					}), t.planShown && t.plan ? /* @__PURE__ */ L(ar, {
+						store: e,
+						state: t,
+						plan: t.plan
+					}) : /* @__PURE__ */ L(x, { children: [t.sweep ? /* @__PURE__ */ L(sn, {
+						store: e,
+						state: t
+					}) : /* @__PURE__ */ L(xc, {
+						store: e,
+						state: t
+					}), /* @__PURE__ */ L(Tt, {
+						store: e,
+						state: t
+					})] })]
 				}),
-				/* @__PURE__ */ R("footer", { children: [
-					/* @__PURE__ */ R("span", {
+				/* @__PURE__ */ L("footer", { children: [
+					/* @__PURE__ */ L("span", {
 						id: "chosen",
 						role: "status",
 						"aria-live": "polite",
 						children: o || (n.whole ? "" : "strokes of what is joined so far")
 					}),
-					/* @__PURE__ */ R(Us, {
+					/* @__PURE__ */ L(Bc, {
 						store: e,
 						state: t
 					}),
-					/* @__PURE__ */ R("button", {
+					/* @__PURE__ */ L("button", {
 						class: "verdict" + (i ? " error" : a ? " hint" : ""),
 						onClick: () => e.set({
 							tab: "problems",
@@ -6780,34 +8117,34 @@ var Vs = [
 						}),
 						children: i ? `${i} ${i === 1 ? "problem" : "problems"}: ${n.problems[0].code} ${n.problems[0].where}` : a ? `${a} hint${a > 1 ? "s" : ""}` : "fine"
 					}),
-					/* @__PURE__ */ R("button", {
+					/* @__PURE__ */ L("button", {
 						class: "verdict",
 						"aria-pressed": t.bottom,
 						onClick: () => e.set({ bottom: !t.bottom }),
 						children: "plots"
 					})
 				] }),
-				t.adding && n.view.editable && /* @__PURE__ */ R(yn, {
+				t.adding && n.view.editable && /* @__PURE__ */ L(yn, {
 					store: e,
 					state: t
 				}),
-				t.notice && /* @__PURE__ */ R("div", {
+				t.notice && /* @__PURE__ */ L("div", {
 					class: "notice",
 					role: "alert",
 					children: [
-						/* @__PURE__ */ R("b", { children: t.notice.code }),
+						/* @__PURE__ */ L("b", { children: t.notice.code }),
 						" ",
-						t.notice.where && /* @__PURE__ */ R("i", { children: [t.notice.where, ": "] }),
+						t.notice.where && /* @__PURE__ */ L("i", { children: [t.notice.where, ": "] }),
 						t.notice.why,
-						t.notice.try && /* @__PURE__ */ R("em", { children: [" Try: ", t.notice.try] }),
-						/* @__PURE__ */ R("button", {
+						t.notice.try && /* @__PURE__ */ L("em", { children: [" Try: ", t.notice.try] }),
+						/* @__PURE__ */ L("button", {
 							"aria-label": "Close this message",
 							onClick: () => e.set({ notice: null }),
 							children: "✕"
 						})
 					]
 				}),
-				!t.connected && /* @__PURE__ */ R("div", {
+				!t.connected && /* @__PURE__ */ L("div", {
 					class: "notice",
 					role: "alert",
 					children: "The studio does not answer. What you did is in the file; trying again …"
@@ -6816,79 +8153,79 @@ var Vs = [
 		});
 	}
 };
-function Us({ store: e, state: t }) {
+function Bc({ store: e, state: t }) {
 	let n = t.look.machines, r = t.cursor?.mode;
-	return n.length ? /* @__PURE__ */ R("span", {
+	return n.length ? /* @__PURE__ */ L("span", {
 		class: "modes",
 		children: [
-			t.cursor && /* @__PURE__ */ R("b", { children: [
+			t.cursor && /* @__PURE__ */ L("b", { children: [
 				"t = ",
 				+t.cursor.t.toPrecision(6),
 				" s"
 			] }),
-			n.slice(0, 8).map((t) => /* @__PURE__ */ R("label", { children: [t.path, /* @__PURE__ */ R("select", {
+			n.slice(0, 8).map((t) => /* @__PURE__ */ L("label", { children: [t.path, /* @__PURE__ */ L("select", {
 				"aria-label": `State of ${t.path} that is drawn`,
 				value: r?.[t.path] ?? t.state,
 				onChange: (n) => e.setMode(t.path, n.currentTarget.value),
-				children: t.states.map((e) => /* @__PURE__ */ R("option", { children: e }))
+				children: t.states.map((e) => /* @__PURE__ */ L("option", { children: e }))
 			})] })),
 			n.length > 8 && `and ${n.length - 8} more`
 		]
 	}) : null;
 }
-function Ws({ store: e, state: t, errors: n }) {
+function Vc({ store: e, state: t, errors: n }) {
 	let r = t.look, i = t.running, a = Number(r.panels.experiment.until) || t.run?.until || 1;
-	return /* @__PURE__ */ R("header", { children: [
-		/* @__PURE__ */ R(Gs, {
+	return /* @__PURE__ */ L("header", { children: [
+		/* @__PURE__ */ L(Hc, {
 			store: e,
 			state: t
 		}),
-		/* @__PURE__ */ R("h1", {
+		/* @__PURE__ */ L("h1", {
 			title: r.file,
 			children: r.title || r.file
 		}),
-		/* @__PURE__ */ R("span", {
+		/* @__PURE__ */ L("span", {
 			class: "saved" + (r.unsaved ? " error" : ""),
 			role: "status",
 			children: r.unsaved ? `not saved: ${r.unsaved}` : r.inMemory ? "in memory" : r.writable ? "saved" : "read only: open in another studio"
 		}),
-		/* @__PURE__ */ R("span", { class: "spring" }),
-		/* @__PURE__ */ R("button", {
+		/* @__PURE__ */ L("span", { class: "spring" }),
+		/* @__PURE__ */ L("button", {
 			class: "narrow",
 			"aria-label": "Palette",
 			"aria-pressed": t.panel === "palette",
 			onClick: () => e.set({ panel: t.panel === "palette" ? "" : "palette" }),
 			children: "＋"
 		}),
-		/* @__PURE__ */ R("button", {
+		/* @__PURE__ */ L("button", {
 			class: "narrow",
 			"aria-label": "Panels",
 			"aria-pressed": t.panel === "side",
 			onClick: () => e.set({ panel: t.panel === "side" ? "" : "side" }),
 			children: "☰"
 		}),
-		/* @__PURE__ */ R("button", {
+		/* @__PURE__ */ L("button", {
 			title: "Undo (Ctrl+Z)",
 			"aria-label": "Undo",
 			disabled: !r.canUndo,
 			onClick: e.undo,
 			children: "↶"
 		}),
-		/* @__PURE__ */ R("button", {
+		/* @__PURE__ */ L("button", {
 			title: "Redo (Ctrl+Y)",
 			"aria-label": "Redo",
 			disabled: !r.canRedo,
 			onClick: e.redo,
 			children: "↷"
 		}),
-		/* @__PURE__ */ R("button", {
+		/* @__PURE__ */ L("button", {
 			class: "wide",
 			disabled: !r.view.editable || !r.view.nodes.length,
 			title: "Lay out anew; selected elements stay where they are",
 			onClick: () => void e.ask("arrange", { keep: [...t.nodes] }),
 			children: "Arrange"
 		}),
-		/* @__PURE__ */ R("button", {
+		/* @__PURE__ */ L("button", {
 			class: "wide",
 			"aria-pressed": t.schematic,
 			title: "The schematic beside the bond graph",
@@ -6896,22 +8233,22 @@ function Ws({ store: e, state: t, errors: n }) {
 			onClick: () => e.set({ schematic: !t.schematic }),
 			children: "Schematic"
 		}),
-		i ? /* @__PURE__ */ R(x, { children: [/* @__PURE__ */ R("progress", {
+		i ? /* @__PURE__ */ L(x, { children: [/* @__PURE__ */ L("progress", {
 			"aria-label": "Progress of the run",
 			max: a,
 			value: i.t
-		}), /* @__PURE__ */ R("button", {
+		}), /* @__PURE__ */ L("button", {
 			class: "run",
 			onClick: e.cancel,
 			children: "Cancel"
-		})] }) : /* @__PURE__ */ R("button", {
+		})] }) : /* @__PURE__ */ L("button", {
 			class: "run",
 			disabled: n > 0,
 			title: "Run (Ctrl+Enter)",
 			onClick: () => void e.start(),
 			children: "▶ Run"
 		}),
-		/* @__PURE__ */ R("button", {
+		/* @__PURE__ */ L("button", {
 			"aria-label": "Dark or light",
 			title: "Dark or light",
 			onClick: () => e.set({ dark: !(t.dark ?? matchMedia("(prefers-color-scheme: dark)").matches) }),
@@ -6919,7 +8256,7 @@ function Ws({ store: e, state: t, errors: n }) {
 		})
 	] });
 }
-function Gs({ store: e, state: t }) {
+function Hc({ store: e, state: t }) {
 	let n = (e) => e.currentTarget.closest("details").removeAttribute("open"), r = (t) => {
 		e.set({
 			level: "",
@@ -6930,6 +8267,10 @@ function Gs({ store: e, state: t }) {
 			cursor: null,
 			instant: null,
 			plotted: [],
+			sweep: null,
+			plan: null,
+			planShown: !1,
+			asking: null,
 			bottom: !1
 		}), e.ask("open", {
 			...t,
@@ -6950,79 +8291,79 @@ function Gs({ store: e, state: t }) {
 			e.refused(t);
 		}
 	}, o = t.stock;
-	return /* @__PURE__ */ R("details", {
+	return /* @__PURE__ */ L("details", {
 		class: "menu",
-		children: [/* @__PURE__ */ R("summary", {
+		children: [/* @__PURE__ */ L("summary", {
 			"aria-label": "Menu",
 			children: "hybond"
-		}), /* @__PURE__ */ R("div", {
+		}), /* @__PURE__ */ L("div", {
 			class: "sheet",
 			onClick: (e) => e.target.tagName === "BUTTON" && n(e),
 			children: [
-				/* @__PURE__ */ R("button", {
+				/* @__PURE__ */ L("button", {
 					onClick: () => r({}),
 					children: "New model"
 				}),
-				/* @__PURE__ */ R("button", {
+				/* @__PURE__ */ L("button", {
 					onClick: i,
 					children: "Save as …"
 				}),
-				/* @__PURE__ */ R("hr", {}),
+				/* @__PURE__ */ L("hr", {}),
 				[
 					"svg",
 					"pdf",
 					"png",
 					"tex"
-				].map((e) => /* @__PURE__ */ R("button", {
+				].map((e) => /* @__PURE__ */ L("button", {
 					onClick: () => void a(e),
 					children: ["Picture as ", e === "tex" ? "TikZ" : e.toUpperCase()]
 				})),
-				/* @__PURE__ */ R("button", {
+				/* @__PURE__ */ L("button", {
 					onClick: () => void a("svg", !0),
 					children: "Schematic as SVG"
 				}),
-				/* @__PURE__ */ R("hr", {}),
-				/* @__PURE__ */ R("label", { children: [
+				/* @__PURE__ */ L("hr", {}),
+				/* @__PURE__ */ L("label", { children: [
 					"open",
 					" ",
-					/* @__PURE__ */ R("select", {
+					/* @__PURE__ */ L("select", {
 						"aria-label": "Open a file",
 						value: "",
 						onChange: (e) => {
 							r({ file: e.currentTarget.value }), n(e);
 						},
-						children: [/* @__PURE__ */ R("option", {
+						children: [/* @__PURE__ */ L("option", {
 							value: "",
 							children: "a file …"
-						}), o?.files.map((e) => /* @__PURE__ */ R("option", { children: e }))]
+						}), o?.files.map((e) => /* @__PURE__ */ L("option", { children: e }))]
 					})
 				] }),
-				/* @__PURE__ */ R("label", { children: [
+				/* @__PURE__ */ L("label", { children: [
 					"open",
 					" ",
-					/* @__PURE__ */ R("select", {
+					/* @__PURE__ */ L("select", {
 						"aria-label": "Open an example",
 						value: "",
 						onChange: (e) => {
 							r({ example: e.currentTarget.value }), n(e);
 						},
-						children: [/* @__PURE__ */ R("option", {
+						children: [/* @__PURE__ */ L("option", {
 							value: "",
 							children: "an example …"
-						}), o?.examples.map((e) => /* @__PURE__ */ R("option", { children: e }))]
+						}), o?.examples.map((e) => /* @__PURE__ */ L("option", { children: e }))]
 					})
 				] }),
-				/* @__PURE__ */ R("small", { children: ["hybond ", o?.version] })
+				/* @__PURE__ */ L("small", { children: ["hybond ", o?.version] })
 			]
 		})]
 	});
 }
 // src/widget.tsx
-function Ks({ model: e, el: t }) {
-	let n = new Re(), r = new Be(n), i = (e) => n.received(e);
-	return e.on("msg:custom", i), n.connected({ send: (t) => e.send(t) }), t.style.height = `${e.get("height")}px`, t.classList.add("hybond-widget"), L(/* @__PURE__ */ R(Hs, { store: r }), t), r.begin(), () => {
-		e.off("msg:custom", i), L(null, t);
+function Uc({ model: e, el: t }) {
+	let n = new ze(), r = new Ve(n), i = (e) => n.received(e);
+	return e.on("msg:custom", i), n.connected({ send: (t) => e.send(t) }), t.style.height = `${e.get("height")}px`, t.classList.add("hybond-widget"), I(/* @__PURE__ */ L(zc, { store: r }), t), r.begin(), () => {
+		e.off("msg:custom", i), I(null, t);
 	};
 }
-var qs = { render: Ks };
-export { qs as default, Ks as render };
+var Wc = { render: Uc };
+export { Wc as default, Uc as render };
