@@ -201,7 +201,7 @@ function Header({ store, state, errors }: { store: Store; state: State; errors: 
         {look.unsaved ? `not saved: ${look.unsaved}` : look.inMemory ? "in memory" : look.writable ? "saved" : "read only: open in another studio"}
       </span>
       <span class="spring" />
-      <button class="narrow" aria-label="Palette" aria-pressed={state.panel === "palette"} onClick={() => store.set({ panel: state.panel === "palette" ? "" : "palette" })}>＋</button>
+      <button class="narrow" aria-label="Palette" aria-pressed={state.panel === "palette"} onClick={() => store.set({ panel: state.panel === "palette" ? "" : "palette" })}>+</button>
       <button class="narrow" aria-label="Panels" aria-pressed={state.panel === "side"} onClick={() => store.set({ panel: state.panel === "side" ? "" : "side" })}>☰</button>
       <button title="Undo (Ctrl+Z)" aria-label="Undo" disabled={!look.canUndo} onClick={store.undo}>↶</button>
       <button title="Redo (Ctrl+Y)" aria-label="Redo" disabled={!look.canRedo} onClick={store.redo}>↷</button>

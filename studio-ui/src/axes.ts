@@ -72,7 +72,7 @@ export function named(name: string, unit: string): string {
 }
 
 export function said(v: number | null): string {
-  return v === null ? "none" : number(v, 5);
+  return v === null ? "none" : number(v, 5).replace(/\.?0+e/, "e");
 }
 
 const STOPS = ["440154", "482878", "3e4989", "31688e", "26828e", "1f9e89", "35b779", "6ece58", "b5de2b", "fde725"];

@@ -42,7 +42,7 @@ export function Outcomes({ found, wide, high, dark, chosen, choose, open }: Prop
     [e.width, e.height] = [across * dots, up * dots];
     c.setTransform(dots, 0, 0, dots, 0, 0);
     c.clearRect(0, 0, across, up);
-    const edge = getComputedStyle(e).getPropertyValue("--paper");
+    const edge = getComputedStyle(e).getPropertyValue("--off");
     found.number.forEach((v, k) => {
       if (found.members[k] < 0) return;
       c.fillStyle = colour(v);
@@ -59,7 +59,7 @@ export function Outcomes({ found, wide, high, dark, chosen, choose, open }: Prop
       c.arc(px(a), py(b), found.members.length > 2000 ? 2 : 3.6, 0, 7);
       c.fill();
       c.strokeStyle = edge;
-      c.lineWidth = 0.6;
+      c.lineWidth = 0.5;
       c.stroke();
     });
   }, [found, w, h, dark]);

@@ -120,7 +120,7 @@ export function PlanView({ store, state, plan }: { store: Store; state: State; p
       ) : seen.view === "sobol" ? (
         <Sobol found={seen} wide={wide} />
       ) : (
-        <Outcomes found={seen} wide={Math.min(wide, 3.4 * high)} high={high} dark={state.dark} chosen={chosen} choose={choose} open={open} />
+        <Outcomes found={seen} wide={Math.min(wide, 4 * high)} high={high} dark={state.dark} chosen={chosen} choose={choose} open={open} />
       )}
     </section>
   );

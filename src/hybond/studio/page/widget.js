@@ -3753,7 +3753,7 @@ function En(e, t) {
 	return t ? `${e} [${t}]` : e;
 }
 function K(e) {
-	return e === null ? "none" : He(e, 5);
+	return e === null ? "none" : He(e, 5).replace(/\.?0+e/, "e");
 }
 var Dn = [
 	"440154",
@@ -4404,7 +4404,7 @@ function er({ found: e, wide: t, high: n, dark: r, chosen: i, choose: a, open: o
 		if (!t || !n) return;
 		let r = devicePixelRatio || 1;
 		[t.width, t.height] = [p * r, m * r], n.setTransform(r, 0, 0, r, 0, 0), n.clearRect(0, 0, p, m);
-		let i = getComputedStyle(t).getPropertyValue("--paper");
+		let i = getComputedStyle(t).getPropertyValue("--off");
 		e.number.forEach((t, a) => {
 			if (e.members[a] < 0) return;
 			if (n.fillStyle = T(t), v) {
@@ -4413,7 +4413,7 @@ function er({ found: e, wide: t, high: n, dark: r, chosen: i, choose: a, open: o
 				return;
 			}
 			let [o, s] = x(a);
-			o !== null && s !== null && (n.beginPath(), n.arc(y(o), b(s), e.members.length > 2e3 ? 2 : 3.6, 0, 7), n.fill(), n.strokeStyle = i, n.lineWidth = .6, n.stroke());
+			o !== null && s !== null && (n.beginPath(), n.arc(y(o), b(s), e.members.length > 2e3 ? 2 : 3.6, 0, 7), n.fill(), n.strokeStyle = i, n.lineWidth = .5, n.stroke());
 		});
 	}, [
 		e,
@@ -4702,7 +4702,7 @@ function ar({ store: e, state: t, plan: n }) {
 				wide: s
 			}) : /* @__PURE__ */ L(er, {
 				found: d,
-				wide: Math.min(s, 3.4 * v),
+				wide: Math.min(s, 4 * v),
 				high: v,
 				dark: t.dark,
 				chosen: a,
@@ -8195,7 +8195,7 @@ function Vc({ store: e, state: t, errors: n }) {
 			"aria-label": "Palette",
 			"aria-pressed": t.panel === "palette",
 			onClick: () => e.set({ panel: t.panel === "palette" ? "" : "palette" }),
-			children: "＋"
+			children: "+"
 		}),
 		/* @__PURE__ */ L("button", {
 			class: "narrow",
