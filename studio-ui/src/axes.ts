@@ -1,6 +1,6 @@
 /** Scales and ticks of the views of sweeps. No numbers of a sweep are computed here. */
 import type { AxisOf } from "./messages";
-import { number } from "./store";
+import { number } from "./quantities";
 
 /** `a..b` of `a..b` and `a..b:11`, null of anything else. */
 export function span(values: string): string | null {

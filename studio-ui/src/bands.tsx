@@ -1,7 +1,7 @@
 /** A curve of many runs: some of them, the median, and bands of quantiles. */
 import { ends, named, said, scale } from "./axes";
 import type { FamilyOf } from "./messages";
-import { quantity } from "./store";
+import { quantity } from "./quantities";
 
 interface Props {
   found: FamilyOf;

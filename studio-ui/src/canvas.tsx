@@ -4,7 +4,8 @@ import { BondShapeView, CELL, NodeShape, boxOf, joint, pixels, portSides } from 
 import { bondShape, nodeOf, sides, type Point } from "./geometry";
 import type { GraphNode, Strokes } from "./messages";
 import { InstantShown, Minimap, nearest, type Sight } from "./overlays";
-import { quantity, type State, type Store } from "./store";
+import { quantity } from "./quantities";
+import type { State, Store } from "./store";
 
 type Gesture =
   | { kind: "press"; node: string; start: Point; at: Point; id: number; add: boolean }

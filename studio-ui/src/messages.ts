@@ -370,3 +370,16 @@ export interface MemberOf {
   sets: Record<string, string | number>;
   row: Record<string, string | number | null> | null;
 }
+
+/** Which view of a sweep is shown, and of what. */
+export interface Choice {
+  view: string;
+  x: string;
+  y: string;
+  value: string;
+  curve: string;
+  /** At which level of the factors that are neither across nor up. */
+  at: Record<string, number>;
+  /** The first row of the table. */
+  first: number;
+}

@@ -2,7 +2,8 @@
 import type { Point } from "./geometry";
 import type { GraphNode } from "./messages";
 import { CELL } from "./shapes";
-import { quantity, type State, type Store } from "./store";
+import { quantity } from "./quantities";
+import type { State, Store } from "./store";
 
 /** The part of the graph that is in sight: where its origin is, and how large a pixel of it. */
 export interface Sight {

@@ -3,19 +3,9 @@ import { useEffect, useRef, useState } from "preact/hooks";
 import { said } from "./axes";
 import { Bands } from "./bands";
 import { Sobol, Tornado } from "./bars";
-import type { MemberOf, PlanNow, Problem, TableOf, ViewOf } from "./messages";
+import type { Choice, MemberOf, PlanNow, Problem, TableOf, ViewOf } from "./messages";
 import { Outcomes } from "./outcomes";
 import type { State, Store } from "./store";
-
-interface Choice {
-  view: string;
-  x: string;
-  y: string;
-  value: string;
-  curve: string;
-  at: Record<string, number>;
-  first: number;
-}
 
 const VIEWS: [string, string][] = [
   ["map", "Map"],
@@ -33,14 +23,9 @@ const NARROW = "(max-width: 760px)";
 const PICTURE = 500;
 
 export function PlanView({ store, state, plan }: { store: Store; state: State; plan: PlanNow }) {
-  const [choice, setChoice] = useState<Choice>(() => first(plan));
-  const [chosen, choose] = useState<number | null>(null);
+  const { choice, chosen } = state.looked?.plan === plan.plan ? state.looked : { choice: first(plan), chosen: null };
   const [[wide, low], setRoom] = useState<[number, number]>([700, 340]);
   const box = useRef<HTMLDivElement>(null);
-  useEffect(() => {
-    setChoice(first(plan));
-    choose(null);
-  }, [plan.plan]);
   useEffect(() => {
     const e = box.current;
     if (!e) return;
@@ -49,7 +34,8 @@ export function PlanView({ store, state, plan }: { store: Store; state: State; p
     return () => watch.disconnect();
   }, []);
   const [seen, refused] = useSeen(store, plan, choice);
-  const set = (patch: Partial<Choice>) => setChoice({ ...choice, ...patch });
+  const set = (patch: Partial<Choice>) => store.set({ looked: { plan: plan.plan, choice: { ...choice, ...patch }, chosen } });
+  const choose = (member: number) => store.set({ looked: { plan: plan.plan, choice, chosen: member } });
   const numeric = [...plan.factors.filter((f) => f.number).map((f) => f.path), ...plan.columns.filter((c) => c.kind === "number" || c.kind === "whole").map((c) => c.name)];
   const single = plan.columns.filter((c) => c.kind !== "curve").map((c) => c.name);
   const pick = (label: string, key: "x" | "y" | "value" | "curve", names: string[]) => (

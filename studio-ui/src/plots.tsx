@@ -5,7 +5,8 @@ import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import type { Curve, Lane, RunSummary, SoFar } from "./messages";
 import { PhasePlane } from "./phase";
-import { quantity, type State, type Store } from "./store";
+import { quantity } from "./quantities";
+import type { State, Store } from "./store";
 
 const INKS = ["--c1", "--c2", "--c3", "--c4", "--c5", "--c6"];
 

@@ -1,6 +1,7 @@
 /** Who gives power and who takes it at the time cursor, as a Sankey diagram and as a table. */
 import type { GraphNode } from "./messages";
-import { quantity, type State, type Store } from "./store";
+import { quantity } from "./quantities";
+import type { State, Store } from "./store";
 
 interface Props {
   store: Store;

@@ -1,5 +1,5 @@
 /** All that the page knows, and what can be done with it. No drawing here. */
-import type { Cursor, Instant, Look, Place, Problem, RunSummary, Member, PlanForm, PlanNow, SoFar, Stock, Swept } from "./messages";
+import type { Choice, Cursor, Instant, Look, Place, Problem, RunSummary, Member, PlanForm, PlanNow, SoFar, Stock, Swept } from "./messages";
 import { shared } from "./sharing";
 import { Refused, type Transport } from "./transport";
 
@@ -27,6 +27,8 @@ export interface State {
   plan: PlanNow | null;
   /** Whether its views are shown below, in place of plots. */
   planShown: boolean;
+  /** Which of its views, and which run is chosen; null before anything is. */
+  looked: { plan: number; choice: Choice; chosen: number | null } | null;
   /** The plots of a run that goes on. */
   soFar: SoFar | null;
   cursor: Cursor | null;
@@ -66,6 +68,7 @@ const BEGIN: State = {
   asking: null,
   plan: null,
   planShown: false,
+  looked: null,
   cursor: null,
   instant: null,
   plotted: [],
@@ -372,30 +375,4 @@ export class Store {
     this.set({ instant: { event, step } });
     void this.moveCursor(event.t, step < event.steps.length - 1 ? "left" : "right", event.steps[step].mode);
   }
-}
-
-export function number(v: number | null, digits = 4): string {
-  if (v === null) return "—";
-  if (v === 0) return "0";
-  const size = Math.abs(v);
-  return size >= 1e5 || size < 1e-3 ? v.toExponential(digits - 1) : String(+v.toPrecision(digits));
-}
-
-const PREFIXES: [number, string][] = [
-  [1e9, "G"],
-  [1e6, "M"],
-  [1e3, "k"],
-  [1, ""],
-  [1e-3, "m"],
-  [1e-6, "µ"],
-  [1e-9, "n"],
-  [1e-12, "p"],
-];
-
-/** A value with an engineering prefix: 1.2 kV. */
-export function quantity(v: number | null, unit: string): string {
-  if (v === null) return "—";
-  if (v === 0 || !/^[A-Za-zΩ]+$/.test(unit) || unit === "kg") return `${number(v)} ${unit}`.trim();
-  const [factor, prefix] = PREFIXES.find(([f]) => Math.abs(v) >= f * (1 - 1e-9)) ?? PREFIXES[PREFIXES.length - 1];
-  return `${+(v / factor).toPrecision(4)} ${prefix}${unit}`.trim();
 }

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 import subprocess
 import sys
@@ -338,7 +339,57 @@ def test_the_rod_falls_through_its_two_mythical_modes(
     assert len(page.all(".modemap g")) == 7
     page.all(".modemap g")[3].click()
     page.until(lambda: page.one(".family .way.chosen"), "one member is chosen")
+    # friction and inertia together: each pixel of the map says on which side of the boundary it is
+    page.click("#tab-plan")
+    page.write('input[aria-label="Values of factor 1"]', "0.2:0.4:0.02")
+    next(b for b in page.all(".plan button") if b.text == "Add a factor").click()
+    page.write('input[aria-label="Factor 2"]', "J")
+    page.write('input[aria-label="Values of factor 2"]', "0.61:1.81:0.1")
+    page.write('input[aria-label="Until of the sweep"]', "0.45 s")
+    page.write('input[aria-label="Collect"]', "sequence, fnal(w.f)")
+    page.until(lambda: "did you mean 'final'" in page.one(".plan .wrong").text, "told at its place")
+    page.write('input[aria-label="Collect"]', "sequence, final(w.f)")
+    page.until(lambda: page.one(".plan button.run").text == "▶ Run 143 members", "the plan")
+    command = page.until(lambda: page.one(".plan .command code").text, "nothing is wrong")
+    assert "--vary J=0.61:1.81:0.1 --until '0.45 s'" in command
+    page.click(".plan button.run")
+    page.until(lambda: "143 runs" in page.one(".planned [role=status]").text, "the sweep ends")
+    keys = page.until(
+        lambda: len(page.all(".outcomes .key")) == 2 and page.all(".outcomes .key"), "both regions"
+    )
+    inks = {k.text.strip(): k.find_element("css selector", "i") for k in keys}
+    colours = {n: i.value_of_css_property("background-color") for n, i in inks.items()}
+    assert sorted(colours) == ["free > left", "free > stuck"]
+    checked = 0
+    for (mu, inertia), ink in drawn(page):
+        boundary = math.sin(0.85) * math.cos(0.85) / mu - math.sin(0.85) ** 2
+        if abs(inertia - boundary) < 0.15:  # within a cell and its neighbour
+            continue
+        side = "free > stuck" if inertia > boundary else "free > left"
+        assert colours[side].startswith(f"rgba({ink}") or colours[side] == f"rgb({ink})"
+        checked += 1
+    assert checked > 300
+    # a click on the map opens the run behind it
+    page.click(".outcomes canvas")
+    page.until(lambda: "mu = 0.3, J = 1.21" in page.one(".plots .own").text, "the member's run")
+    page.until(lambda: page.all("[data-event]"), "and its events")
+    page.click(".plots .plotbar button")
+    page.until(lambda: page.one(".outcomes circle.chosen"), "back at the map")
     assert not page.complaints()
+
+
+def drawn(page: Page) -> list[tuple[tuple[float, float], str]]:
+    """Return places on a map of outcomes, in the units of its axes, and the colours there."""
+    found = page.driver.execute_script(
+        "const c = document.querySelector('.outcomes canvas'), g = c.getContext('2d');"
+        "const found = [], [a, b, d, e] = JSON.parse(c.dataset.span);"
+        "for (let i = 0.5; i < 24; i++) for (let j = 0.5; j < 24; j++) {"
+        "  const p = g.getImageData(c.width * i / 24, c.height * j / 24, 1, 1).data;"
+        "  found.push([[a + (b - a) * i / 24, e - (e - d) * j / 24], `${p[0]}, ${p[1]}, ${p[2]}`]);"
+        "}"
+        "return found;"
+    )
+    return [((x, y), ink) for (x, y), ink in found]
 
 
 def test_the_schematic_stands_beside_the_bond_graph_with_one_selection(
@@ -420,6 +471,16 @@ def test_axe_finds_nothing_serious_in_light_and_dark(
     page.click(".sweepfields button")
     page.until(lambda: "15 runs" in page.one(".sweep [role=status]").text, "the sweep ends")
     look("sweep")
+    page.click("#tab-plan")
+    page.until(lambda: page.one(".plan button.run").is_enabled(), "a plan to begin with")
+    look("plan")
+    page.click(".plan button.run")
+    page.until(lambda: page.one(".planned [role=status]"), "it ends")
+    page.until(lambda: page.one(".outcomes .key"), "its picture")
+    look("scatter")
+    next(b for b in page.all(".choices button") if b.text == "Table").click()
+    page.until(lambda: page.one(".planned td"), "its table")
+    look("table of the sweep")
     page.click('header button[aria-label="Dark or light"]')
     look("dark")
     assert not any(found.values()), found

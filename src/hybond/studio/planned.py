@@ -145,6 +145,11 @@ class Plans:
         if self.current is not None:
             self.current.cancelled.set()
 
+    def forget(self) -> None:
+        """Stop what runs, and let go of it: it was of another model."""
+        self.cancel()
+        self.current = None
+
     def _run(self, planned: Planned, look: Callable[[], None]) -> None:
         due = 0.0
 

@@ -302,6 +302,7 @@ class Session:
             self._take(self._open(self._inside(str(message["file"])), EMPTY))
         else:
             self._take(self._open(None, EMPTY))
+        self.plans.forget()
         return self._changed(message)
 
     def save_as(self, message: Mapping[str, Any]) -> Message:

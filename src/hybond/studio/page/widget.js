@@ -693,437 +693,14 @@ var Ie = class extends S {
 		});
 	}
 };
-// src/sharing.ts
-function Le(e, t) {
-	if (e === t || typeof t != "object" || !t || typeof e != "object" || !e || Array.isArray(e) !== Array.isArray(t)) return t;
-	let [n, r] = [e, t], i = Object.keys(r), a = i.length === Object.keys(n).length;
-	for (let e of i) {
-		let t = Le(n[e], r[e]);
-		r[e] = t, a &&= t === n[e] && e in n;
-	}
-	return a ? e : t;
-}
-// src/transport.ts
-var Re = class extends Error {
-	problem;
-	constructor(e) {
-		super(e.why), this.problem = e;
-	}
-}, ze = class {
-	count = 0;
-	waiting = /* @__PURE__ */ new Map();
-	held = [];
-	carrier = null;
-	onTold = () => {};
-	client = Math.random().toString(36).slice(2, 10);
-	ask(e, t = {}) {
-		let n = ++this.count, r = {
-			...t,
-			id: n,
-			ask: e,
-			client: this.client
-		};
-		return new Promise((e, t) => {
-			this.waiting.set(n, {
-				done: e,
-				failed: t
-			}), this.carrier ? this.carrier.send(r) : this.held.push(r);
-		});
-	}
-	connected(e) {
-		this.carrier = e;
-		let t = this.held;
-		this.held = [];
-		for (let n of t) e.send(n);
-	}
-	lost() {
-		this.carrier = null;
-		for (let { failed: e } of this.waiting.values()) e(/* @__PURE__ */ Error("the studio was left"));
-		this.waiting.clear();
-	}
-	received(e) {
-		if (typeof e.id == "number") {
-			let t = this.waiting.get(e.id);
-			if (this.waiting.delete(e.id), !t) return;
-			e.error ? t.failed(new Re(e.error)) : t.done(e);
-		} else this.onTold(e);
-	}
-}, Be = {
-	connected: !1,
-	look: null,
-	stock: null,
-	level: "",
-	mode: null,
-	nodes: /* @__PURE__ */ new Set(),
-	bonds: /* @__PURE__ */ new Set(),
-	tab: "item",
-	bondFrom: null,
-	drawing: !1,
-	notice: null,
-	run: null,
-	runs: [],
-	running: null,
-	soFar: null,
-	sweep: null,
-	asking: null,
-	plan: null,
-	planShown: !1,
-	cursor: null,
-	instant: null,
-	plotted: [],
-	span: [0, 1],
-	adding: !1,
-	bottom: !1,
-	panel: "",
-	dark: null,
-	flowing: !1,
-	phase: !1,
-	schematic: !1,
-	room: {
-		side: 340,
-		low: 0
-	}
-}, Ve = class {
-	transport;
-	state = Be;
-	listeners = /* @__PURE__ */ new Set();
-	queue = Promise.resolve();
-	constructor(e) {
-		this.transport = e, e.onTold = (e) => this.told(e);
-	}
-	subscribe(e) {
-		return this.listeners.add(e), () => this.listeners.delete(e);
-	}
-	set(e) {
-		this.state = {
-			...this.state,
-			...e
-		};
-		for (let e of this.listeners) e();
-	}
-	async begin() {
-		this.set({ connected: !0 }), await this.look(), this.state.stock || this.set({ stock: await this.transport.ask("stock") });
-		let { runs: e } = await this.transport.ask("runs");
-		this.set({ runs: e });
-		let t = e[e.length - 1];
-		t && !this.state.run && this.show(t);
-		let { now: n } = await this.transport.ask("plan state");
-		this.set({ plan: n });
-	}
-	where() {
-		return {
-			level: this.state.level,
-			mode: this.state.mode
-		};
-	}
-	async look() {
-		await this.taking(this.transport.ask("look", this.where()));
-	}
-	async taking(e) {
-		try {
-			let t = await e;
-			return this.take(t), t;
-		} catch (e) {
-			return this.refused(e), null;
-		}
-	}
-	refused(e) {
-		e instanceof Re ? this.set({ notice: e.problem }) : this.state.connected && this.set({ notice: {
-			code: "",
-			where: "",
-			why: String(e),
-			try: ""
-		} });
-	}
-	take(e) {
-		let t = Le(this.state.look, e), n = new Set(t.view.nodes.map((e) => e.name)), r = new Set(t.view.bonds.map((e) => e.key));
-		this.set({
-			look: t,
-			level: t.view.path,
-			nodes: new Set([...this.state.nodes].filter((e) => n.has(e))),
-			bonds: new Set([...this.state.bonds].filter((e) => r.has(e))),
-			bondFrom: this.state.bondFrom && n.has(this.state.bondFrom) ? this.state.bondFrom : null
-		});
-	}
-	told(e) {
-		if (e.tell === "changed") e.by !== this.transport.client && e.revision !== this.state.look?.revision && this.look();
-		else if (e.tell === "progress") this.set({ running: e });
-		else if (e.tell === "sweeping") this.set({
-			sweep: {
-				...e,
-				members: [],
-				done: !1
-			},
-			planShown: !1,
-			bottom: !0
-		});
-		else if (e.tell === "member" || e.tell === "swept") {
-			let { sweep: t } = this.state;
-			if (t?.sweep !== e.sweep || !t) return;
-			let n = [...t.members];
-			e.tell === "member" && (n[e.member] = e), this.set({ sweep: {
-				...t,
-				members: n,
-				done: e.tell === "swept"
-			} });
-		} else if (e.tell === "planning") {
-			let { plan: t } = this.state;
-			t?.plan === e.plan && this.set({ plan: {
-				...t,
-				...e
-			} });
-		} else if (e.tell === "partial") this.set({ soFar: e });
-		else if (e.tell === "finished") {
-			let t = e;
-			this.set({
-				running: null,
-				soFar: null,
-				runs: [...this.state.runs.filter((e) => e.run !== t.run), t]
-			}), this.show(t), t.error && this.set({ notice: t.error });
-		} else e.tell === "saved" && this.state.look && this.set({ look: {
-			...this.state.look,
-			unsaved: String(e.unsaved)
-		} });
-	}
-	show(e) {
-		let t = this.state.plotted.filter((t) => e.names?.includes(t));
-		this.set({
-			run: e,
-			plotted: t.length ? this.state.plotted : (e.plot ?? []).slice(0, 4),
-			span: [e.tBegin ?? 0, e.tEnd ?? 1],
-			cursor: null,
-			instant: null,
-			bottom: !0
-		});
-	}
-	edit(e) {
-		let t = this.queue.then(() => this.taking(this.transport.ask("edit", {
-			...this.where(),
-			edit: {
-				level: this.state.level,
-				...e
-			}
-		})));
-		return this.queue = t, this.set({
-			cursor: null,
-			instant: null
-		}), t;
-	}
-	ask(e, t = {}) {
-		let n = this.queue.then(() => this.taking(this.transport.ask(e, {
-			...this.where(),
-			...t
-		})));
-		return this.queue = n, n;
-	}
-	undo = () => this.ask("undo");
-	redo = () => this.ask("redo");
-	async add(e, t, n) {
-		let r = new Set(this.state.look?.view.nodes.map((e) => e.name)), i = n ?? this.freePlace(), a = (await this.edit({
-			do: "add",
-			element: e,
-			stem: t,
-			at: i
-		}))?.view.nodes.find((e) => !r.has(e.name));
-		a && this.set({
-			nodes: /* @__PURE__ */ new Set([a.name]),
-			bonds: /* @__PURE__ */ new Set(),
-			tab: "item"
-		});
-	}
-	freePlace() {
-		let e = this.state.look?.view.nodes ?? [];
-		if (!e.length) return [0, 0];
-		let t = e.find((e) => this.state.nodes.has(e.name)) ?? e[e.length - 1], n = (t, n) => e.some((e) => Math.abs(e.x - t) < .6 && Math.abs(e.y - n) < .6), r = Math.round(t.x), i = Math.round(t.y);
-		for (let [e, t] of [
-			[1, 0],
-			[0, -1],
-			[0, 1],
-			[-1, 0],
-			[1, -1],
-			[1, 1],
-			[2, 0]
-		]) if (!n(r + e, i + t)) return [r + e, i + t];
-		for (let e = 3;; e++) if (!n(r + e, i)) return [r + e, i];
-	}
-	async bond(e, t) {
-		let n = new Set(this.state.look?.view.bonds.map((e) => e.key)), r = (await this.edit({
-			do: "bond",
-			tail: e,
-			head: t
-		}))?.view.bonds.find((e) => !n.has(e.key));
-		r && this.set({
-			bonds: /* @__PURE__ */ new Set([r.key]),
-			nodes: /* @__PURE__ */ new Set()
-		}), this.set({ bondFrom: null });
-	}
-	remove() {
-		let { nodes: e, bonds: t } = this.state;
-		(e.size || t.size) && this.edit({
-			do: "remove",
-			names: [...e],
-			bonds: [...t]
-		});
-	}
-	reverse() {
-		this.state.bonds.size && this.edit({
-			do: "reverse",
-			bonds: [...this.state.bonds]
-		});
-	}
-	async copy() {
-		let e = [...this.state.nodes];
-		if (!e.length) return "";
-		let { text: t } = await this.transport.ask("copy", {
-			...this.where(),
-			names: e
-		});
-		return t;
-	}
-	async duplicate() {
-		let e = await this.copy();
-		e && await this.paste(e);
-	}
-	async paste(e) {
-		let t = await this.ask("paste", {
-			text: e,
-			by: [1, 1]
-		});
-		t?.pasted && this.set({
-			nodes: new Set(t.pasted),
-			bonds: /* @__PURE__ */ new Set()
-		});
-	}
-	open(e) {
-		this.set({
-			level: e,
-			nodes: /* @__PURE__ */ new Set(),
-			bonds: /* @__PURE__ */ new Set(),
-			cursor: null,
-			instant: null
-		}), this.look();
-	}
-	setMode(e, t) {
-		let n = Object.fromEntries((this.state.look?.machines ?? []).map((e) => [e.path, e.state]));
-		this.set({
-			mode: {
-				...n,
-				[e]: t
-			},
-			cursor: null,
-			instant: null
-		}), this.look();
-	}
-	select(e) {
-		e && (this.set({
-			nodes: new Set(e.nodes ?? []),
-			bonds: new Set(e.bonds ?? [])
-		}), e.entry?.[0] === "machines" ? this.set({ tab: "machines" }) : e.entry && this.set({ tab: "model" }));
-	}
-	async start(e) {
-		try {
-			let { run: t } = await this.transport.ask("run", {
-				...e ? { until: e } : {},
-				names: this.state.plotted
-			});
-			this.state.runs.some((e) => e.run === t) || this.set({
-				running: {
-					run: t,
-					t: 0,
-					events: 0
-				},
-				soFar: null,
-				sweep: null,
-				planShown: !1,
-				bottom: !0
-			});
-		} catch (e) {
-			this.refused(e);
-		}
-	}
-	async sweepPlan(e) {
-		try {
-			let t = await this.transport.ask("plan begin", e);
-			this.set({
-				plan: t,
-				planShown: !0,
-				bottom: !0,
-				panel: ""
-			});
-		} catch (e) {
-			this.refused(e);
-		}
-	}
-	async openMember(e) {
-		try {
-			let { run: t } = await this.transport.ask("plan open", {
-				plan: this.state.plan?.plan,
-				member: e,
-				names: this.state.plotted
-			});
-			this.state.runs.some((e) => e.run === t) || this.set({
-				running: {
-					run: t,
-					t: 0,
-					events: 0
-				},
-				soFar: null
-			}), this.set({
-				sweep: null,
-				planShown: !1,
-				bottom: !0
-			});
-		} catch (e) {
-			this.refused(e);
-		}
-	}
-	async sweep(e) {
-		try {
-			return await this.transport.ask("sweep", {
-				...e,
-				names: this.state.plotted
-			}), !0;
-		} catch (e) {
-			return this.refused(e), !1;
-		}
-	}
-	cancel = () => void this.transport.ask("cancel").catch(() => {});
-	cursorCount = 0;
-	async moveCursor(e, t = "right", n) {
-		let r = this.state.run;
-		if (!r) return;
-		let i = ++this.cursorCount;
-		try {
-			let a = await this.transport.ask("cursor", {
-				run: r.run,
-				t: e,
-				side: t,
-				mode: n ?? null,
-				level: this.state.level,
-				names: this.state.plotted
-			}), o = Le(this.state.cursor?.strokes ?? this.state.look?.strokes, a.strokes);
-			i === this.cursorCount && this.set({ cursor: {
-				...a,
-				strokes: o
-			} });
-		} catch (e) {
-			this.refused(e);
-		}
-	}
-	showInstant(e, t) {
-		this.set({ instant: {
-			event: e,
-			step: t
-		} }), this.moveCursor(e.t, t < e.steps.length - 1 ? "left" : "right", e.steps[t].mode);
-	}
-};
-function He(e, t = 4) {
+// src/quantities.ts
+function Le(e, t = 4) {
 	if (e === null) return "—";
 	if (e === 0) return "0";
 	let n = Math.abs(e);
 	return n >= 1e5 || n < .001 ? e.toExponential(t - 1) : String(+e.toPrecision(t));
 }
-var Ue = [
+var Re = [
 	[1e9, "G"],
 	[1e6, "M"],
 	[1e3, "k"],
@@ -1135,12 +712,12 @@ var Ue = [
 ];
 function z(e, t) {
 	if (e === null) return "—";
-	if (e === 0 || !/^[A-Za-zΩ]+$/.test(t) || t === "kg") return `${He(e)} ${t}`.trim();
-	let [n, r] = Ue.find(([t]) => Math.abs(e) >= t * (1 - 1e-9)) ?? Ue[Ue.length - 1];
+	if (e === 0 || !/^[A-Za-zΩ]+$/.test(t) || t === "kg") return `${Le(e)} ${t}`.trim();
+	let [n, r] = Re.find(([t]) => Math.abs(e) >= t * (1 - 1e-9)) ?? Re[Re.length - 1];
 	return `${+(e / n).toPrecision(4)} ${r}${t}`.trim();
 }
 // src/overlays.tsx
-function We({ store: e, state: t }) {
+function ze({ store: e, state: t }) {
 	let { event: n, step: r } = t.instant, i = n.steps[r], a = r < n.steps.length - 1 ? "values before" : "values after";
 	return /* @__PURE__ */ L("div", {
 		class: "wiretext instant " + i.kind,
@@ -1175,7 +752,7 @@ function We({ store: e, state: t }) {
 		]
 	});
 }
-function Ge(e, t, [n, r]) {
+function Be(e, t, [n, r]) {
 	let i, a = Infinity;
 	for (let o of e) {
 		let e = (o.x - t.x) * n + (o.y - t.y) * r, s = Math.abs((o.x - t.x) * r - (o.y - t.y) * n);
@@ -1185,7 +762,7 @@ function Ge(e, t, [n, r]) {
 	}
 	return i;
 }
-function Ke({ state: e, sight: t, size: n }) {
+function Ve({ state: e, sight: t, size: n }) {
 	let r = e.look.view.nodes;
 	if (r.length < 25) return null;
 	let i = r.map((e) => e.x), a = r.map((e) => e.y), [o, s] = [Math.min(...i) - 1, Math.min(...a) - 1], [c, l] = [Math.max(...i) + 2 - o, Math.max(...a) + 2 - s], u = {
@@ -1209,7 +786,7 @@ function Ke({ state: e, sight: t, size: n }) {
 	});
 }
 // src/canvas.tsx
-var qe = (e) => e.map((e) => e.replace(/\[[^\]]*\]/g, "")).sort().join("|"), Je = class extends S {
+var He = (e) => e.map((e) => e.replace(/\[[^\]]*\]/g, "")).sort().join("|"), Ue = class extends S {
 	svg = b();
 	state = {
 		sight: {
@@ -1512,7 +1089,7 @@ var qe = (e) => e.map((e) => e.replace(/\[[^\]]*\]/g, "")).sort().join("|"), Je 
 					s.length && r.set({ nodes: new Set(t.add ? [...i.nodes, ...s] : s) });
 				} else if (t.kind === "wire") {
 					let n = this.under(e, se(t.from)) || t.target;
-					n ? r.bond(t.from, n) : Math.hypot(...Xe(this.local(e), t.start)) < 8 && r.set({ bondFrom: t.from });
+					n ? r.bond(t.from, n) : Math.hypot(...Ge(this.local(e), t.start)) < 8 && r.set({ bondFrom: t.from });
 				} else t.kind === "pan" && !t.moved && r.set({
 					nodes: /* @__PURE__ */ new Set(),
 					bonds: /* @__PURE__ */ new Set(),
@@ -1548,7 +1125,7 @@ var qe = (e) => e.map((e) => e.replace(/\[[^\]]*\]/g, "")).sort().join("|"), Je 
 		r?.kind === "part" && r.known ? t.open(n.level ? `${n.level}.${e}` : e) : (t.set({ tab: "item" }), requestAnimationFrame(() => document.querySelector(".side [data-first]")?.focus()));
 	}
 	key = (e) => {
-		let { store: t, state: n } = this.props, r = n.look?.view.nodes ?? [], i = e.ctrlKey || e.metaKey, a = n.nodes.size === 1 ? r.find((e) => n.nodes.has(e.name)) : void 0, o = Ze[e.key];
+		let { store: t, state: n } = this.props, r = n.look?.view.nodes ?? [], i = e.ctrlKey || e.metaKey, a = n.nodes.size === 1 ? r.find((e) => n.nodes.has(e.name)) : void 0, o = Ke[e.key];
 		if (o && e.altKey && n.nodes.size) {
 			let i = e.shiftKey ? .25 : 1, a = {};
 			for (let e of r) n.nodes.has(e.name) && (a[e.name] = [e.x + i * o[0], e.y + i * o[1]]);
@@ -1559,7 +1136,7 @@ var qe = (e) => e.map((e) => e.replace(/\[[^\]]*\]/g, "")).sort().join("|"), Je 
 		} else if (o && !i) {
 			let e = a ?? r[0];
 			if (!e) return;
-			let n = a ? Ge(r, a, o) : e;
+			let n = a ? Be(r, a, o) : e;
 			n && t.set({
 				nodes: /* @__PURE__ */ new Set([n.name]),
 				bonds: /* @__PURE__ */ new Set(),
@@ -1613,7 +1190,7 @@ var qe = (e) => e.map((e) => e.replace(/\[[^\]]*\]/g, "")).sort().join("|"), Je 
 		let u = (e) => o.nodes[e.name]?.controlled ?? (!!e.machine || !!e.law), d = /* @__PURE__ */ new Map(), f = /* @__PURE__ */ new Map();
 		for (let e of a.view.bonds) {
 			d.has(e.tail) || d.set(e.tail, []), d.has(e.head) || d.set(e.head, []), d.get(e.tail).push(c.get(e.head)), d.get(e.head).push(c.get(e.tail));
-			let t = qe(e.ends);
+			let t = He(e.ends);
 			f.set(t, [...f.get(t) ?? [], e.key]);
 		}
 		let p = /* @__PURE__ */ new Map();
@@ -1698,7 +1275,7 @@ var qe = (e) => e.map((e) => e.replace(/\[[^\]]*\]/g, "")).sort().join("|"), Je 
 									});
 								}),
 								/* @__PURE__ */ L("g", { children: a.view.bonds.map((t) => {
-									let [r, i] = [l.get(t.tail), l.get(t.head)], [a, s] = [c.get(t.tail), c.get(t.head)], d = f.get(qe(t.ends)), p = g?.[t.key];
+									let [r, i] = [l.get(t.tail), l.get(t.head)], [a, s] = [c.get(t.tail), c.get(t.head)], d = f.get(He(t.ends)), p = g?.[t.key];
 									return /* @__PURE__ */ L(Ne, {
 										bond: t,
 										tail: r,
@@ -1729,7 +1306,7 @@ var qe = (e) => e.map((e) => e.replace(/\[[^\]]*\]/g, "")).sort().join("|"), Je 
 									target: v === t.name || e.bondFrom === t.name,
 									taken: [...be(c.get(t.name), d.get(t.name) ?? [])].sort().join("")
 								}, t.name)) }),
-								r?.kind === "wire" && /* @__PURE__ */ L(Ye, {
+								r?.kind === "wire" && /* @__PURE__ */ L(We, {
 									from: this.centreOf(r.from, l, c, m),
 									to: r.now
 								}),
@@ -1755,7 +1332,7 @@ var qe = (e) => e.map((e) => e.replace(/\[[^\]]*\]/g, "")).sort().join("|"), Je 
 						r.target || "…"
 					]
 				}),
-				e.instant && /* @__PURE__ */ L(We, {
+				e.instant && /* @__PURE__ */ L(ze, {
 					store: t,
 					state: e
 				}),
@@ -1794,7 +1371,7 @@ var qe = (e) => e.map((e) => e.replace(/\[[^\]]*\]/g, "")).sort().join("|"), Je 
 						})
 					]
 				}),
-				/* @__PURE__ */ L(Ke, {
+				/* @__PURE__ */ L(Ve, {
 					state: e,
 					sight: n,
 					size: this.size
@@ -1822,7 +1399,7 @@ var qe = (e) => e.map((e) => e.replace(/\[[^\]]*\]/g, "")).sort().join("|"), Je 
 		});
 	}
 };
-function Ye({ from: e, to: t }) {
+function We({ from: e, to: t }) {
 	return /* @__PURE__ */ L("line", {
 		class: "wire",
 		x1: e[0],
@@ -1831,37 +1408,37 @@ function Ye({ from: e, to: t }) {
 		y2: t[1]
 	});
 }
-var Xe = (e, t) => [e[0] - t[0], e[1] - t[1]], Ze = {
+var Ge = (e, t) => [e[0] - t[0], e[1] - t[1]], Ke = {
 	ArrowLeft: [-1, 0],
 	ArrowRight: [1, 0],
 	ArrowUp: [0, -1],
 	ArrowDown: [0, 1]
-}, Qe, $e, et, tt, nt = Object.is, rt = 0, it = [], at = [], B = e, ot = B.__b, st = B.__r, ct = B.diffed, lt = B.__c, ut = B.unmount, dt = B.__;
-function ft(e, t) {
-	B.__h && B.__h($e, e, rt || t), rt = 0;
-	var n = $e.__H || ($e.__H = {
+}, qe, B, Je, Ye, Xe = Object.is, Ze = 0, Qe = [], $e = [], et = e, tt = et.__b, nt = et.__r, rt = et.diffed, it = et.__c, at = et.unmount, ot = et.__;
+function st(e, t) {
+	et.__h && et.__h(B, e, Ze || t), Ze = 0;
+	var n = B.__H || (B.__H = {
 		__: [],
 		__h: []
 	});
 	return e >= n.__.length && n.__.push({}), n.__[e];
 }
 function V(e) {
-	return rt = 1, pt(Ct, e);
+	return Ze = 1, ct(vt, e);
 }
-function pt(e, t, n) {
-	var r = ft(Qe++, 2);
-	if (r.t = e, !r.__c && (r.__ = [n ? n(t) : Ct(void 0, t), function(e) {
+function ct(e, t, n) {
+	var r = st(qe++, 2);
+	if (r.t = e, !r.__c && (r.__ = [n ? n(t) : vt(void 0, t), function(e) {
 		var t = (r.__N || r.__)[0], n = r.t(t, e);
-		nt(t, n) || (r.__N = [n, r.__[1]], r.__c.setState({}));
-	}], r.__c = $e, !$e.__f)) {
-		$e.__f = !0;
-		var i = $e.shouldComponentUpdate;
-		$e.shouldComponentUpdate = function(e, t, n) {
+		Xe(t, n) || (r.__N = [n, r.__[1]], r.__c.setState({}));
+	}], r.__c = B, !B.__f)) {
+		B.__f = !0;
+		var i = B.shouldComponentUpdate;
+		B.shouldComponentUpdate = function(e, t, n) {
 			var r = this.__H;
 			if (!r) return !0;
 			var a = !1, o = this.props != e;
 			if (r.__.some(function(e) {
-				e.__N && (a = !0, nt(e.__[0], e.__N[0]) || (o = !0));
+				e.__N && (a = !0, Xe(e.__[0], e.__N[0]) || (o = !0));
 			}), i) {
 				var s = i.call(this, e, t, n);
 				return a ? s || o : s;
@@ -1872,66 +1449,66 @@ function pt(e, t, n) {
 	return r.__;
 }
 function H(e, t) {
-	var n = ft(Qe++, 3);
-	!B.__s && St(n.__H, t) && (n.__P = !0, n.__ = e, n.u = t, $e.__H.__h.push(n));
+	var n = st(qe++, 3);
+	!et.__s && _t(n.__H, t) && (n.__P = !0, n.__ = e, n.u = t, B.__H.__h.push(n));
 }
-function mt(e) {
-	return rt = 5, ht(function() {
+function lt(e) {
+	return Ze = 5, ut(function() {
 		return { current: e };
 	}, []);
 }
-function ht(e, t) {
-	var n = ft(Qe++, 7);
-	return St(n.__H, t) && (n.__ = e(), n.__H = t), n.__;
+function ut(e, t) {
+	var n = st(qe++, 7);
+	return _t(n.__H, t) && (n.__ = e(), n.__H = t), n.__;
 }
-function gt() {
+function dt() {
 	var e;
 	do {
-		for (; e = at.shift();) try {
-			bt(e);
+		for (; e = $e.shift();) try {
+			ht(e);
 		} catch (t) {
-			B.__e(t, { __: (e = e.__P) && e.__v });
+			et.__e(t, { __: (e = e.__P) && e.__v });
 		}
-		for (; e = it.shift();) {
+		for (; e = Qe.shift();) {
 			var t = e.__H;
 			if (e.__P && t) try {
-				t.__h.some(bt), t.__h.some(xt), t.__h = [];
+				t.__h.some(ht), t.__h.some(gt), t.__h = [];
 			} catch (n) {
-				t.__h = [], B.__e(n, e.__v);
+				t.__h = [], et.__e(n, e.__v);
 			}
 		}
-	} while (at.length);
+	} while ($e.length);
 }
-B.__b = function(e) {
-	$e = null, ot && ot(e);
-}, B.__ = function(e, t) {
-	e && t.__k && t.__k.__m && (e.__m = t.__k.__m), dt && dt(e, t);
-}, B.__r = function(e) {
-	st && st(e), Qe = 0;
-	var t = ($e = e.__c).__H;
-	t && (et == $e ? $e.__h = [] : (t.__h.some(bt), t.__h.some(xt), Qe = 0), t.__h = [], t.__.some(function(e) {
+et.__b = function(e) {
+	B = null, tt && tt(e);
+}, et.__ = function(e, t) {
+	e && t.__k && t.__k.__m && (e.__m = t.__k.__m), ot && ot(e, t);
+}, et.__r = function(e) {
+	nt && nt(e), qe = 0;
+	var t = (B = e.__c).__H;
+	t && (Je == B ? B.__h = [] : (t.__h.some(ht), t.__h.some(gt), qe = 0), t.__h = [], t.__.some(function(e) {
 		e.__N && (e.__ = e.__N), e.u = e.__N = void 0;
-	})), et = $e;
-}, B.diffed = function(e) {
-	ct && ct(e);
+	})), Je = B;
+}, et.diffed = function(e) {
+	rt && rt(e);
 	var t = e.__c;
-	t && t.__H && (t.__H.__h.length && yt(it.push(t)), t.__H.__.some(function(e) {
+	t && t.__H && (t.__H.__h.length && mt(Qe.push(t)), t.__H.__.some(function(e) {
 		e.u && (e.__H = e.u);
-	})), et = $e = null;
-}, B.__c = function(e, t) {
+	})), Je = B = null;
+}, et.__c = function(e, t) {
 	t.some(function(e) {
 		try {
-			e.__h.some(bt), e.__h = e.__h.filter(function(e) {
-				return !e.__ || xt(e);
+			e.__h.some(ht), e.__h = e.__h.filter(function(e) {
+				return !e.__ || gt(e);
 			});
 		} catch (t) {
 			e.__h = [function() {
 				throw t;
 			}];
 		}
-	}), lt && lt(e, t);
-}, B.unmount = function(e) {
-	ut && ut(e);
+	}), it && it(e, t);
+}, et.unmount = function(e) {
+	at && at(e);
 	var t, n, r = e.__c;
 	r && r.__H && (r.__H.__.some(function(r) {
 		try {
@@ -1940,42 +1517,42 @@ B.__b = function(e) {
 					for (n = e.__; n && (!n.__c || !n.__c.__P);) n = n.__;
 					n &&= n.__c;
 				}
-				r.__P = n, yt(at.push(r));
-			} else bt(r);
+				r.__P = n, mt($e.push(r));
+			} else ht(r);
 		} catch (e) {
 			t = e;
 		}
-	}), r.__H = void 0, t && B.__e(t, r.__v));
+	}), r.__H = void 0, t && et.__e(t, r.__v));
 };
-var _t = typeof requestAnimationFrame == "function";
-function vt(e) {
+var ft = typeof requestAnimationFrame == "function";
+function pt(e) {
 	var t, n = function() {
-		clearTimeout(r), _t && cancelAnimationFrame(t), setTimeout(e);
+		clearTimeout(r), ft && cancelAnimationFrame(t), setTimeout(e);
 	}, r = setTimeout(n, 35);
-	_t && (t = requestAnimationFrame(n));
+	ft && (t = requestAnimationFrame(n));
 }
-function yt(e) {
-	e != 1 && tt == B.requestAnimationFrame || ((tt = B.requestAnimationFrame) || vt)(gt);
+function mt(e) {
+	e != 1 && Ye == et.requestAnimationFrame || ((Ye = et.requestAnimationFrame) || pt)(dt);
 }
-function bt(e) {
-	var t = $e, n = e.__c;
-	typeof n == "function" && (e.__c = void 0, n()), $e = t;
+function ht(e) {
+	var t = B, n = e.__c;
+	typeof n == "function" && (e.__c = void 0, n()), B = t;
 }
-function xt(e) {
-	var t = $e;
-	e.__c = e.__(), $e = t;
+function gt(e) {
+	var t = B;
+	e.__c = e.__(), B = t;
 }
-function St(e, t) {
+function _t(e, t) {
 	return !e || e.length != t.length || t.some(function(t, n) {
-		return !nt(t, e[n]);
+		return !Xe(t, e[n]);
 	});
 }
-function Ct(e, t) {
+function vt(e, t) {
 	return typeof t == "function" ? t(e) : t;
 }
 // src/events.tsx
-var wt = 100;
-function Tt({ store: e, state: t }) {
+var yt = 100;
+function bt({ store: e, state: t }) {
 	let [n, r] = V([]), [i, a] = V(0), [o, s] = V(0), c = t.run;
 	H(() => s(0), [c?.run]), H(() => {
 		if (!c || c.tEnd === void 0) return r([]);
@@ -1983,7 +1560,7 @@ function Tt({ store: e, state: t }) {
 		return e.transport.ask("events", {
 			run: c.run,
 			first: o,
-			count: wt
+			count: yt
 		}).then((e) => {
 			t || (r(e.events), a(e.total));
 		}).catch((t) => e.refused(t)), () => {
@@ -2011,22 +1588,22 @@ function Tt({ store: e, state: t }) {
 				class: "warning",
 				children: e
 			})),
-			i > wt && /* @__PURE__ */ L("p", { children: [
+			i > yt && /* @__PURE__ */ L("p", { children: [
 				/* @__PURE__ */ L("button", {
 					disabled: o === 0,
-					onClick: () => s(Math.max(0, o - wt)),
+					onClick: () => s(Math.max(0, o - yt)),
 					children: "◂"
 				}),
 				" ",
 				o + 1,
 				" to ",
-				Math.min(o + wt, i),
+				Math.min(o + yt, i),
 				" of ",
 				i,
 				" ",
 				/* @__PURE__ */ L("button", {
-					disabled: o + wt >= i,
-					onClick: () => s(o + wt),
+					disabled: o + yt >= i,
+					onClick: () => s(o + yt),
 					children: "▸"
 				})
 			] }),
@@ -2042,9 +1619,9 @@ function Tt({ store: e, state: t }) {
 						/* @__PURE__ */ L("i", { children: n.cause }),
 						" ",
 						n.steps.flatMap((e) => e.fired).map((e) => `${e.machine}: ${e.source} → ${e.target}`).join("; "),
-						n.steps.some((e) => e.kind !== "continuous") && /* @__PURE__ */ L("em", { children: [" ", Et(n)] })
+						n.steps.some((e) => e.kind !== "continuous") && /* @__PURE__ */ L("em", { children: [" ", xt(n)] })
 					]
-				}), n.event === l && /* @__PURE__ */ L(Dt, {
+				}), n.event === l && /* @__PURE__ */ L(St, {
 					store: e,
 					state: t,
 					event: n
@@ -2053,11 +1630,11 @@ function Tt({ store: e, state: t }) {
 		]
 	});
 }
-function Et(e) {
+function xt(e) {
 	let t = (t) => e.steps.filter((e) => e.kind === t).length;
 	return [[t("mythical"), "mythical"], [t("pinnacle"), "pinnacle"]].filter(([e]) => e).map(([e, t]) => e === 1 ? t : `${e} ${t}`).join(", ");
 }
-function Dt({ store: e, state: t, event: n }) {
+function St({ store: e, state: t, event: n }) {
 	let r = t.instant.step, i = n.steps[r];
 	return /* @__PURE__ */ L("div", {
 		class: "detail",
@@ -2099,7 +1676,7 @@ function Dt({ store: e, state: t, event: n }) {
 				i.kind === "mythical" ? " (on trial)" : "",
 				":",
 				" ",
-				Object.entries(i.impulses).map(([e, t]) => `${e} = ${He(t, 6)} δ`).join(", ")
+				Object.entries(i.impulses).map(([e, t]) => `${e} = ${Le(t, 6)} δ`).join(", ")
 			] }),
 			i.energy && /* @__PURE__ */ L("p", { children: [
 				"energy ",
@@ -2116,16 +1693,16 @@ function Dt({ store: e, state: t, event: n }) {
 	});
 }
 // src/formulas.tsx
-var Ot = new Set("math mrow mi mo mn mtext mspace mfrac msub msup msubsup mover munder munderover msqrt mroot mtable mtr mtd mstyle".split(" "));
-function kt(e) {
+var Ct = new Set("math mrow mi mo mn mtext mspace mfrac msub msup msubsup mover munder munderover msqrt mroot mtable mtr mtd mstyle".split(" "));
+function wt(e) {
 	if (typeof e == "string") return e;
 	let [t, n, ...r] = e, i = t === "math" ? { display: "block" } : {};
-	return v(Ot.has(t) ? t : "mrow", {
+	return v(Ct.has(t) ? t : "mrow", {
 		...n,
 		...i
-	}, ...r.map(kt));
+	}, ...r.map(wt));
 }
-function At({ store: e, state: t }) {
+function Tt({ store: e, state: t }) {
 	let [n, r] = V("all"), [i, a] = V(!1), [o, s] = V(null), c = t.look, l = t.cursor?.mode ?? Object.fromEntries(c.machines.map((e) => [e.path, e.state])), u = n === "mode" ? JSON.stringify(l) : "";
 	return H(() => {
 		let t = !1;
@@ -2167,7 +1744,7 @@ function At({ store: e, state: t }) {
 				tabindex: 0,
 				role: "group",
 				"aria-label": "Equations",
-				children: kt(o.formula)
+				children: wt(o.formula)
 			}) : o && /* @__PURE__ */ L("pre", {
 				class: "equations",
 				tabindex: 0,
@@ -2181,9 +1758,9 @@ function At({ store: e, state: t }) {
 	});
 }
 // src/fields.tsx
-var jt = 0;
-function Mt(e) {
-	let [t, n] = V(e.value), [r] = V(() => `list${++jt}`), i = mt(!1);
+var Et = 0;
+function Dt(e) {
+	let [t, n] = V(e.value), [r] = V(() => `list${++Et}`), i = lt(!1);
 	return H(() => {
 		i.current || n(e.value);
 	}, [e.value]), /* @__PURE__ */ L(x, { children: [/* @__PURE__ */ L("input", {
@@ -2208,15 +1785,15 @@ function Mt(e) {
 		children: e.list.map((e) => /* @__PURE__ */ L("option", { value: e }))
 	})] });
 }
-function Nt(e) {
+function Ot(e) {
 	let t = e.trim();
 	return t === "" ? null : /^[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?$/i.test(t) ? Number(t) : t;
 }
 // src/item.tsx
-var Pt = {
+var kt = {
 	C: ["q", "e"],
 	I: ["p", "f"]
-}, Ft = {
+}, At = {
 	diode: [],
 	thyristor: ["gate"],
 	unilateral: [
@@ -2227,9 +1804,9 @@ var Pt = {
 	coulomb: ["limit", "breakaway"],
 	relay: ["limit"]
 };
-function It({ store: e, state: t }) {
+function jt({ store: e, state: t }) {
 	let n = t.look, r = n.view.nodes.filter((e) => t.nodes.has(e.name)), i = n.view.bonds.filter((e) => t.bonds.has(e.key));
-	if (r.length === 1) return /* @__PURE__ */ L(Vt, {
+	if (r.length === 1) return /* @__PURE__ */ L(It, {
 		store: e,
 		state: t,
 		node: r[0]
@@ -2238,12 +1815,12 @@ function It({ store: e, state: t }) {
 		let r = i[0], a = t.cursor?.values[r.key];
 		return /* @__PURE__ */ L("section", { children: [
 			/* @__PURE__ */ L("h2", { children: "Bond" }),
-			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "written" }), /* @__PURE__ */ L(Mt, {
+			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "written" }), /* @__PURE__ */ L(Dt, {
 				label: "Bond",
 				first: !0,
 				value: r.text,
 				disabled: !n.view.editable,
-				onWrite: (n) => void Lt(e, t, r.key, n)
+				onWrite: (n) => void Mt(e, t, r.key, n)
 			})] }),
 			a && /* @__PURE__ */ L("p", { children: [
 				"effort ",
@@ -2275,21 +1852,21 @@ function It({ store: e, state: t }) {
 		class: "row",
 		children: [
 			/* @__PURE__ */ L("button", {
-				onClick: () => Rt(e, r, "y"),
+				onClick: () => Nt(e, r, "y"),
 				children: "In a row"
 			}),
 			/* @__PURE__ */ L("button", {
-				onClick: () => Rt(e, r, "x"),
+				onClick: () => Nt(e, r, "x"),
 				children: "In a column"
 			}),
 			/* @__PURE__ */ L("button", {
 				disabled: r.length < 3,
-				onClick: () => zt(e, r, "x"),
+				onClick: () => Pt(e, r, "x"),
 				children: "Evenly across"
 			}),
 			/* @__PURE__ */ L("button", {
 				disabled: r.length < 3,
-				onClick: () => zt(e, r, "y"),
+				onClick: () => Pt(e, r, "y"),
 				children: "Evenly down"
 			}),
 			/* @__PURE__ */ L("button", {
@@ -2301,12 +1878,12 @@ function It({ store: e, state: t }) {
 				children: "Delete"
 			})
 		]
-	})] }) : /* @__PURE__ */ L(Bt, {
+	})] }) : /* @__PURE__ */ L(Ft, {
 		store: e,
 		state: t
 	});
 }
-async function Lt(e, t, n, r) {
+async function Mt(e, t, n, r) {
 	let [i] = n.split(".").map(Number);
 	t.look.view.bonds.filter((e) => e.key.startsWith(`${i}.`)).length === 1 ? await e.edit({
 		do: "write bond",
@@ -2321,14 +1898,14 @@ async function Lt(e, t, n, r) {
 		text: r
 	}));
 }
-function Rt(e, t, n) {
+function Nt(e, t, n) {
 	let r = t.reduce((e, t) => e + t[n], 0) / t.length, i = Math.round(r * 4) / 4, a = Object.fromEntries(t.map((e) => [e.name, n === "y" ? [e.x, i] : [i, e.y]]));
 	e.edit({
 		do: "move",
 		at: a
 	});
 }
-function zt(e, t, n) {
+function Pt(e, t, n) {
 	let r = [...t].sort((e, t) => e[n] - t[n]), [i, a] = [r[0][n], r[r.length - 1][n]], o = Object.fromEntries(r.map((e, t) => {
 		let o = i + (a - i) * t / (r.length - 1);
 		return [e.name, n === "x" ? [o, e.y] : [e.x, o]];
@@ -2338,7 +1915,7 @@ function zt(e, t, n) {
 		at: o
 	});
 }
-function Bt({ store: e, state: t }) {
+function Ft({ store: e, state: t }) {
 	let n = t.look, r = t.stock?.domains ?? [], i = (t, n) => void e.edit({
 		do: "set",
 		path: t,
@@ -2346,7 +1923,7 @@ function Bt({ store: e, state: t }) {
 	});
 	return /* @__PURE__ */ L("section", { children: [
 		/* @__PURE__ */ L("h2", { children: "Model" }),
-		/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "title" }), /* @__PURE__ */ L(Mt, {
+		/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "title" }), /* @__PURE__ */ L(Dt, {
 			label: "Title",
 			first: !0,
 			value: n.title,
@@ -2380,7 +1957,7 @@ function Bt({ store: e, state: t }) {
 		})
 	] });
 }
-function Vt({ store: e, state: t, node: n }) {
+function It({ store: e, state: t, node: n }) {
 	let r = !t.look.view.editable, i = n.entry, a = (t, r) => void e.edit({
 		do: "set",
 		path: [
@@ -2396,24 +1973,24 @@ function Vt({ store: e, state: t, node: n }) {
 	}).then((n) => n && e.set({ nodes: /* @__PURE__ */ new Set([t.trim()]) })), s = n.kind === "0" || n.kind === "1", c = t.stock?.parts.find((e) => e.name === i.submodel);
 	return /* @__PURE__ */ L("section", { children: [
 		/* @__PURE__ */ L("h2", { children: n.kind === "part" ? String(i.submodel) : t.stock?.kinds.find((e) => e.kind === n.kind)?.about ?? n.kind }),
-		/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "name" }), /* @__PURE__ */ L(Mt, {
+		/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "name" }), /* @__PURE__ */ L(Dt, {
 			label: "Name",
 			first: s || n.kind === "part",
 			value: n.name,
 			disabled: r,
 			onWrite: o
 		})] }),
-		!s && n.kind !== "part" && /* @__PURE__ */ L(Ht, {
+		!s && n.kind !== "part" && /* @__PURE__ */ L(Lt, {
 			node: n,
 			off: r,
 			set: a
 		}),
-		Pt[n.kind]?.map((e) => /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: ["start ", e] }), /* @__PURE__ */ L(Mt, {
+		kt[n.kind]?.map((e) => /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: ["start ", e] }), /* @__PURE__ */ L(Dt, {
 			label: `Start value ${e}`,
-			value: Gt(i[e]),
+			value: Bt(i[e]),
 			disabled: r,
 			placeholder: "0",
-			onWrite: (t) => a([e], Nt(t))
+			onWrite: (t) => a([e], Ot(t))
 		})] })),
 		s && /* @__PURE__ */ L(x, { children: [
 			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "kind" }), /* @__PURE__ */ L("select", {
@@ -2430,7 +2007,7 @@ function Vt({ store: e, state: t, node: n }) {
 			})] }),
 			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "law" }), /* @__PURE__ */ L("select", {
 				disabled: r,
-				value: Gt(i.law),
+				value: Bt(i.law),
 				onChange: (e) => a(["law"], e.currentTarget.value || null),
 				children: [/* @__PURE__ */ L("option", {
 					value: "",
@@ -2440,13 +2017,13 @@ function Vt({ store: e, state: t, node: n }) {
 					children: e
 				}))]
 			})] }),
-			(Ft[Gt(i.law)] ?? []).map((e) => /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: e }), /* @__PURE__ */ L(Mt, {
+			(At[Bt(i.law)] ?? []).map((e) => /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: e }), /* @__PURE__ */ L(Dt, {
 				label: e,
-				value: Gt(i[e]),
+				value: Bt(i[e]),
 				disabled: r,
-				onWrite: (t) => a([e], Nt(t))
+				onWrite: (t) => a([e], Ot(t))
 			})] })),
-			/* @__PURE__ */ L(Ut, {
+			/* @__PURE__ */ L(Rt, {
 				store: e,
 				state: t,
 				node: n
@@ -2462,21 +2039,21 @@ function Vt({ store: e, state: t, node: n }) {
 				...i.parameters
 			}).map(([e]) => {
 				let t = i.parameters?.[e];
-				return /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: e }), /* @__PURE__ */ L(Mt, {
+				return /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: e }), /* @__PURE__ */ L(Dt, {
 					label: e,
-					value: Gt(t),
+					value: Bt(t),
 					disabled: r,
 					placeholder: c?.parameters[e],
-					onWrite: (t) => a(["parameters", e], Nt(t))
+					onWrite: (t) => a(["parameters", e], Ot(t))
 				})] });
 			}),
-			n.inputs?.map((e) => /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: [e, " ⟵"] }), /* @__PURE__ */ L(Mt, {
+			n.inputs?.map((e) => /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: [e, " ⟵"] }), /* @__PURE__ */ L(Dt, {
 				label: `Input ${e}`,
-				value: Gt(i.inputs?.[e]),
+				value: Bt(i.inputs?.[e]),
 				disabled: r,
 				placeholder: "an expression",
-				list: Kt(t),
-				onWrite: (t) => a(["inputs", e], Nt(t))
+				list: Vt(t),
+				onWrite: (t) => a(["inputs", e], Ot(t))
 			})] })),
 			n.known && /* @__PURE__ */ L("button", {
 				onClick: () => e.open(t.level ? `${t.level}.${n.name}` : n.name),
@@ -2505,11 +2082,11 @@ function Vt({ store: e, state: t, node: n }) {
 		})
 	] });
 }
-function Ht({ node: e, off: t, set: n }) {
+function Lt({ node: e, off: t, set: n }) {
 	let r = e.entry[e.kind];
 	if (typeof r == "object" && r && !Array.isArray(r)) {
 		let [i, a] = Object.entries(r)[0] ?? ["e", ""];
-		if (typeof a == "string") return /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: [i, " ="] }), /* @__PURE__ */ L(Mt, {
+		if (typeof a == "string") return /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: [i, " ="] }), /* @__PURE__ */ L(Dt, {
 			label: `Law, ${i} =`,
 			first: !0,
 			value: a,
@@ -2520,18 +2097,18 @@ function Ht({ node: e, off: t, set: n }) {
 	return typeof r == "object" && r ? /* @__PURE__ */ L("p", {
 		class: "hint",
 		children: "A field or a table: edit it in the text."
-	}) : /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "value" }), /* @__PURE__ */ L(Mt, {
+	}) : /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "value" }), /* @__PURE__ */ L(Dt, {
 		label: "Value",
 		first: !0,
-		value: Gt(r),
+		value: Bt(r),
 		disabled: t,
 		onWrite: (t) => {
 			let r = /^\s*([ef])\s*=\s*(.+)$/.exec(t);
-			n([e.kind], r ? { [r[1]]: r[2] } : Nt(t) ?? 1);
+			n([e.kind], r ? { [r[1]]: r[2] } : Ot(t) ?? 1);
 		}
 	})] });
 }
-function Ut({ store: e, state: t, node: n }) {
+function Rt({ store: e, state: t, node: n }) {
 	let r = t.look;
 	return n.machine ? /* @__PURE__ */ L("p", { children: ["switched by ", /* @__PURE__ */ L("button", {
 		class: "link",
@@ -2541,7 +2118,7 @@ function Ut({ store: e, state: t, node: n }) {
 		disabled: !r.view.editable,
 		onClick: () => void e.edit({
 			do: "set",
-			path: ["machines", Wt(Object.keys(r.panels.machines), `${n.name}_switch`)],
+			path: ["machines", zt(Object.keys(r.panels.machines), `${n.name}_switch`)],
 			value: {
 				states: {
 					on: [n.name],
@@ -2554,14 +2131,14 @@ function Ut({ store: e, state: t, node: n }) {
 		children: "Let a state machine switch it"
 	});
 }
-function Wt(e, t) {
+function zt(e, t) {
 	if (!e.includes(t)) return t;
 	for (let n = 2;; n++) if (!e.includes(`${t}${n}`)) return `${t}${n}`;
 }
-function Gt(e) {
+function Bt(e) {
 	return e == null ? "" : typeof e == "object" ? JSON.stringify(e) : String(e);
 }
-function Kt(e) {
+function Vt(e) {
 	let t = e.look;
 	if (!t) return [];
 	let n = ["time"];
@@ -2569,9 +2146,9 @@ function Kt(e) {
 	return n.push(...Object.keys(t.panels.machines).map((e) => `${e}.state`), ...e.run?.names ?? []), n.push("pre", "abs", "min", "max", "sqrt", "sin", "cos", "exp", "and", "or", "not"), n.push(...t.view.signals.map((e) => e.name), ...Object.keys(t.panels.parameters)), [...new Set(n)];
 }
 // src/expression.tsx
-var qt = 250, Jt = /[A-Za-z_][\w.]*$/, Yt = 0;
-function Xt(e) {
-	let [t, n] = V(e.value), [r, i] = V([]), [a, o] = V(-1), [s, c] = V(null), [l] = V(() => `words${++Yt}`), u = mt(null), d = mt(!1), f = mt(0);
+var Ht = 250, Ut = /[A-Za-z_][\w.]*$/, Wt = 0;
+function Gt(e) {
+	let [t, n] = V(e.value), [r, i] = V([]), [a, o] = V(-1), [s, c] = V(null), [l] = V(() => `words${++Wt}`), u = lt(null), d = lt(!1), f = lt(0);
 	H(() => {
 		d.current || n(e.value), c(null);
 	}, [e.value]);
@@ -2580,14 +2157,14 @@ function Xt(e) {
 	}, m = () => {
 		let t = u.current.value;
 		n(t);
-		let r = Jt.exec(t.slice(0, u.current.selectionStart ?? t.length))?.[0] ?? "", a = r.toLowerCase(), s = r ? e.words.filter((e) => e !== r && e.toLowerCase().includes(a)) : [];
+		let r = Ut.exec(t.slice(0, u.current.selectionStart ?? t.length))?.[0] ?? "", a = r.toLowerCase(), s = r ? e.words.filter((e) => e !== r && e.toLowerCase().includes(a)) : [];
 		s.sort((e, t) => Number(t.toLowerCase().startsWith(a)) - Number(e.toLowerCase().startsWith(a))), i(s.slice(0, 8)), o(-1);
 		let l = ++f.current;
 		setTimeout(() => {
 			l === f.current && e.check(t).then((e) => l === f.current && c(e)).catch(() => {});
-		}, qt);
+		}, Ht);
 	}, h = (e) => {
-		let t = u.current, n = t.selectionStart ?? t.value.length, r = t.value.slice(0, n).replace(Jt, e);
+		let t = u.current, n = t.selectionStart ?? t.value.length, r = t.value.slice(0, n).replace(Ut, e);
 		t.value = r + t.value.slice(n), t.setSelectionRange(r.length, r.length), p(), m(), i([]), t.focus();
 	}, g = () => {
 		d.current = !1, f.current++, p(), t !== e.value && e.onWrite(t);
@@ -2656,7 +2233,7 @@ function Xt(e) {
 	});
 }
 // src/machines.tsx
-function Zt(e) {
+function Kt(e) {
 	let t = /^\s*(\w+)\s*->\s*(\w+)\s+when\s+(.+)$/s.exec(e);
 	return t ? {
 		source: t[1],
@@ -2664,11 +2241,11 @@ function Zt(e) {
 		guard: t[3]
 	} : null;
 }
-function Qt({ store: e, state: t }) {
+function qt({ store: e, state: t }) {
 	let n = t.look, r = Object.entries(n.panels.machines);
 	return /* @__PURE__ */ L("section", { children: [
 		/* @__PURE__ */ L("h2", { children: "State machines" }),
-		r.map(([n, r]) => /* @__PURE__ */ L($t, {
+		r.map(([n, r]) => /* @__PURE__ */ L(Jt, {
 			store: e,
 			state: t,
 			name: n,
@@ -2676,7 +2253,7 @@ function Qt({ store: e, state: t }) {
 		}, n)),
 		n.view.editable && /* @__PURE__ */ L("button", {
 			onClick: () => {
-				let i = n.view.nodes.find((e) => t.nodes.has(e.name) && (e.kind === "0" || e.kind === "1")), a = Wt([...r.map(([e]) => e), ...n.view.nodes.map((e) => e.name)], "S");
+				let i = n.view.nodes.find((e) => t.nodes.has(e.name) && (e.kind === "0" || e.kind === "1")), a = zt([...r.map(([e]) => e), ...n.view.nodes.map((e) => e.name)], "S");
 				e.edit({
 					do: "set",
 					path: ["machines", a],
@@ -2708,7 +2285,7 @@ function Qt({ store: e, state: t }) {
 		})
 	] });
 }
-function $t({ store: e, state: t, name: n, machine: r }) {
+function Jt({ store: e, state: t, name: n, machine: r }) {
 	let i = t.look, a = !i.view.editable, o = t.level ? `${t.level}.${n}` : n, s = t.cursor?.mode[o] ?? i.machines.find((e) => e.path === o)?.state, c = Object.keys(r.states ?? {}), l = r.rules ?? [], u = (t) => void e.edit({
 		do: "set",
 		path: ["machines", n],
@@ -2734,7 +2311,7 @@ function $t({ store: e, state: t, name: n, machine: r }) {
 		children: [
 			/* @__PURE__ */ L("div", {
 				class: "row",
-				children: [/* @__PURE__ */ L(Mt, {
+				children: [/* @__PURE__ */ L(Dt, {
 					label: `Name of machine ${n}`,
 					value: n,
 					disabled: a,
@@ -2754,7 +2331,7 @@ function $t({ store: e, state: t, name: n, machine: r }) {
 					children: "✕"
 				})]
 			}),
-			/* @__PURE__ */ L(en, {
+			/* @__PURE__ */ L(Yt, {
 				machine: r,
 				now: s,
 				onState: (t) => e.setMode(o, t)
@@ -2774,7 +2351,7 @@ function $t({ store: e, state: t, name: n, machine: r }) {
 							start: t
 						})
 					}),
-					/* @__PURE__ */ L(Mt, {
+					/* @__PURE__ */ L(Dt, {
 						label: `State ${t} of ${n}`,
 						value: t,
 						disabled: a,
@@ -2800,7 +2377,7 @@ function $t({ store: e, state: t, name: n, machine: r }) {
 						class: "on",
 						children: "ON"
 					}),
-					/* @__PURE__ */ L(Mt, {
+					/* @__PURE__ */ L(Dt, {
 						label: `Junctions that state ${t} of ${n} switches on`,
 						value: (r.states[t] ?? []).join(", "),
 						disabled: a,
@@ -2817,7 +2394,7 @@ function $t({ store: e, state: t, name: n, machine: r }) {
 				]
 			})),
 			l.map((e, r) => {
-				let i = Zt(e), o = i && /\bpre\s*\(/.test(i.guard);
+				let i = Kt(e), o = i && /\bpre\s*\(/.test(i.guard);
 				return /* @__PURE__ */ L("div", {
 					class: "row rule",
 					children: [i ? /* @__PURE__ */ L(x, { children: [
@@ -2836,11 +2413,11 @@ function $t({ store: e, state: t, name: n, machine: r }) {
 							onChange: (e) => d(r, `${i.source} -> ${e.currentTarget.value} when ${i.guard}`),
 							children: c.map((e) => /* @__PURE__ */ L("option", { children: e }))
 						}),
-						/* @__PURE__ */ L(Xt, {
+						/* @__PURE__ */ L(Gt, {
 							label: `Guard ${r + 1} of ${n}`,
 							value: i.guard,
 							disabled: a,
-							words: Kt(t),
+							words: Vt(t),
 							check: (e) => f(r, `${i.source} -> ${i.target} when ${e}`),
 							onWrite: (e) => d(r, `${i.source} -> ${i.target} when ${e}`)
 						}),
@@ -2849,7 +2426,7 @@ function $t({ store: e, state: t, name: n, machine: r }) {
 							title: o ? "reads a priori values, x⁻" : "reads a posteriori values, x⁺",
 							children: o ? "x⁻" : "x⁺"
 						})
-					] }) : /* @__PURE__ */ L(Mt, {
+					] }) : /* @__PURE__ */ L(Dt, {
 						label: `Rule ${r + 1} of ${n}`,
 						value: e,
 						disabled: a,
@@ -2869,14 +2446,14 @@ function $t({ store: e, state: t, name: n, machine: r }) {
 						...r,
 						states: {
 							...r.states,
-							[Wt(c, "state")]: []
+							[zt(c, "state")]: []
 						}
 					}),
 					children: "Add state"
 				}), /* @__PURE__ */ L("button", {
 					disabled: c.length < 2,
 					onClick: () => {
-						let e = c.find((e) => !l.some((t) => Zt(t)?.source === e)) ?? c[0], t = c.find((t) => t !== e);
+						let e = c.find((e) => !l.some((t) => Kt(t)?.source === e)) ?? c[0], t = c.find((t) => t !== e);
 						u({
 							...r,
 							rules: [...l, `${e} -> ${t} when time >= 1`]
@@ -2888,8 +2465,8 @@ function $t({ store: e, state: t, name: n, machine: r }) {
 		]
 	});
 }
-function en({ machine: e, now: t, onState: n }) {
-	let r = Object.keys(e.states ?? {}), i = (e) => 46 + 108 * r.indexOf(e), a = (e.rules ?? []).map(Zt).filter((e) => !!e && r.includes(e.source) && r.includes(e.target)), o = /* @__PURE__ */ new Map(), s = 26 + 16 * Math.max(1, ...a.map((e) => Math.abs(r.indexOf(e.target) - r.indexOf(e.source))));
+function Yt({ machine: e, now: t, onState: n }) {
+	let r = Object.keys(e.states ?? {}), i = (e) => 46 + 108 * r.indexOf(e), a = (e.rules ?? []).map(Kt).filter((e) => !!e && r.includes(e.source) && r.includes(e.target)), o = /* @__PURE__ */ new Map(), s = 26 + 16 * Math.max(1, ...a.map((e) => Math.abs(r.indexOf(e.target) - r.indexOf(e.source))));
 	return /* @__PURE__ */ L("div", {
 		class: "diagram",
 		children: /* @__PURE__ */ L("svg", {
@@ -2968,7 +2545,7 @@ function en({ machine: e, now: t, onState: n }) {
 	});
 }
 // src/sweeps.tsx
-var [tn, nn] = [720, 190], rn = 74, [an, U] = [8, 20], W = [
+var [Xt, Zt] = [720, 190], Qt = 74, [$t, en] = [8, 20], tn = [
 	"var(--s0)",
 	"var(--s1)",
 	"var(--s2)",
@@ -2978,10 +2555,10 @@ var [tn, nn] = [720, 190], rn = 74, [an, U] = [8, 20], W = [
 	"var(--s6)",
 	"var(--s7)"
 ];
-function on(e) {
+function nn(e) {
 	return `color-mix(in oklab, var(--c5) ${Math.round(100 * e)}%, var(--c1))`;
 }
-function sn({ store: e, state: t }) {
+function rn({ store: e, state: t }) {
 	let n = t.sweep, [r, i] = V(null), a = n.members.filter((e) => e), o = a.length ? (a.find((e) => e.curves)?.curves ?? []).map((e) => e.name) : [], s = a.filter((e) => e.error), c = a.find((e) => e.until !== void 0)?.until ?? 1;
 	return /* @__PURE__ */ L("div", {
 		class: "plots sweep",
@@ -3037,14 +2614,14 @@ function sn({ store: e, state: t }) {
 					})
 				]
 			}),
-			o.map((e, t) => /* @__PURE__ */ L(cn, {
+			o.map((e, t) => /* @__PURE__ */ L(an, {
 				name: e,
 				curves: n.members.map((e) => e?.curves?.[t]),
 				end: c,
 				chosen: r,
 				choose: i
 			}, e)),
-			/* @__PURE__ */ L(ln, {
+			/* @__PURE__ */ L(U, {
 				sweep: n,
 				end: c,
 				chosen: r,
@@ -3053,7 +2630,7 @@ function sn({ store: e, state: t }) {
 		]
 	});
 }
-function cn({ name: e, curves: t, end: n, chosen: r, choose: i }) {
+function an({ name: e, curves: t, end: n, chosen: r, choose: i }) {
 	let a = t.filter((e) => !!e && !e.error), [o, s] = [Infinity, -Infinity];
 	for (let e of a) for (let t of e.y) t !== null && ([o, s] = [Math.min(o, t), Math.max(s, t)]);
 	if (!a.length || o > s) return /* @__PURE__ */ L("p", {
@@ -3064,7 +2641,7 @@ function cn({ name: e, curves: t, end: n, chosen: r, choose: i }) {
 			t.find((e) => e?.error)?.error?.why ?? "no values yet"
 		]
 	});
-	let c = a[0].unit, l = s - o || Math.abs(s) || 1, u = (e) => rn + e / n * (tn - rn - 8), d = (e) => nn - U - (e - o) / l * (nn - U - an), f = (e) => {
+	let c = a[0].unit, l = s - o || Math.abs(s) || 1, u = (e) => Qt + e / n * (Xt - Qt - 8), d = (e) => Zt - en - (e - o) / l * (Zt - en - $t), f = (e) => {
 		let t = "", n = "M";
 		return e.t.forEach((r, i) => {
 			let a = e.y[i];
@@ -3073,21 +2650,21 @@ function cn({ name: e, curves: t, end: n, chosen: r, choose: i }) {
 	}, p = t.map((e, t) => t).filter((e) => e !== r);
 	return r !== null && p.push(r), /* @__PURE__ */ L("svg", {
 		class: "family",
-		viewBox: `0 0 ${tn} ${nn}`,
+		viewBox: `0 0 ${Xt} ${Zt}`,
 		role: "img",
-		"aria-label": `${e} of ${a.length} runs, between ${He(o)} and ${He(s)} ${c}`,
+		"aria-label": `${e} of ${a.length} runs, between ${Le(o)} and ${Le(s)} ${c}`,
 		children: [
 			/* @__PURE__ */ L("rect", {
 				class: "box",
-				x: rn,
-				y: an,
-				width: tn - rn - 8,
-				height: nn - U - an
+				x: Qt,
+				y: $t,
+				width: Xt - Qt - 8,
+				height: Zt - en - $t
 			}),
 			o < 0 && s > 0 && /* @__PURE__ */ L("line", {
 				class: "axis",
-				x1: rn,
-				x2: tn - 8,
+				x1: Qt,
+				x2: Xt - 8,
 				y1: d(0),
 				y2: d(0)
 			}),
@@ -3096,47 +2673,47 @@ function cn({ name: e, curves: t, end: n, chosen: r, choose: i }) {
 				return !n || n.error ? null : /* @__PURE__ */ L("path", {
 					class: e === r ? "way chosen" : "way",
 					d: f(n),
-					style: `stroke: ${on(e / Math.max(1, t.length - 1))}`,
+					style: `stroke: ${nn(e / Math.max(1, t.length - 1))}`,
 					onClick: () => i(e),
 					children: /* @__PURE__ */ L("title", { children: ["run ", e + 1] })
 				}, e);
 			}),
 			/* @__PURE__ */ L("text", {
 				x: 69,
-				y: an + 9,
+				y: $t + 9,
 				"text-anchor": "end",
 				children: z(s, c)
 			}),
 			/* @__PURE__ */ L("text", {
 				x: 69,
-				y: nn - U,
+				y: Zt - en,
 				"text-anchor": "end",
 				children: z(o, c)
 			}),
 			/* @__PURE__ */ L("text", {
 				class: "what",
-				transform: `translate(12,${(nn - U) / 2}) rotate(-90)`,
+				transform: `translate(12,${(Zt - en) / 2}) rotate(-90)`,
 				"text-anchor": "middle",
 				children: e
 			}),
 			/* @__PURE__ */ L("text", {
-				x: rn,
-				y: nn - 5,
+				x: Qt,
+				y: Zt - 5,
 				children: "0 s"
 			}),
 			/* @__PURE__ */ L("text", {
-				x: tn - 8,
-				y: nn - 5,
+				x: Xt - 8,
+				y: Zt - 5,
 				"text-anchor": "end",
 				children: z(n, "s")
 			})
 		]
 	});
 }
-function ln({ sweep: e, end: t, chosen: n, choose: r }) {
+function U({ sweep: e, end: t, chosen: n, choose: r }) {
 	let i = [...e.members].reverse().find((e) => e?.named)?.named ?? [];
 	if (i.length < 2) return null;
-	let a = Math.max(...e.members.map((e) => e?.modes?.length ?? 0)), o = (tn - rn - 8) / e.values.length, s = (e) => {
+	let a = Math.max(...e.members.map((e) => e?.modes?.length ?? 0)), o = (Xt - Qt - 8) / e.values.length, s = (e) => {
 		let t = [];
 		return e.forEach((e, n) => {
 			let r = t[t.length - 1];
@@ -3150,7 +2727,7 @@ function ln({ sweep: e, end: t, chosen: n, choose: r }) {
 	return /* @__PURE__ */ L("figure", {
 		class: "modemap",
 		children: [/* @__PURE__ */ L("svg", {
-			viewBox: `0 0 ${tn} 184`,
+			viewBox: `0 0 ${Xt} 184`,
 			role: "img",
 			"aria-label": `Modes over ${e.path} and time: ${i.join("; ")}`,
 			children: [
@@ -3158,53 +2735,53 @@ function ln({ sweep: e, end: t, chosen: n, choose: r }) {
 					class: c === n ? "chosen" : "",
 					onClick: () => r(c),
 					children: s(t.modes).map(([t, n, r]) => /* @__PURE__ */ L("rect", {
-						x: rn + c * o,
+						x: Qt + c * o,
 						width: o + .4,
-						y: an + 150 * (1 - n / a),
+						y: $t + 150 * (1 - n / a),
 						height: 150 * (n - t) / a + .4,
-						fill: W[r % W.length],
+						fill: tn[r % tn.length],
 						children: /* @__PURE__ */ L("title", { children: `${e.values[c]}: ${i[r]}` })
 					}))
 				}) : null),
 				/* @__PURE__ */ L("text", {
 					x: 69,
-					y: an + 9,
+					y: $t + 9,
 					"text-anchor": "end",
 					children: z(t, "s")
 				}),
 				/* @__PURE__ */ L("text", {
 					x: 69,
-					y: an + 150,
+					y: $t + 150,
 					"text-anchor": "end",
 					children: "0 s"
 				}),
 				/* @__PURE__ */ L("text", {
-					x: rn,
-					y: an + 150 + 14,
+					x: Qt,
+					y: $t + 150 + 14,
 					children: e.values[0]
 				}),
 				/* @__PURE__ */ L("text", {
-					x: tn - 8,
-					y: an + 150 + 14,
+					x: Xt - 8,
+					y: $t + 150 + 14,
 					"text-anchor": "end",
 					children: e.values[e.values.length - 1]
 				}),
 				/* @__PURE__ */ L("text", {
 					class: "what",
-					x: (rn + tn) / 2,
-					y: an + 150 + 18,
+					x: (Qt + Xt) / 2,
+					y: $t + 150 + 18,
 					"text-anchor": "middle",
 					children: e.path
 				})
 			]
 		}), /* @__PURE__ */ L("figcaption", { children: [i.slice(0, 16).map((e, t) => /* @__PURE__ */ L("span", { children: [
-			/* @__PURE__ */ L("i", { style: `background: ${W[t % W.length]}` }),
+			/* @__PURE__ */ L("i", { style: `background: ${tn[t % tn.length]}` }),
 			" ",
 			e
 		] })), i.length > 16 && ` and ${i.length - 16} more`] })]
 	});
 }
-function G({ store: e, path: t, low: n, high: r, onDone: i }) {
+function W({ store: e, path: t, low: n, high: r, onDone: i }) {
 	let [a, o] = V(n), [s, c] = V(r), [l, u] = V("15"), [d, f] = V(!1), p = (n) => {
 		n.preventDefault(), e.sweep({
 			path: t,
@@ -3239,7 +2816,7 @@ function G({ store: e, path: t, low: n, high: r, onDone: i }) {
 	});
 }
 // src/panels.tsx
-function un({ store: e, state: t }) {
+function on({ store: e, state: t }) {
 	let n = t.look, r = !n.view.editable, i = n.panels.experiment, a = (t, n) => e.edit({
 		do: "set",
 		path: t,
@@ -3248,7 +2825,7 @@ function un({ store: e, state: t }) {
 		let c = Object.entries(n.panels[i]);
 		return /* @__PURE__ */ L(x, { children: [
 			/* @__PURE__ */ L("h2", { children: o }),
-			c.map(([n, r]) => /* @__PURE__ */ L(fn, {
+			c.map(([n, r]) => /* @__PURE__ */ L(cn, {
 				store: e,
 				state: t,
 				section: i,
@@ -3266,7 +2843,7 @@ function un({ store: e, state: t }) {
 						...n.view.nodes.map((e) => e.name),
 						...n.view.signals.map((e) => e.name)
 					];
-					a([i, Wt(t, e)], s);
+					a([i, zt(t, e)], s);
 				},
 				children: "Add"
 			})
@@ -3278,14 +2855,14 @@ function un({ store: e, state: t }) {
 		o("inputs", "Inputs", { constant: 1 }),
 		!t.level && /* @__PURE__ */ L(x, { children: [
 			/* @__PURE__ */ L("h2", { children: "Run" }),
-			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "until" }), /* @__PURE__ */ L(Mt, {
+			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "until" }), /* @__PURE__ */ L(Dt, {
 				label: "Until",
-				value: Gt(i.until),
+				value: Bt(i.until),
 				placeholder: "1 s",
-				onWrite: (e) => void a(["experiment", "until"], Nt(e))
+				onWrite: (e) => void a(["experiment", "until"], Ot(e))
 			})] }),
 			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "solver" }), /* @__PURE__ */ L("select", {
-				value: Gt(i.solver),
+				value: Bt(i.solver),
 				onChange: (e) => void a(["experiment", "solver"], e.currentTarget.value || null),
 				children: [/* @__PURE__ */ L("option", {
 					value: "",
@@ -3296,24 +2873,24 @@ function un({ store: e, state: t }) {
 					children: e.name
 				}))]
 			})] }),
-			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "rtol" }), /* @__PURE__ */ L(Mt, {
+			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "rtol" }), /* @__PURE__ */ L(Dt, {
 				label: "Relative tolerance",
-				value: Gt(i.rtol),
+				value: Bt(i.rtol),
 				placeholder: "1e-8",
-				onWrite: (e) => void a(["experiment", "rtol"], Nt(e))
+				onWrite: (e) => void a(["experiment", "rtol"], Ot(e))
 			})] })
 		] })
 	] });
 }
-var dn = /^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)(\s*\S.*)?$/i;
-function fn({ store: e, state: t, section: n, name: r, value: i }) {
-	let a = !t.look.view.editable, o = typeof i != "object", s = n === "parameters" ? dn.exec(Gt(i)) : null, [c] = V(() => s && Number(s[1]) || 1), [l, u] = V(!1), d = t.level ? `${t.level}.${r}` : r, f = (e) => `${+((Number(s?.[1]) || 1) * e).toPrecision(6)}${s?.[2] ?? ""}`;
+var sn = /^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)(\s*\S.*)?$/i;
+function cn({ store: e, state: t, section: n, name: r, value: i }) {
+	let a = !t.look.view.editable, o = typeof i != "object", s = n === "parameters" ? sn.exec(Bt(i)) : null, [c] = V(() => s && Number(s[1]) || 1), [l, u] = V(!1), d = t.level ? `${t.level}.${r}` : r, f = (e) => `${+((Number(s?.[1]) || 1) * e).toPrecision(6)}${s?.[2] ?? ""}`;
 	return /* @__PURE__ */ L("div", {
 		class: "entry",
 		"data-entry": r,
 		children: [
 			/* @__PURE__ */ L("label", { children: [
-				/* @__PURE__ */ L(Mt, {
+				/* @__PURE__ */ L(Dt, {
 					label: `Name ${r}`,
 					value: r,
 					disabled: a,
@@ -3323,17 +2900,17 @@ function fn({ store: e, state: t, section: n, name: r, value: i }) {
 						new: t.trim()
 					})
 				}),
-				o ? /* @__PURE__ */ L(Mt, {
+				o ? /* @__PURE__ */ L(Dt, {
 					label: r,
-					value: Gt(i),
+					value: Bt(i),
 					disabled: a,
-					list: n === "signals" ? Kt(t) : void 0,
+					list: n === "signals" ? Vt(t) : void 0,
 					onWrite: (t) => void e.edit({
 						do: "set",
 						path: [n, r],
-						value: Nt(t)
+						value: Ot(t)
 					})
-				}) : /* @__PURE__ */ L(pn, {
+				}) : /* @__PURE__ */ L(ln, {
 					store: e,
 					path: [n, r],
 					value: i,
@@ -3358,7 +2935,7 @@ function fn({ store: e, state: t, section: n, name: r, value: i }) {
 					children: "✕"
 				})
 			] }),
-			l && s && /* @__PURE__ */ L(G, {
+			l && s && /* @__PURE__ */ L(W, {
 				store: e,
 				path: d,
 				low: f(.5),
@@ -3384,20 +2961,20 @@ function fn({ store: e, state: t, section: n, name: r, value: i }) {
 		]
 	});
 }
-function pn({ store: e, path: t, value: n, off: r }) {
+function ln({ store: e, path: t, value: n, off: r }) {
 	return /* @__PURE__ */ L("span", {
 		class: "structured",
-		children: Object.entries(n).map(([n, i]) => typeof i == "object" && i && !Array.isArray(i) ? /* @__PURE__ */ L(pn, {
+		children: Object.entries(n).map(([n, i]) => typeof i == "object" && i && !Array.isArray(i) ? /* @__PURE__ */ L(ln, {
 			store: e,
 			path: [...t, n],
 			value: i,
 			off: r
-		}) : /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: n }), /* @__PURE__ */ L(Mt, {
+		}) : /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: n }), /* @__PURE__ */ L(Dt, {
 			label: `${t.join(" ")} ${n}`,
-			value: Gt(i),
+			value: Bt(i),
 			disabled: r,
 			onWrite: (r) => {
-				let i = Nt(r);
+				let i = Ot(r);
 				if (r.trim().startsWith("[")) try {
 					i = JSON.parse(r);
 				} catch {}
@@ -3410,7 +2987,7 @@ function pn({ store: e, path: t, value: n, off: r }) {
 		})] }))
 	});
 }
-function mn({ store: e, state: t }) {
+function G({ store: e, state: t }) {
 	let n = t.look.problems;
 	return /* @__PURE__ */ L("section", { children: [
 		/* @__PURE__ */ L("h2", { children: "Problems" }),
@@ -3433,7 +3010,7 @@ function mn({ store: e, state: t }) {
 		})
 	] });
 }
-function hn({ store: e, state: t }) {
+function un({ store: e, state: t }) {
 	let { view: n, strokes: r } = t.look;
 	return /* @__PURE__ */ L("section", {
 		class: "tables",
@@ -3515,7 +3092,7 @@ function hn({ store: e, state: t }) {
 		]
 	});
 }
-function gn({ store: e, state: t }) {
+function dn({ store: e, state: t }) {
 	let [n, r] = V(null), [i, a] = V(null), o = t.look.revision;
 	H(() => {
 		let t = !1;
@@ -3559,7 +3136,7 @@ function gn({ store: e, state: t }) {
 	});
 }
 // src/palette.tsx
-function _n(e) {
+function fn(e) {
 	let t = e.stock, n = (t?.kinds ?? []).map((e) => ({
 		key: e.kind,
 		letters: e.kind === "G" ? "G" : e.letters,
@@ -3582,8 +3159,8 @@ function _n(e) {
 		parts: r
 	};
 }
-function vn({ store: e, state: t }) {
-	let [n, r] = V(""), { kinds: i, parts: a } = _n(t), o = t.look?.view.domain ?? "", s = n.toLowerCase().split(/\s+/).filter(Boolean), c = (e) => s.every((t) => `${e.key} ${e.about}`.toLowerCase().includes(t)), l = [...a].sort(([e], [t]) => Number(t === o) - Number(e === o)), u = (e) => (t) => t.dataTransfer.setData("application/x-hybond", JSON.stringify({
+function pn({ store: e, state: t }) {
+	let [n, r] = V(""), { kinds: i, parts: a } = fn(t), o = t.look?.view.domain ?? "", s = n.toLowerCase().split(/\s+/).filter(Boolean), c = (e) => s.every((t) => `${e.key} ${e.about}`.toLowerCase().includes(t)), l = [...a].sort(([e], [t]) => Number(t === o) - Number(e === o)), u = (e) => (t) => t.dataTransfer.setData("application/x-hybond", JSON.stringify({
 		element: e.element,
 		stem: e.stem
 	})), d = (t) => {
@@ -3642,8 +3219,8 @@ function vn({ store: e, state: t }) {
 		]
 	});
 }
-function yn({ store: e, state: t }) {
-	let [n, r] = V(""), { kinds: i, parts: a } = _n(t), o = [...i, ...[...a.values()].flat()], [s, ...c] = n.trim().split(/\s+/), l = i.find((e) => e.key === s), u = n.includes("->") ? [] : l ? [l, ...o.filter((e) => e !== l && e.key.includes(s))] : o.filter((e) => `${e.key} ${e.about}`.toLowerCase().includes(n.trim().toLowerCase())), d = () => {
+function mn({ store: e, state: t }) {
+	let [n, r] = V(""), { kinds: i, parts: a } = fn(t), o = [...i, ...[...a.values()].flat()], [s, ...c] = n.trim().split(/\s+/), l = i.find((e) => e.key === s), u = n.includes("->") ? [] : l ? [l, ...o.filter((e) => e !== l && e.key.includes(s))] : o.filter((e) => `${e.key} ${e.about}`.toLowerCase().includes(n.trim().toLowerCase())), d = () => {
 		document.querySelector(".canvas svg")?.focus(), e.set({ adding: !1 });
 	}, f = async () => {
 		if (n.includes("->")) return await e.edit({
@@ -3684,10 +3261,10 @@ function yn({ store: e, state: t }) {
 	});
 }
 // src/axes.ts
-function bn(e) {
+function hn(e) {
 	return /^([^:,()]+\.\.[^:,()]+?)(:11)?$/.exec(e.trim())?.[1] ?? null;
 }
-function xn(e, t, n, r = 5) {
+function gn(e, t, n, r = 5) {
 	if (!(t - e > 1e-9 * Math.max(Math.abs(e), Math.abs(t)))) {
 		let r = Math.abs(e) * .1 || 1;
 		[e, t] = n ? [e * .9, e * 1.1] : [e - r, t + r];
@@ -3698,7 +3275,7 @@ function xn(e, t, n, r = 5) {
 		log: n,
 		part: (n) => (n - e) / (t - e),
 		value: (n) => e + n * (t - e),
-		ticks: wn(e, t, r)
+		ticks: yn(e, t, r)
 	};
 	let [i, a] = [Math.log(e), Math.log(t)];
 	return {
@@ -3707,22 +3284,22 @@ function xn(e, t, n, r = 5) {
 		log: n,
 		part: (e) => (Math.log(e) - i) / (a - i),
 		value: (e) => Math.exp(i + e * (a - i)),
-		ticks: Tn(e, t, r)
+		ticks: bn(e, t, r)
 	};
 }
-function Sn(e, t, n) {
-	if (e.edges) return xn(e.edges[0], e.edges[e.edges.length - 1], e.log, n);
-	let [r, i] = Cn(t.filter((e) => e !== null));
-	if (e.log) return xn(r / (i / r) ** .04, i * (i / r) ** .04, !0, n);
+function _n(e, t, n) {
+	if (e.edges) return gn(e.edges[0], e.edges[e.edges.length - 1], e.log, n);
+	let [r, i] = vn(t.filter((e) => e !== null));
+	if (e.log) return gn(r / (i / r) ** .04, i * (i / r) ** .04, !0, n);
 	let a = .05 * (i - r);
-	return xn(r - a, i + a, !1, n);
+	return gn(r - a, i + a, !1, n);
 }
-function Cn(e) {
+function vn(e) {
 	let [t, n] = [Infinity, -Infinity];
 	for (let r of e) r < t && (t = r), r > n && (n = r);
 	return t <= n ? [t, n] : [0, 1];
 }
-function wn(e, t, n) {
+function yn(e, t, n) {
 	let r = (t - e) / n, i = 10 ** Math.floor(Math.log10(r)), a = [
 		1,
 		2,
@@ -3732,7 +3309,7 @@ function wn(e, t, n) {
 	for (let n = Math.ceil(e / a - 1e-9); n * a <= t * (1 + 1e-12) + 1e-9 * a; n++) o.push(+(n * a).toPrecision(12));
 	return o;
 }
-function Tn(e, t, n) {
+function bn(e, t, n) {
 	let r = [];
 	for (let i of [
 		[1],
@@ -3749,13 +3326,13 @@ function Tn(e, t, n) {
 	}
 	return r.length > 1 ? r : [e, t];
 }
-function En(e, t) {
+function xn(e, t) {
 	return t ? `${e} [${t}]` : e;
 }
 function K(e) {
-	return e === null ? "none" : He(e, 5).replace(/\.?0+e/, "e");
+	return e === null ? "none" : Le(e, 5).replace(/\.?0+e/, "e");
 }
-var Dn = [
+var Sn = [
 	"440154",
 	"482878",
 	"3e4989",
@@ -3767,28 +3344,28 @@ var Dn = [
 	"b5de2b",
 	"fde725"
 ];
-function On(e) {
-	let t = Math.min(Math.max(e, 0), 1) * (Dn.length - 1), n = Math.min(Math.floor(t), Dn.length - 2);
+function Cn(e) {
+	let t = Math.min(Math.max(e, 0), 1) * (Sn.length - 1), n = Math.min(Math.floor(t), Sn.length - 2);
 	return `rgb(${[
 		0,
 		2,
 		4
 	].map((e) => {
-		let [r, i] = [Dn[n], Dn[n + 1]].map((t) => parseInt(t.slice(e, e + 2), 16));
+		let [r, i] = [Sn[n], Sn[n + 1]].map((t) => parseInt(t.slice(e, e + 2), 16));
 		return Math.round(r + (t - n) * (i - r));
 	}).join(",")})`;
 }
-var kn = Dn.map((e) => `#${e}`).join(", "), An = 120, jn = [
+var wn = Sn.map((e) => `#${e}`).join(", "), Tn = 120, En = [
 	"grid",
 	"together",
 	"ends"
-], Mn = ["grid", "together"];
-function Nn({ store: e, state: t }) {
+], Dn = ["grid", "together"];
+function On({ store: e, state: t }) {
 	let [n, r] = V(null), [i, a] = V(null), [o, s] = V(null), c = t.look.revision, l = t.asking;
 	if (H(() => {
 		let t = !1;
 		return e.transport.ask("plan words").then((n) => {
-			t || (r(n), a(null), e.state.asking || e.set({ asking: In(n) }));
+			t || (r(n), a(null), e.state.asking || e.set({ asking: jn(n) }));
 		}).catch((e) => !t && a(e.problem ?? null)), () => {
 			t = !0;
 		};
@@ -3796,7 +3373,7 @@ function Nn({ store: e, state: t }) {
 		if (!l) return;
 		let t = !1, n = setTimeout(() => {
 			e.transport.ask("plan look", l).then((e) => !t && s(e)).catch((e) => !t && a(e.problem ?? null));
-		}, An);
+		}, Tn);
 		return () => {
 			t = !0, clearTimeout(n);
 		};
@@ -3820,23 +3397,23 @@ function Nn({ store: e, state: t }) {
 		...n,
 		...t
 	} : n), h = (e, t) => {
-		let r = t.trim(), i = n.values[r], a = l.factors[e], o = i && (!a.values || a.values === Ln(n.values[a.path] ?? "", l.way));
+		let r = t.trim(), i = n.values[r], a = l.factors[e], o = i && (!a.values || a.values === Mn(n.values[a.path] ?? "", l.way));
 		return m(e, {
 			path: r,
-			...o ? { values: Ln(i, l.way) } : {}
+			...o ? { values: Mn(i, l.way) } : {}
 		});
 	}, g = (e) => u({
 		way: e,
 		count: l.count || "128",
 		factors: l.factors.map((t) => ({
 			...t,
-			values: Ln(t.values, e)
+			values: Mn(t.values, e)
 		}))
 	}), _ = () => {
 		let e = n.paths.find((e) => e in n.values && !l.factors.some((t) => t.path === e)) ?? "";
 		u({ factors: [...l.factors, {
 			path: e,
-			values: Ln(n.values[e] ?? "", l.way)
+			values: Mn(n.values[e] ?? "", l.way)
 		}] });
 	}, v = o?.members ?? 0;
 	return /* @__PURE__ */ L("section", {
@@ -3847,7 +3424,7 @@ function Nn({ store: e, state: t }) {
 				class: "factor",
 				"data-factor": t,
 				children: [
-					/* @__PURE__ */ L(Xt, {
+					/* @__PURE__ */ L(Gt, {
 						label: `Factor ${t + 1}`,
 						value: e.path,
 						words: n.paths,
@@ -3859,7 +3436,7 @@ function Nn({ store: e, state: t }) {
 						})),
 						told: f[`path.${t}`]
 					}),
-					/* @__PURE__ */ L(Xt, {
+					/* @__PURE__ */ L(Gt, {
 						label: `Values of factor ${t + 1}`,
 						value: e.values,
 						words: [
@@ -3913,26 +3490,26 @@ function Nn({ store: e, state: t }) {
 				onChange: (e) => g(e.currentTarget.value),
 				children: Object.keys(n.ways).map((e) => /* @__PURE__ */ L("option", {
 					value: e,
-					children: Pn[e] ?? e
+					children: kn[e] ?? e
 				}))
 			})] }),
 			/* @__PURE__ */ L("p", {
 				class: "hint",
 				children: n.ways[l.way]
 			}),
-			!jn.includes(l.way) && /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "number" }), /* @__PURE__ */ L(Mt, {
+			!En.includes(l.way) && /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "number" }), /* @__PURE__ */ L(Dt, {
 				label: "Number",
 				value: l.count,
 				onWrite: (e) => u({ count: e.trim() })
 			})] }),
-			!Mn.includes(l.way) && l.way !== "ends" && /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "seed" }), /* @__PURE__ */ L(Mt, {
+			!Dn.includes(l.way) && l.way !== "ends" && /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "seed" }), /* @__PURE__ */ L(Dt, {
 				label: "Seed",
 				value: l.seed,
 				onWrite: (e) => u({ seed: e.trim() || "0" })
 			})] }),
-			/* @__PURE__ */ L(Fn, { problem: f.seed ?? f.way }),
+			/* @__PURE__ */ L(An, { problem: f.seed ?? f.way }),
 			/* @__PURE__ */ L("h2", { children: "What is collected" }),
-			/* @__PURE__ */ L(Xt, {
+			/* @__PURE__ */ L(Gt, {
 				label: "Collect",
 				value: l.collect,
 				words: n.words,
@@ -3948,13 +3525,13 @@ function Nn({ store: e, state: t }) {
 				let [t, ...n] = e.split(":");
 				return /* @__PURE__ */ L("li", { children: [/* @__PURE__ */ L("code", { children: t }), n.join(":")] });
 			}) })] }),
-			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "until" }), /* @__PURE__ */ L(Mt, {
+			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "until" }), /* @__PURE__ */ L(Dt, {
 				label: "Until of the sweep",
 				value: l.until,
 				placeholder: String(t.look.panels.experiment.until ?? "1 s"),
 				onWrite: (e) => u({ until: e.trim() })
 			})] }),
-			/* @__PURE__ */ L(Fn, { problem: f.until }),
+			/* @__PURE__ */ L(An, { problem: f.until }),
 			/* @__PURE__ */ L("div", {
 				class: "row begin",
 				children: [p ? /* @__PURE__ */ L("button", {
@@ -3988,7 +3565,7 @@ function Nn({ store: e, state: t }) {
 		]
 	});
 }
-var Pn = {
+var kn = {
 	grid: "all combinations",
 	together: "side by side",
 	random: "at random",
@@ -3997,7 +3574,7 @@ var Pn = {
 	saltelli: "for Sobol indices",
 	ends: "for a tornado"
 };
-function Fn({ problem: e }) {
+function An({ problem: e }) {
 	return e ? /* @__PURE__ */ L("small", {
 		class: "wrong",
 		role: "status",
@@ -4008,7 +3585,7 @@ function Fn({ problem: e }) {
 		]
 	}) : null;
 }
-function In(e) {
+function jn(e) {
 	let t = e.paths.find((t) => t in e.values) ?? e.paths[0] ?? "";
 	return {
 		factors: [{
@@ -4022,24 +3599,24 @@ function In(e) {
 		collect: e.collect
 	};
 }
-function Ln(e, t) {
-	let n = bn(e);
-	return n ? Mn.includes(t) ? `${n}:11` : n : e;
+function Mn(e, t) {
+	let n = hn(e);
+	return n ? Dn.includes(t) ? `${n}:11` : n : e;
 }
 // src/bands.tsx
-var [Rn, zn, Bn, Vn] = [
+var [Nn, Pn, Fn, In] = [
 	66,
 	14,
 	10,
 	38
 ];
-function Hn({ found: e, wide: t, high: n, chosen: r, choose: i, open: a }) {
+function Ln({ found: e, wide: t, high: n, chosen: r, choose: i, open: a }) {
 	let { t: o, bands: s, curves: c } = e, l = [...s, ...c].flat().filter((e) => e !== null);
 	if (!l.length) return /* @__PURE__ */ L("p", {
 		class: "hint",
 		children: "No run has come so far that it has values."
 	});
-	let u = t > 620, d = Math.max(t - (u ? 230 : 0), 160), [f, p] = [d - Rn - zn, n - Bn - Vn], [m, h] = Cn(l), g = .05 * (h - m), _ = xn(o[0], o[o.length - 1], !1, Math.max(2, Math.round(f / 90))), v = xn(m - g, h + g, !1, Math.max(2, Math.round(p / 45))), y = (e) => Rn + _.part(e) * f, b = (e) => Bn + (1 - v.part(e)) * p, x = (e) => {
+	let u = t > 620, d = Math.max(t - (u ? 230 : 0), 160), [f, p] = [d - Nn - Pn, n - Fn - In], [m, h] = vn(l), g = .05 * (h - m), _ = gn(o[0], o[o.length - 1], !1, Math.max(2, Math.round(f / 90))), v = gn(m - g, h + g, !1, Math.max(2, Math.round(p / 45))), y = (e) => Nn + _.part(e) * f, b = (e) => Fn + (1 - v.part(e)) * p, x = (e) => {
 		let [t, n] = ["", "M"];
 		return e.forEach((e, r) => {
 			e === null ? n = "M" : [t, n] = [`${t}${n}${y(o[r]).toFixed(1)},${b(e).toFixed(1)}`, "L"];
@@ -4085,8 +3662,8 @@ function Hn({ found: e, wide: t, high: n, chosen: r, choose: i, open: a }) {
 				children: [
 					/* @__PURE__ */ L("rect", {
 						class: "box",
-						x: Rn,
-						y: Bn,
+						x: Nn,
+						y: Fn,
 						width: f,
 						height: p
 					}),
@@ -4117,43 +3694,43 @@ function Hn({ found: e, wide: t, high: n, chosen: r, choose: i, open: a }) {
 						class: "tick",
 						x1: y(e),
 						x2: y(e),
-						y1: Bn + p,
-						y2: Bn + p + 4
+						y1: Fn + p,
+						y2: Fn + p + 4
 					}), /* @__PURE__ */ L("text", {
 						x: y(e),
-						y: Bn + p + 15,
+						y: Fn + p + 15,
 						"text-anchor": "middle",
 						children: z(e, "s")
 					})] })),
 					v.ticks.map((e) => /* @__PURE__ */ L("g", { children: [/* @__PURE__ */ L("line", {
 						class: "tick",
-						x1: Rn - 4,
-						x2: Rn,
+						x1: Nn - 4,
+						x2: Nn,
 						y1: b(e),
 						y2: b(e)
 					}), /* @__PURE__ */ L("text", {
-						x: Rn - 7,
+						x: Nn - 7,
 						y: b(e) + 3.5,
 						"text-anchor": "end",
 						children: K(e)
 					})] })),
 					/* @__PURE__ */ L("text", {
 						class: "what",
-						x: Rn + f / 2,
+						x: Nn + f / 2,
 						y: n - 6,
 						"text-anchor": "middle",
 						children: "time"
 					}),
 					/* @__PURE__ */ L("text", {
 						class: "what",
-						transform: `translate(12,${Bn + p / 2}) rotate(-90)`,
+						transform: `translate(12,${Fn + p / 2}) rotate(-90)`,
 						"text-anchor": "middle",
-						children: En(e.signal, e.unit)
+						children: xn(e.signal, e.unit)
 					})
 				]
 			})
 		}), /* @__PURE__ */ L("figcaption", { children: [
-			/* @__PURE__ */ L("b", { children: En(e.signal, e.unit) }),
+			/* @__PURE__ */ L("b", { children: xn(e.signal, e.unit) }),
 			/* @__PURE__ */ L("span", {
 				class: "key",
 				children: [/* @__PURE__ */ L("i", { class: "line median" }), " median"]
@@ -4187,21 +3764,21 @@ function Hn({ found: e, wide: t, high: n, chosen: r, choose: i, open: a }) {
 	});
 }
 // src/bars.tsx
-var [Un, Wn, Gn] = [
+var [Rn, zn, Bn] = [
 	22,
 	40,
 	34
 ];
-function Kn(e, t) {
+function Vn(e, t) {
 	return Math.min(24 + 7 * Math.max(...e.map((e) => e.length)), t * .35);
 }
-function qn({ found: e, wide: t, open: n }) {
+function Hn({ found: e, wide: t, open: n }) {
 	let r = e.middle;
 	if (r === null) return /* @__PURE__ */ L("p", {
 		class: "hint",
 		children: "The run in the middle has no value."
 	});
-	let i = Math.min(t, 820), a = Kn(e.rows.map((e) => En(e.path, e.unit)), i), [o, s] = [44, Un + Gn * e.rows.length + Wn], [c, l] = Cn([r, ...e.rows.flatMap((e) => e.outcomes).filter((e) => e !== null)]), u = .14 * (l - c), d = xn(c - u, l + u, !1, Math.max(2, Math.round((i - a - o) / 100))), f = (e) => a + d.part(e) * (i - a - o);
+	let i = Math.min(t, 820), a = Vn(e.rows.map((e) => xn(e.path, e.unit)), i), [o, s] = [44, Rn + Bn * e.rows.length + zn], [c, l] = vn([r, ...e.rows.flatMap((e) => e.outcomes).filter((e) => e !== null)]), u = .14 * (l - c), d = gn(c - u, l + u, !1, Math.max(2, Math.round((i - a - o) / 100))), f = (e) => a + d.part(e) * (i - a - o);
 	return /* @__PURE__ */ L("figure", {
 		class: "bars",
 		"data-view": "tornado",
@@ -4215,27 +3792,27 @@ function qn({ found: e, wide: t, open: n }) {
 					class: "grid",
 					x1: f(e),
 					x2: f(e),
-					y1: Un,
-					y2: s - Wn
+					y1: Rn,
+					y2: s - zn
 				}), /* @__PURE__ */ L("text", {
 					x: f(e),
-					y: s - Wn + 15,
+					y: s - zn + 15,
 					"text-anchor": "middle",
 					children: K(e)
 				})] })),
 				e.rows.map((t, i) => /* @__PURE__ */ L("g", {
-					transform: `translate(0,${Un + i * Gn})`,
+					transform: `translate(0,${Rn + i * Bn})`,
 					"data-factor": t.path,
 					children: [/* @__PURE__ */ L("text", {
 						class: "what",
 						x: a - 8,
-						y: Gn / 2 + 4,
+						y: Bn / 2 + 4,
 						"text-anchor": "end",
-						children: En(t.path, t.unit)
+						children: xn(t.path, t.unit)
 					}), t.outcomes.map((i, a) => {
 						if (i === null) return /* @__PURE__ */ L("text", {
 							x: f(r) + 4,
-							y: Gn / 2 + 4,
+							y: Bn / 2 + 4,
 							children: "no value"
 						});
 						let o = i > r || i === r && a === 1, s = `${t.path} = ${K(t.ends[a])}: ${e.value} = ${K(i)}`, c = () => n(t.members[a]);
@@ -4250,12 +3827,12 @@ function qn({ found: e, wide: t, open: n }) {
 								x: Math.min(f(i), f(r)),
 								y: 5,
 								width: Math.max(Math.abs(f(i) - f(r)), 1),
-								height: Gn - 10,
+								height: Bn - 10,
 								"data-outcome": i,
 								children: /* @__PURE__ */ L("title", { children: s })
 							}), /* @__PURE__ */ L("text", {
 								x: f(i) + (o ? 4 : -4),
-								y: Gn / 2 + 4,
+								y: Bn / 2 + 4,
 								"text-anchor": o ? "start" : "end",
 								children: K(t.ends[a])
 							})]
@@ -4266,12 +3843,12 @@ function qn({ found: e, wide: t, open: n }) {
 					class: "middle",
 					x1: f(r),
 					x2: f(r),
-					y1: Un - 4,
-					y2: s - Wn
+					y1: Rn - 4,
+					y2: s - zn
 				}),
 				/* @__PURE__ */ L("text", {
 					x: f(r),
-					y: Un - 9,
+					y: Rn - 9,
 					"text-anchor": "middle",
 					children: K(r)
 				}),
@@ -4280,7 +3857,7 @@ function qn({ found: e, wide: t, open: n }) {
 					x: (a + i - o) / 2,
 					y: s - 6,
 					"text-anchor": "middle",
-					children: En(e.value, e.unit)
+					children: xn(e.value, e.unit)
 				})
 			]
 		}), /* @__PURE__ */ L("figcaption", { children: [/* @__PURE__ */ L("span", {
@@ -4292,13 +3869,13 @@ function qn({ found: e, wide: t, open: n }) {
 		})] })]
 	});
 }
-function Jn({ found: e, wide: t }) {
-	let n = Math.min(t, 820), r = Kn(e.rows.map((e) => e.path), n), [i, a] = [64, Un + Gn * e.rows.length + Wn], o = e.rows.flatMap((e) => [e.first, e.total].flatMap(([e, t]) => e === null ? [] : [e - (t ?? 0), e + (t ?? 0)]));
+function Un({ found: e, wide: t }) {
+	let n = Math.min(t, 820), r = Vn(e.rows.map((e) => e.path), n), [i, a] = [64, Rn + Bn * e.rows.length + zn], o = e.rows.flatMap((e) => [e.first, e.total].flatMap(([e, t]) => e === null ? [] : [e - (t ?? 0), e + (t ?? 0)]));
 	if (!o.length) return /* @__PURE__ */ L("p", {
 		class: "hint",
 		children: "The outcome does not vary."
 	});
-	let [s, c] = Cn([0, ...o]), l = xn(s, Math.max(c, .1) * 1.02, !1, Math.max(2, Math.round((n - r - i) / 90))), u = (e) => r + l.part(e) * (n - r - i);
+	let [s, c] = vn([0, ...o]), l = gn(s, Math.max(c, .1) * 1.02, !1, Math.max(2, Math.round((n - r - i) / 90))), u = (e) => r + l.part(e) * (n - r - i);
 	return /* @__PURE__ */ L("figure", {
 		class: "bars",
 		"data-view": "sobol",
@@ -4312,21 +3889,21 @@ function Jn({ found: e, wide: t }) {
 					class: "grid",
 					x1: u(e),
 					x2: u(e),
-					y1: Un,
-					y2: a - Wn
+					y1: Rn,
+					y2: a - zn
 				}), /* @__PURE__ */ L("text", {
 					x: u(e),
-					y: a - Wn + 15,
+					y: a - zn + 15,
 					"text-anchor": "middle",
 					children: K(e)
 				})] })),
 				e.rows.map((e, t) => /* @__PURE__ */ L("g", {
-					transform: `translate(0,${Un + t * Gn})`,
+					transform: `translate(0,${Rn + t * Bn})`,
 					"data-factor": e.path,
 					children: [/* @__PURE__ */ L("text", {
 						class: "what",
 						x: r - 8,
-						y: Gn / 2 + 4,
+						y: Bn / 2 + 4,
 						"text-anchor": "end",
 						children: e.path
 					}), [e.first, e.total].map(([e, t], n) => {
@@ -4359,8 +3936,8 @@ function Jn({ found: e, wide: t }) {
 					class: "middle",
 					x1: u(0),
 					x2: u(0),
-					y1: Un - 4,
-					y2: a - Wn
+					y1: Rn - 4,
+					y2: a - zn
 				}),
 				/* @__PURE__ */ L("text", {
 					class: "what",
@@ -4388,17 +3965,17 @@ function Jn({ found: e, wide: t }) {
 	});
 }
 // src/outcomes.tsx
-var [Yn, Xn, Zn, Qn] = [
+var [Wn, Gn, Kn, qn] = [
 	66,
 	12,
 	10,
 	38
-], $n = 14;
-function er({ found: e, wide: t, high: n, dark: r, chosen: i, choose: a, open: o }) {
-	let s = mt(null), [c, l] = V(null), u = t > 620, [d, f] = [Math.max(t - (u ? 230 : 0), 160), n], [p, m] = [d - Yn - Xn, f - Zn - Qn], h = Sn(e.x, e.across, Math.max(2, Math.round(p / 90))), g = Sn(e.y, e.up, Math.max(2, Math.round(m / 50))), _ = e.across.length, v = e.x.edges && e.y.edges ? {
+], Jn = 14;
+function Yn({ found: e, wide: t, high: n, dark: r, chosen: i, choose: a, open: o }) {
+	let s = lt(null), [c, l] = V(null), u = t > 620, [d, f] = [Math.max(t - (u ? 230 : 0), 160), n], [p, m] = [d - Wn - Gn, f - Kn - qn], h = _n(e.x, e.across, Math.max(2, Math.round(p / 90))), g = _n(e.y, e.up, Math.max(2, Math.round(m / 50))), _ = e.across.length, v = e.x.edges && e.y.edges ? {
 		x: e.x.edges,
 		y: e.y.edges
-	} : null, y = (e) => h.part(e) * p, b = (e) => (1 - g.part(e)) * m, x = (t) => v ? [e.across[t % _], e.up[Math.floor(t / _)]] : [e.across[t], e.up[t]], S = e.number.filter((e) => e !== null), [C, w] = Cn(S), T = (t) => t === null ? e.none : e.names.length ? e.inks[t] : On(w > C ? (t - C) / (w - C) : .5), E = (t) => e.number[t] === null ? "no value" : e.names.length ? e.names[e.number[t]] : K(e.number[t]);
+	} : null, y = (e) => h.part(e) * p, b = (e) => (1 - g.part(e)) * m, x = (t) => v ? [e.across[t % _], e.up[Math.floor(t / _)]] : [e.across[t], e.up[t]], S = e.number.filter((e) => e !== null), [C, w] = vn(S), T = (t) => t === null ? e.none : e.names.length ? e.inks[t] : Cn(w > C ? (t - C) / (w - C) : .5), E = (t) => e.number[t] === null ? "no value" : e.names.length ? e.names[e.number[t]] : K(e.number[t]);
 	H(() => {
 		let t = s.current, n = t?.getContext("2d");
 		if (!t || !n) return;
@@ -4427,7 +4004,7 @@ function er({ found: e, wide: t, high: n, dark: r, chosen: i, choose: a, open: o
 			let [t, n] = [v.x.findIndex((e) => y(e) > r) - 1, v.y.findIndex((e) => b(e) < i) - 1], a = n * _ + t;
 			return t >= 0 && n >= 0 && e.members[a] >= 0 ? a : null;
 		}
-		let [a, o] = [-1, $n ** 2];
+		let [a, o] = [-1, Jn ** 2];
 		return e.members.forEach((e, t) => {
 			let [n, s] = x(t), c = n === null || s === null ? Infinity : (y(n) - r) ** 2 + (b(s) - i) ** 2;
 			c < o && ([a, o] = [t, c]);
@@ -4460,7 +4037,7 @@ function er({ found: e, wide: t, high: n, dark: r, chosen: i, choose: a, open: o
 			onKeyDown: k,
 			children: [/* @__PURE__ */ L("canvas", {
 				ref: s,
-				style: `left: ${Yn}px; top: ${Zn}px; width: ${p}px; height: ${m}px`,
+				style: `left: ${Wn}px; top: ${Kn}px; width: ${p}px; height: ${m}px`,
 				"data-span": JSON.stringify([
 					h.low,
 					h.high,
@@ -4481,58 +4058,58 @@ function er({ found: e, wide: t, high: n, dark: r, chosen: i, choose: a, open: o
 				children: [
 					/* @__PURE__ */ L("rect", {
 						class: "box",
-						x: Yn,
-						y: Zn,
+						x: Wn,
+						y: Kn,
 						width: p,
 						height: m
 					}),
 					h.ticks.map((e) => /* @__PURE__ */ L("g", { children: [/* @__PURE__ */ L("line", {
 						class: "tick",
-						x1: Yn + y(e),
-						x2: Yn + y(e),
-						y1: Zn + m,
-						y2: Zn + m + 4
+						x1: Wn + y(e),
+						x2: Wn + y(e),
+						y1: Kn + m,
+						y2: Kn + m + 4
 					}), /* @__PURE__ */ L("text", {
-						x: Yn + y(e),
-						y: Zn + m + 15,
+						x: Wn + y(e),
+						y: Kn + m + 15,
 						"text-anchor": "middle",
 						children: K(e)
 					})] })),
 					g.ticks.map((e) => /* @__PURE__ */ L("g", { children: [/* @__PURE__ */ L("line", {
 						class: "tick",
-						x1: Yn - 4,
-						x2: Yn,
-						y1: Zn + b(e),
-						y2: Zn + b(e)
+						x1: Wn - 4,
+						x2: Wn,
+						y1: Kn + b(e),
+						y2: Kn + b(e)
 					}), /* @__PURE__ */ L("text", {
-						x: Yn - 7,
-						y: Zn + b(e) + 3.5,
+						x: Wn - 7,
+						y: Kn + b(e) + 3.5,
 						"text-anchor": "end",
 						children: K(e)
 					})] })),
 					/* @__PURE__ */ L("text", {
 						class: "what",
-						x: Yn + p / 2,
+						x: Wn + p / 2,
 						y: f - 6,
 						"text-anchor": "middle",
-						children: En(e.x.name, e.x.unit)
+						children: xn(e.x.name, e.x.unit)
 					}),
 					/* @__PURE__ */ L("text", {
 						class: "what",
-						transform: `translate(12,${Zn + m / 2}) rotate(-90)`,
+						transform: `translate(12,${Kn + m / 2}) rotate(-90)`,
 						"text-anchor": "middle",
-						children: En(e.y.name, e.y.unit)
+						children: xn(e.y.name, e.y.unit)
 					}),
 					te !== null && ne !== null && /* @__PURE__ */ L("circle", {
 						class: "chosen",
-						cx: Yn + y(te),
-						cy: Zn + b(ne),
+						cx: Wn + y(te),
+						cy: Kn + b(ne),
 						r: 7
 					})
 				]
 			})]
 		}), /* @__PURE__ */ L("figcaption", { children: [
-			/* @__PURE__ */ L("b", { children: En(e.value, e.unit) }),
+			/* @__PURE__ */ L("b", { children: xn(e.value, e.unit) }),
 			e.names.map((t, n) => /* @__PURE__ */ L("span", {
 				class: "key",
 				children: [
@@ -4544,7 +4121,7 @@ function er({ found: e, wide: t, high: n, dark: r, chosen: i, choose: a, open: o
 			!e.names.length && S.length > 0 && /* @__PURE__ */ L("span", {
 				class: "bar",
 				children: [
-					/* @__PURE__ */ L("i", { style: `background: linear-gradient(to right, ${kn})` }),
+					/* @__PURE__ */ L("i", { style: `background: linear-gradient(to right, ${wn})` }),
 					/* @__PURE__ */ L("span", { children: K(C) }),
 					/* @__PURE__ */ L("span", { children: K(w) })
 				]
@@ -4565,54 +4142,63 @@ function er({ found: e, wide: t, high: n, dark: r, chosen: i, choose: a, open: o
 	});
 }
 // src/planned.tsx
-var tr = [
+var Xn = [
 	["map", "Map"],
 	["scatter", "Scatter"],
 	["family", "Curves"],
 	["tornado", "Tornado"],
 	["sobol", "Sobol indices"],
 	["table", "Table"]
-], nr = 92, rr = "(max-width: 760px)", ir = 500;
-function ar({ store: e, state: t, plan: n }) {
-	let [r, i] = V(() => pr(n)), [a, o] = V(null), [[s, c], l] = V([700, 340]), u = mt(null);
+], Zn = 92, Qn = "(max-width: 760px)", $n = 500;
+function er({ store: e, state: t, plan: n }) {
+	let { choice: r, chosen: i } = t.looked?.plan === n.plan ? t.looked : {
+		choice: cr(n),
+		chosen: null
+	}, [[a, o], s] = V([700, 340]), c = lt(null);
 	H(() => {
-		i(pr(n)), o(null);
-	}, [n.plan]), H(() => {
-		let e = u.current;
+		let e = c.current;
 		if (!e) return;
-		let t = new ResizeObserver(() => l([Math.max(260, e.clientWidth - 24), matchMedia(rr).matches ? 0 : e.clientHeight]));
+		let t = new ResizeObserver(() => s([Math.max(260, e.clientWidth - 24), matchMedia(Qn).matches ? 0 : e.clientHeight]));
 		return t.observe(e), () => t.disconnect();
 	}, []);
-	let [d, f] = mr(e, n, r), p = (e) => i({
-		...r,
-		...e
-	}), m = [...n.factors.filter((e) => e.number).map((e) => e.path), ...n.columns.filter((e) => e.kind === "number" || e.kind === "whole").map((e) => e.name)], h = n.columns.filter((e) => e.kind !== "curve").map((e) => e.name), g = (e, t, n) => /* @__PURE__ */ L("label", { children: [e, /* @__PURE__ */ L("select", {
+	let [l, u] = lr(e, n, r), d = (t) => e.set({ looked: {
+		plan: n.plan,
+		choice: {
+			...r,
+			...t
+		},
+		chosen: i
+	} }), f = (t) => e.set({ looked: {
+		plan: n.plan,
+		choice: r,
+		chosen: t
+	} }), p = [...n.factors.filter((e) => e.number).map((e) => e.path), ...n.columns.filter((e) => e.kind === "number" || e.kind === "whole").map((e) => e.name)], m = n.columns.filter((e) => e.kind !== "curve").map((e) => e.name), h = (e, t, n) => /* @__PURE__ */ L("label", { children: [e, /* @__PURE__ */ L("select", {
 		"aria-label": e,
 		value: r[t],
-		onChange: (e) => p({ [t]: e.currentTarget.value }),
+		onChange: (e) => d({ [t]: e.currentTarget.value }),
 		children: n.map((e) => /* @__PURE__ */ L("option", { children: e }))
-	})] }), _ = (t) => void e.openMember(t), v = c ? Math.max(c - nr, 190) : Math.round(Math.min(.8 * s, 340)), y = n.factors.map((e) => e.path), b = n.way === "grid" && r.view === "map" ? n.factors.filter((e) => e.levels.length > 1 && e.path !== r.x && e.path !== r.y) : [], S = b.length > 0 && y.includes(r.x) && y.includes(r.y);
+	})] }), g = (t) => void e.openMember(t), _ = o ? Math.max(o - Zn, 190) : Math.round(Math.min(.8 * a, 340)), v = n.factors.map((e) => e.path), y = n.way === "grid" && r.view === "map" ? n.factors.filter((e) => e.levels.length > 1 && e.path !== r.x && e.path !== r.y) : [], b = y.length > 0 && v.includes(r.x) && v.includes(r.y);
 	return /* @__PURE__ */ L("section", {
 		class: "plots planned",
-		ref: u,
+		ref: c,
 		"aria-label": "Sweep",
 		children: [
 			/* @__PURE__ */ L("div", {
 				class: "plotbar",
 				children: [
-					/* @__PURE__ */ L(sr, {
+					/* @__PURE__ */ L(nr, {
 						store: e,
 						plan: n
 					}),
-					/* @__PURE__ */ L(cr, {
+					/* @__PURE__ */ L(rr, {
 						store: e,
 						plan: n,
-						chosen: a,
-						choose: o,
-						open: _
+						chosen: i,
+						choose: f,
+						open: g
 					}),
 					/* @__PURE__ */ L("button", {
-						onClick: () => void hr(e, n),
+						onClick: () => void ur(e, n),
 						disabled: !n.kept,
 						children: "Table as CSV"
 					}),
@@ -4629,30 +4215,30 @@ function ar({ store: e, state: t, plan: n }) {
 						class: "choices",
 						role: "group",
 						"aria-label": "Views",
-						children: tr.map(([e, t]) => /* @__PURE__ */ L("button", {
+						children: Xn.map(([e, t]) => /* @__PURE__ */ L("button", {
 							"aria-pressed": r.view === e,
-							onClick: () => p({
+							onClick: () => d({
 								view: e,
-								...fr(n, e)
+								...sr(n, e)
 							}),
 							children: t
 						}))
 					}),
 					(r.view === "map" || r.view === "scatter") && /* @__PURE__ */ L(x, { children: [
-						g("of", "value", r.view === "map" ? h : [
-							...h,
+						h("of", "value", r.view === "map" ? m : [
+							...m,
 							"status",
-							...y
+							...v
 						]),
-						g("across", "x", m),
-						g("up", "y", m)
+						h("across", "x", p),
+						h("up", "y", p)
 					] }),
-					r.view === "family" && g("of", "curve", n.columns.filter((e) => e.kind === "curve").map((e) => e.name)),
-					(r.view === "tornado" || r.view === "sobol") && g("of", "value", m.filter((e) => !y.includes(e))),
-					S && b.map((e) => /* @__PURE__ */ L("label", { children: [e.path, /* @__PURE__ */ L("select", {
+					r.view === "family" && h("of", "curve", n.columns.filter((e) => e.kind === "curve").map((e) => e.name)),
+					(r.view === "tornado" || r.view === "sobol") && h("of", "value", p.filter((e) => !v.includes(e))),
+					b && y.map((e) => /* @__PURE__ */ L("label", { children: [e.path, /* @__PURE__ */ L("select", {
 						"aria-label": `Level of ${e.path}`,
 						value: r.at[e.path] ?? 0,
-						onChange: (t) => p({ at: {
+						onChange: (t) => d({ at: {
 							...r.at,
 							[e.path]: Number(t.currentTarget.value)
 						} }),
@@ -4675,39 +4261,39 @@ function ar({ store: e, state: t, plan: n }) {
 					/* @__PURE__ */ L("em", { children: n.error.try })
 				]
 			}),
-			f ? /* @__PURE__ */ L("p", {
+			u ? /* @__PURE__ */ L("p", {
 				class: "hint",
 				children: [
-					f.why,
+					u.why,
 					". ",
-					or[r.view] ?? f.try
+					tr[r.view] ?? u.try
 				]
-			}) : d ? d.view === "table" ? /* @__PURE__ */ L(lr, {
-				found: d,
-				open: _,
-				turn: (e) => p({ first: e })
-			}) : d.view === "family" ? /* @__PURE__ */ L(Hn, {
-				found: d,
-				wide: Math.min(s, 4 * v),
-				high: v,
-				chosen: a,
-				choose: o,
-				open: _
-			}) : d.view === "tornado" ? /* @__PURE__ */ L(qn, {
-				found: d,
-				wide: s,
-				open: _
-			}) : d.view === "sobol" ? /* @__PURE__ */ L(Jn, {
-				found: d,
-				wide: s
-			}) : /* @__PURE__ */ L(er, {
-				found: d,
-				wide: Math.min(s, 4 * v),
-				high: v,
+			}) : l ? l.view === "table" ? /* @__PURE__ */ L(ir, {
+				found: l,
+				open: g,
+				turn: (e) => d({ first: e })
+			}) : l.view === "family" ? /* @__PURE__ */ L(Ln, {
+				found: l,
+				wide: Math.min(a, 4 * _),
+				high: _,
+				chosen: i,
+				choose: f,
+				open: g
+			}) : l.view === "tornado" ? /* @__PURE__ */ L(Hn, {
+				found: l,
+				wide: a,
+				open: g
+			}) : l.view === "sobol" ? /* @__PURE__ */ L(Un, {
+				found: l,
+				wide: a
+			}) : /* @__PURE__ */ L(Yn, {
+				found: l,
+				wide: Math.min(a, 4 * _),
+				high: _,
 				dark: t.dark,
-				chosen: a,
-				choose: o,
-				open: _
+				chosen: i,
+				choose: f,
+				open: g
 			}) : /* @__PURE__ */ L("p", {
 				class: "hint",
 				children: n.kept ? "…" : n.state === "running" ? "The first runs are on their way …" : "No run was done."
@@ -4715,12 +4301,12 @@ function ar({ store: e, state: t, plan: n }) {
 		]
 	});
 }
-var or = {
+var tr = {
 	tornado: "Draw members ‘for a tornado’.",
 	sobol: "Draw members ‘for Sobol indices’.",
 	family: "Collect a curve: curve(height, 101)."
 };
-function sr({ store: e, plan: t }) {
+function nr({ store: e, plan: t }) {
 	let n = t.left === null ? "" : t.left < 1 ? ", under 1 s to go" : t.left < 120 ? `, ${Math.round(t.left)} s to go` : t.left < 7200 ? `, ${Math.round(t.left / 60)} min to go` : `, ${(t.left / 3600).toFixed(1)} h to go`, r = t.factors.map((e) => e.path).join(", ");
 	return t.state === "running" ? /* @__PURE__ */ L(x, { children: [
 		/* @__PURE__ */ L("progress", {
@@ -4748,7 +4334,7 @@ function sr({ store: e, plan: t }) {
 		]
 	});
 }
-function cr({ store: e, plan: t, chosen: n, choose: r, open: i }) {
+function rr({ store: e, plan: t, chosen: n, choose: r, open: i }) {
 	let [a, o] = V(null);
 	H(() => {
 		if (o(null), n === null) return;
@@ -4788,8 +4374,8 @@ function cr({ store: e, plan: t, chosen: n, choose: r, open: i }) {
 			}
 		})] }), n !== null && /* @__PURE__ */ L(x, { children: [
 			/* @__PURE__ */ L("output", { children: [
-				s.map(([e, t]) => `${e} = ${dr(t)}`).join(", "),
-				a?.row && t.columns.filter((e) => e.kind !== "curve").map((e) => `; ${e.name} = ${ur(a.row[e.name])}`).join(""),
+				s.map(([e, t]) => `${e} = ${or(t)}`).join(", "),
+				a?.row && t.columns.filter((e) => e.kind !== "curve").map((e) => `; ${e.name} = ${ar(a.row[e.name])}`).join(""),
 				a?.row?.code && `; ${a.row.status}: ${a.row.code} ${a.row.message}`
 			] }),
 			/* @__PURE__ */ L("button", {
@@ -4803,7 +4389,7 @@ function cr({ store: e, plan: t, chosen: n, choose: r, open: i }) {
 		] })]
 	});
 }
-function lr({ found: e, open: t, turn: n }) {
+function ir({ found: e, open: t, turn: n }) {
 	let r = e.columns.map((e, t) => t).filter((t) => t === 0 || ![
 		"code",
 		"message",
@@ -4826,7 +4412,7 @@ function lr({ found: e, open: t, turn: n }) {
 					class: "link",
 					onClick: () => t(Number(e[0])),
 					children: e[0]
-				}) : ur(e[n])
+				}) : ar(e[n])
 			})) })) })] })
 		}), /* @__PURE__ */ L("div", {
 			class: "plotbar",
@@ -4852,14 +4438,14 @@ function lr({ found: e, open: t, turn: n }) {
 		})]
 	});
 }
-function ur(e) {
+function ar(e) {
 	return typeof e == "number" ? K(e) : e ?? "none";
 }
-function dr(e) {
+function or(e) {
 	let [t, ...n] = String(e).split(" ");
 	return Number.isFinite(Number(t)) ? [K(Number(t)), ...n].join(" ") : String(e);
 }
-function fr(e, t) {
+function sr(e, t) {
 	let n = e.factors.filter((e) => e.number).map((e) => e.path), r = e.columns.filter((e) => e.kind === "number" || e.kind === "whole").map((e) => e.name), i = e.columns.filter((e) => e.kind === "text").map((e) => e.name), [a = "", o = n[0] ?? ""] = n;
 	switch (t) {
 		case "map": return {
@@ -4876,7 +4462,7 @@ function fr(e, t) {
 		default: return { value: r[0] ?? "" };
 	}
 }
-function pr(e) {
+function cr(e) {
 	let t = e.way.split(":")[0], n = e.columns.find((e) => e.kind === "curve"), r = e.factors.filter((e) => e.number).length, i = t === "ends" ? "tornado" : t === "saltelli" ? "sobol" : n && (r < 2 || e.columns.length === 1) ? "family" : r < 2 ? "scatter" : "map";
 	return {
 		view: i,
@@ -4886,19 +4472,19 @@ function pr(e) {
 		curve: "",
 		at: {},
 		first: 0,
-		...fr(e, i)
+		...sr(e, i)
 	};
 }
-function mr(e, t, n) {
+function lr(e, t, n) {
 	let [r, i] = V({
 		key: "",
 		seen: null,
 		refused: null
-	}), a = JSON.stringify([t.plan, n]), o = mt({
+	}), a = JSON.stringify([t.plan, n]), o = lt({
 		key: "",
 		kept: -1,
 		ended: !1
-	}), s = mt(!1), c = mt(!1), l = async () => {
+	}), s = lt(!1), c = lt(!1), l = async () => {
 		if (s.current) return;
 		s.current = !0;
 		let t = "";
@@ -4924,7 +4510,7 @@ function mr(e, t, n) {
 					refused: t
 				});
 			}
-			n.key === o.current.key && !o.current.ended && await new Promise((e) => setTimeout(e, ir));
+			n.key === o.current.key && !o.current.ended && await new Promise((e) => setTimeout(e, $n));
 		}
 		s.current = !1;
 	};
@@ -4942,7 +4528,7 @@ function mr(e, t, n) {
 		t.state
 	]), [r.seen && JSON.parse(r.key || "[]")[0] === t.plan && r.seen.view === n.view ? r.seen : null, r.key === a ? r.refused : null];
 }
-async function hr(e, t) {
+async function ur(e, t) {
 	try {
 		let { text: n, name: r } = await e.transport.ask("plan csv", { plan: t.plan }), i = document.createElement("a");
 		i.href = URL.createObjectURL(new Blob([n], { type: "text/csv" })), i.download = r, i.click(), URL.revokeObjectURL(i.href);
@@ -4951,65 +4537,65 @@ async function hr(e, t) {
 	}
 }
 // node_modules/uplot/dist/uPlot.esm.js
-var gr = !0, _r = "uplot", vr = "u-hz", yr = "u-vt", br = "u-title", xr = "u-wrap", Sr = "u-under", Cr = "u-over", wr = "u-axis", Tr = "u-off", Er = "u-select", Dr = "u-cursor-x", Or = "u-cursor-y", kr = "u-cursor-pt", Ar = "u-legend", jr = "u-live", Mr = "u-inline", Nr = "u-series", Pr = "u-marker", Fr = "u-label", Ir = "u-value", Lr = "width", Rr = "height", zr = "top", Br = "bottom", Vr = "left", Hr = "right", Ur = "#000", Wr = "#0000", Gr = "mousemove", Kr = "mousedown", qr = "mouseup", Jr = "mouseenter", Yr = "mouseleave", Xr = "dblclick", Zr = "resize", Qr = "scroll", $r = "change", ei = "dppxchange", ti = "--", ni = typeof window < "u", ri = ni ? document : null, ii = ni ? window : null, ai = ni ? navigator : null, q, oi;
-function si() {
+var dr = !0, fr = "uplot", pr = "u-hz", mr = "u-vt", hr = "u-title", gr = "u-wrap", _r = "u-under", vr = "u-over", yr = "u-axis", br = "u-off", xr = "u-select", Sr = "u-cursor-x", Cr = "u-cursor-y", wr = "u-cursor-pt", Tr = "u-legend", Er = "u-live", Dr = "u-inline", Or = "u-series", kr = "u-marker", Ar = "u-label", jr = "u-value", Mr = "width", Nr = "height", Pr = "top", Fr = "bottom", Ir = "left", Lr = "right", Rr = "#000", zr = "#0000", Br = "mousemove", Vr = "mousedown", Hr = "mouseup", Ur = "mouseenter", Wr = "mouseleave", Gr = "dblclick", Kr = "resize", qr = "scroll", Jr = "change", Yr = "dppxchange", Xr = "--", Zr = typeof window < "u", Qr = Zr ? document : null, $r = Zr ? window : null, ei = Zr ? navigator : null, q, ti;
+function ni() {
 	let e = devicePixelRatio;
-	q != e && (q = e, oi && xi($r, oi, si), oi = matchMedia(`(min-resolution: ${q - .001}dppx) and (max-resolution: ${q + .001}dppx)`), bi($r, oi, si), ii.dispatchEvent(new CustomEvent(ei)));
+	q != e && (q = e, ti && gi(Jr, ti, ni), ti = matchMedia(`(min-resolution: ${q - .001}dppx) and (max-resolution: ${q + .001}dppx)`), hi(Jr, ti, ni), $r.dispatchEvent(new CustomEvent(Yr)));
 }
-function ci(e, t) {
+function ri(e, t) {
 	if (t != null) {
 		let n = e.classList;
 		!n.contains(t) && n.add(t);
 	}
 }
-function li(e, t) {
+function ii(e, t) {
 	let n = e.classList;
 	n.contains(t) && n.remove(t);
 }
 function J(e, t, n) {
 	e.style[t] = n + "px";
 }
-function ui(e, t, n, r) {
-	let i = ri.createElement(e);
-	return t != null && ci(i, t), n?.insertBefore(i, r), i;
+function ai(e, t, n, r) {
+	let i = Qr.createElement(e);
+	return t != null && ri(i, t), n?.insertBefore(i, r), i;
 }
-function di(e, t) {
-	return ui("div", e, t);
+function oi(e, t) {
+	return ai("div", e, t);
 }
-var fi = /* @__PURE__ */ new WeakMap();
-function pi(e, t, n, r, i) {
+var si = /* @__PURE__ */ new WeakMap();
+function ci(e, t, n, r, i) {
 	let a = "translate(" + t + "px," + n + "px)";
-	a != fi.get(e) && (e.style.transform = a, fi.set(e, a), t < 0 || n < 0 || t > r || n > i ? ci(e, Tr) : li(e, Tr));
+	a != si.get(e) && (e.style.transform = a, si.set(e, a), t < 0 || n < 0 || t > r || n > i ? ri(e, br) : ii(e, br));
 }
-var mi = /* @__PURE__ */ new WeakMap();
-function hi(e, t, n) {
+var li = /* @__PURE__ */ new WeakMap();
+function ui(e, t, n) {
 	let r = t + n;
-	r != mi.get(e) && (mi.set(e, r), e.style.background = t, e.style.borderColor = n);
+	r != li.get(e) && (li.set(e, r), e.style.background = t, e.style.borderColor = n);
 }
-var gi = /* @__PURE__ */ new WeakMap();
-function _i(e, t, n, r) {
+var di = /* @__PURE__ */ new WeakMap();
+function fi(e, t, n, r) {
 	let i = t + "" + n;
-	i != gi.get(e) && (gi.set(e, i), e.style.height = n + "px", e.style.width = t + "px", e.style.marginLeft = r ? -t / 2 + "px" : 0, e.style.marginTop = r ? -n / 2 + "px" : 0);
+	i != di.get(e) && (di.set(e, i), e.style.height = n + "px", e.style.width = t + "px", e.style.marginLeft = r ? -t / 2 + "px" : 0, e.style.marginTop = r ? -n / 2 + "px" : 0);
 }
-var vi = { passive: !0 }, yi = {
-	...vi,
+var pi = { passive: !0 }, mi = {
+	...pi,
 	capture: !0
 };
-function bi(e, t, n, r) {
-	t.addEventListener(e, n, r ? yi : vi);
+function hi(e, t, n, r) {
+	t.addEventListener(e, n, r ? mi : pi);
 }
-function xi(e, t, n, r) {
-	t.removeEventListener(e, n, vi);
+function gi(e, t, n, r) {
+	t.removeEventListener(e, n, pi);
 }
-ni && si();
-function Si(e, t, n, r) {
+Zr && ni();
+function _i(e, t, n, r) {
 	let i;
 	n ||= 0, r ||= t.length - 1;
 	let a = r <= 2147483647;
-	for (; r - n > 1;) i = a ? n + r >> 1 : Ui((n + r) / 2), t[i] < e ? n = i : r = i;
+	for (; r - n > 1;) i = a ? n + r >> 1 : Ri((n + r) / 2), t[i] < e ? n = i : r = i;
 	return e - t[n] <= t[r] - e ? n : r;
 }
-function Ci(e) {
+function vi(e) {
 	return (t, n, r) => {
 		let i = -1, a = -1;
 		for (let a = n; a <= r; a++) if (e(t[a])) {
@@ -5023,9 +4609,9 @@ function Ci(e) {
 		return [i, a];
 	};
 }
-var wi = (e) => e != null, Ti = (e) => e != null && e > 0, Ei = Ci(wi), Di = Ci(Ti);
-function Oi(e, t, n, r = 0, i = !1) {
-	let a = i ? Di : Ei, o = i ? Ti : wi;
+var yi = (e) => e != null, bi = (e) => e != null && e > 0, xi = vi(yi), Si = vi(bi);
+function Ci(e, t, n, r = 0, i = !1) {
+	let a = i ? Si : xi, o = i ? bi : yi;
 	[t, n] = a(e, t, n);
 	let s = e[t], c = e[t];
 	if (t > -1) {
@@ -5036,106 +4622,106 @@ function Oi(e, t, n, r = 0, i = !1) {
 			o(t) && (t < s ? s = t : t > c && (c = t));
 		}
 	}
-	return [s ?? ea, c ?? -ea];
+	return [s ?? Yi, c ?? -Yi];
 }
-function ki(e, t, n, r) {
-	let i = Yi(e), a = Yi(t);
+function wi(e, t, n, r) {
+	let i = Wi(e), a = Wi(t);
 	e == t && (i == -1 ? (e *= n, t /= n) : (e /= n, t *= n));
-	let o = n == 10 ? Xi : Zi, s = i == 1 ? Ui : Gi, c = a == 1 ? Gi : Ui, l = s(o(Hi(e))), u = c(o(Hi(t))), d = Ji(n, l), f = Ji(n, u);
-	return n == 10 && (l < 0 && (d = Z(d, -l)), u < 0 && (f = Z(f, -u))), r || n == 2 ? (e = d * i, t = f * a) : (e = ma(e, d), t = pa(t, f)), [e, t];
+	let o = n == 10 ? Gi : Ki, s = i == 1 ? Ri : Bi, c = a == 1 ? Bi : Ri, l = s(o(Li(e))), u = c(o(Li(t))), d = Ui(n, l), f = Ui(n, u);
+	return n == 10 && (l < 0 && (d = Z(d, -l)), u < 0 && (f = Z(f, -u))), r || n == 2 ? (e = d * i, t = f * a) : (e = la(e, d), t = ca(t, f)), [e, t];
 }
-function Ai(e, t, n, r) {
-	let i = ki(e, t, n, r);
+function Ti(e, t, n, r) {
+	let i = wi(e, t, n, r);
 	return e == 0 && (i[0] = 0), t == 0 && (i[1] = 0), i;
 }
-var ji = .1, Mi = {
+var Ei = .1, Di = {
 	mode: 3,
-	pad: ji
-}, Ni = {
+	pad: Ei
+}, Oi = {
 	pad: 0,
 	soft: null,
 	mode: 0
-}, Pi = {
-	min: Ni,
-	max: Ni
+}, ki = {
+	min: Oi,
+	max: Oi
 };
-function Fi(e, t, n, r) {
-	return Ta(n) ? Li(e, t, n) : (Ni.pad = n, Ni.soft = r ? 0 : null, Ni.mode = r ? 3 : 0, Li(e, t, Pi));
+function Ai(e, t, n, r) {
+	return ba(n) ? Mi(e, t, n) : (Oi.pad = n, Oi.soft = r ? 0 : null, Oi.mode = r ? 3 : 0, Mi(e, t, ki));
 }
 function Y(e, t) {
 	return e ?? t;
 }
-function Ii(e, t, n) {
+function ji(e, t, n) {
 	for (t = Y(t, 0), n = Y(n, e.length - 1); t <= n;) {
 		if (e[t] != null) return !0;
 		t++;
 	}
 	return !1;
 }
-function Li(e, t, n) {
-	let r = n.min, i = n.max, a = Y(r.pad, 0), o = Y(i.pad, 0), s = Y(r.hard, -ea), c = Y(i.hard, ea), l = Y(r.soft, ea), u = Y(i.soft, -ea), d = Y(r.mode, 0), f = Y(i.mode, 0), p = t - e, m = Xi(p), h = qi(Hi(e), Hi(t)), g = Hi(Xi(h) - m);
-	(p < 1e-24 || g > 10) && (p = 0, (e == 0 || t == 0) && (p = 1e-24, d == 2 && l != ea && (a = 0), f == 2 && u != -ea && (o = 0)));
-	let _ = p || h || 1e3, v = Ji(10, Ui(Xi(_))), y = Z(ma(e - _ * (p == 0 ? e == 0 ? .1 : 1 : a), v / 10), 24), b = e >= l && (d == 1 || d == 3 && y <= l || d == 2 && y >= l) ? l : ea, x = qi(s, y < b && e >= b ? b : Ki(b, y)), S = Z(pa(t + _ * (p == 0 ? t == 0 ? .1 : 1 : o), v / 10), 24), C = t <= u && (f == 1 || f == 3 && S >= u || f == 2 && S <= u) ? u : -ea, w = Ki(c, S > C && t <= C ? C : qi(C, S));
+function Mi(e, t, n) {
+	let r = n.min, i = n.max, a = Y(r.pad, 0), o = Y(i.pad, 0), s = Y(r.hard, -Yi), c = Y(i.hard, Yi), l = Y(r.soft, Yi), u = Y(i.soft, -Yi), d = Y(r.mode, 0), f = Y(i.mode, 0), p = t - e, m = Gi(p), h = Hi(Li(e), Li(t)), g = Li(Gi(h) - m);
+	(p < 1e-24 || g > 10) && (p = 0, (e == 0 || t == 0) && (p = 1e-24, d == 2 && l != Yi && (a = 0), f == 2 && u != -Yi && (o = 0)));
+	let _ = p || h || 1e3, v = Ui(10, Ri(Gi(_))), y = Z(la(e - _ * (p == 0 ? e == 0 ? .1 : 1 : a), v / 10), 24), b = e >= l && (d == 1 || d == 3 && y <= l || d == 2 && y >= l) ? l : Yi, x = Hi(s, y < b && e >= b ? b : Vi(b, y)), S = Z(ca(t + _ * (p == 0 ? t == 0 ? .1 : 1 : o), v / 10), 24), C = t <= u && (f == 1 || f == 3 && S >= u || f == 2 && S <= u) ? u : -Yi, w = Vi(c, S > C && t <= C ? C : Hi(C, S));
 	return x == w && x == 0 && (w = 100), [x, w];
 }
-var Ri = new Intl.NumberFormat(ni ? ai.language : "en-US"), zi = (e) => Ri.format(e), Bi = Math, Vi = Bi.PI, Hi = Bi.abs, Ui = Bi.floor, Wi = Bi.round, Gi = Bi.ceil, Ki = Bi.min, qi = Bi.max, Ji = Bi.pow, Yi = Bi.sign, Xi = Bi.log10, Zi = Bi.log2, Qi = (e, t = 1) => Bi.sinh(e) * t, $i = (e, t = 1) => Bi.asinh(e / t), ea = Infinity;
-function ta(e) {
-	return (Xi((e ^ e >> 31) - (e >> 31)) | 0) + 1;
+var Ni = new Intl.NumberFormat(Zr ? ei.language : "en-US"), Pi = (e) => Ni.format(e), Fi = Math, Ii = Fi.PI, Li = Fi.abs, Ri = Fi.floor, zi = Fi.round, Bi = Fi.ceil, Vi = Fi.min, Hi = Fi.max, Ui = Fi.pow, Wi = Fi.sign, Gi = Fi.log10, Ki = Fi.log2, qi = (e, t = 1) => Fi.sinh(e) * t, Ji = (e, t = 1) => Fi.asinh(e / t), Yi = Infinity;
+function Xi(e) {
+	return (Gi((e ^ e >> 31) - (e >> 31)) | 0) + 1;
 }
-function na(e, t, n) {
-	return Ki(qi(e, t), n);
+function Zi(e, t, n) {
+	return Vi(Hi(e, t), n);
 }
-function ra(e) {
+function Qi(e) {
 	return typeof e == "function";
 }
 function X(e) {
-	return ra(e) ? e : () => e;
+	return Qi(e) ? e : () => e;
 }
-var ia = () => {}, aa = (e) => e, oa = (e, t) => t, sa = (e) => null, ca = (e) => !0, la = (e, t) => e == t, ua = /\.\d*?(?=9{6,}|0{6,})/gm, da = (e) => {
-	if (Sa(e) || ha.has(e)) return e;
-	let t = `${e}`, n = t.match(ua);
+var $i = () => {}, ea = (e) => e, ta = (e, t) => t, na = (e) => null, ra = (e) => !0, ia = (e, t) => e == t, aa = /\.\d*?(?=9{6,}|0{6,})/gm, oa = (e) => {
+	if (_a(e) || ua.has(e)) return e;
+	let t = `${e}`, n = t.match(aa);
 	if (n == null) return e;
 	let r = n[0].length - 1;
 	if (t.indexOf("e-") != -1) {
 		let [e, n] = t.split("e");
-		return +`${da(e)}e${n}`;
+		return +`${oa(e)}e${n}`;
 	}
 	return Z(e, r);
 };
-function fa(e, t) {
-	return da(Z(da(e / t)) * t);
+function sa(e, t) {
+	return oa(Z(oa(e / t)) * t);
 }
-function pa(e, t) {
-	return da(Gi(da(e / t)) * t);
+function ca(e, t) {
+	return oa(Bi(oa(e / t)) * t);
 }
-function ma(e, t) {
-	return da(Ui(da(e / t)) * t);
+function la(e, t) {
+	return oa(Ri(oa(e / t)) * t);
 }
 function Z(e, t = 0) {
-	if (Sa(e)) return e;
+	if (_a(e)) return e;
 	let n = 10 ** t;
-	return Wi(e * n * (1 + 2 ** -52)) / n;
+	return zi(e * n * (1 + 2 ** -52)) / n;
 }
-var ha = /* @__PURE__ */ new Map();
-function ga(e) {
+var ua = /* @__PURE__ */ new Map();
+function da(e) {
 	return (("" + e).split(".")[1] || "").length;
 }
-function _a(e, t, n, r) {
-	let i = [], a = r.map(ga);
+function fa(e, t, n, r) {
+	let i = [], a = r.map(da);
 	for (let o = t; o < n; o++) {
-		let t = Hi(o), n = Z(Ji(e, o), t);
+		let t = Li(o), n = Z(Ui(e, o), t);
 		for (let s = 0; s < r.length; s++) {
 			let c = e == 10 ? +`${r[s]}e${o}` : r[s] * n, l = (o >= 0 ? 0 : t) + (o >= a[s] ? 0 : a[s]), u = e == 10 ? c : Z(c, l);
-			i.push(u), ha.set(u, l);
+			i.push(u), ua.set(u, l);
 		}
 	}
 	return i;
 }
-var va = {}, ya = [], ba = [null, null], xa = Array.isArray, Sa = Number.isInteger, Ca = (e) => e === void 0;
-function wa(e) {
+var pa = {}, ma = [], ha = [null, null], ga = Array.isArray, _a = Number.isInteger, va = (e) => e === void 0;
+function ya(e) {
 	return typeof e == "string";
 }
-function Ta(e) {
+function ba(e) {
 	let t = !1;
 	if (e != null) {
 		let n = e.constructor;
@@ -5143,35 +4729,35 @@ function Ta(e) {
 	}
 	return t;
 }
-function Ea(e) {
+function xa(e) {
 	return typeof e == "object" && !!e;
 }
-var Da = Object.getPrototypeOf(Uint8Array), Oa = "__proto__";
-function ka(e, t = Ta) {
+var Sa = Object.getPrototypeOf(Uint8Array), Ca = "__proto__";
+function wa(e, t = ba) {
 	let n;
-	if (xa(e)) {
+	if (ga(e)) {
 		let r = e.find((e) => e != null);
-		if (xa(r) || t(r)) {
+		if (ga(r) || t(r)) {
 			n = Array(e.length);
-			for (let r = 0; r < e.length; r++) n[r] = ka(e[r], t);
+			for (let r = 0; r < e.length; r++) n[r] = wa(e[r], t);
 		} else n = e.slice();
-	} else if (e instanceof Da) n = e.slice();
+	} else if (e instanceof Sa) n = e.slice();
 	else if (t(e)) {
 		n = {};
-		for (let r in e) r != Oa && (n[r] = ka(e[r], t));
+		for (let r in e) r != Ca && (n[r] = wa(e[r], t));
 	} else n = e;
 	return n;
 }
-function Aa(e) {
+function Ta(e) {
 	let t = arguments;
 	for (let n = 1; n < t.length; n++) {
 		let r = t[n];
-		for (let t in r) t != Oa && (Ta(e[t]) ? Aa(e[t], ka(r[t])) : e[t] = ka(r[t]));
+		for (let t in r) t != Ca && (ba(e[t]) ? Ta(e[t], wa(r[t])) : e[t] = wa(r[t]));
 	}
 	return e;
 }
-var ja = 0, Ma = 1, Na = 2;
-function Pa(e, t, n) {
+var Ea = 0, Da = 1, Oa = 2;
+function ka(e, t, n) {
 	for (let r = 0, i, a = -1; r < t.length; r++) {
 		let o = t[r];
 		if (o > a) {
@@ -5180,11 +4766,11 @@ function Pa(e, t, n) {
 		}
 	}
 }
-function Fa(e, t) {
-	if (Ra(e)) {
+function Aa(e, t) {
+	if (Na(e)) {
 		let t = e[0].slice();
 		for (let n = 1; n < e.length; n++) t.push(...e[n].slice(1));
-		return za(t[0]) || (t = La(t)), t;
+		return Pa(t[0]) || (t = Ma(t)), t;
 	}
 	let n = /* @__PURE__ */ new Set();
 	for (let t = 0; t < e.length; t++) {
@@ -5196,18 +4782,18 @@ function Fa(e, t) {
 	for (let n = 0; n < e.length; n++) {
 		let o = e[n], s = o[0];
 		for (let e = 1; e < o.length; e++) {
-			let c = o[e], l = Array(i).fill(void 0), u = t ? t[n][e] : Ma, d = [];
+			let c = o[e], l = Array(i).fill(void 0), u = t ? t[n][e] : Da, d = [];
 			for (let e = 0; e < c.length; e++) {
 				let t = c[e], n = a.get(s[e]);
-				t === null ? u != ja && (l[n] = t, u == Na && d.push(n)) : l[n] = t;
+				t === null ? u != Ea && (l[n] = t, u == Oa && d.push(n)) : l[n] = t;
 			}
-			Pa(l, d, i), r.push(l);
+			ka(l, d, i), r.push(l);
 		}
 	}
 	return r;
 }
-var Ia = typeof queueMicrotask > "u" ? (e) => Promise.resolve().then(e) : queueMicrotask;
-function La(e) {
+var ja = typeof queueMicrotask > "u" ? (e) => Promise.resolve().then(e) : queueMicrotask;
+function Ma(e) {
 	let t = e[0], n = t.length, r = Array(n);
 	for (let e = 0; e < r.length; e++) r[e] = e;
 	r.sort((e, n) => t[e] - t[n]);
@@ -5219,7 +4805,7 @@ function La(e) {
 	}
 	return i;
 }
-function Ra(e) {
+function Na(e) {
 	let t = e[0][0], n = t.length;
 	for (let r = 1; r < e.length; r++) {
 		let i = e[r][0];
@@ -5230,14 +4816,14 @@ function Ra(e) {
 	}
 	return !0;
 }
-function za(e, t = 100) {
+function Pa(e, t = 100) {
 	let n = e.length;
 	if (n <= 1) return !0;
 	let r = 0, i = n - 1;
 	for (; r <= i && e[r] == null;) r++;
 	for (; i >= r && e[i] == null;) i--;
 	if (i <= r) return !0;
-	let a = qi(1, Ui((i - r + 1) / t));
+	let a = Hi(1, Ri((i - r + 1) / t));
 	for (let t = e[r], n = r + a; n <= i; n += a) {
 		let r = e[n];
 		if (r != null) {
@@ -5247,7 +4833,7 @@ function za(e, t = 100) {
 	}
 	return !0;
 }
-var Ba = [
+var Fa = [
 	"January",
 	"February",
 	"March",
@@ -5260,7 +4846,7 @@ var Ba = [
 	"October",
 	"November",
 	"December"
-], Va = [
+], Ia = [
 	"Sunday",
 	"Monday",
 	"Tuesday",
@@ -5269,33 +4855,33 @@ var Ba = [
 	"Friday",
 	"Saturday"
 ];
-function Ha(e) {
+function La(e) {
 	return e.slice(0, 3);
 }
-var Ua = Va.map(Ha), Wa = {
-	MMMM: Ba,
-	MMM: Ba.map(Ha),
-	WWWW: Va,
-	WWW: Ua
+var Ra = Ia.map(La), za = {
+	MMMM: Fa,
+	MMM: Fa.map(La),
+	WWWW: Ia,
+	WWW: Ra
 };
-function Ga(e) {
+function Ba(e) {
 	return (e < 10 ? "0" : "") + e;
 }
-function Ka(e) {
+function Va(e) {
 	return (e < 10 ? "00" : e < 100 ? "0" : "") + e;
 }
-var qa = {
+var Ha = {
 	YYYY: (e) => e.getFullYear(),
 	YY: (e) => (e.getFullYear() + "").slice(2),
 	MMMM: (e, t) => t.MMMM[e.getMonth()],
 	MMM: (e, t) => t.MMM[e.getMonth()],
-	MM: (e) => Ga(e.getMonth() + 1),
+	MM: (e) => Ba(e.getMonth() + 1),
 	M: (e) => e.getMonth() + 1,
-	DD: (e) => Ga(e.getDate()),
+	DD: (e) => Ba(e.getDate()),
 	D: (e) => e.getDate(),
 	WWWW: (e, t) => t.WWWW[e.getDay()],
 	WWW: (e, t) => t.WWW[e.getDay()],
-	HH: (e) => Ga(e.getHours()),
+	HH: (e) => Ba(e.getHours()),
 	H: (e) => e.getHours(),
 	h: (e) => {
 		let t = e.getHours();
@@ -5304,35 +4890,35 @@ var qa = {
 	AA: (e) => e.getHours() >= 12 ? "PM" : "AM",
 	aa: (e) => e.getHours() >= 12 ? "pm" : "am",
 	a: (e) => e.getHours() >= 12 ? "p" : "a",
-	mm: (e) => Ga(e.getMinutes()),
+	mm: (e) => Ba(e.getMinutes()),
 	m: (e) => e.getMinutes(),
-	ss: (e) => Ga(e.getSeconds()),
+	ss: (e) => Ba(e.getSeconds()),
 	s: (e) => e.getSeconds(),
-	fff: (e) => Ka(e.getMilliseconds())
+	fff: (e) => Va(e.getMilliseconds())
 };
-function Ja(e, t) {
-	t ||= Wa;
+function Ua(e, t) {
+	t ||= za;
 	let n = [], r = /\{([a-z]+)\}|[^{]+/gi, i;
-	for (; i = r.exec(e);) n.push(i[0][0] == "{" ? qa[i[1]] : i[0]);
+	for (; i = r.exec(e);) n.push(i[0][0] == "{" ? Ha[i[1]] : i[0]);
 	return (e) => {
 		let r = "";
 		for (let i = 0; i < n.length; i++) r += typeof n[i] == "string" ? n[i] : n[i](e, t);
 		return r;
 	};
 }
-var Ya = new Intl.DateTimeFormat().resolvedOptions().timeZone;
-function Xa(e, t) {
+var Wa = new Intl.DateTimeFormat().resolvedOptions().timeZone;
+function Ga(e, t) {
 	let n;
-	return t == "UTC" || t == "Etc/UTC" ? n = /* @__PURE__ */ new Date(+e + e.getTimezoneOffset() * 6e4) : t == Ya ? n = e : (n = new Date(e.toLocaleString("en-US", { timeZone: t })), n.setMilliseconds(e.getMilliseconds())), n;
+	return t == "UTC" || t == "Etc/UTC" ? n = /* @__PURE__ */ new Date(+e + e.getTimezoneOffset() * 6e4) : t == Wa ? n = e : (n = new Date(e.toLocaleString("en-US", { timeZone: t })), n.setMilliseconds(e.getMilliseconds())), n;
 }
-var Za = (e) => e % 1 == 0, Qa = [
+var Ka = (e) => e % 1 == 0, qa = [
 	1,
 	2,
 	2.5,
 	5
-], $a = _a(10, -32, 0, Qa), eo = _a(10, 0, 32, Qa), to = eo.filter(Za), no = $a.concat(eo), ro = "\n", io = "{YYYY}", ao = ro + io, oo = "{M}/{D}", so = ro + oo, co = so + "/{YY}", lo = "{aa}", uo = "{h}:{mm}" + lo, fo = ro + uo, po = ":{ss}", Q = null;
-function mo(e) {
-	let t = e * 1e3, n = t * 60, r = n * 60, i = r * 24, a = i * 30, o = i * 365, s = (e == 1 ? _a(10, 0, 3, Qa).filter(Za) : _a(10, -3, 0, Qa)).concat([
+], Ja = fa(10, -32, 0, qa), Ya = fa(10, 0, 32, qa), Xa = Ya.filter(Ka), Za = Ja.concat(Ya), Qa = "\n", $a = "{YYYY}", eo = Qa + $a, to = "{M}/{D}", no = Qa + to, ro = no + "/{YY}", io = "{aa}", ao = "{h}:{mm}" + io, oo = Qa + ao, so = ":{ss}", Q = null;
+function co(e) {
+	let t = e * 1e3, n = t * 60, r = n * 60, i = r * 24, a = i * 30, o = i * 365, s = (e == 1 ? fa(10, 0, 3, qa).filter(Ka) : fa(10, -3, 0, qa)).concat([
 		t,
 		t * 5,
 		t * 10,
@@ -5376,7 +4962,7 @@ function mo(e) {
 	]), c = [
 		[
 			o,
-			io,
+			$a,
 			Q,
 			Q,
 			Q,
@@ -5388,7 +4974,7 @@ function mo(e) {
 		[
 			i * 28,
 			"{MMM}",
-			ao,
+			eo,
 			Q,
 			Q,
 			Q,
@@ -5398,8 +4984,8 @@ function mo(e) {
 		],
 		[
 			i,
-			oo,
-			ao,
+			to,
+			eo,
 			Q,
 			Q,
 			Q,
@@ -5409,10 +4995,10 @@ function mo(e) {
 		],
 		[
 			r,
-			"{h}" + lo,
-			co,
+			"{h}" + io,
+			ro,
 			Q,
-			so,
+			no,
 			Q,
 			Q,
 			Q,
@@ -5420,10 +5006,10 @@ function mo(e) {
 		],
 		[
 			n,
-			uo,
-			co,
+			ao,
+			ro,
 			Q,
-			so,
+			no,
 			Q,
 			Q,
 			Q,
@@ -5431,42 +5017,42 @@ function mo(e) {
 		],
 		[
 			t,
-			po,
-			co + " " + uo,
+			so,
+			ro + " " + ao,
 			Q,
-			so + " " + uo,
+			no + " " + ao,
 			Q,
-			fo,
+			oo,
 			Q,
 			1
 		],
 		[
 			e,
-			po + ".{fff}",
-			co + " " + uo,
+			so + ".{fff}",
+			ro + " " + ao,
 			Q,
-			so + " " + uo,
+			no + " " + ao,
 			Q,
-			fo,
+			oo,
 			Q,
 			1
 		]
 	];
 	function l(t) {
 		return (s, c, l, u, d, f) => {
-			let p = [], m = d >= o, h = d >= a && d < o, g = t(l), _ = Z(g * e, 3), v = wo(g.getFullYear(), m ? 0 : g.getMonth(), h || m ? 1 : g.getDate()), y = Z(v * e, 3);
+			let p = [], m = d >= o, h = d >= a && d < o, g = t(l), _ = Z(g * e, 3), v = yo(g.getFullYear(), m ? 0 : g.getMonth(), h || m ? 1 : g.getDate()), y = Z(v * e, 3);
 			if (h || m) {
-				let n = h ? d / a : 0, r = m ? d / o : 0, i = _ == y ? _ : Z(wo(v.getFullYear() + r, v.getMonth() + n, 1) * e, 3), s = new Date(Wi(i / e)), c = s.getFullYear(), l = s.getMonth();
+				let n = h ? d / a : 0, r = m ? d / o : 0, i = _ == y ? _ : Z(yo(v.getFullYear() + r, v.getMonth() + n, 1) * e, 3), s = new Date(zi(i / e)), c = s.getFullYear(), l = s.getMonth();
 				for (let a = 0; i <= u; a++) {
-					let o = wo(c + r * a, l + n * a, 1), s = o - t(Z(o * e, 3));
+					let o = yo(c + r * a, l + n * a, 1), s = o - t(Z(o * e, 3));
 					i = Z((+o + s) * e, 3), i <= u && p.push(i);
 				}
 			} else {
-				let a = d >= i ? i : d, o = y + (Ui(l) - Ui(_)) + pa(_ - y, a);
+				let a = d >= i ? i : d, o = y + (Ri(l) - Ri(_)) + ca(_ - y, a);
 				p.push(o);
 				let m = t(o), h = m.getHours() + m.getMinutes() / n + m.getSeconds() / r, g = d / r, v = f / s.axes[c]._space;
 				for (; o = Z(o + d, e == 1 ? 0 : 3), !(o > u);) if (g > 1) {
-					let e = Ui(Z(h + g, 6)) % 24, n = t(o).getHours() - e;
+					let e = Ri(Z(h + g, 6)) % 24, n = t(o).getHours() - e;
 					n > 1 && (n = -1), o -= n * r, h = (h + g) % 24;
 					let i = p[p.length - 1];
 					Z((o - i) / d, 3) * v >= .7 && p.push(o);
@@ -5481,12 +5067,12 @@ function mo(e) {
 		l
 	];
 }
-var [ho, go, _o] = mo(1), [vo, yo, bo] = mo(.001);
-_a(2, -53, 53, [1]);
-function xo(e, t) {
+var [lo, uo, fo] = co(1), [po, mo, ho] = co(.001);
+fa(2, -53, 53, [1]);
+function go(e, t) {
 	return e.map((e) => e.map((n, r) => r == 0 || r == 8 || n == null ? n : t(r == 1 || e[8] == 0 ? n : e[1] + n)));
 }
-function So(e, t) {
+function _o(e, t) {
 	return (n, r, i, a, o) => {
 		let s = t.find((e) => o >= e[0]) || t[t.length - 1], c, l, u, d, f, p;
 		return r.map((t) => {
@@ -5495,98 +5081,98 @@ function So(e, t) {
 		});
 	};
 }
-function Co(e, t) {
-	let n = Ja(t);
+function vo(e, t) {
+	let n = Ua(t);
 	return (t, r, i, a, o) => r.map((t) => n(e(t)));
 }
-function wo(e, t, n) {
+function yo(e, t, n) {
 	return new Date(e, t, n);
 }
-function To(e, t) {
+function bo(e, t) {
 	return t(e);
 }
-var Eo = "{YYYY}-{MM}-{DD} {h}:{mm}{aa}";
-function Do(e, t) {
-	return (n, r, i, a) => a == null ? ti : t(e(r));
+var xo = "{YYYY}-{MM}-{DD} {h}:{mm}{aa}";
+function So(e, t) {
+	return (n, r, i, a) => a == null ? Xr : t(e(r));
 }
-function Oo(e, t) {
+function Co(e, t) {
 	let n = e.series[t];
 	return n.width ? n.stroke(e, t) : n.points.width ? n.points.stroke(e, t) : null;
 }
-function ko(e, t) {
+function wo(e, t) {
 	return e.series[t].fill(e, t);
 }
-var Ao = {
+var To = {
 	show: !0,
 	live: !0,
 	isolate: !1,
-	mount: ia,
+	mount: $i,
 	markers: {
 		show: !0,
 		width: 2,
-		stroke: Oo,
-		fill: ko,
+		stroke: Co,
+		fill: wo,
 		dash: "solid"
 	},
 	idx: null,
 	idxs: null,
 	values: []
 };
-function jo(e, t) {
-	let n = e.cursor.points, r = di(), i = n.size(e, t);
-	J(r, Lr, i), J(r, Rr, i);
+function Eo(e, t) {
+	let n = e.cursor.points, r = oi(), i = n.size(e, t);
+	J(r, Mr, i), J(r, Nr, i);
 	let a = i / -2;
 	J(r, "marginLeft", a), J(r, "marginTop", a);
 	let o = n.width(e, t, i);
 	return o && J(r, "borderWidth", o), r;
 }
-function Mo(e, t) {
+function Do(e, t) {
 	let n = e.series[t].points;
 	return n._fill || n._stroke;
 }
-function No(e, t) {
+function Oo(e, t) {
 	let n = e.series[t].points;
 	return n._stroke || n._fill;
 }
-function Po(e, t) {
+function ko(e, t) {
 	return e.series[t].points.size;
 }
-var Fo = [0, 0];
-function Io(e, t, n) {
-	return Fo[0] = t, Fo[1] = n, Fo;
+var Ao = [0, 0];
+function jo(e, t, n) {
+	return Ao[0] = t, Ao[1] = n, Ao;
 }
-function Lo(e, t, n, r = !0) {
+function Mo(e, t, n, r = !0) {
 	return (e) => {
 		e.button != 0 || r && e.target != t || n(e);
 	};
 }
-function Ro(e, t, n, r = !0) {
+function No(e, t, n, r = !0) {
 	return (e) => {
 		r && e.target != t || n(e);
 	};
 }
-var zo = {
+var Po = {
 	show: !0,
 	x: !0,
 	y: !0,
 	lock: !1,
-	move: Io,
+	move: jo,
 	points: {
 		one: !1,
-		show: jo,
-		size: Po,
+		show: Eo,
+		size: ko,
 		width: 0,
-		stroke: No,
-		fill: Mo
+		stroke: Oo,
+		fill: Do
 	},
 	bind: {
-		mousedown: Lo,
-		mouseup: Lo,
-		click: Lo,
-		dblclick: Lo,
-		mousemove: Ro,
-		mouseleave: Ro,
-		mouseenter: Ro
+		mousedown: Mo,
+		mouseup: Mo,
+		click: Mo,
+		dblclick: Mo,
+		mousemove: No,
+		mouseleave: No,
+		mouseenter: No
 	},
 	drag: {
 		setScale: !0,
@@ -5616,139 +5202,139 @@ var zo = {
 	dataIdx: null,
 	idxs: null,
 	event: null
-}, Bo = {
+}, Fo = {
 	show: !0,
 	stroke: "rgba(0,0,0,0.07)",
 	width: 2
-}, Vo = Aa({}, Bo, { filter: oa }), Ho = Aa({}, Vo, { size: 10 }), Uo = Aa({}, Bo, { show: !1 }), Wo = "12px system-ui, -apple-system, \"Segoe UI\", Roboto, \"Helvetica Neue\", Arial, \"Noto Sans\", sans-serif, \"Apple Color Emoji\", \"Segoe UI Emoji\", \"Segoe UI Symbol\", \"Noto Color Emoji\"", Go = "bold " + Wo, Ko = 1.5, qo = {
+}, Io = Ta({}, Fo, { filter: ta }), Lo = Ta({}, Io, { size: 10 }), Ro = Ta({}, Fo, { show: !1 }), zo = "12px system-ui, -apple-system, \"Segoe UI\", Roboto, \"Helvetica Neue\", Arial, \"Noto Sans\", sans-serif, \"Apple Color Emoji\", \"Segoe UI Emoji\", \"Segoe UI Symbol\", \"Noto Color Emoji\"", Bo = "bold " + zo, Vo = 1.5, Ho = {
 	show: !0,
 	scale: "x",
-	stroke: Ur,
+	stroke: Rr,
 	space: 50,
 	gap: 5,
 	alignTo: 1,
 	size: 50,
 	labelGap: 0,
 	labelSize: 30,
-	labelFont: Go,
+	labelFont: Bo,
 	side: 2,
-	grid: Vo,
-	ticks: Ho,
-	border: Uo,
-	font: Wo,
-	lineGap: Ko,
+	grid: Io,
+	ticks: Lo,
+	border: Ro,
+	font: zo,
+	lineGap: Vo,
 	rotate: 0
-}, Jo = "Value", Yo = "Time", Xo = {
+}, Uo = "Value", Wo = "Time", Go = {
 	show: !0,
 	scale: "x",
 	auto: !1,
 	sorted: 1,
-	min: ea,
+	min: Yi,
 	max: -Infinity,
 	idxs: []
 };
-function Zo(e, t, n, r, i) {
-	return t.map((e) => e == null ? "" : zi(e));
+function Ko(e, t, n, r, i) {
+	return t.map((e) => e == null ? "" : Pi(e));
 }
-function Qo(e, t, n, r, i, a, o) {
-	let s = [], c = ha.get(i) || 0;
-	n = o ? n : Z(pa(n, i), c);
+function qo(e, t, n, r, i, a, o) {
+	let s = [], c = ua.get(i) || 0;
+	n = o ? n : Z(ca(n, i), c);
 	for (let e = n; e <= r; e = Z(e + i, c)) s.push(Object.is(e, -0) ? 0 : e);
 	return s;
 }
-function $o(e, t, n, r, i, a, o) {
+function Jo(e, t, n, r, i, a, o) {
 	let s = [], c = e.scales[e.axes[t].scale].log;
-	i = Ji(c, Ui((c == 10 ? Xi : Zi)(n))), c == 10 && (i = no[Si(i, no)]);
+	i = Ui(c, Ri((c == 10 ? Gi : Ki)(n))), c == 10 && (i = Za[_i(i, Za)]);
 	let l = n, u = i * c;
-	c == 10 && (u = no[Si(u, no)]);
+	c == 10 && (u = Za[_i(u, Za)]);
 	do
-		s.push(l), l += i, c == 10 && !ha.has(l) && (l = Z(l, ha.get(i))), l >= u && (i = l, u = i * c, c == 10 && (u = no[Si(u, no)]));
+		s.push(l), l += i, c == 10 && !ua.has(l) && (l = Z(l, ua.get(i))), l >= u && (i = l, u = i * c, c == 10 && (u = Za[_i(u, Za)]));
 	while (l <= r);
 	return s;
 }
-function es(e, t, n, r, i, a, o) {
-	let s = e.scales[e.axes[t].scale].asinh, c = r > s ? $o(e, t, qi(s, n), r, i) : [s], l = r >= 0 && n <= 0 ? [0] : [];
-	return (n < -s ? $o(e, t, qi(s, -r), -n, i) : [s]).reverse().map((e) => -e).concat(l, c);
+function Yo(e, t, n, r, i, a, o) {
+	let s = e.scales[e.axes[t].scale].asinh, c = r > s ? Jo(e, t, Hi(s, n), r, i) : [s], l = r >= 0 && n <= 0 ? [0] : [];
+	return (n < -s ? Jo(e, t, Hi(s, -r), -n, i) : [s]).reverse().map((e) => -e).concat(l, c);
 }
-var ts = /./, ns = /[12357]/, rs = /[125]/, is = /1/, as = (e, t, n, r) => e.map((e, i) => t == 4 && e == 0 || i % r == 0 && n.test(e.toExponential()[+(e < 0)]) ? e : null);
-function os(e, t, n, r, i) {
-	let a = e.axes[n], o = a.scale, s = e.scales[o], c = e.valToPos, l = a._space, u = c(10, o), d = c(9, o) - u >= l ? ts : c(7, o) - u >= l ? ns : c(5, o) - u >= l ? rs : is;
-	if (d == is) {
-		let e = Hi(c(1, o) - u);
-		if (e < l) return as(t.slice().reverse(), s.distr, d, Gi(l / e)).reverse();
+var Xo = /./, Zo = /[12357]/, Qo = /[125]/, $o = /1/, es = (e, t, n, r) => e.map((e, i) => t == 4 && e == 0 || i % r == 0 && n.test(e.toExponential()[+(e < 0)]) ? e : null);
+function ts(e, t, n, r, i) {
+	let a = e.axes[n], o = a.scale, s = e.scales[o], c = e.valToPos, l = a._space, u = c(10, o), d = c(9, o) - u >= l ? Xo : c(7, o) - u >= l ? Zo : c(5, o) - u >= l ? Qo : $o;
+	if (d == $o) {
+		let e = Li(c(1, o) - u);
+		if (e < l) return es(t.slice().reverse(), s.distr, d, Bi(l / e)).reverse();
 	}
-	return as(t, s.distr, d, 1);
+	return es(t, s.distr, d, 1);
 }
-function ss(e, t, n, r, i) {
-	let a = e.axes[n], o = a.scale, s = a._space, c = e.valToPos, l = Hi(c(1, o) - c(2, o));
-	return l < s ? as(t.slice().reverse(), 3, ts, Gi(s / l)).reverse() : t;
+function ns(e, t, n, r, i) {
+	let a = e.axes[n], o = a.scale, s = a._space, c = e.valToPos, l = Li(c(1, o) - c(2, o));
+	return l < s ? es(t.slice().reverse(), 3, Xo, Bi(s / l)).reverse() : t;
 }
-function cs(e, t, n, r) {
-	return r == null ? ti : t == null ? "" : zi(t);
+function rs(e, t, n, r) {
+	return r == null ? Xr : t == null ? "" : Pi(t);
 }
-var ls = {
+var is = {
 	show: !0,
 	scale: "y",
-	stroke: Ur,
+	stroke: Rr,
 	space: 30,
 	gap: 5,
 	alignTo: 1,
 	size: 50,
 	labelGap: 0,
 	labelSize: 30,
-	labelFont: Go,
+	labelFont: Bo,
 	side: 3,
-	grid: Vo,
-	ticks: Ho,
-	border: Uo,
-	font: Wo,
-	lineGap: Ko,
+	grid: Io,
+	ticks: Lo,
+	border: Ro,
+	font: zo,
+	lineGap: Vo,
 	rotate: 0
 };
-function us(e, t) {
+function as(e, t) {
 	return Z((3 + (e || 1) * 2) * t, 3);
 }
-function ds(e, t) {
-	let { scale: n, idxs: r } = e.series[0], i = e._data[0], a = e.valToPos(i[r[0]], n, !0), o = Hi(e.valToPos(i[r[1]], n, !0) - a) / (e.series[t].points.space * q);
+function os(e, t) {
+	let { scale: n, idxs: r } = e.series[0], i = e._data[0], a = e.valToPos(i[r[0]], n, !0), o = Li(e.valToPos(i[r[1]], n, !0) - a) / (e.series[t].points.space * q);
 	return r[1] - r[0] <= o;
 }
-var fs = {
+var ss = {
 	scale: null,
 	auto: !0,
 	sorted: 0,
-	min: ea,
+	min: Yi,
 	max: -Infinity
-}, ps = (e, t, n, r, i) => i, ms = {
+}, cs = (e, t, n, r, i) => i, ls = {
 	show: !0,
 	auto: !0,
 	sorted: 0,
-	gaps: ps,
+	gaps: cs,
 	alpha: 1,
-	facets: [Aa({}, fs, { scale: "x" }), Aa({}, fs, { scale: "y" })]
-}, hs = {
+	facets: [Ta({}, ss, { scale: "x" }), Ta({}, ss, { scale: "y" })]
+}, us = {
 	scale: "y",
 	auto: !0,
 	sorted: 0,
 	show: !0,
 	spanGaps: !1,
-	gaps: ps,
+	gaps: cs,
 	alpha: 1,
 	points: {
-		show: ds,
+		show: os,
 		filter: null
 	},
 	values: null,
-	min: ea,
+	min: Yi,
 	max: -Infinity,
 	idxs: [],
 	path: null,
 	clip: null
 };
-function gs(e, t, n, r, i) {
+function ds(e, t, n, r, i) {
 	return n / 10;
 }
-var _s = {
-	time: gr,
+var fs = {
+	time: dr,
 	auto: !0,
 	distr: 1,
 	log: 10,
@@ -5757,12 +5343,12 @@ var _s = {
 	max: null,
 	dir: 1,
 	ori: 0
-}, vs = Aa({}, _s, {
+}, ps = Ta({}, fs, {
 	time: !1,
 	ori: 1
-}), ys = {};
-function bs(e, t) {
-	let n = ys[e];
+}), ms = {};
+function hs(e, t) {
+	let n = ms[e];
 	return n || (n = {
 		key: e,
 		plots: [],
@@ -5775,38 +5361,38 @@ function bs(e, t) {
 		pub(e, t, r, i, a, o, s) {
 			for (let c = 0; c < n.plots.length; c++) n.plots[c] != t && n.plots[c].pub(e, t, r, i, a, o, s);
 		}
-	}, e != null && (ys[e] = n)), n;
+	}, e != null && (ms[e] = n)), n;
 }
-var xs = 1, Ss = 2;
-function Cs(e, t, n) {
+var gs = 1, _s = 2;
+function vs(e, t, n) {
 	let r = e.mode, i = e.series[t], a = r == 2 ? e._data[t] : e._data, o = e.scales, s = e.bbox, c = a[0], l = r == 2 ? a[1] : a[t], u = r == 2 ? o[i.facets[0].scale] : o[e.series[0].scale], d = r == 2 ? o[i.facets[1].scale] : o[i.scale], f = s.left, p = s.top, m = s.width, h = s.height, g = e.valToPosH, _ = e.valToPosV;
-	return u.ori == 0 ? n(i, c, l, u, d, g, _, f, p, m, h, Ms, Ps, Is, Rs, Bs) : n(i, c, l, u, d, _, g, p, f, h, m, Ns, Fs, Ls, zs, Vs);
+	return u.ori == 0 ? n(i, c, l, u, d, g, _, f, p, m, h, Ds, ks, js, Ns, Fs) : n(i, c, l, u, d, _, g, p, f, h, m, Os, As, Ms, Ps, Is);
 }
-function ws(e, t) {
-	let n = 0, r = 0, i = Y(e.bands, ya);
+function ys(e, t) {
+	let n = 0, r = 0, i = Y(e.bands, ma);
 	for (let e = 0; e < i.length; e++) {
 		let a = i[e];
 		a.series[0] == t ? n = a.dir : a.series[1] == t && (a.dir == 1 ? r |= 1 : r |= 2);
 	}
 	return [n, r == 1 ? -1 : r == 2 ? 1 : r == 3 ? 2 : 0];
 }
-function Ts(e, t, n, r, i) {
+function bs(e, t, n, r, i) {
 	let a = e.mode, o = e.series[t], s = a == 2 ? o.facets[1].scale : o.scale, c = e.scales[s];
 	return i == -1 ? c.min : i == 1 ? c.max : c.distr == 3 ? c.dir == 1 ? c.min : c.max : 0;
 }
-function Es(e, t, n, r, i, a) {
-	return Cs(e, t, (e, t, o, s, c, l, u, d, f, p, m) => {
-		let h = e.pxRound, g = s.dir * (s.ori == 0 ? 1 : -1), _ = s.ori == 0 ? Ps : Fs, v, y;
+function xs(e, t, n, r, i, a) {
+	return vs(e, t, (e, t, o, s, c, l, u, d, f, p, m) => {
+		let h = e.pxRound, g = s.dir * (s.ori == 0 ? 1 : -1), _ = s.ori == 0 ? ks : As, v, y;
 		g == 1 ? (v = n, y = r) : (v = r, y = n);
 		let b = h(l(t[v], s, p, d)), x = h(u(o[v], c, m, f)), S = h(l(t[y], s, p, d)), C = h(u(a == 1 ? c.max : c.min, c, m, f)), w = new Path2D(i);
 		return _(w, S, C), _(w, b, C), _(w, b, x), w;
 	});
 }
-function Ds(e, t, n, r, i, a) {
+function Ss(e, t, n, r, i, a) {
 	let o = null;
 	if (e.length > 0) {
 		o = new Path2D();
-		let s = t == 0 ? Is : Ls, c = n;
+		let s = t == 0 ? js : Ms, c = n;
 		for (let t = 0; t < e.length; t++) {
 			let n = e[t];
 			if (n[1] > n[0]) {
@@ -5819,11 +5405,11 @@ function Ds(e, t, n, r, i, a) {
 	}
 	return o;
 }
-function Os(e, t, n) {
+function Cs(e, t, n) {
 	let r = e[e.length - 1];
 	r && r[0] == t ? r[1] = n : e.push([t, n]);
 }
-function ks(e, t, n, r, i, a, o) {
+function ws(e, t, n, r, i, a, o) {
 	let s = [], c = e.length;
 	for (let l = i == 1 ? n : r; l >= n && l <= r; l += i) if (t[l] === null) {
 		let u = l, d = l;
@@ -5836,11 +5422,11 @@ function ks(e, t, n, r, i, a, o) {
 	}
 	return s;
 }
-function As(e) {
-	return e == 0 ? aa : e == 1 ? Wi : (t) => fa(t, e);
+function Ts(e) {
+	return e == 0 ? ea : e == 1 ? zi : (t) => sa(t, e);
 }
-function js(e) {
-	let t = e == 0 ? Ms : Ns, n = e == 0 ? (e, t, n, r, i, a) => {
+function Es(e) {
+	let t = e == 0 ? Ds : Os, n = e == 0 ? (e, t, n, r, i, a) => {
 		e.arcTo(t, n, r, i, a);
 	} : (e, t, n, r, i, a) => {
 		e.arcTo(n, t, i, r, a);
@@ -5850,36 +5436,36 @@ function js(e) {
 		e.rect(n, t, i, r);
 	};
 	return (e, i, a, o, s, c = 0, l = 0) => {
-		c == 0 && l == 0 ? r(e, i, a, o, s) : (c = Ki(c, o / 2, s / 2), l = Ki(l, o / 2, s / 2), t(e, i + c, a), n(e, i + o, a, i + o, a + s, c), n(e, i + o, a + s, i, a + s, l), n(e, i, a + s, i, a, l), n(e, i, a, i + o, a, c), e.closePath());
+		c == 0 && l == 0 ? r(e, i, a, o, s) : (c = Vi(c, o / 2, s / 2), l = Vi(l, o / 2, s / 2), t(e, i + c, a), n(e, i + o, a, i + o, a + s, c), n(e, i + o, a + s, i, a + s, l), n(e, i, a + s, i, a, l), n(e, i, a, i + o, a, c), e.closePath());
 	};
 }
-var Ms = (e, t, n) => {
+var Ds = (e, t, n) => {
 	e.moveTo(t, n);
-}, Ns = (e, t, n) => {
+}, Os = (e, t, n) => {
 	e.moveTo(n, t);
-}, Ps = (e, t, n) => {
+}, ks = (e, t, n) => {
 	e.lineTo(t, n);
-}, Fs = (e, t, n) => {
+}, As = (e, t, n) => {
 	e.lineTo(n, t);
-}, Is = js(0), Ls = js(1), Rs = (e, t, n, r, i, a) => {
+}, js = Es(0), Ms = Es(1), Ns = (e, t, n, r, i, a) => {
 	e.arc(t, n, r, i, a);
-}, zs = (e, t, n, r, i, a) => {
+}, Ps = (e, t, n, r, i, a) => {
 	e.arc(n, t, r, i, a);
-}, Bs = (e, t, n, r, i, a, o) => {
+}, Fs = (e, t, n, r, i, a, o) => {
 	e.bezierCurveTo(t, n, r, i, a, o);
-}, Vs = (e, t, n, r, i, a, o) => {
+}, Is = (e, t, n, r, i, a, o) => {
 	e.bezierCurveTo(n, t, i, r, o, a);
 };
-function Hs(e) {
-	return (e, t, n, r, i) => Cs(e, t, (t, a, o, s, c, l, u, d, f, p, m) => {
+function Ls(e) {
+	return (e, t, n, r, i) => vs(e, t, (t, a, o, s, c, l, u, d, f, p, m) => {
 		let { pxRound: h, points: g } = t, _, v;
-		s.ori == 0 ? (_ = Ms, v = Rs) : (_ = Ns, v = zs);
+		s.ori == 0 ? (_ = Ds, v = Ns) : (_ = Os, v = Ps);
 		let y = Z(g.width * q, 3), b = (g.size - g.width) / 2 * q, x = Z(b * 2, 3), S = new Path2D(), C = new Path2D(), { left: w, top: T, width: E, height: D } = e.bbox;
-		Is(C, w - x, T - x, E + x * 2, D + x * 2);
+		js(C, w - x, T - x, E + x * 2, D + x * 2);
 		let O = (e) => {
 			if (o[e] != null) {
 				let t = h(l(a[e], s, p, d)), n = h(u(o[e], c, m, f));
-				_(S, t + b, n), v(S, t, n, b, 0, Vi * 2);
+				_(S, t + b, n), v(S, t, n, b, 0, Ii * 2);
 			}
 		};
 		if (i) i.forEach(O);
@@ -5892,25 +5478,25 @@ function Hs(e) {
 		};
 	});
 }
-function Us(e) {
+function Rs(e) {
 	return (t, n, r, i, a, o) => {
 		r != i && (a != r && o != r && e(t, n, r), a != i && o != i && e(t, n, i), e(t, n, o));
 	};
 }
-var Ws = Us(Ps), Gs = Us(Fs);
-function Ks(e) {
+var zs = Rs(ks), Bs = Rs(As);
+function Vs(e) {
 	let t = Y(e?.alignGaps, 0);
-	return (e, n, r, i) => Cs(e, n, (a, o, s, c, l, u, d, f, p, m, h) => {
-		[r, i] = Ei(s, r, i);
+	return (e, n, r, i) => vs(e, n, (a, o, s, c, l, u, d, f, p, m, h) => {
+		[r, i] = xi(s, r, i);
 		let g = a.pxRound, _ = (e) => g(u(e, c, m, f)), v = (e) => g(d(e, l, h, p)), y, b;
-		c.ori == 0 ? (y = Ps, b = Ws) : (y = Fs, b = Gs);
+		c.ori == 0 ? (y = ks, b = zs) : (y = As, b = Bs);
 		let x = c.dir * (c.ori == 0 ? 1 : -1), S = {
 			stroke: new Path2D(),
 			fill: null,
 			clip: null,
 			band: null,
 			gaps: null,
-			flags: xs
+			flags: gs
 		}, C = S.stroke, w = !1;
 		if (i - r >= m * 4) {
 			let t = (t) => e.posToVal(t, c.key, !0), n = null, a = null, l, u, d, f = _(o[x == 1 ? r : i]), p = _(o[r]), m = _(o[i]), h = t(x == 1 ? p + 1 : m - 1);
@@ -5923,29 +5509,29 @@ function Ks(e) {
 			let t = s[e];
 			t === null ? w = !0 : t != null && y(C, _(o[e]), v(t));
 		}
-		let [T, E] = ws(e, n);
+		let [T, E] = ys(e, n);
 		if (a.fill != null || T != 0) {
 			let t = S.fill = new Path2D(C), s = v(a.fillTo(e, n, a.min, a.max, T)), c = _(o[r]), l = _(o[i]);
 			x == -1 && ([l, c] = [c, l]), y(t, l, s), y(t, c, s);
 		}
 		if (!a.spanGaps) {
 			let l = [];
-			w && l.push(...ks(o, s, r, i, x, _, t)), S.gaps = l = a.gaps(e, n, r, i, l), S.clip = Ds(l, c.ori, f, p, m, h);
+			w && l.push(...ws(o, s, r, i, x, _, t)), S.gaps = l = a.gaps(e, n, r, i, l), S.clip = Ss(l, c.ori, f, p, m, h);
 		}
-		return E != 0 && (S.band = E == 2 ? [Es(e, n, r, i, C, -1), Es(e, n, r, i, C, 1)] : Es(e, n, r, i, C, E)), S;
+		return E != 0 && (S.band = E == 2 ? [xs(e, n, r, i, C, -1), xs(e, n, r, i, C, 1)] : xs(e, n, r, i, C, E)), S;
 	});
 }
-function qs(e) {
+function Hs(e) {
 	let t = Y(e.align, 1), n = Y(e.ascDesc, !1), r = Y(e.alignGaps, 0), i = Y(e.extend, !1);
-	return (e, a, o, s) => Cs(e, a, (c, l, u, d, f, p, m, h, g, _, v) => {
-		[o, s] = Ei(u, o, s);
-		let y = c.pxRound, { left: b, width: x } = e.bbox, S = (e) => y(p(e, d, _, h)), C = (e) => y(m(e, f, v, g)), w = d.ori == 0 ? Ps : Fs, T = {
+	return (e, a, o, s) => vs(e, a, (c, l, u, d, f, p, m, h, g, _, v) => {
+		[o, s] = xi(u, o, s);
+		let y = c.pxRound, { left: b, width: x } = e.bbox, S = (e) => y(p(e, d, _, h)), C = (e) => y(m(e, f, v, g)), w = d.ori == 0 ? ks : As, T = {
 			stroke: new Path2D(),
 			fill: null,
 			clip: null,
 			band: null,
 			gaps: null,
-			flags: xs
+			flags: gs
 		}, E = T.stroke, D = d.dir * (d.ori == 0 ? 1 : -1), O = C(u[D == 1 ? o : s]), k = S(l[D == 1 ? o : s]), A = k, j = k;
 		i && t == -1 && (j = b, w(E, j, O)), w(E, k, O);
 		for (let e = D == 1 ? o : s; e >= o && e <= s; e += D) {
@@ -5956,50 +5542,50 @@ function qs(e) {
 		}
 		let ee = A;
 		i && t == 1 && (ee = b + x, w(E, ee, O));
-		let [te, ne] = ws(e, a);
+		let [te, ne] = ys(e, a);
 		if (c.fill != null || te != 0) {
 			let t = T.fill = new Path2D(E), n = C(c.fillTo(e, a, c.min, c.max, te));
 			w(t, ee, n), w(t, j, n);
 		}
 		if (!c.spanGaps) {
 			let i = [];
-			i.push(...ks(l, u, o, s, D, S, r));
+			i.push(...ws(l, u, o, s, D, S, r));
 			let f = c.width * q / 2, p = n || t == 1 ? f : -f, m = n || t == -1 ? -f : f;
 			i.forEach((e) => {
 				e[0] += p, e[1] += m;
-			}), T.gaps = i = c.gaps(e, a, o, s, i), T.clip = Ds(i, d.ori, h, g, _, v);
+			}), T.gaps = i = c.gaps(e, a, o, s, i), T.clip = Ss(i, d.ori, h, g, _, v);
 		}
-		return ne != 0 && (T.band = ne == 2 ? [Es(e, a, o, s, E, -1), Es(e, a, o, s, E, 1)] : Es(e, a, o, s, E, ne)), T;
+		return ne != 0 && (T.band = ne == 2 ? [xs(e, a, o, s, E, -1), xs(e, a, o, s, E, 1)] : xs(e, a, o, s, E, ne)), T;
 	});
 }
-function Js(e, t, n, r, i, a, o = ea) {
+function Us(e, t, n, r, i, a, o = Yi) {
 	if (e.length > 1) {
 		let s = null;
 		for (let c = 0, l = Infinity; c < e.length; c++) if (t[c] !== void 0) {
 			if (s != null) {
-				let t = Hi(e[c] - e[s]);
-				t < l && (l = t, o = Hi(n(e[c], r, i, a) - n(e[s], r, i, a)));
+				let t = Li(e[c] - e[s]);
+				t < l && (l = t, o = Li(n(e[c], r, i, a) - n(e[s], r, i, a)));
 			}
 			s = c;
 		}
 	}
 	return o;
 }
-function Ys(e) {
-	e ||= va;
+function Ws(e) {
+	e ||= pa;
 	let t = Y(e.size, [
 		.6,
-		ea,
+		Yi,
 		1
 	]), n = e.align || 0, r = e.gap || 0, i = e.radius;
 	i = i == null ? [0, 0] : typeof i == "number" ? [i, 0] : i;
-	let a = X(i), o = 1 - t[0], s = Y(t[1], ea), c = Y(t[2], 1), l = Y(e.disp, va), u = Y(e.each, (e) => {}), { fill: d, stroke: f } = l;
-	return (e, t, i, p) => Cs(e, t, (m, h, g, _, v, y, b, x, S, C, w) => {
+	let a = X(i), o = 1 - t[0], s = Y(t[1], Yi), c = Y(t[2], 1), l = Y(e.disp, pa), u = Y(e.each, (e) => {}), { fill: d, stroke: f } = l;
+	return (e, t, i, p) => vs(e, t, (m, h, g, _, v, y, b, x, S, C, w) => {
 		let T = m.pxRound, E = n, D = r * q, O = s * q, k = c * q, A, j;
 		_.ori == 0 ? [A, j] = a(e, t) : [j, A] = a(e, t);
-		let ee = _.dir * (_.ori == 0 ? 1 : -1), te = _.ori == 0 ? Is : Ls, ne = _.ori == 0 ? u : (e, t, n, r, i, a, o) => {
+		let ee = _.dir * (_.ori == 0 ? 1 : -1), te = _.ori == 0 ? js : Ms, ne = _.ori == 0 ? u : (e, t, n, r, i, a, o) => {
 			u(e, t, n, i, r, o, a);
-		}, re = Y(e.bands, ya).find((e) => e.series[0] == t), ie = re == null ? 0 : re.dir, ae = m.fillTo(e, t, m.min, m.max, ie), M = T(b(ae, v, w, S)), N, P, oe, F = C, I = T(m.width * q), se = !1, ce = null, le = null, ue = null, de = null;
+		}, re = Y(e.bands, ma).find((e) => e.series[0] == t), ie = re == null ? 0 : re.dir, ae = m.fillTo(e, t, m.min, m.max, ie), M = T(b(ae, v, w, S)), N, P, oe, F = C, I = T(m.width * q), se = !1, ce = null, le = null, ue = null, de = null;
 		d != null && (I == 0 || f != null) && (se = !0, ce = d.values(e, t, i, p), le = /* @__PURE__ */ new Map(), new Set(ce).forEach((e) => {
 			e != null && le.set(e, new Path2D());
 		}), I > 0 && (ue = f.values(e, t, i, p), de = /* @__PURE__ */ new Map(), new Set(ue).forEach((e) => {
@@ -6009,11 +5595,11 @@ function Ys(e) {
 		if (fe != null && pe != null) {
 			E = 1, h = fe.values(e, t, i, p), fe.unit == 2 && (h = h.map((t) => e.posToVal(x + t * C, _.key, !0)));
 			let n = pe.values(e, t, i, p);
-			P = pe.unit == 2 ? n[0] * C : y(n[0], _, C, x) - y(0, _, C, x), F = Js(h, g, y, _, C, x, F), oe = F - P + D;
-		} else F = Js(h, g, y, _, C, x, F), oe = F * o + D, P = F - oe;
-		oe < 1 && (oe = 0), I >= P / 2 && (I = 0), oe < 5 && (T = aa);
+			P = pe.unit == 2 ? n[0] * C : y(n[0], _, C, x) - y(0, _, C, x), F = Us(h, g, y, _, C, x, F), oe = F - P + D;
+		} else F = Us(h, g, y, _, C, x, F), oe = F * o + D, P = F - oe;
+		oe < 1 && (oe = 0), I >= P / 2 && (I = 0), oe < 5 && (T = ea);
 		let me = oe > 0, he = F - oe - (me ? I : 0);
-		P = T(na(he, k, O)), N = (E == 0 ? P / 2 : E == ee ? 0 : P) - E * ee * ((E == 0 ? D / 2 : 0) + (me ? I / 2 : 0));
+		P = T(Zi(he, k, O)), N = (E == 0 ? P / 2 : E == ee ? 0 : P) - E * ee * ((E == 0 ? D / 2 : 0) + (me ? I / 2 : 0));
 		let ge = {
 			stroke: null,
 			fill: null,
@@ -6036,21 +5622,21 @@ function Ys(e) {
 				if (r - e == 0) continue;
 				M = b(e, v, w, S);
 			}
-			let i = y(_.distr != 2 || l != null ? h[n] : n, _, C, x), a = b(Y(r, ae), v, w, S), o = T(i - N), s = T(qi(a, M)), c = T(Ki(a, M)), u = s - c;
+			let i = y(_.distr != 2 || l != null ? h[n] : n, _, C, x), a = b(Y(r, ae), v, w, S), o = T(i - N), s = T(Hi(a, M)), c = T(Vi(a, M)), u = s - c;
 			if (r != null) {
 				let i = r < 0 ? be : ye, a = r < 0 ? ye : be;
-				se ? (I > 0 && ue[n] != null && te(de.get(ue[n]), o, c + Ui(I / 2), P, qi(0, u - I), i, a), ce[n] != null && te(le.get(ce[n]), o, c + Ui(I / 2), P, qi(0, u - I), i, a)) : te(_e, o, c + Ui(I / 2), P, qi(0, u - I), i, a), ne(e, t, n, o - I / 2, c, P + I, u);
+				se ? (I > 0 && ue[n] != null && te(de.get(ue[n]), o, c + Ri(I / 2), P, Hi(0, u - I), i, a), ce[n] != null && te(le.get(ce[n]), o, c + Ri(I / 2), P, Hi(0, u - I), i, a)) : te(_e, o, c + Ri(I / 2), P, Hi(0, u - I), i, a), ne(e, t, n, o - I / 2, c, P + I, u);
 			}
 		}
 		return I > 0 ? ge.stroke = se ? de : _e : se || (ge._fill = m.width == 0 ? m._fill : m._stroke ?? m._fill, ge.width = 0), ge.fill = se ? le : _e, ge;
 	});
 }
-function Xs(e, t) {
+function Gs(e, t) {
 	let n = Y(t?.alignGaps, 0);
-	return (t, r, i, a) => Cs(t, r, (o, s, c, l, u, d, f, p, m, h, g) => {
-		[i, a] = Ei(c, i, a);
+	return (t, r, i, a) => vs(t, r, (o, s, c, l, u, d, f, p, m, h, g) => {
+		[i, a] = xi(c, i, a);
 		let _ = o.pxRound, v = (e) => _(d(e, l, h, p)), y = (e) => _(f(e, u, g, m)), b, x, S;
-		l.ori == 0 ? (b = Ms, S = Ps, x = Bs) : (b = Ns, S = Fs, x = Vs);
+		l.ori == 0 ? (b = Ds, S = ks, x = Fs) : (b = Os, S = As, x = Is);
 		let C = l.dir * (l.ori == 0 ? 1 : -1), w = v(s[C == 1 ? i : a]), T = w, E = [], D = [];
 		for (let e = C == 1 ? i : a; e >= i && e <= a; e += C) if (c[e] != null) {
 			let t = s[e], n = v(t);
@@ -6062,23 +5648,23 @@ function Xs(e, t) {
 			clip: null,
 			band: null,
 			gaps: null,
-			flags: xs
-		}, k = O.stroke, [A, j] = ws(t, r);
+			flags: gs
+		}, k = O.stroke, [A, j] = ys(t, r);
 		if (o.fill != null || A != 0) {
 			let e = O.fill = new Path2D(k), n = y(o.fillTo(t, r, o.min, o.max, A));
 			S(e, T, n), S(e, w, n);
 		}
 		if (!o.spanGaps) {
 			let e = [];
-			e.push(...ks(s, c, i, a, C, v, n)), O.gaps = e = o.gaps(t, r, i, a, e), O.clip = Ds(e, l.ori, p, m, h, g);
+			e.push(...ws(s, c, i, a, C, v, n)), O.gaps = e = o.gaps(t, r, i, a, e), O.clip = Ss(e, l.ori, p, m, h, g);
 		}
-		return j != 0 && (O.band = j == 2 ? [Es(t, r, i, a, k, -1), Es(t, r, i, a, k, 1)] : Es(t, r, i, a, k, j)), O;
+		return j != 0 && (O.band = j == 2 ? [xs(t, r, i, a, k, -1), xs(t, r, i, a, k, 1)] : xs(t, r, i, a, k, j)), O;
 	});
 }
-function Zs(e) {
-	return Xs(Qs, e);
+function Ks(e) {
+	return Gs(qs, e);
 }
-function Qs(e, t, n, r, i, a) {
+function qs(e, t, n, r, i, a) {
 	let o = e.length;
 	if (o < 2) return null;
 	let s = new Path2D();
@@ -6093,61 +5679,61 @@ function Qs(e, t, n, r, i, a) {
 	}
 	return s;
 }
-var $s = /* @__PURE__ */ new Set();
-function ec() {
-	for (let e of $s) e.syncRect(!0);
+var Js = /* @__PURE__ */ new Set();
+function Ys() {
+	for (let e of Js) e.syncRect(!0);
 }
-ni && (bi(Zr, ii, ec), bi(Qr, ii, ec, !0), bi(ei, ii, () => {
-	gc.pxRatio = q;
+Zr && (hi(Kr, $r, Ys), hi(qr, $r, Ys, !0), hi(Yr, $r, () => {
+	dc.pxRatio = q;
 }));
-var tc = Ks(), nc = Hs();
-function rc(e, t, n, r) {
-	return (r ? [e[0], e[1]].concat(e.slice(2)) : [e[0]].concat(e.slice(1))).map((e, r) => ac(e, r, t, n));
+var Xs = Vs(), Zs = Ls();
+function Qs(e, t, n, r) {
+	return (r ? [e[0], e[1]].concat(e.slice(2)) : [e[0]].concat(e.slice(1))).map((e, r) => ec(e, r, t, n));
 }
-function ic(e, t) {
-	return e.map((e, n) => n == 0 ? {} : Aa({}, t, e));
+function $s(e, t) {
+	return e.map((e, n) => n == 0 ? {} : Ta({}, t, e));
 }
-function ac(e, t, n, r) {
-	return Aa({}, t == 0 ? n : r, e);
+function ec(e, t, n, r) {
+	return Ta({}, t == 0 ? n : r, e);
 }
-function oc(e, t, n) {
-	return t == null ? ba : [t, n];
+function tc(e, t, n) {
+	return t == null ? ha : [t, n];
+}
+var nc = tc;
+function rc(e, t, n) {
+	return t == null ? ha : Ai(t, n, Ei, !0);
+}
+function ic(e, t, n, r) {
+	return t == null ? ha : wi(t, n, e.scales[r].log, !1);
+}
+var ac = ic;
+function oc(e, t, n, r) {
+	return t == null ? ha : Ti(t, n, e.scales[r].log, !1);
 }
 var sc = oc;
-function cc(e, t, n) {
-	return t == null ? ba : Fi(t, n, ji, !0);
-}
-function lc(e, t, n, r) {
-	return t == null ? ba : ki(t, n, e.scales[r].log, !1);
-}
-var uc = lc;
-function dc(e, t, n, r) {
-	return t == null ? ba : Ai(t, n, e.scales[r].log, !1);
-}
-var fc = dc;
-function pc(e, t, n, r, i) {
-	let a = qi(ta(e), ta(t)), o = t - e, s = Si(i / r * o, n);
+function cc(e, t, n, r, i) {
+	let a = Hi(Xi(e), Xi(t)), o = t - e, s = _i(i / r * o, n);
 	do {
 		let e = n[s], t = r * e / o;
-		if (t >= i && a + (e < 5 ? ha.get(e) : 0) <= 17) return [e, t];
+		if (t >= i && a + (e < 5 ? ua.get(e) : 0) <= 17) return [e, t];
 	} while (++s < n.length);
 	return [0, 0];
 }
-function mc(e) {
+function lc(e) {
 	let t, n;
-	return e = e.replace(/(\d+)px/, (e, r) => (t = Wi((n = +r) * q)) + "px"), [
+	return e = e.replace(/(\d+)px/, (e, r) => (t = zi((n = +r) * q)) + "px"), [
 		e,
 		t,
 		n
 	];
 }
-function hc(e) {
+function uc(e) {
 	e.show && [e.font, e.labelFont].forEach((e) => {
 		let t = Z(e[2] * q, 1);
 		e[0] = e[0].replace(/[0-9.]+px/, t + "px"), e[1] = t;
 	});
 }
-function gc(e, t, n) {
+function dc(e, t, n) {
 	let r = { mode: Y(e.mode, 1) }, i = r.mode;
 	function a(e, t, n, r) {
 		let i = t.valToPct(e);
@@ -6163,24 +5749,24 @@ function gc(e, t, n) {
 	r.valToPosH = a, r.valToPosV = o;
 	let c = !1;
 	r.status = 0;
-	let l = r.root = di(_r);
-	if (e.id != null && (l.id = e.id), ci(l, e.class), e.title) {
-		let t = di(br, l);
+	let l = r.root = oi(fr);
+	if (e.id != null && (l.id = e.id), ri(l, e.class), e.title) {
+		let t = oi(hr, l);
 		t.textContent = e.title;
 	}
-	let u = ui("canvas"), d = r.ctx = u.getContext("2d"), f = di(xr, l);
-	bi("click", f, (e) => {
+	let u = ai("canvas"), d = r.ctx = u.getContext("2d"), f = oi(gr, l);
+	hi("click", f, (e) => {
 		e.target === m && (U != tn || W != nn) && sn.click(r, e);
 	}, !0);
-	let p = r.under = di(Sr, f);
+	let p = r.under = oi(_r, f);
 	f.appendChild(u);
-	let m = r.over = di(Cr, f);
-	e = ka(e);
-	let h = +Y(e.pxAlign, 1), g = As(h);
+	let m = r.over = oi(vr, f);
+	e = wa(e);
+	let h = +Y(e.pxAlign, 1), g = Ts(h);
 	(e.plugins || []).forEach((t) => {
 		t.opts && (e = t.opts(r, e) || e);
 	});
-	let _ = e.ms || .001, v = r.series = i == 1 ? rc(e.series || [], Xo, hs, !1) : ic(e.series || [null], ms), y = r.axes = rc(e.axes || [], qo, ls, !0), b = r.scales = {}, x = r.bands = e.bands || [];
+	let _ = e.ms || .001, v = r.series = i == 1 ? Qs(e.series || [], Go, us, !1) : $s(e.series || [null], ls), y = r.axes = Qs(e.axes || [], Ho, is, !0), b = r.scales = {}, x = r.bands = e.bands || [];
 	x.forEach((e) => {
 		e.fill = X(e.fill || null), e.dir = Y(e.dir, -1);
 	});
@@ -6189,7 +5775,7 @@ function gc(e, t, n) {
 		series: Ot
 	}, w = (e.drawOrder || ["axes", "series"]).map((e) => C[e]);
 	function T(e) {
-		let t = e.distr == 3 ? (t) => Xi(t > 0 ? t : e.clamp(r, t, e.min, e.max, e.key)) : e.distr == 4 ? (t) => $i(t, e.asinh) : e.distr == 100 ? (t) => e.fwd(t) : (e) => e;
+		let t = e.distr == 3 ? (t) => Gi(t > 0 ? t : e.clamp(r, t, e.min, e.max, e.key)) : e.distr == 4 ? (t) => Ji(t, e.asinh) : e.distr == 100 ? (t) => e.fwd(t) : (e) => e;
 		return (n) => {
 			let r = t(n), { _min: i, _max: a } = e, o = a - i;
 			return (r - i) / o;
@@ -6198,30 +5784,30 @@ function gc(e, t, n) {
 	function E(t) {
 		let n = b[t];
 		if (n == null) {
-			let r = (e.scales || va)[t] || va;
+			let r = (e.scales || pa)[t] || pa;
 			if (r.from != null) {
 				E(r.from);
-				let e = Aa({}, b[r.from], r, { key: t });
+				let e = Ta({}, b[r.from], r, { key: t });
 				e.valToPct = T(e), b[t] = e;
 			} else {
-				n = b[t] = Aa({}, t == S ? _s : vs, r), n.key = t;
-				let e = n.time, a = n.range, o = xa(a);
+				n = b[t] = Ta({}, t == S ? fs : ps, r), n.key = t;
+				let e = n.time, a = n.range, o = ga(a);
 				if ((t != S || i == 2 && !e) && (o && (a[0] == null || a[1] == null) && (a = {
-					min: a[0] == null ? Mi : {
+					min: a[0] == null ? Di : {
 						mode: 1,
 						hard: a[0],
 						soft: a[0]
 					},
-					max: a[1] == null ? Mi : {
+					max: a[1] == null ? Di : {
 						mode: 1,
 						hard: a[1],
 						soft: a[1]
 					}
-				}, o = !1), !o && Ta(a))) {
+				}, o = !1), !o && ba(a))) {
 					let e = a;
-					a = (t, n, r) => n == null ? ba : Fi(n, r, e);
+					a = (t, n, r) => n == null ? ha : Ai(n, r, e);
 				}
-				n.range = X(a || (e ? sc : t == S ? n.distr == 3 ? uc : n.distr == 4 ? fc : oc : n.distr == 3 ? lc : n.distr == 4 ? dc : cc)), n.auto = X(!o && n.auto), n.clamp = X(n.clamp || gs), n._min = n._max = null, n.valToPct = T(n);
+				n.range = X(a || (e ? nc : t == S ? n.distr == 3 ? ac : n.distr == 4 ? sc : tc : n.distr == 3 ? ic : n.distr == 4 ? oc : rc)), n.auto = X(!o && n.auto), n.clamp = X(n.clamp || ds), n._min = n._max = null, n.valToPct = T(n);
 			}
 		}
 	}
@@ -6232,7 +5818,7 @@ function gc(e, t, n) {
 	});
 	for (let t in e.scales) E(t);
 	let D = b[S], O = D.distr, k, A;
-	D.ori == 0 ? (ci(l, vr), k = a, A = o) : (ci(l, yr), k = o, A = a);
+	D.ori == 0 ? (ri(l, pr), k = a, A = o) : (ri(l, mr), k = o, A = a);
 	let j = {};
 	for (let e in b) {
 		let t = b[e];
@@ -6241,35 +5827,35 @@ function gc(e, t, n) {
 			max: t.max
 		}, t.min = t.max = null);
 	}
-	let ee = e.tzDate || ((e) => new Date(Wi(e / _))), te = e.fmtDate || Ja, ne = _ == 1 ? _o(ee) : bo(ee), re = So(ee, xo(_ == 1 ? go : yo, te)), ie = Do(ee, To(Eo, te)), ae = [], M = r.legend = Aa({}, Ao, e.legend), N = r.cursor = Aa({}, zo, { drag: { y: i == 2 } }, e.cursor), P = M.show, oe = N.show, F = M.markers;
+	let ee = e.tzDate || ((e) => new Date(zi(e / _))), te = e.fmtDate || Ua, ne = _ == 1 ? fo(ee) : ho(ee), re = _o(ee, go(_ == 1 ? uo : mo, te)), ie = So(ee, bo(xo, te)), ae = [], M = r.legend = Ta({}, To, e.legend), N = r.cursor = Ta({}, Po, { drag: { y: i == 2 } }, e.cursor), P = M.show, oe = N.show, F = M.markers;
 	M.idxs = ae, F.width = X(F.width), F.dash = X(F.dash), F.stroke = X(F.stroke), F.fill = X(F.fill);
 	let I, se, ce, le = [], ue = [], de, fe = !1, pe = {};
 	if (M.live) {
 		let e = v[1] ? v[1].values : null;
 		fe = e != null, de = fe ? e(r, 1, 0) : { _: 0 };
-		for (let e in de) pe[e] = ti;
+		for (let e in de) pe[e] = Xr;
 	}
 	if (P) {
-		if (I = ui("table", Ar, l), ce = ui("tbody", null, I), M.mount(r, I), fe) {
-			se = ui("thead", null, I, ce);
-			let e = ui("tr", null, se);
-			for (var me in ui("th", null, e), de) ui("th", Fr, e).textContent = me;
-		} else ci(I, Mr), M.live && ci(I, jr);
+		if (I = ai("table", Tr, l), ce = ai("tbody", null, I), M.mount(r, I), fe) {
+			se = ai("thead", null, I, ce);
+			let e = ai("tr", null, se);
+			for (var me in ai("th", null, e), de) ai("th", Ar, e).textContent = me;
+		} else ri(I, Dr), M.live && ri(I, Er);
 	}
 	let he = { show: !0 }, ge = { show: !1 };
 	function _e(e, t) {
-		if (t == 0 && (fe || !M.live || i == 2)) return ba;
-		let n = [], a = ui("tr", Nr, ce, ce.childNodes[t]);
-		ci(a, e.class), e.show || ci(a, Tr);
-		let o = ui("th", null, a);
+		if (t == 0 && (fe || !M.live || i == 2)) return ha;
+		let n = [], a = ai("tr", Or, ce, ce.childNodes[t]);
+		ri(a, e.class), e.show || ri(a, br);
+		let o = ai("th", null, a);
 		if (F.show) {
-			let e = di(Pr, o);
+			let e = oi(kr, o);
 			if (t > 0) {
 				let n = F.width(r, t);
 				n && (e.style.border = n + "px " + F.dash(r, t) + " " + F.stroke(r, t)), e.style.background = F.fill(r, t);
 			}
 		}
-		let s = di(Fr, o);
+		let s = oi(Ar, o);
 		for (var c in e.label instanceof HTMLElement ? s.appendChild(e.label) : s.textContent = e.label, t > 0 && (F.show || (s.style.color = e.width > 0 ? F.stroke(r, t) : F.fill(r, t)), ye("click", o, (t) => {
 			if (N._lock) return;
 			We(t);
@@ -6280,10 +5866,10 @@ function gc(e, t, n) {
 					r > 0 && mn(r, e ? r == n ? he : ge : he, !0, Qn.setSeries);
 				});
 			} else mn(n, { show: !e.show }, !0, Qn.setSeries);
-		}, !1), qe && ye(Jr, o, (t) => {
-			N._lock || (We(t), mn(v.indexOf(e), Sn, !0, Qn.setSeries));
+		}, !1), qe && ye(Ur, o, (t) => {
+			N._lock || (We(t), mn(v.indexOf(e), K, !0, Qn.setSeries));
 		}, !1)), de) {
-			let e = ui("td", Ir, a);
+			let e = ai("td", jr, a);
 			e.textContent = "--", n.push(e);
 		}
 		return [a, n];
@@ -6291,46 +5877,46 @@ function gc(e, t, n) {
 	let ve = /* @__PURE__ */ new Map();
 	function ye(e, t, n, i = !0) {
 		let a = ve.get(t) || {}, o = N.bind[e](r, t, n, i);
-		o && (bi(e, t, a[e] = o), ve.set(t, a));
+		o && (hi(e, t, a[e] = o), ve.set(t, a));
 	}
 	function be(e, t, n) {
 		let r = ve.get(t) || {};
-		for (let n in r) (e == null || n == e) && (xi(n, t, r[n]), delete r[n]);
+		for (let n in r) (e == null || n == e) && (gi(n, t, r[n]), delete r[n]);
 		e ?? ve.delete(t);
 	}
 	let xe = 0, Se = 0, L = 0, R = 0, Ce = 0, we = 0, Te = Ce, Ee = we, De = L, Oe = R, ke = 0, Ae = 0, je = 0, Me = 0;
 	r.bbox = {};
 	let Ne = !1, Pe = !1, Fe = !1, Ie = !1, Le = !1, Re = !1;
-	function ze(e, t, n) {
-		(n || e != r.width || t != r.height) && Be(e, t), Bt(!1), Fe = !0, Pe = !0, Gt();
+	function z(e, t, n) {
+		(n || e != r.width || t != r.height) && ze(e, t), Bt(!1), Fe = !0, Pe = !0, Gt();
 	}
-	function Be(e, t) {
-		r.width = xe = L = e, r.height = Se = R = t, Ce = we = 0, Ue(), z();
+	function ze(e, t) {
+		r.width = xe = L = e, r.height = Se = R = t, Ce = we = 0, He(), Ue();
 		let n = r.bbox;
-		ke = n.left = fa(Ce * q, .5), Ae = n.top = fa(we * q, .5), je = n.width = fa(L * q, .5), Me = n.height = fa(R * q, .5);
+		ke = n.left = sa(Ce * q, .5), Ae = n.top = sa(we * q, .5), je = n.width = sa(L * q, .5), Me = n.height = sa(R * q, .5);
 	}
-	function Ve() {
+	function Be() {
 		let e = !1, t = 0;
 		for (; !e;) {
 			t++;
 			let n = Lt(t), i = Rt(t);
-			e = t == 3 || n && i, e || (Be(r.width, r.height), Pe = !0);
+			e = t == 3 || n && i, e || (ze(r.width, r.height), Pe = !0);
 		}
 	}
-	function He({ width: e, height: t }) {
-		ze(e, t);
+	function Ve({ width: e, height: t }) {
+		z(e, t);
 	}
-	r.setSize = He;
-	function Ue() {
+	r.setSize = Ve;
+	function He() {
 		let e = !1, t = !1, n = !1, r = !1;
 		y.forEach((i, a) => {
 			if (i.show && i._show) {
 				let { side: a, _size: o } = i, s = a % 2, c = o + (i.label == null ? 0 : i.labelSize);
 				c > 0 && (s ? (L -= c, a == 3 ? (Ce += c, r = !0) : n = !0) : (R -= c, a == 0 ? (we += c, e = !0) : t = !0));
 			}
-		}), nt[0] = e, nt[1] = n, nt[2] = t, nt[3] = r, L -= B[1] + B[3], Ce += B[3], R -= B[2] + B[0], we += B[0];
+		}), tt[0] = e, tt[1] = n, tt[2] = t, tt[3] = r, L -= at[1] + at[3], Ce += at[3], R -= at[2] + at[0], we += at[0];
 	}
-	function z() {
+	function Ue() {
 		let e = Ce + L, t = we + R, n = Ce, r = we;
 		function i(i, a) {
 			switch (i) {
@@ -6353,7 +5939,7 @@ function gc(e, t, n) {
 		let r = e.prox = X(e.prox), i = e.bias ??= 0;
 		N.dataIdx = (e, a, o, s) => {
 			if (a == 0) return o;
-			let c = o, l = r(e, a, o, s) ?? ea, u = l >= 0 && l < ea, d = D.ori == 0 ? L : R, f = N.left, p = t[0], m = t[a];
+			let c = o, l = r(e, a, o, s) ?? Yi, u = l >= 0 && l < Yi, d = D.ori == 0 ? L : R, f = N.left, p = t[0], m = t[a];
 			if (n.has(m[o])) {
 				c = null;
 				let e = null, t = null, r;
@@ -6365,7 +5951,7 @@ function gc(e, t, n) {
 						i <= a ? i <= l && (c = e) : a <= l && (c = t);
 					} else c = t == null ? e : e == null ? t : o - e <= t - o ? e : t;
 				}
-			} else u && Hi(f - k(p[o], D, d, 0)) > l && (c = null);
+			} else u && Li(f - k(p[o], D, d, 0)) > l && (c = null);
 			return c;
 		};
 	}
@@ -6375,24 +5961,24 @@ function gc(e, t, n) {
 	N.idxs = ae, N._lock = !1;
 	let Ge = N.points;
 	Ge.show = X(Ge.show), Ge.size = X(Ge.size), Ge.stroke = X(Ge.stroke), Ge.width = X(Ge.width), Ge.fill = X(Ge.fill);
-	let Ke = r.focus = Aa({}, e.focus || { alpha: .3 }, N.focus), qe = Ke.prox >= 0, Je = qe && Ge.one, Ye = [], Xe = [], Ze = [];
-	function Qe(e, t) {
+	let Ke = r.focus = Ta({}, e.focus || { alpha: .3 }, N.focus), qe = Ke.prox >= 0, B = qe && Ge.one, Je = [], Ye = [], Xe = [];
+	function Ze(e, t) {
 		let n = Ge.show(r, t);
-		if (n instanceof HTMLElement) return ci(n, kr), ci(n, e.class), pi(n, -10, -10, L, R), m.insertBefore(n, Ye[t]), n;
+		if (n instanceof HTMLElement) return ri(n, wr), ri(n, e.class), ci(n, -10, -10, L, R), m.insertBefore(n, Je[t]), n;
 	}
-	function $e(e, t) {
+	function Qe(e, t) {
 		if (i == 1 || t > 0) {
 			let t = i == 1 && b[e.scale].time, n = e.value;
-			e.value = t ? wa(n) ? Do(ee, To(n, te)) : n || ie : n || cs, e.label = e.label || (t ? Yo : Jo);
+			e.value = t ? ya(n) ? So(ee, bo(n, te)) : n || ie : n || rs, e.label = e.label || (t ? Wo : Uo);
 		}
-		if (Je || t > 0) {
-			e.width = e.width == null ? 1 : e.width, e.paths = e.paths || tc || sa, e.fillTo = X(e.fillTo || Ts), e.pxAlign = +Y(e.pxAlign, h), e.pxRound = As(e.pxAlign), e.stroke = X(e.stroke || null), e.fill = X(e.fill || null), e._stroke = e._fill = e._paths = e._focus = null;
-			let t = us(qi(1, e.width), 1), n = e.points = Aa({}, {
+		if (B || t > 0) {
+			e.width = e.width == null ? 1 : e.width, e.paths = e.paths || Xs || na, e.fillTo = X(e.fillTo || bs), e.pxAlign = +Y(e.pxAlign, h), e.pxRound = Ts(e.pxAlign), e.stroke = X(e.stroke || null), e.fill = X(e.fill || null), e._stroke = e._fill = e._paths = e._focus = null;
+			let t = as(Hi(1, e.width), 1), n = e.points = Ta({}, {
 				size: t,
-				width: qi(1, t * .2),
+				width: Hi(1, t * .2),
 				stroke: e.stroke,
 				space: t * 2,
-				paths: nc,
+				paths: Zs,
 				_stroke: null,
 				_fill: null
 			}, e.points);
@@ -6405,57 +5991,57 @@ function gc(e, t, n) {
 		if (oe) {
 			ae.splice(t, 0, null);
 			let n = null;
-			Je ? t == 0 && (n = Qe(e, t)) : t > 0 && (n = Qe(e, t)), Ye.splice(t, 0, n), Xe.splice(t, 0, 0), Ze.splice(t, 0, 0);
+			B ? t == 0 && (n = Ze(e, t)) : t > 0 && (n = Ze(e, t)), Je.splice(t, 0, n), Ye.splice(t, 0, 0), Xe.splice(t, 0, 0);
 		}
 		Xn("addSeries", t);
 	}
-	function et(e, t) {
-		t ??= v.length, e = i == 1 ? ac(e, t, Xo, hs) : ac(e, t, {}, ms), v.splice(t, 0, e), $e(v[t], t);
+	function $e(e, t) {
+		t ??= v.length, e = i == 1 ? ec(e, t, Go, us) : ec(e, t, {}, ls), v.splice(t, 0, e), Qe(v[t], t);
 	}
-	r.addSeries = et;
-	function tt(e) {
+	r.addSeries = $e;
+	function et(e) {
 		if (v.splice(e, 1), P) {
 			M.values.splice(e, 1), ue.splice(e, 1);
 			let t = le.splice(e, 1)[0];
 			be(null, t.firstChild), t.remove();
 		}
-		oe && (ae.splice(e, 1), Ye.splice(e, 1)[0].remove(), Xe.splice(e, 1), Ze.splice(e, 1)), Xn("delSeries", e);
+		oe && (ae.splice(e, 1), Je.splice(e, 1)[0].remove(), Ye.splice(e, 1), Xe.splice(e, 1)), Xn("delSeries", e);
 	}
-	r.delSeries = tt;
-	let nt = [
+	r.delSeries = et;
+	let tt = [
 		!1,
 		!1,
 		!1,
 		!1
 	];
-	function rt(e, t) {
+	function nt(e, t) {
 		if (e._show = e.show, e.show) {
 			let n = e.side % 2, i = b[e.scale];
 			i ??= (e.scale = n ? v[1].scale : S, b[e.scale]);
 			let a = i.time;
-			e.size = X(e.size), e.space = X(e.space), e.rotate = X(e.rotate), xa(e.incrs) && e.incrs.forEach((e) => {
-				!ha.has(e) && ha.set(e, ga(e));
-			}), e.incrs = X(e.incrs || (i.distr == 2 ? to : a ? _ == 1 ? ho : vo : no)), e.splits = X(e.splits || (a && i.distr == 1 ? ne : i.distr == 3 ? $o : i.distr == 4 ? es : Qo)), e.stroke = X(e.stroke), e.grid.stroke = X(e.grid.stroke), e.ticks.stroke = X(e.ticks.stroke), e.border.stroke = X(e.border.stroke);
+			e.size = X(e.size), e.space = X(e.space), e.rotate = X(e.rotate), ga(e.incrs) && e.incrs.forEach((e) => {
+				!ua.has(e) && ua.set(e, da(e));
+			}), e.incrs = X(e.incrs || (i.distr == 2 ? Xa : a ? _ == 1 ? lo : po : Za)), e.splits = X(e.splits || (a && i.distr == 1 ? ne : i.distr == 3 ? Jo : i.distr == 4 ? Yo : qo)), e.stroke = X(e.stroke), e.grid.stroke = X(e.grid.stroke), e.ticks.stroke = X(e.ticks.stroke), e.border.stroke = X(e.border.stroke);
 			let o = e.values;
-			e.values = xa(o) && !xa(o[0]) ? X(o) : a ? xa(o) ? So(ee, xo(o, te)) : wa(o) ? Co(ee, o) : o || re : o || Zo, e.filter = X(e.filter || (i.distr >= 3 && i.log == 10 ? os : i.distr == 3 && i.log == 2 ? ss : oa)), e.font = mc(e.font), e.labelFont = mc(e.labelFont), e._size = e.size(r, null, t, 0), e._space = e._rotate = e._incrs = e._found = e._splits = e._values = null, e._size > 0 && (nt[t] = !0, e._el = di(wr, f));
+			e.values = ga(o) && !ga(o[0]) ? X(o) : a ? ga(o) ? _o(ee, go(o, te)) : ya(o) ? vo(ee, o) : o || re : o || Ko, e.filter = X(e.filter || (i.distr >= 3 && i.log == 10 ? ts : i.distr == 3 && i.log == 2 ? ns : ta)), e.font = lc(e.font), e.labelFont = lc(e.labelFont), e._size = e.size(r, null, t, 0), e._space = e._rotate = e._incrs = e._found = e._splits = e._values = null, e._size > 0 && (tt[t] = !0, e._el = oi(yr, f));
 		}
 	}
-	function it(e, t, n, r) {
+	function rt(e, t, n, r) {
 		let [i, a, o, s] = n, c = t % 2, l = 0;
-		return c == 0 && (s || a) && (l = t == 0 && !i || t == 2 && !o ? Wi(qo.size / 3) : 0), c == 1 && (i || o) && (l = t == 1 && !a || t == 3 && !s ? Wi(ls.size / 2) : 0), l;
+		return c == 0 && (s || a) && (l = t == 0 && !i || t == 2 && !o ? zi(Ho.size / 3) : 0), c == 1 && (i || o) && (l = t == 1 && !a || t == 3 && !s ? zi(is.size / 2) : 0), l;
 	}
-	let at = r.padding = (e.padding || [
-		it,
-		it,
-		it,
-		it
-	]).map((e) => X(Y(e, it))), B = r._padding = at.map((e, t) => e(r, t, nt, 0)), ot, st = null, ct = null, lt = i == 1 ? v[0].idxs : null, ut = null, dt = !1;
-	function ft(e, n) {
+	let it = r.padding = (e.padding || [
+		rt,
+		rt,
+		rt,
+		rt
+	]).map((e) => X(Y(e, rt))), at = r._padding = it.map((e, t) => e(r, t, tt, 0)), ot, st = null, V = null, ct = i == 1 ? v[0].idxs : null, H = null, lt = !1;
+	function ut(e, n) {
 		if (t = e ?? [], r.data = r._data = t, i == 2) {
 			ot = 0;
 			for (let e = 1; e < v.length; e++) ot += t[e][0].length;
 		} else {
-			t.length == 0 && (r.data = r._data = t = [[]]), ut = t[0], ot = ut.length;
+			t.length == 0 && (r.data = r._data = t = [[]]), H = t[0], ot = H.length;
 			let e = t;
 			if (O == 2) {
 				e = t.slice();
@@ -6466,26 +6052,26 @@ function gc(e, t, n) {
 		}
 		if (Bt(!0), Xn("setData"), O == 2 && (Fe = !0), n !== !1) {
 			let e = D;
-			e.auto(r, dt) ? V() : pn(S, e.min, e.max), Ie ||= N.left >= 0, Re = !0, Gt();
+			e.auto(r, lt) ? dt() : pn(S, e.min, e.max), Ie ||= N.left >= 0, Re = !0, Gt();
 		}
 	}
-	r.setData = ft;
-	function V() {
-		dt = !0;
+	r.setData = ut;
+	function dt() {
+		lt = !0;
 		let e, n;
-		i == 1 && (ot > 0 ? (st = lt[0] = 0, ct = lt[1] = ot - 1, e = t[0][st], n = t[0][ct], O == 2 ? (e = st, n = ct) : e == n && (O == 3 ? [e, n] = ki(e, e, D.log, !1) : O == 4 ? [e, n] = Ai(e, e, D.log, !1) : D.time ? n = e + Wi(86400 / _) : [e, n] = Fi(e, n, ji, !0))) : (st = lt[0] = e = null, ct = lt[1] = n = null)), pn(S, e, n);
+		i == 1 && (ot > 0 ? (st = ct[0] = 0, V = ct[1] = ot - 1, e = t[0][st], n = t[0][V], O == 2 ? (e = st, n = V) : e == n && (O == 3 ? [e, n] = wi(e, e, D.log, !1) : O == 4 ? [e, n] = Ti(e, e, D.log, !1) : D.time ? n = e + zi(86400 / _) : [e, n] = Ai(e, n, Ei, !0))) : (st = ct[0] = e = null, V = ct[1] = n = null)), pn(S, e, n);
 	}
-	let pt, H, mt, ht, gt, _t, vt, yt, bt, xt;
+	let ft, pt, mt, ht, gt, _t, vt, yt, bt, xt;
 	function St(e, t, n, r, i, a) {
-		e ??= Wr, n ??= ya, r ??= "butt", i ??= Wr, a ??= "round", e != pt && (d.strokeStyle = pt = e), i != H && (d.fillStyle = H = i), t != mt && (d.lineWidth = mt = t), a != gt && (d.lineJoin = gt = a), r != _t && (d.lineCap = _t = r), n != ht && d.setLineDash(ht = n);
+		e ??= zr, n ??= ma, r ??= "butt", i ??= zr, a ??= "round", e != ft && (d.strokeStyle = ft = e), i != pt && (d.fillStyle = pt = i), t != mt && (d.lineWidth = mt = t), a != gt && (d.lineJoin = gt = a), r != _t && (d.lineCap = _t = r), n != ht && d.setLineDash(ht = n);
 	}
 	function Ct(e, t, n, r) {
-		t != H && (d.fillStyle = H = t), e != vt && (d.font = vt = e), n != yt && (d.textAlign = yt = n), r != bt && (d.textBaseline = bt = r);
+		t != pt && (d.fillStyle = pt = t), e != vt && (d.font = vt = e), n != yt && (d.textAlign = yt = n), r != bt && (d.textBaseline = bt = r);
 	}
 	function wt(e, t, n, i, a = 0) {
-		if (i.length > 0 && e.auto(r, dt) && (t == null || t.min == null)) {
-			let t = Y(st, 0), r = Y(ct, i.length - 1), o = n.min == null ? Oi(i, t, r, a, e.distr == 3) : [n.min, n.max];
-			e.min = Ki(e.min, n.min = o[0]), e.max = qi(e.max, n.max = o[1]);
+		if (i.length > 0 && e.auto(r, lt) && (t == null || t.min == null)) {
+			let t = Y(st, 0), r = Y(V, i.length - 1), o = n.min == null ? Ci(i, t, r, a, e.distr == 3) : [n.min, n.max];
+			e.min = Vi(e.min, n.min = o[0]), e.max = Hi(e.max, n.max = o[1]);
 		}
 	}
 	let Tt = {
@@ -6495,7 +6081,7 @@ function gc(e, t, n) {
 	function Et() {
 		for (let e in b) {
 			let t = b[e];
-			j[e] == null && (t.min == null || j[S] != null && t.auto(r, dt)) && (j[e] = Tt);
+			j[e] == null && (t.min == null || j[S] != null && t.auto(r, lt)) && (j[e] = Tt);
 		}
 		for (let e in b) {
 			let t = b[e];
@@ -6506,13 +6092,13 @@ function gc(e, t, n) {
 		for (let t in j) {
 			let n = j[t];
 			if (n != null) {
-				let a = e[t] = ka(b[t], Ea);
-				if (n.min != null) Aa(a, n);
+				let a = e[t] = wa(b[t], xa);
+				if (n.min != null) Ta(a, n);
 				else if (t != S || i == 2) {
 					if (ot == 0 && a.from == null) {
 						let e = a.range(r, null, null, t);
 						a.min = e[0], a.max = e[1];
-					} else a.min = ea, a.max = -Infinity;
+					} else a.min = Yi, a.max = -Infinity;
 				}
 			}
 		}
@@ -6524,9 +6110,9 @@ function gc(e, t, n) {
 					let s = e[i];
 					if (a == 0) {
 						let e = s.range(r, s.min, s.max, i);
-						s.min = e[0], s.max = e[1], st = Si(s.min, t[0]), ct = Si(s.max, t[0]), ct - st > 1 && (t[0][st] < s.min && st++, t[0][ct] > s.max && ct--), n.min = ut[st], n.max = ut[ct];
+						s.min = e[0], s.max = e[1], st = _i(s.min, t[0]), V = _i(s.max, t[0]), V - st > 1 && (t[0][st] < s.min && st++, t[0][V] > s.max && V--), n.min = H[st], n.max = H[V];
 					} else n.show && n.auto && wt(s, o, n, t[a], n.sorted);
-					n.idxs[0] = st, n.idxs[1] = ct;
+					n.idxs[0] = st, n.idxs[1] = V;
 				} else if (a > 0 && n.show && n.auto) {
 					let [r, i] = n.facets, o = r.scale, s = i.scale, [c, l] = t[a], u = e[o], d = e[s];
 					u != null && wt(u, j[o], r, c, r.sorted), d != null && wt(d, j[s], i, l, i.sorted), n.min = i.min, n.max = i.max;
@@ -6535,7 +6121,7 @@ function gc(e, t, n) {
 			for (let t in e) {
 				let n = e[t], i = j[t];
 				if (n.from == null && (i == null || i.min == null)) {
-					let e = n.range(r, n.min == ea ? null : n.min, n.max == -Infinity ? null : n.max, t);
+					let e = n.range(r, n.min == Yi ? null : n.min, n.max == -Infinity ? null : n.max, t);
 					n.min = e[0], n.max = e[1];
 				}
 			}
@@ -6557,7 +6143,7 @@ function gc(e, t, n) {
 			if (i.min != r.min || i.max != r.max) {
 				i.min = r.min, i.max = r.max;
 				let e = i.distr;
-				i._min = e == 3 ? Xi(i.min) : e == 4 ? $i(i.min, i.asinh) : e == 100 ? i.fwd(i.min) : i.min, i._max = e == 3 ? Xi(i.max) : e == 4 ? $i(i.max, i.asinh) : e == 100 ? i.fwd(i.max) : i.max, n[t] = a = !0;
+				i._min = e == 3 ? Gi(i.min) : e == 4 ? Ji(i.min, i.asinh) : e == 100 ? i.fwd(i.min) : i.min, i._max = e == 3 ? Gi(i.max) : e == 4 ? Ji(i.max, i.asinh) : e == 100 ? i.fwd(i.max) : i.max, n[t] = a = !0;
 			}
 		}
 		if (a) {
@@ -6570,7 +6156,7 @@ function gc(e, t, n) {
 		for (let e in j) j[e] = null;
 	}
 	function Dt(e) {
-		let t = na(st - 1, 0, ot - 1), n = na(ct + 1, 0, ot - 1);
+		let t = Zi(st - 1, 0, ot - 1), n = Zi(V + 1, 0, ot - 1);
 		for (; e[t] == null && t > 0;) t--;
 		for (; e[n] == null && n < ot - 1;) n++;
 		return [t, n];
@@ -6590,8 +6176,8 @@ function gc(e, t, n) {
 					let n = xt;
 					xt != e.alpha && (d.globalAlpha = xt = e.alpha), e._paths != null && At(t, !1);
 					{
-						let n = e._paths == null ? null : e._paths.gaps, i = e.points.show(r, t, st, ct, n), a = e.points.filter(r, t, i, n);
-						(i || a) && (e.points._paths = e.points.paths(r, t, st, ct, a), At(t, !0));
+						let n = e._paths == null ? null : e._paths.gaps, i = e.points.show(r, t, st, V, n), a = e.points.filter(r, t, i, n);
+						(i || a) && (e.points._paths = e.points.paths(r, t, st, V, a), At(t, !0));
 					}
 					xt != n && (d.globalAlpha = xt = n), Xn("drawSeries", t);
 				}
@@ -6618,24 +6204,24 @@ function gc(e, t, n) {
 		let p = !1;
 		u != 0 && x.forEach((m, h) => {
 			if (m.series[0] == e) {
-				let e = v[m.series[1]], g = t[m.series[1]], _ = (e._paths || va).band;
-				xa(_) && (_ = m.dir == 1 ? _[0] : _[1]);
+				let e = v[m.series[1]], g = t[m.series[1]], _ = (e._paths || pa).band;
+				ga(_) && (_ = m.dir == 1 ? _[0] : _[1]);
 				let y, b = null;
-				e.show && _ && Ii(g, st, ct) ? (b = m.fill(r, h) || s, y = e._paths.clip) : _ = null, Mt(n, i, a, o, b, c, l, u, d, f, y, _), p = !0;
+				e.show && _ && ji(g, st, V) ? (b = m.fill(r, h) || s, y = e._paths.clip) : _ = null, Mt(n, i, a, o, b, c, l, u, d, f, y, _), p = !0;
 			}
 		}), p || Mt(n, i, a, o, s, c, l, u, d, f);
 	}
 	function Mt(e, t, n, r, i, a, o, s, c, l, u, f) {
-		St(e, t, n, r, i), (c || l || f) && (d.save(), c && d.clip(c), l && d.clip(l)), f ? (s & 3) == 3 ? (d.clip(f), u && d.clip(u), Pt(i, o), Nt(e, a, t)) : s & Ss ? (Pt(i, o), d.clip(f), Nt(e, a, t)) : s & xs && (d.save(), d.clip(f), u && d.clip(u), Pt(i, o), d.restore(), Nt(e, a, t)) : (Pt(i, o), Nt(e, a, t)), (c || l || f) && d.restore();
+		St(e, t, n, r, i), (c || l || f) && (d.save(), c && d.clip(c), l && d.clip(l)), f ? (s & 3) == 3 ? (d.clip(f), u && d.clip(u), Pt(i, o), Nt(e, a, t)) : s & _s ? (Pt(i, o), d.clip(f), Nt(e, a, t)) : s & gs && (d.save(), d.clip(f), u && d.clip(u), Pt(i, o), d.restore(), Nt(e, a, t)) : (Pt(i, o), Nt(e, a, t)), (c || l || f) && d.restore();
 	}
 	function Nt(e, t, n) {
 		n > 0 && (t instanceof Map ? t.forEach((e, t) => {
-			d.strokeStyle = pt = t, d.stroke(e);
+			d.strokeStyle = ft = t, d.stroke(e);
 		}) : t != null && e && d.stroke(t));
 	}
 	function Pt(e, t) {
 		t instanceof Map ? t.forEach((e, t) => {
-			d.fillStyle = H = t, d.fill(e);
+			d.fillStyle = pt = t, d.fill(e);
 		}) : t != null && e && d.fill(t);
 	}
 	function Ft(e, t, n, i) {
@@ -6643,7 +6229,7 @@ function gc(e, t, n) {
 		if (i <= 0) o = [0, 0];
 		else {
 			let s = a._space = a.space(r, e, t, n, i);
-			o = pc(t, n, a._incrs = a.incrs(r, e, t, n, i, s), i, s);
+			o = cc(t, n, a._incrs = a.incrs(r, e, t, n, i, s), i, s);
 		}
 		return a._found = o;
 	}
@@ -6667,17 +6253,17 @@ function gc(e, t, n) {
 			n._show || (t = !1, n._show = !0, Bt(!1));
 			let o = n.side, s = o % 2, { min: c, max: l } = a, [u, d] = Ft(i, c, l, s == 0 ? L : R);
 			if (d == 0) return;
-			let f = a.distr == 2, p = n._splits = n.splits(r, i, c, l, u, d, f), m = a.distr == 2 ? p.map((e) => ut[e]) : p, h = a.distr == 2 ? ut[p[1]] - ut[p[0]] : u, g = n._values = n.values(r, n.filter(r, m, i, d, h), i, d, h);
+			let f = a.distr == 2, p = n._splits = n.splits(r, i, c, l, u, d, f), m = a.distr == 2 ? p.map((e) => H[e]) : p, h = a.distr == 2 ? H[p[1]] - H[p[0]] : u, g = n._values = n.values(r, n.filter(r, m, i, d, h), i, d, h);
 			n._rotate = o == 2 ? n.rotate(r, g, i, d) : 0;
 			let _ = n._size;
-			n._size = Gi(n.size(r, g, i, e)), _ != null && n._size != _ && (t = !1);
+			n._size = Bi(n.size(r, g, i, e)), _ != null && n._size != _ && (t = !1);
 		}), t;
 	}
 	function Rt(e) {
 		let t = !0;
-		return at.forEach((n, i) => {
-			let a = n(r, i, nt, e);
-			a != B[i] && (t = !1), B[i] = a;
+		return it.forEach((n, i) => {
+			let a = n(r, i, tt, e);
+			a != at[i] && (t = !1), at[i] = a;
 		}), t;
 	}
 	function zt() {
@@ -6686,16 +6272,16 @@ function gc(e, t, n) {
 			if (!t.show || !t._show) continue;
 			let n = t.side, i = n % 2, a, o, c = t.stroke(r, e), l = n == 0 || n == 3 ? -1 : 1, [u, f] = t._found;
 			if (t.label != null) {
-				let s = t.labelGap * l, p = Wi((t._lpos + s) * q);
-				Ct(t.labelFont[0], c, "center", n == 2 ? zr : Br), d.save(), i == 1 ? (a = o = 0, d.translate(p, Wi(Ae + Me / 2)), d.rotate((n == 3 ? -Vi : Vi) / 2)) : (a = Wi(ke + je / 2), o = p);
-				let m = ra(t.label) ? t.label(r, e, u, f) : t.label;
+				let s = t.labelGap * l, p = zi((t._lpos + s) * q);
+				Ct(t.labelFont[0], c, "center", n == 2 ? Pr : Fr), d.save(), i == 1 ? (a = o = 0, d.translate(p, zi(Ae + Me / 2)), d.rotate((n == 3 ? -Ii : Ii) / 2)) : (a = zi(ke + je / 2), o = p);
+				let m = Qi(t.label) ? t.label(r, e, u, f) : t.label;
 				d.fillText(m, a, o), d.restore();
 			}
 			if (f == 0) continue;
-			let p = b[t.scale], m = i == 0 ? je : Me, h = i == 0 ? ke : Ae, _ = t._splits, v = p.distr == 2 ? _.map((e) => ut[e]) : _, x = p.distr == 2 ? ut[_[1]] - ut[_[0]] : u, S = t.ticks, C = t.border, w = S.show ? S.size : 0, T = Wi(w * q), E = Wi((t.alignTo == 2 ? t._size - w - t.gap : t.gap) * q), D = t._rotate * -Vi / 180, O = g(t._pos * q), k = O + (T + E) * l;
+			let p = b[t.scale], m = i == 0 ? je : Me, h = i == 0 ? ke : Ae, _ = t._splits, v = p.distr == 2 ? _.map((e) => H[e]) : _, x = p.distr == 2 ? H[_[1]] - H[_[0]] : u, S = t.ticks, C = t.border, w = S.show ? S.size : 0, T = zi(w * q), E = zi((t.alignTo == 2 ? t._size - w - t.gap : t.gap) * q), D = t._rotate * -Ii / 180, O = g(t._pos * q), k = O + (T + E) * l;
 			o = i == 0 ? k : 0, a = i == 1 ? k : 0;
 			let A = t.font[0];
-			Ct(A, c, t.align == 1 ? Vr : t.align == 2 ? Hr : D > 0 ? Vr : D < 0 ? Hr : i == 0 ? "center" : n == 3 ? Hr : Vr, D || i == 1 ? "middle" : n == 2 ? zr : Br);
+			Ct(A, c, t.align == 1 ? Ir : t.align == 2 ? Lr : D > 0 ? Ir : D < 0 ? Lr : i == 0 ? "center" : n == 3 ? Lr : Ir, D || i == 1 ? "middle" : n == 2 ? Pr : Fr);
 			let j = t.font[1] * t.lineGap, ee = _.map((e) => g(s(e, p, m, h))), te = t._values;
 			for (let e = 0; e < te.length; e++) {
 				let t = te[e];
@@ -6728,29 +6314,29 @@ function gc(e, t, n) {
 		Ut.length = 0;
 	}
 	function Gt() {
-		Vt ||= (Ia(qt), !0);
+		Vt ||= (ja(qt), !0);
 	}
 	function Kt(e, t = !1) {
 		Vt = !0, Ht = t, e(r), qt(), t && Ut.length > 0 && queueMicrotask(Wt);
 	}
 	r.batch = Kt;
 	function qt() {
-		if (Ne &&= (Et(), !1), Fe &&= (Ve(), !1), Pe) {
-			if (J(p, Vr, Ce), J(p, zr, we), J(p, Lr, L), J(p, Rr, R), J(m, Vr, Ce), J(m, zr, we), J(m, Lr, L), J(m, Rr, R), J(f, Lr, xe), J(f, Rr, Se), u.width = Wi(xe * q), u.height = Wi(Se * q), y.forEach(({ _el: e, _show: t, _size: n, _pos: r, side: i }) => {
+		if (Ne &&= (Et(), !1), Fe &&= (Be(), !1), Pe) {
+			if (J(p, Ir, Ce), J(p, Pr, we), J(p, Mr, L), J(p, Nr, R), J(m, Ir, Ce), J(m, Pr, we), J(m, Mr, L), J(m, Nr, R), J(f, Mr, xe), J(f, Nr, Se), u.width = zi(xe * q), u.height = zi(Se * q), y.forEach(({ _el: e, _show: t, _size: n, _pos: r, side: i }) => {
 				if (e != null) {
 					if (t) {
 						let t = i === 3 || i === 0 ? n : 0, a = i % 2 == 1;
-						J(e, a ? "left" : "top", r - t), J(e, a ? "width" : "height", n), J(e, a ? "top" : "left", a ? we : Ce), J(e, a ? "height" : "width", a ? R : L), li(e, Tr);
-					} else ci(e, Tr);
+						J(e, a ? "left" : "top", r - t), J(e, a ? "width" : "height", n), J(e, a ? "top" : "left", a ? we : Ce), J(e, a ? "height" : "width", a ? R : L), ii(e, br);
+					} else ri(e, br);
 				}
-			}), pt = H = mt = gt = _t = vt = yt = bt = ht = null, xt = 1, Pn(!0), Ce != Te || we != Ee || L != De || R != Oe) {
+			}), ft = pt = mt = gt = _t = vt = yt = bt = ht = null, xt = 1, Pn(!0), Ce != Te || we != Ee || L != De || R != Oe) {
 				Bt(!1);
 				let e = L / De, t = R / Oe;
 				if (oe && !Ie && N.left >= 0) {
-					N.left *= e, N.top *= t, Zt && pi(Zt, Wi(N.left), 0, L, R), Qt && pi(Qt, 0, Wi(N.top), L, R);
-					for (let n = 0; n < Ye.length; n++) {
-						let r = Ye[n];
-						r != null && (Xe[n] *= e, Ze[n] *= t, pi(r, Gi(Xe[n]), Gi(Ze[n]), L, R));
+					N.left *= e, N.top *= t, Zt && ci(Zt, zi(N.left), 0, L, R), Qt && ci(Qt, 0, zi(N.top), L, R);
+					for (let n = 0; n < Je.length; n++) {
+						let r = Je[n];
+						r != null && (Ye[n] *= e, Xe[n] *= t, ci(r, Bi(Ye[n]), Bi(Xe[n]), L, R));
 					}
 				}
 				if (G.show && !Le && G.left >= 0 && G.width > 0) {
@@ -6761,7 +6347,7 @@ function gc(e, t, n) {
 			}
 			Xn("setSize"), Pe = !1;
 		}
-		xe > 0 && Se > 0 && (d.clearRect(0, 0, u.width, u.height), Xn("drawClear"), w.forEach((e) => e()), Xn("draw")), G.show && Le && (dn(G), Le = !1), oe && Ie && (Mn(null, !0, !1), Ie = !1), M.show && M.live && Re && (An(), Re = !1), c || (c = !0, r.status = 1, Xn("ready")), dt = !1, Vt = !1;
+		xe > 0 && Se > 0 && (d.clearRect(0, 0, u.width, u.height), Xn("drawClear"), w.forEach((e) => e()), Xn("draw")), G.show && Le && (dn(G), Le = !1), oe && Ie && (Mn(null, !0, !1), Ie = !1), M.show && M.live && Re && (An(), Re = !1), c || (c = !0, r.status = 1, Xn("ready")), lt = !1, Vt = !1;
 	}
 	r.redraw = (e, t) => {
 		Fe = t || !1, e === !1 ? Gt() : pn(S, D.min, D.max);
@@ -6778,20 +6364,20 @@ function gc(e, t, n) {
 				n.min = n.max, n.max = e;
 			}
 			if (ot > 1 && n.min != null && n.max != null && n.max - n.min < 1e-16) return;
-			e == S && i.distr == 2 && ot > 0 && (n.min = Si(n.min, t[0]), n.max = Si(n.max, t[0]), n.min == n.max && n.max++), j[e] = n, Ne = !0, Gt();
+			e == S && i.distr == 2 && ot > 0 && (n.min = _i(n.min, t[0]), n.max = _i(n.max, t[0]), n.min == n.max && n.max++), j[e] = n, Ne = !0, Gt();
 		}
 	}
 	r.setScale = Jt;
 	let Yt, Xt, Zt, Qt, $t, en, tn, nn, rn, an, U, W, on = !1, sn = N.drag, cn = sn.x, ln = sn.y;
-	oe && (N.x && (Yt = di(Dr, m)), N.y && (Xt = di(Or, m)), D.ori == 0 ? (Zt = Yt, Qt = Xt) : (Zt = Xt, Qt = Yt), U = N.left, W = N.top);
-	let G = r.select = Aa({
+	oe && (N.x && (Yt = oi(Sr, m)), N.y && (Xt = oi(Cr, m)), D.ori == 0 ? (Zt = Yt, Qt = Xt) : (Zt = Xt, Qt = Yt), U = N.left, W = N.top);
+	let G = r.select = Ta({
 		show: !0,
 		over: !0,
 		left: 0,
 		width: 0,
 		top: 0,
 		height: 0
-	}, e.select), un = G.show ? di(Er, G.over ? m : p) : null;
+	}, e.select), un = G.show ? oi(xr, G.over ? m : p) : null;
 	function dn(e, t) {
 		if (G.show) {
 			for (let t in e) G[t] = e[t], t in Ln && J(un, t, e[t]);
@@ -6800,10 +6386,10 @@ function gc(e, t, n) {
 	}
 	r.setSelect = dn;
 	function fn(e) {
-		if (v[e].show) P && li(le[e], Tr);
-		else if (P && ci(le[e], Tr), oe) {
-			let t = Je ? Ye[0] : Ye[e];
-			t != null && pi(t, -10, -10, L, R);
+		if (v[e].show) P && ii(le[e], br);
+		else if (P && ri(le[e], br), oe) {
+			let t = B ? Je[0] : Je[e];
+			t != null && ci(t, -10, -10, L, R);
 		}
 	}
 	function pn(e, t, n) {
@@ -6813,13 +6399,13 @@ function gc(e, t, n) {
 		});
 	}
 	function mn(e, t, n, a) {
-		t.focus != null && Cn(e), t.show != null && v.forEach((n, r) => {
+		t.focus != null && Sn(e), t.show != null && v.forEach((n, r) => {
 			r > 0 && (e == r || e == null) && (n.show = t.show, fn(r), i == 2 ? (pn(n.facets[0].scale, null, null), pn(n.facets[1].scale, null, null)) : pn(n.scale, null, null), Gt());
 		}), n !== !1 && Xn("setSeries", e, t), a && tr("setSeries", r, e, t);
 	}
 	r.setSeries = mn;
 	function hn(e, t) {
-		Aa(x[e], t);
+		Ta(x[e], t);
 	}
 	function gn(e, t) {
 		e.fill = X(e.fill || null), e.dir = Y(e.dir, -1), t ??= x.length, x.splice(t, 0, e);
@@ -6829,10 +6415,10 @@ function gc(e, t, n) {
 	}
 	r.addBand = gn, r.setBand = hn, r.delBand = _n;
 	function vn(e, t) {
-		v[e].alpha = t, oe && Ye[e] != null && (Ye[e].style.opacity = t), P && le[e] && (le[e].style.opacity = t);
+		v[e].alpha = t, oe && Je[e] != null && (Je[e].style.opacity = t), P && le[e] && (le[e].style.opacity = t);
 	}
-	let yn, bn, xn, Sn = { focus: !0 };
-	function Cn(e) {
+	let yn, bn, xn, K = { focus: !0 };
+	function Sn(e) {
 		if (e != xn) {
 			let t = e == null, n = Ke.alpha != 1;
 			v.forEach((r, a) => {
@@ -6843,30 +6429,30 @@ function gc(e, t, n) {
 			}), xn = e, n && Gt();
 		}
 	}
-	P && qe && ye(Yr, I, (e) => {
-		N._lock || (We(e), xn != null && mn(null, Sn, !0, Qn.setSeries));
+	P && qe && ye(Wr, I, (e) => {
+		N._lock || (We(e), xn != null && mn(null, K, !0, Qn.setSeries));
 	});
-	function wn(e, t, n) {
+	function Cn(e, t, n) {
 		let r = b[t];
 		n && (e = e / q - (r.ori == 1 ? we : Ce));
 		let i = L;
 		r.ori == 1 && (i = R, e = i - e), r.dir == -1 && (e = i - e);
 		let a = r._min, o = r._max, s = e / i, c = a + (o - a) * s, l = r.distr;
-		return l == 3 ? Ji(10, c) : l == 4 ? Qi(c, r.asinh) : l == 100 ? r.bwd(c) : c;
+		return l == 3 ? Ui(10, c) : l == 4 ? qi(c, r.asinh) : l == 100 ? r.bwd(c) : c;
 	}
-	function Tn(e, n) {
-		return Si(wn(e, S, n), t[0], st, ct);
+	function wn(e, n) {
+		return _i(Cn(e, S, n), t[0], st, V);
 	}
-	r.valToIdx = (e) => Si(e, t[0]), r.posToIdx = Tn, r.posToVal = wn, r.valToPos = (e, t, n) => b[t].ori == 0 ? a(e, b[t], n ? je : L, n ? ke : 0) : o(e, b[t], n ? Me : R, n ? Ae : 0), r.setCursor = (e, t, n) => {
+	r.valToIdx = (e) => _i(e, t[0]), r.posToIdx = wn, r.posToVal = Cn, r.valToPos = (e, t, n) => b[t].ori == 0 ? a(e, b[t], n ? je : L, n ? ke : 0) : o(e, b[t], n ? Me : R, n ? Ae : 0), r.setCursor = (e, t, n) => {
 		U = e.left, W = e.top, Mn(null, t, n);
 	};
+	function Tn(e, t) {
+		J(un, Ir, G.left = e), J(un, Mr, G.width = t);
+	}
 	function En(e, t) {
-		J(un, Vr, G.left = e), J(un, Lr, G.width = t);
+		J(un, Pr, G.top = e), J(un, Nr, G.height = t);
 	}
-	function K(e, t) {
-		J(un, zr, G.top = e), J(un, Rr, G.height = t);
-	}
-	let Dn = D.ori == 0 ? En : K, On = D.ori == 1 ? En : K;
+	let Dn = D.ori == 0 ? Tn : En, On = D.ori == 1 ? Tn : En;
 	function kn() {
 		if (P && M.live) for (let e = +(i == 2); e < v.length; e++) {
 			if (e == 0 && fe) continue;
@@ -6877,7 +6463,7 @@ function gc(e, t, n) {
 	function An(e, t) {
 		if (e != null && (e.idxs ? e.idxs.forEach((e, t) => {
 			ae[t] = e;
-		}) : Ca(e.idx) || ae.fill(e.idx), M.idx = ae[0]), P && M.live) {
+		}) : va(e.idx) || ae.fill(e.idx), M.idx = ae[0]), P && M.live) {
 			for (let e = 0; e < v.length; e++) (e > 0 || i == 1 && !fe) && jn(e, ae[e]);
 			kn();
 		}
@@ -6885,40 +6471,40 @@ function gc(e, t, n) {
 	}
 	r.setLegend = An;
 	function jn(e, n) {
-		let i = v[e], a = e == 0 && O == 2 ? ut : t[e], o;
+		let i = v[e], a = e == 0 && O == 2 ? H : t[e], o;
 		fe ? o = i.values(r, e, n) ?? pe : (o = i.value(r, n == null ? null : a[n], e, n), o = o == null ? pe : { _: o }), M.values[e] = o;
 	}
 	function Mn(e, n, a) {
-		rn = U, an = W, [U, W] = N.move(r, U, W), N.left = U, N.top = W, oe && (Zt && pi(Zt, Wi(U), 0, L, R), Qt && pi(Qt, 0, Wi(W), L, R));
-		let o, s = st > ct;
-		yn = ea, bn = null;
+		rn = U, an = W, [U, W] = N.move(r, U, W), N.left = U, N.top = W, oe && (Zt && ci(Zt, zi(U), 0, L, R), Qt && ci(Qt, 0, zi(W), L, R));
+		let o, s = st > V;
+		yn = Yi, bn = null;
 		let c = D.ori == 0 ? L : R, l = D.ori == 1 ? L : R;
 		if (U < 0 || ot == 0 || s) {
 			o = N.idx = null;
 			for (let e = 0; e < v.length; e++) {
-				let t = Ye[e];
-				t != null && pi(t, -10, -10, L, R);
+				let t = Je[e];
+				t != null && ci(t, -10, -10, L, R);
 			}
-			qe && mn(null, Sn, !0, e == null && Qn.setSeries), M.live && (ae.fill(o), Re = !0);
+			qe && mn(null, K, !0, e == null && Qn.setSeries), M.live && (ae.fill(o), Re = !0);
 		} else {
 			let e, n, a;
-			i == 1 && (e = D.ori == 0 ? U : W, n = wn(e, S), o = N.idx = Si(n, t[0], st, ct), a = k(t[0][o], D, c, 0));
+			i == 1 && (e = D.ori == 0 ? U : W, n = Cn(e, S), o = N.idx = _i(n, t[0], st, V), a = k(t[0][o], D, c, 0));
 			let s = -10, u = -10, d = 0, f = 0, p = !0, m = "", h = "";
 			for (let e = +(i == 2); e < v.length; e++) {
 				let g = v[e], _ = ae[e], y = _ == null ? null : i == 1 ? t[e][_] : t[e][1][_], x = N.dataIdx(r, e, o, n), S = x == null ? null : i == 1 ? t[e][x] : t[e][1][x];
 				if (Re = Re || S != y || x != _, ae[e] = x, e > 0 && g.show) {
 					let n = x == null ? -10 : x == o ? a : k(i == 1 ? t[0][x] : t[e][0][x], D, c, 0), _ = S == null ? -10 : A(S, i == 1 ? b[g.scale] : b[g.facets[1].scale], l, 0);
 					if (qe && S != null) {
-						let t = D.ori == 1 ? U : W, n = Hi(Ke.dist(r, e, x, _, t));
+						let t = D.ori == 1 ? U : W, n = Li(Ke.dist(r, e, x, _, t));
 						if (n < yn) {
 							let r = Ke.bias;
 							if (r != 0) {
-								let i = wn(t, g.scale), a = S >= 0 ? 1 : -1, o = i >= 0 ? 1 : -1;
+								let i = Cn(t, g.scale), a = S >= 0 ? 1 : -1, o = i >= 0 ? 1 : -1;
 								o == a && (o == 1 ? r == 1 ? S >= i : S <= i : r == 1 ? S <= i : S >= i) && (yn = n, bn = e);
 							} else yn = n, bn = e;
 						}
 					}
-					if (Re || Je) {
+					if (Re || B) {
 						let t, i;
 						D.ori == 0 ? (t = n, i = _) : (t = _, i = n);
 						let a, o, c, l, g, v, y = !0, b = Ge.bbox;
@@ -6927,19 +6513,19 @@ function gc(e, t, n) {
 							let t = b(r, e);
 							c = t.left, l = t.top, a = t.width, o = t.height;
 						} else c = t, l = i, a = o = Ge.size(r, e);
-						if (v = Ge.fill(r, e), g = Ge.stroke(r, e), Je) e == bn && yn <= Ke.prox && (s = c, u = l, d = a, f = o, p = y, m = v, h = g);
+						if (v = Ge.fill(r, e), g = Ge.stroke(r, e), B) e == bn && yn <= Ke.prox && (s = c, u = l, d = a, f = o, p = y, m = v, h = g);
 						else {
-							let t = Ye[e];
-							t != null && (Xe[e] = c, Ze[e] = l, _i(t, a, o, y), hi(t, v, g), pi(t, Gi(c), Gi(l), L, R));
+							let t = Je[e];
+							t != null && (Ye[e] = c, Xe[e] = l, fi(t, a, o, y), ui(t, v, g), ci(t, Bi(c), Bi(l), L, R));
 						}
 					}
 				}
 			}
-			if (Je) {
+			if (B) {
 				let e = Ke.prox;
 				if (Re || (xn == null ? yn <= e : yn > e || bn != xn)) {
-					let e = Ye[0];
-					e != null && (Xe[0] = s, Ze[0] = u, _i(e, d, f, p), hi(e, m, h), pi(e, Gi(s), Gi(u), L, R));
+					let e = Je[0];
+					e != null && (Ye[0] = s, Xe[0] = u, fi(e, d, f, p), ui(e, m, h), ci(e, Bi(s), Bi(u), L, R));
 				}
 			}
 		}
@@ -6948,10 +6534,10 @@ function gc(e, t, n) {
 				let [t, n] = Qn.scales, [r, i] = Qn.match, [a, o] = e.cursor.sync.scales, s = e.cursor.drag;
 				if (cn = s._x, ln = s._y, cn || ln) {
 					let { left: s, top: u, width: d, height: f } = e.select, p = e.scales[a].ori, m = e.posToVal, h, g, _, v, y, x = t != null && r(t, a), S = n != null && i(n, o);
-					x && cn ? (p == 0 ? (h = s, g = d) : (h = u, g = f), _ = b[t], v = k(m(h, a), _, c, 0), y = k(m(h + g, a), _, c, 0), Dn(Ki(v, y), Hi(y - v))) : Dn(0, c), S && ln ? (p == 1 ? (h = s, g = d) : (h = u, g = f), _ = b[n], v = A(m(h, o), _, l, 0), y = A(m(h + g, o), _, l, 0), On(Ki(v, y), Hi(y - v))) : On(0, l);
+					x && cn ? (p == 0 ? (h = s, g = d) : (h = u, g = f), _ = b[t], v = k(m(h, a), _, c, 0), y = k(m(h + g, a), _, c, 0), Dn(Vi(v, y), Li(y - v))) : Dn(0, c), S && ln ? (p == 1 ? (h = s, g = d) : (h = u, g = f), _ = b[n], v = A(m(h, o), _, l, 0), y = A(m(h + g, o), _, l, 0), On(Vi(v, y), Li(y - v))) : On(0, l);
 				} else Rn();
 			} else {
-				let e = Hi(rn - $t), t = Hi(an - en);
+				let e = Li(rn - $t), t = Li(an - en);
 				if (D.ori == 1) {
 					let n = e;
 					e = t, t = n;
@@ -6960,20 +6546,20 @@ function gc(e, t, n) {
 				let n = sn.uni;
 				n == null ? sn.x && sn.y && (cn || ln) && (cn = ln = !0) : cn && ln && (cn = e >= n, ln = t >= n, !cn && !ln && (t > e ? ln = !0 : cn = !0));
 				let r, i;
-				cn && (D.ori == 0 ? (r = tn, i = U) : (r = nn, i = W), Dn(Ki(r, i), Hi(i - r)), ln || On(0, l)), ln && (D.ori == 1 ? (r = tn, i = U) : (r = nn, i = W), On(Ki(r, i), Hi(i - r)), cn || Dn(0, c)), !cn && !ln && (Dn(0, 0), On(0, 0));
+				cn && (D.ori == 0 ? (r = tn, i = U) : (r = nn, i = W), Dn(Vi(r, i), Li(i - r)), ln || On(0, l)), ln && (D.ori == 1 ? (r = tn, i = U) : (r = nn, i = W), On(Vi(r, i), Li(i - r)), cn || Dn(0, c)), !cn && !ln && (Dn(0, 0), On(0, 0));
 			}
 		}
 		if (sn._x = cn, sn._y = ln, e == null) {
 			if (a) {
 				if ($n != null) {
 					let [e, t] = Qn.scales;
-					Qn.values[0] = e == null ? null : wn(D.ori == 0 ? U : W, e), Qn.values[1] = t == null ? null : wn(D.ori == 1 ? U : W, t);
+					Qn.values[0] = e == null ? null : Cn(D.ori == 0 ? U : W, e), Qn.values[1] = t == null ? null : Cn(D.ori == 1 ? U : W, t);
 				}
-				tr(Gr, r, U, W, L, R, o);
+				tr(Br, r, U, W, L, R, o);
 			}
 			if (qe) {
 				let e = a && Qn.setSeries, t = Ke.prox;
-				xn == null ? yn <= t && mn(bn, Sn, !0, e) : yn > t ? mn(null, Sn, !0, e) : bn != xn && mn(bn, Sn, !0, e);
+				xn == null ? yn <= t && mn(bn, K, !0, e) : yn > t ? mn(null, K, !0, e) : bn != xn && mn(bn, K, !0, e);
 			}
 		}
 		Re && (M.idx = o, An()), n !== !1 && Xn("setCursor");
@@ -7001,7 +6587,7 @@ function gc(e, t, n) {
 				n = i, i = e;
 			}
 		}
-		u && (t == null || t.cursor.event.type == Gr) && ((n <= 1 || n >= L - 1) && (n = fa(n, L)), (i <= 1 || i >= R - 1) && (i = fa(i, R))), l ? ($t = n, en = i, [tn, nn] = N.move(r, n, i)) : (U = n, W = i);
+		u && (t == null || t.cursor.event.type == Br) && ((n <= 1 || n >= L - 1) && (n = sa(n, L)), (i <= 1 || i >= R - 1) && (i = sa(i, R))), l ? ($t = n, en = i, [tn, nn] = N.move(r, n, i)) : (U = n, W = i);
 	}
 	let Ln = {
 		width: 0,
@@ -7014,7 +6600,7 @@ function gc(e, t, n) {
 	}
 	let zn, Bn, Vn, Hn;
 	function Un(e, t, n, i, a, o, s) {
-		on = !0, cn = ln = sn._x = sn._y = !1, In(e, t, n, i, a, o, s, !0, !1), e != null && (ye(qr, ri, Wn, !1), tr(Kr, r, tn, nn, L, R, null));
+		on = !0, cn = ln = sn._x = sn._y = !1, In(e, t, n, i, a, o, s, !0, !1), e != null && (ye(Hr, Qr, Wn, !1), tr(Vr, r, tn, nn, L, R, null));
 		let { left: c, top: l, width: u, height: d } = G;
 		zn = c, Bn = l, Vn = u, Hn = d;
 	}
@@ -7023,13 +6609,13 @@ function gc(e, t, n) {
 		let { left: c, top: l, width: u, height: d } = G, f = u > 0 || d > 0, p = zn != c || Bn != l || Vn != u || Hn != d;
 		if (f && p && dn(G), sn.setScale && f && p) {
 			let e = c, t = u, n = l, r = d;
-			if (D.ori == 1 && (e = l, t = d, n = c, r = u), cn && pn(S, wn(e, S), wn(e + t, S)), ln) for (let e in b) {
+			if (D.ori == 1 && (e = l, t = d, n = c, r = u), cn && pn(S, Cn(e, S), Cn(e + t, S)), ln) for (let e in b) {
 				let t = b[e];
-				e != S && t.from == null && t.min != ea && pn(e, wn(n + r, e), wn(n, e));
+				e != S && t.from == null && t.min != Yi && pn(e, Cn(n + r, e), Cn(n, e));
 			}
 			Rn();
 		} else N.lock && (N._lock = !N._lock, Mn(t, !0, e != null));
-		e != null && (be(qr, ri), tr(qr, r, U, W, L, R, null));
+		e != null && (be(Hr, Qr), tr(Hr, r, U, W, L, R, null));
 	}
 	function Gn(e, t, n, r, i, a, o) {
 		if (N._lock) return;
@@ -7042,19 +6628,19 @@ function gc(e, t, n) {
 		U = -10, W = -10, ae.fill(null), Mn(null, !0, !0), s && (on = s);
 	}
 	function Kn(e, t, n, i, a, o, s) {
-		N._lock || (We(e), V(), Rn(), e != null && tr(Xr, r, U, W, L, R, null));
+		N._lock || (We(e), dt(), Rn(), e != null && tr(Gr, r, U, W, L, R, null));
 	}
 	function qn() {
-		y.forEach(hc), ze(r.width, r.height, !0);
+		y.forEach(uc), z(r.width, r.height, !0);
 	}
-	bi(ei, ii, qn);
+	hi(Yr, $r, qn);
 	let Jn = {};
 	Jn.mousedown = Un, Jn.mousemove = Fn, Jn.mouseup = Wn, Jn.dblclick = Kn, Jn.setSeries = (e, t, n, i) => {
 		let a = Qn.match[2];
 		n = a(r, t, n), n != -1 && mn(n, i, !0, !1);
-	}, oe && (ye(Kr, m, Un), ye(Gr, m, Fn), ye(Jr, m, (e) => {
+	}, oe && (ye(Vr, m, Un), ye(Br, m, Fn), ye(Ur, m, (e) => {
 		We(e), Pn(!1);
-	}), ye(Yr, m, Gn), ye(Xr, m, Kn), $s.add(r), r.syncRect = Pn);
+	}), ye(Wr, m, Gn), ye(Gr, m, Kn), Js.add(r), r.syncRect = Pn);
 	let Yn = r.hooks = e.hooks || {};
 	function Xn(e, t, n) {
 		Ht ? Ut.push([
@@ -7068,23 +6654,23 @@ function gc(e, t, n) {
 	(e.plugins || []).forEach((e) => {
 		for (let t in e.hooks) Yn[t] = (Yn[t] || []).concat(e.hooks[t]);
 	});
-	let Zn = (e, t, n) => n, Qn = Aa({
+	let Zn = (e, t, n) => n, Qn = Ta({
 		key: null,
 		setSeries: !1,
 		filters: {
-			pub: ca,
-			sub: ca
+			pub: ra,
+			sub: ra
 		},
 		scales: [S, v[1] ? v[1].scale : null],
 		match: [
-			la,
-			la,
+			ia,
+			ia,
 			Zn
 		],
 		values: [null, null]
 	}, N.sync);
 	Qn.match.length == 2 && Qn.match.push(Zn), N.sync = Qn;
-	let $n = Qn.key, er = bs($n);
+	let $n = Qn.key, er = hs($n);
 	function tr(e, t, n, r, i, a, o) {
 		Qn.filters.pub(e, t, n, r, i, a, o) && er.pub(e, t, n, r, i, a, o);
 	}
@@ -7094,28 +6680,28 @@ function gc(e, t, n) {
 	}
 	r.pub = nr;
 	function rr() {
-		er.unsub(r), $s.delete(r), ve.clear(), xi(ei, ii, qn), l.remove(), I?.remove(), Xn("destroy");
+		er.unsub(r), Js.delete(r), ve.clear(), gi(Yr, $r, qn), l.remove(), I?.remove(), Xn("destroy");
 	}
 	r.destroy = rr;
 	function ir() {
-		Xn("init", e, t), ft(t || e.data, !1), j[S] ? Jt(S, j[S]) : V(), Le = G.show && (G.width > 0 || G.height > 0), Ie = Re = !0, ze(e.width, e.height);
+		Xn("init", e, t), ut(t || e.data, !1), j[S] ? Jt(S, j[S]) : dt(), Le = G.show && (G.width > 0 || G.height > 0), Ie = Re = !0, z(e.width, e.height);
 	}
-	return v.forEach($e), y.forEach(rt), n ? n instanceof HTMLElement ? (n.appendChild(l), ir()) : n(r, ir) : ir(), r;
+	return v.forEach(Qe), y.forEach(nt), n ? n instanceof HTMLElement ? (n.appendChild(l), ir()) : n(r, ir) : ir(), r;
 }
-gc.assign = Aa, gc.fmtNum = zi, gc.rangeNum = Fi, gc.rangeLog = ki, gc.rangeAsinh = Ai, gc.orient = Cs, gc.pxRatio = q, gc.join = Fa, gc.fmtDate = Ja, gc.tzDate = Xa, gc.sync = bs;
+dc.assign = Ta, dc.fmtNum = Pi, dc.rangeNum = Ai, dc.rangeLog = wi, dc.rangeAsinh = Ti, dc.orient = vs, dc.pxRatio = q, dc.join = Aa, dc.fmtDate = Ua, dc.tzDate = Ga, dc.sync = hs;
 {
-	gc.addGap = Os, gc.clipGaps = Ds;
-	let e = gc.paths = { points: Hs };
-	e.linear = Ks, e.stepped = qs, e.bars = Ys, e.spline = Zs;
+	dc.addGap = Cs, dc.clipGaps = Ss;
+	let e = dc.paths = { points: Ls };
+	e.linear = Vs, e.stepped = Hs, e.bars = Ws, e.spline = Ks;
 }
 // src/phase.tsx
-var [_c, vc] = [420, 300], $ = {
+var [fc, pc] = [420, 300], $ = {
 	left: 64,
 	right: 12,
 	top: 10,
 	bottom: 34
 };
-function yc({ store: e, state: t }) {
+function mc({ store: e, state: t }) {
 	let [n, r] = V(null), [i, a] = t.plotted, o = t.run, [s, c] = t.span;
 	if (H(() => {
 		if (!i || !a) return;
@@ -7139,7 +6725,7 @@ function yc({ store: e, state: t }) {
 		children: "Plot two signals: the second is drawn over the first."
 	});
 	if (!n) return null;
-	let [l, u, d, f] = n.box, [p, m] = [u - l || 1, f - d || 1], h = (e) => $.left + (e - l) / p * (_c - $.left - $.right), g = (e) => vc - $.bottom - (e - d) / m * (vc - $.top - $.bottom), _ = (e, t, n) => `${h(e[n]).toFixed(1)},${g(t[n]).toFixed(1)}`, v = (e) => e[e.length - 1], y = n.pieces.slice(1).map(([e, t], r) => {
+	let [l, u, d, f] = n.box, [p, m] = [u - l || 1, f - d || 1], h = (e) => $.left + (e - l) / p * (fc - $.left - $.right), g = (e) => pc - $.bottom - (e - d) / m * (pc - $.top - $.bottom), _ = (e, t, n) => `${h(e[n]).toFixed(1)},${g(t[n]).toFixed(1)}`, v = (e) => e[e.length - 1], y = n.pieces.slice(1).map(([e, t], r) => {
 		let [i, a] = n.pieces[r];
 		return {
 			x1: h(v(i)),
@@ -7152,28 +6738,28 @@ function yc({ store: e, state: t }) {
 		class: "phase",
 		"aria-label": `${a} over ${i}`,
 		children: /* @__PURE__ */ L("svg", {
-			viewBox: `0 0 ${_c} ${vc}`,
+			viewBox: `0 0 ${fc} ${pc}`,
 			role: "img",
-			"aria-label": `${a} over ${i}, from ${He(l)} to ${He(u)} ${n.units[0]} and from ${He(d)} to ${He(f)} ${n.units[1]}`,
+			"aria-label": `${a} over ${i}, from ${Le(l)} to ${Le(u)} ${n.units[0]} and from ${Le(d)} to ${Le(f)} ${n.units[1]}`,
 			children: [
 				/* @__PURE__ */ L("rect", {
 					class: "box",
 					x: $.left,
 					y: $.top,
-					width: _c - $.left - $.right,
-					height: vc - $.top - $.bottom
+					width: fc - $.left - $.right,
+					height: pc - $.top - $.bottom
 				}),
 				l < 0 && u > 0 && /* @__PURE__ */ L("line", {
 					class: "axis",
 					x1: h(0),
 					x2: h(0),
 					y1: $.top,
-					y2: vc - $.bottom
+					y2: pc - $.bottom
 				}),
 				d < 0 && f > 0 && /* @__PURE__ */ L("line", {
 					class: "axis",
 					x1: $.left,
-					x2: _c - $.right,
+					x2: fc - $.right,
 					y1: g(0),
 					y2: g(0)
 				}),
@@ -7193,25 +6779,25 @@ function yc({ store: e, state: t }) {
 				}),
 				/* @__PURE__ */ L("text", {
 					x: $.left,
-					y: vc - $.bottom + 14,
+					y: pc - $.bottom + 14,
 					children: z(l, n.units[0])
 				}),
 				/* @__PURE__ */ L("text", {
-					x: _c - $.right,
-					y: vc - $.bottom + 14,
+					x: fc - $.right,
+					y: pc - $.bottom + 14,
 					"text-anchor": "end",
 					children: z(u, n.units[0])
 				}),
 				/* @__PURE__ */ L("text", {
-					x: (_c + $.left) / 2,
-					y: vc - 6,
+					x: (fc + $.left) / 2,
+					y: pc - 6,
 					"text-anchor": "middle",
 					class: "what",
 					children: i
 				}),
 				/* @__PURE__ */ L("text", {
 					x: $.left - 5,
-					y: vc - $.bottom,
+					y: pc - $.bottom,
 					"text-anchor": "end",
 					children: z(d, n.units[1])
 				}),
@@ -7222,7 +6808,7 @@ function yc({ store: e, state: t }) {
 					children: z(f, n.units[1])
 				}),
 				/* @__PURE__ */ L("text", {
-					transform: `translate(12,${(vc - $.bottom) / 2}) rotate(-90)`,
+					transform: `translate(12,${(pc - $.bottom) / 2}) rotate(-90)`,
 					"text-anchor": "middle",
 					class: "what",
 					children: a
@@ -7232,7 +6818,7 @@ function yc({ store: e, state: t }) {
 	});
 }
 // src/plots.tsx
-var bc = [
+var hc = [
 	"--c1",
 	"--c2",
 	"--c3",
@@ -7240,8 +6826,8 @@ var bc = [
 	"--c5",
 	"--c6"
 ];
-function xc({ store: e, state: t }) {
-	let [n, r] = V(null), [i, a] = V(!1), [o, s] = V(800), c = mt(null), l = t.run, [u, d] = t.span;
+function gc({ store: e, state: t }) {
+	let [n, r] = V(null), [i, a] = V(!1), [o, s] = V(800), c = lt(null), l = t.run, [u, d] = t.span;
 	H(() => {
 		let e = c.current;
 		if (!e) return;
@@ -7276,7 +6862,7 @@ function xc({ store: e, state: t }) {
 		o,
 		i,
 		t.runs.length
-	]), t.running && t.soFar) return /* @__PURE__ */ L(Sc, {
+	]), t.running && t.soFar) return /* @__PURE__ */ L(_c, {
 		state: t,
 		soFar: t.soFar
 	});
@@ -7307,7 +6893,7 @@ function xc({ store: e, state: t }) {
 						class: "own",
 						children: l.title
 					}),
-					/* @__PURE__ */ L(Cc, {
+					/* @__PURE__ */ L(vc, {
 						store: e,
 						state: t,
 						run: l
@@ -7356,9 +6942,9 @@ function xc({ store: e, state: t }) {
 					}), " power along bonds"] })
 				]
 			}),
-			t.plotted.map((r, i) => /* @__PURE__ */ L(wc, {
+			t.plotted.map((r, i) => /* @__PURE__ */ L(yc, {
 				name: r,
-				ink: bc[i % bc.length],
+				ink: hc[i % hc.length],
 				curves: (n?.runs ?? []).flatMap((e) => e.curves.filter((e) => e.name === r)),
 				span: t.span,
 				cursor: p,
@@ -7371,11 +6957,11 @@ function xc({ store: e, state: t }) {
 					e.set({ instant: null }), e.moveCursor(t);
 				}
 			}, r)),
-			t.phase && /* @__PURE__ */ L(yc, {
+			t.phase && /* @__PURE__ */ L(mc, {
 				store: e,
 				state: t
 			}),
-			/* @__PURE__ */ L(Oc, {
+			/* @__PURE__ */ L(Cc, {
 				lanes: n?.strip ?? [],
 				span: t.span,
 				cursor: p,
@@ -7384,14 +6970,14 @@ function xc({ store: e, state: t }) {
 		]
 	});
 }
-function Sc({ state: e, soFar: t }) {
-	let n = mt(null), r = [t.tBegin, t.tEnd];
+function _c({ state: e, soFar: t }) {
+	let n = lt(null), r = [t.tBegin, t.tEnd];
 	return /* @__PURE__ */ L("div", {
 		class: "plots",
 		ref: n,
-		children: [t.curves.map((i, a) => /* @__PURE__ */ L(wc, {
+		children: [t.curves.map((i, a) => /* @__PURE__ */ L(yc, {
 			name: i.name,
-			ink: bc[a % bc.length],
+			ink: hc[a % hc.length],
 			curves: [i],
 			span: r,
 			cursor: null,
@@ -7401,7 +6987,7 @@ function Sc({ state: e, soFar: t }) {
 			last: a === t.curves.length - 1,
 			onSpan: () => {},
 			onTime: () => {}
-		}, i.name)), /* @__PURE__ */ L(Oc, {
+		}, i.name)), /* @__PURE__ */ L(Cc, {
 			lanes: t.strip,
 			span: r,
 			cursor: null,
@@ -7409,7 +6995,7 @@ function Sc({ state: e, soFar: t }) {
 		})]
 	});
 }
-function Cc({ store: e, state: t, run: n }) {
+function vc({ store: e, state: t, run: n }) {
 	let r = (t.look?.view.nodes ?? []).flatMap((e) => e.kind === "part" ? [] : [`${e.name}.e`, `${e.name}.f`]), i = [.../* @__PURE__ */ new Set([...n.names, ...r])].filter((e) => !t.plotted.includes(e));
 	return /* @__PURE__ */ L("span", {
 		class: "chooser",
@@ -7437,7 +7023,7 @@ function Cc({ store: e, state: t, run: n }) {
 		]
 	});
 }
-var wc = class extends S {
+var yc = class extends S {
 	box = b();
 	plot = null;
 	componentDidMount() {
@@ -7456,8 +7042,8 @@ var wc = class extends S {
 		a.replaceChildren();
 		let o = e.filter((e) => !e.error);
 		if (!o.length) return;
-		let s = getComputedStyle(a), c = s.getPropertyValue("--ink"), l = s.getPropertyValue("--line"), u = o.map((e, t) => s.getPropertyValue(t === o.length - 1 ? this.props.ink : bc[(t + 3) % bc.length])), d = o.map((e) => [e.t, e.y]), f = d.length === 1 ? d[0] : gc.join(d), p = o[o.length - 1].unit, m = o.flatMap((e) => e.impulses);
-		this.plot = new gc({
+		let s = getComputedStyle(a), c = s.getPropertyValue("--ink"), l = s.getPropertyValue("--line"), u = o.map((e, t) => s.getPropertyValue(t === o.length - 1 ? this.props.ink : hc[(t + 3) % hc.length])), d = o.map((e) => [e.t, e.y]), f = d.length === 1 ? d[0] : dc.join(d), p = o[o.length - 1].unit, m = o.flatMap((e) => e.impulses);
+		this.plot = new dc({
 			width: Math.max(n - 4, 200),
 			height: r ? 132 : 112,
 			padding: [
@@ -7479,7 +7065,7 @@ var wc = class extends S {
 					time: !1,
 					range: () => t
 				},
-				y: { range: (e, t, n) => Tc(t, n, m.length > 0) }
+				y: { range: (e, t, n) => bc(t, n, m.length > 0) }
 			},
 			axes: [{
 				show: r,
@@ -7490,7 +7076,7 @@ var wc = class extends S {
 				},
 				ticks: { stroke: l },
 				size: 26,
-				values: (e, t) => Ec(t, "s")
+				values: (e, t) => xc(t, "s")
 			}, {
 				stroke: c,
 				grid: {
@@ -7503,7 +7089,7 @@ var wc = class extends S {
 				labelSize: 18,
 				labelFont: "11px sans-serif",
 				font: "10px sans-serif",
-				values: (e, t) => Ec(t, p)
+				values: (e, t) => xc(t, p)
 			}],
 			series: [{}, ...o.map((e, t) => ({
 				stroke: u[t],
@@ -7570,13 +7156,13 @@ var wc = class extends S {
 		});
 	}
 };
-function Tc(e, t, n) {
+function bc(e, t, n) {
 	let [r, i] = [e ?? 0, t ?? 1];
 	n && ([r, i] = [Math.min(r, 0), Math.max(i, 0)]);
 	let a = .08 * (i - r) || .1 * Math.abs(r) || 1;
 	return [r - a, i + a];
 }
-function Ec(e, t) {
+function xc(e, t) {
 	let n = Math.max(...e.map(Math.abs)), r = [
 		1e9,
 		1e6,
@@ -7597,7 +7183,7 @@ function Ec(e, t) {
 	}[r] ?? "", a = /^[A-Za-zΩ]+$/.test(t) && t !== "kg";
 	return e.map((e) => a ? `${+(e / r).toPrecision(5)} ${i}${t}` : `${+e.toPrecision(5)} ${t}`);
 }
-var Dc = [
+var Sc = [
 	"var(--s0)",
 	"var(--s1)",
 	"var(--s2)",
@@ -7607,7 +7193,7 @@ var Dc = [
 	"var(--s6)",
 	"var(--s7)"
 ];
-function Oc({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
+function Cc({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
 	if (!e.length) return null;
 	let a = (e) => 1e3 * (e - t) / (n - t || 1);
 	return /* @__PURE__ */ L("div", {
@@ -7638,14 +7224,14 @@ function Oc({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
 						width: Math.max(.7, a(Math.min(i, n)) - a(Math.max(r, t))),
 						y: 1,
 						height: 16,
-						fill: Dc[o % Dc.length],
+						fill: Sc[o % Sc.length],
 						children: /* @__PURE__ */ L("title", { children: e.states[o] })
 					})), e.shares?.map((e, t) => e.map((n, r) => n > 0 ? /* @__PURE__ */ L("rect", {
 						x: 1e3 * r / e.length,
 						width: 1e3 / e.length,
 						y: 1,
 						height: 16,
-						fill: Dc[t % Dc.length],
+						fill: Sc[t % Sc.length],
 						opacity: n
 					}) : null))]
 				})), r !== null && r >= t && r <= n && /* @__PURE__ */ L("line", {
@@ -7671,20 +7257,20 @@ function Oc({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
 	});
 }
 // src/power.tsx
-var kc = {
+var wc = {
 	C: ["gives back", "stores"],
 	I: ["gives back", "stores"],
 	R: ["gives", "dissipates"],
 	G: ["gives", "dissipates"],
 	Se: ["supplies", "absorbs"],
 	Sf: ["supplies", "absorbs"]
-}, [Ac, jc, Mc, Nc] = [
+}, [Tc, Ec, Dc, Oc] = [
 	310,
 	17,
 	7,
 	10
 ];
-function Pc(e) {
+function kc(e) {
 	let t = e.cursor?.values ?? {}, { nodes: n, bonds: r } = e.look.view, i = /* @__PURE__ */ new Map();
 	for (let e of r) {
 		let n = t[e.key];
@@ -7704,33 +7290,33 @@ function Pc(e) {
 		unknown: a.filter((e) => i.get(e.name) === null).map((e) => e.name)
 	};
 }
-function Fc({ store: e, state: t }) {
+function Ac({ store: e, state: t }) {
 	if (!t.cursor) return /* @__PURE__ */ L("p", {
 		class: "hint",
 		children: "Run the model and choose a time in its plots."
 	});
-	let { found: n, unknown: r } = Pc(t), i = Math.max(0, ...n.map((e) => Math.abs(e.power))), a = n.filter((e) => Math.abs(e.power) > 1e-6 * i).sort((e, t) => Math.abs(t.power) - Math.abs(e.power)), o = a.filter((e) => e.power < 0), s = a.filter((e) => e.power > 0), c = (e) => e.reduce((e, t) => e + Math.abs(t.power), 0), l = Math.max(c(o), c(s)) || 1, u = Math.max(1, o.length, s.length) * (jc + Mc) + 120, d = (u - Math.max(o.length, s.length) * Mc - 8) / l, f = (t) => e.set({
+	let { found: n, unknown: r } = kc(t), i = Math.max(0, ...n.map((e) => Math.abs(e.power))), a = n.filter((e) => Math.abs(e.power) > 1e-6 * i).sort((e, t) => Math.abs(t.power) - Math.abs(e.power)), o = a.filter((e) => e.power < 0), s = a.filter((e) => e.power > 0), c = (e) => e.reduce((e, t) => e + Math.abs(t.power), 0), l = Math.max(c(o), c(s)) || 1, u = Math.max(1, o.length, s.length) * (Ec + Dc) + 120, d = (u - Math.max(o.length, s.length) * Dc - 8) / l, f = (t) => e.set({
 		nodes: /* @__PURE__ */ new Set([t.name]),
 		bonds: /* @__PURE__ */ new Set()
 	}), p = (e, t) => {
 		let n = 4, r = 4;
 		return e.map((e) => {
 			let i = Math.abs(e.power) * d, [a, o] = [n, r];
-			n += Math.max(i, 1) + Mc, r += i;
-			let [s, c] = t ? [Nc, Ac / 2 - Nc / 2] : [Ac - Nc, Ac / 2 + Nc / 2], l = (s + c) / 2;
+			n += Math.max(i, 1) + Dc, r += i;
+			let [s, c] = t ? [Oc, Tc / 2 - Oc / 2] : [Tc - Oc, Tc / 2 + Oc / 2], l = (s + c) / 2;
 			return /* @__PURE__ */ L("g", {
 				class: "flow " + (t ? "gives" : "takes"),
 				onClick: () => f(e.node),
 				children: [
 					/* @__PURE__ */ L("path", { d: `M${s},${a}C${l},${a} ${l},${o} ${c},${o}V${o + i}C${l},${o + i} ${l},${a + i} ${s},${a + i}Z` }),
 					/* @__PURE__ */ L("rect", {
-						x: t ? 0 : Ac - Nc,
+						x: t ? 0 : Tc - Oc,
 						y: a,
-						width: Nc,
+						width: Oc,
 						height: Math.max(i, 1)
 					}),
 					/* @__PURE__ */ L("text", {
-						x: t ? Nc + 4 : Ac - Nc - 4,
+						x: t ? Oc + 4 : Tc - Oc - 4,
 						y: a + Math.max(i, 1) / 2 + 4,
 						"text-anchor": t ? "start" : "end",
 						children: e.node.name
@@ -7745,7 +7331,7 @@ function Fc({ store: e, state: t }) {
 			/* @__PURE__ */ L("h2", { children: ["Power at t = ", z(t.cursor.t, "s")] }),
 			a.length > 0 ? /* @__PURE__ */ L("svg", {
 				class: "sankey",
-				viewBox: `0 0 ${Ac} ${u}`,
+				viewBox: `0 0 ${Tc} ${u}`,
 				role: "img",
 				"aria-label": `Sankey diagram: ${o.map((e) => e.node.name).join(", ")} give, ${s.map((e) => e.node.name).join(", ")} take`,
 				children: [
@@ -7753,9 +7339,9 @@ function Fc({ store: e, state: t }) {
 					p(s, !1),
 					/* @__PURE__ */ L("rect", {
 						class: "middle-bar",
-						x: Ac / 2 - Nc / 2,
+						x: Tc / 2 - Oc / 2,
 						y: 4,
-						width: Nc,
+						width: Oc,
 						height: l * d
 					})
 				]
@@ -7784,7 +7370,7 @@ function Fc({ store: e, state: t }) {
 						onClick: () => f(e.node),
 						children: e.node.name
 					}) }),
-					/* @__PURE__ */ L("td", { children: (kc[e.node.kind] ?? ["gives", "takes"])[+(e.power > 0)] }),
+					/* @__PURE__ */ L("td", { children: (wc[e.node.kind] ?? ["gives", "takes"])[+(e.power > 0)] }),
 					/* @__PURE__ */ L("td", {
 						class: "figure",
 						children: z(Math.abs(e.power), "W")
@@ -7808,7 +7394,7 @@ function Fc({ store: e, state: t }) {
 	});
 }
 // src/splitter.tsx
-function Ic(e) {
+function jc(e) {
 	let t = (t) => e.onChange(Math.round(Math.max(e.least, Math.min(e.most, t))));
 	return /* @__PURE__ */ L("div", {
 		class: "splitter " + (e.upright ? "upright" : "level"),
@@ -7838,15 +7424,61 @@ function Ic(e) {
 		}
 	});
 }
+// src/transport.ts
+var Mc = class extends Error {
+	problem;
+	constructor(e) {
+		super(e.why), this.problem = e;
+	}
+}, Nc = class {
+	count = 0;
+	waiting = /* @__PURE__ */ new Map();
+	held = [];
+	carrier = null;
+	onTold = () => {};
+	client = Math.random().toString(36).slice(2, 10);
+	ask(e, t = {}) {
+		let n = ++this.count, r = {
+			...t,
+			id: n,
+			ask: e,
+			client: this.client
+		};
+		return new Promise((e, t) => {
+			this.waiting.set(n, {
+				done: e,
+				failed: t
+			}), this.carrier ? this.carrier.send(r) : this.held.push(r);
+		});
+	}
+	connected(e) {
+		this.carrier = e;
+		let t = this.held;
+		this.held = [];
+		for (let n of t) e.send(n);
+	}
+	lost() {
+		this.carrier = null;
+		for (let { failed: e } of this.waiting.values()) e(/* @__PURE__ */ Error("the studio was left"));
+		this.waiting.clear();
+	}
+	received(e) {
+		if (typeof e.id == "number") {
+			let t = this.waiting.get(e.id);
+			if (this.waiting.delete(e.id), !t) return;
+			e.error ? t.failed(new Mc(e.error)) : t.done(e);
+		} else this.onTold(e);
+	}
+};
 // src/schematic.tsx
-function Lc({ store: e, state: t }) {
+function Pc({ store: e, state: t }) {
 	let [n, r] = V(null), [i, a] = V(""), o = t.look, s = o.view.nodes.map((e) => `${e.x},${e.y}`).join(" ");
 	H(() => {
 		let t = !1;
 		return e.transport.ask("schematic", { level: o.view.path }).then((e) => {
 			t || (r(e), a(""));
 		}).catch((e) => {
-			t || (r(null), a(e instanceof Re ? `${e.problem.why}. ${e.problem.try ?? ""}` : String(e)));
+			t || (r(null), a(e instanceof Mc ? `${e.problem.why}. ${e.problem.try ?? ""}` : String(e)));
 		}), () => {
 			t = !0;
 		};
@@ -7907,7 +7539,7 @@ function Lc({ store: e, state: t }) {
 	});
 }
 // src/app.tsx
-var Rc = [
+var Fc = [
 	["item", "Properties"],
 	["machines", "Machines"],
 	["model", "Model"],
@@ -7917,7 +7549,7 @@ var Rc = [
 	["equations", "Equations"],
 	["power", "Power"],
 	["plan", "Sweep"]
-], zc = class extends S {
+], Ic = class extends S {
 	state = this.props.store.state;
 	stop = () => {};
 	componentDidMount() {
@@ -7970,7 +7602,7 @@ var Rc = [
 			class: "studio" + r + (t.bottom ? " withbottom" : ""),
 			style: `--side: ${t.room.side}px; --low: ${t.room.low ? `${t.room.low}px` : "44%"}`,
 			children: [
-				/* @__PURE__ */ L(Vc, {
+				/* @__PURE__ */ L(Rc, {
 					store: e,
 					state: t,
 					errors: i
@@ -7978,21 +7610,21 @@ var Rc = [
 				/* @__PURE__ */ L("div", {
 					class: "middle",
 					children: [
-						/* @__PURE__ */ L(vn, {
+						/* @__PURE__ */ L(pn, {
 							store: e,
 							state: t
 						}),
 						/* @__PURE__ */ L("div", {
 							class: "canvases" + (t.schematic ? " two" : ""),
-							children: [/* @__PURE__ */ L(Je, {
+							children: [/* @__PURE__ */ L(Ue, {
 								store: e,
 								state: t
-							}), t.schematic && /* @__PURE__ */ L(Lc, {
+							}), t.schematic && /* @__PURE__ */ L(Pc, {
 								store: e,
 								state: t
 							})]
 						}),
-						/* @__PURE__ */ L(Ic, {
+						/* @__PURE__ */ L(jc, {
 							upright: !0,
 							label: "Width of the panels",
 							value: t.room.side,
@@ -8011,7 +7643,7 @@ var Rc = [
 								class: "tabs",
 								role: "tablist",
 								"aria-label": "Panels",
-								children: Rc.map(([r, a]) => /* @__PURE__ */ L("button", {
+								children: Fc.map(([r, a]) => /* @__PURE__ */ L("button", {
 									role: "tab",
 									id: `tab-${r}`,
 									"aria-controls": "panel",
@@ -8029,39 +7661,39 @@ var Rc = [
 								"aria-labelledby": `tab-${t.tab}`,
 								tabindex: 0,
 								children: [
-									t.tab === "item" && /* @__PURE__ */ L(It, {
+									t.tab === "item" && /* @__PURE__ */ L(jt, {
 										store: e,
 										state: t
 									}),
-									t.tab === "machines" && /* @__PURE__ */ L(Qt, {
+									t.tab === "machines" && /* @__PURE__ */ L(qt, {
 										store: e,
 										state: t
 									}),
-									t.tab === "model" && /* @__PURE__ */ L(un, {
+									t.tab === "model" && /* @__PURE__ */ L(on, {
 										store: e,
 										state: t
 									}),
-									t.tab === "problems" && /* @__PURE__ */ L(mn, {
+									t.tab === "problems" && /* @__PURE__ */ L(G, {
 										store: e,
 										state: t
 									}),
-									t.tab === "table" && /* @__PURE__ */ L(hn, {
+									t.tab === "table" && /* @__PURE__ */ L(un, {
 										store: e,
 										state: t
 									}),
-									t.tab === "text" && /* @__PURE__ */ L(gn, {
+									t.tab === "text" && /* @__PURE__ */ L(dn, {
 										store: e,
 										state: t
 									}),
-									t.tab === "equations" && /* @__PURE__ */ L(At, {
+									t.tab === "equations" && /* @__PURE__ */ L(Tt, {
 										store: e,
 										state: t
 									}),
-									t.tab === "power" && /* @__PURE__ */ L(Fc, {
+									t.tab === "power" && /* @__PURE__ */ L(Ac, {
 										store: e,
 										state: t
 									}),
-									t.tab === "plan" && /* @__PURE__ */ L(Nn, {
+									t.tab === "plan" && /* @__PURE__ */ L(On, {
 										store: e,
 										state: t
 									})
@@ -8072,7 +7704,7 @@ var Rc = [
 				}),
 				t.bottom && /* @__PURE__ */ L("div", {
 					class: "bottom",
-					children: [/* @__PURE__ */ L(Ic, {
+					children: [/* @__PURE__ */ L(jc, {
 						upright: !1,
 						label: "Height of the plots",
 						value: t.room.low || 320,
@@ -8083,17 +7715,17 @@ var Rc = [
 							...t.room,
 							low: n
 						} })
-					}), t.planShown && t.plan ? /* @__PURE__ */ L(ar, {
+					}), t.planShown && t.plan ? /* @__PURE__ */ L(er, {
 						store: e,
 						state: t,
 						plan: t.plan
-					}) : /* @__PURE__ */ L(x, { children: [t.sweep ? /* @__PURE__ */ L(sn, {
+					}) : /* @__PURE__ */ L(x, { children: [t.sweep ? /* @__PURE__ */ L(rn, {
 						store: e,
 						state: t
-					}) : /* @__PURE__ */ L(xc, {
+					}) : /* @__PURE__ */ L(gc, {
 						store: e,
 						state: t
-					}), /* @__PURE__ */ L(Tt, {
+					}), /* @__PURE__ */ L(bt, {
 						store: e,
 						state: t
 					})] })]
@@ -8105,7 +7737,7 @@ var Rc = [
 						"aria-live": "polite",
 						children: o || (n.whole ? "" : "strokes of what is joined so far")
 					}),
-					/* @__PURE__ */ L(Bc, {
+					/* @__PURE__ */ L(Lc, {
 						store: e,
 						state: t
 					}),
@@ -8124,7 +7756,7 @@ var Rc = [
 						children: "plots"
 					})
 				] }),
-				t.adding && n.view.editable && /* @__PURE__ */ L(yn, {
+				t.adding && n.view.editable && /* @__PURE__ */ L(mn, {
 					store: e,
 					state: t
 				}),
@@ -8153,7 +7785,7 @@ var Rc = [
 		});
 	}
 };
-function Bc({ store: e, state: t }) {
+function Lc({ store: e, state: t }) {
 	let n = t.look.machines, r = t.cursor?.mode;
 	return n.length ? /* @__PURE__ */ L("span", {
 		class: "modes",
@@ -8173,10 +7805,10 @@ function Bc({ store: e, state: t }) {
 		]
 	}) : null;
 }
-function Vc({ store: e, state: t, errors: n }) {
+function Rc({ store: e, state: t, errors: n }) {
 	let r = t.look, i = t.running, a = Number(r.panels.experiment.until) || t.run?.until || 1;
 	return /* @__PURE__ */ L("header", { children: [
-		/* @__PURE__ */ L(Hc, {
+		/* @__PURE__ */ L(zc, {
 			store: e,
 			state: t
 		}),
@@ -8256,7 +7888,7 @@ function Vc({ store: e, state: t, errors: n }) {
 		})
 	] });
 }
-function Hc({ store: e, state: t }) {
+function zc({ store: e, state: t }) {
 	let n = (e) => e.currentTarget.closest("details").removeAttribute("open"), r = (t) => {
 		e.set({
 			level: "",
@@ -8358,10 +7990,391 @@ function Hc({ store: e, state: t }) {
 		})]
 	});
 }
+// src/sharing.ts
+function Bc(e, t) {
+	if (e === t || typeof t != "object" || !t || typeof e != "object" || !e || Array.isArray(e) !== Array.isArray(t)) return t;
+	let [n, r] = [e, t], i = Object.keys(r), a = i.length === Object.keys(n).length;
+	for (let e of i) {
+		let t = Bc(n[e], r[e]);
+		r[e] = t, a &&= t === n[e] && e in n;
+	}
+	return a ? e : t;
+}
+// src/store.ts
+var Vc = {
+	connected: !1,
+	look: null,
+	stock: null,
+	level: "",
+	mode: null,
+	nodes: /* @__PURE__ */ new Set(),
+	bonds: /* @__PURE__ */ new Set(),
+	tab: "item",
+	bondFrom: null,
+	drawing: !1,
+	notice: null,
+	run: null,
+	runs: [],
+	running: null,
+	soFar: null,
+	sweep: null,
+	asking: null,
+	plan: null,
+	planShown: !1,
+	looked: null,
+	cursor: null,
+	instant: null,
+	plotted: [],
+	span: [0, 1],
+	adding: !1,
+	bottom: !1,
+	panel: "",
+	dark: null,
+	flowing: !1,
+	phase: !1,
+	schematic: !1,
+	room: {
+		side: 340,
+		low: 0
+	}
+}, Hc = class {
+	transport;
+	state = Vc;
+	listeners = /* @__PURE__ */ new Set();
+	queue = Promise.resolve();
+	constructor(e) {
+		this.transport = e, e.onTold = (e) => this.told(e);
+	}
+	subscribe(e) {
+		return this.listeners.add(e), () => this.listeners.delete(e);
+	}
+	set(e) {
+		this.state = {
+			...this.state,
+			...e
+		};
+		for (let e of this.listeners) e();
+	}
+	async begin() {
+		this.set({ connected: !0 }), await this.look(), this.state.stock || this.set({ stock: await this.transport.ask("stock") });
+		let { runs: e } = await this.transport.ask("runs");
+		this.set({ runs: e });
+		let t = e[e.length - 1];
+		t && !this.state.run && this.show(t);
+		let { now: n } = await this.transport.ask("plan state");
+		this.set({ plan: n });
+	}
+	where() {
+		return {
+			level: this.state.level,
+			mode: this.state.mode
+		};
+	}
+	async look() {
+		await this.taking(this.transport.ask("look", this.where()));
+	}
+	async taking(e) {
+		try {
+			let t = await e;
+			return this.take(t), t;
+		} catch (e) {
+			return this.refused(e), null;
+		}
+	}
+	refused(e) {
+		e instanceof Mc ? this.set({ notice: e.problem }) : this.state.connected && this.set({ notice: {
+			code: "",
+			where: "",
+			why: String(e),
+			try: ""
+		} });
+	}
+	take(e) {
+		let t = Bc(this.state.look, e), n = new Set(t.view.nodes.map((e) => e.name)), r = new Set(t.view.bonds.map((e) => e.key));
+		this.set({
+			look: t,
+			level: t.view.path,
+			nodes: new Set([...this.state.nodes].filter((e) => n.has(e))),
+			bonds: new Set([...this.state.bonds].filter((e) => r.has(e))),
+			bondFrom: this.state.bondFrom && n.has(this.state.bondFrom) ? this.state.bondFrom : null
+		});
+	}
+	told(e) {
+		if (e.tell === "changed") e.by !== this.transport.client && e.revision !== this.state.look?.revision && this.look();
+		else if (e.tell === "progress") this.set({ running: e });
+		else if (e.tell === "sweeping") this.set({
+			sweep: {
+				...e,
+				members: [],
+				done: !1
+			},
+			planShown: !1,
+			bottom: !0
+		});
+		else if (e.tell === "member" || e.tell === "swept") {
+			let { sweep: t } = this.state;
+			if (t?.sweep !== e.sweep || !t) return;
+			let n = [...t.members];
+			e.tell === "member" && (n[e.member] = e), this.set({ sweep: {
+				...t,
+				members: n,
+				done: e.tell === "swept"
+			} });
+		} else if (e.tell === "planning") {
+			let { plan: t } = this.state;
+			t?.plan === e.plan && this.set({ plan: {
+				...t,
+				...e
+			} });
+		} else if (e.tell === "partial") this.set({ soFar: e });
+		else if (e.tell === "finished") {
+			let t = e;
+			this.set({
+				running: null,
+				soFar: null,
+				runs: [...this.state.runs.filter((e) => e.run !== t.run), t]
+			}), this.show(t), t.error && this.set({ notice: t.error });
+		} else e.tell === "saved" && this.state.look && this.set({ look: {
+			...this.state.look,
+			unsaved: String(e.unsaved)
+		} });
+	}
+	show(e) {
+		let t = this.state.plotted.filter((t) => e.names?.includes(t));
+		this.set({
+			run: e,
+			plotted: t.length ? this.state.plotted : (e.plot ?? []).slice(0, 4),
+			span: [e.tBegin ?? 0, e.tEnd ?? 1],
+			cursor: null,
+			instant: null,
+			bottom: !0
+		});
+	}
+	edit(e) {
+		let t = this.queue.then(() => this.taking(this.transport.ask("edit", {
+			...this.where(),
+			edit: {
+				level: this.state.level,
+				...e
+			}
+		})));
+		return this.queue = t, this.set({
+			cursor: null,
+			instant: null
+		}), t;
+	}
+	ask(e, t = {}) {
+		let n = this.queue.then(() => this.taking(this.transport.ask(e, {
+			...this.where(),
+			...t
+		})));
+		return this.queue = n, n;
+	}
+	undo = () => this.ask("undo");
+	redo = () => this.ask("redo");
+	async add(e, t, n) {
+		let r = new Set(this.state.look?.view.nodes.map((e) => e.name)), i = n ?? this.freePlace(), a = (await this.edit({
+			do: "add",
+			element: e,
+			stem: t,
+			at: i
+		}))?.view.nodes.find((e) => !r.has(e.name));
+		a && this.set({
+			nodes: /* @__PURE__ */ new Set([a.name]),
+			bonds: /* @__PURE__ */ new Set(),
+			tab: "item"
+		});
+	}
+	freePlace() {
+		let e = this.state.look?.view.nodes ?? [];
+		if (!e.length) return [0, 0];
+		let t = e.find((e) => this.state.nodes.has(e.name)) ?? e[e.length - 1], n = (t, n) => e.some((e) => Math.abs(e.x - t) < .6 && Math.abs(e.y - n) < .6), r = Math.round(t.x), i = Math.round(t.y);
+		for (let [e, t] of [
+			[1, 0],
+			[0, -1],
+			[0, 1],
+			[-1, 0],
+			[1, -1],
+			[1, 1],
+			[2, 0]
+		]) if (!n(r + e, i + t)) return [r + e, i + t];
+		for (let e = 3;; e++) if (!n(r + e, i)) return [r + e, i];
+	}
+	async bond(e, t) {
+		let n = new Set(this.state.look?.view.bonds.map((e) => e.key)), r = (await this.edit({
+			do: "bond",
+			tail: e,
+			head: t
+		}))?.view.bonds.find((e) => !n.has(e.key));
+		r && this.set({
+			bonds: /* @__PURE__ */ new Set([r.key]),
+			nodes: /* @__PURE__ */ new Set()
+		}), this.set({ bondFrom: null });
+	}
+	remove() {
+		let { nodes: e, bonds: t } = this.state;
+		(e.size || t.size) && this.edit({
+			do: "remove",
+			names: [...e],
+			bonds: [...t]
+		});
+	}
+	reverse() {
+		this.state.bonds.size && this.edit({
+			do: "reverse",
+			bonds: [...this.state.bonds]
+		});
+	}
+	async copy() {
+		let e = [...this.state.nodes];
+		if (!e.length) return "";
+		let { text: t } = await this.transport.ask("copy", {
+			...this.where(),
+			names: e
+		});
+		return t;
+	}
+	async duplicate() {
+		let e = await this.copy();
+		e && await this.paste(e);
+	}
+	async paste(e) {
+		let t = await this.ask("paste", {
+			text: e,
+			by: [1, 1]
+		});
+		t?.pasted && this.set({
+			nodes: new Set(t.pasted),
+			bonds: /* @__PURE__ */ new Set()
+		});
+	}
+	open(e) {
+		this.set({
+			level: e,
+			nodes: /* @__PURE__ */ new Set(),
+			bonds: /* @__PURE__ */ new Set(),
+			cursor: null,
+			instant: null
+		}), this.look();
+	}
+	setMode(e, t) {
+		let n = Object.fromEntries((this.state.look?.machines ?? []).map((e) => [e.path, e.state]));
+		this.set({
+			mode: {
+				...n,
+				[e]: t
+			},
+			cursor: null,
+			instant: null
+		}), this.look();
+	}
+	select(e) {
+		e && (this.set({
+			nodes: new Set(e.nodes ?? []),
+			bonds: new Set(e.bonds ?? [])
+		}), e.entry?.[0] === "machines" ? this.set({ tab: "machines" }) : e.entry && this.set({ tab: "model" }));
+	}
+	async start(e) {
+		try {
+			let { run: t } = await this.transport.ask("run", {
+				...e ? { until: e } : {},
+				names: this.state.plotted
+			});
+			this.state.runs.some((e) => e.run === t) || this.set({
+				running: {
+					run: t,
+					t: 0,
+					events: 0
+				},
+				soFar: null,
+				sweep: null,
+				planShown: !1,
+				bottom: !0
+			});
+		} catch (e) {
+			this.refused(e);
+		}
+	}
+	async sweepPlan(e) {
+		try {
+			let t = await this.transport.ask("plan begin", e);
+			this.set({
+				plan: t,
+				planShown: !0,
+				bottom: !0,
+				panel: ""
+			});
+		} catch (e) {
+			this.refused(e);
+		}
+	}
+	async openMember(e) {
+		try {
+			let { run: t } = await this.transport.ask("plan open", {
+				plan: this.state.plan?.plan,
+				member: e,
+				names: this.state.plotted
+			});
+			this.state.runs.some((e) => e.run === t) || this.set({
+				running: {
+					run: t,
+					t: 0,
+					events: 0
+				},
+				soFar: null
+			}), this.set({
+				sweep: null,
+				planShown: !1,
+				bottom: !0
+			});
+		} catch (e) {
+			this.refused(e);
+		}
+	}
+	async sweep(e) {
+		try {
+			return await this.transport.ask("sweep", {
+				...e,
+				names: this.state.plotted
+			}), !0;
+		} catch (e) {
+			return this.refused(e), !1;
+		}
+	}
+	cancel = () => void this.transport.ask("cancel").catch(() => {});
+	cursorCount = 0;
+	async moveCursor(e, t = "right", n) {
+		let r = this.state.run;
+		if (!r) return;
+		let i = ++this.cursorCount;
+		try {
+			let a = await this.transport.ask("cursor", {
+				run: r.run,
+				t: e,
+				side: t,
+				mode: n ?? null,
+				level: this.state.level,
+				names: this.state.plotted
+			}), o = Bc(this.state.cursor?.strokes ?? this.state.look?.strokes, a.strokes);
+			i === this.cursorCount && this.set({ cursor: {
+				...a,
+				strokes: o
+			} });
+		} catch (e) {
+			this.refused(e);
+		}
+	}
+	showInstant(e, t) {
+		this.set({ instant: {
+			event: e,
+			step: t
+		} }), this.moveCursor(e.t, t < e.steps.length - 1 ? "left" : "right", e.steps[t].mode);
+	}
+};
 // src/widget.tsx
 function Uc({ model: e, el: t }) {
-	let n = new ze(), r = new Ve(n), i = (e) => n.received(e);
-	return e.on("msg:custom", i), n.connected({ send: (t) => e.send(t) }), t.style.height = `${e.get("height")}px`, t.classList.add("hybond-widget"), I(/* @__PURE__ */ L(zc, { store: r }), t), r.begin(), () => {
+	let n = new Nc(), r = new Hc(n), i = (e) => n.received(e);
+	return e.on("msg:custom", i), n.connected({ send: (t) => e.send(t) }), t.style.height = `${e.get("height")}px`, t.classList.add("hybond-widget"), I(/* @__PURE__ */ L(Ic, { store: r }), t), r.begin(), () => {
 		e.off("msg:custom", i), I(null, t);
 	};
 }
