@@ -255,6 +255,21 @@ export interface Phase {
   box: [number, number, number, number];
 }
 
+export interface EnergyShare {
+  name: string;
+  kind: string;
+  /** J. */
+  energy: number;
+}
+
+/** Who gave energy and who took it, from the start of a run to a time. */
+export interface Energies {
+  gives: EnergyShare[];
+  takes: EnergyShare[];
+  start: number;
+  end: number;
+}
+
 export interface Written {
   text: string;
   formula?: Formula | null;

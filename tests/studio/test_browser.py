@@ -320,6 +320,8 @@ def test_the_rod_falls_through_its_two_mythical_modes(
     # who gives power and who takes it there; equations as formulas
     page.click("#tab-power")
     page.until(lambda: page.one(".power-panel h2"), "power at the instant")
+    next(b for b in page.all(".power-panel button") if b.text == "Energy up to it").click()
+    page.until(lambda: "weight" in page.one(".power-panel .sankey").text, "energy from the start")
     page.click("#tab-equations")
     page.until(lambda: page.one(".formula math mtr"), "equations are set as formulas")
     # one signal over another
@@ -399,6 +401,10 @@ def test_the_schematic_stands_beside_the_bond_graph_with_one_selection(
     page = Page(desk, serve("boost.toml"))
     next(b for b in page.all("header button") if b.text == "Schematic").click()
     page.until(lambda: page.one('[data-schematic="coil"] path.symbol'), "the schematic")
+    # what is OFF is grey there as well, in the mode that is drawn
+    page.until(lambda: page.one('[data-schematic="second"].off'), "the second load is off")
+    page.one('select[aria-label="State of second.contact that is drawn"]').send_keys("closed")
+    page.until(lambda: not page.all('[data-schematic="second"].off'), "it is on")
     page.click('[data-schematic="coil"] text')
     page.until(lambda: page.one('[data-node="coil"].selected'), "selected in the bond graph")
     page.node("node").click()

@@ -467,6 +467,7 @@ ASKS: dict[str, Callable[[Session, Mapping[str, Any]], Message]] = {
     "curves": of_runs.curves_of,
     "phase": of_runs.phase_of,
     "events": of_runs.events_of,
+    "energies": of_runs.energies,
     "cursor": of_runs.cursor,
     "plan words": of_plans.words,
     "plan look": of_plans.look,

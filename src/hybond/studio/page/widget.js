@@ -7264,13 +7264,13 @@ var wc = {
 	G: ["gives", "dissipates"],
 	Se: ["supplies", "absorbs"],
 	Sf: ["supplies", "absorbs"]
-}, [Tc, Ec, Dc, Oc] = [
+}, Tc = 150, [Ec, Dc, Oc, kc] = [
 	310,
 	17,
 	7,
 	10
 ];
-function kc(e) {
+function Ac(e) {
 	let t = e.cursor?.values ?? {}, { nodes: n, bonds: r } = e.look.view, i = /* @__PURE__ */ new Map();
 	for (let e of r) {
 		let n = t[e.key];
@@ -7290,111 +7290,211 @@ function kc(e) {
 		unknown: a.filter((e) => i.get(e.name) === null).map((e) => e.name)
 	};
 }
-function Ac({ store: e, state: t }) {
-	if (!t.cursor) return /* @__PURE__ */ L("p", {
-		class: "hint",
-		children: "Run the model and choose a time in its plots."
-	});
-	let { found: n, unknown: r } = kc(t), i = Math.max(0, ...n.map((e) => Math.abs(e.power))), a = n.filter((e) => Math.abs(e.power) > 1e-6 * i).sort((e, t) => Math.abs(t.power) - Math.abs(e.power)), o = a.filter((e) => e.power < 0), s = a.filter((e) => e.power > 0), c = (e) => e.reduce((e, t) => e + Math.abs(t.power), 0), l = Math.max(c(o), c(s)) || 1, u = Math.max(1, o.length, s.length) * (Ec + Dc) + 120, d = (u - Math.max(o.length, s.length) * Dc - 8) / l, f = (t) => e.set({
-		nodes: /* @__PURE__ */ new Set([t.name]),
-		bonds: /* @__PURE__ */ new Set()
-	}), p = (e, t) => {
+function jc({ gives: e, takes: t }) {
+	let n = (e) => e.reduce((e, t) => e + t.size, 0), r = Math.max(n(e), n(t)) || 1, i = Math.max(1, e.length, t.length), a = i * (Dc + Oc) + 120, o = (a - i * Oc - 8) / r, s = (e, t) => {
 		let n = 4, r = 4;
 		return e.map((e) => {
-			let i = Math.abs(e.power) * d, [a, o] = [n, r];
-			n += Math.max(i, 1) + Dc, r += i;
-			let [s, c] = t ? [Oc, Tc / 2 - Oc / 2] : [Tc - Oc, Tc / 2 + Oc / 2], l = (s + c) / 2;
+			let i = e.size * o, [a, s] = [n, r];
+			n += Math.max(i, 1) + Oc, r += i;
+			let [c, l] = t ? [kc, Ec / 2 - kc / 2] : [Ec - kc, Ec / 2 + kc / 2], u = (c + l) / 2;
 			return /* @__PURE__ */ L("g", {
 				class: "flow " + (t ? "gives" : "takes"),
-				onClick: () => f(e.node),
+				onClick: e.select,
 				children: [
-					/* @__PURE__ */ L("path", { d: `M${s},${a}C${l},${a} ${l},${o} ${c},${o}V${o + i}C${l},${o + i} ${l},${a + i} ${s},${a + i}Z` }),
+					/* @__PURE__ */ L("path", { d: `M${c},${a}C${u},${a} ${u},${s} ${l},${s}V${s + i}C${u},${s + i} ${u},${a + i} ${c},${a + i}Z` }),
 					/* @__PURE__ */ L("rect", {
-						x: t ? 0 : Tc - Oc,
+						x: t ? 0 : Ec - kc,
 						y: a,
-						width: Oc,
+						width: kc,
 						height: Math.max(i, 1)
 					}),
 					/* @__PURE__ */ L("text", {
-						x: t ? Oc + 4 : Tc - Oc - 4,
+						x: t ? kc + 4 : Ec - kc - 4,
 						y: a + Math.max(i, 1) / 2 + 4,
 						"text-anchor": t ? "start" : "end",
-						children: e.node.name
+						children: e.name
 					})
 				]
 			});
 		});
 	};
-	return /* @__PURE__ */ L("section", {
-		class: "power-panel",
+	return /* @__PURE__ */ L("svg", {
+		class: "sankey",
+		viewBox: `0 0 ${Ec} ${a}`,
+		role: "img",
+		"aria-label": `Sankey diagram: ${e.map((e) => e.name).join(", ")} give, ${t.map((e) => e.name).join(", ")} take`,
 		children: [
-			/* @__PURE__ */ L("h2", { children: ["Power at t = ", z(t.cursor.t, "s")] }),
-			a.length > 0 ? /* @__PURE__ */ L("svg", {
-				class: "sankey",
-				viewBox: `0 0 ${Tc} ${u}`,
-				role: "img",
-				"aria-label": `Sankey diagram: ${o.map((e) => e.node.name).join(", ")} give, ${s.map((e) => e.node.name).join(", ")} take`,
-				children: [
-					p(o, !0),
-					p(s, !1),
-					/* @__PURE__ */ L("rect", {
-						class: "middle-bar",
-						x: Tc / 2 - Oc / 2,
-						y: 4,
-						width: Oc,
-						height: l * d
-					})
-				]
-			}) : /* @__PURE__ */ L("p", {
-				class: "hint",
-				children: "No power flows."
-			}),
-			/* @__PURE__ */ L("table", { children: [/* @__PURE__ */ L("thead", { children: /* @__PURE__ */ L("tr", { children: [
-				/* @__PURE__ */ L("th", {
-					scope: "col",
-					children: "element"
-				}),
-				/* @__PURE__ */ L("th", {
-					scope: "col",
-					children: "does"
-				}),
-				/* @__PURE__ */ L("th", {
-					scope: "col",
-					children: "power"
-				})
-			] }) }), /* @__PURE__ */ L("tbody", { children: a.map((e) => /* @__PURE__ */ L("tr", {
-				class: t.nodes.has(e.node.name) ? "chosen" : "",
-				children: [
-					/* @__PURE__ */ L("td", { children: /* @__PURE__ */ L("button", {
-						class: "link",
-						onClick: () => f(e.node),
-						children: e.node.name
-					}) }),
-					/* @__PURE__ */ L("td", { children: (wc[e.node.kind] ?? ["gives", "takes"])[+(e.power > 0)] }),
-					/* @__PURE__ */ L("td", {
-						class: "figure",
-						children: z(Math.abs(e.power), "W")
-					})
-				]
-			})) })] }),
-			r.length > 0 && /* @__PURE__ */ L("p", {
-				class: "hint",
-				children: ["not determined: ", r.join(", ")]
-			}),
-			/* @__PURE__ */ L("p", {
-				class: "hint",
-				children: [
-					"supplied and given back ",
-					z(c(o), "W"),
-					", taken ",
-					z(c(s), "W")
-				]
+			s(e, !0),
+			s(t, !1),
+			/* @__PURE__ */ L("rect", {
+				class: "middle-bar",
+				x: Ec / 2 - kc / 2,
+				y: 4,
+				width: kc,
+				height: r * o
 			})
 		]
 	});
 }
+function Mc({ store: e, state: t }) {
+	let [n, r] = V(!1);
+	return t.cursor ? /* @__PURE__ */ L("section", {
+		class: "power-panel",
+		children: [/* @__PURE__ */ L("div", {
+			class: "row",
+			role: "group",
+			"aria-label": "What is shown",
+			children: [/* @__PURE__ */ L("button", {
+				"aria-pressed": !n,
+				onClick: () => r(!1),
+				children: "Power at the cursor"
+			}), /* @__PURE__ */ L("button", {
+				"aria-pressed": n,
+				onClick: () => r(!0),
+				children: "Energy up to it"
+			})]
+		}), L(n ? Nc : Pc, {
+			store: e,
+			state: t
+		})]
+	}) : /* @__PURE__ */ L("p", {
+		class: "hint",
+		children: "Run the model and choose a time in its plots."
+	});
+}
+function Nc({ store: e, state: t }) {
+	let [n, r] = V(null), i = t.cursor.t, a = t.run?.run;
+	if (H(() => {
+		let t = !1, n = setTimeout(() => {
+			e.transport.ask("energies", {
+				run: a,
+				t: i
+			}).then((e) => !t && r(e)).catch((t) => e.refused(t));
+		}, Tc);
+		return () => {
+			t = !0, clearTimeout(n);
+		};
+	}, [a, i]), !n) return /* @__PURE__ */ L("p", {
+		class: "hint",
+		children: "…"
+	});
+	let o = new Set(t.look.view.nodes.map((e) => e.name)), s = (t) => ({
+		name: t.name,
+		size: t.energy,
+		select: o.has(t.name) ? () => e.set({
+			nodes: /* @__PURE__ */ new Set([t.name]),
+			bonds: /* @__PURE__ */ new Set()
+		}) : void 0
+	}), c = (e) => e.reduce((e, t) => e + t.energy, 0);
+	return /* @__PURE__ */ L(x, { children: [
+		/* @__PURE__ */ L("h2", { children: [
+			"Energy from ",
+			z(n.start, "s"),
+			" to ",
+			z(n.end, "s")
+		] }),
+		n.gives.length + n.takes.length > 0 ? /* @__PURE__ */ L(jc, {
+			gives: n.gives.map(s),
+			takes: n.takes.map(s)
+		}) : /* @__PURE__ */ L("p", {
+			class: "hint",
+			children: "No energy has flowed."
+		}),
+		/* @__PURE__ */ L("table", { children: [/* @__PURE__ */ L("thead", { children: /* @__PURE__ */ L("tr", { children: [
+			/* @__PURE__ */ L("th", {
+				scope: "col",
+				children: "element"
+			}),
+			/* @__PURE__ */ L("th", {
+				scope: "col",
+				children: "did"
+			}),
+			/* @__PURE__ */ L("th", {
+				scope: "col",
+				children: "energy"
+			})
+		] }) }), /* @__PURE__ */ L("tbody", { children: [...n.gives.map((e) => [e, "gave"]), ...n.takes.map((e) => [e, "took"])].map(([e, t]) => /* @__PURE__ */ L("tr", { children: [
+			/* @__PURE__ */ L("td", { children: e.name }),
+			/* @__PURE__ */ L("td", { children: t }),
+			/* @__PURE__ */ L("td", {
+				class: "figure",
+				children: z(e.energy, "J")
+			})
+		] })) })] }),
+		/* @__PURE__ */ L("p", {
+			class: "hint",
+			children: [
+				"given ",
+				z(c(n.gives), "J"),
+				", taken ",
+				z(c(n.takes), "J")
+			]
+		})
+	] });
+}
+function Pc({ store: e, state: t }) {
+	let { found: n, unknown: r } = Ac(t), i = Math.max(0, ...n.map((e) => Math.abs(e.power))), a = n.filter((e) => Math.abs(e.power) > 1e-6 * i).sort((e, t) => Math.abs(t.power) - Math.abs(e.power)), o = a.filter((e) => e.power < 0), s = a.filter((e) => e.power > 0), c = (e) => e.reduce((e, t) => e + Math.abs(t.power), 0), l = (t) => e.set({
+		nodes: /* @__PURE__ */ new Set([t.name]),
+		bonds: /* @__PURE__ */ new Set()
+	}), u = (e) => ({
+		name: e.node.name,
+		size: Math.abs(e.power),
+		select: () => l(e.node)
+	});
+	return /* @__PURE__ */ L(x, { children: [
+		/* @__PURE__ */ L("h2", { children: ["Power at t = ", z(t.cursor.t, "s")] }),
+		a.length > 0 ? /* @__PURE__ */ L(jc, {
+			gives: o.map(u),
+			takes: s.map(u)
+		}) : /* @__PURE__ */ L("p", {
+			class: "hint",
+			children: "No power flows."
+		}),
+		/* @__PURE__ */ L("table", { children: [/* @__PURE__ */ L("thead", { children: /* @__PURE__ */ L("tr", { children: [
+			/* @__PURE__ */ L("th", {
+				scope: "col",
+				children: "element"
+			}),
+			/* @__PURE__ */ L("th", {
+				scope: "col",
+				children: "does"
+			}),
+			/* @__PURE__ */ L("th", {
+				scope: "col",
+				children: "power"
+			})
+		] }) }), /* @__PURE__ */ L("tbody", { children: a.map((e) => /* @__PURE__ */ L("tr", {
+			class: t.nodes.has(e.node.name) ? "chosen" : "",
+			children: [
+				/* @__PURE__ */ L("td", { children: /* @__PURE__ */ L("button", {
+					class: "link",
+					onClick: () => l(e.node),
+					children: e.node.name
+				}) }),
+				/* @__PURE__ */ L("td", { children: (wc[e.node.kind] ?? ["gives", "takes"])[+(e.power > 0)] }),
+				/* @__PURE__ */ L("td", {
+					class: "figure",
+					children: z(Math.abs(e.power), "W")
+				})
+			]
+		})) })] }),
+		r.length > 0 && /* @__PURE__ */ L("p", {
+			class: "hint",
+			children: ["not determined: ", r.join(", ")]
+		}),
+		/* @__PURE__ */ L("p", {
+			class: "hint",
+			children: [
+				"supplied and given back ",
+				z(c(o), "W"),
+				", taken ",
+				z(c(s), "W")
+			]
+		})
+	] });
+}
 // src/splitter.tsx
-function jc(e) {
+function Fc(e) {
 	let t = (t) => e.onChange(Math.round(Math.max(e.least, Math.min(e.most, t))));
 	return /* @__PURE__ */ L("div", {
 		class: "splitter " + (e.upright ? "upright" : "level"),
@@ -7425,12 +7525,12 @@ function jc(e) {
 	});
 }
 // src/transport.ts
-var Mc = class extends Error {
+var Ic = class extends Error {
 	problem;
 	constructor(e) {
 		super(e.why), this.problem = e;
 	}
-}, Nc = class {
+}, Lc = class {
 	count = 0;
 	waiting = /* @__PURE__ */ new Map();
 	held = [];
@@ -7466,19 +7566,19 @@ var Mc = class extends Error {
 		if (typeof e.id == "number") {
 			let t = this.waiting.get(e.id);
 			if (this.waiting.delete(e.id), !t) return;
-			e.error ? t.failed(new Mc(e.error)) : t.done(e);
+			e.error ? t.failed(new Ic(e.error)) : t.done(e);
 		} else this.onTold(e);
 	}
 };
 // src/schematic.tsx
-function Pc({ store: e, state: t }) {
+function Rc({ store: e, state: t }) {
 	let [n, r] = V(null), [i, a] = V(""), o = t.look, s = o.view.nodes.map((e) => `${e.x},${e.y}`).join(" ");
 	H(() => {
 		let t = !1;
 		return e.transport.ask("schematic", { level: o.view.path }).then((e) => {
 			t || (r(e), a(""));
 		}).catch((e) => {
-			t || (r(null), a(e instanceof Mc ? `${e.problem.why}. ${e.problem.try ?? ""}` : String(e)));
+			t || (r(null), a(e instanceof Ic ? `${e.problem.why}. ${e.problem.try ?? ""}` : String(e)));
 		}), () => {
 			t = !0;
 		};
@@ -7487,7 +7587,11 @@ function Pc({ store: e, state: t }) {
 		o.view.path,
 		s
 	]);
-	let c = (e) => o.view.bonds.find((t) => `${t.ends[0]} -> ${t.ends[1]}` === e)?.key, l = (e, n) => e === "wire" ? t.bonds.has(c(n) ?? "") : t.nodes.has(n), u = (n, r, i) => {
+	let c = (e) => o.view.bonds.find((t) => `${t.ends[0]} -> ${t.ends[1]}` === e)?.key, l = (e, n) => e === "wire" ? t.bonds.has(c(n) ?? "") : t.nodes.has(n), u = t.cursor?.strokes ?? o.strokes, d = (e, t) => (u.bonds[e] ?? u.bonds[`${t[0]} -> ${t[1]}`])?.off, f = (e, t) => {
+		if (e === "wire") return o.view.bonds.some((e) => `${e.ends[0]} -> ${e.ends[1]}` === t && d(e.key, e.ends));
+		let n = o.view.bonds.filter((e) => e.tail === t || e.head === t);
+		return u.nodes[t]?.off || n.length > 0 && n.every((e) => d(e.key, e.ends));
+	}, p = (n, r, i) => {
 		let a = n.shiftKey || n.ctrlKey || n.metaKey, o = t.tab === "power" ? t.tab : "item";
 		if (r === "wire") {
 			let n = c(i);
@@ -7501,7 +7605,7 @@ function Pc({ store: e, state: t }) {
 			bonds: a ? t.bonds : /* @__PURE__ */ new Set(),
 			tab: o
 		});
-	}, d = (n, r) => {
+	}, m = (n, r) => {
 		let i = o.view.nodes.find((e) => e.name === r);
 		n === "part" && i?.kind === "part" && i.known && e.open(t.level ? `${t.level}.${r}` : r);
 	};
@@ -7517,10 +7621,10 @@ function Pc({ store: e, state: t }) {
 			role: "img",
 			"aria-label": `Schematic: ${n.groups.filter((e) => e.name === "part").map((e) => e.key).join(", ")}`,
 			children: n.groups.map((e) => /* @__PURE__ */ L("g", {
-				class: e.name + (l(e.name, e.key) ? " selected" : ""),
+				class: e.name + (l(e.name, e.key) ? " selected" : "") + (f(e.name, e.key) ? " off" : ""),
 				"data-schematic": e.key,
-				onClick: (t) => u(t, e.name, e.key),
-				onDblClick: () => d(e.name, e.key),
+				onClick: (t) => p(t, e.name, e.key),
+				onDblClick: () => m(e.name, e.key),
 				children: [e.about && /* @__PURE__ */ L("title", { children: e.about }), e.marks.map((e) => e.d === void 0 ? /* @__PURE__ */ L("text", {
 					class: e.role,
 					x: e.x,
@@ -7539,7 +7643,7 @@ function Pc({ store: e, state: t }) {
 	});
 }
 // src/app.tsx
-var Fc = [
+var zc = [
 	["item", "Properties"],
 	["machines", "Machines"],
 	["model", "Model"],
@@ -7549,7 +7653,7 @@ var Fc = [
 	["equations", "Equations"],
 	["power", "Power"],
 	["plan", "Sweep"]
-], Ic = class extends S {
+], Bc = class extends S {
 	state = this.props.store.state;
 	stop = () => {};
 	componentDidMount() {
@@ -7602,7 +7706,7 @@ var Fc = [
 			class: "studio" + r + (t.bottom ? " withbottom" : ""),
 			style: `--side: ${t.room.side}px; --low: ${t.room.low ? `${t.room.low}px` : "44%"}`,
 			children: [
-				/* @__PURE__ */ L(Rc, {
+				/* @__PURE__ */ L(Hc, {
 					store: e,
 					state: t,
 					errors: i
@@ -7619,12 +7723,12 @@ var Fc = [
 							children: [/* @__PURE__ */ L(Ue, {
 								store: e,
 								state: t
-							}), t.schematic && /* @__PURE__ */ L(Pc, {
+							}), t.schematic && /* @__PURE__ */ L(Rc, {
 								store: e,
 								state: t
 							})]
 						}),
-						/* @__PURE__ */ L(jc, {
+						/* @__PURE__ */ L(Fc, {
 							upright: !0,
 							label: "Width of the panels",
 							value: t.room.side,
@@ -7643,7 +7747,7 @@ var Fc = [
 								class: "tabs",
 								role: "tablist",
 								"aria-label": "Panels",
-								children: Fc.map(([r, a]) => /* @__PURE__ */ L("button", {
+								children: zc.map(([r, a]) => /* @__PURE__ */ L("button", {
 									role: "tab",
 									id: `tab-${r}`,
 									"aria-controls": "panel",
@@ -7689,7 +7793,7 @@ var Fc = [
 										store: e,
 										state: t
 									}),
-									t.tab === "power" && /* @__PURE__ */ L(Ac, {
+									t.tab === "power" && /* @__PURE__ */ L(Mc, {
 										store: e,
 										state: t
 									}),
@@ -7704,7 +7808,7 @@ var Fc = [
 				}),
 				t.bottom && /* @__PURE__ */ L("div", {
 					class: "bottom",
-					children: [/* @__PURE__ */ L(jc, {
+					children: [/* @__PURE__ */ L(Fc, {
 						upright: !1,
 						label: "Height of the plots",
 						value: t.room.low || 320,
@@ -7737,7 +7841,7 @@ var Fc = [
 						"aria-live": "polite",
 						children: o || (n.whole ? "" : "strokes of what is joined so far")
 					}),
-					/* @__PURE__ */ L(Lc, {
+					/* @__PURE__ */ L(Vc, {
 						store: e,
 						state: t
 					}),
@@ -7785,7 +7889,7 @@ var Fc = [
 		});
 	}
 };
-function Lc({ store: e, state: t }) {
+function Vc({ store: e, state: t }) {
 	let n = t.look.machines, r = t.cursor?.mode;
 	return n.length ? /* @__PURE__ */ L("span", {
 		class: "modes",
@@ -7805,10 +7909,10 @@ function Lc({ store: e, state: t }) {
 		]
 	}) : null;
 }
-function Rc({ store: e, state: t, errors: n }) {
+function Hc({ store: e, state: t, errors: n }) {
 	let r = t.look, i = t.running, a = Number(r.panels.experiment.until) || t.run?.until || 1;
 	return /* @__PURE__ */ L("header", { children: [
-		/* @__PURE__ */ L(zc, {
+		/* @__PURE__ */ L(Uc, {
 			store: e,
 			state: t
 		}),
@@ -7888,7 +7992,7 @@ function Rc({ store: e, state: t, errors: n }) {
 		})
 	] });
 }
-function zc({ store: e, state: t }) {
+function Uc({ store: e, state: t }) {
 	let n = (e) => e.currentTarget.closest("details").removeAttribute("open"), r = (t) => {
 		e.set({
 			level: "",
@@ -7991,17 +8095,17 @@ function zc({ store: e, state: t }) {
 	});
 }
 // src/sharing.ts
-function Bc(e, t) {
+function Wc(e, t) {
 	if (e === t || typeof t != "object" || !t || typeof e != "object" || !e || Array.isArray(e) !== Array.isArray(t)) return t;
 	let [n, r] = [e, t], i = Object.keys(r), a = i.length === Object.keys(n).length;
 	for (let e of i) {
-		let t = Bc(n[e], r[e]);
+		let t = Wc(n[e], r[e]);
 		r[e] = t, a &&= t === n[e] && e in n;
 	}
 	return a ? e : t;
 }
 // src/store.ts
-var Vc = {
+var Gc = {
 	connected: !1,
 	look: null,
 	stock: null,
@@ -8037,9 +8141,9 @@ var Vc = {
 		side: 340,
 		low: 0
 	}
-}, Hc = class {
+}, Kc = class {
 	transport;
-	state = Vc;
+	state = Gc;
 	listeners = /* @__PURE__ */ new Set();
 	queue = Promise.resolve();
 	constructor(e) {
@@ -8082,7 +8186,7 @@ var Vc = {
 		}
 	}
 	refused(e) {
-		e instanceof Mc ? this.set({ notice: e.problem }) : this.state.connected && this.set({ notice: {
+		e instanceof Ic ? this.set({ notice: e.problem }) : this.state.connected && this.set({ notice: {
 			code: "",
 			where: "",
 			why: String(e),
@@ -8090,7 +8194,7 @@ var Vc = {
 		} });
 	}
 	take(e) {
-		let t = Bc(this.state.look, e), n = new Set(t.view.nodes.map((e) => e.name)), r = new Set(t.view.bonds.map((e) => e.key));
+		let t = Wc(this.state.look, e), n = new Set(t.view.nodes.map((e) => e.name)), r = new Set(t.view.bonds.map((e) => e.key));
 		this.set({
 			look: t,
 			level: t.view.path,
@@ -8355,7 +8459,7 @@ var Vc = {
 				mode: n ?? null,
 				level: this.state.level,
 				names: this.state.plotted
-			}), o = Bc(this.state.cursor?.strokes ?? this.state.look?.strokes, a.strokes);
+			}), o = Wc(this.state.cursor?.strokes ?? this.state.look?.strokes, a.strokes);
 			i === this.cursorCount && this.set({ cursor: {
 				...a,
 				strokes: o
@@ -8372,11 +8476,11 @@ var Vc = {
 	}
 };
 // src/widget.tsx
-function Uc({ model: e, el: t }) {
-	let n = new Nc(), r = new Hc(n), i = (e) => n.received(e);
-	return e.on("msg:custom", i), n.connected({ send: (t) => e.send(t) }), t.style.height = `${e.get("height")}px`, t.classList.add("hybond-widget"), I(/* @__PURE__ */ L(Ic, { store: r }), t), r.begin(), () => {
+function qc({ model: e, el: t }) {
+	let n = new Lc(), r = new Kc(n), i = (e) => n.received(e);
+	return e.on("msg:custom", i), n.connected({ send: (t) => e.send(t) }), t.style.height = `${e.get("height")}px`, t.classList.add("hybond-widget"), I(/* @__PURE__ */ L(Bc, { store: r }), t), r.begin(), () => {
 		e.off("msg:custom", i), I(null, t);
 	};
 }
-var Wc = { render: Uc };
-export { Wc as default, Uc as render };
+var Jc = { render: qc };
+export { Jc as default, qc as render };
