@@ -353,10 +353,33 @@ function be(e, t) {
 	}
 	return n;
 }
+// src/quantities.ts
+function xe(e, t = 4) {
+	if (e === null) return "—";
+	if (e === 0) return "0";
+	let n = Math.abs(e);
+	return n >= 1e5 || n < .001 ? e.toExponential(t - 1) : String(+e.toPrecision(t));
+}
+var Se = [
+	[1e9, "G"],
+	[1e6, "M"],
+	[1e3, "k"],
+	[1, ""],
+	[.001, "m"],
+	[1e-6, "µ"],
+	[1e-9, "n"],
+	[1e-12, "p"]
+];
+function L(e, t) {
+	if (e === null) return "—";
+	if (e === 0 || !/^[A-Za-zΩ]+$/.test(t) || t === "kg") return `${xe(e)} ${t}`.trim();
+	let [n, r] = Se.find(([t]) => Math.abs(e) >= t * (1 - 1e-9)) ?? Se[Se.length - 1];
+	return `${+(e / n).toPrecision(4)} ${r}${t}`.trim();
+}
 // node_modules/preact/jsx-runtime/dist/jsxRuntime.mjs
-var xe = Symbol.for("pv"), Se = 0;
+var R = Symbol.for("pv"), Ce = 0;
 Array.isArray;
-function L(t, n, r, i, a, o) {
+function z(t, n, r, i, a, o) {
 	n ||= {};
 	var s, c, l = n;
 	if ("ref" in l && typeof t != "function") for (c in l = {}, n) c == "ref" ? s = n[c] : l[c] = n[c];
@@ -370,27 +393,27 @@ function L(t, n, r, i, a, o) {
 		__b: 0,
 		__e: null,
 		__c: null,
-		constructor: xe,
-		__v: --Se,
+		constructor: R,
+		__v: --Ce,
 		__i: -1,
 		__u: 0
 	};
 	return (a || o) && (u.__source = a, u.__self = o), e.vnode && e.vnode(u), u;
 }
 // src/shapes.tsx
-var R = [100, 84];
-function Ce(e, t) {
-	return [e * R[0], t * R[1]];
-}
-var we = 18;
+var we = [100, 84];
 function Te(e, t) {
+	return [e * we[0], t * we[1]];
+}
+var Ee = 18;
+function De(e, t) {
 	return (e.ports ?? []).map((n, r) => {
 		let [i, a] = t.get(`${e.name}.${n}`) ?? [0, 0];
 		return Math.abs(i) < 1 && Math.abs(a) < 1 ? r % 2 ? "e" : "w" : Math.abs(a) > 1.1 * Math.abs(i) ? a > 0 ? "s" : "n" : i > 0 ? "e" : "w";
 	}).join("");
 }
-function Ee(e, t) {
-	let n = e.ports ?? [], r = (e) => n.filter((n, r) => t[r] === e), i = (e) => Math.max(0, ...r(e).map((e) => _e(e, 9))), a = (e) => r(e).reduce((e, t) => e + _e(t, 9) + 10, 0), o = Math.max(r("e").length, r("w").length), s = Math.max(54, Math.min(150, _e(e.letters, 10.5) + 16), i("e") + i("w") + 26, a("n"), a("s")), c = o ? -(o - 1) * we / 2 : 0, l = o ? c - 15 : 4;
+function Oe(e, t) {
+	let n = e.ports ?? [], r = (e) => n.filter((n, r) => t[r] === e), i = (e) => Math.max(0, ...r(e).map((e) => _e(e, 9))), a = (e) => r(e).reduce((e, t) => e + _e(t, 9) + 10, 0), o = Math.max(r("e").length, r("w").length), s = Math.max(54, Math.min(150, _e(e.letters, 10.5) + 16), i("e") + i("w") + 26, a("n"), a("s")), c = o ? -(o - 1) * Ee / 2 : 0, l = o ? c - 15 : 4;
 	return {
 		half: s / 2,
 		first: c,
@@ -399,8 +422,8 @@ function Ee(e, t) {
 		bottom: (o ? -c + 11 : 12) + (r("s").length ? 13 : 0)
 	};
 }
-function De(e, t) {
-	let { half: n, first: r, top: i, bottom: a } = Ee(e, t), o = /* @__PURE__ */ new Map(), s = {
+function ke(e, t) {
+	let { half: n, first: r, top: i, bottom: a } = Oe(e, t), o = /* @__PURE__ */ new Map(), s = {
 		e: 0,
 		w: 0,
 		n: 0,
@@ -408,16 +431,16 @@ function De(e, t) {
 	};
 	return (e.ports ?? []).forEach((e, c) => {
 		let l = t[c], u = s[l]++;
-		if (l === "e" || l === "w") o.set(e, [l === "e" ? n : -n, r + u * we]);
+		if (l === "e" || l === "w") o.set(e, [l === "e" ? n : -n, r + u * Ee]);
 		else {
 			let r = [...t].filter((e) => e === l).length;
 			o.set(e, [2 * n * (u + 1) / (r + 1) - n, l === "n" ? i : a]);
 		}
 	}), o;
 }
-function Oe(e, t, n, r = "") {
+function Ae(e, t, n, r = "") {
 	if (e.kind === "part") {
-		let { half: t, top: i, bottom: a } = Ee(e, r);
+		let { half: t, top: i, bottom: a } = Oe(e, r);
 		return {
 			x0: n[0] - t,
 			y0: n[1] + i,
@@ -427,9 +450,9 @@ function Oe(e, t, n, r = "") {
 	}
 	return ye(e.letters, t, n);
 }
-function ke(e, t, n, r, i = "") {
+function je(e, t, n, r, i = "") {
 	if (e.kind === "part") {
-		let n = t.slice(se(t).length + 1), a = De(e, i).get(n);
+		let n = t.slice(se(t).length + 1), a = ke(e, i).get(n);
 		if (a) {
 			let e = [r[0] + a[0], r[1] + a[1]];
 			return [e, {
@@ -440,15 +463,15 @@ function ke(e, t, n, r, i = "") {
 			}];
 		}
 	}
-	return [r, Oe(e, n, r, i)];
+	return [r, Ae(e, n, r, i)];
 }
-var Ae = ([[e, t], [n, r]]) => ({
+var Me = ([[e, t], [n, r]]) => ({
 	x1: e,
 	y1: t,
 	x2: n,
 	y2: r
 });
-function je(e, t) {
+function Ne(e, t) {
 	let [n, r] = [(e.tail[0] + e.head[0]) / 2, (e.tail[1] + e.head[1]) / 2];
 	return Math.abs(e.head[0] - e.tail[0]) >= Math.abs(e.head[1] - e.tail[1]) ? {
 		x: n,
@@ -460,66 +483,66 @@ function je(e, t) {
 		"text-anchor": t > 0 ? "end" : "start"
 	};
 }
-function Me(e, t) {
+function Pe(e, t) {
 	for (let n in e) if (e[n] !== t[n]) return !0;
 	return !1;
 }
-var Ne = class extends S {
+var Fe = class extends S {
 	shouldComponentUpdate(e) {
-		return Me(e, this.props);
+		return Pe(e, this.props);
 	}
 	render(e) {
-		let [t, n] = ke(e.tail, e.bond.ends[0], e.tailControlled, [e.tx, e.ty], e.tailPorts), [r, i] = ke(e.head, e.bond.ends[1], e.headControlled, [e.hx, e.hy], e.headPorts), a = pe(n, i, t, r, e.shift * 9), o = e.drawn, s = (o?.off ? " off" : "") + (o?.conflict ? " conflict" : ""), [c, l] = [(a.tail[0] + a.head[0]) / 2, (a.tail[1] + a.head[1]) / 2], u = new Set(o?.late ?? []);
-		return /* @__PURE__ */ L("g", {
+		let [t, n] = je(e.tail, e.bond.ends[0], e.tailControlled, [e.tx, e.ty], e.tailPorts), [r, i] = je(e.head, e.bond.ends[1], e.headControlled, [e.hx, e.hy], e.headPorts), a = pe(n, i, t, r, e.shift * 9), o = e.drawn, s = (o?.off ? " off" : "") + (o?.conflict ? " conflict" : ""), [c, l] = [(a.tail[0] + a.head[0]) / 2, (a.tail[1] + a.head[1]) / 2], u = new Set(o?.late ?? []);
+		return /* @__PURE__ */ z("g", {
 			class: "bond" + (e.selected ? " selected" : "") + s,
 			"data-bond": e.bond.key,
 			"data-text": e.bond.text,
 			children: [
-				/* @__PURE__ */ L("line", {
+				/* @__PURE__ */ z("line", {
 					class: "reach",
-					...Ae([a.tail, a.head])
+					...Me([a.tail, a.head])
 				}),
-				e.flow !== 0 && /* @__PURE__ */ L("line", {
+				e.flow !== 0 && /* @__PURE__ */ z("line", {
 					class: "power",
-					...Ae(e.flow > 0 ? [a.tail, a.head] : [a.head, a.tail]),
+					...Me(e.flow > 0 ? [a.tail, a.head] : [a.head, a.tail]),
 					style: { strokeWidth: `${2 + 5 * Math.abs(e.flow)}px` }
 				}),
-				/* @__PURE__ */ L("line", {
+				/* @__PURE__ */ z("line", {
 					class: "line",
-					...Ae([a.tail, a.head])
+					...Me([a.tail, a.head])
 				}),
-				/* @__PURE__ */ L("line", {
+				/* @__PURE__ */ z("line", {
 					class: "line barb",
-					...Ae(a.barb)
+					...Me(a.barb)
 				}),
-				o?.strokes.map((e) => /* @__PURE__ */ L("line", {
+				o?.strokes.map((e) => /* @__PURE__ */ z("line", {
 					class: "stroke" + (u.has(e) ? " derivative" : ""),
 					"data-end": e,
-					...Ae(me(a, e))
+					...Me(me(a, e))
 				})),
-				o?.dashed?.map((e) => /* @__PURE__ */ L("line", {
+				o?.dashed?.map((e) => /* @__PURE__ */ z("line", {
 					class: "stroke dynamic" + (u.has(e) ? " derivative" : ""),
 					"data-end": e,
-					...Ae(me(a, e))
+					...Me(me(a, e))
 				})),
-				o?.conflict && /* @__PURE__ */ L("path", {
+				o?.conflict && /* @__PURE__ */ z("path", {
 					class: "cross",
 					d: `M${c - 4.5},${l - 4.5}l9,9m0,-9l-9,9`
 				}),
-				e.effort && /* @__PURE__ */ L(x, { children: [/* @__PURE__ */ L("text", {
+				e.effort && /* @__PURE__ */ z(x, { children: [/* @__PURE__ */ z("text", {
 					class: "value",
-					...je(a, 1),
+					...Ne(a, 1),
 					children: e.effort
-				}), /* @__PURE__ */ L("text", {
+				}), /* @__PURE__ */ z("text", {
 					class: "value",
-					...je(a, -1),
+					...Ne(a, -1),
 					children: e.rate
 				})] })
 			]
 		});
 	}
 };
-function Pe(e, t, n) {
+function Ie(e, t, n) {
 	return e === "n" ? {
 		x: t,
 		y: n + 13,
@@ -534,7 +557,7 @@ function Pe(e, t, n) {
 		"text-anchor": e === "w" ? "start" : "end"
 	};
 }
-function Fe(e, t, n) {
+function Le(e, t, n) {
 	let r = e.node.kind === "0" || e.node.kind === "1", i = new Set(e.taken), a = [...r || e.taken === "s" ? "nsew" : "snew"].find((e) => !i.has(e)), o = n * 13, s = (t.x0 + t.x1) / 2 - e.x;
 	return e.node.kind === "part" && e.ports.includes("s") ? e.ports.includes("n") ? {
 		x: s + 8,
@@ -566,12 +589,12 @@ function Fe(e, t, n) {
 		anchor: "start"
 	};
 }
-var Ie = class extends S {
+var Re = class extends S {
 	shouldComponentUpdate(e) {
-		return Me(e, this.props);
+		return Pe(e, this.props);
 	}
 	render(e) {
-		let { node: t, state: n } = e, r = n?.controlled ?? (!!t.machine || !!t.law), i = Oe(t, r, [e.x, e.y], e.ports), a = "node" + (t.kind === "0" || t.kind === "1" ? " junction" : "") + (t.kind === "part" ? " part" : "") + (n?.off ? " off" : "") + (n?.derivative ? " derivative" : "") + (e.selected ? " selected" : "") + (e.target ? " target" : ""), o = n?.says ?? t.says, s = [
+		let { node: t, state: n } = e, r = n?.controlled ?? (!!t.machine || !!t.law), i = Ae(t, r, [e.x, e.y], e.ports), a = "node" + (t.kind === "0" || t.kind === "1" ? " junction" : "") + (t.kind === "part" ? " part" : "") + (n?.off ? " off" : "") + (n?.derivative ? " derivative" : "") + (e.selected ? " selected" : "") + (e.target ? " target" : ""), o = n?.says ?? t.says, s = [
 			{
 				role: "name",
 				text: t.name
@@ -592,14 +615,14 @@ var Ie = class extends S {
 				role: "machine",
 				text: `port ${t.outside.join(", ")}`
 			}] : []
-		], c = Fe(e, i, s.length), l = ve * 19 / 2, u = Ee(t, e.ports);
-		return /* @__PURE__ */ L("g", {
+		], c = Le(e, i, s.length), l = ve * 19 / 2, u = Oe(t, e.ports);
+		return /* @__PURE__ */ z("g", {
 			class: a,
 			"data-node": t.name,
 			transform: `translate(${e.x},${e.y})`,
 			children: [
-				t.kind === "part" ? /* @__PURE__ */ L(x, { children: [
-					/* @__PURE__ */ L("rect", {
+				t.kind === "part" ? /* @__PURE__ */ z(x, { children: [
+					/* @__PURE__ */ z("rect", {
 						class: "frame",
 						x: -u.half,
 						y: u.top,
@@ -607,42 +630,42 @@ var Ie = class extends S {
 						height: u.bottom - u.top,
 						rx: 6
 					}),
-					/* @__PURE__ */ L("text", {
+					/* @__PURE__ */ z("text", {
 						class: "title",
 						y: u.title,
 						"text-anchor": "middle",
 						children: t.letters
 					}),
-					[...De(t, e.ports)].map(([n, [r, i]], a) => /* @__PURE__ */ L("g", {
+					[...ke(t, e.ports)].map(([n, [r, i]], a) => /* @__PURE__ */ z("g", {
 						class: "port",
 						"data-port": `${t.name}.${n}`,
 						children: [
-							/* @__PURE__ */ L("circle", {
+							/* @__PURE__ */ z("circle", {
 								class: "hit",
 								cx: r,
 								cy: i,
 								r: 9
 							}),
-							/* @__PURE__ */ L("circle", {
+							/* @__PURE__ */ z("circle", {
 								cx: r,
 								cy: i,
 								r: 3
 							}),
-							/* @__PURE__ */ L("text", {
-								...Pe(e.ports[a], r, i),
+							/* @__PURE__ */ z("text", {
+								...Ie(e.ports[a], r, i),
 								children: n
 							})
 						]
 					}))
-				] }) : /* @__PURE__ */ L(x, { children: [
-					/* @__PURE__ */ L("rect", {
+				] }) : /* @__PURE__ */ z(x, { children: [
+					/* @__PURE__ */ z("rect", {
 						class: "reach",
 						x: i.x0 - e.x - 6,
 						y: i.y0 - e.y - 6,
 						width: i.x1 - i.x0 + 12,
 						height: i.y1 - i.y0 + 12
 					}),
-					r && /* @__PURE__ */ L("rect", {
+					r && /* @__PURE__ */ z("rect", {
 						class: "switch",
 						x: i.x0 - e.x,
 						y: i.y0 - e.y,
@@ -650,100 +673,213 @@ var Ie = class extends S {
 						height: i.y1 - i.y0,
 						rx: 6
 					}),
-					/* @__PURE__ */ L("text", {
+					/* @__PURE__ */ z("text", {
 						class: "letters",
 						x: r ? -4 : 0,
 						y: l,
 						"text-anchor": "middle",
 						children: t.letters
 					}),
-					r && /* @__PURE__ */ L("text", {
+					r && /* @__PURE__ */ z("text", {
 						class: "subscript",
 						x: _e(t.letters, 19, !0) / 2 - 3.5,
 						y: l + 3.5,
 						children: "c"
 					})
 				] }),
-				s.map((e, t) => /* @__PURE__ */ L("text", {
+				s.map((e, t) => /* @__PURE__ */ z("text", {
 					class: e.role,
 					x: c.x,
 					y: c.y + 13 * t,
 					"text-anchor": c.anchor,
 					children: e.text.length > 24 ? e.text.slice(0, 23) + "…" : e.text
 				})),
-				e.selected && /* @__PURE__ */ L("g", {
+				e.selected && /* @__PURE__ */ z("g", {
 					class: "handle",
 					"data-handle": t.name,
 					children: [
-						/* @__PURE__ */ L("circle", {
+						/* @__PURE__ */ z("circle", {
 							class: "hit",
 							cx: i.x1 - e.x + 12,
 							cy: i.y0 - e.y - 8,
 							r: 14
 						}),
-						/* @__PURE__ */ L("circle", {
+						/* @__PURE__ */ z("circle", {
 							cx: i.x1 - e.x + 12,
 							cy: i.y0 - e.y - 8,
 							r: 6
 						}),
-						/* @__PURE__ */ L("path", { d: `M${i.x1 - e.x + 9},${i.y0 - e.y - 5}l6,-6m-4,0h4v4` })
+						/* @__PURE__ */ z("path", { d: `M${i.x1 - e.x + 9},${i.y0 - e.y - 5}l6,-6m-4,0h4v4` })
 					]
 				})
 			]
 		});
 	}
-};
-// src/quantities.ts
-function Le(e, t = 4) {
-	if (e === null) return "—";
-	if (e === 0) return "0";
-	let n = Math.abs(e);
-	return n >= 1e5 || n < .001 ? e.toExponential(t - 1) : String(+e.toPrecision(t));
+}, ze = (e) => e.map((e) => e.replace(/\[[^\]]*\]/g, "")).sort().join("|");
+function Be({ state: e, sight: t, gesture: n, moved: r }) {
+	let i = e.look, a = e.cursor?.strokes ?? i.strokes, o = n?.kind === "drag" ? new Set(n.names) : null, s = /* @__PURE__ */ new Map(), c = /* @__PURE__ */ new Map();
+	for (let e of i.view.nodes) {
+		let [t, n] = Te(e.x, e.y);
+		s.set(e.name, o?.has(e.name) ? [t + r[0], n + r[1]] : [t, n]), c.set(e.name, e);
+	}
+	let l = (e) => a.nodes[e.name]?.controlled ?? (!!e.machine || !!e.law), u = /* @__PURE__ */ new Map(), d = /* @__PURE__ */ new Map();
+	for (let e of i.view.bonds) {
+		u.has(e.tail) || u.set(e.tail, []), u.has(e.head) || u.set(e.head, []), u.get(e.tail).push(s.get(e.head)), u.get(e.head).push(s.get(e.tail));
+		let t = ze(e.ends);
+		d.set(t, [...d.get(t) ?? [], e.key]);
+	}
+	let f = /* @__PURE__ */ new Map();
+	for (let e of i.view.bonds) for (let [t, n, r] of [[
+		e.ends[0],
+		e.tail,
+		e.head
+	], [
+		e.ends[1],
+		e.head,
+		e.tail
+	]]) {
+		let [e, i] = f.get(t) ?? [0, 0], [a, o] = [s.get(n), s.get(r)];
+		f.set(t, [e + o[0] - a[0], i + o[1] - a[1]]);
+	}
+	let p = /* @__PURE__ */ new Map();
+	for (let e of i.view.nodes) e.kind === "part" && p.set(e.name, De(e, f));
+	let m = (e) => p.get(e) ?? "", h = e.cursor?.values, g = h ? Math.max(1e-300, ...Object.values(h).map((e) => Math.abs((e.e ?? 0) * (e.f ?? 0)))) : 1, _ = n?.kind === "wire" ? se(n.target) : "";
+	return /* @__PURE__ */ z(x, { children: [
+		/* @__PURE__ */ z("defs", { children: [/* @__PURE__ */ z("pattern", {
+			id: "dots",
+			width: we[0] / 4,
+			height: we[1] / 4,
+			patternUnits: "userSpaceOnUse",
+			patternTransform: `translate(${t.x},${t.y}) scale(${t.k})`,
+			children: /* @__PURE__ */ z("circle", {
+				cx: 0,
+				cy: 0,
+				r: .7,
+				class: "dot"
+			})
+		}), /* @__PURE__ */ z("marker", {
+			id: "signal",
+			viewBox: "0 0 8 8",
+			refX: 7,
+			refY: 4,
+			markerWidth: 7,
+			markerHeight: 7,
+			orient: "auto",
+			children: /* @__PURE__ */ z("path", {
+				d: "M0,1L8,4L0,7z",
+				class: "signalhead"
+			})
+		})] }),
+		t.k > .45 && /* @__PURE__ */ z("rect", {
+			class: "paper",
+			width: "100%",
+			height: "100%",
+			fill: "url(#dots)"
+		}),
+		/* @__PURE__ */ z("g", {
+			transform: `translate(${t.x},${t.y}) scale(${t.k})`,
+			children: [
+				i.view.modulations.map((e) => {
+					let t = c.get(e.from), n = c.get(e.to);
+					if (!t || !n) return null;
+					let [r, i] = [s.get(e.from), s.get(e.to)], a = pe(Ae(t, l(t), r, m(t.name)), Ae(n, l(n), i, m(n.name)), r, i, 7);
+					return /* @__PURE__ */ z("line", {
+						class: "signal",
+						x1: a.tail[0],
+						y1: a.tail[1],
+						x2: a.head[0],
+						y2: a.head[1],
+						"marker-end": "url(#signal)"
+					});
+				}),
+				/* @__PURE__ */ z("g", { children: i.view.bonds.map((n) => {
+					let [r, i] = [c.get(n.tail), c.get(n.head)], [o, u] = [s.get(n.tail), s.get(n.head)], f = d.get(ze(n.ends)), p = h?.[n.key];
+					return /* @__PURE__ */ z(Fe, {
+						bond: n,
+						tail: r,
+						head: i,
+						tx: o[0],
+						ty: o[1],
+						hx: u[0],
+						hy: u[1],
+						tailControlled: l(r),
+						headControlled: l(i),
+						tailPorts: m(n.tail),
+						headPorts: m(n.head),
+						shift: f.indexOf(n.key) - (f.length - 1) / 2,
+						drawn: a.bonds[n.key] ?? a.bonds[`${n.ends[0]} -> ${n.ends[1]}`],
+						selected: e.bonds.has(n.key),
+						effort: p && t.k > .6 ? L(p.e, p.units[0]) : "",
+						rate: p && t.k > .6 ? L(p.f, p.units[1]) : "",
+						flow: e.flowing && p ? (p.e ?? 0) * (p.f ?? 0) / g : 0
+					}, n.key);
+				}) }),
+				/* @__PURE__ */ z("g", { children: i.view.nodes.map((t) => /* @__PURE__ */ z(Re, {
+					node: t,
+					x: s.get(t.name)[0],
+					y: s.get(t.name)[1],
+					state: a.nodes[t.name],
+					selected: e.nodes.has(t.name),
+					ports: m(t.name),
+					target: _ === t.name || e.bondFrom === t.name,
+					taken: [...be(s.get(t.name), u.get(t.name) ?? [])].sort().join("")
+				}, t.name)) }),
+				n?.kind === "wire" && /* @__PURE__ */ z(He, {
+					from: Ve(n.from, c, s, p),
+					to: n.now
+				}),
+				n?.kind === "box" && /* @__PURE__ */ z("rect", {
+					class: "marquee",
+					x: Math.min(n.start[0], n.now[0]),
+					y: Math.min(n.start[1], n.now[1]),
+					width: Math.abs(n.now[0] - n.start[0]),
+					height: Math.abs(n.now[1] - n.start[1])
+				})
+			]
+		})
+	] });
 }
-var Re = [
-	[1e9, "G"],
-	[1e6, "M"],
-	[1e3, "k"],
-	[1, ""],
-	[.001, "m"],
-	[1e-6, "µ"],
-	[1e-9, "n"],
-	[1e-12, "p"]
-];
-function z(e, t) {
-	if (e === null) return "—";
-	if (e === 0 || !/^[A-Za-zΩ]+$/.test(t) || t === "kg") return `${Le(e)} ${t}`.trim();
-	let [n, r] = Re.find(([t]) => Math.abs(e) >= t * (1 - 1e-9)) ?? Re[Re.length - 1];
-	return `${+(e / n).toPrecision(4)} ${r}${t}`.trim();
+function Ve(e, t, n, r) {
+	let i = se(e);
+	return je(t.get(i), e, !1, n.get(i), r.get(i))[0];
+}
+function He({ from: e, to: t }) {
+	return /* @__PURE__ */ z("line", {
+		class: "wire",
+		x1: e[0],
+		y1: e[1],
+		x2: t[0],
+		y2: t[1]
+	});
 }
 // src/overlays.tsx
-function ze({ store: e, state: t }) {
+function Ue({ store: e, state: t }) {
 	let { event: n, step: r } = t.instant, i = n.steps[r], a = r < n.steps.length - 1 ? "values before" : "values after";
-	return /* @__PURE__ */ L("div", {
+	return /* @__PURE__ */ z("div", {
 		class: "wiretext instant " + i.kind,
 		role: "status",
 		children: [
-			/* @__PURE__ */ L("button", {
+			/* @__PURE__ */ z("button", {
 				"aria-label": "Mode before",
 				disabled: r === 0,
 				onClick: () => e.showInstant(n, r - 1),
 				children: "◂"
 			}),
 			"t = ",
-			z(n.t, "s"),
+			L(n.t, "s"),
 			", mode ",
 			r + 1,
 			" of ",
 			n.steps.length,
 			": ",
-			/* @__PURE__ */ L("b", { children: i.kind }),
+			/* @__PURE__ */ z("b", { children: i.kind }),
 			" ",
-			/* @__PURE__ */ L("small", { children: [
+			/* @__PURE__ */ z("small", { children: [
 				"(",
 				a,
 				")"
 			] }),
-			/* @__PURE__ */ L("button", {
+			/* @__PURE__ */ z("button", {
 				"aria-label": "Mode after",
 				disabled: r + 1 === n.steps.length,
 				onClick: () => e.showInstant(n, r + 1),
@@ -752,7 +888,7 @@ function ze({ store: e, state: t }) {
 		]
 	});
 }
-function Be(e, t, [n, r]) {
+function We(e, t, [n, r]) {
 	let i, a = Infinity;
 	for (let o of e) {
 		let e = (o.x - t.x) * n + (o.y - t.y) * r, s = Math.abs((o.x - t.x) * r - (o.y - t.y) * n);
@@ -762,31 +898,117 @@ function Be(e, t, [n, r]) {
 	}
 	return i;
 }
-function Ve({ state: e, sight: t, size: n }) {
+function Ge({ state: e, sight: t, size: n }) {
 	let r = e.look.view.nodes;
 	if (r.length < 25) return null;
 	let i = r.map((e) => e.x), a = r.map((e) => e.y), [o, s] = [Math.min(...i) - 1, Math.min(...a) - 1], [c, l] = [Math.max(...i) + 2 - o, Math.max(...a) + 2 - s], u = {
-		x: -t.x / t.k / R[0],
-		y: -t.y / t.k / R[1]
+		x: -t.x / t.k / we[0],
+		y: -t.y / t.k / we[1]
 	};
-	return /* @__PURE__ */ L("svg", {
+	return /* @__PURE__ */ z("svg", {
 		class: "minimap",
 		viewBox: `${o} ${s} ${c} ${l}`,
 		"aria-hidden": "true",
-		children: [r.map((e) => /* @__PURE__ */ L("circle", {
+		children: [r.map((e) => /* @__PURE__ */ z("circle", {
 			cx: e.x,
 			cy: e.y,
 			r: c / 90
-		})), /* @__PURE__ */ L("rect", {
+		})), /* @__PURE__ */ z("rect", {
 			x: u.x,
 			y: u.y,
-			width: n[0] / t.k / R[0],
-			height: n[1] / t.k / R[1]
+			width: n[0] / t.k / we[0],
+			height: n[1] / t.k / we[1]
 		})]
 	});
 }
+// src/keys.ts
+var Ke = {
+	ArrowLeft: [-1, 0],
+	ArrowRight: [1, 0],
+	ArrowUp: [0, -1],
+	ArrowDown: [0, 1]
+};
+function qe(e, t, n) {
+	let { state: r } = t, i = r.look?.view.nodes ?? [], a = e.ctrlKey || e.metaKey, o = r.nodes.size === 1 ? i.find((e) => r.nodes.has(e.name)) : void 0, s = Ke[e.key];
+	if (s && e.altKey && r.nodes.size) {
+		let a = e.shiftKey ? .25 : 1, o = {};
+		for (let e of i) r.nodes.has(e.name) && (o[e.name] = [e.x + a * s[0], e.y + a * s[1]]);
+		n.place(o), t.edit({
+			do: "move",
+			at: o
+		});
+	} else if (s && !a) {
+		let e = o ?? i[0];
+		if (!e) return;
+		let n = o ? We(i, o, s) : e;
+		n && t.set({
+			nodes: /* @__PURE__ */ new Set([n.name]),
+			bonds: /* @__PURE__ */ new Set(),
+			tab: "item"
+		});
+	} else if (e.key === "Tab" && !a) return;
+	else if ((e.key === "[" || e.key === "]") && r.look) {
+		let n = r.look.view.bonds.filter((e) => !o || e.tail === o.name || e.head === o.name), i = n.length ? n : r.look.view.bonds, a = i[(i.findIndex((e) => r.bonds.has(e.key)) + (e.key === "]" ? 1 : -1) + i.length) % i.length];
+		a && t.set({
+			bonds: /* @__PURE__ */ new Set([a.key]),
+			tab: "item"
+		});
+	} else if (e.key === "Escape") t.set({
+		nodes: /* @__PURE__ */ new Set(),
+		bonds: /* @__PURE__ */ new Set(),
+		bondFrom: null,
+		cursor: null,
+		instant: null,
+		adding: !1
+	});
+	else if (e.key === "Enter" && r.bondFrom && o && o.name !== r.bondFrom) t.bond(r.bondFrom, o.name);
+	else if (e.key === "Enter" && o) n.enter(o.name);
+	else if (e.key === "b" && !a && o) t.set({ bondFrom: o.name });
+	else if (e.key === "r" && !a && r.bonds.size) t.reverse();
+	else if (e.key === "a" && !a) t.set({ adding: !0 });
+	else if (e.key === "f" && !a) n.fit();
+	else if (e.key === "+" || e.key === "=") n.zoom(1.25);
+	else if (e.key === "-") n.zoom(.8);
+	else if (e.key === "a" && a) t.set({ nodes: new Set(i.map((e) => e.name)) });
+	else if (e.key === "d" && a) t.duplicate();
+	else if (e.key === "Delete" || e.key === "Backspace") t.remove();
+	else if (e.key === "PageUp" && r.level) t.open(r.level.split(/\.(?![^[]*\])/).slice(0, -1).join("."));
+	else return;
+	e.preventDefault();
+}
+// src/sight.ts
+var [Je, Ye] = [.05, 6];
+function Xe(e, t, n) {
+	if (!e.length || !t) return {
+		x: t / 2,
+		y: n / 2,
+		k: 1
+	};
+	let r = e.map((e) => e.x * we[0]), i = e.map((e) => e.y * we[1]), [a, o] = [Math.min(...r) - 90, Math.max(...r) + 90], [s, c] = [Math.min(...i) - 60, Math.max(...i) + 70], l = Math.min(1.5, t / (o - a), n / (c - s));
+	return {
+		k: l,
+		x: t / 2 - l * (a + o) / 2,
+		y: n / 2 - l * (s + c) / 2
+	};
+}
+function Ze({ x: e, y: t, k: n }, r, [i, a]) {
+	let o = Math.max(Je, Math.min(Ye, n * r));
+	return {
+		k: o,
+		x: i - (i - e) * o / n,
+		y: a - (a - t) * o / n
+	};
+}
+function Qe(e, [t, n], [r, i]) {
+	let a = Math.hypot(t[0] - n[0], t[1] - n[1]), o = Math.hypot(r[0] - i[0], r[1] - i[1]), s = Math.max(Je, Math.min(Ye, e.k * o / Math.max(a, 1))), [c, l] = [(r[0] + i[0]) / 2, (r[1] + i[1]) / 2], [u, d] = [(t[0] + n[0]) / 2, (t[1] + n[1]) / 2];
+	return {
+		k: s,
+		x: c - (u - e.x) * s / e.k,
+		y: l - (d - e.y) * s / e.k
+	};
+}
 // src/canvas.tsx
-var He = (e) => e.map((e) => e.replace(/\[[^\]]*\]/g, "")).sort().join("|"), Ue = class extends S {
+var $e = class extends S {
 	svg = b();
 	state = {
 		sight: {
@@ -843,12 +1065,12 @@ var He = (e) => e.map((e) => e.replace(/\[[^\]]*\]/g, "")).sort().join("|"), Ue 
 		this.seen = n;
 		let r = this.svg.current.getBoundingClientRect(), i = t.view.nodes.filter((t) => e.nodes.has(t.name)), { x: a, y: o, k: s } = this.state.sight;
 		if (i.some((e) => {
-			let [t, n] = Ce(e.x, e.y), [i, c] = [a + s * t, o + s * n];
+			let [t, n] = Te(e.x, e.y), [i, c] = [a + s * t, o + s * n];
 			return i < 40 || c < 40 || i > r.width - 40 || c > r.height - 40;
 		}) && i.length) {
 			if (!this.touched) this.fit();
 			else {
-				let [e, t] = Ce(i[0].x, i[0].y);
+				let [e, t] = Te(i[0].x, i[0].y);
 				this.setState({ sight: {
 					k: s,
 					x: r.width / 2 - s * e,
@@ -867,29 +1089,12 @@ var He = (e) => e.map((e) => e.replace(/\[[^\]]*\]/g, "")).sort().join("|"), Ue 
 		let e = this.props.state.look?.view.nodes ?? [], t = this.svg.current;
 		if (!t) return;
 		let n = t.getBoundingClientRect();
-		if (!e.length || !n.width) {
-			this.setState({ sight: {
-				x: n.width / 2,
-				y: n.height / 2,
-				k: 1
-			} });
-			return;
-		}
-		let r = e.map((e) => e.x * R[0]), i = e.map((e) => e.y * R[1]), [a, o] = [Math.min(...r) - 90, Math.max(...r) + 90], [s, c] = [Math.min(...i) - 60, Math.max(...i) + 70], l = Math.min(1.5, n.width / (o - a), n.height / (c - s));
-		this.setState({ sight: {
-			k: l,
-			x: n.width / 2 - l * (a + o) / 2,
-			y: n.height / 2 - l * (s + c) / 2
-		} });
+		this.setState({ sight: Xe(e, n.width, n.height) });
 	};
 	zoom(e, t) {
 		this.touched = !0;
-		let n = this.svg.current.getBoundingClientRect(), [r, i] = t ?? [n.width / 2, n.height / 2], { x: a, y: o, k: s } = this.state.sight, c = Math.max(.05, Math.min(6, s * e));
-		this.setState({ sight: {
-			k: c,
-			x: r - (r - a) * c / s,
-			y: i - (i - o) * c / s
-		} });
+		let n = this.svg.current.getBoundingClientRect();
+		this.setState({ sight: Ze(this.state.sight, e, t ?? [n.width / 2, n.height / 2]) });
 	}
 	wheel = (e) => {
 		e.preventDefault();
@@ -1007,13 +1212,9 @@ var He = (e) => e.map((e) => e.replace(/\[[^\]]*\]/g, "")).sort().join("|"), Ue 
 		let { gesture: t, sight: n } = this.state, r = this.local(e);
 		if ((t?.kind === "pan" || t?.kind === "pinch") && (this.touched = !0), this.pointers.has(e.pointerId) && this.pointers.set(e.pointerId, r), t) {
 			if (t.kind === "pinch") {
-				let [e, r] = t.ids.map((e) => this.pointers.get(e)), [i, a] = t.last, o = Math.hypot(i[0] - a[0], i[1] - a[1]), s = Math.hypot(e[0] - r[0], e[1] - r[1]), c = Math.max(.05, Math.min(6, n.k * s / Math.max(o, 1))), [l, u] = [(e[0] + r[0]) / 2, (e[1] + r[1]) / 2], [d, f] = [(i[0] + a[0]) / 2, (i[1] + a[1]) / 2];
+				let [e, r] = t.ids.map((e) => this.pointers.get(e));
 				this.setState({
-					sight: {
-						k: c,
-						x: l - (d - n.x) * c / n.k,
-						y: u - (f - n.y) * c / n.k
-					},
+					sight: Qe(n, t.last, [e, r]),
 					gesture: {
 						...t,
 						last: [e, r]
@@ -1074,7 +1275,7 @@ var He = (e) => e.map((e) => e.replace(/\[[^\]]*\]/g, "")).sort().join("|"), Ue 
 				} else if (t.kind === "drag") {
 					let a = e.altKey ? .05 : .25, o = {};
 					for (let e of i.look.view.nodes) if (t.names.includes(e.name)) {
-						let t = e.x + n[0] / R[0], r = e.y + n[1] / R[1];
+						let t = e.x + n[0] / we[0], r = e.y + n[1] / we[1];
 						o[e.name] = [Math.round(t / a) * a, Math.round(r / a) * a];
 					}
 					this.place(o), r.edit({
@@ -1083,13 +1284,13 @@ var He = (e) => e.map((e) => e.replace(/\[[^\]]*\]/g, "")).sort().join("|"), Ue 
 					});
 				} else if (t.kind === "box") {
 					let [e, n] = [t.start[0], t.now[0]].sort((e, t) => e - t), [a, o] = [t.start[1], t.now[1]].sort((e, t) => e - t), s = i.look.view.nodes.filter((t) => {
-						let [r, i] = Ce(t.x, t.y);
+						let [r, i] = Te(t.x, t.y);
 						return r >= e && r <= n && i >= a && i <= o;
 					}).map((e) => e.name);
 					s.length && r.set({ nodes: new Set(t.add ? [...i.nodes, ...s] : s) });
 				} else if (t.kind === "wire") {
 					let n = this.under(e, se(t.from)) || t.target;
-					n ? r.bond(t.from, n) : Math.hypot(...Ge(this.local(e), t.start)) < 8 && r.set({ bondFrom: t.from });
+					n ? r.bond(t.from, n) : Math.hypot(...et(this.local(e), t.start)) < 8 && r.set({ bondFrom: t.from });
 				} else t.kind === "pan" && !t.moved && r.set({
 					nodes: /* @__PURE__ */ new Set(),
 					bonds: /* @__PURE__ */ new Set(),
@@ -1116,105 +1317,26 @@ var He = (e) => e.map((e) => e.replace(/\[[^\]]*\]/g, "")).sort().join("|"), Ue 
 			}
 		} });
 	}
-	centreOf(e, t, n, r) {
-		let i = se(e);
-		return ke(t.get(i), e, !1, n.get(i), r.get(i))[0];
-	}
 	enter(e) {
 		let { store: t, state: n } = this.props, r = n.look?.view.nodes.find((t) => t.name === e);
 		r?.kind === "part" && r.known ? t.open(n.level ? `${n.level}.${e}` : e) : (t.set({ tab: "item" }), requestAnimationFrame(() => document.querySelector(".side [data-first]")?.focus()));
 	}
-	key = (e) => {
-		let { store: t, state: n } = this.props, r = n.look?.view.nodes ?? [], i = e.ctrlKey || e.metaKey, a = n.nodes.size === 1 ? r.find((e) => n.nodes.has(e.name)) : void 0, o = Ke[e.key];
-		if (o && e.altKey && n.nodes.size) {
-			let i = e.shiftKey ? .25 : 1, a = {};
-			for (let e of r) n.nodes.has(e.name) && (a[e.name] = [e.x + i * o[0], e.y + i * o[1]]);
-			this.place(a), t.edit({
-				do: "move",
-				at: a
-			});
-		} else if (o && !i) {
-			let e = a ?? r[0];
-			if (!e) return;
-			let n = a ? Be(r, a, o) : e;
-			n && t.set({
-				nodes: /* @__PURE__ */ new Set([n.name]),
-				bonds: /* @__PURE__ */ new Set(),
-				tab: "item"
-			});
-		} else if (e.key === "Tab" && !i) return;
-		else if ((e.key === "[" || e.key === "]") && n.look) {
-			let r = n.look.view.bonds.filter((e) => !a || e.tail === a.name || e.head === a.name), i = r.length ? r : n.look.view.bonds, o = i[(i.findIndex((e) => n.bonds.has(e.key)) + (e.key === "]" ? 1 : -1) + i.length) % i.length];
-			o && t.set({
-				bonds: /* @__PURE__ */ new Set([o.key]),
-				tab: "item"
-			});
-		} else if (e.key === "Escape") t.set({
-			nodes: /* @__PURE__ */ new Set(),
-			bonds: /* @__PURE__ */ new Set(),
-			bondFrom: null,
-			cursor: null,
-			instant: null,
-			adding: !1
-		});
-		else if (e.key === "Enter" && n.bondFrom && a && a.name !== n.bondFrom) t.bond(n.bondFrom, a.name);
-		else if (e.key === "Enter" && a) this.enter(a.name);
-		else if (e.key === "b" && !i && a) t.set({ bondFrom: a.name });
-		else if (e.key === "r" && !i && n.bonds.size) t.reverse();
-		else if (e.key === "a" && !i) t.set({ adding: !0 });
-		else if (e.key === "f" && !i) this.fit();
-		else if (e.key === "+" || e.key === "=") this.zoom(1.25);
-		else if (e.key === "-") this.zoom(.8);
-		else if (e.key === "a" && i) t.set({ nodes: new Set(r.map((e) => e.name)) });
-		else if (e.key === "d" && i) t.duplicate();
-		else if (e.key === "Delete" || e.key === "Backspace") t.remove();
-		else if (e.key === "PageUp" && n.level) t.open(n.level.split(/\.(?![^[]*\])/).slice(0, -1).join("."));
-		else return;
-		e.preventDefault();
-	};
+	key = (e) => qe(e, this.props.store, this);
 	dropped = (e) => {
 		let t = e.dataTransfer?.getData("application/x-hybond");
 		if (!t) return;
 		e.preventDefault();
 		let { element: n, stem: r } = JSON.parse(t), [i, a] = this.inGraph(this.local(e));
-		this.props.store.add(n, r, [Math.round(i / R[0] * 4) / 4, Math.round(a / R[1] * 4) / 4]);
+		this.props.store.add(n, r, [Math.round(i / we[0] * 4) / 4, Math.round(a / we[1] * 4) / 4]);
 	};
 	render({ state: e, store: t }, { sight: n, gesture: r, moved: i }) {
 		let a = e.look;
-		if (!a) return /* @__PURE__ */ L("div", { class: "canvas" });
-		let o = e.cursor?.strokes ?? a.strokes, s = r?.kind === "drag" ? new Set(r.names) : null, c = /* @__PURE__ */ new Map(), l = /* @__PURE__ */ new Map();
-		for (let e of a.view.nodes) {
-			let [t, n] = Ce(e.x, e.y);
-			c.set(e.name, s?.has(e.name) ? [t + i[0], n + i[1]] : [t, n]), l.set(e.name, e);
-		}
-		let u = (e) => o.nodes[e.name]?.controlled ?? (!!e.machine || !!e.law), d = /* @__PURE__ */ new Map(), f = /* @__PURE__ */ new Map();
-		for (let e of a.view.bonds) {
-			d.has(e.tail) || d.set(e.tail, []), d.has(e.head) || d.set(e.head, []), d.get(e.tail).push(c.get(e.head)), d.get(e.head).push(c.get(e.tail));
-			let t = He(e.ends);
-			f.set(t, [...f.get(t) ?? [], e.key]);
-		}
-		let p = /* @__PURE__ */ new Map();
-		for (let e of a.view.bonds) for (let [t, n, r] of [[
-			e.ends[0],
-			e.tail,
-			e.head
-		], [
-			e.ends[1],
-			e.head,
-			e.tail
-		]]) {
-			let [e, i] = p.get(t) ?? [0, 0], [a, o] = [c.get(n), c.get(r)];
-			p.set(t, [e + o[0] - a[0], i + o[1] - a[1]]);
-		}
-		let m = /* @__PURE__ */ new Map();
-		for (let e of a.view.nodes) e.kind === "part" && m.set(e.name, Te(e, p));
-		let h = (e) => m.get(e) ?? "", g = e.cursor?.values, _ = g ? Math.max(1e-300, ...Object.values(g).map((e) => Math.abs((e.e ?? 0) * (e.f ?? 0)))) : 1, v = r?.kind === "wire" ? se(r.target) : "";
-		return /* @__PURE__ */ L("div", {
+		return a ? /* @__PURE__ */ z("div", {
 			class: "canvas",
 			onDragOver: (e) => e.preventDefault(),
 			onDrop: this.dropped,
 			children: [
-				/* @__PURE__ */ L("svg", {
+				/* @__PURE__ */ z("svg", {
 					ref: this.svg,
 					tabindex: 0,
 					role: "application",
@@ -1226,102 +1348,14 @@ var He = (e) => e.map((e) => e.replace(/\[[^\]]*\]/g, "")).sort().join("|"), Ue 
 					onPointerCancel: this.up,
 					onKeyDown: this.key,
 					class: e.flowing ? "flowing" : "",
-					children: [
-						/* @__PURE__ */ L("defs", { children: [/* @__PURE__ */ L("pattern", {
-							id: "dots",
-							width: R[0] / 4,
-							height: R[1] / 4,
-							patternUnits: "userSpaceOnUse",
-							patternTransform: `translate(${n.x},${n.y}) scale(${n.k})`,
-							children: /* @__PURE__ */ L("circle", {
-								cx: 0,
-								cy: 0,
-								r: .7,
-								class: "dot"
-							})
-						}), /* @__PURE__ */ L("marker", {
-							id: "signal",
-							viewBox: "0 0 8 8",
-							refX: 7,
-							refY: 4,
-							markerWidth: 7,
-							markerHeight: 7,
-							orient: "auto",
-							children: /* @__PURE__ */ L("path", {
-								d: "M0,1L8,4L0,7z",
-								class: "signalhead"
-							})
-						})] }),
-						n.k > .45 && /* @__PURE__ */ L("rect", {
-							class: "paper",
-							width: "100%",
-							height: "100%",
-							fill: "url(#dots)"
-						}),
-						/* @__PURE__ */ L("g", {
-							transform: `translate(${n.x},${n.y}) scale(${n.k})`,
-							children: [
-								a.view.modulations.map((e) => {
-									let t = l.get(e.from), n = l.get(e.to);
-									if (!t || !n) return null;
-									let [r, i] = [c.get(e.from), c.get(e.to)], a = pe(Oe(t, u(t), r, h(t.name)), Oe(n, u(n), i, h(n.name)), r, i, 7);
-									return /* @__PURE__ */ L("line", {
-										class: "signal",
-										x1: a.tail[0],
-										y1: a.tail[1],
-										x2: a.head[0],
-										y2: a.head[1],
-										"marker-end": "url(#signal)"
-									});
-								}),
-								/* @__PURE__ */ L("g", { children: a.view.bonds.map((t) => {
-									let [r, i] = [l.get(t.tail), l.get(t.head)], [a, s] = [c.get(t.tail), c.get(t.head)], d = f.get(He(t.ends)), p = g?.[t.key];
-									return /* @__PURE__ */ L(Ne, {
-										bond: t,
-										tail: r,
-										head: i,
-										tx: a[0],
-										ty: a[1],
-										hx: s[0],
-										hy: s[1],
-										tailControlled: u(r),
-										headControlled: u(i),
-										tailPorts: h(t.tail),
-										headPorts: h(t.head),
-										shift: d.indexOf(t.key) - (d.length - 1) / 2,
-										drawn: o.bonds[t.key] ?? o.bonds[`${t.ends[0]} -> ${t.ends[1]}`],
-										selected: e.bonds.has(t.key),
-										effort: p && n.k > .6 ? z(p.e, p.units[0]) : "",
-										rate: p && n.k > .6 ? z(p.f, p.units[1]) : "",
-										flow: e.flowing && p ? (p.e ?? 0) * (p.f ?? 0) / _ : 0
-									}, t.key);
-								}) }),
-								/* @__PURE__ */ L("g", { children: a.view.nodes.map((t) => /* @__PURE__ */ L(Ie, {
-									node: t,
-									x: c.get(t.name)[0],
-									y: c.get(t.name)[1],
-									state: o.nodes[t.name],
-									selected: e.nodes.has(t.name),
-									ports: h(t.name),
-									target: v === t.name || e.bondFrom === t.name,
-									taken: [...be(c.get(t.name), d.get(t.name) ?? [])].sort().join("")
-								}, t.name)) }),
-								r?.kind === "wire" && /* @__PURE__ */ L(We, {
-									from: this.centreOf(r.from, l, c, m),
-									to: r.now
-								}),
-								r?.kind === "box" && /* @__PURE__ */ L("rect", {
-									class: "marquee",
-									x: Math.min(r.start[0], r.now[0]),
-									y: Math.min(r.start[1], r.now[1]),
-									width: Math.abs(r.now[0] - r.start[0]),
-									height: Math.abs(r.now[1] - r.start[1])
-								})
-							]
-						})
-					]
+					children: /* @__PURE__ */ z(Be, {
+						state: e,
+						sight: n,
+						gesture: r,
+						moved: i
+					})
 				}),
-				r?.kind === "wire" && /* @__PURE__ */ L("div", {
+				r?.kind === "wire" && /* @__PURE__ */ z("div", {
 					class: "wiretext",
 					role: "status",
 					children: [
@@ -1332,11 +1366,11 @@ var He = (e) => e.map((e) => e.replace(/\[[^\]]*\]/g, "")).sort().join("|"), Ue 
 						r.target || "…"
 					]
 				}),
-				e.instant && /* @__PURE__ */ L(ze, {
+				e.instant && /* @__PURE__ */ z(Ue, {
 					store: t,
 					state: e
 				}),
-				e.bondFrom && /* @__PURE__ */ L("div", {
+				e.bondFrom && /* @__PURE__ */ z("div", {
 					class: "wiretext",
 					role: "status",
 					children: [
@@ -1348,22 +1382,22 @@ var He = (e) => e.map((e) => e.replace(/\[[^\]]*\]/g, "")).sort().join("|"), Ue 
 						": choose the other end"
 					]
 				}),
-				/* @__PURE__ */ L("div", {
+				/* @__PURE__ */ z("div", {
 					class: "views",
 					children: [
-						/* @__PURE__ */ L("button", {
+						/* @__PURE__ */ z("button", {
 							title: "Zoom in (+)",
 							"aria-label": "Zoom in",
 							onClick: () => this.zoom(1.25),
 							children: "+"
 						}),
-						/* @__PURE__ */ L("button", {
+						/* @__PURE__ */ z("button", {
 							title: "Zoom out (-)",
 							"aria-label": "Zoom out",
 							onClick: () => this.zoom(.8),
 							children: "−"
 						}),
-						/* @__PURE__ */ L("button", {
+						/* @__PURE__ */ z("button", {
 							title: "Show all (f)",
 							"aria-label": "Show all",
 							onClick: this.fit,
@@ -1371,24 +1405,24 @@ var He = (e) => e.map((e) => e.replace(/\[[^\]]*\]/g, "")).sort().join("|"), Ue 
 						})
 					]
 				}),
-				/* @__PURE__ */ L(Ve, {
+				/* @__PURE__ */ z(Ge, {
 					state: e,
 					sight: n,
 					size: this.size
 				}),
-				a.view.crumbs.length > 0 && /* @__PURE__ */ L("nav", {
+				a.view.crumbs.length > 0 && /* @__PURE__ */ z("nav", {
 					class: "crumbs",
 					"aria-label": "Submodel",
 					children: [
-						/* @__PURE__ */ L("button", {
+						/* @__PURE__ */ z("button", {
 							onClick: () => t.open(""),
 							children: a.title || a.file
 						}),
-						a.view.crumbs.map((e, n) => /* @__PURE__ */ L(x, { children: [" › ", /* @__PURE__ */ L("button", {
+						a.view.crumbs.map((e, n) => /* @__PURE__ */ z(x, { children: [" › ", /* @__PURE__ */ z("button", {
 							onClick: () => t.open(a.view.crumbs.slice(0, n + 1).join(".")),
 							children: e
 						})] })),
-						!a.view.editable && /* @__PURE__ */ L("span", { children: [
+						!a.view.editable && /* @__PURE__ */ z("span", { children: [
 							" (",
 							a.view.name,
 							", a ready part: to look at)"
@@ -1396,40 +1430,25 @@ var He = (e) => e.map((e) => e.replace(/\[[^\]]*\]/g, "")).sort().join("|"), Ue 
 					]
 				})
 			]
-		});
+		}) : /* @__PURE__ */ z("div", { class: "canvas" });
 	}
-};
-function We({ from: e, to: t }) {
-	return /* @__PURE__ */ L("line", {
-		class: "wire",
-		x1: e[0],
-		y1: e[1],
-		x2: t[0],
-		y2: t[1]
-	});
-}
-var Ge = (e, t) => [e[0] - t[0], e[1] - t[1]], Ke = {
-	ArrowLeft: [-1, 0],
-	ArrowRight: [1, 0],
-	ArrowUp: [0, -1],
-	ArrowDown: [0, 1]
-}, qe, B, Je, Ye, Xe = Object.is, Ze = 0, Qe = [], $e = [], et = e, tt = et.__b, nt = et.__r, rt = et.diffed, it = et.__c, at = et.unmount, ot = et.__;
-function st(e, t) {
-	et.__h && et.__h(B, e, Ze || t), Ze = 0;
+}, et = (e, t) => [e[0] - t[0], e[1] - t[1]], tt, B, nt, rt, it = Object.is, at = 0, ot = [], st = [], V = e, ct = V.__b, lt = V.__r, ut = V.diffed, dt = V.__c, ft = V.unmount, pt = V.__;
+function mt(e, t) {
+	V.__h && V.__h(B, e, at || t), at = 0;
 	var n = B.__H || (B.__H = {
 		__: [],
 		__h: []
 	});
 	return e >= n.__.length && n.__.push({}), n.__[e];
 }
-function V(e) {
-	return Ze = 1, ct(vt, e);
+function H(e) {
+	return at = 1, ht(Et, e);
 }
-function ct(e, t, n) {
-	var r = st(qe++, 2);
-	if (r.t = e, !r.__c && (r.__ = [n ? n(t) : vt(void 0, t), function(e) {
+function ht(e, t, n) {
+	var r = mt(tt++, 2);
+	if (r.t = e, !r.__c && (r.__ = [n ? n(t) : Et(void 0, t), function(e) {
 		var t = (r.__N || r.__)[0], n = r.t(t, e);
-		Xe(t, n) || (r.__N = [n, r.__[1]], r.__c.setState({}));
+		it(t, n) || (r.__N = [n, r.__[1]], r.__c.setState({}));
 	}], r.__c = B, !B.__f)) {
 		B.__f = !0;
 		var i = B.shouldComponentUpdate;
@@ -1438,7 +1457,7 @@ function ct(e, t, n) {
 			if (!r) return !0;
 			var a = !1, o = this.props != e;
 			if (r.__.some(function(e) {
-				e.__N && (a = !0, Xe(e.__[0], e.__N[0]) || (o = !0));
+				e.__N && (a = !0, it(e.__[0], e.__N[0]) || (o = !0));
 			}), i) {
 				var s = i.call(this, e, t, n);
 				return a ? s || o : s;
@@ -1448,67 +1467,67 @@ function ct(e, t, n) {
 	}
 	return r.__;
 }
-function H(e, t) {
-	var n = st(qe++, 3);
-	!et.__s && _t(n.__H, t) && (n.__P = !0, n.__ = e, n.u = t, B.__H.__h.push(n));
+function gt(e, t) {
+	var n = mt(tt++, 3);
+	!V.__s && Tt(n.__H, t) && (n.__P = !0, n.__ = e, n.u = t, B.__H.__h.push(n));
 }
-function lt(e) {
-	return Ze = 5, ut(function() {
+function _t(e) {
+	return at = 5, vt(function() {
 		return { current: e };
 	}, []);
 }
-function ut(e, t) {
-	var n = st(qe++, 7);
-	return _t(n.__H, t) && (n.__ = e(), n.__H = t), n.__;
+function vt(e, t) {
+	var n = mt(tt++, 7);
+	return Tt(n.__H, t) && (n.__ = e(), n.__H = t), n.__;
 }
-function dt() {
+function yt() {
 	var e;
 	do {
-		for (; e = $e.shift();) try {
-			ht(e);
+		for (; e = st.shift();) try {
+			Ct(e);
 		} catch (t) {
-			et.__e(t, { __: (e = e.__P) && e.__v });
+			V.__e(t, { __: (e = e.__P) && e.__v });
 		}
-		for (; e = Qe.shift();) {
+		for (; e = ot.shift();) {
 			var t = e.__H;
 			if (e.__P && t) try {
-				t.__h.some(ht), t.__h.some(gt), t.__h = [];
+				t.__h.some(Ct), t.__h.some(wt), t.__h = [];
 			} catch (n) {
-				t.__h = [], et.__e(n, e.__v);
+				t.__h = [], V.__e(n, e.__v);
 			}
 		}
-	} while ($e.length);
+	} while (st.length);
 }
-et.__b = function(e) {
-	B = null, tt && tt(e);
-}, et.__ = function(e, t) {
-	e && t.__k && t.__k.__m && (e.__m = t.__k.__m), ot && ot(e, t);
-}, et.__r = function(e) {
-	nt && nt(e), qe = 0;
+V.__b = function(e) {
+	B = null, ct && ct(e);
+}, V.__ = function(e, t) {
+	e && t.__k && t.__k.__m && (e.__m = t.__k.__m), pt && pt(e, t);
+}, V.__r = function(e) {
+	lt && lt(e), tt = 0;
 	var t = (B = e.__c).__H;
-	t && (Je == B ? B.__h = [] : (t.__h.some(ht), t.__h.some(gt), qe = 0), t.__h = [], t.__.some(function(e) {
+	t && (nt == B ? B.__h = [] : (t.__h.some(Ct), t.__h.some(wt), tt = 0), t.__h = [], t.__.some(function(e) {
 		e.__N && (e.__ = e.__N), e.u = e.__N = void 0;
-	})), Je = B;
-}, et.diffed = function(e) {
-	rt && rt(e);
+	})), nt = B;
+}, V.diffed = function(e) {
+	ut && ut(e);
 	var t = e.__c;
-	t && t.__H && (t.__H.__h.length && mt(Qe.push(t)), t.__H.__.some(function(e) {
+	t && t.__H && (t.__H.__h.length && St(ot.push(t)), t.__H.__.some(function(e) {
 		e.u && (e.__H = e.u);
-	})), Je = B = null;
-}, et.__c = function(e, t) {
+	})), nt = B = null;
+}, V.__c = function(e, t) {
 	t.some(function(e) {
 		try {
-			e.__h.some(ht), e.__h = e.__h.filter(function(e) {
-				return !e.__ || gt(e);
+			e.__h.some(Ct), e.__h = e.__h.filter(function(e) {
+				return !e.__ || wt(e);
 			});
 		} catch (t) {
 			e.__h = [function() {
 				throw t;
 			}];
 		}
-	}), it && it(e, t);
-}, et.unmount = function(e) {
-	at && at(e);
+	}), dt && dt(e, t);
+}, V.unmount = function(e) {
+	ft && ft(e);
 	var t, n, r = e.__c;
 	r && r.__H && (r.__H.__.some(function(r) {
 		try {
@@ -1517,50 +1536,50 @@ et.__b = function(e) {
 					for (n = e.__; n && (!n.__c || !n.__c.__P);) n = n.__;
 					n &&= n.__c;
 				}
-				r.__P = n, mt($e.push(r));
-			} else ht(r);
+				r.__P = n, St(st.push(r));
+			} else Ct(r);
 		} catch (e) {
 			t = e;
 		}
-	}), r.__H = void 0, t && et.__e(t, r.__v));
+	}), r.__H = void 0, t && V.__e(t, r.__v));
 };
-var ft = typeof requestAnimationFrame == "function";
-function pt(e) {
+var bt = typeof requestAnimationFrame == "function";
+function xt(e) {
 	var t, n = function() {
-		clearTimeout(r), ft && cancelAnimationFrame(t), setTimeout(e);
+		clearTimeout(r), bt && cancelAnimationFrame(t), setTimeout(e);
 	}, r = setTimeout(n, 35);
-	ft && (t = requestAnimationFrame(n));
+	bt && (t = requestAnimationFrame(n));
 }
-function mt(e) {
-	e != 1 && Ye == et.requestAnimationFrame || ((Ye = et.requestAnimationFrame) || pt)(dt);
+function St(e) {
+	e != 1 && rt == V.requestAnimationFrame || ((rt = V.requestAnimationFrame) || xt)(yt);
 }
-function ht(e) {
+function Ct(e) {
 	var t = B, n = e.__c;
 	typeof n == "function" && (e.__c = void 0, n()), B = t;
 }
-function gt(e) {
+function wt(e) {
 	var t = B;
 	e.__c = e.__(), B = t;
 }
-function _t(e, t) {
+function Tt(e, t) {
 	return !e || e.length != t.length || t.some(function(t, n) {
-		return !Xe(t, e[n]);
+		return !it(t, e[n]);
 	});
 }
-function vt(e, t) {
+function Et(e, t) {
 	return typeof t == "function" ? t(e) : t;
 }
 // src/events.tsx
-var yt = 100;
-function bt({ store: e, state: t }) {
-	let [n, r] = V([]), [i, a] = V(0), [o, s] = V(0), c = t.run;
-	H(() => s(0), [c?.run]), H(() => {
+var Dt = 100;
+function Ot({ store: e, state: t }) {
+	let [n, r] = H([]), [i, a] = H(0), [o, s] = H(0), c = t.run;
+	gt(() => s(0), [c?.run]), gt(() => {
 		if (!c || c.tEnd === void 0) return r([]);
 		let t = !1;
 		return e.transport.ask("events", {
 			run: c.run,
 			first: o,
-			count: yt
+			count: Dt
 		}).then((e) => {
 			t || (r(e.events), a(e.total));
 		}).catch((t) => e.refused(t)), () => {
@@ -1568,60 +1587,60 @@ function bt({ store: e, state: t }) {
 		};
 	}, [c?.run, o]);
 	let l = t.instant?.event.event;
-	return /* @__PURE__ */ L("section", {
+	return /* @__PURE__ */ z("section", {
 		class: "events",
 		tabindex: 0,
 		"aria-label": "Events",
 		children: [
-			c && c.tEnd !== void 0 && /* @__PURE__ */ L("p", {
+			c && c.tEnd !== void 0 && /* @__PURE__ */ z("p", {
 				class: "status " + c.status,
 				children: [
-					c.status === "ok" ? "ok" : /* @__PURE__ */ L("b", { children: c.status }),
+					c.status === "ok" ? "ok" : /* @__PURE__ */ z("b", { children: c.status }),
 					", ",
 					i,
 					" events, ",
-					z(c.took, "s"),
+					L(c.took, "s"),
 					c.method ? `, ${c.method}` : ""
 				]
 			}),
-			c?.warnings?.map((e) => /* @__PURE__ */ L("p", {
+			c?.warnings?.map((e) => /* @__PURE__ */ z("p", {
 				class: "warning",
 				children: e
 			})),
-			i > yt && /* @__PURE__ */ L("p", { children: [
-				/* @__PURE__ */ L("button", {
+			i > Dt && /* @__PURE__ */ z("p", { children: [
+				/* @__PURE__ */ z("button", {
 					disabled: o === 0,
-					onClick: () => s(Math.max(0, o - yt)),
+					onClick: () => s(Math.max(0, o - Dt)),
 					children: "◂"
 				}),
 				" ",
 				o + 1,
 				" to ",
-				Math.min(o + yt, i),
+				Math.min(o + Dt, i),
 				" of ",
 				i,
 				" ",
-				/* @__PURE__ */ L("button", {
-					disabled: o + yt >= i,
-					onClick: () => s(o + yt),
+				/* @__PURE__ */ z("button", {
+					disabled: o + Dt >= i,
+					onClick: () => s(o + Dt),
 					children: "▸"
 				})
 			] }),
-			/* @__PURE__ */ L("ol", { children: n.map((n) => /* @__PURE__ */ L("li", {
+			/* @__PURE__ */ z("ol", { children: n.map((n) => /* @__PURE__ */ z("li", {
 				class: n.event === l ? "open" : "",
-				children: [/* @__PURE__ */ L("button", {
+				children: [/* @__PURE__ */ z("button", {
 					"data-event": n.event,
 					"aria-expanded": n.event === l,
 					onClick: () => e.showInstant(n, 0),
 					children: [
-						/* @__PURE__ */ L("b", { children: z(n.t, "s") }),
+						/* @__PURE__ */ z("b", { children: L(n.t, "s") }),
 						" ",
-						/* @__PURE__ */ L("i", { children: n.cause }),
+						/* @__PURE__ */ z("i", { children: n.cause }),
 						" ",
 						n.steps.flatMap((e) => e.fired).map((e) => `${e.machine}: ${e.source} → ${e.target}`).join("; "),
-						n.steps.some((e) => e.kind !== "continuous") && /* @__PURE__ */ L("em", { children: [" ", xt(n)] })
+						n.steps.some((e) => e.kind !== "continuous") && /* @__PURE__ */ z("em", { children: [" ", kt(n)] })
 					]
-				}), n.event === l && /* @__PURE__ */ L(St, {
+				}), n.event === l && /* @__PURE__ */ z(At, {
 					store: e,
 					state: t,
 					event: n
@@ -1630,18 +1649,18 @@ function bt({ store: e, state: t }) {
 		]
 	});
 }
-function xt(e) {
+function kt(e) {
 	let t = (t) => e.steps.filter((e) => e.kind === t).length;
 	return [[t("mythical"), "mythical"], [t("pinnacle"), "pinnacle"]].filter(([e]) => e).map(([e, t]) => e === 1 ? t : `${e} ${t}`).join(", ");
 }
-function St({ store: e, state: t, event: n }) {
+function At({ store: e, state: t, event: n }) {
 	let r = t.instant.step, i = n.steps[r];
-	return /* @__PURE__ */ L("div", {
+	return /* @__PURE__ */ z("div", {
 		class: "detail",
 		children: [
-			/* @__PURE__ */ L("div", {
+			/* @__PURE__ */ z("div", {
 				class: "row",
-				children: n.steps.map((t, i) => /* @__PURE__ */ L("button", {
+				children: n.steps.map((t, i) => /* @__PURE__ */ z("button", {
 					class: "stepbutton " + t.kind,
 					"aria-pressed": i === r,
 					"data-step": i,
@@ -1653,32 +1672,32 @@ function St({ store: e, state: t, event: n }) {
 					]
 				}))
 			}),
-			/* @__PURE__ */ L("p", { children: [
+			/* @__PURE__ */ z("p", { children: [
 				"mode: ",
 				Object.entries(i.mode).map(([e, t]) => `${e} = ${t}`).join(", ") || "the only one",
 				i.kind === "mythical" && " (lasts no time, stores nothing)",
 				i.kind === "pinnacle" && " (lasts no time, writes the state)"
 			] }),
-			i.fired.map((e) => /* @__PURE__ */ L("p", {
+			i.fired.map((e) => /* @__PURE__ */ z("p", {
 				class: "fired",
 				children: [
-					/* @__PURE__ */ L("b", { children: e.machine }),
+					/* @__PURE__ */ z("b", { children: e.machine }),
 					": ",
 					e.source,
 					" → ",
 					e.target,
 					", because ",
-					/* @__PURE__ */ L("code", { children: e.why })
+					/* @__PURE__ */ z("code", { children: e.why })
 				]
 			})),
-			Object.keys(i.impulses).length > 0 && /* @__PURE__ */ L("p", { children: [
+			Object.keys(i.impulses).length > 0 && /* @__PURE__ */ z("p", { children: [
 				"impulses",
 				i.kind === "mythical" ? " (on trial)" : "",
 				":",
 				" ",
-				Object.entries(i.impulses).map(([e, t]) => `${e} = ${Le(t, 6)} δ`).join(", ")
+				Object.entries(i.impulses).map(([e, t]) => `${e} = ${xe(t, 6)} δ`).join(", ")
 			] }),
-			i.energy && /* @__PURE__ */ L("p", { children: [
+			i.energy && /* @__PURE__ */ z("p", { children: [
 				"energy ",
 				i.energy.before,
 				" → ",
@@ -1688,23 +1707,23 @@ function St({ store: e, state: t, event: n }) {
 				", lost ",
 				i.energy.lost
 			] }),
-			i.undetermined.length > 0 && /* @__PURE__ */ L("p", { children: ["not determined: ", i.undetermined.join(", ")] })
+			i.undetermined.length > 0 && /* @__PURE__ */ z("p", { children: ["not determined: ", i.undetermined.join(", ")] })
 		]
 	});
 }
 // src/formulas.tsx
-var Ct = new Set("math mrow mi mo mn mtext mspace mfrac msub msup msubsup mover munder munderover msqrt mroot mtable mtr mtd mstyle".split(" "));
-function wt(e) {
+var jt = new Set("math mrow mi mo mn mtext mspace mfrac msub msup msubsup mover munder munderover msqrt mroot mtable mtr mtd mstyle".split(" "));
+function Mt(e) {
 	if (typeof e == "string") return e;
 	let [t, n, ...r] = e, i = t === "math" ? { display: "block" } : {};
-	return v(Ct.has(t) ? t : "mrow", {
+	return v(jt.has(t) ? t : "mrow", {
 		...n,
 		...i
-	}, ...r.map(wt));
+	}, ...r.map(Mt));
 }
-function Tt({ store: e, state: t }) {
-	let [n, r] = V("all"), [i, a] = V(!1), [o, s] = V(null), c = t.look, l = t.cursor?.mode ?? Object.fromEntries(c.machines.map((e) => [e.path, e.state])), u = n === "mode" ? JSON.stringify(l) : "";
-	return H(() => {
+function Nt({ store: e, state: t }) {
+	let [n, r] = H("all"), [i, a] = H(!1), [o, s] = H(null), c = t.look, l = t.cursor?.mode ?? Object.fromEntries(c.machines.map((e) => [e.path, e.state])), u = n === "mode" ? JSON.stringify(l) : "";
+	return gt(() => {
 		let t = !1;
 		return s(null), e.transport.ask(n === "structure" ? "structure" : "equations", {
 			one: n === "mode",
@@ -1716,41 +1735,41 @@ function Tt({ store: e, state: t }) {
 		c.revision,
 		n,
 		u
-	]), /* @__PURE__ */ L("section", {
+	]), /* @__PURE__ */ z("section", {
 		class: "formulas",
 		children: [
-			/* @__PURE__ */ L("div", {
+			/* @__PURE__ */ z("div", {
 				class: "row",
 				children: [[
 					["all", "all modes"],
 					["mode", "the mode drawn"],
 					["structure", "structure"]
-				].map(([e, t]) => /* @__PURE__ */ L("button", {
+				].map(([e, t]) => /* @__PURE__ */ z("button", {
 					"aria-pressed": n === e,
 					onClick: () => r(e),
 					children: t
-				})), o?.formula && /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("input", {
+				})), o?.formula && /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("input", {
 					type: "checkbox",
 					checked: i,
 					onChange: (e) => a(e.currentTarget.checked)
 				}), " as text"] })]
 			}),
-			!o && /* @__PURE__ */ L("p", {
+			!o && /* @__PURE__ */ z("p", {
 				class: "hint",
 				children: "…"
 			}),
-			o?.formula && !i ? /* @__PURE__ */ L("div", {
+			o?.formula && !i ? /* @__PURE__ */ z("div", {
 				class: "formula",
 				tabindex: 0,
 				role: "group",
 				"aria-label": "Equations",
-				children: wt(o.formula)
-			}) : o && /* @__PURE__ */ L("pre", {
+				children: Mt(o.formula)
+			}) : o && /* @__PURE__ */ z("pre", {
 				class: "equations",
 				tabindex: 0,
 				children: o.text
 			}),
-			o?.notes?.map((e) => /* @__PURE__ */ L("p", {
+			o?.notes?.map((e) => /* @__PURE__ */ z("p", {
 				class: "hint",
 				children: e
 			}))
@@ -1758,12 +1777,12 @@ function Tt({ store: e, state: t }) {
 	});
 }
 // src/fields.tsx
-var Et = 0;
-function Dt(e) {
-	let [t, n] = V(e.value), [r] = V(() => `list${++Et}`), i = lt(!1);
-	return H(() => {
+var Pt = 0;
+function Ft(e) {
+	let [t, n] = H(e.value), [r] = H(() => `list${++Pt}`), i = _t(!1);
+	return gt(() => {
 		i.current || n(e.value);
-	}, [e.value]), /* @__PURE__ */ L(x, { children: [/* @__PURE__ */ L("input", {
+	}, [e.value]), /* @__PURE__ */ z(x, { children: [/* @__PURE__ */ z("input", {
 		"aria-label": e.label,
 		value: t,
 		disabled: e.disabled,
@@ -1780,20 +1799,20 @@ function Dt(e) {
 		onKeyDown: (t) => {
 			t.key === "Enter" && t.currentTarget.blur(), t.key === "Escape" && (n(e.value), i.current = !1, requestAnimationFrame(() => document.querySelector(".canvas svg")?.focus())), t.stopPropagation();
 		}
-	}), e.list && /* @__PURE__ */ L("datalist", {
+	}), e.list && /* @__PURE__ */ z("datalist", {
 		id: r,
-		children: e.list.map((e) => /* @__PURE__ */ L("option", { value: e }))
+		children: e.list.map((e) => /* @__PURE__ */ z("option", { value: e }))
 	})] });
 }
-function Ot(e) {
+function It(e) {
 	let t = e.trim();
 	return t === "" ? null : /^[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?$/i.test(t) ? Number(t) : t;
 }
 // src/item.tsx
-var kt = {
+var Lt = {
 	C: ["q", "e"],
 	I: ["p", "f"]
-}, At = {
+}, Rt = {
 	diode: [],
 	thyristor: ["gate"],
 	unilateral: [
@@ -1804,86 +1823,86 @@ var kt = {
 	coulomb: ["limit", "breakaway"],
 	relay: ["limit"]
 };
-function jt({ store: e, state: t }) {
+function zt({ store: e, state: t }) {
 	let n = t.look, r = n.view.nodes.filter((e) => t.nodes.has(e.name)), i = n.view.bonds.filter((e) => t.bonds.has(e.key));
-	if (r.length === 1) return /* @__PURE__ */ L(It, {
+	if (r.length === 1) return /* @__PURE__ */ z(Wt, {
 		store: e,
 		state: t,
 		node: r[0]
 	});
 	if (i.length === 1 && !r.length) {
 		let r = i[0], a = t.cursor?.values[r.key];
-		return /* @__PURE__ */ L("section", { children: [
-			/* @__PURE__ */ L("h2", { children: "Bond" }),
-			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "written" }), /* @__PURE__ */ L(Dt, {
+		return /* @__PURE__ */ z("section", { children: [
+			/* @__PURE__ */ z("h2", { children: "Bond" }),
+			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "written" }), /* @__PURE__ */ z(Ft, {
 				label: "Bond",
 				first: !0,
 				value: r.text,
 				disabled: !n.view.editable,
-				onWrite: (n) => void Mt(e, t, r.key, n)
+				onWrite: (n) => void Bt(e, t, r.key, n)
 			})] }),
-			a && /* @__PURE__ */ L("p", { children: [
+			a && /* @__PURE__ */ z("p", { children: [
 				"effort ",
-				z(a.e, a.units[0]),
+				L(a.e, a.units[0]),
 				", flow ",
-				z(a.f, a.units[1]),
+				L(a.f, a.units[1]),
 				", power",
 				" ",
-				a.e === null || a.f === null ? "—" : z(a.e * a.f, "W")
+				a.e === null || a.f === null ? "—" : L(a.e * a.f, "W")
 			] }),
-			/* @__PURE__ */ L("div", {
+			/* @__PURE__ */ z("div", {
 				class: "row",
-				children: [/* @__PURE__ */ L("button", {
+				children: [/* @__PURE__ */ z("button", {
 					onClick: () => e.reverse(),
 					children: "Turn round (r)"
-				}), /* @__PURE__ */ L("button", {
+				}), /* @__PURE__ */ z("button", {
 					onClick: () => e.remove(),
 					children: "Delete"
 				})]
 			})
 		] });
 	}
-	return r.length + i.length > 1 ? /* @__PURE__ */ L("section", { children: [/* @__PURE__ */ L("h2", { children: [
+	return r.length + i.length > 1 ? /* @__PURE__ */ z("section", { children: [/* @__PURE__ */ z("h2", { children: [
 		r.length,
 		" elements, ",
 		i.length,
 		" bonds"
-	] }), /* @__PURE__ */ L("div", {
+	] }), /* @__PURE__ */ z("div", {
 		class: "row",
 		children: [
-			/* @__PURE__ */ L("button", {
-				onClick: () => Nt(e, r, "y"),
+			/* @__PURE__ */ z("button", {
+				onClick: () => Vt(e, r, "y"),
 				children: "In a row"
 			}),
-			/* @__PURE__ */ L("button", {
-				onClick: () => Nt(e, r, "x"),
+			/* @__PURE__ */ z("button", {
+				onClick: () => Vt(e, r, "x"),
 				children: "In a column"
 			}),
-			/* @__PURE__ */ L("button", {
+			/* @__PURE__ */ z("button", {
 				disabled: r.length < 3,
-				onClick: () => Pt(e, r, "x"),
+				onClick: () => Ht(e, r, "x"),
 				children: "Evenly across"
 			}),
-			/* @__PURE__ */ L("button", {
+			/* @__PURE__ */ z("button", {
 				disabled: r.length < 3,
-				onClick: () => Pt(e, r, "y"),
+				onClick: () => Ht(e, r, "y"),
 				children: "Evenly down"
 			}),
-			/* @__PURE__ */ L("button", {
+			/* @__PURE__ */ z("button", {
 				onClick: () => void e.duplicate(),
 				children: "Duplicate"
 			}),
-			/* @__PURE__ */ L("button", {
+			/* @__PURE__ */ z("button", {
 				onClick: () => e.remove(),
 				children: "Delete"
 			})
 		]
-	})] }) : /* @__PURE__ */ L(Ft, {
+	})] }) : /* @__PURE__ */ z(Ut, {
 		store: e,
 		state: t
 	});
 }
-async function Mt(e, t, n, r) {
+async function Bt(e, t, n, r) {
 	let [i] = n.split(".").map(Number);
 	t.look.view.bonds.filter((e) => e.key.startsWith(`${i}.`)).length === 1 ? await e.edit({
 		do: "write bond",
@@ -1898,14 +1917,14 @@ async function Mt(e, t, n, r) {
 		text: r
 	}));
 }
-function Nt(e, t, n) {
+function Vt(e, t, n) {
 	let r = t.reduce((e, t) => e + t[n], 0) / t.length, i = Math.round(r * 4) / 4, a = Object.fromEntries(t.map((e) => [e.name, n === "y" ? [e.x, i] : [i, e.y]]));
 	e.edit({
 		do: "move",
 		at: a
 	});
 }
-function Pt(e, t, n) {
+function Ht(e, t, n) {
 	let r = [...t].sort((e, t) => e[n] - t[n]), [i, a] = [r[0][n], r[r.length - 1][n]], o = Object.fromEntries(r.map((e, t) => {
 		let o = i + (a - i) * t / (r.length - 1);
 		return [e.name, n === "x" ? [o, e.y] : [e.x, o]];
@@ -1915,26 +1934,26 @@ function Pt(e, t, n) {
 		at: o
 	});
 }
-function Ft({ store: e, state: t }) {
+function Ut({ store: e, state: t }) {
 	let n = t.look, r = t.stock?.domains ?? [], i = (t, n) => void e.edit({
 		do: "set",
 		path: t,
 		value: n
 	});
-	return /* @__PURE__ */ L("section", { children: [
-		/* @__PURE__ */ L("h2", { children: "Model" }),
-		/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "title" }), /* @__PURE__ */ L(Dt, {
+	return /* @__PURE__ */ z("section", { children: [
+		/* @__PURE__ */ z("h2", { children: "Model" }),
+		/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "title" }), /* @__PURE__ */ z(Ft, {
 			label: "Title",
 			first: !0,
 			value: n.title,
 			disabled: !n.view.editable,
 			onWrite: (e) => i(["title"], e)
 		})] }),
-		/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "domain" }), /* @__PURE__ */ L("select", {
+		/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "domain" }), /* @__PURE__ */ z("select", {
 			disabled: !n.view.editable,
 			value: n.view.domain,
 			onChange: (e) => i(["domain"], e.currentTarget.value),
-			children: r.map((e) => /* @__PURE__ */ L("option", {
+			children: r.map((e) => /* @__PURE__ */ z("option", {
 				value: e.name,
 				children: [
 					e.name,
@@ -1943,21 +1962,21 @@ function Ft({ store: e, state: t }) {
 				]
 			}))
 		})] }),
-		/* @__PURE__ */ L("p", {
+		/* @__PURE__ */ z("p", {
 			class: "hint",
 			children: [
 				"Put elements down from the palette, or press ",
-				/* @__PURE__ */ L("kbd", { children: "a" }),
+				/* @__PURE__ */ z("kbd", { children: "a" }),
 				" and write ",
-				/* @__PURE__ */ L("code", { children: "R load 10 ohm" }),
+				/* @__PURE__ */ z("code", { children: "R load 10 ohm" }),
 				". Drag from the handle of a selected element to bond it, or press ",
-				/* @__PURE__ */ L("kbd", { children: "b" }),
+				/* @__PURE__ */ z("kbd", { children: "b" }),
 				". Strokes follow each edit."
 			]
 		})
 	] });
 }
-function It({ store: e, state: t, node: n }) {
+function Wt({ store: e, state: t, node: n }) {
 	let r = !t.look.view.editable, i = n.entry, a = (t, r) => void e.edit({
 		do: "set",
 		path: [
@@ -1971,66 +1990,66 @@ function It({ store: e, state: t, node: n }) {
 		old: n.name,
 		new: t.trim()
 	}).then((n) => n && e.set({ nodes: /* @__PURE__ */ new Set([t.trim()]) })), s = n.kind === "0" || n.kind === "1", c = t.stock?.parts.find((e) => e.name === i.submodel);
-	return /* @__PURE__ */ L("section", { children: [
-		/* @__PURE__ */ L("h2", { children: n.kind === "part" ? String(i.submodel) : t.stock?.kinds.find((e) => e.kind === n.kind)?.about ?? n.kind }),
-		/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "name" }), /* @__PURE__ */ L(Dt, {
+	return /* @__PURE__ */ z("section", { children: [
+		/* @__PURE__ */ z("h2", { children: n.kind === "part" ? String(i.submodel) : t.stock?.kinds.find((e) => e.kind === n.kind)?.about ?? n.kind }),
+		/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "name" }), /* @__PURE__ */ z(Ft, {
 			label: "Name",
 			first: s || n.kind === "part",
 			value: n.name,
 			disabled: r,
 			onWrite: o
 		})] }),
-		!s && n.kind !== "part" && /* @__PURE__ */ L(Lt, {
+		!s && n.kind !== "part" && /* @__PURE__ */ z(Gt, {
 			node: n,
 			off: r,
 			set: a
 		}),
-		kt[n.kind]?.map((e) => /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: ["start ", e] }), /* @__PURE__ */ L(Dt, {
+		Lt[n.kind]?.map((e) => /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: ["start ", e] }), /* @__PURE__ */ z(Ft, {
 			label: `Start value ${e}`,
-			value: Bt(i[e]),
+			value: Jt(i[e]),
 			disabled: r,
 			placeholder: "0",
-			onWrite: (t) => a([e], Ot(t))
+			onWrite: (t) => a([e], It(t))
 		})] })),
-		s && /* @__PURE__ */ L(x, { children: [
-			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "kind" }), /* @__PURE__ */ L("select", {
+		s && /* @__PURE__ */ z(x, { children: [
+			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "kind" }), /* @__PURE__ */ z("select", {
 				disabled: r,
 				value: n.kind,
 				onChange: (e) => a(["junction"], Number(e.currentTarget.value)),
-				children: [/* @__PURE__ */ L("option", {
+				children: [/* @__PURE__ */ z("option", {
 					value: "0",
 					children: "0, common effort"
-				}), /* @__PURE__ */ L("option", {
+				}), /* @__PURE__ */ z("option", {
 					value: "1",
 					children: "1, common flow"
 				})]
 			})] }),
-			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "law" }), /* @__PURE__ */ L("select", {
+			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "law" }), /* @__PURE__ */ z("select", {
 				disabled: r,
-				value: Bt(i.law),
+				value: Jt(i.law),
 				onChange: (e) => a(["law"], e.currentTarget.value || null),
-				children: [/* @__PURE__ */ L("option", {
+				children: [/* @__PURE__ */ z("option", {
 					value: "",
 					children: "none"
-				}), t.stock?.laws.map((e) => /* @__PURE__ */ L("option", {
+				}), t.stock?.laws.map((e) => /* @__PURE__ */ z("option", {
 					value: e,
 					children: e
 				}))]
 			})] }),
-			(At[Bt(i.law)] ?? []).map((e) => /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: e }), /* @__PURE__ */ L(Dt, {
+			(Rt[Jt(i.law)] ?? []).map((e) => /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: e }), /* @__PURE__ */ z(Ft, {
 				label: e,
-				value: Bt(i[e]),
+				value: Jt(i[e]),
 				disabled: r,
-				onWrite: (t) => a([e], Ot(t))
+				onWrite: (t) => a([e], It(t))
 			})] })),
-			/* @__PURE__ */ L(Rt, {
+			/* @__PURE__ */ z(Kt, {
 				store: e,
 				state: t,
 				node: n
 			})
 		] }),
-		n.kind === "part" && /* @__PURE__ */ L(x, { children: [
-			c && /* @__PURE__ */ L("p", {
+		n.kind === "part" && /* @__PURE__ */ z(x, { children: [
+			c && /* @__PURE__ */ z("p", {
 				class: "hint",
 				children: c.title
 			}),
@@ -2039,41 +2058,41 @@ function It({ store: e, state: t, node: n }) {
 				...i.parameters
 			}).map(([e]) => {
 				let t = i.parameters?.[e];
-				return /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: e }), /* @__PURE__ */ L(Dt, {
+				return /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: e }), /* @__PURE__ */ z(Ft, {
 					label: e,
-					value: Bt(t),
+					value: Jt(t),
 					disabled: r,
 					placeholder: c?.parameters[e],
-					onWrite: (t) => a(["parameters", e], Ot(t))
+					onWrite: (t) => a(["parameters", e], It(t))
 				})] });
 			}),
-			n.inputs?.map((e) => /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: [e, " ⟵"] }), /* @__PURE__ */ L(Dt, {
+			n.inputs?.map((e) => /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: [e, " ⟵"] }), /* @__PURE__ */ z(Ft, {
 				label: `Input ${e}`,
-				value: Bt(i.inputs?.[e]),
+				value: Jt(i.inputs?.[e]),
 				disabled: r,
 				placeholder: "an expression",
-				list: Vt(t),
-				onWrite: (t) => a(["inputs", e], Ot(t))
+				list: Yt(t),
+				onWrite: (t) => a(["inputs", e], It(t))
 			})] })),
-			n.known && /* @__PURE__ */ L("button", {
+			n.known && /* @__PURE__ */ z("button", {
 				onClick: () => e.open(t.level ? `${t.level}.${n.name}` : n.name),
 				children: "Open"
 			})
 		] }),
-		/* @__PURE__ */ L("div", {
+		/* @__PURE__ */ z("div", {
 			class: "row",
 			children: [
-				/* @__PURE__ */ L("button", {
+				/* @__PURE__ */ z("button", {
 					disabled: r,
 					onClick: () => e.set({ bondFrom: n.name }),
 					children: "Bond (b)"
 				}),
-				/* @__PURE__ */ L("button", {
+				/* @__PURE__ */ z("button", {
 					disabled: r,
 					onClick: () => void e.duplicate(),
 					children: "Duplicate"
 				}),
-				/* @__PURE__ */ L("button", {
+				/* @__PURE__ */ z("button", {
 					disabled: r,
 					onClick: () => e.remove(),
 					children: "Delete"
@@ -2082,11 +2101,11 @@ function It({ store: e, state: t, node: n }) {
 		})
 	] });
 }
-function Lt({ node: e, off: t, set: n }) {
+function Gt({ node: e, off: t, set: n }) {
 	let r = e.entry[e.kind];
 	if (typeof r == "object" && r && !Array.isArray(r)) {
 		let [i, a] = Object.entries(r)[0] ?? ["e", ""];
-		if (typeof a == "string") return /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: [i, " ="] }), /* @__PURE__ */ L(Dt, {
+		if (typeof a == "string") return /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: [i, " ="] }), /* @__PURE__ */ z(Ft, {
 			label: `Law, ${i} =`,
 			first: !0,
 			value: a,
@@ -2094,31 +2113,31 @@ function Lt({ node: e, off: t, set: n }) {
 			onWrite: (t) => n([e.kind, i], t)
 		})] });
 	}
-	return typeof r == "object" && r ? /* @__PURE__ */ L("p", {
+	return typeof r == "object" && r ? /* @__PURE__ */ z("p", {
 		class: "hint",
 		children: "A field or a table: edit it in the text."
-	}) : /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "value" }), /* @__PURE__ */ L(Dt, {
+	}) : /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "value" }), /* @__PURE__ */ z(Ft, {
 		label: "Value",
 		first: !0,
-		value: Bt(r),
+		value: Jt(r),
 		disabled: t,
 		onWrite: (t) => {
 			let r = /^\s*([ef])\s*=\s*(.+)$/.exec(t);
-			n([e.kind], r ? { [r[1]]: r[2] } : Ot(t) ?? 1);
+			n([e.kind], r ? { [r[1]]: r[2] } : It(t) ?? 1);
 		}
 	})] });
 }
-function Rt({ store: e, state: t, node: n }) {
+function Kt({ store: e, state: t, node: n }) {
 	let r = t.look;
-	return n.machine ? /* @__PURE__ */ L("p", { children: ["switched by ", /* @__PURE__ */ L("button", {
+	return n.machine ? /* @__PURE__ */ z("p", { children: ["switched by ", /* @__PURE__ */ z("button", {
 		class: "link",
 		onClick: () => e.set({ tab: "machines" }),
 		children: n.machine
-	})] }) : n.law ? null : /* @__PURE__ */ L("button", {
+	})] }) : n.law ? null : /* @__PURE__ */ z("button", {
 		disabled: !r.view.editable,
 		onClick: () => void e.edit({
 			do: "set",
-			path: ["machines", zt(Object.keys(r.panels.machines), `${n.name}_switch`)],
+			path: ["machines", qt(Object.keys(r.panels.machines), `${n.name}_switch`)],
 			value: {
 				states: {
 					on: [n.name],
@@ -2131,14 +2150,14 @@ function Rt({ store: e, state: t, node: n }) {
 		children: "Let a state machine switch it"
 	});
 }
-function zt(e, t) {
+function qt(e, t) {
 	if (!e.includes(t)) return t;
 	for (let n = 2;; n++) if (!e.includes(`${t}${n}`)) return `${t}${n}`;
 }
-function Bt(e) {
+function Jt(e) {
 	return e == null ? "" : typeof e == "object" ? JSON.stringify(e) : String(e);
 }
-function Vt(e) {
+function Yt(e) {
 	let t = e.look;
 	if (!t) return [];
 	let n = ["time"];
@@ -2146,10 +2165,10 @@ function Vt(e) {
 	return n.push(...Object.keys(t.panels.machines).map((e) => `${e}.state`), ...e.run?.names ?? []), n.push("pre", "abs", "min", "max", "sqrt", "sin", "cos", "exp", "and", "or", "not"), n.push(...t.view.signals.map((e) => e.name), ...Object.keys(t.panels.parameters)), [...new Set(n)];
 }
 // src/expression.tsx
-var Ht = 250, Ut = /[A-Za-z_][\w.]*$/, Wt = 0;
-function Gt(e) {
-	let [t, n] = V(e.value), [r, i] = V([]), [a, o] = V(-1), [s, c] = V(null), [l] = V(() => `words${++Wt}`), u = lt(null), d = lt(!1), f = lt(0);
-	H(() => {
+var Xt = 250, Zt = /[A-Za-z_][\w.]*$/, Qt = 0;
+function $t(e) {
+	let [t, n] = H(e.value), [r, i] = H([]), [a, o] = H(-1), [s, c] = H(null), [l] = H(() => `words${++Qt}`), u = _t(null), d = _t(!1), f = _t(0);
+	gt(() => {
 		d.current || n(e.value), c(null);
 	}, [e.value]);
 	let p = () => {
@@ -2157,14 +2176,14 @@ function Gt(e) {
 	}, m = () => {
 		let t = u.current.value;
 		n(t);
-		let r = Ut.exec(t.slice(0, u.current.selectionStart ?? t.length))?.[0] ?? "", a = r.toLowerCase(), s = r ? e.words.filter((e) => e !== r && e.toLowerCase().includes(a)) : [];
+		let r = Zt.exec(t.slice(0, u.current.selectionStart ?? t.length))?.[0] ?? "", a = r.toLowerCase(), s = r ? e.words.filter((e) => e !== r && e.toLowerCase().includes(a)) : [];
 		s.sort((e, t) => Number(t.toLowerCase().startsWith(a)) - Number(e.toLowerCase().startsWith(a))), i(s.slice(0, 8)), o(-1);
 		let l = ++f.current;
 		setTimeout(() => {
 			l === f.current && e.check(t).then((e) => l === f.current && c(e)).catch(() => {});
-		}, Ht);
+		}, Xt);
 	}, h = (e) => {
-		let t = u.current, n = t.selectionStart ?? t.value.length, r = t.value.slice(0, n).replace(Ut, e);
+		let t = u.current, n = t.selectionStart ?? t.value.length, r = t.value.slice(0, n).replace(Zt, e);
 		t.value = r + t.value.slice(n), t.setSelectionRange(r.length, r.length), p(), m(), i([]), t.focus();
 	}, g = () => {
 		d.current = !1, f.current++, p(), t !== e.value && e.onWrite(t);
@@ -2182,10 +2201,10 @@ function Gt(e) {
 			n(e.value), c(null), d.current = !1, requestAnimationFrame(() => document.querySelector(".canvas svg")?.focus());
 		}
 	}, v = s ?? (t === e.value ? e.told ?? null : null);
-	return /* @__PURE__ */ L("span", {
+	return /* @__PURE__ */ z("span", {
 		class: "expression",
 		children: [
-			/* @__PURE__ */ L("input", {
+			/* @__PURE__ */ z("input", {
 				ref: u,
 				"aria-label": e.label,
 				value: t,
@@ -2205,11 +2224,11 @@ function Gt(e) {
 				onBlur: g,
 				onKeyDown: _
 			}),
-			r.length > 0 && /* @__PURE__ */ L("ul", {
+			r.length > 0 && /* @__PURE__ */ z("ul", {
 				id: l,
 				role: "listbox",
 				"aria-label": "Names",
-				children: r.map((e, t) => /* @__PURE__ */ L("li", {
+				children: r.map((e, t) => /* @__PURE__ */ z("li", {
 					id: `${l}-${t}`,
 					role: "option",
 					"aria-selected": t === a,
@@ -2219,21 +2238,21 @@ function Gt(e) {
 					children: e
 				}))
 			}),
-			v && /* @__PURE__ */ L("small", {
+			v && /* @__PURE__ */ z("small", {
 				class: "wrong",
 				id: `${l}-wrong`,
 				role: "status",
 				children: [
 					v.why,
 					" ",
-					v.try && /* @__PURE__ */ L("em", { children: v.try })
+					v.try && /* @__PURE__ */ z("em", { children: v.try })
 				]
 			})
 		]
 	});
 }
 // src/machines.tsx
-function Kt(e) {
+function en(e) {
 	let t = /^\s*(\w+)\s*->\s*(\w+)\s+when\s+(.+)$/s.exec(e);
 	return t ? {
 		source: t[1],
@@ -2241,19 +2260,19 @@ function Kt(e) {
 		guard: t[3]
 	} : null;
 }
-function qt({ store: e, state: t }) {
+function tn({ store: e, state: t }) {
 	let n = t.look, r = Object.entries(n.panels.machines);
-	return /* @__PURE__ */ L("section", { children: [
-		/* @__PURE__ */ L("h2", { children: "State machines" }),
-		r.map(([n, r]) => /* @__PURE__ */ L(Jt, {
+	return /* @__PURE__ */ z("section", { children: [
+		/* @__PURE__ */ z("h2", { children: "State machines" }),
+		r.map(([n, r]) => /* @__PURE__ */ z(nn, {
 			store: e,
 			state: t,
 			name: n,
 			machine: r
 		}, n)),
-		n.view.editable && /* @__PURE__ */ L("button", {
+		n.view.editable && /* @__PURE__ */ z("button", {
 			onClick: () => {
-				let i = n.view.nodes.find((e) => t.nodes.has(e.name) && (e.kind === "0" || e.kind === "1")), a = zt([...r.map(([e]) => e), ...n.view.nodes.map((e) => e.name)], "S");
+				let i = n.view.nodes.find((e) => t.nodes.has(e.name) && (e.kind === "0" || e.kind === "1")), a = qt([...r.map(([e]) => e), ...n.view.nodes.map((e) => e.name)], "S");
 				e.edit({
 					do: "set",
 					path: ["machines", a],
@@ -2269,23 +2288,23 @@ function qt({ store: e, state: t }) {
 			},
 			children: "New machine"
 		}),
-		/* @__PURE__ */ L("p", {
+		/* @__PURE__ */ z("p", {
 			class: "hint",
 			children: [
 				"In guards ",
-				/* @__PURE__ */ L("code", { children: "pre(x)" }),
+				/* @__PURE__ */ z("code", { children: "pre(x)" }),
 				" is the value before the instant (a priori ",
-				/* @__PURE__ */ L("b", { children: "x⁻" }),
+				/* @__PURE__ */ z("b", { children: "x⁻" }),
 				"), ",
-				/* @__PURE__ */ L("code", { children: "x" }),
+				/* @__PURE__ */ z("code", { children: "x" }),
 				" the one that holds after it (a posteriori ",
-				/* @__PURE__ */ L("b", { children: "x⁺" }),
+				/* @__PURE__ */ z("b", { children: "x⁺" }),
 				")."
 			]
 		})
 	] });
 }
-function Jt({ store: e, state: t, name: n, machine: r }) {
+function nn({ store: e, state: t, name: n, machine: r }) {
 	let i = t.look, a = !i.view.editable, o = t.level ? `${t.level}.${n}` : n, s = t.cursor?.mode[o] ?? i.machines.find((e) => e.path === o)?.state, c = Object.keys(r.states ?? {}), l = r.rules ?? [], u = (t) => void e.edit({
 		do: "set",
 		path: ["machines", n],
@@ -2305,13 +2324,13 @@ function Jt({ store: e, state: t, name: n, machine: r }) {
 		}, { problem: c } = await e.transport.ask("attempt", { edit: s });
 		return c?.where.includes(n) ? c : null;
 	}, p = i.view.nodes.filter((e) => e.kind !== "part" && e.kind !== "?").map((e) => e.name);
-	return /* @__PURE__ */ L("div", {
+	return /* @__PURE__ */ z("div", {
 		class: "machine",
 		"data-machine": n,
 		children: [
-			/* @__PURE__ */ L("div", {
+			/* @__PURE__ */ z("div", {
 				class: "row",
-				children: [/* @__PURE__ */ L(Dt, {
+				children: [/* @__PURE__ */ z(Ft, {
 					label: `Name of machine ${n}`,
 					value: n,
 					disabled: a,
@@ -2320,7 +2339,7 @@ function Jt({ store: e, state: t, name: n, machine: r }) {
 						old: n,
 						new: t.trim()
 					})
-				}), !a && /* @__PURE__ */ L("button", {
+				}), !a && /* @__PURE__ */ z("button", {
 					class: "small",
 					"aria-label": `Delete machine ${n}`,
 					onClick: () => void e.edit({
@@ -2331,15 +2350,15 @@ function Jt({ store: e, state: t, name: n, machine: r }) {
 					children: "✕"
 				})]
 			}),
-			/* @__PURE__ */ L(Yt, {
+			/* @__PURE__ */ z(rn, {
 				machine: r,
 				now: s,
 				onState: (t) => e.setMode(o, t)
 			}),
-			c.map((t) => /* @__PURE__ */ L("div", {
+			c.map((t) => /* @__PURE__ */ z("div", {
 				class: "row state",
 				children: [
-					/* @__PURE__ */ L("input", {
+					/* @__PURE__ */ z("input", {
 						type: "radio",
 						name: `start-${n}`,
 						"aria-label": `${n} starts in ${t}`,
@@ -2351,7 +2370,7 @@ function Jt({ store: e, state: t, name: n, machine: r }) {
 							start: t
 						})
 					}),
-					/* @__PURE__ */ L(Dt, {
+					/* @__PURE__ */ z(Ft, {
 						label: `State ${t} of ${n}`,
 						value: t,
 						disabled: a,
@@ -2373,11 +2392,11 @@ function Jt({ store: e, state: t, name: n, machine: r }) {
 							});
 						}
 					}),
-					/* @__PURE__ */ L("span", {
+					/* @__PURE__ */ z("span", {
 						class: "on",
 						children: "ON"
 					}),
-					/* @__PURE__ */ L(Dt, {
+					/* @__PURE__ */ z(Ft, {
 						label: `Junctions that state ${t} of ${n} switches on`,
 						value: (r.states[t] ?? []).join(", "),
 						disabled: a,
@@ -2394,44 +2413,44 @@ function Jt({ store: e, state: t, name: n, machine: r }) {
 				]
 			})),
 			l.map((e, r) => {
-				let i = Kt(e), o = i && /\bpre\s*\(/.test(i.guard);
-				return /* @__PURE__ */ L("div", {
+				let i = en(e), o = i && /\bpre\s*\(/.test(i.guard);
+				return /* @__PURE__ */ z("div", {
 					class: "row rule",
-					children: [i ? /* @__PURE__ */ L(x, { children: [
-						/* @__PURE__ */ L("select", {
+					children: [i ? /* @__PURE__ */ z(x, { children: [
+						/* @__PURE__ */ z("select", {
 							disabled: a,
 							"aria-label": "From",
 							value: i.source,
 							onChange: (e) => d(r, `${e.currentTarget.value} -> ${i.target} when ${i.guard}`),
-							children: c.map((e) => /* @__PURE__ */ L("option", { children: e }))
+							children: c.map((e) => /* @__PURE__ */ z("option", { children: e }))
 						}),
 						"→",
-						/* @__PURE__ */ L("select", {
+						/* @__PURE__ */ z("select", {
 							disabled: a,
 							"aria-label": "To",
 							value: i.target,
 							onChange: (e) => d(r, `${i.source} -> ${e.currentTarget.value} when ${i.guard}`),
-							children: c.map((e) => /* @__PURE__ */ L("option", { children: e }))
+							children: c.map((e) => /* @__PURE__ */ z("option", { children: e }))
 						}),
-						/* @__PURE__ */ L(Gt, {
+						/* @__PURE__ */ z($t, {
 							label: `Guard ${r + 1} of ${n}`,
 							value: i.guard,
 							disabled: a,
-							words: Vt(t),
+							words: Yt(t),
 							check: (e) => f(r, `${i.source} -> ${i.target} when ${e}`),
 							onWrite: (e) => d(r, `${i.source} -> ${i.target} when ${e}`)
 						}),
-						/* @__PURE__ */ L("span", {
+						/* @__PURE__ */ z("span", {
 							class: "reads " + (o ? "prior" : "after"),
 							title: o ? "reads a priori values, x⁻" : "reads a posteriori values, x⁺",
 							children: o ? "x⁻" : "x⁺"
 						})
-					] }) : /* @__PURE__ */ L(Dt, {
+					] }) : /* @__PURE__ */ z(Ft, {
 						label: `Rule ${r + 1} of ${n}`,
 						value: e,
 						disabled: a,
 						onWrite: (e) => d(r, e)
-					}), !a && /* @__PURE__ */ L("button", {
+					}), !a && /* @__PURE__ */ z("button", {
 						class: "small",
 						"aria-label": `Delete rule ${r + 1} of ${n}`,
 						onClick: () => d(r, null),
@@ -2439,21 +2458,21 @@ function Jt({ store: e, state: t, name: n, machine: r }) {
 					})]
 				});
 			}),
-			!a && /* @__PURE__ */ L("div", {
+			!a && /* @__PURE__ */ z("div", {
 				class: "row",
-				children: [/* @__PURE__ */ L("button", {
+				children: [/* @__PURE__ */ z("button", {
 					onClick: () => u({
 						...r,
 						states: {
 							...r.states,
-							[zt(c, "state")]: []
+							[qt(c, "state")]: []
 						}
 					}),
 					children: "Add state"
-				}), /* @__PURE__ */ L("button", {
+				}), /* @__PURE__ */ z("button", {
 					disabled: c.length < 2,
 					onClick: () => {
-						let e = c.find((e) => !l.some((t) => Kt(t)?.source === e)) ?? c[0], t = c.find((t) => t !== e);
+						let e = c.find((e) => !l.some((t) => en(t)?.source === e)) ?? c[0], t = c.find((t) => t !== e);
 						u({
 							...r,
 							rules: [...l, `${e} -> ${t} when time >= 1`]
@@ -2465,18 +2484,18 @@ function Jt({ store: e, state: t, name: n, machine: r }) {
 		]
 	});
 }
-function Yt({ machine: e, now: t, onState: n }) {
-	let r = Object.keys(e.states ?? {}), i = (e) => 46 + 108 * r.indexOf(e), a = (e.rules ?? []).map(Kt).filter((e) => !!e && r.includes(e.source) && r.includes(e.target)), o = /* @__PURE__ */ new Map(), s = 26 + 16 * Math.max(1, ...a.map((e) => Math.abs(r.indexOf(e.target) - r.indexOf(e.source))));
-	return /* @__PURE__ */ L("div", {
+function rn({ machine: e, now: t, onState: n }) {
+	let r = Object.keys(e.states ?? {}), i = (e) => 46 + 108 * r.indexOf(e), a = (e.rules ?? []).map(en).filter((e) => !!e && r.includes(e.source) && r.includes(e.target)), o = /* @__PURE__ */ new Map(), s = 26 + 16 * Math.max(1, ...a.map((e) => Math.abs(r.indexOf(e.target) - r.indexOf(e.source))));
+	return /* @__PURE__ */ z("div", {
 		class: "diagram",
-		children: /* @__PURE__ */ L("svg", {
+		children: /* @__PURE__ */ z("svg", {
 			width: 46 + 108 * r.length,
 			height: 2 * s + 10,
 			viewBox: `0 ${-s} ${46 + 108 * r.length} ${2 * s + 10}`,
 			role: "group",
 			"aria-label": "States and rules",
 			children: [
-				/* @__PURE__ */ L("defs", { children: /* @__PURE__ */ L("marker", {
+				/* @__PURE__ */ z("defs", { children: /* @__PURE__ */ z("marker", {
 					id: "rulehead",
 					viewBox: "0 0 8 8",
 					refX: 7,
@@ -2484,26 +2503,26 @@ function Yt({ machine: e, now: t, onState: n }) {
 					markerWidth: 7,
 					markerHeight: 7,
 					orient: "auto",
-					children: /* @__PURE__ */ L("path", {
+					children: /* @__PURE__ */ z("path", {
 						d: "M0,1L8,4L0,7z",
 						class: "rulehead"
 					})
 				}) }),
 				a.map((e) => {
 					let [t, n] = [i(e.source), i(e.target)], r = `${e.source}>${e.target}`, a = o.get(r) ?? 0;
-					if (o.set(r, a + 1), t === n) return /* @__PURE__ */ L("path", {
+					if (o.set(r, a + 1), t === n) return /* @__PURE__ */ z("path", {
 						class: "arc",
 						d: `M${t - 8},-14 C${t - 26},-44 ${t + 26},-44 ${t + 8},-14`,
 						"marker-end": "url(#rulehead)",
-						children: /* @__PURE__ */ L("title", { children: e.guard })
+						children: /* @__PURE__ */ z("title", { children: e.guard })
 					});
 					let s = n > t ? -1 : 1, c = s * (22 + 14 * Math.abs(n - t) / 108 + 9 * a), l = e.guard.length > 26 ? e.guard.slice(0, 25) + "…" : e.guard;
-					return /* @__PURE__ */ L("g", { children: [/* @__PURE__ */ L("path", {
+					return /* @__PURE__ */ z("g", { children: [/* @__PURE__ */ z("path", {
 						class: "arc",
 						d: `M${t},${14 * s} C${t},${c} ${n},${c} ${n},${14 * s}`,
 						"marker-end": "url(#rulehead)",
-						children: /* @__PURE__ */ L("title", { children: e.guard })
-					}), /* @__PURE__ */ L("text", {
+						children: /* @__PURE__ */ z("title", { children: e.guard })
+					}), /* @__PURE__ */ z("text", {
 						class: "guard",
 						x: (t + n) / 2,
 						y: .78 * c + (s < 0 ? -3 : 10),
@@ -2511,7 +2530,7 @@ function Yt({ machine: e, now: t, onState: n }) {
 						children: l
 					})] });
 				}),
-				r.map((r) => /* @__PURE__ */ L("g", {
+				r.map((r) => /* @__PURE__ */ z("g", {
 					class: "statebox" + (r === t ? " now" : "") + (r === e.start ? " start" : ""),
 					role: "button",
 					tabindex: 0,
@@ -2520,20 +2539,20 @@ function Yt({ machine: e, now: t, onState: n }) {
 					onClick: () => n(r),
 					onKeyDown: (e) => (e.key === "Enter" || e.key === " ") && n(r),
 					children: [
-						/* @__PURE__ */ L("rect", {
+						/* @__PURE__ */ z("rect", {
 							x: i(r) - 38,
 							y: -14,
 							width: 76,
 							height: 28,
 							rx: 8
 						}),
-						/* @__PURE__ */ L("text", {
+						/* @__PURE__ */ z("text", {
 							x: i(r),
 							y: 4,
 							"text-anchor": "middle",
 							children: r.length > 11 ? r.slice(0, 10) + "…" : r
 						}),
-						r === e.start && /* @__PURE__ */ L("circle", {
+						r === e.start && /* @__PURE__ */ z("circle", {
 							cx: i(r) - 38,
 							cy: -14,
 							r: 4
@@ -2545,7 +2564,7 @@ function Yt({ machine: e, now: t, onState: n }) {
 	});
 }
 // src/sweeps.tsx
-var [Xt, Zt] = [720, 190], Qt = 74, [$t, en] = [8, 20], tn = [
+var [an, U] = [720, 190], W = 74, [on, sn] = [8, 20], cn = [
 	"var(--s0)",
 	"var(--s1)",
 	"var(--s2)",
@@ -2555,35 +2574,35 @@ var [Xt, Zt] = [720, 190], Qt = 74, [$t, en] = [8, 20], tn = [
 	"var(--s6)",
 	"var(--s7)"
 ];
-function nn(e) {
+function ln(e) {
 	return `color-mix(in oklab, var(--c5) ${Math.round(100 * e)}%, var(--c1))`;
 }
-function rn({ store: e, state: t }) {
-	let n = t.sweep, [r, i] = V(null), a = n.members.filter((e) => e), o = a.length ? (a.find((e) => e.curves)?.curves ?? []).map((e) => e.name) : [], s = a.filter((e) => e.error), c = a.find((e) => e.until !== void 0)?.until ?? 1;
-	return /* @__PURE__ */ L("div", {
+function G({ store: e, state: t }) {
+	let n = t.sweep, [r, i] = H(null), a = n.members.filter((e) => e), o = a.length ? (a.find((e) => e.curves)?.curves ?? []).map((e) => e.name) : [], s = a.filter((e) => e.error), c = a.find((e) => e.until !== void 0)?.until ?? 1;
+	return /* @__PURE__ */ z("div", {
 		class: "plots sweep",
 		children: [
-			/* @__PURE__ */ L("div", {
+			/* @__PURE__ */ z("div", {
 				class: "plotbar",
 				children: [
-					/* @__PURE__ */ L("b", { children: n.path }),
+					/* @__PURE__ */ z("b", { children: n.path }),
 					" from ",
 					n.values[0],
 					" to ",
 					n.values[n.values.length - 1],
-					/* @__PURE__ */ L("span", {
+					/* @__PURE__ */ z("span", {
 						class: "scale",
 						"aria-hidden": "true"
 					}),
-					/* @__PURE__ */ L("span", {
+					/* @__PURE__ */ z("span", {
 						role: "status",
 						children: [n.done ? `${a.length} runs${a.length < n.values.length ? ", cancelled" : ""}` : `${a.length} of ${n.values.length}`, s.length > 0 && `, ${s.length} stopped: ${s[0].error.code}`]
 					}),
-					!n.done && /* @__PURE__ */ L("button", {
+					!n.done && /* @__PURE__ */ z("button", {
 						onClick: e.cancel,
 						children: "Cancel"
 					}),
-					/* @__PURE__ */ L("input", {
+					/* @__PURE__ */ z("input", {
 						type: "range",
 						"aria-label": `Run of the sweep over ${n.path}`,
 						min: 0,
@@ -2592,11 +2611,11 @@ function rn({ store: e, state: t }) {
 						value: r ?? 0,
 						onInput: (e) => i(Number(e.currentTarget.value))
 					}),
-					r !== null && /* @__PURE__ */ L(x, { children: [/* @__PURE__ */ L("output", { children: [
+					r !== null && /* @__PURE__ */ z(x, { children: [/* @__PURE__ */ z("output", { children: [
 						n.path,
 						" = ",
 						n.values[r]
-					] }), !n.path.includes(".") && /* @__PURE__ */ L("button", {
+					] }), !n.path.includes(".") && /* @__PURE__ */ z("button", {
 						onClick: () => {
 							let t = n.values[r];
 							n.path.split(".").length === 1 && e.edit({
@@ -2608,20 +2627,20 @@ function rn({ store: e, state: t }) {
 						},
 						children: "Take this value"
 					})] }),
-					/* @__PURE__ */ L("button", {
+					/* @__PURE__ */ z("button", {
 						onClick: () => e.set({ sweep: null }),
 						children: "Close"
 					})
 				]
 			}),
-			o.map((e, t) => /* @__PURE__ */ L(an, {
+			o.map((e, t) => /* @__PURE__ */ z(un, {
 				name: e,
 				curves: n.members.map((e) => e?.curves?.[t]),
 				end: c,
 				chosen: r,
 				choose: i
 			}, e)),
-			/* @__PURE__ */ L(U, {
+			/* @__PURE__ */ z(dn, {
 				sweep: n,
 				end: c,
 				chosen: r,
@@ -2630,10 +2649,10 @@ function rn({ store: e, state: t }) {
 		]
 	});
 }
-function an({ name: e, curves: t, end: n, chosen: r, choose: i }) {
+function un({ name: e, curves: t, end: n, chosen: r, choose: i }) {
 	let a = t.filter((e) => !!e && !e.error), [o, s] = [Infinity, -Infinity];
 	for (let e of a) for (let t of e.y) t !== null && ([o, s] = [Math.min(o, t), Math.max(s, t)]);
-	if (!a.length || o > s) return /* @__PURE__ */ L("p", {
+	if (!a.length || o > s) return /* @__PURE__ */ z("p", {
 		class: "hint",
 		children: [
 			e,
@@ -2641,79 +2660,79 @@ function an({ name: e, curves: t, end: n, chosen: r, choose: i }) {
 			t.find((e) => e?.error)?.error?.why ?? "no values yet"
 		]
 	});
-	let c = a[0].unit, l = s - o || Math.abs(s) || 1, u = (e) => Qt + e / n * (Xt - Qt - 8), d = (e) => Zt - en - (e - o) / l * (Zt - en - $t), f = (e) => {
+	let c = a[0].unit, l = s - o || Math.abs(s) || 1, u = (e) => W + e / n * (an - W - 8), d = (e) => U - sn - (e - o) / l * (U - sn - on), f = (e) => {
 		let t = "", n = "M";
 		return e.t.forEach((r, i) => {
 			let a = e.y[i];
 			a === null ? n = "M" : (t += `${n}${u(r).toFixed(1)},${d(a).toFixed(1)}`, n = "L");
 		}), t;
 	}, p = t.map((e, t) => t).filter((e) => e !== r);
-	return r !== null && p.push(r), /* @__PURE__ */ L("svg", {
+	return r !== null && p.push(r), /* @__PURE__ */ z("svg", {
 		class: "family",
-		viewBox: `0 0 ${Xt} ${Zt}`,
+		viewBox: `0 0 ${an} ${U}`,
 		role: "img",
-		"aria-label": `${e} of ${a.length} runs, between ${Le(o)} and ${Le(s)} ${c}`,
+		"aria-label": `${e} of ${a.length} runs, between ${xe(o)} and ${xe(s)} ${c}`,
 		children: [
-			/* @__PURE__ */ L("rect", {
+			/* @__PURE__ */ z("rect", {
 				class: "box",
-				x: Qt,
-				y: $t,
-				width: Xt - Qt - 8,
-				height: Zt - en - $t
+				x: W,
+				y: on,
+				width: an - W - 8,
+				height: U - sn - on
 			}),
-			o < 0 && s > 0 && /* @__PURE__ */ L("line", {
+			o < 0 && s > 0 && /* @__PURE__ */ z("line", {
 				class: "axis",
-				x1: Qt,
-				x2: Xt - 8,
+				x1: W,
+				x2: an - 8,
 				y1: d(0),
 				y2: d(0)
 			}),
 			p.map((e) => {
 				let n = t[e];
-				return !n || n.error ? null : /* @__PURE__ */ L("path", {
+				return !n || n.error ? null : /* @__PURE__ */ z("path", {
 					class: e === r ? "way chosen" : "way",
 					d: f(n),
-					style: `stroke: ${nn(e / Math.max(1, t.length - 1))}`,
+					style: `stroke: ${ln(e / Math.max(1, t.length - 1))}`,
 					onClick: () => i(e),
-					children: /* @__PURE__ */ L("title", { children: ["run ", e + 1] })
+					children: /* @__PURE__ */ z("title", { children: ["run ", e + 1] })
 				}, e);
 			}),
-			/* @__PURE__ */ L("text", {
+			/* @__PURE__ */ z("text", {
 				x: 69,
-				y: $t + 9,
+				y: on + 9,
 				"text-anchor": "end",
-				children: z(s, c)
+				children: L(s, c)
 			}),
-			/* @__PURE__ */ L("text", {
+			/* @__PURE__ */ z("text", {
 				x: 69,
-				y: Zt - en,
+				y: U - sn,
 				"text-anchor": "end",
-				children: z(o, c)
+				children: L(o, c)
 			}),
-			/* @__PURE__ */ L("text", {
+			/* @__PURE__ */ z("text", {
 				class: "what",
-				transform: `translate(12,${(Zt - en) / 2}) rotate(-90)`,
+				transform: `translate(12,${(U - sn) / 2}) rotate(-90)`,
 				"text-anchor": "middle",
 				children: e
 			}),
-			/* @__PURE__ */ L("text", {
-				x: Qt,
-				y: Zt - 5,
+			/* @__PURE__ */ z("text", {
+				x: W,
+				y: U - 5,
 				children: "0 s"
 			}),
-			/* @__PURE__ */ L("text", {
-				x: Xt - 8,
-				y: Zt - 5,
+			/* @__PURE__ */ z("text", {
+				x: an - 8,
+				y: U - 5,
 				"text-anchor": "end",
-				children: z(n, "s")
+				children: L(n, "s")
 			})
 		]
 	});
 }
-function U({ sweep: e, end: t, chosen: n, choose: r }) {
+function dn({ sweep: e, end: t, chosen: n, choose: r }) {
 	let i = [...e.members].reverse().find((e) => e?.named)?.named ?? [];
 	if (i.length < 2) return null;
-	let a = Math.max(...e.members.map((e) => e?.modes?.length ?? 0)), o = (Xt - Qt - 8) / e.values.length, s = (e) => {
+	let a = Math.max(...e.members.map((e) => e?.modes?.length ?? 0)), o = (an - W - 8) / e.values.length, s = (e) => {
 		let t = [];
 		return e.forEach((e, n) => {
 			let r = t[t.length - 1];
@@ -2724,65 +2743,65 @@ function U({ sweep: e, end: t, chosen: n, choose: r }) {
 			]);
 		}), t;
 	};
-	return /* @__PURE__ */ L("figure", {
+	return /* @__PURE__ */ z("figure", {
 		class: "modemap",
-		children: [/* @__PURE__ */ L("svg", {
-			viewBox: `0 0 ${Xt} 184`,
+		children: [/* @__PURE__ */ z("svg", {
+			viewBox: `0 0 ${an} 184`,
 			role: "img",
 			"aria-label": `Modes over ${e.path} and time: ${i.join("; ")}`,
 			children: [
-				e.members.map((t, c) => t?.modes ? /* @__PURE__ */ L("g", {
+				e.members.map((t, c) => t?.modes ? /* @__PURE__ */ z("g", {
 					class: c === n ? "chosen" : "",
 					onClick: () => r(c),
-					children: s(t.modes).map(([t, n, r]) => /* @__PURE__ */ L("rect", {
-						x: Qt + c * o,
+					children: s(t.modes).map(([t, n, r]) => /* @__PURE__ */ z("rect", {
+						x: W + c * o,
 						width: o + .4,
-						y: $t + 150 * (1 - n / a),
+						y: on + 150 * (1 - n / a),
 						height: 150 * (n - t) / a + .4,
-						fill: tn[r % tn.length],
-						children: /* @__PURE__ */ L("title", { children: `${e.values[c]}: ${i[r]}` })
+						fill: cn[r % cn.length],
+						children: /* @__PURE__ */ z("title", { children: `${e.values[c]}: ${i[r]}` })
 					}))
 				}) : null),
-				/* @__PURE__ */ L("text", {
+				/* @__PURE__ */ z("text", {
 					x: 69,
-					y: $t + 9,
+					y: on + 9,
 					"text-anchor": "end",
-					children: z(t, "s")
+					children: L(t, "s")
 				}),
-				/* @__PURE__ */ L("text", {
+				/* @__PURE__ */ z("text", {
 					x: 69,
-					y: $t + 150,
+					y: on + 150,
 					"text-anchor": "end",
 					children: "0 s"
 				}),
-				/* @__PURE__ */ L("text", {
-					x: Qt,
-					y: $t + 150 + 14,
+				/* @__PURE__ */ z("text", {
+					x: W,
+					y: on + 150 + 14,
 					children: e.values[0]
 				}),
-				/* @__PURE__ */ L("text", {
-					x: Xt - 8,
-					y: $t + 150 + 14,
+				/* @__PURE__ */ z("text", {
+					x: an - 8,
+					y: on + 150 + 14,
 					"text-anchor": "end",
 					children: e.values[e.values.length - 1]
 				}),
-				/* @__PURE__ */ L("text", {
+				/* @__PURE__ */ z("text", {
 					class: "what",
-					x: (Qt + Xt) / 2,
-					y: $t + 150 + 18,
+					x: (W + an) / 2,
+					y: on + 150 + 18,
 					"text-anchor": "middle",
 					children: e.path
 				})
 			]
-		}), /* @__PURE__ */ L("figcaption", { children: [i.slice(0, 16).map((e, t) => /* @__PURE__ */ L("span", { children: [
-			/* @__PURE__ */ L("i", { style: `background: ${tn[t % tn.length]}` }),
+		}), /* @__PURE__ */ z("figcaption", { children: [i.slice(0, 16).map((e, t) => /* @__PURE__ */ z("span", { children: [
+			/* @__PURE__ */ z("i", { style: `background: ${cn[t % cn.length]}` }),
 			" ",
 			e
 		] })), i.length > 16 && ` and ${i.length - 16} more`] })]
 	});
 }
-function W({ store: e, path: t, low: n, high: r, onDone: i }) {
-	let [a, o] = V(n), [s, c] = V(r), [l, u] = V("15"), [d, f] = V(!1), p = (n) => {
+function fn({ store: e, path: t, low: n, high: r, onDone: i }) {
+	let [a, o] = H(n), [s, c] = H(r), [l, u] = H("15"), [d, f] = H(!1), p = (n) => {
 		n.preventDefault(), e.sweep({
 			path: t,
 			from: a,
@@ -2790,25 +2809,25 @@ function W({ store: e, path: t, low: n, high: r, onDone: i }) {
 			count: l,
 			log: d
 		}).then((e) => e && i());
-	}, m = (e, n, r) => /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: e }), /* @__PURE__ */ L("input", {
+	}, m = (e, n, r) => /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: e }), /* @__PURE__ */ z("input", {
 		"aria-label": `Sweep ${t} ${e}`,
 		value: n,
 		onInput: (e) => r(e.currentTarget.value),
 		onKeyDown: (e) => e.stopPropagation()
 	})] });
-	return /* @__PURE__ */ L("form", {
+	return /* @__PURE__ */ z("form", {
 		class: "sweepfields",
 		onSubmit: p,
 		children: [
 			m("from", a, o),
 			m("to", s, c),
 			m("runs", l, u),
-			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("input", {
+			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("input", {
 				type: "checkbox",
 				checked: d,
 				onChange: (e) => f(e.currentTarget.checked)
 			}), " by ratios"] }),
-			/* @__PURE__ */ L("button", {
+			/* @__PURE__ */ z("button", {
 				type: "submit",
 				children: "Sweep"
 			})
@@ -2816,23 +2835,23 @@ function W({ store: e, path: t, low: n, high: r, onDone: i }) {
 	});
 }
 // src/panels.tsx
-function on({ store: e, state: t }) {
+function pn({ store: e, state: t }) {
 	let n = t.look, r = !n.view.editable, i = n.panels.experiment, a = (t, n) => e.edit({
 		do: "set",
 		path: t,
 		value: n
 	}), o = (i, o, s) => {
 		let c = Object.entries(n.panels[i]);
-		return /* @__PURE__ */ L(x, { children: [
-			/* @__PURE__ */ L("h2", { children: o }),
-			c.map(([n, r]) => /* @__PURE__ */ L(cn, {
+		return /* @__PURE__ */ z(x, { children: [
+			/* @__PURE__ */ z("h2", { children: o }),
+			c.map(([n, r]) => /* @__PURE__ */ z(hn, {
 				store: e,
 				state: t,
 				section: i,
 				name: n,
 				value: r
 			}, n)),
-			!r && /* @__PURE__ */ L("button", {
+			!r && /* @__PURE__ */ z("button", {
 				onClick: () => {
 					let e = {
 						parameters: "k",
@@ -2843,54 +2862,54 @@ function on({ store: e, state: t }) {
 						...n.view.nodes.map((e) => e.name),
 						...n.view.signals.map((e) => e.name)
 					];
-					a([i, zt(t, e)], s);
+					a([i, qt(t, e)], s);
 				},
 				children: "Add"
 			})
 		] });
 	};
-	return /* @__PURE__ */ L("section", { children: [
+	return /* @__PURE__ */ z("section", { children: [
 		o("parameters", "Parameters", 1),
 		o("signals", "Signals", "time"),
 		o("inputs", "Inputs", { constant: 1 }),
-		!t.level && /* @__PURE__ */ L(x, { children: [
-			/* @__PURE__ */ L("h2", { children: "Run" }),
-			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "until" }), /* @__PURE__ */ L(Dt, {
+		!t.level && /* @__PURE__ */ z(x, { children: [
+			/* @__PURE__ */ z("h2", { children: "Run" }),
+			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "until" }), /* @__PURE__ */ z(Ft, {
 				label: "Until",
-				value: Bt(i.until),
+				value: Jt(i.until),
 				placeholder: "1 s",
-				onWrite: (e) => void a(["experiment", "until"], Ot(e))
+				onWrite: (e) => void a(["experiment", "until"], It(e))
 			})] }),
-			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "solver" }), /* @__PURE__ */ L("select", {
-				value: Bt(i.solver),
+			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "solver" }), /* @__PURE__ */ z("select", {
+				value: Jt(i.solver),
 				onChange: (e) => void a(["experiment", "solver"], e.currentTarget.value || null),
-				children: [/* @__PURE__ */ L("option", {
+				children: [/* @__PURE__ */ z("option", {
 					value: "",
 					children: "auto"
-				}), t.stock?.solvers.filter((e) => e.name !== "auto").map((e) => /* @__PURE__ */ L("option", {
+				}), t.stock?.solvers.filter((e) => e.name !== "auto").map((e) => /* @__PURE__ */ z("option", {
 					value: e.name,
 					title: e.about,
 					children: e.name
 				}))]
 			})] }),
-			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "rtol" }), /* @__PURE__ */ L(Dt, {
+			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "rtol" }), /* @__PURE__ */ z(Ft, {
 				label: "Relative tolerance",
-				value: Bt(i.rtol),
+				value: Jt(i.rtol),
 				placeholder: "1e-8",
-				onWrite: (e) => void a(["experiment", "rtol"], Ot(e))
+				onWrite: (e) => void a(["experiment", "rtol"], It(e))
 			})] })
 		] })
 	] });
 }
-var sn = /^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)(\s*\S.*)?$/i;
-function cn({ store: e, state: t, section: n, name: r, value: i }) {
-	let a = !t.look.view.editable, o = typeof i != "object", s = n === "parameters" ? sn.exec(Bt(i)) : null, [c] = V(() => s && Number(s[1]) || 1), [l, u] = V(!1), d = t.level ? `${t.level}.${r}` : r, f = (e) => `${+((Number(s?.[1]) || 1) * e).toPrecision(6)}${s?.[2] ?? ""}`;
-	return /* @__PURE__ */ L("div", {
+var mn = /^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)(\s*\S.*)?$/i;
+function hn({ store: e, state: t, section: n, name: r, value: i }) {
+	let a = !t.look.view.editable, o = typeof i != "object", s = n === "parameters" ? mn.exec(Jt(i)) : null, [c] = H(() => s && Number(s[1]) || 1), [l, u] = H(!1), d = t.level ? `${t.level}.${r}` : r, f = (e) => `${+((Number(s?.[1]) || 1) * e).toPrecision(6)}${s?.[2] ?? ""}`;
+	return /* @__PURE__ */ z("div", {
 		class: "entry",
 		"data-entry": r,
 		children: [
-			/* @__PURE__ */ L("label", { children: [
-				/* @__PURE__ */ L(Dt, {
+			/* @__PURE__ */ z("label", { children: [
+				/* @__PURE__ */ z(Ft, {
 					label: `Name ${r}`,
 					value: r,
 					disabled: a,
@@ -2900,23 +2919,23 @@ function cn({ store: e, state: t, section: n, name: r, value: i }) {
 						new: t.trim()
 					})
 				}),
-				o ? /* @__PURE__ */ L(Dt, {
+				o ? /* @__PURE__ */ z(Ft, {
 					label: r,
-					value: Bt(i),
+					value: Jt(i),
 					disabled: a,
-					list: n === "signals" ? Vt(t) : void 0,
+					list: n === "signals" ? Yt(t) : void 0,
 					onWrite: (t) => void e.edit({
 						do: "set",
 						path: [n, r],
-						value: Ot(t)
+						value: It(t)
 					})
-				}) : /* @__PURE__ */ L(ln, {
+				}) : /* @__PURE__ */ z(gn, {
 					store: e,
 					path: [n, r],
 					value: i,
 					off: a
 				}),
-				s && /* @__PURE__ */ L("button", {
+				s && /* @__PURE__ */ z("button", {
 					class: "small",
 					"aria-label": `Sweep ${r}`,
 					title: "Run over a range",
@@ -2924,7 +2943,7 @@ function cn({ store: e, state: t, section: n, name: r, value: i }) {
 					onClick: () => u(!l),
 					children: "⋯"
 				}),
-				!a && /* @__PURE__ */ L("button", {
+				!a && /* @__PURE__ */ z("button", {
 					class: "small",
 					"aria-label": `Delete ${r}`,
 					onClick: () => void e.edit({
@@ -2935,14 +2954,14 @@ function cn({ store: e, state: t, section: n, name: r, value: i }) {
 					children: "✕"
 				})
 			] }),
-			l && s && /* @__PURE__ */ L(W, {
+			l && s && /* @__PURE__ */ z(fn, {
 				store: e,
 				path: d,
 				low: f(.5),
 				high: f(2),
 				onDone: () => u(!1)
 			}),
-			s && !a && /* @__PURE__ */ L("input", {
+			s && !a && /* @__PURE__ */ z("input", {
 				type: "range",
 				"aria-label": `Slider ${r}`,
 				min: -1,
@@ -2961,20 +2980,20 @@ function cn({ store: e, state: t, section: n, name: r, value: i }) {
 		]
 	});
 }
-function ln({ store: e, path: t, value: n, off: r }) {
-	return /* @__PURE__ */ L("span", {
+function gn({ store: e, path: t, value: n, off: r }) {
+	return /* @__PURE__ */ z("span", {
 		class: "structured",
-		children: Object.entries(n).map(([n, i]) => typeof i == "object" && i && !Array.isArray(i) ? /* @__PURE__ */ L(ln, {
+		children: Object.entries(n).map(([n, i]) => typeof i == "object" && i && !Array.isArray(i) ? /* @__PURE__ */ z(gn, {
 			store: e,
 			path: [...t, n],
 			value: i,
 			off: r
-		}) : /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: n }), /* @__PURE__ */ L(Dt, {
+		}) : /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: n }), /* @__PURE__ */ z(Ft, {
 			label: `${t.join(" ")} ${n}`,
-			value: Bt(i),
+			value: Jt(i),
 			disabled: r,
 			onWrite: (r) => {
-				let i = Ot(r);
+				let i = It(r);
 				if (r.trim().startsWith("[")) try {
 					i = JSON.parse(r);
 				} catch {}
@@ -2987,58 +3006,58 @@ function ln({ store: e, path: t, value: n, off: r }) {
 		})] }))
 	});
 }
-function G({ store: e, state: t }) {
+function _n({ store: e, state: t }) {
 	let n = t.look.problems;
-	return /* @__PURE__ */ L("section", { children: [
-		/* @__PURE__ */ L("h2", { children: "Problems" }),
-		!n.length && /* @__PURE__ */ L("p", { children: "None." }),
-		/* @__PURE__ */ L("ul", {
+	return /* @__PURE__ */ z("section", { children: [
+		/* @__PURE__ */ z("h2", { children: "Problems" }),
+		!n.length && /* @__PURE__ */ z("p", { children: "None." }),
+		/* @__PURE__ */ z("ul", {
 			class: "problems",
-			children: n.map((t) => /* @__PURE__ */ L("li", {
+			children: n.map((t) => /* @__PURE__ */ z("li", {
 				class: t.grave,
-				children: /* @__PURE__ */ L("button", {
+				children: /* @__PURE__ */ z("button", {
 					onClick: () => e.select(t.select),
 					children: [
-						/* @__PURE__ */ L("b", { children: t.code }),
+						/* @__PURE__ */ z("b", { children: t.code }),
 						" ",
-						t.where && /* @__PURE__ */ L("i", { children: t.where }),
-						/* @__PURE__ */ L("span", { children: t.why }),
-						t.try && /* @__PURE__ */ L("em", { children: ["Try: ", t.try] })
+						t.where && /* @__PURE__ */ z("i", { children: t.where }),
+						/* @__PURE__ */ z("span", { children: t.why }),
+						t.try && /* @__PURE__ */ z("em", { children: ["Try: ", t.try] })
 					]
 				})
 			}))
 		})
 	] });
 }
-function un({ store: e, state: t }) {
+function vn({ store: e, state: t }) {
 	let { view: n, strokes: r } = t.look;
-	return /* @__PURE__ */ L("section", {
+	return /* @__PURE__ */ z("section", {
 		class: "tables",
 		children: [
-			/* @__PURE__ */ L("h2", { children: "Elements" }),
-			/* @__PURE__ */ L("table", { children: [/* @__PURE__ */ L("thead", { children: /* @__PURE__ */ L("tr", { children: [
-				/* @__PURE__ */ L("th", {
+			/* @__PURE__ */ z("h2", { children: "Elements" }),
+			/* @__PURE__ */ z("table", { children: [/* @__PURE__ */ z("thead", { children: /* @__PURE__ */ z("tr", { children: [
+				/* @__PURE__ */ z("th", {
 					scope: "col",
 					children: "name"
 				}),
-				/* @__PURE__ */ L("th", {
+				/* @__PURE__ */ z("th", {
 					scope: "col",
 					children: "kind"
 				}),
-				/* @__PURE__ */ L("th", {
+				/* @__PURE__ */ z("th", {
 					scope: "col",
 					children: "value"
 				}),
-				/* @__PURE__ */ L("th", {
+				/* @__PURE__ */ z("th", {
 					scope: "col",
 					children: "state"
 				})
-			] }) }), /* @__PURE__ */ L("tbody", { children: n.nodes.map((n) => {
+			] }) }), /* @__PURE__ */ z("tbody", { children: n.nodes.map((n) => {
 				let i = r.nodes[n.name];
-				return /* @__PURE__ */ L("tr", {
+				return /* @__PURE__ */ z("tr", {
 					class: t.nodes.has(n.name) ? "chosen" : "",
 					children: [
-						/* @__PURE__ */ L("td", { children: /* @__PURE__ */ L("button", {
+						/* @__PURE__ */ z("td", { children: /* @__PURE__ */ z("button", {
 							class: "link",
 							onClick: () => e.set({
 								nodes: /* @__PURE__ */ new Set([n.name]),
@@ -3046,9 +3065,9 @@ function un({ store: e, state: t }) {
 							}),
 							children: n.name
 						}) }),
-						/* @__PURE__ */ L("td", { children: n.kind === "part" ? String(n.entry.submodel) : n.kind }),
-						/* @__PURE__ */ L("td", { children: i?.says ?? n.says }),
-						/* @__PURE__ */ L("td", { children: [
+						/* @__PURE__ */ z("td", { children: n.kind === "part" ? String(n.entry.submodel) : n.kind }),
+						/* @__PURE__ */ z("td", { children: i?.says ?? n.says }),
+						/* @__PURE__ */ z("td", { children: [
 							i?.off ? "OFF" : i?.controlled ? "ON" : "",
 							i?.derivative ? "derivative" : "",
 							n.law ?? "",
@@ -3057,26 +3076,26 @@ function un({ store: e, state: t }) {
 					]
 				});
 			}) })] }),
-			/* @__PURE__ */ L("h2", { children: "Bonds" }),
-			/* @__PURE__ */ L("table", { children: [/* @__PURE__ */ L("thead", { children: /* @__PURE__ */ L("tr", { children: [
-				/* @__PURE__ */ L("th", {
+			/* @__PURE__ */ z("h2", { children: "Bonds" }),
+			/* @__PURE__ */ z("table", { children: [/* @__PURE__ */ z("thead", { children: /* @__PURE__ */ z("tr", { children: [
+				/* @__PURE__ */ z("th", {
 					scope: "col",
 					children: "bond"
 				}),
-				/* @__PURE__ */ L("th", {
+				/* @__PURE__ */ z("th", {
 					scope: "col",
 					children: "stroke at"
 				}),
-				/* @__PURE__ */ L("th", {
+				/* @__PURE__ */ z("th", {
 					scope: "col",
 					children: "other modes"
 				})
-			] }) }), /* @__PURE__ */ L("tbody", { children: n.bonds.map((n) => {
+			] }) }), /* @__PURE__ */ z("tbody", { children: n.bonds.map((n) => {
 				let i = r.bonds[n.key] ?? r.bonds[`${n.ends[0]} -> ${n.ends[1]}`];
-				return /* @__PURE__ */ L("tr", {
+				return /* @__PURE__ */ z("tr", {
 					class: t.bonds.has(n.key) ? "chosen" : "",
 					children: [
-						/* @__PURE__ */ L("td", { children: /* @__PURE__ */ L("button", {
+						/* @__PURE__ */ z("td", { children: /* @__PURE__ */ z("button", {
 							class: "link",
 							onClick: () => e.set({
 								bonds: /* @__PURE__ */ new Set([n.key]),
@@ -3084,17 +3103,17 @@ function un({ store: e, state: t }) {
 							}),
 							children: n.text
 						}) }),
-						/* @__PURE__ */ L("td", { children: i ? i.strokes.map((e) => n.ends[e]).join(", ") + (i.conflict ? " (conflict)" : "") + (i.off ? " (OFF)" : "") : "—" }),
-						/* @__PURE__ */ L("td", { children: i?.dashed?.map((e) => n.ends[e]).join(", ") ?? "" })
+						/* @__PURE__ */ z("td", { children: i ? i.strokes.map((e) => n.ends[e]).join(", ") + (i.conflict ? " (conflict)" : "") + (i.off ? " (OFF)" : "") : "—" }),
+						/* @__PURE__ */ z("td", { children: i?.dashed?.map((e) => n.ends[e]).join(", ") ?? "" })
 					]
 				});
 			}) })] })
 		]
 	});
 }
-function dn({ store: e, state: t }) {
-	let [n, r] = V(null), [i, a] = V(null), o = t.look.revision;
-	H(() => {
+function yn({ store: e, state: t }) {
+	let [n, r] = H(null), [i, a] = H(null), o = t.look.revision;
+	gt(() => {
 		let t = !1;
 		return e.transport.ask("text").then((e) => !t && r(e)).catch(() => {}), () => {
 			t = !0;
@@ -3103,15 +3122,15 @@ function dn({ store: e, state: t }) {
 	let s = () => {
 		i !== null && e.ask("replace", { text: i }).then((e) => e && a(null));
 	};
-	return /* @__PURE__ */ L("section", {
+	return /* @__PURE__ */ z("section", {
 		class: "textpanel",
 		children: [
-			/* @__PURE__ */ L("h2", { children: [
+			/* @__PURE__ */ z("h2", { children: [
 				t.look.file,
 				" ",
-				i !== null && /* @__PURE__ */ L("small", { children: "not applied" })
+				i !== null && /* @__PURE__ */ z("small", { children: "not applied" })
 			] }),
-			/* @__PURE__ */ L("textarea", {
+			/* @__PURE__ */ z("textarea", {
 				"aria-label": "Text of the model file",
 				spellcheck: !1,
 				value: i ?? n?.text ?? "",
@@ -3120,13 +3139,13 @@ function dn({ store: e, state: t }) {
 					e.key === "Enter" && (e.ctrlKey || e.metaKey) && s(), e.stopPropagation();
 				}
 			}),
-			/* @__PURE__ */ L("div", {
+			/* @__PURE__ */ z("div", {
 				class: "row",
-				children: [/* @__PURE__ */ L("button", {
+				children: [/* @__PURE__ */ z("button", {
 					disabled: i === null,
 					onClick: s,
 					children: "Apply (Ctrl+Enter)"
-				}), /* @__PURE__ */ L("button", {
+				}), /* @__PURE__ */ z("button", {
 					disabled: i === null,
 					onClick: () => a(null),
 					children: "Discard"
@@ -3136,7 +3155,7 @@ function dn({ store: e, state: t }) {
 	});
 }
 // src/palette.tsx
-function fn(e) {
+function bn(e) {
 	let t = e.stock, n = (t?.kinds ?? []).map((e) => ({
 		key: e.kind,
 		letters: e.kind === "G" ? "G" : e.letters,
@@ -3159,20 +3178,20 @@ function fn(e) {
 		parts: r
 	};
 }
-function pn({ store: e, state: t }) {
-	let [n, r] = V(""), { kinds: i, parts: a } = fn(t), o = t.look?.view.domain ?? "", s = n.toLowerCase().split(/\s+/).filter(Boolean), c = (e) => s.every((t) => `${e.key} ${e.about}`.toLowerCase().includes(t)), l = [...a].sort(([e], [t]) => Number(t === o) - Number(e === o)), u = (e) => (t) => t.dataTransfer.setData("application/x-hybond", JSON.stringify({
+function xn({ store: e, state: t }) {
+	let [n, r] = H(""), { kinds: i, parts: a } = bn(t), o = t.look?.view.domain ?? "", s = n.toLowerCase().split(/\s+/).filter(Boolean), c = (e) => s.every((t) => `${e.key} ${e.about}`.toLowerCase().includes(t)), l = [...a].sort(([e], [t]) => Number(t === o) - Number(e === o)), u = (e) => (t) => t.dataTransfer.setData("application/x-hybond", JSON.stringify({
 		element: e.element,
 		stem: e.stem
 	})), d = (t) => {
 		e.add(t.element, t.stem), e.set({ panel: "" });
 	}, f = !t.look?.view.editable;
-	return /* @__PURE__ */ L("aside", {
+	return /* @__PURE__ */ z("aside", {
 		class: "palette" + (t.panel === "palette" ? " open" : ""),
 		"aria-label": "Palette",
 		children: [
-			/* @__PURE__ */ L("div", {
+			/* @__PURE__ */ z("div", {
 				class: "kinds",
-				children: i.map((e) => /* @__PURE__ */ L("button", {
+				children: i.map((e) => /* @__PURE__ */ z("button", {
 					disabled: f,
 					draggable: !0,
 					onDragStart: u(e),
@@ -3183,27 +3202,27 @@ function pn({ store: e, state: t }) {
 					children: e.letters
 				}))
 			}),
-			/* @__PURE__ */ L("input", {
+			/* @__PURE__ */ z("input", {
 				type: "search",
 				placeholder: "Parts …",
 				"aria-label": "Search parts",
 				value: n,
 				onInput: (e) => r(e.currentTarget.value)
 			}),
-			/* @__PURE__ */ L("div", {
+			/* @__PURE__ */ z("div", {
 				class: "shelves",
 				tabindex: 0,
 				role: "region",
 				"aria-label": "Ready parts",
 				children: l.map(([e, t]) => {
 					let n = t.filter(c);
-					return n.length ? /* @__PURE__ */ L("details", {
+					return n.length ? /* @__PURE__ */ z("details", {
 						open: s.length > 0 || e === o,
-						children: [/* @__PURE__ */ L("summary", { children: [
+						children: [/* @__PURE__ */ z("summary", { children: [
 							e,
 							" ",
-							/* @__PURE__ */ L("small", { children: n.length })
-						] }), n.map((e) => /* @__PURE__ */ L("button", {
+							/* @__PURE__ */ z("small", { children: n.length })
+						] }), n.map((e) => /* @__PURE__ */ z("button", {
 							class: "offer",
 							disabled: f,
 							draggable: !0,
@@ -3219,8 +3238,8 @@ function pn({ store: e, state: t }) {
 		]
 	});
 }
-function mn({ store: e, state: t }) {
-	let [n, r] = V(""), { kinds: i, parts: a } = fn(t), o = [...i, ...[...a.values()].flat()], [s, ...c] = n.trim().split(/\s+/), l = i.find((e) => e.key === s), u = n.includes("->") ? [] : l ? [l, ...o.filter((e) => e !== l && e.key.includes(s))] : o.filter((e) => `${e.key} ${e.about}`.toLowerCase().includes(n.trim().toLowerCase())), d = () => {
+function Sn({ store: e, state: t }) {
+	let [n, r] = H(""), { kinds: i, parts: a } = bn(t), o = [...i, ...[...a.values()].flat()], [s, ...c] = n.trim().split(/\s+/), l = i.find((e) => e.key === s), u = n.includes("->") ? [] : l ? [l, ...o.filter((e) => e !== l && e.key.includes(s))] : o.filter((e) => `${e.key} ${e.about}`.toLowerCase().includes(n.trim().toLowerCase())), d = () => {
 		document.querySelector(".canvas svg")?.focus(), e.set({ adding: !1 });
 	}, f = async () => {
 		if (n.includes("->")) return await e.edit({
@@ -3237,11 +3256,11 @@ function mn({ store: e, state: t }) {
 		}
 		await e.add(r, i || t.stem), d();
 	};
-	return /* @__PURE__ */ L("div", {
+	return /* @__PURE__ */ z("div", {
 		class: "quick",
 		role: "dialog",
 		"aria-label": "Add",
-		children: [/* @__PURE__ */ L("input", {
+		children: [/* @__PURE__ */ z("input", {
 			ref: (e) => e?.focus(),
 			value: n,
 			"aria-label": "What to add",
@@ -3250,10 +3269,10 @@ function mn({ store: e, state: t }) {
 			onKeyDown: (e) => {
 				e.key === "Enter" && f(), e.key === "Escape" && d(), e.stopPropagation();
 			}
-		}), /* @__PURE__ */ L("ul", { children: u.slice(0, 8).map((e, t) => /* @__PURE__ */ L("li", {
+		}), /* @__PURE__ */ z("ul", { children: u.slice(0, 8).map((e, t) => /* @__PURE__ */ z("li", {
 			class: t === 0 ? "chosen" : "",
 			children: [
-				/* @__PURE__ */ L("b", { children: e.letters }),
+				/* @__PURE__ */ z("b", { children: e.letters }),
 				" ",
 				e.about
 			]
@@ -3261,10 +3280,10 @@ function mn({ store: e, state: t }) {
 	});
 }
 // src/axes.ts
-function hn(e) {
+function Cn(e) {
 	return /^([^:,()]+\.\.[^:,()]+?)(:11)?$/.exec(e.trim())?.[1] ?? null;
 }
-function gn(e, t, n, r = 5) {
+function wn(e, t, n, r = 5) {
 	if (!(t - e > 1e-9 * Math.max(Math.abs(e), Math.abs(t)))) {
 		let r = Math.abs(e) * .1 || 1;
 		[e, t] = n ? [e * .9, e * 1.1] : [e - r, t + r];
@@ -3275,7 +3294,7 @@ function gn(e, t, n, r = 5) {
 		log: n,
 		part: (n) => (n - e) / (t - e),
 		value: (n) => e + n * (t - e),
-		ticks: yn(e, t, r)
+		ticks: Dn(e, t, r)
 	};
 	let [i, a] = [Math.log(e), Math.log(t)];
 	return {
@@ -3284,22 +3303,22 @@ function gn(e, t, n, r = 5) {
 		log: n,
 		part: (e) => (Math.log(e) - i) / (a - i),
 		value: (e) => Math.exp(i + e * (a - i)),
-		ticks: bn(e, t, r)
+		ticks: On(e, t, r)
 	};
 }
-function _n(e, t, n) {
-	if (e.edges) return gn(e.edges[0], e.edges[e.edges.length - 1], e.log, n);
-	let [r, i] = vn(t.filter((e) => e !== null));
-	if (e.log) return gn(r / (i / r) ** .04, i * (i / r) ** .04, !0, n);
+function Tn(e, t, n) {
+	if (e.edges) return wn(e.edges[0], e.edges[e.edges.length - 1], e.log, n);
+	let [r, i] = En(t.filter((e) => e !== null));
+	if (e.log) return wn(r / (i / r) ** .04, i * (i / r) ** .04, !0, n);
 	let a = .05 * (i - r);
-	return gn(r - a, i + a, !1, n);
+	return wn(r - a, i + a, !1, n);
 }
-function vn(e) {
+function En(e) {
 	let [t, n] = [Infinity, -Infinity];
 	for (let r of e) r < t && (t = r), r > n && (n = r);
 	return t <= n ? [t, n] : [0, 1];
 }
-function yn(e, t, n) {
+function Dn(e, t, n) {
 	let r = (t - e) / n, i = 10 ** Math.floor(Math.log10(r)), a = [
 		1,
 		2,
@@ -3309,7 +3328,7 @@ function yn(e, t, n) {
 	for (let n = Math.ceil(e / a - 1e-9); n * a <= t * (1 + 1e-12) + 1e-9 * a; n++) o.push(+(n * a).toPrecision(12));
 	return o;
 }
-function bn(e, t, n) {
+function On(e, t, n) {
 	let r = [];
 	for (let i of [
 		[1],
@@ -3326,13 +3345,13 @@ function bn(e, t, n) {
 	}
 	return r.length > 1 ? r : [e, t];
 }
-function xn(e, t) {
+function kn(e, t) {
 	return t ? `${e} [${t}]` : e;
 }
 function K(e) {
-	return e === null ? "none" : Le(e, 5).replace(/\.?0+e/, "e");
+	return e === null ? "none" : xe(e, 5).replace(/\.?0+e/, "e");
 }
-var Sn = [
+var An = [
 	"440154",
 	"482878",
 	"3e4989",
@@ -3344,40 +3363,40 @@ var Sn = [
 	"b5de2b",
 	"fde725"
 ];
-function Cn(e) {
-	let t = Math.min(Math.max(e, 0), 1) * (Sn.length - 1), n = Math.min(Math.floor(t), Sn.length - 2);
+function jn(e) {
+	let t = Math.min(Math.max(e, 0), 1) * (An.length - 1), n = Math.min(Math.floor(t), An.length - 2);
 	return `rgb(${[
 		0,
 		2,
 		4
 	].map((e) => {
-		let [r, i] = [Sn[n], Sn[n + 1]].map((t) => parseInt(t.slice(e, e + 2), 16));
+		let [r, i] = [An[n], An[n + 1]].map((t) => parseInt(t.slice(e, e + 2), 16));
 		return Math.round(r + (t - n) * (i - r));
 	}).join(",")})`;
 }
-var wn = Sn.map((e) => `#${e}`).join(", "), Tn = 120, En = [
+var Mn = An.map((e) => `#${e}`).join(", "), Nn = 120, Pn = [
 	"grid",
 	"together",
 	"ends"
-], Dn = ["grid", "together"];
-function On({ store: e, state: t }) {
-	let [n, r] = V(null), [i, a] = V(null), [o, s] = V(null), c = t.look.revision, l = t.asking;
-	if (H(() => {
+], Fn = ["grid", "together"];
+function In({ store: e, state: t }) {
+	let [n, r] = H(null), [i, a] = H(null), [o, s] = H(null), c = t.look.revision, l = t.asking;
+	if (gt(() => {
 		let t = !1;
 		return e.transport.ask("plan words").then((n) => {
-			t || (r(n), a(null), e.state.asking || e.set({ asking: jn(n) }));
+			t || (r(n), a(null), e.state.asking || e.set({ asking: zn(n) }));
 		}).catch((e) => !t && a(e.problem ?? null)), () => {
 			t = !0;
 		};
-	}, [c]), H(() => {
+	}, [c]), gt(() => {
 		if (!l) return;
 		let t = !1, n = setTimeout(() => {
 			e.transport.ask("plan look", l).then((e) => !t && s(e)).catch((e) => !t && a(e.problem ?? null));
-		}, Tn);
+		}, Nn);
 		return () => {
 			t = !0, clearTimeout(n);
 		};
-	}, [l, c]), i) return /* @__PURE__ */ L("p", {
+	}, [l, c]), i) return /* @__PURE__ */ z("p", {
 		class: "hint",
 		children: [
 			"There is nothing to sweep yet: ",
@@ -3386,7 +3405,7 @@ function On({ store: e, state: t }) {
 			i.why
 		]
 	});
-	if (!n || !l) return /* @__PURE__ */ L("p", {
+	if (!n || !l) return /* @__PURE__ */ z("p", {
 		class: "hint",
 		children: "…"
 	});
@@ -3397,34 +3416,34 @@ function On({ store: e, state: t }) {
 		...n,
 		...t
 	} : n), h = (e, t) => {
-		let r = t.trim(), i = n.values[r], a = l.factors[e], o = i && (!a.values || a.values === Mn(n.values[a.path] ?? "", l.way));
+		let r = t.trim(), i = n.values[r], a = l.factors[e], o = i && (!a.values || a.values === Bn(n.values[a.path] ?? "", l.way));
 		return m(e, {
 			path: r,
-			...o ? { values: Mn(i, l.way) } : {}
+			...o ? { values: Bn(i, l.way) } : {}
 		});
 	}, g = (e) => u({
 		way: e,
 		count: l.count || "128",
 		factors: l.factors.map((t) => ({
 			...t,
-			values: Mn(t.values, e)
+			values: Bn(t.values, e)
 		}))
 	}), _ = () => {
 		let e = n.paths.find((e) => e in n.values && !l.factors.some((t) => t.path === e)) ?? "";
 		u({ factors: [...l.factors, {
 			path: e,
-			values: Mn(n.values[e] ?? "", l.way)
+			values: Bn(n.values[e] ?? "", l.way)
 		}] });
 	}, v = o?.members ?? 0;
-	return /* @__PURE__ */ L("section", {
+	return /* @__PURE__ */ z("section", {
 		class: "plan",
 		children: [
-			/* @__PURE__ */ L("h2", { children: "What varies" }),
-			l.factors.map((e, t) => /* @__PURE__ */ L("div", {
+			/* @__PURE__ */ z("h2", { children: "What varies" }),
+			l.factors.map((e, t) => /* @__PURE__ */ z("div", {
 				class: "factor",
 				"data-factor": t,
 				children: [
-					/* @__PURE__ */ L(Gt, {
+					/* @__PURE__ */ z($t, {
 						label: `Factor ${t + 1}`,
 						value: e.path,
 						words: n.paths,
@@ -3436,7 +3455,7 @@ function On({ store: e, state: t }) {
 						})),
 						told: f[`path.${t}`]
 					}),
-					/* @__PURE__ */ L(Gt, {
+					/* @__PURE__ */ z($t, {
 						label: `Values of factor ${t + 1}`,
 						value: e.values,
 						words: [
@@ -3457,7 +3476,7 @@ function On({ store: e, state: t }) {
 						})),
 						told: f[`values.${t}`]
 					}),
-					/* @__PURE__ */ L("button", {
+					/* @__PURE__ */ z("button", {
 						class: "small",
 						"aria-label": `Leave out factor ${t + 1}`,
 						disabled: l.factors.length < 2,
@@ -3466,50 +3485,50 @@ function On({ store: e, state: t }) {
 					})
 				]
 			}, t)),
-			/* @__PURE__ */ L("div", {
+			/* @__PURE__ */ z("div", {
 				class: "row",
-				children: /* @__PURE__ */ L("button", {
+				children: /* @__PURE__ */ z("button", {
 					onClick: _,
 					children: "Add a factor"
 				})
 			}),
-			/* @__PURE__ */ L("details", { children: [/* @__PURE__ */ L("summary", { children: "How values are written" }), /* @__PURE__ */ L("dl", { children: [
-				/* @__PURE__ */ L("dt", { children: "0.2:0.3:0.005" }),
-				/* @__PURE__ */ L("dd", { children: "from, to, step" }),
-				/* @__PURE__ */ L("dt", { children: "1..2 kg:11, log(1e-4, 1e-2, 50)" }),
-				/* @__PURE__ */ L("dd", { children: "so many, evenly or by ratios" }),
-				/* @__PURE__ */ L("dt", { children: "1 kg, 1.5 kg" }),
-				/* @__PURE__ */ L("dd", { children: "these" }),
-				/* @__PURE__ */ L("dt", { children: "1..2 kg, log(1e-4, 1e-2), normal(1 kg, 50 g)" }),
-				/* @__PURE__ */ L("dd", { children: "distributions, for samples" })
+			/* @__PURE__ */ z("details", { children: [/* @__PURE__ */ z("summary", { children: "How values are written" }), /* @__PURE__ */ z("dl", { children: [
+				/* @__PURE__ */ z("dt", { children: "0.2:0.3:0.005" }),
+				/* @__PURE__ */ z("dd", { children: "from, to, step" }),
+				/* @__PURE__ */ z("dt", { children: "1..2 kg:11, log(1e-4, 1e-2, 50)" }),
+				/* @__PURE__ */ z("dd", { children: "so many, evenly or by ratios" }),
+				/* @__PURE__ */ z("dt", { children: "1 kg, 1.5 kg" }),
+				/* @__PURE__ */ z("dd", { children: "these" }),
+				/* @__PURE__ */ z("dt", { children: "1..2 kg, log(1e-4, 1e-2), normal(1 kg, 50 g)" }),
+				/* @__PURE__ */ z("dd", { children: "distributions, for samples" })
 			] })] }),
-			/* @__PURE__ */ L("h2", { children: "How members are drawn" }),
-			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "way" }), /* @__PURE__ */ L("select", {
+			/* @__PURE__ */ z("h2", { children: "How members are drawn" }),
+			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "way" }), /* @__PURE__ */ z("select", {
 				"aria-label": "Way",
 				value: l.way,
 				onChange: (e) => g(e.currentTarget.value),
-				children: Object.keys(n.ways).map((e) => /* @__PURE__ */ L("option", {
+				children: Object.keys(n.ways).map((e) => /* @__PURE__ */ z("option", {
 					value: e,
-					children: kn[e] ?? e
+					children: Ln[e] ?? e
 				}))
 			})] }),
-			/* @__PURE__ */ L("p", {
+			/* @__PURE__ */ z("p", {
 				class: "hint",
 				children: n.ways[l.way]
 			}),
-			!En.includes(l.way) && /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "number" }), /* @__PURE__ */ L(Dt, {
+			!Pn.includes(l.way) && /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "number" }), /* @__PURE__ */ z(Ft, {
 				label: "Number",
 				value: l.count,
 				onWrite: (e) => u({ count: e.trim() })
 			})] }),
-			!Dn.includes(l.way) && l.way !== "ends" && /* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "seed" }), /* @__PURE__ */ L(Dt, {
+			!Fn.includes(l.way) && l.way !== "ends" && /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "seed" }), /* @__PURE__ */ z(Ft, {
 				label: "Seed",
 				value: l.seed,
 				onWrite: (e) => u({ seed: e.trim() || "0" })
 			})] }),
-			/* @__PURE__ */ L(An, { problem: f.seed ?? f.way }),
-			/* @__PURE__ */ L("h2", { children: "What is collected" }),
-			/* @__PURE__ */ L(Gt, {
+			/* @__PURE__ */ z(Rn, { problem: f.seed ?? f.way }),
+			/* @__PURE__ */ z("h2", { children: "What is collected" }),
+			/* @__PURE__ */ z($t, {
 				label: "Collect",
 				value: l.collect,
 				words: n.words,
@@ -3521,29 +3540,29 @@ function On({ store: e, state: t }) {
 				})),
 				told: f.collect
 			}),
-			/* @__PURE__ */ L("details", { children: [/* @__PURE__ */ L("summary", { children: "What can be collected" }), /* @__PURE__ */ L("ul", { children: Object.values(n.collectors).map((e) => {
+			/* @__PURE__ */ z("details", { children: [/* @__PURE__ */ z("summary", { children: "What can be collected" }), /* @__PURE__ */ z("ul", { children: Object.values(n.collectors).map((e) => {
 				let [t, ...n] = e.split(":");
-				return /* @__PURE__ */ L("li", { children: [/* @__PURE__ */ L("code", { children: t }), n.join(":")] });
+				return /* @__PURE__ */ z("li", { children: [/* @__PURE__ */ z("code", { children: t }), n.join(":")] });
 			}) })] }),
-			/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("span", { children: "until" }), /* @__PURE__ */ L(Dt, {
+			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "until" }), /* @__PURE__ */ z(Ft, {
 				label: "Until of the sweep",
 				value: l.until,
 				placeholder: String(t.look.panels.experiment.until ?? "1 s"),
 				onWrite: (e) => u({ until: e.trim() })
 			})] }),
-			/* @__PURE__ */ L(An, { problem: f.until }),
-			/* @__PURE__ */ L("div", {
+			/* @__PURE__ */ z(Rn, { problem: f.until }),
+			/* @__PURE__ */ z("div", {
 				class: "row begin",
-				children: [p ? /* @__PURE__ */ L("button", {
+				children: [p ? /* @__PURE__ */ z("button", {
 					class: "run",
 					onClick: () => void e.transport.ask("plan cancel").catch(() => {}),
 					children: "Cancel"
-				}) : /* @__PURE__ */ L("button", {
+				}) : /* @__PURE__ */ z("button", {
 					class: "run",
 					disabled: !v || Object.keys(f).length > 0,
 					onClick: () => void e.sweepPlan(e.state.asking),
 					children: ["▶ Run ", v > 0 ? `${v} members` : "the sweep"]
-				}), t.plan && !t.planShown && /* @__PURE__ */ L("button", {
+				}), t.plan && !t.planShown && /* @__PURE__ */ z("button", {
 					onClick: () => e.set({
 						planShown: !0,
 						bottom: !0,
@@ -3552,12 +3571,12 @@ function On({ store: e, state: t }) {
 					children: "Show the last"
 				})]
 			}),
-			o && !Object.keys(f).length && /* @__PURE__ */ L(x, { children: [/* @__PURE__ */ L("h2", { children: "The same in a terminal" }), /* @__PURE__ */ L("div", {
+			o && !Object.keys(f).length && /* @__PURE__ */ z(x, { children: [/* @__PURE__ */ z("h2", { children: "The same in a terminal" }), /* @__PURE__ */ z("div", {
 				class: "command",
-				children: [/* @__PURE__ */ L("code", {
+				children: [/* @__PURE__ */ z("code", {
 					tabindex: 0,
 					children: o.command
-				}), /* @__PURE__ */ L("button", {
+				}), /* @__PURE__ */ z("button", {
 					onClick: () => void navigator.clipboard?.writeText(o.command).catch((t) => e.refused(t)),
 					children: "Copy"
 				})]
@@ -3565,7 +3584,7 @@ function On({ store: e, state: t }) {
 		]
 	});
 }
-var kn = {
+var Ln = {
 	grid: "all combinations",
 	together: "side by side",
 	random: "at random",
@@ -3574,18 +3593,18 @@ var kn = {
 	saltelli: "for Sobol indices",
 	ends: "for a tornado"
 };
-function An({ problem: e }) {
-	return e ? /* @__PURE__ */ L("small", {
+function Rn({ problem: e }) {
+	return e ? /* @__PURE__ */ z("small", {
 		class: "wrong",
 		role: "status",
 		children: [
 			e.why,
 			" ",
-			e.try && /* @__PURE__ */ L("em", { children: e.try })
+			e.try && /* @__PURE__ */ z("em", { children: e.try })
 		]
 	}) : null;
 }
-function jn(e) {
+function zn(e) {
 	let t = e.paths.find((t) => t in e.values) ?? e.paths[0] ?? "";
 	return {
 		factors: [{
@@ -3599,24 +3618,24 @@ function jn(e) {
 		collect: e.collect
 	};
 }
-function Mn(e, t) {
-	let n = hn(e);
-	return n ? Dn.includes(t) ? `${n}:11` : n : e;
+function Bn(e, t) {
+	let n = Cn(e);
+	return n ? Fn.includes(t) ? `${n}:11` : n : e;
 }
 // src/bands.tsx
-var [Nn, Pn, Fn, In] = [
+var [Vn, Hn, Un, Wn] = [
 	66,
 	14,
 	10,
 	38
 ];
-function Ln({ found: e, wide: t, high: n, chosen: r, choose: i, open: a }) {
+function Gn({ found: e, wide: t, high: n, chosen: r, choose: i, open: a }) {
 	let { t: o, bands: s, curves: c } = e, l = [...s, ...c].flat().filter((e) => e !== null);
-	if (!l.length) return /* @__PURE__ */ L("p", {
+	if (!l.length) return /* @__PURE__ */ z("p", {
 		class: "hint",
 		children: "No run has come so far that it has values."
 	});
-	let u = t > 620, d = Math.max(t - (u ? 230 : 0), 160), [f, p] = [d - Nn - Pn, n - Fn - In], [m, h] = vn(l), g = .05 * (h - m), _ = gn(o[0], o[o.length - 1], !1, Math.max(2, Math.round(f / 90))), v = gn(m - g, h + g, !1, Math.max(2, Math.round(p / 45))), y = (e) => Nn + _.part(e) * f, b = (e) => Fn + (1 - v.part(e)) * p, x = (e) => {
+	let u = t > 620, d = Math.max(t - (u ? 230 : 0), 160), [f, p] = [d - Vn - Hn, n - Un - Wn], [m, h] = En(l), g = .05 * (h - m), _ = wn(o[0], o[o.length - 1], !1, Math.max(2, Math.round(f / 90))), v = wn(m - g, h + g, !1, Math.max(2, Math.round(p / 45))), y = (e) => Vn + _.part(e) * f, b = (e) => Un + (1 - v.part(e)) * p, x = (e) => {
 		let [t, n] = ["", "M"];
 		return e.forEach((e, r) => {
 			e === null ? n = "M" : [t, n] = [`${t}${n}${y(o[r]).toFixed(1)},${b(e).toFixed(1)}`, "L"];
@@ -3632,10 +3651,10 @@ function Ln({ found: e, wide: t, high: n, chosen: r, choose: i, open: a }) {
 		}
 		return n;
 	}, [C, w, T, E, D] = s, O = r === null ? -1 : e.members.indexOf(r);
-	return /* @__PURE__ */ L("figure", {
+	return /* @__PURE__ */ z("figure", {
 		class: "outcomes" + (u ? " beside" : ""),
 		"data-view": "family",
-		children: [/* @__PURE__ */ L("div", {
+		children: [/* @__PURE__ */ z("div", {
 			class: "area",
 			style: `width: ${d}px; height: ${n}px`,
 			tabindex: 0,
@@ -3654,99 +3673,99 @@ function Ln({ found: e, wide: t, high: n, chosen: r, choose: i, open: a }) {
 				let o = O < 0 ? 0 : O + n;
 				e.members[o] !== void 0 && i(e.members[o]);
 			},
-			children: /* @__PURE__ */ L("svg", {
+			children: /* @__PURE__ */ z("svg", {
 				width: d,
 				height: n,
 				role: "img",
 				"aria-label": `${e.signal}: from ${K(m)} to ${K(h)} ${e.unit}; the median ends at ${K(T[T.length - 1])}`,
 				children: [
-					/* @__PURE__ */ L("rect", {
+					/* @__PURE__ */ z("rect", {
 						class: "box",
-						x: Nn,
-						y: Fn,
+						x: Vn,
+						y: Un,
 						width: f,
 						height: p
 					}),
-					/* @__PURE__ */ L("path", {
+					/* @__PURE__ */ z("path", {
 						class: "band",
 						d: S(C, D)
 					}),
-					/* @__PURE__ */ L("path", {
+					/* @__PURE__ */ z("path", {
 						class: "band inner",
 						d: S(w, E)
 					}),
-					c.map((t, n) => n === O ? null : /* @__PURE__ */ L("path", {
+					c.map((t, n) => n === O ? null : /* @__PURE__ */ z("path", {
 						class: "one",
 						d: x(t),
 						onClick: () => (i(e.members[n]), a(e.members[n])),
-						children: /* @__PURE__ */ L("title", { children: ["run ", e.members[n]] })
+						children: /* @__PURE__ */ z("title", { children: ["run ", e.members[n]] })
 					})),
-					/* @__PURE__ */ L("path", {
+					/* @__PURE__ */ z("path", {
 						class: "median",
 						d: x(T)
 					}),
-					O >= 0 && /* @__PURE__ */ L("path", {
+					O >= 0 && /* @__PURE__ */ z("path", {
 						class: "one chosen",
 						d: x(c[O]),
 						onClick: () => a(r)
 					}),
-					_.ticks.map((e) => /* @__PURE__ */ L("g", { children: [/* @__PURE__ */ L("line", {
+					_.ticks.map((e) => /* @__PURE__ */ z("g", { children: [/* @__PURE__ */ z("line", {
 						class: "tick",
 						x1: y(e),
 						x2: y(e),
-						y1: Fn + p,
-						y2: Fn + p + 4
-					}), /* @__PURE__ */ L("text", {
+						y1: Un + p,
+						y2: Un + p + 4
+					}), /* @__PURE__ */ z("text", {
 						x: y(e),
-						y: Fn + p + 15,
+						y: Un + p + 15,
 						"text-anchor": "middle",
-						children: z(e, "s")
+						children: L(e, "s")
 					})] })),
-					v.ticks.map((e) => /* @__PURE__ */ L("g", { children: [/* @__PURE__ */ L("line", {
+					v.ticks.map((e) => /* @__PURE__ */ z("g", { children: [/* @__PURE__ */ z("line", {
 						class: "tick",
-						x1: Nn - 4,
-						x2: Nn,
+						x1: Vn - 4,
+						x2: Vn,
 						y1: b(e),
 						y2: b(e)
-					}), /* @__PURE__ */ L("text", {
-						x: Nn - 7,
+					}), /* @__PURE__ */ z("text", {
+						x: Vn - 7,
 						y: b(e) + 3.5,
 						"text-anchor": "end",
 						children: K(e)
 					})] })),
-					/* @__PURE__ */ L("text", {
+					/* @__PURE__ */ z("text", {
 						class: "what",
-						x: Nn + f / 2,
+						x: Vn + f / 2,
 						y: n - 6,
 						"text-anchor": "middle",
 						children: "time"
 					}),
-					/* @__PURE__ */ L("text", {
+					/* @__PURE__ */ z("text", {
 						class: "what",
-						transform: `translate(12,${Fn + p / 2}) rotate(-90)`,
+						transform: `translate(12,${Un + p / 2}) rotate(-90)`,
 						"text-anchor": "middle",
-						children: xn(e.signal, e.unit)
+						children: kn(e.signal, e.unit)
 					})
 				]
 			})
-		}), /* @__PURE__ */ L("figcaption", { children: [
-			/* @__PURE__ */ L("b", { children: xn(e.signal, e.unit) }),
-			/* @__PURE__ */ L("span", {
+		}), /* @__PURE__ */ z("figcaption", { children: [
+			/* @__PURE__ */ z("b", { children: kn(e.signal, e.unit) }),
+			/* @__PURE__ */ z("span", {
 				class: "key",
-				children: [/* @__PURE__ */ L("i", { class: "line median" }), " median"]
+				children: [/* @__PURE__ */ z("i", { class: "line median" }), " median"]
 			}),
-			/* @__PURE__ */ L("span", {
+			/* @__PURE__ */ z("span", {
 				class: "key",
-				children: [/* @__PURE__ */ L("i", { class: "fill inner" }), " 25 to 75 %"]
+				children: [/* @__PURE__ */ z("i", { class: "fill inner" }), " 25 to 75 %"]
 			}),
-			/* @__PURE__ */ L("span", {
+			/* @__PURE__ */ z("span", {
 				class: "key",
-				children: [/* @__PURE__ */ L("i", { class: "fill" }), " 5 to 95 %"]
+				children: [/* @__PURE__ */ z("i", { class: "fill" }), " 5 to 95 %"]
 			}),
-			/* @__PURE__ */ L("span", {
+			/* @__PURE__ */ z("span", {
 				class: "key",
 				children: [
-					/* @__PURE__ */ L("i", { class: "line one" }),
+					/* @__PURE__ */ z("i", { class: "line one" }),
 					" ",
 					e.members.length,
 					" of ",
@@ -3754,176 +3773,176 @@ function Ln({ found: e, wide: t, high: n, chosen: r, choose: i, open: a }) {
 					" runs"
 				]
 			}),
-			e.every > 1 && /* @__PURE__ */ L("small", { children: [
+			e.every > 1 && /* @__PURE__ */ z("small", { children: [
 				"every ",
 				e.every,
 				". of the times is drawn"
 			] }),
-			/* @__PURE__ */ L("output", { children: O >= 0 ? `run ${r}` : "" })
+			/* @__PURE__ */ z("output", { children: O >= 0 ? `run ${r}` : "" })
 		] })]
 	});
 }
 // src/bars.tsx
-var [Rn, zn, Bn] = [
+var [Kn, qn, Jn] = [
 	22,
 	40,
 	34
 ];
-function Vn(e, t) {
+function Yn(e, t) {
 	return Math.min(24 + 7 * Math.max(...e.map((e) => e.length)), t * .35);
 }
-function Hn({ found: e, wide: t, open: n }) {
+function Xn({ found: e, wide: t, open: n }) {
 	let r = e.middle;
-	if (r === null) return /* @__PURE__ */ L("p", {
+	if (r === null) return /* @__PURE__ */ z("p", {
 		class: "hint",
 		children: "The run in the middle has no value."
 	});
-	let i = Math.min(t, 820), a = Vn(e.rows.map((e) => xn(e.path, e.unit)), i), [o, s] = [44, Rn + Bn * e.rows.length + zn], [c, l] = vn([r, ...e.rows.flatMap((e) => e.outcomes).filter((e) => e !== null)]), u = .14 * (l - c), d = gn(c - u, l + u, !1, Math.max(2, Math.round((i - a - o) / 100))), f = (e) => a + d.part(e) * (i - a - o);
-	return /* @__PURE__ */ L("figure", {
+	let i = Math.min(t, 820), a = Yn(e.rows.map((e) => kn(e.path, e.unit)), i), [o, s] = [44, Kn + Jn * e.rows.length + qn], [c, l] = En([r, ...e.rows.flatMap((e) => e.outcomes).filter((e) => e !== null)]), u = .14 * (l - c), d = wn(c - u, l + u, !1, Math.max(2, Math.round((i - a - o) / 100))), f = (e) => a + d.part(e) * (i - a - o);
+	return /* @__PURE__ */ z("figure", {
 		class: "bars",
 		"data-view": "tornado",
-		children: [/* @__PURE__ */ L("svg", {
+		children: [/* @__PURE__ */ z("svg", {
 			width: i,
 			height: s,
 			role: "group",
 			"aria-label": `How far each factor moves ${e.value} from ${K(r)} ${e.unit}`,
 			children: [
-				d.ticks.map((e) => /* @__PURE__ */ L("g", { children: [/* @__PURE__ */ L("line", {
+				d.ticks.map((e) => /* @__PURE__ */ z("g", { children: [/* @__PURE__ */ z("line", {
 					class: "grid",
 					x1: f(e),
 					x2: f(e),
-					y1: Rn,
-					y2: s - zn
-				}), /* @__PURE__ */ L("text", {
+					y1: Kn,
+					y2: s - qn
+				}), /* @__PURE__ */ z("text", {
 					x: f(e),
-					y: s - zn + 15,
+					y: s - qn + 15,
 					"text-anchor": "middle",
 					children: K(e)
 				})] })),
-				e.rows.map((t, i) => /* @__PURE__ */ L("g", {
-					transform: `translate(0,${Rn + i * Bn})`,
+				e.rows.map((t, i) => /* @__PURE__ */ z("g", {
+					transform: `translate(0,${Kn + i * Jn})`,
 					"data-factor": t.path,
-					children: [/* @__PURE__ */ L("text", {
+					children: [/* @__PURE__ */ z("text", {
 						class: "what",
 						x: a - 8,
-						y: Bn / 2 + 4,
+						y: Jn / 2 + 4,
 						"text-anchor": "end",
-						children: xn(t.path, t.unit)
+						children: kn(t.path, t.unit)
 					}), t.outcomes.map((i, a) => {
-						if (i === null) return /* @__PURE__ */ L("text", {
+						if (i === null) return /* @__PURE__ */ z("text", {
 							x: f(r) + 4,
-							y: Bn / 2 + 4,
+							y: Jn / 2 + 4,
 							children: "no value"
 						});
 						let o = i > r || i === r && a === 1, s = `${t.path} = ${K(t.ends[a])}: ${e.value} = ${K(i)}`, c = () => n(t.members[a]);
-						return /* @__PURE__ */ L("g", {
+						return /* @__PURE__ */ z("g", {
 							class: "bar " + (a ? "upper" : "lower"),
 							role: "button",
 							tabindex: 0,
 							"aria-label": `${s}. Open this run.`,
 							onClick: c,
 							onKeyDown: (e) => e.key === "Enter" && c(),
-							children: [/* @__PURE__ */ L("rect", {
+							children: [/* @__PURE__ */ z("rect", {
 								x: Math.min(f(i), f(r)),
 								y: 5,
 								width: Math.max(Math.abs(f(i) - f(r)), 1),
-								height: Bn - 10,
+								height: Jn - 10,
 								"data-outcome": i,
-								children: /* @__PURE__ */ L("title", { children: s })
-							}), /* @__PURE__ */ L("text", {
+								children: /* @__PURE__ */ z("title", { children: s })
+							}), /* @__PURE__ */ z("text", {
 								x: f(i) + (o ? 4 : -4),
-								y: Bn / 2 + 4,
+								y: Jn / 2 + 4,
 								"text-anchor": o ? "start" : "end",
 								children: K(t.ends[a])
 							})]
 						});
 					})]
 				})),
-				/* @__PURE__ */ L("line", {
+				/* @__PURE__ */ z("line", {
 					class: "middle",
 					x1: f(r),
 					x2: f(r),
-					y1: Rn - 4,
-					y2: s - zn
+					y1: Kn - 4,
+					y2: s - qn
 				}),
-				/* @__PURE__ */ L("text", {
+				/* @__PURE__ */ z("text", {
 					x: f(r),
-					y: Rn - 9,
+					y: Kn - 9,
 					"text-anchor": "middle",
 					children: K(r)
 				}),
-				/* @__PURE__ */ L("text", {
+				/* @__PURE__ */ z("text", {
 					class: "what",
 					x: (a + i - o) / 2,
 					y: s - 6,
 					"text-anchor": "middle",
-					children: xn(e.value, e.unit)
+					children: kn(e.value, e.unit)
 				})
 			]
-		}), /* @__PURE__ */ L("figcaption", { children: [/* @__PURE__ */ L("span", {
+		}), /* @__PURE__ */ z("figcaption", { children: [/* @__PURE__ */ z("span", {
 			class: "key",
-			children: [/* @__PURE__ */ L("i", { class: "lower" }), " lower end of the factor"]
-		}), /* @__PURE__ */ L("span", {
+			children: [/* @__PURE__ */ z("i", { class: "lower" }), " lower end of the factor"]
+		}), /* @__PURE__ */ z("span", {
 			class: "key",
-			children: [/* @__PURE__ */ L("i", { class: "upper" }), " upper end"]
+			children: [/* @__PURE__ */ z("i", { class: "upper" }), " upper end"]
 		})] })]
 	});
 }
-function Un({ found: e, wide: t }) {
-	let n = Math.min(t, 820), r = Vn(e.rows.map((e) => e.path), n), [i, a] = [64, Rn + Bn * e.rows.length + zn], o = e.rows.flatMap((e) => [e.first, e.total].flatMap(([e, t]) => e === null ? [] : [e - (t ?? 0), e + (t ?? 0)]));
-	if (!o.length) return /* @__PURE__ */ L("p", {
+function Zn({ found: e, wide: t }) {
+	let n = Math.min(t, 820), r = Yn(e.rows.map((e) => e.path), n), [i, a] = [64, Kn + Jn * e.rows.length + qn], o = e.rows.flatMap((e) => [e.first, e.total].flatMap(([e, t]) => e === null ? [] : [e - (t ?? 0), e + (t ?? 0)]));
+	if (!o.length) return /* @__PURE__ */ z("p", {
 		class: "hint",
 		children: "The outcome does not vary."
 	});
-	let [s, c] = vn([0, ...o]), l = gn(s, Math.max(c, .1) * 1.02, !1, Math.max(2, Math.round((n - r - i) / 90))), u = (e) => r + l.part(e) * (n - r - i);
-	return /* @__PURE__ */ L("figure", {
+	let [s, c] = En([0, ...o]), l = wn(s, Math.max(c, .1) * 1.02, !1, Math.max(2, Math.round((n - r - i) / 90))), u = (e) => r + l.part(e) * (n - r - i);
+	return /* @__PURE__ */ z("figure", {
 		class: "bars",
 		"data-view": "sobol",
-		children: [/* @__PURE__ */ L("svg", {
+		children: [/* @__PURE__ */ z("svg", {
 			width: n,
 			height: a,
 			role: "img",
 			"aria-label": `Parts of the variance of ${e.value}: ${e.rows.map((e) => `${e.path} alone ${K(e.first[0])}, with others ${K(e.total[0])}`).join("; ")}`,
 			children: [
-				l.ticks.map((e) => /* @__PURE__ */ L("g", { children: [/* @__PURE__ */ L("line", {
+				l.ticks.map((e) => /* @__PURE__ */ z("g", { children: [/* @__PURE__ */ z("line", {
 					class: "grid",
 					x1: u(e),
 					x2: u(e),
-					y1: Rn,
-					y2: a - zn
-				}), /* @__PURE__ */ L("text", {
+					y1: Kn,
+					y2: a - qn
+				}), /* @__PURE__ */ z("text", {
 					x: u(e),
-					y: a - zn + 15,
+					y: a - qn + 15,
 					"text-anchor": "middle",
 					children: K(e)
 				})] })),
-				e.rows.map((e, t) => /* @__PURE__ */ L("g", {
-					transform: `translate(0,${Rn + t * Bn})`,
+				e.rows.map((e, t) => /* @__PURE__ */ z("g", {
+					transform: `translate(0,${Kn + t * Jn})`,
 					"data-factor": e.path,
-					children: [/* @__PURE__ */ L("text", {
+					children: [/* @__PURE__ */ z("text", {
 						class: "what",
 						x: r - 8,
-						y: Bn / 2 + 4,
+						y: Jn / 2 + 4,
 						"text-anchor": "end",
 						children: e.path
 					}), [e.first, e.total].map(([e, t], n) => {
 						if (e === null) return null;
 						let r = 5 + n * 13, i = Math.max(u(e), u(e + (t ?? 0)));
-						return /* @__PURE__ */ L("g", {
+						return /* @__PURE__ */ z("g", {
 							class: "bar still " + (n ? "upper" : "lower"),
 							children: [
-								/* @__PURE__ */ L("rect", {
+								/* @__PURE__ */ z("rect", {
 									x: Math.min(u(e), u(0)),
 									y: r,
 									width: Math.abs(u(e) - u(0)),
 									height: 11,
 									"data-index": e
 								}),
-								t !== null && /* @__PURE__ */ L("path", {
+								t !== null && /* @__PURE__ */ z("path", {
 									class: "whisker",
 									d: `M${u(e - t)},${r + 2}v7m0,-3.5H${u(e + t)}m0,-3.5v7`
 								}),
-								/* @__PURE__ */ L("text", {
+								/* @__PURE__ */ z("text", {
 									x: i + 5,
 									y: r + 9,
 									children: K(+e.toFixed(3))
@@ -3932,14 +3951,14 @@ function Un({ found: e, wide: t }) {
 						});
 					})]
 				})),
-				/* @__PURE__ */ L("line", {
+				/* @__PURE__ */ z("line", {
 					class: "middle",
 					x1: u(0),
 					x2: u(0),
-					y1: Rn - 4,
-					y2: a - zn
+					y1: Kn - 4,
+					y2: a - qn
 				}),
-				/* @__PURE__ */ L("text", {
+				/* @__PURE__ */ z("text", {
 					class: "what",
 					x: (r + n - i) / 2,
 					y: a - 6,
@@ -3947,16 +3966,16 @@ function Un({ found: e, wide: t }) {
 					children: ["part of the variance of ", e.value]
 				})
 			]
-		}), /* @__PURE__ */ L("figcaption", { children: [
-			/* @__PURE__ */ L("span", {
+		}), /* @__PURE__ */ z("figcaption", { children: [
+			/* @__PURE__ */ z("span", {
 				class: "key",
-				children: [/* @__PURE__ */ L("i", { class: "lower" }), " alone"]
+				children: [/* @__PURE__ */ z("i", { class: "lower" }), " alone"]
 			}),
-			/* @__PURE__ */ L("span", {
+			/* @__PURE__ */ z("span", {
 				class: "key",
-				children: [/* @__PURE__ */ L("i", { class: "upper" }), " with others"]
+				children: [/* @__PURE__ */ z("i", { class: "upper" }), " with others"]
 			}),
-			/* @__PURE__ */ L("small", { children: [
+			/* @__PURE__ */ z("small", { children: [
 				e.points,
 				" points, 95 % intervals",
 				e.leftOut > 0 && `; ${e.leftOut} left out: a run failed`
@@ -3965,18 +3984,18 @@ function Un({ found: e, wide: t }) {
 	});
 }
 // src/outcomes.tsx
-var [Wn, Gn, Kn, qn] = [
+var [q, Qn, $n, er] = [
 	66,
 	12,
 	10,
 	38
-], Jn = 14;
-function Yn({ found: e, wide: t, high: n, dark: r, chosen: i, choose: a, open: o }) {
-	let s = lt(null), [c, l] = V(null), u = t > 620, [d, f] = [Math.max(t - (u ? 230 : 0), 160), n], [p, m] = [d - Wn - Gn, f - Kn - qn], h = _n(e.x, e.across, Math.max(2, Math.round(p / 90))), g = _n(e.y, e.up, Math.max(2, Math.round(m / 50))), _ = e.across.length, v = e.x.edges && e.y.edges ? {
+], tr = 14;
+function nr({ found: e, wide: t, high: n, dark: r, chosen: i, choose: a, open: o }) {
+	let s = _t(null), [c, l] = H(null), u = t > 620, [d, f] = [Math.max(t - (u ? 230 : 0), 160), n], [p, m] = [d - q - Qn, f - $n - er], h = Tn(e.x, e.across, Math.max(2, Math.round(p / 90))), g = Tn(e.y, e.up, Math.max(2, Math.round(m / 50))), _ = e.across.length, v = e.x.edges && e.y.edges ? {
 		x: e.x.edges,
 		y: e.y.edges
-	} : null, y = (e) => h.part(e) * p, b = (e) => (1 - g.part(e)) * m, x = (t) => v ? [e.across[t % _], e.up[Math.floor(t / _)]] : [e.across[t], e.up[t]], S = e.number.filter((e) => e !== null), [C, w] = vn(S), T = (t) => t === null ? e.none : e.names.length ? e.inks[t] : Cn(w > C ? (t - C) / (w - C) : .5), E = (t) => e.number[t] === null ? "no value" : e.names.length ? e.names[e.number[t]] : K(e.number[t]);
-	H(() => {
+	} : null, y = (e) => h.part(e) * p, b = (e) => (1 - g.part(e)) * m, x = (t) => v ? [e.across[t % _], e.up[Math.floor(t / _)]] : [e.across[t], e.up[t]], S = e.number.filter((e) => e !== null), [C, w] = En(S), T = (t) => t === null ? e.none : e.names.length ? e.inks[t] : jn(w > C ? (t - C) / (w - C) : .5), E = (t) => e.number[t] === null ? "no value" : e.names.length ? e.names[e.number[t]] : K(e.number[t]);
+	gt(() => {
 		let t = s.current, n = t?.getContext("2d");
 		if (!t || !n) return;
 		let r = devicePixelRatio || 1;
@@ -4004,7 +4023,7 @@ function Yn({ found: e, wide: t, high: n, dark: r, chosen: i, choose: a, open: o
 			let [t, n] = [v.x.findIndex((e) => y(e) > r) - 1, v.y.findIndex((e) => b(e) < i) - 1], a = n * _ + t;
 			return t >= 0 && n >= 0 && e.members[a] >= 0 ? a : null;
 		}
-		let [a, o] = [-1, Jn ** 2];
+		let [a, o] = [-1, tr ** 2];
 		return e.members.forEach((e, t) => {
 			let [n, s] = x(t), c = n === null || s === null ? Infinity : (y(n) - r) ** 2 + (b(s) - i) ** 2;
 			c < o && ([a, o] = [t, c]);
@@ -4025,19 +4044,19 @@ function Yn({ found: e, wide: t, high: n, dark: r, chosen: i, choose: a, open: o
 		let [n, r] = x(t);
 		return `run ${e.members[t]}: ${e.x.name} = ${K(n)}, ${e.y.name} = ${K(r)}, ${e.value} = ${E(t)}`;
 	}, [te, ne] = O < 0 ? [null, null] : x(O);
-	return /* @__PURE__ */ L("figure", {
+	return /* @__PURE__ */ z("figure", {
 		class: "outcomes" + (u ? " beside" : ""),
 		"data-view": e.view,
-		children: [/* @__PURE__ */ L("div", {
+		children: [/* @__PURE__ */ z("div", {
 			class: "area",
 			style: `width: ${d}px; height: ${f}px`,
 			tabindex: 0,
 			role: "group",
 			"aria-label": `${e.value} over ${e.x.name} and ${e.y.name}, ${v ? "cells" : "points"}. Arrows choose a run, Enter opens it.`,
 			onKeyDown: k,
-			children: [/* @__PURE__ */ L("canvas", {
+			children: [/* @__PURE__ */ z("canvas", {
 				ref: s,
-				style: `left: ${Wn}px; top: ${Kn}px; width: ${p}px; height: ${m}px`,
+				style: `left: ${q}px; top: ${$n}px; width: ${p}px; height: ${m}px`,
 				"data-span": JSON.stringify([
 					h.low,
 					h.high,
@@ -4050,118 +4069,118 @@ function Yn({ found: e, wide: t, high: n, dark: r, chosen: i, choose: a, open: o
 					let n = D(t);
 					n !== null && (a(e.members[n]), o(e.members[n]));
 				}
-			}), /* @__PURE__ */ L("svg", {
+			}), /* @__PURE__ */ z("svg", {
 				width: d,
 				height: f,
 				role: "img",
 				"aria-label": `${e.value}: ${e.names.length ? e.names.join("; ") : `${K(C)} to ${K(w)} ${e.unit}`}`,
 				children: [
-					/* @__PURE__ */ L("rect", {
+					/* @__PURE__ */ z("rect", {
 						class: "box",
-						x: Wn,
-						y: Kn,
+						x: q,
+						y: $n,
 						width: p,
 						height: m
 					}),
-					h.ticks.map((e) => /* @__PURE__ */ L("g", { children: [/* @__PURE__ */ L("line", {
+					h.ticks.map((e) => /* @__PURE__ */ z("g", { children: [/* @__PURE__ */ z("line", {
 						class: "tick",
-						x1: Wn + y(e),
-						x2: Wn + y(e),
-						y1: Kn + m,
-						y2: Kn + m + 4
-					}), /* @__PURE__ */ L("text", {
-						x: Wn + y(e),
-						y: Kn + m + 15,
+						x1: q + y(e),
+						x2: q + y(e),
+						y1: $n + m,
+						y2: $n + m + 4
+					}), /* @__PURE__ */ z("text", {
+						x: q + y(e),
+						y: $n + m + 15,
 						"text-anchor": "middle",
 						children: K(e)
 					})] })),
-					g.ticks.map((e) => /* @__PURE__ */ L("g", { children: [/* @__PURE__ */ L("line", {
+					g.ticks.map((e) => /* @__PURE__ */ z("g", { children: [/* @__PURE__ */ z("line", {
 						class: "tick",
-						x1: Wn - 4,
-						x2: Wn,
-						y1: Kn + b(e),
-						y2: Kn + b(e)
-					}), /* @__PURE__ */ L("text", {
-						x: Wn - 7,
-						y: Kn + b(e) + 3.5,
+						x1: q - 4,
+						x2: q,
+						y1: $n + b(e),
+						y2: $n + b(e)
+					}), /* @__PURE__ */ z("text", {
+						x: q - 7,
+						y: $n + b(e) + 3.5,
 						"text-anchor": "end",
 						children: K(e)
 					})] })),
-					/* @__PURE__ */ L("text", {
+					/* @__PURE__ */ z("text", {
 						class: "what",
-						x: Wn + p / 2,
+						x: q + p / 2,
 						y: f - 6,
 						"text-anchor": "middle",
-						children: xn(e.x.name, e.x.unit)
+						children: kn(e.x.name, e.x.unit)
 					}),
-					/* @__PURE__ */ L("text", {
+					/* @__PURE__ */ z("text", {
 						class: "what",
-						transform: `translate(12,${Kn + m / 2}) rotate(-90)`,
+						transform: `translate(12,${$n + m / 2}) rotate(-90)`,
 						"text-anchor": "middle",
-						children: xn(e.y.name, e.y.unit)
+						children: kn(e.y.name, e.y.unit)
 					}),
-					te !== null && ne !== null && /* @__PURE__ */ L("circle", {
+					te !== null && ne !== null && /* @__PURE__ */ z("circle", {
 						class: "chosen",
-						cx: Wn + y(te),
-						cy: Kn + b(ne),
+						cx: q + y(te),
+						cy: $n + b(ne),
 						r: 7
 					})
 				]
 			})]
-		}), /* @__PURE__ */ L("figcaption", { children: [
-			/* @__PURE__ */ L("b", { children: xn(e.value, e.unit) }),
-			e.names.map((t, n) => /* @__PURE__ */ L("span", {
+		}), /* @__PURE__ */ z("figcaption", { children: [
+			/* @__PURE__ */ z("b", { children: kn(e.value, e.unit) }),
+			e.names.map((t, n) => /* @__PURE__ */ z("span", {
 				class: "key",
 				children: [
-					/* @__PURE__ */ L("i", { style: `background: ${e.inks[n]}` }),
+					/* @__PURE__ */ z("i", { style: `background: ${e.inks[n]}` }),
 					" ",
 					t
 				]
 			})),
-			!e.names.length && S.length > 0 && /* @__PURE__ */ L("span", {
+			!e.names.length && S.length > 0 && /* @__PURE__ */ z("span", {
 				class: "bar",
 				children: [
-					/* @__PURE__ */ L("i", { style: `background: linear-gradient(to right, ${wn})` }),
-					/* @__PURE__ */ L("span", { children: K(C) }),
-					/* @__PURE__ */ L("span", { children: K(w) })
+					/* @__PURE__ */ z("i", { style: `background: linear-gradient(to right, ${Mn})` }),
+					/* @__PURE__ */ z("span", { children: K(C) }),
+					/* @__PURE__ */ z("span", { children: K(w) })
 				]
 			}),
-			!e.names.length && e.members.some((t, n) => t >= 0 && e.number[n] === null) && /* @__PURE__ */ L("span", {
+			!e.names.length && e.members.some((t, n) => t >= 0 && e.number[n] === null) && /* @__PURE__ */ z("span", {
 				class: "key",
-				children: [/* @__PURE__ */ L("i", { style: `background: ${e.none}` }), " no value"]
+				children: [/* @__PURE__ */ z("i", { style: `background: ${e.none}` }), " no value"]
 			}),
-			e.members.length < e.all && /* @__PURE__ */ L("small", { children: [
+			e.members.length < e.all && /* @__PURE__ */ z("small", { children: [
 				e.members.length,
 				" of ",
 				e.all,
 				" runs are drawn"
 			] }),
-			A > 0 && /* @__PURE__ */ L("small", { children: [A === 1 ? "1 run has" : `${A} runs have`, " no value for an axis"] }),
-			/* @__PURE__ */ L("output", { children: j !== null && e.members[j] >= 0 ? ee(j) : "" })
+			A > 0 && /* @__PURE__ */ z("small", { children: [A === 1 ? "1 run has" : `${A} runs have`, " no value for an axis"] }),
+			/* @__PURE__ */ z("output", { children: j !== null && e.members[j] >= 0 ? ee(j) : "" })
 		] })]
 	});
 }
 // src/planned.tsx
-var Xn = [
+var rr = [
 	["map", "Map"],
 	["scatter", "Scatter"],
 	["family", "Curves"],
 	["tornado", "Tornado"],
 	["sobol", "Sobol indices"],
 	["table", "Table"]
-], Zn = 92, Qn = "(max-width: 760px)", $n = 500;
-function er({ store: e, state: t, plan: n }) {
+], ir = 92, ar = "(max-width: 760px)", or = 500;
+function sr({ store: e, state: t, plan: n }) {
 	let { choice: r, chosen: i } = t.looked?.plan === n.plan ? t.looked : {
-		choice: cr(n),
+		choice: hr(n),
 		chosen: null
-	}, [[a, o], s] = V([700, 340]), c = lt(null);
-	H(() => {
+	}, [[a, o], s] = H([700, 340]), c = _t(null);
+	gt(() => {
 		let e = c.current;
 		if (!e) return;
-		let t = new ResizeObserver(() => s([Math.max(260, e.clientWidth - 24), matchMedia(Qn).matches ? 0 : e.clientHeight]));
+		let t = new ResizeObserver(() => s([Math.max(260, e.clientWidth - 24), matchMedia(ar).matches ? 0 : e.clientHeight]));
 		return t.observe(e), () => t.disconnect();
 	}, []);
-	let [l, u] = lr(e, n, r), d = (t) => e.set({ looked: {
+	let [l, u] = gr(e, n, r), d = (t) => e.set({ looked: {
 		plan: n.plan,
 		choice: {
 			...r,
@@ -4172,59 +4191,59 @@ function er({ store: e, state: t, plan: n }) {
 		plan: n.plan,
 		choice: r,
 		chosen: t
-	} }), p = [...n.factors.filter((e) => e.number).map((e) => e.path), ...n.columns.filter((e) => e.kind === "number" || e.kind === "whole").map((e) => e.name)], m = n.columns.filter((e) => e.kind !== "curve").map((e) => e.name), h = (e, t, n) => /* @__PURE__ */ L("label", { children: [e, /* @__PURE__ */ L("select", {
+	} }), p = [...n.factors.filter((e) => e.number).map((e) => e.path), ...n.columns.filter((e) => e.kind === "number" || e.kind === "whole").map((e) => e.name)], m = n.columns.filter((e) => e.kind !== "curve").map((e) => e.name), h = (e, t, n) => /* @__PURE__ */ z("label", { children: [e, /* @__PURE__ */ z("select", {
 		"aria-label": e,
 		value: r[t],
 		onChange: (e) => d({ [t]: e.currentTarget.value }),
-		children: n.map((e) => /* @__PURE__ */ L("option", { children: e }))
-	})] }), g = (t) => void e.openMember(t), _ = o ? Math.max(o - Zn, 190) : Math.round(Math.min(.8 * a, 340)), v = n.factors.map((e) => e.path), y = n.way === "grid" && r.view === "map" ? n.factors.filter((e) => e.levels.length > 1 && e.path !== r.x && e.path !== r.y) : [], b = y.length > 0 && v.includes(r.x) && v.includes(r.y);
-	return /* @__PURE__ */ L("section", {
+		children: n.map((e) => /* @__PURE__ */ z("option", { children: e }))
+	})] }), g = (t) => void e.openMember(t), _ = o ? Math.max(o - ir, 190) : Math.round(Math.min(.8 * a, 340)), v = n.factors.map((e) => e.path), y = n.way === "grid" && r.view === "map" ? n.factors.filter((e) => e.levels.length > 1 && e.path !== r.x && e.path !== r.y) : [], b = y.length > 0 && v.includes(r.x) && v.includes(r.y);
+	return /* @__PURE__ */ z("section", {
 		class: "plots planned",
 		ref: c,
 		"aria-label": "Sweep",
 		children: [
-			/* @__PURE__ */ L("div", {
+			/* @__PURE__ */ z("div", {
 				class: "plotbar",
 				children: [
-					/* @__PURE__ */ L(nr, {
+					/* @__PURE__ */ z(lr, {
 						store: e,
 						plan: n
 					}),
-					/* @__PURE__ */ L(rr, {
+					/* @__PURE__ */ z(ur, {
 						store: e,
 						plan: n,
 						chosen: i,
 						choose: f,
 						open: g
 					}),
-					/* @__PURE__ */ L("button", {
-						onClick: () => void ur(e, n),
+					/* @__PURE__ */ z("button", {
+						onClick: () => void _r(e, n),
 						disabled: !n.kept,
 						children: "Table as CSV"
 					}),
-					/* @__PURE__ */ L("button", {
+					/* @__PURE__ */ z("button", {
 						onClick: () => e.set({ planShown: !1 }),
 						children: "Plots"
 					})
 				]
 			}),
-			/* @__PURE__ */ L("div", {
+			/* @__PURE__ */ z("div", {
 				class: "plotbar",
 				children: [
-					/* @__PURE__ */ L("div", {
+					/* @__PURE__ */ z("div", {
 						class: "choices",
 						role: "group",
 						"aria-label": "Views",
-						children: Xn.map(([e, t]) => /* @__PURE__ */ L("button", {
+						children: rr.map(([e, t]) => /* @__PURE__ */ z("button", {
 							"aria-pressed": r.view === e,
 							onClick: () => d({
 								view: e,
-								...sr(n, e)
+								...mr(n, e)
 							}),
 							children: t
 						}))
 					}),
-					(r.view === "map" || r.view === "scatter") && /* @__PURE__ */ L(x, { children: [
+					(r.view === "map" || r.view === "scatter") && /* @__PURE__ */ z(x, { children: [
 						h("of", "value", r.view === "map" ? m : [
 							...m,
 							"status",
@@ -4235,21 +4254,21 @@ function er({ store: e, state: t, plan: n }) {
 					] }),
 					r.view === "family" && h("of", "curve", n.columns.filter((e) => e.kind === "curve").map((e) => e.name)),
 					(r.view === "tornado" || r.view === "sobol") && h("of", "value", p.filter((e) => !v.includes(e))),
-					b && y.map((e) => /* @__PURE__ */ L("label", { children: [e.path, /* @__PURE__ */ L("select", {
+					b && y.map((e) => /* @__PURE__ */ z("label", { children: [e.path, /* @__PURE__ */ z("select", {
 						"aria-label": `Level of ${e.path}`,
 						value: r.at[e.path] ?? 0,
 						onChange: (t) => d({ at: {
 							...r.at,
 							[e.path]: Number(t.currentTarget.value)
 						} }),
-						children: e.levels.map((e, t) => /* @__PURE__ */ L("option", {
+						children: e.levels.map((e, t) => /* @__PURE__ */ z("option", {
 							value: t,
 							children: e
 						}))
 					})] }))
 				]
 			}),
-			n.error && /* @__PURE__ */ L("p", {
+			n.error && /* @__PURE__ */ z("p", {
 				class: "wrong",
 				children: [
 					n.error.code,
@@ -4258,35 +4277,35 @@ function er({ store: e, state: t, plan: n }) {
 					" ",
 					n.error.why,
 					" ",
-					/* @__PURE__ */ L("em", { children: n.error.try })
+					/* @__PURE__ */ z("em", { children: n.error.try })
 				]
 			}),
-			u ? /* @__PURE__ */ L("p", {
+			u ? /* @__PURE__ */ z("p", {
 				class: "hint",
 				children: [
 					u.why,
 					". ",
-					tr[r.view] ?? u.try
+					cr[r.view] ?? u.try
 				]
-			}) : l ? l.view === "table" ? /* @__PURE__ */ L(ir, {
+			}) : l ? l.view === "table" ? /* @__PURE__ */ z(dr, {
 				found: l,
 				open: g,
 				turn: (e) => d({ first: e })
-			}) : l.view === "family" ? /* @__PURE__ */ L(Ln, {
+			}) : l.view === "family" ? /* @__PURE__ */ z(Gn, {
 				found: l,
 				wide: Math.min(a, 4 * _),
 				high: _,
 				chosen: i,
 				choose: f,
 				open: g
-			}) : l.view === "tornado" ? /* @__PURE__ */ L(Hn, {
+			}) : l.view === "tornado" ? /* @__PURE__ */ z(Xn, {
 				found: l,
 				wide: a,
 				open: g
-			}) : l.view === "sobol" ? /* @__PURE__ */ L(Un, {
+			}) : l.view === "sobol" ? /* @__PURE__ */ z(Zn, {
 				found: l,
 				wide: a
-			}) : /* @__PURE__ */ L(Yn, {
+			}) : /* @__PURE__ */ z(nr, {
 				found: l,
 				wide: Math.min(a, 4 * _),
 				high: _,
@@ -4294,49 +4313,49 @@ function er({ store: e, state: t, plan: n }) {
 				chosen: i,
 				choose: f,
 				open: g
-			}) : /* @__PURE__ */ L("p", {
+			}) : /* @__PURE__ */ z("p", {
 				class: "hint",
 				children: n.kept ? "…" : n.state === "running" ? "The first runs are on their way …" : "No run was done."
 			})
 		]
 	});
 }
-var tr = {
+var cr = {
 	tornado: "Draw members ‘for a tornado’.",
 	sobol: "Draw members ‘for Sobol indices’.",
 	family: "Collect a curve: curve(height, 101)."
 };
-function nr({ store: e, plan: t }) {
+function lr({ store: e, plan: t }) {
 	let n = t.left === null ? "" : t.left < 1 ? ", under 1 s to go" : t.left < 120 ? `, ${Math.round(t.left)} s to go` : t.left < 7200 ? `, ${Math.round(t.left / 60)} min to go` : `, ${(t.left / 3600).toFixed(1)} h to go`, r = t.factors.map((e) => e.path).join(", ");
-	return t.state === "running" ? /* @__PURE__ */ L(x, { children: [
-		/* @__PURE__ */ L("progress", {
+	return t.state === "running" ? /* @__PURE__ */ z(x, { children: [
+		/* @__PURE__ */ z("progress", {
 			"aria-label": "Progress of the sweep",
 			max: t.members,
 			value: t.done
 		}),
-		/* @__PURE__ */ L("span", { children: [
+		/* @__PURE__ */ z("span", { children: [
 			t.done,
 			" of ",
 			t.members,
 			" runs",
 			n
 		] }),
-		/* @__PURE__ */ L("button", {
+		/* @__PURE__ */ z("button", {
 			onClick: () => void e.transport.ask("plan cancel").catch(() => {}),
 			children: "Cancel"
 		})
-	] }) : /* @__PURE__ */ L("span", {
+	] }) : /* @__PURE__ */ z("span", {
 		role: "status",
 		children: [
-			/* @__PURE__ */ L("b", { children: r }),
+			/* @__PURE__ */ z("b", { children: r }),
 			": ",
 			t.state === "done" ? `${t.members} runs` : `${t.kept} of ${t.members} runs, ${t.state === "cancelled" ? "cancelled" : "stopped"}`
 		]
 	});
 }
-function rr({ store: e, plan: t, chosen: n, choose: r, open: i }) {
-	let [a, o] = V(null);
-	H(() => {
+function ur({ store: e, plan: t, chosen: n, choose: r, open: i }) {
+	let [a, o] = H(null);
+	gt(() => {
 		if (o(null), n === null) return;
 		let r = !1;
 		return e.transport.ask("plan member", {
@@ -4359,9 +4378,9 @@ function rr({ store: e, plan: t, chosen: n, choose: r, open: i }) {
 		})) return;
 		await e.start();
 	};
-	return /* @__PURE__ */ L("div", {
+	return /* @__PURE__ */ z("div", {
 		class: "plotbar one",
-		children: [/* @__PURE__ */ L("label", { children: ["run", /* @__PURE__ */ L("input", {
+		children: [/* @__PURE__ */ z("label", { children: ["run", /* @__PURE__ */ z("input", {
 			type: "number",
 			"aria-label": "Run of the sweep",
 			min: 0,
@@ -4372,64 +4391,64 @@ function rr({ store: e, plan: t, chosen: n, choose: r, open: i }) {
 				let n = Number(e.currentTarget.value);
 				e.currentTarget.value && Number.isInteger(n) && n >= 0 && n < t.members && r(n);
 			}
-		})] }), n !== null && /* @__PURE__ */ L(x, { children: [
-			/* @__PURE__ */ L("output", { children: [
-				s.map(([e, t]) => `${e} = ${or(t)}`).join(", "),
-				a?.row && t.columns.filter((e) => e.kind !== "curve").map((e) => `; ${e.name} = ${ar(a.row[e.name])}`).join(""),
+		})] }), n !== null && /* @__PURE__ */ z(x, { children: [
+			/* @__PURE__ */ z("output", { children: [
+				s.map(([e, t]) => `${e} = ${pr(t)}`).join(", "),
+				a?.row && t.columns.filter((e) => e.kind !== "curve").map((e) => `; ${e.name} = ${fr(a.row[e.name])}`).join(""),
 				a?.row?.code && `; ${a.row.status}: ${a.row.code} ${a.row.message}`
 			] }),
-			/* @__PURE__ */ L("button", {
+			/* @__PURE__ */ z("button", {
 				onClick: () => i(n),
 				children: "Open"
 			}),
-			s.length > 0 && s.every(([e]) => e in c) && /* @__PURE__ */ L("button", {
+			s.length > 0 && s.every(([e]) => e in c) && /* @__PURE__ */ z("button", {
 				onClick: () => void l(),
 				children: "Take these values"
 			})
 		] })]
 	});
 }
-function ir({ found: e, open: t, turn: n }) {
+function dr({ found: e, open: t, turn: n }) {
 	let r = e.columns.map((e, t) => t).filter((t) => t === 0 || ![
 		"code",
 		"message",
 		"warnings"
 	].includes(e.columns[t].name) || e.rows.some((e) => e[t])), i = new Set(r.filter((t) => e.rows.some((e) => typeof e[t] == "number"))), a = e.first + e.rows.length;
-	return /* @__PURE__ */ L("div", {
+	return /* @__PURE__ */ z("div", {
 		class: "rows",
-		children: [/* @__PURE__ */ L("div", {
+		children: [/* @__PURE__ */ z("div", {
 			class: "tables",
 			tabindex: 0,
 			role: "region",
 			"aria-label": "Table of the sweep",
-			children: /* @__PURE__ */ L("table", { children: [/* @__PURE__ */ L("thead", { children: /* @__PURE__ */ L("tr", { children: r.map((t) => /* @__PURE__ */ L("th", {
+			children: /* @__PURE__ */ z("table", { children: [/* @__PURE__ */ z("thead", { children: /* @__PURE__ */ z("tr", { children: r.map((t) => /* @__PURE__ */ z("th", {
 				scope: "col",
 				class: i.has(t) ? "figure" : "",
 				children: [e.columns[t].name, e.columns[t].unit && ` [${e.columns[t].unit}]`]
-			})) }) }), /* @__PURE__ */ L("tbody", { children: e.rows.map((e) => /* @__PURE__ */ L("tr", { children: r.map((n) => /* @__PURE__ */ L("td", {
+			})) }) }), /* @__PURE__ */ z("tbody", { children: e.rows.map((e) => /* @__PURE__ */ z("tr", { children: r.map((n) => /* @__PURE__ */ z("td", {
 				class: i.has(n) ? "figure" : "",
-				children: n === 0 ? /* @__PURE__ */ L("button", {
+				children: n === 0 ? /* @__PURE__ */ z("button", {
 					class: "link",
 					onClick: () => t(Number(e[0])),
 					children: e[0]
-				}) : ar(e[n])
+				}) : fr(e[n])
 			})) })) })] })
-		}), /* @__PURE__ */ L("div", {
+		}), /* @__PURE__ */ z("div", {
 			class: "plotbar",
 			children: [
-				/* @__PURE__ */ L("button", {
+				/* @__PURE__ */ z("button", {
 					disabled: !e.first,
 					onClick: () => n(Math.max(e.first - 200, 0)),
 					children: "Before"
 				}),
-				/* @__PURE__ */ L("span", { children: [
+				/* @__PURE__ */ z("span", { children: [
 					e.first,
 					" to ",
 					a - 1,
 					" of ",
 					e.kept
 				] }),
-				/* @__PURE__ */ L("button", {
+				/* @__PURE__ */ z("button", {
 					disabled: a >= e.kept,
 					onClick: () => n(a),
 					children: "After"
@@ -4438,14 +4457,14 @@ function ir({ found: e, open: t, turn: n }) {
 		})]
 	});
 }
-function ar(e) {
+function fr(e) {
 	return typeof e == "number" ? K(e) : e ?? "none";
 }
-function or(e) {
+function pr(e) {
 	let [t, ...n] = String(e).split(" ");
 	return Number.isFinite(Number(t)) ? [K(Number(t)), ...n].join(" ") : String(e);
 }
-function sr(e, t) {
+function mr(e, t) {
 	let n = e.factors.filter((e) => e.number).map((e) => e.path), r = e.columns.filter((e) => e.kind === "number" || e.kind === "whole").map((e) => e.name), i = e.columns.filter((e) => e.kind === "text").map((e) => e.name), [a = "", o = n[0] ?? ""] = n;
 	switch (t) {
 		case "map": return {
@@ -4462,7 +4481,7 @@ function sr(e, t) {
 		default: return { value: r[0] ?? "" };
 	}
 }
-function cr(e) {
+function hr(e) {
 	let t = e.way.split(":")[0], n = e.columns.find((e) => e.kind === "curve"), r = e.factors.filter((e) => e.number).length, i = t === "ends" ? "tornado" : t === "saltelli" ? "sobol" : n && (r < 2 || e.columns.length === 1) ? "family" : r < 2 ? "scatter" : "map";
 	return {
 		view: i,
@@ -4472,19 +4491,19 @@ function cr(e) {
 		curve: "",
 		at: {},
 		first: 0,
-		...sr(e, i)
+		...mr(e, i)
 	};
 }
-function lr(e, t, n) {
-	let [r, i] = V({
+function gr(e, t, n) {
+	let [r, i] = H({
 		key: "",
 		seen: null,
 		refused: null
-	}), a = JSON.stringify([t.plan, n]), o = lt({
+	}), a = JSON.stringify([t.plan, n]), o = _t({
 		key: "",
 		kept: -1,
 		ended: !1
-	}), s = lt(!1), c = lt(!1), l = async () => {
+	}), s = _t(!1), c = _t(!1), l = async () => {
 		if (s.current) return;
 		s.current = !0;
 		let t = "";
@@ -4510,13 +4529,13 @@ function lr(e, t, n) {
 					refused: t
 				});
 			}
-			n.key === o.current.key && !o.current.ended && await new Promise((e) => setTimeout(e, $n));
+			n.key === o.current.key && !o.current.ended && await new Promise((e) => setTimeout(e, or));
 		}
 		s.current = !1;
 	};
-	return H(() => (c.current = !1, () => {
+	return gt(() => (c.current = !1, () => {
 		c.current = !0;
-	}), []), H(() => {
+	}), []), gt(() => {
 		o.current = {
 			key: a,
 			kept: t.kept,
@@ -4528,7 +4547,7 @@ function lr(e, t, n) {
 		t.state
 	]), [r.seen && JSON.parse(r.key || "[]")[0] === t.plan && r.seen.view === n.view ? r.seen : null, r.key === a ? r.refused : null];
 }
-async function ur(e, t) {
+async function _r(e, t) {
 	try {
 		let { text: n, name: r } = await e.transport.ask("plan csv", { plan: t.plan }), i = document.createElement("a");
 		i.href = URL.createObjectURL(new Blob([n], { type: "text/csv" })), i.download = r, i.click(), URL.revokeObjectURL(i.href);
@@ -4537,65 +4556,65 @@ async function ur(e, t) {
 	}
 }
 // node_modules/uplot/dist/uPlot.esm.js
-var dr = !0, fr = "uplot", pr = "u-hz", mr = "u-vt", hr = "u-title", gr = "u-wrap", _r = "u-under", vr = "u-over", yr = "u-axis", br = "u-off", xr = "u-select", Sr = "u-cursor-x", Cr = "u-cursor-y", wr = "u-cursor-pt", Tr = "u-legend", Er = "u-live", Dr = "u-inline", Or = "u-series", kr = "u-marker", Ar = "u-label", jr = "u-value", Mr = "width", Nr = "height", Pr = "top", Fr = "bottom", Ir = "left", Lr = "right", Rr = "#000", zr = "#0000", Br = "mousemove", Vr = "mousedown", Hr = "mouseup", Ur = "mouseenter", Wr = "mouseleave", Gr = "dblclick", Kr = "resize", qr = "scroll", Jr = "change", Yr = "dppxchange", Xr = "--", Zr = typeof window < "u", Qr = Zr ? document : null, $r = Zr ? window : null, ei = Zr ? navigator : null, q, ti;
-function ni() {
+var vr = !0, yr = "uplot", br = "u-hz", xr = "u-vt", Sr = "u-title", Cr = "u-wrap", wr = "u-under", Tr = "u-over", Er = "u-axis", Dr = "u-off", Or = "u-select", kr = "u-cursor-x", Ar = "u-cursor-y", jr = "u-cursor-pt", Mr = "u-legend", Nr = "u-live", Pr = "u-inline", Fr = "u-series", Ir = "u-marker", Lr = "u-label", Rr = "u-value", zr = "width", Br = "height", Vr = "top", Hr = "bottom", Ur = "left", Wr = "right", Gr = "#000", Kr = "#0000", qr = "mousemove", Jr = "mousedown", Yr = "mouseup", Xr = "mouseenter", Zr = "mouseleave", Qr = "dblclick", $r = "resize", ei = "scroll", ti = "change", ni = "dppxchange", ri = "--", ii = typeof window < "u", ai = ii ? document : null, oi = ii ? window : null, si = ii ? navigator : null, J, ci;
+function li() {
 	let e = devicePixelRatio;
-	q != e && (q = e, ti && gi(Jr, ti, ni), ti = matchMedia(`(min-resolution: ${q - .001}dppx) and (max-resolution: ${q + .001}dppx)`), hi(Jr, ti, ni), $r.dispatchEvent(new CustomEvent(Yr)));
+	J != e && (J = e, ci && wi(ti, ci, li), ci = matchMedia(`(min-resolution: ${J - .001}dppx) and (max-resolution: ${J + .001}dppx)`), Ci(ti, ci, li), oi.dispatchEvent(new CustomEvent(ni)));
 }
-function ri(e, t) {
+function ui(e, t) {
 	if (t != null) {
 		let n = e.classList;
 		!n.contains(t) && n.add(t);
 	}
 }
-function ii(e, t) {
+function di(e, t) {
 	let n = e.classList;
 	n.contains(t) && n.remove(t);
 }
-function J(e, t, n) {
+function fi(e, t, n) {
 	e.style[t] = n + "px";
 }
-function ai(e, t, n, r) {
-	let i = Qr.createElement(e);
-	return t != null && ri(i, t), n?.insertBefore(i, r), i;
+function pi(e, t, n, r) {
+	let i = ai.createElement(e);
+	return t != null && ui(i, t), n?.insertBefore(i, r), i;
 }
-function oi(e, t) {
-	return ai("div", e, t);
+function mi(e, t) {
+	return pi("div", e, t);
 }
-var si = /* @__PURE__ */ new WeakMap();
-function ci(e, t, n, r, i) {
+var hi = /* @__PURE__ */ new WeakMap();
+function gi(e, t, n, r, i) {
 	let a = "translate(" + t + "px," + n + "px)";
-	a != si.get(e) && (e.style.transform = a, si.set(e, a), t < 0 || n < 0 || t > r || n > i ? ri(e, br) : ii(e, br));
+	a != hi.get(e) && (e.style.transform = a, hi.set(e, a), t < 0 || n < 0 || t > r || n > i ? ui(e, Dr) : di(e, Dr));
 }
-var li = /* @__PURE__ */ new WeakMap();
-function ui(e, t, n) {
+var _i = /* @__PURE__ */ new WeakMap();
+function vi(e, t, n) {
 	let r = t + n;
-	r != li.get(e) && (li.set(e, r), e.style.background = t, e.style.borderColor = n);
+	r != _i.get(e) && (_i.set(e, r), e.style.background = t, e.style.borderColor = n);
 }
-var di = /* @__PURE__ */ new WeakMap();
-function fi(e, t, n, r) {
+var yi = /* @__PURE__ */ new WeakMap();
+function bi(e, t, n, r) {
 	let i = t + "" + n;
-	i != di.get(e) && (di.set(e, i), e.style.height = n + "px", e.style.width = t + "px", e.style.marginLeft = r ? -t / 2 + "px" : 0, e.style.marginTop = r ? -n / 2 + "px" : 0);
+	i != yi.get(e) && (yi.set(e, i), e.style.height = n + "px", e.style.width = t + "px", e.style.marginLeft = r ? -t / 2 + "px" : 0, e.style.marginTop = r ? -n / 2 + "px" : 0);
 }
-var pi = { passive: !0 }, mi = {
-	...pi,
+var xi = { passive: !0 }, Si = {
+	...xi,
 	capture: !0
 };
-function hi(e, t, n, r) {
-	t.addEventListener(e, n, r ? mi : pi);
+function Ci(e, t, n, r) {
+	t.addEventListener(e, n, r ? Si : xi);
 }
-function gi(e, t, n, r) {
-	t.removeEventListener(e, n, pi);
+function wi(e, t, n, r) {
+	t.removeEventListener(e, n, xi);
 }
-Zr && ni();
-function _i(e, t, n, r) {
+ii && li();
+function Ti(e, t, n, r) {
 	let i;
 	n ||= 0, r ||= t.length - 1;
 	let a = r <= 2147483647;
-	for (; r - n > 1;) i = a ? n + r >> 1 : Ri((n + r) / 2), t[i] < e ? n = i : r = i;
+	for (; r - n > 1;) i = a ? n + r >> 1 : Ki((n + r) / 2), t[i] < e ? n = i : r = i;
 	return e - t[n] <= t[r] - e ? n : r;
 }
-function vi(e) {
+function Ei(e) {
 	return (t, n, r) => {
 		let i = -1, a = -1;
 		for (let a = n; a <= r; a++) if (e(t[a])) {
@@ -4609,9 +4628,9 @@ function vi(e) {
 		return [i, a];
 	};
 }
-var yi = (e) => e != null, bi = (e) => e != null && e > 0, xi = vi(yi), Si = vi(bi);
-function Ci(e, t, n, r = 0, i = !1) {
-	let a = i ? Si : xi, o = i ? bi : yi;
+var Di = (e) => e != null, Oi = (e) => e != null && e > 0, ki = Ei(Di), Ai = Ei(Oi);
+function ji(e, t, n, r = 0, i = !1) {
+	let a = i ? Ai : ki, o = i ? Oi : Di;
 	[t, n] = a(e, t, n);
 	let s = e[t], c = e[t];
 	if (t > -1) {
@@ -4622,106 +4641,106 @@ function Ci(e, t, n, r = 0, i = !1) {
 			o(t) && (t < s ? s = t : t > c && (c = t));
 		}
 	}
-	return [s ?? Yi, c ?? -Yi];
+	return [s ?? ra, c ?? -ra];
 }
-function wi(e, t, n, r) {
-	let i = Wi(e), a = Wi(t);
+function Mi(e, t, n, r) {
+	let i = Qi(e), a = Qi(t);
 	e == t && (i == -1 ? (e *= n, t /= n) : (e /= n, t *= n));
-	let o = n == 10 ? Gi : Ki, s = i == 1 ? Ri : Bi, c = a == 1 ? Bi : Ri, l = s(o(Li(e))), u = c(o(Li(t))), d = Ui(n, l), f = Ui(n, u);
-	return n == 10 && (l < 0 && (d = Z(d, -l)), u < 0 && (f = Z(f, -u))), r || n == 2 ? (e = d * i, t = f * a) : (e = la(e, d), t = ca(t, f)), [e, t];
+	let o = n == 10 ? $i : ea, s = i == 1 ? Ki : Ji, c = a == 1 ? Ji : Ki, l = s(o(Gi(e))), u = c(o(Gi(t))), d = Zi(n, l), f = Zi(n, u);
+	return n == 10 && (l < 0 && (d = Z(d, -l)), u < 0 && (f = Z(f, -u))), r || n == 2 ? (e = d * i, t = f * a) : (e = _a(e, d), t = ga(t, f)), [e, t];
 }
-function Ti(e, t, n, r) {
-	let i = wi(e, t, n, r);
+function Ni(e, t, n, r) {
+	let i = Mi(e, t, n, r);
 	return e == 0 && (i[0] = 0), t == 0 && (i[1] = 0), i;
 }
-var Ei = .1, Di = {
+var Pi = .1, Fi = {
 	mode: 3,
-	pad: Ei
-}, Oi = {
+	pad: Pi
+}, Ii = {
 	pad: 0,
 	soft: null,
 	mode: 0
-}, ki = {
-	min: Oi,
-	max: Oi
+}, Li = {
+	min: Ii,
+	max: Ii
 };
-function Ai(e, t, n, r) {
-	return ba(n) ? Mi(e, t, n) : (Oi.pad = n, Oi.soft = r ? 0 : null, Oi.mode = r ? 3 : 0, Mi(e, t, ki));
+function Ri(e, t, n, r) {
+	return Oa(n) ? Bi(e, t, n) : (Ii.pad = n, Ii.soft = r ? 0 : null, Ii.mode = r ? 3 : 0, Bi(e, t, Li));
 }
 function Y(e, t) {
 	return e ?? t;
 }
-function ji(e, t, n) {
+function zi(e, t, n) {
 	for (t = Y(t, 0), n = Y(n, e.length - 1); t <= n;) {
 		if (e[t] != null) return !0;
 		t++;
 	}
 	return !1;
 }
-function Mi(e, t, n) {
-	let r = n.min, i = n.max, a = Y(r.pad, 0), o = Y(i.pad, 0), s = Y(r.hard, -Yi), c = Y(i.hard, Yi), l = Y(r.soft, Yi), u = Y(i.soft, -Yi), d = Y(r.mode, 0), f = Y(i.mode, 0), p = t - e, m = Gi(p), h = Hi(Li(e), Li(t)), g = Li(Gi(h) - m);
-	(p < 1e-24 || g > 10) && (p = 0, (e == 0 || t == 0) && (p = 1e-24, d == 2 && l != Yi && (a = 0), f == 2 && u != -Yi && (o = 0)));
-	let _ = p || h || 1e3, v = Ui(10, Ri(Gi(_))), y = Z(la(e - _ * (p == 0 ? e == 0 ? .1 : 1 : a), v / 10), 24), b = e >= l && (d == 1 || d == 3 && y <= l || d == 2 && y >= l) ? l : Yi, x = Hi(s, y < b && e >= b ? b : Vi(b, y)), S = Z(ca(t + _ * (p == 0 ? t == 0 ? .1 : 1 : o), v / 10), 24), C = t <= u && (f == 1 || f == 3 && S >= u || f == 2 && S <= u) ? u : -Yi, w = Vi(c, S > C && t <= C ? C : Hi(C, S));
+function Bi(e, t, n) {
+	let r = n.min, i = n.max, a = Y(r.pad, 0), o = Y(i.pad, 0), s = Y(r.hard, -ra), c = Y(i.hard, ra), l = Y(r.soft, ra), u = Y(i.soft, -ra), d = Y(r.mode, 0), f = Y(i.mode, 0), p = t - e, m = $i(p), h = Xi(Gi(e), Gi(t)), g = Gi($i(h) - m);
+	(p < 1e-24 || g > 10) && (p = 0, (e == 0 || t == 0) && (p = 1e-24, d == 2 && l != ra && (a = 0), f == 2 && u != -ra && (o = 0)));
+	let _ = p || h || 1e3, v = Zi(10, Ki($i(_))), y = Z(_a(e - _ * (p == 0 ? e == 0 ? .1 : 1 : a), v / 10), 24), b = e >= l && (d == 1 || d == 3 && y <= l || d == 2 && y >= l) ? l : ra, x = Xi(s, y < b && e >= b ? b : Yi(b, y)), S = Z(ga(t + _ * (p == 0 ? t == 0 ? .1 : 1 : o), v / 10), 24), C = t <= u && (f == 1 || f == 3 && S >= u || f == 2 && S <= u) ? u : -ra, w = Yi(c, S > C && t <= C ? C : Xi(C, S));
 	return x == w && x == 0 && (w = 100), [x, w];
 }
-var Ni = new Intl.NumberFormat(Zr ? ei.language : "en-US"), Pi = (e) => Ni.format(e), Fi = Math, Ii = Fi.PI, Li = Fi.abs, Ri = Fi.floor, zi = Fi.round, Bi = Fi.ceil, Vi = Fi.min, Hi = Fi.max, Ui = Fi.pow, Wi = Fi.sign, Gi = Fi.log10, Ki = Fi.log2, qi = (e, t = 1) => Fi.sinh(e) * t, Ji = (e, t = 1) => Fi.asinh(e / t), Yi = Infinity;
-function Xi(e) {
-	return (Gi((e ^ e >> 31) - (e >> 31)) | 0) + 1;
+var Vi = new Intl.NumberFormat(ii ? si.language : "en-US"), Hi = (e) => Vi.format(e), Ui = Math, Wi = Ui.PI, Gi = Ui.abs, Ki = Ui.floor, qi = Ui.round, Ji = Ui.ceil, Yi = Ui.min, Xi = Ui.max, Zi = Ui.pow, Qi = Ui.sign, $i = Ui.log10, ea = Ui.log2, ta = (e, t = 1) => Ui.sinh(e) * t, na = (e, t = 1) => Ui.asinh(e / t), ra = Infinity;
+function ia(e) {
+	return ($i((e ^ e >> 31) - (e >> 31)) | 0) + 1;
 }
-function Zi(e, t, n) {
-	return Vi(Hi(e, t), n);
+function aa(e, t, n) {
+	return Yi(Xi(e, t), n);
 }
-function Qi(e) {
+function oa(e) {
 	return typeof e == "function";
 }
 function X(e) {
-	return Qi(e) ? e : () => e;
+	return oa(e) ? e : () => e;
 }
-var $i = () => {}, ea = (e) => e, ta = (e, t) => t, na = (e) => null, ra = (e) => !0, ia = (e, t) => e == t, aa = /\.\d*?(?=9{6,}|0{6,})/gm, oa = (e) => {
-	if (_a(e) || ua.has(e)) return e;
-	let t = `${e}`, n = t.match(aa);
+var sa = () => {}, ca = (e) => e, la = (e, t) => t, ua = (e) => null, da = (e) => !0, fa = (e, t) => e == t, pa = /\.\d*?(?=9{6,}|0{6,})/gm, ma = (e) => {
+	if (Ta(e) || va.has(e)) return e;
+	let t = `${e}`, n = t.match(pa);
 	if (n == null) return e;
 	let r = n[0].length - 1;
 	if (t.indexOf("e-") != -1) {
 		let [e, n] = t.split("e");
-		return +`${oa(e)}e${n}`;
+		return +`${ma(e)}e${n}`;
 	}
 	return Z(e, r);
 };
-function sa(e, t) {
-	return oa(Z(oa(e / t)) * t);
+function ha(e, t) {
+	return ma(Z(ma(e / t)) * t);
 }
-function ca(e, t) {
-	return oa(Bi(oa(e / t)) * t);
+function ga(e, t) {
+	return ma(Ji(ma(e / t)) * t);
 }
-function la(e, t) {
-	return oa(Ri(oa(e / t)) * t);
+function _a(e, t) {
+	return ma(Ki(ma(e / t)) * t);
 }
 function Z(e, t = 0) {
-	if (_a(e)) return e;
+	if (Ta(e)) return e;
 	let n = 10 ** t;
-	return zi(e * n * (1 + 2 ** -52)) / n;
+	return qi(e * n * (1 + 2 ** -52)) / n;
 }
-var ua = /* @__PURE__ */ new Map();
-function da(e) {
+var va = /* @__PURE__ */ new Map();
+function ya(e) {
 	return (("" + e).split(".")[1] || "").length;
 }
-function fa(e, t, n, r) {
-	let i = [], a = r.map(da);
+function ba(e, t, n, r) {
+	let i = [], a = r.map(ya);
 	for (let o = t; o < n; o++) {
-		let t = Li(o), n = Z(Ui(e, o), t);
+		let t = Gi(o), n = Z(Zi(e, o), t);
 		for (let s = 0; s < r.length; s++) {
 			let c = e == 10 ? +`${r[s]}e${o}` : r[s] * n, l = (o >= 0 ? 0 : t) + (o >= a[s] ? 0 : a[s]), u = e == 10 ? c : Z(c, l);
-			i.push(u), ua.set(u, l);
+			i.push(u), va.set(u, l);
 		}
 	}
 	return i;
 }
-var pa = {}, ma = [], ha = [null, null], ga = Array.isArray, _a = Number.isInteger, va = (e) => e === void 0;
-function ya(e) {
+var xa = {}, Sa = [], Ca = [null, null], wa = Array.isArray, Ta = Number.isInteger, Ea = (e) => e === void 0;
+function Da(e) {
 	return typeof e == "string";
 }
-function ba(e) {
+function Oa(e) {
 	let t = !1;
 	if (e != null) {
 		let n = e.constructor;
@@ -4729,35 +4748,35 @@ function ba(e) {
 	}
 	return t;
 }
-function xa(e) {
+function ka(e) {
 	return typeof e == "object" && !!e;
 }
-var Sa = Object.getPrototypeOf(Uint8Array), Ca = "__proto__";
-function wa(e, t = ba) {
+var Aa = Object.getPrototypeOf(Uint8Array), ja = "__proto__";
+function Ma(e, t = Oa) {
 	let n;
-	if (ga(e)) {
+	if (wa(e)) {
 		let r = e.find((e) => e != null);
-		if (ga(r) || t(r)) {
+		if (wa(r) || t(r)) {
 			n = Array(e.length);
-			for (let r = 0; r < e.length; r++) n[r] = wa(e[r], t);
+			for (let r = 0; r < e.length; r++) n[r] = Ma(e[r], t);
 		} else n = e.slice();
-	} else if (e instanceof Sa) n = e.slice();
+	} else if (e instanceof Aa) n = e.slice();
 	else if (t(e)) {
 		n = {};
-		for (let r in e) r != Ca && (n[r] = wa(e[r], t));
+		for (let r in e) r != ja && (n[r] = Ma(e[r], t));
 	} else n = e;
 	return n;
 }
-function Ta(e) {
+function Na(e) {
 	let t = arguments;
 	for (let n = 1; n < t.length; n++) {
 		let r = t[n];
-		for (let t in r) t != Ca && (ba(e[t]) ? Ta(e[t], wa(r[t])) : e[t] = wa(r[t]));
+		for (let t in r) t != ja && (Oa(e[t]) ? Na(e[t], Ma(r[t])) : e[t] = Ma(r[t]));
 	}
 	return e;
 }
-var Ea = 0, Da = 1, Oa = 2;
-function ka(e, t, n) {
+var Pa = 0, Fa = 1, Ia = 2;
+function La(e, t, n) {
 	for (let r = 0, i, a = -1; r < t.length; r++) {
 		let o = t[r];
 		if (o > a) {
@@ -4766,11 +4785,11 @@ function ka(e, t, n) {
 		}
 	}
 }
-function Aa(e, t) {
-	if (Na(e)) {
+function Ra(e, t) {
+	if (Va(e)) {
 		let t = e[0].slice();
 		for (let n = 1; n < e.length; n++) t.push(...e[n].slice(1));
-		return Pa(t[0]) || (t = Ma(t)), t;
+		return Ha(t[0]) || (t = Ba(t)), t;
 	}
 	let n = /* @__PURE__ */ new Set();
 	for (let t = 0; t < e.length; t++) {
@@ -4782,18 +4801,18 @@ function Aa(e, t) {
 	for (let n = 0; n < e.length; n++) {
 		let o = e[n], s = o[0];
 		for (let e = 1; e < o.length; e++) {
-			let c = o[e], l = Array(i).fill(void 0), u = t ? t[n][e] : Da, d = [];
+			let c = o[e], l = Array(i).fill(void 0), u = t ? t[n][e] : Fa, d = [];
 			for (let e = 0; e < c.length; e++) {
 				let t = c[e], n = a.get(s[e]);
-				t === null ? u != Ea && (l[n] = t, u == Oa && d.push(n)) : l[n] = t;
+				t === null ? u != Pa && (l[n] = t, u == Ia && d.push(n)) : l[n] = t;
 			}
-			ka(l, d, i), r.push(l);
+			La(l, d, i), r.push(l);
 		}
 	}
 	return r;
 }
-var ja = typeof queueMicrotask > "u" ? (e) => Promise.resolve().then(e) : queueMicrotask;
-function Ma(e) {
+var za = typeof queueMicrotask > "u" ? (e) => Promise.resolve().then(e) : queueMicrotask;
+function Ba(e) {
 	let t = e[0], n = t.length, r = Array(n);
 	for (let e = 0; e < r.length; e++) r[e] = e;
 	r.sort((e, n) => t[e] - t[n]);
@@ -4805,7 +4824,7 @@ function Ma(e) {
 	}
 	return i;
 }
-function Na(e) {
+function Va(e) {
 	let t = e[0][0], n = t.length;
 	for (let r = 1; r < e.length; r++) {
 		let i = e[r][0];
@@ -4816,14 +4835,14 @@ function Na(e) {
 	}
 	return !0;
 }
-function Pa(e, t = 100) {
+function Ha(e, t = 100) {
 	let n = e.length;
 	if (n <= 1) return !0;
 	let r = 0, i = n - 1;
 	for (; r <= i && e[r] == null;) r++;
 	for (; i >= r && e[i] == null;) i--;
 	if (i <= r) return !0;
-	let a = Hi(1, Ri((i - r + 1) / t));
+	let a = Xi(1, Ki((i - r + 1) / t));
 	for (let t = e[r], n = r + a; n <= i; n += a) {
 		let r = e[n];
 		if (r != null) {
@@ -4833,7 +4852,7 @@ function Pa(e, t = 100) {
 	}
 	return !0;
 }
-var Fa = [
+var Ua = [
 	"January",
 	"February",
 	"March",
@@ -4846,7 +4865,7 @@ var Fa = [
 	"October",
 	"November",
 	"December"
-], Ia = [
+], Wa = [
 	"Sunday",
 	"Monday",
 	"Tuesday",
@@ -4855,33 +4874,33 @@ var Fa = [
 	"Friday",
 	"Saturday"
 ];
-function La(e) {
+function Ga(e) {
 	return e.slice(0, 3);
 }
-var Ra = Ia.map(La), za = {
-	MMMM: Fa,
-	MMM: Fa.map(La),
-	WWWW: Ia,
-	WWW: Ra
+var Ka = Wa.map(Ga), qa = {
+	MMMM: Ua,
+	MMM: Ua.map(Ga),
+	WWWW: Wa,
+	WWW: Ka
 };
-function Ba(e) {
+function Ja(e) {
 	return (e < 10 ? "0" : "") + e;
 }
-function Va(e) {
+function Ya(e) {
 	return (e < 10 ? "00" : e < 100 ? "0" : "") + e;
 }
-var Ha = {
+var Xa = {
 	YYYY: (e) => e.getFullYear(),
 	YY: (e) => (e.getFullYear() + "").slice(2),
 	MMMM: (e, t) => t.MMMM[e.getMonth()],
 	MMM: (e, t) => t.MMM[e.getMonth()],
-	MM: (e) => Ba(e.getMonth() + 1),
+	MM: (e) => Ja(e.getMonth() + 1),
 	M: (e) => e.getMonth() + 1,
-	DD: (e) => Ba(e.getDate()),
+	DD: (e) => Ja(e.getDate()),
 	D: (e) => e.getDate(),
 	WWWW: (e, t) => t.WWWW[e.getDay()],
 	WWW: (e, t) => t.WWW[e.getDay()],
-	HH: (e) => Ba(e.getHours()),
+	HH: (e) => Ja(e.getHours()),
 	H: (e) => e.getHours(),
 	h: (e) => {
 		let t = e.getHours();
@@ -4890,35 +4909,35 @@ var Ha = {
 	AA: (e) => e.getHours() >= 12 ? "PM" : "AM",
 	aa: (e) => e.getHours() >= 12 ? "pm" : "am",
 	a: (e) => e.getHours() >= 12 ? "p" : "a",
-	mm: (e) => Ba(e.getMinutes()),
+	mm: (e) => Ja(e.getMinutes()),
 	m: (e) => e.getMinutes(),
-	ss: (e) => Ba(e.getSeconds()),
+	ss: (e) => Ja(e.getSeconds()),
 	s: (e) => e.getSeconds(),
-	fff: (e) => Va(e.getMilliseconds())
+	fff: (e) => Ya(e.getMilliseconds())
 };
-function Ua(e, t) {
-	t ||= za;
+function Za(e, t) {
+	t ||= qa;
 	let n = [], r = /\{([a-z]+)\}|[^{]+/gi, i;
-	for (; i = r.exec(e);) n.push(i[0][0] == "{" ? Ha[i[1]] : i[0]);
+	for (; i = r.exec(e);) n.push(i[0][0] == "{" ? Xa[i[1]] : i[0]);
 	return (e) => {
 		let r = "";
 		for (let i = 0; i < n.length; i++) r += typeof n[i] == "string" ? n[i] : n[i](e, t);
 		return r;
 	};
 }
-var Wa = new Intl.DateTimeFormat().resolvedOptions().timeZone;
-function Ga(e, t) {
+var Qa = new Intl.DateTimeFormat().resolvedOptions().timeZone;
+function $a(e, t) {
 	let n;
-	return t == "UTC" || t == "Etc/UTC" ? n = /* @__PURE__ */ new Date(+e + e.getTimezoneOffset() * 6e4) : t == Wa ? n = e : (n = new Date(e.toLocaleString("en-US", { timeZone: t })), n.setMilliseconds(e.getMilliseconds())), n;
+	return t == "UTC" || t == "Etc/UTC" ? n = /* @__PURE__ */ new Date(+e + e.getTimezoneOffset() * 6e4) : t == Qa ? n = e : (n = new Date(e.toLocaleString("en-US", { timeZone: t })), n.setMilliseconds(e.getMilliseconds())), n;
 }
-var Ka = (e) => e % 1 == 0, qa = [
+var eo = (e) => e % 1 == 0, to = [
 	1,
 	2,
 	2.5,
 	5
-], Ja = fa(10, -32, 0, qa), Ya = fa(10, 0, 32, qa), Xa = Ya.filter(Ka), Za = Ja.concat(Ya), Qa = "\n", $a = "{YYYY}", eo = Qa + $a, to = "{M}/{D}", no = Qa + to, ro = no + "/{YY}", io = "{aa}", ao = "{h}:{mm}" + io, oo = Qa + ao, so = ":{ss}", Q = null;
-function co(e) {
-	let t = e * 1e3, n = t * 60, r = n * 60, i = r * 24, a = i * 30, o = i * 365, s = (e == 1 ? fa(10, 0, 3, qa).filter(Ka) : fa(10, -3, 0, qa)).concat([
+], no = ba(10, -32, 0, to), ro = ba(10, 0, 32, to), io = ro.filter(eo), ao = no.concat(ro), oo = "\n", so = "{YYYY}", co = oo + so, lo = "{M}/{D}", uo = oo + lo, fo = uo + "/{YY}", po = "{aa}", mo = "{h}:{mm}" + po, ho = oo + mo, go = ":{ss}", Q = null;
+function _o(e) {
+	let t = e * 1e3, n = t * 60, r = n * 60, i = r * 24, a = i * 30, o = i * 365, s = (e == 1 ? ba(10, 0, 3, to).filter(eo) : ba(10, -3, 0, to)).concat([
 		t,
 		t * 5,
 		t * 10,
@@ -4962,7 +4981,7 @@ function co(e) {
 	]), c = [
 		[
 			o,
-			$a,
+			so,
 			Q,
 			Q,
 			Q,
@@ -4974,7 +4993,7 @@ function co(e) {
 		[
 			i * 28,
 			"{MMM}",
-			eo,
+			co,
 			Q,
 			Q,
 			Q,
@@ -4984,8 +5003,8 @@ function co(e) {
 		],
 		[
 			i,
-			to,
-			eo,
+			lo,
+			co,
 			Q,
 			Q,
 			Q,
@@ -4995,10 +5014,10 @@ function co(e) {
 		],
 		[
 			r,
-			"{h}" + io,
-			ro,
+			"{h}" + po,
+			fo,
 			Q,
-			no,
+			uo,
 			Q,
 			Q,
 			Q,
@@ -5006,10 +5025,10 @@ function co(e) {
 		],
 		[
 			n,
-			ao,
-			ro,
+			mo,
+			fo,
 			Q,
-			no,
+			uo,
 			Q,
 			Q,
 			Q,
@@ -5017,42 +5036,42 @@ function co(e) {
 		],
 		[
 			t,
-			so,
-			ro + " " + ao,
+			go,
+			fo + " " + mo,
 			Q,
-			no + " " + ao,
+			uo + " " + mo,
 			Q,
-			oo,
+			ho,
 			Q,
 			1
 		],
 		[
 			e,
-			so + ".{fff}",
-			ro + " " + ao,
+			go + ".{fff}",
+			fo + " " + mo,
 			Q,
-			no + " " + ao,
+			uo + " " + mo,
 			Q,
-			oo,
+			ho,
 			Q,
 			1
 		]
 	];
 	function l(t) {
 		return (s, c, l, u, d, f) => {
-			let p = [], m = d >= o, h = d >= a && d < o, g = t(l), _ = Z(g * e, 3), v = yo(g.getFullYear(), m ? 0 : g.getMonth(), h || m ? 1 : g.getDate()), y = Z(v * e, 3);
+			let p = [], m = d >= o, h = d >= a && d < o, g = t(l), _ = Z(g * e, 3), v = Do(g.getFullYear(), m ? 0 : g.getMonth(), h || m ? 1 : g.getDate()), y = Z(v * e, 3);
 			if (h || m) {
-				let n = h ? d / a : 0, r = m ? d / o : 0, i = _ == y ? _ : Z(yo(v.getFullYear() + r, v.getMonth() + n, 1) * e, 3), s = new Date(zi(i / e)), c = s.getFullYear(), l = s.getMonth();
+				let n = h ? d / a : 0, r = m ? d / o : 0, i = _ == y ? _ : Z(Do(v.getFullYear() + r, v.getMonth() + n, 1) * e, 3), s = new Date(qi(i / e)), c = s.getFullYear(), l = s.getMonth();
 				for (let a = 0; i <= u; a++) {
-					let o = yo(c + r * a, l + n * a, 1), s = o - t(Z(o * e, 3));
+					let o = Do(c + r * a, l + n * a, 1), s = o - t(Z(o * e, 3));
 					i = Z((+o + s) * e, 3), i <= u && p.push(i);
 				}
 			} else {
-				let a = d >= i ? i : d, o = y + (Ri(l) - Ri(_)) + ca(_ - y, a);
+				let a = d >= i ? i : d, o = y + (Ki(l) - Ki(_)) + ga(_ - y, a);
 				p.push(o);
 				let m = t(o), h = m.getHours() + m.getMinutes() / n + m.getSeconds() / r, g = d / r, v = f / s.axes[c]._space;
 				for (; o = Z(o + d, e == 1 ? 0 : 3), !(o > u);) if (g > 1) {
-					let e = Ri(Z(h + g, 6)) % 24, n = t(o).getHours() - e;
+					let e = Ki(Z(h + g, 6)) % 24, n = t(o).getHours() - e;
 					n > 1 && (n = -1), o -= n * r, h = (h + g) % 24;
 					let i = p[p.length - 1];
 					Z((o - i) / d, 3) * v >= .7 && p.push(o);
@@ -5067,12 +5086,12 @@ function co(e) {
 		l
 	];
 }
-var [lo, uo, fo] = co(1), [po, mo, ho] = co(.001);
-fa(2, -53, 53, [1]);
-function go(e, t) {
+var [vo, yo, bo] = _o(1), [xo, So, Co] = _o(.001);
+ba(2, -53, 53, [1]);
+function wo(e, t) {
 	return e.map((e) => e.map((n, r) => r == 0 || r == 8 || n == null ? n : t(r == 1 || e[8] == 0 ? n : e[1] + n)));
 }
-function _o(e, t) {
+function To(e, t) {
 	return (n, r, i, a, o) => {
 		let s = t.find((e) => o >= e[0]) || t[t.length - 1], c, l, u, d, f, p;
 		return r.map((t) => {
@@ -5081,98 +5100,98 @@ function _o(e, t) {
 		});
 	};
 }
-function vo(e, t) {
-	let n = Ua(t);
+function Eo(e, t) {
+	let n = Za(t);
 	return (t, r, i, a, o) => r.map((t) => n(e(t)));
 }
-function yo(e, t, n) {
+function Do(e, t, n) {
 	return new Date(e, t, n);
 }
-function bo(e, t) {
+function Oo(e, t) {
 	return t(e);
 }
-var xo = "{YYYY}-{MM}-{DD} {h}:{mm}{aa}";
-function So(e, t) {
-	return (n, r, i, a) => a == null ? Xr : t(e(r));
+var ko = "{YYYY}-{MM}-{DD} {h}:{mm}{aa}";
+function Ao(e, t) {
+	return (n, r, i, a) => a == null ? ri : t(e(r));
 }
-function Co(e, t) {
+function jo(e, t) {
 	let n = e.series[t];
 	return n.width ? n.stroke(e, t) : n.points.width ? n.points.stroke(e, t) : null;
 }
-function wo(e, t) {
+function Mo(e, t) {
 	return e.series[t].fill(e, t);
 }
-var To = {
+var No = {
 	show: !0,
 	live: !0,
 	isolate: !1,
-	mount: $i,
+	mount: sa,
 	markers: {
 		show: !0,
 		width: 2,
-		stroke: Co,
-		fill: wo,
+		stroke: jo,
+		fill: Mo,
 		dash: "solid"
 	},
 	idx: null,
 	idxs: null,
 	values: []
 };
-function Eo(e, t) {
-	let n = e.cursor.points, r = oi(), i = n.size(e, t);
-	J(r, Mr, i), J(r, Nr, i);
+function Po(e, t) {
+	let n = e.cursor.points, r = mi(), i = n.size(e, t);
+	fi(r, zr, i), fi(r, Br, i);
 	let a = i / -2;
-	J(r, "marginLeft", a), J(r, "marginTop", a);
+	fi(r, "marginLeft", a), fi(r, "marginTop", a);
 	let o = n.width(e, t, i);
-	return o && J(r, "borderWidth", o), r;
+	return o && fi(r, "borderWidth", o), r;
 }
-function Do(e, t) {
+function Fo(e, t) {
 	let n = e.series[t].points;
 	return n._fill || n._stroke;
 }
-function Oo(e, t) {
+function Io(e, t) {
 	let n = e.series[t].points;
 	return n._stroke || n._fill;
 }
-function ko(e, t) {
+function Lo(e, t) {
 	return e.series[t].points.size;
 }
-var Ao = [0, 0];
-function jo(e, t, n) {
-	return Ao[0] = t, Ao[1] = n, Ao;
+var Ro = [0, 0];
+function zo(e, t, n) {
+	return Ro[0] = t, Ro[1] = n, Ro;
 }
-function Mo(e, t, n, r = !0) {
+function Bo(e, t, n, r = !0) {
 	return (e) => {
 		e.button != 0 || r && e.target != t || n(e);
 	};
 }
-function No(e, t, n, r = !0) {
+function Vo(e, t, n, r = !0) {
 	return (e) => {
 		r && e.target != t || n(e);
 	};
 }
-var Po = {
+var Ho = {
 	show: !0,
 	x: !0,
 	y: !0,
 	lock: !1,
-	move: jo,
+	move: zo,
 	points: {
 		one: !1,
-		show: Eo,
-		size: ko,
+		show: Po,
+		size: Lo,
 		width: 0,
-		stroke: Oo,
-		fill: Do
+		stroke: Io,
+		fill: Fo
 	},
 	bind: {
-		mousedown: Mo,
-		mouseup: Mo,
-		click: Mo,
-		dblclick: Mo,
-		mousemove: No,
-		mouseleave: No,
-		mouseenter: No
+		mousedown: Bo,
+		mouseup: Bo,
+		click: Bo,
+		dblclick: Bo,
+		mousemove: Vo,
+		mouseleave: Vo,
+		mouseenter: Vo
 	},
 	drag: {
 		setScale: !0,
@@ -5202,139 +5221,139 @@ var Po = {
 	dataIdx: null,
 	idxs: null,
 	event: null
-}, Fo = {
+}, Uo = {
 	show: !0,
 	stroke: "rgba(0,0,0,0.07)",
 	width: 2
-}, Io = Ta({}, Fo, { filter: ta }), Lo = Ta({}, Io, { size: 10 }), Ro = Ta({}, Fo, { show: !1 }), zo = "12px system-ui, -apple-system, \"Segoe UI\", Roboto, \"Helvetica Neue\", Arial, \"Noto Sans\", sans-serif, \"Apple Color Emoji\", \"Segoe UI Emoji\", \"Segoe UI Symbol\", \"Noto Color Emoji\"", Bo = "bold " + zo, Vo = 1.5, Ho = {
+}, Wo = Na({}, Uo, { filter: la }), Go = Na({}, Wo, { size: 10 }), Ko = Na({}, Uo, { show: !1 }), qo = "12px system-ui, -apple-system, \"Segoe UI\", Roboto, \"Helvetica Neue\", Arial, \"Noto Sans\", sans-serif, \"Apple Color Emoji\", \"Segoe UI Emoji\", \"Segoe UI Symbol\", \"Noto Color Emoji\"", Jo = "bold " + qo, Yo = 1.5, Xo = {
 	show: !0,
 	scale: "x",
-	stroke: Rr,
+	stroke: Gr,
 	space: 50,
 	gap: 5,
 	alignTo: 1,
 	size: 50,
 	labelGap: 0,
 	labelSize: 30,
-	labelFont: Bo,
+	labelFont: Jo,
 	side: 2,
-	grid: Io,
-	ticks: Lo,
-	border: Ro,
-	font: zo,
-	lineGap: Vo,
+	grid: Wo,
+	ticks: Go,
+	border: Ko,
+	font: qo,
+	lineGap: Yo,
 	rotate: 0
-}, Uo = "Value", Wo = "Time", Go = {
+}, Zo = "Value", Qo = "Time", $o = {
 	show: !0,
 	scale: "x",
 	auto: !1,
 	sorted: 1,
-	min: Yi,
+	min: ra,
 	max: -Infinity,
 	idxs: []
 };
-function Ko(e, t, n, r, i) {
-	return t.map((e) => e == null ? "" : Pi(e));
+function es(e, t, n, r, i) {
+	return t.map((e) => e == null ? "" : Hi(e));
 }
-function qo(e, t, n, r, i, a, o) {
-	let s = [], c = ua.get(i) || 0;
-	n = o ? n : Z(ca(n, i), c);
+function ts(e, t, n, r, i, a, o) {
+	let s = [], c = va.get(i) || 0;
+	n = o ? n : Z(ga(n, i), c);
 	for (let e = n; e <= r; e = Z(e + i, c)) s.push(Object.is(e, -0) ? 0 : e);
 	return s;
 }
-function Jo(e, t, n, r, i, a, o) {
+function ns(e, t, n, r, i, a, o) {
 	let s = [], c = e.scales[e.axes[t].scale].log;
-	i = Ui(c, Ri((c == 10 ? Gi : Ki)(n))), c == 10 && (i = Za[_i(i, Za)]);
+	i = Zi(c, Ki((c == 10 ? $i : ea)(n))), c == 10 && (i = ao[Ti(i, ao)]);
 	let l = n, u = i * c;
-	c == 10 && (u = Za[_i(u, Za)]);
+	c == 10 && (u = ao[Ti(u, ao)]);
 	do
-		s.push(l), l += i, c == 10 && !ua.has(l) && (l = Z(l, ua.get(i))), l >= u && (i = l, u = i * c, c == 10 && (u = Za[_i(u, Za)]));
+		s.push(l), l += i, c == 10 && !va.has(l) && (l = Z(l, va.get(i))), l >= u && (i = l, u = i * c, c == 10 && (u = ao[Ti(u, ao)]));
 	while (l <= r);
 	return s;
 }
-function Yo(e, t, n, r, i, a, o) {
-	let s = e.scales[e.axes[t].scale].asinh, c = r > s ? Jo(e, t, Hi(s, n), r, i) : [s], l = r >= 0 && n <= 0 ? [0] : [];
-	return (n < -s ? Jo(e, t, Hi(s, -r), -n, i) : [s]).reverse().map((e) => -e).concat(l, c);
+function rs(e, t, n, r, i, a, o) {
+	let s = e.scales[e.axes[t].scale].asinh, c = r > s ? ns(e, t, Xi(s, n), r, i) : [s], l = r >= 0 && n <= 0 ? [0] : [];
+	return (n < -s ? ns(e, t, Xi(s, -r), -n, i) : [s]).reverse().map((e) => -e).concat(l, c);
 }
-var Xo = /./, Zo = /[12357]/, Qo = /[125]/, $o = /1/, es = (e, t, n, r) => e.map((e, i) => t == 4 && e == 0 || i % r == 0 && n.test(e.toExponential()[+(e < 0)]) ? e : null);
-function ts(e, t, n, r, i) {
-	let a = e.axes[n], o = a.scale, s = e.scales[o], c = e.valToPos, l = a._space, u = c(10, o), d = c(9, o) - u >= l ? Xo : c(7, o) - u >= l ? Zo : c(5, o) - u >= l ? Qo : $o;
-	if (d == $o) {
-		let e = Li(c(1, o) - u);
-		if (e < l) return es(t.slice().reverse(), s.distr, d, Bi(l / e)).reverse();
+var is = /./, as = /[12357]/, os = /[125]/, ss = /1/, cs = (e, t, n, r) => e.map((e, i) => t == 4 && e == 0 || i % r == 0 && n.test(e.toExponential()[+(e < 0)]) ? e : null);
+function ls(e, t, n, r, i) {
+	let a = e.axes[n], o = a.scale, s = e.scales[o], c = e.valToPos, l = a._space, u = c(10, o), d = c(9, o) - u >= l ? is : c(7, o) - u >= l ? as : c(5, o) - u >= l ? os : ss;
+	if (d == ss) {
+		let e = Gi(c(1, o) - u);
+		if (e < l) return cs(t.slice().reverse(), s.distr, d, Ji(l / e)).reverse();
 	}
-	return es(t, s.distr, d, 1);
+	return cs(t, s.distr, d, 1);
 }
-function ns(e, t, n, r, i) {
-	let a = e.axes[n], o = a.scale, s = a._space, c = e.valToPos, l = Li(c(1, o) - c(2, o));
-	return l < s ? es(t.slice().reverse(), 3, Xo, Bi(s / l)).reverse() : t;
+function us(e, t, n, r, i) {
+	let a = e.axes[n], o = a.scale, s = a._space, c = e.valToPos, l = Gi(c(1, o) - c(2, o));
+	return l < s ? cs(t.slice().reverse(), 3, is, Ji(s / l)).reverse() : t;
 }
-function rs(e, t, n, r) {
-	return r == null ? Xr : t == null ? "" : Pi(t);
+function ds(e, t, n, r) {
+	return r == null ? ri : t == null ? "" : Hi(t);
 }
-var is = {
+var fs = {
 	show: !0,
 	scale: "y",
-	stroke: Rr,
+	stroke: Gr,
 	space: 30,
 	gap: 5,
 	alignTo: 1,
 	size: 50,
 	labelGap: 0,
 	labelSize: 30,
-	labelFont: Bo,
+	labelFont: Jo,
 	side: 3,
-	grid: Io,
-	ticks: Lo,
-	border: Ro,
-	font: zo,
-	lineGap: Vo,
+	grid: Wo,
+	ticks: Go,
+	border: Ko,
+	font: qo,
+	lineGap: Yo,
 	rotate: 0
 };
-function as(e, t) {
+function ps(e, t) {
 	return Z((3 + (e || 1) * 2) * t, 3);
 }
-function os(e, t) {
-	let { scale: n, idxs: r } = e.series[0], i = e._data[0], a = e.valToPos(i[r[0]], n, !0), o = Li(e.valToPos(i[r[1]], n, !0) - a) / (e.series[t].points.space * q);
+function ms(e, t) {
+	let { scale: n, idxs: r } = e.series[0], i = e._data[0], a = e.valToPos(i[r[0]], n, !0), o = Gi(e.valToPos(i[r[1]], n, !0) - a) / (e.series[t].points.space * J);
 	return r[1] - r[0] <= o;
 }
-var ss = {
+var hs = {
 	scale: null,
 	auto: !0,
 	sorted: 0,
-	min: Yi,
+	min: ra,
 	max: -Infinity
-}, cs = (e, t, n, r, i) => i, ls = {
+}, gs = (e, t, n, r, i) => i, _s = {
 	show: !0,
 	auto: !0,
 	sorted: 0,
-	gaps: cs,
+	gaps: gs,
 	alpha: 1,
-	facets: [Ta({}, ss, { scale: "x" }), Ta({}, ss, { scale: "y" })]
-}, us = {
+	facets: [Na({}, hs, { scale: "x" }), Na({}, hs, { scale: "y" })]
+}, vs = {
 	scale: "y",
 	auto: !0,
 	sorted: 0,
 	show: !0,
 	spanGaps: !1,
-	gaps: cs,
+	gaps: gs,
 	alpha: 1,
 	points: {
-		show: os,
+		show: ms,
 		filter: null
 	},
 	values: null,
-	min: Yi,
+	min: ra,
 	max: -Infinity,
 	idxs: [],
 	path: null,
 	clip: null
 };
-function ds(e, t, n, r, i) {
+function ys(e, t, n, r, i) {
 	return n / 10;
 }
-var fs = {
-	time: dr,
+var bs = {
+	time: vr,
 	auto: !0,
 	distr: 1,
 	log: 10,
@@ -5343,12 +5362,12 @@ var fs = {
 	max: null,
 	dir: 1,
 	ori: 0
-}, ps = Ta({}, fs, {
+}, xs = Na({}, bs, {
 	time: !1,
 	ori: 1
-}), ms = {};
-function hs(e, t) {
-	let n = ms[e];
+}), Ss = {};
+function Cs(e, t) {
+	let n = Ss[e];
 	return n || (n = {
 		key: e,
 		plots: [],
@@ -5361,38 +5380,38 @@ function hs(e, t) {
 		pub(e, t, r, i, a, o, s) {
 			for (let c = 0; c < n.plots.length; c++) n.plots[c] != t && n.plots[c].pub(e, t, r, i, a, o, s);
 		}
-	}, e != null && (ms[e] = n)), n;
+	}, e != null && (Ss[e] = n)), n;
 }
-var gs = 1, _s = 2;
-function vs(e, t, n) {
+var ws = 1, Ts = 2;
+function Es(e, t, n) {
 	let r = e.mode, i = e.series[t], a = r == 2 ? e._data[t] : e._data, o = e.scales, s = e.bbox, c = a[0], l = r == 2 ? a[1] : a[t], u = r == 2 ? o[i.facets[0].scale] : o[e.series[0].scale], d = r == 2 ? o[i.facets[1].scale] : o[i.scale], f = s.left, p = s.top, m = s.width, h = s.height, g = e.valToPosH, _ = e.valToPosV;
-	return u.ori == 0 ? n(i, c, l, u, d, g, _, f, p, m, h, Ds, ks, js, Ns, Fs) : n(i, c, l, u, d, _, g, p, f, h, m, Os, As, Ms, Ps, Is);
+	return u.ori == 0 ? n(i, c, l, u, d, g, _, f, p, m, h, Fs, Ls, zs, Vs, Us) : n(i, c, l, u, d, _, g, p, f, h, m, Is, Rs, Bs, Hs, Ws);
 }
-function ys(e, t) {
-	let n = 0, r = 0, i = Y(e.bands, ma);
+function Ds(e, t) {
+	let n = 0, r = 0, i = Y(e.bands, Sa);
 	for (let e = 0; e < i.length; e++) {
 		let a = i[e];
 		a.series[0] == t ? n = a.dir : a.series[1] == t && (a.dir == 1 ? r |= 1 : r |= 2);
 	}
 	return [n, r == 1 ? -1 : r == 2 ? 1 : r == 3 ? 2 : 0];
 }
-function bs(e, t, n, r, i) {
+function Os(e, t, n, r, i) {
 	let a = e.mode, o = e.series[t], s = a == 2 ? o.facets[1].scale : o.scale, c = e.scales[s];
 	return i == -1 ? c.min : i == 1 ? c.max : c.distr == 3 ? c.dir == 1 ? c.min : c.max : 0;
 }
-function xs(e, t, n, r, i, a) {
-	return vs(e, t, (e, t, o, s, c, l, u, d, f, p, m) => {
-		let h = e.pxRound, g = s.dir * (s.ori == 0 ? 1 : -1), _ = s.ori == 0 ? ks : As, v, y;
+function ks(e, t, n, r, i, a) {
+	return Es(e, t, (e, t, o, s, c, l, u, d, f, p, m) => {
+		let h = e.pxRound, g = s.dir * (s.ori == 0 ? 1 : -1), _ = s.ori == 0 ? Ls : Rs, v, y;
 		g == 1 ? (v = n, y = r) : (v = r, y = n);
 		let b = h(l(t[v], s, p, d)), x = h(u(o[v], c, m, f)), S = h(l(t[y], s, p, d)), C = h(u(a == 1 ? c.max : c.min, c, m, f)), w = new Path2D(i);
 		return _(w, S, C), _(w, b, C), _(w, b, x), w;
 	});
 }
-function Ss(e, t, n, r, i, a) {
+function As(e, t, n, r, i, a) {
 	let o = null;
 	if (e.length > 0) {
 		o = new Path2D();
-		let s = t == 0 ? js : Ms, c = n;
+		let s = t == 0 ? zs : Bs, c = n;
 		for (let t = 0; t < e.length; t++) {
 			let n = e[t];
 			if (n[1] > n[0]) {
@@ -5405,11 +5424,11 @@ function Ss(e, t, n, r, i, a) {
 	}
 	return o;
 }
-function Cs(e, t, n) {
+function js(e, t, n) {
 	let r = e[e.length - 1];
 	r && r[0] == t ? r[1] = n : e.push([t, n]);
 }
-function ws(e, t, n, r, i, a, o) {
+function Ms(e, t, n, r, i, a, o) {
 	let s = [], c = e.length;
 	for (let l = i == 1 ? n : r; l >= n && l <= r; l += i) if (t[l] === null) {
 		let u = l, d = l;
@@ -5422,11 +5441,11 @@ function ws(e, t, n, r, i, a, o) {
 	}
 	return s;
 }
-function Ts(e) {
-	return e == 0 ? ea : e == 1 ? zi : (t) => sa(t, e);
+function Ns(e) {
+	return e == 0 ? ca : e == 1 ? qi : (t) => ha(t, e);
 }
-function Es(e) {
-	let t = e == 0 ? Ds : Os, n = e == 0 ? (e, t, n, r, i, a) => {
+function Ps(e) {
+	let t = e == 0 ? Fs : Is, n = e == 0 ? (e, t, n, r, i, a) => {
 		e.arcTo(t, n, r, i, a);
 	} : (e, t, n, r, i, a) => {
 		e.arcTo(n, t, i, r, a);
@@ -5436,36 +5455,36 @@ function Es(e) {
 		e.rect(n, t, i, r);
 	};
 	return (e, i, a, o, s, c = 0, l = 0) => {
-		c == 0 && l == 0 ? r(e, i, a, o, s) : (c = Vi(c, o / 2, s / 2), l = Vi(l, o / 2, s / 2), t(e, i + c, a), n(e, i + o, a, i + o, a + s, c), n(e, i + o, a + s, i, a + s, l), n(e, i, a + s, i, a, l), n(e, i, a, i + o, a, c), e.closePath());
+		c == 0 && l == 0 ? r(e, i, a, o, s) : (c = Yi(c, o / 2, s / 2), l = Yi(l, o / 2, s / 2), t(e, i + c, a), n(e, i + o, a, i + o, a + s, c), n(e, i + o, a + s, i, a + s, l), n(e, i, a + s, i, a, l), n(e, i, a, i + o, a, c), e.closePath());
 	};
 }
-var Ds = (e, t, n) => {
+var Fs = (e, t, n) => {
 	e.moveTo(t, n);
-}, Os = (e, t, n) => {
+}, Is = (e, t, n) => {
 	e.moveTo(n, t);
-}, ks = (e, t, n) => {
+}, Ls = (e, t, n) => {
 	e.lineTo(t, n);
-}, As = (e, t, n) => {
+}, Rs = (e, t, n) => {
 	e.lineTo(n, t);
-}, js = Es(0), Ms = Es(1), Ns = (e, t, n, r, i, a) => {
+}, zs = Ps(0), Bs = Ps(1), Vs = (e, t, n, r, i, a) => {
 	e.arc(t, n, r, i, a);
-}, Ps = (e, t, n, r, i, a) => {
+}, Hs = (e, t, n, r, i, a) => {
 	e.arc(n, t, r, i, a);
-}, Fs = (e, t, n, r, i, a, o) => {
+}, Us = (e, t, n, r, i, a, o) => {
 	e.bezierCurveTo(t, n, r, i, a, o);
-}, Is = (e, t, n, r, i, a, o) => {
+}, Ws = (e, t, n, r, i, a, o) => {
 	e.bezierCurveTo(n, t, i, r, o, a);
 };
-function Ls(e) {
-	return (e, t, n, r, i) => vs(e, t, (t, a, o, s, c, l, u, d, f, p, m) => {
+function Gs(e) {
+	return (e, t, n, r, i) => Es(e, t, (t, a, o, s, c, l, u, d, f, p, m) => {
 		let { pxRound: h, points: g } = t, _, v;
-		s.ori == 0 ? (_ = Ds, v = Ns) : (_ = Os, v = Ps);
-		let y = Z(g.width * q, 3), b = (g.size - g.width) / 2 * q, x = Z(b * 2, 3), S = new Path2D(), C = new Path2D(), { left: w, top: T, width: E, height: D } = e.bbox;
-		js(C, w - x, T - x, E + x * 2, D + x * 2);
+		s.ori == 0 ? (_ = Fs, v = Vs) : (_ = Is, v = Hs);
+		let y = Z(g.width * J, 3), b = (g.size - g.width) / 2 * J, x = Z(b * 2, 3), S = new Path2D(), C = new Path2D(), { left: w, top: T, width: E, height: D } = e.bbox;
+		zs(C, w - x, T - x, E + x * 2, D + x * 2);
 		let O = (e) => {
 			if (o[e] != null) {
 				let t = h(l(a[e], s, p, d)), n = h(u(o[e], c, m, f));
-				_(S, t + b, n), v(S, t, n, b, 0, Ii * 2);
+				_(S, t + b, n), v(S, t, n, b, 0, Wi * 2);
 			}
 		};
 		if (i) i.forEach(O);
@@ -5478,25 +5497,25 @@ function Ls(e) {
 		};
 	});
 }
-function Rs(e) {
+function Ks(e) {
 	return (t, n, r, i, a, o) => {
 		r != i && (a != r && o != r && e(t, n, r), a != i && o != i && e(t, n, i), e(t, n, o));
 	};
 }
-var zs = Rs(ks), Bs = Rs(As);
-function Vs(e) {
+var qs = Ks(Ls), Js = Ks(Rs);
+function Ys(e) {
 	let t = Y(e?.alignGaps, 0);
-	return (e, n, r, i) => vs(e, n, (a, o, s, c, l, u, d, f, p, m, h) => {
-		[r, i] = xi(s, r, i);
+	return (e, n, r, i) => Es(e, n, (a, o, s, c, l, u, d, f, p, m, h) => {
+		[r, i] = ki(s, r, i);
 		let g = a.pxRound, _ = (e) => g(u(e, c, m, f)), v = (e) => g(d(e, l, h, p)), y, b;
-		c.ori == 0 ? (y = ks, b = zs) : (y = As, b = Bs);
+		c.ori == 0 ? (y = Ls, b = qs) : (y = Rs, b = Js);
 		let x = c.dir * (c.ori == 0 ? 1 : -1), S = {
 			stroke: new Path2D(),
 			fill: null,
 			clip: null,
 			band: null,
 			gaps: null,
-			flags: gs
+			flags: ws
 		}, C = S.stroke, w = !1;
 		if (i - r >= m * 4) {
 			let t = (t) => e.posToVal(t, c.key, !0), n = null, a = null, l, u, d, f = _(o[x == 1 ? r : i]), p = _(o[r]), m = _(o[i]), h = t(x == 1 ? p + 1 : m - 1);
@@ -5509,29 +5528,29 @@ function Vs(e) {
 			let t = s[e];
 			t === null ? w = !0 : t != null && y(C, _(o[e]), v(t));
 		}
-		let [T, E] = ys(e, n);
+		let [T, E] = Ds(e, n);
 		if (a.fill != null || T != 0) {
 			let t = S.fill = new Path2D(C), s = v(a.fillTo(e, n, a.min, a.max, T)), c = _(o[r]), l = _(o[i]);
 			x == -1 && ([l, c] = [c, l]), y(t, l, s), y(t, c, s);
 		}
 		if (!a.spanGaps) {
 			let l = [];
-			w && l.push(...ws(o, s, r, i, x, _, t)), S.gaps = l = a.gaps(e, n, r, i, l), S.clip = Ss(l, c.ori, f, p, m, h);
+			w && l.push(...Ms(o, s, r, i, x, _, t)), S.gaps = l = a.gaps(e, n, r, i, l), S.clip = As(l, c.ori, f, p, m, h);
 		}
-		return E != 0 && (S.band = E == 2 ? [xs(e, n, r, i, C, -1), xs(e, n, r, i, C, 1)] : xs(e, n, r, i, C, E)), S;
+		return E != 0 && (S.band = E == 2 ? [ks(e, n, r, i, C, -1), ks(e, n, r, i, C, 1)] : ks(e, n, r, i, C, E)), S;
 	});
 }
-function Hs(e) {
+function Xs(e) {
 	let t = Y(e.align, 1), n = Y(e.ascDesc, !1), r = Y(e.alignGaps, 0), i = Y(e.extend, !1);
-	return (e, a, o, s) => vs(e, a, (c, l, u, d, f, p, m, h, g, _, v) => {
-		[o, s] = xi(u, o, s);
-		let y = c.pxRound, { left: b, width: x } = e.bbox, S = (e) => y(p(e, d, _, h)), C = (e) => y(m(e, f, v, g)), w = d.ori == 0 ? ks : As, T = {
+	return (e, a, o, s) => Es(e, a, (c, l, u, d, f, p, m, h, g, _, v) => {
+		[o, s] = ki(u, o, s);
+		let y = c.pxRound, { left: b, width: x } = e.bbox, S = (e) => y(p(e, d, _, h)), C = (e) => y(m(e, f, v, g)), w = d.ori == 0 ? Ls : Rs, T = {
 			stroke: new Path2D(),
 			fill: null,
 			clip: null,
 			band: null,
 			gaps: null,
-			flags: gs
+			flags: ws
 		}, E = T.stroke, D = d.dir * (d.ori == 0 ? 1 : -1), O = C(u[D == 1 ? o : s]), k = S(l[D == 1 ? o : s]), A = k, j = k;
 		i && t == -1 && (j = b, w(E, j, O)), w(E, k, O);
 		for (let e = D == 1 ? o : s; e >= o && e <= s; e += D) {
@@ -5542,50 +5561,50 @@ function Hs(e) {
 		}
 		let ee = A;
 		i && t == 1 && (ee = b + x, w(E, ee, O));
-		let [te, ne] = ys(e, a);
+		let [te, ne] = Ds(e, a);
 		if (c.fill != null || te != 0) {
 			let t = T.fill = new Path2D(E), n = C(c.fillTo(e, a, c.min, c.max, te));
 			w(t, ee, n), w(t, j, n);
 		}
 		if (!c.spanGaps) {
 			let i = [];
-			i.push(...ws(l, u, o, s, D, S, r));
-			let f = c.width * q / 2, p = n || t == 1 ? f : -f, m = n || t == -1 ? -f : f;
+			i.push(...Ms(l, u, o, s, D, S, r));
+			let f = c.width * J / 2, p = n || t == 1 ? f : -f, m = n || t == -1 ? -f : f;
 			i.forEach((e) => {
 				e[0] += p, e[1] += m;
-			}), T.gaps = i = c.gaps(e, a, o, s, i), T.clip = Ss(i, d.ori, h, g, _, v);
+			}), T.gaps = i = c.gaps(e, a, o, s, i), T.clip = As(i, d.ori, h, g, _, v);
 		}
-		return ne != 0 && (T.band = ne == 2 ? [xs(e, a, o, s, E, -1), xs(e, a, o, s, E, 1)] : xs(e, a, o, s, E, ne)), T;
+		return ne != 0 && (T.band = ne == 2 ? [ks(e, a, o, s, E, -1), ks(e, a, o, s, E, 1)] : ks(e, a, o, s, E, ne)), T;
 	});
 }
-function Us(e, t, n, r, i, a, o = Yi) {
+function Zs(e, t, n, r, i, a, o = ra) {
 	if (e.length > 1) {
 		let s = null;
 		for (let c = 0, l = Infinity; c < e.length; c++) if (t[c] !== void 0) {
 			if (s != null) {
-				let t = Li(e[c] - e[s]);
-				t < l && (l = t, o = Li(n(e[c], r, i, a) - n(e[s], r, i, a)));
+				let t = Gi(e[c] - e[s]);
+				t < l && (l = t, o = Gi(n(e[c], r, i, a) - n(e[s], r, i, a)));
 			}
 			s = c;
 		}
 	}
 	return o;
 }
-function Ws(e) {
-	e ||= pa;
+function Qs(e) {
+	e ||= xa;
 	let t = Y(e.size, [
 		.6,
-		Yi,
+		ra,
 		1
 	]), n = e.align || 0, r = e.gap || 0, i = e.radius;
 	i = i == null ? [0, 0] : typeof i == "number" ? [i, 0] : i;
-	let a = X(i), o = 1 - t[0], s = Y(t[1], Yi), c = Y(t[2], 1), l = Y(e.disp, pa), u = Y(e.each, (e) => {}), { fill: d, stroke: f } = l;
-	return (e, t, i, p) => vs(e, t, (m, h, g, _, v, y, b, x, S, C, w) => {
-		let T = m.pxRound, E = n, D = r * q, O = s * q, k = c * q, A, j;
+	let a = X(i), o = 1 - t[0], s = Y(t[1], ra), c = Y(t[2], 1), l = Y(e.disp, xa), u = Y(e.each, (e) => {}), { fill: d, stroke: f } = l;
+	return (e, t, i, p) => Es(e, t, (m, h, g, _, v, y, b, x, S, C, w) => {
+		let T = m.pxRound, E = n, D = r * J, O = s * J, k = c * J, A, j;
 		_.ori == 0 ? [A, j] = a(e, t) : [j, A] = a(e, t);
-		let ee = _.dir * (_.ori == 0 ? 1 : -1), te = _.ori == 0 ? js : Ms, ne = _.ori == 0 ? u : (e, t, n, r, i, a, o) => {
+		let ee = _.dir * (_.ori == 0 ? 1 : -1), te = _.ori == 0 ? zs : Bs, ne = _.ori == 0 ? u : (e, t, n, r, i, a, o) => {
 			u(e, t, n, i, r, o, a);
-		}, re = Y(e.bands, ma).find((e) => e.series[0] == t), ie = re == null ? 0 : re.dir, ae = m.fillTo(e, t, m.min, m.max, ie), M = T(b(ae, v, w, S)), N, P, oe, F = C, I = T(m.width * q), se = !1, ce = null, le = null, ue = null, de = null;
+		}, re = Y(e.bands, Sa).find((e) => e.series[0] == t), ie = re == null ? 0 : re.dir, ae = m.fillTo(e, t, m.min, m.max, ie), M = T(b(ae, v, w, S)), N, P, oe, F = C, I = T(m.width * J), se = !1, ce = null, le = null, ue = null, de = null;
 		d != null && (I == 0 || f != null) && (se = !0, ce = d.values(e, t, i, p), le = /* @__PURE__ */ new Map(), new Set(ce).forEach((e) => {
 			e != null && le.set(e, new Path2D());
 		}), I > 0 && (ue = f.values(e, t, i, p), de = /* @__PURE__ */ new Map(), new Set(ue).forEach((e) => {
@@ -5595,11 +5614,11 @@ function Ws(e) {
 		if (fe != null && pe != null) {
 			E = 1, h = fe.values(e, t, i, p), fe.unit == 2 && (h = h.map((t) => e.posToVal(x + t * C, _.key, !0)));
 			let n = pe.values(e, t, i, p);
-			P = pe.unit == 2 ? n[0] * C : y(n[0], _, C, x) - y(0, _, C, x), F = Us(h, g, y, _, C, x, F), oe = F - P + D;
-		} else F = Us(h, g, y, _, C, x, F), oe = F * o + D, P = F - oe;
-		oe < 1 && (oe = 0), I >= P / 2 && (I = 0), oe < 5 && (T = ea);
+			P = pe.unit == 2 ? n[0] * C : y(n[0], _, C, x) - y(0, _, C, x), F = Zs(h, g, y, _, C, x, F), oe = F - P + D;
+		} else F = Zs(h, g, y, _, C, x, F), oe = F * o + D, P = F - oe;
+		oe < 1 && (oe = 0), I >= P / 2 && (I = 0), oe < 5 && (T = ca);
 		let me = oe > 0, he = F - oe - (me ? I : 0);
-		P = T(Zi(he, k, O)), N = (E == 0 ? P / 2 : E == ee ? 0 : P) - E * ee * ((E == 0 ? D / 2 : 0) + (me ? I / 2 : 0));
+		P = T(aa(he, k, O)), N = (E == 0 ? P / 2 : E == ee ? 0 : P) - E * ee * ((E == 0 ? D / 2 : 0) + (me ? I / 2 : 0));
 		let ge = {
 			stroke: null,
 			fill: null,
@@ -5622,21 +5641,21 @@ function Ws(e) {
 				if (r - e == 0) continue;
 				M = b(e, v, w, S);
 			}
-			let i = y(_.distr != 2 || l != null ? h[n] : n, _, C, x), a = b(Y(r, ae), v, w, S), o = T(i - N), s = T(Hi(a, M)), c = T(Vi(a, M)), u = s - c;
+			let i = y(_.distr != 2 || l != null ? h[n] : n, _, C, x), a = b(Y(r, ae), v, w, S), o = T(i - N), s = T(Xi(a, M)), c = T(Yi(a, M)), u = s - c;
 			if (r != null) {
 				let i = r < 0 ? be : ye, a = r < 0 ? ye : be;
-				se ? (I > 0 && ue[n] != null && te(de.get(ue[n]), o, c + Ri(I / 2), P, Hi(0, u - I), i, a), ce[n] != null && te(le.get(ce[n]), o, c + Ri(I / 2), P, Hi(0, u - I), i, a)) : te(_e, o, c + Ri(I / 2), P, Hi(0, u - I), i, a), ne(e, t, n, o - I / 2, c, P + I, u);
+				se ? (I > 0 && ue[n] != null && te(de.get(ue[n]), o, c + Ki(I / 2), P, Xi(0, u - I), i, a), ce[n] != null && te(le.get(ce[n]), o, c + Ki(I / 2), P, Xi(0, u - I), i, a)) : te(_e, o, c + Ki(I / 2), P, Xi(0, u - I), i, a), ne(e, t, n, o - I / 2, c, P + I, u);
 			}
 		}
 		return I > 0 ? ge.stroke = se ? de : _e : se || (ge._fill = m.width == 0 ? m._fill : m._stroke ?? m._fill, ge.width = 0), ge.fill = se ? le : _e, ge;
 	});
 }
-function Gs(e, t) {
+function $s(e, t) {
 	let n = Y(t?.alignGaps, 0);
-	return (t, r, i, a) => vs(t, r, (o, s, c, l, u, d, f, p, m, h, g) => {
-		[i, a] = xi(c, i, a);
+	return (t, r, i, a) => Es(t, r, (o, s, c, l, u, d, f, p, m, h, g) => {
+		[i, a] = ki(c, i, a);
 		let _ = o.pxRound, v = (e) => _(d(e, l, h, p)), y = (e) => _(f(e, u, g, m)), b, x, S;
-		l.ori == 0 ? (b = Ds, S = ks, x = Fs) : (b = Os, S = As, x = Is);
+		l.ori == 0 ? (b = Fs, S = Ls, x = Us) : (b = Is, S = Rs, x = Ws);
 		let C = l.dir * (l.ori == 0 ? 1 : -1), w = v(s[C == 1 ? i : a]), T = w, E = [], D = [];
 		for (let e = C == 1 ? i : a; e >= i && e <= a; e += C) if (c[e] != null) {
 			let t = s[e], n = v(t);
@@ -5648,23 +5667,23 @@ function Gs(e, t) {
 			clip: null,
 			band: null,
 			gaps: null,
-			flags: gs
-		}, k = O.stroke, [A, j] = ys(t, r);
+			flags: ws
+		}, k = O.stroke, [A, j] = Ds(t, r);
 		if (o.fill != null || A != 0) {
 			let e = O.fill = new Path2D(k), n = y(o.fillTo(t, r, o.min, o.max, A));
 			S(e, T, n), S(e, w, n);
 		}
 		if (!o.spanGaps) {
 			let e = [];
-			e.push(...ws(s, c, i, a, C, v, n)), O.gaps = e = o.gaps(t, r, i, a, e), O.clip = Ss(e, l.ori, p, m, h, g);
+			e.push(...Ms(s, c, i, a, C, v, n)), O.gaps = e = o.gaps(t, r, i, a, e), O.clip = As(e, l.ori, p, m, h, g);
 		}
-		return j != 0 && (O.band = j == 2 ? [xs(t, r, i, a, k, -1), xs(t, r, i, a, k, 1)] : xs(t, r, i, a, k, j)), O;
+		return j != 0 && (O.band = j == 2 ? [ks(t, r, i, a, k, -1), ks(t, r, i, a, k, 1)] : ks(t, r, i, a, k, j)), O;
 	});
 }
-function Ks(e) {
-	return Gs(qs, e);
+function ec(e) {
+	return $s(tc, e);
 }
-function qs(e, t, n, r, i, a) {
+function tc(e, t, n, r, i, a) {
 	let o = e.length;
 	if (o < 2) return null;
 	let s = new Path2D();
@@ -5679,61 +5698,61 @@ function qs(e, t, n, r, i, a) {
 	}
 	return s;
 }
-var Js = /* @__PURE__ */ new Set();
-function Ys() {
-	for (let e of Js) e.syncRect(!0);
+var nc = /* @__PURE__ */ new Set();
+function rc() {
+	for (let e of nc) e.syncRect(!0);
 }
-Zr && (hi(Kr, $r, Ys), hi(qr, $r, Ys, !0), hi(Yr, $r, () => {
-	dc.pxRatio = q;
+ii && (Ci($r, oi, rc), Ci(ei, oi, rc, !0), Ci(ni, oi, () => {
+	yc.pxRatio = J;
 }));
-var Xs = Vs(), Zs = Ls();
-function Qs(e, t, n, r) {
-	return (r ? [e[0], e[1]].concat(e.slice(2)) : [e[0]].concat(e.slice(1))).map((e, r) => ec(e, r, t, n));
-}
-function $s(e, t) {
-	return e.map((e, n) => n == 0 ? {} : Ta({}, t, e));
-}
-function ec(e, t, n, r) {
-	return Ta({}, t == 0 ? n : r, e);
-}
-function tc(e, t, n) {
-	return t == null ? ha : [t, n];
-}
-var nc = tc;
-function rc(e, t, n) {
-	return t == null ? ha : Ai(t, n, Ei, !0);
-}
-function ic(e, t, n, r) {
-	return t == null ? ha : wi(t, n, e.scales[r].log, !1);
-}
-var ac = ic;
+var ic = Ys(), ac = Gs();
 function oc(e, t, n, r) {
-	return t == null ? ha : Ti(t, n, e.scales[r].log, !1);
+	return (r ? [e[0], e[1]].concat(e.slice(2)) : [e[0]].concat(e.slice(1))).map((e, r) => cc(e, r, t, n));
 }
-var sc = oc;
-function cc(e, t, n, r, i) {
-	let a = Hi(Xi(e), Xi(t)), o = t - e, s = _i(i / r * o, n);
+function sc(e, t) {
+	return e.map((e, n) => n == 0 ? {} : Na({}, t, e));
+}
+function cc(e, t, n, r) {
+	return Na({}, t == 0 ? n : r, e);
+}
+function lc(e, t, n) {
+	return t == null ? Ca : [t, n];
+}
+var uc = lc;
+function dc(e, t, n) {
+	return t == null ? Ca : Ri(t, n, Pi, !0);
+}
+function fc(e, t, n, r) {
+	return t == null ? Ca : Mi(t, n, e.scales[r].log, !1);
+}
+var pc = fc;
+function mc(e, t, n, r) {
+	return t == null ? Ca : Ni(t, n, e.scales[r].log, !1);
+}
+var hc = mc;
+function gc(e, t, n, r, i) {
+	let a = Xi(ia(e), ia(t)), o = t - e, s = Ti(i / r * o, n);
 	do {
 		let e = n[s], t = r * e / o;
-		if (t >= i && a + (e < 5 ? ua.get(e) : 0) <= 17) return [e, t];
+		if (t >= i && a + (e < 5 ? va.get(e) : 0) <= 17) return [e, t];
 	} while (++s < n.length);
 	return [0, 0];
 }
-function lc(e) {
+function _c(e) {
 	let t, n;
-	return e = e.replace(/(\d+)px/, (e, r) => (t = zi((n = +r) * q)) + "px"), [
+	return e = e.replace(/(\d+)px/, (e, r) => (t = qi((n = +r) * J)) + "px"), [
 		e,
 		t,
 		n
 	];
 }
-function uc(e) {
+function vc(e) {
 	e.show && [e.font, e.labelFont].forEach((e) => {
-		let t = Z(e[2] * q, 1);
+		let t = Z(e[2] * J, 1);
 		e[0] = e[0].replace(/[0-9.]+px/, t + "px"), e[1] = t;
 	});
 }
-function dc(e, t, n) {
+function yc(e, t, n) {
 	let r = { mode: Y(e.mode, 1) }, i = r.mode;
 	function a(e, t, n, r) {
 		let i = t.valToPct(e);
@@ -5749,24 +5768,24 @@ function dc(e, t, n) {
 	r.valToPosH = a, r.valToPosV = o;
 	let c = !1;
 	r.status = 0;
-	let l = r.root = oi(fr);
-	if (e.id != null && (l.id = e.id), ri(l, e.class), e.title) {
-		let t = oi(hr, l);
+	let l = r.root = mi(yr);
+	if (e.id != null && (l.id = e.id), ui(l, e.class), e.title) {
+		let t = mi(Sr, l);
 		t.textContent = e.title;
 	}
-	let u = ai("canvas"), d = r.ctx = u.getContext("2d"), f = oi(gr, l);
-	hi("click", f, (e) => {
+	let u = pi("canvas"), d = r.ctx = u.getContext("2d"), f = mi(Cr, l);
+	Ci("click", f, (e) => {
 		e.target === m && (U != tn || W != nn) && sn.click(r, e);
 	}, !0);
-	let p = r.under = oi(_r, f);
+	let p = r.under = mi(wr, f);
 	f.appendChild(u);
-	let m = r.over = oi(vr, f);
-	e = wa(e);
-	let h = +Y(e.pxAlign, 1), g = Ts(h);
+	let m = r.over = mi(Tr, f);
+	e = Ma(e);
+	let h = +Y(e.pxAlign, 1), g = Ns(h);
 	(e.plugins || []).forEach((t) => {
 		t.opts && (e = t.opts(r, e) || e);
 	});
-	let _ = e.ms || .001, v = r.series = i == 1 ? Qs(e.series || [], Go, us, !1) : $s(e.series || [null], ls), y = r.axes = Qs(e.axes || [], Ho, is, !0), b = r.scales = {}, x = r.bands = e.bands || [];
+	let _ = e.ms || .001, v = r.series = i == 1 ? oc(e.series || [], $o, vs, !1) : sc(e.series || [null], _s), y = r.axes = oc(e.axes || [], Xo, fs, !0), b = r.scales = {}, x = r.bands = e.bands || [];
 	x.forEach((e) => {
 		e.fill = X(e.fill || null), e.dir = Y(e.dir, -1);
 	});
@@ -5775,7 +5794,7 @@ function dc(e, t, n) {
 		series: Ot
 	}, w = (e.drawOrder || ["axes", "series"]).map((e) => C[e]);
 	function T(e) {
-		let t = e.distr == 3 ? (t) => Gi(t > 0 ? t : e.clamp(r, t, e.min, e.max, e.key)) : e.distr == 4 ? (t) => Ji(t, e.asinh) : e.distr == 100 ? (t) => e.fwd(t) : (e) => e;
+		let t = e.distr == 3 ? (t) => $i(t > 0 ? t : e.clamp(r, t, e.min, e.max, e.key)) : e.distr == 4 ? (t) => na(t, e.asinh) : e.distr == 100 ? (t) => e.fwd(t) : (e) => e;
 		return (n) => {
 			let r = t(n), { _min: i, _max: a } = e, o = a - i;
 			return (r - i) / o;
@@ -5784,30 +5803,30 @@ function dc(e, t, n) {
 	function E(t) {
 		let n = b[t];
 		if (n == null) {
-			let r = (e.scales || pa)[t] || pa;
+			let r = (e.scales || xa)[t] || xa;
 			if (r.from != null) {
 				E(r.from);
-				let e = Ta({}, b[r.from], r, { key: t });
+				let e = Na({}, b[r.from], r, { key: t });
 				e.valToPct = T(e), b[t] = e;
 			} else {
-				n = b[t] = Ta({}, t == S ? fs : ps, r), n.key = t;
-				let e = n.time, a = n.range, o = ga(a);
+				n = b[t] = Na({}, t == S ? bs : xs, r), n.key = t;
+				let e = n.time, a = n.range, o = wa(a);
 				if ((t != S || i == 2 && !e) && (o && (a[0] == null || a[1] == null) && (a = {
-					min: a[0] == null ? Di : {
+					min: a[0] == null ? Fi : {
 						mode: 1,
 						hard: a[0],
 						soft: a[0]
 					},
-					max: a[1] == null ? Di : {
+					max: a[1] == null ? Fi : {
 						mode: 1,
 						hard: a[1],
 						soft: a[1]
 					}
-				}, o = !1), !o && ba(a))) {
+				}, o = !1), !o && Oa(a))) {
 					let e = a;
-					a = (t, n, r) => n == null ? ha : Ai(n, r, e);
+					a = (t, n, r) => n == null ? Ca : Ri(n, r, e);
 				}
-				n.range = X(a || (e ? nc : t == S ? n.distr == 3 ? ac : n.distr == 4 ? sc : tc : n.distr == 3 ? ic : n.distr == 4 ? oc : rc)), n.auto = X(!o && n.auto), n.clamp = X(n.clamp || ds), n._min = n._max = null, n.valToPct = T(n);
+				n.range = X(a || (e ? uc : t == S ? n.distr == 3 ? pc : n.distr == 4 ? hc : lc : n.distr == 3 ? fc : n.distr == 4 ? mc : dc)), n.auto = X(!o && n.auto), n.clamp = X(n.clamp || ys), n._min = n._max = null, n.valToPct = T(n);
 			}
 		}
 	}
@@ -5818,7 +5837,7 @@ function dc(e, t, n) {
 	});
 	for (let t in e.scales) E(t);
 	let D = b[S], O = D.distr, k, A;
-	D.ori == 0 ? (ri(l, pr), k = a, A = o) : (ri(l, mr), k = o, A = a);
+	D.ori == 0 ? (ui(l, br), k = a, A = o) : (ui(l, xr), k = o, A = a);
 	let j = {};
 	for (let e in b) {
 		let t = b[e];
@@ -5827,35 +5846,35 @@ function dc(e, t, n) {
 			max: t.max
 		}, t.min = t.max = null);
 	}
-	let ee = e.tzDate || ((e) => new Date(zi(e / _))), te = e.fmtDate || Ua, ne = _ == 1 ? fo(ee) : ho(ee), re = _o(ee, go(_ == 1 ? uo : mo, te)), ie = So(ee, bo(xo, te)), ae = [], M = r.legend = Ta({}, To, e.legend), N = r.cursor = Ta({}, Po, { drag: { y: i == 2 } }, e.cursor), P = M.show, oe = N.show, F = M.markers;
+	let ee = e.tzDate || ((e) => new Date(qi(e / _))), te = e.fmtDate || Za, ne = _ == 1 ? bo(ee) : Co(ee), re = To(ee, wo(_ == 1 ? yo : So, te)), ie = Ao(ee, Oo(ko, te)), ae = [], M = r.legend = Na({}, No, e.legend), N = r.cursor = Na({}, Ho, { drag: { y: i == 2 } }, e.cursor), P = M.show, oe = N.show, F = M.markers;
 	M.idxs = ae, F.width = X(F.width), F.dash = X(F.dash), F.stroke = X(F.stroke), F.fill = X(F.fill);
 	let I, se, ce, le = [], ue = [], de, fe = !1, pe = {};
 	if (M.live) {
 		let e = v[1] ? v[1].values : null;
 		fe = e != null, de = fe ? e(r, 1, 0) : { _: 0 };
-		for (let e in de) pe[e] = Xr;
+		for (let e in de) pe[e] = ri;
 	}
 	if (P) {
-		if (I = ai("table", Tr, l), ce = ai("tbody", null, I), M.mount(r, I), fe) {
-			se = ai("thead", null, I, ce);
-			let e = ai("tr", null, se);
-			for (var me in ai("th", null, e), de) ai("th", Ar, e).textContent = me;
-		} else ri(I, Dr), M.live && ri(I, Er);
+		if (I = pi("table", Mr, l), ce = pi("tbody", null, I), M.mount(r, I), fe) {
+			se = pi("thead", null, I, ce);
+			let e = pi("tr", null, se);
+			for (var me in pi("th", null, e), de) pi("th", Lr, e).textContent = me;
+		} else ui(I, Pr), M.live && ui(I, Nr);
 	}
 	let he = { show: !0 }, ge = { show: !1 };
 	function _e(e, t) {
-		if (t == 0 && (fe || !M.live || i == 2)) return ha;
-		let n = [], a = ai("tr", Or, ce, ce.childNodes[t]);
-		ri(a, e.class), e.show || ri(a, br);
-		let o = ai("th", null, a);
+		if (t == 0 && (fe || !M.live || i == 2)) return Ca;
+		let n = [], a = pi("tr", Fr, ce, ce.childNodes[t]);
+		ui(a, e.class), e.show || ui(a, Dr);
+		let o = pi("th", null, a);
 		if (F.show) {
-			let e = oi(kr, o);
+			let e = mi(Ir, o);
 			if (t > 0) {
 				let n = F.width(r, t);
 				n && (e.style.border = n + "px " + F.dash(r, t) + " " + F.stroke(r, t)), e.style.background = F.fill(r, t);
 			}
 		}
-		let s = oi(Ar, o);
+		let s = mi(Lr, o);
 		for (var c in e.label instanceof HTMLElement ? s.appendChild(e.label) : s.textContent = e.label, t > 0 && (F.show || (s.style.color = e.width > 0 ? F.stroke(r, t) : F.fill(r, t)), ye("click", o, (t) => {
 			if (N._lock) return;
 			We(t);
@@ -5863,13 +5882,13 @@ function dc(e, t, n) {
 			if ((t.ctrlKey || t.metaKey) != M.isolate) {
 				let e = v.some((e, t) => t > 0 && t != n && e.show);
 				v.forEach((t, r) => {
-					r > 0 && mn(r, e ? r == n ? he : ge : he, !0, Qn.setSeries);
+					r > 0 && mn(r, e ? r == n ? he : ge : he, !0, q.setSeries);
 				});
-			} else mn(n, { show: !e.show }, !0, Qn.setSeries);
-		}, !1), qe && ye(Ur, o, (t) => {
-			N._lock || (We(t), mn(v.indexOf(e), K, !0, Qn.setSeries));
+			} else mn(n, { show: !e.show }, !0, q.setSeries);
+		}, !1), qe && ye(Xr, o, (t) => {
+			N._lock || (We(t), mn(v.indexOf(e), Sn, !0, q.setSeries));
 		}, !1)), de) {
-			let e = ai("td", jr, a);
+			let e = pi("td", Rr, a);
 			e.textContent = "--", n.push(e);
 		}
 		return [a, n];
@@ -5877,34 +5896,34 @@ function dc(e, t, n) {
 	let ve = /* @__PURE__ */ new Map();
 	function ye(e, t, n, i = !0) {
 		let a = ve.get(t) || {}, o = N.bind[e](r, t, n, i);
-		o && (hi(e, t, a[e] = o), ve.set(t, a));
+		o && (Ci(e, t, a[e] = o), ve.set(t, a));
 	}
 	function be(e, t, n) {
 		let r = ve.get(t) || {};
-		for (let n in r) (e == null || n == e) && (gi(n, t, r[n]), delete r[n]);
+		for (let n in r) (e == null || n == e) && (wi(n, t, r[n]), delete r[n]);
 		e ?? ve.delete(t);
 	}
-	let xe = 0, Se = 0, L = 0, R = 0, Ce = 0, we = 0, Te = Ce, Ee = we, De = L, Oe = R, ke = 0, Ae = 0, je = 0, Me = 0;
+	let xe = 0, Se = 0, L = 0, R = 0, Ce = 0, z = 0, we = Ce, Te = z, Ee = L, De = R, Oe = 0, ke = 0, Ae = 0, je = 0;
 	r.bbox = {};
-	let Ne = !1, Pe = !1, Fe = !1, Ie = !1, Le = !1, Re = !1;
-	function z(e, t, n) {
-		(n || e != r.width || t != r.height) && ze(e, t), Bt(!1), Fe = !0, Pe = !0, Gt();
+	let Me = !1, Ne = !1, Pe = !1, Fe = !1, Ie = !1, Le = !1;
+	function Re(e, t, n) {
+		(n || e != r.width || t != r.height) && ze(e, t), Bt(!1), Pe = !0, Ne = !0, Gt();
 	}
 	function ze(e, t) {
-		r.width = xe = L = e, r.height = Se = R = t, Ce = we = 0, He(), Ue();
+		r.width = xe = L = e, r.height = Se = R = t, Ce = z = 0, He(), Ue();
 		let n = r.bbox;
-		ke = n.left = sa(Ce * q, .5), Ae = n.top = sa(we * q, .5), je = n.width = sa(L * q, .5), Me = n.height = sa(R * q, .5);
+		Oe = n.left = ha(Ce * J, .5), ke = n.top = ha(z * J, .5), Ae = n.width = ha(L * J, .5), je = n.height = ha(R * J, .5);
 	}
 	function Be() {
 		let e = !1, t = 0;
 		for (; !e;) {
 			t++;
 			let n = Lt(t), i = Rt(t);
-			e = t == 3 || n && i, e || (ze(r.width, r.height), Pe = !0);
+			e = t == 3 || n && i, e || (ze(r.width, r.height), Ne = !0);
 		}
 	}
 	function Ve({ width: e, height: t }) {
-		z(e, t);
+		Re(e, t);
 	}
 	r.setSize = Ve;
 	function He() {
@@ -5912,12 +5931,12 @@ function dc(e, t, n) {
 		y.forEach((i, a) => {
 			if (i.show && i._show) {
 				let { side: a, _size: o } = i, s = a % 2, c = o + (i.label == null ? 0 : i.labelSize);
-				c > 0 && (s ? (L -= c, a == 3 ? (Ce += c, r = !0) : n = !0) : (R -= c, a == 0 ? (we += c, e = !0) : t = !0));
+				c > 0 && (s ? (L -= c, a == 3 ? (Ce += c, r = !0) : n = !0) : (R -= c, a == 0 ? (z += c, e = !0) : t = !0));
 			}
-		}), tt[0] = e, tt[1] = n, tt[2] = t, tt[3] = r, L -= at[1] + at[3], Ce += at[3], R -= at[2] + at[0], we += at[0];
+		}), B[0] = e, B[1] = n, B[2] = t, B[3] = r, L -= at[1] + at[3], Ce += at[3], R -= at[2] + at[0], z += at[0];
 	}
 	function Ue() {
-		let e = Ce + L, t = we + R, n = Ce, r = we;
+		let e = Ce + L, t = z + R, n = Ce, r = z;
 		function i(i, a) {
 			switch (i) {
 				case 1: return e += a, e - a;
@@ -5939,7 +5958,7 @@ function dc(e, t, n) {
 		let r = e.prox = X(e.prox), i = e.bias ??= 0;
 		N.dataIdx = (e, a, o, s) => {
 			if (a == 0) return o;
-			let c = o, l = r(e, a, o, s) ?? Yi, u = l >= 0 && l < Yi, d = D.ori == 0 ? L : R, f = N.left, p = t[0], m = t[a];
+			let c = o, l = r(e, a, o, s) ?? ra, u = l >= 0 && l < ra, d = D.ori == 0 ? L : R, f = N.left, p = t[0], m = t[a];
 			if (n.has(m[o])) {
 				c = null;
 				let e = null, t = null, r;
@@ -5951,7 +5970,7 @@ function dc(e, t, n) {
 						i <= a ? i <= l && (c = e) : a <= l && (c = t);
 					} else c = t == null ? e : e == null ? t : o - e <= t - o ? e : t;
 				}
-			} else u && Li(f - k(p[o], D, d, 0)) > l && (c = null);
+			} else u && Gi(f - k(p[o], D, d, 0)) > l && (c = null);
 			return c;
 		};
 	}
@@ -5961,24 +5980,24 @@ function dc(e, t, n) {
 	N.idxs = ae, N._lock = !1;
 	let Ge = N.points;
 	Ge.show = X(Ge.show), Ge.size = X(Ge.size), Ge.stroke = X(Ge.stroke), Ge.width = X(Ge.width), Ge.fill = X(Ge.fill);
-	let Ke = r.focus = Ta({}, e.focus || { alpha: .3 }, N.focus), qe = Ke.prox >= 0, B = qe && Ge.one, Je = [], Ye = [], Xe = [];
-	function Ze(e, t) {
-		let n = Ge.show(r, t);
-		if (n instanceof HTMLElement) return ri(n, wr), ri(n, e.class), ci(n, -10, -10, L, R), m.insertBefore(n, Je[t]), n;
-	}
+	let Ke = r.focus = Na({}, e.focus || { alpha: .3 }, N.focus), qe = Ke.prox >= 0, Je = qe && Ge.one, Ye = [], Xe = [], Ze = [];
 	function Qe(e, t) {
+		let n = Ge.show(r, t);
+		if (n instanceof HTMLElement) return ui(n, jr), ui(n, e.class), gi(n, -10, -10, L, R), m.insertBefore(n, Ye[t]), n;
+	}
+	function $e(e, t) {
 		if (i == 1 || t > 0) {
 			let t = i == 1 && b[e.scale].time, n = e.value;
-			e.value = t ? ya(n) ? So(ee, bo(n, te)) : n || ie : n || rs, e.label = e.label || (t ? Wo : Uo);
+			e.value = t ? Da(n) ? Ao(ee, Oo(n, te)) : n || ie : n || ds, e.label = e.label || (t ? Qo : Zo);
 		}
-		if (B || t > 0) {
-			e.width = e.width == null ? 1 : e.width, e.paths = e.paths || Xs || na, e.fillTo = X(e.fillTo || bs), e.pxAlign = +Y(e.pxAlign, h), e.pxRound = Ts(e.pxAlign), e.stroke = X(e.stroke || null), e.fill = X(e.fill || null), e._stroke = e._fill = e._paths = e._focus = null;
-			let t = as(Hi(1, e.width), 1), n = e.points = Ta({}, {
+		if (Je || t > 0) {
+			e.width = e.width == null ? 1 : e.width, e.paths = e.paths || ic || ua, e.fillTo = X(e.fillTo || Os), e.pxAlign = +Y(e.pxAlign, h), e.pxRound = Ns(e.pxAlign), e.stroke = X(e.stroke || null), e.fill = X(e.fill || null), e._stroke = e._fill = e._paths = e._focus = null;
+			let t = ps(Xi(1, e.width), 1), n = e.points = Na({}, {
 				size: t,
-				width: Hi(1, t * .2),
+				width: Xi(1, t * .2),
 				stroke: e.stroke,
 				space: t * 2,
-				paths: Zs,
+				paths: ac,
 				_stroke: null,
 				_fill: null
 			}, e.points);
@@ -5991,24 +6010,24 @@ function dc(e, t, n) {
 		if (oe) {
 			ae.splice(t, 0, null);
 			let n = null;
-			B ? t == 0 && (n = Ze(e, t)) : t > 0 && (n = Ze(e, t)), Je.splice(t, 0, n), Ye.splice(t, 0, 0), Xe.splice(t, 0, 0);
+			Je ? t == 0 && (n = Qe(e, t)) : t > 0 && (n = Qe(e, t)), Ye.splice(t, 0, n), Xe.splice(t, 0, 0), Ze.splice(t, 0, 0);
 		}
 		Xn("addSeries", t);
 	}
-	function $e(e, t) {
-		t ??= v.length, e = i == 1 ? ec(e, t, Go, us) : ec(e, t, {}, ls), v.splice(t, 0, e), Qe(v[t], t);
+	function et(e, t) {
+		t ??= v.length, e = i == 1 ? cc(e, t, $o, vs) : cc(e, t, {}, _s), v.splice(t, 0, e), $e(v[t], t);
 	}
-	r.addSeries = $e;
-	function et(e) {
+	r.addSeries = et;
+	function tt(e) {
 		if (v.splice(e, 1), P) {
 			M.values.splice(e, 1), ue.splice(e, 1);
 			let t = le.splice(e, 1)[0];
 			be(null, t.firstChild), t.remove();
 		}
-		oe && (ae.splice(e, 1), Je.splice(e, 1)[0].remove(), Ye.splice(e, 1), Xe.splice(e, 1)), Xn("delSeries", e);
+		oe && (ae.splice(e, 1), Ye.splice(e, 1)[0].remove(), Xe.splice(e, 1), Ze.splice(e, 1)), Xn("delSeries", e);
 	}
-	r.delSeries = et;
-	let tt = [
+	r.delSeries = tt;
+	let B = [
 		!1,
 		!1,
 		!1,
@@ -6019,29 +6038,29 @@ function dc(e, t, n) {
 			let n = e.side % 2, i = b[e.scale];
 			i ??= (e.scale = n ? v[1].scale : S, b[e.scale]);
 			let a = i.time;
-			e.size = X(e.size), e.space = X(e.space), e.rotate = X(e.rotate), ga(e.incrs) && e.incrs.forEach((e) => {
-				!ua.has(e) && ua.set(e, da(e));
-			}), e.incrs = X(e.incrs || (i.distr == 2 ? Xa : a ? _ == 1 ? lo : po : Za)), e.splits = X(e.splits || (a && i.distr == 1 ? ne : i.distr == 3 ? Jo : i.distr == 4 ? Yo : qo)), e.stroke = X(e.stroke), e.grid.stroke = X(e.grid.stroke), e.ticks.stroke = X(e.ticks.stroke), e.border.stroke = X(e.border.stroke);
+			e.size = X(e.size), e.space = X(e.space), e.rotate = X(e.rotate), wa(e.incrs) && e.incrs.forEach((e) => {
+				!va.has(e) && va.set(e, ya(e));
+			}), e.incrs = X(e.incrs || (i.distr == 2 ? io : a ? _ == 1 ? vo : xo : ao)), e.splits = X(e.splits || (a && i.distr == 1 ? ne : i.distr == 3 ? ns : i.distr == 4 ? rs : ts)), e.stroke = X(e.stroke), e.grid.stroke = X(e.grid.stroke), e.ticks.stroke = X(e.ticks.stroke), e.border.stroke = X(e.border.stroke);
 			let o = e.values;
-			e.values = ga(o) && !ga(o[0]) ? X(o) : a ? ga(o) ? _o(ee, go(o, te)) : ya(o) ? vo(ee, o) : o || re : o || Ko, e.filter = X(e.filter || (i.distr >= 3 && i.log == 10 ? ts : i.distr == 3 && i.log == 2 ? ns : ta)), e.font = lc(e.font), e.labelFont = lc(e.labelFont), e._size = e.size(r, null, t, 0), e._space = e._rotate = e._incrs = e._found = e._splits = e._values = null, e._size > 0 && (tt[t] = !0, e._el = oi(yr, f));
+			e.values = wa(o) && !wa(o[0]) ? X(o) : a ? wa(o) ? To(ee, wo(o, te)) : Da(o) ? Eo(ee, o) : o || re : o || es, e.filter = X(e.filter || (i.distr >= 3 && i.log == 10 ? ls : i.distr == 3 && i.log == 2 ? us : la)), e.font = _c(e.font), e.labelFont = _c(e.labelFont), e._size = e.size(r, null, t, 0), e._space = e._rotate = e._incrs = e._found = e._splits = e._values = null, e._size > 0 && (B[t] = !0, e._el = mi(Er, f));
 		}
 	}
 	function rt(e, t, n, r) {
 		let [i, a, o, s] = n, c = t % 2, l = 0;
-		return c == 0 && (s || a) && (l = t == 0 && !i || t == 2 && !o ? zi(Ho.size / 3) : 0), c == 1 && (i || o) && (l = t == 1 && !a || t == 3 && !s ? zi(is.size / 2) : 0), l;
+		return c == 0 && (s || a) && (l = t == 0 && !i || t == 2 && !o ? qi(Xo.size / 3) : 0), c == 1 && (i || o) && (l = t == 1 && !a || t == 3 && !s ? qi(fs.size / 2) : 0), l;
 	}
 	let it = r.padding = (e.padding || [
 		rt,
 		rt,
 		rt,
 		rt
-	]).map((e) => X(Y(e, rt))), at = r._padding = it.map((e, t) => e(r, t, tt, 0)), ot, st = null, V = null, ct = i == 1 ? v[0].idxs : null, H = null, lt = !1;
-	function ut(e, n) {
+	]).map((e) => X(Y(e, rt))), at = r._padding = it.map((e, t) => e(r, t, B, 0)), ot, st = null, V = null, ct = i == 1 ? v[0].idxs : null, lt = null, ut = !1;
+	function dt(e, n) {
 		if (t = e ?? [], r.data = r._data = t, i == 2) {
 			ot = 0;
 			for (let e = 1; e < v.length; e++) ot += t[e][0].length;
 		} else {
-			t.length == 0 && (r.data = r._data = t = [[]]), H = t[0], ot = H.length;
+			t.length == 0 && (r.data = r._data = t = [[]]), lt = t[0], ot = lt.length;
 			let e = t;
 			if (O == 2) {
 				e = t.slice();
@@ -6050,28 +6069,28 @@ function dc(e, t, n) {
 			}
 			r._data = t = e;
 		}
-		if (Bt(!0), Xn("setData"), O == 2 && (Fe = !0), n !== !1) {
+		if (Bt(!0), Xn("setData"), O == 2 && (Pe = !0), n !== !1) {
 			let e = D;
-			e.auto(r, lt) ? dt() : pn(S, e.min, e.max), Ie ||= N.left >= 0, Re = !0, Gt();
+			e.auto(r, ut) ? ft() : pn(S, e.min, e.max), Fe ||= N.left >= 0, Le = !0, Gt();
 		}
 	}
-	r.setData = ut;
-	function dt() {
-		lt = !0;
+	r.setData = dt;
+	function ft() {
+		ut = !0;
 		let e, n;
-		i == 1 && (ot > 0 ? (st = ct[0] = 0, V = ct[1] = ot - 1, e = t[0][st], n = t[0][V], O == 2 ? (e = st, n = V) : e == n && (O == 3 ? [e, n] = wi(e, e, D.log, !1) : O == 4 ? [e, n] = Ti(e, e, D.log, !1) : D.time ? n = e + zi(86400 / _) : [e, n] = Ai(e, n, Ei, !0))) : (st = ct[0] = e = null, V = ct[1] = n = null)), pn(S, e, n);
+		i == 1 && (ot > 0 ? (st = ct[0] = 0, V = ct[1] = ot - 1, e = t[0][st], n = t[0][V], O == 2 ? (e = st, n = V) : e == n && (O == 3 ? [e, n] = Mi(e, e, D.log, !1) : O == 4 ? [e, n] = Ni(e, e, D.log, !1) : D.time ? n = e + qi(86400 / _) : [e, n] = Ri(e, n, Pi, !0))) : (st = ct[0] = e = null, V = ct[1] = n = null)), pn(S, e, n);
 	}
-	let ft, pt, mt, ht, gt, _t, vt, yt, bt, xt;
+	let pt, mt, H, ht, gt, _t, vt, yt, bt, xt;
 	function St(e, t, n, r, i, a) {
-		e ??= zr, n ??= ma, r ??= "butt", i ??= zr, a ??= "round", e != ft && (d.strokeStyle = ft = e), i != pt && (d.fillStyle = pt = i), t != mt && (d.lineWidth = mt = t), a != gt && (d.lineJoin = gt = a), r != _t && (d.lineCap = _t = r), n != ht && d.setLineDash(ht = n);
+		e ??= Kr, n ??= Sa, r ??= "butt", i ??= Kr, a ??= "round", e != pt && (d.strokeStyle = pt = e), i != mt && (d.fillStyle = mt = i), t != H && (d.lineWidth = H = t), a != gt && (d.lineJoin = gt = a), r != _t && (d.lineCap = _t = r), n != ht && d.setLineDash(ht = n);
 	}
 	function Ct(e, t, n, r) {
-		t != pt && (d.fillStyle = pt = t), e != vt && (d.font = vt = e), n != yt && (d.textAlign = yt = n), r != bt && (d.textBaseline = bt = r);
+		t != mt && (d.fillStyle = mt = t), e != vt && (d.font = vt = e), n != yt && (d.textAlign = yt = n), r != bt && (d.textBaseline = bt = r);
 	}
 	function wt(e, t, n, i, a = 0) {
-		if (i.length > 0 && e.auto(r, lt) && (t == null || t.min == null)) {
-			let t = Y(st, 0), r = Y(V, i.length - 1), o = n.min == null ? Ci(i, t, r, a, e.distr == 3) : [n.min, n.max];
-			e.min = Vi(e.min, n.min = o[0]), e.max = Hi(e.max, n.max = o[1]);
+		if (i.length > 0 && e.auto(r, ut) && (t == null || t.min == null)) {
+			let t = Y(st, 0), r = Y(V, i.length - 1), o = n.min == null ? ji(i, t, r, a, e.distr == 3) : [n.min, n.max];
+			e.min = Yi(e.min, n.min = o[0]), e.max = Xi(e.max, n.max = o[1]);
 		}
 	}
 	let Tt = {
@@ -6081,7 +6100,7 @@ function dc(e, t, n) {
 	function Et() {
 		for (let e in b) {
 			let t = b[e];
-			j[e] == null && (t.min == null || j[S] != null && t.auto(r, lt)) && (j[e] = Tt);
+			j[e] == null && (t.min == null || j[S] != null && t.auto(r, ut)) && (j[e] = Tt);
 		}
 		for (let e in b) {
 			let t = b[e];
@@ -6092,13 +6111,13 @@ function dc(e, t, n) {
 		for (let t in j) {
 			let n = j[t];
 			if (n != null) {
-				let a = e[t] = wa(b[t], xa);
-				if (n.min != null) Ta(a, n);
+				let a = e[t] = Ma(b[t], ka);
+				if (n.min != null) Na(a, n);
 				else if (t != S || i == 2) {
 					if (ot == 0 && a.from == null) {
 						let e = a.range(r, null, null, t);
 						a.min = e[0], a.max = e[1];
-					} else a.min = Yi, a.max = -Infinity;
+					} else a.min = ra, a.max = -Infinity;
 				}
 			}
 		}
@@ -6110,7 +6129,7 @@ function dc(e, t, n) {
 					let s = e[i];
 					if (a == 0) {
 						let e = s.range(r, s.min, s.max, i);
-						s.min = e[0], s.max = e[1], st = _i(s.min, t[0]), V = _i(s.max, t[0]), V - st > 1 && (t[0][st] < s.min && st++, t[0][V] > s.max && V--), n.min = H[st], n.max = H[V];
+						s.min = e[0], s.max = e[1], st = Ti(s.min, t[0]), V = Ti(s.max, t[0]), V - st > 1 && (t[0][st] < s.min && st++, t[0][V] > s.max && V--), n.min = lt[st], n.max = lt[V];
 					} else n.show && n.auto && wt(s, o, n, t[a], n.sorted);
 					n.idxs[0] = st, n.idxs[1] = V;
 				} else if (a > 0 && n.show && n.auto) {
@@ -6121,7 +6140,7 @@ function dc(e, t, n) {
 			for (let t in e) {
 				let n = e[t], i = j[t];
 				if (n.from == null && (i == null || i.min == null)) {
-					let e = n.range(r, n.min == Yi ? null : n.min, n.max == -Infinity ? null : n.max, t);
+					let e = n.range(r, n.min == ra ? null : n.min, n.max == -Infinity ? null : n.max, t);
 					n.min = e[0], n.max = e[1];
 				}
 			}
@@ -6143,20 +6162,20 @@ function dc(e, t, n) {
 			if (i.min != r.min || i.max != r.max) {
 				i.min = r.min, i.max = r.max;
 				let e = i.distr;
-				i._min = e == 3 ? Gi(i.min) : e == 4 ? Ji(i.min, i.asinh) : e == 100 ? i.fwd(i.min) : i.min, i._max = e == 3 ? Gi(i.max) : e == 4 ? Ji(i.max, i.asinh) : e == 100 ? i.fwd(i.max) : i.max, n[t] = a = !0;
+				i._min = e == 3 ? $i(i.min) : e == 4 ? na(i.min, i.asinh) : e == 100 ? i.fwd(i.min) : i.min, i._max = e == 3 ? $i(i.max) : e == 4 ? na(i.max, i.asinh) : e == 100 ? i.fwd(i.max) : i.max, n[t] = a = !0;
 			}
 		}
 		if (a) {
 			v.forEach((e, t) => {
 				i == 2 ? t > 0 && n.y && (e._paths = null) : n[e.scale] && (e._paths = null);
 			});
-			for (let e in n) Fe = !0, Xn("setScale", e);
-			oe && N.left >= 0 && (Ie = Re = !0);
+			for (let e in n) Pe = !0, Xn("setScale", e);
+			oe && N.left >= 0 && (Fe = Le = !0);
 		}
 		for (let e in j) j[e] = null;
 	}
 	function Dt(e) {
-		let t = Zi(st - 1, 0, ot - 1), n = Zi(V + 1, 0, ot - 1);
+		let t = aa(st - 1, 0, ot - 1), n = aa(V + 1, 0, ot - 1);
 		for (; e[t] == null && t > 0;) t--;
 		for (; e[n] == null && n < ot - 1;) n++;
 		return [t, n];
@@ -6190,12 +6209,12 @@ function dc(e, t, n) {
 	}
 	function At(e, t) {
 		let n = t ? v[e].points : v[e], { stroke: r, fill: i, clip: a, flags: o, _stroke: s = n._stroke, _fill: c = n._fill, _width: l = n.width } = n._paths;
-		l = Z(l * q, 3);
+		l = Z(l * J, 3);
 		let u = null, f = l % 2 / 2;
 		t && c == null && (c = l > 0 ? "#fff" : s);
 		let p = n.pxAlign == 1 && f > 0;
 		if (p && d.translate(f, f), !t) {
-			let e = ke - l / 2, t = Ae - l / 2, n = je + l, r = Me + l;
+			let e = Oe - l / 2, t = ke - l / 2, n = Ae + l, r = je + l;
 			u = new Path2D(), u.rect(e, t, n, r);
 		}
 		t ? Mt(s, l, n.dash, n.cap, c, r, i, o, a) : jt(e, s, l, n.dash, n.cap, c, r, i, o, u, a), p && d.translate(-f, -f);
@@ -6204,24 +6223,24 @@ function dc(e, t, n) {
 		let p = !1;
 		u != 0 && x.forEach((m, h) => {
 			if (m.series[0] == e) {
-				let e = v[m.series[1]], g = t[m.series[1]], _ = (e._paths || pa).band;
-				ga(_) && (_ = m.dir == 1 ? _[0] : _[1]);
+				let e = v[m.series[1]], g = t[m.series[1]], _ = (e._paths || xa).band;
+				wa(_) && (_ = m.dir == 1 ? _[0] : _[1]);
 				let y, b = null;
-				e.show && _ && ji(g, st, V) ? (b = m.fill(r, h) || s, y = e._paths.clip) : _ = null, Mt(n, i, a, o, b, c, l, u, d, f, y, _), p = !0;
+				e.show && _ && zi(g, st, V) ? (b = m.fill(r, h) || s, y = e._paths.clip) : _ = null, Mt(n, i, a, o, b, c, l, u, d, f, y, _), p = !0;
 			}
 		}), p || Mt(n, i, a, o, s, c, l, u, d, f);
 	}
 	function Mt(e, t, n, r, i, a, o, s, c, l, u, f) {
-		St(e, t, n, r, i), (c || l || f) && (d.save(), c && d.clip(c), l && d.clip(l)), f ? (s & 3) == 3 ? (d.clip(f), u && d.clip(u), Pt(i, o), Nt(e, a, t)) : s & _s ? (Pt(i, o), d.clip(f), Nt(e, a, t)) : s & gs && (d.save(), d.clip(f), u && d.clip(u), Pt(i, o), d.restore(), Nt(e, a, t)) : (Pt(i, o), Nt(e, a, t)), (c || l || f) && d.restore();
+		St(e, t, n, r, i), (c || l || f) && (d.save(), c && d.clip(c), l && d.clip(l)), f ? (s & 3) == 3 ? (d.clip(f), u && d.clip(u), Pt(i, o), Nt(e, a, t)) : s & Ts ? (Pt(i, o), d.clip(f), Nt(e, a, t)) : s & ws && (d.save(), d.clip(f), u && d.clip(u), Pt(i, o), d.restore(), Nt(e, a, t)) : (Pt(i, o), Nt(e, a, t)), (c || l || f) && d.restore();
 	}
 	function Nt(e, t, n) {
 		n > 0 && (t instanceof Map ? t.forEach((e, t) => {
-			d.strokeStyle = ft = t, d.stroke(e);
+			d.strokeStyle = pt = t, d.stroke(e);
 		}) : t != null && e && d.stroke(t));
 	}
 	function Pt(e, t) {
 		t instanceof Map ? t.forEach((e, t) => {
-			d.fillStyle = pt = t, d.fill(e);
+			d.fillStyle = mt = t, d.fill(e);
 		}) : t != null && e && d.fill(t);
 	}
 	function Ft(e, t, n, i) {
@@ -6229,7 +6248,7 @@ function dc(e, t, n) {
 		if (i <= 0) o = [0, 0];
 		else {
 			let s = a._space = a.space(r, e, t, n, i);
-			o = cc(t, n, a._incrs = a.incrs(r, e, t, n, i, s), i, s);
+			o = gc(t, n, a._incrs = a.incrs(r, e, t, n, i, s), i, s);
 		}
 		return a._found = o;
 	}
@@ -6253,16 +6272,16 @@ function dc(e, t, n) {
 			n._show || (t = !1, n._show = !0, Bt(!1));
 			let o = n.side, s = o % 2, { min: c, max: l } = a, [u, d] = Ft(i, c, l, s == 0 ? L : R);
 			if (d == 0) return;
-			let f = a.distr == 2, p = n._splits = n.splits(r, i, c, l, u, d, f), m = a.distr == 2 ? p.map((e) => H[e]) : p, h = a.distr == 2 ? H[p[1]] - H[p[0]] : u, g = n._values = n.values(r, n.filter(r, m, i, d, h), i, d, h);
+			let f = a.distr == 2, p = n._splits = n.splits(r, i, c, l, u, d, f), m = a.distr == 2 ? p.map((e) => lt[e]) : p, h = a.distr == 2 ? lt[p[1]] - lt[p[0]] : u, g = n._values = n.values(r, n.filter(r, m, i, d, h), i, d, h);
 			n._rotate = o == 2 ? n.rotate(r, g, i, d) : 0;
 			let _ = n._size;
-			n._size = Bi(n.size(r, g, i, e)), _ != null && n._size != _ && (t = !1);
+			n._size = Ji(n.size(r, g, i, e)), _ != null && n._size != _ && (t = !1);
 		}), t;
 	}
 	function Rt(e) {
 		let t = !0;
 		return it.forEach((n, i) => {
-			let a = n(r, i, tt, e);
+			let a = n(r, i, B, e);
 			a != at[i] && (t = !1), at[i] = a;
 		}), t;
 	}
@@ -6272,16 +6291,16 @@ function dc(e, t, n) {
 			if (!t.show || !t._show) continue;
 			let n = t.side, i = n % 2, a, o, c = t.stroke(r, e), l = n == 0 || n == 3 ? -1 : 1, [u, f] = t._found;
 			if (t.label != null) {
-				let s = t.labelGap * l, p = zi((t._lpos + s) * q);
-				Ct(t.labelFont[0], c, "center", n == 2 ? Pr : Fr), d.save(), i == 1 ? (a = o = 0, d.translate(p, zi(Ae + Me / 2)), d.rotate((n == 3 ? -Ii : Ii) / 2)) : (a = zi(ke + je / 2), o = p);
-				let m = Qi(t.label) ? t.label(r, e, u, f) : t.label;
+				let s = t.labelGap * l, p = qi((t._lpos + s) * J);
+				Ct(t.labelFont[0], c, "center", n == 2 ? Vr : Hr), d.save(), i == 1 ? (a = o = 0, d.translate(p, qi(ke + je / 2)), d.rotate((n == 3 ? -Wi : Wi) / 2)) : (a = qi(Oe + Ae / 2), o = p);
+				let m = oa(t.label) ? t.label(r, e, u, f) : t.label;
 				d.fillText(m, a, o), d.restore();
 			}
 			if (f == 0) continue;
-			let p = b[t.scale], m = i == 0 ? je : Me, h = i == 0 ? ke : Ae, _ = t._splits, v = p.distr == 2 ? _.map((e) => H[e]) : _, x = p.distr == 2 ? H[_[1]] - H[_[0]] : u, S = t.ticks, C = t.border, w = S.show ? S.size : 0, T = zi(w * q), E = zi((t.alignTo == 2 ? t._size - w - t.gap : t.gap) * q), D = t._rotate * -Ii / 180, O = g(t._pos * q), k = O + (T + E) * l;
+			let p = b[t.scale], m = i == 0 ? Ae : je, h = i == 0 ? Oe : ke, _ = t._splits, v = p.distr == 2 ? _.map((e) => lt[e]) : _, x = p.distr == 2 ? lt[_[1]] - lt[_[0]] : u, S = t.ticks, C = t.border, w = S.show ? S.size : 0, T = qi(w * J), E = qi((t.alignTo == 2 ? t._size - w - t.gap : t.gap) * J), D = t._rotate * -Wi / 180, O = g(t._pos * J), k = O + (T + E) * l;
 			o = i == 0 ? k : 0, a = i == 1 ? k : 0;
 			let A = t.font[0];
-			Ct(A, c, t.align == 1 ? Ir : t.align == 2 ? Lr : D > 0 ? Ir : D < 0 ? Lr : i == 0 ? "center" : n == 3 ? Lr : Ir, D || i == 1 ? "middle" : n == 2 ? Pr : Fr);
+			Ct(A, c, t.align == 1 ? Ur : t.align == 2 ? Wr : D > 0 ? Ur : D < 0 ? Wr : i == 0 ? "center" : n == 3 ? Wr : Ur, D || i == 1 ? "middle" : n == 2 ? Vr : Hr);
 			let j = t.font[1] * t.lineGap, ee = _.map((e) => g(s(e, p, m, h))), te = t._values;
 			for (let e = 0; e < te.length; e++) {
 				let t = te[e];
@@ -6294,9 +6313,9 @@ function dc(e, t, n) {
 					}
 				}
 			}
-			S.show && It(ee, S.filter(r, v, e, f, x), i, n, O, T, Z(S.width * q, 3), S.stroke(r, e), S.dash, S.cap);
+			S.show && It(ee, S.filter(r, v, e, f, x), i, n, O, T, Z(S.width * J, 3), S.stroke(r, e), S.dash, S.cap);
 			let ne = t.grid;
-			ne.show && It(ee, ne.filter(r, v, e, f, x), i, i == 0 ? 2 : 1, i == 0 ? Ae : ke, i == 0 ? Me : je, Z(ne.width * q, 3), ne.stroke(r, e), ne.dash, ne.cap), C.show && It([O], [1], +(i == 0), i == 0 ? 1 : 2, i == 1 ? Ae : ke, i == 1 ? Me : je, Z(C.width * q, 3), C.stroke(r, e), C.dash, C.cap);
+			ne.show && It(ee, ne.filter(r, v, e, f, x), i, i == 0 ? 2 : 1, i == 0 ? ke : Oe, i == 0 ? je : Ae, Z(ne.width * J, 3), ne.stroke(r, e), ne.dash, ne.cap), C.show && It([O], [1], +(i == 0), i == 0 ? 1 : 2, i == 1 ? ke : Oe, i == 1 ? je : Ae, Z(C.width * J, 3), C.stroke(r, e), C.dash, C.cap);
 		}
 		Xn("drawAxes");
 	}
@@ -6314,43 +6333,43 @@ function dc(e, t, n) {
 		Ut.length = 0;
 	}
 	function Gt() {
-		Vt ||= (ja(qt), !0);
+		Vt ||= (za(qt), !0);
 	}
 	function Kt(e, t = !1) {
 		Vt = !0, Ht = t, e(r), qt(), t && Ut.length > 0 && queueMicrotask(Wt);
 	}
 	r.batch = Kt;
 	function qt() {
-		if (Ne &&= (Et(), !1), Fe &&= (Be(), !1), Pe) {
-			if (J(p, Ir, Ce), J(p, Pr, we), J(p, Mr, L), J(p, Nr, R), J(m, Ir, Ce), J(m, Pr, we), J(m, Mr, L), J(m, Nr, R), J(f, Mr, xe), J(f, Nr, Se), u.width = zi(xe * q), u.height = zi(Se * q), y.forEach(({ _el: e, _show: t, _size: n, _pos: r, side: i }) => {
+		if (Me &&= (Et(), !1), Pe &&= (Be(), !1), Ne) {
+			if (fi(p, Ur, Ce), fi(p, Vr, z), fi(p, zr, L), fi(p, Br, R), fi(m, Ur, Ce), fi(m, Vr, z), fi(m, zr, L), fi(m, Br, R), fi(f, zr, xe), fi(f, Br, Se), u.width = qi(xe * J), u.height = qi(Se * J), y.forEach(({ _el: e, _show: t, _size: n, _pos: r, side: i }) => {
 				if (e != null) {
 					if (t) {
 						let t = i === 3 || i === 0 ? n : 0, a = i % 2 == 1;
-						J(e, a ? "left" : "top", r - t), J(e, a ? "width" : "height", n), J(e, a ? "top" : "left", a ? we : Ce), J(e, a ? "height" : "width", a ? R : L), ii(e, br);
-					} else ri(e, br);
+						fi(e, a ? "left" : "top", r - t), fi(e, a ? "width" : "height", n), fi(e, a ? "top" : "left", a ? z : Ce), fi(e, a ? "height" : "width", a ? R : L), di(e, Dr);
+					} else ui(e, Dr);
 				}
-			}), ft = pt = mt = gt = _t = vt = yt = bt = ht = null, xt = 1, Pn(!0), Ce != Te || we != Ee || L != De || R != Oe) {
+			}), pt = mt = H = gt = _t = vt = yt = bt = ht = null, xt = 1, Pn(!0), Ce != we || z != Te || L != Ee || R != De) {
 				Bt(!1);
-				let e = L / De, t = R / Oe;
-				if (oe && !Ie && N.left >= 0) {
-					N.left *= e, N.top *= t, Zt && ci(Zt, zi(N.left), 0, L, R), Qt && ci(Qt, 0, zi(N.top), L, R);
-					for (let n = 0; n < Je.length; n++) {
-						let r = Je[n];
-						r != null && (Ye[n] *= e, Xe[n] *= t, ci(r, Bi(Ye[n]), Bi(Xe[n]), L, R));
+				let e = L / Ee, t = R / De;
+				if (oe && !Fe && N.left >= 0) {
+					N.left *= e, N.top *= t, Zt && gi(Zt, qi(N.left), 0, L, R), Qt && gi(Qt, 0, qi(N.top), L, R);
+					for (let n = 0; n < Ye.length; n++) {
+						let r = Ye[n];
+						r != null && (Xe[n] *= e, Ze[n] *= t, gi(r, Ji(Xe[n]), Ji(Ze[n]), L, R));
 					}
 				}
-				if (G.show && !Le && G.left >= 0 && G.width > 0) {
+				if (G.show && !Ie && G.left >= 0 && G.width > 0) {
 					G.left *= e, G.width *= e, G.top *= t, G.height *= t;
-					for (let e in Ln) J(un, e, G[e]);
+					for (let e in Ln) fi(un, e, G[e]);
 				}
-				Te = Ce, Ee = we, De = L, Oe = R;
+				we = Ce, Te = z, Ee = L, De = R;
 			}
-			Xn("setSize"), Pe = !1;
+			Xn("setSize"), Ne = !1;
 		}
-		xe > 0 && Se > 0 && (d.clearRect(0, 0, u.width, u.height), Xn("drawClear"), w.forEach((e) => e()), Xn("draw")), G.show && Le && (dn(G), Le = !1), oe && Ie && (Mn(null, !0, !1), Ie = !1), M.show && M.live && Re && (An(), Re = !1), c || (c = !0, r.status = 1, Xn("ready")), lt = !1, Vt = !1;
+		xe > 0 && Se > 0 && (d.clearRect(0, 0, u.width, u.height), Xn("drawClear"), w.forEach((e) => e()), Xn("draw")), G.show && Ie && (dn(G), Ie = !1), oe && Fe && (Mn(null, !0, !1), Fe = !1), M.show && M.live && Le && (An(), Le = !1), c || (c = !0, r.status = 1, Xn("ready")), ut = !1, Vt = !1;
 	}
 	r.redraw = (e, t) => {
-		Fe = t || !1, e === !1 ? Gt() : pn(S, D.min, D.max);
+		Pe = t || !1, e === !1 ? Gt() : pn(S, D.min, D.max);
 	};
 	function Jt(e, n) {
 		let i = b[e];
@@ -6364,32 +6383,32 @@ function dc(e, t, n) {
 				n.min = n.max, n.max = e;
 			}
 			if (ot > 1 && n.min != null && n.max != null && n.max - n.min < 1e-16) return;
-			e == S && i.distr == 2 && ot > 0 && (n.min = _i(n.min, t[0]), n.max = _i(n.max, t[0]), n.min == n.max && n.max++), j[e] = n, Ne = !0, Gt();
+			e == S && i.distr == 2 && ot > 0 && (n.min = Ti(n.min, t[0]), n.max = Ti(n.max, t[0]), n.min == n.max && n.max++), j[e] = n, Me = !0, Gt();
 		}
 	}
 	r.setScale = Jt;
 	let Yt, Xt, Zt, Qt, $t, en, tn, nn, rn, an, U, W, on = !1, sn = N.drag, cn = sn.x, ln = sn.y;
-	oe && (N.x && (Yt = oi(Sr, m)), N.y && (Xt = oi(Cr, m)), D.ori == 0 ? (Zt = Yt, Qt = Xt) : (Zt = Xt, Qt = Yt), U = N.left, W = N.top);
-	let G = r.select = Ta({
+	oe && (N.x && (Yt = mi(kr, m)), N.y && (Xt = mi(Ar, m)), D.ori == 0 ? (Zt = Yt, Qt = Xt) : (Zt = Xt, Qt = Yt), U = N.left, W = N.top);
+	let G = r.select = Na({
 		show: !0,
 		over: !0,
 		left: 0,
 		width: 0,
 		top: 0,
 		height: 0
-	}, e.select), un = G.show ? oi(xr, G.over ? m : p) : null;
+	}, e.select), un = G.show ? mi(Or, G.over ? m : p) : null;
 	function dn(e, t) {
 		if (G.show) {
-			for (let t in e) G[t] = e[t], t in Ln && J(un, t, e[t]);
+			for (let t in e) G[t] = e[t], t in Ln && fi(un, t, e[t]);
 			t !== !1 && Xn("setSelect");
 		}
 	}
 	r.setSelect = dn;
 	function fn(e) {
-		if (v[e].show) P && ii(le[e], br);
-		else if (P && ri(le[e], br), oe) {
-			let t = B ? Je[0] : Je[e];
-			t != null && ci(t, -10, -10, L, R);
+		if (v[e].show) P && di(le[e], Dr);
+		else if (P && ui(le[e], Dr), oe) {
+			let t = Je ? Ye[0] : Ye[e];
+			t != null && gi(t, -10, -10, L, R);
 		}
 	}
 	function pn(e, t, n) {
@@ -6399,13 +6418,13 @@ function dc(e, t, n) {
 		});
 	}
 	function mn(e, t, n, a) {
-		t.focus != null && Sn(e), t.show != null && v.forEach((n, r) => {
+		t.focus != null && Cn(e), t.show != null && v.forEach((n, r) => {
 			r > 0 && (e == r || e == null) && (n.show = t.show, fn(r), i == 2 ? (pn(n.facets[0].scale, null, null), pn(n.facets[1].scale, null, null)) : pn(n.scale, null, null), Gt());
-		}), n !== !1 && Xn("setSeries", e, t), a && tr("setSeries", r, e, t);
+		}), n !== !1 && Xn("setSeries", e, t), a && er("setSeries", r, e, t);
 	}
 	r.setSeries = mn;
 	function hn(e, t) {
-		Ta(x[e], t);
+		Na(x[e], t);
 	}
 	function gn(e, t) {
 		e.fill = X(e.fill || null), e.dir = Y(e.dir, -1), t ??= x.length, x.splice(t, 0, e);
@@ -6415,10 +6434,10 @@ function dc(e, t, n) {
 	}
 	r.addBand = gn, r.setBand = hn, r.delBand = _n;
 	function vn(e, t) {
-		v[e].alpha = t, oe && Je[e] != null && (Je[e].style.opacity = t), P && le[e] && (le[e].style.opacity = t);
+		v[e].alpha = t, oe && Ye[e] != null && (Ye[e].style.opacity = t), P && le[e] && (le[e].style.opacity = t);
 	}
-	let yn, bn, xn, K = { focus: !0 };
-	function Sn(e) {
+	let yn, bn, xn, Sn = { focus: !0 };
+	function Cn(e) {
 		if (e != xn) {
 			let t = e == null, n = Ke.alpha != 1;
 			v.forEach((r, a) => {
@@ -6429,31 +6448,31 @@ function dc(e, t, n) {
 			}), xn = e, n && Gt();
 		}
 	}
-	P && qe && ye(Wr, I, (e) => {
-		N._lock || (We(e), xn != null && mn(null, K, !0, Qn.setSeries));
+	P && qe && ye(Zr, I, (e) => {
+		N._lock || (We(e), xn != null && mn(null, Sn, !0, q.setSeries));
 	});
-	function Cn(e, t, n) {
+	function wn(e, t, n) {
 		let r = b[t];
-		n && (e = e / q - (r.ori == 1 ? we : Ce));
+		n && (e = e / J - (r.ori == 1 ? z : Ce));
 		let i = L;
 		r.ori == 1 && (i = R, e = i - e), r.dir == -1 && (e = i - e);
 		let a = r._min, o = r._max, s = e / i, c = a + (o - a) * s, l = r.distr;
-		return l == 3 ? Ui(10, c) : l == 4 ? qi(c, r.asinh) : l == 100 ? r.bwd(c) : c;
+		return l == 3 ? Zi(10, c) : l == 4 ? ta(c, r.asinh) : l == 100 ? r.bwd(c) : c;
 	}
-	function wn(e, n) {
-		return _i(Cn(e, S, n), t[0], st, V);
+	function Tn(e, n) {
+		return Ti(wn(e, S, n), t[0], st, V);
 	}
-	r.valToIdx = (e) => _i(e, t[0]), r.posToIdx = wn, r.posToVal = Cn, r.valToPos = (e, t, n) => b[t].ori == 0 ? a(e, b[t], n ? je : L, n ? ke : 0) : o(e, b[t], n ? Me : R, n ? Ae : 0), r.setCursor = (e, t, n) => {
+	r.valToIdx = (e) => Ti(e, t[0]), r.posToIdx = Tn, r.posToVal = wn, r.valToPos = (e, t, n) => b[t].ori == 0 ? a(e, b[t], n ? Ae : L, n ? Oe : 0) : o(e, b[t], n ? je : R, n ? ke : 0), r.setCursor = (e, t, n) => {
 		U = e.left, W = e.top, Mn(null, t, n);
 	};
-	function Tn(e, t) {
-		J(un, Ir, G.left = e), J(un, Mr, G.width = t);
-	}
 	function En(e, t) {
-		J(un, Pr, G.top = e), J(un, Nr, G.height = t);
+		fi(un, Ur, G.left = e), fi(un, zr, G.width = t);
 	}
-	let Dn = D.ori == 0 ? Tn : En, On = D.ori == 1 ? Tn : En;
-	function kn() {
+	function Dn(e, t) {
+		fi(un, Vr, G.top = e), fi(un, Br, G.height = t);
+	}
+	let On = D.ori == 0 ? En : Dn, kn = D.ori == 1 ? En : Dn;
+	function K() {
 		if (P && M.live) for (let e = +(i == 2); e < v.length; e++) {
 			if (e == 0 && fe) continue;
 			let t = M.values[e], n = 0;
@@ -6463,48 +6482,48 @@ function dc(e, t, n) {
 	function An(e, t) {
 		if (e != null && (e.idxs ? e.idxs.forEach((e, t) => {
 			ae[t] = e;
-		}) : va(e.idx) || ae.fill(e.idx), M.idx = ae[0]), P && M.live) {
+		}) : Ea(e.idx) || ae.fill(e.idx), M.idx = ae[0]), P && M.live) {
 			for (let e = 0; e < v.length; e++) (e > 0 || i == 1 && !fe) && jn(e, ae[e]);
-			kn();
+			K();
 		}
-		Re = !1, t !== !1 && Xn("setLegend");
+		Le = !1, t !== !1 && Xn("setLegend");
 	}
 	r.setLegend = An;
 	function jn(e, n) {
-		let i = v[e], a = e == 0 && O == 2 ? H : t[e], o;
+		let i = v[e], a = e == 0 && O == 2 ? lt : t[e], o;
 		fe ? o = i.values(r, e, n) ?? pe : (o = i.value(r, n == null ? null : a[n], e, n), o = o == null ? pe : { _: o }), M.values[e] = o;
 	}
 	function Mn(e, n, a) {
-		rn = U, an = W, [U, W] = N.move(r, U, W), N.left = U, N.top = W, oe && (Zt && ci(Zt, zi(U), 0, L, R), Qt && ci(Qt, 0, zi(W), L, R));
+		rn = U, an = W, [U, W] = N.move(r, U, W), N.left = U, N.top = W, oe && (Zt && gi(Zt, qi(U), 0, L, R), Qt && gi(Qt, 0, qi(W), L, R));
 		let o, s = st > V;
-		yn = Yi, bn = null;
+		yn = ra, bn = null;
 		let c = D.ori == 0 ? L : R, l = D.ori == 1 ? L : R;
 		if (U < 0 || ot == 0 || s) {
 			o = N.idx = null;
 			for (let e = 0; e < v.length; e++) {
-				let t = Je[e];
-				t != null && ci(t, -10, -10, L, R);
+				let t = Ye[e];
+				t != null && gi(t, -10, -10, L, R);
 			}
-			qe && mn(null, K, !0, e == null && Qn.setSeries), M.live && (ae.fill(o), Re = !0);
+			qe && mn(null, Sn, !0, e == null && q.setSeries), M.live && (ae.fill(o), Le = !0);
 		} else {
 			let e, n, a;
-			i == 1 && (e = D.ori == 0 ? U : W, n = Cn(e, S), o = N.idx = _i(n, t[0], st, V), a = k(t[0][o], D, c, 0));
+			i == 1 && (e = D.ori == 0 ? U : W, n = wn(e, S), o = N.idx = Ti(n, t[0], st, V), a = k(t[0][o], D, c, 0));
 			let s = -10, u = -10, d = 0, f = 0, p = !0, m = "", h = "";
 			for (let e = +(i == 2); e < v.length; e++) {
 				let g = v[e], _ = ae[e], y = _ == null ? null : i == 1 ? t[e][_] : t[e][1][_], x = N.dataIdx(r, e, o, n), S = x == null ? null : i == 1 ? t[e][x] : t[e][1][x];
-				if (Re = Re || S != y || x != _, ae[e] = x, e > 0 && g.show) {
+				if (Le = Le || S != y || x != _, ae[e] = x, e > 0 && g.show) {
 					let n = x == null ? -10 : x == o ? a : k(i == 1 ? t[0][x] : t[e][0][x], D, c, 0), _ = S == null ? -10 : A(S, i == 1 ? b[g.scale] : b[g.facets[1].scale], l, 0);
 					if (qe && S != null) {
-						let t = D.ori == 1 ? U : W, n = Li(Ke.dist(r, e, x, _, t));
+						let t = D.ori == 1 ? U : W, n = Gi(Ke.dist(r, e, x, _, t));
 						if (n < yn) {
 							let r = Ke.bias;
 							if (r != 0) {
-								let i = Cn(t, g.scale), a = S >= 0 ? 1 : -1, o = i >= 0 ? 1 : -1;
+								let i = wn(t, g.scale), a = S >= 0 ? 1 : -1, o = i >= 0 ? 1 : -1;
 								o == a && (o == 1 ? r == 1 ? S >= i : S <= i : r == 1 ? S <= i : S >= i) && (yn = n, bn = e);
 							} else yn = n, bn = e;
 						}
 					}
-					if (Re || B) {
+					if (Le || Je) {
 						let t, i;
 						D.ori == 0 ? (t = n, i = _) : (t = _, i = n);
 						let a, o, c, l, g, v, y = !0, b = Ge.bbox;
@@ -6513,31 +6532,31 @@ function dc(e, t, n) {
 							let t = b(r, e);
 							c = t.left, l = t.top, a = t.width, o = t.height;
 						} else c = t, l = i, a = o = Ge.size(r, e);
-						if (v = Ge.fill(r, e), g = Ge.stroke(r, e), B) e == bn && yn <= Ke.prox && (s = c, u = l, d = a, f = o, p = y, m = v, h = g);
+						if (v = Ge.fill(r, e), g = Ge.stroke(r, e), Je) e == bn && yn <= Ke.prox && (s = c, u = l, d = a, f = o, p = y, m = v, h = g);
 						else {
-							let t = Je[e];
-							t != null && (Ye[e] = c, Xe[e] = l, fi(t, a, o, y), ui(t, v, g), ci(t, Bi(c), Bi(l), L, R));
+							let t = Ye[e];
+							t != null && (Xe[e] = c, Ze[e] = l, bi(t, a, o, y), vi(t, v, g), gi(t, Ji(c), Ji(l), L, R));
 						}
 					}
 				}
 			}
-			if (B) {
+			if (Je) {
 				let e = Ke.prox;
-				if (Re || (xn == null ? yn <= e : yn > e || bn != xn)) {
-					let e = Je[0];
-					e != null && (Ye[0] = s, Xe[0] = u, fi(e, d, f, p), ui(e, m, h), ci(e, Bi(s), Bi(u), L, R));
+				if (Le || (xn == null ? yn <= e : yn > e || bn != xn)) {
+					let e = Ye[0];
+					e != null && (Xe[0] = s, Ze[0] = u, bi(e, d, f, p), vi(e, m, h), gi(e, Ji(s), Ji(u), L, R));
 				}
 			}
 		}
 		if (G.show && on) {
 			if (e != null) {
-				let [t, n] = Qn.scales, [r, i] = Qn.match, [a, o] = e.cursor.sync.scales, s = e.cursor.drag;
+				let [t, n] = q.scales, [r, i] = q.match, [a, o] = e.cursor.sync.scales, s = e.cursor.drag;
 				if (cn = s._x, ln = s._y, cn || ln) {
 					let { left: s, top: u, width: d, height: f } = e.select, p = e.scales[a].ori, m = e.posToVal, h, g, _, v, y, x = t != null && r(t, a), S = n != null && i(n, o);
-					x && cn ? (p == 0 ? (h = s, g = d) : (h = u, g = f), _ = b[t], v = k(m(h, a), _, c, 0), y = k(m(h + g, a), _, c, 0), Dn(Vi(v, y), Li(y - v))) : Dn(0, c), S && ln ? (p == 1 ? (h = s, g = d) : (h = u, g = f), _ = b[n], v = A(m(h, o), _, l, 0), y = A(m(h + g, o), _, l, 0), On(Vi(v, y), Li(y - v))) : On(0, l);
+					x && cn ? (p == 0 ? (h = s, g = d) : (h = u, g = f), _ = b[t], v = k(m(h, a), _, c, 0), y = k(m(h + g, a), _, c, 0), On(Yi(v, y), Gi(y - v))) : On(0, c), S && ln ? (p == 1 ? (h = s, g = d) : (h = u, g = f), _ = b[n], v = A(m(h, o), _, l, 0), y = A(m(h + g, o), _, l, 0), kn(Yi(v, y), Gi(y - v))) : kn(0, l);
 				} else Rn();
 			} else {
-				let e = Li(rn - $t), t = Li(an - en);
+				let e = Gi(rn - $t), t = Gi(an - en);
 				if (D.ori == 1) {
 					let n = e;
 					e = t, t = n;
@@ -6546,23 +6565,23 @@ function dc(e, t, n) {
 				let n = sn.uni;
 				n == null ? sn.x && sn.y && (cn || ln) && (cn = ln = !0) : cn && ln && (cn = e >= n, ln = t >= n, !cn && !ln && (t > e ? ln = !0 : cn = !0));
 				let r, i;
-				cn && (D.ori == 0 ? (r = tn, i = U) : (r = nn, i = W), Dn(Vi(r, i), Li(i - r)), ln || On(0, l)), ln && (D.ori == 1 ? (r = tn, i = U) : (r = nn, i = W), On(Vi(r, i), Li(i - r)), cn || Dn(0, c)), !cn && !ln && (Dn(0, 0), On(0, 0));
+				cn && (D.ori == 0 ? (r = tn, i = U) : (r = nn, i = W), On(Yi(r, i), Gi(i - r)), ln || kn(0, l)), ln && (D.ori == 1 ? (r = tn, i = U) : (r = nn, i = W), kn(Yi(r, i), Gi(i - r)), cn || On(0, c)), !cn && !ln && (On(0, 0), kn(0, 0));
 			}
 		}
 		if (sn._x = cn, sn._y = ln, e == null) {
 			if (a) {
-				if ($n != null) {
-					let [e, t] = Qn.scales;
-					Qn.values[0] = e == null ? null : Cn(D.ori == 0 ? U : W, e), Qn.values[1] = t == null ? null : Cn(D.ori == 1 ? U : W, t);
+				if (Qn != null) {
+					let [e, t] = q.scales;
+					q.values[0] = e == null ? null : wn(D.ori == 0 ? U : W, e), q.values[1] = t == null ? null : wn(D.ori == 1 ? U : W, t);
 				}
-				tr(Br, r, U, W, L, R, o);
+				er(qr, r, U, W, L, R, o);
 			}
 			if (qe) {
-				let e = a && Qn.setSeries, t = Ke.prox;
-				xn == null ? yn <= t && mn(bn, K, !0, e) : yn > t ? mn(null, K, !0, e) : bn != xn && mn(bn, K, !0, e);
+				let e = a && q.setSeries, t = Ke.prox;
+				xn == null ? yn <= t && mn(bn, Sn, !0, e) : yn > t ? mn(null, Sn, !0, e) : bn != xn && mn(bn, Sn, !0, e);
 			}
 		}
-		Re && (M.idx = o, An()), n !== !1 && Xn("setCursor");
+		Le && (M.idx = o, An()), n !== !1 && Xn("setCursor");
 	}
 	let Nn = null;
 	Object.defineProperty(r, "rect", { get() {
@@ -6581,13 +6600,13 @@ function dc(e, t, n) {
 				U = -10, W = -10;
 				return;
 			}
-			let [e, r] = Qn.scales, c = t.cursor.sync, [l, u] = c.values, [d, f] = c.scales, [p, m] = Qn.match, h = t.axes[0].side % 2 == 1, g = D.ori == 0 ? L : R, _ = D.ori == 1 ? L : R, v = h ? o : a, y = h ? a : o, x = h ? i : n, S = h ? n : i;
+			let [e, r] = q.scales, c = t.cursor.sync, [l, u] = c.values, [d, f] = c.scales, [p, m] = q.match, h = t.axes[0].side % 2 == 1, g = D.ori == 0 ? L : R, _ = D.ori == 1 ? L : R, v = h ? o : a, y = h ? a : o, x = h ? i : n, S = h ? n : i;
 			if (n = d == null ? x / v * g : p(e, d) ? s(l, b[e], g, 0) : -10, i = f == null ? S / y * _ : m(r, f) ? s(u, b[r], _, 0) : -10, D.ori == 1) {
 				let e = n;
 				n = i, i = e;
 			}
 		}
-		u && (t == null || t.cursor.event.type == Br) && ((n <= 1 || n >= L - 1) && (n = sa(n, L)), (i <= 1 || i >= R - 1) && (i = sa(i, R))), l ? ($t = n, en = i, [tn, nn] = N.move(r, n, i)) : (U = n, W = i);
+		u && (t == null || t.cursor.event.type == qr) && ((n <= 1 || n >= L - 1) && (n = ha(n, L)), (i <= 1 || i >= R - 1) && (i = ha(i, R))), l ? ($t = n, en = i, [tn, nn] = N.move(r, n, i)) : (U = n, W = i);
 	}
 	let Ln = {
 		width: 0,
@@ -6600,7 +6619,7 @@ function dc(e, t, n) {
 	}
 	let zn, Bn, Vn, Hn;
 	function Un(e, t, n, i, a, o, s) {
-		on = !0, cn = ln = sn._x = sn._y = !1, In(e, t, n, i, a, o, s, !0, !1), e != null && (ye(Hr, Qr, Wn, !1), tr(Vr, r, tn, nn, L, R, null));
+		on = !0, cn = ln = sn._x = sn._y = !1, In(e, t, n, i, a, o, s, !0, !1), e != null && (ye(Yr, ai, Wn, !1), er(Jr, r, tn, nn, L, R, null));
 		let { left: c, top: l, width: u, height: d } = G;
 		zn = c, Bn = l, Vn = u, Hn = d;
 	}
@@ -6609,13 +6628,13 @@ function dc(e, t, n) {
 		let { left: c, top: l, width: u, height: d } = G, f = u > 0 || d > 0, p = zn != c || Bn != l || Vn != u || Hn != d;
 		if (f && p && dn(G), sn.setScale && f && p) {
 			let e = c, t = u, n = l, r = d;
-			if (D.ori == 1 && (e = l, t = d, n = c, r = u), cn && pn(S, Cn(e, S), Cn(e + t, S)), ln) for (let e in b) {
+			if (D.ori == 1 && (e = l, t = d, n = c, r = u), cn && pn(S, wn(e, S), wn(e + t, S)), ln) for (let e in b) {
 				let t = b[e];
-				e != S && t.from == null && t.min != Yi && pn(e, Cn(n + r, e), Cn(n, e));
+				e != S && t.from == null && t.min != ra && pn(e, wn(n + r, e), wn(n, e));
 			}
 			Rn();
 		} else N.lock && (N._lock = !N._lock, Mn(t, !0, e != null));
-		e != null && (be(Hr, Qr), tr(Hr, r, U, W, L, R, null));
+		e != null && (be(Yr, ai), er(Yr, r, U, W, L, R, null));
 	}
 	function Gn(e, t, n, r, i, a, o) {
 		if (N._lock) return;
@@ -6628,19 +6647,19 @@ function dc(e, t, n) {
 		U = -10, W = -10, ae.fill(null), Mn(null, !0, !0), s && (on = s);
 	}
 	function Kn(e, t, n, i, a, o, s) {
-		N._lock || (We(e), dt(), Rn(), e != null && tr(Gr, r, U, W, L, R, null));
+		N._lock || (We(e), ft(), Rn(), e != null && er(Qr, r, U, W, L, R, null));
 	}
 	function qn() {
-		y.forEach(uc), z(r.width, r.height, !0);
+		y.forEach(vc), Re(r.width, r.height, !0);
 	}
-	hi(Yr, $r, qn);
+	Ci(ni, oi, qn);
 	let Jn = {};
 	Jn.mousedown = Un, Jn.mousemove = Fn, Jn.mouseup = Wn, Jn.dblclick = Kn, Jn.setSeries = (e, t, n, i) => {
-		let a = Qn.match[2];
+		let a = q.match[2];
 		n = a(r, t, n), n != -1 && mn(n, i, !0, !1);
-	}, oe && (ye(Vr, m, Un), ye(Br, m, Fn), ye(Ur, m, (e) => {
+	}, oe && (ye(Jr, m, Un), ye(qr, m, Fn), ye(Xr, m, (e) => {
 		We(e), Pn(!1);
-	}), ye(Wr, m, Gn), ye(Gr, m, Kn), Js.add(r), r.syncRect = Pn);
+	}), ye(Zr, m, Gn), ye(Qr, m, Kn), nc.add(r), r.syncRect = Pn);
 	let Yn = r.hooks = e.hooks || {};
 	function Xn(e, t, n) {
 		Ht ? Ut.push([
@@ -6654,56 +6673,56 @@ function dc(e, t, n) {
 	(e.plugins || []).forEach((e) => {
 		for (let t in e.hooks) Yn[t] = (Yn[t] || []).concat(e.hooks[t]);
 	});
-	let Zn = (e, t, n) => n, Qn = Ta({
+	let Zn = (e, t, n) => n, q = Na({
 		key: null,
 		setSeries: !1,
 		filters: {
-			pub: ra,
-			sub: ra
+			pub: da,
+			sub: da
 		},
 		scales: [S, v[1] ? v[1].scale : null],
 		match: [
-			ia,
-			ia,
+			fa,
+			fa,
 			Zn
 		],
 		values: [null, null]
 	}, N.sync);
-	Qn.match.length == 2 && Qn.match.push(Zn), N.sync = Qn;
-	let $n = Qn.key, er = hs($n);
+	q.match.length == 2 && q.match.push(Zn), N.sync = q;
+	let Qn = q.key, $n = Cs(Qn);
+	function er(e, t, n, r, i, a, o) {
+		q.filters.pub(e, t, n, r, i, a, o) && $n.pub(e, t, n, r, i, a, o);
+	}
+	$n.sub(r);
 	function tr(e, t, n, r, i, a, o) {
-		Qn.filters.pub(e, t, n, r, i, a, o) && er.pub(e, t, n, r, i, a, o);
+		q.filters.sub(e, t, n, r, i, a, o) && Jn[e](null, t, n, r, i, a, o);
 	}
-	er.sub(r);
-	function nr(e, t, n, r, i, a, o) {
-		Qn.filters.sub(e, t, n, r, i, a, o) && Jn[e](null, t, n, r, i, a, o);
+	r.pub = tr;
+	function nr() {
+		$n.unsub(r), nc.delete(r), ve.clear(), wi(ni, oi, qn), l.remove(), I?.remove(), Xn("destroy");
 	}
-	r.pub = nr;
+	r.destroy = nr;
 	function rr() {
-		er.unsub(r), Js.delete(r), ve.clear(), gi(Yr, $r, qn), l.remove(), I?.remove(), Xn("destroy");
+		Xn("init", e, t), dt(t || e.data, !1), j[S] ? Jt(S, j[S]) : ft(), Ie = G.show && (G.width > 0 || G.height > 0), Fe = Le = !0, Re(e.width, e.height);
 	}
-	r.destroy = rr;
-	function ir() {
-		Xn("init", e, t), ut(t || e.data, !1), j[S] ? Jt(S, j[S]) : dt(), Le = G.show && (G.width > 0 || G.height > 0), Ie = Re = !0, z(e.width, e.height);
-	}
-	return v.forEach(Qe), y.forEach(nt), n ? n instanceof HTMLElement ? (n.appendChild(l), ir()) : n(r, ir) : ir(), r;
+	return v.forEach($e), y.forEach(nt), n ? n instanceof HTMLElement ? (n.appendChild(l), rr()) : n(r, rr) : rr(), r;
 }
-dc.assign = Ta, dc.fmtNum = Pi, dc.rangeNum = Ai, dc.rangeLog = wi, dc.rangeAsinh = Ti, dc.orient = vs, dc.pxRatio = q, dc.join = Aa, dc.fmtDate = Ua, dc.tzDate = Ga, dc.sync = hs;
+yc.assign = Na, yc.fmtNum = Hi, yc.rangeNum = Ri, yc.rangeLog = Mi, yc.rangeAsinh = Ni, yc.orient = Es, yc.pxRatio = J, yc.join = Ra, yc.fmtDate = Za, yc.tzDate = $a, yc.sync = Cs;
 {
-	dc.addGap = Cs, dc.clipGaps = Ss;
-	let e = dc.paths = { points: Ls };
-	e.linear = Vs, e.stepped = Hs, e.bars = Ws, e.spline = Ks;
+	yc.addGap = js, yc.clipGaps = As;
+	let e = yc.paths = { points: Gs };
+	e.linear = Ys, e.stepped = Xs, e.bars = Qs, e.spline = ec;
 }
 // src/phase.tsx
-var [fc, pc] = [420, 300], $ = {
+var [bc, xc] = [420, 300], $ = {
 	left: 64,
 	right: 12,
 	top: 10,
 	bottom: 34
 };
-function mc({ store: e, state: t }) {
-	let [n, r] = V(null), [i, a] = t.plotted, o = t.run, [s, c] = t.span;
-	if (H(() => {
+function Sc({ store: e, state: t }) {
+	let [n, r] = H(null), [i, a] = t.plotted, o = t.run, [s, c] = t.span;
+	if (gt(() => {
 		if (!i || !a) return;
 		let t = !1;
 		return e.transport.ask("phase", {
@@ -6720,12 +6739,12 @@ function mc({ store: e, state: t }) {
 		a,
 		s,
 		c
-	]), !i || !a) return /* @__PURE__ */ L("p", {
+	]), !i || !a) return /* @__PURE__ */ z("p", {
 		class: "hint",
 		children: "Plot two signals: the second is drawn over the first."
 	});
 	if (!n) return null;
-	let [l, u, d, f] = n.box, [p, m] = [u - l || 1, f - d || 1], h = (e) => $.left + (e - l) / p * (fc - $.left - $.right), g = (e) => pc - $.bottom - (e - d) / m * (pc - $.top - $.bottom), _ = (e, t, n) => `${h(e[n]).toFixed(1)},${g(t[n]).toFixed(1)}`, v = (e) => e[e.length - 1], y = n.pieces.slice(1).map(([e, t], r) => {
+	let [l, u, d, f] = n.box, [p, m] = [u - l || 1, f - d || 1], h = (e) => $.left + (e - l) / p * (bc - $.left - $.right), g = (e) => xc - $.bottom - (e - d) / m * (xc - $.top - $.bottom), _ = (e, t, n) => `${h(e[n]).toFixed(1)},${g(t[n]).toFixed(1)}`, v = (e) => e[e.length - 1], y = n.pieces.slice(1).map(([e, t], r) => {
 		let [i, a] = n.pieces[r];
 		return {
 			x1: h(v(i)),
@@ -6734,81 +6753,81 @@ function mc({ store: e, state: t }) {
 			y2: g(t[0])
 		};
 	}), b = t.cursor?.signals, x = b && b[i] != null && b[a] != null ? [h(b[i]), g(b[a])] : null;
-	return /* @__PURE__ */ L("figure", {
+	return /* @__PURE__ */ z("figure", {
 		class: "phase",
 		"aria-label": `${a} over ${i}`,
-		children: /* @__PURE__ */ L("svg", {
-			viewBox: `0 0 ${fc} ${pc}`,
+		children: /* @__PURE__ */ z("svg", {
+			viewBox: `0 0 ${bc} ${xc}`,
 			role: "img",
-			"aria-label": `${a} over ${i}, from ${Le(l)} to ${Le(u)} ${n.units[0]} and from ${Le(d)} to ${Le(f)} ${n.units[1]}`,
+			"aria-label": `${a} over ${i}, from ${xe(l)} to ${xe(u)} ${n.units[0]} and from ${xe(d)} to ${xe(f)} ${n.units[1]}`,
 			children: [
-				/* @__PURE__ */ L("rect", {
+				/* @__PURE__ */ z("rect", {
 					class: "box",
 					x: $.left,
 					y: $.top,
-					width: fc - $.left - $.right,
-					height: pc - $.top - $.bottom
+					width: bc - $.left - $.right,
+					height: xc - $.top - $.bottom
 				}),
-				l < 0 && u > 0 && /* @__PURE__ */ L("line", {
+				l < 0 && u > 0 && /* @__PURE__ */ z("line", {
 					class: "axis",
 					x1: h(0),
 					x2: h(0),
 					y1: $.top,
-					y2: pc - $.bottom
+					y2: xc - $.bottom
 				}),
-				d < 0 && f > 0 && /* @__PURE__ */ L("line", {
+				d < 0 && f > 0 && /* @__PURE__ */ z("line", {
 					class: "axis",
 					x1: $.left,
-					x2: fc - $.right,
+					x2: bc - $.right,
 					y1: g(0),
 					y2: g(0)
 				}),
-				y.map((e) => Math.hypot(e.x2 - e.x1, e.y2 - e.y1) > 1 && /* @__PURE__ */ L("line", {
+				y.map((e) => Math.hypot(e.x2 - e.x1, e.y2 - e.y1) > 1 && /* @__PURE__ */ z("line", {
 					class: "jump",
 					...e
 				})),
-				n.pieces.map(([e, t]) => /* @__PURE__ */ L("path", {
+				n.pieces.map(([e, t]) => /* @__PURE__ */ z("path", {
 					class: "way",
 					d: `M${e.map((n, r) => _(e, t, r)).join("L")}`
 				})),
-				x && /* @__PURE__ */ L("circle", {
+				x && /* @__PURE__ */ z("circle", {
 					class: "now",
 					cx: x[0],
 					cy: x[1],
 					r: 4.5
 				}),
-				/* @__PURE__ */ L("text", {
+				/* @__PURE__ */ z("text", {
 					x: $.left,
-					y: pc - $.bottom + 14,
-					children: z(l, n.units[0])
+					y: xc - $.bottom + 14,
+					children: L(l, n.units[0])
 				}),
-				/* @__PURE__ */ L("text", {
-					x: fc - $.right,
-					y: pc - $.bottom + 14,
+				/* @__PURE__ */ z("text", {
+					x: bc - $.right,
+					y: xc - $.bottom + 14,
 					"text-anchor": "end",
-					children: z(u, n.units[0])
+					children: L(u, n.units[0])
 				}),
-				/* @__PURE__ */ L("text", {
-					x: (fc + $.left) / 2,
-					y: pc - 6,
+				/* @__PURE__ */ z("text", {
+					x: (bc + $.left) / 2,
+					y: xc - 6,
 					"text-anchor": "middle",
 					class: "what",
 					children: i
 				}),
-				/* @__PURE__ */ L("text", {
+				/* @__PURE__ */ z("text", {
 					x: $.left - 5,
-					y: pc - $.bottom,
+					y: xc - $.bottom,
 					"text-anchor": "end",
-					children: z(d, n.units[1])
+					children: L(d, n.units[1])
 				}),
-				/* @__PURE__ */ L("text", {
+				/* @__PURE__ */ z("text", {
 					x: $.left - 5,
 					y: $.top + 10,
 					"text-anchor": "end",
-					children: z(f, n.units[1])
+					children: L(f, n.units[1])
 				}),
-				/* @__PURE__ */ L("text", {
-					transform: `translate(12,${(pc - $.bottom) / 2}) rotate(-90)`,
+				/* @__PURE__ */ z("text", {
+					transform: `translate(12,${(xc - $.bottom) / 2}) rotate(-90)`,
 					"text-anchor": "middle",
 					class: "what",
 					children: a
@@ -6818,7 +6837,7 @@ function mc({ store: e, state: t }) {
 	});
 }
 // src/plots.tsx
-var hc = [
+var Cc = [
 	"--c1",
 	"--c2",
 	"--c3",
@@ -6826,16 +6845,16 @@ var hc = [
 	"--c5",
 	"--c6"
 ];
-function gc({ store: e, state: t }) {
-	let [n, r] = V(null), [i, a] = V(!1), [o, s] = V(800), c = lt(null), l = t.run, [u, d] = t.span;
-	H(() => {
+function wc({ store: e, state: t }) {
+	let [n, r] = H(null), [i, a] = H(!1), [o, s] = H(800), c = _t(null), l = t.run, [u, d] = t.span;
+	gt(() => {
 		let e = c.current;
 		if (!e) return;
 		let t = new ResizeObserver(() => s(Math.max(200, e.clientWidth - 18)));
 		return t.observe(e), () => t.disconnect();
 	}, [!l]);
 	let f = t.plotted.join("\n");
-	if (H(() => {
+	if (gt(() => {
 		if (!l) return;
 		let n = !1, a = i ? t.runs.filter((e) => e.tEnd !== void 0) : [l];
 		return Promise.all(a.map((n) => e.transport.ask("curves", {
@@ -6862,44 +6881,44 @@ function gc({ store: e, state: t }) {
 		o,
 		i,
 		t.runs.length
-	]), t.running && t.soFar) return /* @__PURE__ */ L(_c, {
+	]), t.running && t.soFar) return /* @__PURE__ */ z(Tc, {
 		state: t,
 		soFar: t.soFar
 	});
-	if (!l || l.tEnd === void 0) return /* @__PURE__ */ L("p", {
+	if (!l || l.tEnd === void 0) return /* @__PURE__ */ z("p", {
 		class: "hint plots",
 		children: [
 			l?.error ? "" : t.running ? "Running …" : "Press Run.",
 			" ",
-			t.plan && /* @__PURE__ */ L("button", {
+			t.plan && /* @__PURE__ */ z("button", {
 				onClick: () => e.set({ planShown: !0 }),
 				children: "← Sweep"
 			})
 		]
 	});
 	let p = t.cursor?.t ?? null, m = u === l.tBegin && d === l.tEnd;
-	return /* @__PURE__ */ L("div", {
+	return /* @__PURE__ */ z("div", {
 		class: "plots",
 		ref: c,
 		children: [
-			/* @__PURE__ */ L("div", {
+			/* @__PURE__ */ z("div", {
 				class: "plotbar",
 				children: [
-					t.plan && /* @__PURE__ */ L("button", {
+					t.plan && /* @__PURE__ */ z("button", {
 						onClick: () => e.set({ planShown: !0 }),
 						children: "← Sweep"
 					}),
-					l.own && /* @__PURE__ */ L("b", {
+					l.own && /* @__PURE__ */ z("b", {
 						class: "own",
 						children: l.title
 					}),
-					/* @__PURE__ */ L(vc, {
+					/* @__PURE__ */ z(Ec, {
 						store: e,
 						state: t,
 						run: l
 					}),
-					t.runs.length > 1 && /* @__PURE__ */ L("label", { children: [
-						/* @__PURE__ */ L("input", {
+					t.runs.length > 1 && /* @__PURE__ */ z("label", { children: [
+						/* @__PURE__ */ z("input", {
 							type: "checkbox",
 							checked: i,
 							onChange: (e) => a(e.currentTarget.checked)
@@ -6908,15 +6927,15 @@ function gc({ store: e, state: t }) {
 						t.runs.length,
 						" runs"
 					] }),
-					!m && /* @__PURE__ */ L("button", {
+					!m && /* @__PURE__ */ z("button", {
 						onClick: () => e.set({ span: [l.tBegin, l.tEnd] }),
 						children: "Whole run"
 					}),
-					/* @__PURE__ */ L("label", {
+					/* @__PURE__ */ z("label", {
 						class: "scrub",
 						children: [
-							/* @__PURE__ */ L("span", { children: "t" }),
-							/* @__PURE__ */ L("input", {
+							/* @__PURE__ */ z("span", { children: "t" }),
+							/* @__PURE__ */ z("input", {
 								type: "range",
 								"aria-label": "Time cursor",
 								min: l.tBegin,
@@ -6927,24 +6946,24 @@ function gc({ store: e, state: t }) {
 									e.set({ instant: null }), e.moveCursor(Number(t.currentTarget.value));
 								}
 							}),
-							/* @__PURE__ */ L("output", { children: p === null ? "" : z(p, "s") })
+							/* @__PURE__ */ z("output", { children: p === null ? "" : L(p, "s") })
 						]
 					}),
-					/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("input", {
+					/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("input", {
 						type: "checkbox",
 						checked: t.phase,
 						onChange: (t) => e.set({ phase: t.currentTarget.checked })
 					}), " phase plane"] }),
-					/* @__PURE__ */ L("label", { children: [/* @__PURE__ */ L("input", {
+					/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("input", {
 						type: "checkbox",
 						checked: t.flowing,
 						onChange: (t) => e.set({ flowing: t.currentTarget.checked })
 					}), " power along bonds"] })
 				]
 			}),
-			t.plotted.map((r, i) => /* @__PURE__ */ L(yc, {
+			t.plotted.map((r, i) => /* @__PURE__ */ z(Dc, {
 				name: r,
-				ink: hc[i % hc.length],
+				ink: Cc[i % Cc.length],
 				curves: (n?.runs ?? []).flatMap((e) => e.curves.filter((e) => e.name === r)),
 				span: t.span,
 				cursor: p,
@@ -6957,11 +6976,11 @@ function gc({ store: e, state: t }) {
 					e.set({ instant: null }), e.moveCursor(t);
 				}
 			}, r)),
-			t.phase && /* @__PURE__ */ L(mc, {
+			t.phase && /* @__PURE__ */ z(Sc, {
 				store: e,
 				state: t
 			}),
-			/* @__PURE__ */ L(Cc, {
+			/* @__PURE__ */ z(jc, {
 				lanes: n?.strip ?? [],
 				span: t.span,
 				cursor: p,
@@ -6970,14 +6989,14 @@ function gc({ store: e, state: t }) {
 		]
 	});
 }
-function _c({ state: e, soFar: t }) {
-	let n = lt(null), r = [t.tBegin, t.tEnd];
-	return /* @__PURE__ */ L("div", {
+function Tc({ state: e, soFar: t }) {
+	let n = _t(null), r = [t.tBegin, t.tEnd];
+	return /* @__PURE__ */ z("div", {
 		class: "plots",
 		ref: n,
-		children: [t.curves.map((i, a) => /* @__PURE__ */ L(yc, {
+		children: [t.curves.map((i, a) => /* @__PURE__ */ z(Dc, {
 			name: i.name,
-			ink: hc[a % hc.length],
+			ink: Cc[a % Cc.length],
 			curves: [i],
 			span: r,
 			cursor: null,
@@ -6987,7 +7006,7 @@ function _c({ state: e, soFar: t }) {
 			last: a === t.curves.length - 1,
 			onSpan: () => {},
 			onTime: () => {}
-		}, i.name)), /* @__PURE__ */ L(Cc, {
+		}, i.name)), /* @__PURE__ */ z(jc, {
 			lanes: t.strip,
 			span: r,
 			cursor: null,
@@ -6995,18 +7014,18 @@ function _c({ state: e, soFar: t }) {
 		})]
 	});
 }
-function vc({ store: e, state: t, run: n }) {
+function Ec({ store: e, state: t, run: n }) {
 	let r = (t.look?.view.nodes ?? []).flatMap((e) => e.kind === "part" ? [] : [`${e.name}.e`, `${e.name}.f`]), i = [.../* @__PURE__ */ new Set([...n.names, ...r])].filter((e) => !t.plotted.includes(e));
-	return /* @__PURE__ */ L("span", {
+	return /* @__PURE__ */ z("span", {
 		class: "chooser",
 		children: [
-			t.plotted.map((n) => /* @__PURE__ */ L("button", {
+			t.plotted.map((n) => /* @__PURE__ */ z("button", {
 				class: "chip",
 				"aria-label": `Do not plot ${n}`,
 				onClick: () => e.set({ plotted: t.plotted.filter((e) => e !== n) }),
 				children: [n, " ✕"]
 			})),
-			/* @__PURE__ */ L("input", {
+			/* @__PURE__ */ z("input", {
 				"aria-label": "Plot a signal",
 				placeholder: "plot …",
 				list: "signals",
@@ -7016,14 +7035,14 @@ function vc({ store: e, state: t, run: n }) {
 					r && e.set({ plotted: [...t.plotted, r] }), n.currentTarget.value = "";
 				}
 			}),
-			/* @__PURE__ */ L("datalist", {
+			/* @__PURE__ */ z("datalist", {
 				id: "signals",
-				children: i.map((e) => /* @__PURE__ */ L("option", { value: e }))
+				children: i.map((e) => /* @__PURE__ */ z("option", { value: e }))
 			})
 		]
 	});
 }
-var yc = class extends S {
+var Dc = class extends S {
 	box = b();
 	plot = null;
 	componentDidMount() {
@@ -7042,8 +7061,8 @@ var yc = class extends S {
 		a.replaceChildren();
 		let o = e.filter((e) => !e.error);
 		if (!o.length) return;
-		let s = getComputedStyle(a), c = s.getPropertyValue("--ink"), l = s.getPropertyValue("--line"), u = o.map((e, t) => s.getPropertyValue(t === o.length - 1 ? this.props.ink : hc[(t + 3) % hc.length])), d = o.map((e) => [e.t, e.y]), f = d.length === 1 ? d[0] : dc.join(d), p = o[o.length - 1].unit, m = o.flatMap((e) => e.impulses);
-		this.plot = new dc({
+		let s = getComputedStyle(a), c = s.getPropertyValue("--ink"), l = s.getPropertyValue("--line"), u = o.map((e, t) => s.getPropertyValue(t === o.length - 1 ? this.props.ink : Cc[(t + 3) % Cc.length])), d = o.map((e) => [e.t, e.y]), f = d.length === 1 ? d[0] : yc.join(d), p = o[o.length - 1].unit, m = o.flatMap((e) => e.impulses);
+		this.plot = new yc({
 			width: Math.max(n - 4, 200),
 			height: r ? 132 : 112,
 			padding: [
@@ -7065,7 +7084,7 @@ var yc = class extends S {
 					time: !1,
 					range: () => t
 				},
-				y: { range: (e, t, n) => bc(t, n, m.length > 0) }
+				y: { range: (e, t, n) => Oc(t, n, m.length > 0) }
 			},
 			axes: [{
 				show: r,
@@ -7076,7 +7095,7 @@ var yc = class extends S {
 				},
 				ticks: { stroke: l },
 				size: 26,
-				values: (e, t) => xc(t, "s")
+				values: (e, t) => kc(t, "s")
 			}, {
 				stroke: c,
 				grid: {
@@ -7089,7 +7108,7 @@ var yc = class extends S {
 				labelSize: 18,
 				labelFont: "11px sans-serif",
 				font: "10px sans-serif",
-				values: (e, t) => xc(t, p)
+				values: (e, t) => kc(t, p)
 			}],
 			series: [{}, ...o.map((e, t) => ({
 				stroke: u[t],
@@ -7121,7 +7140,7 @@ var yc = class extends S {
 			if (p < a || p > a + s) continue;
 			let m = l - Math.sign(f) * (.25 + .3 * Math.abs(f) / i) * c, h = Math.min(Math.max(m, o + 6 * d), o + c - 6 * d), g = Math.sign(h - l) || 1;
 			if (u.beginPath(), u.moveTo(p, l), u.lineTo(p, h), u.moveTo(p - 4 * d, h - 7 * d * g), u.lineTo(p, h), u.lineTo(p + 4 * d, h - 7 * d * g), u.stroke(), t.length <= 12) {
-				let e = `${z(f, r ? r + "s" : "")} δ`, t = p + 8 * d + u.measureText(e).width < a + s;
+				let e = `${L(f, r ? r + "s" : "")} δ`, t = p + 8 * d + u.measureText(e).width < a + s;
 				u.textAlign = t ? "left" : "right", u.fillText(e, p + (t ? 6 : -6) * d, (l + h) / 2);
 			}
 		}
@@ -7135,16 +7154,16 @@ var yc = class extends S {
 	}
 	render({ name: e, curves: t, value: n, cursor: r }) {
 		let i = t.find((e) => e.error);
-		return /* @__PURE__ */ L("figure", {
+		return /* @__PURE__ */ z("figure", {
 			class: "trace",
 			"aria-label": `Plot of ${e}`,
 			children: [
-				/* @__PURE__ */ L("div", { ref: this.box }),
-				r !== null && /* @__PURE__ */ L("output", {
+				/* @__PURE__ */ z("div", { ref: this.box }),
+				r !== null && /* @__PURE__ */ z("output", {
 					class: "reading",
-					children: z(n, t.find((e) => !e.error)?.unit ?? "")
+					children: L(n, t.find((e) => !e.error)?.unit ?? "")
 				}),
-				i && /* @__PURE__ */ L("p", {
+				i && /* @__PURE__ */ z("p", {
 					class: "hint",
 					children: [
 						i.error.code,
@@ -7156,13 +7175,13 @@ var yc = class extends S {
 		});
 	}
 };
-function bc(e, t, n) {
+function Oc(e, t, n) {
 	let [r, i] = [e ?? 0, t ?? 1];
 	n && ([r, i] = [Math.min(r, 0), Math.max(i, 0)]);
 	let a = .08 * (i - r) || .1 * Math.abs(r) || 1;
 	return [r - a, i + a];
 }
-function xc(e, t) {
+function kc(e, t) {
 	let n = Math.max(...e.map(Math.abs)), r = [
 		1e9,
 		1e6,
@@ -7183,7 +7202,7 @@ function xc(e, t) {
 	}[r] ?? "", a = /^[A-Za-zΩ]+$/.test(t) && t !== "kg";
 	return e.map((e) => a ? `${+(e / r).toPrecision(5)} ${i}${t}` : `${+e.toPrecision(5)} ${t}`);
 }
-var Sc = [
+var Ac = [
 	"var(--s0)",
 	"var(--s1)",
 	"var(--s2)",
@@ -7193,21 +7212,21 @@ var Sc = [
 	"var(--s6)",
 	"var(--s7)"
 ];
-function Cc({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
+function jc({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
 	if (!e.length) return null;
 	let a = (e) => 1e3 * (e - t) / (n - t || 1);
-	return /* @__PURE__ */ L("div", {
+	return /* @__PURE__ */ z("div", {
 		class: "strip",
 		children: [
-			/* @__PURE__ */ L("div", {
+			/* @__PURE__ */ z("div", {
 				class: "stripnames",
 				"aria-hidden": "true",
-				children: e.map((e) => /* @__PURE__ */ L("span", {
+				children: e.map((e) => /* @__PURE__ */ z("span", {
 					title: e.machine,
 					children: e.machine
 				}))
 			}),
-			/* @__PURE__ */ L("svg", {
+			/* @__PURE__ */ z("svg", {
 				viewBox: `0 0 1000 ${18 * e.length}`,
 				preserveAspectRatio: "none",
 				style: { height: `${18 * e.length}px` },
@@ -7217,24 +7236,24 @@ function Cc({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
 					let r = e.currentTarget.getBoundingClientRect();
 					i(t + (e.clientX - r.left) / r.width * (n - t));
 				},
-				children: [e.map((e, r) => /* @__PURE__ */ L("g", {
+				children: [e.map((e, r) => /* @__PURE__ */ z("g", {
 					transform: `translate(0,${r * 18})`,
-					children: [e.stays?.map(([r, i, o]) => /* @__PURE__ */ L("rect", {
+					children: [e.stays?.map(([r, i, o]) => /* @__PURE__ */ z("rect", {
 						x: a(Math.max(r, t)),
 						width: Math.max(.7, a(Math.min(i, n)) - a(Math.max(r, t))),
 						y: 1,
 						height: 16,
-						fill: Sc[o % Sc.length],
-						children: /* @__PURE__ */ L("title", { children: e.states[o] })
-					})), e.shares?.map((e, t) => e.map((n, r) => n > 0 ? /* @__PURE__ */ L("rect", {
+						fill: Ac[o % Ac.length],
+						children: /* @__PURE__ */ z("title", { children: e.states[o] })
+					})), e.shares?.map((e, t) => e.map((n, r) => n > 0 ? /* @__PURE__ */ z("rect", {
 						x: 1e3 * r / e.length,
 						width: 1e3 / e.length,
 						y: 1,
 						height: 16,
-						fill: Sc[t % Sc.length],
+						fill: Ac[t % Ac.length],
 						opacity: n
 					}) : null))]
-				})), r !== null && r >= t && r <= n && /* @__PURE__ */ L("line", {
+				})), r !== null && r >= t && r <= n && /* @__PURE__ */ z("line", {
 					class: "now",
 					x1: a(r),
 					x2: a(r),
@@ -7242,10 +7261,10 @@ function Cc({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
 					y2: 18 * e.length
 				})]
 			}),
-			/* @__PURE__ */ L("div", {
+			/* @__PURE__ */ z("div", {
 				class: "stripwords",
 				"aria-hidden": "true",
-				children: e.map((e, r) => e.stays?.filter(([e, r]) => a(Math.min(r, n)) - a(Math.max(e, t)) > 60).map(([i, o, s]) => /* @__PURE__ */ L("span", {
+				children: e.map((e, r) => e.stays?.filter(([e, r]) => a(Math.min(r, n)) - a(Math.max(e, t)) > 60).map(([i, o, s]) => /* @__PURE__ */ z("span", {
 					style: {
 						left: `${(a(Math.max(i, t)) + a(Math.min(o, n))) / 20}%`,
 						top: `${r * 18}px`
@@ -7257,20 +7276,20 @@ function Cc({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
 	});
 }
 // src/power.tsx
-var wc = {
+var Mc = {
 	C: ["gives back", "stores"],
 	I: ["gives back", "stores"],
 	R: ["gives", "dissipates"],
 	G: ["gives", "dissipates"],
 	Se: ["supplies", "absorbs"],
 	Sf: ["supplies", "absorbs"]
-}, Tc = 150, [Ec, Dc, Oc, kc] = [
+}, Nc = 150, [Pc, Fc, Ic, Lc] = [
 	310,
 	17,
 	7,
 	10
 ];
-function Ac(e) {
+function Rc(e) {
 	let t = e.cursor?.values ?? {}, { nodes: n, bonds: r } = e.look.view, i = /* @__PURE__ */ new Map();
 	for (let e of r) {
 		let n = t[e.key];
@@ -7290,26 +7309,26 @@ function Ac(e) {
 		unknown: a.filter((e) => i.get(e.name) === null).map((e) => e.name)
 	};
 }
-function jc({ gives: e, takes: t }) {
-	let n = (e) => e.reduce((e, t) => e + t.size, 0), r = Math.max(n(e), n(t)) || 1, i = Math.max(1, e.length, t.length), a = i * (Dc + Oc) + 120, o = (a - i * Oc - 8) / r, s = (e, t) => {
+function zc({ gives: e, takes: t }) {
+	let n = (e) => e.reduce((e, t) => e + t.size, 0), r = Math.max(n(e), n(t)) || 1, i = Math.max(1, e.length, t.length), a = i * (Fc + Ic) + 120, o = (a - i * Ic - 8) / r, s = (e, t) => {
 		let n = 4, r = 4;
 		return e.map((e) => {
 			let i = e.size * o, [a, s] = [n, r];
-			n += Math.max(i, 1) + Oc, r += i;
-			let [c, l] = t ? [kc, Ec / 2 - kc / 2] : [Ec - kc, Ec / 2 + kc / 2], u = (c + l) / 2;
-			return /* @__PURE__ */ L("g", {
+			n += Math.max(i, 1) + Ic, r += i;
+			let [c, l] = t ? [Lc, Pc / 2 - Lc / 2] : [Pc - Lc, Pc / 2 + Lc / 2], u = (c + l) / 2;
+			return /* @__PURE__ */ z("g", {
 				class: "flow " + (t ? "gives" : "takes"),
 				onClick: e.select,
 				children: [
-					/* @__PURE__ */ L("path", { d: `M${c},${a}C${u},${a} ${u},${s} ${l},${s}V${s + i}C${u},${s + i} ${u},${a + i} ${c},${a + i}Z` }),
-					/* @__PURE__ */ L("rect", {
-						x: t ? 0 : Ec - kc,
+					/* @__PURE__ */ z("path", { d: `M${c},${a}C${u},${a} ${u},${s} ${l},${s}V${s + i}C${u},${s + i} ${u},${a + i} ${c},${a + i}Z` }),
+					/* @__PURE__ */ z("rect", {
+						x: t ? 0 : Pc - Lc,
 						y: a,
-						width: kc,
+						width: Lc,
 						height: Math.max(i, 1)
 					}),
-					/* @__PURE__ */ L("text", {
-						x: t ? kc + 4 : Ec - kc - 4,
+					/* @__PURE__ */ z("text", {
+						x: t ? Lc + 4 : Pc - Lc - 4,
 						y: a + Math.max(i, 1) / 2 + 4,
 						"text-anchor": t ? "start" : "end",
 						children: e.name
@@ -7318,63 +7337,63 @@ function jc({ gives: e, takes: t }) {
 			});
 		});
 	};
-	return /* @__PURE__ */ L("svg", {
+	return /* @__PURE__ */ z("svg", {
 		class: "sankey",
-		viewBox: `0 0 ${Ec} ${a}`,
+		viewBox: `0 0 ${Pc} ${a}`,
 		role: "img",
 		"aria-label": `Sankey diagram: ${e.map((e) => e.name).join(", ")} give, ${t.map((e) => e.name).join(", ")} take`,
 		children: [
 			s(e, !0),
 			s(t, !1),
-			/* @__PURE__ */ L("rect", {
+			/* @__PURE__ */ z("rect", {
 				class: "middle-bar",
-				x: Ec / 2 - kc / 2,
+				x: Pc / 2 - Lc / 2,
 				y: 4,
-				width: kc,
+				width: Lc,
 				height: r * o
 			})
 		]
 	});
 }
-function Mc({ store: e, state: t }) {
-	let [n, r] = V(!1);
-	return t.cursor ? /* @__PURE__ */ L("section", {
+function Bc({ store: e, state: t }) {
+	let [n, r] = H(!1);
+	return t.cursor ? /* @__PURE__ */ z("section", {
 		class: "power-panel",
-		children: [/* @__PURE__ */ L("div", {
+		children: [/* @__PURE__ */ z("div", {
 			class: "row",
 			role: "group",
 			"aria-label": "What is shown",
-			children: [/* @__PURE__ */ L("button", {
+			children: [/* @__PURE__ */ z("button", {
 				"aria-pressed": !n,
 				onClick: () => r(!1),
 				children: "Power at the cursor"
-			}), /* @__PURE__ */ L("button", {
+			}), /* @__PURE__ */ z("button", {
 				"aria-pressed": n,
 				onClick: () => r(!0),
 				children: "Energy up to it"
 			})]
-		}), L(n ? Nc : Pc, {
+		}), z(n ? Vc : Hc, {
 			store: e,
 			state: t
 		})]
-	}) : /* @__PURE__ */ L("p", {
+	}) : /* @__PURE__ */ z("p", {
 		class: "hint",
 		children: "Run the model and choose a time in its plots."
 	});
 }
-function Nc({ store: e, state: t }) {
-	let [n, r] = V(null), i = t.cursor.t, a = t.run?.run;
-	if (H(() => {
+function Vc({ store: e, state: t }) {
+	let [n, r] = H(null), i = t.cursor.t, a = t.run?.run;
+	if (gt(() => {
 		let t = !1, n = setTimeout(() => {
 			e.transport.ask("energies", {
 				run: a,
 				t: i
 			}).then((e) => !t && r(e)).catch((t) => e.refused(t));
-		}, Tc);
+		}, Nc);
 		return () => {
 			t = !0, clearTimeout(n);
 		};
-	}, [a, i]), !n) return /* @__PURE__ */ L("p", {
+	}, [a, i]), !n) return /* @__PURE__ */ z("p", {
 		class: "hint",
 		children: "…"
 	});
@@ -7386,54 +7405,54 @@ function Nc({ store: e, state: t }) {
 			bonds: /* @__PURE__ */ new Set()
 		}) : void 0
 	}), c = (e) => e.reduce((e, t) => e + t.energy, 0);
-	return /* @__PURE__ */ L(x, { children: [
-		/* @__PURE__ */ L("h2", { children: [
+	return /* @__PURE__ */ z(x, { children: [
+		/* @__PURE__ */ z("h2", { children: [
 			"Energy from ",
-			z(n.start, "s"),
+			L(n.start, "s"),
 			" to ",
-			z(n.end, "s")
+			L(n.end, "s")
 		] }),
-		n.gives.length + n.takes.length > 0 ? /* @__PURE__ */ L(jc, {
+		n.gives.length + n.takes.length > 0 ? /* @__PURE__ */ z(zc, {
 			gives: n.gives.map(s),
 			takes: n.takes.map(s)
-		}) : /* @__PURE__ */ L("p", {
+		}) : /* @__PURE__ */ z("p", {
 			class: "hint",
 			children: "No energy has flowed."
 		}),
-		/* @__PURE__ */ L("table", { children: [/* @__PURE__ */ L("thead", { children: /* @__PURE__ */ L("tr", { children: [
-			/* @__PURE__ */ L("th", {
+		/* @__PURE__ */ z("table", { children: [/* @__PURE__ */ z("thead", { children: /* @__PURE__ */ z("tr", { children: [
+			/* @__PURE__ */ z("th", {
 				scope: "col",
 				children: "element"
 			}),
-			/* @__PURE__ */ L("th", {
+			/* @__PURE__ */ z("th", {
 				scope: "col",
 				children: "did"
 			}),
-			/* @__PURE__ */ L("th", {
+			/* @__PURE__ */ z("th", {
 				scope: "col",
 				children: "energy"
 			})
-		] }) }), /* @__PURE__ */ L("tbody", { children: [...n.gives.map((e) => [e, "gave"]), ...n.takes.map((e) => [e, "took"])].map(([e, t]) => /* @__PURE__ */ L("tr", { children: [
-			/* @__PURE__ */ L("td", { children: e.name }),
-			/* @__PURE__ */ L("td", { children: t }),
-			/* @__PURE__ */ L("td", {
+		] }) }), /* @__PURE__ */ z("tbody", { children: [...n.gives.map((e) => [e, "gave"]), ...n.takes.map((e) => [e, "took"])].map(([e, t]) => /* @__PURE__ */ z("tr", { children: [
+			/* @__PURE__ */ z("td", { children: e.name }),
+			/* @__PURE__ */ z("td", { children: t }),
+			/* @__PURE__ */ z("td", {
 				class: "figure",
-				children: z(e.energy, "J")
+				children: L(e.energy, "J")
 			})
 		] })) })] }),
-		/* @__PURE__ */ L("p", {
+		/* @__PURE__ */ z("p", {
 			class: "hint",
 			children: [
 				"given ",
-				z(c(n.gives), "J"),
+				L(c(n.gives), "J"),
 				", taken ",
-				z(c(n.takes), "J")
+				L(c(n.takes), "J")
 			]
 		})
 	] });
 }
-function Pc({ store: e, state: t }) {
-	let { found: n, unknown: r } = Ac(t), i = Math.max(0, ...n.map((e) => Math.abs(e.power))), a = n.filter((e) => Math.abs(e.power) > 1e-6 * i).sort((e, t) => Math.abs(t.power) - Math.abs(e.power)), o = a.filter((e) => e.power < 0), s = a.filter((e) => e.power > 0), c = (e) => e.reduce((e, t) => e + Math.abs(t.power), 0), l = (t) => e.set({
+function Hc({ store: e, state: t }) {
+	let { found: n, unknown: r } = Rc(t), i = Math.max(0, ...n.map((e) => Math.abs(e.power))), a = n.filter((e) => Math.abs(e.power) > 1e-6 * i).sort((e, t) => Math.abs(t.power) - Math.abs(e.power)), o = a.filter((e) => e.power < 0), s = a.filter((e) => e.power > 0), c = (e) => e.reduce((e, t) => e + Math.abs(t.power), 0), l = (t) => e.set({
 		nodes: /* @__PURE__ */ new Set([t.name]),
 		bonds: /* @__PURE__ */ new Set()
 	}), u = (e) => ({
@@ -7441,62 +7460,62 @@ function Pc({ store: e, state: t }) {
 		size: Math.abs(e.power),
 		select: () => l(e.node)
 	});
-	return /* @__PURE__ */ L(x, { children: [
-		/* @__PURE__ */ L("h2", { children: ["Power at t = ", z(t.cursor.t, "s")] }),
-		a.length > 0 ? /* @__PURE__ */ L(jc, {
+	return /* @__PURE__ */ z(x, { children: [
+		/* @__PURE__ */ z("h2", { children: ["Power at t = ", L(t.cursor.t, "s")] }),
+		a.length > 0 ? /* @__PURE__ */ z(zc, {
 			gives: o.map(u),
 			takes: s.map(u)
-		}) : /* @__PURE__ */ L("p", {
+		}) : /* @__PURE__ */ z("p", {
 			class: "hint",
 			children: "No power flows."
 		}),
-		/* @__PURE__ */ L("table", { children: [/* @__PURE__ */ L("thead", { children: /* @__PURE__ */ L("tr", { children: [
-			/* @__PURE__ */ L("th", {
+		/* @__PURE__ */ z("table", { children: [/* @__PURE__ */ z("thead", { children: /* @__PURE__ */ z("tr", { children: [
+			/* @__PURE__ */ z("th", {
 				scope: "col",
 				children: "element"
 			}),
-			/* @__PURE__ */ L("th", {
+			/* @__PURE__ */ z("th", {
 				scope: "col",
 				children: "does"
 			}),
-			/* @__PURE__ */ L("th", {
+			/* @__PURE__ */ z("th", {
 				scope: "col",
 				children: "power"
 			})
-		] }) }), /* @__PURE__ */ L("tbody", { children: a.map((e) => /* @__PURE__ */ L("tr", {
+		] }) }), /* @__PURE__ */ z("tbody", { children: a.map((e) => /* @__PURE__ */ z("tr", {
 			class: t.nodes.has(e.node.name) ? "chosen" : "",
 			children: [
-				/* @__PURE__ */ L("td", { children: /* @__PURE__ */ L("button", {
+				/* @__PURE__ */ z("td", { children: /* @__PURE__ */ z("button", {
 					class: "link",
 					onClick: () => l(e.node),
 					children: e.node.name
 				}) }),
-				/* @__PURE__ */ L("td", { children: (wc[e.node.kind] ?? ["gives", "takes"])[+(e.power > 0)] }),
-				/* @__PURE__ */ L("td", {
+				/* @__PURE__ */ z("td", { children: (Mc[e.node.kind] ?? ["gives", "takes"])[+(e.power > 0)] }),
+				/* @__PURE__ */ z("td", {
 					class: "figure",
-					children: z(Math.abs(e.power), "W")
+					children: L(Math.abs(e.power), "W")
 				})
 			]
 		})) })] }),
-		r.length > 0 && /* @__PURE__ */ L("p", {
+		r.length > 0 && /* @__PURE__ */ z("p", {
 			class: "hint",
 			children: ["not determined: ", r.join(", ")]
 		}),
-		/* @__PURE__ */ L("p", {
+		/* @__PURE__ */ z("p", {
 			class: "hint",
 			children: [
 				"supplied and given back ",
-				z(c(o), "W"),
+				L(c(o), "W"),
 				", taken ",
-				z(c(s), "W")
+				L(c(s), "W")
 			]
 		})
 	] });
 }
 // src/splitter.tsx
-function Fc(e) {
+function Uc(e) {
 	let t = (t) => e.onChange(Math.round(Math.max(e.least, Math.min(e.most, t))));
-	return /* @__PURE__ */ L("div", {
+	return /* @__PURE__ */ z("div", {
 		class: "splitter " + (e.upright ? "upright" : "level"),
 		role: "separator",
 		tabindex: 0,
@@ -7525,12 +7544,12 @@ function Fc(e) {
 	});
 }
 // src/transport.ts
-var Ic = class extends Error {
+var Wc = class extends Error {
 	problem;
 	constructor(e) {
 		super(e.why), this.problem = e;
 	}
-}, Lc = class {
+}, Gc = class {
 	count = 0;
 	waiting = /* @__PURE__ */ new Map();
 	held = [];
@@ -7566,19 +7585,19 @@ var Ic = class extends Error {
 		if (typeof e.id == "number") {
 			let t = this.waiting.get(e.id);
 			if (this.waiting.delete(e.id), !t) return;
-			e.error ? t.failed(new Ic(e.error)) : t.done(e);
+			e.error ? t.failed(new Wc(e.error)) : t.done(e);
 		} else this.onTold(e);
 	}
 };
 // src/schematic.tsx
-function Rc({ store: e, state: t }) {
-	let [n, r] = V(null), [i, a] = V(""), o = t.look, s = o.view.nodes.map((e) => `${e.x},${e.y}`).join(" ");
-	H(() => {
+function Kc({ store: e, state: t }) {
+	let [n, r] = H(null), [i, a] = H(""), o = t.look, s = o.view.nodes.map((e) => `${e.x},${e.y}`).join(" ");
+	gt(() => {
 		let t = !1;
 		return e.transport.ask("schematic", { level: o.view.path }).then((e) => {
 			t || (r(e), a(""));
 		}).catch((e) => {
-			t || (r(null), a(e instanceof Ic ? `${e.problem.why}. ${e.problem.try ?? ""}` : String(e)));
+			t || (r(null), a(e instanceof Wc ? `${e.problem.why}. ${e.problem.try ?? ""}` : String(e)));
 		}), () => {
 			t = !0;
 		};
@@ -7609,32 +7628,32 @@ function Rc({ store: e, state: t }) {
 		let i = o.view.nodes.find((e) => e.name === r);
 		n === "part" && i?.kind === "part" && i.known && e.open(t.level ? `${t.level}.${r}` : r);
 	};
-	return /* @__PURE__ */ L("section", {
+	return /* @__PURE__ */ z("section", {
 		class: "schematic",
 		"aria-label": "Schematic",
-		children: [i && /* @__PURE__ */ L("p", {
+		children: [i && /* @__PURE__ */ z("p", {
 			class: "hint",
 			children: i
-		}), n && /* @__PURE__ */ L("svg", {
+		}), n && /* @__PURE__ */ z("svg", {
 			viewBox: `0 0 ${n.width} ${n.height}`,
 			style: { maxWidth: `${n.width * 1.6}px` },
 			role: "img",
 			"aria-label": `Schematic: ${n.groups.filter((e) => e.name === "part").map((e) => e.key).join(", ")}`,
-			children: n.groups.map((e) => /* @__PURE__ */ L("g", {
+			children: n.groups.map((e) => /* @__PURE__ */ z("g", {
 				class: e.name + (l(e.name, e.key) ? " selected" : "") + (f(e.name, e.key) ? " off" : ""),
 				"data-schematic": e.key,
 				onClick: (t) => p(t, e.name, e.key),
 				onDblClick: () => m(e.name, e.key),
-				children: [e.about && /* @__PURE__ */ L("title", { children: e.about }), e.marks.map((e) => e.d === void 0 ? /* @__PURE__ */ L("text", {
+				children: [e.about && /* @__PURE__ */ z("title", { children: e.about }), e.marks.map((e) => e.d === void 0 ? /* @__PURE__ */ z("text", {
 					class: e.role,
 					x: e.x,
 					y: e.y,
 					"text-anchor": e.anchor,
 					children: e.text
-				}) : /* @__PURE__ */ L(x, { children: [/* @__PURE__ */ L("path", {
+				}) : /* @__PURE__ */ z(x, { children: [/* @__PURE__ */ z("path", {
 					class: "reach",
 					d: e.d
-				}), /* @__PURE__ */ L("path", {
+				}), /* @__PURE__ */ z("path", {
 					class: e.role,
 					d: e.d
 				})] }))]
@@ -7643,7 +7662,7 @@ function Rc({ store: e, state: t }) {
 	});
 }
 // src/app.tsx
-var zc = [
+var qc = [
 	["item", "Properties"],
 	["machines", "Machines"],
 	["model", "Model"],
@@ -7653,7 +7672,7 @@ var zc = [
 	["equations", "Equations"],
 	["power", "Power"],
 	["plan", "Sweep"]
-], Bc = class extends S {
+], Jc = class extends S {
 	state = this.props.store.state;
 	stop = () => {};
 	componentDidMount() {
@@ -7696,39 +7715,39 @@ var zc = [
 	};
 	render({ store: e }, t) {
 		let n = t.look;
-		if (!n) return /* @__PURE__ */ L("div", {
+		if (!n) return /* @__PURE__ */ z("div", {
 			class: "studio loading",
 			role: "status",
 			children: t.connected ? "Opening …" : "Connecting …"
 		});
 		let r = t.dark === null ? "" : t.dark ? " dark" : " light", i = n.problems.filter((e) => e.grave === "error").length, a = n.problems.length - i, o = [...t.nodes, ...[...t.bonds].map((e) => n.view.bonds.find((t) => t.key === e)?.text)].join(", ");
-		return /* @__PURE__ */ L("main", {
+		return /* @__PURE__ */ z("main", {
 			class: "studio" + r + (t.bottom ? " withbottom" : ""),
 			style: `--side: ${t.room.side}px; --low: ${t.room.low ? `${t.room.low}px` : "44%"}`,
 			children: [
-				/* @__PURE__ */ L(Hc, {
+				/* @__PURE__ */ z(Xc, {
 					store: e,
 					state: t,
 					errors: i
 				}),
-				/* @__PURE__ */ L("div", {
+				/* @__PURE__ */ z("div", {
 					class: "middle",
 					children: [
-						/* @__PURE__ */ L(pn, {
+						/* @__PURE__ */ z(xn, {
 							store: e,
 							state: t
 						}),
-						/* @__PURE__ */ L("div", {
+						/* @__PURE__ */ z("div", {
 							class: "canvases" + (t.schematic ? " two" : ""),
-							children: [/* @__PURE__ */ L(Ue, {
+							children: [/* @__PURE__ */ z($e, {
 								store: e,
 								state: t
-							}), t.schematic && /* @__PURE__ */ L(Rc, {
+							}), t.schematic && /* @__PURE__ */ z(Kc, {
 								store: e,
 								state: t
 							})]
 						}),
-						/* @__PURE__ */ L(Fc, {
+						/* @__PURE__ */ z(Uc, {
 							upright: !0,
 							label: "Width of the panels",
 							value: t.room.side,
@@ -7740,64 +7759,64 @@ var zc = [
 								side: n
 							} })
 						}),
-						/* @__PURE__ */ L("aside", {
+						/* @__PURE__ */ z("aside", {
 							class: "side" + (t.panel === "side" ? " open" : ""),
 							"aria-label": "Panels",
-							children: [/* @__PURE__ */ L("div", {
+							children: [/* @__PURE__ */ z("div", {
 								class: "tabs",
 								role: "tablist",
 								"aria-label": "Panels",
-								children: zc.map(([r, a]) => /* @__PURE__ */ L("button", {
+								children: qc.map(([r, a]) => /* @__PURE__ */ z("button", {
 									role: "tab",
 									id: `tab-${r}`,
 									"aria-controls": "panel",
 									"aria-selected": t.tab === r,
 									onClick: () => e.set({ tab: r }),
-									children: [a, r === "problems" && n.problems.length > 0 && /* @__PURE__ */ L("span", {
+									children: [a, r === "problems" && n.problems.length > 0 && /* @__PURE__ */ z("span", {
 										class: "count" + (i ? " error" : ""),
 										children: n.problems.length
 									})]
 								}))
-							}), /* @__PURE__ */ L("div", {
+							}), /* @__PURE__ */ z("div", {
 								class: "panel",
 								id: "panel",
 								role: "tabpanel",
 								"aria-labelledby": `tab-${t.tab}`,
 								tabindex: 0,
 								children: [
-									t.tab === "item" && /* @__PURE__ */ L(jt, {
+									t.tab === "item" && /* @__PURE__ */ z(zt, {
 										store: e,
 										state: t
 									}),
-									t.tab === "machines" && /* @__PURE__ */ L(qt, {
+									t.tab === "machines" && /* @__PURE__ */ z(tn, {
 										store: e,
 										state: t
 									}),
-									t.tab === "model" && /* @__PURE__ */ L(on, {
+									t.tab === "model" && /* @__PURE__ */ z(pn, {
 										store: e,
 										state: t
 									}),
-									t.tab === "problems" && /* @__PURE__ */ L(G, {
+									t.tab === "problems" && /* @__PURE__ */ z(_n, {
 										store: e,
 										state: t
 									}),
-									t.tab === "table" && /* @__PURE__ */ L(un, {
+									t.tab === "table" && /* @__PURE__ */ z(vn, {
 										store: e,
 										state: t
 									}),
-									t.tab === "text" && /* @__PURE__ */ L(dn, {
+									t.tab === "text" && /* @__PURE__ */ z(yn, {
 										store: e,
 										state: t
 									}),
-									t.tab === "equations" && /* @__PURE__ */ L(Tt, {
+									t.tab === "equations" && /* @__PURE__ */ z(Nt, {
 										store: e,
 										state: t
 									}),
-									t.tab === "power" && /* @__PURE__ */ L(Mc, {
+									t.tab === "power" && /* @__PURE__ */ z(Bc, {
 										store: e,
 										state: t
 									}),
-									t.tab === "plan" && /* @__PURE__ */ L(On, {
+									t.tab === "plan" && /* @__PURE__ */ z(In, {
 										store: e,
 										state: t
 									})
@@ -7806,9 +7825,9 @@ var zc = [
 						})
 					]
 				}),
-				t.bottom && /* @__PURE__ */ L("div", {
+				t.bottom && /* @__PURE__ */ z("div", {
 					class: "bottom",
-					children: [/* @__PURE__ */ L(Fc, {
+					children: [/* @__PURE__ */ z(Uc, {
 						upright: !1,
 						label: "Height of the plots",
 						value: t.room.low || 320,
@@ -7819,33 +7838,33 @@ var zc = [
 							...t.room,
 							low: n
 						} })
-					}), t.planShown && t.plan ? /* @__PURE__ */ L(er, {
+					}), t.planShown && t.plan ? /* @__PURE__ */ z(sr, {
 						store: e,
 						state: t,
 						plan: t.plan
-					}) : /* @__PURE__ */ L(x, { children: [t.sweep ? /* @__PURE__ */ L(rn, {
+					}) : /* @__PURE__ */ z(x, { children: [t.sweep ? /* @__PURE__ */ z(G, {
 						store: e,
 						state: t
-					}) : /* @__PURE__ */ L(gc, {
+					}) : /* @__PURE__ */ z(wc, {
 						store: e,
 						state: t
-					}), /* @__PURE__ */ L(bt, {
+					}), /* @__PURE__ */ z(Ot, {
 						store: e,
 						state: t
 					})] })]
 				}),
-				/* @__PURE__ */ L("footer", { children: [
-					/* @__PURE__ */ L("span", {
+				/* @__PURE__ */ z("footer", { children: [
+					/* @__PURE__ */ z("span", {
 						id: "chosen",
 						role: "status",
 						"aria-live": "polite",
 						children: o || (n.whole ? "" : "strokes of what is joined so far")
 					}),
-					/* @__PURE__ */ L(Vc, {
+					/* @__PURE__ */ z(Yc, {
 						store: e,
 						state: t
 					}),
-					/* @__PURE__ */ L("button", {
+					/* @__PURE__ */ z("button", {
 						class: "verdict" + (i ? " error" : a ? " hint" : ""),
 						onClick: () => e.set({
 							tab: "problems",
@@ -7853,34 +7872,34 @@ var zc = [
 						}),
 						children: i ? `${i} ${i === 1 ? "problem" : "problems"}: ${n.problems[0].code} ${n.problems[0].where}` : a ? `${a} hint${a > 1 ? "s" : ""}` : "fine"
 					}),
-					/* @__PURE__ */ L("button", {
+					/* @__PURE__ */ z("button", {
 						class: "verdict",
 						"aria-pressed": t.bottom,
 						onClick: () => e.set({ bottom: !t.bottom }),
 						children: "plots"
 					})
 				] }),
-				t.adding && n.view.editable && /* @__PURE__ */ L(mn, {
+				t.adding && n.view.editable && /* @__PURE__ */ z(Sn, {
 					store: e,
 					state: t
 				}),
-				t.notice && /* @__PURE__ */ L("div", {
+				t.notice && /* @__PURE__ */ z("div", {
 					class: "notice",
 					role: "alert",
 					children: [
-						/* @__PURE__ */ L("b", { children: t.notice.code }),
+						/* @__PURE__ */ z("b", { children: t.notice.code }),
 						" ",
-						t.notice.where && /* @__PURE__ */ L("i", { children: [t.notice.where, ": "] }),
+						t.notice.where && /* @__PURE__ */ z("i", { children: [t.notice.where, ": "] }),
 						t.notice.why,
-						t.notice.try && /* @__PURE__ */ L("em", { children: [" Try: ", t.notice.try] }),
-						/* @__PURE__ */ L("button", {
+						t.notice.try && /* @__PURE__ */ z("em", { children: [" Try: ", t.notice.try] }),
+						/* @__PURE__ */ z("button", {
 							"aria-label": "Close this message",
 							onClick: () => e.set({ notice: null }),
 							children: "✕"
 						})
 					]
 				}),
-				!t.connected && /* @__PURE__ */ L("div", {
+				!t.connected && /* @__PURE__ */ z("div", {
 					class: "notice",
 					role: "alert",
 					children: "The studio does not answer. What you did is in the file; trying again …"
@@ -7889,79 +7908,79 @@ var zc = [
 		});
 	}
 };
-function Vc({ store: e, state: t }) {
+function Yc({ store: e, state: t }) {
 	let n = t.look.machines, r = t.cursor?.mode;
-	return n.length ? /* @__PURE__ */ L("span", {
+	return n.length ? /* @__PURE__ */ z("span", {
 		class: "modes",
 		children: [
-			t.cursor && /* @__PURE__ */ L("b", { children: [
+			t.cursor && /* @__PURE__ */ z("b", { children: [
 				"t = ",
 				+t.cursor.t.toPrecision(6),
 				" s"
 			] }),
-			n.slice(0, 8).map((t) => /* @__PURE__ */ L("label", { children: [t.path, /* @__PURE__ */ L("select", {
+			n.slice(0, 8).map((t) => /* @__PURE__ */ z("label", { children: [t.path, /* @__PURE__ */ z("select", {
 				"aria-label": `State of ${t.path} that is drawn`,
 				value: r?.[t.path] ?? t.state,
 				onChange: (n) => e.setMode(t.path, n.currentTarget.value),
-				children: t.states.map((e) => /* @__PURE__ */ L("option", { children: e }))
+				children: t.states.map((e) => /* @__PURE__ */ z("option", { children: e }))
 			})] })),
 			n.length > 8 && `and ${n.length - 8} more`
 		]
 	}) : null;
 }
-function Hc({ store: e, state: t, errors: n }) {
+function Xc({ store: e, state: t, errors: n }) {
 	let r = t.look, i = t.running, a = Number(r.panels.experiment.until) || t.run?.until || 1;
-	return /* @__PURE__ */ L("header", { children: [
-		/* @__PURE__ */ L(Uc, {
+	return /* @__PURE__ */ z("header", { children: [
+		/* @__PURE__ */ z(Zc, {
 			store: e,
 			state: t
 		}),
-		/* @__PURE__ */ L("h1", {
+		/* @__PURE__ */ z("h1", {
 			title: r.file,
 			children: r.title || r.file
 		}),
-		/* @__PURE__ */ L("span", {
+		/* @__PURE__ */ z("span", {
 			class: "saved" + (r.unsaved ? " error" : ""),
 			role: "status",
 			children: r.unsaved ? `not saved: ${r.unsaved}` : r.inMemory ? "in memory" : r.writable ? "saved" : "read only: open in another studio"
 		}),
-		/* @__PURE__ */ L("span", { class: "spring" }),
-		/* @__PURE__ */ L("button", {
+		/* @__PURE__ */ z("span", { class: "spring" }),
+		/* @__PURE__ */ z("button", {
 			class: "narrow",
 			"aria-label": "Palette",
 			"aria-pressed": t.panel === "palette",
 			onClick: () => e.set({ panel: t.panel === "palette" ? "" : "palette" }),
 			children: "+"
 		}),
-		/* @__PURE__ */ L("button", {
+		/* @__PURE__ */ z("button", {
 			class: "narrow",
 			"aria-label": "Panels",
 			"aria-pressed": t.panel === "side",
 			onClick: () => e.set({ panel: t.panel === "side" ? "" : "side" }),
 			children: "☰"
 		}),
-		/* @__PURE__ */ L("button", {
+		/* @__PURE__ */ z("button", {
 			title: "Undo (Ctrl+Z)",
 			"aria-label": "Undo",
 			disabled: !r.canUndo,
 			onClick: e.undo,
 			children: "↶"
 		}),
-		/* @__PURE__ */ L("button", {
+		/* @__PURE__ */ z("button", {
 			title: "Redo (Ctrl+Y)",
 			"aria-label": "Redo",
 			disabled: !r.canRedo,
 			onClick: e.redo,
 			children: "↷"
 		}),
-		/* @__PURE__ */ L("button", {
+		/* @__PURE__ */ z("button", {
 			class: "wide",
 			disabled: !r.view.editable || !r.view.nodes.length,
 			title: "Lay out anew; selected elements stay where they are",
 			onClick: () => void e.ask("arrange", { keep: [...t.nodes] }),
 			children: "Arrange"
 		}),
-		/* @__PURE__ */ L("button", {
+		/* @__PURE__ */ z("button", {
 			class: "wide",
 			"aria-pressed": t.schematic,
 			title: "The schematic beside the bond graph",
@@ -7969,22 +7988,22 @@ function Hc({ store: e, state: t, errors: n }) {
 			onClick: () => e.set({ schematic: !t.schematic }),
 			children: "Schematic"
 		}),
-		i ? /* @__PURE__ */ L(x, { children: [/* @__PURE__ */ L("progress", {
+		i ? /* @__PURE__ */ z(x, { children: [/* @__PURE__ */ z("progress", {
 			"aria-label": "Progress of the run",
 			max: a,
 			value: i.t
-		}), /* @__PURE__ */ L("button", {
+		}), /* @__PURE__ */ z("button", {
 			class: "run",
 			onClick: e.cancel,
 			children: "Cancel"
-		})] }) : /* @__PURE__ */ L("button", {
+		})] }) : /* @__PURE__ */ z("button", {
 			class: "run",
 			disabled: n > 0,
 			title: "Run (Ctrl+Enter)",
 			onClick: () => void e.start(),
 			children: "▶ Run"
 		}),
-		/* @__PURE__ */ L("button", {
+		/* @__PURE__ */ z("button", {
 			"aria-label": "Dark or light",
 			title: "Dark or light",
 			onClick: () => e.set({ dark: !(t.dark ?? matchMedia("(prefers-color-scheme: dark)").matches) }),
@@ -7992,7 +8011,7 @@ function Hc({ store: e, state: t, errors: n }) {
 		})
 	] });
 }
-function Uc({ store: e, state: t }) {
+function Zc({ store: e, state: t }) {
 	let n = (e) => e.currentTarget.closest("details").removeAttribute("open"), r = (t) => {
 		e.set({
 			level: "",
@@ -8027,85 +8046,85 @@ function Uc({ store: e, state: t }) {
 			e.refused(t);
 		}
 	}, o = t.stock;
-	return /* @__PURE__ */ L("details", {
+	return /* @__PURE__ */ z("details", {
 		class: "menu",
-		children: [/* @__PURE__ */ L("summary", {
+		children: [/* @__PURE__ */ z("summary", {
 			"aria-label": "Menu",
 			children: "hybond"
-		}), /* @__PURE__ */ L("div", {
+		}), /* @__PURE__ */ z("div", {
 			class: "sheet",
 			onClick: (e) => e.target.tagName === "BUTTON" && n(e),
 			children: [
-				/* @__PURE__ */ L("button", {
+				/* @__PURE__ */ z("button", {
 					onClick: () => r({}),
 					children: "New model"
 				}),
-				/* @__PURE__ */ L("button", {
+				/* @__PURE__ */ z("button", {
 					onClick: i,
 					children: "Save as …"
 				}),
-				/* @__PURE__ */ L("hr", {}),
+				/* @__PURE__ */ z("hr", {}),
 				[
 					"svg",
 					"pdf",
 					"png",
 					"tex"
-				].map((e) => /* @__PURE__ */ L("button", {
+				].map((e) => /* @__PURE__ */ z("button", {
 					onClick: () => void a(e),
 					children: ["Picture as ", e === "tex" ? "TikZ" : e.toUpperCase()]
 				})),
-				/* @__PURE__ */ L("button", {
+				/* @__PURE__ */ z("button", {
 					onClick: () => void a("svg", !0),
 					children: "Schematic as SVG"
 				}),
-				/* @__PURE__ */ L("hr", {}),
-				/* @__PURE__ */ L("label", { children: [
+				/* @__PURE__ */ z("hr", {}),
+				/* @__PURE__ */ z("label", { children: [
 					"open",
 					" ",
-					/* @__PURE__ */ L("select", {
+					/* @__PURE__ */ z("select", {
 						"aria-label": "Open a file",
 						value: "",
 						onChange: (e) => {
 							r({ file: e.currentTarget.value }), n(e);
 						},
-						children: [/* @__PURE__ */ L("option", {
+						children: [/* @__PURE__ */ z("option", {
 							value: "",
 							children: "a file …"
-						}), o?.files.map((e) => /* @__PURE__ */ L("option", { children: e }))]
+						}), o?.files.map((e) => /* @__PURE__ */ z("option", { children: e }))]
 					})
 				] }),
-				/* @__PURE__ */ L("label", { children: [
+				/* @__PURE__ */ z("label", { children: [
 					"open",
 					" ",
-					/* @__PURE__ */ L("select", {
+					/* @__PURE__ */ z("select", {
 						"aria-label": "Open an example",
 						value: "",
 						onChange: (e) => {
 							r({ example: e.currentTarget.value }), n(e);
 						},
-						children: [/* @__PURE__ */ L("option", {
+						children: [/* @__PURE__ */ z("option", {
 							value: "",
 							children: "an example …"
-						}), o?.examples.map((e) => /* @__PURE__ */ L("option", { children: e }))]
+						}), o?.examples.map((e) => /* @__PURE__ */ z("option", { children: e }))]
 					})
 				] }),
-				/* @__PURE__ */ L("small", { children: ["hybond ", o?.version] })
+				/* @__PURE__ */ z("small", { children: ["hybond ", o?.version] })
 			]
 		})]
 	});
 }
 // src/sharing.ts
-function Wc(e, t) {
+function Qc(e, t) {
 	if (e === t || typeof t != "object" || !t || typeof e != "object" || !e || Array.isArray(e) !== Array.isArray(t)) return t;
 	let [n, r] = [e, t], i = Object.keys(r), a = i.length === Object.keys(n).length;
 	for (let e of i) {
-		let t = Wc(n[e], r[e]);
+		let t = Qc(n[e], r[e]);
 		r[e] = t, a &&= t === n[e] && e in n;
 	}
 	return a ? e : t;
 }
 // src/store.ts
-var Gc = {
+var $c = {
 	connected: !1,
 	look: null,
 	stock: null,
@@ -8141,9 +8160,9 @@ var Gc = {
 		side: 340,
 		low: 0
 	}
-}, Kc = class {
+}, el = class {
 	transport;
-	state = Gc;
+	state = $c;
 	listeners = /* @__PURE__ */ new Set();
 	queue = Promise.resolve();
 	constructor(e) {
@@ -8186,7 +8205,7 @@ var Gc = {
 		}
 	}
 	refused(e) {
-		e instanceof Ic ? this.set({ notice: e.problem }) : this.state.connected && this.set({ notice: {
+		e instanceof Wc ? this.set({ notice: e.problem }) : this.state.connected && this.set({ notice: {
 			code: "",
 			where: "",
 			why: String(e),
@@ -8194,7 +8213,7 @@ var Gc = {
 		} });
 	}
 	take(e) {
-		let t = Wc(this.state.look, e), n = new Set(t.view.nodes.map((e) => e.name)), r = new Set(t.view.bonds.map((e) => e.key));
+		let t = Qc(this.state.look, e), n = new Set(t.view.nodes.map((e) => e.name)), r = new Set(t.view.bonds.map((e) => e.key));
 		this.set({
 			look: t,
 			level: t.view.path,
@@ -8459,7 +8478,7 @@ var Gc = {
 				mode: n ?? null,
 				level: this.state.level,
 				names: this.state.plotted
-			}), o = Wc(this.state.cursor?.strokes ?? this.state.look?.strokes, a.strokes);
+			}), o = Qc(this.state.cursor?.strokes ?? this.state.look?.strokes, a.strokes);
 			i === this.cursorCount && this.set({ cursor: {
 				...a,
 				strokes: o
@@ -8476,11 +8495,11 @@ var Gc = {
 	}
 };
 // src/widget.tsx
-function qc({ model: e, el: t }) {
-	let n = new Lc(), r = new Kc(n), i = (e) => n.received(e);
-	return e.on("msg:custom", i), n.connected({ send: (t) => e.send(t) }), t.style.height = `${e.get("height")}px`, t.classList.add("hybond-widget"), I(/* @__PURE__ */ L(Bc, { store: r }), t), r.begin(), () => {
+function tl({ model: e, el: t }) {
+	let n = new Gc(), r = new el(n), i = (e) => n.received(e);
+	return e.on("msg:custom", i), n.connected({ send: (t) => e.send(t) }), t.style.height = `${e.get("height")}px`, t.classList.add("hybond-widget"), I(/* @__PURE__ */ z(Jc, { store: r }), t), r.begin(), () => {
 		e.off("msg:custom", i), I(null, t);
 	};
 }
-var Jc = { render: qc };
-export { Jc as default, qc as render };
+var nl = { render: tl };
+export { nl as default, tl as render };
