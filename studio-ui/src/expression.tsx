@@ -103,7 +103,7 @@ export function ExpressionField(p: Props) {
         aria-controls={id}
         aria-activedescendant={chosen >= 0 ? `${id}-${chosen}` : undefined}
         aria-invalid={!!said}
-        aria-errormessage={said ? `${id}-wrong` : undefined}
+        aria-describedby={said ? `${id}-wrong` : undefined}
         onFocus={() => (focused.current = true)}
         onInput={typed}
         onBlur={write}

@@ -129,11 +129,10 @@ export function PlanPanel({ store, state }: Props) {
         <summary>What can be collected</summary>
         <ul>
           {Object.values(words.collectors).map((text) => {
-            const [how, ...about] = text.split(":");
+            const [, how, about] = /^(\w+(?:\([^)]*\))?)[:,] (.*)$/.exec(text) ?? ["", text, ""];
             return (
               <li>
-                <code>{how}</code>
-                {about.join(":")}
+                <code>{how}</code> {about}
               </li>
             );
           })}

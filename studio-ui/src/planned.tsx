@@ -21,6 +21,8 @@ const BARS = 92;
 const NARROW = "(max-width: 760px)";
 /** Least time between two pictures of a sweep that goes on, ms. */
 const PICTURE = 500;
+/** How much longer nothing is asked than the last picture took. */
+const SHARE = 4;
 
 export function PlanView({ store, state, plan }: { store: Store; state: State; plan: PlanNow }) {
   const { choice, chosen } = state.looked?.plan === plan.plan ? state.looked : { choice: first(plan), chosen: null };
@@ -33,7 +35,6 @@ export function PlanView({ store, state, plan }: { store: Store; state: State; p
     watch.observe(e);
     return () => watch.disconnect();
   }, []);
-  const [seen, refused] = useSeen(store, plan, choice);
   const set = (patch: Partial<Choice>) => store.set({ looked: { plan: plan.plan, choice: { ...choice, ...patch }, chosen } });
   const choose = (member: number) => store.set({ looked: { plan: plan.plan, choice, chosen: member } });
   const numeric = [...plan.factors.filter((f) => f.number).map((f) => f.path), ...plan.columns.filter((c) => c.kind === "number" || c.kind === "whole").map((c) => c.name)];
@@ -51,6 +52,8 @@ export function PlanView({ store, state, plan }: { store: Store; state: State; p
   const factors = plan.factors.map((f) => f.path);
   const others = plan.way === "grid" && choice.view === "map" ? plan.factors.filter((f) => f.levels.length > 1 && f.path !== choice.x && f.path !== choice.y) : [];
   const sliced = others.length > 0 && factors.includes(choice.x) && factors.includes(choice.y);
+  const at = sliced ? Object.fromEntries(others.map((f) => [f.path, choice.at[f.path] ?? 0])) : {};
+  const [seen, refused] = useSeen(store, plan, { ...choice, at });
   return (
     <section class="plots planned" ref={box} aria-label="Sweep">
       <div class="plotbar">
@@ -80,7 +83,7 @@ export function PlanView({ store, state, plan }: { store: Store; state: State; p
           others.map((f) => (
             <label>
               {f.path}
-              <select aria-label={`Level of ${f.path}`} value={choice.at[f.path] ?? 0} onChange={(e) => set({ at: { ...choice.at, [f.path]: Number(e.currentTarget.value) } })}>
+              <select aria-label={`Level of ${f.path}`} value={at[f.path]} onChange={(e) => set({ at: { ...choice.at, [f.path]: Number(e.currentTarget.value) } })}>
                 {f.levels.map((level, k) => <option value={k}>{level}</option>)}
               </select>
             </label>
@@ -275,6 +278,7 @@ function useSeen(store: Store, plan: PlanNow, choice: Choice): [ViewOf | null, P
       const now = wanted.current;
       served = JSON.stringify(now);
       const [number, own] = JSON.parse(now.key);
+      const began = performance.now();
       try {
         const seen = await store.transport.ask<ViewOf>("plan view", { plan: number, ...own });
         if (now.key === wanted.current.key) setAnswer({ key: now.key, seen, refused: null });
@@ -283,7 +287,8 @@ function useSeen(store: Store, plan: PlanNow, choice: Choice): [ViewOf | null, P
         if (now.key === wanted.current.key) setAnswer({ key: now.key, seen: null, refused });
       }
       const same = now.key === wanted.current.key;
-      if (same && !wanted.current.ended) await new Promise((done) => setTimeout(done, PICTURE));
+      const rest = Math.max(PICTURE, SHARE * (performance.now() - began));
+      if (same && !wanted.current.ended) await new Promise((done) => setTimeout(done, rest));
     }
     busy.current = false;
   };

@@ -303,6 +303,8 @@ def test_by_touch_on_a_telephone(serve: Callable[[str], str], tmp_path: Path) ->
 def test_the_rod_falls_through_its_two_mythical_modes(
     desk: Any, serve: Callable[[str], str], tmp_path: Path
 ) -> None:
+    from selenium.webdriver.common.keys import Keys
+
     (tmp_path / "rod.toml").write_text((EXAMPLES / "falling_rod.toml").read_text())
     page = Page(desk, serve("rod.toml"))
     page.click("button.run")
@@ -377,6 +379,12 @@ def test_the_rod_falls_through_its_two_mythical_modes(
     page.until(lambda: page.all("[data-event]"), "and its events")
     page.click(".plots .plotbar button")
     page.until(lambda: page.one(".outcomes circle.chosen"), "back at the map")
+    # by keyboard: to the cell on the right, whose run Enter opens
+    desk.execute_script("document.querySelector('.outcomes .area').focus()")
+    page.keys(Keys.ARROW_RIGHT)
+    page.until(lambda: "mu = 0.32, J = 1.21" in page.one(".outcomes output").text, "its neighbour")
+    page.keys(Keys.ENTER)
+    page.until(lambda: "mu = 0.32, J = 1.21" in page.one(".plots .own").text, "its run")
     assert not page.complaints()
 
 

@@ -2218,7 +2218,7 @@ function $t(e) {
 				"aria-controls": l,
 				"aria-activedescendant": a >= 0 ? `${l}-${a}` : void 0,
 				"aria-invalid": !!v,
-				"aria-errormessage": v ? `${l}-wrong` : void 0,
+				"aria-describedby": v ? `${l}-wrong` : void 0,
 				onFocus: () => d.current = !0,
 				onInput: m,
 				onBlur: g,
@@ -3541,8 +3541,16 @@ function In({ store: e, state: t }) {
 				told: f.collect
 			}),
 			/* @__PURE__ */ z("details", { children: [/* @__PURE__ */ z("summary", { children: "What can be collected" }), /* @__PURE__ */ z("ul", { children: Object.values(n.collectors).map((e) => {
-				let [t, ...n] = e.split(":");
-				return /* @__PURE__ */ z("li", { children: [/* @__PURE__ */ z("code", { children: t }), n.join(":")] });
+				let [, t, n] = /^(\w+(?:\([^)]*\))?)[:,] (.*)$/.exec(e) ?? [
+					"",
+					e,
+					""
+				];
+				return /* @__PURE__ */ z("li", { children: [
+					/* @__PURE__ */ z("code", { children: t }),
+					" ",
+					n
+				] });
 			}) })] }),
 			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "until" }), /* @__PURE__ */ z(Ft, {
 				label: "Until of the sweep",
@@ -4168,10 +4176,10 @@ var rr = [
 	["tornado", "Tornado"],
 	["sobol", "Sobol indices"],
 	["table", "Table"]
-], ir = 92, ar = "(max-width: 760px)", or = 500;
-function sr({ store: e, state: t, plan: n }) {
+], ir = 92, ar = "(max-width: 760px)", or = 500, sr = 4;
+function cr({ store: e, state: t, plan: n }) {
 	let { choice: r, chosen: i } = t.looked?.plan === n.plan ? t.looked : {
-		choice: hr(n),
+		choice: gr(n),
 		chosen: null
 	}, [[a, o], s] = H([700, 340]), c = _t(null);
 	gt(() => {
@@ -4180,23 +4188,26 @@ function sr({ store: e, state: t, plan: n }) {
 		let t = new ResizeObserver(() => s([Math.max(260, e.clientWidth - 24), matchMedia(ar).matches ? 0 : e.clientHeight]));
 		return t.observe(e), () => t.disconnect();
 	}, []);
-	let [l, u] = gr(e, n, r), d = (t) => e.set({ looked: {
+	let l = (t) => e.set({ looked: {
 		plan: n.plan,
 		choice: {
 			...r,
 			...t
 		},
 		chosen: i
-	} }), f = (t) => e.set({ looked: {
+	} }), u = (t) => e.set({ looked: {
 		plan: n.plan,
 		choice: r,
 		chosen: t
-	} }), p = [...n.factors.filter((e) => e.number).map((e) => e.path), ...n.columns.filter((e) => e.kind === "number" || e.kind === "whole").map((e) => e.name)], m = n.columns.filter((e) => e.kind !== "curve").map((e) => e.name), h = (e, t, n) => /* @__PURE__ */ z("label", { children: [e, /* @__PURE__ */ z("select", {
+	} }), d = [...n.factors.filter((e) => e.number).map((e) => e.path), ...n.columns.filter((e) => e.kind === "number" || e.kind === "whole").map((e) => e.name)], f = n.columns.filter((e) => e.kind !== "curve").map((e) => e.name), p = (e, t, n) => /* @__PURE__ */ z("label", { children: [e, /* @__PURE__ */ z("select", {
 		"aria-label": e,
 		value: r[t],
-		onChange: (e) => d({ [t]: e.currentTarget.value }),
+		onChange: (e) => l({ [t]: e.currentTarget.value }),
 		children: n.map((e) => /* @__PURE__ */ z("option", { children: e }))
-	})] }), g = (t) => void e.openMember(t), _ = o ? Math.max(o - ir, 190) : Math.round(Math.min(.8 * a, 340)), v = n.factors.map((e) => e.path), y = n.way === "grid" && r.view === "map" ? n.factors.filter((e) => e.levels.length > 1 && e.path !== r.x && e.path !== r.y) : [], b = y.length > 0 && v.includes(r.x) && v.includes(r.y);
+	})] }), m = (t) => void e.openMember(t), h = o ? Math.max(o - ir, 190) : Math.round(Math.min(.8 * a, 340)), g = n.factors.map((e) => e.path), _ = n.way === "grid" && r.view === "map" ? n.factors.filter((e) => e.levels.length > 1 && e.path !== r.x && e.path !== r.y) : [], v = _.length > 0 && g.includes(r.x) && g.includes(r.y), y = v ? Object.fromEntries(_.map((e) => [e.path, r.at[e.path] ?? 0])) : {}, [b, S] = _r(e, n, {
+		...r,
+		at: y
+	});
 	return /* @__PURE__ */ z("section", {
 		class: "plots planned",
 		ref: c,
@@ -4205,19 +4216,19 @@ function sr({ store: e, state: t, plan: n }) {
 			/* @__PURE__ */ z("div", {
 				class: "plotbar",
 				children: [
-					/* @__PURE__ */ z(lr, {
+					/* @__PURE__ */ z(ur, {
 						store: e,
 						plan: n
 					}),
-					/* @__PURE__ */ z(ur, {
+					/* @__PURE__ */ z(dr, {
 						store: e,
 						plan: n,
 						chosen: i,
-						choose: f,
-						open: g
+						choose: u,
+						open: m
 					}),
 					/* @__PURE__ */ z("button", {
-						onClick: () => void _r(e, n),
+						onClick: () => void vr(e, n),
 						disabled: !n.kept,
 						children: "Table as CSV"
 					}),
@@ -4236,28 +4247,28 @@ function sr({ store: e, state: t, plan: n }) {
 						"aria-label": "Views",
 						children: rr.map(([e, t]) => /* @__PURE__ */ z("button", {
 							"aria-pressed": r.view === e,
-							onClick: () => d({
+							onClick: () => l({
 								view: e,
-								...mr(n, e)
+								...hr(n, e)
 							}),
 							children: t
 						}))
 					}),
 					(r.view === "map" || r.view === "scatter") && /* @__PURE__ */ z(x, { children: [
-						h("of", "value", r.view === "map" ? m : [
-							...m,
+						p("of", "value", r.view === "map" ? f : [
+							...f,
 							"status",
-							...v
+							...g
 						]),
-						h("across", "x", p),
-						h("up", "y", p)
+						p("across", "x", d),
+						p("up", "y", d)
 					] }),
-					r.view === "family" && h("of", "curve", n.columns.filter((e) => e.kind === "curve").map((e) => e.name)),
-					(r.view === "tornado" || r.view === "sobol") && h("of", "value", p.filter((e) => !v.includes(e))),
-					b && y.map((e) => /* @__PURE__ */ z("label", { children: [e.path, /* @__PURE__ */ z("select", {
+					r.view === "family" && p("of", "curve", n.columns.filter((e) => e.kind === "curve").map((e) => e.name)),
+					(r.view === "tornado" || r.view === "sobol") && p("of", "value", d.filter((e) => !g.includes(e))),
+					v && _.map((e) => /* @__PURE__ */ z("label", { children: [e.path, /* @__PURE__ */ z("select", {
 						"aria-label": `Level of ${e.path}`,
-						value: r.at[e.path] ?? 0,
-						onChange: (t) => d({ at: {
+						value: y[e.path],
+						onChange: (t) => l({ at: {
 							...r.at,
 							[e.path]: Number(t.currentTarget.value)
 						} }),
@@ -4280,39 +4291,39 @@ function sr({ store: e, state: t, plan: n }) {
 					/* @__PURE__ */ z("em", { children: n.error.try })
 				]
 			}),
-			u ? /* @__PURE__ */ z("p", {
+			S ? /* @__PURE__ */ z("p", {
 				class: "hint",
 				children: [
-					u.why,
+					S.why,
 					". ",
-					cr[r.view] ?? u.try
+					lr[r.view] ?? S.try
 				]
-			}) : l ? l.view === "table" ? /* @__PURE__ */ z(dr, {
-				found: l,
-				open: g,
-				turn: (e) => d({ first: e })
-			}) : l.view === "family" ? /* @__PURE__ */ z(Gn, {
-				found: l,
-				wide: Math.min(a, 4 * _),
-				high: _,
+			}) : b ? b.view === "table" ? /* @__PURE__ */ z(fr, {
+				found: b,
+				open: m,
+				turn: (e) => l({ first: e })
+			}) : b.view === "family" ? /* @__PURE__ */ z(Gn, {
+				found: b,
+				wide: Math.min(a, 4 * h),
+				high: h,
 				chosen: i,
-				choose: f,
-				open: g
-			}) : l.view === "tornado" ? /* @__PURE__ */ z(Xn, {
-				found: l,
+				choose: u,
+				open: m
+			}) : b.view === "tornado" ? /* @__PURE__ */ z(Xn, {
+				found: b,
 				wide: a,
-				open: g
-			}) : l.view === "sobol" ? /* @__PURE__ */ z(Zn, {
-				found: l,
+				open: m
+			}) : b.view === "sobol" ? /* @__PURE__ */ z(Zn, {
+				found: b,
 				wide: a
 			}) : /* @__PURE__ */ z(nr, {
-				found: l,
-				wide: Math.min(a, 4 * _),
-				high: _,
+				found: b,
+				wide: Math.min(a, 4 * h),
+				high: h,
 				dark: t.dark,
 				chosen: i,
-				choose: f,
-				open: g
+				choose: u,
+				open: m
 			}) : /* @__PURE__ */ z("p", {
 				class: "hint",
 				children: n.kept ? "…" : n.state === "running" ? "The first runs are on their way …" : "No run was done."
@@ -4320,12 +4331,12 @@ function sr({ store: e, state: t, plan: n }) {
 		]
 	});
 }
-var cr = {
+var lr = {
 	tornado: "Draw members ‘for a tornado’.",
 	sobol: "Draw members ‘for Sobol indices’.",
 	family: "Collect a curve: curve(height, 101)."
 };
-function lr({ store: e, plan: t }) {
+function ur({ store: e, plan: t }) {
 	let n = t.left === null ? "" : t.left < 1 ? ", under 1 s to go" : t.left < 120 ? `, ${Math.round(t.left)} s to go` : t.left < 7200 ? `, ${Math.round(t.left / 60)} min to go` : `, ${(t.left / 3600).toFixed(1)} h to go`, r = t.factors.map((e) => e.path).join(", ");
 	return t.state === "running" ? /* @__PURE__ */ z(x, { children: [
 		/* @__PURE__ */ z("progress", {
@@ -4353,7 +4364,7 @@ function lr({ store: e, plan: t }) {
 		]
 	});
 }
-function ur({ store: e, plan: t, chosen: n, choose: r, open: i }) {
+function dr({ store: e, plan: t, chosen: n, choose: r, open: i }) {
 	let [a, o] = H(null);
 	gt(() => {
 		if (o(null), n === null) return;
@@ -4393,8 +4404,8 @@ function ur({ store: e, plan: t, chosen: n, choose: r, open: i }) {
 			}
 		})] }), n !== null && /* @__PURE__ */ z(x, { children: [
 			/* @__PURE__ */ z("output", { children: [
-				s.map(([e, t]) => `${e} = ${pr(t)}`).join(", "),
-				a?.row && t.columns.filter((e) => e.kind !== "curve").map((e) => `; ${e.name} = ${fr(a.row[e.name])}`).join(""),
+				s.map(([e, t]) => `${e} = ${mr(t)}`).join(", "),
+				a?.row && t.columns.filter((e) => e.kind !== "curve").map((e) => `; ${e.name} = ${pr(a.row[e.name])}`).join(""),
 				a?.row?.code && `; ${a.row.status}: ${a.row.code} ${a.row.message}`
 			] }),
 			/* @__PURE__ */ z("button", {
@@ -4408,7 +4419,7 @@ function ur({ store: e, plan: t, chosen: n, choose: r, open: i }) {
 		] })]
 	});
 }
-function dr({ found: e, open: t, turn: n }) {
+function fr({ found: e, open: t, turn: n }) {
 	let r = e.columns.map((e, t) => t).filter((t) => t === 0 || ![
 		"code",
 		"message",
@@ -4431,7 +4442,7 @@ function dr({ found: e, open: t, turn: n }) {
 					class: "link",
 					onClick: () => t(Number(e[0])),
 					children: e[0]
-				}) : fr(e[n])
+				}) : pr(e[n])
 			})) })) })] })
 		}), /* @__PURE__ */ z("div", {
 			class: "plotbar",
@@ -4457,14 +4468,14 @@ function dr({ found: e, open: t, turn: n }) {
 		})]
 	});
 }
-function fr(e) {
+function pr(e) {
 	return typeof e == "number" ? K(e) : e ?? "none";
 }
-function pr(e) {
+function mr(e) {
 	let [t, ...n] = String(e).split(" ");
 	return Number.isFinite(Number(t)) ? [K(Number(t)), ...n].join(" ") : String(e);
 }
-function mr(e, t) {
+function hr(e, t) {
 	let n = e.factors.filter((e) => e.number).map((e) => e.path), r = e.columns.filter((e) => e.kind === "number" || e.kind === "whole").map((e) => e.name), i = e.columns.filter((e) => e.kind === "text").map((e) => e.name), [a = "", o = n[0] ?? ""] = n;
 	switch (t) {
 		case "map": return {
@@ -4481,7 +4492,7 @@ function mr(e, t) {
 		default: return { value: r[0] ?? "" };
 	}
 }
-function hr(e) {
+function gr(e) {
 	let t = e.way.split(":")[0], n = e.columns.find((e) => e.kind === "curve"), r = e.factors.filter((e) => e.number).length, i = t === "ends" ? "tornado" : t === "saltelli" ? "sobol" : n && (r < 2 || e.columns.length === 1) ? "family" : r < 2 ? "scatter" : "map";
 	return {
 		view: i,
@@ -4491,10 +4502,10 @@ function hr(e) {
 		curve: "",
 		at: {},
 		first: 0,
-		...mr(e, i)
+		...hr(e, i)
 	};
 }
-function gr(e, t, n) {
+function _r(e, t, n) {
 	let [r, i] = H({
 		key: "",
 		seen: null,
@@ -4510,7 +4521,7 @@ function gr(e, t, n) {
 		for (; !c.current && JSON.stringify(o.current) !== t;) {
 			let n = o.current;
 			t = JSON.stringify(n);
-			let [r, a] = JSON.parse(n.key);
+			let [r, a] = JSON.parse(n.key), s = performance.now();
 			try {
 				let t = await e.transport.ask("plan view", {
 					plan: r,
@@ -4529,7 +4540,8 @@ function gr(e, t, n) {
 					refused: t
 				});
 			}
-			n.key === o.current.key && !o.current.ended && await new Promise((e) => setTimeout(e, or));
+			let c = n.key === o.current.key, l = Math.max(or, sr * (performance.now() - s));
+			c && !o.current.ended && await new Promise((e) => setTimeout(e, l));
 		}
 		s.current = !1;
 	};
@@ -4547,7 +4559,7 @@ function gr(e, t, n) {
 		t.state
 	]), [r.seen && JSON.parse(r.key || "[]")[0] === t.plan && r.seen.view === n.view ? r.seen : null, r.key === a ? r.refused : null];
 }
-async function _r(e, t) {
+async function vr(e, t) {
 	try {
 		let { text: n, name: r } = await e.transport.ask("plan csv", { plan: t.plan }), i = document.createElement("a");
 		i.href = URL.createObjectURL(new Blob([n], { type: "text/csv" })), i.download = r, i.click(), URL.revokeObjectURL(i.href);
@@ -4556,65 +4568,65 @@ async function _r(e, t) {
 	}
 }
 // node_modules/uplot/dist/uPlot.esm.js
-var vr = !0, yr = "uplot", br = "u-hz", xr = "u-vt", Sr = "u-title", Cr = "u-wrap", wr = "u-under", Tr = "u-over", Er = "u-axis", Dr = "u-off", Or = "u-select", kr = "u-cursor-x", Ar = "u-cursor-y", jr = "u-cursor-pt", Mr = "u-legend", Nr = "u-live", Pr = "u-inline", Fr = "u-series", Ir = "u-marker", Lr = "u-label", Rr = "u-value", zr = "width", Br = "height", Vr = "top", Hr = "bottom", Ur = "left", Wr = "right", Gr = "#000", Kr = "#0000", qr = "mousemove", Jr = "mousedown", Yr = "mouseup", Xr = "mouseenter", Zr = "mouseleave", Qr = "dblclick", $r = "resize", ei = "scroll", ti = "change", ni = "dppxchange", ri = "--", ii = typeof window < "u", ai = ii ? document : null, oi = ii ? window : null, si = ii ? navigator : null, J, ci;
-function li() {
+var yr = !0, br = "uplot", xr = "u-hz", Sr = "u-vt", Cr = "u-title", wr = "u-wrap", Tr = "u-under", Er = "u-over", Dr = "u-axis", Or = "u-off", kr = "u-select", Ar = "u-cursor-x", jr = "u-cursor-y", Mr = "u-cursor-pt", Nr = "u-legend", Pr = "u-live", Fr = "u-inline", Ir = "u-series", Lr = "u-marker", Rr = "u-label", zr = "u-value", Br = "width", Vr = "height", Hr = "top", Ur = "bottom", Wr = "left", Gr = "right", Kr = "#000", qr = "#0000", Jr = "mousemove", Yr = "mousedown", Xr = "mouseup", Zr = "mouseenter", Qr = "mouseleave", $r = "dblclick", ei = "resize", ti = "scroll", ni = "change", ri = "dppxchange", ii = "--", ai = typeof window < "u", oi = ai ? document : null, si = ai ? window : null, ci = ai ? navigator : null, J, li;
+function ui() {
 	let e = devicePixelRatio;
-	J != e && (J = e, ci && wi(ti, ci, li), ci = matchMedia(`(min-resolution: ${J - .001}dppx) and (max-resolution: ${J + .001}dppx)`), Ci(ti, ci, li), oi.dispatchEvent(new CustomEvent(ni)));
+	J != e && (J = e, li && Ti(ni, li, ui), li = matchMedia(`(min-resolution: ${J - .001}dppx) and (max-resolution: ${J + .001}dppx)`), wi(ni, li, ui), si.dispatchEvent(new CustomEvent(ri)));
 }
-function ui(e, t) {
+function di(e, t) {
 	if (t != null) {
 		let n = e.classList;
 		!n.contains(t) && n.add(t);
 	}
 }
-function di(e, t) {
+function fi(e, t) {
 	let n = e.classList;
 	n.contains(t) && n.remove(t);
 }
-function fi(e, t, n) {
+function pi(e, t, n) {
 	e.style[t] = n + "px";
 }
-function pi(e, t, n, r) {
-	let i = ai.createElement(e);
-	return t != null && ui(i, t), n?.insertBefore(i, r), i;
+function mi(e, t, n, r) {
+	let i = oi.createElement(e);
+	return t != null && di(i, t), n?.insertBefore(i, r), i;
 }
-function mi(e, t) {
-	return pi("div", e, t);
+function hi(e, t) {
+	return mi("div", e, t);
 }
-var hi = /* @__PURE__ */ new WeakMap();
-function gi(e, t, n, r, i) {
+var gi = /* @__PURE__ */ new WeakMap();
+function _i(e, t, n, r, i) {
 	let a = "translate(" + t + "px," + n + "px)";
-	a != hi.get(e) && (e.style.transform = a, hi.set(e, a), t < 0 || n < 0 || t > r || n > i ? ui(e, Dr) : di(e, Dr));
+	a != gi.get(e) && (e.style.transform = a, gi.set(e, a), t < 0 || n < 0 || t > r || n > i ? di(e, Or) : fi(e, Or));
 }
-var _i = /* @__PURE__ */ new WeakMap();
-function vi(e, t, n) {
+var vi = /* @__PURE__ */ new WeakMap();
+function yi(e, t, n) {
 	let r = t + n;
-	r != _i.get(e) && (_i.set(e, r), e.style.background = t, e.style.borderColor = n);
+	r != vi.get(e) && (vi.set(e, r), e.style.background = t, e.style.borderColor = n);
 }
-var yi = /* @__PURE__ */ new WeakMap();
-function bi(e, t, n, r) {
+var bi = /* @__PURE__ */ new WeakMap();
+function xi(e, t, n, r) {
 	let i = t + "" + n;
-	i != yi.get(e) && (yi.set(e, i), e.style.height = n + "px", e.style.width = t + "px", e.style.marginLeft = r ? -t / 2 + "px" : 0, e.style.marginTop = r ? -n / 2 + "px" : 0);
+	i != bi.get(e) && (bi.set(e, i), e.style.height = n + "px", e.style.width = t + "px", e.style.marginLeft = r ? -t / 2 + "px" : 0, e.style.marginTop = r ? -n / 2 + "px" : 0);
 }
-var xi = { passive: !0 }, Si = {
-	...xi,
+var Si = { passive: !0 }, Ci = {
+	...Si,
 	capture: !0
 };
-function Ci(e, t, n, r) {
-	t.addEventListener(e, n, r ? Si : xi);
-}
 function wi(e, t, n, r) {
-	t.removeEventListener(e, n, xi);
+	t.addEventListener(e, n, r ? Ci : Si);
 }
-ii && li();
 function Ti(e, t, n, r) {
+	t.removeEventListener(e, n, Si);
+}
+ai && ui();
+function Ei(e, t, n, r) {
 	let i;
 	n ||= 0, r ||= t.length - 1;
 	let a = r <= 2147483647;
-	for (; r - n > 1;) i = a ? n + r >> 1 : Ki((n + r) / 2), t[i] < e ? n = i : r = i;
+	for (; r - n > 1;) i = a ? n + r >> 1 : qi((n + r) / 2), t[i] < e ? n = i : r = i;
 	return e - t[n] <= t[r] - e ? n : r;
 }
-function Ei(e) {
+function Di(e) {
 	return (t, n, r) => {
 		let i = -1, a = -1;
 		for (let a = n; a <= r; a++) if (e(t[a])) {
@@ -4628,9 +4640,9 @@ function Ei(e) {
 		return [i, a];
 	};
 }
-var Di = (e) => e != null, Oi = (e) => e != null && e > 0, ki = Ei(Di), Ai = Ei(Oi);
-function ji(e, t, n, r = 0, i = !1) {
-	let a = i ? Ai : ki, o = i ? Oi : Di;
+var Oi = (e) => e != null, ki = (e) => e != null && e > 0, Ai = Di(Oi), ji = Di(ki);
+function Mi(e, t, n, r = 0, i = !1) {
+	let a = i ? ji : Ai, o = i ? ki : Oi;
 	[t, n] = a(e, t, n);
 	let s = e[t], c = e[t];
 	if (t > -1) {
@@ -4641,106 +4653,106 @@ function ji(e, t, n, r = 0, i = !1) {
 			o(t) && (t < s ? s = t : t > c && (c = t));
 		}
 	}
-	return [s ?? ra, c ?? -ra];
-}
-function Mi(e, t, n, r) {
-	let i = Qi(e), a = Qi(t);
-	e == t && (i == -1 ? (e *= n, t /= n) : (e /= n, t *= n));
-	let o = n == 10 ? $i : ea, s = i == 1 ? Ki : Ji, c = a == 1 ? Ji : Ki, l = s(o(Gi(e))), u = c(o(Gi(t))), d = Zi(n, l), f = Zi(n, u);
-	return n == 10 && (l < 0 && (d = Z(d, -l)), u < 0 && (f = Z(f, -u))), r || n == 2 ? (e = d * i, t = f * a) : (e = _a(e, d), t = ga(t, f)), [e, t];
+	return [s ?? ia, c ?? -ia];
 }
 function Ni(e, t, n, r) {
-	let i = Mi(e, t, n, r);
+	let i = $i(e), a = $i(t);
+	e == t && (i == -1 ? (e *= n, t /= n) : (e /= n, t *= n));
+	let o = n == 10 ? ea : ta, s = i == 1 ? qi : Yi, c = a == 1 ? Yi : qi, l = s(o(Ki(e))), u = c(o(Ki(t))), d = Qi(n, l), f = Qi(n, u);
+	return n == 10 && (l < 0 && (d = Z(d, -l)), u < 0 && (f = Z(f, -u))), r || n == 2 ? (e = d * i, t = f * a) : (e = va(e, d), t = _a(t, f)), [e, t];
+}
+function Pi(e, t, n, r) {
+	let i = Ni(e, t, n, r);
 	return e == 0 && (i[0] = 0), t == 0 && (i[1] = 0), i;
 }
-var Pi = .1, Fi = {
+var Fi = .1, Ii = {
 	mode: 3,
-	pad: Pi
-}, Ii = {
+	pad: Fi
+}, Li = {
 	pad: 0,
 	soft: null,
 	mode: 0
-}, Li = {
-	min: Ii,
-	max: Ii
+}, Ri = {
+	min: Li,
+	max: Li
 };
-function Ri(e, t, n, r) {
-	return Oa(n) ? Bi(e, t, n) : (Ii.pad = n, Ii.soft = r ? 0 : null, Ii.mode = r ? 3 : 0, Bi(e, t, Li));
+function zi(e, t, n, r) {
+	return ka(n) ? Vi(e, t, n) : (Li.pad = n, Li.soft = r ? 0 : null, Li.mode = r ? 3 : 0, Vi(e, t, Ri));
 }
 function Y(e, t) {
 	return e ?? t;
 }
-function zi(e, t, n) {
+function Bi(e, t, n) {
 	for (t = Y(t, 0), n = Y(n, e.length - 1); t <= n;) {
 		if (e[t] != null) return !0;
 		t++;
 	}
 	return !1;
 }
-function Bi(e, t, n) {
-	let r = n.min, i = n.max, a = Y(r.pad, 0), o = Y(i.pad, 0), s = Y(r.hard, -ra), c = Y(i.hard, ra), l = Y(r.soft, ra), u = Y(i.soft, -ra), d = Y(r.mode, 0), f = Y(i.mode, 0), p = t - e, m = $i(p), h = Xi(Gi(e), Gi(t)), g = Gi($i(h) - m);
-	(p < 1e-24 || g > 10) && (p = 0, (e == 0 || t == 0) && (p = 1e-24, d == 2 && l != ra && (a = 0), f == 2 && u != -ra && (o = 0)));
-	let _ = p || h || 1e3, v = Zi(10, Ki($i(_))), y = Z(_a(e - _ * (p == 0 ? e == 0 ? .1 : 1 : a), v / 10), 24), b = e >= l && (d == 1 || d == 3 && y <= l || d == 2 && y >= l) ? l : ra, x = Xi(s, y < b && e >= b ? b : Yi(b, y)), S = Z(ga(t + _ * (p == 0 ? t == 0 ? .1 : 1 : o), v / 10), 24), C = t <= u && (f == 1 || f == 3 && S >= u || f == 2 && S <= u) ? u : -ra, w = Yi(c, S > C && t <= C ? C : Xi(C, S));
+function Vi(e, t, n) {
+	let r = n.min, i = n.max, a = Y(r.pad, 0), o = Y(i.pad, 0), s = Y(r.hard, -ia), c = Y(i.hard, ia), l = Y(r.soft, ia), u = Y(i.soft, -ia), d = Y(r.mode, 0), f = Y(i.mode, 0), p = t - e, m = ea(p), h = Zi(Ki(e), Ki(t)), g = Ki(ea(h) - m);
+	(p < 1e-24 || g > 10) && (p = 0, (e == 0 || t == 0) && (p = 1e-24, d == 2 && l != ia && (a = 0), f == 2 && u != -ia && (o = 0)));
+	let _ = p || h || 1e3, v = Qi(10, qi(ea(_))), y = Z(va(e - _ * (p == 0 ? e == 0 ? .1 : 1 : a), v / 10), 24), b = e >= l && (d == 1 || d == 3 && y <= l || d == 2 && y >= l) ? l : ia, x = Zi(s, y < b && e >= b ? b : Xi(b, y)), S = Z(_a(t + _ * (p == 0 ? t == 0 ? .1 : 1 : o), v / 10), 24), C = t <= u && (f == 1 || f == 3 && S >= u || f == 2 && S <= u) ? u : -ia, w = Xi(c, S > C && t <= C ? C : Zi(C, S));
 	return x == w && x == 0 && (w = 100), [x, w];
 }
-var Vi = new Intl.NumberFormat(ii ? si.language : "en-US"), Hi = (e) => Vi.format(e), Ui = Math, Wi = Ui.PI, Gi = Ui.abs, Ki = Ui.floor, qi = Ui.round, Ji = Ui.ceil, Yi = Ui.min, Xi = Ui.max, Zi = Ui.pow, Qi = Ui.sign, $i = Ui.log10, ea = Ui.log2, ta = (e, t = 1) => Ui.sinh(e) * t, na = (e, t = 1) => Ui.asinh(e / t), ra = Infinity;
-function ia(e) {
-	return ($i((e ^ e >> 31) - (e >> 31)) | 0) + 1;
+var Hi = new Intl.NumberFormat(ai ? ci.language : "en-US"), Ui = (e) => Hi.format(e), Wi = Math, Gi = Wi.PI, Ki = Wi.abs, qi = Wi.floor, Ji = Wi.round, Yi = Wi.ceil, Xi = Wi.min, Zi = Wi.max, Qi = Wi.pow, $i = Wi.sign, ea = Wi.log10, ta = Wi.log2, na = (e, t = 1) => Wi.sinh(e) * t, ra = (e, t = 1) => Wi.asinh(e / t), ia = Infinity;
+function aa(e) {
+	return (ea((e ^ e >> 31) - (e >> 31)) | 0) + 1;
 }
-function aa(e, t, n) {
-	return Yi(Xi(e, t), n);
+function oa(e, t, n) {
+	return Xi(Zi(e, t), n);
 }
-function oa(e) {
+function sa(e) {
 	return typeof e == "function";
 }
 function X(e) {
-	return oa(e) ? e : () => e;
+	return sa(e) ? e : () => e;
 }
-var sa = () => {}, ca = (e) => e, la = (e, t) => t, ua = (e) => null, da = (e) => !0, fa = (e, t) => e == t, pa = /\.\d*?(?=9{6,}|0{6,})/gm, ma = (e) => {
-	if (Ta(e) || va.has(e)) return e;
-	let t = `${e}`, n = t.match(pa);
+var ca = () => {}, la = (e) => e, ua = (e, t) => t, da = (e) => null, fa = (e) => !0, pa = (e, t) => e == t, ma = /\.\d*?(?=9{6,}|0{6,})/gm, ha = (e) => {
+	if (Ea(e) || ya.has(e)) return e;
+	let t = `${e}`, n = t.match(ma);
 	if (n == null) return e;
 	let r = n[0].length - 1;
 	if (t.indexOf("e-") != -1) {
 		let [e, n] = t.split("e");
-		return +`${ma(e)}e${n}`;
+		return +`${ha(e)}e${n}`;
 	}
 	return Z(e, r);
 };
-function ha(e, t) {
-	return ma(Z(ma(e / t)) * t);
-}
 function ga(e, t) {
-	return ma(Ji(ma(e / t)) * t);
+	return ha(Z(ha(e / t)) * t);
 }
 function _a(e, t) {
-	return ma(Ki(ma(e / t)) * t);
+	return ha(Yi(ha(e / t)) * t);
+}
+function va(e, t) {
+	return ha(qi(ha(e / t)) * t);
 }
 function Z(e, t = 0) {
-	if (Ta(e)) return e;
+	if (Ea(e)) return e;
 	let n = 10 ** t;
-	return qi(e * n * (1 + 2 ** -52)) / n;
+	return Ji(e * n * (1 + 2 ** -52)) / n;
 }
-var va = /* @__PURE__ */ new Map();
-function ya(e) {
+var ya = /* @__PURE__ */ new Map();
+function ba(e) {
 	return (("" + e).split(".")[1] || "").length;
 }
-function ba(e, t, n, r) {
-	let i = [], a = r.map(ya);
+function xa(e, t, n, r) {
+	let i = [], a = r.map(ba);
 	for (let o = t; o < n; o++) {
-		let t = Gi(o), n = Z(Zi(e, o), t);
+		let t = Ki(o), n = Z(Qi(e, o), t);
 		for (let s = 0; s < r.length; s++) {
 			let c = e == 10 ? +`${r[s]}e${o}` : r[s] * n, l = (o >= 0 ? 0 : t) + (o >= a[s] ? 0 : a[s]), u = e == 10 ? c : Z(c, l);
-			i.push(u), va.set(u, l);
+			i.push(u), ya.set(u, l);
 		}
 	}
 	return i;
 }
-var xa = {}, Sa = [], Ca = [null, null], wa = Array.isArray, Ta = Number.isInteger, Ea = (e) => e === void 0;
-function Da(e) {
+var Sa = {}, Ca = [], wa = [null, null], Ta = Array.isArray, Ea = Number.isInteger, Da = (e) => e === void 0;
+function Oa(e) {
 	return typeof e == "string";
 }
-function Oa(e) {
+function ka(e) {
 	let t = !1;
 	if (e != null) {
 		let n = e.constructor;
@@ -4748,35 +4760,35 @@ function Oa(e) {
 	}
 	return t;
 }
-function ka(e) {
+function Aa(e) {
 	return typeof e == "object" && !!e;
 }
-var Aa = Object.getPrototypeOf(Uint8Array), ja = "__proto__";
-function Ma(e, t = Oa) {
+var ja = Object.getPrototypeOf(Uint8Array), Ma = "__proto__";
+function Na(e, t = ka) {
 	let n;
-	if (wa(e)) {
+	if (Ta(e)) {
 		let r = e.find((e) => e != null);
-		if (wa(r) || t(r)) {
+		if (Ta(r) || t(r)) {
 			n = Array(e.length);
-			for (let r = 0; r < e.length; r++) n[r] = Ma(e[r], t);
+			for (let r = 0; r < e.length; r++) n[r] = Na(e[r], t);
 		} else n = e.slice();
-	} else if (e instanceof Aa) n = e.slice();
+	} else if (e instanceof ja) n = e.slice();
 	else if (t(e)) {
 		n = {};
-		for (let r in e) r != ja && (n[r] = Ma(e[r], t));
+		for (let r in e) r != Ma && (n[r] = Na(e[r], t));
 	} else n = e;
 	return n;
 }
-function Na(e) {
+function Pa(e) {
 	let t = arguments;
 	for (let n = 1; n < t.length; n++) {
 		let r = t[n];
-		for (let t in r) t != ja && (Oa(e[t]) ? Na(e[t], Ma(r[t])) : e[t] = Ma(r[t]));
+		for (let t in r) t != Ma && (ka(e[t]) ? Pa(e[t], Na(r[t])) : e[t] = Na(r[t]));
 	}
 	return e;
 }
-var Pa = 0, Fa = 1, Ia = 2;
-function La(e, t, n) {
+var Fa = 0, Ia = 1, La = 2;
+function Ra(e, t, n) {
 	for (let r = 0, i, a = -1; r < t.length; r++) {
 		let o = t[r];
 		if (o > a) {
@@ -4785,11 +4797,11 @@ function La(e, t, n) {
 		}
 	}
 }
-function Ra(e, t) {
-	if (Va(e)) {
+function za(e, t) {
+	if (Ha(e)) {
 		let t = e[0].slice();
 		for (let n = 1; n < e.length; n++) t.push(...e[n].slice(1));
-		return Ha(t[0]) || (t = Ba(t)), t;
+		return Ua(t[0]) || (t = Va(t)), t;
 	}
 	let n = /* @__PURE__ */ new Set();
 	for (let t = 0; t < e.length; t++) {
@@ -4801,18 +4813,18 @@ function Ra(e, t) {
 	for (let n = 0; n < e.length; n++) {
 		let o = e[n], s = o[0];
 		for (let e = 1; e < o.length; e++) {
-			let c = o[e], l = Array(i).fill(void 0), u = t ? t[n][e] : Fa, d = [];
+			let c = o[e], l = Array(i).fill(void 0), u = t ? t[n][e] : Ia, d = [];
 			for (let e = 0; e < c.length; e++) {
 				let t = c[e], n = a.get(s[e]);
-				t === null ? u != Pa && (l[n] = t, u == Ia && d.push(n)) : l[n] = t;
+				t === null ? u != Fa && (l[n] = t, u == La && d.push(n)) : l[n] = t;
 			}
-			La(l, d, i), r.push(l);
+			Ra(l, d, i), r.push(l);
 		}
 	}
 	return r;
 }
-var za = typeof queueMicrotask > "u" ? (e) => Promise.resolve().then(e) : queueMicrotask;
-function Ba(e) {
+var Ba = typeof queueMicrotask > "u" ? (e) => Promise.resolve().then(e) : queueMicrotask;
+function Va(e) {
 	let t = e[0], n = t.length, r = Array(n);
 	for (let e = 0; e < r.length; e++) r[e] = e;
 	r.sort((e, n) => t[e] - t[n]);
@@ -4824,7 +4836,7 @@ function Ba(e) {
 	}
 	return i;
 }
-function Va(e) {
+function Ha(e) {
 	let t = e[0][0], n = t.length;
 	for (let r = 1; r < e.length; r++) {
 		let i = e[r][0];
@@ -4835,14 +4847,14 @@ function Va(e) {
 	}
 	return !0;
 }
-function Ha(e, t = 100) {
+function Ua(e, t = 100) {
 	let n = e.length;
 	if (n <= 1) return !0;
 	let r = 0, i = n - 1;
 	for (; r <= i && e[r] == null;) r++;
 	for (; i >= r && e[i] == null;) i--;
 	if (i <= r) return !0;
-	let a = Xi(1, Ki((i - r + 1) / t));
+	let a = Zi(1, qi((i - r + 1) / t));
 	for (let t = e[r], n = r + a; n <= i; n += a) {
 		let r = e[n];
 		if (r != null) {
@@ -4852,7 +4864,7 @@ function Ha(e, t = 100) {
 	}
 	return !0;
 }
-var Ua = [
+var Wa = [
 	"January",
 	"February",
 	"March",
@@ -4865,7 +4877,7 @@ var Ua = [
 	"October",
 	"November",
 	"December"
-], Wa = [
+], Ga = [
 	"Sunday",
 	"Monday",
 	"Tuesday",
@@ -4874,33 +4886,33 @@ var Ua = [
 	"Friday",
 	"Saturday"
 ];
-function Ga(e) {
+function Ka(e) {
 	return e.slice(0, 3);
 }
-var Ka = Wa.map(Ga), qa = {
-	MMMM: Ua,
-	MMM: Ua.map(Ga),
-	WWWW: Wa,
-	WWW: Ka
+var qa = Ga.map(Ka), Ja = {
+	MMMM: Wa,
+	MMM: Wa.map(Ka),
+	WWWW: Ga,
+	WWW: qa
 };
-function Ja(e) {
+function Ya(e) {
 	return (e < 10 ? "0" : "") + e;
 }
-function Ya(e) {
+function Xa(e) {
 	return (e < 10 ? "00" : e < 100 ? "0" : "") + e;
 }
-var Xa = {
+var Za = {
 	YYYY: (e) => e.getFullYear(),
 	YY: (e) => (e.getFullYear() + "").slice(2),
 	MMMM: (e, t) => t.MMMM[e.getMonth()],
 	MMM: (e, t) => t.MMM[e.getMonth()],
-	MM: (e) => Ja(e.getMonth() + 1),
+	MM: (e) => Ya(e.getMonth() + 1),
 	M: (e) => e.getMonth() + 1,
-	DD: (e) => Ja(e.getDate()),
+	DD: (e) => Ya(e.getDate()),
 	D: (e) => e.getDate(),
 	WWWW: (e, t) => t.WWWW[e.getDay()],
 	WWW: (e, t) => t.WWW[e.getDay()],
-	HH: (e) => Ja(e.getHours()),
+	HH: (e) => Ya(e.getHours()),
 	H: (e) => e.getHours(),
 	h: (e) => {
 		let t = e.getHours();
@@ -4909,35 +4921,35 @@ var Xa = {
 	AA: (e) => e.getHours() >= 12 ? "PM" : "AM",
 	aa: (e) => e.getHours() >= 12 ? "pm" : "am",
 	a: (e) => e.getHours() >= 12 ? "p" : "a",
-	mm: (e) => Ja(e.getMinutes()),
+	mm: (e) => Ya(e.getMinutes()),
 	m: (e) => e.getMinutes(),
-	ss: (e) => Ja(e.getSeconds()),
+	ss: (e) => Ya(e.getSeconds()),
 	s: (e) => e.getSeconds(),
-	fff: (e) => Ya(e.getMilliseconds())
+	fff: (e) => Xa(e.getMilliseconds())
 };
-function Za(e, t) {
-	t ||= qa;
+function Qa(e, t) {
+	t ||= Ja;
 	let n = [], r = /\{([a-z]+)\}|[^{]+/gi, i;
-	for (; i = r.exec(e);) n.push(i[0][0] == "{" ? Xa[i[1]] : i[0]);
+	for (; i = r.exec(e);) n.push(i[0][0] == "{" ? Za[i[1]] : i[0]);
 	return (e) => {
 		let r = "";
 		for (let i = 0; i < n.length; i++) r += typeof n[i] == "string" ? n[i] : n[i](e, t);
 		return r;
 	};
 }
-var Qa = new Intl.DateTimeFormat().resolvedOptions().timeZone;
-function $a(e, t) {
+var $a = new Intl.DateTimeFormat().resolvedOptions().timeZone;
+function eo(e, t) {
 	let n;
-	return t == "UTC" || t == "Etc/UTC" ? n = /* @__PURE__ */ new Date(+e + e.getTimezoneOffset() * 6e4) : t == Qa ? n = e : (n = new Date(e.toLocaleString("en-US", { timeZone: t })), n.setMilliseconds(e.getMilliseconds())), n;
+	return t == "UTC" || t == "Etc/UTC" ? n = /* @__PURE__ */ new Date(+e + e.getTimezoneOffset() * 6e4) : t == $a ? n = e : (n = new Date(e.toLocaleString("en-US", { timeZone: t })), n.setMilliseconds(e.getMilliseconds())), n;
 }
-var eo = (e) => e % 1 == 0, to = [
+var to = (e) => e % 1 == 0, no = [
 	1,
 	2,
 	2.5,
 	5
-], no = ba(10, -32, 0, to), ro = ba(10, 0, 32, to), io = ro.filter(eo), ao = no.concat(ro), oo = "\n", so = "{YYYY}", co = oo + so, lo = "{M}/{D}", uo = oo + lo, fo = uo + "/{YY}", po = "{aa}", mo = "{h}:{mm}" + po, ho = oo + mo, go = ":{ss}", Q = null;
-function _o(e) {
-	let t = e * 1e3, n = t * 60, r = n * 60, i = r * 24, a = i * 30, o = i * 365, s = (e == 1 ? ba(10, 0, 3, to).filter(eo) : ba(10, -3, 0, to)).concat([
+], ro = xa(10, -32, 0, no), io = xa(10, 0, 32, no), ao = io.filter(to), oo = ro.concat(io), so = "\n", co = "{YYYY}", lo = so + co, uo = "{M}/{D}", fo = so + uo, po = fo + "/{YY}", mo = "{aa}", ho = "{h}:{mm}" + mo, go = so + ho, _o = ":{ss}", Q = null;
+function vo(e) {
+	let t = e * 1e3, n = t * 60, r = n * 60, i = r * 24, a = i * 30, o = i * 365, s = (e == 1 ? xa(10, 0, 3, no).filter(to) : xa(10, -3, 0, no)).concat([
 		t,
 		t * 5,
 		t * 10,
@@ -4981,7 +4993,7 @@ function _o(e) {
 	]), c = [
 		[
 			o,
-			so,
+			co,
 			Q,
 			Q,
 			Q,
@@ -4993,7 +5005,7 @@ function _o(e) {
 		[
 			i * 28,
 			"{MMM}",
-			co,
+			lo,
 			Q,
 			Q,
 			Q,
@@ -5003,8 +5015,8 @@ function _o(e) {
 		],
 		[
 			i,
+			uo,
 			lo,
-			co,
 			Q,
 			Q,
 			Q,
@@ -5014,10 +5026,10 @@ function _o(e) {
 		],
 		[
 			r,
-			"{h}" + po,
-			fo,
+			"{h}" + mo,
+			po,
 			Q,
-			uo,
+			fo,
 			Q,
 			Q,
 			Q,
@@ -5025,10 +5037,10 @@ function _o(e) {
 		],
 		[
 			n,
-			mo,
-			fo,
+			ho,
+			po,
 			Q,
-			uo,
+			fo,
 			Q,
 			Q,
 			Q,
@@ -5036,42 +5048,42 @@ function _o(e) {
 		],
 		[
 			t,
+			_o,
+			po + " " + ho,
+			Q,
+			fo + " " + ho,
+			Q,
 			go,
-			fo + " " + mo,
-			Q,
-			uo + " " + mo,
-			Q,
-			ho,
 			Q,
 			1
 		],
 		[
 			e,
-			go + ".{fff}",
-			fo + " " + mo,
+			_o + ".{fff}",
+			po + " " + ho,
 			Q,
-			uo + " " + mo,
+			fo + " " + ho,
 			Q,
-			ho,
+			go,
 			Q,
 			1
 		]
 	];
 	function l(t) {
 		return (s, c, l, u, d, f) => {
-			let p = [], m = d >= o, h = d >= a && d < o, g = t(l), _ = Z(g * e, 3), v = Do(g.getFullYear(), m ? 0 : g.getMonth(), h || m ? 1 : g.getDate()), y = Z(v * e, 3);
+			let p = [], m = d >= o, h = d >= a && d < o, g = t(l), _ = Z(g * e, 3), v = Oo(g.getFullYear(), m ? 0 : g.getMonth(), h || m ? 1 : g.getDate()), y = Z(v * e, 3);
 			if (h || m) {
-				let n = h ? d / a : 0, r = m ? d / o : 0, i = _ == y ? _ : Z(Do(v.getFullYear() + r, v.getMonth() + n, 1) * e, 3), s = new Date(qi(i / e)), c = s.getFullYear(), l = s.getMonth();
+				let n = h ? d / a : 0, r = m ? d / o : 0, i = _ == y ? _ : Z(Oo(v.getFullYear() + r, v.getMonth() + n, 1) * e, 3), s = new Date(Ji(i / e)), c = s.getFullYear(), l = s.getMonth();
 				for (let a = 0; i <= u; a++) {
-					let o = Do(c + r * a, l + n * a, 1), s = o - t(Z(o * e, 3));
+					let o = Oo(c + r * a, l + n * a, 1), s = o - t(Z(o * e, 3));
 					i = Z((+o + s) * e, 3), i <= u && p.push(i);
 				}
 			} else {
-				let a = d >= i ? i : d, o = y + (Ki(l) - Ki(_)) + ga(_ - y, a);
+				let a = d >= i ? i : d, o = y + (qi(l) - qi(_)) + _a(_ - y, a);
 				p.push(o);
 				let m = t(o), h = m.getHours() + m.getMinutes() / n + m.getSeconds() / r, g = d / r, v = f / s.axes[c]._space;
 				for (; o = Z(o + d, e == 1 ? 0 : 3), !(o > u);) if (g > 1) {
-					let e = Ki(Z(h + g, 6)) % 24, n = t(o).getHours() - e;
+					let e = qi(Z(h + g, 6)) % 24, n = t(o).getHours() - e;
 					n > 1 && (n = -1), o -= n * r, h = (h + g) % 24;
 					let i = p[p.length - 1];
 					Z((o - i) / d, 3) * v >= .7 && p.push(o);
@@ -5086,12 +5098,12 @@ function _o(e) {
 		l
 	];
 }
-var [vo, yo, bo] = _o(1), [xo, So, Co] = _o(.001);
-ba(2, -53, 53, [1]);
-function wo(e, t) {
+var [yo, bo, xo] = vo(1), [So, Co, wo] = vo(.001);
+xa(2, -53, 53, [1]);
+function To(e, t) {
 	return e.map((e) => e.map((n, r) => r == 0 || r == 8 || n == null ? n : t(r == 1 || e[8] == 0 ? n : e[1] + n)));
 }
-function To(e, t) {
+function Eo(e, t) {
 	return (n, r, i, a, o) => {
 		let s = t.find((e) => o >= e[0]) || t[t.length - 1], c, l, u, d, f, p;
 		return r.map((t) => {
@@ -5100,98 +5112,98 @@ function To(e, t) {
 		});
 	};
 }
-function Eo(e, t) {
-	let n = Za(t);
+function Do(e, t) {
+	let n = Qa(t);
 	return (t, r, i, a, o) => r.map((t) => n(e(t)));
 }
-function Do(e, t, n) {
+function Oo(e, t, n) {
 	return new Date(e, t, n);
 }
-function Oo(e, t) {
+function ko(e, t) {
 	return t(e);
 }
-var ko = "{YYYY}-{MM}-{DD} {h}:{mm}{aa}";
-function Ao(e, t) {
-	return (n, r, i, a) => a == null ? ri : t(e(r));
-}
+var Ao = "{YYYY}-{MM}-{DD} {h}:{mm}{aa}";
 function jo(e, t) {
+	return (n, r, i, a) => a == null ? ii : t(e(r));
+}
+function Mo(e, t) {
 	let n = e.series[t];
 	return n.width ? n.stroke(e, t) : n.points.width ? n.points.stroke(e, t) : null;
 }
-function Mo(e, t) {
+function No(e, t) {
 	return e.series[t].fill(e, t);
 }
-var No = {
+var Po = {
 	show: !0,
 	live: !0,
 	isolate: !1,
-	mount: sa,
+	mount: ca,
 	markers: {
 		show: !0,
 		width: 2,
-		stroke: jo,
-		fill: Mo,
+		stroke: Mo,
+		fill: No,
 		dash: "solid"
 	},
 	idx: null,
 	idxs: null,
 	values: []
 };
-function Po(e, t) {
-	let n = e.cursor.points, r = mi(), i = n.size(e, t);
-	fi(r, zr, i), fi(r, Br, i);
-	let a = i / -2;
-	fi(r, "marginLeft", a), fi(r, "marginTop", a);
-	let o = n.width(e, t, i);
-	return o && fi(r, "borderWidth", o), r;
-}
 function Fo(e, t) {
-	let n = e.series[t].points;
-	return n._fill || n._stroke;
+	let n = e.cursor.points, r = hi(), i = n.size(e, t);
+	pi(r, Br, i), pi(r, Vr, i);
+	let a = i / -2;
+	pi(r, "marginLeft", a), pi(r, "marginTop", a);
+	let o = n.width(e, t, i);
+	return o && pi(r, "borderWidth", o), r;
 }
 function Io(e, t) {
 	let n = e.series[t].points;
-	return n._stroke || n._fill;
+	return n._fill || n._stroke;
 }
 function Lo(e, t) {
+	let n = e.series[t].points;
+	return n._stroke || n._fill;
+}
+function Ro(e, t) {
 	return e.series[t].points.size;
 }
-var Ro = [0, 0];
-function zo(e, t, n) {
-	return Ro[0] = t, Ro[1] = n, Ro;
+var zo = [0, 0];
+function Bo(e, t, n) {
+	return zo[0] = t, zo[1] = n, zo;
 }
-function Bo(e, t, n, r = !0) {
+function Vo(e, t, n, r = !0) {
 	return (e) => {
 		e.button != 0 || r && e.target != t || n(e);
 	};
 }
-function Vo(e, t, n, r = !0) {
+function Ho(e, t, n, r = !0) {
 	return (e) => {
 		r && e.target != t || n(e);
 	};
 }
-var Ho = {
+var Uo = {
 	show: !0,
 	x: !0,
 	y: !0,
 	lock: !1,
-	move: zo,
+	move: Bo,
 	points: {
 		one: !1,
-		show: Po,
-		size: Lo,
+		show: Fo,
+		size: Ro,
 		width: 0,
-		stroke: Io,
-		fill: Fo
+		stroke: Lo,
+		fill: Io
 	},
 	bind: {
-		mousedown: Bo,
-		mouseup: Bo,
-		click: Bo,
-		dblclick: Bo,
-		mousemove: Vo,
-		mouseleave: Vo,
-		mouseenter: Vo
+		mousedown: Vo,
+		mouseup: Vo,
+		click: Vo,
+		dblclick: Vo,
+		mousemove: Ho,
+		mouseleave: Ho,
+		mouseenter: Ho
 	},
 	drag: {
 		setScale: !0,
@@ -5221,139 +5233,139 @@ var Ho = {
 	dataIdx: null,
 	idxs: null,
 	event: null
-}, Uo = {
+}, Wo = {
 	show: !0,
 	stroke: "rgba(0,0,0,0.07)",
 	width: 2
-}, Wo = Na({}, Uo, { filter: la }), Go = Na({}, Wo, { size: 10 }), Ko = Na({}, Uo, { show: !1 }), qo = "12px system-ui, -apple-system, \"Segoe UI\", Roboto, \"Helvetica Neue\", Arial, \"Noto Sans\", sans-serif, \"Apple Color Emoji\", \"Segoe UI Emoji\", \"Segoe UI Symbol\", \"Noto Color Emoji\"", Jo = "bold " + qo, Yo = 1.5, Xo = {
+}, Go = Pa({}, Wo, { filter: ua }), Ko = Pa({}, Go, { size: 10 }), qo = Pa({}, Wo, { show: !1 }), Jo = "12px system-ui, -apple-system, \"Segoe UI\", Roboto, \"Helvetica Neue\", Arial, \"Noto Sans\", sans-serif, \"Apple Color Emoji\", \"Segoe UI Emoji\", \"Segoe UI Symbol\", \"Noto Color Emoji\"", Yo = "bold " + Jo, Xo = 1.5, Zo = {
 	show: !0,
 	scale: "x",
-	stroke: Gr,
+	stroke: Kr,
 	space: 50,
 	gap: 5,
 	alignTo: 1,
 	size: 50,
 	labelGap: 0,
 	labelSize: 30,
-	labelFont: Jo,
+	labelFont: Yo,
 	side: 2,
-	grid: Wo,
-	ticks: Go,
-	border: Ko,
-	font: qo,
-	lineGap: Yo,
+	grid: Go,
+	ticks: Ko,
+	border: qo,
+	font: Jo,
+	lineGap: Xo,
 	rotate: 0
-}, Zo = "Value", Qo = "Time", $o = {
+}, Qo = "Value", $o = "Time", es = {
 	show: !0,
 	scale: "x",
 	auto: !1,
 	sorted: 1,
-	min: ra,
+	min: ia,
 	max: -Infinity,
 	idxs: []
 };
-function es(e, t, n, r, i) {
-	return t.map((e) => e == null ? "" : Hi(e));
+function ts(e, t, n, r, i) {
+	return t.map((e) => e == null ? "" : Ui(e));
 }
-function ts(e, t, n, r, i, a, o) {
-	let s = [], c = va.get(i) || 0;
-	n = o ? n : Z(ga(n, i), c);
+function ns(e, t, n, r, i, a, o) {
+	let s = [], c = ya.get(i) || 0;
+	n = o ? n : Z(_a(n, i), c);
 	for (let e = n; e <= r; e = Z(e + i, c)) s.push(Object.is(e, -0) ? 0 : e);
 	return s;
 }
-function ns(e, t, n, r, i, a, o) {
+function rs(e, t, n, r, i, a, o) {
 	let s = [], c = e.scales[e.axes[t].scale].log;
-	i = Zi(c, Ki((c == 10 ? $i : ea)(n))), c == 10 && (i = ao[Ti(i, ao)]);
+	i = Qi(c, qi((c == 10 ? ea : ta)(n))), c == 10 && (i = oo[Ei(i, oo)]);
 	let l = n, u = i * c;
-	c == 10 && (u = ao[Ti(u, ao)]);
+	c == 10 && (u = oo[Ei(u, oo)]);
 	do
-		s.push(l), l += i, c == 10 && !va.has(l) && (l = Z(l, va.get(i))), l >= u && (i = l, u = i * c, c == 10 && (u = ao[Ti(u, ao)]));
+		s.push(l), l += i, c == 10 && !ya.has(l) && (l = Z(l, ya.get(i))), l >= u && (i = l, u = i * c, c == 10 && (u = oo[Ei(u, oo)]));
 	while (l <= r);
 	return s;
 }
-function rs(e, t, n, r, i, a, o) {
-	let s = e.scales[e.axes[t].scale].asinh, c = r > s ? ns(e, t, Xi(s, n), r, i) : [s], l = r >= 0 && n <= 0 ? [0] : [];
-	return (n < -s ? ns(e, t, Xi(s, -r), -n, i) : [s]).reverse().map((e) => -e).concat(l, c);
+function is(e, t, n, r, i, a, o) {
+	let s = e.scales[e.axes[t].scale].asinh, c = r > s ? rs(e, t, Zi(s, n), r, i) : [s], l = r >= 0 && n <= 0 ? [0] : [];
+	return (n < -s ? rs(e, t, Zi(s, -r), -n, i) : [s]).reverse().map((e) => -e).concat(l, c);
 }
-var is = /./, as = /[12357]/, os = /[125]/, ss = /1/, cs = (e, t, n, r) => e.map((e, i) => t == 4 && e == 0 || i % r == 0 && n.test(e.toExponential()[+(e < 0)]) ? e : null);
-function ls(e, t, n, r, i) {
-	let a = e.axes[n], o = a.scale, s = e.scales[o], c = e.valToPos, l = a._space, u = c(10, o), d = c(9, o) - u >= l ? is : c(7, o) - u >= l ? as : c(5, o) - u >= l ? os : ss;
-	if (d == ss) {
-		let e = Gi(c(1, o) - u);
-		if (e < l) return cs(t.slice().reverse(), s.distr, d, Ji(l / e)).reverse();
-	}
-	return cs(t, s.distr, d, 1);
-}
+var as = /./, os = /[12357]/, ss = /[125]/, cs = /1/, ls = (e, t, n, r) => e.map((e, i) => t == 4 && e == 0 || i % r == 0 && n.test(e.toExponential()[+(e < 0)]) ? e : null);
 function us(e, t, n, r, i) {
-	let a = e.axes[n], o = a.scale, s = a._space, c = e.valToPos, l = Gi(c(1, o) - c(2, o));
-	return l < s ? cs(t.slice().reverse(), 3, is, Ji(s / l)).reverse() : t;
+	let a = e.axes[n], o = a.scale, s = e.scales[o], c = e.valToPos, l = a._space, u = c(10, o), d = c(9, o) - u >= l ? as : c(7, o) - u >= l ? os : c(5, o) - u >= l ? ss : cs;
+	if (d == cs) {
+		let e = Ki(c(1, o) - u);
+		if (e < l) return ls(t.slice().reverse(), s.distr, d, Yi(l / e)).reverse();
+	}
+	return ls(t, s.distr, d, 1);
 }
-function ds(e, t, n, r) {
-	return r == null ? ri : t == null ? "" : Hi(t);
+function ds(e, t, n, r, i) {
+	let a = e.axes[n], o = a.scale, s = a._space, c = e.valToPos, l = Ki(c(1, o) - c(2, o));
+	return l < s ? ls(t.slice().reverse(), 3, as, Yi(s / l)).reverse() : t;
 }
-var fs = {
+function fs(e, t, n, r) {
+	return r == null ? ii : t == null ? "" : Ui(t);
+}
+var ps = {
 	show: !0,
 	scale: "y",
-	stroke: Gr,
+	stroke: Kr,
 	space: 30,
 	gap: 5,
 	alignTo: 1,
 	size: 50,
 	labelGap: 0,
 	labelSize: 30,
-	labelFont: Jo,
+	labelFont: Yo,
 	side: 3,
-	grid: Wo,
-	ticks: Go,
-	border: Ko,
-	font: qo,
-	lineGap: Yo,
+	grid: Go,
+	ticks: Ko,
+	border: qo,
+	font: Jo,
+	lineGap: Xo,
 	rotate: 0
 };
-function ps(e, t) {
+function ms(e, t) {
 	return Z((3 + (e || 1) * 2) * t, 3);
 }
-function ms(e, t) {
-	let { scale: n, idxs: r } = e.series[0], i = e._data[0], a = e.valToPos(i[r[0]], n, !0), o = Gi(e.valToPos(i[r[1]], n, !0) - a) / (e.series[t].points.space * J);
+function hs(e, t) {
+	let { scale: n, idxs: r } = e.series[0], i = e._data[0], a = e.valToPos(i[r[0]], n, !0), o = Ki(e.valToPos(i[r[1]], n, !0) - a) / (e.series[t].points.space * J);
 	return r[1] - r[0] <= o;
 }
-var hs = {
+var gs = {
 	scale: null,
 	auto: !0,
 	sorted: 0,
-	min: ra,
+	min: ia,
 	max: -Infinity
-}, gs = (e, t, n, r, i) => i, _s = {
+}, _s = (e, t, n, r, i) => i, vs = {
 	show: !0,
 	auto: !0,
 	sorted: 0,
-	gaps: gs,
+	gaps: _s,
 	alpha: 1,
-	facets: [Na({}, hs, { scale: "x" }), Na({}, hs, { scale: "y" })]
-}, vs = {
+	facets: [Pa({}, gs, { scale: "x" }), Pa({}, gs, { scale: "y" })]
+}, ys = {
 	scale: "y",
 	auto: !0,
 	sorted: 0,
 	show: !0,
 	spanGaps: !1,
-	gaps: gs,
+	gaps: _s,
 	alpha: 1,
 	points: {
-		show: ms,
+		show: hs,
 		filter: null
 	},
 	values: null,
-	min: ra,
+	min: ia,
 	max: -Infinity,
 	idxs: [],
 	path: null,
 	clip: null
 };
-function ys(e, t, n, r, i) {
+function bs(e, t, n, r, i) {
 	return n / 10;
 }
-var bs = {
-	time: vr,
+var xs = {
+	time: yr,
 	auto: !0,
 	distr: 1,
 	log: 10,
@@ -5362,12 +5374,12 @@ var bs = {
 	max: null,
 	dir: 1,
 	ori: 0
-}, xs = Na({}, bs, {
+}, Ss = Pa({}, xs, {
 	time: !1,
 	ori: 1
-}), Ss = {};
-function Cs(e, t) {
-	let n = Ss[e];
+}), Cs = {};
+function ws(e, t) {
+	let n = Cs[e];
 	return n || (n = {
 		key: e,
 		plots: [],
@@ -5380,38 +5392,38 @@ function Cs(e, t) {
 		pub(e, t, r, i, a, o, s) {
 			for (let c = 0; c < n.plots.length; c++) n.plots[c] != t && n.plots[c].pub(e, t, r, i, a, o, s);
 		}
-	}, e != null && (Ss[e] = n)), n;
+	}, e != null && (Cs[e] = n)), n;
 }
-var ws = 1, Ts = 2;
-function Es(e, t, n) {
+var Ts = 1, Es = 2;
+function Ds(e, t, n) {
 	let r = e.mode, i = e.series[t], a = r == 2 ? e._data[t] : e._data, o = e.scales, s = e.bbox, c = a[0], l = r == 2 ? a[1] : a[t], u = r == 2 ? o[i.facets[0].scale] : o[e.series[0].scale], d = r == 2 ? o[i.facets[1].scale] : o[i.scale], f = s.left, p = s.top, m = s.width, h = s.height, g = e.valToPosH, _ = e.valToPosV;
-	return u.ori == 0 ? n(i, c, l, u, d, g, _, f, p, m, h, Fs, Ls, zs, Vs, Us) : n(i, c, l, u, d, _, g, p, f, h, m, Is, Rs, Bs, Hs, Ws);
+	return u.ori == 0 ? n(i, c, l, u, d, g, _, f, p, m, h, Is, Rs, Bs, Hs, Ws) : n(i, c, l, u, d, _, g, p, f, h, m, Ls, zs, Vs, Us, Gs);
 }
-function Ds(e, t) {
-	let n = 0, r = 0, i = Y(e.bands, Sa);
+function Os(e, t) {
+	let n = 0, r = 0, i = Y(e.bands, Ca);
 	for (let e = 0; e < i.length; e++) {
 		let a = i[e];
 		a.series[0] == t ? n = a.dir : a.series[1] == t && (a.dir == 1 ? r |= 1 : r |= 2);
 	}
 	return [n, r == 1 ? -1 : r == 2 ? 1 : r == 3 ? 2 : 0];
 }
-function Os(e, t, n, r, i) {
+function ks(e, t, n, r, i) {
 	let a = e.mode, o = e.series[t], s = a == 2 ? o.facets[1].scale : o.scale, c = e.scales[s];
 	return i == -1 ? c.min : i == 1 ? c.max : c.distr == 3 ? c.dir == 1 ? c.min : c.max : 0;
 }
-function ks(e, t, n, r, i, a) {
-	return Es(e, t, (e, t, o, s, c, l, u, d, f, p, m) => {
-		let h = e.pxRound, g = s.dir * (s.ori == 0 ? 1 : -1), _ = s.ori == 0 ? Ls : Rs, v, y;
+function As(e, t, n, r, i, a) {
+	return Ds(e, t, (e, t, o, s, c, l, u, d, f, p, m) => {
+		let h = e.pxRound, g = s.dir * (s.ori == 0 ? 1 : -1), _ = s.ori == 0 ? Rs : zs, v, y;
 		g == 1 ? (v = n, y = r) : (v = r, y = n);
 		let b = h(l(t[v], s, p, d)), x = h(u(o[v], c, m, f)), S = h(l(t[y], s, p, d)), C = h(u(a == 1 ? c.max : c.min, c, m, f)), w = new Path2D(i);
 		return _(w, S, C), _(w, b, C), _(w, b, x), w;
 	});
 }
-function As(e, t, n, r, i, a) {
+function js(e, t, n, r, i, a) {
 	let o = null;
 	if (e.length > 0) {
 		o = new Path2D();
-		let s = t == 0 ? zs : Bs, c = n;
+		let s = t == 0 ? Bs : Vs, c = n;
 		for (let t = 0; t < e.length; t++) {
 			let n = e[t];
 			if (n[1] > n[0]) {
@@ -5424,11 +5436,11 @@ function As(e, t, n, r, i, a) {
 	}
 	return o;
 }
-function js(e, t, n) {
+function Ms(e, t, n) {
 	let r = e[e.length - 1];
 	r && r[0] == t ? r[1] = n : e.push([t, n]);
 }
-function Ms(e, t, n, r, i, a, o) {
+function Ns(e, t, n, r, i, a, o) {
 	let s = [], c = e.length;
 	for (let l = i == 1 ? n : r; l >= n && l <= r; l += i) if (t[l] === null) {
 		let u = l, d = l;
@@ -5441,11 +5453,11 @@ function Ms(e, t, n, r, i, a, o) {
 	}
 	return s;
 }
-function Ns(e) {
-	return e == 0 ? ca : e == 1 ? qi : (t) => ha(t, e);
-}
 function Ps(e) {
-	let t = e == 0 ? Fs : Is, n = e == 0 ? (e, t, n, r, i, a) => {
+	return e == 0 ? la : e == 1 ? Ji : (t) => ga(t, e);
+}
+function Fs(e) {
+	let t = e == 0 ? Is : Ls, n = e == 0 ? (e, t, n, r, i, a) => {
 		e.arcTo(t, n, r, i, a);
 	} : (e, t, n, r, i, a) => {
 		e.arcTo(n, t, i, r, a);
@@ -5455,36 +5467,36 @@ function Ps(e) {
 		e.rect(n, t, i, r);
 	};
 	return (e, i, a, o, s, c = 0, l = 0) => {
-		c == 0 && l == 0 ? r(e, i, a, o, s) : (c = Yi(c, o / 2, s / 2), l = Yi(l, o / 2, s / 2), t(e, i + c, a), n(e, i + o, a, i + o, a + s, c), n(e, i + o, a + s, i, a + s, l), n(e, i, a + s, i, a, l), n(e, i, a, i + o, a, c), e.closePath());
+		c == 0 && l == 0 ? r(e, i, a, o, s) : (c = Xi(c, o / 2, s / 2), l = Xi(l, o / 2, s / 2), t(e, i + c, a), n(e, i + o, a, i + o, a + s, c), n(e, i + o, a + s, i, a + s, l), n(e, i, a + s, i, a, l), n(e, i, a, i + o, a, c), e.closePath());
 	};
 }
-var Fs = (e, t, n) => {
+var Is = (e, t, n) => {
 	e.moveTo(t, n);
-}, Is = (e, t, n) => {
-	e.moveTo(n, t);
 }, Ls = (e, t, n) => {
-	e.lineTo(t, n);
+	e.moveTo(n, t);
 }, Rs = (e, t, n) => {
+	e.lineTo(t, n);
+}, zs = (e, t, n) => {
 	e.lineTo(n, t);
-}, zs = Ps(0), Bs = Ps(1), Vs = (e, t, n, r, i, a) => {
+}, Bs = Fs(0), Vs = Fs(1), Hs = (e, t, n, r, i, a) => {
 	e.arc(t, n, r, i, a);
-}, Hs = (e, t, n, r, i, a) => {
+}, Us = (e, t, n, r, i, a) => {
 	e.arc(n, t, r, i, a);
-}, Us = (e, t, n, r, i, a, o) => {
-	e.bezierCurveTo(t, n, r, i, a, o);
 }, Ws = (e, t, n, r, i, a, o) => {
+	e.bezierCurveTo(t, n, r, i, a, o);
+}, Gs = (e, t, n, r, i, a, o) => {
 	e.bezierCurveTo(n, t, i, r, o, a);
 };
-function Gs(e) {
-	return (e, t, n, r, i) => Es(e, t, (t, a, o, s, c, l, u, d, f, p, m) => {
+function Ks(e) {
+	return (e, t, n, r, i) => Ds(e, t, (t, a, o, s, c, l, u, d, f, p, m) => {
 		let { pxRound: h, points: g } = t, _, v;
-		s.ori == 0 ? (_ = Fs, v = Vs) : (_ = Is, v = Hs);
+		s.ori == 0 ? (_ = Is, v = Hs) : (_ = Ls, v = Us);
 		let y = Z(g.width * J, 3), b = (g.size - g.width) / 2 * J, x = Z(b * 2, 3), S = new Path2D(), C = new Path2D(), { left: w, top: T, width: E, height: D } = e.bbox;
-		zs(C, w - x, T - x, E + x * 2, D + x * 2);
+		Bs(C, w - x, T - x, E + x * 2, D + x * 2);
 		let O = (e) => {
 			if (o[e] != null) {
 				let t = h(l(a[e], s, p, d)), n = h(u(o[e], c, m, f));
-				_(S, t + b, n), v(S, t, n, b, 0, Wi * 2);
+				_(S, t + b, n), v(S, t, n, b, 0, Gi * 2);
 			}
 		};
 		if (i) i.forEach(O);
@@ -5497,25 +5509,25 @@ function Gs(e) {
 		};
 	});
 }
-function Ks(e) {
+function qs(e) {
 	return (t, n, r, i, a, o) => {
 		r != i && (a != r && o != r && e(t, n, r), a != i && o != i && e(t, n, i), e(t, n, o));
 	};
 }
-var qs = Ks(Ls), Js = Ks(Rs);
-function Ys(e) {
+var Js = qs(Rs), Ys = qs(zs);
+function Xs(e) {
 	let t = Y(e?.alignGaps, 0);
-	return (e, n, r, i) => Es(e, n, (a, o, s, c, l, u, d, f, p, m, h) => {
-		[r, i] = ki(s, r, i);
+	return (e, n, r, i) => Ds(e, n, (a, o, s, c, l, u, d, f, p, m, h) => {
+		[r, i] = Ai(s, r, i);
 		let g = a.pxRound, _ = (e) => g(u(e, c, m, f)), v = (e) => g(d(e, l, h, p)), y, b;
-		c.ori == 0 ? (y = Ls, b = qs) : (y = Rs, b = Js);
+		c.ori == 0 ? (y = Rs, b = Js) : (y = zs, b = Ys);
 		let x = c.dir * (c.ori == 0 ? 1 : -1), S = {
 			stroke: new Path2D(),
 			fill: null,
 			clip: null,
 			band: null,
 			gaps: null,
-			flags: ws
+			flags: Ts
 		}, C = S.stroke, w = !1;
 		if (i - r >= m * 4) {
 			let t = (t) => e.posToVal(t, c.key, !0), n = null, a = null, l, u, d, f = _(o[x == 1 ? r : i]), p = _(o[r]), m = _(o[i]), h = t(x == 1 ? p + 1 : m - 1);
@@ -5528,29 +5540,29 @@ function Ys(e) {
 			let t = s[e];
 			t === null ? w = !0 : t != null && y(C, _(o[e]), v(t));
 		}
-		let [T, E] = Ds(e, n);
+		let [T, E] = Os(e, n);
 		if (a.fill != null || T != 0) {
 			let t = S.fill = new Path2D(C), s = v(a.fillTo(e, n, a.min, a.max, T)), c = _(o[r]), l = _(o[i]);
 			x == -1 && ([l, c] = [c, l]), y(t, l, s), y(t, c, s);
 		}
 		if (!a.spanGaps) {
 			let l = [];
-			w && l.push(...Ms(o, s, r, i, x, _, t)), S.gaps = l = a.gaps(e, n, r, i, l), S.clip = As(l, c.ori, f, p, m, h);
+			w && l.push(...Ns(o, s, r, i, x, _, t)), S.gaps = l = a.gaps(e, n, r, i, l), S.clip = js(l, c.ori, f, p, m, h);
 		}
-		return E != 0 && (S.band = E == 2 ? [ks(e, n, r, i, C, -1), ks(e, n, r, i, C, 1)] : ks(e, n, r, i, C, E)), S;
+		return E != 0 && (S.band = E == 2 ? [As(e, n, r, i, C, -1), As(e, n, r, i, C, 1)] : As(e, n, r, i, C, E)), S;
 	});
 }
-function Xs(e) {
+function Zs(e) {
 	let t = Y(e.align, 1), n = Y(e.ascDesc, !1), r = Y(e.alignGaps, 0), i = Y(e.extend, !1);
-	return (e, a, o, s) => Es(e, a, (c, l, u, d, f, p, m, h, g, _, v) => {
-		[o, s] = ki(u, o, s);
-		let y = c.pxRound, { left: b, width: x } = e.bbox, S = (e) => y(p(e, d, _, h)), C = (e) => y(m(e, f, v, g)), w = d.ori == 0 ? Ls : Rs, T = {
+	return (e, a, o, s) => Ds(e, a, (c, l, u, d, f, p, m, h, g, _, v) => {
+		[o, s] = Ai(u, o, s);
+		let y = c.pxRound, { left: b, width: x } = e.bbox, S = (e) => y(p(e, d, _, h)), C = (e) => y(m(e, f, v, g)), w = d.ori == 0 ? Rs : zs, T = {
 			stroke: new Path2D(),
 			fill: null,
 			clip: null,
 			band: null,
 			gaps: null,
-			flags: ws
+			flags: Ts
 		}, E = T.stroke, D = d.dir * (d.ori == 0 ? 1 : -1), O = C(u[D == 1 ? o : s]), k = S(l[D == 1 ? o : s]), A = k, j = k;
 		i && t == -1 && (j = b, w(E, j, O)), w(E, k, O);
 		for (let e = D == 1 ? o : s; e >= o && e <= s; e += D) {
@@ -5561,50 +5573,50 @@ function Xs(e) {
 		}
 		let ee = A;
 		i && t == 1 && (ee = b + x, w(E, ee, O));
-		let [te, ne] = Ds(e, a);
+		let [te, ne] = Os(e, a);
 		if (c.fill != null || te != 0) {
 			let t = T.fill = new Path2D(E), n = C(c.fillTo(e, a, c.min, c.max, te));
 			w(t, ee, n), w(t, j, n);
 		}
 		if (!c.spanGaps) {
 			let i = [];
-			i.push(...Ms(l, u, o, s, D, S, r));
+			i.push(...Ns(l, u, o, s, D, S, r));
 			let f = c.width * J / 2, p = n || t == 1 ? f : -f, m = n || t == -1 ? -f : f;
 			i.forEach((e) => {
 				e[0] += p, e[1] += m;
-			}), T.gaps = i = c.gaps(e, a, o, s, i), T.clip = As(i, d.ori, h, g, _, v);
+			}), T.gaps = i = c.gaps(e, a, o, s, i), T.clip = js(i, d.ori, h, g, _, v);
 		}
-		return ne != 0 && (T.band = ne == 2 ? [ks(e, a, o, s, E, -1), ks(e, a, o, s, E, 1)] : ks(e, a, o, s, E, ne)), T;
+		return ne != 0 && (T.band = ne == 2 ? [As(e, a, o, s, E, -1), As(e, a, o, s, E, 1)] : As(e, a, o, s, E, ne)), T;
 	});
 }
-function Zs(e, t, n, r, i, a, o = ra) {
+function Qs(e, t, n, r, i, a, o = ia) {
 	if (e.length > 1) {
 		let s = null;
 		for (let c = 0, l = Infinity; c < e.length; c++) if (t[c] !== void 0) {
 			if (s != null) {
-				let t = Gi(e[c] - e[s]);
-				t < l && (l = t, o = Gi(n(e[c], r, i, a) - n(e[s], r, i, a)));
+				let t = Ki(e[c] - e[s]);
+				t < l && (l = t, o = Ki(n(e[c], r, i, a) - n(e[s], r, i, a)));
 			}
 			s = c;
 		}
 	}
 	return o;
 }
-function Qs(e) {
-	e ||= xa;
+function $s(e) {
+	e ||= Sa;
 	let t = Y(e.size, [
 		.6,
-		ra,
+		ia,
 		1
 	]), n = e.align || 0, r = e.gap || 0, i = e.radius;
 	i = i == null ? [0, 0] : typeof i == "number" ? [i, 0] : i;
-	let a = X(i), o = 1 - t[0], s = Y(t[1], ra), c = Y(t[2], 1), l = Y(e.disp, xa), u = Y(e.each, (e) => {}), { fill: d, stroke: f } = l;
-	return (e, t, i, p) => Es(e, t, (m, h, g, _, v, y, b, x, S, C, w) => {
+	let a = X(i), o = 1 - t[0], s = Y(t[1], ia), c = Y(t[2], 1), l = Y(e.disp, Sa), u = Y(e.each, (e) => {}), { fill: d, stroke: f } = l;
+	return (e, t, i, p) => Ds(e, t, (m, h, g, _, v, y, b, x, S, C, w) => {
 		let T = m.pxRound, E = n, D = r * J, O = s * J, k = c * J, A, j;
 		_.ori == 0 ? [A, j] = a(e, t) : [j, A] = a(e, t);
-		let ee = _.dir * (_.ori == 0 ? 1 : -1), te = _.ori == 0 ? zs : Bs, ne = _.ori == 0 ? u : (e, t, n, r, i, a, o) => {
+		let ee = _.dir * (_.ori == 0 ? 1 : -1), te = _.ori == 0 ? Bs : Vs, ne = _.ori == 0 ? u : (e, t, n, r, i, a, o) => {
 			u(e, t, n, i, r, o, a);
-		}, re = Y(e.bands, Sa).find((e) => e.series[0] == t), ie = re == null ? 0 : re.dir, ae = m.fillTo(e, t, m.min, m.max, ie), M = T(b(ae, v, w, S)), N, P, oe, F = C, I = T(m.width * J), se = !1, ce = null, le = null, ue = null, de = null;
+		}, re = Y(e.bands, Ca).find((e) => e.series[0] == t), ie = re == null ? 0 : re.dir, ae = m.fillTo(e, t, m.min, m.max, ie), M = T(b(ae, v, w, S)), N, P, oe, F = C, I = T(m.width * J), se = !1, ce = null, le = null, ue = null, de = null;
 		d != null && (I == 0 || f != null) && (se = !0, ce = d.values(e, t, i, p), le = /* @__PURE__ */ new Map(), new Set(ce).forEach((e) => {
 			e != null && le.set(e, new Path2D());
 		}), I > 0 && (ue = f.values(e, t, i, p), de = /* @__PURE__ */ new Map(), new Set(ue).forEach((e) => {
@@ -5614,11 +5626,11 @@ function Qs(e) {
 		if (fe != null && pe != null) {
 			E = 1, h = fe.values(e, t, i, p), fe.unit == 2 && (h = h.map((t) => e.posToVal(x + t * C, _.key, !0)));
 			let n = pe.values(e, t, i, p);
-			P = pe.unit == 2 ? n[0] * C : y(n[0], _, C, x) - y(0, _, C, x), F = Zs(h, g, y, _, C, x, F), oe = F - P + D;
-		} else F = Zs(h, g, y, _, C, x, F), oe = F * o + D, P = F - oe;
-		oe < 1 && (oe = 0), I >= P / 2 && (I = 0), oe < 5 && (T = ca);
+			P = pe.unit == 2 ? n[0] * C : y(n[0], _, C, x) - y(0, _, C, x), F = Qs(h, g, y, _, C, x, F), oe = F - P + D;
+		} else F = Qs(h, g, y, _, C, x, F), oe = F * o + D, P = F - oe;
+		oe < 1 && (oe = 0), I >= P / 2 && (I = 0), oe < 5 && (T = la);
 		let me = oe > 0, he = F - oe - (me ? I : 0);
-		P = T(aa(he, k, O)), N = (E == 0 ? P / 2 : E == ee ? 0 : P) - E * ee * ((E == 0 ? D / 2 : 0) + (me ? I / 2 : 0));
+		P = T(oa(he, k, O)), N = (E == 0 ? P / 2 : E == ee ? 0 : P) - E * ee * ((E == 0 ? D / 2 : 0) + (me ? I / 2 : 0));
 		let ge = {
 			stroke: null,
 			fill: null,
@@ -5641,21 +5653,21 @@ function Qs(e) {
 				if (r - e == 0) continue;
 				M = b(e, v, w, S);
 			}
-			let i = y(_.distr != 2 || l != null ? h[n] : n, _, C, x), a = b(Y(r, ae), v, w, S), o = T(i - N), s = T(Xi(a, M)), c = T(Yi(a, M)), u = s - c;
+			let i = y(_.distr != 2 || l != null ? h[n] : n, _, C, x), a = b(Y(r, ae), v, w, S), o = T(i - N), s = T(Zi(a, M)), c = T(Xi(a, M)), u = s - c;
 			if (r != null) {
 				let i = r < 0 ? be : ye, a = r < 0 ? ye : be;
-				se ? (I > 0 && ue[n] != null && te(de.get(ue[n]), o, c + Ki(I / 2), P, Xi(0, u - I), i, a), ce[n] != null && te(le.get(ce[n]), o, c + Ki(I / 2), P, Xi(0, u - I), i, a)) : te(_e, o, c + Ki(I / 2), P, Xi(0, u - I), i, a), ne(e, t, n, o - I / 2, c, P + I, u);
+				se ? (I > 0 && ue[n] != null && te(de.get(ue[n]), o, c + qi(I / 2), P, Zi(0, u - I), i, a), ce[n] != null && te(le.get(ce[n]), o, c + qi(I / 2), P, Zi(0, u - I), i, a)) : te(_e, o, c + qi(I / 2), P, Zi(0, u - I), i, a), ne(e, t, n, o - I / 2, c, P + I, u);
 			}
 		}
 		return I > 0 ? ge.stroke = se ? de : _e : se || (ge._fill = m.width == 0 ? m._fill : m._stroke ?? m._fill, ge.width = 0), ge.fill = se ? le : _e, ge;
 	});
 }
-function $s(e, t) {
+function ec(e, t) {
 	let n = Y(t?.alignGaps, 0);
-	return (t, r, i, a) => Es(t, r, (o, s, c, l, u, d, f, p, m, h, g) => {
-		[i, a] = ki(c, i, a);
+	return (t, r, i, a) => Ds(t, r, (o, s, c, l, u, d, f, p, m, h, g) => {
+		[i, a] = Ai(c, i, a);
 		let _ = o.pxRound, v = (e) => _(d(e, l, h, p)), y = (e) => _(f(e, u, g, m)), b, x, S;
-		l.ori == 0 ? (b = Fs, S = Ls, x = Us) : (b = Is, S = Rs, x = Ws);
+		l.ori == 0 ? (b = Is, S = Rs, x = Ws) : (b = Ls, S = zs, x = Gs);
 		let C = l.dir * (l.ori == 0 ? 1 : -1), w = v(s[C == 1 ? i : a]), T = w, E = [], D = [];
 		for (let e = C == 1 ? i : a; e >= i && e <= a; e += C) if (c[e] != null) {
 			let t = s[e], n = v(t);
@@ -5667,23 +5679,23 @@ function $s(e, t) {
 			clip: null,
 			band: null,
 			gaps: null,
-			flags: ws
-		}, k = O.stroke, [A, j] = Ds(t, r);
+			flags: Ts
+		}, k = O.stroke, [A, j] = Os(t, r);
 		if (o.fill != null || A != 0) {
 			let e = O.fill = new Path2D(k), n = y(o.fillTo(t, r, o.min, o.max, A));
 			S(e, T, n), S(e, w, n);
 		}
 		if (!o.spanGaps) {
 			let e = [];
-			e.push(...Ms(s, c, i, a, C, v, n)), O.gaps = e = o.gaps(t, r, i, a, e), O.clip = As(e, l.ori, p, m, h, g);
+			e.push(...Ns(s, c, i, a, C, v, n)), O.gaps = e = o.gaps(t, r, i, a, e), O.clip = js(e, l.ori, p, m, h, g);
 		}
-		return j != 0 && (O.band = j == 2 ? [ks(t, r, i, a, k, -1), ks(t, r, i, a, k, 1)] : ks(t, r, i, a, k, j)), O;
+		return j != 0 && (O.band = j == 2 ? [As(t, r, i, a, k, -1), As(t, r, i, a, k, 1)] : As(t, r, i, a, k, j)), O;
 	});
 }
-function ec(e) {
-	return $s(tc, e);
+function tc(e) {
+	return ec(nc, e);
 }
-function tc(e, t, n, r, i, a) {
+function nc(e, t, n, r, i, a) {
 	let o = e.length;
 	if (o < 2) return null;
 	let s = new Path2D();
@@ -5698,61 +5710,61 @@ function tc(e, t, n, r, i, a) {
 	}
 	return s;
 }
-var nc = /* @__PURE__ */ new Set();
-function rc() {
-	for (let e of nc) e.syncRect(!0);
+var rc = /* @__PURE__ */ new Set();
+function ic() {
+	for (let e of rc) e.syncRect(!0);
 }
-ii && (Ci($r, oi, rc), Ci(ei, oi, rc, !0), Ci(ni, oi, () => {
-	yc.pxRatio = J;
+ai && (wi(ei, si, ic), wi(ti, si, ic, !0), wi(ri, si, () => {
+	bc.pxRatio = J;
 }));
-var ic = Ys(), ac = Gs();
-function oc(e, t, n, r) {
-	return (r ? [e[0], e[1]].concat(e.slice(2)) : [e[0]].concat(e.slice(1))).map((e, r) => cc(e, r, t, n));
+var ac = Xs(), oc = Ks();
+function sc(e, t, n, r) {
+	return (r ? [e[0], e[1]].concat(e.slice(2)) : [e[0]].concat(e.slice(1))).map((e, r) => lc(e, r, t, n));
 }
-function sc(e, t) {
-	return e.map((e, n) => n == 0 ? {} : Na({}, t, e));
+function cc(e, t) {
+	return e.map((e, n) => n == 0 ? {} : Pa({}, t, e));
 }
-function cc(e, t, n, r) {
-	return Na({}, t == 0 ? n : r, e);
+function lc(e, t, n, r) {
+	return Pa({}, t == 0 ? n : r, e);
 }
-function lc(e, t, n) {
-	return t == null ? Ca : [t, n];
+function uc(e, t, n) {
+	return t == null ? wa : [t, n];
 }
-var uc = lc;
-function dc(e, t, n) {
-	return t == null ? Ca : Ri(t, n, Pi, !0);
+var dc = uc;
+function fc(e, t, n) {
+	return t == null ? wa : zi(t, n, Fi, !0);
 }
-function fc(e, t, n, r) {
-	return t == null ? Ca : Mi(t, n, e.scales[r].log, !1);
+function pc(e, t, n, r) {
+	return t == null ? wa : Ni(t, n, e.scales[r].log, !1);
 }
-var pc = fc;
-function mc(e, t, n, r) {
-	return t == null ? Ca : Ni(t, n, e.scales[r].log, !1);
+var mc = pc;
+function hc(e, t, n, r) {
+	return t == null ? wa : Pi(t, n, e.scales[r].log, !1);
 }
-var hc = mc;
-function gc(e, t, n, r, i) {
-	let a = Xi(ia(e), ia(t)), o = t - e, s = Ti(i / r * o, n);
+var gc = hc;
+function _c(e, t, n, r, i) {
+	let a = Zi(aa(e), aa(t)), o = t - e, s = Ei(i / r * o, n);
 	do {
 		let e = n[s], t = r * e / o;
-		if (t >= i && a + (e < 5 ? va.get(e) : 0) <= 17) return [e, t];
+		if (t >= i && a + (e < 5 ? ya.get(e) : 0) <= 17) return [e, t];
 	} while (++s < n.length);
 	return [0, 0];
 }
-function _c(e) {
+function vc(e) {
 	let t, n;
-	return e = e.replace(/(\d+)px/, (e, r) => (t = qi((n = +r) * J)) + "px"), [
+	return e = e.replace(/(\d+)px/, (e, r) => (t = Ji((n = +r) * J)) + "px"), [
 		e,
 		t,
 		n
 	];
 }
-function vc(e) {
+function yc(e) {
 	e.show && [e.font, e.labelFont].forEach((e) => {
 		let t = Z(e[2] * J, 1);
 		e[0] = e[0].replace(/[0-9.]+px/, t + "px"), e[1] = t;
 	});
 }
-function yc(e, t, n) {
+function bc(e, t, n) {
 	let r = { mode: Y(e.mode, 1) }, i = r.mode;
 	function a(e, t, n, r) {
 		let i = t.valToPct(e);
@@ -5768,24 +5780,24 @@ function yc(e, t, n) {
 	r.valToPosH = a, r.valToPosV = o;
 	let c = !1;
 	r.status = 0;
-	let l = r.root = mi(yr);
-	if (e.id != null && (l.id = e.id), ui(l, e.class), e.title) {
-		let t = mi(Sr, l);
+	let l = r.root = hi(br);
+	if (e.id != null && (l.id = e.id), di(l, e.class), e.title) {
+		let t = hi(Cr, l);
 		t.textContent = e.title;
 	}
-	let u = pi("canvas"), d = r.ctx = u.getContext("2d"), f = mi(Cr, l);
-	Ci("click", f, (e) => {
+	let u = mi("canvas"), d = r.ctx = u.getContext("2d"), f = hi(wr, l);
+	wi("click", f, (e) => {
 		e.target === m && (U != tn || W != nn) && sn.click(r, e);
 	}, !0);
-	let p = r.under = mi(wr, f);
+	let p = r.under = hi(Tr, f);
 	f.appendChild(u);
-	let m = r.over = mi(Tr, f);
-	e = Ma(e);
-	let h = +Y(e.pxAlign, 1), g = Ns(h);
+	let m = r.over = hi(Er, f);
+	e = Na(e);
+	let h = +Y(e.pxAlign, 1), g = Ps(h);
 	(e.plugins || []).forEach((t) => {
 		t.opts && (e = t.opts(r, e) || e);
 	});
-	let _ = e.ms || .001, v = r.series = i == 1 ? oc(e.series || [], $o, vs, !1) : sc(e.series || [null], _s), y = r.axes = oc(e.axes || [], Xo, fs, !0), b = r.scales = {}, x = r.bands = e.bands || [];
+	let _ = e.ms || .001, v = r.series = i == 1 ? sc(e.series || [], es, ys, !1) : cc(e.series || [null], vs), y = r.axes = sc(e.axes || [], Zo, ps, !0), b = r.scales = {}, x = r.bands = e.bands || [];
 	x.forEach((e) => {
 		e.fill = X(e.fill || null), e.dir = Y(e.dir, -1);
 	});
@@ -5794,7 +5806,7 @@ function yc(e, t, n) {
 		series: Ot
 	}, w = (e.drawOrder || ["axes", "series"]).map((e) => C[e]);
 	function T(e) {
-		let t = e.distr == 3 ? (t) => $i(t > 0 ? t : e.clamp(r, t, e.min, e.max, e.key)) : e.distr == 4 ? (t) => na(t, e.asinh) : e.distr == 100 ? (t) => e.fwd(t) : (e) => e;
+		let t = e.distr == 3 ? (t) => ea(t > 0 ? t : e.clamp(r, t, e.min, e.max, e.key)) : e.distr == 4 ? (t) => ra(t, e.asinh) : e.distr == 100 ? (t) => e.fwd(t) : (e) => e;
 		return (n) => {
 			let r = t(n), { _min: i, _max: a } = e, o = a - i;
 			return (r - i) / o;
@@ -5803,30 +5815,30 @@ function yc(e, t, n) {
 	function E(t) {
 		let n = b[t];
 		if (n == null) {
-			let r = (e.scales || xa)[t] || xa;
+			let r = (e.scales || Sa)[t] || Sa;
 			if (r.from != null) {
 				E(r.from);
-				let e = Na({}, b[r.from], r, { key: t });
+				let e = Pa({}, b[r.from], r, { key: t });
 				e.valToPct = T(e), b[t] = e;
 			} else {
-				n = b[t] = Na({}, t == S ? bs : xs, r), n.key = t;
-				let e = n.time, a = n.range, o = wa(a);
+				n = b[t] = Pa({}, t == S ? xs : Ss, r), n.key = t;
+				let e = n.time, a = n.range, o = Ta(a);
 				if ((t != S || i == 2 && !e) && (o && (a[0] == null || a[1] == null) && (a = {
-					min: a[0] == null ? Fi : {
+					min: a[0] == null ? Ii : {
 						mode: 1,
 						hard: a[0],
 						soft: a[0]
 					},
-					max: a[1] == null ? Fi : {
+					max: a[1] == null ? Ii : {
 						mode: 1,
 						hard: a[1],
 						soft: a[1]
 					}
-				}, o = !1), !o && Oa(a))) {
+				}, o = !1), !o && ka(a))) {
 					let e = a;
-					a = (t, n, r) => n == null ? Ca : Ri(n, r, e);
+					a = (t, n, r) => n == null ? wa : zi(n, r, e);
 				}
-				n.range = X(a || (e ? uc : t == S ? n.distr == 3 ? pc : n.distr == 4 ? hc : lc : n.distr == 3 ? fc : n.distr == 4 ? mc : dc)), n.auto = X(!o && n.auto), n.clamp = X(n.clamp || ys), n._min = n._max = null, n.valToPct = T(n);
+				n.range = X(a || (e ? dc : t == S ? n.distr == 3 ? mc : n.distr == 4 ? gc : uc : n.distr == 3 ? pc : n.distr == 4 ? hc : fc)), n.auto = X(!o && n.auto), n.clamp = X(n.clamp || bs), n._min = n._max = null, n.valToPct = T(n);
 			}
 		}
 	}
@@ -5837,7 +5849,7 @@ function yc(e, t, n) {
 	});
 	for (let t in e.scales) E(t);
 	let D = b[S], O = D.distr, k, A;
-	D.ori == 0 ? (ui(l, br), k = a, A = o) : (ui(l, xr), k = o, A = a);
+	D.ori == 0 ? (di(l, xr), k = a, A = o) : (di(l, Sr), k = o, A = a);
 	let j = {};
 	for (let e in b) {
 		let t = b[e];
@@ -5846,35 +5858,35 @@ function yc(e, t, n) {
 			max: t.max
 		}, t.min = t.max = null);
 	}
-	let ee = e.tzDate || ((e) => new Date(qi(e / _))), te = e.fmtDate || Za, ne = _ == 1 ? bo(ee) : Co(ee), re = To(ee, wo(_ == 1 ? yo : So, te)), ie = Ao(ee, Oo(ko, te)), ae = [], M = r.legend = Na({}, No, e.legend), N = r.cursor = Na({}, Ho, { drag: { y: i == 2 } }, e.cursor), P = M.show, oe = N.show, F = M.markers;
+	let ee = e.tzDate || ((e) => new Date(Ji(e / _))), te = e.fmtDate || Qa, ne = _ == 1 ? xo(ee) : wo(ee), re = Eo(ee, To(_ == 1 ? bo : Co, te)), ie = jo(ee, ko(Ao, te)), ae = [], M = r.legend = Pa({}, Po, e.legend), N = r.cursor = Pa({}, Uo, { drag: { y: i == 2 } }, e.cursor), P = M.show, oe = N.show, F = M.markers;
 	M.idxs = ae, F.width = X(F.width), F.dash = X(F.dash), F.stroke = X(F.stroke), F.fill = X(F.fill);
 	let I, se, ce, le = [], ue = [], de, fe = !1, pe = {};
 	if (M.live) {
 		let e = v[1] ? v[1].values : null;
 		fe = e != null, de = fe ? e(r, 1, 0) : { _: 0 };
-		for (let e in de) pe[e] = ri;
+		for (let e in de) pe[e] = ii;
 	}
 	if (P) {
-		if (I = pi("table", Mr, l), ce = pi("tbody", null, I), M.mount(r, I), fe) {
-			se = pi("thead", null, I, ce);
-			let e = pi("tr", null, se);
-			for (var me in pi("th", null, e), de) pi("th", Lr, e).textContent = me;
-		} else ui(I, Pr), M.live && ui(I, Nr);
+		if (I = mi("table", Nr, l), ce = mi("tbody", null, I), M.mount(r, I), fe) {
+			se = mi("thead", null, I, ce);
+			let e = mi("tr", null, se);
+			for (var me in mi("th", null, e), de) mi("th", Rr, e).textContent = me;
+		} else di(I, Fr), M.live && di(I, Pr);
 	}
 	let he = { show: !0 }, ge = { show: !1 };
 	function _e(e, t) {
-		if (t == 0 && (fe || !M.live || i == 2)) return Ca;
-		let n = [], a = pi("tr", Fr, ce, ce.childNodes[t]);
-		ui(a, e.class), e.show || ui(a, Dr);
-		let o = pi("th", null, a);
+		if (t == 0 && (fe || !M.live || i == 2)) return wa;
+		let n = [], a = mi("tr", Ir, ce, ce.childNodes[t]);
+		di(a, e.class), e.show || di(a, Or);
+		let o = mi("th", null, a);
 		if (F.show) {
-			let e = mi(Ir, o);
+			let e = hi(Lr, o);
 			if (t > 0) {
 				let n = F.width(r, t);
 				n && (e.style.border = n + "px " + F.dash(r, t) + " " + F.stroke(r, t)), e.style.background = F.fill(r, t);
 			}
 		}
-		let s = mi(Lr, o);
+		let s = hi(Rr, o);
 		for (var c in e.label instanceof HTMLElement ? s.appendChild(e.label) : s.textContent = e.label, t > 0 && (F.show || (s.style.color = e.width > 0 ? F.stroke(r, t) : F.fill(r, t)), ye("click", o, (t) => {
 			if (N._lock) return;
 			We(t);
@@ -5885,10 +5897,10 @@ function yc(e, t, n) {
 					r > 0 && mn(r, e ? r == n ? he : ge : he, !0, q.setSeries);
 				});
 			} else mn(n, { show: !e.show }, !0, q.setSeries);
-		}, !1), qe && ye(Xr, o, (t) => {
+		}, !1), qe && ye(Zr, o, (t) => {
 			N._lock || (We(t), mn(v.indexOf(e), Sn, !0, q.setSeries));
 		}, !1)), de) {
-			let e = pi("td", Rr, a);
+			let e = mi("td", zr, a);
 			e.textContent = "--", n.push(e);
 		}
 		return [a, n];
@@ -5896,11 +5908,11 @@ function yc(e, t, n) {
 	let ve = /* @__PURE__ */ new Map();
 	function ye(e, t, n, i = !0) {
 		let a = ve.get(t) || {}, o = N.bind[e](r, t, n, i);
-		o && (Ci(e, t, a[e] = o), ve.set(t, a));
+		o && (wi(e, t, a[e] = o), ve.set(t, a));
 	}
 	function be(e, t, n) {
 		let r = ve.get(t) || {};
-		for (let n in r) (e == null || n == e) && (wi(n, t, r[n]), delete r[n]);
+		for (let n in r) (e == null || n == e) && (Ti(n, t, r[n]), delete r[n]);
 		e ?? ve.delete(t);
 	}
 	let xe = 0, Se = 0, L = 0, R = 0, Ce = 0, z = 0, we = Ce, Te = z, Ee = L, De = R, Oe = 0, ke = 0, Ae = 0, je = 0;
@@ -5912,7 +5924,7 @@ function yc(e, t, n) {
 	function ze(e, t) {
 		r.width = xe = L = e, r.height = Se = R = t, Ce = z = 0, He(), Ue();
 		let n = r.bbox;
-		Oe = n.left = ha(Ce * J, .5), ke = n.top = ha(z * J, .5), Ae = n.width = ha(L * J, .5), je = n.height = ha(R * J, .5);
+		Oe = n.left = ga(Ce * J, .5), ke = n.top = ga(z * J, .5), Ae = n.width = ga(L * J, .5), je = n.height = ga(R * J, .5);
 	}
 	function Be() {
 		let e = !1, t = 0;
@@ -5958,7 +5970,7 @@ function yc(e, t, n) {
 		let r = e.prox = X(e.prox), i = e.bias ??= 0;
 		N.dataIdx = (e, a, o, s) => {
 			if (a == 0) return o;
-			let c = o, l = r(e, a, o, s) ?? ra, u = l >= 0 && l < ra, d = D.ori == 0 ? L : R, f = N.left, p = t[0], m = t[a];
+			let c = o, l = r(e, a, o, s) ?? ia, u = l >= 0 && l < ia, d = D.ori == 0 ? L : R, f = N.left, p = t[0], m = t[a];
 			if (n.has(m[o])) {
 				c = null;
 				let e = null, t = null, r;
@@ -5970,7 +5982,7 @@ function yc(e, t, n) {
 						i <= a ? i <= l && (c = e) : a <= l && (c = t);
 					} else c = t == null ? e : e == null ? t : o - e <= t - o ? e : t;
 				}
-			} else u && Gi(f - k(p[o], D, d, 0)) > l && (c = null);
+			} else u && Ki(f - k(p[o], D, d, 0)) > l && (c = null);
 			return c;
 		};
 	}
@@ -5980,24 +5992,24 @@ function yc(e, t, n) {
 	N.idxs = ae, N._lock = !1;
 	let Ge = N.points;
 	Ge.show = X(Ge.show), Ge.size = X(Ge.size), Ge.stroke = X(Ge.stroke), Ge.width = X(Ge.width), Ge.fill = X(Ge.fill);
-	let Ke = r.focus = Na({}, e.focus || { alpha: .3 }, N.focus), qe = Ke.prox >= 0, Je = qe && Ge.one, Ye = [], Xe = [], Ze = [];
+	let Ke = r.focus = Pa({}, e.focus || { alpha: .3 }, N.focus), qe = Ke.prox >= 0, Je = qe && Ge.one, Ye = [], Xe = [], Ze = [];
 	function Qe(e, t) {
 		let n = Ge.show(r, t);
-		if (n instanceof HTMLElement) return ui(n, jr), ui(n, e.class), gi(n, -10, -10, L, R), m.insertBefore(n, Ye[t]), n;
+		if (n instanceof HTMLElement) return di(n, Mr), di(n, e.class), _i(n, -10, -10, L, R), m.insertBefore(n, Ye[t]), n;
 	}
 	function $e(e, t) {
 		if (i == 1 || t > 0) {
 			let t = i == 1 && b[e.scale].time, n = e.value;
-			e.value = t ? Da(n) ? Ao(ee, Oo(n, te)) : n || ie : n || ds, e.label = e.label || (t ? Qo : Zo);
+			e.value = t ? Oa(n) ? jo(ee, ko(n, te)) : n || ie : n || fs, e.label = e.label || (t ? $o : Qo);
 		}
 		if (Je || t > 0) {
-			e.width = e.width == null ? 1 : e.width, e.paths = e.paths || ic || ua, e.fillTo = X(e.fillTo || Os), e.pxAlign = +Y(e.pxAlign, h), e.pxRound = Ns(e.pxAlign), e.stroke = X(e.stroke || null), e.fill = X(e.fill || null), e._stroke = e._fill = e._paths = e._focus = null;
-			let t = ps(Xi(1, e.width), 1), n = e.points = Na({}, {
+			e.width = e.width == null ? 1 : e.width, e.paths = e.paths || ac || da, e.fillTo = X(e.fillTo || ks), e.pxAlign = +Y(e.pxAlign, h), e.pxRound = Ps(e.pxAlign), e.stroke = X(e.stroke || null), e.fill = X(e.fill || null), e._stroke = e._fill = e._paths = e._focus = null;
+			let t = ms(Zi(1, e.width), 1), n = e.points = Pa({}, {
 				size: t,
-				width: Xi(1, t * .2),
+				width: Zi(1, t * .2),
 				stroke: e.stroke,
 				space: t * 2,
-				paths: ac,
+				paths: oc,
 				_stroke: null,
 				_fill: null
 			}, e.points);
@@ -6015,7 +6027,7 @@ function yc(e, t, n) {
 		Xn("addSeries", t);
 	}
 	function et(e, t) {
-		t ??= v.length, e = i == 1 ? cc(e, t, $o, vs) : cc(e, t, {}, _s), v.splice(t, 0, e), $e(v[t], t);
+		t ??= v.length, e = i == 1 ? lc(e, t, es, ys) : lc(e, t, {}, vs), v.splice(t, 0, e), $e(v[t], t);
 	}
 	r.addSeries = et;
 	function tt(e) {
@@ -6038,16 +6050,16 @@ function yc(e, t, n) {
 			let n = e.side % 2, i = b[e.scale];
 			i ??= (e.scale = n ? v[1].scale : S, b[e.scale]);
 			let a = i.time;
-			e.size = X(e.size), e.space = X(e.space), e.rotate = X(e.rotate), wa(e.incrs) && e.incrs.forEach((e) => {
-				!va.has(e) && va.set(e, ya(e));
-			}), e.incrs = X(e.incrs || (i.distr == 2 ? io : a ? _ == 1 ? vo : xo : ao)), e.splits = X(e.splits || (a && i.distr == 1 ? ne : i.distr == 3 ? ns : i.distr == 4 ? rs : ts)), e.stroke = X(e.stroke), e.grid.stroke = X(e.grid.stroke), e.ticks.stroke = X(e.ticks.stroke), e.border.stroke = X(e.border.stroke);
+			e.size = X(e.size), e.space = X(e.space), e.rotate = X(e.rotate), Ta(e.incrs) && e.incrs.forEach((e) => {
+				!ya.has(e) && ya.set(e, ba(e));
+			}), e.incrs = X(e.incrs || (i.distr == 2 ? ao : a ? _ == 1 ? yo : So : oo)), e.splits = X(e.splits || (a && i.distr == 1 ? ne : i.distr == 3 ? rs : i.distr == 4 ? is : ns)), e.stroke = X(e.stroke), e.grid.stroke = X(e.grid.stroke), e.ticks.stroke = X(e.ticks.stroke), e.border.stroke = X(e.border.stroke);
 			let o = e.values;
-			e.values = wa(o) && !wa(o[0]) ? X(o) : a ? wa(o) ? To(ee, wo(o, te)) : Da(o) ? Eo(ee, o) : o || re : o || es, e.filter = X(e.filter || (i.distr >= 3 && i.log == 10 ? ls : i.distr == 3 && i.log == 2 ? us : la)), e.font = _c(e.font), e.labelFont = _c(e.labelFont), e._size = e.size(r, null, t, 0), e._space = e._rotate = e._incrs = e._found = e._splits = e._values = null, e._size > 0 && (B[t] = !0, e._el = mi(Er, f));
+			e.values = Ta(o) && !Ta(o[0]) ? X(o) : a ? Ta(o) ? Eo(ee, To(o, te)) : Oa(o) ? Do(ee, o) : o || re : o || ts, e.filter = X(e.filter || (i.distr >= 3 && i.log == 10 ? us : i.distr == 3 && i.log == 2 ? ds : ua)), e.font = vc(e.font), e.labelFont = vc(e.labelFont), e._size = e.size(r, null, t, 0), e._space = e._rotate = e._incrs = e._found = e._splits = e._values = null, e._size > 0 && (B[t] = !0, e._el = hi(Dr, f));
 		}
 	}
 	function rt(e, t, n, r) {
 		let [i, a, o, s] = n, c = t % 2, l = 0;
-		return c == 0 && (s || a) && (l = t == 0 && !i || t == 2 && !o ? qi(Xo.size / 3) : 0), c == 1 && (i || o) && (l = t == 1 && !a || t == 3 && !s ? qi(fs.size / 2) : 0), l;
+		return c == 0 && (s || a) && (l = t == 0 && !i || t == 2 && !o ? Ji(Zo.size / 3) : 0), c == 1 && (i || o) && (l = t == 1 && !a || t == 3 && !s ? Ji(ps.size / 2) : 0), l;
 	}
 	let it = r.padding = (e.padding || [
 		rt,
@@ -6078,19 +6090,19 @@ function yc(e, t, n) {
 	function ft() {
 		ut = !0;
 		let e, n;
-		i == 1 && (ot > 0 ? (st = ct[0] = 0, V = ct[1] = ot - 1, e = t[0][st], n = t[0][V], O == 2 ? (e = st, n = V) : e == n && (O == 3 ? [e, n] = Mi(e, e, D.log, !1) : O == 4 ? [e, n] = Ni(e, e, D.log, !1) : D.time ? n = e + qi(86400 / _) : [e, n] = Ri(e, n, Pi, !0))) : (st = ct[0] = e = null, V = ct[1] = n = null)), pn(S, e, n);
+		i == 1 && (ot > 0 ? (st = ct[0] = 0, V = ct[1] = ot - 1, e = t[0][st], n = t[0][V], O == 2 ? (e = st, n = V) : e == n && (O == 3 ? [e, n] = Ni(e, e, D.log, !1) : O == 4 ? [e, n] = Pi(e, e, D.log, !1) : D.time ? n = e + Ji(86400 / _) : [e, n] = zi(e, n, Fi, !0))) : (st = ct[0] = e = null, V = ct[1] = n = null)), pn(S, e, n);
 	}
 	let pt, mt, H, ht, gt, _t, vt, yt, bt, xt;
 	function St(e, t, n, r, i, a) {
-		e ??= Kr, n ??= Sa, r ??= "butt", i ??= Kr, a ??= "round", e != pt && (d.strokeStyle = pt = e), i != mt && (d.fillStyle = mt = i), t != H && (d.lineWidth = H = t), a != gt && (d.lineJoin = gt = a), r != _t && (d.lineCap = _t = r), n != ht && d.setLineDash(ht = n);
+		e ??= qr, n ??= Ca, r ??= "butt", i ??= qr, a ??= "round", e != pt && (d.strokeStyle = pt = e), i != mt && (d.fillStyle = mt = i), t != H && (d.lineWidth = H = t), a != gt && (d.lineJoin = gt = a), r != _t && (d.lineCap = _t = r), n != ht && d.setLineDash(ht = n);
 	}
 	function Ct(e, t, n, r) {
 		t != mt && (d.fillStyle = mt = t), e != vt && (d.font = vt = e), n != yt && (d.textAlign = yt = n), r != bt && (d.textBaseline = bt = r);
 	}
 	function wt(e, t, n, i, a = 0) {
 		if (i.length > 0 && e.auto(r, ut) && (t == null || t.min == null)) {
-			let t = Y(st, 0), r = Y(V, i.length - 1), o = n.min == null ? ji(i, t, r, a, e.distr == 3) : [n.min, n.max];
-			e.min = Yi(e.min, n.min = o[0]), e.max = Xi(e.max, n.max = o[1]);
+			let t = Y(st, 0), r = Y(V, i.length - 1), o = n.min == null ? Mi(i, t, r, a, e.distr == 3) : [n.min, n.max];
+			e.min = Xi(e.min, n.min = o[0]), e.max = Zi(e.max, n.max = o[1]);
 		}
 	}
 	let Tt = {
@@ -6111,13 +6123,13 @@ function yc(e, t, n) {
 		for (let t in j) {
 			let n = j[t];
 			if (n != null) {
-				let a = e[t] = Ma(b[t], ka);
-				if (n.min != null) Na(a, n);
+				let a = e[t] = Na(b[t], Aa);
+				if (n.min != null) Pa(a, n);
 				else if (t != S || i == 2) {
 					if (ot == 0 && a.from == null) {
 						let e = a.range(r, null, null, t);
 						a.min = e[0], a.max = e[1];
-					} else a.min = ra, a.max = -Infinity;
+					} else a.min = ia, a.max = -Infinity;
 				}
 			}
 		}
@@ -6129,7 +6141,7 @@ function yc(e, t, n) {
 					let s = e[i];
 					if (a == 0) {
 						let e = s.range(r, s.min, s.max, i);
-						s.min = e[0], s.max = e[1], st = Ti(s.min, t[0]), V = Ti(s.max, t[0]), V - st > 1 && (t[0][st] < s.min && st++, t[0][V] > s.max && V--), n.min = lt[st], n.max = lt[V];
+						s.min = e[0], s.max = e[1], st = Ei(s.min, t[0]), V = Ei(s.max, t[0]), V - st > 1 && (t[0][st] < s.min && st++, t[0][V] > s.max && V--), n.min = lt[st], n.max = lt[V];
 					} else n.show && n.auto && wt(s, o, n, t[a], n.sorted);
 					n.idxs[0] = st, n.idxs[1] = V;
 				} else if (a > 0 && n.show && n.auto) {
@@ -6140,7 +6152,7 @@ function yc(e, t, n) {
 			for (let t in e) {
 				let n = e[t], i = j[t];
 				if (n.from == null && (i == null || i.min == null)) {
-					let e = n.range(r, n.min == ra ? null : n.min, n.max == -Infinity ? null : n.max, t);
+					let e = n.range(r, n.min == ia ? null : n.min, n.max == -Infinity ? null : n.max, t);
 					n.min = e[0], n.max = e[1];
 				}
 			}
@@ -6162,7 +6174,7 @@ function yc(e, t, n) {
 			if (i.min != r.min || i.max != r.max) {
 				i.min = r.min, i.max = r.max;
 				let e = i.distr;
-				i._min = e == 3 ? $i(i.min) : e == 4 ? na(i.min, i.asinh) : e == 100 ? i.fwd(i.min) : i.min, i._max = e == 3 ? $i(i.max) : e == 4 ? na(i.max, i.asinh) : e == 100 ? i.fwd(i.max) : i.max, n[t] = a = !0;
+				i._min = e == 3 ? ea(i.min) : e == 4 ? ra(i.min, i.asinh) : e == 100 ? i.fwd(i.min) : i.min, i._max = e == 3 ? ea(i.max) : e == 4 ? ra(i.max, i.asinh) : e == 100 ? i.fwd(i.max) : i.max, n[t] = a = !0;
 			}
 		}
 		if (a) {
@@ -6175,7 +6187,7 @@ function yc(e, t, n) {
 		for (let e in j) j[e] = null;
 	}
 	function Dt(e) {
-		let t = aa(st - 1, 0, ot - 1), n = aa(V + 1, 0, ot - 1);
+		let t = oa(st - 1, 0, ot - 1), n = oa(V + 1, 0, ot - 1);
 		for (; e[t] == null && t > 0;) t--;
 		for (; e[n] == null && n < ot - 1;) n++;
 		return [t, n];
@@ -6223,15 +6235,15 @@ function yc(e, t, n) {
 		let p = !1;
 		u != 0 && x.forEach((m, h) => {
 			if (m.series[0] == e) {
-				let e = v[m.series[1]], g = t[m.series[1]], _ = (e._paths || xa).band;
-				wa(_) && (_ = m.dir == 1 ? _[0] : _[1]);
+				let e = v[m.series[1]], g = t[m.series[1]], _ = (e._paths || Sa).band;
+				Ta(_) && (_ = m.dir == 1 ? _[0] : _[1]);
 				let y, b = null;
-				e.show && _ && zi(g, st, V) ? (b = m.fill(r, h) || s, y = e._paths.clip) : _ = null, Mt(n, i, a, o, b, c, l, u, d, f, y, _), p = !0;
+				e.show && _ && Bi(g, st, V) ? (b = m.fill(r, h) || s, y = e._paths.clip) : _ = null, Mt(n, i, a, o, b, c, l, u, d, f, y, _), p = !0;
 			}
 		}), p || Mt(n, i, a, o, s, c, l, u, d, f);
 	}
 	function Mt(e, t, n, r, i, a, o, s, c, l, u, f) {
-		St(e, t, n, r, i), (c || l || f) && (d.save(), c && d.clip(c), l && d.clip(l)), f ? (s & 3) == 3 ? (d.clip(f), u && d.clip(u), Pt(i, o), Nt(e, a, t)) : s & Ts ? (Pt(i, o), d.clip(f), Nt(e, a, t)) : s & ws && (d.save(), d.clip(f), u && d.clip(u), Pt(i, o), d.restore(), Nt(e, a, t)) : (Pt(i, o), Nt(e, a, t)), (c || l || f) && d.restore();
+		St(e, t, n, r, i), (c || l || f) && (d.save(), c && d.clip(c), l && d.clip(l)), f ? (s & 3) == 3 ? (d.clip(f), u && d.clip(u), Pt(i, o), Nt(e, a, t)) : s & Es ? (Pt(i, o), d.clip(f), Nt(e, a, t)) : s & Ts && (d.save(), d.clip(f), u && d.clip(u), Pt(i, o), d.restore(), Nt(e, a, t)) : (Pt(i, o), Nt(e, a, t)), (c || l || f) && d.restore();
 	}
 	function Nt(e, t, n) {
 		n > 0 && (t instanceof Map ? t.forEach((e, t) => {
@@ -6248,7 +6260,7 @@ function yc(e, t, n) {
 		if (i <= 0) o = [0, 0];
 		else {
 			let s = a._space = a.space(r, e, t, n, i);
-			o = gc(t, n, a._incrs = a.incrs(r, e, t, n, i, s), i, s);
+			o = _c(t, n, a._incrs = a.incrs(r, e, t, n, i, s), i, s);
 		}
 		return a._found = o;
 	}
@@ -6275,7 +6287,7 @@ function yc(e, t, n) {
 			let f = a.distr == 2, p = n._splits = n.splits(r, i, c, l, u, d, f), m = a.distr == 2 ? p.map((e) => lt[e]) : p, h = a.distr == 2 ? lt[p[1]] - lt[p[0]] : u, g = n._values = n.values(r, n.filter(r, m, i, d, h), i, d, h);
 			n._rotate = o == 2 ? n.rotate(r, g, i, d) : 0;
 			let _ = n._size;
-			n._size = Ji(n.size(r, g, i, e)), _ != null && n._size != _ && (t = !1);
+			n._size = Yi(n.size(r, g, i, e)), _ != null && n._size != _ && (t = !1);
 		}), t;
 	}
 	function Rt(e) {
@@ -6291,16 +6303,16 @@ function yc(e, t, n) {
 			if (!t.show || !t._show) continue;
 			let n = t.side, i = n % 2, a, o, c = t.stroke(r, e), l = n == 0 || n == 3 ? -1 : 1, [u, f] = t._found;
 			if (t.label != null) {
-				let s = t.labelGap * l, p = qi((t._lpos + s) * J);
-				Ct(t.labelFont[0], c, "center", n == 2 ? Vr : Hr), d.save(), i == 1 ? (a = o = 0, d.translate(p, qi(ke + je / 2)), d.rotate((n == 3 ? -Wi : Wi) / 2)) : (a = qi(Oe + Ae / 2), o = p);
-				let m = oa(t.label) ? t.label(r, e, u, f) : t.label;
+				let s = t.labelGap * l, p = Ji((t._lpos + s) * J);
+				Ct(t.labelFont[0], c, "center", n == 2 ? Hr : Ur), d.save(), i == 1 ? (a = o = 0, d.translate(p, Ji(ke + je / 2)), d.rotate((n == 3 ? -Gi : Gi) / 2)) : (a = Ji(Oe + Ae / 2), o = p);
+				let m = sa(t.label) ? t.label(r, e, u, f) : t.label;
 				d.fillText(m, a, o), d.restore();
 			}
 			if (f == 0) continue;
-			let p = b[t.scale], m = i == 0 ? Ae : je, h = i == 0 ? Oe : ke, _ = t._splits, v = p.distr == 2 ? _.map((e) => lt[e]) : _, x = p.distr == 2 ? lt[_[1]] - lt[_[0]] : u, S = t.ticks, C = t.border, w = S.show ? S.size : 0, T = qi(w * J), E = qi((t.alignTo == 2 ? t._size - w - t.gap : t.gap) * J), D = t._rotate * -Wi / 180, O = g(t._pos * J), k = O + (T + E) * l;
+			let p = b[t.scale], m = i == 0 ? Ae : je, h = i == 0 ? Oe : ke, _ = t._splits, v = p.distr == 2 ? _.map((e) => lt[e]) : _, x = p.distr == 2 ? lt[_[1]] - lt[_[0]] : u, S = t.ticks, C = t.border, w = S.show ? S.size : 0, T = Ji(w * J), E = Ji((t.alignTo == 2 ? t._size - w - t.gap : t.gap) * J), D = t._rotate * -Gi / 180, O = g(t._pos * J), k = O + (T + E) * l;
 			o = i == 0 ? k : 0, a = i == 1 ? k : 0;
 			let A = t.font[0];
-			Ct(A, c, t.align == 1 ? Ur : t.align == 2 ? Wr : D > 0 ? Ur : D < 0 ? Wr : i == 0 ? "center" : n == 3 ? Wr : Ur, D || i == 1 ? "middle" : n == 2 ? Vr : Hr);
+			Ct(A, c, t.align == 1 ? Wr : t.align == 2 ? Gr : D > 0 ? Wr : D < 0 ? Gr : i == 0 ? "center" : n == 3 ? Gr : Wr, D || i == 1 ? "middle" : n == 2 ? Hr : Ur);
 			let j = t.font[1] * t.lineGap, ee = _.map((e) => g(s(e, p, m, h))), te = t._values;
 			for (let e = 0; e < te.length; e++) {
 				let t = te[e];
@@ -6333,7 +6345,7 @@ function yc(e, t, n) {
 		Ut.length = 0;
 	}
 	function Gt() {
-		Vt ||= (za(qt), !0);
+		Vt ||= (Ba(qt), !0);
 	}
 	function Kt(e, t = !1) {
 		Vt = !0, Ht = t, e(r), qt(), t && Ut.length > 0 && queueMicrotask(Wt);
@@ -6341,26 +6353,26 @@ function yc(e, t, n) {
 	r.batch = Kt;
 	function qt() {
 		if (Me &&= (Et(), !1), Pe &&= (Be(), !1), Ne) {
-			if (fi(p, Ur, Ce), fi(p, Vr, z), fi(p, zr, L), fi(p, Br, R), fi(m, Ur, Ce), fi(m, Vr, z), fi(m, zr, L), fi(m, Br, R), fi(f, zr, xe), fi(f, Br, Se), u.width = qi(xe * J), u.height = qi(Se * J), y.forEach(({ _el: e, _show: t, _size: n, _pos: r, side: i }) => {
+			if (pi(p, Wr, Ce), pi(p, Hr, z), pi(p, Br, L), pi(p, Vr, R), pi(m, Wr, Ce), pi(m, Hr, z), pi(m, Br, L), pi(m, Vr, R), pi(f, Br, xe), pi(f, Vr, Se), u.width = Ji(xe * J), u.height = Ji(Se * J), y.forEach(({ _el: e, _show: t, _size: n, _pos: r, side: i }) => {
 				if (e != null) {
 					if (t) {
 						let t = i === 3 || i === 0 ? n : 0, a = i % 2 == 1;
-						fi(e, a ? "left" : "top", r - t), fi(e, a ? "width" : "height", n), fi(e, a ? "top" : "left", a ? z : Ce), fi(e, a ? "height" : "width", a ? R : L), di(e, Dr);
-					} else ui(e, Dr);
+						pi(e, a ? "left" : "top", r - t), pi(e, a ? "width" : "height", n), pi(e, a ? "top" : "left", a ? z : Ce), pi(e, a ? "height" : "width", a ? R : L), fi(e, Or);
+					} else di(e, Or);
 				}
 			}), pt = mt = H = gt = _t = vt = yt = bt = ht = null, xt = 1, Pn(!0), Ce != we || z != Te || L != Ee || R != De) {
 				Bt(!1);
 				let e = L / Ee, t = R / De;
 				if (oe && !Fe && N.left >= 0) {
-					N.left *= e, N.top *= t, Zt && gi(Zt, qi(N.left), 0, L, R), Qt && gi(Qt, 0, qi(N.top), L, R);
+					N.left *= e, N.top *= t, Zt && _i(Zt, Ji(N.left), 0, L, R), Qt && _i(Qt, 0, Ji(N.top), L, R);
 					for (let n = 0; n < Ye.length; n++) {
 						let r = Ye[n];
-						r != null && (Xe[n] *= e, Ze[n] *= t, gi(r, Ji(Xe[n]), Ji(Ze[n]), L, R));
+						r != null && (Xe[n] *= e, Ze[n] *= t, _i(r, Yi(Xe[n]), Yi(Ze[n]), L, R));
 					}
 				}
 				if (G.show && !Ie && G.left >= 0 && G.width > 0) {
 					G.left *= e, G.width *= e, G.top *= t, G.height *= t;
-					for (let e in Ln) fi(un, e, G[e]);
+					for (let e in Ln) pi(un, e, G[e]);
 				}
 				we = Ce, Te = z, Ee = L, De = R;
 			}
@@ -6383,32 +6395,32 @@ function yc(e, t, n) {
 				n.min = n.max, n.max = e;
 			}
 			if (ot > 1 && n.min != null && n.max != null && n.max - n.min < 1e-16) return;
-			e == S && i.distr == 2 && ot > 0 && (n.min = Ti(n.min, t[0]), n.max = Ti(n.max, t[0]), n.min == n.max && n.max++), j[e] = n, Me = !0, Gt();
+			e == S && i.distr == 2 && ot > 0 && (n.min = Ei(n.min, t[0]), n.max = Ei(n.max, t[0]), n.min == n.max && n.max++), j[e] = n, Me = !0, Gt();
 		}
 	}
 	r.setScale = Jt;
 	let Yt, Xt, Zt, Qt, $t, en, tn, nn, rn, an, U, W, on = !1, sn = N.drag, cn = sn.x, ln = sn.y;
-	oe && (N.x && (Yt = mi(kr, m)), N.y && (Xt = mi(Ar, m)), D.ori == 0 ? (Zt = Yt, Qt = Xt) : (Zt = Xt, Qt = Yt), U = N.left, W = N.top);
-	let G = r.select = Na({
+	oe && (N.x && (Yt = hi(Ar, m)), N.y && (Xt = hi(jr, m)), D.ori == 0 ? (Zt = Yt, Qt = Xt) : (Zt = Xt, Qt = Yt), U = N.left, W = N.top);
+	let G = r.select = Pa({
 		show: !0,
 		over: !0,
 		left: 0,
 		width: 0,
 		top: 0,
 		height: 0
-	}, e.select), un = G.show ? mi(Or, G.over ? m : p) : null;
+	}, e.select), un = G.show ? hi(kr, G.over ? m : p) : null;
 	function dn(e, t) {
 		if (G.show) {
-			for (let t in e) G[t] = e[t], t in Ln && fi(un, t, e[t]);
+			for (let t in e) G[t] = e[t], t in Ln && pi(un, t, e[t]);
 			t !== !1 && Xn("setSelect");
 		}
 	}
 	r.setSelect = dn;
 	function fn(e) {
-		if (v[e].show) P && di(le[e], Dr);
-		else if (P && ui(le[e], Dr), oe) {
+		if (v[e].show) P && fi(le[e], Or);
+		else if (P && di(le[e], Or), oe) {
 			let t = Je ? Ye[0] : Ye[e];
-			t != null && gi(t, -10, -10, L, R);
+			t != null && _i(t, -10, -10, L, R);
 		}
 	}
 	function pn(e, t, n) {
@@ -6424,7 +6436,7 @@ function yc(e, t, n) {
 	}
 	r.setSeries = mn;
 	function hn(e, t) {
-		Na(x[e], t);
+		Pa(x[e], t);
 	}
 	function gn(e, t) {
 		e.fill = X(e.fill || null), e.dir = Y(e.dir, -1), t ??= x.length, x.splice(t, 0, e);
@@ -6448,7 +6460,7 @@ function yc(e, t, n) {
 			}), xn = e, n && Gt();
 		}
 	}
-	P && qe && ye(Zr, I, (e) => {
+	P && qe && ye(Qr, I, (e) => {
 		N._lock || (We(e), xn != null && mn(null, Sn, !0, q.setSeries));
 	});
 	function wn(e, t, n) {
@@ -6457,19 +6469,19 @@ function yc(e, t, n) {
 		let i = L;
 		r.ori == 1 && (i = R, e = i - e), r.dir == -1 && (e = i - e);
 		let a = r._min, o = r._max, s = e / i, c = a + (o - a) * s, l = r.distr;
-		return l == 3 ? Zi(10, c) : l == 4 ? ta(c, r.asinh) : l == 100 ? r.bwd(c) : c;
+		return l == 3 ? Qi(10, c) : l == 4 ? na(c, r.asinh) : l == 100 ? r.bwd(c) : c;
 	}
 	function Tn(e, n) {
-		return Ti(wn(e, S, n), t[0], st, V);
+		return Ei(wn(e, S, n), t[0], st, V);
 	}
-	r.valToIdx = (e) => Ti(e, t[0]), r.posToIdx = Tn, r.posToVal = wn, r.valToPos = (e, t, n) => b[t].ori == 0 ? a(e, b[t], n ? Ae : L, n ? Oe : 0) : o(e, b[t], n ? je : R, n ? ke : 0), r.setCursor = (e, t, n) => {
+	r.valToIdx = (e) => Ei(e, t[0]), r.posToIdx = Tn, r.posToVal = wn, r.valToPos = (e, t, n) => b[t].ori == 0 ? a(e, b[t], n ? Ae : L, n ? Oe : 0) : o(e, b[t], n ? je : R, n ? ke : 0), r.setCursor = (e, t, n) => {
 		U = e.left, W = e.top, Mn(null, t, n);
 	};
 	function En(e, t) {
-		fi(un, Ur, G.left = e), fi(un, zr, G.width = t);
+		pi(un, Wr, G.left = e), pi(un, Br, G.width = t);
 	}
 	function Dn(e, t) {
-		fi(un, Vr, G.top = e), fi(un, Br, G.height = t);
+		pi(un, Hr, G.top = e), pi(un, Vr, G.height = t);
 	}
 	let On = D.ori == 0 ? En : Dn, kn = D.ori == 1 ? En : Dn;
 	function K() {
@@ -6482,7 +6494,7 @@ function yc(e, t, n) {
 	function An(e, t) {
 		if (e != null && (e.idxs ? e.idxs.forEach((e, t) => {
 			ae[t] = e;
-		}) : Ea(e.idx) || ae.fill(e.idx), M.idx = ae[0]), P && M.live) {
+		}) : Da(e.idx) || ae.fill(e.idx), M.idx = ae[0]), P && M.live) {
 			for (let e = 0; e < v.length; e++) (e > 0 || i == 1 && !fe) && jn(e, ae[e]);
 			K();
 		}
@@ -6494,27 +6506,27 @@ function yc(e, t, n) {
 		fe ? o = i.values(r, e, n) ?? pe : (o = i.value(r, n == null ? null : a[n], e, n), o = o == null ? pe : { _: o }), M.values[e] = o;
 	}
 	function Mn(e, n, a) {
-		rn = U, an = W, [U, W] = N.move(r, U, W), N.left = U, N.top = W, oe && (Zt && gi(Zt, qi(U), 0, L, R), Qt && gi(Qt, 0, qi(W), L, R));
+		rn = U, an = W, [U, W] = N.move(r, U, W), N.left = U, N.top = W, oe && (Zt && _i(Zt, Ji(U), 0, L, R), Qt && _i(Qt, 0, Ji(W), L, R));
 		let o, s = st > V;
-		yn = ra, bn = null;
+		yn = ia, bn = null;
 		let c = D.ori == 0 ? L : R, l = D.ori == 1 ? L : R;
 		if (U < 0 || ot == 0 || s) {
 			o = N.idx = null;
 			for (let e = 0; e < v.length; e++) {
 				let t = Ye[e];
-				t != null && gi(t, -10, -10, L, R);
+				t != null && _i(t, -10, -10, L, R);
 			}
 			qe && mn(null, Sn, !0, e == null && q.setSeries), M.live && (ae.fill(o), Le = !0);
 		} else {
 			let e, n, a;
-			i == 1 && (e = D.ori == 0 ? U : W, n = wn(e, S), o = N.idx = Ti(n, t[0], st, V), a = k(t[0][o], D, c, 0));
+			i == 1 && (e = D.ori == 0 ? U : W, n = wn(e, S), o = N.idx = Ei(n, t[0], st, V), a = k(t[0][o], D, c, 0));
 			let s = -10, u = -10, d = 0, f = 0, p = !0, m = "", h = "";
 			for (let e = +(i == 2); e < v.length; e++) {
 				let g = v[e], _ = ae[e], y = _ == null ? null : i == 1 ? t[e][_] : t[e][1][_], x = N.dataIdx(r, e, o, n), S = x == null ? null : i == 1 ? t[e][x] : t[e][1][x];
 				if (Le = Le || S != y || x != _, ae[e] = x, e > 0 && g.show) {
 					let n = x == null ? -10 : x == o ? a : k(i == 1 ? t[0][x] : t[e][0][x], D, c, 0), _ = S == null ? -10 : A(S, i == 1 ? b[g.scale] : b[g.facets[1].scale], l, 0);
 					if (qe && S != null) {
-						let t = D.ori == 1 ? U : W, n = Gi(Ke.dist(r, e, x, _, t));
+						let t = D.ori == 1 ? U : W, n = Ki(Ke.dist(r, e, x, _, t));
 						if (n < yn) {
 							let r = Ke.bias;
 							if (r != 0) {
@@ -6535,7 +6547,7 @@ function yc(e, t, n) {
 						if (v = Ge.fill(r, e), g = Ge.stroke(r, e), Je) e == bn && yn <= Ke.prox && (s = c, u = l, d = a, f = o, p = y, m = v, h = g);
 						else {
 							let t = Ye[e];
-							t != null && (Xe[e] = c, Ze[e] = l, bi(t, a, o, y), vi(t, v, g), gi(t, Ji(c), Ji(l), L, R));
+							t != null && (Xe[e] = c, Ze[e] = l, xi(t, a, o, y), yi(t, v, g), _i(t, Yi(c), Yi(l), L, R));
 						}
 					}
 				}
@@ -6544,7 +6556,7 @@ function yc(e, t, n) {
 				let e = Ke.prox;
 				if (Le || (xn == null ? yn <= e : yn > e || bn != xn)) {
 					let e = Ye[0];
-					e != null && (Xe[0] = s, Ze[0] = u, bi(e, d, f, p), vi(e, m, h), gi(e, Ji(s), Ji(u), L, R));
+					e != null && (Xe[0] = s, Ze[0] = u, xi(e, d, f, p), yi(e, m, h), _i(e, Yi(s), Yi(u), L, R));
 				}
 			}
 		}
@@ -6553,10 +6565,10 @@ function yc(e, t, n) {
 				let [t, n] = q.scales, [r, i] = q.match, [a, o] = e.cursor.sync.scales, s = e.cursor.drag;
 				if (cn = s._x, ln = s._y, cn || ln) {
 					let { left: s, top: u, width: d, height: f } = e.select, p = e.scales[a].ori, m = e.posToVal, h, g, _, v, y, x = t != null && r(t, a), S = n != null && i(n, o);
-					x && cn ? (p == 0 ? (h = s, g = d) : (h = u, g = f), _ = b[t], v = k(m(h, a), _, c, 0), y = k(m(h + g, a), _, c, 0), On(Yi(v, y), Gi(y - v))) : On(0, c), S && ln ? (p == 1 ? (h = s, g = d) : (h = u, g = f), _ = b[n], v = A(m(h, o), _, l, 0), y = A(m(h + g, o), _, l, 0), kn(Yi(v, y), Gi(y - v))) : kn(0, l);
+					x && cn ? (p == 0 ? (h = s, g = d) : (h = u, g = f), _ = b[t], v = k(m(h, a), _, c, 0), y = k(m(h + g, a), _, c, 0), On(Xi(v, y), Ki(y - v))) : On(0, c), S && ln ? (p == 1 ? (h = s, g = d) : (h = u, g = f), _ = b[n], v = A(m(h, o), _, l, 0), y = A(m(h + g, o), _, l, 0), kn(Xi(v, y), Ki(y - v))) : kn(0, l);
 				} else Rn();
 			} else {
-				let e = Gi(rn - $t), t = Gi(an - en);
+				let e = Ki(rn - $t), t = Ki(an - en);
 				if (D.ori == 1) {
 					let n = e;
 					e = t, t = n;
@@ -6565,7 +6577,7 @@ function yc(e, t, n) {
 				let n = sn.uni;
 				n == null ? sn.x && sn.y && (cn || ln) && (cn = ln = !0) : cn && ln && (cn = e >= n, ln = t >= n, !cn && !ln && (t > e ? ln = !0 : cn = !0));
 				let r, i;
-				cn && (D.ori == 0 ? (r = tn, i = U) : (r = nn, i = W), On(Yi(r, i), Gi(i - r)), ln || kn(0, l)), ln && (D.ori == 1 ? (r = tn, i = U) : (r = nn, i = W), kn(Yi(r, i), Gi(i - r)), cn || On(0, c)), !cn && !ln && (On(0, 0), kn(0, 0));
+				cn && (D.ori == 0 ? (r = tn, i = U) : (r = nn, i = W), On(Xi(r, i), Ki(i - r)), ln || kn(0, l)), ln && (D.ori == 1 ? (r = tn, i = U) : (r = nn, i = W), kn(Xi(r, i), Ki(i - r)), cn || On(0, c)), !cn && !ln && (On(0, 0), kn(0, 0));
 			}
 		}
 		if (sn._x = cn, sn._y = ln, e == null) {
@@ -6574,7 +6586,7 @@ function yc(e, t, n) {
 					let [e, t] = q.scales;
 					q.values[0] = e == null ? null : wn(D.ori == 0 ? U : W, e), q.values[1] = t == null ? null : wn(D.ori == 1 ? U : W, t);
 				}
-				er(qr, r, U, W, L, R, o);
+				er(Jr, r, U, W, L, R, o);
 			}
 			if (qe) {
 				let e = a && q.setSeries, t = Ke.prox;
@@ -6606,7 +6618,7 @@ function yc(e, t, n) {
 				n = i, i = e;
 			}
 		}
-		u && (t == null || t.cursor.event.type == qr) && ((n <= 1 || n >= L - 1) && (n = ha(n, L)), (i <= 1 || i >= R - 1) && (i = ha(i, R))), l ? ($t = n, en = i, [tn, nn] = N.move(r, n, i)) : (U = n, W = i);
+		u && (t == null || t.cursor.event.type == Jr) && ((n <= 1 || n >= L - 1) && (n = ga(n, L)), (i <= 1 || i >= R - 1) && (i = ga(i, R))), l ? ($t = n, en = i, [tn, nn] = N.move(r, n, i)) : (U = n, W = i);
 	}
 	let Ln = {
 		width: 0,
@@ -6619,7 +6631,7 @@ function yc(e, t, n) {
 	}
 	let zn, Bn, Vn, Hn;
 	function Un(e, t, n, i, a, o, s) {
-		on = !0, cn = ln = sn._x = sn._y = !1, In(e, t, n, i, a, o, s, !0, !1), e != null && (ye(Yr, ai, Wn, !1), er(Jr, r, tn, nn, L, R, null));
+		on = !0, cn = ln = sn._x = sn._y = !1, In(e, t, n, i, a, o, s, !0, !1), e != null && (ye(Xr, oi, Wn, !1), er(Yr, r, tn, nn, L, R, null));
 		let { left: c, top: l, width: u, height: d } = G;
 		zn = c, Bn = l, Vn = u, Hn = d;
 	}
@@ -6630,11 +6642,11 @@ function yc(e, t, n) {
 			let e = c, t = u, n = l, r = d;
 			if (D.ori == 1 && (e = l, t = d, n = c, r = u), cn && pn(S, wn(e, S), wn(e + t, S)), ln) for (let e in b) {
 				let t = b[e];
-				e != S && t.from == null && t.min != ra && pn(e, wn(n + r, e), wn(n, e));
+				e != S && t.from == null && t.min != ia && pn(e, wn(n + r, e), wn(n, e));
 			}
 			Rn();
 		} else N.lock && (N._lock = !N._lock, Mn(t, !0, e != null));
-		e != null && (be(Yr, ai), er(Yr, r, U, W, L, R, null));
+		e != null && (be(Xr, oi), er(Xr, r, U, W, L, R, null));
 	}
 	function Gn(e, t, n, r, i, a, o) {
 		if (N._lock) return;
@@ -6647,19 +6659,19 @@ function yc(e, t, n) {
 		U = -10, W = -10, ae.fill(null), Mn(null, !0, !0), s && (on = s);
 	}
 	function Kn(e, t, n, i, a, o, s) {
-		N._lock || (We(e), ft(), Rn(), e != null && er(Qr, r, U, W, L, R, null));
+		N._lock || (We(e), ft(), Rn(), e != null && er($r, r, U, W, L, R, null));
 	}
 	function qn() {
-		y.forEach(vc), Re(r.width, r.height, !0);
+		y.forEach(yc), Re(r.width, r.height, !0);
 	}
-	Ci(ni, oi, qn);
+	wi(ri, si, qn);
 	let Jn = {};
 	Jn.mousedown = Un, Jn.mousemove = Fn, Jn.mouseup = Wn, Jn.dblclick = Kn, Jn.setSeries = (e, t, n, i) => {
 		let a = q.match[2];
 		n = a(r, t, n), n != -1 && mn(n, i, !0, !1);
-	}, oe && (ye(Jr, m, Un), ye(qr, m, Fn), ye(Xr, m, (e) => {
+	}, oe && (ye(Yr, m, Un), ye(Jr, m, Fn), ye(Zr, m, (e) => {
 		We(e), Pn(!1);
-	}), ye(Zr, m, Gn), ye(Qr, m, Kn), nc.add(r), r.syncRect = Pn);
+	}), ye(Qr, m, Gn), ye($r, m, Kn), rc.add(r), r.syncRect = Pn);
 	let Yn = r.hooks = e.hooks || {};
 	function Xn(e, t, n) {
 		Ht ? Ut.push([
@@ -6673,23 +6685,23 @@ function yc(e, t, n) {
 	(e.plugins || []).forEach((e) => {
 		for (let t in e.hooks) Yn[t] = (Yn[t] || []).concat(e.hooks[t]);
 	});
-	let Zn = (e, t, n) => n, q = Na({
+	let Zn = (e, t, n) => n, q = Pa({
 		key: null,
 		setSeries: !1,
 		filters: {
-			pub: da,
-			sub: da
+			pub: fa,
+			sub: fa
 		},
 		scales: [S, v[1] ? v[1].scale : null],
 		match: [
-			fa,
-			fa,
+			pa,
+			pa,
 			Zn
 		],
 		values: [null, null]
 	}, N.sync);
 	q.match.length == 2 && q.match.push(Zn), N.sync = q;
-	let Qn = q.key, $n = Cs(Qn);
+	let Qn = q.key, $n = ws(Qn);
 	function er(e, t, n, r, i, a, o) {
 		q.filters.pub(e, t, n, r, i, a, o) && $n.pub(e, t, n, r, i, a, o);
 	}
@@ -6699,7 +6711,7 @@ function yc(e, t, n) {
 	}
 	r.pub = tr;
 	function nr() {
-		$n.unsub(r), nc.delete(r), ve.clear(), wi(ni, oi, qn), l.remove(), I?.remove(), Xn("destroy");
+		$n.unsub(r), rc.delete(r), ve.clear(), Ti(ri, si, qn), l.remove(), I?.remove(), Xn("destroy");
 	}
 	r.destroy = nr;
 	function rr() {
@@ -6707,20 +6719,20 @@ function yc(e, t, n) {
 	}
 	return v.forEach($e), y.forEach(nt), n ? n instanceof HTMLElement ? (n.appendChild(l), rr()) : n(r, rr) : rr(), r;
 }
-yc.assign = Na, yc.fmtNum = Hi, yc.rangeNum = Ri, yc.rangeLog = Mi, yc.rangeAsinh = Ni, yc.orient = Es, yc.pxRatio = J, yc.join = Ra, yc.fmtDate = Za, yc.tzDate = $a, yc.sync = Cs;
+bc.assign = Pa, bc.fmtNum = Ui, bc.rangeNum = zi, bc.rangeLog = Ni, bc.rangeAsinh = Pi, bc.orient = Ds, bc.pxRatio = J, bc.join = za, bc.fmtDate = Qa, bc.tzDate = eo, bc.sync = ws;
 {
-	yc.addGap = js, yc.clipGaps = As;
-	let e = yc.paths = { points: Gs };
-	e.linear = Ys, e.stepped = Xs, e.bars = Qs, e.spline = ec;
+	bc.addGap = Ms, bc.clipGaps = js;
+	let e = bc.paths = { points: Ks };
+	e.linear = Xs, e.stepped = Zs, e.bars = $s, e.spline = tc;
 }
 // src/phase.tsx
-var [bc, xc] = [420, 300], $ = {
+var [xc, Sc] = [420, 300], $ = {
 	left: 64,
 	right: 12,
 	top: 10,
 	bottom: 34
 };
-function Sc({ store: e, state: t }) {
+function Cc({ store: e, state: t }) {
 	let [n, r] = H(null), [i, a] = t.plotted, o = t.run, [s, c] = t.span;
 	if (gt(() => {
 		if (!i || !a) return;
@@ -6744,7 +6756,7 @@ function Sc({ store: e, state: t }) {
 		children: "Plot two signals: the second is drawn over the first."
 	});
 	if (!n) return null;
-	let [l, u, d, f] = n.box, [p, m] = [u - l || 1, f - d || 1], h = (e) => $.left + (e - l) / p * (bc - $.left - $.right), g = (e) => xc - $.bottom - (e - d) / m * (xc - $.top - $.bottom), _ = (e, t, n) => `${h(e[n]).toFixed(1)},${g(t[n]).toFixed(1)}`, v = (e) => e[e.length - 1], y = n.pieces.slice(1).map(([e, t], r) => {
+	let [l, u, d, f] = n.box, [p, m] = [u - l || 1, f - d || 1], h = (e) => $.left + (e - l) / p * (xc - $.left - $.right), g = (e) => Sc - $.bottom - (e - d) / m * (Sc - $.top - $.bottom), _ = (e, t, n) => `${h(e[n]).toFixed(1)},${g(t[n]).toFixed(1)}`, v = (e) => e[e.length - 1], y = n.pieces.slice(1).map(([e, t], r) => {
 		let [i, a] = n.pieces[r];
 		return {
 			x1: h(v(i)),
@@ -6757,7 +6769,7 @@ function Sc({ store: e, state: t }) {
 		class: "phase",
 		"aria-label": `${a} over ${i}`,
 		children: /* @__PURE__ */ z("svg", {
-			viewBox: `0 0 ${bc} ${xc}`,
+			viewBox: `0 0 ${xc} ${Sc}`,
 			role: "img",
 			"aria-label": `${a} over ${i}, from ${xe(l)} to ${xe(u)} ${n.units[0]} and from ${xe(d)} to ${xe(f)} ${n.units[1]}`,
 			children: [
@@ -6765,20 +6777,20 @@ function Sc({ store: e, state: t }) {
 					class: "box",
 					x: $.left,
 					y: $.top,
-					width: bc - $.left - $.right,
-					height: xc - $.top - $.bottom
+					width: xc - $.left - $.right,
+					height: Sc - $.top - $.bottom
 				}),
 				l < 0 && u > 0 && /* @__PURE__ */ z("line", {
 					class: "axis",
 					x1: h(0),
 					x2: h(0),
 					y1: $.top,
-					y2: xc - $.bottom
+					y2: Sc - $.bottom
 				}),
 				d < 0 && f > 0 && /* @__PURE__ */ z("line", {
 					class: "axis",
 					x1: $.left,
-					x2: bc - $.right,
+					x2: xc - $.right,
 					y1: g(0),
 					y2: g(0)
 				}),
@@ -6798,25 +6810,25 @@ function Sc({ store: e, state: t }) {
 				}),
 				/* @__PURE__ */ z("text", {
 					x: $.left,
-					y: xc - $.bottom + 14,
+					y: Sc - $.bottom + 14,
 					children: L(l, n.units[0])
 				}),
 				/* @__PURE__ */ z("text", {
-					x: bc - $.right,
-					y: xc - $.bottom + 14,
+					x: xc - $.right,
+					y: Sc - $.bottom + 14,
 					"text-anchor": "end",
 					children: L(u, n.units[0])
 				}),
 				/* @__PURE__ */ z("text", {
-					x: (bc + $.left) / 2,
-					y: xc - 6,
+					x: (xc + $.left) / 2,
+					y: Sc - 6,
 					"text-anchor": "middle",
 					class: "what",
 					children: i
 				}),
 				/* @__PURE__ */ z("text", {
 					x: $.left - 5,
-					y: xc - $.bottom,
+					y: Sc - $.bottom,
 					"text-anchor": "end",
 					children: L(d, n.units[1])
 				}),
@@ -6827,7 +6839,7 @@ function Sc({ store: e, state: t }) {
 					children: L(f, n.units[1])
 				}),
 				/* @__PURE__ */ z("text", {
-					transform: `translate(12,${(xc - $.bottom) / 2}) rotate(-90)`,
+					transform: `translate(12,${(Sc - $.bottom) / 2}) rotate(-90)`,
 					"text-anchor": "middle",
 					class: "what",
 					children: a
@@ -6837,7 +6849,7 @@ function Sc({ store: e, state: t }) {
 	});
 }
 // src/plots.tsx
-var Cc = [
+var wc = [
 	"--c1",
 	"--c2",
 	"--c3",
@@ -6845,7 +6857,7 @@ var Cc = [
 	"--c5",
 	"--c6"
 ];
-function wc({ store: e, state: t }) {
+function Tc({ store: e, state: t }) {
 	let [n, r] = H(null), [i, a] = H(!1), [o, s] = H(800), c = _t(null), l = t.run, [u, d] = t.span;
 	gt(() => {
 		let e = c.current;
@@ -6881,7 +6893,7 @@ function wc({ store: e, state: t }) {
 		o,
 		i,
 		t.runs.length
-	]), t.running && t.soFar) return /* @__PURE__ */ z(Tc, {
+	]), t.running && t.soFar) return /* @__PURE__ */ z(Ec, {
 		state: t,
 		soFar: t.soFar
 	});
@@ -6912,7 +6924,7 @@ function wc({ store: e, state: t }) {
 						class: "own",
 						children: l.title
 					}),
-					/* @__PURE__ */ z(Ec, {
+					/* @__PURE__ */ z(Dc, {
 						store: e,
 						state: t,
 						run: l
@@ -6961,9 +6973,9 @@ function wc({ store: e, state: t }) {
 					}), " power along bonds"] })
 				]
 			}),
-			t.plotted.map((r, i) => /* @__PURE__ */ z(Dc, {
+			t.plotted.map((r, i) => /* @__PURE__ */ z(Oc, {
 				name: r,
-				ink: Cc[i % Cc.length],
+				ink: wc[i % wc.length],
 				curves: (n?.runs ?? []).flatMap((e) => e.curves.filter((e) => e.name === r)),
 				span: t.span,
 				cursor: p,
@@ -6976,11 +6988,11 @@ function wc({ store: e, state: t }) {
 					e.set({ instant: null }), e.moveCursor(t);
 				}
 			}, r)),
-			t.phase && /* @__PURE__ */ z(Sc, {
+			t.phase && /* @__PURE__ */ z(Cc, {
 				store: e,
 				state: t
 			}),
-			/* @__PURE__ */ z(jc, {
+			/* @__PURE__ */ z(Mc, {
 				lanes: n?.strip ?? [],
 				span: t.span,
 				cursor: p,
@@ -6989,14 +7001,14 @@ function wc({ store: e, state: t }) {
 		]
 	});
 }
-function Tc({ state: e, soFar: t }) {
+function Ec({ state: e, soFar: t }) {
 	let n = _t(null), r = [t.tBegin, t.tEnd];
 	return /* @__PURE__ */ z("div", {
 		class: "plots",
 		ref: n,
-		children: [t.curves.map((i, a) => /* @__PURE__ */ z(Dc, {
+		children: [t.curves.map((i, a) => /* @__PURE__ */ z(Oc, {
 			name: i.name,
-			ink: Cc[a % Cc.length],
+			ink: wc[a % wc.length],
 			curves: [i],
 			span: r,
 			cursor: null,
@@ -7006,7 +7018,7 @@ function Tc({ state: e, soFar: t }) {
 			last: a === t.curves.length - 1,
 			onSpan: () => {},
 			onTime: () => {}
-		}, i.name)), /* @__PURE__ */ z(jc, {
+		}, i.name)), /* @__PURE__ */ z(Mc, {
 			lanes: t.strip,
 			span: r,
 			cursor: null,
@@ -7014,7 +7026,7 @@ function Tc({ state: e, soFar: t }) {
 		})]
 	});
 }
-function Ec({ store: e, state: t, run: n }) {
+function Dc({ store: e, state: t, run: n }) {
 	let r = (t.look?.view.nodes ?? []).flatMap((e) => e.kind === "part" ? [] : [`${e.name}.e`, `${e.name}.f`]), i = [.../* @__PURE__ */ new Set([...n.names, ...r])].filter((e) => !t.plotted.includes(e));
 	return /* @__PURE__ */ z("span", {
 		class: "chooser",
@@ -7042,7 +7054,7 @@ function Ec({ store: e, state: t, run: n }) {
 		]
 	});
 }
-var Dc = class extends S {
+var Oc = class extends S {
 	box = b();
 	plot = null;
 	componentDidMount() {
@@ -7061,8 +7073,8 @@ var Dc = class extends S {
 		a.replaceChildren();
 		let o = e.filter((e) => !e.error);
 		if (!o.length) return;
-		let s = getComputedStyle(a), c = s.getPropertyValue("--ink"), l = s.getPropertyValue("--line"), u = o.map((e, t) => s.getPropertyValue(t === o.length - 1 ? this.props.ink : Cc[(t + 3) % Cc.length])), d = o.map((e) => [e.t, e.y]), f = d.length === 1 ? d[0] : yc.join(d), p = o[o.length - 1].unit, m = o.flatMap((e) => e.impulses);
-		this.plot = new yc({
+		let s = getComputedStyle(a), c = s.getPropertyValue("--ink"), l = s.getPropertyValue("--line"), u = o.map((e, t) => s.getPropertyValue(t === o.length - 1 ? this.props.ink : wc[(t + 3) % wc.length])), d = o.map((e) => [e.t, e.y]), f = d.length === 1 ? d[0] : bc.join(d), p = o[o.length - 1].unit, m = o.flatMap((e) => e.impulses);
+		this.plot = new bc({
 			width: Math.max(n - 4, 200),
 			height: r ? 132 : 112,
 			padding: [
@@ -7084,7 +7096,7 @@ var Dc = class extends S {
 					time: !1,
 					range: () => t
 				},
-				y: { range: (e, t, n) => Oc(t, n, m.length > 0) }
+				y: { range: (e, t, n) => kc(t, n, m.length > 0) }
 			},
 			axes: [{
 				show: r,
@@ -7095,7 +7107,7 @@ var Dc = class extends S {
 				},
 				ticks: { stroke: l },
 				size: 26,
-				values: (e, t) => kc(t, "s")
+				values: (e, t) => Ac(t, "s")
 			}, {
 				stroke: c,
 				grid: {
@@ -7108,7 +7120,7 @@ var Dc = class extends S {
 				labelSize: 18,
 				labelFont: "11px sans-serif",
 				font: "10px sans-serif",
-				values: (e, t) => kc(t, p)
+				values: (e, t) => Ac(t, p)
 			}],
 			series: [{}, ...o.map((e, t) => ({
 				stroke: u[t],
@@ -7175,13 +7187,13 @@ var Dc = class extends S {
 		});
 	}
 };
-function Oc(e, t, n) {
+function kc(e, t, n) {
 	let [r, i] = [e ?? 0, t ?? 1];
 	n && ([r, i] = [Math.min(r, 0), Math.max(i, 0)]);
 	let a = .08 * (i - r) || .1 * Math.abs(r) || 1;
 	return [r - a, i + a];
 }
-function kc(e, t) {
+function Ac(e, t) {
 	let n = Math.max(...e.map(Math.abs)), r = [
 		1e9,
 		1e6,
@@ -7202,7 +7214,7 @@ function kc(e, t) {
 	}[r] ?? "", a = /^[A-Za-zΩ]+$/.test(t) && t !== "kg";
 	return e.map((e) => a ? `${+(e / r).toPrecision(5)} ${i}${t}` : `${+e.toPrecision(5)} ${t}`);
 }
-var Ac = [
+var jc = [
 	"var(--s0)",
 	"var(--s1)",
 	"var(--s2)",
@@ -7212,7 +7224,7 @@ var Ac = [
 	"var(--s6)",
 	"var(--s7)"
 ];
-function jc({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
+function Mc({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
 	if (!e.length) return null;
 	let a = (e) => 1e3 * (e - t) / (n - t || 1);
 	return /* @__PURE__ */ z("div", {
@@ -7243,14 +7255,14 @@ function jc({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
 						width: Math.max(.7, a(Math.min(i, n)) - a(Math.max(r, t))),
 						y: 1,
 						height: 16,
-						fill: Ac[o % Ac.length],
+						fill: jc[o % jc.length],
 						children: /* @__PURE__ */ z("title", { children: e.states[o] })
 					})), e.shares?.map((e, t) => e.map((n, r) => n > 0 ? /* @__PURE__ */ z("rect", {
 						x: 1e3 * r / e.length,
 						width: 1e3 / e.length,
 						y: 1,
 						height: 16,
-						fill: Ac[t % Ac.length],
+						fill: jc[t % jc.length],
 						opacity: n
 					}) : null))]
 				})), r !== null && r >= t && r <= n && /* @__PURE__ */ z("line", {
@@ -7276,20 +7288,20 @@ function jc({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
 	});
 }
 // src/power.tsx
-var Mc = {
+var Nc = {
 	C: ["gives back", "stores"],
 	I: ["gives back", "stores"],
 	R: ["gives", "dissipates"],
 	G: ["gives", "dissipates"],
 	Se: ["supplies", "absorbs"],
 	Sf: ["supplies", "absorbs"]
-}, Nc = 150, [Pc, Fc, Ic, Lc] = [
+}, Pc = 150, [Fc, Ic, Lc, Rc] = [
 	310,
 	17,
 	7,
 	10
 ];
-function Rc(e) {
+function zc(e) {
 	let t = e.cursor?.values ?? {}, { nodes: n, bonds: r } = e.look.view, i = /* @__PURE__ */ new Map();
 	for (let e of r) {
 		let n = t[e.key];
@@ -7309,26 +7321,26 @@ function Rc(e) {
 		unknown: a.filter((e) => i.get(e.name) === null).map((e) => e.name)
 	};
 }
-function zc({ gives: e, takes: t }) {
-	let n = (e) => e.reduce((e, t) => e + t.size, 0), r = Math.max(n(e), n(t)) || 1, i = Math.max(1, e.length, t.length), a = i * (Fc + Ic) + 120, o = (a - i * Ic - 8) / r, s = (e, t) => {
+function Bc({ gives: e, takes: t }) {
+	let n = (e) => e.reduce((e, t) => e + t.size, 0), r = Math.max(n(e), n(t)) || 1, i = Math.max(1, e.length, t.length), a = i * (Ic + Lc) + 120, o = (a - i * Lc - 8) / r, s = (e, t) => {
 		let n = 4, r = 4;
 		return e.map((e) => {
 			let i = e.size * o, [a, s] = [n, r];
-			n += Math.max(i, 1) + Ic, r += i;
-			let [c, l] = t ? [Lc, Pc / 2 - Lc / 2] : [Pc - Lc, Pc / 2 + Lc / 2], u = (c + l) / 2;
+			n += Math.max(i, 1) + Lc, r += i;
+			let [c, l] = t ? [Rc, Fc / 2 - Rc / 2] : [Fc - Rc, Fc / 2 + Rc / 2], u = (c + l) / 2;
 			return /* @__PURE__ */ z("g", {
 				class: "flow " + (t ? "gives" : "takes"),
 				onClick: e.select,
 				children: [
 					/* @__PURE__ */ z("path", { d: `M${c},${a}C${u},${a} ${u},${s} ${l},${s}V${s + i}C${u},${s + i} ${u},${a + i} ${c},${a + i}Z` }),
 					/* @__PURE__ */ z("rect", {
-						x: t ? 0 : Pc - Lc,
+						x: t ? 0 : Fc - Rc,
 						y: a,
-						width: Lc,
+						width: Rc,
 						height: Math.max(i, 1)
 					}),
 					/* @__PURE__ */ z("text", {
-						x: t ? Lc + 4 : Pc - Lc - 4,
+						x: t ? Rc + 4 : Fc - Rc - 4,
 						y: a + Math.max(i, 1) / 2 + 4,
 						"text-anchor": t ? "start" : "end",
 						children: e.name
@@ -7339,7 +7351,7 @@ function zc({ gives: e, takes: t }) {
 	};
 	return /* @__PURE__ */ z("svg", {
 		class: "sankey",
-		viewBox: `0 0 ${Pc} ${a}`,
+		viewBox: `0 0 ${Fc} ${a}`,
 		role: "img",
 		"aria-label": `Sankey diagram: ${e.map((e) => e.name).join(", ")} give, ${t.map((e) => e.name).join(", ")} take`,
 		children: [
@@ -7347,15 +7359,15 @@ function zc({ gives: e, takes: t }) {
 			s(t, !1),
 			/* @__PURE__ */ z("rect", {
 				class: "middle-bar",
-				x: Pc / 2 - Lc / 2,
+				x: Fc / 2 - Rc / 2,
 				y: 4,
-				width: Lc,
+				width: Rc,
 				height: r * o
 			})
 		]
 	});
 }
-function Bc({ store: e, state: t }) {
+function Vc({ store: e, state: t }) {
 	let [n, r] = H(!1);
 	return t.cursor ? /* @__PURE__ */ z("section", {
 		class: "power-panel",
@@ -7372,7 +7384,7 @@ function Bc({ store: e, state: t }) {
 				onClick: () => r(!0),
 				children: "Energy up to it"
 			})]
-		}), z(n ? Vc : Hc, {
+		}), z(n ? Hc : Uc, {
 			store: e,
 			state: t
 		})]
@@ -7381,7 +7393,7 @@ function Bc({ store: e, state: t }) {
 		children: "Run the model and choose a time in its plots."
 	});
 }
-function Vc({ store: e, state: t }) {
+function Hc({ store: e, state: t }) {
 	let [n, r] = H(null), i = t.cursor.t, a = t.run?.run;
 	if (gt(() => {
 		let t = !1, n = setTimeout(() => {
@@ -7389,7 +7401,7 @@ function Vc({ store: e, state: t }) {
 				run: a,
 				t: i
 			}).then((e) => !t && r(e)).catch((t) => e.refused(t));
-		}, Nc);
+		}, Pc);
 		return () => {
 			t = !0, clearTimeout(n);
 		};
@@ -7412,7 +7424,7 @@ function Vc({ store: e, state: t }) {
 			" to ",
 			L(n.end, "s")
 		] }),
-		n.gives.length + n.takes.length > 0 ? /* @__PURE__ */ z(zc, {
+		n.gives.length + n.takes.length > 0 ? /* @__PURE__ */ z(Bc, {
 			gives: n.gives.map(s),
 			takes: n.takes.map(s)
 		}) : /* @__PURE__ */ z("p", {
@@ -7451,8 +7463,8 @@ function Vc({ store: e, state: t }) {
 		})
 	] });
 }
-function Hc({ store: e, state: t }) {
-	let { found: n, unknown: r } = Rc(t), i = Math.max(0, ...n.map((e) => Math.abs(e.power))), a = n.filter((e) => Math.abs(e.power) > 1e-6 * i).sort((e, t) => Math.abs(t.power) - Math.abs(e.power)), o = a.filter((e) => e.power < 0), s = a.filter((e) => e.power > 0), c = (e) => e.reduce((e, t) => e + Math.abs(t.power), 0), l = (t) => e.set({
+function Uc({ store: e, state: t }) {
+	let { found: n, unknown: r } = zc(t), i = Math.max(0, ...n.map((e) => Math.abs(e.power))), a = n.filter((e) => Math.abs(e.power) > 1e-6 * i).sort((e, t) => Math.abs(t.power) - Math.abs(e.power)), o = a.filter((e) => e.power < 0), s = a.filter((e) => e.power > 0), c = (e) => e.reduce((e, t) => e + Math.abs(t.power), 0), l = (t) => e.set({
 		nodes: /* @__PURE__ */ new Set([t.name]),
 		bonds: /* @__PURE__ */ new Set()
 	}), u = (e) => ({
@@ -7462,7 +7474,7 @@ function Hc({ store: e, state: t }) {
 	});
 	return /* @__PURE__ */ z(x, { children: [
 		/* @__PURE__ */ z("h2", { children: ["Power at t = ", L(t.cursor.t, "s")] }),
-		a.length > 0 ? /* @__PURE__ */ z(zc, {
+		a.length > 0 ? /* @__PURE__ */ z(Bc, {
 			gives: o.map(u),
 			takes: s.map(u)
 		}) : /* @__PURE__ */ z("p", {
@@ -7490,7 +7502,7 @@ function Hc({ store: e, state: t }) {
 					onClick: () => l(e.node),
 					children: e.node.name
 				}) }),
-				/* @__PURE__ */ z("td", { children: (Mc[e.node.kind] ?? ["gives", "takes"])[+(e.power > 0)] }),
+				/* @__PURE__ */ z("td", { children: (Nc[e.node.kind] ?? ["gives", "takes"])[+(e.power > 0)] }),
 				/* @__PURE__ */ z("td", {
 					class: "figure",
 					children: L(Math.abs(e.power), "W")
@@ -7513,7 +7525,7 @@ function Hc({ store: e, state: t }) {
 	] });
 }
 // src/splitter.tsx
-function Uc(e) {
+function Wc(e) {
 	let t = (t) => e.onChange(Math.round(Math.max(e.least, Math.min(e.most, t))));
 	return /* @__PURE__ */ z("div", {
 		class: "splitter " + (e.upright ? "upright" : "level"),
@@ -7544,12 +7556,12 @@ function Uc(e) {
 	});
 }
 // src/transport.ts
-var Wc = class extends Error {
+var Gc = class extends Error {
 	problem;
 	constructor(e) {
 		super(e.why), this.problem = e;
 	}
-}, Gc = class {
+}, Kc = class {
 	count = 0;
 	waiting = /* @__PURE__ */ new Map();
 	held = [];
@@ -7585,19 +7597,19 @@ var Wc = class extends Error {
 		if (typeof e.id == "number") {
 			let t = this.waiting.get(e.id);
 			if (this.waiting.delete(e.id), !t) return;
-			e.error ? t.failed(new Wc(e.error)) : t.done(e);
+			e.error ? t.failed(new Gc(e.error)) : t.done(e);
 		} else this.onTold(e);
 	}
 };
 // src/schematic.tsx
-function Kc({ store: e, state: t }) {
+function qc({ store: e, state: t }) {
 	let [n, r] = H(null), [i, a] = H(""), o = t.look, s = o.view.nodes.map((e) => `${e.x},${e.y}`).join(" ");
 	gt(() => {
 		let t = !1;
 		return e.transport.ask("schematic", { level: o.view.path }).then((e) => {
 			t || (r(e), a(""));
 		}).catch((e) => {
-			t || (r(null), a(e instanceof Wc ? `${e.problem.why}. ${e.problem.try ?? ""}` : String(e)));
+			t || (r(null), a(e instanceof Gc ? `${e.problem.why}. ${e.problem.try ?? ""}` : String(e)));
 		}), () => {
 			t = !0;
 		};
@@ -7662,7 +7674,7 @@ function Kc({ store: e, state: t }) {
 	});
 }
 // src/app.tsx
-var qc = [
+var Jc = [
 	["item", "Properties"],
 	["machines", "Machines"],
 	["model", "Model"],
@@ -7672,7 +7684,7 @@ var qc = [
 	["equations", "Equations"],
 	["power", "Power"],
 	["plan", "Sweep"]
-], Jc = class extends S {
+], Yc = class extends S {
 	state = this.props.store.state;
 	stop = () => {};
 	componentDidMount() {
@@ -7725,7 +7737,7 @@ var qc = [
 			class: "studio" + r + (t.bottom ? " withbottom" : ""),
 			style: `--side: ${t.room.side}px; --low: ${t.room.low ? `${t.room.low}px` : "44%"}`,
 			children: [
-				/* @__PURE__ */ z(Xc, {
+				/* @__PURE__ */ z(Zc, {
 					store: e,
 					state: t,
 					errors: i
@@ -7742,12 +7754,12 @@ var qc = [
 							children: [/* @__PURE__ */ z($e, {
 								store: e,
 								state: t
-							}), t.schematic && /* @__PURE__ */ z(Kc, {
+							}), t.schematic && /* @__PURE__ */ z(qc, {
 								store: e,
 								state: t
 							})]
 						}),
-						/* @__PURE__ */ z(Uc, {
+						/* @__PURE__ */ z(Wc, {
 							upright: !0,
 							label: "Width of the panels",
 							value: t.room.side,
@@ -7766,7 +7778,7 @@ var qc = [
 								class: "tabs",
 								role: "tablist",
 								"aria-label": "Panels",
-								children: qc.map(([r, a]) => /* @__PURE__ */ z("button", {
+								children: Jc.map(([r, a]) => /* @__PURE__ */ z("button", {
 									role: "tab",
 									id: `tab-${r}`,
 									"aria-controls": "panel",
@@ -7812,7 +7824,7 @@ var qc = [
 										store: e,
 										state: t
 									}),
-									t.tab === "power" && /* @__PURE__ */ z(Bc, {
+									t.tab === "power" && /* @__PURE__ */ z(Vc, {
 										store: e,
 										state: t
 									}),
@@ -7827,7 +7839,7 @@ var qc = [
 				}),
 				t.bottom && /* @__PURE__ */ z("div", {
 					class: "bottom",
-					children: [/* @__PURE__ */ z(Uc, {
+					children: [/* @__PURE__ */ z(Wc, {
 						upright: !1,
 						label: "Height of the plots",
 						value: t.room.low || 320,
@@ -7838,14 +7850,14 @@ var qc = [
 							...t.room,
 							low: n
 						} })
-					}), t.planShown && t.plan ? /* @__PURE__ */ z(sr, {
+					}), t.planShown && t.plan ? /* @__PURE__ */ z(cr, {
 						store: e,
 						state: t,
 						plan: t.plan
 					}) : /* @__PURE__ */ z(x, { children: [t.sweep ? /* @__PURE__ */ z(G, {
 						store: e,
 						state: t
-					}) : /* @__PURE__ */ z(wc, {
+					}) : /* @__PURE__ */ z(Tc, {
 						store: e,
 						state: t
 					}), /* @__PURE__ */ z(Ot, {
@@ -7860,7 +7872,7 @@ var qc = [
 						"aria-live": "polite",
 						children: o || (n.whole ? "" : "strokes of what is joined so far")
 					}),
-					/* @__PURE__ */ z(Yc, {
+					/* @__PURE__ */ z(Xc, {
 						store: e,
 						state: t
 					}),
@@ -7908,7 +7920,7 @@ var qc = [
 		});
 	}
 };
-function Yc({ store: e, state: t }) {
+function Xc({ store: e, state: t }) {
 	let n = t.look.machines, r = t.cursor?.mode;
 	return n.length ? /* @__PURE__ */ z("span", {
 		class: "modes",
@@ -7928,10 +7940,10 @@ function Yc({ store: e, state: t }) {
 		]
 	}) : null;
 }
-function Xc({ store: e, state: t, errors: n }) {
+function Zc({ store: e, state: t, errors: n }) {
 	let r = t.look, i = t.running, a = Number(r.panels.experiment.until) || t.run?.until || 1;
 	return /* @__PURE__ */ z("header", { children: [
-		/* @__PURE__ */ z(Zc, {
+		/* @__PURE__ */ z(Qc, {
 			store: e,
 			state: t
 		}),
@@ -8011,7 +8023,7 @@ function Xc({ store: e, state: t, errors: n }) {
 		})
 	] });
 }
-function Zc({ store: e, state: t }) {
+function Qc({ store: e, state: t }) {
 	let n = (e) => e.currentTarget.closest("details").removeAttribute("open"), r = (t) => {
 		e.set({
 			level: "",
@@ -8114,17 +8126,17 @@ function Zc({ store: e, state: t }) {
 	});
 }
 // src/sharing.ts
-function Qc(e, t) {
+function $c(e, t) {
 	if (e === t || typeof t != "object" || !t || typeof e != "object" || !e || Array.isArray(e) !== Array.isArray(t)) return t;
 	let [n, r] = [e, t], i = Object.keys(r), a = i.length === Object.keys(n).length;
 	for (let e of i) {
-		let t = Qc(n[e], r[e]);
+		let t = $c(n[e], r[e]);
 		r[e] = t, a &&= t === n[e] && e in n;
 	}
 	return a ? e : t;
 }
 // src/store.ts
-var $c = {
+var el = {
 	connected: !1,
 	look: null,
 	stock: null,
@@ -8160,9 +8172,9 @@ var $c = {
 		side: 340,
 		low: 0
 	}
-}, el = class {
+}, tl = class {
 	transport;
-	state = $c;
+	state = el;
 	listeners = /* @__PURE__ */ new Set();
 	queue = Promise.resolve();
 	constructor(e) {
@@ -8205,7 +8217,7 @@ var $c = {
 		}
 	}
 	refused(e) {
-		e instanceof Wc ? this.set({ notice: e.problem }) : this.state.connected && this.set({ notice: {
+		e instanceof Gc ? this.set({ notice: e.problem }) : this.state.connected && this.set({ notice: {
 			code: "",
 			where: "",
 			why: String(e),
@@ -8213,7 +8225,7 @@ var $c = {
 		} });
 	}
 	take(e) {
-		let t = Qc(this.state.look, e), n = new Set(t.view.nodes.map((e) => e.name)), r = new Set(t.view.bonds.map((e) => e.key));
+		let t = $c(this.state.look, e), n = new Set(t.view.nodes.map((e) => e.name)), r = new Set(t.view.bonds.map((e) => e.key));
 		this.set({
 			look: t,
 			level: t.view.path,
@@ -8478,7 +8490,7 @@ var $c = {
 				mode: n ?? null,
 				level: this.state.level,
 				names: this.state.plotted
-			}), o = Qc(this.state.cursor?.strokes ?? this.state.look?.strokes, a.strokes);
+			}), o = $c(this.state.cursor?.strokes ?? this.state.look?.strokes, a.strokes);
 			i === this.cursorCount && this.set({ cursor: {
 				...a,
 				strokes: o
@@ -8495,11 +8507,11 @@ var $c = {
 	}
 };
 // src/widget.tsx
-function tl({ model: e, el: t }) {
-	let n = new Gc(), r = new el(n), i = (e) => n.received(e);
-	return e.on("msg:custom", i), n.connected({ send: (t) => e.send(t) }), t.style.height = `${e.get("height")}px`, t.classList.add("hybond-widget"), I(/* @__PURE__ */ z(Jc, { store: r }), t), r.begin(), () => {
+function nl({ model: e, el: t }) {
+	let n = new Kc(), r = new tl(n), i = (e) => n.received(e);
+	return e.on("msg:custom", i), n.connected({ send: (t) => e.send(t) }), t.style.height = `${e.get("height")}px`, t.classList.add("hybond-widget"), I(/* @__PURE__ */ z(Yc, { store: r }), t), r.begin(), () => {
 		e.off("msg:custom", i), I(null, t);
 	};
 }
-var nl = { render: tl };
-export { nl as default, tl as render };
+var rl = { render: nl };
+export { rl as default, nl as render };
