@@ -96,7 +96,7 @@ export function PlanView({ store, state, plan }: { store: Store; state: State; p
       )}
       {refused ? (
         <p class="hint">
-          {refused.why}. {HOW[choice.view] ?? refused.try}
+          {refused.why}. {how(plan, choice.view) || refused.try}
         </p>
       ) : !seen ? (
         <p class="hint">{plan.kept ? "…" : plan.state === "running" ? "The first runs are on their way …" : "No run was done."}</p>
@@ -115,12 +115,13 @@ export function PlanView({ store, state, plan }: { store: Store; state: State; p
   );
 }
 
-/** What to do where a view cannot be told from a plan. */
-const HOW: Record<string, string> = {
-  tornado: "Draw members ‘for a tornado’.",
-  sobol: "Draw members ‘for Sobol indices’.",
-  family: "Collect a curve: curve(height, 101).",
-};
+/** What to do where a plan has no such view; empty if it has, and what lacks is something else. */
+function how(plan: PlanNow, view: string): string {
+  const way = plan.way.split(":")[0];
+  if (view === "tornado" && way !== "ends") return "Draw members ‘for a tornado’.";
+  if (view === "sobol" && way !== "saltelli") return "Draw members ‘for Sobol indices’.";
+  return view === "family" && !plan.columns.some((c) => c.kind === "curve") ? "Collect a curve: curve(height, 101)." : "";
+}
 
 function Progress({ store, plan }: { store: Store; plan: PlanNow }) {
   const left = plan.left === null ? "" : plan.left < 1 ? ", under 1 s to go" : plan.left < 120 ? `, ${Math.round(plan.left)} s to go` : plan.left < 7200 ? `, ${Math.round(plan.left / 60)} min to go` : `, ${(plan.left / 3600).toFixed(1)} h to go`;

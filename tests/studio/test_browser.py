@@ -389,6 +389,20 @@ def test_the_rod_falls_through_its_two_mythical_modes(
     page.until(lambda: "mu = 0.32, J = 1.21" in page.one(".outcomes output").text, "its neighbour")
     page.keys(Keys.ENTER)
     page.until(lambda: "mu = 0.32, J = 1.21" in page.one(".plots .own").text, "its run")
+    # back, and what it was run with becomes the model's
+    page.until(lambda: page.all(".trace"), "plots")
+    page.click(".plots .plotbar button")
+    take = page.until(
+        lambda: [b for b in page.all(".planned .one button") if b.text == "Take these values"], "it"
+    )
+    take[0].click()
+    page.until(
+        lambda: (
+            {"mu": 0.32, "J": "1.21 kg*m^2"}.items()
+            <= tomllib.loads((tmp_path / "rod.toml").read_text())["parameters"].items()
+        ),
+        "the file has them",
+    )
     assert not page.complaints()
 
 

@@ -111,6 +111,7 @@ def test_the_map_of_sequences_is_the_boundary_of_the_paper() -> None:
     named = [found["names"][int(k)].startswith("free > stuck") for k in found["number"]]
     assert 30 < sticks.sum() < sticks.size - 30
     assert named == sticks.ravel().tolist()
+    assert (found["x"]["unit"], found["y"]["unit"]) == ("", "kg*m^2")  # as the model has them
     assert found["x"]["edges"] == pytest.approx(np.linspace(0.19, 0.41, 12))
     when = seen(session, number, "map", x="mu", y="J", value="first(tip.stuck)")["number"]
     assert [v is not None for v in when] == sticks.ravel().tolist()

@@ -279,9 +279,11 @@ def _said(sets: Mapping[str, Value]) -> str:
 
 def _sets(planned: Planned, number: int) -> dict[str, Value]:
     """Return the factors of a member as `hybond.simulate` takes them."""
-    rows = planned.job.plan.rows(number, number + 1)
+    rows, table = planned.job.plan.rows(number, number + 1), planned.table()
     found: dict[str, Value] = {}
     for factor in planned.job.plan.factors:
-        value = rows[factor.path][0]
-        found[factor.path] = factor.shown(float(value)) if factor.is_number else value
+        value, unit = rows[factor.path][0], table.unit(factor.path)
+        if factor.is_number:
+            value = f"{float(value)!r} {unit}" if unit else float(value)
+        found[factor.path] = value
     return found

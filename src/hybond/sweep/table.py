@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from hybond.errors import UsageError
 from hybond.files.whole import whole
+from hybond.model.builder import Model
 from hybond.model.parts import Value
 from hybond.names import did_you_mean
 from hybond.result import Result
@@ -21,6 +22,7 @@ from hybond.sweep.collect import Collector
 from hybond.sweep.job import Job
 from hybond.sweep.part import Part
 from hybond.sweep.views import Views
+from hybond.units import DIMENSIONLESS, Dimension, try_quantity
 
 Vector = NDArray[np.float64]
 OWN = ("status", "t_end", "code", "message", "warnings")
@@ -133,7 +135,8 @@ class SweepTable(Views):
             return "s"
         for factor in self.plan.factors:
             if factor.path == name:
-                return "" if factor.dimension is None else str(factor.dimension)
+                dimension = factor.dimension or _written(self.job.model, name)
+                return "" if dimension is None else str(dimension)
         return next((c.unit for c in self.collectors if c.text == name), "")
 
     def _of_part(self, part: Part, name: str) -> Any:
@@ -257,6 +260,13 @@ class SweepTable(Views):
         some = "" if len(self) == len(self.plan) else f"{len(self)} of "
         whole_plan = f"{some}{len(self.plan)} members, {self.plan.way} of"
         return f"<SweepTable {self.title!r}: {whole_plan} {', '.join(self.plan.paths)}, {how}>"
+
+
+def _written(model: Model, path: str) -> Dimension | None:
+    """Return the dimension that the model gives a parameter; numbers without a unit have it."""
+    value = model.parameters.get(path)
+    quantity = try_quantity(value) if isinstance(value, str) else None
+    return None if quantity is None or quantity.dimension == DIMENSIONLESS else quantity.dimension
 
 
 def _said(part: Part, k: int, name: str) -> str:

@@ -4296,7 +4296,7 @@ function cr({ store: e, state: t, plan: n }) {
 				children: [
 					S.why,
 					". ",
-					lr[r.view] ?? S.try
+					lr(n, r.view) || S.try
 				]
 			}) : b ? b.view === "table" ? /* @__PURE__ */ z(fr, {
 				found: b,
@@ -4331,11 +4331,10 @@ function cr({ store: e, state: t, plan: n }) {
 		]
 	});
 }
-var lr = {
-	tornado: "Draw members ‘for a tornado’.",
-	sobol: "Draw members ‘for Sobol indices’.",
-	family: "Collect a curve: curve(height, 101)."
-};
+function lr(e, t) {
+	let n = e.way.split(":")[0];
+	return t === "tornado" && n !== "ends" ? "Draw members ‘for a tornado’." : t === "sobol" && n !== "saltelli" ? "Draw members ‘for Sobol indices’." : t === "family" && !e.columns.some((e) => e.kind === "curve") ? "Collect a curve: curve(height, 101)." : "";
+}
 function ur({ store: e, plan: t }) {
 	let n = t.left === null ? "" : t.left < 1 ? ", under 1 s to go" : t.left < 120 ? `, ${Math.round(t.left)} s to go` : t.left < 7200 ? `, ${Math.round(t.left / 60)} min to go` : `, ${(t.left / 3600).toFixed(1)} h to go`, r = t.factors.map((e) => e.path).join(", ");
 	return t.state === "running" ? /* @__PURE__ */ z(x, { children: [
