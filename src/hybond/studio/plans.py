@@ -185,7 +185,7 @@ def faults(model: Model, graph: FlatGraph, wanted: Wanted) -> tuple[int, Wrong]:
         try:
             _take(model, factor)
         except HybondError as error:
-            if error.code in ("HB-M107", "HB-M125"):
+            if error.code == "HB-M107":
                 note(f"path.{k}", error)
             elif error.code.startswith("HB-U"):
                 note(f"values.{k}", error)

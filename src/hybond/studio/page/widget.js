@@ -3374,17 +3374,17 @@ function jn(e) {
 		return Math.round(r + (t - n) * (i - r));
 	}).join(",")})`;
 }
-var Mn = An.map((e) => `#${e}`).join(", "), Nn = 120, Pn = [
+var Mn = An.map((e) => `#${e}`).join(", "), Nn = 120, Pn = "HB-W103", Fn = [
 	"grid",
 	"together",
 	"ends"
-], Fn = ["grid", "together"];
-function In({ store: e, state: t }) {
+], In = ["grid", "together"];
+function Ln({ store: e, state: t }) {
 	let [n, r] = H(null), [i, a] = H(null), [o, s] = H(null), c = t.look.revision, l = t.asking;
 	if (gt(() => {
 		let t = !1;
 		return e.transport.ask("plan words").then((n) => {
-			t || (r(n), a(null), e.state.asking || e.set({ asking: zn(n) }));
+			t || (r(n), a(null), e.state.asking || e.set({ asking: Bn(n) }));
 		}).catch((e) => !t && a(e.problem ?? null)), () => {
 			t = !0;
 		};
@@ -3416,23 +3416,23 @@ function In({ store: e, state: t }) {
 		...n,
 		...t
 	} : n), h = (e, t) => {
-		let r = t.trim(), i = n.values[r], a = l.factors[e], o = i && (!a.values || a.values === Bn(n.values[a.path] ?? "", l.way));
+		let r = t.trim(), i = n.values[r], a = l.factors[e], o = i && (!a.values || a.values === Vn(n.values[a.path] ?? "", l.way));
 		return m(e, {
 			path: r,
-			...o ? { values: Bn(i, l.way) } : {}
+			...o ? { values: Vn(i, l.way) } : {}
 		});
 	}, g = (e) => u({
 		way: e,
 		count: l.count || "128",
 		factors: l.factors.map((t) => ({
 			...t,
-			values: Bn(t.values, e)
+			values: Vn(t.values, e)
 		}))
 	}), _ = () => {
 		let e = n.paths.find((e) => e in n.values && !l.factors.some((t) => t.path === e)) ?? "";
 		u({ factors: [...l.factors, {
 			path: e,
-			values: Bn(n.values[e] ?? "", l.way)
+			values: Vn(n.values[e] ?? "", l.way)
 		}] });
 	}, v = o?.members ?? 0;
 	return /* @__PURE__ */ z("section", {
@@ -3509,24 +3509,24 @@ function In({ store: e, state: t }) {
 				onChange: (e) => g(e.currentTarget.value),
 				children: Object.keys(n.ways).map((e) => /* @__PURE__ */ z("option", {
 					value: e,
-					children: Ln[e] ?? e
+					children: Rn[e] ?? e
 				}))
 			})] }),
 			/* @__PURE__ */ z("p", {
 				class: "hint",
 				children: n.ways[l.way]
 			}),
-			!Pn.includes(l.way) && /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "number" }), /* @__PURE__ */ z(Ft, {
+			!Fn.includes(l.way) && /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "number" }), /* @__PURE__ */ z(Ft, {
 				label: "Number",
 				value: l.count,
 				onWrite: (e) => u({ count: e.trim() })
 			})] }),
-			!Fn.includes(l.way) && l.way !== "ends" && /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "seed" }), /* @__PURE__ */ z(Ft, {
+			!In.includes(l.way) && l.way !== "ends" && /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "seed" }), /* @__PURE__ */ z(Ft, {
 				label: "Seed",
 				value: l.seed,
 				onWrite: (e) => u({ seed: e.trim() || "0" })
 			})] }),
-			/* @__PURE__ */ z(Rn, { problem: f.seed ?? f.way }),
+			/* @__PURE__ */ z(zn, { problem: f.seed ?? f.way }),
 			/* @__PURE__ */ z("h2", { children: "What is collected" }),
 			/* @__PURE__ */ z($t, {
 				label: "Collect",
@@ -3558,7 +3558,7 @@ function In({ store: e, state: t }) {
 				placeholder: String(t.look.panels.experiment.until ?? "1 s"),
 				onWrite: (e) => u({ until: e.trim() })
 			})] }),
-			/* @__PURE__ */ z(Rn, { problem: f.until }),
+			/* @__PURE__ */ z(zn, { problem: f.until }),
 			/* @__PURE__ */ z("div", {
 				class: "row begin",
 				children: [p ? /* @__PURE__ */ z("button", {
@@ -3579,7 +3579,7 @@ function In({ store: e, state: t }) {
 					children: "Show the last"
 				})]
 			}),
-			o && !Object.keys(f).length && /* @__PURE__ */ z(x, { children: [/* @__PURE__ */ z("h2", { children: "The same in a terminal" }), /* @__PURE__ */ z("div", {
+			o && Object.values(f).every((e) => e.code === Pn) && /* @__PURE__ */ z(x, { children: [/* @__PURE__ */ z("h2", { children: "The same in a terminal" }), /* @__PURE__ */ z("div", {
 				class: "command",
 				children: [/* @__PURE__ */ z("code", {
 					tabindex: 0,
@@ -3592,7 +3592,7 @@ function In({ store: e, state: t }) {
 		]
 	});
 }
-var Ln = {
+var Rn = {
 	grid: "all combinations",
 	together: "side by side",
 	random: "at random",
@@ -3601,7 +3601,7 @@ var Ln = {
 	saltelli: "for Sobol indices",
 	ends: "for a tornado"
 };
-function Rn({ problem: e }) {
+function zn({ problem: e }) {
 	return e ? /* @__PURE__ */ z("small", {
 		class: "wrong",
 		role: "status",
@@ -3612,7 +3612,7 @@ function Rn({ problem: e }) {
 		]
 	}) : null;
 }
-function zn(e) {
+function Bn(e) {
 	let t = e.paths.find((t) => t in e.values) ?? e.paths[0] ?? "";
 	return {
 		factors: [{
@@ -3626,24 +3626,24 @@ function zn(e) {
 		collect: e.collect
 	};
 }
-function Bn(e, t) {
+function Vn(e, t) {
 	let n = Cn(e);
-	return n ? Fn.includes(t) ? `${n}:11` : n : e;
+	return n ? In.includes(t) ? `${n}:11` : n : e;
 }
 // src/bands.tsx
-var [Vn, Hn, Un, Wn] = [
+var [Hn, Un, Wn, Gn] = [
 	66,
 	14,
 	10,
 	38
 ];
-function Gn({ found: e, wide: t, high: n, chosen: r, choose: i, open: a }) {
+function Kn({ found: e, wide: t, high: n, chosen: r, choose: i, open: a }) {
 	let { t: o, bands: s, curves: c } = e, l = [...s, ...c].flat().filter((e) => e !== null);
 	if (!l.length) return /* @__PURE__ */ z("p", {
 		class: "hint",
 		children: "No run has come so far that it has values."
 	});
-	let u = t > 620, d = Math.max(t - (u ? 230 : 0), 160), [f, p] = [d - Vn - Hn, n - Un - Wn], [m, h] = En(l), g = .05 * (h - m), _ = wn(o[0], o[o.length - 1], !1, Math.max(2, Math.round(f / 90))), v = wn(m - g, h + g, !1, Math.max(2, Math.round(p / 45))), y = (e) => Vn + _.part(e) * f, b = (e) => Un + (1 - v.part(e)) * p, x = (e) => {
+	let u = t > 620, d = Math.max(t - (u ? 230 : 0), 160), [f, p] = [d - Hn - Un, n - Wn - Gn], [m, h] = En(l), g = .05 * (h - m), _ = wn(o[0], o[o.length - 1], !1, Math.max(2, Math.round(f / 90))), v = wn(m - g, h + g, !1, Math.max(2, Math.round(p / 45))), y = (e) => Hn + _.part(e) * f, b = (e) => Wn + (1 - v.part(e)) * p, x = (e) => {
 		let [t, n] = ["", "M"];
 		return e.forEach((e, r) => {
 			e === null ? n = "M" : [t, n] = [`${t}${n}${y(o[r]).toFixed(1)},${b(e).toFixed(1)}`, "L"];
@@ -3689,8 +3689,8 @@ function Gn({ found: e, wide: t, high: n, chosen: r, choose: i, open: a }) {
 				children: [
 					/* @__PURE__ */ z("rect", {
 						class: "box",
-						x: Vn,
-						y: Un,
+						x: Hn,
+						y: Wn,
 						width: f,
 						height: p
 					}),
@@ -3721,36 +3721,36 @@ function Gn({ found: e, wide: t, high: n, chosen: r, choose: i, open: a }) {
 						class: "tick",
 						x1: y(e),
 						x2: y(e),
-						y1: Un + p,
-						y2: Un + p + 4
+						y1: Wn + p,
+						y2: Wn + p + 4
 					}), /* @__PURE__ */ z("text", {
 						x: y(e),
-						y: Un + p + 15,
+						y: Wn + p + 15,
 						"text-anchor": "middle",
 						children: L(e, "s")
 					})] })),
 					v.ticks.map((e) => /* @__PURE__ */ z("g", { children: [/* @__PURE__ */ z("line", {
 						class: "tick",
-						x1: Vn - 4,
-						x2: Vn,
+						x1: Hn - 4,
+						x2: Hn,
 						y1: b(e),
 						y2: b(e)
 					}), /* @__PURE__ */ z("text", {
-						x: Vn - 7,
+						x: Hn - 7,
 						y: b(e) + 3.5,
 						"text-anchor": "end",
 						children: K(e)
 					})] })),
 					/* @__PURE__ */ z("text", {
 						class: "what",
-						x: Vn + f / 2,
+						x: Hn + f / 2,
 						y: n - 6,
 						"text-anchor": "middle",
 						children: "time"
 					}),
 					/* @__PURE__ */ z("text", {
 						class: "what",
-						transform: `translate(12,${Un + p / 2}) rotate(-90)`,
+						transform: `translate(12,${Wn + p / 2}) rotate(-90)`,
 						"text-anchor": "middle",
 						children: kn(e.signal, e.unit)
 					})
@@ -3791,21 +3791,21 @@ function Gn({ found: e, wide: t, high: n, chosen: r, choose: i, open: a }) {
 	});
 }
 // src/bars.tsx
-var [Kn, qn, Jn] = [
+var [qn, Jn, Yn] = [
 	22,
 	40,
 	34
 ];
-function Yn(e, t) {
+function Xn(e, t) {
 	return Math.min(24 + 7 * Math.max(...e.map((e) => e.length)), t * .35);
 }
-function Xn({ found: e, wide: t, open: n }) {
+function Zn({ found: e, wide: t, open: n }) {
 	let r = e.middle;
 	if (r === null) return /* @__PURE__ */ z("p", {
 		class: "hint",
 		children: "The run in the middle has no value."
 	});
-	let i = Math.min(t, 820), a = Yn(e.rows.map((e) => kn(e.path, e.unit)), i), [o, s] = [44, Kn + Jn * e.rows.length + qn], [c, l] = En([r, ...e.rows.flatMap((e) => e.outcomes).filter((e) => e !== null)]), u = .14 * (l - c), d = wn(c - u, l + u, !1, Math.max(2, Math.round((i - a - o) / 100))), f = (e) => a + d.part(e) * (i - a - o);
+	let i = Math.min(t, 820), a = Xn(e.rows.map((e) => kn(e.path, e.unit)), i), [o, s] = [44, qn + Yn * e.rows.length + Jn], [c, l] = En([r, ...e.rows.flatMap((e) => e.outcomes).filter((e) => e !== null)]), u = .14 * (l - c), d = wn(c - u, l + u, !1, Math.max(2, Math.round((i - a - o) / 100))), f = (e) => a + d.part(e) * (i - a - o);
 	return /* @__PURE__ */ z("figure", {
 		class: "bars",
 		"data-view": "tornado",
@@ -3819,27 +3819,27 @@ function Xn({ found: e, wide: t, open: n }) {
 					class: "grid",
 					x1: f(e),
 					x2: f(e),
-					y1: Kn,
-					y2: s - qn
+					y1: qn,
+					y2: s - Jn
 				}), /* @__PURE__ */ z("text", {
 					x: f(e),
-					y: s - qn + 15,
+					y: s - Jn + 15,
 					"text-anchor": "middle",
 					children: K(e)
 				})] })),
 				e.rows.map((t, i) => /* @__PURE__ */ z("g", {
-					transform: `translate(0,${Kn + i * Jn})`,
+					transform: `translate(0,${qn + i * Yn})`,
 					"data-factor": t.path,
 					children: [/* @__PURE__ */ z("text", {
 						class: "what",
 						x: a - 8,
-						y: Jn / 2 + 4,
+						y: Yn / 2 + 4,
 						"text-anchor": "end",
 						children: kn(t.path, t.unit)
 					}), t.outcomes.map((i, a) => {
 						if (i === null) return /* @__PURE__ */ z("text", {
 							x: f(r) + 4,
-							y: Jn / 2 + 4,
+							y: Yn / 2 + 4,
 							children: "no value"
 						});
 						let o = i > r || i === r && a === 1, s = `${t.path} = ${K(t.ends[a])}: ${e.value} = ${K(i)}`, c = () => n(t.members[a]);
@@ -3854,12 +3854,12 @@ function Xn({ found: e, wide: t, open: n }) {
 								x: Math.min(f(i), f(r)),
 								y: 5,
 								width: Math.max(Math.abs(f(i) - f(r)), 1),
-								height: Jn - 10,
+								height: Yn - 10,
 								"data-outcome": i,
 								children: /* @__PURE__ */ z("title", { children: s })
 							}), /* @__PURE__ */ z("text", {
 								x: f(i) + (o ? 4 : -4),
-								y: Jn / 2 + 4,
+								y: Yn / 2 + 4,
 								"text-anchor": o ? "start" : "end",
 								children: K(t.ends[a])
 							})]
@@ -3870,12 +3870,12 @@ function Xn({ found: e, wide: t, open: n }) {
 					class: "middle",
 					x1: f(r),
 					x2: f(r),
-					y1: Kn - 4,
-					y2: s - qn
+					y1: qn - 4,
+					y2: s - Jn
 				}),
 				/* @__PURE__ */ z("text", {
 					x: f(r),
-					y: Kn - 9,
+					y: qn - 9,
 					"text-anchor": "middle",
 					children: K(r)
 				}),
@@ -3896,8 +3896,8 @@ function Xn({ found: e, wide: t, open: n }) {
 		})] })]
 	});
 }
-function Zn({ found: e, wide: t }) {
-	let n = Math.min(t, 820), r = Yn(e.rows.map((e) => e.path), n), [i, a] = [64, Kn + Jn * e.rows.length + qn], o = e.rows.flatMap((e) => [e.first, e.total].flatMap(([e, t]) => e === null ? [] : [e - (t ?? 0), e + (t ?? 0)]));
+function Qn({ found: e, wide: t }) {
+	let n = Math.min(t, 820), r = Xn(e.rows.map((e) => e.path), n), [i, a] = [64, qn + Yn * e.rows.length + Jn], o = e.rows.flatMap((e) => [e.first, e.total].flatMap(([e, t]) => e === null ? [] : [e - (t ?? 0), e + (t ?? 0)]));
 	if (!o.length) return /* @__PURE__ */ z("p", {
 		class: "hint",
 		children: "The outcome does not vary."
@@ -3916,21 +3916,21 @@ function Zn({ found: e, wide: t }) {
 					class: "grid",
 					x1: u(e),
 					x2: u(e),
-					y1: Kn,
-					y2: a - qn
+					y1: qn,
+					y2: a - Jn
 				}), /* @__PURE__ */ z("text", {
 					x: u(e),
-					y: a - qn + 15,
+					y: a - Jn + 15,
 					"text-anchor": "middle",
 					children: K(e)
 				})] })),
 				e.rows.map((e, t) => /* @__PURE__ */ z("g", {
-					transform: `translate(0,${Kn + t * Jn})`,
+					transform: `translate(0,${qn + t * Yn})`,
 					"data-factor": e.path,
 					children: [/* @__PURE__ */ z("text", {
 						class: "what",
 						x: r - 8,
-						y: Jn / 2 + 4,
+						y: Yn / 2 + 4,
 						"text-anchor": "end",
 						children: e.path
 					}), [e.first, e.total].map(([e, t], n) => {
@@ -3963,8 +3963,8 @@ function Zn({ found: e, wide: t }) {
 					class: "middle",
 					x1: u(0),
 					x2: u(0),
-					y1: Kn - 4,
-					y2: a - qn
+					y1: qn - 4,
+					y2: a - Jn
 				}),
 				/* @__PURE__ */ z("text", {
 					class: "what",
@@ -3992,14 +3992,14 @@ function Zn({ found: e, wide: t }) {
 	});
 }
 // src/outcomes.tsx
-var [q, Qn, $n, er] = [
+var [$n, er, tr, nr] = [
 	66,
 	12,
 	10,
 	38
-], tr = 14;
-function nr({ found: e, wide: t, high: n, dark: r, chosen: i, choose: a, open: o }) {
-	let s = _t(null), [c, l] = H(null), u = t > 620, [d, f] = [Math.max(t - (u ? 230 : 0), 160), n], [p, m] = [d - q - Qn, f - $n - er], h = Tn(e.x, e.across, Math.max(2, Math.round(p / 90))), g = Tn(e.y, e.up, Math.max(2, Math.round(m / 50))), _ = e.across.length, v = e.x.edges && e.y.edges ? {
+], rr = 14;
+function ir({ found: e, wide: t, high: n, dark: r, chosen: i, choose: a, open: o }) {
+	let s = _t(null), [c, l] = H(null), u = t > 620, [d, f] = [Math.max(t - (u ? 230 : 0), 160), n], [p, m] = [d - $n - er, f - tr - nr], h = Tn(e.x, e.across, Math.max(2, Math.round(p / 90))), g = Tn(e.y, e.up, Math.max(2, Math.round(m / 50))), _ = e.across.length, v = e.x.edges && e.y.edges ? {
 		x: e.x.edges,
 		y: e.y.edges
 	} : null, y = (e) => h.part(e) * p, b = (e) => (1 - g.part(e)) * m, x = (t) => v ? [e.across[t % _], e.up[Math.floor(t / _)]] : [e.across[t], e.up[t]], S = e.number.filter((e) => e !== null), [C, w] = En(S), T = (t) => t === null ? e.none : e.names.length ? e.inks[t] : jn(w > C ? (t - C) / (w - C) : .5), E = (t) => e.number[t] === null ? "no value" : e.names.length ? e.names[e.number[t]] : K(e.number[t]);
@@ -4031,7 +4031,7 @@ function nr({ found: e, wide: t, high: n, dark: r, chosen: i, choose: a, open: o
 			let [t, n] = [v.x.findIndex((e) => y(e) > r) - 1, v.y.findIndex((e) => b(e) < i) - 1], a = n * _ + t;
 			return t >= 0 && n >= 0 && e.members[a] >= 0 ? a : null;
 		}
-		let [a, o] = [-1, tr ** 2];
+		let [a, o] = [-1, rr ** 2];
 		return e.members.forEach((e, t) => {
 			let [n, s] = x(t), c = n === null || s === null ? Infinity : (y(n) - r) ** 2 + (b(s) - i) ** 2;
 			c < o && ([a, o] = [t, c]);
@@ -4064,7 +4064,7 @@ function nr({ found: e, wide: t, high: n, dark: r, chosen: i, choose: a, open: o
 			onKeyDown: k,
 			children: [/* @__PURE__ */ z("canvas", {
 				ref: s,
-				style: `left: ${q}px; top: ${$n}px; width: ${p}px; height: ${m}px`,
+				style: `left: ${$n}px; top: ${tr}px; width: ${p}px; height: ${m}px`,
 				"data-span": JSON.stringify([
 					h.low,
 					h.high,
@@ -4085,52 +4085,52 @@ function nr({ found: e, wide: t, high: n, dark: r, chosen: i, choose: a, open: o
 				children: [
 					/* @__PURE__ */ z("rect", {
 						class: "box",
-						x: q,
-						y: $n,
+						x: $n,
+						y: tr,
 						width: p,
 						height: m
 					}),
 					h.ticks.map((e) => /* @__PURE__ */ z("g", { children: [/* @__PURE__ */ z("line", {
 						class: "tick",
-						x1: q + y(e),
-						x2: q + y(e),
-						y1: $n + m,
-						y2: $n + m + 4
+						x1: $n + y(e),
+						x2: $n + y(e),
+						y1: tr + m,
+						y2: tr + m + 4
 					}), /* @__PURE__ */ z("text", {
-						x: q + y(e),
-						y: $n + m + 15,
+						x: $n + y(e),
+						y: tr + m + 15,
 						"text-anchor": "middle",
 						children: K(e)
 					})] })),
 					g.ticks.map((e) => /* @__PURE__ */ z("g", { children: [/* @__PURE__ */ z("line", {
 						class: "tick",
-						x1: q - 4,
-						x2: q,
-						y1: $n + b(e),
-						y2: $n + b(e)
+						x1: $n - 4,
+						x2: $n,
+						y1: tr + b(e),
+						y2: tr + b(e)
 					}), /* @__PURE__ */ z("text", {
-						x: q - 7,
-						y: $n + b(e) + 3.5,
+						x: $n - 7,
+						y: tr + b(e) + 3.5,
 						"text-anchor": "end",
 						children: K(e)
 					})] })),
 					/* @__PURE__ */ z("text", {
 						class: "what",
-						x: q + p / 2,
+						x: $n + p / 2,
 						y: f - 6,
 						"text-anchor": "middle",
 						children: kn(e.x.name, e.x.unit)
 					}),
 					/* @__PURE__ */ z("text", {
 						class: "what",
-						transform: `translate(12,${$n + m / 2}) rotate(-90)`,
+						transform: `translate(12,${tr + m / 2}) rotate(-90)`,
 						"text-anchor": "middle",
 						children: kn(e.y.name, e.y.unit)
 					}),
 					te !== null && ne !== null && /* @__PURE__ */ z("circle", {
 						class: "chosen",
-						cx: q + y(te),
-						cy: $n + b(ne),
+						cx: $n + y(te),
+						cy: tr + b(ne),
 						r: 7
 					})
 				]
@@ -4169,23 +4169,23 @@ function nr({ found: e, wide: t, high: n, dark: r, chosen: i, choose: a, open: o
 	});
 }
 // src/planned.tsx
-var rr = [
+var ar = [
 	["map", "Map"],
 	["scatter", "Scatter"],
 	["family", "Curves"],
 	["tornado", "Tornado"],
 	["sobol", "Sobol indices"],
 	["table", "Table"]
-], ir = 92, ar = "(max-width: 760px)", or = 500, sr = 4;
-function cr({ store: e, state: t, plan: n }) {
+], or = 92, sr = "(max-width: 760px)", cr = 500, lr = 4;
+function ur({ store: e, state: t, plan: n }) {
 	let { choice: r, chosen: i } = t.looked?.plan === n.plan ? t.looked : {
-		choice: gr(n),
+		choice: vr(n),
 		chosen: null
 	}, [[a, o], s] = H([700, 340]), c = _t(null);
 	gt(() => {
 		let e = c.current;
 		if (!e) return;
-		let t = new ResizeObserver(() => s([Math.max(260, e.clientWidth - 24), matchMedia(ar).matches ? 0 : e.clientHeight]));
+		let t = new ResizeObserver(() => s([Math.max(260, e.clientWidth - 24), matchMedia(sr).matches ? 0 : e.clientHeight]));
 		return t.observe(e), () => t.disconnect();
 	}, []);
 	let l = (t) => e.set({ looked: {
@@ -4204,7 +4204,7 @@ function cr({ store: e, state: t, plan: n }) {
 		value: r[t],
 		onChange: (e) => l({ [t]: e.currentTarget.value }),
 		children: n.map((e) => /* @__PURE__ */ z("option", { children: e }))
-	})] }), m = (t) => void e.openMember(t), h = o ? Math.max(o - ir, 190) : Math.round(Math.min(.8 * a, 340)), g = n.factors.map((e) => e.path), _ = n.way === "grid" && r.view === "map" ? n.factors.filter((e) => e.levels.length > 1 && e.path !== r.x && e.path !== r.y) : [], v = _.length > 0 && g.includes(r.x) && g.includes(r.y), y = v ? Object.fromEntries(_.map((e) => [e.path, r.at[e.path] ?? 0])) : {}, [b, S] = _r(e, n, {
+	})] }), m = (t) => void e.openMember(t), h = o ? Math.max(o - or, 190) : Math.round(Math.min(.8 * a, 340)), g = n.factors.map((e) => e.path), _ = n.way === "grid" && r.view === "map" ? n.factors.filter((e) => e.levels.length > 1 && e.path !== r.x && e.path !== r.y) : [], v = _.length > 0 && g.includes(r.x) && g.includes(r.y), y = v ? Object.fromEntries(_.map((e) => [e.path, r.at[e.path] ?? 0])) : {}, [b, S] = yr(e, n, {
 		...r,
 		at: y
 	});
@@ -4216,11 +4216,11 @@ function cr({ store: e, state: t, plan: n }) {
 			/* @__PURE__ */ z("div", {
 				class: "plotbar",
 				children: [
-					/* @__PURE__ */ z(ur, {
+					/* @__PURE__ */ z(fr, {
 						store: e,
 						plan: n
 					}),
-					/* @__PURE__ */ z(dr, {
+					/* @__PURE__ */ z(pr, {
 						store: e,
 						plan: n,
 						chosen: i,
@@ -4228,7 +4228,7 @@ function cr({ store: e, state: t, plan: n }) {
 						open: m
 					}),
 					/* @__PURE__ */ z("button", {
-						onClick: () => void vr(e, n),
+						onClick: () => void br(e, n),
 						disabled: !n.kept,
 						children: "Table as CSV"
 					}),
@@ -4245,11 +4245,11 @@ function cr({ store: e, state: t, plan: n }) {
 						class: "choices",
 						role: "group",
 						"aria-label": "Views",
-						children: rr.map(([e, t]) => /* @__PURE__ */ z("button", {
+						children: ar.map(([e, t]) => /* @__PURE__ */ z("button", {
 							"aria-pressed": r.view === e,
 							onClick: () => l({
 								view: e,
-								...hr(n, e)
+								..._r(n, e)
 							}),
 							children: t
 						}))
@@ -4296,27 +4296,27 @@ function cr({ store: e, state: t, plan: n }) {
 				children: [
 					S.why,
 					". ",
-					lr(n, r.view) || S.try
+					dr(n, r.view) || S.try
 				]
-			}) : b ? b.view === "table" ? /* @__PURE__ */ z(fr, {
+			}) : b ? b.view === "table" ? /* @__PURE__ */ z(mr, {
 				found: b,
 				open: m,
 				turn: (e) => l({ first: e })
-			}) : b.view === "family" ? /* @__PURE__ */ z(Gn, {
+			}) : b.view === "family" ? /* @__PURE__ */ z(Kn, {
 				found: b,
 				wide: Math.min(a, 4 * h),
 				high: h,
 				chosen: i,
 				choose: u,
 				open: m
-			}) : b.view === "tornado" ? /* @__PURE__ */ z(Xn, {
+			}) : b.view === "tornado" ? /* @__PURE__ */ z(Zn, {
 				found: b,
 				wide: a,
 				open: m
-			}) : b.view === "sobol" ? /* @__PURE__ */ z(Zn, {
+			}) : b.view === "sobol" ? /* @__PURE__ */ z(Qn, {
 				found: b,
 				wide: a
-			}) : /* @__PURE__ */ z(nr, {
+			}) : /* @__PURE__ */ z(ir, {
 				found: b,
 				wide: Math.min(a, 4 * h),
 				high: h,
@@ -4331,11 +4331,11 @@ function cr({ store: e, state: t, plan: n }) {
 		]
 	});
 }
-function lr(e, t) {
+function dr(e, t) {
 	let n = e.way.split(":")[0];
 	return t === "tornado" && n !== "ends" ? "Draw members ‘for a tornado’." : t === "sobol" && n !== "saltelli" ? "Draw members ‘for Sobol indices’." : t === "family" && !e.columns.some((e) => e.kind === "curve") ? "Collect a curve: curve(height, 101)." : "";
 }
-function ur({ store: e, plan: t }) {
+function fr({ store: e, plan: t }) {
 	let n = t.left === null ? "" : t.left < 1 ? ", under 1 s to go" : t.left < 120 ? `, ${Math.round(t.left)} s to go` : t.left < 7200 ? `, ${Math.round(t.left / 60)} min to go` : `, ${(t.left / 3600).toFixed(1)} h to go`, r = t.factors.map((e) => e.path).join(", ");
 	return t.state === "running" ? /* @__PURE__ */ z(x, { children: [
 		/* @__PURE__ */ z("progress", {
@@ -4363,7 +4363,7 @@ function ur({ store: e, plan: t }) {
 		]
 	});
 }
-function dr({ store: e, plan: t, chosen: n, choose: r, open: i }) {
+function pr({ store: e, plan: t, chosen: n, choose: r, open: i }) {
 	let [a, o] = H(null);
 	gt(() => {
 		if (o(null), n === null) return;
@@ -4403,8 +4403,8 @@ function dr({ store: e, plan: t, chosen: n, choose: r, open: i }) {
 			}
 		})] }), n !== null && /* @__PURE__ */ z(x, { children: [
 			/* @__PURE__ */ z("output", { children: [
-				s.map(([e, t]) => `${e} = ${mr(t)}`).join(", "),
-				a?.row && t.columns.filter((e) => e.kind !== "curve").map((e) => `; ${e.name} = ${pr(a.row[e.name])}`).join(""),
+				s.map(([e, t]) => `${e} = ${gr(t)}`).join(", "),
+				a?.row && t.columns.filter((e) => e.kind !== "curve").map((e) => `; ${e.name} = ${hr(a.row[e.name])}`).join(""),
 				a?.row?.code && `; ${a.row.status}: ${a.row.code} ${a.row.message}`
 			] }),
 			/* @__PURE__ */ z("button", {
@@ -4418,7 +4418,7 @@ function dr({ store: e, plan: t, chosen: n, choose: r, open: i }) {
 		] })]
 	});
 }
-function fr({ found: e, open: t, turn: n }) {
+function mr({ found: e, open: t, turn: n }) {
 	let r = e.columns.map((e, t) => t).filter((t) => t === 0 || ![
 		"code",
 		"message",
@@ -4441,7 +4441,7 @@ function fr({ found: e, open: t, turn: n }) {
 					class: "link",
 					onClick: () => t(Number(e[0])),
 					children: e[0]
-				}) : pr(e[n])
+				}) : hr(e[n])
 			})) })) })] })
 		}), /* @__PURE__ */ z("div", {
 			class: "plotbar",
@@ -4467,14 +4467,14 @@ function fr({ found: e, open: t, turn: n }) {
 		})]
 	});
 }
-function pr(e) {
+function hr(e) {
 	return typeof e == "number" ? K(e) : e ?? "none";
 }
-function mr(e) {
+function gr(e) {
 	let [t, ...n] = String(e).split(" ");
 	return Number.isFinite(Number(t)) ? [K(Number(t)), ...n].join(" ") : String(e);
 }
-function hr(e, t) {
+function _r(e, t) {
 	let n = e.factors.filter((e) => e.number).map((e) => e.path), r = e.columns.filter((e) => e.kind === "number" || e.kind === "whole").map((e) => e.name), i = e.columns.filter((e) => e.kind === "text").map((e) => e.name), [a = "", o = n[0] ?? ""] = n;
 	switch (t) {
 		case "map": return {
@@ -4491,7 +4491,7 @@ function hr(e, t) {
 		default: return { value: r[0] ?? "" };
 	}
 }
-function gr(e) {
+function vr(e) {
 	let t = e.way.split(":")[0], n = e.columns.find((e) => e.kind === "curve"), r = e.factors.filter((e) => e.number).length, i = t === "ends" ? "tornado" : t === "saltelli" ? "sobol" : n && (r < 2 || e.columns.length === 1) ? "family" : r < 2 ? "scatter" : "map";
 	return {
 		view: i,
@@ -4501,10 +4501,10 @@ function gr(e) {
 		curve: "",
 		at: {},
 		first: 0,
-		...hr(e, i)
+		..._r(e, i)
 	};
 }
-function _r(e, t, n) {
+function yr(e, t, n) {
 	let [r, i] = H({
 		key: "",
 		seen: null,
@@ -4539,7 +4539,7 @@ function _r(e, t, n) {
 					refused: t
 				});
 			}
-			let c = n.key === o.current.key, l = Math.max(or, sr * (performance.now() - s));
+			let c = n.key === o.current.key, l = Math.max(cr, lr * (performance.now() - s));
 			c && !o.current.ended && await new Promise((e) => setTimeout(e, l));
 		}
 		s.current = !1;
@@ -4558,7 +4558,7 @@ function _r(e, t, n) {
 		t.state
 	]), [r.seen && JSON.parse(r.key || "[]")[0] === t.plan && r.seen.view === n.view ? r.seen : null, r.key === a ? r.refused : null];
 }
-async function vr(e, t) {
+async function br(e, t) {
 	try {
 		let { text: n, name: r } = await e.transport.ask("plan csv", { plan: t.plan }), i = document.createElement("a");
 		i.href = URL.createObjectURL(new Blob([n], { type: "text/csv" })), i.download = r, i.click(), URL.revokeObjectURL(i.href);
@@ -4567,65 +4567,65 @@ async function vr(e, t) {
 	}
 }
 // node_modules/uplot/dist/uPlot.esm.js
-var yr = !0, br = "uplot", xr = "u-hz", Sr = "u-vt", Cr = "u-title", wr = "u-wrap", Tr = "u-under", Er = "u-over", Dr = "u-axis", Or = "u-off", kr = "u-select", Ar = "u-cursor-x", jr = "u-cursor-y", Mr = "u-cursor-pt", Nr = "u-legend", Pr = "u-live", Fr = "u-inline", Ir = "u-series", Lr = "u-marker", Rr = "u-label", zr = "u-value", Br = "width", Vr = "height", Hr = "top", Ur = "bottom", Wr = "left", Gr = "right", Kr = "#000", qr = "#0000", Jr = "mousemove", Yr = "mousedown", Xr = "mouseup", Zr = "mouseenter", Qr = "mouseleave", $r = "dblclick", ei = "resize", ti = "scroll", ni = "change", ri = "dppxchange", ii = "--", ai = typeof window < "u", oi = ai ? document : null, si = ai ? window : null, ci = ai ? navigator : null, J, li;
-function ui() {
+var xr = !0, Sr = "uplot", Cr = "u-hz", wr = "u-vt", Tr = "u-title", Er = "u-wrap", Dr = "u-under", Or = "u-over", kr = "u-axis", Ar = "u-off", jr = "u-select", Mr = "u-cursor-x", Nr = "u-cursor-y", Pr = "u-cursor-pt", Fr = "u-legend", Ir = "u-live", Lr = "u-inline", Rr = "u-series", zr = "u-marker", Br = "u-label", Vr = "u-value", Hr = "width", Ur = "height", Wr = "top", Gr = "bottom", Kr = "left", qr = "right", Jr = "#000", Yr = "#0000", Xr = "mousemove", Zr = "mousedown", Qr = "mouseup", $r = "mouseenter", ei = "mouseleave", ti = "dblclick", ni = "resize", ri = "scroll", ii = "change", ai = "dppxchange", oi = "--", si = typeof window < "u", ci = si ? document : null, li = si ? window : null, ui = si ? navigator : null, q, di;
+function fi() {
 	let e = devicePixelRatio;
-	J != e && (J = e, li && Ti(ni, li, ui), li = matchMedia(`(min-resolution: ${J - .001}dppx) and (max-resolution: ${J + .001}dppx)`), wi(ni, li, ui), si.dispatchEvent(new CustomEvent(ri)));
+	q != e && (q = e, di && Ei(ii, di, fi), di = matchMedia(`(min-resolution: ${q - .001}dppx) and (max-resolution: ${q + .001}dppx)`), Ti(ii, di, fi), li.dispatchEvent(new CustomEvent(ai)));
 }
-function di(e, t) {
+function pi(e, t) {
 	if (t != null) {
 		let n = e.classList;
 		!n.contains(t) && n.add(t);
 	}
 }
-function fi(e, t) {
+function mi(e, t) {
 	let n = e.classList;
 	n.contains(t) && n.remove(t);
 }
-function pi(e, t, n) {
+function J(e, t, n) {
 	e.style[t] = n + "px";
 }
-function mi(e, t, n, r) {
-	let i = oi.createElement(e);
-	return t != null && di(i, t), n?.insertBefore(i, r), i;
+function hi(e, t, n, r) {
+	let i = ci.createElement(e);
+	return t != null && pi(i, t), n?.insertBefore(i, r), i;
 }
-function hi(e, t) {
-	return mi("div", e, t);
+function gi(e, t) {
+	return hi("div", e, t);
 }
-var gi = /* @__PURE__ */ new WeakMap();
-function _i(e, t, n, r, i) {
+var _i = /* @__PURE__ */ new WeakMap();
+function vi(e, t, n, r, i) {
 	let a = "translate(" + t + "px," + n + "px)";
-	a != gi.get(e) && (e.style.transform = a, gi.set(e, a), t < 0 || n < 0 || t > r || n > i ? di(e, Or) : fi(e, Or));
+	a != _i.get(e) && (e.style.transform = a, _i.set(e, a), t < 0 || n < 0 || t > r || n > i ? pi(e, Ar) : mi(e, Ar));
 }
-var vi = /* @__PURE__ */ new WeakMap();
-function yi(e, t, n) {
+var yi = /* @__PURE__ */ new WeakMap();
+function bi(e, t, n) {
 	let r = t + n;
-	r != vi.get(e) && (vi.set(e, r), e.style.background = t, e.style.borderColor = n);
+	r != yi.get(e) && (yi.set(e, r), e.style.background = t, e.style.borderColor = n);
 }
-var bi = /* @__PURE__ */ new WeakMap();
-function xi(e, t, n, r) {
+var xi = /* @__PURE__ */ new WeakMap();
+function Si(e, t, n, r) {
 	let i = t + "" + n;
-	i != bi.get(e) && (bi.set(e, i), e.style.height = n + "px", e.style.width = t + "px", e.style.marginLeft = r ? -t / 2 + "px" : 0, e.style.marginTop = r ? -n / 2 + "px" : 0);
+	i != xi.get(e) && (xi.set(e, i), e.style.height = n + "px", e.style.width = t + "px", e.style.marginLeft = r ? -t / 2 + "px" : 0, e.style.marginTop = r ? -n / 2 + "px" : 0);
 }
-var Si = { passive: !0 }, Ci = {
-	...Si,
+var Ci = { passive: !0 }, wi = {
+	...Ci,
 	capture: !0
 };
-function wi(e, t, n, r) {
-	t.addEventListener(e, n, r ? Ci : Si);
-}
 function Ti(e, t, n, r) {
-	t.removeEventListener(e, n, Si);
+	t.addEventListener(e, n, r ? wi : Ci);
 }
-ai && ui();
 function Ei(e, t, n, r) {
+	t.removeEventListener(e, n, Ci);
+}
+si && fi();
+function Di(e, t, n, r) {
 	let i;
 	n ||= 0, r ||= t.length - 1;
 	let a = r <= 2147483647;
-	for (; r - n > 1;) i = a ? n + r >> 1 : qi((n + r) / 2), t[i] < e ? n = i : r = i;
+	for (; r - n > 1;) i = a ? n + r >> 1 : Ji((n + r) / 2), t[i] < e ? n = i : r = i;
 	return e - t[n] <= t[r] - e ? n : r;
 }
-function Di(e) {
+function Oi(e) {
 	return (t, n, r) => {
 		let i = -1, a = -1;
 		for (let a = n; a <= r; a++) if (e(t[a])) {
@@ -4639,9 +4639,9 @@ function Di(e) {
 		return [i, a];
 	};
 }
-var Oi = (e) => e != null, ki = (e) => e != null && e > 0, Ai = Di(Oi), ji = Di(ki);
-function Mi(e, t, n, r = 0, i = !1) {
-	let a = i ? ji : Ai, o = i ? ki : Oi;
+var ki = (e) => e != null, Ai = (e) => e != null && e > 0, ji = Oi(ki), Mi = Oi(Ai);
+function Ni(e, t, n, r = 0, i = !1) {
+	let a = i ? Mi : ji, o = i ? Ai : ki;
 	[t, n] = a(e, t, n);
 	let s = e[t], c = e[t];
 	if (t > -1) {
@@ -4652,106 +4652,106 @@ function Mi(e, t, n, r = 0, i = !1) {
 			o(t) && (t < s ? s = t : t > c && (c = t));
 		}
 	}
-	return [s ?? ia, c ?? -ia];
-}
-function Ni(e, t, n, r) {
-	let i = $i(e), a = $i(t);
-	e == t && (i == -1 ? (e *= n, t /= n) : (e /= n, t *= n));
-	let o = n == 10 ? ea : ta, s = i == 1 ? qi : Yi, c = a == 1 ? Yi : qi, l = s(o(Ki(e))), u = c(o(Ki(t))), d = Qi(n, l), f = Qi(n, u);
-	return n == 10 && (l < 0 && (d = Z(d, -l)), u < 0 && (f = Z(f, -u))), r || n == 2 ? (e = d * i, t = f * a) : (e = va(e, d), t = _a(t, f)), [e, t];
+	return [s ?? aa, c ?? -aa];
 }
 function Pi(e, t, n, r) {
-	let i = Ni(e, t, n, r);
+	let i = ea(e), a = ea(t);
+	e == t && (i == -1 ? (e *= n, t /= n) : (e /= n, t *= n));
+	let o = n == 10 ? ta : na, s = i == 1 ? Ji : Xi, c = a == 1 ? Xi : Ji, l = s(o(qi(e))), u = c(o(qi(t))), d = $i(n, l), f = $i(n, u);
+	return n == 10 && (l < 0 && (d = Z(d, -l)), u < 0 && (f = Z(f, -u))), r || n == 2 ? (e = d * i, t = f * a) : (e = ya(e, d), t = va(t, f)), [e, t];
+}
+function Fi(e, t, n, r) {
+	let i = Pi(e, t, n, r);
 	return e == 0 && (i[0] = 0), t == 0 && (i[1] = 0), i;
 }
-var Fi = .1, Ii = {
+var Ii = .1, Li = {
 	mode: 3,
-	pad: Fi
-}, Li = {
+	pad: Ii
+}, Ri = {
 	pad: 0,
 	soft: null,
 	mode: 0
-}, Ri = {
-	min: Li,
-	max: Li
+}, zi = {
+	min: Ri,
+	max: Ri
 };
-function zi(e, t, n, r) {
-	return ka(n) ? Vi(e, t, n) : (Li.pad = n, Li.soft = r ? 0 : null, Li.mode = r ? 3 : 0, Vi(e, t, Ri));
+function Bi(e, t, n, r) {
+	return Aa(n) ? Hi(e, t, n) : (Ri.pad = n, Ri.soft = r ? 0 : null, Ri.mode = r ? 3 : 0, Hi(e, t, zi));
 }
 function Y(e, t) {
 	return e ?? t;
 }
-function Bi(e, t, n) {
+function Vi(e, t, n) {
 	for (t = Y(t, 0), n = Y(n, e.length - 1); t <= n;) {
 		if (e[t] != null) return !0;
 		t++;
 	}
 	return !1;
 }
-function Vi(e, t, n) {
-	let r = n.min, i = n.max, a = Y(r.pad, 0), o = Y(i.pad, 0), s = Y(r.hard, -ia), c = Y(i.hard, ia), l = Y(r.soft, ia), u = Y(i.soft, -ia), d = Y(r.mode, 0), f = Y(i.mode, 0), p = t - e, m = ea(p), h = Zi(Ki(e), Ki(t)), g = Ki(ea(h) - m);
-	(p < 1e-24 || g > 10) && (p = 0, (e == 0 || t == 0) && (p = 1e-24, d == 2 && l != ia && (a = 0), f == 2 && u != -ia && (o = 0)));
-	let _ = p || h || 1e3, v = Qi(10, qi(ea(_))), y = Z(va(e - _ * (p == 0 ? e == 0 ? .1 : 1 : a), v / 10), 24), b = e >= l && (d == 1 || d == 3 && y <= l || d == 2 && y >= l) ? l : ia, x = Zi(s, y < b && e >= b ? b : Xi(b, y)), S = Z(_a(t + _ * (p == 0 ? t == 0 ? .1 : 1 : o), v / 10), 24), C = t <= u && (f == 1 || f == 3 && S >= u || f == 2 && S <= u) ? u : -ia, w = Xi(c, S > C && t <= C ? C : Zi(C, S));
+function Hi(e, t, n) {
+	let r = n.min, i = n.max, a = Y(r.pad, 0), o = Y(i.pad, 0), s = Y(r.hard, -aa), c = Y(i.hard, aa), l = Y(r.soft, aa), u = Y(i.soft, -aa), d = Y(r.mode, 0), f = Y(i.mode, 0), p = t - e, m = ta(p), h = Qi(qi(e), qi(t)), g = qi(ta(h) - m);
+	(p < 1e-24 || g > 10) && (p = 0, (e == 0 || t == 0) && (p = 1e-24, d == 2 && l != aa && (a = 0), f == 2 && u != -aa && (o = 0)));
+	let _ = p || h || 1e3, v = $i(10, Ji(ta(_))), y = Z(ya(e - _ * (p == 0 ? e == 0 ? .1 : 1 : a), v / 10), 24), b = e >= l && (d == 1 || d == 3 && y <= l || d == 2 && y >= l) ? l : aa, x = Qi(s, y < b && e >= b ? b : Zi(b, y)), S = Z(va(t + _ * (p == 0 ? t == 0 ? .1 : 1 : o), v / 10), 24), C = t <= u && (f == 1 || f == 3 && S >= u || f == 2 && S <= u) ? u : -aa, w = Zi(c, S > C && t <= C ? C : Qi(C, S));
 	return x == w && x == 0 && (w = 100), [x, w];
 }
-var Hi = new Intl.NumberFormat(ai ? ci.language : "en-US"), Ui = (e) => Hi.format(e), Wi = Math, Gi = Wi.PI, Ki = Wi.abs, qi = Wi.floor, Ji = Wi.round, Yi = Wi.ceil, Xi = Wi.min, Zi = Wi.max, Qi = Wi.pow, $i = Wi.sign, ea = Wi.log10, ta = Wi.log2, na = (e, t = 1) => Wi.sinh(e) * t, ra = (e, t = 1) => Wi.asinh(e / t), ia = Infinity;
-function aa(e) {
-	return (ea((e ^ e >> 31) - (e >> 31)) | 0) + 1;
+var Ui = new Intl.NumberFormat(si ? ui.language : "en-US"), Wi = (e) => Ui.format(e), Gi = Math, Ki = Gi.PI, qi = Gi.abs, Ji = Gi.floor, Yi = Gi.round, Xi = Gi.ceil, Zi = Gi.min, Qi = Gi.max, $i = Gi.pow, ea = Gi.sign, ta = Gi.log10, na = Gi.log2, ra = (e, t = 1) => Gi.sinh(e) * t, ia = (e, t = 1) => Gi.asinh(e / t), aa = Infinity;
+function oa(e) {
+	return (ta((e ^ e >> 31) - (e >> 31)) | 0) + 1;
 }
-function oa(e, t, n) {
-	return Xi(Zi(e, t), n);
+function sa(e, t, n) {
+	return Zi(Qi(e, t), n);
 }
-function sa(e) {
+function ca(e) {
 	return typeof e == "function";
 }
 function X(e) {
-	return sa(e) ? e : () => e;
+	return ca(e) ? e : () => e;
 }
-var ca = () => {}, la = (e) => e, ua = (e, t) => t, da = (e) => null, fa = (e) => !0, pa = (e, t) => e == t, ma = /\.\d*?(?=9{6,}|0{6,})/gm, ha = (e) => {
-	if (Ea(e) || ya.has(e)) return e;
-	let t = `${e}`, n = t.match(ma);
+var la = () => {}, ua = (e) => e, da = (e, t) => t, fa = (e) => null, pa = (e) => !0, ma = (e, t) => e == t, ha = /\.\d*?(?=9{6,}|0{6,})/gm, ga = (e) => {
+	if (Da(e) || ba.has(e)) return e;
+	let t = `${e}`, n = t.match(ha);
 	if (n == null) return e;
 	let r = n[0].length - 1;
 	if (t.indexOf("e-") != -1) {
 		let [e, n] = t.split("e");
-		return +`${ha(e)}e${n}`;
+		return +`${ga(e)}e${n}`;
 	}
 	return Z(e, r);
 };
-function ga(e, t) {
-	return ha(Z(ha(e / t)) * t);
-}
 function _a(e, t) {
-	return ha(Yi(ha(e / t)) * t);
+	return ga(Z(ga(e / t)) * t);
 }
 function va(e, t) {
-	return ha(qi(ha(e / t)) * t);
+	return ga(Xi(ga(e / t)) * t);
+}
+function ya(e, t) {
+	return ga(Ji(ga(e / t)) * t);
 }
 function Z(e, t = 0) {
-	if (Ea(e)) return e;
+	if (Da(e)) return e;
 	let n = 10 ** t;
-	return Ji(e * n * (1 + 2 ** -52)) / n;
+	return Yi(e * n * (1 + 2 ** -52)) / n;
 }
-var ya = /* @__PURE__ */ new Map();
-function ba(e) {
+var ba = /* @__PURE__ */ new Map();
+function xa(e) {
 	return (("" + e).split(".")[1] || "").length;
 }
-function xa(e, t, n, r) {
-	let i = [], a = r.map(ba);
+function Sa(e, t, n, r) {
+	let i = [], a = r.map(xa);
 	for (let o = t; o < n; o++) {
-		let t = Ki(o), n = Z(Qi(e, o), t);
+		let t = qi(o), n = Z($i(e, o), t);
 		for (let s = 0; s < r.length; s++) {
 			let c = e == 10 ? +`${r[s]}e${o}` : r[s] * n, l = (o >= 0 ? 0 : t) + (o >= a[s] ? 0 : a[s]), u = e == 10 ? c : Z(c, l);
-			i.push(u), ya.set(u, l);
+			i.push(u), ba.set(u, l);
 		}
 	}
 	return i;
 }
-var Sa = {}, Ca = [], wa = [null, null], Ta = Array.isArray, Ea = Number.isInteger, Da = (e) => e === void 0;
-function Oa(e) {
+var Ca = {}, wa = [], Ta = [null, null], Ea = Array.isArray, Da = Number.isInteger, Oa = (e) => e === void 0;
+function ka(e) {
 	return typeof e == "string";
 }
-function ka(e) {
+function Aa(e) {
 	let t = !1;
 	if (e != null) {
 		let n = e.constructor;
@@ -4759,35 +4759,35 @@ function ka(e) {
 	}
 	return t;
 }
-function Aa(e) {
+function ja(e) {
 	return typeof e == "object" && !!e;
 }
-var ja = Object.getPrototypeOf(Uint8Array), Ma = "__proto__";
-function Na(e, t = ka) {
+var Ma = Object.getPrototypeOf(Uint8Array), Na = "__proto__";
+function Pa(e, t = Aa) {
 	let n;
-	if (Ta(e)) {
+	if (Ea(e)) {
 		let r = e.find((e) => e != null);
-		if (Ta(r) || t(r)) {
+		if (Ea(r) || t(r)) {
 			n = Array(e.length);
-			for (let r = 0; r < e.length; r++) n[r] = Na(e[r], t);
+			for (let r = 0; r < e.length; r++) n[r] = Pa(e[r], t);
 		} else n = e.slice();
-	} else if (e instanceof ja) n = e.slice();
+	} else if (e instanceof Ma) n = e.slice();
 	else if (t(e)) {
 		n = {};
-		for (let r in e) r != Ma && (n[r] = Na(e[r], t));
+		for (let r in e) r != Na && (n[r] = Pa(e[r], t));
 	} else n = e;
 	return n;
 }
-function Pa(e) {
+function Fa(e) {
 	let t = arguments;
 	for (let n = 1; n < t.length; n++) {
 		let r = t[n];
-		for (let t in r) t != Ma && (ka(e[t]) ? Pa(e[t], Na(r[t])) : e[t] = Na(r[t]));
+		for (let t in r) t != Na && (Aa(e[t]) ? Fa(e[t], Pa(r[t])) : e[t] = Pa(r[t]));
 	}
 	return e;
 }
-var Fa = 0, Ia = 1, La = 2;
-function Ra(e, t, n) {
+var Ia = 0, La = 1, Ra = 2;
+function za(e, t, n) {
 	for (let r = 0, i, a = -1; r < t.length; r++) {
 		let o = t[r];
 		if (o > a) {
@@ -4796,11 +4796,11 @@ function Ra(e, t, n) {
 		}
 	}
 }
-function za(e, t) {
-	if (Ha(e)) {
+function Ba(e, t) {
+	if (Ua(e)) {
 		let t = e[0].slice();
 		for (let n = 1; n < e.length; n++) t.push(...e[n].slice(1));
-		return Ua(t[0]) || (t = Va(t)), t;
+		return Wa(t[0]) || (t = Ha(t)), t;
 	}
 	let n = /* @__PURE__ */ new Set();
 	for (let t = 0; t < e.length; t++) {
@@ -4812,18 +4812,18 @@ function za(e, t) {
 	for (let n = 0; n < e.length; n++) {
 		let o = e[n], s = o[0];
 		for (let e = 1; e < o.length; e++) {
-			let c = o[e], l = Array(i).fill(void 0), u = t ? t[n][e] : Ia, d = [];
+			let c = o[e], l = Array(i).fill(void 0), u = t ? t[n][e] : La, d = [];
 			for (let e = 0; e < c.length; e++) {
 				let t = c[e], n = a.get(s[e]);
-				t === null ? u != Fa && (l[n] = t, u == La && d.push(n)) : l[n] = t;
+				t === null ? u != Ia && (l[n] = t, u == Ra && d.push(n)) : l[n] = t;
 			}
-			Ra(l, d, i), r.push(l);
+			za(l, d, i), r.push(l);
 		}
 	}
 	return r;
 }
-var Ba = typeof queueMicrotask > "u" ? (e) => Promise.resolve().then(e) : queueMicrotask;
-function Va(e) {
+var Va = typeof queueMicrotask > "u" ? (e) => Promise.resolve().then(e) : queueMicrotask;
+function Ha(e) {
 	let t = e[0], n = t.length, r = Array(n);
 	for (let e = 0; e < r.length; e++) r[e] = e;
 	r.sort((e, n) => t[e] - t[n]);
@@ -4835,7 +4835,7 @@ function Va(e) {
 	}
 	return i;
 }
-function Ha(e) {
+function Ua(e) {
 	let t = e[0][0], n = t.length;
 	for (let r = 1; r < e.length; r++) {
 		let i = e[r][0];
@@ -4846,14 +4846,14 @@ function Ha(e) {
 	}
 	return !0;
 }
-function Ua(e, t = 100) {
+function Wa(e, t = 100) {
 	let n = e.length;
 	if (n <= 1) return !0;
 	let r = 0, i = n - 1;
 	for (; r <= i && e[r] == null;) r++;
 	for (; i >= r && e[i] == null;) i--;
 	if (i <= r) return !0;
-	let a = Zi(1, qi((i - r + 1) / t));
+	let a = Qi(1, Ji((i - r + 1) / t));
 	for (let t = e[r], n = r + a; n <= i; n += a) {
 		let r = e[n];
 		if (r != null) {
@@ -4863,7 +4863,7 @@ function Ua(e, t = 100) {
 	}
 	return !0;
 }
-var Wa = [
+var Ga = [
 	"January",
 	"February",
 	"March",
@@ -4876,7 +4876,7 @@ var Wa = [
 	"October",
 	"November",
 	"December"
-], Ga = [
+], Ka = [
 	"Sunday",
 	"Monday",
 	"Tuesday",
@@ -4885,33 +4885,33 @@ var Wa = [
 	"Friday",
 	"Saturday"
 ];
-function Ka(e) {
+function qa(e) {
 	return e.slice(0, 3);
 }
-var qa = Ga.map(Ka), Ja = {
-	MMMM: Wa,
-	MMM: Wa.map(Ka),
-	WWWW: Ga,
-	WWW: qa
+var Ja = Ka.map(qa), Ya = {
+	MMMM: Ga,
+	MMM: Ga.map(qa),
+	WWWW: Ka,
+	WWW: Ja
 };
-function Ya(e) {
+function Xa(e) {
 	return (e < 10 ? "0" : "") + e;
 }
-function Xa(e) {
+function Za(e) {
 	return (e < 10 ? "00" : e < 100 ? "0" : "") + e;
 }
-var Za = {
+var Qa = {
 	YYYY: (e) => e.getFullYear(),
 	YY: (e) => (e.getFullYear() + "").slice(2),
 	MMMM: (e, t) => t.MMMM[e.getMonth()],
 	MMM: (e, t) => t.MMM[e.getMonth()],
-	MM: (e) => Ya(e.getMonth() + 1),
+	MM: (e) => Xa(e.getMonth() + 1),
 	M: (e) => e.getMonth() + 1,
-	DD: (e) => Ya(e.getDate()),
+	DD: (e) => Xa(e.getDate()),
 	D: (e) => e.getDate(),
 	WWWW: (e, t) => t.WWWW[e.getDay()],
 	WWW: (e, t) => t.WWW[e.getDay()],
-	HH: (e) => Ya(e.getHours()),
+	HH: (e) => Xa(e.getHours()),
 	H: (e) => e.getHours(),
 	h: (e) => {
 		let t = e.getHours();
@@ -4920,35 +4920,35 @@ var Za = {
 	AA: (e) => e.getHours() >= 12 ? "PM" : "AM",
 	aa: (e) => e.getHours() >= 12 ? "pm" : "am",
 	a: (e) => e.getHours() >= 12 ? "p" : "a",
-	mm: (e) => Ya(e.getMinutes()),
+	mm: (e) => Xa(e.getMinutes()),
 	m: (e) => e.getMinutes(),
-	ss: (e) => Ya(e.getSeconds()),
+	ss: (e) => Xa(e.getSeconds()),
 	s: (e) => e.getSeconds(),
-	fff: (e) => Xa(e.getMilliseconds())
+	fff: (e) => Za(e.getMilliseconds())
 };
-function Qa(e, t) {
-	t ||= Ja;
+function $a(e, t) {
+	t ||= Ya;
 	let n = [], r = /\{([a-z]+)\}|[^{]+/gi, i;
-	for (; i = r.exec(e);) n.push(i[0][0] == "{" ? Za[i[1]] : i[0]);
+	for (; i = r.exec(e);) n.push(i[0][0] == "{" ? Qa[i[1]] : i[0]);
 	return (e) => {
 		let r = "";
 		for (let i = 0; i < n.length; i++) r += typeof n[i] == "string" ? n[i] : n[i](e, t);
 		return r;
 	};
 }
-var $a = new Intl.DateTimeFormat().resolvedOptions().timeZone;
-function eo(e, t) {
+var eo = new Intl.DateTimeFormat().resolvedOptions().timeZone;
+function to(e, t) {
 	let n;
-	return t == "UTC" || t == "Etc/UTC" ? n = /* @__PURE__ */ new Date(+e + e.getTimezoneOffset() * 6e4) : t == $a ? n = e : (n = new Date(e.toLocaleString("en-US", { timeZone: t })), n.setMilliseconds(e.getMilliseconds())), n;
+	return t == "UTC" || t == "Etc/UTC" ? n = /* @__PURE__ */ new Date(+e + e.getTimezoneOffset() * 6e4) : t == eo ? n = e : (n = new Date(e.toLocaleString("en-US", { timeZone: t })), n.setMilliseconds(e.getMilliseconds())), n;
 }
-var to = (e) => e % 1 == 0, no = [
+var no = (e) => e % 1 == 0, ro = [
 	1,
 	2,
 	2.5,
 	5
-], ro = xa(10, -32, 0, no), io = xa(10, 0, 32, no), ao = io.filter(to), oo = ro.concat(io), so = "\n", co = "{YYYY}", lo = so + co, uo = "{M}/{D}", fo = so + uo, po = fo + "/{YY}", mo = "{aa}", ho = "{h}:{mm}" + mo, go = so + ho, _o = ":{ss}", Q = null;
-function vo(e) {
-	let t = e * 1e3, n = t * 60, r = n * 60, i = r * 24, a = i * 30, o = i * 365, s = (e == 1 ? xa(10, 0, 3, no).filter(to) : xa(10, -3, 0, no)).concat([
+], io = Sa(10, -32, 0, ro), ao = Sa(10, 0, 32, ro), oo = ao.filter(no), so = io.concat(ao), co = "\n", lo = "{YYYY}", uo = co + lo, fo = "{M}/{D}", po = co + fo, mo = po + "/{YY}", ho = "{aa}", go = "{h}:{mm}" + ho, _o = co + go, vo = ":{ss}", Q = null;
+function yo(e) {
+	let t = e * 1e3, n = t * 60, r = n * 60, i = r * 24, a = i * 30, o = i * 365, s = (e == 1 ? Sa(10, 0, 3, ro).filter(no) : Sa(10, -3, 0, ro)).concat([
 		t,
 		t * 5,
 		t * 10,
@@ -4992,7 +4992,7 @@ function vo(e) {
 	]), c = [
 		[
 			o,
-			co,
+			lo,
 			Q,
 			Q,
 			Q,
@@ -5004,7 +5004,7 @@ function vo(e) {
 		[
 			i * 28,
 			"{MMM}",
-			lo,
+			uo,
 			Q,
 			Q,
 			Q,
@@ -5014,8 +5014,8 @@ function vo(e) {
 		],
 		[
 			i,
+			fo,
 			uo,
-			lo,
 			Q,
 			Q,
 			Q,
@@ -5025,10 +5025,10 @@ function vo(e) {
 		],
 		[
 			r,
-			"{h}" + mo,
-			po,
+			"{h}" + ho,
+			mo,
 			Q,
-			fo,
+			po,
 			Q,
 			Q,
 			Q,
@@ -5036,10 +5036,10 @@ function vo(e) {
 		],
 		[
 			n,
-			ho,
-			po,
+			go,
+			mo,
 			Q,
-			fo,
+			po,
 			Q,
 			Q,
 			Q,
@@ -5047,42 +5047,42 @@ function vo(e) {
 		],
 		[
 			t,
+			vo,
+			mo + " " + go,
+			Q,
+			po + " " + go,
+			Q,
 			_o,
-			po + " " + ho,
-			Q,
-			fo + " " + ho,
-			Q,
-			go,
 			Q,
 			1
 		],
 		[
 			e,
-			_o + ".{fff}",
-			po + " " + ho,
+			vo + ".{fff}",
+			mo + " " + go,
 			Q,
-			fo + " " + ho,
+			po + " " + go,
 			Q,
-			go,
+			_o,
 			Q,
 			1
 		]
 	];
 	function l(t) {
 		return (s, c, l, u, d, f) => {
-			let p = [], m = d >= o, h = d >= a && d < o, g = t(l), _ = Z(g * e, 3), v = Oo(g.getFullYear(), m ? 0 : g.getMonth(), h || m ? 1 : g.getDate()), y = Z(v * e, 3);
+			let p = [], m = d >= o, h = d >= a && d < o, g = t(l), _ = Z(g * e, 3), v = ko(g.getFullYear(), m ? 0 : g.getMonth(), h || m ? 1 : g.getDate()), y = Z(v * e, 3);
 			if (h || m) {
-				let n = h ? d / a : 0, r = m ? d / o : 0, i = _ == y ? _ : Z(Oo(v.getFullYear() + r, v.getMonth() + n, 1) * e, 3), s = new Date(Ji(i / e)), c = s.getFullYear(), l = s.getMonth();
+				let n = h ? d / a : 0, r = m ? d / o : 0, i = _ == y ? _ : Z(ko(v.getFullYear() + r, v.getMonth() + n, 1) * e, 3), s = new Date(Yi(i / e)), c = s.getFullYear(), l = s.getMonth();
 				for (let a = 0; i <= u; a++) {
-					let o = Oo(c + r * a, l + n * a, 1), s = o - t(Z(o * e, 3));
+					let o = ko(c + r * a, l + n * a, 1), s = o - t(Z(o * e, 3));
 					i = Z((+o + s) * e, 3), i <= u && p.push(i);
 				}
 			} else {
-				let a = d >= i ? i : d, o = y + (qi(l) - qi(_)) + _a(_ - y, a);
+				let a = d >= i ? i : d, o = y + (Ji(l) - Ji(_)) + va(_ - y, a);
 				p.push(o);
 				let m = t(o), h = m.getHours() + m.getMinutes() / n + m.getSeconds() / r, g = d / r, v = f / s.axes[c]._space;
 				for (; o = Z(o + d, e == 1 ? 0 : 3), !(o > u);) if (g > 1) {
-					let e = qi(Z(h + g, 6)) % 24, n = t(o).getHours() - e;
+					let e = Ji(Z(h + g, 6)) % 24, n = t(o).getHours() - e;
 					n > 1 && (n = -1), o -= n * r, h = (h + g) % 24;
 					let i = p[p.length - 1];
 					Z((o - i) / d, 3) * v >= .7 && p.push(o);
@@ -5097,12 +5097,12 @@ function vo(e) {
 		l
 	];
 }
-var [yo, bo, xo] = vo(1), [So, Co, wo] = vo(.001);
-xa(2, -53, 53, [1]);
-function To(e, t) {
+var [bo, xo, So] = yo(1), [Co, wo, To] = yo(.001);
+Sa(2, -53, 53, [1]);
+function Eo(e, t) {
 	return e.map((e) => e.map((n, r) => r == 0 || r == 8 || n == null ? n : t(r == 1 || e[8] == 0 ? n : e[1] + n)));
 }
-function Eo(e, t) {
+function Do(e, t) {
 	return (n, r, i, a, o) => {
 		let s = t.find((e) => o >= e[0]) || t[t.length - 1], c, l, u, d, f, p;
 		return r.map((t) => {
@@ -5111,98 +5111,98 @@ function Eo(e, t) {
 		});
 	};
 }
-function Do(e, t) {
-	let n = Qa(t);
+function Oo(e, t) {
+	let n = $a(t);
 	return (t, r, i, a, o) => r.map((t) => n(e(t)));
 }
-function Oo(e, t, n) {
+function ko(e, t, n) {
 	return new Date(e, t, n);
 }
-function ko(e, t) {
+function Ao(e, t) {
 	return t(e);
 }
-var Ao = "{YYYY}-{MM}-{DD} {h}:{mm}{aa}";
-function jo(e, t) {
-	return (n, r, i, a) => a == null ? ii : t(e(r));
-}
+var jo = "{YYYY}-{MM}-{DD} {h}:{mm}{aa}";
 function Mo(e, t) {
+	return (n, r, i, a) => a == null ? oi : t(e(r));
+}
+function No(e, t) {
 	let n = e.series[t];
 	return n.width ? n.stroke(e, t) : n.points.width ? n.points.stroke(e, t) : null;
 }
-function No(e, t) {
+function Po(e, t) {
 	return e.series[t].fill(e, t);
 }
-var Po = {
+var Fo = {
 	show: !0,
 	live: !0,
 	isolate: !1,
-	mount: ca,
+	mount: la,
 	markers: {
 		show: !0,
 		width: 2,
-		stroke: Mo,
-		fill: No,
+		stroke: No,
+		fill: Po,
 		dash: "solid"
 	},
 	idx: null,
 	idxs: null,
 	values: []
 };
-function Fo(e, t) {
-	let n = e.cursor.points, r = hi(), i = n.size(e, t);
-	pi(r, Br, i), pi(r, Vr, i);
-	let a = i / -2;
-	pi(r, "marginLeft", a), pi(r, "marginTop", a);
-	let o = n.width(e, t, i);
-	return o && pi(r, "borderWidth", o), r;
-}
 function Io(e, t) {
-	let n = e.series[t].points;
-	return n._fill || n._stroke;
+	let n = e.cursor.points, r = gi(), i = n.size(e, t);
+	J(r, Hr, i), J(r, Ur, i);
+	let a = i / -2;
+	J(r, "marginLeft", a), J(r, "marginTop", a);
+	let o = n.width(e, t, i);
+	return o && J(r, "borderWidth", o), r;
 }
 function Lo(e, t) {
 	let n = e.series[t].points;
-	return n._stroke || n._fill;
+	return n._fill || n._stroke;
 }
 function Ro(e, t) {
+	let n = e.series[t].points;
+	return n._stroke || n._fill;
+}
+function zo(e, t) {
 	return e.series[t].points.size;
 }
-var zo = [0, 0];
-function Bo(e, t, n) {
-	return zo[0] = t, zo[1] = n, zo;
+var Bo = [0, 0];
+function Vo(e, t, n) {
+	return Bo[0] = t, Bo[1] = n, Bo;
 }
-function Vo(e, t, n, r = !0) {
+function Ho(e, t, n, r = !0) {
 	return (e) => {
 		e.button != 0 || r && e.target != t || n(e);
 	};
 }
-function Ho(e, t, n, r = !0) {
+function Uo(e, t, n, r = !0) {
 	return (e) => {
 		r && e.target != t || n(e);
 	};
 }
-var Uo = {
+var Wo = {
 	show: !0,
 	x: !0,
 	y: !0,
 	lock: !1,
-	move: Bo,
+	move: Vo,
 	points: {
 		one: !1,
-		show: Fo,
-		size: Ro,
+		show: Io,
+		size: zo,
 		width: 0,
-		stroke: Lo,
-		fill: Io
+		stroke: Ro,
+		fill: Lo
 	},
 	bind: {
-		mousedown: Vo,
-		mouseup: Vo,
-		click: Vo,
-		dblclick: Vo,
-		mousemove: Ho,
-		mouseleave: Ho,
-		mouseenter: Ho
+		mousedown: Ho,
+		mouseup: Ho,
+		click: Ho,
+		dblclick: Ho,
+		mousemove: Uo,
+		mouseleave: Uo,
+		mouseenter: Uo
 	},
 	drag: {
 		setScale: !0,
@@ -5232,139 +5232,139 @@ var Uo = {
 	dataIdx: null,
 	idxs: null,
 	event: null
-}, Wo = {
+}, Go = {
 	show: !0,
 	stroke: "rgba(0,0,0,0.07)",
 	width: 2
-}, Go = Pa({}, Wo, { filter: ua }), Ko = Pa({}, Go, { size: 10 }), qo = Pa({}, Wo, { show: !1 }), Jo = "12px system-ui, -apple-system, \"Segoe UI\", Roboto, \"Helvetica Neue\", Arial, \"Noto Sans\", sans-serif, \"Apple Color Emoji\", \"Segoe UI Emoji\", \"Segoe UI Symbol\", \"Noto Color Emoji\"", Yo = "bold " + Jo, Xo = 1.5, Zo = {
+}, Ko = Fa({}, Go, { filter: da }), qo = Fa({}, Ko, { size: 10 }), Jo = Fa({}, Go, { show: !1 }), Yo = "12px system-ui, -apple-system, \"Segoe UI\", Roboto, \"Helvetica Neue\", Arial, \"Noto Sans\", sans-serif, \"Apple Color Emoji\", \"Segoe UI Emoji\", \"Segoe UI Symbol\", \"Noto Color Emoji\"", Xo = "bold " + Yo, Zo = 1.5, Qo = {
 	show: !0,
 	scale: "x",
-	stroke: Kr,
+	stroke: Jr,
 	space: 50,
 	gap: 5,
 	alignTo: 1,
 	size: 50,
 	labelGap: 0,
 	labelSize: 30,
-	labelFont: Yo,
+	labelFont: Xo,
 	side: 2,
-	grid: Go,
-	ticks: Ko,
-	border: qo,
-	font: Jo,
-	lineGap: Xo,
+	grid: Ko,
+	ticks: qo,
+	border: Jo,
+	font: Yo,
+	lineGap: Zo,
 	rotate: 0
-}, Qo = "Value", $o = "Time", es = {
+}, $o = "Value", es = "Time", ts = {
 	show: !0,
 	scale: "x",
 	auto: !1,
 	sorted: 1,
-	min: ia,
+	min: aa,
 	max: -Infinity,
 	idxs: []
 };
-function ts(e, t, n, r, i) {
-	return t.map((e) => e == null ? "" : Ui(e));
+function ns(e, t, n, r, i) {
+	return t.map((e) => e == null ? "" : Wi(e));
 }
-function ns(e, t, n, r, i, a, o) {
-	let s = [], c = ya.get(i) || 0;
-	n = o ? n : Z(_a(n, i), c);
+function rs(e, t, n, r, i, a, o) {
+	let s = [], c = ba.get(i) || 0;
+	n = o ? n : Z(va(n, i), c);
 	for (let e = n; e <= r; e = Z(e + i, c)) s.push(Object.is(e, -0) ? 0 : e);
 	return s;
 }
-function rs(e, t, n, r, i, a, o) {
+function is(e, t, n, r, i, a, o) {
 	let s = [], c = e.scales[e.axes[t].scale].log;
-	i = Qi(c, qi((c == 10 ? ea : ta)(n))), c == 10 && (i = oo[Ei(i, oo)]);
+	i = $i(c, Ji((c == 10 ? ta : na)(n))), c == 10 && (i = so[Di(i, so)]);
 	let l = n, u = i * c;
-	c == 10 && (u = oo[Ei(u, oo)]);
+	c == 10 && (u = so[Di(u, so)]);
 	do
-		s.push(l), l += i, c == 10 && !ya.has(l) && (l = Z(l, ya.get(i))), l >= u && (i = l, u = i * c, c == 10 && (u = oo[Ei(u, oo)]));
+		s.push(l), l += i, c == 10 && !ba.has(l) && (l = Z(l, ba.get(i))), l >= u && (i = l, u = i * c, c == 10 && (u = so[Di(u, so)]));
 	while (l <= r);
 	return s;
 }
-function is(e, t, n, r, i, a, o) {
-	let s = e.scales[e.axes[t].scale].asinh, c = r > s ? rs(e, t, Zi(s, n), r, i) : [s], l = r >= 0 && n <= 0 ? [0] : [];
-	return (n < -s ? rs(e, t, Zi(s, -r), -n, i) : [s]).reverse().map((e) => -e).concat(l, c);
+function as(e, t, n, r, i, a, o) {
+	let s = e.scales[e.axes[t].scale].asinh, c = r > s ? is(e, t, Qi(s, n), r, i) : [s], l = r >= 0 && n <= 0 ? [0] : [];
+	return (n < -s ? is(e, t, Qi(s, -r), -n, i) : [s]).reverse().map((e) => -e).concat(l, c);
 }
-var as = /./, os = /[12357]/, ss = /[125]/, cs = /1/, ls = (e, t, n, r) => e.map((e, i) => t == 4 && e == 0 || i % r == 0 && n.test(e.toExponential()[+(e < 0)]) ? e : null);
-function us(e, t, n, r, i) {
-	let a = e.axes[n], o = a.scale, s = e.scales[o], c = e.valToPos, l = a._space, u = c(10, o), d = c(9, o) - u >= l ? as : c(7, o) - u >= l ? os : c(5, o) - u >= l ? ss : cs;
-	if (d == cs) {
-		let e = Ki(c(1, o) - u);
-		if (e < l) return ls(t.slice().reverse(), s.distr, d, Yi(l / e)).reverse();
-	}
-	return ls(t, s.distr, d, 1);
-}
+var os = /./, ss = /[12357]/, cs = /[125]/, ls = /1/, us = (e, t, n, r) => e.map((e, i) => t == 4 && e == 0 || i % r == 0 && n.test(e.toExponential()[+(e < 0)]) ? e : null);
 function ds(e, t, n, r, i) {
-	let a = e.axes[n], o = a.scale, s = a._space, c = e.valToPos, l = Ki(c(1, o) - c(2, o));
-	return l < s ? ls(t.slice().reverse(), 3, as, Yi(s / l)).reverse() : t;
+	let a = e.axes[n], o = a.scale, s = e.scales[o], c = e.valToPos, l = a._space, u = c(10, o), d = c(9, o) - u >= l ? os : c(7, o) - u >= l ? ss : c(5, o) - u >= l ? cs : ls;
+	if (d == ls) {
+		let e = qi(c(1, o) - u);
+		if (e < l) return us(t.slice().reverse(), s.distr, d, Xi(l / e)).reverse();
+	}
+	return us(t, s.distr, d, 1);
 }
-function fs(e, t, n, r) {
-	return r == null ? ii : t == null ? "" : Ui(t);
+function fs(e, t, n, r, i) {
+	let a = e.axes[n], o = a.scale, s = a._space, c = e.valToPos, l = qi(c(1, o) - c(2, o));
+	return l < s ? us(t.slice().reverse(), 3, os, Xi(s / l)).reverse() : t;
 }
-var ps = {
+function ps(e, t, n, r) {
+	return r == null ? oi : t == null ? "" : Wi(t);
+}
+var ms = {
 	show: !0,
 	scale: "y",
-	stroke: Kr,
+	stroke: Jr,
 	space: 30,
 	gap: 5,
 	alignTo: 1,
 	size: 50,
 	labelGap: 0,
 	labelSize: 30,
-	labelFont: Yo,
+	labelFont: Xo,
 	side: 3,
-	grid: Go,
-	ticks: Ko,
-	border: qo,
-	font: Jo,
-	lineGap: Xo,
+	grid: Ko,
+	ticks: qo,
+	border: Jo,
+	font: Yo,
+	lineGap: Zo,
 	rotate: 0
 };
-function ms(e, t) {
+function hs(e, t) {
 	return Z((3 + (e || 1) * 2) * t, 3);
 }
-function hs(e, t) {
-	let { scale: n, idxs: r } = e.series[0], i = e._data[0], a = e.valToPos(i[r[0]], n, !0), o = Ki(e.valToPos(i[r[1]], n, !0) - a) / (e.series[t].points.space * J);
+function gs(e, t) {
+	let { scale: n, idxs: r } = e.series[0], i = e._data[0], a = e.valToPos(i[r[0]], n, !0), o = qi(e.valToPos(i[r[1]], n, !0) - a) / (e.series[t].points.space * q);
 	return r[1] - r[0] <= o;
 }
-var gs = {
+var _s = {
 	scale: null,
 	auto: !0,
 	sorted: 0,
-	min: ia,
+	min: aa,
 	max: -Infinity
-}, _s = (e, t, n, r, i) => i, vs = {
+}, vs = (e, t, n, r, i) => i, ys = {
 	show: !0,
 	auto: !0,
 	sorted: 0,
-	gaps: _s,
+	gaps: vs,
 	alpha: 1,
-	facets: [Pa({}, gs, { scale: "x" }), Pa({}, gs, { scale: "y" })]
-}, ys = {
+	facets: [Fa({}, _s, { scale: "x" }), Fa({}, _s, { scale: "y" })]
+}, bs = {
 	scale: "y",
 	auto: !0,
 	sorted: 0,
 	show: !0,
 	spanGaps: !1,
-	gaps: _s,
+	gaps: vs,
 	alpha: 1,
 	points: {
-		show: hs,
+		show: gs,
 		filter: null
 	},
 	values: null,
-	min: ia,
+	min: aa,
 	max: -Infinity,
 	idxs: [],
 	path: null,
 	clip: null
 };
-function bs(e, t, n, r, i) {
+function xs(e, t, n, r, i) {
 	return n / 10;
 }
-var xs = {
-	time: yr,
+var Ss = {
+	time: xr,
 	auto: !0,
 	distr: 1,
 	log: 10,
@@ -5373,12 +5373,12 @@ var xs = {
 	max: null,
 	dir: 1,
 	ori: 0
-}, Ss = Pa({}, xs, {
+}, Cs = Fa({}, Ss, {
 	time: !1,
 	ori: 1
-}), Cs = {};
-function ws(e, t) {
-	let n = Cs[e];
+}), ws = {};
+function Ts(e, t) {
+	let n = ws[e];
 	return n || (n = {
 		key: e,
 		plots: [],
@@ -5391,38 +5391,38 @@ function ws(e, t) {
 		pub(e, t, r, i, a, o, s) {
 			for (let c = 0; c < n.plots.length; c++) n.plots[c] != t && n.plots[c].pub(e, t, r, i, a, o, s);
 		}
-	}, e != null && (Cs[e] = n)), n;
+	}, e != null && (ws[e] = n)), n;
 }
-var Ts = 1, Es = 2;
-function Ds(e, t, n) {
+var Es = 1, Ds = 2;
+function Os(e, t, n) {
 	let r = e.mode, i = e.series[t], a = r == 2 ? e._data[t] : e._data, o = e.scales, s = e.bbox, c = a[0], l = r == 2 ? a[1] : a[t], u = r == 2 ? o[i.facets[0].scale] : o[e.series[0].scale], d = r == 2 ? o[i.facets[1].scale] : o[i.scale], f = s.left, p = s.top, m = s.width, h = s.height, g = e.valToPosH, _ = e.valToPosV;
-	return u.ori == 0 ? n(i, c, l, u, d, g, _, f, p, m, h, Is, Rs, Bs, Hs, Ws) : n(i, c, l, u, d, _, g, p, f, h, m, Ls, zs, Vs, Us, Gs);
+	return u.ori == 0 ? n(i, c, l, u, d, g, _, f, p, m, h, Ls, zs, Vs, Us, Gs) : n(i, c, l, u, d, _, g, p, f, h, m, Rs, Bs, Hs, Ws, Ks);
 }
-function Os(e, t) {
-	let n = 0, r = 0, i = Y(e.bands, Ca);
+function ks(e, t) {
+	let n = 0, r = 0, i = Y(e.bands, wa);
 	for (let e = 0; e < i.length; e++) {
 		let a = i[e];
 		a.series[0] == t ? n = a.dir : a.series[1] == t && (a.dir == 1 ? r |= 1 : r |= 2);
 	}
 	return [n, r == 1 ? -1 : r == 2 ? 1 : r == 3 ? 2 : 0];
 }
-function ks(e, t, n, r, i) {
+function As(e, t, n, r, i) {
 	let a = e.mode, o = e.series[t], s = a == 2 ? o.facets[1].scale : o.scale, c = e.scales[s];
 	return i == -1 ? c.min : i == 1 ? c.max : c.distr == 3 ? c.dir == 1 ? c.min : c.max : 0;
 }
-function As(e, t, n, r, i, a) {
-	return Ds(e, t, (e, t, o, s, c, l, u, d, f, p, m) => {
-		let h = e.pxRound, g = s.dir * (s.ori == 0 ? 1 : -1), _ = s.ori == 0 ? Rs : zs, v, y;
+function js(e, t, n, r, i, a) {
+	return Os(e, t, (e, t, o, s, c, l, u, d, f, p, m) => {
+		let h = e.pxRound, g = s.dir * (s.ori == 0 ? 1 : -1), _ = s.ori == 0 ? zs : Bs, v, y;
 		g == 1 ? (v = n, y = r) : (v = r, y = n);
 		let b = h(l(t[v], s, p, d)), x = h(u(o[v], c, m, f)), S = h(l(t[y], s, p, d)), C = h(u(a == 1 ? c.max : c.min, c, m, f)), w = new Path2D(i);
 		return _(w, S, C), _(w, b, C), _(w, b, x), w;
 	});
 }
-function js(e, t, n, r, i, a) {
+function Ms(e, t, n, r, i, a) {
 	let o = null;
 	if (e.length > 0) {
 		o = new Path2D();
-		let s = t == 0 ? Bs : Vs, c = n;
+		let s = t == 0 ? Vs : Hs, c = n;
 		for (let t = 0; t < e.length; t++) {
 			let n = e[t];
 			if (n[1] > n[0]) {
@@ -5435,11 +5435,11 @@ function js(e, t, n, r, i, a) {
 	}
 	return o;
 }
-function Ms(e, t, n) {
+function Ns(e, t, n) {
 	let r = e[e.length - 1];
 	r && r[0] == t ? r[1] = n : e.push([t, n]);
 }
-function Ns(e, t, n, r, i, a, o) {
+function Ps(e, t, n, r, i, a, o) {
 	let s = [], c = e.length;
 	for (let l = i == 1 ? n : r; l >= n && l <= r; l += i) if (t[l] === null) {
 		let u = l, d = l;
@@ -5452,11 +5452,11 @@ function Ns(e, t, n, r, i, a, o) {
 	}
 	return s;
 }
-function Ps(e) {
-	return e == 0 ? la : e == 1 ? Ji : (t) => ga(t, e);
-}
 function Fs(e) {
-	let t = e == 0 ? Is : Ls, n = e == 0 ? (e, t, n, r, i, a) => {
+	return e == 0 ? ua : e == 1 ? Yi : (t) => _a(t, e);
+}
+function Is(e) {
+	let t = e == 0 ? Ls : Rs, n = e == 0 ? (e, t, n, r, i, a) => {
 		e.arcTo(t, n, r, i, a);
 	} : (e, t, n, r, i, a) => {
 		e.arcTo(n, t, i, r, a);
@@ -5466,36 +5466,36 @@ function Fs(e) {
 		e.rect(n, t, i, r);
 	};
 	return (e, i, a, o, s, c = 0, l = 0) => {
-		c == 0 && l == 0 ? r(e, i, a, o, s) : (c = Xi(c, o / 2, s / 2), l = Xi(l, o / 2, s / 2), t(e, i + c, a), n(e, i + o, a, i + o, a + s, c), n(e, i + o, a + s, i, a + s, l), n(e, i, a + s, i, a, l), n(e, i, a, i + o, a, c), e.closePath());
+		c == 0 && l == 0 ? r(e, i, a, o, s) : (c = Zi(c, o / 2, s / 2), l = Zi(l, o / 2, s / 2), t(e, i + c, a), n(e, i + o, a, i + o, a + s, c), n(e, i + o, a + s, i, a + s, l), n(e, i, a + s, i, a, l), n(e, i, a, i + o, a, c), e.closePath());
 	};
 }
-var Is = (e, t, n) => {
+var Ls = (e, t, n) => {
 	e.moveTo(t, n);
-}, Ls = (e, t, n) => {
-	e.moveTo(n, t);
 }, Rs = (e, t, n) => {
-	e.lineTo(t, n);
+	e.moveTo(n, t);
 }, zs = (e, t, n) => {
+	e.lineTo(t, n);
+}, Bs = (e, t, n) => {
 	e.lineTo(n, t);
-}, Bs = Fs(0), Vs = Fs(1), Hs = (e, t, n, r, i, a) => {
+}, Vs = Is(0), Hs = Is(1), Us = (e, t, n, r, i, a) => {
 	e.arc(t, n, r, i, a);
-}, Us = (e, t, n, r, i, a) => {
+}, Ws = (e, t, n, r, i, a) => {
 	e.arc(n, t, r, i, a);
-}, Ws = (e, t, n, r, i, a, o) => {
-	e.bezierCurveTo(t, n, r, i, a, o);
 }, Gs = (e, t, n, r, i, a, o) => {
+	e.bezierCurveTo(t, n, r, i, a, o);
+}, Ks = (e, t, n, r, i, a, o) => {
 	e.bezierCurveTo(n, t, i, r, o, a);
 };
-function Ks(e) {
-	return (e, t, n, r, i) => Ds(e, t, (t, a, o, s, c, l, u, d, f, p, m) => {
+function qs(e) {
+	return (e, t, n, r, i) => Os(e, t, (t, a, o, s, c, l, u, d, f, p, m) => {
 		let { pxRound: h, points: g } = t, _, v;
-		s.ori == 0 ? (_ = Is, v = Hs) : (_ = Ls, v = Us);
-		let y = Z(g.width * J, 3), b = (g.size - g.width) / 2 * J, x = Z(b * 2, 3), S = new Path2D(), C = new Path2D(), { left: w, top: T, width: E, height: D } = e.bbox;
-		Bs(C, w - x, T - x, E + x * 2, D + x * 2);
+		s.ori == 0 ? (_ = Ls, v = Us) : (_ = Rs, v = Ws);
+		let y = Z(g.width * q, 3), b = (g.size - g.width) / 2 * q, x = Z(b * 2, 3), S = new Path2D(), C = new Path2D(), { left: w, top: T, width: E, height: D } = e.bbox;
+		Vs(C, w - x, T - x, E + x * 2, D + x * 2);
 		let O = (e) => {
 			if (o[e] != null) {
 				let t = h(l(a[e], s, p, d)), n = h(u(o[e], c, m, f));
-				_(S, t + b, n), v(S, t, n, b, 0, Gi * 2);
+				_(S, t + b, n), v(S, t, n, b, 0, Ki * 2);
 			}
 		};
 		if (i) i.forEach(O);
@@ -5508,25 +5508,25 @@ function Ks(e) {
 		};
 	});
 }
-function qs(e) {
+function Js(e) {
 	return (t, n, r, i, a, o) => {
 		r != i && (a != r && o != r && e(t, n, r), a != i && o != i && e(t, n, i), e(t, n, o));
 	};
 }
-var Js = qs(Rs), Ys = qs(zs);
-function Xs(e) {
+var Ys = Js(zs), Xs = Js(Bs);
+function Zs(e) {
 	let t = Y(e?.alignGaps, 0);
-	return (e, n, r, i) => Ds(e, n, (a, o, s, c, l, u, d, f, p, m, h) => {
-		[r, i] = Ai(s, r, i);
+	return (e, n, r, i) => Os(e, n, (a, o, s, c, l, u, d, f, p, m, h) => {
+		[r, i] = ji(s, r, i);
 		let g = a.pxRound, _ = (e) => g(u(e, c, m, f)), v = (e) => g(d(e, l, h, p)), y, b;
-		c.ori == 0 ? (y = Rs, b = Js) : (y = zs, b = Ys);
+		c.ori == 0 ? (y = zs, b = Ys) : (y = Bs, b = Xs);
 		let x = c.dir * (c.ori == 0 ? 1 : -1), S = {
 			stroke: new Path2D(),
 			fill: null,
 			clip: null,
 			band: null,
 			gaps: null,
-			flags: Ts
+			flags: Es
 		}, C = S.stroke, w = !1;
 		if (i - r >= m * 4) {
 			let t = (t) => e.posToVal(t, c.key, !0), n = null, a = null, l, u, d, f = _(o[x == 1 ? r : i]), p = _(o[r]), m = _(o[i]), h = t(x == 1 ? p + 1 : m - 1);
@@ -5539,29 +5539,29 @@ function Xs(e) {
 			let t = s[e];
 			t === null ? w = !0 : t != null && y(C, _(o[e]), v(t));
 		}
-		let [T, E] = Os(e, n);
+		let [T, E] = ks(e, n);
 		if (a.fill != null || T != 0) {
 			let t = S.fill = new Path2D(C), s = v(a.fillTo(e, n, a.min, a.max, T)), c = _(o[r]), l = _(o[i]);
 			x == -1 && ([l, c] = [c, l]), y(t, l, s), y(t, c, s);
 		}
 		if (!a.spanGaps) {
 			let l = [];
-			w && l.push(...Ns(o, s, r, i, x, _, t)), S.gaps = l = a.gaps(e, n, r, i, l), S.clip = js(l, c.ori, f, p, m, h);
+			w && l.push(...Ps(o, s, r, i, x, _, t)), S.gaps = l = a.gaps(e, n, r, i, l), S.clip = Ms(l, c.ori, f, p, m, h);
 		}
-		return E != 0 && (S.band = E == 2 ? [As(e, n, r, i, C, -1), As(e, n, r, i, C, 1)] : As(e, n, r, i, C, E)), S;
+		return E != 0 && (S.band = E == 2 ? [js(e, n, r, i, C, -1), js(e, n, r, i, C, 1)] : js(e, n, r, i, C, E)), S;
 	});
 }
-function Zs(e) {
+function Qs(e) {
 	let t = Y(e.align, 1), n = Y(e.ascDesc, !1), r = Y(e.alignGaps, 0), i = Y(e.extend, !1);
-	return (e, a, o, s) => Ds(e, a, (c, l, u, d, f, p, m, h, g, _, v) => {
-		[o, s] = Ai(u, o, s);
-		let y = c.pxRound, { left: b, width: x } = e.bbox, S = (e) => y(p(e, d, _, h)), C = (e) => y(m(e, f, v, g)), w = d.ori == 0 ? Rs : zs, T = {
+	return (e, a, o, s) => Os(e, a, (c, l, u, d, f, p, m, h, g, _, v) => {
+		[o, s] = ji(u, o, s);
+		let y = c.pxRound, { left: b, width: x } = e.bbox, S = (e) => y(p(e, d, _, h)), C = (e) => y(m(e, f, v, g)), w = d.ori == 0 ? zs : Bs, T = {
 			stroke: new Path2D(),
 			fill: null,
 			clip: null,
 			band: null,
 			gaps: null,
-			flags: Ts
+			flags: Es
 		}, E = T.stroke, D = d.dir * (d.ori == 0 ? 1 : -1), O = C(u[D == 1 ? o : s]), k = S(l[D == 1 ? o : s]), A = k, j = k;
 		i && t == -1 && (j = b, w(E, j, O)), w(E, k, O);
 		for (let e = D == 1 ? o : s; e >= o && e <= s; e += D) {
@@ -5572,50 +5572,50 @@ function Zs(e) {
 		}
 		let ee = A;
 		i && t == 1 && (ee = b + x, w(E, ee, O));
-		let [te, ne] = Os(e, a);
+		let [te, ne] = ks(e, a);
 		if (c.fill != null || te != 0) {
 			let t = T.fill = new Path2D(E), n = C(c.fillTo(e, a, c.min, c.max, te));
 			w(t, ee, n), w(t, j, n);
 		}
 		if (!c.spanGaps) {
 			let i = [];
-			i.push(...Ns(l, u, o, s, D, S, r));
-			let f = c.width * J / 2, p = n || t == 1 ? f : -f, m = n || t == -1 ? -f : f;
+			i.push(...Ps(l, u, o, s, D, S, r));
+			let f = c.width * q / 2, p = n || t == 1 ? f : -f, m = n || t == -1 ? -f : f;
 			i.forEach((e) => {
 				e[0] += p, e[1] += m;
-			}), T.gaps = i = c.gaps(e, a, o, s, i), T.clip = js(i, d.ori, h, g, _, v);
+			}), T.gaps = i = c.gaps(e, a, o, s, i), T.clip = Ms(i, d.ori, h, g, _, v);
 		}
-		return ne != 0 && (T.band = ne == 2 ? [As(e, a, o, s, E, -1), As(e, a, o, s, E, 1)] : As(e, a, o, s, E, ne)), T;
+		return ne != 0 && (T.band = ne == 2 ? [js(e, a, o, s, E, -1), js(e, a, o, s, E, 1)] : js(e, a, o, s, E, ne)), T;
 	});
 }
-function Qs(e, t, n, r, i, a, o = ia) {
+function $s(e, t, n, r, i, a, o = aa) {
 	if (e.length > 1) {
 		let s = null;
 		for (let c = 0, l = Infinity; c < e.length; c++) if (t[c] !== void 0) {
 			if (s != null) {
-				let t = Ki(e[c] - e[s]);
-				t < l && (l = t, o = Ki(n(e[c], r, i, a) - n(e[s], r, i, a)));
+				let t = qi(e[c] - e[s]);
+				t < l && (l = t, o = qi(n(e[c], r, i, a) - n(e[s], r, i, a)));
 			}
 			s = c;
 		}
 	}
 	return o;
 }
-function $s(e) {
-	e ||= Sa;
+function ec(e) {
+	e ||= Ca;
 	let t = Y(e.size, [
 		.6,
-		ia,
+		aa,
 		1
 	]), n = e.align || 0, r = e.gap || 0, i = e.radius;
 	i = i == null ? [0, 0] : typeof i == "number" ? [i, 0] : i;
-	let a = X(i), o = 1 - t[0], s = Y(t[1], ia), c = Y(t[2], 1), l = Y(e.disp, Sa), u = Y(e.each, (e) => {}), { fill: d, stroke: f } = l;
-	return (e, t, i, p) => Ds(e, t, (m, h, g, _, v, y, b, x, S, C, w) => {
-		let T = m.pxRound, E = n, D = r * J, O = s * J, k = c * J, A, j;
+	let a = X(i), o = 1 - t[0], s = Y(t[1], aa), c = Y(t[2], 1), l = Y(e.disp, Ca), u = Y(e.each, (e) => {}), { fill: d, stroke: f } = l;
+	return (e, t, i, p) => Os(e, t, (m, h, g, _, v, y, b, x, S, C, w) => {
+		let T = m.pxRound, E = n, D = r * q, O = s * q, k = c * q, A, j;
 		_.ori == 0 ? [A, j] = a(e, t) : [j, A] = a(e, t);
-		let ee = _.dir * (_.ori == 0 ? 1 : -1), te = _.ori == 0 ? Bs : Vs, ne = _.ori == 0 ? u : (e, t, n, r, i, a, o) => {
+		let ee = _.dir * (_.ori == 0 ? 1 : -1), te = _.ori == 0 ? Vs : Hs, ne = _.ori == 0 ? u : (e, t, n, r, i, a, o) => {
 			u(e, t, n, i, r, o, a);
-		}, re = Y(e.bands, Ca).find((e) => e.series[0] == t), ie = re == null ? 0 : re.dir, ae = m.fillTo(e, t, m.min, m.max, ie), M = T(b(ae, v, w, S)), N, P, oe, F = C, I = T(m.width * J), se = !1, ce = null, le = null, ue = null, de = null;
+		}, re = Y(e.bands, wa).find((e) => e.series[0] == t), ie = re == null ? 0 : re.dir, ae = m.fillTo(e, t, m.min, m.max, ie), M = T(b(ae, v, w, S)), N, P, oe, F = C, I = T(m.width * q), se = !1, ce = null, le = null, ue = null, de = null;
 		d != null && (I == 0 || f != null) && (se = !0, ce = d.values(e, t, i, p), le = /* @__PURE__ */ new Map(), new Set(ce).forEach((e) => {
 			e != null && le.set(e, new Path2D());
 		}), I > 0 && (ue = f.values(e, t, i, p), de = /* @__PURE__ */ new Map(), new Set(ue).forEach((e) => {
@@ -5625,11 +5625,11 @@ function $s(e) {
 		if (fe != null && pe != null) {
 			E = 1, h = fe.values(e, t, i, p), fe.unit == 2 && (h = h.map((t) => e.posToVal(x + t * C, _.key, !0)));
 			let n = pe.values(e, t, i, p);
-			P = pe.unit == 2 ? n[0] * C : y(n[0], _, C, x) - y(0, _, C, x), F = Qs(h, g, y, _, C, x, F), oe = F - P + D;
-		} else F = Qs(h, g, y, _, C, x, F), oe = F * o + D, P = F - oe;
-		oe < 1 && (oe = 0), I >= P / 2 && (I = 0), oe < 5 && (T = la);
+			P = pe.unit == 2 ? n[0] * C : y(n[0], _, C, x) - y(0, _, C, x), F = $s(h, g, y, _, C, x, F), oe = F - P + D;
+		} else F = $s(h, g, y, _, C, x, F), oe = F * o + D, P = F - oe;
+		oe < 1 && (oe = 0), I >= P / 2 && (I = 0), oe < 5 && (T = ua);
 		let me = oe > 0, he = F - oe - (me ? I : 0);
-		P = T(oa(he, k, O)), N = (E == 0 ? P / 2 : E == ee ? 0 : P) - E * ee * ((E == 0 ? D / 2 : 0) + (me ? I / 2 : 0));
+		P = T(sa(he, k, O)), N = (E == 0 ? P / 2 : E == ee ? 0 : P) - E * ee * ((E == 0 ? D / 2 : 0) + (me ? I / 2 : 0));
 		let ge = {
 			stroke: null,
 			fill: null,
@@ -5652,21 +5652,21 @@ function $s(e) {
 				if (r - e == 0) continue;
 				M = b(e, v, w, S);
 			}
-			let i = y(_.distr != 2 || l != null ? h[n] : n, _, C, x), a = b(Y(r, ae), v, w, S), o = T(i - N), s = T(Zi(a, M)), c = T(Xi(a, M)), u = s - c;
+			let i = y(_.distr != 2 || l != null ? h[n] : n, _, C, x), a = b(Y(r, ae), v, w, S), o = T(i - N), s = T(Qi(a, M)), c = T(Zi(a, M)), u = s - c;
 			if (r != null) {
 				let i = r < 0 ? be : ye, a = r < 0 ? ye : be;
-				se ? (I > 0 && ue[n] != null && te(de.get(ue[n]), o, c + qi(I / 2), P, Zi(0, u - I), i, a), ce[n] != null && te(le.get(ce[n]), o, c + qi(I / 2), P, Zi(0, u - I), i, a)) : te(_e, o, c + qi(I / 2), P, Zi(0, u - I), i, a), ne(e, t, n, o - I / 2, c, P + I, u);
+				se ? (I > 0 && ue[n] != null && te(de.get(ue[n]), o, c + Ji(I / 2), P, Qi(0, u - I), i, a), ce[n] != null && te(le.get(ce[n]), o, c + Ji(I / 2), P, Qi(0, u - I), i, a)) : te(_e, o, c + Ji(I / 2), P, Qi(0, u - I), i, a), ne(e, t, n, o - I / 2, c, P + I, u);
 			}
 		}
 		return I > 0 ? ge.stroke = se ? de : _e : se || (ge._fill = m.width == 0 ? m._fill : m._stroke ?? m._fill, ge.width = 0), ge.fill = se ? le : _e, ge;
 	});
 }
-function ec(e, t) {
+function tc(e, t) {
 	let n = Y(t?.alignGaps, 0);
-	return (t, r, i, a) => Ds(t, r, (o, s, c, l, u, d, f, p, m, h, g) => {
-		[i, a] = Ai(c, i, a);
+	return (t, r, i, a) => Os(t, r, (o, s, c, l, u, d, f, p, m, h, g) => {
+		[i, a] = ji(c, i, a);
 		let _ = o.pxRound, v = (e) => _(d(e, l, h, p)), y = (e) => _(f(e, u, g, m)), b, x, S;
-		l.ori == 0 ? (b = Is, S = Rs, x = Ws) : (b = Ls, S = zs, x = Gs);
+		l.ori == 0 ? (b = Ls, S = zs, x = Gs) : (b = Rs, S = Bs, x = Ks);
 		let C = l.dir * (l.ori == 0 ? 1 : -1), w = v(s[C == 1 ? i : a]), T = w, E = [], D = [];
 		for (let e = C == 1 ? i : a; e >= i && e <= a; e += C) if (c[e] != null) {
 			let t = s[e], n = v(t);
@@ -5678,23 +5678,23 @@ function ec(e, t) {
 			clip: null,
 			band: null,
 			gaps: null,
-			flags: Ts
-		}, k = O.stroke, [A, j] = Os(t, r);
+			flags: Es
+		}, k = O.stroke, [A, j] = ks(t, r);
 		if (o.fill != null || A != 0) {
 			let e = O.fill = new Path2D(k), n = y(o.fillTo(t, r, o.min, o.max, A));
 			S(e, T, n), S(e, w, n);
 		}
 		if (!o.spanGaps) {
 			let e = [];
-			e.push(...Ns(s, c, i, a, C, v, n)), O.gaps = e = o.gaps(t, r, i, a, e), O.clip = js(e, l.ori, p, m, h, g);
+			e.push(...Ps(s, c, i, a, C, v, n)), O.gaps = e = o.gaps(t, r, i, a, e), O.clip = Ms(e, l.ori, p, m, h, g);
 		}
-		return j != 0 && (O.band = j == 2 ? [As(t, r, i, a, k, -1), As(t, r, i, a, k, 1)] : As(t, r, i, a, k, j)), O;
+		return j != 0 && (O.band = j == 2 ? [js(t, r, i, a, k, -1), js(t, r, i, a, k, 1)] : js(t, r, i, a, k, j)), O;
 	});
 }
-function tc(e) {
-	return ec(nc, e);
+function nc(e) {
+	return tc(rc, e);
 }
-function nc(e, t, n, r, i, a) {
+function rc(e, t, n, r, i, a) {
 	let o = e.length;
 	if (o < 2) return null;
 	let s = new Path2D();
@@ -5709,61 +5709,61 @@ function nc(e, t, n, r, i, a) {
 	}
 	return s;
 }
-var rc = /* @__PURE__ */ new Set();
-function ic() {
-	for (let e of rc) e.syncRect(!0);
+var ic = /* @__PURE__ */ new Set();
+function ac() {
+	for (let e of ic) e.syncRect(!0);
 }
-ai && (wi(ei, si, ic), wi(ti, si, ic, !0), wi(ri, si, () => {
-	bc.pxRatio = J;
+si && (Ti(ni, li, ac), Ti(ri, li, ac, !0), Ti(ai, li, () => {
+	xc.pxRatio = q;
 }));
-var ac = Xs(), oc = Ks();
-function sc(e, t, n, r) {
-	return (r ? [e[0], e[1]].concat(e.slice(2)) : [e[0]].concat(e.slice(1))).map((e, r) => lc(e, r, t, n));
+var oc = Zs(), sc = qs();
+function cc(e, t, n, r) {
+	return (r ? [e[0], e[1]].concat(e.slice(2)) : [e[0]].concat(e.slice(1))).map((e, r) => uc(e, r, t, n));
 }
-function cc(e, t) {
-	return e.map((e, n) => n == 0 ? {} : Pa({}, t, e));
+function lc(e, t) {
+	return e.map((e, n) => n == 0 ? {} : Fa({}, t, e));
 }
-function lc(e, t, n, r) {
-	return Pa({}, t == 0 ? n : r, e);
+function uc(e, t, n, r) {
+	return Fa({}, t == 0 ? n : r, e);
 }
-function uc(e, t, n) {
-	return t == null ? wa : [t, n];
+function dc(e, t, n) {
+	return t == null ? Ta : [t, n];
 }
-var dc = uc;
-function fc(e, t, n) {
-	return t == null ? wa : zi(t, n, Fi, !0);
+var fc = dc;
+function pc(e, t, n) {
+	return t == null ? Ta : Bi(t, n, Ii, !0);
 }
-function pc(e, t, n, r) {
-	return t == null ? wa : Ni(t, n, e.scales[r].log, !1);
+function mc(e, t, n, r) {
+	return t == null ? Ta : Pi(t, n, e.scales[r].log, !1);
 }
-var mc = pc;
-function hc(e, t, n, r) {
-	return t == null ? wa : Pi(t, n, e.scales[r].log, !1);
+var hc = mc;
+function gc(e, t, n, r) {
+	return t == null ? Ta : Fi(t, n, e.scales[r].log, !1);
 }
-var gc = hc;
-function _c(e, t, n, r, i) {
-	let a = Zi(aa(e), aa(t)), o = t - e, s = Ei(i / r * o, n);
+var _c = gc;
+function vc(e, t, n, r, i) {
+	let a = Qi(oa(e), oa(t)), o = t - e, s = Di(i / r * o, n);
 	do {
 		let e = n[s], t = r * e / o;
-		if (t >= i && a + (e < 5 ? ya.get(e) : 0) <= 17) return [e, t];
+		if (t >= i && a + (e < 5 ? ba.get(e) : 0) <= 17) return [e, t];
 	} while (++s < n.length);
 	return [0, 0];
 }
-function vc(e) {
+function yc(e) {
 	let t, n;
-	return e = e.replace(/(\d+)px/, (e, r) => (t = Ji((n = +r) * J)) + "px"), [
+	return e = e.replace(/(\d+)px/, (e, r) => (t = Yi((n = +r) * q)) + "px"), [
 		e,
 		t,
 		n
 	];
 }
-function yc(e) {
+function bc(e) {
 	e.show && [e.font, e.labelFont].forEach((e) => {
-		let t = Z(e[2] * J, 1);
+		let t = Z(e[2] * q, 1);
 		e[0] = e[0].replace(/[0-9.]+px/, t + "px"), e[1] = t;
 	});
 }
-function bc(e, t, n) {
+function xc(e, t, n) {
 	let r = { mode: Y(e.mode, 1) }, i = r.mode;
 	function a(e, t, n, r) {
 		let i = t.valToPct(e);
@@ -5779,24 +5779,24 @@ function bc(e, t, n) {
 	r.valToPosH = a, r.valToPosV = o;
 	let c = !1;
 	r.status = 0;
-	let l = r.root = hi(br);
-	if (e.id != null && (l.id = e.id), di(l, e.class), e.title) {
-		let t = hi(Cr, l);
+	let l = r.root = gi(Sr);
+	if (e.id != null && (l.id = e.id), pi(l, e.class), e.title) {
+		let t = gi(Tr, l);
 		t.textContent = e.title;
 	}
-	let u = mi("canvas"), d = r.ctx = u.getContext("2d"), f = hi(wr, l);
-	wi("click", f, (e) => {
+	let u = hi("canvas"), d = r.ctx = u.getContext("2d"), f = gi(Er, l);
+	Ti("click", f, (e) => {
 		e.target === m && (U != tn || W != nn) && sn.click(r, e);
 	}, !0);
-	let p = r.under = hi(Tr, f);
+	let p = r.under = gi(Dr, f);
 	f.appendChild(u);
-	let m = r.over = hi(Er, f);
-	e = Na(e);
-	let h = +Y(e.pxAlign, 1), g = Ps(h);
+	let m = r.over = gi(Or, f);
+	e = Pa(e);
+	let h = +Y(e.pxAlign, 1), g = Fs(h);
 	(e.plugins || []).forEach((t) => {
 		t.opts && (e = t.opts(r, e) || e);
 	});
-	let _ = e.ms || .001, v = r.series = i == 1 ? sc(e.series || [], es, ys, !1) : cc(e.series || [null], vs), y = r.axes = sc(e.axes || [], Zo, ps, !0), b = r.scales = {}, x = r.bands = e.bands || [];
+	let _ = e.ms || .001, v = r.series = i == 1 ? cc(e.series || [], ts, bs, !1) : lc(e.series || [null], ys), y = r.axes = cc(e.axes || [], Qo, ms, !0), b = r.scales = {}, x = r.bands = e.bands || [];
 	x.forEach((e) => {
 		e.fill = X(e.fill || null), e.dir = Y(e.dir, -1);
 	});
@@ -5805,7 +5805,7 @@ function bc(e, t, n) {
 		series: Ot
 	}, w = (e.drawOrder || ["axes", "series"]).map((e) => C[e]);
 	function T(e) {
-		let t = e.distr == 3 ? (t) => ea(t > 0 ? t : e.clamp(r, t, e.min, e.max, e.key)) : e.distr == 4 ? (t) => ra(t, e.asinh) : e.distr == 100 ? (t) => e.fwd(t) : (e) => e;
+		let t = e.distr == 3 ? (t) => ta(t > 0 ? t : e.clamp(r, t, e.min, e.max, e.key)) : e.distr == 4 ? (t) => ia(t, e.asinh) : e.distr == 100 ? (t) => e.fwd(t) : (e) => e;
 		return (n) => {
 			let r = t(n), { _min: i, _max: a } = e, o = a - i;
 			return (r - i) / o;
@@ -5814,30 +5814,30 @@ function bc(e, t, n) {
 	function E(t) {
 		let n = b[t];
 		if (n == null) {
-			let r = (e.scales || Sa)[t] || Sa;
+			let r = (e.scales || Ca)[t] || Ca;
 			if (r.from != null) {
 				E(r.from);
-				let e = Pa({}, b[r.from], r, { key: t });
+				let e = Fa({}, b[r.from], r, { key: t });
 				e.valToPct = T(e), b[t] = e;
 			} else {
-				n = b[t] = Pa({}, t == S ? xs : Ss, r), n.key = t;
-				let e = n.time, a = n.range, o = Ta(a);
+				n = b[t] = Fa({}, t == S ? Ss : Cs, r), n.key = t;
+				let e = n.time, a = n.range, o = Ea(a);
 				if ((t != S || i == 2 && !e) && (o && (a[0] == null || a[1] == null) && (a = {
-					min: a[0] == null ? Ii : {
+					min: a[0] == null ? Li : {
 						mode: 1,
 						hard: a[0],
 						soft: a[0]
 					},
-					max: a[1] == null ? Ii : {
+					max: a[1] == null ? Li : {
 						mode: 1,
 						hard: a[1],
 						soft: a[1]
 					}
-				}, o = !1), !o && ka(a))) {
+				}, o = !1), !o && Aa(a))) {
 					let e = a;
-					a = (t, n, r) => n == null ? wa : zi(n, r, e);
+					a = (t, n, r) => n == null ? Ta : Bi(n, r, e);
 				}
-				n.range = X(a || (e ? dc : t == S ? n.distr == 3 ? mc : n.distr == 4 ? gc : uc : n.distr == 3 ? pc : n.distr == 4 ? hc : fc)), n.auto = X(!o && n.auto), n.clamp = X(n.clamp || bs), n._min = n._max = null, n.valToPct = T(n);
+				n.range = X(a || (e ? fc : t == S ? n.distr == 3 ? hc : n.distr == 4 ? _c : dc : n.distr == 3 ? mc : n.distr == 4 ? gc : pc)), n.auto = X(!o && n.auto), n.clamp = X(n.clamp || xs), n._min = n._max = null, n.valToPct = T(n);
 			}
 		}
 	}
@@ -5848,7 +5848,7 @@ function bc(e, t, n) {
 	});
 	for (let t in e.scales) E(t);
 	let D = b[S], O = D.distr, k, A;
-	D.ori == 0 ? (di(l, xr), k = a, A = o) : (di(l, Sr), k = o, A = a);
+	D.ori == 0 ? (pi(l, Cr), k = a, A = o) : (pi(l, wr), k = o, A = a);
 	let j = {};
 	for (let e in b) {
 		let t = b[e];
@@ -5857,35 +5857,35 @@ function bc(e, t, n) {
 			max: t.max
 		}, t.min = t.max = null);
 	}
-	let ee = e.tzDate || ((e) => new Date(Ji(e / _))), te = e.fmtDate || Qa, ne = _ == 1 ? xo(ee) : wo(ee), re = Eo(ee, To(_ == 1 ? bo : Co, te)), ie = jo(ee, ko(Ao, te)), ae = [], M = r.legend = Pa({}, Po, e.legend), N = r.cursor = Pa({}, Uo, { drag: { y: i == 2 } }, e.cursor), P = M.show, oe = N.show, F = M.markers;
+	let ee = e.tzDate || ((e) => new Date(Yi(e / _))), te = e.fmtDate || $a, ne = _ == 1 ? So(ee) : To(ee), re = Do(ee, Eo(_ == 1 ? xo : wo, te)), ie = Mo(ee, Ao(jo, te)), ae = [], M = r.legend = Fa({}, Fo, e.legend), N = r.cursor = Fa({}, Wo, { drag: { y: i == 2 } }, e.cursor), P = M.show, oe = N.show, F = M.markers;
 	M.idxs = ae, F.width = X(F.width), F.dash = X(F.dash), F.stroke = X(F.stroke), F.fill = X(F.fill);
 	let I, se, ce, le = [], ue = [], de, fe = !1, pe = {};
 	if (M.live) {
 		let e = v[1] ? v[1].values : null;
 		fe = e != null, de = fe ? e(r, 1, 0) : { _: 0 };
-		for (let e in de) pe[e] = ii;
+		for (let e in de) pe[e] = oi;
 	}
 	if (P) {
-		if (I = mi("table", Nr, l), ce = mi("tbody", null, I), M.mount(r, I), fe) {
-			se = mi("thead", null, I, ce);
-			let e = mi("tr", null, se);
-			for (var me in mi("th", null, e), de) mi("th", Rr, e).textContent = me;
-		} else di(I, Fr), M.live && di(I, Pr);
+		if (I = hi("table", Fr, l), ce = hi("tbody", null, I), M.mount(r, I), fe) {
+			se = hi("thead", null, I, ce);
+			let e = hi("tr", null, se);
+			for (var me in hi("th", null, e), de) hi("th", Br, e).textContent = me;
+		} else pi(I, Lr), M.live && pi(I, Ir);
 	}
 	let he = { show: !0 }, ge = { show: !1 };
 	function _e(e, t) {
-		if (t == 0 && (fe || !M.live || i == 2)) return wa;
-		let n = [], a = mi("tr", Ir, ce, ce.childNodes[t]);
-		di(a, e.class), e.show || di(a, Or);
-		let o = mi("th", null, a);
+		if (t == 0 && (fe || !M.live || i == 2)) return Ta;
+		let n = [], a = hi("tr", Rr, ce, ce.childNodes[t]);
+		pi(a, e.class), e.show || pi(a, Ar);
+		let o = hi("th", null, a);
 		if (F.show) {
-			let e = hi(Lr, o);
+			let e = gi(zr, o);
 			if (t > 0) {
 				let n = F.width(r, t);
 				n && (e.style.border = n + "px " + F.dash(r, t) + " " + F.stroke(r, t)), e.style.background = F.fill(r, t);
 			}
 		}
-		let s = hi(Rr, o);
+		let s = gi(Br, o);
 		for (var c in e.label instanceof HTMLElement ? s.appendChild(e.label) : s.textContent = e.label, t > 0 && (F.show || (s.style.color = e.width > 0 ? F.stroke(r, t) : F.fill(r, t)), ye("click", o, (t) => {
 			if (N._lock) return;
 			We(t);
@@ -5893,13 +5893,13 @@ function bc(e, t, n) {
 			if ((t.ctrlKey || t.metaKey) != M.isolate) {
 				let e = v.some((e, t) => t > 0 && t != n && e.show);
 				v.forEach((t, r) => {
-					r > 0 && mn(r, e ? r == n ? he : ge : he, !0, q.setSeries);
+					r > 0 && mn(r, e ? r == n ? he : ge : he, !0, Qn.setSeries);
 				});
-			} else mn(n, { show: !e.show }, !0, q.setSeries);
-		}, !1), qe && ye(Zr, o, (t) => {
-			N._lock || (We(t), mn(v.indexOf(e), Sn, !0, q.setSeries));
+			} else mn(n, { show: !e.show }, !0, Qn.setSeries);
+		}, !1), qe && ye($r, o, (t) => {
+			N._lock || (We(t), mn(v.indexOf(e), Sn, !0, Qn.setSeries));
 		}, !1)), de) {
-			let e = mi("td", zr, a);
+			let e = hi("td", Vr, a);
 			e.textContent = "--", n.push(e);
 		}
 		return [a, n];
@@ -5907,11 +5907,11 @@ function bc(e, t, n) {
 	let ve = /* @__PURE__ */ new Map();
 	function ye(e, t, n, i = !0) {
 		let a = ve.get(t) || {}, o = N.bind[e](r, t, n, i);
-		o && (wi(e, t, a[e] = o), ve.set(t, a));
+		o && (Ti(e, t, a[e] = o), ve.set(t, a));
 	}
 	function be(e, t, n) {
 		let r = ve.get(t) || {};
-		for (let n in r) (e == null || n == e) && (Ti(n, t, r[n]), delete r[n]);
+		for (let n in r) (e == null || n == e) && (Ei(n, t, r[n]), delete r[n]);
 		e ?? ve.delete(t);
 	}
 	let xe = 0, Se = 0, L = 0, R = 0, Ce = 0, z = 0, we = Ce, Te = z, Ee = L, De = R, Oe = 0, ke = 0, Ae = 0, je = 0;
@@ -5923,7 +5923,7 @@ function bc(e, t, n) {
 	function ze(e, t) {
 		r.width = xe = L = e, r.height = Se = R = t, Ce = z = 0, He(), Ue();
 		let n = r.bbox;
-		Oe = n.left = ga(Ce * J, .5), ke = n.top = ga(z * J, .5), Ae = n.width = ga(L * J, .5), je = n.height = ga(R * J, .5);
+		Oe = n.left = _a(Ce * q, .5), ke = n.top = _a(z * q, .5), Ae = n.width = _a(L * q, .5), je = n.height = _a(R * q, .5);
 	}
 	function Be() {
 		let e = !1, t = 0;
@@ -5969,7 +5969,7 @@ function bc(e, t, n) {
 		let r = e.prox = X(e.prox), i = e.bias ??= 0;
 		N.dataIdx = (e, a, o, s) => {
 			if (a == 0) return o;
-			let c = o, l = r(e, a, o, s) ?? ia, u = l >= 0 && l < ia, d = D.ori == 0 ? L : R, f = N.left, p = t[0], m = t[a];
+			let c = o, l = r(e, a, o, s) ?? aa, u = l >= 0 && l < aa, d = D.ori == 0 ? L : R, f = N.left, p = t[0], m = t[a];
 			if (n.has(m[o])) {
 				c = null;
 				let e = null, t = null, r;
@@ -5981,7 +5981,7 @@ function bc(e, t, n) {
 						i <= a ? i <= l && (c = e) : a <= l && (c = t);
 					} else c = t == null ? e : e == null ? t : o - e <= t - o ? e : t;
 				}
-			} else u && Ki(f - k(p[o], D, d, 0)) > l && (c = null);
+			} else u && qi(f - k(p[o], D, d, 0)) > l && (c = null);
 			return c;
 		};
 	}
@@ -5991,24 +5991,24 @@ function bc(e, t, n) {
 	N.idxs = ae, N._lock = !1;
 	let Ge = N.points;
 	Ge.show = X(Ge.show), Ge.size = X(Ge.size), Ge.stroke = X(Ge.stroke), Ge.width = X(Ge.width), Ge.fill = X(Ge.fill);
-	let Ke = r.focus = Pa({}, e.focus || { alpha: .3 }, N.focus), qe = Ke.prox >= 0, Je = qe && Ge.one, Ye = [], Xe = [], Ze = [];
+	let Ke = r.focus = Fa({}, e.focus || { alpha: .3 }, N.focus), qe = Ke.prox >= 0, Je = qe && Ge.one, Ye = [], Xe = [], Ze = [];
 	function Qe(e, t) {
 		let n = Ge.show(r, t);
-		if (n instanceof HTMLElement) return di(n, Mr), di(n, e.class), _i(n, -10, -10, L, R), m.insertBefore(n, Ye[t]), n;
+		if (n instanceof HTMLElement) return pi(n, Pr), pi(n, e.class), vi(n, -10, -10, L, R), m.insertBefore(n, Ye[t]), n;
 	}
 	function $e(e, t) {
 		if (i == 1 || t > 0) {
 			let t = i == 1 && b[e.scale].time, n = e.value;
-			e.value = t ? Oa(n) ? jo(ee, ko(n, te)) : n || ie : n || fs, e.label = e.label || (t ? $o : Qo);
+			e.value = t ? ka(n) ? Mo(ee, Ao(n, te)) : n || ie : n || ps, e.label = e.label || (t ? es : $o);
 		}
 		if (Je || t > 0) {
-			e.width = e.width == null ? 1 : e.width, e.paths = e.paths || ac || da, e.fillTo = X(e.fillTo || ks), e.pxAlign = +Y(e.pxAlign, h), e.pxRound = Ps(e.pxAlign), e.stroke = X(e.stroke || null), e.fill = X(e.fill || null), e._stroke = e._fill = e._paths = e._focus = null;
-			let t = ms(Zi(1, e.width), 1), n = e.points = Pa({}, {
+			e.width = e.width == null ? 1 : e.width, e.paths = e.paths || oc || fa, e.fillTo = X(e.fillTo || As), e.pxAlign = +Y(e.pxAlign, h), e.pxRound = Fs(e.pxAlign), e.stroke = X(e.stroke || null), e.fill = X(e.fill || null), e._stroke = e._fill = e._paths = e._focus = null;
+			let t = hs(Qi(1, e.width), 1), n = e.points = Fa({}, {
 				size: t,
-				width: Zi(1, t * .2),
+				width: Qi(1, t * .2),
 				stroke: e.stroke,
 				space: t * 2,
-				paths: oc,
+				paths: sc,
 				_stroke: null,
 				_fill: null
 			}, e.points);
@@ -6026,7 +6026,7 @@ function bc(e, t, n) {
 		Xn("addSeries", t);
 	}
 	function et(e, t) {
-		t ??= v.length, e = i == 1 ? lc(e, t, es, ys) : lc(e, t, {}, vs), v.splice(t, 0, e), $e(v[t], t);
+		t ??= v.length, e = i == 1 ? uc(e, t, ts, bs) : uc(e, t, {}, ys), v.splice(t, 0, e), $e(v[t], t);
 	}
 	r.addSeries = et;
 	function tt(e) {
@@ -6049,16 +6049,16 @@ function bc(e, t, n) {
 			let n = e.side % 2, i = b[e.scale];
 			i ??= (e.scale = n ? v[1].scale : S, b[e.scale]);
 			let a = i.time;
-			e.size = X(e.size), e.space = X(e.space), e.rotate = X(e.rotate), Ta(e.incrs) && e.incrs.forEach((e) => {
-				!ya.has(e) && ya.set(e, ba(e));
-			}), e.incrs = X(e.incrs || (i.distr == 2 ? ao : a ? _ == 1 ? yo : So : oo)), e.splits = X(e.splits || (a && i.distr == 1 ? ne : i.distr == 3 ? rs : i.distr == 4 ? is : ns)), e.stroke = X(e.stroke), e.grid.stroke = X(e.grid.stroke), e.ticks.stroke = X(e.ticks.stroke), e.border.stroke = X(e.border.stroke);
+			e.size = X(e.size), e.space = X(e.space), e.rotate = X(e.rotate), Ea(e.incrs) && e.incrs.forEach((e) => {
+				!ba.has(e) && ba.set(e, xa(e));
+			}), e.incrs = X(e.incrs || (i.distr == 2 ? oo : a ? _ == 1 ? bo : Co : so)), e.splits = X(e.splits || (a && i.distr == 1 ? ne : i.distr == 3 ? is : i.distr == 4 ? as : rs)), e.stroke = X(e.stroke), e.grid.stroke = X(e.grid.stroke), e.ticks.stroke = X(e.ticks.stroke), e.border.stroke = X(e.border.stroke);
 			let o = e.values;
-			e.values = Ta(o) && !Ta(o[0]) ? X(o) : a ? Ta(o) ? Eo(ee, To(o, te)) : Oa(o) ? Do(ee, o) : o || re : o || ts, e.filter = X(e.filter || (i.distr >= 3 && i.log == 10 ? us : i.distr == 3 && i.log == 2 ? ds : ua)), e.font = vc(e.font), e.labelFont = vc(e.labelFont), e._size = e.size(r, null, t, 0), e._space = e._rotate = e._incrs = e._found = e._splits = e._values = null, e._size > 0 && (B[t] = !0, e._el = hi(Dr, f));
+			e.values = Ea(o) && !Ea(o[0]) ? X(o) : a ? Ea(o) ? Do(ee, Eo(o, te)) : ka(o) ? Oo(ee, o) : o || re : o || ns, e.filter = X(e.filter || (i.distr >= 3 && i.log == 10 ? ds : i.distr == 3 && i.log == 2 ? fs : da)), e.font = yc(e.font), e.labelFont = yc(e.labelFont), e._size = e.size(r, null, t, 0), e._space = e._rotate = e._incrs = e._found = e._splits = e._values = null, e._size > 0 && (B[t] = !0, e._el = gi(kr, f));
 		}
 	}
 	function rt(e, t, n, r) {
 		let [i, a, o, s] = n, c = t % 2, l = 0;
-		return c == 0 && (s || a) && (l = t == 0 && !i || t == 2 && !o ? Ji(Zo.size / 3) : 0), c == 1 && (i || o) && (l = t == 1 && !a || t == 3 && !s ? Ji(ps.size / 2) : 0), l;
+		return c == 0 && (s || a) && (l = t == 0 && !i || t == 2 && !o ? Yi(Qo.size / 3) : 0), c == 1 && (i || o) && (l = t == 1 && !a || t == 3 && !s ? Yi(ms.size / 2) : 0), l;
 	}
 	let it = r.padding = (e.padding || [
 		rt,
@@ -6089,19 +6089,19 @@ function bc(e, t, n) {
 	function ft() {
 		ut = !0;
 		let e, n;
-		i == 1 && (ot > 0 ? (st = ct[0] = 0, V = ct[1] = ot - 1, e = t[0][st], n = t[0][V], O == 2 ? (e = st, n = V) : e == n && (O == 3 ? [e, n] = Ni(e, e, D.log, !1) : O == 4 ? [e, n] = Pi(e, e, D.log, !1) : D.time ? n = e + Ji(86400 / _) : [e, n] = zi(e, n, Fi, !0))) : (st = ct[0] = e = null, V = ct[1] = n = null)), pn(S, e, n);
+		i == 1 && (ot > 0 ? (st = ct[0] = 0, V = ct[1] = ot - 1, e = t[0][st], n = t[0][V], O == 2 ? (e = st, n = V) : e == n && (O == 3 ? [e, n] = Pi(e, e, D.log, !1) : O == 4 ? [e, n] = Fi(e, e, D.log, !1) : D.time ? n = e + Yi(86400 / _) : [e, n] = Bi(e, n, Ii, !0))) : (st = ct[0] = e = null, V = ct[1] = n = null)), pn(S, e, n);
 	}
 	let pt, mt, H, ht, gt, _t, vt, yt, bt, xt;
 	function St(e, t, n, r, i, a) {
-		e ??= qr, n ??= Ca, r ??= "butt", i ??= qr, a ??= "round", e != pt && (d.strokeStyle = pt = e), i != mt && (d.fillStyle = mt = i), t != H && (d.lineWidth = H = t), a != gt && (d.lineJoin = gt = a), r != _t && (d.lineCap = _t = r), n != ht && d.setLineDash(ht = n);
+		e ??= Yr, n ??= wa, r ??= "butt", i ??= Yr, a ??= "round", e != pt && (d.strokeStyle = pt = e), i != mt && (d.fillStyle = mt = i), t != H && (d.lineWidth = H = t), a != gt && (d.lineJoin = gt = a), r != _t && (d.lineCap = _t = r), n != ht && d.setLineDash(ht = n);
 	}
 	function Ct(e, t, n, r) {
 		t != mt && (d.fillStyle = mt = t), e != vt && (d.font = vt = e), n != yt && (d.textAlign = yt = n), r != bt && (d.textBaseline = bt = r);
 	}
 	function wt(e, t, n, i, a = 0) {
 		if (i.length > 0 && e.auto(r, ut) && (t == null || t.min == null)) {
-			let t = Y(st, 0), r = Y(V, i.length - 1), o = n.min == null ? Mi(i, t, r, a, e.distr == 3) : [n.min, n.max];
-			e.min = Xi(e.min, n.min = o[0]), e.max = Zi(e.max, n.max = o[1]);
+			let t = Y(st, 0), r = Y(V, i.length - 1), o = n.min == null ? Ni(i, t, r, a, e.distr == 3) : [n.min, n.max];
+			e.min = Zi(e.min, n.min = o[0]), e.max = Qi(e.max, n.max = o[1]);
 		}
 	}
 	let Tt = {
@@ -6122,13 +6122,13 @@ function bc(e, t, n) {
 		for (let t in j) {
 			let n = j[t];
 			if (n != null) {
-				let a = e[t] = Na(b[t], Aa);
-				if (n.min != null) Pa(a, n);
+				let a = e[t] = Pa(b[t], ja);
+				if (n.min != null) Fa(a, n);
 				else if (t != S || i == 2) {
 					if (ot == 0 && a.from == null) {
 						let e = a.range(r, null, null, t);
 						a.min = e[0], a.max = e[1];
-					} else a.min = ia, a.max = -Infinity;
+					} else a.min = aa, a.max = -Infinity;
 				}
 			}
 		}
@@ -6140,7 +6140,7 @@ function bc(e, t, n) {
 					let s = e[i];
 					if (a == 0) {
 						let e = s.range(r, s.min, s.max, i);
-						s.min = e[0], s.max = e[1], st = Ei(s.min, t[0]), V = Ei(s.max, t[0]), V - st > 1 && (t[0][st] < s.min && st++, t[0][V] > s.max && V--), n.min = lt[st], n.max = lt[V];
+						s.min = e[0], s.max = e[1], st = Di(s.min, t[0]), V = Di(s.max, t[0]), V - st > 1 && (t[0][st] < s.min && st++, t[0][V] > s.max && V--), n.min = lt[st], n.max = lt[V];
 					} else n.show && n.auto && wt(s, o, n, t[a], n.sorted);
 					n.idxs[0] = st, n.idxs[1] = V;
 				} else if (a > 0 && n.show && n.auto) {
@@ -6151,7 +6151,7 @@ function bc(e, t, n) {
 			for (let t in e) {
 				let n = e[t], i = j[t];
 				if (n.from == null && (i == null || i.min == null)) {
-					let e = n.range(r, n.min == ia ? null : n.min, n.max == -Infinity ? null : n.max, t);
+					let e = n.range(r, n.min == aa ? null : n.min, n.max == -Infinity ? null : n.max, t);
 					n.min = e[0], n.max = e[1];
 				}
 			}
@@ -6173,7 +6173,7 @@ function bc(e, t, n) {
 			if (i.min != r.min || i.max != r.max) {
 				i.min = r.min, i.max = r.max;
 				let e = i.distr;
-				i._min = e == 3 ? ea(i.min) : e == 4 ? ra(i.min, i.asinh) : e == 100 ? i.fwd(i.min) : i.min, i._max = e == 3 ? ea(i.max) : e == 4 ? ra(i.max, i.asinh) : e == 100 ? i.fwd(i.max) : i.max, n[t] = a = !0;
+				i._min = e == 3 ? ta(i.min) : e == 4 ? ia(i.min, i.asinh) : e == 100 ? i.fwd(i.min) : i.min, i._max = e == 3 ? ta(i.max) : e == 4 ? ia(i.max, i.asinh) : e == 100 ? i.fwd(i.max) : i.max, n[t] = a = !0;
 			}
 		}
 		if (a) {
@@ -6186,7 +6186,7 @@ function bc(e, t, n) {
 		for (let e in j) j[e] = null;
 	}
 	function Dt(e) {
-		let t = oa(st - 1, 0, ot - 1), n = oa(V + 1, 0, ot - 1);
+		let t = sa(st - 1, 0, ot - 1), n = sa(V + 1, 0, ot - 1);
 		for (; e[t] == null && t > 0;) t--;
 		for (; e[n] == null && n < ot - 1;) n++;
 		return [t, n];
@@ -6220,7 +6220,7 @@ function bc(e, t, n) {
 	}
 	function At(e, t) {
 		let n = t ? v[e].points : v[e], { stroke: r, fill: i, clip: a, flags: o, _stroke: s = n._stroke, _fill: c = n._fill, _width: l = n.width } = n._paths;
-		l = Z(l * J, 3);
+		l = Z(l * q, 3);
 		let u = null, f = l % 2 / 2;
 		t && c == null && (c = l > 0 ? "#fff" : s);
 		let p = n.pxAlign == 1 && f > 0;
@@ -6234,15 +6234,15 @@ function bc(e, t, n) {
 		let p = !1;
 		u != 0 && x.forEach((m, h) => {
 			if (m.series[0] == e) {
-				let e = v[m.series[1]], g = t[m.series[1]], _ = (e._paths || Sa).band;
-				Ta(_) && (_ = m.dir == 1 ? _[0] : _[1]);
+				let e = v[m.series[1]], g = t[m.series[1]], _ = (e._paths || Ca).band;
+				Ea(_) && (_ = m.dir == 1 ? _[0] : _[1]);
 				let y, b = null;
-				e.show && _ && Bi(g, st, V) ? (b = m.fill(r, h) || s, y = e._paths.clip) : _ = null, Mt(n, i, a, o, b, c, l, u, d, f, y, _), p = !0;
+				e.show && _ && Vi(g, st, V) ? (b = m.fill(r, h) || s, y = e._paths.clip) : _ = null, Mt(n, i, a, o, b, c, l, u, d, f, y, _), p = !0;
 			}
 		}), p || Mt(n, i, a, o, s, c, l, u, d, f);
 	}
 	function Mt(e, t, n, r, i, a, o, s, c, l, u, f) {
-		St(e, t, n, r, i), (c || l || f) && (d.save(), c && d.clip(c), l && d.clip(l)), f ? (s & 3) == 3 ? (d.clip(f), u && d.clip(u), Pt(i, o), Nt(e, a, t)) : s & Es ? (Pt(i, o), d.clip(f), Nt(e, a, t)) : s & Ts && (d.save(), d.clip(f), u && d.clip(u), Pt(i, o), d.restore(), Nt(e, a, t)) : (Pt(i, o), Nt(e, a, t)), (c || l || f) && d.restore();
+		St(e, t, n, r, i), (c || l || f) && (d.save(), c && d.clip(c), l && d.clip(l)), f ? (s & 3) == 3 ? (d.clip(f), u && d.clip(u), Pt(i, o), Nt(e, a, t)) : s & Ds ? (Pt(i, o), d.clip(f), Nt(e, a, t)) : s & Es && (d.save(), d.clip(f), u && d.clip(u), Pt(i, o), d.restore(), Nt(e, a, t)) : (Pt(i, o), Nt(e, a, t)), (c || l || f) && d.restore();
 	}
 	function Nt(e, t, n) {
 		n > 0 && (t instanceof Map ? t.forEach((e, t) => {
@@ -6259,7 +6259,7 @@ function bc(e, t, n) {
 		if (i <= 0) o = [0, 0];
 		else {
 			let s = a._space = a.space(r, e, t, n, i);
-			o = _c(t, n, a._incrs = a.incrs(r, e, t, n, i, s), i, s);
+			o = vc(t, n, a._incrs = a.incrs(r, e, t, n, i, s), i, s);
 		}
 		return a._found = o;
 	}
@@ -6286,7 +6286,7 @@ function bc(e, t, n) {
 			let f = a.distr == 2, p = n._splits = n.splits(r, i, c, l, u, d, f), m = a.distr == 2 ? p.map((e) => lt[e]) : p, h = a.distr == 2 ? lt[p[1]] - lt[p[0]] : u, g = n._values = n.values(r, n.filter(r, m, i, d, h), i, d, h);
 			n._rotate = o == 2 ? n.rotate(r, g, i, d) : 0;
 			let _ = n._size;
-			n._size = Yi(n.size(r, g, i, e)), _ != null && n._size != _ && (t = !1);
+			n._size = Xi(n.size(r, g, i, e)), _ != null && n._size != _ && (t = !1);
 		}), t;
 	}
 	function Rt(e) {
@@ -6302,16 +6302,16 @@ function bc(e, t, n) {
 			if (!t.show || !t._show) continue;
 			let n = t.side, i = n % 2, a, o, c = t.stroke(r, e), l = n == 0 || n == 3 ? -1 : 1, [u, f] = t._found;
 			if (t.label != null) {
-				let s = t.labelGap * l, p = Ji((t._lpos + s) * J);
-				Ct(t.labelFont[0], c, "center", n == 2 ? Hr : Ur), d.save(), i == 1 ? (a = o = 0, d.translate(p, Ji(ke + je / 2)), d.rotate((n == 3 ? -Gi : Gi) / 2)) : (a = Ji(Oe + Ae / 2), o = p);
-				let m = sa(t.label) ? t.label(r, e, u, f) : t.label;
+				let s = t.labelGap * l, p = Yi((t._lpos + s) * q);
+				Ct(t.labelFont[0], c, "center", n == 2 ? Wr : Gr), d.save(), i == 1 ? (a = o = 0, d.translate(p, Yi(ke + je / 2)), d.rotate((n == 3 ? -Ki : Ki) / 2)) : (a = Yi(Oe + Ae / 2), o = p);
+				let m = ca(t.label) ? t.label(r, e, u, f) : t.label;
 				d.fillText(m, a, o), d.restore();
 			}
 			if (f == 0) continue;
-			let p = b[t.scale], m = i == 0 ? Ae : je, h = i == 0 ? Oe : ke, _ = t._splits, v = p.distr == 2 ? _.map((e) => lt[e]) : _, x = p.distr == 2 ? lt[_[1]] - lt[_[0]] : u, S = t.ticks, C = t.border, w = S.show ? S.size : 0, T = Ji(w * J), E = Ji((t.alignTo == 2 ? t._size - w - t.gap : t.gap) * J), D = t._rotate * -Gi / 180, O = g(t._pos * J), k = O + (T + E) * l;
+			let p = b[t.scale], m = i == 0 ? Ae : je, h = i == 0 ? Oe : ke, _ = t._splits, v = p.distr == 2 ? _.map((e) => lt[e]) : _, x = p.distr == 2 ? lt[_[1]] - lt[_[0]] : u, S = t.ticks, C = t.border, w = S.show ? S.size : 0, T = Yi(w * q), E = Yi((t.alignTo == 2 ? t._size - w - t.gap : t.gap) * q), D = t._rotate * -Ki / 180, O = g(t._pos * q), k = O + (T + E) * l;
 			o = i == 0 ? k : 0, a = i == 1 ? k : 0;
 			let A = t.font[0];
-			Ct(A, c, t.align == 1 ? Wr : t.align == 2 ? Gr : D > 0 ? Wr : D < 0 ? Gr : i == 0 ? "center" : n == 3 ? Gr : Wr, D || i == 1 ? "middle" : n == 2 ? Hr : Ur);
+			Ct(A, c, t.align == 1 ? Kr : t.align == 2 ? qr : D > 0 ? Kr : D < 0 ? qr : i == 0 ? "center" : n == 3 ? qr : Kr, D || i == 1 ? "middle" : n == 2 ? Wr : Gr);
 			let j = t.font[1] * t.lineGap, ee = _.map((e) => g(s(e, p, m, h))), te = t._values;
 			for (let e = 0; e < te.length; e++) {
 				let t = te[e];
@@ -6324,9 +6324,9 @@ function bc(e, t, n) {
 					}
 				}
 			}
-			S.show && It(ee, S.filter(r, v, e, f, x), i, n, O, T, Z(S.width * J, 3), S.stroke(r, e), S.dash, S.cap);
+			S.show && It(ee, S.filter(r, v, e, f, x), i, n, O, T, Z(S.width * q, 3), S.stroke(r, e), S.dash, S.cap);
 			let ne = t.grid;
-			ne.show && It(ee, ne.filter(r, v, e, f, x), i, i == 0 ? 2 : 1, i == 0 ? ke : Oe, i == 0 ? je : Ae, Z(ne.width * J, 3), ne.stroke(r, e), ne.dash, ne.cap), C.show && It([O], [1], +(i == 0), i == 0 ? 1 : 2, i == 1 ? ke : Oe, i == 1 ? je : Ae, Z(C.width * J, 3), C.stroke(r, e), C.dash, C.cap);
+			ne.show && It(ee, ne.filter(r, v, e, f, x), i, i == 0 ? 2 : 1, i == 0 ? ke : Oe, i == 0 ? je : Ae, Z(ne.width * q, 3), ne.stroke(r, e), ne.dash, ne.cap), C.show && It([O], [1], +(i == 0), i == 0 ? 1 : 2, i == 1 ? ke : Oe, i == 1 ? je : Ae, Z(C.width * q, 3), C.stroke(r, e), C.dash, C.cap);
 		}
 		Xn("drawAxes");
 	}
@@ -6344,7 +6344,7 @@ function bc(e, t, n) {
 		Ut.length = 0;
 	}
 	function Gt() {
-		Vt ||= (Ba(qt), !0);
+		Vt ||= (Va(qt), !0);
 	}
 	function Kt(e, t = !1) {
 		Vt = !0, Ht = t, e(r), qt(), t && Ut.length > 0 && queueMicrotask(Wt);
@@ -6352,26 +6352,26 @@ function bc(e, t, n) {
 	r.batch = Kt;
 	function qt() {
 		if (Me &&= (Et(), !1), Pe &&= (Be(), !1), Ne) {
-			if (pi(p, Wr, Ce), pi(p, Hr, z), pi(p, Br, L), pi(p, Vr, R), pi(m, Wr, Ce), pi(m, Hr, z), pi(m, Br, L), pi(m, Vr, R), pi(f, Br, xe), pi(f, Vr, Se), u.width = Ji(xe * J), u.height = Ji(Se * J), y.forEach(({ _el: e, _show: t, _size: n, _pos: r, side: i }) => {
+			if (J(p, Kr, Ce), J(p, Wr, z), J(p, Hr, L), J(p, Ur, R), J(m, Kr, Ce), J(m, Wr, z), J(m, Hr, L), J(m, Ur, R), J(f, Hr, xe), J(f, Ur, Se), u.width = Yi(xe * q), u.height = Yi(Se * q), y.forEach(({ _el: e, _show: t, _size: n, _pos: r, side: i }) => {
 				if (e != null) {
 					if (t) {
 						let t = i === 3 || i === 0 ? n : 0, a = i % 2 == 1;
-						pi(e, a ? "left" : "top", r - t), pi(e, a ? "width" : "height", n), pi(e, a ? "top" : "left", a ? z : Ce), pi(e, a ? "height" : "width", a ? R : L), fi(e, Or);
-					} else di(e, Or);
+						J(e, a ? "left" : "top", r - t), J(e, a ? "width" : "height", n), J(e, a ? "top" : "left", a ? z : Ce), J(e, a ? "height" : "width", a ? R : L), mi(e, Ar);
+					} else pi(e, Ar);
 				}
 			}), pt = mt = H = gt = _t = vt = yt = bt = ht = null, xt = 1, Pn(!0), Ce != we || z != Te || L != Ee || R != De) {
 				Bt(!1);
 				let e = L / Ee, t = R / De;
 				if (oe && !Fe && N.left >= 0) {
-					N.left *= e, N.top *= t, Zt && _i(Zt, Ji(N.left), 0, L, R), Qt && _i(Qt, 0, Ji(N.top), L, R);
+					N.left *= e, N.top *= t, Zt && vi(Zt, Yi(N.left), 0, L, R), Qt && vi(Qt, 0, Yi(N.top), L, R);
 					for (let n = 0; n < Ye.length; n++) {
 						let r = Ye[n];
-						r != null && (Xe[n] *= e, Ze[n] *= t, _i(r, Yi(Xe[n]), Yi(Ze[n]), L, R));
+						r != null && (Xe[n] *= e, Ze[n] *= t, vi(r, Xi(Xe[n]), Xi(Ze[n]), L, R));
 					}
 				}
 				if (G.show && !Ie && G.left >= 0 && G.width > 0) {
 					G.left *= e, G.width *= e, G.top *= t, G.height *= t;
-					for (let e in Ln) pi(un, e, G[e]);
+					for (let e in Ln) J(un, e, G[e]);
 				}
 				we = Ce, Te = z, Ee = L, De = R;
 			}
@@ -6394,32 +6394,32 @@ function bc(e, t, n) {
 				n.min = n.max, n.max = e;
 			}
 			if (ot > 1 && n.min != null && n.max != null && n.max - n.min < 1e-16) return;
-			e == S && i.distr == 2 && ot > 0 && (n.min = Ei(n.min, t[0]), n.max = Ei(n.max, t[0]), n.min == n.max && n.max++), j[e] = n, Me = !0, Gt();
+			e == S && i.distr == 2 && ot > 0 && (n.min = Di(n.min, t[0]), n.max = Di(n.max, t[0]), n.min == n.max && n.max++), j[e] = n, Me = !0, Gt();
 		}
 	}
 	r.setScale = Jt;
 	let Yt, Xt, Zt, Qt, $t, en, tn, nn, rn, an, U, W, on = !1, sn = N.drag, cn = sn.x, ln = sn.y;
-	oe && (N.x && (Yt = hi(Ar, m)), N.y && (Xt = hi(jr, m)), D.ori == 0 ? (Zt = Yt, Qt = Xt) : (Zt = Xt, Qt = Yt), U = N.left, W = N.top);
-	let G = r.select = Pa({
+	oe && (N.x && (Yt = gi(Mr, m)), N.y && (Xt = gi(Nr, m)), D.ori == 0 ? (Zt = Yt, Qt = Xt) : (Zt = Xt, Qt = Yt), U = N.left, W = N.top);
+	let G = r.select = Fa({
 		show: !0,
 		over: !0,
 		left: 0,
 		width: 0,
 		top: 0,
 		height: 0
-	}, e.select), un = G.show ? hi(kr, G.over ? m : p) : null;
+	}, e.select), un = G.show ? gi(jr, G.over ? m : p) : null;
 	function dn(e, t) {
 		if (G.show) {
-			for (let t in e) G[t] = e[t], t in Ln && pi(un, t, e[t]);
+			for (let t in e) G[t] = e[t], t in Ln && J(un, t, e[t]);
 			t !== !1 && Xn("setSelect");
 		}
 	}
 	r.setSelect = dn;
 	function fn(e) {
-		if (v[e].show) P && fi(le[e], Or);
-		else if (P && di(le[e], Or), oe) {
+		if (v[e].show) P && mi(le[e], Ar);
+		else if (P && pi(le[e], Ar), oe) {
 			let t = Je ? Ye[0] : Ye[e];
-			t != null && _i(t, -10, -10, L, R);
+			t != null && vi(t, -10, -10, L, R);
 		}
 	}
 	function pn(e, t, n) {
@@ -6431,11 +6431,11 @@ function bc(e, t, n) {
 	function mn(e, t, n, a) {
 		t.focus != null && Cn(e), t.show != null && v.forEach((n, r) => {
 			r > 0 && (e == r || e == null) && (n.show = t.show, fn(r), i == 2 ? (pn(n.facets[0].scale, null, null), pn(n.facets[1].scale, null, null)) : pn(n.scale, null, null), Gt());
-		}), n !== !1 && Xn("setSeries", e, t), a && er("setSeries", r, e, t);
+		}), n !== !1 && Xn("setSeries", e, t), a && tr("setSeries", r, e, t);
 	}
 	r.setSeries = mn;
 	function hn(e, t) {
-		Pa(x[e], t);
+		Fa(x[e], t);
 	}
 	function gn(e, t) {
 		e.fill = X(e.fill || null), e.dir = Y(e.dir, -1), t ??= x.length, x.splice(t, 0, e);
@@ -6459,28 +6459,28 @@ function bc(e, t, n) {
 			}), xn = e, n && Gt();
 		}
 	}
-	P && qe && ye(Qr, I, (e) => {
-		N._lock || (We(e), xn != null && mn(null, Sn, !0, q.setSeries));
+	P && qe && ye(ei, I, (e) => {
+		N._lock || (We(e), xn != null && mn(null, Sn, !0, Qn.setSeries));
 	});
 	function wn(e, t, n) {
 		let r = b[t];
-		n && (e = e / J - (r.ori == 1 ? z : Ce));
+		n && (e = e / q - (r.ori == 1 ? z : Ce));
 		let i = L;
 		r.ori == 1 && (i = R, e = i - e), r.dir == -1 && (e = i - e);
 		let a = r._min, o = r._max, s = e / i, c = a + (o - a) * s, l = r.distr;
-		return l == 3 ? Qi(10, c) : l == 4 ? na(c, r.asinh) : l == 100 ? r.bwd(c) : c;
+		return l == 3 ? $i(10, c) : l == 4 ? ra(c, r.asinh) : l == 100 ? r.bwd(c) : c;
 	}
 	function Tn(e, n) {
-		return Ei(wn(e, S, n), t[0], st, V);
+		return Di(wn(e, S, n), t[0], st, V);
 	}
-	r.valToIdx = (e) => Ei(e, t[0]), r.posToIdx = Tn, r.posToVal = wn, r.valToPos = (e, t, n) => b[t].ori == 0 ? a(e, b[t], n ? Ae : L, n ? Oe : 0) : o(e, b[t], n ? je : R, n ? ke : 0), r.setCursor = (e, t, n) => {
+	r.valToIdx = (e) => Di(e, t[0]), r.posToIdx = Tn, r.posToVal = wn, r.valToPos = (e, t, n) => b[t].ori == 0 ? a(e, b[t], n ? Ae : L, n ? Oe : 0) : o(e, b[t], n ? je : R, n ? ke : 0), r.setCursor = (e, t, n) => {
 		U = e.left, W = e.top, Mn(null, t, n);
 	};
 	function En(e, t) {
-		pi(un, Wr, G.left = e), pi(un, Br, G.width = t);
+		J(un, Kr, G.left = e), J(un, Hr, G.width = t);
 	}
 	function Dn(e, t) {
-		pi(un, Hr, G.top = e), pi(un, Vr, G.height = t);
+		J(un, Wr, G.top = e), J(un, Ur, G.height = t);
 	}
 	let On = D.ori == 0 ? En : Dn, kn = D.ori == 1 ? En : Dn;
 	function K() {
@@ -6493,7 +6493,7 @@ function bc(e, t, n) {
 	function An(e, t) {
 		if (e != null && (e.idxs ? e.idxs.forEach((e, t) => {
 			ae[t] = e;
-		}) : Da(e.idx) || ae.fill(e.idx), M.idx = ae[0]), P && M.live) {
+		}) : Oa(e.idx) || ae.fill(e.idx), M.idx = ae[0]), P && M.live) {
 			for (let e = 0; e < v.length; e++) (e > 0 || i == 1 && !fe) && jn(e, ae[e]);
 			K();
 		}
@@ -6505,27 +6505,27 @@ function bc(e, t, n) {
 		fe ? o = i.values(r, e, n) ?? pe : (o = i.value(r, n == null ? null : a[n], e, n), o = o == null ? pe : { _: o }), M.values[e] = o;
 	}
 	function Mn(e, n, a) {
-		rn = U, an = W, [U, W] = N.move(r, U, W), N.left = U, N.top = W, oe && (Zt && _i(Zt, Ji(U), 0, L, R), Qt && _i(Qt, 0, Ji(W), L, R));
+		rn = U, an = W, [U, W] = N.move(r, U, W), N.left = U, N.top = W, oe && (Zt && vi(Zt, Yi(U), 0, L, R), Qt && vi(Qt, 0, Yi(W), L, R));
 		let o, s = st > V;
-		yn = ia, bn = null;
+		yn = aa, bn = null;
 		let c = D.ori == 0 ? L : R, l = D.ori == 1 ? L : R;
 		if (U < 0 || ot == 0 || s) {
 			o = N.idx = null;
 			for (let e = 0; e < v.length; e++) {
 				let t = Ye[e];
-				t != null && _i(t, -10, -10, L, R);
+				t != null && vi(t, -10, -10, L, R);
 			}
-			qe && mn(null, Sn, !0, e == null && q.setSeries), M.live && (ae.fill(o), Le = !0);
+			qe && mn(null, Sn, !0, e == null && Qn.setSeries), M.live && (ae.fill(o), Le = !0);
 		} else {
 			let e, n, a;
-			i == 1 && (e = D.ori == 0 ? U : W, n = wn(e, S), o = N.idx = Ei(n, t[0], st, V), a = k(t[0][o], D, c, 0));
+			i == 1 && (e = D.ori == 0 ? U : W, n = wn(e, S), o = N.idx = Di(n, t[0], st, V), a = k(t[0][o], D, c, 0));
 			let s = -10, u = -10, d = 0, f = 0, p = !0, m = "", h = "";
 			for (let e = +(i == 2); e < v.length; e++) {
 				let g = v[e], _ = ae[e], y = _ == null ? null : i == 1 ? t[e][_] : t[e][1][_], x = N.dataIdx(r, e, o, n), S = x == null ? null : i == 1 ? t[e][x] : t[e][1][x];
 				if (Le = Le || S != y || x != _, ae[e] = x, e > 0 && g.show) {
 					let n = x == null ? -10 : x == o ? a : k(i == 1 ? t[0][x] : t[e][0][x], D, c, 0), _ = S == null ? -10 : A(S, i == 1 ? b[g.scale] : b[g.facets[1].scale], l, 0);
 					if (qe && S != null) {
-						let t = D.ori == 1 ? U : W, n = Ki(Ke.dist(r, e, x, _, t));
+						let t = D.ori == 1 ? U : W, n = qi(Ke.dist(r, e, x, _, t));
 						if (n < yn) {
 							let r = Ke.bias;
 							if (r != 0) {
@@ -6546,7 +6546,7 @@ function bc(e, t, n) {
 						if (v = Ge.fill(r, e), g = Ge.stroke(r, e), Je) e == bn && yn <= Ke.prox && (s = c, u = l, d = a, f = o, p = y, m = v, h = g);
 						else {
 							let t = Ye[e];
-							t != null && (Xe[e] = c, Ze[e] = l, xi(t, a, o, y), yi(t, v, g), _i(t, Yi(c), Yi(l), L, R));
+							t != null && (Xe[e] = c, Ze[e] = l, Si(t, a, o, y), bi(t, v, g), vi(t, Xi(c), Xi(l), L, R));
 						}
 					}
 				}
@@ -6555,19 +6555,19 @@ function bc(e, t, n) {
 				let e = Ke.prox;
 				if (Le || (xn == null ? yn <= e : yn > e || bn != xn)) {
 					let e = Ye[0];
-					e != null && (Xe[0] = s, Ze[0] = u, xi(e, d, f, p), yi(e, m, h), _i(e, Yi(s), Yi(u), L, R));
+					e != null && (Xe[0] = s, Ze[0] = u, Si(e, d, f, p), bi(e, m, h), vi(e, Xi(s), Xi(u), L, R));
 				}
 			}
 		}
 		if (G.show && on) {
 			if (e != null) {
-				let [t, n] = q.scales, [r, i] = q.match, [a, o] = e.cursor.sync.scales, s = e.cursor.drag;
+				let [t, n] = Qn.scales, [r, i] = Qn.match, [a, o] = e.cursor.sync.scales, s = e.cursor.drag;
 				if (cn = s._x, ln = s._y, cn || ln) {
 					let { left: s, top: u, width: d, height: f } = e.select, p = e.scales[a].ori, m = e.posToVal, h, g, _, v, y, x = t != null && r(t, a), S = n != null && i(n, o);
-					x && cn ? (p == 0 ? (h = s, g = d) : (h = u, g = f), _ = b[t], v = k(m(h, a), _, c, 0), y = k(m(h + g, a), _, c, 0), On(Xi(v, y), Ki(y - v))) : On(0, c), S && ln ? (p == 1 ? (h = s, g = d) : (h = u, g = f), _ = b[n], v = A(m(h, o), _, l, 0), y = A(m(h + g, o), _, l, 0), kn(Xi(v, y), Ki(y - v))) : kn(0, l);
+					x && cn ? (p == 0 ? (h = s, g = d) : (h = u, g = f), _ = b[t], v = k(m(h, a), _, c, 0), y = k(m(h + g, a), _, c, 0), On(Zi(v, y), qi(y - v))) : On(0, c), S && ln ? (p == 1 ? (h = s, g = d) : (h = u, g = f), _ = b[n], v = A(m(h, o), _, l, 0), y = A(m(h + g, o), _, l, 0), kn(Zi(v, y), qi(y - v))) : kn(0, l);
 				} else Rn();
 			} else {
-				let e = Ki(rn - $t), t = Ki(an - en);
+				let e = qi(rn - $t), t = qi(an - en);
 				if (D.ori == 1) {
 					let n = e;
 					e = t, t = n;
@@ -6576,19 +6576,19 @@ function bc(e, t, n) {
 				let n = sn.uni;
 				n == null ? sn.x && sn.y && (cn || ln) && (cn = ln = !0) : cn && ln && (cn = e >= n, ln = t >= n, !cn && !ln && (t > e ? ln = !0 : cn = !0));
 				let r, i;
-				cn && (D.ori == 0 ? (r = tn, i = U) : (r = nn, i = W), On(Xi(r, i), Ki(i - r)), ln || kn(0, l)), ln && (D.ori == 1 ? (r = tn, i = U) : (r = nn, i = W), kn(Xi(r, i), Ki(i - r)), cn || On(0, c)), !cn && !ln && (On(0, 0), kn(0, 0));
+				cn && (D.ori == 0 ? (r = tn, i = U) : (r = nn, i = W), On(Zi(r, i), qi(i - r)), ln || kn(0, l)), ln && (D.ori == 1 ? (r = tn, i = U) : (r = nn, i = W), kn(Zi(r, i), qi(i - r)), cn || On(0, c)), !cn && !ln && (On(0, 0), kn(0, 0));
 			}
 		}
 		if (sn._x = cn, sn._y = ln, e == null) {
 			if (a) {
-				if (Qn != null) {
-					let [e, t] = q.scales;
-					q.values[0] = e == null ? null : wn(D.ori == 0 ? U : W, e), q.values[1] = t == null ? null : wn(D.ori == 1 ? U : W, t);
+				if ($n != null) {
+					let [e, t] = Qn.scales;
+					Qn.values[0] = e == null ? null : wn(D.ori == 0 ? U : W, e), Qn.values[1] = t == null ? null : wn(D.ori == 1 ? U : W, t);
 				}
-				er(Jr, r, U, W, L, R, o);
+				tr(Xr, r, U, W, L, R, o);
 			}
 			if (qe) {
-				let e = a && q.setSeries, t = Ke.prox;
+				let e = a && Qn.setSeries, t = Ke.prox;
 				xn == null ? yn <= t && mn(bn, Sn, !0, e) : yn > t ? mn(null, Sn, !0, e) : bn != xn && mn(bn, Sn, !0, e);
 			}
 		}
@@ -6611,13 +6611,13 @@ function bc(e, t, n) {
 				U = -10, W = -10;
 				return;
 			}
-			let [e, r] = q.scales, c = t.cursor.sync, [l, u] = c.values, [d, f] = c.scales, [p, m] = q.match, h = t.axes[0].side % 2 == 1, g = D.ori == 0 ? L : R, _ = D.ori == 1 ? L : R, v = h ? o : a, y = h ? a : o, x = h ? i : n, S = h ? n : i;
+			let [e, r] = Qn.scales, c = t.cursor.sync, [l, u] = c.values, [d, f] = c.scales, [p, m] = Qn.match, h = t.axes[0].side % 2 == 1, g = D.ori == 0 ? L : R, _ = D.ori == 1 ? L : R, v = h ? o : a, y = h ? a : o, x = h ? i : n, S = h ? n : i;
 			if (n = d == null ? x / v * g : p(e, d) ? s(l, b[e], g, 0) : -10, i = f == null ? S / y * _ : m(r, f) ? s(u, b[r], _, 0) : -10, D.ori == 1) {
 				let e = n;
 				n = i, i = e;
 			}
 		}
-		u && (t == null || t.cursor.event.type == Jr) && ((n <= 1 || n >= L - 1) && (n = ga(n, L)), (i <= 1 || i >= R - 1) && (i = ga(i, R))), l ? ($t = n, en = i, [tn, nn] = N.move(r, n, i)) : (U = n, W = i);
+		u && (t == null || t.cursor.event.type == Xr) && ((n <= 1 || n >= L - 1) && (n = _a(n, L)), (i <= 1 || i >= R - 1) && (i = _a(i, R))), l ? ($t = n, en = i, [tn, nn] = N.move(r, n, i)) : (U = n, W = i);
 	}
 	let Ln = {
 		width: 0,
@@ -6630,7 +6630,7 @@ function bc(e, t, n) {
 	}
 	let zn, Bn, Vn, Hn;
 	function Un(e, t, n, i, a, o, s) {
-		on = !0, cn = ln = sn._x = sn._y = !1, In(e, t, n, i, a, o, s, !0, !1), e != null && (ye(Xr, oi, Wn, !1), er(Yr, r, tn, nn, L, R, null));
+		on = !0, cn = ln = sn._x = sn._y = !1, In(e, t, n, i, a, o, s, !0, !1), e != null && (ye(Qr, ci, Wn, !1), tr(Zr, r, tn, nn, L, R, null));
 		let { left: c, top: l, width: u, height: d } = G;
 		zn = c, Bn = l, Vn = u, Hn = d;
 	}
@@ -6641,11 +6641,11 @@ function bc(e, t, n) {
 			let e = c, t = u, n = l, r = d;
 			if (D.ori == 1 && (e = l, t = d, n = c, r = u), cn && pn(S, wn(e, S), wn(e + t, S)), ln) for (let e in b) {
 				let t = b[e];
-				e != S && t.from == null && t.min != ia && pn(e, wn(n + r, e), wn(n, e));
+				e != S && t.from == null && t.min != aa && pn(e, wn(n + r, e), wn(n, e));
 			}
 			Rn();
 		} else N.lock && (N._lock = !N._lock, Mn(t, !0, e != null));
-		e != null && (be(Xr, oi), er(Xr, r, U, W, L, R, null));
+		e != null && (be(Qr, ci), tr(Qr, r, U, W, L, R, null));
 	}
 	function Gn(e, t, n, r, i, a, o) {
 		if (N._lock) return;
@@ -6658,19 +6658,19 @@ function bc(e, t, n) {
 		U = -10, W = -10, ae.fill(null), Mn(null, !0, !0), s && (on = s);
 	}
 	function Kn(e, t, n, i, a, o, s) {
-		N._lock || (We(e), ft(), Rn(), e != null && er($r, r, U, W, L, R, null));
+		N._lock || (We(e), ft(), Rn(), e != null && tr(ti, r, U, W, L, R, null));
 	}
 	function qn() {
-		y.forEach(yc), Re(r.width, r.height, !0);
+		y.forEach(bc), Re(r.width, r.height, !0);
 	}
-	wi(ri, si, qn);
+	Ti(ai, li, qn);
 	let Jn = {};
 	Jn.mousedown = Un, Jn.mousemove = Fn, Jn.mouseup = Wn, Jn.dblclick = Kn, Jn.setSeries = (e, t, n, i) => {
-		let a = q.match[2];
+		let a = Qn.match[2];
 		n = a(r, t, n), n != -1 && mn(n, i, !0, !1);
-	}, oe && (ye(Yr, m, Un), ye(Jr, m, Fn), ye(Zr, m, (e) => {
+	}, oe && (ye(Zr, m, Un), ye(Xr, m, Fn), ye($r, m, (e) => {
 		We(e), Pn(!1);
-	}), ye(Qr, m, Gn), ye($r, m, Kn), rc.add(r), r.syncRect = Pn);
+	}), ye(ei, m, Gn), ye(ti, m, Kn), ic.add(r), r.syncRect = Pn);
 	let Yn = r.hooks = e.hooks || {};
 	function Xn(e, t, n) {
 		Ht ? Ut.push([
@@ -6684,54 +6684,54 @@ function bc(e, t, n) {
 	(e.plugins || []).forEach((e) => {
 		for (let t in e.hooks) Yn[t] = (Yn[t] || []).concat(e.hooks[t]);
 	});
-	let Zn = (e, t, n) => n, q = Pa({
+	let Zn = (e, t, n) => n, Qn = Fa({
 		key: null,
 		setSeries: !1,
 		filters: {
-			pub: fa,
-			sub: fa
+			pub: pa,
+			sub: pa
 		},
 		scales: [S, v[1] ? v[1].scale : null],
 		match: [
-			pa,
-			pa,
+			ma,
+			ma,
 			Zn
 		],
 		values: [null, null]
 	}, N.sync);
-	q.match.length == 2 && q.match.push(Zn), N.sync = q;
-	let Qn = q.key, $n = ws(Qn);
-	function er(e, t, n, r, i, a, o) {
-		q.filters.pub(e, t, n, r, i, a, o) && $n.pub(e, t, n, r, i, a, o);
-	}
-	$n.sub(r);
+	Qn.match.length == 2 && Qn.match.push(Zn), N.sync = Qn;
+	let $n = Qn.key, er = Ts($n);
 	function tr(e, t, n, r, i, a, o) {
-		q.filters.sub(e, t, n, r, i, a, o) && Jn[e](null, t, n, r, i, a, o);
+		Qn.filters.pub(e, t, n, r, i, a, o) && er.pub(e, t, n, r, i, a, o);
 	}
-	r.pub = tr;
-	function nr() {
-		$n.unsub(r), rc.delete(r), ve.clear(), Ti(ri, si, qn), l.remove(), I?.remove(), Xn("destroy");
+	er.sub(r);
+	function nr(e, t, n, r, i, a, o) {
+		Qn.filters.sub(e, t, n, r, i, a, o) && Jn[e](null, t, n, r, i, a, o);
 	}
-	r.destroy = nr;
+	r.pub = nr;
 	function rr() {
+		er.unsub(r), ic.delete(r), ve.clear(), Ei(ai, li, qn), l.remove(), I?.remove(), Xn("destroy");
+	}
+	r.destroy = rr;
+	function ir() {
 		Xn("init", e, t), dt(t || e.data, !1), j[S] ? Jt(S, j[S]) : ft(), Ie = G.show && (G.width > 0 || G.height > 0), Fe = Le = !0, Re(e.width, e.height);
 	}
-	return v.forEach($e), y.forEach(nt), n ? n instanceof HTMLElement ? (n.appendChild(l), rr()) : n(r, rr) : rr(), r;
+	return v.forEach($e), y.forEach(nt), n ? n instanceof HTMLElement ? (n.appendChild(l), ir()) : n(r, ir) : ir(), r;
 }
-bc.assign = Pa, bc.fmtNum = Ui, bc.rangeNum = zi, bc.rangeLog = Ni, bc.rangeAsinh = Pi, bc.orient = Ds, bc.pxRatio = J, bc.join = za, bc.fmtDate = Qa, bc.tzDate = eo, bc.sync = ws;
+xc.assign = Fa, xc.fmtNum = Wi, xc.rangeNum = Bi, xc.rangeLog = Pi, xc.rangeAsinh = Fi, xc.orient = Os, xc.pxRatio = q, xc.join = Ba, xc.fmtDate = $a, xc.tzDate = to, xc.sync = Ts;
 {
-	bc.addGap = Ms, bc.clipGaps = js;
-	let e = bc.paths = { points: Ks };
-	e.linear = Xs, e.stepped = Zs, e.bars = $s, e.spline = tc;
+	xc.addGap = Ns, xc.clipGaps = Ms;
+	let e = xc.paths = { points: qs };
+	e.linear = Zs, e.stepped = Qs, e.bars = ec, e.spline = nc;
 }
 // src/phase.tsx
-var [xc, Sc] = [420, 300], $ = {
+var [Sc, Cc] = [420, 300], $ = {
 	left: 64,
 	right: 12,
 	top: 10,
 	bottom: 34
 };
-function Cc({ store: e, state: t }) {
+function wc({ store: e, state: t }) {
 	let [n, r] = H(null), [i, a] = t.plotted, o = t.run, [s, c] = t.span;
 	if (gt(() => {
 		if (!i || !a) return;
@@ -6755,7 +6755,7 @@ function Cc({ store: e, state: t }) {
 		children: "Plot two signals: the second is drawn over the first."
 	});
 	if (!n) return null;
-	let [l, u, d, f] = n.box, [p, m] = [u - l || 1, f - d || 1], h = (e) => $.left + (e - l) / p * (xc - $.left - $.right), g = (e) => Sc - $.bottom - (e - d) / m * (Sc - $.top - $.bottom), _ = (e, t, n) => `${h(e[n]).toFixed(1)},${g(t[n]).toFixed(1)}`, v = (e) => e[e.length - 1], y = n.pieces.slice(1).map(([e, t], r) => {
+	let [l, u, d, f] = n.box, [p, m] = [u - l || 1, f - d || 1], h = (e) => $.left + (e - l) / p * (Sc - $.left - $.right), g = (e) => Cc - $.bottom - (e - d) / m * (Cc - $.top - $.bottom), _ = (e, t, n) => `${h(e[n]).toFixed(1)},${g(t[n]).toFixed(1)}`, v = (e) => e[e.length - 1], y = n.pieces.slice(1).map(([e, t], r) => {
 		let [i, a] = n.pieces[r];
 		return {
 			x1: h(v(i)),
@@ -6768,7 +6768,7 @@ function Cc({ store: e, state: t }) {
 		class: "phase",
 		"aria-label": `${a} over ${i}`,
 		children: /* @__PURE__ */ z("svg", {
-			viewBox: `0 0 ${xc} ${Sc}`,
+			viewBox: `0 0 ${Sc} ${Cc}`,
 			role: "img",
 			"aria-label": `${a} over ${i}, from ${xe(l)} to ${xe(u)} ${n.units[0]} and from ${xe(d)} to ${xe(f)} ${n.units[1]}`,
 			children: [
@@ -6776,20 +6776,20 @@ function Cc({ store: e, state: t }) {
 					class: "box",
 					x: $.left,
 					y: $.top,
-					width: xc - $.left - $.right,
-					height: Sc - $.top - $.bottom
+					width: Sc - $.left - $.right,
+					height: Cc - $.top - $.bottom
 				}),
 				l < 0 && u > 0 && /* @__PURE__ */ z("line", {
 					class: "axis",
 					x1: h(0),
 					x2: h(0),
 					y1: $.top,
-					y2: Sc - $.bottom
+					y2: Cc - $.bottom
 				}),
 				d < 0 && f > 0 && /* @__PURE__ */ z("line", {
 					class: "axis",
 					x1: $.left,
-					x2: xc - $.right,
+					x2: Sc - $.right,
 					y1: g(0),
 					y2: g(0)
 				}),
@@ -6809,25 +6809,25 @@ function Cc({ store: e, state: t }) {
 				}),
 				/* @__PURE__ */ z("text", {
 					x: $.left,
-					y: Sc - $.bottom + 14,
+					y: Cc - $.bottom + 14,
 					children: L(l, n.units[0])
 				}),
 				/* @__PURE__ */ z("text", {
-					x: xc - $.right,
-					y: Sc - $.bottom + 14,
+					x: Sc - $.right,
+					y: Cc - $.bottom + 14,
 					"text-anchor": "end",
 					children: L(u, n.units[0])
 				}),
 				/* @__PURE__ */ z("text", {
-					x: (xc + $.left) / 2,
-					y: Sc - 6,
+					x: (Sc + $.left) / 2,
+					y: Cc - 6,
 					"text-anchor": "middle",
 					class: "what",
 					children: i
 				}),
 				/* @__PURE__ */ z("text", {
 					x: $.left - 5,
-					y: Sc - $.bottom,
+					y: Cc - $.bottom,
 					"text-anchor": "end",
 					children: L(d, n.units[1])
 				}),
@@ -6838,7 +6838,7 @@ function Cc({ store: e, state: t }) {
 					children: L(f, n.units[1])
 				}),
 				/* @__PURE__ */ z("text", {
-					transform: `translate(12,${(Sc - $.bottom) / 2}) rotate(-90)`,
+					transform: `translate(12,${(Cc - $.bottom) / 2}) rotate(-90)`,
 					"text-anchor": "middle",
 					class: "what",
 					children: a
@@ -6848,7 +6848,7 @@ function Cc({ store: e, state: t }) {
 	});
 }
 // src/plots.tsx
-var wc = [
+var Tc = [
 	"--c1",
 	"--c2",
 	"--c3",
@@ -6856,7 +6856,7 @@ var wc = [
 	"--c5",
 	"--c6"
 ];
-function Tc({ store: e, state: t }) {
+function Ec({ store: e, state: t }) {
 	let [n, r] = H(null), [i, a] = H(!1), [o, s] = H(800), c = _t(null), l = t.run, [u, d] = t.span;
 	gt(() => {
 		let e = c.current;
@@ -6892,7 +6892,7 @@ function Tc({ store: e, state: t }) {
 		o,
 		i,
 		t.runs.length
-	]), t.running && t.soFar) return /* @__PURE__ */ z(Ec, {
+	]), t.running && t.soFar) return /* @__PURE__ */ z(Dc, {
 		state: t,
 		soFar: t.soFar
 	});
@@ -6923,7 +6923,7 @@ function Tc({ store: e, state: t }) {
 						class: "own",
 						children: l.title
 					}),
-					/* @__PURE__ */ z(Dc, {
+					/* @__PURE__ */ z(Oc, {
 						store: e,
 						state: t,
 						run: l
@@ -6972,9 +6972,9 @@ function Tc({ store: e, state: t }) {
 					}), " power along bonds"] })
 				]
 			}),
-			t.plotted.map((r, i) => /* @__PURE__ */ z(Oc, {
+			t.plotted.map((r, i) => /* @__PURE__ */ z(kc, {
 				name: r,
-				ink: wc[i % wc.length],
+				ink: Tc[i % Tc.length],
 				curves: (n?.runs ?? []).flatMap((e) => e.curves.filter((e) => e.name === r)),
 				span: t.span,
 				cursor: p,
@@ -6987,11 +6987,11 @@ function Tc({ store: e, state: t }) {
 					e.set({ instant: null }), e.moveCursor(t);
 				}
 			}, r)),
-			t.phase && /* @__PURE__ */ z(Cc, {
+			t.phase && /* @__PURE__ */ z(wc, {
 				store: e,
 				state: t
 			}),
-			/* @__PURE__ */ z(Mc, {
+			/* @__PURE__ */ z(Nc, {
 				lanes: n?.strip ?? [],
 				span: t.span,
 				cursor: p,
@@ -7000,14 +7000,14 @@ function Tc({ store: e, state: t }) {
 		]
 	});
 }
-function Ec({ state: e, soFar: t }) {
+function Dc({ state: e, soFar: t }) {
 	let n = _t(null), r = [t.tBegin, t.tEnd];
 	return /* @__PURE__ */ z("div", {
 		class: "plots",
 		ref: n,
-		children: [t.curves.map((i, a) => /* @__PURE__ */ z(Oc, {
+		children: [t.curves.map((i, a) => /* @__PURE__ */ z(kc, {
 			name: i.name,
-			ink: wc[a % wc.length],
+			ink: Tc[a % Tc.length],
 			curves: [i],
 			span: r,
 			cursor: null,
@@ -7017,7 +7017,7 @@ function Ec({ state: e, soFar: t }) {
 			last: a === t.curves.length - 1,
 			onSpan: () => {},
 			onTime: () => {}
-		}, i.name)), /* @__PURE__ */ z(Mc, {
+		}, i.name)), /* @__PURE__ */ z(Nc, {
 			lanes: t.strip,
 			span: r,
 			cursor: null,
@@ -7025,7 +7025,7 @@ function Ec({ state: e, soFar: t }) {
 		})]
 	});
 }
-function Dc({ store: e, state: t, run: n }) {
+function Oc({ store: e, state: t, run: n }) {
 	let r = (t.look?.view.nodes ?? []).flatMap((e) => e.kind === "part" ? [] : [`${e.name}.e`, `${e.name}.f`]), i = [.../* @__PURE__ */ new Set([...n.names, ...r])].filter((e) => !t.plotted.includes(e));
 	return /* @__PURE__ */ z("span", {
 		class: "chooser",
@@ -7053,7 +7053,7 @@ function Dc({ store: e, state: t, run: n }) {
 		]
 	});
 }
-var Oc = class extends S {
+var kc = class extends S {
 	box = b();
 	plot = null;
 	componentDidMount() {
@@ -7072,8 +7072,8 @@ var Oc = class extends S {
 		a.replaceChildren();
 		let o = e.filter((e) => !e.error);
 		if (!o.length) return;
-		let s = getComputedStyle(a), c = s.getPropertyValue("--ink"), l = s.getPropertyValue("--line"), u = o.map((e, t) => s.getPropertyValue(t === o.length - 1 ? this.props.ink : wc[(t + 3) % wc.length])), d = o.map((e) => [e.t, e.y]), f = d.length === 1 ? d[0] : bc.join(d), p = o[o.length - 1].unit, m = o.flatMap((e) => e.impulses);
-		this.plot = new bc({
+		let s = getComputedStyle(a), c = s.getPropertyValue("--ink"), l = s.getPropertyValue("--line"), u = o.map((e, t) => s.getPropertyValue(t === o.length - 1 ? this.props.ink : Tc[(t + 3) % Tc.length])), d = o.map((e) => [e.t, e.y]), f = d.length === 1 ? d[0] : xc.join(d), p = o[o.length - 1].unit, m = o.flatMap((e) => e.impulses);
+		this.plot = new xc({
 			width: Math.max(n - 4, 200),
 			height: r ? 132 : 112,
 			padding: [
@@ -7095,7 +7095,7 @@ var Oc = class extends S {
 					time: !1,
 					range: () => t
 				},
-				y: { range: (e, t, n) => kc(t, n, m.length > 0) }
+				y: { range: (e, t, n) => Ac(t, n, m.length > 0) }
 			},
 			axes: [{
 				show: r,
@@ -7106,7 +7106,7 @@ var Oc = class extends S {
 				},
 				ticks: { stroke: l },
 				size: 26,
-				values: (e, t) => Ac(t, "s")
+				values: (e, t) => jc(t, "s")
 			}, {
 				stroke: c,
 				grid: {
@@ -7119,7 +7119,7 @@ var Oc = class extends S {
 				labelSize: 18,
 				labelFont: "11px sans-serif",
 				font: "10px sans-serif",
-				values: (e, t) => Ac(t, p)
+				values: (e, t) => jc(t, p)
 			}],
 			series: [{}, ...o.map((e, t) => ({
 				stroke: u[t],
@@ -7186,13 +7186,13 @@ var Oc = class extends S {
 		});
 	}
 };
-function kc(e, t, n) {
+function Ac(e, t, n) {
 	let [r, i] = [e ?? 0, t ?? 1];
 	n && ([r, i] = [Math.min(r, 0), Math.max(i, 0)]);
 	let a = .08 * (i - r) || .1 * Math.abs(r) || 1;
 	return [r - a, i + a];
 }
-function Ac(e, t) {
+function jc(e, t) {
 	let n = Math.max(...e.map(Math.abs)), r = [
 		1e9,
 		1e6,
@@ -7213,7 +7213,7 @@ function Ac(e, t) {
 	}[r] ?? "", a = /^[A-Za-zΩ]+$/.test(t) && t !== "kg";
 	return e.map((e) => a ? `${+(e / r).toPrecision(5)} ${i}${t}` : `${+e.toPrecision(5)} ${t}`);
 }
-var jc = [
+var Mc = [
 	"var(--s0)",
 	"var(--s1)",
 	"var(--s2)",
@@ -7223,7 +7223,7 @@ var jc = [
 	"var(--s6)",
 	"var(--s7)"
 ];
-function Mc({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
+function Nc({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
 	if (!e.length) return null;
 	let a = (e) => 1e3 * (e - t) / (n - t || 1);
 	return /* @__PURE__ */ z("div", {
@@ -7254,14 +7254,14 @@ function Mc({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
 						width: Math.max(.7, a(Math.min(i, n)) - a(Math.max(r, t))),
 						y: 1,
 						height: 16,
-						fill: jc[o % jc.length],
+						fill: Mc[o % Mc.length],
 						children: /* @__PURE__ */ z("title", { children: e.states[o] })
 					})), e.shares?.map((e, t) => e.map((n, r) => n > 0 ? /* @__PURE__ */ z("rect", {
 						x: 1e3 * r / e.length,
 						width: 1e3 / e.length,
 						y: 1,
 						height: 16,
-						fill: jc[t % jc.length],
+						fill: Mc[t % Mc.length],
 						opacity: n
 					}) : null))]
 				})), r !== null && r >= t && r <= n && /* @__PURE__ */ z("line", {
@@ -7287,20 +7287,20 @@ function Mc({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
 	});
 }
 // src/power.tsx
-var Nc = {
+var Pc = {
 	C: ["gives back", "stores"],
 	I: ["gives back", "stores"],
 	R: ["gives", "dissipates"],
 	G: ["gives", "dissipates"],
 	Se: ["supplies", "absorbs"],
 	Sf: ["supplies", "absorbs"]
-}, Pc = 150, [Fc, Ic, Lc, Rc] = [
+}, Fc = 150, [Ic, Lc, Rc, zc] = [
 	310,
 	17,
 	7,
 	10
 ];
-function zc(e) {
+function Bc(e) {
 	let t = e.cursor?.values ?? {}, { nodes: n, bonds: r } = e.look.view, i = /* @__PURE__ */ new Map();
 	for (let e of r) {
 		let n = t[e.key];
@@ -7320,26 +7320,26 @@ function zc(e) {
 		unknown: a.filter((e) => i.get(e.name) === null).map((e) => e.name)
 	};
 }
-function Bc({ gives: e, takes: t }) {
-	let n = (e) => e.reduce((e, t) => e + t.size, 0), r = Math.max(n(e), n(t)) || 1, i = Math.max(1, e.length, t.length), a = i * (Ic + Lc) + 120, o = (a - i * Lc - 8) / r, s = (e, t) => {
+function Vc({ gives: e, takes: t }) {
+	let n = (e) => e.reduce((e, t) => e + t.size, 0), r = Math.max(n(e), n(t)) || 1, i = Math.max(1, e.length, t.length), a = i * (Lc + Rc) + 120, o = (a - i * Rc - 8) / r, s = (e, t) => {
 		let n = 4, r = 4;
 		return e.map((e) => {
 			let i = e.size * o, [a, s] = [n, r];
-			n += Math.max(i, 1) + Lc, r += i;
-			let [c, l] = t ? [Rc, Fc / 2 - Rc / 2] : [Fc - Rc, Fc / 2 + Rc / 2], u = (c + l) / 2;
+			n += Math.max(i, 1) + Rc, r += i;
+			let [c, l] = t ? [zc, Ic / 2 - zc / 2] : [Ic - zc, Ic / 2 + zc / 2], u = (c + l) / 2;
 			return /* @__PURE__ */ z("g", {
 				class: "flow " + (t ? "gives" : "takes"),
 				onClick: e.select,
 				children: [
 					/* @__PURE__ */ z("path", { d: `M${c},${a}C${u},${a} ${u},${s} ${l},${s}V${s + i}C${u},${s + i} ${u},${a + i} ${c},${a + i}Z` }),
 					/* @__PURE__ */ z("rect", {
-						x: t ? 0 : Fc - Rc,
+						x: t ? 0 : Ic - zc,
 						y: a,
-						width: Rc,
+						width: zc,
 						height: Math.max(i, 1)
 					}),
 					/* @__PURE__ */ z("text", {
-						x: t ? Rc + 4 : Fc - Rc - 4,
+						x: t ? zc + 4 : Ic - zc - 4,
 						y: a + Math.max(i, 1) / 2 + 4,
 						"text-anchor": t ? "start" : "end",
 						children: e.name
@@ -7350,7 +7350,7 @@ function Bc({ gives: e, takes: t }) {
 	};
 	return /* @__PURE__ */ z("svg", {
 		class: "sankey",
-		viewBox: `0 0 ${Fc} ${a}`,
+		viewBox: `0 0 ${Ic} ${a}`,
 		role: "img",
 		"aria-label": `Sankey diagram: ${e.map((e) => e.name).join(", ")} give, ${t.map((e) => e.name).join(", ")} take`,
 		children: [
@@ -7358,15 +7358,15 @@ function Bc({ gives: e, takes: t }) {
 			s(t, !1),
 			/* @__PURE__ */ z("rect", {
 				class: "middle-bar",
-				x: Fc / 2 - Rc / 2,
+				x: Ic / 2 - zc / 2,
 				y: 4,
-				width: Rc,
+				width: zc,
 				height: r * o
 			})
 		]
 	});
 }
-function Vc({ store: e, state: t }) {
+function Hc({ store: e, state: t }) {
 	let [n, r] = H(!1);
 	return t.cursor ? /* @__PURE__ */ z("section", {
 		class: "power-panel",
@@ -7383,7 +7383,7 @@ function Vc({ store: e, state: t }) {
 				onClick: () => r(!0),
 				children: "Energy up to it"
 			})]
-		}), z(n ? Hc : Uc, {
+		}), z(n ? Uc : Wc, {
 			store: e,
 			state: t
 		})]
@@ -7392,7 +7392,7 @@ function Vc({ store: e, state: t }) {
 		children: "Run the model and choose a time in its plots."
 	});
 }
-function Hc({ store: e, state: t }) {
+function Uc({ store: e, state: t }) {
 	let [n, r] = H(null), i = t.cursor.t, a = t.run?.run;
 	if (gt(() => {
 		let t = !1, n = setTimeout(() => {
@@ -7400,7 +7400,7 @@ function Hc({ store: e, state: t }) {
 				run: a,
 				t: i
 			}).then((e) => !t && r(e)).catch((t) => e.refused(t));
-		}, Pc);
+		}, Fc);
 		return () => {
 			t = !0, clearTimeout(n);
 		};
@@ -7423,7 +7423,7 @@ function Hc({ store: e, state: t }) {
 			" to ",
 			L(n.end, "s")
 		] }),
-		n.gives.length + n.takes.length > 0 ? /* @__PURE__ */ z(Bc, {
+		n.gives.length + n.takes.length > 0 ? /* @__PURE__ */ z(Vc, {
 			gives: n.gives.map(s),
 			takes: n.takes.map(s)
 		}) : /* @__PURE__ */ z("p", {
@@ -7462,8 +7462,8 @@ function Hc({ store: e, state: t }) {
 		})
 	] });
 }
-function Uc({ store: e, state: t }) {
-	let { found: n, unknown: r } = zc(t), i = Math.max(0, ...n.map((e) => Math.abs(e.power))), a = n.filter((e) => Math.abs(e.power) > 1e-6 * i).sort((e, t) => Math.abs(t.power) - Math.abs(e.power)), o = a.filter((e) => e.power < 0), s = a.filter((e) => e.power > 0), c = (e) => e.reduce((e, t) => e + Math.abs(t.power), 0), l = (t) => e.set({
+function Wc({ store: e, state: t }) {
+	let { found: n, unknown: r } = Bc(t), i = Math.max(0, ...n.map((e) => Math.abs(e.power))), a = n.filter((e) => Math.abs(e.power) > 1e-6 * i).sort((e, t) => Math.abs(t.power) - Math.abs(e.power)), o = a.filter((e) => e.power < 0), s = a.filter((e) => e.power > 0), c = (e) => e.reduce((e, t) => e + Math.abs(t.power), 0), l = (t) => e.set({
 		nodes: /* @__PURE__ */ new Set([t.name]),
 		bonds: /* @__PURE__ */ new Set()
 	}), u = (e) => ({
@@ -7473,7 +7473,7 @@ function Uc({ store: e, state: t }) {
 	});
 	return /* @__PURE__ */ z(x, { children: [
 		/* @__PURE__ */ z("h2", { children: ["Power at t = ", L(t.cursor.t, "s")] }),
-		a.length > 0 ? /* @__PURE__ */ z(Bc, {
+		a.length > 0 ? /* @__PURE__ */ z(Vc, {
 			gives: o.map(u),
 			takes: s.map(u)
 		}) : /* @__PURE__ */ z("p", {
@@ -7501,7 +7501,7 @@ function Uc({ store: e, state: t }) {
 					onClick: () => l(e.node),
 					children: e.node.name
 				}) }),
-				/* @__PURE__ */ z("td", { children: (Nc[e.node.kind] ?? ["gives", "takes"])[+(e.power > 0)] }),
+				/* @__PURE__ */ z("td", { children: (Pc[e.node.kind] ?? ["gives", "takes"])[+(e.power > 0)] }),
 				/* @__PURE__ */ z("td", {
 					class: "figure",
 					children: L(Math.abs(e.power), "W")
@@ -7524,7 +7524,7 @@ function Uc({ store: e, state: t }) {
 	] });
 }
 // src/splitter.tsx
-function Wc(e) {
+function Gc(e) {
 	let t = (t) => e.onChange(Math.round(Math.max(e.least, Math.min(e.most, t))));
 	return /* @__PURE__ */ z("div", {
 		class: "splitter " + (e.upright ? "upright" : "level"),
@@ -7555,12 +7555,12 @@ function Wc(e) {
 	});
 }
 // src/transport.ts
-var Gc = class extends Error {
+var Kc = class extends Error {
 	problem;
 	constructor(e) {
 		super(e.why), this.problem = e;
 	}
-}, Kc = class {
+}, qc = class {
 	count = 0;
 	waiting = /* @__PURE__ */ new Map();
 	held = [];
@@ -7596,19 +7596,19 @@ var Gc = class extends Error {
 		if (typeof e.id == "number") {
 			let t = this.waiting.get(e.id);
 			if (this.waiting.delete(e.id), !t) return;
-			e.error ? t.failed(new Gc(e.error)) : t.done(e);
+			e.error ? t.failed(new Kc(e.error)) : t.done(e);
 		} else this.onTold(e);
 	}
 };
 // src/schematic.tsx
-function qc({ store: e, state: t }) {
+function Jc({ store: e, state: t }) {
 	let [n, r] = H(null), [i, a] = H(""), o = t.look, s = o.view.nodes.map((e) => `${e.x},${e.y}`).join(" ");
 	gt(() => {
 		let t = !1;
 		return e.transport.ask("schematic", { level: o.view.path }).then((e) => {
 			t || (r(e), a(""));
 		}).catch((e) => {
-			t || (r(null), a(e instanceof Gc ? `${e.problem.why}. ${e.problem.try ?? ""}` : String(e)));
+			t || (r(null), a(e instanceof Kc ? `${e.problem.why}. ${e.problem.try ?? ""}` : String(e)));
 		}), () => {
 			t = !0;
 		};
@@ -7673,7 +7673,7 @@ function qc({ store: e, state: t }) {
 	});
 }
 // src/app.tsx
-var Jc = [
+var Yc = [
 	["item", "Properties"],
 	["machines", "Machines"],
 	["model", "Model"],
@@ -7683,7 +7683,7 @@ var Jc = [
 	["equations", "Equations"],
 	["power", "Power"],
 	["plan", "Sweep"]
-], Yc = class extends S {
+], Xc = class extends S {
 	state = this.props.store.state;
 	stop = () => {};
 	componentDidMount() {
@@ -7736,7 +7736,7 @@ var Jc = [
 			class: "studio" + r + (t.bottom ? " withbottom" : ""),
 			style: `--side: ${t.room.side}px; --low: ${t.room.low ? `${t.room.low}px` : "44%"}`,
 			children: [
-				/* @__PURE__ */ z(Zc, {
+				/* @__PURE__ */ z(Qc, {
 					store: e,
 					state: t,
 					errors: i
@@ -7753,12 +7753,12 @@ var Jc = [
 							children: [/* @__PURE__ */ z($e, {
 								store: e,
 								state: t
-							}), t.schematic && /* @__PURE__ */ z(qc, {
+							}), t.schematic && /* @__PURE__ */ z(Jc, {
 								store: e,
 								state: t
 							})]
 						}),
-						/* @__PURE__ */ z(Wc, {
+						/* @__PURE__ */ z(Gc, {
 							upright: !0,
 							label: "Width of the panels",
 							value: t.room.side,
@@ -7777,7 +7777,7 @@ var Jc = [
 								class: "tabs",
 								role: "tablist",
 								"aria-label": "Panels",
-								children: Jc.map(([r, a]) => /* @__PURE__ */ z("button", {
+								children: Yc.map(([r, a]) => /* @__PURE__ */ z("button", {
 									role: "tab",
 									id: `tab-${r}`,
 									"aria-controls": "panel",
@@ -7823,11 +7823,11 @@ var Jc = [
 										store: e,
 										state: t
 									}),
-									t.tab === "power" && /* @__PURE__ */ z(Vc, {
+									t.tab === "power" && /* @__PURE__ */ z(Hc, {
 										store: e,
 										state: t
 									}),
-									t.tab === "plan" && /* @__PURE__ */ z(In, {
+									t.tab === "plan" && /* @__PURE__ */ z(Ln, {
 										store: e,
 										state: t
 									})
@@ -7838,7 +7838,7 @@ var Jc = [
 				}),
 				t.bottom && /* @__PURE__ */ z("div", {
 					class: "bottom",
-					children: [/* @__PURE__ */ z(Wc, {
+					children: [/* @__PURE__ */ z(Gc, {
 						upright: !1,
 						label: "Height of the plots",
 						value: t.room.low || 320,
@@ -7849,14 +7849,14 @@ var Jc = [
 							...t.room,
 							low: n
 						} })
-					}), t.planShown && t.plan ? /* @__PURE__ */ z(cr, {
+					}), t.planShown && t.plan ? /* @__PURE__ */ z(ur, {
 						store: e,
 						state: t,
 						plan: t.plan
 					}) : /* @__PURE__ */ z(x, { children: [t.sweep ? /* @__PURE__ */ z(G, {
 						store: e,
 						state: t
-					}) : /* @__PURE__ */ z(Tc, {
+					}) : /* @__PURE__ */ z(Ec, {
 						store: e,
 						state: t
 					}), /* @__PURE__ */ z(Ot, {
@@ -7871,7 +7871,7 @@ var Jc = [
 						"aria-live": "polite",
 						children: o || (n.whole ? "" : "strokes of what is joined so far")
 					}),
-					/* @__PURE__ */ z(Xc, {
+					/* @__PURE__ */ z(Zc, {
 						store: e,
 						state: t
 					}),
@@ -7919,7 +7919,7 @@ var Jc = [
 		});
 	}
 };
-function Xc({ store: e, state: t }) {
+function Zc({ store: e, state: t }) {
 	let n = t.look.machines, r = t.cursor?.mode;
 	return n.length ? /* @__PURE__ */ z("span", {
 		class: "modes",
@@ -7939,10 +7939,10 @@ function Xc({ store: e, state: t }) {
 		]
 	}) : null;
 }
-function Zc({ store: e, state: t, errors: n }) {
+function Qc({ store: e, state: t, errors: n }) {
 	let r = t.look, i = t.running, a = Number(r.panels.experiment.until) || t.run?.until || 1;
 	return /* @__PURE__ */ z("header", { children: [
-		/* @__PURE__ */ z(Qc, {
+		/* @__PURE__ */ z($c, {
 			store: e,
 			state: t
 		}),
@@ -8022,7 +8022,7 @@ function Zc({ store: e, state: t, errors: n }) {
 		})
 	] });
 }
-function Qc({ store: e, state: t }) {
+function $c({ store: e, state: t }) {
 	let n = (e) => e.currentTarget.closest("details").removeAttribute("open"), r = (t) => {
 		e.set({
 			level: "",
@@ -8125,17 +8125,17 @@ function Qc({ store: e, state: t }) {
 	});
 }
 // src/sharing.ts
-function $c(e, t) {
+function el(e, t) {
 	if (e === t || typeof t != "object" || !t || typeof e != "object" || !e || Array.isArray(e) !== Array.isArray(t)) return t;
 	let [n, r] = [e, t], i = Object.keys(r), a = i.length === Object.keys(n).length;
 	for (let e of i) {
-		let t = $c(n[e], r[e]);
+		let t = el(n[e], r[e]);
 		r[e] = t, a &&= t === n[e] && e in n;
 	}
 	return a ? e : t;
 }
 // src/store.ts
-var el = {
+var tl = {
 	connected: !1,
 	look: null,
 	stock: null,
@@ -8171,9 +8171,9 @@ var el = {
 		side: 340,
 		low: 0
 	}
-}, tl = class {
+}, nl = class {
 	transport;
-	state = el;
+	state = tl;
 	listeners = /* @__PURE__ */ new Set();
 	queue = Promise.resolve();
 	constructor(e) {
@@ -8216,7 +8216,7 @@ var el = {
 		}
 	}
 	refused(e) {
-		e instanceof Gc ? this.set({ notice: e.problem }) : this.state.connected && this.set({ notice: {
+		e instanceof Kc ? this.set({ notice: e.problem }) : this.state.connected && this.set({ notice: {
 			code: "",
 			where: "",
 			why: String(e),
@@ -8224,7 +8224,7 @@ var el = {
 		} });
 	}
 	take(e) {
-		let t = $c(this.state.look, e), n = new Set(t.view.nodes.map((e) => e.name)), r = new Set(t.view.bonds.map((e) => e.key));
+		let t = el(this.state.look, e), n = new Set(t.view.nodes.map((e) => e.name)), r = new Set(t.view.bonds.map((e) => e.key));
 		this.set({
 			look: t,
 			level: t.view.path,
@@ -8489,7 +8489,7 @@ var el = {
 				mode: n ?? null,
 				level: this.state.level,
 				names: this.state.plotted
-			}), o = $c(this.state.cursor?.strokes ?? this.state.look?.strokes, a.strokes);
+			}), o = el(this.state.cursor?.strokes ?? this.state.look?.strokes, a.strokes);
 			i === this.cursorCount && this.set({ cursor: {
 				...a,
 				strokes: o
@@ -8506,11 +8506,11 @@ var el = {
 	}
 };
 // src/widget.tsx
-function nl({ model: e, el: t }) {
-	let n = new Kc(), r = new tl(n), i = (e) => n.received(e);
-	return e.on("msg:custom", i), n.connected({ send: (t) => e.send(t) }), t.style.height = `${e.get("height")}px`, t.classList.add("hybond-widget"), I(/* @__PURE__ */ z(Yc, { store: r }), t), r.begin(), () => {
+function rl({ model: e, el: t }) {
+	let n = new qc(), r = new nl(n), i = (e) => n.received(e);
+	return e.on("msg:custom", i), n.connected({ send: (t) => e.send(t) }), t.style.height = `${e.get("height")}px`, t.classList.add("hybond-widget"), I(/* @__PURE__ */ z(Xc, { store: r }), t), r.begin(), () => {
 		e.off("msg:custom", i), I(null, t);
 	};
 }
-var rl = { render: nl };
-export { rl as default, nl as render };
+var il = { render: rl };
+export { il as default, rl as render };
