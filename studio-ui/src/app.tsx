@@ -7,6 +7,8 @@ import { Item } from "./item";
 import { Machines } from "./machines";
 import { ModelPanel, Problems, TableView, TextPanel } from "./panels";
 import { Palette, QuickAdd } from "./palette";
+import { PlanPanel } from "./plan";
+import { PlanView } from "./planned";
 import { Plots } from "./plots";
 import { Power } from "./power";
 import { Splitter } from "./splitter";
@@ -23,6 +25,7 @@ const TABS: [Tab, string][] = [
   ["text", "Text"],
   ["equations", "Equations"],
   ["power", "Power"],
+  ["plan", "Sweep"],
 ];
 
 export class App extends Component<{ store: Store; root?: HTMLElement }, State> {
@@ -122,14 +125,21 @@ export class App extends Component<{ store: Store; root?: HTMLElement }, State> 
               {state.tab === "text" && <TextPanel store={store} state={state} />}
               {state.tab === "equations" && <Equations store={store} state={state} />}
               {state.tab === "power" && <Power store={store} state={state} />}
+              {state.tab === "plan" && <PlanPanel store={store} state={state} />}
             </div>
           </aside>
         </div>
         {state.bottom && (
           <div class="bottom">
             <Splitter upright={false} label="Height of the plots" value={state.room.low || 320} least={120} most={900} sign={-1} onChange={(low) => store.set({ room: { ...state.room, low } })} />
-            {state.sweep ? <SweepView store={store} state={state} /> : <Plots store={store} state={state} />}
-            <Events store={store} state={state} />
+            {state.planShown && state.plan ? (
+              <PlanView store={store} state={state} plan={state.plan} />
+            ) : (
+              <>
+                {state.sweep ? <SweepView store={store} state={state} /> : <Plots store={store} state={state} />}
+                <Events store={store} state={state} />
+              </>
+            )}
           </div>
         )}
         <footer>
@@ -191,7 +201,7 @@ function Header({ store, state, errors }: { store: Store; state: State; errors: 
         {look.unsaved ? `not saved: ${look.unsaved}` : look.inMemory ? "in memory" : look.writable ? "saved" : "read only: open in another studio"}
       </span>
       <span class="spring" />
-      <button class="narrow" aria-label="Palette" aria-pressed={state.panel === "palette"} onClick={() => store.set({ panel: state.panel === "palette" ? "" : "palette" })}>＋</button>
+      <button class="narrow" aria-label="Palette" aria-pressed={state.panel === "palette"} onClick={() => store.set({ panel: state.panel === "palette" ? "" : "palette" })}>+</button>
       <button class="narrow" aria-label="Panels" aria-pressed={state.panel === "side"} onClick={() => store.set({ panel: state.panel === "side" ? "" : "side" })}>☰</button>
       <button title="Undo (Ctrl+Z)" aria-label="Undo" disabled={!look.canUndo} onClick={store.undo}>↶</button>
       <button title="Redo (Ctrl+Y)" aria-label="Redo" disabled={!look.canRedo} onClick={store.redo}>↷</button>
@@ -213,7 +223,7 @@ function Header({ store, state, errors }: { store: Store; state: State; errors: 
 function Menu({ store, state }: { store: Store; state: State }) {
   const close = (e: Event) => (e.currentTarget as HTMLElement).closest("details")!.removeAttribute("open");
   const open = (what: object) => {
-    store.set({ level: "", mode: null, nodes: new Set(), bonds: new Set(), run: null, cursor: null, instant: null, plotted: [], bottom: false });
+    store.set({ level: "", mode: null, nodes: new Set(), bonds: new Set(), run: null, cursor: null, instant: null, plotted: [], sweep: null, plan: null, planShown: false, asking: null, bottom: false });
     void store.ask("open", { ...what, level: "" });
   };
   const save = () => {

@@ -1,18 +1,12 @@
-/** The canvas: everything that the pointer and the keyboard do to a bond graph. */
+/** The canvas: what the pointer does to a bond graph, and which part of it is in sight. */
 import { Component, createRef } from "preact";
-import { BondShapeView, CELL, NodeShape, boxOf, joint, pixels, portSides } from "./shapes";
-import { bondShape, nodeOf, sides, type Point } from "./geometry";
-import type { GraphNode, Strokes } from "./messages";
-import { InstantShown, Minimap, nearest, type Sight } from "./overlays";
-import { quantity, type State, type Store } from "./store";
-
-type Gesture =
-  | { kind: "press"; node: string; start: Point; at: Point; id: number; add: boolean }
-  | { kind: "drag"; names: string[]; start: Point; id: number }
-  | { kind: "pan"; last: Point; id: number; moved: boolean }
-  | { kind: "box"; start: Point; now: Point; id: number; add: boolean }
-  | { kind: "wire"; from: string; start: Point; now: Point; target: string; id: number }
-  | { kind: "pinch"; ids: [number, number]; last: [Point, Point] };
+import { nodeOf, type Point } from "./geometry";
+import { GraphPicture, type Gesture } from "./graph";
+import { keyed } from "./keys";
+import { InstantShown, Minimap } from "./overlays";
+import { CELL, pixels } from "./shapes";
+import { fitted, pinched, zoomed, type Sight } from "./sight";
+import type { State, Store } from "./store";
 
 interface Props {
   store: Store;
@@ -24,9 +18,6 @@ interface Own {
   gesture: Gesture | null;
   moved: Point;
 }
-
-/** Which ends bonds have in common, ranges of arrays left out: these are drawn side by side. */
-const pairOf = (ends: string[]) => ends.map((e) => e.replace(/\[[^\]]*\]/g, "")).sort().join("|");
 
 export class Canvas extends Component<Props, Own> {
   svg = createRef<SVGSVGElement>();
@@ -122,27 +113,13 @@ export class Canvas extends Component<Props, Own> {
     const svg = this.svg.current;
     if (!svg) return;
     const r = svg.getBoundingClientRect();
-    if (!nodes.length || !r.width) {
-      this.setState({ sight: { x: r.width / 2, y: r.height / 2, k: 1 } });
-      return;
-    }
-    const xs = nodes.map((n) => n.x * CELL[0]);
-    const ys = nodes.map((n) => n.y * CELL[1]);
-    const [x0, x1] = [Math.min(...xs) - 90, Math.max(...xs) + 90];
-    const [y0, y1] = [Math.min(...ys) - 60, Math.max(...ys) + 70];
-    const k = Math.min(1.5, r.width / (x1 - x0), r.height / (y1 - y0));
-    this.setState({
-      sight: { k, x: r.width / 2 - (k * (x0 + x1)) / 2, y: r.height / 2 - (k * (y0 + y1)) / 2 },
-    });
+    this.setState({ sight: fitted(nodes, r.width, r.height) });
   };
 
   zoom(factor: number, at?: Point): void {
     this.touched = true;
     const r = this.svg.current!.getBoundingClientRect();
-    const [px, py] = at ?? [r.width / 2, r.height / 2];
-    const { x, y, k } = this.state.sight;
-    const now = Math.max(0.05, Math.min(6, k * factor));
-    this.setState({ sight: { k: now, x: px - ((px - x) * now) / k, y: py - ((py - y) * now) / k } });
+    this.setState({ sight: zoomed(this.state.sight, factor, at ?? [r.width / 2, r.height / 2]) });
   }
 
   private wheel = (e: WheelEvent): void => {
@@ -249,14 +226,8 @@ export class Canvas extends Component<Props, Own> {
     if (!gesture) return;
     if (gesture.kind === "pinch") {
       const [p, q] = gesture.ids.map((id) => this.pointers.get(id)!) as [Point, Point];
-      const [a, b] = gesture.last;
-      const was = Math.hypot(a[0] - b[0], a[1] - b[1]);
-      const is = Math.hypot(p[0] - q[0], p[1] - q[1]);
-      const k = Math.max(0.05, Math.min(6, (sight.k * is) / Math.max(was, 1)));
-      const [mx, my] = [(p[0] + q[0]) / 2, (p[1] + q[1]) / 2];
-      const [nx, ny] = [(a[0] + b[0]) / 2, (a[1] + b[1]) / 2];
       this.setState({
-        sight: { k, x: mx - ((nx - sight.x) * k) / sight.k, y: my - ((ny - sight.y) * k) / sight.k },
+        sight: pinched(sight, gesture.last, [p, q]),
         gesture: { ...gesture, last: [p, q] },
       });
       return;
@@ -330,7 +301,7 @@ export class Canvas extends Component<Props, Own> {
   };
 
   /** Show at once where nodes were dropped; the session says the same a moment later. */
-  private place(at: Record<string, Point>): void {
+  place(at: Record<string, Point>): void {
     const { store, state } = this.props;
     const look = state.look!;
     const nodes = look.view.nodes.map((n) =>
@@ -339,12 +310,7 @@ export class Canvas extends Component<Props, Own> {
     store.set({ look: { ...look, view: { ...look.view, nodes } } });
   }
 
-  private centreOf(end: string, by: Map<string, GraphNode>, at: Map<string, Point>, ports: Map<string, string>): Point {
-    const name = nodeOf(end);
-    return joint(by.get(name)!, end, false, at.get(name)!, ports.get(name))[0];
-  }
-
-  private enter(name: string): void {
+  enter(name: string): void {
     const { store, state } = this.props;
     const node = state.look?.view.nodes.find((n) => n.name === name);
     if (node?.kind === "part" && node.known) store.open(state.level ? `${state.level}.${name}` : name);
@@ -354,48 +320,7 @@ export class Canvas extends Component<Props, Own> {
     }
   }
 
-  private key = (e: KeyboardEvent): void => {
-    const { store, state } = this.props;
-    const nodes = state.look?.view.nodes ?? [];
-    const ctrl = e.ctrlKey || e.metaKey;
-    const one = state.nodes.size === 1 ? nodes.find((n) => state.nodes.has(n.name)) : undefined;
-    const arrow = ARROWS[e.key];
-    if (arrow && e.altKey && state.nodes.size) {
-      const step = e.shiftKey ? 0.25 : 1;
-      const at: Record<string, Point> = {};
-      for (const n of nodes)
-        if (state.nodes.has(n.name)) at[n.name] = [n.x + step * arrow[0], n.y + step * arrow[1]];
-      this.place(at);
-      void store.edit({ do: "move", at });
-    } else if (arrow && !ctrl) {
-      const from = one ?? nodes[0];
-      if (!from) return;
-      const next = one ? nearest(nodes, one, arrow) : from;
-      if (next) store.set({ nodes: new Set([next.name]), bonds: new Set(), tab: "item" });
-    } else if (e.key === "Tab" && !ctrl) return;
-    else if ((e.key === "[" || e.key === "]") && state.look) {
-      const all = state.look.view.bonds.filter((b) => !one || b.tail === one.name || b.head === one.name);
-      const list = all.length ? all : state.look.view.bonds;
-      const k = list.findIndex((b) => state.bonds.has(b.key));
-      const next = list[(k + (e.key === "]" ? 1 : -1) + list.length) % list.length];
-      if (next) store.set({ bonds: new Set([next.key]), tab: "item" });
-    } else if (e.key === "Escape") store.set({ nodes: new Set(), bonds: new Set(), bondFrom: null, cursor: null, instant: null, adding: false });
-    else if (e.key === "Enter" && state.bondFrom && one && one.name !== state.bondFrom) {
-      void store.bond(state.bondFrom, one.name);
-    } else if (e.key === "Enter" && one) this.enter(one.name);
-    else if (e.key === "b" && !ctrl && one) store.set({ bondFrom: one.name });
-    else if (e.key === "r" && !ctrl && state.bonds.size) store.reverse();
-    else if (e.key === "a" && !ctrl) store.set({ adding: true });
-    else if (e.key === "f" && !ctrl) this.fit();
-    else if (e.key === "+" || e.key === "=") this.zoom(1.25);
-    else if (e.key === "-") this.zoom(0.8);
-    else if (e.key === "a" && ctrl) store.set({ nodes: new Set(nodes.map((n) => n.name)) });
-    else if (e.key === "d" && ctrl) void store.duplicate();
-    else if (e.key === "Delete" || e.key === "Backspace") store.remove();
-    else if (e.key === "PageUp" && state.level) store.open(state.level.split(/\.(?![^[]*\])/).slice(0, -1).join("."));
-    else return;
-    e.preventDefault();
-  };
+  private key = (e: KeyboardEvent): void => keyed(e, this.props.store, this);
 
   private dropped = (e: DragEvent): void => {
     const text = e.dataTransfer?.getData("application/x-hybond");
@@ -412,42 +337,6 @@ export class Canvas extends Component<Props, Own> {
   render({ state, store }: Props, { sight, gesture, moved }: Own) {
     const look = state.look;
     if (!look) return <div class="canvas" />;
-    const drawn: Strokes = state.cursor?.strokes ?? look.strokes;
-    const dragged = gesture?.kind === "drag" ? new Set(gesture.names) : null;
-    const at = new Map<string, Point>();
-    const by = new Map<string, GraphNode>();
-    for (const n of look.view.nodes) {
-      const [x, y] = pixels(n.x, n.y);
-      at.set(n.name, dragged?.has(n.name) ? [x + moved[0], y + moved[1]] : [x, y]);
-      by.set(n.name, n);
-    }
-    const controlled = (n: GraphNode) => drawn.nodes[n.name]?.controlled ?? (!!n.machine || !!n.law);
-    const around = new Map<string, Point[]>();
-    const pairs = new Map<string, string[]>();
-    for (const b of look.view.bonds) {
-      if (!around.has(b.tail)) around.set(b.tail, []);
-      if (!around.has(b.head)) around.set(b.head, []);
-      around.get(b.tail)!.push(at.get(b.head)!);
-      around.get(b.head)!.push(at.get(b.tail)!);
-      const pair = pairOf(b.ends);
-      pairs.set(pair, [...(pairs.get(pair) ?? []), b.key]);
-    }
-    const toward = new Map<string, Point>();
-    for (const b of look.view.bonds)
-      for (const [end, own, other] of [[b.ends[0], b.tail, b.head], [b.ends[1], b.head, b.tail]])
-      {
-        const [x, y] = toward.get(end) ?? [0, 0];
-        const [p, q] = [at.get(own)!, at.get(other)!];
-        toward.set(end, [x + q[0] - p[0], y + q[1] - p[1]]);
-      }
-    const ports = new Map<string, string>();
-    for (const n of look.view.nodes) if (n.kind === "part") ports.set(n.name, portSides(n, toward));
-    const portsOf = (name: string) => ports.get(name) ?? "";
-    const values = state.cursor?.values;
-    const most = values
-      ? Math.max(1e-300, ...Object.values(values).map((v) => Math.abs((v.e ?? 0) * (v.f ?? 0))))
-      : 1;
-    const target = gesture?.kind === "wire" ? nodeOf(gesture.target) : "";
     return (
       <div class="canvas" onDragOver={(e) => e.preventDefault()} onDrop={this.dropped}>
         <svg
@@ -463,81 +352,7 @@ export class Canvas extends Component<Props, Own> {
           onKeyDown={this.key}
           class={state.flowing ? "flowing" : ""}
         >
-          <defs>
-            <pattern id="dots" width={CELL[0] / 4} height={CELL[1] / 4} patternUnits="userSpaceOnUse" patternTransform={`translate(${sight.x},${sight.y}) scale(${sight.k})`}>
-              <circle cx={0} cy={0} r={0.7} class="dot" />
-            </pattern>
-            <marker id="signal" viewBox="0 0 8 8" refX={7} refY={4} markerWidth={7} markerHeight={7} orient="auto">
-              <path d="M0,1L8,4L0,7z" class="signalhead" />
-            </marker>
-          </defs>
-          {sight.k > 0.45 && <rect class="paper" width="100%" height="100%" fill="url(#dots)" />}
-          <g transform={`translate(${sight.x},${sight.y}) scale(${sight.k})`}>
-            {look.view.modulations.map((m) => {
-              const a = by.get(m.from)!;
-              const b = by.get(m.to)!;
-              if (!a || !b) return null;
-              const [p, q] = [at.get(m.from)!, at.get(m.to)!];
-              const s = bondShape(boxOf(a, controlled(a), p, portsOf(a.name)), boxOf(b, controlled(b), q, portsOf(b.name)), p, q, 7);
-              return (
-                <line class="signal" x1={s.tail[0]} y1={s.tail[1]} x2={s.head[0]} y2={s.head[1]} marker-end="url(#signal)" />
-              );
-            })}
-            {/* each kind in a group of its own: a browser lays out all that a changed group holds */}
-            <g>{look.view.bonds.map((b) => {
-              const [tail, head] = [by.get(b.tail)!, by.get(b.head)!];
-              const [t, h] = [at.get(b.tail)!, at.get(b.head)!];
-              const same = pairs.get(pairOf(b.ends))!;
-              const value = values?.[b.key];
-              return (
-                <BondShapeView
-                  key={b.key}
-                  bond={b}
-                  tail={tail}
-                  head={head}
-                  tx={t[0]}
-                  ty={t[1]}
-                  hx={h[0]}
-                  hy={h[1]}
-                  tailControlled={controlled(tail)}
-                  headControlled={controlled(head)}
-                  tailPorts={portsOf(b.tail)}
-                  headPorts={portsOf(b.head)}
-                  shift={same.indexOf(b.key) - (same.length - 1) / 2}
-                  drawn={drawn.bonds[b.key] ?? drawn.bonds[`${b.ends[0]} -> ${b.ends[1]}`]}
-                  selected={state.bonds.has(b.key)}
-                  effort={value && sight.k > 0.6 ? quantity(value.e, value.units[0]) : ""}
-                  rate={value && sight.k > 0.6 ? quantity(value.f, value.units[1]) : ""}
-                  flow={state.flowing && value ? ((value.e ?? 0) * (value.f ?? 0)) / most : 0}
-                />
-              );
-            })}</g>
-            <g>{look.view.nodes.map((n) => (
-              <NodeShape
-                key={n.name}
-                node={n}
-                x={at.get(n.name)![0]}
-                y={at.get(n.name)![1]}
-                state={drawn.nodes[n.name]}
-                selected={state.nodes.has(n.name)}
-                ports={portsOf(n.name)}
-                target={target === n.name || state.bondFrom === n.name}
-                taken={[...sides(at.get(n.name)!, around.get(n.name) ?? [])].sort().join("")}
-              />
-            ))}</g>
-            {gesture?.kind === "wire" && (
-              <Wire from={this.centreOf(gesture.from, by, at, ports)} to={gesture.now} />
-            )}
-            {gesture?.kind === "box" && (
-              <rect
-                class="marquee"
-                x={Math.min(gesture.start[0], gesture.now[0])}
-                y={Math.min(gesture.start[1], gesture.now[1])}
-                width={Math.abs(gesture.now[0] - gesture.start[0])}
-                height={Math.abs(gesture.now[1] - gesture.start[1])}
-              />
-            )}
-          </g>
+          <GraphPicture state={state} sight={sight} gesture={gesture} moved={moved} />
         </svg>
         {gesture?.kind === "wire" && (
           <div class="wiretext" role="status">
@@ -573,15 +388,4 @@ export class Canvas extends Component<Props, Own> {
   }
 }
 
-function Wire({ from, to }: { from: Point; to: Point }) {
-  return <line class="wire" x1={from[0]} y1={from[1]} x2={to[0]} y2={to[1]} />;
-}
-
 const sub = (a: Point, b: Point): Point => [a[0] - b[0], a[1] - b[1]];
-
-const ARROWS: Record<string, Point> = {
-  ArrowLeft: [-1, 0],
-  ArrowRight: [1, 0],
-  ArrowUp: [0, -1],
-  ArrowDown: [0, 1],
-};

@@ -1,7 +1,8 @@
 /** The events of a run and why each happened; a click shows the instant on the canvas. */
 import { useEffect, useState } from "preact/hooks";
 import type { Instant } from "./messages";
-import { number, quantity, type State, type Store } from "./store";
+import { number, quantity } from "./quantities";
+import type { State, Store } from "./store";
 
 interface Props {
   store: Store;

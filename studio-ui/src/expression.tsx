@@ -10,6 +10,9 @@ interface Props {
   onWrite: (text: string) => void;
   /** What would be wrong with a text, null if nothing. */
   check: (text: string) => Promise<Problem | null>;
+  /** What is wrong with the text that is written, if that is known. */
+  told?: Problem | null;
+  placeholder?: string;
 }
 
 const PATIENCE = 250;
@@ -83,6 +86,7 @@ export function ExpressionField(p: Props) {
       requestAnimationFrame(() => document.querySelector<SVGSVGElement>(".canvas svg")?.focus());
     }
   };
+  const said = wrong ?? (text === p.value ? (p.told ?? null) : null);
   return (
     <span class="expression">
       <input
@@ -90,6 +94,7 @@ export function ExpressionField(p: Props) {
         aria-label={p.label}
         value={text}
         disabled={p.disabled}
+        placeholder={p.placeholder}
         spellcheck={false}
         autocomplete="off"
         role="combobox"
@@ -97,8 +102,8 @@ export function ExpressionField(p: Props) {
         aria-expanded={offers.length > 0}
         aria-controls={id}
         aria-activedescendant={chosen >= 0 ? `${id}-${chosen}` : undefined}
-        aria-invalid={!!wrong}
-        aria-errormessage={wrong ? `${id}-wrong` : undefined}
+        aria-invalid={!!said}
+        aria-describedby={said ? `${id}-wrong` : undefined}
         onFocus={() => (focused.current = true)}
         onInput={typed}
         onBlur={write}
@@ -121,9 +126,9 @@ export function ExpressionField(p: Props) {
           ))}
         </ul>
       )}
-      {wrong && (
+      {said && (
         <small class="wrong" id={`${id}-wrong`} role="status">
-          {wrong.why} {wrong.try && <em>{wrong.try}</em>}
+          {said.why} {said.try && <em>{said.try}</em>}
         </small>
       )}
     </span>

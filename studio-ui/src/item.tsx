@@ -1,7 +1,8 @@
 /** What is selected, to be edited: an element, a part, a junction, a bond, or the model. */
 import { Field, valueOf } from "./fields";
 import type { GraphNode } from "./messages";
-import { quantity, type State, type Store } from "./store";
+import { quantity } from "./quantities";
+import type { State, Store } from "./store";
 
 interface Props {
   store: Store;

@@ -4,6 +4,7 @@ import { App } from "./app";
 import { bondShape, stroke, width, type Point } from "./geometry";
 import { Store } from "./store";
 import "./style.css";
+import "./sweep.css";
 import { Transport, overSocket } from "./transport";
 
 const transport = new Transport();

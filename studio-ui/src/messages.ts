@@ -147,6 +147,8 @@ export interface RunSummary {
   names: string[];
   machines: { path: string; states: string[] }[];
   plot: string[];
+  /** Whether it has values of its own, as a member of a sweep. */
+  own?: boolean;
   error?: Problem;
 }
 
@@ -253,8 +255,146 @@ export interface Phase {
   box: [number, number, number, number];
 }
 
+export interface EnergyShare {
+  name: string;
+  kind: string;
+  /** J. */
+  energy: number;
+}
+
+/** Who gave energy and who took it, from the start of a run to a time. */
+export interface Energies {
+  gives: EnergyShare[];
+  takes: EnergyShare[];
+  start: number;
+  end: number;
+}
+
 export interface Written {
   text: string;
   formula?: Formula | null;
   notes?: string[];
+}
+
+/** A plan of many runs as it is typed. */
+export interface PlanForm {
+  factors: { path: string; values: string }[];
+  way: string;
+  count: string;
+  seed: string;
+  until: string;
+  collect: string;
+}
+
+/** What a plan may say. */
+export interface PlanWords {
+  paths: string[];
+  values: Record<string, string>;
+  ways: Record<string, string>;
+  collectors: Record<string, string>;
+  words: string[];
+  collect: string;
+}
+
+/** What a plan comes to: `wrong` by its place on the form. */
+export interface Verdict {
+  members: number;
+  wrong: Record<string, Problem>;
+  command: string;
+}
+
+export interface PlanNow {
+  plan: number;
+  state: "running" | "done" | "cancelled" | "error";
+  done: number;
+  kept: number;
+  members: number;
+  took: number;
+  left: number | null;
+  error?: Problem;
+  way: string;
+  factors: { path: string; unit: string; number: boolean; levels: string[] }[];
+  columns: { name: string; unit: string; kind: "number" | "whole" | "text" | "curve" }[];
+}
+
+export interface AxisOf {
+  name: string;
+  unit: string;
+  log: boolean;
+  /** Of the cells of a grid; null of points. */
+  edges: number[] | null;
+}
+
+export interface OutcomeMap {
+  view: "map" | "scatter";
+  kept: number;
+  x: AxisOf;
+  y: AxisOf;
+  value: string;
+  unit: string;
+  names: string[];
+  inks: string[];
+  none: string;
+  members: number[];
+  across: (number | null)[];
+  up: (number | null)[];
+  number: (number | null)[];
+  all: number;
+}
+
+export interface FamilyOf {
+  view: "family";
+  kept: number;
+  signal: string;
+  unit: string;
+  t: number[];
+  every: number;
+  bands: (number | null)[][];
+  members: number[];
+  curves: (number | null)[][];
+}
+
+export interface TornadoOf {
+  view: "tornado";
+  value: string;
+  unit: string;
+  middle: number | null;
+  rows: { path: string; unit: string; ends: (number | null)[]; outcomes: (number | null)[]; members: number[] }[];
+}
+
+export interface SobolOf {
+  view: "sobol";
+  value: string;
+  rows: { path: string; first: (number | null)[]; total: (number | null)[] }[];
+  points: number;
+  leftOut: number;
+}
+
+export interface TableOf {
+  view: "table";
+  kept: number;
+  columns: { name: string; unit: string }[];
+  first: number;
+  rows: (string | number | null)[][];
+}
+
+export type ViewOf = OutcomeMap | FamilyOf | TornadoOf | SobolOf | TableOf;
+
+export interface MemberOf {
+  member: number;
+  sets: Record<string, string | number>;
+  row: Record<string, string | number | null> | null;
+}
+
+/** Which view of a sweep is shown, and of what. */
+export interface Choice {
+  view: string;
+  x: string;
+  y: string;
+  value: string;
+  curve: string;
+  /** At which level of the factors that are neither across nor up. */
+  at: Record<string, number>;
+  /** The first row of the table. */
+  first: number;
 }

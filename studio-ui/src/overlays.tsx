@@ -1,15 +1,10 @@
 /** What lies over the canvas: the instant that is shown, the minimap; and which node is the next. */
+import type { Sight } from "./sight";
 import type { Point } from "./geometry";
 import type { GraphNode } from "./messages";
 import { CELL } from "./shapes";
-import { quantity, type State, type Store } from "./store";
-
-/** The part of the graph that is in sight: where its origin is, and how large a pixel of it. */
-export interface Sight {
-  x: number;
-  y: number;
-  k: number;
-}
+import { quantity } from "./quantities";
+import type { State, Store } from "./store";
 
 /** Which mode of which instant the canvas shows, and the way to the next. */
 export function InstantShown({ store, state }: { store: Store; state: State }) {

@@ -1,7 +1,8 @@
 /** One signal over another: a trajectory, its jumps as dotted lines, and where the time cursor is. */
 import { useEffect, useState } from "preact/hooks";
 import type { Phase } from "./messages";
-import { number, quantity, type State, type Store } from "./store";
+import { number, quantity } from "./quantities";
+import type { State, Store } from "./store";
 
 interface Props {
   store: Store;

@@ -5,7 +5,8 @@ import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import type { Curve, Lane, RunSummary, SoFar } from "./messages";
 import { PhasePlane } from "./phase";
-import { quantity, type State, type Store } from "./store";
+import { quantity } from "./quantities";
+import type { State, Store } from "./store";
 
 const INKS = ["--c1", "--c2", "--c3", "--c4", "--c5", "--c6"];
 
@@ -59,12 +60,19 @@ export function Plots({ store, state }: Props) {
     };
   }, [run?.run, names, t0, t1, wide, compare, state.runs.length]);
   if (state.running && state.soFar) return <Growing state={state} soFar={state.soFar} />;
-  if (!run || run.tEnd === undefined) return <p class="hint plots">{run?.error ? "" : state.running ? "Running …" : "Press Run."}</p>;
+  if (!run || run.tEnd === undefined)
+    return (
+      <p class="hint plots">
+        {run?.error ? "" : state.running ? "Running …" : "Press Run."} {state.plan && <button onClick={() => store.set({ planShown: true })}>← Sweep</button>}
+      </p>
+    );
   const cursor = state.cursor?.t ?? null;
   const whole = t0 === run.tBegin && t1 === run.tEnd;
   return (
     <div class="plots" ref={box}>
       <div class="plotbar">
+        {state.plan && <button onClick={() => store.set({ planShown: true })}>← Sweep</button>}
+        {run.own && <b class="own">{run.title}</b>}
         <Chooser store={store} state={state} run={run} />
         {state.runs.length > 1 && (
           <label>

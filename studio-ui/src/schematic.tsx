@@ -34,6 +34,14 @@ export function Schematic({ store, state }: Props) {
   }, [look.revision, look.view.path, placed]);
   const bondOf = (key: string) => look.view.bonds.find((b) => `${b.ends[0]} -> ${b.ends[1]}` === key)?.key;
   const chosen = (name: string, key: string) => (name === "wire" ? state.bonds.has(bondOf(key) ?? "") : state.nodes.has(key));
+  const drawn = state.cursor?.strokes ?? look.strokes;
+  const bondOff = (key: string, ends: string[]) => (drawn.bonds[key] ?? drawn.bonds[`${ends[0]} -> ${ends[1]}`])?.off;
+  /** Whether it is OFF in the mode that is shown: a bond, a junction, a part; or all its bonds are. */
+  const off = (name: string, key: string) => {
+    if (name === "wire") return look.view.bonds.some((b) => `${b.ends[0]} -> ${b.ends[1]}` === key && bondOff(b.key, b.ends));
+    const own = look.view.bonds.filter((b) => b.tail === key || b.head === key);
+    return drawn.nodes[key]?.off || (own.length > 0 && own.every((b) => bondOff(b.key, b.ends)));
+  };
   const select = (e: MouseEvent, name: string, key: string) => {
     const add = e.shiftKey || e.ctrlKey || e.metaKey;
     const tab = state.tab === "power" ? state.tab : "item";
@@ -53,7 +61,7 @@ export function Schematic({ store, state }: Props) {
         <svg viewBox={`0 0 ${scene.width} ${scene.height}`} style={{ maxWidth: `${scene.width * 1.6}px` }} role="img" aria-label={`Schematic: ${scene.groups.filter((g) => g.name === "part").map((g) => g.key).join(", ")}`}>
           {scene.groups.map((g) => (
             <g
-              class={g.name + (chosen(g.name, g.key) ? " selected" : "")}
+              class={g.name + (chosen(g.name, g.key) ? " selected" : "") + (off(g.name, g.key) ? " off" : "")}
               data-schematic={g.key}
               onClick={(e) => select(e, g.name, g.key)}
               onDblClick={() => open(g.name, g.key)}

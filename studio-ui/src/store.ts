@@ -1,9 +1,9 @@
 /** All that the page knows, and what can be done with it. No drawing here. */
-import type { Cursor, Instant, Look, Place, Problem, RunSummary, Member, SoFar, Stock, Swept } from "./messages";
+import type { Choice, Cursor, Instant, Look, Place, Problem, RunSummary, Member, PlanForm, PlanNow, SoFar, Stock, Swept } from "./messages";
 import { shared } from "./sharing";
 import { Refused, type Transport } from "./transport";
 
-export type Tab = "item" | "machines" | "model" | "problems" | "table" | "text" | "equations" | "power";
+export type Tab = "item" | "machines" | "model" | "problems" | "table" | "text" | "equations" | "power" | "plan";
 
 export interface State {
   connected: boolean;
@@ -22,6 +22,13 @@ export interface State {
   runs: RunSummary[];
   running: { run: number; t: number; events: number } | null;
   sweep: Swept | null;
+  /** The plan of many runs that is being written, and the sweep of one that runs or has ended. */
+  asking: PlanForm | null;
+  plan: PlanNow | null;
+  /** Whether its views are shown below, in place of plots. */
+  planShown: boolean;
+  /** Which of its views, and which run is chosen; null before anything is. */
+  looked: { plan: number; choice: Choice; chosen: number | null } | null;
   /** The plots of a run that goes on. */
   soFar: SoFar | null;
   cursor: Cursor | null;
@@ -58,6 +65,10 @@ const BEGIN: State = {
   running: null,
   soFar: null,
   sweep: null,
+  asking: null,
+  plan: null,
+  planShown: false,
+  looked: null,
   cursor: null,
   instant: null,
   plotted: [],
@@ -101,6 +112,8 @@ export class Store {
     this.set({ runs });
     const last = runs[runs.length - 1];
     if (last && !this.state.run) this.show(last);
+    const { now } = await this.transport.ask<{ now: PlanNow | null }>("plan state");
+    this.set({ plan: now });
   }
 
   private where() {
@@ -149,13 +162,16 @@ export class Store {
     } else if (message.tell === "progress") {
       this.set({ running: message as never });
     } else if (message.tell === "sweeping") {
-      this.set({ sweep: { ...(message as unknown as Swept), members: [], done: false }, bottom: true });
+      this.set({ sweep: { ...(message as unknown as Swept), members: [], done: false }, planShown: false, bottom: true });
     } else if (message.tell === "member" || message.tell === "swept") {
       const { sweep } = this.state;
       if (sweep?.sweep !== message.sweep || !sweep) return;
       const members = [...sweep.members];
       if (message.tell === "member") members[message.member as number] = message as unknown as Member;
       this.set({ sweep: { ...sweep, members, done: message.tell === "swept" } });
+    } else if (message.tell === "planning") {
+      const { plan } = this.state;
+      if (plan?.plan === message.plan) this.set({ plan: { ...plan, ...(message as unknown as PlanNow) } });
     } else if (message.tell === "partial") {
       this.set({ soFar: message as never });
     } else if (message.tell === "finished") {
@@ -293,7 +309,28 @@ export class Store {
         names: this.state.plotted,
       });
       if (!this.state.runs.some((r) => r.run === run))
-        this.set({ running: { run, t: 0, events: 0 }, soFar: null, sweep: null, bottom: true });
+        this.set({ running: { run, t: 0, events: 0 }, soFar: null, sweep: null, planShown: false, bottom: true });
+    } catch (error) {
+      this.refused(error);
+    }
+  }
+
+  /** Run all members of the plan that is written. */
+  async sweepPlan(form: PlanForm): Promise<void> {
+    try {
+      const plan = await this.transport.ask<PlanNow>("plan begin", form);
+      this.set({ plan, planShown: true, bottom: true, panel: "" });
+    } catch (error) {
+      this.refused(error);
+    }
+  }
+
+  /** Run one member of the sweep by itself, and plot it. */
+  async openMember(member: number): Promise<void> {
+    try {
+      const { run } = await this.transport.ask<{ run: number }>("plan open", { plan: this.state.plan?.plan, member, names: this.state.plotted });
+      if (!this.state.runs.some((r) => r.run === run)) this.set({ running: { run, t: 0, events: 0 }, soFar: null });
+      this.set({ sweep: null, planShown: false, bottom: true });
     } catch (error) {
       this.refused(error);
     }
@@ -338,30 +375,4 @@ export class Store {
     this.set({ instant: { event, step } });
     void this.moveCursor(event.t, step < event.steps.length - 1 ? "left" : "right", event.steps[step].mode);
   }
-}
-
-export function number(v: number | null, digits = 4): string {
-  if (v === null) return "—";
-  if (v === 0) return "0";
-  const size = Math.abs(v);
-  return size >= 1e5 || size < 1e-3 ? v.toExponential(digits - 1) : String(+v.toPrecision(digits));
-}
-
-const PREFIXES: [number, string][] = [
-  [1e9, "G"],
-  [1e6, "M"],
-  [1e3, "k"],
-  [1, ""],
-  [1e-3, "m"],
-  [1e-6, "µ"],
-  [1e-9, "n"],
-  [1e-12, "p"],
-];
-
-/** A value with an engineering prefix: 1.2 kV. */
-export function quantity(v: number | null, unit: string): string {
-  if (v === null) return "—";
-  if (v === 0 || !/^[A-Za-zΩ]+$/.test(unit) || unit === "kg") return `${number(v)} ${unit}`.trim();
-  const [factor, prefix] = PREFIXES.find(([f]) => Math.abs(v) >= f * (1 - 1e-9)) ?? PREFIXES[PREFIXES.length - 1];
-  return `${+(v / factor).toPrecision(4)} ${prefix}${unit}`.trim();
 }

@@ -1,7 +1,8 @@
 /** A sweep: curves of all members as a family, and which mode each is in over time as a map. */
 import { useState } from "preact/hooks";
 import type { Curve, Swept } from "./messages";
-import { number, quantity, type State, type Store } from "./store";
+import { number, quantity } from "./quantities";
+import type { State, Store } from "./store";
 
 interface Props {
   store: Store;

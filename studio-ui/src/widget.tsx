@@ -3,6 +3,7 @@ import { render as draw } from "preact";
 import { App } from "./app";
 import { Store } from "./store";
 import "./style.css";
+import "./sweep.css";
 import { Transport, type Message } from "./transport";
 
 interface Model {

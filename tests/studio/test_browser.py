@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 import subprocess
 import sys
-import time
 import tomllib
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -14,83 +14,13 @@ from typing import Any
 
 import pytest
 from studio.chromium import browser, missing
+from studio.hand import Page
 
 import hybond as hb
 
 pytestmark = pytest.mark.skipif(bool(missing()), reason=missing() or "there is a browser")
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
-
-
-class Page:
-    """A page of the studio and what a hand does to it."""
-
-    def __init__(self, driver: Any, address: str) -> None:
-        self.driver = driver
-        driver.get(address)
-        self.until(lambda: self.all("[data-kind]"), "the page opens")
-
-    def all(self, selector: str) -> list[Any]:
-        return list(self.driver.find_elements("css selector", selector))
-
-    def one(self, selector: str) -> Any:
-        return self.driver.find_element("css selector", selector)
-
-    def until(self, what: Callable[[], Any], told: str) -> Any:
-        end = time.monotonic() + 20
-        while time.monotonic() < end:
-            try:
-                found = what()
-            except Exception:
-                found = None
-            if found:
-                return found
-            time.sleep(0.03)
-        raise AssertionError(f"not so after 20 s: {told}")
-
-    def click(self, selector: str) -> None:
-        self.until(lambda: self.one(selector), selector)
-        self.one(selector).click()
-
-    def write(self, selector: str, text: str) -> None:
-        from selenium.webdriver.common.keys import Keys
-
-        field = self.until(lambda: self.one(selector), selector)
-        field.click()
-        field.send_keys(Keys.CONTROL, "a")
-        field.send_keys(text, Keys.ENTER)
-
-    def keys(self, *keys: str) -> None:
-        from selenium.webdriver.common.action_chains import ActionChains
-
-        ActionChains(self.driver).send_keys(*keys).perform()
-
-    def chord(self, holder: str, key: str) -> None:
-        from selenium.webdriver.common.action_chains import ActionChains
-
-        ActionChains(self.driver).key_down(holder).send_keys(key).key_up(holder).perform()
-
-    def drag(self, source: Any, target: Any) -> None:
-        from selenium.webdriver.common.action_chains import ActionChains
-
-        ActionChains(self.driver, duration=30).click_and_hold(source).move_to_element(
-            target
-        ).release().perform()
-
-    def node(self, name: str) -> Any:
-        return self.one(f'[data-node="{name}"] .letters')
-
-    def strokes(self, text: str) -> list[str]:
-        """Return the strokes of a bond: its ends, with what they are besides solid."""
-        return [
-            f"{s.get_attribute('data-end')}{s.get_attribute('class').removeprefix('stroke')}"
-            for s in self.all(f'[data-text="{text}"] .stroke')
-        ]
-
-    def complaints(self) -> list[str]:
-        """Return what the page itself did wrong; that an old server is gone is no fault of it."""
-        severe = [e for e in self.driver.get_log("browser") if e["level"] == "SEVERE"]
-        return [str(e["message"]) for e in severe if "WebSocket" not in e["message"]]
 
 
 @pytest.fixture
@@ -302,6 +232,8 @@ def test_by_touch_on_a_telephone(serve: Callable[[str], str], tmp_path: Path) ->
 def test_the_rod_falls_through_its_two_mythical_modes(
     desk: Any, serve: Callable[[str], str], tmp_path: Path
 ) -> None:
+    from selenium.webdriver.common.keys import Keys
+
     (tmp_path / "rod.toml").write_text((EXAMPLES / "falling_rod.toml").read_text())
     page = Page(desk, serve("rod.toml"))
     page.click("button.run")
@@ -319,6 +251,8 @@ def test_the_rod_falls_through_its_two_mythical_modes(
     # who gives power and who takes it there; equations as formulas
     page.click("#tab-power")
     page.until(lambda: page.one(".power-panel h2"), "power at the instant")
+    next(b for b in page.all(".power-panel button") if b.text == "Energy up to it").click()
+    page.until(lambda: "weight" in page.one(".power-panel .sankey").text, "energy from the start")
     page.click("#tab-equations")
     page.until(lambda: page.one(".formula math mtr"), "equations are set as formulas")
     # one signal over another
@@ -338,7 +272,81 @@ def test_the_rod_falls_through_its_two_mythical_modes(
     assert len(page.all(".modemap g")) == 7
     page.all(".modemap g")[3].click()
     page.until(lambda: page.one(".family .way.chosen"), "one member is chosen")
+    # friction and inertia together: each pixel of the map says on which side of the boundary it is
+    page.click("#tab-plan")
+    page.write('input[aria-label="Values of factor 1"]', "0.2:0.4:0.02")
+    next(b for b in page.all(".plan button") if b.text == "Add a factor").click()
+    page.write('input[aria-label="Factor 2"]', "J")
+    page.write('input[aria-label="Values of factor 2"]', "0.61:1.81:0.1")
+    page.write('input[aria-label="Until of the sweep"]', "0.45 s")
+    page.write('input[aria-label="Collect"]', "sequence, fnal(w.f)")
+    page.until(lambda: "did you mean 'final'" in page.one(".plan .wrong").text, "told at its place")
+    page.write('input[aria-label="Collect"]', "sequence, final(w.f)")
+    page.until(lambda: page.one(".plan button.run").text == "▶ Run 143 members", "the plan")
+    command = page.until(lambda: page.one(".plan .command code").text, "nothing is wrong")
+    assert "--vary J=0.61:1.81:0.1 --until '0.45 s'" in command
+    page.click(".plan button.run")
+    page.until(lambda: "143 runs" in page.one(".planned [role=status]").text, "the sweep ends")
+    keys = page.until(
+        lambda: len(page.all(".outcomes .key")) == 2 and page.all(".outcomes .key"), "both regions"
+    )
+    inks = {k.text.strip(): k.find_element("css selector", "i") for k in keys}
+    colours = {n: i.value_of_css_property("background-color") for n, i in inks.items()}
+    assert sorted(colours) == ["free > left", "free > stuck"]
+    places = page.until(
+        lambda: all(ink != "0, 0, 0" for _, ink in drawn(page)) and drawn(page),
+        "every cell is there",
+    )
+    checked = 0
+    for (mu, inertia), ink in places:
+        boundary = math.sin(0.85) * math.cos(0.85) / mu - math.sin(0.85) ** 2
+        if abs(inertia - boundary) < 0.15:  # within a cell and its neighbour
+            continue
+        side = "free > stuck" if inertia > boundary else "free > left"
+        assert colours[side].startswith(f"rgba({ink}") or colours[side] == f"rgb({ink})"
+        checked += 1
+    assert checked > 300
+    # a click on the map opens the run behind it
+    page.click(".outcomes canvas")
+    page.until(lambda: "mu = 0.3, J = 1.21" in page.one(".plots .own").text, "the member's run")
+    page.until(lambda: page.all("[data-event]"), "and its events")
+    page.click(".plots .plotbar button")
+    page.until(lambda: page.one(".outcomes circle.chosen"), "back at the map")
+    # by keyboard: to the cell on the right, whose run Enter opens
+    desk.execute_script("document.querySelector('.outcomes .area').focus()")
+    page.keys(Keys.ARROW_RIGHT)
+    page.until(lambda: "mu = 0.32, J = 1.21" in page.one(".outcomes output").text, "its neighbour")
+    page.keys(Keys.ENTER)
+    page.until(lambda: "mu = 0.32, J = 1.21" in page.one(".plots .own").text, "its run")
+    # back, and what it was run with becomes the model's
+    page.until(lambda: page.all(".trace"), "plots")
+    page.click(".plots .plotbar button")
+    take = page.until(
+        lambda: [b for b in page.all(".planned .one button") if b.text == "Take these values"], "it"
+    )
+    take[0].click()
+    page.until(
+        lambda: (
+            {"mu": 0.32, "J": "1.21 kg*m^2"}.items()
+            <= tomllib.loads((tmp_path / "rod.toml").read_text())["parameters"].items()
+        ),
+        "the file has them",
+    )
     assert not page.complaints()
+
+
+def drawn(page: Page) -> list[tuple[tuple[float, float], str]]:
+    """Return places on a map of outcomes, in the units of its axes, and the colours there."""
+    found = page.driver.execute_script(
+        "const c = document.querySelector('.outcomes canvas'), g = c.getContext('2d');"
+        "const found = [], [a, b, d, e] = JSON.parse(c.dataset.span);"
+        "for (let i = 0.5; i < 24; i++) for (let j = 0.5; j < 24; j++) {"
+        "  const p = g.getImageData(c.width * i / 24, c.height * j / 24, 1, 1).data;"
+        "  found.push([[a + (b - a) * i / 24, e - (e - d) * j / 24], `${p[0]}, ${p[1]}, ${p[2]}`]);"
+        "}"
+        "return found;"
+    )
+    return [((x, y), ink) for (x, y), ink in found]
 
 
 def test_the_schematic_stands_beside_the_bond_graph_with_one_selection(
@@ -348,6 +356,10 @@ def test_the_schematic_stands_beside_the_bond_graph_with_one_selection(
     page = Page(desk, serve("boost.toml"))
     next(b for b in page.all("header button") if b.text == "Schematic").click()
     page.until(lambda: page.one('[data-schematic="coil"] path.symbol'), "the schematic")
+    # what is OFF is grey there as well, in the mode that is drawn
+    page.until(lambda: page.one('[data-schematic="second"].off'), "the second load is off")
+    page.one('select[aria-label="State of second.contact that is drawn"]').send_keys("closed")
+    page.until(lambda: not page.all('[data-schematic="second"].off'), "it is on")
     page.click('[data-schematic="coil"] text')
     page.until(lambda: page.one('[data-node="coil"].selected'), "selected in the bond graph")
     page.node("node").click()
@@ -420,6 +432,16 @@ def test_axe_finds_nothing_serious_in_light_and_dark(
     page.click(".sweepfields button")
     page.until(lambda: "15 runs" in page.one(".sweep [role=status]").text, "the sweep ends")
     look("sweep")
+    page.click("#tab-plan")
+    page.until(lambda: page.one(".plan button.run").is_enabled(), "a plan to begin with")
+    look("plan")
+    page.click(".plan button.run")
+    page.until(lambda: page.one(".planned [role=status]"), "it ends")
+    page.until(lambda: page.one(".outcomes .key"), "its picture")
+    look("scatter")
+    next(b for b in page.all(".choices button") if b.text == "Table").click()
+    page.until(lambda: page.one(".planned td"), "its table")
+    look("table of the sweep")
     page.click('header button[aria-label="Dark or light"]')
     look("dark")
     assert not any(found.values()), found

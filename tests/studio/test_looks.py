@@ -137,6 +137,42 @@ def test_power_balances_at_the_cursor_and_signals_are_read_there() -> None:
     assert max(into, key=lambda n: into[n]) == "heavy"
 
 
+def test_a_part_is_off_while_all_that_is_switched_in_it_is() -> None:
+    session = Session(None)
+    asked(session, "open", example="boost")
+    run = finished(session)["run"]
+    met: set[tuple[str, ...]] = set()
+    for t in (2e-6, 12e-6, 19e-6, 1.48e-3, 1.505e-3):
+        seen = asked(session, "cursor", run=run, t=t)
+        states, nodes = seen["mode"], seen["strokes"]["nodes"]
+        off = {n for n in ("switch", "diode", "second", "coil") if nodes.get(n, {}).get("off")}
+        expected = {n for n in ("switch", "second") if states[f"{n}.contact"] == "open"}
+        assert off == expected | ({"diode"} if states["diode.i"] == "blocks" else set()), t
+        met.add(tuple(sorted(off)))
+    assert {("diode", "second", "switch"), ("second", "switch"), ("diode",)} <= met
+
+
+def test_energies_up_to_the_cursor_are_those_that_were_lifted_and_turned() -> None:
+    session = Session(None)
+    asked(session, "open", example="falling_rod")
+    run = finished(session)["run"]
+    result = session.runs.result(run)
+    before = asked(session, "energies", run=run, t=0.3)
+    # it falls freely: what the weight gives is kinetic, m v^2/2 with v = g t
+    kinetic = 0.5 * (9.81 * 0.3) ** 2
+    assert [(s["name"], s["energy"]) for s in before["gives"]] == [
+        ("weight", pytest.approx(kinetic, rel=1e-7))
+    ]
+    assert before["takes"][0]["energy"] == pytest.approx(kinetic, rel=1e-7)
+    # beyond the impact all that the weight has given is somewhere, and the rotor has J w^2/2
+    after = asked(session, "energies", run=run, t=0.6)
+    given, taken = (sum(s["energy"] for s in after[side]) for side in ("gives", "takes"))
+    assert given == pytest.approx(taken, rel=1e-6)
+    rotor = next(s["energy"] for s in after["takes"] if s["name"] == "rotor")
+    assert rotor == pytest.approx(0.5 * 1.3 * result["w.f"].at(0.6) ** 2, rel=1e-7)
+    assert asked(session, "energies", run=run, t=0.0)["gives"] == []
+
+
 def test_the_phase_plane_of_an_oscillator_is_a_circle() -> None:
     session = Session(None)
     m = hb.Model("lc", domain="electrical")

@@ -59,6 +59,16 @@ def test_edits_on_the_page_change_the_model_in_place_and_its_runs_are_results(
         time.sleep(0.01)
     assert page.run is not None
     assert page.run["c.e"].at(2.0) == pytest.approx(10 * 2.718281828459045**-1, rel=1e-7)
+    # a sweep of a plan is a table: 10 V for 2 s over r C
+    factors = [{"path": "r", "values": "1 kohm, 4 kohm"}]
+    plan = {"factors": factors, "way": "grid", "collect": "final(c.e)"}
+    assert page.table is None
+    page.widget._handle_custom_msg({"id": 5, "ask": "plan begin", **plan}, [])
+    while len(page.table or ()) < 2 and time.monotonic() < end:
+        time.sleep(0.01)
+    expected = [10 * 2.718281828459045**x for x in (-2.0, -0.5)]
+    assert page.table is not None
+    assert page.table["final(c.e)"].tolist() == pytest.approx(expected, rel=1e-6)
     page.widget._handle_custom_msg(["what"], [])  # no message: nobody answers, nothing breaks
     assert "text/plain" in page._repr_mimebundle_()[0]
 

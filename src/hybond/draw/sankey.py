@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from hybond.draw.measure import shorten
 from hybond.draw.plots import new_figure, write_figure
@@ -14,6 +14,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+Share: TypeAlias = tuple[str, str, float]
+"""Name, kind and energy taken, J; negative if it was given."""
 _LEAST = 1e-4
 """Part of all energy below which a share is not drawn."""
 _GAP = 0.35
@@ -38,11 +40,7 @@ def draw_sankey(losses: Losses, *, title: str = "", path: Any = None) -> Figure:
     Figure
         What was lost in jumps is a ribbon of its own, beside what the same element dissipated.
     """
-    shares = [s for row in losses for s in _shares(row)]
-    most = sum(abs(e) for _, _, e in shares) / 2.0 or 1.0
-    seen = [s for s in shares if abs(s[2]) > _LEAST * most]
-    gives = sorted((s for s in seen if s[2] < 0.0), key=lambda s: s[2])
-    takes = sorted((s for s in seen if s[2] > 0.0), key=lambda s: -s[2])
+    gives, takes = shares_of(losses)
     total = max(sum(-s[2] for s in gives), sum(s[2] for s in takes)) or 1.0
     many = max(len(gives), len(takes), 1)
     tall = 1.6 + _GAP * many
@@ -69,8 +67,17 @@ def draw_sankey(losses: Losses, *, title: str = "", path: Any = None) -> Figure:
     return write_figure(figure, path)
 
 
-def _shares(row: Row) -> list[tuple[str, str, float]]:
-    """Return name, kind and energy taken (negative: given) of the shares of an element."""
+def shares_of(losses: Losses) -> tuple[list[Share], list[Share]]:
+    """Return who gave and who took, the largest first; what is too small to be seen is left out."""
+    shares = [s for row in losses for s in _shares(row)]
+    most = sum(abs(e) for _, _, e in shares) / 2.0 or 1.0
+    seen = [s for s in shares if abs(s[2]) > _LEAST * most]
+    gives = sorted((s for s in seen if s[2] < 0.0), key=lambda s: s[2])
+    return gives, sorted((s for s in seen if s[2] > 0.0), key=lambda s: -s[2])
+
+
+def _shares(row: Row) -> list[Share]:
+    """Return the shares of an element."""
     beside = row.dissipated + row.stored - row.supplied
     kind = row.kind
     if kind == "part":
@@ -83,9 +90,7 @@ def _shares(row: Row) -> list[tuple[str, str, float]]:
     return found
 
 
-def _side(
-    ax: Axes, shares: Sequence[tuple[str, str, float]], unit: str, scale: float, *, left: bool
-) -> None:
+def _side(ax: Axes, shares: Sequence[Share], unit: str, scale: float, *, left: bool) -> None:
     """Draw the ribbons of one side, the largest at the top."""
     outer, inner = 0.0, 0.0
     edge = _LEFT if left else _RIGHT

@@ -4,28 +4,25 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from hybond.draw.measure import shorten
 from hybond.draw.plots import new_figure, write_figure
 from hybond.draw.scales import axis_scale
+from hybond.sweep.spread import Spread
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-SHOWN = 40
-"""Members that are drawn."""
 INK = "#1f5fa8"
 
 
-def draw_family(table: Any, curve: str, *, path: Any = None) -> Figure:
+def draw_family(table: Any, found: Spread, *, path: Any = None) -> Figure:
     """Draw a curve of all members of a sweep.
 
     Parameters
     ----------
     table : SweepTable
-    curve : str
-        ``curve(x, 101)``, as it was collected.
+    found : Spread
+        Of one of its curves.
     path : path, optional
         Write the figure to this file too.
 
@@ -33,23 +30,20 @@ def draw_family(table: Any, curve: str, *, path: Any = None) -> Figure:
     -------
     Figure
     """
-    t, (low, lower, median, upper, high) = table.quantiles(curve)
+    low, lower, median, upper, high = found.bands
     factor, time_label = axis_scale("s", table.job.until, least=0.5)
-    x = t * factor
+    x = found.t * factor
     figure = new_figure((7.4, 3.6), interactive=path is None)
     ax = figure.add_axes((0.11, 0.14, 0.66, 0.74))
-    members = set(np.linspace(0, len(table) - 1, min(SHOWN, len(table))).astype(int).tolist())
-    for part in table.parts():
-        for k in sorted(members & set(range(part.first, part.last))):
-            ax.plot(x, part.columns[curve][k - part.first], color="#8a8a8a", lw=0.5, alpha=0.5)
+    for row in found.curves:
+        ax.plot(x, row, color="#8a8a8a", lw=0.5, alpha=0.5)
     ax.fill_between(x, low, high, color=INK, alpha=0.18, lw=0.0, label="5 to 95 %")
     ax.fill_between(x, lower, upper, color=INK, alpha=0.3, lw=0.0, label="25 to 75 %")
     ax.plot(x, median, color=INK, lw=1.6, label="median")
-    ax.plot([], [], color="#8a8a8a", lw=0.5, label=f"{len(members)} of {len(table)} runs")
+    ax.plot([], [], color="#8a8a8a", lw=0.5, label=f"{len(found.members)} of {len(table)} runs")
     ax.set_xlim(x[0], x[-1])
     ax.set_xlabel(f"time [{time_label}]", fontsize=9.5)
-    signal = next(c for c in table.collectors if c.text == curve)
-    named = f"{signal.signal} [{signal.unit}]" if signal.unit else signal.signal
+    named = f"{found.signal} [{found.unit}]" if found.unit else found.signal
     ax.set_ylabel(shorten(named, 9.5, 240.0), fontsize=9.5, parse_math=False)
     ax.tick_params(labelsize=8)
     ax.grid(visible=True, axis="y", color="#e6e6e6", linewidth=0.6)

@@ -80,6 +80,22 @@ def phase_of(session: Session, message: Mapping[str, Any]) -> Message:
     return phase(run, x, y, float(message["t0"]), float(message["t1"]))
 
 
+def energies(session: Session, message: Mapping[str, Any]) -> Message:
+    """Return who gave energy and who took it from the start of a run to a time."""
+    from hybond.draw.sankey import shares_of
+
+    run = session.runs.result(message.get("run"))
+    t = float(message["t"])
+    if t <= run.t_begin:  # where nothing has flowed yet
+        return {"gives": [], "takes": [], "start": run.t_begin, "end": run.t_begin}
+    found = run.losses(end=t, depth=1)
+    gives, takes = (
+        [{"name": n, "kind": kind, "energy": abs(e)} for n, kind, e in side]
+        for side in shares_of(found)
+    )
+    return {"gives": gives, "takes": takes, "start": found.start, "end": found.end}
+
+
 def events_of(session: Session, message: Mapping[str, Any]) -> Message:
     """Return some events of a run."""
     run = session.runs.result(message.get("run"))

@@ -11,6 +11,7 @@ from typing import Any
 
 from hybond.errors import HybondError, UsageError
 from hybond.model.builder import Model
+from hybond.model.parts import Value
 from hybond.result import Result
 from hybond.runs.ends import Until
 from hybond.simulation import simulate
@@ -43,12 +44,15 @@ class Running:
     wanted: tuple[str, ...] = ()
     """Signals that are plotted while it goes on."""
     wide: int = 800
+    parameters: Mapping[str, Value] = field(default_factory=dict)
+    """Of this run alone, beside those of the model."""
     began: float = field(default_factory=time.monotonic)
     took: float = 0.0
 
     def summary(self) -> dict[str, Any]:
         """Return what the list of runs shows."""
         found: dict[str, Any] = {"run": self.number, "title": self.title, "took": self.took}
+        found["own"] = bool(self.parameters)
         if self.result is not None:
             run = self.result
             found |= {
@@ -102,8 +106,12 @@ class Runs:
         revision: int = 0,
         wanted: Sequence[str] = (),
         wide: int = 800,
+        parameters: Mapping[str, Value] | None = None,
+        title: str = "",
     ) -> Running:
         """Begin a run; what is running is cancelled. `wanted` is plotted while it goes on.
+
+        Values of `parameters` are those of this run alone.
 
         Raises
         ------
@@ -122,9 +130,12 @@ class Runs:
         self.cancel()
         with self._lock:
             self._count += 1
-            title = model.title or model.name
+            title = title or model.title or model.name
             running = Running(
-                self._count, title, until, revision, wanted=tuple(wanted[:8]), wide=wide
+                *(self._count, title, until, revision),
+                wanted=tuple(wanted[:8]),
+                wide=wide,
+                parameters=dict(parameters or {}),
             )
             self.current = running
         thread = threading.Thread(
@@ -204,7 +215,13 @@ class Runs:
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")
-                result = simulate(model, running.until, watch=watch, on_error="return", **options)
+                result = simulate(
+                    *(model, running.until),
+                    parameters=running.parameters,
+                    watch=watch,
+                    on_error="return",
+                    **options,
+                )
             error = result.error
         except HybondError as refusal:
             error, result = refusal, refusal.partial

@@ -16,12 +16,13 @@ from hybond.errors import FileError, HybondError, UsageError
 from hybond.files.examples import examples_folder, models_in
 from hybond.files.toml_text import toml_text
 from hybond.model.graph import FlatGraph, Mode
-from hybond.studio import of_models, of_runs
+from hybond.studio import of_models, of_plans, of_runs
 from hybond.studio.document import EMPTY, Document, Lock
 from hybond.studio.edits import apply, cut_out
 from hybond.studio.journal import Journal
 from hybond.studio.levels import level_of, table
 from hybond.studio.places import Shown
+from hybond.studio.planned import Plans
 from hybond.studio.problems import problem_of, problems
 from hybond.studio.runs import Runs
 from hybond.studio.strokes import Meaning, meaning, mode_of, strokes
@@ -78,6 +79,7 @@ class Session:
         self.lock: Lock | None = None
         self.runs = Runs(self.tell)
         self.sweeps = Sweeps(self.tell)
+        self.plans = Plans(self.tell)
         self.document = self._open(file, text)
 
     # -- who listens
@@ -128,6 +130,7 @@ class Session:
         """Write what is left, stop what runs, let another write."""
         self.runs.cancel()
         self.sweeps.cancel()
+        self.plans.cancel()
         with self._busy:
             self.document.close()
             if self.lock is not None:
@@ -299,6 +302,7 @@ class Session:
             self._take(self._open(self._inside(str(message["file"])), EMPTY))
         else:
             self._take(self._open(None, EMPTY))
+        self.plans.forget()
         return self._changed(message)
 
     def save_as(self, message: Mapping[str, Any]) -> Message:
@@ -463,6 +467,16 @@ ASKS: dict[str, Callable[[Session, Mapping[str, Any]], Message]] = {
     "curves": of_runs.curves_of,
     "phase": of_runs.phase_of,
     "events": of_runs.events_of,
+    "energies": of_runs.energies,
     "cursor": of_runs.cursor,
+    "plan words": of_plans.words,
+    "plan look": of_plans.look,
+    "plan begin": of_plans.begin,
+    "plan state": of_plans.state,
+    "plan cancel": of_plans.cancel,
+    "plan view": of_plans.seen,
+    "plan member": of_plans.member,
+    "plan open": of_plans.open_member,
+    "plan csv": of_plans.csv,
 }
 """What may be asked."""

@@ -140,6 +140,8 @@ def skeleton(data: Data) -> Data:
 def strokes(known: Meaning, mode: Mode | None, path: str) -> dict[str, Any]:
     """Return the strokes of the bonds of a level, and what is OFF or in derivative causality.
 
+    A part is OFF when every junction in it that is switched is.
+
     Bonds are told by the numbers of their chain and arrow where the graph is the model, and by
     their ends where it is what can be told of it.
     """
@@ -174,8 +176,14 @@ def strokes(known: Meaning, mode: Mode | None, path: str) -> dict[str, Any]:
     own = () if path or known.model is None else known.model.elements
     arrays = {base_of(key): key for key in own if is_array(key)}
     start = f"{path}." if path else ""
+    switched: dict[str, list[bool]] = {}
     for symbol in shown.symbols:
-        if not symbol.path.startswith(start) or "." in symbol.path[len(start) :]:
+        if not symbol.path.startswith(start):
+            continue
+        if "." in symbol.path[len(start) :]:
+            if symbol.controlled:
+                part = steps(symbol.path[len(start) :])[0]
+                switched.setdefault(part, []).append(symbol.off)
             continue
         about = {
             "off": symbol.off,
@@ -191,6 +199,11 @@ def strokes(known: Meaning, mode: Mode | None, path: str) -> dict[str, Any]:
             # the first member is shown for all, its value is not that of all
             one = {k: v for k, v in told.items() if k != "says"}
             nodes[arrays.pop(base_of(name))] = one
+    for name, off in switched.items():  # a part is OFF when all that is switched in it is
+        if all(off):
+            nodes[name] = {"off": True}
+            if base_of(name) in arrays:
+                nodes[arrays.pop(base_of(name))] = {"off": True}
     conflicts = [] if _decided_by_laws(graph) else causality.conflicts
     return {
         "bonds": bonds,

@@ -14,6 +14,7 @@ from hybond.studio.session import Session
 
 if TYPE_CHECKING:
     from hybond.result import Result
+    from hybond.sweep.table import SweepTable
 
 
 class Studio:
@@ -25,6 +26,8 @@ class Studio:
         What is edited: the object that was given, changed in place whenever the text is a model.
     run : Result or None
         The last run made on the page.
+    table : SweepTable or None
+        What is done of the last sweep of a plan that was made on the page.
     widget : anywidget.AnyWidget
         What the notebook shows.
     """
@@ -43,6 +46,12 @@ class Studio:
         """The last finished run."""
         kept = [r.result for r in self.session.runs.kept.values() if r.result is not None]
         return kept[-1] if kept else None
+
+    @property
+    def table(self) -> SweepTable | None:
+        """The table of the last sweep, as far as it is."""
+        planned = self.session.plans.current
+        return None if planned is None else planned.table()
 
     def _taken(self, text: str) -> None:
         """Make the model what the text says; one that says none leaves it as it was."""

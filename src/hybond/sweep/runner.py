@@ -47,6 +47,8 @@ class Runner:
         Threads.
     runs : Path, optional
         Where full runs go.
+    look : callable, optional
+        Called now and then, in any thread, while members run; raises KeyboardInterrupt to stop.
 
     Raises
     ------
@@ -54,8 +56,15 @@ class Runner:
         For what is wrong with every member: a collector, a path, an option.
     """
 
-    def __init__(self, job: Job, workers: int, runs: Path | None = None) -> None:
-        self.job, self.workers, self.runs = job, workers, runs
+    def __init__(
+        self,
+        job: Job,
+        workers: int,
+        runs: Path | None = None,
+        *,
+        look: Callable[[], object] | None = None,
+    ) -> None:
+        self.job, self.workers, self.runs, self._look = job, workers, runs, look
         self.graph, self.collectors = checked(job)
         self._numbers = [f for f in job.plan.factors if f.is_number]
         model, self._of = lifted(job.model, [*(f.path for f in self._numbers)])
@@ -185,7 +194,11 @@ class Runner:
             left.append(own[here][~plain])
 
         workers = min(self.workers, len(own))
-        in_threads(family.model, family.looked, self._t, numbers, workers, keep, modes=self._modes)
+        in_threads(
+            *(family.model, family.looked, self._t, numbers, workers, keep),
+            modes=self._modes,
+            look=self._look,
+        )
         return members[~fits], np.concatenate(left)
 
     # -- as ordinary runs
@@ -198,6 +211,8 @@ class Runner:
         def look(*_: object) -> None:
             if stopped.is_set():
                 raise KeyboardInterrupt
+            if self._look is not None:
+                self._look()
 
         def one(k: int) -> None:
             if not stopped.is_set():
@@ -206,6 +221,7 @@ class Runner:
         if self.workers == 1 or len(members) == 1:
             for k in members:
                 one(k)
+                work.tell()
             return
         with ThreadPoolExecutor(self.workers) as pool:
             found = [pool.submit(one, k) for k in members]
@@ -331,8 +347,6 @@ class _Work:
             elif warned:
                 self.said[k] = ("", "", "", warned)
             self._new += 1
-        if threading.current_thread() is threading.main_thread():
-            self.tell()
 
     def warned(self, members: NDArray[np.intp], warnings: Sequence[str]) -> None:
         """Note what the library says of all members of a family."""

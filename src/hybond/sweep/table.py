@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 
 from hybond.errors import UsageError
 from hybond.files.whole import whole
+from hybond.model.builder import Model
+from hybond.model.parts import Value
 from hybond.names import did_you_mean
 from hybond.result import Result
 from hybond.simulation import simulate
@@ -20,6 +22,7 @@ from hybond.sweep.collect import Collector
 from hybond.sweep.job import Job
 from hybond.sweep.part import Part
 from hybond.sweep.views import Views
+from hybond.units import DIMENSIONLESS, Dimension, try_quantity
 
 Vector = NDArray[np.float64]
 OWN = ("status", "t_end", "code", "message", "warnings")
@@ -132,7 +135,8 @@ class SweepTable(Views):
             return "s"
         for factor in self.plan.factors:
             if factor.path == name:
-                return "" if factor.dimension is None else str(factor.dimension)
+                dimension = factor.dimension or _written(self.job.model, name)
+                return "" if dimension is None else str(dimension)
         return next((c.unit for c in self.collectors if c.text == name), "")
 
     def _of_part(self, part: Part, name: str) -> Any:
@@ -163,8 +167,19 @@ class SweepTable(Views):
                 found[f"{status} ({code})" if code else status] += 1
         return dict(sorted(found.items(), key=lambda item: (-item[1], item[0])))
 
-    def run(self, member: int) -> Result:
-        """Run a member again, and return all of it; an error is in ``result.error``.
+    def rows(self, first: int, last: int) -> list[list[Any]]:
+        """Return the rows of members `first` to `last` - 1 that are there, cells by `columns`."""
+        found: list[list[Any]] = []
+        for a, b in self._ranges:
+            here = slice(max(first - a, 0), max(min(last, b) - a, 0))
+            if here.start < here.stop and a < last and b > first:
+                part = self._read(a, b)
+                columns = [self._cells(part, name)[here] for name in self.columns]
+                found += map(list, zip(*columns, strict=True))
+        return found
+
+    def parameters(self, member: int) -> dict[str, Value]:
+        """Return what a member is run with, as ``parameters=`` of `hybond.simulate`.
 
         Raises
         ------
@@ -180,9 +195,19 @@ class SweepTable(Views):
             )
         rows = self.plan.rows(member, member + 1)
         given = {p: v[0] if isinstance(v, list) else float(v[0]) for p, v in rows.items()}
+        return {**self.job.fixed, **given}
+
+    def run(self, member: int) -> Result:
+        """Run a member again, and return all of it; an error is in ``result.error``.
+
+        Raises
+        ------
+        UsageError
+            HB-P109 for a member that there is not.
+        """
         return simulate(
             *(self.job.model, self.job.whole_until),
-            parameters={**self.job.fixed, **given},
+            parameters=self.parameters(member),
             on_error="return",
             **self.job.options,
         )
@@ -235,6 +260,13 @@ class SweepTable(Views):
         some = "" if len(self) == len(self.plan) else f"{len(self)} of "
         whole_plan = f"{some}{len(self.plan)} members, {self.plan.way} of"
         return f"<SweepTable {self.title!r}: {whole_plan} {', '.join(self.plan.paths)}, {how}>"
+
+
+def _written(model: Model, path: str) -> Dimension | None:
+    """Return the dimension that the model gives a parameter; numbers without a unit have it."""
+    value = model.parameters.get(path)
+    quantity = try_quantity(value) if isinstance(value, str) else None
+    return None if quantity is None or quantity.dimension == DIMENSIONLESS else quantity.dimension
 
 
 def _said(part: Part, k: int, name: str) -> str:

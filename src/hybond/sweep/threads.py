@@ -45,6 +45,7 @@ def in_threads(
     keep: Callable[[int, Ran], None],
     *,
     modes: bool = False,
+    look: Callable[[], object] | None = None,
 ) -> None:
     """Run members; hand those that are done to `keep`, with the number of the first.
 
@@ -63,11 +64,13 @@ def in_threads(
         Called in this thread.
     modes : bool
         Whether the modes that were written are kept.
+    look : callable, optional
+        Called in this thread, ten times a second at the least; may raise KeyboardInterrupt.
 
     Raises
     ------
     KeyboardInterrupt
-        At Ctrl-C, soon; the threads have ended.
+        At Ctrl-C, soon, or from `look`; the threads have ended.
     MemoryError
     """
     stop = ctypes.c_int(0)
@@ -99,6 +102,8 @@ def in_threads(
             threads[-1][0].start()
         left = workers
         while left:
+            if look is not None:
+                look()
             try:
                 done = found.get(timeout=WAITING)
             except Empty:

@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 from hybond.errors import UsageError
 from hybond.names import did_you_mean
 from hybond.sweep.indices import SobolIndices, sobol_indices
+from hybond.sweep.maps import map_of
+from hybond.sweep.spread import spread_of
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -27,18 +29,18 @@ class Views:
     """Maps, families, tornados and indices; `SweepTable` is the only one that has them."""
 
     def plot_map(self, x: str, y: str, value: str, *, path: str | Path | None = None) -> Any:
-        """Draw an outcome, a number or a text such as ``sequence``, over two factors.
+        """Draw an outcome, a number or a text such as ``sequence``, over two columns.
 
-        A grid of the two is drawn as cells, anything else as points.
+        A grid of two factors is drawn as cells, anything else, as two outcomes, as points.
 
         Raises
         ------
         UsageError
-            HB-P109 for a column that there is not; HB-P113 for factors that are no numbers.
+            HB-P109 for a column that there is not; HB-P113 for columns that are no numbers.
         """
         from hybond.draw.sweep_maps import draw_map
 
-        return draw_map(_table(self), x, y, value, path=path)
+        return draw_map(_table(self), map_of(_table(self), x, y, value), path=path)
 
     def quantiles(self, curve: str, at: tuple[float, ...] = BANDS) -> tuple[Vector, Vector]:
         """Return times, and quantiles of a curve over the members, shape (quantiles, times).
@@ -67,8 +69,7 @@ class Views:
         """Draw a family of curves, ``curve(x, 101)``: some members, and bands of quantiles."""
         from hybond.draw.sweep_curves import draw_family
 
-        _curve(_table(self), curve)
-        return draw_family(_table(self), curve, path=path)
+        return draw_family(_table(self), spread_of(_table(self), curve), path=path)
 
     def tornado(self, value: str) -> list[tuple[str, float, float, float, float]]:
         """Return of each factor its ends and the outcomes there, the largest swing first.

@@ -42,7 +42,7 @@ function C(e, t) {
 }
 function w(t) {
 	var n, r = t.__v, i = r.__e, a = [], o = [], s = t.__P;
-	s && ((n = g({ constructor: u }, r)).__v = r.__v + 1, e.vnode && e.vnode(n), ne(s, n, r, t.__n, s.namespaceURI, 32 & r.__u ? [i] : null, a, i || C(r), 32 & r.__u, o), n.__v = r.__v, n.__.__k[n.__i] = n, N(a, n, o), r.__ = r.__e = null, n.__e != i && T(n));
+	s && ((n = g({ constructor: u }, r)).__v = r.__v + 1, e.vnode && e.vnode(n), re(s, n, r, t.__n, s.namespaceURI, 32 & r.__u ? [i] : null, a, i || C(r), 32 & r.__u, o), n.__v = r.__v, n.__.__k[n.__i] = n, M(a, n, o), r.__ = r.__e = null, n.__e != i && T(n));
 }
 function T(e) {
 	if ((e = e.__) && e.__c && !e.props.__P) return e.__e = null, e.__k.some(function(t) {
@@ -61,7 +61,7 @@ function D() {
 }
 function O(e, t, n, r, i, a, o, s, c, l, u) {
 	var p, m, h, g, _, v, y = r.__k || f, b = t.length;
-	for (c = k(n, t, y, c, b), p = 0; p < b; p++) (h = n.__k[p]) != null && (m = ~h.__i && y[h.__i] || d, h.__i = p, v = ne(e, h, m, i, a, o, s, c, l, u), g = h.__e, (m.ref != h.ref || 8 & m.__u) && (m.ref && F(m.ref, null, h, m), h.ref && u.push(h.ref, h.__c || g, h)), _ ||= g, 4 & h.__u ? (c = A(h, c, e, !m.__v), m.__e && (m.__e = null)) : typeof h.type == "function" && v !== void 0 ? c = v : g && (c = g.nextSibling), h.__u &= -21);
+	for (c = k(n, t, y, c, b), p = 0; p < b; p++) (h = n.__k[p]) != null && (m = ~h.__i && y[h.__i] || d, h.__i = p, v = re(e, h, m, i, a, o, s, c, l, u), g = h.__e, (m.ref != h.ref || 8 & m.__u) && (m.ref && P(m.ref, null, h, m), h.ref && u.push(h.ref, h.__c || g, h)), _ ||= g, 4 & h.__u ? (c = A(h, c, e, !m.__v), m.__e && (m.__e = null)) : typeof h.type == "function" && v !== void 0 ? c = v : g && (c = g.nextSibling), h.__u &= -21);
 	return n.__e = _, c;
 }
 function k(e, t, n, r, i) {
@@ -74,7 +74,7 @@ function k(e, t, n, r, i) {
 		}
 		for (v = d.length; a--;) f[a] && (f[a] == v ? v-- : S[a].__u |= 4);
 	}
-	if (_) for (a = 0; a < g; a++) !(s = n[a]) || 2 & s.__u || (s.__e == r && (r = C(s)), ae(s, s));
+	if (_) for (a = 0; a < g; a++) !(s = n[a]) || 2 & s.__u || (s.__e == r && (r = C(s)), oe(s, s));
 	return r;
 }
 function A(e, t, n, r) {
@@ -97,18 +97,18 @@ function j(e, t, n, r) {
 	}
 	return -1;
 }
-function M(e, t, n) {
+function ee(e, t, n) {
 	n ??= "", t[0] == "-" ? e.setProperty(t, n) : e[t] = n;
 }
-function ee(e, t, n, r, i) {
+function te(e, t, n, r, i) {
 	var a, o;
 	if (t == "style") {
 		if (typeof n == "string") e.style.cssText = n;
 		else {
-			if (typeof r == "string" && (e.style.cssText = r = ""), r) for (t in r) n && t in n || M(e.style, t);
-			if (n) for (t in n) r && n[t] == r[t] || M(e.style, t, n[t]);
+			if (typeof r == "string" && (e.style.cssText = r = ""), r) for (t in r) n && t in n || ee(e.style, t);
+			if (n) for (t in n) r && n[t] == r[t] || ee(e.style, t, n[t]);
 		}
-	} else if (t[0] == "o" && t[1] == "n") typeof n != "function" && (n = null), typeof r != "function" && (r = null), (e.__e ||= {})[t] = n, n && r || (o = l[t] || (l[t] = te(t)), (e.__a ||= {})[t] = c, a = t != (t = t.replace(s, "$1")), (t = t.slice(2))[0] < "a" && (t = t.toLowerCase()), n ? e.addEventListener(t, o, a) : e.removeEventListener(t, o, a));
+	} else if (t[0] == "o" && t[1] == "n") typeof n != "function" && (n = null), typeof r != "function" && (r = null), (e.__e ||= {})[t] = n, n && r || (o = l[t] || (l[t] = ne(t)), (e.__a ||= {})[t] = c, a = t != (t = t.replace(s, "$1")), (t = t.slice(2))[0] < "a" && (t = t.toLowerCase()), n ? e.addEventListener(t, o, a) : e.removeEventListener(t, o, a));
 	else {
 		if (i == "http://www.w3.org/2000/svg") t = t.replace(/xlink(H|:h)/, "h").replace(/sName$/, "s");
 		else if (t != "width" && t != "height" && t != "href" && t != "list" && t != "form" && t != "tabIndex" && t != "download" && t != "rowSpan" && t != "colSpan" && t != "role" && t != "popover" && t in e) try {
@@ -119,7 +119,7 @@ function ee(e, t, n, r, i) {
 		n == null || !1 === n && t[4] != "-" ? e.removeAttribute(t) : e.setAttribute(t, t == "popover" && n == 1 ? "" : n);
 	}
 }
-function te(t) {
+function ne(t) {
 	return function(n) {
 		var r = this.__e;
 		if (r) {
@@ -129,15 +129,15 @@ function te(t) {
 		}
 	};
 }
-function ne(t, n, r, i, a, o, s, c, l, d) {
-	var p, h, v, y, b, w, T, E, D, k, A, j, M, ee, te, ne, N, F, L = n.type;
+function re(t, n, r, i, a, o, s, c, l, d) {
+	var p, h, v, y, b, w, T, E, D, k, A, j, ee, te, ne, re, M, P, I = n.type;
 	if (n.constructor !== u) return null;
-	128 & r.__u && (l = 32 & r.__u, p = r.__c.__z) && (n.__u |= l, h = o = [], p.nodeType == 8 ? c = re(p, o) : o.push(p), c = o[0] || c), (p = e.__b) && p(n);
-	n: if (typeof L == "function") {
+	128 & r.__u && (l = 32 & r.__u, p = r.__c.__z) && (n.__u |= l, h = o = [], p.nodeType == 8 ? c = ie(p, o) : o.push(p), c = o[0] || c), (p = e.__b) && p(n);
+	n: if (typeof I == "function") {
 		v = s.length;
 		try {
-			if (E = n.props, D = (p = L.prototype) && p.render, k = (p = L.contextType) && i[p.__c], A = p ? k ? k.props.value : p.__ : i, (y = r.__c) ? (n.__c = y, 2 & y.__g && (y.__g |= 1)) : (D ? n.__c = y = new L(E, A) : (n.__c = y = new S(E, A), y.constructor = L, y.render = I), k && k.sub(y), y.state || (y.state = {}), y.__n = i, y.__g |= 8, y.__h = [], y.__k = []), D && (y.__s || (y.__s = y.state), L.getDerivedStateFromProps && (y.__s == y.state && (y.__s = g({}, y.__s)), g(y.__s, L.getDerivedStateFromProps(E, y.__s)))), b = y.props, w = y.state, y.__v = n, r.__c) {
-				if (E !== b && D && !L.getDerivedStateFromProps && y.componentWillReceiveProps && y.componentWillReceiveProps(E, A), n.__v == r.__v && !(8 & y.__g) || !(4 & y.__g) && y.shouldComponentUpdate && !1 === y.shouldComponentUpdate(E, y.__s, A)) {
+			if (E = n.props, D = (p = I.prototype) && p.render, k = (p = I.contextType) && i[p.__c], A = p ? k ? k.props.value : p.__ : i, (y = r.__c) ? (n.__c = y, 2 & y.__g && (y.__g |= 1)) : (D ? n.__c = y = new I(E, A) : (n.__c = y = new S(E, A), y.constructor = I, y.render = F), k && k.sub(y), y.state || (y.state = {}), y.__n = i, y.__g |= 8, y.__h = [], y.__k = []), D && (y.__s || (y.__s = y.state), I.getDerivedStateFromProps && (y.__s == y.state && (y.__s = g({}, y.__s)), g(y.__s, I.getDerivedStateFromProps(E, y.__s)))), b = y.props, w = y.state, y.__v = n, r.__c) {
+				if (E !== b && D && !I.getDerivedStateFromProps && y.componentWillReceiveProps && y.componentWillReceiveProps(E, A), n.__v == r.__v && !(8 & y.__g) || !(4 & y.__g) && y.shouldComponentUpdate && !1 === y.shouldComponentUpdate(E, y.__s, A)) {
 					n.__v != r.__v && (y.props = E, y.state = y.__s, y.__g &= -9), n.__e = r.__e, n.__k = r.__k, n.__k.some(function(e) {
 						e && (e.__ = n);
 					}), f.push.apply(y.__h, y.__k), y.__k = [], y.__h.length && s.push(y), c = C(r);
@@ -146,41 +146,41 @@ function ne(t, n, r, i, a, o, s, c, l, d) {
 				y.componentWillUpdate && y.componentWillUpdate(E, y.__s, A), D && y.componentDidUpdate && y.__h.push(function() {
 					y.componentDidUpdate(b, w, T);
 				});
-			} else D && !L.getDerivedStateFromProps && y.componentWillMount && y.componentWillMount(), D && y.componentDidMount && y.__h.push(y.componentDidMount);
-			y.context = A, y.props = E, y.__P = t, y.__g &= -5, j = e.__r, M = D ? 25 : 0;
+			} else D && !I.getDerivedStateFromProps && y.componentWillMount && y.componentWillMount(), D && y.componentDidMount && y.__h.push(y.componentDidMount);
+			y.context = A, y.props = E, y.__P = t, y.__g &= -5, j = e.__r, ee = D ? 25 : 0;
 			do
 				y.__g &= -9, j && j(n), p = y.render(y.props, y.state = y.__s, y.context);
-			while (8 & y.__g && ++M < 25);
-			D && (f.push.apply(y.__h, y.__k), y.__k = []), y.state = y.__s, y.getChildContext && (i = g({}, i, y.getChildContext())), D && r.__c && y.getSnapshotBeforeUpdate && (T = y.getSnapshotBeforeUpdate(b, w)), ee = p && p.type === x && p.key == null ? p.props.children : p, E.__P && (p = c, a = (t = E.__P).namespaceURI, l = o = null, r.props && r.props.__P != t && (r.__k.some(function(e) {
-				e && ae(e, e);
-			}), r.__k = null), c = r.__k ? C(r, 0) : null), c = O(t, m(ee) ? ee : [ee], n, r, i, a, o, s, c, l, d), E.__P && (n.__e = null, c = p), n.__u &= -161, h && h.some(_), y.__h.length && s.push(y), 1 & y.__g && (y.__g &= -4);
+			while (8 & y.__g && ++ee < 25);
+			D && (f.push.apply(y.__h, y.__k), y.__k = []), y.state = y.__s, y.getChildContext && (i = g({}, i, y.getChildContext())), D && r.__c && y.getSnapshotBeforeUpdate && (T = y.getSnapshotBeforeUpdate(b, w)), te = p && p.type === x && p.key == null ? p.props.children : p, E.__P && (p = c, a = (t = E.__P).namespaceURI, l = o = null, r.props && r.props.__P != t && (r.__k.some(function(e) {
+				e && oe(e, e);
+			}), r.__k = null), c = r.__k ? C(r, 0) : null), c = O(t, m(te) ? te : [te], n, r, i, a, o, s, c, l, d), E.__P && (n.__e = null, c = p), n.__u &= -161, h && h.some(_), y.__h.length && s.push(y), 1 & y.__g && (y.__g &= -4);
 		} catch (t) {
 			if (s.length = v, n.__v = null, l || o) {
 				if (t && t.then) {
 					if (n.__u |= 128 | l, o) {
-						for (~(N = o.indexOf(c || void 0)) || (N = o.length); (F = o[N - 1]) && F.nodeType == 8;) N--;
-						for (; N < o.length; N++) if (F = o[N]) {
-							if (o[N] = null, te) {
-								if (F == ne) break;
+						for (~(M = o.indexOf(c || void 0)) || (M = o.length); (P = o[M - 1]) && P.nodeType == 8;) M--;
+						for (; M < o.length; M++) if (P = o[M]) {
+							if (o[M] = null, ne) {
+								if (P == re) break;
 							} else {
-								if (F.nodeType != 8) break;
-								F.data.startsWith("$s") && (ne = re(te = F));
+								if (P.nodeType != 8) break;
+								P.data.startsWith("$s") && (re = ie(ne = P));
 							}
 						}
 					}
-					if (!te) {
+					if (!ne) {
 						for (; c && c.nodeType == 8 && c.nextSibling;) c = c.nextSibling;
-						te = c;
+						ne = c;
 					}
-					(p = re(te = n.__c.__z || (n.__c.__z = te))) ? (n.__e = te, c = p) : n.__e = c, c &&= c.nextSibling;
+					(p = ie(ne = n.__c.__z || (n.__c.__z = ne))) ? (n.__e = ne, c = p) : n.__e = c, c &&= c.nextSibling;
 				} else o && o.some(_);
 			} else n.__e = r.__e;
-			n.__k ||= r.__k || [], t && t.then || ie(n), e.__e(t, n, r);
+			n.__k ||= r.__k || [], t && t.then || ae(n), e.__e(t, n, r);
 		}
-	} else c = n.__e = P(r.__e, n, r, i, a, o, s, l, d, t);
+	} else c = n.__e = N(r.__e, n, r, i, a, o, s, l, d, t);
 	return (p = e.diffed) && p(n), c;
 }
-function re(e, t) {
+function ie(e, t) {
 	if (e && e.nodeType == 8 && e.data.startsWith("$s")) for (var n = 1; e = e.nextSibling;) {
 		if (e.nodeType == 8) {
 			if (e.data.startsWith("$s")) n++;
@@ -189,11 +189,11 @@ function re(e, t) {
 		t && t.push(e);
 	}
 }
-function ie(e) {
-	e && (e.__c && (e.__c.__g |= 4), e.__k && e.__k.some(ie));
+function ae(e) {
+	e && (e.__c && (e.__c.__g |= 4), e.__k && e.__k.some(ae));
 }
-function N(t, n, r) {
-	for (var i = 0; i < r.length;) F(r[i++], r[i++], r[i++]);
+function M(t, n, r) {
+	for (var i = 0; i < r.length;) P(r[i++], r[i++], r[i++]);
 	e.__c && e.__c(n, t), t.some(function(n) {
 		try {
 			t = n.__h, n.__h = [], t.some(function(e) {
@@ -204,7 +204,7 @@ function N(t, n, r) {
 		}
 	});
 }
-function P(t, n, r, i, a, o, s, c, l, u) {
+function N(t, n, r, i, a, o, s, c, l, u) {
 	var f, g, v, y, b, x, S, w, T = r.props || d, E = n.props, D = n.type;
 	if (D == "svg" ? a = "http://www.w3.org/2000/svg" : D == "math" ? a = "http://www.w3.org/1998/Math/MathML" : a ||= "http://www.w3.org/1999/xhtml", o) {
 		for (f = 0; f < o.length; f++) if ((b = o[f]) && (D ? b.localName == D : b.nodeType == 3)) {
@@ -218,22 +218,22 @@ function P(t, n, r, i, a, o, s, c, l, u) {
 	}
 	if (D) {
 		if (u = D == "template" && t.content || t, o = D == "textarea" && E.defaultValue != null ? null : o && h.call(u.childNodes), !c && o) for (T = {}, f = 0; f < t.attributes.length; f++) T[(b = t.attributes[f]).name] = b.value;
-		for (f in T) b = T[f], f == "dangerouslySetInnerHTML" ? v = b : f == "children" || f in E || f == "value" && "defaultValue" in E || f == "checked" && "defaultChecked" in E || ee(t, f, null, b, a);
-		for (f in E) b = E[f], f == "children" ? y = b : f == "dangerouslySetInnerHTML" ? g = b : f == "value" ? x = b : f == "checked" ? S = b : c && typeof b != "function" || T[f] === b || ee(t, f, b, T[f], a);
-		g ? (c || v && (g.__html == v.__html || g.__html == t.innerHTML) || (t.innerHTML = g.__html), n.__k = []) : (v && (t.textContent = ""), (D == "foreignObject" || a == "http://www.w3.org/1998/Math/MathML" && p.test(D)) && (a = "http://www.w3.org/1999/xhtml"), O(u, m(y) ? y : [y], n, r, i, a, o, s, o ? o[0] : r.__k && C(r, 0), c, l), o && o.some(_)), c && D != "textarea" || (f = "value", D == "progress" && x == null ? t.removeAttribute(f) : x == null || x === t[f] && (D != "progress" || x) || ee(t, f, x, T[f], a), f = "checked", S != null && S != t[f] && ee(t, f, S, T[f], a));
+		for (f in T) b = T[f], f == "dangerouslySetInnerHTML" ? v = b : f == "children" || f in E || f == "value" && "defaultValue" in E || f == "checked" && "defaultChecked" in E || te(t, f, null, b, a);
+		for (f in E) b = E[f], f == "children" ? y = b : f == "dangerouslySetInnerHTML" ? g = b : f == "value" ? x = b : f == "checked" ? S = b : c && typeof b != "function" || T[f] === b || te(t, f, b, T[f], a);
+		g ? (c || v && (g.__html == v.__html || g.__html == t.innerHTML) || (t.innerHTML = g.__html), n.__k = []) : (v && (t.textContent = ""), (D == "foreignObject" || a == "http://www.w3.org/1998/Math/MathML" && p.test(D)) && (a = "http://www.w3.org/1999/xhtml"), O(u, m(y) ? y : [y], n, r, i, a, o, s, o ? o[0] : r.__k && C(r, 0), c, l), o && o.some(_)), c && D != "textarea" || (f = "value", D == "progress" && x == null ? t.removeAttribute(f) : x == null || x === t[f] && (D != "progress" || x) || te(t, f, x, T[f], a), f = "checked", S != null && S != t[f] && te(t, f, S, T[f], a));
 	} else T === E || c && t.data == E || (t.data = E);
 	return t;
 }
-function F(t, n, r, i) {
+function P(t, n, r, i) {
 	try {
 		typeof t == "function" ? n ? n.__x = t(n) || 1 : (i &&= i.__c || i.__e) && (n = i.__x) && (i.__x = null, typeof n == "function" ? n() : t(null)) : t.current = n;
 	} catch (t) {
 		e.__e(t, r);
 	}
 }
-function ae(t, n, r) {
+function oe(t, n, r) {
 	var i, a, o, s;
-	if (e.unmount && e.unmount(t), !(i = t.ref) || i.current && i.current != t.__e || F(i, null, n, t), i = t.__c) {
+	if (e.unmount && e.unmount(t), !(i = t.ref) || i.current && i.current != t.__e || P(i, null, n, t), i = t.__c) {
 		if (i.componentWillUnmount) try {
 			i.componentWillUnmount();
 		} catch (t) {
@@ -241,15 +241,15 @@ function ae(t, n, r) {
 		}
 		i.__P = i.__n = null;
 	}
-	if (i = t.__k) for (s = 0; s < i.length; s++) i[s] && ae(i[s], n, typeof t.type != "function" || r && !t.props.__P);
-	!r && (i = t.__c) && (i = i.__z) && (a = re(i, o = [])) && (i == t.__e && o.some(_), _(a), _(i)), r || _(t.__e), t.__e = t.__c = t.__ = null;
+	if (i = t.__k) for (s = 0; s < i.length; s++) i[s] && oe(i[s], n, typeof t.type != "function" || r && !t.props.__P);
+	!r && (i = t.__c) && (i = i.__z) && (a = ie(i, o = [])) && (i == t.__e && o.some(_), _(a), _(i)), r || _(t.__e), t.__e = t.__c = t.__ = null;
 }
-function I(e, t, n) {
+function F(e, t, n) {
 	return this.constructor(e, n);
 }
-function L(t, n) {
+function I(t, n) {
 	var r, i, a, o;
-	e.__ && e.__(t, n), n.nodeType == 9 && (n = n.documentElement), i = (r = t && 32 & t.__u) ? null : n.__k, n.__k = y(x, { children: [t] }), a = [], o = [], ne(n, n.__k, i || d, d, n.namespaceURI, i ? null : n.firstChild ? h.call(n.childNodes) : null, a, i ? i.__e : n.firstChild, r, o), N(a, n.__k, o), n.__k.props.children = null;
+	e.__ && e.__(t, n), n.nodeType == 9 && (n = n.documentElement), i = (r = t && 32 & t.__u) ? null : n.__k, n.__k = y(x, { children: [t] }), a = [], o = [], re(n, n.__k, i || d, d, n.namespaceURI, i ? null : n.firstChild ? h.call(n.childNodes) : null, a, i ? i.__e : n.firstChild, r, o), M(a, n.__k, o), n.__k.props.children = null;
 }
 e = { __e: function(e, t, n, r) {
 	for (var a, o, s; t = t.__;) if ((a = t.__c) && !(1 & a.__g)) {
@@ -270,8 +270,8 @@ e = { __e: function(e, t, n, r) {
 	return e.__v.__b - t.__v.__b;
 }, o = Symbol(), s = /(PointerCapture)$|Capture$/i, c = 0, l = {};
 // src/geometry.ts
-var oe = (e) => /^[^.[]*(?:\[[^\]]*\])?/.exec(e)[0], se = 5.5, ce = 35 * Math.PI / 180;
-function le(e, t) {
+var se = (e) => /^[^.[]*(?:\[[^\]]*\])?/.exec(e)[0], ce = 5.5, le = 35 * Math.PI / 180;
+function ue(e, t) {
 	return {
 		x0: e.x0 - t,
 		y0: e.y0 - t,
@@ -279,7 +279,7 @@ function le(e, t) {
 		y1: e.y1 + t
 	};
 }
-function ue(e, [t, n]) {
+function de(e, [t, n]) {
 	let r = 0, i = 1, a = [[
 		t[0],
 		n[0] - t[0],
@@ -301,51 +301,51 @@ function ue(e, [t, n]) {
 	}
 	return r < i ? [r, i] : null;
 }
-function de(e, t) {
+function fe(e, t) {
 	let n = Math.hypot(e, t), r = -t / n, i = e / n;
 	return (Math.abs(e) >= Math.abs(t) ? i > 0 : r < 0) ? [r + 0, i + 0] : [-r + 0, -i + 0];
 }
-function fe(e, t, n, r, i = 0) {
+function pe(e, t, n, r, i = 0) {
 	let a = r[0] - n[0], o = r[1] - n[1], s = Math.hypot(a, o);
 	if (s === 0) return {
 		tail: n,
 		head: r,
 		barb: [r, r]
 	};
-	let [c, l] = de(a, o), u = [n[0] + i * c, n[1] + i * l], d = [r[0] + i * c, r[1] + i * l], f = ue(le(e, se), [u, d]), p = ue(le(t, se), [u, d]), m = f ? f[1] : 0, h = p ? p[0] : 1;
+	let [c, l] = fe(a, o), u = [n[0] + i * c, n[1] + i * l], d = [r[0] + i * c, r[1] + i * l], f = de(ue(e, ce), [u, d]), p = de(ue(t, ce), [u, d]), m = f ? f[1] : 0, h = p ? p[0] : 1;
 	h <= m && (m = .35, h = .65);
-	let g = [u[0] + m * a, u[1] + m * o], _ = [u[0] + h * a, u[1] + h * o], v = a / s, y = o / s, b = Math.min(11, .5 * s * (h - m)), x = b * Math.cos(ce), S = b * Math.sin(ce);
+	let g = [u[0] + m * a, u[1] + m * o], _ = [u[0] + h * a, u[1] + h * o], v = a / s, y = o / s, b = Math.min(11, .5 * s * (h - m)), x = b * Math.cos(le), S = b * Math.sin(le);
 	return {
 		tail: g,
 		head: _,
 		barb: [_, [_[0] - x * v + S * c, _[1] - x * y + S * l]]
 	};
 }
-function pe(e, t) {
+function me(e, t) {
 	let n = e.head[0] - e.tail[0], r = e.head[1] - e.tail[1];
 	if (n === 0 && r === 0) return [e.head, e.head];
-	let [i, a] = de(n, r), [o, s] = t ? e.head : e.tail, c = 15 / 2;
+	let [i, a] = fe(n, r), [o, s] = t ? e.head : e.tail, c = 15 / 2;
 	return [[o + c * i, s + c * a], [o - c * i, s - c * a]];
 }
-var me = /* @__PURE__ */ new Set([..."iljI|.,:;'!()[]{}/\\ ·‹›-ftr\"²³°"]), he = /* @__PURE__ */ new Set([..."mwMW@%…+=<>~ΩQOGD&→δ_"]);
-function ge(e, t, n = !1) {
+var he = /* @__PURE__ */ new Set([..."iljI|.,:;'!()[]{}/\\ ·‹›-ftr\"²³°"]), ge = /* @__PURE__ */ new Set([..."mwMW@%…+=<>~ΩQOGD&→δ_"]);
+function _e(e, t, n = !1) {
 	let r = 0;
-	for (let t of e) me.has(t) ? r += .42 : he.has(t) ? r += .88 : t !== t.toLowerCase() && t === t.toUpperCase() ? r += .7 : r += (t.codePointAt(0) ?? 0) < 11904 ? .64 : 1.05;
+	for (let t of e) he.has(t) ? r += .42 : ge.has(t) ? r += .88 : t !== t.toLowerCase() && t === t.toUpperCase() ? r += .7 : r += (t.codePointAt(0) ?? 0) < 11904 ? .64 : 1.05;
 	return r * t * (n ? 1.1 : 1);
 }
-var _e = .73;
-function ve(e, t, [n, r]) {
-	let i = Math.max(ge(e, 19, !0) / 2, 6);
+var ve = .73;
+function ye(e, t, [n, r]) {
+	let i = Math.max(_e(e, 19, !0) / 2, 6);
 	t && (i += 6);
 	let a = {
 		x0: n - i,
-		y0: r - _e * 19 / 2 - 1,
+		y0: r - ve * 19 / 2 - 1,
 		x1: n + i,
-		y1: r + _e * 19 / 2 + (t ? 3 : 1)
+		y1: r + ve * 19 / 2 + (t ? 3 : 1)
 	};
-	return t ? le(a, 2) : a;
+	return t ? ue(a, 2) : a;
 }
-function ye(e, t) {
+function be(e, t) {
 	let n = /* @__PURE__ */ new Set();
 	for (let [r, i] of t) {
 		let t = r - e[0], a = i - e[1];
@@ -353,10 +353,33 @@ function ye(e, t) {
 	}
 	return n;
 }
+// src/quantities.ts
+function xe(e, t = 4) {
+	if (e === null) return "—";
+	if (e === 0) return "0";
+	let n = Math.abs(e);
+	return n >= 1e5 || n < .001 ? e.toExponential(t - 1) : String(+e.toPrecision(t));
+}
+var Se = [
+	[1e9, "G"],
+	[1e6, "M"],
+	[1e3, "k"],
+	[1, ""],
+	[.001, "m"],
+	[1e-6, "µ"],
+	[1e-9, "n"],
+	[1e-12, "p"]
+];
+function L(e, t) {
+	if (e === null) return "—";
+	if (e === 0 || !/^[A-Za-zΩ]+$/.test(t) || t === "kg") return `${xe(e)} ${t}`.trim();
+	let [n, r] = Se.find(([t]) => Math.abs(e) >= t * (1 - 1e-9)) ?? Se[Se.length - 1];
+	return `${+(e / n).toPrecision(4)} ${r}${t}`.trim();
+}
 // node_modules/preact/jsx-runtime/dist/jsxRuntime.mjs
-var be = Symbol.for("pv"), xe = 0;
+var R = Symbol.for("pv"), Ce = 0;
 Array.isArray;
-function R(t, n, r, i, a, o) {
+function z(t, n, r, i, a, o) {
 	n ||= {};
 	var s, c, l = n;
 	if ("ref" in l && typeof t != "function") for (c in l = {}, n) c == "ref" ? s = n[c] : l[c] = n[c];
@@ -370,27 +393,27 @@ function R(t, n, r, i, a, o) {
 		__b: 0,
 		__e: null,
 		__c: null,
-		constructor: be,
-		__v: --xe,
+		constructor: R,
+		__v: --Ce,
 		__i: -1,
 		__u: 0
 	};
 	return (a || o) && (u.__source = a, u.__self = o), e.vnode && e.vnode(u), u;
 }
 // src/shapes.tsx
-var z = [100, 84];
-function Se(e, t) {
-	return [e * z[0], t * z[1]];
+var we = [100, 84];
+function Te(e, t) {
+	return [e * we[0], t * we[1]];
 }
-var Ce = 18;
-function we(e, t) {
+var Ee = 18;
+function De(e, t) {
 	return (e.ports ?? []).map((n, r) => {
 		let [i, a] = t.get(`${e.name}.${n}`) ?? [0, 0];
 		return Math.abs(i) < 1 && Math.abs(a) < 1 ? r % 2 ? "e" : "w" : Math.abs(a) > 1.1 * Math.abs(i) ? a > 0 ? "s" : "n" : i > 0 ? "e" : "w";
 	}).join("");
 }
-function Te(e, t) {
-	let n = e.ports ?? [], r = (e) => n.filter((n, r) => t[r] === e), i = (e) => Math.max(0, ...r(e).map((e) => ge(e, 9))), a = (e) => r(e).reduce((e, t) => e + ge(t, 9) + 10, 0), o = Math.max(r("e").length, r("w").length), s = Math.max(54, Math.min(150, ge(e.letters, 10.5) + 16), i("e") + i("w") + 26, a("n"), a("s")), c = o ? -(o - 1) * Ce / 2 : 0, l = o ? c - 15 : 4;
+function Oe(e, t) {
+	let n = e.ports ?? [], r = (e) => n.filter((n, r) => t[r] === e), i = (e) => Math.max(0, ...r(e).map((e) => _e(e, 9))), a = (e) => r(e).reduce((e, t) => e + _e(t, 9) + 10, 0), o = Math.max(r("e").length, r("w").length), s = Math.max(54, Math.min(150, _e(e.letters, 10.5) + 16), i("e") + i("w") + 26, a("n"), a("s")), c = o ? -(o - 1) * Ee / 2 : 0, l = o ? c - 15 : 4;
 	return {
 		half: s / 2,
 		first: c,
@@ -399,8 +422,8 @@ function Te(e, t) {
 		bottom: (o ? -c + 11 : 12) + (r("s").length ? 13 : 0)
 	};
 }
-function Ee(e, t) {
-	let { half: n, first: r, top: i, bottom: a } = Te(e, t), o = /* @__PURE__ */ new Map(), s = {
+function ke(e, t) {
+	let { half: n, first: r, top: i, bottom: a } = Oe(e, t), o = /* @__PURE__ */ new Map(), s = {
 		e: 0,
 		w: 0,
 		n: 0,
@@ -408,16 +431,16 @@ function Ee(e, t) {
 	};
 	return (e.ports ?? []).forEach((e, c) => {
 		let l = t[c], u = s[l]++;
-		if (l === "e" || l === "w") o.set(e, [l === "e" ? n : -n, r + u * Ce]);
+		if (l === "e" || l === "w") o.set(e, [l === "e" ? n : -n, r + u * Ee]);
 		else {
 			let r = [...t].filter((e) => e === l).length;
 			o.set(e, [2 * n * (u + 1) / (r + 1) - n, l === "n" ? i : a]);
 		}
 	}), o;
 }
-function De(e, t, n, r = "") {
+function Ae(e, t, n, r = "") {
 	if (e.kind === "part") {
-		let { half: t, top: i, bottom: a } = Te(e, r);
+		let { half: t, top: i, bottom: a } = Oe(e, r);
 		return {
 			x0: n[0] - t,
 			y0: n[1] + i,
@@ -425,11 +448,11 @@ function De(e, t, n, r = "") {
 			y1: n[1] + a
 		};
 	}
-	return ve(e.letters, t, n);
+	return ye(e.letters, t, n);
 }
-function Oe(e, t, n, r, i = "") {
+function je(e, t, n, r, i = "") {
 	if (e.kind === "part") {
-		let n = t.slice(oe(t).length + 1), a = Ee(e, i).get(n);
+		let n = t.slice(se(t).length + 1), a = ke(e, i).get(n);
 		if (a) {
 			let e = [r[0] + a[0], r[1] + a[1]];
 			return [e, {
@@ -440,15 +463,15 @@ function Oe(e, t, n, r, i = "") {
 			}];
 		}
 	}
-	return [r, De(e, n, r, i)];
+	return [r, Ae(e, n, r, i)];
 }
-var ke = ([[e, t], [n, r]]) => ({
+var Me = ([[e, t], [n, r]]) => ({
 	x1: e,
 	y1: t,
 	x2: n,
 	y2: r
 });
-function Ae(e, t) {
+function Ne(e, t) {
 	let [n, r] = [(e.tail[0] + e.head[0]) / 2, (e.tail[1] + e.head[1]) / 2];
 	return Math.abs(e.head[0] - e.tail[0]) >= Math.abs(e.head[1] - e.tail[1]) ? {
 		x: n,
@@ -460,66 +483,66 @@ function Ae(e, t) {
 		"text-anchor": t > 0 ? "end" : "start"
 	};
 }
-function je(e, t) {
+function Pe(e, t) {
 	for (let n in e) if (e[n] !== t[n]) return !0;
 	return !1;
 }
-var Me = class extends S {
+var Fe = class extends S {
 	shouldComponentUpdate(e) {
-		return je(e, this.props);
+		return Pe(e, this.props);
 	}
 	render(e) {
-		let [t, n] = Oe(e.tail, e.bond.ends[0], e.tailControlled, [e.tx, e.ty], e.tailPorts), [r, i] = Oe(e.head, e.bond.ends[1], e.headControlled, [e.hx, e.hy], e.headPorts), a = fe(n, i, t, r, e.shift * 9), o = e.drawn, s = (o?.off ? " off" : "") + (o?.conflict ? " conflict" : ""), [c, l] = [(a.tail[0] + a.head[0]) / 2, (a.tail[1] + a.head[1]) / 2], u = new Set(o?.late ?? []);
-		return /* @__PURE__ */ R("g", {
+		let [t, n] = je(e.tail, e.bond.ends[0], e.tailControlled, [e.tx, e.ty], e.tailPorts), [r, i] = je(e.head, e.bond.ends[1], e.headControlled, [e.hx, e.hy], e.headPorts), a = pe(n, i, t, r, e.shift * 9), o = e.drawn, s = (o?.off ? " off" : "") + (o?.conflict ? " conflict" : ""), [c, l] = [(a.tail[0] + a.head[0]) / 2, (a.tail[1] + a.head[1]) / 2], u = new Set(o?.late ?? []);
+		return /* @__PURE__ */ z("g", {
 			class: "bond" + (e.selected ? " selected" : "") + s,
 			"data-bond": e.bond.key,
 			"data-text": e.bond.text,
 			children: [
-				/* @__PURE__ */ R("line", {
+				/* @__PURE__ */ z("line", {
 					class: "reach",
-					...ke([a.tail, a.head])
+					...Me([a.tail, a.head])
 				}),
-				e.flow !== 0 && /* @__PURE__ */ R("line", {
+				e.flow !== 0 && /* @__PURE__ */ z("line", {
 					class: "power",
-					...ke(e.flow > 0 ? [a.tail, a.head] : [a.head, a.tail]),
+					...Me(e.flow > 0 ? [a.tail, a.head] : [a.head, a.tail]),
 					style: { strokeWidth: `${2 + 5 * Math.abs(e.flow)}px` }
 				}),
-				/* @__PURE__ */ R("line", {
+				/* @__PURE__ */ z("line", {
 					class: "line",
-					...ke([a.tail, a.head])
+					...Me([a.tail, a.head])
 				}),
-				/* @__PURE__ */ R("line", {
+				/* @__PURE__ */ z("line", {
 					class: "line barb",
-					...ke(a.barb)
+					...Me(a.barb)
 				}),
-				o?.strokes.map((e) => /* @__PURE__ */ R("line", {
+				o?.strokes.map((e) => /* @__PURE__ */ z("line", {
 					class: "stroke" + (u.has(e) ? " derivative" : ""),
 					"data-end": e,
-					...ke(pe(a, e))
+					...Me(me(a, e))
 				})),
-				o?.dashed?.map((e) => /* @__PURE__ */ R("line", {
+				o?.dashed?.map((e) => /* @__PURE__ */ z("line", {
 					class: "stroke dynamic" + (u.has(e) ? " derivative" : ""),
 					"data-end": e,
-					...ke(pe(a, e))
+					...Me(me(a, e))
 				})),
-				o?.conflict && /* @__PURE__ */ R("path", {
+				o?.conflict && /* @__PURE__ */ z("path", {
 					class: "cross",
 					d: `M${c - 4.5},${l - 4.5}l9,9m0,-9l-9,9`
 				}),
-				e.effort && /* @__PURE__ */ R(x, { children: [/* @__PURE__ */ R("text", {
+				e.effort && /* @__PURE__ */ z(x, { children: [/* @__PURE__ */ z("text", {
 					class: "value",
-					...Ae(a, 1),
+					...Ne(a, 1),
 					children: e.effort
-				}), /* @__PURE__ */ R("text", {
+				}), /* @__PURE__ */ z("text", {
 					class: "value",
-					...Ae(a, -1),
+					...Ne(a, -1),
 					children: e.rate
 				})] })
 			]
 		});
 	}
 };
-function Ne(e, t, n) {
+function Ie(e, t, n) {
 	return e === "n" ? {
 		x: t,
 		y: n + 13,
@@ -534,7 +557,7 @@ function Ne(e, t, n) {
 		"text-anchor": e === "w" ? "start" : "end"
 	};
 }
-function Pe(e, t, n) {
+function Le(e, t, n) {
 	let r = e.node.kind === "0" || e.node.kind === "1", i = new Set(e.taken), a = [...r || e.taken === "s" ? "nsew" : "snew"].find((e) => !i.has(e)), o = n * 13, s = (t.x0 + t.x1) / 2 - e.x;
 	return e.node.kind === "part" && e.ports.includes("s") ? e.ports.includes("n") ? {
 		x: s + 8,
@@ -566,12 +589,12 @@ function Pe(e, t, n) {
 		anchor: "start"
 	};
 }
-var Fe = class extends S {
+var Re = class extends S {
 	shouldComponentUpdate(e) {
-		return je(e, this.props);
+		return Pe(e, this.props);
 	}
 	render(e) {
-		let { node: t, state: n } = e, r = n?.controlled ?? (!!t.machine || !!t.law), i = De(t, r, [e.x, e.y], e.ports), a = "node" + (t.kind === "0" || t.kind === "1" ? " junction" : "") + (t.kind === "part" ? " part" : "") + (n?.off ? " off" : "") + (n?.derivative ? " derivative" : "") + (e.selected ? " selected" : "") + (e.target ? " target" : ""), o = n?.says ?? t.says, s = [
+		let { node: t, state: n } = e, r = n?.controlled ?? (!!t.machine || !!t.law), i = Ae(t, r, [e.x, e.y], e.ports), a = "node" + (t.kind === "0" || t.kind === "1" ? " junction" : "") + (t.kind === "part" ? " part" : "") + (n?.off ? " off" : "") + (n?.derivative ? " derivative" : "") + (e.selected ? " selected" : "") + (e.target ? " target" : ""), o = n?.says ?? t.says, s = [
 			{
 				role: "name",
 				text: t.name
@@ -592,14 +615,14 @@ var Fe = class extends S {
 				role: "machine",
 				text: `port ${t.outside.join(", ")}`
 			}] : []
-		], c = Pe(e, i, s.length), l = _e * 19 / 2, u = Te(t, e.ports);
-		return /* @__PURE__ */ R("g", {
+		], c = Le(e, i, s.length), l = ve * 19 / 2, u = Oe(t, e.ports);
+		return /* @__PURE__ */ z("g", {
 			class: a,
 			"data-node": t.name,
 			transform: `translate(${e.x},${e.y})`,
 			children: [
-				t.kind === "part" ? /* @__PURE__ */ R(x, { children: [
-					/* @__PURE__ */ R("rect", {
+				t.kind === "part" ? /* @__PURE__ */ z(x, { children: [
+					/* @__PURE__ */ z("rect", {
 						class: "frame",
 						x: -u.half,
 						y: u.top,
@@ -607,42 +630,42 @@ var Fe = class extends S {
 						height: u.bottom - u.top,
 						rx: 6
 					}),
-					/* @__PURE__ */ R("text", {
+					/* @__PURE__ */ z("text", {
 						class: "title",
 						y: u.title,
 						"text-anchor": "middle",
 						children: t.letters
 					}),
-					[...Ee(t, e.ports)].map(([n, [r, i]], a) => /* @__PURE__ */ R("g", {
+					[...ke(t, e.ports)].map(([n, [r, i]], a) => /* @__PURE__ */ z("g", {
 						class: "port",
 						"data-port": `${t.name}.${n}`,
 						children: [
-							/* @__PURE__ */ R("circle", {
+							/* @__PURE__ */ z("circle", {
 								class: "hit",
 								cx: r,
 								cy: i,
 								r: 9
 							}),
-							/* @__PURE__ */ R("circle", {
+							/* @__PURE__ */ z("circle", {
 								cx: r,
 								cy: i,
 								r: 3
 							}),
-							/* @__PURE__ */ R("text", {
-								...Ne(e.ports[a], r, i),
+							/* @__PURE__ */ z("text", {
+								...Ie(e.ports[a], r, i),
 								children: n
 							})
 						]
 					}))
-				] }) : /* @__PURE__ */ R(x, { children: [
-					/* @__PURE__ */ R("rect", {
+				] }) : /* @__PURE__ */ z(x, { children: [
+					/* @__PURE__ */ z("rect", {
 						class: "reach",
 						x: i.x0 - e.x - 6,
 						y: i.y0 - e.y - 6,
 						width: i.x1 - i.x0 + 12,
 						height: i.y1 - i.y0 + 12
 					}),
-					r && /* @__PURE__ */ R("rect", {
+					r && /* @__PURE__ */ z("rect", {
 						class: "switch",
 						x: i.x0 - e.x,
 						y: i.y0 - e.y,
@@ -650,66 +673,6894 @@ var Fe = class extends S {
 						height: i.y1 - i.y0,
 						rx: 6
 					}),
-					/* @__PURE__ */ R("text", {
+					/* @__PURE__ */ z("text", {
 						class: "letters",
 						x: r ? -4 : 0,
 						y: l,
 						"text-anchor": "middle",
 						children: t.letters
 					}),
-					r && /* @__PURE__ */ R("text", {
+					r && /* @__PURE__ */ z("text", {
 						class: "subscript",
-						x: ge(t.letters, 19, !0) / 2 - 3.5,
+						x: _e(t.letters, 19, !0) / 2 - 3.5,
 						y: l + 3.5,
 						children: "c"
 					})
 				] }),
-				s.map((e, t) => /* @__PURE__ */ R("text", {
+				s.map((e, t) => /* @__PURE__ */ z("text", {
 					class: e.role,
 					x: c.x,
 					y: c.y + 13 * t,
 					"text-anchor": c.anchor,
 					children: e.text.length > 24 ? e.text.slice(0, 23) + "…" : e.text
 				})),
-				e.selected && /* @__PURE__ */ R("g", {
+				e.selected && /* @__PURE__ */ z("g", {
 					class: "handle",
 					"data-handle": t.name,
 					children: [
-						/* @__PURE__ */ R("circle", {
+						/* @__PURE__ */ z("circle", {
 							class: "hit",
 							cx: i.x1 - e.x + 12,
 							cy: i.y0 - e.y - 8,
 							r: 14
 						}),
-						/* @__PURE__ */ R("circle", {
+						/* @__PURE__ */ z("circle", {
 							cx: i.x1 - e.x + 12,
 							cy: i.y0 - e.y - 8,
 							r: 6
 						}),
-						/* @__PURE__ */ R("path", { d: `M${i.x1 - e.x + 9},${i.y0 - e.y - 5}l6,-6m-4,0h4v4` })
+						/* @__PURE__ */ z("path", { d: `M${i.x1 - e.x + 9},${i.y0 - e.y - 5}l6,-6m-4,0h4v4` })
+					]
+				})
+			]
+		});
+	}
+}, ze = (e) => e.map((e) => e.replace(/\[[^\]]*\]/g, "")).sort().join("|");
+function Be({ state: e, sight: t, gesture: n, moved: r }) {
+	let i = e.look, a = e.cursor?.strokes ?? i.strokes, o = n?.kind === "drag" ? new Set(n.names) : null, s = /* @__PURE__ */ new Map(), c = /* @__PURE__ */ new Map();
+	for (let e of i.view.nodes) {
+		let [t, n] = Te(e.x, e.y);
+		s.set(e.name, o?.has(e.name) ? [t + r[0], n + r[1]] : [t, n]), c.set(e.name, e);
+	}
+	let l = (e) => a.nodes[e.name]?.controlled ?? (!!e.machine || !!e.law), u = /* @__PURE__ */ new Map(), d = /* @__PURE__ */ new Map();
+	for (let e of i.view.bonds) {
+		u.has(e.tail) || u.set(e.tail, []), u.has(e.head) || u.set(e.head, []), u.get(e.tail).push(s.get(e.head)), u.get(e.head).push(s.get(e.tail));
+		let t = ze(e.ends);
+		d.set(t, [...d.get(t) ?? [], e.key]);
+	}
+	let f = /* @__PURE__ */ new Map();
+	for (let e of i.view.bonds) for (let [t, n, r] of [[
+		e.ends[0],
+		e.tail,
+		e.head
+	], [
+		e.ends[1],
+		e.head,
+		e.tail
+	]]) {
+		let [e, i] = f.get(t) ?? [0, 0], [a, o] = [s.get(n), s.get(r)];
+		f.set(t, [e + o[0] - a[0], i + o[1] - a[1]]);
+	}
+	let p = /* @__PURE__ */ new Map();
+	for (let e of i.view.nodes) e.kind === "part" && p.set(e.name, De(e, f));
+	let m = (e) => p.get(e) ?? "", h = e.cursor?.values, g = h ? Math.max(1e-300, ...Object.values(h).map((e) => Math.abs((e.e ?? 0) * (e.f ?? 0)))) : 1, _ = n?.kind === "wire" ? se(n.target) : "";
+	return /* @__PURE__ */ z(x, { children: [
+		/* @__PURE__ */ z("defs", { children: [/* @__PURE__ */ z("pattern", {
+			id: "dots",
+			width: we[0] / 4,
+			height: we[1] / 4,
+			patternUnits: "userSpaceOnUse",
+			patternTransform: `translate(${t.x},${t.y}) scale(${t.k})`,
+			children: /* @__PURE__ */ z("circle", {
+				cx: 0,
+				cy: 0,
+				r: .7,
+				class: "dot"
+			})
+		}), /* @__PURE__ */ z("marker", {
+			id: "signal",
+			viewBox: "0 0 8 8",
+			refX: 7,
+			refY: 4,
+			markerWidth: 7,
+			markerHeight: 7,
+			orient: "auto",
+			children: /* @__PURE__ */ z("path", {
+				d: "M0,1L8,4L0,7z",
+				class: "signalhead"
+			})
+		})] }),
+		t.k > .45 && /* @__PURE__ */ z("rect", {
+			class: "paper",
+			width: "100%",
+			height: "100%",
+			fill: "url(#dots)"
+		}),
+		/* @__PURE__ */ z("g", {
+			transform: `translate(${t.x},${t.y}) scale(${t.k})`,
+			children: [
+				i.view.modulations.map((e) => {
+					let t = c.get(e.from), n = c.get(e.to);
+					if (!t || !n) return null;
+					let [r, i] = [s.get(e.from), s.get(e.to)], a = pe(Ae(t, l(t), r, m(t.name)), Ae(n, l(n), i, m(n.name)), r, i, 7);
+					return /* @__PURE__ */ z("line", {
+						class: "signal",
+						x1: a.tail[0],
+						y1: a.tail[1],
+						x2: a.head[0],
+						y2: a.head[1],
+						"marker-end": "url(#signal)"
+					});
+				}),
+				/* @__PURE__ */ z("g", { children: i.view.bonds.map((n) => {
+					let [r, i] = [c.get(n.tail), c.get(n.head)], [o, u] = [s.get(n.tail), s.get(n.head)], f = d.get(ze(n.ends)), p = h?.[n.key];
+					return /* @__PURE__ */ z(Fe, {
+						bond: n,
+						tail: r,
+						head: i,
+						tx: o[0],
+						ty: o[1],
+						hx: u[0],
+						hy: u[1],
+						tailControlled: l(r),
+						headControlled: l(i),
+						tailPorts: m(n.tail),
+						headPorts: m(n.head),
+						shift: f.indexOf(n.key) - (f.length - 1) / 2,
+						drawn: a.bonds[n.key] ?? a.bonds[`${n.ends[0]} -> ${n.ends[1]}`],
+						selected: e.bonds.has(n.key),
+						effort: p && t.k > .6 ? L(p.e, p.units[0]) : "",
+						rate: p && t.k > .6 ? L(p.f, p.units[1]) : "",
+						flow: e.flowing && p ? (p.e ?? 0) * (p.f ?? 0) / g : 0
+					}, n.key);
+				}) }),
+				/* @__PURE__ */ z("g", { children: i.view.nodes.map((t) => /* @__PURE__ */ z(Re, {
+					node: t,
+					x: s.get(t.name)[0],
+					y: s.get(t.name)[1],
+					state: a.nodes[t.name],
+					selected: e.nodes.has(t.name),
+					ports: m(t.name),
+					target: _ === t.name || e.bondFrom === t.name,
+					taken: [...be(s.get(t.name), u.get(t.name) ?? [])].sort().join("")
+				}, t.name)) }),
+				n?.kind === "wire" && /* @__PURE__ */ z(He, {
+					from: Ve(n.from, c, s, p),
+					to: n.now
+				}),
+				n?.kind === "box" && /* @__PURE__ */ z("rect", {
+					class: "marquee",
+					x: Math.min(n.start[0], n.now[0]),
+					y: Math.min(n.start[1], n.now[1]),
+					width: Math.abs(n.now[0] - n.start[0]),
+					height: Math.abs(n.now[1] - n.start[1])
+				})
+			]
+		})
+	] });
+}
+function Ve(e, t, n, r) {
+	let i = se(e);
+	return je(t.get(i), e, !1, n.get(i), r.get(i))[0];
+}
+function He({ from: e, to: t }) {
+	return /* @__PURE__ */ z("line", {
+		class: "wire",
+		x1: e[0],
+		y1: e[1],
+		x2: t[0],
+		y2: t[1]
+	});
+}
+// src/overlays.tsx
+function Ue({ store: e, state: t }) {
+	let { event: n, step: r } = t.instant, i = n.steps[r], a = r < n.steps.length - 1 ? "values before" : "values after";
+	return /* @__PURE__ */ z("div", {
+		class: "wiretext instant " + i.kind,
+		role: "status",
+		children: [
+			/* @__PURE__ */ z("button", {
+				"aria-label": "Mode before",
+				disabled: r === 0,
+				onClick: () => e.showInstant(n, r - 1),
+				children: "◂"
+			}),
+			"t = ",
+			L(n.t, "s"),
+			", mode ",
+			r + 1,
+			" of ",
+			n.steps.length,
+			": ",
+			/* @__PURE__ */ z("b", { children: i.kind }),
+			" ",
+			/* @__PURE__ */ z("small", { children: [
+				"(",
+				a,
+				")"
+			] }),
+			/* @__PURE__ */ z("button", {
+				"aria-label": "Mode after",
+				disabled: r + 1 === n.steps.length,
+				onClick: () => e.showInstant(n, r + 1),
+				children: "▸"
+			})
+		]
+	});
+}
+function We(e, t, [n, r]) {
+	let i, a = Infinity;
+	for (let o of e) {
+		let e = (o.x - t.x) * n + (o.y - t.y) * r, s = Math.abs((o.x - t.x) * r - (o.y - t.y) * n);
+		if (e <= .01) continue;
+		let c = e + 2.5 * s;
+		c < a && ([i, a] = [o, c]);
+	}
+	return i;
+}
+function Ge({ state: e, sight: t, size: n }) {
+	let r = e.look.view.nodes;
+	if (r.length < 25) return null;
+	let i = r.map((e) => e.x), a = r.map((e) => e.y), [o, s] = [Math.min(...i) - 1, Math.min(...a) - 1], [c, l] = [Math.max(...i) + 2 - o, Math.max(...a) + 2 - s], u = {
+		x: -t.x / t.k / we[0],
+		y: -t.y / t.k / we[1]
+	};
+	return /* @__PURE__ */ z("svg", {
+		class: "minimap",
+		viewBox: `${o} ${s} ${c} ${l}`,
+		"aria-hidden": "true",
+		children: [r.map((e) => /* @__PURE__ */ z("circle", {
+			cx: e.x,
+			cy: e.y,
+			r: c / 90
+		})), /* @__PURE__ */ z("rect", {
+			x: u.x,
+			y: u.y,
+			width: n[0] / t.k / we[0],
+			height: n[1] / t.k / we[1]
+		})]
+	});
+}
+// src/keys.ts
+var Ke = {
+	ArrowLeft: [-1, 0],
+	ArrowRight: [1, 0],
+	ArrowUp: [0, -1],
+	ArrowDown: [0, 1]
+};
+function qe(e, t, n) {
+	let { state: r } = t, i = r.look?.view.nodes ?? [], a = e.ctrlKey || e.metaKey, o = r.nodes.size === 1 ? i.find((e) => r.nodes.has(e.name)) : void 0, s = Ke[e.key];
+	if (s && e.altKey && r.nodes.size) {
+		let a = e.shiftKey ? .25 : 1, o = {};
+		for (let e of i) r.nodes.has(e.name) && (o[e.name] = [e.x + a * s[0], e.y + a * s[1]]);
+		n.place(o), t.edit({
+			do: "move",
+			at: o
+		});
+	} else if (s && !a) {
+		let e = o ?? i[0];
+		if (!e) return;
+		let n = o ? We(i, o, s) : e;
+		n && t.set({
+			nodes: /* @__PURE__ */ new Set([n.name]),
+			bonds: /* @__PURE__ */ new Set(),
+			tab: "item"
+		});
+	} else if (e.key === "Tab" && !a) return;
+	else if ((e.key === "[" || e.key === "]") && r.look) {
+		let n = r.look.view.bonds.filter((e) => !o || e.tail === o.name || e.head === o.name), i = n.length ? n : r.look.view.bonds, a = i[(i.findIndex((e) => r.bonds.has(e.key)) + (e.key === "]" ? 1 : -1) + i.length) % i.length];
+		a && t.set({
+			bonds: /* @__PURE__ */ new Set([a.key]),
+			tab: "item"
+		});
+	} else if (e.key === "Escape") t.set({
+		nodes: /* @__PURE__ */ new Set(),
+		bonds: /* @__PURE__ */ new Set(),
+		bondFrom: null,
+		cursor: null,
+		instant: null,
+		adding: !1
+	});
+	else if (e.key === "Enter" && r.bondFrom && o && o.name !== r.bondFrom) t.bond(r.bondFrom, o.name);
+	else if (e.key === "Enter" && o) n.enter(o.name);
+	else if (e.key === "b" && !a && o) t.set({ bondFrom: o.name });
+	else if (e.key === "r" && !a && r.bonds.size) t.reverse();
+	else if (e.key === "a" && !a) t.set({ adding: !0 });
+	else if (e.key === "f" && !a) n.fit();
+	else if (e.key === "+" || e.key === "=") n.zoom(1.25);
+	else if (e.key === "-") n.zoom(.8);
+	else if (e.key === "a" && a) t.set({ nodes: new Set(i.map((e) => e.name)) });
+	else if (e.key === "d" && a) t.duplicate();
+	else if (e.key === "Delete" || e.key === "Backspace") t.remove();
+	else if (e.key === "PageUp" && r.level) t.open(r.level.split(/\.(?![^[]*\])/).slice(0, -1).join("."));
+	else return;
+	e.preventDefault();
+}
+// src/sight.ts
+var [Je, Ye] = [.05, 6];
+function Xe(e, t, n) {
+	if (!e.length || !t) return {
+		x: t / 2,
+		y: n / 2,
+		k: 1
+	};
+	let r = e.map((e) => e.x * we[0]), i = e.map((e) => e.y * we[1]), [a, o] = [Math.min(...r) - 90, Math.max(...r) + 90], [s, c] = [Math.min(...i) - 60, Math.max(...i) + 70], l = Math.min(1.5, t / (o - a), n / (c - s));
+	return {
+		k: l,
+		x: t / 2 - l * (a + o) / 2,
+		y: n / 2 - l * (s + c) / 2
+	};
+}
+function Ze({ x: e, y: t, k: n }, r, [i, a]) {
+	let o = Math.max(Je, Math.min(Ye, n * r));
+	return {
+		k: o,
+		x: i - (i - e) * o / n,
+		y: a - (a - t) * o / n
+	};
+}
+function Qe(e, [t, n], [r, i]) {
+	let a = Math.hypot(t[0] - n[0], t[1] - n[1]), o = Math.hypot(r[0] - i[0], r[1] - i[1]), s = Math.max(Je, Math.min(Ye, e.k * o / Math.max(a, 1))), [c, l] = [(r[0] + i[0]) / 2, (r[1] + i[1]) / 2], [u, d] = [(t[0] + n[0]) / 2, (t[1] + n[1]) / 2];
+	return {
+		k: s,
+		x: c - (u - e.x) * s / e.k,
+		y: l - (d - e.y) * s / e.k
+	};
+}
+// src/canvas.tsx
+var $e = class extends S {
+	svg = b();
+	state = {
+		sight: {
+			x: 60,
+			y: 120,
+			k: 1
+		},
+		gesture: null,
+		moved: [0, 0]
+	};
+	pointers = /* @__PURE__ */ new Map();
+	fitted = "";
+	lastTap = {
+		time: 0,
+		node: ""
+	};
+	watch = new ResizeObserver(() => this.resized());
+	size = [0, 0];
+	touched = !1;
+	componentDidMount() {
+		this.listen(), this.fitOnce();
+	}
+	componentWillUnmount() {
+		this.watch.disconnect(), this.svg.current?.removeEventListener("wheel", this.wheel);
+	}
+	listening = null;
+	listen() {
+		let e = this.svg.current;
+		e && e !== this.listening && (this.listening = e, e.addEventListener("wheel", this.wheel, { passive: !1 }), this.watch.observe(e));
+	}
+	resized() {
+		let e = this.svg.current?.getBoundingClientRect();
+		if (!e || e.width === this.size[0] && e.height === this.size[1]) return;
+		let [t, n] = this.size;
+		if (this.size = [e.width, e.height], !this.touched) this.fit();
+		else if (t) {
+			let r = this.state.sight;
+			this.setState({ sight: {
+				...r,
+				x: r.x + (e.width - t) / 2,
+				y: r.y + (e.height - n) / 2
+			} });
+		}
+	}
+	componentDidUpdate() {
+		this.listen(), this.fitOnce(), this.keepInSight();
+	}
+	seen = "";
+	keepInSight() {
+		let { state: e } = this.props, t = e.look;
+		if (!t || !this.svg.current || this.state.gesture) return;
+		let n = [...e.nodes].join(" ");
+		if (n === this.seen) return;
+		this.seen = n;
+		let r = this.svg.current.getBoundingClientRect(), i = t.view.nodes.filter((t) => e.nodes.has(t.name)), { x: a, y: o, k: s } = this.state.sight;
+		if (i.some((e) => {
+			let [t, n] = Te(e.x, e.y), [i, c] = [a + s * t, o + s * n];
+			return i < 40 || c < 40 || i > r.width - 40 || c > r.height - 40;
+		}) && i.length) {
+			if (!this.touched) this.fit();
+			else {
+				let [e, t] = Te(i[0].x, i[0].y);
+				this.setState({ sight: {
+					k: s,
+					x: r.width / 2 - s * e,
+					y: r.height / 2 - s * t
+				} });
+			}
+		}
+	}
+	fitOnce() {
+		let e = this.props.state.look;
+		if (!e) return;
+		let t = `${e.file}:${e.view.path}`;
+		this.fitted !== t && e.view.nodes.length && (this.fitted = t, this.touched = !1, this.fit());
+	}
+	fit = () => {
+		let e = this.props.state.look?.view.nodes ?? [], t = this.svg.current;
+		if (!t) return;
+		let n = t.getBoundingClientRect();
+		this.setState({ sight: Xe(e, n.width, n.height) });
+	};
+	zoom(e, t) {
+		this.touched = !0;
+		let n = this.svg.current.getBoundingClientRect();
+		this.setState({ sight: Ze(this.state.sight, e, t ?? [n.width / 2, n.height / 2]) });
+	}
+	wheel = (e) => {
+		e.preventDefault();
+		let t = this.svg.current.getBoundingClientRect();
+		if (e.shiftKey && !e.ctrlKey) {
+			let t = this.state.sight;
+			this.setState({ sight: {
+				...t,
+				x: t.x - e.deltaY,
+				y: t.y - e.deltaX
+			} });
+		} else this.zoom(Math.exp(-e.deltaY * .0015), [e.clientX - t.left, e.clientY - t.top]);
+	};
+	local(e) {
+		let t = this.svg.current.getBoundingClientRect();
+		return [e.clientX - t.left, e.clientY - t.top];
+	}
+	inGraph([e, t]) {
+		let { x: n, y: r, k: i } = this.state.sight;
+		return [(e - n) / i, (t - r) / i];
+	}
+	under(e, t = "") {
+		for (let n of document.elementsFromPoint(e.clientX, e.clientY)) {
+			let e = n.closest?.("[data-port]")?.getAttribute("data-port");
+			if (e && se(e) !== t) return e;
+			let r = n.closest?.("[data-node]")?.getAttribute("data-node");
+			if (r && r !== t) return r;
+		}
+		return "";
+	}
+	down = (e) => {
+		let { store: t, state: n } = this.props, r = this.local(e);
+		if (this.pointers.set(e.pointerId, r), this.svg.current.focus({ preventScroll: !0 }), this.pointers.size === 2) {
+			let [[e, t], [n, r]] = [...this.pointers];
+			this.setState({
+				gesture: {
+					kind: "pinch",
+					ids: [e, n],
+					last: [t, r]
+				},
+				moved: [0, 0]
+			});
+			return;
+		}
+		let i = e.target, a = e.shiftKey || e.ctrlKey || e.metaKey, o = i.closest("[data-handle]")?.getAttribute("data-handle"), s = i.closest("[data-port]")?.getAttribute("data-port"), c = i.closest("[data-node]")?.getAttribute("data-node"), l = i.closest("[data-bond]")?.getAttribute("data-bond"), u = o ?? s ?? (c && (e.altKey || n.drawing) ? c : void 0);
+		if (e.button === 1 || e.button === 0 && e.metaKey && !c && !l) this.begin(e, {
+			kind: "pan",
+			last: r,
+			id: e.pointerId,
+			moved: !1
+		});
+		else if (e.button !== 0) return;
+		else if (u && n.look?.view.editable) this.begin(e, {
+			kind: "wire",
+			from: u,
+			start: r,
+			now: this.inGraph(r),
+			target: "",
+			id: e.pointerId
+		});
+		else if (c) {
+			if (n.bondFrom && n.bondFrom !== c) {
+				t.bond(n.bondFrom, this.under(e) || c);
+				return;
+			}
+			if (!n.nodes.has(c)) t.set({
+				nodes: a ? /* @__PURE__ */ new Set([...n.nodes, c]) : /* @__PURE__ */ new Set([c]),
+				bonds: a ? n.bonds : /* @__PURE__ */ new Set(),
+				tab: n.tab === "problems" || n.tab === "text" ? n.tab : "item"
+			});
+			else if (a) {
+				let e = new Set(n.nodes);
+				e.delete(c), t.set({ nodes: e });
+				return;
+			}
+			this.begin(e, {
+				kind: "press",
+				node: c,
+				start: this.inGraph(r),
+				at: r,
+				id: e.pointerId,
+				add: a
+			});
+		} else if (l) {
+			let e = new Set(a ? n.bonds : []);
+			a && n.bonds.has(l) ? e.delete(l) : e.add(l), t.set({
+				bonds: e,
+				nodes: a ? n.nodes : /* @__PURE__ */ new Set(),
+				tab: "item"
+			});
+		} else e.pointerType === "touch" ? this.begin(e, {
+			kind: "pan",
+			last: r,
+			id: e.pointerId,
+			moved: !1
+		}) : (a || t.set({
+			nodes: /* @__PURE__ */ new Set(),
+			bonds: /* @__PURE__ */ new Set(),
+			bondFrom: null
+		}), this.begin(e, {
+			kind: "box",
+			start: this.inGraph(r),
+			now: this.inGraph(r),
+			id: e.pointerId,
+			add: a
+		}));
+	};
+	begin(e, t) {
+		t.kind !== "press" && this.svg.current.setPointerCapture(e.pointerId), this.setState({
+			gesture: t,
+			moved: [0, 0]
+		});
+	}
+	move = (e) => {
+		let { gesture: t, sight: n } = this.state, r = this.local(e);
+		if ((t?.kind === "pan" || t?.kind === "pinch") && (this.touched = !0), this.pointers.has(e.pointerId) && this.pointers.set(e.pointerId, r), t) {
+			if (t.kind === "pinch") {
+				let [e, r] = t.ids.map((e) => this.pointers.get(e));
+				this.setState({
+					sight: Qe(n, t.last, [e, r]),
+					gesture: {
+						...t,
+						last: [e, r]
+					}
+				});
+			} else if (t.id === e.pointerId) {
+				if (t.kind === "press") {
+					if (Math.hypot(r[0] - t.at[0], r[1] - t.at[1]) < 5 || !this.props.state.look?.view.editable) return;
+					this.svg.current.setPointerCapture(e.pointerId);
+					let n = [...this.props.state.nodes];
+					this.setState({ gesture: {
+						kind: "drag",
+						names: n,
+						start: t.start,
+						id: t.id
+					} });
+				} else if (t.kind === "drag") {
+					let [e, n] = this.inGraph(r);
+					this.setState({ moved: [e - t.start[0], n - t.start[1]] });
+				} else if (t.kind === "pan") this.setState({
+					sight: {
+						...n,
+						x: n.x + r[0] - t.last[0],
+						y: n.y + r[1] - t.last[1]
+					},
+					gesture: {
+						...t,
+						last: r,
+						moved: !0
+					}
+				});
+				else if (t.kind === "box") this.setState({ gesture: {
+					...t,
+					now: this.inGraph(r)
+				} });
+				else if (t.kind === "wire") {
+					let n = this.under(e, se(t.from));
+					this.setState({ gesture: {
+						...t,
+						now: this.inGraph(r),
+						target: n
+					} });
+				}
+			}
+		}
+	};
+	up = (e) => {
+		let { gesture: t, moved: n } = this.state, { store: r, state: i } = this.props;
+		if (this.pointers.delete(e.pointerId), t) {
+			if (t.kind === "pinch") this.setState({ gesture: null });
+			else if (t.id === e.pointerId) {
+				if (t.kind === "press") {
+					let e = performance.now(), n = e - this.lastTap.time < 400 && this.lastTap.node === t.node;
+					this.lastTap = {
+						time: e,
+						node: t.node
+					}, n ? this.enter(t.node) : !t.add && i.nodes.size > 1 && r.set({ nodes: /* @__PURE__ */ new Set([t.node]) });
+				} else if (t.kind === "drag") {
+					let a = e.altKey ? .05 : .25, o = {};
+					for (let e of i.look.view.nodes) if (t.names.includes(e.name)) {
+						let t = e.x + n[0] / we[0], r = e.y + n[1] / we[1];
+						o[e.name] = [Math.round(t / a) * a, Math.round(r / a) * a];
+					}
+					this.place(o), r.edit({
+						do: "move",
+						at: o
+					});
+				} else if (t.kind === "box") {
+					let [e, n] = [t.start[0], t.now[0]].sort((e, t) => e - t), [a, o] = [t.start[1], t.now[1]].sort((e, t) => e - t), s = i.look.view.nodes.filter((t) => {
+						let [r, i] = Te(t.x, t.y);
+						return r >= e && r <= n && i >= a && i <= o;
+					}).map((e) => e.name);
+					s.length && r.set({ nodes: new Set(t.add ? [...i.nodes, ...s] : s) });
+				} else if (t.kind === "wire") {
+					let n = this.under(e, se(t.from)) || t.target;
+					n ? r.bond(t.from, n) : Math.hypot(...et(this.local(e), t.start)) < 8 && r.set({ bondFrom: t.from });
+				} else t.kind === "pan" && !t.moved && r.set({
+					nodes: /* @__PURE__ */ new Set(),
+					bonds: /* @__PURE__ */ new Set(),
+					bondFrom: null
+				});
+				this.setState({
+					gesture: null,
+					moved: [0, 0]
+				});
+			}
+		}
+	};
+	place(e) {
+		let { store: t, state: n } = this.props, r = n.look, i = r.view.nodes.map((t) => e[t.name] ? {
+			...t,
+			x: e[t.name][0],
+			y: e[t.name][1]
+		} : t);
+		t.set({ look: {
+			...r,
+			view: {
+				...r.view,
+				nodes: i
+			}
+		} });
+	}
+	enter(e) {
+		let { store: t, state: n } = this.props, r = n.look?.view.nodes.find((t) => t.name === e);
+		r?.kind === "part" && r.known ? t.open(n.level ? `${n.level}.${e}` : e) : (t.set({ tab: "item" }), requestAnimationFrame(() => document.querySelector(".side [data-first]")?.focus()));
+	}
+	key = (e) => qe(e, this.props.store, this);
+	dropped = (e) => {
+		let t = e.dataTransfer?.getData("application/x-hybond");
+		if (!t) return;
+		e.preventDefault();
+		let { element: n, stem: r } = JSON.parse(t), [i, a] = this.inGraph(this.local(e));
+		this.props.store.add(n, r, [Math.round(i / we[0] * 4) / 4, Math.round(a / we[1] * 4) / 4]);
+	};
+	render({ state: e, store: t }, { sight: n, gesture: r, moved: i }) {
+		let a = e.look;
+		return a ? /* @__PURE__ */ z("div", {
+			class: "canvas",
+			onDragOver: (e) => e.preventDefault(),
+			onDrop: this.dropped,
+			children: [
+				/* @__PURE__ */ z("svg", {
+					ref: this.svg,
+					tabindex: 0,
+					role: "application",
+					"aria-label": `Bond graph ${a.title || a.file}: ${a.view.nodes.length} elements, ${a.view.bonds.length} bonds. Arrow keys select, a adds, b bonds, Delete removes.`,
+					"aria-describedby": "chosen",
+					onPointerDown: this.down,
+					onPointerMove: this.move,
+					onPointerUp: this.up,
+					onPointerCancel: this.up,
+					onKeyDown: this.key,
+					class: e.flowing ? "flowing" : "",
+					children: /* @__PURE__ */ z(Be, {
+						state: e,
+						sight: n,
+						gesture: r,
+						moved: i
+					})
+				}),
+				r?.kind === "wire" && /* @__PURE__ */ z("div", {
+					class: "wiretext",
+					role: "status",
+					children: [
+						r.from,
+						" ",
+						"->",
+						" ",
+						r.target || "…"
+					]
+				}),
+				e.instant && /* @__PURE__ */ z(Ue, {
+					store: t,
+					state: e
+				}),
+				e.bondFrom && /* @__PURE__ */ z("div", {
+					class: "wiretext",
+					role: "status",
+					children: [
+						e.bondFrom,
+						" ",
+						"->",
+						" ",
+						[...e.nodes].find((t) => t !== e.bondFrom) ?? "…",
+						": choose the other end"
+					]
+				}),
+				/* @__PURE__ */ z("div", {
+					class: "views",
+					children: [
+						/* @__PURE__ */ z("button", {
+							title: "Zoom in (+)",
+							"aria-label": "Zoom in",
+							onClick: () => this.zoom(1.25),
+							children: "+"
+						}),
+						/* @__PURE__ */ z("button", {
+							title: "Zoom out (-)",
+							"aria-label": "Zoom out",
+							onClick: () => this.zoom(.8),
+							children: "−"
+						}),
+						/* @__PURE__ */ z("button", {
+							title: "Show all (f)",
+							"aria-label": "Show all",
+							onClick: this.fit,
+							children: "⤢"
+						})
+					]
+				}),
+				/* @__PURE__ */ z(Ge, {
+					state: e,
+					sight: n,
+					size: this.size
+				}),
+				a.view.crumbs.length > 0 && /* @__PURE__ */ z("nav", {
+					class: "crumbs",
+					"aria-label": "Submodel",
+					children: [
+						/* @__PURE__ */ z("button", {
+							onClick: () => t.open(""),
+							children: a.title || a.file
+						}),
+						a.view.crumbs.map((e, n) => /* @__PURE__ */ z(x, { children: [" › ", /* @__PURE__ */ z("button", {
+							onClick: () => t.open(a.view.crumbs.slice(0, n + 1).join(".")),
+							children: e
+						})] })),
+						!a.view.editable && /* @__PURE__ */ z("span", { children: [
+							" (",
+							a.view.name,
+							", a ready part: to look at)"
+						] })
+					]
+				})
+			]
+		}) : /* @__PURE__ */ z("div", { class: "canvas" });
+	}
+}, et = (e, t) => [e[0] - t[0], e[1] - t[1]], tt, B, nt, rt, it = Object.is, at = 0, ot = [], st = [], V = e, ct = V.__b, lt = V.__r, ut = V.diffed, dt = V.__c, ft = V.unmount, pt = V.__;
+function mt(e, t) {
+	V.__h && V.__h(B, e, at || t), at = 0;
+	var n = B.__H || (B.__H = {
+		__: [],
+		__h: []
+	});
+	return e >= n.__.length && n.__.push({}), n.__[e];
+}
+function H(e) {
+	return at = 1, ht(Et, e);
+}
+function ht(e, t, n) {
+	var r = mt(tt++, 2);
+	if (r.t = e, !r.__c && (r.__ = [n ? n(t) : Et(void 0, t), function(e) {
+		var t = (r.__N || r.__)[0], n = r.t(t, e);
+		it(t, n) || (r.__N = [n, r.__[1]], r.__c.setState({}));
+	}], r.__c = B, !B.__f)) {
+		B.__f = !0;
+		var i = B.shouldComponentUpdate;
+		B.shouldComponentUpdate = function(e, t, n) {
+			var r = this.__H;
+			if (!r) return !0;
+			var a = !1, o = this.props != e;
+			if (r.__.some(function(e) {
+				e.__N && (a = !0, it(e.__[0], e.__N[0]) || (o = !0));
+			}), i) {
+				var s = i.call(this, e, t, n);
+				return a ? s || o : s;
+			}
+			return !a || o;
+		};
+	}
+	return r.__;
+}
+function gt(e, t) {
+	var n = mt(tt++, 3);
+	!V.__s && Tt(n.__H, t) && (n.__P = !0, n.__ = e, n.u = t, B.__H.__h.push(n));
+}
+function _t(e) {
+	return at = 5, vt(function() {
+		return { current: e };
+	}, []);
+}
+function vt(e, t) {
+	var n = mt(tt++, 7);
+	return Tt(n.__H, t) && (n.__ = e(), n.__H = t), n.__;
+}
+function yt() {
+	var e;
+	do {
+		for (; e = st.shift();) try {
+			Ct(e);
+		} catch (t) {
+			V.__e(t, { __: (e = e.__P) && e.__v });
+		}
+		for (; e = ot.shift();) {
+			var t = e.__H;
+			if (e.__P && t) try {
+				t.__h.some(Ct), t.__h.some(wt), t.__h = [];
+			} catch (n) {
+				t.__h = [], V.__e(n, e.__v);
+			}
+		}
+	} while (st.length);
+}
+V.__b = function(e) {
+	B = null, ct && ct(e);
+}, V.__ = function(e, t) {
+	e && t.__k && t.__k.__m && (e.__m = t.__k.__m), pt && pt(e, t);
+}, V.__r = function(e) {
+	lt && lt(e), tt = 0;
+	var t = (B = e.__c).__H;
+	t && (nt == B ? B.__h = [] : (t.__h.some(Ct), t.__h.some(wt), tt = 0), t.__h = [], t.__.some(function(e) {
+		e.__N && (e.__ = e.__N), e.u = e.__N = void 0;
+	})), nt = B;
+}, V.diffed = function(e) {
+	ut && ut(e);
+	var t = e.__c;
+	t && t.__H && (t.__H.__h.length && St(ot.push(t)), t.__H.__.some(function(e) {
+		e.u && (e.__H = e.u);
+	})), nt = B = null;
+}, V.__c = function(e, t) {
+	t.some(function(e) {
+		try {
+			e.__h.some(Ct), e.__h = e.__h.filter(function(e) {
+				return !e.__ || wt(e);
+			});
+		} catch (t) {
+			e.__h = [function() {
+				throw t;
+			}];
+		}
+	}), dt && dt(e, t);
+}, V.unmount = function(e) {
+	ft && ft(e);
+	var t, n, r = e.__c;
+	r && r.__H && (r.__H.__.some(function(r) {
+		try {
+			if (r.__P && r.__c) {
+				if (n === void 0) {
+					for (n = e.__; n && (!n.__c || !n.__c.__P);) n = n.__;
+					n &&= n.__c;
+				}
+				r.__P = n, St(st.push(r));
+			} else Ct(r);
+		} catch (e) {
+			t = e;
+		}
+	}), r.__H = void 0, t && V.__e(t, r.__v));
+};
+var bt = typeof requestAnimationFrame == "function";
+function xt(e) {
+	var t, n = function() {
+		clearTimeout(r), bt && cancelAnimationFrame(t), setTimeout(e);
+	}, r = setTimeout(n, 35);
+	bt && (t = requestAnimationFrame(n));
+}
+function St(e) {
+	e != 1 && rt == V.requestAnimationFrame || ((rt = V.requestAnimationFrame) || xt)(yt);
+}
+function Ct(e) {
+	var t = B, n = e.__c;
+	typeof n == "function" && (e.__c = void 0, n()), B = t;
+}
+function wt(e) {
+	var t = B;
+	e.__c = e.__(), B = t;
+}
+function Tt(e, t) {
+	return !e || e.length != t.length || t.some(function(t, n) {
+		return !it(t, e[n]);
+	});
+}
+function Et(e, t) {
+	return typeof t == "function" ? t(e) : t;
+}
+// src/events.tsx
+var Dt = 100;
+function Ot({ store: e, state: t }) {
+	let [n, r] = H([]), [i, a] = H(0), [o, s] = H(0), c = t.run;
+	gt(() => s(0), [c?.run]), gt(() => {
+		if (!c || c.tEnd === void 0) return r([]);
+		let t = !1;
+		return e.transport.ask("events", {
+			run: c.run,
+			first: o,
+			count: Dt
+		}).then((e) => {
+			t || (r(e.events), a(e.total));
+		}).catch((t) => e.refused(t)), () => {
+			t = !0;
+		};
+	}, [c?.run, o]);
+	let l = t.instant?.event.event;
+	return /* @__PURE__ */ z("section", {
+		class: "events",
+		tabindex: 0,
+		"aria-label": "Events",
+		children: [
+			c && c.tEnd !== void 0 && /* @__PURE__ */ z("p", {
+				class: "status " + c.status,
+				children: [
+					c.status === "ok" ? "ok" : /* @__PURE__ */ z("b", { children: c.status }),
+					", ",
+					i,
+					" events, ",
+					L(c.took, "s"),
+					c.method ? `, ${c.method}` : ""
+				]
+			}),
+			c?.warnings?.map((e) => /* @__PURE__ */ z("p", {
+				class: "warning",
+				children: e
+			})),
+			i > Dt && /* @__PURE__ */ z("p", { children: [
+				/* @__PURE__ */ z("button", {
+					disabled: o === 0,
+					onClick: () => s(Math.max(0, o - Dt)),
+					children: "◂"
+				}),
+				" ",
+				o + 1,
+				" to ",
+				Math.min(o + Dt, i),
+				" of ",
+				i,
+				" ",
+				/* @__PURE__ */ z("button", {
+					disabled: o + Dt >= i,
+					onClick: () => s(o + Dt),
+					children: "▸"
+				})
+			] }),
+			/* @__PURE__ */ z("ol", { children: n.map((n) => /* @__PURE__ */ z("li", {
+				class: n.event === l ? "open" : "",
+				children: [/* @__PURE__ */ z("button", {
+					"data-event": n.event,
+					"aria-expanded": n.event === l,
+					onClick: () => e.showInstant(n, 0),
+					children: [
+						/* @__PURE__ */ z("b", { children: L(n.t, "s") }),
+						" ",
+						/* @__PURE__ */ z("i", { children: n.cause }),
+						" ",
+						n.steps.flatMap((e) => e.fired).map((e) => `${e.machine}: ${e.source} → ${e.target}`).join("; "),
+						n.steps.some((e) => e.kind !== "continuous") && /* @__PURE__ */ z("em", { children: [" ", kt(n)] })
+					]
+				}), n.event === l && /* @__PURE__ */ z(At, {
+					store: e,
+					state: t,
+					event: n
+				})]
+			})) })
+		]
+	});
+}
+function kt(e) {
+	let t = (t) => e.steps.filter((e) => e.kind === t).length;
+	return [[t("mythical"), "mythical"], [t("pinnacle"), "pinnacle"]].filter(([e]) => e).map(([e, t]) => e === 1 ? t : `${e} ${t}`).join(", ");
+}
+function At({ store: e, state: t, event: n }) {
+	let r = t.instant.step, i = n.steps[r];
+	return /* @__PURE__ */ z("div", {
+		class: "detail",
+		children: [
+			/* @__PURE__ */ z("div", {
+				class: "row",
+				children: n.steps.map((t, i) => /* @__PURE__ */ z("button", {
+					class: "stepbutton " + t.kind,
+					"aria-pressed": i === r,
+					"data-step": i,
+					onClick: () => e.showInstant(n, i),
+					children: [
+						i + 1,
+						". ",
+						t.kind
+					]
+				}))
+			}),
+			/* @__PURE__ */ z("p", { children: [
+				"mode: ",
+				Object.entries(i.mode).map(([e, t]) => `${e} = ${t}`).join(", ") || "the only one",
+				i.kind === "mythical" && " (lasts no time, stores nothing)",
+				i.kind === "pinnacle" && " (lasts no time, writes the state)"
+			] }),
+			i.fired.map((e) => /* @__PURE__ */ z("p", {
+				class: "fired",
+				children: [
+					/* @__PURE__ */ z("b", { children: e.machine }),
+					": ",
+					e.source,
+					" → ",
+					e.target,
+					", because ",
+					/* @__PURE__ */ z("code", { children: e.why })
+				]
+			})),
+			Object.keys(i.impulses).length > 0 && /* @__PURE__ */ z("p", { children: [
+				"impulses",
+				i.kind === "mythical" ? " (on trial)" : "",
+				":",
+				" ",
+				Object.entries(i.impulses).map(([e, t]) => `${e} = ${xe(t, 6)} δ`).join(", ")
+			] }),
+			i.energy && /* @__PURE__ */ z("p", { children: [
+				"energy ",
+				i.energy.before,
+				" → ",
+				i.energy.after,
+				"; supplied ",
+				i.energy.source,
+				", lost ",
+				i.energy.lost
+			] }),
+			i.undetermined.length > 0 && /* @__PURE__ */ z("p", { children: ["not determined: ", i.undetermined.join(", ")] })
+		]
+	});
+}
+// src/formulas.tsx
+var jt = new Set("math mrow mi mo mn mtext mspace mfrac msub msup msubsup mover munder munderover msqrt mroot mtable mtr mtd mstyle".split(" "));
+function Mt(e) {
+	if (typeof e == "string") return e;
+	let [t, n, ...r] = e, i = t === "math" ? { display: "block" } : {};
+	return v(jt.has(t) ? t : "mrow", {
+		...n,
+		...i
+	}, ...r.map(Mt));
+}
+function Nt({ store: e, state: t }) {
+	let [n, r] = H("all"), [i, a] = H(!1), [o, s] = H(null), c = t.look, l = t.cursor?.mode ?? Object.fromEntries(c.machines.map((e) => [e.path, e.state])), u = n === "mode" ? JSON.stringify(l) : "";
+	return gt(() => {
+		let t = !1;
+		return s(null), e.transport.ask(n === "structure" ? "structure" : "equations", {
+			one: n === "mode",
+			mode: l
+		}).then((e) => !t && s(e)).catch((e) => !t && s({ text: String(e.message) })), () => {
+			t = !0;
+		};
+	}, [
+		c.revision,
+		n,
+		u
+	]), /* @__PURE__ */ z("section", {
+		class: "formulas",
+		children: [
+			/* @__PURE__ */ z("div", {
+				class: "row",
+				children: [[
+					["all", "all modes"],
+					["mode", "the mode drawn"],
+					["structure", "structure"]
+				].map(([e, t]) => /* @__PURE__ */ z("button", {
+					"aria-pressed": n === e,
+					onClick: () => r(e),
+					children: t
+				})), o?.formula && /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("input", {
+					type: "checkbox",
+					checked: i,
+					onChange: (e) => a(e.currentTarget.checked)
+				}), " as text"] })]
+			}),
+			!o && /* @__PURE__ */ z("p", {
+				class: "hint",
+				children: "…"
+			}),
+			o?.formula && !i ? /* @__PURE__ */ z("div", {
+				class: "formula",
+				tabindex: 0,
+				role: "group",
+				"aria-label": "Equations",
+				children: Mt(o.formula)
+			}) : o && /* @__PURE__ */ z("pre", {
+				class: "equations",
+				tabindex: 0,
+				children: o.text
+			}),
+			o?.notes?.map((e) => /* @__PURE__ */ z("p", {
+				class: "hint",
+				children: e
+			}))
+		]
+	});
+}
+// src/fields.tsx
+var Pt = 0;
+function Ft(e) {
+	let [t, n] = H(e.value), [r] = H(() => `list${++Pt}`), i = _t(!1);
+	return gt(() => {
+		i.current || n(e.value);
+	}, [e.value]), /* @__PURE__ */ z(x, { children: [/* @__PURE__ */ z("input", {
+		"aria-label": e.label,
+		value: t,
+		disabled: e.disabled,
+		placeholder: e.placeholder,
+		spellcheck: !1,
+		autocomplete: "off",
+		list: e.list ? r : void 0,
+		"data-first": e.first ? "" : void 0,
+		onFocus: () => i.current = !0,
+		onInput: (e) => n(e.currentTarget.value),
+		onBlur: () => {
+			i.current = !1, t !== e.value && e.onWrite(t);
+		},
+		onKeyDown: (t) => {
+			t.key === "Enter" && t.currentTarget.blur(), t.key === "Escape" && (n(e.value), i.current = !1, requestAnimationFrame(() => document.querySelector(".canvas svg")?.focus())), t.stopPropagation();
+		}
+	}), e.list && /* @__PURE__ */ z("datalist", {
+		id: r,
+		children: e.list.map((e) => /* @__PURE__ */ z("option", { value: e }))
+	})] });
+}
+function It(e) {
+	let t = e.trim();
+	return t === "" ? null : /^[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?$/i.test(t) ? Number(t) : t;
+}
+// src/item.tsx
+var Lt = {
+	C: ["q", "e"],
+	I: ["p", "f"]
+}, Rt = {
+	diode: [],
+	thyristor: ["gate"],
+	unilateral: [
+		"gap",
+		"restitution",
+		"stiffness"
+	],
+	coulomb: ["limit", "breakaway"],
+	relay: ["limit"]
+};
+function zt({ store: e, state: t }) {
+	let n = t.look, r = n.view.nodes.filter((e) => t.nodes.has(e.name)), i = n.view.bonds.filter((e) => t.bonds.has(e.key));
+	if (r.length === 1) return /* @__PURE__ */ z(Wt, {
+		store: e,
+		state: t,
+		node: r[0]
+	});
+	if (i.length === 1 && !r.length) {
+		let r = i[0], a = t.cursor?.values[r.key];
+		return /* @__PURE__ */ z("section", { children: [
+			/* @__PURE__ */ z("h2", { children: "Bond" }),
+			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "written" }), /* @__PURE__ */ z(Ft, {
+				label: "Bond",
+				first: !0,
+				value: r.text,
+				disabled: !n.view.editable,
+				onWrite: (n) => void Bt(e, t, r.key, n)
+			})] }),
+			a && /* @__PURE__ */ z("p", { children: [
+				"effort ",
+				L(a.e, a.units[0]),
+				", flow ",
+				L(a.f, a.units[1]),
+				", power",
+				" ",
+				a.e === null || a.f === null ? "—" : L(a.e * a.f, "W")
+			] }),
+			/* @__PURE__ */ z("div", {
+				class: "row",
+				children: [/* @__PURE__ */ z("button", {
+					onClick: () => e.reverse(),
+					children: "Turn round (r)"
+				}), /* @__PURE__ */ z("button", {
+					onClick: () => e.remove(),
+					children: "Delete"
+				})]
+			})
+		] });
+	}
+	return r.length + i.length > 1 ? /* @__PURE__ */ z("section", { children: [/* @__PURE__ */ z("h2", { children: [
+		r.length,
+		" elements, ",
+		i.length,
+		" bonds"
+	] }), /* @__PURE__ */ z("div", {
+		class: "row",
+		children: [
+			/* @__PURE__ */ z("button", {
+				onClick: () => Vt(e, r, "y"),
+				children: "In a row"
+			}),
+			/* @__PURE__ */ z("button", {
+				onClick: () => Vt(e, r, "x"),
+				children: "In a column"
+			}),
+			/* @__PURE__ */ z("button", {
+				disabled: r.length < 3,
+				onClick: () => Ht(e, r, "x"),
+				children: "Evenly across"
+			}),
+			/* @__PURE__ */ z("button", {
+				disabled: r.length < 3,
+				onClick: () => Ht(e, r, "y"),
+				children: "Evenly down"
+			}),
+			/* @__PURE__ */ z("button", {
+				onClick: () => void e.duplicate(),
+				children: "Duplicate"
+			}),
+			/* @__PURE__ */ z("button", {
+				onClick: () => e.remove(),
+				children: "Delete"
+			})
+		]
+	})] }) : /* @__PURE__ */ z(Ut, {
+		store: e,
+		state: t
+	});
+}
+async function Bt(e, t, n, r) {
+	let [i] = n.split(".").map(Number);
+	t.look.view.bonds.filter((e) => e.key.startsWith(`${i}.`)).length === 1 ? await e.edit({
+		do: "write bond",
+		chain: i,
+		text: r
+	}) : (await e.edit({
+		do: "remove",
+		names: [],
+		bonds: [n]
+	}), r.trim() && await e.edit({
+		do: "write bond",
+		text: r
+	}));
+}
+function Vt(e, t, n) {
+	let r = t.reduce((e, t) => e + t[n], 0) / t.length, i = Math.round(r * 4) / 4, a = Object.fromEntries(t.map((e) => [e.name, n === "y" ? [e.x, i] : [i, e.y]]));
+	e.edit({
+		do: "move",
+		at: a
+	});
+}
+function Ht(e, t, n) {
+	let r = [...t].sort((e, t) => e[n] - t[n]), [i, a] = [r[0][n], r[r.length - 1][n]], o = Object.fromEntries(r.map((e, t) => {
+		let o = i + (a - i) * t / (r.length - 1);
+		return [e.name, n === "x" ? [o, e.y] : [e.x, o]];
+	}));
+	e.edit({
+		do: "move",
+		at: o
+	});
+}
+function Ut({ store: e, state: t }) {
+	let n = t.look, r = t.stock?.domains ?? [], i = (t, n) => void e.edit({
+		do: "set",
+		path: t,
+		value: n
+	});
+	return /* @__PURE__ */ z("section", { children: [
+		/* @__PURE__ */ z("h2", { children: "Model" }),
+		/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "title" }), /* @__PURE__ */ z(Ft, {
+			label: "Title",
+			first: !0,
+			value: n.title,
+			disabled: !n.view.editable,
+			onWrite: (e) => i(["title"], e)
+		})] }),
+		/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "domain" }), /* @__PURE__ */ z("select", {
+			disabled: !n.view.editable,
+			value: n.view.domain,
+			onChange: (e) => i(["domain"], e.currentTarget.value),
+			children: r.map((e) => /* @__PURE__ */ z("option", {
+				value: e.name,
+				children: [
+					e.name,
+					" ",
+					e.effort && `(${e.effort}, ${e.flow})`
+				]
+			}))
+		})] }),
+		/* @__PURE__ */ z("p", {
+			class: "hint",
+			children: [
+				"Put elements down from the palette, or press ",
+				/* @__PURE__ */ z("kbd", { children: "a" }),
+				" and write ",
+				/* @__PURE__ */ z("code", { children: "R load 10 ohm" }),
+				". Drag from the handle of a selected element to bond it, or press ",
+				/* @__PURE__ */ z("kbd", { children: "b" }),
+				". Strokes follow each edit."
+			]
+		})
+	] });
+}
+function Wt({ store: e, state: t, node: n }) {
+	let r = !t.look.view.editable, i = n.entry, a = (t, r) => void e.edit({
+		do: "set",
+		path: [
+			"elements",
+			n.name,
+			...t
+		],
+		value: r
+	}), o = (t) => void e.edit({
+		do: "rename",
+		old: n.name,
+		new: t.trim()
+	}).then((n) => n && e.set({ nodes: /* @__PURE__ */ new Set([t.trim()]) })), s = n.kind === "0" || n.kind === "1", c = t.stock?.parts.find((e) => e.name === i.submodel);
+	return /* @__PURE__ */ z("section", { children: [
+		/* @__PURE__ */ z("h2", { children: n.kind === "part" ? String(i.submodel) : t.stock?.kinds.find((e) => e.kind === n.kind)?.about ?? n.kind }),
+		/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "name" }), /* @__PURE__ */ z(Ft, {
+			label: "Name",
+			first: s || n.kind === "part",
+			value: n.name,
+			disabled: r,
+			onWrite: o
+		})] }),
+		!s && n.kind !== "part" && /* @__PURE__ */ z(Gt, {
+			node: n,
+			off: r,
+			set: a
+		}),
+		Lt[n.kind]?.map((e) => /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: ["start ", e] }), /* @__PURE__ */ z(Ft, {
+			label: `Start value ${e}`,
+			value: Jt(i[e]),
+			disabled: r,
+			placeholder: "0",
+			onWrite: (t) => a([e], It(t))
+		})] })),
+		s && /* @__PURE__ */ z(x, { children: [
+			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "kind" }), /* @__PURE__ */ z("select", {
+				disabled: r,
+				value: n.kind,
+				onChange: (e) => a(["junction"], Number(e.currentTarget.value)),
+				children: [/* @__PURE__ */ z("option", {
+					value: "0",
+					children: "0, common effort"
+				}), /* @__PURE__ */ z("option", {
+					value: "1",
+					children: "1, common flow"
+				})]
+			})] }),
+			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "law" }), /* @__PURE__ */ z("select", {
+				disabled: r,
+				value: Jt(i.law),
+				onChange: (e) => a(["law"], e.currentTarget.value || null),
+				children: [/* @__PURE__ */ z("option", {
+					value: "",
+					children: "none"
+				}), t.stock?.laws.map((e) => /* @__PURE__ */ z("option", {
+					value: e,
+					children: e
+				}))]
+			})] }),
+			(Rt[Jt(i.law)] ?? []).map((e) => /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: e }), /* @__PURE__ */ z(Ft, {
+				label: e,
+				value: Jt(i[e]),
+				disabled: r,
+				onWrite: (t) => a([e], It(t))
+			})] })),
+			/* @__PURE__ */ z(Kt, {
+				store: e,
+				state: t,
+				node: n
+			})
+		] }),
+		n.kind === "part" && /* @__PURE__ */ z(x, { children: [
+			c && /* @__PURE__ */ z("p", {
+				class: "hint",
+				children: c.title
+			}),
+			Object.entries({
+				...c?.parameters,
+				...i.parameters
+			}).map(([e]) => {
+				let t = i.parameters?.[e];
+				return /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: e }), /* @__PURE__ */ z(Ft, {
+					label: e,
+					value: Jt(t),
+					disabled: r,
+					placeholder: c?.parameters[e],
+					onWrite: (t) => a(["parameters", e], It(t))
+				})] });
+			}),
+			n.inputs?.map((e) => /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: [e, " ⟵"] }), /* @__PURE__ */ z(Ft, {
+				label: `Input ${e}`,
+				value: Jt(i.inputs?.[e]),
+				disabled: r,
+				placeholder: "an expression",
+				list: Yt(t),
+				onWrite: (t) => a(["inputs", e], It(t))
+			})] })),
+			n.known && /* @__PURE__ */ z("button", {
+				onClick: () => e.open(t.level ? `${t.level}.${n.name}` : n.name),
+				children: "Open"
+			})
+		] }),
+		/* @__PURE__ */ z("div", {
+			class: "row",
+			children: [
+				/* @__PURE__ */ z("button", {
+					disabled: r,
+					onClick: () => e.set({ bondFrom: n.name }),
+					children: "Bond (b)"
+				}),
+				/* @__PURE__ */ z("button", {
+					disabled: r,
+					onClick: () => void e.duplicate(),
+					children: "Duplicate"
+				}),
+				/* @__PURE__ */ z("button", {
+					disabled: r,
+					onClick: () => e.remove(),
+					children: "Delete"
+				})
+			]
+		})
+	] });
+}
+function Gt({ node: e, off: t, set: n }) {
+	let r = e.entry[e.kind];
+	if (typeof r == "object" && r && !Array.isArray(r)) {
+		let [i, a] = Object.entries(r)[0] ?? ["e", ""];
+		if (typeof a == "string") return /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: [i, " ="] }), /* @__PURE__ */ z(Ft, {
+			label: `Law, ${i} =`,
+			first: !0,
+			value: a,
+			disabled: t,
+			onWrite: (t) => n([e.kind, i], t)
+		})] });
+	}
+	return typeof r == "object" && r ? /* @__PURE__ */ z("p", {
+		class: "hint",
+		children: "A field or a table: edit it in the text."
+	}) : /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "value" }), /* @__PURE__ */ z(Ft, {
+		label: "Value",
+		first: !0,
+		value: Jt(r),
+		disabled: t,
+		onWrite: (t) => {
+			let r = /^\s*([ef])\s*=\s*(.+)$/.exec(t);
+			n([e.kind], r ? { [r[1]]: r[2] } : It(t) ?? 1);
+		}
+	})] });
+}
+function Kt({ store: e, state: t, node: n }) {
+	let r = t.look;
+	return n.machine ? /* @__PURE__ */ z("p", { children: ["switched by ", /* @__PURE__ */ z("button", {
+		class: "link",
+		onClick: () => e.set({ tab: "machines" }),
+		children: n.machine
+	})] }) : n.law ? null : /* @__PURE__ */ z("button", {
+		disabled: !r.view.editable,
+		onClick: () => void e.edit({
+			do: "set",
+			path: ["machines", qt(Object.keys(r.panels.machines), `${n.name}_switch`)],
+			value: {
+				states: {
+					on: [n.name],
+					off: []
+				},
+				start: "on",
+				rules: []
+			}
+		}).then(() => e.set({ tab: "machines" })),
+		children: "Let a state machine switch it"
+	});
+}
+function qt(e, t) {
+	if (!e.includes(t)) return t;
+	for (let n = 2;; n++) if (!e.includes(`${t}${n}`)) return `${t}${n}`;
+}
+function Jt(e) {
+	return e == null ? "" : typeof e == "object" ? JSON.stringify(e) : String(e);
+}
+function Yt(e) {
+	let t = e.look;
+	if (!t) return [];
+	let n = ["time"];
+	for (let e of t.view.nodes) n.push(`${e.name}.e`, `${e.name}.f`), e.kind === "C" && n.push(`${e.name}.q`), e.kind === "I" && n.push(`${e.name}.p`);
+	return n.push(...Object.keys(t.panels.machines).map((e) => `${e}.state`), ...e.run?.names ?? []), n.push("pre", "abs", "min", "max", "sqrt", "sin", "cos", "exp", "and", "or", "not"), n.push(...t.view.signals.map((e) => e.name), ...Object.keys(t.panels.parameters)), [...new Set(n)];
+}
+// src/expression.tsx
+var Xt = 250, Zt = /[A-Za-z_][\w.]*$/, Qt = 0;
+function $t(e) {
+	let [t, n] = H(e.value), [r, i] = H([]), [a, o] = H(-1), [s, c] = H(null), [l] = H(() => `words${++Qt}`), u = _t(null), d = _t(!1), f = _t(0);
+	gt(() => {
+		d.current || n(e.value), c(null);
+	}, [e.value]);
+	let p = () => {
+		i([]), o(-1);
+	}, m = () => {
+		let t = u.current.value;
+		n(t);
+		let r = Zt.exec(t.slice(0, u.current.selectionStart ?? t.length))?.[0] ?? "", a = r.toLowerCase(), s = r ? e.words.filter((e) => e !== r && e.toLowerCase().includes(a)) : [];
+		s.sort((e, t) => Number(t.toLowerCase().startsWith(a)) - Number(e.toLowerCase().startsWith(a))), i(s.slice(0, 8)), o(-1);
+		let l = ++f.current;
+		setTimeout(() => {
+			l === f.current && e.check(t).then((e) => l === f.current && c(e)).catch(() => {});
+		}, Xt);
+	}, h = (e) => {
+		let t = u.current, n = t.selectionStart ?? t.value.length, r = t.value.slice(0, n).replace(Zt, e);
+		t.value = r + t.value.slice(n), t.setSelectionRange(r.length, r.length), p(), m(), i([]), t.focus();
+	}, g = () => {
+		d.current = !1, f.current++, p(), t !== e.value && e.onWrite(t);
+	}, _ = (t) => {
+		t.stopPropagation();
+		let i = {
+			ArrowDown: 1,
+			ArrowUp: -1
+		}[t.key];
+		if (i && r.length) t.preventDefault(), o((a + i + r.length) % r.length);
+		else if ((t.key === "Tab" || t.key === "Enter") && a >= 0) t.preventDefault(), h(r[a]);
+		else if (t.key === "Enter") u.current.blur();
+		else if (t.key === "Escape") {
+			if (r.length) return p();
+			n(e.value), c(null), d.current = !1, requestAnimationFrame(() => document.querySelector(".canvas svg")?.focus());
+		}
+	}, v = s ?? (t === e.value ? e.told ?? null : null);
+	return /* @__PURE__ */ z("span", {
+		class: "expression",
+		children: [
+			/* @__PURE__ */ z("input", {
+				ref: u,
+				"aria-label": e.label,
+				value: t,
+				disabled: e.disabled,
+				placeholder: e.placeholder,
+				spellcheck: !1,
+				autocomplete: "off",
+				role: "combobox",
+				"aria-autocomplete": "list",
+				"aria-expanded": r.length > 0,
+				"aria-controls": l,
+				"aria-activedescendant": a >= 0 ? `${l}-${a}` : void 0,
+				"aria-invalid": !!v,
+				"aria-describedby": v ? `${l}-wrong` : void 0,
+				onFocus: () => d.current = !0,
+				onInput: m,
+				onBlur: g,
+				onKeyDown: _
+			}),
+			r.length > 0 && /* @__PURE__ */ z("ul", {
+				id: l,
+				role: "listbox",
+				"aria-label": "Names",
+				children: r.map((e, t) => /* @__PURE__ */ z("li", {
+					id: `${l}-${t}`,
+					role: "option",
+					"aria-selected": t === a,
+					onMouseDown: (t) => {
+						t.preventDefault(), h(e);
+					},
+					children: e
+				}))
+			}),
+			v && /* @__PURE__ */ z("small", {
+				class: "wrong",
+				id: `${l}-wrong`,
+				role: "status",
+				children: [
+					v.why,
+					" ",
+					v.try && /* @__PURE__ */ z("em", { children: v.try })
+				]
+			})
+		]
+	});
+}
+// src/machines.tsx
+function en(e) {
+	let t = /^\s*(\w+)\s*->\s*(\w+)\s+when\s+(.+)$/s.exec(e);
+	return t ? {
+		source: t[1],
+		target: t[2],
+		guard: t[3]
+	} : null;
+}
+function tn({ store: e, state: t }) {
+	let n = t.look, r = Object.entries(n.panels.machines);
+	return /* @__PURE__ */ z("section", { children: [
+		/* @__PURE__ */ z("h2", { children: "State machines" }),
+		r.map(([n, r]) => /* @__PURE__ */ z(nn, {
+			store: e,
+			state: t,
+			name: n,
+			machine: r
+		}, n)),
+		n.view.editable && /* @__PURE__ */ z("button", {
+			onClick: () => {
+				let i = n.view.nodes.find((e) => t.nodes.has(e.name) && (e.kind === "0" || e.kind === "1")), a = qt([...r.map(([e]) => e), ...n.view.nodes.map((e) => e.name)], "S");
+				e.edit({
+					do: "set",
+					path: ["machines", a],
+					value: {
+						states: {
+							on: i ? [i.name] : [],
+							off: []
+						},
+						start: "on",
+						rules: []
+					}
+				});
+			},
+			children: "New machine"
+		}),
+		/* @__PURE__ */ z("p", {
+			class: "hint",
+			children: [
+				"In guards ",
+				/* @__PURE__ */ z("code", { children: "pre(x)" }),
+				" is the value before the instant (a priori ",
+				/* @__PURE__ */ z("b", { children: "x⁻" }),
+				"), ",
+				/* @__PURE__ */ z("code", { children: "x" }),
+				" the one that holds after it (a posteriori ",
+				/* @__PURE__ */ z("b", { children: "x⁺" }),
+				")."
+			]
+		})
+	] });
+}
+function nn({ store: e, state: t, name: n, machine: r }) {
+	let i = t.look, a = !i.view.editable, o = t.level ? `${t.level}.${n}` : n, s = t.cursor?.mode[o] ?? i.machines.find((e) => e.path === o)?.state, c = Object.keys(r.states ?? {}), l = r.rules ?? [], u = (t) => void e.edit({
+		do: "set",
+		path: ["machines", n],
+		value: t
+	}), d = (e, t) => u({
+		...r,
+		rules: t === null ? l.filter((t, n) => n !== e) : l.map((n, r) => r === e ? t : n)
+	}), f = async (i, a) => {
+		let o = {
+			...r,
+			rules: l.map((e, t) => t === i ? a : e)
+		}, s = {
+			do: "set",
+			path: ["machines", n],
+			value: o,
+			level: t.level
+		}, { problem: c } = await e.transport.ask("attempt", { edit: s });
+		return c?.where.includes(n) ? c : null;
+	}, p = i.view.nodes.filter((e) => e.kind !== "part" && e.kind !== "?").map((e) => e.name);
+	return /* @__PURE__ */ z("div", {
+		class: "machine",
+		"data-machine": n,
+		children: [
+			/* @__PURE__ */ z("div", {
+				class: "row",
+				children: [/* @__PURE__ */ z(Ft, {
+					label: `Name of machine ${n}`,
+					value: n,
+					disabled: a,
+					onWrite: (t) => void e.edit({
+						do: "rename",
+						old: n,
+						new: t.trim()
+					})
+				}), !a && /* @__PURE__ */ z("button", {
+					class: "small",
+					"aria-label": `Delete machine ${n}`,
+					onClick: () => void e.edit({
+						do: "set",
+						path: ["machines", n],
+						value: null
+					}),
+					children: "✕"
+				})]
+			}),
+			/* @__PURE__ */ z(rn, {
+				machine: r,
+				now: s,
+				onState: (t) => e.setMode(o, t)
+			}),
+			c.map((t) => /* @__PURE__ */ z("div", {
+				class: "row state",
+				children: [
+					/* @__PURE__ */ z("input", {
+						type: "radio",
+						name: `start-${n}`,
+						"aria-label": `${n} starts in ${t}`,
+						title: "start state",
+						checked: r.start === t,
+						disabled: a,
+						onChange: () => u({
+							...r,
+							start: t
+						})
+					}),
+					/* @__PURE__ */ z(Ft, {
+						label: `State ${t} of ${n}`,
+						value: t,
+						disabled: a,
+						onWrite: (i) => {
+							let a = i.trim();
+							if (!a) {
+								let { [t]: e, ...n } = r.states;
+								return u({
+									...r,
+									states: n,
+									start: r.start === t ? Object.keys(n)[0] : r.start
+								});
+							}
+							e.edit({
+								do: "rename state",
+								machine: n,
+								old: t,
+								new: a
+							});
+						}
+					}),
+					/* @__PURE__ */ z("span", {
+						class: "on",
+						children: "ON"
+					}),
+					/* @__PURE__ */ z(Ft, {
+						label: `Junctions that state ${t} of ${n} switches on`,
+						value: (r.states[t] ?? []).join(", "),
+						disabled: a,
+						list: p,
+						placeholder: "none",
+						onWrite: (e) => u({
+							...r,
+							states: {
+								...r.states,
+								[t]: e.split(/[\s,]+/).filter(Boolean)
+							}
+						})
+					})
+				]
+			})),
+			l.map((e, r) => {
+				let i = en(e), o = i && /\bpre\s*\(/.test(i.guard);
+				return /* @__PURE__ */ z("div", {
+					class: "row rule",
+					children: [i ? /* @__PURE__ */ z(x, { children: [
+						/* @__PURE__ */ z("select", {
+							disabled: a,
+							"aria-label": "From",
+							value: i.source,
+							onChange: (e) => d(r, `${e.currentTarget.value} -> ${i.target} when ${i.guard}`),
+							children: c.map((e) => /* @__PURE__ */ z("option", { children: e }))
+						}),
+						"→",
+						/* @__PURE__ */ z("select", {
+							disabled: a,
+							"aria-label": "To",
+							value: i.target,
+							onChange: (e) => d(r, `${i.source} -> ${e.currentTarget.value} when ${i.guard}`),
+							children: c.map((e) => /* @__PURE__ */ z("option", { children: e }))
+						}),
+						/* @__PURE__ */ z($t, {
+							label: `Guard ${r + 1} of ${n}`,
+							value: i.guard,
+							disabled: a,
+							words: Yt(t),
+							check: (e) => f(r, `${i.source} -> ${i.target} when ${e}`),
+							onWrite: (e) => d(r, `${i.source} -> ${i.target} when ${e}`)
+						}),
+						/* @__PURE__ */ z("span", {
+							class: "reads " + (o ? "prior" : "after"),
+							title: o ? "reads a priori values, x⁻" : "reads a posteriori values, x⁺",
+							children: o ? "x⁻" : "x⁺"
+						})
+					] }) : /* @__PURE__ */ z(Ft, {
+						label: `Rule ${r + 1} of ${n}`,
+						value: e,
+						disabled: a,
+						onWrite: (e) => d(r, e)
+					}), !a && /* @__PURE__ */ z("button", {
+						class: "small",
+						"aria-label": `Delete rule ${r + 1} of ${n}`,
+						onClick: () => d(r, null),
+						children: "✕"
+					})]
+				});
+			}),
+			!a && /* @__PURE__ */ z("div", {
+				class: "row",
+				children: [/* @__PURE__ */ z("button", {
+					onClick: () => u({
+						...r,
+						states: {
+							...r.states,
+							[qt(c, "state")]: []
+						}
+					}),
+					children: "Add state"
+				}), /* @__PURE__ */ z("button", {
+					disabled: c.length < 2,
+					onClick: () => {
+						let e = c.find((e) => !l.some((t) => en(t)?.source === e)) ?? c[0], t = c.find((t) => t !== e);
+						u({
+							...r,
+							rules: [...l, `${e} -> ${t} when time >= 1`]
+						});
+					},
+					children: "Add rule"
+				})]
+			})
+		]
+	});
+}
+function rn({ machine: e, now: t, onState: n }) {
+	let r = Object.keys(e.states ?? {}), i = (e) => 46 + 108 * r.indexOf(e), a = (e.rules ?? []).map(en).filter((e) => !!e && r.includes(e.source) && r.includes(e.target)), o = /* @__PURE__ */ new Map(), s = 26 + 16 * Math.max(1, ...a.map((e) => Math.abs(r.indexOf(e.target) - r.indexOf(e.source))));
+	return /* @__PURE__ */ z("div", {
+		class: "diagram",
+		children: /* @__PURE__ */ z("svg", {
+			width: 46 + 108 * r.length,
+			height: 2 * s + 10,
+			viewBox: `0 ${-s} ${46 + 108 * r.length} ${2 * s + 10}`,
+			role: "group",
+			"aria-label": "States and rules",
+			children: [
+				/* @__PURE__ */ z("defs", { children: /* @__PURE__ */ z("marker", {
+					id: "rulehead",
+					viewBox: "0 0 8 8",
+					refX: 7,
+					refY: 4,
+					markerWidth: 7,
+					markerHeight: 7,
+					orient: "auto",
+					children: /* @__PURE__ */ z("path", {
+						d: "M0,1L8,4L0,7z",
+						class: "rulehead"
+					})
+				}) }),
+				a.map((e) => {
+					let [t, n] = [i(e.source), i(e.target)], r = `${e.source}>${e.target}`, a = o.get(r) ?? 0;
+					if (o.set(r, a + 1), t === n) return /* @__PURE__ */ z("path", {
+						class: "arc",
+						d: `M${t - 8},-14 C${t - 26},-44 ${t + 26},-44 ${t + 8},-14`,
+						"marker-end": "url(#rulehead)",
+						children: /* @__PURE__ */ z("title", { children: e.guard })
+					});
+					let s = n > t ? -1 : 1, c = s * (22 + 14 * Math.abs(n - t) / 108 + 9 * a), l = e.guard.length > 26 ? e.guard.slice(0, 25) + "…" : e.guard;
+					return /* @__PURE__ */ z("g", { children: [/* @__PURE__ */ z("path", {
+						class: "arc",
+						d: `M${t},${14 * s} C${t},${c} ${n},${c} ${n},${14 * s}`,
+						"marker-end": "url(#rulehead)",
+						children: /* @__PURE__ */ z("title", { children: e.guard })
+					}), /* @__PURE__ */ z("text", {
+						class: "guard",
+						x: (t + n) / 2,
+						y: .78 * c + (s < 0 ? -3 : 10),
+						"text-anchor": "middle",
+						children: l
+					})] });
+				}),
+				r.map((r) => /* @__PURE__ */ z("g", {
+					class: "statebox" + (r === t ? " now" : "") + (r === e.start ? " start" : ""),
+					role: "button",
+					tabindex: 0,
+					"aria-label": `Show state ${r}`,
+					"aria-pressed": r === t,
+					onClick: () => n(r),
+					onKeyDown: (e) => (e.key === "Enter" || e.key === " ") && n(r),
+					children: [
+						/* @__PURE__ */ z("rect", {
+							x: i(r) - 38,
+							y: -14,
+							width: 76,
+							height: 28,
+							rx: 8
+						}),
+						/* @__PURE__ */ z("text", {
+							x: i(r),
+							y: 4,
+							"text-anchor": "middle",
+							children: r.length > 11 ? r.slice(0, 10) + "…" : r
+						}),
+						r === e.start && /* @__PURE__ */ z("circle", {
+							cx: i(r) - 38,
+							cy: -14,
+							r: 4
+						})
+					]
+				}))
+			]
+		})
+	});
+}
+// src/sweeps.tsx
+var [an, U] = [720, 190], W = 74, [on, sn] = [8, 20], cn = [
+	"var(--s0)",
+	"var(--s1)",
+	"var(--s2)",
+	"var(--s3)",
+	"var(--s4)",
+	"var(--s5)",
+	"var(--s6)",
+	"var(--s7)"
+];
+function ln(e) {
+	return `color-mix(in oklab, var(--c5) ${Math.round(100 * e)}%, var(--c1))`;
+}
+function G({ store: e, state: t }) {
+	let n = t.sweep, [r, i] = H(null), a = n.members.filter((e) => e), o = a.length ? (a.find((e) => e.curves)?.curves ?? []).map((e) => e.name) : [], s = a.filter((e) => e.error), c = a.find((e) => e.until !== void 0)?.until ?? 1;
+	return /* @__PURE__ */ z("div", {
+		class: "plots sweep",
+		children: [
+			/* @__PURE__ */ z("div", {
+				class: "plotbar",
+				children: [
+					/* @__PURE__ */ z("b", { children: n.path }),
+					" from ",
+					n.values[0],
+					" to ",
+					n.values[n.values.length - 1],
+					/* @__PURE__ */ z("span", {
+						class: "scale",
+						"aria-hidden": "true"
+					}),
+					/* @__PURE__ */ z("span", {
+						role: "status",
+						children: [n.done ? `${a.length} runs${a.length < n.values.length ? ", cancelled" : ""}` : `${a.length} of ${n.values.length}`, s.length > 0 && `, ${s.length} stopped: ${s[0].error.code}`]
+					}),
+					!n.done && /* @__PURE__ */ z("button", {
+						onClick: e.cancel,
+						children: "Cancel"
+					}),
+					/* @__PURE__ */ z("input", {
+						type: "range",
+						"aria-label": `Run of the sweep over ${n.path}`,
+						min: 0,
+						max: n.values.length - 1,
+						step: 1,
+						value: r ?? 0,
+						onInput: (e) => i(Number(e.currentTarget.value))
+					}),
+					r !== null && /* @__PURE__ */ z(x, { children: [/* @__PURE__ */ z("output", { children: [
+						n.path,
+						" = ",
+						n.values[r]
+					] }), !n.path.includes(".") && /* @__PURE__ */ z("button", {
+						onClick: () => {
+							let t = n.values[r];
+							n.path.split(".").length === 1 && e.edit({
+								do: "set",
+								path: ["parameters", n.path],
+								value: t,
+								level: ""
+							}).then(() => e.start());
+						},
+						children: "Take this value"
+					})] }),
+					/* @__PURE__ */ z("button", {
+						onClick: () => e.set({ sweep: null }),
+						children: "Close"
+					})
+				]
+			}),
+			o.map((e, t) => /* @__PURE__ */ z(un, {
+				name: e,
+				curves: n.members.map((e) => e?.curves?.[t]),
+				end: c,
+				chosen: r,
+				choose: i
+			}, e)),
+			/* @__PURE__ */ z(dn, {
+				sweep: n,
+				end: c,
+				chosen: r,
+				choose: i
+			})
+		]
+	});
+}
+function un({ name: e, curves: t, end: n, chosen: r, choose: i }) {
+	let a = t.filter((e) => !!e && !e.error), [o, s] = [Infinity, -Infinity];
+	for (let e of a) for (let t of e.y) t !== null && ([o, s] = [Math.min(o, t), Math.max(s, t)]);
+	if (!a.length || o > s) return /* @__PURE__ */ z("p", {
+		class: "hint",
+		children: [
+			e,
+			": ",
+			t.find((e) => e?.error)?.error?.why ?? "no values yet"
+		]
+	});
+	let c = a[0].unit, l = s - o || Math.abs(s) || 1, u = (e) => W + e / n * (an - W - 8), d = (e) => U - sn - (e - o) / l * (U - sn - on), f = (e) => {
+		let t = "", n = "M";
+		return e.t.forEach((r, i) => {
+			let a = e.y[i];
+			a === null ? n = "M" : (t += `${n}${u(r).toFixed(1)},${d(a).toFixed(1)}`, n = "L");
+		}), t;
+	}, p = t.map((e, t) => t).filter((e) => e !== r);
+	return r !== null && p.push(r), /* @__PURE__ */ z("svg", {
+		class: "family",
+		viewBox: `0 0 ${an} ${U}`,
+		role: "img",
+		"aria-label": `${e} of ${a.length} runs, between ${xe(o)} and ${xe(s)} ${c}`,
+		children: [
+			/* @__PURE__ */ z("rect", {
+				class: "box",
+				x: W,
+				y: on,
+				width: an - W - 8,
+				height: U - sn - on
+			}),
+			o < 0 && s > 0 && /* @__PURE__ */ z("line", {
+				class: "axis",
+				x1: W,
+				x2: an - 8,
+				y1: d(0),
+				y2: d(0)
+			}),
+			p.map((e) => {
+				let n = t[e];
+				return !n || n.error ? null : /* @__PURE__ */ z("path", {
+					class: e === r ? "way chosen" : "way",
+					d: f(n),
+					style: `stroke: ${ln(e / Math.max(1, t.length - 1))}`,
+					onClick: () => i(e),
+					children: /* @__PURE__ */ z("title", { children: ["run ", e + 1] })
+				}, e);
+			}),
+			/* @__PURE__ */ z("text", {
+				x: 69,
+				y: on + 9,
+				"text-anchor": "end",
+				children: L(s, c)
+			}),
+			/* @__PURE__ */ z("text", {
+				x: 69,
+				y: U - sn,
+				"text-anchor": "end",
+				children: L(o, c)
+			}),
+			/* @__PURE__ */ z("text", {
+				class: "what",
+				transform: `translate(12,${(U - sn) / 2}) rotate(-90)`,
+				"text-anchor": "middle",
+				children: e
+			}),
+			/* @__PURE__ */ z("text", {
+				x: W,
+				y: U - 5,
+				children: "0 s"
+			}),
+			/* @__PURE__ */ z("text", {
+				x: an - 8,
+				y: U - 5,
+				"text-anchor": "end",
+				children: L(n, "s")
+			})
+		]
+	});
+}
+function dn({ sweep: e, end: t, chosen: n, choose: r }) {
+	let i = [...e.members].reverse().find((e) => e?.named)?.named ?? [];
+	if (i.length < 2) return null;
+	let a = Math.max(...e.members.map((e) => e?.modes?.length ?? 0)), o = (an - W - 8) / e.values.length, s = (e) => {
+		let t = [];
+		return e.forEach((e, n) => {
+			let r = t[t.length - 1];
+			r && r[2] === e ? r[1] = n + 1 : t.push([
+				n,
+				n + 1,
+				e
+			]);
+		}), t;
+	};
+	return /* @__PURE__ */ z("figure", {
+		class: "modemap",
+		children: [/* @__PURE__ */ z("svg", {
+			viewBox: `0 0 ${an} 184`,
+			role: "img",
+			"aria-label": `Modes over ${e.path} and time: ${i.join("; ")}`,
+			children: [
+				e.members.map((t, c) => t?.modes ? /* @__PURE__ */ z("g", {
+					class: c === n ? "chosen" : "",
+					onClick: () => r(c),
+					children: s(t.modes).map(([t, n, r]) => /* @__PURE__ */ z("rect", {
+						x: W + c * o,
+						width: o + .4,
+						y: on + 150 * (1 - n / a),
+						height: 150 * (n - t) / a + .4,
+						fill: cn[r % cn.length],
+						children: /* @__PURE__ */ z("title", { children: `${e.values[c]}: ${i[r]}` })
+					}))
+				}) : null),
+				/* @__PURE__ */ z("text", {
+					x: 69,
+					y: on + 9,
+					"text-anchor": "end",
+					children: L(t, "s")
+				}),
+				/* @__PURE__ */ z("text", {
+					x: 69,
+					y: on + 150,
+					"text-anchor": "end",
+					children: "0 s"
+				}),
+				/* @__PURE__ */ z("text", {
+					x: W,
+					y: on + 150 + 14,
+					children: e.values[0]
+				}),
+				/* @__PURE__ */ z("text", {
+					x: an - 8,
+					y: on + 150 + 14,
+					"text-anchor": "end",
+					children: e.values[e.values.length - 1]
+				}),
+				/* @__PURE__ */ z("text", {
+					class: "what",
+					x: (W + an) / 2,
+					y: on + 150 + 18,
+					"text-anchor": "middle",
+					children: e.path
+				})
+			]
+		}), /* @__PURE__ */ z("figcaption", { children: [i.slice(0, 16).map((e, t) => /* @__PURE__ */ z("span", { children: [
+			/* @__PURE__ */ z("i", { style: `background: ${cn[t % cn.length]}` }),
+			" ",
+			e
+		] })), i.length > 16 && ` and ${i.length - 16} more`] })]
+	});
+}
+function fn({ store: e, path: t, low: n, high: r, onDone: i }) {
+	let [a, o] = H(n), [s, c] = H(r), [l, u] = H("15"), [d, f] = H(!1), p = (n) => {
+		n.preventDefault(), e.sweep({
+			path: t,
+			from: a,
+			to: s,
+			count: l,
+			log: d
+		}).then((e) => e && i());
+	}, m = (e, n, r) => /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: e }), /* @__PURE__ */ z("input", {
+		"aria-label": `Sweep ${t} ${e}`,
+		value: n,
+		onInput: (e) => r(e.currentTarget.value),
+		onKeyDown: (e) => e.stopPropagation()
+	})] });
+	return /* @__PURE__ */ z("form", {
+		class: "sweepfields",
+		onSubmit: p,
+		children: [
+			m("from", a, o),
+			m("to", s, c),
+			m("runs", l, u),
+			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("input", {
+				type: "checkbox",
+				checked: d,
+				onChange: (e) => f(e.currentTarget.checked)
+			}), " by ratios"] }),
+			/* @__PURE__ */ z("button", {
+				type: "submit",
+				children: "Sweep"
+			})
+		]
+	});
+}
+// src/panels.tsx
+function pn({ store: e, state: t }) {
+	let n = t.look, r = !n.view.editable, i = n.panels.experiment, a = (t, n) => e.edit({
+		do: "set",
+		path: t,
+		value: n
+	}), o = (i, o, s) => {
+		let c = Object.entries(n.panels[i]);
+		return /* @__PURE__ */ z(x, { children: [
+			/* @__PURE__ */ z("h2", { children: o }),
+			c.map(([n, r]) => /* @__PURE__ */ z(hn, {
+				store: e,
+				state: t,
+				section: i,
+				name: n,
+				value: r
+			}, n)),
+			!r && /* @__PURE__ */ z("button", {
+				onClick: () => {
+					let e = {
+						parameters: "k",
+						signals: "y",
+						inputs: "u"
+					}[i], t = [
+						...Object.keys(n.panels.parameters),
+						...n.view.nodes.map((e) => e.name),
+						...n.view.signals.map((e) => e.name)
+					];
+					a([i, qt(t, e)], s);
+				},
+				children: "Add"
+			})
+		] });
+	};
+	return /* @__PURE__ */ z("section", { children: [
+		o("parameters", "Parameters", 1),
+		o("signals", "Signals", "time"),
+		o("inputs", "Inputs", { constant: 1 }),
+		!t.level && /* @__PURE__ */ z(x, { children: [
+			/* @__PURE__ */ z("h2", { children: "Run" }),
+			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "until" }), /* @__PURE__ */ z(Ft, {
+				label: "Until",
+				value: Jt(i.until),
+				placeholder: "1 s",
+				onWrite: (e) => void a(["experiment", "until"], It(e))
+			})] }),
+			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "solver" }), /* @__PURE__ */ z("select", {
+				value: Jt(i.solver),
+				onChange: (e) => void a(["experiment", "solver"], e.currentTarget.value || null),
+				children: [/* @__PURE__ */ z("option", {
+					value: "",
+					children: "auto"
+				}), t.stock?.solvers.filter((e) => e.name !== "auto").map((e) => /* @__PURE__ */ z("option", {
+					value: e.name,
+					title: e.about,
+					children: e.name
+				}))]
+			})] }),
+			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "rtol" }), /* @__PURE__ */ z(Ft, {
+				label: "Relative tolerance",
+				value: Jt(i.rtol),
+				placeholder: "1e-8",
+				onWrite: (e) => void a(["experiment", "rtol"], It(e))
+			})] })
+		] })
+	] });
+}
+var mn = /^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)(\s*\S.*)?$/i;
+function hn({ store: e, state: t, section: n, name: r, value: i }) {
+	let a = !t.look.view.editable, o = typeof i != "object", s = n === "parameters" ? mn.exec(Jt(i)) : null, [c] = H(() => s && Number(s[1]) || 1), [l, u] = H(!1), d = t.level ? `${t.level}.${r}` : r, f = (e) => `${+((Number(s?.[1]) || 1) * e).toPrecision(6)}${s?.[2] ?? ""}`;
+	return /* @__PURE__ */ z("div", {
+		class: "entry",
+		"data-entry": r,
+		children: [
+			/* @__PURE__ */ z("label", { children: [
+				/* @__PURE__ */ z(Ft, {
+					label: `Name ${r}`,
+					value: r,
+					disabled: a,
+					onWrite: (t) => void e.edit({
+						do: "rename",
+						old: r,
+						new: t.trim()
+					})
+				}),
+				o ? /* @__PURE__ */ z(Ft, {
+					label: r,
+					value: Jt(i),
+					disabled: a,
+					list: n === "signals" ? Yt(t) : void 0,
+					onWrite: (t) => void e.edit({
+						do: "set",
+						path: [n, r],
+						value: It(t)
+					})
+				}) : /* @__PURE__ */ z(gn, {
+					store: e,
+					path: [n, r],
+					value: i,
+					off: a
+				}),
+				s && /* @__PURE__ */ z("button", {
+					class: "small",
+					"aria-label": `Sweep ${r}`,
+					title: "Run over a range",
+					"aria-pressed": l,
+					onClick: () => u(!l),
+					children: "⋯"
+				}),
+				!a && /* @__PURE__ */ z("button", {
+					class: "small",
+					"aria-label": `Delete ${r}`,
+					onClick: () => void e.edit({
+						do: "set",
+						path: [n, r],
+						value: null
+					}),
+					children: "✕"
+				})
+			] }),
+			l && s && /* @__PURE__ */ z(fn, {
+				store: e,
+				path: d,
+				low: f(.5),
+				high: f(2),
+				onDone: () => u(!1)
+			}),
+			s && !a && /* @__PURE__ */ z("input", {
+				type: "range",
+				"aria-label": `Slider ${r}`,
+				min: -1,
+				max: 1,
+				step: .02,
+				value: Math.log10(Math.abs(Number(s[1]) || 1) / Math.abs(c)),
+				onChange: (i) => {
+					let a = +(Math.sign(c) * Math.abs(c) * 10 ** Number(i.currentTarget.value)).toPrecision(4), o = s[2] ?? "";
+					e.edit({
+						do: "set",
+						path: [n, r],
+						value: o ? `${a}${o}` : a
+					}).then(() => t.run && e.start());
+				}
+			})
+		]
+	});
+}
+function gn({ store: e, path: t, value: n, off: r }) {
+	return /* @__PURE__ */ z("span", {
+		class: "structured",
+		children: Object.entries(n).map(([n, i]) => typeof i == "object" && i && !Array.isArray(i) ? /* @__PURE__ */ z(gn, {
+			store: e,
+			path: [...t, n],
+			value: i,
+			off: r
+		}) : /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: n }), /* @__PURE__ */ z(Ft, {
+			label: `${t.join(" ")} ${n}`,
+			value: Jt(i),
+			disabled: r,
+			onWrite: (r) => {
+				let i = It(r);
+				if (r.trim().startsWith("[")) try {
+					i = JSON.parse(r);
+				} catch {}
+				e.edit({
+					do: "set",
+					path: [...t, n],
+					value: i
+				});
+			}
+		})] }))
+	});
+}
+function _n({ store: e, state: t }) {
+	let n = t.look.problems;
+	return /* @__PURE__ */ z("section", { children: [
+		/* @__PURE__ */ z("h2", { children: "Problems" }),
+		!n.length && /* @__PURE__ */ z("p", { children: "None." }),
+		/* @__PURE__ */ z("ul", {
+			class: "problems",
+			children: n.map((t) => /* @__PURE__ */ z("li", {
+				class: t.grave,
+				children: /* @__PURE__ */ z("button", {
+					onClick: () => e.select(t.select),
+					children: [
+						/* @__PURE__ */ z("b", { children: t.code }),
+						" ",
+						t.where && /* @__PURE__ */ z("i", { children: t.where }),
+						/* @__PURE__ */ z("span", { children: t.why }),
+						t.try && /* @__PURE__ */ z("em", { children: ["Try: ", t.try] })
+					]
+				})
+			}))
+		})
+	] });
+}
+function vn({ store: e, state: t }) {
+	let { view: n, strokes: r } = t.look;
+	return /* @__PURE__ */ z("section", {
+		class: "tables",
+		children: [
+			/* @__PURE__ */ z("h2", { children: "Elements" }),
+			/* @__PURE__ */ z("table", { children: [/* @__PURE__ */ z("thead", { children: /* @__PURE__ */ z("tr", { children: [
+				/* @__PURE__ */ z("th", {
+					scope: "col",
+					children: "name"
+				}),
+				/* @__PURE__ */ z("th", {
+					scope: "col",
+					children: "kind"
+				}),
+				/* @__PURE__ */ z("th", {
+					scope: "col",
+					children: "value"
+				}),
+				/* @__PURE__ */ z("th", {
+					scope: "col",
+					children: "state"
+				})
+			] }) }), /* @__PURE__ */ z("tbody", { children: n.nodes.map((n) => {
+				let i = r.nodes[n.name];
+				return /* @__PURE__ */ z("tr", {
+					class: t.nodes.has(n.name) ? "chosen" : "",
+					children: [
+						/* @__PURE__ */ z("td", { children: /* @__PURE__ */ z("button", {
+							class: "link",
+							onClick: () => e.set({
+								nodes: /* @__PURE__ */ new Set([n.name]),
+								bonds: /* @__PURE__ */ new Set()
+							}),
+							children: n.name
+						}) }),
+						/* @__PURE__ */ z("td", { children: n.kind === "part" ? String(n.entry.submodel) : n.kind }),
+						/* @__PURE__ */ z("td", { children: i?.says ?? n.says }),
+						/* @__PURE__ */ z("td", { children: [
+							i?.off ? "OFF" : i?.controlled ? "ON" : "",
+							i?.derivative ? "derivative" : "",
+							n.law ?? "",
+							n.machine ?? ""
+						].filter(Boolean).join(", ") })
+					]
+				});
+			}) })] }),
+			/* @__PURE__ */ z("h2", { children: "Bonds" }),
+			/* @__PURE__ */ z("table", { children: [/* @__PURE__ */ z("thead", { children: /* @__PURE__ */ z("tr", { children: [
+				/* @__PURE__ */ z("th", {
+					scope: "col",
+					children: "bond"
+				}),
+				/* @__PURE__ */ z("th", {
+					scope: "col",
+					children: "stroke at"
+				}),
+				/* @__PURE__ */ z("th", {
+					scope: "col",
+					children: "other modes"
+				})
+			] }) }), /* @__PURE__ */ z("tbody", { children: n.bonds.map((n) => {
+				let i = r.bonds[n.key] ?? r.bonds[`${n.ends[0]} -> ${n.ends[1]}`];
+				return /* @__PURE__ */ z("tr", {
+					class: t.bonds.has(n.key) ? "chosen" : "",
+					children: [
+						/* @__PURE__ */ z("td", { children: /* @__PURE__ */ z("button", {
+							class: "link",
+							onClick: () => e.set({
+								bonds: /* @__PURE__ */ new Set([n.key]),
+								nodes: /* @__PURE__ */ new Set()
+							}),
+							children: n.text
+						}) }),
+						/* @__PURE__ */ z("td", { children: i ? i.strokes.map((e) => n.ends[e]).join(", ") + (i.conflict ? " (conflict)" : "") + (i.off ? " (OFF)" : "") : "—" }),
+						/* @__PURE__ */ z("td", { children: i?.dashed?.map((e) => n.ends[e]).join(", ") ?? "" })
+					]
+				});
+			}) })] })
+		]
+	});
+}
+function yn({ store: e, state: t }) {
+	let [n, r] = H(null), [i, a] = H(null), o = t.look.revision;
+	gt(() => {
+		let t = !1;
+		return e.transport.ask("text").then((e) => !t && r(e)).catch(() => {}), () => {
+			t = !0;
+		};
+	}, [o]);
+	let s = () => {
+		i !== null && e.ask("replace", { text: i }).then((e) => e && a(null));
+	};
+	return /* @__PURE__ */ z("section", {
+		class: "textpanel",
+		children: [
+			/* @__PURE__ */ z("h2", { children: [
+				t.look.file,
+				" ",
+				i !== null && /* @__PURE__ */ z("small", { children: "not applied" })
+			] }),
+			/* @__PURE__ */ z("textarea", {
+				"aria-label": "Text of the model file",
+				spellcheck: !1,
+				value: i ?? n?.text ?? "",
+				onInput: (e) => a(e.currentTarget.value),
+				onKeyDown: (e) => {
+					e.key === "Enter" && (e.ctrlKey || e.metaKey) && s(), e.stopPropagation();
+				}
+			}),
+			/* @__PURE__ */ z("div", {
+				class: "row",
+				children: [/* @__PURE__ */ z("button", {
+					disabled: i === null,
+					onClick: s,
+					children: "Apply (Ctrl+Enter)"
+				}), /* @__PURE__ */ z("button", {
+					disabled: i === null,
+					onClick: () => a(null),
+					children: "Discard"
+				})]
+			})
+		]
+	});
+}
+// src/palette.tsx
+function bn(e) {
+	let t = e.stock, n = (t?.kinds ?? []).map((e) => ({
+		key: e.kind,
+		letters: e.kind === "G" ? "G" : e.letters,
+		about: e.about,
+		element: e.element,
+		stem: e.stem
+	})), r = /* @__PURE__ */ new Map();
+	for (let e of t?.parts ?? []) {
+		let [t, n] = e.name.split("."), i = {
+			key: e.name,
+			letters: n,
+			about: e.title,
+			element: { submodel: e.name },
+			stem: n
+		};
+		r.set(t, [...r.get(t) ?? [], i]);
+	}
+	return {
+		kinds: n,
+		parts: r
+	};
+}
+function xn({ store: e, state: t }) {
+	let [n, r] = H(""), { kinds: i, parts: a } = bn(t), o = t.look?.view.domain ?? "", s = n.toLowerCase().split(/\s+/).filter(Boolean), c = (e) => s.every((t) => `${e.key} ${e.about}`.toLowerCase().includes(t)), l = [...a].sort(([e], [t]) => Number(t === o) - Number(e === o)), u = (e) => (t) => t.dataTransfer.setData("application/x-hybond", JSON.stringify({
+		element: e.element,
+		stem: e.stem
+	})), d = (t) => {
+		e.add(t.element, t.stem), e.set({ panel: "" });
+	}, f = !t.look?.view.editable;
+	return /* @__PURE__ */ z("aside", {
+		class: "palette" + (t.panel === "palette" ? " open" : ""),
+		"aria-label": "Palette",
+		children: [
+			/* @__PURE__ */ z("div", {
+				class: "kinds",
+				children: i.map((e) => /* @__PURE__ */ z("button", {
+					disabled: f,
+					draggable: !0,
+					onDragStart: u(e),
+					onClick: () => d(e),
+					title: e.about,
+					"aria-label": `Add ${e.key}, ${e.about}`,
+					"data-kind": e.key,
+					children: e.letters
+				}))
+			}),
+			/* @__PURE__ */ z("input", {
+				type: "search",
+				placeholder: "Parts …",
+				"aria-label": "Search parts",
+				value: n,
+				onInput: (e) => r(e.currentTarget.value)
+			}),
+			/* @__PURE__ */ z("div", {
+				class: "shelves",
+				tabindex: 0,
+				role: "region",
+				"aria-label": "Ready parts",
+				children: l.map(([e, t]) => {
+					let n = t.filter(c);
+					return n.length ? /* @__PURE__ */ z("details", {
+						open: s.length > 0 || e === o,
+						children: [/* @__PURE__ */ z("summary", { children: [
+							e,
+							" ",
+							/* @__PURE__ */ z("small", { children: n.length })
+						] }), n.map((e) => /* @__PURE__ */ z("button", {
+							class: "offer",
+							disabled: f,
+							draggable: !0,
+							onDragStart: u(e),
+							onClick: () => d(e),
+							title: e.about,
+							"data-part": e.key,
+							children: e.letters.replaceAll("_", " ")
+						}))]
+					}) : null;
+				})
+			})
+		]
+	});
+}
+function Sn({ store: e, state: t }) {
+	let [n, r] = H(""), { kinds: i, parts: a } = bn(t), o = [...i, ...[...a.values()].flat()], [s, ...c] = n.trim().split(/\s+/), l = i.find((e) => e.key === s), u = n.includes("->") ? [] : l ? [l, ...o.filter((e) => e !== l && e.key.includes(s))] : o.filter((e) => `${e.key} ${e.about}`.toLowerCase().includes(n.trim().toLowerCase())), d = () => {
+		document.querySelector(".canvas svg")?.focus(), e.set({ adding: !1 });
+	}, f = async () => {
+		if (n.includes("->")) return await e.edit({
+			do: "write bond",
+			text: n.trim()
+		}), d();
+		let t = u[0];
+		if (!t) return;
+		let r = t.element, i = "";
+		if (t === l && c.length) {
+			/^[A-Za-z_]\w*$/.test(c[0]) && (i = c.shift());
+			let e = c.join(" ");
+			e && !("junction" in r) && (r = { [t.key]: e });
+		}
+		await e.add(r, i || t.stem), d();
+	};
+	return /* @__PURE__ */ z("div", {
+		class: "quick",
+		role: "dialog",
+		"aria-label": "Add",
+		children: [/* @__PURE__ */ z("input", {
+			ref: (e) => e?.focus(),
+			value: n,
+			"aria-label": "What to add",
+			placeholder: "R load 10 ohm · diode · a -> b",
+			onInput: (e) => r(e.currentTarget.value),
+			onKeyDown: (e) => {
+				e.key === "Enter" && f(), e.key === "Escape" && d(), e.stopPropagation();
+			}
+		}), /* @__PURE__ */ z("ul", { children: u.slice(0, 8).map((e, t) => /* @__PURE__ */ z("li", {
+			class: t === 0 ? "chosen" : "",
+			children: [
+				/* @__PURE__ */ z("b", { children: e.letters }),
+				" ",
+				e.about
+			]
+		})) })]
+	});
+}
+// src/axes.ts
+function Cn(e) {
+	return /^([^:,()]+\.\.[^:,()]+?)(:11)?$/.exec(e.trim())?.[1] ?? null;
+}
+function wn(e, t, n, r = 5) {
+	if (!(t - e > 1e-9 * Math.max(Math.abs(e), Math.abs(t)))) {
+		let r = Math.abs(e) * .1 || 1;
+		[e, t] = n ? [e * .9, e * 1.1] : [e - r, t + r];
+	}
+	if (!n) return {
+		low: e,
+		high: t,
+		log: n,
+		part: (n) => (n - e) / (t - e),
+		value: (n) => e + n * (t - e),
+		ticks: Dn(e, t, r)
+	};
+	let [i, a] = [Math.log(e), Math.log(t)];
+	return {
+		low: e,
+		high: t,
+		log: n,
+		part: (e) => (Math.log(e) - i) / (a - i),
+		value: (e) => Math.exp(i + e * (a - i)),
+		ticks: On(e, t, r)
+	};
+}
+function Tn(e, t, n) {
+	if (e.edges) return wn(e.edges[0], e.edges[e.edges.length - 1], e.log, n);
+	let [r, i] = En(t.filter((e) => e !== null));
+	if (e.log) return wn(r / (i / r) ** .04, i * (i / r) ** .04, !0, n);
+	let a = .05 * (i - r);
+	return wn(r - a, i + a, !1, n);
+}
+function En(e) {
+	let [t, n] = [Infinity, -Infinity];
+	for (let r of e) r < t && (t = r), r > n && (n = r);
+	return t <= n ? [t, n] : [0, 1];
+}
+function Dn(e, t, n) {
+	let r = (t - e) / n, i = 10 ** Math.floor(Math.log10(r)), a = [
+		1,
+		2,
+		5,
+		10
+	].map((e) => e * i).find((e) => e >= r * .999) ?? r, o = [];
+	for (let n = Math.ceil(e / a - 1e-9); n * a <= t * (1 + 1e-12) + 1e-9 * a; n++) o.push(+(n * a).toPrecision(12));
+	return o;
+}
+function On(e, t, n) {
+	let r = [];
+	for (let i of [
+		[1],
+		[1, 3],
+		[
+			1,
+			2,
+			5
+		]
+	]) {
+		r.length = 0;
+		for (let n = Math.floor(Math.log10(e)); n <= Math.ceil(Math.log10(t)); n++) for (let a of i) a * 10 ** n >= e * .999 && a * 10 ** n <= t * 1.001 && r.push(+(a * 10 ** n).toPrecision(6));
+		if (r.length >= n - 2) break;
+	}
+	return r.length > 1 ? r : [e, t];
+}
+function kn(e, t) {
+	return t ? `${e} [${t}]` : e;
+}
+function K(e) {
+	return e === null ? "none" : xe(e, 5).replace(/\.?0+e/, "e");
+}
+var An = [
+	"440154",
+	"482878",
+	"3e4989",
+	"31688e",
+	"26828e",
+	"1f9e89",
+	"35b779",
+	"6ece58",
+	"b5de2b",
+	"fde725"
+];
+function jn(e) {
+	let t = Math.min(Math.max(e, 0), 1) * (An.length - 1), n = Math.min(Math.floor(t), An.length - 2);
+	return `rgb(${[
+		0,
+		2,
+		4
+	].map((e) => {
+		let [r, i] = [An[n], An[n + 1]].map((t) => parseInt(t.slice(e, e + 2), 16));
+		return Math.round(r + (t - n) * (i - r));
+	}).join(",")})`;
+}
+var Mn = An.map((e) => `#${e}`).join(", "), Nn = 120, Pn = "HB-W103", Fn = [
+	"grid",
+	"together",
+	"ends"
+], In = ["grid", "together"];
+function Ln({ store: e, state: t }) {
+	let [n, r] = H(null), [i, a] = H(null), [o, s] = H(null), c = t.look.revision, l = t.asking;
+	if (gt(() => {
+		let t = !1;
+		return e.transport.ask("plan words").then((n) => {
+			t || (r(n), a(null), e.state.asking || e.set({ asking: Bn(n) }));
+		}).catch((e) => !t && a(e.problem ?? null)), () => {
+			t = !0;
+		};
+	}, [c]), gt(() => {
+		if (!l) return;
+		let t = !1, n = setTimeout(() => {
+			e.transport.ask("plan look", l).then((e) => !t && s(e)).catch((e) => !t && a(e.problem ?? null));
+		}, Nn);
+		return () => {
+			t = !0, clearTimeout(n);
+		};
+	}, [l, c]), i) return /* @__PURE__ */ z("p", {
+		class: "hint",
+		children: [
+			"There is nothing to sweep yet: ",
+			i.code,
+			" ",
+			i.why
+		]
+	});
+	if (!n || !l) return /* @__PURE__ */ z("p", {
+		class: "hint",
+		children: "…"
+	});
+	let u = (t) => e.set({ asking: {
+		...e.state.asking,
+		...t
+	} }), d = (t, n) => (r) => e.transport.ask("plan look", n(r)).then((e) => e.wrong[t] ?? null), f = o?.wrong ?? {}, p = t.plan?.state === "running", m = (e, t) => l.factors.map((n, r) => r === e ? {
+		...n,
+		...t
+	} : n), h = (e, t) => {
+		let r = t.trim(), i = n.values[r], a = l.factors[e], o = i && (!a.values || a.values === Vn(n.values[a.path] ?? "", l.way));
+		return m(e, {
+			path: r,
+			...o ? { values: Vn(i, l.way) } : {}
+		});
+	}, g = (e) => u({
+		way: e,
+		count: l.count || "128",
+		factors: l.factors.map((t) => ({
+			...t,
+			values: Vn(t.values, e)
+		}))
+	}), _ = () => {
+		let e = n.paths.find((e) => e in n.values && !l.factors.some((t) => t.path === e)) ?? "";
+		u({ factors: [...l.factors, {
+			path: e,
+			values: Vn(n.values[e] ?? "", l.way)
+		}] });
+	}, v = o?.members ?? 0;
+	return /* @__PURE__ */ z("section", {
+		class: "plan",
+		children: [
+			/* @__PURE__ */ z("h2", { children: "What varies" }),
+			l.factors.map((e, t) => /* @__PURE__ */ z("div", {
+				class: "factor",
+				"data-factor": t,
+				children: [
+					/* @__PURE__ */ z($t, {
+						label: `Factor ${t + 1}`,
+						value: e.path,
+						words: n.paths,
+						placeholder: "mu, pad.C, ball.f",
+						onWrite: (e) => u({ factors: h(t, e) }),
+						check: d(`path.${t}`, (e) => ({
+							...l,
+							factors: h(t, e)
+						})),
+						told: f[`path.${t}`]
+					}),
+					/* @__PURE__ */ z($t, {
+						label: `Values of factor ${t + 1}`,
+						value: e.values,
+						words: [
+							"lin(",
+							"log(",
+							"uniform(",
+							"loguniform(",
+							"normal(",
+							"lognormal(",
+							"truncnormal(",
+							"triangular("
+						],
+						placeholder: "0.2:0.3:0.005",
+						onWrite: (e) => u({ factors: m(t, { values: e.trim() }) }),
+						check: d(`values.${t}`, (e) => ({
+							...l,
+							factors: m(t, { values: e })
+						})),
+						told: f[`values.${t}`]
+					}),
+					/* @__PURE__ */ z("button", {
+						class: "small",
+						"aria-label": `Leave out factor ${t + 1}`,
+						disabled: l.factors.length < 2,
+						onClick: () => u({ factors: l.factors.filter((e, n) => n !== t) }),
+						children: "✕"
+					})
+				]
+			}, t)),
+			/* @__PURE__ */ z("div", {
+				class: "row",
+				children: /* @__PURE__ */ z("button", {
+					onClick: _,
+					children: "Add a factor"
+				})
+			}),
+			/* @__PURE__ */ z("details", { children: [/* @__PURE__ */ z("summary", { children: "How values are written" }), /* @__PURE__ */ z("dl", { children: [
+				/* @__PURE__ */ z("dt", { children: "0.2:0.3:0.005" }),
+				/* @__PURE__ */ z("dd", { children: "from, to, step" }),
+				/* @__PURE__ */ z("dt", { children: "1..2 kg:11, log(1e-4, 1e-2, 50)" }),
+				/* @__PURE__ */ z("dd", { children: "so many, evenly or by ratios" }),
+				/* @__PURE__ */ z("dt", { children: "1 kg, 1.5 kg" }),
+				/* @__PURE__ */ z("dd", { children: "these" }),
+				/* @__PURE__ */ z("dt", { children: "1..2 kg, log(1e-4, 1e-2), normal(1 kg, 50 g)" }),
+				/* @__PURE__ */ z("dd", { children: "distributions, for samples" })
+			] })] }),
+			/* @__PURE__ */ z("h2", { children: "How members are drawn" }),
+			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "way" }), /* @__PURE__ */ z("select", {
+				"aria-label": "Way",
+				value: l.way,
+				onChange: (e) => g(e.currentTarget.value),
+				children: Object.keys(n.ways).map((e) => /* @__PURE__ */ z("option", {
+					value: e,
+					children: Rn[e] ?? e
+				}))
+			})] }),
+			/* @__PURE__ */ z("p", {
+				class: "hint",
+				children: n.ways[l.way]
+			}),
+			!Fn.includes(l.way) && /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "number" }), /* @__PURE__ */ z(Ft, {
+				label: "Number",
+				value: l.count,
+				onWrite: (e) => u({ count: e.trim() })
+			})] }),
+			!In.includes(l.way) && l.way !== "ends" && /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "seed" }), /* @__PURE__ */ z(Ft, {
+				label: "Seed",
+				value: l.seed,
+				onWrite: (e) => u({ seed: e.trim() || "0" })
+			})] }),
+			/* @__PURE__ */ z(zn, { problem: f.seed ?? f.way }),
+			/* @__PURE__ */ z("h2", { children: "What is collected" }),
+			/* @__PURE__ */ z($t, {
+				label: "Collect",
+				value: l.collect,
+				words: n.words,
+				placeholder: "final(x), max(x), count(events), sequence",
+				onWrite: (e) => u({ collect: e.trim() }),
+				check: d("collect", (e) => ({
+					...l,
+					collect: e
+				})),
+				told: f.collect
+			}),
+			/* @__PURE__ */ z("details", { children: [/* @__PURE__ */ z("summary", { children: "What can be collected" }), /* @__PURE__ */ z("ul", { children: Object.values(n.collectors).map((e) => {
+				let [, t, n] = /^(\w+(?:\([^)]*\))?)[:,] (.*)$/.exec(e) ?? [
+					"",
+					e,
+					""
+				];
+				return /* @__PURE__ */ z("li", { children: [
+					/* @__PURE__ */ z("code", { children: t }),
+					" ",
+					n
+				] });
+			}) })] }),
+			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "until" }), /* @__PURE__ */ z(Ft, {
+				label: "Until of the sweep",
+				value: l.until,
+				placeholder: String(t.look.panels.experiment.until ?? "1 s"),
+				onWrite: (e) => u({ until: e.trim() })
+			})] }),
+			/* @__PURE__ */ z(zn, { problem: f.until }),
+			/* @__PURE__ */ z("div", {
+				class: "row begin",
+				children: [p ? /* @__PURE__ */ z("button", {
+					class: "run",
+					onClick: () => void e.transport.ask("plan cancel").catch(() => {}),
+					children: "Cancel"
+				}) : /* @__PURE__ */ z("button", {
+					class: "run",
+					disabled: !v || Object.keys(f).length > 0,
+					onClick: () => void e.sweepPlan(e.state.asking),
+					children: ["▶ Run ", v > 0 ? `${v} members` : "the sweep"]
+				}), t.plan && !t.planShown && /* @__PURE__ */ z("button", {
+					onClick: () => e.set({
+						planShown: !0,
+						bottom: !0,
+						panel: ""
+					}),
+					children: "Show the last"
+				})]
+			}),
+			o && Object.values(f).every((e) => e.code === Pn) && /* @__PURE__ */ z(x, { children: [/* @__PURE__ */ z("h2", { children: "The same in a terminal" }), /* @__PURE__ */ z("div", {
+				class: "command",
+				children: [/* @__PURE__ */ z("code", {
+					tabindex: 0,
+					children: o.command
+				}), /* @__PURE__ */ z("button", {
+					onClick: () => void navigator.clipboard?.writeText(o.command).catch((t) => e.refused(t)),
+					children: "Copy"
+				})]
+			})] })
+		]
+	});
+}
+var Rn = {
+	grid: "all combinations",
+	together: "side by side",
+	random: "at random",
+	lhs: "Latin hypercube",
+	sobol: "Sobol' sequence",
+	saltelli: "for Sobol indices",
+	ends: "for a tornado"
+};
+function zn({ problem: e }) {
+	return e ? /* @__PURE__ */ z("small", {
+		class: "wrong",
+		role: "status",
+		children: [
+			e.why,
+			" ",
+			e.try && /* @__PURE__ */ z("em", { children: e.try })
+		]
+	}) : null;
+}
+function Bn(e) {
+	let t = e.paths.find((t) => t in e.values) ?? e.paths[0] ?? "";
+	return {
+		factors: [{
+			path: t,
+			values: e.values[t] ?? ""
+		}],
+		way: "grid",
+		count: "128",
+		seed: "0",
+		until: "",
+		collect: e.collect
+	};
+}
+function Vn(e, t) {
+	let n = Cn(e);
+	return n ? In.includes(t) ? `${n}:11` : n : e;
+}
+// src/bands.tsx
+var [Hn, Un, Wn, Gn] = [
+	66,
+	14,
+	10,
+	38
+];
+function Kn({ found: e, wide: t, high: n, chosen: r, choose: i, open: a }) {
+	let { t: o, bands: s, curves: c } = e, l = [...s, ...c].flat().filter((e) => e !== null);
+	if (!l.length) return /* @__PURE__ */ z("p", {
+		class: "hint",
+		children: "No run has come so far that it has values."
+	});
+	let u = t > 620, d = Math.max(t - (u ? 230 : 0), 160), [f, p] = [d - Hn - Un, n - Wn - Gn], [m, h] = En(l), g = .05 * (h - m), _ = wn(o[0], o[o.length - 1], !1, Math.max(2, Math.round(f / 90))), v = wn(m - g, h + g, !1, Math.max(2, Math.round(p / 45))), y = (e) => Hn + _.part(e) * f, b = (e) => Wn + (1 - v.part(e)) * p, x = (e) => {
+		let [t, n] = ["", "M"];
+		return e.forEach((e, r) => {
+			e === null ? n = "M" : [t, n] = [`${t}${n}${y(o[r]).toFixed(1)},${b(e).toFixed(1)}`, "L"];
+		}), t;
+	}, S = (e, t) => {
+		let n = "";
+		for (let r = 0; r < o.length; r++) {
+			if (e[r] === null || t[r] === null) continue;
+			let i = r;
+			for (; i + 1 < o.length && e[i + 1] !== null && t[i + 1] !== null;) i++;
+			let a = (e, t) => `${y(o[t]).toFixed(1)},${b(e[t]).toFixed(1)}`, s = Array.from({ length: i - r + 1 }, (e, t) => r + t);
+			n += `M${s.map((e) => a(t, e)).join("L")}L${s.reverse().map((t) => a(e, t)).join("L")}Z`, r = i;
+		}
+		return n;
+	}, [C, w, T, E, D] = s, O = r === null ? -1 : e.members.indexOf(r);
+	return /* @__PURE__ */ z("figure", {
+		class: "outcomes" + (u ? " beside" : ""),
+		"data-view": "family",
+		children: [/* @__PURE__ */ z("div", {
+			class: "area",
+			style: `width: ${d}px; height: ${n}px`,
+			tabindex: 0,
+			role: "group",
+			"aria-label": `${e.signal} of many runs over time. Arrows choose a run, Enter opens it.`,
+			onKeyDown: (t) => {
+				if (t.key === "Enter" && r !== null) return a(r);
+				let n = {
+					ArrowRight: 1,
+					ArrowUp: 1,
+					ArrowLeft: -1,
+					ArrowDown: -1
+				}[t.key];
+				if (!n) return;
+				t.preventDefault();
+				let o = O < 0 ? 0 : O + n;
+				e.members[o] !== void 0 && i(e.members[o]);
+			},
+			children: /* @__PURE__ */ z("svg", {
+				width: d,
+				height: n,
+				role: "img",
+				"aria-label": `${e.signal}: from ${K(m)} to ${K(h)} ${e.unit}; the median ends at ${K(T[T.length - 1])}`,
+				children: [
+					/* @__PURE__ */ z("rect", {
+						class: "box",
+						x: Hn,
+						y: Wn,
+						width: f,
+						height: p
+					}),
+					/* @__PURE__ */ z("path", {
+						class: "band",
+						d: S(C, D)
+					}),
+					/* @__PURE__ */ z("path", {
+						class: "band inner",
+						d: S(w, E)
+					}),
+					c.map((t, n) => n === O ? null : /* @__PURE__ */ z("path", {
+						class: "one",
+						d: x(t),
+						onClick: () => (i(e.members[n]), a(e.members[n])),
+						children: /* @__PURE__ */ z("title", { children: ["run ", e.members[n]] })
+					})),
+					/* @__PURE__ */ z("path", {
+						class: "median",
+						d: x(T)
+					}),
+					O >= 0 && /* @__PURE__ */ z("path", {
+						class: "one chosen",
+						d: x(c[O]),
+						onClick: () => a(r)
+					}),
+					_.ticks.map((e) => /* @__PURE__ */ z("g", { children: [/* @__PURE__ */ z("line", {
+						class: "tick",
+						x1: y(e),
+						x2: y(e),
+						y1: Wn + p,
+						y2: Wn + p + 4
+					}), /* @__PURE__ */ z("text", {
+						x: y(e),
+						y: Wn + p + 15,
+						"text-anchor": "middle",
+						children: L(e, "s")
+					})] })),
+					v.ticks.map((e) => /* @__PURE__ */ z("g", { children: [/* @__PURE__ */ z("line", {
+						class: "tick",
+						x1: Hn - 4,
+						x2: Hn,
+						y1: b(e),
+						y2: b(e)
+					}), /* @__PURE__ */ z("text", {
+						x: Hn - 7,
+						y: b(e) + 3.5,
+						"text-anchor": "end",
+						children: K(e)
+					})] })),
+					/* @__PURE__ */ z("text", {
+						class: "what",
+						x: Hn + f / 2,
+						y: n - 6,
+						"text-anchor": "middle",
+						children: "time"
+					}),
+					/* @__PURE__ */ z("text", {
+						class: "what",
+						transform: `translate(12,${Wn + p / 2}) rotate(-90)`,
+						"text-anchor": "middle",
+						children: kn(e.signal, e.unit)
+					})
+				]
+			})
+		}), /* @__PURE__ */ z("figcaption", { children: [
+			/* @__PURE__ */ z("b", { children: kn(e.signal, e.unit) }),
+			/* @__PURE__ */ z("span", {
+				class: "key",
+				children: [/* @__PURE__ */ z("i", { class: "line median" }), " median"]
+			}),
+			/* @__PURE__ */ z("span", {
+				class: "key",
+				children: [/* @__PURE__ */ z("i", { class: "fill inner" }), " 25 to 75 %"]
+			}),
+			/* @__PURE__ */ z("span", {
+				class: "key",
+				children: [/* @__PURE__ */ z("i", { class: "fill" }), " 5 to 95 %"]
+			}),
+			/* @__PURE__ */ z("span", {
+				class: "key",
+				children: [
+					/* @__PURE__ */ z("i", { class: "line one" }),
+					" ",
+					e.members.length,
+					" of ",
+					e.kept,
+					" runs"
+				]
+			}),
+			e.every > 1 && /* @__PURE__ */ z("small", { children: [
+				"every ",
+				e.every,
+				". of the times is drawn"
+			] }),
+			/* @__PURE__ */ z("output", { children: O >= 0 ? `run ${r}` : "" })
+		] })]
+	});
+}
+// src/bars.tsx
+var [qn, Jn, Yn] = [
+	22,
+	40,
+	34
+];
+function Xn(e, t) {
+	return Math.min(24 + 7 * Math.max(...e.map((e) => e.length)), t * .35);
+}
+function Zn({ found: e, wide: t, open: n }) {
+	let r = e.middle;
+	if (r === null) return /* @__PURE__ */ z("p", {
+		class: "hint",
+		children: "The run in the middle has no value."
+	});
+	let i = Math.min(t, 820), a = Xn(e.rows.map((e) => kn(e.path, e.unit)), i), [o, s] = [44, qn + Yn * e.rows.length + Jn], [c, l] = En([r, ...e.rows.flatMap((e) => e.outcomes).filter((e) => e !== null)]), u = .14 * (l - c), d = wn(c - u, l + u, !1, Math.max(2, Math.round((i - a - o) / 100))), f = (e) => a + d.part(e) * (i - a - o);
+	return /* @__PURE__ */ z("figure", {
+		class: "bars",
+		"data-view": "tornado",
+		children: [/* @__PURE__ */ z("svg", {
+			width: i,
+			height: s,
+			role: "group",
+			"aria-label": `How far each factor moves ${e.value} from ${K(r)} ${e.unit}`,
+			children: [
+				d.ticks.map((e) => /* @__PURE__ */ z("g", { children: [/* @__PURE__ */ z("line", {
+					class: "grid",
+					x1: f(e),
+					x2: f(e),
+					y1: qn,
+					y2: s - Jn
+				}), /* @__PURE__ */ z("text", {
+					x: f(e),
+					y: s - Jn + 15,
+					"text-anchor": "middle",
+					children: K(e)
+				})] })),
+				e.rows.map((t, i) => /* @__PURE__ */ z("g", {
+					transform: `translate(0,${qn + i * Yn})`,
+					"data-factor": t.path,
+					children: [/* @__PURE__ */ z("text", {
+						class: "what",
+						x: a - 8,
+						y: Yn / 2 + 4,
+						"text-anchor": "end",
+						children: kn(t.path, t.unit)
+					}), t.outcomes.map((i, a) => {
+						if (i === null) return /* @__PURE__ */ z("text", {
+							x: f(r) + 4,
+							y: Yn / 2 + 4,
+							children: "no value"
+						});
+						let o = i > r || i === r && a === 1, s = `${t.path} = ${K(t.ends[a])}: ${e.value} = ${K(i)}`, c = () => n(t.members[a]);
+						return /* @__PURE__ */ z("g", {
+							class: "bar " + (a ? "upper" : "lower"),
+							role: "button",
+							tabindex: 0,
+							"aria-label": `${s}. Open this run.`,
+							onClick: c,
+							onKeyDown: (e) => e.key === "Enter" && c(),
+							children: [/* @__PURE__ */ z("rect", {
+								x: Math.min(f(i), f(r)),
+								y: 5,
+								width: Math.max(Math.abs(f(i) - f(r)), 1),
+								height: Yn - 10,
+								"data-outcome": i,
+								children: /* @__PURE__ */ z("title", { children: s })
+							}), /* @__PURE__ */ z("text", {
+								x: f(i) + (o ? 4 : -4),
+								y: Yn / 2 + 4,
+								"text-anchor": o ? "start" : "end",
+								children: K(t.ends[a])
+							})]
+						});
+					})]
+				})),
+				/* @__PURE__ */ z("line", {
+					class: "middle",
+					x1: f(r),
+					x2: f(r),
+					y1: qn - 4,
+					y2: s - Jn
+				}),
+				/* @__PURE__ */ z("text", {
+					x: f(r),
+					y: qn - 9,
+					"text-anchor": "middle",
+					children: K(r)
+				}),
+				/* @__PURE__ */ z("text", {
+					class: "what",
+					x: (a + i - o) / 2,
+					y: s - 6,
+					"text-anchor": "middle",
+					children: kn(e.value, e.unit)
+				})
+			]
+		}), /* @__PURE__ */ z("figcaption", { children: [/* @__PURE__ */ z("span", {
+			class: "key",
+			children: [/* @__PURE__ */ z("i", { class: "lower" }), " lower end of the factor"]
+		}), /* @__PURE__ */ z("span", {
+			class: "key",
+			children: [/* @__PURE__ */ z("i", { class: "upper" }), " upper end"]
+		})] })]
+	});
+}
+function Qn({ found: e, wide: t }) {
+	let n = Math.min(t, 820), r = Xn(e.rows.map((e) => e.path), n), [i, a] = [64, qn + Yn * e.rows.length + Jn], o = e.rows.flatMap((e) => [e.first, e.total].flatMap(([e, t]) => e === null ? [] : [e - (t ?? 0), e + (t ?? 0)]));
+	if (!o.length) return /* @__PURE__ */ z("p", {
+		class: "hint",
+		children: "The outcome does not vary."
+	});
+	let [s, c] = En([0, ...o]), l = wn(s, Math.max(c, .1) * 1.02, !1, Math.max(2, Math.round((n - r - i) / 90))), u = (e) => r + l.part(e) * (n - r - i);
+	return /* @__PURE__ */ z("figure", {
+		class: "bars",
+		"data-view": "sobol",
+		children: [/* @__PURE__ */ z("svg", {
+			width: n,
+			height: a,
+			role: "img",
+			"aria-label": `Parts of the variance of ${e.value}: ${e.rows.map((e) => `${e.path} alone ${K(e.first[0])}, with others ${K(e.total[0])}`).join("; ")}`,
+			children: [
+				l.ticks.map((e) => /* @__PURE__ */ z("g", { children: [/* @__PURE__ */ z("line", {
+					class: "grid",
+					x1: u(e),
+					x2: u(e),
+					y1: qn,
+					y2: a - Jn
+				}), /* @__PURE__ */ z("text", {
+					x: u(e),
+					y: a - Jn + 15,
+					"text-anchor": "middle",
+					children: K(e)
+				})] })),
+				e.rows.map((e, t) => /* @__PURE__ */ z("g", {
+					transform: `translate(0,${qn + t * Yn})`,
+					"data-factor": e.path,
+					children: [/* @__PURE__ */ z("text", {
+						class: "what",
+						x: r - 8,
+						y: Yn / 2 + 4,
+						"text-anchor": "end",
+						children: e.path
+					}), [e.first, e.total].map(([e, t], n) => {
+						if (e === null) return null;
+						let r = 5 + n * 13, i = Math.max(u(e), u(e + (t ?? 0)));
+						return /* @__PURE__ */ z("g", {
+							class: "bar still " + (n ? "upper" : "lower"),
+							children: [
+								/* @__PURE__ */ z("rect", {
+									x: Math.min(u(e), u(0)),
+									y: r,
+									width: Math.abs(u(e) - u(0)),
+									height: 11,
+									"data-index": e
+								}),
+								t !== null && /* @__PURE__ */ z("path", {
+									class: "whisker",
+									d: `M${u(e - t)},${r + 2}v7m0,-3.5H${u(e + t)}m0,-3.5v7`
+								}),
+								/* @__PURE__ */ z("text", {
+									x: i + 5,
+									y: r + 9,
+									children: K(+e.toFixed(3))
+								})
+							]
+						});
+					})]
+				})),
+				/* @__PURE__ */ z("line", {
+					class: "middle",
+					x1: u(0),
+					x2: u(0),
+					y1: qn - 4,
+					y2: a - Jn
+				}),
+				/* @__PURE__ */ z("text", {
+					class: "what",
+					x: (r + n - i) / 2,
+					y: a - 6,
+					"text-anchor": "middle",
+					children: ["part of the variance of ", e.value]
+				})
+			]
+		}), /* @__PURE__ */ z("figcaption", { children: [
+			/* @__PURE__ */ z("span", {
+				class: "key",
+				children: [/* @__PURE__ */ z("i", { class: "lower" }), " alone"]
+			}),
+			/* @__PURE__ */ z("span", {
+				class: "key",
+				children: [/* @__PURE__ */ z("i", { class: "upper" }), " with others"]
+			}),
+			/* @__PURE__ */ z("small", { children: [
+				e.points,
+				" points, 95 % intervals",
+				e.leftOut > 0 && `; ${e.leftOut} left out: a run failed`
+			] })
+		] })]
+	});
+}
+// src/outcomes.tsx
+var [$n, er, tr, nr] = [
+	66,
+	12,
+	10,
+	38
+], rr = 14;
+function ir({ found: e, wide: t, high: n, dark: r, chosen: i, choose: a, open: o }) {
+	let s = _t(null), [c, l] = H(null), u = t > 620, [d, f] = [Math.max(t - (u ? 230 : 0), 160), n], [p, m] = [d - $n - er, f - tr - nr], h = Tn(e.x, e.across, Math.max(2, Math.round(p / 90))), g = Tn(e.y, e.up, Math.max(2, Math.round(m / 50))), _ = e.across.length, v = e.x.edges && e.y.edges ? {
+		x: e.x.edges,
+		y: e.y.edges
+	} : null, y = (e) => h.part(e) * p, b = (e) => (1 - g.part(e)) * m, x = (t) => v ? [e.across[t % _], e.up[Math.floor(t / _)]] : [e.across[t], e.up[t]], S = e.number.filter((e) => e !== null), [C, w] = En(S), T = (t) => t === null ? e.none : e.names.length ? e.inks[t] : jn(w > C ? (t - C) / (w - C) : .5), E = (t) => e.number[t] === null ? "no value" : e.names.length ? e.names[e.number[t]] : K(e.number[t]);
+	gt(() => {
+		let t = s.current, n = t?.getContext("2d");
+		if (!t || !n) return;
+		let r = devicePixelRatio || 1;
+		[t.width, t.height] = [p * r, m * r], n.setTransform(r, 0, 0, r, 0, 0), n.clearRect(0, 0, p, m);
+		let i = getComputedStyle(t).getPropertyValue("--off");
+		e.number.forEach((t, a) => {
+			if (e.members[a] < 0) return;
+			if (n.fillStyle = T(t), v) {
+				let [e, t] = [a % _, Math.floor(a / _)], [i, o] = [Math.round(y(v.x[e]) * r) / r, Math.round(y(v.x[e + 1]) * r) / r], [s, c] = [Math.round(b(v.y[t + 1]) * r) / r, Math.round(b(v.y[t]) * r) / r];
+				n.fillRect(i, s, o - i, c - s);
+				return;
+			}
+			let [o, s] = x(a);
+			o !== null && s !== null && (n.beginPath(), n.arc(y(o), b(s), e.members.length > 2e3 ? 2 : 3.6, 0, 7), n.fill(), n.strokeStyle = i, n.lineWidth = .5, n.stroke());
+		});
+	}, [
+		e,
+		d,
+		f,
+		r
+	]);
+	let D = (t) => {
+		let n = t.currentTarget.getBoundingClientRect(), [r, i] = [t.clientX - n.left, t.clientY - n.top];
+		if (v) {
+			let [t, n] = [v.x.findIndex((e) => y(e) > r) - 1, v.y.findIndex((e) => b(e) < i) - 1], a = n * _ + t;
+			return t >= 0 && n >= 0 && e.members[a] >= 0 ? a : null;
+		}
+		let [a, o] = [-1, rr ** 2];
+		return e.members.forEach((e, t) => {
+			let [n, s] = x(t), c = n === null || s === null ? Infinity : (y(n) - r) ** 2 + (b(s) - i) ** 2;
+			c < o && ([a, o] = [t, c]);
+		}), a < 0 ? null : a;
+	}, O = i === null ? -1 : e.members.indexOf(i), k = (t) => {
+		if (t.key === "Enter" && i !== null) return o(i);
+		let n = {
+			ArrowRight: 1,
+			ArrowLeft: -1,
+			ArrowUp: v ? _ : 1,
+			ArrowDown: v ? -_ : -1
+		}[t.key];
+		if (!n) return;
+		t.preventDefault();
+		let r = O < 0 ? 0 : O + n;
+		e.members[r] >= 0 && a(e.members[r]);
+	}, A = e.members.filter((e, t) => e >= 0 && !v && x(t).includes(null)).length, j = c ?? (O < 0 ? null : O), ee = (t) => {
+		let [n, r] = x(t);
+		return `run ${e.members[t]}: ${e.x.name} = ${K(n)}, ${e.y.name} = ${K(r)}, ${e.value} = ${E(t)}`;
+	}, [te, ne] = O < 0 ? [null, null] : x(O);
+	return /* @__PURE__ */ z("figure", {
+		class: "outcomes" + (u ? " beside" : ""),
+		"data-view": e.view,
+		children: [/* @__PURE__ */ z("div", {
+			class: "area",
+			style: `width: ${d}px; height: ${f}px`,
+			tabindex: 0,
+			role: "group",
+			"aria-label": `${e.value} over ${e.x.name} and ${e.y.name}, ${v ? "cells" : "points"}. Arrows choose a run, Enter opens it.`,
+			onKeyDown: k,
+			children: [/* @__PURE__ */ z("canvas", {
+				ref: s,
+				style: `left: ${$n}px; top: ${tr}px; width: ${p}px; height: ${m}px`,
+				"data-span": JSON.stringify([
+					h.low,
+					h.high,
+					g.low,
+					g.high
+				]),
+				onMouseMove: (e) => l(D(e)),
+				onMouseLeave: () => l(null),
+				onClick: (t) => {
+					let n = D(t);
+					n !== null && (a(e.members[n]), o(e.members[n]));
+				}
+			}), /* @__PURE__ */ z("svg", {
+				width: d,
+				height: f,
+				role: "img",
+				"aria-label": `${e.value}: ${e.names.length ? e.names.join("; ") : `${K(C)} to ${K(w)} ${e.unit}`}`,
+				children: [
+					/* @__PURE__ */ z("rect", {
+						class: "box",
+						x: $n,
+						y: tr,
+						width: p,
+						height: m
+					}),
+					h.ticks.map((e) => /* @__PURE__ */ z("g", { children: [/* @__PURE__ */ z("line", {
+						class: "tick",
+						x1: $n + y(e),
+						x2: $n + y(e),
+						y1: tr + m,
+						y2: tr + m + 4
+					}), /* @__PURE__ */ z("text", {
+						x: $n + y(e),
+						y: tr + m + 15,
+						"text-anchor": "middle",
+						children: K(e)
+					})] })),
+					g.ticks.map((e) => /* @__PURE__ */ z("g", { children: [/* @__PURE__ */ z("line", {
+						class: "tick",
+						x1: $n - 4,
+						x2: $n,
+						y1: tr + b(e),
+						y2: tr + b(e)
+					}), /* @__PURE__ */ z("text", {
+						x: $n - 7,
+						y: tr + b(e) + 3.5,
+						"text-anchor": "end",
+						children: K(e)
+					})] })),
+					/* @__PURE__ */ z("text", {
+						class: "what",
+						x: $n + p / 2,
+						y: f - 6,
+						"text-anchor": "middle",
+						children: kn(e.x.name, e.x.unit)
+					}),
+					/* @__PURE__ */ z("text", {
+						class: "what",
+						transform: `translate(12,${tr + m / 2}) rotate(-90)`,
+						"text-anchor": "middle",
+						children: kn(e.y.name, e.y.unit)
+					}),
+					te !== null && ne !== null && /* @__PURE__ */ z("circle", {
+						class: "chosen",
+						cx: $n + y(te),
+						cy: tr + b(ne),
+						r: 7
+					})
+				]
+			})]
+		}), /* @__PURE__ */ z("figcaption", { children: [
+			/* @__PURE__ */ z("b", { children: kn(e.value, e.unit) }),
+			e.names.map((t, n) => /* @__PURE__ */ z("span", {
+				class: "key",
+				children: [
+					/* @__PURE__ */ z("i", { style: `background: ${e.inks[n]}` }),
+					" ",
+					t
+				]
+			})),
+			!e.names.length && S.length > 0 && /* @__PURE__ */ z("span", {
+				class: "bar",
+				children: [
+					/* @__PURE__ */ z("i", { style: `background: linear-gradient(to right, ${Mn})` }),
+					/* @__PURE__ */ z("span", { children: K(C) }),
+					/* @__PURE__ */ z("span", { children: K(w) })
+				]
+			}),
+			!e.names.length && e.members.some((t, n) => t >= 0 && e.number[n] === null) && /* @__PURE__ */ z("span", {
+				class: "key",
+				children: [/* @__PURE__ */ z("i", { style: `background: ${e.none}` }), " no value"]
+			}),
+			e.members.length < e.all && /* @__PURE__ */ z("small", { children: [
+				e.members.length,
+				" of ",
+				e.all,
+				" runs are drawn"
+			] }),
+			A > 0 && /* @__PURE__ */ z("small", { children: [A === 1 ? "1 run has" : `${A} runs have`, " no value for an axis"] }),
+			/* @__PURE__ */ z("output", { children: j !== null && e.members[j] >= 0 ? ee(j) : "" })
+		] })]
+	});
+}
+// src/planned.tsx
+var ar = [
+	["map", "Map"],
+	["scatter", "Scatter"],
+	["family", "Curves"],
+	["tornado", "Tornado"],
+	["sobol", "Sobol indices"],
+	["table", "Table"]
+], or = 92, sr = "(max-width: 760px)", cr = 500, lr = 4;
+function ur({ store: e, state: t, plan: n }) {
+	let { choice: r, chosen: i } = t.looked?.plan === n.plan ? t.looked : {
+		choice: vr(n),
+		chosen: null
+	}, [[a, o], s] = H([700, 340]), c = _t(null);
+	gt(() => {
+		let e = c.current;
+		if (!e) return;
+		let t = new ResizeObserver(() => s([Math.max(260, e.clientWidth - 24), matchMedia(sr).matches ? 0 : e.clientHeight]));
+		return t.observe(e), () => t.disconnect();
+	}, []);
+	let l = (t) => e.set({ looked: {
+		plan: n.plan,
+		choice: {
+			...r,
+			...t
+		},
+		chosen: i
+	} }), u = (t) => e.set({ looked: {
+		plan: n.plan,
+		choice: r,
+		chosen: t
+	} }), d = [...n.factors.filter((e) => e.number).map((e) => e.path), ...n.columns.filter((e) => e.kind === "number" || e.kind === "whole").map((e) => e.name)], f = n.columns.filter((e) => e.kind !== "curve").map((e) => e.name), p = (e, t, n) => /* @__PURE__ */ z("label", { children: [e, /* @__PURE__ */ z("select", {
+		"aria-label": e,
+		value: r[t],
+		onChange: (e) => l({ [t]: e.currentTarget.value }),
+		children: n.map((e) => /* @__PURE__ */ z("option", { children: e }))
+	})] }), m = (t) => void e.openMember(t), h = o ? Math.max(o - or, 190) : Math.round(Math.min(.8 * a, 340)), g = n.factors.map((e) => e.path), _ = n.way === "grid" && r.view === "map" ? n.factors.filter((e) => e.levels.length > 1 && e.path !== r.x && e.path !== r.y) : [], v = _.length > 0 && g.includes(r.x) && g.includes(r.y), y = v ? Object.fromEntries(_.map((e) => [e.path, r.at[e.path] ?? 0])) : {}, [b, S] = yr(e, n, {
+		...r,
+		at: y
+	});
+	return /* @__PURE__ */ z("section", {
+		class: "plots planned",
+		ref: c,
+		"aria-label": "Sweep",
+		children: [
+			/* @__PURE__ */ z("div", {
+				class: "plotbar",
+				children: [
+					/* @__PURE__ */ z(fr, {
+						store: e,
+						plan: n
+					}),
+					/* @__PURE__ */ z(pr, {
+						store: e,
+						plan: n,
+						chosen: i,
+						choose: u,
+						open: m
+					}),
+					/* @__PURE__ */ z("button", {
+						onClick: () => void br(e, n),
+						disabled: !n.kept,
+						children: "Table as CSV"
+					}),
+					/* @__PURE__ */ z("button", {
+						onClick: () => e.set({ planShown: !1 }),
+						children: "Plots"
+					})
+				]
+			}),
+			/* @__PURE__ */ z("div", {
+				class: "plotbar",
+				children: [
+					/* @__PURE__ */ z("div", {
+						class: "choices",
+						role: "group",
+						"aria-label": "Views",
+						children: ar.map(([e, t]) => /* @__PURE__ */ z("button", {
+							"aria-pressed": r.view === e,
+							onClick: () => l({
+								view: e,
+								..._r(n, e)
+							}),
+							children: t
+						}))
+					}),
+					(r.view === "map" || r.view === "scatter") && /* @__PURE__ */ z(x, { children: [
+						p("of", "value", r.view === "map" ? f : [
+							...f,
+							"status",
+							...g
+						]),
+						p("across", "x", d),
+						p("up", "y", d)
+					] }),
+					r.view === "family" && p("of", "curve", n.columns.filter((e) => e.kind === "curve").map((e) => e.name)),
+					(r.view === "tornado" || r.view === "sobol") && p("of", "value", d.filter((e) => !g.includes(e))),
+					v && _.map((e) => /* @__PURE__ */ z("label", { children: [e.path, /* @__PURE__ */ z("select", {
+						"aria-label": `Level of ${e.path}`,
+						value: y[e.path],
+						onChange: (t) => l({ at: {
+							...r.at,
+							[e.path]: Number(t.currentTarget.value)
+						} }),
+						children: e.levels.map((e, t) => /* @__PURE__ */ z("option", {
+							value: t,
+							children: e
+						}))
+					})] }))
+				]
+			}),
+			n.error && /* @__PURE__ */ z("p", {
+				class: "wrong",
+				children: [
+					n.error.code,
+					" ",
+					n.error.where,
+					" ",
+					n.error.why,
+					" ",
+					/* @__PURE__ */ z("em", { children: n.error.try })
+				]
+			}),
+			S ? /* @__PURE__ */ z("p", {
+				class: "hint",
+				children: [
+					S.why,
+					". ",
+					dr(n, r.view) || S.try
+				]
+			}) : b ? b.view === "table" ? /* @__PURE__ */ z(mr, {
+				found: b,
+				open: m,
+				turn: (e) => l({ first: e })
+			}) : b.view === "family" ? /* @__PURE__ */ z(Kn, {
+				found: b,
+				wide: Math.min(a, 4 * h),
+				high: h,
+				chosen: i,
+				choose: u,
+				open: m
+			}) : b.view === "tornado" ? /* @__PURE__ */ z(Zn, {
+				found: b,
+				wide: a,
+				open: m
+			}) : b.view === "sobol" ? /* @__PURE__ */ z(Qn, {
+				found: b,
+				wide: a
+			}) : /* @__PURE__ */ z(ir, {
+				found: b,
+				wide: Math.min(a, 4 * h),
+				high: h,
+				dark: t.dark,
+				chosen: i,
+				choose: u,
+				open: m
+			}) : /* @__PURE__ */ z("p", {
+				class: "hint",
+				children: n.kept ? "…" : n.state === "running" ? "The first runs are on their way …" : "No run was done."
+			})
+		]
+	});
+}
+function dr(e, t) {
+	let n = e.way.split(":")[0];
+	return t === "tornado" && n !== "ends" ? "Draw members ‘for a tornado’." : t === "sobol" && n !== "saltelli" ? "Draw members ‘for Sobol indices’." : t === "family" && !e.columns.some((e) => e.kind === "curve") ? "Collect a curve: curve(height, 101)." : "";
+}
+function fr({ store: e, plan: t }) {
+	let n = t.left === null ? "" : t.left < 1 ? ", under 1 s to go" : t.left < 120 ? `, ${Math.round(t.left)} s to go` : t.left < 7200 ? `, ${Math.round(t.left / 60)} min to go` : `, ${(t.left / 3600).toFixed(1)} h to go`, r = t.factors.map((e) => e.path).join(", ");
+	return t.state === "running" ? /* @__PURE__ */ z(x, { children: [
+		/* @__PURE__ */ z("progress", {
+			"aria-label": "Progress of the sweep",
+			max: t.members,
+			value: t.done
+		}),
+		/* @__PURE__ */ z("span", { children: [
+			t.done,
+			" of ",
+			t.members,
+			" runs",
+			n
+		] }),
+		/* @__PURE__ */ z("button", {
+			onClick: () => void e.transport.ask("plan cancel").catch(() => {}),
+			children: "Cancel"
+		})
+	] }) : /* @__PURE__ */ z("span", {
+		role: "status",
+		children: [
+			/* @__PURE__ */ z("b", { children: r }),
+			": ",
+			t.state === "done" ? `${t.members} runs` : `${t.kept} of ${t.members} runs, ${t.state === "cancelled" ? "cancelled" : "stopped"}`
+		]
+	});
+}
+function pr({ store: e, plan: t, chosen: n, choose: r, open: i }) {
+	let [a, o] = H(null);
+	gt(() => {
+		if (o(null), n === null) return;
+		let r = !1;
+		return e.transport.ask("plan member", {
+			plan: t.plan,
+			member: n
+		}).then((e) => !r && o(e)).catch((t) => e.refused(t)), () => {
+			r = !0;
+		};
+	}, [
+		n,
+		t.plan,
+		t.state
+	]);
+	let s = a && a.member === n ? Object.entries(a.sets) : [], c = e.state.look?.panels.parameters ?? {}, l = async () => {
+		for (let [t, n] of s) if (!await e.edit({
+			do: "set",
+			path: ["parameters", t],
+			value: n,
+			level: ""
+		})) return;
+		await e.start();
+	};
+	return /* @__PURE__ */ z("div", {
+		class: "plotbar one",
+		children: [/* @__PURE__ */ z("label", { children: ["run", /* @__PURE__ */ z("input", {
+			type: "number",
+			"aria-label": "Run of the sweep",
+			min: 0,
+			max: t.members - 1,
+			value: n ?? "",
+			onKeyDown: (e) => (e.stopPropagation(), e.key === "Enter" && n !== null && i(n)),
+			onInput: (e) => {
+				let n = Number(e.currentTarget.value);
+				e.currentTarget.value && Number.isInteger(n) && n >= 0 && n < t.members && r(n);
+			}
+		})] }), n !== null && /* @__PURE__ */ z(x, { children: [
+			/* @__PURE__ */ z("output", { children: [
+				s.map(([e, t]) => `${e} = ${gr(t)}`).join(", "),
+				a?.row && t.columns.filter((e) => e.kind !== "curve").map((e) => `; ${e.name} = ${hr(a.row[e.name])}`).join(""),
+				a?.row?.code && `; ${a.row.status}: ${a.row.code} ${a.row.message}`
+			] }),
+			/* @__PURE__ */ z("button", {
+				onClick: () => i(n),
+				children: "Open"
+			}),
+			s.length > 0 && s.every(([e]) => e in c) && /* @__PURE__ */ z("button", {
+				onClick: () => void l(),
+				children: "Take these values"
+			})
+		] })]
+	});
+}
+function mr({ found: e, open: t, turn: n }) {
+	let r = e.columns.map((e, t) => t).filter((t) => t === 0 || ![
+		"code",
+		"message",
+		"warnings"
+	].includes(e.columns[t].name) || e.rows.some((e) => e[t])), i = new Set(r.filter((t) => e.rows.some((e) => typeof e[t] == "number"))), a = e.first + e.rows.length;
+	return /* @__PURE__ */ z("div", {
+		class: "rows",
+		children: [/* @__PURE__ */ z("div", {
+			class: "tables",
+			tabindex: 0,
+			role: "region",
+			"aria-label": "Table of the sweep",
+			children: /* @__PURE__ */ z("table", { children: [/* @__PURE__ */ z("thead", { children: /* @__PURE__ */ z("tr", { children: r.map((t) => /* @__PURE__ */ z("th", {
+				scope: "col",
+				class: i.has(t) ? "figure" : "",
+				children: [e.columns[t].name, e.columns[t].unit && ` [${e.columns[t].unit}]`]
+			})) }) }), /* @__PURE__ */ z("tbody", { children: e.rows.map((e) => /* @__PURE__ */ z("tr", { children: r.map((n) => /* @__PURE__ */ z("td", {
+				class: i.has(n) ? "figure" : "",
+				children: n === 0 ? /* @__PURE__ */ z("button", {
+					class: "link",
+					onClick: () => t(Number(e[0])),
+					children: e[0]
+				}) : hr(e[n])
+			})) })) })] })
+		}), /* @__PURE__ */ z("div", {
+			class: "plotbar",
+			children: [
+				/* @__PURE__ */ z("button", {
+					disabled: !e.first,
+					onClick: () => n(Math.max(e.first - 200, 0)),
+					children: "Before"
+				}),
+				/* @__PURE__ */ z("span", { children: [
+					e.first,
+					" to ",
+					a - 1,
+					" of ",
+					e.kept
+				] }),
+				/* @__PURE__ */ z("button", {
+					disabled: a >= e.kept,
+					onClick: () => n(a),
+					children: "After"
+				})
+			]
+		})]
+	});
+}
+function hr(e) {
+	return typeof e == "number" ? K(e) : e ?? "none";
+}
+function gr(e) {
+	let [t, ...n] = String(e).split(" ");
+	return Number.isFinite(Number(t)) ? [K(Number(t)), ...n].join(" ") : String(e);
+}
+function _r(e, t) {
+	let n = e.factors.filter((e) => e.number).map((e) => e.path), r = e.columns.filter((e) => e.kind === "number" || e.kind === "whole").map((e) => e.name), i = e.columns.filter((e) => e.kind === "text").map((e) => e.name), [a = "", o = n[0] ?? ""] = n;
+	switch (t) {
+		case "map": return {
+			value: i.includes("sequence") ? "sequence" : r[0] ?? i[0] ?? "",
+			x: a,
+			y: o
+		};
+		case "scatter": return {
+			value: i[0] ?? "status",
+			x: r.length > 1 ? r[0] : a,
+			y: r[1] ?? r[0] ?? o
+		};
+		case "family": return { curve: e.columns.find((e) => e.kind === "curve")?.name ?? "" };
+		default: return { value: r[0] ?? "" };
+	}
+}
+function vr(e) {
+	let t = e.way.split(":")[0], n = e.columns.find((e) => e.kind === "curve"), r = e.factors.filter((e) => e.number).length, i = t === "ends" ? "tornado" : t === "saltelli" ? "sobol" : n && (r < 2 || e.columns.length === 1) ? "family" : r < 2 ? "scatter" : "map";
+	return {
+		view: i,
+		x: "",
+		y: "",
+		value: "",
+		curve: "",
+		at: {},
+		first: 0,
+		..._r(e, i)
+	};
+}
+function yr(e, t, n) {
+	let [r, i] = H({
+		key: "",
+		seen: null,
+		refused: null
+	}), a = JSON.stringify([t.plan, n]), o = _t({
+		key: "",
+		kept: -1,
+		ended: !1
+	}), s = _t(!1), c = _t(!1), l = async () => {
+		if (s.current) return;
+		s.current = !0;
+		let t = "";
+		for (; !c.current && JSON.stringify(o.current) !== t;) {
+			let n = o.current;
+			t = JSON.stringify(n);
+			let [r, a] = JSON.parse(n.key), s = performance.now();
+			try {
+				let t = await e.transport.ask("plan view", {
+					plan: r,
+					...a
+				});
+				n.key === o.current.key && i({
+					key: n.key,
+					seen: t,
+					refused: null
+				});
+			} catch (e) {
+				let t = e.problem ?? null;
+				n.key === o.current.key && i({
+					key: n.key,
+					seen: null,
+					refused: t
+				});
+			}
+			let c = n.key === o.current.key, l = Math.max(cr, lr * (performance.now() - s));
+			c && !o.current.ended && await new Promise((e) => setTimeout(e, l));
+		}
+		s.current = !1;
+	};
+	return gt(() => (c.current = !1, () => {
+		c.current = !0;
+	}), []), gt(() => {
+		o.current = {
+			key: a,
+			kept: t.kept,
+			ended: t.state !== "running"
+		}, t.kept && l();
+	}, [
+		a,
+		t.kept,
+		t.state
+	]), [r.seen && JSON.parse(r.key || "[]")[0] === t.plan && r.seen.view === n.view ? r.seen : null, r.key === a ? r.refused : null];
+}
+async function br(e, t) {
+	try {
+		let { text: n, name: r } = await e.transport.ask("plan csv", { plan: t.plan }), i = document.createElement("a");
+		i.href = URL.createObjectURL(new Blob([n], { type: "text/csv" })), i.download = r, i.click(), URL.revokeObjectURL(i.href);
+	} catch (t) {
+		e.refused(t);
+	}
+}
+// node_modules/uplot/dist/uPlot.esm.js
+var xr = !0, Sr = "uplot", Cr = "u-hz", wr = "u-vt", Tr = "u-title", Er = "u-wrap", Dr = "u-under", Or = "u-over", kr = "u-axis", Ar = "u-off", jr = "u-select", Mr = "u-cursor-x", Nr = "u-cursor-y", Pr = "u-cursor-pt", Fr = "u-legend", Ir = "u-live", Lr = "u-inline", Rr = "u-series", zr = "u-marker", Br = "u-label", Vr = "u-value", Hr = "width", Ur = "height", Wr = "top", Gr = "bottom", Kr = "left", qr = "right", Jr = "#000", Yr = "#0000", Xr = "mousemove", Zr = "mousedown", Qr = "mouseup", $r = "mouseenter", ei = "mouseleave", ti = "dblclick", ni = "resize", ri = "scroll", ii = "change", ai = "dppxchange", oi = "--", si = typeof window < "u", ci = si ? document : null, li = si ? window : null, ui = si ? navigator : null, q, di;
+function fi() {
+	let e = devicePixelRatio;
+	q != e && (q = e, di && Ei(ii, di, fi), di = matchMedia(`(min-resolution: ${q - .001}dppx) and (max-resolution: ${q + .001}dppx)`), Ti(ii, di, fi), li.dispatchEvent(new CustomEvent(ai)));
+}
+function pi(e, t) {
+	if (t != null) {
+		let n = e.classList;
+		!n.contains(t) && n.add(t);
+	}
+}
+function mi(e, t) {
+	let n = e.classList;
+	n.contains(t) && n.remove(t);
+}
+function J(e, t, n) {
+	e.style[t] = n + "px";
+}
+function hi(e, t, n, r) {
+	let i = ci.createElement(e);
+	return t != null && pi(i, t), n?.insertBefore(i, r), i;
+}
+function gi(e, t) {
+	return hi("div", e, t);
+}
+var _i = /* @__PURE__ */ new WeakMap();
+function vi(e, t, n, r, i) {
+	let a = "translate(" + t + "px," + n + "px)";
+	a != _i.get(e) && (e.style.transform = a, _i.set(e, a), t < 0 || n < 0 || t > r || n > i ? pi(e, Ar) : mi(e, Ar));
+}
+var yi = /* @__PURE__ */ new WeakMap();
+function bi(e, t, n) {
+	let r = t + n;
+	r != yi.get(e) && (yi.set(e, r), e.style.background = t, e.style.borderColor = n);
+}
+var xi = /* @__PURE__ */ new WeakMap();
+function Si(e, t, n, r) {
+	let i = t + "" + n;
+	i != xi.get(e) && (xi.set(e, i), e.style.height = n + "px", e.style.width = t + "px", e.style.marginLeft = r ? -t / 2 + "px" : 0, e.style.marginTop = r ? -n / 2 + "px" : 0);
+}
+var Ci = { passive: !0 }, wi = {
+	...Ci,
+	capture: !0
+};
+function Ti(e, t, n, r) {
+	t.addEventListener(e, n, r ? wi : Ci);
+}
+function Ei(e, t, n, r) {
+	t.removeEventListener(e, n, Ci);
+}
+si && fi();
+function Di(e, t, n, r) {
+	let i;
+	n ||= 0, r ||= t.length - 1;
+	let a = r <= 2147483647;
+	for (; r - n > 1;) i = a ? n + r >> 1 : Ji((n + r) / 2), t[i] < e ? n = i : r = i;
+	return e - t[n] <= t[r] - e ? n : r;
+}
+function Oi(e) {
+	return (t, n, r) => {
+		let i = -1, a = -1;
+		for (let a = n; a <= r; a++) if (e(t[a])) {
+			i = a;
+			break;
+		}
+		for (let i = r; i >= n; i--) if (e(t[i])) {
+			a = i;
+			break;
+		}
+		return [i, a];
+	};
+}
+var ki = (e) => e != null, Ai = (e) => e != null && e > 0, ji = Oi(ki), Mi = Oi(Ai);
+function Ni(e, t, n, r = 0, i = !1) {
+	let a = i ? Mi : ji, o = i ? Ai : ki;
+	[t, n] = a(e, t, n);
+	let s = e[t], c = e[t];
+	if (t > -1) {
+		if (r == 1) s = e[t], c = e[n];
+		else if (r == -1) s = e[n], c = e[t];
+		else for (let r = t; r <= n; r++) {
+			let t = e[r];
+			o(t) && (t < s ? s = t : t > c && (c = t));
+		}
+	}
+	return [s ?? aa, c ?? -aa];
+}
+function Pi(e, t, n, r) {
+	let i = ea(e), a = ea(t);
+	e == t && (i == -1 ? (e *= n, t /= n) : (e /= n, t *= n));
+	let o = n == 10 ? ta : na, s = i == 1 ? Ji : Xi, c = a == 1 ? Xi : Ji, l = s(o(qi(e))), u = c(o(qi(t))), d = $i(n, l), f = $i(n, u);
+	return n == 10 && (l < 0 && (d = Z(d, -l)), u < 0 && (f = Z(f, -u))), r || n == 2 ? (e = d * i, t = f * a) : (e = ya(e, d), t = va(t, f)), [e, t];
+}
+function Fi(e, t, n, r) {
+	let i = Pi(e, t, n, r);
+	return e == 0 && (i[0] = 0), t == 0 && (i[1] = 0), i;
+}
+var Ii = .1, Li = {
+	mode: 3,
+	pad: Ii
+}, Ri = {
+	pad: 0,
+	soft: null,
+	mode: 0
+}, zi = {
+	min: Ri,
+	max: Ri
+};
+function Bi(e, t, n, r) {
+	return Aa(n) ? Hi(e, t, n) : (Ri.pad = n, Ri.soft = r ? 0 : null, Ri.mode = r ? 3 : 0, Hi(e, t, zi));
+}
+function Y(e, t) {
+	return e ?? t;
+}
+function Vi(e, t, n) {
+	for (t = Y(t, 0), n = Y(n, e.length - 1); t <= n;) {
+		if (e[t] != null) return !0;
+		t++;
+	}
+	return !1;
+}
+function Hi(e, t, n) {
+	let r = n.min, i = n.max, a = Y(r.pad, 0), o = Y(i.pad, 0), s = Y(r.hard, -aa), c = Y(i.hard, aa), l = Y(r.soft, aa), u = Y(i.soft, -aa), d = Y(r.mode, 0), f = Y(i.mode, 0), p = t - e, m = ta(p), h = Qi(qi(e), qi(t)), g = qi(ta(h) - m);
+	(p < 1e-24 || g > 10) && (p = 0, (e == 0 || t == 0) && (p = 1e-24, d == 2 && l != aa && (a = 0), f == 2 && u != -aa && (o = 0)));
+	let _ = p || h || 1e3, v = $i(10, Ji(ta(_))), y = Z(ya(e - _ * (p == 0 ? e == 0 ? .1 : 1 : a), v / 10), 24), b = e >= l && (d == 1 || d == 3 && y <= l || d == 2 && y >= l) ? l : aa, x = Qi(s, y < b && e >= b ? b : Zi(b, y)), S = Z(va(t + _ * (p == 0 ? t == 0 ? .1 : 1 : o), v / 10), 24), C = t <= u && (f == 1 || f == 3 && S >= u || f == 2 && S <= u) ? u : -aa, w = Zi(c, S > C && t <= C ? C : Qi(C, S));
+	return x == w && x == 0 && (w = 100), [x, w];
+}
+var Ui = new Intl.NumberFormat(si ? ui.language : "en-US"), Wi = (e) => Ui.format(e), Gi = Math, Ki = Gi.PI, qi = Gi.abs, Ji = Gi.floor, Yi = Gi.round, Xi = Gi.ceil, Zi = Gi.min, Qi = Gi.max, $i = Gi.pow, ea = Gi.sign, ta = Gi.log10, na = Gi.log2, ra = (e, t = 1) => Gi.sinh(e) * t, ia = (e, t = 1) => Gi.asinh(e / t), aa = Infinity;
+function oa(e) {
+	return (ta((e ^ e >> 31) - (e >> 31)) | 0) + 1;
+}
+function sa(e, t, n) {
+	return Zi(Qi(e, t), n);
+}
+function ca(e) {
+	return typeof e == "function";
+}
+function X(e) {
+	return ca(e) ? e : () => e;
+}
+var la = () => {}, ua = (e) => e, da = (e, t) => t, fa = (e) => null, pa = (e) => !0, ma = (e, t) => e == t, ha = /\.\d*?(?=9{6,}|0{6,})/gm, ga = (e) => {
+	if (Da(e) || ba.has(e)) return e;
+	let t = `${e}`, n = t.match(ha);
+	if (n == null) return e;
+	let r = n[0].length - 1;
+	if (t.indexOf("e-") != -1) {
+		let [e, n] = t.split("e");
+		return +`${ga(e)}e${n}`;
+	}
+	return Z(e, r);
+};
+function _a(e, t) {
+	return ga(Z(ga(e / t)) * t);
+}
+function va(e, t) {
+	return ga(Xi(ga(e / t)) * t);
+}
+function ya(e, t) {
+	return ga(Ji(ga(e / t)) * t);
+}
+function Z(e, t = 0) {
+	if (Da(e)) return e;
+	let n = 10 ** t;
+	return Yi(e * n * (1 + 2 ** -52)) / n;
+}
+var ba = /* @__PURE__ */ new Map();
+function xa(e) {
+	return (("" + e).split(".")[1] || "").length;
+}
+function Sa(e, t, n, r) {
+	let i = [], a = r.map(xa);
+	for (let o = t; o < n; o++) {
+		let t = qi(o), n = Z($i(e, o), t);
+		for (let s = 0; s < r.length; s++) {
+			let c = e == 10 ? +`${r[s]}e${o}` : r[s] * n, l = (o >= 0 ? 0 : t) + (o >= a[s] ? 0 : a[s]), u = e == 10 ? c : Z(c, l);
+			i.push(u), ba.set(u, l);
+		}
+	}
+	return i;
+}
+var Ca = {}, wa = [], Ta = [null, null], Ea = Array.isArray, Da = Number.isInteger, Oa = (e) => e === void 0;
+function ka(e) {
+	return typeof e == "string";
+}
+function Aa(e) {
+	let t = !1;
+	if (e != null) {
+		let n = e.constructor;
+		t = n == null || n == Object;
+	}
+	return t;
+}
+function ja(e) {
+	return typeof e == "object" && !!e;
+}
+var Ma = Object.getPrototypeOf(Uint8Array), Na = "__proto__";
+function Pa(e, t = Aa) {
+	let n;
+	if (Ea(e)) {
+		let r = e.find((e) => e != null);
+		if (Ea(r) || t(r)) {
+			n = Array(e.length);
+			for (let r = 0; r < e.length; r++) n[r] = Pa(e[r], t);
+		} else n = e.slice();
+	} else if (e instanceof Ma) n = e.slice();
+	else if (t(e)) {
+		n = {};
+		for (let r in e) r != Na && (n[r] = Pa(e[r], t));
+	} else n = e;
+	return n;
+}
+function Fa(e) {
+	let t = arguments;
+	for (let n = 1; n < t.length; n++) {
+		let r = t[n];
+		for (let t in r) t != Na && (Aa(e[t]) ? Fa(e[t], Pa(r[t])) : e[t] = Pa(r[t]));
+	}
+	return e;
+}
+var Ia = 0, La = 1, Ra = 2;
+function za(e, t, n) {
+	for (let r = 0, i, a = -1; r < t.length; r++) {
+		let o = t[r];
+		if (o > a) {
+			for (i = o - 1; i >= 0 && e[i] == null;) e[i--] = null;
+			for (i = o + 1; i < n && e[i] == null;) e[a = i++] = null;
+		}
+	}
+}
+function Ba(e, t) {
+	if (Ua(e)) {
+		let t = e[0].slice();
+		for (let n = 1; n < e.length; n++) t.push(...e[n].slice(1));
+		return Wa(t[0]) || (t = Ha(t)), t;
+	}
+	let n = /* @__PURE__ */ new Set();
+	for (let t = 0; t < e.length; t++) {
+		let r = e[t][0], i = r.length;
+		for (let e = 0; e < i; e++) n.add(r[e]);
+	}
+	let r = [Array.from(n).sort((e, t) => e - t)], i = r[0].length, a = /* @__PURE__ */ new Map();
+	for (let e = 0; e < i; e++) a.set(r[0][e], e);
+	for (let n = 0; n < e.length; n++) {
+		let o = e[n], s = o[0];
+		for (let e = 1; e < o.length; e++) {
+			let c = o[e], l = Array(i).fill(void 0), u = t ? t[n][e] : La, d = [];
+			for (let e = 0; e < c.length; e++) {
+				let t = c[e], n = a.get(s[e]);
+				t === null ? u != Ia && (l[n] = t, u == Ra && d.push(n)) : l[n] = t;
+			}
+			za(l, d, i), r.push(l);
+		}
+	}
+	return r;
+}
+var Va = typeof queueMicrotask > "u" ? (e) => Promise.resolve().then(e) : queueMicrotask;
+function Ha(e) {
+	let t = e[0], n = t.length, r = Array(n);
+	for (let e = 0; e < r.length; e++) r[e] = e;
+	r.sort((e, n) => t[e] - t[n]);
+	let i = [];
+	for (let t = 0; t < e.length; t++) {
+		let a = e[t], o = Array(n);
+		for (let e = 0; e < n; e++) o[e] = a[r[e]];
+		i.push(o);
+	}
+	return i;
+}
+function Ua(e) {
+	let t = e[0][0], n = t.length;
+	for (let r = 1; r < e.length; r++) {
+		let i = e[r][0];
+		if (i.length != n) return !1;
+		if (i != t) {
+			for (let e = 0; e < n; e++) if (i[e] != t[e]) return !1;
+		}
+	}
+	return !0;
+}
+function Wa(e, t = 100) {
+	let n = e.length;
+	if (n <= 1) return !0;
+	let r = 0, i = n - 1;
+	for (; r <= i && e[r] == null;) r++;
+	for (; i >= r && e[i] == null;) i--;
+	if (i <= r) return !0;
+	let a = Qi(1, Ji((i - r + 1) / t));
+	for (let t = e[r], n = r + a; n <= i; n += a) {
+		let r = e[n];
+		if (r != null) {
+			if (r <= t) return !1;
+			t = r;
+		}
+	}
+	return !0;
+}
+var Ga = [
+	"January",
+	"February",
+	"March",
+	"April",
+	"May",
+	"June",
+	"July",
+	"August",
+	"September",
+	"October",
+	"November",
+	"December"
+], Ka = [
+	"Sunday",
+	"Monday",
+	"Tuesday",
+	"Wednesday",
+	"Thursday",
+	"Friday",
+	"Saturday"
+];
+function qa(e) {
+	return e.slice(0, 3);
+}
+var Ja = Ka.map(qa), Ya = {
+	MMMM: Ga,
+	MMM: Ga.map(qa),
+	WWWW: Ka,
+	WWW: Ja
+};
+function Xa(e) {
+	return (e < 10 ? "0" : "") + e;
+}
+function Za(e) {
+	return (e < 10 ? "00" : e < 100 ? "0" : "") + e;
+}
+var Qa = {
+	YYYY: (e) => e.getFullYear(),
+	YY: (e) => (e.getFullYear() + "").slice(2),
+	MMMM: (e, t) => t.MMMM[e.getMonth()],
+	MMM: (e, t) => t.MMM[e.getMonth()],
+	MM: (e) => Xa(e.getMonth() + 1),
+	M: (e) => e.getMonth() + 1,
+	DD: (e) => Xa(e.getDate()),
+	D: (e) => e.getDate(),
+	WWWW: (e, t) => t.WWWW[e.getDay()],
+	WWW: (e, t) => t.WWW[e.getDay()],
+	HH: (e) => Xa(e.getHours()),
+	H: (e) => e.getHours(),
+	h: (e) => {
+		let t = e.getHours();
+		return t == 0 ? 12 : t > 12 ? t - 12 : t;
+	},
+	AA: (e) => e.getHours() >= 12 ? "PM" : "AM",
+	aa: (e) => e.getHours() >= 12 ? "pm" : "am",
+	a: (e) => e.getHours() >= 12 ? "p" : "a",
+	mm: (e) => Xa(e.getMinutes()),
+	m: (e) => e.getMinutes(),
+	ss: (e) => Xa(e.getSeconds()),
+	s: (e) => e.getSeconds(),
+	fff: (e) => Za(e.getMilliseconds())
+};
+function $a(e, t) {
+	t ||= Ya;
+	let n = [], r = /\{([a-z]+)\}|[^{]+/gi, i;
+	for (; i = r.exec(e);) n.push(i[0][0] == "{" ? Qa[i[1]] : i[0]);
+	return (e) => {
+		let r = "";
+		for (let i = 0; i < n.length; i++) r += typeof n[i] == "string" ? n[i] : n[i](e, t);
+		return r;
+	};
+}
+var eo = new Intl.DateTimeFormat().resolvedOptions().timeZone;
+function to(e, t) {
+	let n;
+	return t == "UTC" || t == "Etc/UTC" ? n = /* @__PURE__ */ new Date(+e + e.getTimezoneOffset() * 6e4) : t == eo ? n = e : (n = new Date(e.toLocaleString("en-US", { timeZone: t })), n.setMilliseconds(e.getMilliseconds())), n;
+}
+var no = (e) => e % 1 == 0, ro = [
+	1,
+	2,
+	2.5,
+	5
+], io = Sa(10, -32, 0, ro), ao = Sa(10, 0, 32, ro), oo = ao.filter(no), so = io.concat(ao), co = "\n", lo = "{YYYY}", uo = co + lo, fo = "{M}/{D}", po = co + fo, mo = po + "/{YY}", ho = "{aa}", go = "{h}:{mm}" + ho, _o = co + go, vo = ":{ss}", Q = null;
+function yo(e) {
+	let t = e * 1e3, n = t * 60, r = n * 60, i = r * 24, a = i * 30, o = i * 365, s = (e == 1 ? Sa(10, 0, 3, ro).filter(no) : Sa(10, -3, 0, ro)).concat([
+		t,
+		t * 5,
+		t * 10,
+		t * 15,
+		t * 30,
+		n,
+		n * 5,
+		n * 10,
+		n * 15,
+		n * 30,
+		r,
+		r * 2,
+		r * 3,
+		r * 4,
+		r * 6,
+		r * 8,
+		r * 12,
+		i,
+		i * 2,
+		i * 3,
+		i * 4,
+		i * 5,
+		i * 6,
+		i * 7,
+		i * 8,
+		i * 9,
+		i * 10,
+		i * 15,
+		a,
+		a * 2,
+		a * 3,
+		a * 4,
+		a * 6,
+		o,
+		o * 2,
+		o * 5,
+		o * 10,
+		o * 25,
+		o * 50,
+		o * 100
+	]), c = [
+		[
+			o,
+			lo,
+			Q,
+			Q,
+			Q,
+			Q,
+			Q,
+			Q,
+			1
+		],
+		[
+			i * 28,
+			"{MMM}",
+			uo,
+			Q,
+			Q,
+			Q,
+			Q,
+			Q,
+			1
+		],
+		[
+			i,
+			fo,
+			uo,
+			Q,
+			Q,
+			Q,
+			Q,
+			Q,
+			1
+		],
+		[
+			r,
+			"{h}" + ho,
+			mo,
+			Q,
+			po,
+			Q,
+			Q,
+			Q,
+			1
+		],
+		[
+			n,
+			go,
+			mo,
+			Q,
+			po,
+			Q,
+			Q,
+			Q,
+			1
+		],
+		[
+			t,
+			vo,
+			mo + " " + go,
+			Q,
+			po + " " + go,
+			Q,
+			_o,
+			Q,
+			1
+		],
+		[
+			e,
+			vo + ".{fff}",
+			mo + " " + go,
+			Q,
+			po + " " + go,
+			Q,
+			_o,
+			Q,
+			1
+		]
+	];
+	function l(t) {
+		return (s, c, l, u, d, f) => {
+			let p = [], m = d >= o, h = d >= a && d < o, g = t(l), _ = Z(g * e, 3), v = ko(g.getFullYear(), m ? 0 : g.getMonth(), h || m ? 1 : g.getDate()), y = Z(v * e, 3);
+			if (h || m) {
+				let n = h ? d / a : 0, r = m ? d / o : 0, i = _ == y ? _ : Z(ko(v.getFullYear() + r, v.getMonth() + n, 1) * e, 3), s = new Date(Yi(i / e)), c = s.getFullYear(), l = s.getMonth();
+				for (let a = 0; i <= u; a++) {
+					let o = ko(c + r * a, l + n * a, 1), s = o - t(Z(o * e, 3));
+					i = Z((+o + s) * e, 3), i <= u && p.push(i);
+				}
+			} else {
+				let a = d >= i ? i : d, o = y + (Ji(l) - Ji(_)) + va(_ - y, a);
+				p.push(o);
+				let m = t(o), h = m.getHours() + m.getMinutes() / n + m.getSeconds() / r, g = d / r, v = f / s.axes[c]._space;
+				for (; o = Z(o + d, e == 1 ? 0 : 3), !(o > u);) if (g > 1) {
+					let e = Ji(Z(h + g, 6)) % 24, n = t(o).getHours() - e;
+					n > 1 && (n = -1), o -= n * r, h = (h + g) % 24;
+					let i = p[p.length - 1];
+					Z((o - i) / d, 3) * v >= .7 && p.push(o);
+				} else p.push(o);
+			}
+			return p;
+		};
+	}
+	return [
+		s,
+		c,
+		l
+	];
+}
+var [bo, xo, So] = yo(1), [Co, wo, To] = yo(.001);
+Sa(2, -53, 53, [1]);
+function Eo(e, t) {
+	return e.map((e) => e.map((n, r) => r == 0 || r == 8 || n == null ? n : t(r == 1 || e[8] == 0 ? n : e[1] + n)));
+}
+function Do(e, t) {
+	return (n, r, i, a, o) => {
+		let s = t.find((e) => o >= e[0]) || t[t.length - 1], c, l, u, d, f, p;
+		return r.map((t) => {
+			let n = e(t), r = n.getFullYear(), i = n.getMonth(), a = n.getDate(), o = n.getHours(), m = n.getMinutes(), h = n.getSeconds(), g = r != c && s[2] || i != l && s[3] || a != u && s[4] || o != d && s[5] || m != f && s[6] || h != p && s[7] || s[1];
+			return c = r, l = i, u = a, d = o, f = m, p = h, g(n);
+		});
+	};
+}
+function Oo(e, t) {
+	let n = $a(t);
+	return (t, r, i, a, o) => r.map((t) => n(e(t)));
+}
+function ko(e, t, n) {
+	return new Date(e, t, n);
+}
+function Ao(e, t) {
+	return t(e);
+}
+var jo = "{YYYY}-{MM}-{DD} {h}:{mm}{aa}";
+function Mo(e, t) {
+	return (n, r, i, a) => a == null ? oi : t(e(r));
+}
+function No(e, t) {
+	let n = e.series[t];
+	return n.width ? n.stroke(e, t) : n.points.width ? n.points.stroke(e, t) : null;
+}
+function Po(e, t) {
+	return e.series[t].fill(e, t);
+}
+var Fo = {
+	show: !0,
+	live: !0,
+	isolate: !1,
+	mount: la,
+	markers: {
+		show: !0,
+		width: 2,
+		stroke: No,
+		fill: Po,
+		dash: "solid"
+	},
+	idx: null,
+	idxs: null,
+	values: []
+};
+function Io(e, t) {
+	let n = e.cursor.points, r = gi(), i = n.size(e, t);
+	J(r, Hr, i), J(r, Ur, i);
+	let a = i / -2;
+	J(r, "marginLeft", a), J(r, "marginTop", a);
+	let o = n.width(e, t, i);
+	return o && J(r, "borderWidth", o), r;
+}
+function Lo(e, t) {
+	let n = e.series[t].points;
+	return n._fill || n._stroke;
+}
+function Ro(e, t) {
+	let n = e.series[t].points;
+	return n._stroke || n._fill;
+}
+function zo(e, t) {
+	return e.series[t].points.size;
+}
+var Bo = [0, 0];
+function Vo(e, t, n) {
+	return Bo[0] = t, Bo[1] = n, Bo;
+}
+function Ho(e, t, n, r = !0) {
+	return (e) => {
+		e.button != 0 || r && e.target != t || n(e);
+	};
+}
+function Uo(e, t, n, r = !0) {
+	return (e) => {
+		r && e.target != t || n(e);
+	};
+}
+var Wo = {
+	show: !0,
+	x: !0,
+	y: !0,
+	lock: !1,
+	move: Vo,
+	points: {
+		one: !1,
+		show: Io,
+		size: zo,
+		width: 0,
+		stroke: Ro,
+		fill: Lo
+	},
+	bind: {
+		mousedown: Ho,
+		mouseup: Ho,
+		click: Ho,
+		dblclick: Ho,
+		mousemove: Uo,
+		mouseleave: Uo,
+		mouseenter: Uo
+	},
+	drag: {
+		setScale: !0,
+		x: !0,
+		y: !1,
+		dist: 0,
+		uni: null,
+		click: (e, t) => {
+			t.stopPropagation(), t.stopImmediatePropagation();
+		},
+		_x: !1,
+		_y: !1
+	},
+	focus: {
+		dist: (e, t, n, r, i) => r - i,
+		prox: -1,
+		bias: 0
+	},
+	hover: {
+		skip: [void 0],
+		prox: null,
+		bias: 0
+	},
+	left: -10,
+	top: -10,
+	idx: null,
+	dataIdx: null,
+	idxs: null,
+	event: null
+}, Go = {
+	show: !0,
+	stroke: "rgba(0,0,0,0.07)",
+	width: 2
+}, Ko = Fa({}, Go, { filter: da }), qo = Fa({}, Ko, { size: 10 }), Jo = Fa({}, Go, { show: !1 }), Yo = "12px system-ui, -apple-system, \"Segoe UI\", Roboto, \"Helvetica Neue\", Arial, \"Noto Sans\", sans-serif, \"Apple Color Emoji\", \"Segoe UI Emoji\", \"Segoe UI Symbol\", \"Noto Color Emoji\"", Xo = "bold " + Yo, Zo = 1.5, Qo = {
+	show: !0,
+	scale: "x",
+	stroke: Jr,
+	space: 50,
+	gap: 5,
+	alignTo: 1,
+	size: 50,
+	labelGap: 0,
+	labelSize: 30,
+	labelFont: Xo,
+	side: 2,
+	grid: Ko,
+	ticks: qo,
+	border: Jo,
+	font: Yo,
+	lineGap: Zo,
+	rotate: 0
+}, $o = "Value", es = "Time", ts = {
+	show: !0,
+	scale: "x",
+	auto: !1,
+	sorted: 1,
+	min: aa,
+	max: -Infinity,
+	idxs: []
+};
+function ns(e, t, n, r, i) {
+	return t.map((e) => e == null ? "" : Wi(e));
+}
+function rs(e, t, n, r, i, a, o) {
+	let s = [], c = ba.get(i) || 0;
+	n = o ? n : Z(va(n, i), c);
+	for (let e = n; e <= r; e = Z(e + i, c)) s.push(Object.is(e, -0) ? 0 : e);
+	return s;
+}
+function is(e, t, n, r, i, a, o) {
+	let s = [], c = e.scales[e.axes[t].scale].log;
+	i = $i(c, Ji((c == 10 ? ta : na)(n))), c == 10 && (i = so[Di(i, so)]);
+	let l = n, u = i * c;
+	c == 10 && (u = so[Di(u, so)]);
+	do
+		s.push(l), l += i, c == 10 && !ba.has(l) && (l = Z(l, ba.get(i))), l >= u && (i = l, u = i * c, c == 10 && (u = so[Di(u, so)]));
+	while (l <= r);
+	return s;
+}
+function as(e, t, n, r, i, a, o) {
+	let s = e.scales[e.axes[t].scale].asinh, c = r > s ? is(e, t, Qi(s, n), r, i) : [s], l = r >= 0 && n <= 0 ? [0] : [];
+	return (n < -s ? is(e, t, Qi(s, -r), -n, i) : [s]).reverse().map((e) => -e).concat(l, c);
+}
+var os = /./, ss = /[12357]/, cs = /[125]/, ls = /1/, us = (e, t, n, r) => e.map((e, i) => t == 4 && e == 0 || i % r == 0 && n.test(e.toExponential()[+(e < 0)]) ? e : null);
+function ds(e, t, n, r, i) {
+	let a = e.axes[n], o = a.scale, s = e.scales[o], c = e.valToPos, l = a._space, u = c(10, o), d = c(9, o) - u >= l ? os : c(7, o) - u >= l ? ss : c(5, o) - u >= l ? cs : ls;
+	if (d == ls) {
+		let e = qi(c(1, o) - u);
+		if (e < l) return us(t.slice().reverse(), s.distr, d, Xi(l / e)).reverse();
+	}
+	return us(t, s.distr, d, 1);
+}
+function fs(e, t, n, r, i) {
+	let a = e.axes[n], o = a.scale, s = a._space, c = e.valToPos, l = qi(c(1, o) - c(2, o));
+	return l < s ? us(t.slice().reverse(), 3, os, Xi(s / l)).reverse() : t;
+}
+function ps(e, t, n, r) {
+	return r == null ? oi : t == null ? "" : Wi(t);
+}
+var ms = {
+	show: !0,
+	scale: "y",
+	stroke: Jr,
+	space: 30,
+	gap: 5,
+	alignTo: 1,
+	size: 50,
+	labelGap: 0,
+	labelSize: 30,
+	labelFont: Xo,
+	side: 3,
+	grid: Ko,
+	ticks: qo,
+	border: Jo,
+	font: Yo,
+	lineGap: Zo,
+	rotate: 0
+};
+function hs(e, t) {
+	return Z((3 + (e || 1) * 2) * t, 3);
+}
+function gs(e, t) {
+	let { scale: n, idxs: r } = e.series[0], i = e._data[0], a = e.valToPos(i[r[0]], n, !0), o = qi(e.valToPos(i[r[1]], n, !0) - a) / (e.series[t].points.space * q);
+	return r[1] - r[0] <= o;
+}
+var _s = {
+	scale: null,
+	auto: !0,
+	sorted: 0,
+	min: aa,
+	max: -Infinity
+}, vs = (e, t, n, r, i) => i, ys = {
+	show: !0,
+	auto: !0,
+	sorted: 0,
+	gaps: vs,
+	alpha: 1,
+	facets: [Fa({}, _s, { scale: "x" }), Fa({}, _s, { scale: "y" })]
+}, bs = {
+	scale: "y",
+	auto: !0,
+	sorted: 0,
+	show: !0,
+	spanGaps: !1,
+	gaps: vs,
+	alpha: 1,
+	points: {
+		show: gs,
+		filter: null
+	},
+	values: null,
+	min: aa,
+	max: -Infinity,
+	idxs: [],
+	path: null,
+	clip: null
+};
+function xs(e, t, n, r, i) {
+	return n / 10;
+}
+var Ss = {
+	time: xr,
+	auto: !0,
+	distr: 1,
+	log: 10,
+	asinh: 1,
+	min: null,
+	max: null,
+	dir: 1,
+	ori: 0
+}, Cs = Fa({}, Ss, {
+	time: !1,
+	ori: 1
+}), ws = {};
+function Ts(e, t) {
+	let n = ws[e];
+	return n || (n = {
+		key: e,
+		plots: [],
+		sub(e) {
+			n.plots.push(e);
+		},
+		unsub(e) {
+			n.plots = n.plots.filter((t) => t != e);
+		},
+		pub(e, t, r, i, a, o, s) {
+			for (let c = 0; c < n.plots.length; c++) n.plots[c] != t && n.plots[c].pub(e, t, r, i, a, o, s);
+		}
+	}, e != null && (ws[e] = n)), n;
+}
+var Es = 1, Ds = 2;
+function Os(e, t, n) {
+	let r = e.mode, i = e.series[t], a = r == 2 ? e._data[t] : e._data, o = e.scales, s = e.bbox, c = a[0], l = r == 2 ? a[1] : a[t], u = r == 2 ? o[i.facets[0].scale] : o[e.series[0].scale], d = r == 2 ? o[i.facets[1].scale] : o[i.scale], f = s.left, p = s.top, m = s.width, h = s.height, g = e.valToPosH, _ = e.valToPosV;
+	return u.ori == 0 ? n(i, c, l, u, d, g, _, f, p, m, h, Ls, zs, Vs, Us, Gs) : n(i, c, l, u, d, _, g, p, f, h, m, Rs, Bs, Hs, Ws, Ks);
+}
+function ks(e, t) {
+	let n = 0, r = 0, i = Y(e.bands, wa);
+	for (let e = 0; e < i.length; e++) {
+		let a = i[e];
+		a.series[0] == t ? n = a.dir : a.series[1] == t && (a.dir == 1 ? r |= 1 : r |= 2);
+	}
+	return [n, r == 1 ? -1 : r == 2 ? 1 : r == 3 ? 2 : 0];
+}
+function As(e, t, n, r, i) {
+	let a = e.mode, o = e.series[t], s = a == 2 ? o.facets[1].scale : o.scale, c = e.scales[s];
+	return i == -1 ? c.min : i == 1 ? c.max : c.distr == 3 ? c.dir == 1 ? c.min : c.max : 0;
+}
+function js(e, t, n, r, i, a) {
+	return Os(e, t, (e, t, o, s, c, l, u, d, f, p, m) => {
+		let h = e.pxRound, g = s.dir * (s.ori == 0 ? 1 : -1), _ = s.ori == 0 ? zs : Bs, v, y;
+		g == 1 ? (v = n, y = r) : (v = r, y = n);
+		let b = h(l(t[v], s, p, d)), x = h(u(o[v], c, m, f)), S = h(l(t[y], s, p, d)), C = h(u(a == 1 ? c.max : c.min, c, m, f)), w = new Path2D(i);
+		return _(w, S, C), _(w, b, C), _(w, b, x), w;
+	});
+}
+function Ms(e, t, n, r, i, a) {
+	let o = null;
+	if (e.length > 0) {
+		o = new Path2D();
+		let s = t == 0 ? Vs : Hs, c = n;
+		for (let t = 0; t < e.length; t++) {
+			let n = e[t];
+			if (n[1] > n[0]) {
+				let e = n[0] - c;
+				e > 0 && s(o, c, r, e, r + a), c = n[1];
+			}
+		}
+		let l = n + i - c;
+		l > 0 && s(o, c, r - 5, l, r + a + 10);
+	}
+	return o;
+}
+function Ns(e, t, n) {
+	let r = e[e.length - 1];
+	r && r[0] == t ? r[1] = n : e.push([t, n]);
+}
+function Ps(e, t, n, r, i, a, o) {
+	let s = [], c = e.length;
+	for (let l = i == 1 ? n : r; l >= n && l <= r; l += i) if (t[l] === null) {
+		let u = l, d = l;
+		if (i == 1) for (; ++l <= r && t[l] === null;) d = l;
+		else for (; --l >= n && t[l] === null;) d = l;
+		let f = a(e[u]), p = d == u ? f : a(e[d]), m = u - i;
+		f = o <= 0 && m >= 0 && m < c ? a(e[m]) : f;
+		let h = d + i;
+		p = o >= 0 && h >= 0 && h < c ? a(e[h]) : p, p >= f && s.push([f, p]);
+	}
+	return s;
+}
+function Fs(e) {
+	return e == 0 ? ua : e == 1 ? Yi : (t) => _a(t, e);
+}
+function Is(e) {
+	let t = e == 0 ? Ls : Rs, n = e == 0 ? (e, t, n, r, i, a) => {
+		e.arcTo(t, n, r, i, a);
+	} : (e, t, n, r, i, a) => {
+		e.arcTo(n, t, i, r, a);
+	}, r = e == 0 ? (e, t, n, r, i) => {
+		e.rect(t, n, r, i);
+	} : (e, t, n, r, i) => {
+		e.rect(n, t, i, r);
+	};
+	return (e, i, a, o, s, c = 0, l = 0) => {
+		c == 0 && l == 0 ? r(e, i, a, o, s) : (c = Zi(c, o / 2, s / 2), l = Zi(l, o / 2, s / 2), t(e, i + c, a), n(e, i + o, a, i + o, a + s, c), n(e, i + o, a + s, i, a + s, l), n(e, i, a + s, i, a, l), n(e, i, a, i + o, a, c), e.closePath());
+	};
+}
+var Ls = (e, t, n) => {
+	e.moveTo(t, n);
+}, Rs = (e, t, n) => {
+	e.moveTo(n, t);
+}, zs = (e, t, n) => {
+	e.lineTo(t, n);
+}, Bs = (e, t, n) => {
+	e.lineTo(n, t);
+}, Vs = Is(0), Hs = Is(1), Us = (e, t, n, r, i, a) => {
+	e.arc(t, n, r, i, a);
+}, Ws = (e, t, n, r, i, a) => {
+	e.arc(n, t, r, i, a);
+}, Gs = (e, t, n, r, i, a, o) => {
+	e.bezierCurveTo(t, n, r, i, a, o);
+}, Ks = (e, t, n, r, i, a, o) => {
+	e.bezierCurveTo(n, t, i, r, o, a);
+};
+function qs(e) {
+	return (e, t, n, r, i) => Os(e, t, (t, a, o, s, c, l, u, d, f, p, m) => {
+		let { pxRound: h, points: g } = t, _, v;
+		s.ori == 0 ? (_ = Ls, v = Us) : (_ = Rs, v = Ws);
+		let y = Z(g.width * q, 3), b = (g.size - g.width) / 2 * q, x = Z(b * 2, 3), S = new Path2D(), C = new Path2D(), { left: w, top: T, width: E, height: D } = e.bbox;
+		Vs(C, w - x, T - x, E + x * 2, D + x * 2);
+		let O = (e) => {
+			if (o[e] != null) {
+				let t = h(l(a[e], s, p, d)), n = h(u(o[e], c, m, f));
+				_(S, t + b, n), v(S, t, n, b, 0, Ki * 2);
+			}
+		};
+		if (i) i.forEach(O);
+		else for (let e = n; e <= r; e++) O(e);
+		return {
+			stroke: y > 0 ? S : null,
+			fill: S,
+			clip: C,
+			flags: 3
+		};
+	});
+}
+function Js(e) {
+	return (t, n, r, i, a, o) => {
+		r != i && (a != r && o != r && e(t, n, r), a != i && o != i && e(t, n, i), e(t, n, o));
+	};
+}
+var Ys = Js(zs), Xs = Js(Bs);
+function Zs(e) {
+	let t = Y(e?.alignGaps, 0);
+	return (e, n, r, i) => Os(e, n, (a, o, s, c, l, u, d, f, p, m, h) => {
+		[r, i] = ji(s, r, i);
+		let g = a.pxRound, _ = (e) => g(u(e, c, m, f)), v = (e) => g(d(e, l, h, p)), y, b;
+		c.ori == 0 ? (y = zs, b = Ys) : (y = Bs, b = Xs);
+		let x = c.dir * (c.ori == 0 ? 1 : -1), S = {
+			stroke: new Path2D(),
+			fill: null,
+			clip: null,
+			band: null,
+			gaps: null,
+			flags: Es
+		}, C = S.stroke, w = !1;
+		if (i - r >= m * 4) {
+			let t = (t) => e.posToVal(t, c.key, !0), n = null, a = null, l, u, d, f = _(o[x == 1 ? r : i]), p = _(o[r]), m = _(o[i]), h = t(x == 1 ? p + 1 : m - 1);
+			for (let e = x == 1 ? r : i; e >= r && e <= i; e += x) {
+				let r = o[e], i = (x == 1 ? r < h : r > h) ? f : _(r), c = s[e];
+				i == f ? c == null ? c === null && (w = !0) : (u = c, n == null ? (y(C, i, v(u)), l = n = a = u) : u < n ? n = u : u > a && (a = u)) : (n != null && b(C, f, v(n), v(a), v(l), v(u)), c == null ? (n = a = null, c === null && (w = !0)) : (u = c, y(C, i, v(u)), n = a = l = u), f = i, h = t(f + x));
+			}
+			n != null && n != a && d != f && b(C, f, v(n), v(a), v(l), v(u));
+		} else for (let e = x == 1 ? r : i; e >= r && e <= i; e += x) {
+			let t = s[e];
+			t === null ? w = !0 : t != null && y(C, _(o[e]), v(t));
+		}
+		let [T, E] = ks(e, n);
+		if (a.fill != null || T != 0) {
+			let t = S.fill = new Path2D(C), s = v(a.fillTo(e, n, a.min, a.max, T)), c = _(o[r]), l = _(o[i]);
+			x == -1 && ([l, c] = [c, l]), y(t, l, s), y(t, c, s);
+		}
+		if (!a.spanGaps) {
+			let l = [];
+			w && l.push(...Ps(o, s, r, i, x, _, t)), S.gaps = l = a.gaps(e, n, r, i, l), S.clip = Ms(l, c.ori, f, p, m, h);
+		}
+		return E != 0 && (S.band = E == 2 ? [js(e, n, r, i, C, -1), js(e, n, r, i, C, 1)] : js(e, n, r, i, C, E)), S;
+	});
+}
+function Qs(e) {
+	let t = Y(e.align, 1), n = Y(e.ascDesc, !1), r = Y(e.alignGaps, 0), i = Y(e.extend, !1);
+	return (e, a, o, s) => Os(e, a, (c, l, u, d, f, p, m, h, g, _, v) => {
+		[o, s] = ji(u, o, s);
+		let y = c.pxRound, { left: b, width: x } = e.bbox, S = (e) => y(p(e, d, _, h)), C = (e) => y(m(e, f, v, g)), w = d.ori == 0 ? zs : Bs, T = {
+			stroke: new Path2D(),
+			fill: null,
+			clip: null,
+			band: null,
+			gaps: null,
+			flags: Es
+		}, E = T.stroke, D = d.dir * (d.ori == 0 ? 1 : -1), O = C(u[D == 1 ? o : s]), k = S(l[D == 1 ? o : s]), A = k, j = k;
+		i && t == -1 && (j = b, w(E, j, O)), w(E, k, O);
+		for (let e = D == 1 ? o : s; e >= o && e <= s; e += D) {
+			let n = u[e];
+			if (n == null) continue;
+			let r = S(l[e]), i = C(n);
+			t == 1 ? w(E, r, O) : w(E, A, i), w(E, r, i), O = i, A = r;
+		}
+		let ee = A;
+		i && t == 1 && (ee = b + x, w(E, ee, O));
+		let [te, ne] = ks(e, a);
+		if (c.fill != null || te != 0) {
+			let t = T.fill = new Path2D(E), n = C(c.fillTo(e, a, c.min, c.max, te));
+			w(t, ee, n), w(t, j, n);
+		}
+		if (!c.spanGaps) {
+			let i = [];
+			i.push(...Ps(l, u, o, s, D, S, r));
+			let f = c.width * q / 2, p = n || t == 1 ? f : -f, m = n || t == -1 ? -f : f;
+			i.forEach((e) => {
+				e[0] += p, e[1] += m;
+			}), T.gaps = i = c.gaps(e, a, o, s, i), T.clip = Ms(i, d.ori, h, g, _, v);
+		}
+		return ne != 0 && (T.band = ne == 2 ? [js(e, a, o, s, E, -1), js(e, a, o, s, E, 1)] : js(e, a, o, s, E, ne)), T;
+	});
+}
+function $s(e, t, n, r, i, a, o = aa) {
+	if (e.length > 1) {
+		let s = null;
+		for (let c = 0, l = Infinity; c < e.length; c++) if (t[c] !== void 0) {
+			if (s != null) {
+				let t = qi(e[c] - e[s]);
+				t < l && (l = t, o = qi(n(e[c], r, i, a) - n(e[s], r, i, a)));
+			}
+			s = c;
+		}
+	}
+	return o;
+}
+function ec(e) {
+	e ||= Ca;
+	let t = Y(e.size, [
+		.6,
+		aa,
+		1
+	]), n = e.align || 0, r = e.gap || 0, i = e.radius;
+	i = i == null ? [0, 0] : typeof i == "number" ? [i, 0] : i;
+	let a = X(i), o = 1 - t[0], s = Y(t[1], aa), c = Y(t[2], 1), l = Y(e.disp, Ca), u = Y(e.each, (e) => {}), { fill: d, stroke: f } = l;
+	return (e, t, i, p) => Os(e, t, (m, h, g, _, v, y, b, x, S, C, w) => {
+		let T = m.pxRound, E = n, D = r * q, O = s * q, k = c * q, A, j;
+		_.ori == 0 ? [A, j] = a(e, t) : [j, A] = a(e, t);
+		let ee = _.dir * (_.ori == 0 ? 1 : -1), te = _.ori == 0 ? Vs : Hs, ne = _.ori == 0 ? u : (e, t, n, r, i, a, o) => {
+			u(e, t, n, i, r, o, a);
+		}, re = Y(e.bands, wa).find((e) => e.series[0] == t), ie = re == null ? 0 : re.dir, ae = m.fillTo(e, t, m.min, m.max, ie), M = T(b(ae, v, w, S)), N, P, oe, F = C, I = T(m.width * q), se = !1, ce = null, le = null, ue = null, de = null;
+		d != null && (I == 0 || f != null) && (se = !0, ce = d.values(e, t, i, p), le = /* @__PURE__ */ new Map(), new Set(ce).forEach((e) => {
+			e != null && le.set(e, new Path2D());
+		}), I > 0 && (ue = f.values(e, t, i, p), de = /* @__PURE__ */ new Map(), new Set(ue).forEach((e) => {
+			e != null && de.set(e, new Path2D());
+		})));
+		let { x0: fe, size: pe } = l;
+		if (fe != null && pe != null) {
+			E = 1, h = fe.values(e, t, i, p), fe.unit == 2 && (h = h.map((t) => e.posToVal(x + t * C, _.key, !0)));
+			let n = pe.values(e, t, i, p);
+			P = pe.unit == 2 ? n[0] * C : y(n[0], _, C, x) - y(0, _, C, x), F = $s(h, g, y, _, C, x, F), oe = F - P + D;
+		} else F = $s(h, g, y, _, C, x, F), oe = F * o + D, P = F - oe;
+		oe < 1 && (oe = 0), I >= P / 2 && (I = 0), oe < 5 && (T = ua);
+		let me = oe > 0, he = F - oe - (me ? I : 0);
+		P = T(sa(he, k, O)), N = (E == 0 ? P / 2 : E == ee ? 0 : P) - E * ee * ((E == 0 ? D / 2 : 0) + (me ? I / 2 : 0));
+		let ge = {
+			stroke: null,
+			fill: null,
+			clip: null,
+			band: null,
+			gaps: null,
+			flags: 0
+		}, _e = se ? null : new Path2D(), ve = null;
+		if (re != null) ve = e.data[re.series[1]];
+		else {
+			let { y0: n, y1: r } = l;
+			n != null && r != null && (g = r.values(e, t, i, p), ve = n.values(e, t, i, p));
+		}
+		let ye = A * P, be = j * P;
+		for (let n = ee == 1 ? i : p; n >= i && n <= p; n += ee) {
+			let r = g[n];
+			if (r == null) continue;
+			if (ve != null) {
+				let e = ve[n] ?? 0;
+				if (r - e == 0) continue;
+				M = b(e, v, w, S);
+			}
+			let i = y(_.distr != 2 || l != null ? h[n] : n, _, C, x), a = b(Y(r, ae), v, w, S), o = T(i - N), s = T(Qi(a, M)), c = T(Zi(a, M)), u = s - c;
+			if (r != null) {
+				let i = r < 0 ? be : ye, a = r < 0 ? ye : be;
+				se ? (I > 0 && ue[n] != null && te(de.get(ue[n]), o, c + Ji(I / 2), P, Qi(0, u - I), i, a), ce[n] != null && te(le.get(ce[n]), o, c + Ji(I / 2), P, Qi(0, u - I), i, a)) : te(_e, o, c + Ji(I / 2), P, Qi(0, u - I), i, a), ne(e, t, n, o - I / 2, c, P + I, u);
+			}
+		}
+		return I > 0 ? ge.stroke = se ? de : _e : se || (ge._fill = m.width == 0 ? m._fill : m._stroke ?? m._fill, ge.width = 0), ge.fill = se ? le : _e, ge;
+	});
+}
+function tc(e, t) {
+	let n = Y(t?.alignGaps, 0);
+	return (t, r, i, a) => Os(t, r, (o, s, c, l, u, d, f, p, m, h, g) => {
+		[i, a] = ji(c, i, a);
+		let _ = o.pxRound, v = (e) => _(d(e, l, h, p)), y = (e) => _(f(e, u, g, m)), b, x, S;
+		l.ori == 0 ? (b = Ls, S = zs, x = Gs) : (b = Rs, S = Bs, x = Ks);
+		let C = l.dir * (l.ori == 0 ? 1 : -1), w = v(s[C == 1 ? i : a]), T = w, E = [], D = [];
+		for (let e = C == 1 ? i : a; e >= i && e <= a; e += C) if (c[e] != null) {
+			let t = s[e], n = v(t);
+			E.push(T = n), D.push(y(c[e]));
+		}
+		let O = {
+			stroke: e(E, D, b, S, x, _),
+			fill: null,
+			clip: null,
+			band: null,
+			gaps: null,
+			flags: Es
+		}, k = O.stroke, [A, j] = ks(t, r);
+		if (o.fill != null || A != 0) {
+			let e = O.fill = new Path2D(k), n = y(o.fillTo(t, r, o.min, o.max, A));
+			S(e, T, n), S(e, w, n);
+		}
+		if (!o.spanGaps) {
+			let e = [];
+			e.push(...Ps(s, c, i, a, C, v, n)), O.gaps = e = o.gaps(t, r, i, a, e), O.clip = Ms(e, l.ori, p, m, h, g);
+		}
+		return j != 0 && (O.band = j == 2 ? [js(t, r, i, a, k, -1), js(t, r, i, a, k, 1)] : js(t, r, i, a, k, j)), O;
+	});
+}
+function nc(e) {
+	return tc(rc, e);
+}
+function rc(e, t, n, r, i, a) {
+	let o = e.length;
+	if (o < 2) return null;
+	let s = new Path2D();
+	if (n(s, e[0], t[0]), o == 2) r(s, e[1], t[1]);
+	else {
+		let n = Array(o), r = Array(o - 1), a = Array(o - 1), c = Array(o - 1);
+		for (let n = 0; n < o - 1; n++) a[n] = t[n + 1] - t[n], c[n] = e[n + 1] - e[n], r[n] = a[n] / c[n];
+		n[0] = r[0];
+		for (let e = 1; e < o - 1; e++) r[e] === 0 || r[e - 1] === 0 || r[e - 1] > 0 != r[e] > 0 ? n[e] = 0 : (n[e] = 3 * (c[e - 1] + c[e]) / ((2 * c[e] + c[e - 1]) / r[e - 1] + (c[e] + 2 * c[e - 1]) / r[e]), isFinite(n[e]) || (n[e] = 0));
+		n[o - 1] = r[o - 2];
+		for (let r = 0; r < o - 1; r++) i(s, e[r] + c[r] / 3, t[r] + n[r] * c[r] / 3, e[r + 1] - c[r] / 3, t[r + 1] - n[r + 1] * c[r] / 3, e[r + 1], t[r + 1]);
+	}
+	return s;
+}
+var ic = /* @__PURE__ */ new Set();
+function ac() {
+	for (let e of ic) e.syncRect(!0);
+}
+si && (Ti(ni, li, ac), Ti(ri, li, ac, !0), Ti(ai, li, () => {
+	xc.pxRatio = q;
+}));
+var oc = Zs(), sc = qs();
+function cc(e, t, n, r) {
+	return (r ? [e[0], e[1]].concat(e.slice(2)) : [e[0]].concat(e.slice(1))).map((e, r) => uc(e, r, t, n));
+}
+function lc(e, t) {
+	return e.map((e, n) => n == 0 ? {} : Fa({}, t, e));
+}
+function uc(e, t, n, r) {
+	return Fa({}, t == 0 ? n : r, e);
+}
+function dc(e, t, n) {
+	return t == null ? Ta : [t, n];
+}
+var fc = dc;
+function pc(e, t, n) {
+	return t == null ? Ta : Bi(t, n, Ii, !0);
+}
+function mc(e, t, n, r) {
+	return t == null ? Ta : Pi(t, n, e.scales[r].log, !1);
+}
+var hc = mc;
+function gc(e, t, n, r) {
+	return t == null ? Ta : Fi(t, n, e.scales[r].log, !1);
+}
+var _c = gc;
+function vc(e, t, n, r, i) {
+	let a = Qi(oa(e), oa(t)), o = t - e, s = Di(i / r * o, n);
+	do {
+		let e = n[s], t = r * e / o;
+		if (t >= i && a + (e < 5 ? ba.get(e) : 0) <= 17) return [e, t];
+	} while (++s < n.length);
+	return [0, 0];
+}
+function yc(e) {
+	let t, n;
+	return e = e.replace(/(\d+)px/, (e, r) => (t = Yi((n = +r) * q)) + "px"), [
+		e,
+		t,
+		n
+	];
+}
+function bc(e) {
+	e.show && [e.font, e.labelFont].forEach((e) => {
+		let t = Z(e[2] * q, 1);
+		e[0] = e[0].replace(/[0-9.]+px/, t + "px"), e[1] = t;
+	});
+}
+function xc(e, t, n) {
+	let r = { mode: Y(e.mode, 1) }, i = r.mode;
+	function a(e, t, n, r) {
+		let i = t.valToPct(e);
+		return r + n * (t.dir == -1 ? 1 - i : i);
+	}
+	function o(e, t, n, r) {
+		let i = t.valToPct(e);
+		return r + n * (t.dir == -1 ? i : 1 - i);
+	}
+	function s(e, t, n, r) {
+		return t.ori == 0 ? a(e, t, n, r) : o(e, t, n, r);
+	}
+	r.valToPosH = a, r.valToPosV = o;
+	let c = !1;
+	r.status = 0;
+	let l = r.root = gi(Sr);
+	if (e.id != null && (l.id = e.id), pi(l, e.class), e.title) {
+		let t = gi(Tr, l);
+		t.textContent = e.title;
+	}
+	let u = hi("canvas"), d = r.ctx = u.getContext("2d"), f = gi(Er, l);
+	Ti("click", f, (e) => {
+		e.target === m && (U != tn || W != nn) && sn.click(r, e);
+	}, !0);
+	let p = r.under = gi(Dr, f);
+	f.appendChild(u);
+	let m = r.over = gi(Or, f);
+	e = Pa(e);
+	let h = +Y(e.pxAlign, 1), g = Fs(h);
+	(e.plugins || []).forEach((t) => {
+		t.opts && (e = t.opts(r, e) || e);
+	});
+	let _ = e.ms || .001, v = r.series = i == 1 ? cc(e.series || [], ts, bs, !1) : lc(e.series || [null], ys), y = r.axes = cc(e.axes || [], Qo, ms, !0), b = r.scales = {}, x = r.bands = e.bands || [];
+	x.forEach((e) => {
+		e.fill = X(e.fill || null), e.dir = Y(e.dir, -1);
+	});
+	let S = i == 2 ? v[1].facets[0].scale : v[0].scale, C = {
+		axes: zt,
+		series: Ot
+	}, w = (e.drawOrder || ["axes", "series"]).map((e) => C[e]);
+	function T(e) {
+		let t = e.distr == 3 ? (t) => ta(t > 0 ? t : e.clamp(r, t, e.min, e.max, e.key)) : e.distr == 4 ? (t) => ia(t, e.asinh) : e.distr == 100 ? (t) => e.fwd(t) : (e) => e;
+		return (n) => {
+			let r = t(n), { _min: i, _max: a } = e, o = a - i;
+			return (r - i) / o;
+		};
+	}
+	function E(t) {
+		let n = b[t];
+		if (n == null) {
+			let r = (e.scales || Ca)[t] || Ca;
+			if (r.from != null) {
+				E(r.from);
+				let e = Fa({}, b[r.from], r, { key: t });
+				e.valToPct = T(e), b[t] = e;
+			} else {
+				n = b[t] = Fa({}, t == S ? Ss : Cs, r), n.key = t;
+				let e = n.time, a = n.range, o = Ea(a);
+				if ((t != S || i == 2 && !e) && (o && (a[0] == null || a[1] == null) && (a = {
+					min: a[0] == null ? Li : {
+						mode: 1,
+						hard: a[0],
+						soft: a[0]
+					},
+					max: a[1] == null ? Li : {
+						mode: 1,
+						hard: a[1],
+						soft: a[1]
+					}
+				}, o = !1), !o && Aa(a))) {
+					let e = a;
+					a = (t, n, r) => n == null ? Ta : Bi(n, r, e);
+				}
+				n.range = X(a || (e ? fc : t == S ? n.distr == 3 ? hc : n.distr == 4 ? _c : dc : n.distr == 3 ? mc : n.distr == 4 ? gc : pc)), n.auto = X(!o && n.auto), n.clamp = X(n.clamp || xs), n._min = n._max = null, n.valToPct = T(n);
+			}
+		}
+	}
+	E("x"), E("y"), i == 1 && v.forEach((e) => {
+		E(e.scale);
+	}), y.forEach((e) => {
+		E(e.scale);
+	});
+	for (let t in e.scales) E(t);
+	let D = b[S], O = D.distr, k, A;
+	D.ori == 0 ? (pi(l, Cr), k = a, A = o) : (pi(l, wr), k = o, A = a);
+	let j = {};
+	for (let e in b) {
+		let t = b[e];
+		(t.min != null || t.max != null) && (j[e] = {
+			min: t.min,
+			max: t.max
+		}, t.min = t.max = null);
+	}
+	let ee = e.tzDate || ((e) => new Date(Yi(e / _))), te = e.fmtDate || $a, ne = _ == 1 ? So(ee) : To(ee), re = Do(ee, Eo(_ == 1 ? xo : wo, te)), ie = Mo(ee, Ao(jo, te)), ae = [], M = r.legend = Fa({}, Fo, e.legend), N = r.cursor = Fa({}, Wo, { drag: { y: i == 2 } }, e.cursor), P = M.show, oe = N.show, F = M.markers;
+	M.idxs = ae, F.width = X(F.width), F.dash = X(F.dash), F.stroke = X(F.stroke), F.fill = X(F.fill);
+	let I, se, ce, le = [], ue = [], de, fe = !1, pe = {};
+	if (M.live) {
+		let e = v[1] ? v[1].values : null;
+		fe = e != null, de = fe ? e(r, 1, 0) : { _: 0 };
+		for (let e in de) pe[e] = oi;
+	}
+	if (P) {
+		if (I = hi("table", Fr, l), ce = hi("tbody", null, I), M.mount(r, I), fe) {
+			se = hi("thead", null, I, ce);
+			let e = hi("tr", null, se);
+			for (var me in hi("th", null, e), de) hi("th", Br, e).textContent = me;
+		} else pi(I, Lr), M.live && pi(I, Ir);
+	}
+	let he = { show: !0 }, ge = { show: !1 };
+	function _e(e, t) {
+		if (t == 0 && (fe || !M.live || i == 2)) return Ta;
+		let n = [], a = hi("tr", Rr, ce, ce.childNodes[t]);
+		pi(a, e.class), e.show || pi(a, Ar);
+		let o = hi("th", null, a);
+		if (F.show) {
+			let e = gi(zr, o);
+			if (t > 0) {
+				let n = F.width(r, t);
+				n && (e.style.border = n + "px " + F.dash(r, t) + " " + F.stroke(r, t)), e.style.background = F.fill(r, t);
+			}
+		}
+		let s = gi(Br, o);
+		for (var c in e.label instanceof HTMLElement ? s.appendChild(e.label) : s.textContent = e.label, t > 0 && (F.show || (s.style.color = e.width > 0 ? F.stroke(r, t) : F.fill(r, t)), ye("click", o, (t) => {
+			if (N._lock) return;
+			We(t);
+			let n = v.indexOf(e);
+			if ((t.ctrlKey || t.metaKey) != M.isolate) {
+				let e = v.some((e, t) => t > 0 && t != n && e.show);
+				v.forEach((t, r) => {
+					r > 0 && mn(r, e ? r == n ? he : ge : he, !0, Qn.setSeries);
+				});
+			} else mn(n, { show: !e.show }, !0, Qn.setSeries);
+		}, !1), qe && ye($r, o, (t) => {
+			N._lock || (We(t), mn(v.indexOf(e), Sn, !0, Qn.setSeries));
+		}, !1)), de) {
+			let e = hi("td", Vr, a);
+			e.textContent = "--", n.push(e);
+		}
+		return [a, n];
+	}
+	let ve = /* @__PURE__ */ new Map();
+	function ye(e, t, n, i = !0) {
+		let a = ve.get(t) || {}, o = N.bind[e](r, t, n, i);
+		o && (Ti(e, t, a[e] = o), ve.set(t, a));
+	}
+	function be(e, t, n) {
+		let r = ve.get(t) || {};
+		for (let n in r) (e == null || n == e) && (Ei(n, t, r[n]), delete r[n]);
+		e ?? ve.delete(t);
+	}
+	let xe = 0, Se = 0, L = 0, R = 0, Ce = 0, z = 0, we = Ce, Te = z, Ee = L, De = R, Oe = 0, ke = 0, Ae = 0, je = 0;
+	r.bbox = {};
+	let Me = !1, Ne = !1, Pe = !1, Fe = !1, Ie = !1, Le = !1;
+	function Re(e, t, n) {
+		(n || e != r.width || t != r.height) && ze(e, t), Bt(!1), Pe = !0, Ne = !0, Gt();
+	}
+	function ze(e, t) {
+		r.width = xe = L = e, r.height = Se = R = t, Ce = z = 0, He(), Ue();
+		let n = r.bbox;
+		Oe = n.left = _a(Ce * q, .5), ke = n.top = _a(z * q, .5), Ae = n.width = _a(L * q, .5), je = n.height = _a(R * q, .5);
+	}
+	function Be() {
+		let e = !1, t = 0;
+		for (; !e;) {
+			t++;
+			let n = Lt(t), i = Rt(t);
+			e = t == 3 || n && i, e || (ze(r.width, r.height), Ne = !0);
+		}
+	}
+	function Ve({ width: e, height: t }) {
+		Re(e, t);
+	}
+	r.setSize = Ve;
+	function He() {
+		let e = !1, t = !1, n = !1, r = !1;
+		y.forEach((i, a) => {
+			if (i.show && i._show) {
+				let { side: a, _size: o } = i, s = a % 2, c = o + (i.label == null ? 0 : i.labelSize);
+				c > 0 && (s ? (L -= c, a == 3 ? (Ce += c, r = !0) : n = !0) : (R -= c, a == 0 ? (z += c, e = !0) : t = !0));
+			}
+		}), B[0] = e, B[1] = n, B[2] = t, B[3] = r, L -= at[1] + at[3], Ce += at[3], R -= at[2] + at[0], z += at[0];
+	}
+	function Ue() {
+		let e = Ce + L, t = z + R, n = Ce, r = z;
+		function i(i, a) {
+			switch (i) {
+				case 1: return e += a, e - a;
+				case 2: return t += a, t - a;
+				case 3: return n -= a, n + a;
+				case 0: return r -= a, r + a;
+			}
+		}
+		y.forEach((e, t) => {
+			if (e.show && e._show) {
+				let t = e.side;
+				e._pos = i(t, e._size), e.label != null && (e._lpos = i(t, e.labelSize));
+			}
+		});
+	}
+	if (N.dataIdx == null) {
+		let e = N.hover, n = e.skip = new Set(e.skip ?? []);
+		n.add(void 0);
+		let r = e.prox = X(e.prox), i = e.bias ??= 0;
+		N.dataIdx = (e, a, o, s) => {
+			if (a == 0) return o;
+			let c = o, l = r(e, a, o, s) ?? aa, u = l >= 0 && l < aa, d = D.ori == 0 ? L : R, f = N.left, p = t[0], m = t[a];
+			if (n.has(m[o])) {
+				c = null;
+				let e = null, t = null, r;
+				if (i == 0 || i == -1) for (r = o; e == null && r-- > 0;) n.has(m[r]) || (e = r);
+				if (i == 0 || i == 1) for (r = o; t == null && r++ < m.length;) n.has(m[r]) || (t = r);
+				if (e != null || t != null) {
+					if (u) {
+						let n = e == null ? -Infinity : k(p[e], D, d, 0), r = t == null ? Infinity : k(p[t], D, d, 0), i = f - n, a = r - f;
+						i <= a ? i <= l && (c = e) : a <= l && (c = t);
+					} else c = t == null ? e : e == null ? t : o - e <= t - o ? e : t;
+				}
+			} else u && qi(f - k(p[o], D, d, 0)) > l && (c = null);
+			return c;
+		};
+	}
+	let We = (e) => {
+		N.event = e;
+	};
+	N.idxs = ae, N._lock = !1;
+	let Ge = N.points;
+	Ge.show = X(Ge.show), Ge.size = X(Ge.size), Ge.stroke = X(Ge.stroke), Ge.width = X(Ge.width), Ge.fill = X(Ge.fill);
+	let Ke = r.focus = Fa({}, e.focus || { alpha: .3 }, N.focus), qe = Ke.prox >= 0, Je = qe && Ge.one, Ye = [], Xe = [], Ze = [];
+	function Qe(e, t) {
+		let n = Ge.show(r, t);
+		if (n instanceof HTMLElement) return pi(n, Pr), pi(n, e.class), vi(n, -10, -10, L, R), m.insertBefore(n, Ye[t]), n;
+	}
+	function $e(e, t) {
+		if (i == 1 || t > 0) {
+			let t = i == 1 && b[e.scale].time, n = e.value;
+			e.value = t ? ka(n) ? Mo(ee, Ao(n, te)) : n || ie : n || ps, e.label = e.label || (t ? es : $o);
+		}
+		if (Je || t > 0) {
+			e.width = e.width == null ? 1 : e.width, e.paths = e.paths || oc || fa, e.fillTo = X(e.fillTo || As), e.pxAlign = +Y(e.pxAlign, h), e.pxRound = Fs(e.pxAlign), e.stroke = X(e.stroke || null), e.fill = X(e.fill || null), e._stroke = e._fill = e._paths = e._focus = null;
+			let t = hs(Qi(1, e.width), 1), n = e.points = Fa({}, {
+				size: t,
+				width: Qi(1, t * .2),
+				stroke: e.stroke,
+				space: t * 2,
+				paths: sc,
+				_stroke: null,
+				_fill: null
+			}, e.points);
+			n.show = X(n.show), n.filter = X(n.filter), n.fill = X(n.fill), n.stroke = X(n.stroke), n.paths = X(n.paths), n.pxAlign = e.pxAlign;
+		}
+		if (P) {
+			let n = _e(e, t);
+			le.splice(t, 0, n[0]), ue.splice(t, 0, n[1]), M.values.push(null);
+		}
+		if (oe) {
+			ae.splice(t, 0, null);
+			let n = null;
+			Je ? t == 0 && (n = Qe(e, t)) : t > 0 && (n = Qe(e, t)), Ye.splice(t, 0, n), Xe.splice(t, 0, 0), Ze.splice(t, 0, 0);
+		}
+		Xn("addSeries", t);
+	}
+	function et(e, t) {
+		t ??= v.length, e = i == 1 ? uc(e, t, ts, bs) : uc(e, t, {}, ys), v.splice(t, 0, e), $e(v[t], t);
+	}
+	r.addSeries = et;
+	function tt(e) {
+		if (v.splice(e, 1), P) {
+			M.values.splice(e, 1), ue.splice(e, 1);
+			let t = le.splice(e, 1)[0];
+			be(null, t.firstChild), t.remove();
+		}
+		oe && (ae.splice(e, 1), Ye.splice(e, 1)[0].remove(), Xe.splice(e, 1), Ze.splice(e, 1)), Xn("delSeries", e);
+	}
+	r.delSeries = tt;
+	let B = [
+		!1,
+		!1,
+		!1,
+		!1
+	];
+	function nt(e, t) {
+		if (e._show = e.show, e.show) {
+			let n = e.side % 2, i = b[e.scale];
+			i ??= (e.scale = n ? v[1].scale : S, b[e.scale]);
+			let a = i.time;
+			e.size = X(e.size), e.space = X(e.space), e.rotate = X(e.rotate), Ea(e.incrs) && e.incrs.forEach((e) => {
+				!ba.has(e) && ba.set(e, xa(e));
+			}), e.incrs = X(e.incrs || (i.distr == 2 ? oo : a ? _ == 1 ? bo : Co : so)), e.splits = X(e.splits || (a && i.distr == 1 ? ne : i.distr == 3 ? is : i.distr == 4 ? as : rs)), e.stroke = X(e.stroke), e.grid.stroke = X(e.grid.stroke), e.ticks.stroke = X(e.ticks.stroke), e.border.stroke = X(e.border.stroke);
+			let o = e.values;
+			e.values = Ea(o) && !Ea(o[0]) ? X(o) : a ? Ea(o) ? Do(ee, Eo(o, te)) : ka(o) ? Oo(ee, o) : o || re : o || ns, e.filter = X(e.filter || (i.distr >= 3 && i.log == 10 ? ds : i.distr == 3 && i.log == 2 ? fs : da)), e.font = yc(e.font), e.labelFont = yc(e.labelFont), e._size = e.size(r, null, t, 0), e._space = e._rotate = e._incrs = e._found = e._splits = e._values = null, e._size > 0 && (B[t] = !0, e._el = gi(kr, f));
+		}
+	}
+	function rt(e, t, n, r) {
+		let [i, a, o, s] = n, c = t % 2, l = 0;
+		return c == 0 && (s || a) && (l = t == 0 && !i || t == 2 && !o ? Yi(Qo.size / 3) : 0), c == 1 && (i || o) && (l = t == 1 && !a || t == 3 && !s ? Yi(ms.size / 2) : 0), l;
+	}
+	let it = r.padding = (e.padding || [
+		rt,
+		rt,
+		rt,
+		rt
+	]).map((e) => X(Y(e, rt))), at = r._padding = it.map((e, t) => e(r, t, B, 0)), ot, st = null, V = null, ct = i == 1 ? v[0].idxs : null, lt = null, ut = !1;
+	function dt(e, n) {
+		if (t = e ?? [], r.data = r._data = t, i == 2) {
+			ot = 0;
+			for (let e = 1; e < v.length; e++) ot += t[e][0].length;
+		} else {
+			t.length == 0 && (r.data = r._data = t = [[]]), lt = t[0], ot = lt.length;
+			let e = t;
+			if (O == 2) {
+				e = t.slice();
+				let n = e[0] = Array(ot);
+				for (let e = 0; e < ot; e++) n[e] = e;
+			}
+			r._data = t = e;
+		}
+		if (Bt(!0), Xn("setData"), O == 2 && (Pe = !0), n !== !1) {
+			let e = D;
+			e.auto(r, ut) ? ft() : pn(S, e.min, e.max), Fe ||= N.left >= 0, Le = !0, Gt();
+		}
+	}
+	r.setData = dt;
+	function ft() {
+		ut = !0;
+		let e, n;
+		i == 1 && (ot > 0 ? (st = ct[0] = 0, V = ct[1] = ot - 1, e = t[0][st], n = t[0][V], O == 2 ? (e = st, n = V) : e == n && (O == 3 ? [e, n] = Pi(e, e, D.log, !1) : O == 4 ? [e, n] = Fi(e, e, D.log, !1) : D.time ? n = e + Yi(86400 / _) : [e, n] = Bi(e, n, Ii, !0))) : (st = ct[0] = e = null, V = ct[1] = n = null)), pn(S, e, n);
+	}
+	let pt, mt, H, ht, gt, _t, vt, yt, bt, xt;
+	function St(e, t, n, r, i, a) {
+		e ??= Yr, n ??= wa, r ??= "butt", i ??= Yr, a ??= "round", e != pt && (d.strokeStyle = pt = e), i != mt && (d.fillStyle = mt = i), t != H && (d.lineWidth = H = t), a != gt && (d.lineJoin = gt = a), r != _t && (d.lineCap = _t = r), n != ht && d.setLineDash(ht = n);
+	}
+	function Ct(e, t, n, r) {
+		t != mt && (d.fillStyle = mt = t), e != vt && (d.font = vt = e), n != yt && (d.textAlign = yt = n), r != bt && (d.textBaseline = bt = r);
+	}
+	function wt(e, t, n, i, a = 0) {
+		if (i.length > 0 && e.auto(r, ut) && (t == null || t.min == null)) {
+			let t = Y(st, 0), r = Y(V, i.length - 1), o = n.min == null ? Ni(i, t, r, a, e.distr == 3) : [n.min, n.max];
+			e.min = Zi(e.min, n.min = o[0]), e.max = Qi(e.max, n.max = o[1]);
+		}
+	}
+	let Tt = {
+		min: null,
+		max: null
+	};
+	function Et() {
+		for (let e in b) {
+			let t = b[e];
+			j[e] == null && (t.min == null || j[S] != null && t.auto(r, ut)) && (j[e] = Tt);
+		}
+		for (let e in b) {
+			let t = b[e];
+			j[e] == null && t.from != null && j[t.from] != null && (j[e] = Tt);
+		}
+		j[S] != null && Bt(!0);
+		let e = {};
+		for (let t in j) {
+			let n = j[t];
+			if (n != null) {
+				let a = e[t] = Pa(b[t], ja);
+				if (n.min != null) Fa(a, n);
+				else if (t != S || i == 2) {
+					if (ot == 0 && a.from == null) {
+						let e = a.range(r, null, null, t);
+						a.min = e[0], a.max = e[1];
+					} else a.min = aa, a.max = -Infinity;
+				}
+			}
+		}
+		if (ot > 0) {
+			v.forEach((n, a) => {
+				if (i == 1) {
+					let i = n.scale, o = j[i];
+					if (o == null) return;
+					let s = e[i];
+					if (a == 0) {
+						let e = s.range(r, s.min, s.max, i);
+						s.min = e[0], s.max = e[1], st = Di(s.min, t[0]), V = Di(s.max, t[0]), V - st > 1 && (t[0][st] < s.min && st++, t[0][V] > s.max && V--), n.min = lt[st], n.max = lt[V];
+					} else n.show && n.auto && wt(s, o, n, t[a], n.sorted);
+					n.idxs[0] = st, n.idxs[1] = V;
+				} else if (a > 0 && n.show && n.auto) {
+					let [r, i] = n.facets, o = r.scale, s = i.scale, [c, l] = t[a], u = e[o], d = e[s];
+					u != null && wt(u, j[o], r, c, r.sorted), d != null && wt(d, j[s], i, l, i.sorted), n.min = i.min, n.max = i.max;
+				}
+			});
+			for (let t in e) {
+				let n = e[t], i = j[t];
+				if (n.from == null && (i == null || i.min == null)) {
+					let e = n.range(r, n.min == aa ? null : n.min, n.max == -Infinity ? null : n.max, t);
+					n.min = e[0], n.max = e[1];
+				}
+			}
+		}
+		for (let t in e) {
+			let n = e[t];
+			if (n.from != null) {
+				let i = e[n.from];
+				if (i.min == null) n.min = n.max = null;
+				else {
+					let e = n.range(r, i.min, i.max, t);
+					n.min = e[0], n.max = e[1];
+				}
+			}
+		}
+		let n = {}, a = !1;
+		for (let t in e) {
+			let r = e[t], i = b[t];
+			if (i.min != r.min || i.max != r.max) {
+				i.min = r.min, i.max = r.max;
+				let e = i.distr;
+				i._min = e == 3 ? ta(i.min) : e == 4 ? ia(i.min, i.asinh) : e == 100 ? i.fwd(i.min) : i.min, i._max = e == 3 ? ta(i.max) : e == 4 ? ia(i.max, i.asinh) : e == 100 ? i.fwd(i.max) : i.max, n[t] = a = !0;
+			}
+		}
+		if (a) {
+			v.forEach((e, t) => {
+				i == 2 ? t > 0 && n.y && (e._paths = null) : n[e.scale] && (e._paths = null);
+			});
+			for (let e in n) Pe = !0, Xn("setScale", e);
+			oe && N.left >= 0 && (Fe = Le = !0);
+		}
+		for (let e in j) j[e] = null;
+	}
+	function Dt(e) {
+		let t = sa(st - 1, 0, ot - 1), n = sa(V + 1, 0, ot - 1);
+		for (; e[t] == null && t > 0;) t--;
+		for (; e[n] == null && n < ot - 1;) n++;
+		return [t, n];
+	}
+	function Ot() {
+		if (ot > 0) {
+			let e = v.some((e) => e._focus) && xt != Ke.alpha;
+			e && (d.globalAlpha = xt = Ke.alpha), v.forEach((e, n) => {
+				if (n > 0 && e.show && (kt(n, !1), kt(n, !0), e._paths == null)) {
+					let a = xt;
+					xt != e.alpha && (d.globalAlpha = xt = e.alpha);
+					let o = i == 2 ? [0, t[n][0].length - 1] : Dt(t[n]);
+					e._paths = e.paths(r, n, o[0], o[1]), xt != a && (d.globalAlpha = xt = a);
+				}
+			}), v.forEach((e, t) => {
+				if (t > 0 && e.show) {
+					let n = xt;
+					xt != e.alpha && (d.globalAlpha = xt = e.alpha), e._paths != null && At(t, !1);
+					{
+						let n = e._paths == null ? null : e._paths.gaps, i = e.points.show(r, t, st, V, n), a = e.points.filter(r, t, i, n);
+						(i || a) && (e.points._paths = e.points.paths(r, t, st, V, a), At(t, !0));
+					}
+					xt != n && (d.globalAlpha = xt = n), Xn("drawSeries", t);
+				}
+			}), e && (d.globalAlpha = xt = 1);
+		}
+	}
+	function kt(e, t) {
+		let n = t ? v[e].points : v[e];
+		n._stroke = n.stroke(r, e), n._fill = n.fill(r, e);
+	}
+	function At(e, t) {
+		let n = t ? v[e].points : v[e], { stroke: r, fill: i, clip: a, flags: o, _stroke: s = n._stroke, _fill: c = n._fill, _width: l = n.width } = n._paths;
+		l = Z(l * q, 3);
+		let u = null, f = l % 2 / 2;
+		t && c == null && (c = l > 0 ? "#fff" : s);
+		let p = n.pxAlign == 1 && f > 0;
+		if (p && d.translate(f, f), !t) {
+			let e = Oe - l / 2, t = ke - l / 2, n = Ae + l, r = je + l;
+			u = new Path2D(), u.rect(e, t, n, r);
+		}
+		t ? Mt(s, l, n.dash, n.cap, c, r, i, o, a) : jt(e, s, l, n.dash, n.cap, c, r, i, o, u, a), p && d.translate(-f, -f);
+	}
+	function jt(e, n, i, a, o, s, c, l, u, d, f) {
+		let p = !1;
+		u != 0 && x.forEach((m, h) => {
+			if (m.series[0] == e) {
+				let e = v[m.series[1]], g = t[m.series[1]], _ = (e._paths || Ca).band;
+				Ea(_) && (_ = m.dir == 1 ? _[0] : _[1]);
+				let y, b = null;
+				e.show && _ && Vi(g, st, V) ? (b = m.fill(r, h) || s, y = e._paths.clip) : _ = null, Mt(n, i, a, o, b, c, l, u, d, f, y, _), p = !0;
+			}
+		}), p || Mt(n, i, a, o, s, c, l, u, d, f);
+	}
+	function Mt(e, t, n, r, i, a, o, s, c, l, u, f) {
+		St(e, t, n, r, i), (c || l || f) && (d.save(), c && d.clip(c), l && d.clip(l)), f ? (s & 3) == 3 ? (d.clip(f), u && d.clip(u), Pt(i, o), Nt(e, a, t)) : s & Ds ? (Pt(i, o), d.clip(f), Nt(e, a, t)) : s & Es && (d.save(), d.clip(f), u && d.clip(u), Pt(i, o), d.restore(), Nt(e, a, t)) : (Pt(i, o), Nt(e, a, t)), (c || l || f) && d.restore();
+	}
+	function Nt(e, t, n) {
+		n > 0 && (t instanceof Map ? t.forEach((e, t) => {
+			d.strokeStyle = pt = t, d.stroke(e);
+		}) : t != null && e && d.stroke(t));
+	}
+	function Pt(e, t) {
+		t instanceof Map ? t.forEach((e, t) => {
+			d.fillStyle = mt = t, d.fill(e);
+		}) : t != null && e && d.fill(t);
+	}
+	function Ft(e, t, n, i) {
+		let a = y[e], o;
+		if (i <= 0) o = [0, 0];
+		else {
+			let s = a._space = a.space(r, e, t, n, i);
+			o = vc(t, n, a._incrs = a.incrs(r, e, t, n, i, s), i, s);
+		}
+		return a._found = o;
+	}
+	function It(e, t, n, r, i, a, o, s, c, l) {
+		let u = o % 2 / 2;
+		h == 1 && d.translate(u, u), St(s, o, c, l, s), d.beginPath();
+		let f, p, m, g, _ = i + (r == 0 || r == 3 ? -a : a);
+		n == 0 ? (p = i, g = _) : (f = i, m = _);
+		for (let r = 0; r < e.length; r++) t[r] != null && (n == 0 ? f = m = e[r] : p = g = e[r], d.moveTo(f, p), d.lineTo(m, g));
+		d.stroke(), h == 1 && d.translate(-u, -u);
+	}
+	function Lt(e) {
+		let t = !0;
+		return y.forEach((n, i) => {
+			if (!n.show) return;
+			let a = b[n.scale];
+			if (a.min == null) {
+				n._show && (t = !1, n._show = !1, Bt(!1));
+				return;
+			}
+			n._show || (t = !1, n._show = !0, Bt(!1));
+			let o = n.side, s = o % 2, { min: c, max: l } = a, [u, d] = Ft(i, c, l, s == 0 ? L : R);
+			if (d == 0) return;
+			let f = a.distr == 2, p = n._splits = n.splits(r, i, c, l, u, d, f), m = a.distr == 2 ? p.map((e) => lt[e]) : p, h = a.distr == 2 ? lt[p[1]] - lt[p[0]] : u, g = n._values = n.values(r, n.filter(r, m, i, d, h), i, d, h);
+			n._rotate = o == 2 ? n.rotate(r, g, i, d) : 0;
+			let _ = n._size;
+			n._size = Xi(n.size(r, g, i, e)), _ != null && n._size != _ && (t = !1);
+		}), t;
+	}
+	function Rt(e) {
+		let t = !0;
+		return it.forEach((n, i) => {
+			let a = n(r, i, B, e);
+			a != at[i] && (t = !1), at[i] = a;
+		}), t;
+	}
+	function zt() {
+		for (let e = 0; e < y.length; e++) {
+			let t = y[e];
+			if (!t.show || !t._show) continue;
+			let n = t.side, i = n % 2, a, o, c = t.stroke(r, e), l = n == 0 || n == 3 ? -1 : 1, [u, f] = t._found;
+			if (t.label != null) {
+				let s = t.labelGap * l, p = Yi((t._lpos + s) * q);
+				Ct(t.labelFont[0], c, "center", n == 2 ? Wr : Gr), d.save(), i == 1 ? (a = o = 0, d.translate(p, Yi(ke + je / 2)), d.rotate((n == 3 ? -Ki : Ki) / 2)) : (a = Yi(Oe + Ae / 2), o = p);
+				let m = ca(t.label) ? t.label(r, e, u, f) : t.label;
+				d.fillText(m, a, o), d.restore();
+			}
+			if (f == 0) continue;
+			let p = b[t.scale], m = i == 0 ? Ae : je, h = i == 0 ? Oe : ke, _ = t._splits, v = p.distr == 2 ? _.map((e) => lt[e]) : _, x = p.distr == 2 ? lt[_[1]] - lt[_[0]] : u, S = t.ticks, C = t.border, w = S.show ? S.size : 0, T = Yi(w * q), E = Yi((t.alignTo == 2 ? t._size - w - t.gap : t.gap) * q), D = t._rotate * -Ki / 180, O = g(t._pos * q), k = O + (T + E) * l;
+			o = i == 0 ? k : 0, a = i == 1 ? k : 0;
+			let A = t.font[0];
+			Ct(A, c, t.align == 1 ? Kr : t.align == 2 ? qr : D > 0 ? Kr : D < 0 ? qr : i == 0 ? "center" : n == 3 ? qr : Kr, D || i == 1 ? "middle" : n == 2 ? Wr : Gr);
+			let j = t.font[1] * t.lineGap, ee = _.map((e) => g(s(e, p, m, h))), te = t._values;
+			for (let e = 0; e < te.length; e++) {
+				let t = te[e];
+				if (t != null) {
+					i == 0 ? a = ee[e] : o = ee[e], t = "" + t;
+					let n = t.indexOf("\n") == -1 ? [t] : t.split(/\n/gm);
+					for (let e = 0; e < n.length; e++) {
+						let t = n[e];
+						D ? (d.save(), d.translate(a, o + e * j), d.rotate(D), d.fillText(t, 0, 0), d.restore()) : d.fillText(t, a, o + e * j);
+					}
+				}
+			}
+			S.show && It(ee, S.filter(r, v, e, f, x), i, n, O, T, Z(S.width * q, 3), S.stroke(r, e), S.dash, S.cap);
+			let ne = t.grid;
+			ne.show && It(ee, ne.filter(r, v, e, f, x), i, i == 0 ? 2 : 1, i == 0 ? ke : Oe, i == 0 ? je : Ae, Z(ne.width * q, 3), ne.stroke(r, e), ne.dash, ne.cap), C.show && It([O], [1], +(i == 0), i == 0 ? 1 : 2, i == 1 ? ke : Oe, i == 1 ? je : Ae, Z(C.width * q, 3), C.stroke(r, e), C.dash, C.cap);
+		}
+		Xn("drawAxes");
+	}
+	function Bt(e) {
+		v.forEach((t, n) => {
+			n > 0 && (t._paths = null, e && (i == 1 ? (t.min = null, t.max = null) : t.facets.forEach((e) => {
+				e.min = null, e.max = null;
+			})));
+		});
+	}
+	let Vt = !1, Ht = !1, Ut = [];
+	function Wt() {
+		Ht = !1;
+		for (let e = 0; e < Ut.length; e++) Xn(...Ut[e]);
+		Ut.length = 0;
+	}
+	function Gt() {
+		Vt ||= (Va(qt), !0);
+	}
+	function Kt(e, t = !1) {
+		Vt = !0, Ht = t, e(r), qt(), t && Ut.length > 0 && queueMicrotask(Wt);
+	}
+	r.batch = Kt;
+	function qt() {
+		if (Me &&= (Et(), !1), Pe &&= (Be(), !1), Ne) {
+			if (J(p, Kr, Ce), J(p, Wr, z), J(p, Hr, L), J(p, Ur, R), J(m, Kr, Ce), J(m, Wr, z), J(m, Hr, L), J(m, Ur, R), J(f, Hr, xe), J(f, Ur, Se), u.width = Yi(xe * q), u.height = Yi(Se * q), y.forEach(({ _el: e, _show: t, _size: n, _pos: r, side: i }) => {
+				if (e != null) {
+					if (t) {
+						let t = i === 3 || i === 0 ? n : 0, a = i % 2 == 1;
+						J(e, a ? "left" : "top", r - t), J(e, a ? "width" : "height", n), J(e, a ? "top" : "left", a ? z : Ce), J(e, a ? "height" : "width", a ? R : L), mi(e, Ar);
+					} else pi(e, Ar);
+				}
+			}), pt = mt = H = gt = _t = vt = yt = bt = ht = null, xt = 1, Pn(!0), Ce != we || z != Te || L != Ee || R != De) {
+				Bt(!1);
+				let e = L / Ee, t = R / De;
+				if (oe && !Fe && N.left >= 0) {
+					N.left *= e, N.top *= t, Zt && vi(Zt, Yi(N.left), 0, L, R), Qt && vi(Qt, 0, Yi(N.top), L, R);
+					for (let n = 0; n < Ye.length; n++) {
+						let r = Ye[n];
+						r != null && (Xe[n] *= e, Ze[n] *= t, vi(r, Xi(Xe[n]), Xi(Ze[n]), L, R));
+					}
+				}
+				if (G.show && !Ie && G.left >= 0 && G.width > 0) {
+					G.left *= e, G.width *= e, G.top *= t, G.height *= t;
+					for (let e in Ln) J(un, e, G[e]);
+				}
+				we = Ce, Te = z, Ee = L, De = R;
+			}
+			Xn("setSize"), Ne = !1;
+		}
+		xe > 0 && Se > 0 && (d.clearRect(0, 0, u.width, u.height), Xn("drawClear"), w.forEach((e) => e()), Xn("draw")), G.show && Ie && (dn(G), Ie = !1), oe && Fe && (Mn(null, !0, !1), Fe = !1), M.show && M.live && Le && (An(), Le = !1), c || (c = !0, r.status = 1, Xn("ready")), ut = !1, Vt = !1;
+	}
+	r.redraw = (e, t) => {
+		Pe = t || !1, e === !1 ? Gt() : pn(S, D.min, D.max);
+	};
+	function Jt(e, n) {
+		let i = b[e];
+		if (i.from == null) {
+			if (ot == 0) {
+				let t = i.range(r, n.min, n.max, e);
+				n.min = t[0], n.max = t[1];
+			}
+			if (n.min > n.max) {
+				let e = n.min;
+				n.min = n.max, n.max = e;
+			}
+			if (ot > 1 && n.min != null && n.max != null && n.max - n.min < 1e-16) return;
+			e == S && i.distr == 2 && ot > 0 && (n.min = Di(n.min, t[0]), n.max = Di(n.max, t[0]), n.min == n.max && n.max++), j[e] = n, Me = !0, Gt();
+		}
+	}
+	r.setScale = Jt;
+	let Yt, Xt, Zt, Qt, $t, en, tn, nn, rn, an, U, W, on = !1, sn = N.drag, cn = sn.x, ln = sn.y;
+	oe && (N.x && (Yt = gi(Mr, m)), N.y && (Xt = gi(Nr, m)), D.ori == 0 ? (Zt = Yt, Qt = Xt) : (Zt = Xt, Qt = Yt), U = N.left, W = N.top);
+	let G = r.select = Fa({
+		show: !0,
+		over: !0,
+		left: 0,
+		width: 0,
+		top: 0,
+		height: 0
+	}, e.select), un = G.show ? gi(jr, G.over ? m : p) : null;
+	function dn(e, t) {
+		if (G.show) {
+			for (let t in e) G[t] = e[t], t in Ln && J(un, t, e[t]);
+			t !== !1 && Xn("setSelect");
+		}
+	}
+	r.setSelect = dn;
+	function fn(e) {
+		if (v[e].show) P && mi(le[e], Ar);
+		else if (P && pi(le[e], Ar), oe) {
+			let t = Je ? Ye[0] : Ye[e];
+			t != null && vi(t, -10, -10, L, R);
+		}
+	}
+	function pn(e, t, n) {
+		Jt(e, {
+			min: t,
+			max: n
+		});
+	}
+	function mn(e, t, n, a) {
+		t.focus != null && Cn(e), t.show != null && v.forEach((n, r) => {
+			r > 0 && (e == r || e == null) && (n.show = t.show, fn(r), i == 2 ? (pn(n.facets[0].scale, null, null), pn(n.facets[1].scale, null, null)) : pn(n.scale, null, null), Gt());
+		}), n !== !1 && Xn("setSeries", e, t), a && tr("setSeries", r, e, t);
+	}
+	r.setSeries = mn;
+	function hn(e, t) {
+		Fa(x[e], t);
+	}
+	function gn(e, t) {
+		e.fill = X(e.fill || null), e.dir = Y(e.dir, -1), t ??= x.length, x.splice(t, 0, e);
+	}
+	function _n(e) {
+		e == null ? x.length = 0 : x.splice(e, 1);
+	}
+	r.addBand = gn, r.setBand = hn, r.delBand = _n;
+	function vn(e, t) {
+		v[e].alpha = t, oe && Ye[e] != null && (Ye[e].style.opacity = t), P && le[e] && (le[e].style.opacity = t);
+	}
+	let yn, bn, xn, Sn = { focus: !0 };
+	function Cn(e) {
+		if (e != xn) {
+			let t = e == null, n = Ke.alpha != 1;
+			v.forEach((r, a) => {
+				if (i == 1 || a > 0) {
+					let i = t || a == 0 || a == e;
+					r._focus = t ? null : i, n && vn(a, i ? 1 : Ke.alpha);
+				}
+			}), xn = e, n && Gt();
+		}
+	}
+	P && qe && ye(ei, I, (e) => {
+		N._lock || (We(e), xn != null && mn(null, Sn, !0, Qn.setSeries));
+	});
+	function wn(e, t, n) {
+		let r = b[t];
+		n && (e = e / q - (r.ori == 1 ? z : Ce));
+		let i = L;
+		r.ori == 1 && (i = R, e = i - e), r.dir == -1 && (e = i - e);
+		let a = r._min, o = r._max, s = e / i, c = a + (o - a) * s, l = r.distr;
+		return l == 3 ? $i(10, c) : l == 4 ? ra(c, r.asinh) : l == 100 ? r.bwd(c) : c;
+	}
+	function Tn(e, n) {
+		return Di(wn(e, S, n), t[0], st, V);
+	}
+	r.valToIdx = (e) => Di(e, t[0]), r.posToIdx = Tn, r.posToVal = wn, r.valToPos = (e, t, n) => b[t].ori == 0 ? a(e, b[t], n ? Ae : L, n ? Oe : 0) : o(e, b[t], n ? je : R, n ? ke : 0), r.setCursor = (e, t, n) => {
+		U = e.left, W = e.top, Mn(null, t, n);
+	};
+	function En(e, t) {
+		J(un, Kr, G.left = e), J(un, Hr, G.width = t);
+	}
+	function Dn(e, t) {
+		J(un, Wr, G.top = e), J(un, Ur, G.height = t);
+	}
+	let On = D.ori == 0 ? En : Dn, kn = D.ori == 1 ? En : Dn;
+	function K() {
+		if (P && M.live) for (let e = +(i == 2); e < v.length; e++) {
+			if (e == 0 && fe) continue;
+			let t = M.values[e], n = 0;
+			for (let r in t) ue[e][n++].firstChild.nodeValue = t[r];
+		}
+	}
+	function An(e, t) {
+		if (e != null && (e.idxs ? e.idxs.forEach((e, t) => {
+			ae[t] = e;
+		}) : Oa(e.idx) || ae.fill(e.idx), M.idx = ae[0]), P && M.live) {
+			for (let e = 0; e < v.length; e++) (e > 0 || i == 1 && !fe) && jn(e, ae[e]);
+			K();
+		}
+		Le = !1, t !== !1 && Xn("setLegend");
+	}
+	r.setLegend = An;
+	function jn(e, n) {
+		let i = v[e], a = e == 0 && O == 2 ? lt : t[e], o;
+		fe ? o = i.values(r, e, n) ?? pe : (o = i.value(r, n == null ? null : a[n], e, n), o = o == null ? pe : { _: o }), M.values[e] = o;
+	}
+	function Mn(e, n, a) {
+		rn = U, an = W, [U, W] = N.move(r, U, W), N.left = U, N.top = W, oe && (Zt && vi(Zt, Yi(U), 0, L, R), Qt && vi(Qt, 0, Yi(W), L, R));
+		let o, s = st > V;
+		yn = aa, bn = null;
+		let c = D.ori == 0 ? L : R, l = D.ori == 1 ? L : R;
+		if (U < 0 || ot == 0 || s) {
+			o = N.idx = null;
+			for (let e = 0; e < v.length; e++) {
+				let t = Ye[e];
+				t != null && vi(t, -10, -10, L, R);
+			}
+			qe && mn(null, Sn, !0, e == null && Qn.setSeries), M.live && (ae.fill(o), Le = !0);
+		} else {
+			let e, n, a;
+			i == 1 && (e = D.ori == 0 ? U : W, n = wn(e, S), o = N.idx = Di(n, t[0], st, V), a = k(t[0][o], D, c, 0));
+			let s = -10, u = -10, d = 0, f = 0, p = !0, m = "", h = "";
+			for (let e = +(i == 2); e < v.length; e++) {
+				let g = v[e], _ = ae[e], y = _ == null ? null : i == 1 ? t[e][_] : t[e][1][_], x = N.dataIdx(r, e, o, n), S = x == null ? null : i == 1 ? t[e][x] : t[e][1][x];
+				if (Le = Le || S != y || x != _, ae[e] = x, e > 0 && g.show) {
+					let n = x == null ? -10 : x == o ? a : k(i == 1 ? t[0][x] : t[e][0][x], D, c, 0), _ = S == null ? -10 : A(S, i == 1 ? b[g.scale] : b[g.facets[1].scale], l, 0);
+					if (qe && S != null) {
+						let t = D.ori == 1 ? U : W, n = qi(Ke.dist(r, e, x, _, t));
+						if (n < yn) {
+							let r = Ke.bias;
+							if (r != 0) {
+								let i = wn(t, g.scale), a = S >= 0 ? 1 : -1, o = i >= 0 ? 1 : -1;
+								o == a && (o == 1 ? r == 1 ? S >= i : S <= i : r == 1 ? S <= i : S >= i) && (yn = n, bn = e);
+							} else yn = n, bn = e;
+						}
+					}
+					if (Le || Je) {
+						let t, i;
+						D.ori == 0 ? (t = n, i = _) : (t = _, i = n);
+						let a, o, c, l, g, v, y = !0, b = Ge.bbox;
+						if (b != null) {
+							y = !1;
+							let t = b(r, e);
+							c = t.left, l = t.top, a = t.width, o = t.height;
+						} else c = t, l = i, a = o = Ge.size(r, e);
+						if (v = Ge.fill(r, e), g = Ge.stroke(r, e), Je) e == bn && yn <= Ke.prox && (s = c, u = l, d = a, f = o, p = y, m = v, h = g);
+						else {
+							let t = Ye[e];
+							t != null && (Xe[e] = c, Ze[e] = l, Si(t, a, o, y), bi(t, v, g), vi(t, Xi(c), Xi(l), L, R));
+						}
+					}
+				}
+			}
+			if (Je) {
+				let e = Ke.prox;
+				if (Le || (xn == null ? yn <= e : yn > e || bn != xn)) {
+					let e = Ye[0];
+					e != null && (Xe[0] = s, Ze[0] = u, Si(e, d, f, p), bi(e, m, h), vi(e, Xi(s), Xi(u), L, R));
+				}
+			}
+		}
+		if (G.show && on) {
+			if (e != null) {
+				let [t, n] = Qn.scales, [r, i] = Qn.match, [a, o] = e.cursor.sync.scales, s = e.cursor.drag;
+				if (cn = s._x, ln = s._y, cn || ln) {
+					let { left: s, top: u, width: d, height: f } = e.select, p = e.scales[a].ori, m = e.posToVal, h, g, _, v, y, x = t != null && r(t, a), S = n != null && i(n, o);
+					x && cn ? (p == 0 ? (h = s, g = d) : (h = u, g = f), _ = b[t], v = k(m(h, a), _, c, 0), y = k(m(h + g, a), _, c, 0), On(Zi(v, y), qi(y - v))) : On(0, c), S && ln ? (p == 1 ? (h = s, g = d) : (h = u, g = f), _ = b[n], v = A(m(h, o), _, l, 0), y = A(m(h + g, o), _, l, 0), kn(Zi(v, y), qi(y - v))) : kn(0, l);
+				} else Rn();
+			} else {
+				let e = qi(rn - $t), t = qi(an - en);
+				if (D.ori == 1) {
+					let n = e;
+					e = t, t = n;
+				}
+				cn = sn.x && e >= sn.dist, ln = sn.y && t >= sn.dist;
+				let n = sn.uni;
+				n == null ? sn.x && sn.y && (cn || ln) && (cn = ln = !0) : cn && ln && (cn = e >= n, ln = t >= n, !cn && !ln && (t > e ? ln = !0 : cn = !0));
+				let r, i;
+				cn && (D.ori == 0 ? (r = tn, i = U) : (r = nn, i = W), On(Zi(r, i), qi(i - r)), ln || kn(0, l)), ln && (D.ori == 1 ? (r = tn, i = U) : (r = nn, i = W), kn(Zi(r, i), qi(i - r)), cn || On(0, c)), !cn && !ln && (On(0, 0), kn(0, 0));
+			}
+		}
+		if (sn._x = cn, sn._y = ln, e == null) {
+			if (a) {
+				if ($n != null) {
+					let [e, t] = Qn.scales;
+					Qn.values[0] = e == null ? null : wn(D.ori == 0 ? U : W, e), Qn.values[1] = t == null ? null : wn(D.ori == 1 ? U : W, t);
+				}
+				tr(Xr, r, U, W, L, R, o);
+			}
+			if (qe) {
+				let e = a && Qn.setSeries, t = Ke.prox;
+				xn == null ? yn <= t && mn(bn, Sn, !0, e) : yn > t ? mn(null, Sn, !0, e) : bn != xn && mn(bn, Sn, !0, e);
+			}
+		}
+		Le && (M.idx = o, An()), n !== !1 && Xn("setCursor");
+	}
+	let Nn = null;
+	Object.defineProperty(r, "rect", { get() {
+		return Nn ?? Pn(!1), Nn;
+	} });
+	function Pn(e = !1) {
+		e ? Nn = null : (Nn = m.getBoundingClientRect(), Xn("syncRect", Nn));
+	}
+	function Fn(e, t, n, r, i, a, o) {
+		N._lock || on && e != null && e.movementX == 0 && e.movementY == 0 || (In(e, t, n, r, i, a, o, !1, e != null), e == null ? Mn(t, !0, !1) : Mn(null, !0, !0));
+	}
+	function In(e, t, n, i, a, o, c, l, u) {
+		if (Nn ?? Pn(!1), We(e), e != null) n = e.clientX - Nn.left, i = e.clientY - Nn.top;
+		else {
+			if (n < 0 || i < 0) {
+				U = -10, W = -10;
+				return;
+			}
+			let [e, r] = Qn.scales, c = t.cursor.sync, [l, u] = c.values, [d, f] = c.scales, [p, m] = Qn.match, h = t.axes[0].side % 2 == 1, g = D.ori == 0 ? L : R, _ = D.ori == 1 ? L : R, v = h ? o : a, y = h ? a : o, x = h ? i : n, S = h ? n : i;
+			if (n = d == null ? x / v * g : p(e, d) ? s(l, b[e], g, 0) : -10, i = f == null ? S / y * _ : m(r, f) ? s(u, b[r], _, 0) : -10, D.ori == 1) {
+				let e = n;
+				n = i, i = e;
+			}
+		}
+		u && (t == null || t.cursor.event.type == Xr) && ((n <= 1 || n >= L - 1) && (n = _a(n, L)), (i <= 1 || i >= R - 1) && (i = _a(i, R))), l ? ($t = n, en = i, [tn, nn] = N.move(r, n, i)) : (U = n, W = i);
+	}
+	let Ln = {
+		width: 0,
+		height: 0,
+		left: 0,
+		top: 0
+	};
+	function Rn() {
+		dn(Ln, !1);
+	}
+	let zn, Bn, Vn, Hn;
+	function Un(e, t, n, i, a, o, s) {
+		on = !0, cn = ln = sn._x = sn._y = !1, In(e, t, n, i, a, o, s, !0, !1), e != null && (ye(Qr, ci, Wn, !1), tr(Zr, r, tn, nn, L, R, null));
+		let { left: c, top: l, width: u, height: d } = G;
+		zn = c, Bn = l, Vn = u, Hn = d;
+	}
+	function Wn(e, t, n, i, a, o, s) {
+		on = sn._x = sn._y = !1, In(e, t, n, i, a, o, s, !1, !0);
+		let { left: c, top: l, width: u, height: d } = G, f = u > 0 || d > 0, p = zn != c || Bn != l || Vn != u || Hn != d;
+		if (f && p && dn(G), sn.setScale && f && p) {
+			let e = c, t = u, n = l, r = d;
+			if (D.ori == 1 && (e = l, t = d, n = c, r = u), cn && pn(S, wn(e, S), wn(e + t, S)), ln) for (let e in b) {
+				let t = b[e];
+				e != S && t.from == null && t.min != aa && pn(e, wn(n + r, e), wn(n, e));
+			}
+			Rn();
+		} else N.lock && (N._lock = !N._lock, Mn(t, !0, e != null));
+		e != null && (be(Qr, ci), tr(Qr, r, U, W, L, R, null));
+	}
+	function Gn(e, t, n, r, i, a, o) {
+		if (N._lock) return;
+		We(e);
+		let s = on;
+		if (on) {
+			let e = !0, t = !0, n, r;
+			D.ori == 0 ? (n = cn, r = ln) : (n = ln, r = cn), n && r && (e = U <= 10 || U >= L - 10, t = W <= 10 || W >= R - 10), n && e && (U = U < tn ? 0 : L), r && t && (W = W < nn ? 0 : R), Mn(null, !0, !0), on = !1;
+		}
+		U = -10, W = -10, ae.fill(null), Mn(null, !0, !0), s && (on = s);
+	}
+	function Kn(e, t, n, i, a, o, s) {
+		N._lock || (We(e), ft(), Rn(), e != null && tr(ti, r, U, W, L, R, null));
+	}
+	function qn() {
+		y.forEach(bc), Re(r.width, r.height, !0);
+	}
+	Ti(ai, li, qn);
+	let Jn = {};
+	Jn.mousedown = Un, Jn.mousemove = Fn, Jn.mouseup = Wn, Jn.dblclick = Kn, Jn.setSeries = (e, t, n, i) => {
+		let a = Qn.match[2];
+		n = a(r, t, n), n != -1 && mn(n, i, !0, !1);
+	}, oe && (ye(Zr, m, Un), ye(Xr, m, Fn), ye($r, m, (e) => {
+		We(e), Pn(!1);
+	}), ye(ei, m, Gn), ye(ti, m, Kn), ic.add(r), r.syncRect = Pn);
+	let Yn = r.hooks = e.hooks || {};
+	function Xn(e, t, n) {
+		Ht ? Ut.push([
+			e,
+			t,
+			n
+		]) : e in Yn && Yn[e].forEach((e) => {
+			e.call(null, r, t, n);
+		});
+	}
+	(e.plugins || []).forEach((e) => {
+		for (let t in e.hooks) Yn[t] = (Yn[t] || []).concat(e.hooks[t]);
+	});
+	let Zn = (e, t, n) => n, Qn = Fa({
+		key: null,
+		setSeries: !1,
+		filters: {
+			pub: pa,
+			sub: pa
+		},
+		scales: [S, v[1] ? v[1].scale : null],
+		match: [
+			ma,
+			ma,
+			Zn
+		],
+		values: [null, null]
+	}, N.sync);
+	Qn.match.length == 2 && Qn.match.push(Zn), N.sync = Qn;
+	let $n = Qn.key, er = Ts($n);
+	function tr(e, t, n, r, i, a, o) {
+		Qn.filters.pub(e, t, n, r, i, a, o) && er.pub(e, t, n, r, i, a, o);
+	}
+	er.sub(r);
+	function nr(e, t, n, r, i, a, o) {
+		Qn.filters.sub(e, t, n, r, i, a, o) && Jn[e](null, t, n, r, i, a, o);
+	}
+	r.pub = nr;
+	function rr() {
+		er.unsub(r), ic.delete(r), ve.clear(), Ei(ai, li, qn), l.remove(), I?.remove(), Xn("destroy");
+	}
+	r.destroy = rr;
+	function ir() {
+		Xn("init", e, t), dt(t || e.data, !1), j[S] ? Jt(S, j[S]) : ft(), Ie = G.show && (G.width > 0 || G.height > 0), Fe = Le = !0, Re(e.width, e.height);
+	}
+	return v.forEach($e), y.forEach(nt), n ? n instanceof HTMLElement ? (n.appendChild(l), ir()) : n(r, ir) : ir(), r;
+}
+xc.assign = Fa, xc.fmtNum = Wi, xc.rangeNum = Bi, xc.rangeLog = Pi, xc.rangeAsinh = Fi, xc.orient = Os, xc.pxRatio = q, xc.join = Ba, xc.fmtDate = $a, xc.tzDate = to, xc.sync = Ts;
+{
+	xc.addGap = Ns, xc.clipGaps = Ms;
+	let e = xc.paths = { points: qs };
+	e.linear = Zs, e.stepped = Qs, e.bars = ec, e.spline = nc;
+}
+// src/phase.tsx
+var [Sc, Cc] = [420, 300], $ = {
+	left: 64,
+	right: 12,
+	top: 10,
+	bottom: 34
+};
+function wc({ store: e, state: t }) {
+	let [n, r] = H(null), [i, a] = t.plotted, o = t.run, [s, c] = t.span;
+	if (gt(() => {
+		if (!i || !a) return;
+		let t = !1;
+		return e.transport.ask("phase", {
+			run: o.run,
+			names: [i, a],
+			t0: s,
+			t1: c
+		}).then((e) => !t && r(e)).catch((n) => !t && e.refused(n)), () => {
+			t = !0;
+		};
+	}, [
+		o.run,
+		i,
+		a,
+		s,
+		c
+	]), !i || !a) return /* @__PURE__ */ z("p", {
+		class: "hint",
+		children: "Plot two signals: the second is drawn over the first."
+	});
+	if (!n) return null;
+	let [l, u, d, f] = n.box, [p, m] = [u - l || 1, f - d || 1], h = (e) => $.left + (e - l) / p * (Sc - $.left - $.right), g = (e) => Cc - $.bottom - (e - d) / m * (Cc - $.top - $.bottom), _ = (e, t, n) => `${h(e[n]).toFixed(1)},${g(t[n]).toFixed(1)}`, v = (e) => e[e.length - 1], y = n.pieces.slice(1).map(([e, t], r) => {
+		let [i, a] = n.pieces[r];
+		return {
+			x1: h(v(i)),
+			y1: g(v(a)),
+			x2: h(e[0]),
+			y2: g(t[0])
+		};
+	}), b = t.cursor?.signals, x = b && b[i] != null && b[a] != null ? [h(b[i]), g(b[a])] : null;
+	return /* @__PURE__ */ z("figure", {
+		class: "phase",
+		"aria-label": `${a} over ${i}`,
+		children: /* @__PURE__ */ z("svg", {
+			viewBox: `0 0 ${Sc} ${Cc}`,
+			role: "img",
+			"aria-label": `${a} over ${i}, from ${xe(l)} to ${xe(u)} ${n.units[0]} and from ${xe(d)} to ${xe(f)} ${n.units[1]}`,
+			children: [
+				/* @__PURE__ */ z("rect", {
+					class: "box",
+					x: $.left,
+					y: $.top,
+					width: Sc - $.left - $.right,
+					height: Cc - $.top - $.bottom
+				}),
+				l < 0 && u > 0 && /* @__PURE__ */ z("line", {
+					class: "axis",
+					x1: h(0),
+					x2: h(0),
+					y1: $.top,
+					y2: Cc - $.bottom
+				}),
+				d < 0 && f > 0 && /* @__PURE__ */ z("line", {
+					class: "axis",
+					x1: $.left,
+					x2: Sc - $.right,
+					y1: g(0),
+					y2: g(0)
+				}),
+				y.map((e) => Math.hypot(e.x2 - e.x1, e.y2 - e.y1) > 1 && /* @__PURE__ */ z("line", {
+					class: "jump",
+					...e
+				})),
+				n.pieces.map(([e, t]) => /* @__PURE__ */ z("path", {
+					class: "way",
+					d: `M${e.map((n, r) => _(e, t, r)).join("L")}`
+				})),
+				x && /* @__PURE__ */ z("circle", {
+					class: "now",
+					cx: x[0],
+					cy: x[1],
+					r: 4.5
+				}),
+				/* @__PURE__ */ z("text", {
+					x: $.left,
+					y: Cc - $.bottom + 14,
+					children: L(l, n.units[0])
+				}),
+				/* @__PURE__ */ z("text", {
+					x: Sc - $.right,
+					y: Cc - $.bottom + 14,
+					"text-anchor": "end",
+					children: L(u, n.units[0])
+				}),
+				/* @__PURE__ */ z("text", {
+					x: (Sc + $.left) / 2,
+					y: Cc - 6,
+					"text-anchor": "middle",
+					class: "what",
+					children: i
+				}),
+				/* @__PURE__ */ z("text", {
+					x: $.left - 5,
+					y: Cc - $.bottom,
+					"text-anchor": "end",
+					children: L(d, n.units[1])
+				}),
+				/* @__PURE__ */ z("text", {
+					x: $.left - 5,
+					y: $.top + 10,
+					"text-anchor": "end",
+					children: L(f, n.units[1])
+				}),
+				/* @__PURE__ */ z("text", {
+					transform: `translate(12,${(Cc - $.bottom) / 2}) rotate(-90)`,
+					"text-anchor": "middle",
+					class: "what",
+					children: a
+				})
+			]
+		})
+	});
+}
+// src/plots.tsx
+var Tc = [
+	"--c1",
+	"--c2",
+	"--c3",
+	"--c4",
+	"--c5",
+	"--c6"
+];
+function Ec({ store: e, state: t }) {
+	let [n, r] = H(null), [i, a] = H(!1), [o, s] = H(800), c = _t(null), l = t.run, [u, d] = t.span;
+	gt(() => {
+		let e = c.current;
+		if (!e) return;
+		let t = new ResizeObserver(() => s(Math.max(200, e.clientWidth - 18)));
+		return t.observe(e), () => t.disconnect();
+	}, [!l]);
+	let f = t.plotted.join("\n");
+	if (gt(() => {
+		if (!l) return;
+		let n = !1, a = i ? t.runs.filter((e) => e.tEnd !== void 0) : [l];
+		return Promise.all(a.map((n) => e.transport.ask("curves", {
+			run: n.run,
+			names: t.plotted,
+			t0: u,
+			t1: d,
+			width: o,
+			strip: n.run === l.run
+		}).then((e) => ({
+			run: n,
+			...e
+		})))).then((e) => !n && r({
+			runs: e,
+			strip: e.find((e) => e.run.run === l.run)?.strip ?? []
+		})).catch((t) => e.refused(t)), () => {
+			n = !0;
+		};
+	}, [
+		l?.run,
+		f,
+		u,
+		d,
+		o,
+		i,
+		t.runs.length
+	]), t.running && t.soFar) return /* @__PURE__ */ z(Dc, {
+		state: t,
+		soFar: t.soFar
+	});
+	if (!l || l.tEnd === void 0) return /* @__PURE__ */ z("p", {
+		class: "hint plots",
+		children: [
+			l?.error ? "" : t.running ? "Running …" : "Press Run.",
+			" ",
+			t.plan && /* @__PURE__ */ z("button", {
+				onClick: () => e.set({ planShown: !0 }),
+				children: "← Sweep"
+			})
+		]
+	});
+	let p = t.cursor?.t ?? null, m = u === l.tBegin && d === l.tEnd;
+	return /* @__PURE__ */ z("div", {
+		class: "plots",
+		ref: c,
+		children: [
+			/* @__PURE__ */ z("div", {
+				class: "plotbar",
+				children: [
+					t.plan && /* @__PURE__ */ z("button", {
+						onClick: () => e.set({ planShown: !0 }),
+						children: "← Sweep"
+					}),
+					l.own && /* @__PURE__ */ z("b", {
+						class: "own",
+						children: l.title
+					}),
+					/* @__PURE__ */ z(Oc, {
+						store: e,
+						state: t,
+						run: l
+					}),
+					t.runs.length > 1 && /* @__PURE__ */ z("label", { children: [
+						/* @__PURE__ */ z("input", {
+							type: "checkbox",
+							checked: i,
+							onChange: (e) => a(e.currentTarget.checked)
+						}),
+						" compare ",
+						t.runs.length,
+						" runs"
+					] }),
+					!m && /* @__PURE__ */ z("button", {
+						onClick: () => e.set({ span: [l.tBegin, l.tEnd] }),
+						children: "Whole run"
+					}),
+					/* @__PURE__ */ z("label", {
+						class: "scrub",
+						children: [
+							/* @__PURE__ */ z("span", { children: "t" }),
+							/* @__PURE__ */ z("input", {
+								type: "range",
+								"aria-label": "Time cursor",
+								min: l.tBegin,
+								max: l.tEnd,
+								step: (l.tEnd - l.tBegin) / 1e3 || 1,
+								value: p ?? l.tBegin,
+								onInput: (t) => {
+									e.set({ instant: null }), e.moveCursor(Number(t.currentTarget.value));
+								}
+							}),
+							/* @__PURE__ */ z("output", { children: p === null ? "" : L(p, "s") })
+						]
+					}),
+					/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("input", {
+						type: "checkbox",
+						checked: t.phase,
+						onChange: (t) => e.set({ phase: t.currentTarget.checked })
+					}), " phase plane"] }),
+					/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("input", {
+						type: "checkbox",
+						checked: t.flowing,
+						onChange: (t) => e.set({ flowing: t.currentTarget.checked })
+					}), " power along bonds"] })
+				]
+			}),
+			t.plotted.map((r, i) => /* @__PURE__ */ z(kc, {
+				name: r,
+				ink: Tc[i % Tc.length],
+				curves: (n?.runs ?? []).flatMap((e) => e.curves.filter((e) => e.name === r)),
+				span: t.span,
+				cursor: p,
+				value: t.cursor?.signals[r] ?? null,
+				wide: o,
+				dark: t.dark,
+				last: i === t.plotted.length - 1,
+				onSpan: (t) => e.set({ span: t }),
+				onTime: (t) => {
+					e.set({ instant: null }), e.moveCursor(t);
+				}
+			}, r)),
+			t.phase && /* @__PURE__ */ z(wc, {
+				store: e,
+				state: t
+			}),
+			/* @__PURE__ */ z(Nc, {
+				lanes: n?.strip ?? [],
+				span: t.span,
+				cursor: p,
+				onTime: (t) => void e.moveCursor(t)
+			})
+		]
+	});
+}
+function Dc({ state: e, soFar: t }) {
+	let n = _t(null), r = [t.tBegin, t.tEnd];
+	return /* @__PURE__ */ z("div", {
+		class: "plots",
+		ref: n,
+		children: [t.curves.map((i, a) => /* @__PURE__ */ z(kc, {
+			name: i.name,
+			ink: Tc[a % Tc.length],
+			curves: [i],
+			span: r,
+			cursor: null,
+			value: null,
+			wide: (n.current?.clientWidth ?? 800) - 18,
+			dark: e.dark,
+			last: a === t.curves.length - 1,
+			onSpan: () => {},
+			onTime: () => {}
+		}, i.name)), /* @__PURE__ */ z(Nc, {
+			lanes: t.strip,
+			span: r,
+			cursor: null,
+			onTime: () => {}
+		})]
+	});
+}
+function Oc({ store: e, state: t, run: n }) {
+	let r = (t.look?.view.nodes ?? []).flatMap((e) => e.kind === "part" ? [] : [`${e.name}.e`, `${e.name}.f`]), i = [.../* @__PURE__ */ new Set([...n.names, ...r])].filter((e) => !t.plotted.includes(e));
+	return /* @__PURE__ */ z("span", {
+		class: "chooser",
+		children: [
+			t.plotted.map((n) => /* @__PURE__ */ z("button", {
+				class: "chip",
+				"aria-label": `Do not plot ${n}`,
+				onClick: () => e.set({ plotted: t.plotted.filter((e) => e !== n) }),
+				children: [n, " ✕"]
+			})),
+			/* @__PURE__ */ z("input", {
+				"aria-label": "Plot a signal",
+				placeholder: "plot …",
+				list: "signals",
+				onKeyDown: (e) => e.stopPropagation(),
+				onChange: (n) => {
+					let r = n.currentTarget.value.trim();
+					r && e.set({ plotted: [...t.plotted, r] }), n.currentTarget.value = "";
+				}
+			}),
+			/* @__PURE__ */ z("datalist", {
+				id: "signals",
+				children: i.map((e) => /* @__PURE__ */ z("option", { value: e }))
+			})
+		]
+	});
+}
+var kc = class extends S {
+	box = b();
+	plot = null;
+	componentDidMount() {
+		this.draw();
+	}
+	componentDidUpdate(e) {
+		let t = this.props;
+		e.wide === t.wide && e.dark === t.dark && e.last === t.last && e.curves.length === t.curves.length && e.curves.every((e, n) => e === t.curves[n]) ? e.cursor !== t.cursor && this.plot?.redraw(!1) : this.draw();
+	}
+	componentWillUnmount() {
+		this.plot?.destroy();
+	}
+	draw() {
+		this.plot?.destroy(), this.plot = null;
+		let { curves: e, span: t, wide: n, last: r, name: i } = this.props, a = this.box.current;
+		a.replaceChildren();
+		let o = e.filter((e) => !e.error);
+		if (!o.length) return;
+		let s = getComputedStyle(a), c = s.getPropertyValue("--ink"), l = s.getPropertyValue("--line"), u = o.map((e, t) => s.getPropertyValue(t === o.length - 1 ? this.props.ink : Tc[(t + 3) % Tc.length])), d = o.map((e) => [e.t, e.y]), f = d.length === 1 ? d[0] : xc.join(d), p = o[o.length - 1].unit, m = o.flatMap((e) => e.impulses);
+		this.plot = new xc({
+			width: Math.max(n - 4, 200),
+			height: r ? 132 : 112,
+			padding: [
+				8,
+				24,
+				0,
+				0
+			],
+			legend: { show: !1 },
+			cursor: {
+				drag: {
+					x: !0,
+					y: !1
+				},
+				points: { show: !1 }
+			},
+			scales: {
+				x: {
+					time: !1,
+					range: () => t
+				},
+				y: { range: (e, t, n) => Ac(t, n, m.length > 0) }
+			},
+			axes: [{
+				show: r,
+				stroke: c,
+				grid: {
+					stroke: l,
+					width: 1
+				},
+				ticks: { stroke: l },
+				size: 26,
+				values: (e, t) => jc(t, "s")
+			}, {
+				stroke: c,
+				grid: {
+					stroke: l,
+					width: 1
+				},
+				ticks: { stroke: l },
+				size: 74,
+				label: i,
+				labelSize: 18,
+				labelFont: "11px sans-serif",
+				font: "10px sans-serif",
+				values: (e, t) => jc(t, p)
+			}],
+			series: [{}, ...o.map((e, t) => ({
+				stroke: u[t],
+				width: 1.5,
+				points: { show: !1 },
+				pxAlign: 0,
+				spanGaps: d.length > 1
+			}))],
+			hooks: {
+				draw: [(e) => {
+					this.arrows(e, m, u[u.length - 1], p), this.timeline(e, c);
+				}],
+				setSelect: [(e) => {
+					e.select.width < 4 || this.props.onSpan([e.posToVal(e.select.left, "x"), e.posToVal(e.select.left + e.select.width, "x")]);
+				}]
+			}
+		}, f, a);
+		let h = this.plot.over, g = 0;
+		h.addEventListener("mousedown", (e) => g = e.clientX), h.addEventListener("click", (e) => {
+			Math.abs(e.clientX - g) < 4 && this.plot && this.props.onTime(this.plot.posToVal(e.offsetX, "x"));
+		}), h.addEventListener("dblclick", () => this.props.onSpan([o[0].t[0], o[0].t[o[0].t.length - 1]]));
+	}
+	arrows(e, t, n, r) {
+		if (!t.length) return;
+		let i = Math.max(...t.map(([, e]) => Math.abs(e))), { left: a, top: o, width: s, height: c } = e.bbox, l = Math.min(Math.max(e.valToPos(0, "y", !0), o), o + c), u = e.ctx, d = devicePixelRatio;
+		u.save(), u.strokeStyle = u.fillStyle = n, u.lineWidth = 1.5 * d, u.font = `${10 * d}px sans-serif`;
+		for (let [n, f] of t) {
+			let p = e.valToPos(n, "x", !0);
+			if (p < a || p > a + s) continue;
+			let m = l - Math.sign(f) * (.25 + .3 * Math.abs(f) / i) * c, h = Math.min(Math.max(m, o + 6 * d), o + c - 6 * d), g = Math.sign(h - l) || 1;
+			if (u.beginPath(), u.moveTo(p, l), u.lineTo(p, h), u.moveTo(p - 4 * d, h - 7 * d * g), u.lineTo(p, h), u.lineTo(p + 4 * d, h - 7 * d * g), u.stroke(), t.length <= 12) {
+				let e = `${L(f, r ? r + "s" : "")} δ`, t = p + 8 * d + u.measureText(e).width < a + s;
+				u.textAlign = t ? "left" : "right", u.fillText(e, p + (t ? 6 : -6) * d, (l + h) / 2);
+			}
+		}
+		u.restore();
+	}
+	timeline(e, t) {
+		let n = this.props.cursor;
+		if (n === null) return;
+		let r = e.valToPos(n, "x", !0), { left: i, top: a, width: o, height: s } = e.bbox;
+		r < i || r > i + o || (e.ctx.save(), e.ctx.strokeStyle = t, e.ctx.setLineDash([4, 3]), e.ctx.beginPath(), e.ctx.moveTo(r, a), e.ctx.lineTo(r, a + s), e.ctx.stroke(), e.ctx.restore());
+	}
+	render({ name: e, curves: t, value: n, cursor: r }) {
+		let i = t.find((e) => e.error);
+		return /* @__PURE__ */ z("figure", {
+			class: "trace",
+			"aria-label": `Plot of ${e}`,
+			children: [
+				/* @__PURE__ */ z("div", { ref: this.box }),
+				r !== null && /* @__PURE__ */ z("output", {
+					class: "reading",
+					children: L(n, t.find((e) => !e.error)?.unit ?? "")
+				}),
+				i && /* @__PURE__ */ z("p", {
+					class: "hint",
+					children: [
+						i.error.code,
+						" ",
+						i.error.why
 					]
 				})
 			]
 		});
 	}
 };
-// src/sharing.ts
-function Ie(e, t) {
-	if (e === t || typeof t != "object" || !t || typeof e != "object" || !e || Array.isArray(e) !== Array.isArray(t)) return t;
-	let [n, r] = [e, t], i = Object.keys(r), a = i.length === Object.keys(n).length;
-	for (let e of i) {
-		let t = Ie(n[e], r[e]);
-		r[e] = t, a &&= t === n[e] && e in n;
+function Ac(e, t, n) {
+	let [r, i] = [e ?? 0, t ?? 1];
+	n && ([r, i] = [Math.min(r, 0), Math.max(i, 0)]);
+	let a = .08 * (i - r) || .1 * Math.abs(r) || 1;
+	return [r - a, i + a];
+}
+function jc(e, t) {
+	let n = Math.max(...e.map(Math.abs)), r = [
+		1e9,
+		1e6,
+		1e3,
+		1,
+		.001,
+		1e-6,
+		1e-9
+	].find((e) => n >= e) ?? 1e-12, i = {
+		1e9: "G",
+		1e6: "M",
+		1e3: "k",
+		1: "",
+		.001: "m",
+		1e-6: "µ",
+		1e-9: "n",
+		1e-12: "p"
+	}[r] ?? "", a = /^[A-Za-zΩ]+$/.test(t) && t !== "kg";
+	return e.map((e) => a ? `${+(e / r).toPrecision(5)} ${i}${t}` : `${+e.toPrecision(5)} ${t}`);
+}
+var Mc = [
+	"var(--s0)",
+	"var(--s1)",
+	"var(--s2)",
+	"var(--s3)",
+	"var(--s4)",
+	"var(--s5)",
+	"var(--s6)",
+	"var(--s7)"
+];
+function Nc({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
+	if (!e.length) return null;
+	let a = (e) => 1e3 * (e - t) / (n - t || 1);
+	return /* @__PURE__ */ z("div", {
+		class: "strip",
+		children: [
+			/* @__PURE__ */ z("div", {
+				class: "stripnames",
+				"aria-hidden": "true",
+				children: e.map((e) => /* @__PURE__ */ z("span", {
+					title: e.machine,
+					children: e.machine
+				}))
+			}),
+			/* @__PURE__ */ z("svg", {
+				viewBox: `0 0 1000 ${18 * e.length}`,
+				preserveAspectRatio: "none",
+				style: { height: `${18 * e.length}px` },
+				role: "img",
+				"aria-label": `Modes: ${e.map((e) => `${e.machine} is ${e.stays?.map(([, , t]) => e.states[t]).slice(0, 12).join(", ") ?? "switching fast"}`).join("; ")}`,
+				onClick: (e) => {
+					let r = e.currentTarget.getBoundingClientRect();
+					i(t + (e.clientX - r.left) / r.width * (n - t));
+				},
+				children: [e.map((e, r) => /* @__PURE__ */ z("g", {
+					transform: `translate(0,${r * 18})`,
+					children: [e.stays?.map(([r, i, o]) => /* @__PURE__ */ z("rect", {
+						x: a(Math.max(r, t)),
+						width: Math.max(.7, a(Math.min(i, n)) - a(Math.max(r, t))),
+						y: 1,
+						height: 16,
+						fill: Mc[o % Mc.length],
+						children: /* @__PURE__ */ z("title", { children: e.states[o] })
+					})), e.shares?.map((e, t) => e.map((n, r) => n > 0 ? /* @__PURE__ */ z("rect", {
+						x: 1e3 * r / e.length,
+						width: 1e3 / e.length,
+						y: 1,
+						height: 16,
+						fill: Mc[t % Mc.length],
+						opacity: n
+					}) : null))]
+				})), r !== null && r >= t && r <= n && /* @__PURE__ */ z("line", {
+					class: "now",
+					x1: a(r),
+					x2: a(r),
+					y1: 0,
+					y2: 18 * e.length
+				})]
+			}),
+			/* @__PURE__ */ z("div", {
+				class: "stripwords",
+				"aria-hidden": "true",
+				children: e.map((e, r) => e.stays?.filter(([e, r]) => a(Math.min(r, n)) - a(Math.max(e, t)) > 60).map(([i, o, s]) => /* @__PURE__ */ z("span", {
+					style: {
+						left: `${(a(Math.max(i, t)) + a(Math.min(o, n))) / 20}%`,
+						top: `${r * 18}px`
+					},
+					children: e.states[s]
+				})))
+			})
+		]
+	});
+}
+// src/power.tsx
+var Pc = {
+	C: ["gives back", "stores"],
+	I: ["gives back", "stores"],
+	R: ["gives", "dissipates"],
+	G: ["gives", "dissipates"],
+	Se: ["supplies", "absorbs"],
+	Sf: ["supplies", "absorbs"]
+}, Fc = 150, [Ic, Lc, Rc, zc] = [
+	310,
+	17,
+	7,
+	10
+];
+function Bc(e) {
+	let t = e.cursor?.values ?? {}, { nodes: n, bonds: r } = e.look.view, i = /* @__PURE__ */ new Map();
+	for (let e of r) {
+		let n = t[e.key];
+		if (!n || n.power === !1) continue;
+		let r = n.e === null || n.f === null ? null : n.e * n.f;
+		for (let [t, n] of [[e.tail, -1], [e.head, 1]]) {
+			let e = i.get(t) === void 0 ? 0 : i.get(t);
+			i.set(t, r === null || e === null ? null : e + n * r);
+		}
 	}
-	return a ? e : t;
+	let a = n.filter((e) => e.kind !== "0" && e.kind !== "1" && e.kind !== "TF" && e.kind !== "GY" && i.has(e.name));
+	return {
+		found: a.filter((e) => i.get(e.name) !== null).map((e) => ({
+			node: e,
+			power: i.get(e.name)
+		})),
+		unknown: a.filter((e) => i.get(e.name) === null).map((e) => e.name)
+	};
+}
+function Vc({ gives: e, takes: t }) {
+	let n = (e) => e.reduce((e, t) => e + t.size, 0), r = Math.max(n(e), n(t)) || 1, i = Math.max(1, e.length, t.length), a = i * (Lc + Rc) + 120, o = (a - i * Rc - 8) / r, s = (e, t) => {
+		let n = 4, r = 4;
+		return e.map((e) => {
+			let i = e.size * o, [a, s] = [n, r];
+			n += Math.max(i, 1) + Rc, r += i;
+			let [c, l] = t ? [zc, Ic / 2 - zc / 2] : [Ic - zc, Ic / 2 + zc / 2], u = (c + l) / 2;
+			return /* @__PURE__ */ z("g", {
+				class: "flow " + (t ? "gives" : "takes"),
+				onClick: e.select,
+				children: [
+					/* @__PURE__ */ z("path", { d: `M${c},${a}C${u},${a} ${u},${s} ${l},${s}V${s + i}C${u},${s + i} ${u},${a + i} ${c},${a + i}Z` }),
+					/* @__PURE__ */ z("rect", {
+						x: t ? 0 : Ic - zc,
+						y: a,
+						width: zc,
+						height: Math.max(i, 1)
+					}),
+					/* @__PURE__ */ z("text", {
+						x: t ? zc + 4 : Ic - zc - 4,
+						y: a + Math.max(i, 1) / 2 + 4,
+						"text-anchor": t ? "start" : "end",
+						children: e.name
+					})
+				]
+			});
+		});
+	};
+	return /* @__PURE__ */ z("svg", {
+		class: "sankey",
+		viewBox: `0 0 ${Ic} ${a}`,
+		role: "img",
+		"aria-label": `Sankey diagram: ${e.map((e) => e.name).join(", ")} give, ${t.map((e) => e.name).join(", ")} take`,
+		children: [
+			s(e, !0),
+			s(t, !1),
+			/* @__PURE__ */ z("rect", {
+				class: "middle-bar",
+				x: Ic / 2 - zc / 2,
+				y: 4,
+				width: zc,
+				height: r * o
+			})
+		]
+	});
+}
+function Hc({ store: e, state: t }) {
+	let [n, r] = H(!1);
+	return t.cursor ? /* @__PURE__ */ z("section", {
+		class: "power-panel",
+		children: [/* @__PURE__ */ z("div", {
+			class: "row",
+			role: "group",
+			"aria-label": "What is shown",
+			children: [/* @__PURE__ */ z("button", {
+				"aria-pressed": !n,
+				onClick: () => r(!1),
+				children: "Power at the cursor"
+			}), /* @__PURE__ */ z("button", {
+				"aria-pressed": n,
+				onClick: () => r(!0),
+				children: "Energy up to it"
+			})]
+		}), z(n ? Uc : Wc, {
+			store: e,
+			state: t
+		})]
+	}) : /* @__PURE__ */ z("p", {
+		class: "hint",
+		children: "Run the model and choose a time in its plots."
+	});
+}
+function Uc({ store: e, state: t }) {
+	let [n, r] = H(null), i = t.cursor.t, a = t.run?.run;
+	if (gt(() => {
+		let t = !1, n = setTimeout(() => {
+			e.transport.ask("energies", {
+				run: a,
+				t: i
+			}).then((e) => !t && r(e)).catch((t) => e.refused(t));
+		}, Fc);
+		return () => {
+			t = !0, clearTimeout(n);
+		};
+	}, [a, i]), !n) return /* @__PURE__ */ z("p", {
+		class: "hint",
+		children: "…"
+	});
+	let o = new Set(t.look.view.nodes.map((e) => e.name)), s = (t) => ({
+		name: t.name,
+		size: t.energy,
+		select: o.has(t.name) ? () => e.set({
+			nodes: /* @__PURE__ */ new Set([t.name]),
+			bonds: /* @__PURE__ */ new Set()
+		}) : void 0
+	}), c = (e) => e.reduce((e, t) => e + t.energy, 0);
+	return /* @__PURE__ */ z(x, { children: [
+		/* @__PURE__ */ z("h2", { children: [
+			"Energy from ",
+			L(n.start, "s"),
+			" to ",
+			L(n.end, "s")
+		] }),
+		n.gives.length + n.takes.length > 0 ? /* @__PURE__ */ z(Vc, {
+			gives: n.gives.map(s),
+			takes: n.takes.map(s)
+		}) : /* @__PURE__ */ z("p", {
+			class: "hint",
+			children: "No energy has flowed."
+		}),
+		/* @__PURE__ */ z("table", { children: [/* @__PURE__ */ z("thead", { children: /* @__PURE__ */ z("tr", { children: [
+			/* @__PURE__ */ z("th", {
+				scope: "col",
+				children: "element"
+			}),
+			/* @__PURE__ */ z("th", {
+				scope: "col",
+				children: "did"
+			}),
+			/* @__PURE__ */ z("th", {
+				scope: "col",
+				children: "energy"
+			})
+		] }) }), /* @__PURE__ */ z("tbody", { children: [...n.gives.map((e) => [e, "gave"]), ...n.takes.map((e) => [e, "took"])].map(([e, t]) => /* @__PURE__ */ z("tr", { children: [
+			/* @__PURE__ */ z("td", { children: e.name }),
+			/* @__PURE__ */ z("td", { children: t }),
+			/* @__PURE__ */ z("td", {
+				class: "figure",
+				children: L(e.energy, "J")
+			})
+		] })) })] }),
+		/* @__PURE__ */ z("p", {
+			class: "hint",
+			children: [
+				"given ",
+				L(c(n.gives), "J"),
+				", taken ",
+				L(c(n.takes), "J")
+			]
+		})
+	] });
+}
+function Wc({ store: e, state: t }) {
+	let { found: n, unknown: r } = Bc(t), i = Math.max(0, ...n.map((e) => Math.abs(e.power))), a = n.filter((e) => Math.abs(e.power) > 1e-6 * i).sort((e, t) => Math.abs(t.power) - Math.abs(e.power)), o = a.filter((e) => e.power < 0), s = a.filter((e) => e.power > 0), c = (e) => e.reduce((e, t) => e + Math.abs(t.power), 0), l = (t) => e.set({
+		nodes: /* @__PURE__ */ new Set([t.name]),
+		bonds: /* @__PURE__ */ new Set()
+	}), u = (e) => ({
+		name: e.node.name,
+		size: Math.abs(e.power),
+		select: () => l(e.node)
+	});
+	return /* @__PURE__ */ z(x, { children: [
+		/* @__PURE__ */ z("h2", { children: ["Power at t = ", L(t.cursor.t, "s")] }),
+		a.length > 0 ? /* @__PURE__ */ z(Vc, {
+			gives: o.map(u),
+			takes: s.map(u)
+		}) : /* @__PURE__ */ z("p", {
+			class: "hint",
+			children: "No power flows."
+		}),
+		/* @__PURE__ */ z("table", { children: [/* @__PURE__ */ z("thead", { children: /* @__PURE__ */ z("tr", { children: [
+			/* @__PURE__ */ z("th", {
+				scope: "col",
+				children: "element"
+			}),
+			/* @__PURE__ */ z("th", {
+				scope: "col",
+				children: "does"
+			}),
+			/* @__PURE__ */ z("th", {
+				scope: "col",
+				children: "power"
+			})
+		] }) }), /* @__PURE__ */ z("tbody", { children: a.map((e) => /* @__PURE__ */ z("tr", {
+			class: t.nodes.has(e.node.name) ? "chosen" : "",
+			children: [
+				/* @__PURE__ */ z("td", { children: /* @__PURE__ */ z("button", {
+					class: "link",
+					onClick: () => l(e.node),
+					children: e.node.name
+				}) }),
+				/* @__PURE__ */ z("td", { children: (Pc[e.node.kind] ?? ["gives", "takes"])[+(e.power > 0)] }),
+				/* @__PURE__ */ z("td", {
+					class: "figure",
+					children: L(Math.abs(e.power), "W")
+				})
+			]
+		})) })] }),
+		r.length > 0 && /* @__PURE__ */ z("p", {
+			class: "hint",
+			children: ["not determined: ", r.join(", ")]
+		}),
+		/* @__PURE__ */ z("p", {
+			class: "hint",
+			children: [
+				"supplied and given back ",
+				L(c(o), "W"),
+				", taken ",
+				L(c(s), "W")
+			]
+		})
+	] });
+}
+// src/splitter.tsx
+function Gc(e) {
+	let t = (t) => e.onChange(Math.round(Math.max(e.least, Math.min(e.most, t))));
+	return /* @__PURE__ */ z("div", {
+		class: "splitter " + (e.upright ? "upright" : "level"),
+		role: "separator",
+		tabindex: 0,
+		"aria-label": e.label,
+		"aria-orientation": e.upright ? "vertical" : "horizontal",
+		"aria-valuenow": e.value,
+		"aria-valuemin": e.least,
+		"aria-valuemax": e.most,
+		onPointerDown: (n) => {
+			let r = n.currentTarget;
+			r.setPointerCapture(n.pointerId);
+			let i = e.upright ? n.clientX : n.clientY, a = (n) => t(e.value + e.sign * ((e.upright ? n.clientX : n.clientY) - i)), o = () => {
+				r.removeEventListener("pointermove", a), r.removeEventListener("pointerup", o);
+			};
+			r.addEventListener("pointermove", a), r.addEventListener("pointerup", o);
+		},
+		onKeyDown: (n) => {
+			let r = {
+				ArrowLeft: -1,
+				ArrowRight: 1,
+				ArrowUp: -1,
+				ArrowDown: 1
+			}[n.key];
+			r && /Left|Right/.test(n.key) === e.upright && (n.preventDefault(), n.stopPropagation(), t(e.value + 20 * r * e.sign));
+		}
+	});
 }
 // src/transport.ts
-var Le = class extends Error {
+var Kc = class extends Error {
 	problem;
 	constructor(e) {
 		super(e.why), this.problem = e;
 	}
-}, Re = class {
+}, qc = class {
 	count = 0;
 	waiting = /* @__PURE__ */ new Map();
 	held = [];
@@ -745,10 +7596,546 @@ var Le = class extends Error {
 		if (typeof e.id == "number") {
 			let t = this.waiting.get(e.id);
 			if (this.waiting.delete(e.id), !t) return;
-			e.error ? t.failed(new Le(e.error)) : t.done(e);
+			e.error ? t.failed(new Kc(e.error)) : t.done(e);
 		} else this.onTold(e);
 	}
-}, ze = {
+};
+// src/schematic.tsx
+function Jc({ store: e, state: t }) {
+	let [n, r] = H(null), [i, a] = H(""), o = t.look, s = o.view.nodes.map((e) => `${e.x},${e.y}`).join(" ");
+	gt(() => {
+		let t = !1;
+		return e.transport.ask("schematic", { level: o.view.path }).then((e) => {
+			t || (r(e), a(""));
+		}).catch((e) => {
+			t || (r(null), a(e instanceof Kc ? `${e.problem.why}. ${e.problem.try ?? ""}` : String(e)));
+		}), () => {
+			t = !0;
+		};
+	}, [
+		o.revision,
+		o.view.path,
+		s
+	]);
+	let c = (e) => o.view.bonds.find((t) => `${t.ends[0]} -> ${t.ends[1]}` === e)?.key, l = (e, n) => e === "wire" ? t.bonds.has(c(n) ?? "") : t.nodes.has(n), u = t.cursor?.strokes ?? o.strokes, d = (e, t) => (u.bonds[e] ?? u.bonds[`${t[0]} -> ${t[1]}`])?.off, f = (e, t) => {
+		if (e === "wire") return o.view.bonds.some((e) => `${e.ends[0]} -> ${e.ends[1]}` === t && d(e.key, e.ends));
+		let n = o.view.bonds.filter((e) => e.tail === t || e.head === t);
+		return u.nodes[t]?.off || n.length > 0 && n.every((e) => d(e.key, e.ends));
+	}, p = (n, r, i) => {
+		let a = n.shiftKey || n.ctrlKey || n.metaKey, o = t.tab === "power" ? t.tab : "item";
+		if (r === "wire") {
+			let n = c(i);
+			n && e.set({
+				bonds: new Set(a ? [...t.bonds, n] : [n]),
+				nodes: a ? t.nodes : /* @__PURE__ */ new Set(),
+				tab: o
+			});
+		} else i && e.set({
+			nodes: new Set(a ? [...t.nodes, i] : [i]),
+			bonds: a ? t.bonds : /* @__PURE__ */ new Set(),
+			tab: o
+		});
+	}, m = (n, r) => {
+		let i = o.view.nodes.find((e) => e.name === r);
+		n === "part" && i?.kind === "part" && i.known && e.open(t.level ? `${t.level}.${r}` : r);
+	};
+	return /* @__PURE__ */ z("section", {
+		class: "schematic",
+		"aria-label": "Schematic",
+		children: [i && /* @__PURE__ */ z("p", {
+			class: "hint",
+			children: i
+		}), n && /* @__PURE__ */ z("svg", {
+			viewBox: `0 0 ${n.width} ${n.height}`,
+			style: { maxWidth: `${n.width * 1.6}px` },
+			role: "img",
+			"aria-label": `Schematic: ${n.groups.filter((e) => e.name === "part").map((e) => e.key).join(", ")}`,
+			children: n.groups.map((e) => /* @__PURE__ */ z("g", {
+				class: e.name + (l(e.name, e.key) ? " selected" : "") + (f(e.name, e.key) ? " off" : ""),
+				"data-schematic": e.key,
+				onClick: (t) => p(t, e.name, e.key),
+				onDblClick: () => m(e.name, e.key),
+				children: [e.about && /* @__PURE__ */ z("title", { children: e.about }), e.marks.map((e) => e.d === void 0 ? /* @__PURE__ */ z("text", {
+					class: e.role,
+					x: e.x,
+					y: e.y,
+					"text-anchor": e.anchor,
+					children: e.text
+				}) : /* @__PURE__ */ z(x, { children: [/* @__PURE__ */ z("path", {
+					class: "reach",
+					d: e.d
+				}), /* @__PURE__ */ z("path", {
+					class: e.role,
+					d: e.d
+				})] }))]
+			}))
+		})]
+	});
+}
+// src/app.tsx
+var Yc = [
+	["item", "Properties"],
+	["machines", "Machines"],
+	["model", "Model"],
+	["problems", "Problems"],
+	["table", "Table"],
+	["text", "Text"],
+	["equations", "Equations"],
+	["power", "Power"],
+	["plan", "Sweep"]
+], Xc = class extends S {
+	state = this.props.store.state;
+	stop = () => {};
+	componentDidMount() {
+		this.stop = this.props.store.subscribe(() => this.setState(this.props.store.state)), this.setState(this.props.store.state), document.addEventListener("copy", this.copy), document.addEventListener("cut", this.copy), document.addEventListener("paste", this.paste), document.addEventListener("keydown", this.key);
+	}
+	componentWillUnmount() {
+		this.stop(), document.removeEventListener("copy", this.copy), document.removeEventListener("cut", this.copy), document.removeEventListener("paste", this.paste), document.removeEventListener("keydown", this.key);
+	}
+	onCanvas() {
+		let e = document.activeElement;
+		return !!e?.closest?.(".studio") && !/^(INPUT|TEXTAREA|SELECT)$/.test(e.tagName);
+	}
+	held = "";
+	copy = (e) => {
+		if (!this.onCanvas() || String(getSelection() ?? "")) return;
+		let { store: t } = this.props;
+		if (!t.state.nodes.size) return;
+		e.preventDefault();
+		let n = e.type === "cut";
+		t.copy().then((e) => {
+			this.held = e, navigator.clipboard?.writeText(e).catch(() => {}), n && t.remove();
+		});
+	};
+	paste = (e) => {
+		if (!this.onCanvas()) return;
+		let t = e.clipboardData?.getData("text/plain") || this.held;
+		t.includes("elements") && (e.preventDefault(), this.props.store.paste(t));
+	};
+	key = (e) => {
+		let t = e.ctrlKey || e.metaKey, { store: n } = this.props;
+		if (!t || !this.onCanvas()) return;
+		let r = e.key.toLowerCase();
+		if (r === "z" && !e.shiftKey) n.undo();
+		else if (r === "y" || r === "z" && e.shiftKey) n.redo();
+		else if (r !== "s") {
+			if (r === "enter") n.start();
+			else return;
+		}
+		e.preventDefault();
+	};
+	render({ store: e }, t) {
+		let n = t.look;
+		if (!n) return /* @__PURE__ */ z("div", {
+			class: "studio loading",
+			role: "status",
+			children: t.connected ? "Opening …" : "Connecting …"
+		});
+		let r = t.dark === null ? "" : t.dark ? " dark" : " light", i = n.problems.filter((e) => e.grave === "error").length, a = n.problems.length - i, o = [...t.nodes, ...[...t.bonds].map((e) => n.view.bonds.find((t) => t.key === e)?.text)].join(", ");
+		return /* @__PURE__ */ z("main", {
+			class: "studio" + r + (t.bottom ? " withbottom" : ""),
+			style: `--side: ${t.room.side}px; --low: ${t.room.low ? `${t.room.low}px` : "44%"}`,
+			children: [
+				/* @__PURE__ */ z(Qc, {
+					store: e,
+					state: t,
+					errors: i
+				}),
+				/* @__PURE__ */ z("div", {
+					class: "middle",
+					children: [
+						/* @__PURE__ */ z(xn, {
+							store: e,
+							state: t
+						}),
+						/* @__PURE__ */ z("div", {
+							class: "canvases" + (t.schematic ? " two" : ""),
+							children: [/* @__PURE__ */ z($e, {
+								store: e,
+								state: t
+							}), t.schematic && /* @__PURE__ */ z(Jc, {
+								store: e,
+								state: t
+							})]
+						}),
+						/* @__PURE__ */ z(Gc, {
+							upright: !0,
+							label: "Width of the panels",
+							value: t.room.side,
+							least: 220,
+							most: 900,
+							sign: -1,
+							onChange: (n) => e.set({ room: {
+								...t.room,
+								side: n
+							} })
+						}),
+						/* @__PURE__ */ z("aside", {
+							class: "side" + (t.panel === "side" ? " open" : ""),
+							"aria-label": "Panels",
+							children: [/* @__PURE__ */ z("div", {
+								class: "tabs",
+								role: "tablist",
+								"aria-label": "Panels",
+								children: Yc.map(([r, a]) => /* @__PURE__ */ z("button", {
+									role: "tab",
+									id: `tab-${r}`,
+									"aria-controls": "panel",
+									"aria-selected": t.tab === r,
+									onClick: () => e.set({ tab: r }),
+									children: [a, r === "problems" && n.problems.length > 0 && /* @__PURE__ */ z("span", {
+										class: "count" + (i ? " error" : ""),
+										children: n.problems.length
+									})]
+								}))
+							}), /* @__PURE__ */ z("div", {
+								class: "panel",
+								id: "panel",
+								role: "tabpanel",
+								"aria-labelledby": `tab-${t.tab}`,
+								tabindex: 0,
+								children: [
+									t.tab === "item" && /* @__PURE__ */ z(zt, {
+										store: e,
+										state: t
+									}),
+									t.tab === "machines" && /* @__PURE__ */ z(tn, {
+										store: e,
+										state: t
+									}),
+									t.tab === "model" && /* @__PURE__ */ z(pn, {
+										store: e,
+										state: t
+									}),
+									t.tab === "problems" && /* @__PURE__ */ z(_n, {
+										store: e,
+										state: t
+									}),
+									t.tab === "table" && /* @__PURE__ */ z(vn, {
+										store: e,
+										state: t
+									}),
+									t.tab === "text" && /* @__PURE__ */ z(yn, {
+										store: e,
+										state: t
+									}),
+									t.tab === "equations" && /* @__PURE__ */ z(Nt, {
+										store: e,
+										state: t
+									}),
+									t.tab === "power" && /* @__PURE__ */ z(Hc, {
+										store: e,
+										state: t
+									}),
+									t.tab === "plan" && /* @__PURE__ */ z(Ln, {
+										store: e,
+										state: t
+									})
+								]
+							})]
+						})
+					]
+				}),
+				t.bottom && /* @__PURE__ */ z("div", {
+					class: "bottom",
+					children: [/* @__PURE__ */ z(Gc, {
+						upright: !1,
+						label: "Height of the plots",
+						value: t.room.low || 320,
+						least: 120,
+						most: 900,
+						sign: -1,
+						onChange: (n) => e.set({ room: {
+							...t.room,
+							low: n
+						} })
+					}), t.planShown && t.plan ? /* @__PURE__ */ z(ur, {
+						store: e,
+						state: t,
+						plan: t.plan
+					}) : /* @__PURE__ */ z(x, { children: [t.sweep ? /* @__PURE__ */ z(G, {
+						store: e,
+						state: t
+					}) : /* @__PURE__ */ z(Ec, {
+						store: e,
+						state: t
+					}), /* @__PURE__ */ z(Ot, {
+						store: e,
+						state: t
+					})] })]
+				}),
+				/* @__PURE__ */ z("footer", { children: [
+					/* @__PURE__ */ z("span", {
+						id: "chosen",
+						role: "status",
+						"aria-live": "polite",
+						children: o || (n.whole ? "" : "strokes of what is joined so far")
+					}),
+					/* @__PURE__ */ z(Zc, {
+						store: e,
+						state: t
+					}),
+					/* @__PURE__ */ z("button", {
+						class: "verdict" + (i ? " error" : a ? " hint" : ""),
+						onClick: () => e.set({
+							tab: "problems",
+							panel: "side"
+						}),
+						children: i ? `${i} ${i === 1 ? "problem" : "problems"}: ${n.problems[0].code} ${n.problems[0].where}` : a ? `${a} hint${a > 1 ? "s" : ""}` : "fine"
+					}),
+					/* @__PURE__ */ z("button", {
+						class: "verdict",
+						"aria-pressed": t.bottom,
+						onClick: () => e.set({ bottom: !t.bottom }),
+						children: "plots"
+					})
+				] }),
+				t.adding && n.view.editable && /* @__PURE__ */ z(Sn, {
+					store: e,
+					state: t
+				}),
+				t.notice && /* @__PURE__ */ z("div", {
+					class: "notice",
+					role: "alert",
+					children: [
+						/* @__PURE__ */ z("b", { children: t.notice.code }),
+						" ",
+						t.notice.where && /* @__PURE__ */ z("i", { children: [t.notice.where, ": "] }),
+						t.notice.why,
+						t.notice.try && /* @__PURE__ */ z("em", { children: [" Try: ", t.notice.try] }),
+						/* @__PURE__ */ z("button", {
+							"aria-label": "Close this message",
+							onClick: () => e.set({ notice: null }),
+							children: "✕"
+						})
+					]
+				}),
+				!t.connected && /* @__PURE__ */ z("div", {
+					class: "notice",
+					role: "alert",
+					children: "The studio does not answer. What you did is in the file; trying again …"
+				})
+			]
+		});
+	}
+};
+function Zc({ store: e, state: t }) {
+	let n = t.look.machines, r = t.cursor?.mode;
+	return n.length ? /* @__PURE__ */ z("span", {
+		class: "modes",
+		children: [
+			t.cursor && /* @__PURE__ */ z("b", { children: [
+				"t = ",
+				+t.cursor.t.toPrecision(6),
+				" s"
+			] }),
+			n.slice(0, 8).map((t) => /* @__PURE__ */ z("label", { children: [t.path, /* @__PURE__ */ z("select", {
+				"aria-label": `State of ${t.path} that is drawn`,
+				value: r?.[t.path] ?? t.state,
+				onChange: (n) => e.setMode(t.path, n.currentTarget.value),
+				children: t.states.map((e) => /* @__PURE__ */ z("option", { children: e }))
+			})] })),
+			n.length > 8 && `and ${n.length - 8} more`
+		]
+	}) : null;
+}
+function Qc({ store: e, state: t, errors: n }) {
+	let r = t.look, i = t.running, a = Number(r.panels.experiment.until) || t.run?.until || 1;
+	return /* @__PURE__ */ z("header", { children: [
+		/* @__PURE__ */ z($c, {
+			store: e,
+			state: t
+		}),
+		/* @__PURE__ */ z("h1", {
+			title: r.file,
+			children: r.title || r.file
+		}),
+		/* @__PURE__ */ z("span", {
+			class: "saved" + (r.unsaved ? " error" : ""),
+			role: "status",
+			children: r.unsaved ? `not saved: ${r.unsaved}` : r.inMemory ? "in memory" : r.writable ? "saved" : "read only: open in another studio"
+		}),
+		/* @__PURE__ */ z("span", { class: "spring" }),
+		/* @__PURE__ */ z("button", {
+			class: "narrow",
+			"aria-label": "Palette",
+			"aria-pressed": t.panel === "palette",
+			onClick: () => e.set({ panel: t.panel === "palette" ? "" : "palette" }),
+			children: "+"
+		}),
+		/* @__PURE__ */ z("button", {
+			class: "narrow",
+			"aria-label": "Panels",
+			"aria-pressed": t.panel === "side",
+			onClick: () => e.set({ panel: t.panel === "side" ? "" : "side" }),
+			children: "☰"
+		}),
+		/* @__PURE__ */ z("button", {
+			title: "Undo (Ctrl+Z)",
+			"aria-label": "Undo",
+			disabled: !r.canUndo,
+			onClick: e.undo,
+			children: "↶"
+		}),
+		/* @__PURE__ */ z("button", {
+			title: "Redo (Ctrl+Y)",
+			"aria-label": "Redo",
+			disabled: !r.canRedo,
+			onClick: e.redo,
+			children: "↷"
+		}),
+		/* @__PURE__ */ z("button", {
+			class: "wide",
+			disabled: !r.view.editable || !r.view.nodes.length,
+			title: "Lay out anew; selected elements stay where they are",
+			onClick: () => void e.ask("arrange", { keep: [...t.nodes] }),
+			children: "Arrange"
+		}),
+		/* @__PURE__ */ z("button", {
+			class: "wide",
+			"aria-pressed": t.schematic,
+			title: "The schematic beside the bond graph",
+			disabled: !t.schematic && !r.view.nodes.some((e) => e.kind === "part"),
+			onClick: () => e.set({ schematic: !t.schematic }),
+			children: "Schematic"
+		}),
+		i ? /* @__PURE__ */ z(x, { children: [/* @__PURE__ */ z("progress", {
+			"aria-label": "Progress of the run",
+			max: a,
+			value: i.t
+		}), /* @__PURE__ */ z("button", {
+			class: "run",
+			onClick: e.cancel,
+			children: "Cancel"
+		})] }) : /* @__PURE__ */ z("button", {
+			class: "run",
+			disabled: n > 0,
+			title: "Run (Ctrl+Enter)",
+			onClick: () => void e.start(),
+			children: "▶ Run"
+		}),
+		/* @__PURE__ */ z("button", {
+			"aria-label": "Dark or light",
+			title: "Dark or light",
+			onClick: () => e.set({ dark: !(t.dark ?? matchMedia("(prefers-color-scheme: dark)").matches) }),
+			children: "◐"
+		})
+	] });
+}
+function $c({ store: e, state: t }) {
+	let n = (e) => e.currentTarget.closest("details").removeAttribute("open"), r = (t) => {
+		e.set({
+			level: "",
+			mode: null,
+			nodes: /* @__PURE__ */ new Set(),
+			bonds: /* @__PURE__ */ new Set(),
+			run: null,
+			cursor: null,
+			instant: null,
+			plotted: [],
+			sweep: null,
+			plan: null,
+			planShown: !1,
+			asking: null,
+			bottom: !1
+		}), e.ask("open", {
+			...t,
+			level: ""
+		});
+	}, i = () => {
+		let t = prompt("Name of the file", "model.toml");
+		t && e.ask("save as", { file: t.endsWith(".toml") ? t : `${t}.toml` });
+	}, a = async (n, r = !1) => {
+		try {
+			let { content: i, name: a } = await e.transport.ask("picture", {
+				form: n,
+				schematic: r,
+				mode: t.mode
+			}), o = Uint8Array.from(atob(i), (e) => e.charCodeAt(0)), s = document.createElement("a");
+			s.href = URL.createObjectURL(new Blob([o])), s.download = a, s.click(), URL.revokeObjectURL(s.href);
+		} catch (t) {
+			e.refused(t);
+		}
+	}, o = t.stock;
+	return /* @__PURE__ */ z("details", {
+		class: "menu",
+		children: [/* @__PURE__ */ z("summary", {
+			"aria-label": "Menu",
+			children: "hybond"
+		}), /* @__PURE__ */ z("div", {
+			class: "sheet",
+			onClick: (e) => e.target.tagName === "BUTTON" && n(e),
+			children: [
+				/* @__PURE__ */ z("button", {
+					onClick: () => r({}),
+					children: "New model"
+				}),
+				/* @__PURE__ */ z("button", {
+					onClick: i,
+					children: "Save as …"
+				}),
+				/* @__PURE__ */ z("hr", {}),
+				[
+					"svg",
+					"pdf",
+					"png",
+					"tex"
+				].map((e) => /* @__PURE__ */ z("button", {
+					onClick: () => void a(e),
+					children: ["Picture as ", e === "tex" ? "TikZ" : e.toUpperCase()]
+				})),
+				/* @__PURE__ */ z("button", {
+					onClick: () => void a("svg", !0),
+					children: "Schematic as SVG"
+				}),
+				/* @__PURE__ */ z("hr", {}),
+				/* @__PURE__ */ z("label", { children: [
+					"open",
+					" ",
+					/* @__PURE__ */ z("select", {
+						"aria-label": "Open a file",
+						value: "",
+						onChange: (e) => {
+							r({ file: e.currentTarget.value }), n(e);
+						},
+						children: [/* @__PURE__ */ z("option", {
+							value: "",
+							children: "a file …"
+						}), o?.files.map((e) => /* @__PURE__ */ z("option", { children: e }))]
+					})
+				] }),
+				/* @__PURE__ */ z("label", { children: [
+					"open",
+					" ",
+					/* @__PURE__ */ z("select", {
+						"aria-label": "Open an example",
+						value: "",
+						onChange: (e) => {
+							r({ example: e.currentTarget.value }), n(e);
+						},
+						children: [/* @__PURE__ */ z("option", {
+							value: "",
+							children: "an example …"
+						}), o?.examples.map((e) => /* @__PURE__ */ z("option", { children: e }))]
+					})
+				] }),
+				/* @__PURE__ */ z("small", { children: ["hybond ", o?.version] })
+			]
+		})]
+	});
+}
+// src/sharing.ts
+function el(e, t) {
+	if (e === t || typeof t != "object" || !t || typeof e != "object" || !e || Array.isArray(e) !== Array.isArray(t)) return t;
+	let [n, r] = [e, t], i = Object.keys(r), a = i.length === Object.keys(n).length;
+	for (let e of i) {
+		let t = el(n[e], r[e]);
+		r[e] = t, a &&= t === n[e] && e in n;
+	}
+	return a ? e : t;
+}
+// src/store.ts
+var tl = {
 	connected: !1,
 	look: null,
 	stock: null,
@@ -765,6 +8152,10 @@ var Le = class extends Error {
 	running: null,
 	soFar: null,
 	sweep: null,
+	asking: null,
+	plan: null,
+	planShown: !1,
+	looked: null,
 	cursor: null,
 	instant: null,
 	plotted: [],
@@ -780,9 +8171,9 @@ var Le = class extends Error {
 		side: 340,
 		low: 0
 	}
-}, Be = class {
+}, nl = class {
 	transport;
-	state = ze;
+	state = tl;
 	listeners = /* @__PURE__ */ new Set();
 	queue = Promise.resolve();
 	constructor(e) {
@@ -804,6 +8195,8 @@ var Le = class extends Error {
 		this.set({ runs: e });
 		let t = e[e.length - 1];
 		t && !this.state.run && this.show(t);
+		let { now: n } = await this.transport.ask("plan state");
+		this.set({ plan: n });
 	}
 	where() {
 		return {
@@ -823,7 +8216,7 @@ var Le = class extends Error {
 		}
 	}
 	refused(e) {
-		e instanceof Le ? this.set({ notice: e.problem }) : this.state.connected && this.set({ notice: {
+		e instanceof Kc ? this.set({ notice: e.problem }) : this.state.connected && this.set({ notice: {
 			code: "",
 			where: "",
 			why: String(e),
@@ -831,7 +8224,7 @@ var Le = class extends Error {
 		} });
 	}
 	take(e) {
-		let t = Ie(this.state.look, e), n = new Set(t.view.nodes.map((e) => e.name)), r = new Set(t.view.bonds.map((e) => e.key));
+		let t = el(this.state.look, e), n = new Set(t.view.nodes.map((e) => e.name)), r = new Set(t.view.bonds.map((e) => e.key));
 		this.set({
 			look: t,
 			level: t.view.path,
@@ -849,6 +8242,7 @@ var Le = class extends Error {
 				members: [],
 				done: !1
 			},
+			planShown: !1,
 			bottom: !0
 		});
 		else if (e.tell === "member" || e.tell === "swept") {
@@ -859,6 +8253,12 @@ var Le = class extends Error {
 				...t,
 				members: n,
 				done: e.tell === "swept"
+			} });
+		} else if (e.tell === "planning") {
+			let { plan: t } = this.state;
+			t?.plan === e.plan && this.set({ plan: {
+				...t,
+				...e
 			} });
 		} else if (e.tell === "partial") this.set({ soFar: e });
 		else if (e.tell === "finished") {
@@ -1022,6 +8422,43 @@ var Le = class extends Error {
 				},
 				soFar: null,
 				sweep: null,
+				planShown: !1,
+				bottom: !0
+			});
+		} catch (e) {
+			this.refused(e);
+		}
+	}
+	async sweepPlan(e) {
+		try {
+			let t = await this.transport.ask("plan begin", e);
+			this.set({
+				plan: t,
+				planShown: !0,
+				bottom: !0,
+				panel: ""
+			});
+		} catch (e) {
+			this.refused(e);
+		}
+	}
+	async openMember(e) {
+		try {
+			let { run: t } = await this.transport.ask("plan open", {
+				plan: this.state.plan?.plan,
+				member: e,
+				names: this.state.plotted
+			});
+			this.state.runs.some((e) => e.run === t) || this.set({
+				running: {
+					run: t,
+					t: 0,
+					events: 0
+				},
+				soFar: null
+			}), this.set({
+				sweep: null,
+				planShown: !1,
 				bottom: !0
 			});
 		} catch (e) {
@@ -1052,7 +8489,7 @@ var Le = class extends Error {
 				mode: n ?? null,
 				level: this.state.level,
 				names: this.state.plotted
-			}), o = Ie(this.state.cursor?.strokes ?? this.state.look?.strokes, a.strokes);
+			}), o = el(this.state.cursor?.strokes ?? this.state.look?.strokes, a.strokes);
 			i === this.cursorCount && this.set({ cursor: {
 				...a,
 				strokes: o
@@ -1068,5961 +8505,12 @@ var Le = class extends Error {
 		} }), this.moveCursor(e.t, t < e.steps.length - 1 ? "left" : "right", e.steps[t].mode);
 	}
 };
-function Ve(e, t = 4) {
-	if (e === null) return "—";
-	if (e === 0) return "0";
-	let n = Math.abs(e);
-	return n >= 1e5 || n < .001 ? e.toExponential(t - 1) : String(+e.toPrecision(t));
-}
-var He = [
-	[1e9, "G"],
-	[1e6, "M"],
-	[1e3, "k"],
-	[1, ""],
-	[.001, "m"],
-	[1e-6, "µ"],
-	[1e-9, "n"],
-	[1e-12, "p"]
-];
-function B(e, t) {
-	if (e === null) return "—";
-	if (e === 0 || !/^[A-Za-zΩ]+$/.test(t) || t === "kg") return `${Ve(e)} ${t}`.trim();
-	let [n, r] = He.find(([t]) => Math.abs(e) >= t * (1 - 1e-9)) ?? He[He.length - 1];
-	return `${+(e / n).toPrecision(4)} ${r}${t}`.trim();
-}
-// src/overlays.tsx
-function Ue({ store: e, state: t }) {
-	let { event: n, step: r } = t.instant, i = n.steps[r], a = r < n.steps.length - 1 ? "values before" : "values after";
-	return /* @__PURE__ */ R("div", {
-		class: "wiretext instant " + i.kind,
-		role: "status",
-		children: [
-			/* @__PURE__ */ R("button", {
-				"aria-label": "Mode before",
-				disabled: r === 0,
-				onClick: () => e.showInstant(n, r - 1),
-				children: "◂"
-			}),
-			"t = ",
-			B(n.t, "s"),
-			", mode ",
-			r + 1,
-			" of ",
-			n.steps.length,
-			": ",
-			/* @__PURE__ */ R("b", { children: i.kind }),
-			" ",
-			/* @__PURE__ */ R("small", { children: [
-				"(",
-				a,
-				")"
-			] }),
-			/* @__PURE__ */ R("button", {
-				"aria-label": "Mode after",
-				disabled: r + 1 === n.steps.length,
-				onClick: () => e.showInstant(n, r + 1),
-				children: "▸"
-			})
-		]
-	});
-}
-function We(e, t, [n, r]) {
-	let i, a = Infinity;
-	for (let o of e) {
-		let e = (o.x - t.x) * n + (o.y - t.y) * r, s = Math.abs((o.x - t.x) * r - (o.y - t.y) * n);
-		if (e <= .01) continue;
-		let c = e + 2.5 * s;
-		c < a && ([i, a] = [o, c]);
-	}
-	return i;
-}
-function Ge({ state: e, sight: t, size: n }) {
-	let r = e.look.view.nodes;
-	if (r.length < 25) return null;
-	let i = r.map((e) => e.x), a = r.map((e) => e.y), [o, s] = [Math.min(...i) - 1, Math.min(...a) - 1], [c, l] = [Math.max(...i) + 2 - o, Math.max(...a) + 2 - s], u = {
-		x: -t.x / t.k / z[0],
-		y: -t.y / t.k / z[1]
-	};
-	return /* @__PURE__ */ R("svg", {
-		class: "minimap",
-		viewBox: `${o} ${s} ${c} ${l}`,
-		"aria-hidden": "true",
-		children: [r.map((e) => /* @__PURE__ */ R("circle", {
-			cx: e.x,
-			cy: e.y,
-			r: c / 90
-		})), /* @__PURE__ */ R("rect", {
-			x: u.x,
-			y: u.y,
-			width: n[0] / t.k / z[0],
-			height: n[1] / t.k / z[1]
-		})]
-	});
-}
-// src/canvas.tsx
-var Ke = (e) => e.map((e) => e.replace(/\[[^\]]*\]/g, "")).sort().join("|"), qe = class extends S {
-	svg = b();
-	state = {
-		sight: {
-			x: 60,
-			y: 120,
-			k: 1
-		},
-		gesture: null,
-		moved: [0, 0]
-	};
-	pointers = /* @__PURE__ */ new Map();
-	fitted = "";
-	lastTap = {
-		time: 0,
-		node: ""
-	};
-	watch = new ResizeObserver(() => this.resized());
-	size = [0, 0];
-	touched = !1;
-	componentDidMount() {
-		this.listen(), this.fitOnce();
-	}
-	componentWillUnmount() {
-		this.watch.disconnect(), this.svg.current?.removeEventListener("wheel", this.wheel);
-	}
-	listening = null;
-	listen() {
-		let e = this.svg.current;
-		e && e !== this.listening && (this.listening = e, e.addEventListener("wheel", this.wheel, { passive: !1 }), this.watch.observe(e));
-	}
-	resized() {
-		let e = this.svg.current?.getBoundingClientRect();
-		if (!e || e.width === this.size[0] && e.height === this.size[1]) return;
-		let [t, n] = this.size;
-		if (this.size = [e.width, e.height], !this.touched) this.fit();
-		else if (t) {
-			let r = this.state.sight;
-			this.setState({ sight: {
-				...r,
-				x: r.x + (e.width - t) / 2,
-				y: r.y + (e.height - n) / 2
-			} });
-		}
-	}
-	componentDidUpdate() {
-		this.listen(), this.fitOnce(), this.keepInSight();
-	}
-	seen = "";
-	keepInSight() {
-		let { state: e } = this.props, t = e.look;
-		if (!t || !this.svg.current || this.state.gesture) return;
-		let n = [...e.nodes].join(" ");
-		if (n === this.seen) return;
-		this.seen = n;
-		let r = this.svg.current.getBoundingClientRect(), i = t.view.nodes.filter((t) => e.nodes.has(t.name)), { x: a, y: o, k: s } = this.state.sight;
-		if (i.some((e) => {
-			let [t, n] = Se(e.x, e.y), [i, c] = [a + s * t, o + s * n];
-			return i < 40 || c < 40 || i > r.width - 40 || c > r.height - 40;
-		}) && i.length) {
-			if (!this.touched) this.fit();
-			else {
-				let [e, t] = Se(i[0].x, i[0].y);
-				this.setState({ sight: {
-					k: s,
-					x: r.width / 2 - s * e,
-					y: r.height / 2 - s * t
-				} });
-			}
-		}
-	}
-	fitOnce() {
-		let e = this.props.state.look;
-		if (!e) return;
-		let t = `${e.file}:${e.view.path}`;
-		this.fitted !== t && e.view.nodes.length && (this.fitted = t, this.touched = !1, this.fit());
-	}
-	fit = () => {
-		let e = this.props.state.look?.view.nodes ?? [], t = this.svg.current;
-		if (!t) return;
-		let n = t.getBoundingClientRect();
-		if (!e.length || !n.width) {
-			this.setState({ sight: {
-				x: n.width / 2,
-				y: n.height / 2,
-				k: 1
-			} });
-			return;
-		}
-		let r = e.map((e) => e.x * z[0]), i = e.map((e) => e.y * z[1]), [a, o] = [Math.min(...r) - 90, Math.max(...r) + 90], [s, c] = [Math.min(...i) - 60, Math.max(...i) + 70], l = Math.min(1.5, n.width / (o - a), n.height / (c - s));
-		this.setState({ sight: {
-			k: l,
-			x: n.width / 2 - l * (a + o) / 2,
-			y: n.height / 2 - l * (s + c) / 2
-		} });
-	};
-	zoom(e, t) {
-		this.touched = !0;
-		let n = this.svg.current.getBoundingClientRect(), [r, i] = t ?? [n.width / 2, n.height / 2], { x: a, y: o, k: s } = this.state.sight, c = Math.max(.05, Math.min(6, s * e));
-		this.setState({ sight: {
-			k: c,
-			x: r - (r - a) * c / s,
-			y: i - (i - o) * c / s
-		} });
-	}
-	wheel = (e) => {
-		e.preventDefault();
-		let t = this.svg.current.getBoundingClientRect();
-		if (e.shiftKey && !e.ctrlKey) {
-			let t = this.state.sight;
-			this.setState({ sight: {
-				...t,
-				x: t.x - e.deltaY,
-				y: t.y - e.deltaX
-			} });
-		} else this.zoom(Math.exp(-e.deltaY * .0015), [e.clientX - t.left, e.clientY - t.top]);
-	};
-	local(e) {
-		let t = this.svg.current.getBoundingClientRect();
-		return [e.clientX - t.left, e.clientY - t.top];
-	}
-	inGraph([e, t]) {
-		let { x: n, y: r, k: i } = this.state.sight;
-		return [(e - n) / i, (t - r) / i];
-	}
-	under(e, t = "") {
-		for (let n of document.elementsFromPoint(e.clientX, e.clientY)) {
-			let e = n.closest?.("[data-port]")?.getAttribute("data-port");
-			if (e && oe(e) !== t) return e;
-			let r = n.closest?.("[data-node]")?.getAttribute("data-node");
-			if (r && r !== t) return r;
-		}
-		return "";
-	}
-	down = (e) => {
-		let { store: t, state: n } = this.props, r = this.local(e);
-		if (this.pointers.set(e.pointerId, r), this.svg.current.focus({ preventScroll: !0 }), this.pointers.size === 2) {
-			let [[e, t], [n, r]] = [...this.pointers];
-			this.setState({
-				gesture: {
-					kind: "pinch",
-					ids: [e, n],
-					last: [t, r]
-				},
-				moved: [0, 0]
-			});
-			return;
-		}
-		let i = e.target, a = e.shiftKey || e.ctrlKey || e.metaKey, o = i.closest("[data-handle]")?.getAttribute("data-handle"), s = i.closest("[data-port]")?.getAttribute("data-port"), c = i.closest("[data-node]")?.getAttribute("data-node"), l = i.closest("[data-bond]")?.getAttribute("data-bond"), u = o ?? s ?? (c && (e.altKey || n.drawing) ? c : void 0);
-		if (e.button === 1 || e.button === 0 && e.metaKey && !c && !l) this.begin(e, {
-			kind: "pan",
-			last: r,
-			id: e.pointerId,
-			moved: !1
-		});
-		else if (e.button !== 0) return;
-		else if (u && n.look?.view.editable) this.begin(e, {
-			kind: "wire",
-			from: u,
-			start: r,
-			now: this.inGraph(r),
-			target: "",
-			id: e.pointerId
-		});
-		else if (c) {
-			if (n.bondFrom && n.bondFrom !== c) {
-				t.bond(n.bondFrom, this.under(e) || c);
-				return;
-			}
-			if (!n.nodes.has(c)) t.set({
-				nodes: a ? /* @__PURE__ */ new Set([...n.nodes, c]) : /* @__PURE__ */ new Set([c]),
-				bonds: a ? n.bonds : /* @__PURE__ */ new Set(),
-				tab: n.tab === "problems" || n.tab === "text" ? n.tab : "item"
-			});
-			else if (a) {
-				let e = new Set(n.nodes);
-				e.delete(c), t.set({ nodes: e });
-				return;
-			}
-			this.begin(e, {
-				kind: "press",
-				node: c,
-				start: this.inGraph(r),
-				at: r,
-				id: e.pointerId,
-				add: a
-			});
-		} else if (l) {
-			let e = new Set(a ? n.bonds : []);
-			a && n.bonds.has(l) ? e.delete(l) : e.add(l), t.set({
-				bonds: e,
-				nodes: a ? n.nodes : /* @__PURE__ */ new Set(),
-				tab: "item"
-			});
-		} else e.pointerType === "touch" ? this.begin(e, {
-			kind: "pan",
-			last: r,
-			id: e.pointerId,
-			moved: !1
-		}) : (a || t.set({
-			nodes: /* @__PURE__ */ new Set(),
-			bonds: /* @__PURE__ */ new Set(),
-			bondFrom: null
-		}), this.begin(e, {
-			kind: "box",
-			start: this.inGraph(r),
-			now: this.inGraph(r),
-			id: e.pointerId,
-			add: a
-		}));
-	};
-	begin(e, t) {
-		t.kind !== "press" && this.svg.current.setPointerCapture(e.pointerId), this.setState({
-			gesture: t,
-			moved: [0, 0]
-		});
-	}
-	move = (e) => {
-		let { gesture: t, sight: n } = this.state, r = this.local(e);
-		if ((t?.kind === "pan" || t?.kind === "pinch") && (this.touched = !0), this.pointers.has(e.pointerId) && this.pointers.set(e.pointerId, r), t) {
-			if (t.kind === "pinch") {
-				let [e, r] = t.ids.map((e) => this.pointers.get(e)), [i, a] = t.last, o = Math.hypot(i[0] - a[0], i[1] - a[1]), s = Math.hypot(e[0] - r[0], e[1] - r[1]), c = Math.max(.05, Math.min(6, n.k * s / Math.max(o, 1))), [l, u] = [(e[0] + r[0]) / 2, (e[1] + r[1]) / 2], [d, f] = [(i[0] + a[0]) / 2, (i[1] + a[1]) / 2];
-				this.setState({
-					sight: {
-						k: c,
-						x: l - (d - n.x) * c / n.k,
-						y: u - (f - n.y) * c / n.k
-					},
-					gesture: {
-						...t,
-						last: [e, r]
-					}
-				});
-			} else if (t.id === e.pointerId) {
-				if (t.kind === "press") {
-					if (Math.hypot(r[0] - t.at[0], r[1] - t.at[1]) < 5 || !this.props.state.look?.view.editable) return;
-					this.svg.current.setPointerCapture(e.pointerId);
-					let n = [...this.props.state.nodes];
-					this.setState({ gesture: {
-						kind: "drag",
-						names: n,
-						start: t.start,
-						id: t.id
-					} });
-				} else if (t.kind === "drag") {
-					let [e, n] = this.inGraph(r);
-					this.setState({ moved: [e - t.start[0], n - t.start[1]] });
-				} else if (t.kind === "pan") this.setState({
-					sight: {
-						...n,
-						x: n.x + r[0] - t.last[0],
-						y: n.y + r[1] - t.last[1]
-					},
-					gesture: {
-						...t,
-						last: r,
-						moved: !0
-					}
-				});
-				else if (t.kind === "box") this.setState({ gesture: {
-					...t,
-					now: this.inGraph(r)
-				} });
-				else if (t.kind === "wire") {
-					let n = this.under(e, oe(t.from));
-					this.setState({ gesture: {
-						...t,
-						now: this.inGraph(r),
-						target: n
-					} });
-				}
-			}
-		}
-	};
-	up = (e) => {
-		let { gesture: t, moved: n } = this.state, { store: r, state: i } = this.props;
-		if (this.pointers.delete(e.pointerId), t) {
-			if (t.kind === "pinch") this.setState({ gesture: null });
-			else if (t.id === e.pointerId) {
-				if (t.kind === "press") {
-					let e = performance.now(), n = e - this.lastTap.time < 400 && this.lastTap.node === t.node;
-					this.lastTap = {
-						time: e,
-						node: t.node
-					}, n ? this.enter(t.node) : !t.add && i.nodes.size > 1 && r.set({ nodes: /* @__PURE__ */ new Set([t.node]) });
-				} else if (t.kind === "drag") {
-					let a = e.altKey ? .05 : .25, o = {};
-					for (let e of i.look.view.nodes) if (t.names.includes(e.name)) {
-						let t = e.x + n[0] / z[0], r = e.y + n[1] / z[1];
-						o[e.name] = [Math.round(t / a) * a, Math.round(r / a) * a];
-					}
-					this.place(o), r.edit({
-						do: "move",
-						at: o
-					});
-				} else if (t.kind === "box") {
-					let [e, n] = [t.start[0], t.now[0]].sort((e, t) => e - t), [a, o] = [t.start[1], t.now[1]].sort((e, t) => e - t), s = i.look.view.nodes.filter((t) => {
-						let [r, i] = Se(t.x, t.y);
-						return r >= e && r <= n && i >= a && i <= o;
-					}).map((e) => e.name);
-					s.length && r.set({ nodes: new Set(t.add ? [...i.nodes, ...s] : s) });
-				} else if (t.kind === "wire") {
-					let n = this.under(e, oe(t.from)) || t.target;
-					n ? r.bond(t.from, n) : Math.hypot(...Ye(this.local(e), t.start)) < 8 && r.set({ bondFrom: t.from });
-				} else t.kind === "pan" && !t.moved && r.set({
-					nodes: /* @__PURE__ */ new Set(),
-					bonds: /* @__PURE__ */ new Set(),
-					bondFrom: null
-				});
-				this.setState({
-					gesture: null,
-					moved: [0, 0]
-				});
-			}
-		}
-	};
-	place(e) {
-		let { store: t, state: n } = this.props, r = n.look, i = r.view.nodes.map((t) => e[t.name] ? {
-			...t,
-			x: e[t.name][0],
-			y: e[t.name][1]
-		} : t);
-		t.set({ look: {
-			...r,
-			view: {
-				...r.view,
-				nodes: i
-			}
-		} });
-	}
-	centreOf(e, t, n, r) {
-		let i = oe(e);
-		return Oe(t.get(i), e, !1, n.get(i), r.get(i))[0];
-	}
-	enter(e) {
-		let { store: t, state: n } = this.props, r = n.look?.view.nodes.find((t) => t.name === e);
-		r?.kind === "part" && r.known ? t.open(n.level ? `${n.level}.${e}` : e) : (t.set({ tab: "item" }), requestAnimationFrame(() => document.querySelector(".side [data-first]")?.focus()));
-	}
-	key = (e) => {
-		let { store: t, state: n } = this.props, r = n.look?.view.nodes ?? [], i = e.ctrlKey || e.metaKey, a = n.nodes.size === 1 ? r.find((e) => n.nodes.has(e.name)) : void 0, o = Xe[e.key];
-		if (o && e.altKey && n.nodes.size) {
-			let i = e.shiftKey ? .25 : 1, a = {};
-			for (let e of r) n.nodes.has(e.name) && (a[e.name] = [e.x + i * o[0], e.y + i * o[1]]);
-			this.place(a), t.edit({
-				do: "move",
-				at: a
-			});
-		} else if (o && !i) {
-			let e = a ?? r[0];
-			if (!e) return;
-			let n = a ? We(r, a, o) : e;
-			n && t.set({
-				nodes: /* @__PURE__ */ new Set([n.name]),
-				bonds: /* @__PURE__ */ new Set(),
-				tab: "item"
-			});
-		} else if (e.key === "Tab" && !i) return;
-		else if ((e.key === "[" || e.key === "]") && n.look) {
-			let r = n.look.view.bonds.filter((e) => !a || e.tail === a.name || e.head === a.name), i = r.length ? r : n.look.view.bonds, o = i[(i.findIndex((e) => n.bonds.has(e.key)) + (e.key === "]" ? 1 : -1) + i.length) % i.length];
-			o && t.set({
-				bonds: /* @__PURE__ */ new Set([o.key]),
-				tab: "item"
-			});
-		} else if (e.key === "Escape") t.set({
-			nodes: /* @__PURE__ */ new Set(),
-			bonds: /* @__PURE__ */ new Set(),
-			bondFrom: null,
-			cursor: null,
-			instant: null,
-			adding: !1
-		});
-		else if (e.key === "Enter" && n.bondFrom && a && a.name !== n.bondFrom) t.bond(n.bondFrom, a.name);
-		else if (e.key === "Enter" && a) this.enter(a.name);
-		else if (e.key === "b" && !i && a) t.set({ bondFrom: a.name });
-		else if (e.key === "r" && !i && n.bonds.size) t.reverse();
-		else if (e.key === "a" && !i) t.set({ adding: !0 });
-		else if (e.key === "f" && !i) this.fit();
-		else if (e.key === "+" || e.key === "=") this.zoom(1.25);
-		else if (e.key === "-") this.zoom(.8);
-		else if (e.key === "a" && i) t.set({ nodes: new Set(r.map((e) => e.name)) });
-		else if (e.key === "d" && i) t.duplicate();
-		else if (e.key === "Delete" || e.key === "Backspace") t.remove();
-		else if (e.key === "PageUp" && n.level) t.open(n.level.split(/\.(?![^[]*\])/).slice(0, -1).join("."));
-		else return;
-		e.preventDefault();
-	};
-	dropped = (e) => {
-		let t = e.dataTransfer?.getData("application/x-hybond");
-		if (!t) return;
-		e.preventDefault();
-		let { element: n, stem: r } = JSON.parse(t), [i, a] = this.inGraph(this.local(e));
-		this.props.store.add(n, r, [Math.round(i / z[0] * 4) / 4, Math.round(a / z[1] * 4) / 4]);
-	};
-	render({ state: e, store: t }, { sight: n, gesture: r, moved: i }) {
-		let a = e.look;
-		if (!a) return /* @__PURE__ */ R("div", { class: "canvas" });
-		let o = e.cursor?.strokes ?? a.strokes, s = r?.kind === "drag" ? new Set(r.names) : null, c = /* @__PURE__ */ new Map(), l = /* @__PURE__ */ new Map();
-		for (let e of a.view.nodes) {
-			let [t, n] = Se(e.x, e.y);
-			c.set(e.name, s?.has(e.name) ? [t + i[0], n + i[1]] : [t, n]), l.set(e.name, e);
-		}
-		let u = (e) => o.nodes[e.name]?.controlled ?? (!!e.machine || !!e.law), d = /* @__PURE__ */ new Map(), f = /* @__PURE__ */ new Map();
-		for (let e of a.view.bonds) {
-			d.has(e.tail) || d.set(e.tail, []), d.has(e.head) || d.set(e.head, []), d.get(e.tail).push(c.get(e.head)), d.get(e.head).push(c.get(e.tail));
-			let t = Ke(e.ends);
-			f.set(t, [...f.get(t) ?? [], e.key]);
-		}
-		let p = /* @__PURE__ */ new Map();
-		for (let e of a.view.bonds) for (let [t, n, r] of [[
-			e.ends[0],
-			e.tail,
-			e.head
-		], [
-			e.ends[1],
-			e.head,
-			e.tail
-		]]) {
-			let [e, i] = p.get(t) ?? [0, 0], [a, o] = [c.get(n), c.get(r)];
-			p.set(t, [e + o[0] - a[0], i + o[1] - a[1]]);
-		}
-		let m = /* @__PURE__ */ new Map();
-		for (let e of a.view.nodes) e.kind === "part" && m.set(e.name, we(e, p));
-		let h = (e) => m.get(e) ?? "", g = e.cursor?.values, _ = g ? Math.max(1e-300, ...Object.values(g).map((e) => Math.abs((e.e ?? 0) * (e.f ?? 0)))) : 1, v = r?.kind === "wire" ? oe(r.target) : "";
-		return /* @__PURE__ */ R("div", {
-			class: "canvas",
-			onDragOver: (e) => e.preventDefault(),
-			onDrop: this.dropped,
-			children: [
-				/* @__PURE__ */ R("svg", {
-					ref: this.svg,
-					tabindex: 0,
-					role: "application",
-					"aria-label": `Bond graph ${a.title || a.file}: ${a.view.nodes.length} elements, ${a.view.bonds.length} bonds. Arrow keys select, a adds, b bonds, Delete removes.`,
-					"aria-describedby": "chosen",
-					onPointerDown: this.down,
-					onPointerMove: this.move,
-					onPointerUp: this.up,
-					onPointerCancel: this.up,
-					onKeyDown: this.key,
-					class: e.flowing ? "flowing" : "",
-					children: [
-						/* @__PURE__ */ R("defs", { children: [/* @__PURE__ */ R("pattern", {
-							id: "dots",
-							width: z[0] / 4,
-							height: z[1] / 4,
-							patternUnits: "userSpaceOnUse",
-							patternTransform: `translate(${n.x},${n.y}) scale(${n.k})`,
-							children: /* @__PURE__ */ R("circle", {
-								cx: 0,
-								cy: 0,
-								r: .7,
-								class: "dot"
-							})
-						}), /* @__PURE__ */ R("marker", {
-							id: "signal",
-							viewBox: "0 0 8 8",
-							refX: 7,
-							refY: 4,
-							markerWidth: 7,
-							markerHeight: 7,
-							orient: "auto",
-							children: /* @__PURE__ */ R("path", {
-								d: "M0,1L8,4L0,7z",
-								class: "signalhead"
-							})
-						})] }),
-						n.k > .45 && /* @__PURE__ */ R("rect", {
-							class: "paper",
-							width: "100%",
-							height: "100%",
-							fill: "url(#dots)"
-						}),
-						/* @__PURE__ */ R("g", {
-							transform: `translate(${n.x},${n.y}) scale(${n.k})`,
-							children: [
-								a.view.modulations.map((e) => {
-									let t = l.get(e.from), n = l.get(e.to);
-									if (!t || !n) return null;
-									let [r, i] = [c.get(e.from), c.get(e.to)], a = fe(De(t, u(t), r, h(t.name)), De(n, u(n), i, h(n.name)), r, i, 7);
-									return /* @__PURE__ */ R("line", {
-										class: "signal",
-										x1: a.tail[0],
-										y1: a.tail[1],
-										x2: a.head[0],
-										y2: a.head[1],
-										"marker-end": "url(#signal)"
-									});
-								}),
-								/* @__PURE__ */ R("g", { children: a.view.bonds.map((t) => {
-									let [r, i] = [l.get(t.tail), l.get(t.head)], [a, s] = [c.get(t.tail), c.get(t.head)], d = f.get(Ke(t.ends)), p = g?.[t.key];
-									return /* @__PURE__ */ R(Me, {
-										bond: t,
-										tail: r,
-										head: i,
-										tx: a[0],
-										ty: a[1],
-										hx: s[0],
-										hy: s[1],
-										tailControlled: u(r),
-										headControlled: u(i),
-										tailPorts: h(t.tail),
-										headPorts: h(t.head),
-										shift: d.indexOf(t.key) - (d.length - 1) / 2,
-										drawn: o.bonds[t.key] ?? o.bonds[`${t.ends[0]} -> ${t.ends[1]}`],
-										selected: e.bonds.has(t.key),
-										effort: p && n.k > .6 ? B(p.e, p.units[0]) : "",
-										rate: p && n.k > .6 ? B(p.f, p.units[1]) : "",
-										flow: e.flowing && p ? (p.e ?? 0) * (p.f ?? 0) / _ : 0
-									}, t.key);
-								}) }),
-								/* @__PURE__ */ R("g", { children: a.view.nodes.map((t) => /* @__PURE__ */ R(Fe, {
-									node: t,
-									x: c.get(t.name)[0],
-									y: c.get(t.name)[1],
-									state: o.nodes[t.name],
-									selected: e.nodes.has(t.name),
-									ports: h(t.name),
-									target: v === t.name || e.bondFrom === t.name,
-									taken: [...ye(c.get(t.name), d.get(t.name) ?? [])].sort().join("")
-								}, t.name)) }),
-								r?.kind === "wire" && /* @__PURE__ */ R(Je, {
-									from: this.centreOf(r.from, l, c, m),
-									to: r.now
-								}),
-								r?.kind === "box" && /* @__PURE__ */ R("rect", {
-									class: "marquee",
-									x: Math.min(r.start[0], r.now[0]),
-									y: Math.min(r.start[1], r.now[1]),
-									width: Math.abs(r.now[0] - r.start[0]),
-									height: Math.abs(r.now[1] - r.start[1])
-								})
-							]
-						})
-					]
-				}),
-				r?.kind === "wire" && /* @__PURE__ */ R("div", {
-					class: "wiretext",
-					role: "status",
-					children: [
-						r.from,
-						" ",
-						"->",
-						" ",
-						r.target || "…"
-					]
-				}),
-				e.instant && /* @__PURE__ */ R(Ue, {
-					store: t,
-					state: e
-				}),
-				e.bondFrom && /* @__PURE__ */ R("div", {
-					class: "wiretext",
-					role: "status",
-					children: [
-						e.bondFrom,
-						" ",
-						"->",
-						" ",
-						[...e.nodes].find((t) => t !== e.bondFrom) ?? "…",
-						": choose the other end"
-					]
-				}),
-				/* @__PURE__ */ R("div", {
-					class: "views",
-					children: [
-						/* @__PURE__ */ R("button", {
-							title: "Zoom in (+)",
-							"aria-label": "Zoom in",
-							onClick: () => this.zoom(1.25),
-							children: "+"
-						}),
-						/* @__PURE__ */ R("button", {
-							title: "Zoom out (-)",
-							"aria-label": "Zoom out",
-							onClick: () => this.zoom(.8),
-							children: "−"
-						}),
-						/* @__PURE__ */ R("button", {
-							title: "Show all (f)",
-							"aria-label": "Show all",
-							onClick: this.fit,
-							children: "⤢"
-						})
-					]
-				}),
-				/* @__PURE__ */ R(Ge, {
-					state: e,
-					sight: n,
-					size: this.size
-				}),
-				a.view.crumbs.length > 0 && /* @__PURE__ */ R("nav", {
-					class: "crumbs",
-					"aria-label": "Submodel",
-					children: [
-						/* @__PURE__ */ R("button", {
-							onClick: () => t.open(""),
-							children: a.title || a.file
-						}),
-						a.view.crumbs.map((e, n) => /* @__PURE__ */ R(x, { children: [" › ", /* @__PURE__ */ R("button", {
-							onClick: () => t.open(a.view.crumbs.slice(0, n + 1).join(".")),
-							children: e
-						})] })),
-						!a.view.editable && /* @__PURE__ */ R("span", { children: [
-							" (",
-							a.view.name,
-							", a ready part: to look at)"
-						] })
-					]
-				})
-			]
-		});
-	}
-};
-function Je({ from: e, to: t }) {
-	return /* @__PURE__ */ R("line", {
-		class: "wire",
-		x1: e[0],
-		y1: e[1],
-		x2: t[0],
-		y2: t[1]
-	});
-}
-var Ye = (e, t) => [e[0] - t[0], e[1] - t[1]], Xe = {
-	ArrowLeft: [-1, 0],
-	ArrowRight: [1, 0],
-	ArrowUp: [0, -1],
-	ArrowDown: [0, 1]
-}, Ze, Qe, $e, et, tt = Object.is, nt = 0, rt = [], it = [], V = e, at = V.__b, ot = V.__r, st = V.diffed, ct = V.__c, lt = V.unmount, ut = V.__;
-function dt(e, t) {
-	V.__h && V.__h(Qe, e, nt || t), nt = 0;
-	var n = Qe.__H || (Qe.__H = {
-		__: [],
-		__h: []
-	});
-	return e >= n.__.length && n.__.push({}), n.__[e];
-}
-function H(e) {
-	return nt = 1, ft(Ct, e);
-}
-function ft(e, t, n) {
-	var r = dt(Ze++, 2);
-	if (r.t = e, !r.__c && (r.__ = [n ? n(t) : Ct(void 0, t), function(e) {
-		var t = (r.__N || r.__)[0], n = r.t(t, e);
-		tt(t, n) || (r.__N = [n, r.__[1]], r.__c.setState({}));
-	}], r.__c = Qe, !Qe.__f)) {
-		Qe.__f = !0;
-		var i = Qe.shouldComponentUpdate;
-		Qe.shouldComponentUpdate = function(e, t, n) {
-			var r = this.__H;
-			if (!r) return !0;
-			var a = !1, o = this.props != e;
-			if (r.__.some(function(e) {
-				e.__N && (a = !0, tt(e.__[0], e.__N[0]) || (o = !0));
-			}), i) {
-				var s = i.call(this, e, t, n);
-				return a ? s || o : s;
-			}
-			return !a || o;
-		};
-	}
-	return r.__;
-}
-function pt(e, t) {
-	var n = dt(Ze++, 3);
-	!V.__s && St(n.__H, t) && (n.__P = !0, n.__ = e, n.u = t, Qe.__H.__h.push(n));
-}
-function mt(e) {
-	return nt = 5, ht(function() {
-		return { current: e };
-	}, []);
-}
-function ht(e, t) {
-	var n = dt(Ze++, 7);
-	return St(n.__H, t) && (n.__ = e(), n.__H = t), n.__;
-}
-function gt() {
-	var e;
-	do {
-		for (; e = it.shift();) try {
-			bt(e);
-		} catch (t) {
-			V.__e(t, { __: (e = e.__P) && e.__v });
-		}
-		for (; e = rt.shift();) {
-			var t = e.__H;
-			if (e.__P && t) try {
-				t.__h.some(bt), t.__h.some(xt), t.__h = [];
-			} catch (n) {
-				t.__h = [], V.__e(n, e.__v);
-			}
-		}
-	} while (it.length);
-}
-V.__b = function(e) {
-	Qe = null, at && at(e);
-}, V.__ = function(e, t) {
-	e && t.__k && t.__k.__m && (e.__m = t.__k.__m), ut && ut(e, t);
-}, V.__r = function(e) {
-	ot && ot(e), Ze = 0;
-	var t = (Qe = e.__c).__H;
-	t && ($e == Qe ? Qe.__h = [] : (t.__h.some(bt), t.__h.some(xt), Ze = 0), t.__h = [], t.__.some(function(e) {
-		e.__N && (e.__ = e.__N), e.u = e.__N = void 0;
-	})), $e = Qe;
-}, V.diffed = function(e) {
-	st && st(e);
-	var t = e.__c;
-	t && t.__H && (t.__H.__h.length && yt(rt.push(t)), t.__H.__.some(function(e) {
-		e.u && (e.__H = e.u);
-	})), $e = Qe = null;
-}, V.__c = function(e, t) {
-	t.some(function(e) {
-		try {
-			e.__h.some(bt), e.__h = e.__h.filter(function(e) {
-				return !e.__ || xt(e);
-			});
-		} catch (t) {
-			e.__h = [function() {
-				throw t;
-			}];
-		}
-	}), ct && ct(e, t);
-}, V.unmount = function(e) {
-	lt && lt(e);
-	var t, n, r = e.__c;
-	r && r.__H && (r.__H.__.some(function(r) {
-		try {
-			if (r.__P && r.__c) {
-				if (n === void 0) {
-					for (n = e.__; n && (!n.__c || !n.__c.__P);) n = n.__;
-					n &&= n.__c;
-				}
-				r.__P = n, yt(it.push(r));
-			} else bt(r);
-		} catch (e) {
-			t = e;
-		}
-	}), r.__H = void 0, t && V.__e(t, r.__v));
-};
-var _t = typeof requestAnimationFrame == "function";
-function vt(e) {
-	var t, n = function() {
-		clearTimeout(r), _t && cancelAnimationFrame(t), setTimeout(e);
-	}, r = setTimeout(n, 35);
-	_t && (t = requestAnimationFrame(n));
-}
-function yt(e) {
-	e != 1 && et == V.requestAnimationFrame || ((et = V.requestAnimationFrame) || vt)(gt);
-}
-function bt(e) {
-	var t = Qe, n = e.__c;
-	typeof n == "function" && (e.__c = void 0, n()), Qe = t;
-}
-function xt(e) {
-	var t = Qe;
-	e.__c = e.__(), Qe = t;
-}
-function St(e, t) {
-	return !e || e.length != t.length || t.some(function(t, n) {
-		return !tt(t, e[n]);
-	});
-}
-function Ct(e, t) {
-	return typeof t == "function" ? t(e) : t;
-}
-// src/events.tsx
-var wt = 100;
-function Tt({ store: e, state: t }) {
-	let [n, r] = H([]), [i, a] = H(0), [o, s] = H(0), c = t.run;
-	pt(() => s(0), [c?.run]), pt(() => {
-		if (!c || c.tEnd === void 0) return r([]);
-		let t = !1;
-		return e.transport.ask("events", {
-			run: c.run,
-			first: o,
-			count: wt
-		}).then((e) => {
-			t || (r(e.events), a(e.total));
-		}).catch((t) => e.refused(t)), () => {
-			t = !0;
-		};
-	}, [c?.run, o]);
-	let l = t.instant?.event.event;
-	return /* @__PURE__ */ R("section", {
-		class: "events",
-		tabindex: 0,
-		"aria-label": "Events",
-		children: [
-			c && c.tEnd !== void 0 && /* @__PURE__ */ R("p", {
-				class: "status " + c.status,
-				children: [
-					c.status === "ok" ? "ok" : /* @__PURE__ */ R("b", { children: c.status }),
-					", ",
-					i,
-					" events, ",
-					B(c.took, "s"),
-					c.method ? `, ${c.method}` : ""
-				]
-			}),
-			c?.warnings?.map((e) => /* @__PURE__ */ R("p", {
-				class: "warning",
-				children: e
-			})),
-			i > wt && /* @__PURE__ */ R("p", { children: [
-				/* @__PURE__ */ R("button", {
-					disabled: o === 0,
-					onClick: () => s(Math.max(0, o - wt)),
-					children: "◂"
-				}),
-				" ",
-				o + 1,
-				" to ",
-				Math.min(o + wt, i),
-				" of ",
-				i,
-				" ",
-				/* @__PURE__ */ R("button", {
-					disabled: o + wt >= i,
-					onClick: () => s(o + wt),
-					children: "▸"
-				})
-			] }),
-			/* @__PURE__ */ R("ol", { children: n.map((n) => /* @__PURE__ */ R("li", {
-				class: n.event === l ? "open" : "",
-				children: [/* @__PURE__ */ R("button", {
-					"data-event": n.event,
-					"aria-expanded": n.event === l,
-					onClick: () => e.showInstant(n, 0),
-					children: [
-						/* @__PURE__ */ R("b", { children: B(n.t, "s") }),
-						" ",
-						/* @__PURE__ */ R("i", { children: n.cause }),
-						" ",
-						n.steps.flatMap((e) => e.fired).map((e) => `${e.machine}: ${e.source} → ${e.target}`).join("; "),
-						n.steps.some((e) => e.kind !== "continuous") && /* @__PURE__ */ R("em", { children: [" ", Et(n)] })
-					]
-				}), n.event === l && /* @__PURE__ */ R(Dt, {
-					store: e,
-					state: t,
-					event: n
-				})]
-			})) })
-		]
-	});
-}
-function Et(e) {
-	let t = (t) => e.steps.filter((e) => e.kind === t).length;
-	return [[t("mythical"), "mythical"], [t("pinnacle"), "pinnacle"]].filter(([e]) => e).map(([e, t]) => e === 1 ? t : `${e} ${t}`).join(", ");
-}
-function Dt({ store: e, state: t, event: n }) {
-	let r = t.instant.step, i = n.steps[r];
-	return /* @__PURE__ */ R("div", {
-		class: "detail",
-		children: [
-			/* @__PURE__ */ R("div", {
-				class: "row",
-				children: n.steps.map((t, i) => /* @__PURE__ */ R("button", {
-					class: "stepbutton " + t.kind,
-					"aria-pressed": i === r,
-					"data-step": i,
-					onClick: () => e.showInstant(n, i),
-					children: [
-						i + 1,
-						". ",
-						t.kind
-					]
-				}))
-			}),
-			/* @__PURE__ */ R("p", { children: [
-				"mode: ",
-				Object.entries(i.mode).map(([e, t]) => `${e} = ${t}`).join(", ") || "the only one",
-				i.kind === "mythical" && " (lasts no time, stores nothing)",
-				i.kind === "pinnacle" && " (lasts no time, writes the state)"
-			] }),
-			i.fired.map((e) => /* @__PURE__ */ R("p", {
-				class: "fired",
-				children: [
-					/* @__PURE__ */ R("b", { children: e.machine }),
-					": ",
-					e.source,
-					" → ",
-					e.target,
-					", because ",
-					/* @__PURE__ */ R("code", { children: e.why })
-				]
-			})),
-			Object.keys(i.impulses).length > 0 && /* @__PURE__ */ R("p", { children: [
-				"impulses",
-				i.kind === "mythical" ? " (on trial)" : "",
-				":",
-				" ",
-				Object.entries(i.impulses).map(([e, t]) => `${e} = ${Ve(t, 6)} δ`).join(", ")
-			] }),
-			i.energy && /* @__PURE__ */ R("p", { children: [
-				"energy ",
-				i.energy.before,
-				" → ",
-				i.energy.after,
-				"; supplied ",
-				i.energy.source,
-				", lost ",
-				i.energy.lost
-			] }),
-			i.undetermined.length > 0 && /* @__PURE__ */ R("p", { children: ["not determined: ", i.undetermined.join(", ")] })
-		]
-	});
-}
-// src/formulas.tsx
-var Ot = new Set("math mrow mi mo mn mtext mspace mfrac msub msup msubsup mover munder munderover msqrt mroot mtable mtr mtd mstyle".split(" "));
-function kt(e) {
-	if (typeof e == "string") return e;
-	let [t, n, ...r] = e, i = t === "math" ? { display: "block" } : {};
-	return v(Ot.has(t) ? t : "mrow", {
-		...n,
-		...i
-	}, ...r.map(kt));
-}
-function At({ store: e, state: t }) {
-	let [n, r] = H("all"), [i, a] = H(!1), [o, s] = H(null), c = t.look, l = t.cursor?.mode ?? Object.fromEntries(c.machines.map((e) => [e.path, e.state])), u = n === "mode" ? JSON.stringify(l) : "";
-	return pt(() => {
-		let t = !1;
-		return s(null), e.transport.ask(n === "structure" ? "structure" : "equations", {
-			one: n === "mode",
-			mode: l
-		}).then((e) => !t && s(e)).catch((e) => !t && s({ text: String(e.message) })), () => {
-			t = !0;
-		};
-	}, [
-		c.revision,
-		n,
-		u
-	]), /* @__PURE__ */ R("section", {
-		class: "formulas",
-		children: [
-			/* @__PURE__ */ R("div", {
-				class: "row",
-				children: [[
-					["all", "all modes"],
-					["mode", "the mode drawn"],
-					["structure", "structure"]
-				].map(([e, t]) => /* @__PURE__ */ R("button", {
-					"aria-pressed": n === e,
-					onClick: () => r(e),
-					children: t
-				})), o?.formula && /* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("input", {
-					type: "checkbox",
-					checked: i,
-					onChange: (e) => a(e.currentTarget.checked)
-				}), " as text"] })]
-			}),
-			!o && /* @__PURE__ */ R("p", {
-				class: "hint",
-				children: "…"
-			}),
-			o?.formula && !i ? /* @__PURE__ */ R("div", {
-				class: "formula",
-				tabindex: 0,
-				role: "group",
-				"aria-label": "Equations",
-				children: kt(o.formula)
-			}) : o && /* @__PURE__ */ R("pre", {
-				class: "equations",
-				tabindex: 0,
-				children: o.text
-			}),
-			o?.notes?.map((e) => /* @__PURE__ */ R("p", {
-				class: "hint",
-				children: e
-			}))
-		]
-	});
-}
-// src/fields.tsx
-var jt = 0;
-function Mt(e) {
-	let [t, n] = H(e.value), [r] = H(() => `list${++jt}`), i = mt(!1);
-	return pt(() => {
-		i.current || n(e.value);
-	}, [e.value]), /* @__PURE__ */ R(x, { children: [/* @__PURE__ */ R("input", {
-		"aria-label": e.label,
-		value: t,
-		disabled: e.disabled,
-		placeholder: e.placeholder,
-		spellcheck: !1,
-		autocomplete: "off",
-		list: e.list ? r : void 0,
-		"data-first": e.first ? "" : void 0,
-		onFocus: () => i.current = !0,
-		onInput: (e) => n(e.currentTarget.value),
-		onBlur: () => {
-			i.current = !1, t !== e.value && e.onWrite(t);
-		},
-		onKeyDown: (t) => {
-			t.key === "Enter" && t.currentTarget.blur(), t.key === "Escape" && (n(e.value), i.current = !1, requestAnimationFrame(() => document.querySelector(".canvas svg")?.focus())), t.stopPropagation();
-		}
-	}), e.list && /* @__PURE__ */ R("datalist", {
-		id: r,
-		children: e.list.map((e) => /* @__PURE__ */ R("option", { value: e }))
-	})] });
-}
-function Nt(e) {
-	let t = e.trim();
-	return t === "" ? null : /^[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?$/i.test(t) ? Number(t) : t;
-}
-// src/item.tsx
-var Pt = {
-	C: ["q", "e"],
-	I: ["p", "f"]
-}, Ft = {
-	diode: [],
-	thyristor: ["gate"],
-	unilateral: [
-		"gap",
-		"restitution",
-		"stiffness"
-	],
-	coulomb: ["limit", "breakaway"],
-	relay: ["limit"]
-};
-function It({ store: e, state: t }) {
-	let n = t.look, r = n.view.nodes.filter((e) => t.nodes.has(e.name)), i = n.view.bonds.filter((e) => t.bonds.has(e.key));
-	if (r.length === 1) return /* @__PURE__ */ R(Vt, {
-		store: e,
-		state: t,
-		node: r[0]
-	});
-	if (i.length === 1 && !r.length) {
-		let r = i[0], a = t.cursor?.values[r.key];
-		return /* @__PURE__ */ R("section", { children: [
-			/* @__PURE__ */ R("h2", { children: "Bond" }),
-			/* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: "written" }), /* @__PURE__ */ R(Mt, {
-				label: "Bond",
-				first: !0,
-				value: r.text,
-				disabled: !n.view.editable,
-				onWrite: (n) => void Lt(e, t, r.key, n)
-			})] }),
-			a && /* @__PURE__ */ R("p", { children: [
-				"effort ",
-				B(a.e, a.units[0]),
-				", flow ",
-				B(a.f, a.units[1]),
-				", power",
-				" ",
-				a.e === null || a.f === null ? "—" : B(a.e * a.f, "W")
-			] }),
-			/* @__PURE__ */ R("div", {
-				class: "row",
-				children: [/* @__PURE__ */ R("button", {
-					onClick: () => e.reverse(),
-					children: "Turn round (r)"
-				}), /* @__PURE__ */ R("button", {
-					onClick: () => e.remove(),
-					children: "Delete"
-				})]
-			})
-		] });
-	}
-	return r.length + i.length > 1 ? /* @__PURE__ */ R("section", { children: [/* @__PURE__ */ R("h2", { children: [
-		r.length,
-		" elements, ",
-		i.length,
-		" bonds"
-	] }), /* @__PURE__ */ R("div", {
-		class: "row",
-		children: [
-			/* @__PURE__ */ R("button", {
-				onClick: () => Rt(e, r, "y"),
-				children: "In a row"
-			}),
-			/* @__PURE__ */ R("button", {
-				onClick: () => Rt(e, r, "x"),
-				children: "In a column"
-			}),
-			/* @__PURE__ */ R("button", {
-				disabled: r.length < 3,
-				onClick: () => zt(e, r, "x"),
-				children: "Evenly across"
-			}),
-			/* @__PURE__ */ R("button", {
-				disabled: r.length < 3,
-				onClick: () => zt(e, r, "y"),
-				children: "Evenly down"
-			}),
-			/* @__PURE__ */ R("button", {
-				onClick: () => void e.duplicate(),
-				children: "Duplicate"
-			}),
-			/* @__PURE__ */ R("button", {
-				onClick: () => e.remove(),
-				children: "Delete"
-			})
-		]
-	})] }) : /* @__PURE__ */ R(Bt, {
-		store: e,
-		state: t
-	});
-}
-async function Lt(e, t, n, r) {
-	let [i] = n.split(".").map(Number);
-	t.look.view.bonds.filter((e) => e.key.startsWith(`${i}.`)).length === 1 ? await e.edit({
-		do: "write bond",
-		chain: i,
-		text: r
-	}) : (await e.edit({
-		do: "remove",
-		names: [],
-		bonds: [n]
-	}), r.trim() && await e.edit({
-		do: "write bond",
-		text: r
-	}));
-}
-function Rt(e, t, n) {
-	let r = t.reduce((e, t) => e + t[n], 0) / t.length, i = Math.round(r * 4) / 4, a = Object.fromEntries(t.map((e) => [e.name, n === "y" ? [e.x, i] : [i, e.y]]));
-	e.edit({
-		do: "move",
-		at: a
-	});
-}
-function zt(e, t, n) {
-	let r = [...t].sort((e, t) => e[n] - t[n]), [i, a] = [r[0][n], r[r.length - 1][n]], o = Object.fromEntries(r.map((e, t) => {
-		let o = i + (a - i) * t / (r.length - 1);
-		return [e.name, n === "x" ? [o, e.y] : [e.x, o]];
-	}));
-	e.edit({
-		do: "move",
-		at: o
-	});
-}
-function Bt({ store: e, state: t }) {
-	let n = t.look, r = t.stock?.domains ?? [], i = (t, n) => void e.edit({
-		do: "set",
-		path: t,
-		value: n
-	});
-	return /* @__PURE__ */ R("section", { children: [
-		/* @__PURE__ */ R("h2", { children: "Model" }),
-		/* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: "title" }), /* @__PURE__ */ R(Mt, {
-			label: "Title",
-			first: !0,
-			value: n.title,
-			disabled: !n.view.editable,
-			onWrite: (e) => i(["title"], e)
-		})] }),
-		/* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: "domain" }), /* @__PURE__ */ R("select", {
-			disabled: !n.view.editable,
-			value: n.view.domain,
-			onChange: (e) => i(["domain"], e.currentTarget.value),
-			children: r.map((e) => /* @__PURE__ */ R("option", {
-				value: e.name,
-				children: [
-					e.name,
-					" ",
-					e.effort && `(${e.effort}, ${e.flow})`
-				]
-			}))
-		})] }),
-		/* @__PURE__ */ R("p", {
-			class: "hint",
-			children: [
-				"Put elements down from the palette, or press ",
-				/* @__PURE__ */ R("kbd", { children: "a" }),
-				" and write ",
-				/* @__PURE__ */ R("code", { children: "R load 10 ohm" }),
-				". Drag from the handle of a selected element to bond it, or press ",
-				/* @__PURE__ */ R("kbd", { children: "b" }),
-				". Strokes follow each edit."
-			]
-		})
-	] });
-}
-function Vt({ store: e, state: t, node: n }) {
-	let r = !t.look.view.editable, i = n.entry, a = (t, r) => void e.edit({
-		do: "set",
-		path: [
-			"elements",
-			n.name,
-			...t
-		],
-		value: r
-	}), o = (t) => void e.edit({
-		do: "rename",
-		old: n.name,
-		new: t.trim()
-	}).then((n) => n && e.set({ nodes: /* @__PURE__ */ new Set([t.trim()]) })), s = n.kind === "0" || n.kind === "1", c = t.stock?.parts.find((e) => e.name === i.submodel);
-	return /* @__PURE__ */ R("section", { children: [
-		/* @__PURE__ */ R("h2", { children: n.kind === "part" ? String(i.submodel) : t.stock?.kinds.find((e) => e.kind === n.kind)?.about ?? n.kind }),
-		/* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: "name" }), /* @__PURE__ */ R(Mt, {
-			label: "Name",
-			first: s || n.kind === "part",
-			value: n.name,
-			disabled: r,
-			onWrite: o
-		})] }),
-		!s && n.kind !== "part" && /* @__PURE__ */ R(Ht, {
-			node: n,
-			off: r,
-			set: a
-		}),
-		Pt[n.kind]?.map((e) => /* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: ["start ", e] }), /* @__PURE__ */ R(Mt, {
-			label: `Start value ${e}`,
-			value: Gt(i[e]),
-			disabled: r,
-			placeholder: "0",
-			onWrite: (t) => a([e], Nt(t))
-		})] })),
-		s && /* @__PURE__ */ R(x, { children: [
-			/* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: "kind" }), /* @__PURE__ */ R("select", {
-				disabled: r,
-				value: n.kind,
-				onChange: (e) => a(["junction"], Number(e.currentTarget.value)),
-				children: [/* @__PURE__ */ R("option", {
-					value: "0",
-					children: "0, common effort"
-				}), /* @__PURE__ */ R("option", {
-					value: "1",
-					children: "1, common flow"
-				})]
-			})] }),
-			/* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: "law" }), /* @__PURE__ */ R("select", {
-				disabled: r,
-				value: Gt(i.law),
-				onChange: (e) => a(["law"], e.currentTarget.value || null),
-				children: [/* @__PURE__ */ R("option", {
-					value: "",
-					children: "none"
-				}), t.stock?.laws.map((e) => /* @__PURE__ */ R("option", {
-					value: e,
-					children: e
-				}))]
-			})] }),
-			(Ft[Gt(i.law)] ?? []).map((e) => /* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: e }), /* @__PURE__ */ R(Mt, {
-				label: e,
-				value: Gt(i[e]),
-				disabled: r,
-				onWrite: (t) => a([e], Nt(t))
-			})] })),
-			/* @__PURE__ */ R(Ut, {
-				store: e,
-				state: t,
-				node: n
-			})
-		] }),
-		n.kind === "part" && /* @__PURE__ */ R(x, { children: [
-			c && /* @__PURE__ */ R("p", {
-				class: "hint",
-				children: c.title
-			}),
-			Object.entries({
-				...c?.parameters,
-				...i.parameters
-			}).map(([e]) => {
-				let t = i.parameters?.[e];
-				return /* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: e }), /* @__PURE__ */ R(Mt, {
-					label: e,
-					value: Gt(t),
-					disabled: r,
-					placeholder: c?.parameters[e],
-					onWrite: (t) => a(["parameters", e], Nt(t))
-				})] });
-			}),
-			n.inputs?.map((e) => /* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: [e, " ⟵"] }), /* @__PURE__ */ R(Mt, {
-				label: `Input ${e}`,
-				value: Gt(i.inputs?.[e]),
-				disabled: r,
-				placeholder: "an expression",
-				list: Kt(t),
-				onWrite: (t) => a(["inputs", e], Nt(t))
-			})] })),
-			n.known && /* @__PURE__ */ R("button", {
-				onClick: () => e.open(t.level ? `${t.level}.${n.name}` : n.name),
-				children: "Open"
-			})
-		] }),
-		/* @__PURE__ */ R("div", {
-			class: "row",
-			children: [
-				/* @__PURE__ */ R("button", {
-					disabled: r,
-					onClick: () => e.set({ bondFrom: n.name }),
-					children: "Bond (b)"
-				}),
-				/* @__PURE__ */ R("button", {
-					disabled: r,
-					onClick: () => void e.duplicate(),
-					children: "Duplicate"
-				}),
-				/* @__PURE__ */ R("button", {
-					disabled: r,
-					onClick: () => e.remove(),
-					children: "Delete"
-				})
-			]
-		})
-	] });
-}
-function Ht({ node: e, off: t, set: n }) {
-	let r = e.entry[e.kind];
-	if (typeof r == "object" && r && !Array.isArray(r)) {
-		let [i, a] = Object.entries(r)[0] ?? ["e", ""];
-		if (typeof a == "string") return /* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: [i, " ="] }), /* @__PURE__ */ R(Mt, {
-			label: `Law, ${i} =`,
-			first: !0,
-			value: a,
-			disabled: t,
-			onWrite: (t) => n([e.kind, i], t)
-		})] });
-	}
-	return typeof r == "object" && r ? /* @__PURE__ */ R("p", {
-		class: "hint",
-		children: "A field or a table: edit it in the text."
-	}) : /* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: "value" }), /* @__PURE__ */ R(Mt, {
-		label: "Value",
-		first: !0,
-		value: Gt(r),
-		disabled: t,
-		onWrite: (t) => {
-			let r = /^\s*([ef])\s*=\s*(.+)$/.exec(t);
-			n([e.kind], r ? { [r[1]]: r[2] } : Nt(t) ?? 1);
-		}
-	})] });
-}
-function Ut({ store: e, state: t, node: n }) {
-	let r = t.look;
-	return n.machine ? /* @__PURE__ */ R("p", { children: ["switched by ", /* @__PURE__ */ R("button", {
-		class: "link",
-		onClick: () => e.set({ tab: "machines" }),
-		children: n.machine
-	})] }) : n.law ? null : /* @__PURE__ */ R("button", {
-		disabled: !r.view.editable,
-		onClick: () => void e.edit({
-			do: "set",
-			path: ["machines", Wt(Object.keys(r.panels.machines), `${n.name}_switch`)],
-			value: {
-				states: {
-					on: [n.name],
-					off: []
-				},
-				start: "on",
-				rules: []
-			}
-		}).then(() => e.set({ tab: "machines" })),
-		children: "Let a state machine switch it"
-	});
-}
-function Wt(e, t) {
-	if (!e.includes(t)) return t;
-	for (let n = 2;; n++) if (!e.includes(`${t}${n}`)) return `${t}${n}`;
-}
-function Gt(e) {
-	return e == null ? "" : typeof e == "object" ? JSON.stringify(e) : String(e);
-}
-function Kt(e) {
-	let t = e.look;
-	if (!t) return [];
-	let n = ["time"];
-	for (let e of t.view.nodes) n.push(`${e.name}.e`, `${e.name}.f`), e.kind === "C" && n.push(`${e.name}.q`), e.kind === "I" && n.push(`${e.name}.p`);
-	return n.push(...Object.keys(t.panels.machines).map((e) => `${e}.state`), ...e.run?.names ?? []), n.push("pre", "abs", "min", "max", "sqrt", "sin", "cos", "exp", "and", "or", "not"), n.push(...t.view.signals.map((e) => e.name), ...Object.keys(t.panels.parameters)), [...new Set(n)];
-}
-// src/expression.tsx
-var qt = 250, Jt = /[A-Za-z_][\w.]*$/, Yt = 0;
-function Xt(e) {
-	let [t, n] = H(e.value), [r, i] = H([]), [a, o] = H(-1), [s, c] = H(null), [l] = H(() => `words${++Yt}`), u = mt(null), d = mt(!1), f = mt(0);
-	pt(() => {
-		d.current || n(e.value), c(null);
-	}, [e.value]);
-	let p = () => {
-		i([]), o(-1);
-	}, m = () => {
-		let t = u.current.value;
-		n(t);
-		let r = Jt.exec(t.slice(0, u.current.selectionStart ?? t.length))?.[0] ?? "", a = r.toLowerCase(), s = r ? e.words.filter((e) => e !== r && e.toLowerCase().includes(a)) : [];
-		s.sort((e, t) => Number(t.toLowerCase().startsWith(a)) - Number(e.toLowerCase().startsWith(a))), i(s.slice(0, 8)), o(-1);
-		let l = ++f.current;
-		setTimeout(() => {
-			l === f.current && e.check(t).then((e) => l === f.current && c(e)).catch(() => {});
-		}, qt);
-	}, h = (e) => {
-		let t = u.current, n = t.selectionStart ?? t.value.length, r = t.value.slice(0, n).replace(Jt, e);
-		t.value = r + t.value.slice(n), t.setSelectionRange(r.length, r.length), p(), m(), i([]), t.focus();
-	};
-	return /* @__PURE__ */ R("span", {
-		class: "expression",
-		children: [
-			/* @__PURE__ */ R("input", {
-				ref: u,
-				"aria-label": e.label,
-				value: t,
-				disabled: e.disabled,
-				spellcheck: !1,
-				autocomplete: "off",
-				role: "combobox",
-				"aria-autocomplete": "list",
-				"aria-expanded": r.length > 0,
-				"aria-controls": l,
-				"aria-activedescendant": a >= 0 ? `${l}-${a}` : void 0,
-				"aria-invalid": !!s,
-				"aria-errormessage": s ? `${l}-wrong` : void 0,
-				onFocus: () => d.current = !0,
-				onInput: m,
-				onBlur: () => {
-					d.current = !1, f.current++, p(), t !== e.value && e.onWrite(t);
-				},
-				onKeyDown: (t) => {
-					t.stopPropagation();
-					let i = {
-						ArrowDown: 1,
-						ArrowUp: -1
-					}[t.key];
-					if (i && r.length) t.preventDefault(), o((a + i + r.length) % r.length);
-					else if ((t.key === "Tab" || t.key === "Enter") && a >= 0) t.preventDefault(), h(r[a]);
-					else if (t.key === "Enter") u.current.blur();
-					else if (t.key === "Escape") {
-						if (r.length) return p();
-						n(e.value), c(null), d.current = !1, requestAnimationFrame(() => document.querySelector(".canvas svg")?.focus());
-					}
-				}
-			}),
-			r.length > 0 && /* @__PURE__ */ R("ul", {
-				id: l,
-				role: "listbox",
-				"aria-label": "Names",
-				children: r.map((e, t) => /* @__PURE__ */ R("li", {
-					id: `${l}-${t}`,
-					role: "option",
-					"aria-selected": t === a,
-					onMouseDown: (t) => {
-						t.preventDefault(), h(e);
-					},
-					children: e
-				}))
-			}),
-			s && /* @__PURE__ */ R("small", {
-				class: "wrong",
-				id: `${l}-wrong`,
-				role: "status",
-				children: [
-					s.why,
-					" ",
-					s.try && /* @__PURE__ */ R("em", { children: s.try })
-				]
-			})
-		]
-	});
-}
-// src/machines.tsx
-function Zt(e) {
-	let t = /^\s*(\w+)\s*->\s*(\w+)\s+when\s+(.+)$/s.exec(e);
-	return t ? {
-		source: t[1],
-		target: t[2],
-		guard: t[3]
-	} : null;
-}
-function Qt({ store: e, state: t }) {
-	let n = t.look, r = Object.entries(n.panels.machines);
-	return /* @__PURE__ */ R("section", { children: [
-		/* @__PURE__ */ R("h2", { children: "State machines" }),
-		r.map(([n, r]) => /* @__PURE__ */ R($t, {
-			store: e,
-			state: t,
-			name: n,
-			machine: r
-		}, n)),
-		n.view.editable && /* @__PURE__ */ R("button", {
-			onClick: () => {
-				let i = n.view.nodes.find((e) => t.nodes.has(e.name) && (e.kind === "0" || e.kind === "1")), a = Wt([...r.map(([e]) => e), ...n.view.nodes.map((e) => e.name)], "S");
-				e.edit({
-					do: "set",
-					path: ["machines", a],
-					value: {
-						states: {
-							on: i ? [i.name] : [],
-							off: []
-						},
-						start: "on",
-						rules: []
-					}
-				});
-			},
-			children: "New machine"
-		}),
-		/* @__PURE__ */ R("p", {
-			class: "hint",
-			children: [
-				"In guards ",
-				/* @__PURE__ */ R("code", { children: "pre(x)" }),
-				" is the value before the instant (a priori ",
-				/* @__PURE__ */ R("b", { children: "x⁻" }),
-				"), ",
-				/* @__PURE__ */ R("code", { children: "x" }),
-				" the one that holds after it (a posteriori ",
-				/* @__PURE__ */ R("b", { children: "x⁺" }),
-				")."
-			]
-		})
-	] });
-}
-function $t({ store: e, state: t, name: n, machine: r }) {
-	let i = t.look, a = !i.view.editable, o = t.level ? `${t.level}.${n}` : n, s = t.cursor?.mode[o] ?? i.machines.find((e) => e.path === o)?.state, c = Object.keys(r.states ?? {}), l = r.rules ?? [], u = (t) => void e.edit({
-		do: "set",
-		path: ["machines", n],
-		value: t
-	}), d = (e, t) => u({
-		...r,
-		rules: t === null ? l.filter((t, n) => n !== e) : l.map((n, r) => r === e ? t : n)
-	}), f = async (i, a) => {
-		let o = {
-			...r,
-			rules: l.map((e, t) => t === i ? a : e)
-		}, s = {
-			do: "set",
-			path: ["machines", n],
-			value: o,
-			level: t.level
-		}, { problem: c } = await e.transport.ask("attempt", { edit: s });
-		return c?.where.includes(n) ? c : null;
-	}, p = i.view.nodes.filter((e) => e.kind !== "part" && e.kind !== "?").map((e) => e.name);
-	return /* @__PURE__ */ R("div", {
-		class: "machine",
-		"data-machine": n,
-		children: [
-			/* @__PURE__ */ R("div", {
-				class: "row",
-				children: [/* @__PURE__ */ R(Mt, {
-					label: `Name of machine ${n}`,
-					value: n,
-					disabled: a,
-					onWrite: (t) => void e.edit({
-						do: "rename",
-						old: n,
-						new: t.trim()
-					})
-				}), !a && /* @__PURE__ */ R("button", {
-					class: "small",
-					"aria-label": `Delete machine ${n}`,
-					onClick: () => void e.edit({
-						do: "set",
-						path: ["machines", n],
-						value: null
-					}),
-					children: "✕"
-				})]
-			}),
-			/* @__PURE__ */ R(en, {
-				machine: r,
-				now: s,
-				onState: (t) => e.setMode(o, t)
-			}),
-			c.map((t) => /* @__PURE__ */ R("div", {
-				class: "row state",
-				children: [
-					/* @__PURE__ */ R("input", {
-						type: "radio",
-						name: `start-${n}`,
-						"aria-label": `${n} starts in ${t}`,
-						title: "start state",
-						checked: r.start === t,
-						disabled: a,
-						onChange: () => u({
-							...r,
-							start: t
-						})
-					}),
-					/* @__PURE__ */ R(Mt, {
-						label: `State ${t} of ${n}`,
-						value: t,
-						disabled: a,
-						onWrite: (i) => {
-							let a = i.trim();
-							if (!a) {
-								let { [t]: e, ...n } = r.states;
-								return u({
-									...r,
-									states: n,
-									start: r.start === t ? Object.keys(n)[0] : r.start
-								});
-							}
-							e.edit({
-								do: "rename state",
-								machine: n,
-								old: t,
-								new: a
-							});
-						}
-					}),
-					/* @__PURE__ */ R("span", {
-						class: "on",
-						children: "ON"
-					}),
-					/* @__PURE__ */ R(Mt, {
-						label: `Junctions that state ${t} of ${n} switches on`,
-						value: (r.states[t] ?? []).join(", "),
-						disabled: a,
-						list: p,
-						placeholder: "none",
-						onWrite: (e) => u({
-							...r,
-							states: {
-								...r.states,
-								[t]: e.split(/[\s,]+/).filter(Boolean)
-							}
-						})
-					})
-				]
-			})),
-			l.map((e, r) => {
-				let i = Zt(e), o = i && /\bpre\s*\(/.test(i.guard);
-				return /* @__PURE__ */ R("div", {
-					class: "row rule",
-					children: [i ? /* @__PURE__ */ R(x, { children: [
-						/* @__PURE__ */ R("select", {
-							disabled: a,
-							"aria-label": "From",
-							value: i.source,
-							onChange: (e) => d(r, `${e.currentTarget.value} -> ${i.target} when ${i.guard}`),
-							children: c.map((e) => /* @__PURE__ */ R("option", { children: e }))
-						}),
-						"→",
-						/* @__PURE__ */ R("select", {
-							disabled: a,
-							"aria-label": "To",
-							value: i.target,
-							onChange: (e) => d(r, `${i.source} -> ${e.currentTarget.value} when ${i.guard}`),
-							children: c.map((e) => /* @__PURE__ */ R("option", { children: e }))
-						}),
-						/* @__PURE__ */ R(Xt, {
-							label: `Guard ${r + 1} of ${n}`,
-							value: i.guard,
-							disabled: a,
-							words: Kt(t),
-							check: (e) => f(r, `${i.source} -> ${i.target} when ${e}`),
-							onWrite: (e) => d(r, `${i.source} -> ${i.target} when ${e}`)
-						}),
-						/* @__PURE__ */ R("span", {
-							class: "reads " + (o ? "prior" : "after"),
-							title: o ? "reads a priori values, x⁻" : "reads a posteriori values, x⁺",
-							children: o ? "x⁻" : "x⁺"
-						})
-					] }) : /* @__PURE__ */ R(Mt, {
-						label: `Rule ${r + 1} of ${n}`,
-						value: e,
-						disabled: a,
-						onWrite: (e) => d(r, e)
-					}), !a && /* @__PURE__ */ R("button", {
-						class: "small",
-						"aria-label": `Delete rule ${r + 1} of ${n}`,
-						onClick: () => d(r, null),
-						children: "✕"
-					})]
-				});
-			}),
-			!a && /* @__PURE__ */ R("div", {
-				class: "row",
-				children: [/* @__PURE__ */ R("button", {
-					onClick: () => u({
-						...r,
-						states: {
-							...r.states,
-							[Wt(c, "state")]: []
-						}
-					}),
-					children: "Add state"
-				}), /* @__PURE__ */ R("button", {
-					disabled: c.length < 2,
-					onClick: () => {
-						let e = c.find((e) => !l.some((t) => Zt(t)?.source === e)) ?? c[0], t = c.find((t) => t !== e);
-						u({
-							...r,
-							rules: [...l, `${e} -> ${t} when time >= 1`]
-						});
-					},
-					children: "Add rule"
-				})]
-			})
-		]
-	});
-}
-function en({ machine: e, now: t, onState: n }) {
-	let r = Object.keys(e.states ?? {}), i = (e) => 46 + 108 * r.indexOf(e), a = (e.rules ?? []).map(Zt).filter((e) => !!e && r.includes(e.source) && r.includes(e.target)), o = /* @__PURE__ */ new Map(), s = 26 + 16 * Math.max(1, ...a.map((e) => Math.abs(r.indexOf(e.target) - r.indexOf(e.source))));
-	return /* @__PURE__ */ R("div", {
-		class: "diagram",
-		children: /* @__PURE__ */ R("svg", {
-			width: 46 + 108 * r.length,
-			height: 2 * s + 10,
-			viewBox: `0 ${-s} ${46 + 108 * r.length} ${2 * s + 10}`,
-			role: "group",
-			"aria-label": "States and rules",
-			children: [
-				/* @__PURE__ */ R("defs", { children: /* @__PURE__ */ R("marker", {
-					id: "rulehead",
-					viewBox: "0 0 8 8",
-					refX: 7,
-					refY: 4,
-					markerWidth: 7,
-					markerHeight: 7,
-					orient: "auto",
-					children: /* @__PURE__ */ R("path", {
-						d: "M0,1L8,4L0,7z",
-						class: "rulehead"
-					})
-				}) }),
-				a.map((e) => {
-					let [t, n] = [i(e.source), i(e.target)], r = `${e.source}>${e.target}`, a = o.get(r) ?? 0;
-					if (o.set(r, a + 1), t === n) return /* @__PURE__ */ R("path", {
-						class: "arc",
-						d: `M${t - 8},-14 C${t - 26},-44 ${t + 26},-44 ${t + 8},-14`,
-						"marker-end": "url(#rulehead)",
-						children: /* @__PURE__ */ R("title", { children: e.guard })
-					});
-					let s = n > t ? -1 : 1, c = s * (22 + 14 * Math.abs(n - t) / 108 + 9 * a), l = e.guard.length > 26 ? e.guard.slice(0, 25) + "…" : e.guard;
-					return /* @__PURE__ */ R("g", { children: [/* @__PURE__ */ R("path", {
-						class: "arc",
-						d: `M${t},${14 * s} C${t},${c} ${n},${c} ${n},${14 * s}`,
-						"marker-end": "url(#rulehead)",
-						children: /* @__PURE__ */ R("title", { children: e.guard })
-					}), /* @__PURE__ */ R("text", {
-						class: "guard",
-						x: (t + n) / 2,
-						y: .78 * c + (s < 0 ? -3 : 10),
-						"text-anchor": "middle",
-						children: l
-					})] });
-				}),
-				r.map((r) => /* @__PURE__ */ R("g", {
-					class: "statebox" + (r === t ? " now" : "") + (r === e.start ? " start" : ""),
-					role: "button",
-					tabindex: 0,
-					"aria-label": `Show state ${r}`,
-					"aria-pressed": r === t,
-					onClick: () => n(r),
-					onKeyDown: (e) => (e.key === "Enter" || e.key === " ") && n(r),
-					children: [
-						/* @__PURE__ */ R("rect", {
-							x: i(r) - 38,
-							y: -14,
-							width: 76,
-							height: 28,
-							rx: 8
-						}),
-						/* @__PURE__ */ R("text", {
-							x: i(r),
-							y: 4,
-							"text-anchor": "middle",
-							children: r.length > 11 ? r.slice(0, 10) + "…" : r
-						}),
-						r === e.start && /* @__PURE__ */ R("circle", {
-							cx: i(r) - 38,
-							cy: -14,
-							r: 4
-						})
-					]
-				}))
-			]
-		})
-	});
-}
-// src/sweeps.tsx
-var [tn, nn] = [720, 190], rn = 74, [an, U] = [8, 20], W = [
-	"var(--s0)",
-	"var(--s1)",
-	"var(--s2)",
-	"var(--s3)",
-	"var(--s4)",
-	"var(--s5)",
-	"var(--s6)",
-	"var(--s7)"
-];
-function on(e) {
-	return `color-mix(in oklab, var(--c5) ${Math.round(100 * e)}%, var(--c1))`;
-}
-function sn({ store: e, state: t }) {
-	let n = t.sweep, [r, i] = H(null), a = n.members.filter((e) => e), o = a.length ? (a.find((e) => e.curves)?.curves ?? []).map((e) => e.name) : [], s = a.filter((e) => e.error), c = a.find((e) => e.until !== void 0)?.until ?? 1;
-	return /* @__PURE__ */ R("div", {
-		class: "plots sweep",
-		children: [
-			/* @__PURE__ */ R("div", {
-				class: "plotbar",
-				children: [
-					/* @__PURE__ */ R("b", { children: n.path }),
-					" from ",
-					n.values[0],
-					" to ",
-					n.values[n.values.length - 1],
-					/* @__PURE__ */ R("span", {
-						class: "scale",
-						"aria-hidden": "true"
-					}),
-					/* @__PURE__ */ R("span", {
-						role: "status",
-						children: [n.done ? `${a.length} runs${a.length < n.values.length ? ", cancelled" : ""}` : `${a.length} of ${n.values.length}`, s.length > 0 && `, ${s.length} stopped: ${s[0].error.code}`]
-					}),
-					!n.done && /* @__PURE__ */ R("button", {
-						onClick: e.cancel,
-						children: "Cancel"
-					}),
-					/* @__PURE__ */ R("input", {
-						type: "range",
-						"aria-label": `Run of the sweep over ${n.path}`,
-						min: 0,
-						max: n.values.length - 1,
-						step: 1,
-						value: r ?? 0,
-						onInput: (e) => i(Number(e.currentTarget.value))
-					}),
-					r !== null && /* @__PURE__ */ R(x, { children: [/* @__PURE__ */ R("output", { children: [
-						n.path,
-						" = ",
-						n.values[r]
-					] }), !n.path.includes(".") && /* @__PURE__ */ R("button", {
-						onClick: () => {
-							let t = n.values[r];
-							n.path.split(".").length === 1 && e.edit({
-								do: "set",
-								path: ["parameters", n.path],
-								value: t,
-								level: ""
-							}).then(() => e.start());
-						},
-						children: "Take this value"
-					})] }),
-					/* @__PURE__ */ R("button", {
-						onClick: () => e.set({ sweep: null }),
-						children: "Close"
-					})
-				]
-			}),
-			o.map((e, t) => /* @__PURE__ */ R(cn, {
-				name: e,
-				curves: n.members.map((e) => e?.curves?.[t]),
-				end: c,
-				chosen: r,
-				choose: i
-			}, e)),
-			/* @__PURE__ */ R(ln, {
-				sweep: n,
-				end: c,
-				chosen: r,
-				choose: i
-			})
-		]
-	});
-}
-function cn({ name: e, curves: t, end: n, chosen: r, choose: i }) {
-	let a = t.filter((e) => !!e && !e.error), [o, s] = [Infinity, -Infinity];
-	for (let e of a) for (let t of e.y) t !== null && ([o, s] = [Math.min(o, t), Math.max(s, t)]);
-	if (!a.length || o > s) return /* @__PURE__ */ R("p", {
-		class: "hint",
-		children: [
-			e,
-			": ",
-			t.find((e) => e?.error)?.error?.why ?? "no values yet"
-		]
-	});
-	let c = a[0].unit, l = s - o || Math.abs(s) || 1, u = (e) => rn + e / n * (tn - rn - 8), d = (e) => nn - U - (e - o) / l * (nn - U - an), f = (e) => {
-		let t = "", n = "M";
-		return e.t.forEach((r, i) => {
-			let a = e.y[i];
-			a === null ? n = "M" : (t += `${n}${u(r).toFixed(1)},${d(a).toFixed(1)}`, n = "L");
-		}), t;
-	}, p = t.map((e, t) => t).filter((e) => e !== r);
-	return r !== null && p.push(r), /* @__PURE__ */ R("svg", {
-		class: "family",
-		viewBox: `0 0 ${tn} ${nn}`,
-		role: "img",
-		"aria-label": `${e} of ${a.length} runs, between ${Ve(o)} and ${Ve(s)} ${c}`,
-		children: [
-			/* @__PURE__ */ R("rect", {
-				class: "box",
-				x: rn,
-				y: an,
-				width: tn - rn - 8,
-				height: nn - U - an
-			}),
-			o < 0 && s > 0 && /* @__PURE__ */ R("line", {
-				class: "axis",
-				x1: rn,
-				x2: tn - 8,
-				y1: d(0),
-				y2: d(0)
-			}),
-			p.map((e) => {
-				let n = t[e];
-				return !n || n.error ? null : /* @__PURE__ */ R("path", {
-					class: e === r ? "way chosen" : "way",
-					d: f(n),
-					style: `stroke: ${on(e / Math.max(1, t.length - 1))}`,
-					onClick: () => i(e),
-					children: /* @__PURE__ */ R("title", { children: ["run ", e + 1] })
-				}, e);
-			}),
-			/* @__PURE__ */ R("text", {
-				x: 69,
-				y: an + 9,
-				"text-anchor": "end",
-				children: B(s, c)
-			}),
-			/* @__PURE__ */ R("text", {
-				x: 69,
-				y: nn - U,
-				"text-anchor": "end",
-				children: B(o, c)
-			}),
-			/* @__PURE__ */ R("text", {
-				class: "what",
-				transform: `translate(12,${(nn - U) / 2}) rotate(-90)`,
-				"text-anchor": "middle",
-				children: e
-			}),
-			/* @__PURE__ */ R("text", {
-				x: rn,
-				y: nn - 5,
-				children: "0 s"
-			}),
-			/* @__PURE__ */ R("text", {
-				x: tn - 8,
-				y: nn - 5,
-				"text-anchor": "end",
-				children: B(n, "s")
-			})
-		]
-	});
-}
-function ln({ sweep: e, end: t, chosen: n, choose: r }) {
-	let i = [...e.members].reverse().find((e) => e?.named)?.named ?? [];
-	if (i.length < 2) return null;
-	let a = Math.max(...e.members.map((e) => e?.modes?.length ?? 0)), o = (tn - rn - 8) / e.values.length, s = (e) => {
-		let t = [];
-		return e.forEach((e, n) => {
-			let r = t[t.length - 1];
-			r && r[2] === e ? r[1] = n + 1 : t.push([
-				n,
-				n + 1,
-				e
-			]);
-		}), t;
-	};
-	return /* @__PURE__ */ R("figure", {
-		class: "modemap",
-		children: [/* @__PURE__ */ R("svg", {
-			viewBox: `0 0 ${tn} 184`,
-			role: "img",
-			"aria-label": `Modes over ${e.path} and time: ${i.join("; ")}`,
-			children: [
-				e.members.map((t, c) => t?.modes ? /* @__PURE__ */ R("g", {
-					class: c === n ? "chosen" : "",
-					onClick: () => r(c),
-					children: s(t.modes).map(([t, n, r]) => /* @__PURE__ */ R("rect", {
-						x: rn + c * o,
-						width: o + .4,
-						y: an + 150 * (1 - n / a),
-						height: 150 * (n - t) / a + .4,
-						fill: W[r % W.length],
-						children: /* @__PURE__ */ R("title", { children: `${e.values[c]}: ${i[r]}` })
-					}))
-				}) : null),
-				/* @__PURE__ */ R("text", {
-					x: 69,
-					y: an + 9,
-					"text-anchor": "end",
-					children: B(t, "s")
-				}),
-				/* @__PURE__ */ R("text", {
-					x: 69,
-					y: an + 150,
-					"text-anchor": "end",
-					children: "0 s"
-				}),
-				/* @__PURE__ */ R("text", {
-					x: rn,
-					y: an + 150 + 14,
-					children: e.values[0]
-				}),
-				/* @__PURE__ */ R("text", {
-					x: tn - 8,
-					y: an + 150 + 14,
-					"text-anchor": "end",
-					children: e.values[e.values.length - 1]
-				}),
-				/* @__PURE__ */ R("text", {
-					class: "what",
-					x: (rn + tn) / 2,
-					y: an + 150 + 18,
-					"text-anchor": "middle",
-					children: e.path
-				})
-			]
-		}), /* @__PURE__ */ R("figcaption", { children: [i.slice(0, 16).map((e, t) => /* @__PURE__ */ R("span", { children: [
-			/* @__PURE__ */ R("i", { style: `background: ${W[t % W.length]}` }),
-			" ",
-			e
-		] })), i.length > 16 && ` and ${i.length - 16} more`] })]
-	});
-}
-function G({ store: e, path: t, low: n, high: r, onDone: i }) {
-	let [a, o] = H(n), [s, c] = H(r), [l, u] = H("15"), [d, f] = H(!1), p = (n) => {
-		n.preventDefault(), e.sweep({
-			path: t,
-			from: a,
-			to: s,
-			count: l,
-			log: d
-		}).then((e) => e && i());
-	}, m = (e, n, r) => /* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: e }), /* @__PURE__ */ R("input", {
-		"aria-label": `Sweep ${t} ${e}`,
-		value: n,
-		onInput: (e) => r(e.currentTarget.value),
-		onKeyDown: (e) => e.stopPropagation()
-	})] });
-	return /* @__PURE__ */ R("form", {
-		class: "sweepfields",
-		onSubmit: p,
-		children: [
-			m("from", a, o),
-			m("to", s, c),
-			m("runs", l, u),
-			/* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("input", {
-				type: "checkbox",
-				checked: d,
-				onChange: (e) => f(e.currentTarget.checked)
-			}), " by ratios"] }),
-			/* @__PURE__ */ R("button", {
-				type: "submit",
-				children: "Sweep"
-			})
-		]
-	});
-}
-// src/panels.tsx
-function un({ store: e, state: t }) {
-	let n = t.look, r = !n.view.editable, i = n.panels.experiment, a = (t, n) => e.edit({
-		do: "set",
-		path: t,
-		value: n
-	}), o = (i, o, s) => {
-		let c = Object.entries(n.panels[i]);
-		return /* @__PURE__ */ R(x, { children: [
-			/* @__PURE__ */ R("h2", { children: o }),
-			c.map(([n, r]) => /* @__PURE__ */ R(fn, {
-				store: e,
-				state: t,
-				section: i,
-				name: n,
-				value: r
-			}, n)),
-			!r && /* @__PURE__ */ R("button", {
-				onClick: () => {
-					let e = {
-						parameters: "k",
-						signals: "y",
-						inputs: "u"
-					}[i], t = [
-						...Object.keys(n.panels.parameters),
-						...n.view.nodes.map((e) => e.name),
-						...n.view.signals.map((e) => e.name)
-					];
-					a([i, Wt(t, e)], s);
-				},
-				children: "Add"
-			})
-		] });
-	};
-	return /* @__PURE__ */ R("section", { children: [
-		o("parameters", "Parameters", 1),
-		o("signals", "Signals", "time"),
-		o("inputs", "Inputs", { constant: 1 }),
-		!t.level && /* @__PURE__ */ R(x, { children: [
-			/* @__PURE__ */ R("h2", { children: "Run" }),
-			/* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: "until" }), /* @__PURE__ */ R(Mt, {
-				label: "Until",
-				value: Gt(i.until),
-				placeholder: "1 s",
-				onWrite: (e) => void a(["experiment", "until"], Nt(e))
-			})] }),
-			/* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: "solver" }), /* @__PURE__ */ R("select", {
-				value: Gt(i.solver),
-				onChange: (e) => void a(["experiment", "solver"], e.currentTarget.value || null),
-				children: [/* @__PURE__ */ R("option", {
-					value: "",
-					children: "auto"
-				}), t.stock?.solvers.filter((e) => e.name !== "auto").map((e) => /* @__PURE__ */ R("option", {
-					value: e.name,
-					title: e.about,
-					children: e.name
-				}))]
-			})] }),
-			/* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: "rtol" }), /* @__PURE__ */ R(Mt, {
-				label: "Relative tolerance",
-				value: Gt(i.rtol),
-				placeholder: "1e-8",
-				onWrite: (e) => void a(["experiment", "rtol"], Nt(e))
-			})] })
-		] })
-	] });
-}
-var dn = /^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)(\s*\S.*)?$/i;
-function fn({ store: e, state: t, section: n, name: r, value: i }) {
-	let a = !t.look.view.editable, o = typeof i != "object", s = n === "parameters" ? dn.exec(Gt(i)) : null, [c] = H(() => s && Number(s[1]) || 1), [l, u] = H(!1), d = t.level ? `${t.level}.${r}` : r, f = (e) => `${+((Number(s?.[1]) || 1) * e).toPrecision(6)}${s?.[2] ?? ""}`;
-	return /* @__PURE__ */ R("div", {
-		class: "entry",
-		"data-entry": r,
-		children: [
-			/* @__PURE__ */ R("label", { children: [
-				/* @__PURE__ */ R(Mt, {
-					label: `Name ${r}`,
-					value: r,
-					disabled: a,
-					onWrite: (t) => void e.edit({
-						do: "rename",
-						old: r,
-						new: t.trim()
-					})
-				}),
-				o ? /* @__PURE__ */ R(Mt, {
-					label: r,
-					value: Gt(i),
-					disabled: a,
-					list: n === "signals" ? Kt(t) : void 0,
-					onWrite: (t) => void e.edit({
-						do: "set",
-						path: [n, r],
-						value: Nt(t)
-					})
-				}) : /* @__PURE__ */ R(pn, {
-					store: e,
-					path: [n, r],
-					value: i,
-					off: a
-				}),
-				s && /* @__PURE__ */ R("button", {
-					class: "small",
-					"aria-label": `Sweep ${r}`,
-					title: "Run over a range",
-					"aria-pressed": l,
-					onClick: () => u(!l),
-					children: "⋯"
-				}),
-				!a && /* @__PURE__ */ R("button", {
-					class: "small",
-					"aria-label": `Delete ${r}`,
-					onClick: () => void e.edit({
-						do: "set",
-						path: [n, r],
-						value: null
-					}),
-					children: "✕"
-				})
-			] }),
-			l && s && /* @__PURE__ */ R(G, {
-				store: e,
-				path: d,
-				low: f(.5),
-				high: f(2),
-				onDone: () => u(!1)
-			}),
-			s && !a && /* @__PURE__ */ R("input", {
-				type: "range",
-				"aria-label": `Slider ${r}`,
-				min: -1,
-				max: 1,
-				step: .02,
-				value: Math.log10(Math.abs(Number(s[1]) || 1) / Math.abs(c)),
-				onChange: (i) => {
-					let a = +(Math.sign(c) * Math.abs(c) * 10 ** Number(i.currentTarget.value)).toPrecision(4), o = s[2] ?? "";
-					e.edit({
-						do: "set",
-						path: [n, r],
-						value: o ? `${a}${o}` : a
-					}).then(() => t.run && e.start());
-				}
-			})
-		]
-	});
-}
-function pn({ store: e, path: t, value: n, off: r }) {
-	return /* @__PURE__ */ R("span", {
-		class: "structured",
-		children: Object.entries(n).map(([n, i]) => typeof i == "object" && i && !Array.isArray(i) ? /* @__PURE__ */ R(pn, {
-			store: e,
-			path: [...t, n],
-			value: i,
-			off: r
-		}) : /* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("span", { children: n }), /* @__PURE__ */ R(Mt, {
-			label: `${t.join(" ")} ${n}`,
-			value: Gt(i),
-			disabled: r,
-			onWrite: (r) => {
-				let i = Nt(r);
-				if (r.trim().startsWith("[")) try {
-					i = JSON.parse(r);
-				} catch {}
-				e.edit({
-					do: "set",
-					path: [...t, n],
-					value: i
-				});
-			}
-		})] }))
-	});
-}
-function mn({ store: e, state: t }) {
-	let n = t.look.problems;
-	return /* @__PURE__ */ R("section", { children: [
-		/* @__PURE__ */ R("h2", { children: "Problems" }),
-		!n.length && /* @__PURE__ */ R("p", { children: "None." }),
-		/* @__PURE__ */ R("ul", {
-			class: "problems",
-			children: n.map((t) => /* @__PURE__ */ R("li", {
-				class: t.grave,
-				children: /* @__PURE__ */ R("button", {
-					onClick: () => e.select(t.select),
-					children: [
-						/* @__PURE__ */ R("b", { children: t.code }),
-						" ",
-						t.where && /* @__PURE__ */ R("i", { children: t.where }),
-						/* @__PURE__ */ R("span", { children: t.why }),
-						t.try && /* @__PURE__ */ R("em", { children: ["Try: ", t.try] })
-					]
-				})
-			}))
-		})
-	] });
-}
-function hn({ store: e, state: t }) {
-	let { view: n, strokes: r } = t.look;
-	return /* @__PURE__ */ R("section", {
-		class: "tables",
-		children: [
-			/* @__PURE__ */ R("h2", { children: "Elements" }),
-			/* @__PURE__ */ R("table", { children: [/* @__PURE__ */ R("thead", { children: /* @__PURE__ */ R("tr", { children: [
-				/* @__PURE__ */ R("th", {
-					scope: "col",
-					children: "name"
-				}),
-				/* @__PURE__ */ R("th", {
-					scope: "col",
-					children: "kind"
-				}),
-				/* @__PURE__ */ R("th", {
-					scope: "col",
-					children: "value"
-				}),
-				/* @__PURE__ */ R("th", {
-					scope: "col",
-					children: "state"
-				})
-			] }) }), /* @__PURE__ */ R("tbody", { children: n.nodes.map((n) => {
-				let i = r.nodes[n.name];
-				return /* @__PURE__ */ R("tr", {
-					class: t.nodes.has(n.name) ? "chosen" : "",
-					children: [
-						/* @__PURE__ */ R("td", { children: /* @__PURE__ */ R("button", {
-							class: "link",
-							onClick: () => e.set({
-								nodes: /* @__PURE__ */ new Set([n.name]),
-								bonds: /* @__PURE__ */ new Set()
-							}),
-							children: n.name
-						}) }),
-						/* @__PURE__ */ R("td", { children: n.kind === "part" ? String(n.entry.submodel) : n.kind }),
-						/* @__PURE__ */ R("td", { children: i?.says ?? n.says }),
-						/* @__PURE__ */ R("td", { children: [
-							i?.off ? "OFF" : i?.controlled ? "ON" : "",
-							i?.derivative ? "derivative" : "",
-							n.law ?? "",
-							n.machine ?? ""
-						].filter(Boolean).join(", ") })
-					]
-				});
-			}) })] }),
-			/* @__PURE__ */ R("h2", { children: "Bonds" }),
-			/* @__PURE__ */ R("table", { children: [/* @__PURE__ */ R("thead", { children: /* @__PURE__ */ R("tr", { children: [
-				/* @__PURE__ */ R("th", {
-					scope: "col",
-					children: "bond"
-				}),
-				/* @__PURE__ */ R("th", {
-					scope: "col",
-					children: "stroke at"
-				}),
-				/* @__PURE__ */ R("th", {
-					scope: "col",
-					children: "other modes"
-				})
-			] }) }), /* @__PURE__ */ R("tbody", { children: n.bonds.map((n) => {
-				let i = r.bonds[n.key] ?? r.bonds[`${n.ends[0]} -> ${n.ends[1]}`];
-				return /* @__PURE__ */ R("tr", {
-					class: t.bonds.has(n.key) ? "chosen" : "",
-					children: [
-						/* @__PURE__ */ R("td", { children: /* @__PURE__ */ R("button", {
-							class: "link",
-							onClick: () => e.set({
-								bonds: /* @__PURE__ */ new Set([n.key]),
-								nodes: /* @__PURE__ */ new Set()
-							}),
-							children: n.text
-						}) }),
-						/* @__PURE__ */ R("td", { children: i ? i.strokes.map((e) => n.ends[e]).join(", ") + (i.conflict ? " (conflict)" : "") + (i.off ? " (OFF)" : "") : "—" }),
-						/* @__PURE__ */ R("td", { children: i?.dashed?.map((e) => n.ends[e]).join(", ") ?? "" })
-					]
-				});
-			}) })] })
-		]
-	});
-}
-function gn({ store: e, state: t }) {
-	let [n, r] = H(null), [i, a] = H(null), o = t.look.revision;
-	pt(() => {
-		let t = !1;
-		return e.transport.ask("text").then((e) => !t && r(e)).catch(() => {}), () => {
-			t = !0;
-		};
-	}, [o]);
-	let s = () => {
-		i !== null && e.ask("replace", { text: i }).then((e) => e && a(null));
-	};
-	return /* @__PURE__ */ R("section", {
-		class: "textpanel",
-		children: [
-			/* @__PURE__ */ R("h2", { children: [
-				t.look.file,
-				" ",
-				i !== null && /* @__PURE__ */ R("small", { children: "not applied" })
-			] }),
-			/* @__PURE__ */ R("textarea", {
-				"aria-label": "Text of the model file",
-				spellcheck: !1,
-				value: i ?? n?.text ?? "",
-				onInput: (e) => a(e.currentTarget.value),
-				onKeyDown: (e) => {
-					e.key === "Enter" && (e.ctrlKey || e.metaKey) && s(), e.stopPropagation();
-				}
-			}),
-			/* @__PURE__ */ R("div", {
-				class: "row",
-				children: [/* @__PURE__ */ R("button", {
-					disabled: i === null,
-					onClick: s,
-					children: "Apply (Ctrl+Enter)"
-				}), /* @__PURE__ */ R("button", {
-					disabled: i === null,
-					onClick: () => a(null),
-					children: "Discard"
-				})]
-			})
-		]
-	});
-}
-// src/palette.tsx
-function _n(e) {
-	let t = e.stock, n = (t?.kinds ?? []).map((e) => ({
-		key: e.kind,
-		letters: e.kind === "G" ? "G" : e.letters,
-		about: e.about,
-		element: e.element,
-		stem: e.stem
-	})), r = /* @__PURE__ */ new Map();
-	for (let e of t?.parts ?? []) {
-		let [t, n] = e.name.split("."), i = {
-			key: e.name,
-			letters: n,
-			about: e.title,
-			element: { submodel: e.name },
-			stem: n
-		};
-		r.set(t, [...r.get(t) ?? [], i]);
-	}
-	return {
-		kinds: n,
-		parts: r
-	};
-}
-function vn({ store: e, state: t }) {
-	let [n, r] = H(""), { kinds: i, parts: a } = _n(t), o = t.look?.view.domain ?? "", s = n.toLowerCase().split(/\s+/).filter(Boolean), c = (e) => s.every((t) => `${e.key} ${e.about}`.toLowerCase().includes(t)), l = [...a].sort(([e], [t]) => Number(t === o) - Number(e === o)), u = (e) => (t) => t.dataTransfer.setData("application/x-hybond", JSON.stringify({
-		element: e.element,
-		stem: e.stem
-	})), d = (t) => {
-		e.add(t.element, t.stem), e.set({ panel: "" });
-	}, f = !t.look?.view.editable;
-	return /* @__PURE__ */ R("aside", {
-		class: "palette" + (t.panel === "palette" ? " open" : ""),
-		"aria-label": "Palette",
-		children: [
-			/* @__PURE__ */ R("div", {
-				class: "kinds",
-				children: i.map((e) => /* @__PURE__ */ R("button", {
-					disabled: f,
-					draggable: !0,
-					onDragStart: u(e),
-					onClick: () => d(e),
-					title: e.about,
-					"aria-label": `Add ${e.key}, ${e.about}`,
-					"data-kind": e.key,
-					children: e.letters
-				}))
-			}),
-			/* @__PURE__ */ R("input", {
-				type: "search",
-				placeholder: "Parts …",
-				"aria-label": "Search parts",
-				value: n,
-				onInput: (e) => r(e.currentTarget.value)
-			}),
-			/* @__PURE__ */ R("div", {
-				class: "shelves",
-				tabindex: 0,
-				role: "region",
-				"aria-label": "Ready parts",
-				children: l.map(([e, t]) => {
-					let n = t.filter(c);
-					return n.length ? /* @__PURE__ */ R("details", {
-						open: s.length > 0 || e === o,
-						children: [/* @__PURE__ */ R("summary", { children: [
-							e,
-							" ",
-							/* @__PURE__ */ R("small", { children: n.length })
-						] }), n.map((e) => /* @__PURE__ */ R("button", {
-							class: "offer",
-							disabled: f,
-							draggable: !0,
-							onDragStart: u(e),
-							onClick: () => d(e),
-							title: e.about,
-							"data-part": e.key,
-							children: e.letters.replaceAll("_", " ")
-						}))]
-					}) : null;
-				})
-			})
-		]
-	});
-}
-function yn({ store: e, state: t }) {
-	let [n, r] = H(""), { kinds: i, parts: a } = _n(t), o = [...i, ...[...a.values()].flat()], [s, ...c] = n.trim().split(/\s+/), l = i.find((e) => e.key === s), u = n.includes("->") ? [] : l ? [l, ...o.filter((e) => e !== l && e.key.includes(s))] : o.filter((e) => `${e.key} ${e.about}`.toLowerCase().includes(n.trim().toLowerCase())), d = () => {
-		document.querySelector(".canvas svg")?.focus(), e.set({ adding: !1 });
-	}, f = async () => {
-		if (n.includes("->")) return await e.edit({
-			do: "write bond",
-			text: n.trim()
-		}), d();
-		let t = u[0];
-		if (!t) return;
-		let r = t.element, i = "";
-		if (t === l && c.length) {
-			/^[A-Za-z_]\w*$/.test(c[0]) && (i = c.shift());
-			let e = c.join(" ");
-			e && !("junction" in r) && (r = { [t.key]: e });
-		}
-		await e.add(r, i || t.stem), d();
-	};
-	return /* @__PURE__ */ R("div", {
-		class: "quick",
-		role: "dialog",
-		"aria-label": "Add",
-		children: [/* @__PURE__ */ R("input", {
-			ref: (e) => e?.focus(),
-			value: n,
-			"aria-label": "What to add",
-			placeholder: "R load 10 ohm · diode · a -> b",
-			onInput: (e) => r(e.currentTarget.value),
-			onKeyDown: (e) => {
-				e.key === "Enter" && f(), e.key === "Escape" && d(), e.stopPropagation();
-			}
-		}), /* @__PURE__ */ R("ul", { children: u.slice(0, 8).map((e, t) => /* @__PURE__ */ R("li", {
-			class: t === 0 ? "chosen" : "",
-			children: [
-				/* @__PURE__ */ R("b", { children: e.letters }),
-				" ",
-				e.about
-			]
-		})) })]
-	});
-}
-// node_modules/uplot/dist/uPlot.esm.js
-var bn = !0, xn = "uplot", Sn = "u-hz", Cn = "u-vt", wn = "u-title", Tn = "u-wrap", En = "u-under", Dn = "u-over", On = "u-axis", kn = "u-off", An = "u-select", jn = "u-cursor-x", Mn = "u-cursor-y", Nn = "u-cursor-pt", Pn = "u-legend", Fn = "u-live", In = "u-inline", Ln = "u-series", Rn = "u-marker", zn = "u-label", Bn = "u-value", Vn = "width", Hn = "height", Un = "top", Wn = "bottom", Gn = "left", Kn = "right", qn = "#000", Jn = "#0000", Yn = "mousemove", Xn = "mousedown", Zn = "mouseup", Qn = "mouseenter", $n = "mouseleave", er = "dblclick", tr = "resize", nr = "scroll", rr = "change", ir = "dppxchange", ar = "--", or = typeof window < "u", sr = or ? document : null, cr = or ? window : null, lr = or ? navigator : null, K, ur;
-function dr() {
-	let e = devicePixelRatio;
-	K != e && (K = e, ur && Tr(rr, ur, dr), ur = matchMedia(`(min-resolution: ${K - .001}dppx) and (max-resolution: ${K + .001}dppx)`), wr(rr, ur, dr), cr.dispatchEvent(new CustomEvent(ir)));
-}
-function fr(e, t) {
-	if (t != null) {
-		let n = e.classList;
-		!n.contains(t) && n.add(t);
-	}
-}
-function pr(e, t) {
-	let n = e.classList;
-	n.contains(t) && n.remove(t);
-}
-function q(e, t, n) {
-	e.style[t] = n + "px";
-}
-function mr(e, t, n, r) {
-	let i = sr.createElement(e);
-	return t != null && fr(i, t), n?.insertBefore(i, r), i;
-}
-function hr(e, t) {
-	return mr("div", e, t);
-}
-var gr = /* @__PURE__ */ new WeakMap();
-function _r(e, t, n, r, i) {
-	let a = "translate(" + t + "px," + n + "px)";
-	a != gr.get(e) && (e.style.transform = a, gr.set(e, a), t < 0 || n < 0 || t > r || n > i ? fr(e, kn) : pr(e, kn));
-}
-var vr = /* @__PURE__ */ new WeakMap();
-function yr(e, t, n) {
-	let r = t + n;
-	r != vr.get(e) && (vr.set(e, r), e.style.background = t, e.style.borderColor = n);
-}
-var br = /* @__PURE__ */ new WeakMap();
-function xr(e, t, n, r) {
-	let i = t + "" + n;
-	i != br.get(e) && (br.set(e, i), e.style.height = n + "px", e.style.width = t + "px", e.style.marginLeft = r ? -t / 2 + "px" : 0, e.style.marginTop = r ? -n / 2 + "px" : 0);
-}
-var Sr = { passive: !0 }, Cr = {
-	...Sr,
-	capture: !0
-};
-function wr(e, t, n, r) {
-	t.addEventListener(e, n, r ? Cr : Sr);
-}
-function Tr(e, t, n, r) {
-	t.removeEventListener(e, n, Sr);
-}
-or && dr();
-function Er(e, t, n, r) {
-	let i;
-	n ||= 0, r ||= t.length - 1;
-	let a = r <= 2147483647;
-	for (; r - n > 1;) i = a ? n + r >> 1 : qr((n + r) / 2), t[i] < e ? n = i : r = i;
-	return e - t[n] <= t[r] - e ? n : r;
-}
-function Dr(e) {
-	return (t, n, r) => {
-		let i = -1, a = -1;
-		for (let a = n; a <= r; a++) if (e(t[a])) {
-			i = a;
-			break;
-		}
-		for (let i = r; i >= n; i--) if (e(t[i])) {
-			a = i;
-			break;
-		}
-		return [i, a];
-	};
-}
-var Or = (e) => e != null, kr = (e) => e != null && e > 0, Ar = Dr(Or), jr = Dr(kr);
-function Mr(e, t, n, r = 0, i = !1) {
-	let a = i ? jr : Ar, o = i ? kr : Or;
-	[t, n] = a(e, t, n);
-	let s = e[t], c = e[t];
-	if (t > -1) {
-		if (r == 1) s = e[t], c = e[n];
-		else if (r == -1) s = e[n], c = e[t];
-		else for (let r = t; r <= n; r++) {
-			let t = e[r];
-			o(t) && (t < s ? s = t : t > c && (c = t));
-		}
-	}
-	return [s ?? ii, c ?? -ii];
-}
-function Nr(e, t, n, r) {
-	let i = $r(e), a = $r(t);
-	e == t && (i == -1 ? (e *= n, t /= n) : (e /= n, t *= n));
-	let o = n == 10 ? ei : ti, s = i == 1 ? qr : Yr, c = a == 1 ? Yr : qr, l = s(o(Kr(e))), u = c(o(Kr(t))), d = Qr(n, l), f = Qr(n, u);
-	return n == 10 && (l < 0 && (d = Z(d, -l)), u < 0 && (f = Z(f, -u))), r || n == 2 ? (e = d * i, t = f * a) : (e = _i(e, d), t = X(t, f)), [e, t];
-}
-function Pr(e, t, n, r) {
-	let i = Nr(e, t, n, r);
-	return e == 0 && (i[0] = 0), t == 0 && (i[1] = 0), i;
-}
-var Fr = .1, Ir = {
-	mode: 3,
-	pad: Fr
-}, Lr = {
-	pad: 0,
-	soft: null,
-	mode: 0
-}, Rr = {
-	min: Lr,
-	max: Lr
-};
-function zr(e, t, n, r) {
-	return Oi(n) ? Vr(e, t, n) : (Lr.pad = n, Lr.soft = r ? 0 : null, Lr.mode = r ? 3 : 0, Vr(e, t, Rr));
-}
-function J(e, t) {
-	return e ?? t;
-}
-function Br(e, t, n) {
-	for (t = J(t, 0), n = J(n, e.length - 1); t <= n;) {
-		if (e[t] != null) return !0;
-		t++;
-	}
-	return !1;
-}
-function Vr(e, t, n) {
-	let r = n.min, i = n.max, a = J(r.pad, 0), o = J(i.pad, 0), s = J(r.hard, -ii), c = J(i.hard, ii), l = J(r.soft, ii), u = J(i.soft, -ii), d = J(r.mode, 0), f = J(i.mode, 0), p = t - e, m = ei(p), h = Zr(Kr(e), Kr(t)), g = Kr(ei(h) - m);
-	(p < 1e-24 || g > 10) && (p = 0, (e == 0 || t == 0) && (p = 1e-24, d == 2 && l != ii && (a = 0), f == 2 && u != -ii && (o = 0)));
-	let _ = p || h || 1e3, v = Qr(10, qr(ei(_))), y = Z(_i(e - _ * (p == 0 ? e == 0 ? .1 : 1 : a), v / 10), 24), b = e >= l && (d == 1 || d == 3 && y <= l || d == 2 && y >= l) ? l : ii, x = Zr(s, y < b && e >= b ? b : Xr(b, y)), S = Z(X(t + _ * (p == 0 ? t == 0 ? .1 : 1 : o), v / 10), 24), C = t <= u && (f == 1 || f == 3 && S >= u || f == 2 && S <= u) ? u : -ii, w = Xr(c, S > C && t <= C ? C : Zr(C, S));
-	return x == w && x == 0 && (w = 100), [x, w];
-}
-var Hr = new Intl.NumberFormat(or ? lr.language : "en-US"), Ur = (e) => Hr.format(e), Wr = Math, Gr = Wr.PI, Kr = Wr.abs, qr = Wr.floor, Jr = Wr.round, Yr = Wr.ceil, Xr = Wr.min, Zr = Wr.max, Qr = Wr.pow, $r = Wr.sign, ei = Wr.log10, ti = Wr.log2, ni = (e, t = 1) => Wr.sinh(e) * t, ri = (e, t = 1) => Wr.asinh(e / t), ii = Infinity;
-function ai(e) {
-	return (ei((e ^ e >> 31) - (e >> 31)) | 0) + 1;
-}
-function oi(e, t, n) {
-	return Xr(Zr(e, t), n);
-}
-function si(e) {
-	return typeof e == "function";
-}
-function Y(e) {
-	return si(e) ? e : () => e;
-}
-var ci = () => {}, li = (e) => e, ui = (e, t) => t, di = (e) => null, fi = (e) => !0, pi = (e, t) => e == t, mi = /\.\d*?(?=9{6,}|0{6,})/gm, hi = (e) => {
-	if (Ti(e) || vi.has(e)) return e;
-	let t = `${e}`, n = t.match(mi);
-	if (n == null) return e;
-	let r = n[0].length - 1;
-	if (t.indexOf("e-") != -1) {
-		let [e, n] = t.split("e");
-		return +`${hi(e)}e${n}`;
-	}
-	return Z(e, r);
-};
-function gi(e, t) {
-	return hi(Z(hi(e / t)) * t);
-}
-function X(e, t) {
-	return hi(Yr(hi(e / t)) * t);
-}
-function _i(e, t) {
-	return hi(qr(hi(e / t)) * t);
-}
-function Z(e, t = 0) {
-	if (Ti(e)) return e;
-	let n = 10 ** t;
-	return Jr(e * n * (1 + 2 ** -52)) / n;
-}
-var vi = /* @__PURE__ */ new Map();
-function yi(e) {
-	return (("" + e).split(".")[1] || "").length;
-}
-function bi(e, t, n, r) {
-	let i = [], a = r.map(yi);
-	for (let o = t; o < n; o++) {
-		let t = Kr(o), n = Z(Qr(e, o), t);
-		for (let s = 0; s < r.length; s++) {
-			let c = e == 10 ? +`${r[s]}e${o}` : r[s] * n, l = (o >= 0 ? 0 : t) + (o >= a[s] ? 0 : a[s]), u = e == 10 ? c : Z(c, l);
-			i.push(u), vi.set(u, l);
-		}
-	}
-	return i;
-}
-var xi = {}, Si = [], Ci = [null, null], wi = Array.isArray, Ti = Number.isInteger, Ei = (e) => e === void 0;
-function Di(e) {
-	return typeof e == "string";
-}
-function Oi(e) {
-	let t = !1;
-	if (e != null) {
-		let n = e.constructor;
-		t = n == null || n == Object;
-	}
-	return t;
-}
-function ki(e) {
-	return typeof e == "object" && !!e;
-}
-var Ai = Object.getPrototypeOf(Uint8Array), ji = "__proto__";
-function Mi(e, t = Oi) {
-	let n;
-	if (wi(e)) {
-		let r = e.find((e) => e != null);
-		if (wi(r) || t(r)) {
-			n = Array(e.length);
-			for (let r = 0; r < e.length; r++) n[r] = Mi(e[r], t);
-		} else n = e.slice();
-	} else if (e instanceof Ai) n = e.slice();
-	else if (t(e)) {
-		n = {};
-		for (let r in e) r != ji && (n[r] = Mi(e[r], t));
-	} else n = e;
-	return n;
-}
-function Ni(e) {
-	let t = arguments;
-	for (let n = 1; n < t.length; n++) {
-		let r = t[n];
-		for (let t in r) t != ji && (Oi(e[t]) ? Ni(e[t], Mi(r[t])) : e[t] = Mi(r[t]));
-	}
-	return e;
-}
-var Pi = 0, Fi = 1, Ii = 2;
-function Li(e, t, n) {
-	for (let r = 0, i, a = -1; r < t.length; r++) {
-		let o = t[r];
-		if (o > a) {
-			for (i = o - 1; i >= 0 && e[i] == null;) e[i--] = null;
-			for (i = o + 1; i < n && e[i] == null;) e[a = i++] = null;
-		}
-	}
-}
-function Ri(e, t) {
-	if (Vi(e)) {
-		let t = e[0].slice();
-		for (let n = 1; n < e.length; n++) t.push(...e[n].slice(1));
-		return Hi(t[0]) || (t = Bi(t)), t;
-	}
-	let n = /* @__PURE__ */ new Set();
-	for (let t = 0; t < e.length; t++) {
-		let r = e[t][0], i = r.length;
-		for (let e = 0; e < i; e++) n.add(r[e]);
-	}
-	let r = [Array.from(n).sort((e, t) => e - t)], i = r[0].length, a = /* @__PURE__ */ new Map();
-	for (let e = 0; e < i; e++) a.set(r[0][e], e);
-	for (let n = 0; n < e.length; n++) {
-		let o = e[n], s = o[0];
-		for (let e = 1; e < o.length; e++) {
-			let c = o[e], l = Array(i).fill(void 0), u = t ? t[n][e] : Fi, d = [];
-			for (let e = 0; e < c.length; e++) {
-				let t = c[e], n = a.get(s[e]);
-				t === null ? u != Pi && (l[n] = t, u == Ii && d.push(n)) : l[n] = t;
-			}
-			Li(l, d, i), r.push(l);
-		}
-	}
-	return r;
-}
-var zi = typeof queueMicrotask > "u" ? (e) => Promise.resolve().then(e) : queueMicrotask;
-function Bi(e) {
-	let t = e[0], n = t.length, r = Array(n);
-	for (let e = 0; e < r.length; e++) r[e] = e;
-	r.sort((e, n) => t[e] - t[n]);
-	let i = [];
-	for (let t = 0; t < e.length; t++) {
-		let a = e[t], o = Array(n);
-		for (let e = 0; e < n; e++) o[e] = a[r[e]];
-		i.push(o);
-	}
-	return i;
-}
-function Vi(e) {
-	let t = e[0][0], n = t.length;
-	for (let r = 1; r < e.length; r++) {
-		let i = e[r][0];
-		if (i.length != n) return !1;
-		if (i != t) {
-			for (let e = 0; e < n; e++) if (i[e] != t[e]) return !1;
-		}
-	}
-	return !0;
-}
-function Hi(e, t = 100) {
-	let n = e.length;
-	if (n <= 1) return !0;
-	let r = 0, i = n - 1;
-	for (; r <= i && e[r] == null;) r++;
-	for (; i >= r && e[i] == null;) i--;
-	if (i <= r) return !0;
-	let a = Zr(1, qr((i - r + 1) / t));
-	for (let t = e[r], n = r + a; n <= i; n += a) {
-		let r = e[n];
-		if (r != null) {
-			if (r <= t) return !1;
-			t = r;
-		}
-	}
-	return !0;
-}
-var Ui = [
-	"January",
-	"February",
-	"March",
-	"April",
-	"May",
-	"June",
-	"July",
-	"August",
-	"September",
-	"October",
-	"November",
-	"December"
-], Wi = [
-	"Sunday",
-	"Monday",
-	"Tuesday",
-	"Wednesday",
-	"Thursday",
-	"Friday",
-	"Saturday"
-];
-function Gi(e) {
-	return e.slice(0, 3);
-}
-var Ki = Wi.map(Gi), qi = {
-	MMMM: Ui,
-	MMM: Ui.map(Gi),
-	WWWW: Wi,
-	WWW: Ki
-};
-function Ji(e) {
-	return (e < 10 ? "0" : "") + e;
-}
-function Yi(e) {
-	return (e < 10 ? "00" : e < 100 ? "0" : "") + e;
-}
-var Xi = {
-	YYYY: (e) => e.getFullYear(),
-	YY: (e) => (e.getFullYear() + "").slice(2),
-	MMMM: (e, t) => t.MMMM[e.getMonth()],
-	MMM: (e, t) => t.MMM[e.getMonth()],
-	MM: (e) => Ji(e.getMonth() + 1),
-	M: (e) => e.getMonth() + 1,
-	DD: (e) => Ji(e.getDate()),
-	D: (e) => e.getDate(),
-	WWWW: (e, t) => t.WWWW[e.getDay()],
-	WWW: (e, t) => t.WWW[e.getDay()],
-	HH: (e) => Ji(e.getHours()),
-	H: (e) => e.getHours(),
-	h: (e) => {
-		let t = e.getHours();
-		return t == 0 ? 12 : t > 12 ? t - 12 : t;
-	},
-	AA: (e) => e.getHours() >= 12 ? "PM" : "AM",
-	aa: (e) => e.getHours() >= 12 ? "pm" : "am",
-	a: (e) => e.getHours() >= 12 ? "p" : "a",
-	mm: (e) => Ji(e.getMinutes()),
-	m: (e) => e.getMinutes(),
-	ss: (e) => Ji(e.getSeconds()),
-	s: (e) => e.getSeconds(),
-	fff: (e) => Yi(e.getMilliseconds())
-};
-function Zi(e, t) {
-	t ||= qi;
-	let n = [], r = /\{([a-z]+)\}|[^{]+/gi, i;
-	for (; i = r.exec(e);) n.push(i[0][0] == "{" ? Xi[i[1]] : i[0]);
-	return (e) => {
-		let r = "";
-		for (let i = 0; i < n.length; i++) r += typeof n[i] == "string" ? n[i] : n[i](e, t);
-		return r;
-	};
-}
-var Qi = new Intl.DateTimeFormat().resolvedOptions().timeZone;
-function $i(e, t) {
-	let n;
-	return t == "UTC" || t == "Etc/UTC" ? n = /* @__PURE__ */ new Date(+e + e.getTimezoneOffset() * 6e4) : t == Qi ? n = e : (n = new Date(e.toLocaleString("en-US", { timeZone: t })), n.setMilliseconds(e.getMilliseconds())), n;
-}
-var ea = (e) => e % 1 == 0, ta = [
-	1,
-	2,
-	2.5,
-	5
-], na = bi(10, -32, 0, ta), ra = bi(10, 0, 32, ta), ia = ra.filter(ea), aa = na.concat(ra), oa = "\n", sa = "{YYYY}", ca = oa + sa, la = "{M}/{D}", ua = oa + la, da = ua + "/{YY}", fa = "{aa}", pa = "{h}:{mm}" + fa, ma = oa + pa, ha = ":{ss}", Q = null;
-function ga(e) {
-	let t = e * 1e3, n = t * 60, r = n * 60, i = r * 24, a = i * 30, o = i * 365, s = (e == 1 ? bi(10, 0, 3, ta).filter(ea) : bi(10, -3, 0, ta)).concat([
-		t,
-		t * 5,
-		t * 10,
-		t * 15,
-		t * 30,
-		n,
-		n * 5,
-		n * 10,
-		n * 15,
-		n * 30,
-		r,
-		r * 2,
-		r * 3,
-		r * 4,
-		r * 6,
-		r * 8,
-		r * 12,
-		i,
-		i * 2,
-		i * 3,
-		i * 4,
-		i * 5,
-		i * 6,
-		i * 7,
-		i * 8,
-		i * 9,
-		i * 10,
-		i * 15,
-		a,
-		a * 2,
-		a * 3,
-		a * 4,
-		a * 6,
-		o,
-		o * 2,
-		o * 5,
-		o * 10,
-		o * 25,
-		o * 50,
-		o * 100
-	]), c = [
-		[
-			o,
-			sa,
-			Q,
-			Q,
-			Q,
-			Q,
-			Q,
-			Q,
-			1
-		],
-		[
-			i * 28,
-			"{MMM}",
-			ca,
-			Q,
-			Q,
-			Q,
-			Q,
-			Q,
-			1
-		],
-		[
-			i,
-			la,
-			ca,
-			Q,
-			Q,
-			Q,
-			Q,
-			Q,
-			1
-		],
-		[
-			r,
-			"{h}" + fa,
-			da,
-			Q,
-			ua,
-			Q,
-			Q,
-			Q,
-			1
-		],
-		[
-			n,
-			pa,
-			da,
-			Q,
-			ua,
-			Q,
-			Q,
-			Q,
-			1
-		],
-		[
-			t,
-			ha,
-			da + " " + pa,
-			Q,
-			ua + " " + pa,
-			Q,
-			ma,
-			Q,
-			1
-		],
-		[
-			e,
-			ha + ".{fff}",
-			da + " " + pa,
-			Q,
-			ua + " " + pa,
-			Q,
-			ma,
-			Q,
-			1
-		]
-	];
-	function l(t) {
-		return (s, c, l, u, d, f) => {
-			let p = [], m = d >= o, h = d >= a && d < o, g = t(l), _ = Z(g * e, 3), v = Ea(g.getFullYear(), m ? 0 : g.getMonth(), h || m ? 1 : g.getDate()), y = Z(v * e, 3);
-			if (h || m) {
-				let n = h ? d / a : 0, r = m ? d / o : 0, i = _ == y ? _ : Z(Ea(v.getFullYear() + r, v.getMonth() + n, 1) * e, 3), s = new Date(Jr(i / e)), c = s.getFullYear(), l = s.getMonth();
-				for (let a = 0; i <= u; a++) {
-					let o = Ea(c + r * a, l + n * a, 1), s = o - t(Z(o * e, 3));
-					i = Z((+o + s) * e, 3), i <= u && p.push(i);
-				}
-			} else {
-				let a = d >= i ? i : d, o = y + (qr(l) - qr(_)) + X(_ - y, a);
-				p.push(o);
-				let m = t(o), h = m.getHours() + m.getMinutes() / n + m.getSeconds() / r, g = d / r, v = f / s.axes[c]._space;
-				for (; o = Z(o + d, e == 1 ? 0 : 3), !(o > u);) if (g > 1) {
-					let e = qr(Z(h + g, 6)) % 24, n = t(o).getHours() - e;
-					n > 1 && (n = -1), o -= n * r, h = (h + g) % 24;
-					let i = p[p.length - 1];
-					Z((o - i) / d, 3) * v >= .7 && p.push(o);
-				} else p.push(o);
-			}
-			return p;
-		};
-	}
-	return [
-		s,
-		c,
-		l
-	];
-}
-var [_a, va, ya] = ga(1), [ba, xa, Sa] = ga(.001);
-bi(2, -53, 53, [1]);
-function Ca(e, t) {
-	return e.map((e) => e.map((n, r) => r == 0 || r == 8 || n == null ? n : t(r == 1 || e[8] == 0 ? n : e[1] + n)));
-}
-function wa(e, t) {
-	return (n, r, i, a, o) => {
-		let s = t.find((e) => o >= e[0]) || t[t.length - 1], c, l, u, d, f, p;
-		return r.map((t) => {
-			let n = e(t), r = n.getFullYear(), i = n.getMonth(), a = n.getDate(), o = n.getHours(), m = n.getMinutes(), h = n.getSeconds(), g = r != c && s[2] || i != l && s[3] || a != u && s[4] || o != d && s[5] || m != f && s[6] || h != p && s[7] || s[1];
-			return c = r, l = i, u = a, d = o, f = m, p = h, g(n);
-		});
-	};
-}
-function Ta(e, t) {
-	let n = Zi(t);
-	return (t, r, i, a, o) => r.map((t) => n(e(t)));
-}
-function Ea(e, t, n) {
-	return new Date(e, t, n);
-}
-function Da(e, t) {
-	return t(e);
-}
-var Oa = "{YYYY}-{MM}-{DD} {h}:{mm}{aa}";
-function ka(e, t) {
-	return (n, r, i, a) => a == null ? ar : t(e(r));
-}
-function Aa(e, t) {
-	let n = e.series[t];
-	return n.width ? n.stroke(e, t) : n.points.width ? n.points.stroke(e, t) : null;
-}
-function ja(e, t) {
-	return e.series[t].fill(e, t);
-}
-var Ma = {
-	show: !0,
-	live: !0,
-	isolate: !1,
-	mount: ci,
-	markers: {
-		show: !0,
-		width: 2,
-		stroke: Aa,
-		fill: ja,
-		dash: "solid"
-	},
-	idx: null,
-	idxs: null,
-	values: []
-};
-function Na(e, t) {
-	let n = e.cursor.points, r = hr(), i = n.size(e, t);
-	q(r, Vn, i), q(r, Hn, i);
-	let a = i / -2;
-	q(r, "marginLeft", a), q(r, "marginTop", a);
-	let o = n.width(e, t, i);
-	return o && q(r, "borderWidth", o), r;
-}
-function Pa(e, t) {
-	let n = e.series[t].points;
-	return n._fill || n._stroke;
-}
-function Fa(e, t) {
-	let n = e.series[t].points;
-	return n._stroke || n._fill;
-}
-function Ia(e, t) {
-	return e.series[t].points.size;
-}
-var La = [0, 0];
-function Ra(e, t, n) {
-	return La[0] = t, La[1] = n, La;
-}
-function za(e, t, n, r = !0) {
-	return (e) => {
-		e.button != 0 || r && e.target != t || n(e);
-	};
-}
-function Ba(e, t, n, r = !0) {
-	return (e) => {
-		r && e.target != t || n(e);
-	};
-}
-var Va = {
-	show: !0,
-	x: !0,
-	y: !0,
-	lock: !1,
-	move: Ra,
-	points: {
-		one: !1,
-		show: Na,
-		size: Ia,
-		width: 0,
-		stroke: Fa,
-		fill: Pa
-	},
-	bind: {
-		mousedown: za,
-		mouseup: za,
-		click: za,
-		dblclick: za,
-		mousemove: Ba,
-		mouseleave: Ba,
-		mouseenter: Ba
-	},
-	drag: {
-		setScale: !0,
-		x: !0,
-		y: !1,
-		dist: 0,
-		uni: null,
-		click: (e, t) => {
-			t.stopPropagation(), t.stopImmediatePropagation();
-		},
-		_x: !1,
-		_y: !1
-	},
-	focus: {
-		dist: (e, t, n, r, i) => r - i,
-		prox: -1,
-		bias: 0
-	},
-	hover: {
-		skip: [void 0],
-		prox: null,
-		bias: 0
-	},
-	left: -10,
-	top: -10,
-	idx: null,
-	dataIdx: null,
-	idxs: null,
-	event: null
-}, Ha = {
-	show: !0,
-	stroke: "rgba(0,0,0,0.07)",
-	width: 2
-}, Ua = Ni({}, Ha, { filter: ui }), Wa = Ni({}, Ua, { size: 10 }), Ga = Ni({}, Ha, { show: !1 }), Ka = "12px system-ui, -apple-system, \"Segoe UI\", Roboto, \"Helvetica Neue\", Arial, \"Noto Sans\", sans-serif, \"Apple Color Emoji\", \"Segoe UI Emoji\", \"Segoe UI Symbol\", \"Noto Color Emoji\"", qa = "bold " + Ka, Ja = 1.5, Ya = {
-	show: !0,
-	scale: "x",
-	stroke: qn,
-	space: 50,
-	gap: 5,
-	alignTo: 1,
-	size: 50,
-	labelGap: 0,
-	labelSize: 30,
-	labelFont: qa,
-	side: 2,
-	grid: Ua,
-	ticks: Wa,
-	border: Ga,
-	font: Ka,
-	lineGap: Ja,
-	rotate: 0
-}, Xa = "Value", Za = "Time", Qa = {
-	show: !0,
-	scale: "x",
-	auto: !1,
-	sorted: 1,
-	min: ii,
-	max: -Infinity,
-	idxs: []
-};
-function $a(e, t, n, r, i) {
-	return t.map((e) => e == null ? "" : Ur(e));
-}
-function eo(e, t, n, r, i, a, o) {
-	let s = [], c = vi.get(i) || 0;
-	n = o ? n : Z(X(n, i), c);
-	for (let e = n; e <= r; e = Z(e + i, c)) s.push(Object.is(e, -0) ? 0 : e);
-	return s;
-}
-function to(e, t, n, r, i, a, o) {
-	let s = [], c = e.scales[e.axes[t].scale].log;
-	i = Qr(c, qr((c == 10 ? ei : ti)(n))), c == 10 && (i = aa[Er(i, aa)]);
-	let l = n, u = i * c;
-	c == 10 && (u = aa[Er(u, aa)]);
-	do
-		s.push(l), l += i, c == 10 && !vi.has(l) && (l = Z(l, vi.get(i))), l >= u && (i = l, u = i * c, c == 10 && (u = aa[Er(u, aa)]));
-	while (l <= r);
-	return s;
-}
-function no(e, t, n, r, i, a, o) {
-	let s = e.scales[e.axes[t].scale].asinh, c = r > s ? to(e, t, Zr(s, n), r, i) : [s], l = r >= 0 && n <= 0 ? [0] : [];
-	return (n < -s ? to(e, t, Zr(s, -r), -n, i) : [s]).reverse().map((e) => -e).concat(l, c);
-}
-var ro = /./, io = /[12357]/, ao = /[125]/, oo = /1/, so = (e, t, n, r) => e.map((e, i) => t == 4 && e == 0 || i % r == 0 && n.test(e.toExponential()[+(e < 0)]) ? e : null);
-function co(e, t, n, r, i) {
-	let a = e.axes[n], o = a.scale, s = e.scales[o], c = e.valToPos, l = a._space, u = c(10, o), d = c(9, o) - u >= l ? ro : c(7, o) - u >= l ? io : c(5, o) - u >= l ? ao : oo;
-	if (d == oo) {
-		let e = Kr(c(1, o) - u);
-		if (e < l) return so(t.slice().reverse(), s.distr, d, Yr(l / e)).reverse();
-	}
-	return so(t, s.distr, d, 1);
-}
-function lo(e, t, n, r, i) {
-	let a = e.axes[n], o = a.scale, s = a._space, c = e.valToPos, l = Kr(c(1, o) - c(2, o));
-	return l < s ? so(t.slice().reverse(), 3, ro, Yr(s / l)).reverse() : t;
-}
-function uo(e, t, n, r) {
-	return r == null ? ar : t == null ? "" : Ur(t);
-}
-var fo = {
-	show: !0,
-	scale: "y",
-	stroke: qn,
-	space: 30,
-	gap: 5,
-	alignTo: 1,
-	size: 50,
-	labelGap: 0,
-	labelSize: 30,
-	labelFont: qa,
-	side: 3,
-	grid: Ua,
-	ticks: Wa,
-	border: Ga,
-	font: Ka,
-	lineGap: Ja,
-	rotate: 0
-};
-function po(e, t) {
-	return Z((3 + (e || 1) * 2) * t, 3);
-}
-function mo(e, t) {
-	let { scale: n, idxs: r } = e.series[0], i = e._data[0], a = e.valToPos(i[r[0]], n, !0), o = Kr(e.valToPos(i[r[1]], n, !0) - a) / (e.series[t].points.space * K);
-	return r[1] - r[0] <= o;
-}
-var ho = {
-	scale: null,
-	auto: !0,
-	sorted: 0,
-	min: ii,
-	max: -Infinity
-}, go = (e, t, n, r, i) => i, _o = {
-	show: !0,
-	auto: !0,
-	sorted: 0,
-	gaps: go,
-	alpha: 1,
-	facets: [Ni({}, ho, { scale: "x" }), Ni({}, ho, { scale: "y" })]
-}, vo = {
-	scale: "y",
-	auto: !0,
-	sorted: 0,
-	show: !0,
-	spanGaps: !1,
-	gaps: go,
-	alpha: 1,
-	points: {
-		show: mo,
-		filter: null
-	},
-	values: null,
-	min: ii,
-	max: -Infinity,
-	idxs: [],
-	path: null,
-	clip: null
-};
-function yo(e, t, n, r, i) {
-	return n / 10;
-}
-var bo = {
-	time: bn,
-	auto: !0,
-	distr: 1,
-	log: 10,
-	asinh: 1,
-	min: null,
-	max: null,
-	dir: 1,
-	ori: 0
-}, xo = Ni({}, bo, {
-	time: !1,
-	ori: 1
-}), So = {};
-function Co(e, t) {
-	let n = So[e];
-	return n || (n = {
-		key: e,
-		plots: [],
-		sub(e) {
-			n.plots.push(e);
-		},
-		unsub(e) {
-			n.plots = n.plots.filter((t) => t != e);
-		},
-		pub(e, t, r, i, a, o, s) {
-			for (let c = 0; c < n.plots.length; c++) n.plots[c] != t && n.plots[c].pub(e, t, r, i, a, o, s);
-		}
-	}, e != null && (So[e] = n)), n;
-}
-var wo = 1, To = 2;
-function Eo(e, t, n) {
-	let r = e.mode, i = e.series[t], a = r == 2 ? e._data[t] : e._data, o = e.scales, s = e.bbox, c = a[0], l = r == 2 ? a[1] : a[t], u = r == 2 ? o[i.facets[0].scale] : o[e.series[0].scale], d = r == 2 ? o[i.facets[1].scale] : o[i.scale], f = s.left, p = s.top, m = s.width, h = s.height, g = e.valToPosH, _ = e.valToPosV;
-	return u.ori == 0 ? n(i, c, l, u, d, g, _, f, p, m, h, Fo, Lo, zo, Vo, Uo) : n(i, c, l, u, d, _, g, p, f, h, m, Io, Ro, Bo, Ho, Wo);
-}
-function Do(e, t) {
-	let n = 0, r = 0, i = J(e.bands, Si);
-	for (let e = 0; e < i.length; e++) {
-		let a = i[e];
-		a.series[0] == t ? n = a.dir : a.series[1] == t && (a.dir == 1 ? r |= 1 : r |= 2);
-	}
-	return [n, r == 1 ? -1 : r == 2 ? 1 : r == 3 ? 2 : 0];
-}
-function Oo(e, t, n, r, i) {
-	let a = e.mode, o = e.series[t], s = a == 2 ? o.facets[1].scale : o.scale, c = e.scales[s];
-	return i == -1 ? c.min : i == 1 ? c.max : c.distr == 3 ? c.dir == 1 ? c.min : c.max : 0;
-}
-function ko(e, t, n, r, i, a) {
-	return Eo(e, t, (e, t, o, s, c, l, u, d, f, p, m) => {
-		let h = e.pxRound, g = s.dir * (s.ori == 0 ? 1 : -1), _ = s.ori == 0 ? Lo : Ro, v, y;
-		g == 1 ? (v = n, y = r) : (v = r, y = n);
-		let b = h(l(t[v], s, p, d)), x = h(u(o[v], c, m, f)), S = h(l(t[y], s, p, d)), C = h(u(a == 1 ? c.max : c.min, c, m, f)), w = new Path2D(i);
-		return _(w, S, C), _(w, b, C), _(w, b, x), w;
-	});
-}
-function Ao(e, t, n, r, i, a) {
-	let o = null;
-	if (e.length > 0) {
-		o = new Path2D();
-		let s = t == 0 ? zo : Bo, c = n;
-		for (let t = 0; t < e.length; t++) {
-			let n = e[t];
-			if (n[1] > n[0]) {
-				let e = n[0] - c;
-				e > 0 && s(o, c, r, e, r + a), c = n[1];
-			}
-		}
-		let l = n + i - c;
-		l > 0 && s(o, c, r - 5, l, r + a + 10);
-	}
-	return o;
-}
-function jo(e, t, n) {
-	let r = e[e.length - 1];
-	r && r[0] == t ? r[1] = n : e.push([t, n]);
-}
-function Mo(e, t, n, r, i, a, o) {
-	let s = [], c = e.length;
-	for (let l = i == 1 ? n : r; l >= n && l <= r; l += i) if (t[l] === null) {
-		let u = l, d = l;
-		if (i == 1) for (; ++l <= r && t[l] === null;) d = l;
-		else for (; --l >= n && t[l] === null;) d = l;
-		let f = a(e[u]), p = d == u ? f : a(e[d]), m = u - i;
-		f = o <= 0 && m >= 0 && m < c ? a(e[m]) : f;
-		let h = d + i;
-		p = o >= 0 && h >= 0 && h < c ? a(e[h]) : p, p >= f && s.push([f, p]);
-	}
-	return s;
-}
-function No(e) {
-	return e == 0 ? li : e == 1 ? Jr : (t) => gi(t, e);
-}
-function Po(e) {
-	let t = e == 0 ? Fo : Io, n = e == 0 ? (e, t, n, r, i, a) => {
-		e.arcTo(t, n, r, i, a);
-	} : (e, t, n, r, i, a) => {
-		e.arcTo(n, t, i, r, a);
-	}, r = e == 0 ? (e, t, n, r, i) => {
-		e.rect(t, n, r, i);
-	} : (e, t, n, r, i) => {
-		e.rect(n, t, i, r);
-	};
-	return (e, i, a, o, s, c = 0, l = 0) => {
-		c == 0 && l == 0 ? r(e, i, a, o, s) : (c = Xr(c, o / 2, s / 2), l = Xr(l, o / 2, s / 2), t(e, i + c, a), n(e, i + o, a, i + o, a + s, c), n(e, i + o, a + s, i, a + s, l), n(e, i, a + s, i, a, l), n(e, i, a, i + o, a, c), e.closePath());
-	};
-}
-var Fo = (e, t, n) => {
-	e.moveTo(t, n);
-}, Io = (e, t, n) => {
-	e.moveTo(n, t);
-}, Lo = (e, t, n) => {
-	e.lineTo(t, n);
-}, Ro = (e, t, n) => {
-	e.lineTo(n, t);
-}, zo = Po(0), Bo = Po(1), Vo = (e, t, n, r, i, a) => {
-	e.arc(t, n, r, i, a);
-}, Ho = (e, t, n, r, i, a) => {
-	e.arc(n, t, r, i, a);
-}, Uo = (e, t, n, r, i, a, o) => {
-	e.bezierCurveTo(t, n, r, i, a, o);
-}, Wo = (e, t, n, r, i, a, o) => {
-	e.bezierCurveTo(n, t, i, r, o, a);
-};
-function Go(e) {
-	return (e, t, n, r, i) => Eo(e, t, (t, a, o, s, c, l, u, d, f, p, m) => {
-		let { pxRound: h, points: g } = t, _, v;
-		s.ori == 0 ? (_ = Fo, v = Vo) : (_ = Io, v = Ho);
-		let y = Z(g.width * K, 3), b = (g.size - g.width) / 2 * K, x = Z(b * 2, 3), S = new Path2D(), C = new Path2D(), { left: w, top: T, width: E, height: D } = e.bbox;
-		zo(C, w - x, T - x, E + x * 2, D + x * 2);
-		let O = (e) => {
-			if (o[e] != null) {
-				let t = h(l(a[e], s, p, d)), n = h(u(o[e], c, m, f));
-				_(S, t + b, n), v(S, t, n, b, 0, Gr * 2);
-			}
-		};
-		if (i) i.forEach(O);
-		else for (let e = n; e <= r; e++) O(e);
-		return {
-			stroke: y > 0 ? S : null,
-			fill: S,
-			clip: C,
-			flags: 3
-		};
-	});
-}
-function Ko(e) {
-	return (t, n, r, i, a, o) => {
-		r != i && (a != r && o != r && e(t, n, r), a != i && o != i && e(t, n, i), e(t, n, o));
-	};
-}
-var qo = Ko(Lo), Jo = Ko(Ro);
-function Yo(e) {
-	let t = J(e?.alignGaps, 0);
-	return (e, n, r, i) => Eo(e, n, (a, o, s, c, l, u, d, f, p, m, h) => {
-		[r, i] = Ar(s, r, i);
-		let g = a.pxRound, _ = (e) => g(u(e, c, m, f)), v = (e) => g(d(e, l, h, p)), y, b;
-		c.ori == 0 ? (y = Lo, b = qo) : (y = Ro, b = Jo);
-		let x = c.dir * (c.ori == 0 ? 1 : -1), S = {
-			stroke: new Path2D(),
-			fill: null,
-			clip: null,
-			band: null,
-			gaps: null,
-			flags: wo
-		}, C = S.stroke, w = !1;
-		if (i - r >= m * 4) {
-			let t = (t) => e.posToVal(t, c.key, !0), n = null, a = null, l, u, d, f = _(o[x == 1 ? r : i]), p = _(o[r]), m = _(o[i]), h = t(x == 1 ? p + 1 : m - 1);
-			for (let e = x == 1 ? r : i; e >= r && e <= i; e += x) {
-				let r = o[e], i = (x == 1 ? r < h : r > h) ? f : _(r), c = s[e];
-				i == f ? c == null ? c === null && (w = !0) : (u = c, n == null ? (y(C, i, v(u)), l = n = a = u) : u < n ? n = u : u > a && (a = u)) : (n != null && b(C, f, v(n), v(a), v(l), v(u)), c == null ? (n = a = null, c === null && (w = !0)) : (u = c, y(C, i, v(u)), n = a = l = u), f = i, h = t(f + x));
-			}
-			n != null && n != a && d != f && b(C, f, v(n), v(a), v(l), v(u));
-		} else for (let e = x == 1 ? r : i; e >= r && e <= i; e += x) {
-			let t = s[e];
-			t === null ? w = !0 : t != null && y(C, _(o[e]), v(t));
-		}
-		let [T, E] = Do(e, n);
-		if (a.fill != null || T != 0) {
-			let t = S.fill = new Path2D(C), s = v(a.fillTo(e, n, a.min, a.max, T)), c = _(o[r]), l = _(o[i]);
-			x == -1 && ([l, c] = [c, l]), y(t, l, s), y(t, c, s);
-		}
-		if (!a.spanGaps) {
-			let l = [];
-			w && l.push(...Mo(o, s, r, i, x, _, t)), S.gaps = l = a.gaps(e, n, r, i, l), S.clip = Ao(l, c.ori, f, p, m, h);
-		}
-		return E != 0 && (S.band = E == 2 ? [ko(e, n, r, i, C, -1), ko(e, n, r, i, C, 1)] : ko(e, n, r, i, C, E)), S;
-	});
-}
-function Xo(e) {
-	let t = J(e.align, 1), n = J(e.ascDesc, !1), r = J(e.alignGaps, 0), i = J(e.extend, !1);
-	return (e, a, o, s) => Eo(e, a, (c, l, u, d, f, p, m, h, g, _, v) => {
-		[o, s] = Ar(u, o, s);
-		let y = c.pxRound, { left: b, width: x } = e.bbox, S = (e) => y(p(e, d, _, h)), C = (e) => y(m(e, f, v, g)), w = d.ori == 0 ? Lo : Ro, T = {
-			stroke: new Path2D(),
-			fill: null,
-			clip: null,
-			band: null,
-			gaps: null,
-			flags: wo
-		}, E = T.stroke, D = d.dir * (d.ori == 0 ? 1 : -1), O = C(u[D == 1 ? o : s]), k = S(l[D == 1 ? o : s]), A = k, j = k;
-		i && t == -1 && (j = b, w(E, j, O)), w(E, k, O);
-		for (let e = D == 1 ? o : s; e >= o && e <= s; e += D) {
-			let n = u[e];
-			if (n == null) continue;
-			let r = S(l[e]), i = C(n);
-			t == 1 ? w(E, r, O) : w(E, A, i), w(E, r, i), O = i, A = r;
-		}
-		let M = A;
-		i && t == 1 && (M = b + x, w(E, M, O));
-		let [ee, te] = Do(e, a);
-		if (c.fill != null || ee != 0) {
-			let t = T.fill = new Path2D(E), n = C(c.fillTo(e, a, c.min, c.max, ee));
-			w(t, M, n), w(t, j, n);
-		}
-		if (!c.spanGaps) {
-			let i = [];
-			i.push(...Mo(l, u, o, s, D, S, r));
-			let f = c.width * K / 2, p = n || t == 1 ? f : -f, m = n || t == -1 ? -f : f;
-			i.forEach((e) => {
-				e[0] += p, e[1] += m;
-			}), T.gaps = i = c.gaps(e, a, o, s, i), T.clip = Ao(i, d.ori, h, g, _, v);
-		}
-		return te != 0 && (T.band = te == 2 ? [ko(e, a, o, s, E, -1), ko(e, a, o, s, E, 1)] : ko(e, a, o, s, E, te)), T;
-	});
-}
-function Zo(e, t, n, r, i, a, o = ii) {
-	if (e.length > 1) {
-		let s = null;
-		for (let c = 0, l = Infinity; c < e.length; c++) if (t[c] !== void 0) {
-			if (s != null) {
-				let t = Kr(e[c] - e[s]);
-				t < l && (l = t, o = Kr(n(e[c], r, i, a) - n(e[s], r, i, a)));
-			}
-			s = c;
-		}
-	}
-	return o;
-}
-function Qo(e) {
-	e ||= xi;
-	let t = J(e.size, [
-		.6,
-		ii,
-		1
-	]), n = e.align || 0, r = e.gap || 0, i = e.radius;
-	i = i == null ? [0, 0] : typeof i == "number" ? [i, 0] : i;
-	let a = Y(i), o = 1 - t[0], s = J(t[1], ii), c = J(t[2], 1), l = J(e.disp, xi), u = J(e.each, (e) => {}), { fill: d, stroke: f } = l;
-	return (e, t, i, p) => Eo(e, t, (m, h, g, _, v, y, b, x, S, C, w) => {
-		let T = m.pxRound, E = n, D = r * K, O = s * K, k = c * K, A, j;
-		_.ori == 0 ? [A, j] = a(e, t) : [j, A] = a(e, t);
-		let M = _.dir * (_.ori == 0 ? 1 : -1), ee = _.ori == 0 ? zo : Bo, te = _.ori == 0 ? u : (e, t, n, r, i, a, o) => {
-			u(e, t, n, i, r, o, a);
-		}, ne = J(e.bands, Si).find((e) => e.series[0] == t), re = ne == null ? 0 : ne.dir, ie = m.fillTo(e, t, m.min, m.max, re), N = T(b(ie, v, w, S)), P, F, ae, I = C, L = T(m.width * K), oe = !1, se = null, ce = null, le = null, ue = null;
-		d != null && (L == 0 || f != null) && (oe = !0, se = d.values(e, t, i, p), ce = /* @__PURE__ */ new Map(), new Set(se).forEach((e) => {
-			e != null && ce.set(e, new Path2D());
-		}), L > 0 && (le = f.values(e, t, i, p), ue = /* @__PURE__ */ new Map(), new Set(le).forEach((e) => {
-			e != null && ue.set(e, new Path2D());
-		})));
-		let { x0: de, size: fe } = l;
-		if (de != null && fe != null) {
-			E = 1, h = de.values(e, t, i, p), de.unit == 2 && (h = h.map((t) => e.posToVal(x + t * C, _.key, !0)));
-			let n = fe.values(e, t, i, p);
-			F = fe.unit == 2 ? n[0] * C : y(n[0], _, C, x) - y(0, _, C, x), I = Zo(h, g, y, _, C, x, I), ae = I - F + D;
-		} else I = Zo(h, g, y, _, C, x, I), ae = I * o + D, F = I - ae;
-		ae < 1 && (ae = 0), L >= F / 2 && (L = 0), ae < 5 && (T = li);
-		let pe = ae > 0, me = I - ae - (pe ? L : 0);
-		F = T(oi(me, k, O)), P = (E == 0 ? F / 2 : E == M ? 0 : F) - E * M * ((E == 0 ? D / 2 : 0) + (pe ? L / 2 : 0));
-		let he = {
-			stroke: null,
-			fill: null,
-			clip: null,
-			band: null,
-			gaps: null,
-			flags: 0
-		}, ge = oe ? null : new Path2D(), _e = null;
-		if (ne != null) _e = e.data[ne.series[1]];
-		else {
-			let { y0: n, y1: r } = l;
-			n != null && r != null && (g = r.values(e, t, i, p), _e = n.values(e, t, i, p));
-		}
-		let ve = A * F, ye = j * F;
-		for (let n = M == 1 ? i : p; n >= i && n <= p; n += M) {
-			let r = g[n];
-			if (r == null) continue;
-			if (_e != null) {
-				let e = _e[n] ?? 0;
-				if (r - e == 0) continue;
-				N = b(e, v, w, S);
-			}
-			let i = y(_.distr != 2 || l != null ? h[n] : n, _, C, x), a = b(J(r, ie), v, w, S), o = T(i - P), s = T(Zr(a, N)), c = T(Xr(a, N)), u = s - c;
-			if (r != null) {
-				let i = r < 0 ? ye : ve, a = r < 0 ? ve : ye;
-				oe ? (L > 0 && le[n] != null && ee(ue.get(le[n]), o, c + qr(L / 2), F, Zr(0, u - L), i, a), se[n] != null && ee(ce.get(se[n]), o, c + qr(L / 2), F, Zr(0, u - L), i, a)) : ee(ge, o, c + qr(L / 2), F, Zr(0, u - L), i, a), te(e, t, n, o - L / 2, c, F + L, u);
-			}
-		}
-		return L > 0 ? he.stroke = oe ? ue : ge : oe || (he._fill = m.width == 0 ? m._fill : m._stroke ?? m._fill, he.width = 0), he.fill = oe ? ce : ge, he;
-	});
-}
-function $o(e, t) {
-	let n = J(t?.alignGaps, 0);
-	return (t, r, i, a) => Eo(t, r, (o, s, c, l, u, d, f, p, m, h, g) => {
-		[i, a] = Ar(c, i, a);
-		let _ = o.pxRound, v = (e) => _(d(e, l, h, p)), y = (e) => _(f(e, u, g, m)), b, x, S;
-		l.ori == 0 ? (b = Fo, S = Lo, x = Uo) : (b = Io, S = Ro, x = Wo);
-		let C = l.dir * (l.ori == 0 ? 1 : -1), w = v(s[C == 1 ? i : a]), T = w, E = [], D = [];
-		for (let e = C == 1 ? i : a; e >= i && e <= a; e += C) if (c[e] != null) {
-			let t = s[e], n = v(t);
-			E.push(T = n), D.push(y(c[e]));
-		}
-		let O = {
-			stroke: e(E, D, b, S, x, _),
-			fill: null,
-			clip: null,
-			band: null,
-			gaps: null,
-			flags: wo
-		}, k = O.stroke, [A, j] = Do(t, r);
-		if (o.fill != null || A != 0) {
-			let e = O.fill = new Path2D(k), n = y(o.fillTo(t, r, o.min, o.max, A));
-			S(e, T, n), S(e, w, n);
-		}
-		if (!o.spanGaps) {
-			let e = [];
-			e.push(...Mo(s, c, i, a, C, v, n)), O.gaps = e = o.gaps(t, r, i, a, e), O.clip = Ao(e, l.ori, p, m, h, g);
-		}
-		return j != 0 && (O.band = j == 2 ? [ko(t, r, i, a, k, -1), ko(t, r, i, a, k, 1)] : ko(t, r, i, a, k, j)), O;
-	});
-}
-function es(e) {
-	return $o(ts, e);
-}
-function ts(e, t, n, r, i, a) {
-	let o = e.length;
-	if (o < 2) return null;
-	let s = new Path2D();
-	if (n(s, e[0], t[0]), o == 2) r(s, e[1], t[1]);
-	else {
-		let n = Array(o), r = Array(o - 1), a = Array(o - 1), c = Array(o - 1);
-		for (let n = 0; n < o - 1; n++) a[n] = t[n + 1] - t[n], c[n] = e[n + 1] - e[n], r[n] = a[n] / c[n];
-		n[0] = r[0];
-		for (let e = 1; e < o - 1; e++) r[e] === 0 || r[e - 1] === 0 || r[e - 1] > 0 != r[e] > 0 ? n[e] = 0 : (n[e] = 3 * (c[e - 1] + c[e]) / ((2 * c[e] + c[e - 1]) / r[e - 1] + (c[e] + 2 * c[e - 1]) / r[e]), isFinite(n[e]) || (n[e] = 0));
-		n[o - 1] = r[o - 2];
-		for (let r = 0; r < o - 1; r++) i(s, e[r] + c[r] / 3, t[r] + n[r] * c[r] / 3, e[r + 1] - c[r] / 3, t[r + 1] - n[r + 1] * c[r] / 3, e[r + 1], t[r + 1]);
-	}
-	return s;
-}
-var ns = /* @__PURE__ */ new Set();
-function rs() {
-	for (let e of ns) e.syncRect(!0);
-}
-or && (wr(tr, cr, rs), wr(nr, cr, rs, !0), wr(ir, cr, () => {
-	ys.pxRatio = K;
-}));
-var is = Yo(), as = Go();
-function os(e, t, n, r) {
-	return (r ? [e[0], e[1]].concat(e.slice(2)) : [e[0]].concat(e.slice(1))).map((e, r) => cs(e, r, t, n));
-}
-function ss(e, t) {
-	return e.map((e, n) => n == 0 ? {} : Ni({}, t, e));
-}
-function cs(e, t, n, r) {
-	return Ni({}, t == 0 ? n : r, e);
-}
-function ls(e, t, n) {
-	return t == null ? Ci : [t, n];
-}
-var us = ls;
-function ds(e, t, n) {
-	return t == null ? Ci : zr(t, n, Fr, !0);
-}
-function fs(e, t, n, r) {
-	return t == null ? Ci : Nr(t, n, e.scales[r].log, !1);
-}
-var ps = fs;
-function ms(e, t, n, r) {
-	return t == null ? Ci : Pr(t, n, e.scales[r].log, !1);
-}
-var hs = ms;
-function gs(e, t, n, r, i) {
-	let a = Zr(ai(e), ai(t)), o = t - e, s = Er(i / r * o, n);
-	do {
-		let e = n[s], t = r * e / o;
-		if (t >= i && a + (e < 5 ? vi.get(e) : 0) <= 17) return [e, t];
-	} while (++s < n.length);
-	return [0, 0];
-}
-function _s(e) {
-	let t, n;
-	return e = e.replace(/(\d+)px/, (e, r) => (t = Jr((n = +r) * K)) + "px"), [
-		e,
-		t,
-		n
-	];
-}
-function vs(e) {
-	e.show && [e.font, e.labelFont].forEach((e) => {
-		let t = Z(e[2] * K, 1);
-		e[0] = e[0].replace(/[0-9.]+px/, t + "px"), e[1] = t;
-	});
-}
-function ys(e, t, n) {
-	let r = { mode: J(e.mode, 1) }, i = r.mode;
-	function a(e, t, n, r) {
-		let i = t.valToPct(e);
-		return r + n * (t.dir == -1 ? 1 - i : i);
-	}
-	function o(e, t, n, r) {
-		let i = t.valToPct(e);
-		return r + n * (t.dir == -1 ? i : 1 - i);
-	}
-	function s(e, t, n, r) {
-		return t.ori == 0 ? a(e, t, n, r) : o(e, t, n, r);
-	}
-	r.valToPosH = a, r.valToPosV = o;
-	let c = !1;
-	r.status = 0;
-	let l = r.root = hr(xn);
-	if (e.id != null && (l.id = e.id), fr(l, e.class), e.title) {
-		let t = hr(wn, l);
-		t.textContent = e.title;
-	}
-	let u = mr("canvas"), d = r.ctx = u.getContext("2d"), f = hr(Tn, l);
-	wr("click", f, (e) => {
-		e.target === m && (U != tn || W != nn) && sn.click(r, e);
-	}, !0);
-	let p = r.under = hr(En, f);
-	f.appendChild(u);
-	let m = r.over = hr(Dn, f);
-	e = Mi(e);
-	let h = +J(e.pxAlign, 1), g = No(h);
-	(e.plugins || []).forEach((t) => {
-		t.opts && (e = t.opts(r, e) || e);
-	});
-	let _ = e.ms || .001, v = r.series = i == 1 ? os(e.series || [], Qa, vo, !1) : ss(e.series || [null], _o), y = r.axes = os(e.axes || [], Ya, fo, !0), b = r.scales = {}, x = r.bands = e.bands || [];
-	x.forEach((e) => {
-		e.fill = Y(e.fill || null), e.dir = J(e.dir, -1);
-	});
-	let S = i == 2 ? v[1].facets[0].scale : v[0].scale, C = {
-		axes: zt,
-		series: Ot
-	}, w = (e.drawOrder || ["axes", "series"]).map((e) => C[e]);
-	function T(e) {
-		let t = e.distr == 3 ? (t) => ei(t > 0 ? t : e.clamp(r, t, e.min, e.max, e.key)) : e.distr == 4 ? (t) => ri(t, e.asinh) : e.distr == 100 ? (t) => e.fwd(t) : (e) => e;
-		return (n) => {
-			let r = t(n), { _min: i, _max: a } = e, o = a - i;
-			return (r - i) / o;
-		};
-	}
-	function E(t) {
-		let n = b[t];
-		if (n == null) {
-			let r = (e.scales || xi)[t] || xi;
-			if (r.from != null) {
-				E(r.from);
-				let e = Ni({}, b[r.from], r, { key: t });
-				e.valToPct = T(e), b[t] = e;
-			} else {
-				n = b[t] = Ni({}, t == S ? bo : xo, r), n.key = t;
-				let e = n.time, a = n.range, o = wi(a);
-				if ((t != S || i == 2 && !e) && (o && (a[0] == null || a[1] == null) && (a = {
-					min: a[0] == null ? Ir : {
-						mode: 1,
-						hard: a[0],
-						soft: a[0]
-					},
-					max: a[1] == null ? Ir : {
-						mode: 1,
-						hard: a[1],
-						soft: a[1]
-					}
-				}, o = !1), !o && Oi(a))) {
-					let e = a;
-					a = (t, n, r) => n == null ? Ci : zr(n, r, e);
-				}
-				n.range = Y(a || (e ? us : t == S ? n.distr == 3 ? ps : n.distr == 4 ? hs : ls : n.distr == 3 ? fs : n.distr == 4 ? ms : ds)), n.auto = Y(!o && n.auto), n.clamp = Y(n.clamp || yo), n._min = n._max = null, n.valToPct = T(n);
-			}
-		}
-	}
-	E("x"), E("y"), i == 1 && v.forEach((e) => {
-		E(e.scale);
-	}), y.forEach((e) => {
-		E(e.scale);
-	});
-	for (let t in e.scales) E(t);
-	let D = b[S], O = D.distr, k, A;
-	D.ori == 0 ? (fr(l, Sn), k = a, A = o) : (fr(l, Cn), k = o, A = a);
-	let j = {};
-	for (let e in b) {
-		let t = b[e];
-		(t.min != null || t.max != null) && (j[e] = {
-			min: t.min,
-			max: t.max
-		}, t.min = t.max = null);
-	}
-	let M = e.tzDate || ((e) => new Date(Jr(e / _))), ee = e.fmtDate || Zi, te = _ == 1 ? ya(M) : Sa(M), ne = wa(M, Ca(_ == 1 ? va : xa, ee)), re = ka(M, Da(Oa, ee)), ie = [], N = r.legend = Ni({}, Ma, e.legend), P = r.cursor = Ni({}, Va, { drag: { y: i == 2 } }, e.cursor), F = N.show, ae = P.show, I = N.markers;
-	N.idxs = ie, I.width = Y(I.width), I.dash = Y(I.dash), I.stroke = Y(I.stroke), I.fill = Y(I.fill);
-	let L, oe, se, ce = [], le = [], ue, de = !1, fe = {};
-	if (N.live) {
-		let e = v[1] ? v[1].values : null;
-		de = e != null, ue = de ? e(r, 1, 0) : { _: 0 };
-		for (let e in ue) fe[e] = ar;
-	}
-	if (F) {
-		if (L = mr("table", Pn, l), se = mr("tbody", null, L), N.mount(r, L), de) {
-			oe = mr("thead", null, L, se);
-			let e = mr("tr", null, oe);
-			for (var pe in mr("th", null, e), ue) mr("th", zn, e).textContent = pe;
-		} else fr(L, In), N.live && fr(L, Fn);
-	}
-	let me = { show: !0 }, he = { show: !1 };
-	function ge(e, t) {
-		if (t == 0 && (de || !N.live || i == 2)) return Ci;
-		let n = [], a = mr("tr", Ln, se, se.childNodes[t]);
-		fr(a, e.class), e.show || fr(a, kn);
-		let o = mr("th", null, a);
-		if (I.show) {
-			let e = hr(Rn, o);
-			if (t > 0) {
-				let n = I.width(r, t);
-				n && (e.style.border = n + "px " + I.dash(r, t) + " " + I.stroke(r, t)), e.style.background = I.fill(r, t);
-			}
-		}
-		let s = hr(zn, o);
-		for (var c in e.label instanceof HTMLElement ? s.appendChild(e.label) : s.textContent = e.label, t > 0 && (I.show || (s.style.color = e.width > 0 ? I.stroke(r, t) : I.fill(r, t)), ve("click", o, (t) => {
-			if (P._lock) return;
-			Ue(t);
-			let n = v.indexOf(e);
-			if ((t.ctrlKey || t.metaKey) != N.isolate) {
-				let e = v.some((e, t) => t > 0 && t != n && e.show);
-				v.forEach((t, r) => {
-					r > 0 && mn(r, e ? r == n ? me : he : me, !0, X.setSeries);
-				});
-			} else mn(n, { show: !e.show }, !0, X.setSeries);
-		}, !1), Ke && ve(Qn, o, (t) => {
-			P._lock || (Ue(t), mn(v.indexOf(e), tr, !0, X.setSeries));
-		}, !1)), ue) {
-			let e = mr("td", Bn, a);
-			e.textContent = "--", n.push(e);
-		}
-		return [a, n];
-	}
-	let _e = /* @__PURE__ */ new Map();
-	function ve(e, t, n, i = !0) {
-		let a = _e.get(t) || {}, o = P.bind[e](r, t, n, i);
-		o && (wr(e, t, a[e] = o), _e.set(t, a));
-	}
-	function ye(e, t, n) {
-		let r = _e.get(t) || {};
-		for (let n in r) (e == null || n == e) && (Tr(n, t, r[n]), delete r[n]);
-		e ?? _e.delete(t);
-	}
-	let be = 0, xe = 0, R = 0, z = 0, Se = 0, Ce = 0, we = Se, Te = Ce, Ee = R, De = z, Oe = 0, ke = 0, Ae = 0, je = 0;
-	r.bbox = {};
-	let Me = !1, Ne = !1, Pe = !1, Fe = !1, Ie = !1, Le = !1;
-	function Re(e, t, n) {
-		(n || e != r.width || t != r.height) && ze(e, t), Bt(!1), Pe = !0, Ne = !0, Gt();
-	}
-	function ze(e, t) {
-		r.width = be = R = e, r.height = xe = z = t, Se = Ce = 0, He(), B();
-		let n = r.bbox;
-		Oe = n.left = gi(Se * K, .5), ke = n.top = gi(Ce * K, .5), Ae = n.width = gi(R * K, .5), je = n.height = gi(z * K, .5);
-	}
-	function Be() {
-		let e = !1, t = 0;
-		for (; !e;) {
-			t++;
-			let n = Lt(t), i = Rt(t);
-			e = t == 3 || n && i, e || (ze(r.width, r.height), Ne = !0);
-		}
-	}
-	function Ve({ width: e, height: t }) {
-		Re(e, t);
-	}
-	r.setSize = Ve;
-	function He() {
-		let e = !1, t = !1, n = !1, r = !1;
-		y.forEach((i, a) => {
-			if (i.show && i._show) {
-				let { side: a, _size: o } = i, s = a % 2, c = o + (i.label == null ? 0 : i.labelSize);
-				c > 0 && (s ? (R -= c, a == 3 ? (Se += c, r = !0) : n = !0) : (z -= c, a == 0 ? (Ce += c, e = !0) : t = !0));
-			}
-		}), tt[0] = e, tt[1] = n, tt[2] = t, tt[3] = r, R -= V[1] + V[3], Se += V[3], z -= V[2] + V[0], Ce += V[0];
-	}
-	function B() {
-		let e = Se + R, t = Ce + z, n = Se, r = Ce;
-		function i(i, a) {
-			switch (i) {
-				case 1: return e += a, e - a;
-				case 2: return t += a, t - a;
-				case 3: return n -= a, n + a;
-				case 0: return r -= a, r + a;
-			}
-		}
-		y.forEach((e, t) => {
-			if (e.show && e._show) {
-				let t = e.side;
-				e._pos = i(t, e._size), e.label != null && (e._lpos = i(t, e.labelSize));
-			}
-		});
-	}
-	if (P.dataIdx == null) {
-		let e = P.hover, n = e.skip = new Set(e.skip ?? []);
-		n.add(void 0);
-		let r = e.prox = Y(e.prox), i = e.bias ??= 0;
-		P.dataIdx = (e, a, o, s) => {
-			if (a == 0) return o;
-			let c = o, l = r(e, a, o, s) ?? ii, u = l >= 0 && l < ii, d = D.ori == 0 ? R : z, f = P.left, p = t[0], m = t[a];
-			if (n.has(m[o])) {
-				c = null;
-				let e = null, t = null, r;
-				if (i == 0 || i == -1) for (r = o; e == null && r-- > 0;) n.has(m[r]) || (e = r);
-				if (i == 0 || i == 1) for (r = o; t == null && r++ < m.length;) n.has(m[r]) || (t = r);
-				if (e != null || t != null) {
-					if (u) {
-						let n = e == null ? -Infinity : k(p[e], D, d, 0), r = t == null ? Infinity : k(p[t], D, d, 0), i = f - n, a = r - f;
-						i <= a ? i <= l && (c = e) : a <= l && (c = t);
-					} else c = t == null ? e : e == null ? t : o - e <= t - o ? e : t;
-				}
-			} else u && Kr(f - k(p[o], D, d, 0)) > l && (c = null);
-			return c;
-		};
-	}
-	let Ue = (e) => {
-		P.event = e;
-	};
-	P.idxs = ie, P._lock = !1;
-	let We = P.points;
-	We.show = Y(We.show), We.size = Y(We.size), We.stroke = Y(We.stroke), We.width = Y(We.width), We.fill = Y(We.fill);
-	let Ge = r.focus = Ni({}, e.focus || { alpha: .3 }, P.focus), Ke = Ge.prox >= 0, qe = Ke && We.one, Je = [], Ye = [], Xe = [];
-	function Ze(e, t) {
-		let n = We.show(r, t);
-		if (n instanceof HTMLElement) return fr(n, Nn), fr(n, e.class), _r(n, -10, -10, R, z), m.insertBefore(n, Je[t]), n;
-	}
-	function Qe(e, t) {
-		if (i == 1 || t > 0) {
-			let t = i == 1 && b[e.scale].time, n = e.value;
-			e.value = t ? Di(n) ? ka(M, Da(n, ee)) : n || re : n || uo, e.label = e.label || (t ? Za : Xa);
-		}
-		if (qe || t > 0) {
-			e.width = e.width == null ? 1 : e.width, e.paths = e.paths || is || di, e.fillTo = Y(e.fillTo || Oo), e.pxAlign = +J(e.pxAlign, h), e.pxRound = No(e.pxAlign), e.stroke = Y(e.stroke || null), e.fill = Y(e.fill || null), e._stroke = e._fill = e._paths = e._focus = null;
-			let t = po(Zr(1, e.width), 1), n = e.points = Ni({}, {
-				size: t,
-				width: Zr(1, t * .2),
-				stroke: e.stroke,
-				space: t * 2,
-				paths: as,
-				_stroke: null,
-				_fill: null
-			}, e.points);
-			n.show = Y(n.show), n.filter = Y(n.filter), n.fill = Y(n.fill), n.stroke = Y(n.stroke), n.paths = Y(n.paths), n.pxAlign = e.pxAlign;
-		}
-		if (F) {
-			let n = ge(e, t);
-			ce.splice(t, 0, n[0]), le.splice(t, 0, n[1]), N.values.push(null);
-		}
-		if (ae) {
-			ie.splice(t, 0, null);
-			let n = null;
-			qe ? t == 0 && (n = Ze(e, t)) : t > 0 && (n = Ze(e, t)), Je.splice(t, 0, n), Ye.splice(t, 0, 0), Xe.splice(t, 0, 0);
-		}
-		mi("addSeries", t);
-	}
-	function $e(e, t) {
-		t ??= v.length, e = i == 1 ? cs(e, t, Qa, vo) : cs(e, t, {}, _o), v.splice(t, 0, e), Qe(v[t], t);
-	}
-	r.addSeries = $e;
-	function et(e) {
-		if (v.splice(e, 1), F) {
-			N.values.splice(e, 1), le.splice(e, 1);
-			let t = ce.splice(e, 1)[0];
-			ye(null, t.firstChild), t.remove();
-		}
-		ae && (ie.splice(e, 1), Je.splice(e, 1)[0].remove(), Ye.splice(e, 1), Xe.splice(e, 1)), mi("delSeries", e);
-	}
-	r.delSeries = et;
-	let tt = [
-		!1,
-		!1,
-		!1,
-		!1
-	];
-	function nt(e, t) {
-		if (e._show = e.show, e.show) {
-			let n = e.side % 2, i = b[e.scale];
-			i ??= (e.scale = n ? v[1].scale : S, b[e.scale]);
-			let a = i.time;
-			e.size = Y(e.size), e.space = Y(e.space), e.rotate = Y(e.rotate), wi(e.incrs) && e.incrs.forEach((e) => {
-				!vi.has(e) && vi.set(e, yi(e));
-			}), e.incrs = Y(e.incrs || (i.distr == 2 ? ia : a ? _ == 1 ? _a : ba : aa)), e.splits = Y(e.splits || (a && i.distr == 1 ? te : i.distr == 3 ? to : i.distr == 4 ? no : eo)), e.stroke = Y(e.stroke), e.grid.stroke = Y(e.grid.stroke), e.ticks.stroke = Y(e.ticks.stroke), e.border.stroke = Y(e.border.stroke);
-			let o = e.values;
-			e.values = wi(o) && !wi(o[0]) ? Y(o) : a ? wi(o) ? wa(M, Ca(o, ee)) : Di(o) ? Ta(M, o) : o || ne : o || $a, e.filter = Y(e.filter || (i.distr >= 3 && i.log == 10 ? co : i.distr == 3 && i.log == 2 ? lo : ui)), e.font = _s(e.font), e.labelFont = _s(e.labelFont), e._size = e.size(r, null, t, 0), e._space = e._rotate = e._incrs = e._found = e._splits = e._values = null, e._size > 0 && (tt[t] = !0, e._el = hr(On, f));
-		}
-	}
-	function rt(e, t, n, r) {
-		let [i, a, o, s] = n, c = t % 2, l = 0;
-		return c == 0 && (s || a) && (l = t == 0 && !i || t == 2 && !o ? Jr(Ya.size / 3) : 0), c == 1 && (i || o) && (l = t == 1 && !a || t == 3 && !s ? Jr(fo.size / 2) : 0), l;
-	}
-	let it = r.padding = (e.padding || [
-		rt,
-		rt,
-		rt,
-		rt
-	]).map((e) => Y(J(e, rt))), V = r._padding = it.map((e, t) => e(r, t, tt, 0)), at, ot = null, st = null, ct = i == 1 ? v[0].idxs : null, lt = null, ut = !1;
-	function dt(e, n) {
-		if (t = e ?? [], r.data = r._data = t, i == 2) {
-			at = 0;
-			for (let e = 1; e < v.length; e++) at += t[e][0].length;
-		} else {
-			t.length == 0 && (r.data = r._data = t = [[]]), lt = t[0], at = lt.length;
-			let e = t;
-			if (O == 2) {
-				e = t.slice();
-				let n = e[0] = Array(at);
-				for (let e = 0; e < at; e++) n[e] = e;
-			}
-			r._data = t = e;
-		}
-		if (Bt(!0), mi("setData"), O == 2 && (Pe = !0), n !== !1) {
-			let e = D;
-			e.auto(r, ut) ? H() : pn(S, e.min, e.max), Fe ||= P.left >= 0, Le = !0, Gt();
-		}
-	}
-	r.setData = dt;
-	function H() {
-		ut = !0;
-		let e, n;
-		i == 1 && (at > 0 ? (ot = ct[0] = 0, st = ct[1] = at - 1, e = t[0][ot], n = t[0][st], O == 2 ? (e = ot, n = st) : e == n && (O == 3 ? [e, n] = Nr(e, e, D.log, !1) : O == 4 ? [e, n] = Pr(e, e, D.log, !1) : D.time ? n = e + Jr(86400 / _) : [e, n] = zr(e, n, Fr, !0))) : (ot = ct[0] = e = null, st = ct[1] = n = null)), pn(S, e, n);
-	}
-	let ft, pt, mt, ht, gt, _t, vt, yt, bt, xt;
-	function St(e, t, n, r, i, a) {
-		e ??= Jn, n ??= Si, r ??= "butt", i ??= Jn, a ??= "round", e != ft && (d.strokeStyle = ft = e), i != pt && (d.fillStyle = pt = i), t != mt && (d.lineWidth = mt = t), a != gt && (d.lineJoin = gt = a), r != _t && (d.lineCap = _t = r), n != ht && d.setLineDash(ht = n);
-	}
-	function Ct(e, t, n, r) {
-		t != pt && (d.fillStyle = pt = t), e != vt && (d.font = vt = e), n != yt && (d.textAlign = yt = n), r != bt && (d.textBaseline = bt = r);
-	}
-	function wt(e, t, n, i, a = 0) {
-		if (i.length > 0 && e.auto(r, ut) && (t == null || t.min == null)) {
-			let t = J(ot, 0), r = J(st, i.length - 1), o = n.min == null ? Mr(i, t, r, a, e.distr == 3) : [n.min, n.max];
-			e.min = Xr(e.min, n.min = o[0]), e.max = Zr(e.max, n.max = o[1]);
-		}
-	}
-	let Tt = {
-		min: null,
-		max: null
-	};
-	function Et() {
-		for (let e in b) {
-			let t = b[e];
-			j[e] == null && (t.min == null || j[S] != null && t.auto(r, ut)) && (j[e] = Tt);
-		}
-		for (let e in b) {
-			let t = b[e];
-			j[e] == null && t.from != null && j[t.from] != null && (j[e] = Tt);
-		}
-		j[S] != null && Bt(!0);
-		let e = {};
-		for (let t in j) {
-			let n = j[t];
-			if (n != null) {
-				let a = e[t] = Mi(b[t], ki);
-				if (n.min != null) Ni(a, n);
-				else if (t != S || i == 2) {
-					if (at == 0 && a.from == null) {
-						let e = a.range(r, null, null, t);
-						a.min = e[0], a.max = e[1];
-					} else a.min = ii, a.max = -Infinity;
-				}
-			}
-		}
-		if (at > 0) {
-			v.forEach((n, a) => {
-				if (i == 1) {
-					let i = n.scale, o = j[i];
-					if (o == null) return;
-					let s = e[i];
-					if (a == 0) {
-						let e = s.range(r, s.min, s.max, i);
-						s.min = e[0], s.max = e[1], ot = Er(s.min, t[0]), st = Er(s.max, t[0]), st - ot > 1 && (t[0][ot] < s.min && ot++, t[0][st] > s.max && st--), n.min = lt[ot], n.max = lt[st];
-					} else n.show && n.auto && wt(s, o, n, t[a], n.sorted);
-					n.idxs[0] = ot, n.idxs[1] = st;
-				} else if (a > 0 && n.show && n.auto) {
-					let [r, i] = n.facets, o = r.scale, s = i.scale, [c, l] = t[a], u = e[o], d = e[s];
-					u != null && wt(u, j[o], r, c, r.sorted), d != null && wt(d, j[s], i, l, i.sorted), n.min = i.min, n.max = i.max;
-				}
-			});
-			for (let t in e) {
-				let n = e[t], i = j[t];
-				if (n.from == null && (i == null || i.min == null)) {
-					let e = n.range(r, n.min == ii ? null : n.min, n.max == -Infinity ? null : n.max, t);
-					n.min = e[0], n.max = e[1];
-				}
-			}
-		}
-		for (let t in e) {
-			let n = e[t];
-			if (n.from != null) {
-				let i = e[n.from];
-				if (i.min == null) n.min = n.max = null;
-				else {
-					let e = n.range(r, i.min, i.max, t);
-					n.min = e[0], n.max = e[1];
-				}
-			}
-		}
-		let n = {}, a = !1;
-		for (let t in e) {
-			let r = e[t], i = b[t];
-			if (i.min != r.min || i.max != r.max) {
-				i.min = r.min, i.max = r.max;
-				let e = i.distr;
-				i._min = e == 3 ? ei(i.min) : e == 4 ? ri(i.min, i.asinh) : e == 100 ? i.fwd(i.min) : i.min, i._max = e == 3 ? ei(i.max) : e == 4 ? ri(i.max, i.asinh) : e == 100 ? i.fwd(i.max) : i.max, n[t] = a = !0;
-			}
-		}
-		if (a) {
-			v.forEach((e, t) => {
-				i == 2 ? t > 0 && n.y && (e._paths = null) : n[e.scale] && (e._paths = null);
-			});
-			for (let e in n) Pe = !0, mi("setScale", e);
-			ae && P.left >= 0 && (Fe = Le = !0);
-		}
-		for (let e in j) j[e] = null;
-	}
-	function Dt(e) {
-		let t = oi(ot - 1, 0, at - 1), n = oi(st + 1, 0, at - 1);
-		for (; e[t] == null && t > 0;) t--;
-		for (; e[n] == null && n < at - 1;) n++;
-		return [t, n];
-	}
-	function Ot() {
-		if (at > 0) {
-			let e = v.some((e) => e._focus) && xt != Ge.alpha;
-			e && (d.globalAlpha = xt = Ge.alpha), v.forEach((e, n) => {
-				if (n > 0 && e.show && (kt(n, !1), kt(n, !0), e._paths == null)) {
-					let a = xt;
-					xt != e.alpha && (d.globalAlpha = xt = e.alpha);
-					let o = i == 2 ? [0, t[n][0].length - 1] : Dt(t[n]);
-					e._paths = e.paths(r, n, o[0], o[1]), xt != a && (d.globalAlpha = xt = a);
-				}
-			}), v.forEach((e, t) => {
-				if (t > 0 && e.show) {
-					let n = xt;
-					xt != e.alpha && (d.globalAlpha = xt = e.alpha), e._paths != null && At(t, !1);
-					{
-						let n = e._paths == null ? null : e._paths.gaps, i = e.points.show(r, t, ot, st, n), a = e.points.filter(r, t, i, n);
-						(i || a) && (e.points._paths = e.points.paths(r, t, ot, st, a), At(t, !0));
-					}
-					xt != n && (d.globalAlpha = xt = n), mi("drawSeries", t);
-				}
-			}), e && (d.globalAlpha = xt = 1);
-		}
-	}
-	function kt(e, t) {
-		let n = t ? v[e].points : v[e];
-		n._stroke = n.stroke(r, e), n._fill = n.fill(r, e);
-	}
-	function At(e, t) {
-		let n = t ? v[e].points : v[e], { stroke: r, fill: i, clip: a, flags: o, _stroke: s = n._stroke, _fill: c = n._fill, _width: l = n.width } = n._paths;
-		l = Z(l * K, 3);
-		let u = null, f = l % 2 / 2;
-		t && c == null && (c = l > 0 ? "#fff" : s);
-		let p = n.pxAlign == 1 && f > 0;
-		if (p && d.translate(f, f), !t) {
-			let e = Oe - l / 2, t = ke - l / 2, n = Ae + l, r = je + l;
-			u = new Path2D(), u.rect(e, t, n, r);
-		}
-		t ? Mt(s, l, n.dash, n.cap, c, r, i, o, a) : jt(e, s, l, n.dash, n.cap, c, r, i, o, u, a), p && d.translate(-f, -f);
-	}
-	function jt(e, n, i, a, o, s, c, l, u, d, f) {
-		let p = !1;
-		u != 0 && x.forEach((m, h) => {
-			if (m.series[0] == e) {
-				let e = v[m.series[1]], g = t[m.series[1]], _ = (e._paths || xi).band;
-				wi(_) && (_ = m.dir == 1 ? _[0] : _[1]);
-				let y, b = null;
-				e.show && _ && Br(g, ot, st) ? (b = m.fill(r, h) || s, y = e._paths.clip) : _ = null, Mt(n, i, a, o, b, c, l, u, d, f, y, _), p = !0;
-			}
-		}), p || Mt(n, i, a, o, s, c, l, u, d, f);
-	}
-	function Mt(e, t, n, r, i, a, o, s, c, l, u, f) {
-		St(e, t, n, r, i), (c || l || f) && (d.save(), c && d.clip(c), l && d.clip(l)), f ? (s & 3) == 3 ? (d.clip(f), u && d.clip(u), Pt(i, o), Nt(e, a, t)) : s & To ? (Pt(i, o), d.clip(f), Nt(e, a, t)) : s & wo && (d.save(), d.clip(f), u && d.clip(u), Pt(i, o), d.restore(), Nt(e, a, t)) : (Pt(i, o), Nt(e, a, t)), (c || l || f) && d.restore();
-	}
-	function Nt(e, t, n) {
-		n > 0 && (t instanceof Map ? t.forEach((e, t) => {
-			d.strokeStyle = ft = t, d.stroke(e);
-		}) : t != null && e && d.stroke(t));
-	}
-	function Pt(e, t) {
-		t instanceof Map ? t.forEach((e, t) => {
-			d.fillStyle = pt = t, d.fill(e);
-		}) : t != null && e && d.fill(t);
-	}
-	function Ft(e, t, n, i) {
-		let a = y[e], o;
-		if (i <= 0) o = [0, 0];
-		else {
-			let s = a._space = a.space(r, e, t, n, i);
-			o = gs(t, n, a._incrs = a.incrs(r, e, t, n, i, s), i, s);
-		}
-		return a._found = o;
-	}
-	function It(e, t, n, r, i, a, o, s, c, l) {
-		let u = o % 2 / 2;
-		h == 1 && d.translate(u, u), St(s, o, c, l, s), d.beginPath();
-		let f, p, m, g, _ = i + (r == 0 || r == 3 ? -a : a);
-		n == 0 ? (p = i, g = _) : (f = i, m = _);
-		for (let r = 0; r < e.length; r++) t[r] != null && (n == 0 ? f = m = e[r] : p = g = e[r], d.moveTo(f, p), d.lineTo(m, g));
-		d.stroke(), h == 1 && d.translate(-u, -u);
-	}
-	function Lt(e) {
-		let t = !0;
-		return y.forEach((n, i) => {
-			if (!n.show) return;
-			let a = b[n.scale];
-			if (a.min == null) {
-				n._show && (t = !1, n._show = !1, Bt(!1));
-				return;
-			}
-			n._show || (t = !1, n._show = !0, Bt(!1));
-			let o = n.side, s = o % 2, { min: c, max: l } = a, [u, d] = Ft(i, c, l, s == 0 ? R : z);
-			if (d == 0) return;
-			let f = a.distr == 2, p = n._splits = n.splits(r, i, c, l, u, d, f), m = a.distr == 2 ? p.map((e) => lt[e]) : p, h = a.distr == 2 ? lt[p[1]] - lt[p[0]] : u, g = n._values = n.values(r, n.filter(r, m, i, d, h), i, d, h);
-			n._rotate = o == 2 ? n.rotate(r, g, i, d) : 0;
-			let _ = n._size;
-			n._size = Yr(n.size(r, g, i, e)), _ != null && n._size != _ && (t = !1);
-		}), t;
-	}
-	function Rt(e) {
-		let t = !0;
-		return it.forEach((n, i) => {
-			let a = n(r, i, tt, e);
-			a != V[i] && (t = !1), V[i] = a;
-		}), t;
-	}
-	function zt() {
-		for (let e = 0; e < y.length; e++) {
-			let t = y[e];
-			if (!t.show || !t._show) continue;
-			let n = t.side, i = n % 2, a, o, c = t.stroke(r, e), l = n == 0 || n == 3 ? -1 : 1, [u, f] = t._found;
-			if (t.label != null) {
-				let s = t.labelGap * l, p = Jr((t._lpos + s) * K);
-				Ct(t.labelFont[0], c, "center", n == 2 ? Un : Wn), d.save(), i == 1 ? (a = o = 0, d.translate(p, Jr(ke + je / 2)), d.rotate((n == 3 ? -Gr : Gr) / 2)) : (a = Jr(Oe + Ae / 2), o = p);
-				let m = si(t.label) ? t.label(r, e, u, f) : t.label;
-				d.fillText(m, a, o), d.restore();
-			}
-			if (f == 0) continue;
-			let p = b[t.scale], m = i == 0 ? Ae : je, h = i == 0 ? Oe : ke, _ = t._splits, v = p.distr == 2 ? _.map((e) => lt[e]) : _, x = p.distr == 2 ? lt[_[1]] - lt[_[0]] : u, S = t.ticks, C = t.border, w = S.show ? S.size : 0, T = Jr(w * K), E = Jr((t.alignTo == 2 ? t._size - w - t.gap : t.gap) * K), D = t._rotate * -Gr / 180, O = g(t._pos * K), k = O + (T + E) * l;
-			o = i == 0 ? k : 0, a = i == 1 ? k : 0;
-			let A = t.font[0];
-			Ct(A, c, t.align == 1 ? Gn : t.align == 2 ? Kn : D > 0 ? Gn : D < 0 ? Kn : i == 0 ? "center" : n == 3 ? Kn : Gn, D || i == 1 ? "middle" : n == 2 ? Un : Wn);
-			let j = t.font[1] * t.lineGap, M = _.map((e) => g(s(e, p, m, h))), ee = t._values;
-			for (let e = 0; e < ee.length; e++) {
-				let t = ee[e];
-				if (t != null) {
-					i == 0 ? a = M[e] : o = M[e], t = "" + t;
-					let n = t.indexOf("\n") == -1 ? [t] : t.split(/\n/gm);
-					for (let e = 0; e < n.length; e++) {
-						let t = n[e];
-						D ? (d.save(), d.translate(a, o + e * j), d.rotate(D), d.fillText(t, 0, 0), d.restore()) : d.fillText(t, a, o + e * j);
-					}
-				}
-			}
-			S.show && It(M, S.filter(r, v, e, f, x), i, n, O, T, Z(S.width * K, 3), S.stroke(r, e), S.dash, S.cap);
-			let te = t.grid;
-			te.show && It(M, te.filter(r, v, e, f, x), i, i == 0 ? 2 : 1, i == 0 ? ke : Oe, i == 0 ? je : Ae, Z(te.width * K, 3), te.stroke(r, e), te.dash, te.cap), C.show && It([O], [1], +(i == 0), i == 0 ? 1 : 2, i == 1 ? ke : Oe, i == 1 ? je : Ae, Z(C.width * K, 3), C.stroke(r, e), C.dash, C.cap);
-		}
-		mi("drawAxes");
-	}
-	function Bt(e) {
-		v.forEach((t, n) => {
-			n > 0 && (t._paths = null, e && (i == 1 ? (t.min = null, t.max = null) : t.facets.forEach((e) => {
-				e.min = null, e.max = null;
-			})));
-		});
-	}
-	let Vt = !1, Ht = !1, Ut = [];
-	function Wt() {
-		Ht = !1;
-		for (let e = 0; e < Ut.length; e++) mi(...Ut[e]);
-		Ut.length = 0;
-	}
-	function Gt() {
-		Vt ||= (zi(qt), !0);
-	}
-	function Kt(e, t = !1) {
-		Vt = !0, Ht = t, e(r), qt(), t && Ut.length > 0 && queueMicrotask(Wt);
-	}
-	r.batch = Kt;
-	function qt() {
-		if (Me &&= (Et(), !1), Pe &&= (Be(), !1), Ne) {
-			if (q(p, Gn, Se), q(p, Un, Ce), q(p, Vn, R), q(p, Hn, z), q(m, Gn, Se), q(m, Un, Ce), q(m, Vn, R), q(m, Hn, z), q(f, Vn, be), q(f, Hn, xe), u.width = Jr(be * K), u.height = Jr(xe * K), y.forEach(({ _el: e, _show: t, _size: n, _pos: r, side: i }) => {
-				if (e != null) {
-					if (t) {
-						let t = i === 3 || i === 0 ? n : 0, a = i % 2 == 1;
-						q(e, a ? "left" : "top", r - t), q(e, a ? "width" : "height", n), q(e, a ? "top" : "left", a ? Ce : Se), q(e, a ? "height" : "width", a ? z : R), pr(e, kn);
-					} else fr(e, kn);
-				}
-			}), ft = pt = mt = gt = _t = vt = yt = bt = ht = null, xt = 1, Or(!0), Se != we || Ce != Te || R != Ee || z != De) {
-				Bt(!1);
-				let e = R / Ee, t = z / De;
-				if (ae && !Fe && P.left >= 0) {
-					P.left *= e, P.top *= t, Zt && _r(Zt, Jr(P.left), 0, R, z), Qt && _r(Qt, 0, Jr(P.top), R, z);
-					for (let n = 0; n < Je.length; n++) {
-						let r = Je[n];
-						r != null && (Ye[n] *= e, Xe[n] *= t, _r(r, Yr(Ye[n]), Yr(Xe[n]), R, z));
-					}
-				}
-				if (G.show && !Ie && G.left >= 0 && G.width > 0) {
-					G.left *= e, G.width *= e, G.top *= t, G.height *= t;
-					for (let e in jr) q(un, e, G[e]);
-				}
-				we = Se, Te = Ce, Ee = R, De = z;
-			}
-			mi("setSize"), Ne = !1;
-		}
-		be > 0 && xe > 0 && (d.clearRect(0, 0, u.width, u.height), mi("drawClear"), w.forEach((e) => e()), mi("draw")), G.show && Ie && (dn(G), Ie = !1), ae && Fe && (Cr(null, !0, !1), Fe = !1), N.show && N.live && Le && (br(), Le = !1), c || (c = !0, r.status = 1, mi("ready")), ut = !1, Vt = !1;
-	}
-	r.redraw = (e, t) => {
-		Pe = t || !1, e === !1 ? Gt() : pn(S, D.min, D.max);
-	};
-	function Jt(e, n) {
-		let i = b[e];
-		if (i.from == null) {
-			if (at == 0) {
-				let t = i.range(r, n.min, n.max, e);
-				n.min = t[0], n.max = t[1];
-			}
-			if (n.min > n.max) {
-				let e = n.min;
-				n.min = n.max, n.max = e;
-			}
-			if (at > 1 && n.min != null && n.max != null && n.max - n.min < 1e-16) return;
-			e == S && i.distr == 2 && at > 0 && (n.min = Er(n.min, t[0]), n.max = Er(n.max, t[0]), n.min == n.max && n.max++), j[e] = n, Me = !0, Gt();
-		}
-	}
-	r.setScale = Jt;
-	let Yt, Xt, Zt, Qt, $t, en, tn, nn, rn, an, U, W, on = !1, sn = P.drag, cn = sn.x, ln = sn.y;
-	ae && (P.x && (Yt = hr(jn, m)), P.y && (Xt = hr(Mn, m)), D.ori == 0 ? (Zt = Yt, Qt = Xt) : (Zt = Xt, Qt = Yt), U = P.left, W = P.top);
-	let G = r.select = Ni({
-		show: !0,
-		over: !0,
-		left: 0,
-		width: 0,
-		top: 0,
-		height: 0
-	}, e.select), un = G.show ? hr(An, G.over ? m : p) : null;
-	function dn(e, t) {
-		if (G.show) {
-			for (let t in e) G[t] = e[t], t in jr && q(un, t, e[t]);
-			t !== !1 && mi("setSelect");
-		}
-	}
-	r.setSelect = dn;
-	function fn(e) {
-		if (v[e].show) F && pr(ce[e], kn);
-		else if (F && fr(ce[e], kn), ae) {
-			let t = qe ? Je[0] : Je[e];
-			t != null && _r(t, -10, -10, R, z);
-		}
-	}
-	function pn(e, t, n) {
-		Jt(e, {
-			min: t,
-			max: n
-		});
-	}
-	function mn(e, t, n, a) {
-		t.focus != null && nr(e), t.show != null && v.forEach((n, r) => {
-			r > 0 && (e == r || e == null) && (n.show = t.show, fn(r), i == 2 ? (pn(n.facets[0].scale, null, null), pn(n.facets[1].scale, null, null)) : pn(n.scale, null, null), Gt());
-		}), n !== !1 && mi("setSeries", e, t), a && Ti("setSeries", r, e, t);
-	}
-	r.setSeries = mn;
-	function hn(e, t) {
-		Ni(x[e], t);
-	}
-	function gn(e, t) {
-		e.fill = Y(e.fill || null), e.dir = J(e.dir, -1), t ??= x.length, x.splice(t, 0, e);
-	}
-	function _n(e) {
-		e == null ? x.length = 0 : x.splice(e, 1);
-	}
-	r.addBand = gn, r.setBand = hn, r.delBand = _n;
-	function vn(e, t) {
-		v[e].alpha = t, ae && Je[e] != null && (Je[e].style.opacity = t), F && ce[e] && (ce[e].style.opacity = t);
-	}
-	let yn, bn, qn, tr = { focus: !0 };
-	function nr(e) {
-		if (e != qn) {
-			let t = e == null, n = Ge.alpha != 1;
-			v.forEach((r, a) => {
-				if (i == 1 || a > 0) {
-					let i = t || a == 0 || a == e;
-					r._focus = t ? null : i, n && vn(a, i ? 1 : Ge.alpha);
-				}
-			}), qn = e, n && Gt();
-		}
-	}
-	F && Ke && ve($n, L, (e) => {
-		P._lock || (Ue(e), qn != null && mn(null, tr, !0, X.setSeries));
-	});
-	function rr(e, t, n) {
-		let r = b[t];
-		n && (e = e / K - (r.ori == 1 ? Ce : Se));
-		let i = R;
-		r.ori == 1 && (i = z, e = i - e), r.dir == -1 && (e = i - e);
-		let a = r._min, o = r._max, s = e / i, c = a + (o - a) * s, l = r.distr;
-		return l == 3 ? Qr(10, c) : l == 4 ? ni(c, r.asinh) : l == 100 ? r.bwd(c) : c;
-	}
-	function or(e, n) {
-		return Er(rr(e, S, n), t[0], ot, st);
-	}
-	r.valToIdx = (e) => Er(e, t[0]), r.posToIdx = or, r.posToVal = rr, r.valToPos = (e, t, n) => b[t].ori == 0 ? a(e, b[t], n ? Ae : R, n ? Oe : 0) : o(e, b[t], n ? je : z, n ? ke : 0), r.setCursor = (e, t, n) => {
-		U = e.left, W = e.top, Cr(null, t, n);
-	};
-	function lr(e, t) {
-		q(un, Gn, G.left = e), q(un, Vn, G.width = t);
-	}
-	function ur(e, t) {
-		q(un, Un, G.top = e), q(un, Hn, G.height = t);
-	}
-	let dr = D.ori == 0 ? lr : ur, gr = D.ori == 1 ? lr : ur;
-	function vr() {
-		if (F && N.live) for (let e = +(i == 2); e < v.length; e++) {
-			if (e == 0 && de) continue;
-			let t = N.values[e], n = 0;
-			for (let r in t) le[e][n++].firstChild.nodeValue = t[r];
-		}
-	}
-	function br(e, t) {
-		if (e != null && (e.idxs ? e.idxs.forEach((e, t) => {
-			ie[t] = e;
-		}) : Ei(e.idx) || ie.fill(e.idx), N.idx = ie[0]), F && N.live) {
-			for (let e = 0; e < v.length; e++) (e > 0 || i == 1 && !de) && Sr(e, ie[e]);
-			vr();
-		}
-		Le = !1, t !== !1 && mi("setLegend");
-	}
-	r.setLegend = br;
-	function Sr(e, n) {
-		let i = v[e], a = e == 0 && O == 2 ? lt : t[e], o;
-		de ? o = i.values(r, e, n) ?? fe : (o = i.value(r, n == null ? null : a[n], e, n), o = o == null ? fe : { _: o }), N.values[e] = o;
-	}
-	function Cr(e, n, a) {
-		rn = U, an = W, [U, W] = P.move(r, U, W), P.left = U, P.top = W, ae && (Zt && _r(Zt, Jr(U), 0, R, z), Qt && _r(Qt, 0, Jr(W), R, z));
-		let o, s = ot > st;
-		yn = ii, bn = null;
-		let c = D.ori == 0 ? R : z, l = D.ori == 1 ? R : z;
-		if (U < 0 || at == 0 || s) {
-			o = P.idx = null;
-			for (let e = 0; e < v.length; e++) {
-				let t = Je[e];
-				t != null && _r(t, -10, -10, R, z);
-			}
-			Ke && mn(null, tr, !0, e == null && X.setSeries), N.live && (ie.fill(o), Le = !0);
-		} else {
-			let e, n, a;
-			i == 1 && (e = D.ori == 0 ? U : W, n = rr(e, S), o = P.idx = Er(n, t[0], ot, st), a = k(t[0][o], D, c, 0));
-			let s = -10, u = -10, d = 0, f = 0, p = !0, m = "", h = "";
-			for (let e = +(i == 2); e < v.length; e++) {
-				let g = v[e], _ = ie[e], y = _ == null ? null : i == 1 ? t[e][_] : t[e][1][_], x = P.dataIdx(r, e, o, n), S = x == null ? null : i == 1 ? t[e][x] : t[e][1][x];
-				if (Le = Le || S != y || x != _, ie[e] = x, e > 0 && g.show) {
-					let n = x == null ? -10 : x == o ? a : k(i == 1 ? t[0][x] : t[e][0][x], D, c, 0), _ = S == null ? -10 : A(S, i == 1 ? b[g.scale] : b[g.facets[1].scale], l, 0);
-					if (Ke && S != null) {
-						let t = D.ori == 1 ? U : W, n = Kr(Ge.dist(r, e, x, _, t));
-						if (n < yn) {
-							let r = Ge.bias;
-							if (r != 0) {
-								let i = rr(t, g.scale), a = S >= 0 ? 1 : -1, o = i >= 0 ? 1 : -1;
-								o == a && (o == 1 ? r == 1 ? S >= i : S <= i : r == 1 ? S <= i : S >= i) && (yn = n, bn = e);
-							} else yn = n, bn = e;
-						}
-					}
-					if (Le || qe) {
-						let t, i;
-						D.ori == 0 ? (t = n, i = _) : (t = _, i = n);
-						let a, o, c, l, g, v, y = !0, b = We.bbox;
-						if (b != null) {
-							y = !1;
-							let t = b(r, e);
-							c = t.left, l = t.top, a = t.width, o = t.height;
-						} else c = t, l = i, a = o = We.size(r, e);
-						if (v = We.fill(r, e), g = We.stroke(r, e), qe) e == bn && yn <= Ge.prox && (s = c, u = l, d = a, f = o, p = y, m = v, h = g);
-						else {
-							let t = Je[e];
-							t != null && (Ye[e] = c, Xe[e] = l, xr(t, a, o, y), yr(t, v, g), _r(t, Yr(c), Yr(l), R, z));
-						}
-					}
-				}
-			}
-			if (qe) {
-				let e = Ge.prox;
-				if (Le || (qn == null ? yn <= e : yn > e || bn != qn)) {
-					let e = Je[0];
-					e != null && (Ye[0] = s, Xe[0] = u, xr(e, d, f, p), yr(e, m, h), _r(e, Yr(s), Yr(u), R, z));
-				}
-			}
-		}
-		if (G.show && on) {
-			if (e != null) {
-				let [t, n] = X.scales, [r, i] = X.match, [a, o] = e.cursor.sync.scales, s = e.cursor.drag;
-				if (cn = s._x, ln = s._y, cn || ln) {
-					let { left: s, top: u, width: d, height: f } = e.select, p = e.scales[a].ori, m = e.posToVal, h, g, _, v, y, x = t != null && r(t, a), S = n != null && i(n, o);
-					x && cn ? (p == 0 ? (h = s, g = d) : (h = u, g = f), _ = b[t], v = k(m(h, a), _, c, 0), y = k(m(h + g, a), _, c, 0), dr(Xr(v, y), Kr(y - v))) : dr(0, c), S && ln ? (p == 1 ? (h = s, g = d) : (h = u, g = f), _ = b[n], v = A(m(h, o), _, l, 0), y = A(m(h + g, o), _, l, 0), gr(Xr(v, y), Kr(y - v))) : gr(0, l);
-				} else Lr();
-			} else {
-				let e = Kr(rn - $t), t = Kr(an - en);
-				if (D.ori == 1) {
-					let n = e;
-					e = t, t = n;
-				}
-				cn = sn.x && e >= sn.dist, ln = sn.y && t >= sn.dist;
-				let n = sn.uni;
-				n == null ? sn.x && sn.y && (cn || ln) && (cn = ln = !0) : cn && ln && (cn = e >= n, ln = t >= n, !cn && !ln && (t > e ? ln = !0 : cn = !0));
-				let r, i;
-				cn && (D.ori == 0 ? (r = tn, i = U) : (r = nn, i = W), dr(Xr(r, i), Kr(i - r)), ln || gr(0, l)), ln && (D.ori == 1 ? (r = tn, i = U) : (r = nn, i = W), gr(Xr(r, i), Kr(i - r)), cn || dr(0, c)), !cn && !ln && (dr(0, 0), gr(0, 0));
-			}
-		}
-		if (sn._x = cn, sn._y = ln, e == null) {
-			if (a) {
-				if (_i != null) {
-					let [e, t] = X.scales;
-					X.values[0] = e == null ? null : rr(D.ori == 0 ? U : W, e), X.values[1] = t == null ? null : rr(D.ori == 1 ? U : W, t);
-				}
-				Ti(Yn, r, U, W, R, z, o);
-			}
-			if (Ke) {
-				let e = a && X.setSeries, t = Ge.prox;
-				qn == null ? yn <= t && mn(bn, tr, !0, e) : yn > t ? mn(null, tr, !0, e) : bn != qn && mn(bn, tr, !0, e);
-			}
-		}
-		Le && (N.idx = o, br()), n !== !1 && mi("setCursor");
-	}
-	let Dr = null;
-	Object.defineProperty(r, "rect", { get() {
-		return Dr ?? Or(!1), Dr;
-	} });
-	function Or(e = !1) {
-		e ? Dr = null : (Dr = m.getBoundingClientRect(), mi("syncRect", Dr));
-	}
-	function kr(e, t, n, r, i, a, o) {
-		P._lock || on && e != null && e.movementX == 0 && e.movementY == 0 || (Ar(e, t, n, r, i, a, o, !1, e != null), e == null ? Cr(t, !0, !1) : Cr(null, !0, !0));
-	}
-	function Ar(e, t, n, i, a, o, c, l, u) {
-		if (Dr ?? Or(!1), Ue(e), e != null) n = e.clientX - Dr.left, i = e.clientY - Dr.top;
-		else {
-			if (n < 0 || i < 0) {
-				U = -10, W = -10;
-				return;
-			}
-			let [e, r] = X.scales, c = t.cursor.sync, [l, u] = c.values, [d, f] = c.scales, [p, m] = X.match, h = t.axes[0].side % 2 == 1, g = D.ori == 0 ? R : z, _ = D.ori == 1 ? R : z, v = h ? o : a, y = h ? a : o, x = h ? i : n, S = h ? n : i;
-			if (n = d == null ? x / v * g : p(e, d) ? s(l, b[e], g, 0) : -10, i = f == null ? S / y * _ : m(r, f) ? s(u, b[r], _, 0) : -10, D.ori == 1) {
-				let e = n;
-				n = i, i = e;
-			}
-		}
-		u && (t == null || t.cursor.event.type == Yn) && ((n <= 1 || n >= R - 1) && (n = gi(n, R)), (i <= 1 || i >= z - 1) && (i = gi(i, z))), l ? ($t = n, en = i, [tn, nn] = P.move(r, n, i)) : (U = n, W = i);
-	}
-	let jr = {
-		width: 0,
-		height: 0,
-		left: 0,
-		top: 0
-	};
-	function Lr() {
-		dn(jr, !1);
-	}
-	let Rr, Vr, Hr, Ur;
-	function Wr(e, t, n, i, a, o, s) {
-		on = !0, cn = ln = sn._x = sn._y = !1, Ar(e, t, n, i, a, o, s, !0, !1), e != null && (ve(Zn, sr, qr, !1), Ti(Xn, r, tn, nn, R, z, null));
-		let { left: c, top: l, width: u, height: d } = G;
-		Rr = c, Vr = l, Hr = u, Ur = d;
-	}
-	function qr(e, t, n, i, a, o, s) {
-		on = sn._x = sn._y = !1, Ar(e, t, n, i, a, o, s, !1, !0);
-		let { left: c, top: l, width: u, height: d } = G, f = u > 0 || d > 0, p = Rr != c || Vr != l || Hr != u || Ur != d;
-		if (f && p && dn(G), sn.setScale && f && p) {
-			let e = c, t = u, n = l, r = d;
-			if (D.ori == 1 && (e = l, t = d, n = c, r = u), cn && pn(S, rr(e, S), rr(e + t, S)), ln) for (let e in b) {
-				let t = b[e];
-				e != S && t.from == null && t.min != ii && pn(e, rr(n + r, e), rr(n, e));
-			}
-			Lr();
-		} else P.lock && (P._lock = !P._lock, Cr(t, !0, e != null));
-		e != null && (ye(Zn, sr), Ti(Zn, r, U, W, R, z, null));
-	}
-	function $r(e, t, n, r, i, a, o) {
-		if (P._lock) return;
-		Ue(e);
-		let s = on;
-		if (on) {
-			let e = !0, t = !0, n, r;
-			D.ori == 0 ? (n = cn, r = ln) : (n = ln, r = cn), n && r && (e = U <= 10 || U >= R - 10, t = W <= 10 || W >= z - 10), n && e && (U = U < tn ? 0 : R), r && t && (W = W < nn ? 0 : z), Cr(null, !0, !0), on = !1;
-		}
-		U = -10, W = -10, ie.fill(null), Cr(null, !0, !0), s && (on = s);
-	}
-	function ti(e, t, n, i, a, o, s) {
-		P._lock || (Ue(e), H(), Lr(), e != null && Ti(er, r, U, W, R, z, null));
-	}
-	function ai() {
-		y.forEach(vs), Re(r.width, r.height, !0);
-	}
-	wr(ir, cr, ai);
-	let ci = {};
-	ci.mousedown = Wr, ci.mousemove = kr, ci.mouseup = qr, ci.dblclick = ti, ci.setSeries = (e, t, n, i) => {
-		let a = X.match[2];
-		n = a(r, t, n), n != -1 && mn(n, i, !0, !1);
-	}, ae && (ve(Xn, m, Wr), ve(Yn, m, kr), ve(Qn, m, (e) => {
-		Ue(e), Or(!1);
-	}), ve($n, m, $r), ve(er, m, ti), ns.add(r), r.syncRect = Or);
-	let li = r.hooks = e.hooks || {};
-	function mi(e, t, n) {
-		Ht ? Ut.push([
-			e,
-			t,
-			n
-		]) : e in li && li[e].forEach((e) => {
-			e.call(null, r, t, n);
-		});
-	}
-	(e.plugins || []).forEach((e) => {
-		for (let t in e.hooks) li[t] = (li[t] || []).concat(e.hooks[t]);
-	});
-	let hi = (e, t, n) => n, X = Ni({
-		key: null,
-		setSeries: !1,
-		filters: {
-			pub: fi,
-			sub: fi
-		},
-		scales: [S, v[1] ? v[1].scale : null],
-		match: [
-			pi,
-			pi,
-			hi
-		],
-		values: [null, null]
-	}, P.sync);
-	X.match.length == 2 && X.match.push(hi), P.sync = X;
-	let _i = X.key, bi = Co(_i);
-	function Ti(e, t, n, r, i, a, o) {
-		X.filters.pub(e, t, n, r, i, a, o) && bi.pub(e, t, n, r, i, a, o);
-	}
-	bi.sub(r);
-	function Ai(e, t, n, r, i, a, o) {
-		X.filters.sub(e, t, n, r, i, a, o) && ci[e](null, t, n, r, i, a, o);
-	}
-	r.pub = Ai;
-	function ji() {
-		bi.unsub(r), ns.delete(r), _e.clear(), Tr(ir, cr, ai), l.remove(), L?.remove(), mi("destroy");
-	}
-	r.destroy = ji;
-	function Pi() {
-		mi("init", e, t), dt(t || e.data, !1), j[S] ? Jt(S, j[S]) : H(), Ie = G.show && (G.width > 0 || G.height > 0), Fe = Le = !0, Re(e.width, e.height);
-	}
-	return v.forEach(Qe), y.forEach(nt), n ? n instanceof HTMLElement ? (n.appendChild(l), Pi()) : n(r, Pi) : Pi(), r;
-}
-ys.assign = Ni, ys.fmtNum = Ur, ys.rangeNum = zr, ys.rangeLog = Nr, ys.rangeAsinh = Pr, ys.orient = Eo, ys.pxRatio = K, ys.join = Ri, ys.fmtDate = Zi, ys.tzDate = $i, ys.sync = Co;
-{
-	ys.addGap = jo, ys.clipGaps = Ao;
-	let e = ys.paths = { points: Go };
-	e.linear = Yo, e.stepped = Xo, e.bars = Qo, e.spline = es;
-}
-// src/phase.tsx
-var [bs, xs] = [420, 300], $ = {
-	left: 64,
-	right: 12,
-	top: 10,
-	bottom: 34
-};
-function Ss({ store: e, state: t }) {
-	let [n, r] = H(null), [i, a] = t.plotted, o = t.run, [s, c] = t.span;
-	if (pt(() => {
-		if (!i || !a) return;
-		let t = !1;
-		return e.transport.ask("phase", {
-			run: o.run,
-			names: [i, a],
-			t0: s,
-			t1: c
-		}).then((e) => !t && r(e)).catch((n) => !t && e.refused(n)), () => {
-			t = !0;
-		};
-	}, [
-		o.run,
-		i,
-		a,
-		s,
-		c
-	]), !i || !a) return /* @__PURE__ */ R("p", {
-		class: "hint",
-		children: "Plot two signals: the second is drawn over the first."
-	});
-	if (!n) return null;
-	let [l, u, d, f] = n.box, [p, m] = [u - l || 1, f - d || 1], h = (e) => $.left + (e - l) / p * (bs - $.left - $.right), g = (e) => xs - $.bottom - (e - d) / m * (xs - $.top - $.bottom), _ = (e, t, n) => `${h(e[n]).toFixed(1)},${g(t[n]).toFixed(1)}`, v = (e) => e[e.length - 1], y = n.pieces.slice(1).map(([e, t], r) => {
-		let [i, a] = n.pieces[r];
-		return {
-			x1: h(v(i)),
-			y1: g(v(a)),
-			x2: h(e[0]),
-			y2: g(t[0])
-		};
-	}), b = t.cursor?.signals, x = b && b[i] != null && b[a] != null ? [h(b[i]), g(b[a])] : null;
-	return /* @__PURE__ */ R("figure", {
-		class: "phase",
-		"aria-label": `${a} over ${i}`,
-		children: /* @__PURE__ */ R("svg", {
-			viewBox: `0 0 ${bs} ${xs}`,
-			role: "img",
-			"aria-label": `${a} over ${i}, from ${Ve(l)} to ${Ve(u)} ${n.units[0]} and from ${Ve(d)} to ${Ve(f)} ${n.units[1]}`,
-			children: [
-				/* @__PURE__ */ R("rect", {
-					class: "box",
-					x: $.left,
-					y: $.top,
-					width: bs - $.left - $.right,
-					height: xs - $.top - $.bottom
-				}),
-				l < 0 && u > 0 && /* @__PURE__ */ R("line", {
-					class: "axis",
-					x1: h(0),
-					x2: h(0),
-					y1: $.top,
-					y2: xs - $.bottom
-				}),
-				d < 0 && f > 0 && /* @__PURE__ */ R("line", {
-					class: "axis",
-					x1: $.left,
-					x2: bs - $.right,
-					y1: g(0),
-					y2: g(0)
-				}),
-				y.map((e) => Math.hypot(e.x2 - e.x1, e.y2 - e.y1) > 1 && /* @__PURE__ */ R("line", {
-					class: "jump",
-					...e
-				})),
-				n.pieces.map(([e, t]) => /* @__PURE__ */ R("path", {
-					class: "way",
-					d: `M${e.map((n, r) => _(e, t, r)).join("L")}`
-				})),
-				x && /* @__PURE__ */ R("circle", {
-					class: "now",
-					cx: x[0],
-					cy: x[1],
-					r: 4.5
-				}),
-				/* @__PURE__ */ R("text", {
-					x: $.left,
-					y: xs - $.bottom + 14,
-					children: B(l, n.units[0])
-				}),
-				/* @__PURE__ */ R("text", {
-					x: bs - $.right,
-					y: xs - $.bottom + 14,
-					"text-anchor": "end",
-					children: B(u, n.units[0])
-				}),
-				/* @__PURE__ */ R("text", {
-					x: (bs + $.left) / 2,
-					y: xs - 6,
-					"text-anchor": "middle",
-					class: "what",
-					children: i
-				}),
-				/* @__PURE__ */ R("text", {
-					x: $.left - 5,
-					y: xs - $.bottom,
-					"text-anchor": "end",
-					children: B(d, n.units[1])
-				}),
-				/* @__PURE__ */ R("text", {
-					x: $.left - 5,
-					y: $.top + 10,
-					"text-anchor": "end",
-					children: B(f, n.units[1])
-				}),
-				/* @__PURE__ */ R("text", {
-					transform: `translate(12,${(xs - $.bottom) / 2}) rotate(-90)`,
-					"text-anchor": "middle",
-					class: "what",
-					children: a
-				})
-			]
-		})
-	});
-}
-// src/plots.tsx
-var Cs = [
-	"--c1",
-	"--c2",
-	"--c3",
-	"--c4",
-	"--c5",
-	"--c6"
-];
-function ws({ store: e, state: t }) {
-	let [n, r] = H(null), [i, a] = H(!1), [o, s] = H(800), c = mt(null), l = t.run, [u, d] = t.span;
-	pt(() => {
-		let e = c.current;
-		if (!e) return;
-		let t = new ResizeObserver(() => s(Math.max(200, e.clientWidth - 18)));
-		return t.observe(e), () => t.disconnect();
-	}, [!l]);
-	let f = t.plotted.join("\n");
-	if (pt(() => {
-		if (!l) return;
-		let n = !1, a = i ? t.runs.filter((e) => e.tEnd !== void 0) : [l];
-		return Promise.all(a.map((n) => e.transport.ask("curves", {
-			run: n.run,
-			names: t.plotted,
-			t0: u,
-			t1: d,
-			width: o,
-			strip: n.run === l.run
-		}).then((e) => ({
-			run: n,
-			...e
-		})))).then((e) => !n && r({
-			runs: e,
-			strip: e.find((e) => e.run.run === l.run)?.strip ?? []
-		})).catch((t) => e.refused(t)), () => {
-			n = !0;
-		};
-	}, [
-		l?.run,
-		f,
-		u,
-		d,
-		o,
-		i,
-		t.runs.length
-	]), t.running && t.soFar) return /* @__PURE__ */ R(Ts, {
-		state: t,
-		soFar: t.soFar
-	});
-	if (!l || l.tEnd === void 0) return /* @__PURE__ */ R("p", {
-		class: "hint plots",
-		children: l?.error ? "" : t.running ? "Running …" : "Press Run."
-	});
-	let p = t.cursor?.t ?? null, m = u === l.tBegin && d === l.tEnd;
-	return /* @__PURE__ */ R("div", {
-		class: "plots",
-		ref: c,
-		children: [
-			/* @__PURE__ */ R("div", {
-				class: "plotbar",
-				children: [
-					/* @__PURE__ */ R(Es, {
-						store: e,
-						state: t,
-						run: l
-					}),
-					t.runs.length > 1 && /* @__PURE__ */ R("label", { children: [
-						/* @__PURE__ */ R("input", {
-							type: "checkbox",
-							checked: i,
-							onChange: (e) => a(e.currentTarget.checked)
-						}),
-						" compare ",
-						t.runs.length,
-						" runs"
-					] }),
-					!m && /* @__PURE__ */ R("button", {
-						onClick: () => e.set({ span: [l.tBegin, l.tEnd] }),
-						children: "Whole run"
-					}),
-					/* @__PURE__ */ R("label", {
-						class: "scrub",
-						children: [
-							/* @__PURE__ */ R("span", { children: "t" }),
-							/* @__PURE__ */ R("input", {
-								type: "range",
-								"aria-label": "Time cursor",
-								min: l.tBegin,
-								max: l.tEnd,
-								step: (l.tEnd - l.tBegin) / 1e3 || 1,
-								value: p ?? l.tBegin,
-								onInput: (t) => {
-									e.set({ instant: null }), e.moveCursor(Number(t.currentTarget.value));
-								}
-							}),
-							/* @__PURE__ */ R("output", { children: p === null ? "" : B(p, "s") })
-						]
-					}),
-					/* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("input", {
-						type: "checkbox",
-						checked: t.phase,
-						onChange: (t) => e.set({ phase: t.currentTarget.checked })
-					}), " phase plane"] }),
-					/* @__PURE__ */ R("label", { children: [/* @__PURE__ */ R("input", {
-						type: "checkbox",
-						checked: t.flowing,
-						onChange: (t) => e.set({ flowing: t.currentTarget.checked })
-					}), " power along bonds"] })
-				]
-			}),
-			t.plotted.map((r, i) => /* @__PURE__ */ R(Ds, {
-				name: r,
-				ink: Cs[i % Cs.length],
-				curves: (n?.runs ?? []).flatMap((e) => e.curves.filter((e) => e.name === r)),
-				span: t.span,
-				cursor: p,
-				value: t.cursor?.signals[r] ?? null,
-				wide: o,
-				dark: t.dark,
-				last: i === t.plotted.length - 1,
-				onSpan: (t) => e.set({ span: t }),
-				onTime: (t) => {
-					e.set({ instant: null }), e.moveCursor(t);
-				}
-			}, r)),
-			t.phase && /* @__PURE__ */ R(Ss, {
-				store: e,
-				state: t
-			}),
-			/* @__PURE__ */ R(js, {
-				lanes: n?.strip ?? [],
-				span: t.span,
-				cursor: p,
-				onTime: (t) => void e.moveCursor(t)
-			})
-		]
-	});
-}
-function Ts({ state: e, soFar: t }) {
-	let n = mt(null), r = [t.tBegin, t.tEnd];
-	return /* @__PURE__ */ R("div", {
-		class: "plots",
-		ref: n,
-		children: [t.curves.map((i, a) => /* @__PURE__ */ R(Ds, {
-			name: i.name,
-			ink: Cs[a % Cs.length],
-			curves: [i],
-			span: r,
-			cursor: null,
-			value: null,
-			wide: (n.current?.clientWidth ?? 800) - 18,
-			dark: e.dark,
-			last: a === t.curves.length - 1,
-			onSpan: () => {},
-			onTime: () => {}
-		}, i.name)), /* @__PURE__ */ R(js, {
-			lanes: t.strip,
-			span: r,
-			cursor: null,
-			onTime: () => {}
-		})]
-	});
-}
-function Es({ store: e, state: t, run: n }) {
-	let r = (t.look?.view.nodes ?? []).flatMap((e) => e.kind === "part" ? [] : [`${e.name}.e`, `${e.name}.f`]), i = [.../* @__PURE__ */ new Set([...n.names, ...r])].filter((e) => !t.plotted.includes(e));
-	return /* @__PURE__ */ R("span", {
-		class: "chooser",
-		children: [
-			t.plotted.map((n) => /* @__PURE__ */ R("button", {
-				class: "chip",
-				"aria-label": `Do not plot ${n}`,
-				onClick: () => e.set({ plotted: t.plotted.filter((e) => e !== n) }),
-				children: [n, " ✕"]
-			})),
-			/* @__PURE__ */ R("input", {
-				"aria-label": "Plot a signal",
-				placeholder: "plot …",
-				list: "signals",
-				onKeyDown: (e) => e.stopPropagation(),
-				onChange: (n) => {
-					let r = n.currentTarget.value.trim();
-					r && e.set({ plotted: [...t.plotted, r] }), n.currentTarget.value = "";
-				}
-			}),
-			/* @__PURE__ */ R("datalist", {
-				id: "signals",
-				children: i.map((e) => /* @__PURE__ */ R("option", { value: e }))
-			})
-		]
-	});
-}
-var Ds = class extends S {
-	box = b();
-	plot = null;
-	componentDidMount() {
-		this.draw();
-	}
-	componentDidUpdate(e) {
-		let t = this.props;
-		e.wide === t.wide && e.dark === t.dark && e.last === t.last && e.curves.length === t.curves.length && e.curves.every((e, n) => e === t.curves[n]) ? e.cursor !== t.cursor && this.plot?.redraw(!1) : this.draw();
-	}
-	componentWillUnmount() {
-		this.plot?.destroy();
-	}
-	draw() {
-		this.plot?.destroy(), this.plot = null;
-		let { curves: e, span: t, wide: n, last: r, name: i } = this.props, a = this.box.current;
-		a.replaceChildren();
-		let o = e.filter((e) => !e.error);
-		if (!o.length) return;
-		let s = getComputedStyle(a), c = s.getPropertyValue("--ink"), l = s.getPropertyValue("--line"), u = o.map((e, t) => s.getPropertyValue(t === o.length - 1 ? this.props.ink : Cs[(t + 3) % Cs.length])), d = o.map((e) => [e.t, e.y]), f = d.length === 1 ? d[0] : ys.join(d), p = o[o.length - 1].unit, m = o.flatMap((e) => e.impulses);
-		this.plot = new ys({
-			width: Math.max(n - 4, 200),
-			height: r ? 132 : 112,
-			padding: [
-				8,
-				24,
-				0,
-				0
-			],
-			legend: { show: !1 },
-			cursor: {
-				drag: {
-					x: !0,
-					y: !1
-				},
-				points: { show: !1 }
-			},
-			scales: {
-				x: {
-					time: !1,
-					range: () => t
-				},
-				y: { range: (e, t, n) => Os(t, n, m.length > 0) }
-			},
-			axes: [{
-				show: r,
-				stroke: c,
-				grid: {
-					stroke: l,
-					width: 1
-				},
-				ticks: { stroke: l },
-				size: 26,
-				values: (e, t) => ks(t, "s")
-			}, {
-				stroke: c,
-				grid: {
-					stroke: l,
-					width: 1
-				},
-				ticks: { stroke: l },
-				size: 74,
-				label: i,
-				labelSize: 18,
-				labelFont: "11px sans-serif",
-				font: "10px sans-serif",
-				values: (e, t) => ks(t, p)
-			}],
-			series: [{}, ...o.map((e, t) => ({
-				stroke: u[t],
-				width: 1.5,
-				points: { show: !1 },
-				pxAlign: 0,
-				spanGaps: d.length > 1
-			}))],
-			hooks: {
-				draw: [(e) => {
-					this.arrows(e, m, u[u.length - 1], p), this.timeline(e, c);
-				}],
-				setSelect: [(e) => {
-					e.select.width < 4 || this.props.onSpan([e.posToVal(e.select.left, "x"), e.posToVal(e.select.left + e.select.width, "x")]);
-				}]
-			}
-		}, f, a);
-		let h = this.plot.over, g = 0;
-		h.addEventListener("mousedown", (e) => g = e.clientX), h.addEventListener("click", (e) => {
-			Math.abs(e.clientX - g) < 4 && this.plot && this.props.onTime(this.plot.posToVal(e.offsetX, "x"));
-		}), h.addEventListener("dblclick", () => this.props.onSpan([o[0].t[0], o[0].t[o[0].t.length - 1]]));
-	}
-	arrows(e, t, n, r) {
-		if (!t.length) return;
-		let i = Math.max(...t.map(([, e]) => Math.abs(e))), { left: a, top: o, width: s, height: c } = e.bbox, l = Math.min(Math.max(e.valToPos(0, "y", !0), o), o + c), u = e.ctx, d = devicePixelRatio;
-		u.save(), u.strokeStyle = u.fillStyle = n, u.lineWidth = 1.5 * d, u.font = `${10 * d}px sans-serif`;
-		for (let [n, f] of t) {
-			let p = e.valToPos(n, "x", !0);
-			if (p < a || p > a + s) continue;
-			let m = l - Math.sign(f) * (.25 + .3 * Math.abs(f) / i) * c, h = Math.min(Math.max(m, o + 6 * d), o + c - 6 * d), g = Math.sign(h - l) || 1;
-			if (u.beginPath(), u.moveTo(p, l), u.lineTo(p, h), u.moveTo(p - 4 * d, h - 7 * d * g), u.lineTo(p, h), u.lineTo(p + 4 * d, h - 7 * d * g), u.stroke(), t.length <= 12) {
-				let e = `${B(f, r ? r + "s" : "")} δ`, t = p + 8 * d + u.measureText(e).width < a + s;
-				u.textAlign = t ? "left" : "right", u.fillText(e, p + (t ? 6 : -6) * d, (l + h) / 2);
-			}
-		}
-		u.restore();
-	}
-	timeline(e, t) {
-		let n = this.props.cursor;
-		if (n === null) return;
-		let r = e.valToPos(n, "x", !0), { left: i, top: a, width: o, height: s } = e.bbox;
-		r < i || r > i + o || (e.ctx.save(), e.ctx.strokeStyle = t, e.ctx.setLineDash([4, 3]), e.ctx.beginPath(), e.ctx.moveTo(r, a), e.ctx.lineTo(r, a + s), e.ctx.stroke(), e.ctx.restore());
-	}
-	render({ name: e, curves: t, value: n, cursor: r }) {
-		let i = t.find((e) => e.error);
-		return /* @__PURE__ */ R("figure", {
-			class: "trace",
-			"aria-label": `Plot of ${e}`,
-			children: [
-				/* @__PURE__ */ R("div", { ref: this.box }),
-				r !== null && /* @__PURE__ */ R("output", {
-					class: "reading",
-					children: B(n, t.find((e) => !e.error)?.unit ?? "")
-				}),
-				i && /* @__PURE__ */ R("p", {
-					class: "hint",
-					children: [
-						i.error.code,
-						" ",
-						i.error.why
-					]
-				})
-			]
-		});
-	}
-};
-function Os(e, t, n) {
-	let [r, i] = [e ?? 0, t ?? 1];
-	n && ([r, i] = [Math.min(r, 0), Math.max(i, 0)]);
-	let a = .08 * (i - r) || .1 * Math.abs(r) || 1;
-	return [r - a, i + a];
-}
-function ks(e, t) {
-	let n = Math.max(...e.map(Math.abs)), r = [
-		1e9,
-		1e6,
-		1e3,
-		1,
-		.001,
-		1e-6,
-		1e-9
-	].find((e) => n >= e) ?? 1e-12, i = {
-		1e9: "G",
-		1e6: "M",
-		1e3: "k",
-		1: "",
-		.001: "m",
-		1e-6: "µ",
-		1e-9: "n",
-		1e-12: "p"
-	}[r] ?? "", a = /^[A-Za-zΩ]+$/.test(t) && t !== "kg";
-	return e.map((e) => a ? `${+(e / r).toPrecision(5)} ${i}${t}` : `${+e.toPrecision(5)} ${t}`);
-}
-var As = [
-	"var(--s0)",
-	"var(--s1)",
-	"var(--s2)",
-	"var(--s3)",
-	"var(--s4)",
-	"var(--s5)",
-	"var(--s6)",
-	"var(--s7)"
-];
-function js({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
-	if (!e.length) return null;
-	let a = (e) => 1e3 * (e - t) / (n - t || 1);
-	return /* @__PURE__ */ R("div", {
-		class: "strip",
-		children: [
-			/* @__PURE__ */ R("div", {
-				class: "stripnames",
-				"aria-hidden": "true",
-				children: e.map((e) => /* @__PURE__ */ R("span", {
-					title: e.machine,
-					children: e.machine
-				}))
-			}),
-			/* @__PURE__ */ R("svg", {
-				viewBox: `0 0 1000 ${18 * e.length}`,
-				preserveAspectRatio: "none",
-				style: { height: `${18 * e.length}px` },
-				role: "img",
-				"aria-label": `Modes: ${e.map((e) => `${e.machine} is ${e.stays?.map(([, , t]) => e.states[t]).slice(0, 12).join(", ") ?? "switching fast"}`).join("; ")}`,
-				onClick: (e) => {
-					let r = e.currentTarget.getBoundingClientRect();
-					i(t + (e.clientX - r.left) / r.width * (n - t));
-				},
-				children: [e.map((e, r) => /* @__PURE__ */ R("g", {
-					transform: `translate(0,${r * 18})`,
-					children: [e.stays?.map(([r, i, o]) => /* @__PURE__ */ R("rect", {
-						x: a(Math.max(r, t)),
-						width: Math.max(.7, a(Math.min(i, n)) - a(Math.max(r, t))),
-						y: 1,
-						height: 16,
-						fill: As[o % As.length],
-						children: /* @__PURE__ */ R("title", { children: e.states[o] })
-					})), e.shares?.map((e, t) => e.map((n, r) => n > 0 ? /* @__PURE__ */ R("rect", {
-						x: 1e3 * r / e.length,
-						width: 1e3 / e.length,
-						y: 1,
-						height: 16,
-						fill: As[t % As.length],
-						opacity: n
-					}) : null))]
-				})), r !== null && r >= t && r <= n && /* @__PURE__ */ R("line", {
-					class: "now",
-					x1: a(r),
-					x2: a(r),
-					y1: 0,
-					y2: 18 * e.length
-				})]
-			}),
-			/* @__PURE__ */ R("div", {
-				class: "stripwords",
-				"aria-hidden": "true",
-				children: e.map((e, r) => e.stays?.filter(([e, r]) => a(Math.min(r, n)) - a(Math.max(e, t)) > 60).map(([i, o, s]) => /* @__PURE__ */ R("span", {
-					style: {
-						left: `${(a(Math.max(i, t)) + a(Math.min(o, n))) / 20}%`,
-						top: `${r * 18}px`
-					},
-					children: e.states[s]
-				})))
-			})
-		]
-	});
-}
-// src/power.tsx
-var Ms = {
-	C: ["gives back", "stores"],
-	I: ["gives back", "stores"],
-	R: ["gives", "dissipates"],
-	G: ["gives", "dissipates"],
-	Se: ["supplies", "absorbs"],
-	Sf: ["supplies", "absorbs"]
-}, [Ns, Ps, Fs, Is] = [
-	310,
-	17,
-	7,
-	10
-];
-function Ls(e) {
-	let t = e.cursor?.values ?? {}, { nodes: n, bonds: r } = e.look.view, i = /* @__PURE__ */ new Map();
-	for (let e of r) {
-		let n = t[e.key];
-		if (!n || n.power === !1) continue;
-		let r = n.e === null || n.f === null ? null : n.e * n.f;
-		for (let [t, n] of [[e.tail, -1], [e.head, 1]]) {
-			let e = i.get(t) === void 0 ? 0 : i.get(t);
-			i.set(t, r === null || e === null ? null : e + n * r);
-		}
-	}
-	let a = n.filter((e) => e.kind !== "0" && e.kind !== "1" && e.kind !== "TF" && e.kind !== "GY" && i.has(e.name));
-	return {
-		found: a.filter((e) => i.get(e.name) !== null).map((e) => ({
-			node: e,
-			power: i.get(e.name)
-		})),
-		unknown: a.filter((e) => i.get(e.name) === null).map((e) => e.name)
-	};
-}
-function Rs({ store: e, state: t }) {
-	if (!t.cursor) return /* @__PURE__ */ R("p", {
-		class: "hint",
-		children: "Run the model and choose a time in its plots."
-	});
-	let { found: n, unknown: r } = Ls(t), i = Math.max(0, ...n.map((e) => Math.abs(e.power))), a = n.filter((e) => Math.abs(e.power) > 1e-6 * i).sort((e, t) => Math.abs(t.power) - Math.abs(e.power)), o = a.filter((e) => e.power < 0), s = a.filter((e) => e.power > 0), c = (e) => e.reduce((e, t) => e + Math.abs(t.power), 0), l = Math.max(c(o), c(s)) || 1, u = Math.max(1, o.length, s.length) * (Ps + Fs) + 120, d = (u - Math.max(o.length, s.length) * Fs - 8) / l, f = (t) => e.set({
-		nodes: /* @__PURE__ */ new Set([t.name]),
-		bonds: /* @__PURE__ */ new Set()
-	}), p = (e, t) => {
-		let n = 4, r = 4;
-		return e.map((e) => {
-			let i = Math.abs(e.power) * d, [a, o] = [n, r];
-			n += Math.max(i, 1) + Fs, r += i;
-			let [s, c] = t ? [Is, Ns / 2 - Is / 2] : [Ns - Is, Ns / 2 + Is / 2], l = (s + c) / 2;
-			return /* @__PURE__ */ R("g", {
-				class: "flow " + (t ? "gives" : "takes"),
-				onClick: () => f(e.node),
-				children: [
-					/* @__PURE__ */ R("path", { d: `M${s},${a}C${l},${a} ${l},${o} ${c},${o}V${o + i}C${l},${o + i} ${l},${a + i} ${s},${a + i}Z` }),
-					/* @__PURE__ */ R("rect", {
-						x: t ? 0 : Ns - Is,
-						y: a,
-						width: Is,
-						height: Math.max(i, 1)
-					}),
-					/* @__PURE__ */ R("text", {
-						x: t ? Is + 4 : Ns - Is - 4,
-						y: a + Math.max(i, 1) / 2 + 4,
-						"text-anchor": t ? "start" : "end",
-						children: e.node.name
-					})
-				]
-			});
-		});
-	};
-	return /* @__PURE__ */ R("section", {
-		class: "power-panel",
-		children: [
-			/* @__PURE__ */ R("h2", { children: ["Power at t = ", B(t.cursor.t, "s")] }),
-			a.length > 0 ? /* @__PURE__ */ R("svg", {
-				class: "sankey",
-				viewBox: `0 0 ${Ns} ${u}`,
-				role: "img",
-				"aria-label": `Sankey diagram: ${o.map((e) => e.node.name).join(", ")} give, ${s.map((e) => e.node.name).join(", ")} take`,
-				children: [
-					p(o, !0),
-					p(s, !1),
-					/* @__PURE__ */ R("rect", {
-						class: "middle-bar",
-						x: Ns / 2 - Is / 2,
-						y: 4,
-						width: Is,
-						height: l * d
-					})
-				]
-			}) : /* @__PURE__ */ R("p", {
-				class: "hint",
-				children: "No power flows."
-			}),
-			/* @__PURE__ */ R("table", { children: [/* @__PURE__ */ R("thead", { children: /* @__PURE__ */ R("tr", { children: [
-				/* @__PURE__ */ R("th", {
-					scope: "col",
-					children: "element"
-				}),
-				/* @__PURE__ */ R("th", {
-					scope: "col",
-					children: "does"
-				}),
-				/* @__PURE__ */ R("th", {
-					scope: "col",
-					children: "power"
-				})
-			] }) }), /* @__PURE__ */ R("tbody", { children: a.map((e) => /* @__PURE__ */ R("tr", {
-				class: t.nodes.has(e.node.name) ? "chosen" : "",
-				children: [
-					/* @__PURE__ */ R("td", { children: /* @__PURE__ */ R("button", {
-						class: "link",
-						onClick: () => f(e.node),
-						children: e.node.name
-					}) }),
-					/* @__PURE__ */ R("td", { children: (Ms[e.node.kind] ?? ["gives", "takes"])[+(e.power > 0)] }),
-					/* @__PURE__ */ R("td", {
-						class: "figure",
-						children: B(Math.abs(e.power), "W")
-					})
-				]
-			})) })] }),
-			r.length > 0 && /* @__PURE__ */ R("p", {
-				class: "hint",
-				children: ["not determined: ", r.join(", ")]
-			}),
-			/* @__PURE__ */ R("p", {
-				class: "hint",
-				children: [
-					"supplied and given back ",
-					B(c(o), "W"),
-					", taken ",
-					B(c(s), "W")
-				]
-			})
-		]
-	});
-}
-// src/splitter.tsx
-function zs(e) {
-	let t = (t) => e.onChange(Math.round(Math.max(e.least, Math.min(e.most, t))));
-	return /* @__PURE__ */ R("div", {
-		class: "splitter " + (e.upright ? "upright" : "level"),
-		role: "separator",
-		tabindex: 0,
-		"aria-label": e.label,
-		"aria-orientation": e.upright ? "vertical" : "horizontal",
-		"aria-valuenow": e.value,
-		"aria-valuemin": e.least,
-		"aria-valuemax": e.most,
-		onPointerDown: (n) => {
-			let r = n.currentTarget;
-			r.setPointerCapture(n.pointerId);
-			let i = e.upright ? n.clientX : n.clientY, a = (n) => t(e.value + e.sign * ((e.upright ? n.clientX : n.clientY) - i)), o = () => {
-				r.removeEventListener("pointermove", a), r.removeEventListener("pointerup", o);
-			};
-			r.addEventListener("pointermove", a), r.addEventListener("pointerup", o);
-		},
-		onKeyDown: (n) => {
-			let r = {
-				ArrowLeft: -1,
-				ArrowRight: 1,
-				ArrowUp: -1,
-				ArrowDown: 1
-			}[n.key];
-			r && /Left|Right/.test(n.key) === e.upright && (n.preventDefault(), n.stopPropagation(), t(e.value + 20 * r * e.sign));
-		}
-	});
-}
-// src/schematic.tsx
-function Bs({ store: e, state: t }) {
-	let [n, r] = H(null), [i, a] = H(""), o = t.look, s = o.view.nodes.map((e) => `${e.x},${e.y}`).join(" ");
-	pt(() => {
-		let t = !1;
-		return e.transport.ask("schematic", { level: o.view.path }).then((e) => {
-			t || (r(e), a(""));
-		}).catch((e) => {
-			t || (r(null), a(e instanceof Le ? `${e.problem.why}. ${e.problem.try ?? ""}` : String(e)));
-		}), () => {
-			t = !0;
-		};
-	}, [
-		o.revision,
-		o.view.path,
-		s
-	]);
-	let c = (e) => o.view.bonds.find((t) => `${t.ends[0]} -> ${t.ends[1]}` === e)?.key, l = (e, n) => e === "wire" ? t.bonds.has(c(n) ?? "") : t.nodes.has(n), u = (n, r, i) => {
-		let a = n.shiftKey || n.ctrlKey || n.metaKey, o = t.tab === "power" ? t.tab : "item";
-		if (r === "wire") {
-			let n = c(i);
-			n && e.set({
-				bonds: new Set(a ? [...t.bonds, n] : [n]),
-				nodes: a ? t.nodes : /* @__PURE__ */ new Set(),
-				tab: o
-			});
-		} else i && e.set({
-			nodes: new Set(a ? [...t.nodes, i] : [i]),
-			bonds: a ? t.bonds : /* @__PURE__ */ new Set(),
-			tab: o
-		});
-	}, d = (n, r) => {
-		let i = o.view.nodes.find((e) => e.name === r);
-		n === "part" && i?.kind === "part" && i.known && e.open(t.level ? `${t.level}.${r}` : r);
-	};
-	return /* @__PURE__ */ R("section", {
-		class: "schematic",
-		"aria-label": "Schematic",
-		children: [i && /* @__PURE__ */ R("p", {
-			class: "hint",
-			children: i
-		}), n && /* @__PURE__ */ R("svg", {
-			viewBox: `0 0 ${n.width} ${n.height}`,
-			style: { maxWidth: `${n.width * 1.6}px` },
-			role: "img",
-			"aria-label": `Schematic: ${n.groups.filter((e) => e.name === "part").map((e) => e.key).join(", ")}`,
-			children: n.groups.map((e) => /* @__PURE__ */ R("g", {
-				class: e.name + (l(e.name, e.key) ? " selected" : ""),
-				"data-schematic": e.key,
-				onClick: (t) => u(t, e.name, e.key),
-				onDblClick: () => d(e.name, e.key),
-				children: [e.about && /* @__PURE__ */ R("title", { children: e.about }), e.marks.map((e) => e.d === void 0 ? /* @__PURE__ */ R("text", {
-					class: e.role,
-					x: e.x,
-					y: e.y,
-					"text-anchor": e.anchor,
-					children: e.text
-				}) : /* @__PURE__ */ R(x, { children: [/* @__PURE__ */ R("path", {
-					class: "reach",
-					d: e.d
-				}), /* @__PURE__ */ R("path", {
-					class: e.role,
-					d: e.d
-				})] }))]
-			}))
-		})]
-	});
-}
-// src/app.tsx
-var Vs = [
-	["item", "Properties"],
-	["machines", "Machines"],
-	["model", "Model"],
-	["problems", "Problems"],
-	["table", "Table"],
-	["text", "Text"],
-	["equations", "Equations"],
-	["power", "Power"]
-], Hs = class extends S {
-	state = this.props.store.state;
-	stop = () => {};
-	componentDidMount() {
-		this.stop = this.props.store.subscribe(() => this.setState(this.props.store.state)), this.setState(this.props.store.state), document.addEventListener("copy", this.copy), document.addEventListener("cut", this.copy), document.addEventListener("paste", this.paste), document.addEventListener("keydown", this.key);
-	}
-	componentWillUnmount() {
-		this.stop(), document.removeEventListener("copy", this.copy), document.removeEventListener("cut", this.copy), document.removeEventListener("paste", this.paste), document.removeEventListener("keydown", this.key);
-	}
-	onCanvas() {
-		let e = document.activeElement;
-		return !!e?.closest?.(".studio") && !/^(INPUT|TEXTAREA|SELECT)$/.test(e.tagName);
-	}
-	held = "";
-	copy = (e) => {
-		if (!this.onCanvas() || String(getSelection() ?? "")) return;
-		let { store: t } = this.props;
-		if (!t.state.nodes.size) return;
-		e.preventDefault();
-		let n = e.type === "cut";
-		t.copy().then((e) => {
-			this.held = e, navigator.clipboard?.writeText(e).catch(() => {}), n && t.remove();
-		});
-	};
-	paste = (e) => {
-		if (!this.onCanvas()) return;
-		let t = e.clipboardData?.getData("text/plain") || this.held;
-		t.includes("elements") && (e.preventDefault(), this.props.store.paste(t));
-	};
-	key = (e) => {
-		let t = e.ctrlKey || e.metaKey, { store: n } = this.props;
-		if (!t || !this.onCanvas()) return;
-		let r = e.key.toLowerCase();
-		if (r === "z" && !e.shiftKey) n.undo();
-		else if (r === "y" || r === "z" && e.shiftKey) n.redo();
-		else if (r !== "s") {
-			if (r === "enter") n.start();
-			else return;
-		}
-		e.preventDefault();
-	};
-	render({ store: e }, t) {
-		let n = t.look;
-		if (!n) return /* @__PURE__ */ R("div", {
-			class: "studio loading",
-			role: "status",
-			children: t.connected ? "Opening …" : "Connecting …"
-		});
-		let r = t.dark === null ? "" : t.dark ? " dark" : " light", i = n.problems.filter((e) => e.grave === "error").length, a = n.problems.length - i, o = [...t.nodes, ...[...t.bonds].map((e) => n.view.bonds.find((t) => t.key === e)?.text)].join(", ");
-		return /* @__PURE__ */ R("main", {
-			class: "studio" + r + (t.bottom ? " withbottom" : ""),
-			style: `--side: ${t.room.side}px; --low: ${t.room.low ? `${t.room.low}px` : "44%"}`,
-			children: [
-				/* @__PURE__ */ R(Ws, {
-					store: e,
-					state: t,
-					errors: i
-				}),
-				/* @__PURE__ */ R("div", {
-					class: "middle",
-					children: [
-						/* @__PURE__ */ R(vn, {
-							store: e,
-							state: t
-						}),
-						/* @__PURE__ */ R("div", {
-							class: "canvases" + (t.schematic ? " two" : ""),
-							children: [/* @__PURE__ */ R(qe, {
-								store: e,
-								state: t
-							}), t.schematic && /* @__PURE__ */ R(Bs, {
-								store: e,
-								state: t
-							})]
-						}),
-						/* @__PURE__ */ R(zs, {
-							upright: !0,
-							label: "Width of the panels",
-							value: t.room.side,
-							least: 220,
-							most: 900,
-							sign: -1,
-							onChange: (n) => e.set({ room: {
-								...t.room,
-								side: n
-							} })
-						}),
-						/* @__PURE__ */ R("aside", {
-							class: "side" + (t.panel === "side" ? " open" : ""),
-							"aria-label": "Panels",
-							children: [/* @__PURE__ */ R("div", {
-								class: "tabs",
-								role: "tablist",
-								"aria-label": "Panels",
-								children: Vs.map(([r, a]) => /* @__PURE__ */ R("button", {
-									role: "tab",
-									id: `tab-${r}`,
-									"aria-controls": "panel",
-									"aria-selected": t.tab === r,
-									onClick: () => e.set({ tab: r }),
-									children: [a, r === "problems" && n.problems.length > 0 && /* @__PURE__ */ R("span", {
-										class: "count" + (i ? " error" : ""),
-										children: n.problems.length
-									})]
-								}))
-							}), /* @__PURE__ */ R("div", {
-								class: "panel",
-								id: "panel",
-								role: "tabpanel",
-								"aria-labelledby": `tab-${t.tab}`,
-								tabindex: 0,
-								children: [
-									t.tab === "item" && /* @__PURE__ */ R(It, {
-										store: e,
-										state: t
-									}),
-									t.tab === "machines" && /* @__PURE__ */ R(Qt, {
-										store: e,
-										state: t
-									}),
-									t.tab === "model" && /* @__PURE__ */ R(un, {
-										store: e,
-										state: t
-									}),
-									t.tab === "problems" && /* @__PURE__ */ R(mn, {
-										store: e,
-										state: t
-									}),
-									t.tab === "table" && /* @__PURE__ */ R(hn, {
-										store: e,
-										state: t
-									}),
-									t.tab === "text" && /* @__PURE__ */ R(gn, {
-										store: e,
-										state: t
-									}),
-									t.tab === "equations" && /* @__PURE__ */ R(At, {
-										store: e,
-										state: t
-									}),
-									t.tab === "power" && /* @__PURE__ */ R(Rs, {
-										store: e,
-										state: t
-									})
-								]
-							})]
-						})
-					]
-				}),
-				t.bottom && /* @__PURE__ */ R("div", {
-					class: "bottom",
-					children: [
-						/* @__PURE__ */ R(zs, {
-							upright: !1,
-							label: "Height of the plots",
-							value: t.room.low || 320,
-							least: 120,
-							most: 900,
-							sign: -1,
-							onChange: (n) => e.set({ room: {
-								...t.room,
-								low: n
-							} })
-						}),
-						t.sweep ? /* @__PURE__ */ R(sn, {
-							store: e,
-							state: t
-						}) : /* @__PURE__ */ R(ws, {
-							store: e,
-							state: t
-						}),
-						/* @__PURE__ */ R(Tt, {
-							store: e,
-							state: t
-						})
-					]
-				}),
-				/* @__PURE__ */ R("footer", { children: [
-					/* @__PURE__ */ R("span", {
-						id: "chosen",
-						role: "status",
-						"aria-live": "polite",
-						children: o || (n.whole ? "" : "strokes of what is joined so far")
-					}),
-					/* @__PURE__ */ R(Us, {
-						store: e,
-						state: t
-					}),
-					/* @__PURE__ */ R("button", {
-						class: "verdict" + (i ? " error" : a ? " hint" : ""),
-						onClick: () => e.set({
-							tab: "problems",
-							panel: "side"
-						}),
-						children: i ? `${i} ${i === 1 ? "problem" : "problems"}: ${n.problems[0].code} ${n.problems[0].where}` : a ? `${a} hint${a > 1 ? "s" : ""}` : "fine"
-					}),
-					/* @__PURE__ */ R("button", {
-						class: "verdict",
-						"aria-pressed": t.bottom,
-						onClick: () => e.set({ bottom: !t.bottom }),
-						children: "plots"
-					})
-				] }),
-				t.adding && n.view.editable && /* @__PURE__ */ R(yn, {
-					store: e,
-					state: t
-				}),
-				t.notice && /* @__PURE__ */ R("div", {
-					class: "notice",
-					role: "alert",
-					children: [
-						/* @__PURE__ */ R("b", { children: t.notice.code }),
-						" ",
-						t.notice.where && /* @__PURE__ */ R("i", { children: [t.notice.where, ": "] }),
-						t.notice.why,
-						t.notice.try && /* @__PURE__ */ R("em", { children: [" Try: ", t.notice.try] }),
-						/* @__PURE__ */ R("button", {
-							"aria-label": "Close this message",
-							onClick: () => e.set({ notice: null }),
-							children: "✕"
-						})
-					]
-				}),
-				!t.connected && /* @__PURE__ */ R("div", {
-					class: "notice",
-					role: "alert",
-					children: "The studio does not answer. What you did is in the file; trying again …"
-				})
-			]
-		});
-	}
-};
-function Us({ store: e, state: t }) {
-	let n = t.look.machines, r = t.cursor?.mode;
-	return n.length ? /* @__PURE__ */ R("span", {
-		class: "modes",
-		children: [
-			t.cursor && /* @__PURE__ */ R("b", { children: [
-				"t = ",
-				+t.cursor.t.toPrecision(6),
-				" s"
-			] }),
-			n.slice(0, 8).map((t) => /* @__PURE__ */ R("label", { children: [t.path, /* @__PURE__ */ R("select", {
-				"aria-label": `State of ${t.path} that is drawn`,
-				value: r?.[t.path] ?? t.state,
-				onChange: (n) => e.setMode(t.path, n.currentTarget.value),
-				children: t.states.map((e) => /* @__PURE__ */ R("option", { children: e }))
-			})] })),
-			n.length > 8 && `and ${n.length - 8} more`
-		]
-	}) : null;
-}
-function Ws({ store: e, state: t, errors: n }) {
-	let r = t.look, i = t.running, a = Number(r.panels.experiment.until) || t.run?.until || 1;
-	return /* @__PURE__ */ R("header", { children: [
-		/* @__PURE__ */ R(Gs, {
-			store: e,
-			state: t
-		}),
-		/* @__PURE__ */ R("h1", {
-			title: r.file,
-			children: r.title || r.file
-		}),
-		/* @__PURE__ */ R("span", {
-			class: "saved" + (r.unsaved ? " error" : ""),
-			role: "status",
-			children: r.unsaved ? `not saved: ${r.unsaved}` : r.inMemory ? "in memory" : r.writable ? "saved" : "read only: open in another studio"
-		}),
-		/* @__PURE__ */ R("span", { class: "spring" }),
-		/* @__PURE__ */ R("button", {
-			class: "narrow",
-			"aria-label": "Palette",
-			"aria-pressed": t.panel === "palette",
-			onClick: () => e.set({ panel: t.panel === "palette" ? "" : "palette" }),
-			children: "＋"
-		}),
-		/* @__PURE__ */ R("button", {
-			class: "narrow",
-			"aria-label": "Panels",
-			"aria-pressed": t.panel === "side",
-			onClick: () => e.set({ panel: t.panel === "side" ? "" : "side" }),
-			children: "☰"
-		}),
-		/* @__PURE__ */ R("button", {
-			title: "Undo (Ctrl+Z)",
-			"aria-label": "Undo",
-			disabled: !r.canUndo,
-			onClick: e.undo,
-			children: "↶"
-		}),
-		/* @__PURE__ */ R("button", {
-			title: "Redo (Ctrl+Y)",
-			"aria-label": "Redo",
-			disabled: !r.canRedo,
-			onClick: e.redo,
-			children: "↷"
-		}),
-		/* @__PURE__ */ R("button", {
-			class: "wide",
-			disabled: !r.view.editable || !r.view.nodes.length,
-			title: "Lay out anew; selected elements stay where they are",
-			onClick: () => void e.ask("arrange", { keep: [...t.nodes] }),
-			children: "Arrange"
-		}),
-		/* @__PURE__ */ R("button", {
-			class: "wide",
-			"aria-pressed": t.schematic,
-			title: "The schematic beside the bond graph",
-			disabled: !t.schematic && !r.view.nodes.some((e) => e.kind === "part"),
-			onClick: () => e.set({ schematic: !t.schematic }),
-			children: "Schematic"
-		}),
-		i ? /* @__PURE__ */ R(x, { children: [/* @__PURE__ */ R("progress", {
-			"aria-label": "Progress of the run",
-			max: a,
-			value: i.t
-		}), /* @__PURE__ */ R("button", {
-			class: "run",
-			onClick: e.cancel,
-			children: "Cancel"
-		})] }) : /* @__PURE__ */ R("button", {
-			class: "run",
-			disabled: n > 0,
-			title: "Run (Ctrl+Enter)",
-			onClick: () => void e.start(),
-			children: "▶ Run"
-		}),
-		/* @__PURE__ */ R("button", {
-			"aria-label": "Dark or light",
-			title: "Dark or light",
-			onClick: () => e.set({ dark: !(t.dark ?? matchMedia("(prefers-color-scheme: dark)").matches) }),
-			children: "◐"
-		})
-	] });
-}
-function Gs({ store: e, state: t }) {
-	let n = (e) => e.currentTarget.closest("details").removeAttribute("open"), r = (t) => {
-		e.set({
-			level: "",
-			mode: null,
-			nodes: /* @__PURE__ */ new Set(),
-			bonds: /* @__PURE__ */ new Set(),
-			run: null,
-			cursor: null,
-			instant: null,
-			plotted: [],
-			bottom: !1
-		}), e.ask("open", {
-			...t,
-			level: ""
-		});
-	}, i = () => {
-		let t = prompt("Name of the file", "model.toml");
-		t && e.ask("save as", { file: t.endsWith(".toml") ? t : `${t}.toml` });
-	}, a = async (n, r = !1) => {
-		try {
-			let { content: i, name: a } = await e.transport.ask("picture", {
-				form: n,
-				schematic: r,
-				mode: t.mode
-			}), o = Uint8Array.from(atob(i), (e) => e.charCodeAt(0)), s = document.createElement("a");
-			s.href = URL.createObjectURL(new Blob([o])), s.download = a, s.click(), URL.revokeObjectURL(s.href);
-		} catch (t) {
-			e.refused(t);
-		}
-	}, o = t.stock;
-	return /* @__PURE__ */ R("details", {
-		class: "menu",
-		children: [/* @__PURE__ */ R("summary", {
-			"aria-label": "Menu",
-			children: "hybond"
-		}), /* @__PURE__ */ R("div", {
-			class: "sheet",
-			onClick: (e) => e.target.tagName === "BUTTON" && n(e),
-			children: [
-				/* @__PURE__ */ R("button", {
-					onClick: () => r({}),
-					children: "New model"
-				}),
-				/* @__PURE__ */ R("button", {
-					onClick: i,
-					children: "Save as …"
-				}),
-				/* @__PURE__ */ R("hr", {}),
-				[
-					"svg",
-					"pdf",
-					"png",
-					"tex"
-				].map((e) => /* @__PURE__ */ R("button", {
-					onClick: () => void a(e),
-					children: ["Picture as ", e === "tex" ? "TikZ" : e.toUpperCase()]
-				})),
-				/* @__PURE__ */ R("button", {
-					onClick: () => void a("svg", !0),
-					children: "Schematic as SVG"
-				}),
-				/* @__PURE__ */ R("hr", {}),
-				/* @__PURE__ */ R("label", { children: [
-					"open",
-					" ",
-					/* @__PURE__ */ R("select", {
-						"aria-label": "Open a file",
-						value: "",
-						onChange: (e) => {
-							r({ file: e.currentTarget.value }), n(e);
-						},
-						children: [/* @__PURE__ */ R("option", {
-							value: "",
-							children: "a file …"
-						}), o?.files.map((e) => /* @__PURE__ */ R("option", { children: e }))]
-					})
-				] }),
-				/* @__PURE__ */ R("label", { children: [
-					"open",
-					" ",
-					/* @__PURE__ */ R("select", {
-						"aria-label": "Open an example",
-						value: "",
-						onChange: (e) => {
-							r({ example: e.currentTarget.value }), n(e);
-						},
-						children: [/* @__PURE__ */ R("option", {
-							value: "",
-							children: "an example …"
-						}), o?.examples.map((e) => /* @__PURE__ */ R("option", { children: e }))]
-					})
-				] }),
-				/* @__PURE__ */ R("small", { children: ["hybond ", o?.version] })
-			]
-		})]
-	});
-}
 // src/widget.tsx
-function Ks({ model: e, el: t }) {
-	let n = new Re(), r = new Be(n), i = (e) => n.received(e);
-	return e.on("msg:custom", i), n.connected({ send: (t) => e.send(t) }), t.style.height = `${e.get("height")}px`, t.classList.add("hybond-widget"), L(/* @__PURE__ */ R(Hs, { store: r }), t), r.begin(), () => {
-		e.off("msg:custom", i), L(null, t);
+function rl({ model: e, el: t }) {
+	let n = new qc(), r = new nl(n), i = (e) => n.received(e);
+	return e.on("msg:custom", i), n.connected({ send: (t) => e.send(t) }), t.style.height = `${e.get("height")}px`, t.classList.add("hybond-widget"), I(/* @__PURE__ */ z(Xc, { store: r }), t), r.begin(), () => {
+		e.off("msg:custom", i), I(null, t);
 	};
 }
-var qs = { render: Ks };
-export { qs as default, Ks as render };
+var il = { render: rl };
+export { il as default, rl as render };
