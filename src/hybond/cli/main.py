@@ -96,6 +96,12 @@ def verb(given: Namespace) -> int:
 
             return linearise(given)
         case "sweep":
+            from hybond.cli.plan_words import is_plan
+
+            if is_plan(given):
+                from hybond.cli.plans import plan_sweep
+
+                return plan_sweep(given)
             from hybond.cli.sweep import sweep
 
             return sweep(given)

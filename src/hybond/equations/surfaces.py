@@ -13,9 +13,8 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from random import Random
 from typing import Any
-
-import numpy as np
 
 from hybond.model.expressions import (
     And,
@@ -319,9 +318,11 @@ def _may_meet(terms: Iterable[tuple[Expr, ...]]) -> bool:
 @lru_cache
 def _generic(count: int) -> tuple[list[float], ...]:
     """Return values of so many names, several of each size, the same in every run."""
-    generator = np.random.default_rng(7)
+    generator = Random(7)
     return tuple(
-        (scale * generator.uniform(0.3, 1.7, count)).tolist() for scale in SCALES for _ in range(3)
+        [scale * generator.uniform(0.3, 1.7) for _ in range(count)]
+        for scale in SCALES
+        for _ in range(3)
     )
 
 

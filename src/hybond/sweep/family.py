@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from hybond.engine.compiled.native import NativeModel
 from hybond.engine.outcome.engines import tables_for
 from hybond.engine.tables.bands import banded
-from hybond.engine.tables.options import Settings
+from hybond.engine.tables.options import Settings, notices
 from hybond.errors import HybondError
 from hybond.measures.naming import names_of, read_name
 from hybond.model.builder import Model
@@ -30,7 +30,6 @@ from hybond.model.junction_laws import warn_of_values
 from hybond.model.parts import Value
 from hybond.model.unit_words import unit_of
 from hybond.model.written import Writing
-from hybond.one_run import notices
 
 Vector = NDArray[np.float64]
 

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import importlib.util
 import os
-import shutil
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from hybond.errors import UsageError
 from hybond.files.whole import whole
 from hybond.model.parts import Value
 from hybond.names import did_you_mean
-from hybond.result import Result
+
+if TYPE_CHECKING:
+    from hybond.result import Result
 
 FORMS: dict[str, tuple[str, tuple[str, ...]]] = {
     "netcdf": (".nc", ("xarray",)),
@@ -76,6 +77,8 @@ def write_run(
             engine = known[0].lower() if known else "scipy"
             data.to_netcdf(new, engine=engine)
         return
+    import shutil
+
     new = target.with_name(f".{os.urandom(4).hex()}.{target.name}")
     try:
         data.to_zarr(new, mode="w", consolidated=False)

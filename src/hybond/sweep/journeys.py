@@ -8,12 +8,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hybond.model.graph import FlatGraph
-from hybond.result import Result
+
+if TYPE_CHECKING:
+    from hybond.result import Result
 
 Vector = NDArray[np.float64]
 PERIODS = 8

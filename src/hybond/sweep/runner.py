@@ -5,9 +5,8 @@ from __future__ import annotations
 import copy
 import threading
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,10 +17,8 @@ from hybond.errors import HybondError, NumericsError, UsageError
 from hybond.model.graph import FlatGraph
 from hybond.model.parts import Value
 from hybond.model.paths import with_parts
-from hybond.result import Result
-from hybond.simulation import simulate
+from hybond.sweep.asking import asked_of
 from hybond.sweep.collect import Collector, collectors_of
-from hybond.sweep.ensemble import asked_of
 from hybond.sweep.family import Family, family_of
 from hybond.sweep.full_runs import write_run
 from hybond.sweep.job import Job
@@ -30,6 +27,9 @@ from hybond.sweep.lifted import lifted
 from hybond.sweep.member import Task
 from hybond.sweep.part import Part
 from hybond.sweep.threads import in_threads
+
+if TYPE_CHECKING:
+    from hybond.result import Result
 
 Vector = NDArray[np.float64]
 KEPT = 8
@@ -61,7 +61,7 @@ class Runner:
         model, self._of = lifted(job.model, [*(f.path for f in self._numbers)])
         curves = [np.linspace(0.0, job.until, c.points) for c in self.collectors if c.points]
         single = [c.t for c in self.collectors if c.function == "at"]
-        self._t = np.unique(np.concatenate([np.array(single, dtype=float), *curves]))
+        self._t = np.array(sorted({*single, *(t for row in curves for t in row.tolist())}))
         read = [c.signal for c in self.collectors if c.function in ("final", "at", "curve")]
         self._names = tuple(dict.fromkeys(read))
         self._modes = any(c.of_modes for c in self.collectors)
@@ -207,6 +207,8 @@ class Runner:
             for k in members:
                 one(k)
             return
+        from concurrent.futures import ThreadPoolExecutor
+
         with ThreadPoolExecutor(self.workers) as pool:
             found = [pool.submit(one, k) for k in members]
             try:
@@ -220,6 +222,8 @@ class Runner:
 
     def _run(self, given: dict[str, Value], look: Any) -> Result | HybondError:
         """Return a run, or why there is none; whatever it is, it ends no other."""
+        from hybond.simulation import simulate
+
         if not hasattr(self._local, "model"):
             self._local.model = copy.deepcopy(self.job.model)  # each thread has tables of its own
         parameters = {**self.job.fixed, **given}
@@ -309,7 +313,7 @@ class _Work:
     def keep_run(self, k: int, run: Result | HybondError, stopped: threading.Event) -> None:
         """Keep an ordinary run; called in any thread."""
         error = run if isinstance(run, HybondError) else run.error
-        if isinstance(run, Result):
+        if not isinstance(run, HybondError):
             if run.status == "interrupted":
                 if stopped.is_set():
                     return
@@ -324,7 +328,7 @@ class _Work:
                 write_run(run, self.runner.runs, self.first + k, self.runner.job.runs, self.set(k))
         elif "ended" in self.columns:
             self.columns["ended"][k] = "error"
-        warned = "; ".join(run.warnings) if isinstance(run, Result) else ""
+        warned = "; ".join(run.warnings) if not isinstance(run, HybondError) else ""
         with self._lock:
             if error is not None:
                 self.said[k] = (error.code, error.where, error.why, warned)

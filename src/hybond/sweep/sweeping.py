@@ -12,7 +12,7 @@ from hybond.model.builder import Model
 from hybond.progress import Asked, shown
 from hybond.runs.ends import Until, ends_of
 from hybond.runs.options import end_of
-from hybond.sweep.ensemble import check_options
+from hybond.sweep.asking import check_options
 from hybond.sweep.folder import Folder, told
 from hybond.sweep.full_runs import check_form
 from hybond.sweep.job import Job, key_of

@@ -6,7 +6,7 @@ import math
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,12 +14,13 @@ from numpy.typing import NDArray
 from hybond.errors import UsageError
 from hybond.files.whole import whole
 from hybond.names import did_you_mean
-from hybond.result import Result
-from hybond.simulation import simulate
 from hybond.sweep.collect import Collector
 from hybond.sweep.job import Job
 from hybond.sweep.part import Part
 from hybond.sweep.views import Views
+
+if TYPE_CHECKING:
+    from hybond.result import Result
 
 Vector = NDArray[np.float64]
 OWN = ("status", "t_end", "code", "message", "warnings")
@@ -178,6 +179,8 @@ class SweepTable(Views):
                 where="member",
                 hint=f"0 to {len(self.plan) - 1}",
             )
+        from hybond.simulation import simulate
+
         rows = self.plan.rows(member, member + 1)
         given = {p: v[0] if isinstance(v, list) else float(v[0]) for p, v in rows.items()}
         return simulate(

@@ -22,6 +22,7 @@ from hybond.runs.options import (
     Choice,
     check_step,
     end_of,
+    ignored_impact,
     impact_of,
     limit_of,
     seconds_of,
@@ -229,3 +230,23 @@ def options_of(graph: FlatGraph, given: Mapping[str, Any]) -> Options:
         outputs = [(s.path, Name(f"x:{s.index}")) for s in graph.storages]
         outputs += [(i.path, Name(f"s:{i.index}")) for i in graph.integrals]
     return Options(graph, {**settings.numbers, "points": points}, outputs)
+
+
+def notices(graph: FlatGraph, settings: Settings, impact: str | None) -> list[str]:
+    """Return what is to be said of what a run is asked for, before it begins."""
+    if settings.solver in STEPPING:
+        said = ignored_impact(impact, graph.experiment)
+    else:
+        said = _friction_left_out(settings.impact[0], graph)
+    return [] if said is None else [said]
+
+
+def _friction_left_out(impact: str, graph: FlatGraph) -> str | None:
+    """Return what is to be said where a law of impacts has no friction, and the model has some."""
+    names = [m.path for m in graph.machines if m.law for law in m.law.junctions if law.impulsive]
+    if not names or impact in ("newton", STEPPING_IMPACT):
+        return None
+    return (
+        f"impact = {impact!r} has no friction: the impulses of {', '.join(names)} are left out; "
+        f"'newton' and {STEPPING_IMPACT!r} have them"
+    )
