@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from functools import lru_cache
 from random import Random
 from typing import Any
@@ -36,6 +35,7 @@ from hybond.model.expressions import (
 from hybond.model.expressions.slots import is_slotted, plain
 from hybond.model.expressions.tree import fold, walk
 from hybond.model.graph import FlatGraph, Rule
+from hybond.records import dataclass
 
 SCALES = (1.0, 1e-4, 1e-8, 1e-12)
 """Sizes of the values at which two switching functions are compared: a small band shows."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 from typing import Any, Literal
 
@@ -22,6 +22,7 @@ from hybond.model.parts import Value
 from hybond.names import did_you_mean
 from hybond.one_run import Start, begun, gone, graph_of, handed_over, made, of_experiment
 from hybond.progress import Asked, shown
+from hybond.records import dataclass
 from hybond.result import Result, Status
 from hybond.runs.options import Choice, seconds_of, time_in
 from hybond.runs.states import State, load_state

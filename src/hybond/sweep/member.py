@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,6 +11,7 @@ from numpy.typing import NDArray
 from hybond.errors import HybondError, UsageError
 from hybond.model.builder import Model
 from hybond.model.parts import Value
+from hybond.records import dataclass
 
 if TYPE_CHECKING:
     from hybond.result import Result

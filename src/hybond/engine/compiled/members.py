@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import ctypes
 import weakref
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -17,6 +16,7 @@ from numpy.typing import NDArray
 from hybond.engine.compiled.native import NativeModel, library, model_struct
 from hybond.engine.compiled.points import address
 from hybond.engine.compiled.sliced import OK
+from hybond.records import dataclass
 
 Vector = NDArray[np.float64]
 _POINTERS = ("number", "place", "slot", "t", "stop", "status", "count", "end", "out")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 from hybond.blocks.runners import Runner
@@ -13,6 +12,7 @@ from hybond.engine.tables import ModelTables, tables_of, written_tables
 from hybond.engine.tables.options import Options, Settings
 from hybond.errors import UsageError
 from hybond.model.graph import FlatGraph
+from hybond.records import dataclass
 
 if TYPE_CHECKING:
     from hybond.engine.compiled.look import Look

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 from hybond.engine.impacts.impact_records import LZB, NEWTON, NEWTON_SIMULTANEOUS, POISSON
@@ -12,6 +12,7 @@ from hybond.engine.tables.bands import banded
 from hybond.errors import UsageError
 from hybond.model.expressions import Expr, Name
 from hybond.model.graph import FlatGraph
+from hybond.records import dataclass
 from hybond.runs.ends import ends_of
 from hybond.runs.options import (
     ALIASES,
