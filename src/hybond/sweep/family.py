@@ -79,6 +79,12 @@ class Family:
         self._own = len(self.model.written)
         trees = [tree for _, _, tree in self.model.written]
         self._writing = Writing(slots, [*trees, *self._numbers])
+        index = dict(self._index)
+        for j, name in enumerate(self._numbers.values()):
+            index[name] = 2 * self._size + j
+        self._outputs = [
+            compile_expression(e, index, ARRAYS, pre_offset=self._size) for e in self._expressions
+        ]
 
     def numbers(
         self, given: Mapping[str, Vector], many: int
@@ -92,16 +98,14 @@ class Family:
 
     def values(self, out: Vector, read: Vector) -> Vector:
         """Return outputs, shape (outputs, members, times), of what was looked at."""
-        index = dict(self._index)
         columns: list[Vector] = [np.zeros(0)] * (2 * self._size)
         for j, k in enumerate(self.looked.tolist()):
             columns[k] = np.ascontiguousarray(out[:, :, j])
-        for j, name in enumerate(self._numbers.values()):
-            index[name] = len(columns)
+        for j in range(len(self._numbers)):
             columns.append(np.broadcast_to(read[:, j : j + 1], out.shape[:2]))
         found = np.empty((len(self.names), *out.shape[:2]))
-        for k, e in enumerate(self._expressions):
-            found[k] = compile_expression(e, index, ARRAYS, pre_offset=self._size)(columns)
+        for k, output in enumerate(self._outputs):
+            found[k] = output(columns)
         return found
 
     def _lifted(self, node: Expr) -> Expr:

@@ -73,6 +73,7 @@ class SweepTable(Views):
     ) -> None:
         self.job, self.collectors, self.folder = job, collectors, folder
         self._ranges, self._read = tuple(ranges), read
+        self._last: Part | None = None
         self._rows: tuple[tuple[int, int], dict[str, Any]] = ((0, 0), {})
         self.how = ""
         self.seconds = 0.0
@@ -102,7 +103,9 @@ class SweepTable(Views):
     def parts(self) -> Iterator[Part]:
         """Return the parts in order, each read when it is its turn."""
         for first, last in self._ranges:
-            yield self._read(first, last)
+            if self._last is None or (self._last.first, self._last.last) != (first, last):
+                self._last = self._read(first, last)
+            yield self._last
 
     def __getitem__(self, name: str) -> NDArray[Any]:
         """Return a column over the members; of a curve, members and times.
@@ -159,9 +162,12 @@ class SweepTable(Views):
         """Return how many members ended in which way, failures by their code."""
         found: Counter[str] = Counter()
         for part in self.parts():
-            for k, status in enumerate(part.status):
-                code = part.said.get(k, ("",))[0]
-                found[f"{status} ({code})" if code else status] += 1
+            found.update(part.status)
+            for k, (code, *_) in part.said.items():
+                if code:
+                    found[part.status[k]] -= 1
+                    found[f"{part.status[k]} ({code})"] += 1
+        found = +found
         return dict(sorted(found.items(), key=lambda item: (-item[1], item[0])))
 
     def run(self, member: int) -> Result:
@@ -214,6 +220,9 @@ class SweepTable(Views):
         if isinstance(column, list):
             return column
         values: list[Any] = column.tolist()
+        if name in self.plan.paths:  # few numbers, each as often as the others have levels
+            texts: dict[float, str] = {}
+            return [texts.get(v) or texts.setdefault(v, repr(v)) for v in values]
         whole_numbers = {c.text for c in self.collectors if c.kind == "whole"}
         if name in whole_numbers:
             return [v if math.isnan(v) else int(v) for v in values]

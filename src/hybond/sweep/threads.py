@@ -21,6 +21,8 @@ CHUNK = 0.05
 """What a thread gets to do at a time, s."""
 LARGE = 512
 """Members in that at the most: what is kept of them is put away then."""
+SHORT = 0.004
+"""And at the least: what it takes to hand out members is little of that."""
 SHARE = 4
 """Parts that every thread gets at the least, so that all end together."""
 BEGINNING = 1.0
@@ -144,7 +146,9 @@ class _Parts:
         """Return the next members for a thread that takes `each` second for one."""
         with self._lock:
             left = self._many - self._first
-            most = min(int(CHUNK / max(each, 1e-9)), LARGE, -(-left // (SHARE * self._workers)))
+            least = int(SHORT / max(each, 1e-9))
+            share = max(-(-left // (SHARE * self._workers)), least)
+            most = min(int(CHUNK / max(each, 1e-9)), LARGE, share)
             part = range(self._first, min(self._first + max(most, 1), self._many))
             self._first = part.stop
             return part
