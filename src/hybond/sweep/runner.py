@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import threading
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -24,6 +25,7 @@ from hybond.sweep.full_runs import write_run
 from hybond.sweep.job import Job
 from hybond.sweep.journeys import Journeys, journey_of
 from hybond.sweep.lifted import lifted
+from hybond.sweep.measured import Measure, measure_of
 from hybond.sweep.member import Task
 from hybond.sweep.part import Part
 from hybond.sweep.threads import in_threads
@@ -66,7 +68,10 @@ class Runner:
         self._names = tuple(dict.fromkeys(read))
         self._modes = any(c.of_modes for c in self.collectors)
         early = bool(job.ends) or job.model.experiment.get("start") is not None
-        whole = early or bool(job.runs) or any(c.measure is not None for c in self.collectors)
+        asked_measures = [c for c in self.collectors if c.measure is not None]
+        told = [measure_of(c.measure, c.text, job.until) for c in asked_measures if c.measure]
+        self._measures = [m for m in told if m is not None]
+        whole = early or bool(job.runs) or len(self._measures) < len(asked_measures)
         task = Task(job.model, job.until, job.options, self._names, self._t, False)
         asked, self.alone = asked_of(task)
         self._asked: tuple[Settings, float | None] | None = None if whole else asked
@@ -151,14 +156,15 @@ class Runner:
 
     def _made(self, work: _Work, words: Sequence[Value], k: int) -> Family | None:
         assert self._asked is not None
-        given = dict(zip(work.words, words, strict=True))
+        texts = dict(zip(work.words, words, strict=True))
         try:
-            model, left = with_parts(self._model, {**self.job.fixed, **given})
+            model, left = with_parts(self._model, {**self.job.fixed, **texts})
         except HybondError:
             return None
         own = {self._of[p]: float(column[k]) for p, column in work.numbers.items()}
         impact = self.job.options.get("impact")
-        return family_of(model, {**left, **own}, *self._asked, self._wanted, impact)
+        given = {**left, **own}
+        return family_of(model, given, *self._asked, self._wanted, impact, self._measures)
 
     def _of_family(
         self, family: Family, work: _Work, members: NDArray[np.intp]
@@ -179,13 +185,28 @@ class Runner:
             if self._modes:
                 stays = ran.stays[plain].astype(np.intp)
                 journeys = Journeys(stays, ran.since, ran.mode, ran.end[plain])
-            work.keep(own[here][plain], values, ran.count[plain], ran.end[plain], journeys)
+            known = plain if ran.known is None else ran.known
+            again = own[here][plain & ~known]
+            members = own[here][plain]
+            work.keep(members, values, ran.count[plain], ran.end[plain], journeys, len(again))
+            if ran.measured is not None:
+                work.measured(own[here][known], self._measures, ran.measured[:, known])
             if family.warnings:
-                work.warned(own[here][plain], family.warnings)
+                work.warned(members, family.warnings)
             left.append(own[here][~plain])
+            left.append(again)
+
+        def measure(begin: int, ran: Ran) -> Ran:
+            found, known = family.measure(ran, read[begin : begin + len(ran.plain)])
+            return replace(ran, kept=None, measured=found, known=known)
 
         workers = min(self.workers, len(own))
-        in_threads(family.model, family.looked, self._t, numbers, workers, keep, modes=self._modes)
+        in_threads(
+            *(family.model, family.looked, self._t, numbers, workers, keep),
+            modes=self._modes,
+            measured=family.measured,
+            measure=measure if self._measures else None,
+        )
         return members[~fits], np.concatenate(left)
 
     # -- as ordinary runs
@@ -286,14 +307,20 @@ class _Work:
         count: NDArray[Any],
         end: Vector,
         journeys: Journeys | None,
+        again: int = 0,
     ) -> None:
-        """Keep what the library tells of members: values at times, then at the end."""
+        """Keep what the library tells of members: values at times, then at the end.
+
+        So many of them an ordinary run tells more of.
+        """
         runner = self.runner
         for k in members.tolist():
             self.status[k] = "ok"
         self.t_end[members] = end
         for c in runner.collectors:
             column = self.columns[c.text]
+            if c.measure is not None:
+                continue
             if c.function in ("final", "at", "curve"):
                 row = values[runner._names.index(c.signal)]
                 column[members] = row[:, -1] if c.function == "final" else row[:, runner.places(c)]
@@ -307,8 +334,15 @@ class _Work:
                 column[members] = of_modes(c, journeys, runner.graph)
             else:
                 column[members] = count
-        self._new += len(members)
+        self._new += len(members) - again
         self.tell()
+
+    def measured(
+        self, members: NDArray[np.intp], measures: Sequence[Measure], values: Vector
+    ) -> None:
+        """Keep measurements, shape (measures, members)."""
+        for measure, row in zip(measures, values, strict=True):
+            self.columns[measure.text][members] = row
 
     def keep_run(self, k: int, run: Result | HybondError, stopped: threading.Event) -> None:
         """Keep an ordinary run; called in any thread."""

@@ -47,6 +47,8 @@ def in_threads(
     keep: Callable[[int, Ran], None],
     *,
     modes: bool = False,
+    measured: NDArray[np.intc] | None = None,
+    measure: Callable[[int, Ran], Ran] | None = None,
 ) -> None:
     """Run members; hand those that are done to `keep`, with the number of the first.
 
@@ -65,6 +67,11 @@ def in_threads(
         Called in this thread.
     modes : bool
         Whether the modes that were written are kept.
+    measured : array of int
+        What is measured.
+    measure : callable
+        Called with the number of the first member and what was kept, in the thread that ran them;
+        what it returns is handed on.
 
     Raises
     ------
@@ -79,12 +86,14 @@ def in_threads(
     def work(over: threading.Event) -> None:
         members = None
         try:
-            members = NativeMembers(model, slots, t, stop, modes=modes)
+            members = NativeMembers(model, slots, t, stop, modes=modes, measured=measured)
             each = CHUNK
             while not stop.value and (part := parts.next(each)):
                 began = time.perf_counter()
                 ran = members.run(numbers[part.start : part.stop])
                 each = (time.perf_counter() - began) / len(part)
+                if measure is not None:
+                    ran = measure(part.start, ran)
                 found.put((part.start, ran))
             found.put(None)
         except BaseException as error:
