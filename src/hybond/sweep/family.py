@@ -169,6 +169,6 @@ def family_of(
         found = Family(graph, slots, settings, wanted, impact, measures)
     except HybondError:
         return None
-    if measures and (found.kinks or found.prior):
+    if measures and (found.kinks or found.prior or not len(found.measured)):
         return None  # of which a run reads limits from the left, and what was before
     return None if found.called or differ else found

@@ -8,7 +8,8 @@ depends on which members are beside.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -78,18 +79,15 @@ def measure_of(asked: Asked, text: str, until: float) -> Measure | None:
         start, end = _window(given, until)
     except HybondError:
         return None  # which the run refuses
-    left_out = given.get("impulses", "refuse") == "leave out"
-    if not 0.0 <= start < end <= until or (
-        not left_out and given.get("impulses", "refuse") != "refuse"
-    ):
+    impulses = given.get("impulses", "refuse")
+    if not 0.0 <= start < end <= until or impulses not in ("refuse", "leave out"):
         return None
-    refuses = asked.function in AVERAGES[:2] or not left_out
+    refuses = impulses == "refuse"
     return Measure(text, asked.function, asked.signal, start, end, tolerance, refuses)
 
 
-def _window(given: dict[str, object] | object, until: float) -> tuple[float, float]:
-    """Return the window that options ask for, as `measures.window.window_of`."""
-    assert isinstance(given, dict)
+def _window(given: Mapping[str, Any], until: float) -> tuple[float, float]:
+    """Return the window that options ask for, as `measures.window.window_of`; else an empty one."""
     start = time_of(given["start"], "start") if "start" in given else 0.0
     end = time_of(given["end"], "end") if "end" in given else until
     if "period" not in given:
@@ -402,4 +400,4 @@ def _raise(peak: Vector, pieces: Stretches, sizes: Vector) -> None:
 
 
 def _sums(own: Whole, values: Vector, many: int) -> Vector:
-    return np.bincount(own, weights=values, minlength=many)
+    return np.asarray(np.bincount(own, weights=values, minlength=many), dtype=float)
