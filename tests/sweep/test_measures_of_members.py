@@ -102,7 +102,7 @@ def test_as_each_run_says(
         run = table.run(member)
         for text in measures:
             name, _, rest = text.partition("(")
-            signal, *given = rest.rstrip(")").split(", ")
+            signal, *given = rest.removesuffix(")").split(", ")
             options = {k: float(v) for k, v in (word.split("=") for word in given)}
             said = getattr(run[signal], name)(**options)
             size = abs(float(said)) if name.endswith("_at") else max(abs(float(said)), 1e-9)
