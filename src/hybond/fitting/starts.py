@@ -30,7 +30,7 @@ def starts_of(scale: Scale, many: int, seed: int) -> list[Vector]:
     >>> from hybond.fitting.varied import scale_of
     >>> scale = scale_of(["R"], np.array([1.0]), {"R": (0.0, 4.0)}, [])
     >>> [z.round(2).tolist() for z in starts_of(scale, 3, 7)]
-    [[1.0], [3.25], [1.79]]
+    [[1.0], [1.79], [3.55]]
     """
     for name, value, least in (("starts", many, 1), ("seed", seed, 0)):
         if not isinstance(value, int) or isinstance(value, bool) or not least <= value <= 2**32:
