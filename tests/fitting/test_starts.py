@@ -46,21 +46,20 @@ def test_the_right_one_of_several_minima() -> None:
     ball = hb.load(BALL)
     known = minima()
     assert len(known) >= 4
-    begin = {"eps": 0.72}
-    once = hb.fit(ball, measured(), free="eps", bounds=BOUNDS, parameters=begin)
-    wrong, left = min(known, key=lambda m: abs(m[0] - once["eps"]))
-    assert once["eps"] == pytest.approx(wrong, abs=4e-4) and left > 1.0 and not once.minima
-    asked = {"free": "eps", "bounds": BOUNDS, "parameters": begin}
-    many = hb.fit(ball, measured(), **asked, starts=4, seed=1)
+    asked = {"free": "eps", "bounds": BOUNDS, "parameters": {"eps": 0.72}}
+    many = hb.fit(ball, measured(), **asked, starts=3, seed=1)
     assert many["eps"] == pytest.approx(TRUE, rel=1e-8)
     best, *others = many.minima
-    assert many.starts == sum(m.starts for m in many.minima) == 4 and best.starts >= 2
-    assert best.left < 1e-10 and [m.left for m in others] == sorted(m.left for m in others)
-    # what is left of the height is divided by how much it varies
+    assert many.starts == sum(m.starts for m in many.minima) == 3 and best.starts >= 2
+    assert best.left < 1e-10
+    # where the search from the model's own value ends, what is left of the height is known:
+    # it is divided by how much it varies
     size = float(np.std(measured()["height"]))
-    lost = [m for m in others if m.values[0] == pytest.approx(once["eps"], abs=1e-5)]
-    assert len(lost) == 1 and lost[0].left * size**2 == pytest.approx(left, rel=1e-3)
-    assert f"{best.starts} of 4 starts end here" in str(many)
+    (lost,) = others
+    wrong, left = min(known, key=lambda m: abs(m[0] - lost.values[0]))
+    assert lost.values[0] == pytest.approx(wrong, abs=4e-4) and left > 1.0
+    assert lost.left * size**2 == pytest.approx(left, rel=1e-3)
+    assert f"{best.starts} of 3 starts end here" in str(many)
 
 
 def test_the_command_says_where_searches_ended(

@@ -20,7 +20,7 @@ from hybond.measures.asked import Asked
 from hybond.measures.chebyshev import NODES, WEIGHTS, evaluate, tails, turning_points
 from hybond.measures.chebyshev import coefficients_of as coefficients
 from hybond.measures.chebyshev import in_order as summed
-from hybond.measures.pieces import LIMIT, NOISE, PARTS, ROUNDS, TOLERANCE, check_tolerance
+from hybond.measures.pieces import NOISE, PARTS, ROUNDS, TOLERANCE, check_tolerance
 from hybond.measures.window import INSTANT, duration_of, time_of
 from hybond.records import dataclass
 
@@ -29,6 +29,8 @@ Whole = NDArray[np.intp]
 Mask = NDArray[np.bool_]
 Values = Callable[[int, Vector, Whole], Vector]
 EXTREMES = ("max", "min", "max_at", "min_at", "peak_to_peak")
+LIMIT = 4000
+"""Pieces of one member that are looked at beside those of the others."""
 AVERAGES = ("mean", "integral", "rms")
 OPTIONS = {"start", "end", "period", "periods", "tolerance", "impulses"}
 
@@ -287,6 +289,12 @@ class _One:
             values = np.where(bad, 0.0, values)
         return values.reshape(t.shape)
 
+    def _few(self, todo: Stretches) -> Stretches:
+        """Return pieces without those of members that have too many; a run says these."""
+        many = np.bincount(todo.member, minlength=len(self.known)) > LIMIT
+        self.known[many] = False
+        return todo.part(~many[todo.member])
+
     def measured(
         self, measure: Measure, window: _Windows, pieces: Stretches, slots: Vector
     ) -> Vector:
@@ -315,7 +323,6 @@ class _One:
         many = len(self.known)
         length = _sums(todo.member, 2.0 * todo.half, many)
         before, peak, total = np.zeros((3, many))
-        allowed = len(todo) + LIMIT
         for k in range(ROUNDS):
             made = first if k == 0 else self.read(todo, todo.times())
             made = made**power
@@ -332,7 +339,8 @@ class _One:
             total += _sums(own[fine], (summed(made, WEIGHTS) * half)[fine], many)
             before += _sums(own[fine], passing[fine], many)
             todo = todo.part(~fine & self.known[own]).halved()
-            if not len(todo) or len(todo) > allowed:
+            todo = self._few(todo)
+            if not len(todo):
                 break
         self.known[todo.member] = False
         return total
@@ -344,7 +352,6 @@ class _One:
         many = len(self.known)
         best, t, value = np.full(many, -np.inf), np.zeros(many), np.zeros(many)
         peak = np.zeros(many)
-        allowed = len(todo) + LIMIT
         hills: list[tuple[Stretches, Vector]] = []
         for k in range(ROUNDS):
             values = first if k == 0 else self.read(todo, todo.times())
@@ -362,7 +369,8 @@ class _One:
             fine |= todo.half <= 8.0 * np.spacing(np.abs(todo.high))
             hills.append((todo.part(hopeful & fine), c[hopeful & fine]))
             todo = todo.part(hopeful & ~fine).halved()
-            if not len(todo) or len(todo) > allowed:
+            todo = self._few(todo)
+            if not len(todo):
                 break
         self.known[todo.member] = False
         for pieces, c in hills:
