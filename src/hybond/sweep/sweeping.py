@@ -266,7 +266,7 @@ def _swept(
                 from hybond.sweep.cluster import elsewhere
 
                 assert data is not None
-                how = elsewhere(executor, data, key, missing, keep, tell, note)
+                how = elsewhere(executor, data, key, missing, keep, tell, note, runner.runs)
         except KeyboardInterrupt:
             interrupted, how = True, "interrupted"
     if begun:
