@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,7 +32,9 @@ from hybond.model.junction_laws import warn_of_values
 from hybond.model.parts import Value
 from hybond.model.unit_words import unit_of
 from hybond.model.written import Writing
-from hybond.sweep.measured import Measure, Measuring
+
+if TYPE_CHECKING:
+    from hybond.sweep.measured import Measure, Measuring
 
 Vector = NDArray[np.float64]
 
@@ -100,6 +103,8 @@ class Family:
         self.measured = np.array(sorted({k for own in reads for k in own}), dtype=np.intc)
         self.measuring: Measuring | None = None
         if measures:
+            from hybond.sweep.measured import Measuring
+
             self.measuring = Measuring(
                 measures,
                 [isinstance(e, Name) for e in signals],

@@ -25,13 +25,13 @@ from hybond.sweep.full_runs import write_run
 from hybond.sweep.job import Job
 from hybond.sweep.journeys import Journeys, journey_of
 from hybond.sweep.lifted import lifted
-from hybond.sweep.measured import Measure, measure_of
 from hybond.sweep.member import Task
 from hybond.sweep.part import Part
 from hybond.sweep.threads import in_threads
 
 if TYPE_CHECKING:
     from hybond.result import Result
+    from hybond.sweep.measured import Measure
 
 Vector = NDArray[np.float64]
 KEPT = 8
@@ -68,10 +68,8 @@ class Runner:
         self._names = tuple(dict.fromkeys(read))
         self._modes = any(c.of_modes for c in self.collectors)
         early = bool(job.ends) or job.model.experiment.get("start") is not None
-        asked_measures = [c for c in self.collectors if c.measure is not None]
-        told = [measure_of(c.measure, c.text, job.until) for c in asked_measures if c.measure]
-        self._measures = [m for m in told if m is not None]
-        whole = early or bool(job.runs) or len(self._measures) < len(asked_measures)
+        self._measures = _told(self.collectors, job.until)
+        whole = early or bool(job.runs) or None in self._measures
         task = Task(job.model, job.until, job.options, self._names, self._t, False)
         asked, self.alone = asked_of(task)
         self._asked: tuple[Settings, float | None] | None = None if whole else asked
@@ -164,7 +162,8 @@ class Runner:
         own = {self._of[p]: float(column[k]) for p, column in work.numbers.items()}
         impact = self.job.options.get("impact")
         given = {**left, **own}
-        return family_of(model, given, *self._asked, self._wanted, impact, self._measures)
+        measures = [m for m in self._measures if m is not None]
+        return family_of(model, given, *self._asked, self._wanted, impact, measures)
 
     def _of_family(
         self, family: Family, work: _Work, members: NDArray[np.intp]
@@ -338,10 +337,11 @@ class _Work:
         self.tell()
 
     def measured(
-        self, members: NDArray[np.intp], measures: Sequence[Measure], values: Vector
+        self, members: NDArray[np.intp], measures: Sequence[Measure | None], values: Vector
     ) -> None:
         """Keep measurements, shape (measures, members)."""
         for measure, row in zip(measures, values, strict=True):
+            assert measure is not None
             self.columns[measure.text][members] = row
 
     def keep_run(self, k: int, run: Result | HybondError, stopped: threading.Event) -> None:
@@ -389,6 +389,16 @@ class _Work:
         return Part(
             self.first, self.status, self.t_end, dict(sorted(self.said.items())), self.columns
         )
+
+
+def _told(collectors: Sequence[Collector], until: float) -> list[Measure | None]:
+    """Return what the library tells of measurements; None for what a run must be asked."""
+    asked = [(c.measure, c.text) for c in collectors if c.measure is not None]
+    if not asked:
+        return []
+    from hybond.sweep.measured import measure_of
+
+    return [measure_of(measure, text, until) for measure, text in asked]
 
 
 def checked(job: Job) -> tuple[FlatGraph, tuple[Collector, ...]]:
