@@ -12,6 +12,7 @@ from __future__ import annotations
 import ctypes
 import os
 import resource
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -31,6 +32,7 @@ from hybond.sweep.family import family_of
 
 COLLECT = {
     "at the end": "final(height), final(v.f), count(events)",
+    "extremes too": "final(height), count(events), max(height), min(v.f), mean(height)",
     "modes too": "final(height), final(v.f), count(events), mode_time(floor.away), sequence",
 }
 
@@ -60,16 +62,27 @@ def main(balls: int) -> None:
         )
     with tempfile.TemporaryDirectory() as folder:
         hb.save(model(), f"{folder}/ball.toml")
-        empty = command(folder, "--version")
         words = [w for p, v in factors.items() for w in ("--vary", f"{p}={v}")]
-        words += ["--until", repr(END), "--rtol", repr(RTOL), "--out", f"{folder}/out"]
-        words += ["--collect", COLLECT["at the end"]]
-        whole = command(folder, "sweep", "ball.toml", *words)
+        words += ["--until", repr(END), "--rtol", repr(RTOL), "--collect", COLLECT["at the end"]]
         small = [w.replace(f", {balls // 100})", ", 1)").replace(", 100)", ", 1)") for w in words]
-        small = [w.replace("/out", "/one") for w in small]
-        one = command(folder, "sweep", "ball.toml", *small)
-    print(f"  the command: {whole:.3f} s, of which {one:.3f} s for a single ball")
-    print(f"  ({empty:.3f} s for its version); its balls take {(whole - one) / own:.2f} of that")
+        rows = {
+            "empty Python": [],
+            "import numpy": [],
+            "--version": ["--version"],
+            "check": ["check", "ball.toml"],
+            "run": ["run", "ball.toml", "--until", "1"],
+            "sweep of one ball": ["sweep", "ball.toml", *small, "--out", "one"],
+            f"sweep of {balls}": ["sweep", "ball.toml", *words, "--out", "all"],
+        }
+        codes = {"empty Python": "", "import numpy": "import numpy"}
+        took = {}
+        for name, given in rows.items():
+            command(folder, codes.get(name), *given)  # its bytecode is there now
+            took[name] = min(command(folder, codes.get(name), *given) for _ in range(5))
+            print(f"  {name}: {took[name]:.3f} s")
+    whole, one = took[f"sweep of {balls}"], took["sweep of one ball"]
+    print(f"  the whole command takes {whole / own:.2f} of the engine alone;")
+    print(f"  its balls {(whole - one) / own:.2f} of that, its start {one / own:.2f}")
 
 
 def engine(plan: hb.Plan) -> float:
@@ -107,14 +120,22 @@ class Shares:
         members.NativeMembers.run = self._run  # type: ignore[method-assign]
 
 
-def command(folder: str, *words: str) -> float:
-    """Return what a command takes, s of the processor."""
+def command(folder: str, code: str | None, *words: str) -> float:
+    """Return what a command takes, s of the processor, from its start to its end.
+
+    It is what ``hybond`` is once installed: bytecode is cached.
+    """
     source = str(Path(hb.__file__).parents[1])
+    env = {**os.environ, "PYTHONPATH": source, "PYTHONPYCACHEPREFIX": f"{folder}/bytecode"}
+    env.pop("PYTHONDONTWRITEBYTECODE", None)
+    for name in ("one", "all"):
+        shutil.rmtree(f"{folder}/{name}", ignore_errors=True)
+    entry = "import sys; from hybond.cli.main import main; sys.exit(main())"
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     subprocess.run(
-        [sys.executable, "-m", "hybond", *words],
+        [sys.executable, "-c", entry if code is None else code, *words],
         cwd=folder,
-        env={**os.environ, "PYTHONPATH": source},
+        env=env,
         stdout=subprocess.DEVNULL,
         check=True,
     )

@@ -22,7 +22,7 @@ from hybond.model.graph import FlatGraph
 from hybond.model.kept import kept_graph
 from hybond.result import Result, Status
 from hybond.runs.ends import ended
-from hybond.runs.options import STEPPING, STEPPING_IMPACT, ignored_impact, time_in
+from hybond.runs.options import STEPPING, time_in
 from hybond.runs.states import State, load_state
 
 Start = Result | State | Mapping[str, Any] | str | Path | None
@@ -106,26 +106,6 @@ def of_experiment(error: UsageError, graph: FlatGraph, asked: Mapping[str, Any])
             error.where = f"experiment.{error.where}"
         graph.locate(error)
     return error
-
-
-def notices(graph: FlatGraph, settings: Settings, impact: str | None) -> list[str]:
-    """Return what is to be said of what a run is asked for, before it begins."""
-    if settings.solver in STEPPING:
-        said = ignored_impact(impact, graph.experiment)
-    else:
-        said = _friction_left_out(settings.impact[0], graph)
-    return [] if said is None else [said]
-
-
-def _friction_left_out(impact: str, graph: FlatGraph) -> str | None:
-    """Return what is to be said where a law of impacts has no friction, and the model has some."""
-    names = [m.path for m in graph.machines if m.law for law in m.law.junctions if law.impulsive]
-    if not names or impact in ("newton", STEPPING_IMPACT):
-        return None
-    return (
-        f"impact = {impact!r} has no friction: the impulses of {', '.join(names)} are left out; "
-        f"'newton' and {STEPPING_IMPACT!r} have them"
-    )
 
 
 def made(

@@ -10,12 +10,12 @@ from hybond.blocks.runners import runners_of
 from hybond.calls import called
 from hybond.engine.outcome.engines import choose_engine
 from hybond.engine.tables.bands import banded
-from hybond.engine.tables.options import settings_of
+from hybond.engine.tables.options import notices, settings_of
 from hybond.errors import UsageError
 from hybond.model.builder import Model
 from hybond.model.graph import FlatGraph
 from hybond.model.parts import Value
-from hybond.one_run import Start, begun, gone, graph_of, handed_over, made, notices, of_experiment
+from hybond.one_run import Start, begun, gone, graph_of, handed_over, made, of_experiment
 from hybond.progress import Asked, shown
 from hybond.result import Result
 from hybond.runs.ends import Until, ends_of

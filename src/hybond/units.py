@@ -9,12 +9,12 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
 
 from hybond.errors import UnitError
 from hybond.names import did_you_mean
+from hybond.records import dataclass
 
 
 @dataclass(frozen=True, slots=True, repr=False)

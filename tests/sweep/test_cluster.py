@@ -13,6 +13,7 @@ from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 import hybond as hb
@@ -82,6 +83,24 @@ def test_who_dies_again_and_again_ends_the_sweep_and_loses_nothing(tmp_path: Pat
             swept(tmp_path / "s", executor=dies)
         assert refused.value.code == "HB-P111" and str(error) in refused.value.why
     assert swept(tmp_path / "s").how.startswith("20 members were there; 18 members")
+
+
+def test_full_runs_come_back_as_files(tmp_path: Path) -> None:
+    """Those of a worker that died are there once, too; each is the discharge of its member."""
+    xarray = pytest.importorskip("xarray", reason="xarray is not installed")
+    flaky = Flaky(lambda first, tries: OSError("lost") if first == 2 and tries < 1 else None)
+    plan = {"r": "500, 1000, 2000", "c.C": "1 mF, 2 mF"}
+    asked = {"collect": "final(c.e)", "part": 2, "runs": "netcdf", "out": tmp_path / "s"}
+    table = hb.sweep(hb.loads(MODEL), plan, executor=flaky, **asked)
+    assert table.how == "6 members by Flaky, 1 parts again"
+    files = sorted((tmp_path / "s/runs").iterdir())
+    assert [f.name for f in files] == [f"{k:09}.nc" for k in range(6)]
+    for k, file in enumerate(files):
+        with xarray.open_dataset(file) as run:
+            t, e = run["t"].values, run["c.e"].values
+            fall = t / (table["r"][k] * table["c.C"][k])
+            np.testing.assert_allclose(e, 10.0 * np.exp(-fall), rtol=1e-7)
+            assert t[-1] == 1.0 and run.attrs["member"] == k
 
 
 def test_another_version_is_refused() -> None:

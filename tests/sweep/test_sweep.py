@@ -107,13 +107,13 @@ def height(t: float, e: float) -> float:
     return float(e ** len(since) * G * dt - 0.5 * G * dt**2)
 
 
-@pytest.mark.parametrize("extra", ["", ", mean(height)"])
+@pytest.mark.parametrize("extra", ["", ", mean(height)", ", duty(height, 1)"])
 def test_rows_are_those_of_ordinary_runs(extra: str) -> None:
     plan = hb.Plan(
         {"e": "0.3..0.8", "ball.I": "1..2", "height.start": "4..6"}, sample="lhs:8", seed=1
     )
     table = hb.sweep(ball(), plan, collect=WHAT + extra)
-    assert ("ordinary" in table.how) == bool(extra)
+    assert ("ordinary" in table.how) == ("duty" in extra)
     for k in (0, 5):
         run = table.run(k)
         assert table["final(height)"][k] == run.final["height"]
@@ -121,8 +121,10 @@ def test_rows_are_those_of_ordinary_runs(extra: str) -> None:
         assert table["count(events)"][k] == len(run.events)
         there = run["height"].at(np.linspace(0.0, END, 6).tolist())
         np.testing.assert_array_equal(table["curve(height, 6)"][k], there)
-        if extra:
-            assert table["mean(height)"][k] == run["height"].mean()
+        if "mean" in extra:
+            assert table["mean(height)"][k] == pytest.approx(run["height"].mean(), rel=1e-14)
+        if "duty" in extra:
+            assert table["duty(height, 1)"][k] == run["height"].duty(level=1.0)
     whole = hb.sweep(ball(), plan, collect=WHAT, part=3, workers=1)
     for name in whole.columns:
         if name in table.columns:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
-from hybond.blocks.unit_runner import UnitRunner
 from hybond.errors import NumericsError, UsageError
 from hybond.model.graph import FlatGraph
+
+if TYPE_CHECKING:
+    from hybond.blocks.unit_runner import UnitRunner
 
 
 class Runner(Protocol):
@@ -84,6 +86,8 @@ def runners_of(graph: FlatGraph, *, fmus: bool) -> dict[str, FunctionRunner | Un
                 where=f"blocks.{sample.path}",
                 hint="if you trust that file: simulate(..., fmus=True), or hybond run --fmus",
             )
+        from hybond.blocks.unit_runner import UnitRunner
+
         found[sample.path] = UnitRunner(
             block.description,
             tuple(block.inputs),

@@ -10,7 +10,6 @@ choice is ever a dead end.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 from hybond.causality.arrays import LEAF, compile_arrays
 from hybond.causality.assignment import Assignment
@@ -20,6 +19,7 @@ from hybond.causality.propagate import UNSET, Clash, Propagation
 from hybond.causality.record import Because, Causality, Conflict, Origin, Reason
 from hybond.model.graph import FlatGraph
 from hybond.model.kinds import RESISTORS, TWO_PORTS, Variable
+from hybond.records import dataclass
 
 NEARBY = 300
 """Vertices that a conflict is told from, beyond those of its own search."""

@@ -9,7 +9,7 @@ that switch does. What cannot be let go is a smallest set of settings with a con
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from hybond.causality.assign import assign, assign_off
 from hybond.causality.explain import describe_conflict
@@ -17,6 +17,7 @@ from hybond.causality.reachable import LIMIT, Reachable, reachable
 from hybond.causality.record import Causality, Conflict
 from hybond.causality.strokes import Strokes
 from hybond.model.graph import FlatGraph, Mode
+from hybond.records import dataclass
 
 
 @dataclass(frozen=True, slots=True)

@@ -19,12 +19,12 @@ graph whose cycles have an even number of gyrators is bipartite.
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import dataclass
 
 from hybond.causality.demands import Demand, demand_of, fixed_ends, imposing, preferred
 from hybond.causality.record import HEAD, TAIL
 from hybond.model.graph import FlatGraph
 from hybond.model.kinds import RESISTORS
+from hybond.records import dataclass
 from hybond.uncollected import uncollected
 
 EDGE, MIDDLE, LEAF, BARE = range(4)

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from typing import Literal
 
 from hybond.causality.arrays import Arrays, compile_arrays
@@ -20,6 +19,7 @@ from hybond.causality.record import Causality
 from hybond.causality.reference import Reference, reference_mode
 from hybond.causality.strokes import Strokes
 from hybond.model.graph import FlatGraph, Mode
+from hybond.records import dataclass
 from hybond.uncollected import uncollected
 
 Kind = Literal["invariant", "dynamic", "kept"]

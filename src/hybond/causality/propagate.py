@@ -8,12 +8,12 @@ cause). Which stroke to choose where nothing is forced is not decided here.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from typing import Literal
 
 from hybond.causality.demands import Demand, demand_of
 from hybond.causality.record import HEAD, TAIL, Because, Origin
 from hybond.model.graph import FlatGraph
+from hybond.records import dataclass
 
 UNSET = -1
 

@@ -14,11 +14,11 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
 from itertools import combinations, product
 
 from hybond.model.expressions import And, Bool, Compare, Expr, If, Name, Not, Or, names, simplify
 from hybond.model.graph import FlatGraph, Mode
+from hybond.records import dataclass
 
 LIMIT = 1000
 """Modes looked at before the search says "at least"."""

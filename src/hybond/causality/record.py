@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Literal
 
 from hybond.model.kinds import Variable
+from hybond.records import dataclass
 
 TAIL = 0
 """The stroke is at the tail: the tail receives effort, the head imposes it."""

@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 
 from hybond.causality.arrays import Arrays, compile_arrays
 from hybond.causality.live import LiveAssignment
@@ -21,6 +20,7 @@ from hybond.causality.matching import EXPOSED
 from hybond.causality.record import Causality
 from hybond.causality.strokes import Strokes
 from hybond.model.graph import FlatGraph, Mode
+from hybond.records import dataclass
 from hybond.uncollected import uncollected
 
 WHOLE = 1024

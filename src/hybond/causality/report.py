@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -17,6 +16,7 @@ from hybond.model.builder import Model, graph_of
 from hybond.model.graph import FlatGraph, Mode
 from hybond.model.pins import pin_names
 from hybond.names import in_columns
+from hybond.records import dataclass
 
 MANY_BONDS = 60
 """Bonds above which a report lists only those whose stroke depends on the mode."""

@@ -13,6 +13,7 @@ from argparse import (
     Namespace,
     RawDescriptionHelpFormatter,
 )
+from collections.abc import Callable
 from typing import Any, NoReturn
 
 from hybond._version import __version__
@@ -21,7 +22,7 @@ from hybond.cli.fit_words import fit_words
 from hybond.cli.linear_words import linearise_words
 from hybond.cli.measure_words import measure_words
 from hybond.cli.misfits import in_words, unknown_option
-from hybond.cli.plan_words import plan_words
+from hybond.cli.plan_words import sweep_words
 from hybond.cli.run_words import IMPACTS, limits_words, settings_words, solver_words
 from hybond.errors import UsageError
 from hybond.names import did_you_mean
@@ -77,7 +78,7 @@ def parse(argv: list[str]) -> Namespace:
     hybond.errors.UsageError: HB-X101 at hybond: there is no verb 'rnu'
       try: did you mean 'run'?
     """
-    parser = parser_of_words()
+    parser = parser_of_words(argv[0] if argv else "")
     if not argv:
         raise UsageError("no verb is given", code="HB-X101", where="hybond", hint="hybond --help")
     if not argv[0].startswith("-") and argv[0] not in VERBS:
@@ -93,8 +94,8 @@ def parse(argv: list[str]) -> Namespace:
     return given
 
 
-def parser_of_words() -> Parser:
-    """Return the parser of all verbs and options."""
+def parser_of_words(verb: str = "") -> Parser:
+    """Return the parser of all verbs and options; or of one verb, which takes less time."""
     parser = Parser(
         prog="hybond",
         description="Model, analyse and simulate physical systems as hybrid bond graphs.",
@@ -104,16 +105,25 @@ def parser_of_words() -> Parser:
     )
     parser.add_argument("--version", action="version", version=f"hybond {__version__}")
     verbs = parser.add_subparsers(dest="verb", metavar="VERB", required=True)
+    for words in [_WORDS[verb]] if verb in _WORDS else _WORDS.values():
+        words(verbs)
+    return parser
 
+
+def _demo(verbs: Any) -> None:
     demo = _verb(verbs, "demo", "hybond demo", "hybond demo --examples examples --out out")
     demo.add_argument("--examples", metavar="DIR", help="run every model in this folder")
     demo.add_argument("--out", metavar="DIR", help="where files go (default: hybond-demo)")
 
+
+def _new(verbs: Any) -> None:
     new = _verb(verbs, "new", "hybond new pump.toml", "hybond new ball.toml --from bouncing_ball")
     new.add_argument("file", metavar="FILE", help="the file to write")
     new.add_argument("--from", dest="example", metavar="EXAMPLE", help="start from this example")
     new.add_argument("--force", action="store_true", help="replace a file that is there")
 
+
+def _check(verbs: Any) -> None:
     check = _verb(
         verbs,
         "check",
@@ -159,6 +169,8 @@ def parser_of_words() -> Parser:
     )
     settings_words(check)
 
+
+def _draw(verbs: Any) -> None:
     draw = _verb(
         verbs,
         "draw",
@@ -221,6 +233,8 @@ def parser_of_words() -> Parser:
     )
     settings_words(draw)
 
+
+def _causality(verbs: Any) -> None:
     causality = _verb(
         verbs,
         "causality",
@@ -253,10 +267,20 @@ def parser_of_words() -> Parser:
     )
     settings_words(causality)
 
+
+def _equations(verbs: Any) -> None:
     settings_words(equations_words(_verb, verbs))
+
+
+def _analyse(verbs: Any) -> None:
     settings_words(analyse_words(_verb, verbs))
+
+
+def _linearise(verbs: Any) -> None:
     settings_words(linearise_words(_verb, verbs))
 
+
+def _run(verbs: Any) -> None:
     run = _verb(
         verbs,
         "run",
@@ -292,47 +316,22 @@ def parser_of_words() -> Parser:
     run.add_argument("--plot", metavar="FILE", help="plot the run as .png, .svg or .pdf")
     run.add_argument("--json", action="store_true", help="print one JSON object and nothing else")
 
-    sweep = _verb(
-        verbs,
-        "sweep",
-        "hybond sweep ball.toml --vary m=1..2kg:11 --out masses.csv",
-        "hybond sweep ball.toml --vary m=1kg,2kg --vary h0=1..3:5 --signals height",
-        "hybond sweep ball.toml --vary 'm=normal(1 kg, 50 g)' --sample lhs:1000 --seed 7 "
-        "--collect 'final(ball.p), count(events)' --out masses",
-    )
-    sweep.add_argument("file", metavar="FILE", help="a model file")
-    sweep.add_argument(
-        "--vary",
-        metavar="PATH=VALUES",
-        action="append",
-        default=[],
-        help="PATH and values: LOW..HIGH:NUMBER, LOW:HIGH:STEP, log(LOW,HIGH,NUMBER), V,W,... "
-        "or with --sample a distribution; several options: all combinations",
-    )
-    sweep.add_argument(
-        "--together", action="store_true", help="the first values of all, the second, ...: no grid"
-    )
-    settings_words(plan_words(sweep))
-    solver_words(sweep)
-    sweep.add_argument(
-        "--signals", metavar="NAME,...", action="append", help="what is read at the end"
-    )
-    sweep.add_argument(
-        "--workers", metavar="N", type=int, help="threads (default: one for each core)"
-    )
-    sweep.add_argument(
-        "--out",
-        metavar="FILE",
-        help="write the table as .csv, .npz or .json; of --collect: a folder",
-    )
-    sweep.add_argument("--json", action="store_true", help="print one JSON object and nothing else")
 
+def _sweep(verbs: Any) -> None:
+    sweep_words(_verb, verbs)
+
+
+def _measure(verbs: Any) -> None:
     measure = measure_words(_verb, verbs)
     settings_words(measure)
     solver_words(measure)
 
+
+def _fit(verbs: Any) -> None:
     settings_words(fit_words(_verb, verbs))
 
+
+def _explain(verbs: Any) -> None:
     explain = _verb(verbs, "explain", "hybond explain ball.toml --at '0.8 s'")
     explain.add_argument("file", metavar="FILE", help="a model file")
     explain.add_argument("--at", metavar="T", help="only the event nearest to this time")
@@ -340,6 +339,8 @@ def parser_of_words() -> Parser:
     solver_words(explain)
     limits_words(explain)
 
+
+def _convert(verbs: Any) -> None:
     convert = _verb(
         verbs,
         "convert",
@@ -364,6 +365,8 @@ def parser_of_words() -> Parser:
         help="of netlists: where diodes become straight lines (default: 1 A)",
     )
 
+
+def _library(verbs: Any) -> None:
     library = _verb(
         verbs,
         "library",
@@ -377,6 +380,8 @@ def parser_of_words() -> Parser:
     )
     library.add_argument("--file", action="store_true", help="print its model file")
 
+
+def _studio(verbs: Any) -> None:
     page = _verb(verbs, "studio", "hybond studio ball.toml", "hybond studio")
     page.add_argument("file", metavar="FILE", nargs="?", help="a model file, new or there already")
     page.add_argument(
@@ -384,9 +389,13 @@ def parser_of_words() -> Parser:
     )
     page.add_argument("--no-browser", action="store_true", help="print the address, open nothing")
 
+
+def _completion(verbs: Any) -> None:
     shell = _verb(verbs, "completion", 'eval "$(hybond completion bash)"')
     shell.add_argument("shell", metavar="SHELL", help="bash, zsh or fish")
 
+
+def _export(verbs: Any) -> None:
     export = _verb(
         verbs,
         "export",
@@ -413,7 +422,29 @@ def parser_of_words() -> Parser:
     export.add_argument("--impact", metavar="NAME", help=IMPACTS)
     export.add_argument("--points", metavar="N", type=int, help="rows of the table")
     export.add_argument("--fmi", metavar="V", help="of fmu: version 3.0 (the default) or 2.0")
-    return parser
+
+
+_WORDS: dict[str, Callable[[Any], None]] = {
+    "demo": _demo,
+    "new": _new,
+    "check": _check,
+    "draw": _draw,
+    "causality": _causality,
+    "equations": _equations,
+    "analyse": _analyse,
+    "linearise": _linearise,
+    "run": _run,
+    "sweep": _sweep,
+    "measure": _measure,
+    "fit": _fit,
+    "explain": _explain,
+    "convert": _convert,
+    "library": _library,
+    "studio": _studio,
+    "completion": _completion,
+    "export": _export,
+}
+"""What adds the options of each verb, in the order of the help."""
 
 
 def _verb(verbs: Any, name: str, *examples: str) -> ArgumentParser:

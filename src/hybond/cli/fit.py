@@ -31,6 +31,8 @@ def fit(given: Namespace) -> int:
         loss=given.loss,
         parameters=parameters,
         rtol=given.rtol,
+        starts=given.starts,
+        seed=given.seed,
     )
     if plot is not None:
         found.plot(plot)

@@ -15,6 +15,7 @@ def fit_words(verb: Callable[..., ArgumentParser], verbs: Any) -> ArgumentParser
         "hybond fit ball.toml drop.csv --free pad.C,damper.G",
         "hybond fit ball.toml one.csv two.csv --free pad.C --log pad.C --plot fit.png",
         "hybond fit ball.toml drop.csv --free m --bounds 'm=0.5..2 kg' --loss soft_l1",
+        "hybond fit ball.toml drop.csv --free eps --bounds eps=0.3..0.95 --starts 20",
     )
     parser.add_argument("file", metavar="FILE", help="a model file, or a netlist")
     parser.add_argument(
@@ -46,6 +47,14 @@ def fit_words(verb: Callable[..., ArgumentParser], verbs: Any) -> ArgumentParser
         default="linear",
         help="what a residual counts: linear (squares), soft_l1, huber, cauchy, arctan",
     )
+    parser.add_argument(
+        "--starts",
+        metavar="N",
+        type=int,
+        default=1,
+        help="begin N times: with the model's values, then spread within --bounds; keep the best",
+    )
+    parser.add_argument("--seed", metavar="N", type=int, default=0, help="of --starts")
     parser.add_argument("--rtol", metavar="X", type=float, help="relative tolerance of the runs")
     parser.add_argument("--plot", metavar="FILE", help="plot data and runs")
     parser.add_argument(

@@ -11,10 +11,10 @@ from hybond.errors import UsageError
 from hybond.files import load
 from hybond.files.parse import CIRCUITS
 from hybond.model.builder import Model
-from hybond.result import Result
 
 if TYPE_CHECKING:
     from hybond.circuits.circuit import Conversion
+    from hybond.result import Result
 
 
 def read_model(file: str, current: str | None = None) -> tuple[Model, Conversion | None]:

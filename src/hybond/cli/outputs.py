@@ -6,14 +6,16 @@ import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from hybond.cli.record import run_record, to_json
 from hybond.cli.refusal import refusal_of
 from hybond.cli.streams import complain
 from hybond.errors import HybondError
 from hybond.files.whole import write_whole
-from hybond.result import Result
+
+if TYPE_CHECKING:
+    from hybond.result import Result
 
 TABLES = (".csv", ".npz", ".json")
 PICTURES = (".png", ".svg", ".pdf")

@@ -1,16 +1,59 @@
-"""The options of ``hybond sweep`` that make a plan of it."""
+"""The options of ``hybond sweep``, and which of them make a plan of it."""
 
 from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
+from collections.abc import Callable
+from typing import Any
+
+from hybond.cli.run_words import settings_words, solver_words
 
 SWITCHES = ("collect", "sample", "estimate", "cluster", "runs")
 NUMBERS = ("seed", "part")
 """Any of them makes a sweep one whose rows are collected in a folder."""
 
 
-def plan_words(parser: ArgumentParser) -> ArgumentParser:
-    """Add them."""
+def sweep_words(verb: Callable[..., ArgumentParser], verbs: Any) -> None:
+    """Add the verb."""
+    sweep = verb(
+        verbs,
+        "sweep",
+        "hybond sweep ball.toml --vary m=1..2kg:11 --out masses.csv",
+        "hybond sweep ball.toml --vary m=1kg,2kg --vary h0=1..3:5 --signals height",
+        "hybond sweep ball.toml --vary 'm=normal(1 kg, 50 g)' --sample lhs:1000 --seed 7 "
+        "--collect 'final(ball.p), count(events)' --out masses",
+    )
+    sweep.add_argument("file", metavar="FILE", help="a model file")
+    sweep.add_argument(
+        "--vary",
+        metavar="PATH=VALUES",
+        action="append",
+        default=[],
+        help="PATH and values: LOW..HIGH:NUMBER, LOW:HIGH:STEP, log(LOW,HIGH,NUMBER), V,W,... "
+        "or with --sample a distribution; several options: all combinations",
+    )
+    sweep.add_argument(
+        "--together", action="store_true", help="the first values of all, the second, ...: no grid"
+    )
+    plan_words(sweep)
+    settings_words(sweep)
+    solver_words(sweep)
+    sweep.add_argument(
+        "--signals", metavar="NAME,...", action="append", help="what is read at the end"
+    )
+    sweep.add_argument(
+        "--workers", metavar="N", type=int, help="threads (default: one for each core)"
+    )
+    sweep.add_argument(
+        "--out",
+        metavar="FILE",
+        help="write the table as .csv, .npz or .json; of --collect: a folder",
+    )
+    sweep.add_argument("--json", action="store_true", help="print one JSON object and nothing else")
+
+
+def plan_words(parser: ArgumentParser) -> None:
+    """Add those of a plan."""
     parser.add_argument(
         "--collect",
         metavar="WHAT,...",
@@ -40,10 +83,18 @@ def plan_words(parser: ArgumentParser) -> ArgumentParser:
     parser.add_argument(
         "--estimate", action="store_true", help="of --collect: say what it takes, and run nothing"
     )
-    return parser
 
 
 def is_plan(given: Namespace) -> bool:
     """Whether the options of a sweep make a plan of it."""
     numbers = any(getattr(given, name) is not None for name in NUMBERS)
     return numbers or any(getattr(given, name) for name in SWITCHES)
+
+
+def options_of(given: Namespace) -> dict[str, Any]:
+    """Return the options of runs that are given."""
+    names = (
+        *("solver", "rtol", "atol", "step", "max_step", "theta"),
+        *("impact", "sliding", "hysteresis"),
+    )
+    return {name: getattr(given, name) for name in names if getattr(given, name) is not None}

@@ -12,13 +12,13 @@ import numpy as np
 from hybond.cli.lists import check_experiment, run_until
 from hybond.cli.netlists import read_model
 from hybond.cli.outputs import TABLES
+from hybond.cli.plan_words import options_of
 from hybond.cli.record import VERSION, to_json
 from hybond.cli.settings import changed_with
 from hybond.cli.streams import complain, say
 from hybond.errors import NumericsError, UsageError
 from hybond.names import in_columns
 from hybond.progress import MembersDone
-from hybond.sweep.estimating import estimate
 from hybond.sweep.plan import Plan
 from hybond.sweep.sweeping import sweep
 from hybond.sweep.table import SweepTable
@@ -27,7 +27,7 @@ TOLD = 5
 """Kinds of failures that are told, and notes."""
 
 
-def plan_sweep(given: Namespace, options: dict[str, Any]) -> int:
+def plan_sweep(given: Namespace) -> int:
     """Run a plan; print what came of it, or one JSON object."""
     _check(given)
     read, conversion = read_model(given.file)
@@ -43,9 +43,11 @@ def plan_sweep(given: Namespace, options: dict[str, Any]) -> int:
     until = run_until(graph, given.until)[0]
     asked: dict[str, Any] = {
         **{"collect": given.collect, "until": until, "parameters": fixed, "out": given.out},
-        **{"runs": given.runs or "", "workers": given.workers, **options},
+        **{"runs": given.runs or "", "workers": given.workers, **options_of(given)},
     }
     if given.estimate:
+        from hybond.sweep.estimating import estimate
+
         found = estimate(model, plan, **asked)
         if given.json:
             own = {name: getattr(found, name) for name in found.__slots__}

@@ -5,13 +5,14 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from hybond.errors import HybondError
 from hybond.model.graph import FlatGraph
-from hybond.result import Result
-from hybond.runs.trace import Event, Fired, Visit
-from hybond.scripts.result import ScriptResult
+
+if TYPE_CHECKING:
+    from hybond.result import Result
+    from hybond.runs.trace import Event, Fired, Visit
 
 VERSION = 1
 """Version of the object's schema."""
@@ -94,6 +95,8 @@ def run_record(
 
 def _steps(run: Result) -> dict[str, Any]:
     """Return the steps of a script, if it was one."""
+    from hybond.scripts.result import ScriptResult
+
     if not isinstance(run, ScriptResult):
         return {}
     steps = [
@@ -105,6 +108,8 @@ def _steps(run: Result) -> dict[str, Any]:
 
 def failure_record(file: str, error: HybondError | None) -> dict[str, Any]:
     """Return the object of a run that never began; `error` is None if it was interrupted."""
+    from hybond.result import Result
+
     if error is not None and isinstance(error.partial, Result):
         return run_record(error.partial, file) | {"error": error.to_dict()}
     record: dict[str, Any] = {

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import OrderedDict
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Literal
 
 from hybond.equations.calculus import bent, gradient, partial_time, reads_bonds
@@ -21,6 +20,7 @@ from hybond.model.expressions import (
 )
 from hybond.model.graph import FlatGraph, Mode, Node
 from hybond.model.kinds import RESISTORS, SOURCES, TWO_PORTS
+from hybond.records import dataclass
 
 Term = tuple[str, float]
 """A bond variable and its sign."""

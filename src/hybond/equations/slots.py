@@ -6,9 +6,8 @@ efforts, flows, then Booleans. A second copy of the same length follows, the a p
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from hybond.model.graph import FlatGraph
+from hybond.records import dataclass
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
@@ -14,6 +13,7 @@ from hybond.errors import ModelError
 from hybond.model.expressions import Binary, Expr, Name, Neg, Number, compile_expression, substitute
 from hybond.model.expressions.tree import fold
 from hybond.model.graph import FlatGraph, Storage
+from hybond.records import dataclass
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]

@@ -11,11 +11,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from functools import lru_cache
+from random import Random
 from typing import Any
-
-import numpy as np
 
 from hybond.model.expressions import (
     And,
@@ -37,6 +35,7 @@ from hybond.model.expressions import (
 from hybond.model.expressions.slots import is_slotted, plain
 from hybond.model.expressions.tree import fold, walk
 from hybond.model.graph import FlatGraph, Rule
+from hybond.records import dataclass
 
 SCALES = (1.0, 1e-4, 1e-8, 1e-12)
 """Sizes of the values at which two switching functions are compared: a small band shows."""
@@ -319,9 +318,11 @@ def _may_meet(terms: Iterable[tuple[Expr, ...]]) -> bool:
 @lru_cache
 def _generic(count: int) -> tuple[list[float], ...]:
     """Return values of so many names, several of each size, the same in every run."""
-    generator = np.random.default_rng(7)
+    generator = Random(7)
     return tuple(
-        (scale * generator.uniform(0.3, 1.7, count)).tolist() for scale in SCALES for _ in range(3)
+        [scale * generator.uniform(0.3, 1.7) for _ in range(count)]
+        for scale in SCALES
+        for _ in range(3)
     )
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from hybond.blocks.fmu import fmu_block
 from hybond.errors import ModelError
 from hybond.files.check import check, describe
 from hybond.files.elements import read_element
@@ -79,6 +78,8 @@ def read_model(data: dict[str, Any], place: Place, reading: Reading, name: str) 
     for key, value in data.get("blocks", {}).items():
         at = place / "blocks" / key
         _name(model, key, at)
+        from hybond.blocks.fmu import fmu_block  # few models have blocks
+
         model.blocks[key] = fmu_block(
             value["fmu"],
             reading.unit(value["fmu"], at / "fmu"),

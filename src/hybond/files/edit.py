@@ -8,12 +8,12 @@ only there is it plain which blank lines and comments belong to what.
 from __future__ import annotations
 
 from collections.abc import Mapping, MutableMapping
-from dataclasses import dataclass
 from difflib import SequenceMatcher
 from typing import Any
 
 from hybond.files.toml_lines import Statement, statements
 from hybond.files.toml_text import ORDER, WIDTH, entry_text, table_text, value_text
+from hybond.records import dataclass
 
 _Path = tuple[str, ...]
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 from typing import Literal
 
 from hybond.errors import FileError
+from hybond.records import dataclass
 
 Format = Literal["toml", "json"]
 Path = tuple[str | int, ...]

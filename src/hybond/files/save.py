@@ -12,7 +12,6 @@ from hybond.calls import called, named_file
 from hybond.errors import FileError, UsageError
 from hybond.files.check import check_plain
 from hybond.files.decode import read_file_data
-from hybond.files.edit import edit_toml, same
 from hybond.files.encode import to_data
 from hybond.files.load import load
 from hybond.files.parse import format_of, parse, read_text
@@ -194,6 +193,8 @@ def _edited(text: str, old: dict[str, Any], new: dict[str, Any], file: Path) -> 
     """Return the text edited to say `new`, verified by reading it."""
     from tomlkit.exceptions import TOMLKitError
 
+    from hybond.files.edit import edit_toml, same
+
     if "name" in old:  # a name that is written stays written
         new = {**new, "name": new.get("name", file.stem)}
     for finely in (True, False):
@@ -228,6 +229,8 @@ def _check_submodel_files(model: Model, file: Path) -> None:
                 why = "says something else than the submodel of this model"
             except FileError as error:
                 found, why = {}, f"cannot be read: {error.why}"
+            from hybond.files.edit import same
+
             if not same(found, to_data(given, inline=True)):
                 raise FileError(
                     f"the submodel file {str(beside)!r} {why}",

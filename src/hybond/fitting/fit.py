@@ -12,6 +12,7 @@ run. One that cannot be run is too far away: the step is shortened.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal
 
@@ -25,6 +26,7 @@ from hybond.calls import called
 from hybond.errors import NumericsError, UsageError
 from hybond.fitting.data import Data, read_data
 from hybond.fitting.record import Fit
+from hybond.fitting.starts import minima_of, starts_of
 from hybond.fitting.trials import Case, Trials
 from hybond.fitting.varied import Scale, scale_of
 from hybond.model.builder import Model
@@ -54,6 +56,8 @@ def fit(
     solver: str | None = None,
     rtol: float | None = None,
     max_runs: int = 200,
+    starts: int = 1,
+    seed: int = 0,
 ) -> Fit:
     """Return values of a model with which its runs are nearest to data.
 
@@ -81,7 +85,13 @@ def fit(
     solver, rtol
         As for `simulate`.
     max_runs : int
-        Trials at most.
+        Trials at most, from each start.
+    starts : int
+        How often the search begins: first from the model's own values, then from a Latin hypercube
+        within the bounds, which all that is free must have then. The best is returned;
+        `Fit.minima` says where the others ended.
+    seed : int
+        Of these starts.
 
     Returns
     -------
@@ -90,8 +100,8 @@ def fit(
     Raises
     ------
     UsageError
-        HB-A520 for a path that cannot be set, HB-A532 for bounds, a loss or sizes that are wrong,
-        HB-S109 for a column that is no signal.
+        HB-A520 for a path that cannot be set, HB-A532 for bounds, a loss, sizes or starts that are
+        wrong, HB-S109 for a column that is no signal.
     FileError
         HB-A530 for data that cannot be read.
     NumericsError
@@ -108,8 +118,6 @@ def fit(
     >>> round(found["R"], 6)
     2.0
     """
-    from scipy.optimize import least_squares
-
     names = [free] if isinstance(free, str) else list(free)
     logs = [log] if isinstance(log, str) else list(log)
     if loss not in LOSSES:
@@ -118,14 +126,10 @@ def fit(
     scale = scale_of(names, first.values, bounds or {}, logs)
     options = {k: v for k, v in (("solver", solver), ("rtol", rtol)) if v is not None}
     trials = Trials(cases, options)
+    begins = starts_of(scale, starts, seed)
     begin = trials.residuals(scale.values(scale.start))
-    if not np.isfinite(begin).all():
-        raise NumericsError(
-            f"with the values at the start the model does not run: {trials.error}",
-            code="HB-A533",
-            where="free",
-            hint="start from other values: parameters={...}",
-        )
+    if starts == 1 and not np.isfinite(begin).all():
+        raise _does_not_run(trials, "with the values at the start the model does not run")
     if len(begin) < len(names):
         raise UsageError(
             f"{len(begin)} measurements do not tell {len(names)} values",
@@ -133,19 +137,44 @@ def fit(
             where="data",
             hint="give more data, or leave fewer values free",
         )
-    low, high = scale.bounds
-    found = least_squares(
+    ends = [_end(z, scale, trials, loss, max_runs) for z in begins]
+    ran = [found for found in ends if found is not None]
+    if not ran:
+        raise _does_not_run(trials, f"from none of {starts} starts the model runs")
+    best = min(ran, key=lambda found: float(found.cost))
+    fitted = _record(best, scale, trials, first, sigma is not None, begin)
+    if starts == 1:
+        return fitted
+    found = minima_of(scale, [(e.x, float(e.cost)) for e in ran])
+    return replace(fitted, starts=starts, minima=found)
+
+
+def _does_not_run(trials: Trials, why: str) -> NumericsError:
+    return NumericsError(
+        f"{why}: {trials.error}",
+        code="HB-A533",
+        where="free",
+        hint="start from other values: parameters={...}",
+    )
+
+
+def _end(z: Vector, scale: Scale, trials: Trials, loss: Loss, max_runs: int) -> Any:
+    """Return where the search from some variables ends; None if the model does not run there."""
+    from scipy.optimize import least_squares
+
+    if not np.isfinite(trials.residuals(scale.values(z))).all():
+        return None
+    return least_squares(
         lambda z: trials.residuals(scale.values(z)),
-        scale.start,
+        z,
         lambda z: trials.slopes(scale.values(z)) * scale.slopes(z),
-        bounds=(low, high),
+        bounds=scale.bounds,
         loss=loss,
         max_nfev=max_runs,
         xtol=1e-10,
         ftol=1e-12,
         gtol=1e-12,
     )
-    return _record(found, scale, trials, first, sigma is not None, begin)
 
 
 def _cases(

@@ -19,6 +19,27 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Vector = NDArray[np.float64]
+OTHERS = 4
+"""Other minima that are told."""
+
+
+@dataclass(frozen=True, slots=True)
+class Minimum:
+    """Where searches from several starts ended.
+
+    Parameters
+    ----------
+    values : tuple of float
+        SI.
+    left : float
+        The sum of what residuals count there: of their squares, unless the loss says otherwise.
+    starts : int
+        How many searches ended there.
+    """
+
+    values: tuple[float, ...]
+    left: float
+    starts: int
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -51,6 +72,10 @@ class Fit:
     converged : bool
     notes : tuple of str
         What else is to be known.
+    starts : int
+        How often the search began.
+    minima : tuple of Minimum
+        If more than once: where searches ended, the best first.
     """
 
     names: tuple[str, ...]
@@ -68,6 +93,8 @@ class Fit:
     trials: int
     converged: bool
     notes: tuple[str, ...] = ()
+    starts: int = 1
+    minima: tuple[Minimum, ...] = ()
 
     def __getitem__(self, name: str) -> float:
         """Return a value by name, SI.
@@ -127,7 +154,23 @@ class Fit:
                     )
         left = ", ".join(f"{v:.4g} of {name}" for name, v in self.residual.items())
         yield f"left, root mean square: {left}; {self.trials} runs"
+        yield from self._told_of_minima()
         yield from self.notes
+
+    def _told_of_minima(self) -> Iterator[str]:
+        if not self.minima:
+            return
+        best, *others = self.minima
+        lost = self.starts - sum(m.starts for m in self.minima)
+        failed = f"; from {lost} the model does not run" if lost else ""
+        yield f"{best.starts} of {self.starts} starts end here{failed}"
+        for other in others[:OTHERS]:
+            at = ", ".join(f"{n} = {v:.6g}" for n, v in zip(self.names, other.values, strict=True))
+            ratio = f"{other.left / best.left:.4g} times" if best.left > 0.0 else "more than"
+            yield f"  {other.starts} at {at}, where {ratio} as much is left"
+        if len(others) > OTHERS:
+            rest = sum(m.starts for m in others[OTHERS:])
+            yield f"  {rest} in {len(others) - OTHERS} more minima"
 
     def to_dict(self) -> dict[str, object]:
         """Return all numbers as plain data, SI."""
@@ -148,4 +191,8 @@ class Fit:
             "trials": self.trials,
             "converged": self.converged,
             "notes": list(self.notes),
+            "starts": self.starts,
+            "minima": [
+                {"values": list(m.values), "left": m.left, "starts": m.starts} for m in self.minima
+            ],
         }

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
 from hybond.library.shelves import SHELVES, part
@@ -11,6 +10,7 @@ from hybond.model.expressions import Name
 from hybond.model.graph import FlatGraph
 from hybond.model.parts import InputPart, Integral, Sampled
 from hybond.model.unit_words import unit_of
+from hybond.records import dataclass
 from hybond.units import Dimension
 
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING, Any
 
 from hybond.errors import HybondError, ModelError, UsageError
@@ -19,6 +19,7 @@ from hybond.measures.value import About, Measurement
 from hybond.measures.window import window_of
 from hybond.model.graph import FlatGraph
 from hybond.names import did_you_mean
+from hybond.records import dataclass
 
 if TYPE_CHECKING:
     from hybond.measures.signal import Signal

@@ -47,6 +47,27 @@ def coefficients(values: Vector) -> Vector:
     return np.asarray(values @ _TO_COEFFICIENTS)
 
 
+def coefficients_of(values: Vector) -> Vector:
+    """Return `coefficients`, each row by itself: no bit of it depends on which are beside it."""
+    return in_order(values, _TO_COEFFICIENTS)
+
+
+def in_order(values: Vector, factors: Vector) -> Vector:
+    """Return the product of matrices, summed in one order however many rows there are.
+
+    Examples
+    --------
+    >>> in_order(np.array([[1.0, 2.0]]), np.array([3.0, 4.0])).tolist()
+    [11.0]
+    """
+    wide = factors.ndim == 2
+    found = np.zeros((len(values), factors.shape[1]) if wide else len(values))
+    for j, row in enumerate(factors):
+        column = values[:, j]
+        found += column[:, None] * row if wide else column * row
+    return found
+
+
 def tails(c: Vector) -> Vector:
     """Return the largest of the last three coefficients of each piece."""
     return np.asarray(np.abs(c[..., -3:]).max(axis=-1))

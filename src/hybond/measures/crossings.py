@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -25,6 +24,7 @@ from hybond.measures.pieces import (
 )
 from hybond.measures.value import About, Measurement
 from hybond.measures.window import Window
+from hybond.records import dataclass
 
 if TYPE_CHECKING:
     from hybond.result import Result

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,6 +13,7 @@ from hybond.measures.pieces import TOLERANCE, Known, Pieces, resolved, steps_of
 from hybond.measures.window import Window
 from hybond.model.expressions import Name
 from hybond.model.graph import FlatGraph, Node
+from hybond.records import dataclass
 
 if TYPE_CHECKING:
     from hybond.result import Result

@@ -5,7 +5,6 @@ from __future__ import annotations
 import cmath
 import html
 import math
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,6 +16,7 @@ from hybond.measures.impulses import impulses_in, told
 from hybond.measures.pieces import TOLERANCE, Reader, integrable
 from hybond.measures.value import About, Measurement, shown
 from hybond.measures.window import Window
+from hybond.records import dataclass
 
 if TYPE_CHECKING:
     from hybond.result import Result

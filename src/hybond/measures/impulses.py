@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,6 +11,7 @@ from hybond.errors import UsageError
 from hybond.measures.window import Window
 from hybond.model.expressions import Expr, Number, differentiate, names, simplify
 from hybond.names import plural
+from hybond.records import dataclass
 from hybond.runs.trace import Event
 
 if TYPE_CHECKING:

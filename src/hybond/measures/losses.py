@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import html
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,6 +17,7 @@ from hybond.measures.value import shown
 from hybond.measures.window import Window
 from hybond.model.graph import FlatGraph, Node
 from hybond.names import did_you_mean, in_columns
+from hybond.records import dataclass
 
 if TYPE_CHECKING:
     from hybond.result import Result

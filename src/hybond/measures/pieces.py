@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,6 +17,7 @@ from hybond.errors import NumericsError, UsageError
 from hybond.measures.chebyshev import NODES, WEIGHTS, coefficients, tails
 from hybond.measures.window import Window
 from hybond.model.expressions import Expr, Name
+from hybond.records import dataclass
 
 if TYPE_CHECKING:
     from hybond.result import Result

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from hybond.errors import UsageError
@@ -10,6 +9,7 @@ from hybond.measures.averages import mean_of, rms_of
 from hybond.measures.extremes import range_of
 from hybond.measures.pieces import TOLERANCE
 from hybond.measures.window import Window
+from hybond.records import dataclass
 
 if TYPE_CHECKING:
     from hybond.result import Result

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import html
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from typing import TYPE_CHECKING
 
 from hybond.errors import UsageError
@@ -13,6 +13,7 @@ from hybond.measures.extremes import extreme_of
 from hybond.measures.pieces import TOLERANCE
 from hybond.measures.value import shown
 from hybond.measures.window import Window
+from hybond.records import dataclass
 
 if TYPE_CHECKING:
     from hybond.result import Result

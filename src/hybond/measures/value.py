@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 from hybond.errors import UnitError
+from hybond.records import dataclass
 from hybond.units import format_quantity, parse_unit
 
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_left
-from dataclasses import dataclass
 from numbers import Real
 from typing import TYPE_CHECKING
 
 from hybond.errors import UsageError
+from hybond.records import dataclass
 from hybond.units import parse_unit, try_quantity
 
 if TYPE_CHECKING:

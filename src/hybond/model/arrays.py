@@ -11,7 +11,7 @@ from __future__ import annotations
 import copy
 import re
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 from hybond.errors import ModelError
@@ -21,6 +21,7 @@ from hybond.model.indices import INSIDE, one, span, spread
 from hybond.model.parts import MachinePart, Part, SubmodelPart
 from hybond.model.scope import Scope
 from hybond.names import join
+from hybond.records import dataclass
 
 INDEX = "i"
 """What the index is called, unless an array says otherwise."""

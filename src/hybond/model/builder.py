@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import html
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from numbers import Real
@@ -389,6 +388,8 @@ class Model:
         return f"<Model {self.name!r}: {', '.join(words) or 'empty'}>"
 
     def _repr_html_(self) -> str:
+        import html
+
         try:
             picture = str(self.draw().svg())
         except HybondError as error:

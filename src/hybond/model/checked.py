@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import html
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import Any
 
 from hybond.errors import HybondError
+from hybond.records import dataclass
 
 
 @dataclass(frozen=True, slots=True)

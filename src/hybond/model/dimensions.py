@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from fractions import Fraction
 
 from hybond.errors import UnitError
@@ -26,6 +25,7 @@ from hybond.model.expressions.tree import (
     fold,
     walk,
 )
+from hybond.records import dataclass
 from hybond.units import DIMENSIONLESS, Dimension, parse_unit
 
 

@@ -23,7 +23,7 @@ once and every mode evaluates the same tree:
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from numbers import Integral as Whole
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -34,6 +34,7 @@ from hybond.model.kinds import KINDS, Kind
 from hybond.model.laws import JunctionLaw, Law
 from hybond.model.parts import BlockPart
 from hybond.names import did_you_mean, plural
+from hybond.records import dataclass
 from hybond.units import Dimension, Domain, format_quantity
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from itertools import pairwise
 
 from hybond.errors import HybondError, ModelError
@@ -34,6 +34,7 @@ from hybond.model.scope import constant as constant
 from hybond.model.scope import literal as literal
 from hybond.model.scope import without_units as without_units
 from hybond.names import did_you_mean, join
+from hybond.records import dataclass
 from hybond.units import DIMENSIONLESS, try_quantity
 
 _DEPTH = 64

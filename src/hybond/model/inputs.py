@@ -10,9 +10,10 @@ from __future__ import annotations
 import bisect
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Protocol
 
+from hybond.records import dataclass
 from hybond.units import Dimension
 
 

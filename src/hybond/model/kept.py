@@ -7,7 +7,7 @@ it is flattened anew where they make another model of it.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields, is_dataclass, replace
+from dataclasses import field, fields, is_dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -20,6 +20,7 @@ from hybond.model.junction_laws import warn_of_values
 from hybond.model.parts import Value
 from hybond.model.paths import with_parts
 from hybond.model.written import Writing, Written
+from hybond.records import dataclass
 from hybond.units import Dimension, try_quantity
 
 Kind = Dimension | str | None

@@ -6,8 +6,9 @@ need (ports, energy, fixed or preferred causality, symbol) and never compare nam
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Literal
+
+from hybond.records import dataclass
 
 Variable = Literal["e", "f"]
 

@@ -7,10 +7,10 @@ positive *into* the element (for a source: those of its bond). Other names are c
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Literal
 
 from hybond.model.expressions import Expr
+from hybond.records import dataclass
 
 
 @dataclass(frozen=True, slots=True)

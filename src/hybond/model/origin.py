@@ -7,8 +7,9 @@ there.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import Any
+
+from hybond.records import dataclass
 
 SECTIONS = ("elements", "parameters", "signals", "inputs", "machines", "blocks", "ports")
 """What a model has by name."""

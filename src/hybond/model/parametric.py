@@ -8,7 +8,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
 
 from hybond.model.expressions import Binary, Expr, Name, Number, differentiate, simplify
@@ -17,6 +17,7 @@ from hybond.model.hierarchy import Written, literal, without_units
 from hybond.model.kinds import SOURCES, STORAGES, TWO_PORTS
 from hybond.model.resolve import Resolver
 from hybond.names import join
+from hybond.records import dataclass
 
 
 @dataclass(frozen=True, slots=True)

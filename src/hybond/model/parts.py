@@ -9,11 +9,12 @@ gives them their meaning. They are the same in Python and in a model file.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
 
 from hybond.calls import called, fits
 from hybond.errors import ModelError
+from hybond.records import dataclass
 
 Value = Any
 """A number, a quantity or expression as text, a matrix, or ``{"e": ...}`` / ``{"f": ...}``."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from numbers import Real
 
 from hybond.errors import ModelError
@@ -21,6 +21,7 @@ from hybond.model.expressions import (
 from hybond.model.expressions.slots import plain
 from hybond.model.parts import Value
 from hybond.names import did_you_mean
+from hybond.records import dataclass
 from hybond.units import DIMENSIONLESS, try_quantity
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 from hybond.errors import ModelError
 from hybond.model.domains import no_such_domain
@@ -11,6 +10,7 @@ from hybond.model.graph import End
 from hybond.model.hierarchy import Opened, Scope, Written
 from hybond.model.kinds import KINDS, TWO_PORTS
 from hybond.names import join, port_number
+from hybond.records import dataclass
 from hybond.units import DOMAINS, Domain
 
 

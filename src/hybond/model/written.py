@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import operator
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, fields, is_dataclass, replace
+from dataclasses import fields, is_dataclass, replace
 from functools import cache
 from typing import Any
 
@@ -23,6 +23,7 @@ from hybond.model.expressions import (
 )
 from hybond.model.expressions.slots import PREFIX, Slots, Slotted
 from hybond.model.expressions.tree import walk
+from hybond.records import dataclass
 
 Vector = NDArray[np.float64]
 ROUNDED = ("abs", "sign", "min", "max", "sqrt", "floor", "ceil")

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 from hybond.errors import HybondError, UsageError
 from hybond.model.expressions import And, Bool, Or
 from hybond.model.graph import FlatGraph, Machine, Rule, Watch
+from hybond.records import dataclass
 from hybond.runs.options import is_condition, time_in
 
 NAME = "until"

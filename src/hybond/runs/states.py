@@ -5,13 +5,14 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 from typing import Any
 
 from hybond.calls import called, named_file
 from hybond.errors import UsageError
 from hybond.files.whole import write_whole
+from hybond.records import dataclass
 from hybond.units import format_quantity
 
 FORMAT = "hybond state 1"

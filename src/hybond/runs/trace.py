@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from bisect import bisect_left
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Literal
 
 import numpy as np
@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from hybond.chronicle import Chronicle
 from hybond.model.graph import Mode
+from hybond.records import dataclass
 
 Vector = NDArray[np.float64]
 VisitKind = Literal["mythical", "pinnacle", "continuous"]

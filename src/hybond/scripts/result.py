@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import bisect
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import Any, Literal
 
@@ -18,6 +18,7 @@ from hybond.measures.naming import read_name
 from hybond.model.expressions import Expr
 from hybond.model.graph import FlatGraph
 from hybond.model.parts import Value
+from hybond.records import dataclass
 from hybond.result import Result, Status
 from hybond.runs.options import seconds_of
 from hybond.runs.states import State

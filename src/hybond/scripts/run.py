@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 from typing import Any, Literal
 
@@ -13,15 +13,16 @@ from hybond.engine.outcome.beginnings import CHANGED, GOES_ON, Beginning, beginn
 from hybond.engine.outcome.engines import EngineChoice, choose_engine, prepared
 from hybond.engine.outcome.signals import Signals
 from hybond.engine.tables.bands import banded
-from hybond.engine.tables.options import Settings, settings_of
+from hybond.engine.tables.options import Settings, notices, settings_of
 from hybond.errors import HybondError, UsageError
 from hybond.model.builder import Model
 from hybond.model.graph import FlatGraph
 from hybond.model.kept import kept_graph, kind_of
 from hybond.model.parts import Value
 from hybond.names import did_you_mean
-from hybond.one_run import Start, begun, gone, graph_of, handed_over, made, notices, of_experiment
+from hybond.one_run import Start, begun, gone, graph_of, handed_over, made, of_experiment
 from hybond.progress import Asked, shown
+from hybond.records import dataclass
 from hybond.result import Result, Status
 from hybond.runs.options import Choice, seconds_of, time_in
 from hybond.runs.states import State, load_state

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
 
 from hybond.calls import fits
 from hybond.errors import UsageError
 from hybond.model.parts import Value
 from hybond.names import did_you_mean
+from hybond.records import dataclass
 from hybond.runs.ends import Until
 from hybond.runs.options import is_condition, seconds
 

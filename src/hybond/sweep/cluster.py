@@ -7,19 +7,24 @@ dies with a part in hand has not done it: it is given to another.
 from __future__ import annotations
 
 import contextlib
+import tempfile
 import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
+from pathlib import Path
 from typing import Any
 
 from hybond._version import __version__
 from hybond.errors import HybondError, NumericsError, UsageError
+from hybond.sweep.folder import told
+from hybond.sweep.full_runs import put_files, read_files
 from hybond.sweep.job import Job
 from hybond.sweep.part import Part
 from hybond.sweep.runner import Runner
 
 Range = tuple[int, int]
+Came = tuple[bytes, dict[str, bytes]]
 TRIES = 4
 """How often a part is given away before the sweep gives up."""
 AHEAD = 2
@@ -31,8 +36,10 @@ PATIENCE = 15.0
 _KEPT = threading.local()
 
 
-def run_part(data: Mapping[str, Any], key: str, first: int, last: int) -> bytes:
-    """Run members of a job, wherever this is; return the bytes of the part.
+def run_part(
+    data: Mapping[str, Any], key: str, first: int, last: int
+) -> tuple[bytes, dict[str, bytes]]:
+    """Run members of a job, wherever this is; return the bytes of the part, and full runs as files.
 
     Raises
     ------
@@ -57,8 +64,13 @@ def run_part(data: Mapping[str, Any], key: str, first: int, last: int) -> bytes:
                 hint="install the same version of SciPy on all machines",
             )
         known = _KEPT.runner = (key, Runner(job, 1))
-    part: Part = known[1].run(first, last)
-    return part.to_bytes(key)
+    runner: Runner = known[1]
+    if not data["runs"]:
+        return runner.run(first, last).to_bytes(key), {}
+    with tempfile.TemporaryDirectory() as folder:
+        runner.runs = Path(folder)
+        part = runner.run(first, last)
+        return part.to_bytes(key), read_files(runner.runs)
 
 
 def elsewhere(
@@ -69,8 +81,9 @@ def elsewhere(
     keep: Callable[[Part], None],
     tell: Callable[[int], None],
     note: Callable[[str], None],
+    runs: Path | None = None,
 ) -> str:
-    """Run parts by an executor; return how it was done.
+    """Run parts by an executor; return how it was done. Full runs go into the folder `runs`.
 
     Raises
     ------
@@ -79,17 +92,16 @@ def elsewhere(
     NumericsError
         HB-P111 for parts whose workers die again and again, or executors that do.
     """
-    if data["runs"] or data["units"]:
+    if data["units"]:
         raise UsageError(
-            "full runs are kept on this machine only"
-            if data["runs"]
-            else "functional mock-up units are files of this machine",
+            "functional mock-up units are files of this machine, and programs: other machines "
+            "have not agreed to run them",
             code="HB-P110",
             where="executor",
-            hint="leave out runs, or executor" if data["runs"] else "leave out executor",
+            hint="leave out executor",
         )
     with _opened(executor) as (pool, workers, who):
-        work = _Given(pool, data, key, keep, tell, note)
+        work = _Given(pool, data, key, keep, tell, note, runs)
         work.all(missing, workers, who)
     many = sum(b - a for a, b in missing)
     again = f", {work.again} parts again" if work.again else ""
@@ -151,11 +163,13 @@ class _Given:
         keep: Callable[[Part], None],
         tell: Callable[[int], None],
         note: Callable[[str], None],
+        runs: Path | None,
     ) -> None:
+        self.runs = runs
         self.pool, self.data, self.key = pool, data, key
         self.keep, self.tell, self.note = keep, tell, note
         self.again = 0
-        self._pending: dict[Future[bytes], tuple[Range, int]] = {}
+        self._pending: dict[Future[Came], tuple[Range, int]] = {}
 
     def all(
         self, missing: Sequence[Range], workers: Callable[[], Mapping[str, int]], who: str
@@ -199,10 +213,10 @@ class _Given:
             raise self._gone(who, error) from None
         self._pending[future] = (part, tries)
 
-    def _take(self, future: Future[bytes], who: str) -> None:
+    def _take(self, future: Future[Came], who: str) -> None:
         (first, last), tries = self._pending.pop(future)
         try:
-            data = future.result()
+            data, files = future.result()
         except HybondError:
             raise
         except BrokenExecutor as error:
@@ -221,7 +235,11 @@ class _Given:
             self.note(f"members {first} to {last - 1} are run again: {said}")
             self._give((first, last), tries + 1, who)
             return
-        self.keep(Part.from_bytes(data, self.key))
+        part = Part.from_bytes(data, self.key)
+        if self.runs is not None:
+            with told(self.runs):
+                put_files(self.runs, files)  # before the part, which says that they are there
+        self.keep(part)
         self.tell(last - first)
 
     def _gone(self, who: str, error: Exception) -> NumericsError:

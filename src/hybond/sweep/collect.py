@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Literal
 
 from hybond.errors import HybondError, UsageError
@@ -20,6 +19,7 @@ from hybond.measures.window import time_of
 from hybond.model.graph import FlatGraph
 from hybond.model.unit_words import unit_of
 from hybond.names import did_you_mean
+from hybond.records import dataclass
 
 COLLECTORS: Mapping[str, str] = {
     "final": "final(x): the value where the run ended",

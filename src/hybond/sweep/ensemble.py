@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
@@ -13,18 +12,15 @@ from numpy.typing import NDArray
 
 from hybond.calls import called
 from hybond.engine.compiled.members import Ran
-from hybond.engine.compiled.native import Unavailable, library
-from hybond.engine.tables.options import Settings, settings_of
 from hybond.errors import HybondError, UsageError
 from hybond.model.builder import Model
 from hybond.model.kept import Kind, kind_of
 from hybond.model.parts import Value
-from hybond.names import did_you_mean
 from hybond.progress import Asked, shown
 from hybond.result import Result
 from hybond.runs.ends import Until, ends_of
-from hybond.runs.options import STEPPING, end_of
-from hybond.simulation import simulate
+from hybond.runs.options import end_of
+from hybond.sweep.asking import asked_of, check_options
 from hybond.sweep.collection import Ensemble
 from hybond.sweep.family import Family, family_of
 from hybond.sweep.member import Task, read_outputs, run_of
@@ -33,18 +29,9 @@ from hybond.sweep.threads import cores, in_threads
 
 Vector = NDArray[np.float64]
 
-_OWN = {
-    "parameters": "the parameters are in sets",
-    "watch": "ensemble.run(k) runs one member again: watch it there with hybond.simulate",
-    "on_error": "a member that stops with an error is kept, and stops no other",
-    "journal": "ensemble.run(k) runs one member again: give it one there with hybond.simulate",
-}
-"""Options of `simulate` that an ensemble does not pass on, and what to do instead."""
 _NONE = np.zeros(0)
 NO_NUMBERS = -1
 """The kind of a member of which a value is an expression, or none at all."""
-_RUN = ("engine", "keep", "fmus")
-"""Those that do not say what is computed."""
 
 
 @called('hb.ensemble(model, "1 s", sets={"m": [1.0, 2.0]})')
@@ -297,23 +284,6 @@ class _Work:
             self._progress(self._done, self.total)
 
 
-def asked_of(task: Task) -> tuple[tuple[Settings, float | None] | None, str]:
-    """Return what runs of the library are asked for; None and why if it is no such runs."""
-    options = {k: v for k, v in task.options.items() if k not in _RUN}
-    settings, band = settings_of(task.model.experiment, task.until, **options)
-    if settings.solver in STEPPING:
-        return None, f"solver {settings.solver!r}"
-    if task.options.get("keep") is not None:
-        return None, "keep"
-    if task.options.get("engine") == "python":
-        return None, "the engine as Python"
-    try:
-        library()
-    except Unavailable as error:
-        return None, str(error)
-    return (settings, band), ""
-
-
 def _read(columns: Columns) -> tuple[NDArray[np.intp], dict[str, Vector]]:
     """Return of each member a number for the kinds of its values, and the values in SI.
 
@@ -381,18 +351,6 @@ def _times(samples: int | Sequence[float] | Vector | None, end: float) -> Vector
             hint="ask for times within them",
         )
     return t
-
-
-def check_options(options: Mapping[str, Any]) -> None:
-    """Refuse options of `simulate` that many runs do not have; HB-S115."""
-    known = inspect.signature(simulate).parameters.keys() - {"model", "until", "progress", "start"}
-    for name in options:
-        if name in _OWN:
-            raise _refusal(f"an ensemble has no {name!r}", name, _OWN[name])
-        if name not in known:
-            raise _refusal(
-                f"there is no option {name!r}", name, did_you_mean(name, known - _OWN.keys())
-            )
 
 
 def _refusal(why: str, where: str, hint: str) -> UsageError:

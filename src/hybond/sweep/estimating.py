@@ -7,17 +7,19 @@ import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from hybond.calls import called
 from hybond.model.builder import Model
-from hybond.result import Result
 from hybond.runs.ends import Until
 from hybond.sweep.full_runs import path_of, write_run
 from hybond.sweep.plan import Plan
 from hybond.sweep.runner import Runner
 from hybond.sweep.sweeping import each_takes, job_of, part_size, workers_of
 from hybond.sweep.table import SweepTable
+
+if TYPE_CHECKING:
+    from hybond.result import Result
 
 PATIENCE = 1.0
 """How long members are tried, s."""

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from hybond.engine.compiled.members import Ran
 from hybond.engine.compiled.native import NativeModel
 from hybond.engine.outcome.engines import tables_for
 from hybond.engine.tables.bands import banded
-from hybond.engine.tables.options import Settings
+from hybond.engine.tables.options import Settings, notices
 from hybond.errors import HybondError
 from hybond.measures.naming import names_of, read_name
 from hybond.model.builder import Model
@@ -30,7 +32,9 @@ from hybond.model.junction_laws import warn_of_values
 from hybond.model.parts import Value
 from hybond.model.unit_words import unit_of
 from hybond.model.written import Writing
-from hybond.one_run import notices
+
+if TYPE_CHECKING:
+    from hybond.sweep.measured import Measure, Measuring
 
 Vector = NDArray[np.float64]
 
@@ -48,6 +52,8 @@ class Family:
         Outputs; if there are none, those of a result.
     impact : str or None
         The law of impacts that was asked for.
+    measures : sequence of Measure
+        What is measured of its runs.
 
     Raises
     ------
@@ -62,6 +68,7 @@ class Family:
         settings: Settings,
         wanted: Sequence[str],
         impact: str | None,
+        measures: Sequence[Measure] = (),
     ) -> None:
         self.names = tuple(wanted) or tuple(names_of(graph))
         self.warnings = (*notices(graph, settings, impact), *graph.warnings)
@@ -70,9 +77,14 @@ class Family:
         tables = tables_for(graph, settings)
         self.called = bool(tables.numbers["called"] or tables.numbers["blocks"])
         self._index, self._size = tables.slots.index, tables.slots.size
+        self.kinks = bool(tables.numbers["kinks"])
         self._numbers: dict[Expr, str] = {}
         self._expressions = [transform(e, self._lifted) for e in expressions]
-        read = {n for e in self._expressions for n in names(e)} - set(self._numbers.values())
+        signals = [read_name(graph, m.signal) for m in measures]
+        self.prior = any(map(uses_pre, signals))
+        lifted = [transform(e, self._lifted) for e in signals]
+        numbers = set(self._numbers.values())
+        read = {n for e in self._expressions for n in names(e)} - numbers
         prior = any(map(uses_pre, expressions))
         own = sorted(self._index[n] for n in read)
         self.looked = np.array([*own, *(k + self._size for k in own if prior)], dtype=np.intc)
@@ -80,6 +92,24 @@ class Family:
         self._own = len(self.model.written)
         trees = [tree for _, _, tree in self.model.written]
         self._writing = Writing(slots, [*trees, *self._numbers])
+        index = dict(self._index)
+        for j, name in enumerate(self._numbers.values()):
+            index[name] = 2 * self._size + j
+        self._outputs, self._measured = (
+            [compile_expression(e, index, ARRAYS, pre_offset=self._size) for e in own]
+            for own in (self._expressions, lifted)
+        )
+        reads = [sorted(self._index[n] for n in {*names(e)} - numbers) for e in lifted]
+        self.measured = np.array(sorted({k for own in reads for k in own}), dtype=np.intc)
+        self.measuring: Measuring | None = None
+        if measures:
+            from hybond.sweep.measured import Measuring
+
+            self.measuring = Measuring(
+                measures,
+                [isinstance(e, Name) for e in signals],
+                [np.searchsorted(self.measured, own) for own in reads],
+            )
 
     def numbers(
         self, given: Mapping[str, Vector], many: int
@@ -93,17 +123,29 @@ class Family:
 
     def values(self, out: Vector, read: Vector) -> Vector:
         """Return outputs, shape (outputs, members, times), of what was looked at."""
-        index = dict(self._index)
         columns: list[Vector] = [np.zeros(0)] * (2 * self._size)
         for j, k in enumerate(self.looked.tolist()):
             columns[k] = np.ascontiguousarray(out[:, :, j])
-        for j, name in enumerate(self._numbers.values()):
-            index[name] = len(columns)
+        for j in range(len(self._numbers)):
             columns.append(np.broadcast_to(read[:, j : j + 1], out.shape[:2]))
         found = np.empty((len(self.names), *out.shape[:2]))
-        for k, e in enumerate(self._expressions):
-            found[k] = compile_expression(e, index, ARRAYS, pre_offset=self._size)(columns)
+        for k, output in enumerate(self._outputs):
+            found[k] = output(columns)
         return found
+
+    def measure(self, ran: Ran, read: Vector) -> tuple[Vector, NDArray[np.bool_]]:
+        """Return measurements, shape (measures, members), and of which members all are known."""
+        assert self.measuring is not None
+
+        def values(k: int, slots: Vector, member: NDArray[np.intp]) -> Vector:
+            columns: list[Vector] = [np.zeros(0)] * (2 * self._size)
+            for j, slot in enumerate(self.measured.tolist()):
+                columns[slot] = np.ascontiguousarray(slots[:, j])
+            columns += [read[member, j] for j in range(len(self._numbers))]
+            found = self._measured[k](columns)
+            return np.broadcast_to(np.asarray(found, dtype=float), member.shape)
+
+        return self.measuring.of(ran, values)
 
     def _lifted(self, node: Expr) -> Expr:
         """Return the name of a number that parameters write, in an output."""
@@ -120,6 +162,7 @@ def family_of(
     band: float | None,
     wanted: Sequence[str],
     impact: str | None,
+    measures: Sequence[Measure] = (),
 ) -> Family | None:
     """Return the family of a member; None for one that only an ordinary run can tell of."""
     slots = Slots()
@@ -128,7 +171,9 @@ def family_of(
         if band is not None:
             graph = banded(graph, band)
         differ = warn_of_values(graph)
-        found = Family(graph, slots, settings, wanted, impact)
+        found = Family(graph, slots, settings, wanted, impact, measures)
     except HybondError:
         return None
+    if measures and (found.kinks or found.prior or not len(found.measured)):
+        return None  # of which a run reads limits from the left, and what was before
     return None if found.called or differ else found

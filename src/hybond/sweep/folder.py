@@ -15,7 +15,6 @@ import errno
 import json
 import os
 import re
-import shutil
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -110,6 +109,8 @@ class Folder:
                     if not _LEFT.fullmatch(left.name):
                         continue
                     if left.is_dir():
+                        import shutil
+
                         shutil.rmtree(left)
                     else:
                         left.unlink()

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+import contextlib
 import importlib.util
 import os
-import shutil
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from hybond.errors import UsageError
-from hybond.files.whole import whole
+from hybond.files.whole import whole, write_whole
 from hybond.model.parts import Value
 from hybond.names import did_you_mean
-from hybond.result import Result
+
+if TYPE_CHECKING:
+    from hybond.result import Result
 
 FORMS: dict[str, tuple[str, tuple[str, ...]]] = {
     "netcdf": (".nc", ("xarray",)),
@@ -76,9 +78,49 @@ def write_run(
             engine = known[0].lower() if known else "scipy"
             data.to_netcdf(new, engine=engine)
         return
+    with _whole_folder(target) as new:
+        data.to_zarr(new, mode="w", consolidated=False)
+
+
+def read_files(folder: Path) -> dict[str, bytes]:
+    """Return all files of a folder, by their path in it, with slashes."""
+    found = sorted(p for p in folder.rglob("*") if p.is_file())
+    return {p.relative_to(folder).as_posix(): p.read_bytes() for p in found}
+
+
+def put_files(folder: Path, files: Mapping[str, bytes]) -> None:
+    """Write what `read_files` has read elsewhere: each run whole or not at all.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as name:
+    ...     put_files(Path(name), {"000000001.nc": b"a", "000000002.zarr/c/0": b"b"})
+    ...     sorted(read_files(Path(name)))
+    ['000000001.nc', '000000002.zarr/c/0']
+    """
+    runs: dict[str, dict[str, bytes]] = {}
+    for path, data in files.items():
+        run, _, within = path.partition("/")
+        runs.setdefault(run, {})[within] = data
+    for run, parts in runs.items():
+        if "" in parts:
+            write_whole(folder / run, parts[""])
+            continue
+        with _whole_folder(folder / run) as new:
+            for within, data in parts.items():
+                (new / within).parent.mkdir(parents=True, exist_ok=True)
+                (new / within).write_bytes(data)
+
+
+@contextlib.contextmanager
+def _whole_folder(target: Path) -> Iterator[Path]:
+    """Give the name of a new folder that takes the place of `target` when the block ends well."""
+    import shutil
+
     new = target.with_name(f".{os.urandom(4).hex()}.{target.name}")
     try:
-        data.to_zarr(new, mode="w", consolidated=False)
+        yield new
         if target.exists():
             shutil.rmtree(target)
         os.replace(new, target)

@@ -7,13 +7,16 @@ modes are not. All is told of many runs at once.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hybond.model.graph import FlatGraph
-from hybond.result import Result
+from hybond.records import dataclass
+
+if TYPE_CHECKING:
+    from hybond.result import Result
 
 Vector = NDArray[np.float64]
 PERIODS = 8

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,8 +11,10 @@ from numpy.typing import NDArray
 from hybond.errors import HybondError, UsageError
 from hybond.model.builder import Model
 from hybond.model.parts import Value
-from hybond.result import Result
-from hybond.simulation import simulate
+from hybond.records import dataclass
+
+if TYPE_CHECKING:
+    from hybond.result import Result
 
 Vector = NDArray[np.float64]
 
@@ -56,6 +57,8 @@ def run_of(task: Task, parameters: Mapping[str, Value]) -> Result | HybondError:
     HybondError
         For what is wrong with the call, and so with every member.
     """
+    from hybond.simulation import simulate
+
     try:
         run = simulate(
             task.model, task.until, parameters=parameters, on_error="return", **task.options

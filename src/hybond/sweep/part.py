@@ -5,11 +5,12 @@ from __future__ import annotations
 import io
 import json
 import zipfile
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from hybond.records import dataclass
 
 Vector = NDArray[np.float64]
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import copy
 import threading
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,10 +18,8 @@ from hybond.errors import HybondError, NumericsError, UsageError
 from hybond.model.graph import FlatGraph
 from hybond.model.parts import Value
 from hybond.model.paths import with_parts
-from hybond.result import Result
-from hybond.simulation import simulate
+from hybond.sweep.asking import asked_of
 from hybond.sweep.collect import Collector, collectors_of
-from hybond.sweep.ensemble import asked_of
 from hybond.sweep.family import Family, family_of
 from hybond.sweep.full_runs import write_run
 from hybond.sweep.job import Job
@@ -30,6 +28,10 @@ from hybond.sweep.lifted import lifted
 from hybond.sweep.member import Task
 from hybond.sweep.part import Part
 from hybond.sweep.threads import in_threads
+
+if TYPE_CHECKING:
+    from hybond.result import Result
+    from hybond.sweep.measured import Measure
 
 Vector = NDArray[np.float64]
 KEPT = 8
@@ -70,12 +72,13 @@ class Runner:
         model, self._of = lifted(job.model, [*(f.path for f in self._numbers)])
         curves = [np.linspace(0.0, job.until, c.points) for c in self.collectors if c.points]
         single = [c.t for c in self.collectors if c.function == "at"]
-        self._t = np.unique(np.concatenate([np.array(single, dtype=float), *curves]))
+        self._t = np.array(sorted({*single, *(t for row in curves for t in row.tolist())}))
         read = [c.signal for c in self.collectors if c.function in ("final", "at", "curve")]
         self._names = tuple(dict.fromkeys(read))
         self._modes = any(c.of_modes for c in self.collectors)
         early = bool(job.ends) or job.model.experiment.get("start") is not None
-        whole = early or bool(job.runs) or any(c.measure is not None for c in self.collectors)
+        self._measures = _told(self.collectors, job.until)
+        whole = early or bool(job.runs) or None in self._measures
         task = Task(job.model, job.until, job.options, self._names, self._t, False)
         asked, self.alone = asked_of(task)
         self._asked: tuple[Settings, float | None] | None = None if whole else asked
@@ -160,14 +163,16 @@ class Runner:
 
     def _made(self, work: _Work, words: Sequence[Value], k: int) -> Family | None:
         assert self._asked is not None
-        given = dict(zip(work.words, words, strict=True))
+        texts = dict(zip(work.words, words, strict=True))
         try:
-            model, left = with_parts(self._model, {**self.job.fixed, **given})
+            model, left = with_parts(self._model, {**self.job.fixed, **texts})
         except HybondError:
             return None
         own = {self._of[p]: float(column[k]) for p, column in work.numbers.items()}
         impact = self.job.options.get("impact")
-        return family_of(model, {**left, **own}, *self._asked, self._wanted, impact)
+        given = {**left, **own}
+        measures = [m for m in self._measures if m is not None]
+        return family_of(model, given, *self._asked, self._wanted, impact, measures)
 
     def _of_family(
         self, family: Family, work: _Work, members: NDArray[np.intp]
@@ -188,16 +193,28 @@ class Runner:
             if self._modes:
                 stays = ran.stays[plain].astype(np.intp)
                 journeys = Journeys(stays, ran.since, ran.mode, ran.end[plain])
-            work.keep(own[here][plain], values, ran.count[plain], ran.end[plain], journeys)
+            known = plain if ran.known is None else ran.known
+            again = own[here][plain & ~known]
+            members = own[here][plain]
+            work.keep(members, values, ran.count[plain], ran.end[plain], journeys, len(again))
+            if ran.measured is not None:
+                work.measured(own[here][known], self._measures, ran.measured[:, known])
             if family.warnings:
-                work.warned(own[here][plain], family.warnings)
+                work.warned(members, family.warnings)
             left.append(own[here][~plain])
+            left.append(again)
+
+        def measure(begin: int, ran: Ran) -> Ran:
+            found, known = family.measure(ran, read[begin : begin + len(ran.plain)])
+            return replace(ran, kept=None, measured=found, known=known)
 
         workers = min(self.workers, len(own))
         in_threads(
             *(family.model, family.looked, self._t, numbers, workers, keep),
             modes=self._modes,
             look=self._look,
+            measured=family.measured,
+            measure=measure if self._measures else None,
         )
         return members[~fits], np.concatenate(left)
 
@@ -223,6 +240,8 @@ class Runner:
                 one(k)
                 work.tell()
             return
+        from concurrent.futures import ThreadPoolExecutor
+
         with ThreadPoolExecutor(self.workers) as pool:
             found = [pool.submit(one, k) for k in members]
             try:
@@ -236,6 +255,8 @@ class Runner:
 
     def _run(self, given: dict[str, Value], look: Any) -> Result | HybondError:
         """Return a run, or why there is none; whatever it is, it ends no other."""
+        from hybond.simulation import simulate
+
         if not hasattr(self._local, "model"):
             self._local.model = copy.deepcopy(self.job.model)  # each thread has tables of its own
         parameters = {**self.job.fixed, **given}
@@ -298,14 +319,20 @@ class _Work:
         count: NDArray[Any],
         end: Vector,
         journeys: Journeys | None,
+        again: int = 0,
     ) -> None:
-        """Keep what the library tells of members: values at times, then at the end."""
+        """Keep what the library tells of members: values at times, then at the end.
+
+        So many of them an ordinary run tells more of.
+        """
         runner = self.runner
         for k in members.tolist():
             self.status[k] = "ok"
         self.t_end[members] = end
         for c in runner.collectors:
             column = self.columns[c.text]
+            if c.measure is not None:
+                continue
             if c.function in ("final", "at", "curve"):
                 row = values[runner._names.index(c.signal)]
                 column[members] = row[:, -1] if c.function == "final" else row[:, runner.places(c)]
@@ -319,13 +346,21 @@ class _Work:
                 column[members] = of_modes(c, journeys, runner.graph)
             else:
                 column[members] = count
-        self._new += len(members)
+        self._new += len(members) - again
         self.tell()
+
+    def measured(
+        self, members: NDArray[np.intp], measures: Sequence[Measure | None], values: Vector
+    ) -> None:
+        """Keep measurements, shape (measures, members)."""
+        for measure, row in zip(measures, values, strict=True):
+            assert measure is not None
+            self.columns[measure.text][members] = row
 
     def keep_run(self, k: int, run: Result | HybondError, stopped: threading.Event) -> None:
         """Keep an ordinary run; called in any thread."""
         error = run if isinstance(run, HybondError) else run.error
-        if isinstance(run, Result):
+        if not isinstance(run, HybondError):
             if run.status == "interrupted":
                 if stopped.is_set():
                     return
@@ -340,7 +375,7 @@ class _Work:
                 write_run(run, self.runner.runs, self.first + k, self.runner.job.runs, self.set(k))
         elif "ended" in self.columns:
             self.columns["ended"][k] = "error"
-        warned = "; ".join(run.warnings) if isinstance(run, Result) else ""
+        warned = "; ".join(run.warnings) if not isinstance(run, HybondError) else ""
         with self._lock:
             if error is not None:
                 self.said[k] = (error.code, error.where, error.why, warned)
@@ -365,6 +400,16 @@ class _Work:
         return Part(
             self.first, self.status, self.t_end, dict(sorted(self.said.items())), self.columns
         )
+
+
+def _told(collectors: Sequence[Collector], until: float) -> list[Measure | None]:
+    """Return what the library tells of measurements; None for what a run must be asked."""
+    asked = [(c.measure, c.text) for c in collectors if c.measure is not None]
+    if not asked:
+        return []
+    from hybond.sweep.measured import measure_of
+
+    return [measure_of(measure, text, until) for measure, text in asked]
 
 
 def checked(job: Job) -> tuple[FlatGraph, tuple[Collector, ...]]:

@@ -12,7 +12,7 @@ from hybond.model.builder import Model
 from hybond.progress import Asked, shown
 from hybond.runs.ends import Until, ends_of
 from hybond.runs.options import end_of
-from hybond.sweep.ensemble import check_options
+from hybond.sweep.asking import check_options
 from hybond.sweep.folder import Folder, told
 from hybond.sweep.full_runs import check_form
 from hybond.sweep.job import Job, key_of
@@ -29,7 +29,7 @@ LARGEST = 100_000
 """Members in one."""
 ROOM = 64e6
 """Bytes that are looked at of one."""
-TRIED = 0.02
+TRIED = 0.004
 """How long members are tried to see how long they take, s."""
 LONG = 1.0
 """A member that takes so long is tried once, s; beside it, tables take no time."""
@@ -226,13 +226,18 @@ def _swept(
         for a, b in (r for r in missing if folder.place(*r).exists()):
             note(f"the part of members {a} to {b - 1} is damaged: run again")
 
+    latest: list[Part] = []
+
     def keep(part: Part) -> None:
+        latest[:] = [part]
         if folder is None:
             kept[part.first, part.last] = part
         else:
             folder.write(part)
 
     def read(first: int, last: int) -> Part:
+        if [(p.first, p.last) for p in latest] == [(first, last)]:
+            return latest[0]
         found = kept.get((first, last)) if folder is None else folder.read(first, last)
         if found is None:
             raise UsageError(
@@ -261,7 +266,7 @@ def _swept(
                 from hybond.sweep.cluster import elsewhere
 
                 assert data is not None
-                how = elsewhere(executor, data, key, missing, keep, tell, note)
+                how = elsewhere(executor, data, key, missing, keep, tell, note, runner.runs)
         except KeyboardInterrupt:
             interrupted, how = True, "interrupted"
     if begun:

@@ -6,7 +6,7 @@ import math
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,13 +16,14 @@ from hybond.files.whole import whole
 from hybond.model.builder import Model
 from hybond.model.parts import Value
 from hybond.names import did_you_mean
-from hybond.result import Result
-from hybond.simulation import simulate
 from hybond.sweep.collect import Collector
 from hybond.sweep.job import Job
 from hybond.sweep.part import Part
 from hybond.sweep.views import Views
 from hybond.units import DIMENSIONLESS, Dimension, try_quantity
+
+if TYPE_CHECKING:
+    from hybond.result import Result
 
 Vector = NDArray[np.float64]
 OWN = ("status", "t_end", "code", "message", "warnings")
@@ -75,6 +76,7 @@ class SweepTable(Views):
     ) -> None:
         self.job, self.collectors, self.folder = job, collectors, folder
         self._ranges, self._read = tuple(ranges), read
+        self._last: Part | None = None
         self._rows: tuple[tuple[int, int], dict[str, Any]] = ((0, 0), {})
         self.how = ""
         self.seconds = 0.0
@@ -104,7 +106,9 @@ class SweepTable(Views):
     def parts(self) -> Iterator[Part]:
         """Return the parts in order, each read when it is its turn."""
         for first, last in self._ranges:
-            yield self._read(first, last)
+            if self._last is None or (self._last.first, self._last.last) != (first, last):
+                self._last = self._read(first, last)
+            yield self._last
 
     def __getitem__(self, name: str) -> NDArray[Any]:
         """Return a column over the members; of a curve, members and times.
@@ -162,9 +166,12 @@ class SweepTable(Views):
         """Return how many members ended in which way, failures by their code."""
         found: Counter[str] = Counter()
         for part in self.parts():
-            for k, status in enumerate(part.status):
-                code = part.said.get(k, ("",))[0]
-                found[f"{status} ({code})" if code else status] += 1
+            found.update(part.status)
+            for k, (code, *_) in part.said.items():
+                if code:
+                    found[part.status[k]] -= 1
+                    found[f"{part.status[k]} ({code})"] += 1
+        found = +found
         return dict(sorted(found.items(), key=lambda item: (-item[1], item[0])))
 
     def rows(self, first: int, last: int) -> list[list[Any]]:
@@ -193,6 +200,8 @@ class SweepTable(Views):
                 where="member",
                 hint=f"0 to {len(self.plan) - 1}",
             )
+        from hybond.simulation import simulate
+
         rows = self.plan.rows(member, member + 1)
         given = {p: v[0] if isinstance(v, list) else float(v[0]) for p, v in rows.items()}
         return {**self.job.fixed, **given}
@@ -236,6 +245,9 @@ class SweepTable(Views):
         if isinstance(column, list):
             return column
         values: list[Any] = column.tolist()
+        if name in self.plan.paths:  # few numbers, each as often as the others have levels
+            texts: dict[float, str] = {}
+            return [texts.get(v) or texts.setdefault(v, repr(v)) for v in values]
         whole_numbers = {c.text for c in self.collectors if c.kind == "whole"}
         if name in whole_numbers:
             return [v if math.isnan(v) else int(v) for v in values]

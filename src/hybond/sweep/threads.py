@@ -21,6 +21,8 @@ CHUNK = 0.05
 """What a thread gets to do at a time, s."""
 LARGE = 512
 """Members in that at the most: what is kept of them is put away then."""
+SHORT = 0.004
+"""And at the least: what it takes to hand out members is little of that."""
 SHARE = 4
 """Parts that every thread gets at the least, so that all end together."""
 BEGINNING = 1.0
@@ -46,6 +48,8 @@ def in_threads(
     *,
     modes: bool = False,
     look: Callable[[], object] | None = None,
+    measured: NDArray[np.intc] | None = None,
+    measure: Callable[[int, Ran], Ran] | None = None,
 ) -> None:
     """Run members; hand those that are done to `keep`, with the number of the first.
 
@@ -66,6 +70,11 @@ def in_threads(
         Whether the modes that were written are kept.
     look : callable, optional
         Called in this thread, ten times a second at the least; may raise KeyboardInterrupt.
+    measured : array of int
+        What is measured.
+    measure : callable
+        Called with the number of the first member and what was kept, in the thread that ran them;
+        what it returns is handed on.
 
     Raises
     ------
@@ -80,12 +89,14 @@ def in_threads(
     def work(over: threading.Event) -> None:
         members = None
         try:
-            members = NativeMembers(model, slots, t, stop, modes=modes)
+            members = NativeMembers(model, slots, t, stop, modes=modes, measured=measured)
             each = CHUNK
             while not stop.value and (part := parts.next(each)):
                 began = time.perf_counter()
                 ran = members.run(numbers[part.start : part.stop])
                 each = (time.perf_counter() - began) / len(part)
+                if measure is not None:
+                    ran = measure(part.start, ran)
                 found.put((part.start, ran))
             found.put(None)
         except BaseException as error:
@@ -149,7 +160,9 @@ class _Parts:
         """Return the next members for a thread that takes `each` second for one."""
         with self._lock:
             left = self._many - self._first
-            most = min(int(CHUNK / max(each, 1e-9)), LARGE, -(-left // (SHARE * self._workers)))
+            least = int(SHORT / max(each, 1e-9))
+            share = max(-(-left // (SHARE * self._workers)), least)
+            most = min(int(CHUNK / max(each, 1e-9)), LARGE, share)
             part = range(self._first, min(self._first + max(most, 1), self._many))
             self._first = part.stop
             return part

@@ -5,13 +5,13 @@ from __future__ import annotations
 import threading
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from hybond.engine.compiled.points import Numbers, Points, Steps, Vector, Within, floats, whole
 from hybond.engine.tables import ModelTables
+from hybond.records import dataclass
 
 AT_ONCE = 4096
 """Points between two looks at the world outside: a call of the library cannot be interrupted."""

@@ -26,7 +26,24 @@ typedef struct HybondSets {
     size_t rows;               /* of all of them: when they were written, states of the machines */
     const double *since;
     const int *mode;
+    int measured;              /* slots that are measured; 0: no steps are kept */
+    const int *measure;
+    int *stepped;              /* steps of each member */
+    unsigned char *struck;     /* which of these slots had an impulse in it */
+    double *energy;            /* the largest it has seen */
+    size_t laid;               /* steps of all of them, one after the other */
+    const double *time;        /* begin and end of the polynomial, and where it was ended */
+    const int *motion;         /* the step with which the motion of each begins */
 } HybondSets;
+
+/* Points in steps that were kept, in order: the record Looked in members.py. */
+typedef struct HybondLooked {
+    int points, slots;
+    const int *member, *step, *slot;
+    const double *t;
+    double *out;
+    unsigned char *blind;      /* members of which not all can be read */
+} HybondLooked;
 
 /* What an arena holds at a moment. */
 typedef struct Image {
@@ -45,11 +62,16 @@ typedef struct HybondMembers {
     double *since;
     int *mode, *now;
     size_t rows, rooms;
+    double *time, *state, *dense;
+    int *motion, *place;
+    size_t laid, wide;         /* steps that are kept, and that there is room for */
 } HybondMembers;
 
 SHOWN HybondMembers *hybond_members_begin(const Model *model, int times);
 SHOWN int hybond_members_run(HybondMembers *all, HybondSets *sets);
+SHOWN void hybond_members_look(HybondMembers *all, const HybondSets *sets, HybondLooked *points);
 SHOWN void hybond_members_end(HybondMembers *all);
+static bool keep_steps(HybondMembers *all, HybondSets *sets, int k); /* kept_steps.c */
 
 static bool keep_image(const Arena *arena, Image *image)
 {
@@ -119,6 +141,11 @@ SHOWN void hybond_members_end(HybondMembers *all)
         free(all->since);
         free(all->mode);
         free(all->now);
+        free(all->time);
+        free(all->state);
+        free(all->dense);
+        free(all->motion);
+        free(all->place);
         free(all);
     }
 }
@@ -355,6 +382,7 @@ static int run_member(HybondMembers *all, HybondSets *sets, int k)
     }
     double *out = sets->out + (size_t)k * ((size_t)sets->times + 1) * (size_t)sets->outputs;
     const size_t events = all->events;
+    const size_t laid = all->laid;
     if (look_at_outputs(all, sets, out) != OK || !keep_events(all, log)) {
         return ORDINARY;
     }
@@ -365,6 +393,12 @@ static int run_member(HybondMembers *all, HybondSets *sets, int k)
             return ORDINARY;
         }
     }
+    if (sets->measured > 0 && !keep_steps(all, sets, k)) {
+        all->events = events;
+        all->laid = laid;
+        all->rows -= sets->stays != NULL ? (size_t)sets->stays[k] : 0;
+        return ORDINARY;
+    }
     return OK;
 }
 
@@ -373,6 +407,7 @@ SHOWN int hybond_members_run(HybondMembers *all, HybondSets *sets)
 {
     all->events = 0;
     all->rows = 0;
+    all->laid = 0;
     sets->done = 0;
     for (int k = 0; k < sets->many; ++k) {
         const int status = run_member(all, sets, k);
@@ -393,5 +428,8 @@ SHOWN int hybond_members_run(HybondMembers *all, HybondSets *sets)
     sets->since = all->since;
     sets->mode = all->mode;
     sets->rows = all->rows;
+    sets->laid = all->laid;
+    sets->time = all->time;
+    sets->motion = all->motion;
     return sets->done;
 }

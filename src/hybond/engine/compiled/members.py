@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import ctypes
 import weakref
-from dataclasses import dataclass
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -17,8 +17,10 @@ from numpy.typing import NDArray
 from hybond.engine.compiled.native import NativeModel, library, model_struct
 from hybond.engine.compiled.points import address
 from hybond.engine.compiled.sliced import OK
+from hybond.records import dataclass
 
 Vector = NDArray[np.float64]
+Whole = NDArray[np.intp]
 _POINTERS = ("number", "place", "slot", "t", "stop", "status", "count", "end", "out")
 
 
@@ -35,7 +37,47 @@ class Sets(ctypes.Structure):
         ("rows", ctypes.c_size_t),
         ("since", ctypes.POINTER(ctypes.c_double)),
         ("mode", ctypes.POINTER(ctypes.c_int)),
+        ("measured", ctypes.c_int),
+        *((name, ctypes.c_void_p) for name in ("measure", "stepped", "struck", "energy")),
+        ("laid", ctypes.c_size_t),
+        ("time", ctypes.POINTER(ctypes.c_double)),
+        ("motion", ctypes.POINTER(ctypes.c_int)),
     )
+
+
+class Looked(ctypes.Structure):
+    """Points to look at: as `HybondLooked` in ``members.c``."""
+
+    _fields_ = (
+        *(("points", ctypes.c_int), ("slots", ctypes.c_int)),
+        *((name, ctypes.c_void_p) for name in ("member", "step", "slot", "t", "out", "blind")),
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class Kept:
+    """The steps of members, one after the other, and where they may be looked at.
+
+    Parameters
+    ----------
+    many : array of int, shape (members,)
+        Steps of each.
+    time : array, shape (steps, 2)
+        When each begins and where it was ended, s.
+    begins : array of bool, shape (steps,)
+        Whether a motion begins with it.
+    struck : array of bool, shape (members, slots)
+        Whether what is measured had an impulse.
+    look : callable
+        Of members, steps and times of points in order: what is measured there, shape
+        (points, slots), and the members of which not all can be read.
+    """
+
+    many: NDArray[np.intc]
+    time: Vector
+    begins: NDArray[np.bool_]
+    struck: NDArray[np.bool_]
+    look: Callable[[Whole, Whole, Vector], tuple[Vector, NDArray[np.bool_]]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,6 +102,10 @@ class Ran:
         When these were entered, s, of all members.
     mode : array of int, shape (modes, machines)
         The states of the machines in them.
+    kept : Kept or None
+        Their steps, until the next are run.
+    measured, known : arrays or None
+        What was measured of them, shape (measures, members), and of which members all was.
     """
 
     plain: NDArray[np.bool_]
@@ -70,6 +116,9 @@ class Ran:
     stays: NDArray[np.intc]
     since: Vector
     mode: NDArray[np.intc]
+    kept: Kept | None = None
+    measured: Vector | None = None
+    known: NDArray[np.bool_] | None = None
 
 
 class NativeMembers:
@@ -86,6 +135,8 @@ class NativeMembers:
         Not zero: members end early.
     modes : bool
         Whether the modes that were written are kept.
+    measured : array of int
+        What is measured: steps are kept for it.
 
     Raises
     ------
@@ -100,9 +151,11 @@ class NativeMembers:
         stop: ctypes.c_int,
         *,
         modes: bool = False,
+        measured: NDArray[np.intc] | None = None,
     ) -> None:
         self._library = _running()
         self._modes = modes
+        self._measured = np.zeros(0, dtype=np.intc) if measured is None else measured
         self._slots, self._t, self._stop = slots, t, stop
         self._model = model
         self._record = model_struct()()
@@ -149,6 +202,14 @@ class NativeMembers:
         sets.stop = ctypes.addressof(self._stop)
         if self._modes:
             sets.stays = address(stays)
+        measured = len(self._measured)
+        stepped = np.zeros(many if measured else 0, dtype=np.intc)
+        struck = np.zeros((len(stepped), measured), dtype=np.uint8)
+        energy = np.zeros(len(stepped))
+        if measured:
+            sets.measured, sets.measure = measured, address(self._measured)
+            sets.stepped, sets.energy = address(stepped), address(energy)
+            sets.struck = address(struck)
         done = self._library.hybond_members_run(self._handle, ctypes.byref(sets))
         events = np.zeros(0)
         if sets.events:
@@ -162,10 +223,45 @@ class NativeMembers:
                 if shape[1]
                 else np.zeros(shape, dtype=np.intc)
             )
+        kept = None
+        if measured:
+            shape = (sets.laid, 3)
+            time = np.ctypeslib.as_array(sets.time, shape)[:, ::2].copy() if sets.laid else None
+            motion = np.ctypeslib.as_array(sets.motion, shape[:1]) if sets.laid else np.zeros(0)
+            kept = Kept(
+                stepped[:done],
+                np.zeros((0, 2)) if time is None else time,
+                motion == np.arange(sets.laid),
+                struck[:done].astype(bool),
+                self._looking(sets, (given, energy)),
+            )
         return Ran(
             *(status[:done] == OK, count[:done], end[:done], out[:done], events),
-            *(stays[:done], since, mode),
+            *(stays[:done], since, mode, kept),
         )
+
+    def _looking(
+        self, sets: Sets, kept: tuple[Vector, ...]
+    ) -> Callable[[Whole, Whole, Vector], tuple[Vector, NDArray[np.bool_]]]:
+        """Return what looks at points of the members that have just run; `kept` is read by it."""
+
+        def look(member: Whole, step: Whole, t: Vector) -> tuple[Vector, NDArray[np.bool_]]:
+            whose, where = member.astype(np.intc), step.astype(np.intc)
+            times = np.ascontiguousarray(t, dtype=float)
+            out = np.full((len(times), len(self._measured)), np.nan)
+            blind = np.zeros(len(kept[0]), dtype=np.uint8)
+            record = Looked(len(times), len(self._measured))
+            for name, column in (
+                *(("member", whose), ("step", where), ("slot", self._measured)),
+                *(("t", times), ("out", out), ("blind", blind)),
+            ):
+                setattr(record, name, address(column))
+            self._library.hybond_members_look(
+                self._handle, ctypes.byref(sets), ctypes.byref(record)
+            )
+            return out, blind.astype(bool)
+
+        return look
 
 
 def _running() -> Any:
@@ -173,6 +269,10 @@ def _running() -> Any:
     found.hybond_members_begin.restype = ctypes.c_void_p
     found.hybond_members_begin.argtypes = [ctypes.c_void_p, ctypes.c_int]
     found.hybond_members_run.argtypes = [ctypes.c_void_p, ctypes.POINTER(Sets)]
+    found.hybond_members_look.argtypes = [
+        *(ctypes.c_void_p, ctypes.POINTER(Sets), ctypes.POINTER(Looked))
+    ]
+    found.hybond_members_look.restype = None
     found.hybond_members_end.argtypes = [ctypes.c_void_p]
     found.hybond_members_end.restype = None
     return found

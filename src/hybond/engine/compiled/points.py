@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import ctypes
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from hybond.engine.compiled.rows import Rows
+from hybond.records import dataclass
 
 Vector = NDArray[np.float64]
 Numbers = NDArray[np.intc]

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import ctypes
-from dataclasses import dataclass
+
+from hybond.records import dataclass
 
 
 class FaultSeen(ctypes.Structure):

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from hybond.records import dataclass
 
 MACHINES_OF_STEP = 2
 """Where the states of machines begin in a row of `step_place`."""

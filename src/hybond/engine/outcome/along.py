@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
 from hybond.engine.outcome.records import Block
+from hybond.records import dataclass
 
 Vector = NDArray[np.float64]
 

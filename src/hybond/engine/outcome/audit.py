@@ -6,13 +6,12 @@ energy is constant in every segment; no jump creates energy except by a source.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
 from hybond.engine.outcome.signals import Signals
 from hybond.model.graph import FlatGraph
+from hybond.records import dataclass
 from hybond.runs.trace import Segment, Trace, Violation
 
 Vector = NDArray[np.float64]

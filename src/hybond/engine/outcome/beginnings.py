@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
@@ -16,6 +16,7 @@ from hybond.errors import UsageError
 from hybond.model.fingerprint import fingerprint_of
 from hybond.model.graph import FlatGraph, Mode
 from hybond.names import did_you_mean
+from hybond.records import dataclass
 from hybond.runs.options import seconds
 from hybond.runs.states import State
 from hybond.units import Dimension, try_quantity

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import product
 from typing import Literal
 
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from hybond.engine.compiled.rows import Rows
 from hybond.equations.surfaces import Surface
 from hybond.model.graph import Mode
+from hybond.records import dataclass
 
 Kind = Literal["additive", "product"]
 

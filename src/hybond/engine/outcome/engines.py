@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from hybond.blocks.runners import Runner
-from hybond.engine.compiled.look import Look
 from hybond.engine.compiled.native import NativeModel, NativeRun, Unavailable, library
-from hybond.engine.compiled.native_look import NativeLook
 from hybond.engine.compiled.sliced import SlicedRun
 from hybond.engine.tables import ModelTables, tables_of, written_tables
 from hybond.engine.tables.options import Options, Settings
 from hybond.errors import UsageError
 from hybond.model.graph import FlatGraph
+from hybond.records import dataclass
+
+if TYPE_CHECKING:
+    from hybond.engine.compiled.look import Look
 
 Asked = Literal["library", "python"]
 
@@ -82,6 +83,8 @@ def prepared_for_library(tables: ModelTables) -> Prepared:
 
 
 def _native(model: NativeModel) -> Prepared:
+    from hybond.engine.compiled.native_look import NativeLook
+
     return Prepared(
         model.tables,
         lambda tables: _native(model.written_with(tables)),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from hybond.engine.compiled.refusal import Refusal
 from hybond.engine.methods.flow_records import AUTO, LARGE
@@ -20,6 +20,7 @@ from hybond.errors import (
     NumericsError,
 )
 from hybond.model.graph import FlatGraph, Mode
+from hybond.records import dataclass
 from hybond.runs.trace import Fired
 
 HINTS = {

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import overload
 
 import numpy as np
@@ -31,6 +31,7 @@ from hybond.engine.outcome.warned import Warnings
 from hybond.engine.tables import ModelTables
 from hybond.engine.tables.start import start_of
 from hybond.model.graph import Mode
+from hybond.records import dataclass
 from hybond.runs.trace import Accumulation, Cause, Event, Segment, Sliding, Trace, Turn
 
 Vector = NDArray[np.float64]

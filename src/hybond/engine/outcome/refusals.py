@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 
 from hybond.causality.assign import assign
 from hybond.causality.explain import describe_conflict
@@ -14,6 +13,7 @@ from hybond.engine.outcome.explain import Explaining
 from hybond.model.expressions import Call, Expr
 from hybond.model.expressions.tree import walk
 from hybond.model.graph import FlatGraph, Mode
+from hybond.records import dataclass
 
 NO_ELEMENT, OVERFLOW = -1, -2
 """In place of an element: as in `hybond.engine.reasons.facts`."""

@@ -11,12 +11,12 @@ for a moment.
 from __future__ import annotations
 
 import bisect
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hybond.model.graph import FlatGraph
+from hybond.records import dataclass
 from hybond.runs.trace import Trace
 from hybond.units import format_quantity
 

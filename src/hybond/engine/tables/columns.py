@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import Any
 
 from hybond.engine.tables.expressions import Expressions, number_of
@@ -10,6 +10,7 @@ from hybond.equations.slots import Slots
 from hybond.model.expressions import Expr
 from hybond.model.graph import FlatGraph
 from hybond.model.written import Written
+from hybond.records import dataclass
 
 
 @dataclass(slots=True)

@@ -9,13 +9,13 @@ reaction changes its sign: rules that are in force only then stand behind the ma
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING
 
 from hybond.model.expressions import Compare, Name, Number
 from hybond.model.fieldless import reads_pre
 from hybond.model.graph import FlatGraph, Machine, Node, Rule
+from hybond.records import dataclass
 
 if TYPE_CHECKING:
     from hybond.engine.tables.columns import ModelTables

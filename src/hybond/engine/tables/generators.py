@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import cmath
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
@@ -36,6 +35,7 @@ from hybond.model.expressions import (
 )
 from hybond.model.expressions.slots import is_slotted, plain, settled
 from hybond.model.expressions.tree import fold, with_children
+from hybond.records import dataclass
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]

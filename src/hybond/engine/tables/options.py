@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 from hybond.engine.impacts.impact_records import LZB, NEWTON, NEWTON_SIMULTANEOUS, POISSON
@@ -12,6 +12,7 @@ from hybond.engine.tables.bands import banded
 from hybond.errors import UsageError
 from hybond.model.expressions import Expr, Name
 from hybond.model.graph import FlatGraph
+from hybond.records import dataclass
 from hybond.runs.ends import ends_of
 from hybond.runs.options import (
     ALIASES,
@@ -22,6 +23,7 @@ from hybond.runs.options import (
     Choice,
     check_step,
     end_of,
+    ignored_impact,
     impact_of,
     limit_of,
     seconds_of,
@@ -229,3 +231,23 @@ def options_of(graph: FlatGraph, given: Mapping[str, Any]) -> Options:
         outputs = [(s.path, Name(f"x:{s.index}")) for s in graph.storages]
         outputs += [(i.path, Name(f"s:{i.index}")) for i in graph.integrals]
     return Options(graph, {**settings.numbers, "points": points}, outputs)
+
+
+def notices(graph: FlatGraph, settings: Settings, impact: str | None) -> list[str]:
+    """Return what is to be said of what a run is asked for, before it begins."""
+    if settings.solver in STEPPING:
+        said = ignored_impact(impact, graph.experiment)
+    else:
+        said = _friction_left_out(settings.impact[0], graph)
+    return [] if said is None else [said]
+
+
+def _friction_left_out(impact: str, graph: FlatGraph) -> str | None:
+    """Return what is to be said where a law of impacts has no friction, and the model has some."""
+    names = [m.path for m in graph.machines if m.law for law in m.law.junctions if law.impulsive]
+    if not names or impact in ("newton", STEPPING_IMPACT):
+        return None
+    return (
+        f"impact = {impact!r} has no friction: the impulses of {', '.join(names)} are left out; "
+        f"'newton' and {STEPPING_IMPACT!r} have them"
+    )

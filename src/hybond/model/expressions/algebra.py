@@ -9,10 +9,11 @@ import math
 import operator
 from bisect import bisect_right
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import Any, cast
 
 import numpy as np
+
+from hybond.records import dataclass
 
 Closure = Callable[[Any], Any]
 Points = tuple[float, ...]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import Any
 
 from hybond.errors import ExpressionError
@@ -28,6 +27,7 @@ from hybond.model.expressions.tree import (
     fold,
 )
 from hybond.names import did_you_mean
+from hybond.records import dataclass
 from hybond.units import try_quantity
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import NoReturn
 
@@ -33,6 +32,7 @@ from hybond.model.expressions.tree import (
     walk,
 )
 from hybond.names import did_you_mean
+from hybond.records import dataclass
 from hybond.units import parse_quantity
 
 KEPT = 4096

@@ -12,7 +12,6 @@ from __future__ import annotations
 import math
 import operator
 from collections.abc import Callable, Container, Mapping
-from dataclasses import dataclass
 from typing import Any, cast
 
 from hybond.model.expressions.tree import (
@@ -26,6 +25,7 @@ from hybond.model.expressions.tree import (
     Number,
     names,
 )
+from hybond.records import dataclass
 from hybond.units import Dimension
 
 PREFIX = "p:"

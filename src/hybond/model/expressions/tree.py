@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any, TypeVar
 
 from hybond.errors import ExpressionError
+from hybond.records import dataclass
 from hybond.units import Dimension
 
 T = TypeVar("T")
