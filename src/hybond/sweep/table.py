@@ -200,8 +200,6 @@ class SweepTable(Views):
                 where="member",
                 hint=f"0 to {len(self.plan) - 1}",
             )
-        from hybond.simulation import simulate
-
         rows = self.plan.rows(member, member + 1)
         given = {p: v[0] if isinstance(v, list) else float(v[0]) for p, v in rows.items()}
         return {**self.job.fixed, **given}
@@ -214,6 +212,8 @@ class SweepTable(Views):
         UsageError
             HB-P109 for a member that there is not.
         """
+        from hybond.simulation import simulate
+
         return simulate(
             *(self.job.model, self.job.whole_until),
             parameters=self.parameters(member),
