@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Unpack
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +27,7 @@ from hybond.model.builder import Model
 from hybond.model.parts import Value
 from hybond.names import did_you_mean
 from hybond.result import Result
+from hybond.runs.asked import MethodOptions
 
 Vector = NDArray[np.float64]
 
@@ -105,7 +107,7 @@ class Optimum:
             yield f"not converged: {self.message}"
 
 
-@called('hb.optimise(model, hb.Final("c.e"), free=["R"], until="1 s")')
+@called('hb.optimise(model, hb.Final("c.e"), free=["R"], until="1 s")', options=MethodOptions)
 def optimise(
     model: Model,
     goal: Goal,
@@ -115,9 +117,8 @@ def optimise(
     bounds: Mapping[str, tuple[Value, Value]] | None = None,
     log: Sequence[str] | str = (),
     parameters: Mapping[str, Value] | None = None,
-    solver: str | None = None,
-    rtol: float | None = None,
     max_runs: int = 200,
+    **options: Unpack[MethodOptions],
 ) -> Optimum:
     """Return values of a model for which a goal of its run is least.
 
@@ -133,10 +134,10 @@ def optimise(
         End time; by default that of the experiment.
     bounds, log, parameters
         As for `fit`.
-    solver, rtol
-        As for `simulate`.
     max_runs : int
         Trials at most.
+    **options
+        `method`, or what is short for it, as for `simulate`.
 
     Raises
     ------
@@ -176,8 +177,7 @@ def optimise(
             until,
             wrt=names,
             parameters={**(parameters or {}), **given},
-            solver=solver,
-            rtol=rtol,
+            **options,
         )
         return found.value, found.by * scale.slopes(z), found.run
 

@@ -20,10 +20,13 @@ from hybond.model.builder import Model
 from hybond.model.kept import Kind, kind_of
 from hybond.model.parts import Value
 from hybond.names import did_you_mean
+from hybond.options import STEPPING
 from hybond.progress import Asked, shown
 from hybond.result import Result
+from hybond.runs.asked import opened
 from hybond.runs.ends import Until, ends_of
-from hybond.runs.options import STEPPING, end_of
+from hybond.runs.policies import Journal
+from hybond.runs.times import end_of
 from hybond.simulation import simulate
 from hybond.sweep.collection import Ensemble
 from hybond.sweep.family import Family, family_of
@@ -124,7 +127,7 @@ def ensemble(
             "model",
             "give the Model, not what model.flatten() returns",
         )
-    check_options(options)
+    options = check_options(options)
     if workers is not None and (
         not isinstance(workers, int) or isinstance(workers, bool) or workers < 1
     ):
@@ -383,8 +386,8 @@ def _times(samples: int | Sequence[float] | Vector | None, end: float) -> Vector
     return t
 
 
-def check_options(options: Mapping[str, Any]) -> None:
-    """Refuse options of `simulate` that many runs do not have; HB-S115."""
+def check_options(options: Mapping[str, Any]) -> dict[str, Any]:
+    """Return options of `simulate` for many runs, records opened; HB-S115 for what they lack."""
     known = inspect.signature(simulate).parameters.keys() - {"model", "until", "progress", "start"}
     for name in options:
         if name in _OWN:
@@ -393,6 +396,9 @@ def check_options(options: Mapping[str, Any]) -> None:
             raise _refusal(
                 f"there is no option {name!r}", name, did_you_mean(name, known - _OWN.keys())
             )
+    if isinstance(options.get("keep"), Journal):
+        raise _refusal("an ensemble has no journal", "keep", _OWN["journal"])
+    return opened(options)
 
 
 def _refusal(why: str, where: str, hint: str) -> UsageError:

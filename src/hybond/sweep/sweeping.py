@@ -11,7 +11,7 @@ from hybond.errors import UsageError
 from hybond.model.builder import Model
 from hybond.progress import Asked, shown
 from hybond.runs.ends import Until, ends_of
-from hybond.runs.options import end_of
+from hybond.runs.times import end_of
 from hybond.sweep.ensemble import check_options
 from hybond.sweep.folder import Folder, told
 from hybond.sweep.full_runs import check_form
@@ -157,7 +157,7 @@ def job_of(
             where="model",
             hint="give the Model, built or loaded",
         )
-    check_options(options)
+    options = check_options(options)
     if not isinstance(plan, Plan):
         plan = Plan(plan)
     end, ends = end_of(until, model.experiment), ends_of(until, model.experiment).conditions
@@ -170,7 +170,7 @@ def job_of(
         )
     texts = (collect,) if isinstance(collect, str) else tuple(collect)
     fixed = {k: v for k, v in (parameters or {}).items() if k not in plan.paths}
-    return Job(model, plan, texts, end, dict(options), fixed, check_form(runs), ends)
+    return Job(model, plan, texts, end, options, fixed, check_form(runs), ends)
 
 
 def workers_of(workers: int | None) -> int:
