@@ -28,7 +28,9 @@ _THOROUGH = 110
 _LARGE = 320
 """Beyond, only the first placement is made."""
 _TRIES = {Board: 9, Streets: 6}
-"""Searches for a picture without a flaw: straight bonds find one less often."""
+"""Searches for a picture without a flaw."""
+_EFFORT = {Board: 400, Streets: 150}
+"""Moves tried for each node: with straight bonds few of them are worth it."""
 _STEPS = 9000
 _SLANT = 0.12
 """Cells by which a bond may slant unseen."""
@@ -189,7 +191,7 @@ def arranged(
     groups = legs_of(kinds, bonds) if not fixed and size <= _LARGE else []
     small = size <= _THOROUGH
     alone = size - sum(len(leg) for group in groups for leg in group[1:])
-    steps = min(150 * alone, _STEPS) if small else min(_STEPS, 400000 // size)
+    steps = min(_EFFORT[kind] * alone, _STEPS) if small else min(_STEPS, 400000 // size)
     near = Board(kinds, bonds).near
     crowded = sum(max(0, len(n) - 4) for n in near)  # bonds that have no side of their own
     best: tuple[int, B] | None = None
