@@ -22,10 +22,9 @@ from hybond.analysis.sensitivity.opened import opened_model
 from hybond.analysis.sensitivity.wanted import slotted
 from hybond.calls import called
 from hybond.errors import HybondError, NumericsError, UsageError
-from hybond.fitting.varied import scale_of
+from hybond.fitting.varied import scale_of, value_of
 from hybond.model.builder import Model
 from hybond.model.parts import Value
-from hybond.names import did_you_mean
 from hybond.result import Result
 from hybond.runs.asked import MethodOptions
 
@@ -83,14 +82,7 @@ class Optimum:
         UsageError
             HB-A523 for a name that was not free.
         """
-        if name not in self.names:
-            raise UsageError(
-                f"{name!r} was not free",
-                code="HB-A523",
-                where="free",
-                hint=did_you_mean(name, self.names) or ", ".join(self.names),
-            )
-        return float(self.values[self.names.index(name)])
+        return value_of(name, self.names, self.values)
 
     def __str__(self) -> str:
         return "\n".join(self._lines())

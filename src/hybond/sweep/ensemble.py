@@ -32,7 +32,7 @@ from hybond.sweep.collection import Ensemble
 from hybond.sweep.family import Family, family_of
 from hybond.sweep.member import Task, read_outputs, run_of
 from hybond.sweep.sets import Columns, columns_of, numbers_of
-from hybond.sweep.threads import cores, in_threads
+from hybond.sweep.threads import in_threads, workers_of
 
 Vector = NDArray[np.float64]
 
@@ -128,10 +128,7 @@ def ensemble(
             "give the Model, not what model.flatten() returns",
         )
     options = check_options(options)
-    if workers is not None and (
-        not isinstance(workers, int) or isinstance(workers, bool) or workers < 1
-    ):
-        raise _refusal(f"workers = {workers!r}", "workers", "1 or more threads")
+    threads = workers_of(workers)
     columns = columns_of(sets)
     end = end_of(until, model.experiment)
     conditions = ends_of(until, model.experiment).conditions
@@ -151,7 +148,7 @@ def ensemble(
     members = len(next(iter(columns.values())))
     with shown(progress, members, members=True) as looked:
         work = _Work(task, columns, looked)
-        how = work.all(workers or cores())
+        how = work.all(threads)
     return _gathered(work, how, time.perf_counter() - began)
 
 

@@ -21,7 +21,7 @@ from hybond.sweep.part import Part
 from hybond.sweep.plan import Plan
 from hybond.sweep.runner import Runner
 from hybond.sweep.table import SweepTable
-from hybond.sweep.threads import cores
+from hybond.sweep.threads import workers_of
 
 GOAL = 2.0
 """What a part of a sweep takes, s: what is lost at the most when somebody dies."""
@@ -171,23 +171,6 @@ def job_of(
     texts = (collect,) if isinstance(collect, str) else tuple(collect)
     fixed = {k: v for k, v in (parameters or {}).items() if k not in plan.paths}
     return Job(model, plan, texts, end, options, fixed, check_form(runs), ends)
-
-
-def workers_of(workers: int | None) -> int:
-    """Return the number of threads.
-
-    Raises
-    ------
-    UsageError
-        HB-S115.
-    """
-    if workers is None:
-        return cores()
-    if not isinstance(workers, int) or isinstance(workers, bool) or workers < 1:
-        raise UsageError(
-            f"workers = {workers!r}", code="HB-S115", where="workers", hint="1 or more threads"
-        )
-    return workers
 
 
 def _swept(
