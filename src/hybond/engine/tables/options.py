@@ -41,7 +41,7 @@ class Settings:
 
     until: float
     span: float
-    """What thresholds of time are parts of, s: see `runs.options.span_of`."""
+    """What thresholds of time are parts of, s: see `runs.times.span_of`."""
     solver: str
     """One of `METHODS`."""
     step: float | None
