@@ -15,7 +15,7 @@ TEXTS = {path: path.read_text(encoding="utf-8") for path in FILES}
 
 LAYERS = [
     ["_version"],
-    ["calls", "chronicle", "errors", "names", "records", "uncollected", "units"],
+    ["calls", "chronicle", "errors", "names", "options", "records", "uncollected", "units"],
     ["model"],
     ["blocks"],
     ["files"],

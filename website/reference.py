@@ -22,6 +22,8 @@ KINDS = {
     ),
     "Runs": (
         *("simulate", "Result", "Signal", "State", "load_state", "run_script", "Step"),
+        *("Auto", "RK45", "Radau", "Exact", "RK4", "Euler", "QSS", "LIQSS", "MoreauJean"),
+        *("Hysteresis", "Limits", "Journal"),
         *("ensemble", "Ensemble", "cross_check", "CrossCheck"),
     ),
 }

@@ -21,7 +21,11 @@ DEBUG = "HYBOND_DEBUG"
 
 
 def called(
-    example: str, *, code: str = "HB-S130", kind: type[HybondError] = UsageError
+    example: str,
+    *,
+    code: str = "HB-S130",
+    kind: type[HybondError] = UsageError,
+    options: type | None = None,
 ) -> Callable[[Callable[P, T]], Callable[P, T]]:
     """Return a decorator that refuses arguments that a function does not have.
 
@@ -33,6 +37,8 @@ def called(
         The code of the refusal.
     kind : type of HybondError
         Its class.
+    options : type, optional
+        A typed dictionary whose keys are arguments of the function, too, behind its ``**``.
 
     Examples
     --------
@@ -50,29 +56,48 @@ def called(
 
     def decorate(function: Callable[P, T]) -> Callable[P, T]:
         signature = inspect.signature(function)
+        if options is not None:
+            signature = _with_options(signature, options)
         name = function.__name__
         if name.startswith("__"):  # of a class, or of a room that can be called
             name = example.partition("(")[0].rpartition(".")[2]
 
         @wraps(function)
-        def call(*args: P.args, **options: P.kwargs) -> T:
+        def call(*args: P.args, **given: P.kwargs) -> T:
             try:
-                signature.bind(*args, **options)
+                signature.bind(*args, **given)
             except TypeError:
-                why, hint = _misfit(name, signature, args, options)
+                why, hint = _misfit(name, signature, args, given)
                 remedy = f"{hint} As in {example}" if hint else example
                 raise kind(why, code=code, where=name, hint=remedy) from None
             try:
-                return function(*args, **options)
+                return function(*args, **given)
             except HybondError as error:
                 if os.environ.get(DEBUG):
                     raise
                 # what is refused is the caller's: the frames between are of no use to them
                 raise error.with_traceback(None) from error.__cause__
 
+        if options is not None:
+            call.__signature__ = signature  # type: ignore[attr-defined]
         return call
 
     return decorate
+
+
+def _with_options(signature: inspect.Signature, options: type) -> inspect.Signature:
+    """Return a signature with keys of a typed dictionary as arguments, in place of its ``**``."""
+    own = [p for p in signature.parameters.values() if p.kind is not p.VAR_KEYWORD]
+    more = [
+        inspect.Parameter(
+            key,
+            inspect.Parameter.KEYWORD_ONLY,
+            default=None,
+            annotation=getattr(kind, "__forward_arg__", kind),
+        )
+        for key, kind in options.__annotations__.items()
+    ]
+    return signature.replace(parameters=[*own, *more])
 
 
 def named_file(path: Any, example: str) -> Path:

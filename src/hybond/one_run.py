@@ -11,7 +11,7 @@ from hybond.blocks.runners import Runner
 from hybond.engine.outcome.beginnings import Beginning, beginning_by_name, beginning_of
 from hybond.engine.outcome.engine_run import EngineRun
 from hybond.engine.outcome.engines import EngineChoice, Prepared, prepared
-from hybond.engine.outcome.journal import Journal
+from hybond.engine.outcome.journal import EventFile
 from hybond.engine.outcome.steps_run import StepsRun
 from hybond.engine.outcome.unsound import unsound_refusal
 from hybond.engine.tables.options import Settings
@@ -20,10 +20,11 @@ from hybond.model.builder import Model
 from hybond.model.given import check_model
 from hybond.model.graph import FlatGraph
 from hybond.model.kept import kept_graph
+from hybond.options import STEPPING
 from hybond.result import Result, Status
 from hybond.runs.ends import ended
-from hybond.runs.options import STEPPING, time_in
 from hybond.runs.states import State, load_state
+from hybond.runs.times import time_in
 
 Start = Result | State | Mapping[str, Any] | str | Path | None
 """Where a run may begin."""
@@ -119,7 +120,7 @@ def made(
     runners: Mapping[str, Runner],
     until: float | None = None,
     keep: int | None = None,
-    journal: str | Path | None = None,
+    journal: Path | None = None,
 ) -> EngineRun | StepsRun:
     """Return a run that is ready to go, by the executive or by time-stepping.
 
@@ -135,7 +136,7 @@ def made(
     until : float, optional
         When it ends, s, if that is before the time of `settings`.
     keep : int, optional
-    journal : str or Path, optional
+    journal : Path, optional
         As for `hybond.simulate`; not for time-stepping.
 
     Raises
@@ -164,7 +165,7 @@ def made(
             progress=progress,
             keep=keep,
             # last of all: it replaces the file that is there
-            journal=None if journal is None else _opened(journal, graph),
+            journal=None if journal is None else EventFile(journal, graph),
             runners=runners,
             begin=begin,
             until=until,
@@ -172,18 +173,6 @@ def made(
         )
     run.trace.engine = maker.said
     return run
-
-
-def _opened(journal: str | Path, graph: FlatGraph) -> Journal:
-    if not isinstance(journal, str | Path) or Path(journal).suffix.lower() != ".csv":
-        # a file that is there is replaced: let it not be a model
-        raise UsageError(
-            f"the journal cannot be {str(journal)!r}",
-            code="HB-S113",
-            where="journal",
-            hint='name a CSV file, such as journal="events.csv"',
-        )
-    return Journal(Path(journal), graph)
 
 
 def gone(run: EngineRun | StepsRun, graph: FlatGraph) -> tuple[Status, HybondError | None]:

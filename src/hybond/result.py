@@ -23,8 +23,8 @@ from hybond.measures.window import instant_near
 from hybond.model.expressions import Expr
 from hybond.model.graph import FlatGraph
 from hybond.model.unit_words import unit_of
+from hybond.options import seconds
 from hybond.report import EventTable
-from hybond.runs.options import seconds
 from hybond.runs.states import State
 from hybond.runs.trace import Accumulation, Segment, Sliding, Trace, Turn
 from hybond.units import format_quantity

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal, Unpack
 
 from hybond.blocks.runners import runners_of
 from hybond.calls import called
@@ -18,35 +18,26 @@ from hybond.model.parts import Value
 from hybond.one_run import Start, begun, gone, graph_of, handed_over, made, of_experiment
 from hybond.progress import Asked, shown
 from hybond.result import Result
+from hybond.runs.asked import RunOptions, kept, opened, solver_of
 from hybond.runs.ends import Until, ends_of
-from hybond.runs.options import STEPPING, Choice, solver_of
+from hybond.runs.policies import Journal
 
 
-@called('hb.simulate(model, until="1 s", solver="auto")')
+@called('hb.simulate(model, until="1 s", solver="auto")', options=RunOptions)
 def simulate(
     model: Model | FlatGraph,
     until: Until = None,
     *,
     start: Start = None,
     parameters: Mapping[str, Value] | None = None,
-    solver: str | None = None,
-    rtol: float | None = None,
-    atol: float | None = None,
-    step: float | str | None = None,
-    max_step: float | str | None = None,
-    theta: float | None = None,
-    sliding: Choice | None = None,
-    hysteresis: float | str | None = None,
-    impact: str | None = None,
     progress: Asked = None,
     watch: Callable[[Result], object] | None = None,
     on_error: Literal["raise", "return"] = "raise",
     engine: Literal["library", "python"] | None = None,
-    keep: int | None = None,
-    max_events: int | None = None,
-    max_steps: int | None = None,
+    keep: Journal | int | None = None,
     journal: str | Path | None = None,
     fmus: bool = False,
+    **options: Unpack[RunOptions],
 ) -> Result:
     """Simulate a model from t = 0, or from where another run has come.
 
@@ -66,6 +57,11 @@ def simulate(
         ``{"ball.p": "1 kg*m/s", "floor": "touching"}``.
     parameters : mapping
         Values by dotted path that replace the model's own.
+    method : Method or str
+        How motion is computed, with all that belongs to it: `hybond.Auto`, `hybond.RK45`,
+        `hybond.Radau`, `hybond.Exact`, `hybond.RK4`, `hybond.Euler`, `hybond.QSS`,
+        `hybond.LIQSS` or `hybond.MoreauJean`, as ``method=hb.Radau(rtol=1e-6)``; or the name of a
+        solver. In short, by options: `solver`, `rtol`, `atol`, `step`, `max_step`, `theta`.
     solver : str
         ``"auto"``, which propagates linear modes exactly, leaves others to ``"rk45"`` and, where
         that turns out to be stiff, to ``"radau"``, and says so in `Result.method`; ``"rk45"``,
@@ -84,10 +80,10 @@ def simulate(
         Longest step.
     theta : float
         Of time-stepping: 1/2 (default) to 1, how much the end of a step weighs in its smooth part.
-    sliding : {"filippov", "hysteresis", "refuse"}
+    sliding : {"filippov", "refuse"} or Hysteresis
         What happens on a switching surface into which both sides push: slide along it (default);
-        switch with a band of `hysteresis` around every such surface; or stop where the events
-        accumulate.
+        stop where the events accumulate; or switch with a band around every such surface,
+        `hybond.Hysteresis`. In short: ``sliding="hysteresis"`` and `hysteresis`.
     hysteresis : float or str
         Half the width of that band, in the unit of the switching functions or in SI.
     impact : {"newton", "newton_simultaneous", "poisson", "lzb", "lzb_hertz"}
@@ -110,17 +106,21 @@ def simulate(
         which is many times slower. By default the library if there is one, and else Python. The
         results are the same but for rounding of elementary functions; `Result.engine` says which
         it was.
-    keep : int
+    keep : int or Journal
         Segments and events that the result has at the least, the last ones; None keeps all. A run
-        with millions of events then needs no more memory than one with few.
+        with millions of events then needs no more memory than one with few. A `hybond.Journal`
+        writes events to a file as well.
+    limits : Limits
+        After how much a run that gets nowhere stops, `hybond.Limits`. In short: `max_events`,
+        `max_steps`.
     max_events : int
         Events after which the run stops with HB-N404, default 1,000,000.
     max_steps : int
         Steps between two events after which the run stops with HB-N409, default 4,000,000: a
         result keeps them all, at about a kilobyte each.
     journal : str or Path
-        A CSV file to which events are written as they happen: time, cause, the states of the
-        machines, stored quantities and signals after it.
+        In short for ``keep=hb.Journal(...)``: a CSV file to which events are written as they
+        happen: time, cause, the states of the machines, stored quantities and signals after it.
     fmus : bool
         Whether the functional mock-up units that the model names may run. They are machine code
         and can do what any program can: say so for files that you trust.
@@ -152,38 +152,12 @@ def simulate(
             where="watch",
             hint="watch=look, where look(run) takes what was computed so far",
         )
-    options: dict[str, Any] = {
-        "solver": solver,
-        "rtol": rtol,
-        "atol": atol,
-        "step": step,
-        "max_step": max_step,
-        "theta": theta,
-        "sliding": sliding,
-        "hysteresis": hysteresis,
-        "impact": impact,
-        "max_events": max_events,
-        "max_steps": max_steps,
-    }
     try:
-        name = solver_of(solver, graph.experiment)
-        whole = isinstance(keep, int) and not isinstance(keep, bool) and keep >= 1
-        if keep is not None and (not whole or name in STEPPING):
-            raise UsageError(
-                f"keep is given, but solver {name!r} keeps all" if whole else f"keep = {keep!r}",
-                code="HB-S113",
-                where="keep",
-                hint="one or more, with a solver that locates events",
-            )
-        if journal is not None and name in STEPPING:
-            raise UsageError(
-                f"a journal is given, but solver {name!r} has none",
-                code="HB-S113",
-                where="journal",
-                hint="take a solver that locates events",
-            )
+        asked = opened(options)
+        name = solver_of(asked, graph.experiment)
+        last, journal = kept(keep, journal, name)
         ends = ends_of(until, graph.experiment)
-        settings, band = settings_of(graph.experiment, ends.time, **options)
+        settings, band = settings_of(graph.experiment, ends.time, **asked)
     except UsageError as error:
         raise of_experiment(error, graph, {"until": until, **options}) from None
     if band is not None:
@@ -210,10 +184,10 @@ def simulate(
                 begin=begin,
                 progress=None if shows is None and watch is None else look,
                 runners=runners,
-                keep=keep,
+                keep=last,
                 journal=journal,
             )
-            for text in notices(graph, settings, impact):
+            for text in notices(graph, settings, asked.get("impact")):
                 run.trace.warn(text)
             status, failure = gone(run, graph)
             for warning in graph.warnings:

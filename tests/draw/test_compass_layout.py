@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from hybond.draw.arrange import layout
 from hybond.draw.board import Board
-from hybond.draw.layout import layout
 
 
 def straight(bonds: list[tuple[int, int]], at: Any) -> bool:

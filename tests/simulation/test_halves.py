@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import hybond as hb
-from hybond.runs.options import end_of
+from hybond.runs.times import end_of
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 NAMES = sorted(p.stem for p in EXAMPLES.glob("*.toml"))

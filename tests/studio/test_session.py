@@ -14,7 +14,7 @@ import hybond as hb
 from hybond.causality.dynamics import causality_of
 from hybond.causality.reference import reference_mode
 from hybond.studio.document import Document
-from hybond.studio.journal import Journal
+from hybond.studio.recovery import Recovery
 from hybond.studio.session import Session
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -206,13 +206,13 @@ def test_an_edit_that_was_answered_survives_a_crash_before_its_text(
     monkeypatch.setenv("HYBOND_STATE", str(tmp_path / "state"))
     file = tmp_path / "m.toml"
     file.write_text("hybond = 1\n")
-    document = Document(file, journal=Journal(file))
+    document = Document(file, journal=Recovery(file))
     document.edit({"do": "add", "name": "a", "element": {"junction": 1}})
     document.settle()
     document.edit({"do": "add", "name": "b", "element": {"junction": 0}})
     # the program is killed here: what it holds is gone, the file has only the first edit
     assert set(tomllib.loads(file.read_text())["elements"]) == {"a"}
-    again = Document(file, journal=Journal(file))
+    again = Document(file, journal=Recovery(file))
     assert set(tomllib.loads(again.text)["elements"]) == {"a", "b"}
     assert set(tomllib.loads(file.read_text())["elements"]) == {"a", "b"}
     again.undo()
@@ -225,12 +225,12 @@ def test_a_half_written_journal_is_read_as_far_as_it_goes(
 ) -> None:
     monkeypatch.setenv("HYBOND_STATE", str(tmp_path / "state"))
     file = tmp_path / "m.toml"
-    journal = Journal(file)
+    journal = Recovery(file)
     journal.keep("hybond = 1\n")
     journal.close()
     with journal.path.open("a") as more:
         more.write('{"edit": {"do": "add", "ele')
-    assert Journal(file).remembered().texts == ["hybond = 1\n"]
+    assert Recovery(file).remembered().texts == ["hybond = 1\n"]
 
 
 def test_what_another_program_wrote_is_taken_and_undo_brings_ours_back(tmp_path: Path) -> None:

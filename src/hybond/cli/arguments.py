@@ -23,9 +23,10 @@ from hybond.cli.linear_words import linearise_words
 from hybond.cli.measure_words import measure_words
 from hybond.cli.misfits import in_words, unknown_option
 from hybond.cli.plan_words import sweep_words
-from hybond.cli.run_words import IMPACTS, limits_words, settings_words, solver_words
+from hybond.cli.run_words import limits_words, option_word, settings_words, solver_words
 from hybond.errors import UsageError
 from hybond.names import did_you_mean
+from hybond.options import MADE
 
 VERBS = {
     "demo": "draw and run an example, or a folder of them",
@@ -411,15 +412,8 @@ def _export(verbs: Any) -> None:
     export.add_argument("--force", action="store_true", help="replace a file that is there")
     settings_words(export)
     export.add_argument("--until", metavar="T", help="end time, as 3 or '50 ms'")
-    export.add_argument(
-        "--solver", metavar="NAME", help="auto, rk45, radau, exact, rk4, euler, moreau-jean"
-    )
-    export.add_argument("--step", metavar="H", help="step of rk4, euler and moreau-jean")
-    export.add_argument("--theta", metavar="W", type=float, help="of moreau-jean, 0.5 to 1")
-    export.add_argument("--rtol", metavar="R", type=float, help="relative tolerance")
-    export.add_argument("--atol", metavar="A", type=float, help="absolute tolerance, SI")
-    export.add_argument("--max-step", metavar="H", help="longest step")
-    export.add_argument("--impact", metavar="NAME", help=IMPACTS)
+    for name in MADE:
+        option_word(export, name)
     export.add_argument("--points", metavar="N", type=int, help="rows of the table")
     export.add_argument("--fmi", metavar="V", help="of fmu: version 3.0 (the default) or 2.0")
 

@@ -12,9 +12,9 @@ from hybond.cli.running import exit_code, read_graph, simulate_with
 from hybond.cli.streams import complain, say
 from hybond.errors import HybondError
 from hybond.model.dimensions import infer_dimension
+from hybond.options import seconds
 from hybond.report import fired_text, joule
 from hybond.result import Result
-from hybond.runs.options import seconds
 from hybond.runs.trace import Event, Visit
 from hybond.units import format_quantity, parse_unit
 

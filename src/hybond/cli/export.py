@@ -6,6 +6,7 @@ import sys
 from argparse import Namespace
 from pathlib import Path
 
+from hybond.cli.run_words import options_given
 from hybond.cli.settings import model_with
 from hybond.cli.streams import complain, say
 from hybond.cli.targets import check_new, check_target
@@ -38,19 +39,7 @@ def export_model(given: Namespace) -> int:
     path = None if name == PRINTED else check_target(name, (target.suffix,), "--out")
     if path is not None:
         check_new(path, force=given.force)
-    names = (
-        "until",
-        "solver",
-        "rtol",
-        "atol",
-        "points",
-        "step",
-        "theta",
-        "max_step",
-        "impact",
-        "fmi",
-    )
-    options = {n: getattr(given, n) for n in names if getattr(given, n) is not None}
+    options = options_given(given, "until", "points", "fmi")
     model = model_with(load(Path(given.file)), given.settings)
     if given.to == "fmu" and sys.stderr.isatty():
         complain("making the program and compiling it, some seconds ...")

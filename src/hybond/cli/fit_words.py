@@ -6,6 +6,8 @@ from argparse import ArgumentParser
 from collections.abc import Callable
 from typing import Any
 
+from hybond.cli.run_words import option_word
+
 
 def fit_words(verb: Callable[..., ArgumentParser], verbs: Any) -> ArgumentParser:
     """Add ``hybond fit``."""
@@ -55,7 +57,7 @@ def fit_words(verb: Callable[..., ArgumentParser], verbs: Any) -> ArgumentParser
         help="begin N times: with the model's values, then spread within --bounds; keep the best",
     )
     parser.add_argument("--seed", metavar="N", type=int, default=0, help="of --starts")
-    parser.add_argument("--rtol", metavar="X", type=float, help="relative tolerance of the runs")
+    option_word(parser, "rtol")
     parser.add_argument("--plot", metavar="FILE", help="plot data and runs")
     parser.add_argument(
         "--json", action="store_true", help="print one JSON object and nothing else"

@@ -19,7 +19,7 @@ from hybond.errors import UsageError
 from hybond.model.builder import Model
 from hybond.model.graph import FlatGraph
 from hybond.names import did_you_mean
-from hybond.runs.options import seconds
+from hybond.options import seconds
 from hybond.units import try_quantity
 
 VERSION = 1

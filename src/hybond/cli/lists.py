@@ -9,8 +9,9 @@ from hybond.errors import HybondError, ModelError, UsageError
 from hybond.measures.asked import asked_of_experiment
 from hybond.model.graph import FlatGraph, Mode
 from hybond.names import did_you_mean
+from hybond.options import seconds
 from hybond.runs.ends import Until, ended, ends_of
-from hybond.runs.options import is_condition, seconds, time_in
+from hybond.runs.times import is_condition, time_in
 from hybond.scripts.steps import conditions_of, steps_of, unrolled
 from hybond.units import try_quantity
 

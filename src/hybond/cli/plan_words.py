@@ -89,12 +89,3 @@ def is_plan(given: Namespace) -> bool:
     """Whether the options of a sweep make a plan of it."""
     numbers = any(getattr(given, name) is not None for name in NUMBERS)
     return numbers or any(getattr(given, name) for name in SWITCHES)
-
-
-def options_of(given: Namespace) -> dict[str, Any]:
-    """Return the options of runs that are given."""
-    names = (
-        *("solver", "rtol", "atol", "step", "max_step", "theta"),
-        *("impact", "sliding", "hysteresis"),
-    )
-    return {name: getattr(given, name) for name in names if getattr(given, name) is not None}

@@ -12,8 +12,8 @@ import numpy as np
 from hybond.cli.lists import check_experiment, run_until
 from hybond.cli.netlists import read_model
 from hybond.cli.outputs import TABLES
-from hybond.cli.plan_words import options_of
 from hybond.cli.record import VERSION, to_json
+from hybond.cli.run_words import options_given
 from hybond.cli.settings import changed_with
 from hybond.cli.streams import complain, say
 from hybond.errors import NumericsError, UsageError
@@ -43,7 +43,7 @@ def plan_sweep(given: Namespace) -> int:
     until = run_until(graph, given.until)[0]
     asked: dict[str, Any] = {
         **{"collect": given.collect, "until": until, "parameters": fixed, "out": given.out},
-        **{"runs": given.runs or "", "workers": given.workers, **options_of(given)},
+        **{"runs": given.runs or "", "workers": given.workers, **options_given(given, "fmus")},
     }
     if given.estimate:
         from hybond.sweep.estimating import estimate

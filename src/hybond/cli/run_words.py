@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from argparse import ArgumentParser
+from argparse import ArgumentParser, Namespace
+from typing import Any
 
-IMPACTS = "law of multiple impacts: newton, newton_simultaneous, poisson, lzb, lzb_hertz"
+from hybond.options import CALLED, OPTIONS
 
 
 def settings_words(parser: ArgumentParser) -> None:
@@ -28,35 +29,33 @@ def solver_words(parser: ArgumentParser) -> None:
         help="end time, as 3 or '50 ms', or a condition, as 'v.f < 0'; "
         "several times: what is first ends the run",
     )
-    names = "auto, rk45, radau, exact, rk4, euler, qss1-3, liqss1-3, moreau-jean"
-    parser.add_argument("--solver", metavar="NAME", help=names)
-    parser.add_argument("--rtol", metavar="R", type=float, help="relative tolerance")
-    parser.add_argument("--atol", metavar="A", type=float, help="absolute tolerance, SI")
-    parser.add_argument("--step", metavar="H", help="step of rk4, euler and moreau-jean")
-    parser.add_argument(
-        "--theta", metavar="W", type=float, help="of moreau-jean, 0.5 to 1: weight of a step's end"
-    )
-    parser.add_argument("--max-step", metavar="H", help="longest step")
+    for name in OPTIONS:
+        if OPTIONS[name].part in ("method", "impacts", "surfaces"):
+            option_word(parser, name)
     parser.add_argument(
         "--fmus", action="store_true", help="run the code of the FMUs that the model names"
     )
-    parser.add_argument("--impact", metavar="NAME", help=IMPACTS)
-    parser.add_argument(
-        "--sliding",
-        metavar="WAY",
-        help="where both sides push into a switching surface: filippov, hysteresis, refuse",
-    )
-    parser.add_argument("--hysteresis", metavar="H", help="half the band of --sliding hysteresis")
+
+
+def option_word(parser: ArgumentParser, name: str) -> None:
+    """Add an option of a run, `hybond.options`, as it is said there."""
+    option = OPTIONS[name]
+    reads = {"number": float, "count": int}.get(option.kind, str)
+    word = "--" + name.replace("_", "-")
+    parser.add_argument(word, metavar=option.letter, type=reads, help=option.said)
+
+
+def options_given(given: Namespace, *more: str) -> dict[str, Any]:
+    """Return the options of a run that are given, and others by name."""
+    found = {name: getattr(given, name, None) for name in (*CALLED, *more)}
+    return {name: value for name, value in found.items() if value not in (None, False)}
 
 
 def limits_words(parser: ArgumentParser) -> None:
     """Add where a run stops, and what it keeps."""
-    parser.add_argument(
-        "--max-events", metavar="N", type=int, help="stop there (default: 1,000,000)"
-    )
-    parser.add_argument(
-        "--max-steps", metavar="N", type=int, help="steps between two events (default: 4,000,000)"
-    )
+    for name in OPTIONS:
+        if OPTIONS[name].part == "limits":
+            option_word(parser, name)
     parser.add_argument(
         "--keep", metavar="N", type=int, help="keep the last N segments and events only"
     )

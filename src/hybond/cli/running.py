@@ -8,23 +8,19 @@ from collections.abc import Sequence
 from hybond.cli.interrupt import Interruptible
 from hybond.cli.lists import check_experiment
 from hybond.cli.netlists import read_model
+from hybond.cli.run_words import options_given
 from hybond.cli.settings import changed_with, flatten_with
 from hybond.errors import NumericsError, UsageError
 from hybond.model.builder import Model
 from hybond.model.graph import FlatGraph
+from hybond.options import seconds_of
 from hybond.progress import Progress
 from hybond.result import Result
 from hybond.runs.ends import Until
-from hybond.runs.options import end_of, is_condition, seconds_of, time_in
+from hybond.runs.times import end_of, is_condition, time_in
 from hybond.scripts.result import ScriptResult
 from hybond.scripts.run import run_script
 from hybond.simulation import simulate
-
-OPTIONS = (
-    *("solver", "rtol", "atol", "step", "max_step", "theta", "impact", "sliding", "hysteresis"),
-    *("max_events", "max_steps"),
-)
-"""What the run of a script is asked for beside its steps."""
 
 
 def read_graph(file: str, settings: Sequence[str] = ()) -> FlatGraph:
@@ -54,6 +50,7 @@ def simulate_with(
         When it ends at the latest, s; by default `until`.
     """
     latest = end_of(until, graph.experiment) if end is None else end
+    asked = options_given(given or Namespace(), "start", "keep", "journal", "fmus")
     with Interruptible() as interruptible, Progress(latest) as bar:
 
         def progress(t: float, events: int) -> None:
@@ -63,21 +60,7 @@ def simulate_with(
         return simulate(
             graph,
             until,
-            start=getattr(given, "start", None),
-            solver=getattr(given, "solver", None),
-            rtol=getattr(given, "rtol", None),
-            atol=getattr(given, "atol", None),
-            step=getattr(given, "step", None),
-            max_step=getattr(given, "max_step", None),
-            theta=getattr(given, "theta", None),
-            impact=getattr(given, "impact", None),
-            sliding=getattr(given, "sliding", None),
-            hysteresis=getattr(given, "hysteresis", None),
-            keep=getattr(given, "keep", None),
-            max_events=getattr(given, "max_events", None),
-            max_steps=getattr(given, "max_steps", None),
-            journal=getattr(given, "journal", None),
-            fmus=getattr(given, "fmus", False),
+            **asked,
             progress=progress,
             on_error="return",
         )
@@ -104,7 +87,6 @@ def script_with(model: Model, given: Namespace) -> ScriptResult:
             )
     bound = limits[0] if limits[0] is not None else time_in(changed.experiment.get("until"))
     end = seconds_of(bound, "--until")
-    options = {name: getattr(given, name) for name in OPTIONS}
     with Interruptible() as interruptible, Progress(end or 1.0) as bar:
 
         def progress(t: float, events: int) -> None:
@@ -114,12 +96,10 @@ def script_with(model: Model, given: Namespace) -> ScriptResult:
         return run_script(
             changed,
             limit=end,
-            start=given.start,
             parameters=parameters,
             progress=progress,
             on_error="return",
-            fmus=given.fmus,
-            **options,
+            **options_given(given, "start", "fmus"),
         )
 
 

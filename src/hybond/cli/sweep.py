@@ -9,9 +9,9 @@ from typing import Any
 
 from hybond.cli.lists import check_experiment, check_signals, run_until, split
 from hybond.cli.netlists import read_model
-from hybond.cli.plan_words import options_of
 from hybond.cli.record import VERSION, to_json
 from hybond.cli.refusal import refusal_of
+from hybond.cli.run_words import options_given
 from hybond.cli.settings import changed_with
 from hybond.cli.streams import complain, say
 from hybond.cli.targets import check_target
@@ -53,7 +53,7 @@ def sweep(given: Namespace) -> int:
             outputs=signals or None,
             workers=given.workers,
             progress=bar,
-            **options_of(given),
+            **options_given(given, "fmus"),
         )
     problems = _written(many, target, given.file)
     if given.json:

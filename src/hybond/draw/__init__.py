@@ -11,10 +11,10 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from hybond.calls import called
+from hybond.draw.arrange import layout
 from hybond.draw.badges import Badge
 from hybond.draw.drawing import Drawing, draw, draw_mode
 from hybond.draw.hybrid import draw_hybrid, draw_modes
-from hybond.draw.layout import layout
 from hybond.draw.schematic import draw_schematic
 
 if TYPE_CHECKING:

@@ -1,4 +1,4 @@
-"""The board of a layout: nodes on an integer grid and what a placement costs.
+"""A board: nodes on an integer grid, straight bonds between them, and what a placement costs.
 
 All costs are integers, so that sums do not depend on their order and the same graph gives the
 same picture on every machine. x counts columns to the right, y rows downwards.
@@ -11,6 +11,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from hybond.model.kinds import SOURCES
 
 Cell = tuple[int, int]
+
+LEVEL_FIRST, UPRIGHT_FIRST, STRAIGHT_AWAY = 0, 1, 2
+"""Turns of bonds, seen from their tails."""
 
 UNIT = 10
 """A bond to the next cell."""
@@ -71,6 +74,7 @@ class Board:
                 self.bonds_of[one].append(b)
                 if other not in self.near[one]:
                     self.near[one].append(other)
+        self.turns = [STRAIGHT_AWAY] * len(bonds)
         self._over: dict[Cell, set[int]] = {}  # bonds by the cells of their bounding box
         self._box: list[list[Cell]] = [[] for _ in bonds]  # these cells; none if not placed
         self._ends: list[tuple[Cell, Cell] | None] = [None] * len(bonds)
@@ -107,6 +111,12 @@ class Board:
             self.take(node)
         for node, cell in moves.items():
             self.put(node, cell)
+
+    def turn(self, bond: int, way: int) -> None:
+        """Give a bond another turn; here all are straight."""
+
+    def best_turns(self, bonds: Iterable[int]) -> None:
+        """Give each of these bonds the turn that costs least; here all are straight."""
 
     def cost(self, nodes: Iterable[int]) -> int:
         """Return the part of the cost that depends on where `nodes` are."""

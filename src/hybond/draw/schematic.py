@@ -13,9 +13,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
+from hybond.draw.arrange import layout
 from hybond.draw.drawing import Drawing
 from hybond.draw.geometry import Box, Point
-from hybond.draw.layout import layout
 from hybond.draw.measure import width
 from hybond.draw.scene import Group, Line, Mark, Scene, Text
 from hybond.draw.sketch import typeset

@@ -1,4 +1,4 @@
-"""Better places on `Streets`: moves of nodes, of legs and of whole halves, by falling threshold.
+"""Better places on a board: moves of nodes, of legs and of whole halves, by falling threshold.
 
 Nodes of legs move together: what one leg's node does, those of the others do, so that legs stay
 copies of each other in a row.
@@ -10,9 +10,8 @@ import random
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
-from hybond.draw.board import Cell
+from hybond.draw.board import Board, Cell
 from hybond.draw.legs import Leg
-from hybond.draw.streets import Streets
 
 Moves = dict[int, Cell]
 
@@ -23,7 +22,7 @@ class Search:
 
     Parameters
     ----------
-    board : Streets
+    board : Board
         Every node placed; changed in place.
     fixed : set of int
         Nodes that stay.
@@ -31,7 +30,7 @@ class Search:
         Groups of legs, see `hybond.draw.legs`.
     """
 
-    board: Streets
+    board: Board
     fixed: set[int] = field(default_factory=set)
     groups: Sequence[Sequence[Leg]] = ()
 

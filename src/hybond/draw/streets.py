@@ -10,7 +10,18 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from functools import lru_cache
 
-from hybond.draw.board import BACKWARDS, BENT, LONGER, UNIT, VERTICAL, Board, Cell
+from hybond.draw.board import (
+    BACKWARDS,
+    BENT,
+    LEVEL_FIRST,
+    LONGER,
+    STRAIGHT_AWAY,
+    UNIT,
+    UPRIGHT_FIRST,
+    VERTICAL,
+    Board,
+    Cell,
+)
 
 ON_NODE = 260
 CROSS = 200
@@ -18,9 +29,6 @@ SAME_WAY = 90
 """Each step that two bonds share."""
 BEND = 40
 ASKEW = 60
-
-LEVEL_FIRST, UPRIGHT_FIRST, STRAIGHT_AWAY = 0, 1, 2
-"""Turns, seen from the tail of a bond."""
 
 _ROW = 12
 """Bits of a cell's number that are its row: `x * 2**12 + y`. A step's is that of its cell, twice

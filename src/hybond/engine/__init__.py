@@ -6,9 +6,9 @@ arrays of a model from its flat graph, `compiled` prints, builds and calls the l
 `interpreted` calls the modules themselves, `outcome` makes of what is written down the records of
 a run.
 
-`model.Model` is what a model brings along: tables (`tables/` makes them) and functions
-of its expressions. `engine.Engine` is one run; it holds the state, the modes known so far, and all
-room to work in. Data flows so::
+`model.Model` is what a model brings along: tables, which `tables/` makes; `answers` has its
+expressions and names. `engine.Engine` is one run; it holds the state, the modes known so far, and
+all room to work in. Data flows so::
 
     tables -> Model
     elimination, tableau      rows of a mode, eliminated

@@ -1,4 +1,4 @@
-"""What a model brings along: sizes, tables, and functions of its expressions.
+"""What a model brings along: sizes and tables; `answers` has its expressions and its names.
 
 Tables in several columns that belong together say so by their names: rows of a table begin at
 ``*_first[k]`` and end before ``*_first[k + 1]``. An expression is known by its number; -1 stands
@@ -7,7 +7,7 @@ for a constant that is in the table beside it.
 
 from __future__ import annotations
 
-from hybond.engine.words import Floats, Ints, Outside, Text, given
+from hybond.engine.words import Floats, Ints, Outside, given
 
 
 @given
@@ -480,11 +480,11 @@ class Model:
     max_steps: int
     """Between two events."""
     method: int
-    """0: rk45, 1: radau, 2: exact, 3: rk4, 4: euler, 5: moreau-jean."""
+    """By the numbers of `tables.options.METHODS`."""
     step: float
-    """Of the last three."""
+    """Of rk4, euler and moreau-jean."""
     theta: float
-    """Of the last: how much the end of a step weighs in its smooth part."""
+    """Of moreau-jean: how much the end of a step weighs in its smooth part."""
     slides: int
     """1: time goes on along surfaces into which both sides push; 0: refused."""
     impact: int
@@ -494,51 +494,3 @@ class Model:
     decided: int
     """1: least leakage decides what a guard reads and the equations leave open."""
     answers: Outside
-
-
-@given
-def value(m: Model, k: int, v: Floats) -> float:
-    """Return expression k of the model at the values `v`."""
-    return float(m.answers.values[k](v))
-
-
-@given
-def machine_name(m: Model, k: int) -> Text:
-    """Return the name of machine k."""
-    return str(m.answers.machines[k])
-
-
-@given
-def state_name(m: Model, k: int) -> Text:
-    """Return the name of state k, counted over all machines."""
-    return str(m.answers.states[k])
-
-
-@given
-def stored_name(m: Model, k: int) -> Text:
-    """Return the name of stored quantity k, or of an integrated signal behind them."""
-    return str(m.answers.stored[k])
-
-
-@given
-def output_name(m: Model, k: int) -> Text:
-    """Return the name of output k."""
-    return str(m.answers.outputs[k])
-
-
-@given
-def node_name(m: Model, k: int) -> Text:
-    """Return the name of node k."""
-    return str(m.answers.nodes[k])
-
-
-@given
-def bond_name(m: Model, k: int) -> Text:
-    """Return the name of bond variable k: efforts, then flows."""
-    return str(m.answers.bonds[k])
-
-
-@given
-def rule_text(m: Model, k: int) -> Text:
-    """Return the guard of rule k as written."""
-    return str(m.answers.rules[k])

@@ -12,6 +12,7 @@ from hybond.errors import UsageError
 from hybond.files.whole import write_whole
 from hybond.model.builder import Model
 from hybond.names import did_you_mean
+from hybond.options import MADE
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,9 +31,7 @@ class Target:
     """Options that the function takes."""
 
 
-RUN = frozenset(
-    ("until", "solver", "rtol", "atol", "points", "step", "theta", "max_step", "impact")
-)
+RUN = frozenset(("until", "points", "method", *MADE))
 """Options of a run that an exported program begins with."""
 
 TARGETS: Mapping[str, Target] = {
@@ -65,9 +64,9 @@ def export(model: Model, *, to: str, path: str | Path | None = None, **options: 
     path : str or Path, optional
         The file to write.
     **options
-        Of a program's run, which are those of `hybond.simulate`: ``until``, ``solver``, ``rtol``,
-        ``atol``, ``points``, ``step``, ``max_step``, ``impact``; ``name``, of a Java class;
-        ``fmi``, the version of a functional mock-up unit.
+        Of a program's run, which are those of `hybond.simulate`: ``until``, ``method`` and what is
+        short for it, ``impact``; ``points``, of its table; ``name``, of a Java class; ``fmi``, the
+        version of a functional mock-up unit.
 
     Returns
     -------

@@ -12,6 +12,8 @@ from typing import Annotated, Any, Literal
 import msgspec
 from msgspec import UNSET, Meta, Struct, UnsetType
 
+from hybond.options import Choice, Impact
+
 VERSION = 1
 
 Number = int | float
@@ -203,10 +205,6 @@ class Machine(Struct, forbid_unknown_fields=True):
     rules: list[str] | UnsetType = UNSET
 
 
-Impact = Literal["newton", "newton_simultaneous", "poisson", "lzb", "lzb_hertz"]
-"""The law of impacts at several contacts."""
-
-
 class ScriptStep(Struct, forbid_unknown_fields=True):
     """One step of a script: what is set at its beginning, and what ends it."""
 
@@ -237,7 +235,7 @@ class Experiment(Struct, forbid_unknown_fields=True):
     max_events: int | UnsetType = UNSET
     max_steps: int | UnsetType = UNSET
     event_tol: Scalar | UnsetType = UNSET
-    sliding: Literal["filippov", "hysteresis", "refuse"] | UnsetType = UNSET
+    sliding: Choice | UnsetType = UNSET
     hysteresis: Scalar | UnsetType = UNSET
     impact: Impact | UnsetType = UNSET
     points: int | UnsetType = UNSET

@@ -14,7 +14,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,6 +31,7 @@ from hybond.fitting.trials import Case, Trials
 from hybond.fitting.varied import Scale, scale_of
 from hybond.model.builder import Model
 from hybond.model.parts import Value
+from hybond.runs.asked import MethodOptions, opened
 
 Vector = NDArray[np.float64]
 Loss = Literal["linear", "soft_l1", "huber", "cauchy", "arctan"]
@@ -42,7 +43,7 @@ UNSEEN = 1e-10
 """Singular values of the scaled slopes below this part of the largest: data do not tell."""
 
 
-@called('hb.fit(model, "data.csv", free=["pad.C", "damper.G"])')
+@called('hb.fit(model, "data.csv", free=["pad.C", "damper.G"])', options=MethodOptions)
 def fit(
     model: Model,
     data: Source | Sequence[Source | tuple[Source, Mapping[str, Value]]],
@@ -53,11 +54,10 @@ def fit(
     sigma: Mapping[str, float] | None = None,
     loss: Loss = "linear",
     parameters: Mapping[str, Value] | None = None,
-    solver: str | None = None,
-    rtol: float | None = None,
     max_runs: int = 200,
     starts: int = 1,
     seed: int = 0,
+    **options: Unpack[MethodOptions],
 ) -> Fit:
     """Return values of a model with which its runs are nearest to data.
 
@@ -82,8 +82,6 @@ def fit(
         What a residual counts: its square, or less of it where it is far out.
     parameters : mapping
         Values by dotted path that replace the model's own, in all runs.
-    solver, rtol
-        As for `simulate`.
     max_runs : int
         Trials at most, from each start.
     starts : int
@@ -92,6 +90,8 @@ def fit(
         `Fit.minima` says where the others ended.
     seed : int
         Of these starts.
+    **options
+        `method`, or what is short for it, as for `simulate`.
 
     Returns
     -------
@@ -124,8 +124,7 @@ def fit(
         raise UsageError(f"loss = {loss!r}", code="HB-A532", where="loss", hint=", ".join(LOSSES))
     cases, first = _cases(model, data, names, parameters or {}, sigma or {})
     scale = scale_of(names, first.values, bounds or {}, logs)
-    options = {k: v for k, v in (("solver", solver), ("rtol", rtol)) if v is not None}
-    trials = Trials(cases, options)
+    trials = Trials(cases, opened(options))
     begins = starts_of(scale, starts, seed)
     begin = trials.residuals(scale.values(scale.start))
     if starts == 1 and not np.isfinite(begin).all():

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Unpack
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,11 +22,11 @@ from hybond.analysis.sensitivity.opened import opened_model
 from hybond.analysis.sensitivity.wanted import slotted
 from hybond.calls import called
 from hybond.errors import HybondError, NumericsError, UsageError
-from hybond.fitting.varied import scale_of
+from hybond.fitting.varied import scale_of, value_of
 from hybond.model.builder import Model
 from hybond.model.parts import Value
-from hybond.names import did_you_mean
 from hybond.result import Result
+from hybond.runs.asked import MethodOptions
 
 Vector = NDArray[np.float64]
 
@@ -81,14 +82,7 @@ class Optimum:
         UsageError
             HB-A523 for a name that was not free.
         """
-        if name not in self.names:
-            raise UsageError(
-                f"{name!r} was not free",
-                code="HB-A523",
-                where="free",
-                hint=did_you_mean(name, self.names) or ", ".join(self.names),
-            )
-        return float(self.values[self.names.index(name)])
+        return value_of(name, self.names, self.values)
 
     def __str__(self) -> str:
         return "\n".join(self._lines())
@@ -105,7 +99,7 @@ class Optimum:
             yield f"not converged: {self.message}"
 
 
-@called('hb.optimise(model, hb.Final("c.e"), free=["R"], until="1 s")')
+@called('hb.optimise(model, hb.Final("c.e"), free=["R"], until="1 s")', options=MethodOptions)
 def optimise(
     model: Model,
     goal: Goal,
@@ -115,9 +109,8 @@ def optimise(
     bounds: Mapping[str, tuple[Value, Value]] | None = None,
     log: Sequence[str] | str = (),
     parameters: Mapping[str, Value] | None = None,
-    solver: str | None = None,
-    rtol: float | None = None,
     max_runs: int = 200,
+    **options: Unpack[MethodOptions],
 ) -> Optimum:
     """Return values of a model for which a goal of its run is least.
 
@@ -133,10 +126,10 @@ def optimise(
         End time; by default that of the experiment.
     bounds, log, parameters
         As for `fit`.
-    solver, rtol
-        As for `simulate`.
     max_runs : int
         Trials at most.
+    **options
+        `method`, or what is short for it, as for `simulate`.
 
     Raises
     ------
@@ -176,8 +169,7 @@ def optimise(
             until,
             wrt=names,
             parameters={**(parameters or {}), **given},
-            solver=solver,
-            rtol=rtol,
+            **options,
         )
         return found.value, found.by * scale.slopes(z), found.run
 

@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from hybond.errors import UsageError
 from hybond.fitting.data import Data
-from hybond.names import did_you_mean
+from hybond.fitting.varied import value_of
 from hybond.result import Result
 
 if TYPE_CHECKING:
@@ -104,14 +103,7 @@ class Fit:
         UsageError
             HB-A523 for a name that was not free.
         """
-        if name not in self.names:
-            raise UsageError(
-                f"{name!r} was not free",
-                code="HB-A523",
-                where="free",
-                hint=did_you_mean(name, self.names) or ", ".join(self.names),
-            )
-        return float(self.values[self.names.index(name)])
+        return value_of(name, self.names, self.values)
 
     @property
     def parameters(self) -> dict[str, float]:

@@ -133,3 +133,21 @@ def _wrong(name: str, why: str) -> UsageError:
     return UsageError(
         why, code="HB-A532", where=name, hint="bounds={'pad.C': (0.5e-3, '2 mm/N')}, log=['pad.C']"
     )
+
+
+def value_of(name: str, names: Sequence[str], values: Vector) -> float:
+    """Return what was found for a name, SI.
+
+    Raises
+    ------
+    UsageError
+        HB-A523 for a name that was not free.
+    """
+    if name not in names:
+        raise UsageError(
+            f"{name!r} was not free",
+            code="HB-A523",
+            where="free",
+            hint=did_you_mean(name, names) or ", ".join(names),
+        )
+    return float(values[list(names).index(name)])

@@ -10,7 +10,7 @@ from hybond.errors import HybondError, UsageError
 from hybond.model.expressions import And, Bool, Or
 from hybond.model.graph import FlatGraph, Machine, Rule, Watch
 from hybond.records import dataclass
-from hybond.runs.options import is_condition, time_in
+from hybond.runs.times import is_condition, time_in
 
 NAME = "until"
 """Of the machine that ends a run: nobody sees it but in the event that it makes."""

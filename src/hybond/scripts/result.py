@@ -18,9 +18,9 @@ from hybond.measures.naming import read_name
 from hybond.model.expressions import Expr
 from hybond.model.graph import FlatGraph
 from hybond.model.parts import Value
+from hybond.options import seconds_of
 from hybond.records import dataclass
 from hybond.result import Result, Status
-from hybond.runs.options import seconds_of
 from hybond.runs.states import State
 from hybond.runs.trace import Event, Segment, Trace, Visit
 

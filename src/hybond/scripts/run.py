@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import field
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, Unpack
 
 from hybond.blocks.runners import Runner, runners_of
 from hybond.calls import called
@@ -21,11 +21,13 @@ from hybond.model.kept import kept_graph, kind_of
 from hybond.model.parts import Value
 from hybond.names import did_you_mean
 from hybond.one_run import Start, begun, gone, graph_of, handed_over, made, of_experiment
+from hybond.options import seconds_of
 from hybond.progress import Asked, shown
 from hybond.records import dataclass
 from hybond.result import Result, Status
-from hybond.runs.options import Choice, seconds_of, time_in
+from hybond.runs.asked import RunOptions, opened
 from hybond.runs.states import State, load_state
+from hybond.runs.times import time_in
 from hybond.runs.trace import Trace
 from hybond.scripts.result import Done, Part, ScriptResult
 from hybond.scripts.steps import Step, conditions_of, latest_end, steps_of, unrolled
@@ -34,7 +36,7 @@ STARTS = ("start", "p", "q", "e", "f")
 """How paths end that say where a model begins."""
 
 
-@called('hb.run_script(model, steps=[hb.Step(until="1 s")])')
+@called('hb.run_script(model, steps=[hb.Step(until="1 s")])', options=RunOptions)
 def run_script(
     model: Model,
     steps: Sequence[Step | Mapping[str, Any]] | None = None,
@@ -46,17 +48,7 @@ def run_script(
     on_error: Literal["raise", "return"] = "raise",
     engine: Literal["library", "python"] | None = None,
     fmus: bool = False,
-    solver: str | None = None,
-    rtol: float | None = None,
-    atol: float | None = None,
-    step: float | str | None = None,
-    max_step: float | str | None = None,
-    theta: float | None = None,
-    sliding: Choice | None = None,
-    hysteresis: float | str | None = None,
-    impact: str | None = None,
-    max_events: int | None = None,
-    max_steps: int | None = None,
+    **options: Unpack[RunOptions],
 ) -> ScriptResult:
     """Run a model by a script, as on a test rig; return one run.
 
@@ -78,8 +70,9 @@ def run_script(
         Values by dotted path that replace the model's own.
     progress, on_error, engine, fmus
         As for `simulate`.
-    solver, rtol, atol, step, max_step, theta, sliding, hysteresis, impact, max_events, max_steps
-        As for `simulate`, the same for all steps.
+    **options
+        As for `simulate`, the same for all steps: `method`, `sliding`, `impact`, `limits`, and what
+        is short for them.
 
     Returns
     -------
@@ -124,21 +117,9 @@ def run_script(
     latest = _latest(todo, bound, start)
     if own["until"] is None:
         own.pop("until")
-    options: dict[str, Any] = {
-        "solver": solver,
-        "rtol": rtol,
-        "atol": atol,
-        "step": step,
-        "max_step": max_step,
-        "theta": theta,
-        "sliding": sliding,
-        "hysteresis": hysteresis,
-        "impact": impact,
-        "max_events": max_events,
-        "max_steps": max_steps,
-    }
     try:
-        settings, band = settings_of(own, latest, **options)
+        asked = opened(options)
+        settings, band = settings_of(own, latest, **asked)
     except UsageError as error:
         raise of_experiment(error, base, {"until": latest, **options}) from None
     maker = choose_engine(engine)
@@ -155,7 +136,7 @@ def run_script(
     finally:
         for runner in runners.values():
             runner.close()
-    for text in (*notices(base, settings, impact), *base.warnings):
+    for text in (*notices(base, settings, asked.get("impact")), *base.warnings):
         rig.parts[0].trace.warn(text)
     result = ScriptResult(base, rig.parts, rig.done, status, latest, settings.solver, failure)
     return handed_over(result, on_error)

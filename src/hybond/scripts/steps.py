@@ -10,9 +10,10 @@ from hybond.calls import fits
 from hybond.errors import UsageError
 from hybond.model.parts import Value
 from hybond.names import did_you_mean
+from hybond.options import seconds
 from hybond.records import dataclass
 from hybond.runs.ends import Until
-from hybond.runs.options import is_condition, seconds
+from hybond.runs.times import is_condition
 
 MOST = 10_000
 """Steps of a script, those that are repeated counted as often."""

@@ -20,8 +20,8 @@ from hybond.files.place import Place, Source
 from hybond.files.toml_text import toml_text
 from hybond.files.whole import write_whole
 from hybond.studio.edits import apply
-from hybond.studio.journal import Journal
 from hybond.studio.levels import Data
+from hybond.studio.recovery import Recovery
 
 EMPTY = 'hybond = 1\ntitle  = ""\ndomain = "electrical"\n\n[experiment]\nuntil = "1 s"\n'
 UNDO = 1000
@@ -37,7 +37,7 @@ class Document:
         Where it is kept; None for one that is only in memory.
     text : str
         What is edited if there is no file, or it does not exist yet.
-    journal : Journal or None
+    journal : Recovery or None
         Where edits are written down before they are done.
 
     Examples
@@ -56,7 +56,7 @@ class Document:
     """
 
     def __init__(
-        self, file: Path | None = None, text: str = EMPTY, journal: Journal | None = None
+        self, file: Path | None = None, text: str = EMPTY, journal: Recovery | None = None
     ) -> None:
         self.file = file
         self.journal = journal
@@ -261,7 +261,7 @@ class Document:
             if self.journal is not None:
                 self.journal.keep(found)
 
-    def _recover(self, journal: Journal) -> None:
+    def _recover(self, journal: Recovery) -> None:
         found = journal.remembered()
         texts = [t for t, after in zip(found.texts, [*found.texts[1:], None]) if t != after]
         lost = found.pending if found.texts and found.texts[-1] == self._text else []

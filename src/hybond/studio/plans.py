@@ -19,7 +19,7 @@ from hybond.model.graph import FlatGraph
 from hybond.model.parts import Part, Value
 from hybond.model.paths import settable, with_parts
 from hybond.runs.ends import Until, ended, ends_of
-from hybond.runs.options import end_of
+from hybond.runs.times import end_of
 from hybond.sweep.collect import COLLECTORS, WORDS, Collector, collectors_of
 from hybond.sweep.draws import METHODS
 from hybond.sweep.factors import Factor, factor_of

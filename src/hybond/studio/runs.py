@@ -12,6 +12,7 @@ from typing import Any
 from hybond.errors import HybondError, UsageError
 from hybond.model.builder import Model
 from hybond.model.parts import Value
+from hybond.options import OPTIONS as KNOWN
 from hybond.result import Result
 from hybond.runs.ends import Until
 from hybond.simulation import simulate
@@ -25,7 +26,7 @@ PICTURE = 0.25
 """Least time between two pictures of a run that goes on, s."""
 SHARE = 0.1
 """Most of the time of a run that its pictures may take."""
-OPTIONS = ("solver", "rtol", "atol", "step", "max_step", "theta", "impact", "sliding", "hysteresis")
+OPTIONS = tuple(o.name for o in KNOWN.values() if o.part in ("method", "impacts", "surfaces"))
 """Options of a run that the page may give."""
 
 

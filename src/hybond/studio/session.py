@@ -19,11 +19,11 @@ from hybond.model.graph import FlatGraph, Mode
 from hybond.studio import of_models, of_plans, of_runs
 from hybond.studio.document import EMPTY, Document, Lock
 from hybond.studio.edits import apply, cut_out
-from hybond.studio.journal import Journal
 from hybond.studio.levels import level_of, table
 from hybond.studio.places import Shown
 from hybond.studio.planned import Plans
 from hybond.studio.problems import problem_of, problems
+from hybond.studio.recovery import Recovery
 from hybond.studio.runs import Runs
 from hybond.studio.strokes import Meaning, meaning, mode_of, strokes
 from hybond.studio.sweeps import Sweeps
@@ -403,7 +403,7 @@ class Session:
             self.lock = None
         journal = None
         if file is not None and self._journal:
-            journal = Journal(file)
+            journal = Recovery(file)
             self.lock = Lock(journal.path.with_suffix(".lock"))
             if not self.lock.held:
                 journal = None

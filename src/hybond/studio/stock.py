@@ -71,6 +71,6 @@ def _part(name: str) -> dict[str, Any]:
 
 
 def _solvers() -> list[dict[str, str]]:
-    from hybond.runs.options import SOLVERS, STEPPING
+    from hybond.options import SOLVERS, STEPPING
 
     return [{"name": k, "about": v} for k, v in {**SOLVERS, **STEPPING}.items()]

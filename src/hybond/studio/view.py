@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from functools import lru_cache
 from typing import Any
 
-from hybond.draw.layout import layout
+from hybond.draw.arrange import layout
 from hybond.draw.sketch import typeset
 from hybond.model.kinds import KINDS
 from hybond.names import steps

@@ -10,7 +10,9 @@ from hybond.engine.compiled.native import Unavailable, library
 from hybond.engine.tables.options import Settings, settings_of
 from hybond.errors import UsageError
 from hybond.names import did_you_mean
-from hybond.runs.options import STEPPING
+from hybond.options import OPTIONS, STEPPING
+from hybond.runs.asked import opened
+from hybond.runs.policies import Journal
 
 if TYPE_CHECKING:
     from hybond.sweep.member import Task
@@ -43,22 +45,24 @@ def asked_of(task: Task) -> tuple[tuple[Settings, float | None] | None, str]:
     return (settings, band), ""
 
 
-def check_options(options: Mapping[str, Any]) -> None:
-    """Refuse options of `simulate` that many runs do not have; HB-S115."""
-    if not options.keys() - inspect.signature(settings_of).parameters.keys():
-        return
-    from hybond.simulation import simulate
+def check_options(options: Mapping[str, Any]) -> dict[str, Any]:
+    """Return options of `simulate` for many runs, records opened; HB-S115 for what they lack."""
+    if options.keys() - (inspect.signature(settings_of).parameters.keys() | OPTIONS.keys()):
+        from hybond.simulation import simulate
 
-    known = inspect.signature(simulate).parameters.keys() - {"model", "until", "progress", "start"}
-    for name in options:
-        if name in _OWN:
-            raise UsageError(
-                f"an ensemble has no {name!r}", code="HB-S115", where=name, hint=_OWN[name]
-            )
-        if name not in known:
-            raise UsageError(
-                f"there is no option {name!r}",
-                code="HB-S115",
-                where=name,
-                hint=did_you_mean(name, known - _OWN.keys()),
-            )
+        known = inspect.signature(simulate).parameters.keys() - {
+            *("model", "until", "progress", "start")
+        }
+        for name in options:
+            if name in _OWN:
+                raise _refusal(f"an ensemble has no {name!r}", name, _OWN[name])
+            if name not in known:
+                hint = did_you_mean(name, known - _OWN.keys())
+                raise _refusal(f"there is no option {name!r}", name, hint)
+    if isinstance(options.get("keep"), Journal):
+        raise _refusal("an ensemble has no journal", "keep", _OWN["journal"])
+    return opened(options)
+
+
+def _refusal(why: str, where: str, hint: str) -> UsageError:
+    return UsageError(why, code="HB-S115", where=where, hint=hint)

@@ -19,13 +19,13 @@ from hybond.model.parts import Value
 from hybond.progress import Asked, shown
 from hybond.result import Result
 from hybond.runs.ends import Until, ends_of
-from hybond.runs.options import end_of
+from hybond.runs.times import end_of
 from hybond.sweep.asking import asked_of, check_options
 from hybond.sweep.collection import Ensemble
 from hybond.sweep.family import Family, family_of
 from hybond.sweep.member import Task, read_outputs, run_of
 from hybond.sweep.sets import Columns, columns_of, numbers_of
-from hybond.sweep.threads import cores, in_threads
+from hybond.sweep.threads import in_threads, workers_of
 
 Vector = NDArray[np.float64]
 
@@ -111,11 +111,8 @@ def ensemble(
             "model",
             "give the Model, not what model.flatten() returns",
         )
-    check_options(options)
-    if workers is not None and (
-        not isinstance(workers, int) or isinstance(workers, bool) or workers < 1
-    ):
-        raise _refusal(f"workers = {workers!r}", "workers", "1 or more threads")
+    options = check_options(options)
+    threads = workers_of(workers)
     columns = columns_of(sets)
     end = end_of(until, model.experiment)
     conditions = ends_of(until, model.experiment).conditions
@@ -135,7 +132,7 @@ def ensemble(
     members = len(next(iter(columns.values())))
     with shown(progress, members, members=True) as looked:
         work = _Work(task, columns, looked)
-        how = work.all(workers or cores())
+        how = work.all(threads)
     return _gathered(work, how, time.perf_counter() - began)
 
 

@@ -15,8 +15,9 @@ from hybond.runs.ends import Until
 from hybond.sweep.full_runs import path_of, write_run
 from hybond.sweep.plan import Plan
 from hybond.sweep.runner import Runner
-from hybond.sweep.sweeping import each_takes, job_of, part_size, workers_of
+from hybond.sweep.sweeping import each_takes, job_of, part_size
 from hybond.sweep.table import SweepTable
+from hybond.sweep.threads import workers_of
 
 if TYPE_CHECKING:
     from hybond.result import Result

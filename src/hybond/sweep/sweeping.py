@@ -11,7 +11,7 @@ from hybond.errors import UsageError
 from hybond.model.builder import Model
 from hybond.progress import Asked, shown
 from hybond.runs.ends import Until, ends_of
-from hybond.runs.options import end_of
+from hybond.runs.times import end_of
 from hybond.sweep.asking import check_options
 from hybond.sweep.folder import Folder, told
 from hybond.sweep.full_runs import check_form
@@ -21,7 +21,7 @@ from hybond.sweep.part import Part
 from hybond.sweep.plan import Plan
 from hybond.sweep.runner import Runner
 from hybond.sweep.table import SweepTable
-from hybond.sweep.threads import cores
+from hybond.sweep.threads import workers_of
 
 GOAL = 2.0
 """What a part of a sweep takes, s: what is lost at the most when somebody dies."""
@@ -157,7 +157,7 @@ def job_of(
             where="model",
             hint="give the Model, built or loaded",
         )
-    check_options(options)
+    options = check_options(options)
     if not isinstance(plan, Plan):
         plan = Plan(plan)
     end, ends = end_of(until, model.experiment), ends_of(until, model.experiment).conditions
@@ -170,24 +170,7 @@ def job_of(
         )
     texts = (collect,) if isinstance(collect, str) else tuple(collect)
     fixed = {k: v for k, v in (parameters or {}).items() if k not in plan.paths}
-    return Job(model, plan, texts, end, dict(options), fixed, check_form(runs), ends)
-
-
-def workers_of(workers: int | None) -> int:
-    """Return the number of threads.
-
-    Raises
-    ------
-    UsageError
-        HB-S115.
-    """
-    if workers is None:
-        return cores()
-    if not isinstance(workers, int) or isinstance(workers, bool) or workers < 1:
-        raise UsageError(
-            f"workers = {workers!r}", code="HB-S115", where="workers", hint="1 or more threads"
-        )
-    return workers
+    return Job(model, plan, texts, end, options, fixed, check_form(runs), ends)
 
 
 def _swept(

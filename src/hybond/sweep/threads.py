@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from hybond.engine.compiled.members import NativeMembers, Ran
 from hybond.engine.compiled.native import NativeModel
+from hybond.errors import UsageError
 
 Vector = NDArray[np.float64]
 
@@ -166,3 +167,20 @@ class _Parts:
             part = range(self._first, min(self._first + max(most, 1), self._many))
             self._first = part.stop
             return part
+
+
+def workers_of(workers: int | None) -> int:
+    """Return the number of threads.
+
+    Raises
+    ------
+    UsageError
+        HB-S115.
+    """
+    if workers is None:
+        return cores()
+    if not isinstance(workers, int) or isinstance(workers, bool) or workers < 1:
+        raise UsageError(
+            f"workers = {workers!r}", code="HB-S115", where="workers", hint="1 or more threads"
+        )
+    return workers

@@ -9,10 +9,10 @@ from fractions import Fraction
 import pytest
 from example_runs import NAMES, example
 
+from hybond.engine.answers import value
 from hybond.engine.expressions.code import DEEPEST, run_code, run_pair_code
 from hybond.engine.expressions.functions import power
 from hybond.engine.expressions.pairs import Stack, clear, make_stack
-from hybond.engine.model import value
 from hybond.engine.tables import answered, tables_of
 from hybond.engine.tables.code import Code
 from hybond.errors import ModelError

@@ -29,8 +29,9 @@ from hybond.model.given import check_model
 from hybond.model.graph import FlatGraph, Mode
 from hybond.model.parts import Value
 from hybond.names import did_you_mean
+from hybond.options import ALIASES, RTOL, SOLVERS, STEPPING, seconds
 from hybond.result import Result
-from hybond.runs.options import ALIASES, RTOL, SOLVERS, STEPPING, end_of, seconds
+from hybond.runs.times import end_of
 from hybond.simulation import simulate
 
 FIXED = ("moreau-jean", "rk4", "euler")

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -31,7 +31,8 @@ from hybond.model.inputs import Waveform
 from hybond.model.kept import kept_graph
 from hybond.model.parts import Value
 from hybond.model.unit_words import unit_of
-from hybond.runs.options import seconds_of
+from hybond.options import seconds_of
+from hybond.runs.asked import MethodOptions, opened
 from hybond.simulation import simulate
 from hybond.units import format_quantity, try_quantity
 
@@ -164,7 +165,10 @@ class FrequencyResponse:
         return f"<FrequencyResponse {self.output} / {self.input}: {done}>"
 
 
-@called('hb.frequency_response(model, input="V", output="c.e", frequencies=[100, "1 kHz"])')
+@called(
+    'hb.frequency_response(model, input="V", output="c.e", frequencies=[100, "1 kHz"])',
+    options=MethodOptions,
+)
 def frequency_response(
     model: Model | FlatGraph,
     *,
@@ -176,9 +180,7 @@ def frequency_response(
     tolerance: float = 1e-3,
     windows: int = MOST,
     parameters: Mapping[str, Value] | None = None,
-    solver: str | None = None,
-    rtol: float | None = None,
-    max_step: float | str | None = None,
+    **options: Unpack[MethodOptions],
 ) -> FrequencyResponse:
     """Return the response of a model to a small sine, by running it around what it repeats.
 
@@ -205,8 +207,10 @@ def frequency_response(
     tolerance : float
     windows : int
         After how many a frequency is given up; the record says so, nothing is raised.
-    parameters, solver, rtol, max_step
+    parameters
         As for `simulate`.
+    **options
+        `method`, or what is short for it, as for `simulate`.
 
     Raises
     ------
@@ -248,11 +252,11 @@ def frequency_response(
             where="tolerance",
             hint=f"a tolerance between 0 and 1, and {FIRST} windows or more",
         )
-    options = {"solver": solver, "rtol": rtol, "max_step": max_step}
+    said = opened(options)
     rows = []
     for f in asked.tolist():
         window = window_of(f, own)
-        rows.append((window, _one(graph, input, output, size, window, tolerance, windows, options)))
+        rows.append((window, _one(graph, input, output, size, window, tolerance, windows, said)))
     above = unit_of(read_name(graph, output), graph)
     return FrequencyResponse(
         frequencies=np.array([w.frequency for w, _ in rows]),

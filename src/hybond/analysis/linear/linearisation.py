@@ -20,7 +20,7 @@ from hybond.equations.pencil import analyse
 from hybond.errors import EquationError, UsageError
 from hybond.export.linear.state_space import StateSpace
 from hybond.names import did_you_mean
-from hybond.runs.options import seconds
+from hybond.options import seconds
 from hybond.units import format_quantity
 
 if TYPE_CHECKING:

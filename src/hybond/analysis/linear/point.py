@@ -16,8 +16,8 @@ from hybond.model.expressions import Expr, Name
 from hybond.model.graph import FlatGraph, Mode
 from hybond.model.unit_words import unit_of
 from hybond.names import did_you_mean
+from hybond.options import seconds
 from hybond.result import Result
-from hybond.runs.options import seconds
 from hybond.units import parse_unit, try_quantity
 
 Vector = NDArray[np.float64]

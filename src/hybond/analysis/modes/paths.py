@@ -25,7 +25,6 @@ from hybond.model.graph import FlatGraph, Mode, Rule
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
-How = Literal["tried", "written", "holds"]
 End = Literal["holds", "cycle", "barred", "open"]
 
 WRITES = 8

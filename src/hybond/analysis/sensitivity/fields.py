@@ -187,7 +187,6 @@ class _Mode:
         self._extra = [self.rows.moving(e) for e in fields.integrands]
         self._rates = Compiled([*self.rows.rates, *self._extra])
         self._read = Read(self.tangent, self._extra)
-        self._readers: dict[Expr, Read] = {}
 
     def field(self, at: At) -> Field:
         """Return the field at points."""

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Literal, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,6 +33,7 @@ from hybond.model.parts import Value
 from hybond.model.unit_words import unit_of
 from hybond.names import did_you_mean
 from hybond.result import Result
+from hybond.runs.asked import MethodOptions
 from hybond.simulation import simulate
 
 Vector = NDArray[np.float64]
@@ -88,7 +89,7 @@ class Gradient:
             yield f"  by {name.ljust(wide)}  {value:.6g} {unit}".rstrip()
 
 
-@called('hb.gradient(model, hb.Final("c.e"), "1 s", wrt=["R"])')
+@called('hb.gradient(model, hb.Final("c.e"), "1 s", wrt=["R"])', options=MethodOptions)
 def gradient(
     model: Model,
     goal: Goal,
@@ -97,9 +98,7 @@ def gradient(
     wrt: Sequence[str] | str,
     mode: Literal["adjoint", "forward"] = "adjoint",
     parameters: Mapping[str, Value] | None = None,
-    solver: str | None = None,
-    rtol: float | None = None,
-    max_step: float | str | None = None,
+    **options: Unpack[MethodOptions],
 ) -> Gradient:
     """Return a goal of a run and its derivatives, through all switches.
 
@@ -114,7 +113,7 @@ def gradient(
         As for `sensitivities`.
     mode : {"adjoint", "forward"}
         The same numbers: back through the run with one row, or forward with a column for each.
-    parameters, solver, rtol, max_step
+    parameters, **options
         As for `sensitivities`.
 
     Raises
@@ -151,7 +150,7 @@ def gradient(
             f"mode = {mode!r}", code="HB-A525", where="mode", hint="adjoint or forward"
         )
     found = slotted(opened_model(model, wrt, parameters or {}), {})
-    run = simulate(found.plain, until, solver=solver, rtol=rtol, max_step=max_step)
+    run = simulate(found.plain, until, **options)
     outputs = [goal.signal] if isinstance(goal, Final) else []
     integrands = [goal.signal] if isinstance(goal, Total) else []
     varied = Varied.of(run, found, outputs, [], integrands)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Unpack
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,14 +24,18 @@ from hybond.model.expressions import Expr
 from hybond.model.graph import FlatGraph
 from hybond.model.parts import Value
 from hybond.model.unit_words import unit_of
+from hybond.options import seconds
 from hybond.result import Result
-from hybond.runs.options import seconds
+from hybond.runs.asked import MethodOptions
 from hybond.simulation import simulate
 
 Vector = NDArray[np.float64]
 
 
-@called('hb.sensitivities(model, "1 s", wrt=["m", "pad.C", "ball.p"], of=["v.f"])')
+@called(
+    'hb.sensitivities(model, "1 s", wrt=["m", "pad.C", "ball.p"], of=["v.f"])',
+    options=MethodOptions,
+)
 def sensitivities(
     model: Model,
     until: float | str | None = None,
@@ -39,9 +44,7 @@ def sensitivities(
     of: Sequence[str] | str | None = None,
     times: Sequence[float | str] = (),
     parameters: Mapping[str, Value] | None = None,
-    solver: str | None = None,
-    rtol: float | None = None,
-    max_step: float | str | None = None,
+    **options: Unpack[MethodOptions],
 ) -> Sensitivities:
     """Return the derivatives of a run by parameters and start values, through all its switches.
 
@@ -63,9 +66,9 @@ def sensitivities(
         Times at which the derivatives are wanted too, beside the accepted points of the run.
     parameters : mapping
         Values by dotted path that replace the model's own.
-    solver, rtol, max_step
-        As for `simulate`. The derivatives are those of the exact motion, at the states of the run:
-        a tighter `rtol` gives both more digits.
+    **options
+        `method`, or what is short for it, as for `simulate`. The derivatives are those of the exact
+        motion, at the states of the run: a tighter `rtol` gives both more digits.
 
     Returns
     -------
@@ -99,7 +102,7 @@ def sensitivities(
     """
     opened = opened_model(model, wrt, parameters or {})
     found = slotted(opened, {})
-    run = simulate(found.plain, until, solver=solver, rtol=rtol, max_step=max_step)
+    run = simulate(found.plain, until, **options)
     names = _outputs(run.graph, of)
     asked = [seconds(t, "times") for t in times]
     varied = Varied.of(run, found, list(names.values()), asked)

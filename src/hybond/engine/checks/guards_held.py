@@ -7,6 +7,7 @@ settle the two one after the other makes a mode of what is none, and its jump ta
 
 from __future__ import annotations
 
+from hybond.engine.answers import value
 from hybond.engine.checks.noting import APART, UNFIRED, note_violation
 from hybond.engine.checks.shown import show_at
 from hybond.engine.engine import OK, Engine
@@ -16,7 +17,6 @@ from hybond.engine.instant.instant import Instant
 from hybond.engine.methods.stepping import between
 from hybond.engine.mode.equations import mode_of
 from hybond.engine.mode.sizes import measure
-from hybond.engine.model import value
 from hybond.engine.sliding.combine import combine_here
 
 

@@ -14,6 +14,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.engine.answers import value
 from hybond.engine.checks.noting import ELEMENT, JUNCTION, STORAGE, note_violation
 from hybond.engine.checks.shown import clear_prior, show_at
 from hybond.engine.engine import Engine
@@ -21,7 +22,6 @@ from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.sizes import size_of
 from hybond.engine.mode.storage import co_energy_of, own_stiffness, reach_of
 from hybond.engine.mode.tableau import part_of
-from hybond.engine.model import value
 from hybond.engine.timestepping.step_records import MOREAU
 
 PART: Final = 1e-9

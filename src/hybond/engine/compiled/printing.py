@@ -117,7 +117,7 @@ def library_text() -> str:
     lines += ["#endif", "", *(f"#include <{h}>" for h in HEADERS), "", *words, ""]
     lines += printer.typedefs()
     modules = {m.name: m for m in found.modules}
-    first = ["functions", "lookup", "pairs", "code", "model"]
+    first = ["functions", "lookup", "pairs", "code", "model", "answers"]
     for name in [*first, *(n for n in modules if n not in first)]:
         if printer.needed(modules[name]):
             head = prose(modules[name].doc)

@@ -2,6 +2,7 @@
 
 import math
 
+from hybond.engine.answers import value
 from hybond.engine.contacts.accumulation import note_impact, push_time, restart
 from hybond.engine.contacts.landing_records import CROWD, Landings
 from hybond.engine.engine import OK, Engine
@@ -10,7 +11,7 @@ from hybond.engine.instant.instant import PINNACLE, Instant
 from hybond.engine.instant.trial import a_priori
 from hybond.engine.mode.equations import mode_of
 from hybond.engine.mode.values import evaluate
-from hybond.engine.model import Model, value
+from hybond.engine.model import Model
 from hybond.engine.sliding.combine import combine_here
 from hybond.engine.words import Floats
 

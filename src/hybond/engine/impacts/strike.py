@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.engine.answers import node_name
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.impacts.impact_laws import exchange_impulses
 from hybond.engine.impacts.impact_records import (
@@ -29,7 +30,7 @@ from hybond.engine.laws.law_instant import (
 )
 from hybond.engine.laws.law_records import Laws
 from hybond.engine.laws.ports import respond, solve_with, times_partner
-from hybond.engine.model import Model, node_name
+from hybond.engine.model import Model
 from hybond.engine.words import Floats
 
 REACHED: Final = 1e-6

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 
+from hybond.engine.answers import stored_name, value
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.inputs.calls import call_block
 from hybond.engine.inputs.interval import is_due, one_instant
-from hybond.engine.model import stored_name, value
 from hybond.engine.reasons.facts import no_sample
 from hybond.engine.words import Floats
 

@@ -6,12 +6,12 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import fit, row_size, row_times
+from hybond.engine.answers import node_name, value
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.newton import knowns_of
 from hybond.engine.mode.newton_system import split, take_rank
 from hybond.engine.mode.storage import coupled, own_stiffness, reach_of
-from hybond.engine.model import node_name, value
 from hybond.engine.reasons.facts import disagree
 from hybond.engine.words import Floats
 

@@ -8,6 +8,7 @@ Mosterman and Biswas 2002, eq. 18 and Algorithms 2 and 3.
 
 from __future__ import annotations
 
+from hybond.engine.answers import machine_name, rule_text
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.expressions.paired import holds
 from hybond.engine.inputs.interval import interval_after
@@ -44,7 +45,6 @@ from hybond.engine.instant.trial import (
 )
 from hybond.engine.laws.law_instant import make_consistent, take_instant
 from hybond.engine.mode.equations import is_fieldless
-from hybond.engine.model import machine_name, rule_text
 from hybond.engine.reasons.facts import add_fact
 from hybond.engine.sliding.branches import choose_at, know_around
 from hybond.engine.words import Floats, Ints, floats, ints, record

@@ -9,6 +9,7 @@ import math
 
 from hybond.engine.algebra.blocks import fit
 from hybond.engine.algebra.products import all_finite
+from hybond.engine.answers import node_name, stored_name
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.expressions.paired import evaluate_pair
 from hybond.engine.expressions.pairs import (
@@ -33,7 +34,6 @@ from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.sizes import measure
 from hybond.engine.mode.storage import energy_of, reach_of
 from hybond.engine.mode.values import set_values
-from hybond.engine.model import node_name, stored_name
 from hybond.engine.reasons.facts import add_fact
 from hybond.engine.sliding.averages import begin_sizes, freedom_here, solve_here
 from hybond.engine.sliding.combine import combine_here

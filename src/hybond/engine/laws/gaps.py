@@ -10,10 +10,11 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.engine.answers import node_name, value
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.laws.law_records import Laws
 from hybond.engine.laws.ports import open_mode, solve_with
-from hybond.engine.model import Model, node_name, value
+from hybond.engine.model import Model
 from hybond.engine.reasons.facts import add_fact
 from hybond.engine.words import Floats
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.engine.answers import value
 from hybond.engine.complementarity.all_branches import answer_laws
 from hybond.engine.complementarity.law_roles import BACKWARD, FORWARD, TWO_SIDED
 from hybond.engine.engine import Engine
@@ -23,7 +24,7 @@ from hybond.engine.laws.law_records import Laws
 from hybond.engine.laws.law_seconds import warn_of_several
 from hybond.engine.laws.ports import base_mode
 from hybond.engine.mode.tableau import COMMON, NET
-from hybond.engine.model import Model, value
+from hybond.engine.model import Model
 from hybond.engine.planar.planar import answer_rests, put_on_the_way
 from hybond.engine.words import Floats, Ints
 

@@ -22,6 +22,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.svd import least_squares, null_space
+from hybond.engine.answers import node_name
 from hybond.engine.complementarity.law_roles import (
     BACKWARD,
     CUT,
@@ -56,7 +57,7 @@ from hybond.engine.laws.law_rates import look_ahead
 from hybond.engine.laws.law_records import Laws, Response
 from hybond.engine.laws.ports import respond
 from hybond.engine.mode.tableau import COMMON, NET
-from hybond.engine.model import Model, node_name
+from hybond.engine.model import Model
 from hybond.engine.planar.planar import find_disks
 from hybond.engine.reasons.facts import tell_ports
 from hybond.engine.words import Floats, float_table, int_table

@@ -9,6 +9,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import grow_places
+from hybond.engine.answers import machine_name
 from hybond.engine.engine import OK, Engine, say_fault
 from hybond.engine.expressions.paired import holds
 from hybond.engine.instant.constraints import check_agreement
@@ -26,7 +27,7 @@ from hybond.engine.laws.law_records import AGAIN, TURNED, Laws
 from hybond.engine.laws.ports import open_mode
 from hybond.engine.mode.newton import no_values
 from hybond.engine.mode.storage import reach_of
-from hybond.engine.model import Model, machine_name
+from hybond.engine.model import Model
 from hybond.engine.planar.planar import put_headings
 from hybond.engine.reasons.facts import add_fact
 from hybond.engine.words import Floats

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.engine.answers import node_name, value
 from hybond.engine.complementarity.law_roles import CUT, SHUT
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.expressions.paired import evaluate_pair, holds
@@ -17,7 +18,7 @@ from hybond.engine.mode.sizes import STORED, measure_values, seen_of
 from hybond.engine.mode.storage import energy_of
 from hybond.engine.mode.tableau import COMMON
 from hybond.engine.mode.values import set_values
-from hybond.engine.model import Model, node_name, value
+from hybond.engine.model import Model
 from hybond.engine.words import Floats, Ints
 
 LAW_ZERO: Final = 1e-12

@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.engine.answers import value
 from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.laws.law_instant import LAW_ZERO
 from hybond.engine.laws.law_records import Laws
@@ -18,7 +19,6 @@ from hybond.engine.laws.ports import open_mode, rates_of_linear, rates_of_stored
 from hybond.engine.mode.guess import give_back_guess, hold_guess
 from hybond.engine.mode.sizes import size_of
 from hybond.engine.mode.values import set_values
-from hybond.engine.model import value
 from hybond.engine.sliding.averages import solve_here
 
 AHEAD: Final = 1e-9

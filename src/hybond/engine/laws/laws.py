@@ -3,6 +3,7 @@
 import math
 from typing import Final
 
+from hybond.engine.answers import machine_name, node_name
 from hybond.engine.checks.impacts_held import hold_impact
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.impacts.impact_records import NEWTON, NEWTON_SIMULTANEOUS
@@ -33,7 +34,7 @@ from hybond.engine.laws.law_candidates import (
 from hybond.engine.laws.law_instant import NO_LAW_VALUE, make_consistent, quantity, take_instant
 from hybond.engine.laws.law_records import Laws
 from hybond.engine.mode.storage import energy_of
-from hybond.engine.model import Model, machine_name, node_name
+from hybond.engine.model import Model
 from hybond.engine.reasons.facts import add_fact, tell_ports
 from hybond.engine.words import Floats, Ints
 

@@ -15,6 +15,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import row_size
+from hybond.engine.answers import node_name, value
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.inputs.interval import configuration
 from hybond.engine.laws.law_records import OPEN_KEPT, Laws, Ports, Response, make_ports
@@ -25,7 +26,7 @@ from hybond.engine.mode.mode_records import Mode, make_mode
 from hybond.engine.mode.newton import solve
 from hybond.engine.mode.tableau import COMMON, NET, NOT_OPEN
 from hybond.engine.mode.values import set_values
-from hybond.engine.model import Model, node_name, value
+from hybond.engine.model import Model
 from hybond.engine.timestepping.end_ports import choose_given, prefer_common
 from hybond.engine.timestepping.step_records import MOREAU
 from hybond.engine.words import Floats, Ints, some

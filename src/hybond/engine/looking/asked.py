@@ -7,12 +7,13 @@ variables, sources and states that they read: a model may be large and the quest
 from __future__ import annotations
 
 from hybond.engine.algebra.blocks import Places, fit_places, make_places, row_times
+from hybond.engine.answers import value
 from hybond.engine.engine import Engine
 from hybond.engine.inputs.interval import set_time
 from hybond.engine.mode.mode_records import Mode, Reads, make_reads
 from hybond.engine.mode.reading import read_bond, read_nothing
 from hybond.engine.mode.storage import co_energy_of
-from hybond.engine.model import Model, value
+from hybond.engine.model import Model
 from hybond.engine.words import Floats, Ints, ints, record
 
 

@@ -13,13 +13,13 @@ from typing import Final
 
 from hybond.engine.algebra.blocks import fit
 from hybond.engine.algebra.products import all_finite, copy_floats
+from hybond.engine.answers import value
 from hybond.engine.engine import OK, Engine
 from hybond.engine.methods.dopri import error_norm_of
 from hybond.engine.methods.flow_records import ORDERS, PARTS, TERMS
 from hybond.engine.methods.propagate import pass_derivatives, pass_parts, rate_of
 from hybond.engine.methods.scale import error_norm, tolerance
 from hybond.engine.mode.values import field, set_motion
-from hybond.engine.model import value
 from hybond.engine.words import Floats, float_table
 
 ASKED: Final = 3

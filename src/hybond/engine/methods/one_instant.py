@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.engine.answers import value
 from hybond.engine.engine import OK, Engine
 from hybond.engine.methods.dopri import spacing
 from hybond.engine.mode.newton import solve
 from hybond.engine.mode.values import set_motion
-from hybond.engine.model import value
 from hybond.engine.words import Floats
 
 LEAST: Final = 8.0

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.engine.answers import value
 from hybond.engine.engine import Engine
 from hybond.engine.mode.guess import give_back_guess, hold_guess
 from hybond.engine.mode.mode_records import Mode
@@ -12,7 +13,6 @@ from hybond.engine.mode.newton import solve
 from hybond.engine.mode.sizes import size_of
 from hybond.engine.mode.storage import own_stiffness
 from hybond.engine.mode.values import set_state
-from hybond.engine.model import value
 from hybond.engine.words import Floats
 
 NEGLIGIBLE: Final = 1e-6

@@ -6,10 +6,10 @@ A row is a law of the model or the time derivative of a constraint.
 from __future__ import annotations
 
 from hybond.engine.algebra.blocks import Block, fit
+from hybond.engine.answers import value
 from hybond.engine.engine import Engine
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.storage import stiff
-from hybond.engine.model import value
 from hybond.engine.words import Floats, Ints
 
 

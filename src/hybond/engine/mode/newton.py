@@ -10,6 +10,7 @@ from typing import Final
 
 from hybond.engine.algebra.blocks import Rows, fit, row_size, row_times
 from hybond.engine.algebra.products import all_finite
+from hybond.engine.answers import node_name, value
 from hybond.engine.engine import NOT_FINITE, OK, Engine, say_fault
 from hybond.engine.mode.continuation import continued
 from hybond.engine.mode.damped import SETTLED, damped
@@ -29,7 +30,6 @@ from hybond.engine.mode.newton_system import (
 from hybond.engine.mode.put_back import put_back
 from hybond.engine.mode.storage import co_energy
 from hybond.engine.mode.undetermined import least_of_free
-from hybond.engine.model import node_name, value
 from hybond.engine.reasons.facts import NO_ELEMENT, OVERFLOW, tell_law, tell_laws
 from hybond.engine.words import Floats, Text
 

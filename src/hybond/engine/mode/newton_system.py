@@ -14,12 +14,12 @@ from hybond.engine.algebra.blocks import fit, fit_places
 from hybond.engine.algebra.lu import SINGULAR, lu_factor, lu_solve
 from hybond.engine.algebra.products import all_finite
 from hybond.engine.algebra.svd import svd_of_transpose
+from hybond.engine.answers import value
 from hybond.engine.engine import Engine, svd_room
 from hybond.engine.mode.dynamic_rows import dynamic_value, frozen_at, slopes_at
 from hybond.engine.mode.freedom import rank_here, step_of_singular
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.storage import stiff
-from hybond.engine.model import value
 from hybond.engine.words import Floats
 
 CLEAR_PIVOT: Final = 1e-6

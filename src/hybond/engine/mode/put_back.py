@@ -6,6 +6,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import fit
+from hybond.engine.answers import value
 from hybond.engine.engine import Engine
 from hybond.engine.mode.dynamic_rows import dynamic_value
 from hybond.engine.mode.mode_records import Mode
@@ -17,7 +18,6 @@ from hybond.engine.mode.newton_system import (
     system,
     write_bonds,
 )
-from hybond.engine.model import value
 from hybond.engine.words import Floats
 
 HOLDS: Final = 1e-10

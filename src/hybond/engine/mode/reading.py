@@ -7,11 +7,12 @@ begin to be watched. At events and where something is printed all are evaluated.
 from __future__ import annotations
 
 from hybond.engine.algebra.blocks import Rows, row_times
+from hybond.engine.answers import value
 from hybond.engine.engine import OK, Engine
 from hybond.engine.mode.mode_records import Mode, Reads
 from hybond.engine.mode.newton import solve
 from hybond.engine.mode.storage import co_energy_of
-from hybond.engine.model import Model, value
+from hybond.engine.model import Model
 from hybond.engine.words import Floats
 
 

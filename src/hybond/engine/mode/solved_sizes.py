@@ -12,10 +12,10 @@ import math
 from hybond.engine.algebra.blocks import fit, fit_places, row_size
 from hybond.engine.algebra.lu import SINGULAR, lu_factor, lu_solve
 from hybond.engine.algebra.products import all_finite
+from hybond.engine.answers import value
 from hybond.engine.engine import Engine
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.newton_system import is_clear, rows_of_system
-from hybond.engine.model import value
 from hybond.engine.words import Floats
 
 

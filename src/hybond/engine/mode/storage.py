@@ -8,8 +8,9 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.engine.answers import value
 from hybond.engine.engine import Engine
-from hybond.engine.model import Model, value
+from hybond.engine.model import Model
 from hybond.engine.words import Floats, float_table
 
 PARTS: Final = 200

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+from hybond.engine.answers import value
 from hybond.engine.engine import OK, Engine
 from hybond.engine.inputs.interval import set_time
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.reading import solve_read
-from hybond.engine.model import value
 from hybond.engine.sliding.averages import blended_field, solve_here
 from hybond.engine.words import Floats
 

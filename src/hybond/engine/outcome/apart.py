@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -12,9 +11,9 @@ from numpy.typing import NDArray
 from hybond.engine.outcome.engine_run import EngineRun
 from hybond.engine.outcome.engines import Prepared, choose_engine, prepared
 from hybond.engine.outcome.signals import Signals
-from hybond.engine.tables.options import Settings
+from hybond.engine.tables.options import settings_of
 from hybond.model.graph import FlatGraph, Mode
-from hybond.runs.options import impact_of
+from hybond.runs.policies import Limits
 from hybond.runs.trace import Event, Trace
 
 Vector = NDArray[np.float64]
@@ -44,22 +43,9 @@ class Apart:
 
     @cached_property
     def _prepared(self) -> Prepared:
-        experiment = self.graph.experiment
-        settings = Settings(
-            until=1.0,
-            span=1.0,
-            solver="rk45",
-            step=None,
-            rtol=1e-8,
-            atol=None,
-            max_step=math.inf,
-            event_tol=1e-12,
-            slides=False,
-            impact=impact_of(None, experiment),
-            max_events=MANY,
-            max_steps=MANY,
-            max_writes=int(experiment.get("max_writes", 1000)),
-        )
+        own = {k: v for k, v in self.graph.experiment.items() if k in ("impact", "max_writes")}
+        limits = Limits(events=MANY, steps=MANY)
+        settings, _ = settings_of(own, 1.0, solver="rk45", sliding="refuse", limits=limits)
         return prepared(self.graph, settings, choose_engine())
 
     @property

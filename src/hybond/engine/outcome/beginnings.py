@@ -16,8 +16,8 @@ from hybond.errors import UsageError
 from hybond.model.fingerprint import fingerprint_of
 from hybond.model.graph import FlatGraph, Mode
 from hybond.names import did_you_mean
+from hybond.options import seconds
 from hybond.records import dataclass
-from hybond.runs.options import seconds
 from hybond.runs.states import State
 from hybond.units import Dimension, try_quantity
 

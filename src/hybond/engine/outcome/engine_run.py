@@ -19,7 +19,7 @@ from hybond.engine.compiled.sliced import ACCUMULATES, REFUSED
 from hybond.engine.outcome.beginnings import Beginning, not_of_this_model
 from hybond.engine.outcome.engines import Prepared
 from hybond.engine.outcome.faults import Fault, error_of
-from hybond.engine.outcome.journal import Journal
+from hybond.engine.outcome.journal import EventFile
 from hybond.engine.outcome.records import CAUSES, Instants, Records
 from hybond.engine.outcome.signals import Signals
 from hybond.errors import HybondError
@@ -58,7 +58,7 @@ class EngineRun:
         *,
         progress: Callable[[float, int], object] | None = None,
         keep: int | None = None,
-        journal: Journal | None = None,
+        journal: EventFile | None = None,
         runners: Mapping[str, Runner] | None = None,
         begin: Beginning | None = None,
         until: float | None = None,
@@ -244,7 +244,7 @@ def _modes(n: int) -> str:
     return f"{n} mode{'' if n == 1 else 's'}"
 
 
-def _write(journal: Journal, found: Instants) -> None:
+def _write(journal: EventFile, found: Instants) -> None:
     """Write the events of a slice."""
     rows = found.rows
     for k, t in enumerate(rows.instant_time[:, 0].tolist()):

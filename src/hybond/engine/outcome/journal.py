@@ -11,7 +11,7 @@ from hybond.errors import UsageError
 from hybond.model.graph import FlatGraph, Mode
 
 
-class Journal:
+class EventFile:
     """A CSV file with a row for each event.
 
     Its columns are ``t`` (s), ``cause``, the states of the machines in which time goes on, and what

@@ -10,9 +10,10 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.products import copy_floats
+from hybond.engine.answers import machine_name
 from hybond.engine.engine import NOT_FINITE, OK, REFUSED, Engine, say_fault
 from hybond.engine.mode.values import evaluate, field
-from hybond.engine.model import Model, machine_name
+from hybond.engine.model import Model
 from hybond.engine.planar.planar_records import Planar
 from hybond.engine.reasons.facts import add_fact
 from hybond.engine.words import Floats

@@ -13,13 +13,14 @@ from typing import Final
 from hybond.engine.algebra.lu import SINGULAR, lu_factor, lu_solve
 from hybond.engine.algebra.products import copy_floats
 from hybond.engine.algebra.svd import rank_above, svd
+from hybond.engine.answers import node_name
 from hybond.engine.complementarity.friction_disk import on_disk
 from hybond.engine.complementarity.law_problem import solve_laws
 from hybond.engine.complementarity.law_roles import FORWARD, SHUT, LawProblem
 from hybond.engine.engine import OK, Engine, say_fault
 from hybond.engine.laws.law_records import Laws
 from hybond.engine.mode.tableau import NET
-from hybond.engine.model import Model, node_name
+from hybond.engine.model import Model
 from hybond.engine.planar.planar_records import Planar
 from hybond.engine.words import Floats, Ints
 

@@ -27,11 +27,11 @@ from __future__ import annotations
 from typing import Final
 
 from hybond.engine.algebra.blocks import grow_block
+from hybond.engine.answers import stored_name
 from hybond.engine.complementarity.law_roles import ONE_SIDED, TWO_SIDED
 from hybond.engine.engine import REFUSED, Engine, Fault, say_fault
 from hybond.engine.laws.law_records import Laws
 from hybond.engine.mode.mode_records import Mode
-from hybond.engine.model import stored_name
 from hybond.engine.words import Text
 
 NO_ELEMENT: Final = -1

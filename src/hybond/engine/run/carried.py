@@ -9,7 +9,6 @@ anew from these, as equations of modes, is found anew.
 from __future__ import annotations
 
 import math
-from typing import Final
 
 from hybond.engine.algebra.blocks import (
     Block,
@@ -30,13 +29,9 @@ from hybond.engine.methods.stepping import by_radau
 from hybond.engine.methods.stiffness import turn
 from hybond.engine.run.run_records import FRESH, GIVEN, GOES_ON, Run
 from hybond.engine.sliding.branches import choose_anew
+from hybond.engine.sliding.what_happened import is_held
 from hybond.engine.timestepping.step_records import MOREAU
 from hybond.engine.words import Floats, Ints, record
-
-OWN_FLOATS: Final = 3
-OWN_INTS: Final = 1
-STEP_FLOATS: Final = 7
-STEP_INTS: Final = 6
 
 
 @record
@@ -58,14 +53,42 @@ def make_carrier(e: Engine) -> Carrier:
     return c
 
 
+def carry_number(c: Carrier, given: float) -> float:
+    """Carry a number; return what it is then: the one that came, on the way into a run."""
+    grow_block(c.number, c.floats + 1)
+    if not c.puts:
+        c.number.at[c.floats] = given
+    c.floats += 1
+    return c.number.at[c.floats - 1]
+
+
+def carry_whole(c: Carrier, given: int) -> int:
+    """Carry a whole number; return what it is then."""
+    grow_places(c.place, c.ints + 1)
+    if not c.puts:
+        c.place.at[c.ints] = given
+    c.ints += 1
+    return c.place.at[c.ints - 1]
+
+
+def carry_truth(c: Carrier, given: bool) -> bool:
+    """Carry a truth; return what it is then."""
+    return carry_whole(c, 1 if given else 0) != 0
+
+
 def carry_floats(c: Carrier, n: int, row: Floats) -> None:
     """Carry a row of numbers."""
+    carry_copy(c, n, row, row)
+
+
+def carry_copy(c: Carrier, n: int, given: Floats, taken: Floats) -> None:
+    """Carry a row of numbers that stands elsewhere on the way in than on the way out."""
     grow_block(c.number, c.floats + n)
     for k in range(n):
         if c.puts:
-            row[k] = c.number.at[c.floats + k]
+            taken[k] = c.number.at[c.floats + k]
         else:
-            c.number.at[c.floats + k] = row[k]
+            c.number.at[c.floats + k] = given[k]
     c.floats += n
 
 
@@ -87,33 +110,18 @@ def machines_carried(e: Engine) -> int:
 
 def carry_state(e: Engine, c: Carrier) -> None:
     """Carry what any run can begin with."""
-    m = e.model
     s = e.slide
-    grow_block(c.number, c.floats + 1)
-    if c.puts:
-        e.t = c.number.at[c.floats]
-    else:
-        c.number.at[c.floats] = e.t
-    c.floats += 1
+    e.t = carry_number(c, e.t)
     carry_floats(c, e.states, e.y)
     carry_ints(c, machines_carried(e), e.state)
     carry_ints(c, machines_carried(e), e.landings.landed)
-    grow_places(c.place, c.ints + m.surfaces + 1)
     if c.puts:
         s.many = 0
-        s.slid_product = c.place.at[c.ints + m.surfaces] != 0
-    for k in range(m.surfaces):
-        if c.puts and c.place.at[c.ints + k] != 0:
+    for k in range(e.model.surfaces):
+        if carry_truth(c, is_held(e, k)) and c.puts:
             s.surface[s.many] = k
             s.many += 1
-        elif not c.puts:
-            c.place.at[c.ints + k] = 0
-    for k in range(s.many):
-        if not c.puts:
-            c.place.at[c.ints + s.surface[k]] = 1
-    if not c.puts:
-        c.place.at[c.ints + m.surfaces] = 1 if s.slid_product else 0
-    c.ints += m.surfaces + 1
+    s.slid_product = carry_truth(c, s.slid_product)
 
 
 def carry_memory(e: Engine, r: Run, c: Carrier) -> None:
@@ -141,75 +149,35 @@ def carry_memory(e: Engine, r: Run, c: Carrier) -> None:
     carry_ints(c, many, g.other_kept)
     carry_ints(c, m.reactions, g.sign)
     carry_ints(c, m.storages, g.held)
-    carry_own(e, r, c)
+    e.energy = carry_number(c, e.energy)
+    e.scale_energy = carry_number(c, e.scale_energy)
+    e.sampled_at = carry_number(c, e.sampled_at)
+    g.events = carry_whole(c, g.events)
     carry_step(e, r, c)
-
-
-def carry_own(e: Engine, r: Run, c: Carrier) -> None:
-    """Carry single numbers."""
-    own = c.floats
-    places = c.ints
-    grow_block(c.number, own + OWN_FLOATS)
-    grow_places(c.place, places + OWN_INTS)
-    c.floats += OWN_FLOATS
-    c.ints += OWN_INTS
-    if c.puts:
-        e.energy = c.number.at[own]
-        e.scale_energy = c.number.at[own + 1]
-        e.sampled_at = c.number.at[own + 2]
-        e.landings.events = c.place.at[places]
-        return
-    c.number.at[own] = e.energy
-    c.number.at[own + 1] = e.scale_energy
-    c.number.at[own + 2] = e.sampled_at
-    c.place.at[places] = e.landings.events
 
 
 def carry_step(e: Engine, r: Run, c: Carrier) -> None:
     """Carry the step that the end of the run has cut short, if it was one, and how it began."""
     s = e.step
-    own = c.floats
-    places = c.ints
-    grow_block(c.number, own + STEP_FLOATS)
-    grow_places(c.place, places + STEP_INTS)
-    c.floats += STEP_FLOATS
-    c.ints += STEP_INTS
-    if c.puts:
-        r.warm_t = c.number.at[own]
-        r.warm_h = c.number.at[own + 1]
-        r.warm_error = c.number.at[own + 2]
-        r.warm_grid = c.number.at[own + 3]
-        r.warm_next = c.number.at[own + 4]
-        # by another method, or with other steps, it would not be the same one
-        same = (
-            c.number.at[own + 5] == float(e.model.method) and c.number.at[own + 6] == e.model.step
-        )
-        sound = r.warm_h > 0.0 or r.warm_next > 0.0
-        sound = sound and r.warm_t < e.t and r.warm_h < math.inf and r.warm_next < math.inf
-        r.warm = same and sound and c.place.at[places] != 0
-        r.warm_implicit = c.place.at[places + 1] != 0
-        s.bound = c.place.at[places + 2]
-        s.free = c.place.at[places + 3]
-        s.long_bound = c.place.at[places + 4]
-        s.long_free = c.place.at[places + 5]
-        carry_floats(c, e.states, r.warm_y)
-        carry_floats(c, e.model.storages, r.warm_rounding)
-        return
-    c.number.at[own] = s.t0
-    c.number.at[own + 1] = s.h_asked
-    c.number.at[own + 2] = s.error_asked
-    c.number.at[own + 3] = s.grid
-    c.number.at[own + 4] = s.grid_asked
-    c.number.at[own + 5] = float(e.model.method)
-    c.number.at[own + 6] = e.model.step
-    c.place.at[places] = 1 if r.cut else 0
-    c.place.at[places + 1] = 1 if s.implicit else 0
-    c.place.at[places + 2] = s.bound
-    c.place.at[places + 3] = s.free
-    c.place.at[places + 4] = s.long_bound
-    c.place.at[places + 5] = s.long_free
-    carry_floats(c, e.states, s.y0)
-    carry_floats(c, e.model.storages, e.rounding)
+    r.warm_t = carry_number(c, s.t0)
+    r.warm_h = carry_number(c, s.h_asked)
+    r.warm_error = carry_number(c, s.error_asked)
+    r.warm_grid = carry_number(c, s.grid)
+    r.warm_next = carry_number(c, s.grid_asked)
+    # by another method, or with other steps, it would not be the same one
+    same = carry_number(c, float(e.model.method)) == float(e.model.method)
+    same = carry_number(c, e.model.step) == e.model.step and same
+    sound = r.warm_h > 0.0 or r.warm_next > 0.0
+    sound = sound and r.warm_t < e.t and r.warm_h < math.inf and r.warm_next < math.inf
+    cut = carry_truth(c, r.cut)
+    r.warm = c.puts and same and sound and cut
+    r.warm_implicit = carry_truth(c, s.implicit)
+    s.bound = carry_whole(c, s.bound)
+    s.free = carry_whole(c, s.free)
+    s.long_bound = carry_whole(c, s.long_bound)
+    s.long_free = carry_whole(c, s.long_free)
+    carry_copy(c, e.states, s.y0, r.warm_y)
+    carry_copy(c, e.model.storages, e.rounding, r.warm_rounding)
 
 
 def take_out(e: Engine, r: Run, c: Carrier) -> None:

@@ -9,11 +9,11 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.engine.answers import value
 from hybond.engine.engine import OK, Engine
 from hybond.engine.methods.one_instant import room_of_instant
 from hybond.engine.mode.sizes import sizes_of
 from hybond.engine.mode.values import evaluate, field
-from hybond.engine.model import value
 from hybond.engine.run.run_records import Run
 from hybond.engine.words import Floats
 

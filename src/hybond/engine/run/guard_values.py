@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
+from hybond.engine.answers import rule_text, value
 from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.expressions.paired import holds
 from hybond.engine.expressions.pairs import ROUNDING
@@ -14,7 +15,6 @@ from hybond.engine.mode.mode_records import is_constrained
 from hybond.engine.mode.reading import solve_read
 from hybond.engine.mode.sizes import measure
 from hybond.engine.mode.values import evaluate, set_motion
-from hybond.engine.model import rule_text, value
 from hybond.engine.reasons.facts import add_fact
 from hybond.engine.run.locator import ALL_PARTS, NO_KINK, Locator
 from hybond.engine.sliding.averages import begin_sizes, part_sizes, show_part, solve_here

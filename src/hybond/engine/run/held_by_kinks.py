@@ -9,11 +9,11 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.engine.answers import value
 from hybond.engine.engine import OK, Engine
 from hybond.engine.methods.one_instant import room_of_instant
 from hybond.engine.mode.reading import solve_read
 from hybond.engine.mode.values import field, set_motion
-from hybond.engine.model import value
 from hybond.engine.run.guard_values import show
 from hybond.engine.run.locator import ALL_PARTS, NO_KINK, Locator
 from hybond.engine.run.run_records import Run

@@ -2,6 +2,16 @@
 
 from __future__ import annotations
 
+from hybond.engine.answers import (
+    bond_name,
+    machine_name,
+    node_name,
+    output_name,
+    rule_text,
+    state_name,
+    stored_name,
+    value,
+)
 from hybond.engine.checks.noting import (
     APART,
     ELEMENT,
@@ -24,17 +34,7 @@ from hybond.engine.instant.instant import (
     Instant,
 )
 from hybond.engine.methods.stepping import between
-from hybond.engine.model import (
-    Model,
-    bond_name,
-    machine_name,
-    node_name,
-    output_name,
-    rule_text,
-    state_name,
-    stored_name,
-    value,
-)
+from hybond.engine.model import Model
 from hybond.engine.timestepping.step_event import STEP
 from hybond.engine.timestepping.step_shown import show_point
 from hybond.engine.words import (

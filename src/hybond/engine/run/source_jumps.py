@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.engine.answers import value
 from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.instant.jump import on_constraints
 from hybond.engine.methods.dopri import spacing
@@ -19,7 +20,6 @@ from hybond.engine.methods.stepping import between, step
 from hybond.engine.mode.mode_records import is_constrained
 from hybond.engine.mode.storage import reach_of
 from hybond.engine.mode.values import evaluate
-from hybond.engine.model import value
 from hybond.engine.run.guard_values import put_on_constraints
 from hybond.engine.run.run_records import Run
 from hybond.engine.run.together import LAST_PLACES, before_kink

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.engine.answers import value
 from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.instant.instant import GUARD, Instant
 from hybond.engine.mode.equations import mode_of
 from hybond.engine.mode.values import evaluate
-from hybond.engine.model import value
 from hybond.engine.sliding.around import find_field, take_met
 from hybond.engine.sliding.combine import combine_here
 from hybond.engine.sliding.crossings import vanishes

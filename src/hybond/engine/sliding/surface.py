@@ -8,10 +8,11 @@ from __future__ import annotations
 
 from typing import Final
 
+from hybond.engine.answers import value
 from hybond.engine.engine import Engine
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.storage import co_energy, stiff
-from hybond.engine.model import Model, value
+from hybond.engine.model import Model
 from hybond.engine.words import Floats, some
 
 NO_STORAGE: Final = -1

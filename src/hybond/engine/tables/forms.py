@@ -25,7 +25,7 @@ from hybond.engine.tables.options import METHODS
 from hybond.equations.element_parts import Dynamic, Source
 from hybond.model.expressions import Expr, names
 from hybond.model.inputs import Called, Constant, Timetable
-from hybond.runs.options import QUANTISED
+from hybond.options import QUANTISED
 
 if TYPE_CHECKING:
     from hybond.engine.tables.columns import ModelTables

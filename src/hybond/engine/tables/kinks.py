@@ -14,7 +14,7 @@ from hybond.engine.tables.options import METHODS
 from hybond.equations.surfaces import moves
 from hybond.model.expressions import Call, Expr, Number, ending, names, turning, uses_pre
 from hybond.model.graph import FlatGraph
-from hybond.runs.options import QUANTISED
+from hybond.options import QUANTISED
 
 if TYPE_CHECKING:
     from hybond.engine.tables.columns import ModelTables

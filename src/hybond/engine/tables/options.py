@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from typing import Any
 
 from hybond.engine.impacts.impact_records import LZB, NEWTON, NEWTON_SIMULTANEOUS, POISSON
@@ -12,28 +11,11 @@ from hybond.engine.tables.bands import banded
 from hybond.errors import UsageError
 from hybond.model.expressions import Expr, Name
 from hybond.model.graph import FlatGraph
+from hybond.options import ALIASES, OPTIONS, STEPPING, STEPPING_IMPACT
 from hybond.records import dataclass
+from hybond.runs.asked import chosen, ignored_impact, opened
 from hybond.runs.ends import ends_of
-from hybond.runs.options import (
-    ALIASES,
-    DEFAULT,
-    FIXED,
-    STEPPING,
-    STEPPING_IMPACT,
-    Choice,
-    check_step,
-    end_of,
-    ignored_impact,
-    impact_of,
-    limit_of,
-    seconds_of,
-    sliding_of,
-    solver_of,
-    span_of,
-    stepping_step,
-    stepping_theta,
-    tolerances_of,
-)
+from hybond.runs.times import end_of, span_of
 
 POINTS = 500
 """Rows of the table beside those of events, unless the experiment says otherwise."""
@@ -59,7 +41,7 @@ class Settings:
 
     until: float
     span: float
-    """What thresholds of time are parts of, s: see `runs.options.span_of`."""
+    """What thresholds of time are parts of, s: see `runs.times.span_of`."""
     solver: str
     """One of `METHODS`."""
     step: float | None
@@ -67,14 +49,14 @@ class Settings:
     event_tol: float
     max_events: int
     max_writes: int
-    rtol: float = 1e-8
-    atol: float | None = None
-    max_step: float = math.inf
-    slides: bool = False
-    impact: tuple[str, float] = ("newton", 1.0)
+    rtol: float
+    atol: float | None
+    max_step: float
+    slides: bool
+    impact: tuple[str, float]
     """Law of impacts, and the exponent of springs."""
-    max_steps: int = LARGEST
-    theta: float = 0.5
+    max_steps: int
+    theta: float
     """Of time-stepping."""
 
     @property
@@ -106,22 +88,12 @@ class Settings:
 def settings_of(
     experiment: Mapping[str, Any],
     until: float | str | Sequence[float | str] | None = None,
-    *,
-    solver: str | None = None,
-    rtol: float | None = None,
-    atol: float | None = None,
-    step: float | str | None = None,
-    max_step: float | str | None = None,
-    theta: float | None = None,
-    sliding: Choice | None = None,
-    hysteresis: float | str | None = None,
-    impact: str | None = None,
-    max_events: int | None = None,
-    max_steps: int | None = None,
+    **asked: Any,
 ) -> tuple[Settings, float | None]:
     """Return what a run is asked for, and the band of its switching surfaces if they have one.
 
-    The parameters are those of `hybond.simulate`; what is not given is as the experiment says.
+    The options are those of `hybond.runs.asked.RunOptions`; what is not given is as the experiment
+    says.
 
     Raises
     ------
@@ -129,49 +101,25 @@ def settings_of(
         For what is wrong with them.
     """
     end = end_of(until, experiment)
-    rtol, atol = tolerances_of(rtol, atol, experiment)
-    name = solver_of(solver, experiment)
-    given_step = seconds_of(step if step is not None else experiment.get("step"), "step")
-    longest = seconds_of(
-        max_step if max_step is not None else experiment.get("max_step"), "max_step"
-    )
-    if longest is not None and not longest > 0.0:
-        raise UsageError(
-            f"max_step of {longest:g} s: it must be positive",
-            code="HB-S103",
-            where="max_step",
-            hint="leave it out to let the tolerances decide",
-        )
-    choice, band = sliding_of(sliding, hysteresis, experiment)
+    found = chosen(asked, experiment)
+    impact = found["impact"]
     settings = Settings(
         until=end,
         span=span_of(experiment, end),
-        solver=name,
-        step=None,
-        rtol=rtol,
-        atol=atol,
-        max_step=math.inf if longest is None else longest,
-        event_tol=float(experiment.get("event_tol", 1e-12)),
-        slides=choice == "filippov",
-        max_events=limit_of("max_events", max_events, experiment),
-        max_steps=limit_of("max_steps", max_steps, experiment),
-        max_writes=int(experiment.get("max_writes", 1000)),
+        solver=found["solver"],
+        step=found["step"],
+        rtol=found["rtol"],
+        atol=found["atol"],
+        max_step=math.inf if found["max_step"] is None else found["max_step"],
+        event_tol=found["event_tol"],
+        slides=found["sliding"] == "filippov",
+        impact=("lzb", 1.5) if impact == "lzb_hertz" else (impact, 1.0),
+        max_events=found["max_events"],
+        max_steps=found["max_steps"],
+        max_writes=found["max_writes"],
+        theta=OPTIONS["theta"].default if found["theta"] is None else found["theta"],
     )
-    if name in STEPPING:
-        theta = theta if theta is not None else experiment.get("theta", 0.5)
-        own = replace(settings, step=stepping_step(given_step), theta=stepping_theta(theta))
-        return own, band
-    if theta is not None:
-        raise UsageError(
-            f"theta is given, but solver {name!r} has none",
-            code="HB-S112",
-            where="theta",
-            hint='solver = "moreau-jean"',
-        )
-    # a step written in the experiment for a fixed-step solver may stand there unused
-    own_step = given_step if name in FIXED or step is not None else None
-    check_step(name, own_step)
-    return replace(settings, impact=impact_of(impact, experiment), step=own_step), band
+    return settings, found["hysteresis"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -193,7 +141,8 @@ def options_of(graph: FlatGraph, given: Mapping[str, Any]) -> Options:
         `settings_of`.
     """
     experiment = graph.experiment
-    name = str(given.get("solver") or experiment.get("solver", DEFAULT))
+    own = opened({name: value for name, value in given.items() if name != "points"})
+    name = str(own.get("solver") or experiment.get("solver", OPTIONS["solver"].default))
     if ALIASES.get(name, name) not in METHODS:
         raise UsageError(
             f"an export has no solver {name!r}",
@@ -209,7 +158,6 @@ def options_of(graph: FlatGraph, given: Mapping[str, Any]) -> Options:
             where="points",
             hint="one or more: the rows beside those of events",
         )
-    own = {name: value for name, value in given.items() if name != "points"}
     conditions = ends_of(own.get("until"), experiment).conditions
     if conditions or experiment.get("start") is not None:
         said = f"end where {conditions[0]!r} holds" if conditions else "begin with another start"

@@ -17,6 +17,7 @@ from typing import Final
 from hybond.engine.algebra.blocks import fit
 from hybond.engine.algebra.lu import SINGULAR, lu_invert
 from hybond.engine.algebra.products import times_matrix
+from hybond.engine.answers import value
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.laws.law_records import Ports
 from hybond.engine.laws.ports import (
@@ -29,7 +30,7 @@ from hybond.engine.laws.ports import (
 )
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.newton import by_knowns
-from hybond.engine.model import Model, value
+from hybond.engine.model import Model
 from hybond.engine.timestepping.step_records import (
     COUPLED_KEPT,
     NOT_LOOKED,

@@ -10,6 +10,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import fit
+from hybond.engine.answers import node_name
 from hybond.engine.complementarity.law_roles import CUT, ONE_SIDED, SHUT, TWO_SIDED, LawProblem
 from hybond.engine.complementarity.semidefinite import is_indefinite
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
@@ -27,7 +28,6 @@ from hybond.engine.laws.law_records import Ports
 from hybond.engine.laws.law_seconds import warn_of_several
 from hybond.engine.laws.ports import times_partner
 from hybond.engine.mode.tableau import COMMON
-from hybond.engine.model import node_name
 from hybond.engine.reasons.facts import add_fact
 from hybond.engine.timestepping.guessed import answer_guessed
 from hybond.engine.timestepping.open_shares import find_still, share

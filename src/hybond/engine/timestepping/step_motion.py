@@ -22,6 +22,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.engine.answers import value
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.instant.instant import (
     CONTINUOUS,
@@ -36,7 +37,6 @@ from hybond.engine.instant.told import STEP_ENDS, say_why
 from hybond.engine.laws.laws import check_limits, limits_vary
 from hybond.engine.mode.equations import mode_of
 from hybond.engine.mode.values import evaluate
-from hybond.engine.model import value
 from hybond.engine.reasons.warned import (
     FIRES_ALWAYS,
     NEXT_DECIDES,

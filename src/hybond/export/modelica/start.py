@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from hybond.errors import ModelError
 from hybond.model.graph import FlatGraph, Mode
-from hybond.runs.options import end_of
+from hybond.runs.times import end_of
 from hybond.simulation import simulate
 
 PART = 1e-9

@@ -45,18 +45,18 @@ class Remembered:
     """Edits whose text was not written."""
 
 
-class Journal:
+class Recovery:
     """The journal of one file.
 
     Examples
     --------
     >>> import tempfile
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     journal = Journal(Path(folder, "ball.toml"), Path(folder))
+    ...     journal = Recovery(Path(folder, "ball.toml"), Path(folder))
     ...     journal.keep("hybond = 1")
     ...     journal.note({"do": "add"})
     ...     journal.close()
-    ...     Journal(Path(folder, "ball.toml"), Path(folder)).remembered()
+    ...     Recovery(Path(folder, "ball.toml"), Path(folder)).remembered()
     Remembered(texts=['hybond = 1'], pending=[{'do': 'add'}])
     """
 
