@@ -27,8 +27,11 @@ typedef struct HybondSections {
     int *stays;                /* modes written, the one at the first sample before all */
     double counted;            /* periods behind the carried state */
     int floats, ints;          /* of the carried state */
-    double *carried;
+    double *carried;           /* what a value begins with, and where the last one has come */
     int *carried_place;
+    double *left;              /* where each value has come */
+    int *left_place;
+    double *left_counted;
     int done;                  /* values that were run */
     size_t rows;
     const double *since;
@@ -82,19 +85,22 @@ static int enters(const HybondSections *s, const Report *log, int machines, int 
     int many = 0;
     for (int k = from; k < log->instants; ++k) {
         const int *place = log->instant_place->at + (size_t)(3 + 2 * machines) * (size_t)k;
-        bool entered = false;
+        bool fires = false, entered = false;
         for (int last = *visit + place[1]; *visit < last; ++*visit) {
             const int *row = log->visit->at + 5 * (size_t)*visit;
+            const int was = *now;
             for (int f = 0; f < row[1]; ++f, ++*fired) {
                 const int *told = log->fired->at + 6 * (size_t)*fired;
                 if (told[0] == s->machine && told[2] >= 0) {
                     *now = told[2];
+                    fires = *now == s->state;
                 }
             }
             if (*visit + 1 == last) {
                 *now = place[3 + s->machine];
             }
-            entered = entered || (row[1] > 0 && row[0] != MYTHICAL && *now == s->state);
+            fires = fires || *now != was;
+            entered = entered || (fires && row[0] != MYTHICAL && *now == s->state);
         }
         if (entered) {
             const double t = log->instant_time->at[2 * k];
@@ -257,15 +263,20 @@ static int run_section(HybondMembers *all, HybondSections *s, const HybondSets *
     if (s->stays[k] < 0) {
         return ORDINARY;
     }
+    HybondCarried seen;
+    if (hybond_take(run, &seen) != OK || seen.floats != s->floats || seen.ints != s->ints) {
+        return ORDINARY;
+    }
+    double *left = s->left + (size_t)k * (size_t)s->floats;
+    int *left_place = s->left_place + (size_t)k * (size_t)s->ints;
+    memcpy(left, seen.number, (size_t)s->floats * sizeof(double));
+    memcpy(left_place, seen.place, (size_t)s->ints * sizeof(int));
+    s->left_counted[k] = behind + s->settle + s->keep;
     if (s->carry != 0) {
-        HybondCarried seen;
-        if (hybond_take(run, &seen) != OK || seen.floats != s->floats || seen.ints != s->ints) {
-            return ORDINARY;
-        }
-        memcpy(s->carried, seen.number, (size_t)s->floats * sizeof(double));
-        memcpy(s->carried_place, seen.place, (size_t)s->ints * sizeof(int));
+        memcpy(s->carried, left, (size_t)s->floats * sizeof(double));
+        memcpy(s->carried_place, left_place, (size_t)s->ints * sizeof(int));
         s->begun = 1;
-        s->counted = behind + s->settle + s->keep;
+        s->counted = s->left_counted[k];
     }
     return OK;
 }

@@ -33,6 +33,9 @@ class Sections(ctypes.Structure):
         ("ints", ctypes.c_int),
         ("carried", ctypes.c_void_p),
         ("carried_place", ctypes.c_void_p),
+        ("left", ctypes.c_void_p),
+        ("left_place", ctypes.c_void_p),
+        ("left_counted", ctypes.c_void_p),
         ("done", ctypes.c_int),
         ("rows", ctypes.c_size_t),
         ("since", ctypes.POINTER(ctypes.c_double)),
@@ -98,8 +101,10 @@ class Looks:
     since : array
         When these were entered, s, of all values.
     mode : array of int, shape (modes, machines)
-    carry : Carry or None
-        Where the last one has come, if values go on from each other.
+    left : array, shape (values, numbers)
+    left_place : array of int, shape (values, whole numbers)
+    left_counted : array, shape (values,)
+        Where each has come: `carry` of it.
     """
 
     plain: NDArray[np.bool_]
@@ -109,7 +114,13 @@ class Looks:
     stays: NDArray[np.intc]
     since: Vector
     mode: NDArray[np.intc]
-    carry: Carry | None
+    left: Vector
+    left_place: NDArray[np.intc]
+    left_counted: Vector
+
+    def carry(self, k: int) -> Carry:
+        """Return where a value has come, for one that goes on from it."""
+        return Carry(self.left[k], self.left_place[k], float(self.left_counted[k]))
 
 
 class NativeSections(NativeMembers):
@@ -161,6 +172,8 @@ class NativeSections(NativeMembers):
         periods = np.ascontiguousarray(period, dtype=np.float64)
         floats, ints = self._sizes
         number, place = np.zeros(floats + 1), np.zeros(ints + 1, dtype=np.intc)
+        left, left_place = np.zeros((many, floats)), np.zeros((many, ints), dtype=np.intc)
+        counted = np.zeros(many)
         s = Sections(many, given.shape[1], len(self._slots), c.settle, c.keep, c.machine, c.state)
         s.before, s.carry, s.floats, s.ints = c.before, carries, floats, ints
         if carry is not None:
@@ -170,6 +183,7 @@ class NativeSections(NativeMembers):
             *(("number", given), ("place", self._places), ("slot", self._slots)),
             *(("period", periods), ("status", status), ("found", found), ("when", when)),
             *(("out", out), ("stays", stays), ("carried", number), ("carried_place", place)),
+            *(("left", left), ("left_place", left_place), ("left_counted", counted)),
         ):
             setattr(s, name, address(column))
         s.stop = ctypes.addressof(self._stop)
@@ -180,8 +194,8 @@ class NativeSections(NativeMembers):
             since = np.ctypeslib.as_array(s.since, (s.rows,)).copy()
             if shape[1]:
                 mode = np.ctypeslib.as_array(s.mode, shape).copy()
-        after = Carry(number[:floats], place[:ints], s.counted) if carries and s.begun else None
         return Looks(
             *(status[:done] == OK, found[:done], when[:done], out[:done]),
-            *(stays[:done], since, mode, after),
+            *(stays[:done], since, mode),
+            *(left[:done], left_place[:done], counted[:done]),
         )
