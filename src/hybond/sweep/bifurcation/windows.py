@@ -20,6 +20,8 @@ IMPACT = "impact"
 CLOSE = 1.0 / 16.0
 """Of the distance of two values: from nearer than that a value goes on only if it does not from
 there, so that it has to settle, and shows whether it does."""
+STEPS = 8
+"""From the last value to one that it has missed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -256,9 +258,9 @@ class Follower:
             if middle in (inside, outside):
                 break
             again = self._goes_on(orbit, carry, middle)
-            if again is None and near is not carry:
-                # what the orbit attracts may be small there
-                again = self._goes_on(orbit, near, middle)
+            if again is None:
+                # little may be attracted there, less and less: short steps lead to it
+                again = self._goes_on(orbit, near, *np.linspace(inside, middle, STEPS + 1)[1:])
             if again is None:
                 outside = middle
                 continue
@@ -267,13 +269,13 @@ class Follower:
                 carry = again
         return 0.5 * (inside + outside), 0.5 * abs(outside - inside)
 
-    def _goes_on(self, orbit: Orbit, carry: Carry | None, value: float) -> Carry | None:
-        """Return where a value has come whose orbit is the same; None if it is not."""
+    def _goes_on(self, orbit: Orbit, carry: Carry | None, *values: float) -> Carry | None:
+        """Return where the last of some values has come if its orbit is the same; else None."""
         points: list[Point] = []
         self.values.carried(
-            np.array([value]), lambda _, found: points.extend(found), carry, self.settle
+            np.array(values), lambda _, found: points.extend(found), carry, self.settle
         )
-        found = self.branch.orbit_of(points[0], self.values)
-        return points[0].carry if found is not None and found.kind == orbit.kind else None
+        found = self.branch.orbit_of(points[-1], self.values)
+        return points[-1].carry if found is not None and found.kind == orbit.kind else None
 
 
