@@ -55,7 +55,8 @@ SHOWN int hybond_sections_begin(HybondMembers *all, HybondSections *s)
     return keep_image(&all->run->arena, &all->begun) ? OK : SPENT;
 }
 
-/* Let a run begin where the one before has come, at time t. */
+/* Let a run begin where the one before has come, at time t: with its state and mode. What that run
+ * remembers beside is no part of it, as the time may be another one: when events were, sizes. */
 static int begin_carried(HybondMembers *all, const HybondSections *s, double t, double until)
 {
     HybondRun *run = all->run;
@@ -67,7 +68,7 @@ static int begin_carried(HybondMembers *all, const HybondSections *s, double t, 
     memcpy(seen.place, s->carried_place, (size_t)s->ints * sizeof(int));
     seen.number[0] = t;
     enum { CHANGED_WAY = 2 };
-    return hybond_put(run, CHANGED_WAY, until, 1) == OK ? OK : ORDINARY;
+    return hybond_put(run, CHANGED_WAY, until, 0) == OK ? OK : ORDINARY;
 }
 
 /* Whether an ordinary run has more to say of what the log holds. */

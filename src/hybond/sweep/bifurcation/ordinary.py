@@ -112,7 +112,7 @@ def _ran(
         number = np.array(carry.number)
         number[0] = begun
         states = len(graph.storages) + len(graph.integrals)
-        begin = Beginning(number, np.array(carry.place), CHANGED, True, states)
+        begin = Beginning(number, np.array(carry.place), CHANGED, False, states)
     runners = runners_of(graph, fmus=bool(q.options.get("fmus")))
     try:
         run = made(
