@@ -12,7 +12,7 @@ from typing import cast
 import numpy as np
 from numpy.typing import NDArray
 
-from hybond.engine.compiled.sections import Carry, Looks, NativeSections
+from hybond.engine.compiled.sections import Carry, Cut, Looks, NativeSections
 from hybond.engine.tables.options import settings_of
 from hybond.errors import HybondError
 from hybond.model.graph import Mode
@@ -20,7 +20,7 @@ from hybond.sweep.bifurcation.orbits import Word, words_of
 from hybond.sweep.bifurcation.ordinary import Read, ordinary
 from hybond.sweep.bifurcation.question import Question, check_period
 from hybond.sweep.ensemble import asked_of
-from hybond.sweep.family import family_of
+from hybond.sweep.family import Family, family_of
 from hybond.sweep.member import Task
 from hybond.sweep.threads import spread
 
@@ -52,6 +52,18 @@ class Point:
     error: HybondError | None
 
 
+@dataclass(frozen=True, eq=False, slots=True)
+class _Lot:
+    """Values of a family, ready to be run in one thread."""
+
+    family: Family
+    native: NativeSections
+    fits: NDArray[np.bool_]
+    numbers: Vector
+    read: Vector
+    period: Vector
+
+
 class Values:
     """Runs values of a question.
 
@@ -72,13 +84,8 @@ class Values:
         options = {k: v for k, v in q.options.items() if k not in ("engine", "keep", "fmus")}
         self._settings, self._band = settings_of(graph.experiment, span, **options)
         task = Task(q.model, span, q.options, q.of, np.zeros(0), False)
-        asked, self.alone = asked_of(task)
-        wanted = (*q.of, q.period) if q.period else q.of
-        self._family = None
-        if asked is not None:
-            self._family = family_of(
-                q.model, q.set(float(q.values[0])), *asked, wanted, q.options.get("impact")
-            )
+        self._asked, self.alone = asked_of(task)
+        self._family = self._family_of(float(q.values[0]))
         self.machines = graph.machines
         self.ordinary = 0
         """Values that were ordinary runs."""
@@ -118,67 +125,89 @@ class Values:
         settle: int | None = None,
     ) -> Callable[[range], list[Point]]:
         """Return what runs the values of a part; parts come in order where each goes on."""
-        q, family = self.question, self._family
+        q = self.question
         cut = q.cut if settle is None else replace(q.cut, settle=settle)
-        fits = np.zeros(len(values), dtype=bool)
-        numbers = read = np.zeros((len(values), 0))
-        period = np.full(len(values), q.limit)
-        native = None
-        if family is not None:
-            given = {q.path: np.ascontiguousarray(values, dtype=float)}
-            fits, numbers, read = family.numbers(given, len(values))
-            if q.period:
-                found = family.constant(len(q.of), read)
-                assert found is not None  # the question has asked
-                period = found
-                for value in period[fits].tolist():
-                    check_period(value, q.period)
-            native = NativeSections(family.model, family.looked, cut, stop)
+        all_of_them = self._lot(self._family, values, cut, stop)
         last = [carry]
 
         def one(k: int) -> Point:
             self.ordinary += 1
-            before = last[0]
             found = ordinary(
-                q, float(values[k]), before, self._settings, self._band, cut.settle
+                q, float(values[k]), last[0], self._settings, self._band, cut.settle
             )
             if carries:
                 # after a run that has stopped the next one begins as the model does
                 last[0] = found.carry
             return self._point_of(found)
 
+        def several(lot: _Lot, first: int, k: int, to: int) -> tuple[list[Point], int]:
+            """Run values from k to before `to`, of a lot that begins with `first`."""
+            here = slice(k - first, to - first)
+            looks = lot.native.looks(
+                lot.numbers[here], lot.period[here], carries=carries, carry=last[0]
+            )
+            points = []
+            for j, point in enumerate(self._points(lot, looks, lot.read[here])):
+                if point is None:
+                    points.append(one(k + j))
+                    continue
+                points.append(point)
+                last[0] = point.carry if carries else None
+            return points, len(looks.plain)
+
         def do(part: range) -> list[Point]:
             points: list[Point] = []
             k = part.start
             while k < part.stop and not stop.value:
-                to = k
-                while to < part.stop and fits[to]:
+                lot, first, to = all_of_them, 0, k
+                while lot is not None and to < part.stop and lot.fits[to]:
                     to += 1
-                if native is None or to == k:
+                if to == k:
+                    # other parts of a model: tables of its own
+                    family = self._family_of(float(values[k]))
+                    lot, first, to = self._lot(family, values[k : k + 1], cut, stop), k, k + 1
+                if lot is None or not lot.fits[k - first]:
                     points.append(one(k))
                     k += 1
                     continue
-                looks = native.looks(
-                    numbers[k:to], period[k:to], carries=carries, carry=last[0]
-                )
-                for j, point in enumerate(self._points(looks, read[k:to])):
-                    if point is not None:
-                        points.append(point)
-                        last[0] = point.carry if carries else None
-                    else:
-                        points.append(one(k + j))
-                k += len(looks.plain)
-                if not len(looks.plain):
-                    break
+                found, many = several(lot, first, k, to)
+                points += found
+                k += many
             return points
 
         return do
 
-    def _points(self, looks: Looks, read: Vector) -> list[Point | None]:
-        family, q = self._family, self.question
-        assert family is not None
+    def _family_of(self, value: float) -> Family | None:
+        """Return the model of a value with slots; None where only an ordinary run can tell of it."""
+        q = self.question
+        if self._asked is None:
+            return None
+        wanted = (*q.of, q.period) if q.period else q.of
+        return family_of(
+            q.model, q.set(value), *self._asked, wanted, q.options.get("impact")
+        )
+
+    def _lot(
+        self, family: Family | None, values: Vector, cut: Cut, stop: ctypes.c_int
+    ) -> _Lot | None:
+        if family is None:
+            return None
+        q, period = self.question, np.full(len(values), self.question.limit)
+        given = {q.path: np.ascontiguousarray(values, dtype=float)}
+        fits, numbers, read = family.numbers(given, len(values))
+        if q.period:
+            found = family.constant(len(q.of), read)
+            if found is None:
+                return None
+            period = found
+            for value in period[fits].tolist():
+                check_period(value, q.period)
+        native = NativeSections(family.model, family.looked, cut, stop)
+        return _Lot(family, native, fits, numbers, read, period)
+
+    def _points(self, lot: _Lot, looks: Looks, read: Vector) -> list[Point | None]:
         many = len(looks.plain)
-        values = family.values(looks.out, read[:many])[: len(q.of)]
+        values = lot.family.values(looks.out, read[:many])[: len(self.question.of)]
         ends = np.cumsum(looks.stays)
         points: list[Point | None] = []
         for k in range(many):
@@ -191,7 +220,8 @@ class Values:
             words = words_of(looks.when[k, : n + 1], looks.since[rows], modes) if n else ()
             when = looks.when[k, :n].copy()
             samples = values[:, k, :n].copy()
-            points.append(Point(samples, when, words, looks.carry(k), family.warnings, None))
+            said = lot.family.warnings
+            points.append(Point(samples, when, words, looks.carry(k), said, None))
         return points
 
     def _point_of(self, found: Read) -> Point:
