@@ -154,6 +154,7 @@ _ROOMS = {
 
 __all__ = [
     "FMU",
+    "Bifurcation",
     "Block",
     "C",
     "CausalityError",
@@ -202,6 +203,7 @@ __all__ = [
     "UsageError",
     "Zero",
     "__version__",
+    "bifurcation",
     "causality",
     "complementarity",
     "coverage",

@@ -17,6 +17,7 @@ from typing import Any, NoReturn
 
 from hybond._version import __version__
 from hybond.cli.analysis_words import analyse_words, equations_words
+from hybond.cli.bifurcation_words import bifurcation_words
 from hybond.cli.fit_words import fit_words
 from hybond.cli.linear_words import linearise_words
 from hybond.cli.measure_words import measure_words
@@ -37,6 +38,7 @@ VERBS = {
     "linearise": "linearise a model near a point; Bode, steps, poles; or inject a sine",
     "run": "simulate a model",
     "sweep": "simulate a model with many values of its parameters",
+    "bifurcation": "say what a model comes to, value after value, and draw it",
     "measure": "simulate, and say what is measured of it: means, extremes, harmonics, losses",
     "fit": "find values of a model with which its runs are nearest to data",
     "explain": "simulate, and say when and why each switch happened",
@@ -326,6 +328,10 @@ def parser_of_words() -> Parser:
         help="write the table as .csv, .npz or .json; of --collect: a folder",
     )
     sweep.add_argument("--json", action="store_true", help="print one JSON object and nothing else")
+
+    diagram = bifurcation_words(_verb, verbs)
+    settings_words(diagram)
+    solver_words(diagram)
 
     measure = measure_words(_verb, verbs)
     settings_words(measure)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from argparse import Namespace
 from collections.abc import Sequence
+from typing import Any
 
 from hybond.cli.interrupt import Interruptible
 from hybond.cli.lists import check_experiment
@@ -121,6 +122,15 @@ def script_with(model: Model, given: Namespace) -> ScriptResult:
             fmus=given.fmus,
             **options,
         )
+
+
+def solver_options(given: Namespace) -> dict[str, Any]:
+    """Return the options of `hybond.simulate` that many runs have, those that were given."""
+    names = (
+        *("solver", "rtol", "atol", "step", "max_step", "theta"),
+        *("impact", "sliding", "hysteresis"),
+    )
+    return {name: getattr(given, name) for name in names if getattr(given, name) is not None}
 
 
 def exit_code(run: Result) -> int:

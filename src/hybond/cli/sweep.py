@@ -12,6 +12,7 @@ from hybond.cli.netlists import read_model
 from hybond.cli.plan_words import is_plan
 from hybond.cli.record import VERSION, to_json
 from hybond.cli.refusal import refusal_of
+from hybond.cli.running import solver_options
 from hybond.cli.settings import changed_with
 from hybond.cli.streams import complain, say
 from hybond.cli.targets import check_target
@@ -35,7 +36,7 @@ def sweep(given: Namespace) -> int:
     if is_plan(given):
         from hybond.cli.plans import plan_sweep
 
-        return plan_sweep(given, _options(given))
+        return plan_sweep(given, solver_options(given))
     target = check_target(given.out, TABLES, "--out")
     read, conversion = read_model(given.file)
     vary = given.vary
@@ -57,7 +58,7 @@ def sweep(given: Namespace) -> int:
             outputs=signals or None,
             workers=given.workers,
             progress=bar,
-            **_options(given),
+            **solver_options(given),
         )
     problems = _written(many, target, given.file)
     if given.json:
@@ -89,14 +90,6 @@ def sweep_record(many: Ensemble, file: str) -> dict[str, Any]:
         "seconds": many.seconds,
         "how": many.how,
     }
-
-
-def _options(given: Namespace) -> dict[str, Any]:
-    names = (
-        *("solver", "rtol", "atol", "step", "max_step", "theta"),
-        *("impact", "sliding", "hysteresis"),
-    )
-    return {name: getattr(given, name) for name in names if getattr(given, name) is not None}
 
 
 def _written(many: Ensemble, target: Path | None, file: str) -> list[HybondError]:

@@ -65,8 +65,9 @@ def draw_bifurcation(
     ax.set_xlabel(_named(diagram.parameter, diagram.unit), fontsize=9.5, parse_math=False)
     ax.set_ylabel(_named(signal, diagram.units[signal]), fontsize=9.5, parse_math=False)
     ax.tick_params(labelsize=8)
-    title = shorten(f"{diagram.title}: {signal}, {diagram.section}", 10.5, 480.0)
-    figure.text(0.11, 0.94, title, fontsize=10.5, fontweight="bold", va="center", parse_math=False)
+    title, below = shorten(diagram.title, 10.5, 440.0), shorten(diagram.section, 8.5, 440.0)
+    figure.text(0.11, 0.96, title, fontsize=10.5, fontweight="bold", va="center", parse_math=False)
+    figure.text(0.11, 0.92, below, fontsize=8.5, color="#777777", va="center", parse_math=False)
     if path is not None:
         write_figure(figure, path)
     return figure
@@ -92,7 +93,7 @@ def _name_windows(ax: Any, diagram: Any, low: float, high: float) -> None:
             fontsize=8.5,
             color="#555555",
         )
-    ax.text(0.0, 1.06, "period", transform=ax.transAxes, fontsize=8, color="#777777", va="bottom")
+    ax.text(-0.015, 1.015, "period", transform=ax.transAxes, fontsize=8, color="#777777", ha="right")
 
 
 def _named(name: str, unit: str) -> str:

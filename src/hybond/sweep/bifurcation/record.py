@@ -75,7 +75,9 @@ class Bifurcation:
     def section(self) -> str:
         """When signals are looked at, in words."""
         q = self.runner.question
-        when = f"once in {q.period}" if q.period else f"each time {q.at} is entered"
+        alone = q.period.replace(".", "", 1).replace("e-", "", 1).isdecimal()
+        once = f"once in {q.period}{' s' if alone else ''}"
+        when = once if q.period else f"each time {q.at} is entered"
         return f"{when}, {'before' if q.cut.before else 'after'} what happens there"
 
     @property
