@@ -25,7 +25,11 @@ def bifurcation_words(verb: Callable[..., ArgumentParser], verbs: Any) -> Argume
         help="what varies, and its values: LOW..HIGH:NUMBER, LOW:HIGH:STEP, V,W,...",
     )
     parser.add_argument(
-        "--of", metavar="NAME,...", action="append", required=True, help="signals that are looked at"
+        "--of",
+        metavar="NAME,...",
+        action="append",
+        required=True,
+        help="signals that are looked at",
     )
     parser.add_argument(
         "--period", metavar="T", help="look once in this time: '20 us', T, '2*pi/w'"
@@ -58,5 +62,7 @@ def bifurcation_words(verb: Callable[..., ArgumentParser], verbs: Any) -> Argume
     )
     parser.add_argument("--plot", metavar="FILE", help="draw the diagram")
     parser.add_argument("--out", metavar="FILE", help="write all samples as .csv or .json")
-    parser.add_argument("--json", action="store_true", help="print one JSON object and nothing else")
+    parser.add_argument(
+        "--json", action="store_true", help="print one JSON object and nothing else"
+    )
     return parser

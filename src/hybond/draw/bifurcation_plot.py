@@ -93,7 +93,9 @@ def _name_windows(ax: Any, diagram: Any, low: float, high: float) -> None:
             fontsize=8.5,
             color="#555555",
         )
-    ax.text(-0.015, 1.015, "period", transform=ax.transAxes, fontsize=8, color="#777777", ha="right")
+    ax.text(
+        -0.015, 1.015, "period", transform=ax.transAxes, fontsize=8, color="#777777", ha="right"
+    )
 
 
 def _named(name: str, unit: str) -> str:

@@ -151,9 +151,7 @@ def _ran(
             runner.close()
 
 
-def _read(
-    q: Question, run: Result, mode: Mode, first: float, period: float, settle: int
-) -> Read:
+def _read(q: Question, run: Result, mode: Mode, first: float, period: float, settle: int) -> Read:
     """Return samples and modes of a run."""
     keep = q.cut.keep
     if q.period:

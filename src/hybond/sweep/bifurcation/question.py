@@ -149,9 +149,7 @@ def question_of(
     if not ((up > 0.0).all() or (up < 0.0).all()):
         raise refusal(f"{factor.path} goes up and down", factor.path, "values in order")
     if (up < 0.0).all():
-        factor = Factor(
-            factor.path, factor.text, factor.levels[::-1].copy(), factor.dimension
-        )
+        factor = Factor(factor.path, factor.text, factor.levels[::-1].copy(), factor.dimension)
     _check_counts(settle, keep, tolerance, longest, len(factor.levels))
     if direction not in DIRECTIONS:
         raise refusal(f"direction = {direction!r}", "direction", ", ".join(DIRECTIONS))

@@ -19,7 +19,7 @@ from hybond.sweep.bifurcation.branch import Branch
 from hybond.sweep.bifurcation.question import refusal
 from hybond.sweep.bifurcation.values import Values
 from hybond.sweep.bifurcation.windows import Windows, windows_of
-from hybond.units import try_quantity
+from hybond.units import DIMENSIONLESS, try_quantity
 
 Vector = NDArray[np.float64]
 
@@ -97,9 +97,15 @@ class Bifurcation:
             if found.direction == direction:
                 return found
         known = [b.direction for b in self.branches]
-        raise _missing(f"there is no branch {direction!r}", "branch", did_you_mean(direction, known) or ", ".join(known))
+        raise _missing(
+            f"there is no branch {direction!r}",
+            "branch",
+            did_you_mean(direction, known) or ", ".join(known),
+        )
 
-    def points(self, signal: str | None = None, direction: str | None = None) -> tuple[Vector, Vector]:
+    def points(
+        self, signal: str | None = None, direction: str | None = None
+    ) -> tuple[Vector, Vector]:
         """Return parameter and signal of all samples, two arrays of one length.
 
         Raises
@@ -253,7 +259,7 @@ class Bifurcation:
         number = tolerance if isinstance(tolerance, float | int) else None
         if quantity is not None:
             own = self.runner.question.factor.dimension
-            if own is None or quantity.dimension == own:
+            if quantity.dimension in (own or DIMENSIONLESS, DIMENSIONLESS):
                 number = quantity.value
         if number is None or not 0.0 < number < math.inf:
             raise refusal(

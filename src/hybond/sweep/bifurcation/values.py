@@ -90,9 +90,7 @@ class Values:
         self.ordinary = 0
         """Values that were ordinary runs."""
 
-    def fresh(
-        self, values: Vector, workers: int, keep: Callable[[int, list[Point]], None]
-    ) -> None:
+    def fresh(self, values: Vector, workers: int, keep: Callable[[int, list[Point]], None]) -> None:
         """Run values from the start of the model, each alone, in threads.
 
         Raises
@@ -132,9 +130,7 @@ class Values:
 
         def one(k: int) -> Point:
             self.ordinary += 1
-            found = ordinary(
-                q, float(values[k]), last[0], self._settings, self._band, cut.settle
-            )
+            found = ordinary(q, float(values[k]), last[0], self._settings, self._band, cut.settle)
             if carries:
                 # after a run that has stopped the next one begins as the model does
                 last[0] = found.carry
@@ -183,9 +179,7 @@ class Values:
         if self._asked is None:
             return None
         wanted = (*q.of, q.period) if q.period else q.of
-        return family_of(
-            q.model, q.set(value), *self._asked, wanted, q.options.get("impact")
-        )
+        return family_of(q.model, q.set(value), *self._asked, wanted, q.options.get("impact"))
 
     def _lot(
         self, family: Family | None, values: Vector, cut: Cut, stop: ctypes.c_int
@@ -228,9 +222,7 @@ class Values:
         modes = [self._number(np.array(mode, dtype=np.intc)) for mode in found.modes]
         n = found.samples.shape[1]
         words = words_of(found.when, found.since, modes) if n else ()
-        return Point(
-            found.samples, found.when[:n], words, found.carry, found.warnings, found.error
-        )
+        return Point(found.samples, found.when[:n], words, found.carry, found.warnings, found.error)
 
     def _number(self, mode: NDArray[np.intc]) -> int:
         key = mode.tobytes()
@@ -249,5 +241,3 @@ class Values:
             for mode in self.modes
         ]
         return " | ".join(" > ".join(names[m] for m in word) for word in words)
-
-

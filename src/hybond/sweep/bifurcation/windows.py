@@ -277,5 +277,3 @@ class Follower:
         )
         found = self.branch.orbit_of(points[-1], self.values)
         return points[-1].carry if found is not None and found.kind == orbit.kind else None
-
-
