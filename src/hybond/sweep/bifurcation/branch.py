@@ -1,4 +1,4 @@
-"""`Branch`: what came of all values, each begun as the model does or carried on from its neighbour."""
+"""`Branch`: what came of all values, each begun alone or carried on from its neighbour."""
 
 from __future__ import annotations
 

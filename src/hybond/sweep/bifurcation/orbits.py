@@ -130,7 +130,8 @@ def orbit_of(
 
 def _turns(apart: Vector, p: int) -> Vector:
     """Return the largest difference in each turn."""
-    return apart[: len(apart) // p * p].reshape(-1, p).max(axis=1)
+    found: Vector = apart[: len(apart) // p * p].reshape(-1, p).max(axis=1)
+    return found
 
 
 def _grows(apart: Vector, p: int) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +19,6 @@ from hybond.errors import HybondError, NumericsError, UsageError
 from hybond.model.graph import FlatGraph, Mode
 from hybond.one_run import gone, made
 from hybond.result import Result
-from hybond.runs.options import STEPPING
 from hybond.runs.trace import Event
 from hybond.sweep.bifurcation.question import Question
 
@@ -155,7 +155,7 @@ def _read(q: Question, run: Result, mode: Mode, first: float, period: float, set
     """Return samples and modes of a run."""
     keep = q.cut.keep
     if q.period:
-        when = first + period * np.arange(keep + 1)
+        when: Vector = np.array(first + period * np.arange(keep + 1), dtype=float)
         times = np.array(run.trace.events.times)
         for k, t in enumerate(when[:-1]):
             near = times[np.abs(times - t) <= 1e-9 * period]
@@ -166,7 +166,7 @@ def _read(q: Question, run: Result, mode: Mode, first: float, period: float, set
     many = max(len(when) - 1, 0)
     samples = np.zeros((len(q.of), many))
     if many:
-        side = "left" if q.cut.before else "right"
+        side: Literal["left", "right"] = "left" if q.cut.before else "right"
         values: Mapping[str, Vector] = run.sample(when[:-1].tolist(), q.of, side=side)
         samples = np.array([values[name] for name in q.of])
     since, modes = [when[0] if many else 0.0], [mode]

@@ -139,31 +139,32 @@ def question_of(
     check_options(options)
     ((path, given),) = parameter.items()
     factor = factor_of(path, given)
-    if not isinstance(factor.levels, np.ndarray) or len(factor.levels) < 2:
+    levels = factor.levels
+    if not isinstance(levels, np.ndarray) or len(levels) < 2:
         raise refusal(
             f"{factor.path} = {factor.text!r} are not two numbers or more",
             factor.path,
             '"0.5..1.5 A:500" or a sequence of numbers',
         )
-    up = np.diff(factor.levels)
+    up = np.diff(levels)
     if not ((up > 0.0).all() or (up < 0.0).all()):
         raise refusal(f"{factor.path} goes up and down", factor.path, "values in order")
     if (up < 0.0).all():
-        factor = Factor(factor.path, factor.text, factor.levels[::-1].copy(), factor.dimension)
-    _check_counts(settle, keep, tolerance, longest, len(factor.levels))
+        factor = Factor(factor.path, factor.text, levels[::-1].copy(), factor.dimension)
+    _check_counts(settle, keep, tolerance, longest)
     if direction not in DIRECTIONS:
         raise refusal(f"direction = {direction!r}", "direction", ", ".join(DIRECTIONS))
     if not isinstance(before, bool):
         raise refusal(f"before = {before!r}", "before", "True or False")
     fixed = {k: v for k, v in (parameters or {}).items() if k != factor.path}
     new, paths = lifted(model, [factor.path])
-    graph = kept_graph(new, {**fixed, paths[factor.path]: factor.shown(float(factor.levels[0]))})
+    graph = kept_graph(new, {**fixed, paths[factor.path]: factor.shown(float(levels[0]))})
     wanted = (of,) if isinstance(of, str) else tuple(of)
     if not wanted:
         raise refusal("no signal is looked at", "of", 'of="coil.current"')
-    if len(wanted) * keep * len(factor.levels) > MOST_NUMBERS:
+    if len(wanted) * keep * len(levels) > MOST_NUMBERS:
         raise refusal(
-            f"{len(wanted)} signals, {keep} samples, {len(factor.levels)} values",
+            f"{len(wanted)} signals, {keep} samples, {len(levels)} values",
             "keep",
             f"together at most {MOST_NUMBERS} numbers",
         )
@@ -240,7 +241,7 @@ def check_period(found: float, text: str) -> None:
         raise section_refusal(f"period = {text} is {found:g} s", "period", "a positive time")
 
 
-def _check_counts(settle: Any, keep: Any, tolerance: Any, longest: Any, many: int) -> None:
+def _check_counts(settle: Any, keep: Any, tolerance: Any, longest: Any) -> None:
     for name, number, least in (("settle", settle, 0), ("keep", keep, 4), ("longest", longest, 1)):
         if name == "longest" and number is None:
             continue

@@ -268,7 +268,8 @@ class Bifurcation:
         return float(number)
 
     def __str__(self) -> str:
-        return f"{self.title}\n{', '.join(self.of)}, {self.section}\n{self.windows()!r}\n{self.how}, {self.seconds:.3g} s"
+        head = f"{self.title}\n{', '.join(self.of)}, {self.section}"
+        return f"{head}\n{self.windows()!r}\n{self.how}, {self.seconds:.3g} s"
 
     def __repr__(self) -> str:
         periods = sorted({int(p) for b in self.branches for p in b.period.tolist() if p > 0})

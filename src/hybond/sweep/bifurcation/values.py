@@ -1,6 +1,4 @@
-"""Values of the parameter, run: by the library in threads, or in order where each goes on from the
-one before.
-"""
+"""Values of the parameter, run in threads, or in order where each goes on from the one before."""
 
 from __future__ import annotations
 
@@ -174,7 +172,7 @@ class Values:
         return do
 
     def _family_of(self, value: float) -> Family | None:
-        """Return the model of a value with slots; None where only an ordinary run can tell of it."""
+        """Return the model of a value with slots; None where only an ordinary run tells of it."""
         q = self.question
         if self._asked is None:
             return None

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from hybond.engine.compiled.sections import Carry
-from hybond.sweep.bifurcation.orbits import Orbit, Word, turned
 from hybond.sweep.bifurcation.branch import Branch
+from hybond.sweep.bifurcation.orbits import Orbit, Word, turned
 from hybond.sweep.bifurcation.values import Point, Values
 from hybond.units import format_quantity
 
@@ -108,7 +108,7 @@ class Windows(tuple[Window, ...]):
             return format_quantity(at, self.unit or "1", digits=6)
         digits = 6
         if error > 0.0 and at != 0.0:
-            digits = min(max(int(math.ceil(math.log10(abs(at) / error))) + 1, 3), 12)
+            digits = min(max(math.ceil(math.log10(abs(at) / error)) + 1, 3), 12)
         return format_quantity(at, self.unit or "1", digits=digits)
 
 
