@@ -105,7 +105,7 @@ def bifurcation(
 
     >>> import hybond as hb
     >>> m = hb.Model("clocked", domain="electrical", parameters={"top": "0.5 A"})
-    >>> m.input("clock", pwm={"period": "1 s", "duty": 0.5})
+    >>> m.input(clock=hb.Input(pwm={"period": "1 s", "duty": 0.5}))
     >>> m.add(U=hb.Se("1 V"), s=hb.One(), n=hb.Zero(), i=hb.One(), L=hb.I("1 H"), R=hb.R("1 ohm"))
     >>> m.add(free=hb.One(), zero=hb.Se("0 V"))
     >>> m.bond("U -> s -> n -> i -> L", "i -> R", "zero -> free -> n")
