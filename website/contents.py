@@ -25,6 +25,7 @@ GROUPS: dict[str, tuple[str, ...]] = {
         "sensitivity",
         "ensembles",
         "sweeps",
+        "bifurcation",
         "blocks",
         "export",
         "testing",

@@ -84,6 +84,8 @@ if TYPE_CHECKING:
     from hybond.scripts.run import run_script
     from hybond.scripts.steps import Step
     from hybond.simulation import simulate
+    from hybond.sweep.bifurcation.call import bifurcation
+    from hybond.sweep.bifurcation.record import Bifurcation
     from hybond.sweep.collection import Ensemble
     from hybond.sweep.ensemble import ensemble
 
@@ -109,6 +111,8 @@ _HOME = {
         "hybond.model.constructors",
     ),
     **dict.fromkeys(("Block", "Integral", "Sampled", "Submodel"), "hybond.model.parts"),
+    "Bifurcation": "hybond.sweep.bifurcation.record",
+    "bifurcation": "hybond.sweep.bifurcation.call",
     "Ensemble": "hybond.sweep.collection",
     "FMU": "hybond.blocks.fmu",
     "Input": "hybond.model.parts",
@@ -182,6 +186,7 @@ _ROOMS = {
 __all__ = [
     "FMU",
     "Auto",
+    "Bifurcation",
     "Block",
     "C",
     "CausalityError",
@@ -241,6 +246,7 @@ __all__ = [
     "UsageError",
     "Zero",
     "__version__",
+    "bifurcation",
     "causality",
     "complementarity",
     "coverage",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shutil
 from pathlib import Path
 
 import pytest
@@ -42,6 +43,7 @@ def files_of(page: str, folder: Path) -> None:
     for example in (ROOT / "examples").glob("*.toml"):
         (folder / "examples" / example.name).write_bytes(example.read_bytes())
         (folder / example.name).write_bytes(example.read_bytes())
+    shutil.copytree(ROOT / "examples" / "bifurcation", folder / "examples" / "bifurcation")
     (folder / "ball.toml").write_bytes((ROOT / "examples" / "bouncing_ball.toml").read_bytes())
     for found, _, body in MODELS:
         name = re.match(r"# (\w+\.toml)\n", body)

@@ -18,6 +18,7 @@ from typing import Any, NoReturn
 
 from hybond._version import __version__
 from hybond.cli.analysis_words import analyse_words, equations_words
+from hybond.cli.bifurcation_words import bifurcation_words
 from hybond.cli.fit_words import fit_words
 from hybond.cli.linear_words import linearise_words
 from hybond.cli.measure_words import measure_words
@@ -39,6 +40,7 @@ VERBS = {
     "linearise": "linearise a model near a point; Bode, steps, poles; or inject a sine",
     "run": "simulate a model",
     "sweep": "simulate a model with many values of its parameters",
+    "bifurcation": "say what a model comes to, value after value, and draw it",
     "measure": "simulate, and say what is measured of it: means, extremes, harmonics, losses",
     "fit": "find values of a model with which its runs are nearest to data",
     "explain": "simulate, and say when and why each switch happened",
@@ -322,6 +324,12 @@ def _sweep(verbs: Any) -> None:
     sweep_words(_verb, verbs)
 
 
+def _bifurcation(verbs: Any) -> None:
+    diagram = bifurcation_words(_verb, verbs)
+    settings_words(diagram)
+    solver_words(diagram)
+
+
 def _measure(verbs: Any) -> None:
     measure = measure_words(_verb, verbs)
     settings_words(measure)
@@ -429,6 +437,7 @@ _WORDS: dict[str, Callable[[Any], None]] = {
     "linearise": _linearise,
     "run": _run,
     "sweep": _sweep,
+    "bifurcation": _bifurcation,
     "measure": _measure,
     "fit": _fit,
     "explain": _explain,

@@ -127,6 +127,10 @@ def verb(given: Namespace) -> int:
             from hybond.cli.sweep import sweep
 
             return sweep(given)
+        case "bifurcation":
+            from hybond.cli.bifurcation import bifurcation
+
+            return bifurcation(given)
         case "measure":
             from hybond.cli.measure import measure
 

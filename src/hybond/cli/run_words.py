@@ -48,7 +48,7 @@ def option_word(parser: ArgumentParser, name: str) -> None:
 def options_given(given: Namespace, *more: str) -> dict[str, Any]:
     """Return the options of a run that are given, and others by name."""
     found = {name: getattr(given, name, None) for name in (*CALLED, *more)}
-    return {name: value for name, value in found.items() if value is not None and value is not False}
+    return {name: v for name, v in found.items() if v is not None and v is not False}
 
 
 def limits_words(parser: ArgumentParser) -> None:

@@ -147,6 +147,16 @@ class Family:
 
         return self.measuring.of(ran, values)
 
+    def constant(self, k: int, read: Vector) -> Vector | None:
+        """Return an output that is made of parameters alone, of each member; None of another."""
+        index = {name: j for j, name in enumerate(self._numbers.values())}
+        e = self._expressions[k]
+        if not set(names(e)) <= index.keys():
+            return None
+        columns = [np.ascontiguousarray(read[:, j]) for j in range(read.shape[1])]
+        found = compile_expression(e, index, ARRAYS, pre_offset=0)(columns)
+        return np.array(np.broadcast_to(np.asarray(found, dtype=float), (len(read),)))
+
     def _lifted(self, node: Expr) -> Expr:
         """Return the name of a number that parameters write, in an output."""
         slot = slot_of(node)

@@ -8,6 +8,7 @@ import threading
 import time
 from collections.abc import Callable, Sequence
 from queue import Empty, SimpleQueue
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -83,27 +84,70 @@ def in_threads(
         At Ctrl-C, soon, or from `look`; the threads have ended.
     MemoryError
     """
+
+    def begin(stop: ctypes.c_int) -> Callable[[range], Ran]:
+        members = NativeMembers(model, slots, t, stop, modes=modes, measured=measured)
+
+        def do(part: range) -> Ran:
+            ran = members.run(numbers[part.start : part.stop])
+            return ran if measure is None else measure(part.start, ran)
+
+        return do
+
+    spread(len(numbers), workers, begin, keep, look=look)
+
+
+Kept = TypeVar("Kept")
+
+
+def spread(
+    many: int,
+    workers: int,
+    begin: Callable[[ctypes.c_int], Callable[[range], Kept]],
+    keep: Callable[[int, Kept], None],
+    *,
+    look: Callable[[], object] | None = None,
+) -> None:
+    """Do members in threads, part after part; hand what comes of each to `keep`.
+
+    Parameters
+    ----------
+    many : int
+        Members.
+    workers : int
+        Threads. One alone does them in order.
+    begin : callable
+        Called in each thread, with what is not zero when members are to end early; returns what
+        does the members of a part.
+    keep : callable
+        Called in this thread, with the number of the first.
+    look : callable, optional
+        Called in this thread, ten times a second at the least; may raise KeyboardInterrupt.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        At Ctrl-C, soon, or from `look`; the threads have ended.
+    """
     stop = ctypes.c_int(0)
-    found: SimpleQueue[tuple[int, Ran] | BaseException | None] = SimpleQueue()
-    parts = _Parts(len(numbers), workers)
+    found: SimpleQueue[tuple[int, Kept] | BaseException | None] = SimpleQueue()
+    parts = _Parts(many, workers)
 
     def work(over: threading.Event) -> None:
-        members = None
+        do = None
         try:
-            members = NativeMembers(model, slots, t, stop, modes=modes, measured=measured)
+            do = begin(stop)
             each = CHUNK
             while not stop.value and (part := parts.next(each)):
                 began = time.perf_counter()
-                ran = members.run(numbers[part.start : part.stop])
+                ran = do(part)
                 each = (time.perf_counter() - began) / len(part)
-                if measure is not None:
-                    ran = measure(part.start, ran)
                 found.put((part.start, ran))
             found.put(None)
         except BaseException as error:
             found.put(error)
         finally:
-            del members
+            del do
             over.set()
 
     threads: list[tuple[threading.Thread, threading.Event]] = []

@@ -324,8 +324,10 @@ static bool room_for_mode(HybondMembers *all, int machines)
     return true;
 }
 
-/* Keep the modes that were written, those left at the same instant too; -1 without memory. */
-static int keep_modes(HybondMembers *all, const Report *log)
+/* Keep the modes that were written since a time, those left at the same instant too; -1 without
+ * memory. The mode before all of them is in `now`; what is known of it stands at row `before`, if
+ * that is there. */
+static int keep_modes(HybondMembers *all, const Report *log, double from, size_t before)
 {
     const Model *m = all->run->model;
     const int machines = m->machines;
@@ -333,7 +335,6 @@ static int keep_modes(HybondMembers *all, const Report *log)
     const size_t first = all->rows;
     int visit = 0;
     const int *fired = log->fired->at;
-    memcpy(all->now, m->start, size);
     for (int k = 0; k < log->instants; ++k) {
         const int *place = log->instant_place->at + (size_t)(3 + 2 * machines) * (size_t)k;
         for (int last = visit + place[1]; visit < last; ++visit) {
@@ -346,7 +347,11 @@ static int keep_modes(HybondMembers *all, const Report *log)
             if (visit + 1 == last) {
                 memcpy(all->now, place + 3, size);
             }
-            if (row[0] != MYTHICAL) {
+            if (row[0] != MYTHICAL && log->instant_time->at[2 * k] < from) {
+                if (before < first) {
+                    memcpy(all->mode + before * (size_t)machines, all->now, size);
+                }
+            } else if (row[0] != MYTHICAL) {
                 if (!room_for_mode(all, machines)) {
                     return -1;
                 }
@@ -387,7 +392,8 @@ static int run_member(HybondMembers *all, HybondSets *sets, int k)
         return ORDINARY;
     }
     if (sets->stays != NULL) {
-        sets->stays[k] = keep_modes(all, log);
+        memcpy(all->now, run->model->start, (size_t)run->model->machines * sizeof(int));
+        sets->stays[k] = keep_modes(all, log, -HUGE_VAL, all->rows);
         if (sets->stays[k] < 0) {
             all->events = events;
             return ORDINARY;

@@ -15,7 +15,7 @@ ORDINARY = ("tables", "compiled", "interpreted", "outcome")
 """Rooms of the engine that are not printed."""
 NAME = {"win32": "_engine.dll", "darwin": "_engine.dylib"}.get(sys.platform, "_engine.so")
 """The library, beside this file."""
-SHOWN = ("library.c", "members.c", "kept_steps.c")
+SHOWN = ("library.c", "members.c", "sections.c", "kept_steps.c")
 """What it shows, in C."""
 
 
