@@ -23,10 +23,11 @@ from hybond.sweep.collect import Collector, collectors_of
 from hybond.sweep.family import Family, family_of
 from hybond.sweep.full_runs import write_run
 from hybond.sweep.job import Job
-from hybond.sweep.journeys import Journeys, journey_of
+from hybond.sweep.journeys import Journeys
 from hybond.sweep.lifted import lifted
 from hybond.sweep.member import Task
 from hybond.sweep.part import Part
+from hybond.sweep.reading import of_modes, read_run
 from hybond.sweep.threads import in_threads
 
 if TYPE_CHECKING:
@@ -365,7 +366,9 @@ class _Work:
                 if stopped.is_set():
                     return
                 raise KeyboardInterrupt
-            found, failed = read_run(self.runner, run)
+            found, failed = read_run(
+                run, self.runner.collectors, self.runner.graph, modes=self.runner._modes
+            )
             error = error or failed
             for text, value in found.items():
                 self.columns[text][k] = value
@@ -441,63 +444,6 @@ def checked(job: Job) -> tuple[FlatGraph, tuple[Collector, ...]]:
                 hint="ask for a time within them",
             )
     return graph, found
-
-
-def read_run(runner: Runner, run: Result) -> tuple[dict[str, Any], HybondError | None]:
-    """Return what is collected of an ordinary run, and the first thing that there is not."""
-    found: dict[str, Any] = {}
-    failed: HybondError | None = None
-    journey = journey_of(run) if runner._modes and run.segments else None
-    for c in runner.collectors:
-        try:
-            if c.measure is not None:
-                found[c.text] = float(c.measure.of(run)) if run.segments else np.nan
-            elif c.function == "ended":
-                found[c.text] = run.ended_by
-            elif c.of_modes:
-                if journey is not None:
-                    found[c.text] = of_modes(c, journey, runner.graph)[0]
-            elif c.function == "count":
-                found[c.text] = run.trace.events.total
-            elif run.segments:
-                found[c.text] = _read(c, run)
-        except HybondError as error:
-            failed = failed or error
-    return found, failed
-
-
-def _read(c: Collector, run: Result) -> Any:
-    if c.function == "final":
-        return run.sample(run.t_end, [c.signal])[c.signal][0]
-    if c.function == "at":
-        if not c.t <= run.t_end:
-            raise UsageError(
-                f"{c.text}: the run ended at {run.t_end:.9g} s",
-                code="HB-S110",
-                where=c.text,
-                hint="ask for a time within it",
-            )
-        return run.sample(c.t, [c.signal])[c.signal][0]
-    t = np.linspace(0.0, run.until, c.points)
-    row = np.full(c.points, np.nan)
-    there = t <= run.t_end
-    row[there] = run.sample(t[there].tolist(), [c.signal])[c.signal]
-    return row
-
-
-def of_modes(c: Collector, journeys: Journeys, graph: FlatGraph) -> Any:
-    """Return what is collected of modes, for each run."""
-    match c.function:
-        case "mode_time":
-            return journeys.time_in(c.machine, c.states)
-        case "first":
-            return journeys.first_in(c.machine, c.states)
-        case "mode":
-            return journeys.last_modes(graph)
-        case "sequence":
-            return journeys.sequences(graph)
-        case _:
-            return journeys.changes_of(c.machine)
 
 
 def _empty(c: Collector, many: int) -> Any:
