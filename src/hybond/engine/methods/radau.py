@@ -266,11 +266,19 @@ def advance_radau(e: Engine, r: Radau, rtol: float, t_end: float, h: float, long
         if try_radau(e, r, rtol) == STEP_MADE:
             return STEP_MADE
         r.rejected += 1
-        # what was expected is to blame, too: what never moved is found to be zero from zero alone
-        r.known = False
+        # what never moved has no size: it is found to be zero from zero alone
+        r.known = r.known and any_moves(r)
         if r.shrink < 1.0 and h * r.shrink < smallest:
             return STEP_TOO_SMALL
         h *= r.shrink
+
+
+def any_moves(r: Radau) -> bool:
+    """Whether anything is there or moves where the step begins."""
+    moves = False
+    for i in range(r.n):
+        moves = moves or r.y0[i] != 0.0 or r.f0[i] != 0.0
+    return moves
 
 
 def control_radau(e: Engine, r: Radau, rtol: float, t_end: float, longest: float) -> int:

@@ -9,6 +9,7 @@ import math
 from typing import Final
 
 from hybond.engine.checks.guards_held import foresee, hold_apart, look_at_guards
+from hybond.engine.checks.endless import is_endless
 from hybond.engine.checks.laws_held import look_at_laws, look_now_and_then
 from hybond.engine.contacts.impacts_seen import before_event, observe_event
 from hybond.engine.contacts.landing import keep_still, land_contacts, stuck
@@ -69,10 +70,7 @@ from hybond.engine.run.source_jumps import (
     put_before_kink,
 )
 from hybond.engine.run.stranded import in_vain, no_slip
-from hybond.engine.run.together import (
-    is_kink_alone,
-    last_of_instant,
-)
+from hybond.engine.run.together import is_kink_alone, last_of_instant
 from hybond.engine.sliding.branches import know_around
 from hybond.engine.sliding.combine import combine_here
 from hybond.engine.sliding.onto import onto_surfaces
@@ -476,6 +474,8 @@ def note(e: Engine, r: Run, t: float, shown: float) -> int:
     if m.disks > 0:
         arm_slips(e, t, e.y)
     e.t = t
+    if is_endless(e):
+        return REFUSED
     if t > r.resumed:
         report_step(e, r.report)
     look_now_and_then(e)
