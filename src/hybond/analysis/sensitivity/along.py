@@ -12,13 +12,13 @@ derivative ends: at an instant that is only touched, or that two things share.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hybond.analysis.sensitivity.collocation import STAGES, Jump, Step, radau
-from hybond.analysis.sensitivity.crossing import LOCATED, NO_CAUSE, crossing, timed
+from hybond.analysis.sensitivity.crossing import LOCATED, NO_CAUSE, SAME, crossing, timed
 from hybond.analysis.sensitivity.fields import Field, Fields
 from hybond.analysis.sensitivity.gradients import Compiled
 from hybond.analysis.sensitivity.kinks import jumped, kinks_of
@@ -104,7 +104,7 @@ class Chain:
     """The linear maps of a run."""
 
     start: Vector
-    """Shape (n, parameters)."""
+    """Shape (n, parameters); more columns, which come first, where the start varies by itself."""
     links: list[Step | Jump] = field(default_factory=list)
     readings: list[Reading] = field(default_factory=list)
     instants: list[Instant] = field(default_factory=list)
@@ -137,41 +137,57 @@ def chain_of(
     start: Vector,
     outputs: Sequence[Expr],
     times: Sequence[float],
+    end: Vector | None = None,
 ) -> Chain:
     """Return the chain of a run.
 
     Parameters
     ----------
-    start : array, shape (states, parameters)
-        Derivatives of the start before it is settled.
+    start : array, shape (states, more + parameters)
+        Derivatives of the start before it is settled. Columns before those of the parameters are
+        variations of the start alone.
     outputs : sequence of Expr
         Read at the ends of segments, at accepted points and at `times`.
+    end : array, shape (parameters,), optional
+        Derivatives of the time at which the run ends, where it follows parameters: what happens
+        there may then move, if it moves with it.
     """
-    return _Along(run, fields, outputs, times).made(start)
+    more = start.shape[1] - len(fields.columns.parameters)
+    return _Along(run, fields, outputs, times, more, end).made(start)
 
 
 class _Along:
     def __init__(
-        self, run: Result, fields: Fields, outputs: Sequence[Expr], times: Sequence[float]
+        self,
+        run: Result,
+        fields: Fields,
+        outputs: Sequence[Expr],
+        times: Sequence[float],
+        more: int,
+        end: Vector | None,
     ) -> None:
         self.run, self.fields, self.outputs = run, fields, list(outputs)
+        self.more = more
+        many = more + len(fields.columns.parameters)
+        self.end = np.zeros(many)
+        if end is not None:
+            self.end[more:] = end
         self.times = np.unique(np.asarray(list(times), dtype=float))
         self.events: dict[float, list[int]] = {}
         for k, t in enumerate(run.trace.events.times):
             self.events.setdefault(float(t), []).append(k)
         self._now = 0.0
         self._moves: Vector | None = None
-        self.largest = np.zeros((fields.size, len(fields.columns.parameters)))
-        p = np.abs(fields.values.found.values)
-        self.per_parameter = np.where(p > 0.0, 1.0 / np.where(p > 0.0, p, 1.0), 0.0)
+        self.largest = np.zeros((fields.size, many))
         self.sizes = np.zeros(fields.size)
         for segment in run.segments:
             own = np.abs(segment.y[:, : fields.columns.time]).max(axis=0, initial=0.0)
             self.sizes[: len(own)] = np.maximum(self.sizes[: len(own)], own)
+        p = np.abs(np.concatenate([self.sizes[:more], fields.values.found.values]))
+        self.per_parameter = np.where(p > 0.0, 1.0 / np.where(p > 0.0, p, 1.0), 0.0)
 
     def made(self, start: Vector) -> Chain:
-        many = len(self.fields.columns.parameters)
-        whole = np.zeros((self.fields.size, many))
+        whole = np.zeros((self.fields.size, start.shape[1]))
         self.chain = Chain(whole)
         segments = list(self.run.segments)
         try:
@@ -222,8 +238,22 @@ class _Along:
         jump = None if kink is None else jumped(self.fields, segment, kink)
         if jump is None:
             return d
+        jump = self._wide(jump)
         self.chain.links.append(jump)
         return jump.forward(d)
+
+    def _wide(self, jump: Jump) -> Jump:
+        """Return a jump with the columns of the start, which it does not depend on by itself."""
+        if not self.more:
+            return jump
+        P = np.hstack([np.zeros((len(jump.P), self.more)), jump.P])
+        by = np.concatenate([np.zeros(self.more), jump.time_by])
+        return replace(jump, P=P, time_by=by)
+
+    def _is_end(self, moves: Vector) -> bool:
+        """Whether an instant moves as the end of the run does."""
+        size = np.abs(moves) + np.abs(self.end)
+        return bool((np.abs(moves - self.end) <= SAME * size).all())
 
     def _accepted(
         self, segment: Segment, d: Vector, whole: Step, halves: list[Step], depth: int
@@ -267,7 +297,9 @@ class _Along:
         A = np.zeros((t.size, size, size))
         A[:, :, :n] = slopes[:, :, :n]
         A = A.reshape(len(a), 3, STAGES, size, size)
-        B = slopes[:, :, n + 1 :].reshape(len(a), 3, STAGES, size, many)
+        B = np.zeros((t.size, size, self.more + many))
+        B[:, :, self.more :] = slopes[:, :, n + 1 :]
+        B = B.reshape(len(a), 3, STAGES, size, self.more + many)
         for k in range(len(a)):
             made = [
                 Step(float(x[k]), float(y[k]), A[k, j], B[k, j]) for j, (x, y) in enumerate(spans)
@@ -284,7 +316,8 @@ class _Along:
             raise Undetermined("impacts accumulate")
         if following is None and not own:
             end = self.fields.ending(segment, None)
-            if any(c.by.any() for c in timed(self.fields, end, t)):
+            moves = [c.by[self.fields.size :] for c in timed(self.fields, end, t)]
+            if not all(self._is_end(np.append(np.zeros(self.more), by)) for by in moves):
                 self.chain.ends, self.chain.why = t, AT_THE_END
             return d
         if len(own) > 1:
@@ -300,14 +333,14 @@ class _Along:
             size = np.abs(end.f[0]) + np.abs(begin.f[0])
             if (np.abs(end.f[0] - begin.f[0]) > UNSEEN * size).any():
                 raise Undetermined("the motion changes, and what became zero was not found")
-        jump = switched(self.fields, t, end, found, event, begin)
+        jump = self._wide(switched(self.fields, t, end, found, event, begin))
         moves = jump.moved(d)
         self._together(segment, moves)
         self.chain.instants.append(Instant(len(self.chain.links), t, found.text, number))
         self.chain.links.append(jump)
         d = jump.forward(d)
         self.largest = np.maximum(self.largest, np.abs(d))
-        if t >= (1.0 - LOCATED) * self.run.t_end and moves.any():
+        if t >= (1.0 - LOCATED) * self.run.t_end and not self._is_end(moves):
             # one side of it is before the event, and the other one behind
             self.chain.ends, self.chain.why = t, AT_THE_END
         elif following is None:
