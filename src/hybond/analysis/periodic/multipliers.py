@@ -72,10 +72,11 @@ def eigenvalues(M: Vector, sizes: Vector) -> tuple[Complex, int]:
     ([(0.5+0j)], 2)
     """
     own = M * sizes / sizes[:, None]
-    n = len(own)
+    n, largest = len(own), 0.0
     while len(own):
         u, values, _ = np.linalg.svd(own)
-        rank = int((values > RANK * max(values.max(initial=0.0), RANK)).sum())
+        largest = max(largest, float(values.max()))
+        rank = int((values > RANK * largest).sum())
         if rank == len(own):
             break
         own = u[:, :rank].T @ own @ u[:, :rank]

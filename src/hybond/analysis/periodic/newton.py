@@ -90,6 +90,7 @@ class Newton:
     sizes: Vector
     tol: float
     most: int
+    T_by: Vector | None = None
     history: list[float] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
     ran_on: int = 0
@@ -123,7 +124,7 @@ class Newton:
         """Return a shot, and note how far its end is off."""
         if self.shots.done >= self.most:
             self._none(f"{self.most} periods were run, and none ends where it begins", None)
-        found = self.shots.shot(x, mode, T)
+        found = self.shots.shot(x, mode, T, self.T_by)
         for segment in found.run.segments:
             n = len(self.sizes)
             own = np.abs(segment.y[:, :n]).max(axis=0, initial=0.0)

@@ -241,7 +241,8 @@ def newton_of(shots: Shots, begun: Begun, tol: float, max_runs: int) -> Newton:
         raise UsageError(
             f"max_runs = {max_runs!r}", code="HB-A541", where="max_runs", hint="2 or more"
         )
-    return Newton(shots, begun.period.own, begun.sizes, tol, max_runs)
+    T_by = followed_by(shots, begun.period)
+    return Newton(shots, begun.period.own, begun.sizes, tol, max_runs, T_by)
 
 
 def orbit_of(shots: Shots, period: Period, found: Found) -> PeriodicOrbit:
