@@ -1,0 +1,282 @@
+"""What is passed between two orbits of a branch: named, and located.
+
+Along one sequence of switches the map of a period is smooth, and multipliers cross the unit circle:
+
+    fold              the branch turns back in the parameter
+    branching         a real multiplier crosses +1, and it does not turn: another branch crosses
+    period doubling   one crosses -1
+    Neimark-Sacker    a pair crosses elsewhere
+
+Where the sequence changes, multipliers jump:
+
+    grazing           a guard begins to be reached where it is touched: its instant is infinitely
+                      sensitive, and so is the period beyond it
+    border collision  switches share an instant and change order, or one falls on an edge of time
+
+Source: di Bernardo, Budd, Champneys and Kowalczyk, Piecewise-smooth Dynamical Systems, 2008.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybond.analysis.periodic.arc import Arc, Node, OrbitPoint
+from hybond.analysis.sensitivity.collocation import Jump
+
+Vector = NDArray[np.float64]
+
+BISECTIONS = 40
+SENSITIVE = 30.0
+"""How many times the period an instant moves with a state, as parts of both, where a guard is
+nearly only touched."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SpecialPoint:
+    """What is passed on a branch.
+
+    Parameters
+    ----------
+    kind : str
+        ``"fold"``, ``"branching"``, ``"period doubling"``, ``"Neimark-Sacker"``, ``"grazing"`` or
+        ``"border collision"``.
+    value : float
+        Of the parameter, SI.
+    text : str
+        What crosses, or which switches there are before and after.
+    orbit : OrbitPoint
+        There; where the sequence of switches changes, just before it.
+    within : float
+        How well `value` is known.
+    """
+
+    kind: str
+    value: float
+    text: str
+    orbit: OrbitPoint
+    within: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Passed:
+    """A special point with its place on the curve.
+
+    Parameters
+    ----------
+    point : SpecialPoint
+    node : Node
+    """
+
+    point: SpecialPoint
+    node: Node
+
+
+def passed(arc: Arc, a: Node, b: Node, tolerance: float) -> list[Passed]:
+    """Return what is passed between two points of the curve, in order.
+
+    Parameters
+    ----------
+    tolerance : float
+        Of the parameter, as a part of what it is measured by.
+    """
+    if a.path == b.path:
+        return _smooth(arc, a, b, tolerance)
+    found: list[Passed] = []
+    for _ in range(8):
+        before, after = _change(arc, a, b, tolerance)
+        found += _smooth(arc, a, before, tolerance)
+        found.append(_border(arc, before, after))
+        a = after
+        if a.path == b.path:
+            break
+    return found + (_smooth(arc, a, b, tolerance) if a.path == b.path else [])
+
+
+def _change(arc: Arc, a: Node, b: Node, tolerance: float) -> tuple[Node, Node]:
+    """Return two near points between which the sequence of switches changes."""
+    low, high, path = a, b, a.path
+    for _ in range(BISECTIONS):
+        if float(np.abs(high.z - low.z).max()) <= tolerance:
+            break
+        middle = None
+        for part in (0.5, 0.4, 0.6, 0.25, 0.75):
+            middle = arc.between(low, high, part)
+            if middle is not None:
+                break
+        if middle is None:
+            break
+        low, high = (middle, high) if middle.path == path else (low, middle)
+    return low, high
+
+
+def _smooth(arc: Arc, a: Node, b: Node, tolerance: float) -> list[Passed]:
+    """Return what multipliers and the tangent pass along one sequence of switches."""
+    if a is b:
+        return []
+    found = []
+    if a.tangent[-1] * b.tangent[-1] < 0.0:
+        found.append(_located(arc, a, b, "fold", lambda n: float(n.tangent[-1]), tolerance))
+    elif _sign(a, 1.0) * _sign(b, 1.0) < 0.0:
+        found.append(_located(arc, a, b, "branching", lambda n: _sign(n, 1.0), tolerance))
+    if _sign(a, -1.0) * _sign(b, -1.0) < 0.0:
+        found.append(_located(arc, a, b, "period doubling", lambda n: _sign(n, -1.0), tolerance))
+    outside = _pairs(a) - _pairs(b)
+    same = _sign(a, 1.0) * _sign(b, 1.0) > 0.0 and _sign(a, -1.0) * _sign(b, -1.0) > 0.0
+    if outside and same and abs(_outside(a) - _outside(b)) >= 2:
+        most = max(_pairs(a), _pairs(b))
+        found.append(
+            _located(arc, a, b, "Neimark-Sacker", lambda n: _pair(n, most), tolerance)
+        )
+    return sorted(found, key=lambda p: float(np.linalg.norm(p.node.z - a.z)))
+
+
+def _values(node: Node) -> NDArray[np.complex128]:
+    return np.array([m.value for m in node.found if m.counts and m.kind != "zero"], dtype=complex)
+
+
+def _sign(node: Node, at: float) -> float:
+    """Return the product of ``1 - mu/at``: it passes zero where a multiplier passes ``at``."""
+    return float(np.real(np.prod(1.0 - _values(node) / at)))
+
+
+def _outside(node: Node) -> int:
+    return int((np.abs(_values(node)) > 1.0).sum())
+
+
+def _pairs(node: Node) -> int:
+    values = _values(node)
+    return int(((np.abs(values) > 1.0) & (values.imag > 0.0)).sum())
+
+
+def _pair(node: Node, number: int) -> float:
+    """Return by how much the pair with this number, by size, is outside the circle."""
+    values = _values(node)
+    sizes = np.sort(np.abs(values[values.imag > 0.0]))[::-1]
+    return float(sizes[number - 1] - 1.0) if len(sizes) >= number else -1.0
+
+
+def _located(
+    arc: Arc, a: Node, b: Node, kind: str, g: Callable[[Node], float], tolerance: float
+) -> Passed:
+    """Return where a function of the curve passes zero, by secants that keep a bracket."""
+    low, high = 0.0, 1.0
+    left, right = g(a), g(b)
+    best = a if abs(left) <= abs(right) else b
+    chord = float(np.abs(b.z - a.z).max())
+    side = 0
+    for k in range(BISECTIONS):
+        if (high - low) * chord <= tolerance:
+            break
+        part = low + (high - low) * left / (left - right)
+        if k % 3 == 2 or not low < part < high:
+            part = 0.5 * (low + high)
+        node = arc.between(a, b, part)
+        if node is None:
+            node = arc.between(a, b, part := 0.5 * (low + high))
+        if node is None:
+            break
+        value = g(node)
+        if abs(value) <= abs(g(best)):
+            best = node
+        if value == 0.0 or abs(value) <= 1e-10:
+            low = high = part
+            break
+        if value * left > 0.0:
+            low, left = part, value
+            right *= 0.5 if side == 1 else 1.0
+            side = 1
+        else:
+            high, right = part, value
+            left *= 0.5 if side == -1 else 1.0
+            side = -1
+    within = (high - low) * abs(float(b.z[-1] - a.z[-1])) * arc.span
+    point = arc.point(best)
+    near = _crossing(best, kind)
+    return Passed(SpecialPoint(kind, point.value, near, point, within), best)
+
+
+def _crossing(node: Node, kind: str) -> str:
+    values = _values(node)
+    if not len(values):
+        return "the branch turns back"
+    target = {"period doubling": -1.0}.get(kind, 1.0)
+    if kind == "Neimark-Sacker":
+        complex_ = values[values.imag > 0.0]
+        if not len(complex_):
+            return "a pair of multipliers on the unit circle"
+        mu = complex_[int(np.argmin(np.abs(np.abs(complex_) - 1.0)))]
+        return f"a pair of multipliers at an angle of {abs(np.angle(mu)):.6g} rad"
+    mu = values[int(np.argmin(np.abs(values - target)))]
+    return f"a multiplier of {mu.real:.9g}"
+
+
+def _border(arc: Arc, before: Node, after: Node) -> Passed:
+    """Return the point at which the sequence of switches changes, and what that is."""
+    more = before if len(before.shot.path) > len(after.shot.path) else after
+    touched = _touched(arc, more)
+    kind = "grazing" if touched and _sensitivity(arc, more) > _sensitivity(arc, _less(before, after, more)) * 3 else "border collision"
+    what = _what_changes(before, after)
+    said = [what] if what else []
+    if kind == "grazing":
+        said.insert(0, f"{touched} is only touched")
+    stable = ["stable" if all(abs(m.value) < 1.0 for m in n.found if m.counts) else "unstable" for n in (before, after)]
+    if stable[0] != stable[1]:
+        said.append(f"{stable[0]} before, {stable[1]} after")
+    value = 0.5 * float(before.z[-1] + after.z[-1]) * arc.span
+    within = abs(float(after.z[-1] - before.z[-1])) * arc.span
+    point = SpecialPoint(kind, value, "; ".join(said), arc.point(before), within)
+    return Passed(point, before)
+
+
+def _less(before: Node, after: Node, more: Node) -> Node:
+    return after if more is before else before
+
+
+def _jumps(node: Node) -> list[tuple[str, Jump]]:
+    chain = node.shot.chain
+    assert chain is not None
+    found = []
+    for instant in chain.instants:
+        if instant.place is not None:
+            link = chain.links[instant.place]
+            assert isinstance(link, Jump)
+            found.append((instant.text, link))
+    return found
+
+
+def _sensitivity(arc: Arc, node: Node) -> float:
+    """Return how many times the period an instant moves with a state, as parts of both."""
+    return max((_moves(arc, node, jump) for _, jump in _jumps(node)), default=0.0)
+
+
+def _moves(arc: Arc, node: Node, jump: Jump) -> float:
+    own = np.abs(jump.time[arc.kept]) * arc.sizes
+    return float(own.max(initial=0.0)) / node.shot.T
+
+
+def _touched(arc: Arc, node: Node) -> str:
+    """Return the guard that is nearly only touched, if there is one."""
+    found = [(_moves(arc, node, jump), text) for text, jump in _jumps(node)]
+    found = [row for row in found if row[0] > SENSITIVE]
+    return max(found)[1] if found else ""
+
+
+def _what_changes(before: Node, after: Node) -> str:
+    """Return which switches there are on one side only."""
+    names = []
+    for node in (before, after):
+        graph = node.shot.run.graph
+        own = []
+        for _, old, new in node.shot.path:
+            for m in graph.machines:
+                if old[m.index] != new[m.index]:
+                    own.append(f"{m.path} {m.states[old[m.index]]} -> {m.states[new[m.index]]}")
+        names.append(own)
+    less = [f"no {n} after it" for n in dict.fromkeys(names[0]) if names[0].count(n) > names[1].count(n)]
+    more = [f"{n} after it" for n in dict.fromkeys(names[1]) if names[1].count(n) > names[0].count(n)]
+    said = less + more
+    return ", ".join(said[:3]) if said else "switches change their order"
