@@ -374,10 +374,13 @@ class _Along:
     # -- readings
 
     def _read(self, segment: Segment, mesh: Vector, place: int) -> None:
-        self._field = self.fields.within(segment, mesh)
+        if self.outputs:
+            self._field = self.fields.within(segment, mesh)
         self._places = {0: place}
 
     def _put(self, mesh: Vector) -> None:
+        if not self.outputs:
+            return
         values, by = self._outputs(self._field)
         n, size = self.fields.columns.time, self.fields.size
         for k, t in enumerate(mesh.tolist()):
