@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.analysis.periodic.multipliers import Multiplier, is_stable, multipliers
-from hybond.analysis.periodic.newton import FREE, smallest_step
+from hybond.analysis.periodic.newton import FREE, conserved
 from hybond.analysis.periodic.periods import Period, followed_by, length_now
 from hybond.analysis.periodic.shots import Shot, Shots
 from hybond.errors import HybondError
@@ -218,7 +218,7 @@ class Arc:
                 self.why = f"Newton's steps come no nearer than {last:.2g} of a state"
                 return None
             last = off
-            step = smallest_step(np.vstack([J, row]), np.append(-F, plane - float(row @ z)))
+            step = self._solved(J, row, -F, plane - float(row @ z))
             z = z + step
         self.why = f"Newton's steps do not settle in {ITERATIONS}"
         return None
@@ -226,9 +226,7 @@ class Arc:
     def _node(
         self, z: Vector, mode: Mode, shot: Shot, J: Vector, along: Vector, iterations: int
     ) -> Node:
-        right = np.zeros(len(J) + 1)
-        right[-1] = 1.0
-        tangent = np.linalg.lstsq(np.vstack([J, along]), right, rcond=FREE)[0]
+        tangent = self._solved(J, along, np.zeros(len(J)), 1.0)
         tangent = tangent / np.linalg.norm(tangent)
         assert shot.M is not None
         found = multipliers(
@@ -238,6 +236,18 @@ class Arc:
             conserved=self.conserved,
         )
         return Node(z, tangent, mode, shot, found, iterations)
+
+    def _solved(self, J: Vector, row: Vector, F: Vector, last: float) -> Vector:
+        """Return the solution of ``J d = F, row d = last`` that keeps what is conserved."""
+        m = len(self.kept)
+        kept = np.zeros((0, len(row)))
+        if self.conserved:
+            own = conserved(J[:m, :m])
+            kept = np.zeros((len(own), len(row)))
+            kept[:, :m] = own
+        whole = np.vstack([J, row, kept])
+        right = np.concatenate([F, [last], np.zeros(len(kept))])
+        return np.asarray(np.linalg.lstsq(whole, right, rcond=FREE)[0])
 
     def at_parameter(self, node: Node, p: float) -> Node | None:
         """Return the orbit at a value of the parameter, near another one."""

@@ -6,7 +6,8 @@
 
 with f the rates at the end, and f0 those at the beginning: of all the states of the orbit the one
 is taken that is nearest. States are measured by the largest value that each has had. What the
-motion conserves makes J singular; then the smallest step is taken, which keeps it.
+motion conserves, l (F(x) - x) = 0 for all x, makes J singular with l J = 0; the step then keeps
+it, l d = 0, and else is the smallest.
 
 A step that does not bring the end nearer to the beginning is halved, and after `HALVINGS` the
 period is run on instead, as it is where the end has another mode or no derivative.
@@ -145,11 +146,11 @@ class Newton:
 
     def kept(self, shot: Shot) -> list[int]:
         """Return the states that have to come back: not integrals that nothing reads."""
-        n, stored = len(shot.x), len(self.shots.states)
+        n, read = len(shot.x), self.shots.read
         if shot.M is None:
-            return list(range(n))
+            return read
         unit = np.eye(n)
-        return [k for k in range(n) if k < stored or (shot.M[:, k] != unit[:, k]).any()]
+        return [k for k in range(n) if k in read or (shot.M[:, k] != unit[:, k]).any()]
 
     def system(self, shot: Shot) -> tuple[Vector, Vector, list[int]]:
         """Return the scaled J, bordered where T is unknown, the right side, and states kept."""
@@ -258,10 +259,8 @@ class Newton:
     def _free(self, shot: Shot) -> tuple[str, ...]:
         """Return what conserved quantities are made of."""
         J, _, kept = self.system(shot)
-        u, values, _ = np.linalg.svd(J)
-        rank = int((values > FREE * values.max(initial=0.0)).sum())
         found = []
-        for left in u[:, rank:].T:
+        for left in conserved(J):
             part = np.abs(left[: len(kept)])
             own = [self.shots.names[kept[k]] for k in np.flatnonzero(part > 1e-6 * part.max())]
             found.append(", ".join(own))
@@ -281,15 +280,27 @@ class Newton:
         raise error
 
 
+def conserved(J: Vector) -> Vector:
+    """Return what ``l J = 0`` says is conserved, a row each."""
+    u, values, _ = np.linalg.svd(J)
+    rank = int((values > FREE * values.max(initial=0.0)).sum())
+    return np.asarray(u[:, rank:].T)
+
+
 def smallest_step(J: Vector, right: Vector) -> Vector:
-    """Return the smallest solution of what is nearly singular.
+    """Return the solution of ``J d = right`` that keeps what is conserved, else the smallest.
 
     Examples
     --------
+    The difference of both is conserved:
+
     >>> import numpy as np
-    >>> smallest_step(np.array([[1.0, 1.0], [1.0, 1.0]]), np.array([2.0, 2.0])).round(9).tolist()
-    [1.0, 1.0]
+    >>> J = np.array([[-0.5, 0.0], [-0.5, 0.0]])
+    >>> smallest_step(J, np.array([1.0, 1.0])).round(9).tolist()
+    [-2.0, -2.0]
     """
     if not len(J):
         return np.zeros(0)
-    return np.asarray(np.linalg.lstsq(J, right, rcond=FREE)[0])
+    kept = conserved(J)
+    whole, value = np.vstack([J, kept]), np.append(right, np.zeros(len(kept)))
+    return np.asarray(np.linalg.lstsq(whole, value, rcond=FREE)[0])

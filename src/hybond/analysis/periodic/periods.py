@@ -7,12 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hybond.analysis.linear.periods import period_of, periods_in, trees
-from hybond.analysis.periodic.shots import Shots
+from hybond.analysis.linear.periods import period_of, periods_in
+from hybond.analysis.periodic.shots import Shots, read_states
 from hybond.errors import NumericsError, UsageError
 from hybond.model.expressions import compile_expression, differentiate, names
 from hybond.model.expressions.slots import slot_of
-from hybond.model.graph import FlatGraph, Mode
+from hybond.model.graph import Mode
 from hybond.result import Result
 from hybond.runs.options import seconds
 
@@ -154,7 +154,7 @@ def comes_back(run: Result, multiple: int, guess: float | None) -> Return:
         HB-A540 if it never comes back.
     """
     t, x, which = _points(run)
-    x = x[:, _read(run.graph)]
+    x = x[:, read_states(run.graph)]
     last = run.segments[-1].mode
     same = np.array([run.segments[k].mode == last for k in which.tolist()])
     late = t >= 0.5 * (t[0] + t[-1])
@@ -197,14 +197,6 @@ def _points(run: Result) -> tuple[Vector, Vector, NDArray[np.intp]]:
         rows.append(np.array([segment.at(float(a))[:n] for a in own]))
         which.append(np.full(len(own), k))
     return np.concatenate(times), np.concatenate(rows), np.concatenate(which)
-
-
-def _read(graph: FlatGraph) -> list[int]:
-    """Return the states that something reads: not integrals of which only people want to know."""
-    read = frozenset().union(*(names(e) for e, _ in trees(graph)))
-    stored = len(graph.storages)
-    others = (stored + i.index for i in graph.integrals if f"s:{i.index}" in read)
-    return [*range(stored), *others]
 
 
 def _round(t: Vector, x: Vector, same: NDArray[np.bool_]) -> float | None:

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from hybond.analysis.linear.periods import trees
 from hybond.analysis.sensitivity.along import Chain, chain_of
 from hybond.analysis.sensitivity.fields import Field, Fields
 from hybond.analysis.sensitivity.opened import Opened
@@ -21,6 +22,7 @@ from hybond.analysis.sensitivity.sensitivities import check_followed
 from hybond.analysis.sensitivity.values import Values
 from hybond.analysis.sensitivity.wanted import Wanted, slotted
 from hybond.errors import HybondError, NumericsError
+from hybond.model.expressions import names
 from hybond.model.graph import FlatGraph, Mode
 from hybond.model.kept import kept_graph
 from hybond.result import Result
@@ -94,8 +96,10 @@ class Shots:
 
     Attributes
     ----------
+    read : list of int
+        States that something reads.
     done : int
-        Shots so far.
+        Runs so far.
     time : float
         Time that was run, all together, s.
     """
@@ -108,6 +112,7 @@ class Shots:
         self.values = self.wanted.values
         self.states = [s.path for s in self.graph.storages]
         self.names = [*self.states, *(i.path for i in self.graph.integrals)]
+        self.read = read_states(self.graph)
         self.done, self.time = 0, 0.0
         self._fields: Fields | None = None
 
@@ -194,6 +199,14 @@ class Shots:
         by = whole[:, n:] + np.outer(last, ends)
         by = by @ self.wanted.follows
         return Shot(**plain, M=whole[:, :n], by=by, first=first, last=last)
+
+
+def read_states(graph: FlatGraph) -> list[int]:
+    """Return the states that something reads: not integrals of which only people want to know."""
+    read = frozenset().union(*(names(e) for e, _ in trees(graph)))
+    stored = len(graph.storages)
+    others = (stored + i.index for i in graph.integrals if f"s:{i.index}" in read)
+    return [*range(stored), *others]
 
 
 def _nothing(opened: Opened) -> Wanted:
