@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from hybond.analysis.periodic.multipliers import Multiplier, is_stable, multipliers
 from hybond.analysis.periodic.newton import FREE, conserved
 from hybond.analysis.periodic.periods import Period, followed_by, length_now
-from hybond.analysis.periodic.shots import Shot, Shots
+from hybond.analysis.periodic.shots import Shot, Shots, calm
 from hybond.errors import HybondError
 from hybond.model.graph import Mode
 from hybond.result import Result
@@ -45,7 +45,7 @@ class OrbitPoint:
     period : float
         s.
     state : mapping
-        Of each state at the beginning, SI.
+        Of each state at the beginning, SI: when what drives the motion begins anew.
     mode : mapping
         Of each machine there.
     multipliers : tuple of Multiplier
@@ -129,7 +129,7 @@ class Arc:
         self.shots, self.period = shots, period
         self.base, self.sizes, self.kept = x, sizes[kept], kept
         self.conserved, self.tol, self.span = conserved, tol, span
-        self.T0 = period.T
+        self.T0, self.t0 = period.T, shots.t0
         self.why = ""
         """Why the last correction failed."""
 
@@ -154,11 +154,20 @@ class Arc:
     def shot(self, z: Vector, mode: Mode) -> Shot:
         """Return the period that unknowns say."""
         self.shots.at([self.parameter(z)])
+        self.shots.t0 = self.t0
         if self.period.own:
             T, T_by = float(z[-2]) * self.T0, None
         else:
             T, T_by = length_now(self.shots, self.period), followed_by(self.shots, self.period)
         return self.shots.shot(self._state(z), mode, T, T_by)
+
+    def tried(self, z: Vector, mode: Mode) -> Shot | None:
+        """Return the period that unknowns say, None where it cannot be run."""
+        try:
+            return self.shot(z, mode)
+        except HybondError as error:
+            self.why = error.why
+            return None
 
     def equations(self, shot: Shot, reference: Node | None) -> tuple[Vector, Vector]:
         """Return F and its slopes by the unknowns, shape (rows, unknowns)."""
@@ -200,10 +209,8 @@ class Arc:
         plane = float(row @ z)
         last = np.inf
         for k in range(ITERATIONS):
-            try:
-                shot = self.shot(z, mode)
-            except HybondError as error:
-                self.why = error.why
+            shot = self.tried(z, mode)
+            if shot is None:
                 return None
             if shot.M is None:
                 self.why = shot.why
@@ -218,7 +225,7 @@ class Arc:
                 self.why = f"Newton's steps come no nearer than {last:.2g} of a state"
                 return None
             last = off
-            step = self._solved(J, row, -F, plane - float(row @ z))
+            step = self.solved(J, row, -F, plane - float(row @ z))
             z = z + step
         self.why = f"Newton's steps do not settle in {ITERATIONS}"
         return None
@@ -226,7 +233,7 @@ class Arc:
     def _node(
         self, z: Vector, mode: Mode, shot: Shot, J: Vector, along: Vector, iterations: int
     ) -> Node:
-        tangent = self._solved(J, along, np.zeros(len(J)), 1.0)
+        tangent = self.solved(J, along, np.zeros(len(J)), 1.0)
         tangent = tangent / np.linalg.norm(tangent)
         assert shot.M is not None
         found = multipliers(
@@ -237,7 +244,7 @@ class Arc:
         )
         return Node(z, tangent, mode, shot, found, iterations)
 
-    def _solved(self, J: Vector, row: Vector, F: Vector, last: float) -> Vector:
+    def solved(self, J: Vector, row: Vector, F: Vector, last: float) -> Vector:
         """Return the solution of ``J d = F, row d = last`` that keeps what is conserved."""
         m = len(self.kept)
         kept = np.zeros((0, len(row)))
@@ -270,6 +277,27 @@ class Arc:
             found = self.corrected(z, b.mode if part < 0.5 else a.mode, row, a, row)
         return found
 
+    def elsewhere(self, node: Node) -> tuple[Arc, Node] | None:
+        """Return the same orbit with its beginning within its longest motion, and the curve there.
+
+        None where that cannot be, or which way the curve goes cannot be told.
+        """
+        shot = node.shot
+        point = calm(shot.run, shot.T)
+        if point is None or abs(node.tangent[-1]) < 1e-3:
+            return None
+        t, x, mode = point
+        arc = Arc(
+            self.shots, self.period, x, self._whole_sizes(), self.kept, self.conserved, self.tol,
+            self.span,
+        )  # fmt: skip
+        arc.T0, arc.t0 = self.T0, (0.0 if self.period.own else t % shot.T)
+        row = np.zeros(len(node.z))
+        row[-1] = 1.0
+        z = arc.z_of(x, shot.T, self.parameter(node.z))
+        found = arc.corrected(z, mode, row, None, row * np.sign(node.tangent[-1]))
+        return None if found is None else (arc, found)
+
     def doubled(self, node: Node, amplitude: float) -> tuple[Arc, Node] | None:
         """Return the curve of orbits of twice the period that begins at a point, and one of them.
 
@@ -291,15 +319,10 @@ class Arc:
         p = self.period
         period = replace(p, T=2.0 * node.shot.T, multiple=p.multiple * (1 if p.own else 2))
         arc = Arc(
-            self.shots,
-            period,
-            self._state(node.z),
-            self._whole_sizes(),
-            kept,
-            self.conserved,
-            self.tol,
-            self.span,
-        )
+            self.shots, period, self._state(node.z), self._whole_sizes(), kept, self.conserved,
+            self.tol, self.span,
+        )  # fmt: skip
+        arc.t0 = self.t0
         z = arc.z_of(self._state(node.z), period.T, self.parameter(node.z))
         row = np.zeros(len(z))
         row[:m] = v
@@ -314,7 +337,8 @@ class Arc:
     def point(self, node: Node) -> OrbitPoint:
         """Return a point of the curve as a record."""
         shot = node.shot
-        state = shot.run.state(shot.run.t_begin)
+        # what drives it says when it begins
+        state = shot.run.state(shot.T if self.t0 else shot.run.t_begin)
         return OrbitPoint(
             self.parameter(node.z),
             shot.T,

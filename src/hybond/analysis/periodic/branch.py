@@ -69,7 +69,8 @@ def value_of(point: OrbitPoint, signal: str, what: What) -> float:
     """Return a signal of an orbit."""
     read = point.run[signal]
     if what == "begin":
-        return float(read.at(point.run.t_begin))
+        begin = point.run.t_begin
+        return float(read.at(point.period if begin else begin))
     return float(getattr(read, what)())
 
 

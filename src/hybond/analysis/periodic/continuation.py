@@ -13,8 +13,8 @@ from hybond.analysis.periodic.branch import Branch, Continuation
 from hybond.analysis.periodic.newton import Found
 from hybond.analysis.periodic.periodic import TOL, begin, newton_of, shots_of
 from hybond.analysis.periodic.periods import Period, length_now, period_asked
-from hybond.analysis.periodic.points import Passed, passed
-from hybond.analysis.periodic.shots import Shots
+from hybond.analysis.periodic.points import Passed, at_end, passed, turned
+from hybond.analysis.periodic.shots import Shots, near_ends
 from hybond.calls import called
 from hybond.errors import NumericsError, UsageError
 from hybond.model.builder import Model
@@ -205,26 +205,45 @@ class _Follow:
         return branches
 
     def _branch(self, arc: Arc, begin: Node, multiple: int) -> tuple[Branch, list[Passed]]:
-        nodes, found = [begin], list[Passed]()
+        nodes, arcs, found = [begin], [arc], list[Passed]()
         longest = 1.0 / self.points
         step, ended = longest, f"after {self.most} orbits"
         node = begin
         while len(nodes) < self.most:
+            if near_ends(node.shot.run, node.shot.T) and (moved := arc.elsewhere(node)):
+                arc, node = moved
+                nodes[-1] = node
+                arcs[-1] = arc
             following, step, why = self._next(arc, node, step, longest)
             if following is None:
-                ended = why
-                break
+                node, what = at_end(arc, node, step, LOCATED)
+                nodes.append(node)
+                arcs.append(arc)
+                if what is None:
+                    ended = why
+                    break
+                found.append(what)
+                following = turned(arc, node)
+                if following is None:
+                    ended = f"it ends there: {what.point.kind}"
+                    break
+                step = longest / 10.0
+                nodes.append(following)
+                arcs.append(arc)
+                node = following
+                continue
             out = self._out(arc, following)
             if out is not None:
-                at_end = arc.at_parameter(node, out)
-                following = at_end or following
+                exact = arc.at_parameter(node, out)
+                following = exact or following
                 ended = "the range ends"
             found += passed(arc, node, following, LOCATED)
             nodes.append(following)
+            arcs.append(arc)
             node = following
             if out is not None:
                 break
-        points = tuple(arc.point(n) for n in nodes)
+        points = tuple(a.point(n) for a, n in zip(arcs, nodes, strict=True))
         special = tuple(p.point for p in found)
         return Branch(multiple, points, special, ended), found
 

@@ -19,7 +19,7 @@ from hybond.analysis.periodic.periods import (
     length_now,
     period_asked,
 )
-from hybond.analysis.periodic.shots import Shots, end_of
+from hybond.analysis.periodic.shots import Shots, calm, end_of, near_ends
 from hybond.analysis.sensitivity.opened import Opened, opened_model
 from hybond.calls import called
 from hybond.errors import HybondError, NumericsError, UsageError
@@ -216,6 +216,11 @@ def _driven(shots: Shots, asked: Period, start: Any, length: float) -> Begun:
         return Begun(np.asarray(first.after[:n]), first.steps[-1].mode, asked, _sizes(run, n))
     run = shots.run(length, _begin_state(start))
     x, mode = end_of(run)
+    if near_ends(run, asked.T):
+        point = calm(run, asked.T)
+        if point is not None:
+            t, x, mode = point
+            shots.t0 = t - (run.t_end - asked.T)
     return Begun(x, mode, asked, _sizes(run, n))
 
 
@@ -258,6 +263,8 @@ def orbit_of(shots: Shots, period: Period, found: Found) -> PeriodicOrbit:
     by, period_by = _moved(shots, period, found)
     if not period.own and period.multiple > 1:
         notes += _shorter(shots, period, found)
+    if shots.t0:
+        notes.append(f"it is counted from t = {shots.t0:.9g} s, away from switches")
     if not period.known:
         notes += _checked(shots, found)
     state = shot.run.state(shot.run.t_begin)
@@ -315,7 +322,7 @@ def _shorter(shots: Shots, period: Period, found: Found) -> list[str]:
     for parts in range(period.multiple, 1, -1):
         if period.multiple % parts:
             continue
-        state = shot.run.state(shot.T / parts)
+        state = shot.run.state(shots.t0 + shot.T / parts)
         x = np.array([*state.stored.values(), *state.signals.values()])
         near = (np.abs(x - shot.x)[found.kept] <= 1e-6 * found.sizes[found.kept]).all()
         if near and dict(state.machines) == shots.graph.mode_names(shot.mode):
@@ -333,7 +340,7 @@ def _checked(shots: Shots, found: Found) -> list[str]:
     """
     shot = found.shot
     try:
-        run = shots.run(2.0 * shot.T, shots.state(shot.x, shot.mode))
+        run = shots.run(shots.t0 + 2.0 * shot.T, shots.state(shot.x, shot.mode))
     except HybondError as error:
         return [f"a second period cannot be run: {error.why}"]
     x, _ = end_of(run)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.analysis.linear.periods import period_of, periods_in
-from hybond.analysis.periodic.shots import Shots, read_states
+from hybond.analysis.periodic.shots import Shots, calm, read_states
 from hybond.errors import NumericsError, UsageError
 from hybond.model.expressions import compile_expression, differentiate, names
 from hybond.model.expressions.slots import slot_of
@@ -111,7 +111,7 @@ def followed_by(shots: Shots, period: Period) -> Vector:
     value = float(compile_expression(made.tree, index, pre_offset=0)(row))
     for name in names(made.tree):
         slope = compile_expression(differentiate(made.tree, name), index, pre_offset=0)
-        found[index[name]] = float(slope(row)) * period.T / value
+        found[index[name]] = float(slope(row)) * length_now(shots, period) / value
     return found
 
 
@@ -166,11 +166,11 @@ def comes_back(run: Result, multiple: int, guess: float | None) -> Return:
     T = guess if guess is not None else _round(t, x[:, moving] / spread[moving], same)
     if T is None or T <= 0.0:
         raise _no_return(run, "the run does not come back to where it was")
-    k = _within_motion(run, T)
-    segment = run.segments[k]
-    at = 0.5 * (segment.t[0] + segment.t[-1])
-    n = len(run.graph.storages) + len(run.graph.integrals)
-    return Return(segment.at(at)[:n].copy(), tuple(segment.mode), multiple * T)
+    point = calm(run, min(T, run.t_end - run.t_begin))
+    if point is None:
+        raise _no_return(run, "all of it slides, or lies still")
+    _, state, mode = point
+    return Return(state, mode, multiple * T)
 
 
 def _no_return(run: Result, why: str) -> NumericsError:
@@ -212,15 +212,3 @@ def _round(t: Vector, x: Vector, same: NDArray[np.bool_]) -> float | None:
         elif away and (best is None or off[k] < off[best]):
             best = k
     return None if best is None else float(t[-1] - t[best])
-
-
-def _within_motion(run: Result, T: float) -> int:
-    """Return the longest segment of the last round, rather one that does not slide."""
-    segments = run.segments
-    own = [k for k in range(len(segments)) if segments[k].t[-1] > run.t_end - T]
-    plain = [k for k in own if segments[k].sliding is None and not segments[k].landed]
-
-    def length(k: int) -> float:
-        return float(segments[k].t[-1] - segments[k].t[0])
-
-    return max(plain or own, key=length)

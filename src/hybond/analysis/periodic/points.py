@@ -25,6 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.analysis.periodic.arc import Arc, Node, OrbitPoint
+from hybond.analysis.periodic.shots import Shot
 from hybond.analysis.sensitivity.collocation import Jump
 
 Vector = NDArray[np.float64]
@@ -216,14 +217,8 @@ def _crossing(node: Node, kind: str) -> str:
 
 def _border(arc: Arc, before: Node, after: Node) -> Passed:
     """Return the point at which the sequence of switches changes, and what that is."""
-    more = before if len(before.shot.path) > len(after.shot.path) else after
-    touched = _touched(arc, more)
-    kind = "grazing" if touched and _sensitivity(arc, more) > _sensitivity(arc, _less(before, after, more)) * 3 else "border collision"
-    what = _what_changes(before, after)
-    said = [what] if what else []
-    if kind == "grazing":
-        said.insert(0, f"{touched} is only touched")
-    stable = ["stable" if all(abs(m.value) < 1.0 for m in n.found if m.counts) else "unstable" for n in (before, after)]
+    kind, said = _named(arc, before.shot, after.shot)
+    stable = ["stable" if _outside(n) == 0 else "unstable" for n in (before, after)]
     if stable[0] != stable[1]:
         said.append(f"{stable[0]} before, {stable[1]} after")
     value = 0.5 * float(before.z[-1] + after.z[-1]) * arc.span
@@ -232,51 +227,122 @@ def _border(arc: Arc, before: Node, after: Node) -> Passed:
     return Passed(point, before)
 
 
-def _less(before: Node, after: Node, more: Node) -> Node:
-    return after if more is before else before
+def _named(arc: Arc, before: Shot, after: Shot) -> tuple[str, list[str]]:
+    """Return what makes the sequence of switches change between two near shots, and which."""
+    more, less = (before, after) if len(before.path) > len(after.path) else (after, before)
+    touched = _touched(arc, more)
+    said = [_what_changes(before, after)]
+    if "grazing" in more.why or (touched and touched[0] > 3.0 * _sensitivity(arc, less)):
+        return "grazing", [f"{touched[1]} is only touched" if touched else more.why, *said]
+    return "border collision", said
 
 
-def _jumps(node: Node) -> list[tuple[str, Jump]]:
-    chain = node.shot.chain
-    assert chain is not None
+def _instants(shot: Shot) -> list[tuple[str, Jump]]:
     found = []
-    for instant in chain.instants:
+    for instant in shot.chain.instants if shot.chain is not None else ():
         if instant.place is not None:
-            link = chain.links[instant.place]
+            link = shot.chain.links[instant.place]  # type: ignore[union-attr]
             assert isinstance(link, Jump)
             found.append((instant.text, link))
     return found
 
 
-def _sensitivity(arc: Arc, node: Node) -> float:
+def _moves(arc: Arc, shot: Shot, jump: Jump) -> float:
     """Return how many times the period an instant moves with a state, as parts of both."""
-    return max((_moves(arc, node, jump) for _, jump in _jumps(node)), default=0.0)
-
-
-def _moves(arc: Arc, node: Node, jump: Jump) -> float:
     own = np.abs(jump.time[arc.kept]) * arc.sizes
-    return float(own.max(initial=0.0)) / node.shot.T
+    return float(own.max(initial=0.0)) / shot.T
 
 
-def _touched(arc: Arc, node: Node) -> str:
+def _sensitivity(arc: Arc, shot: Shot) -> float:
+    return max((_moves(arc, shot, jump) for _, jump in _instants(shot)), default=0.0)
+
+
+def _touched(arc: Arc, shot: Shot) -> tuple[float, str] | None:
     """Return the guard that is nearly only touched, if there is one."""
-    found = [(_moves(arc, node, jump), text) for text, jump in _jumps(node)]
-    found = [row for row in found if row[0] > SENSITIVE]
-    return max(found)[1] if found else ""
+    found = [(_moves(arc, shot, jump), text) for text, jump in _instants(shot)]
+    return max((row for row in found if row[0] > SENSITIVE), default=None)
 
 
-def _what_changes(before: Node, after: Node) -> str:
+def _what_changes(before: Shot, after: Shot) -> str:
     """Return which switches there are on one side only."""
-    names = []
-    for node in (before, after):
-        graph = node.shot.run.graph
-        own = []
-        for _, old, new in node.shot.path:
-            for m in graph.machines:
-                if old[m.index] != new[m.index]:
-                    own.append(f"{m.path} {m.states[old[m.index]]} -> {m.states[new[m.index]]}")
-        names.append(own)
-    less = [f"no {n} after it" for n in dict.fromkeys(names[0]) if names[0].count(n) > names[1].count(n)]
-    more = [f"{n} after it" for n in dict.fromkeys(names[1]) if names[1].count(n) > names[0].count(n)]
-    said = less + more
-    return ", ".join(said[:3]) if said else "switches change their order"
+    names: list[list[str]] = []
+    for shot in (before, after):
+        machines = shot.run.graph.machines
+        names.append(
+            [
+                f"{m.path} {m.states[old[m.index]]} -> {m.states[new[m.index]]}"
+                for _, old, new in shot.path
+                for m in machines
+                if old[m.index] != new[m.index]
+            ]
+        )
+    said = []
+    for k, word in ((0, "before"), (1, "after")):
+        own, other = names[k], names[1 - k]
+        said += [f"{n} only {word}" for n in dict.fromkeys(own) if own.count(n) > other.count(n)]
+    if said:
+        return ", ".join(said[:3])
+    return "other switches after it" if before.path != after.path else "switches share an instant"
+
+
+def at_end(arc: Arc, node: Node, step: float, tolerance: float) -> tuple[Node, Passed | None]:
+    """Return the last point of a branch that cannot be followed on, and what is there.
+
+    Parameters
+    ----------
+    step : float
+        A step along the tangent that cannot be made.
+    """
+    while step > tolerance:
+        found = arc.corrected(node.z + step * node.tangent, node.mode, node.tangent, node,
+                              node.tangent)  # fmt: skip
+        if found is not None and found.path == node.path:
+            node = found
+        step *= 0.5
+    for ahead in (2.0, 8.0, 32.0):
+        beyond = arc.tried(node.z + ahead * tolerance * node.tangent, node.mode)
+        if beyond is not None and (beyond.path != node.shot.path or beyond.M is None):
+            break
+    else:
+        return node, None
+    kind, said = _named(arc, node.shot, beyond)
+    value = arc.parameter(node.z)
+    within = ahead * tolerance * arc.span
+    return node, Passed(SpecialPoint(kind, value, "; ".join(said), arc.point(node), within), node)
+
+
+def turned(arc: Arc, node: Node) -> Node | None:
+    """Return an orbit with another sequence of switches near a point at which a branch ends.
+
+    A guard that is touched at a distance h beyond the point moves the end of a period as the root
+    of h does: by y b. So orbits with the new switches leave the point, to first order, along
+
+        J d + b y = 0
+
+    with J of the old sequence, which tells nothing of p: it is tried at some distances both ways,
+    on planes along which the old branch does not move.
+    """
+    beyond = None
+    for ahead in (1e-6, 1e-5, 1e-4):
+        beyond = arc.tried(node.z + ahead * node.tangent, node.mode)
+        if beyond is not None and beyond.M is not None and beyond.path != node.shot.path:
+            break
+    if beyond is None or beyond.M is None or node.shot.M is None:
+        return None
+    off, _ = arc.equations(beyond, node)
+    _, J = arc.equations(node.shot, node)
+    last = np.zeros(len(node.z))
+    last[-1] = 1.0
+    row = arc.solved(J, last, -off, 0.0)
+    row -= node.tangent * float(node.tangent @ row)
+    size = float(np.linalg.norm(row))
+    if not size > 0.0:
+        return None
+    row /= size
+    for part in (1e-3, 3e-3, 1e-2, 3e-2, 1e-1):
+        for sign in (1.0, -1.0):
+            z = node.z + sign * part * row
+            found = arc.corrected(z, node.mode, row, node, sign * row)
+            if found is not None and found.path != node.path:
+                return found
+    return None

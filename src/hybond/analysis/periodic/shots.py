@@ -31,6 +31,9 @@ from hybond.simulation import simulate
 
 Vector = NDArray[np.float64]
 
+NEAR = 0.01
+"""Part of a period within which a switch is near its end."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Shot:
@@ -102,6 +105,8 @@ class Shots:
         Runs so far.
     time : float
         Time that was run, all together, s.
+    t0 : float
+        When periods begin, s: the phase of what drives the motion.
     """
 
     def __init__(self, opened: Opened, options: Mapping[str, Any]) -> None:
@@ -113,7 +118,7 @@ class Shots:
         self.states = [s.path for s in self.graph.storages]
         self.names = [*self.states, *(i.path for i in self.graph.integrals)]
         self.read = read_states(self.graph)
-        self.done, self.time = 0, 0.0
+        self.done, self.time, self.t0 = 0, 0.0, 0.0
         self._fields: Fields | None = None
 
     def at(self, values: Sequence[float]) -> None:
@@ -125,12 +130,12 @@ class Shots:
         self.graph = kept_graph(self.opened.model, {**self.opened.given, **given})
         self.values = row
 
-    def state(self, x: Vector, mode: Mode, t: float = 0.0) -> State:
+    def state(self, x: Vector, mode: Mode) -> State:
         """Return a state as a run begins with it."""
         stored = len(self.states)
         return State(
             self.graph.name,
-            t,
+            self.t0,
             dict(zip(self.states, x[:stored].tolist(), strict=True)),
             dict(zip(self.names[stored:], x[stored:].tolist(), strict=True)),
             self.graph.mode_names(mode),
@@ -170,7 +175,7 @@ class Shots:
         varied : bool
             Whether derivatives are wanted.
         """
-        run = self.run(T, self.state(x, mode))
+        run = self.run(self.t0 + T, self.state(x, mode))
         end, end_mode = end_of(run)
         begin = run.events[0].steps[-1].mode if len(run.events) else mode
         if not varied:
@@ -199,6 +204,28 @@ class Shots:
         by = whole[:, n:] + np.outer(last, ends)
         by = by @ self.wanted.follows
         return Shot(**plain, M=whole[:, :n], by=by, first=first, last=last)
+
+
+def near_ends(run: Result, T: float) -> bool:
+    """Whether a switch that is not of time alone is near an end of the last period of a run."""
+    begin, end = run.t_end - T, run.t_end
+    return any(
+        event.cause not in ("start", "time", "input")
+        and (abs(event.t - begin) < NEAR * T or abs(event.t - end) < NEAR * T)
+        for event in run.events
+    )
+
+
+def calm(run: Result, T: float) -> tuple[float, Vector, Mode] | None:
+    """Return the middle of the longest motion in the last period of a run: time, state and mode."""
+    begin = run.t_end - T
+    n = len(run.graph.storages) + len(run.graph.integrals)
+    own = [s for s in run.segments if s.sliding is None and not s.landed and s.t[-1] > begin]
+    if not own:
+        return None
+    longest = max(own, key=lambda s: float(s.t[-1] - max(s.t[0], begin)))
+    t = 0.5 * float(max(longest.t[0], begin) + longest.t[-1])
+    return t, longest.at(t)[:n].copy(), tuple(longest.mode)
 
 
 def read_states(graph: FlatGraph) -> list[int]:
