@@ -11,7 +11,7 @@ import hybond as hb
 
 RECORDS = {"Conversion", "Coverage", "CrossCheck", "Ensemble", "Result", "Signal", "StateSpace"}
 RECORDS |= {"Linearisation", "FrequencyResponse", "State", "SweepTable", "ModeGraph"}
-RECORDS |= {"Fit", "Gradient", "Optimum", "Sensitivities"}
+RECORDS |= {"Fit", "Gradient", "Optimum", "Sensitivities", "PeriodicOrbit", "Continuation"}
 """What functions return; nobody makes one."""
 OTHER = {"Block", "FMU"}
 """Made of any names, which are looked at when a model takes them."""

@@ -34,6 +34,8 @@ FREE = 1e-9
 """Singular values of the scaled J below this part of the largest count as zero."""
 OTHER_MODES = 12
 """Periods in a row that may end in another mode than they begin with."""
+DRIFTS = 6
+"""Steps in a row in which something goes on changing whatever the state is."""
 CLOSE = 1e-7
 """How near end and beginning are, as a part of states, where rounding lets them come no nearer."""
 STILL = 1e-7
@@ -96,6 +98,7 @@ class Newton:
     notes: list[str] = field(default_factory=list)
     ran_on: int = 0
     _others: int = 0
+    _drifting: int = 0
 
     def found(self, x: Vector, mode: Mode, T: float) -> Found:
         """Return the shot that ends where it begins.
@@ -172,6 +175,7 @@ class Newton:
     def _ahead(self, shot: Shot, off: float) -> Shot:
         """Return the shot after Newton's step, or as much of it as brings the end nearer."""
         J, right, kept = self.system(shot)
+        self._drifts(shot, J, right, kept)
         step = smallest_step(J, right)
         part = 1.0
         for _ in range(HALVINGS + 1):
@@ -191,6 +195,25 @@ class Newton:
             part /= 2.0
         self._note("where no part of a step came nearer the period was run on")
         return self._on(shot)
+
+    def _drifts(self, shot: Shot, J: Vector, right: Vector, kept: list[int]) -> None:
+        """Refuse a motion in which something goes on changing whatever the state is."""
+        rows = conserved(J)
+        drift = np.abs(rows @ right)
+        if not (drift > max(1e-6, 0.5 * float(np.abs(right).max()))).any():
+            self._drifting = 0
+            return
+        self._drifting += 1
+        if self._drifting < DRIFTS:
+            return
+        k = int(np.argmax(np.abs(rows[int(np.argmax(drift))][: len(kept)])))
+        change = float(shot.end[kept[k]] - shot.x[kept[k]])
+        self._none(
+            f"{self.shots.names[kept[k]]} goes on changing, by {change:.6g} in each period, "
+            "whatever the state is",
+            shot,
+            hint="what comes in has to go out again: a leak, a load, a balance",
+        )
 
     def _on(self, shot: Shot) -> Shot:
         self.ran_on += 1
