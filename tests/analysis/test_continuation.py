@@ -27,7 +27,9 @@ def test_the_bouncing_ball_is_born_in_a_fold_and_doubles_its_period() -> None:
     born = u / w
     bent = 2 * g * (1 + e * e) / (1 + e) ** 2
     doubles = np.hypot(u, bent / w) / w
-    found = hb.continuation(bouncer("14 mm"), "A", ("14 mm", "20 mm"), points=25, doublings=1)
+    found = hb.continuation(
+        bouncer("24 mm"), "A", ("24 mm", "28 mm"), points=8, doublings=1, settle=2 * np.pi
+    )
     first = found.branches[0]
     (double,) = (s for s in first.special if s.kind == "period doubling")
     assert double.value == pytest.approx(doubles, rel=1e-6)
@@ -35,7 +37,14 @@ def test_the_bouncing_ball_is_born_in_a_fold_and_doubles_its_period() -> None:
     second = found.branches[1]
     assert second.multiple == 2 and second.stable[1] and second.values[2] > doubles
     # the other way the branch turns back where it is born
-    found = hb.continuation(bouncer("14 mm"), "A", ("14 mm", "5 mm"), points=25, max_points=60)
+    A, T = 9e-3, np.pi / 10
+    t = np.arccos(u / (A * w)) / w
+    fall = T - t  # from the impact on, till the period begins
+    h = A * np.sin(w * t) + g * T / 2 * fall - g * fall**2 / 2
+    start = {"ball.p": 2.0 * (g * T / 2 - g * fall), "h": h}
+    found = hb.continuation(
+        bouncer("9 mm"), "A", (A, 6e-3), points=12, max_points=14, start=start, settle=0
+    )
     (fold,) = found["fold"]
     assert fold.value == pytest.approx(born, rel=1e-6)
     branch = found.branches[0]
@@ -56,11 +65,12 @@ def peak_current() -> hb.Model:
 
 
 def test_peak_current_control_doubles_its_period_at_a_duty_of_one_half() -> None:
-    found = hb.continuation(peak_current(), "Vo", ("3 V", "7 V"), points=20)
+    found = hb.continuation(peak_current(), "Vo", ("3 V", "7 V"), points=8)
     (double,) = found.special
     assert double.kind == "period doubling" and double.value == pytest.approx(5.0, rel=1e-9)
     branch = found.branches[0]
-    assert (branch.stable == (branch.values < 5.0)).all()
+    apart = np.abs(branch.values - 5.0) > 1e-6
+    assert (branch.stable == (branch.values < 5.0))[apart].all()
     # the multiplier is -m2/m1 all along, the current that with which the reference is reached
     own = [p.multipliers[0].value.real for p in branch.points]
     assert own == pytest.approx(-branch.values / (10 - branch.values), rel=1e-8)
@@ -94,9 +104,10 @@ def test_the_current_that_begins_to_end_within_the_period_is_a_border_collision(
     (point,) = found.special
     assert point.kind == "border collision" and point.value == pytest.approx(border, rel=1e-6)
     branch = found.branches[0]
-    before = branch.values < border
-    sizes = [abs(p.multipliers[0].value) for p in branch.points]
-    assert sizes == pytest.approx(np.where(before, a[0] * a[1], 0.0), abs=1e-9)
+    sizes = np.array([abs(p.multipliers[0].value) for p in branch.points])
+    apart = np.abs(branch.values - border) > 1e-5
+    own = np.where(branch.values < border, a[0] * a[1], 0.0)
+    assert sizes[apart] == pytest.approx(own[apart], abs=1e-9) and apart.sum() >= len(apart) - 2
     assert branch.stable.all()
 
 

@@ -92,7 +92,7 @@ class Node:
         return _turned(self.shot.path)
 
 
-def _turned(path: tuple[tuple[str, Mode, Mode], ...]) -> tuple[object, ...]:
+def _turned(path: tuple[tuple[str, tuple[Mode, ...]], ...]) -> tuple[object, ...]:
     """Return the one of all turns of a cycle that is first in order."""
     turns = [path[k:] + path[:k] for k in range(len(path))] or [path]
     return min(turns)

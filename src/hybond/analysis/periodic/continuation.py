@@ -237,9 +237,11 @@ class _Follow:
                 exact = arc.at_parameter(node, out)
                 following = exact or following
                 ended = "the range ends"
-            found += passed(arc, node, following, LOCATED)
-            nodes.append(following)
-            arcs.append(arc)
+            here = passed(arc, node, following, LOCATED)
+            found += here
+            more = [n for p in here for n in (p.node, p.after) if n is not None]
+            nodes += [*more, following]
+            arcs += [arc] * (len(more) + 1)
             node = following
             if out is not None:
                 break

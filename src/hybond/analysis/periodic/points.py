@@ -18,8 +18,9 @@ Source: di Bernardo, Budd, Champneys and Kowalczyk, Piecewise-smooth Dynamical S
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -70,10 +71,13 @@ class Passed:
     ----------
     point : SpecialPoint
     node : Node
+    after : Node, optional
+        The first point behind it, where the sequence of switches changes.
     """
 
     point: SpecialPoint
     node: Node
+    after: Node | None = None
 
 
 def passed(arc: Arc, a: Node, b: Node, tolerance: float) -> list[Passed]:
@@ -89,8 +93,13 @@ def passed(arc: Arc, a: Node, b: Node, tolerance: float) -> list[Passed]:
     found: list[Passed] = []
     for _ in range(8):
         before, after = _change(arc, a, b, tolerance)
+        gap = float(np.abs(after.z - before.z).max())
+        what = None
+        if gap > 10.0 * tolerance:
+            # between them the curve bends away, as it does where a guard is touched
+            before, what = at_end(arc, before, gap, tolerance)
         found += _smooth(arc, a, before, tolerance)
-        found.append(_border(arc, before, after))
+        found.append(_border(arc, before, after) if what is None else replace(what, after=after))
         a = after
         if a.path == b.path:
             break
@@ -224,7 +233,7 @@ def _border(arc: Arc, before: Node, after: Node) -> Passed:
     value = 0.5 * float(before.z[-1] + after.z[-1]) * arc.span
     within = abs(float(after.z[-1] - before.z[-1])) * arc.span
     point = SpecialPoint(kind, value, "; ".join(said), arc.point(before), within)
-    return Passed(point, before)
+    return Passed(point, before, after)
 
 
 def _named(arc: Arc, before: Shot, after: Shot) -> tuple[str, list[str]]:
@@ -271,7 +280,8 @@ def _what_changes(before: Shot, after: Shot) -> str:
         names.append(
             [
                 f"{m.path} {m.states[old[m.index]]} -> {m.states[new[m.index]]}"
-                for _, old, new in shot.path
+                for _, modes in shot.path
+                for old, new in itertools.pairwise(modes)
                 for m in machines
                 if old[m.index] != new[m.index]
             ]

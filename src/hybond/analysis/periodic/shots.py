@@ -73,17 +73,17 @@ class Shot:
     chain: Chain | None = field(default=None, repr=False)
 
     @property
-    def path(self) -> tuple[tuple[str, Mode, Mode], ...]:
-        """The switches of the period, in order: cause, mode before and after."""
+    def path(self) -> tuple[tuple[str, tuple[Mode, ...]], ...]:
+        """The switches of the period, in order: cause, and the modes from before to after."""
         segments = self.run.segments
-        begin = segments[0].mode if len(segments) else self.mode
+        begin = tuple(segments[0].mode) if len(segments) else self.mode
         found = []
         for event in self.run.events:
             if event.cause == "start":
                 continue
-            after = event.steps[-1].mode
-            found.append((str(event.cause), tuple(begin), tuple(after)))
-            begin = after
+            written = [tuple(step.mode) for step in event.steps if step.kind != "mythical"]
+            found.append((str(event.cause), (begin, *written)))
+            begin = written[-1]
         return tuple(found)
 
 

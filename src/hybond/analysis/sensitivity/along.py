@@ -37,6 +37,8 @@ NOTHING = 1e-5
 """Of the largest variation, or of what a state is for each unit of a parameter: what is below
 `TOLERANCE` of this part of it is rounding."""
 HALVINGS = 10
+SKIPPED = 4
+"""Accepted points that a step of the variations goes over at first, where nothing is read."""
 AT_ONCE = 64
 """Steps whose fields are read together."""
 
@@ -219,9 +221,9 @@ class _Along:
             raise Undetermined("impacts accumulated and came to rest")
         begin, end = float(segment.t[0]), float(segment.t[-1])
         inside = self.times[(self.times > begin) & (self.times < end)]
-        mesh = np.unique(np.concatenate([segment.t, inside]))
-        self._read(segment, mesh, len(self.chain.links))
         self._kinks = {kink.t: kink for kink in kinks_of(self.fields, segment)}
+        mesh = np.unique(np.concatenate([self._mesh(segment), inside]))
+        self._read(segment, mesh, len(self.chain.links))
         for some in _slices(len(mesh) - 1):
             a, b = mesh[some], mesh[some.start + 1 : some.stop + 1]
             for k, (whole, halves) in enumerate(self._steps(segment, a, b)):
@@ -231,6 +233,12 @@ class _Along:
                 self._places[some.start + k + 1] = len(self.chain.links)
         self._put(mesh)
         return d
+
+    def _mesh(self, segment: Segment) -> Vector:
+        """Return where steps begin and end: at every accepted point where something is read."""
+        if self.outputs:
+            return segment.t
+        return np.concatenate([segment.t[:-1:SKIPPED], segment.t[-1:], [*self._kinks]])
 
     def _kink(self, segment: Segment, d: Vector) -> Vector:
         """Take the jump of a law where there is one."""
@@ -284,7 +292,9 @@ class _Along:
         c, _, _ = radau()
         middle = 0.5 * (a + b)
         spans = [(a, b), (a, middle), (middle, b)]
-        t = np.stack([x[:, None] + (y - x)[:, None] * c for x, y in spans], axis=1)
+        # rounding must not put the last stage behind the end
+        stages = [np.minimum(x[:, None] + (y - x)[:, None] * c, y[:, None]) for x, y in spans]
+        t = np.stack(stages, axis=1)
         read = t.copy()
         for kink in self._kinks.values():
             read[t == kink.t] = kink.left
