@@ -21,6 +21,7 @@ from hybond.cli.fit_words import fit_words
 from hybond.cli.linear_words import linearise_words
 from hybond.cli.measure_words import measure_words
 from hybond.cli.misfits import in_words, unknown_option
+from hybond.cli.periodic_words import periodic_words
 from hybond.cli.plan_words import plan_words
 from hybond.cli.run_words import IMPACTS, limits_words, settings_words, solver_words
 from hybond.errors import UsageError
@@ -39,6 +40,7 @@ VERBS = {
     "sweep": "simulate a model with many values of its parameters",
     "measure": "simulate, and say what is measured of it: means, extremes, harmonics, losses",
     "fit": "find values of a model with which its runs are nearest to data",
+    "periodic": "find a motion that repeats, its multipliers, and follow it along a parameter",
     "explain": "simulate, and say when and why each switch happened",
     "convert": "write a model file in the other format, or from a SPICE netlist",
     "library": "list the ready parts, look for some, or show one",
@@ -332,6 +334,7 @@ def parser_of_words() -> Parser:
     solver_words(measure)
 
     settings_words(fit_words(_verb, verbs))
+    settings_words(periodic_words(_verb, verbs))
 
     explain = _verb(verbs, "explain", "hybond explain ball.toml --at '0.8 s'")
     explain.add_argument("file", metavar="FILE", help="a model file")
