@@ -44,9 +44,7 @@ def periodic_words(verb: Callable[..., ArgumentParser], verbs: Any) -> ArgumentP
         help="of --along: how many times branches of twice the period are followed",
     )
     parser.add_argument("--points", metavar="N", type=int, help="of --along: orbits at the least")
-    parser.add_argument(
-        "--signals", metavar="NAME,...", action="append", help="what --plot shows"
-    )
+    parser.add_argument("--signals", metavar="NAME,...", action="append", help="what --plot shows")
     parser.add_argument("--solver", metavar="NAME", help="as for hybond run")
     parser.add_argument("--rtol", metavar="R", type=float, help="of the runs (default: 1e-10)")
     parser.add_argument("--max-step", metavar="H", help="longest step")

@@ -108,7 +108,7 @@ def _circle(ax: Axes, orbit: Any) -> None:
 
 
 def plot_continuation(
-    found: Any, signal: str, what: str, *, path: str | Path | None = None
+    found: Any, signal: str, what: Any, *, path: str | Path | None = None
 ) -> Figure:
     """Plot a signal of orbits over the parameter, dashed where they are not stable.
 

@@ -173,9 +173,7 @@ class _Follow:
         shot = found.shot
         free = len(found.free)
         now = replace(period, T=shot.T) if period.own else period
-        base = Arc(
-            self.shots, now, shot.x, found.sizes, found.kept, free, self.tol, self.span
-        )
+        base = Arc(self.shots, now, shot.x, found.sizes, found.kept, free, self.tol, self.span)
         along = np.zeros(len(found.kept) + 1 + period.own)
         along[-1] = np.sign(self.last - self.first)
         row = np.abs(along)

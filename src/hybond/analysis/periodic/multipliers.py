@@ -49,7 +49,9 @@ class Multiplier:
         v = self.value
         if self.kind == "zero":
             return "0"
-        return f"{v.real:.9g}" if not v.imag else f"{v.real:.9g} {'+-'[v.imag < 0]} {abs(v.imag):.9g}i"
+        return (
+            f"{v.real:.9g}" if not v.imag else f"{v.real:.9g} {'+-'[v.imag < 0]} {abs(v.imag):.9g}i"
+        )
 
 
 def eigenvalues(M: Vector, sizes: Vector) -> tuple[Complex, int]:
@@ -85,9 +87,7 @@ def eigenvalues(M: Vector, sizes: Vector) -> tuple[Complex, int]:
     return found[order], n - len(own)
 
 
-def multipliers(
-    M: Vector, sizes: Vector, *, phase: bool, conserved: int
-) -> tuple[Multiplier, ...]:
+def multipliers(M: Vector, sizes: Vector, *, phase: bool, conserved: int) -> tuple[Multiplier, ...]:
     """Return the multipliers of a period, the largest first.
 
     Parameters

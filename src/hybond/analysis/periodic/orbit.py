@@ -285,9 +285,8 @@ class PeriodicOrbit:
         ]
 
     def _tail(self) -> Iterator[str]:
-        yield (
-            f"closes to {self.residual:.2g} of a state; {self.runs} runs, {self.periods:.4g} periods"
-        )
+        work = f"{self.runs} runs, {self.periods:.4g} periods"
+        yield f"closes to {self.residual:.2g} of a state; {work}"
         for name in self.free:
             yield f"conserved, so that there are others beside it: {name}"
         yield from self.notes

@@ -255,11 +255,9 @@ def orbit_of(shots: Shots, period: Period, found: Found) -> PeriodicOrbit:
     shot = found.shot
     assert shot.M is not None and shot.by is not None
     notes = [note for note in (period.note,) if note] + list(found.notes)
-    kept, n = found.kept, len(shot.x)
+    kept = found.kept
     block = shot.M[np.ix_(kept, kept)]
-    made = multipliers(
-        block, found.sizes[kept], phase=period.own, conserved=len(found.free)
-    )
+    made = multipliers(block, found.sizes[kept], phase=period.own, conserved=len(found.free))
     by, period_by = _moved(shots, period, found)
     if not period.own and period.multiple > 1:
         notes += _shorter(shots, period, found)
@@ -270,7 +268,6 @@ def orbit_of(shots: Shots, period: Period, found: Found) -> PeriodicOrbit:
     state = shot.run.state(shot.run.t_begin)
     once = period.T / period.multiple
     worked = shots.time / (shot.T if period.own else once)
-    del n
     return PeriodicOrbit(
         shot.T,
         period.multiple,
@@ -346,15 +343,15 @@ def _checked(shots: Shots, found: Found) -> list[str]:
     x, _ = end_of(run)
     off = float((np.abs(x - shot.x) / found.sizes)[found.kept].max(initial=0.0))
     if off > 1e-4:
-        error = NumericsError(
+        refusal = NumericsError(
             f"the period closes, but the next one does not (by {off:.3g} of a state): the model "
             f"does not repeat every {shot.T:.9g} s",
             code="HB-A540",
             where="period",
             hint="say after which time sources and inputs repeat",
         )
-        error.partial = run
-        raise error
+        refusal.partial = run
+        raise refusal
     return []
 
 

@@ -138,9 +138,7 @@ def _smooth(arc: Arc, a: Node, b: Node, tolerance: float) -> list[Passed]:
     same = _sign(a, 1.0) * _sign(b, 1.0) > 0.0 and _sign(a, -1.0) * _sign(b, -1.0) > 0.0
     if outside and same and abs(_outside(a) - _outside(b)) >= 2:
         most = max(_pairs(a), _pairs(b))
-        found.append(
-            _located(arc, a, b, "Neimark-Sacker", lambda n: _pair(n, most), tolerance)
-        )
+        found.append(_located(arc, a, b, "Neimark-Sacker", lambda n: _pair(n, most), tolerance))
     return sorted(found, key=lambda p: float(np.linalg.norm(p.node.z - a.z)))
 
 
@@ -274,25 +272,31 @@ def _touched(arc: Arc, shot: Shot) -> tuple[float, str] | None:
 
 def _what_changes(before: Shot, after: Shot) -> str:
     """Return which switches there are on one side only."""
-    names: list[list[str]] = []
-    for shot in (before, after):
-        machines = shot.run.graph.machines
-        names.append(
-            [
-                f"{m.path} {m.states[old[m.index]]} -> {m.states[new[m.index]]}"
-                for _, modes in shot.path
-                for old, new in itertools.pairwise(modes)
-                for m in machines
-                if old[m.index] != new[m.index]
-            ]
-        )
-    said = []
-    for k, word in ((0, "before"), (1, "after")):
-        own, other = names[k], names[1 - k]
-        said += [f"{n} only {word}" for n in dict.fromkeys(own) if own.count(n) > other.count(n)]
-    if said:
-        return ", ".join(said[:3])
-    return "other switches after it" if before.path != after.path else "switches share an instant"
+    for caused in (False, True):
+        names = [_switches(shot, caused=caused) for shot in (before, after)]
+        said = []
+        for k, word in ((0, "before"), (1, "after")):
+            own, other = names[k], names[1 - k]
+            more = [n for n in dict.fromkeys(own) if own.count(n) > other.count(n)]
+            said += [f"{n} only {word}" for n in more]
+        if said:
+            return ", ".join(said[:3])
+    return "switches change their order" if before.path != after.path else "two share an instant"
+
+
+def _switches(shot: Shot, *, caused: bool) -> list[str]:
+    """Return the switches of a period in words, with what causes them if that is asked for."""
+    machines = shot.run.graph.machines
+    found = []
+    for cause, modes in shot.path:
+        by = "" if not caused else " at an edge" if cause in ("input", "time") else " by itself"
+        found += [
+            f"{m.path} {m.states[old[m.index]]} -> {m.states[new[m.index]]}{by}"
+            for old, new in itertools.pairwise(modes)
+            for m in machines
+            if old[m.index] != new[m.index]
+        ]
+    return found
 
 
 def at_end(arc: Arc, node: Node, step: float, tolerance: float) -> tuple[Node, Passed | None]:

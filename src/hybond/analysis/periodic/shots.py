@@ -8,7 +8,7 @@ is a number written into them.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -191,19 +191,17 @@ class Shots:
         start = np.hstack([np.eye(n), np.zeros((n, many))])
         ends = np.zeros(many) if T_by is None else T_by
         chain = chain_of(run, fields, start, [], [], ends)
-        plain = {"x": shot.x, "mode": shot.mode, "T": shot.T, "run": run}
-        plain |= {"end": shot.end, "end_mode": shot.end_mode, "chain": chain}
+        shot = replace(shot, chain=chain)
         if chain.ends is not None:
-            return Shot(**plain, why=f"at {chain.ends:.9g} s {chain.why}")
+            return replace(shot, why=f"at {chain.ends:.9g} s {chain.why}")
         try:
             whole = chain.forward()[-1]
             first = _rates(fields.within(run.segments[0], run.segments[0].t[:1]))
             last = _rates(_last_field(run, fields))
         except HybondError as error:
-            return Shot(**plain, why=error.why)
-        by = whole[:, n:] + np.outer(last, ends)
-        by = by @ self.wanted.follows
-        return Shot(**plain, M=whole[:, :n], by=by, first=first, last=last)
+            return replace(shot, why=error.why)
+        by = (whole[:, n:] + np.outer(last, ends)) @ self.wanted.follows
+        return replace(shot, M=whole[:, :n], by=by, first=first, last=last)
 
 
 def near_ends(run: Result, T: float) -> bool:

@@ -326,8 +326,8 @@ class _Along:
             raise Undetermined("impacts accumulate")
         if following is None and not own:
             end = self.fields.ending(segment, None)
-            moves = [c.by[self.fields.size :] for c in timed(self.fields, end, t)]
-            if not all(self._is_end(np.append(np.zeros(self.more), by)) for by in moves):
+            edges = [c.by[self.fields.size :] for c in timed(self.fields, end, t)]
+            if not all(self._is_end(np.append(np.zeros(self.more), by)) for by in edges):
                 self.chain.ends, self.chain.why = t, AT_THE_END
             return d
         if len(own) > 1:
