@@ -107,6 +107,11 @@ def _circle(ax: Axes, orbit: Any) -> None:
         ax.spines[side].set_visible(False)
 
 
+def _turns(branch: Any, what: str) -> int:
+    """Return how many values of an orbit are shown: one for each period of what drives it."""
+    return int(branch.multiple) if what == "begin" else 1
+
+
 def plot_continuation(
     found: Any, signal: str, what: Any, *, path: str | Path | None = None
 ) -> Figure:
@@ -130,22 +135,26 @@ def plot_continuation(
 
     if what not in WHAT:
         raise UsageError(f"what = {what!r}", code="HB-D103", where="what", hint=", ".join(WHAT))
-    height, page = _TOP + 3.6 + _BOTTOM, _WIDE
+    top = _TOP + 0.2
+    height, page = top + 3.6 + _BOTTOM, _WIDE
     figure = new_figure((page, height), interactive=path is None)
     inches = page - _LEFT - _RIGHT
     ax = figure.add_axes((_LEFT / page, _BOTTOM / height, inches / page, 3.6 / height))
-    curves = [(b, b.values, b.of(signal, what)) for b in found.branches]
+    curves = [
+        (b, b.values, [b.of(signal, what, turn=k) for k in range(_turns(b, what))])
+        for b in found.branches
+    ]
     marks = [
         (s.kind, s.value, value_of(s.orbit, signal, what))
         for b in found.branches
         for s in b.special
     ]
     run = found.branches[0].points[0].run
-    largest = max(float(np.abs(y).max(initial=0.0)) for _, _, y in curves)
+    largest = max(float(np.abs(y).max(initial=0.0)) for _, _, ys in curves for y in ys)
     by_y, unit = axis_scale(run.unit(signal), largest)
     ends = max(float(np.abs(x).max(initial=0.0)) for _, x, _ in curves)
     by_x, of = axis_scale(found.unit, ends)
-    for k, (branch, x, y) in enumerate(curves):
+    for k, (branch, x, ys) in enumerate(curves):
         colour = COLOURS[k % len(COLOURS)]
         stable = branch.stable
         times = f", {branch.multiple} periods" if branch.multiple > 1 else ""
@@ -155,11 +164,12 @@ def plot_continuation(
                 continue
             # a stretch goes on to the next point, where the other one begins
             wide = own | np.append(False, own[:-1]) if chosen else own
-            t, v = np.where(wide, x, np.nan), np.where(wide, y, np.nan)
-            ax.plot(
-                t * by_x, v * by_y, color=colour, linewidth=1.4, linestyle=style, zorder=3,
-                label=f"{word}{times}",
-            )  # fmt: skip
+            for turn, y in enumerate(ys):
+                ax.plot(
+                    np.where(wide, x, np.nan) * by_x, np.where(wide, y, np.nan) * by_y,
+                    color=colour, linewidth=1.4, linestyle=style, zorder=3,
+                    label="" if turn else f"{word}{times}",
+                )  # fmt: skip
     for kind, (mark, colour) in _MARKS.items():
         own_marks = [(x, y) for name, x, y in marks if name == kind]
         if own_marks:
@@ -178,7 +188,7 @@ def plot_continuation(
     for side in ("top", "right"):
         ax.spines[side].set_visible(False)
     ax.legend(
-        loc="lower left", bbox_to_anchor=(0.0, 0.99), ncols=5, frameon=False, fontsize=8.0,
+        loc="lower left", bbox_to_anchor=(0.0, 0.99), ncols=4, frameon=False, fontsize=8.0,
         borderaxespad=0.0, handlelength=1.8, columnspacing=1.2,
     )  # fmt: skip
     figure.text(

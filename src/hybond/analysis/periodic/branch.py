@@ -54,23 +54,30 @@ class Branch:
         """Which of them are stable, shape (points,)."""
         return np.array([p.stable for p in self.points], dtype=bool)
 
-    def of(self, signal: str, what: What = "begin") -> Vector:
+    def of(self, signal: str, what: What = "begin", *, turn: int = 0) -> Vector:
         """Return a signal of each orbit: at its beginning, or its extreme or mean over the period.
+
+        Parameters
+        ----------
+        signal : str
+        what : {"begin", "max", "min", "mean"}
+        turn : int
+            Of orbits that need several periods of what drives them: at which one's beginning.
 
         Raises
         ------
         UsageError
             HB-S109 for a signal that there is not.
         """
-        return np.array([value_of(p, signal, what) for p in self.points])
+        return np.array([value_of(p, signal, what, turn / self.multiple) for p in self.points])
 
 
-def value_of(point: OrbitPoint, signal: str, what: What) -> float:
-    """Return a signal of an orbit."""
-    read = point.run[signal]
+def value_of(point: OrbitPoint, signal: str, what: What, part: float = 0.0) -> float:
+    """Return a signal of an orbit; at its beginning, or a part of the period later."""
+    read, run = point.run[signal], point.run
     if what == "begin":
-        begin = point.run.t_begin
-        return float(read.at(point.period if begin else begin))
+        t = (point.period if run.t_begin else 0.0) + part * point.period
+        return float(read.at(t if t <= run.t_end else t - point.period))
     return float(getattr(read, what)())
 
 

@@ -186,21 +186,28 @@ class _Follow:
                 where=f"{self.shots.wanted.names[0]} = {self.first:.9g}",
                 hint="begin at another value of the parameter",
             )
-        branches, level = [], [(base, begin, period.multiple, "")]
+        branches, level = [], [(base, begin, period.multiple)]
         for round_ in range(doublings + 1):
             following = []
-            for arc, node, multiple, _ in level:
+            for arc, node, multiple in level:
                 branch, passed_ = self._branch(arc, node, multiple)
                 branches.append(branch)
                 if round_ == doublings:
                     continue
                 for p in passed_:
-                    if p.point.kind == "period doubling":
-                        made = arc.doubled(p.node, BESIDE)
-                        if made is not None:
-                            following.append((made[0], made[1], 2 * multiple, ""))
+                    made = self._doubled(arc, p) if p.point.kind == "period doubling" else None
+                    if made is not None:
+                        following.append((*made, 2 * multiple))
             level = following
         return branches
+
+    def _doubled(self, arc: Arc, passed_: Passed) -> tuple[Arc, Node] | None:
+        """Return the branch of twice the period where it begins, if that is within the range."""
+        for amplitude in (BESIDE, BESIDE / 4.0, BESIDE / 16.0):
+            made = arc.doubled(passed_.node, amplitude)
+            if made is not None and self._out(*made) is None:
+                return made
+        return None
 
     def _branch(self, arc: Arc, begin: Node, multiple: int) -> tuple[Branch, list[Passed]]:
         nodes, arcs, found = [begin], [arc], list[Passed]()
