@@ -28,7 +28,7 @@ def test_the_bouncing_ball_is_born_in_a_fold_and_doubles_its_period() -> None:
     bent = 2 * g * (1 + e * e) / (1 + e) ** 2
     doubles = np.hypot(u, bent / w) / w
     found = hb.continuation(
-        bouncer("24 mm"), "A", ("24 mm", "28 mm"), points=8, doublings=1, settle=2 * np.pi
+        bouncer("26 mm"), "A", ("26 mm", "27 mm"), points=3, doublings=1, settle=2 * np.pi
     )
     first = found.branches[0]
     (double,) = (s for s in first.special if s.kind == "period doubling")
@@ -37,18 +37,18 @@ def test_the_bouncing_ball_is_born_in_a_fold_and_doubles_its_period() -> None:
     second = found.branches[1]
     assert second.multiple == 2 and second.stable[1] and second.values[2] > doubles
     # the other way the branch turns back where it is born
-    A, T = 9e-3, np.pi / 10
+    A, T = 8.7e-3, np.pi / 10
     t = np.arccos(u / (A * w)) / w
     fall = T - t  # from the impact on, till the period begins
     h = A * np.sin(w * t) + g * T / 2 * fall - g * fall**2 / 2
     start = {"ball.p": 2.0 * (g * T / 2 - g * fall), "h": h}
     found = hb.continuation(
-        bouncer("9 mm"), "A", (A, 6e-3), points=12, max_points=14, start=start, settle=0
+        bouncer("8.7 mm"), "A", (A, 8e-3), points=4, max_points=6, start=start, settle=0
     )
     (fold,) = found["fold"]
     assert fold.value == pytest.approx(born, rel=1e-6)
     branch = found.branches[0]
-    assert branch.values.min() == pytest.approx(born, rel=1e-2) and branch.stable[0]
+    assert branch.values.min() == pytest.approx(born, rel=1e-6) and branch.stable[0]
     assert not branch.stable[-1] and max(m.value.real for m in branch.points[-1].multipliers) > 1
 
 
@@ -65,7 +65,7 @@ def peak_current() -> hb.Model:
 
 
 def test_peak_current_control_doubles_its_period_at_a_duty_of_one_half() -> None:
-    found = hb.continuation(peak_current(), "Vo", ("3 V", "7 V"), points=8)
+    found = hb.continuation(peak_current(), "Vo", ("4 V", "6.5 V"), points=5)
     (double,) = found.special
     assert double.kind == "period doubling" and double.value == pytest.approx(5.0, rel=1e-9)
     branch = found.branches[0]
@@ -100,7 +100,7 @@ def test_the_current_that_begins_to_end_within_the_period_is_a_border_collision(
         return float((rise * a[1] + fall) / (1 - a[0] * a[1]))
 
     border = brentq(valley, 1.0, 9.0, xtol=1e-14)
-    found = hb.continuation(choke(), "Vo", ("3 V", "4.5 V"), points=12)
+    found = hb.continuation(choke(), "Vo", ("3.5 V", "4.1 V"), points=4)
     (point,) = found.special
     assert point.kind == "border collision" and point.value == pytest.approx(border, rel=1e-6)
     branch = found.branches[0]
@@ -112,23 +112,23 @@ def test_the_current_that_begins_to_end_within_the_period_is_a_border_collision(
 
 
 def test_an_oscillator_grazes_its_stop_where_its_amplitude_is_the_gap() -> None:
-    values = {"F": "0.4 N", "w": "0.7 rad/s", "s": "1 m", "e": 0.8, "c": "0.1 N*s/m"}
+    values = {"F": "0.4 N", "w": "0.7 rad/s", "s": "0.8 m", "e": 0.8, "c": "0.1 N*s/m"}
     m = hb.Model("impact_oscillator", domain="translational", parameters=values)
     m.add(mass=hb.I("1 kg"), spring=hb.C("1 m/N"), damper=hb.R("c"), v=hb.One())
     m.add(force=hb.Se("F*cos(w*time)"), wall=hb.Sf("0 m/s"))
     m.add(stop=hb.Zero(law="unilateral", gap="s - x", restitution="e"))
     m.bond("force -> v -> mass", "v -> spring", "v -> damper", "v -> stop -> wall")
     m.signal(x=hb.Integral("v.f"))
-    found = hb.continuation(m, "F", ("0.4 N", "0.7 N"), points=12, max_points=24)
+    found = hb.continuation(m, "s", ("0.8 m", "0.762 m"), points=3)
     grazing = found.special[0]
-    touches = np.hypot(1 - 0.7**2, 0.1 * 0.7)
+    touches = 0.4 / np.hypot(1 - 0.7**2, 0.1 * 0.7)
     assert grazing.kind == "grazing" and grazing.value == pytest.approx(touches, rel=1e-6)
     assert "stop.f > 0 is only touched" in grazing.text
     # beyond it another branch, on which it strikes once a period: det M = e^2 exp(-c T)
     branch = found.branches[0]
     T = 2 * np.pi / 0.7
     strikes = [p for p in branch.points if len(p.run.events) > 1]
-    assert len(strikes) > 5
+    assert len(strikes) >= 2
     for p in strikes:
         free = [x.value for x in p.multipliers if x.kind != "conserved"]
         assert np.prod(free).real == pytest.approx(0.64 * np.exp(-0.1 * T), rel=1e-6)

@@ -88,7 +88,7 @@ def continuation(
 
     Examples
     --------
-    The peak-current control of a buck converter is unstable beyond a duty of one half:
+    A choke behind a chopper, at other duties; its multiplier stays what it is:
 
     >>> import hybond as hb
     >>> m = hb.Model("choke", domain="electrical", parameters={"D": 0.3})
@@ -96,8 +96,11 @@ def continuation(
     >>> m.add(V=hb.Se("10 V*u"), L=hb.I("10 mH"), R=hb.R("1 ohm"), j=hb.One())
     >>> m.bond("V -> j -> L", "j -> R")
     >>> found = hb.continuation(m, "D", (0.3, 0.6), points=5)
-    >>> found.branches[0].values[-1], found.branches[0].ended
-    (0.6, 'the range ends')
+    >>> branch = found.branches[0]
+    >>> float(branch.values[-1]), branch.ended, found.special
+    (0.6, 'the range ends', ())
+    >>> round(branch.points[-1].multipliers[0].value.real, 9)
+    0.990049834
     """
     first, last = _range(values)
     for name, number, least in (

@@ -113,7 +113,7 @@ def _change(arc: Arc, a: Node, b: Node, tolerance: float) -> tuple[Node, Node]:
         if float(np.abs(high.z - low.z).max()) <= tolerance:
             break
         middle = None
-        for part in (0.5, 0.4, 0.6, 0.25, 0.75):
+        for part in (0.5, 0.3, 0.7):
             middle = arc.between(low, high, part)
             if middle is not None:
                 break
@@ -308,10 +308,12 @@ def at_end(arc: Arc, node: Node, step: float, tolerance: float) -> tuple[Node, P
         A step along the tangent that cannot be made.
     """
     while step > tolerance:
-        found = arc.corrected(node.z + step * node.tangent, node.mode, node.tangent, node,
-                              node.tangent)  # fmt: skip
-        if found is not None and found.path == node.path:
-            node = found
+        z = node.z + step * node.tangent
+        first = arc.tried(z, node.mode)
+        if first is not None and first.path == node.shot.path:
+            found = arc.corrected(z, node.mode, node.tangent, node, node.tangent)
+            if found is not None and found.path == node.path:
+                node = found
         step *= 0.5
     for ahead in (2.0, 8.0, 32.0):
         beyond = arc.tried(node.z + ahead * tolerance * node.tangent, node.mode)
@@ -329,26 +331,25 @@ def turned(arc: Arc, node: Node) -> Node | None:
     """Return an orbit with another sequence of switches near a point at which a branch ends.
 
     A guard that is touched at a distance h beyond the point moves the end of a period as the root
-    of h does: by y b. So orbits with the new switches leave the point, to first order, along
+    of h does: by y b with y^2 = h. So orbits with the new switches leave the point along
 
-        J d + b y = 0
+        J d + b y = 0,    h_z d = y^2, to first order 0
 
-    with J of the old sequence, which tells nothing of p: it is tried at some distances both ways,
-    on planes along which the old branch does not move.
+    with J of the old sequence, and the slope of h as that of the new instant, which is along it.
     """
     beyond = None
     for ahead in (1e-6, 1e-5, 1e-4):
         beyond = arc.tried(node.z + ahead * node.tangent, node.mode)
         if beyond is not None and beyond.M is not None and beyond.path != node.shot.path:
             break
-    if beyond is None or beyond.M is None or node.shot.M is None:
+    if beyond is None or beyond.M is None or beyond.path == node.shot.path:
+        return None
+    slope = _slope_of_instant(arc, beyond)
+    if slope is None:
         return None
     off, _ = arc.equations(beyond, node)
     _, J = arc.equations(node.shot, node)
-    last = np.zeros(len(node.z))
-    last[-1] = 1.0
-    row = arc.solved(J, last, -off, 0.0)
-    row -= node.tangent * float(node.tangent @ row)
+    row = arc.solved(J, slope, -off, 0.0)
     size = float(np.linalg.norm(row))
     if not size > 0.0:
         return None
@@ -360,3 +361,21 @@ def turned(arc: Arc, node: Node) -> Node | None:
             if found is not None and found.path != node.path:
                 return found
     return None
+
+
+def _slope_of_instant(arc: Arc, shot: Shot) -> Vector | None:
+    """Return how the instant that moves most follows the unknowns, of length 1."""
+    chain = shot.chain
+    if chain is None:
+        return None
+    before = chain.forward()
+    jumps = [(k, link) for k, link in enumerate(chain.links) if isinstance(link, Jump)]
+    if not jumps:
+        return None
+    k, link = max(jumps, key=lambda row: _moves(arc, shot, row[1]))
+    moved = link.moved(before[k])
+    n = len(shot.x)
+    own = [0.0] if arc.period.own else []
+    slope = np.array([*(moved[:n][arc.kept] * arc.sizes), *own, moved[n] * arc.span])
+    size = float(np.linalg.norm(slope))
+    return slope / size if size > 0.0 else None
