@@ -168,3 +168,17 @@ def test_no_way_is_refused(values: object, options: dict[str, int]) -> None:
     with pytest.raises(hb.UsageError) as error:
         hb.continuation(peak_current(), "Vo", values, **options)  # type: ignore[arg-type]
     assert error.value.code == "HB-A543"
+
+
+def test_a_pair_crosses_where_damping_changes_its_sign() -> None:
+    m = hb.Model("rlc", domain="electrical", parameters={"R": "0.1 ohm"})
+    m.add(V=hb.Se("1 V*cos(2.6*time/(1 s))"), L=hb.I("1 H"), C=hb.C("1 F"), r=hb.R("R"), j=hb.One())
+    m.bond("V -> j -> L", "j -> C", "j -> r")
+    found = hb.continuation(m, "R", ("0.1 ohm", "-0.08 ohm"), points=4)
+    (point,) = found.special
+    assert point.kind == "Neimark-Sacker" and point.value == pytest.approx(0.0, abs=1e-7)
+    angle = 2 * np.pi / 2.6  # of the free oscillation within a period
+    assert f"at an angle of {angle:.6g} rad" in point.text
+    T = 2 * np.pi / 2.6
+    sizes = [abs(p.multipliers[0].value) for p in found.branches[0].points]
+    assert sizes == pytest.approx(np.exp(-found.branches[0].values / 2 * T), rel=1e-8)
