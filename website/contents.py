@@ -23,6 +23,7 @@ GROUPS: dict[str, tuple[str, ...]] = {
         "measurements",
         "linear",
         "sensitivity",
+        "periodic",
         "ensembles",
         "sweeps",
         "bifurcation",

@@ -28,6 +28,10 @@ if TYPE_CHECKING:
     from hybond.analysis.linear.linearise import linearise
     from hybond.analysis.modes.reachable import reachable
     from hybond.analysis.modes.records import ModeGraph
+    from hybond.analysis.periodic.branch import Continuation
+    from hybond.analysis.periodic.continuation import continuation
+    from hybond.analysis.periodic.orbit import PeriodicOrbit
+    from hybond.analysis.periodic.periodic import periodic
     from hybond.analysis.residuals.residuals import residuals
     from hybond.analysis.restitution.newton_law import newton_law_model
     from hybond.analysis.restitution.restitution import restitution
@@ -136,6 +140,10 @@ _HOME = {
     "linearise": "hybond.analysis.linear.linearise",
     **dict.fromkeys(("EventTime", "Final", "Total"), "hybond.analysis.sensitivity.goals"),
     **dict.fromkeys(("Gradient", "gradient"), "hybond.analysis.sensitivity.gradient"),
+    "Continuation": "hybond.analysis.periodic.branch",
+    "continuation": "hybond.analysis.periodic.continuation",
+    "PeriodicOrbit": "hybond.analysis.periodic.orbit",
+    "periodic": "hybond.analysis.periodic.periodic",
     "Sensitivities": "hybond.analysis.sensitivity.record",
     "Fit": "hybond.fitting.record",
     "fit": "hybond.fitting.fit",
@@ -190,6 +198,7 @@ __all__ = [
     "Block",
     "C",
     "CausalityError",
+    "Continuation",
     "Conversion",
     "Coverage",
     "CrossCheck",
@@ -223,6 +232,7 @@ __all__ = [
     "NumericsError",
     "One",
     "Optimum",
+    "PeriodicOrbit",
     "Plan",
     "QSS",
     "R",
@@ -249,6 +259,7 @@ __all__ = [
     "bifurcation",
     "causality",
     "complementarity",
+    "continuation",
     "coverage",
     "cross_check",
     "draw",
@@ -269,6 +280,7 @@ __all__ = [
     "loads",
     "newton_law_model",
     "optimise",
+    "periodic",
     "reachable",
     "read_bond_graph",
     "read_circuit",

@@ -12,6 +12,7 @@ import hybond as hb
 RECORDS = {"Conversion", "Coverage", "CrossCheck", "Ensemble", "Result", "Signal", "StateSpace"}
 RECORDS |= {"Linearisation", "FrequencyResponse", "State", "SweepTable", "ModeGraph"}
 RECORDS |= {"Bifurcation", "Fit", "Gradient", "Optimum", "Sensitivities"}
+RECORDS |= {"PeriodicOrbit", "Continuation"}
 """What functions return; nobody makes one."""
 OTHER = {"Block", "FMU"}
 """Made of any names, which are looked at when a model takes them."""

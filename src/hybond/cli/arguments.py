@@ -23,6 +23,7 @@ from hybond.cli.fit_words import fit_words
 from hybond.cli.linear_words import linearise_words
 from hybond.cli.measure_words import measure_words
 from hybond.cli.misfits import in_words, unknown_option
+from hybond.cli.periodic_words import periodic_words
 from hybond.cli.plan_words import sweep_words
 from hybond.cli.run_words import limits_words, option_word, settings_words, solver_words
 from hybond.errors import UsageError
@@ -43,6 +44,7 @@ VERBS = {
     "bifurcation": "say what a model comes to, value after value, and draw it",
     "measure": "simulate, and say what is measured of it: means, extremes, harmonics, losses",
     "fit": "find values of a model with which its runs are nearest to data",
+    "periodic": "find a motion that repeats, its multipliers, and follow it along a parameter",
     "explain": "simulate, and say when and why each switch happened",
     "convert": "write a model file in the other format, or from a SPICE netlist",
     "library": "list the ready parts, look for some, or show one",
@@ -340,6 +342,10 @@ def _fit(verbs: Any) -> None:
     settings_words(fit_words(_verb, verbs))
 
 
+def _periodic(verbs: Any) -> None:
+    settings_words(periodic_words(_verb, verbs))
+
+
 def _explain(verbs: Any) -> None:
     explain = _verb(verbs, "explain", "hybond explain ball.toml --at '0.8 s'")
     explain.add_argument("file", metavar="FILE", help="a model file")
@@ -440,6 +446,7 @@ _WORDS: dict[str, Callable[[Any], None]] = {
     "bifurcation": _bifurcation,
     "measure": _measure,
     "fit": _fit,
+    "periodic": _periodic,
     "explain": _explain,
     "convert": _convert,
     "library": _library,

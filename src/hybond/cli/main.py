@@ -139,6 +139,10 @@ def verb(given: Namespace) -> int:
             from hybond.cli.fit import fit
 
             return fit(given)
+        case "periodic":
+            from hybond.cli.periodic import periodic
+
+            return periodic(given)
         case "explain":
             from hybond.cli.explain import explain
 

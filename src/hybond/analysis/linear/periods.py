@@ -62,6 +62,19 @@ def period_of(graph: FlatGraph) -> float | None:
     >>> round(period_of(m.flatten()), 9)
     0.02
     """
+    return _common(periods_in(graph))
+
+
+def periods_in(graph: FlatGraph) -> list[float]:
+    """Return the periods of all that a model reads of time, as many as there are.
+
+    Of a graph with slots they say what they are made of.
+
+    Raises
+    ------
+    UsageError
+        HB-A511 for what is not known to repeat.
+    """
     found: list[float] = []
     for i in graph.inputs:
         match i.waveform:
@@ -73,12 +86,12 @@ def period_of(graph: FlatGraph) -> float | None:
                 found.append(period)
             case _:
                 raise _unknown(f"the input {i.path} does not repeat")
-    for e, where in _trees(graph):
+    for e, where in trees(graph):
         found += _in_tree(e, where)
-    return _common(found)
+    return found
 
 
-def _trees(graph: FlatGraph) -> Iterator[tuple[Expr, str]]:
+def trees(graph: FlatGraph) -> Iterator[tuple[Expr, str]]:
     """Yield what is evaluated while a model runs, and what it belongs to."""
     for node in graph.nodes:
         for e in node.law.expressions if node.law is not None else ():

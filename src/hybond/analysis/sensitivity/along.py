@@ -12,13 +12,13 @@ derivative ends: at an instant that is only touched, or that two things share.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hybond.analysis.sensitivity.collocation import STAGES, Jump, Step, radau
-from hybond.analysis.sensitivity.crossing import LOCATED, NO_CAUSE, crossing, timed
+from hybond.analysis.sensitivity.crossing import LOCATED, NO_CAUSE, SAME, crossing, timed
 from hybond.analysis.sensitivity.fields import Field, Fields
 from hybond.analysis.sensitivity.gradients import Compiled
 from hybond.analysis.sensitivity.kinks import jumped, kinks_of
@@ -37,6 +37,8 @@ NOTHING = 1e-5
 """Of the largest variation, or of what a state is for each unit of a parameter: what is below
 `TOLERANCE` of this part of it is rounding."""
 HALVINGS = 10
+SKIPPED = 4
+"""Accepted points that a step of the variations goes over at first, where nothing is read."""
 AT_ONCE = 64
 """Steps whose fields are read together."""
 
@@ -104,7 +106,7 @@ class Chain:
     """The linear maps of a run."""
 
     start: Vector
-    """Shape (n, parameters)."""
+    """Shape (n, parameters); more columns, which come first, where the start varies by itself."""
     links: list[Step | Jump] = field(default_factory=list)
     readings: list[Reading] = field(default_factory=list)
     instants: list[Instant] = field(default_factory=list)
@@ -137,41 +139,57 @@ def chain_of(
     start: Vector,
     outputs: Sequence[Expr],
     times: Sequence[float],
+    end: Vector | None = None,
 ) -> Chain:
     """Return the chain of a run.
 
     Parameters
     ----------
-    start : array, shape (states, parameters)
-        Derivatives of the start before it is settled.
+    start : array, shape (states, more + parameters)
+        Derivatives of the start before it is settled. Columns before those of the parameters are
+        variations of the start alone.
     outputs : sequence of Expr
         Read at the ends of segments, at accepted points and at `times`.
+    end : array, shape (parameters,), optional
+        Derivatives of the time at which the run ends, where it follows parameters: what happens
+        there may then move, if it moves with it.
     """
-    return _Along(run, fields, outputs, times).made(start)
+    more = start.shape[1] - len(fields.columns.parameters)
+    return _Along(run, fields, outputs, times, more, end).made(start)
 
 
 class _Along:
     def __init__(
-        self, run: Result, fields: Fields, outputs: Sequence[Expr], times: Sequence[float]
+        self,
+        run: Result,
+        fields: Fields,
+        outputs: Sequence[Expr],
+        times: Sequence[float],
+        more: int,
+        end: Vector | None,
     ) -> None:
         self.run, self.fields, self.outputs = run, fields, list(outputs)
+        self.more = more
+        many = more + len(fields.columns.parameters)
+        self.end = np.zeros(many)
+        if end is not None:
+            self.end[more:] = end
         self.times = np.unique(np.asarray(list(times), dtype=float))
         self.events: dict[float, list[int]] = {}
         for k, t in enumerate(run.trace.events.times):
             self.events.setdefault(float(t), []).append(k)
         self._now = 0.0
         self._moves: Vector | None = None
-        self.largest = np.zeros((fields.size, len(fields.columns.parameters)))
-        p = np.abs(fields.values.found.values)
-        self.per_parameter = np.where(p > 0.0, 1.0 / np.where(p > 0.0, p, 1.0), 0.0)
+        self.largest = np.zeros((fields.size, many))
         self.sizes = np.zeros(fields.size)
         for segment in run.segments:
             own = np.abs(segment.y[:, : fields.columns.time]).max(axis=0, initial=0.0)
             self.sizes[: len(own)] = np.maximum(self.sizes[: len(own)], own)
+        p = np.abs(np.concatenate([self.sizes[:more], fields.values.found.values]))
+        self.per_parameter = np.where(p > 0.0, 1.0 / np.where(p > 0.0, p, 1.0), 0.0)
 
     def made(self, start: Vector) -> Chain:
-        many = len(self.fields.columns.parameters)
-        whole = np.zeros((self.fields.size, many))
+        whole = np.zeros((self.fields.size, start.shape[1]))
         self.chain = Chain(whole)
         segments = list(self.run.segments)
         try:
@@ -203,9 +221,9 @@ class _Along:
             raise Undetermined("impacts accumulated and came to rest")
         begin, end = float(segment.t[0]), float(segment.t[-1])
         inside = self.times[(self.times > begin) & (self.times < end)]
-        mesh = np.unique(np.concatenate([segment.t, inside]))
-        self._read(segment, mesh, len(self.chain.links))
         self._kinks = {kink.t: kink for kink in kinks_of(self.fields, segment)}
+        mesh = np.unique(np.concatenate([self._mesh(segment), inside]))
+        self._read(segment, mesh, len(self.chain.links))
         for some in _slices(len(mesh) - 1):
             a, b = mesh[some], mesh[some.start + 1 : some.stop + 1]
             for k, (whole, halves) in enumerate(self._steps(segment, a, b)):
@@ -216,14 +234,34 @@ class _Along:
         self._put(mesh)
         return d
 
+    def _mesh(self, segment: Segment) -> Vector:
+        """Return where steps begin and end: at every accepted point where something is read."""
+        if self.outputs:
+            return segment.t
+        return np.concatenate([segment.t[:-1:SKIPPED], segment.t[-1:], [*self._kinks]])
+
     def _kink(self, segment: Segment, d: Vector) -> Vector:
         """Take the jump of a law where there is one."""
         kink = self._kinks.get(self._now)
         jump = None if kink is None else jumped(self.fields, segment, kink)
         if jump is None:
             return d
+        jump = self._wide(jump)
         self.chain.links.append(jump)
         return jump.forward(d)
+
+    def _wide(self, jump: Jump) -> Jump:
+        """Return a jump with the columns of the start, which it does not depend on by itself."""
+        if not self.more:
+            return jump
+        P = np.hstack([np.zeros((len(jump.P), self.more)), jump.P])
+        by = np.concatenate([np.zeros(self.more), jump.time_by])
+        return replace(jump, P=P, time_by=by)
+
+    def _is_end(self, moves: Vector) -> bool:
+        """Whether an instant moves as the end of the run does."""
+        size = np.abs(moves) + np.abs(self.end)
+        return bool((np.abs(moves - self.end) <= SAME * size).all())
 
     def _accepted(
         self, segment: Segment, d: Vector, whole: Step, halves: list[Step], depth: int
@@ -254,7 +292,9 @@ class _Along:
         c, _, _ = radau()
         middle = 0.5 * (a + b)
         spans = [(a, b), (a, middle), (middle, b)]
-        t = np.stack([x[:, None] + (y - x)[:, None] * c for x, y in spans], axis=1)
+        # rounding must not put the last stage behind the end
+        stages = [np.minimum(x[:, None] + (y - x)[:, None] * c, y[:, None]) for x, y in spans]
+        t = np.stack(stages, axis=1)
         read = t.copy()
         for kink in self._kinks.values():
             read[t == kink.t] = kink.left
@@ -267,7 +307,9 @@ class _Along:
         A = np.zeros((t.size, size, size))
         A[:, :, :n] = slopes[:, :, :n]
         A = A.reshape(len(a), 3, STAGES, size, size)
-        B = slopes[:, :, n + 1 :].reshape(len(a), 3, STAGES, size, many)
+        B = np.zeros((t.size, size, self.more + many))
+        B[:, :, self.more :] = slopes[:, :, n + 1 :]
+        B = B.reshape(len(a), 3, STAGES, size, self.more + many)
         for k in range(len(a)):
             made = [
                 Step(float(x[k]), float(y[k]), A[k, j], B[k, j]) for j, (x, y) in enumerate(spans)
@@ -284,7 +326,8 @@ class _Along:
             raise Undetermined("impacts accumulate")
         if following is None and not own:
             end = self.fields.ending(segment, None)
-            if any(c.by.any() for c in timed(self.fields, end, t)):
+            edges = [c.by[self.fields.size :] for c in timed(self.fields, end, t)]
+            if not all(self._is_end(np.append(np.zeros(self.more), by)) for by in edges):
                 self.chain.ends, self.chain.why = t, AT_THE_END
             return d
         if len(own) > 1:
@@ -300,14 +343,14 @@ class _Along:
             size = np.abs(end.f[0]) + np.abs(begin.f[0])
             if (np.abs(end.f[0] - begin.f[0]) > UNSEEN * size).any():
                 raise Undetermined("the motion changes, and what became zero was not found")
-        jump = switched(self.fields, t, end, found, event, begin)
+        jump = self._wide(switched(self.fields, t, end, found, event, begin))
         moves = jump.moved(d)
         self._together(segment, moves)
         self.chain.instants.append(Instant(len(self.chain.links), t, found.text, number))
         self.chain.links.append(jump)
         d = jump.forward(d)
         self.largest = np.maximum(self.largest, np.abs(d))
-        if t >= (1.0 - LOCATED) * self.run.t_end and moves.any():
+        if t >= (1.0 - LOCATED) * self.run.t_end and not self._is_end(moves):
             # one side of it is before the event, and the other one behind
             self.chain.ends, self.chain.why = t, AT_THE_END
         elif following is None:
@@ -341,10 +384,13 @@ class _Along:
     # -- readings
 
     def _read(self, segment: Segment, mesh: Vector, place: int) -> None:
-        self._field = self.fields.within(segment, mesh)
+        if self.outputs:
+            self._field = self.fields.within(segment, mesh)
         self._places = {0: place}
 
     def _put(self, mesh: Vector) -> None:
+        if not self.outputs:
+            return
         values, by = self._outputs(self._field)
         n, size = self.fields.columns.time, self.fields.size
         for k, t in enumerate(mesh.tolist()):

@@ -52,9 +52,10 @@ def switched(
 
 
 def started(fields: Fields, event: Event, states: Vector, begin: Field) -> Vector:
-    """Return the variations after the start was settled, shape (states, parameters)."""
-    many = states.shape[1]
-    before = Before(states, np.zeros(many), np.eye(many), begin, states)
+    """Return the variations after the start was settled, shape (states, more + parameters)."""
+    basis, many = states.shape[1], len(fields.columns.parameters)
+    p = np.eye(many, basis, basis - many)
+    before = Before(states, np.zeros(basis), p, begin, states)
     return passed(fields, event.t, begin, event, before)
 
 

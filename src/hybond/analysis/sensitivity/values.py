@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copy
+import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -14,7 +16,7 @@ from hybond.equations.slots import slots_of
 from hybond.model.expressions import Expr, Name, compile_expression, differentiate, names
 from hybond.model.expressions.slots import slot_of
 from hybond.model.graph import Mode
-from hybond.model.inputs import Called, Pwm, Timetable
+from hybond.model.inputs import Called, Pwm, Timetable, Waveform
 from hybond.result import Result
 from hybond.runs.trace import Segment
 
@@ -34,6 +36,13 @@ class Values:
         self._asked: list[Expr] = [Name(n) for n in self.names]
         self.own = dict(zip(found.columns, found.values.tolist(), strict=True))
         self._index = {name: k for k, name in enumerate(found.columns)}
+
+    def of(self, run: Result, values: Vector) -> Values:
+        """Return those of another run of the same model, with other values of what is varied."""
+        found = copy.copy(self)
+        found.run = run
+        found.own = dict(zip(self.found.columns, values.tolist(), strict=True))
+        return found
 
     def within(self, segment: Segment, t: Vector) -> At:
         """Return values at times of a segment."""
@@ -82,7 +91,7 @@ class Values:
         graph = self.found.graph
         slopes = np.zeros((len(t), len(graph.inputs), len(self.own)))
         for i in graph.inputs:
-            piece = i.waveform.piece(begin)
+            piece = self.run.graph.inputs[i.index].waveform.piece(begin)
             moving = isinstance(i.waveform, Timetable) and i.waveform.linear
             for k, at in enumerate(t.tolist() if moving else [begin]):
                 row = self.slope(i.waveform.value(at, piece))
@@ -105,19 +114,20 @@ class Values:
         """Return the derivatives of the instants of inputs that are at a time."""
         found = []
         for i in self.found.graph.inputs:
-            waveform = i.waveform
+            # where the edge is says the run; what it is made of, the graph with slots
+            plain, waveform = self.run.graph.inputs[i.index].waveform, i.waveform
             if isinstance(waveform, Called):
                 # of a function nobody knows what it is made of; its breaks are given
                 found += [np.zeros(len(self.own)) for b in waveform.breaks if abs(b - t) <= close]
                 continue
-            piece = waveform.piece(t + close)
-            if isinstance(waveform, Pwm):
-                edge: float = waveform._edge(piece)
-            elif isinstance(waveform, Timetable):
-                edge = waveform.begin(piece)
-            else:
-                continue
-            slot = slot_of(edge)
-            if abs((edge if slot is None else slot.value) - t) <= close:
-                found.append(self.slope(edge))
+            piece = plain.piece(t + close)
+            if abs(_edge(plain, piece) - t) <= close:
+                found.append(self.slope(_edge(waveform, piece)))
         return found
+
+
+def _edge(waveform: Waveform, piece: int) -> float:
+    """Return when a piece begins; infinite where there are no edges."""
+    if isinstance(waveform, Pwm):
+        return waveform._edge(piece)
+    return waveform.begin(piece) if isinstance(waveform, Timetable) else math.inf

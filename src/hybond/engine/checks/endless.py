@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from hybond.engine.engine import Engine, say_fault
 from hybond.engine.answers import stored_name, value
+from hybond.engine.engine import Engine, say_fault
 
 
 def is_endless(e: Engine) -> bool:

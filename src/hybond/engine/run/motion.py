@@ -8,8 +8,8 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.engine.checks.guards_held import foresee, hold_apart, look_at_guards
 from hybond.engine.checks.endless import is_endless
+from hybond.engine.checks.guards_held import foresee, hold_apart, look_at_guards
 from hybond.engine.checks.laws_held import look_at_laws, look_now_and_then
 from hybond.engine.contacts.impacts_seen import before_event, observe_event
 from hybond.engine.contacts.landing import keep_still, land_contacts, stuck

@@ -1,0 +1,266 @@
+"""A shot: one period run from a state, where it ends, and how the end follows the start.
+
+What does not change from shot to shot is made once: the graph with slots for what is varied, the
+equations of variation of each mode, the tables that the engine reads. Another value of a parameter
+is a number written into them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybond.analysis.linear.periods import trees
+from hybond.analysis.sensitivity.along import Chain, chain_of
+from hybond.analysis.sensitivity.fields import Field, Fields
+from hybond.analysis.sensitivity.opened import Opened
+from hybond.analysis.sensitivity.sensitivities import check_followed
+from hybond.analysis.sensitivity.values import Values
+from hybond.analysis.sensitivity.wanted import Wanted, slotted
+from hybond.errors import HybondError, NumericsError
+from hybond.model.expressions import names
+from hybond.model.graph import FlatGraph, Mode
+from hybond.model.kept import kept_graph
+from hybond.result import Result
+from hybond.runs.states import State
+from hybond.simulation import simulate
+
+Vector = NDArray[np.float64]
+
+NEAR = 0.01
+"""Part of a period within which a switch is near its end."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Shot:
+    """One period, run from a state.
+
+    Parameters
+    ----------
+    x, mode
+        Where it begins: what is stored and integrated, and the mode that is settled there.
+    T : float
+        How long it is, s.
+    run : Result
+    end : array, shape (n,)
+    end_mode : Mode
+    M : array, shape (n, n), or None
+        How the end follows the start; None where it has no derivative.
+    by : array, shape (n, wrt)
+        How the end follows parameters, also by the length of the period.
+    first, last : array, shape (n,)
+        Rates at both ends.
+    why : str
+        Why there is no derivative.
+    chain : Chain or None
+    """
+
+    x: Vector
+    mode: Mode
+    T: float
+    run: Result = field(repr=False)
+    end: Vector
+    end_mode: Mode
+    M: Vector | None = None
+    by: Vector | None = None
+    first: Vector | None = None
+    last: Vector | None = None
+    why: str = ""
+    chain: Chain | None = field(default=None, repr=False)
+
+    @property
+    def path(self) -> tuple[tuple[str, tuple[Mode, ...]], ...]:
+        """The switches of the period, in order: cause, and the modes from before to after."""
+        segments = self.run.segments
+        begin = tuple(segments[0].mode) if len(segments) else self.mode
+        found = []
+        for event in self.run.events:
+            if event.cause == "start":
+                continue
+            written = [tuple(step.mode) for step in event.steps if step.kind != "mythical"]
+            found.append((str(event.cause), (begin, *written)))
+            begin = written[-1]
+        return tuple(found)
+
+
+class Shots:
+    """What all shots have in common.
+
+    Parameters
+    ----------
+    opened : Opened
+        The model; what is varied are parameters of it.
+    options : mapping
+        Of `simulate`: solver, rtol, max_step.
+
+    Attributes
+    ----------
+    read : list of int
+        States that something reads.
+    done : int
+        Runs so far.
+    time : float
+        Time that was run, all together, s.
+    t0 : float
+        When periods begin, s: the phase of what drives the motion.
+    """
+
+    def __init__(self, opened: Opened, options: Mapping[str, Any]) -> None:
+        self.opened, self.options = opened, dict(options)
+        self.wanted = slotted(opened, {}) if opened.paths else _nothing(opened)
+        check_followed(self.wanted.graph)
+        self.graph: FlatGraph = self.wanted.plain
+        self.values = self.wanted.values
+        self.states = [s.path for s in self.graph.storages]
+        self.names = [*self.states, *(i.path for i in self.graph.integrals)]
+        self.read = read_states(self.graph)
+        self.done, self.time, self.t0 = 0, 0.0, 0.0
+        self._fields: Fields | None = None
+
+    def at(self, values: Sequence[float]) -> None:
+        """Go over to other values of what is varied."""
+        row = np.asarray(values, dtype=float)
+        if np.array_equal(row, self.values):
+            return
+        given = dict(zip(self.opened.paths, row.tolist(), strict=True))
+        self.graph = kept_graph(self.opened.model, {**self.opened.given, **given})
+        self.values = row
+
+    def state(self, x: Vector, mode: Mode) -> State:
+        """Return a state as a run begins with it."""
+        stored = len(self.states)
+        return State(
+            self.graph.name,
+            self.t0,
+            dict(zip(self.states, x[:stored].tolist(), strict=True)),
+            dict(zip(self.names[stored:], x[stored:].tolist(), strict=True)),
+            self.graph.mode_names(mode),
+        )
+
+    def run(self, until: float, start: State | None = None) -> Result:
+        """Return a run without its derivatives.
+
+        Raises
+        ------
+        HybondError
+            As `simulate`; HB-A540 for one that stops early.
+        """
+        self.done += 1
+        run = simulate(self.graph, until, start=start, **self.options)
+        self.time += run.t_end - run.trace.begin
+        if run.status != "ok":
+            error = NumericsError(
+                f"a run stops at {run.t_end:.9g} s: {run.status}",
+                code="HB-A540",
+                where=f"t = {run.t_end:.9g} s",
+                hint="look at the run: error.partial",
+            )
+            error.partial = run
+            raise error
+        return run
+
+    def shot(
+        self, x: Vector, mode: Mode, T: float, T_by: Vector | None = None, *, varied: bool = True
+    ) -> Shot:
+        """Return a period, run from a state.
+
+        Parameters
+        ----------
+        T_by : array, shape (wrt,), optional
+            How its length follows what is varied.
+        varied : bool
+            Whether derivatives are wanted.
+        """
+        run = self.run(self.t0 + T, self.state(x, mode))
+        end, end_mode = end_of(run)
+        begin = run.events[0].steps[-1].mode if len(run.events) else mode
+        if not varied:
+            return Shot(x, begin, T, run, end, end_mode)
+        return self._varied(Shot(x, begin, T, run, end, end_mode), T_by)
+
+    def _varied(self, shot: Shot, T_by: Vector | None) -> Shot:
+        run, n, many = shot.run, len(shot.x), len(self.wanted.names)
+        if self._fields is None:
+            self._fields = Fields(Values(run, self.wanted), [])
+        fields = self._fields
+        fields.values = fields.values.of(run, self.values)
+        start = np.hstack([np.eye(n), np.zeros((n, many))])
+        ends = np.zeros(many) if T_by is None else T_by
+        chain = chain_of(run, fields, start, [], [], ends)
+        shot = replace(shot, chain=chain)
+        if chain.ends is not None:
+            return replace(shot, why=f"at {chain.ends:.9g} s {chain.why}")
+        try:
+            whole = chain.forward()[-1]
+            first = _rates(fields.within(run.segments[0], run.segments[0].t[:1]))
+            last = _rates(_last_field(run, fields))
+        except HybondError as error:
+            return replace(shot, why=error.why)
+        by = (whole[:, n:] + np.outer(last, ends)) @ self.wanted.follows
+        return replace(shot, M=whole[:, :n], by=by, first=first, last=last)
+
+
+def near_ends(run: Result, T: float) -> bool:
+    """Whether a switch that is not of time alone is near an end of the last period of a run."""
+    begin, end = run.t_end - T, run.t_end
+    return any(
+        event.cause not in ("start", "time", "input")
+        and (abs(event.t - begin) < NEAR * T or abs(event.t - end) < NEAR * T)
+        for event in run.events
+    )
+
+
+def calm(run: Result, T: float) -> tuple[float, Vector, Mode] | None:
+    """Return the middle of the longest motion in the last period of a run: time, state and mode."""
+    begin = run.t_end - T
+    n = len(run.graph.storages) + len(run.graph.integrals)
+    own = [s for s in run.segments if s.sliding is None and not s.landed and s.t[-1] > begin]
+    if not own:
+        return None
+    longest = max(own, key=lambda s: float(s.t[-1] - max(s.t[0], begin)))
+    t = 0.5 * float(max(longest.t[0], begin) + longest.t[-1])
+    return t, longest.at(t)[:n].copy(), tuple(longest.mode)
+
+
+def read_states(graph: FlatGraph) -> list[int]:
+    """Return the states that something reads: not integrals of which only people want to know."""
+    read = frozenset().union(*(names(e) for e, _ in trees(graph)))
+    stored = len(graph.storages)
+    others = (stored + i.index for i in graph.integrals if f"s:{i.index}" in read)
+    return [*range(stored), *others]
+
+
+def _nothing(opened: Opened) -> Wanted:
+    """Return what is varied where nothing is."""
+    graph = kept_graph(opened.model, dict(opened.given))
+    none = np.zeros(0)
+    return Wanted((), (), opened.model, graph, graph, none, (), np.zeros((0, 0)))
+
+
+def _rates(found: Field) -> Vector:
+    return np.asarray(found.f[0])
+
+
+def _last_field(run: Result, fields: Fields) -> Field:
+    """Return the field at the end of a run, after what happens there."""
+    segment, events = run.segments[-1], run.trace.events
+    if len(events) and events.times[-1] == segment.t[-1] and segment.t[-1] > segment.t[0]:
+        event = events[-1]
+        return fields.entered(event.t, np.asarray(event.after), event.steps[-1].mode)
+    return fields.ending(segment, None)
+
+
+def end_of(run: Result) -> tuple[Vector, Mode]:
+    """Return the state and the mode at the end of a run, after what happens there."""
+    graph = run.graph
+    n, many = len(graph.storages) + len(graph.integrals), len(graph.machines)
+    if run.trace.carried is not None:
+        number, place = run.trace.carried
+        return np.array(number[1 : 1 + n]), tuple(int(k) for k in place[:many].tolist())
+    state = run.state()
+    x = [*state.stored.values(), *state.signals.values()]
+    return np.array(x, dtype=float), graph.mode_of(dict(state.machines))
