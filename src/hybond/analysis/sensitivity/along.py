@@ -2,7 +2,8 @@
 
     start:      d = derivatives of the start, through what is settled there
     motion:     d' = A(t) d + B(t), A and B at the states of the run's dense output; steps by
-                collocation, halved until two halves agree with the whole to `TOLERANCE`
+                collocation, halved until two halves agree with the whole to `TOLERANCE`; where the
+                mode is linear with constant coefficients, the exponential (`flow`)
     switch:     d+ = S d- + P, the saltation matrix (`switch`)
 
 Forward, the chain gives all variations; from its end, the adjoint of one goal. It ends where a
@@ -20,6 +21,7 @@ from numpy.typing import NDArray
 from hybond.analysis.sensitivity.collocation import STAGES, Jump, Step, radau
 from hybond.analysis.sensitivity.crossing import LOCATED, NO_CAUSE, crossing, timed
 from hybond.analysis.sensitivity.fields import Field, Fields
+from hybond.analysis.sensitivity.flow import Flow, flows
 from hybond.analysis.sensitivity.gradients import Compiled
 from hybond.analysis.sensitivity.kinks import jumped, kinks_of
 from hybond.analysis.sensitivity.switch import started, switched
@@ -105,7 +107,7 @@ class Chain:
 
     start: Vector
     """Shape (n, parameters)."""
-    links: list[Step | Jump] = field(default_factory=list)
+    links: list[Step | Flow | Jump] = field(default_factory=list)
     readings: list[Reading] = field(default_factory=list)
     instants: list[Instant] = field(default_factory=list)
     ends: float | None = None
@@ -205,6 +207,15 @@ class _Along:
         inside = self.times[(self.times > begin) & (self.times < end)]
         mesh = np.unique(np.concatenate([segment.t, inside]))
         self._read(segment, mesh, len(self.chain.links))
+        exact = flows(self.fields, segment, mesh, self._field)
+        if exact is not None:
+            for k, link in enumerate(exact):
+                self.chain.links.append(link)
+                self._places[k + 1] = len(self.chain.links)
+                d = link.forward(d)
+                self.largest = np.maximum(self.largest, np.abs(d))
+            self._put(mesh)
+            return d
         self._kinks = {kink.t: kink for kink in kinks_of(self.fields, segment)}
         for some in _slices(len(mesh) - 1):
             a, b = mesh[some], mesh[some.start + 1 : some.stop + 1]

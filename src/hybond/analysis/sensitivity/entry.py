@@ -24,14 +24,8 @@ from numpy.typing import NDArray
 
 from hybond.analysis.sensitivity.fields import Field
 from hybond.analysis.sensitivity.gradients import AREA, Gradients
-from hybond.analysis.sensitivity.tangent import (
-    At,
-    Direct,
-    Tangent,
-    Undetermined,
-    opens,
-    smallest,
-)
+from hybond.analysis.sensitivity.solving import opens, smallest
+from hybond.analysis.sensitivity.tangent import At, Direct, Tangent, Undetermined
 
 Vector = NDArray[np.float64]
 

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hybond.analysis.sensitivity.gradients import Compiled
+from hybond.analysis.sensitivity.gradients import Compiled, Gradients
 from hybond.analysis.sensitivity.mode_rows import ModeRows
 from hybond.analysis.sensitivity.state_functions import state_function
 from hybond.analysis.sensitivity.tangent import At, Columns, Read, Tangent, Undetermined
@@ -25,8 +25,9 @@ from hybond.analysis.sensitivity.values import Values
 from hybond.engine.outcome.combinations import Combination
 from hybond.equations.calculus import partial_time
 from hybond.equations.surfaces import surfaces_of
-from hybond.model.expressions import Expr
+from hybond.model.expressions import Expr, names, turning
 from hybond.model.graph import Mode
+from hybond.model.inputs import Called
 from hybond.runs.trace import Segment
 
 Vector = NDArray[np.float64]
@@ -72,16 +73,16 @@ class Fields:
         self.columns = Columns(states, len(self.graph.inputs), values.found.columns)
         self.integrands = list(integrands)
         self.size = len(states) + len(self.integrands)
-        self._made: dict[tuple[object, ...], _Mode] = {}
+        self._made: dict[tuple[object, ...], ModeField] = {}
 
-    def mode(self, mode: Mode, at: At) -> _Mode:
+    def mode(self, mode: Mode, at: At) -> ModeField:
         """Return the equations of a mode, where comparisons of time are as at a point."""
         names = [f"at:{w.index}" for w in self.graph.watches]
         truths = {n: float(np.ravel(at.values[n])[0]) for n in names}
         key = (mode, *truths.values())
         found = self._made.get(key)
         if found is None:
-            found = self._made[key] = _Mode(self, mode, truths)
+            found = self._made[key] = ModeField(self, mode, truths)
         return found
 
     def within(self, segment: Segment, t: Vector) -> Field:
@@ -178,16 +179,42 @@ def _bonds_of(field: Field) -> Vector:
     return np.array([float(np.ravel(field.at.values[n])[0]) for n in names])
 
 
-class _Mode:
-    """A mode with what is read in it."""
+class ModeField:
+    """A mode with what is read in it.
+
+    Attributes
+    ----------
+    basis : tuple or None
+        Of its states, slow apart from fast, once it was asked for (`flow`).
+    """
 
     def __init__(self, fields: Fields, mode: Mode, truths: dict[str, float]) -> None:
+        self._fields = fields
+        self.basis: tuple[Vector, Vector, Vector, bool] | None = None
+        self._affine: bool | None = None
         self.rows = ModeRows(fields.graph, mode, truths)
         self.tangent = Tangent(self.rows, fields.columns)
         self._extra = [self.rows.moving(e) for e in fields.integrands]
         self._rates = Compiled([*self.rows.rates, *self._extra])
         self._read = Read(self.tangent, self._extra)
-        self._readers: dict[Expr, Read] = {}
+
+    @property
+    def affine(self) -> bool:
+        """Whether rates are affine in states and time, with coefficients of parameters only."""
+        if self._affine is None:
+            graph, columns = self._fields.graph, self._fields.columns
+            every = [*self.rows.rows, *self.rows.rates, *self._extra]
+            moving = [*self.rows.bonds, *columns.states, "time"]
+            moving += [f"u:{k}" for k in range(columns.inputs)]
+            read = frozenset().union(*(names(e) for e in every))
+            bent = (h for e in every for h in turning(e))
+            self._affine = (
+                not any(isinstance(graph.inputs[k].waveform, Called) and f"u:{k}" in read
+                        for k in range(columns.inputs))
+                and not any(n in moving for h in bent for n in names(h))
+                and Gradients(every, moving).steady
+            )  # fmt: skip
+        return self._affine
 
     def field(self, at: At) -> Field:
         """Return the field at points."""
@@ -201,4 +228,4 @@ class _Mode:
         return Field(at, self._rates.at(at.values, at.points), slopes, bonds, self.tangent)
 
 
-__all__ = ["Field", "Fields", "Undetermined", "partial_time"]
+__all__ = ["Field", "Fields", "ModeField", "Undetermined", "partial_time"]

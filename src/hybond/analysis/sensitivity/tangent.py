@@ -21,14 +21,10 @@ from numpy.typing import NDArray
 
 from hybond.analysis.sensitivity.gradients import PRIOR, RATE, Compiled, Gradients
 from hybond.analysis.sensitivity.mode_rows import ModeRows
+from hybond.analysis.sensitivity.solving import opens, rank_of, smallest, solved
 from hybond.model.expressions import Expr
 
 Vector = NDArray[np.float64]
-
-RANK = 1e-11
-"""Singular values of scaled rows below this part of the largest count as zero."""
-OPEN = 1e-7
-"""A change that open variables make beyond this part of itself is undetermined."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -208,77 +204,3 @@ class _Second:
 
 class Undetermined(Exception):
     """What is asked for has no one value here."""
-
-
-def scaled(matrix: Vector) -> tuple[Vector, Vector, Vector]:
-    """Return matrices with rows and columns near one, and what rows and columns were divided by."""
-    found = np.array(matrix, dtype=float)
-    rows, columns = np.ones(found.shape[:-1]), np.ones(found.shape[:-2] + found.shape[-1:])
-    for _ in range(3):
-        for axis, kept in ((-1, rows), (-2, columns)):
-            size = np.sqrt(np.abs(found).max(axis=axis, initial=0.0))
-            size[size == 0.0] = 1.0
-            size = 2.0 ** np.round(np.log2(size))
-            kept *= size
-            found /= np.expand_dims(size, axis)
-    return found, rows, columns
-
-
-def rank_of(matrix: Vector) -> int:
-    """Return the rank of a matrix, its rows and columns scaled."""
-    if not matrix.size:
-        return 0
-    sizes = np.linalg.svd(scaled(matrix)[0], compute_uv=False)
-    return int((sizes > RANK * sizes.max(initial=0.0)).sum())
-
-
-def opens(matrix: Vector, rows: Vector) -> bool:
-    """Whether what a matrix makes zero moves a combination of variables, a row each."""
-    unit, _, columns = scaled(matrix)
-    _, sizes, vt = np.linalg.svd(unit)
-    rank = int((sizes > RANK * sizes.max(initial=0.0)).sum())
-    own = rows / columns
-    size = np.abs(own).max(axis=1, initial=0.0)
-    own = own[size > 0.0] / size[size > 0.0, None]
-    return bool((np.abs(own @ vt[rank:].T) > OPEN).any())
-
-
-def solved(left: Vector, right: Vector) -> Vector:
-    """Return the solutions of ``left @ y = right`` at points; one matrix may serve all."""
-    unit, rows, columns = scaled(left)
-    scaled_right = right / rows[..., None]
-    if len(unit) == 1 and len(right) > 1:
-        points, n, many = scaled_right.shape
-        flat = scaled_right.transpose(1, 0, 2).reshape(n, points * many)
-        found = np.linalg.solve(unit[0], flat).reshape(n, points, many).transpose(1, 0, 2)
-    else:
-        found = np.linalg.solve(unit, scaled_right)
-    return np.asarray(found / columns[..., None])
-
-
-def smallest(left: Vector, right: Vector) -> Vector:
-    """Return solutions where matrices are singular, at all points of one rank.
-
-    The matrices are bordered with what the first one makes zero, from both sides; what the rows
-    contradict falls into the border. Where that is not regular, each is decomposed.
-    """
-    unit, rows, columns = scaled(left)
-    scaled_right = right / rows[..., None]
-    u, sizes, vt = np.linalg.svd(unit[0])
-    rank = int((sizes > RANK * sizes.max(initial=0.0)).sum())
-    many, wide = unit.shape[1:]
-    size = many + wide - rank
-    whole = np.zeros((len(unit), size, size))
-    whole[:, :many, :wide] = unit
-    whole[:, :many, wide:] = u[:, rank:]
-    whole[:, many:, :wide] = vt[rank:]
-    points = max(len(unit), len(right))
-    border = np.zeros((points, size, right.shape[2]))
-    border[:, :many] = scaled_right
-    try:
-        found = solved(whole, border)[:, :wide]
-    except np.linalg.LinAlgError:
-        found = np.full((1, 1, 1), np.inf)
-    if not np.abs(found).max(initial=0.0) < 1.0 / RANK * np.abs(border).max(initial=1.0):
-        found = np.linalg.pinv(unit, rcond=RANK) @ scaled_right
-    return np.asarray(found / columns[..., None])

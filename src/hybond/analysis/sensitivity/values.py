@@ -64,7 +64,7 @@ class Values:
             **self.own,
             **self._truths(0.5 * (begin + end) if end > begin else begin + BESIDE * abs(begin)),
         }
-        return At(values, self._inputs(t, begin), len(t))
+        return At(values, self.inputs_of(t, begin), len(t))
 
     def _truths(self, t: float) -> dict[str, float]:
         """Return which comparisons of time hold at a time between two timed events."""
@@ -77,7 +77,7 @@ class Values:
             for w in self.found.graph.watches
         }
 
-    def _inputs(self, t: Vector, begin: float) -> Vector:
+    def inputs_of(self, t: Vector, begin: float) -> Vector:
         """Return how inputs follow parameters in the piece that begins or lies at a time."""
         graph = self.found.graph
         slopes = np.zeros((len(t), len(graph.inputs), len(self.own)))

@@ -462,6 +462,8 @@ class Signals:
         return columns
 
     def _value(self, e: Expr, columns: list[Vector], shape: tuple[int, ...]) -> Vector:
+        if isinstance(e, Name):
+            return np.array(np.broadcast_to(columns[self._slots.index[e.path]], shape))
         f = compile_expression(e, self._slots.index, ARRAYS, pre_offset=self._slots.size)
         return np.array(np.broadcast_to(np.asarray(f(columns), dtype=float), shape))
 
