@@ -203,10 +203,8 @@ class _Along:
             raise Undetermined("time-stepping locates no events")
         if segment.landed:
             raise Undetermined("impacts accumulated and came to rest")
-        begin, end = float(segment.t[0]), float(segment.t[-1])
-        inside = self.times[(self.times > begin) & (self.times < end)]
-        mesh = np.unique(np.concatenate([segment.t, inside]))
-        self._read(segment, mesh, len(self.chain.links))
+        mesh, self._field = self.fields.whole(segment, self.times)
+        self._places = {0: len(self.chain.links)}
         exact = flows(self.fields, segment, mesh, self._field)
         if exact is not None:
             for k, link in enumerate(exact):
@@ -341,7 +339,7 @@ class _Along:
             return self.fields.entered(event.t, np.asarray(event.after), event.steps[-1].mode)
         if segment.landed:
             raise Undetermined("impacts accumulated and came to rest")
-        return self.fields.within(segment, segment.t[:1])
+        return self.fields.whole(segment, self.times)[1].point(0)
 
     def _end(self, why: str) -> None:
         """Note where the derivative ends."""
@@ -350,10 +348,6 @@ class _Along:
         self.chain.instants.append(Instant(None, self._now, why, number))
 
     # -- readings
-
-    def _read(self, segment: Segment, mesh: Vector, place: int) -> None:
-        self._field = self.fields.within(segment, mesh)
-        self._places = {0: place}
 
     def _put(self, mesh: Vector) -> None:
         values, by = self._outputs(self._field)

@@ -147,20 +147,18 @@ def crossed(
 
 def _sizes(fields: Fields, segment: Segment, made: Expr) -> tuple[float, float]:
     """Return the largest speed of a function within a segment, and its largest value."""
-    t = np.linspace(segment.t[0], segment.t[-1], 9)[:-1]
-    field = fields.within(segment, t)
+    field = fields.spread(segment)
     slope = Read(field.tangent, [made]).at(field.at, field.bonds)[:, 0]
     n = fields.columns.time
     speed = np.abs((slope[:, :n] * field.f[:, :n]).sum(axis=1) + slope[:, n]).max(initial=0.0)
-    value = np.abs(Compiled([made]).at(field.at.values, len(t))).max(initial=0.0)
+    value = np.abs(Compiled([made]).at(field.at.values, field.at.points)).max(initial=0.0)
     return float(speed), float(value)
 
 
 def _by_weights(fields: Fields, segment: Segment, end: Field) -> list[Crossing]:
     """Return the weight of sliding that reaches 0 or 1 at the end."""
-    t = float(np.nextafter(segment.t[-1], 0.0))
-    state = np.array([float(np.ravel(end.at.values[n])[0]) for n in fields.columns.states])
-    _, weights, slopes = fields.weights(segment, t, state)
+    _, found_weights, found_slopes = fields.weights(segment, np.nextafter(segment.t[-1:], 0.0))
+    weights, slopes = found_weights[0], found_slopes[0]
     ends = np.minimum(np.abs(weights), np.abs(1.0 - weights))
     if not (ends < 1e-3).any():
         return []

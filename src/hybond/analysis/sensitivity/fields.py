@@ -55,6 +55,16 @@ class Field:
     bonds: Vector
     tangent: Tangent
 
+    def point(self, k: int) -> Field:
+        """Return the field at one of its points."""
+        k %= self.at.points
+
+        def own(rows: Vector) -> Vector:
+            return rows if len(rows) == 1 else rows[k : k + 1]
+
+        at = self.at.some(slice(k, k + 1))
+        return Field(at, self.f[k : k + 1], own(self.slopes), own(self.bonds), self.tangent)
+
 
 class Fields:
     """The fields of a run.
@@ -74,11 +84,20 @@ class Fields:
         self.integrands = list(integrands)
         self.size = len(states) + len(self.integrands)
         self._made: dict[tuple[object, ...], ModeField] = {}
+        self._rates: dict[tuple[Tangent, Expr], tuple[Compiled, Read]] = {}
+        self._whole: tuple[Segment, Vector, Field] | None = None
+        self._nine: tuple[Segment, Field] | None = None
 
     def mode(self, mode: Mode, at: At) -> ModeField:
         """Return the equations of a mode, where comparisons of time are as at a point."""
         names = [f"at:{w.index}" for w in self.graph.watches]
-        truths = {n: float(np.ravel(at.values[n])[0]) for n in names}
+        return self._mode(mode, {n: float(np.ravel(at.values[n])[0]) for n in names})
+
+    def mode_after(self, mode: Mode, t: float) -> ModeField:
+        """Return the equations of a mode that is entered at a time."""
+        return self._mode(mode, self.values.truths_after(t))
+
+    def _mode(self, mode: Mode, truths: dict[str, float]) -> ModeField:
         key = (mode, *truths.values())
         found = self._made.get(key)
         if found is None:
@@ -90,30 +109,61 @@ class Fields:
         at = self.values.within(segment, t)
         if segment.sliding is None:
             return self.mode(segment.mode, at).field(at)
-        inside = np.minimum(t, np.nextafter(segment.t[-1], 0.0))
-        states = np.array([at.values[n] for n in self.columns.states]).T
-        return self._sliding(segment, inside, states, at)
+        return self._sliding(segment, np.minimum(t, np.nextafter(segment.t[-1], 0.0)), at)
+
+    def whole(self, segment: Segment, times: Vector) -> tuple[Vector, Field]:
+        """Return the accepted points of a segment with times inside it, and the field there.
+
+        That of the last segment asked for is kept.
+        """
+        if self._whole is None or self._whole[0] is not segment:
+            begin, end = float(segment.t[0]), float(segment.t[-1])
+            inside = times[(times > begin) & (times < end)]
+            mesh = np.unique(np.concatenate([segment.t, inside]))
+            self._whole = segment, mesh, self.within(segment, mesh)
+        return self._whole[1:]
+
+    def spread(self, segment: Segment) -> Field:
+        """Return the field at nine points over a segment, but its end; kept as `whole` is."""
+        if self._nine is None or self._nine[0] is not segment:
+            t = np.linspace(segment.t[0], segment.t[-1], 9)[:-1]
+            self._nine = segment, self.within(segment, t)
+        return self._nine[1]
 
     def ending(self, segment: Segment, state: Vector | None) -> Field:
         """Return the field at the end of a segment, in a state that is given."""
         t = float(segment.t[-1])
+        kept = self._whole is not None and self._whole[0] is segment
+        if kept and (state is None or segment.sliding is not None or self._stays(segment, state)):
+            assert self._whole is not None
+            return self._whole[2].point(-1)
         if state is None or segment.sliding is not None:
             return self.within(segment, np.array([t]))
         at = self.values.before(segment, t, state)
         return self.mode(segment.mode, at).field(at)
+
+    def _stays(self, segment: Segment, state: Vector) -> bool:
+        """Whether the motion itself ends in a state: no constraint puts it back."""
+        assert self._whole is not None
+        tangent = self._whole[2].tangent
+        return (
+            tangent.alike and tangent.free(self.values.own) and bool((segment.y[-1] == state).all())
+        )
 
     def entered(self, t: float, state: Vector, mode: Mode) -> Field:
         """Return the field where a mode begins."""
         at = self.values.after(t, state, mode)
         return self.mode(mode, at).field(at)
 
-    def parts(self, segment: Segment, t: float, state: Vector) -> list[Field]:
-        """Return the fields of all modes that a sliding motion combines, at one of its points."""
+    def parts(self, segment: Segment, t: Vector) -> list[Field]:
+        """Return the fields of all modes that a sliding motion combines, at times of it."""
         made = segment.combined
         assert isinstance(made, Combination) and made.modes is not None
         if made.product and len(made.surfaces) > 1:
             raise Undetermined("products of weights are combined on several surfaces")
-        parts = [self.entered(t, state, tuple(m)) for m in made.modes.tolist()]
+        values = self.values.parts(segment, t)
+        modes = [tuple(m) for m in made.modes.tolist()]
+        parts = [self.mode(m, at).field(at) for m, at in zip(modes, values, strict=True)]
         if len({p.tangent.rank(p.at) for p in parts}) > 1:
             # the limit of jumps back and forth, and no mean of two fields
             raise Undetermined("modes that hold storage together differently are combined")
@@ -126,57 +176,59 @@ class Fields:
         every = surfaces_of(self.graph)
         return [state_function(self.graph, every[k].g) for k in made.surfaces]
 
-    def rate_of(self, field: Field, g: Expr) -> tuple[float, Vector]:
+    def rate_of(self, field: Field, g: Expr) -> tuple[Vector, Vector]:
         """Return how fast a function of the state moves, and how that changes by all columns."""
-        (L,) = field.tangent.rows.along_held([field.tangent.rows.made(g)])
-        value = float(Compiled([L]).at(field.at.values, 1)[0, 0])
-        slope = Read(field.tangent, [L]).at(field.at, field.bonds)[0, 0]
-        return value, slope
+        key = field.tangent, g
+        if key not in self._rates:
+            L = field.tangent.rows.along_held([field.tangent.rows.made(g)])
+            self._rates[key] = Compiled(L), Read(field.tangent, L)
+        value, slope = self._rates[key]
+        at = field.at
+        return value.at(at.values, at.points)[:, 0], slope.at(at, field.bonds)[:, 0]
 
-    def weights(
-        self, segment: Segment, t: float, state: Vector
-    ) -> tuple[list[Field], Vector, Vector]:
-        """Return the modes around a point of sliding, the weights l, and how these change.
+    def weights(self, segment: Segment, t: Vector) -> tuple[list[Field], Vector, Vector]:
+        """Return the modes around points of sliding, the weights l, and how these change.
 
         Returns
         -------
         parts : list of Field
-        weights : array, shape (surfaces,)
-        slopes : array, shape (surfaces, columns)
+        weights : array, shape (points, surfaces)
+        slopes : array, shape (points, surfaces, columns)
         """
-        parts = self.parts(segment, t, state)
+        parts = self.parts(segment, t)
         surfaces = self.surfaces(segment)
-        found = [[self.rate_of(part, g) for part in parts] for g in surfaces]
-        speeds = np.array([[v for v, _ in row] for row in found])
-        slopes = np.array([[s for _, s in row] for row in found])
-        turn = speeds[:, 1:] - speeds[:, :1]
-        weights = np.linalg.solve(turn, -speeds[:, 0])
-        shares = np.concatenate([[1.0 - weights.sum()], weights])
-        return parts, weights, -np.linalg.solve(turn, np.einsum("i,sic->sc", shares, slopes))
+        shape = len(t), len(surfaces), len(parts)
+        speeds, slopes = np.zeros(shape), np.zeros((*shape, self.columns.many))
+        for j, g in enumerate(surfaces):
+            for i, part in enumerate(parts):
+                speeds[:, j, i], slopes[:, j, i] = self.rate_of(part, g)
+        turn = speeds[:, :, 1:] - speeds[:, :, :1]
+        weights = np.linalg.solve(turn, -speeds[:, :, :1])[:, :, 0]
+        change = np.einsum("ki,ksic->ksc", _shares(weights), slopes)
+        return parts, weights, -np.linalg.solve(turn, change)
 
-    def _sliding(self, segment: Segment, t: Vector, states: Vector, mean: At) -> Field:
-        fs, slopes, bonds = [], [], []
-        tangent: Tangent | None = None
-        for at, state in zip(t.tolist(), states, strict=True):
-            parts, weights, change = self.weights(segment, at, state)
-            shares = np.concatenate([[1.0 - weights.sum()], weights])
-            own_w = np.array([_bonds_of(p) for p in parts])
-            fs.append(np.einsum("i,in->n", shares, np.array([p.f[0] for p in parts])))
-            slope = np.einsum("i,inc->nc", shares, np.array([p.slopes[0] for p in parts]))
-            w = np.einsum("i,inc->nc", shares, np.array([p.bonds[0] for p in parts]))
-            for j in range(len(weights)):
-                slope = slope + np.outer(parts[j + 1].f[0] - parts[0].f[0], change[j])
-                w = w + np.outer(own_w[j + 1] - own_w[0], change[j])
-            slopes.append(slope)
-            bonds.append(w)
-            tangent = parts[0].tangent
-        assert tangent is not None
-        return Field(mean, np.array(fs), np.array(slopes), np.array(bonds), tangent)
+    def _sliding(self, segment: Segment, t: Vector, mean: At) -> Field:
+        parts, weights, change = self.weights(segment, t)
+        shares = _shares(weights)
+        f = sum(s[:, None] * p.f for s, p in zip(shares.T, parts, strict=True))
+        slopes, bonds = (
+            sum(s[:, None, None] * getattr(p, name) for s, p in zip(shares.T, parts, strict=True))
+            + sum(
+                (own(p) - own(parts[0]))[:, :, None] * change[:, j, None]
+                for j, p in enumerate(parts[1:])
+            )
+            for name, own in (("slopes", lambda p: p.f), ("bonds", _bonds_of))
+        )
+        return Field(mean, np.asarray(f), slopes, bonds, parts[0].tangent)
+
+
+def _shares(weights: Vector) -> Vector:
+    return np.concatenate([1.0 - weights.sum(axis=1, keepdims=True), weights], axis=1)
 
 
 def _bonds_of(field: Field) -> Vector:
-    names = field.tangent.rows.bonds
-    return np.array([float(np.ravel(field.at.values[n])[0]) for n in names])
+    values = (field.at.values[n] for n in field.tangent.rows.bonds)
+    return np.array([np.broadcast_to(v, field.at.points) for v in values]).T
 
 
 class ModeField:

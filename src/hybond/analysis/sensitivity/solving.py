@@ -115,7 +115,13 @@ def _decomposed(unit: Vector, right: Vector, columns: Vector) -> Vector:
 
 def _open(unit: Vector) -> Vector:
     """Return what a scaled matrix makes zero, as orthogonal columns."""
-    many, wide = unit.shape
+    return _kernel(np.ascontiguousarray(unit).tobytes(), *unit.shape)
+
+
+@lru_cache(maxsize=256)
+def _kernel(content: bytes, many: int, wide: int) -> Vector:
+    """Return the same; linear modes ask again and again."""
+    unit = np.frombuffer(content).reshape(many, wide)
     first, last = _order(np.packbits(np.abs(unit) >= PIVOT).tobytes(),
                          np.packbits(unit != 0.0).tobytes(), many, wide)  # fmt: skip
     rows = np.setdiff1d(np.arange(many), [i for i, _ in first + last])

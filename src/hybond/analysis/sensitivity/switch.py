@@ -68,6 +68,10 @@ def passed(fields: Fields, t: float, end: Field, event: Event | None, before: Be
     prior = _one(end)
     for k, step in enumerate(written):
         last = k == len(written) - 1
+        if last and not step.areas:
+            into = fields.mode_after(step.mode, t).tangent
+            if into.alike and into.free(fields.values.own):
+                return x
         state = state + _moved(fields, step.areas)
         if last:
             state = np.array(event.after, dtype=float)

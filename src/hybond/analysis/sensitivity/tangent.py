@@ -69,6 +69,11 @@ class At:
     inputs: Vector
     points: int
 
+    def some(self, which: slice) -> At:
+        """Return the values at some of the points."""
+        values = {n: v[which] if isinstance(v, np.ndarray) else v for n, v in self.values.items()}
+        return At(values, self.inputs[which], len(self.inputs[which]))
+
 
 class Direct:
     """What expressions change with directly, bond variables held."""
@@ -125,6 +130,24 @@ class Tangent:
         if self._rank is None:
             self._rank = rank_of(self._by_w.at(at.values, at.points)[0] @ self.rows.spread)
         return int(self._rank - self.rows.spread.shape[1])
+
+    def free(self, values: Mapping[str, Vector | float]) -> bool:
+        """Whether the mode holds no state: its rows determine all bond variables, and only them.
+
+        Parameters
+        ----------
+        values : mapping
+            At a point; of parameters alone where nothing else is read.
+        """
+        if self._full is None:
+            by_w = self._by_w.at(values, 1)[0] @ self.rows.spread
+            self._full = by_w.shape[0] == by_w.shape[1] == rank_of(by_w)
+        return self._full
+
+    @property
+    def alike(self) -> bool:
+        """Whether what the mode holds is read from parameters alone."""
+        return self._by_w.steady
 
     def by_prior(self, at: At) -> Vector:
         """Return the slopes of the rows by what they read a priori."""

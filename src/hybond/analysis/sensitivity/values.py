@@ -14,7 +14,7 @@ from hybond.equations.slots import slots_of
 from hybond.model.expressions import Expr, Name, compile_expression, differentiate, names
 from hybond.model.expressions.slots import slot_of
 from hybond.model.graph import Mode
-from hybond.model.inputs import Called, Pwm, Timetable
+from hybond.model.inputs import Called, Pwm, Timetable, Waveform
 from hybond.result import Result
 from hybond.runs.trace import Segment
 
@@ -34,11 +34,22 @@ class Values:
         self._asked: list[Expr] = [Name(n) for n in self.names]
         self.own = dict(zip(found.columns, found.values.tolist(), strict=True))
         self._index = {name: k for k, name in enumerate(found.columns)}
+        self._varied = [i for i in found.graph.inputs if _slotted(i.waveform)]
 
     def within(self, segment: Segment, t: Vector) -> At:
         """Return values at times of a segment."""
-        read = self.run.signals.of(segment, self._asked, t)
-        return self._at(read, t, segment)
+        if segment.sliding is not None or segment.bonds is not None:
+            return self._at(self.run.signals.of(segment, self._asked, t), t, segment)
+        _, read = self.run.signals.parts(segment, self.names, t)
+        return self._at(np.ascontiguousarray(read[:, 0].T), t, segment)
+
+    def parts(self, segment: Segment, t: Vector) -> list[At]:
+        """Return values at times of a segment, in each mode that it combines."""
+        _, read = self.run.signals.parts(segment, self.names, t)
+        return [
+            self._at(np.ascontiguousarray(read[:, part].T), t, segment)
+            for part in range(read.shape[1])
+        ]
 
     def before(self, segment: Segment, t: float, state: Vector) -> At:
         """Return values at the end of a segment, in a state that is given."""
@@ -62,12 +73,18 @@ class Values:
         values: Mapping[str, Vector | float] = {
             **dict(zip(self.names, read, strict=True)),
             **self.own,
-            **self._truths(0.5 * (begin + end) if end > begin else begin + BESIDE * abs(begin)),
+            **(self._truths(0.5 * (begin + end)) if end > begin else self.truths_after(begin)),
         }
         return At(values, self.inputs_of(t, begin), len(t))
 
+    def truths_after(self, t: float) -> dict[str, float]:
+        """Return which comparisons of time hold just behind a time."""
+        return self._truths(t + BESIDE * abs(t))
+
     def _truths(self, t: float) -> dict[str, float]:
         """Return which comparisons of time hold at a time between two timed events."""
+        if not self.found.graph.watches:
+            return {}
         index = {"time": 0, **{name: k + 1 for name, k in self._index.items()}}
         row = [t, *self.own.values()]
         return {
@@ -81,7 +98,7 @@ class Values:
         """Return how inputs follow parameters in the piece that begins or lies at a time."""
         graph = self.found.graph
         slopes = np.zeros((len(t), len(graph.inputs), len(self.own)))
-        for i in graph.inputs:
+        for i in self._varied:
             piece = i.waveform.piece(begin)
             moving = isinstance(i.waveform, Timetable) and i.waveform.linear
             for k, at in enumerate(t.tolist() if moving else [begin]):
@@ -121,3 +138,15 @@ class Values:
             if abs((edge if slot is None else slot.value) - t) <= close:
                 found.append(self.slope(edge))
         return found
+
+
+def _slotted(waveform: Waveform) -> bool:
+    """Whether a value of a waveform may follow from a parameter, beside where its pieces begin."""
+    if isinstance(waveform, Called):
+        return False
+    if isinstance(waveform, Pwm):
+        return any(slot_of(v) is not None for v in (waveform.high, waveform.low))
+    if isinstance(waveform, Timetable):
+        numbers = [*waveform.values, *waveform.times, waveform.period]
+        return any(slot_of(v) is not None for v in numbers)
+    return True
