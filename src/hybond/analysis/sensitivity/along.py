@@ -25,7 +25,7 @@ from hybond.analysis.sensitivity.flow import Flow, flows
 from hybond.analysis.sensitivity.gradients import Compiled
 from hybond.analysis.sensitivity.kinks import jumped, kinks_of
 from hybond.analysis.sensitivity.switch import started, switched
-from hybond.analysis.sensitivity.tangent import Read, Undetermined
+from hybond.analysis.sensitivity.tangent import Read, Tangent, Undetermined
 from hybond.errors import HybondError
 from hybond.model.expressions import Expr
 from hybond.result import Result
@@ -161,6 +161,7 @@ class _Along:
         self.events: dict[float, list[int]] = {}
         for k, t in enumerate(run.trace.events.times):
             self.events.setdefault(float(t), []).append(k)
+        self._read_by: dict[Tangent, tuple[Compiled, Read]] = {}
         self._now = 0.0
         self._moves: Vector | None = None
         self.largest = np.zeros((fields.size, len(fields.columns.parameters)))
@@ -365,9 +366,11 @@ class _Along:
         self._put(np.array([t]))
 
     def _outputs(self, field: Field) -> tuple[Vector, Vector]:
-        made = [field.tangent.rows.moving(e) for e in self.outputs]
-        values = Compiled(made).at(field.at.values, field.at.points)
-        return values, Read(field.tangent, made).at(field.at, field.bonds)
+        made = self._read_by.get(field.tangent)
+        if made is None:
+            own = [field.tangent.rows.moving(e) for e in self.outputs]
+            made = self._read_by[field.tangent] = Compiled(own), Read(field.tangent, own)
+        return made[0].at(field.at.values, field.at.points), made[1].at(field.at, field.bonds)
 
 
 def _slices(many: int) -> Iterator[slice]:

@@ -10,6 +10,8 @@ Stewart, SIAM Journal on Numerical Analysis 16, 1979 (blocks).
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -99,7 +101,8 @@ def split(A: Vector, longest: float) -> tuple[Vector, Vector, Vector, bool]:
             break
         fast = int(gaps[0]) + 1
         edge = np.sqrt(sizes[fast - 1] * max(sizes[fast], sizes[fast - 1] / APART**2))
-        S, Q, slow = schur(own, sort=lambda re, im: bool(np.hypot(re, im) < edge))
+        below = partial(_below, edge=float(edge))
+        S, Q, slow = schur(own, sort=below)
         if slow != many - fast:
             return *alone, False
         X = solve_sylvester(S[:slow, :slow], -S[slow:, slow:], -S[:slow, slow:])
@@ -121,6 +124,10 @@ def split(A: Vector, longest: float) -> tuple[Vector, Vector, Vector, bool]:
     if not np.linalg.norm(step, 2) * np.linalg.norm(inverse, 2) < WORST:
         return *alone, False
     return alone[0] @ step, inverse @ alone[1], blocks, True
+
+
+def _below(re: float, im: float, edge: float) -> bool:
+    return bool(np.hypot(re, im) < edge)
 
 
 def _balance(A: Vector) -> Vector:

@@ -27,7 +27,7 @@ from hybond.equations.calculus import partial_time
 from hybond.equations.surfaces import surfaces_of
 from hybond.model.expressions import Expr, names, turning
 from hybond.model.graph import Mode
-from hybond.model.inputs import Called
+from hybond.model.inputs import Called, Timetable
 from hybond.runs.trace import Segment
 
 Vector = NDArray[np.float64]
@@ -238,17 +238,32 @@ class ModeField:
     ----------
     basis : tuple or None
         Of its states, slow apart from fast, once it was asked for (`flow`).
+    by_states : tuple or None
+        How rates change with states, and how slopes by parameters do, where they are affine.
     """
 
     def __init__(self, fields: Fields, mode: Mode, truths: dict[str, float]) -> None:
         self._fields = fields
         self.basis: tuple[Vector, Vector, Vector, bool] | None = None
+        self.by_states: tuple[Vector, Vector] | None = None
         self._affine: bool | None = None
+        self._timeless: bool | None = None
         self.rows = ModeRows(fields.graph, mode, truths)
         self.tangent = Tangent(self.rows, fields.columns)
         self._extra = [self.rows.moving(e) for e in fields.integrands]
         self._rates = Compiled([*self.rows.rates, *self._extra])
         self._read = Read(self.tangent, self._extra)
+
+    @property
+    def timeless(self) -> bool:
+        """Whether no rate reads time, or an input that moves between its edges."""
+        if self._timeless is None:
+            every = [*self.rows.rows, *self.rows.rates, *self._extra]
+            read = frozenset().union(*(names(e) for e in every))
+            ramps = {f"u:{i.index}" for i in self._fields.graph.inputs
+                     if isinstance(i.waveform, Timetable) and i.waveform.linear}  # fmt: skip
+            self._timeless = "time" not in read and not read & ramps
+        return self._timeless
 
     @property
     def affine(self) -> bool:

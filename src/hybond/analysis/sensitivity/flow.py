@@ -75,9 +75,12 @@ def flows(fields: Fields, segment: Segment, mesh: Vector, field: Field) -> list[
     states = np.array(
         [np.broadcast_to(field.at.values[s], mesh.shape) for s in fields.columns.states]
     )
-    made = _Linear.of(
-        fields, mode.field(_apart(fields, segment, mesh, field, states)), mesh, states
-    )
+    if mode.timeless and mode.by_states is not None:
+        made = _Linear.again(field, n, *mode.by_states)
+    else:
+        apart = mode.field(_apart(fields, segment, mesh, field, states))
+        made = _Linear.of(fields, apart, mesh, states)
+        mode.by_states = made.A, made.C[:, :, :n]
     h = np.diff(mesh)
     basis = _basis(fields, mode, made.A[:n, :n], h)
     if basis is None:
@@ -156,6 +159,13 @@ class _Linear:
         changes = (by[:, :, 1:] - by[:, :, :1]) / _steps(mesh, states)
         C = np.concatenate([changes[:, :, :n], by[:, :, :1], changes[:, :, n:]], axis=2)
         return _Linear(A, C, np.stack([apart.f[0, :n], slopes[0, :n, n]], axis=1))
+
+    @staticmethod
+    def again(field: Field, n: int, A: Vector, by_states: Vector) -> _Linear:
+        """Return them where nothing moves with time, and what changes with states is known."""
+        here = field.slopes[0, :, n + 1 :].T[:, :, None]
+        C = np.concatenate([by_states, here, np.zeros_like(here)], axis=2)
+        return _Linear(A, C, np.stack([field.f[0, :n], np.zeros(n)], axis=1))
 
     def in_blocks(
         self, T: Vector, back: Vector, blocks: Vector, longest: float

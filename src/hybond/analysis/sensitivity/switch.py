@@ -65,7 +65,7 @@ def passed(fields: Fields, t: float, end: Field, event: Event | None, before: Be
     state = np.array(event.before, dtype=float)
     x = before.x
     written = [s for s in event.steps if s.kind != "mythical"]
-    prior = _one(end)
+    from_ = end
     for k, step in enumerate(written):
         last = k == len(written) - 1
         if last and not step.areas:
@@ -75,13 +75,13 @@ def passed(fields: Fields, t: float, end: Field, event: Event | None, before: Be
         state = state + _moved(fields, step.areas)
         if last:
             state = np.array(event.after, dtype=float)
-        at = fields.values.with_prior(fields.values.after(t, state, step.mode), prior)
+        at = fields.values.with_prior(fields.values.after(t, state, step.mode), _one(from_))
         mode = fields.mode(step.mode, at)
         x = entered(mode.tangent, at, step.areas, replace(before, x=x))
         if not last:
             field = mode.field(at)
             before = replace(before, x=x, written=x, field=field)
-            prior = _one(field)
+            from_ = field
     return x
 
 

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hybond.analysis.sensitivity.gradients import PRIOR, RATE, Compiled, Gradients
+from hybond.analysis.sensitivity.gradients import AREA, PRIOR, RATE, Compiled, Gradients
 from hybond.analysis.sensitivity.mode_rows import ModeRows
 from hybond.analysis.sensitivity.solving import opens, rank_of, smallest, solved
 from hybond.model.expressions import Expr
@@ -120,6 +120,14 @@ class Tangent:
         self._full: bool | None = None
         self._rank: int | None = None
         self._second: _Second | None = None
+        self._of_entry: OfEntry | None = None
+
+    @property
+    def of_entry(self) -> OfEntry:
+        """The slopes of what an entry into the mode keeps to."""
+        if self._of_entry is None:
+            self._of_entry = OfEntry(self)
+        return self._of_entry
 
     def slopes(self, at: At) -> tuple[Vector, Vector]:
         """Return the slopes of the rows by open bond variables, and by all columns."""
@@ -185,6 +193,17 @@ class Read:
     def at(self, at: At, bonds: Vector) -> Vector:
         """Return the slopes by all columns, shape (points or 1, expressions, columns)."""
         return self._by_w.at(at.values, at.points) @ bonds + self._direct.at(at)
+
+
+class OfEntry:
+    """Slopes of rates of storage by bond variables, and of rows of impulse areas."""
+
+    def __init__(self, tangent: Tangent) -> None:
+        rows = tangent.rows
+        self.moves = Gradients(rows.rates[: len(rows.graph.storages)], rows.bonds)
+        self.by_area = Gradients(rows.areas, [AREA + name for name in rows.bonds])
+        self.by_bonds = Gradients(rows.areas, rows.bonds)
+        self.direct = Direct(rows.areas, tangent.columns)
 
 
 class _Second:
