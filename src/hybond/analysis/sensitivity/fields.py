@@ -11,6 +11,7 @@ where L_i is g differentiated along the motion as an expression: nothing is a di
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -26,7 +27,7 @@ from hybond.engine.outcome.combinations import Combination
 from hybond.equations.calculus import partial_time
 from hybond.equations.surfaces import surfaces_of
 from hybond.model.expressions import Expr, names, turning
-from hybond.model.graph import Mode
+from hybond.model.graph import FlatGraph, Mode
 from hybond.model.inputs import Called, Timetable
 from hybond.runs.trace import Segment
 
@@ -101,7 +102,11 @@ class Fields:
         key = (mode, *truths.values())
         found = self._made.get(key)
         if found is None:
-            found = self._made[key] = ModeField(self, mode, truths)
+            kept = self.values.found.modes
+            whole = (*key, *self.integrands)
+            if whole not in kept:
+                kept[whole] = ModeField(self.graph, self.columns, self.integrands, mode, truths)
+            found = self._made[key] = kept[whole].anew()
         return found
 
     def within(self, segment: Segment, t: Vector) -> Field:
@@ -242,17 +247,31 @@ class ModeField:
         How rates change with states, and how slopes by parameters do, where they are affine.
     """
 
-    def __init__(self, fields: Fields, mode: Mode, truths: dict[str, float]) -> None:
-        self._fields = fields
+    def __init__(
+        self,
+        graph: FlatGraph,
+        columns: Columns,
+        integrands: Sequence[Expr],
+        mode: Mode,
+        truths: dict[str, float],
+    ) -> None:
+        self._graph, self._columns = graph, columns
         self.basis: tuple[Vector, Vector, Vector, bool] | None = None
         self.by_states: tuple[Vector, Vector] | None = None
         self._affine: bool | None = None
         self._timeless: bool | None = None
-        self.rows = ModeRows(fields.graph, mode, truths)
-        self.tangent = Tangent(self.rows, fields.columns)
-        self._extra = [self.rows.moving(e) for e in fields.integrands]
+        self.rows = ModeRows(graph, mode, truths)
+        self.tangent = Tangent(self.rows, columns)
+        self._extra = [self.rows.moving(e) for e in integrands]
         self._rates = Compiled([*self.rows.rates, *self._extra])
         self._read = Read(self.tangent, self._extra)
+
+    def anew(self) -> ModeField:
+        """Return the same equations, of which no number is known yet."""
+        found = copy.copy(self)
+        found.basis = found.by_states = None
+        found.tangent = self.tangent.anew()
+        return found
 
     @property
     def timeless(self) -> bool:
@@ -260,7 +279,7 @@ class ModeField:
         if self._timeless is None:
             every = [*self.rows.rows, *self.rows.rates, *self._extra]
             read = frozenset().union(*(names(e) for e in every))
-            ramps = {f"u:{i.index}" for i in self._fields.graph.inputs
+            ramps = {f"u:{i.index}" for i in self._graph.inputs
                      if isinstance(i.waveform, Timetable) and i.waveform.linear}  # fmt: skip
             self._timeless = "time" not in read and not read & ramps
         return self._timeless
@@ -269,7 +288,7 @@ class ModeField:
     def affine(self) -> bool:
         """Whether rates are affine in states and time, with coefficients of parameters only."""
         if self._affine is None:
-            graph, columns = self._fields.graph, self._fields.columns
+            graph, columns = self._graph, self._columns
             every = [*self.rows.rows, *self.rows.rates, *self._extra]
             moving = [*self.rows.bonds, *columns.states, "time"]
             moving += [f"u:{k}" for k in range(columns.inputs)]

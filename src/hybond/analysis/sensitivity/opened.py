@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 from hybond.errors import EquationError, UsageError
 from hybond.model.builder import Model
@@ -33,6 +34,8 @@ class Opened:
     """Where each of `names` can be set: starts without a 0 behind them."""
     given: Mapping[str, Value]
     """Values of parameters other than the model's own."""
+    modes: dict[Any, Any] = field(default_factory=dict, compare=False, repr=False)
+    """Equations of modes, differentiated: the same for all values of what is varied."""
 
 
 def opened_model(

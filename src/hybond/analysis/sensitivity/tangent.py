@@ -13,6 +13,7 @@ Every r_w is the derivative of a law as it is written; nothing is a difference.
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -119,15 +120,20 @@ class Tangent:
         self._by_prior = Gradients(rows.rows, [PRIOR + n for n in prior])
         self._full: bool | None = None
         self._rank: int | None = None
-        self._second: _Second | None = None
-        self._of_entry: OfEntry | None = None
+        self._more = _More()
+
+    def anew(self) -> Tangent:
+        """Return the same equations, of which no number is known yet."""
+        found = copy.copy(self)
+        found._full = found._rank = None
+        return found
 
     @property
     def of_entry(self) -> OfEntry:
         """The slopes of what an entry into the mode keeps to."""
-        if self._of_entry is None:
-            self._of_entry = OfEntry(self)
-        return self._of_entry
+        if self._more.entry is None:
+            self._more.entry = OfEntry(self)
+        return self._more.entry
 
     def slopes(self, at: At) -> tuple[Vector, Vector]:
         """Return the slopes of the rows by open bond variables, and by all columns."""
@@ -174,9 +180,9 @@ class Tangent:
             self._full = by_w.shape[1] == by_w.shape[2] == rank_of(by_w[0])
         if self._full:
             return self.rows.spread @ solved(by_w, -direct)
-        if self._second is None:
-            self._second = _Second(self)
-        return self.rows.spread @ self._second.bonds(at, by_w, direct)
+        if self._more.second is None:
+            self._more.second = _Second(self)
+        return self.rows.spread @ self._more.second.bonds(at, by_w, direct)
 
     def rates(self, at: At, bonds: Vector) -> Vector:
         """Return how the rates of states change, shape (points or 1, states, columns)."""
@@ -193,6 +199,14 @@ class Read:
     def at(self, at: At, bonds: Vector) -> Vector:
         """Return the slopes by all columns, shape (points or 1, expressions, columns)."""
         return self._by_w.at(at.values, at.points) @ bonds + self._direct.at(at)
+
+
+@dataclass
+class _More:
+    """What a mode is asked for now and then; made once."""
+
+    second: _Second | None = None
+    entry: OfEntry | None = None
 
 
 class OfEntry:

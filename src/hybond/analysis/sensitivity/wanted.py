@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +25,7 @@ from hybond.model.expressions.slots import PREFIX, Slots, tree_of
 from hybond.model.expressions.tree import transform
 from hybond.model.flatten import flatten
 from hybond.model.graph import FlatGraph, Storage
+from hybond.model.kept import kept_graph
 from hybond.model.parts import Value
 
 Vector = NDArray[np.float64]
@@ -43,23 +45,31 @@ class Wanted:
         With a parameter for each.
     graph : FlatGraph
         With a slot for each in its laws.
-    plain : FlatGraph
-        The same with numbers.
     values : array, shape (many,)
         SI.
     units : tuple of str
     follows : array, shape (many, many)
         How each parameter changes with each: those that are made of others follow them.
+    set : mapping
+        The values of parameters other than the model's own.
+    modes : dict
+        Those of `Opened`.
     """
 
     names: tuple[str, ...]
     paths: tuple[str, ...]
     model: Model
     graph: FlatGraph
-    plain: FlatGraph
     values: NDArray[np.float64]
     units: tuple[str, ...]
     follows: NDArray[np.float64]
+    set: Mapping[str, Value]
+    modes: dict[Any, Any] = field(compare=False, repr=False)
+
+    @property
+    def plain(self) -> FlatGraph:
+        """The graph with numbers."""
+        return kept_graph(self.model, self.set)
 
     @property
     def columns(self) -> list[str]:
@@ -107,10 +117,11 @@ def slotted(opened: Opened, given: Mapping[str, Value]) -> Wanted:
         paths,
         model,
         graph,
-        flatten(model, values),
         np.array(row),
         tuple(units),
         follows,
+        values,
+        opened.modes,
     )
 
 
