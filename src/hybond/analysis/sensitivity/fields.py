@@ -208,9 +208,9 @@ class Fields:
             for i, part in enumerate(parts):
                 speeds[:, j, i], slopes[:, j, i] = self.rate_of(part, g)
         turn = speeds[:, :, 1:] - speeds[:, :, :1]
-        weights = np.linalg.solve(turn, -speeds[:, :, :1])[:, :, 0]
-        change = np.einsum("ki,ksic->ksc", _shares(weights), slopes)
-        return parts, weights, -np.linalg.solve(turn, change)
+        weights: Vector = np.asarray(np.linalg.solve(turn, -speeds[:, :, :1])[:, :, 0], float)
+        change: Vector = (_shares(weights)[:, None, :, None] * slopes).sum(axis=2)
+        return parts, weights, np.asarray(-np.linalg.solve(turn, change))
 
     def _sliding(self, segment: Segment, t: Vector, mean: At) -> Field:
         parts, weights, change = self.weights(segment, t)

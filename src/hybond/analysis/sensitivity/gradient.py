@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from hybond.analysis.linear.words import unit_over
 from hybond.analysis.sensitivity.collocation import Jump
 from hybond.analysis.sensitivity.goals import EventTime, Final, Goal, Total
-from hybond.analysis.sensitivity.opened import opened_model
+from hybond.analysis.sensitivity.opened import Opened, opened_model
 from hybond.analysis.sensitivity.sensitivities import Varied, signal_of
 from hybond.analysis.sensitivity.wanted import slotted
 from hybond.calls import called
@@ -140,18 +140,45 @@ def gradient(
     (0.5, [0.0, 0.5, 1.0])
     """
     if not isinstance(goal, Final | Total | EventTime):
-        raise UsageError(
-            f"{goal!r} is no goal",
-            code="HB-A525",
-            where="goal",
-            hint='hb.Final("c.e"), hb.Total("r.e*r.f") or hb.EventTime(1)',
-        )
+        raise no_goal(goal)
     if mode not in ("adjoint", "forward"):
         raise UsageError(
             f"mode = {mode!r}", code="HB-A525", where="mode", hint="adjoint or forward"
         )
-    found = slotted(opened_model(model, wrt, parameters or {}), {})
-    run = simulate(found.plain, until, solver=solver, rtol=rtol, max_step=max_step)
+    options = {"solver": solver, "rtol": rtol, "max_step": max_step}
+    opened = opened_model(model, wrt, parameters or {})
+    return gradient_of(opened, {}, goal, until, mode, options)
+
+
+def no_goal(goal: object) -> UsageError:
+    """Return what is said of something that is no goal."""
+    return UsageError(
+        f"{goal!r} is no goal",
+        code="HB-A525",
+        where="goal",
+        hint='hb.Final("c.e"), hb.Total("r.e*r.f") or hb.EventTime(1)',
+    )
+
+
+def gradient_of(
+    opened: Opened,
+    given: Mapping[str, Value],
+    goal: Goal,
+    until: float | str | None,
+    mode: Literal["adjoint", "forward"],
+    options: Mapping[str, Any],
+) -> Gradient:
+    """Return the gradient of a model that is opened, with other values of what is varied.
+
+    Parameters
+    ----------
+    given : mapping of path to value
+        By the names of `opened.paths`.
+    options : mapping
+        Of `simulate`.
+    """
+    found = slotted(opened, given)
+    run = simulate(found.plain, until, **options)
     outputs = [goal.signal] if isinstance(goal, Final) else []
     integrands = [goal.signal] if isinstance(goal, Total) else []
     varied = Varied.of(run, found, outputs, [], integrands)

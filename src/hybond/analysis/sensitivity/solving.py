@@ -45,7 +45,7 @@ def rank_of(matrix: Vector) -> int:
     """
     if not matrix.size:
         return 0
-    return matrix.shape[1] - _open(scaled(matrix)[0]).shape[1]
+    return int(matrix.shape[1] - _open(scaled(matrix)[0]).shape[1])
 
 
 def opens(matrix: Vector, rows: Vector) -> bool:

@@ -41,13 +41,13 @@ class Values:
         if segment.sliding is not None or segment.bonds is not None:
             return self._at(self.run.signals.of(segment, self._asked, t), t, segment)
         _, read = self.run.signals.parts(segment, self.names, t)
-        return self._at(np.ascontiguousarray(read[:, 0].T), t, segment)
+        return self._at(list(np.ascontiguousarray(read[:, 0].T)), t, segment)
 
     def parts(self, segment: Segment, t: Vector) -> list[At]:
         """Return values at times of a segment, in each mode that it combines."""
         _, read = self.run.signals.parts(segment, self.names, t)
         return [
-            self._at(np.ascontiguousarray(read[:, part].T), t, segment)
+            self._at(list(np.ascontiguousarray(read[:, part].T)), t, segment)
             for part in range(read.shape[1])
         ]
 
