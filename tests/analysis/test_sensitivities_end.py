@@ -62,18 +62,6 @@ def test_two_events_at_one_instant_have_no_order() -> None:
     assert apart.final("c.e", "a") == pytest.approx(1 - np.exp(-1.0), rel=1e-8)
 
 
-def test_impacts_that_come_to_rest() -> None:
-    m = hb.Model("ball", domain="translational", parameters={"eps": 0.5})
-    m.add(weight=hb.Se("-10 N"), ball=hb.I("1 kg"), v=hb.One())
-    m.add(floor=hb.Zero(law="unilateral", gap="h", restitution="eps"))
-    m.bond("weight -> v -> ball", "floor -> v")
-    m.signal(h=hb.Integral("v.f", start="5 m"))
-    s = hb.sensitivities(m, "4 s", wrt=["eps"], of=["v.f"])
-    assert s.run.accumulations[0].t == pytest.approx(3.0, rel=1e-6)
-    assert s.ends is not None and 2.5 < s.ends <= 3.0001 and "accumulate" in s.why
-    assert s.events[1].by == pytest.approx([2.0], rel=1e-8)  # 1 + 2 eps
-
-
 def test_what_is_not_followed_is_refused() -> None:
     m = two(1.0, 2.0)
     with pytest.raises(hb.UsageError, match="HB-A520") as caught:

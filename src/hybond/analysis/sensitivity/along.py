@@ -24,6 +24,7 @@ from hybond.analysis.sensitivity.fields import Field, Fields
 from hybond.analysis.sensitivity.flow import Flow, flows
 from hybond.analysis.sensitivity.gradients import Compiled
 from hybond.analysis.sensitivity.kinks import jumped, kinks_of
+from hybond.analysis.sensitivity.landing import Landing, landed
 from hybond.analysis.sensitivity.switch import started, switched
 from hybond.analysis.sensitivity.tangent import Read, Tangent, Undetermined
 from hybond.errors import HybondError
@@ -48,8 +49,9 @@ UNSEEN = 1e-6
 ONE = 1e-4
 """Part by which the derivatives of two instants may differ and they are one and the same."""
 AT_THE_END = "something happens at the very end of the run"
+LANDS = "accumulation"
+"""The cause of an event at which impacts that accumulate are over."""
 ENDS = {
-    "accumulation": "impacts accumulated and came to rest",
     "step": "time-stepping locates no events",
     "sample": "a value is sampled",
     "law": "a source jumps onto what is stored",
@@ -107,7 +109,7 @@ class Chain:
 
     start: Vector
     """Shape (n, parameters)."""
-    links: list[Step | Flow | Jump] = field(default_factory=list)
+    links: list[Step | Flow | Jump | Landing] = field(default_factory=list)
     readings: list[Reading] = field(default_factory=list)
     instants: list[Instant] = field(default_factory=list)
     ends: float | None = None
@@ -129,7 +131,8 @@ class Chain:
         """Return the variations before the first link, and after each."""
         found = [self.start]
         for link in self.links:
-            found.append(link.forward(found[-1]))
+            flat = link.after(found) if isinstance(link, Landing) else link.forward(found[-1])
+            found.append(flat)
         return found
 
 
@@ -202,8 +205,6 @@ class _Along:
         self._now = float(segment.t[0])
         if segment.bonds is not None:
             raise Undetermined("time-stepping locates no events")
-        if segment.landed:
-            raise Undetermined("impacts accumulated and came to rest")
         mesh, self._field = self.fields.whole(segment, self.times)
         self._places = {0: len(self.chain.links)}
         exact = flows(self.fields, segment, mesh, self._field)
@@ -290,8 +291,9 @@ class _Along:
         t = float(segment.t[-1])
         self._now = t
         own = [k for k in self.events.get(t, []) if self.run.trace.events[k].cause != "start"]
+        limit = None
         if following is not None and following.t[0] > t:
-            raise Undetermined("impacts accumulate")
+            limit, following = following, None
         if following is None and not own:
             end = self.fields.ending(segment, None)
             if any(c.by.any() for c in timed(self.fields, end, t)):
@@ -301,6 +303,8 @@ class _Along:
             raise Undetermined("two events happen at one instant: which comes first would change")
         event = self.run.trace.events[own[0]] if own else None
         number = own[0] if own else None
+        if event is not None and event.cause == LANDS:
+            raise Undetermined("impacts accumulated at once and came to rest")
         if event is not None and event.cause in ENDS:
             raise Undetermined(ENDS[event.cause])
         end = self.fields.ending(segment, None if event is None else np.asarray(event.before))
@@ -320,9 +324,45 @@ class _Along:
         if t >= (1.0 - LOCATED) * self.run.t_end and moves.any():
             # one side of it is before the event, and the other one behind
             self.chain.ends, self.chain.why = t, AT_THE_END
+        elif limit is not None:
+            return self._land(begin, limit)
         elif following is None:
             self._read_last(begin, t)
         return d
+
+    def _land(self, flight: Field, limit: Segment) -> Vector:
+        """Take the limit of impacts, behind the last of them."""
+        t = float(limit.t[0])
+        numbers = [k for k in self.events.get(t, []) if self.run.trace.events[k].cause == LANDS]
+        records = [a for a in self.run.trace.accumulations if a.t == t and a.landed]
+        if len(numbers) != 1 or len(records) != 1:
+            raise Undetermined("impacts accumulate")
+        event = self.run.trace.events[numbers[0]]
+        rest = self._begin(limit, event)
+        found = self.chain.forward()
+        made = landed(self.fields, event, flight, rest, self._impacts(records[0].machine), found)
+        self.chain.instants.append(
+            Instant(len(self.chain.links), t, "impacts come to rest", numbers[0])
+        )
+        self.chain.links.append(made)
+        d = made.after(found)
+        self.largest = np.maximum(self.largest, np.abs(d))
+        self._moves = None
+        return d
+
+    def _impacts(self, machine: str) -> list[tuple[int, Jump]]:
+        """Return the last impacts of the machine that lands, and where in the chain they are."""
+        found: list[tuple[int, Jump]] = []
+        for instant in self.chain.instants:
+            if instant.event is None or instant.place is None:
+                continue
+            steps = self.run.trace.events[instant.event].steps
+            link = self.chain.links[instant.place]
+            if isinstance(link, Jump) and any(
+                fired.machine == machine for step in steps for fired in step.fired
+            ):
+                found.append((instant.place, link))
+        return found
 
     def _together(self, segment: Segment, moves: Vector) -> None:
         """Refuse two instants that are one as far as the run can tell, and move differently."""
@@ -338,8 +378,6 @@ class _Along:
         if segment is None:
             assert event is not None
             return self.fields.entered(event.t, np.asarray(event.after), event.steps[-1].mode)
-        if segment.landed:
-            raise Undetermined("impacts accumulated and came to rest")
         return self.fields.whole(segment, self.times)[1].point(0)
 
     def _end(self, why: str) -> None:

@@ -29,6 +29,8 @@ LOCATED = 1e-11
 """Part of a time within which the run has located a crossing."""
 GRAZES = 1e-6
 """A speed of crossing below this part of the largest one of the segment is none."""
+ROUNDED = 4e-12
+"""Part of its terms within which the run may leave a function that it has located."""
 NO_CAUSE = "time"
 """The text of a crossing that nothing but time makes."""
 SAME = 1e-6
@@ -93,6 +95,19 @@ def crossing(
 
 def _by_guards(fields: Fields, segment: Segment, end: Field, event: Event) -> list[Crossing]:
     """Return the comparisons of guards that fired first and that became zero."""
+    for loose in (False, True):
+        found, grazed = _guards_that_cross(fields, segment, end, event, loose)
+        if found:
+            return found
+        if grazed:
+            raise Undetermined(f"{grazed[0]} is only touched (grazing)")
+    return []
+
+
+def _guards_that_cross(
+    fields: Fields, segment: Segment, end: Field, event: Event, loose: bool
+) -> tuple[list[Crossing], list[str]]:
+    """Return what crosses, and the texts of what only touches."""
     graph = fields.graph
     found: list[Crossing] = []
     grazed: list[str] = []
@@ -109,20 +124,21 @@ def _by_guards(fields: Fields, segment: Segment, end: Field, event: Event) -> li
                 h = Binary("-", compare.left, compare.right)
                 if not names(h):
                     continue
-                made = crossed(fields, segment, end, h, rule.text)
+                made = crossed(fields, segment, end, h, rule.text, loose=loose)
                 if isinstance(made, str):
                     grazed.append(made)
                 elif made is not None:
                     found.append(made)
-    if not found and grazed:
-        raise Undetermined(f"{grazed[0]} is only touched (grazing)")
-    return found
+    return found, grazed
 
 
 def crossed(
-    fields: Fields, segment: Segment, end: Field, h: Expr, text: str
+    fields: Fields, segment: Segment, end: Field, h: Expr, text: str, *, loose: bool = False
 ) -> Crossing | str | None:
-    """Return how a function crosses zero, its text if it only touches, None if it is not zero."""
+    """Return how a function crosses zero, its text if it only touches, None if it is not zero.
+
+    `loose` takes also what is zero within rounding of its terms: crossings of very short motions.
+    """
     rows = end.tangent.rows
     # until it fires, what a guard reads a priori is what there is
     made = rows.moving(h)
@@ -137,7 +153,12 @@ def crossed(
     if abs(speed) <= GRAZES * max(largest, abs(speed)) or speed == 0.0:
         still = abs(value) <= 1e-7 * size and size > 0.0
         return text if still and largest > 0.0 else None
-    if abs(value) > max(CLOSE * length, LOCATED * float(segment.t[-1])) * abs(speed):
+    terms = sum(
+        abs(float(c) * float(np.ravel(end.at.values[name])[0]))
+        for c, name in zip(slope[:n], fields.columns.states)
+    )
+    near = max(CLOSE * length, LOCATED * float(segment.t[-1])) * abs(speed)
+    if abs(value) > (max(near, ROUNDED * terms) if loose else near):
         return None
     by = np.zeros(fields.size + len(fields.columns.parameters))
     by[:n] = -slope[:n] / speed

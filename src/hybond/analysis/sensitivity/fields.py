@@ -77,17 +77,31 @@ class Fields:
     """
 
     def __init__(self, values: Values, integrands: Sequence[Expr]) -> None:
-        self.values = values
+        self._values = values
         self.graph = values.found.graph
         states = [f"x:{s.index}" for s in self.graph.storages]
         states += [f"s:{i.index}" for i in self.graph.integrals]
         self.columns = Columns(states, len(self.graph.inputs), values.found.columns)
         self.integrands = list(integrands)
         self.size = len(states) + len(self.integrands)
+        self._rates: dict[tuple[ModeRows, Expr], tuple[Compiled, Read]] = {}
+        self._forget()
+
+    def _forget(self) -> None:
+        """Know no number of any run."""
         self._made: dict[tuple[object, ...], ModeField] = {}
-        self._rates: dict[tuple[Tangent, Expr], tuple[Compiled, Read]] = {}
         self._whole: tuple[Segment, Vector, Field] | None = None
         self._nine: tuple[Segment, Field] | None = None
+
+    @property
+    def values(self) -> Values:
+        """The values of the run; they may be replaced by those of another run of the graph."""
+        return self._values
+
+    @values.setter
+    def values(self, values: Values) -> None:
+        self._values = values
+        self._forget()
 
     def mode(self, mode: Mode, at: At) -> ModeField:
         """Return the equations of a mode, where comparisons of time are as at a point."""
@@ -183,7 +197,7 @@ class Fields:
 
     def rate_of(self, field: Field, g: Expr) -> tuple[Vector, Vector]:
         """Return how fast a function of the state moves, and how that changes by all columns."""
-        key = field.tangent, g
+        key = field.tangent.rows, g
         if key not in self._rates:
             L = field.tangent.rows.along_held([field.tangent.rows.made(g)])
             self._rates[key] = Compiled(L), Read(field.tangent, L)

@@ -50,7 +50,10 @@ class Flow:
 
     def forward(self, d: Vector) -> Vector:
         """Return the variations at the end, shape (n, parameters)."""
-        return np.asarray(self.S @ d + self.P)
+        moved = self.S @ d
+        # columns before those of parameters are variations of the start alone
+        moved[:, d.shape[1] - self.P.shape[1] :] += self.P
+        return np.asarray(moved)
 
     def backward(self, adjoint: Vector) -> tuple[Vector, Vector]:
         """Return the adjoint at the beginning, and what parameters add."""

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from hybond.analysis.sensitivity.along import Chain, chain_of
 from hybond.analysis.sensitivity.collocation import Jump
 from hybond.analysis.sensitivity.fields import Fields
+from hybond.analysis.sensitivity.landing import Landing
 from hybond.analysis.sensitivity.opened import opened_model
 from hybond.analysis.sensitivity.record import EventDerivative, Sensitivities
 from hybond.analysis.sensitivity.values import Values
@@ -171,8 +172,9 @@ class Varied:
             by = None
             if instant.place is not None:
                 link = chain.links[instant.place]
-                assert isinstance(link, Jump)  # an instant is a jump of the variations
-                by = link.moved(d[instant.place]) @ follows
+                assert isinstance(link, Jump | Landing)  # these are what instants are
+                own = link.moved(d) if isinstance(link, Landing) else link.moved(d[instant.place])
+                by = own @ follows
             events.append(EventDerivative(instant.t, instant.event, instant.text, by))
         return Sensitivities(
             self.run,

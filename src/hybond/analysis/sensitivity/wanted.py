@@ -45,13 +45,13 @@ class Wanted:
         With a parameter for each.
     graph : FlatGraph
         With a slot for each in its laws.
+    plain : FlatGraph
+        The same with numbers.
     values : array, shape (many,)
         SI.
     units : tuple of str
     follows : array, shape (many, many)
         How each parameter changes with each: those that are made of others follow them.
-    set : mapping
-        The values of parameters other than the model's own.
     modes : dict
         Those of `Opened`.
     """
@@ -60,16 +60,11 @@ class Wanted:
     paths: tuple[str, ...]
     model: Model
     graph: FlatGraph
+    plain: FlatGraph
     values: NDArray[np.float64]
     units: tuple[str, ...]
     follows: NDArray[np.float64]
-    set: Mapping[str, Value]
-    modes: dict[Any, Any] = field(compare=False, repr=False)
-
-    @property
-    def plain(self) -> FlatGraph:
-        """The graph with numbers."""
-        return kept_graph(self.model, self.set)
+    modes: dict[Any, Any] = field(default_factory=dict, compare=False, repr=False)
 
     @property
     def columns(self) -> list[str]:
@@ -117,10 +112,10 @@ def slotted(opened: Opened, given: Mapping[str, Value]) -> Wanted:
         paths,
         model,
         graph,
+        kept_graph(model, values),
         np.array(row),
         tuple(units),
         follows,
-        values,
         opened.modes,
     )
 
