@@ -53,7 +53,6 @@ LANDS = "accumulation"
 """The cause of an event at which impacts that accumulate are over."""
 ENDS = {
     "step": "time-stepping locates no events",
-    "sample": "a value is sampled",
     "law": "a source jumps onto what is stored",
     "until": "the run ends where a condition holds, not at a time",
     "change": "the run was changed from outside",

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from hybond.analysis.sensitivity.fields import Field, Fields
 from hybond.analysis.sensitivity.gradients import Compiled
+from hybond.analysis.sensitivity.sampling import due
 from hybond.analysis.sensitivity.tangent import Read, Undetermined
 from hybond.model.expressions import Binary, Expr, comparisons, names, to_text
 from hybond.runs.trace import Event, Segment
@@ -76,8 +77,8 @@ def crossing(
         found = _by_guards(fields, segment, end, event)
     if not found and segment.sliding is not None:
         found = _by_weights(fields, segment, end)
-    if not found:
-        found = timed(fields, end, t)
+    if not found or due(fields, t):
+        found += timed(fields, end, t)
     if not found:
         if event is None or event.cause in ("time", "input"):
             return Crossing(np.zeros(fields.size + len(fields.columns.parameters)), NO_CAUSE)
@@ -205,6 +206,9 @@ def timed(fields: Fields, end: Field, t: float) -> list[Crossing]:
         found.append(
             Crossing(np.concatenate([np.zeros(fields.size), edge]), "an input has an edge")
         )
+    for sample, by in due(fields, t):
+        whole = np.concatenate([np.zeros(fields.size), by])
+        found.append(Crossing(whole, f"{sample.path} is sampled"))
     return found + _by_time(fields, end, t, close)
 
 

@@ -24,7 +24,7 @@ from hybond.analysis.sensitivity.collocation import Jump
 from hybond.analysis.sensitivity.goals import EventTime, Final, Goal, Total
 from hybond.analysis.sensitivity.landing import Landing
 from hybond.analysis.sensitivity.opened import Opened, opened_model
-from hybond.analysis.sensitivity.sensitivities import Varied, signal_of
+from hybond.analysis.sensitivity.sensitivities import Varied, check_followed, signal_of
 from hybond.analysis.sensitivity.wanted import slotted
 from hybond.calls import called
 from hybond.errors import NumericsError, UsageError
@@ -179,6 +179,7 @@ def gradient_of(
         Of `simulate`.
     """
     found = slotted(opened, given)
+    check_followed(found.graph)
     run = simulate(found.plain, until, **options)
     outputs = [goal.signal] if isinstance(goal, Final) else []
     integrands = [goal.signal] if isinstance(goal, Total) else []

@@ -100,6 +100,7 @@ def sensitivities(
     """
     opened = opened_model(model, wrt, parameters or {})
     found = slotted(opened, {})
+    check_followed(found.graph)
     run = simulate(found.plain, until, solver=solver, rtol=rtol, max_step=max_step)
     names = _outputs(run.graph, of)
     asked = [seconds(t, "times") for t in times]
@@ -207,11 +208,13 @@ def check_followed(graph: FlatGraph) -> None:
         HB-A522.
     """
     for sample in graph.samples:
+        if sample.block is None:
+            continue
         raise EquationError(
-            f"{sample.path} is sampled: what it holds changes at instants",
+            f"{sample.path} is a block: nobody knows what its outputs are made of",
             code="HB-A522",
             where=sample.path,
-            hint="take the controller out and make what it sets an input of the model",
+            hint="write it as sampled signals: hb.Sampled(...)",
         )
     for machine in graph.machines:
         if machine.law is not None and machine.law.planar:

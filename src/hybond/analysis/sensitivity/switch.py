@@ -20,6 +20,7 @@ from hybond.analysis.sensitivity.collocation import Jump
 from hybond.analysis.sensitivity.crossing import Crossing
 from hybond.analysis.sensitivity.entry import Before, entered
 from hybond.analysis.sensitivity.fields import Field, Fields
+from hybond.analysis.sensitivity.sampling import due, sampled
 from hybond.runs.trace import Event
 
 Vector = NDArray[np.float64]
@@ -46,7 +47,10 @@ def switched(
     dtau = found.by
     moved = np.eye(size, basis) + np.outer(end.f[0], dtau)
     p = np.eye(many, basis, size)
-    moved[:n] = passed(fields, t, end, event, Before(moved[:n], dtau, p, end, moved[:n]))
+    written = moved[:n].copy()
+    now = [sample for sample, _ in due(fields, t)]
+    moved[:n] = sampled(end, now, moved[:n], dtau, p)
+    moved[:n] = passed(fields, t, end, event, Before(moved[:n], dtau, p, end, written))
     whole = moved - np.outer(begin.f[0], dtau)
     return Jump(t, whole[:, :size], whole[:, size:], dtau[:size], dtau[size:])
 
@@ -54,8 +58,14 @@ def switched(
 def started(fields: Fields, event: Event, states: Vector, begin: Field) -> Vector:
     """Return the variations after the start was settled, shape (states, parameters)."""
     many = states.shape[1]
-    before = Before(states, np.zeros(many), np.eye(many), begin, states)
-    return passed(fields, event.t, begin, event, before)
+    instant, p = np.zeros(many), np.eye(many)
+    now = [sample for sample, _ in due(fields, event.t)]
+    prior, x = begin, states
+    if now:
+        mode = tuple(m.start for m in fields.graph.machines)
+        prior = fields.entered(event.t, np.asarray(event.before), mode)
+        x = sampled(prior, now, states, instant, p)
+    return passed(fields, event.t, prior, event, Before(x, instant, p, prior, states))
 
 
 def passed(fields: Fields, t: float, end: Field, event: Event | None, before: Before) -> Vector:
@@ -63,6 +73,10 @@ def passed(fields: Fields, t: float, end: Field, event: Event | None, before: Be
     if event is None:
         return before.x
     state = np.array(event.before, dtype=float)
+    for sample, _ in due(fields, t):
+        for k in sample.signals:
+            place = len(fields.graph.storages) + k
+            state[place] = event.after[place]
     x = before.x
     written = [s for s in event.steps if s.kind != "mythical"]
     from_ = end
