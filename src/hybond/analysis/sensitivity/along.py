@@ -407,6 +407,8 @@ class _Along:
         if made is None:
             own = [field.tangent.rows.moving(e) for e in self.outputs]
             made = self._read_by[field.tangent] = Compiled(own), Read(field.tangent, own)
+            if made[1].is_open(field.at):
+                raise Undetermined("the mode leaves open how what is read is shared")
         return made[0].at(field.at.values, field.at.points), made[1].at(field.at, field.bonds)
 
 

@@ -32,6 +32,10 @@ GRAZES = 1e-6
 """A speed of crossing below this part of the largest one of the segment is none."""
 ROUNDED = 4e-12
 """Part of its terms within which the run may leave a function that it has located."""
+STILL = 4 * float(np.finfo(float).eps)
+"""A function that moves by less than this part of what it is made of does not move at all."""
+NEVER = 1e-4
+"""The same for its terms in states, which may be nearly equal: a part of that."""
 NO_CAUSE = "time"
 """The text of a crossing that nothing but time makes."""
 SAME = 1e-6
@@ -146,21 +150,26 @@ def crossed(
     value = float(Compiled([made]).at(end.at.values, 1)[0, 0])
     if not names(made) or not np.isfinite(value):
         return None
-    slope = Read(end.tangent, [made]).at(end.at, end.bonds)[0, 0]
+    read = Read(end.tangent, [made])
+    slope = read.at(end.at, end.bonds)[0, 0]
     n = fields.columns.time
     speed = float(slope[:n] @ end.f[0, :n] + slope[n])
     length = max(float(segment.t[-1] - segment.t[0]), 1e-12 * abs(float(segment.t[-1])))
     largest, size = _sizes(fields, segment, made)
-    if abs(speed) <= GRAZES * max(largest, abs(speed)) or speed == 0.0:
-        still = abs(value) <= 1e-7 * size and size > 0.0
-        return text if still and largest > 0.0 else None
     terms = sum(
         abs(float(c) * float(np.ravel(end.at.values[name])[0]))
         for c, name in zip(slope[:n], fields.columns.states)
     )
+    if largest * length <= STILL * (float(read.terms(end.at)[0]) + NEVER * terms):
+        return None
+    if abs(speed) <= GRAZES * max(largest, abs(speed)) or speed == 0.0:
+        still = abs(value) <= 1e-7 * size and size > 0.0
+        return text if still and largest > 0.0 else None
     near = max(CLOSE * length, LOCATED * float(segment.t[-1])) * abs(speed)
     if abs(value) > (max(near, ROUNDED * terms) if loose else near):
         return None
+    if read.is_open(end.at):
+        raise Undetermined(f"{text}: the mode leaves open how what it reads is shared")
     by = np.zeros(fields.size + len(fields.columns.parameters))
     by[:n] = -slope[:n] / speed
     by[fields.size :] = -slope[n + 1 :] / speed

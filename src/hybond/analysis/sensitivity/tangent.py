@@ -158,6 +158,24 @@ class Tangent:
             self._full = by_w.shape[0] == by_w.shape[1] == rank_of(by_w)
         return self._full
 
+    def leaves_open(self, at: At, rows: Vector) -> bool:
+        """Whether a mode leaves open what rows of bond variables say, at the first point.
+
+        Parameters
+        ----------
+        rows : array, shape (many, 2 * bonds)
+        """
+        first = at.some(slice(0, 1))
+        by_w = self._by_w.at(first.values, 1) @ self.rows.spread
+        if self._full or by_w.shape[1] == by_w.shape[2] == rank_of(by_w[0]):
+            return False
+        if self._more.second is None:
+            self._more.second = _Second(self)
+        left, _ = self._more.second.left(first, by_w)
+        whole = np.zeros((len(rows), left.shape[2]))
+        whole[:, : by_w.shape[2]] = rows @ self.rows.spread
+        return opens(left[0], whole)
+
     @property
     def alike(self) -> bool:
         """Whether what the mode holds is read from parameters alone."""
@@ -193,12 +211,28 @@ class Read:
     """How expressions of a mode change."""
 
     def __init__(self, tangent: Tangent, expressions: Sequence[Expr]) -> None:
+        self._tangent = tangent
         self._by_w = Gradients(expressions, tangent.rows.bonds)
         self._direct = Direct(expressions, tangent.columns)
 
     def at(self, at: At, bonds: Vector) -> Vector:
         """Return the slopes by all columns, shape (points or 1, expressions, columns)."""
         return self._by_w.at(at.values, at.points) @ bonds + self._direct.at(at)
+
+    def is_open(self, at: At) -> bool:
+        """Whether a mode leaves open one of the expressions, at the first point."""
+        rows = self._by_w.at(at.some(slice(0, 1)).values, 1)[0]
+        return bool(rows.any()) and self._tangent.leaves_open(at, rows)
+
+    def terms(self, at: At) -> Vector:
+        """Return how large expressions were if all efforts and flows were as the largest ones.
+
+        At one point, shape (expressions,).
+        """
+        names = self._tangent.rows.bonds
+        size = np.abs([float(np.ravel(at.values[n])[0]) for n in names]).reshape(2, -1)
+        largest = np.repeat(size.max(axis=1, initial=0.0), size.shape[1])
+        return np.asarray(np.abs(self._by_w.at(at.values, 1)[0]) @ largest)
 
 
 @dataclass
@@ -233,7 +267,8 @@ class _Second:
         self._direct = Direct(along, columns)
         self._moves = Gradients(rows.rates, rows.bonds)
 
-    def bonds(self, at: At, by_w: Vector, direct: Vector) -> Vector:
+    def left(self, at: At, by_w: Vector) -> tuple[Vector, At]:
+        """Return the matrices of the unknowns dw and dw', and values with rates in them."""
         drift = self._drift.at(at.values, at.points)
         moving = self._spread @ smallest(by_w, -drift[:, :, None])
         more = At(
@@ -242,13 +277,18 @@ class _Second:
             at.points,
         )
         second = self._by_w.at(more.values, at.points) @ self._spread
-        own = self._direct.at(more)
         rows, n = by_w.shape[1:]
-        points = max(len(by_w), len(direct), len(second), len(own))
         left = np.zeros((max(len(by_w), len(second)), 2 * rows, 2 * n))
         left[:, :rows, :n] = by_w
         left[:, rows:, :n] = second
         left[:, rows:, n:] = by_w
+        return left, more
+
+    def bonds(self, at: At, by_w: Vector, direct: Vector) -> Vector:
+        left, more = self.left(at, by_w)
+        own = self._direct.at(more)
+        rows, n = by_w.shape[1:]
+        points = max(len(direct), len(left), len(own))
         right = np.zeros((points, 2 * rows, direct.shape[2]))
         right[:, :rows], right[:, rows:] = direct, own
         moves = np.zeros((self._moves.shape[0], 2 * n))
