@@ -23,7 +23,7 @@ from hybond.analysis.sensitivity.crossing import LOCATED, NO_CAUSE, crossing, ti
 from hybond.analysis.sensitivity.fields import Field, Fields
 from hybond.analysis.sensitivity.flow import Flow, flows
 from hybond.analysis.sensitivity.gradients import Compiled
-from hybond.analysis.sensitivity.kinks import jumped, kinks_of
+from hybond.analysis.sensitivity.kinks import edges_at, jumped, kinks_of
 from hybond.analysis.sensitivity.landing import Landing, landed
 from hybond.analysis.sensitivity.switch import started, switched
 from hybond.analysis.sensitivity.tangent import Read, Tangent, Undetermined
@@ -117,14 +117,21 @@ class Chain:
     rough: list[float] = field(default_factory=list)
     """Where halving steps did not make two halves and the whole agree, s."""
 
+    edges: list[tuple[str, list[str]]] = field(default_factory=list)
+    """What is zero at the start and moves, and by which parameters."""
+
     def notes(self) -> tuple[str, ...]:
         """Return what else is to be known."""
-        if not self.rough:
-            return ()
-        return (
-            f"near t = {self.rough[0]:.6g} s the derivatives have fewer digits: their motion is "
-            "not smooth there",
-        )
+        found = [
+            f"by {', '.join(by)} to one side only: the start lies on the edge of {text}"
+            for text, by in self.edges
+        ]
+        if self.rough:
+            found.append(
+                f"near t = {self.rough[0]:.6g} s the derivatives have fewer digits: their motion "
+                "is not smooth there"
+            )
+        return tuple(found)
 
     def forward(self) -> list[Vector]:
         """Return the variations before the first link, and after each."""
@@ -185,6 +192,9 @@ class _Along:
             if len(events) and events[0].cause == "start":
                 start = started(self.fields, events[0], start, first)
             whole[: len(start)] = start
+            n = self.fields.columns.time
+            own = whole[:n, whole.shape[1] - many :]
+            self.chain.edges = edges_at(self.fields, first, segments[0].mode, own)
             d = whole
             for k, segment in enumerate(segments):
                 d = self._motion(segment, d)
@@ -244,7 +254,7 @@ class _Along:
         h = whole.t1 - whole.t0
         size = np.abs(whole.A).max(axis=0) @ np.abs(d) + np.abs(whole.B).max(axis=0)
         unit = np.where(self.sizes > 0.0, self.sizes, 1.0)[:, None]
-        most = np.maximum(np.abs(fine) / unit, self.largest / unit).max(axis=0)
+        most = np.maximum(np.abs(fine) / unit, self.largest / unit).max(axis=0, initial=0.0)
         floor = NOTHING * unit * np.maximum(most, self.per_parameter)
         size = np.maximum.reduce([np.abs(d), np.abs(fine), self.largest, h * size, floor])
         good = bool((np.abs(fine - coarse) <= TOLERANCE * size).all())

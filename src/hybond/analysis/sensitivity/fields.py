@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from hybond.analysis.sensitivity.gradients import Compiled, Gradients
 from hybond.analysis.sensitivity.mode_rows import ModeRows
+from hybond.analysis.sensitivity.solving import NO_SLOPE
 from hybond.analysis.sensitivity.state_functions import state_function
 from hybond.analysis.sensitivity.tangent import At, Columns, Read, Tangent, Undetermined
 from hybond.analysis.sensitivity.values import Values
@@ -325,6 +326,8 @@ class ModeField:
             points = max(len(slopes), len(extra))
             both = (np.broadcast_to(a, (points, *a.shape[1:])) for a in (slopes, extra))
             slopes = np.concatenate(list(both), axis=1)
+        if not np.isfinite(slopes).all():
+            raise Undetermined(NO_SLOPE)
         return Field(at, self._rates.at(at.values, at.points), slopes, bonds, self.tangent)
 
 

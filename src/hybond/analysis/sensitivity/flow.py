@@ -69,7 +69,7 @@ def flows(fields: Fields, segment: Segment, mesh: Vector, field: Field) -> list[
     field : Field
         At these points.
     """
-    if segment.sliding is not None or len(mesh) < 2:
+    if segment.sliding is not None or len(mesh) < 2 or not fields.columns.states:
         return None
     mode = fields.mode(segment.mode, field.at)
     if not mode.affine:

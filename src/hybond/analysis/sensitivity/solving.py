@@ -17,13 +17,26 @@ RANK = 1e-11
 """Singular values of scaled rows below this part of the largest count as zero."""
 OPEN = 1e-7
 """A change that open variables make beyond this part of itself is undetermined."""
+NO_SLOPE = "a law has no finite slope here"
 PIVOT = 1e-2
 """What is taken off has, scaled, at least this coefficient."""
 
 
+class Undetermined(Exception):
+    """What is asked for has no one value here."""
+
+
 def scaled(matrix: Vector) -> tuple[Vector, Vector, Vector]:
-    """Return matrices with rows and columns near one, and what rows and columns were divided by."""
+    """Return matrices with rows and columns near one, and what rows and columns were divided by.
+
+    Raises
+    ------
+    Undetermined
+        For what is not finite.
+    """
     found = np.array(matrix, dtype=float)
+    if not np.isfinite(found).all():
+        raise Undetermined(NO_SLOPE)
     rows, columns = np.ones(found.shape[:-1]), np.ones(found.shape[:-2] + found.shape[-1:])
     for _ in range(3):
         for axis, kept in ((-1, rows), (-2, columns)):

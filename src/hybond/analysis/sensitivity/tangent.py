@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from hybond.analysis.sensitivity.gradients import AREA, PRIOR, RATE, Compiled, Gradients
 from hybond.analysis.sensitivity.mode_rows import ModeRows
-from hybond.analysis.sensitivity.solving import opens, rank_of, smallest, solved
+from hybond.analysis.sensitivity.solving import Undetermined, opens, rank_of, smallest, solved
 from hybond.model.expressions import Expr
 
 Vector = NDArray[np.float64]
@@ -298,5 +298,4 @@ class _Second:
         return smallest(left, -right)[:, :n]
 
 
-class Undetermined(Exception):
-    """What is asked for has no one value here."""
+__all__ = ["At", "Columns", "Direct", "Read", "Tangent", "Undetermined"]
