@@ -123,7 +123,7 @@ class Chain:
     def notes(self) -> tuple[str, ...]:
         """Return what else is to be known."""
         found = [
-            f"by {', '.join(by)} to one side only: the start lies on the edge of {text}"
+            f"by {', '.join(by)} perhaps to one side only: the start lies on the edge of {text}"
             for text, by in self.edges
         ]
         if self.rough:
