@@ -274,7 +274,9 @@ class _Along:
         c, _, _ = radau()
         middle = 0.5 * (a + b)
         spans = [(a, b), (a, middle), (middle, b)]
-        t = np.stack([x[:, None] + (y - x)[:, None] * c for x, y in spans], axis=1)
+        t = np.stack(
+            [np.minimum(x[:, None] + (y - x)[:, None] * c, y[:, None]) for x, y in spans], axis=1
+        )
         read = t.copy()
         for kink in self._kinks.values():
             read[t == kink.t] = kink.left
