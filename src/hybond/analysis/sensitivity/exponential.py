@@ -38,7 +38,7 @@ def grown(matrices: Vector) -> Vector:
     Examples
     --------
     >>> slow, fast = grown(np.diag([-1e-3, -1e12])[None])[0].diagonal().tolist()
-    >>> abs(slow / np.expm1(-1e-3) - 1.0) < 1e-13, fast
+    >>> bool(abs(slow / np.expm1(-1e-3) - 1.0) < 1e-13), fast
     (True, -1.0)
     """
     sizes = np.abs(matrices).sum(axis=1).max(axis=1, initial=0.0)
