@@ -198,3 +198,22 @@ def test_a_throw_that_returns_latest() -> None:
     assert found["turn"] == pytest.approx(np.pi / 2, abs=1e-6)
     g = hb.gradient(m, hb.EventTime(1), "5 s", wrt=["turn"])
     assert g.by == pytest.approx([4.0 * np.cos(0.6)], rel=1e-9)
+
+
+def test_duty_and_coil_of_a_converter() -> None:
+    m = hb.Model("buck", domain="electrical", parameters={"D": 0.3, "L": "20 uH"})
+    m.input(gate=hb.Input(pwm={"period": "10 us", "duty": "D"}))
+    m.add(V=hb.Se("(12 V)*gate"), coil=hb.I("L"), cap=hb.C("10 uF"), load=hb.R("2 ohm"))
+    m.add(j=hb.One(), n=hb.Zero())
+    m.bond("V -> j -> coil", "j -> n -> cap", "n -> load")
+    periods, T = 20, 1e-5
+    wanted = {"time": [periods * T], "coil.f": [2.2], "cap.e": [5.0]}
+    found = hb.fit(m, wanted, free=["D", "L"], log=["L"], sigma={"coil.f": 1.0, "cap.e": 1.0})
+    # the same period after period, by the exponentials of both halves
+    D, L = found["D"], found["L"]
+    off = np.array([[0.0, -1 / L, 0.0], [1e5, -5e4, 0.0], [0.0, 0.0, 0.0]])
+    on = off + np.array([[0.0, 0.0, 12.0 / L], [0.0] * 3, [0.0] * 3])
+    once = expm(off * (1 - D) * T) @ expm(on * D * T)
+    end = np.linalg.matrix_power(once, periods) @ [0.0, 0.0, 1.0]
+    assert end[:2] == pytest.approx([2.2, 5.0], rel=1e-6)
+    assert found.trials < 15

@@ -16,8 +16,8 @@ from typing import Unpack
 import numpy as np
 from numpy.typing import NDArray
 
-from hybond.analysis.sensitivity.goals import Goal
-from hybond.analysis.sensitivity.gradient import gradient
+from hybond.analysis.sensitivity.goals import EventTime, Final, Goal, Total
+from hybond.analysis.sensitivity.gradient import gradient_of, no_goal
 from hybond.analysis.sensitivity.opened import opened_model
 from hybond.analysis.sensitivity.wanted import slotted
 from hybond.calls import called
@@ -154,6 +154,8 @@ def optimise(
 
     names = [free] if isinstance(free, str) else list(free)
     logs = [log] if isinstance(log, str) else list(log)
+    if not isinstance(goal, Final | Total | EventTime):
+        raise no_goal(goal)
     opened = opened_model(model, names, parameters or {}, where="free")
     first = slotted(opened, {})
     scale = scale_of(names, first.values, bounds or {}, logs)
@@ -162,15 +164,8 @@ def optimise(
     def trial(z: Vector) -> tuple[float, Vector, Result]:
         nonlocal trials
         trials += 1
-        given = dict(zip(opened.settable, scale.values(z).tolist(), strict=True))
-        found = gradient(
-            model,
-            goal,
-            until,
-            wrt=names,
-            parameters={**(parameters or {}), **given},
-            **options,
-        )
+        given = dict(zip(opened.paths, scale.values(z).tolist(), strict=True))
+        found = gradient_of(opened, given, goal, until, "adjoint", options)
         return found.value, found.by * scale.slopes(z), found.run
 
     try:

@@ -14,7 +14,7 @@ from hybond.analysis.sensitivity.sensitivities import Varied
 from hybond.analysis.sensitivity.wanted import Wanted, slotted
 from hybond.errors import HybondError
 from hybond.fitting.data import Data
-from hybond.model.flatten import flatten
+from hybond.model.kept import kept_graph
 from hybond.result import Result
 from hybond.simulation import simulate
 
@@ -88,7 +88,7 @@ class Trials:
         for case in self.cases:
             given = dict(zip(case.opened.paths, values.tolist(), strict=True))
             try:
-                graph = flatten(case.opened.model, {**case.opened.given, **given})
+                graph = kept_graph(case.opened.model, {**case.opened.given, **given})
                 run = simulate(graph, case.until, **self.options)
                 self.runs += 1
                 parts.append(case.residuals(run))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from hybond.errors import HybondError, UsageError
-from hybond.model.expressions import Expr
+from hybond.model.expressions import Expr, names
 from hybond.model.graph import FlatGraph
 from hybond.names import did_you_mean
 
@@ -37,7 +37,7 @@ def read_name(graph: FlatGraph, name: str) -> Expr:
             hint=f'a name in quotes: run["{next(iter(names_of(graph)), "v.f")}"]',
         )
     try:
-        return graph.read(name)
+        found = graph.read(name)
     except HybondError as error:
         raise UsageError(
             f"there is no signal {name!r}: {error.why}",
@@ -45,3 +45,12 @@ def read_name(graph: FlatGraph, name: str) -> Expr:
             where=name,
             hint=error.hint or did_you_mean(name, names_of(graph)),
         ) from None
+    known = {f"at:{w.index}" for w in graph.watches}
+    if any(n.startswith("at:") and n not in known for n in names(found)):
+        raise UsageError(
+            f"{name!r} compares time with something that nothing in the model compares it with",
+            code="HB-S109",
+            where=name,
+            hint="make it a signal of the model, so that a run stops there: m.signal(x=...)",
+        )
+    return found

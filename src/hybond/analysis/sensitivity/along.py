@@ -2,7 +2,8 @@
 
     start:      d = derivatives of the start, through what is settled there
     motion:     d' = A(t) d + B(t), A and B at the states of the run's dense output; steps by
-                collocation, halved until two halves agree with the whole to `TOLERANCE`
+                collocation, halved until two halves agree with the whole to `TOLERANCE`; where the
+                mode is linear with constant coefficients, the exponential (`flow`)
     switch:     d+ = S d- + P, the saltation matrix (`switch`)
 
 Forward, the chain gives all variations; from its end, the adjoint of one goal. It ends where a
@@ -20,10 +21,12 @@ from numpy.typing import NDArray
 from hybond.analysis.sensitivity.collocation import STAGES, Jump, Step, radau
 from hybond.analysis.sensitivity.crossing import LOCATED, NO_CAUSE, SAME, crossing, timed
 from hybond.analysis.sensitivity.fields import Field, Fields
+from hybond.analysis.sensitivity.flow import Flow, flows
 from hybond.analysis.sensitivity.gradients import Compiled
-from hybond.analysis.sensitivity.kinks import jumped, kinks_of
+from hybond.analysis.sensitivity.kinks import edges_at, jumped, kinks_of
+from hybond.analysis.sensitivity.landing import Landing, landed
 from hybond.analysis.sensitivity.switch import started, switched
-from hybond.analysis.sensitivity.tangent import Read, Undetermined
+from hybond.analysis.sensitivity.tangent import Read, Tangent, Undetermined
 from hybond.errors import HybondError
 from hybond.model.expressions import Expr
 from hybond.result import Result
@@ -48,10 +51,10 @@ UNSEEN = 1e-6
 ONE = 1e-4
 """Part by which the derivatives of two instants may differ and they are one and the same."""
 AT_THE_END = "something happens at the very end of the run"
+LANDS = "accumulation"
+"""The cause of an event at which impacts that accumulate are over."""
 ENDS = {
-    "accumulation": "impacts accumulated and came to rest",
     "step": "time-stepping locates no events",
-    "sample": "a value is sampled",
     "law": "a source jumps onto what is stored",
     "until": "the run ends where a condition holds, not at a time",
     "change": "the run was changed from outside",
@@ -107,7 +110,7 @@ class Chain:
 
     start: Vector
     """Shape (n, parameters); more columns, which come first, where the start varies by itself."""
-    links: list[Step | Jump] = field(default_factory=list)
+    links: list[Step | Flow | Jump | Landing] = field(default_factory=list)
     readings: list[Reading] = field(default_factory=list)
     instants: list[Instant] = field(default_factory=list)
     ends: float | None = None
@@ -116,20 +119,28 @@ class Chain:
     rough: list[float] = field(default_factory=list)
     """Where halving steps did not make two halves and the whole agree, s."""
 
+    edges: list[tuple[str, list[str]]] = field(default_factory=list)
+    """What is zero at the start and moves, and by which parameters."""
+
     def notes(self) -> tuple[str, ...]:
         """Return what else is to be known."""
-        if not self.rough:
-            return ()
-        return (
-            f"near t = {self.rough[0]:.6g} s the derivatives have fewer digits: their motion is "
-            "not smooth there",
-        )
+        found = [
+            f"by {', '.join(by)} perhaps to one side only: the start lies on the edge of {text}"
+            for text, by in self.edges
+        ]
+        if self.rough:
+            found.append(
+                f"near t = {self.rough[0]:.6g} s the derivatives have fewer digits: their motion "
+                "is not smooth there"
+            )
+        return tuple(found)
 
     def forward(self) -> list[Vector]:
         """Return the variations before the first link, and after each."""
         found = [self.start]
         for link in self.links:
-            found.append(link.forward(found[-1]))
+            flat = link.after(found) if isinstance(link, Landing) else link.forward(found[-1])
+            found.append(flat)
         return found
 
 
@@ -178,6 +189,7 @@ class _Along:
         self.events: dict[float, list[int]] = {}
         for k, t in enumerate(run.trace.events.times):
             self.events.setdefault(float(t), []).append(k)
+        self._read_by: dict[Tangent, tuple[Compiled, Read]] = {}
         self._now = 0.0
         self._moves: Vector | None = None
         self.largest = np.zeros((fields.size, many))
@@ -198,6 +210,9 @@ class _Along:
             if len(events) and events[0].cause == "start":
                 start = started(self.fields, events[0], start, first)
             whole[: len(start)] = start
+            n = self.fields.columns.time
+            own = whole[:n, self.more :]
+            self.chain.edges = edges_at(self.fields, first, segments[0].mode, own)
             d = whole
             for k, segment in enumerate(segments):
                 d = self._motion(segment, d)
@@ -217,13 +232,21 @@ class _Along:
         self._now = float(segment.t[0])
         if segment.bonds is not None:
             raise Undetermined("time-stepping locates no events")
-        if segment.landed:
-            raise Undetermined("impacts accumulated and came to rest")
-        begin, end = float(segment.t[0]), float(segment.t[-1])
-        inside = self.times[(self.times > begin) & (self.times < end)]
+        mesh, self._field = self.fields.whole(segment, self.times)
+        self._places = {0: len(self.chain.links)}
+        exact = flows(self.fields, segment, mesh, self._field)
+        if exact is not None:
+            for k, link in enumerate(exact):
+                self.chain.links.append(link)
+                self._places[k + 1] = len(self.chain.links)
+                d = link.forward(d)
+                self.largest = np.maximum(self.largest, np.abs(d))
+            self._put(mesh)
+            return d
         self._kinks = {kink.t: kink for kink in kinks_of(self.fields, segment)}
-        mesh = np.unique(np.concatenate([self._mesh(segment), inside]))
-        self._read(segment, mesh, len(self.chain.links))
+        if not self.outputs:
+            # steps begin and end at every accepted point only where something is read
+            mesh = np.unique(np.concatenate([mesh[:-1:SKIPPED], mesh[-1:], [*self._kinks]]))
         for some in _slices(len(mesh) - 1):
             a, b = mesh[some], mesh[some.start + 1 : some.stop + 1]
             for k, (whole, halves) in enumerate(self._steps(segment, a, b)):
@@ -233,12 +256,6 @@ class _Along:
                 self._places[some.start + k + 1] = len(self.chain.links)
         self._put(mesh)
         return d
-
-    def _mesh(self, segment: Segment) -> Vector:
-        """Return where steps begin and end: at every accepted point where something is read."""
-        if self.outputs:
-            return segment.t
-        return np.concatenate([segment.t[:-1:SKIPPED], segment.t[-1:], [*self._kinks]])
 
     def _kink(self, segment: Segment, d: Vector) -> Vector:
         """Take the jump of a law where there is one."""
@@ -272,7 +289,7 @@ class _Along:
         h = whole.t1 - whole.t0
         size = np.abs(whole.A).max(axis=0) @ np.abs(d) + np.abs(whole.B).max(axis=0)
         unit = np.where(self.sizes > 0.0, self.sizes, 1.0)[:, None]
-        most = np.maximum(np.abs(fine) / unit, self.largest / unit).max(axis=0)
+        most = np.maximum(np.abs(fine) / unit, self.largest / unit).max(axis=0, initial=0.0)
         floor = NOTHING * unit * np.maximum(most, self.per_parameter)
         size = np.maximum.reduce([np.abs(d), np.abs(fine), self.largest, h * size, floor])
         good = bool((np.abs(fine - coarse) <= TOLERANCE * size).all())
@@ -322,8 +339,9 @@ class _Along:
         t = float(segment.t[-1])
         self._now = t
         own = [k for k in self.events.get(t, []) if self.run.trace.events[k].cause != "start"]
+        limit = None
         if following is not None and following.t[0] > t:
-            raise Undetermined("impacts accumulate")
+            limit, following = following, None
         if following is None and not own:
             end = self.fields.ending(segment, None)
             edges = [c.by[self.fields.size :] for c in timed(self.fields, end, t)]
@@ -334,6 +352,8 @@ class _Along:
             raise Undetermined("two events happen at one instant: which comes first would change")
         event = self.run.trace.events[own[0]] if own else None
         number = own[0] if own else None
+        if event is not None and event.cause == LANDS:
+            raise Undetermined("impacts accumulated at once and came to rest")
         if event is not None and event.cause in ENDS:
             raise Undetermined(ENDS[event.cause])
         end = self.fields.ending(segment, None if event is None else np.asarray(event.before))
@@ -353,9 +373,45 @@ class _Along:
         if t >= (1.0 - LOCATED) * self.run.t_end and not self._is_end(moves):
             # one side of it is before the event, and the other one behind
             self.chain.ends, self.chain.why = t, AT_THE_END
+        elif limit is not None:
+            return self._land(begin, limit)
         elif following is None:
             self._read_last(begin, t)
         return d
+
+    def _land(self, flight: Field, limit: Segment) -> Vector:
+        """Take the limit of impacts, behind the last of them."""
+        t = float(limit.t[0])
+        numbers = [k for k in self.events.get(t, []) if self.run.trace.events[k].cause == LANDS]
+        records = [a for a in self.run.trace.accumulations if a.t == t and a.landed]
+        if len(numbers) != 1 or len(records) != 1:
+            raise Undetermined("impacts accumulate")
+        event = self.run.trace.events[numbers[0]]
+        rest = self._begin(limit, event)
+        found = self.chain.forward()
+        made = landed(self.fields, event, flight, rest, self._impacts(records[0].machine), found)
+        self.chain.instants.append(
+            Instant(len(self.chain.links), t, "impacts come to rest", numbers[0])
+        )
+        self.chain.links.append(made)
+        d = made.after(found)
+        self.largest = np.maximum(self.largest, np.abs(d))
+        self._moves = None
+        return d
+
+    def _impacts(self, machine: str) -> list[tuple[int, Jump]]:
+        """Return the last impacts of the machine that lands, and where in the chain they are."""
+        found: list[tuple[int, Jump]] = []
+        for instant in self.chain.instants:
+            if instant.event is None or instant.place is None:
+                continue
+            steps = self.run.trace.events[instant.event].steps
+            link = self.chain.links[instant.place]
+            if isinstance(link, Jump) and any(
+                fired.machine == machine for step in steps for fired in step.fired
+            ):
+                found.append((instant.place, link))
+        return found
 
     def _together(self, segment: Segment, moves: Vector) -> None:
         """Refuse two instants that are one as far as the run can tell, and move differently."""
@@ -371,9 +427,7 @@ class _Along:
         if segment is None:
             assert event is not None
             return self.fields.entered(event.t, np.asarray(event.after), event.steps[-1].mode)
-        if segment.landed:
-            raise Undetermined("impacts accumulated and came to rest")
-        return self.fields.within(segment, segment.t[:1])
+        return self.fields.whole(segment, self.times)[1].point(0)
 
     def _end(self, why: str) -> None:
         """Note where the derivative ends."""
@@ -382,11 +436,6 @@ class _Along:
         self.chain.instants.append(Instant(None, self._now, why, number))
 
     # -- readings
-
-    def _read(self, segment: Segment, mesh: Vector, place: int) -> None:
-        if self.outputs:
-            self._field = self.fields.within(segment, mesh)
-        self._places = {0: place}
 
     def _put(self, mesh: Vector) -> None:
         if not self.outputs:
@@ -406,9 +455,13 @@ class _Along:
         self._put(np.array([t]))
 
     def _outputs(self, field: Field) -> tuple[Vector, Vector]:
-        made = [field.tangent.rows.moving(e) for e in self.outputs]
-        values = Compiled(made).at(field.at.values, field.at.points)
-        return values, Read(field.tangent, made).at(field.at, field.bonds)
+        made = self._read_by.get(field.tangent)
+        if made is None:
+            own = [field.tangent.rows.moving(e) for e in self.outputs]
+            made = self._read_by[field.tangent] = Compiled(own), Read(field.tangent, own)
+            if made[1].is_open(field.at):
+                raise Undetermined("the mode leaves open how what is read is shared")
+        return made[0].at(field.at.values, field.at.points), made[1].at(field.at, field.bonds)
 
 
 def _slices(many: int) -> Iterator[slice]:

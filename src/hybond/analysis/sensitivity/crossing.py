@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from hybond.analysis.sensitivity.fields import Field, Fields
 from hybond.analysis.sensitivity.gradients import Compiled
+from hybond.analysis.sensitivity.sampling import due
 from hybond.analysis.sensitivity.tangent import Read, Undetermined
 from hybond.model.expressions import Binary, Expr, comparisons, names, to_text
 from hybond.runs.trace import Event, Segment
@@ -29,6 +30,12 @@ LOCATED = 1e-11
 """Part of a time within which the run has located a crossing."""
 GRAZES = 1e-6
 """A speed of crossing below this part of the largest one of the segment is none."""
+ROUNDED = 4e-12
+"""Part of its terms within which the run may leave a function that it has located."""
+STILL = 4 * float(np.finfo(float).eps)
+"""A function that moves by less than this part of what it is made of does not move at all."""
+NEVER = 1e-4
+"""The same for its terms in states, which may be nearly equal: a part of that."""
 NO_CAUSE = "time"
 """The text of a crossing that nothing but time makes."""
 SAME = 1e-6
@@ -74,8 +81,8 @@ def crossing(
         found = _by_guards(fields, segment, end, event)
     if not found and segment.sliding is not None:
         found = _by_weights(fields, segment, end)
-    if not found:
-        found = timed(fields, end, t)
+    if not found or due(fields, t):
+        found += timed(fields, end, t)
     if not found:
         if event is None or event.cause in ("time", "input"):
             return Crossing(np.zeros(fields.size + len(fields.columns.parameters)), NO_CAUSE)
@@ -93,6 +100,19 @@ def crossing(
 
 def _by_guards(fields: Fields, segment: Segment, end: Field, event: Event) -> list[Crossing]:
     """Return the comparisons of guards that fired first and that became zero."""
+    for loose in (False, True):
+        found, grazed = _guards_that_cross(fields, segment, end, event, loose)
+        if found:
+            return found
+        if grazed:
+            raise Undetermined(f"{grazed[0]} is only touched (grazing)")
+    return []
+
+
+def _guards_that_cross(
+    fields: Fields, segment: Segment, end: Field, event: Event, loose: bool
+) -> tuple[list[Crossing], list[str]]:
+    """Return what crosses, and the texts of what only touches."""
     graph = fields.graph
     found: list[Crossing] = []
     grazed: list[str] = []
@@ -109,36 +129,47 @@ def _by_guards(fields: Fields, segment: Segment, end: Field, event: Event) -> li
                 h = Binary("-", compare.left, compare.right)
                 if not names(h):
                     continue
-                made = crossed(fields, segment, end, h, rule.text)
+                made = crossed(fields, segment, end, h, rule.text, loose=loose)
                 if isinstance(made, str):
                     grazed.append(made)
                 elif made is not None:
                     found.append(made)
-    if not found and grazed:
-        raise Undetermined(f"{grazed[0]} is only touched (grazing)")
-    return found
+    return found, grazed
 
 
 def crossed(
-    fields: Fields, segment: Segment, end: Field, h: Expr, text: str
+    fields: Fields, segment: Segment, end: Field, h: Expr, text: str, *, loose: bool = False
 ) -> Crossing | str | None:
-    """Return how a function crosses zero, its text if it only touches, None if it is not zero."""
+    """Return how a function crosses zero, its text if it only touches, None if it is not zero.
+
+    `loose` takes also what is zero within rounding of its terms: crossings of very short motions.
+    """
     rows = end.tangent.rows
     # until it fires, what a guard reads a priori is what there is
     made = rows.moving(h)
     value = float(Compiled([made]).at(end.at.values, 1)[0, 0])
     if not names(made) or not np.isfinite(value):
         return None
-    slope = Read(end.tangent, [made]).at(end.at, end.bonds)[0, 0]
+    read = Read(end.tangent, [made])
+    slope = read.at(end.at, end.bonds)[0, 0]
     n = fields.columns.time
     speed = float(slope[:n] @ end.f[0, :n] + slope[n])
     length = max(float(segment.t[-1] - segment.t[0]), 1e-12 * abs(float(segment.t[-1])))
     largest, size = _sizes(fields, segment, made)
+    terms = sum(
+        abs(float(c) * float(np.ravel(end.at.values[name])[0]))
+        for c, name in zip(slope[:n], fields.columns.states)
+    )
+    if largest * length <= STILL * (float(read.terms(end.at)[0]) + NEVER * terms):
+        return None
     if abs(speed) <= GRAZES * max(largest, abs(speed)) or speed == 0.0:
         still = abs(value) <= 1e-7 * size and size > 0.0
         return text if still and largest > 0.0 else None
-    if abs(value) > max(CLOSE * length, LOCATED * float(segment.t[-1])) * abs(speed):
+    near = max(CLOSE * length, LOCATED * float(segment.t[-1])) * abs(speed)
+    if abs(value) > (max(near, ROUNDED * terms) if loose else near):
         return None
+    if read.is_open(end.at):
+        raise Undetermined(f"{text}: the mode leaves open how what it reads is shared")
     by = np.zeros(fields.size + len(fields.columns.parameters))
     by[:n] = -slope[:n] / speed
     by[fields.size :] = -slope[n + 1 :] / speed
@@ -147,20 +178,18 @@ def crossed(
 
 def _sizes(fields: Fields, segment: Segment, made: Expr) -> tuple[float, float]:
     """Return the largest speed of a function within a segment, and its largest value."""
-    t = np.linspace(segment.t[0], segment.t[-1], 9)[:-1]
-    field = fields.within(segment, t)
+    field = fields.spread(segment)
     slope = Read(field.tangent, [made]).at(field.at, field.bonds)[:, 0]
     n = fields.columns.time
     speed = np.abs((slope[:, :n] * field.f[:, :n]).sum(axis=1) + slope[:, n]).max(initial=0.0)
-    value = np.abs(Compiled([made]).at(field.at.values, len(t))).max(initial=0.0)
+    value = np.abs(Compiled([made]).at(field.at.values, field.at.points)).max(initial=0.0)
     return float(speed), float(value)
 
 
 def _by_weights(fields: Fields, segment: Segment, end: Field) -> list[Crossing]:
     """Return the weight of sliding that reaches 0 or 1 at the end."""
-    t = float(np.nextafter(segment.t[-1], 0.0))
-    state = np.array([float(np.ravel(end.at.values[n])[0]) for n in fields.columns.states])
-    _, weights, slopes = fields.weights(segment, t, state)
+    _, found_weights, found_slopes = fields.weights(segment, np.nextafter(segment.t[-1:], 0.0))
+    weights, slopes = found_weights[0], found_slopes[0]
     ends = np.minimum(np.abs(weights), np.abs(1.0 - weights))
     if not (ends < 1e-3).any():
         return []
@@ -186,6 +215,9 @@ def timed(fields: Fields, end: Field, t: float) -> list[Crossing]:
         found.append(
             Crossing(np.concatenate([np.zeros(fields.size), edge]), "an input has an edge")
         )
+    for sample, by in due(fields, t):
+        whole = np.concatenate([np.zeros(fields.size), by])
+        found.append(Crossing(whole, f"{sample.path} is sampled"))
     return found + _by_time(fields, end, t, close)
 
 

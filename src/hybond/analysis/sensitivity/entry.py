@@ -23,15 +23,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.analysis.sensitivity.fields import Field
-from hybond.analysis.sensitivity.gradients import AREA, Gradients
-from hybond.analysis.sensitivity.tangent import (
-    At,
-    Direct,
-    Tangent,
-    Undetermined,
-    opens,
-    smallest,
-)
+from hybond.analysis.sensitivity.gradients import AREA
+from hybond.analysis.sensitivity.solving import opens, smallest
+from hybond.analysis.sensitivity.tangent import At, Tangent, Undetermined
 
 Vector = NDArray[np.float64]
 
@@ -96,28 +90,25 @@ def entered(tangent: Tangent, at: At, areas: Mapping[str, float], before: Before
     Undetermined
         If the mode leaves open how the state is varied.
     """
-    rows = tangent.rows
-    bonds, n = rows.bonds, len(tangent.columns.states)
+    bonds = tangent.rows.bonds
+    slopes = tangent.of_entry
     by_w, direct = tangent.slopes(at)
-    rates = np.zeros((n, len(bonds)))
-    moves = Gradients(rows.rates[: len(rows.graph.storages)], bonds).at(at.values, 1)[0]
+    rates = np.zeros((len(tangent.columns.states), len(bonds)))
+    moves = slopes.moves.at(at.values, 1)[0]
     rates[: len(moves)] = moves
-    rates = rates @ rows.spread
-    by_w, by_x = by_w[0], direct[0][:, :n]
+    rates = rates @ tangent.rows.spread
+    by_w, by_x = by_w[0], direct[0][:, : len(rates)]
     held = direct[0] @ before.all
     if tangent.prior:
         prior = np.array([before.prior(name) for name in tangent.prior])
         held = held + tangent.by_prior(at)[0] @ prior
     # impulse areas: the same structure, with moduli as they were
-    names = [AREA + name for name in bonds]
     values = {**before.field.at.values, **{AREA + n_: areas.get(n_, 0.0) for n_ in bonds}}
-    known = At(values, before.field.at.inputs, 1)
-    by_area = Gradients(rows.areas, names).at(values, 1)[0] @ rows.spread
+    by_area = slopes.by_area.at(values, 1)[0] @ tangent.rows.spread
     area_held = np.zeros((len(by_area), held.shape[1]))
     if areas:
-        area_held = Direct(rows.areas, tangent.columns).at(known)[0] @ before.all
-        read = Gradients(rows.areas, bonds)
-        by_bonds = read.at(values, 1)[0]
+        area_held = slopes.direct.at(At(values, before.field.at.inputs, 1))[0] @ before.all
+        by_bonds = slopes.by_bonds.at(values, 1)[0]
         if by_bonds.any():
             area_held += by_bonds @ np.array([before.prior(name) for name in bonds])
     w = by_w.shape[1]

@@ -11,22 +11,25 @@ where L_i is g differentiated along the motion as an expression: nothing is a di
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hybond.analysis.sensitivity.gradients import Compiled
+from hybond.analysis.sensitivity.gradients import Compiled, Gradients
 from hybond.analysis.sensitivity.mode_rows import ModeRows
+from hybond.analysis.sensitivity.solving import NO_SLOPE
 from hybond.analysis.sensitivity.state_functions import state_function
 from hybond.analysis.sensitivity.tangent import At, Columns, Read, Tangent, Undetermined
 from hybond.analysis.sensitivity.values import Values
 from hybond.engine.outcome.combinations import Combination
 from hybond.equations.calculus import partial_time
 from hybond.equations.surfaces import surfaces_of
-from hybond.model.expressions import Expr
-from hybond.model.graph import Mode
+from hybond.model.expressions import Expr, names, turning
+from hybond.model.graph import FlatGraph, Mode
+from hybond.model.inputs import Called, Timetable
 from hybond.runs.trace import Segment
 
 Vector = NDArray[np.float64]
@@ -54,6 +57,16 @@ class Field:
     bonds: Vector
     tangent: Tangent
 
+    def point(self, k: int) -> Field:
+        """Return the field at one of its points."""
+        k %= self.at.points
+
+        def own(rows: Vector) -> Vector:
+            return rows if len(rows) == 1 else rows[k : k + 1]
+
+        at = self.at.some(slice(k, k + 1))
+        return Field(at, self.f[k : k + 1], own(self.slopes), own(self.bonds), self.tangent)
+
 
 class Fields:
     """The fields of a run.
@@ -65,23 +78,50 @@ class Fields:
     """
 
     def __init__(self, values: Values, integrands: Sequence[Expr]) -> None:
-        self.values = values
+        self._values = values
         self.graph = values.found.graph
         states = [f"x:{s.index}" for s in self.graph.storages]
         states += [f"s:{i.index}" for i in self.graph.integrals]
         self.columns = Columns(states, len(self.graph.inputs), values.found.columns)
         self.integrands = list(integrands)
         self.size = len(states) + len(self.integrands)
-        self._made: dict[tuple[object, ...], _Mode] = {}
+        self._rates: dict[tuple[ModeRows, Expr], tuple[Compiled, Read]] = {}
+        self._forget()
 
-    def mode(self, mode: Mode, at: At) -> _Mode:
+    def _forget(self) -> None:
+        """Know no number of any run."""
+        self._made: dict[tuple[object, ...], ModeField] = {}
+        self._whole: tuple[Segment, Vector, Field] | None = None
+        self._nine: tuple[Segment, Field] | None = None
+
+    @property
+    def values(self) -> Values:
+        """The values of the run; they may be replaced by those of another run of the graph."""
+        return self._values
+
+    @values.setter
+    def values(self, values: Values) -> None:
+        self._values = values
+        self._forget()
+
+    def mode(self, mode: Mode, at: At) -> ModeField:
         """Return the equations of a mode, where comparisons of time are as at a point."""
         names = [f"at:{w.index}" for w in self.graph.watches]
-        truths = {n: float(np.ravel(at.values[n])[0]) for n in names}
+        return self._mode(mode, {n: float(np.ravel(at.values[n])[0]) for n in names})
+
+    def mode_after(self, mode: Mode, t: float) -> ModeField:
+        """Return the equations of a mode that is entered at a time."""
+        return self._mode(mode, self.values.truths_after(t))
+
+    def _mode(self, mode: Mode, truths: dict[str, float]) -> ModeField:
         key = (mode, *truths.values())
         found = self._made.get(key)
         if found is None:
-            found = self._made[key] = _Mode(self, mode, truths)
+            kept = self.values.found.modes
+            whole = (*key, *self.integrands)
+            if whole not in kept:
+                kept[whole] = ModeField(self.graph, self.columns, self.integrands, mode, truths)
+            found = self._made[key] = kept[whole].anew()
         return found
 
     def within(self, segment: Segment, t: Vector) -> Field:
@@ -89,30 +129,61 @@ class Fields:
         at = self.values.within(segment, t)
         if segment.sliding is None:
             return self.mode(segment.mode, at).field(at)
-        inside = np.minimum(t, np.nextafter(segment.t[-1], 0.0))
-        states = np.array([at.values[n] for n in self.columns.states]).T
-        return self._sliding(segment, inside, states, at)
+        return self._sliding(segment, np.minimum(t, np.nextafter(segment.t[-1], 0.0)), at)
+
+    def whole(self, segment: Segment, times: Vector) -> tuple[Vector, Field]:
+        """Return the accepted points of a segment with times inside it, and the field there.
+
+        That of the last segment asked for is kept.
+        """
+        if self._whole is None or self._whole[0] is not segment:
+            begin, end = float(segment.t[0]), float(segment.t[-1])
+            inside = times[(times > begin) & (times < end)]
+            mesh = np.unique(np.concatenate([segment.t, inside]))
+            self._whole = segment, mesh, self.within(segment, mesh)
+        return self._whole[1:]
+
+    def spread(self, segment: Segment) -> Field:
+        """Return the field at nine points over a segment, but its end; kept as `whole` is."""
+        if self._nine is None or self._nine[0] is not segment:
+            t = np.linspace(segment.t[0], segment.t[-1], 9)[:-1]
+            self._nine = segment, self.within(segment, t)
+        return self._nine[1]
 
     def ending(self, segment: Segment, state: Vector | None) -> Field:
         """Return the field at the end of a segment, in a state that is given."""
         t = float(segment.t[-1])
+        kept = self._whole is not None and self._whole[0] is segment
+        if kept and (state is None or segment.sliding is not None or self._stays(segment, state)):
+            assert self._whole is not None
+            return self._whole[2].point(-1)
         if state is None or segment.sliding is not None:
             return self.within(segment, np.array([t]))
         at = self.values.before(segment, t, state)
         return self.mode(segment.mode, at).field(at)
+
+    def _stays(self, segment: Segment, state: Vector) -> bool:
+        """Whether the motion itself ends in a state: no constraint puts it back."""
+        assert self._whole is not None
+        tangent = self._whole[2].tangent
+        return (
+            tangent.alike and tangent.free(self.values.own) and bool((segment.y[-1] == state).all())
+        )
 
     def entered(self, t: float, state: Vector, mode: Mode) -> Field:
         """Return the field where a mode begins."""
         at = self.values.after(t, state, mode)
         return self.mode(mode, at).field(at)
 
-    def parts(self, segment: Segment, t: float, state: Vector) -> list[Field]:
-        """Return the fields of all modes that a sliding motion combines, at one of its points."""
+    def parts(self, segment: Segment, t: Vector) -> list[Field]:
+        """Return the fields of all modes that a sliding motion combines, at times of it."""
         made = segment.combined
         assert isinstance(made, Combination) and made.modes is not None
         if made.product and len(made.surfaces) > 1:
             raise Undetermined("products of weights are combined on several surfaces")
-        parts = [self.entered(t, state, tuple(m)) for m in made.modes.tolist()]
+        values = self.values.parts(segment, t)
+        modes = [tuple(m) for m in made.modes.tolist()]
+        parts = [self.mode(m, at).field(at) for m, at in zip(modes, values, strict=True)]
         if len({p.tangent.rank(p.at) for p in parts}) > 1:
             # the limit of jumps back and forth, and no mean of two fields
             raise Undetermined("modes that hold storage together differently are combined")
@@ -125,68 +196,126 @@ class Fields:
         every = surfaces_of(self.graph)
         return [state_function(self.graph, every[k].g) for k in made.surfaces]
 
-    def rate_of(self, field: Field, g: Expr) -> tuple[float, Vector]:
+    def rate_of(self, field: Field, g: Expr) -> tuple[Vector, Vector]:
         """Return how fast a function of the state moves, and how that changes by all columns."""
-        (L,) = field.tangent.rows.along_held([field.tangent.rows.made(g)])
-        value = float(Compiled([L]).at(field.at.values, 1)[0, 0])
-        slope = Read(field.tangent, [L]).at(field.at, field.bonds)[0, 0]
-        return value, slope
+        key = field.tangent.rows, g
+        if key not in self._rates:
+            L = field.tangent.rows.along_held([field.tangent.rows.made(g)])
+            self._rates[key] = Compiled(L), Read(field.tangent, L)
+        value, slope = self._rates[key]
+        at = field.at
+        return value.at(at.values, at.points)[:, 0], slope.at(at, field.bonds)[:, 0]
 
-    def weights(
-        self, segment: Segment, t: float, state: Vector
-    ) -> tuple[list[Field], Vector, Vector]:
-        """Return the modes around a point of sliding, the weights l, and how these change.
+    def weights(self, segment: Segment, t: Vector) -> tuple[list[Field], Vector, Vector]:
+        """Return the modes around points of sliding, the weights l, and how these change.
 
         Returns
         -------
         parts : list of Field
-        weights : array, shape (surfaces,)
-        slopes : array, shape (surfaces, columns)
+        weights : array, shape (points, surfaces)
+        slopes : array, shape (points, surfaces, columns)
         """
-        parts = self.parts(segment, t, state)
+        parts = self.parts(segment, t)
         surfaces = self.surfaces(segment)
-        found = [[self.rate_of(part, g) for part in parts] for g in surfaces]
-        speeds = np.array([[v for v, _ in row] for row in found])
-        slopes = np.array([[s for _, s in row] for row in found])
-        turn = speeds[:, 1:] - speeds[:, :1]
-        weights = np.linalg.solve(turn, -speeds[:, 0])
-        shares = np.concatenate([[1.0 - weights.sum()], weights])
-        return parts, weights, -np.linalg.solve(turn, np.einsum("i,sic->sc", shares, slopes))
+        shape = len(t), len(surfaces), len(parts)
+        speeds, slopes = np.zeros(shape), np.zeros((*shape, self.columns.many))
+        for j, g in enumerate(surfaces):
+            for i, part in enumerate(parts):
+                speeds[:, j, i], slopes[:, j, i] = self.rate_of(part, g)
+        turn = speeds[:, :, 1:] - speeds[:, :, :1]
+        weights: Vector = np.asarray(np.linalg.solve(turn, -speeds[:, :, :1])[:, :, 0], float)
+        change: Vector = (_shares(weights)[:, None, :, None] * slopes).sum(axis=2)
+        return parts, weights, np.asarray(-np.linalg.solve(turn, change))
 
-    def _sliding(self, segment: Segment, t: Vector, states: Vector, mean: At) -> Field:
-        fs, slopes, bonds = [], [], []
-        tangent: Tangent | None = None
-        for at, state in zip(t.tolist(), states, strict=True):
-            parts, weights, change = self.weights(segment, at, state)
-            shares = np.concatenate([[1.0 - weights.sum()], weights])
-            own_w = np.array([_bonds_of(p) for p in parts])
-            fs.append(np.einsum("i,in->n", shares, np.array([p.f[0] for p in parts])))
-            slope = np.einsum("i,inc->nc", shares, np.array([p.slopes[0] for p in parts]))
-            w = np.einsum("i,inc->nc", shares, np.array([p.bonds[0] for p in parts]))
-            for j in range(len(weights)):
-                slope = slope + np.outer(parts[j + 1].f[0] - parts[0].f[0], change[j])
-                w = w + np.outer(own_w[j + 1] - own_w[0], change[j])
-            slopes.append(slope)
-            bonds.append(w)
-            tangent = parts[0].tangent
-        assert tangent is not None
-        return Field(mean, np.array(fs), np.array(slopes), np.array(bonds), tangent)
+    def _sliding(self, segment: Segment, t: Vector, mean: At) -> Field:
+        parts, weights, change = self.weights(segment, t)
+        shares = _shares(weights)
+        f = sum(s[:, None] * p.f for s, p in zip(shares.T, parts, strict=True))
+        slopes, bonds = (
+            sum(s[:, None, None] * getattr(p, name) for s, p in zip(shares.T, parts, strict=True))
+            + sum(
+                (own(p) - own(parts[0]))[:, :, None] * change[:, j, None]
+                for j, p in enumerate(parts[1:])
+            )
+            for name, own in (("slopes", lambda p: p.f), ("bonds", _bonds_of))
+        )
+        return Field(mean, np.asarray(f), slopes, bonds, parts[0].tangent)
+
+
+def _shares(weights: Vector) -> Vector:
+    return np.concatenate([1.0 - weights.sum(axis=1, keepdims=True), weights], axis=1)
 
 
 def _bonds_of(field: Field) -> Vector:
-    names = field.tangent.rows.bonds
-    return np.array([float(np.ravel(field.at.values[n])[0]) for n in names])
+    values = (field.at.values[n] for n in field.tangent.rows.bonds)
+    return np.array([np.broadcast_to(v, field.at.points) for v in values]).T
 
 
-class _Mode:
-    """A mode with what is read in it."""
+class ModeField:
+    """A mode with what is read in it.
 
-    def __init__(self, fields: Fields, mode: Mode, truths: dict[str, float]) -> None:
-        self.rows = ModeRows(fields.graph, mode, truths)
-        self.tangent = Tangent(self.rows, fields.columns)
-        self._extra = [self.rows.moving(e) for e in fields.integrands]
+    Attributes
+    ----------
+    basis : tuple or None
+        Of its states, slow apart from fast, once it was asked for (`flow`).
+    by_states : tuple or None
+        How rates change with states, and how slopes by parameters do, where they are affine.
+    """
+
+    def __init__(
+        self,
+        graph: FlatGraph,
+        columns: Columns,
+        integrands: Sequence[Expr],
+        mode: Mode,
+        truths: dict[str, float],
+    ) -> None:
+        self._graph, self._columns = graph, columns
+        self.basis: tuple[Vector, Vector, Vector, bool] | None = None
+        self.by_states: tuple[Vector, Vector] | None = None
+        self._affine: bool | None = None
+        self._timeless: bool | None = None
+        self.rows = ModeRows(graph, mode, truths)
+        self.tangent = Tangent(self.rows, columns)
+        self._extra = [self.rows.moving(e) for e in integrands]
         self._rates = Compiled([*self.rows.rates, *self._extra])
         self._read = Read(self.tangent, self._extra)
+
+    def anew(self) -> ModeField:
+        """Return the same equations, of which no number is known yet."""
+        found = copy.copy(self)
+        found.basis = found.by_states = None
+        found.tangent = self.tangent.anew()
+        return found
+
+    @property
+    def timeless(self) -> bool:
+        """Whether no rate reads time, or an input that moves between its edges."""
+        if self._timeless is None:
+            every = [*self.rows.rows, *self.rows.rates, *self._extra]
+            read = frozenset().union(*(names(e) for e in every))
+            ramps = {f"u:{i.index}" for i in self._graph.inputs
+                     if isinstance(i.waveform, Timetable) and i.waveform.linear}  # fmt: skip
+            self._timeless = "time" not in read and not read & ramps
+        return self._timeless
+
+    @property
+    def affine(self) -> bool:
+        """Whether rates are affine in states and time, with coefficients of parameters only."""
+        if self._affine is None:
+            graph, columns = self._graph, self._columns
+            every = [*self.rows.rows, *self.rows.rates, *self._extra]
+            moving = [*self.rows.bonds, *columns.states, "time"]
+            moving += [f"u:{k}" for k in range(columns.inputs)]
+            read = frozenset().union(*(names(e) for e in every))
+            bent = (h for e in every for h in turning(e))
+            self._affine = (
+                not any(isinstance(graph.inputs[k].waveform, Called) and f"u:{k}" in read
+                        for k in range(columns.inputs))
+                and not any(n in moving for h in bent for n in names(h))
+                and Gradients(every, moving).steady
+            )  # fmt: skip
+        return self._affine
 
     def field(self, at: At) -> Field:
         """Return the field at points."""
@@ -197,7 +326,9 @@ class _Mode:
             points = max(len(slopes), len(extra))
             both = (np.broadcast_to(a, (points, *a.shape[1:])) for a in (slopes, extra))
             slopes = np.concatenate(list(both), axis=1)
+        if not np.isfinite(slopes).all():
+            raise Undetermined(NO_SLOPE)
         return Field(at, self._rates.at(at.values, at.points), slopes, bonds, self.tangent)
 
 
-__all__ = ["Field", "Fields", "Undetermined", "partial_time"]
+__all__ = ["Field", "Fields", "ModeField", "Undetermined", "partial_time"]

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Literal, Unpack
+from typing import Any, Literal, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,8 +22,9 @@ from numpy.typing import NDArray
 from hybond.analysis.linear.words import unit_over
 from hybond.analysis.sensitivity.collocation import Jump
 from hybond.analysis.sensitivity.goals import EventTime, Final, Goal, Total
-from hybond.analysis.sensitivity.opened import opened_model
-from hybond.analysis.sensitivity.sensitivities import Varied, signal_of
+from hybond.analysis.sensitivity.landing import Landing
+from hybond.analysis.sensitivity.opened import Opened, opened_model
+from hybond.analysis.sensitivity.sensitivities import Varied, check_followed, signal_of
 from hybond.analysis.sensitivity.wanted import slotted
 from hybond.calls import called
 from hybond.errors import NumericsError, UsageError
@@ -139,39 +140,69 @@ def gradient(
     (0.5, [0.0, 0.5, 1.0])
     """
     if not isinstance(goal, Final | Total | EventTime):
-        raise UsageError(
-            f"{goal!r} is no goal",
-            code="HB-A525",
-            where="goal",
-            hint='hb.Final("c.e"), hb.Total("r.e*r.f") or hb.EventTime(1)',
-        )
+        raise no_goal(goal)
     if mode not in ("adjoint", "forward"):
         raise UsageError(
             f"mode = {mode!r}", code="HB-A525", where="mode", hint="adjoint or forward"
         )
-    found = slotted(opened_model(model, wrt, parameters or {}), {})
+    opened = opened_model(model, wrt, parameters or {})
+    return gradient_of(opened, {}, goal, until, mode, options)
+
+
+def no_goal(goal: object) -> UsageError:
+    """Return what is said of something that is no goal."""
+    return UsageError(
+        f"{goal!r} is no goal",
+        code="HB-A525",
+        where="goal",
+        hint='hb.Final("c.e"), hb.Total("r.e*r.f") or hb.EventTime(1)',
+    )
+
+
+def gradient_of(
+    opened: Opened,
+    given: Mapping[str, Value],
+    goal: Goal,
+    until: float | str | None,
+    mode: Literal["adjoint", "forward"],
+    options: Mapping[str, Any],
+) -> Gradient:
+    """Return the gradient of a model that is opened, with other values of what is varied.
+
+    Parameters
+    ----------
+    given : mapping of path to value
+        By the names of `opened.paths`.
+    options : mapping
+        Of `simulate`.
+    """
+    found = slotted(opened, given)
+    check_followed(found.graph)
     run = simulate(found.plain, until, **options)
     outputs = [goal.signal] if isinstance(goal, Final) else []
     integrands = [goal.signal] if isinstance(goal, Total) else []
     varied = Varied.of(run, found, outputs, [], integrands)
-    value, row, direct, place, unit = _goal(varied, goal)
-    by = _backward(varied, row, direct, place)
+    value, rows, direct, unit = _goal(varied, goal)
+    by = _backward(varied, rows, direct)
     if mode == "forward":
-        by = row @ varied.chain.forward()[place] + direct
+        d = varied.chain.forward()
+        by = direct + sum(row @ d[place] for place, row in rows.items())
     units = tuple(unit_over(unit, u) for u in found.units)
     return Gradient(goal, value, found.names, by @ found.follows, units, run)
 
 
-def _goal(varied: Varied, goal: Goal) -> tuple[float, Vector, Vector, int, str]:
-    """Return a goal as its value, a row at a place of the chain, what parameters add, its unit."""
+def _goal(varied: Varied, goal: Goal) -> tuple[float, dict[int, Vector], Vector, str]:
+    """Return a goal as its value, rows at places of the chain, what parameters add, its unit."""
     chain, graph = varied.chain, varied.run.graph
     if isinstance(goal, EventTime):
         number = _number(varied.run, goal)
         for instant in chain.instants:
             if instant.event == number and instant.place is not None:
                 link = chain.links[instant.place]
+                if isinstance(link, Landing):
+                    return instant.t, *link.rows(), "s"
                 assert isinstance(link, Jump)
-                return instant.t, link.time, link.time_by, instant.place, "s"
+                return instant.t, {instant.place: link.time}, link.time_by, "s"
     if chain.ends is not None:
         raise NumericsError(
             f"{goal} has no derivative: at {chain.ends:.9g} s {chain.why}",
@@ -183,7 +214,7 @@ def _goal(varied: Varied, goal: Goal) -> tuple[float, Vector, Vector, int, str]:
     if isinstance(goal, Final):
         last = chain.readings[-1]
         unit = unit_of(signal_of(graph, goal.signal), graph)
-        return float(last.values[0]), last.by[0], last.direct[0], last.place, unit
+        return float(last.values[0]), {last.place: last.by[0]}, last.direct[0], unit
     assert isinstance(goal, Total)
     e = signal_of(graph, goal.signal)
     for event in varied.run.trace.events:
@@ -200,7 +231,8 @@ def _goal(varied: Varied, goal: Goal) -> tuple[float, Vector, Vector, int, str]:
     row[-1] = 1.0
     value = float(varied.run[goal.signal].integral())
     unit = unit_of(e, graph)
-    return value, row, np.zeros(len(varied.found.names)), places, f"{unit}*s" if unit else "s"
+    nothing = np.zeros(len(varied.found.names))
+    return value, {places: row}, nothing, f"{unit}*s" if unit else "s"
 
 
 def _number(run: Result, goal: EventTime) -> int:
@@ -226,10 +258,18 @@ def _number(run: Result, goal: EventTime) -> int:
     return wanted
 
 
-def _backward(varied: Varied, row: Vector, direct: Vector, place: int) -> Vector:
+def _backward(varied: Varied, rows: Mapping[int, Vector], direct: Vector) -> Vector:
     """Return the derivatives of a goal by the adjoint."""
-    g, adjoint = direct.copy(), row.copy()
-    for link in reversed(varied.chain.links[:place]):
-        adjoint, more = link.backward(adjoint)
+    g, waiting = direct.copy(), dict(rows)
+    last = max(waiting)
+    adjoint = waiting.pop(last)
+    for place in range(last - 1, -1, -1):
+        link = varied.chain.links[place]
+        if isinstance(link, Landing):
+            adjoint, more, (at, row) = link.backward(adjoint)
+            waiting[at] = waiting.get(at, 0.0) + row
+        else:
+            adjoint, more = link.backward(adjoint)
         g += more
+        adjoint = adjoint + waiting.pop(place, 0.0)
     return np.asarray(g + varied.chain.start.T @ adjoint)

@@ -17,8 +17,9 @@ from hybond.analysis.sensitivity.collocation import Jump
 from hybond.analysis.sensitivity.crossing import crossed
 from hybond.analysis.sensitivity.fields import Field, Fields
 from hybond.analysis.sensitivity.gradients import Compiled
-from hybond.analysis.sensitivity.tangent import Undetermined
-from hybond.model.expressions import Expr, names, turning
+from hybond.analysis.sensitivity.tangent import Read, Undetermined
+from hybond.model.expressions import Binary, Expr, comparisons, names, turning
+from hybond.model.graph import Mode
 from hybond.runs.trace import Segment
 
 Vector = NDArray[np.float64]
@@ -92,3 +93,40 @@ def jumped(fields: Fields, segment: Segment, kink: Kink) -> Jump | None:
     n = fields.size
     whole = np.eye(n, len(found.by)) + np.outer(change, found.by)
     return Jump(kink.t, whole[:, :n], whole[:, n:], found.by[:n], found.by[n:])
+
+
+def edges_at(fields: Fields, field: Field, mode: Mode, d: Vector) -> list[tuple[str, list[str]]]:
+    """Return what is zero where a run starts and moves with a parameter: its text, and by which.
+
+    There are other laws on the other side, and derivatives are those to one side.
+
+    Parameters
+    ----------
+    field : Field
+        At the start, in `mode`.
+    d : array, shape (states, parameters)
+        The variations there.
+    """
+    rows, graph, known = field.tangent.rows, fields.graph, fields.values.found
+    texts: dict[Expr, str] = {}
+    for machine, state in zip(graph.machines, mode, strict=True):
+        for rule in machine.rules:
+            for compare in comparisons(rule.guard) if rule.source == state else ():
+                h = rows.moving(Binary("-", compare.left, compare.right))
+                texts.setdefault(h, f"{rule.text} of {machine.path}")
+    for e in (*rows.rows, *rows.rates):
+        for h in turning(e):
+            texts.setdefault(h, "a law that bends")
+    found: dict[str, list[str]] = {}
+    moves = np.vstack([d, np.zeros((1, d.shape[1])), np.eye(d.shape[1])])
+    for h, text in texts.items():
+        if not any(not n.startswith("p:") for n in names(h)):
+            continue
+        if Compiled([h]).at(field.at.values, 1)[0, 0] != 0.0:
+            continue
+        slope = Read(field.tangent, [h]).at(field.at, field.bonds)[0, 0]
+        size = (np.abs(slope)[:, None] * np.abs(moves)).max(axis=0, initial=0.0)
+        by = np.flatnonzero(np.abs(slope @ moves) > NO_JUMP * size).tolist()
+        if by:
+            found[text] = sorted({*found.get(text, ()), *(known.names[k] for k in by)})
+    return list(found.items())

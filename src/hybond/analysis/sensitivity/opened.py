@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 from hybond.errors import EquationError, UsageError
 from hybond.model.builder import Model
 from hybond.model.hierarchy import submodel_of
 from hybond.model.kinds import KINDS
-from hybond.model.parts import Integral, Part, SubmodelPart, Value
+from hybond.model.parts import Integral, Part, Sampled, SubmodelPart, Value
 from hybond.model.paths import settable, with_parts
 from hybond.names import did_you_mean, join
 
@@ -33,6 +34,8 @@ class Opened:
     """Where each of `names` can be set: starts without a 0 behind them."""
     given: Mapping[str, Value]
     """Values of parameters other than the model's own."""
+    modes: dict[Any, Any] = field(default_factory=dict, compare=False, repr=False)
+    """Equations of modes, differentiated: the same for all values of what is varied."""
 
 
 def opened_model(
@@ -132,7 +135,7 @@ def _opened(
             value = _number(part.options.get(rest[0], 0.0), asked)
             options = {**part.options, rest[0]: own}
             model = _with(model, "elements", name, replace(part, options=options))
-    elif isinstance(signal := model.signals.get(name), Integral) and rest == ["start"]:
+    elif isinstance(signal := model.signals.get(name), Integral | Sampled) and rest == ["start"]:
         value = _number(signal.start, asked)
         model = _with(model, "signals", name, replace(signal, start=own))
     elif name in model.inputs and not rest and model.inputs[name].constant is not None:

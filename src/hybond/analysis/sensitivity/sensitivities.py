@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from hybond.analysis.sensitivity.along import Chain, chain_of
 from hybond.analysis.sensitivity.collocation import Jump
 from hybond.analysis.sensitivity.fields import Fields
+from hybond.analysis.sensitivity.landing import Landing
 from hybond.analysis.sensitivity.opened import opened_model
 from hybond.analysis.sensitivity.record import EventDerivative, Sensitivities
 from hybond.analysis.sensitivity.values import Values
@@ -102,6 +103,7 @@ def sensitivities(
     """
     opened = opened_model(model, wrt, parameters or {})
     found = slotted(opened, {})
+    check_followed(found.graph)
     run = simulate(found.plain, until, **options)
     names = _outputs(run.graph, of)
     asked = [seconds(t, "times") for t in times]
@@ -174,8 +176,9 @@ class Varied:
             by = None
             if instant.place is not None:
                 link = chain.links[instant.place]
-                assert isinstance(link, Jump)  # an instant is a jump of the variations
-                by = link.moved(d[instant.place]) @ follows
+                assert isinstance(link, Jump | Landing)  # these are what instants are
+                own = link.moved(d) if isinstance(link, Landing) else link.moved(d[instant.place])
+                by = own @ follows
             events.append(EventDerivative(instant.t, instant.event, instant.text, by))
         return Sensitivities(
             self.run,
@@ -208,11 +211,13 @@ def check_followed(graph: FlatGraph) -> None:
         HB-A522.
     """
     for sample in graph.samples:
+        if sample.block is None:
+            continue
         raise EquationError(
-            f"{sample.path} is sampled: what it holds changes at instants",
+            f"{sample.path} is a block: nobody knows what its outputs are made of",
             code="HB-A522",
             where=sample.path,
-            hint="take the controller out and make what it sets an input of the model",
+            hint="write it as sampled signals: hb.Sampled(...)",
         )
     for machine in graph.machines:
         if machine.law is not None and machine.law.planar:

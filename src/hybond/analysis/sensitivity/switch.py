@@ -20,6 +20,7 @@ from hybond.analysis.sensitivity.collocation import Jump
 from hybond.analysis.sensitivity.crossing import Crossing
 from hybond.analysis.sensitivity.entry import Before, entered
 from hybond.analysis.sensitivity.fields import Field, Fields
+from hybond.analysis.sensitivity.sampling import due, sampled
 from hybond.runs.trace import Event
 
 Vector = NDArray[np.float64]
@@ -46,7 +47,10 @@ def switched(
     dtau = found.by
     moved = np.eye(size, basis) + np.outer(end.f[0], dtau)
     p = np.eye(many, basis, size)
-    moved[:n] = passed(fields, t, end, event, Before(moved[:n], dtau, p, end, moved[:n]))
+    written = moved[:n].copy()
+    now = [sample for sample, _ in due(fields, t)]
+    moved[:n] = sampled(end, now, moved[:n], dtau, p)
+    moved[:n] = passed(fields, t, end, event, Before(moved[:n], dtau, p, end, written))
     whole = moved - np.outer(begin.f[0], dtau)
     return Jump(t, whole[:, :size], whole[:, size:], dtau[:size], dtau[size:])
 
@@ -54,9 +58,14 @@ def switched(
 def started(fields: Fields, event: Event, states: Vector, begin: Field) -> Vector:
     """Return the variations after the start was settled, shape (states, more + parameters)."""
     basis, many = states.shape[1], len(fields.columns.parameters)
-    p = np.eye(many, basis, basis - many)
-    before = Before(states, np.zeros(basis), p, begin, states)
-    return passed(fields, event.t, begin, event, before)
+    instant, p = np.zeros(basis), np.eye(many, basis, basis - many)
+    now = [sample for sample, _ in due(fields, event.t)]
+    prior, x = begin, states
+    if now:
+        mode = tuple(m.start for m in fields.graph.machines)
+        prior = fields.entered(event.t, np.asarray(event.before), mode)
+        x = sampled(prior, now, states, instant, p)
+    return passed(fields, event.t, prior, event, Before(x, instant, p, prior, states))
 
 
 def passed(fields: Fields, t: float, end: Field, event: Event | None, before: Before) -> Vector:
@@ -64,21 +73,29 @@ def passed(fields: Fields, t: float, end: Field, event: Event | None, before: Be
     if event is None:
         return before.x
     state = np.array(event.before, dtype=float)
+    for sample, _ in due(fields, t):
+        for k in sample.signals:
+            place = len(fields.graph.storages) + k
+            state[place] = event.after[place]
     x = before.x
     written = [s for s in event.steps if s.kind != "mythical"]
-    prior = _one(end)
+    from_ = end
     for k, step in enumerate(written):
         last = k == len(written) - 1
+        if last and not step.areas:
+            into = fields.mode_after(step.mode, t).tangent
+            if into.alike and into.free(fields.values.own):
+                return x
         state = state + _moved(fields, step.areas)
         if last:
             state = np.array(event.after, dtype=float)
-        at = fields.values.with_prior(fields.values.after(t, state, step.mode), prior)
+        at = fields.values.with_prior(fields.values.after(t, state, step.mode), _one(from_))
         mode = fields.mode(step.mode, at)
         x = entered(mode.tangent, at, step.areas, replace(before, x=x))
         if not last:
             field = mode.field(at)
             before = replace(before, x=x, written=x, field=field)
-            prior = _one(field)
+            from_ = field
     return x
 
 

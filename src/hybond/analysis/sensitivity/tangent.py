@@ -13,22 +13,19 @@ Every r_w is the derivative of a law as it is written; nothing is a difference.
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hybond.analysis.sensitivity.gradients import PRIOR, RATE, Compiled, Gradients
+from hybond.analysis.sensitivity.gradients import AREA, PRIOR, RATE, Compiled, Gradients
 from hybond.analysis.sensitivity.mode_rows import ModeRows
+from hybond.analysis.sensitivity.solving import Undetermined, opens, rank_of, smallest, solved
 from hybond.model.expressions import Expr
 
 Vector = NDArray[np.float64]
-
-RANK = 1e-11
-"""Singular values of scaled rows below this part of the largest count as zero."""
-OPEN = 1e-7
-"""A change that open variables make beyond this part of itself is undetermined."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,6 +69,11 @@ class At:
     values: Mapping[str, Vector | float]
     inputs: Vector
     points: int
+
+    def some(self, which: slice) -> At:
+        """Return the values at some of the points."""
+        values = {n: v[which] if isinstance(v, np.ndarray) else v for n, v in self.values.items()}
+        return At(values, self.inputs[which], len(self.inputs[which]))
 
 
 class Direct:
@@ -118,7 +120,20 @@ class Tangent:
         self._by_prior = Gradients(rows.rows, [PRIOR + n for n in prior])
         self._full: bool | None = None
         self._rank: int | None = None
-        self._second: _Second | None = None
+        self._more = _More()
+
+    def anew(self) -> Tangent:
+        """Return the same equations, of which no number is known yet."""
+        found = copy.copy(self)
+        found._full = found._rank = None
+        return found
+
+    @property
+    def of_entry(self) -> OfEntry:
+        """The slopes of what an entry into the mode keeps to."""
+        if self._more.entry is None:
+            self._more.entry = OfEntry(self)
+        return self._more.entry
 
     def slopes(self, at: At) -> tuple[Vector, Vector]:
         """Return the slopes of the rows by open bond variables, and by all columns."""
@@ -129,6 +144,42 @@ class Tangent:
         if self._rank is None:
             self._rank = rank_of(self._by_w.at(at.values, at.points)[0] @ self.rows.spread)
         return int(self._rank - self.rows.spread.shape[1])
+
+    def free(self, values: Mapping[str, Vector | float]) -> bool:
+        """Whether the mode holds no state: its rows determine all bond variables, and only them.
+
+        Parameters
+        ----------
+        values : mapping
+            At a point; of parameters alone where nothing else is read.
+        """
+        if self._full is None:
+            by_w = self._by_w.at(values, 1)[0] @ self.rows.spread
+            self._full = by_w.shape[0] == by_w.shape[1] == rank_of(by_w)
+        return self._full
+
+    def leaves_open(self, at: At, rows: Vector) -> bool:
+        """Whether a mode leaves open what rows of bond variables say, at the first point.
+
+        Parameters
+        ----------
+        rows : array, shape (many, 2 * bonds)
+        """
+        first = at.some(slice(0, 1))
+        by_w = self._by_w.at(first.values, 1) @ self.rows.spread
+        if self._full or by_w.shape[1] == by_w.shape[2] == rank_of(by_w[0]):
+            return False
+        if self._more.second is None:
+            self._more.second = _Second(self)
+        left, _ = self._more.second.left(first, by_w)
+        whole = np.zeros((len(rows), left.shape[2]))
+        whole[:, : by_w.shape[2]] = rows @ self.rows.spread
+        return opens(left[0], whole)
+
+    @property
+    def alike(self) -> bool:
+        """Whether what the mode holds is read from parameters alone."""
+        return self._by_w.steady
 
     def by_prior(self, at: At) -> Vector:
         """Return the slopes of the rows by what they read a priori."""
@@ -147,9 +198,9 @@ class Tangent:
             self._full = by_w.shape[1] == by_w.shape[2] == rank_of(by_w[0])
         if self._full:
             return self.rows.spread @ solved(by_w, -direct)
-        if self._second is None:
-            self._second = _Second(self)
-        return self.rows.spread @ self._second.bonds(at, by_w, direct)
+        if self._more.second is None:
+            self._more.second = _Second(self)
+        return self.rows.spread @ self._more.second.bonds(at, by_w, direct)
 
     def rates(self, at: At, bonds: Vector) -> Vector:
         """Return how the rates of states change, shape (points or 1, states, columns)."""
@@ -160,12 +211,47 @@ class Read:
     """How expressions of a mode change."""
 
     def __init__(self, tangent: Tangent, expressions: Sequence[Expr]) -> None:
+        self._tangent = tangent
         self._by_w = Gradients(expressions, tangent.rows.bonds)
         self._direct = Direct(expressions, tangent.columns)
 
     def at(self, at: At, bonds: Vector) -> Vector:
         """Return the slopes by all columns, shape (points or 1, expressions, columns)."""
         return self._by_w.at(at.values, at.points) @ bonds + self._direct.at(at)
+
+    def is_open(self, at: At) -> bool:
+        """Whether a mode leaves open one of the expressions, at the first point."""
+        rows = self._by_w.at(at.some(slice(0, 1)).values, 1)[0]
+        return bool(rows.any()) and self._tangent.leaves_open(at, rows)
+
+    def terms(self, at: At) -> Vector:
+        """Return how large expressions were if all efforts and flows were as the largest ones.
+
+        At one point, shape (expressions,).
+        """
+        names = self._tangent.rows.bonds
+        size = np.abs([float(np.ravel(at.values[n])[0]) for n in names]).reshape(2, -1)
+        largest = np.repeat(size.max(axis=1, initial=0.0), size.shape[1])
+        return np.asarray(np.abs(self._by_w.at(at.values, 1)[0]) @ largest)
+
+
+@dataclass
+class _More:
+    """What a mode is asked for now and then; made once."""
+
+    second: _Second | None = None
+    entry: OfEntry | None = None
+
+
+class OfEntry:
+    """Slopes of rates of storage by bond variables, and of rows of impulse areas."""
+
+    def __init__(self, tangent: Tangent) -> None:
+        rows = tangent.rows
+        self.moves = Gradients(rows.rates[: len(rows.graph.storages)], rows.bonds)
+        self.by_area = Gradients(rows.areas, [AREA + name for name in rows.bonds])
+        self.by_bonds = Gradients(rows.areas, rows.bonds)
+        self.direct = Direct(rows.areas, tangent.columns)
 
 
 class _Second:
@@ -181,7 +267,8 @@ class _Second:
         self._direct = Direct(along, columns)
         self._moves = Gradients(rows.rates, rows.bonds)
 
-    def bonds(self, at: At, by_w: Vector, direct: Vector) -> Vector:
+    def left(self, at: At, by_w: Vector) -> tuple[Vector, At]:
+        """Return the matrices of the unknowns dw and dw', and values with rates in them."""
         drift = self._drift.at(at.values, at.points)
         moving = self._spread @ smallest(by_w, -drift[:, :, None])
         more = At(
@@ -190,13 +277,18 @@ class _Second:
             at.points,
         )
         second = self._by_w.at(more.values, at.points) @ self._spread
-        own = self._direct.at(more)
         rows, n = by_w.shape[1:]
-        points = max(len(by_w), len(direct), len(second), len(own))
         left = np.zeros((max(len(by_w), len(second)), 2 * rows, 2 * n))
         left[:, :rows, :n] = by_w
         left[:, rows:, :n] = second
         left[:, rows:, n:] = by_w
+        return left, more
+
+    def bonds(self, at: At, by_w: Vector, direct: Vector) -> Vector:
+        left, more = self.left(at, by_w)
+        own = self._direct.at(more)
+        rows, n = by_w.shape[1:]
+        points = max(len(direct), len(left), len(own))
         right = np.zeros((points, 2 * rows, direct.shape[2]))
         right[:, :rows], right[:, rows:] = direct, own
         moves = np.zeros((self._moves.shape[0], 2 * n))
@@ -206,79 +298,4 @@ class _Second:
         return smallest(left, -right)[:, :n]
 
 
-class Undetermined(Exception):
-    """What is asked for has no one value here."""
-
-
-def scaled(matrix: Vector) -> tuple[Vector, Vector, Vector]:
-    """Return matrices with rows and columns near one, and what rows and columns were divided by."""
-    found = np.array(matrix, dtype=float)
-    rows, columns = np.ones(found.shape[:-1]), np.ones(found.shape[:-2] + found.shape[-1:])
-    for _ in range(3):
-        for axis, kept in ((-1, rows), (-2, columns)):
-            size = np.sqrt(np.abs(found).max(axis=axis, initial=0.0))
-            size[size == 0.0] = 1.0
-            size = 2.0 ** np.round(np.log2(size))
-            kept *= size
-            found /= np.expand_dims(size, axis)
-    return found, rows, columns
-
-
-def rank_of(matrix: Vector) -> int:
-    """Return the rank of a matrix, its rows and columns scaled."""
-    if not matrix.size:
-        return 0
-    sizes = np.linalg.svd(scaled(matrix)[0], compute_uv=False)
-    return int((sizes > RANK * sizes.max(initial=0.0)).sum())
-
-
-def opens(matrix: Vector, rows: Vector) -> bool:
-    """Whether what a matrix makes zero moves a combination of variables, a row each."""
-    unit, _, columns = scaled(matrix)
-    _, sizes, vt = np.linalg.svd(unit)
-    rank = int((sizes > RANK * sizes.max(initial=0.0)).sum())
-    own = rows / columns
-    size = np.abs(own).max(axis=1, initial=0.0)
-    own = own[size > 0.0] / size[size > 0.0, None]
-    return bool((np.abs(own @ vt[rank:].T) > OPEN).any())
-
-
-def solved(left: Vector, right: Vector) -> Vector:
-    """Return the solutions of ``left @ y = right`` at points; one matrix may serve all."""
-    unit, rows, columns = scaled(left)
-    scaled_right = right / rows[..., None]
-    if len(unit) == 1 and len(right) > 1:
-        points, n, many = scaled_right.shape
-        flat = scaled_right.transpose(1, 0, 2).reshape(n, points * many)
-        found = np.linalg.solve(unit[0], flat).reshape(n, points, many).transpose(1, 0, 2)
-    else:
-        found = np.linalg.solve(unit, scaled_right)
-    return np.asarray(found / columns[..., None])
-
-
-def smallest(left: Vector, right: Vector) -> Vector:
-    """Return solutions where matrices are singular, at all points of one rank.
-
-    The matrices are bordered with what the first one makes zero, from both sides; what the rows
-    contradict falls into the border. Where that is not regular, each is decomposed.
-    """
-    unit, rows, columns = scaled(left)
-    scaled_right = right / rows[..., None]
-    u, sizes, vt = np.linalg.svd(unit[0])
-    rank = int((sizes > RANK * sizes.max(initial=0.0)).sum())
-    many, wide = unit.shape[1:]
-    size = many + wide - rank
-    whole = np.zeros((len(unit), size, size))
-    whole[:, :many, :wide] = unit
-    whole[:, :many, wide:] = u[:, rank:]
-    whole[:, many:, :wide] = vt[rank:]
-    points = max(len(unit), len(right))
-    border = np.zeros((points, size, right.shape[2]))
-    border[:, :many] = scaled_right
-    try:
-        found = solved(whole, border)[:, :wide]
-    except np.linalg.LinAlgError:
-        found = np.full((1, 1, 1), np.inf)
-    if not np.abs(found).max(initial=0.0) < 1.0 / RANK * np.abs(border).max(initial=1.0):
-        found = np.linalg.pinv(unit, rcond=RANK) @ scaled_right
-    return np.asarray(found / columns[..., None])
+__all__ = ["At", "Columns", "Direct", "Read", "Tangent", "Undetermined"]

@@ -36,6 +36,7 @@ class Values:
         self._asked: list[Expr] = [Name(n) for n in self.names]
         self.own = dict(zip(found.columns, found.values.tolist(), strict=True))
         self._index = {name: k for k, name in enumerate(found.columns)}
+        self._varied = [i for i in found.graph.inputs if _slotted(i.waveform)]
 
     def of(self, run: Result, values: Vector) -> Values:
         """Return those of another run of the same model, with other values of what is varied."""
@@ -46,8 +47,18 @@ class Values:
 
     def within(self, segment: Segment, t: Vector) -> At:
         """Return values at times of a segment."""
-        read = self.run.signals.of(segment, self._asked, t)
-        return self._at(read, t, segment)
+        if segment.sliding is not None or segment.bonds is not None:
+            return self._at(self.run.signals.of(segment, self._asked, t), t, segment)
+        _, read = self.run.signals.parts(segment, self.names, t)
+        return self._at(list(np.ascontiguousarray(read[:, 0].T)), t, segment)
+
+    def parts(self, segment: Segment, t: Vector) -> list[At]:
+        """Return values at times of a segment, in each mode that it combines."""
+        _, read = self.run.signals.parts(segment, self.names, t)
+        return [
+            self._at(list(np.ascontiguousarray(read[:, part].T)), t, segment)
+            for part in range(read.shape[1])
+        ]
 
     def before(self, segment: Segment, t: float, state: Vector) -> At:
         """Return values at the end of a segment, in a state that is given."""
@@ -71,12 +82,18 @@ class Values:
         values: Mapping[str, Vector | float] = {
             **dict(zip(self.names, read, strict=True)),
             **self.own,
-            **self._truths(0.5 * (begin + end) if end > begin else begin + BESIDE * abs(begin)),
+            **(self._truths(0.5 * (begin + end)) if end > begin else self.truths_after(begin)),
         }
-        return At(values, self._inputs(t, begin), len(t))
+        return At(values, self.inputs_of(t, begin), len(t))
+
+    def truths_after(self, t: float) -> dict[str, float]:
+        """Return which comparisons of time hold just behind a time."""
+        return self._truths(t + BESIDE * abs(t))
 
     def _truths(self, t: float) -> dict[str, float]:
         """Return which comparisons of time hold at a time between two timed events."""
+        if not self.found.graph.watches:
+            return {}
         index = {"time": 0, **{name: k + 1 for name, k in self._index.items()}}
         row = [t, *self.own.values()]
         return {
@@ -86,11 +103,11 @@ class Values:
             for w in self.found.graph.watches
         }
 
-    def _inputs(self, t: Vector, begin: float) -> Vector:
+    def inputs_of(self, t: Vector, begin: float) -> Vector:
         """Return how inputs follow parameters in the piece that begins or lies at a time."""
         graph = self.found.graph
         slopes = np.zeros((len(t), len(graph.inputs), len(self.own)))
-        for i in graph.inputs:
+        for i in self._varied:
             piece = self.run.graph.inputs[i.index].waveform.piece(begin)
             moving = isinstance(i.waveform, Timetable) and i.waveform.linear
             for k, at in enumerate(t.tolist() if moving else [begin]):
@@ -131,3 +148,15 @@ def _edge(waveform: Waveform, piece: int) -> float:
     if isinstance(waveform, Pwm):
         return waveform._edge(piece)
     return waveform.begin(piece) if isinstance(waveform, Timetable) else math.inf
+
+
+def _slotted(waveform: Waveform) -> bool:
+    """Whether a value of a waveform may follow from a parameter, beside where its pieces begin."""
+    if isinstance(waveform, Called):
+        return False
+    if isinstance(waveform, Pwm):
+        return any(slot_of(v) is not None for v in (waveform.high, waveform.low))
+    if isinstance(waveform, Timetable):
+        numbers = [*waveform.values, *waveform.times, waveform.period]
+        return any(slot_of(v) is not None for v in numbers)
+    return True

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +25,7 @@ from hybond.model.expressions.slots import PREFIX, Slots, tree_of
 from hybond.model.expressions.tree import transform
 from hybond.model.flatten import flatten
 from hybond.model.graph import FlatGraph, Storage
+from hybond.model.kept import kept_graph
 from hybond.model.parts import Value
 
 Vector = NDArray[np.float64]
@@ -50,6 +52,8 @@ class Wanted:
     units : tuple of str
     follows : array, shape (many, many)
         How each parameter changes with each: those that are made of others follow them.
+    modes : dict
+        Those of `Opened`.
     """
 
     names: tuple[str, ...]
@@ -60,6 +64,7 @@ class Wanted:
     values: NDArray[np.float64]
     units: tuple[str, ...]
     follows: NDArray[np.float64]
+    modes: dict[Any, Any] = field(default_factory=dict, compare=False, repr=False)
 
     @property
     def columns(self) -> list[str]:
@@ -107,10 +112,11 @@ def slotted(opened: Opened, given: Mapping[str, Value]) -> Wanted:
         paths,
         model,
         graph,
-        flatten(model, values),
+        kept_graph(model, values),
         np.array(row),
         tuple(units),
         follows,
+        opened.modes,
     )
 
 

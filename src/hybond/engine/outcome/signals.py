@@ -350,12 +350,26 @@ class Signals:
         """
         if segment.bonds is not None:
             return segment.bonds.T
-        steps, times = self._within(segment, segment.t)
         first, last = self._slots.w.start, self._slots.w.stop
+        _, values = self._parts(segment, segment.t, np.arange(first, last))
+        return np.ascontiguousarray(values.reshape(-1, last - first).T)
+
+    def parts(self, segment: Segment, names_: Sequence[str], t: Vector) -> tuple[Vector, Vector]:
+        """Return the share of each mode that a segment combines, and values in it by name.
+
+        Returns
+        -------
+        shares : array, shape (times, parts)
+            Where nothing is slid on there is one part.
+        values : array, shape (times, parts, names)
+        """
+        return self._parts(segment, t, np.array([self._slots.index[n] for n in names_], np.intc))
+
+    def _parts(self, segment: Segment, t: Vector, slots: NDArray[Any]) -> tuple[Vector, Vector]:
+        steps, times = self._within(segment, t)
         with self._lock:
             self._enter(segment)
-            _, values = self._look.parts(Within(steps, times), np.arange(first, last))
-        return np.ascontiguousarray(values.reshape(-1, last - first).T)
+            return self._look.parts(Within(steps, times), slots)
 
     def powers(self, segment: Segment, bonds: Sequence[int], t: Vector) -> Vector:
         """Return effort times flow of bonds at times of a segment, shape (bonds, times).
@@ -367,11 +381,7 @@ class Signals:
         if segment.sliding is None:
             values = np.array(self.of(segment, names_, t)).reshape(2, len(bonds), len(t))
             return np.asarray(values[0] * values[1])
-        steps, times = self._within(segment, t)
-        slots = np.array([self._slots.index[n.path] for n in names_], dtype=np.intc)
-        with self._lock:
-            self._enter(segment)
-            shares, read = self._look.parts(Within(steps, times), slots)
+        shares, read = self.parts(segment, [n.path for n in names_], t)
         efforts, flows = read[:, :, : len(bonds)], read[:, :, len(bonds) :]
         return np.asarray((shares[:, :, None] * efforts * flows).sum(axis=1).T)
 
@@ -462,6 +472,8 @@ class Signals:
         return columns
 
     def _value(self, e: Expr, columns: list[Vector], shape: tuple[int, ...]) -> Vector:
+        if isinstance(e, Name):
+            return np.array(np.broadcast_to(columns[self._slots.index[e.path]], shape))
         f = compile_expression(e, self._slots.index, ARRAYS, pre_offset=self._slots.size)
         return np.array(np.broadcast_to(np.asarray(f(columns), dtype=float), shape))
 
