@@ -72,7 +72,7 @@ def storage_laws(graph: FlatGraph) -> list[StorageLaw]:
 
 def stiffness_at(graph: FlatGraph, x: Vector) -> Matrix:
     """Return the derivative of all co-energy variables by all that is stored, at `x`."""
-    return stiffness_along(graph, x[None, :])[0]
+    return np.asarray(stiffness_along(graph, x[None, :])[0])
 
 
 def stiffness_along(graph: FlatGraph, points: Matrix) -> NDArray[np.float64]:

@@ -36,6 +36,7 @@ from hybond.engine.run.edges import reach_edges, straight_on, time_at_once
 from hybond.engine.run.kinks_passed import (
     count_kink,
     end_at_kink,
+    see_crawl,
     see_crowd,
     see_jump,
     stuck_at_kink,
@@ -286,6 +287,8 @@ def flow(e: Engine, r: Run) -> int:
                     return LAW
                 r.cut = not near
                 return GUARD if near else STOPPED
+            if see_crawl(e, r) != OK:
+                return -1
             g.asleep = max(g.asleep - 1, 0)
             if e.checks.looked == e.t:
                 look_at_guards(e)
