@@ -18,7 +18,7 @@ from hybond.engine.model import node_name, stored_name, value
 from hybond.engine.reasons.facts import add_fact
 from hybond.engine.run.guard_values import has_crossed, holds_at, show
 from hybond.engine.run.held_by_kinks import is_held
-from hybond.engine.run.locator import ALL_PARTS, NO_KINK, Locator
+from hybond.engine.run.locator import ALL_PARTS, LONGEST_NAP, NO_KINK, Locator
 from hybond.engine.run.run_records import IDLE, PATIENCE, Run
 from hybond.engine.run.together import LAST_PLACES, before_kink, kink_there
 
@@ -32,7 +32,6 @@ NEXT_TO: Final = 1e-3
 """Part of a step after which a kink is next to where the step began."""
 CROWD: Final = 8
 """So many of those in a row are rounding of what is compared, or a place that is all kinks."""
-LONGEST_NAP: Final = 4096
 CRAWL: Final = 1e-6
 """Part of the run that a step is which leads nowhere."""
 ASIDE: Final = 0.25
