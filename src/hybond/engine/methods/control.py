@@ -43,8 +43,11 @@ SHRINK: Final = 0.2
 GROW: Final = 10.0
 CREEPS: Final = 1e-4
 """Part of the run below which a step that is too long may be so by rounding alone."""
-LEAST: Final = 1e-30
-"""Part of the run below which no step leads anywhere, though near zero times go on for ever."""
+LEAST: Final = 1e-100
+"""Part of the run that is next to no time, though near zero there are always shorter ones. What
+begins at an edge of its law may grow from there, tenfold with each step, ..."""
+TINY_ROW: Final = 1000
+"""... but not so many times."""
 
 
 def is_propagated(e: Engine) -> bool:
@@ -110,7 +113,9 @@ def controlled_step(e: Engine, t_end: float) -> int:
     begin_step(e)
     s.h_asked = s.h
     s.error_asked = s.error_before
-    smallest = max(10.0 * spacing(s.t0), LEAST * e.span)
+    smallest = 10.0 * spacing(s.t0)
+    if s.tiny > TINY_ROW:
+        smallest = max(smallest, LEAST * e.span)
     h = max(min(s.h, e.model.max_step), smallest)
     may_land = remaining <= e.model.max_step * (1.0 + 1e-12)
     s.rejected = 0
@@ -151,6 +156,7 @@ def controlled_step(e: Engine, t_end: float) -> int:
     else:
         s.h = h * grown
         s.error_before = max(error, SMALLEST_ERROR)
+    s.tiny = s.tiny + 1 if h < LEAST * e.span else 0
     accept(e, t1)
     if e.model.method == AUTO and not e.exact.on and h >= 0.99 * trial:
         watch_explicit(e, h, grown)
