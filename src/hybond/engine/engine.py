@@ -104,6 +104,8 @@ class Step:
     error_before: float
     controlled: int
     rejected: int
+    tiny: int
+    """Steps in a row that were next to no time."""
     grid: float
     """Where the grid of fixed steps begins, and how many of them lead to its next point."""
     grid_next: float

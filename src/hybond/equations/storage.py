@@ -72,10 +72,17 @@ def storage_laws(graph: FlatGraph) -> list[StorageLaw]:
 
 def stiffness_at(graph: FlatGraph, x: Vector) -> Matrix:
     """Return the derivative of all co-energy variables by all that is stored, at `x`."""
-    found = np.zeros((len(x), len(x)))
+    return np.asarray(stiffness_along(graph, x[None, :])[0])
+
+
+def stiffness_along(graph: FlatGraph, points: Matrix) -> NDArray[np.float64]:
+    """Return those derivatives at each of many points: ``found[k]`` of the row ``points[k]``."""
+    many, size = points.shape
+    found = np.zeros((many, size, size))
     for law in storage_laws(graph):
-        own = [s.index for s in law.ports]
-        found[np.ix_(own, own)] = law.stiffness(x[own])
+        own = np.array([s.index for s in law.ports], dtype=np.intp)
+        for k, x in enumerate(points[:, own]):
+            found[k][np.ix_(own, own)] = law.stiffness(x)
     return found
 
 

@@ -31,7 +31,7 @@ from hybond.engine.methods.flow import take_flow
 from hybond.engine.methods.flow_records import AUTO, EXACT, LARGE
 from hybond.engine.methods.one_instant import is_one_kink
 from hybond.engine.methods.propagate import even_length
-from hybond.engine.methods.scale import controlled, tolerance
+from hybond.engine.methods.scale import controlled, measure_again, tolerance
 from hybond.engine.methods.stiffness import watch_explicit
 from hybond.engine.mode.values import field
 from hybond.engine.words import Floats
@@ -41,6 +41,13 @@ EXPONENT: Final = 0.2 - 0.75 * 0.04
 SAFETY: Final = 0.9
 SHRINK: Final = 0.2
 GROW: Final = 10.0
+CREEPS: Final = 1e-4
+"""Part of the run below which a step that is too long may be so by rounding alone."""
+LEAST: Final = 1e-100
+"""Part of the run that is next to no time, though near zero there are always shorter ones. What
+begins at an edge of its law may grow from there, tenfold with each step, ..."""
+TINY_ROW: Final = 1000
+"""... but not so many times."""
 
 
 def is_propagated(e: Engine) -> bool:
@@ -107,6 +114,8 @@ def controlled_step(e: Engine, t_end: float) -> int:
     s.h_asked = s.h
     s.error_asked = s.error_before
     smallest = 10.0 * spacing(s.t0)
+    if s.tiny > TINY_ROW:
+        smallest = max(smallest, LEAST * e.span)
     h = max(min(s.h, e.model.max_step), smallest)
     may_land = remaining <= e.model.max_step * (1.0 + 1e-12)
     s.rejected = 0
@@ -126,6 +135,8 @@ def controlled_step(e: Engine, t_end: float) -> int:
         if error <= 1.0 or (math.isfinite(error) and is_one_kink(e, s.t0, s.y0, t1, s.y1)):
             break
         s.rejected += 1
+        if s.rejected == 1 and math.isfinite(error) and h < CREEPS * e.span and e.slide.k == 0:
+            measure_again(e, e.mode)
         factor = SAFETY * math.pow(error, -EXPONENT) if math.isfinite(error) else SHRINK
         smaller = h * max(factor, SHRINK)
         if smaller < smallest:
@@ -145,6 +156,7 @@ def controlled_step(e: Engine, t_end: float) -> int:
     else:
         s.h = h * grown
         s.error_before = max(error, SMALLEST_ERROR)
+    s.tiny = s.tiny + 1 if h < LEAST * e.span else 0
     accept(e, t1)
     if e.model.method == AUTO and not e.exact.on and h >= 0.99 * trial:
         watch_explicit(e, h, grown)

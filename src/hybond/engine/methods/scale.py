@@ -6,7 +6,7 @@ import math
 from typing import Final
 
 from hybond.engine.answers import value
-from hybond.engine.engine import Engine
+from hybond.engine.engine import OK, Engine
 from hybond.engine.mode.guess import give_back_guess, hold_guess
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.newton import solve
@@ -23,7 +23,10 @@ IDLE: Final = 1e-12
 ROUNDED: Final = 2.220446049250313e-15
 """Part of its terms that the rate of a stored quantity may be off by."""
 SHORT: Final = 1e-6
-"""Part of the run in which what that adds up to is no error."""
+"""Part of the run that is a moment: what its rate's rounding adds up to in one is kept."""
+LASTING: Final = 1e3
+"""So many moments long a step is whose error is all rounding: in no fewer steps is a run made of
+which one quantity is nothing else."""
 
 
 def start_scale(e: Engine, mode: Mode) -> None:
@@ -67,7 +70,8 @@ def found_terms(e: Engine, mode: Mode, t: float) -> bool:
     """Put the rounding of what rates cancel from at `t` there; False if there is nothing."""
     m = e.model
     set_state(e, mode, e.v, t, e.y)
-    solve(e, mode, e.v)
+    if solve(e, mode, e.v) != OK:
+        return False
     found = False
     for k in range(mode.sources):
         source = mode.source[k]
@@ -82,6 +86,23 @@ def found_terms(e: Engine, mode: Mode, t: float) -> bool:
         e.rounding[k] = ROUNDED * SHORT * e.span * size
         found = found or size > 0.0
     return found
+
+
+def measure_again(e: Engine, mode: Mode) -> None:
+    """Learn once more what rates cancel from, at the beginning of a step that was too long.
+
+    A source that begins at zero has pushed by next to nothing where motion started.
+    """
+    refusal = e.refusal
+    before = e.work.reach
+    for k in range(e.model.storages):
+        before[k] = e.rounding[k]
+    hold_guess(e, mode)
+    found_terms(e, mode, e.step.t0)
+    give_back_guess(e, mode)
+    for k in range(e.model.storages):
+        e.rounding[k] = max(before[k], e.rounding[k])
+    e.refusal = refusal
 
 
 def tolerance(e: Engine, y0: Floats, y1: Floats, out: Floats) -> None:
@@ -115,7 +136,7 @@ def tolerance(e: Engine, y0: Floats, y1: Floats, out: Floats) -> None:
         out[k] = m.rtol * max(out[k], floor if math.isfinite(floor) else 0.0)
         # what has not moved yet has no size: the solver chooses its first step without it
         if moved:
-            out[k] = max(out[k], e.rounding[k])
+            out[k] = max(out[k], LASTING * e.rounding[k])
     for k in range(m.storages, e.states):
         out[k] = m.rtol * out[k] + IDLE * math.sqrt(m.rtol)
 

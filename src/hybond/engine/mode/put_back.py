@@ -86,11 +86,16 @@ def all_hold(e: Engine, rows: int, part: float) -> bool:
     Forces that cancel, as of a block at rest on two corners, leave a rate that is their rounding.
     """
     for i in range(rows):
-        allowed = part * e.work.residual_size.at[i]
-        allowed += ROUNDINGS * UNIT * e.work.residual_reach.at[i]
-        if not math.fabs(e.work.residual.at[i]) <= allowed:
+        if not excess(e, i, part) <= 0.0:
             return False
     return True
+
+
+def excess(e: Engine, i: int, part: float) -> float:
+    """Return by how much residual `i` is more than that."""
+    allowed = part * e.work.residual_size.at[i]
+    allowed += ROUNDINGS * UNIT * e.work.residual_reach.at[i]
+    return math.fabs(e.work.residual.at[i]) - allowed
 
 
 def is_near(e: Engine, mode: Mode, v: Floats, w: Floats, rows: int) -> bool:

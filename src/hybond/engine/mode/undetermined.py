@@ -17,12 +17,14 @@ from hybond.engine.mode.freedom import directions_left
 from hybond.engine.mode.leakage import least_leakage, project
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.newton_system import measured_system, newton_step, system, write_bonds
-from hybond.engine.mode.put_back import HOLDS, all_hold
+from hybond.engine.mode.put_back import HOLDS, all_hold, excess
 from hybond.engine.words import Floats
 
 ASIDE: Final = 1e-4
 """The part of the values by which they are moved to see whether laws still hold."""
 HALVINGS: Final = 60
+LAST: Final = 2.0**-52
+"""Part of the way that is its rounding."""
 ALONG: Final = 1e-12
 """Part of its terms by which a law may be off that ends the way to least leakage, as where a valve
 begins to open: all the way, none is what it would be solved to."""
@@ -53,21 +55,45 @@ def least_of_free(e: Engine, mode: Mode, v: Floats, w: Floats) -> None:
     if not mode.affine and holds_at(e, mode, v, work.begun.at, ALONG):
         most = ALONG
     if not mode.affine and not holds_at(e, mode, v, work.moved.at, most):
-        low = 0.0
-        high = 1.0
-        for _ in range(HALVINGS):
-            part = 0.5 * (low + high)
-            for k in range(n):
-                w[k] = work.begun.at[k] + part * (work.moved.at[k] - work.begun.at[k])
-            if holds_at(e, mode, v, w, most):
-                low = part
-            else:
-                high = part
-        part = low
+        part = end_of_way(e, mode, v, w, most)
     for k in range(n):
         w[k] = work.moved.at[k]
         if part < 1.0:
             w[k] = work.begun.at[k] + part * (work.moved.at[k] - work.begun.at[k])
+
+
+def end_of_way(e: Engine, mode: Mode, v: Floats, w: Floats, most: float) -> float:
+    """Return up to which part of the way from `begun` to `moved` all laws hold.
+
+    Beyond it they are off by more and more, along a straight line where it ends at the corner of
+    one: that line is followed back, and else the way is halved.
+    """
+    work = e.work
+    n = 2 * e.model.bonds
+    low = 0.0
+    high = 1.0
+    gap = LAST
+    back = math.nan
+    off = math.nan
+    for turn in range(2 * HALVINGS):
+        if high - low <= 2.0 * LAST * high:
+            break
+        part = 0.5 * (low + high)
+        if turn % 2 == 1 and math.isfinite(back):
+            part = min(max(back, low + gap * high), high - gap * high)
+            gap *= 16.0
+            if part <= low or part >= high:
+                part = 0.5 * (low + high)
+        for k in range(n):
+            w[k] = work.begun.at[k] + part * (work.moved.at[k] - work.begun.at[k])
+        here = excess_at(e, mode, v, w, most)
+        if here <= 0.0:
+            low = part
+        else:
+            back = part - here * (high - part) / (off - here) if off > here else math.nan
+            high = part
+            off = here
+    return low
 
 
 def freedom_at(e: Engine, mode: Mode, v: Floats) -> int:
@@ -157,6 +183,17 @@ def may_move(e: Engine, mode: Mode, v: Floats, w: Floats, many: int, j: int) -> 
         if holds_at(e, mode, v, work.moved.at, HOLDS):
             return True
     return False
+
+
+def excess_at(e: Engine, mode: Mode, v: Floats, w: Floats, part: float) -> float:
+    """Return what laws are off by beyond what `all_hold` allows, added up."""
+    rows = measured_system(e, mode, v, w)
+    total = 0.0
+    for i in range(rows):
+        off = excess(e, i, part)
+        if not off <= 0.0:
+            total += off if off == off else math.inf
+    return total
 
 
 def holds_at(e: Engine, mode: Mode, v: Floats, w: Floats, part: float) -> bool:

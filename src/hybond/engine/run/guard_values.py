@@ -16,7 +16,7 @@ from hybond.engine.mode.reading import solve_read
 from hybond.engine.mode.sizes import measure
 from hybond.engine.mode.values import evaluate, set_motion
 from hybond.engine.reasons.facts import add_fact
-from hybond.engine.run.locator import ALL_PARTS, NO_KINK, Locator
+from hybond.engine.run.locator import ALL_PARTS, NO_KINK, Locator, is_asleep
 from hybond.engine.sliding.averages import begin_sizes, part_sizes, show_part, solve_here
 from hybond.engine.words import Floats
 
@@ -114,7 +114,7 @@ def test_here(e: Engine, g: Locator, k: int) -> bool:
 
 def has_crossed(e: Engine, g: Locator, k: int) -> bool:
     """Whether a kink is beyond the zero that the step came towards, by more than rounding."""
-    if g.asleep > 0:
+    if is_asleep(g, k):
         return False
     a = g.atom_first[k]
     beyond = -float(g.side[k]) * atom_here(e, g, a)

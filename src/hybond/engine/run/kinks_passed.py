@@ -18,8 +18,8 @@ from hybond.engine.mode.values import field, set_motion
 from hybond.engine.reasons.facts import add_fact
 from hybond.engine.run.guard_values import has_crossed, holds_at, show
 from hybond.engine.run.held_by_kinks import is_held
-from hybond.engine.run.locator import ALL_PARTS, NO_KINK, Locator
-from hybond.engine.run.run_records import IDLE, Run
+from hybond.engine.run.locator import ALL_PARTS, LONGEST_NAP, NO_KINK, Locator
+from hybond.engine.run.run_records import IDLE, PATIENCE, Run
 from hybond.engine.run.together import LAST_PLACES, before_kink, kink_there
 
 BACK_AT_ONCE: Final = 1e-9
@@ -32,7 +32,8 @@ NEXT_TO: Final = 1e-3
 """Part of a step after which a kink is next to where the step began."""
 CROWD: Final = 8
 """So many of those in a row are rounding of what is compared, or a place that is all kinks."""
-LONGEST_NAP: Final = 4096
+CRAWL: Final = 1e-6
+"""Part of the run that a step is which leads nowhere."""
 ASIDE: Final = 0.25
 """Part of the way to an end of the step, on either side of a kink, at which rates are compared."""
 JUMPS: Final = 0.75
@@ -114,6 +115,23 @@ def count_kink(e: Engine, r: Run) -> int:
     if lately <= SOON_BACK * e.span and is_held(e, r):
         return switches_back(e, r)
     return OK
+
+
+def see_crawl(e: Engine, r: Run) -> int:
+    """Count the step just noted if it is next to nothing; REFUSED if a kink holds the motion.
+
+    Errors of steps that reach over a jump keep them so short, or end them so close to it, that no
+    step is seen to begin on one side and to end on the other.
+    """
+    if e.model.kinks == 0 or e.step.t1 - e.step.t0 > CRAWL * e.span:
+        r.crawled = 0
+        r.patience = PATIENCE
+        return OK
+    r.crawled += 1
+    if r.crawled < r.patience:
+        return OK
+    r.patience = 2 * r.patience
+    return switches_back(e, r) if is_held(e, r) else OK
 
 
 def see_crowd(e: Engine, r: Run, at: float) -> None:

@@ -16,10 +16,11 @@ from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.expressions.pairs import ROUNDING
 from hybond.engine.run.bracket import bracket
 from hybond.engine.run.candidates import beside, between_roots, extrema, keep, sort
-from hybond.engine.run.guard_shape import find_shape, is_resolved, sample
+from hybond.engine.run.guard_shape import find_shape, give_up_kinks, is_resolved, sample
 from hybond.engine.run.guard_values import atom_at, holds_at, show, terms_here
 from hybond.engine.run.locator import (
     ALL_PARTS,
+    BLOCKS,
     DEEPEST,
     FRACTION,
     NO_KINK,
@@ -49,6 +50,7 @@ def search(e: Engine, g: Locator) -> int:
     if e.model.kinks > 0:
         take_sides_of_kinks(e, g)
     left = 1
+    blocks = 0
     g.low[0] = e.step.t0
     g.high[0] = e.step.t1
     g.depth[0] = 0
@@ -64,7 +66,9 @@ def search(e: Engine, g: Locator) -> int:
         find_shape(g)
         if has_failed(g):
             return REFUSED
-        if depth < DEEPEST and not is_resolved(e, g):
+        blocks += 1
+        resolved = is_resolved(e, g) if blocks <= BLOCKS else give_up_kinks(e, g)
+        if depth < DEEPEST and not resolved:
             middle = 0.5 * (low + high)
             g.low[left] = middle
             g.high[left] = high

@@ -29,6 +29,10 @@ DEEPEST: Final = 14
 """Halvings of one step; a jump of a guard's signal is closed in on no further."""
 INSTANTS: Final = 200
 """Of one block at which a guard is asked, unless there are more."""
+BLOCKS: Final = 64
+"""Of one step in which a kink is looked for, and longer only where it is a guard that is."""
+LONGEST_NAP: Final = 4096
+"""Steps for which a kink ends none, at the most."""
 ALL_PARTS: Final = -1
 """A guard is asked of the motion as it is, not of one of the modes that are combined."""
 NONE: Final = -1
@@ -105,6 +109,10 @@ class Locator:
     mark: Instants
     asleep: int
     """Steps for which kinks end none: there were too many of them at one place."""
+    sleep: Ints
+    """Of each kink: likewise, as it was rounding that changed its sign, all over a step."""
+    nap: Ints
+    """Of each kink: for how many it will be the next time."""
     looked: float
     sized: bool
     """Whether terms of the motion as it is are known there."""
@@ -159,6 +167,8 @@ def fit_locator(g: Locator, guards: int, atoms: int) -> None:
     g.margin = ints(g.room)
     g.part = ints(g.room)
     g.side = ints(g.room)
+    g.sleep = ints(g.room)
+    g.nap = ints(g.room)
     g.atom_first = ints(g.room + 1)
     g.truth = ints(g.room * SAMPLES)
     g.calm = ints(g.room)
@@ -305,6 +315,8 @@ def begin_guard(g: Locator, rule: int, part: int) -> None:
     g.margin[g.guards] = NONE
     g.part[g.guards] = part
     g.side[g.guards] = NO_KINK
+    g.sleep[g.guards] = 0
+    g.nap[g.guards] = 1
     g.atom_first[g.guards] = g.atoms
 
 
@@ -315,6 +327,24 @@ def end_guard(g: Locator, first: int, stop: int) -> None:
         g.atom_part[g.atoms] = g.part[g.guards]
         g.atoms += 1
     g.guards += 1
+
+
+def is_asleep(g: Locator, k: int) -> bool:
+    """Whether guard k is a kink that ends no step just now."""
+    return g.side[k] != NO_KINK and (g.asleep > 0 or g.sleep[k] > 0)
+
+
+def let_sleep(g: Locator, k: int) -> None:
+    """Let a kink end no steps for a while, longer each time."""
+    g.sleep[k] = g.nap[k]
+    g.nap[k] = min(2 * g.nap[k], LONGEST_NAP)
+
+
+def pass_step(g: Locator) -> None:
+    """Count a step for kinks that are asleep."""
+    g.asleep = max(g.asleep - 1, 0)
+    for k in range(g.guards):
+        g.sleep[k] = max(g.sleep[k] - 1, 0)
 
 
 def has_failed(g: Locator) -> bool:

@@ -37,12 +37,13 @@ from hybond.engine.run.edges import reach_edges, straight_on, time_at_once
 from hybond.engine.run.kinks_passed import (
     count_kink,
     end_at_kink,
+    see_crawl,
     see_crowd,
     see_jump,
     stuck_at_kink,
 )
 from hybond.engine.run.locate import locate
-from hybond.engine.run.locator import Locator, watch
+from hybond.engine.run.locator import Locator, pass_step, watch
 from hybond.engine.run.log import (
     keep_left,
     report_end,
@@ -284,7 +285,9 @@ def flow(e: Engine, r: Run) -> int:
                     return LAW
                 r.cut = not near
                 return GUARD if near else STOPPED
-            g.asleep = max(g.asleep - 1, 0)
+            if see_crawl(e, r) != OK:
+                return -1
+            pass_step(g)
             if e.checks.looked == e.t:
                 look_at_guards(e)
             if go_on(e) != OK:

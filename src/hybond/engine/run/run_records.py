@@ -16,6 +16,8 @@ from hybond.engine.words import Floats, floats, record
 
 IDLE: Final = 100
 """Instants in a row without any change that end a run."""
+PATIENCE: Final = 64
+"""Steps in a row that are next to no part of the run after which it is asked what holds it."""
 STOPPED: Final = 5
 """Why a motion ended: its stretch did, and nothing happened."""
 PAUSED: Final = 7
@@ -54,6 +56,9 @@ class Run:
     """Kinks without a jump in a row at which a step ended next to where it began."""
     nap: int
     """For how many steps none is looked for where they crowd."""
+    crawled: int
+    """Steps in a row that were next to no part of the run, after how many it is asked why."""
+    patience: int
     rate: Floats
     beside: Floats
     """Rates on both sides of a kink."""
@@ -115,6 +120,7 @@ def make_run(e: Engine, report: Report) -> Run:
     r.kink = -1
     r.jumping = -1
     r.nap = 1
+    r.patience = PATIENCE
     r.edge_at = -1.0
     r.edge_from = floats(e.states)
     r.warm_y = floats(e.states)
