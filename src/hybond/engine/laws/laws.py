@@ -34,6 +34,7 @@ from hybond.engine.laws.law_candidates import (
 from hybond.engine.laws.law_instant import NO_LAW_VALUE, make_consistent, quantity, take_instant
 from hybond.engine.laws.law_records import Laws
 from hybond.engine.mode.storage import energy_of
+from hybond.engine.mode.values import evaluate
 from hybond.engine.model import Model
 from hybond.engine.reasons.facts import add_fact, tell_ports
 from hybond.engine.words import Floats, Ints
@@ -209,6 +210,13 @@ def observe(e: Engine, v: Floats) -> None:
         for k in range(m.storages):
             r.moved[k] = v[m.stored_slot + k]
         e.energy = max(e.energy, math.fabs(energy_of(e, r.moved)))
+
+
+def look_at_limits(e: Engine) -> int:
+    """Look at limits of friction at the present point of the motion."""
+    if evaluate(e, e.mode, e.shown, e.t, e.y) != OK:
+        return REFUSED
+    return check_limits(e, e.t, e.shown)
 
 
 def check_limits(e: Engine, t: float, v: Floats) -> int:

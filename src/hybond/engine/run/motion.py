@@ -17,12 +17,12 @@ from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.inputs.interval import interval_after
 from hybond.engine.instant.instant import GUARD, LAW, START, TIME, begin_instant
 from hybond.engine.instant.settle import settle
-from hybond.engine.laws.laws import check_limits, limits_vary, observe
+from hybond.engine.laws.laws import limits_vary, look_at_limits, observe
 from hybond.engine.methods.one_instant import room_of_instant
 from hybond.engine.methods.scale import start_scale
 from hybond.engine.methods.stepping import between, retry, start, step
 from hybond.engine.mode.equations import mode_of
-from hybond.engine.mode.values import begin_field, evaluate, set_state
+from hybond.engine.mode.values import begin_field, set_state
 from hybond.engine.planar.descent import (
     ENDLESS,
     IS_DOWN,
@@ -485,13 +485,6 @@ def note(e: Engine, r: Run, t: float, shown: float) -> int:
     if limits_vary(m) and look_at_limits(e) != OK:
         return REFUSED
     return OK
-
-
-def look_at_limits(e: Engine) -> int:
-    """Look at limits of friction at the present point of the motion."""
-    if evaluate(e, e.mode, e.shown, e.t, e.y) != OK:
-        return REFUSED
-    return check_limits(e, e.t, e.shown)
 
 
 def go_on(e: Engine) -> int:
