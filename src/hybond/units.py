@@ -281,3 +281,17 @@ DOMAINS: Mapping[str, Domain] = {
     "generic_pseudo": Domain("generic_pseudo", "", "", None, None, True),
 }
 """Units of effort and flow by domain; ``generic`` and ``generic_pseudo`` leave both open."""
+
+
+def is_of(quantity: Quantity, unit: str) -> bool:
+    """Return whether a quantity can stand for a value of a unit; a number without one always can.
+
+    Examples
+    --------
+    >>> is_of(try_quantity("5 mV"), "V"), is_of(try_quantity("5 V"), "ohm")
+    (True, False)
+    >>> is_of(try_quantity("5"), "ohm"), is_of(try_quantity("5 V"), "")
+    (True, True)
+    """
+    plain = quantity.dimension == DIMENSIONLESS
+    return plain or not unit or quantity.dimension == parse_unit(unit)[1]

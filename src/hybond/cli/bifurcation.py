@@ -15,6 +15,7 @@ from hybond.cli.run_words import options_given
 from hybond.cli.settings import changed_with
 from hybond.cli.streams import complain, say
 from hybond.cli.targets import check_target
+from hybond.errors import UsageError
 from hybond.files.whole import write_whole
 from hybond.progress import MembersDone
 from hybond.sweep.bifurcation.call import bifurcation as diagram_of
@@ -30,7 +31,14 @@ def bifurcation(given: Namespace) -> int:
     plot = check_target(given.plot, PICTURES, "--plot")
     out = check_target(given.out, TABLES, "--out")
     model, parameters = changed_with(read_model(given.file)[0], given.settings)
-    varied = factors_of([given.vary])
+    varied = factors_of(given.vary)
+    if len(given.vary) != 1:
+        raise UsageError(
+            f"{len(given.vary)} parameters vary",
+            code="HB-P131",
+            where="--vary",
+            hint="one --vary; what else is different: --set PATH=VALUE",
+        )
     ((path, values),) = varied.items()
     many = factor_of(path, values).many * (1 + (given.direction == "both"))
     with MembersDone(max(many, 1)) as bar:
@@ -72,6 +80,10 @@ def bifurcation(given: Namespace) -> int:
         for name, file in (("plot", plot), ("table", out)):
             if file is not None:
                 say(f"{name}: {file}")
+    if plot is not None and len(found.of) > 1:
+        complain(f"the plot shows {found.of[0]}, the first of {len(found.of)} signals")
+    for note in found.notes:
+        complain(note)
     errors = list(found.errors.items())
     for (way, k), error in errors[:TOLD]:
         complain(f"{way}, {found.parameter} = {found.values[k]:.9g}: {error}")

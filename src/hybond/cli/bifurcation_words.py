@@ -21,6 +21,7 @@ def bifurcation_words(verb: Callable[..., ArgumentParser], verbs: Any) -> Argume
     parser.add_argument(
         "--vary",
         metavar="PATH=VALUES",
+        action="append",
         required=True,
         help="what varies, and its values: LOW..HIGH:NUMBER, LOW:HIGH:STEP, V,W,...",
     )

@@ -123,7 +123,7 @@ def fit(
     if loss not in LOSSES:
         raise UsageError(f"loss = {loss!r}", code="HB-A532", where="loss", hint=", ".join(LOSSES))
     cases, first = _cases(model, data, names, parameters or {}, sigma or {})
-    scale = scale_of(names, first.values, bounds or {}, logs)
+    scale = scale_of(names, first.values, bounds or {}, logs, first.units)
     trials = Trials(cases, opened(options))
     begins = starts_of(scale, starts, seed)
     begin = trials.residuals(scale.values(scale.start))

@@ -158,7 +158,7 @@ def optimise(
         raise no_goal(goal)
     opened = opened_model(model, names, parameters or {}, where="free")
     first = slotted(opened, {})
-    scale = scale_of(names, first.values, bounds or {}, logs)
+    scale = scale_of(names, first.values, bounds or {}, logs, first.units)
     trials = 0
 
     def trial(z: Vector) -> tuple[float, Vector, Result]:

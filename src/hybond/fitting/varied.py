@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from hybond.errors import UsageError
 from hybond.model.parts import Value
 from hybond.names import did_you_mean
-from hybond.units import try_quantity
+from hybond.units import is_of, try_quantity
 
 Vector = NDArray[np.float64]
 
@@ -78,6 +78,7 @@ def scale_of(
     start: Vector,
     bounds: Mapping[str, tuple[Value, Value]],
     logs: Sequence[str],
+    units: Sequence[str] = (),
 ) -> Scale:
     """Return the scale of a search.
 
@@ -99,7 +100,8 @@ def scale_of(
             a, b = pair
         except (TypeError, ValueError):
             raise _wrong(name, f"{pair!r} are no bounds") from None
-        low[k], high[k] = _bound(a, name, -np.inf), _bound(b, name, np.inf)
+        unit = units[k] if units else ""
+        low[k], high[k] = _bound(a, name, unit, -np.inf), _bound(b, name, unit, np.inf)
     for k, name in enumerate(names):
         if name in logs and not start[k] > 0.0:
             raise _wrong(name, f"it starts at {start[k]:g}, which has no logarithm")
@@ -117,11 +119,13 @@ def scale_of(
     return Scale(tuple(names), size, own, low, high, np.where(own, 0.0, start / size))
 
 
-def _bound(value: Value, name: str, nothing: float) -> float:
+def _bound(value: Value, name: str, unit: str, nothing: float) -> float:
     if value is None:
         return nothing
     if isinstance(value, str):
         quantity = try_quantity(value)
+        if quantity is not None and not is_of(quantity, unit):
+            raise _wrong(name, f"{value!r} is no bound of what is in {unit}")
         if quantity is not None:
             return quantity.value
     elif isinstance(value, int | float) and not isinstance(value, bool) and not math.isnan(value):

@@ -21,7 +21,7 @@ from hybond.model.builder import Model
 from hybond.model.parts import Value
 from hybond.result import Result
 from hybond.runs.states import State
-from hybond.units import try_quantity
+from hybond.units import is_of, try_quantity
 
 POINTS = 60
 """Orbits that span the range at the least, if the branch is straight."""
@@ -112,6 +112,7 @@ def continuation(
         raise _no_range(f"parameter = {parameter!r} is no name", "parameter", '"D", or "r.R"')
     given = {k: v for k, v in (parameters or {}).items() if k != parameter}
     shots = shots_of(model, [parameter], given, solver=solver, rtol=rtol, max_step=max_step)
+    _check_units(values, shots.wanted.units[0])
     shots.at([first])
     asked = period_asked(shots, period, multiple)
     begun = begin(shots, asked, multiple, start, settle)
@@ -139,6 +140,13 @@ def _range(values: Any) -> tuple[float, float]:
     if not np.isfinite(ends).all() or ends[0] == ends[1]:
         raise _no_range(f"from {ends[0]:g} to {ends[1]:g} there is no way", "values", "two values")
     return ends[0], ends[1]
+
+
+def _check_units(values: Sequence[float | str], unit: str) -> None:
+    for value in values:
+        quantity = try_quantity(value) if isinstance(value, str) else None
+        if quantity is not None and not is_of(quantity, unit):
+            raise _no_range(f"{value!r} is no value of what is in {unit}", "values", f"in {unit}")
 
 
 def _no_range(why: str, where: str, hint: str) -> UsageError:

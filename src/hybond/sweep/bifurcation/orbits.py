@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -88,7 +89,9 @@ def orbit_of(
     later, all of them; or if these differences are smaller in each turn than in the one before, and
     what they shrink to, extrapolated, is no more than that or a twentieth of the last ones: close
     to where an orbit loses its stability it settles slowly. One from which differences grow in
-    each turn, however small, is none: it is about to be left. Words repeat in the last turns.
+    each turn, however small, is none: it is about to be left. Words repeat in the last turns. What
+    winds into an orbit comes near itself after some turns of a longer period; its own is the one to
+    which all of them shrink.
 
     Parameters
     ----------
@@ -124,8 +127,31 @@ def orbit_of(
         own = list(words[-turns:])
         if own[p:] != own[:-p]:
             continue
+        if not settled:
+            p = _shorter(scaled, own, p)
         return Orbit(p, settled, turned(own[-p:]), sum(len(w) - 1 for w in own[-p:]) / p)
     return Orbit(0, False, (), events)
+
+
+def _shorter(scaled: Vector, words: Sequence[Word], p: int) -> int:
+    """Return the divisor of a period to which its turns shrink: a spiral into a shorter orbit.
+
+    Points of an orbit stay apart; those of a spiral come nearer as fast as its turns do.
+    """
+    far = np.abs(scaled[:, p:] - scaled[:, :-p]).max(axis=0)
+    for d in range(1, p):
+        if p % d == 0 and list(words[d:]) == list(words[:-d]):
+            apart = np.abs(scaled[:, d:] - scaled[:, :-d]).max(axis=0)
+            if _left(apart) <= math.sqrt(_left(far)):
+                return d
+    return p
+
+
+def _left(apart: Vector) -> float:
+    """Return what is left of differences in the last third, as a part of those in the first."""
+    third = max(len(apart) // 3, 1)
+    first = float(apart[:third].mean())
+    return float(apart[-third:].mean()) / first if first > 0.0 else 0.0
 
 
 def _turns(apart: Vector, p: int) -> Vector:

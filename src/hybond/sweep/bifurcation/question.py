@@ -24,7 +24,7 @@ from hybond.runs.times import time_in
 from hybond.sweep.asking import check_options
 from hybond.sweep.factors import Factor, factor_of
 from hybond.sweep.lifted import lifted
-from hybond.units import try_quantity
+from hybond.units import is_of, try_quantity
 
 Vector = NDArray[np.float64]
 DIRECTIONS = ("fresh", "up", "down", "both")
@@ -220,6 +220,8 @@ def period_expression(graph: FlatGraph, text: str) -> Expr:
         HB-P132.
     """
     quantity = try_quantity(text)
+    if quantity is not None and not is_of(quantity, "s"):
+        raise section_refusal(f"period = {text!r} is no time", "period", 'period="20 us"')
     if quantity is not None:
         text = repr(quantity.value)
     try:

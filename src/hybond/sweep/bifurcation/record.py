@@ -267,9 +267,33 @@ class Bifurcation:
             )
         return float(number)
 
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What is to be known of how far values have come."""
+        cut = self.runner.question.cut
+        slow = sum(int((~b.settled & (b.period > 0)).sum()) for b in self.branches)
+        short = 0
+        for b in self.branches:
+            there = np.isfinite(b.when).sum(axis=1)
+            failed = np.isin(np.arange(len(there)), list(b.errors))
+            short += int(((there < cut.keep) & ~failed).sum())
+        found = []
+        if slow:
+            found.append(
+                f"{slow} of all values still settle after {cut.settle} periods: their period is "
+                "extrapolated; a longer `settle` tells it"
+            )
+        if short and not self.interrupted:
+            found.append(
+                f"{short} of all values came to fewer than {cut.settle} + {cut.keep} samples in "
+                "the time that they have: a longer `limit` lets them"
+            )
+        return tuple(found)
+
     def __str__(self) -> str:
         head = f"{self.title}\n{', '.join(self.of)}, {self.section}"
-        return f"{head}\n{self.windows()!r}\n{self.how}, {self.seconds:.3g} s"
+        notes = "".join(f"\nnote: {note}" for note in self.notes)
+        return f"{head}\n{self.windows()!r}\n{self.how}, {self.seconds:.3g} s{notes}"
 
     def __repr__(self) -> str:
         periods = sorted({int(p) for b in self.branches for p in b.period.tolist() if p > 0})
