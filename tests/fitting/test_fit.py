@@ -217,3 +217,15 @@ def test_duty_and_coil_of_a_converter() -> None:
     end = np.linalg.matrix_power(once, periods) @ [0.0, 0.0, 1.0]
     assert end[:2] == pytest.approx([2.2, 5.0], rel=1e-6)
     assert found.trials < 15
+
+
+def test_what_only_rounding_tells_has_no_interval() -> None:
+    """Of a free fall the mass is not told, whatever digits its slopes have."""
+    m = hb.Model("drop", domain="translational", parameters={"m": "1 kg", "g": "9 m/s^2"})
+    m.add(weight=hb.Se("-m*g"), ball=hb.I("m"), v=hb.One())
+    m.bond("weight -> v -> ball")
+    m.signal(h=hb.Integral("v.f", start="10 m"))
+    t = np.linspace(0.1, 1.0, 10)
+    found = hb.fit(m, {"time": t, "h": 10.0 - 0.5 * 9.81 * t**2}, free=["m", "g"])
+    assert found["g"] == pytest.approx(9.81, rel=1e-9)
+    assert any("do not tell m" in note for note in found.notes) and found.high[0] == np.inf

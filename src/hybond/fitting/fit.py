@@ -11,6 +11,7 @@ run. One that cannot be run is too far away: the step is shortened.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -39,6 +40,8 @@ LOSSES = ("linear", "soft_l1", "huber", "cauchy", "arctan")
 Source = str | Path | Mapping[str, Any] | Data
 
 CONFIDENCE = 0.95
+NOTHING = 1e-10
+"""Part of the spread of the data below which what a value changes is rounding of runs."""
 UNSEEN = 1e-10
 """Singular values of the scaled slopes below this part of the largest: data do not tell."""
 
@@ -251,7 +254,7 @@ def _record(
     left = max(len(residuals) - free, 1)
     variance = 1.0 if known else float(residuals @ residuals) / left
     size = np.linalg.norm(J, axis=0)
-    unseen = size <= 0.0
+    unseen = size <= NOTHING * math.sqrt(len(residuals))
     size[unseen] = 1.0
     _, s, vt = np.linalg.svd(J / size, full_matrices=False)
     open_ = s <= UNSEEN * s.max(initial=0.0)

@@ -322,6 +322,8 @@ class Linearisation:
         if len(found) == 1:
             margins = self.margins(input=found[0].input, output=found[0].output)
         title = self._heading()
+        if not any(np.any(b.response != 0.0) for b in found):
+            title = f"no response in this mode: {title}"
         if 1 < len(found) < len(whole):
             title = f"{len(found)} of {len(whole)} pairs of {title}"
         return plot_bode(found, margins=margins, title=title, path=path)
