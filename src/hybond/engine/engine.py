@@ -104,6 +104,8 @@ class Step:
     error_before: float
     controlled: int
     rejected: int
+    tried: float
+    """How long the step is that is tried; 0: none is."""
     tiny: int
     """Steps in a row that were next to no time."""
     grid: float

@@ -131,7 +131,9 @@ def controlled_step(e: Engine, t_end: float) -> int:
         t1 = t_end if lands else s.t0 + h
         t1 = min(t1, t_end)
         h = t1 - s.t0
+        s.tried = h
         error = attempt(e, t1)
+        s.tried = 0.0
         if error <= 1.0 or (math.isfinite(error) and is_one_kink(e, s.t0, s.y0, t1, s.y1)):
             break
         s.rejected += 1

@@ -23,10 +23,8 @@ IDLE: Final = 1e-12
 ROUNDED: Final = 2.220446049250313e-15
 """Part of its terms that the rate of a stored quantity may be off by."""
 SHORT: Final = 1e-6
-"""Part of the run that is a moment: what its rate's rounding adds up to in one is kept."""
-LASTING: Final = 1e3
-"""So many moments long a step is whose error is all rounding: in no fewer steps is a run made of
-which one quantity is nothing else."""
+"""Part of the run in which what that adds up to is no error, nor is it in a step, if that is more:
+what is held at zero has a rate that is nothing else."""
 
 
 def start_scale(e: Engine, mode: Mode) -> None:
@@ -128,6 +126,7 @@ def tolerance(e: Engine, y0: Floats, y1: Floats, out: Floats) -> None:
         tried += own[k] * (y1[k] * y1[k])
     e.scale_energy = max(e.scale_energy, 0.5 * here)
     most = max(e.scale_energy, 0.5 * tried)
+    moments = max(e.step.tried / (SHORT * e.span), 1.0) if e.step.tried > 0.0 else 1.0
     for k in range(m.storages):
         moved = out[k] > 0.0
         floor = 0.0
@@ -136,7 +135,7 @@ def tolerance(e: Engine, y0: Floats, y1: Floats, out: Floats) -> None:
         out[k] = m.rtol * max(out[k], floor if math.isfinite(floor) else 0.0)
         # what has not moved yet has no size: the solver chooses its first step without it
         if moved:
-            out[k] = max(out[k], LASTING * e.rounding[k])
+            out[k] = max(out[k], moments * e.rounding[k])
     for k in range(m.storages, e.states):
         out[k] = m.rtol * out[k] + IDLE * math.sqrt(m.rtol)
 

@@ -18,7 +18,7 @@ from hybond.engine.mode.values import field, set_motion
 from hybond.engine.reasons.facts import add_fact
 from hybond.engine.run.guard_values import has_crossed, holds_at, show
 from hybond.engine.run.held_by_kinks import is_held
-from hybond.engine.run.locator import ALL_PARTS, LONGEST_NAP, NO_KINK, Locator
+from hybond.engine.run.locator import ALL_PARTS, LONGEST_NAP, NO_KINK, Locator, pass_step
 from hybond.engine.run.run_records import IDLE, PATIENCE, Run
 from hybond.engine.run.together import LAST_PLACES, before_kink, kink_there
 
@@ -123,6 +123,7 @@ def see_crawl(e: Engine, r: Run) -> int:
     Errors of steps that reach over a jump keep them so short, or end them so close to it, that no
     step is seen to begin on one side and to end on the other.
     """
+    pass_step(r.locator)
     if e.model.kinks == 0 or e.step.t1 - e.step.t0 > CRAWL * e.span:
         r.crawled = 0
         r.patience = PATIENCE

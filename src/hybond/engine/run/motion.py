@@ -43,7 +43,7 @@ from hybond.engine.run.kinks_passed import (
     stuck_at_kink,
 )
 from hybond.engine.run.locate import locate
-from hybond.engine.run.locator import Locator, pass_step, watch
+from hybond.engine.run.locator import Locator, watch
 from hybond.engine.run.log import (
     keep_left,
     report_end,
@@ -285,12 +285,9 @@ def flow(e: Engine, r: Run) -> int:
                     return LAW
                 r.cut = not near
                 return GUARD if near else STOPPED
-            if see_crawl(e, r) != OK:
-                return -1
-            pass_step(g)
             if e.checks.looked == e.t:
                 look_at_guards(e)
-            if go_on(e) != OK:
+            if see_crawl(e, r) != OK or go_on(e) != OK:
                 return -1
             continue
         if is_kink_alone(e, g):
