@@ -192,6 +192,10 @@ class Engine:
     energy: float
     """The largest energy that the run has seen, J."""
     next_break: float
+    late: float
+    """Time is not read before it, nor behind the next: where what depends on time alone jumps at an
+    end of the interval."""
+    early: float
     piece: Ints
     line_piece: Ints
     """Of each input: the piece whose line is known: its value, its rate, and where it begins."""
@@ -323,6 +327,8 @@ def make_engine(m: Model) -> Engine:
     e.given = ints(m.junctions)
     e.impulses = floats(2 * m.bonds)
     e.next_break = math.inf
+    e.late = -math.inf
+    e.early = math.inf
     e.open_modes = records(Mode, OPEN_KEPT)
     if m.laws > 0 or m.method == MOREAU:
         e.laws = make_laws(m)

@@ -13,7 +13,7 @@ from hybond.engine.checks.laws_held import look_at_laws, look_now_and_then
 from hybond.engine.contacts.impacts_seen import before_event, observe_event
 from hybond.engine.contacts.landing import keep_still, land_contacts, stuck
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
-from hybond.engine.inputs.interval import interval_after
+from hybond.engine.inputs.interval import hold_before, interval_after
 from hybond.engine.instant.instant import GUARD, LAW, START, TIME, begin_instant
 from hybond.engine.instant.settle import settle
 from hybond.engine.laws.laws import check_limits, limits_vary, observe
@@ -223,6 +223,7 @@ def flow(e: Engine, r: Run) -> int:
             return LAW
     r.flowing = False
     end = min(e.next_break, e.stop)
+    hold_before(e, end)
     instant = room_of_instant(e, e.t)
     while True:
         if r.slice == 0:
