@@ -26,6 +26,8 @@ class Checks:
     first_look: bool
     """Whether lost digits are not counted yet: what does not hold then is suspect, no more."""
     suspects: int
+    unbounded: int
+    """A bond variable that was found beyond all bounds, -1: none."""
     said: Ints
     """Of each law: whether it was found not to hold, in the order of the kinds in `noting`."""
     violated: int
@@ -80,6 +82,7 @@ def make_checks(m: Model) -> Checks:
     c.ahead_state = ints(m.machines)
     c.held = ints(rules)
     c.looked = -1.0
+    c.unbounded = -1
     c.before = floats(m.ports)
     c.after = floats(m.ports)
     c.prior = floats(2 * m.bonds)

@@ -14,6 +14,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.engine.checks.bounds_held import MOST
 from hybond.engine.checks.noting import ELEMENT, JUNCTION, STORAGE, note_violation
 from hybond.engine.checks.shown import clear_prior, show_at
 from hybond.engine.engine import Engine
@@ -95,6 +96,7 @@ def measure_bonds(e: Engine, mode: Mode) -> None:
     """Find what each bond variable may be off by.
 
     Where elimination lost digits, as between milliohms and megohms, those are missing here too.
+    What is beyond all bounds is told by `bounds_held`.
     """
     m = e.model
     c = e.checks
@@ -105,6 +107,8 @@ def measure_bonds(e: Engine, mode: Mode) -> None:
         kind = m.bond_class[k]
         c.largest[kind] = max(c.largest[kind], size)
         most = max(most, size)
+        if not size <= MOST:
+            c.unbounded = k
     for k in range(2 * m.bonds):
         c.tolerance[k] = PART * c.magnitude[k] + ROUNDING * c.largest[m.bond_class[k]]
         if not c.first_look:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.engine.checks.bounds_held import hold_bounds
 from hybond.engine.checks.guards_held import foresee, hold_apart, look_at_guards
 from hybond.engine.checks.laws_held import look_at_laws, look_now_and_then
 from hybond.engine.contacts.impacts_seen import before_event, observe_event
@@ -115,6 +116,7 @@ def run_to_end(e: Engine, r: Run) -> int:
     if status != REFUSED:
         if mode_of(e, e.state) == OK and combine_here(e, e.state) == OK:
             look_at_laws(e)
+            status = status if hold_bounds(e) == OK else REFUSED
         report_end(e, r.report)
     return status
 
@@ -322,6 +324,8 @@ def begin_flow(e: Engine, r: Run) -> int:
         return REFUSED
     report_slide(e, r.report)
     look_at_laws(e)
+    if hold_bounds(e) != OK:
+        return REFUSED
     watch(e, r.locator, e.state)
     if limits_vary(m) and look_at_limits(e) != OK:
         return REFUSED
@@ -480,6 +484,8 @@ def note(e: Engine, r: Run, t: float, shown: float) -> int:
     if t > r.resumed:
         report_step(e, r.report)
     look_now_and_then(e)
+    if hold_bounds(e) != OK:
+        return REFUSED
     if limits_vary(m) and look_at_limits(e) != OK:
         return REFUSED
     return OK
