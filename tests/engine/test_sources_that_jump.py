@@ -202,3 +202,18 @@ def test_what_a_source_was_before_its_jump_is_what_rules_read_of_before() -> Non
     (event,) = run.events[1:]
     assert event.t == pytest.approx(1.0, abs=1e-11)
     assert float(run["lamp.f"].at(1.5)) == 1.0 and float(run["lamp.f"].at(0.5)) == 0.0
+
+
+@pytest.mark.parametrize("theta", [0.5, 1.0])
+@pytest.mark.parametrize("kind", ["Sf", "Se"])
+@pytest.mark.parametrize("shape", ["floor", "sign", "if"])
+def test_time_stepping_pays_for_what_a_source_jumps_by(shape: str, kind: str, theta: float) -> None:
+    text, value, times = SHAPES[shape]
+    model = driven(text, kind, False)
+    run = hb.simulate(model, "2.2 s", solver="moreau-jean", step="10 ms", theta=theta)
+    audit = run.audit()
+    assert audit.holds() and audit.created <= 1e-14 and audit.energy <= 1e-14
+    jumps = [(value(t - 1e-9) if t > 1e-9 else 0.0, value(t + 1e-9)) for t in times]
+    jumps = jumps[1:] if shape == "if" else jumps  # a jump at the start is no step's
+    given = sum(MASS * (after - before) * after for before, after in jumps)
+    assert run.segments[-1].y[-1][-2] == pytest.approx(given, rel=1e-9)
