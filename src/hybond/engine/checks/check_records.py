@@ -63,6 +63,8 @@ class Checks:
     before: Floats
     after: Floats
     """What ports read before and after an impact."""
+    terms: Floats
+    """The magnitudes of what each of these is a sum of."""
     prior: Floats
 
 
@@ -85,5 +87,6 @@ def make_checks(m: Model) -> Checks:
     c.unbounded = -1
     c.before = floats(m.ports)
     c.after = floats(m.ports)
+    c.terms = floats(m.ports)
     c.prior = floats(2 * m.bonds)
     return c

@@ -22,7 +22,7 @@ from hybond.engine.engine import OK, Engine
 from hybond.engine.impacts.impact_records import NEWTON, NEWTON_SIMULTANEOUS
 from hybond.engine.laws.law_instant import NO_LAW_VALUE, is_stored, quantity
 from hybond.engine.laws.law_records import Laws
-from hybond.engine.laws.ports import open_mode, solve_with, times_partner
+from hybond.engine.laws.ports import open_mode, partner_row, solve_with, times_partner
 from hybond.engine.mode.guess import give_back_guess, hold_guess
 from hybond.engine.mode.tableau import COMMON
 from hybond.engine.timestepping.step_records import MOREAU
@@ -30,6 +30,9 @@ from hybond.engine.words import Floats
 
 MISSED: Final = 1e-6
 """Part of the fastest speed by which one may miss its law, as where storage is not linear."""
+ROUNDED: Final = 64.0 * 2.220446049250313e-16
+"""Likewise, of the two speeds that it is the difference of: balls side by side approach by what is
+rounding of theirs."""
 CARRIES: Final = 1e-9
 """Part of the largest impulse from which on one is more than rounding."""
 
@@ -41,7 +44,11 @@ def hold_impact(e: Engine, r: Laws, by_branches: bool) -> None:
     """
     m = e.model
     c = e.checks
-    if not has_contacts(e, r) or not show_speeds(e, r, r.x, c.before):
+    if not has_contacts(e, r):
+        return
+    for k in range(m.ports):
+        c.terms[k] = 0.0
+    if not show_speeds(e, r, r.x, c.before):
         return
     if by_branches:
         for b in range(2 * m.bonds):
@@ -85,7 +92,7 @@ def hold_contact(e: Engine, r: Laws, k: int, alone: bool, may: float, least: flo
         off = max(target - c.after[k], 0.0)
     elif asked != NEWTON:
         off = max(-c.after[k], 0.0)
-    if off > (0.0 if nu < -least else may):
+    if off > (0.0 if nu < -least else may + ROUNDED * c.terms[k]):
         size = math.fabs(c.after[k]) + math.fabs(target)
         note_violation(e, e.mode, r.t, IMPACT, k, off, size)
 
@@ -128,7 +135,10 @@ def impulse_of(e: Engine, r: Laws, k: int) -> float:
 
 
 def show_speeds(e: Engine, r: Laws, x: Floats, speed: Floats) -> bool:
-    """Put what ports read with `x` stored into `speed`, nothing being given to them."""
+    """Put what ports read with `x` stored into `speed`, nothing being given to them.
+
+    What it is made of is in `e.checks.terms`, if that is more than it was.
+    """
     m = e.model
     mode = open_mode(e, r.now)
     for k in range(2 * m.slots):
@@ -144,4 +154,10 @@ def show_speeds(e: Engine, r: Laws, x: Floats, speed: Floats) -> bool:
         e.laws.unanswered = False
         return False
     times_partner(m, r.now, e.work.w, speed)
+    for k in range(m.ports):
+        row = partner_row(r.now, k)
+        size = 0.0
+        for i in range(m.pair_first[row], m.pair_first[row + 1]):
+            size += math.fabs(m.pair_value[i] * e.work.w[m.pair_column[i]])
+        e.checks.terms[k] = max(e.checks.terms[k], size)
     return True
