@@ -101,6 +101,9 @@ class Step:
     f: Floats
     h: float
     h_before: float
+    off: float
+    """The error of a step that was repeated, as a part of what it may be; 0: the method tells none.
+    """
     error_before: float
     controlled: int
     rejected: int
