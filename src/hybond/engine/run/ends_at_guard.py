@@ -70,9 +70,7 @@ def land_first(e: Engine, g: Locator, room: float) -> int:
                 return shorten(e, g)
         else:
             # the rates may jump just there, of which this error is to know nothing
-            if retry(e, at - past * (at - e.step.t0)) != OK:
-                return REFUSED
-            if e.step.off > 1.0:
+            if retry(e, at - past * (at - e.step.t0)) == OK and e.step.off > 1.0:
                 return shorten(e, g)
             if retry(e, end) != OK:
                 return REFUSED
