@@ -10,7 +10,7 @@ from typing import Final
 
 from hybond.engine.checks.bounds_held import hold_bounds
 from hybond.engine.checks.guards_held import foresee, hold_apart, look_at_guards
-from hybond.engine.checks.laws_held import look_at_laws, look_now_and_then
+from hybond.engine.checks.laws_held import look_at_entry, look_at_laws, look_now_and_then
 from hybond.engine.contacts.impacts_seen import before_event, observe_event
 from hybond.engine.contacts.landing import keep_still, land_contacts, stuck
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
@@ -324,7 +324,7 @@ def begin_flow(e: Engine, r: Run) -> int:
     if mode_of(e, e.state) != OK or combine_here(e, e.state) != OK:
         return REFUSED
     report_slide(e, r.report)
-    look_at_laws(e)
+    look_at_entry(e)
     if hold_bounds(e) != OK:
         return REFUSED
     watch(e, r.locator, e.state)
