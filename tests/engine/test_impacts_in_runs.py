@@ -321,3 +321,31 @@ def test_speeds_that_are_left_of_large_ones_may_be_off_by_their_rounding(loss: f
     speeds = [float(run[f"v{k}.f"].at(hit + 1e-6)) for k in range(1, 6)]
     assert speeds[4] == pytest.approx(((1 + eps) / 2) ** 4 * fastest, rel=1e-7)
     assert sum(speeds) == pytest.approx(fastest, rel=1e-6)
+
+
+# -- balls side by side: their approach is rounding of their speed
+
+
+@pytest.mark.parametrize("eps", [0.0, 0.5, 1.0])
+@pytest.mark.parametrize("slow", [1e-7, 1e-10])
+@pytest.mark.parametrize("law", ["newton", *AT_ONCE[:2]])
+def test_balls_that_fly_together_and_hardly_approach(law, slow, eps):
+    """Two of equal mass change what their speeds are apart into ``-eps`` of it."""
+    m = row([3.0 + slow, 3.0], [0.1, 0.1], [eps])
+    run = hb.simulate(m, until=1e-3, impact=law, engine=ENGINE)
+    assert run.status == "ok" and run.audit().holds()
+    v = [float(run[f"v{k}.f"].at(1e-3)) for k in range(2)]
+    assert v[1] - v[0] == pytest.approx(eps * (3.0 + slow - 3.0), abs=2e-15)
+    assert v[0] + v[1] == pytest.approx(6.0 + slow, abs=2e-15)
+
+
+@pytest.mark.parametrize("eps", ["0.99999", "0.99998", "0.9999"])
+def test_a_cradle_whose_balls_come_back_side_by_side(eps):
+    """Impacts keep momentum; the swing of the centre of all balls is that of one pendulum."""
+    m = example("newtons_cradle")
+    m.parameters["eps"] = eps
+    run = hb.simulate(m, "2.6 s", engine=ENGINE)
+    assert run.status == "ok" and run.audit().holds()
+    p = sum(float(run[f"ball{k}.p"].at(2.6)) for k in range(1, 6))
+    w = (0.981 / 0.1) ** 0.5
+    assert p == pytest.approx(0.1 * 0.05 * w * np.sin(w * 2.6), abs=1e-8)

@@ -18,7 +18,7 @@ import hybond as hb
 from hybond.engine.checks import laws_held
 from hybond.engine.instant import impulse_ways, jump
 from hybond.engine.laws import laws
-from hybond.engine.run import motion
+from hybond.engine.run import ends_at_guard, motion
 from hybond.engine.tables import options
 
 
@@ -208,7 +208,8 @@ def test_gates_of_one_instant_that_are_settled_apart(
     for pair in pairs:
         right = ended(switched(*pair), 1.0)
         assert right.status == "ok" and right.final["i.p"] == 1.0
-    monkeypatch.setattr(motion, "last_of_instant", lambda e, g, t, top: t)
+    for where in (motion, ends_at_guard):
+        monkeypatch.setattr(where, "last_of_instant", lambda e, g, t, top: t)
     lost = [run for run in (ended(switched(*pair), 1.0) for pair in pairs) if run.final["i.p"] != 1]
     assert lost
     for run in lost:

@@ -43,7 +43,7 @@ def said_by(run: EngineRun, rows: list[Rows]) -> Said:
     """Return what a run wrote down in the words of an exported program."""
     t = run.model.tables
     first = t.ints["state_first"]
-    said = Said(end=run.t, stopped=run.fault.code)
+    said = Said(end=run.t, stopped=run.fault.code if run.status == REFUSED else "")
     for part in rows:
         visit = fired = hit = 0
         for (when, *_), place in zip(part.instant_time, part.instant_place):

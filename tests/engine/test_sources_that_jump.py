@@ -153,3 +153,67 @@ def test_a_source_behind_an_open_junction_jumps_onto_nothing_until_that_closes()
         ("law", pytest.approx(1.5)),
     ]
     assert run["mass.p"].at([0.7, 1.2, 1.7]) == pytest.approx([0.0, MASS, 2.0 * MASS])
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("shape", ["sign", "ceil", "floor"])
+def test_a_timed_rule_at_a_jump_of_a_source_is_one_instant_with_it(shape: str, method: str) -> None:
+    text, level = {
+        "sign": ("sign(time/(1 s) - 1)", lambda t: math.copysign(1.0, t - 1.0)),
+        "ceil": ("ceil(time/(1 s))", math.ceil),
+        "floor": ("floor(time/(1 s))", math.floor),
+    }[shape]
+    m = driven(text, "Sf", False)
+    m.add(force=hb.Se(f"({text})*1 [N]"), big=hb.I("1 kg"), w=hb.One())
+    m.add(load=hb.Sf("1 m/s"), gate=hb.Zero(), lamp=hb.R("1 N*s/m"), u=hb.One())
+    m.bond("force -> w -> big", "load -> gate -> u -> lamp")
+    rules = ["off -> on when time >= 1"]
+    m.machine("M", states={"off": [], "on": ["gate"]}, start="off", rules=rules)
+    step = "10 ms" if method == "rk4" else None
+    run = hb.simulate(m, "1.5 s", solver=method, step=step)
+    assert run.audit().holds()
+    first, event = run.events
+    assert (first.t, event.t, event.cause) == (0.0, 1.0, "time")
+    before, after = level(0.5), level(1.25)
+    assert event.steps[-1].impulses["s.e"] == pytest.approx(MASS * (after - before), rel=1e-12)
+    for source in ("s.f", "force.e"):
+        assert float(run[source].at(1.0, side="left")) == before
+        assert float(run[source].at(1.0)) == after
+    assert float(run["big.p"].at(1.5)) == pytest.approx(before + 0.5 * after, abs=1e-9)
+
+
+def test_an_input_that_bends_where_a_source_jumps_by_it_is_one_instant() -> None:
+    m = driven("sign(u)", "Sf", False)
+    m.input(u=hb.Input(table=[(0, -1), (1, 0), (2, 3)], linear=True))
+    run = hb.simulate(m, "2 s")
+    assert run.audit().holds()
+    assert [e.t for e in run.events] == [0.0, 1.0]
+    assert run.events[1].steps[-1].impulses["s.e"] == pytest.approx(2.0 * MASS)
+    assert run["store.p"].at([0.5, 1.5]) == pytest.approx([-MASS, MASS])
+
+
+def test_what_a_source_was_before_its_jump_is_what_rules_read_of_before() -> None:
+    m = driven("sign(time/(1 s) - 1)", "Sf", False)
+    m.add(load=hb.Sf("1 m/s"), gate=hb.Zero(), lamp=hb.R("1 N*s/m"), u=hb.One())
+    m.bond("load -> gate -> u -> lamp")
+    rules = ["off -> on when s.f - pre(s.f) > 1.9"]
+    m.machine("M", states={"off": [], "on": ["gate"]}, start="off", rules=rules)
+    run = hb.simulate(m, "2 s")
+    (event,) = run.events[1:]
+    assert event.t == pytest.approx(1.0, abs=1e-11)
+    assert float(run["lamp.f"].at(1.5)) == 1.0 and float(run["lamp.f"].at(0.5)) == 0.0
+
+
+@pytest.mark.parametrize("theta", [0.5, 1.0])
+@pytest.mark.parametrize("kind", ["Sf", "Se"])
+@pytest.mark.parametrize("shape", ["floor", "sign", "if"])
+def test_time_stepping_pays_for_what_a_source_jumps_by(shape: str, kind: str, theta: float) -> None:
+    text, value, times = SHAPES[shape]
+    model = driven(text, kind, False)
+    run = hb.simulate(model, "2.2 s", solver="moreau-jean", step="10 ms", theta=theta)
+    audit = run.audit()
+    assert audit.holds() and audit.created <= 1e-14 and audit.energy <= 1e-14
+    jumps = [(value(t - 1e-9) if t > 1e-9 else 0.0, value(t + 1e-9)) for t in times]
+    jumps = jumps[1:] if shape == "if" else jumps  # a jump at the start is no step's
+    given = sum(MASS * (after - before) * after for before, after in jumps)
+    assert run.segments[-1].y[-1][-2] == pytest.approx(given, rel=1e-9)

@@ -15,6 +15,8 @@ SHAPES = {
     "floor": ("floor(time/(1 s))", {1.0: (0.0, 1.0), 2.0: (1.0, 2.0)}),
     "mod": ("1 - mod(time, 1 s)/(1 s)", {1.0: (0.0, 1.0), 2.0: (0.0, 1.0)}),
     "if": ("if time >= 1 then 3 else 1", {1.0: (1.0, 3.0)}),
+    "sign": ("sign(time/(1 s) - 1)", {1.0: (-1.0, 1.0)}),
+    "ceil": ("ceil(time/(1 s))", {1.0: (1.0, 2.0), 2.0: (2.0, 3.0)}),
     "product": ("(2 + time/(1 s))*floor(time/(1 s) + 1.5)", {0.5: (2.5, 5.0), 1.5: (7.0, 10.5)}),
 }
 
@@ -55,12 +57,14 @@ def test_a_jump_where_the_run_ends_is_settled_and_belongs_to_it(
         assert float(run[value].at(last.t, side="left")) == pytest.approx(before, abs=1e-8)
 
 
-@pytest.mark.parametrize("shape", ["floor", "mod", "product"])
+@pytest.mark.parametrize("shape", ["floor", "mod", "sign", "ceil", "product"])
 def test_a_run_that_is_cut_at_its_jumps_is_the_whole(shape: str) -> None:
     text, jumps = SHAPES[shape]
     model = held(text, "Se", False)
     whole = hb.simulate(model, "2.2 s")
-    begun = {"mod": 1.0, "product": 2.0}.get(shape, 0.0)  # onto an empty storage
+    begun = {"mod": 1.0, "sign": -1.0, "ceil": 1.0, "product": 2.0}.get(
+        shape, 0.0
+    )  # onto an empty storage
     lost = 0.5 * SIZE * (begun**2 + sum((b - a) ** 2 for a, b in jumps.values()))
     assert whole.losses().lost == pytest.approx(lost)
     cuts = [*jumps, 2.2]
@@ -75,6 +79,23 @@ def test_a_run_that_is_cut_at_its_jumps_is_the_whole(shape: str) -> None:
     again = hb.simulate(model, 2.2, start=whole.state(cuts[0]))  # one instant with the event
     assert float(again["store.q"].at(2.2)) == pytest.approx(float(whole["store.q"].at(2.2)))
     assert len(again.events) == len(jumps) - 1
+
+
+@pytest.mark.parametrize("shape", ["product", "floor"])
+@pytest.mark.parametrize("method", ["auto", "rk45", "radau", "qss2"])
+def test_a_run_that_ends_at_the_first_jump_onto_an_empty_storage_ends(
+    shape: str, method: str
+) -> None:
+    text, jumps = {
+        "product": ("(2 + time/(1 s))*floor(time/(1 s) + 0.5)", 2.5),
+        "floor": ("floor(time/(1 s) + 0.5)", 1.0),
+    }[shape]
+    m = hb.Model("empty", domain="electrical")
+    m.add(s=hb.Se(f"({text})*1 [V]"), store=hb.C(f"{SIZE} F"), node=hb.Zero())
+    m.bond("s -> node -> store")
+    run = hb.simulate(m, "0.5 s", solver=method)
+    assert run.audit().holds() and [e.t for e in run.events] == [0.0, 0.5]
+    assert float(run["store.q"].at(0.5)) == pytest.approx(SIZE * jumps, rel=1e-12)
 
 
 def test_a_closed_switch_loses_nothing_of_what_a_source_jumps_onto() -> None:

@@ -33,7 +33,8 @@ all room to work in. Data flows so::
     locate                    the first instant of a step at which a guard holds: locator (what
                               is kept), guard_values, guard_shape, candidates, bracket;
                               together (what is one instant with it, kinks), one_instant (how
-                              long that lasts)
+                              long that lasts); ends_at_guard (the step that ends there)
+    bounds_held               values that outgrow all bounds
     sampling, calls           signals set at instants; inputs and blocks that are asked for
     motion                    the executive: segment after segment
     radau, radau_stages       implicit steps

@@ -101,6 +101,9 @@ class Step:
     f: Floats
     h: float
     h_before: float
+    off: float
+    """The error of a step that was repeated, as a part of what it may be; 0: the method tells none.
+    """
     error_before: float
     controlled: int
     rejected: int
@@ -196,6 +199,10 @@ class Engine:
     energy: float
     """The largest energy that the run has seen, J."""
     next_break: float
+    late: float
+    """Time is not read before it, nor behind the next: where what depends on time alone jumps at an
+    end of the interval."""
+    early: float
     piece: Ints
     line_piece: Ints
     """Of each input: the piece whose line is known: its value, its rate, and where it begins."""
@@ -327,6 +334,8 @@ def make_engine(m: Model) -> Engine:
     e.given = ints(m.junctions)
     e.impulses = floats(2 * m.bonds)
     e.next_break = math.inf
+    e.late = -math.inf
+    e.early = math.inf
     e.open_modes = records(Mode, OPEN_KEPT)
     if m.laws > 0 or m.method == MOREAU:
         e.laws = make_laws(m)

@@ -431,6 +431,9 @@ class Model:
     """What is to be ON for anything to feel it, -1: nothing."""
     kink_node: Ints
     """The element that says it; -1: the rate of a signal."""
+    timed_jumps: int
+    timed_jump: Ints
+    """What depends on time and inputs that are known beforehand, and jumps by one at least."""
     edges: int
     """What is nowhere negative: beyond, a root in a law has no value."""
     edge_value: Ints

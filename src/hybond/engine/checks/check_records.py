@@ -26,6 +26,8 @@ class Checks:
     first_look: bool
     """Whether lost digits are not counted yet: what does not hold then is suspect, no more."""
     suspects: int
+    unbounded: int
+    """A bond variable that was found beyond all bounds, -1: none."""
     said: Ints
     """Of each law: whether it was found not to hold, in the order of the kinds in `noting`."""
     violated: int
@@ -61,6 +63,8 @@ class Checks:
     before: Floats
     after: Floats
     """What ports read before and after an impact."""
+    terms: Floats
+    """The magnitudes of what each of these is a sum of."""
     prior: Floats
 
 
@@ -80,7 +84,9 @@ def make_checks(m: Model) -> Checks:
     c.ahead_state = ints(m.machines)
     c.held = ints(rules)
     c.looked = -1.0
+    c.unbounded = -1
     c.before = floats(m.ports)
     c.after = floats(m.ports)
+    c.terms = floats(m.ports)
     c.prior = floats(2 * m.bonds)
     return c

@@ -31,7 +31,8 @@ from hybond.engine.words import Floats
 MISSED: Final = 1e-6
 """Part of the fastest speed by which one may miss its law, as where storage is not linear."""
 ROUNDED: Final = 64.0 * 2.220446049250313e-16
-"""Part of the flows whose difference a speed is that rounding may move it by."""
+"""Likewise, of the two speeds that it is the difference of: balls side by side approach by what is
+rounding of theirs."""
 CARRIES: Final = 1e-9
 """Part of the largest impulse from which on one is more than rounding."""
 
@@ -43,17 +44,18 @@ def hold_impact(e: Engine, r: Laws, by_branches: bool) -> None:
     """
     m = e.model
     c = e.checks
-    if not has_contacts(e, r) or not show_speeds(e, r, r.x, c.before):
+    if not has_contacts(e, r):
         return
-    rounding = ROUNDED * most_of_terms(e, r, e.work.w)
+    for k in range(m.ports):
+        c.terms[k] = 0.0
+    if not show_speeds(e, r, r.x, c.before):
+        return
     if by_branches:
         for b in range(2 * m.bonds):
             c.prior[b] = e.pre[m.bond_slot + b]
         times_partner(m, r.now, c.prior, c.before)
-        rounding = ROUNDED * most_of_terms(e, r, c.prior)
     if not show_speeds(e, r, r.landed, c.after):
         return
-    rounding = max(rounding, ROUNDED * most_of_terms(e, r, e.work.w))
     fastest = 0.0
     strongest = 0.0
     closed = 0
@@ -62,26 +64,11 @@ def hold_impact(e: Engine, r: Laws, by_branches: bool) -> None:
             fastest = max(fastest, max(math.fabs(c.before[k]), math.fabs(c.after[k])))
             strongest = max(strongest, math.fabs(impulse_of(e, r, k)))
             closed += 1
-    may = max(MISSED * fastest, rounding)
-    if not strikes(e, r, may):
+    if not strikes(e, r, MISSED * fastest):
         return
     for k in range(m.ports):
         if is_contact(e, r, k):
-            hold_contact(e, r, k, closed == 1, may, CARRIES * strongest)
-
-
-def most_of_terms(e: Engine, r: Laws, w: Floats) -> float:
-    """Return the largest sum of sizes of flows whose difference is the speed of a contact."""
-    m = e.model
-    most = 0.0
-    for k in range(m.ports):
-        if is_contact(e, r, k):
-            row = partner_row(r.now, k)
-            total = 0.0
-            for i in range(m.pair_first[row], m.pair_first[row + 1]):
-                total += math.fabs(m.pair_value[i] * w[m.pair_column[i]])
-            most = max(most, total)
-    return most
+            hold_contact(e, r, k, closed == 1, MISSED * fastest, CARRIES * strongest)
 
 
 def hold_contact(e: Engine, r: Laws, k: int, alone: bool, may: float, least: float) -> None:
@@ -105,7 +92,7 @@ def hold_contact(e: Engine, r: Laws, k: int, alone: bool, may: float, least: flo
         off = max(target - c.after[k], 0.0)
     elif asked != NEWTON:
         off = max(-c.after[k], 0.0)
-    if off > (0.0 if nu < -least else may):
+    if off > (0.0 if nu < -least else may + ROUNDED * c.terms[k]):
         size = math.fabs(c.after[k]) + math.fabs(target)
         note_violation(e, e.mode, r.t, IMPACT, k, off, size)
 
@@ -148,7 +135,10 @@ def impulse_of(e: Engine, r: Laws, k: int) -> float:
 
 
 def show_speeds(e: Engine, r: Laws, x: Floats, speed: Floats) -> bool:
-    """Put what ports read with `x` stored into `speed`, nothing being given to them."""
+    """Put what ports read with `x` stored into `speed`, nothing being given to them.
+
+    What it is made of is in `e.checks.terms`, if that is more than it was.
+    """
     m = e.model
     mode = open_mode(e, r.now)
     for k in range(2 * m.slots):
@@ -164,4 +154,10 @@ def show_speeds(e: Engine, r: Laws, x: Floats, speed: Floats) -> bool:
         e.laws.unanswered = False
         return False
     times_partner(m, r.now, e.work.w, speed)
+    for k in range(m.ports):
+        row = partner_row(r.now, k)
+        size = 0.0
+        for i in range(m.pair_first[row], m.pair_first[row + 1]):
+            size += math.fabs(m.pair_value[i] * e.work.w[m.pair_column[i]])
+        e.checks.terms[k] = max(e.checks.terms[k], size)
     return True

@@ -4,7 +4,8 @@ Bond variables come from an elimination, Newton's method and least leakage. None
 here: each law as it was declared is given all values, and what is left is held against the sizes
 of its own terms. So a law that any of these lost on the way is found.
 
-It is looked at after each settled instant, and between at each SPARSE-th evaluation of the rates.
+It is looked at after each settled instant (of a mode whose laws are all linear after the first
+OFTEN, then after each SELDOM-th), and between at each SPARSE-th evaluation of the rates.
 Motion along a surface is left out, where no law of one mode holds, and so is time-stepping, whose
 laws hold over a step.
 """
@@ -15,6 +16,7 @@ import math
 from typing import Final
 
 from hybond.engine.answers import value
+from hybond.engine.checks.bounds_held import MOST
 from hybond.engine.checks.noting import ELEMENT, JUNCTION, STORAGE, note_violation
 from hybond.engine.checks.shown import clear_prior, show_at
 from hybond.engine.engine import Engine
@@ -33,6 +35,9 @@ SOLVED: Final = 1e-12
 LOST_DIGITS: Final = 1e-13
 """Likewise, of the terms that made a variable, as where a guard is asked."""
 SPARSE: Final = 512
+OFTEN: Final = 16
+"""Times that time begins to pass in a linear mode before it is looked at less often."""
+SELDOM: Final = 16
 
 
 def look_now_and_then(e: Engine) -> None:
@@ -40,6 +45,27 @@ def look_now_and_then(e: Engine) -> None:
     if e.evaluations >= e.checks.due:
         look_at_laws(e)
         e.checks.looked = e.t
+
+
+def look_at_entry(e: Engine) -> None:
+    """Look at the laws of the mode in which time begins to pass.
+
+    Where all of them are linear, what holds at many points holds at all: from then on it is done
+    every few times, so that an event costs no more than its share.
+    """
+    mode = e.mode
+    mode.looks += 1
+    if mode.looks <= OFTEN or mode.looks % SELDOM == 0 or bends(e, mode):
+        look_at_laws(e)
+
+
+def bends(e: Engine, mode: Mode) -> bool:
+    """Whether any law of a mode is not linear."""
+    m = e.model
+    found = mode.dynamics > 0
+    for k in range(m.storages):
+        found = found or m.co_energy[k] >= 0
+    return found
 
 
 def look_at_laws(e: Engine) -> None:
@@ -95,6 +121,7 @@ def measure_bonds(e: Engine, mode: Mode) -> None:
     """Find what each bond variable may be off by.
 
     Where elimination lost digits, as between milliohms and megohms, those are missing here too.
+    What is beyond all bounds is told by `bounds_held`.
     """
     m = e.model
     c = e.checks
@@ -105,6 +132,8 @@ def measure_bonds(e: Engine, mode: Mode) -> None:
         kind = m.bond_class[k]
         c.largest[kind] = max(c.largest[kind], size)
         most = max(most, size)
+        if not size <= MOST:
+            c.unbounded = k
     for k in range(2 * m.bonds):
         c.tolerance[k] = PART * c.magnitude[k] + ROUNDING * c.largest[m.bond_class[k]]
         if not c.first_look:

@@ -1,10 +1,15 @@
-"""What is constant between two timed events: pieces of inputs, comparisons of time."""
+"""What is constant between two timed events: pieces of inputs, comparisons of time.
+
+Where what depends on time alone has a kink or a jump at an end of such an interval, time is read
+just within it: on either side of the instant as it is there.
+"""
 
 from __future__ import annotations
 
 import math
 from typing import Final
 
+from hybond.engine.answers import value
 from hybond.engine.engine import Engine
 from hybond.engine.inputs.calls import call_input, call_input_rate
 from hybond.engine.model import Model
@@ -12,6 +17,8 @@ from hybond.engine.words import Floats, Ints
 
 ROUNDING: Final = 1.7763568394002505e-15
 """Eight units in the last place: what instants that are one on paper differ by."""
+HALF: Final = 0.5
+"""Of one, which whole numbers, signs and truths jump by at least."""
 CONSTANT: Final = 0
 HELD: Final = 1
 LINES: Final = 2
@@ -223,6 +230,44 @@ def interval_after(e: Engine, t: float) -> None:
     for k in range(m.watches):
         e.at[k] = 1 if watch_holds(m, k, inside) else 0
     e.next_break = end
+    e.late = -math.inf
+    e.early = math.inf
+    if m.timed_jumps > 0 and jumps_beside(e, t, moment(m, t)):
+        e.late = t + moment(m, t)
+    hold_before(e, end)
+
+
+def hold_before(e: Engine, t: float) -> None:
+    """Read time just before an instant at the latest, where what depends on time jumps there."""
+    m = e.model
+    if m.timed_jumps > 0 and t > e.late and t < math.inf and jumps_beside(e, t, -moment(m, t)):
+        e.early = min(e.early, t - moment(m, t))
+
+
+def jumps_beside(e: Engine, t: float, way: float) -> bool:
+    """Whether what depends on time alone has another value next to an instant than there.
+
+    By the present interval. The values in `e.v` are changed that it reads.
+    """
+    m = e.model
+    late = e.late
+    early = e.early
+    e.late = -math.inf
+    e.early = math.inf
+    jumps = False
+    for k in range(m.timed_jumps):
+        set_time(e, e.v, t)
+        there = value(m, m.timed_jump[k], e.v)
+        set_time(e, e.v, t + way)
+        jumps = jumps or math.fabs(value(m, m.timed_jump[k], e.v) - there) > HALF
+    e.late = late
+    e.early = early
+    return jumps
+
+
+def moment(m: Model, t: float) -> float:
+    """Return a time that is none, and long enough to be on one side of a kink."""
+    return ROUNDING * max(math.fabs(t), m.span)
 
 
 def break_after(m: Model, t: float) -> float:
@@ -265,6 +310,7 @@ def watch_holds(m: Model, k: int, t: float) -> bool:
 def set_time(e: Engine, v: Floats, t: float) -> None:
     """Write time, inputs and comparisons of time."""
     m = e.model
+    t = min(max(t, e.late), e.early)
     v[0] = t
     for i in range(m.inputs):
         if m.called > 0 and m.input_kind[i] == CALLED:

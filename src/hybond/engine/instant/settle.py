@@ -11,7 +11,7 @@ from __future__ import annotations
 from hybond.engine.answers import machine_name, rule_text
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.expressions.paired import holds
-from hybond.engine.inputs.interval import interval_after
+from hybond.engine.inputs.interval import hold_before, interval_after
 from hybond.engine.inputs.sampling import sample
 from hybond.engine.instant.entering import enter
 from hybond.engine.instant.in_force import is_asked
@@ -103,6 +103,7 @@ def settle(e: Engine, g: Settling, i: Instant) -> int:
     g.tries = 0
     g.turn = 1
     g.marked = False
+    hold_before(e, t)
     if a_priori(e, t, g.x, g.s, g.state) != OK:
         return REFUSED
     keep_open_before(e)

@@ -173,4 +173,5 @@ def controlled_retry(e: Engine, t_end: float) -> int:
             return no_rate(e, e.states, t_end - e.step.t0, e.step.rate, e.step.y1)
         return not_finite(e)
     accept(e, t_end)
+    e.step.off = error
     return OK

@@ -66,8 +66,9 @@ def step(e: Engine, t_end: float) -> int:
 
 
 def retry(e: Engine, t_end: float) -> int:
-    """Repeat the last step with the size that ends it at `t_end`."""
+    """Repeat the last step with the size that ends it at `t_end`; its error is ``e.step.off``."""
     e.refusal = False
+    e.step.off = 0.0
     e.curved = False
     if by_radau(e):
         return radau_retry(e, t_end)

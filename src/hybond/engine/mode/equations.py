@@ -102,6 +102,7 @@ def make_equations(e: Engine, mode: Mode, given: Ints) -> None:
     mode.direct = mode.finite
     read_rates(e, mode, mode.rates)
     mode.guessed = False
+    mode.looks = 0
     fit(mode.guess, mode.finite_frees + 1)
     mode.ways.known = False
     mode.ways.parted = False

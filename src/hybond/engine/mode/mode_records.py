@@ -138,6 +138,9 @@ class Mode:
     leakage: Leakage
     loose: int
     freedom: Block
+    looks: int
+    """How often time has begun to pass in it since it was made: laws are put back into themselves.
+    """
     guessed: bool
     guess: Block
     ways: Ways

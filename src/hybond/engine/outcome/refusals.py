@@ -231,6 +231,16 @@ def _nowhere(c: Case) -> Said:
     return Said(f"no combination of the modes stays on {texts} {c.now}", c.here)
 
 
+def _beyond(c: Case) -> Said:
+    variable, level = c.refusal.about
+    bonds = c.graph.bonds
+    effort = variable < len(bonds)
+    bond = bonds[int(variable) % len(bonds)]
+    size = f"{abs(level):.6g}" if math.isfinite(level) else "no number any more"
+    why = f"the {'effort' if effort else 'flow'} of bond {bond.name!r} is beyond all bounds"
+    return Said(f"{why}, {size}, {c.now}", c.here)
+
+
 def _in_vain(c: Case) -> Said:
     why = f"a guard holds {TIMES} times in a row {c.now}, and nothing changes"
     return Said(why, ", ".join(c.explain.rule(k).text for k in c.numbers) or c.here)
@@ -299,6 +309,7 @@ WORDS: Mapping[str, Callable[[Case], Said]] = {
     "HB-J121": _no_end,
     "HB-N201": _too_small,
     "HB-N202": _no_rate,
+    "HB-N203": _beyond,
     "HB-N301": _no_solution,
     "HB-N302": _no_value,
     "HB-N303": _no_jump,

@@ -10,6 +10,7 @@ HB-J111    the rules that held, in the order in which they were found
 HB-M205    the port; how fast its gap opens; how fast its bonds close
 HB-N201    the step, s; the state that dominates the error, or -1
 HB-N202    the step, s, 0 at the start of a motion; the state whose rate has no value, or -1
+HB-N203    the bond variable; its value
 HB-N301    the states of the mode; its elements that have laws
 HB-N302    the states of the mode; the element, NO_ELEMENT or OVERFLOW; its value
 HB-N303/4  the states of the mode

@@ -8,13 +8,13 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.engine.checks.endless import is_endless
+from hybond.engine.checks.bounds_held import hold_bounds
 from hybond.engine.checks.guards_held import foresee, hold_apart, look_at_guards
-from hybond.engine.checks.laws_held import look_at_laws, look_now_and_then
+from hybond.engine.checks.laws_held import look_at_entry, look_at_laws, look_now_and_then
 from hybond.engine.contacts.impacts_seen import before_event, observe_event
 from hybond.engine.contacts.landing import keep_still, land_contacts, stuck
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
-from hybond.engine.inputs.interval import interval_after
+from hybond.engine.inputs.interval import hold_before, interval_after
 from hybond.engine.instant.instant import GUARD, LAW, START, TIME, begin_instant
 from hybond.engine.instant.settle import settle
 from hybond.engine.laws.laws import limits_vary, look_at_limits, observe
@@ -34,6 +34,7 @@ from hybond.engine.planar.descent import (
 from hybond.engine.planar.stops import arm_slips, begin_slips, follows_slip
 from hybond.engine.run.carried import begin_again, cause_of_beginning, take_up, warm_up
 from hybond.engine.run.edges import reach_edges, straight_on, time_at_once
+from hybond.engine.run.ends_at_guard import find_within, land
 from hybond.engine.run.kinks_passed import (
     count_kink,
     end_at_kink,
@@ -43,7 +44,7 @@ from hybond.engine.run.kinks_passed import (
     stuck_at_kink,
 )
 from hybond.engine.run.locate import locate
-from hybond.engine.run.locator import Locator, watch
+from hybond.engine.run.locator import watch
 from hybond.engine.run.log import (
     keep_left,
     report_end,
@@ -114,6 +115,7 @@ def run_to_end(e: Engine, r: Run) -> int:
     if status != REFUSED:
         if mode_of(e, e.state) == OK and combine_here(e, e.state) == OK:
             look_at_laws(e)
+            status = status if hold_bounds(e) == OK else REFUSED
         report_end(e, r.report)
     return status
 
@@ -222,6 +224,7 @@ def flow(e: Engine, r: Run) -> int:
             return LAW
     r.flowing = False
     end = min(e.next_break, e.stop)
+    hold_before(e, end)
     instant = room_of_instant(e, e.t)
     while True:
         if r.slice == 0:
@@ -262,7 +265,7 @@ def flow(e: Engine, r: Run) -> int:
                 stuck_at_kink(e, r)
                 return -1
             at = g.at
-            if at >= end - instant:
+            if at < math.inf and at >= end - instant:
                 # one instant with the timed event: settled once, there
                 at = math.inf
                 if e.step.t1 < end and retry(e, end) != OK:
@@ -318,7 +321,9 @@ def begin_flow(e: Engine, r: Run) -> int:
     if mode_of(e, e.state) != OK or combine_here(e, e.state) != OK:
         return REFUSED
     report_slide(e, r.report)
-    look_at_laws(e)
+    look_at_entry(e)
+    if hold_bounds(e) != OK:
+        return REFUSED
     watch(e, r.locator, e.state)
     if limits_vary(m) and look_at_limits(e) != OK:
         return REFUSED
@@ -369,17 +374,6 @@ def go_from_edge(e: Engine, r: Run) -> int:
     return start(e, e.t, e.y, bound_of(e), True)
 
 
-def find_within(e: Engine, g: Locator) -> int:
-    """Repeat a step shorter until there are values all over it, where a law has an edge."""
-    for _ in range(SHORTER if e.model.edges > 0 else 0):
-        h = 0.25 * (e.step.t1 - e.step.t0)
-        if e.step.t0 + h == e.step.t0 or retry(e, e.step.t0 + h) != OK:
-            return REFUSED
-        if locate(e, g) == OK:
-            return OK
-    return REFUSED
-
-
 def lead_to_rest(e: Engine, r: Run, end: float) -> int:
     """Lead slip in the plane to its end, if it is about to end. After Executive._to_rest."""
     m = e.model
@@ -413,46 +407,6 @@ def lead_to_rest(e: Engine, r: Run, end: float) -> int:
     return OK
 
 
-def land(e: Engine, g: Locator, room: float, end: float) -> int:
-    """Repeat the step so that it ends just past the instant found; find all that is one with it.
-
-    Not beyond `end`. After Executive._land.
-    """
-    if land_first(e, g, room) != OK:
-        return REFUSED
-    top = min(g.at + room, end)
-    # guards are asked within the step, never where its polynomial is extended
-    if top > e.step.t1:
-        if is_kink_alone(e, g):
-            return OK  # no step goes far beyond a kink
-        if retry(e, top) != OK:
-            return REFUSED
-    g.looked = math.nan
-    g.at = last_of_instant(e, g, g.at, top)
-    return REFUSED if g.failed else OK
-
-
-def land_first(e: Engine, g: Locator, room: float) -> int:
-    """Repeat the step so that it ends just past the first instant at which a guard holds."""
-    h = e.step.t1 - e.step.t0
-    longest = e.step.t1
-    at = g.at
-    for k in range(2):
-        past = 1e-6 if k == 0 else 1e-3
-        end = at + max(past * (at - e.step.t0), 2.0 * room)
-        if end >= longest or end - e.step.t0 <= 1e-9 * h:
-            break
-        if retry(e, end) != OK or locate(e, g) != OK:
-            return REFUSED
-        if g.at < math.inf:
-            return OK
-    # the instant was not found again: the step as it was
-    if e.step.t1 != longest and retry(e, longest) != OK:
-        return REFUSED
-    g.at = at
-    return OK
-
-
 def note(e: Engine, r: Run, t: float, shown: float) -> int:
     """Note a step that ends at `t`, with the state at `shown`, put back on its constraints.
 
@@ -474,11 +428,11 @@ def note(e: Engine, r: Run, t: float, shown: float) -> int:
     if m.disks > 0:
         arm_slips(e, t, e.y)
     e.t = t
-    if is_endless(e):
-        return REFUSED
     if t > r.resumed:
         report_step(e, r.report)
     look_now_and_then(e)
+    if hold_bounds(e) != OK:
+        return REFUSED
     if limits_vary(m) and look_at_limits(e) != OK:
         return REFUSED
     return OK

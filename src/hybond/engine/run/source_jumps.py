@@ -14,15 +14,15 @@ from typing import Final
 
 from hybond.engine.answers import value
 from hybond.engine.engine import OK, REFUSED, Engine
+from hybond.engine.inputs.interval import moment
 from hybond.engine.instant.jump import on_constraints
-from hybond.engine.methods.dopri import spacing
 from hybond.engine.methods.stepping import between, step
 from hybond.engine.mode.mode_records import is_constrained
 from hybond.engine.mode.storage import reach_of
 from hybond.engine.mode.values import evaluate
 from hybond.engine.run.guard_values import put_on_constraints
 from hybond.engine.run.run_records import Run
-from hybond.engine.run.together import LAST_PLACES, before_kink
+from hybond.engine.run.together import before_kink
 from hybond.engine.words import Floats
 
 JUMPED: Final = 1e-9
@@ -40,7 +40,7 @@ def jumps_onto_storage(e: Engine, r: Run, at: float) -> bool:
         return False
     many = e.states
     refusal = e.refusal
-    before = before_kink(e, r.locator, at) - moment(e)
+    before = before_kink(e, r.locator, at) - moment(e.model, e.t)
     between(e, before, r.rate)
     for i in range(many):
         r.beside[i] = r.rate[i]
@@ -55,6 +55,7 @@ def jumps_onto_storage(e: Engine, r: Run, at: float) -> bool:
     for i in range(many):
         e.y[i] = r.beside[many + i] + (r.rate[i] - r.beside[i])
     e.t = e.step.t1
+    e.early = min(e.early, before)
     return True
 
 
@@ -65,7 +66,7 @@ def jumps_at_once(e: Engine, r: Run) -> bool:
 
     What is a whole number just now, or has no sign, has another value as soon as time passes.
     """
-    soon = e.t + moment(e)
+    soon = e.t + moment(e.model, e.t)
     if not are_apart(e, r, e.t, soon) or step(e, soon) != OK:
         return False
     for i in range(e.states):
@@ -79,7 +80,8 @@ def jumps_at_end(e: Engine, r: Run) -> bool:
 
     What happens at the very end belongs to the run.
     """
-    return are_apart(e, r, e.t - moment(e), e.t)
+    a_moment = moment(e.model, e.t)
+    return are_apart(e, r, e.t - a_moment, e.t + a_moment)
 
 
 def are_apart(e: Engine, r: Run, before: float, behind: float) -> bool:
@@ -89,6 +91,8 @@ def are_apart(e: Engine, r: Run, before: float, behind: float) -> bool:
         return False
     many = e.states
     refusal = e.refusal
+    early = e.early
+    e.early = math.inf
     apart = evaluate(e, e.mode, e.shown, e.t, e.y) == OK and is_at_kink(e)
     if apart:
         for i in range(many):
@@ -100,6 +104,7 @@ def are_apart(e: Engine, r: Run, before: float, behind: float) -> bool:
         apart = known and differ(e, r)
         for i in range(many):
             e.y[i] = r.beside[i]
+    e.early = early
     e.refusal = refusal
     return apart
 
@@ -115,7 +120,7 @@ def put_before_kink(e: Engine, t: float, y: Floats) -> int:
     if evaluate(e, e.mode, e.shown, t, y) != OK:
         return REFUSED
     if is_at_kink(e):
-        return put_on_constraints(e, t - moment(e), y)
+        return put_on_constraints(e, t - moment(e.model, e.t), y)
     return on_constraints(e, e.mode, e.shown, y)
 
 
@@ -127,11 +132,6 @@ def is_at_kink(e: Engine) -> bool:
         size = math.fabs(value(m, m.atom_size[a], e.shown))
         found = found or math.fabs(value(m, m.atom_value[a], e.shown)) <= AT_KINK * size
     return found
-
-
-def moment(e: Engine) -> float:
-    """Return a time that is none, and long enough to be on one side of a kink."""
-    return LAST_PLACES * spacing(max(e.t, e.span))
 
 
 def differ(e: Engine, r: Run) -> bool:

@@ -9,10 +9,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from hybond.engine.inputs.interval import CALLED, FREE
 from hybond.engine.tables.guards import magnitude
 from hybond.engine.tables.options import METHODS
 from hybond.equations.surfaces import moves
-from hybond.model.expressions import Call, Expr, Number, ending, names, turning, uses_pre
+from hybond.model.expressions import Call, Expr, Number, ending, jumping, names, turning, uses_pre
 from hybond.model.graph import FlatGraph
 from hybond.options import QUANTISED
 
@@ -43,6 +44,9 @@ def put_kinks(t: ModelTables) -> None:
     t.ints["atom_value"] += [t.values.number(a) for a in found]
     t.ints["atom_size"] += [t.values.number(_terms(a)) for a in found]
     t.ints["atom_zero"] += [1] * len(found)
+    jumps = dict.fromkeys(a for e, _ in _followed(t) for a in jumping(e) if _is_timed(t, a))
+    t.ints["timed_jump"] = [t.values.number(a) for a in jumps]
+    t.numbers["timed_jumps"] = len(jumps)
     edges = dict.fromkeys(
         a for e, _ in _asked(t) for a in ending(e) if moves(a) and not uses_pre(a)
     )
@@ -53,6 +57,15 @@ def put_kinks(t: ModelTables) -> None:
     read = sorted({t.slots.index[n] for a in edges for n in names(a)})
     t.ints["edge_bond"] = [k - bonds.start for k in read if k in bonds]
     t.numbers["edge_bonds"] = len(t.ints["edge_bond"])
+
+
+def _is_timed(t: ModelTables, jumping: Expr) -> bool:
+    """Whether something changes with time alone, or with inputs that are known beforehand."""
+    if uses_pre(jumping) or not moves(jumping):
+        return False
+    kinds = t.ints["input_kind"]
+    read = [n for n in names(jumping) if n != "time"]
+    return all(n.startswith("u:") and kinds[int(n[2:])] not in (FREE, CALLED) for n in read)
 
 
 def _terms(turning: Expr) -> Expr:

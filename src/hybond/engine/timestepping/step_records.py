@@ -168,6 +168,8 @@ class Stepping:
     row: Ints
 
     # the outcome
+    thrust: Floats
+    """Impulses by which constraints have moved what is stored, of bond variables."""
     supplied: float
     dissipated: float
     worked: float
@@ -199,6 +201,7 @@ def make_stepping(m: Model) -> Stepping:
     s.base = floats(2 * m.bonds)
     s.without = floats(2 * m.bonds)
     s.mean = floats(2 * m.bonds)
+    s.thrust = floats(2 * m.bonds)
     s.y = floats(states)
     s.rate0 = floats(states)
     s.rate = floats(states)

@@ -160,6 +160,8 @@ def end_of_step(e: Engine, s: Stepping, t1: float, h: float) -> int:
         s.explicit[k] = e.y[k] + h * (1.0 - s.theta) * s.rate0[k]
     for k in range(m.ports):
         s.l[k] = 0.0
+    for b in range(2 * m.bonds):
+        s.thrust[b] = 0.0
     found = straight_step(e, s, p, c) if c.straight else newton_step_of(e, s, p, c)
     if found != OK:
         return REFUSED
@@ -263,6 +265,8 @@ def constrain(e: Engine, s: Stepping, p: Ports) -> int:
         return REFUSED
     if enter_mode(e, mode, s.v1, s.y, s.x) != OK:
         return REFUSED
+    for b in range(2 * m.bonds):
+        s.thrust[b] += e.impulses[b]
     for k in range(m.storages):
         s.y[k] = s.x[k]
     return OK
@@ -432,12 +436,17 @@ def finish_step(e: Engine, s: Stepping, p: Ports, t1: float, h: float) -> None:
 
 
 def meter_step(m: Model, s: Stepping, h: float) -> None:
-    """Find what sources gave and resistors took in a step."""
+    """Find what sources gave and resistors took in a step.
+
+    What a source thrusts by its impulse, as one that jumps does, it gives at its value in the end.
+    """
     s.supplied = 0.0
     s.dissipated = 0.0
     for k in range(m.suppliers):
         b = m.supplier_bond[k]
-        s.supplied += h * float(m.supplier_sign[k]) * s.mean[b] * s.mean[m.bonds + b]
+        given = h * s.mean[b] * s.mean[m.bonds + b]
+        given += s.thrust[b] * s.w[m.bonds + b] + s.thrust[m.bonds + b] * s.w[b]
+        s.supplied += float(m.supplier_sign[k]) * given
     for k in range(m.dissipators):
         b = m.dissipator_bond[k]
         s.dissipated += h * float(m.dissipator_sign[k]) * s.mean[b] * s.mean[m.bonds + b]

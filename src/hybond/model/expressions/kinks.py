@@ -6,7 +6,17 @@ import math
 from itertools import combinations, pairwise
 
 from hybond.model.expressions.slots import is_slotted
-from hybond.model.expressions.tree import Binary, Call, Compare, Expr, Number, Table, names, walk
+from hybond.model.expressions.tree import (
+    Binary,
+    Call,
+    Compare,
+    Expr,
+    If,
+    Number,
+    Table,
+    names,
+    walk,
+)
 
 _STRAIGHT = 1e-14
 """Slopes that differ by no more than this part of them are those of one line."""
@@ -36,6 +46,27 @@ def turning(e: Expr) -> list[Expr]:
                 found.append(_whole(Binary("/", *part.args)))
             case Table():
                 found += [Binary("-", part.arg, Number(x)) for x in _corners(part)]
+    return [e for e in dict.fromkeys(found) if names(e)]
+
+
+def jumping(e: Expr) -> list[Expr]:
+    """Return what jumps in an expression, by one at least: signs, whole numbers, truths.
+
+    Examples
+    --------
+    >>> from hybond.model.expressions import parse
+    >>> [str(a) for a in jumping(parse("abs(q) + sign(q - 1) + mod(q, 2)"))]
+    ['sign(q - 1)', 'mod(q, 2)/2']
+    """
+    found: list[Expr] = []
+    for part, _ in walk(e):
+        match part:
+            case Compare():
+                found.append(If(part, Number(1.0), Number(0.0)))
+            case Call(function="sign" | "floor" | "ceil"):
+                found.append(part)
+            case Call(function="mod"):
+                found.append(Binary("/", part, part.args[1]))
     return [e for e in dict.fromkeys(found) if names(e)]
 
 

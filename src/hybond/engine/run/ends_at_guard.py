@@ -1,0 +1,101 @@
+"""A step repeated so that it ends just past the first instant at which a guard holds."""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from hybond.engine.engine import OK, REFUSED, Engine
+from hybond.engine.methods.one_instant import room_of_instant
+from hybond.engine.methods.stepping import retry
+from hybond.engine.run.locate import locate
+from hybond.engine.run.locator import Locator
+from hybond.engine.run.together import is_kink_alone, kink_there, last_of_instant
+
+SHORTER: Final = 30
+"""Times that a step is repeated shorter, at the most."""
+
+
+def find_within(e: Engine, g: Locator) -> int:
+    """Repeat a step shorter until there are values all over it, where a law has an edge."""
+    for _ in range(SHORTER if e.model.edges > 0 else 0):
+        h = 0.25 * (e.step.t1 - e.step.t0)
+        if e.step.t0 + h == e.step.t0 or retry(e, e.step.t0 + h) != OK:
+            return REFUSED
+        if locate(e, g) == OK:
+            return OK
+    return REFUSED
+
+
+def land(e: Engine, g: Locator, room: float, end: float) -> int:
+    """Repeat the step so that it ends just past the instant found; find all that is one with it.
+
+    Not beyond `end`. After Executive._land.
+    """
+    if land_first(e, g, room) != OK:
+        return REFUSED
+    if g.at == math.inf:
+        return OK
+    top = min(g.at + room, end)
+    # guards are asked within the step, never where its polynomial is extended
+    if top > e.step.t1:
+        if is_kink_alone(e, g):
+            return OK  # no step goes far beyond a kink
+        if retry(e, top) != OK:
+            return REFUSED
+    g.looked = math.nan
+    g.at = last_of_instant(e, g, g.at, top)
+    return REFUSED if g.failed else OK
+
+
+def land_first(e: Engine, g: Locator, room: float) -> int:
+    """Repeat the step so that it ends just past the first instant at which a guard holds.
+
+    A step that is long enough to pass over what is narrow next to the guard, as a force that is
+    larger near rest, may not know of it; the one that ends there does. If its error is too large,
+    the step becomes shorter and nothing has happened yet, ``g.at`` being infinite.
+    """
+    h = e.step.t1 - e.step.t0
+    longest = e.step.t1
+    at = g.at
+    for k in range(2):
+        past = 1e-6 if k == 0 else 1e-3
+        end = at + max(past * (at - e.step.t0), 2.0 * room)
+        if end >= longest or end - e.step.t0 <= 1e-9 * h:
+            break
+        if e.model.kinks == 0 or kink_there(e, g) < 0:
+            if retry(e, end) != OK:
+                return REFUSED
+            if e.step.off > 1.0:
+                return shorten(e, g)
+        else:
+            # the rates may jump just there, of which this error is to know nothing
+            if retry(e, at - past * (at - e.step.t0)) == OK and e.step.off > 1.0:
+                return shorten(e, g)
+            if retry(e, end) != OK:
+                return REFUSED
+        if locate(e, g) != OK:
+            return REFUSED
+        if g.at < math.inf:
+            return OK
+    # the instant was not found again: the step as it was
+    if e.step.t1 != longest and retry(e, longest) != OK:
+        return REFUSED
+    g.at = at
+    return OK
+
+
+def shorten(e: Engine, g: Locator) -> int:
+    """Repeat a step that its error forbids, shorter, and look whether a guard holds in it."""
+    h = e.step.t1 - e.step.t0
+    for _ in range(SHORTER):
+        h *= 0.5
+        if e.step.t0 + h == e.step.t0 or retry(e, e.step.t0 + h) != OK:
+            return REFUSED
+        if e.step.off <= 1.0:
+            break
+    if locate(e, g) != OK:
+        return REFUSED
+    if g.at < math.inf:
+        return land_first(e, g, room_of_instant(e, e.t))
+    return OK
