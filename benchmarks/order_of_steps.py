@@ -2,7 +2,7 @@
 
     python benchmarks/order_of_steps.py --plot docs/img/step_order.png
 
-The problems, and the errors, are those of ``tests/engine/semantics/test_order_of_time_stepping.py``,
+The problems and the errors are those of `tests/engine/semantics/test_order_of_time_stepping.py`,
 where their slopes are held to.
 """
 
