@@ -255,3 +255,34 @@ def test_newtons_laws_have_friction_and_say_in_joules_what_they_create(
 def test_laws_of_impacts_without_friction_say_what_they_leave_out(impact: str) -> None:
     run = hb.simulate(rod(*KANE, 0.02, eps=0.9, falls=-0.65), until=1e-3, impact=impact)
     assert any("has no friction: the impulses of slip are left out" in w for w in run.warnings)
+
+
+def held_twice(limit: float, breakaway: float, stiff: bool) -> hb.Model:
+    """A body that a growing force pushes against two brakes, rigid or each behind a spring."""
+    m = hb.Model("held", domain="translational")
+    m.add(push=hb.Se("1 [N/s]*time"), body=hb.I("1 kg"), v=hb.One())
+    m.bond("push -> v -> body")
+    for k in (1, 2):
+        m.add(**{f"g{k}": hb.One(law="coulomb", limit=limit, breakaway=breakaway)})
+        if stiff:
+            m.add(**{f"n{k}": hb.Zero(), f"k{k}": hb.C("1 um/N"), f"d{k}": hb.R("1 kN*s/m")})
+            m.add(**{f"e{k}": hb.One()})
+            m.bond(f"v -> n{k} -> g{k}", f"n{k} -> e{k} -> k{k}", f"e{k} -> d{k}")
+        else:
+            m.bond(f"v -> g{k}")
+    return m
+
+
+def test_friction_that_others_hold_at_rest_is_said_to_have_several_answers() -> None:
+    run = hb.simulate(held_twice(1.0, 1.5, stiff=False), "2.9 s")
+    (said,) = run.warnings
+    assert "g2 at rest" in said and "is not unique: " in said and run.audit().holds()
+    # by the rule: what one holds in motion, and the breakaway of the other
+    assert run.events[-1].t == pytest.approx(2.5, abs=1e-11)
+    # where a stiffness decides, all brakes hold what they can
+    run = hb.simulate(held_twice(1.0, 1.5, stiff=True), "3.1 s")
+    assert not run.warnings
+    assert abs(float(run["v.f"].at(2.9))) < 1e-5 < float(run["v.f"].at(3.1))
+    # where rest holds no more than motion, both are one answer
+    run = hb.simulate(held_twice(1.0, 1.0, stiff=False), "2.5 s")
+    assert not run.warnings and run.events[-1].t == pytest.approx(2.0, abs=1e-11)

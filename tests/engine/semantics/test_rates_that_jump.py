@@ -75,3 +75,35 @@ def test_the_rate_of_a_level_held_by_two_pumps_is_refused_by_its_name() -> None:
     run = refused("if sum > 1 then -2 + sin(1*time) else 3", start=0.0)
     assert run.error.code == "HB-N410" and "'sum'" in str(run.error)
     assert run.t_end == pytest.approx(1.0 / 3.0, abs=1e-3)
+
+
+RATES = {
+    "sign": ("-sign(w)", "w < 0", 1.0, -1.0, lambda t: 0.0),
+    "pushed": ("0.3 - sign(w)", "w < 0", 1.3, -0.7, lambda t: 0.0),
+    "follows": (
+        "-sign(w - 0.2*sin(time/(1 [s])))",
+        "w < 0.2*sin(time/(1 [s]))",
+        1.0,
+        -1.0,
+        lambda t: 0.2 * math.sin(t),
+    ),
+}
+
+
+@pytest.mark.parametrize("rate", RATES)
+def test_an_integral_that_switches_its_own_rate_slides_as_a_machine_only(rate: str) -> None:
+    text, low, up, down, level = RATES[rate]
+    m = hb.Model("own")
+    m.signal(w=hb.Integral(text, start=0.5))
+    run = hb.simulate(m, 2, on_error="return")
+    assert run.error is not None and run.error.code == "HB-N410" and run.error.where == "w"
+    assert "machine" in str(run.error)
+    m = hb.Model("machine")
+    m.signal(w=hb.Integral(f'if M.state == "low" then {up} else {down}', start=0.5))
+    high = low.replace("<", ">")
+    rules = [f"low -> high when {high}", f"high -> low when {low}"]
+    m.machine("M", states={"low": [], "high": []}, start="high", rules=rules)
+    run = hb.simulate(m, 2)
+    assert run.sliding and run.audit().holds()
+    for t in (1.0, 1.5, 2.0):
+        assert float(run["w"].at(t)) == pytest.approx(level(t), abs=1e-9)

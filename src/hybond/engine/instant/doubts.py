@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from hybond.engine.engine import Engine
+from hybond.engine.laws.law_friction import may_rest
+from hybond.engine.laws.law_instant import quantity
 from hybond.engine.mode.mode_records import Mode
-from hybond.engine.reasons.warned import IMPULSIVE, add_about, begin_warning
+from hybond.engine.reasons.warned import HELD_AT_REST, IMPULSIVE, add_about, begin_warning
 
 
 def warn_of_impulsive(e: Engine, mode: Mode) -> None:
@@ -14,3 +16,36 @@ def warn_of_impulsive(e: Engine, mode: Mode) -> None:
     for i in range(mode.dynamics):
         if mode.dynamic[i] >= 0 and m.dynamic_impulsive[mode.dynamic[i]] != 0:
             add_about(e.warned, float(m.dynamic_node[mode.dynamic[i]]))
+
+
+def warn_of_held(e: Engine) -> None:
+    """Warn once of friction that slides by its branch and that others hold at rest.
+
+    What holds more at rest than in motion counts with what it has in motion there: what each of
+    them carries is not unique, and so is not when they break loose.
+    """
+    m = e.model
+    mode = e.mode
+    for k in range(m.ports):
+        if not may_rest(m, k) or e.laws.held_said[k] != 0 or e.state[m.port_machine[k]] == 0:
+            continue
+        j = m.port_junction[k]
+        if m.end_first[j] == m.end_first[j + 1]:
+            continue
+        b = m.end_bond[m.end_first[j]] + (0 if m.junction_kind[j] == 0 else m.bonds)
+        breakaway = quantity(m, m.port_breakaway, m.port_breakaway_constant, k, e.v)
+        limit = quantity(m, m.port_limit, m.port_limit_constant, k, e.v)
+        if breakaway > limit and is_held(mode, b):
+            e.laws.held_said[k] = 1
+            begin_warning(e.warned, HELD_AT_REST, e.t)
+            add_about(e.warned, float(k))
+
+
+def is_held(mode: Mode, b: int) -> bool:
+    """Whether the equations of a mode give a bond variable no other value than zero."""
+    row = mode.same[b]
+    held = mode.finite.first.at[row] == mode.finite.first.at[row + 1]
+    held = held and mode.direct.first.at[row] == mode.direct.first.at[row + 1]
+    for i in range(mode.finite_frees):
+        held = held and mode.finite_free.at[b * mode.finite_frees + i] == 0.0
+    return held

@@ -129,6 +129,8 @@ class Laws:
     start: Ints
     resting: Ints
     loose: Ints
+    held_said: Ints
+    """Whether it was said of friction that others hold it at rest."""
     halted: Ints
     """Friction that would turn round at once, and so may rest instead."""
     problem: LawProblem
@@ -267,6 +269,7 @@ def make_laws(m: Model) -> Laws:
     r.resting = ints(n)
     r.loose = ints(n)
     r.halted = ints(n)
+    r.held_said = ints(n)
     r.problem = make_law_problem(n)
     for k in range(n):
         r.problem.rank[k] = m.port_rank[k]

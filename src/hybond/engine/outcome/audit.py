@@ -96,6 +96,9 @@ def audit(graph: FlatGraph, trace: Trace, signals: Signals) -> Audit:
     bond = np.array([end.bond for end in ends], dtype=np.intp)
     sign = np.array([float(end.sign) for end in ends])
     power = energy = created = 0.0
+    if not ends:
+        # nothing carries power: machines and signals alone
+        return Audit(power, energy, created, laws=tuple(trace.unsound))
     largest = through = 0.0
     many = len(graph.bonds)
     strongest, fastest = np.zeros(many), np.zeros(many)

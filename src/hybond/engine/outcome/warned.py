@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 NOT_UNIQUE, NO_WAY_ON, TWIN_SURFACES, OWN_JUMP, THROWS_BACK = 1, 2, 3, 4, 5
 SECOND_ANSWER, IMPULSIVE, LEFT_OPEN, FAR_APART, UNREST = 6, 7, 8, 9, 10
-WITHOUT_END, SHARES_OPEN, FIRES_ALWAYS, NEXT_DECIDES, UNSOUND = 11, 12, 13, 14, 15
+WITHOUT_END, SHARES_OPEN, FIRES_ALWAYS, NEXT_DECIDES, UNSOUND, HELD_AT_REST = 11, 12, 13, 14, 15, 16
 """Kinds of warnings: as in `hybond.engine.reasons.warned`."""
 TIMELESS = (TWIN_SURFACES, OWN_JUMP, IMPULSIVE, LEFT_OPEN, FAR_APART)
 """Those whose text does not say when: once said, they are said."""
@@ -142,6 +142,13 @@ class Warnings:
             )
         if kind == NEXT_DECIDES:
             return f"{now} the laws leave no answer at this instant: the next step decides"
+        if kind == HELD_AT_REST:
+            name = self.graph.nodes[self._ports[numbers[0]]].path
+            return (
+                f"{now} others hold the friction of {name} at rest, so that what each of them "
+                "carries is not unique: it counts with what it holds in motion, not with its "
+                "breakaway, until they break loose; a stiffness between them decides"
+            )
         if kind == FAR_APART:
             return self._far_apart(about[0], about[1], tuple(numbers[2:]))
         return self._of_surfaces(kind, now, numbers)

@@ -52,6 +52,9 @@ UNSOUND: Final = 15
 """A law does not hold. Numbers: what it belongs to (an element, a storage, a junction), its number
 there, what is left of it, the size of its terms, then the states of the mode."""
 
+HELD_AT_REST: Final = 16
+"""Friction that slides by its branch is held at rest by others. Its port; said once."""
+
 
 @record
 class Warned:

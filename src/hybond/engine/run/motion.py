@@ -15,6 +15,7 @@ from hybond.engine.contacts.impacts_seen import before_event, observe_event
 from hybond.engine.contacts.landing import keep_still, land_contacts, stuck
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.inputs.interval import hold_before, interval_after
+from hybond.engine.instant.doubts import warn_of_held
 from hybond.engine.instant.instant import GUARD, LAW, START, TIME, begin_instant
 from hybond.engine.instant.settle import settle
 from hybond.engine.laws.laws import limits_vary, look_at_limits, observe
@@ -324,6 +325,8 @@ def begin_flow(e: Engine, r: Run) -> int:
     look_at_entry(e)
     if hold_bounds(e) != OK:
         return REFUSED
+    if m.laws > 0 and m.tells != 0:
+        warn_of_held(e)
     watch(e, r.locator, e.state)
     if limits_vary(m) and look_at_limits(e) != OK:
         return REFUSED
