@@ -326,6 +326,32 @@ def test_what_does_not_fit_is_refused(options: dict[str, object], code: str) -> 
     assert error.value.code == code
 
 
+@pytest.mark.parametrize(
+    "text", ["2*pi*f*time", "2*pi*time/P", "2*pi*time/(500 ms)", "2*pi*(2 Hz)*time"]
+)
+def test_units_within_the_phase_of_a_signal_are_no_matter(text: str) -> None:
+    m = hb.Model("lag", parameters={"f": "2 Hz", "P": "0.5 s"})
+    m.signal(x=hb.Integral(f"(cos({text}) - x)/(1 s)"))
+    orbit = hb.periodic(m)
+    w = 4 * np.pi
+    assert orbit.period == pytest.approx(0.5, rel=1e-12)
+    assert orbit.values == pytest.approx([np.exp(-0.5)], rel=1e-9)
+    assert orbit["x"].max() == pytest.approx(1 / np.sqrt(1 + w * w), rel=1e-8)
+
+
+@pytest.mark.parametrize("settle", [6.5, 7.0, 7.3, 13.3, 30.0])
+def test_a_swing_that_shrinks_to_a_point_has_no_period(settle: float) -> None:
+    m = hb.Model("lc", domain="electrical")
+    m.add(L=hb.I("1 H"), C=hb.C("0.25 F", e="1 V"), j=hb.One())
+    m.bond("j -> L", "j -> C")
+    try:
+        orbit = hb.periodic(m, settle=settle)
+    except hb.NumericsError as error:
+        assert error.code == "HB-A540"
+    else:
+        assert orbit.period == pytest.approx(np.pi, rel=1e-7)
+
+
 def test_what_has_no_orbit_says_what_was_computed() -> None:
     m = hb.Model("pump", domain="electrical")
     m.input(u=hb.Input(pwm={"period": "1 ms", "duty": 0.5}))

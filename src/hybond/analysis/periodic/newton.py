@@ -40,6 +40,8 @@ CLOSE = 1e-7
 """How near end and beginning are, as a part of states, where rounding lets them come no nearer."""
 STILL = 1e-7
 """Part of itself by which a state moves at the least within a period, or nothing does."""
+MISSED = 1e-4
+"""Part of what a motion of its own period moves by that its end is off at the most."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -116,7 +118,7 @@ class Newton:
                 shot = self._on(shot)
                 continue
             self._others = 0
-            if off <= self.tol or self._settled():
+            if (off <= self.tol and self._is_whole(shot, off)) or self._settled():
                 return self._done(shot)
             if shot.M is None:
                 self._note(f"periods are run on where there is no derivative: {shot.why}")
@@ -268,16 +270,25 @@ class Newton:
 
     def _is_moving(self, shot: Shot) -> None:
         """Refuse a motion of its own period that is none."""
-        if not self.own:
-            return
-        n = len(shot.x)
-        rows = np.concatenate([segment.y[:, :n] for segment in shot.run.segments])
-        if (np.ptp(rows, axis=0) <= STILL * self.units).all():
+        if self.own and self._moved(shot) <= STILL:
             self._none(
                 "the search ended where nothing moves: at an equilibrium",
                 shot,
                 hint="start on another side of it, or further away",
             )
+
+    def _is_whole(self, shot: Shot, off: float) -> bool:
+        """Whether the end is off by little of what moves, so that a swing that shrinks is none."""
+        if not self.own:
+            return True
+        moved = self._moved(shot)
+        return moved <= STILL or off <= MISSED * moved
+
+    def _moved(self, shot: Shot) -> float:
+        """Return the largest part of a state by which one moves within the period."""
+        n = len(shot.x)
+        rows = np.concatenate([segment.y[:, :n] for segment in shot.run.segments])
+        return float((np.ptp(rows, axis=0) / self.units).max(initial=0.0))
 
     def _free(self, shot: Shot) -> tuple[str, ...]:
         """Return what conserved quantities are made of."""
