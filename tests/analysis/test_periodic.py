@@ -339,6 +339,18 @@ def test_units_within_the_phase_of_a_signal_are_no_matter(text: str) -> None:
     assert orbit["x"].max() == pytest.approx(1 / np.sqrt(1 + w * w), rel=1e-8)
 
 
+def test_a_period_that_ends_where_a_sawtooth_jumps_moves_with_it() -> None:
+    m = hb.Model("lag", parameters={"P": 0.5})
+    m.signal(x=hb.Integral("mod(time, P)/P - x"))
+    for P in (0.3, 0.5, 0.7):  # x = t/P - 1/P + exp(-t)/(1 - exp(-P))
+        orbit = hb.periodic(m, wrt=["P"], parameters={"P": P})
+        assert orbit.state.signals["x"] == pytest.approx(1 / (1 - np.exp(-P)) - 1 / P, rel=1e-8)
+        by = 1 / P**2 - np.exp(-P) / (1 - np.exp(-P)) ** 2
+        assert orbit.derivative("x", "P") == pytest.approx(by, rel=1e-6)
+    found = hb.continuation(m, "P", (0.5, 0.8), points=4)
+    assert found.branches[0].ended == "the range ends"
+
+
 @pytest.mark.parametrize("settle", [6.5, 7.0, 7.3, 13.3, 30.0])
 def test_a_swing_that_shrinks_to_a_point_has_no_period(settle: float) -> None:
     m = hb.Model("lc", domain="electrical")
