@@ -32,6 +32,8 @@ Vector = NDArray[np.float64]
 HALVINGS = 3
 FREE = 1e-9
 """Singular values of the scaled J below this part of the largest count as zero."""
+ROUNDING = 1e-12
+"""So do those below this: the difference of M and 1 is not known better."""
 OTHER_MODES = 12
 """Periods in a row that may end in another mode than they begin with."""
 DRIFTS = 6
@@ -317,7 +319,7 @@ class Newton:
 def conserved(J: Vector) -> Vector:
     """Return what ``l J = 0`` says is conserved, a row each."""
     u, values, _ = np.linalg.svd(J)
-    rank = int((values > FREE * values.max(initial=0.0)).sum())
+    rank = int((values > max(FREE * values.max(initial=0.0), ROUNDING)).sum())
     return np.asarray(u[:, rank:].T)
 
 
