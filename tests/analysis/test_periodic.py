@@ -326,6 +326,54 @@ def test_what_does_not_fit_is_refused(options: dict[str, object], code: str) -> 
     assert error.value.code == code
 
 
+@pytest.mark.parametrize(
+    "text", ["2*pi*f*time", "2*pi*time/P", "2*pi*time/(500 ms)", "2*pi*(2 Hz)*time"]
+)
+def test_units_within_the_phase_of_a_signal_are_no_matter(text: str) -> None:
+    m = hb.Model("lag", parameters={"f": "2 Hz", "P": "0.5 s"})
+    m.signal(x=hb.Integral(f"(cos({text}) - x)/(1 s)"))
+    orbit = hb.periodic(m)
+    w = 4 * np.pi
+    assert orbit.period == pytest.approx(0.5, rel=1e-12)
+    assert orbit.values == pytest.approx([np.exp(-0.5)], rel=1e-9)
+    assert orbit["x"].max() == pytest.approx(1 / np.sqrt(1 + w * w), rel=1e-8)
+
+
+def test_a_period_that_ends_where_a_sawtooth_jumps_moves_with_it() -> None:
+    m = hb.Model("lag", parameters={"P": 0.5})
+    m.signal(x=hb.Integral("mod(time, P)/P - x"))
+    for P in (0.3, 0.5, 0.7):  # x = t/P - 1/P + exp(-t)/(1 - exp(-P))
+        orbit = hb.periodic(m, wrt=["P"], parameters={"P": P})
+        assert orbit.state.signals["x"] == pytest.approx(1 / (1 - np.exp(-P)) - 1 / P, rel=1e-8)
+        by = 1 / P**2 - np.exp(-P) / (1 - np.exp(-P)) ** 2
+        assert orbit.derivative("x", "P") == pytest.approx(by, rel=1e-6)
+    found = hb.continuation(m, "P", (0.5, 0.8), points=4)
+    assert found.branches[0].ended == "the range ends"
+
+
+@pytest.mark.parametrize("w", [1.0, 2.0])
+def test_a_swing_without_loss_driven_at_its_own_frequency_repeats_never(w: float) -> None:
+    m = hb.Model("resonance", domain="electrical", parameters={"w": w})
+    m.add(L=hb.I("1 H"), C=hb.C(1 / w**2), j=hb.One(), V=hb.Se("cos(w*time)"))
+    m.bond("V -> j -> L", "j -> C")
+    with pytest.raises(hb.NumericsError, match="goes on changing") as error:
+        hb.periodic(m)
+    assert error.value.code == "HB-A540"
+
+
+@pytest.mark.parametrize("settle", [6.5, 7.0, 7.3, 13.3, 30.0])
+def test_a_swing_that_shrinks_to_a_point_has_no_period(settle: float) -> None:
+    m = hb.Model("lc", domain="electrical")
+    m.add(L=hb.I("1 H"), C=hb.C("0.25 F", e="1 V"), j=hb.One())
+    m.bond("j -> L", "j -> C")
+    try:
+        orbit = hb.periodic(m, settle=settle)
+    except hb.NumericsError as error:
+        assert error.code == "HB-A540"
+    else:
+        assert orbit.period == pytest.approx(np.pi, rel=1e-7)
+
+
 def test_what_has_no_orbit_says_what_was_computed() -> None:
     m = hb.Model("pump", domain="electrical")
     m.input(u=hb.Input(pwm={"period": "1 ms", "duty": 0.5}))

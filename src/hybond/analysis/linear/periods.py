@@ -8,8 +8,17 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from hybond.errors import UsageError
-from hybond.model.expressions import Call, Compare, Expr, Name, Number, differentiate, names
-from hybond.model.expressions.tree import walk
+from hybond.model.expressions import (
+    Call,
+    Compare,
+    Expr,
+    Name,
+    Number,
+    differentiate,
+    names,
+    simplify,
+)
+from hybond.model.expressions.tree import transform, walk
 from hybond.model.graph import FlatGraph
 from hybond.model.inputs import Constant, Free, Pwm, Timetable
 
@@ -112,7 +121,7 @@ def _in_tree(e: Expr, where: str) -> list[float]:
     found: list[float] = []
     explained = 0
     many = 0
-    for part, _ in walk(e):
+    for part, _ in walk(simplify(transform(e, _without_unit))):
         match part:
             case Name("time"):
                 many += 1
@@ -131,6 +140,11 @@ def _in_tree(e: Expr, where: str) -> list[float]:
     if many != explained:
         raise _unknown(f"{where} reads the time in a way that need not repeat")
     return found
+
+
+def _without_unit(e: Expr) -> Expr:
+    """Return a number with a unit as one in SI, so that products of them are numbers, too."""
+    return Number(e.value) if isinstance(e, Number) and e.dimension is not None else e
 
 
 def _times(e: Expr) -> int:

@@ -32,6 +32,8 @@ Vector = NDArray[np.float64]
 HALVINGS = 3
 FREE = 1e-9
 """Singular values of the scaled J below this part of the largest count as zero."""
+ROUNDING = 1e-12
+"""So do those below this: the difference of M and 1 is not known better."""
 OTHER_MODES = 12
 """Periods in a row that may end in another mode than they begin with."""
 DRIFTS = 6
@@ -40,6 +42,8 @@ CLOSE = 1e-7
 """How near end and beginning are, as a part of states, where rounding lets them come no nearer."""
 STILL = 1e-7
 """Part of itself by which a state moves at the least within a period, or nothing does."""
+MISSED = 1e-4
+"""Part of what a motion of its own period moves by that its end is off at the most."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -116,7 +120,7 @@ class Newton:
                 shot = self._on(shot)
                 continue
             self._others = 0
-            if off <= self.tol or self._settled():
+            if (off <= self.tol and self._is_whole(shot, off)) or self._settled():
                 return self._done(shot)
             if shot.M is None:
                 self._note(f"periods are run on where there is no derivative: {shot.why}")
@@ -268,16 +272,25 @@ class Newton:
 
     def _is_moving(self, shot: Shot) -> None:
         """Refuse a motion of its own period that is none."""
-        if not self.own:
-            return
-        n = len(shot.x)
-        rows = np.concatenate([segment.y[:, :n] for segment in shot.run.segments])
-        if (np.ptp(rows, axis=0) <= STILL * self.units).all():
+        if self.own and self._moved(shot) <= STILL:
             self._none(
                 "the search ended where nothing moves: at an equilibrium",
                 shot,
                 hint="start on another side of it, or further away",
             )
+
+    def _is_whole(self, shot: Shot, off: float) -> bool:
+        """Whether the end is off by little of what moves, so that a swing that shrinks is none."""
+        if not self.own:
+            return True
+        moved = self._moved(shot)
+        return moved <= STILL or off <= MISSED * moved
+
+    def _moved(self, shot: Shot) -> float:
+        """Return the largest part of a state by which one moves within the period."""
+        n = len(shot.x)
+        rows = np.concatenate([segment.y[:, :n] for segment in shot.run.segments])
+        return float((np.ptp(rows, axis=0) / self.units).max(initial=0.0))
 
     def _free(self, shot: Shot) -> tuple[str, ...]:
         """Return what conserved quantities are made of."""
@@ -306,7 +319,7 @@ class Newton:
 def conserved(J: Vector) -> Vector:
     """Return what ``l J = 0`` says is conserved, a row each."""
     u, values, _ = np.linalg.svd(J)
-    rank = int((values > FREE * values.max(initial=0.0)).sum())
+    rank = int((values > max(FREE * values.max(initial=0.0), ROUNDING)).sum())
     return np.asarray(u[:, rank:].T)
 
 
