@@ -84,3 +84,31 @@ def load(law: str) -> hb.Model:
     m.add(u=hb.Se(10), i=hb.One(), r=hb.R(1), d=hb.R({"f": law}))
     m.bond("u -> i -> r", "i -> d")
     return m
+
+
+def empty(kind: str, start: float) -> hb.Model:
+    """A storage that a logarithm gives no value where it is empty, filled or leaking."""
+    m = hb.Model("empty")
+    if kind == "leak":
+        m.add(A=hb.C({"e": "log(q)"}, q=start), r=hb.R({"f": "exp(e) - 2"}), n=hb.Zero())
+        m.bond("A -> n -> r")
+    elif kind == "source":
+        m.add(A=hb.C({"e": "1 - 1/q"}, q=start), s=hb.Sf(1), n=hb.Zero())
+        m.bond("s -> n -> A")
+    else:
+        m.add(A=hb.I({"f": "log(p)"}, p=start), s=hb.Se(1), n=hb.One())
+        m.bond("s -> n -> A")
+    return m
+
+
+@pytest.mark.parametrize("kind", ["leak", "source", "mass"])
+def test_a_storage_without_a_value_where_it_is_empty_is_named_or_fills(kind: str) -> None:
+    stored = "A.p" if kind == "mass" else "A.q"
+    start = 1e-3
+    exact = 2.0 + (start - 2.0) * math.exp(-1.0) if kind == "leak" else start + 1.0
+    run = hb.simulate(empty(kind, start), 1.0)
+    assert float(run[stored].at(1.0)) == pytest.approx(exact, rel=1e-7) and run.audit().holds()
+    with pytest.raises(hb.NumericsError, match="HB-N302") as refused:
+        hb.simulate(empty(kind, 0.0), 1.0)
+    said = str(refused.value)
+    assert " A," in said and "-inf at its start" in said and f"{stored[2]} = 0" in said

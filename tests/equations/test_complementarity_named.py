@@ -216,3 +216,66 @@ def test_the_limit_of_friction_is_a_formula_of_parameters_in_mode_equations() ->
     descriptor = hb.state_equations(m).at({"v": "sticks"})
     # at rest nothing moves: 0 = i.p
     assert descriptor.E[0, 0] == 0.0
+
+
+# -- limits that follow a force that they act on: no property of D says that there is an answer
+
+
+def rod(mu: float) -> hb.Model:
+    """A rod that stands on a rough floor and slides (Painleve)."""
+    m = hb.Model("rod", domain="translational")
+    m.add(mx=hb.I(1.0, f=1.0), my=hb.I(1.0), vx=hb.One(), vy=hb.One(), weight=hb.Se(-9.81))
+    m.add(rotor=hb.I(1.0 / 12.0, domain="rotational"), w=hb.One(domain="rotational"))
+    m.add(arm_n=hb.TF(-0.27), arm_t=hb.TF(0.42), tangent=hb.Zero())
+    m.add(contact=hb.Zero(law="unilateral"), slip=hb.One(law="coulomb", limit=f"{mu}*contact.e"))
+    m.bond("vx -> mx", "weight -> vy -> my", "w -> rotor", "contact -> vy", "contact -> arm_n.2")
+    m.bond("arm_n.1 -> w", "vx -> tangent -> slip", "w -> arm_t -> tangent")
+    return m
+
+
+B, C, TORQUE = 0.4, 0.2, 3.0
+
+
+def shoe(mu: float) -> hb.Model:
+    """A lever that a torque presses on a drum: N*b = torque + mu*N*c, if the drum turns into it."""
+    m = hb.Model("shoe", domain="translational")
+    m.add(push=hb.Se(-TORQUE, domain="rotational"), w=hb.One(domain="rotational"))
+    m.add(lever=hb.I(0.1, domain="rotational"), arm=hb.TF(B), side=hb.TF(C), drum=hb.Sf(1.0))
+    m.add(contact=hb.Zero(law="unilateral"), tangent=hb.Zero())
+    m.add(slip=hb.One(law="coulomb", limit=f"{mu}*contact.e"))
+    m.bond("push -> w -> lever", "contact -> arm.2", "arm.1 -> w")
+    m.bond("drum -> tangent -> slip", "w -> side -> tangent")
+    return m
+
+
+def wedge(mu: float) -> hb.Model:
+    """A load on a slope that a diode of force presses, and whose friction lifts it."""
+    m = hb.Model("wedge", domain="translational")
+    m.add(mx=hb.I(1.0, f=1.0), my=hb.I(1.0), vx=hb.One(), vy=hb.One(), weight=hb.Se(-9.81))
+    m.add(floor=hb.Zero(law="unilateral"), lift=hb.TF(0.5), along=hb.Zero())
+    m.add(slip=hb.One(law="coulomb", limit=f"{mu}*floor.e"))
+    m.bond("vx -> mx", "weight -> vy -> my", "floor -> vy")
+    m.bond("vx -> along -> slip", "vy -> lift -> along")
+    return m
+
+
+@pytest.mark.parametrize("make", [rod, shoe, wedge])
+def test_a_limit_that_follows_a_force_it_acts_on_is_told_with_the_properties(make) -> None:
+    form = hb.complementarity(make(0.3))
+    text = form.text()
+    assert len(form.properties.follow) == 1
+    assert "the limit of" in text and "no answer, or several" in text and "e-12" not in text
+    constant = hb.complementarity(make(0.0)).text()
+    assert "no answer, or several" not in constant
+
+
+@pytest.mark.parametrize("mu", [0.2, 1.0, 1.8])
+def test_a_shoe_that_its_friction_presses_on_the_drum(mu: float) -> None:
+    run = hb.simulate(shoe(mu), 0.1)
+    assert float(run["contact.e"].at(0.05)) == pytest.approx(TORQUE / (B - mu * C), rel=1e-9)
+
+
+def test_a_shoe_that_locks_has_no_answer() -> None:
+    # beyond mu = b/c no force holds the lever away from the drum
+    with pytest.raises(hb.NumericsError, match="HB-J110"):
+        hb.simulate(shoe(1.2 * B / C), 0.1)
