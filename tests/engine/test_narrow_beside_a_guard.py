@@ -93,3 +93,9 @@ def test_stick_slip_that_is_driven_slowly_keeps_its_energy() -> None:
     assert run.audit().energy < 2e-8
     apart = [a.t - b.t for a, b in zip(run.events, tight.events, strict=True)]
     assert max(map(abs, apart)) < 2e-7
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_a_step_that_would_take_hundreds_to_end_at_its_guard_becomes_shorter(law: str) -> None:
+    run = hb.simulate(sliding(law, 1.0), "1.1 s", solver="radau", rtol=1e-11)
+    assert run.events[1].t == pytest.approx(rests_after(law), abs=1e-11)

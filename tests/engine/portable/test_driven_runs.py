@@ -54,6 +54,21 @@ def driven(model: hb.Model, until: float, pieces: int) -> np.ndarray:
     return np.array(e.y)
 
 
+@pytest.mark.parametrize("shape", ["sign(time - 1 [s])", "ceil(time/(1 s))", "floor(time/(1 s))"])
+def test_a_source_that_jumps_where_pieces_meet_does_so_once(shape: str) -> None:
+    """The body follows its source; the other one's momentum is the integral of its force."""
+    m = hb.Model("met", domain="translational")
+    m.add(s=hb.Sf(f"({shape})*1 [m/s]"), tied=hb.I("2 kg"), v=hb.One())
+    m.add(push=hb.Se(f"({shape})*1 [N]"), free=hb.I("1 kg"), w=hb.One())
+    m.bond("s -> v -> tied", "push -> w -> free")
+    tied, free = driven(m, 1.5, 3)
+    before, after = (
+        (-1.0, 1.0) if "sign" in shape else (1.0, 2.0) if "ceil" in shape else (0.0, 1.0)
+    )
+    assert tied == pytest.approx(2.0 * after, rel=1e-12)
+    assert free == pytest.approx(before + 0.5 * after, abs=1e-9)
+
+
 @pytest.mark.parametrize("name", ["bouncing_ball_newton", "half_bridge"])
 def test_a_run_in_pieces_is_the_run(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     model = hb.load(f"examples/{name}.toml")

@@ -368,6 +368,32 @@ def test_storage_without_bonds() -> None:
 # -- the page ------------------------------------------------------------------------------------
 
 
+def test_source_that_jumps_at_a_time_event() -> None:
+    m = hb.Model("sign", domain="translational")
+    m.add(s=hb.Sf("sign(time - 1 [s])*1 [m/s]"), mass=hb.I("2 kg"), v=hb.One())
+    m.add(push=hb.Se("sign(time - 1 [s])*1 [N]"), free=hb.I("1 kg"), w=hb.One())
+    m.bond("s -> v -> mass", "push -> w -> free")
+    m.machine("M", states={"a": [], "b": []}, start="a", rules=["a -> b when time >= 1"])
+    run = hb.simulate(m, "2 s")
+    assert [e.t for e in run.events] == [0.0, 1.0]
+    assert run.events[1].steps[-1].impulses["s.e"] == pytest.approx(4.0)
+    assert [float(run["push.e"].at(1.0, side=side)) for side in ("left", "right")] == [-1.0, 1.0]
+    assert float(run["free.p"].at(2.0)) == pytest.approx(0.0, abs=1e-12)
+
+
+def test_modulus_that_jumps_between_tied_bodies() -> None:
+    # 2 kg and 3 kg at 1 m/s, f2 = m f1: from m = 1 to 2, by impulses in the ratio 2
+    m = hb.Model("gear", domain="translational")
+    m.add(a=hb.I("2 kg", f="1 m/s"), b=hb.I("3 kg", f="1 m/s"), v=hb.One(), w=hb.One())
+    m.add(t=hb.TF("if time >= 0.5 then 2 else 1"))
+    m.bond("v -> a", "v -> t.1", "t.2 -> w", "w -> b")
+    run = hb.simulate(m, "1 s")
+    first = (2.0 + 2.0 * 3.0) / (2.0 + 4.0 * 3.0)
+    assert [float(run[n].at(1.0)) for n in ("a.f", "b.f")] == pytest.approx([first, 2.0 * first])
+    energy = run.events[1].steps[-1].energy
+    assert energy is not None and energy.lost == pytest.approx(2.5 - 7.0 * first**2)
+
+
 def test_each_row_of_the_page_has_its_test() -> None:
     text = PAGE.read_text(encoding="utf-8").split("## Corner cases", 1)[1].split("\n## ", 1)[0]
     rows = [line for line in text.splitlines() if line.startswith("| ")][2:]

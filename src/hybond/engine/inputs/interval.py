@@ -230,6 +230,12 @@ def interval_after(e: Engine, t: float) -> None:
     for k in range(m.watches):
         e.at[k] = 1 if watch_holds(m, k, inside) else 0
     e.next_break = end
+    read_within(e, t, end)
+
+
+def read_within(e: Engine, t: float, end: float) -> None:
+    """Read time between two instants just within them, where what depends on time jumps there."""
+    m = e.model
     e.late = -math.inf
     e.early = math.inf
     if m.timed_jumps > 0 and jumps_beside(e, t, moment(m, t)):

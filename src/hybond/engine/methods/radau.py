@@ -387,7 +387,9 @@ def retry_radau(e: Engine, r: Radau, rtol: float, t_end: float, longest: float) 
     made = STEP_MADE
     while made == STEP_MADE and r.t0 < t_end:
         if r.pieces == PIECES:
+            # so much shorter steps are for the run to make
             made = STEP_TOO_SMALL
+            e.step.off = math.inf
             break
         if r.pieces > 0 and r.matrix == FRESH_MATRIX:
             r.matrix = KEPT_MATRIX

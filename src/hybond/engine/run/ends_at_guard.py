@@ -64,13 +64,15 @@ def land_first(e: Engine, g: Locator, room: float) -> int:
         if end >= longest or end - e.step.t0 <= 1e-9 * h:
             break
         if e.model.kinks == 0 or kink_there(e, g) < 0:
-            if retry(e, end) != OK:
-                return REFUSED
+            made = retry(e, end)
             if e.step.off > 1.0:
                 return shorten(e, g)
+            if made != OK:
+                return REFUSED
         else:
             # the rates may jump just there, of which this error is to know nothing
-            if retry(e, at - past * (at - e.step.t0)) == OK and e.step.off > 1.0:
+            retry(e, at - past * (at - e.step.t0))
+            if e.step.off > 1.0:
                 return shorten(e, g)
             if retry(e, end) != OK:
                 return REFUSED
@@ -88,12 +90,16 @@ def land_first(e: Engine, g: Locator, room: float) -> int:
 def shorten(e: Engine, g: Locator) -> int:
     """Repeat a step that its error forbids, shorter, and look whether a guard holds in it."""
     h = e.step.t1 - e.step.t0
+    made = REFUSED
     for _ in range(SHORTER):
         h *= 0.5
-        if e.step.t0 + h == e.step.t0 or retry(e, e.step.t0 + h) != OK:
+        if e.step.t0 + h == e.step.t0:
             return REFUSED
+        made = retry(e, e.step.t0 + h)
         if e.step.off <= 1.0:
             break
+    if made != OK:
+        return REFUSED
     if locate(e, g) != OK:
         return REFUSED
     if g.at < math.inf:

@@ -14,7 +14,7 @@ from hybond.engine.checks.laws_held import look_at_entry, look_at_laws, look_now
 from hybond.engine.contacts.impacts_seen import before_event, observe_event
 from hybond.engine.contacts.landing import keep_still, land_contacts, stuck
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
-from hybond.engine.inputs.interval import hold_before, interval_after
+from hybond.engine.inputs.interval import interval_after, read_within
 from hybond.engine.instant.doubts import warn_of_held
 from hybond.engine.instant.instant import GUARD, LAW, START, TIME, begin_instant
 from hybond.engine.instant.settle import settle
@@ -216,6 +216,7 @@ def flow(e: Engine, r: Run) -> int:
     r.cut = False
     if not r.flowing:
         again = begin_again(e, r)
+        read_within(e, e.t, min(e.next_break, e.stop))
         if begin_flow(e, r) != OK:
             return -1
         if again:
@@ -225,7 +226,6 @@ def flow(e: Engine, r: Run) -> int:
             return LAW
     r.flowing = False
     end = min(e.next_break, e.stop)
-    hold_before(e, end)
     instant = room_of_instant(e, e.t)
     while True:
         if r.slice == 0:

@@ -153,6 +153,7 @@ def end_of_step(e: Engine, s: Stepping, t1: float, h: float) -> int:
     for b in range(2 * m.bonds):
         s.w0[b] = e.work.w[b]
         s.begin_w[b] = s.w[b]
+        s.thrust[b] = 0.0
     set_time(e, s.v1, t1)
     for k in range(e.states):
         s.begin_y[k] = e.y[k]
@@ -160,8 +161,6 @@ def end_of_step(e: Engine, s: Stepping, t1: float, h: float) -> int:
         s.explicit[k] = e.y[k] + h * (1.0 - s.theta) * s.rate0[k]
     for k in range(m.ports):
         s.l[k] = 0.0
-    for b in range(2 * m.bonds):
-        s.thrust[b] = 0.0
     found = straight_step(e, s, p, c) if c.straight else newton_step_of(e, s, p, c)
     if found != OK:
         return REFUSED
@@ -436,10 +435,7 @@ def finish_step(e: Engine, s: Stepping, p: Ports, t1: float, h: float) -> None:
 
 
 def meter_step(m: Model, s: Stepping, h: float) -> None:
-    """Find what sources gave and resistors took in a step.
-
-    What a source thrusts by its impulse, as one that jumps does, it gives at its value in the end.
-    """
+    """Find what sources gave, impulses at their values in the end, and resistors took in a step."""
     s.supplied = 0.0
     s.dissipated = 0.0
     for k in range(m.suppliers):
