@@ -47,7 +47,9 @@ def ways_of(seed: int, count: int) -> list[str]:
     return [WAYS[(seed + k) % len(WAYS)] for k in range(count)]
 
 
-def count(seeds: Iterable[int], path: Path, *, ways: int = len(WAYS)) -> None:
+def count(
+    seeds: Iterable[int], path: Path, *, ways: int = len(WAYS), controlled: bool = False
+) -> None:
     """Check the seeds of which the file has no line yet, and write one for each."""
     known = {line.seed for line in read(path)}
     left = [seed for seed in seeds if seed not in known]
@@ -56,7 +58,9 @@ def count(seeds: Iterable[int], path: Path, *, ways: int = len(WAYS)) -> None:
         with path.open("a") as file:  # what was cut off stays a line that says nothing
             file.write("\n")
     while left:
-        child = multiprocessing.get_context("spawn").Process(target=_go_on, args=(left, path, ways))
+        child = multiprocessing.get_context("spawn").Process(
+            target=_go_on, args=(left, path, ways, controlled)
+        )
         child.start()
         child.join()
         known = {line.seed for line in read(path)}
@@ -68,20 +72,21 @@ def count(seeds: Iterable[int], path: Path, *, ways: int = len(WAYS)) -> None:
                 file.write(Line(left.pop(0), word).text)
 
 
-def _go_on(seeds: Sequence[int], path: Path, ways: int) -> None:
+def _go_on(seeds: Sequence[int], path: Path, ways: int, controlled: bool) -> None:
     signal.signal(signal.SIGVTALRM, signal.SIG_DFL)
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
     with path.open("a") as file:
         for seed in seeds:
             signal.setitimer(signal.ITIMER_VIRTUAL, HANG)
-            file.write(checked(seed, ways).text)
+            file.write(checked(seed, ways, controlled).text)
             file.flush()
 
 
-def checked(seed: int, ways: int = len(WAYS)) -> Line:
+def checked(seed: int, ways: int = len(WAYS), controlled: bool = False) -> Line:
     """Check one seed in so many further ways."""
     begun = time.process_time()
-    check = check_recipe(random_recipe(seed), seed=seed, patience=SLOW, ways=ways_of(seed, ways))
+    recipe = random_recipe(seed, controlled=controlled)
+    check = check_recipe(recipe, seed=seed, patience=SLOW, ways=ways_of(seed, ways))
     return Line(seed, check.outcome, round(time.process_time() - begun, 4), check.findings)
 
 

@@ -28,19 +28,20 @@ def main() -> None:
     parser.add_argument("--processes", type=int, default=2, help="without --into")
     parser.add_argument("--ways", type=int, default=len(WAYS))
     parser.add_argument("--into", type=Path, help="a file with a line for each seed, gone on with")
+    parser.add_argument("--controlled", action="store_true", help="with clocks, gates, gaps, ...")
     parser.add_argument("--show", type=int)
     given = parser.parse_args()
     if given.show is not None:
-        print(dumps(random_recipe(given.show).model()))
-        print(told([checked(given.show)]))
+        print(dumps(random_recipe(given.show, controlled=given.controlled).model()))
+        print(told([checked(given.show, controlled=given.controlled)]))
         return
     seeds = range(given.first, given.first + given.count)
     if given.into is not None:
-        count(seeds, given.into, ways=given.ways)
+        count(seeds, given.into, ways=given.ways, controlled=given.controlled)
         print(told([line for line in read(given.into) if line.seed in seeds]))
         return
     with multiprocessing.Pool(given.processes) as pool:
-        do = partial(checked, ways=given.ways)
+        do = partial(checked, ways=given.ways, controlled=given.controlled)
         print(told(list(pool.imap_unordered(do, seeds, chunksize=8))))
 
 

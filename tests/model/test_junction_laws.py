@@ -233,12 +233,14 @@ def test_only_junctions_have_laws(options: Any) -> None:
     m = series()
     with pytest.raises(hb.HybondError) as caught:
         m.add(x=hb.R("1 ohm", **options))
-    assert caught.value.code == "HB-M201" and caught.value.hint == "only junctions have laws"
+    assert caught.value.code == "HB-M201"
+    assert 'hb.R({"e": "..."}); only junctions have laws' in caught.value.hint
     m.add(x=Part("R", "1 ohm", options))
     m.bond("j -> x")
     with pytest.raises(hb.HybondError) as caught:
         m.flatten()
-    assert caught.value.code == "HB-M201" and caught.value.hint == "only junctions have laws"
+    assert caught.value.code == "HB-M201"
+    assert '{ R = { e = "..." } }; only junctions have laws' in caught.value.hint
 
 
 @pytest.mark.parametrize("gate", ["time", "2", 1.0])

@@ -102,6 +102,8 @@ class Work:
     base_gap: Block
     scaled: Block
     row_size: Block
+    extents: Block
+    """How much each storage may hold."""
     column_size: Block
     separate: Separate
     two_port: Block
@@ -196,6 +198,7 @@ def make_work(m: Model) -> Work:
     w.base_gap = make_block(1)
     w.scaled = make_block(1)
     w.row_size = make_block(1)
+    w.extents = make_block(1)
     w.column_size = make_block(1)
     w.separate = make_separate()
     w.two_port = make_block(1)

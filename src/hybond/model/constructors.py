@@ -14,6 +14,7 @@ from typing import Any, Literal, ParamSpec, TypeAlias
 
 from hybond.calls import called
 from hybond.errors import ModelError
+from hybond.model.kinds import law_hint
 from hybond.model.parts import Part
 
 Scalar: TypeAlias = float | str
@@ -71,7 +72,7 @@ def _element(
                         f"a {kind} has no {name}",
                         code="HB-M201",
                         where=kind,
-                        hint="only junctions have laws",
+                        hint=law_hint(kind, 'hb.{kind}({{"{of}": "..."}})'),
                     )
             return checked(*args, **options)
 

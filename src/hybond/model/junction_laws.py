@@ -37,7 +37,7 @@ from hybond.model.hierarchy import (
     literal,
     without_units,
 )
-from hybond.model.kinds import JUNCTIONS
+from hybond.model.kinds import JUNCTIONS, law_hint
 from hybond.model.laws import TWO_SIDED, JunctionLaw
 from hybond.model.parts import MachinePart, Part, Value
 from hybond.model.planar_friction import keep, pairs_of, planar_parts
@@ -155,7 +155,7 @@ def _refuse_law(path: str, part: Part) -> None:
                 f"a {part.kind} has no option {option!r}",
                 code="HB-M201",
                 where=f"elements.{path}",
-                hint="only junctions have laws",
+                hint=law_hint(part.kind, '{{ {kind} = {{ {of} = "..." }} }}'),
             )
 
 

@@ -61,3 +61,11 @@ TWO_PORTS = ("TF", "GY")
 SOURCES = ("Se", "Sf")
 STORAGES = ("C", "I")
 RESISTORS = ("R", "G")
+
+
+def law_hint(kind: str, form: str) -> str:
+    """Return what to write instead of ``law`` at an element; `form` as one does where one is."""
+    if kind not in STORAGES + RESISTORS:
+        return "only junctions have laws"
+    own = form.format(kind=kind, of=KINDS[kind].law)
+    return f"a formula stands in place of its value, {own}; only junctions have laws"

@@ -6,6 +6,7 @@ import random
 from dataclasses import replace
 
 from hybond.causality.assign import assign
+from hybond.testing.controlled import with_controls
 from hybond.testing.curves import RESISTIVE, STORED, Curve
 from hybond.testing.recipe import Bond, Part, Recipe, Switch
 
@@ -13,7 +14,7 @@ RESISTED = 0.75
 """Part of the graphs that begin with a conflict whose sources get a resistance."""
 
 
-def random_recipe(seed: int, *, size: int = 6) -> Recipe:
+def random_recipe(seed: int, *, size: int = 6, controlled: bool = False) -> Recipe:
     """Return a random hybrid bond graph; a seed always gives the same.
 
     Junctions stand in one or two trees with rings, double bonds and two-ports; elements of all
@@ -28,6 +29,9 @@ def random_recipe(seed: int, *, size: int = 6) -> Recipe:
         Which one.
     size : int
         Junctions at most.
+    controlled : bool
+        Whether it gets clocks, gates, gaps, guards on efforts and flows, and fast parts too
+        (:func:`~hybond.testing.controlled.with_controls`).
 
     Examples
     --------
@@ -36,8 +40,8 @@ def random_recipe(seed: int, *, size: int = 6) -> Recipe:
     """
     drawn = _Drawing(seed, size).recipe()
     if begins_in_conflict(drawn) and random.Random(f"inner {seed}").random() < RESISTED:
-        return with_resistances(drawn)
-    return drawn
+        drawn = with_resistances(drawn)
+    return with_controls(drawn, seed) if controlled else drawn
 
 
 def begins_in_conflict(recipe: Recipe) -> bool:

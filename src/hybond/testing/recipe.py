@@ -9,7 +9,7 @@ from typing import Any
 
 from hybond.model.builder import Model
 from hybond.model.constructors import GY, TF, C, G, I, One, R, Se, Sf, Zero
-from hybond.model.parts import Integral
+from hybond.model.parts import InputPart, Integral, Sampled
 from hybond.testing.curves import Curve
 
 STORAGES = {"C": ("q", "e"), "I": ("p", "f")}
@@ -26,7 +26,7 @@ class Part:
         The kind is one of C, I, R, G, Se, Sf, TF, GY, 0, 1.
     value : str, Curve or tuple
         A text (names of what is stored in braces), a curve, or the rows of a field of two ports.
-        Of a junction: the options of its law, as pairs.
+        Of a junction: the options of its law, as pairs; texts among them have such names too.
     start : tuple of float
         Stored quantities, a port each.
     """
@@ -74,6 +74,26 @@ class Switch:
 
 
 @dataclass(frozen=True)
+class Clocked:
+    """What a clock sets: a value sampled each `every` seconds, or a pulse of that period.
+
+    Parameters
+    ----------
+    name, text : str
+        What is sampled; of a pulse the part of its period for which it is 1.
+    every : float
+        In s.
+    is_pulse : bool
+        Whether it is an input that is 1 and then 0, and not a sampled signal.
+    """
+
+    name: str
+    text: str
+    every: float
+    is_pulse: bool = False
+
+
+@dataclass(frozen=True)
 class Recipe:
     """A hybrid bond graph as plain data.
 
@@ -85,6 +105,8 @@ class Recipe:
         Name, integrand, start.
     until : float
         How long a run is, s.
+    clocked : tuple of Clocked
+        Sampled signals, and pulses.
     """
 
     parts: tuple[Part, ...]
@@ -92,6 +114,7 @@ class Recipe:
     switches: tuple[Switch, ...] = ()
     integrals: tuple[tuple[str, str, float], ...] = ()
     until: float = 1.0
+    clocked: tuple[Clocked, ...] = ()
 
     def part(self, name: str) -> Part:
         """Return the part of that name."""
@@ -123,6 +146,12 @@ class Recipe:
             )
         for name, integrand, start in self.integrals:
             m.signal(**{name: Integral(written(integrand, str), start=start)})
+        for c in self.clocked:
+            if c.is_pulse:
+                pulse = {"period": c.every, "duty": float(c.text), "high": 1.0, "low": 0.0}
+                m.input(**{c.name: InputPart(pwm=pulse)})
+            else:
+                m.signal(**{c.name: Sampled(written(c.text, str), every=c.every)})
         return m
 
 
@@ -140,7 +169,10 @@ def written(text: str, word: Callable[[str], str]) -> str:
 def _element(p: Part) -> Any:
     value = p.value
     if p.kind in ("0", "1"):
-        options: dict[str, Any] = dict(value) if isinstance(value, tuple) else {}
+        pairs = dict(value) if isinstance(value, tuple) else {}
+        options: dict[str, Any] = {
+            key: written(x, str) if isinstance(x, str) else x for key, x in pairs.items()
+        }
         return Zero(**options) if p.kind == "0" else One(**options)
     if p.kind in STORAGES:
         letter, output = STORAGES[p.kind]

@@ -35,6 +35,7 @@ def renamed(recipe: Recipe) -> Variant:
         [p.name for p in recipe.parts]
         + [s.name for s in recipe.switches]
         + [name for name, _, _ in recipe.integrals]
+        + [c.name for c in recipe.clocked]
     )
     new = {name: f"n{len(names) - k:03d}" for k, name in enumerate(names)}
 
@@ -60,6 +61,7 @@ def renamed(recipe: Recipe) -> Variant:
             for s in other.switches
         ),
         integrals=tuple((new[name], text, start) for name, text, start in other.integrals),
+        clocked=tuple(replace(c, name=new[c.name]) for c in other.clocked),
     )
     return Variant(other, {name: (word(name), 1.0) for name in recipe.stored})
 
@@ -73,6 +75,7 @@ def reordered(recipe: Recipe, seed: int) -> Variant:
         bonds=tuple(draw.sample(recipe.bonds, len(recipe.bonds))),
         switches=tuple(draw.sample(recipe.switches, len(recipe.switches))),
         integrals=tuple(draw.sample(recipe.integrals, len(recipe.integrals))),
+        clocked=tuple(draw.sample(recipe.clocked, len(recipe.clocked))),
     )
     return Variant(other, {name: (name, 1.0) for name in recipe.stored})
 
@@ -105,6 +108,8 @@ def turned(recipe: Recipe, seed: int) -> Variant:
             elif junction.kind == "1" and part.kind != "Sf":
                 parts[part.name] = _negative(part)
                 signs.update(dict.fromkeys(part.stored, -1.0))
+            # what one reads of an element is its bond's
+            signs[f"{part.name}.{'f' if junction.kind == '0' else 'e'}"] = -1.0
         else:
             bonds.append(bond)
 
@@ -155,12 +160,20 @@ def _texts(recipe: Recipe, again: Callable[[str], str]) -> Recipe:
     """Return the recipe with all texts written again."""
     return replace(
         recipe,
-        parts=tuple(
-            replace(p, value=again(p.value)) if isinstance(p.value, str) else p
-            for p in recipe.parts
-        ),
+        parts=tuple(_part(p, again) for p in recipe.parts),
         switches=tuple(
             replace(s, closes=again(s.closes), opens=again(s.opens)) for s in recipe.switches
         ),
         integrals=tuple((name, again(text), start) for name, text, start in recipe.integrals),
+        clocked=tuple(replace(c, text=again(c.text)) for c in recipe.clocked),
     )
+
+
+def _part(p: Part, again: Callable[[str], str]) -> Part:
+    """Return a part with its text, or those of its law's options, written again."""
+    if isinstance(p.value, str):
+        return replace(p, value=again(p.value))
+    if p.kind in ("0", "1") and isinstance(p.value, tuple):
+        pairs = ((key, again(x) if isinstance(x, str) else x) for key, x in p.value)
+        return replace(p, value=tuple(pairs))
+    return p

@@ -10,6 +10,7 @@ from hybond.engine.algebra.qr import complement
 from hybond.engine.algebra.svd import null_space, pseudo_inverse, rank_above, svd
 from hybond.engine.engine import Engine, svd_room
 from hybond.engine.instant.constraints import constraint_by_co_energy, residual
+from hybond.engine.instant.own_ways import give_own
 from hybond.engine.mode.dynamic_rows import frozen_at
 from hybond.engine.mode.mode_records import Mode, Ways
 from hybond.engine.mode.storage import own_stiffness, stiff, with_stored
@@ -86,6 +87,10 @@ def find_ways(e: Engine, mode: Mode, v: Floats, x: Floats) -> None:
     fit(ways.d, m.storages * ways.areas)
     times_matrix(m.storages, many, ways.areas, w.rate_part.at, ways.moving.at, ways.d.at)
     find_shares(e, ways, n)
+    fit(w.extents, m.storages)
+    for k in range(m.storages):
+        w.extents.at[k] = extent(e, x, k)
+    give_own(e, ways, w.extents.at)
     fit(w.nu, ways.areas)
     fit(w.step, ways.areas)
     fit(w.combined, many)

@@ -106,13 +106,7 @@ def sharpen(e: Engine, mode: Mode, v: Floats, ways: Ways, after: Floats) -> None
     m = e.model
     w = e.work
     residual(e, mode, v, after)
-    rounded = True
-    for i in range(mode.constraints.rows):
-        own = 0.0
-        for p in range(mode.constraints.first.at[i], mode.constraints.first.at[i + 1]):
-            own += math.fabs(mode.constraints.value.at[p] * w.xi[mode.constraints.column.at[p]])
-        rounded = rounded and math.fabs(w.gap.at[i]) <= LAST_PLACES * own
-    if not rounded:
+    if not meets_own_terms(e, mode, LAST_PLACES):
         jump_step(e, ways, w.constraints)
         for k in range(m.storages):
             change = 0.0
@@ -121,6 +115,23 @@ def sharpen(e: Engine, mode: Mode, v: Floats, ways: Ways, after: Floats) -> None
             # what the jump has brought to zero is there
             after[k] -= change if after[k] != 0.0 else 0.0
     restore_bonds(e, v)
+
+
+def meets_own_terms(e: Engine, mode: Mode, part: float) -> bool:
+    """Whether every constraint holds to a part of its terms as they are.
+
+    Not as large as the energy of the run could make them: a storage that is small beside the others
+    would be far off before that shows.
+    """
+    w = e.work
+    constraints = mode.constraints
+    for i in range(constraints.rows):
+        own = 0.0
+        for p in range(constraints.first.at[i], constraints.first.at[i + 1]):
+            own += math.fabs(constraints.value.at[p] * w.xi[constraints.column.at[p]])
+        if not math.fabs(w.gap.at[i]) <= part * own:
+            return False
+    return True
 
 
 def put_impulses(e: Engine, mode: Mode, ways: Ways) -> None:
@@ -214,6 +225,7 @@ def newton_jump(e: Engine, mode: Mode, v: Floats, x: Floats, ways: Ways) -> int:
             if turn == 0:
                 w.gap_first.at[i] = w.gap_size.at[i]
             w.gap_size.at[i] = max(w.gap_first.at[i], w.gap_size.at[i])
+        own = meets_own_terms(e, mode, BEST)
         rank = jump_step(e, ways, count)
         worst = 0.0
         most = 0.0
@@ -221,7 +233,7 @@ def newton_jump(e: Engine, mode: Mode, v: Floats, x: Floats, ways: Ways) -> int:
             size = w.gap_size.at[i]
             worst = max(worst, math.fabs(w.gap.at[i]) / (size if size > 0.0 else 1.0))
             most = max(most, size)
-        met = worst <= BEST or (worst <= CONSISTENT and worst >= 0.5 * best)
+        met = (own and worst <= BEST) or (worst <= CONSISTENT and worst >= 0.5 * best)
         if met and best < math.inf:
             return OK
         if rank < count and unreached(count, areas, w.gap.at, ways.slope.at, w.step.at) > (
