@@ -21,6 +21,7 @@ from hybond.engine.laws.law_instant import (
     quantity,
 )
 from hybond.engine.laws.law_records import Laws
+from hybond.engine.laws.law_shares import bears_less
 from hybond.engine.laws.law_seconds import warn_of_several
 from hybond.engine.laws.ports import base_mode
 from hybond.engine.mode.tableau import COMMON, NET
@@ -215,6 +216,8 @@ def slide(e: Engine, r: Laws, q: Floats, h: float, jump: bool) -> bool:
             if jump and m.port_impulsive[k] != 0:
                 continue
             if r.resting[k] != 0 and r.problem.branch[k] != 0:
+                if not jump and bears_less(e, r, k):
+                    continue
                 r.resting[k] = 0
                 again = True
             elif turns_round(m, r, k):
