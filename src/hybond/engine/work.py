@@ -74,6 +74,8 @@ class Work:
     down: Block
     pivot_row: Places
     row_taken: Places
+    reluctant: Ints
+    """Of each free unknown of the mode whose system is there: whether a bent law reads it."""
     moved: Block
     """Bond variables, moved to see whether laws still hold; and where they begin."""
     begun: Block
@@ -174,6 +176,7 @@ def make_work(m: Model) -> Work:
     w.down = make_block(1)
     w.pivot_row = make_places(1)
     w.row_taken = make_places(1)
+    w.reluctant = ints(n)
     w.moved = make_block(1)
     w.begun = make_block(1)
     w.onto = make_block(1)

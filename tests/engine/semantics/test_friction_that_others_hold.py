@@ -74,7 +74,7 @@ def test_brakes_hold_a_load_whichever_is_declared_first(
 def test_a_loop_without_mass_rests_whichever_friction_is_declared_first(
     load: float, turned: bool
 ) -> None:
-    """A source, a resistor and two frictions in one loop: ``f = (load - 1.828)/R`` where it moves."""
+    """A source, a resistor, two frictions in one loop: where it moves, ``f = (load - 1.828)/R``."""
     brakes = {"a": (1.06, 1.59), "b": (0.768, None)}
     m = hb.Model("loop")
     for name in sorted(brakes, reverse=turned):

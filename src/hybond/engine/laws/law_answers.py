@@ -21,8 +21,8 @@ from hybond.engine.laws.law_instant import (
     quantity,
 )
 from hybond.engine.laws.law_records import Laws
-from hybond.engine.laws.law_shares import bears_less
 from hybond.engine.laws.law_seconds import warn_of_several
+from hybond.engine.laws.law_shares import bears_less
 from hybond.engine.laws.ports import base_mode
 from hybond.engine.mode.tableau import COMMON, NET
 from hybond.engine.model import Model

@@ -85,6 +85,7 @@ def rows_of_system(e: Engine, mode: Mode, v: Floats, w: Floats) -> int:
     frees = mode.finite_frees
     rows = mode.dynamics
     write_bonds(e, v, w)
+    work.reluctant = mode.reluctant
     fit(work.residual, rows)
     fit(work.residual_size, rows)
     fit(work.residual_reach, rows)
