@@ -47,6 +47,8 @@ class Work:
     """Of Newton with shorter steps: the whole step, what it is measured by, where a part leads,
     and the slopes where it begins."""
     weight: Block
+    before: Block
+    """Of Newton's shorter steps: the last one."""
     trial: Block
     slopes_there: Block
     swung: Block
@@ -157,6 +159,7 @@ def make_work(m: Model) -> Work:
     w.inverse = make_block(1)
     w.whole = make_block(1)
     w.weight = make_block(1)
+    w.before = make_block(1)
     w.trial = make_block(1)
     w.swung = make_block(1)
     w.swings = 0

@@ -24,6 +24,8 @@ from hybond.engine.words import Floats
 
 CLEAR_PIVOT: Final = 1e-6
 """A pivot above this part of the largest entry of its column is no cancellation."""
+LAST_PLACES: Final = 2.0 * 2.220446049250313e-16
+"""Part of its terms that is the rounding of a sum."""
 STEEP: Final = 1e8
 """What stands for a slope without bound, as a multiple of the others in its row."""
 
@@ -307,13 +309,20 @@ def hidden_row(e: Engine, mode: Mode, j: int, v: Floats, w: Floats, row: Floats)
 
 
 def with_free(mode: Mode, n: int, base: Floats, r: Floats, w: Floats) -> None:
-    """Add what the free unknowns give."""
+    """Add what the free unknowns give; a sum that is rounding of its terms is zero.
+
+    A law would take the sign of that rounding for one, or its root.
+    """
     frees = mode.finite_frees
     for k in range(n):
         total = base[k]
+        size = math.fabs(base[k])
         for j in range(frees):
-            total += mode.finite_free.at[k * frees + j] * r[j]
-        w[k] = total
+            term = mode.finite_free.at[k * frees + j] * r[j]
+            total += term
+            size += math.fabs(term)
+        rounded = math.fabs(total) <= LAST_PLACES * size and size < math.inf
+        w[k] = 0.0 if rounded else total
 
 
 def newton_step(e: Engine, rows: int, frees: int) -> bool:
