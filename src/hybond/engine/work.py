@@ -47,6 +47,8 @@ class Work:
     """Of Newton with shorter steps: the whole step, what it is measured by, where a part leads,
     and the slopes where it begins."""
     weight: Block
+    left_over: Block
+    """Of Newton's residuals: what a step leaves."""
     before: Block
     """Of Newton's shorter steps: the last one."""
     trial: Block
@@ -160,6 +162,7 @@ def make_work(m: Model) -> Work:
     w.whole = make_block(1)
     w.weight = make_block(1)
     w.before = make_block(1)
+    w.left_over = make_block(1)
     w.trial = make_block(1)
     w.swung = make_block(1)
     w.swings = 0

@@ -291,5 +291,6 @@ def put_mode(m: Model, r: Laws, branch: Ints, keep: bool, impact: bool) -> None:
             if keep and r.answer_open[k] != 0 and now < 2:
                 on = is_on(m, k, now)
             r.candidate[machine] = 1 if on else 0
-            if on and impact and m.port_restitution[k] != NO_LAW_VALUE:
+            strikes = impact and r.now.given[k] == COMMON
+            if on and strikes and m.port_restitution[k] != NO_LAW_VALUE:
                 r.candidate[machine] = 2

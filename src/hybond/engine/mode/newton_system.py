@@ -392,9 +392,32 @@ def newton_step(e: Engine, rows: int, frees: int) -> bool:
         if lu_factor(rows, work.jacobian2.at, work.pivots.at) != SINGULAR:
             lu_solve(rows, work.jacobian2.at, work.pivots.at, 1, work.step.at)
             if all_finite(rows, work.step.at):
-                return is_clear(rows, work.jacobian.at, work.jacobian2.at)
+                clear = is_clear(rows, work.jacobian.at, work.jacobian2.at)
+                if not clear:
+                    refine_step(e, rows)
+                return clear
     step_of_singular(e, rows, frees)
     return False
+
+
+def refine_step(e: Engine, n: int) -> None:
+    """Take what the step leaves of each residual out of it, once.
+
+    Each equation holds to a part of its own terms then: an unknown that is zero is not left with
+    the rounding of those a million times as large. Source: R. D. Skeel, *Iterative refinement
+    implies numerical stability for Gaussian elimination*, Mathematics of Computation 35 (1980).
+    """
+    work = e.work
+    fit(work.left_over, n)
+    for i in range(n):
+        total = work.residual.at[i]
+        for j in range(n):
+            total -= work.jacobian.at[i * n + j] * work.step.at[j]
+        work.left_over.at[i] = total
+    lu_solve(n, work.jacobian2.at, work.pivots.at, 1, work.left_over.at)
+    for j in range(n):
+        if math.isfinite(work.left_over.at[j]):
+            work.step.at[j] += work.left_over.at[j]
 
 
 def is_clear(n: int, a: Floats, factors: Floats) -> bool:
