@@ -47,6 +47,10 @@ class Work:
     """Of Newton with shorter steps: the whole step, what it is measured by, where a part leads,
     and the slopes where it begins."""
     weight: Block
+    left_over: Block
+    """Of Newton's residuals: what a step leaves."""
+    before: Block
+    """Of Newton's shorter steps: the last one."""
     trial: Block
     slopes_there: Block
     swung: Block
@@ -74,6 +78,8 @@ class Work:
     down: Block
     pivot_row: Places
     row_taken: Places
+    reluctant: Ints
+    """Of each free unknown of the mode whose system is there: whether a bent law reads it."""
     moved: Block
     """Bond variables, moved to see whether laws still hold; and where they begin."""
     begun: Block
@@ -157,6 +163,8 @@ def make_work(m: Model) -> Work:
     w.inverse = make_block(1)
     w.whole = make_block(1)
     w.weight = make_block(1)
+    w.before = make_block(1)
+    w.left_over = make_block(1)
     w.trial = make_block(1)
     w.swung = make_block(1)
     w.swings = 0
@@ -176,6 +184,7 @@ def make_work(m: Model) -> Work:
     w.down = make_block(1)
     w.pivot_row = make_places(1)
     w.row_taken = make_places(1)
+    w.reluctant = ints(n)
     w.moved = make_block(1)
     w.begun = make_block(1)
     w.onto = make_block(1)

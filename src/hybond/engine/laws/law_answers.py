@@ -22,6 +22,7 @@ from hybond.engine.laws.law_instant import (
 )
 from hybond.engine.laws.law_records import Laws
 from hybond.engine.laws.law_seconds import warn_of_several
+from hybond.engine.laws.law_shares import bears_less
 from hybond.engine.laws.ports import base_mode
 from hybond.engine.mode.tableau import COMMON, NET
 from hybond.engine.model import Model
@@ -215,6 +216,8 @@ def slide(e: Engine, r: Laws, q: Floats, h: float, jump: bool) -> bool:
             if jump and m.port_impulsive[k] != 0:
                 continue
             if r.resting[k] != 0 and r.problem.branch[k] != 0:
+                if not jump and bears_less(e, r, k):
+                    continue
                 r.resting[k] = 0
                 again = True
             elif turns_round(m, r, k):
@@ -288,5 +291,6 @@ def put_mode(m: Model, r: Laws, branch: Ints, keep: bool, impact: bool) -> None:
             if keep and r.answer_open[k] != 0 and now < 2:
                 on = is_on(m, k, now)
             r.candidate[machine] = 1 if on else 0
-            if on and impact and m.port_restitution[k] != NO_LAW_VALUE:
+            strikes = impact and r.now.given[k] == COMMON
+            if on and strikes and m.port_restitution[k] != NO_LAW_VALUE:
                 r.candidate[machine] = 2

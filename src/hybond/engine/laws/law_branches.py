@@ -315,7 +315,8 @@ def find_jumping(e: Engine, r: Laws, x: Floats) -> int:
     for k in range(n):
         one_sided = m.port_two_sided[k] == 0
         r.rebound[k] = 0.0
-        if m.port_restitution[k] != NO_LAW_VALUE:
+        # what is stored has no speed to rebound with where it is the common variable
+        if m.port_restitution[k] != NO_LAW_VALUE and r.now.given[k] == COMMON:
             own = quantity(m, m.port_restitution, m.port_restitution_constant, k, r.v)
             r.rebound[k] = own
         # what rebounds enters one after another; what does not stays together, as in one problem

@@ -1,7 +1,8 @@
 """Newton with steps that are shortened until they help.
 
 Full steps jump to and fro where a law is bent like a root on both sides of rest: two orifices in a
-row. A step is taken as far as the *next* one, with the same slopes, becomes smaller.
+row. A step is taken as far as the *next* one, with the same slopes, becomes smaller. Where each step
+is half of the one before, as towards the root of a square, twice the step leads there.
 """
 
 from __future__ import annotations
@@ -26,6 +27,10 @@ from hybond.engine.words import Floats
 DAMPED_STEPS: Final = 200
 SETTLED: Final = 1e-6
 """A step that is below this part of an unknown leaves nothing of it: the next one is its square."""
+HALVES: Final = 0.02
+"""Part of the largest step by which steps may differ from half of those before."""
+TWICE: Final = 0.1
+"""What is left of a step after twice it, if that was one towards the root of a square."""
 SHORTEST: Final = 2.0**-30
 """The smallest part of a step that is tried."""
 
@@ -38,8 +43,10 @@ def damped(e: Engine, mode: Mode, v: Floats, r: Floats, tolerance: float) -> boo
     fit(work.whole, frees)
     fit(work.weight, frees)
     fit(work.trial, frees)
+    fit(work.before, frees)
     for j in range(frees):
         work.weight.at[j] = 0.0
+        work.before.at[j] = 0.0
     for _ in range(DAMPED_STEPS):
         with_free(mode, n, work.base, r, work.w)
         rows = system(e, mode, v, work.w)
@@ -61,16 +68,20 @@ def damped(e: Engine, mode: Mode, v: Floats, r: Floats, tolerance: float) -> boo
             small = small and step <= tolerance * size
             last = last and step <= SETTLED * math.fabs(r[j])
         last = last and small
+        halves = is_half(frees, work.step.at, work.before.at)
         part = 1.0
         if not last:
             fit(work.slopes_there, rows * frees)
             for i in range(rows * frees):
                 work.slopes_there.at[i] = work.jacobian.at[i]
-            part = helpful_part(e, mode, v, r, rows)
+            part = 2.0 if halves and helps(e, mode, v, r, rows, 2.0) else 0.0
+            if part == 0.0:
+                part = helpful_part(e, mode, v, r, rows)
             # what no part of a step makes smaller is rounding if it is small beside the others
             last = part == 0.0 and small
         for j in range(frees):
             r[j] -= part * work.whole.at[j]
+            work.before.at[j] = part * work.whole.at[j]
         if last:
             with_free(mode, n, work.base, r, work.w)
             return put_back(e, mode, v, work.w)
@@ -79,26 +90,41 @@ def damped(e: Engine, mode: Mode, v: Floats, r: Floats, tolerance: float) -> boo
     return False
 
 
+def is_half(frees: int, step: Floats, before: Floats) -> bool:
+    """Whether a step is half of the one before."""
+    most = largest_of(frees, before)
+    half = most > 0.0
+    for j in range(frees):
+        half = half and math.fabs(step[j] - 0.5 * before[j]) <= HALVES * most
+    return half
+
+
 def helpful_part(e: Engine, mode: Mode, v: Floats, r: Floats, rows: int) -> float:
     """Return the part of the whole step from `r` after which the next one is smaller; 0: none."""
-    work = e.work
-    n = 2 * e.model.bonds
-    frees = mode.finite_frees
-    length = weighted(e, frees, work.whole.at)
     part = 1.0
     while part >= SHORTEST:
-        for j in range(frees):
-            work.trial.at[j] = r[j] - part * work.whole.at[j]
-        with_free(mode, n, work.base, work.trial.at, work.w)
-        system(e, mode, v, work.w)
-        if all_finite(rows, work.residual.at):
-            for i in range(rows * frees):
-                work.jacobian.at[i] = work.slopes_there.at[i]
-            newton_step(e, rows, frees)
-            if weighted(e, frees, work.step.at) <= (1.0 - 0.5 * part) * length:
-                return part
+        if helps(e, mode, v, r, rows, part):
+            return part
         part *= 0.5
     return 0.0
+
+
+def helps(e: Engine, mode: Mode, v: Floats, r: Floats, rows: int, part: float) -> bool:
+    """Whether the next step is smaller after a part of the whole one, or next to none after two."""
+    work = e.work
+    frees = mode.finite_frees
+    length = weighted(e, frees, work.whole.at)
+    for j in range(frees):
+        work.trial.at[j] = r[j] - part * work.whole.at[j]
+    with_free(mode, 2 * e.model.bonds, work.base, work.trial.at, work.w)
+    system(e, mode, v, work.w)
+    if not all_finite(rows, work.residual.at):
+        return False
+    for i in range(rows * frees):
+        work.jacobian.at[i] = work.slopes_there.at[i]
+    newton_step(e, rows, frees)
+    most = 1.0 - 0.5 * part if part <= 1.0 else TWICE
+    return weighted(e, frees, work.step.at) <= most * length
 
 
 def weighted(e: Engine, n: int, a: Floats) -> float:

@@ -68,6 +68,10 @@ class Elimination:
     entry: Block
     loss: Block
     """At least the size of the entry: rounding has moved it by no more than some units of this."""
+    read: Ints
+    """Whether a bent law reads an unknown: it is left free where others can be solved for. Newton's
+    method finds it to its last digit then, and where it is zero it is; a difference of others has
+    the sign of their rounding."""
     used: Ints
     """In how many rows each free unknown is."""
     user: Ints
@@ -106,6 +110,7 @@ def make_elimination(unknowns: int, columns: int) -> Elimination:
     e.column = make_places(SMALLEST * unknowns)
     e.entry = make_block(SMALLEST * unknowns)
     e.loss = make_block(SMALLEST * unknowns)
+    e.read = ints(unknowns)
     e.used = ints(unknowns)
     e.user = ints(unknowns)
     e.cell_row = make_places(SMALLEST * unknowns)
@@ -218,6 +223,7 @@ def copy_elimination(source: Elimination, e: Elimination) -> None:
     e.dropped = source.dropped
     for k in range(e.unknowns):
         e.same[k] = source.same[k]
+        e.read[k] = source.read[k]
         e.solved[k] = source.solved[k]
         e.order[k] = source.order[k]
         if source.count[k] > 0:
@@ -313,10 +319,17 @@ def add_row(e: Elimination) -> int:
         k = e.met[i]
         if k >= e.unknowns or math.fabs(e.total[k]) < 0.1 * biggest:
             continue
-        if pivot < 0 or e.used[k] < e.used[pivot] or (e.used[k] == e.used[pivot] and k < pivot):
+        if pivot < 0 or is_before(e, k, pivot):
             pivot = k
     solve_for(e, pivot)
     return USED
+
+
+def is_before(e: Elimination, k: int, other: int) -> bool:
+    """Whether unknown k is rather solved for than another one."""
+    if e.read[k] != e.read[other]:
+        return e.read[k] == 0
+    return e.used[k] < e.used[other] or (e.used[k] == e.used[other] and k < other)
 
 
 def solve_for(e: Elimination, pivot: int) -> None:

@@ -85,6 +85,8 @@ def make_equations(e: Engine, mode: Mode, given: Ints) -> None:
     for k in range(2 * m.bonds):
         mode.same[k] = power.same[k]
     mode.finite_frees = free_columns(finite, mode.free_column)
+    for j in range(mode.finite_frees):
+        mode.reluctant[j] = finite.read[mode.free_column[j]]
     take_rows(m, finite, mode.knowns, mode.finite)
     take_free(finite, mode.finite_frees, mode.free_column, mode.finite_free)
     mode.power = mode.finite

@@ -19,6 +19,8 @@ from hybond.engine.work import Work
 
 VANISHES: Final = 1e-10
 """A sum below this part of its terms is zero: slopes are known no better."""
+RELUCTANT: Final = 1e-3
+"""Part of what an entry counts with in the choice of what is moved, if a bent law reads that."""
 NO_ROW: Final = -1
 
 
@@ -56,7 +58,8 @@ def rank_here(e: Engine, rows: int, columns: int, a: Floats) -> int:
 def step_of_singular(e: Engine, rows: int, columns: int) -> None:
     """Solve ``jacobian step = residual``, what is left free being zero, as far as there is one.
 
-    What cancels is exactly zero in the step as well.
+    What cancels is exactly zero in the step as well. What bent laws read is rather left than moved:
+    a law without a slope, as a sign at zero, promises nothing of what is beside it.
     """
     w = e.work
     wide = columns + 1
@@ -105,8 +108,11 @@ def eliminate_fully(w: Work, rows: int, columns: int, a: Floats, with_residual: 
             if w.row_taken.at[i] != 0:
                 continue
             for j in range(columns):
-                if w.pivot_row.at[j] == NO_ROW and math.fabs(w.reduced.at[i * wide + j]) > most:
-                    most = math.fabs(w.reduced.at[i * wide + j])
+                size = math.fabs(w.reduced.at[i * wide + j])
+                if with_residual and w.reluctant[j] != 0:
+                    size *= RELUCTANT
+                if w.pivot_row.at[j] == NO_ROW and size > most:
+                    most = size
                     row = i
                     column = j
         if row == NO_ROW:

@@ -117,6 +117,8 @@ class Mode:
     power_frees: int
     finite_frees: int
     free_column: Ints
+    reluctant: Ints
+    """Of each free unknown: whether a bent law reads it. Newton does not move it where others do."""
     own_power: Rows
     own_power_free: Block
     constraints: Rows
@@ -217,6 +219,7 @@ def make_mode(m: Model) -> Mode:
     mode.finite_free = make_block(1)
     mode.own_power_free = make_block(1)
     mode.free_column = ints(n)
+    mode.reluctant = ints(n)
     mode.constraints = make_rows()
     mode.constraint_hidden = ints(m.storages)
     mode.agreements = make_rows()

@@ -22,8 +22,15 @@ from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.storage import stiff
 from hybond.engine.words import Floats
 
+LONGEST: Final = 1000
+"""The power of two up to which, and down to whose inverse, a way is looked for on which a law comes
+to hold."""
+BESIDE: Final = 1e-150
+"""A way that is next to none, for the sign of a slope."""
 CLEAR_PIVOT: Final = 1e-6
 """A pivot above this part of the largest entry of its column is no cancellation."""
+LAST_PLACES: Final = 2.0 * 2.220446049250313e-16
+"""Part of its terms that is the rounding of a sum."""
 STEEP: Final = 1e8
 """What stands for a slope without bound, as a multiple of the others in its row."""
 
@@ -85,6 +92,7 @@ def rows_of_system(e: Engine, mode: Mode, v: Floats, w: Floats) -> int:
     frees = mode.finite_frees
     rows = mode.dynamics
     write_bonds(e, v, w)
+    work.reluctant = mode.reluctant
     fit(work.residual, rows)
     fit(work.residual_size, rows)
     fit(work.residual_reach, rows)
@@ -93,7 +101,7 @@ def rows_of_system(e: Engine, mode: Mode, v: Floats, w: Floats) -> int:
     for i in range(rows):
         work.f[i] = dynamic_value(e, mode, i, v)
     slopes_at(e, mode, v, work.slopes)
-    bound_slopes(mode.dynamics, n, work.slopes.at)
+    bound_slopes(e, mode, v)
     if work.aid > 0.0:
         add_aid(e, mode, w)
     if mode.rank == mode.structures:
@@ -168,12 +176,16 @@ def by_free(mode: Mode, n: int, a: Floats, first: int, at: int, row: Floats) -> 
                     row[at + j] += slope * share
 
 
-def bound_slopes(rows: int, n: int, a: Floats) -> None:
-    """Let slopes without bound, a root at zero, be steep ones: they lead away from there.
+def bound_slopes(e: Engine, mode: Mode, v: Floats) -> None:
+    """Let slopes without bound, of a root at zero, be those of chords to where the law holds.
 
+    A steep slope that stands for them would lead too far by powers of ten: a root that gives little
+    is reached by the square of that. Where the law holds already, steep ones lead away from there.
     Rows say what an element gives less its law, which grows.
     """
-    for i in range(rows):
+    n = 2 * e.model.bonds
+    a = e.work.slopes.at
+    for i in range(mode.dynamics):
         most = 1.0
         bounded = True
         for k in range(n):
@@ -183,7 +195,49 @@ def bound_slopes(rows: int, n: int, a: Floats) -> None:
                 bounded = False
         for k in range(n if not bounded else 0):
             if not math.isfinite(a[i * n + k]):
-                a[i * n + k] = STEEP * most if a[i * n + k] > 0.0 else -STEEP * most
+                steep = chord(e, mode, i, k, v)
+                if steep == 0.0:
+                    steep = STEEP * most if rises(e, mode, i, k, v) else -STEEP * most
+                a[i * n + k] = steep
+
+
+def rises(e: Engine, mode: Mode, i: int, k: int, v: Floats) -> bool:
+    """Whether row i becomes more as variable k does, beside where it has no slope."""
+    at = e.model.bond_slot + k
+    kept = v[at]
+    v[at] = kept + BESIDE
+    there = dynamic_value(e, mode, i, v)
+    v[at] = kept
+    return there > e.work.f[i]
+
+
+def chord(e: Engine, mode: Mode, i: int, k: int, v: Floats) -> float:
+    """Return the slope of row i from here to where variable k alone would make it zero.
+
+    To a factor of two; 0 where it is zero here, or where there is none on either side.
+    """
+    here = e.work.f[i]
+    if here == 0.0 or not math.isfinite(here):
+        return 0.0
+    at = e.model.bond_slot + k
+    kept = v[at]
+    slope = 0.0
+    for side in range(2):
+        way = 1.0 if side == 0 else -1.0
+        low = -LONGEST
+        high = LONGEST
+        while slope == 0.0 and high - low > 1:
+            middle = low + (high - low) // 2
+            v[at] = kept + way * math.pow(2.0, float(middle))
+            there = dynamic_value(e, mode, i, v)
+            if math.isfinite(there) and there * here > 0.0:
+                low = middle
+            else:
+                high = middle
+        if slope == 0.0 and high < LONGEST and low > -LONGEST:
+            slope = -here / (way * math.pow(2.0, float(high)))
+    v[at] = kept
+    return slope
 
 
 def add_aid(e: Engine, mode: Mode, w: Floats) -> None:
@@ -306,13 +360,20 @@ def hidden_row(e: Engine, mode: Mode, j: int, v: Floats, w: Floats, row: Floats)
 
 
 def with_free(mode: Mode, n: int, base: Floats, r: Floats, w: Floats) -> None:
-    """Add what the free unknowns give."""
+    """Add what the free unknowns give; a sum that is rounding of its terms is zero.
+
+    A law would take the sign of that rounding for one, or its root.
+    """
     frees = mode.finite_frees
     for k in range(n):
         total = base[k]
+        size = math.fabs(base[k])
         for j in range(frees):
-            total += mode.finite_free.at[k * frees + j] * r[j]
-        w[k] = total
+            term = mode.finite_free.at[k * frees + j] * r[j]
+            total += term
+            size += math.fabs(term)
+        rounded = math.fabs(total) <= LAST_PLACES * size and size < math.inf
+        w[k] = 0.0 if rounded else total
 
 
 def newton_step(e: Engine, rows: int, frees: int) -> bool:
@@ -331,9 +392,32 @@ def newton_step(e: Engine, rows: int, frees: int) -> bool:
         if lu_factor(rows, work.jacobian2.at, work.pivots.at) != SINGULAR:
             lu_solve(rows, work.jacobian2.at, work.pivots.at, 1, work.step.at)
             if all_finite(rows, work.step.at):
-                return is_clear(rows, work.jacobian.at, work.jacobian2.at)
+                clear = is_clear(rows, work.jacobian.at, work.jacobian2.at)
+                if not clear:
+                    refine_step(e, rows)
+                return clear
     step_of_singular(e, rows, frees)
     return False
+
+
+def refine_step(e: Engine, n: int) -> None:
+    """Take what the step leaves of each residual out of it, once.
+
+    Each equation holds to a part of its own terms then: an unknown that is zero is not left with
+    the rounding of those a million times as large. Source: R. D. Skeel, *Iterative refinement
+    implies numerical stability for Gaussian elimination*, Mathematics of Computation 35 (1980).
+    """
+    work = e.work
+    fit(work.left_over, n)
+    for i in range(n):
+        total = work.residual.at[i]
+        for j in range(n):
+            total -= work.jacobian.at[i * n + j] * work.step.at[j]
+        work.left_over.at[i] = total
+    lu_solve(n, work.jacobian2.at, work.pivots.at, 1, work.left_over.at)
+    for j in range(n):
+        if math.isfinite(work.left_over.at[j]):
+            work.step.at[j] += work.left_over.at[j]
 
 
 def is_clear(n: int, a: Floats, factors: Floats) -> bool:

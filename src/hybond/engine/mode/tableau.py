@@ -82,6 +82,7 @@ def build(e: Engine, mode: Mode, given: Ints) -> int:
     mode.sources = 0
     mode.dynamics = 0
     join_equal(m, power, given)
+    note_read(m, power)
     for k in range(m.storages):
         at = m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 1 else 0)
         give(power, at, 1.0 if m.storage_kind[k] == 0 else float(m.storage_sign[k]))
@@ -121,6 +122,15 @@ def join_equal(m: Model, power: Elimination, given: Ints) -> None:
         for i in range(m.end_first[j], m.end_first[j + 1] - 1):
             make_equal(power, common + m.end_bond[i], common + m.end_bond[i + 1])
     settle_equal(power)
+
+
+def note_read(m: Model, power: Elimination) -> None:
+    """Note the bond variables that bent laws of one bond read."""
+    for k in range(power.unknowns):
+        power.read[k] = 0
+    for d in range(m.dynamics):
+        if m.dynamic_affine[d] == 0 and m.dynamic_partner[d] >= 0:
+            power.read[power.same[m.dynamic_partner[d]]] = 1
 
 
 def keep(e: Engine, left: int) -> None:
