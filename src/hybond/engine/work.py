@@ -106,6 +106,7 @@ class Work:
     separate: Separate
     two_port: Block
     by_stored: Block
+    seen_by: Block
     nu: Block
     combined: Block
     kept: Floats
@@ -200,6 +201,7 @@ def make_work(m: Model) -> Work:
     w.separate = make_separate()
     w.two_port = make_block(1)
     w.by_stored = make_block(1)
+    w.seen_by = make_block(1)
     w.nu = make_block(1)
     w.combined = make_block(1)
     w.kept = floats(n)
