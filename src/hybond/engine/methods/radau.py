@@ -13,6 +13,7 @@ from hybond.engine.algebra.products import copy_floats
 from hybond.engine.engine import NOT_FINITE, OK, Engine
 from hybond.engine.methods.dopri import spacing
 from hybond.engine.methods.one_instant import is_one_kink
+from hybond.engine.methods.radau_dense import hold_dense, make_polynomial
 from hybond.engine.methods.radau_room import (
     ERROR_BLAMED,
     PIECES,
@@ -42,17 +43,6 @@ RADAU_SMALLEST: Final = 1e-2
 KEEP_SIZE: Final = 1.2
 SLOW_RATE: Final = 1e-3
 ERROR_WEIGHT: Final = float_table(-10.0488093998274156, 1.3821427331607489, -0.333333333333333333)
-TO_POLYNOMIAL: Final = float_table(
-    10.0488093998274156,
-    -1.3821427331607489,
-    0.333333333333333333,
-    -25.6295914470766394,
-    10.2962581137433061,
-    -2.66666666666666667,
-    15.5807820472492238,
-    -8.91411538058255716,
-    3.33333333333333333,
-)
 
 STEP_MADE: Final = 0
 STEP_REJECTED: Final = 1
@@ -208,6 +198,9 @@ def try_radau(e: Engine, r: Radau, rtol: float) -> int:
                 r.shrink = 1.0
         return STEP_REJECTED
     estimate_error(e, r)
+    make_polynomial(r)
+    if r.error <= 1.0:
+        hold_dense(e, r)
     for i in range(n):
         r.y1[i] = r.y[2 * n + i]
     if not r.error <= 1.0 and not is_one_kink(e, r.t0, r.y0, r.t1, r.y1):
@@ -218,13 +211,6 @@ def try_radau(e: Engine, r: Radau, rtol: float) -> int:
         r.beyond = True
         r.shrink = RADAU_SHRINK
         return STEP_REJECTED
-    for k in range(3):
-        for i in range(n):
-            r.coefficients[k * n + i] = (
-                TO_POLYNOMIAL[3 * k] * r.z[i]
-                + TO_POLYNOMIAL[3 * k + 1] * r.z[n + i]
-                + TO_POLYNOMIAL[3 * k + 2] * r.z[2 * n + i]
-            )
     return STEP_MADE
 
 
