@@ -79,6 +79,8 @@ class Work:
     begun: Block
     onto: Block
     left: Block
+    left_before: Block
+    refrozen: Block
     known: Block
     rates: Block
     rate_part: Block
@@ -179,6 +181,8 @@ def make_work(m: Model) -> Work:
     w.begun = make_block(1)
     w.onto = make_block(1)
     w.left = make_block(1)
+    w.left_before = make_block(1)
+    w.refrozen = make_block(1)
     w.known = make_block(1)
     w.rates = make_block(1)
     w.rate_part = make_block(1)

@@ -226,6 +226,8 @@ def is_curved(e: Engine, mode: Mode) -> bool:
                 return True
     for i in range(mode.structures if e.work.lefts > 0 else 0):
         d = mode.dynamic[mode.structure[i]]
+        if d >= 0 and m.dynamic_follows[d] != 0:
+            return True
         if m.dynamic_source[d] != 0 and m.dynamic_affine[d] == 0:
             return True
     return False

@@ -54,6 +54,8 @@ there, what is left of it, the size of its terms, then the states of the mode.""
 
 HELD_AT_REST: Final = 16
 """Friction that slides by its branch is held at rest by others. Its port; said once."""
+MODULUS_JUMPS: Final = 17
+"""What moduli read jumps. Numbers: their two-ports."""
 
 
 @record

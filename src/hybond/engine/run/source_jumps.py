@@ -27,9 +27,9 @@ from hybond.engine.run.together import before_kink
 JUMPED: Final = 1e-9
 """Part of what a storage may hold by which constraints on both sides of a kink differ at least."""
 LONGER: Final = 4.0
-"""So many times as long, constraints that move but do not jump are so many times as far apart, ..."""
+"""Over so many times the time, what moves but does not jump is so many times as far apart, ..."""
 JUMPS: Final = 0.75
-"""... and those that jump are no less than this part of that before."""
+"""... and this part of what jumps is there already over the shorter one."""
 AT_KINK: Final = 1e-9
 """Part of its terms below which what changes its sign at a kink is zero."""
 
