@@ -203,3 +203,21 @@ def test_an_error_that_stays_is_a_finding(monkeypatch: pytest.MonkeyPatch) -> No
     )
     assert not _by_tolerance(Finding("rk45", "", 1e-4), m, 1.0, 20.0)
     assert _by_tolerance(Finding("radau", "", 1e-6), m, 1.0, 20.0)
+
+
+def test_energy_that_tolerances_do_not_resolve_is_no_finding_and_lost_energy_is(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """What begins with a thousand times of what it holds later has a thousandth of its digits."""
+    m = hb.Model("followed")
+    table = [[-0.0033, -0.00165, 0.0, 0.00165, 0.00495], [-1185.0, -395.0, 0.0, 395.0, 592.5]]
+    m.add(i=hb.I({"f": {"table": table, "extrapolate": "linear"}}, p=0.000919), v=hb.Zero())
+    m.add(t=hb.GY(-51.3), g=hb.G(27555.55555555556), s=hb.Se("31.6*sin(2600.0*time)"), j=hb.One())
+    m.add(r=hb.R(0.00052))
+    m.bond("i -> v", "v -> t.2", "j -> s", "j -> g", "j -> t.1", "r -> j")
+    audit = hb.simulate(m, 0.0353).audit()
+    assert 1e-5 < audit.energy < 1e-2 and audit.power < 1e-15
+    assert check_model(m, 0.0353).findings == ()
+    # an imbalance that a tenth of the tolerance leaves as it is
+    monkeypatch.setattr(hb.Result, "audit", lambda _: audit)
+    assert [f.kind for f in check_model(m, 0.0353).findings] == ["audit"]

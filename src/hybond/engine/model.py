@@ -135,6 +135,8 @@ class Model:
     """Of a law that gives one variable of a bond: the other one, or -1."""
     dynamic_way: Floats
     """The sign with which a resistance beside the law would add that."""
+    dynamic_follows: Ints
+    """Whether it is that of a two-port whose modulus may jump with what is stored."""
     dynamic_affine: Ints
     """Whether its slopes do not read bond variables."""
     dynamic_fixed: Ints

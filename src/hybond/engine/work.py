@@ -85,6 +85,8 @@ class Work:
     begun: Block
     onto: Block
     left: Block
+    left_before: Block
+    refrozen: Block
     known: Block
     rates: Block
     rate_part: Block
@@ -114,6 +116,7 @@ class Work:
     separate: Separate
     two_port: Block
     by_stored: Block
+    seen_by: Block
     nu: Block
     combined: Block
     kept: Floats
@@ -189,6 +192,8 @@ def make_work(m: Model) -> Work:
     w.begun = make_block(1)
     w.onto = make_block(1)
     w.left = make_block(1)
+    w.left_before = make_block(1)
+    w.refrozen = make_block(1)
     w.known = make_block(1)
     w.rates = make_block(1)
     w.rate_part = make_block(1)
@@ -212,6 +217,7 @@ def make_work(m: Model) -> Work:
     w.separate = make_separate()
     w.two_port = make_block(1)
     w.by_stored = make_block(1)
+    w.seen_by = make_block(1)
     w.nu = make_block(1)
     w.combined = make_block(1)
     w.kept = floats(n)

@@ -7,7 +7,10 @@ constraint allows: energy is lost, whatever the ratios. By the old ratio it coul
 
 from __future__ import annotations
 
+import math
+
 import pytest
+from scipy.optimize import brentq
 
 import hybond as hb
 
@@ -78,3 +81,63 @@ def test_a_gyrator_that_jumps_keeps_to_its_new_modulus() -> None:
     assert float(run["a.f"].at(1.0)) == pytest.approx(first, rel=1e-12)
     assert float(run["b.e"].at(1.0)) == pytest.approx(2.0 * first, rel=1e-12)
     assert run.audit().holds()
+
+
+STORED = {
+    # the storage at port 1, the two-port, and the storage at port 2
+    "TF of capacitors": ("C", "TF", "C"),
+    "TF of masses": ("I", "TF", "I"),
+    "GY of a capacitor and a mass": ("C", "GY", "I"),
+    "GY of a mass and a capacitor": ("I", "GY", "C"),
+}
+
+
+def closed(which: str, modulus: str) -> hb.Model:
+    """Two storages apart, which a switch joins by a two-port that reads one of them."""
+    one, port, two = STORED[which]
+    m = hb.Model("closed")
+    # a capacitor gives its effort, a mass its flow: it stands at a 0 or a 1
+    m.add(a=hb.C(2.0, q=3.0) if one == "C" else hb.I(2.0, p=3.0), j=_node(one))
+    m.add(b=hb.C(1.0, q=0.5) if two == "C" else hb.I(1.0, p=0.5), k=_node(two))
+    m.add(t=hb.TF(modulus) if port == "TF" else hb.GY(modulus))
+    m.add(s=hb.One() if one == "C" else hb.Zero())
+    m.bond("j -> a", "j -> s", "s -> t.1", "t.2 -> k", "k -> b")
+    states = {"off": [], "on": ["s"]}
+    m.machine("S", states=states, start="off", rules=["off -> on when time >= 0.5"])
+    return m
+
+
+def _node(kind: str) -> hb.Zero | hb.One:
+    return hb.Zero() if kind == "C" else hb.One()
+
+
+@pytest.mark.parametrize("solver", ["auto", "rk45", "radau"])
+@pytest.mark.parametrize("read", ["a", "b"])
+@pytest.mark.parametrize("which", STORED)
+def test_a_modulus_of_what_jumps_ties_it_by_what_it_is_then(
+    which: str, read: str, solver: str
+) -> None:
+    one, port, two = STORED[which]
+    path = f"{read}.{'q' if (one if read == 'a' else two) == 'C' else 'p'}"
+    run = hb.simulate(closed(which, f"1.5 + 0.4*sin({path})"), 1.0, solver=solver)
+
+    def modulus(x: float, y: float) -> float:
+        return 1.5 + 0.4 * math.sin(x if read == "a" else y)
+
+    before = modulus(3.0, 0.5)
+
+    def states(nu: float) -> tuple[float, float]:
+        """What both store after an impulse, by f2 = m f1, e2 = r f1; e1 = m e2, e1 = r f2."""
+        return (3.0 - nu, 0.5 + before * nu) if one == "C" else (3.0 - before * nu, 0.5 + nu)
+
+    def gap(nu: float) -> float:
+        """The law behind it: e1 = m e2, e1 = r f2; f2 = m f1, e2 = r f1."""
+        x, y = states(nu)
+        return x / 2.0 - modulus(x, y) * y if one == "C" else y - modulus(x, y) * x / 2.0
+
+    expected = states(brentq(gap, -4.0, 4.0, xtol=1e-15))
+    names = [f"{n}.{'q' if kind == 'C' else 'p'}" for n, kind in (("a", one), ("b", two))]
+    assert [float(run[n].at(1.0)) for n in names] == pytest.approx(expected, rel=1e-10)
+    assert run.audit().holds()
+    (warning,) = run.warnings
+    assert f"the modulus of t ({port} 1.5 + 0.4*sin({path})) reads jumps" in warning

@@ -6,12 +6,16 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import fit, row_size, row_times
+from hybond.engine.algebra.products import all_finite, copy_floats
+from hybond.engine.algebra.svd import svd_of_transpose
 from hybond.engine.answers import node_name, value
-from hybond.engine.engine import OK, REFUSED, Engine, say_fault
+from hybond.engine.engine import OK, REFUSED, Engine, say_fault, svd_room
+from hybond.engine.mode.dynamic_rows import frozen_at
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.newton import knowns_of
-from hybond.engine.mode.newton_system import split, take_rank
+from hybond.engine.mode.newton_system import by_power, split, take_rank
 from hybond.engine.mode.storage import coupled, own_stiffness, reach_of
+from hybond.engine.model import Model
 from hybond.engine.reasons.facts import disagree
 from hybond.engine.words import Floats
 
@@ -63,6 +67,9 @@ def begin_constraints(e: Engine, mode: Mode, v: Floats, x: Floats) -> None:
         take_rank(e, mode, v)
         split(e, mode, v)
         w.lefts = mode.structures - mode.rank
+        many = mode.structures * w.lefts
+        fit(w.left_before, max(many, 1))
+        copy_floats(many, w.left.at, w.left_before.at)
     w.constraints = mode.constraints.rows + w.lefts
     fit(w.gap, w.constraints)
     fit(w.gap_size, w.constraints)
@@ -105,6 +112,8 @@ def residual(e: Engine, mode: Mode, v: Floats, x: Floats) -> None:
         same = mode.same[k]
         w.base[k] = w.base[same] if same < k else row_times(mode.power, k, w.xi)
         w.base_size[k] = w.base_size[same] if same < k else row_size(mode.power, k, w.known_size)
+    if follows(m, mode):
+        follow_moduli(e, mode, v)
     for i in range(mode.structures):
         total = 0.0
         size = 0.0
@@ -114,7 +123,7 @@ def residual(e: Engine, mode: Mode, v: Floats, x: Floats) -> None:
             size += math.fabs(w.frozen.at[row + k]) * w.base_size[k]
         w.two_port.at[2 * i] = total
         w.two_port.at[2 * i + 1] = size
-    # a controlled source is read at the state tried; two-ports keep their moduli
+    # a controlled source is read at the state tried
     for k in range(n):
         v[m.bond_slot + k] = w.base[k]
     for i in range(mode.structures):
@@ -132,6 +141,72 @@ def residual(e: Engine, mode: Mode, v: Floats, x: Floats) -> None:
             size += math.fabs(share) * w.two_port.at[2 * i + 1]
         w.gap.at[rows + j] = total
         w.gap_size.at[rows + j] = size
+
+
+def follows(m: Model, mode: Mode) -> bool:
+    """Whether a two-port of the mode has a modulus that may jump with what is stored."""
+    for i in range(mode.structures):
+        d = mode.dynamic[mode.structure[i]]
+        if d >= 0 and m.dynamic_follows[d] != 0:
+            return True
+    return False
+
+
+def follow_moduli(e: Engine, mode: Mode, v: Floats) -> None:
+    """Read moduli at the state tried, and turn what they leave of the constraints with them.
+
+    What is stored is in `v`, bond variables that it determines in `e.work.base`. Impulses are those
+    of the moduli before: this is the law that is to hold behind the jump.
+    """
+    m = e.model
+    w = e.work
+    n = 2 * m.bonds
+    frees = mode.power_frees
+    for k in range(n):
+        if largest_in(frees, mode.power_free.at, mode.same[k] * frees) == 0.0:
+            v[m.bond_slot + k] = w.base[k]
+    frozen_at(e, mode, v, w.refrozen)
+    moved = False
+    for i in range(mode.structures):
+        row = mode.structure[i] * n
+        if m.dynamic_follows[mode.dynamic[mode.structure[i]]] != 0:
+            for k in range(n):
+                moved = moved or w.refrozen.at[row + k] != w.frozen.at[row + k]
+                w.frozen.at[row + k] = w.refrozen.at[row + k]
+    if moved:
+        turn_left(e, mode)
+
+
+def largest_in(n: int, a: Floats, at: int) -> float:
+    """Return the largest of so many numbers from `at` on."""
+    most = 0.0
+    for k in range(n):
+        most = max(most, math.fabs(a[at + k]))
+    return most
+
+
+def turn_left(e: Engine, mode: Mode) -> None:
+    """Take out of the left null vectors before what the rows reach with the moduli there are now.
+
+    So they turn with the moduli and never change places.
+    """
+    w = e.work
+    many = mode.structures
+    frees = mode.power_frees
+    rank = mode.rank
+    by_power(e, mode)
+    copy_floats(many * w.lefts, w.left_before.at, w.left.at)
+    if not all_finite(many * frees, w.c.at):
+        return
+    d = svd_room(e, max(many, frees), max(many, frees))
+    svd_of_transpose(d, many, frees, w.c.at)
+    for j in range(w.lefts):
+        for a in range(rank):
+            share = 0.0
+            for i in range(many):
+                share += d.v[a * many + i] * w.left_before.at[i * w.lefts + j]
+            for i in range(many):
+                w.left.at[i * w.lefts + j] -= share * d.v[a * many + i]
 
 
 def constraint_by_co_energy(e: Engine, mode: Mode, i: int, n: int) -> None:

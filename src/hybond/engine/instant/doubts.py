@@ -5,11 +5,55 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.engine.answers import value
 from hybond.engine.engine import Engine
 from hybond.engine.laws.law_friction import may_rest
 from hybond.engine.laws.law_instant import quantity
 from hybond.engine.mode.mode_records import Mode
-from hybond.engine.reasons.warned import HELD_AT_REST, IMPULSIVE, add_about, begin_warning
+from hybond.engine.reasons.warned import (
+    HELD_AT_REST,
+    IMPULSIVE,
+    MODULUS_JUMPS,
+    add_about,
+    begin_warning,
+)
+
+SAME: Final = 1e-12
+"""Moduli that differ by less than this part of them have not jumped."""
+
+
+def warn_of_moduli(e: Engine, mode: Mode) -> None:
+    """Warn of moduli that a jump which is written makes others, its values being in `e.v`."""
+    m = e.model
+    if m.tells == 0 or not e.trial.jumps:
+        return
+    v = e.work.values
+    for k in range(m.slots):
+        v[k] = e.pre[k]
+        v[m.slots + k] = e.pre[k]
+    said = False
+    for i in range(mode.dynamics):
+        d = mode.dynamic[i]
+        if d < 0 or m.dynamic_follows[d] == 0 or not modulus_jumps(e, d):
+            continue
+        if not said:
+            begin_warning(e.warned, MODULUS_JUMPS, e.t)
+        said = True
+        add_about(e.warned, float(m.dynamic_node[d]))
+
+
+def modulus_jumps(e: Engine, d: int) -> bool:
+    """Whether a two-port's row has other slopes than with the values a priori."""
+    m = e.model
+    for p in range(m.frozen_first[d], m.frozen_first[d + 1]):
+        law = m.frozen_value[p]
+        if law >= 0:
+            before = value(m, law, e.work.values)
+            behind = value(m, law, e.v)
+            if math.fabs(behind - before) > SAME * (math.fabs(before) + math.fabs(behind)):
+                return True
+    return False
+
 
 OPEN: Final = 1e-9
 """Part of what a direction moves at a junction from which on its sum is moved."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Final
 
 from hybond.engine.algebra.blocks import fit, fit_places
 from hybond.engine.algebra.products import largest, times_matrix, times_orthonormal
@@ -15,6 +16,9 @@ from hybond.engine.mode.dynamic_rows import frozen_at
 from hybond.engine.mode.mode_records import Mode, Ways
 from hybond.engine.mode.storage import own_stiffness, stiff, with_stored
 from hybond.engine.words import Floats
+
+SEEN: Final = 1e-3
+"""Part of a constraint's terms that a storage is to move, of which differences are a small part."""
 
 
 def impulse_directions(e: Engine, mode: Mode, v: Floats, ways: Ways) -> None:
@@ -227,6 +231,8 @@ def is_curved(e: Engine, mode: Mode) -> bool:
                 return True
     for i in range(mode.structures if e.work.lefts > 0 else 0):
         d = mode.dynamic[mode.structure[i]]
+        if d >= 0 and m.dynamic_follows[d] != 0:
+            return True
         if m.dynamic_source[d] != 0 and m.dynamic_affine[d] == 0:
             return True
     return False
@@ -262,6 +268,7 @@ def difference_slope(e: Engine, mode: Mode, v: Floats, x: Floats, ways: Ways) ->
     count = w.constraints
     areas = ways.areas
     residual(e, mode, v, x)
+    seen_by_constraints(e, mode)
     for i in range(count):
         w.base_gap.at[i] = w.gap.at[i]
         for a in range(areas):
@@ -282,6 +289,26 @@ def difference_slope(e: Engine, mode: Mode, v: Floats, x: Floats, ways: Ways) ->
                 ways.slope.at[i * areas + a] += rate * ways.d.at[k * areas + a]
 
 
+def seen_by_constraints(e: Engine, mode: Mode) -> None:
+    """Find what co-energy each storage must move by for constraints to see it, into `seen_by`.
+
+    Where nothing is stored yet a source may be the only size there is: beside it a difference has
+    no digit.
+    """
+    m = e.model
+    w = e.work
+    fit(w.by_stored, m.storages)
+    fit(w.seen_by, m.storages)
+    for k in range(m.storages):
+        w.seen_by.at[k] = 0.0
+    for i in range(w.constraints):
+        constraint_by_co_energy(e, mode, i, 2 * m.bonds)
+        for k in range(m.storages):
+            factor = math.fabs(w.by_stored.at[k])
+            if factor > 0.0:
+                w.seen_by.at[k] = max(w.seen_by.at[k], SEEN * w.gap_size.at[i] / factor)
+
+
 def is_moved(ways: Ways, k: int) -> bool:
     """Whether a way moves what storage k holds."""
     for a in range(ways.areas):
@@ -291,10 +318,13 @@ def is_moved(ways: Ways, k: int) -> bool:
 
 
 def extent(e: Engine, x: Floats, k: int) -> float:
-    """Return the size of what storage k holds or may be given; a millionth where nothing is."""
+    """Return the size of what storage k holds or may be given; a millionth where nothing is.
+
+    It is no less than what constraints see of it.
+    """
     m = e.model
     own = math.fabs(own_stiffness(m, k, with_stored(e, x)))
     size = math.fabs(x[k])
     if own > 0.0 and math.isfinite(own):
-        size += e.work.reach[k] / own
+        size = max(size + e.work.reach[k] / own, e.work.seen_by.at[k] / own)
     return size if size > 0.0 and math.isfinite(size) else 1e-6

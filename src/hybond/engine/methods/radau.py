@@ -34,7 +34,6 @@ from hybond.engine.methods.radau_stages import (
     rate_at,
 )
 from hybond.engine.methods.scale import ROUNDED, tolerance
-from hybond.engine.mode.mode_records import is_constrained
 from hybond.engine.words import Floats, float_table
 
 RADAU_SAFETY: Final = 0.9
@@ -54,7 +53,6 @@ NEARER: Final = 6
 RADAU_NEAR: Final = 1.0 / 16.0
 """By how much it is then smaller each time."""
 STEP_TOO_SMALL: Final = 2
-STEP_BEYOND: Final = 3
 
 
 def begin_radau(r: Radau, jumped: bool) -> None:
@@ -74,14 +72,17 @@ def begin_radau(r: Radau, jumped: bool) -> None:
     r.error_before = 0.0
 
 
-def differences(e: Engine, r: Radau, rtol: float) -> int:
+def differences(e: Engine, r: Radau, rtol: float) -> None:
     """Make the Jacobian by forward differences where the step starts, in the direction of motion.
 
     A state at the edge of where its law is defined is more likely to have come from there than to
     go there. Between two edges that are near, differences are as small as the room is; on both at
-    once there are none, and no slope: steps are then those of an iteration without it.
+    once there are none, and no slope: steps are then those of an iteration without it. So are
+    those from rest where laws say nothing of what is beside it, as where friction holds a body.
+    What was tried here alone is no step's matter: it refuses none.
     """
     n = r.n
+    refusal = e.refusal
     tolerance(e, r.y0, r.y0, r.other)
     for i in range(n):
         r.shifted[i] = r.y0[i]
@@ -100,18 +101,16 @@ def differences(e: Engine, r: Radau, rtol: float) -> int:
             if found == OK:
                 break
             delta *= RADAU_NEAR
-        if found != OK and e.model.edges == 0 and not is_constrained(e.mode):
-            return found
         for i in range(n):
-            # off its constraints, or where laws end, a state may have no rates; nothing moves it
-            # there
+            # off its constraints, or where laws end or jump, a state may have no rates; nothing
+            # moves it there
             change = r.end[i] - r.f0[i] if found == OK else 0.0
             r.jacobian[i * n + j] = change / (r.shifted[j] - r.y0[j])
         r.shifted[j] = r.y0[j]
+    e.refusal = refusal
     r.matrix = FRESH_MATRIX
     r.served = 0.0
     r.made += 1
-    return OK
 
 
 def beside(e: Engine, r: Radau, j: int, delta: float) -> int:
@@ -242,8 +241,8 @@ def advance_radau(e: Engine, r: Radau, rtol: float, t_end: float, h: float, long
     r.rejected = 0
     tolerance(e, r.y0, r.y0, r.tolerance)
     while True:
-        if r.matrix == NO_MATRIX and differences(e, r, rtol) != OK:
-            return STEP_BEYOND
+        if r.matrix == NO_MATRIX:
+            differences(e, r, rtol)
         r.trial = h
         # a little longer rather than a sliver of a step afterwards
         r.t1 = t_end if may_land and remaining <= 1.01 * h else min(r.t0 + h, t_end)

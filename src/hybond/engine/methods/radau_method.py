@@ -8,7 +8,6 @@ from hybond.engine.methods.dopri import begin_step, first_step, goes_elsewhere, 
 from hybond.engine.methods.failed_steps import no_rate, step_too_small
 from hybond.engine.methods.flow_records import AUTO
 from hybond.engine.methods.radau import (
-    STEP_BEYOND,
     STEP_MADE,
     begin_radau,
     retry_radau,
@@ -51,7 +50,7 @@ def radau_step(e: Engine, t_end: float) -> int:
     r.next = s.h
     made = step_radau(e, r, e.model.rtol, t_end, e.model.max_step)
     if made != STEP_MADE:
-        return radau_failed(e, made)
+        return radau_failed(e)
     s.h = r.next
     s.rejected = r.rejected
     if e.model.method == AUTO and r.h >= 0.99 * r.trial:
@@ -60,11 +59,11 @@ def radau_step(e: Engine, t_end: float) -> int:
     return OK
 
 
-def radau_failed(e: Engine, made: int) -> int:
+def radau_failed(e: Engine) -> int:
     """Say why no step is small enough."""
-    if e.model.tells != 0 and not e.refusal and (made == STEP_BEYOND or e.radau.beyond):
+    if e.model.tells != 0 and not e.refusal and e.radau.beyond:
         return no_rate(e, e.states, e.radau.h, e.radau.end, e.radau.f1)
-    if made == STEP_BEYOND or e.radau.beyond:
+    if e.radau.beyond:
         return not_finite(e)
     if e.model.tells != 0:
         return radau_too_small(e, e.radau)
@@ -89,7 +88,7 @@ def radau_retry(e: Engine, t_end: float) -> int:
     """Repeat the last step, ending at `t_end`."""
     made = retry_radau(e, e.radau, e.model.rtol, t_end, e.model.max_step)
     if made != STEP_MADE:
-        return radau_failed(e, made)
+        return radau_failed(e)
     accept_radau(e)
     return OK
 

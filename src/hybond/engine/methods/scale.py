@@ -31,10 +31,13 @@ def start_scale(e: Engine, mode: Mode) -> None:
     """Learn what the rates of stored quantities cancel from, where motion starts.
 
     From rest, rates may be nothing but rounding of these terms: then no step is small enough to be
-    right to a part of what it adds. Where all is still and nothing pushes yet, the terms of a
-    moment later count.
+    right to a part of what it adds. Where nothing has been stored yet, the terms of a moment later
+    count as well: what pushes may begin at zero, or at what rounding of the time leaves of it.
     """
-    if not found_terms(e, mode, e.t):
+    found = found_terms(e, mode, e.t)
+    if not found or e.scale_energy == 0.0:
+        for k in range(e.model.storages):
+            e.work.reach[k] = e.rounding[k]
         soon = SHORT * e.span
         if e.next_break < math.inf:
             soon = min(soon, 0.5 * (e.next_break - e.t))
@@ -43,6 +46,8 @@ def start_scale(e: Engine, mode: Mode) -> None:
         give_back_guess(e, mode)
         set_state(e, mode, e.v, e.t, e.y)
         solve(e, mode, e.v)
+        for k in range(e.model.storages):
+            e.rounding[k] = max(e.work.reach[k], e.rounding[k])
     if e.model.laws > 0:
         pushed = pushed_energy(e)
         e.energy = max(e.energy, pushed)

@@ -80,10 +80,35 @@ def retry(e: Engine, t_end: float) -> int:
 
 
 def reach(e: Engine, t: float) -> None:
-    """Let the last step end at `t`, which is one instant with where it ends, and what is there."""
-    e.step.t1 = t
+    """Let the last step end at `t`, which is one instant with where it ends, and what is there.
+
+    What is between its ends stays where it is in time: of what moves fast, a few last places of
+    the time are more than rounding.
+    """
+    s = e.step
+    n = e.states
     if by_radau(e) and not e.curved:
-        e.radau.piece_t1[e.radau.pieces - 1] = t
+        r = e.radau
+        k = r.pieces - 1
+        stretch(n, 3, stretched(r.piece_t0[k], r.piece_t1[k], t), r.piece_polynomial, 3 * k * n)
+        r.piece_t1[k] = t
+    else:
+        stretch(n, 4, stretched(s.t0, s.t1, t), s.dense, 0)
+    s.t1 = t
+
+
+def stretched(t0: float, t1: float, t: float) -> float:
+    """Return how many times as long a step is that ends at `t`; 1 if it takes no time."""
+    return (t - t0) / (t1 - t0) if t1 > t0 else 1.0
+
+
+def stretch(n: int, rows: int, factor: float, dense: Floats, at: int) -> None:
+    """Write coefficients of powers of the part of a step for one so many times as long."""
+    power = 1.0
+    for row in range(rows):
+        power *= factor
+        for i in range(n):
+            dense[at + row * n + i] *= power
 
 
 def between(e: Engine, t: float, y: Floats) -> None:

@@ -286,10 +286,15 @@ def split(e: Engine, mode: Mode, v: Floats) -> None:
 
 def put_structure(e: Engine, mode: Mode, v: Floats) -> None:
     """Put the power structure's rows by what it leaves free into ``e.work.c``."""
+    frozen_at(e, mode, v, e.work.frozen)
+    by_power(e, mode)
+
+
+def by_power(e: Engine, mode: Mode) -> None:
+    """Put the rows in ``e.work.frozen`` by what the power structure leaves free there."""
     work = e.work
     n = 2 * e.model.bonds
     frees = mode.power_frees
-    frozen_at(e, mode, v, work.frozen)
     fit(work.c, mode.structures * max(frees, 1))
     for i in range(mode.structures):
         for j in range(frees):

@@ -21,8 +21,9 @@ if TYPE_CHECKING:
 NOT_UNIQUE, NO_WAY_ON, TWIN_SURFACES, OWN_JUMP, THROWS_BACK = 1, 2, 3, 4, 5
 SECOND_ANSWER, IMPULSIVE, LEFT_OPEN, FAR_APART, UNREST = 6, 7, 8, 9, 10
 WITHOUT_END, SHARES_OPEN, FIRES_ALWAYS, NEXT_DECIDES, UNSOUND, HELD_AT_REST = 11, 12, 13, 14, 15, 16
+MODULUS_JUMPS = 17
 """Kinds of warnings: as in `hybond.engine.reasons.warned`."""
-TIMELESS = (TWIN_SURFACES, OWN_JUMP, IMPULSIVE, LEFT_OPEN, FAR_APART)
+TIMELESS = (TWIN_SURFACES, OWN_JUMP, IMPULSIVE, LEFT_OPEN, FAR_APART, MODULUS_JUMPS)
 """Those whose text does not say when: once said, they are said."""
 SLIDES, ABOVE = 0, 1
 REBOUNDS, NO_SOLUTION, NO_SIGN, OPEN = 0, 1, 2, 3
@@ -122,6 +123,13 @@ class Warnings:
         if kind == IMPULSIVE:
             names = ", ".join(self.graph.nodes[k].path for k in numbers)
             return f"impulsive laws enter the jump equations: {names}"
+        if kind == MODULUS_JUMPS:
+            nodes = [self.graph.nodes[k] for k in dict.fromkeys(numbers)]
+            which = ", ".join(f"{node.path} ({node.kind} {node.label})" for node in nodes)
+            return (
+                f"what the modulus of {which} reads jumps: impulses are those of the modulus "
+                "before, and its law holds with what it is behind them"
+            )
         if kind == LEFT_OPEN:
             machines = len(self.graph.machines)
             rule, when, *rest = numbers

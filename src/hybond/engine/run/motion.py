@@ -420,7 +420,7 @@ def note(e: Engine, r: Run, t: float, shown: float) -> int:
         e.y[k] = e.step.y1[k]
     if shown != e.step.t1:
         between(e, shown, e.y)
-    if put_before_kink(e, t, e.y) != OK:
+    if put_before_kink(e, r, t) != OK:
         return REFUSED
     if e.slide.k > 0 and onto_surfaces(e, t, e.y) != OK:
         return REFUSED

@@ -19,14 +19,17 @@ from hybond.engine.instant.jump import on_constraints
 from hybond.engine.methods.stepping import between, step
 from hybond.engine.mode.mode_records import is_constrained
 from hybond.engine.mode.storage import reach_of
-from hybond.engine.mode.values import evaluate
+from hybond.engine.mode.values import evaluate, field
 from hybond.engine.run.guard_values import put_on_constraints
 from hybond.engine.run.run_records import Run
 from hybond.engine.run.together import before_kink
-from hybond.engine.words import Floats
 
 JUMPED: Final = 1e-9
 """Part of what a storage may hold by which constraints on both sides of a kink differ at least."""
+LONGER: Final = 4.0
+"""Over so many times the time, what moves but does not jump is so many times as far apart, ..."""
+JUMPS: Final = 0.75
+"""... and this part of what jumps is there already over the shorter one."""
 AT_KINK: Final = 1e-9
 """Part of its terms below which what changes its sign at a kink is zero."""
 
@@ -41,16 +44,18 @@ def jumps_onto_storage(e: Engine, r: Run, at: float) -> bool:
     many = e.states
     refusal = e.refusal
     before = before_kink(e, r.locator, at) - moment(e.model, e.t)
-    between(e, before, r.rate)
+    # a step may be shorter than a moment: its polynomial says nothing of what was before it
+    between(e, max(before, e.step.t0), r.rate)
     for i in range(many):
         r.beside[i] = r.rate[i]
         r.beside[many + i] = e.step.y1[i]
         e.y[i] = e.step.y1[i]
     known = put_on_constraints(e, before, r.rate) == OK
     known = known and put_on_constraints(e, e.step.t1, e.y) == OK
+    jumps = known and differ(e, r) and jumps_farther(e, r, e.step.t1 - before)
     e.refusal = refusal
     r.locator.looked = math.nan
-    if not known or not differ(e, r):
+    if not jumps:
         return False
     for i in range(many):
         e.y[i] = r.beside[many + i] + (r.rate[i] - r.beside[i])
@@ -89,39 +94,72 @@ def are_apart(e: Engine, r: Run, before: float, behind: float) -> bool:
     m = e.model
     if m.kinks == 0 or not is_constrained(e.mode) or e.slide.k > 0 or m.storages == 0:
         return False
-    many = e.states
     refusal = e.refusal
     early = e.early
     e.early = math.inf
     apart = evaluate(e, e.mode, e.shown, e.t, e.y) == OK and is_at_kink(e)
-    if apart:
-        for i in range(many):
-            r.beside[i] = e.y[i]
-            r.beside[many + i] = e.y[i]
-            r.rate[i] = e.y[i]
-        known = put_on_constraints(e, before, r.rate) == OK
-        known = known and put_on_constraints(e, behind, e.y) == OK
-        apart = known and differ(e, r)
-        for i in range(many):
-            e.y[i] = r.beside[i]
+    apart = apart and jump_between(e, r, e.t, before, behind)
     e.early = early
     e.refusal = refusal
     return apart
 
 
-def put_before_kink(e: Engine, t: float, y: Floats) -> int:
-    """Put a state of the motion on its mode's constraints, at a kink on those before it.
+def jump_between(e: Engine, r: Run, t: float, before: float, behind: float) -> bool:
+    """Whether constraints at two times around `t` hold the present state at different places.
+
+    And nearly as far apart as over a time that is longer: what only moves fast is not.
+    """
+    many = e.states
+    apart = put_apart(e, r, before, behind) and differ(e, r)
+    for i in range(many):
+        there = i < e.model.storages and differs(e, r, i)
+        r.beside[2 * many + i] = math.fabs(e.y[i] - r.rate[i]) if there else 0.0
+        e.y[i] = r.beside[i]
+    if not apart:
+        return False
+    known = put_apart(e, r, t - LONGER * (t - before), t + LONGER * (behind - t))
+    jumps = False
+    for i in range(many):
+        jumps = jumps or r.beside[2 * many + i] > JUMPS * math.fabs(e.y[i] - r.rate[i])
+        e.y[i] = r.beside[i]
+    return known and jumps
+
+
+def put_apart(e: Engine, r: Run, before: float, behind: float) -> bool:
+    """Put the present state on the constraints at two times, into `r.rate` and `e.y`.
+
+    As it was it is in the first two rows of `r.beside`; False where there are no such states.
+    """
+    for i in range(e.states):
+        r.beside[i] = e.y[i]
+        r.beside[e.states + i] = e.y[i]
+        r.rate[i] = e.y[i]
+    known = put_on_constraints(e, before, r.rate) == OK
+    return known and put_on_constraints(e, behind, e.y) == OK
+
+
+def put_before_kink(e: Engine, r: Run, t: float) -> int:
+    """Put the state of the motion on its mode's constraints, on those before a jump of a source.
 
     A step may end at the very time at which a source jumps: what happens there is for the instant.
+    At a kink where none jumps constraints are those of the time itself: a moment before, what
+    passes through zero fast is a thousand times off what is left of it.
     """
     m = e.model
     if m.kinks == 0 or not is_constrained(e.mode):
-        return put_on_constraints(e, t, y)
-    if evaluate(e, e.mode, e.shown, t, y) != OK:
+        return put_on_constraints(e, t, e.y)
+    if evaluate(e, e.mode, e.shown, t, e.y) != OK:
         return REFUSED
-    if is_at_kink(e):
-        return put_on_constraints(e, t - moment(e.model, e.t), y)
-    return on_constraints(e, e.mode, e.shown, y)
+    if not is_at_kink(e):
+        return on_constraints(e, e.mode, e.shown, e.y)
+    a_moment = moment(m, e.t)
+    refusal = e.refusal
+    early = e.early
+    e.early = math.inf
+    apart = jump_between(e, r, t, t - a_moment, t + a_moment)
+    e.early = early
+    e.refusal = refusal
+    return put_on_constraints(e, t - a_moment if apart else t, e.y)
 
 
 def is_at_kink(e: Engine) -> bool:
@@ -143,8 +181,33 @@ def differ(e: Engine, r: Run) -> bool:
     reach_of(e, e.y, e.energy, e.work.reach)
     apart = False
     for i in range(e.model.storages):
-        here = r.rate[i] - r.beside[i]
-        there = e.y[i] - r.beside[e.states + i]
-        most = max(e.work.reach[i], max(math.fabs(e.y[i]), math.fabs(r.rate[i])))
-        apart = apart or math.fabs(there - here) > JUMPED * most
+        apart = apart or differs(e, r, i)
     return apart
+
+
+def differs(e: Engine, r: Run, i: int) -> bool:
+    """Return whether they do so to storage i."""
+    most = max(e.work.reach[i], max(math.fabs(e.y[i]), math.fabs(r.rate[i])))
+    return apart_by(e, r, i) > JUMPED * most
+
+
+def apart_by(e: Engine, r: Run, i: int) -> float:
+    """Return by how much the two sides move storage i to other places."""
+    here = r.rate[i] - r.beside[i]
+    there = e.y[i] - r.beside[e.states + i]
+    return math.fabs(there - here)
+
+
+def jumps_farther(e: Engine, r: Run, h: float) -> bool:
+    """Return whether that is more than what moves on does from one side to the other.
+
+    What moves fast is as far from its constraints as rounding of the time is long, and behind the
+    kink it may move faster.
+    """
+    known = field(e, e.mode, e.step.t1, e.step.y1, r.after) == OK
+    farther = not known
+    for i in range(e.model.storages):
+        moved = math.fabs(r.beside[e.states + i] - r.beside[i])
+        if known and differs(e, r, i):
+            farther = farther or apart_by(e, r, i) > max(moved, h * math.fabs(r.after[i]))
+    return farther

@@ -104,6 +104,10 @@ def _of_time(e: Expr) -> bool:
     return not uses_pre(e) and all(n == "time" or n.startswith("u:") for n in names(e))
 
 
+def _follows(e: Expr) -> bool:
+    return any(name.partition(":")[0] in ("e", "f", "x") for name in posterior_names(e))
+
+
 def _bonds_read(t: ModelTables, e: Expr) -> list[tuple[int]]:
     """Return the bonds whose variables a value reads, those of what is stored among them."""
     found = set()
@@ -133,6 +137,14 @@ def _dynamics(t: ModelTables, rows: list[Dynamic]) -> None:
     ]
     t.ints["dynamic_value"] = [
         t.values.number(d.expression, f"law of {g.nodes[d.node].path}, zero") for d in rows
+    ]
+    t.ints["dynamic_follows"] = [
+        int(
+            d.kind == "structure"
+            and g.nodes[d.node].kind not in SOURCES
+            and any(_follows(e) for e in d.frozen.values())
+        )
+        for d in rows
     ]
     t.ints["dynamic_affine"] = [
         int(not (bent(d.expression) or any(reads_bonds(e) for e in d.slopes.values())))
