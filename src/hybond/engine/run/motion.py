@@ -169,10 +169,11 @@ def settle_now(e: Engine, r: Run, cause: int) -> int:
         r.cut = False
         r.events += 1
         report_event(e, r.report, i)
-    if settled or cause != GUARD:
+    r.vain = cause == LAW and not settled
+    if settled or (cause != GUARD and cause != LAW):
         r.idle = 0
         begin_count(e, r)
-    else:
+    elif cause == GUARD:
         r.idle_at[r.idle % (IDLE + 1)] = e.t
         r.idle += 1
         if r.idle > IDLE and e.t - r.idle_at[r.idle % (IDLE + 1)] <= MOMENT * e.span:
@@ -221,9 +222,9 @@ def flow(e: Engine, r: Run) -> int:
             return -1
         if again:
             warm_up(e, r)
-        if jumps_at_once(e, r):
+        if not r.vain and jumps_at_once(e, r):
             report_step(e, r.report)
-            return LAW
+            return LAW if count_step(e, r) == OK else -1
     r.flowing = False
     end = min(e.next_break, e.stop)
     instant = room_of_instant(e, e.t)
@@ -371,6 +372,8 @@ def begin_at_edge(e: Engine, r: Run) -> int:
 
 def go_from_edge(e: Engine, r: Run) -> int:
     """Note the way to the edges that was gone, in the time that it takes, and begin there."""
+    if count_step(e, r) != OK:
+        return REFUSED
     if straight_on(e, r) and note(e, r, e.step.t1, e.step.t1) != OK:
         return REFUSED
     r.edge_at = e.t

@@ -67,6 +67,8 @@ class Run:
     """How long straight on it is to a kink that holds the motion, s."""
     jumping: int
     """The state whose rate jumps at it, -1 where none does."""
+    vain: bool
+    """Whether a jump of a source was settled just now, and nothing came of it."""
     begun: bool
     way: int
     """How it begins: FRESH, GIVEN, CHANGED or GOES_ON."""
