@@ -90,6 +90,8 @@ MOMENT: Final = 1e-13
 BEYOND: Final = 50.0
 """Steps that may touch a place where a law has no value before the law is blamed: one in ten, and
 this many at once."""
+EDGES: Final = 100
+"""Edges in a row with next to no time between them that are reached."""
 ACCUMULATES: Final = 3
 
 
@@ -360,20 +362,28 @@ def is_at_edge(e: Engine, r: Run) -> bool:
     """Whether an edge has made a step as short as what is no time away from it; once at a time."""
     s = e.step
     short = s.t1 - s.t0 < time_at_once(e)
-    return e.model.edges > 0 and e.refusal and short and r.edge_at != e.t
+    near = e.model.edges > 0 and e.refusal and short and r.edge_at != e.t
+    return near and not is_driven_on(e, r)
 
 
 def begin_at_edge(e: Engine, r: Run) -> int:
     """Begin anew where a root in a law comes to nothing, if that is now."""
-    if not reach_edges(e, r):
+    if is_driven_on(e, r) or not reach_edges(e, r):
         return REFUSED
     return go_from_edge(e, r)
+
+
+def is_driven_on(e: Engine, r: Run) -> bool:
+    """Whether edges follow each other at once: what is led beyond where laws have values."""
+    return r.edges > EDGES and e.t - r.edge_t <= time_at_once(e)
 
 
 def go_from_edge(e: Engine, r: Run) -> int:
     """Note the way to the edges that was gone, in the time that it takes, and begin there."""
     if count_step(e, r) != OK:
         return REFUSED
+    r.edges = r.edges + 1 if e.t - r.edge_t <= time_at_once(e) else 0
+    r.edge_t = e.t
     if straight_on(e, r) and note(e, r, e.step.t1, e.step.t1) != OK:
         return REFUSED
     r.edge_at = e.t

@@ -95,6 +95,10 @@ class Run:
     """How many of the last steps have touched a place where a law has no value."""
     edge_at: float
     """When the state was last put on an edge that it had almost reached, s; -1: never."""
+    edges: int
+    """Edges in a row at which a step could not be made, with next to no time between them."""
+    edge_t: float
+    """When the last of them was, s."""
     edge_from: Floats
     """The state from which it went there, and in which time, s."""
     edge_time: float
@@ -124,6 +128,7 @@ def make_run(e: Engine, report: Report) -> Run:
     r.nap = 1
     r.patience = PATIENCE
     r.edge_at = -1.0
+    r.edge_t = -math.inf
     r.edge_from = floats(e.states)
     r.warm_y = floats(e.states)
     r.warm_rounding = floats(e.model.storages)
