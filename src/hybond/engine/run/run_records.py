@@ -56,6 +56,12 @@ class Run:
     """Kinks without a jump in a row at which a step ended next to where it began."""
     nap: int
     """For how many steps none is looked for where they crowd."""
+    since: int
+    """Steps since the last kink."""
+    dense: int
+    """Kinks without a jump in a row with next to no steps between them."""
+    lull: int
+    """For how many steps none is looked for where they are dense."""
     crawled: int
     """Steps in a row that were next to no part of the run, after how many it is asked why."""
     patience: int
@@ -126,6 +132,7 @@ def make_run(e: Engine, report: Report) -> Run:
     r.kink = -1
     r.jumping = -1
     r.nap = 1
+    r.lull = 1
     r.patience = PATIENCE
     r.edge_at = -1.0
     r.edge_t = -math.inf
