@@ -9,7 +9,7 @@ from hybond.engine.algebra.blocks import Block, make_block
 from hybond.engine.algebra.svd import Svd, make_svd
 from hybond.engine.checks.check_records import Checks, make_checks
 from hybond.engine.contacts.landing_records import Landings, make_landings
-from hybond.engine.inputs.calls import Calls, make_calls
+from hybond.engine.inputs.calls import Calls, call_outside, make_calls
 from hybond.engine.laws.law_records import OPEN_KEPT, Laws, make_laws
 from hybond.engine.methods.flow_records import AUTO, EXACT, Exact, make_exact
 from hybond.engine.methods.qss_room import QSS1, Quantised, make_quantised
@@ -30,6 +30,9 @@ NOT_FINITE: Final = 2
 NO_MODE: Final = -1
 BUCKETS: Final = 127
 """Of configurations, to find the modes that are kept."""
+LOOKED_ON: Final = 20_000
+"""Work after which whoever is outside may look on: milliseconds in C, a fifth of a second as
+Python."""
 NO_PIECE: Final = -2147483647
 """No number of a piece of an input."""
 
@@ -251,6 +254,18 @@ def say_fault(e: Engine, code: Text, why: Text, place: Text) -> int:
     return REFUSED
 
 
+def count_work(e: Engine, many: int) -> None:
+    """Count work within a step or an instant; after some of it, whoever is outside looks on.
+
+    What solves laws of one instant may take longer than anybody waits for an answer to Ctrl-C.
+    """
+    if e.model.tells != 0:
+        e.calls.work += many
+        if e.calls.work >= LOOKED_ON:
+            e.calls.work = 0
+            call_outside(e.calls)
+
+
 def make_trial(m: Model) -> Trial:
     """Return room for a trial."""
     trial = Trial()
@@ -323,7 +338,7 @@ def make_engine(m: Model) -> Engine:
     e.line_begin = floats(m.inputs)
     for i in range(m.inputs):
         e.line_piece[i] = NO_PIECE
-    if m.called > 0 or m.blocks > 0:
+    if m.called > 0 or m.blocks > 0 or m.tells != 0:
         e.calls = make_calls(m.most_called)
     e.sampled_at = -math.inf
     e.level = floats(m.inputs)

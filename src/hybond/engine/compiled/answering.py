@@ -7,15 +7,27 @@ sides see: a callback has one number as its argument, and no result that could g
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Generator, Mapping
+from collections.abc import Callable, Generator, Mapping
 from typing import Any
 
 from hybond.blocks.runners import Runner, runners_of
 from hybond.engine.tables import ModelTables
 from hybond.engine.tables.calls import blocks_of
 
-VALUE, RATE = 0, 1
-"""What is asked; anything else is a block."""
+VALUE, RATE, BLOCK, OUTSIDE = range(4)
+"""What is asked."""
+
+
+class Onlooker:
+    """Whoever is to look on within a slice, which may be long; nobody by default."""
+
+    asked: Callable[[], object] | None = None
+    """Called now and then; what it raises ends the run."""
+
+    def look(self) -> None:
+        """Let it look on."""
+        if self.asked is not None:
+            self.asked()
 
 
 class Calls:
@@ -103,12 +115,20 @@ CALLBACK = ctypes.CFUNCTYPE(None, ctypes.c_int)
 
 
 class Answering:
-    """Answers the questions of one run by the library, and keeps what is raised meanwhile."""
+    """Answers the questions of one run by the library, and keeps what is raised meanwhile.
 
-    def __init__(self, calls: Calls) -> None:
+    Parameters
+    ----------
+    calls : Calls or None
+        None for a run that calls neither inputs nor blocks.
+    onlooker : Onlooker
+        Whoever looks on; nobody by default.
+    """
+
+    def __init__(self, calls: Calls | None, onlooker: Onlooker | None = None) -> None:
         self.question = Question()
         self._raised: list[BaseException] = []
-        answers = _answers(calls, self.question, self._raised)
+        answers = _answers(calls, onlooker or Onlooker(), self.question, self._raised)
         next(answers)
         self.callback = CALLBACK(answers.send)
 
@@ -129,7 +149,7 @@ class Answering:
 
 
 def _answers(
-    calls: Calls, question: Question, raised: list[BaseException]
+    calls: Calls | None, onlooker: Onlooker, question: Question, raised: list[BaseException]
 ) -> Generator[None, int, None]:
     """Answer a question for each number that is sent, none any more where something was raised.
 
@@ -143,7 +163,9 @@ def _answers(
                 k = yield
                 if raised:
                     continue
-                if question.what == VALUE:
+                if question.what == OUTSIDE or calls is None:
+                    onlooker.look()
+                elif question.what == VALUE:
                     question.answer = calls.value(k, question.t, question.piece)
                 elif question.what == RATE:
                     question.answer = calls.rate(k, question.t, question.piece)

@@ -186,6 +186,15 @@ static double ask_run(Arena *arena, int what, int k, double t, int piece, double
     longjmp(arena->spent, 1);
 }
 
+/* Let whoever looks on do so; a look into a run has nobody. */
+static void look_outside(Arena *arena)
+{
+    HybondRun *run = (HybondRun *)arena;
+    if (run->question != NULL && run->r != NULL) {
+        (void)ask_run(arena, OUTSIDE, 0, run->e->t, 0, NULL);
+    }
+}
+
 /* Run on by so many steps and instants, -1: to the end; return the status. */
 SHOWN int hybond_run(HybondRun *run, int slice)
 {

@@ -219,10 +219,8 @@ class NativeRun(SlicedRun):
         self.model = model
         self._library = library()
         self._handle = begun(self, model)
-        self._answering: Answering | None = None
-        if self._calls is not None:
-            self._answering = Answering(self._calls)
-            self._answering.of(self._library, self._handle)
+        self._answering = Answering(self._calls, self.onlooker)
+        self._answering.of(self._library, self._handle)
         self._seen = Seen()
         self._see()
 
@@ -238,7 +236,7 @@ class NativeRun(SlicedRun):
         self.stuck = s.stuck_machine, s.stuck_events, s.stuck_why, s.stuck_t, s.stuck_ratio
         self.rejected, self.evaluations, self.modes_made = s.rejected, s.evaluations, s.modes_made
         self.propagated = s.propagated[: model.reasons + 2] if s.propagated else []
-        self.error = None if self._answering is None else self._answering.error
+        self.error = self._answering.error
 
     def _go(self, many: int) -> None:
         self.status = self._library.hybond_run(self._handle, many)

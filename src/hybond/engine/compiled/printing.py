@@ -51,7 +51,7 @@ static void evaluate_pair(const Model *m, int k, Stack *s)
 """,
     "call_input": """\
 /* A run has its arena: `library.c` knows which run it is, and whom to ask. */
-enum { VALUE, RATE, BLOCK };
+enum { VALUE, RATE, BLOCK, OUTSIDE };
 static double ask_run(Arena *arena, int what, int k, double t, int piece, double *values);
 
 static double call_input(Calls *c, int i, double t, int piece)
@@ -69,6 +69,14 @@ static double call_input_rate(Calls *c, int i, double t, int piece)
 static void call_block(Calls *c, int block, double t)
 {
     (void)ask_run(arena_of(c), BLOCK, block, t, 0, c->values);
+}
+""",
+    "call_outside": """\
+static void look_outside(Arena *arena);
+
+static void call_outside(Calls *c)
+{
+    look_outside(arena_of(c));
 }
 """,
 }

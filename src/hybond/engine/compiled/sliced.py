@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from hybond.blocks.runners import Runner
-from hybond.engine.compiled.answering import Calls
+from hybond.engine.compiled.answering import Calls, Onlooker
 from hybond.engine.compiled.refusal import Refusal
 from hybond.engine.compiled.rows import Rows
 from hybond.engine.tables import ModelTables
@@ -67,6 +67,8 @@ class SlicedRun(ABC):
         self.status = PAUSED
         self.error: BaseException | None = None
         """What an input or a block raised, which ended the run; None if nothing was."""
+        self.onlooker = Onlooker()
+        """Who looks on within slices; one that raises ends the run as an input does."""
         self._lock = threading.Lock()
         self._calls: Calls | None = None
         self._close_runners: Callable[[], object] = _do_nothing

@@ -1,4 +1,4 @@
-"""What a run asks from outside: inputs that are functions, and blocks behind sampled signals.
+"""What a run asks from outside: inputs that are functions, blocks, and whether to go on.
 
 Only runs by hybond itself have them; an export is printed without. A call does not come back where
 what was asked raises: the run ends there.
@@ -15,6 +15,10 @@ class Calls:
 
     values: Floats
     answers: Outside
+    outside: Outside
+    """Whoever is to be asked now and then whether the run is to go on; None if nobody is."""
+    work: int
+    """What was done since that was asked, in products of two numbers or so."""
 
 
 def make_calls(most: int) -> Calls:
@@ -40,3 +44,10 @@ def call_input_rate(c: Calls, i: int, t: float, piece: int) -> float:
 def call_block(c: Calls, block: int, t: float) -> None:
     """Let a block compute at t from its inputs, in `values`; its outputs are put there."""
     c.answers.block(block, t, c.values)
+
+
+@given
+def call_outside(c: Calls) -> None:
+    """Let whoever looks on do so; a call that raises ends the run."""
+    if c.outside is not None:
+        c.outside.look()

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from hybond.blocks.runners import Runner
-from hybond.engine.compiled.answering import Calls
+from hybond.engine.compiled.answering import Calls, Onlooker
 from hybond.engine.compiled.refusal import Refusal
 from hybond.engine.compiled.rows import COUNTS, FLOATS, INTS, Rows, rows_of
 from hybond.engine.compiled.sliced import OK, PAUSED, RAISED, REFUSED, SlicedRun, fitted
@@ -26,7 +26,7 @@ from hybond.engine.run.run_records import make_run
 from hybond.engine.run.trying import try_at_start
 from hybond.engine.tables import ModelTables, answered
 
-CALLS = (Calls.value.__code__, Calls.rate.__code__, Calls.block.__code__)
+CALLS = tuple(f.__code__ for f in (Calls.value, Calls.rate, Calls.block, Onlooker.look))
 
 
 class PythonModel:
@@ -77,6 +77,8 @@ class PythonRun(SlicedRun):
         self._settling = False
         if self._calls is not None:
             self._engine.calls.answers = self._calls
+        if model.record.tells != 0:
+            self._engine.calls.outside = self.onlooker
         self._see()
 
     def _refusal(self, which: int) -> Refusal:

@@ -12,7 +12,7 @@ from typing import Final
 from hybond.engine.answers import value
 from hybond.engine.complementarity.all_branches import answer_laws
 from hybond.engine.complementarity.law_roles import BACKWARD, FORWARD, TWO_SIDED
-from hybond.engine.engine import Engine
+from hybond.engine.engine import Engine, count_work
 from hybond.engine.laws.law_friction import may_rest, rests_now, slides_through, turns_round
 from hybond.engine.laws.law_instant import (
     NO_LAW_VALUE,
@@ -72,6 +72,7 @@ def solve_branches(e: Engine, r: Laws, q: Floats, h: float, shifted: bool) -> bo
             r.later[i] = r.v[i]
         for b in range(2 * m.bonds):
             r.later[m.bond_slot + b] = r.response.bonds[b]
+    count_work(e, (m.ports + 8) * (m.ports + 8) * (m.ports + 8))
     rests = put_problem(e, r, q, h, shifted)
     return solve_problem(e, r, rests and not shifted)
 

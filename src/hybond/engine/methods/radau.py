@@ -300,7 +300,7 @@ def control_radau(e: Engine, r: Radau, rtol: float, t_end: float, longest: float
     r.left = r.now_left
     r.span = r.h
     r.origin = 1.0
-    r.known = True
+    r.known = not r.swings
     return STEP_MADE
 
 

@@ -66,6 +66,10 @@ class Radau:
     y: Floats
     z: Floats
     last: Floats
+    swings: bool
+    """Whether they have swung about zero, which foresees nothing of the next step."""
+    swung: Floats
+    """The last correction of the stages, and the one before."""
     coefficients: Floats
     tolerance: Floats
     other: Floats
@@ -132,6 +136,7 @@ def make_radau(n: int) -> Radau:
     r.y = floats(3 * n)
     r.z = floats(3 * n)
     r.last = floats(3 * n)
+    r.swung = floats(3 * n)
     r.coefficients = floats(3 * n)
     r.tolerance = floats(n)
     r.other = floats(n)

@@ -10,7 +10,7 @@ from typing import Final
 
 from hybond.engine.algebra.lu import REGULAR, SINGULAR, lu_factor, lu_solve
 from hybond.engine.algebra.lu_pair import lu_factor_pair, lu_solve_pair
-from hybond.engine.algebra.products import all_finite
+from hybond.engine.algebra.products import all_finite, copy_floats
 from hybond.engine.engine import NOT_FINITE, OK, Engine
 from hybond.engine.methods.radau_room import Radau
 from hybond.engine.methods.scale import tolerance
@@ -43,6 +43,8 @@ PAIR_OUT_IM: Final = float_table(0.0300291941051474245, -0.382942112757261938, 0
 PAIR_IN_RE: Final = float_table(-2.08935929577595236, -0.163841410380531194, 0.238311777250275226)
 PAIR_IN_IM: Final = float_table(-0.251436317472893438, 1.28596347492780271, -0.298019602414112462)
 
+STILL_SWINGS: Final = 0.5
+"""A correction is more than this part of the one before where stages swing and do not settle."""
 NO_MATRIX: Final = 0
 KEPT_MATRIX: Final = 1
 FRESH_MATRIX: Final = 2
@@ -173,6 +175,29 @@ def mean_size(n: int, rows: int, x: Floats, unit: Floats) -> float:
     return size if size == size else math.inf
 
 
+def swing_within(r: Radau, other: bool) -> bool:
+    """Whether stages swing about where they should be, within the tolerance; then they go there.
+
+    A state that a law like a root has brought to rest is led past zero by any slope that is less
+    than without bound, to and fro, however short the step.
+    """
+    n = r.n
+    back = r.rate > STILL_SWINGS and r.size <= 1.0
+    for s in range(3):
+        for i in range(n):
+            k = s * n + i
+            unit = r.other[i] if other else r.tolerance[i]
+            small = math.fabs(r.last[k]) <= ENOUGH * unit
+            back = back and (small or r.last[k] * r.swung[k] < 0.0)
+    if not back:
+        return False
+    for k in range(3 * n):
+        r.z[k] -= 0.5 * r.last[k]
+    place_stages(r)
+    r.swings = True
+    return True
+
+
 def iterate_stages(e: Engine, r: Radau, rtol: float) -> int:
     """Iterate until the error left is negligible, or until it is clear that it will not be."""
     n = r.n
@@ -180,6 +205,7 @@ def iterate_stages(e: Engine, r: Radau, rtol: float) -> int:
     enough = max(ENOUGH, 10.0 * 2.220446049250313e-16 / rtol)
     before = 0.0
     foresee(r)
+    r.swings = False
     r.rate = 0.0
     r.now_left = math.pow(max(r.left, 1e-16), 0.8)
     place_stages(r)
@@ -207,6 +233,8 @@ def iterate_stages(e: Engine, r: Radau, rtol: float) -> int:
             r.size = mean_size(n, 3, r.last, r.other)
         if count > 1:
             r.rate = r.size / before if before > 0.0 else 0.0
+            if swing_within(r, other):
+                return STAGES_CONVERGED
             if not r.rate < 1.0:
                 return STAGES_FAILED
             r.now_left = r.rate / (1.0 - r.rate)
@@ -216,4 +244,5 @@ def iterate_stages(e: Engine, r: Radau, rtol: float) -> int:
         if r.now_left * r.size <= enough:
             return STAGES_CONVERGED
         before = r.size
+        copy_floats(3 * n, r.last, r.swung)
     return STAGES_FAILED

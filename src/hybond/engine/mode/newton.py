@@ -11,7 +11,7 @@ from typing import Final
 from hybond.engine.algebra.blocks import Rows, fit, row_size, row_times
 from hybond.engine.algebra.products import all_finite
 from hybond.engine.answers import node_name, value
-from hybond.engine.engine import NOT_FINITE, OK, Engine, say_fault
+from hybond.engine.engine import NOT_FINITE, OK, Engine, count_work, say_fault
 from hybond.engine.mode.continuation import continued
 from hybond.engine.mode.damped import SETTLED, damped
 from hybond.engine.mode.dynamic_rows import dynamic_value, slopes_at
@@ -79,6 +79,7 @@ def solve(e: Engine, mode: Mode, v: Floats) -> int:
     no value.
     """
     w = e.work.w
+    count_work(e, 2 * e.model.bonds + mode.knowns)
     knowns_of(e, mode, v, True)
     if mode.dynamics == 0:
         by_knowns(e, mode, mode.direct, w)

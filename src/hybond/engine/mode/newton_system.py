@@ -15,7 +15,7 @@ from hybond.engine.algebra.lu import SINGULAR, lu_factor, lu_solve
 from hybond.engine.algebra.products import all_finite
 from hybond.engine.algebra.svd import svd_of_transpose
 from hybond.engine.answers import value
-from hybond.engine.engine import Engine, svd_room
+from hybond.engine.engine import Engine, count_work, svd_room
 from hybond.engine.mode.dynamic_rows import dynamic_value, frozen_at, slopes_at
 from hybond.engine.mode.freedom import rank_here, step_of_singular
 from hybond.engine.mode.mode_records import Mode
@@ -91,6 +91,7 @@ def rows_of_system(e: Engine, mode: Mode, v: Floats, w: Floats) -> int:
     n = 2 * m.bonds
     frees = mode.finite_frees
     rows = mode.dynamics
+    count_work(e, rows * (n + frees * frees))
     write_bonds(e, v, w)
     work.reluctant = mode.reluctant
     fit(work.residual, rows)

@@ -27,6 +27,8 @@ from hybond.runs.trace import Accumulation, Trace, Turn
 
 LOOKED = 0.05
 """Seconds between two looks at the world outside: progress, and whoever wants it to stop."""
+LATE = 2.0 * LOOKED
+"""Seconds after which a slice that has not ended is looked into: one step may be long."""
 FIRST = 1
 """Steps of the first slice; each may be longer than the one before by GROWS."""
 GROWS = 2.0
@@ -98,6 +100,7 @@ class EngineRun:
             with _interrupts() as answer:
                 self._go(answer)
         finally:
+            self._run.onlooker.asked = None
             self.records.close()
             self._count()
             self._tidy()
@@ -149,6 +152,17 @@ class EngineRun:
     def _go(self, answer: Callable[[], None]) -> None:
         """Run in slices about as long as whoever looks on waits."""
         begin = time.perf_counter()
+
+        def look() -> None:
+            nonlocal looked
+            if time.perf_counter() - looked >= LATE:
+                if self.progress is not None:
+                    self.progress(self._run.t, self.trace.events.total)
+                answer()
+                looked = time.perf_counter()
+
+        looked = begin
+        self._run.onlooker.asked = look
         for rows in self._run.slices(steps=lambda: self._slice):
             took = time.perf_counter() - begin
             fits = self._slice * LOOKED / max(took, 1e-6)
@@ -160,7 +174,7 @@ class EngineRun:
             if self.progress is not None:
                 self.progress(self._run.t, self.trace.events.total)
             answer()
-            begin = time.perf_counter()
+            begin = looked = time.perf_counter()
 
     def _tidy(self) -> None:
         """Let go of what need not be kept, in large pieces."""

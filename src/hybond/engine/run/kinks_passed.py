@@ -32,6 +32,11 @@ NEXT_TO: Final = 1e-3
 """Part of a step after which a kink is next to where the step began."""
 CROWD: Final = 8
 """So many of those in a row are rounding of what is compared, or a place that is all kinks."""
+FEW_STEPS: Final = 3
+"""Steps between two kinks that are too few to follow what turns there ..."""
+DENSE: Final = 32
+"""... if that goes on for so many kinks: what a law like a root has brought to rest swings about
+zero by the error of the steps, which sees what the kink does."""
 CRAWL: Final = 1e-6
 """Part of the run that a step is which leads nowhere."""
 ASIDE: Final = 0.25
@@ -109,6 +114,13 @@ def count_kink(e: Engine, r: Run) -> int:
         r.locator.asleep = r.nap
         r.nap = min(2 * r.nap, LONGEST_NAP)
         return OK
+    if r.dense >= DENSE:
+        if is_held(e, r):
+            return switches_back(e, r)
+        r.locator.asleep = r.lull
+        r.lull = min(2 * r.lull, LONGEST_NAP)
+        r.dense = 0
+        return OK
     lately = e.t - r.kink_at[r.kinks % (IDLE + 1)] if r.kinks > IDLE else math.inf
     if r.jumps and lately <= BACK_AT_ONCE * e.span:
         return switches_back(e, r)
@@ -124,6 +136,7 @@ def see_crawl(e: Engine, r: Run) -> int:
     step is seen to begin on one side and to end on the other.
     """
     pass_step(r.locator)
+    r.since += 1 if r.locator.asleep == 0 else 0
     if e.model.kinks == 0 or e.step.t1 - e.step.t0 > CRAWL * e.span:
         r.crawled = 0
         r.patience = PATIENCE
@@ -142,6 +155,12 @@ def see_crowd(e: Engine, r: Run, at: float) -> None:
     sign is that of rounding, and would end step after step. Nothing jumps there: the error of the
     step sees what such a kink does.
     """
+    if r.jumps or r.since > FEW_STEPS:
+        r.dense = 0
+        r.lull = 1
+    else:
+        r.dense += 1
+    r.since = 0
     near = at - e.step.t0 <= NEXT_TO * (e.step.t1 - e.step.t0)
     if near and not r.jumps:
         r.crowd += 1

@@ -90,6 +90,8 @@ MOMENT: Final = 1e-13
 BEYOND: Final = 50.0
 """Steps that may touch a place where a law has no value before the law is blamed: one in ten, and
 this many at once."""
+EDGES: Final = 100
+"""Edges in a row with next to no time between them that are reached."""
 ACCUMULATES: Final = 3
 
 
@@ -169,10 +171,11 @@ def settle_now(e: Engine, r: Run, cause: int) -> int:
         r.cut = False
         r.events += 1
         report_event(e, r.report, i)
-    if settled or cause != GUARD:
+    r.vain = cause == LAW and not settled
+    if settled or (cause != GUARD and cause != LAW):
         r.idle = 0
         begin_count(e, r)
-    else:
+    elif cause == GUARD:
         r.idle_at[r.idle % (IDLE + 1)] = e.t
         r.idle += 1
         if r.idle > IDLE and e.t - r.idle_at[r.idle % (IDLE + 1)] <= MOMENT * e.span:
@@ -221,9 +224,9 @@ def flow(e: Engine, r: Run) -> int:
             return -1
         if again:
             warm_up(e, r)
-        if jumps_at_once(e, r):
+        if not r.vain and jumps_at_once(e, r):
             report_step(e, r.report)
-            return LAW
+            return LAW if count_step(e, r) == OK else -1
     r.flowing = False
     end = min(e.next_break, e.stop)
     instant = room_of_instant(e, e.t)
@@ -359,18 +362,28 @@ def is_at_edge(e: Engine, r: Run) -> bool:
     """Whether an edge has made a step as short as what is no time away from it; once at a time."""
     s = e.step
     short = s.t1 - s.t0 < time_at_once(e)
-    return e.model.edges > 0 and e.refusal and short and r.edge_at != e.t
+    near = e.model.edges > 0 and e.refusal and short and r.edge_at != e.t
+    return near and not is_driven_on(e, r)
 
 
 def begin_at_edge(e: Engine, r: Run) -> int:
     """Begin anew where a root in a law comes to nothing, if that is now."""
-    if not reach_edges(e, r):
+    if is_driven_on(e, r) or not reach_edges(e, r):
         return REFUSED
     return go_from_edge(e, r)
 
 
+def is_driven_on(e: Engine, r: Run) -> bool:
+    """Whether edges follow each other at once: what is led beyond where laws have values."""
+    return r.edges > EDGES and e.t - r.edge_t <= time_at_once(e)
+
+
 def go_from_edge(e: Engine, r: Run) -> int:
     """Note the way to the edges that was gone, in the time that it takes, and begin there."""
+    if count_step(e, r) != OK:
+        return REFUSED
+    r.edges = r.edges + 1 if e.t - r.edge_t <= time_at_once(e) else 0
+    r.edge_t = e.t
     if straight_on(e, r) and note(e, r, e.step.t1, e.step.t1) != OK:
         return REFUSED
     r.edge_at = e.t

@@ -56,6 +56,12 @@ class Run:
     """Kinks without a jump in a row at which a step ended next to where it began."""
     nap: int
     """For how many steps none is looked for where they crowd."""
+    since: int
+    """Steps since the last kink."""
+    dense: int
+    """Kinks without a jump in a row with next to no steps between them."""
+    lull: int
+    """For how many steps none is looked for where they are dense."""
     crawled: int
     """Steps in a row that were next to no part of the run, after how many it is asked why."""
     patience: int
@@ -67,6 +73,8 @@ class Run:
     """How long straight on it is to a kink that holds the motion, s."""
     jumping: int
     """The state whose rate jumps at it, -1 where none does."""
+    vain: bool
+    """Whether a jump of a source was settled just now, and nothing came of it."""
     begun: bool
     way: int
     """How it begins: FRESH, GIVEN, CHANGED or GOES_ON."""
@@ -93,6 +101,10 @@ class Run:
     """How many of the last steps have touched a place where a law has no value."""
     edge_at: float
     """When the state was last put on an edge that it had almost reached, s; -1: never."""
+    edges: int
+    """Edges in a row at which a step could not be made, with next to no time between them."""
+    edge_t: float
+    """When the last of them was, s."""
     edge_from: Floats
     """The state from which it went there, and in which time, s."""
     edge_time: float
@@ -120,8 +132,10 @@ def make_run(e: Engine, report: Report) -> Run:
     r.kink = -1
     r.jumping = -1
     r.nap = 1
+    r.lull = 1
     r.patience = PATIENCE
     r.edge_at = -1.0
+    r.edge_t = -math.inf
     r.edge_from = floats(e.states)
     r.warm_y = floats(e.states)
     r.warm_rounding = floats(e.model.storages)
