@@ -41,8 +41,7 @@ all room to work in. Data flows so::
     stiffness                 when ``auto`` goes over to them, and back
     ports, law_branches, laws laws of junctions: the graph seen from them, which branches are taken
     gaps                      whether the gap of a contact is the distance that its bonds close
-    law_instant, law_friction what laws may do at an instant, dry friction among them; law_shares:
-                              whether it bears so much by one of many ways to share a load
+    law_instant, law_friction what laws may do at an instant, dry friction among them
     law_rates                 how what is zero moves on: which idle diode conducts
     law_answers               one question to them, answered
     law_candidates            whether a mode stands up to its laws; all branches, where that cannot

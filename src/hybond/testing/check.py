@@ -241,7 +241,7 @@ def _outcome(model: Model, until: float, patience: float, **options: Any) -> Out
 
 def _unique(run: Result | None) -> bool:
     return run is None or not any(
-        " answers: " in note or "is not unique" in note for note in run.warnings
+        " answers: " in note or "is not unique: " in note for note in run.warnings
     )
 
 

@@ -55,10 +55,6 @@ def modulus_jumps(e: Engine, d: int) -> bool:
     return False
 
 
-OPEN: Final = 1e-9
-"""Part of what a direction moves at a junction from which on its sum is moved."""
-
-
 def warn_of_impulsive(e: Engine, mode: Mode) -> None:
     """Warn of laws declared impulsive, which a jump has taken into its equations."""
     m = e.model
@@ -69,15 +65,15 @@ def warn_of_impulsive(e: Engine, mode: Mode) -> None:
 
 
 def warn_of_held(e: Engine) -> None:
-    """Warn once of friction that others hold at rest, whichever of them slides by its branch.
+    """Warn once of friction that slides by its branch and that others hold at rest.
 
-    What each of them carries is not unique, and so is not when those break loose that hold more at
-    rest than in motion.
+    What holds more at rest than in motion counts with what it has in motion there: what each of
+    them carries is not unique, and so is not when they break loose.
     """
     m = e.model
     mode = e.mode
     for k in range(m.ports):
-        if not may_rest(m, k) or e.laws.held_said[k] != 0:
+        if not may_rest(m, k) or e.laws.held_said[k] != 0 or e.state[m.port_machine[k]] == 0:
             continue
         j = m.port_junction[k]
         if m.end_first[j] == m.end_first[j + 1]:
@@ -85,28 +81,10 @@ def warn_of_held(e: Engine) -> None:
         b = m.end_bond[m.end_first[j]] + (0 if m.junction_kind[j] == 0 else m.bonds)
         breakaway = quantity(m, m.port_breakaway, m.port_breakaway_constant, k, e.v)
         limit = quantity(m, m.port_limit, m.port_limit_constant, k, e.v)
-        slides = e.state[m.port_machine[k]] != 0
-        held = is_held(mode, b) if slides else is_shared(e, mode, j)
-        if breakaway > limit and held:
+        if breakaway > limit and is_held(mode, b):
             e.laws.held_said[k] = 1
             begin_warning(e.warned, HELD_AT_REST, e.t)
             add_about(e.warned, float(k))
-
-
-def is_shared(e: Engine, mode: Mode, j: int) -> bool:
-    """Whether the equations of a mode leave the net variable of a junction open."""
-    m = e.model
-    other = m.bonds if m.junction_kind[j] == 0 else 0
-    for a in range(mode.loose):
-        total = 0.0
-        size = 0.0
-        for i in range(m.end_first[j], m.end_first[j + 1]):
-            part = mode.freedom.at[(other + m.end_bond[i]) * mode.loose + a]
-            total += float(m.end_sign[i]) * part
-            size += math.fabs(part)
-        if math.fabs(total) > OPEN * size:
-            return True
-    return False
 
 
 def is_held(mode: Mode, b: int) -> bool:

@@ -217,8 +217,6 @@ def slide(e: Engine, r: Laws, q: Floats, h: float, jump: bool) -> bool:
             if jump and m.port_impulsive[k] != 0:
                 continue
             if r.resting[k] != 0 and r.problem.branch[k] != 0:
-                if not jump and bears_less(e, r, k):
-                    continue
                 r.resting[k] = 0
                 again = True
             elif turns_round(m, r, k):

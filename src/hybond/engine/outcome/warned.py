@@ -154,8 +154,8 @@ class Warnings:
             name = self.graph.nodes[self._ports[numbers[0]]].path
             return (
                 f"{now} others hold the friction of {name} at rest, so that what each of them "
-                "carries is not unique, and so is not when they break loose: they share it by "
-                "least leakage, as if they were equally stiff; a stiffness between them decides"
+                "carries is not unique: it counts with what it holds in motion, not with its "
+                "breakaway, until they break loose; a stiffness between them decides"
             )
         if kind == FAR_APART:
             return self._far_apart(about[0], about[1], tuple(numbers[2:]))

@@ -53,8 +53,7 @@ UNSOUND: Final = 15
 there, what is left of it, the size of its terms, then the states of the mode."""
 
 HELD_AT_REST: Final = 16
-"""Friction that holds more at rest than in motion is held at rest by others, too. Its port; said
-once."""
+"""Friction that slides by its branch is held at rest by others. Its port; said once."""
 MODULUS_JUMPS: Final = 17
 """What moduli read jumps. Numbers: their two-ports."""
 
