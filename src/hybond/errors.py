@@ -47,6 +47,8 @@ class HybondError(Exception):
         """What that line says."""
         self.partial: Any = None
         """What had been computed (a `Result`), or None."""
+        self.laws: tuple[str, ...] = ()
+        """Of HB-N301: the elements whose laws have no common solution."""
 
     def said_in(self, file: str, line: int | None = None, written: str = "") -> Self:
         """Note the file that says what is refused, and return the refusal.

@@ -15,6 +15,7 @@ from hybond.engine.outcome.journal import EventFile
 from hybond.engine.outcome.steps_run import StepsRun
 from hybond.engine.outcome.unsound import unsound_refusal
 from hybond.engine.tables.options import Settings
+from hybond.equations.flat_pieces import with_flat_pieces
 from hybond.errors import HybondError, UsageError
 from hybond.model.builder import Model
 from hybond.model.given import check_model
@@ -193,6 +194,22 @@ def gone(run: EngineRun | StepsRun, graph: FlatGraph) -> tuple[Status, HybondErr
     if failure is not None and graph.locate is not None:
         failure = graph.locate(failure)
     return status, failure
+
+
+def with_pieces(result: Result, again: Callable[[FlatGraph], Result]) -> Result:
+    """Return the run that has flat pieces of laws as states, where laws had no common solution.
+
+    A run without them goes on only where it comes no farther with them.
+    """
+    while result.error is not None and result.error.laws:
+        cut = with_flat_pieces(result.graph, result.error.laws)
+        if cut is result.graph:
+            return result
+        other = again(cut)
+        if other.error is not None and not other.t_end > result.t_end:
+            return result
+        result = other
+    return result
 
 
 R = TypeVar("R", bound=Result)

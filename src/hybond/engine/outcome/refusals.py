@@ -195,6 +195,12 @@ def _no_rate(c: Case) -> Said:
     return Said(why, path or c.here)
 
 
+def elements_of(refusal: Refusal, graph: FlatGraph) -> tuple[str, ...]:
+    """Return the paths of the elements that HB-N301 names."""
+    nodes = refusal.about[len(graph.machines) :]
+    return tuple(graph.nodes[int(k)].path for k in nodes)
+
+
 def _no_solution(c: Case) -> Said:
     mode, nodes = c.given_mode()
     names = c.paths([int(k) for k in nodes])

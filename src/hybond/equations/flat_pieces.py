@@ -1,0 +1,271 @@
+"""Flat pieces of resistors' laws as states of machines: there a law fixes one variable alone.
+
+``f = max(-2, min(2, e))`` says of a flow of 2 nothing but that the effort is 2 or more: the other
+variable is determined by the rest of the model, as that of a source. Where what is stored decides
+the flow, such a piece is an end stop. So the law is cut into pieces, each the state of a machine:
+what is flat holds its value and lets the other variable go, what is not is the law, continued in a
+straight line beyond its corners; a corner that is passed leads to the next piece.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+
+from hybond.model.expressions import (
+    Binary,
+    Compare,
+    Expr,
+    If,
+    Name,
+    Neg,
+    Number,
+    compile_expression,
+    differentiate,
+    names,
+    simplify,
+    turning,
+)
+from hybond.model.graph import FlatGraph, Machine, Node, Rule
+from hybond.records import dataclass
+
+LEAST, MOST = -12, 12
+"""Powers of ten, in SI units, between which corners are looked for."""
+PER_DECADE = 6
+JUMPS = 1e-9
+"""Part of the height of a law by which its pieces may be apart at a corner."""
+LOW, HIGH, FLAT, FOLLOWS = "low", "high", "flat", "follows"
+"""What pieces are called: flat ones at the ends, others, and those that are not flat."""
+
+
+@dataclass(frozen=True, slots=True)
+class Piece:
+    """A stretch of a law between two values of its argument, which may be infinite.
+
+    Parameters
+    ----------
+    low, high : float
+        Where it begins and ends, in SI.
+    level : float or None
+        What the law is there, if it is flat.
+    """
+
+    low: float
+    high: float
+    level: float | None
+
+
+def with_flat_pieces(graph: FlatGraph, paths: Iterable[str]) -> FlatGraph:
+    """Return a graph in which flat pieces of the laws of resistors are states of machines.
+
+    Parameters
+    ----------
+    graph : FlatGraph
+    paths : iterable of str
+        The resistors. Those that have one already, and those without a flat piece, a value at which
+        the law jumps or more than one port stay as they are.
+
+    Returns
+    -------
+    FlatGraph
+        With a machine of the name of each resistor that is cut; the same graph if none is.
+    """
+    nodes = list(graph.nodes)
+    machines = list(graph.machines)
+    taken = {m.path for m in machines}
+    for path in sorted(set(paths) - taken):
+        node = nodes[graph.by_path[path]]
+        pieces = pieces_of(node)
+        if not pieces:
+            continue
+        machine = _machine(node, len(machines), pieces)
+        nodes[node.index] = replace(node, law=_law(node, machine, pieces))
+        machines.append(machine)
+    if len(machines) == len(graph.machines):
+        return graph
+    return replace(graph, nodes=tuple(nodes), machines=tuple(machines), written=None)
+
+
+def pieces_of(node: Node) -> list[Piece]:
+    """Return the pieces of a resistor's law in the order of its argument; none if none is flat."""
+    law = node.law
+    if node.kind != "R" or law is None or law.matrix is not None or len(law.expressions) != 1:
+        return []
+    (e,) = law.expressions
+    own = _argument(node)
+    if node.impulsive or node.controlled or names(e) != {own}:
+        return []
+    value = _function(e, own)
+    slope = _function(differentiate(e, own), own)
+    corners = sorted(_corners(e, own))
+    ends = [-math.inf, *corners, math.inf]
+    found: list[Piece] = []
+    for low, high in itertools.pairwise(ends):
+        flat = all(slope(x) == 0.0 for x in _within(low, high))
+        level = value(_within(low, high)[0]) if flat else None
+        if found and level == found[-1].level:
+            found[-1] = Piece(found[-1].low, high, level)
+        else:
+            found.append(Piece(low, high, level))
+    if len(found) < 2 or not any(p.level is not None for p in found):
+        return []
+    return [] if _jumps(found, value) else found
+
+
+def _jumps(pieces: list[Piece], value: Callable[[float], float]) -> bool:
+    """Whether a law is not one line through its corners, or has no value beside one."""
+    sizes = [abs(value(x)) for p in pieces for x in (p.low, p.high) if math.isfinite(x)]
+    most = max(sizes, default=0.0)
+    for one, other in itertools.pairwise(pieces):
+        before = value(math.nextafter(one.high, -math.inf)) if one.level is None else one.level
+        behind = value(math.nextafter(other.low, math.inf)) if other.level is None else other.level
+        if not abs(behind - before) <= JUMPS * max(most, abs(behind), abs(before)):
+            return True
+    return False
+
+
+def _argument(node: Node) -> str:
+    assert node.law is not None
+    return "law:e" if node.law.output == "f" else "law:f"
+
+
+def _function(e: Expr, own: str) -> Callable[[float], float]:
+    compiled = compile_expression(e, {own: 0}, pre_offset=0)
+
+    def value(x: float) -> float:
+        try:
+            return float(compiled([x]))
+        except (ArithmeticError, ValueError):
+            return math.nan
+
+    return value
+
+
+def _corners(e: Expr, own: str) -> set[float]:
+    """Return where an expression has kinks: what is compared changes its sign there."""
+    sizes = [10.0 ** (k / PER_DECADE) for k in range(LEAST * PER_DECADE, MOST * PER_DECADE + 1)]
+    grid = [*(-x for x in reversed(sizes)), 0.0, *sizes]
+    found = set()
+    for atom in turning(e):
+        compared = _function(atom, own)
+        at = [(x, compared(x)) for x in grid]
+        for (low, a), (high, b) in itertools.pairwise(at):
+            if a == 0.0:
+                found.add(low)
+            elif a * b < 0.0:
+                found.add(_root(compared, low, high))
+    return found
+
+
+def _root(f: Callable[[float], float], low: float, high: float) -> float:
+    """Return where a function changes its sign, to the last digit."""
+    before = f(low)
+    while True:
+        middle = 0.5 * (low + high)
+        if middle in (low, high):
+            return high if abs(f(high)) <= abs(f(low)) else low
+        here = f(middle)
+        if here == 0.0:
+            return middle
+        if here * before > 0.0:
+            low = middle
+        else:
+            high = middle
+
+
+def _within(low: float, high: float) -> list[float]:
+    """Return some values between two."""
+    if math.isfinite(low) and math.isfinite(high):
+        return [low + part * (high - low) for part in (0.5, 0.03, 0.97)]
+    if math.isfinite(low):
+        return [low + part * max(abs(low), 1.0) for part in (1.0, 1e-3, 1e3)]
+    if math.isfinite(high):
+        return [high - part * max(abs(high), 1.0) for part in (1.0, 1e-3, 1e3)]
+    return [0.0, -1.0, 1.0]
+
+
+def _machine(node: Node, index: int, pieces: list[Piece]) -> Machine:
+    bond = node.ends[0]
+    assert node.law is not None
+    read = Name(f"{'e' if node.law.output == 'f' else 'f'}:{bond.bond}")
+    plain = node.law.output == "f" or bond.inward
+    argument: Expr = read if plain else Neg(read)
+    letter = f"{node.path}.{'e' if node.law.output == 'f' else 'f'}"
+    written = letter if plain else f"-{letter}"
+    rules = []
+    for k, (one, other) in enumerate(itertools.pairwise(pieces)):
+        for source, target, op, at in ((k, k + 1, ">", one.high), (k + 1, k, "<", other.low)):
+            guard = Compare(op, argument, Number(at))
+            text = f"{written} {op} {at:.9g}"
+            rules.append(Rule(source, target, guard, text, ((letter, read),)))
+    states = _named(pieces)
+    bent = [k for k, p in enumerate(pieces) if p.level is None]
+    start = min(bent, key=lambda k: max(pieces[k].low, -pieces[k].high, 0.0))
+    nothing: frozenset[int] = frozenset()
+    many = len(states)
+    return Machine(
+        index, node.path, states, (nothing,) * many, start, tuple(rules), (False,) * many
+    )
+
+
+def _named(pieces: list[Piece]) -> tuple[str, ...]:
+    """Return names for the pieces, numbered where several have the same."""
+    said = []
+    for p in pieces:
+        inner = FOLLOWS if p.level is None else FLAT
+        if p.level is not None and math.isinf(p.low):
+            inner = LOW
+        elif p.level is not None and math.isinf(p.high):
+            inner = HIGH
+        said.append(inner)
+    count = {name: itertools.count(1) for name in said}
+    return tuple(f"{n}_{next(count[n])}" if said.count(n) > 1 else n for n in said)
+
+
+def _law(node: Node, machine: Machine, pieces: list[Piece]):
+    """Return the law by the state of its machine."""
+    law = node.law
+    assert law is not None
+    (e,) = law.expressions
+    own = _argument(node)
+    whole: Expr | None = None
+    for k, piece in enumerate(pieces):
+        said = _continued(e, own, piece) if piece.level is None else Number(piece.level)
+        whole = said if whole is None else If(Name(f"in:{machine.index}:{k}"), said, whole)
+    assert whole is not None
+    return replace(law, expressions=(whole,))
+
+
+def _continued(e: Expr, own: str, piece: Piece) -> Expr:
+    """Return a law within a piece, in a straight line beyond its corners."""
+    value = _function(e, own)
+    slope = _function(differentiate(e, own), own)
+    inside = _within(piece.low, piece.high)
+    straight = {slope(x) for x in inside}
+    x = Name(own)
+    if len(straight) == 1 and not _bends(e, own, piece):
+        (one,) = straight
+        at = piece.high if math.isfinite(piece.high) else piece.low
+        return simplify(_line(x, at, value(at), one))
+    said = e
+    for at, op in ((piece.high, ">"), (piece.low, "<")):
+        if math.isfinite(at):
+            away = _within(piece.low, piece.high)[0]
+            near = math.nextafter(at, away)
+            rise = slope(near)
+            chord = (value(away) - value(near)) / (away - near)
+            if not (math.isfinite(rise) and abs(rise) > 1e-3 * abs(chord)):
+                rise = chord
+            said = If(Compare(op, x, Number(at)), _line(x, at, value(near), rise), said)
+    return said
+
+
+def _bends(e: Expr, own: str, piece: Piece) -> bool:
+    return any(piece.low < x < piece.high for x in _corners(e, own))
+
+
+def _line(x: Expr, at: float, level: float, rise: float) -> Expr:
+    away = Binary("-", x, Number(at))
+    return Binary("+", Number(level), Binary("*", Number(rise), away))
