@@ -31,6 +31,10 @@ Start = Result | State | Mapping[str, Any] | str | Path | None
 """Where a run may begin."""
 
 
+GAIN = 1e-9
+"""Part of a run that one with flat pieces has to come farther, if it does not end either."""
+
+
 def graph_of(model: Model | FlatGraph, parameters: Any, on_error: str) -> FlatGraph:
     """Return the graph of a model with other values, for a call whose arguments fit.
 
@@ -196,7 +200,7 @@ def gone(run: EngineRun | StepsRun, graph: FlatGraph) -> tuple[Status, HybondErr
     return status, failure
 
 
-def with_pieces(result: Result, again: Callable[[FlatGraph], Result]) -> Result:
+def with_pieces(result: Result, again: Callable[[FlatGraph], Result], *, until: float) -> Result:
     """Return the run that has flat pieces of laws as states, where laws had no common solution.
 
     A run without them goes on only where it comes no farther with them.
@@ -206,7 +210,8 @@ def with_pieces(result: Result, again: Callable[[FlatGraph], Result]) -> Result:
         if cut is result.graph:
             return result
         other = again(cut)
-        if other.error is not None and not other.t_end > result.t_end:
+        gained = other.t_end - result.t_end
+        if other.error is not None and gained <= GAIN * until:
             return result
         result = other
     return result

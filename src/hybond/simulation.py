@@ -207,7 +207,9 @@ def simulate(
 
             result = run_of(graph, settings)
             if not runners:
-                result = with_pieces(result, lambda cut: run_of(cut, settings))
+                result = with_pieces(
+                    result, lambda cut: run_of(cut, settings), until=settings.until
+                )
             return handed_over(result, on_error)
     finally:
         for runner in runners.values():

@@ -36,6 +36,8 @@ LEAST, MOST = -12, 12
 PER_DECADE = 6
 JUMPS = 1e-9
 """Part of the height of a law by which its pieces may be apart at a corner."""
+REACHED = 1e-10
+"""Part of the height of a law that bends towards a limit within which it counts as that."""
 LOW, HIGH, FLAT, FOLLOWS = "low", "high", "flat", "follows"
 """What pieces are called: flat ones at the ends, others, and those that are not flat."""
 
@@ -100,11 +102,15 @@ def pieces_of(node: Node) -> list[Piece]:
     value = _function(e, own)
     slope = _function(differentiate(e, own), own)
     corners = sorted(_corners(e, own))
-    ends = [-math.inf, *corners, math.inf]
+    least, most = _tail(value, corners, -1.0), _tail(value, corners, 1.0)
+    ends = [-math.inf, *least, *corners, *most, math.inf]
     found: list[Piece] = []
     for low, high in itertools.pairwise(ends):
-        flat = all(slope(x) == 0.0 for x in _within(low, high))
-        level = value(_within(low, high)[0]) if flat else None
+        level = None
+        if high in least or low in most:
+            level = value(high if high in least else low)
+        elif all(slope(x) == 0.0 for x in _within(low, high)):
+            level = value(_within(low, high)[0])
         if found and level == found[-1].level:
             found[-1] = Piece(found[-1].low, high, level)
         else:
@@ -114,10 +120,28 @@ def pieces_of(node: Node) -> list[Piece]:
     return [] if _jumps(found, value) else found
 
 
+def _tail(value: Callable[[float], float], corners: list[float], way: float) -> list[float]:
+    """Return where a law that bends towards a limit has all but reached it; nothing elsewhere."""
+    outer = way * max((way * x for x in corners), default=0.0)
+    far = way * 10.0**MOST
+    limit, begin = value(far), value(outer)
+    height = abs(limit - begin)
+    if not (height > 0.0 and abs(limit - value(0.1 * far)) <= 1e-3 * REACHED * height):
+        return []
+    low, high = outer, far
+    while True:
+        middle = 0.5 * (low + high)
+        if middle in (low, high):
+            return [high]
+        if abs(value(middle) - limit) > REACHED * height:
+            low = middle
+        else:
+            high = middle
+
+
 def _jumps(pieces: list[Piece], value: Callable[[float], float]) -> bool:
     """Whether a law is not one line through its corners, or has no value beside one."""
-    sizes = [abs(value(x)) for p in pieces for x in (p.low, p.high) if math.isfinite(x)]
-    most = max(sizes, default=0.0)
+    most = max(abs(value(_within(p.low, p.high)[0])) for p in pieces)
     for one, other in itertools.pairwise(pieces):
         before = value(math.nextafter(one.high, -math.inf)) if one.level is None else one.level
         behind = value(math.nextafter(other.low, math.inf)) if other.level is None else other.level
@@ -206,7 +230,14 @@ def _machine(node: Node, index: int, pieces: list[Piece]) -> Machine:
     nothing: frozenset[int] = frozenset()
     many = len(states)
     return Machine(
-        index, node.path, states, (nothing,) * many, start, tuple(rules), (False,) * many
+        index,
+        node.path,
+        states,
+        (nothing,) * many,
+        start,
+        tuple(rules),
+        (False,) * many,
+        pieces=True,
     )
 
 
