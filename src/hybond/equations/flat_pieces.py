@@ -29,6 +29,8 @@ from hybond.model.expressions import (
     turning,
 )
 from hybond.model.graph import FlatGraph, Machine, Node, Rule
+from hybond.model.kinds import RESISTORS
+from hybond.model.laws import Law
 from hybond.records import dataclass
 
 LEAST, MOST = -12, 12
@@ -93,24 +95,25 @@ def with_flat_pieces(graph: FlatGraph, paths: Iterable[str]) -> FlatGraph:
 def pieces_of(node: Node) -> list[Piece]:
     """Return the pieces of a resistor's law in the order of its argument; none if none is flat."""
     law = node.law
-    if node.kind != "R" or law is None or law.matrix is not None or len(law.expressions) != 1:
+    if (
+        node.kind not in RESISTORS
+        or law is None
+        or law.matrix is not None
+        or len(law.expressions) != 1
+    ):
         return []
     (e,) = law.expressions
     own = _argument(node)
     if node.impulsive or node.controlled or names(e) != {own}:
         return []
+    e = _ended(e, own)
     value = _function(e, own)
     slope = _function(differentiate(e, own), own)
-    corners = sorted(_corners(e, own))
-    least, most = _tail(value, corners, -1.0), _tail(value, corners, 1.0)
-    ends = [-math.inf, *least, *corners, *most, math.inf]
+    ends = [-math.inf, *sorted(_corners(e, own)), math.inf]
     found: list[Piece] = []
     for low, high in itertools.pairwise(ends):
-        level = None
-        if high in least or low in most:
-            level = value(high if high in least else low)
-        elif all(slope(x) == 0.0 for x in _within(low, high)):
-            level = value(_within(low, high)[0])
+        inside = _within(low, high)
+        level = value(inside[0]) if all(slope(x) == 0.0 for x in inside) else None
         if found and level == found[-1].level:
             found[-1] = Piece(found[-1].low, high, level)
         else:
@@ -120,23 +123,28 @@ def pieces_of(node: Node) -> list[Piece]:
     return [] if _jumps(found, value) else found
 
 
-def _tail(value: Callable[[float], float], corners: list[float], way: float) -> list[float]:
-    """Return where a law that bends towards a limit has all but reached it; nothing elsewhere."""
-    outer = way * max((way * x for x in corners), default=0.0)
-    far = way * 10.0**MOST
-    limit, begin = value(far), value(outer)
-    height = abs(limit - begin)
-    if not (height > 0.0 and abs(limit - value(0.1 * far)) <= 1e-3 * REACHED * height):
-        return []
-    low, high = outer, far
-    while True:
-        middle = 0.5 * (low + high)
-        if middle in (low, high):
-            return [high]
-        if abs(value(middle) - limit) > REACHED * height:
-            low = middle
-        else:
-            high = middle
+def _ended(e: Expr, own: str) -> Expr:
+    """Return a law that reaches the limits that it bends towards: in straight lines at the end."""
+    value = _function(e, own)
+    corners = _corners(e, own)
+    found = e
+    for way, op in ((1.0, ">"), (-1.0, "<")):
+        outer = way * max((way * x for x in corners), default=0.0)
+        far = way * 10.0**MOST
+        limit, height = value(far), abs(value(far) - value(outer))
+        if not (height > 0.0 and abs(limit - value(0.1 * far)) <= 1e-3 * REACHED * height):
+            continue
+        near, beyond = outer, far
+        while (middle := 0.5 * (near + beyond)) not in (near, beyond):
+            if abs(value(middle) - limit) > REACHED * height:
+                near = middle
+            else:
+                beyond = middle
+        rise = (limit - value(outer)) / (near - outer)
+        end = near + (limit - value(near)) / rise
+        line = If(Compare(op, Name(own), Number(near)), _line(own, near, value(near), rise), found)
+        found = If(Compare(op, Name(own), Number(end)), Number(limit), line)
+    return found
 
 
 def _jumps(pieces: list[Piece], value: Callable[[float], float]) -> bool:
@@ -255,12 +263,13 @@ def _named(pieces: list[Piece]) -> tuple[str, ...]:
     return tuple(f"{n}_{next(count[n])}" if said.count(n) > 1 else n for n in said)
 
 
-def _law(node: Node, machine: Machine, pieces: list[Piece]):
+def _law(node: Node, machine: Machine, pieces: list[Piece]) -> Law:
     """Return the law by the state of its machine."""
     law = node.law
     assert law is not None
     (e,) = law.expressions
     own = _argument(node)
+    e = _ended(e, own)
     whole: Expr | None = None
     for k, piece in enumerate(pieces):
         said = _continued(e, own, piece) if piece.level is None else Number(piece.level)
@@ -275,11 +284,10 @@ def _continued(e: Expr, own: str, piece: Piece) -> Expr:
     slope = _function(differentiate(e, own), own)
     inside = _within(piece.low, piece.high)
     straight = {slope(x) for x in inside}
-    x = Name(own)
     if len(straight) == 1 and not _bends(e, own, piece):
         (one,) = straight
         at = piece.high if math.isfinite(piece.high) else piece.low
-        return simplify(_line(x, at, value(at), one))
+        return simplify(_line(own, at, value(at), one))
     said = e
     for at, op in ((piece.high, ">"), (piece.low, "<")):
         if math.isfinite(at):
@@ -289,7 +297,7 @@ def _continued(e: Expr, own: str, piece: Piece) -> Expr:
             chord = (value(away) - value(near)) / (away - near)
             if not (math.isfinite(rise) and abs(rise) > 1e-3 * abs(chord)):
                 rise = chord
-            said = If(Compare(op, x, Number(at)), _line(x, at, value(near), rise), said)
+            said = If(Compare(op, Name(own), Number(at)), _line(own, at, value(near), rise), said)
     return said
 
 
@@ -297,6 +305,6 @@ def _bends(e: Expr, own: str, piece: Piece) -> bool:
     return any(piece.low < x < piece.high for x in _corners(e, own))
 
 
-def _line(x: Expr, at: float, level: float, rise: float) -> Expr:
-    away = Binary("-", x, Number(at))
+def _line(own: str, at: float, level: float, rise: float) -> Expr:
+    away = Binary("-", Name(own), Number(at))
     return Binary("+", Number(level), Binary("*", Number(rise), away))

@@ -81,6 +81,8 @@ KINDS: dict[str, type[HybondError]] = {
     "HB-M": ModelError,
     "HB-N": NumericsError,
 }
+FOR_PIECES = ("HB-N201", "HB-N301")
+"""Refusals of laws that have no common solution, or one that no step reaches."""
 NUMERICS = (
     "HB-J110",
     "HB-J111",
@@ -159,8 +161,10 @@ def error_of(
     if code in SMALL_STEPS:
         hint += _for_stiff(fault.method, len(graph.storages) + len(graph.integrals))
     error = kind(said.why, code=code, where=said.where, hint=hint)
-    if code == "HB-N301":
-        error.laws = elements_of(refusal, graph)
+    if code in FOR_PIECES:
+        error.laws = elements_of(
+            replace(refusal, about=()) if code != "HB-N301" else refusal, graph
+        )
     return error
 
 
