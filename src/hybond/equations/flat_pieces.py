@@ -1,10 +1,13 @@
-"""Flat pieces of resistors' laws as states of machines: there a law fixes one variable alone.
+"""Flat ends of resistors' laws as states of machines: there a law fixes one variable alone.
 
 ``f = max(-2, min(2, e))`` says of a flow of 2 nothing but that the effort is 2 or more: the other
 variable is determined by the rest of the model, as that of a source. Where what is stored decides
-the flow, such a piece is an end stop. So the law is cut into pieces, each the state of a machine:
-what is flat holds its value and lets the other variable go, what is not is the law, continued in a
-straight line beyond its corners; a corner that is passed leads to the next piece.
+the flow, such an end is an end stop. So the law is cut into pieces, each the state of a machine:
+a flat end holds its value and lets the other variable go, what is between is the law, continued in
+a straight line beyond its corners; a corner that is passed leads to the next piece.
+
+A law that is flat in its middle is no such case: beside what is stored it is dry friction, for
+which there are junctions with a law.
 """
 
 from __future__ import annotations
@@ -38,10 +41,10 @@ LEAST, MOST = -12, 12
 PER_DECADE = 6
 JUMPS = 1e-9
 """Part of the height of a law by which its pieces may be apart at a corner."""
-REACHED = 1e-10
+REACHED = 1e-6
 """Part of the height of a law that bends towards a limit within which it counts as that."""
-LOW, HIGH, FLAT, FOLLOWS = "low", "high", "flat", "follows"
-"""What pieces are called: flat ones at the ends, others, and those that are not flat."""
+LOW, FOLLOWS, HIGH = "low", "follows", "high"
+"""What pieces are called: flat ends, and what is between."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,17 +82,33 @@ def with_flat_pieces(graph: FlatGraph, paths: Iterable[str]) -> FlatGraph:
     nodes = list(graph.nodes)
     machines = list(graph.machines)
     taken = {m.path for m in machines}
+    warnings = []
     for path in sorted(set(paths) - taken):
         node = nodes[graph.by_path[path]]
         pieces = pieces_of(node)
-        if not pieces:
+        if not pieces or node.law is None:
             continue
         machine = _machine(node, len(machines), pieces)
+        if _ended(node.law.expressions[0], _argument(node)) != node.law.expressions[0]:
+            warnings.append(
+                f"the law of {path} counts as at its limit within {REACHED:g} of its height"
+            )
         nodes[node.index] = replace(node, law=_law(node, machine, pieces))
         machines.append(machine)
-    if len(machines) == len(graph.machines):
+    many = len(graph.machines)
+    if len(machines) == many:
         return graph
-    return replace(graph, nodes=tuple(nodes), machines=tuple(machines), written=None)
+    reference = graph.reference
+    if reference is not None:
+        reference = (*reference, *(m.start for m in machines[many:]))
+    return replace(
+        graph,
+        nodes=tuple(nodes),
+        machines=tuple(machines),
+        warnings=(*graph.warnings, *warnings),
+        reference=reference,
+        written=None,
+    )
 
 
 def pieces_of(node: Node) -> list[Piece]:
@@ -110,16 +129,23 @@ def pieces_of(node: Node) -> list[Piece]:
     value = _function(e, own)
     slope = _function(differentiate(e, own), own)
     ends = [-math.inf, *sorted(_corners(e, own)), math.inf]
-    found: list[Piece] = []
+    levels: list[float | None] = []
     for low, high in itertools.pairwise(ends):
         inside = _within(low, high)
-        level = value(inside[0]) if all(slope(x) == 0.0 for x in inside) else None
-        if found and level == found[-1].level:
-            found[-1] = Piece(found[-1].low, high, level)
-        else:
-            found.append(Piece(low, high, level))
-    if len(found) < 2 or not any(p.level is not None for p in found):
+        levels.append(value(inside[0]) if all(slope(x) == 0.0 for x in inside) else None)
+    begin = next((k for k, a in enumerate(levels) if a != levels[0]), len(levels))
+    end = next((k for k in range(len(levels), 0, -1) if levels[k - 1] != levels[-1]), 0)
+    if levels[0] is None:
+        begin = 0
+    if levels[-1] is None:
+        end = len(levels)
+    if begin >= end or (begin == 0 and end == len(levels)):
         return []
+    found = [Piece(ends[begin], ends[end], None)]
+    if begin > 0:
+        found.insert(0, Piece(-math.inf, ends[begin], levels[0]))
+    if end < len(levels):
+        found.append(Piece(ends[end], math.inf, levels[-1]))
     return [] if _jumps(found, value) else found
 
 
@@ -132,7 +158,7 @@ def _ended(e: Expr, own: str) -> Expr:
         outer = way * max((way * x for x in corners), default=0.0)
         far = way * 10.0**MOST
         limit, height = value(far), abs(value(far) - value(outer))
-        if not (height > 0.0 and abs(limit - value(0.1 * far)) <= 1e-3 * REACHED * height):
+        if not (height > 0.0 and abs(limit - value(0.1 * far)) <= 1e-5 * REACHED * height):
             continue
         near, beyond = outer, far
         while (middle := 0.5 * (near + beyond)) not in (near, beyond):
@@ -232,9 +258,8 @@ def _machine(node: Node, index: int, pieces: list[Piece]) -> Machine:
             guard = Compare(op, argument, Number(at))
             text = f"{written} {op} {at:.9g}"
             rules.append(Rule(source, target, guard, text, ((letter, read),)))
-    states = _named(pieces)
-    bent = [k for k, p in enumerate(pieces) if p.level is None]
-    start = min(bent, key=lambda k: max(pieces[k].low, -pieces[k].high, 0.0))
+    states = tuple(_named(p) for p in pieces)
+    start = states.index(FOLLOWS)
     nothing: frozenset[int] = frozenset()
     many = len(states)
     return Machine(
@@ -249,18 +274,8 @@ def _machine(node: Node, index: int, pieces: list[Piece]) -> Machine:
     )
 
 
-def _named(pieces: list[Piece]) -> tuple[str, ...]:
-    """Return names for the pieces, numbered where several have the same."""
-    said = []
-    for p in pieces:
-        inner = FOLLOWS if p.level is None else FLAT
-        if p.level is not None and math.isinf(p.low):
-            inner = LOW
-        elif p.level is not None and math.isinf(p.high):
-            inner = HIGH
-        said.append(inner)
-    count = {name: itertools.count(1) for name in said}
-    return tuple(f"{n}_{next(count[n])}" if said.count(n) > 1 else n for n in said)
+def _named(piece: Piece) -> str:
+    return FOLLOWS if piece.level is None else LOW if math.isinf(piece.low) else HIGH
 
 
 def _law(node: Node, machine: Machine, pieces: list[Piece]) -> Law:
