@@ -166,6 +166,8 @@ def _ended(e: Expr, own: str) -> Expr:
                 near = middle
             else:
                 beyond = middle
+        if near == outer:
+            continue  # it jumps there
         rise = (limit - value(outer)) / (near - outer)
         end = near + (limit - value(near)) / rise
         line = If(Compare(op, Name(own), Number(near)), _line(own, near, value(near), rise), found)
