@@ -19,7 +19,6 @@ from hybond.engine.reasons.facts import add_fact
 from hybond.engine.run.guard_values import has_crossed, holds_at, show
 from hybond.engine.run.held_by_kinks import is_held
 from hybond.engine.run.locator import ALL_PARTS, LONGEST_NAP, NO_KINK, Locator, pass_step
-from hybond.engine.run.roots_reached import rest_at_root
 from hybond.engine.run.run_records import IDLE, PATIENCE, Run
 from hybond.engine.run.together import LAST_PLACES, before_kink, kink_there
 
@@ -63,7 +62,6 @@ def end_at_kink(e: Engine, r: Run, at: float) -> int:
         return stuck_at_kink(e, r)
     if not apart:
         carry_over_kink(e, r, behind - before)
-    rest_at_root(e, r, kink)
     return OK
 
 
