@@ -57,7 +57,10 @@ def test_a_motor_with_stiction_of_its_own_beside_a_brake() -> None:
     """Through a lever and two 1-junctions in a row; pulled back, it stops and holds again."""
     m = hb.Model("drive", domain="rotational")
     m.add(
-        torque=hb.Se("3 [N*m]*sin(time/1 [s])"), rotor=hb.I("0.5 kg*m^2"), w=hb.One(), shaft=hb.One()
+        torque=hb.Se("3 [N*m]*sin(time/1 [s])"),
+        rotor=hb.I("0.5 kg*m^2"),
+        w=hb.One(),
+        shaft=hb.One(),
     )
     m.add(stiction=hb.One(law="coulomb", limit="0.4 N*m", breakaway="0.8 N*m"))
     m.add(brake=hb.One(law="coulomb", limit="0.6 N*m", breakaway="1.0 N*m"))

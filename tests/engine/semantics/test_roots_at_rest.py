@@ -1,4 +1,4 @@
-"""Roots on both sides of rest: what runs out by one is at rest after a finite time, and stays there.
+"""Roots on both sides of rest: what runs out by one is at rest after a finite time, and stays.
 
 Oracles: closed forms of ``x' = -k x^p``; what is stored together.
 """
