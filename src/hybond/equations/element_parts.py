@@ -148,6 +148,9 @@ class Parts:
                     row[arg] = row.get(arg, 0.0) - modulus.value * b
                 rows.append(self._row(row))
             return Part(tuple(rows), steady=steady)
+        level = _level(node, laws)
+        if level is not None:
+            return Part((self._row({level[0]: 1.0}),), source=Source(*level[1:]), steady=steady)
         constant, dynamic = _resistor(node, laws)
         return Part(laws=tuple(map(self._row, constant)), dynamic=tuple(dynamic), steady=steady)
 
@@ -221,6 +224,18 @@ def _constant(node: Node) -> list[dict[str, float]]:
                 row[f"{'e' if flow else 'f'}:{other.bond}"] = -c * (1.0 if flow else other.sign)
         rows.append(row)
     return rows
+
+
+def _level(node: Node, laws: list[Expr]) -> tuple[str, int, int, Expr, Expr] | None:
+    """Return what a resistor of one port fixes, whatever the other variable of its bond is."""
+    assert node.law is not None
+    if len(laws) != 1 or node.impulsive or not isinstance(laws[0], Number):
+        return None
+    end = node.ends[0]
+    flow = node.law.output == "f"
+    name = f"{'f' if flow else 'e'}:{end.bond}"
+    value = laws[0] if end.inward or not flow else simplify(Neg(laws[0]))
+    return name, node.index, end.bond, value, Number(0.0)
 
 
 def _resistor(node: Node, laws: list[Expr]) -> tuple[list[dict[str, float]], list[Dynamic]]:

@@ -80,7 +80,7 @@ def surfaces_of(graph: FlatGraph) -> tuple[Surface, ...]:
     """
     found: list[Surface] = []
     for machine in graph.machines:
-        if machine.law is not None:
+        if machine.law is not None or machine.pieces:
             continue
         joining: dict[frozenset[int], list[Rule]] = {}
         for rule in machine.rules:

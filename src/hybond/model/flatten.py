@@ -30,6 +30,7 @@ from hybond.model.parts import Value
 from hybond.model.paths import settable_like, with_parts
 from hybond.model.pins import pins_of, reference_of
 from hybond.model.resolve import Resolver
+from hybond.model.rigid_friction import held_together
 from hybond.model.sampled import samples_of
 from hybond.model.waveforms import check_given, give_units, inputs_of
 from hybond.model.wiring import RawBond, RawNode, domains_of, ends_of
@@ -124,6 +125,7 @@ def _flatten(
     machines = machines_of(opened, resolver, nodes, switched, dimensions)
     if with_laws:
         machines = with_laws_of_junctions(machines, with_laws, opened, nodes, resolver, dimensions)
+        machines = held_together(machines, nodes, bonds)
     root = Scope("", model, {k: v for k, v in opened.parameters.items() if "." not in k})
     graph = FlatGraph(
         name=model.name,

@@ -156,6 +156,8 @@ class Machine:
     """Per state: one of the laws that it makes active reads ``pre()``."""
     law: JunctionLaw | None = None
     """The law whose branches are its states: complementarity, not its rules, decides them."""
+    pieces: bool = False
+    """Whether its states are pieces of a resistor's law: nothing jumps between them."""
 
     @property
     def controls(self) -> frozenset[int]:

@@ -365,6 +365,79 @@ def test_storage_without_bonds() -> None:
     assert refused.value.code.startswith("HB-M") and "c" in str(refused.value)
 
 
+# -- the sign of zero ------------------------------------------------------------------------------
+
+
+def at_zero(x: str = "x") -> hb.Model:
+    """A law, a source, a modulus, a signal and a sample that read the sign of zero."""
+    m = hb.Model("zero")
+    m.add(i=hb.I(1.0, p=0.0), v=hb.One(), law=hb.R({"e": "sign(f)"}))
+    m.add(u=hb.Sf(f"3 + sign({x})"), c=hb.C(1.0), n=hb.Zero())
+    m.add(a=hb.Se(1.0), t=hb.TF(f"2 + sign({x})"), r=hb.R(1.0), w=hb.One(), s=hb.One())
+    m.bond("v -> i", "v -> law", "u -> n -> c", "a -> w -> t -> s -> r")
+    m.signal(x=hb.Integral("0", start=0.0), said=f"5 + sign({x})")
+    m.signal(held=hb.Sampled(f"7 + sign({x})", every="0.1 s"))
+    return m
+
+
+@pytest.mark.parametrize("solver", ["rk45", "radau"])
+def test_sign_of_zero(solver: str) -> None:
+    run = hb.simulate(at_zero(), until=1.0, solver=solver)
+    values = [float(run[n].at(0.5)) for n in ("law.e", "i.p", "u.f", "c.q", "r.e", "said", "held")]
+    assert values == pytest.approx([0.0, 0.0, 3.0, 1.5, 0.5, 5.0, 7.0], rel=1e-12)
+    # at rest with a force beyond it the mass leaves at once: from there on the law gives 1
+    m = hb.Model("leaves")
+    m.add(u=hb.Se(1.5), i=hb.I(1.0), v=hb.One(), law=hb.R({"e": "sign(f)"}))
+    m.bond("u -> v -> i", "v -> law")
+    run = hb.simulate(m, until=1.0, solver=solver)
+    assert [float(run["law.e"].at(t)) for t in (0.0, 0.5)] == [0.0, 1.0]
+    assert float(run["i.p"].at(1.0)) == pytest.approx(0.5, rel=1e-9)
+
+
+def test_law_that_would_hold_by_its_sign() -> None:
+    for law, code in (({"e": "sign(f)"}, "HB-N410"), (None, "")):
+        m = hb.Model("held")
+        m.add(u=hb.Se(0.5), i=hb.I(1.0), v=hb.One())
+        m.bond("u -> v -> i")
+        m.add(law=hb.One(law="relay", limit=1.0) if law is None else hb.R(law))
+        m.bond("v -> law")
+        run = hb.simulate(m, until=1.0, on_error="return")
+        assert (run.error.code if run.error is not None else "") == code
+        if not code:
+            assert float(run["v.f"].at(1.0)) == 0.0 and run.mode["law"] == "sticks"
+
+
+@pytest.mark.parametrize(
+    ("guard", "fires"),
+    [
+        ("sign(c.q) >= 0", True),
+        ("sign(c.q) > 0", False),
+        ("sign(c.q) < 0", False),
+        ("sign(d.q - 0.3) > 0", False),
+        ("sign(d.q - 0.3) >= 0", True),
+    ],
+)
+def test_guard_on_the_sign_of_zero(guard: str, fires: bool) -> None:
+    # d.q - 0.3 is 5.6e-17, the rounding of its terms
+    m = hb.Model("guarded")
+    m.add(c=hb.C(1.0, q=0.0), n=hb.Zero(), r=hb.R(1.0), d=hb.C(1.0, q=0.1 + 0.2), k=hb.Zero())
+    m.bond("n -> c", "n -> r", "k -> d")
+    m.machine("M", states={"a": [], "b": []}, start="a", rules=[f"a -> b when {guard}"])
+    assert instants(hb.simulate(m, until=1.0)) == ([0.0] if fires else [])
+
+
+@pytest.mark.parametrize(("way", "fires"), [("> 0", True), ("< 0", False), ("== 0", False)])
+def test_sign_of_an_impulse(way: str, fires: bool) -> None:
+    # the finite part is below zero, the impulse above
+    way = way if "=" not in way else ">= 0 and sign(D.e) <= 0"
+    run = hb.simulate(
+        freewheel(f'sign(D.e) {way} and S.state == "off" and pre(L.p) > 0.5'), until=2.0
+    )
+    fired = [f.machine for e in run.events for step in e.steps for f in step.fired]
+    assert ("V" in fired) == fires
+    assert run["L.p"].at(2.0) == pytest.approx(0.5 if fires else 0.0, rel=1e-12)
+
+
 # -- the page ------------------------------------------------------------------------------------
 
 

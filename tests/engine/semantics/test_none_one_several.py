@@ -274,11 +274,11 @@ def held_twice(limit: float, breakaway: float, stiff: bool) -> hb.Model:
 
 
 def test_friction_that_others_hold_at_rest_is_said_to_have_several_answers() -> None:
-    run = hb.simulate(held_twice(1.0, 1.5, stiff=False), "2.9 s")
+    run = hb.simulate(held_twice(1.0, 1.5, stiff=False), "3.4 s")
     (said,) = run.warnings
     assert "g2 at rest" in said and "is not unique: " in said and run.audit().holds()
-    # by the rule: what one holds in motion, and the breakaway of the other
-    assert run.events[-1].t == pytest.approx(2.5, abs=1e-11)
+    # whatever the shares: as long as both together can hold it
+    assert run.events[-1].t == pytest.approx(3.0, abs=1e-11)
     # where a stiffness decides, all brakes hold what they can
     run = hb.simulate(held_twice(1.0, 1.5, stiff=True), "3.1 s")
     assert not run.warnings

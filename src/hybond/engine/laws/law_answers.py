@@ -217,8 +217,9 @@ def slide(e: Engine, r: Laws, q: Floats, h: float, jump: bool) -> bool:
             if jump and m.port_impulsive[k] != 0:
                 continue
             if r.resting[k] != 0 and r.problem.branch[k] != 0:
-                r.resting[k] = 0
-                again = True
+                if not is_held_by_others(m, r, k):
+                    r.resting[k] = 0
+                    again = True
             elif turns_round(m, r, k):
                 r.halted[k] = 1
                 r.resting[k] = 1
@@ -228,6 +229,19 @@ def slide(e: Engine, r: Laws, q: Floats, h: float, jump: bool) -> bool:
             keep_answer(m, r)
             return True
     r.proved = r.proved and r.problem.proved
+    return False
+
+
+def is_held_by_others(m: Model, r: Laws, k: int) -> bool:
+    """Whether friction that rests has given all it can, and does not move: others rest with it.
+
+    Of two brakes on one shaft either may be the first to have.
+    """
+    if r.problem.open[k] == 0:
+        return False
+    for j in range(m.ports):
+        if j != k and r.resting[j] != 0 and r.problem.m[k * m.ports + j] != 0.0:
+            return True
     return False
 
 

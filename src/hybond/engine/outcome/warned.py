@@ -152,6 +152,11 @@ class Warnings:
             return f"{now} the laws leave no answer at this instant: the next step decides"
         if kind == HELD_AT_REST:
             name = self.graph.nodes[self._ports[numbers[0]]].path
+            if self._breaks_with_others(name):
+                return (
+                    f"{now} others hold the friction of {name} at rest, so that what each of them "
+                    "carries is not unique: they break loose together, where none can hold more"
+                )
             return (
                 f"{now} others hold the friction of {name} at rest, so that what each of them "
                 "carries is not unique: it counts with what it holds in motion, not with its "
@@ -178,6 +183,11 @@ class Warnings:
 
     def _branch(self, port: int, way: int) -> str:
         return self._states[port][way if way >= 0 else 2]
+
+    def _breaks_with_others(self, path: str) -> bool:
+        """Whether the rule by which friction breaks loose looks at that of others, too."""
+        machine = next(m for m in self.graph.machines if m.path == path)
+        return any(len(rule.reads) > 1 for rule in machine.rules if rule.source == 0)
 
     def _far_apart(self, least: float, dropped: float, mode: Mode) -> str:
         lost = f"{dropped:.0e} of its terms and counts as zero" if dropped else ""

@@ -53,6 +53,7 @@ from hybond.engine.run.log import (
     report_slide,
     report_step,
 )
+from hybond.engine.run.roots_reached import rest_at_roots
 from hybond.engine.run.run_records import (
     FRESH,
     IDLE,
@@ -294,6 +295,7 @@ def flow(e: Engine, r: Run) -> int:
                 return GUARD if near else STOPPED
             if e.checks.looked == e.t:
                 look_at_guards(e)
+            rest_at_roots(e, r)
             if see_crawl(e, r) != OK or go_on(e) != OK:
                 return -1
             continue
@@ -307,6 +309,7 @@ def flow(e: Engine, r: Run) -> int:
                 return -1
             if count_kink(e, r) != OK:
                 return -1
+            rest_at_roots(e, r)
             if start(e, e.t, e.y, bound_of(e), True) != OK:
                 return -1
             continue

@@ -13,7 +13,19 @@ from hybond.engine.inputs.interval import CALLED, FREE
 from hybond.engine.tables.guards import magnitude
 from hybond.engine.tables.options import METHODS
 from hybond.equations.surfaces import moves
-from hybond.model.expressions import Call, Expr, Number, ending, jumping, names, turning, uses_pre
+from hybond.model.expressions import (
+    Call,
+    Expr,
+    Neg,
+    Number,
+    ending,
+    jumping,
+    names,
+    rooted,
+    simplify,
+    turning,
+    uses_pre,
+)
 from hybond.model.graph import FlatGraph
 from hybond.options import QUANTISED
 
@@ -39,6 +51,9 @@ def put_kinks(t: ModelTables) -> None:
     t.numbers["kink_atom"] = len(t.ints["atom_value"])
     t.ints["kink_node"] = list(found.values())
     t.ints["kink_switch"] = [min(s) if len(s) == 1 else -1 for s in switches.values()]
+    roots = {a for e, _ in _followed(t) for a in rooted(e)}
+    either = {simplify(b) for a in roots for b in (a, Neg(a))}
+    t.ints["kink_root"] = [int(simplify(a) in either) for a in found]
     t.ints["kink_pair"] = [len(t.pairs) + k for k in range(len(found))]
     t.pairs += found
     t.ints["atom_value"] += [t.values.number(a) for a in found]
@@ -54,7 +69,8 @@ def put_kinks(t: ModelTables) -> None:
     t.ints["edge_value"] = [t.values.number(a) for a in edges]
     t.ints["edge_size"] = [t.values.number(magnitude(a)) for a in edges]
     bonds = range(t.slots.w.start, t.slots.w.start + 2 * len(t.graph.bonds))
-    read = sorted({t.slots.index[n] for a in edges for n in names(a)})
+    levels = [a for a in (*edges, *roots) if moves(a) and not uses_pre(a)]
+    read = sorted({t.slots.index[n] for a in levels for n in names(a)})
     t.ints["edge_bond"] = [k - bonds.start for k in read if k in bonds]
     t.numbers["edge_bonds"] = len(t.ints["edge_bond"])
 

@@ -15,7 +15,7 @@ from hybond.engine.complementarity.law_roles import CUT, ONE_SIDED, SHUT, TWO_SI
 from hybond.engine.complementarity.semidefinite import is_indefinite
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.laws.gaps import has_gaps
-from hybond.engine.laws.law_answers import put_problem, solve_problem
+from hybond.engine.laws.law_answers import is_held_by_others, put_problem, solve_problem
 from hybond.engine.laws.law_instant import (
     NO_LAW_VALUE,
     find_able,
@@ -191,7 +191,8 @@ def ask_laws(e: Engine, s: Stepping, c: Coupled, bounces: bool) -> bool:
             return False
         broken = False
         for k in range(n):
-            if r.resting[k] != 0 and p.branch[k] != 0:
+            slides = r.resting[k] != 0 and p.branch[k] != 0
+            if slides and not is_held_by_others(m, r, k):
                 r.resting[k] = 0
                 broken = True
         if broken:

@@ -89,6 +89,29 @@ def ending(e: Expr) -> list[Expr]:
     return [e for e in dict.fromkeys(found) if names(e) and not _is_magnitude(e)]
 
 
+def rooted(e: Expr) -> list[Expr]:
+    """Return what roots are taken of the size of: at its zero an expression has no finite slope.
+
+    Examples
+    --------
+    >>> from hybond.model.expressions import parse
+    >>> [str(a) for a in rooted(parse("sign(q)*sqrt(abs(q)/2) + abs(p - 1)^0.5 + abs(x)^2"))]
+    ['q', 'p - 1']
+    """
+    found: list[Expr] = []
+    for part, _ in walk(e):
+        match part:
+            case Call(function="sqrt"):
+                under = part.args[0]
+            case Binary("^", left, Number(value)) if _may_be_a_root(value) and value < 1.0:
+                under = left
+            case _:
+                continue
+        sizes = [p.args[0] for p, _ in walk(under) if isinstance(p, Call) and p.function == "abs"]
+        found += sizes or [under]
+    return [e for e in dict.fromkeys(found) if names(e)]
+
+
 def _may_be_a_root(power: float) -> bool:
     """Whether a power of what is below zero has no value; of a parameter nobody knows."""
     return is_slotted(power) or (power > 0.0 and power % 1.0 != 0.0)

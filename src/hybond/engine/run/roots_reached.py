@@ -1,0 +1,107 @@
+"""Roots on both sides of rest: what they bring to nothing in a finite time rests there.
+
+An orifice lets a level difference run out by its root, whichever way it goes. The rate at rest is
+zero, and beside it the slope is without bound: steps that pass rest are thrown back, and would go
+to and fro as far as the error allows, without end. So what is no more than the error of a step away
+from rest, is led there, and would not move there, is put there.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from hybond.engine.engine import OK, Engine
+from hybond.engine.methods.scale import tolerance
+from hybond.engine.mode.values import field
+from hybond.engine.run.held_by_kinks import compared
+from hybond.engine.run.locator import NO_KINK
+from hybond.engine.run.run_records import Run
+from hybond.engine.words import Floats
+
+STANDS: Final = 1e-3
+"""Part of the speed beside rest below which nothing moves at rest: a root of rounding is small."""
+SHORT: Final = 1e-3
+"""Part of what is stored that moves while a speed is seen."""
+NOTHING: Final = 1e-6
+"""Part of what was stored beside rest that is nothing there."""
+PASSES: Final = 4
+"""Times that the straight way to rest is gone."""
+
+
+def rest_at_roots(e: Engine, r: Run) -> None:
+    """Put the present state at rest where the roots of laws have all but brought it there."""
+    g = r.locator
+    m = e.model
+    for k in range(g.guards if m.kinks > 0 and e.slide.k == 0 else 0):
+        kink = g.atom[g.atom_first[k]] - m.kink_atom
+        if g.side[k] == NO_KINK or m.kink_root[kink] == 0:
+            continue
+        refusal = e.refusal
+        if goes_to_rest(e, r, m.atom_value[g.atom[g.atom_first[k]]]):
+            for i in range(e.states):
+                e.y[i] = r.after[i]
+        g.looked = math.nan
+        e.refusal = refusal
+
+
+def goes_to_rest(e: Engine, r: Run, atom: int) -> bool:
+    """Put the state at rest into `r.after`; whether the motion leads there and stays."""
+    n = e.states
+    for i in range(n):
+        r.after[i] = e.y[i]
+    away = at_state(e, r, atom, r.after)
+    if away == 0.0 or not math.isfinite(away) or field(e, e.mode, e.t, e.y, r.rate) != OK:
+        return False
+    beside = 0.0
+    left = away
+    for turn in range(PASSES):
+        speed = speed_of(e, r, atom, r.after, left)
+        if not (speed * left < 0.0 and math.isfinite(speed)):
+            return False
+        if turn == 0:
+            beside = speed
+            if not is_within_error(e, r, -left / speed):
+                return False
+        for i in range(n):
+            r.after[i] -= left / speed * r.rate[i]
+            if math.fabs(r.after[i]) <= NOTHING * math.fabs(e.y[i]):
+                r.after[i] = 0.0
+        left = at_state(e, r, atom, r.after)
+        if left == 0.0:
+            break
+    if not math.fabs(left) <= NOTHING * math.fabs(away):
+        return False
+    if field(e, e.mode, e.t, r.after, r.rate) != OK:
+        return False
+    return math.fabs(speed_of(e, r, atom, r.after, left)) <= STANDS * math.fabs(beside)
+
+
+def is_within_error(e: Engine, r: Run, h: float) -> bool:
+    """Whether what is left of the motion for a time is less than the error of a step."""
+    tolerance(e, e.y, e.y, r.beside)
+    for i in range(e.states):
+        if not math.fabs(h * r.rate[i]) <= r.beside[i]:
+            return False
+    return True
+
+
+def speed_of(e: Engine, r: Run, atom: int, y: Floats, here: float) -> float:
+    """Return how fast what is compared moves from a state by the rates in `r.rate`."""
+    most = 0.0
+    for i in range(e.states):
+        if r.rate[i] != 0.0 and e.y[i] != 0.0:
+            most = max(most, math.fabs(r.rate[i]) / math.fabs(e.y[i]))
+    if most == 0.0:
+        return 0.0
+    h = SHORT / most
+    for i in range(e.states):
+        r.locator.y[i] = y[i] + h * r.rate[i]
+    return (compared(e, r.locator, atom, e.t) - here) / h
+
+
+def at_state(e: Engine, r: Run, atom: int, y: Floats) -> float:
+    """Return what is compared at a state."""
+    for i in range(e.states):
+        r.locator.y[i] = y[i]
+    return compared(e, r.locator, atom, e.t)
