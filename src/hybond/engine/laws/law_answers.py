@@ -217,9 +217,10 @@ def slide(e: Engine, r: Laws, q: Floats, h: float, jump: bool) -> bool:
             if jump and m.port_impulsive[k] != 0:
                 continue
             if r.resting[k] != 0 and r.problem.branch[k] != 0:
-                if not is_held_by_others(m, r, k):
-                    r.resting[k] = 0
-                    again = True
+                if (not jump and bears_less(e, r, k)) or is_held_by_others(m, r, k):
+                    continue
+                r.resting[k] = 0
+                again = True
             elif turns_round(m, r, k):
                 r.halted[k] = 1
                 r.resting[k] = 1
@@ -237,10 +238,12 @@ def is_held_by_others(m: Model, r: Laws, k: int) -> bool:
 
     Of two brakes on one shaft either may be the first to have.
     """
-    if r.problem.open[k] == 0:
+    p = r.problem
+    if p.open[k] == 0:
         return False
     for j in range(m.ports):
-        if j != k and r.resting[j] != 0 and r.problem.m[k * m.ports + j] != 0.0:
+        rests = m.port_two_sided[j] != 0 and (p.branch[j] == 0 or p.open[j] != 0)
+        if j != k and rests and p.m[k * m.ports + j] != 0.0:
             return True
     return False
 

@@ -133,6 +133,8 @@ class Laws:
     """Whether it was said of friction that others hold it at rest."""
     halted: Ints
     """Friction that would turn round at once, and so may rest instead."""
+    tilt: Floats
+    """What each force of friction becomes where two trade their shares."""
     problem: LawProblem
     svd: Svd
     block: Floats
@@ -269,6 +271,7 @@ def make_laws(m: Model) -> Laws:
     r.resting = ints(n)
     r.loose = ints(n)
     r.halted = ints(n)
+    r.tilt = floats(n)
     r.held_said = ints(n)
     r.problem = make_law_problem(n)
     for k in range(n):

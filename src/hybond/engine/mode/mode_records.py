@@ -118,7 +118,7 @@ class Mode:
     finite_frees: int
     free_column: Ints
     reluctant: Ints
-    """Of each free unknown: whether a bent law reads it. Newton does not move it where others do."""
+    """Of each free unknown: whether a bent law reads it. Newton leaves it where others do."""
     own_power: Rows
     own_power_free: Block
     constraints: Rows
