@@ -35,6 +35,7 @@ all room to work in. Data flows so::
                               together (what is one instant with it, kinks), one_instant (how
                               long that lasts); ends_at_guard (the step that ends there)
     bounds_held               values that outgrow all bounds
+    roots_reached             what roots on both sides of rest bring there stays there
     sampling, calls           signals set at instants; inputs and blocks that are asked for
     motion                    the executive: segment after segment
     radau, radau_stages       implicit steps

@@ -41,6 +41,7 @@ def free(t: float, since: float, begin: float, force: float) -> float:
     return steady(t) + (begin - steady(since)) * math.exp(since - t)
 
 
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize("solver", ["auto", "radau"])
 @pytest.mark.parametrize("dual", [False, True])
 @pytest.mark.parametrize("law", CLIPS.values(), ids=CLIPS)

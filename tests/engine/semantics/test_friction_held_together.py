@@ -38,6 +38,7 @@ CASES = {
 }
 
 
+@pytest.mark.sampled(6)
 @pytest.mark.parametrize("way", [1.0, -1.0])
 @pytest.mark.parametrize("case", CASES.values(), ids=CASES)
 def test_brakes_on_one_body_break_loose_at_the_sum_of_what_they_hold(

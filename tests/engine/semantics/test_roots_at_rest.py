@@ -33,6 +33,7 @@ def draining(law: str, start: float, *, dual: bool, away: bool) -> hb.Model:
     return m
 
 
+@pytest.mark.sampled(10)
 @pytest.mark.parametrize("solver", SOLVERS)
 @pytest.mark.parametrize("away", [True, False])
 @pytest.mark.parametrize("dual", [False, True])
@@ -54,6 +55,7 @@ def test_what_runs_out_by_a_root_is_at_rest_in_finite_time(
         assert len(run.events) == 1 and run.audit().holds()
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("solver", SOLVERS)
 @pytest.mark.parametrize("levels", [(1.0, 0.2), (0.0, 3.0)])
 def test_two_tanks_are_level_in_finite_time(levels: tuple[float, float], solver: str) -> None:
