@@ -118,7 +118,7 @@ class Mode:
     finite_frees: int
     free_column: Ints
     bent: bool
-    """Whether any law of one bond bends."""
+    """Whether any law of one bond bends, or a constraint that is differentiated."""
     reluctant: Ints
     """Of each free unknown: whether a bent law reads it. Newton does not move it where others do."""
     own_power: Rows
