@@ -78,6 +78,8 @@ class Work:
     down: Block
     pivot_row: Places
     row_taken: Places
+    bends: bool
+    """Whether the laws of the mode whose system is there bend."""
     reluctant: Ints
     """Of each free unknown of the mode whose system is there: whether a bent law reads it."""
     moved: Block
@@ -188,6 +190,7 @@ def make_work(m: Model) -> Work:
     w.pivot_row = make_places(1)
     w.row_taken = make_places(1)
     w.reluctant = ints(n)
+    w.bends = False
     w.moved = make_block(1)
     w.begun = make_block(1)
     w.onto = make_block(1)

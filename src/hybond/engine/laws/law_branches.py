@@ -39,7 +39,13 @@ from hybond.engine.laws.law_answers import (
     put_mode,
     slide,
 )
-from hybond.engine.laws.law_friction import jumping_role, may_rest, past_limit, rests_now
+from hybond.engine.laws.law_friction import (
+    jumping_role,
+    may_be_past,
+    may_rest,
+    past_limit,
+    rests_now,
+)
 from hybond.engine.laws.law_instant import (
     LAW_ZERO,
     LOCATED,
@@ -310,6 +316,7 @@ def find_jumping(e: Engine, r: Laws, x: Floats) -> int:
     if r.at_once:
         close_gaps(m, r)
     wrong = False
+    doubtful = False
     who = 0
     dust = True
     for k in range(n):
@@ -339,8 +346,9 @@ def find_jumping(e: Engine, r: Laws, x: Floats) -> int:
                 wrong = True
                 who = k
                 dust = dust and past <= LAW_DUST * r.rounding[k]
+            doubtful = doubtful or may_be_past(m, r, k)
         r.rebound[k] *= r.y[k]
-    if not wrong:
+    if not wrong and not doubtful:
         return 0
     find_start(m, r)
     h = short_step(m, a, r.y)
@@ -351,15 +359,28 @@ def find_jumping(e: Engine, r: Laws, x: Floats) -> int:
             break
         factor = 1.0 if turn == 0 else 1e-3 if turn == 1 else 1e3 if turn == 2 else 1e-6
         if slide(e, r, r.y, factor * h, True):
+            if not wrong and not moves_stored(r, n, factor * h):
+                return 0
             put_mode(m, r, r.answer, False, True)
             return 1
         turn += 1
-    if dust:
+    if dust or not wrong:
         return 0  # rounding has no solution; what lasts is decided without it
     no_branches(e, r, who)
     if m.tells != 0:
         tell_ports(e, r, True)
     return -1
+
+
+def moves_stored(r: Laws, n: int, h: float) -> bool:
+    """Whether an answer in which what is stored moves for a time `h` has impulses."""
+    moves = False
+    for k in range(n):
+        total = 0.0
+        for j in range(n):
+            total += h * r.response.ce[k * n + j] * r.answer_l[j]
+        moves = moves or math.fabs(total) > LAW_DUST * r.rounding[k]
+    return moves
 
 
 def sweep_dust(e: Engine, r: Laws, x: Floats, after: Floats) -> int:

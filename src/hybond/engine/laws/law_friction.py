@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from hybond.engine.complementarity.law_roles import CUT, SHUT, TWO_SIDED
-from hybond.engine.laws.law_instant import NO_LAW_VALUE, is_stored, quantity
+from hybond.engine.laws.law_instant import LAW_ZERO, NO_LAW_VALUE, is_stored, quantity
 from hybond.engine.laws.law_records import Laws
 from hybond.engine.mode.tableau import COMMON, NET
 from hybond.engine.model import Model
@@ -87,6 +87,22 @@ def past_limit(m: Model, r: Laws, k: int) -> float:
     else:
         limit = quantity(m, m.port_limit, m.port_limit_constant, k, r.v)
     return math.fabs(r.y[k]) - limit
+
+
+def may_be_past(m: Model, r: Laws, k: int) -> bool:
+    """Whether friction is asked for more than it can hold, unless other laws take that from it.
+
+    What is stored asks for it, and an impulse of its own would change that.
+    """
+    own = k * m.ports + k
+    if m.port_planar[k] != 0 or r.now.given[k] == NET or is_stored(m, r, k):
+        return False
+    if r.response.d[own] != 0.0 or not r.response.ce[own] > 0.0 or limit_follows(m, r, k):
+        return False
+    limit = quantity(m, m.port_limit, m.port_limit_constant, k, r.v)
+    if may_rest(m, k) and rests_now(m, r, k):
+        limit = quantity(m, m.port_breakaway, m.port_breakaway_constant, k, r.v)
+    return math.fabs(r.y[k]) - limit > LAW_ZERO * r.rounding[k]
 
 
 def slides_through(m: Model, r: Laws, k: int) -> bool:

@@ -85,6 +85,11 @@ def make_equations(e: Engine, mode: Mode, given: Ints) -> None:
     for k in range(2 * m.bonds):
         mode.same[k] = power.same[k]
     mode.finite_frees = free_columns(finite, mode.free_column)
+    mode.bent = False
+    for k in range(2 * m.bonds):
+        mode.bent = mode.bent or finite.read[k] != 0
+    for i in range(mode.dynamics):
+        mode.bent = mode.bent or mode.dynamic[i] < 0
     for j in range(mode.finite_frees):
         mode.reluctant[j] = finite.read[mode.free_column[j]]
     take_rows(m, finite, mode.knowns, mode.finite)

@@ -117,6 +117,8 @@ class Mode:
     power_frees: int
     finite_frees: int
     free_column: Ints
+    bent: bool
+    """Whether any law of one bond bends, or a constraint that is differentiated."""
     reluctant: Ints
     """Of each free unknown: whether a bent law reads it. Newton leaves it where others do."""
     own_power: Rows

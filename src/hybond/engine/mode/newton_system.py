@@ -94,6 +94,7 @@ def rows_of_system(e: Engine, mode: Mode, v: Floats, w: Floats) -> int:
     count_work(e, rows * (n + frees * frees))
     write_bonds(e, v, w)
     work.reluctant = mode.reluctant
+    work.bends = not mode.affine
     fit(work.residual, rows)
     fit(work.residual_size, rows)
     fit(work.residual_reach, rows)
@@ -366,10 +367,11 @@ def hidden_row(e: Engine, mode: Mode, j: int, v: Floats, w: Floats, row: Floats)
 
 
 def with_free(mode: Mode, n: int, base: Floats, r: Floats, w: Floats) -> None:
-    """Add what the free unknowns give; a sum that is rounding of its terms is zero.
+    """Add what the free unknowns give; where laws bend, a sum that is rounding of its terms is zero.
 
     A law would take the sign of that rounding for one, or its root.
     """
+    most = LAST_PLACES if mode.bent else 0.0
     frees = mode.finite_frees
     for k in range(n):
         total = base[k]
@@ -378,7 +380,7 @@ def with_free(mode: Mode, n: int, base: Floats, r: Floats, w: Floats) -> None:
             term = mode.finite_free.at[k * frees + j] * r[j]
             total += term
             size += math.fabs(term)
-        rounded = math.fabs(total) <= LAST_PLACES * size and size < math.inf
+        rounded = math.fabs(total) <= most * size and size < math.inf
         w[k] = 0.0 if rounded else total
 
 
@@ -399,7 +401,7 @@ def newton_step(e: Engine, rows: int, frees: int) -> bool:
             lu_solve(rows, work.jacobian2.at, work.pivots.at, 1, work.step.at)
             if all_finite(rows, work.step.at):
                 clear = is_clear(rows, work.jacobian.at, work.jacobian2.at)
-                if not clear:
+                if not clear and work.bends:
                     refine_step(e, rows)
                 return clear
     step_of_singular(e, rows, frees)

@@ -17,6 +17,8 @@ from hybond.engine.mode.storage import own_stiffness, reach_of, with_stored
 from hybond.engine.model import Model
 from hybond.engine.words import Floats
 
+TURNS: Final = 2
+"""Times that constraints are gone through: each tells of what others have told."""
 STORED: Final = 10.0
 """Rounding of a bond variable is measured by this multiple of what the energy of the run would make
 of it."""
@@ -72,6 +74,27 @@ def measure_values(m: Model, pair: int, v: Floats, terms: Floats) -> None:
         terms[m.read_slot[i]] = math.fabs(v[m.read_slot[i]])
 
 
+def bound_tied(mode: Mode, i: int, storages: int, reach: Floats) -> None:
+    """Let none of what constraint i ties together be more than the others allow.
+
+    A light capacitor beside a heavy one has its voltage, however far its own energy would lift it:
+    which of them stands for the voltage in the equations must not matter.
+    """
+    rows = mode.constraints
+    first = rows.first.at[i]
+    last = rows.first.at[i + 1]
+    for p in range(first, last):
+        if rows.column.at[p] >= storages:
+            return  # a source has part in it
+    for p in range(first, last):
+        others = 0.0
+        for q in range(first, last):
+            if q != p:
+                others += math.fabs(rows.value.at[q]) * reach[rows.column.at[q]]
+        k = rows.column.at[p]
+        reach[k] = min(reach[k], others / math.fabs(rows.value.at[p]))
+
+
 def seen_of(e: Engine, mode: Mode, x: Floats) -> None:
     """Put what each bond variable would be with a unit of energy in one storage into `mode.seen`.
 
@@ -88,6 +111,9 @@ def seen_of(e: Engine, mode: Mode, x: Floats) -> None:
         w.reach[k] *= math.fabs(own_stiffness(m, k, v))
         if not math.isfinite(w.reach[k]):
             w.reach[k] = 0.0
+    for _ in range(TURNS):
+        for i in range(mode.constraints.rows):
+            bound_tied(mode, i, m.storages, w.reach)
     for k in range(2 * m.bonds):
         same = mode.same[k]
         if same < k:
