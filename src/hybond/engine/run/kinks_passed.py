@@ -114,7 +114,7 @@ def count_kink(e: Engine, r: Run) -> int:
         r.locator.asleep = r.nap
         r.nap = min(2 * r.nap, LONGEST_NAP)
         return OK
-    if r.dense >= DENSE:
+    if r.dense >= DENSE and e.model.edges == 0:
         if is_held(e, r):
             return switches_back(e, r)
         r.locator.asleep = r.lull

@@ -76,7 +76,7 @@ def ending(e: Expr) -> list[Expr]:
     Examples
     --------
     >>> from hybond.model.expressions import parse
-    >>> [str(a) for a in ending(parse("sqrt(q - 1) + q^1.5 + q^2 + sqrt(abs(q))"))]
+    >>> [str(a) for a in ending(parse("sqrt(q - 1) + q^1.5 + q^2 + sqrt(abs(q)/2)"))]
     ['q - 1', 'q']
     """
     found: list[Expr] = []
@@ -127,7 +127,9 @@ def _is_magnitude(e: Expr) -> bool:
         case Call(function="max"):
             return any(_is_magnitude(a) for a in e.args)
         case Binary("*", left, right):
-            return left == right
+            return left == right or (_is_magnitude(left) and _is_magnitude(right))
+        case Binary("/", left, Number(value)):
+            return _is_magnitude(left) and not is_slotted(value) and value > 0.0
         case Binary("+", left, right):
             return _is_magnitude(left) and _is_magnitude(right)
     return False
