@@ -283,6 +283,6 @@ def test_friction_that_others_hold_at_rest_is_said_to_have_several_answers() -> 
     run = hb.simulate(held_twice(1.0, 1.5, stiff=True), "3.1 s")
     assert not run.warnings
     assert abs(float(run["v.f"].at(2.9))) < 1e-5 < float(run["v.f"].at(3.1))
-    # where rest holds no more than motion, both are one answer
+    # where rest holds no more than motion, shares are open all the same
     run = hb.simulate(held_twice(1.0, 1.0, stiff=False), "2.5 s")
-    assert not run.warnings and run.events[-1].t == pytest.approx(2.0, abs=1e-11)
+    assert len(run.warnings) == 1 and run.events[-1].t == pytest.approx(2.0, abs=1e-11)
