@@ -21,7 +21,8 @@ all room to work in. Data flows so::
     put_back, freedom         whether a solution holds; directions that a linear system leaves free
     undetermined              what laws leave free at the values that hold
     jump                      entering a mode: constraints, impulses
-    trial, entering, settle   trying modes at an instant until none is left
+    trial, entering, settle   trying modes at an instant until none is left (staying: what is
+                              known of the last one)
     values, scale, stepping   values while time passes; tolerances; one step
     control, dopri, exact     steps that the error controls: Dormand and Prince, or what is
                               propagated: flow (which modes are linear, and their matrix, by
@@ -32,6 +33,7 @@ all room to work in. Data flows so::
                               rates by the flow of a linear mode (qss_linear) or fitted (qss_fit)
     locate                    the first instant of a step at which a guard holds: locator (what
                               is kept), guard_values, guard_shape, candidates, bracket;
+                              solved_guards (those that are polynomials: sums, quartic);
                               together (what is one instant with it, kinks), one_instant (how
                               long that lasts); ends_at_guard (the step that ends there)
     bounds_held               values that outgrow all bounds

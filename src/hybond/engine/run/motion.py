@@ -249,7 +249,10 @@ def flow(e: Engine, r: Run) -> int:
         r.beyond = r.beyond + 1.0 if e.refusal else max(r.beyond - 0.1, 0.0)
         if e.refusal and r.beyond > BEYOND and m.edges == 0:
             return -1
-        if locate(e, g) != OK and find_within(e, g) != OK:
+        g.rough = True
+        found = locate(e, g)
+        g.rough = False
+        if found != OK and find_within(e, g) != OK:
             if begin_at_edge(e, r) == OK:
                 continue
             return -1
