@@ -1,7 +1,7 @@
 """What a trial has found is not found again where the state it was made for is written.
 
 Its values are those of the state after its jump. Once that is written nothing jumps any more, and
-``pre()`` reads these values; only a law that acts on ``pre()`` has others then.
+``pre()`` reads these values; only what acts on ``pre()`` has others then.
 """
 
 from __future__ import annotations
@@ -13,9 +13,9 @@ from hybond.engine.instant.jump import STAYS
 def is_still_known(e: Engine) -> bool:
     """Whether the values of the trial are those at the state it has led to.
 
-    Junction laws choose their branches anew there, and so does what is slid on.
+    What is slid on is chosen anew there, and friction in the plane takes its direction.
     """
-    return e.model.laws == 0 and e.slide.many == 0
+    return e.slide.many == 0 and e.model.disks == 0
 
 
 def stay_on_trial(e: Engine) -> None:
@@ -31,8 +31,8 @@ def stay_on_trial(e: Engine) -> None:
 
 
 def acts_on_prior(e: Engine) -> bool:
-    """Whether a law that acts in the mode reads ``pre()``."""
-    acts = False
+    """Whether a law that acts in the mode reads ``pre()``; junction laws do."""
+    acts = e.model.laws > 0
     for k in range(e.model.priors):
         acts = acts or e.mode.prior_acts[k] != 0
     return acts
