@@ -74,7 +74,7 @@ class Model:
     atom_zero: Ints
     """The side of zero on which a comparison has the truth that it has at zero: 1 or -1."""
     term_first: Ints
-    """Of each: the signals that it is a sum of, beside `atom_level`; if it is none, slot -1."""
+    """Of each, then of rates of signals: what it is a sum of, with `atom_level`; slot -1: none."""
     term_slot: Ints
     term_factor: Floats
     atom_level: Floats

@@ -14,8 +14,9 @@ from hybond.engine.engine import Engine
 from hybond.engine.instant.in_force import is_asked
 from hybond.engine.mode.mode_records import Reads, make_reads
 from hybond.engine.mode.reading import read_guard, read_nothing
-from hybond.engine.run.quartic import Quartic, make_quartic
-from hybond.engine.run.sums import Sums, begin_sums, make_sums, take_sum
+from hybond.engine.mode.sum_records import Sums, begin_sums, make_sums
+from hybond.engine.mode.sums import take_sum
+from hybond.engine.run.quartic import COEFFICIENTS, Quartic, make_quartic
 from hybond.engine.sliding.surface import part_mode
 from hybond.engine.words import Floats, Ints, float_table, floats, ints, record
 
@@ -80,6 +81,12 @@ class Locator:
     atom_part: Ints
     """Of each comparison: the part of its guard."""
     sums: Sums
+    """The comparisons that are sums of the state: polynomials of a step, of which `step` has the
+    coefficients, `extent` what the magnitudes of terms add up to, and `sign` the sign all over the
+    step, 0 where it may be zero."""
+    step: Floats
+    extent: Floats
+    sign: Ints
     quartic: Quartic
     solved: Ints
     """Of each guard: whether its comparisons are polynomials of the step, and no samples needed."""
@@ -196,6 +203,9 @@ def fit_locator(g: Locator, guards: int, atoms: int) -> None:
     g.atom_part = ints(g.room_atoms)
     g.shape = floats(g.room_atoms * SAMPLES)
     g.rest = floats(g.room_atoms)
+    g.step = floats(COEFFICIENTS * g.room_atoms)
+    g.extent = floats(g.room_atoms)
+    g.sign = ints(g.room_atoms)
     g.doubtful = ints(g.room_atoms)
 
 

@@ -23,6 +23,7 @@ from hybond.engine.methods.one_instant import room_of_instant
 from hybond.engine.methods.scale import start_scale
 from hybond.engine.methods.stepping import between, retry, start, step
 from hybond.engine.mode.equations import mode_of
+from hybond.engine.mode.straight_rates import take_rates
 from hybond.engine.mode.values import begin_field, set_state
 from hybond.engine.planar.descent import (
     ENDLESS,
@@ -339,6 +340,7 @@ def begin_flow(e: Engine, r: Run) -> int:
         begin_field(e, e.mode)
     if e.slide.k == 0:
         start_scale(e, e.mode)
+    take_rates(e, e.mode)
     r.beyond = 0.0
     return start(e, e.t, e.y, bound_of(e), True)
 

@@ -12,7 +12,7 @@ from typing import Final
 from hybond.engine.words import Floats, floats, record
 
 DEGREE: Final = 4
-TERMS: Final = 5
+COEFFICIENTS: Final = 5
 ROUNDS: Final = 60
 
 
@@ -31,9 +31,9 @@ class Quartic:
 def make_quartic() -> Quartic:
     """Return room for a polynomial."""
     q = Quartic()
-    q.row = floats(TERMS * TERMS)
-    q.root = floats(TERMS)
-    q.turn = floats(TERMS)
+    q.row = floats(COEFFICIENTS * COEFFICIENTS)
+    q.root = floats(COEFFICIENTS)
+    q.turn = floats(COEFFICIENTS)
     return q
 
 
@@ -50,11 +50,11 @@ def solve_quartic(q: Quartic, c: Floats, at: int) -> None:
 
     A root is where the sign changes.
     """
-    for j in range(TERMS):
+    for j in range(COEFFICIENTS):
         q.row[j] = c[at + j]
     for k in range(DEGREE):
         for j in range(DEGREE - k):
-            q.row[TERMS * (k + 1) + j] = float(j + 1) * q.row[TERMS * k + j + 1]
+            q.row[COEFFICIENTS * (k + 1) + j] = float(j + 1) * q.row[COEFFICIENTS * k + j + 1]
     q.roots = 0
     q.turns = 0
     for k in range(DEGREE - 1, -1, -1):
@@ -81,10 +81,10 @@ def turns(c: Floats, at: int) -> bool:
 
 def solve_monotone(q: Quartic, c: Floats, at: int) -> None:
     """Find the root of such a polynomial that does not turn."""
-    for j in range(TERMS):
+    for j in range(COEFFICIENTS):
         q.row[j] = c[at + j]
     for j in range(DEGREE):
-        q.row[TERMS + j] = float(j + 1) * c[at + j + 1]
+        q.row[COEFFICIENTS + j] = float(j + 1) * c[at + j + 1]
     q.turns = 0
     find_roots(q, 0)
 
@@ -93,10 +93,10 @@ def find_roots(q: Quartic, k: int) -> None:
     """Find the roots of derivative k, from those of the next one, which are in `turn`."""
     q.roots = 0
     low = 0.0
-    before = horner(q.row, TERMS * k, DEGREE - k, low)
+    before = horner(q.row, COEFFICIENTS * k, DEGREE - k, low)
     for i in range(q.turns + 1):
         high = q.turn[i] if i < q.turns else 1.0
-        after = horner(q.row, TERMS * k, DEGREE - k, high)
+        after = horner(q.row, COEFFICIENTS * k, DEGREE - k, high)
         if (before < 0.0 and after > 0.0) or (before > 0.0 and after < 0.0):
             q.root[q.roots] = between_signs(q, k, low, before, high, after)
             q.roots += 1
@@ -109,7 +109,7 @@ def between_signs(
     q: Quartic, k: int, low: float, before: float, high: float, after: float
 ) -> float:
     """Return where derivative k changes its sign, to the last place: Newton within a bracket."""
-    first = TERMS * k
+    first = COEFFICIENTS * k
     degree = DEGREE - k
     a = low
     at_a = before
@@ -126,7 +126,7 @@ def between_signs(
         else:
             b = x
             at_b = here
-        slope = horner(q.row, first + TERMS, degree - 1, x)
+        slope = horner(q.row, first + COEFFICIENTS, degree - 1, x)
         there = x - here / slope if slope != 0.0 else 0.5 * (a + b)
         if there == x or 0.5 * (a + b) == a or 0.5 * (a + b) == b:
             break

@@ -20,8 +20,15 @@ from hybond.engine.run.bracket import around, bracket, halve
 from hybond.engine.run.candidates import keep, sort
 from hybond.engine.run.guard_values import holds_at
 from hybond.engine.run.locator import NO_KINK, Locator
-from hybond.engine.run.quartic import DEGREE, TERMS, horner, solve_monotone, solve_quartic, turns
-from hybond.engine.run.sums import take_step
+from hybond.engine.run.quartic import (
+    COEFFICIENTS,
+    DEGREE,
+    horner,
+    solve_monotone,
+    solve_quartic,
+    turns,
+)
+from hybond.engine.run.step_polynomials import take_step
 
 NARROW: Final = 1e-9
 """Part of its terms from which on a comparison is clear of zero: no rounding has a say in it."""
@@ -36,7 +43,7 @@ def solve_guards(e: Engine, g: Locator) -> bool:
     # what is put on constraints is no polynomial any more
     may = may and not (g.held and is_constrained(e.mode))
     if may:
-        take_step(e, g.sums, g.atoms)
+        take_step(e, g)
     for k in range(g.guards):
         g.solved[k] = 1 if may and g.side[k] == NO_KINK and is_solved(g, k) else 0
         if g.solved[k] == 0:
@@ -51,9 +58,8 @@ def is_solved(g: Locator, k: int) -> bool:
 
     Notes the signs that they keep.
     """
-    s = g.sums
     for a in range(g.atom_first[k], g.atom_first[k + 1]):
-        if s.known.at[a] == 0 or not find_sign(g, a):
+        if g.sums.known.at[a] == 0 or not find_sign(g, a):
             return False
     return True
 
@@ -63,27 +69,26 @@ def find_sign(g: Locator, a: int) -> bool:
 
     A polynomial is within the hull of its coefficients in Bernstein's basis.
     """
-    s = g.sums
-    at = TERMS * a
-    c0 = s.step.at[at]
-    c1 = s.step.at[at + 1]
-    c2 = s.step.at[at + 2]
-    c3 = s.step.at[at + 3]
+    at = COEFFICIENTS * a
+    c0 = g.step[at]
+    c1 = g.step[at + 1]
+    c2 = g.step[at + 2]
+    c3 = g.step[at + 3]
     b1 = c0 + 0.25 * c1
     b2 = c0 + 0.5 * c1 + c2 / 6.0
     b3 = c0 + 0.75 * c1 + 0.5 * c2 + 0.25 * c3
-    b4 = c0 + c1 + c2 + c3 + s.step.at[at + 4]
+    b4 = c0 + c1 + c2 + c3 + g.step[at + 4]
     low = min(min(min(c0, b1), min(b2, b3)), b4)
     high = max(max(max(c0, b1), max(b2, b3)), b4)
-    near = NARROW * s.extent.at[a]
-    s.sign.at[a] = 1 if low > near else -1 if high < -near else 0
+    near = NARROW * g.extent[a]
+    g.sign[a] = 1 if low > near else -1 if high < -near else 0
     return (low < -near or high > near) and math.isfinite(high - low)
 
 
 def is_quiet(e: Engine, g: Locator, k: int) -> bool:
     """Whether a guard does not hold in the step, all of whose comparisons keep their signs."""
     for a in range(g.atom_first[k], g.atom_first[k + 1]):
-        if g.sums.sign.at[a] == 0:
+        if g.sign[a] == 0:
             return False
     if is_known(e, g, k, e.step.t1):
         return True
@@ -139,22 +144,21 @@ def begin_near(e: Engine, g: Locator, k: int, low: float, here: float, high: flo
 
 def find_zeros(e: Engine, g: Locator, k: int) -> bool:
     """Mark the instants at which comparisons of a guard are zero; whether one only touches it."""
-    s = g.sums
     touches = False
     g.mark.count = 0
     for a in range(g.atom_first[k], g.atom_first[k + 1]):
-        if s.sign.at[a] != 0:
+        if g.sign[a] != 0:
             continue
         q = g.quartic
-        if turns(s.step.at, TERMS * a):
-            solve_quartic(q, s.step.at, TERMS * a)
+        if turns(g.step, COEFFICIENTS * a):
+            solve_quartic(q, g.step, COEFFICIENTS * a)
         else:
-            solve_monotone(q, s.step.at, TERMS * a)
+            solve_monotone(q, g.step, COEFFICIENTS * a)
         for i in range(q.roots):
             keep(g.mark, instant_of(e, q.root[i]))
         for i in range(q.turns):
-            value = horner(s.step.at, TERMS * a, DEGREE, q.turn[i])
-            if math.fabs(value) <= NARROW * s.extent.at[a]:
+            value = horner(g.step, COEFFICIENTS * a, DEGREE, q.turn[i])
+            if math.fabs(value) <= NARROW * g.extent[a]:
                 touches = True
                 keep(g.mark, instant_of(e, q.turn[i]))
     sort(g.mark)
@@ -168,12 +172,11 @@ def instant_of(e: Engine, x: float) -> float:
 
 def sign_there(e: Engine, g: Locator, a: int, t: float) -> int:
     """Return the sign of a comparison at an instant; 0 where it is not clear of zero."""
-    s = g.sums
-    if s.sign.at[a] != 0:
-        return s.sign.at[a]
+    if g.sign[a] != 0:
+        return g.sign[a]
     x = (t - e.step.t0) / (e.step.t1 - e.step.t0)
-    value = horner(s.step.at, TERMS * a, DEGREE, x)
-    near = NARROW * s.extent.at[a]
+    value = horner(g.step, COEFFICIENTS * a, DEGREE, x)
+    near = NARROW * g.extent[a]
     return 1 if value > near else -1 if value < -near else 0
 
 

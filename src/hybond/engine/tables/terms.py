@@ -1,4 +1,4 @@
-"""Comparisons that are sums of signals with constant factors: a step knows them as polynomials."""
+"""Comparisons, and rates of signals, that are sums of signals with constant factors."""
 
 from __future__ import annotations
 
@@ -38,8 +38,9 @@ class Sum:
 
 
 def put_terms(t: ModelTables) -> None:
-    """Put the terms of all comparisons into the tables, those of kinks among them."""
-    found = [sum_of(t.values.all[k]) for k in t.ints["atom_value"]]
+    """Put the terms of all comparisons into the tables, then those of rates of signals."""
+    numbers = [*t.ints["atom_value"], *t.ints["integral_rate"]]
+    found = [sum_of(t.values.all[k]) for k in numbers]
     index = t.slots.index
     rows = [
         [NO_SUM] if s is None else [(index[n], a) for n, a in sorted(s.factors.items())]
