@@ -55,7 +55,7 @@ def test_one_that_does_not_turn_has_its_root_at_once() -> None:
 
 def thrown(speed: float, rule: str) -> hb.Model:
     """Return a body that is thrown upwards, and a machine that sees where it is."""
-    m = hb.Model("thrown", domain="translational")
+    m = hb.Model("thrown", domain="translational", parameters={"w": "1 m/s"})
     m.add(weight=hb.Se(-G), body=hb.I(1.0, p=speed), v=hb.One(), seen=hb.One())
     m.add(nothing=hb.Se(0.0), block=hb.R(1.0))
     m.bond("weight -> v -> body", "nothing -> seen -> block")
@@ -84,7 +84,7 @@ def test_what_holds_on_the_way_down_only_is_seen_there(solver: str) -> None:
 
 def test_a_line_of_time_and_an_input_is_a_polynomial_too() -> None:
     """A ramp of 0.5 m/s from 4.5 m at 0.5 s on meets ``11 t - g t^2/2``."""
-    m = thrown(10.0, "waits -> saw when height + time >= ramp")
+    m = thrown(10.0, "waits -> saw when height + w*time >= ramp")
     m.input(ramp=hb.Input(table=[(0.0, 4.5), (0.5, 4.5), (2.5, 5.5)], linear=True))
     run = hb.simulate(m, until="1 s")
     met = (10.5 - math.sqrt(10.5**2 - 2.0 * G * 4.25)) / G
