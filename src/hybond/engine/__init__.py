@@ -15,13 +15,15 @@ all room to work in. Data flows so::
     equations, kept_modes     those made ready: engine.Mode, kept (the least recently used goes)
     newton, storage, leakage  bond variables at an instant; co-energy, energy; least leakage
     reading, sizes            those that are read in a step; what their rounding is measured by
+    sums, straight_rates      comparisons, and rates, that are sums of the state in a mode
     newton_system, dynamic_rows     what Newton makes zero; rows whose laws are evaluated
     damped, continuation      Newton with shorter steps, where full ones do not end; on the way from
                               laws with a resistance beside them, where these do not either
     put_back, freedom         whether a solution holds; directions that a linear system leaves free
     undetermined              what laws leave free at the values that hold
     jump                      entering a mode: constraints, impulses
-    trial, entering, settle   trying modes at an instant until none is left
+    trial, entering, settle   trying modes at an instant until none is left (staying: what is
+                              known of the last one)
     values, scale, stepping   values while time passes; tolerances; one step
     control, dopri, exact     steps that the error controls: Dormand and Prince, or what is
                               propagated: flow (which modes are linear, and their matrix, by
@@ -32,6 +34,8 @@ all room to work in. Data flows so::
                               rates by the flow of a linear mode (qss_linear) or fitted (qss_fit)
     locate                    the first instant of a step at which a guard holds: locator (what
                               is kept), guard_values, guard_shape, candidates, bracket;
+                              solved_guards (those that are polynomials: step_polynomials,
+                              quartic);
                               together (what is one instant with it, kinks), one_instant (how
                               long that lasts); ends_at_guard (the step that ends there)
     bounds_held               values that outgrow all bounds

@@ -15,6 +15,7 @@ from hybond.engine.methods.flow_records import AUTO, EXACT, Exact, make_exact
 from hybond.engine.methods.qss_room import QSS1, Quantised, make_quantised
 from hybond.engine.methods.radau_room import RADAU, Radau, make_radau
 from hybond.engine.mode.mode_records import KEPT, Mode
+from hybond.engine.mode.sum_records import Sums, make_sums
 from hybond.engine.model import Model
 from hybond.engine.planar.planar_records import Planar, make_planar
 from hybond.engine.reasons.warned import Warned, make_warned
@@ -238,6 +239,9 @@ class Engine:
     landings: Landings
     planar: Planar
     stepping: Stepping
+    rates: Sums
+    """The rates of the state in the motion, if they are `straight`: sums of the state, all."""
+    straight: bool
     curved: bool
     """Whether the last step is one of a descent: a cubic, whatever the method."""
 
@@ -356,6 +360,7 @@ def make_engine(m: Model) -> Engine:
         e.laws = make_laws(m)
     if m.method == MOREAU:
         e.stepping = make_stepping(m)
+    e.rates = make_sums()
     e.landings = make_landings(m)
     e.planar = make_planar(m)
     if m.method == RADAU:

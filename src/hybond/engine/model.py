@@ -73,6 +73,11 @@ class Model:
     atom_size: Ints
     atom_zero: Ints
     """The side of zero on which a comparison has the truth that it has at zero: 1 or -1."""
+    term_first: Ints
+    """Of each, then of rates of signals: what it is a sum of, with `atom_level`; slot -1: none."""
+    term_slot: Ints
+    term_factor: Floats
+    atom_level: Floats
 
     tells: int
     """1: what explains an event is written down with it."""
@@ -190,7 +195,6 @@ class Model:
     # junctions
     junctions: int
     junction_kind: Ints
-    """0 or 1."""
     junction_switch: Ints
     """-1: not controlled."""
     end_first: Ints
@@ -248,8 +252,7 @@ class Model:
     signals_act: int
     """Whether any of these rates reads an integrated signal."""
     input_kind: Ints
-    """0: constant, 1: table that is held, 2: table with straight lines, 3: pulses, 4: set
-    from outside."""
+    """0: constant, 1: table that is held, 2: with straight lines, 3: pulses, 4: from outside."""
     input_first: Ints
     """Of each input: its numbers in `input_number`. 0: the level. 1, 2: times, then values, half
     of the numbers each. 3: period, duty, high, low, phase. 4: where it starts."""
@@ -267,8 +270,7 @@ class Model:
     sample_every: Floats
     sample_phase: Floats
     called: int
-    """Inputs of kind 5, which are called; their numbers are their breaks. Only runs by hybond
-    itself have these, and blocks."""
+    """Inputs of kind 5, with breaks for numbers; only runs by hybond have these, and blocks."""
     input_rated: Ints
     """Of each input: whether the rate is read, if it is called."""
     blocks: int
@@ -367,8 +369,7 @@ class Model:
     oriented: int
     """Whether `orient` is there; else time-stepping chooses, configuration by configuration."""
     orient: Ints
-    """Whether the net variable of each port is given, for all that the other machines switch, the
-    last of which runs fastest."""
+    """Whether a port's net variable is given, for all that other machines switch, last fastest."""
     orient_place: Ints
     """Of each state of a machine: what it adds to the place among these settings."""
 
@@ -408,8 +409,7 @@ class Model:
     surface_first: Ints
     """Of each surface: the slopes of its function."""
     surface_kind: Ints
-    """By what: 0 a stored quantity, 1 a signal, 2 time, 3 an input, 4 a bond variable;
-    5: it reads that Boolean of the mode."""
+    """0: by a stored quantity, 1 a signal, 2 time, 3 an input, 4 a bond variable, 5 a Boolean."""
     surface_index: Ints
     surface_slope: Ints
     surface_constant: Floats

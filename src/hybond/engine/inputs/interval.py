@@ -222,6 +222,7 @@ def one_instant(a: float, b: float) -> bool:
 def interval_after(e: Engine, t: float) -> None:
     """Enter the interval that begins at t or contains it."""
     m = e.model
+    e.straight = False
     for i in range(m.inputs):
         e.piece[i] = piece_of(m, i, t)
         e.level[i] = e.asked[i]

@@ -36,6 +36,12 @@ from hybond.engine.instant.instant import (
     note_hit,
     note_step,
 )
+from hybond.engine.instant.staying import (
+    acts_on_prior,
+    is_still_known,
+    show_prior,
+    stay_on_trial,
+)
 from hybond.engine.instant.telling import tell_branch, tell_fired, tell_kept, tell_trial
 from hybond.engine.instant.trial import (
     a_priori,
@@ -161,13 +167,7 @@ def settle(e: Engine, g: Settling, i: Instant) -> int:
         if written >= 0:
             i.kind.at[written] = PINNACLE
         written = write(e, g, i)
-        again = m.laws > 0 and not is_fieldless(e, e.mode)
-        if enter(e, t, g.x, g.s, g.state, False, True) != OK:
-            return REFUSED
-        for k in range(m.slots):
-            e.pre[k] = e.v[k]
-        keep_as_before(e, e.trial.loose, e.trial.freedom.at)
-        if enter(e, t, g.x, g.s, g.state, again, True) != OK:
+        if go_on_from_written(e, g, t) != OK:
             return REFUSED
         by_law(e, g.state, i)
     if is_fieldless(e, e.mode):
@@ -204,6 +204,24 @@ def stand_before(e: Engine, g: Settling, t: float) -> None:
     for k in range(e.model.slots):
         e.pre[k] = e.v[k]
     keep_as_before(e, e.trial.loose, e.trial.freedom.at)
+
+
+def go_on_from_written(e: Engine, g: Settling, t: float) -> int:
+    """Let what ``pre()`` reads be the signals at the state just written; try its mode with that."""
+    m = e.model
+    known = is_still_known(e)
+    again = m.laws > 0 and not is_fieldless(e, e.mode)
+    if known:
+        stay_on_trial(e)
+    elif enter(e, t, g.x, g.s, g.state, False, True) != OK:
+        return REFUSED
+    for k in range(m.slots):
+        e.pre[k] = e.v[k]
+    keep_as_before(e, e.trial.loose, e.trial.freedom.at)
+    if known and not acts_on_prior(e):
+        show_prior(e)
+        return OK
+    return enter(e, t, g.x, g.s, g.state, again, True)
 
 
 def write(e: Engine, g: Settling, i: Instant) -> int:

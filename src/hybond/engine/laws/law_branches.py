@@ -108,13 +108,16 @@ def short_step(m: Model, a: Response, y: Floats) -> float:
 def begin_lasting(e: Engine, r: Laws, x: Floats) -> int:
     """Make ready to find branches that may last from the state `x`: next_lasting gives them."""
     m = e.model
-    if make_consistent(e, r, x) != OK:
-        return REFUSED
-    if respond(e, r, r.v, r.x, True) != OK:
-        return REFUSED
-    if find_able(e, r) != OK:
-        return REFUSED
-    find_rounding(e, r)
+    if not has_answered(e, r, x):
+        if make_consistent(e, r, x) != OK:
+            return REFUSED
+        if respond(e, r, r.v, r.x, True) != OK:
+            return REFUSED
+        if find_able(e, r) != OK:
+            return REFUSED
+        find_rounding(e, r)
+    # its rates are about to be changed
+    r.answered = False
     if look_ahead(e, r) != OK:
         return REFUSED
     find_start(m, r)
@@ -128,6 +131,21 @@ def begin_lasting(e: Engine, r: Laws, x: Floats) -> int:
     for k in range(m.ports):
         r.loose[k] = 0
     return OK
+
+
+def has_answered(e: Engine, r: Laws, x: Floats) -> bool:
+    """Whether `find_jumping` has asked the graph at this state, and a linear one, last."""
+    same = r.answered
+    for k in range(e.model.storages if same else 0):
+        same = same and r.answered_x[k] == x[k]
+    return same
+
+
+def keep_answered(e: Engine, r: Laws, x: Floats) -> None:
+    """Keep at which state the graph has answered; one that is not linear says less in a jump."""
+    r.answered = r.now.linear and not r.at_once
+    for k in range(e.model.storages):
+        r.answered_x[k] = x[k]
 
 
 def lasting_role(m: Model, r: Laws, k: int) -> int:
@@ -349,6 +367,7 @@ def find_jumping(e: Engine, r: Laws, x: Floats) -> int:
             doubtful = doubtful or may_be_past(m, r, k)
         r.rebound[k] *= r.y[k]
     if not wrong and not doubtful:
+        keep_answered(e, r, x)
         return 0
     find_start(m, r)
     h = short_step(m, a, r.y)

@@ -40,6 +40,7 @@ def quantity(m: Model, law: Ints, constant: Floats, k: int, v: Floats) -> float:
 def take_instant(e: Engine, r: Laws, t: float, s: Floats, state: Ints) -> None:
     """Take the instant that is looked at, and the mode that it begins with."""
     m = e.model
+    r.answered = False
     r.t = t
     for k in range(m.integrals):
         r.s[k] = s[k]
@@ -53,6 +54,7 @@ def make_consistent(e: Engine, r: Laws, x: Floats) -> int:
     The state is put on what the machines' mode alone asks for. As Complementarity.consistent.
     """
     m = e.model
+    r.answered = False
     if ports_of(e, r, r.state) != OK:
         return REFUSED
     mode = open_mode(e, r.now)

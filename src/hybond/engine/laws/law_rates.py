@@ -89,6 +89,7 @@ def turns_at_once(e: Engine, r: Laws, t: float) -> bool:
     m = e.model
     mode = e.mode
     step = AHEAD * max(e.span, math.fabs(t))
+    r.answered = False
     r.broken = 0
     for k in range(m.storages):
         r.moved[k] = e.trial.x[k]

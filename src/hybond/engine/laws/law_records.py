@@ -191,6 +191,9 @@ class Laws:
     broken: int
     broken_machine: Ints
     broken_target: Ints
+    answered: bool
+    """Whether the graph has answered at the state `answered_x`, and nothing was asked since."""
+    answered_x: Floats
     gaps_known: bool
     """Whether gaps were held against what their bonds close."""
     sweep: bool
@@ -292,6 +295,7 @@ def make_laws(m: Model) -> Laws:
     r.candidate = ints(m.machines)
     r.landed = floats(m.storages)
     r.here = floats(m.storages)
+    r.answered_x = floats(m.storages)
     r.begin = floats(m.storages)
     r.swept = floats(m.storages)
     r.struck_impulses = floats(2 * m.bonds)

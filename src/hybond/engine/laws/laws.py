@@ -72,7 +72,8 @@ def enter_with_laws(
         for k in range(m.storages):
             r.landed[k] = x[k]
         if jump:
-            if make_consistent(e, r, x) != OK:
+            # the last question of `strike` has put the state there, unless all strike at once
+            if not r.answered and make_consistent(e, r, x) != OK:
                 return REFUSED
             for k in range(m.storages):
                 r.landed[k] = r.x[k]

@@ -17,6 +17,8 @@ from hybond.engine.mode.values import field
 from hybond.engine.words import Floats, float_table
 
 SMALLEST_ERROR: Final = 1e-4
+BEYOND_HALF: Final = 1.1102230246251568e-16
+"""Half a unit in the last place of 1, and a little more."""
 TABLE: Final = float_table(
     0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
     1.0 / 5.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
@@ -45,17 +47,13 @@ STAGE_AT: Final = float_table(0.0, 1.0 / 5.0, 3.0 / 10.0, 4.0 / 5.0, 8.0 / 9.0, 
 
 
 def spacing(t: float) -> float:
-    """Return the distance to the next larger number."""
-    if t == 0.0:
-        return 5e-324
+    """Return the distance to the next larger number.
+
+    Source: S. M. Rump et al., BIT 49, 2009: what is more than half of it and less than all of it,
+    added, gives the next number.
+    """
     size = math.fabs(t)
-    power = math.floor(math.log(size) / math.log(2.0))
-    unit = math.pow(2.0, power)
-    if unit > size:
-        unit = 0.5 * unit
-    if size >= 2.0 * unit:
-        unit = 2.0 * unit
-    return unit * 2.220446049250313e-16
+    return max((size + BEYOND_HALF * size) - size, 5e-324)
 
 
 def goes_elsewhere(e: Engine, t: float, y: Floats, forget: bool) -> bool:

@@ -28,6 +28,7 @@ def mode_of(e: Engine, state: Ints) -> int:
     """Take the equations of a mode within the present interval into `e.mode`."""
     m = e.model
     e.clock += 1
+    e.straight = False
     configuration(e, state, e.key)
     at = find_kept(e, e.key)
     if at != NO_MODE:

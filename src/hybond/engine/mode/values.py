@@ -7,6 +7,7 @@ from hybond.engine.engine import OK, Engine
 from hybond.engine.inputs.interval import set_time
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.reading import solve_read
+from hybond.engine.mode.straight_rates import put_rates
 from hybond.engine.sliding.averages import blended_field, solve_here
 from hybond.engine.words import Floats
 
@@ -72,6 +73,9 @@ def field(e: Engine, mode: Mode, t: float, y: Floats, rate: Floats) -> int:
         status = blended_field(e, t, y, rate)
         e.refusal = e.refusal or status != OK
         return status
+    if e.straight:
+        put_rates(e, t, y, rate)
+        return OK
     set_motion(e, v, t, y)
     status = solve_read(e, mode, mode.rates, v)
     if status != OK:

@@ -62,6 +62,11 @@ def bracket(e: Engine, g: Locator, k: int, low: float, high: float) -> float:
     g.bracket_high = high
     if turned == 1 and crosses:
         around(e, g, k, root(e, g, which, low, high))
+    return halve(e, g, k)
+
+
+def halve(e: Engine, g: Locator, k: int) -> float:
+    """Return the end of the bracket of a guard, made a few last places wide by halves."""
     low = g.bracket_low
     high = g.bracket_high
     wide = 4.0 * spacing(max(math.fabs(low), math.fabs(high)))

@@ -42,6 +42,8 @@ def sample(e: Engine, g: Locator) -> None:
     for i in range(SAMPLES):
         look(e, g, g.t[i])
         for k in range(g.guards):
+            if g.solved[k] != 0:
+                continue
             asleep = is_asleep(g, k)
             g.truth[k * SAMPLES + i] = 1 if not asleep and test_here(e, g, k) else 0
             for a in range(g.atom_first[k], g.atom_first[k + 1]):
@@ -53,7 +55,7 @@ def find_shape(g: Locator) -> None:
     for k in range(g.guards):
         g.calm[k] = 1
         g.turn[k] = math.inf
-        for a in range(g.atom_first[k], g.atom_first[k + 1]):
+        for a in range(g.atom_first[k], g.atom_first[k + 1] if g.solved[k] == 0 else 0):
             if not stays(g, a):
                 g.calm[k] = 0
             g.turn[k] = min(g.turn[k], first_turn(g, a))
@@ -143,7 +145,7 @@ def first_turn(g: Locator, a: int) -> float:
 def is_resolved(e: Engine, g: Locator) -> bool:
     """Whether the samples show all that the guards do, rounding left out."""
     for k in range(g.guards):
-        for a in range(g.atom_first[k], g.atom_first[k + 1]):
+        for a in range(g.atom_first[k], g.atom_first[k + 1] if g.solved[k] == 0 else 0):
             if g.doubtful[a] != 0 and not is_rounding(e, g, k, a):
                 return False
     return True
@@ -158,7 +160,7 @@ def give_up_kinks(e: Engine, g: Locator) -> bool:
     shown = True
     for k in range(g.guards):
         resolved = True
-        for a in range(g.atom_first[k], g.atom_first[k + 1]):
+        for a in range(g.atom_first[k], g.atom_first[k + 1] if g.solved[k] == 0 else 0):
             resolved = resolved and (g.doubtful[a] == 0 or is_rounding(e, g, k, a))
         if resolved:
             continue

@@ -1,7 +1,8 @@
 """Locating guards inside a step, on its dense output.
 
-A guard is a level: none that leaves the current state is true when a step begins. Within a step
-its comparisons are sampled; where one changes sign, or has an extremum on its way to zero, the
+A guard is a level: none that leaves the current state is true when a step begins. Where
+its comparisons are polynomials of the step, it is solved (`solved_guards`). Of others the
+comparisons are sampled; where one changes sign, or has an extremum on its way to zero, the
 guard itself is asked, so that an even number of crossings or a touch is not lost. The instant found
 is the first at which the guard holds, on the comparison that made it true (Illinois method),
 confirmed by the test that settling applies.
@@ -28,6 +29,7 @@ from hybond.engine.run.locator import (
     Locator,
     has_failed,
 )
+from hybond.engine.run.solved_guards import solve_guards
 
 SOON: Final = 1e-3
 """Part of a step after which what begins at a kink is on one of its sides."""
@@ -49,7 +51,9 @@ def search(e: Engine, g: Locator) -> int:
         return OK
     if e.model.kinks > 0:
         take_sides_of_kinks(e, g)
-    left = 1
+    left = 1 if solve_guards(e, g) else 0
+    if has_failed(g):
+        return REFUSED
     blocks = 0
     g.low[0] = e.step.t0
     g.high[0] = e.step.t1
@@ -81,7 +85,7 @@ def search(e: Engine, g: Locator) -> int:
         first_of_block(e, g)
         if has_failed(g):
             return REFUSED
-        if g.at < math.inf:
+        if g.at <= high:
             return OK
     return OK
 
@@ -105,12 +109,14 @@ def take_sides_of_kinks(e: Engine, g: Locator) -> None:
 def first_of_block(e: Engine, g: Locator) -> None:
     """Find the first instant of the block at which a guard holds: the likeliest first."""
     for k in range(g.guards):
-        g.done[k] = 0
-    for _ in range(g.guards):
+        g.done[k] = g.solved[k]
+    while True:
         next_one = -1
         for k in range(g.guards):
             if g.done[k] == 0 and (next_one < 0 or g.turn[k] < g.turn[next_one]):
                 next_one = k
+        if next_one < 0:
+            return
         g.done[next_one] = 1
         quiet = g.calm[next_one] != 0
         for i in range(SAMPLES):

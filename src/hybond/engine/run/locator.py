@@ -14,6 +14,9 @@ from hybond.engine.engine import Engine
 from hybond.engine.instant.in_force import is_asked
 from hybond.engine.mode.mode_records import Reads, make_reads
 from hybond.engine.mode.reading import read_guard, read_nothing
+from hybond.engine.mode.sum_records import Sums, begin_sums, make_sums
+from hybond.engine.mode.sums import take_sum
+from hybond.engine.run.quartic import COEFFICIENTS, Quartic, make_quartic
 from hybond.engine.sliding.surface import part_mode
 from hybond.engine.words import Floats, Ints, float_table, floats, ints, record
 
@@ -77,6 +80,23 @@ class Locator:
     atom: Ints
     atom_part: Ints
     """Of each comparison: the part of its guard."""
+    sums: Sums
+    """The comparisons that are sums of the state: polynomials of a step, of which `step` has the
+    coefficients, `extent` what the magnitudes of terms add up to, and `sign` the sign all over the
+    step, 0 where it may be zero."""
+    step: Floats
+    extent: Floats
+    sign: Ints
+    quartic: Quartic
+    solved: Ints
+    """Of each guard: whether its comparisons are polynomials of the step, and no samples needed."""
+    denied: Ints
+    """Of each guard: signs of its comparisons, a bit for all together, with which it is false."""
+    rough: bool
+    """Whether it is enough to know about when a guard begins to hold: the step is repeated."""
+    watched: int
+    """The place of the mode that was watched last, and how many had been made."""
+    watched_made: int
     reads: Reads
     left_over: Floats
     """Samples to what a polynomial of degree 5 does not explain of them."""
@@ -145,12 +165,15 @@ def make_locator(e: Engine) -> Locator:
     g.high = floats(DEEPEST + 2)
     g.depth = ints(DEEPEST + 2)
     g.reads = make_reads(m)
+    g.sums = make_sums()
+    g.quartic = make_quartic()
     g.y = floats(e.states)
     g.d = floats(SAMPLES)
     g.polynomial = floats(GRID)
     g.candidate = make_instants(INSTANTS)
     g.mark = make_instants(INSTANTS)
     g.showing = ALL_PARTS
+    g.watched = NONE
     fit_polynomials(g)
     return g
 
@@ -174,10 +197,15 @@ def fit_locator(g: Locator, guards: int, atoms: int) -> None:
     g.calm = ints(g.room)
     g.turn = floats(g.room)
     g.done = ints(g.room)
+    g.solved = ints(g.room)
+    g.denied = ints(g.room)
     g.atom = ints(g.room_atoms)
     g.atom_part = ints(g.room_atoms)
     g.shape = floats(g.room_atoms * SAMPLES)
     g.rest = floats(g.room_atoms)
+    g.step = floats(COEFFICIENTS * g.room_atoms)
+    g.extent = floats(g.room_atoms)
+    g.sign = ints(g.room_atoms)
     g.doubtful = ints(g.room_atoms)
 
 
@@ -240,6 +268,10 @@ def watch(e: Engine, g: Locator, state: Ints) -> None:
     rests = m.surface_rest[2 * m.surfaces]
     several = s.parts + 1 if s.k > 0 and m.laws > 0 else 1
     atoms = several * m.atom_first[rules] + m.rest_atom[rests] - m.atom_first[rules]
+    if e.mode_at != g.watched or e.modes_built != g.watched_made or m.watches > 0 or s.k > 0:
+        forget_denied(g)
+    g.watched = e.mode_at
+    g.watched_made = e.modes_built
     fit_locator(g, several * rules + rests + 2 * s.k + m.kinks, atoms + 2 * s.k + m.kinks)
     g.guards = 0
     g.atoms = 0
@@ -258,6 +290,9 @@ def watch(e: Engine, g: Locator, state: Ints) -> None:
     elif not e.planar.leading:
         watch_kinks(e, g)
     g.atom_first[g.guards] = g.atoms
+    begin_sums(g.sums, g.atoms)
+    for a in range(g.atoms if s.k == 0 else 0):
+        take_sum(e, g.sums, a, g.atom[a])
 
 
 def watch_kinks(e: Engine, g: Locator) -> None:
@@ -309,6 +344,8 @@ def watch_rule(e: Engine, g: Locator, r: int, part: int) -> None:
 
 def begin_guard(g: Locator, rule: int, part: int) -> None:
     """Begin one more guard."""
+    if g.rule[g.guards] != rule:
+        g.denied[g.guards] = 0
     g.rule[g.guards] = rule
     g.pair[g.guards] = NONE
     g.test[g.guards] = NONE
@@ -327,6 +364,12 @@ def end_guard(g: Locator, first: int, stop: int) -> None:
         g.atom_part[g.atoms] = g.part[g.guards]
         g.atoms += 1
     g.guards += 1
+
+
+def forget_denied(g: Locator) -> None:
+    """Forget with which signs guards are false: the Booleans that they read may be others now."""
+    for k in range(g.room):
+        g.denied[k] = 0
 
 
 def is_asleep(g: Locator, k: int) -> bool:

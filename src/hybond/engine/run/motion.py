@@ -23,6 +23,7 @@ from hybond.engine.methods.one_instant import room_of_instant
 from hybond.engine.methods.scale import start_scale
 from hybond.engine.methods.stepping import between, retry, start, step
 from hybond.engine.mode.equations import mode_of
+from hybond.engine.mode.straight_rates import take_rates
 from hybond.engine.mode.values import begin_field, set_state
 from hybond.engine.planar.descent import (
     ENDLESS,
@@ -253,7 +254,10 @@ def flow(e: Engine, r: Run) -> int:
         r.beyond = r.beyond + 1.0 if e.refusal else max(r.beyond - 0.1, 0.0)
         if e.refusal and r.beyond > BEYOND and m.edges == 0:
             return -1
-        if locate(e, g) != OK and find_within(e, g) != OK:
+        g.rough = True
+        found = locate(e, g)
+        g.rough = False
+        if found != OK and find_within(e, g) != OK:
             if begin_at_edge(e, r) == OK:
                 continue
             return -1
@@ -342,6 +346,7 @@ def begin_flow(e: Engine, r: Run) -> int:
         begin_field(e, e.mode)
     if e.slide.k == 0:
         start_scale(e, e.mode)
+    take_rates(e, e.mode)
     r.beyond = 0.0
     return start(e, e.t, e.y, bound_of(e), True)
 

@@ -17,6 +17,7 @@ from hybond.engine.tables.powers import put_powers
 from hybond.engine.tables.signals import put_signals
 from hybond.engine.tables.storages import put_storages
 from hybond.engine.tables.surfaces import put_surfaces
+from hybond.engine.tables.terms import put_terms
 from hybond.engine.tables.told import put_told
 from hybond.equations.slots import slots_of
 from hybond.model.expressions import (
@@ -67,6 +68,7 @@ def tables_of(
     put_laws(t)
     put_surfaces(t)
     put_kinks(t)
+    put_terms(t)
     put_contacts(t)
     put_told(t, tells=tells)
     _reads(t)

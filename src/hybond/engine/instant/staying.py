@@ -1,0 +1,45 @@
+"""What a trial has found is not found again where the state it was made for is written.
+
+Its values are those of the state after its jump. Once that is written nothing jumps any more, and
+``pre()`` reads these values; only what acts on ``pre()`` has others then.
+"""
+
+from __future__ import annotations
+
+from hybond.engine.engine import Engine
+from hybond.engine.instant.jump import STAYS
+
+
+def is_still_known(e: Engine) -> bool:
+    """Whether the values of the trial are those at the state it has led to.
+
+    What is slid on is chosen anew there, and friction in the plane takes its direction.
+    """
+    return e.slide.many == 0 and e.model.disks == 0
+
+
+def stay_on_trial(e: Engine) -> None:
+    """Let the trial be one from the state it has led to: its values hold, and nothing jumps."""
+    trial = e.trial
+    for k in range(e.model.slots if trial.jumps else 0):
+        trial.jump[k] = 0.0
+    trial.jumps = False
+    trial.struck = False
+    trial.dusted = False
+    trial.factors = 0
+    e.moved = STAYS
+
+
+def acts_on_prior(e: Engine) -> bool:
+    """Whether a law that acts in the mode reads ``pre()``; junction laws do."""
+    acts = e.model.laws > 0
+    for k in range(e.model.priors):
+        acts = acts or e.mode.prior_acts[k] != 0
+    return acts
+
+
+def show_prior(e: Engine) -> None:
+    """Show what ``pre()`` reads beside the values of the trial."""
+    m = e.model
+    for k in range(m.slots):
+        e.v[m.slots + k] = e.pre[k]

@@ -1,0 +1,56 @@
+"""The rates of a mode all of which are sums of the state: nothing else is evaluated in a step."""
+
+from __future__ import annotations
+
+from hybond.engine.engine import Engine
+from hybond.engine.mode.mode_records import Mode
+from hybond.engine.mode.sum_records import Sums, begin_sum, begin_sums, end_sum
+from hybond.engine.mode.sums import take_bond, take_sum
+from hybond.engine.model import Model
+from hybond.engine.words import Floats
+
+
+def take_rates(e: Engine, mode: Mode) -> None:
+    """Take the rates of the motion that begins, into `e.rates`, if all of them are sums.
+
+    Where laws have kinks or edges, or the direction of slip counts, bond variables are looked at
+    beside the rates.
+    """
+    m = e.model
+    s = e.rates
+    e.straight = False
+    if e.slide.k > 0 or mode.dynamics > 0 or m.groups > 0:
+        return
+    if m.kinks > 0 or m.edges > 0 or m.disks > 0 or m.called > 0:
+        return
+    begin_sums(s, e.states)
+    straight = True
+    for k in range(m.storages):
+        if straight:
+            straight = take_rate(e, m, s, k)
+    first = m.kink_atom + m.kinks
+    for k in range(m.integrals):
+        if straight:
+            take_sum(e, s, m.storages + k, first + k)
+            straight = s.known.at[m.storages + k] != 0
+    e.straight = straight
+
+
+def take_rate(e: Engine, m: Model, s: Sums, k: int) -> bool:
+    """Take the rate of storage k; False if it is no sum."""
+    at = m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 0 else 0)
+    negative = m.storage_kind[k] == 0 and m.storage_sign[k] < 0
+    begin_sum(s, k)
+    known = take_bond(e, s, k, at, -1.0 if negative else 1.0)
+    end_sum(s, k, known)
+    return known
+
+
+def put_rates(e: Engine, t: float, y: Floats, rate: Floats) -> None:
+    """Put the rates there."""
+    s = e.rates
+    for k in range(e.states):
+        total = s.level.at[k] + s.drift.at[k] * t
+        for p in range(s.first.at[k], s.first.at[k + 1]):
+            total += s.factor.at[p] * y[s.column.at[p]]
+        rate[k] = total

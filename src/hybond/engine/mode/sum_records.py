@@ -1,0 +1,82 @@
+"""Sums of the state and of time: rows of factors, taken when time begins to pass in a mode."""
+
+from __future__ import annotations
+
+from hybond.engine.algebra.blocks import (
+    Block,
+    Places,
+    fit,
+    fit_places,
+    grow_block,
+    grow_places,
+    make_block,
+    make_places,
+)
+from hybond.engine.words import record
+
+
+@record
+class Sums:
+    """Sums: number a is ``level[a] + drift[a] t`` and a row of factors of the state."""
+
+    known: Places
+    """Whether each is such a sum."""
+    level: Block
+    drift: Block
+    seen: Block
+    """What a unit of energy could make of it; where junctions have laws rounding is of that."""
+    entries: int
+    first: Places
+    column: Places
+    factor: Block
+    size: Block
+    """What rounding of each factor is measured by."""
+
+
+def make_sums() -> Sums:
+    """Return no sums."""
+    s = Sums()
+    s.known = make_places(1)
+    s.level = make_block(1)
+    s.drift = make_block(1)
+    s.seen = make_block(1)
+    s.first = make_places(2)
+    s.column = make_places(1)
+    s.factor = make_block(1)
+    s.size = make_block(1)
+    return s
+
+
+def begin_sums(s: Sums, many: int) -> None:
+    """Begin to take so many sums."""
+    fit_places(s.known, many)
+    fit(s.level, many)
+    fit(s.drift, many)
+    fit(s.seen, many)
+    fit_places(s.first, many + 1)
+    s.entries = 0
+
+
+def begin_sum(s: Sums, a: int) -> None:
+    """Begin with sum a: nothing so far."""
+    s.first.at[a] = s.entries
+    s.level.at[a] = 0.0
+    s.drift.at[a] = 0.0
+    s.seen.at[a] = 0.0
+
+
+def end_sum(s: Sums, a: int, known: bool) -> None:
+    """End sum a, if it is one."""
+    s.known.at[a] = 1 if known else 0
+    s.first.at[a + 1] = s.entries
+
+
+def add_entry(s: Sums, column: int, factor: float, size: float) -> None:
+    """Add a state with its factor to the sum that is being taken."""
+    grow_places(s.column, s.entries + 1)
+    grow_block(s.factor, s.entries + 1)
+    grow_block(s.size, s.entries + 1)
+    s.column.at[s.entries] = column
+    s.factor.at[s.entries] = factor
+    s.size.at[s.entries] = size
+    s.entries += 1

@@ -1,0 +1,119 @@
+"""Comparisons, and rates of the state, that are sums of the state and of time in a mode.
+
+A row of factors for each of them is taken once, when time begins to pass in the mode. Neither bond
+variables nor expressions have to be evaluated then to know them at any state.
+"""
+
+from __future__ import annotations
+
+import math
+
+from hybond.engine.algebra.blocks import Rows
+from hybond.engine.engine import Engine
+from hybond.engine.inputs.interval import CALLED, FREE, take_line
+from hybond.engine.mode.mode_records import Mode
+from hybond.engine.mode.sum_records import Sums, add_entry, begin_sum, end_sum
+
+
+def take_sum(e: Engine, s: Sums, a: int, terms: int) -> None:
+    """Take what has these terms in the model as number a, in the present mode and interval."""
+    m = e.model
+    begin_sum(s, a)
+    known = terms >= 0
+    if known:
+        s.level.at[a] = m.atom_level[terms]
+        for p in range(m.term_first[terms], m.term_first[terms + 1]):
+            known = known and take_term(e, s, a, m.term_slot[p], m.term_factor[p])
+    end_sum(s, a, known)
+
+
+def take_term(e: Engine, s: Sums, a: int, slot: int, factor: float) -> bool:
+    """Add a signal with its factor to a sum; False if it is no sum of the state and of time."""
+    m = e.model
+    if slot < 0:
+        return False
+    if slot == 0:
+        s.drift.at[a] += factor
+    elif slot < m.input_rate_slot:
+        return take_input(e, s, a, slot - m.input_slot, factor)
+    elif slot < m.signal_slot:
+        i = slot - m.input_rate_slot
+        take_line(e, i)
+        s.level.at[a] += factor * e.line_rate[i]
+        return m.input_kind[i] != CALLED
+    elif slot < m.stored_slot:
+        add_entry(s, m.storages + slot - m.signal_slot, factor, math.fabs(factor))
+    elif slot < m.bond_slot:
+        add_entry(s, slot - m.stored_slot, factor, math.fabs(factor))
+    elif slot < m.on_slot:
+        return take_bond(e, s, a, slot - m.bond_slot, factor)
+    elif slot < m.at_slot:
+        s.level.at[a] += factor * e.mode.flags[slot - m.on_slot]
+    else:
+        s.level.at[a] += factor * float(e.at[slot - m.at_slot])
+    return True
+
+
+def take_input(e: Engine, s: Sums, a: int, i: int, factor: float) -> bool:
+    """Add an input, a line within the interval unless it is called."""
+    if e.model.input_kind[i] == CALLED:
+        return False
+    if e.model.input_kind[i] == FREE:
+        s.level.at[a] += factor * e.level[i]
+        return True
+    take_line(e, i)
+    begin = e.line_value[i] - e.line_rate[i] * e.line_begin[i]
+    s.level.at[a] += factor * begin
+    s.drift.at[a] += factor * e.line_rate[i]
+    return True
+
+
+def take_bond(e: Engine, s: Sums, a: int, b: int, factor: float) -> bool:
+    """Add a bond variable: a sum where neither Newton nor laws of storages have a part in it."""
+    mode = e.mode
+    if mode.dynamics > 0:
+        for j in range(mode.finite_frees):
+            if mode.finite_free.at[b * mode.finite_frees + j] != 0.0:
+                return False
+    if e.model.laws > 0:
+        s.seen.at[a] += math.fabs(factor) * mode.seen[b]
+    k = mode.same[b]
+    if mode.dynamics > 0 or mode.leakage.stages == 0:
+        return take_row(e, s, a, mode.finite, k, factor, math.fabs(factor))
+    # rounding is that of the terms before least leakage has taken anything off
+    return take_row(e, s, a, mode.direct, k, factor, 0.0) and take_row(
+        e, s, a, mode.finite, k, 0.0, math.fabs(factor)
+    )
+
+
+def take_row(
+    e: Engine, s: Sums, a: int, rows: Rows, k: int, factor: float, measured: float
+) -> bool:
+    """Add a row of knowns with a factor, and another one for the sizes of its terms."""
+    m = e.model
+    mode = e.mode
+    for p in range(rows.first.at[k], rows.first.at[k + 1]):
+        known = rows.column.at[p]
+        weight = factor * rows.value.at[p]
+        size = measured * rows.size.at[p] if measured > 0.0 else 0.0
+        source = known - m.storages
+        if known < m.storages:
+            if m.co_energy[known] >= 0:
+                return False
+            for i in range(m.stiff_first[known], m.stiff_first[known + 1]):
+                stiff = m.stiff_constant[i]
+                add_entry(s, m.stiff_other[i], weight * stiff, size * math.fabs(stiff))
+        elif source >= mode.sources:
+            if mode.rated[source - mode.sources] != 0:
+                return False
+        elif is_level(e, mode, source):
+            s.level.at[a] += weight * mode.source_level[source]
+        else:
+            return False
+    return True
+
+
+def is_level(e: Engine, mode: Mode, source: int) -> bool:
+    """Whether a source of a mode has a constant value."""
+    law = mode.source[source]
+    return law < 0 or e.model.source_value[law] < 0

@@ -1,0 +1,212 @@
+"""Guards whose comparisons are polynomials of the step: where they begin to hold is solved for.
+
+Between two neighbouring roots of its comparisons the truth of a guard does not change, and it is
+that of the signs that these have there. So a guard is asked once between any two; not at all with
+signs that it was asked with before in the same motion, and did not hold. At a root it has the truth
+of one of both sides, but where several comparisons are zero, or one of them only touches it: there
+it is asked as well.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from hybond.engine.engine import Engine
+from hybond.engine.methods.dopri import spacing
+from hybond.engine.methods.stepping import by_radau
+from hybond.engine.mode.mode_records import is_constrained
+from hybond.engine.run.bracket import around, bracket, halve
+from hybond.engine.run.candidates import keep, sort
+from hybond.engine.run.guard_values import holds_at
+from hybond.engine.run.locator import NO_KINK, Locator
+from hybond.engine.run.quartic import (
+    COEFFICIENTS,
+    DEGREE,
+    horner,
+    solve_monotone,
+    solve_quartic,
+    turns,
+)
+from hybond.engine.run.step_polynomials import take_step
+
+NARROW: Final = 1e-9
+"""Part of its terms from which on a comparison is clear of zero: no rounding has a say in it."""
+FEW: Final = 4
+"""Comparisons of a guard whose signs are remembered; there is a bit for all signs together."""
+
+
+def solve_guards(e: Engine, g: Locator) -> bool:
+    """Find the first instant at which any of these guards holds; whether others are left."""
+    left = False
+    may = e.slide.k == 0 and not (by_radau(e) and not e.curved)
+    # what is put on constraints is no polynomial any more
+    may = may and not (g.held and is_constrained(e.mode))
+    if may:
+        take_step(e, g)
+    for k in range(g.guards):
+        g.solved[k] = 1 if may and g.side[k] == NO_KINK and is_solved(g, k) else 0
+        if g.solved[k] == 0:
+            left = True
+        elif not g.failed and not is_quiet(e, g, k):
+            g.at = min(g.at, of_polynomials(e, g, k, g.at))
+    return left
+
+
+def is_solved(g: Locator, k: int) -> bool:
+    """Whether all comparisons of a guard are polynomials, and more than rounding in the step.
+
+    Notes the signs that they keep.
+    """
+    for a in range(g.atom_first[k], g.atom_first[k + 1]):
+        if g.sums.known.at[a] == 0 or not find_sign(g, a):
+            return False
+    return True
+
+
+def find_sign(g: Locator, a: int) -> bool:
+    """Note the sign that a comparison keeps in the step; False if it is no more than rounding.
+
+    A polynomial is within the hull of its coefficients in Bernstein's basis.
+    """
+    at = COEFFICIENTS * a
+    c0 = g.step[at]
+    c1 = g.step[at + 1]
+    c2 = g.step[at + 2]
+    c3 = g.step[at + 3]
+    b1 = c0 + 0.25 * c1
+    b2 = c0 + 0.5 * c1 + c2 / 6.0
+    b3 = c0 + 0.75 * c1 + 0.5 * c2 + 0.25 * c3
+    b4 = c0 + c1 + c2 + c3 + g.step[at + 4]
+    low = min(min(min(c0, b1), min(b2, b3)), b4)
+    high = max(max(max(c0, b1), max(b2, b3)), b4)
+    near = NARROW * g.extent[a]
+    g.sign[a] = 1 if low > near else -1 if high < -near else 0
+    return (low < -near or high > near) and math.isfinite(high - low)
+
+
+def is_quiet(e: Engine, g: Locator, k: int) -> bool:
+    """Whether a guard does not hold in the step, all of whose comparisons keep their signs."""
+    for a in range(g.atom_first[k], g.atom_first[k + 1]):
+        if g.sign[a] == 0:
+            return False
+    if is_known(e, g, k, e.step.t1):
+        return True
+    if holds_at(e, g, k, e.step.t1):
+        return False
+    remember(e, g, k, e.step.t1)
+    return True
+
+
+def of_polynomials(e: Engine, g: Locator, k: int, before: float) -> float:
+    """Return the first instant of the step at which a guard holds, infinity if none.
+
+    `before` is one at which another guard does.
+    """
+    end = math.inf
+    if before < math.inf and not holds_at(e, g, k, before):
+        # unless it holds and ceases to before that, it becomes true later than another guard
+        end = before
+    touches = find_zeros(e, g, k)
+    low = e.step.t0
+    quiet = low
+    for i in range(g.mark.count + 1):
+        last = i == g.mark.count
+        high = e.step.t1 if last else g.mark.at[i]
+        middle = 0.5 * (low + high)
+        if low >= min(before, end) or g.failed:
+            break
+        if middle > low and middle < high and middle < end and not is_known(e, g, k, middle):
+            if holds_at(e, g, k, middle):
+                if i == 0:
+                    return bracket(e, g, k, low, middle)
+                return begin_near(e, g, k, quiet, low, middle)
+            remember(e, g, k, middle)
+        quiet = max(quiet, middle) if middle < high else quiet
+        unclear = count_unclear(e, g, k, high)
+        if high < end and (touches or unclear > (0 if last else 1)) and holds_at(e, g, k, high):
+            return begin_near(e, g, k, quiet, high, high)
+        low = high
+    return math.inf
+
+
+def begin_near(e: Engine, g: Locator, k: int, low: float, here: float, high: float) -> float:
+    """Return when a guard begins to hold, about `here`; at `low` it does not yet."""
+    if g.rough:
+        return here
+    g.bracket_low = low
+    g.bracket_high = high
+    # if not there then a last place further on the comparison has changed its sign
+    root = here if holds_at(e, g, k, here) else min(here + spacing(here), high)
+    around(e, g, k, root)
+    return halve(e, g, k)
+
+
+def find_zeros(e: Engine, g: Locator, k: int) -> bool:
+    """Mark the instants at which comparisons of a guard are zero; whether one only touches it."""
+    touches = False
+    g.mark.count = 0
+    for a in range(g.atom_first[k], g.atom_first[k + 1]):
+        if g.sign[a] != 0:
+            continue
+        q = g.quartic
+        if turns(g.step, COEFFICIENTS * a):
+            solve_quartic(q, g.step, COEFFICIENTS * a)
+        else:
+            solve_monotone(q, g.step, COEFFICIENTS * a)
+        for i in range(q.roots):
+            keep(g.mark, instant_of(e, q.root[i]))
+        for i in range(q.turns):
+            value = horner(g.step, COEFFICIENTS * a, DEGREE, q.turn[i])
+            if math.fabs(value) <= NARROW * g.extent[a]:
+                touches = True
+                keep(g.mark, instant_of(e, q.turn[i]))
+    sort(g.mark)
+    return touches
+
+
+def instant_of(e: Engine, x: float) -> float:
+    """Return the instant at a part of the step."""
+    return min(e.step.t0 + x * (e.step.t1 - e.step.t0), e.step.t1)
+
+
+def sign_there(e: Engine, g: Locator, a: int, t: float) -> int:
+    """Return the sign of a comparison at an instant; 0 where it is not clear of zero."""
+    if g.sign[a] != 0:
+        return g.sign[a]
+    x = (t - e.step.t0) / (e.step.t1 - e.step.t0)
+    value = horner(g.step, COEFFICIENTS * a, DEGREE, x)
+    near = NARROW * g.extent[a]
+    return 1 if value > near else -1 if value < -near else 0
+
+
+def count_unclear(e: Engine, g: Locator, k: int, t: float) -> int:
+    """Return how many comparisons of a guard are not clear of zero at an instant."""
+    many = 0
+    for a in range(g.atom_first[k], g.atom_first[k + 1]):
+        many += 1 if sign_there(e, g, a, t) == 0 else 0
+    return many
+
+
+def signs_there(e: Engine, g: Locator, k: int, t: float) -> int:
+    """Return the bit that stands for the signs of all comparisons of a guard; 0: some have none."""
+    first = g.atom_first[k]
+    place = 0
+    if g.atom_first[k + 1] - first > FEW:
+        return 0
+    for a in range(first, g.atom_first[k + 1]):
+        sign = sign_there(e, g, a, t)
+        if sign == 0:
+            return 0
+        place = 2 * place + (1 if sign > 0 else 0)
+    return 1 << place
+
+
+def is_known(e: Engine, g: Locator, k: int, t: float) -> bool:
+    """Whether a guard was asked with the signs that its comparisons have, and did not hold."""
+    return (g.denied[k] & signs_there(e, g, k, t)) != 0
+
+
+def remember(e: Engine, g: Locator, k: int, t: float) -> None:
+    """Remember that a guard does not hold with the signs that its comparisons have."""
+    g.denied[k] = g.denied[k] | signs_there(e, g, k, t)

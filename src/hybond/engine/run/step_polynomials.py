@@ -1,0 +1,48 @@
+"""Comparisons that are sums of the state, as polynomials of the last step."""
+
+from __future__ import annotations
+
+import math
+
+from hybond.engine.engine import Engine
+from hybond.engine.mode.sizes import STORED
+from hybond.engine.run.locator import Locator
+from hybond.engine.run.quartic import COEFFICIENTS
+
+
+def take_step(e: Engine, g: Locator) -> None:
+    """Take all comparisons that are sums as polynomials of the last step."""
+    reach = STORED * math.sqrt(e.energy) if e.model.laws > 0 else 0.0
+    for a in range(g.atoms):
+        if g.sums.known.at[a] != 0:
+            put_polynomial(e, g, a, reach)
+
+
+def put_polynomial(e: Engine, g: Locator, a: int, reach: float) -> None:
+    """Put the coefficients of a comparison there, as of dense output, and the size of its terms."""
+    s = g.sums
+    step = e.step
+    n = e.states
+    at = COEFFICIENTS * a
+    h = step.t1 - step.t0
+    c0 = s.level.at[a] + s.drift.at[a] * step.t0
+    c1 = s.drift.at[a] * h
+    c2 = 0.0
+    c3 = 0.0
+    c4 = 0.0
+    extent = math.fabs(s.level.at[a]) + math.fabs(s.drift.at[a] * step.t1) + reach * s.seen.at[a]
+    for p in range(s.first.at[a], s.first.at[a + 1]):
+        k = s.column.at[p]
+        factor = s.factor.at[p]
+        c0 += factor * step.y0[k]
+        c1 += factor * step.dense[k]
+        c2 += factor * step.dense[n + k]
+        c3 += factor * step.dense[2 * n + k]
+        c4 += factor * step.dense[3 * n + k]
+        extent += s.size.at[p] * max(math.fabs(step.y0[k]), math.fabs(step.y1[k]))
+    g.step[at] = c0
+    g.step[at + 1] = c1
+    g.step[at + 2] = c2
+    g.step[at + 3] = c3
+    g.step[at + 4] = c4
+    g.extent[a] = extent
