@@ -29,8 +29,8 @@ from hybond.engine.mode.newton_system import (
 )
 from hybond.engine.mode.put_back import put_back
 from hybond.engine.mode.storage import co_energy, co_energy_of
-from hybond.engine.model import Model
 from hybond.engine.mode.undetermined import least_of_free
+from hybond.engine.model import Model
 from hybond.engine.reasons.facts import NO_ELEMENT, OVERFLOW, tell_law, tell_laws
 from hybond.engine.words import Floats, Text
 
