@@ -122,6 +122,7 @@ class Work:
     nu: Block
     combined: Block
     kept: Floats
+    met: Ints
     reach: Floats
     reach_before: Floats
     known_size: Floats
@@ -225,6 +226,7 @@ def make_work(m: Model) -> Work:
     w.combined = make_block(1)
     w.kept = floats(n)
     w.reach = floats(m.storages)
+    w.met = ints(m.storages + 2 * m.most_sources)
     w.reach_before = floats(m.storages)
     w.known_size = floats(knowns)
     w.here = floats(m.storages)

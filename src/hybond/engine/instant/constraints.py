@@ -12,9 +12,9 @@ from hybond.engine.answers import node_name, value
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault, svd_room
 from hybond.engine.mode.dynamic_rows import frozen_at
 from hybond.engine.mode.mode_records import Mode
-from hybond.engine.mode.newton import knowns_of
+from hybond.engine.mode.newton import known_of, knowns_of
 from hybond.engine.mode.newton_system import by_power, split, take_rank
-from hybond.engine.mode.storage import coupled, own_stiffness, reach_of
+from hybond.engine.mode.storage import coupled, own_stiffness, reach_by, with_stored
 from hybond.engine.model import Model
 from hybond.engine.reasons.facts import disagree
 from hybond.engine.words import Floats
@@ -58,10 +58,8 @@ def begin_constraints(e: Engine, mode: Mode, v: Floats, x: Floats) -> None:
     """Make ready ``G z(x) - c``, the constraints as a function of the state, at a priori values."""
     m = e.model
     w = e.work
-    n = 2 * m.bonds
     w.lefts = 0
-    for k in range(n):
-        w.kept[k] = v[m.bond_slot + k]
+    keep_bonds(e, mode, v)
     if mode.structures > 0:
         # frozen rows stay in `frozen`, left null vectors in `left`
         take_rank(e, mode, v)
@@ -75,17 +73,26 @@ def begin_constraints(e: Engine, mode: Mode, v: Floats, x: Floats) -> None:
     fit(w.gap_size, w.constraints)
     fit(w.base_gap, w.constraints)
     fit(w.two_port, 2 * mode.structures + 1)
-    reach_of(e, x, e.energy, w.reach)
-    values = w.values
-    for k in range(m.storages):
-        # what is taken off what is stored leaves rounding of it, however little is left
-        w.reach[k] = (w.reach[k] + math.fabs(x[k])) * math.fabs(own_stiffness(m, k, values))
+    values = with_stored(e, x)
+    for i in range(mode.bounds):
+        k = mode.bound[i]
+        if k < m.storages:
+            # what is taken off what is stored leaves rounding of it, however little is left
+            own = math.fabs(own_stiffness(m, k, values))
+            w.reach[k] = (reach_by(own, e.energy) + math.fabs(x[k])) * own
 
 
-def restore_bonds(e: Engine, v: Floats) -> None:
+def keep_bonds(e: Engine, mode: Mode, v: Floats) -> None:
+    """Keep the a priori bond variables; where no law is evaluated, nothing writes others."""
+    m = e.model
+    for k in range(2 * m.bonds if mode.dynamics > 0 else 0):
+        e.work.kept[k] = v[m.bond_slot + k]
+
+
+def restore_bonds(e: Engine, mode: Mode, v: Floats) -> None:
     """Write the a priori bond variables back."""
     m = e.model
-    for k in range(2 * m.bonds):
+    for k in range(2 * m.bonds if mode.dynamics > 0 else 0):
         v[m.bond_slot + k] = e.work.kept[k]
 
 
@@ -96,9 +103,10 @@ def residual(e: Engine, mode: Mode, v: Floats, x: Floats) -> None:
     n = 2 * m.bonds
     for k in range(m.storages):
         v[m.stored_slot + k] = x[k]
-    restore_bonds(e, v)
-    knowns_of(e, mode, v, False)
-    for k in range(mode.knowns):
+    restore_bonds(e, mode, v)
+    for i in range(mode.bounds):
+        k = mode.bound[i]
+        w.xi[k] = known_of(e, mode, v, k)
         w.known_size[k] = math.fabs(w.xi[k]) + TINY
         if k < m.storages:
             w.known_size[k] += w.reach[k] + coupled(m, k, v)

@@ -26,7 +26,7 @@ from hybond.engine.instant.constraints import (
 from hybond.engine.instant.impulse_ways import find_ways, rank_of, scale_slope, slope_of
 from hybond.engine.mode.leakage import least_leakage, project
 from hybond.engine.mode.mode_records import Mode, Ways
-from hybond.engine.mode.storage import own_stiffness, reach_of
+from hybond.engine.mode.storage import own_stiffness, reach_by, with_stored
 from hybond.engine.reasons.facts import refuse_jump
 from hybond.engine.words import Floats
 
@@ -77,14 +77,15 @@ def enter_mode(e: Engine, mode: Mode, v: Floats, x: Floats, after: Floats) -> in
         exact = exact and r == 0.0
         rounding = rounding and r <= CONSISTENT * e.work.gap_size.at[i]
     if exact:
-        restore_bonds(e, v)
+        restore_bonds(e, mode, v)
         return OK
     ways = mode.ways
-    restore_bonds(e, v)
+    restore_bonds(e, mode, v)
     note_reached(e, mode)
+    measured = ways.known
     find_ways(e, mode, v, x)
-    status = newton_jump(e, mode, v, x, ways)
-    restore_bonds(e, v)
+    status = newton_jump(e, mode, v, x, ways, measured)
+    restore_bonds(e, mode, v)
     if status != OK:
         return status
     moved_by(m.storages, x, ways, e.work.nu.at, after)
@@ -114,7 +115,7 @@ def sharpen(e: Engine, mode: Mode, v: Floats, ways: Ways, after: Floats) -> None
                 change += ways.d.at[k * ways.areas + a] * w.step.at[a]
             # what the jump has brought to zero is there
             after[k] -= change if after[k] != 0.0 else 0.0
-    restore_bonds(e, v)
+    restore_bonds(e, mode, v)
 
 
 def meets_own_terms(e: Engine, mode: Mode, part: float) -> bool:
@@ -202,8 +203,11 @@ def find_step(e: Engine, ways: Ways, count: int) -> int:
     return rank
 
 
-def newton_jump(e: Engine, mode: Mode, v: Floats, x: Floats, ways: Ways) -> int:
-    """Find the areas at which the constraints hold, into `e.work.nu`."""
+def newton_jump(e: Engine, mode: Mode, v: Floats, x: Floats, ways: Ways, measured: bool) -> int:
+    """Find the areas at which the constraints hold, into `e.work.nu`.
+
+    Where they are `measured`, the residuals at `x` are in `e.work`.
+    """
     m = e.model
     w = e.work
     count = w.constraints
@@ -218,7 +222,8 @@ def newton_jump(e: Engine, mode: Mode, v: Floats, x: Floats, ways: Ways) -> int:
         if not ways.known:
             put_here(m.storages, x, ways, w.nu.at, w.here)
             slope_of(e, mode, v, w.here, ways)
-        gap_at(e, mode, v, x, ways, 0.0)
+        if turn > 0 or not measured:
+            gap_at(e, mode, v, x, ways, 0.0)
         for i in range(count):
             # what ends at zero has no size of its own: its rounding is that of what it was; what
             # was large on the way there only is none
@@ -264,7 +269,7 @@ def gap_at(e: Engine, mode: Mode, v: Floats, x: Floats, ways: Ways, part: float)
     for a in range(ways.areas):
         w.tried.at[a] = w.nu.at[a] - (part * w.step.at[a] if part > 0.0 else 0.0)
     put_here(m.storages, x, ways, w.tried.at, w.here)
-    count_moves(e, ways, w.tried.at)
+    count_moves(e, mode, ways, w.tried.at)
     residual(e, mode, v, w.here)
 
 
@@ -302,10 +307,13 @@ def unreached(count: int, areas: int, gap: Floats, slope: Floats, step: Floats) 
     return most
 
 
-def count_moves(e: Engine, ways: Ways, nu: Floats) -> None:
+def count_moves(e: Engine, mode: Mode, ways: Ways, nu: Floats) -> None:
     """Count what moves what is stored among the terms: of those that cancel rounding is left."""
     m = e.model
-    for k in range(m.storages):
+    for i in range(mode.bounds):
+        k = mode.bound[i]
+        if k >= m.storages:
+            break
         moved = 0.0
         for a in range(ways.areas):
             moved += math.fabs(ways.d.at[k * ways.areas + a] * nu[a])
@@ -331,10 +339,11 @@ def on_constraints(e: Engine, mode: Mode, v: Floats, y: Floats) -> int:
     status = enter_mode(e, mode, v, y, e.work.landed)
     if status != OK or e.moved == STAYS:
         return status
-    reach_of(e, y, e.energy, e.work.reach)
+    values = with_stored(e, y)
     for k in range(m.storages):
         # what a constraint holds at zero is zero, not ever smaller numbers; what none moves is kept
         if e.work.landed[k] != y[k]:
-            held = math.fabs(e.work.landed[k]) <= NOTHING * e.work.reach[k]
+            reach = reach_by(math.fabs(own_stiffness(m, k, values)), e.energy)
+            held = math.fabs(e.work.landed[k]) <= NOTHING * reach
             y[k] = 0.0 if held else e.work.landed[k]
     return OK

@@ -22,7 +22,7 @@ from hybond.engine.methods.flow_records import (
 )
 from hybond.engine.methods.linear_rows import open_rows, solve_rows
 from hybond.engine.mode.mode_records import Mode
-from hybond.engine.mode.newton import by_knowns
+from hybond.engine.mode.reading import read_by_knowns
 from hybond.engine.model import Model
 from hybond.engine.words import some
 
@@ -217,11 +217,11 @@ def put_column(e: Engine, mode: Mode, f: Flow, n: int, c: int) -> int:
     column = 2 * m.bonds + (c if c < e.states else e.states + f.gen[c - e.states])
     put_knowns(e, mode, column, c)
     if mode.dynamics == 0:
-        by_knowns(e, mode, mode.direct, w)
+        read_by_knowns(mode, mode.rates, e.work.xi, w)
     else:
         solve_rows(e, mode, column)
-    if not all_finite(2 * m.bonds, w):
-        return NOT_FINITE
+        if not all_finite(2 * m.bonds, w):
+            return NOT_FINITE
     for k in range(m.storages):
         at = m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 0 else 0)
         negative = m.storage_kind[k] == 0 and m.storage_sign[k] < 0

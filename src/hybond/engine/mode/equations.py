@@ -105,6 +105,7 @@ def make_equations(e: Engine, mode: Mode, given: Ints) -> None:
         take_rows(m, power, mode.knowns, mode.own_power)
         take_free(power, mode.power_frees, e.work.columns, mode.own_power_free)
     take_constraints(e, mode)
+    list_bound(e, mode)
     divide_rows(m, mode)
     note_rates(m, mode)
     mode.direct = mode.finite
@@ -231,6 +232,30 @@ def take_constraints(e: Engine, mode: Mode) -> None:
         mode.agreements.column.at[i] = w.agreement_column[i]
         mode.agreements.value.at[i] = w.agreement_value[i]
         mode.agreements.size.at[i] = math.fabs(w.agreement_value[i])
+
+
+def list_bound(e: Engine, mode: Mode) -> None:
+    """List the knowns that constraints are evaluated by, in their order.
+
+    Those that stand in them; all where they are no linear function of what is stored: their slopes
+    are differences there, or their rows change with the state.
+    """
+    m = e.model
+    linear = mode.dynamics == 0 and m.groups == 0
+    for k in range(mode.sources):
+        s = mode.source[k]
+        if s >= 0 and m.source_value[s] >= 0 and m.source_timed[s] == 0:
+            linear = False
+    mark = e.work.met
+    for k in range(mode.knowns):
+        mark[k] = 0 if linear else 1
+    for i in range(mode.constraints.first.at[mode.constraints.rows]):
+        mark[mode.constraints.column.at[i]] = 1
+    mode.bounds = 0
+    for k in range(mode.knowns):
+        if mark[k] != 0:
+            mode.bound[mode.bounds] = k
+            mode.bounds += 1
 
 
 def divide_rows(m: Model, mode: Mode) -> None:

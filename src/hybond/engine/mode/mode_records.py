@@ -126,6 +126,9 @@ class Mode:
     constraints: Rows
     constraint_hidden: Ints
     """Of each constraint: the dynamic row that is its derivative, or -1."""
+    bounds: int
+    bound: Ints
+    """The knowns that constraints are evaluated by: the first `bounds`; see `list_bound`."""
     agreements: Rows
     dynamics: int
     dynamic: Ints
@@ -224,6 +227,7 @@ def make_mode(m: Model) -> Mode:
     mode.reluctant = ints(n)
     mode.constraints = make_rows()
     mode.constraint_hidden = ints(m.storages)
+    mode.bound = ints(m.storages + 2 * m.most_sources)
     mode.agreements = make_rows()
     mode.dynamic = ints(m.most_dynamic + m.storages)
     mode.structure = ints(m.most_dynamic + m.storages)

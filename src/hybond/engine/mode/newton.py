@@ -28,8 +28,9 @@ from hybond.engine.mode.newton_system import (
     write_bonds,
 )
 from hybond.engine.mode.put_back import put_back
-from hybond.engine.mode.storage import co_energy
+from hybond.engine.mode.storage import co_energy, co_energy_of
 from hybond.engine.mode.undetermined import least_of_free
+from hybond.engine.model import Model
 from hybond.engine.reasons.facts import NO_ELEMENT, OVERFLOW, tell_law, tell_laws
 from hybond.engine.words import Floats, Text
 
@@ -54,13 +55,26 @@ def knowns_of(e: Engine, mode: Mode, v: Floats, rates: bool) -> None:
     xi = e.work.xi
     co_energy(m, v, xi)
     for k in range(mode.sources):
-        source = mode.source[k]
-        law = m.source_value[source] if source >= 0 else -1
-        xi[m.storages + k] = mode.source_level[k] if law < 0 else value(m, law, v)
+        xi[m.storages + k] = source_of(m, mode, k, v)
         at = m.storages + mode.sources + k
         xi[at] = 0.0
         if rates and mode.rated[k] != 0:
-            xi[at] = value(m, m.source_rate[source], v)
+            xi[at] = value(m, m.source_rate[mode.source[k]], v)
+
+
+def known_of(e: Engine, mode: Mode, v: Floats, k: int) -> float:
+    """Return one of them, rates of sources being left at zero."""
+    m = e.model
+    if k < m.storages:
+        return co_energy_of(m, k, v)
+    return source_of(m, mode, k - m.storages, v) if k < m.storages + mode.sources else 0.0
+
+
+def source_of(m: Model, mode: Mode, k: int, v: Floats) -> float:
+    """Return the value of source k of a mode."""
+    source = mode.source[k]
+    law = m.source_value[source] if source >= 0 else -1
+    return mode.source_level[k] if law < 0 else value(m, law, v)
 
 
 def by_knowns(e: Engine, mode: Mode, rows: Rows, w: Floats) -> None:

@@ -104,10 +104,15 @@ def solve_read(e: Engine, mode: Mode, r: Reads, v: Floats) -> int:
             law = m.source_value[source] if source >= 0 else -1
             xi[at] = mode.source_level[k] if law < 0 else value(m, law, v)
         xi[at + mode.sources] = value(m, m.source_rate[source], v) if r.rated[k] != 0 else 0.0
+    read_by_knowns(mode, r, xi, e.work.w)
+    for i in range(r.many):
+        v[m.bond_slot + r.bond[i]] = e.work.w[r.bond[i]]
+    return OK
+
+
+def read_by_knowns(mode: Mode, r: Reads, xi: Floats, w: Floats) -> None:
+    """Put what the knowns `xi` give to the bond variables that are read into `w`."""
     for i in range(r.many):
         b = r.bond[i]
         first = r.first_of[mode.same[b]] - 1
-        w = e.work.w[first] if first != b else row_times(mode.direct, mode.same[b], xi)
-        e.work.w[b] = w
-        v[m.bond_slot + b] = w
-    return OK
+        w[b] = w[first] if first != b else row_times(mode.direct, mode.same[b], xi)

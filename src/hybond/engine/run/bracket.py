@@ -8,7 +8,7 @@ from typing import Final
 from hybond.engine.engine import Engine
 from hybond.engine.methods.dopri import spacing
 from hybond.engine.run.guard_values import atom_at, holds_at
-from hybond.engine.run.locator import Locator
+from hybond.engine.run.locator import SAMPLES, Locator, is_asleep
 
 SEARCH: Final = 40
 """Most iterations of one root or extremum search."""
@@ -16,10 +16,19 @@ SEARCH: Final = 40
 
 def root(e: Engine, g: Locator, which: int, low: float, high: float) -> float:
     """Return the end of a bracket of the sign change of a comparison, a few last places wide."""
+    at_low = atom_at(e, g, which, low)
+    at_high = atom_at(e, g, which, high)
+    return root_between(e, g, which, low, at_low, high, at_high)
+
+
+def root_between(
+    e: Engine, g: Locator, which: int, low: float, at_low: float, high: float, at_high: float
+) -> float:
+    """Return the same, of a comparison that is known at both ends."""
     a = low
     b = high
-    fa = atom_at(e, g, which, a)
-    fb = atom_at(e, g, which, b)
+    fa = at_low
+    fb = at_high
     if fa == 0.0 or fa * fb > 0.0:
         return high
     side = 0
@@ -46,22 +55,35 @@ def root(e: Engine, g: Locator, which: int, low: float, high: float) -> float:
     return b
 
 
+def sampled_at(e: Engine, g: Locator, k: int, a: int, t: float) -> float:
+    """Return comparison a of guard k at t, as it was sampled there if it was."""
+    if g.sampled and not is_asleep(g, k):
+        for i in range(SAMPLES):
+            if g.t[i] == t:
+                return g.shape[a * SAMPLES + i]
+    return atom_at(e, g, a, t)
+
+
 def bracket(e: Engine, g: Locator, k: int, low: float, high: float) -> float:
     """Return the first instant in ``(low, high]`` at which guard k holds."""
     turned = 0
     which = 0
+    at_low = 0.0
+    at_high = 0.0
     crosses = False
     for a in range(g.atom_first[k], g.atom_first[k + 1]):
-        before = atom_at(e, g, a, low)
-        after = atom_at(e, g, a, high)
+        before = sampled_at(e, g, k, a, low)
+        after = sampled_at(e, g, k, a, high)
         if (before > 0.0) != (after > 0.0) or before * after == 0.0:
             turned += 1
             which = a
+            at_low = before
+            at_high = after
             crosses = before != 0.0 and before * after <= 0.0
     g.bracket_low = low
     g.bracket_high = high
     if turned == 1 and crosses:
-        around(e, g, k, root(e, g, which, low, high))
+        around(e, g, k, root_between(e, g, which, low, at_low, high, at_high))
     return halve(e, g, k)
 
 

@@ -39,6 +39,7 @@ ROUNDING: Final = 1e-13
 
 def sample(e: Engine, g: Locator) -> None:
     """Sample all guards of the block."""
+    g.sampled = True
     for i in range(SAMPLES):
         look(e, g, g.t[i])
         for k in range(g.guards):

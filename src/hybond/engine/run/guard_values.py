@@ -14,7 +14,7 @@ from hybond.engine.methods.stepping import between
 from hybond.engine.mode.mode_records import is_constrained
 from hybond.engine.mode.reading import solve_read
 from hybond.engine.mode.sizes import measure
-from hybond.engine.mode.values import evaluate, set_motion
+from hybond.engine.mode.values import evaluate, set_motion, set_state
 from hybond.engine.reasons.facts import add_fact
 from hybond.engine.run.locator import ALL_PARTS, NO_KINK, Locator, is_asleep
 from hybond.engine.sliding.averages import begin_sizes, part_sizes, show_part, solve_here
@@ -47,7 +47,10 @@ def put_on_constraints(e: Engine, t: float, y: Floats) -> int:
     """Put a state of the motion back on its mode's constraints, if there are any."""
     if not is_constrained(e.mode):
         return OK
-    if evaluate(e, e.mode, e.shown, t, y) != OK:
+    if e.mode.dynamics == 0 and e.model.priors == 0 and e.slide.k == 0:
+        # of bond variables, and of what was before, constraints read nothing then
+        set_state(e, e.mode, e.shown, t, y)
+    elif evaluate(e, e.mode, e.shown, t, y) != OK:
         return REFUSED
     return on_constraints(e, e.mode, e.shown, y)
 

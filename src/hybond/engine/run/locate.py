@@ -39,6 +39,7 @@ def locate(e: Engine, g: Locator) -> int:
     """Find the first instant of the last step at which a guard holds, or infinity, into `g.at`."""
     status = search(e, g)
     show(e, g, ALL_PARTS)
+    g.sampled = False
     return status
 
 

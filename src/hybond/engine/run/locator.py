@@ -133,6 +133,8 @@ class Locator:
     """Of each kink: likewise, as it was rounding that changed its sign, all over a step."""
     nap: Ints
     """Of each kink: for how many it will be the next time."""
+    sampled: bool
+    """Whether the samples in `shape` are those of the step as it is."""
     looked: float
     sized: bool
     """Whether terms of the motion as it is are known there."""

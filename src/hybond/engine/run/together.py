@@ -41,16 +41,30 @@ def last_of_instant(e: Engine, g: Locator, t: float, top: float) -> float:
     look(e, g, top)
     for k in range(g.guards):
         g.done[k] = 1 if may_hold(e, g, k) else 0
+    ask_done(e, g, t, False)
+    ask_done(e, g, top, True)
     for k in range(g.guards):
-        if g.done[k] == 0 or g.failed or holds_at(e, g, k, t):
-            continue
-        if holds_at(e, g, k, top):
+        if g.done[k] != 0 and not g.failed:
             last = max(last, bracket(e, g, k, t, top))
-    for k in range(g.guards if last > t else 0):
-        if g.side[k] == NO_KINK and holds_at(e, g, k, t) and not holds_at(e, g, k, last):
-            last = t
+    if last > t:
+        for k in range(g.guards):
+            g.done[k] = 1 if g.side[k] == NO_KINK else 0
+        ask_done(e, g, t, True)
+        ask_done(e, g, last, False)
+        for k in range(g.guards):
+            last = t if g.done[k] != 0 else last
     show(e, g, ALL_PARTS)
     return last
+
+
+def ask_done(e: Engine, g: Locator, t: float, holds: bool) -> None:
+    """Leave those guards in `g.done` that hold at `t`, or those that do not.
+
+    All at one instant: what they read is found once for each.
+    """
+    for k in range(g.guards):
+        if g.done[k] != 0 and (g.failed or holds_at(e, g, k, t) != holds):
+            g.done[k] = 0
 
 
 def may_hold(e: Engine, g: Locator, k: int) -> bool:
