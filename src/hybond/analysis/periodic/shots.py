@@ -31,12 +31,6 @@ from hybond.simulation import simulate
 
 Vector = NDArray[np.float64]
 
-LITTLE = 1e-7
-"""Part of a motion before its end at which its rates are looked at, to see whether they jump."""
-JUMPS = 1e3
-"""How much more than before they change there, if they jump."""
-JUMPED = 1e-5
-"""Part of themselves by which they change, if they jump."""
 NEAR = 0.01
 """Part of a period within which a switch is near its end."""
 
@@ -203,7 +197,7 @@ class Shots:
         try:
             whole = chain.forward()[-1]
             first = _rates(fields.within(run.segments[0], run.segments[0].t[:1]))
-            last = _last_rates(run, fields)
+            last = _rates(_last_field(run, fields))
         except HybondError as error:
             return replace(shot, why=error.why)
         by = (whole[:, n:] + np.outer(last, ends)) @ self.wanted.follows
@@ -251,25 +245,17 @@ def _rates(found: Field) -> Vector:
     return np.asarray(found.f[0])
 
 
-def _last_rates(run: Result, fields: Fields) -> Vector:
-    """Return the rates at the end of a run, after what happens there.
+def _last_field(run: Result, fields: Fields) -> Field:
+    """Return the field at the end of a run, after what happens there.
 
     A law that jumps with time there, as ``mod`` does, has not yet: no event tells of it, and the
-    derivatives at the end are those before it.
+    derivatives at the end are those before it (`last_kink`).
     """
     segment, events = run.segments[-1], run.trace.events
-    begin, end = float(segment.t[0]), float(segment.t[-1])
-    if len(events) and events.times[-1] == end and end > begin:
+    if len(events) and events.times[-1] == segment.t[-1] and segment.t[-1] > segment.t[0]:
         event = events[-1]
-        found = fields.entered(event.t, np.asarray(event.after), event.steps[-1].mode)
-        return _rates(found)
-    last = _rates(fields.ending(segment, None))
-    if segment.sliding is not None:
-        return last
-    one, two = fields.within(segment, end - LITTLE * (end - begin) * np.array([2.0, 1.0])).f
-    jump = np.abs(last - two)
-    jumped = jump > JUMPS * np.abs(two - one) + JUMPED * np.maximum(np.abs(last), np.abs(two))
-    return np.where(jumped, 2.0 * two - one, last)
+        return fields.entered(event.t, np.asarray(event.after), event.steps[-1].mode)
+    return fields.ending(segment, None)
 
 
 def end_of(run: Result) -> tuple[Vector, Mode]:

@@ -19,11 +19,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.analysis.sensitivity.collocation import STAGES, Jump, Step, radau
-from hybond.analysis.sensitivity.crossing import LOCATED, NO_CAUSE, SAME, crossing, timed
+from hybond.analysis.sensitivity.crossing import (
+    LOCATED,
+    NO_CAUSE,
+    SAME,
+    Crossing,
+    crossing,
+    timed,
+)
 from hybond.analysis.sensitivity.fields import Field, Fields
 from hybond.analysis.sensitivity.flow import Flow, flows
 from hybond.analysis.sensitivity.gradients import Compiled
-from hybond.analysis.sensitivity.kinks import edges_at, jumped, kinks_of
+from hybond.analysis.sensitivity.kinks import edges_at, jumped, jumps_at_end, kinks_of
 from hybond.analysis.sensitivity.landing import Landing, landed
 from hybond.analysis.sensitivity.switch import started, switched
 from hybond.analysis.sensitivity.tangent import Read, Tangent, Undetermined
@@ -121,6 +128,8 @@ class Chain:
 
     edges: list[tuple[str, list[str]]] = field(default_factory=list)
     """What is zero at the start and moves, and by which parameters."""
+    last: list[str] = field(default_factory=list)
+    """What moves a law's jump that lies at the very end, which is not made."""
 
     def notes(self) -> tuple[str, ...]:
         """Return what else is to be known."""
@@ -128,6 +137,11 @@ class Chain:
             f"by {', '.join(by)} perhaps to one side only: the start lies on the edge of {text}"
             for text, by in self.edges
         ]
+        if self.last:
+            found.append(
+                f"by {', '.join(self.last)} perhaps to one side only: the run ends where a law "
+                "jumps, and the derivatives are those before its jump"
+            )
         if self.rough:
             found.append(
                 f"near t = {self.rough[0]:.6g} s the derivatives have fewer digits: their motion "
@@ -347,6 +361,7 @@ class _Along:
             edges = [c.by[self.fields.size :] for c in timed(self.fields, end, t)]
             if not all(self._is_end(np.append(np.zeros(self.more), by)) for by in edges):
                 self.chain.ends, self.chain.why = t, AT_THE_END
+            self._last_kink(segment, d)
             return d
         if len(own) > 1:
             raise Undetermined("two events happen at one instant: which comes first would change")
@@ -378,6 +393,28 @@ class _Along:
         elif following is None:
             self._read_last(begin, t)
         return d
+
+    def _last_kink(self, segment: Segment, d: Vector) -> None:
+        """Note a law that jumps at the very end: derivatives are those to one side, before it."""
+        if segment.sliding is not None:
+            return
+        kink = self.fields.last_kink(segment)
+        found = None if kink is None else jumps_at_end(self.fields, segment, kink)
+        if isinstance(found, str):
+            self.chain.ends, self.chain.why = self._now, found
+        if not isinstance(found, Crossing):
+            return
+        n = self.fields.size
+        moves = found.by[:n] @ d
+        moves[self.more :] += found.by[n:]
+        if self._is_end(moves):
+            return
+        if self.more:
+            self.chain.ends, self.chain.why = self._now, "a law jumps at the very end of the run"
+            return
+        own, known = moves - self.end, self.fields.values.found
+        by = np.abs(own @ known.follows) > SAME * (np.abs(own) @ np.abs(known.follows))
+        self.chain.last = [known.names[k] for k in np.flatnonzero(by).tolist()]
 
     def _land(self, flight: Field, limit: Segment) -> Vector:
         """Take the limit of impacts, behind the last of them."""
