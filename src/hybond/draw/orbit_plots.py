@@ -73,7 +73,7 @@ def plot_orbit(orbit: Any, names: Sequence[str], *, path: str | Path | None = No
     low = height - _TOP - high + 0.5 * (high - _CIRCLE)
     circle = figure.add_axes((left / page, low / height, _CIRCLE / page, _CIRCLE / height))
     _circle(circle, orbit)
-    said = "stable" if orbit.stable else "not stable"
+    said = "stable" if orbit.stable else "neutral" if orbit.neutral else "not stable"
     title = shorten(f"{run.title}: one period, {said}", 10.5, 72.0 * (page - _LEFT - _RIGHT))
     figure.text(
         _LEFT / page, 1.0 - 0.2 / height, title, fontsize=10.5, fontweight="bold", va="center",
@@ -90,7 +90,7 @@ def _circle(ax: Axes, orbit: Any) -> None:
     ax.axvline(0.0, color="#e0e0e0", linewidth=0.7, zorder=0.5)
     reach = 1.25
     for m in orbit.multipliers:
-        inside = abs(m.value) < 1.0
+        inside = abs(m.value) < 1.0 or m.kind == "neutral"
         colour = COLOURS[0] if inside or not m.counts else COLOURS[1]
         face = colour if m.counts else "white"
         ax.plot(

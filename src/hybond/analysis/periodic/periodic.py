@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hybond.analysis.periodic.multipliers import multipliers
 from hybond.analysis.periodic.newton import Found, Newton, smallest_step
 from hybond.analysis.periodic.orbit import PeriodicOrbit
 from hybond.analysis.periodic.periods import (
@@ -258,7 +257,7 @@ def orbit_of(shots: Shots, period: Period, found: Found) -> PeriodicOrbit:
     notes = [note for note in (period.note,) if note] + list(found.notes)
     kept = found.kept
     block = shot.M[np.ix_(kept, kept)]
-    made = multipliers(block, found.sizes[kept], phase=period.own, conserved=len(found.free))
+    made = shots.multipliers(shot, found.sizes, kept, own=period.own, conserved=len(found.free))
     by, period_by = _moved(shots, period, found)
     if not period.own and period.multiple > 1:
         notes += _shorter(shots, period, found)

@@ -15,10 +15,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.analysis.linear.periods import trees
+from hybond.analysis.periodic.lost import lost_directions
+from hybond.analysis.periodic.multipliers import CIRCLE, Multiplier, multipliers, spanned
+from hybond.analysis.periodic.resting import resting
+from hybond.analysis.periodic.still import takes_nothing
 from hybond.analysis.sensitivity.along import Chain, chain_of
 from hybond.analysis.sensitivity.fields import Field, Fields
 from hybond.analysis.sensitivity.opened import Opened
 from hybond.analysis.sensitivity.sensitivities import check_followed
+from hybond.analysis.sensitivity.tangent import Undetermined
 from hybond.analysis.sensitivity.values import Values
 from hybond.analysis.sensitivity.wanted import Wanted, slotted
 from hybond.errors import HybondError, NumericsError
@@ -188,9 +193,11 @@ class Shots:
             self._fields = Fields(Values(run, self.wanted), [])
         fields = self._fields
         fields.values = fields.values.of(run, self.values)
-        start = np.hstack([np.eye(n), np.zeros((n, many))])
         ends = np.zeros(many) if T_by is None else T_by
-        chain = chain_of(run, fields, start, [], [], ends)
+        try:
+            chain = chain_of(run, fields, resting(run, fields), [], [], ends)
+        except (HybondError, Undetermined) as error:
+            return replace(shot, why=getattr(error, "why", str(error)))
         shot = replace(shot, chain=chain)
         if chain.ends is not None:
             return replace(shot, why=f"at {chain.ends:.9g} s {chain.why}")
@@ -202,6 +209,35 @@ class Shots:
             return replace(shot, why=error.why)
         by = (whole[:, n:] + np.outer(last, ends)) @ self.wanted.follows
         return replace(shot, M=whole[:, :n], by=by, first=first, last=last)
+
+    def multipliers(
+        self, shot: Shot, sizes: Vector, kept: list[int], *, own: bool, conserved: int
+    ) -> tuple[Multiplier, ...]:
+        """Return the multipliers of a period, what each of them is told of the way through it.
+
+        Parameters
+        ----------
+        sizes : array, shape (n,)
+        kept : list of int
+            States that come back.
+        own : bool
+            Whether nothing drives the motion.
+        conserved : int
+        """
+        assert shot.M is not None and shot.chain is not None and self._fields is not None
+        fields = self._fields
+        fields.values = fields.values.of(shot.run, self.values)
+        lost = lost_directions(shot.run, shot.chain, fields, sizes, kept)
+        M, unit = shot.M[np.ix_(kept, kept)], sizes[kept]
+        found = multipliers(M, unit, phase=own, conserved=conserved, lost=lost)
+        on = [k for k, m in enumerate(found) if m.kind in CIRCLE]
+        if len(on) < 2:
+            return found
+        basis = np.zeros((len(shot.x), len(on)))
+        basis[kept] = spanned(M, unit, [found[k].value for k in on])
+        if takes_nothing(shot.run, shot.chain, fields, basis):
+            found = tuple(replace(m, kind="neutral") if m.kind in CIRCLE else m for m in found)
+        return found
 
 
 def near_ends(run: Result, T: float) -> bool:
