@@ -39,6 +39,8 @@ OTHER_MODES = 12
 """Periods in a row that may end in another mode than they begin with."""
 DRIFTS = 6
 """Steps in a row in which something goes on changing whatever the state is."""
+LATER = 16
+"""Periods after which is seen whether what goes on changing runs away."""
 CLOSE = 1e-7
 """How near end and beginning are, as a part of states, where rounding lets them come no nearer."""
 STILL = 1e-7
@@ -239,12 +241,31 @@ class Newton:
             return
         k = int(np.argmax(np.abs(rows[int(np.argmax(drift))][: len(kept)])))
         change = float(shot.end[kept[k]] - shot.x[kept[k]])
+        name = self.shots.names[kept[k]]
+        if self._comes_again(shot, kept[k], change):
+            self._none(
+                f"{name} has a rhythm of its own, which nothing ties to the {shot.T:.6g} s: it is "
+                f"off by {change:.6g} after each of them",
+                shot,
+                hint="couple the two, or say a time after which both are where they were: period=, "
+                "multiple=",
+            )
         self._none(
-            f"{self.shots.names[kept[k]]} goes on changing, by {change:.6g} in each period, "
-            "whatever the state is",
+            f"{name} goes on changing, by {change:.6g} in each period, whatever the state is",
             shot,
             hint="what comes in has to go out again: a leak, a load, a balance",
         )
+
+    def _comes_again(self, shot: Shot, k: int, change: float) -> bool:
+        """Whether a state that is off after each period goes round, and does not run away."""
+        try:
+            run = self.shots.run(
+                self.shots.t0 + LATER * shot.T, self.shots.state(shot.x, shot.mode)
+            )
+        except HybondError:
+            return False
+        rows = np.concatenate([segment.y[:, k] for segment in run.segments])
+        return bool(np.ptp(rows) < 0.5 * LATER * abs(change))
 
     def _on(self, shot: Shot) -> Shot:
         self.ran_on += 1
@@ -344,8 +365,8 @@ class Newton:
         rows = conserved(J)
         assert shot.M is not None
         if self.own and not len(rows):
-            own = shot.M[np.ix_(kept, kept)]
-            rows = np.linalg.svd(J)[0][:, -1:].T if is_double(own, self.units[kept]) else rows
+            block = shot.M[np.ix_(kept, kept)]
+            rows = np.linalg.svd(J)[0][:, -1:].T if is_double(block, self.units[kept]) else rows
         for left in rows:
             part = np.abs(left[: len(kept)])
             own = [self.shots.names[kept[k]] for k in np.flatnonzero(part > 1e-6 * part.max())]

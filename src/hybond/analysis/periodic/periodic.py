@@ -100,7 +100,7 @@ def periodic(
         HB-A541 for a period that does not fit, HB-A511 where it cannot be told; HB-A520 for what
         cannot be varied.
     EquationError
-        HB-A522 for a model with samples or friction in the plane.
+        HB-A522 for a model with blocks or friction in the plane.
     NumericsError
         HB-A540 if no such motion is found, with the last run as `partial`; HB-A542 where it has no
         derivatives, because a guard is only touched or two events share an instant.

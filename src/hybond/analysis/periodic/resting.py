@@ -1,11 +1,4 @@
-"""Contacts that are closed for a whole period: which states near the start there are at all.
-
-The mode holds speeds together, and a variation of the gap would stay as it is. But a state with a
-gap comes back to the contact, and one with less than none there is not: variations are put onto
-the gap's own surface, along the way on which the contact moves what it pushes.
-
-    d <- d - E (C E)^-1 (C d + C_p dp)      C: the gap's slopes, E = A (1 - S): where impulses lead
-"""
+"""Contacts that are closed for a whole period: which states there are near its beginning at all."""
 
 from __future__ import annotations
 
@@ -13,21 +6,31 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.analysis.sensitivity.fields import Fields
+from hybond.analysis.sensitivity.gaps import closing, has_gap
 from hybond.analysis.sensitivity.switch import started
-from hybond.analysis.sensitivity.tangent import Read
+from hybond.model.expressions import Expr
+from hybond.model.graph import Mode
 from hybond.result import Result
 
 Vector = NDArray[np.float64]
 
-MOVED = 1e-9
-"""Part of the largest by which impulses move a gap at the least, or it is another's."""
+ROUNDED = 1e-9
+"""Part of its terms by which a gap may be open that is closed but for rounding."""
+PLACES = 8
+"""Last places of a state that are tried until something is zero."""
+SOME = 1e-6
+"""Part of a state by which it is moved to see what that does."""
 
 
 def resting(run: Result, fields: Fields) -> Vector:
     """Return the variations that a period begins with, shape (n, n + parameters)."""
     n, many = fields.columns.time, len(fields.columns.parameters)
     found = np.eye(n, n + many)
-    closed = _closed(run)
+    closed = [
+        k
+        for k, m in enumerate(run.graph.machines)
+        if has_gap(fields, k) and all(m.states[s.mode[k]] == "closed" for s in run.segments)
+    ]
     segment, events = run.segments[0], run.trace.events
     if not closed or not len(events) or events[0].cause != "start":
         return found
@@ -36,23 +39,75 @@ def resting(run: Result, fields: Fields) -> Vector:
         mode[k] = run.graph.machines[k].states.index("open")
     begin = fields.within(segment, segment.t[:1])
     free = fields.entered(float(segment.t[0]), segment.y[0, :n], tuple(mode))
-    laws = [run.graph.machines[k].law for k in closed]
-    gaps = [free.tangent.rows.moving(law.gap) for law in laws if law is not None and law.gap]
-    slopes = Read(free.tangent, gaps).at(free.at, free.bonds)[0]
-    C, by = slopes[:, :n], slopes[:, n + 1 :]
-    E = free.slopes[0, :, :n] @ (np.eye(n) - started(fields, events[0], found, begin)[:, :n])
-    moved = C @ E
-    if np.linalg.matrix_rank(moved, MOVED * float(np.abs(moved).max(initial=0.0))) < len(gaps):
-        return found
-    back = E @ np.linalg.pinv(moved)
-    return found - back @ np.hstack([C, by])
+    entry = started(fields, events[0], found, begin)[:, :n]
+    less = closing(fields, closed, free, entry)
+    return found if less is None else found - less
 
 
-def _closed(run: Result) -> list[int]:
-    """Return the contacts with a gap that are closed all the time."""
-    return [
-        k
-        for k, m in enumerate(run.graph.machines)
-        if m.law is not None and m.law.kind == "unilateral" and m.law.gap is not None
-        if all(m.states[s.mode[k]] == "closed" for s in run.segments)
-    ]
+def shut(run: Result, x: Vector, mode: Mode) -> Vector | None:
+    """Return a state that is closed where the one that a run began with was open by rounding.
+
+    Parameters
+    ----------
+    x : array, shape (n,)
+    mode : Mode
+        In which it was to begin.
+
+    Returns
+    -------
+    array, shape (n,), or None
+        None if the run began in another mode for another reason.
+    """
+    graph, begun = run.graph, run.events[0].steps[-1].mode
+    other = [k for k, (a, b) in enumerate(zip(mode, begun, strict=True)) if a != b]
+    sizes = np.max([np.abs(s.y[:, : len(x)]).max(axis=0) for s in run.segments], axis=0)
+    stored = len(graph.storages)
+    found = x.copy()
+    for k in other:
+        law = graph.machines[k].law
+        if law is None or law.gap is None or graph.machines[k].states[mode[k]] != "closed":
+            return None
+        # no distance, and no speed with which it grows
+        for e, own in (law.gap, range(stored, len(x))), (law.net, range(stored)):
+            moved = _to_zero(run, found, begun, e, own, sizes)
+            if moved is None:
+                return None
+            found = moved
+    return found if other else None
+
+
+def _to_zero(
+    run: Result, x: Vector, mode: Mode, e: Expr, own: range, sizes: Vector
+) -> Vector | None:
+    """Return a state in which something is zero to the last bit, that is so but for rounding.
+
+    Parameters
+    ----------
+    own : range
+        States of which one is moved: the one that moves it most.
+    """
+    t = run.t_begin
+
+    def at(state: Vector) -> float:
+        return float(run.signals.after(t, state, mode, [e])[0])
+
+    value = at(x)
+    effect = np.zeros(len(x))
+    for k in own:
+        if sizes[k] > 0.0:
+            apart = x.copy()
+            apart[k] += SOME * sizes[k]
+            effect[k] = (at(apart) - value) / SOME
+    best = int(np.argmax(np.abs(effect)))
+    size = float(np.abs(effect).max(initial=0.0))
+    if not size or abs(value) > ROUNDED * size:
+        return None
+    found = x.copy()
+    found[best] -= value / effect[best] * sizes[best]
+    middle = found[best]
+    for ulps in range(PLACES):
+        for side in (1, -1):
+            found[best] = middle + side * ulps * np.spacing(middle)
+            if at(found) == 0.0:
+                return found
+    return None

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from hybond.analysis.linear.periods import trees
 from hybond.analysis.periodic.lost import lost_directions
 from hybond.analysis.periodic.multipliers import CIRCLE, Multiplier, multipliers, spanned
-from hybond.analysis.periodic.resting import resting
+from hybond.analysis.periodic.resting import resting, shut
 from hybond.analysis.periodic.still import takes_nothing
 from hybond.analysis.sensitivity.along import Chain, chain_of
 from hybond.analysis.sensitivity.fields import Field, Fields
@@ -181,6 +181,10 @@ class Shots:
             Whether derivatives are wanted.
         """
         run = self.run(self.t0 + T, self.state(x, mode))
+        if len(run.events) and run.events[0].steps[-1].mode != mode:
+            closed = shut(run, x, mode)
+            if closed is not None:
+                x, run = closed, self.run(self.t0 + T, self.state(closed, mode))
         end, end_mode = end_of(run)
         begin = run.events[0].steps[-1].mode if len(run.events) else mode
         if not varied:

@@ -426,7 +426,8 @@ class _Along:
         event = self.run.trace.events[numbers[0]]
         rest = self._begin(limit, event)
         found = self.chain.forward()
-        made = landed(self.fields, event, flight, rest, self._impacts(records[0].machine), found)
+        machine = records[0].machine
+        made = landed(self.fields, event, flight, rest, self._impacts(machine), found, machine)
         self.chain.instants.append(
             Instant(len(self.chain.links), t, "impacts come to rest", numbers[0])
         )

@@ -83,7 +83,7 @@ def sensitivities(
         HB-A520 for a path that cannot be set, HB-S109 for a signal that there is not.
     EquationError
         HB-A521 for what is no number, or goes into something that is no law; HB-A522 for a model
-        with samples or friction in the plane.
+        with blocks or friction in the plane.
     HybondError
         As `simulate`.
 
