@@ -27,6 +27,7 @@ from hybond.analysis.periodic.multipliers import is_double
 from hybond.analysis.periodic.shots import Shot, Shots
 from hybond.errors import HybondError, NumericsError
 from hybond.model.graph import Mode
+from hybond.result import Result
 
 Vector = NDArray[np.float64]
 
@@ -39,7 +40,7 @@ OTHER_MODES = 12
 """Periods in a row that may end in another mode than they begin with."""
 DRIFTS = 6
 """Steps in a row in which something goes on changing whatever the state is."""
-LATER = 16
+LATER, MOST_LATER = 16, 1000
 """Periods after which is seen whether what goes on changing runs away."""
 CLOSE = 1e-7
 """How near end and beginning are, as a part of states, where rounding lets them come no nearer."""
@@ -258,14 +259,17 @@ class Newton:
 
     def _comes_again(self, shot: Shot, k: int, change: float) -> bool:
         """Whether a state that is off after each period goes round, and does not run away."""
+
+        def range_of(run: Result) -> float:
+            return float(np.ptp(np.concatenate([segment.y[:, k] for segment in run.segments])))
+
+        many = min(max(4 * round(range_of(shot.run) / abs(change)), LATER), MOST_LATER)
+        begin = self.shots.state(shot.x, shot.mode)
         try:
-            run = self.shots.run(
-                self.shots.t0 + LATER * shot.T, self.shots.state(shot.x, shot.mode)
-            )
+            run = self.shots.run(self.shots.t0 + many * shot.T, begin)
         except HybondError:
             return False
-        rows = np.concatenate([segment.y[:, k] for segment in run.segments])
-        return bool(np.ptp(rows) < 0.5 * LATER * abs(change))
+        return range_of(run) < 0.5 * many * abs(change)
 
     def _on(self, shot: Shot) -> Shot:
         self.ran_on += 1
