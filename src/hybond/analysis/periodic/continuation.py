@@ -29,6 +29,8 @@ LOCATED = 1e-7
 """Part of the range to which special points are located."""
 LEAST = 1e-3
 """Part of the largest step below which no step is tried."""
+CORNER = 3.0
+"""Steps that the next point is away at the most, where the sequence of switches changes."""
 BESIDE = 2e-2
 """Part of states by which the first orbit of twice the period is away from where it begins."""
 
@@ -123,6 +125,20 @@ def continuation(
     title = found.shot.run.title
     unit = shots.wanted.units[0]
     return Continuation(title, parameter, unit, tuple(branches), shots.done, tuple(notes))
+
+
+def _longest(node: Node, longest: float) -> float:
+    """Return the longest step behind a point: longer where states have grown, not the parameter."""
+    grown = max(1.0, float(np.abs(node.z[:-1]).max(initial=0.0)))
+    return longest * min(grown, 1.0 / max(abs(float(node.tangent[-1])), 1e-300))
+
+
+def _goes_on(node: Node, found: Node, step: float) -> bool:
+    """Whether a point is the next one of the curve, which may have a corner between the two."""
+    if float(found.tangent @ node.tangent) > 0.3:
+        return True
+    corner = found.path != node.path
+    return corner and float(np.linalg.norm(found.z - node.z)) <= CORNER * step
 
 
 def _range(values: Any) -> tuple[float, float]:
@@ -272,9 +288,9 @@ class _Follow:
         while step >= LEAST * longest:
             z = node.z + step * node.tangent
             found = arc.corrected(z, node.mode, node.tangent, node, node.tangent)
-            if found is not None and float(found.tangent @ node.tangent) > 0.3:
+            if found is not None and _goes_on(node, found, step):
                 grown = 1.5 * step if found.iterations <= 3 else step
-                return found, min(grown, longest), ""
+                return found, min(grown, _longest(found, longest)), ""
             step *= 0.5
         at = arc.parameter(node.z)
         return None, step, f"beyond {at:.9g} it is not found any more: {arc.why}"

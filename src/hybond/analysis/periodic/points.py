@@ -336,6 +336,8 @@ def turned(arc: Arc, node: Node) -> Node | None:
         J d + b y = 0,    h_z d = y^2, to first order 0
 
     with J of the old sequence, and the slope of h as that of the new instant, which is along it.
+    Where switches share an instant, orbits with the new ones leave it along the curve of their own
+    map, which may have a corner there, and turn back in the parameter.
     """
     beyond = None
     for ahead in (1e-6, 1e-5, 1e-4):
@@ -344,22 +346,22 @@ def turned(arc: Arc, node: Node) -> Node | None:
             break
     if beyond is None or beyond.M is None or beyond.path == node.shot.path:
         return None
-    slope = _slope_of_instant(arc, beyond)
-    if slope is None:
-        return None
-    off, _ = arc.equations(beyond, node)
+    off, own = arc.equations(beyond, node)
     _, J = arc.equations(node.shot, node)
-    row = arc.solved(J, slope, -off, 0.0)
-    size = float(np.linalg.norm(row))
-    if not size > 0.0:
-        return None
-    row /= size
-    for part in (1e-3, 3e-3, 1e-2, 3e-2, 1e-1):
-        for sign in (1.0, -1.0):
-            z = node.z + sign * part * row
-            found = arc.corrected(z, node.mode, row, node, sign * row)
-            if found is not None and found.path != node.path:
-                return found
+    slope = _slope_of_instant(arc, beyond)
+    ways = [] if slope is None else [(arc.solved(J, slope, -off, 0.0), node.mode)]
+    ways.append((arc.solved(own, node.tangent, np.zeros(len(own)), 1.0), beyond.end_mode))
+    for way, mode in ways:
+        size = float(np.linalg.norm(way))
+        if not size > 0.0:
+            continue
+        row = way / size
+        for part in (1e-3, 3e-3, 1e-2, 3e-2, 1e-1):
+            for sign in (1.0, -1.0):
+                z = node.z + sign * part * row
+                found = arc.corrected(z, mode, row, node, sign * row)
+                if found is not None and found.path != node.path:
+                    return found
     return None
 
 
