@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+from scipy.linalg import expm
 from scipy.optimize import brentq
 
 import hybond as hb
@@ -182,3 +183,48 @@ def test_a_pair_crosses_where_damping_changes_its_sign() -> None:
     T = 2 * np.pi / 2.6
     sizes = [abs(p.multipliers[0].value) for p in found.branches[0].points]
     assert sizes == pytest.approx(np.exp(-found.branches[0].values / 2 * T), rel=1e-8)
+
+
+@pytest.mark.parametrize("last", ["100 ohm", "500 ohm"])
+def test_a_corner_of_the_branch_is_passed_whatever_the_range_is(last: str) -> None:
+    """A buck converter whose load goes away: its current begins to end within the period."""
+    L, C, RL, T, D = 100e-6, 10e-6, 0.1, 20e-6, 0.4
+    m = hb.Model("buck", domain="electrical", parameters={"R": "12 ohm"})
+    m.input(u=hb.Input(pwm={"period": "20 us", "duty": D}))
+    m.add(V=hb.Se("12 V"), L=hb.I("100 uH"), rl=hb.R("0.1 ohm"), C=hb.C("10 uF"), r=hb.R("R"))
+    m.add(s=hb.One(), d=hb.One(law="diode"), a=hb.Zero(), j=hb.One(), n=hb.Zero(), g=hb.Se("0 V"))
+    m.bond("V -> s -> a -> j -> L", "g -> d -> a", "j -> rl", "j -> n -> C", "n -> r")
+    rules = ["off -> on when u > 0.5", "on -> off when u < 0.5"]
+    m.machine("S", states={"on": ["s"], "off": []}, start="off", rules=rules)
+
+    def valley(load: float) -> float:
+        """The flux with which a period begins, did the diode always conduct."""
+        A = np.array([[-RL / L, -1 / C], [1 / L, -1 / (load * C)]])
+        on, off, one = expm(A * D * T), expm(A * (1 - D) * T), np.eye(2)
+        added = np.linalg.solve(A, (on - one) @ np.array([12.0, 0.0]))
+        return float(np.linalg.solve(one - off @ on, off @ added)[0])
+
+    found = hb.continuation(m, "R", ("12 ohm", last), points=10)
+    (border,) = found.special
+    assert border.kind == "border collision"
+    assert border.value == pytest.approx(brentq(valley, 12.0, 30.0, xtol=1e-12), rel=1e-5)
+    branch = found.branches[0]
+    assert branch.ended == "the range ends" and len(branch.points) < 40
+    light = branch.points[-1]
+    # without a current at both ends charge balance says the mean output: the load's own
+    mean = light.run["L.f"].mean()
+    assert mean * branch.values[-1] == pytest.approx(light.run["C.e"].mean(), rel=1e-7)
+    assert [x.kind for x in light.multipliers] == ["", "zero"]
+
+
+def test_orbits_of_twice_the_period_are_drawn_from_where_they_begin() -> None:
+    from hybond.draw.orbit_plots import _curve
+
+    found = hb.continuation(peak_current(), "Vo", ("4.9 V", "5.2 V"), points=3, doublings=1)
+    (double,) = found["period doubling"]
+    branch = found.branches[1]
+    assert branch.born is double and found.branches[0].born is None
+    _, x, ys, stable = _curve(branch, "L.f", "begin")
+    assert x[0] == double.value and len(ys) == 2 and len(stable) == len(x)
+    valley = 2.0 - 5.0 / 100e-6 * 10e-6  # at a duty of one half
+    assert [y[0] for y in ys] == pytest.approx([valley, valley], rel=1e-6)

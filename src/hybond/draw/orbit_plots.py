@@ -112,6 +112,20 @@ def _turns(branch: Any, what: str) -> int:
     return int(branch.multiple) if what == "begin" else 1
 
 
+def _curve(branch: Any, signal: str, what: Any) -> tuple[Any, Vector, list[Vector], Vector]:
+    """Return a branch with its curves and where it is stable, from the orbit that it is born at."""
+    from hybond.analysis.periodic.branch import value_of
+
+    x, stable = branch.values, branch.stable
+    ys = [branch.of(signal, what, turn=k) for k in range(_turns(branch, what))]
+    if branch.born is not None:
+        once = branch.multiple // 2
+        first = [value_of(branch.born.orbit, signal, what, k % once / once) for k in range(len(ys))]
+        ys = [np.append(a, y) for a, y in zip(first, ys, strict=True)]
+        x, stable = np.append(branch.born.value, x), np.append(stable[0], stable)
+    return branch, x, ys, stable
+
+
 def plot_continuation(
     found: Any, signal: str, what: Any, *, path: str | Path | None = None
 ) -> Figure:
@@ -140,23 +154,19 @@ def plot_continuation(
     figure = new_figure((page, height), interactive=path is None)
     inches = page - _LEFT - _RIGHT
     ax = figure.add_axes((_LEFT / page, _BOTTOM / height, inches / page, 3.6 / height))
-    curves = [
-        (b, b.values, [b.of(signal, what, turn=k) for k in range(_turns(b, what))])
-        for b in found.branches
-    ]
+    curves = [_curve(b, signal, what) for b in found.branches]
     marks = [
         (s.kind, s.value, value_of(s.orbit, signal, what))
         for b in found.branches
         for s in b.special
     ]
     run = found.branches[0].points[0].run
-    largest = max(float(np.abs(y).max(initial=0.0)) for _, _, ys in curves for y in ys)
+    largest = max(float(np.abs(y).max(initial=0.0)) for _, _, ys, _ in curves for y in ys)
     by_y, unit = axis_scale(run.unit(signal), largest)
-    ends = max(float(np.abs(x).max(initial=0.0)) for _, x, _ in curves)
+    ends = max(float(np.abs(x).max(initial=0.0)) for _, x, _, _ in curves)
     by_x, of = axis_scale(found.unit, ends)
-    for k, (branch, x, ys) in enumerate(curves):
+    for k, (branch, x, ys, stable) in enumerate(curves):
         colour = COLOURS[k % len(COLOURS)]
-        stable = branch.stable
         times = f", {branch.multiple} periods" if branch.multiple > 1 else ""
         for chosen, style, word in ((True, "-", "stable"), (False, (0, (4, 2)), "not stable")):
             own = stable if chosen else ~stable

@@ -37,12 +37,15 @@ class Branch:
         What is passed, in order.
     ended : str
         Why it ends.
+    born : SpecialPoint or None
+        The period doubling that it begins at, a little beside it.
     """
 
     multiple: int
     points: tuple[OrbitPoint, ...]
     special: tuple[SpecialPoint, ...]
     ended: str
+    born: SpecialPoint | None = None
 
     @property
     def values(self) -> Vector:

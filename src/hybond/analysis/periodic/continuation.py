@@ -13,7 +13,7 @@ from hybond.analysis.periodic.branch import Branch, Continuation
 from hybond.analysis.periodic.newton import Found
 from hybond.analysis.periodic.periodic import TOL, begin, newton_of, shots_of
 from hybond.analysis.periodic.periods import Period, length_now, period_asked
-from hybond.analysis.periodic.points import Passed, at_end, passed, turned
+from hybond.analysis.periodic.points import Passed, SpecialPoint, at_end, passed, turned
 from hybond.analysis.periodic.shots import Shots, near_ends
 from hybond.calls import called
 from hybond.errors import NumericsError, UsageError
@@ -213,18 +213,20 @@ class _Follow:
                 where=f"{self.shots.wanted.names[0]} = {self.first:.9g}",
                 hint="begin at another value of the parameter",
             )
-        branches, level = [], [(base, begin, period.multiple)]
+        branches = []
+        level: list[tuple[Arc, Node, int, SpecialPoint | None]]
+        level = [(base, begin, period.multiple, None)]
         for round_ in range(doublings + 1):
             following = []
-            for arc, node, multiple in level:
+            for arc, node, multiple, born in level:
                 branch, passed_ = self._branch(arc, node, multiple)
-                branches.append(branch)
+                branches.append(replace(branch, born=born))
                 if round_ == doublings:
                     continue
                 for p in passed_:
                     made = self._doubled(arc, p) if p.point.kind == "period doubling" else None
                     if made is not None:
-                        following.append((*made, 2 * multiple))
+                        following.append((*made, 2 * multiple, p.point))
             level = following
         return branches
 
