@@ -8,6 +8,7 @@ from scipy.linalg import expm
 from scipy.optimize import brentq
 
 import hybond as hb
+from hybond.draw.orbit_plots import _curve
 
 
 def bouncer(amplitude: str) -> hb.Model:
@@ -37,6 +38,11 @@ def test_the_bouncing_ball_is_born_in_a_fold_and_doubles_its_period() -> None:
     assert first.stable[0] and not first.stable[-1] and first.ended == "the range ends"
     second = found.branches[1]
     assert second.multiple == 2 and second.stable[1] and second.values[2] > doubles
+    # it is drawn from where it begins
+    assert second.born is double and first.born is None
+    _, x, ys, stable = _curve(second, "ball.f", "begin")
+    assert x[0] == double.value and len(stable) == len(x)
+    assert [y[0] for y in ys] == pytest.approx([double.orbit.state["ball.p"] / 2] * 2, rel=1e-6)
     # the other way the branch turns back where it is born
     A, T = 8.7e-3, np.pi / 10
     t = np.arccos(u / (A * w)) / w
@@ -185,8 +191,7 @@ def test_a_pair_crosses_where_damping_changes_its_sign() -> None:
     assert sizes == pytest.approx(np.exp(-found.branches[0].values / 2 * T), rel=1e-8)
 
 
-@pytest.mark.parametrize("last", ["100 ohm", "500 ohm"])
-def test_a_corner_of_the_branch_is_passed_whatever_the_range_is(last: str) -> None:
+def test_a_corner_of_the_branch_is_passed_whatever_the_range_is() -> None:
     """A buck converter whose load goes away: its current begins to end within the period."""
     L, C, RL, T, D = 100e-6, 10e-6, 0.1, 20e-6, 0.4
     m = hb.Model("buck", domain="electrical", parameters={"R": "12 ohm"})
@@ -204,7 +209,7 @@ def test_a_corner_of_the_branch_is_passed_whatever_the_range_is(last: str) -> No
         added = np.linalg.solve(A, (on - one) @ np.array([12.0, 0.0]))
         return float(np.linalg.solve(one - off @ on, off @ added)[0])
 
-    found = hb.continuation(m, "R", ("12 ohm", last), points=10)
+    found = hb.continuation(m, "R", ("12 ohm", "500 ohm"), points=8)
     (border,) = found.special
     assert border.kind == "border collision"
     assert border.value == pytest.approx(brentq(valley, 12.0, 30.0, xtol=1e-12), rel=1e-5)
@@ -215,16 +220,3 @@ def test_a_corner_of_the_branch_is_passed_whatever_the_range_is(last: str) -> No
     mean = light.run["L.f"].mean()
     assert mean * branch.values[-1] == pytest.approx(light.run["C.e"].mean(), rel=1e-7)
     assert [x.kind for x in light.multipliers] == ["", "zero"]
-
-
-def test_orbits_of_twice_the_period_are_drawn_from_where_they_begin() -> None:
-    from hybond.draw.orbit_plots import _curve
-
-    found = hb.continuation(peak_current(), "Vo", ("4.9 V", "5.2 V"), points=3, doublings=1)
-    (double,) = found["period doubling"]
-    branch = found.branches[1]
-    assert branch.born is double and found.branches[0].born is None
-    _, x, ys, stable = _curve(branch, "L.f", "begin")
-    assert x[0] == double.value and len(ys) == 2 and len(stable) == len(x)
-    valley = 2.0 - 5.0 / 100e-6 * 10e-6  # at a duty of one half
-    assert [y[0] for y in ys] == pytest.approx([valley, valley], rel=1e-6)

@@ -16,7 +16,7 @@ def pendulum(angle: float) -> hb.Model:
     return m
 
 
-@pytest.mark.parametrize(("angle", "settle"), [(0.5, 30), (2.0, 30), (2.0, 400), (3.0, 40)])
+@pytest.mark.parametrize(("angle", "settle"), [(0.5, 30), (2.0, 400), (3.0, 40)])
 def test_a_pendulum_swings_as_it_was_let_go_and_nothing_brings_others_there(
     angle: float, settle: float
 ) -> None:
