@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 from hybond.draw.measure import shorten
 from hybond.draw.plots import COLOURS, new_figure, plot_run, write_figure
 from hybond.draw.scales import axis_scale
-from hybond.errors import UsageError
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -112,7 +111,9 @@ def _turns(branch: Any, what: str) -> int:
     return int(branch.multiple) if what == "begin" else 1
 
 
-def _curve(branch: Any, signal: str, what: Any) -> tuple[Any, Vector, list[Vector], Vector]:
+def _curve(
+    branch: Any, signal: str, what: Any
+) -> tuple[Any, Vector, list[Vector], NDArray[np.bool_]]:
     """Return a branch with its curves and where it is stable, from the orbit that it is born at."""
     from hybond.analysis.periodic.branch import value_of
 
@@ -143,12 +144,10 @@ def plot_continuation(
     Raises
     ------
     UsageError
-        HB-D103 for what is no value of an orbit.
+        HB-A544 for what is no value of an orbit, HB-S109 for a signal that there is not.
     """
     from hybond.analysis.periodic.branch import value_of
 
-    if what not in WHAT:
-        raise UsageError(f"what = {what!r}", code="HB-D103", where="what", hint=", ".join(WHAT))
     top = _TOP + 0.2
     height, page = top + 3.6 + _BOTTOM, _WIDE
     figure = new_figure((page, height), interactive=path is None)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 
@@ -20,6 +20,7 @@ from hybond.errors import NumericsError, UsageError
 from hybond.model.builder import Model
 from hybond.model.parts import Value
 from hybond.result import Result
+from hybond.runs.asked import MethodOptions
 from hybond.runs.states import State
 from hybond.units import is_of, try_quantity
 
@@ -35,7 +36,7 @@ BESIDE = 2e-2
 """Part of states by which the first orbit of twice the period is away from where it begins."""
 
 
-@called('hb.continuation(model, "D", (0.3, 0.7))')
+@called('hb.continuation(model, "D", (0.3, 0.7))', options=MethodOptions)
 def continuation(
     model: Model,
     parameter: str,
@@ -50,9 +51,7 @@ def continuation(
     settle: float | str | None = None,
     parameters: Mapping[str, Value] | None = None,
     tol: float = TOL,
-    solver: str | None = None,
-    rtol: float | None = None,
-    max_step: float | str | None = None,
+    **options: Unpack[MethodOptions],
 ) -> Continuation:
     """Return the orbits of a model along a parameter, stable or not, and what they pass.
 
@@ -68,7 +67,7 @@ def continuation(
         A parameter (``"D"``), the value of an element (``"r.R"``) or an input.
     values : sequence of two
         From where to where, SI or quantities.
-    period, multiple, start, settle, parameters, tol, solver, rtol, max_step
+    period, multiple, start, settle, parameters, tol, **options
         As for `periodic`, for the first orbit.
     doublings : int
         How many times branches of twice the period are followed from period doublings.
@@ -113,7 +112,7 @@ def continuation(
     if not isinstance(parameter, str):
         raise _no_range(f"parameter = {parameter!r} is no name", "parameter", '"D", or "r.R"')
     given = {k: v for k, v in (parameters or {}).items() if k != parameter}
-    shots = shots_of(model, [parameter], given, solver=solver, rtol=rtol, max_step=max_step)
+    shots = shots_of(model, [parameter], given, options)
     _check_units(values, shots.wanted.units[0])
     shots.at([first])
     asked = period_asked(shots, period, multiple)
@@ -217,7 +216,7 @@ class _Follow:
         level: list[tuple[Arc, Node, int, SpecialPoint | None]]
         level = [(base, begin, period.multiple, None)]
         for round_ in range(doublings + 1):
-            following = []
+            following: list[tuple[Arc, Node, int, SpecialPoint | None]] = []
             for arc, node, multiple, born in level:
                 branch, passed_ = self._branch(arc, node, multiple)
                 branches.append(replace(branch, born=born))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +29,7 @@ from hybond.model.parts import Value
 from hybond.model.paths import with_parts
 from hybond.options import seconds
 from hybond.result import Result
+from hybond.runs.asked import MethodOptions, opened
 from hybond.runs.states import State
 from hybond.runs.times import time_in
 
@@ -42,7 +43,7 @@ SETTLE = 2
 """Periods that are run before the first step, where something drives the motion."""
 
 
-@called('hb.periodic(model, period="20 us")')
+@called('hb.periodic(model, period="20 us")', options=MethodOptions)
 def periodic(
     model: Model,
     period: float | str | None = None,
@@ -54,9 +55,7 @@ def periodic(
     parameters: Mapping[str, Value] | None = None,
     tol: float = TOL,
     max_runs: int = MOST,
-    solver: str | None = None,
-    rtol: float | None = None,
-    max_step: float | str | None = None,
+    **options: Unpack[MethodOptions],
 ) -> PeriodicOrbit:
     """Return a motion that repeats, and the Floquet multipliers that say what is near it.
 
@@ -69,9 +68,9 @@ def periodic(
     ----------
     model : Model
     period : float or str
-        After which it repeats, s or a quantity; by default what sources and inputs repeat with.
-        Where nothing drives the model, the period is found: this is a first guess of it, and by
-        default how long a run took to come back.
+        After which it repeats: s, a quantity or an expression of parameters (``"2*pi/w"``); by
+        default what sources and inputs repeat with. Where nothing drives the model, the period is
+        found: this is a first guess of it, and by default how long a run took to come back.
     multiple : int
         How many of these periods the motion needs: 2 for one that repeats after two.
     wrt : sequence of str
@@ -87,8 +86,8 @@ def periodic(
         Part of each state by which the end of the period may be off its beginning.
     max_runs : int
         Runs after which the search ends.
-    solver, rtol, max_step
-        As for `simulate`; rtol is 1e-10 by default.
+    **options
+        `method`, or what is short for it, as for `simulate`; its `rtol` is 1e-10 by default.
 
     Returns
     -------
@@ -123,7 +122,7 @@ def periodic(
     >>> round(orbit["R.e"].mean(), 9)
     4.0
     """
-    shots = shots_of(model, wrt, parameters, solver=solver, rtol=rtol, max_step=max_step)
+    shots = shots_of(model, wrt, parameters, options)
     asked = period_asked(shots, period, multiple)
     begun = begin(shots, asked, multiple, start, settle)
     newton = newton_of(shots, begun, tol, max_runs)
@@ -132,11 +131,16 @@ def periodic(
 
 
 def shots_of(
-    model: Model, wrt: Sequence[str] | str, parameters: Mapping[str, Value] | None, **options: Any
+    model: Model,
+    wrt: Sequence[str] | str,
+    parameters: Mapping[str, Value] | None,
+    asked: Mapping[str, Any],
 ) -> Shots:
     """Return what all shots of a model have in common."""
     check_model(model)
-    if options.get("rtol") is None:
+    options = opened(asked)
+    # a step that is given has no tolerance
+    if "rtol" not in options and "step" not in options:
         options["rtol"] = RTOL
     names = [wrt] if isinstance(wrt, str) else list(wrt)
     given = dict(parameters or {})

@@ -7,19 +7,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hybond.analysis.linear.periods import period_of, periods_in
+from hybond.analysis.linear.periods import period_of, periods_in, time_said, times_of
 from hybond.analysis.periodic.shots import Shots, calm, read_states
 from hybond.errors import NumericsError, UsageError
 from hybond.model.expressions import compile_expression, differentiate, names
 from hybond.model.expressions.slots import slot_of
 from hybond.model.graph import Mode
-from hybond.options import seconds
 from hybond.result import Result
 
 Vector = NDArray[np.float64]
 
-WHOLE = 1e-9
-"""Part by which a period may differ from a whole number of those of the model."""
 POINTS = 2000
 """At which a run is read to see when it comes back."""
 PARTS = (1.0, 1.0 / 16.0, 1.0 / 256.0)
@@ -66,7 +63,7 @@ def period_asked(shots: Shots, period: float | str | None, multiple: int) -> Per
         HB-A541 for a period that is none, or no whole number of the model's own; HB-A511 where it
         is not given and cannot be told.
     """
-    asked = None if period is None else seconds(period, "period")
+    asked = None if period is None else time_said(shots.graph, period, "period")
     if asked is not None and not 0.0 < asked < np.inf:
         raise _no_period(f"a period of {asked:g} s is none", "a time above 0")
     if isinstance(multiple, bool) or not isinstance(multiple, int) or multiple < 1:
@@ -89,8 +86,8 @@ def period_asked(shots: Shots, period: float | str | None, multiple: int) -> Per
     if asked is None:
         note = f"the model repeats every {own:.9g} s"
         return Period(multiple * own, multiple, own=False, note=note)
-    times = round(asked / own)
-    if times < 1 or abs(asked / own - times) > WHOLE * times:
+    times = times_of(asked, own)
+    if not times:
         raise _no_period(
             f"the model repeats every {own:.9g} s, and {asked:.9g} s is no whole number of that",
             f'period="{own:.9g} s", or leave it out and say multiple=2',

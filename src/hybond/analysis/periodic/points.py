@@ -31,6 +31,9 @@ from hybond.analysis.sensitivity.collocation import Jump
 
 Vector = NDArray[np.float64]
 
+KINDS = (
+    "fold", "branching", "period doubling", "Neimark-Sacker", "grazing", "border collision",
+)  # fmt: skip
 BISECTIONS = 40
 SENSITIVE = 30.0
 """How many times the period an instant moves with a state, as parts of both, where a guard is

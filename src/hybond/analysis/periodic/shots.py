@@ -100,7 +100,7 @@ class Shots:
     opened : Opened
         The model; what is varied are parameters of it.
     options : mapping
-        Of `simulate`: solver, rtol, max_step.
+        Of `simulate`: its method.
 
     Attributes
     ----------
