@@ -220,3 +220,21 @@ def test_a_corner_of_the_branch_is_passed_whatever_the_range_is() -> None:
     mean = light.run["L.f"].mean()
     assert mean * branch.values[-1] == pytest.approx(light.run["C.e"].mean(), rel=1e-7)
     assert [x.kind for x in light.multipliers] == ["", "zero"]
+
+
+def test_what_branches_do_not_have_is_refused_with_what_may_be_meant() -> None:
+    found = hb.continuation(choke(), "Vo", ("3 V", "3.1 V"), points=2)
+    branch = found.branches[0]
+    for call, near in (
+        (lambda: branch.of("L.f", "maximum"), "'max'"),  # type: ignore[arg-type]
+        (lambda: branch.of("L.f", turn=1), "0 to 0"),
+        (lambda: found["period doublings"], "'period doubling'"),
+        (lambda: found.plot("L.f", "mea"), "'mean'"),  # type: ignore[arg-type]
+    ):
+        with pytest.raises(hb.UsageError) as error:
+            call()
+        assert error.value.code == "HB-A544" and near in error.value.hint
+    assert found["fold"] == ()
+    with pytest.raises(hb.UsageError) as unknown:
+        branch.of("L.g", "max")
+    assert unknown.value.code == "HB-S109"

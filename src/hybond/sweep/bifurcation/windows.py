@@ -95,12 +95,11 @@ class Windows(tuple[Window, ...]):
         return (w for w in self if w.period > 0)
 
     def __repr__(self) -> str:
-        rows = [["branch", "from", "to", "period", "events", "modes of a turn", "ends in"]]
+        rows = [["branch", "from", "to", "orbit", "events", "modes of a turn", "ends in"]]
         for w in self:
             low, high = self._border(w.low, w.low_error), self._border(w.high, w.high_error)
             seen = [f"{w.events:.3g}", _short(w.orbit)] if w.period > 0 else ["", ""]
-            name = str(w.period) if w.period > 0 else w.name
-            rows.append([w.direction, low, high, name, *seen, w.ends_in])
+            rows.append([w.direction, low, high, w.name, *seen, w.ends_in])
         return "\n".join([f"windows of {self.path}", *(f"  {line}" for line in in_columns(rows))])
 
     def _border(self, at: float, error: float) -> str:
