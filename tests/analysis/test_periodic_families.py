@@ -145,3 +145,15 @@ def test_clocks_that_nothing_ties_together_are_told_from_what_runs_away(
     with pytest.raises(hb.NumericsError, match="has a rhythm of its own") as error:
         hb.periodic(m)
     assert error.value.code == "HB-A540" and "couple the two" in error.value.hint
+
+
+def test_a_family_is_not_followed_and_a_pair_that_nothing_damps_crosses_nothing() -> None:
+    m = hb.Model("pendulum", parameters={"k": 1.0})
+    m.add(a=hb.C({"e": "k*sin(q)"}, q=1.0), b=hb.I(1.0), j=hb.One())
+    m.bond("j -> a", "j -> b")
+    with pytest.raises(hb.NumericsError, match=r"one of a family, by a\.q, b\.p") as error:
+        hb.continuation(m, "k", (1.0, 2.0), settle=30.0)
+    assert error.value.code == "HB-A542" and error.value.partial is not None
+    found = hb.continuation(driven(), "L.I", ("1 H", "2 H"), points=3)
+    assert found.special == () and found.branches[0].ended == "the range ends"
+    assert all(p.neutral for p in found.branches[0].points)

@@ -10,6 +10,7 @@ import numpy as np
 
 from hybond.analysis.periodic.arc import Arc, Node, OrbitPoint
 from hybond.analysis.periodic.branch import Branch, Continuation
+from hybond.analysis.periodic.multipliers import is_neutral
 from hybond.analysis.periodic.newton import Found
 from hybond.analysis.periodic.periodic import TOL, begin, newton_of, shots_of
 from hybond.analysis.periodic.periods import Period, length_now, period_asked
@@ -118,6 +119,7 @@ def continuation(
     asked = period_asked(shots, period, multiple)
     begun = begin(shots, asked, multiple, start, settle)
     found = newton_of(shots, begun, tol, 60).found(begun.x, begun.mode, begun.period.T)
+    _check_one(shots, begun.period, found, parameter)
     follow = _Follow(shots, first, last, points, max_points, tol)
     branches = follow.all(begun.period, found, doublings)
     notes = [note for note in (begun.period.note, *found.notes) if note]
@@ -155,6 +157,33 @@ def _range(values: Any) -> tuple[float, float]:
     if not np.isfinite(ends).all() or ends[0] == ends[1]:
         raise _no_range(f"from {ends[0]:g} to {ends[1]:g} there is no way", "values", "two values")
     return ends[0], ends[1]
+
+
+def _check_one(shots: Shots, period: Period, found: Found, parameter: str) -> None:
+    """Refuse an orbit of a family, of which nothing says which one belongs to another value.
+
+    Raises
+    ------
+    NumericsError
+        HB-A542.
+    """
+    if not period.own or not found.free:
+        return
+    free = len(found.free)
+    if not is_neutral(
+        shots.multipliers(found.shot, found.sizes, found.kept, own=True, conserved=free)
+    ):
+        return
+    error = NumericsError(
+        f"the first orbit is one of a family, by {found.free[0]}: at another value of {parameter} "
+        "there is a family again, and nothing says which of it is the next one",
+        code="HB-A542",
+        where=parameter,
+        hint="find one for each value from a start of its own with hb.periodic, or let something "
+        "decide it: a loss and what makes up for it",
+    )
+    error.partial = found.shot.run
+    raise error
 
 
 def _check_units(values: Sequence[float | str], unit: str) -> None:

@@ -26,6 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.analysis.periodic.arc import Arc, Node, OrbitPoint
+from hybond.analysis.periodic.multipliers import is_stable
 from hybond.analysis.periodic.shots import Shot
 from hybond.analysis.sensitivity.collocation import Jump
 
@@ -139,7 +140,8 @@ def _smooth(arc: Arc, a: Node, b: Node, tolerance: float) -> list[Passed]:
         found.append(_located(arc, a, b, "period doubling", lambda n: _sign(n, -1.0), tolerance))
     outside = _pairs(a) - _pairs(b)
     same = _sign(a, 1.0) * _sign(b, 1.0) > 0.0 and _sign(a, -1.0) * _sign(b, -1.0) > 0.0
-    if outside and same and abs(_outside(a) - _outside(b)) >= 2:
+    still = all(any(m.kind == "neutral" for m in n.found) for n in (a, b))
+    if outside and same and not still and abs(_outside(a) - _outside(b)) >= 2:
         most = max(_pairs(a), _pairs(b))
         found.append(_located(arc, a, b, "Neimark-Sacker", lambda n: _pair(n, most), tolerance))
     return sorted(found, key=lambda p: float(np.linalg.norm(p.node.z - a.z)))
@@ -228,7 +230,7 @@ def _crossing(node: Node, kind: str) -> str:
 def _border(arc: Arc, before: Node, after: Node) -> Passed:
     """Return the point at which the sequence of switches changes, and what that is."""
     kind, said = _named(arc, before.shot, after.shot)
-    stable = ["stable" if _outside(n) == 0 else "unstable" for n in (before, after)]
+    stable = ["stable" if is_stable(n.found) else "not stable" for n in (before, after)]
     if stable[0] != stable[1]:
         said.append(f"{stable[0]} before, {stable[1]} after")
     value = 0.5 * float(before.z[-1] + after.z[-1]) * arc.span
