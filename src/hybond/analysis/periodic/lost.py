@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hybond.analysis.sensitivity.along import Chain
+from hybond.analysis.sensitivity.chain import Chain
 from hybond.analysis.sensitivity.collocation import Jump, Step
 from hybond.analysis.sensitivity.exponential import grown
 from hybond.analysis.sensitivity.fields import Fields

@@ -19,7 +19,8 @@ from hybond.analysis.periodic.lost import lost_directions
 from hybond.analysis.periodic.multipliers import CIRCLE, Multiplier, multipliers, spanned
 from hybond.analysis.periodic.resting import resting, shut
 from hybond.analysis.periodic.still import takes_nothing
-from hybond.analysis.sensitivity.along import Chain, chain_of
+from hybond.analysis.sensitivity.along import chain_of
+from hybond.analysis.sensitivity.chain import Chain
 from hybond.analysis.sensitivity.fields import Field, Fields
 from hybond.analysis.sensitivity.opened import Opened
 from hybond.analysis.sensitivity.sensitivities import check_followed

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from hybond.analysis.sensitivity.along import Chain
+from hybond.analysis.sensitivity.chain import Chain
 from hybond.analysis.sensitivity.collocation import Jump, Step
 from hybond.analysis.sensitivity.fields import Field, Fields
 from hybond.analysis.sensitivity.flow import Flow

@@ -9,7 +9,8 @@ from typing import Unpack
 import numpy as np
 from numpy.typing import NDArray
 
-from hybond.analysis.sensitivity.along import Chain, chain_of
+from hybond.analysis.sensitivity.along import chain_of
+from hybond.analysis.sensitivity.chain import Chain
 from hybond.analysis.sensitivity.collocation import Jump
 from hybond.analysis.sensitivity.fields import Fields
 from hybond.analysis.sensitivity.landing import Landing
