@@ -96,3 +96,21 @@ def test_a_run_that_ends_where_a_law_jumps_has_derivatives_to_one_side() -> None
     # a little before it and behind it there are two sides
     for until in (0.999, 1.001):
         assert hb.sensitivities(model, until, wrt=["P"]).notes == ()
+
+
+@pytest.mark.parametrize("rtol", [1e-8, 1e-11])
+def test_a_jump_in_a_step_that_is_nearly_none_counts(rtol: float) -> None:
+    """A staircase of three steps a period; a machine beside it has runs end steps elsewhere."""
+    P, t = 0.5, 1.13
+    m = hb.Model("stairs", parameters={"P": P})
+    m.signal(x=hb.Integral("floor(3*mod(time, P)/P) - x"), c=hb.Integral("1"))
+    rules = ["a -> b when c > 0.777", "b -> a when c < 0.1"]
+    m.machine("k", states={"a": [], "b": []}, start="a", rules=rules)
+    s = hb.sensitivities(m, t, wrt=["P"], of=["x"], rtol=rtol)
+    thirds = [(k, min(k + 1, 3 * t / P)) for k in range(int(3 * t / P) + 1)]
+    ends = [(k % 3, a * P / 3, b * P / 3, a / 3, b / 3 if b == k + 1 else 0.0)
+            for k, (a, b) in enumerate(thirds)]  # fmt: skip
+    x = sum(c * (np.exp(b - t) - np.exp(a - t)) for c, a, b, _, _ in ends)
+    by = sum(c * (q * np.exp(b - t) - p * np.exp(a - t)) for c, a, b, p, q in ends)
+    assert s.y[-1, 0] == pytest.approx(x, rel=1e-6)
+    assert s.final("x", "P") == pytest.approx(by, rel=1e-6)

@@ -17,6 +17,7 @@ from hybond.analysis.sensitivity.collocation import Jump
 from hybond.analysis.sensitivity.crossing import SAME, Crossing, crossed
 from hybond.analysis.sensitivity.fields import Field, Fields
 from hybond.analysis.sensitivity.gradients import Compiled
+from hybond.analysis.sensitivity.last_kink import BESIDE as INSTANT
 from hybond.analysis.sensitivity.last_kink import Kink
 from hybond.analysis.sensitivity.tangent import Read, Undetermined
 from hybond.model.expressions import Binary, Expr, comparisons, names, turning
@@ -51,13 +52,14 @@ def kinks_of(fields: Fields, segment: Segment) -> list[Kink]:
         j = k + 1 if behind <= before or before > THERE or k == 0 else k
         if j + 1 == len(segment.t):
             continue  # the end of the segment is a switch of its own
-        step = float(segment.t[j] - segment.t[j - 1])
+        t, step = float(segment.t[j]), float(segment.t[j] - segment.t[j - 1])
         off = min(before, behind)
-        left = float(segment.t[j]) - max(BESIDE, 4.0 * off if off <= THERE else 0.0) * step
+        back = max(BESIDE * step, 4.0 * off * step if off <= THERE else 0.0, INSTANT * t)
+        left = max(t - back, 0.5 * (float(segment.t[0]) + t))
         h = [turns[c] for c in changed]
         if j in found:
             left, h = max(left, found[j].left), [*found[j].h, *h]
-        found[j] = Kink(float(segment.t[j]), left, tuple(dict.fromkeys(h)))
+        found[j] = Kink(t, left, tuple(dict.fromkeys(h)))
     return [found[j] for j in sorted(found)]
 
 
