@@ -335,8 +335,8 @@ class Newton:
         moved = float((np.abs(shot.x - begun.x) / self.units)[kept].max(initial=0.0))
         if moved > ELSEWHERE:
             found.append(
-                f"the search has left the one that it began on, by {moved:.2g} of a state: let it "
-                "settle longer, or start it elsewhere"
+                f"the motion that the search began with is another one, {moved:.2g} of a state "
+                "beside it, and repeats later or never"
             )
         return found
 

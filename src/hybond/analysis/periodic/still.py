@@ -49,7 +49,9 @@ def takes_nothing(run: Result, chain: Chain, fields: Fields, basis: Vector) -> b
     for k in motions[:: max(1, len(motions) // INSTANTS)]:
         link = chain.links[k]
         assert isinstance(link, Step | Flow)
-        segment = next(s for s in run.segments if s.t[0] <= link.t0 < s.t[-1])
+        segment = next((s for s in run.segments if s.t[0] <= link.t0 < s.t[-1]), None)
+        if segment is None:
+            return False
         field = fields.within(segment, np.array([link.t0]))
         y, sign = _efforts(fields, field, found[k]), _signs(fields)
         rates = field.slopes[0, : len(y), :n] @ found[k]
