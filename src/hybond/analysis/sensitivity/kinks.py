@@ -39,9 +39,9 @@ def kinks_of(fields: Fields, segment: Segment) -> list[Kink]:
     if segment.sliding is not None or len(segment.t) < 3:
         return []
     at = fields.values.within(segment, segment.t)
-    turns = fields.mode(segment.mode, at).rows.turns
-    found: dict[int, Kink] = {}
-    values = Compiled(turns).at(at.values, at.points)
+    rows = fields.mode(segment.mode, at).rows
+    turns, found = rows.turns, dict[int, Kink]()
+    values = rows.turned.at(at.values, at.points)
     sign = np.sign(values)
     for k in np.flatnonzero((sign[:-1] * sign[1:] < 0.0).any(axis=1)).tolist():
         changed = np.flatnonzero(sign[k] * sign[k + 1] < 0.0).tolist()

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from hybond.analysis.sensitivity.gradients import Compiled
 from hybond.model.expressions import Expr
 from hybond.runs.trace import Segment
 
@@ -51,10 +50,11 @@ def ends_at(fields: Fields, segment: Segment) -> Kink | None:
     end = float(segment.t[-1])
     near = min(BESIDE * abs(end), 0.5 * (end - float(segment.t[-2])))
     at = fields.values.within(segment, np.array([end - near, end]))
-    turns = fields.mode(segment.mode, at).rows.turns
+    rows = fields.mode(segment.mode, at).rows
+    turns = rows.turns
     if not turns:
         return None
-    before, there = Compiled(turns).at(at.values, 2)
+    before, there = rows.turned.at(at.values, 2)
     # what passes zero goes on as it came; nobody has seen what is beyond the end of a run
     behind = 2.0 * there - before
     changed = (before * there <= 0.0) | (before * behind < 0.0)

@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from hybond.analysis.sensitivity.gradients import AREA, RATE, without_pre
+from hybond.analysis.sensitivity.gradients import AREA, RATE, Compiled, without_pre
 from hybond.analysis.sensitivity.wanted import followed, stored_law
 from hybond.equations.calculus import partial_time, rate_name
 from hybond.equations.element_parts import Part, Parts, configure, settings
@@ -94,6 +94,11 @@ class ModeRows:
     def turns(self) -> list[Expr]:
         """What changes its sign where a law or a rate bends or jumps, of what moves."""
         return self._moving(turning)
+
+    @cached_property
+    def turned(self) -> Compiled:
+        """The values of `turns`."""
+        return Compiled(self.turns)
 
     @cached_property
     def leaps(self) -> frozenset[Expr]:
