@@ -71,6 +71,9 @@ def test_steep_is_no_jump() -> None:
     P, k = 0.5, 1e4
     orbit = hb.periodic(lag(f"tanh({k}*sin(2*pi*time/P)) - x", P), wrt=["P"])
     assert orbit.derivative("x", "P") == pytest.approx(-1 / (2 * np.cosh(P / 4)) ** 2, rel=1e-4)
+    # what cannot be told from a jump any more is said to be told badly
+    orbit = hb.periodic(lag("tanh(1e9*sin(2*pi*time/P)) - x", P), wrt=["P"])
+    assert any("fewer digits" in note for note in orbit.notes)
 
 
 def test_a_run_that_ends_where_a_law_jumps_has_derivatives_to_one_side() -> None:

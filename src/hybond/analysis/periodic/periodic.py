@@ -269,6 +269,7 @@ def orbit_of(shots: Shots, period: Period, found: Found) -> PeriodicOrbit:
         notes.append(f"it is counted from t = {shots.t0:.9g} s, away from switches")
     if not period.known:
         notes += _checked(shots, found)
+    notes += [] if shot.chain is None else shot.chain.digits()
     state = shot.run.state(shot.run.t_begin)
     once = period.T / period.multiple
     worked = shots.time / (shot.T if period.own else once)

@@ -87,12 +87,14 @@ class Chain:
                 f"by {', '.join(self.last)} perhaps to one side only: the run ends where a law "
                 "jumps, and the derivatives are those before its jump"
             )
-        if self.rough:
-            found.append(
-                f"near t = {self.rough[0]:.6g} s the derivatives have fewer digits: their motion "
-                "is not smooth there"
-            )
-        return tuple(found)
+        return (*found, *self.digits())
+
+    def digits(self) -> tuple[str, ...]:
+        """Return what is to be known of their digits."""
+        if not self.rough:
+            return ()
+        near = f"near t = {self.rough[0]:.6g} s the derivatives have fewer digits"
+        return (f"{near}: their motion is not smooth there",)
 
     def forward(self) -> list[Vector]:
         """Return the variations before the first link, and after each."""
