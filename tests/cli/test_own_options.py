@@ -53,6 +53,8 @@ def files(tmp_path: Path) -> dict[str, str]:
         (["periodic", "driven", "--period", "0.15 ms"], "at --period: the model repeats"),
         (["periodic", "driven", "--period", "0.15 ms"], "--period '0.0001 s', or leave it out and"),
         (["periodic", "driven", "--period", "0.15 ms"], "say --multiple 2"),
+        (["periodic", "driven", "--along", "Tx=1..2"], "at --along: 'Tx' is no parameter"),
+        (["periodic", "driven", "--along", "T=x..2"], "try: --along 'D=0.3..0.7'"),
         (["periodic", "alone"], "--settle '10 s', in which"),
         (["periodic", "driven", "--period", "2*T1"], "did you mean 'T'?"),
         (["periodic", "driven", "--period", "I0"], "'I0' is in A, and no time"),

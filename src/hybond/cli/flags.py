@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 import shlex
-from argparse import _SubParsersAction
+from argparse import Namespace, _SubParsersAction
 from collections.abc import Mapping
 
 from hybond.errors import HybondError
@@ -20,19 +20,24 @@ OTHERS = {"parameters": "--set", "executor": "--cluster", "values": "--along"}
 
 _VALUE = r"""\"[^\"]*\"|'[^']*'|\{[^{}]*\}|\[[^\[\]]*\]|\([^()]*\)|\.\.\.|[^\s,;)"'({\[]+"""
 _GIVEN = re.compile(rf"(?<![\w.-])(?P<name>[a-z_]+)=(?P<value>{_VALUE})?(?![\w=])")
-_CALL = re.compile(r"hb\.[a-z_]+\((?:model|\.\.\.)(?:, )?(?P<inside>[^()]*)\)")
+_CALL = re.compile(r"hb\.[a-z_]+\((?:model|run|\.\.\.)(?:, )?(?P<inside>[^()]*)\)")
 _TICKED = re.compile(r"`(?P<name>[a-z_]+)`")
 _PAIR = re.compile(r"\((?P<low>[^(),]*), (?P<high>[^(),]*)\)")
 _QUOTES = "\"'"
 
 
-def in_flags(refusal: HybondError, verb: str) -> HybondError:
+def in_flags(refusal: HybondError, given: Namespace) -> HybondError:
     """Return a refusal whose place and remedy name options of a verb, where it has them."""
+    verb = getattr(given, "verb", "")
     if verb not in VERBS:
         return refusal
     flags = flags_of(verb)
+    if getattr(given, "along", None) is not None:
+        flags["wrt"] = "--along"
     refusal.where = flags.get(refusal.where, refusal.where)
     refusal.hint = said(refusal.hint, flags)
+    if refusal.where == "--along" and refusal.hint.startswith("("):
+        refusal.hint = "--along 'D=0.3..0.7'"
     return refusal
 
 

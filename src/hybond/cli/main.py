@@ -186,7 +186,7 @@ def refused(given: Namespace, error: BaseException) -> int:
     interrupted = isinstance(error, KeyboardInterrupt)
     refusal = None if interrupted else placed(refusal_of(error), given)
     if refusal is not None:
-        refusal = in_flags(refusal, getattr(given, "verb", ""))
+        refusal = in_flags(refusal, given)
     if getattr(given, "json", False):
         from hybond.cli.record import failure_record, to_json
 
