@@ -112,7 +112,8 @@ def shaker(amplitude: str, w: str, restitution: float) -> hb.Model:
 
 
 @pytest.mark.parametrize(
-    ("amplitude", "w", "restitution"), [("4 mm", "20 rad/s", 0.3), ("5 mm", "60 rad/s", 0.2)]
+    ("amplitude", "w", "restitution"),
+    [("4 mm", "20 rad/s", 0.3), ("5 mm", "60 rad/s", 0.2), ("4 mm", "60 rad/s", 0.0)],
 )
 def test_a_ball_that_rests_on_a_shaker_loses_both_directions(
     amplitude: str, w: str, restitution: float

@@ -86,7 +86,7 @@ def continuation(
     UsageError
         HB-A543 for a range or numbers that are none; others as `periodic`.
     NumericsError
-        HB-A540, HB-A542 if there is no first orbit.
+        HB-A540, HB-A542 if there is no first orbit, or it is one of a family.
 
     Examples
     --------

@@ -25,8 +25,10 @@ from hybond.result import Result
 
 Vector = NDArray[np.float64]
 
-NOTHING = 1e-9
-"""Singular values of the scaled map of a switch below this part of the largest are zero."""
+NOTHING = 1e-11
+"""Part of the terms of the scaled map of a switch that is left where they cancel."""
+GONE = 1e-9
+"""Length of a direction that is carried along, of one at first, that is none any more."""
 SHORT = 0.5
 """How large the matrix of a motion is made at the most."""
 
@@ -113,9 +115,35 @@ def _shortened(A: Vector) -> Vector:
 
 def _alike(S: Vector) -> Vector:
     """Return a map that loses what another one does, and keeps the length of all else."""
-    u, values, v = np.linalg.svd(S)
-    rank = int((values > NOTHING * values.max(initial=0.0)).sum())
+    u, _, v = np.linalg.svd(S)
+    rank = rank_of(S)
     return np.asarray(u[:, :rank] @ v[:rank])
+
+
+def rank_of(S: Vector) -> int:
+    """Return the rank of the map of a switch in scaled states, which is 1 where nothing happens.
+
+    By elimination with the largest pivots: what is left of terms that cancel is nothing, however
+    large other entries are, as those of an impact that hardly touches.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> rank_of(np.array([[-0.2, 1e6], [0.0, -0.2]])), rank_of(np.array([[1e-16, 0.0], [0.0, 1.0]]))
+    (2, 1)
+    """
+    left, terms = S.copy(), np.maximum(np.abs(S), 1.0)
+    rank = 0
+    while left.size:
+        i, j = divmod(int(np.argmax(np.abs(left) / terms)), left.shape[1])
+        if abs(left[i, j]) <= NOTHING * terms[i, j]:
+            break
+        taken = np.outer(left[:, j], left[i]) / left[i, j]
+        left, terms = left - taken, terms + np.abs(taken)
+        left = np.delete(np.delete(left, i, axis=0), j, axis=1)
+        terms = np.delete(np.delete(terms, i, axis=0), j, axis=1)
+        rank += 1
+    return rank
 
 
 def _carried(maps: Sequence[Vector | _Limit], basis: Vector) -> Vector:
@@ -128,7 +156,7 @@ def _carried(maps: Sequence[Vector | _Limit], basis: Vector) -> Vector:
         else:
             now = made @ now
         u, values, v = np.linalg.svd(now, full_matrices=False)
-        rank = int((values > NOTHING).sum())
+        rank = int((values > GONE).sum())
         turn = v[:rank].T / values[:rank]
         found = [own @ turn for own in found]
         found.append(u[:, :rank])

@@ -9,6 +9,9 @@ is taken that is nearest. States are measured by the largest value that each has
 motion conserves, l (F(x) - x) = 0 for all x, makes J singular with l J = 0; the step then keeps
 it, l d = 0, and else is the smallest.
 
+Where the end is off along the motion alone, only T is changed: where every motion repeats, as
+without losses and sources, the one found is the one begun with.
+
 A step that does not bring the end nearer to the beginning is halved, and after `HALVINGS` the
 period is run on instead, as it is where the end has another mode or no derivative.
 Source: Aprille and Trick, Steady-state analysis of nonlinear circuits with periodic inputs,
