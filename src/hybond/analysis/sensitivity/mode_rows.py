@@ -27,12 +27,12 @@ from hybond.model.expressions import (
     Number,
     Pre,
     differentiate,
-    leaping,
     names,
     simplify,
     substitute,
     turning,
 )
+from hybond.model.expressions.kinks import leaping
 from hybond.model.expressions.slots import is_slotted, tree_of
 from hybond.model.expressions.tree import transform
 from hybond.model.graph import FlatGraph, Mode, Node
