@@ -34,8 +34,9 @@ def did_you_mean(name: str, known: Iterable[str], *, limit: int = 3) -> str:
         return "did you mean " + ", ".join(repr(n) for n in near) + "?"
     if not choices:
         return ""
-    shown = ", ".join(sorted(choices)[:12])
-    return f"known names: {shown}" + (", ..." if len(choices) > 12 else "")
+    known_names = sorted(set(choices))
+    shown = ", ".join(known_names[:12])
+    return f"known names: {shown}" + (", ..." if len(known_names) > 12 else "")
 
 
 def plural(noun: str, count: int) -> str:

@@ -4,9 +4,11 @@ import json
 
 import numpy as np
 import pytest
+from scipy.linalg import expm
 from scipy.optimize import brentq
 
 import hybond as hb
+from hybond.draw.orbit_plots import _curve
 
 
 def bouncer(amplitude: str) -> hb.Model:
@@ -36,6 +38,11 @@ def test_the_bouncing_ball_is_born_in_a_fold_and_doubles_its_period() -> None:
     assert first.stable[0] and not first.stable[-1] and first.ended == "the range ends"
     second = found.branches[1]
     assert second.multiple == 2 and second.stable[1] and second.values[2] > doubles
+    # it is drawn from where it begins
+    assert second.born is double and first.born is None
+    _, x, ys, stable = _curve(second, "ball.f", "begin")
+    assert x[0] == double.value and len(stable) == len(x)
+    assert [y[0] for y in ys] == pytest.approx([double.orbit.state["ball.p"] / 2] * 2, rel=1e-6)
     # the other way the branch turns back where it is born
     A, T = 8.7e-3, np.pi / 10
     t = np.arccos(u / (A * w)) / w
@@ -182,3 +189,52 @@ def test_a_pair_crosses_where_damping_changes_its_sign() -> None:
     T = 2 * np.pi / 2.6
     sizes = [abs(p.multipliers[0].value) for p in found.branches[0].points]
     assert sizes == pytest.approx(np.exp(-found.branches[0].values / 2 * T), rel=1e-8)
+
+
+def test_a_corner_of_the_branch_is_passed_whatever_the_range_is() -> None:
+    """A buck converter whose load goes away: its current begins to end within the period."""
+    L, C, RL, T, D = 100e-6, 10e-6, 0.1, 20e-6, 0.4
+    m = hb.Model("buck", domain="electrical", parameters={"R": "15 ohm"})
+    m.input(u=hb.Input(pwm={"period": "20 us", "duty": D}))
+    m.add(V=hb.Se("12 V"), L=hb.I("100 uH"), rl=hb.R("0.1 ohm"), C=hb.C("10 uF"), r=hb.R("R"))
+    m.add(s=hb.One(), d=hb.One(law="diode"), a=hb.Zero(), j=hb.One(), n=hb.Zero(), g=hb.Se("0 V"))
+    m.bond("V -> s -> a -> j -> L", "g -> d -> a", "j -> rl", "j -> n -> C", "n -> r")
+    rules = ["off -> on when u > 0.5", "on -> off when u < 0.5"]
+    m.machine("S", states={"on": ["s"], "off": []}, start="off", rules=rules)
+
+    def valley(load: float) -> float:
+        """The flux with which a period begins, did the diode always conduct."""
+        A = np.array([[-RL / L, -1 / C], [1 / L, -1 / (load * C)]])
+        on, off, one = expm(A * D * T), expm(A * (1 - D) * T), np.eye(2)
+        added = np.linalg.solve(A, (on - one) @ np.array([12.0, 0.0]))
+        return float(np.linalg.solve(one - off @ on, off @ added)[0])
+
+    found = hb.continuation(m, "R", ("15 ohm", "500 ohm"), points=4)
+    (border,) = found.special
+    assert border.kind == "border collision"
+    assert border.value == pytest.approx(brentq(valley, 12.0, 30.0, xtol=1e-12), rel=1e-5)
+    branch = found.branches[0]
+    assert branch.ended == "the range ends" and len(branch.points) < 40
+    light = branch.points[-1]
+    # without a current at both ends charge balance says the mean output: the load's own
+    mean = light.run["L.f"].mean()
+    assert mean * branch.values[-1] == pytest.approx(light.run["C.e"].mean(), rel=1e-7)
+    assert [x.kind for x in light.multipliers] == ["", "zero"]
+
+
+def test_what_branches_do_not_have_is_refused_with_what_may_be_meant() -> None:
+    found = hb.continuation(choke(), "Vo", ("3 V", "3.1 V"), points=2)
+    branch = found.branches[0]
+    for call, near in (
+        (lambda: branch.of("L.f", "maximum"), "'max'"),  # type: ignore[arg-type]
+        (lambda: branch.of("L.f", turn=1), "0 to 0"),
+        (lambda: found["period doublings"], "'period doubling'"),
+        (lambda: found.plot("L.f", "mea"), "'mean'"),  # type: ignore[arg-type]
+    ):
+        with pytest.raises(hb.UsageError) as error:
+            call()
+        assert error.value.code == "HB-A544" and near in error.value.hint
+    assert found["fold"] == ()
+    with pytest.raises(hb.UsageError) as unknown:
+        branch.of("L.g", "max")
+    assert unknown.value.code == "HB-S109"

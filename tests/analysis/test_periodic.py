@@ -400,3 +400,14 @@ def test_what_does_not_repeat_as_is_said_is_found_out() -> None:
     assert unknown.value.code == "HB-A511"
     with pytest.raises(hb.NumericsError, match="the next one does not"):
         hb.periodic(m, "1 s")
+
+
+def test_the_method_is_a_record_as_elsewhere_and_the_period_an_expression() -> None:
+    orbit = hb.periodic(buck(), method=hb.Radau(rtol=1e-9))
+    assert orbit.run.solver == "radau" and orbit.stable
+    with pytest.raises(hb.UsageError) as error:
+        hb.periodic(buck(), method="radau", solver="rk45")
+    assert error.value.code == "HB-S122"
+    m = hb.Model("lag", parameters={"w": "20 rad/s"})
+    m.signal(x=hb.Integral("(cos(w*time) - x)/(1 s)"))
+    assert hb.periodic(m, "4*pi/w").period == pytest.approx(np.pi / 5, rel=1e-12)

@@ -6,6 +6,7 @@ import sys
 from argparse import Namespace
 from typing import Any
 
+from hybond.cli.flags import flags_of, said
 from hybond.cli.lists import split
 from hybond.cli.netlists import read_model
 from hybond.cli.outputs import PICTURES
@@ -83,7 +84,7 @@ def bifurcation(given: Namespace) -> int:
     if plot is not None and len(found.of) > 1:
         complain(f"the plot shows {found.of[0]}, the first of {len(found.of)} signals")
     for note in found.notes:
-        complain(note)
+        complain(said(note, flags_of("bifurcation")))
     errors = list(found.errors.items())
     for (way, k), error in errors[:TOLD]:
         complain(f"{way}, {found.parameter} = {found.values[k]:.9g}: {error}")

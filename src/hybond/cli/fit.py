@@ -21,6 +21,13 @@ from hybond.fitting.fit import fit as fitted
 def fit(given: Namespace) -> int:
     """Fit; print the values, or one JSON object; draw the plot that is asked for."""
     plot = check_target(given.plot, PICTURES, "--plot")
+    if given.seed is not None and given.starts == 1:
+        raise UsageError(
+            "one search begins with the model's values, and nothing is drawn",
+            code="HB-X101",
+            where="--seed",
+            hint="--starts 20 --seed 1, or leave --seed out",
+        )
     model, parameters = changed_with(read_model(given.file)[0], given.settings)
     found = fitted(
         model,
@@ -32,7 +39,7 @@ def fit(given: Namespace) -> int:
         parameters=parameters,
         rtol=given.rtol,
         starts=given.starts,
-        seed=given.seed,
+        seed=given.seed or 0,
     )
     if plot is not None:
         found.plot(plot)

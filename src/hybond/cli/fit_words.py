@@ -56,7 +56,7 @@ def fit_words(verb: Callable[..., ArgumentParser], verbs: Any) -> ArgumentParser
         default=1,
         help="begin N times: with the model's values, then spread within --bounds; keep the best",
     )
-    parser.add_argument("--seed", metavar="N", type=int, default=0, help="of --starts")
+    parser.add_argument("--seed", metavar="N", type=int, help="of --starts (default: 0)")
     option_word(parser, "rtol")
     parser.add_argument("--plot", metavar="FILE", help="plot data and runs")
     parser.add_argument(

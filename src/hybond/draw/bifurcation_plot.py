@@ -16,6 +16,8 @@ INK = {"fresh": "#222222", "up": "#4477aa", "down": "#ee6677"}
 """Two hues of P. Tol, which stay apart for colour-blind readers."""
 SPAN = 0.035
 """Part of the width that a window takes at the least to be named."""
+EDGE = 0.012
+"""Part of the width that is left free on both sides, so that no dot is cut."""
 SOFT = "#f1f1f4"
 
 
@@ -57,11 +59,14 @@ def draw_bifurcation(
             zorder=3,
         )
     low, high = float(diagram.values[0]), float(diagram.values[-1])
-    ax.set_xlim(low, high)
+    ax.set_xlim(low - EDGE * (high - low), high + EDGE * (high - low))
     if windows:
         _name_windows(ax, diagram, low, high)
     if len(diagram.branches) > 1:
-        ax.legend(loc="lower left", fontsize=8.5, markerscale=4, frameon=False)
+        ax.legend(
+            loc="lower right", bbox_to_anchor=(1.0, 1.06), ncols=2, fontsize=8.5, markerscale=4,
+            frameon=False, borderaxespad=0.0, handletextpad=0.2,
+        )  # fmt: skip
     ax.set_xlabel(_named(diagram.parameter, diagram.unit), fontsize=9.5, parse_math=False)
     ax.set_ylabel(_named(signal, diagram.units[signal]), fontsize=9.5, parse_math=False)
     ax.tick_params(labelsize=8)

@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 from hybond.draw.measure import shorten
 from hybond.draw.plots import COLOURS, new_figure, plot_run, write_figure
 from hybond.draw.scales import axis_scale
-from hybond.errors import UsageError
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -73,7 +72,7 @@ def plot_orbit(orbit: Any, names: Sequence[str], *, path: str | Path | None = No
     low = height - _TOP - high + 0.5 * (high - _CIRCLE)
     circle = figure.add_axes((left / page, low / height, _CIRCLE / page, _CIRCLE / height))
     _circle(circle, orbit)
-    said = "stable" if orbit.stable else "not stable"
+    said = "stable" if orbit.stable else "neutral" if orbit.neutral else "not stable"
     title = shorten(f"{run.title}: one period, {said}", 10.5, 72.0 * (page - _LEFT - _RIGHT))
     figure.text(
         _LEFT / page, 1.0 - 0.2 / height, title, fontsize=10.5, fontweight="bold", va="center",
@@ -90,7 +89,7 @@ def _circle(ax: Axes, orbit: Any) -> None:
     ax.axvline(0.0, color="#e0e0e0", linewidth=0.7, zorder=0.5)
     reach = 1.25
     for m in orbit.multipliers:
-        inside = abs(m.value) < 1.0
+        inside = abs(m.value) < 1.0 or m.kind == "neutral"
         colour = COLOURS[0] if inside or not m.counts else COLOURS[1]
         face = colour if m.counts else "white"
         ax.plot(
@@ -112,6 +111,22 @@ def _turns(branch: Any, what: str) -> int:
     return int(branch.multiple) if what == "begin" else 1
 
 
+def _curve(
+    branch: Any, signal: str, what: Any
+) -> tuple[Any, Vector, list[Vector], NDArray[np.bool_]]:
+    """Return a branch with its curves and where it is stable, from the orbit that it is born at."""
+    from hybond.analysis.periodic.branch import value_of
+
+    x, stable = branch.values, branch.stable
+    ys = [branch.of(signal, what, turn=k) for k in range(_turns(branch, what))]
+    if branch.born is not None:
+        once = branch.multiple // 2
+        first = [value_of(branch.born.orbit, signal, what, k % once / once) for k in range(len(ys))]
+        ys = [np.append(a, y) for a, y in zip(first, ys, strict=True)]
+        x, stable = np.append(branch.born.value, x), np.append(stable[0], stable)
+    return branch, x, ys, stable
+
+
 def plot_continuation(
     found: Any, signal: str, what: Any, *, path: str | Path | None = None
 ) -> Figure:
@@ -129,34 +144,28 @@ def plot_continuation(
     Raises
     ------
     UsageError
-        HB-D103 for what is no value of an orbit.
+        HB-A544 for what is no value of an orbit, HB-S109 for a signal that there is not.
     """
     from hybond.analysis.periodic.branch import value_of
 
-    if what not in WHAT:
-        raise UsageError(f"what = {what!r}", code="HB-D103", where="what", hint=", ".join(WHAT))
     top = _TOP + 0.2
     height, page = top + 3.6 + _BOTTOM, _WIDE
     figure = new_figure((page, height), interactive=path is None)
     inches = page - _LEFT - _RIGHT
     ax = figure.add_axes((_LEFT / page, _BOTTOM / height, inches / page, 3.6 / height))
-    curves = [
-        (b, b.values, [b.of(signal, what, turn=k) for k in range(_turns(b, what))])
-        for b in found.branches
-    ]
+    curves = [_curve(b, signal, what) for b in found.branches]
     marks = [
         (s.kind, s.value, value_of(s.orbit, signal, what))
         for b in found.branches
         for s in b.special
     ]
     run = found.branches[0].points[0].run
-    largest = max(float(np.abs(y).max(initial=0.0)) for _, _, ys in curves for y in ys)
+    largest = max(float(np.abs(y).max(initial=0.0)) for _, _, ys, _ in curves for y in ys)
     by_y, unit = axis_scale(run.unit(signal), largest)
-    ends = max(float(np.abs(x).max(initial=0.0)) for _, x, _ in curves)
+    ends = max(float(np.abs(x).max(initial=0.0)) for _, x, _, _ in curves)
     by_x, of = axis_scale(found.unit, ends)
-    for k, (branch, x, ys) in enumerate(curves):
+    for k, (branch, x, ys, stable) in enumerate(curves):
         colour = COLOURS[k % len(COLOURS)]
-        stable = branch.stable
         times = f", {branch.multiple} periods" if branch.multiple > 1 else ""
         for chosen, style, word in ((True, "-", "stable"), (False, (0, (4, 2)), "not stable")):
             own = stable if chosen else ~stable

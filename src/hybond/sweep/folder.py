@@ -63,6 +63,7 @@ class Folder:
         self.parts = path / "parts"
         self.runs = path / "runs"
         self.key = ""
+        self._found = path.exists()
         with told(path):
             if path.exists() and not path.is_dir():
                 raise NotADirectoryError(errno.ENOTDIR, "not a folder", str(path))
@@ -125,7 +126,10 @@ class Folder:
             return None
 
     def _other(self, old: Mapping[str, Any], new: Mapping[str, Any]) -> UsageError:
-        words = [_WHAT[k] for k in _WHAT if old.get(k) != new.get(k)]
+        changed = [k for k in _WHAT if old.get(k) != new.get(k)]
+        if "plan" in changed and "drawn" in changed:
+            changed.remove("drawn")  # of another plan other numbers are drawn
+        words = [_WHAT[k] for k in changed]
         line = ""
         if old.get("model") != new.get("model"):
             pairs = [str(d.get("model", "")).splitlines() for d in (old, new)]
@@ -168,6 +172,18 @@ class Folder:
     def close(self) -> None:
         """Let go of the lock."""
         os.close(self._lock)
+
+    def leave(self) -> None:
+        """Let go of the lock, and take away what was made here, if nothing was written into it."""
+        self.close()
+        if self._found or any(self.parts.glob("*")) or any(self.runs.glob("*")):
+            return
+        with contextlib.suppress(OSError):
+            for file in (self.path / "lock", self.path / ABOUT, self.path / NOTES):
+                file.unlink(missing_ok=True)
+            for place in (self.parts, self.runs, self.path):
+                if place.is_dir():
+                    place.rmdir()
 
 
 @contextlib.contextmanager

@@ -129,10 +129,14 @@ def sweep(
         raise UsageError(f"part = {part!r}", code="HB-S115", where="part", hint="1 or more members")
     folder = None if out is None else Folder(Path(out))
     try:
-        return _swept(job, folder, threads, executor, part, progress, began)
-    finally:
+        found = _swept(job, folder, threads, executor, part, progress, began)
+    except BaseException:
         if folder is not None:
-            folder.close()
+            folder.leave()
+        raise
+    if folder is not None:
+        folder.close()
+    return found
 
 
 def job_of(

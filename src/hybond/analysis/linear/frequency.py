@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from hybond.analysis.linear.asked import input_unit
 from hybond.analysis.linear.injection import injected, source_of
-from hybond.analysis.linear.periods import Window, period_of, window_of
+from hybond.analysis.linear.periods import Window, period_of, time_said, times_of, window_of
 from hybond.analysis.linear.responses import Bode, frequencies_of
 from hybond.analysis.linear.windows import coefficients, left_over
 from hybond.analysis.linear.words import unit_over
@@ -31,7 +31,6 @@ from hybond.model.inputs import Waveform
 from hybond.model.kept import kept_graph
 from hybond.model.parts import Value
 from hybond.model.unit_words import unit_of
-from hybond.options import seconds_of
 from hybond.runs.asked import MethodOptions, opened
 from hybond.simulation import simulate
 from hybond.units import format_quantity, try_quantity
@@ -202,8 +201,9 @@ def frequency_response(
     amplitude : float or str, optional
         In the unit of the input. Default: a hundredth of what it has at the start.
     period : float or str, optional
-        After which all repeats that the model reads of time, s. By default it is found: pulses and
-        tables that repeat, ``sin``, ``cos`` and ``mod`` of time.
+        After which all repeats that the model reads of time: s, a quantity or an expression of
+        parameters; a whole number of the model's own, where that can be told. By default it is
+        found: pulses and tables that repeat, ``sin``, ``cos`` and ``mod`` of time.
     tolerance : float
     windows : int
         After how many a frequency is given up; the record says so, nothing is raised.
@@ -216,7 +216,7 @@ def frequency_response(
     ------
     UsageError
         HB-A501 for an input that there is not, HB-S109 for an output, HB-A509 for frequencies or
-        an amplitude that make no sense, HB-A511 for a period that cannot be told.
+        an amplitude that make no sense, HB-A511 for a period that cannot be told, or is none.
     NumericsError
         HB-A512 for a run that stops before its end.
     HybondError
@@ -238,13 +238,7 @@ def frequency_response(
     read_name(graph, output)
     asked = frequencies_of(frequencies, np.zeros(0))
     size, unit = _amplitude(graph, input, amplitude)
-    own = seconds_of(period, "period")
-    if own is None:
-        own = period_of(graph)
-    elif not 0.0 < own < np.inf:
-        raise UsageError(
-            f"period = {own:g} s", code="HB-A511", where="period", hint="a positive time"
-        )
+    own = period_of(graph) if period is None else _said(graph, period)
     if not 0.0 < tolerance < 1.0 or windows < FIRST:
         raise UsageError(
             f"tolerance = {tolerance:g}, windows = {windows}",
@@ -275,6 +269,27 @@ def frequency_response(
         unit=unit_over(above, unit),
         title=graph.title or graph.name,
     )
+
+
+def _said(graph: FlatGraph, period: float | str) -> float:
+    """Return a period that is given, if the model may repeat with it."""
+    said = time_said(graph, period, "period")
+    if not 0.0 < said < np.inf:
+        raise UsageError(
+            f"period = {said:g} s", code="HB-A511", where="period", hint="a positive time"
+        )
+    try:
+        own = period_of(graph)
+    except UsageError:
+        return said  # that is why it is given
+    if own is not None and not times_of(said, own):
+        raise UsageError(
+            f"the model repeats every {own:.9g} s, and {said:.9g} s is no whole number of that",
+            code="HB-A511",
+            where="period",
+            hint=f'period="{own:.9g} s", or leave it out',
+        )
+    return said
 
 
 def _one(

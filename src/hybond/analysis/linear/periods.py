@@ -7,13 +7,15 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 
-from hybond.errors import UsageError
+from hybond.errors import HybondError, UsageError
+from hybond.measures.naming import read_name
 from hybond.model.expressions import (
     Call,
     Compare,
     Expr,
     Name,
     Number,
+    compile_expression,
     differentiate,
     names,
     simplify,
@@ -21,7 +23,12 @@ from hybond.model.expressions import (
 from hybond.model.expressions.tree import transform, walk
 from hybond.model.graph import FlatGraph
 from hybond.model.inputs import Constant, Free, Pwm, Timetable
+from hybond.model.unit_words import unit_of
+from hybond.options import seconds
+from hybond.units import try_quantity
 
+WHOLE = 1e-9
+"""Part by which a period may differ from a whole number of those of the model."""
 CLOSE = 1e-3
 """Part of a frequency by which it may be moved, so that a window is short."""
 TURNS = 24
@@ -72,6 +79,62 @@ def period_of(graph: FlatGraph) -> float | None:
     0.02
     """
     return _common(periods_in(graph))
+
+
+def times_of(asked: float, own: float) -> int:
+    """Return which multiple of a model's own period another one is, 0 if it is none.
+
+    Examples
+    --------
+    >>> times_of(60e-6, 20e-6), times_of(30e-6, 20e-6), times_of(10e-6, 20e-6)
+    (3, 0, 0)
+    """
+    times = round(asked / own)
+    return times if times >= 1 and abs(asked / own - times) <= WHOLE * times else 0
+
+
+def time_said(graph: FlatGraph, said: float | str, where: str) -> float:
+    """Return a time, s: a number, a quantity, or an expression of parameters.
+
+    Raises
+    ------
+    UsageError
+        HB-S106 for what is neither.
+
+    Examples
+    --------
+    >>> import hybond as hb
+    >>> m = hb.Model("clock", parameters={"f": "50 kHz"})
+    >>> round(time_said(m.flatten(), "2/f", "period"), 9), time_said(m.flatten(), "20 ms", "period")
+    (4e-05, 0.02)
+    """
+    if not isinstance(said, str) or try_quantity(said) is not None:
+        return seconds(said, where)
+    try:
+        found = read_name(graph, said)
+    except HybondError as error:
+        raise UsageError(
+            f"{said!r} is not a time: {error.why}",
+            code="HB-S106",
+            where=where,
+            hint=error.hint or "0.2, '200 ms', or an expression of parameters such as 2*pi/w",
+        ) from None
+    if names(found):
+        raise UsageError(
+            f"{said!r} reads signals, not parameters alone",
+            code="HB-S106",
+            where=where,
+            hint="0.2, '200 ms', or an expression of parameters such as 2*pi/w",
+        )
+    unit = unit_of(found, graph)
+    if unit not in ("", "1", "s"):
+        raise UsageError(
+            f"{said!r} is in {unit}, and no time",
+            code="HB-S106",
+            where=where,
+            hint="0.2, '200 ms', or an expression of parameters such as 2*pi/w",
+        )
+    return float(compile_expression(found, {}, pre_offset=0)([]))
 
 
 def periods_in(graph: FlatGraph) -> list[float]:

@@ -17,7 +17,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from hybond.analysis.periodic.multipliers import Multiplier, is_stable, multipliers
+from hybond.analysis.periodic.multipliers import Multiplier, is_neutral, is_stable
 from hybond.analysis.periodic.newton import FREE, conserved
 from hybond.analysis.periodic.periods import Period, followed_by, length_now
 from hybond.analysis.periodic.shots import Shot, Shots, calm
@@ -64,6 +64,11 @@ class OrbitPoint:
     def stable(self) -> bool:
         """Whether motions near it come to it."""
         return is_stable(self.multipliers)
+
+    @property
+    def neutral(self) -> bool:
+        """Whether motions near it neither come to it nor leave it."""
+        return is_neutral(self.multipliers)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -235,12 +240,8 @@ class Arc:
     ) -> Node:
         tangent = self.solved(J, along, np.zeros(len(J)), 1.0)
         tangent = tangent / np.linalg.norm(tangent)
-        assert shot.M is not None
-        found = multipliers(
-            shot.M[np.ix_(self.kept, self.kept)],
-            self.sizes,
-            phase=self.period.own,
-            conserved=self.conserved,
+        found = self.shots.multipliers(
+            shot, self._whole_sizes(), self.kept, own=self.period.own, conserved=self.conserved
         )
         return Node(z, tangent, mode, shot, found, iterations)
 

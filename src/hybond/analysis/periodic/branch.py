@@ -7,13 +7,15 @@ import json
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hybond.analysis.periodic.arc import OrbitPoint
-from hybond.analysis.periodic.points import SpecialPoint
+from hybond.analysis.periodic.points import KINDS, SpecialPoint
+from hybond.errors import UsageError
+from hybond.names import did_you_mean
 from hybond.units import format_quantity
 
 if TYPE_CHECKING:
@@ -37,12 +39,15 @@ class Branch:
         What is passed, in order.
     ended : str
         Why it ends.
+    born : SpecialPoint or None
+        The period doubling that it begins at, a little beside it.
     """
 
     multiple: int
     points: tuple[OrbitPoint, ...]
     special: tuple[SpecialPoint, ...]
     ended: str
+    born: SpecialPoint | None = None
 
     @property
     def values(self) -> Vector:
@@ -67,18 +72,34 @@ class Branch:
         Raises
         ------
         UsageError
-            HB-S109 for a signal that there is not.
+            HB-S109 for a signal that there is not, HB-A544 for another value or turn.
         """
+        if isinstance(turn, bool) or not isinstance(turn, int) or not 0 <= turn < self.multiple:
+            raise _nothing(f"turn = {turn!r}", "turn", f"0 to {self.multiple - 1}")
         return np.array([value_of(p, signal, what, turn / self.multiple) for p in self.points])
 
 
 def value_of(point: OrbitPoint, signal: str, what: What, part: float = 0.0) -> float:
-    """Return a signal of an orbit; at its beginning, or a part of the period later."""
+    """Return a signal of an orbit; at its beginning, or a part of the period later.
+
+    Raises
+    ------
+    UsageError
+        HB-A544 for what is no value of one, HB-S109 for a signal that there is not.
+    """
+    if what not in get_args(What):
+        raise _nothing(
+            f"an orbit has no {what!r} of a signal", "what", did_you_mean(str(what), get_args(What))
+        )
     read, run = point.run[signal], point.run
     if what == "begin":
         t = (point.period if run.t_begin else 0.0) + part * point.period
         return float(read.at(t if t <= run.t_end else t - point.period))
     return float(getattr(read, what)())
+
+
+def _nothing(why: str, where: str, hint: str) -> UsageError:
+    return UsageError(why, code="HB-A544", where=where, hint=hint)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -110,11 +131,19 @@ class Continuation:
         return tuple(s for b in self.branches for s in b.special)
 
     def __getitem__(self, kind: str) -> tuple[SpecialPoint, ...]:
-        """Return what is passed of one kind, ``found["period doubling"]``; empty if nothing is."""
+        """Return what is passed of one kind, ``found["period doubling"]``; empty if nothing is.
+
+        Raises
+        ------
+        UsageError
+            HB-A544 for what is no kind.
+        """
+        if kind not in KINDS:
+            raise _nothing(f"{kind!r} is no kind of point", "kind", did_you_mean(str(kind), KINDS))
         return tuple(s for s in self.special if s.kind == kind)
 
     def plot(
-        self, signal: str | None = None, *, what: What = "begin", path: str | Path | None = None
+        self, signal: str | None = None, what: What = "begin", *, path: str | Path | None = None
     ) -> Figure:
         """Plot a signal of all orbits over the parameter; dashed where they are not stable.
 

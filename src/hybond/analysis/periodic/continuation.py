@@ -4,22 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 
 from hybond.analysis.periodic.arc import Arc, Node, OrbitPoint
 from hybond.analysis.periodic.branch import Branch, Continuation
+from hybond.analysis.periodic.multipliers import is_neutral
 from hybond.analysis.periodic.newton import Found
 from hybond.analysis.periodic.periodic import TOL, begin, newton_of, shots_of
 from hybond.analysis.periodic.periods import Period, length_now, period_asked
-from hybond.analysis.periodic.points import Passed, at_end, passed, turned
+from hybond.analysis.periodic.points import Passed, SpecialPoint, at_end, passed, turned
 from hybond.analysis.periodic.shots import Shots, near_ends
 from hybond.calls import called
 from hybond.errors import NumericsError, UsageError
 from hybond.model.builder import Model
 from hybond.model.parts import Value
 from hybond.result import Result
+from hybond.runs.asked import MethodOptions
 from hybond.runs.states import State
 from hybond.units import is_of, try_quantity
 
@@ -29,11 +31,13 @@ LOCATED = 1e-7
 """Part of the range to which special points are located."""
 LEAST = 1e-3
 """Part of the largest step below which no step is tried."""
+CORNER = 3.0
+"""Steps that the next point is away at the most, where the sequence of switches changes."""
 BESIDE = 2e-2
 """Part of states by which the first orbit of twice the period is away from where it begins."""
 
 
-@called('hb.continuation(model, "D", (0.3, 0.7))')
+@called('hb.continuation(model, "D", (0.3, 0.7))', options=MethodOptions)
 def continuation(
     model: Model,
     parameter: str,
@@ -48,9 +52,7 @@ def continuation(
     settle: float | str | None = None,
     parameters: Mapping[str, Value] | None = None,
     tol: float = TOL,
-    solver: str | None = None,
-    rtol: float | None = None,
-    max_step: float | str | None = None,
+    **options: Unpack[MethodOptions],
 ) -> Continuation:
     """Return the orbits of a model along a parameter, stable or not, and what they pass.
 
@@ -66,7 +68,7 @@ def continuation(
         A parameter (``"D"``), the value of an element (``"r.R"``) or an input.
     values : sequence of two
         From where to where, SI or quantities.
-    period, multiple, start, settle, parameters, tol, solver, rtol, max_step
+    period, multiple, start, settle, parameters, tol, **options
         As for `periodic`, for the first orbit.
     doublings : int
         How many times branches of twice the period are followed from period doublings.
@@ -84,7 +86,7 @@ def continuation(
     UsageError
         HB-A543 for a range or numbers that are none; others as `periodic`.
     NumericsError
-        HB-A540, HB-A542 if there is no first orbit.
+        HB-A540, HB-A542 if there is no first orbit, or it is one of a family.
 
     Examples
     --------
@@ -111,18 +113,33 @@ def continuation(
     if not isinstance(parameter, str):
         raise _no_range(f"parameter = {parameter!r} is no name", "parameter", '"D", or "r.R"')
     given = {k: v for k, v in (parameters or {}).items() if k != parameter}
-    shots = shots_of(model, [parameter], given, solver=solver, rtol=rtol, max_step=max_step)
+    shots = shots_of(model, [parameter], given, options)
     _check_units(values, shots.wanted.units[0])
     shots.at([first])
     asked = period_asked(shots, period, multiple)
     begun = begin(shots, asked, multiple, start, settle)
     found = newton_of(shots, begun, tol, 60).found(begun.x, begun.mode, begun.period.T)
+    _check_one(shots, begun.period, found, parameter)
     follow = _Follow(shots, first, last, points, max_points, tol)
     branches = follow.all(begun.period, found, doublings)
     notes = [note for note in (begun.period.note, *found.notes) if note]
     title = found.shot.run.title
     unit = shots.wanted.units[0]
     return Continuation(title, parameter, unit, tuple(branches), shots.done, tuple(notes))
+
+
+def _longest(node: Node, longest: float) -> float:
+    """Return the longest step behind a point: longer where states have grown, not the parameter."""
+    grown = max(1.0, float(np.abs(node.z[:-1]).max(initial=0.0)))
+    return longest * min(grown, 1.0 / max(abs(float(node.tangent[-1])), 1e-300))
+
+
+def _goes_on(node: Node, found: Node, step: float) -> bool:
+    """Whether a point is the next one of the curve, which may have a corner between the two."""
+    if float(found.tangent @ node.tangent) > 0.3:
+        return True
+    corner = found.path != node.path
+    return corner and float(np.linalg.norm(found.z - node.z)) <= CORNER * step
 
 
 def _range(values: Any) -> tuple[float, float]:
@@ -140,6 +157,33 @@ def _range(values: Any) -> tuple[float, float]:
     if not np.isfinite(ends).all() or ends[0] == ends[1]:
         raise _no_range(f"from {ends[0]:g} to {ends[1]:g} there is no way", "values", "two values")
     return ends[0], ends[1]
+
+
+def _check_one(shots: Shots, period: Period, found: Found, parameter: str) -> None:
+    """Refuse an orbit of a family, of which nothing says which one belongs to another value.
+
+    Raises
+    ------
+    NumericsError
+        HB-A542.
+    """
+    if not period.own or not found.free:
+        return
+    free = len(found.free)
+    if not is_neutral(
+        shots.multipliers(found.shot, found.sizes, found.kept, own=True, conserved=free)
+    ):
+        return
+    error = NumericsError(
+        f"the first orbit is one of a family, by {found.free[0]}: at another value of {parameter} "
+        "there is a family again, and nothing says which of it is the next one",
+        code="HB-A542",
+        where=parameter,
+        hint="find one for each value from a start of its own with hb.periodic, or let something "
+        "decide it: a loss and what makes up for it",
+    )
+    error.partial = found.shot.run
+    raise error
 
 
 def _check_units(values: Sequence[float | str], unit: str) -> None:
@@ -197,18 +241,20 @@ class _Follow:
                 where=f"{self.shots.wanted.names[0]} = {self.first:.9g}",
                 hint="begin at another value of the parameter",
             )
-        branches, level = [], [(base, begin, period.multiple)]
+        branches = []
+        level: list[tuple[Arc, Node, int, SpecialPoint | None]]
+        level = [(base, begin, period.multiple, None)]
         for round_ in range(doublings + 1):
-            following = []
-            for arc, node, multiple in level:
+            following: list[tuple[Arc, Node, int, SpecialPoint | None]] = []
+            for arc, node, multiple, born in level:
                 branch, passed_ = self._branch(arc, node, multiple)
-                branches.append(branch)
+                branches.append(replace(branch, born=born))
                 if round_ == doublings:
                     continue
                 for p in passed_:
                     made = self._doubled(arc, p) if p.point.kind == "period doubling" else None
                     if made is not None:
-                        following.append((*made, 2 * multiple))
+                        following.append((*made, 2 * multiple, p.point))
             level = following
         return branches
 
@@ -272,9 +318,9 @@ class _Follow:
         while step >= LEAST * longest:
             z = node.z + step * node.tangent
             found = arc.corrected(z, node.mode, node.tangent, node, node.tangent)
-            if found is not None and float(found.tangent @ node.tangent) > 0.3:
+            if found is not None and _goes_on(node, found, step):
                 grown = 1.5 * step if found.iterations <= 3 else step
-                return found, min(grown, longest), ""
+                return found, min(grown, _longest(found, longest)), ""
             step *= 0.5
         at = arc.parameter(node.z)
         return None, step, f"beyond {at:.9g} it is not found any more: {arc.why}"

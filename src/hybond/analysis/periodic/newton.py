@@ -9,6 +9,9 @@ is taken that is nearest. States are measured by the largest value that each has
 motion conserves, l (F(x) - x) = 0 for all x, makes J singular with l J = 0; the step then keeps
 it, l d = 0, and else is the smallest.
 
+Where the end is off along the motion alone, only T is changed: where every motion repeats, as
+without losses and sources, the one found is the one begun with.
+
 A step that does not bring the end nearer to the beginning is halved, and after `HALVINGS` the
 period is run on instead, as it is where the end has another mode or no derivative.
 Source: Aprille and Trick, Steady-state analysis of nonlinear circuits with periodic inputs,
@@ -23,9 +26,11 @@ from typing import NoReturn
 import numpy as np
 from numpy.typing import NDArray
 
+from hybond.analysis.periodic.multipliers import is_double
 from hybond.analysis.periodic.shots import Shot, Shots
 from hybond.errors import HybondError, NumericsError
 from hybond.model.graph import Mode
+from hybond.result import Result
 
 Vector = NDArray[np.float64]
 
@@ -38,12 +43,20 @@ OTHER_MODES = 12
 """Periods in a row that may end in another mode than they begin with."""
 DRIFTS = 6
 """Steps in a row in which something goes on changing whatever the state is."""
+LATER, MOST_LATER = 16, 1000
+"""Periods after which is seen whether what goes on changing runs away."""
 CLOSE = 1e-7
 """How near end and beginning are, as a part of states, where rounding lets them come no nearer."""
 STILL = 1e-7
 """Part of itself by which a state moves at the least within a period, or nothing does."""
 MISSED = 1e-4
 """Part of what a motion of its own period moves by that its end is off at the most."""
+ALONG = 0.05
+"""Part of what the end is off by that is left at the most, where only the period is too long."""
+SAME = 1e-5
+"""Part of a period, for each part of a state, by which it changes within a family at the least."""
+ELSEWHERE = 1e-6
+"""Part of a state by which the orbit found is not the one that the search began on."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -113,6 +126,7 @@ class Newton:
             HB-A540 if there is none, HB-A542 where it has no derivative.
         """
         shot = self.shot(x, mode, T)
+        self._begun = shot
         while True:
             off = self.off(shot)
             if shot.end_mode != shot.mode:
@@ -180,6 +194,8 @@ class Newton:
         """Return the shot after Newton's step, or as much of it as brings the end nearer."""
         J, right, kept = self.system(shot)
         self._drifts(shot, J, right, kept)
+        if self.own and (longer := self._longer(shot, J, right, off)) is not None:
+            return longer
         step = smallest_step(J, right)
         part = 1.0
         for _ in range(HALVINGS + 1):
@@ -200,6 +216,23 @@ class Newton:
         self._note("where no part of a step came nearer the period was run on")
         return self._on(shot)
 
+    def _longer(self, shot: Shot, J: Vector, right: Vector, off: float) -> Shot | None:
+        """Return the shot that is as much longer as it takes, where nothing else is wrong.
+
+        The state stays: where every motion repeats, this is the one that was begun with.
+        """
+        f, left = J[:-1, -1], right[:-1]
+        part = float(f @ left) / max(float(f @ f), 1e-300)
+        if np.linalg.norm(left - part * f) > ALONG * np.linalg.norm(left) or abs(part) > 0.5:
+            return None
+        try:
+            trial = self.shot(shot.x, shot.mode, shot.T * (1.0 + part))
+        except HybondError as error:
+            if error.code == "HB-A540" and self.shots.done >= self.most:
+                raise
+            return None
+        return trial if self.off(trial) < 0.9 * off else None
+
     def _drifts(self, shot: Shot, J: Vector, right: Vector, kept: list[int]) -> None:
         """Refuse a motion in which something goes on changing whatever the state is."""
         rows = conserved(J)
@@ -212,12 +245,34 @@ class Newton:
             return
         k = int(np.argmax(np.abs(rows[int(np.argmax(drift))][: len(kept)])))
         change = float(shot.end[kept[k]] - shot.x[kept[k]])
+        name = self.shots.names[kept[k]]
+        if self._comes_again(shot, kept[k], change):
+            self._none(
+                f"{name} has a rhythm of its own, which nothing ties to the {shot.T:.6g} s: it is "
+                f"off by {change:.6g} after each of them",
+                shot,
+                hint="couple the two, or say a time after which both are where they were: period=, "
+                "multiple=",
+            )
         self._none(
-            f"{self.shots.names[kept[k]]} goes on changing, by {change:.6g} in each period, "
-            "whatever the state is",
+            f"{name} goes on changing, by {change:.6g} in each period, whatever the state is",
             shot,
             hint="what comes in has to go out again: a leak, a load, a balance",
         )
+
+    def _comes_again(self, shot: Shot, k: int, change: float) -> bool:
+        """Whether a state that is off after each period goes round, and does not run away."""
+
+        def range_of(run: Result) -> float:
+            return float(np.ptp(np.concatenate([segment.y[:, k] for segment in run.segments])))
+
+        many = min(max(4 * round(range_of(shot.run) / abs(change)), LATER), MOST_LATER)
+        begin = self.shots.state(shot.x, shot.mode)
+        try:
+            run = self.shots.run(self.shots.t0 + many * shot.T, begin)
+        except HybondError:
+            return False
+        return range_of(run) < 0.5 * many * abs(change)
 
     def _on(self, shot: Shot) -> Shot:
         self.ran_on += 1
@@ -266,9 +321,27 @@ class Newton:
             if k not in kept and abs(change) > self.tol * self.units[k]:
                 name = self.shots.names[k]
                 notes.append(f"{name} moves by {change:.9g} in each period; nothing reads it")
-        return Found(
-            shot, self.units, kept, self._free(shot), off, tuple(self.history), tuple(notes)
-        )
+        free = self._free(shot)
+        if self.own and free:
+            notes += self._of_family(shot, kept)
+        return Found(shot, self.units, kept, free, off, tuple(self.history), tuple(notes))
+
+    def _of_family(self, shot: Shot, kept: list[int]) -> list[str]:
+        """Return what is to be said of a motion of its own period beside which there are others."""
+        J, _, _ = self.system(shot)
+        _, values, v = np.linalg.svd(J)
+        rank = int((values > max(FREE * values.max(initial=0.0), ROUNDING)).sum())
+        found = []
+        if rank < len(J) and (np.abs(v[rank:, -1]) <= SAME).all():
+            found.append("a centre: all others near it repeat with the same period")
+        begun = self._begun
+        moved = float((np.abs(shot.x - begun.x) / self.units)[kept].max(initial=0.0))
+        if moved > ELSEWHERE:
+            found.append(
+                f"the motion that the search began with is another one, {moved:.2g} of a state "
+                "beside it, and repeats later or never"
+            )
+        return found
 
     def _is_moving(self, shot: Shot) -> None:
         """Refuse a motion of its own period that is none."""
@@ -295,8 +368,13 @@ class Newton:
     def _free(self, shot: Shot) -> tuple[str, ...]:
         """Return what conserved quantities are made of."""
         J, _, kept = self.system(shot)
-        found = []
-        for left in conserved(J):
+        found: list[str] = []
+        rows = conserved(J)
+        assert shot.M is not None
+        if self.own and not len(rows):
+            block = shot.M[np.ix_(kept, kept)]
+            rows = np.linalg.svd(J)[0][:, -1:].T if is_double(block, self.units[kept]) else rows
+        for left in rows:
             part = np.abs(left[: len(kept)])
             own = [self.shots.names[kept[k]] for k in np.flatnonzero(part > 1e-6 * part.max())]
             found.append(", ".join(own))

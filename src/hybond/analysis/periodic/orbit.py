@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.analysis.linear.words import unit_over
-from hybond.analysis.periodic.multipliers import Multiplier, is_stable
+from hybond.analysis.periodic.multipliers import CIRCLE, Multiplier, is_neutral, is_stable
 from hybond.errors import HybondError, UsageError
 from hybond.measures.signal import Signal
 from hybond.names import did_you_mean
@@ -93,8 +93,16 @@ class PeriodicOrbit:
 
     @property
     def stable(self) -> bool:
-        """Whether motions that begin near it come to it: all multipliers are below 1."""
+        """Whether motions that begin near it come to it: all multipliers are below 1.
+
+        Where something is conserved (`free`), those with the same of it.
+        """
         return is_stable(self.multipliers)
+
+    @property
+    def neutral(self) -> bool:
+        """Whether motions that begin near it neither come to it nor leave it."""
+        return is_neutral(self.multipliers)
 
     @property
     def values(self) -> NDArray[np.complex128]:
@@ -173,6 +181,7 @@ class PeriodicOrbit:
             "multiple": self.multiple,
             "autonomous": self.autonomous,
             "stable": self.stable,
+            "neutral": self.neutral,
             "multipliers": [
                 {"value": [m.value.real, m.value.imag], "kind": m.kind} for m in self.multipliers
             ],
@@ -248,16 +257,30 @@ class PeriodicOrbit:
 
     def _said(self) -> str:
         if self.stable:
-            return "stable: motions near it come to it"
+            same = ", if they have the same of what is conserved" if self.free else ""
+            return f"stable: motions near it come to it{same}"
         counts = [m for m in self.multipliers if m.counts]
-        largest = max(counts, key=lambda m: abs(m.value))
-        if largest.kind:
-            return f"at a {largest.kind}: a multiplier is on the unit circle"
-        return f"unstable: a motion near it is {abs(largest.value):.6g} times as far off after it"
+        if not counts:
+            return "neutral: one of a family; which one is decided by where it starts"
+        if not self.neutral:
+            largest = abs(counts[0].value)
+            return f"unstable: a motion near it is {largest:.6g} times as far off after it"
+        kinds = [m.kind for m in counts if m.kind in CIRCLE]
+        if not kinds:
+            return "neutral: motions near it neither come to it nor leave it; nothing damps them"
+        if kinds[0] == "Neimark-Sacker":
+            return (
+                "at a Neimark-Sacker, or where nothing damps: a pair of multipliers is on the unit "
+                "circle"
+            )
+        return f"at a {kinds[0]}: a multiplier is on the unit circle"
 
     def _multiplier_rows(self) -> list[list[str]]:
         found = [m for m in self.multipliers if m.kind != "zero"]
-        rows = [[str(m), f"{abs(m.value):.9g}", _WORDS.get(m.kind, m.kind)] for m in found]
+        rows = [
+            [str(m), "0" if m.kind == "fast" else f"{abs(m.value):.9g}", _WORDS.get(m.kind, m.kind)]
+            for m in found
+        ]
         if self.lost:
             many = f"{self.lost} directions are" if self.lost > 1 else "one direction is"
             rows.append(["0", "0", f"{many} lost within the period"])
@@ -287,14 +310,18 @@ class PeriodicOrbit:
     def _tail(self) -> Iterator[str]:
         work = f"{self.runs} runs, {self.periods:.4g} periods"
         yield f"closes to {self.residual:.2g} of a state; {work}"
-        for name in self.free:
-            yield f"conserved, so that there are others beside it: {name}"
+        for name in dict.fromkeys(self.free):
+            many = self.free.count(name)
+            times = f" ({many} quantities)" if many > 1 else ""
+            yield f"conserved, so that there are others beside it: {name}{times}"
         yield from self.notes
 
 
 _WORDS = {
     "phase": "1: nothing says when it begins",
     "conserved": "1: something is conserved",
+    "neutral": "nothing damps it",
+    "fast": "too small to be told",
 }
 
 

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hybond.analysis.periodic.multipliers import multipliers
 from hybond.analysis.periodic.newton import Found, Newton, smallest_step
 from hybond.analysis.periodic.orbit import PeriodicOrbit
 from hybond.analysis.periodic.periods import (
@@ -30,6 +29,7 @@ from hybond.model.parts import Value
 from hybond.model.paths import with_parts
 from hybond.options import seconds
 from hybond.result import Result
+from hybond.runs.asked import MethodOptions, opened
 from hybond.runs.states import State
 from hybond.runs.times import time_in
 
@@ -43,7 +43,7 @@ SETTLE = 2
 """Periods that are run before the first step, where something drives the motion."""
 
 
-@called('hb.periodic(model, period="20 us")')
+@called('hb.periodic(model, period="20 us")', options=MethodOptions)
 def periodic(
     model: Model,
     period: float | str | None = None,
@@ -55,9 +55,7 @@ def periodic(
     parameters: Mapping[str, Value] | None = None,
     tol: float = TOL,
     max_runs: int = MOST,
-    solver: str | None = None,
-    rtol: float | None = None,
-    max_step: float | str | None = None,
+    **options: Unpack[MethodOptions],
 ) -> PeriodicOrbit:
     """Return a motion that repeats, and the Floquet multipliers that say what is near it.
 
@@ -70,9 +68,9 @@ def periodic(
     ----------
     model : Model
     period : float or str
-        After which it repeats, s or a quantity; by default what sources and inputs repeat with.
-        Where nothing drives the model, the period is found: this is a first guess of it, and by
-        default how long a run took to come back.
+        After which it repeats: s, a quantity or an expression of parameters (``"2*pi/w"``); by
+        default what sources and inputs repeat with. Where nothing drives the model, the period is
+        found: this is a first guess of it, and by default how long a run took to come back.
     multiple : int
         How many of these periods the motion needs: 2 for one that repeats after two.
     wrt : sequence of str
@@ -88,8 +86,8 @@ def periodic(
         Part of each state by which the end of the period may be off its beginning.
     max_runs : int
         Runs after which the search ends.
-    solver, rtol, max_step
-        As for `simulate`; rtol is 1e-10 by default.
+    **options
+        `method`, or what is short for it, as for `simulate`; its `rtol` is 1e-10 by default.
 
     Returns
     -------
@@ -101,7 +99,7 @@ def periodic(
         HB-A541 for a period that does not fit, HB-A511 where it cannot be told; HB-A520 for what
         cannot be varied.
     EquationError
-        HB-A522 for a model with samples or friction in the plane.
+        HB-A522 for a model with blocks or friction in the plane.
     NumericsError
         HB-A540 if no such motion is found, with the last run as `partial`; HB-A542 where it has no
         derivatives, because a guard is only touched or two events share an instant.
@@ -124,7 +122,7 @@ def periodic(
     >>> round(orbit["R.e"].mean(), 9)
     4.0
     """
-    shots = shots_of(model, wrt, parameters, solver=solver, rtol=rtol, max_step=max_step)
+    shots = shots_of(model, wrt, parameters, options)
     asked = period_asked(shots, period, multiple)
     begun = begin(shots, asked, multiple, start, settle)
     newton = newton_of(shots, begun, tol, max_runs)
@@ -133,11 +131,16 @@ def periodic(
 
 
 def shots_of(
-    model: Model, wrt: Sequence[str] | str, parameters: Mapping[str, Value] | None, **options: Any
+    model: Model,
+    wrt: Sequence[str] | str,
+    parameters: Mapping[str, Value] | None,
+    asked: Mapping[str, Any],
 ) -> Shots:
     """Return what all shots of a model have in common."""
     check_model(model)
-    if options.get("rtol") is None:
+    options = opened(asked)
+    # a step that is given has no tolerance
+    if "rtol" not in options and "step" not in options:
         options["rtol"] = RTOL
     names = [wrt] if isinstance(wrt, str) else list(wrt)
     given = dict(parameters or {})
@@ -258,7 +261,7 @@ def orbit_of(shots: Shots, period: Period, found: Found) -> PeriodicOrbit:
     notes = [note for note in (period.note,) if note] + list(found.notes)
     kept = found.kept
     block = shot.M[np.ix_(kept, kept)]
-    made = multipliers(block, found.sizes[kept], phase=period.own, conserved=len(found.free))
+    made = shots.multipliers(shot, found.sizes, kept, own=period.own, conserved=len(found.free))
     by, period_by = _moved(shots, period, found)
     if not period.own and period.multiple > 1:
         notes += _shorter(shots, period, found)
@@ -266,6 +269,7 @@ def orbit_of(shots: Shots, period: Period, found: Found) -> PeriodicOrbit:
         notes.append(f"it is counted from t = {shots.t0:.9g} s, away from switches")
     if not period.known:
         notes += _checked(shots, found)
+    notes += [] if shot.chain is None else shot.chain.digits()
     state = shot.run.state(shot.run.t_begin)
     once = period.T / period.multiple
     worked = shots.time / (shot.T if period.own else once)

@@ -7,21 +7,24 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hybond.analysis.linear.periods import period_of, periods_in
+from hybond.analysis.linear.periods import period_of, periods_in, time_said, times_of
 from hybond.analysis.periodic.shots import Shots, calm, read_states
 from hybond.errors import NumericsError, UsageError
 from hybond.model.expressions import compile_expression, differentiate, names
 from hybond.model.expressions.slots import slot_of
 from hybond.model.graph import Mode
-from hybond.options import seconds
 from hybond.result import Result
 
 Vector = NDArray[np.float64]
 
-WHOLE = 1e-9
-"""Part by which a period may differ from a whole number of those of the model."""
 POINTS = 2000
 """At which a run is read to see when it comes back."""
+PARTS = (1.0, 1.0 / 16.0, 1.0 / 256.0)
+"""Of the run, from its end, that are read so closely, until it is seen to come back close."""
+ABOUT = 0.3
+"""Part by which a first guess of a period is off at the most."""
+CLOSE = 0.01
+"""Part of that way within which nobody looks more closely."""
 BACK = 0.1
 """Part of the way it goes within which a motion has come back."""
 
@@ -60,7 +63,7 @@ def period_asked(shots: Shots, period: float | str | None, multiple: int) -> Per
         HB-A541 for a period that is none, or no whole number of the model's own; HB-A511 where it
         is not given and cannot be told.
     """
-    asked = None if period is None else seconds(period, "period")
+    asked = None if period is None else time_said(shots.graph, period, "period")
     if asked is not None and not 0.0 < asked < np.inf:
         raise _no_period(f"a period of {asked:g} s is none", "a time above 0")
     if isinstance(multiple, bool) or not isinstance(multiple, int) or multiple < 1:
@@ -83,8 +86,8 @@ def period_asked(shots: Shots, period: float | str | None, multiple: int) -> Per
     if asked is None:
         note = f"the model repeats every {own:.9g} s"
         return Period(multiple * own, multiple, own=False, note=note)
-    times = round(asked / own)
-    if times < 1 or abs(asked / own - times) > WHOLE * times:
+    times = times_of(asked, own)
+    if not times:
         raise _no_period(
             f"the model repeats every {own:.9g} s, and {asked:.9g} s is no whole number of that",
             f'period="{own:.9g} s", or leave it out and say multiple=2',
@@ -153,17 +156,29 @@ def comes_back(run: Result, multiple: int, guess: float | None) -> Return:
     NumericsError
         HB-A540 if it never comes back.
     """
-    t, x, which = _points(run)
-    x = x[:, read_states(run.graph)]
+    read = read_states(run.graph)
     last = run.segments[-1].mode
-    same = np.array([run.segments[k].mode == last for k in which.tolist()])
-    late = t >= 0.5 * (t[0] + t[-1])
-    spread = np.ptp(x[late], axis=0)
-    size = np.abs(x).max(axis=0, initial=0.0)
+    whole = run.t_end - run.t_begin
+    t, x, _ = _points(run, run.t_begin)
+    late = x[t >= run.t_begin + 0.5 * whole][:, read]
+    spread = np.ptp(late, axis=0)
+    size = np.abs(x[:, read]).max(axis=0, initial=0.0)
     moving = spread > 1e-9 * np.where(size > 0.0, size, 1.0)
     if not moving.any():
         raise _no_return(run, "at the end of the run nothing moves")
-    T = guess if guess is not None else _round(t, x[:, moving] / spread[moving], same)
+    T, off = guess, np.inf
+    for part in PARTS:
+        t, x, which = _points(run, run.t_end - part * whole)
+        scaled = x[:, read][:, moving] / spread[moving]
+        same = np.array([run.segments[k].mode == last for k in which.tolist()])
+        apart = np.where(same, np.abs(scaled - scaled[-1]).max(axis=1), np.inf)
+        near, wide = _round(t, apart, guess), _round(t, apart, None)
+        if near[1] > BACK and wide[1] <= CLOSE:
+            near = wide  # it does come back, and not after what was guessed
+        if near[1] < off:
+            T, off = near
+        if off <= CLOSE:
+            break
     if T is None or T <= 0.0:
         raise _no_return(run, "the run does not come back to where it was")
     point = calm(run, min(T, run.t_end - run.t_begin))
@@ -184,31 +199,40 @@ def _no_return(run: Result, why: str) -> NumericsError:
     return error
 
 
-def _points(run: Result) -> tuple[Vector, Vector, NDArray[np.intp]]:
-    """Return times, states and segments at points all over a run."""
+def _points(run: Result, begin: float) -> tuple[Vector, Vector, NDArray[np.intp]]:
+    """Return times, states and segments at points all over the end of a run."""
     n = len(run.graph.storages) + len(run.graph.integrals)
-    begin, end = run.t_begin, run.t_end
-    grid = np.linspace(begin, end, POINTS)
+    grid = np.linspace(begin, run.t_end, POINTS)
     times, rows, which = [], [], []
     for k, segment in enumerate(run.segments):
+        if segment.t[-1] < begin:
+            continue
         own = grid[(grid >= segment.t[0]) & (grid < segment.t[-1])]
-        own = np.unique(np.concatenate([segment.t[:1], own]))
+        if segment.t[0] >= begin:
+            own = np.unique(np.concatenate([segment.t[:1], own]))
         times.append(own)
-        rows.append(np.array([segment.at(float(a))[:n] for a in own]))
+        rows.append(np.array([segment.at(float(a))[:n] for a in own]).reshape(len(own), n))
         which.append(np.full(len(own), k))
     return np.concatenate(times), np.concatenate(rows), np.concatenate(which)
 
 
-def _round(t: Vector, x: Vector, same: NDArray[np.bool_]) -> float | None:
-    """Return how long ago it was last near where it is at the end, after having been away."""
-    off = np.where(same, np.abs(x - x[-1]).max(axis=1), np.inf)
+def _round(t: Vector, apart: Vector, guess: float | None) -> tuple[float | None, float]:
+    """Return how long ago it was last near where it is at the end, after having been away.
+
+    And how far it was from there. With a guess: when it was nearest, about that long ago.
+    """
+    ago = t[-1] - t
+    if guess is not None:
+        about = np.abs(ago / guess - 1.0) <= ABOUT
+        k = int(np.argmin(np.where(about, apart, np.inf)))
+        return (float(ago[k]), float(apart[k])) if about[k] and apart[k] <= BACK else (None, np.inf)
     away = False
     best: int | None = None
     for k in range(len(t) - 2, 0, -1):
-        if off[k] > BACK:
+        if apart[k] > BACK:
             if best is not None:
                 break
-            away = away or off[k] > 2.0 * BACK
-        elif away and (best is None or off[k] < off[best]):
+            away = away or apart[k] > 2.0 * BACK
+        elif away and (best is None or apart[k] < apart[best]):
             best = k
-    return None if best is None else float(t[-1] - t[best])
+    return (None, np.inf) if best is None else (float(ago[best]), float(apart[best]))

@@ -26,11 +26,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.analysis.periodic.arc import Arc, Node, OrbitPoint
+from hybond.analysis.periodic.multipliers import is_stable
 from hybond.analysis.periodic.shots import Shot
 from hybond.analysis.sensitivity.collocation import Jump
 
 Vector = NDArray[np.float64]
 
+KINDS = (
+    "fold", "branching", "period doubling", "Neimark-Sacker", "grazing", "border collision",
+)  # fmt: skip
 BISECTIONS = 40
 SENSITIVE = 30.0
 """How many times the period an instant moves with a state, as parts of both, where a guard is
@@ -136,7 +140,8 @@ def _smooth(arc: Arc, a: Node, b: Node, tolerance: float) -> list[Passed]:
         found.append(_located(arc, a, b, "period doubling", lambda n: _sign(n, -1.0), tolerance))
     outside = _pairs(a) - _pairs(b)
     same = _sign(a, 1.0) * _sign(b, 1.0) > 0.0 and _sign(a, -1.0) * _sign(b, -1.0) > 0.0
-    if outside and same and abs(_outside(a) - _outside(b)) >= 2:
+    still = all(any(m.kind == "neutral" for m in n.found) for n in (a, b))
+    if outside and same and not still and abs(_outside(a) - _outside(b)) >= 2:
         most = max(_pairs(a), _pairs(b))
         found.append(_located(arc, a, b, "Neimark-Sacker", lambda n: _pair(n, most), tolerance))
     return sorted(found, key=lambda p: float(np.linalg.norm(p.node.z - a.z)))
@@ -225,7 +230,7 @@ def _crossing(node: Node, kind: str) -> str:
 def _border(arc: Arc, before: Node, after: Node) -> Passed:
     """Return the point at which the sequence of switches changes, and what that is."""
     kind, said = _named(arc, before.shot, after.shot)
-    stable = ["stable" if _outside(n) == 0 else "unstable" for n in (before, after)]
+    stable = ["stable" if is_stable(n.found) else "not stable" for n in (before, after)]
     if stable[0] != stable[1]:
         said.append(f"{stable[0]} before, {stable[1]} after")
     value = 0.5 * float(before.z[-1] + after.z[-1]) * arc.span
@@ -336,6 +341,8 @@ def turned(arc: Arc, node: Node) -> Node | None:
         J d + b y = 0,    h_z d = y^2, to first order 0
 
     with J of the old sequence, and the slope of h as that of the new instant, which is along it.
+    Where switches share an instant, orbits with the new ones leave it along the curve of their own
+    map, which may have a corner there, and turn back in the parameter.
     """
     beyond = None
     for ahead in (1e-6, 1e-5, 1e-4):
@@ -344,22 +351,22 @@ def turned(arc: Arc, node: Node) -> Node | None:
             break
     if beyond is None or beyond.M is None or beyond.path == node.shot.path:
         return None
-    slope = _slope_of_instant(arc, beyond)
-    if slope is None:
-        return None
-    off, _ = arc.equations(beyond, node)
+    off, own = arc.equations(beyond, node)
     _, J = arc.equations(node.shot, node)
-    row = arc.solved(J, slope, -off, 0.0)
-    size = float(np.linalg.norm(row))
-    if not size > 0.0:
-        return None
-    row /= size
-    for part in (1e-3, 3e-3, 1e-2, 3e-2, 1e-1):
-        for sign in (1.0, -1.0):
-            z = node.z + sign * part * row
-            found = arc.corrected(z, node.mode, row, node, sign * row)
-            if found is not None and found.path != node.path:
-                return found
+    slope = _slope_of_instant(arc, beyond)
+    ways = [] if slope is None else [(arc.solved(J, slope, -off, 0.0), node.mode)]
+    ways.append((arc.solved(own, node.tangent, np.zeros(len(own)), 1.0), beyond.end_mode))
+    for way, mode in ways:
+        size = float(np.linalg.norm(way))
+        if not size > 0.0:
+            continue
+        row = way / size
+        for part in (1e-3, 3e-3, 1e-2, 3e-2, 1e-1):
+            for sign in (1.0, -1.0):
+                z = node.z + sign * part * row
+                found = arc.corrected(z, mode, row, node, sign * row)
+                if found is not None and found.path != node.path:
+                    return found
     return None
 
 

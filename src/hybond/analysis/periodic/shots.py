@@ -15,10 +15,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.analysis.linear.periods import trees
-from hybond.analysis.sensitivity.along import Chain, chain_of
+from hybond.analysis.periodic.lost import lost_directions
+from hybond.analysis.periodic.multipliers import CIRCLE, Multiplier, multipliers, spanned
+from hybond.analysis.periodic.resting import resting, shut
+from hybond.analysis.periodic.still import takes_nothing
+from hybond.analysis.sensitivity.along import chain_of
+from hybond.analysis.sensitivity.chain import Chain
 from hybond.analysis.sensitivity.fields import Field, Fields
 from hybond.analysis.sensitivity.opened import Opened
 from hybond.analysis.sensitivity.sensitivities import check_followed
+from hybond.analysis.sensitivity.tangent import Undetermined
 from hybond.analysis.sensitivity.values import Values
 from hybond.analysis.sensitivity.wanted import Wanted, slotted
 from hybond.errors import HybondError, NumericsError
@@ -31,12 +37,6 @@ from hybond.simulation import simulate
 
 Vector = NDArray[np.float64]
 
-LITTLE = 1e-7
-"""Part of a motion before its end at which its rates are looked at, to see whether they jump."""
-JUMPS = 1e3
-"""How much more than before they change there, if they jump."""
-JUMPED = 1e-5
-"""Part of themselves by which they change, if they jump."""
 NEAR = 0.01
 """Part of a period within which a switch is near its end."""
 
@@ -101,7 +101,7 @@ class Shots:
     opened : Opened
         The model; what is varied are parameters of it.
     options : mapping
-        Of `simulate`: solver, rtol, max_step.
+        Of `simulate`: its method.
 
     Attributes
     ----------
@@ -182,6 +182,10 @@ class Shots:
             Whether derivatives are wanted.
         """
         run = self.run(self.t0 + T, self.state(x, mode))
+        if len(run.events) and run.events[0].steps[-1].mode != mode:
+            closed = shut(run, x, mode)
+            if closed is not None:
+                x, run = closed, self.run(self.t0 + T, self.state(closed, mode))
         end, end_mode = end_of(run)
         begin = run.events[0].steps[-1].mode if len(run.events) else mode
         if not varied:
@@ -194,20 +198,51 @@ class Shots:
             self._fields = Fields(Values(run, self.wanted), [])
         fields = self._fields
         fields.values = fields.values.of(run, self.values)
-        start = np.hstack([np.eye(n), np.zeros((n, many))])
         ends = np.zeros(many) if T_by is None else T_by
-        chain = chain_of(run, fields, start, [], [], ends)
+        try:
+            chain = chain_of(run, fields, resting(run, fields), [], [], ends)
+        except (HybondError, Undetermined) as error:
+            return replace(shot, why=getattr(error, "why", str(error)))
         shot = replace(shot, chain=chain)
         if chain.ends is not None:
             return replace(shot, why=f"at {chain.ends:.9g} s {chain.why}")
         try:
             whole = chain.forward()[-1]
             first = _rates(fields.within(run.segments[0], run.segments[0].t[:1]))
-            last = _last_rates(run, fields)
+            last = _rates(_last_field(run, fields))
         except HybondError as error:
             return replace(shot, why=error.why)
         by = (whole[:, n:] + np.outer(last, ends)) @ self.wanted.follows
         return replace(shot, M=whole[:, :n], by=by, first=first, last=last)
+
+    def multipliers(
+        self, shot: Shot, sizes: Vector, kept: list[int], *, own: bool, conserved: int
+    ) -> tuple[Multiplier, ...]:
+        """Return the multipliers of a period, what each of them is told of the way through it.
+
+        Parameters
+        ----------
+        sizes : array, shape (n,)
+        kept : list of int
+            States that come back.
+        own : bool
+            Whether nothing drives the motion.
+        conserved : int
+        """
+        assert shot.M is not None and shot.chain is not None and self._fields is not None
+        fields = self._fields
+        fields.values = fields.values.of(shot.run, self.values)
+        lost = lost_directions(shot.run, shot.chain, fields, sizes, kept)
+        M, unit = shot.M[np.ix_(kept, kept)], sizes[kept]
+        found = multipliers(M, unit, phase=own, conserved=conserved, lost=lost)
+        on = [k for k, m in enumerate(found) if m.kind in CIRCLE]
+        if len(on) < 2:
+            return found
+        basis = np.zeros((len(shot.x), len(on)))
+        basis[kept] = spanned(M, unit, [found[k].value for k in on])
+        if takes_nothing(shot.run, shot.chain, fields, basis):
+            found = tuple(replace(m, kind="neutral") if m.kind in CIRCLE else m for m in found)
+        return found
 
 
 def near_ends(run: Result, T: float) -> bool:
@@ -251,25 +286,17 @@ def _rates(found: Field) -> Vector:
     return np.asarray(found.f[0])
 
 
-def _last_rates(run: Result, fields: Fields) -> Vector:
-    """Return the rates at the end of a run, after what happens there.
+def _last_field(run: Result, fields: Fields) -> Field:
+    """Return the field at the end of a run, after what happens there.
 
     A law that jumps with time there, as ``mod`` does, has not yet: no event tells of it, and the
-    derivatives at the end are those before it.
+    derivatives at the end are those before it (`last_kink`).
     """
     segment, events = run.segments[-1], run.trace.events
-    begin, end = float(segment.t[0]), float(segment.t[-1])
-    if len(events) and events.times[-1] == end and end > begin:
+    if len(events) and events.times[-1] == segment.t[-1] and segment.t[-1] > segment.t[0]:
         event = events[-1]
-        found = fields.entered(event.t, np.asarray(event.after), event.steps[-1].mode)
-        return _rates(found)
-    last = _rates(fields.ending(segment, None))
-    if segment.sliding is not None:
-        return last
-    one, two = fields.within(segment, end - LITTLE * (end - begin) * np.array([2.0, 1.0])).f
-    jump = np.abs(last - two)
-    jumped = jump > JUMPS * np.abs(two - one) + JUMPED * np.maximum(np.abs(last), np.abs(two))
-    return np.where(jumped, 2.0 * two - one, last)
+        return fields.entered(event.t, np.asarray(event.after), event.steps[-1].mode)
+    return fields.ending(segment, None)
 
 
 def end_of(run: Result) -> tuple[Vector, Mode]:

@@ -13,18 +13,26 @@ derivative ends: at an instant that is only touched, or that two things share.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from hybond.analysis.sensitivity.chain import Chain, Instant, Reading
 from hybond.analysis.sensitivity.collocation import STAGES, Jump, Step, radau
-from hybond.analysis.sensitivity.crossing import LOCATED, NO_CAUSE, SAME, crossing, timed
+from hybond.analysis.sensitivity.crossing import (
+    LOCATED,
+    NO_CAUSE,
+    SAME,
+    Crossing,
+    crossing,
+    timed,
+)
 from hybond.analysis.sensitivity.fields import Field, Fields
-from hybond.analysis.sensitivity.flow import Flow, flows
+from hybond.analysis.sensitivity.flow import flows
 from hybond.analysis.sensitivity.gradients import Compiled
-from hybond.analysis.sensitivity.kinks import edges_at, jumped, kinks_of
-from hybond.analysis.sensitivity.landing import Landing, landed
+from hybond.analysis.sensitivity.kinks import edges_at, jumped, jumps_at_end, kinks_of
+from hybond.analysis.sensitivity.landing import landed
 from hybond.analysis.sensitivity.switch import started, switched
 from hybond.analysis.sensitivity.tangent import Read, Tangent, Undetermined
 from hybond.errors import HybondError
@@ -60,88 +68,6 @@ ENDS = {
     "change": "the run was changed from outside",
 }
 """Causes of events behind which there are no derivatives, and why."""
-
-
-@dataclass(frozen=True, slots=True)
-class Reading:
-    """Where the chain is read.
-
-    Parameters
-    ----------
-    place : int
-        After how many links.
-    t : float
-    values : array, shape (outputs,)
-    by : array, shape (outputs, n)
-    direct : array, shape (outputs, parameters)
-    """
-
-    place: int
-    t: float
-    values: Vector
-    by: Vector
-    direct: Vector
-
-
-@dataclass(frozen=True, slots=True)
-class Instant:
-    """A switch of the run.
-
-    Parameters
-    ----------
-    place : int or None
-        Which link it is, None if it has no derivative.
-    t : float
-    text : str
-        What became zero.
-    event : int or None
-        Its number in the run's table.
-    """
-
-    place: int | None
-    t: float
-    text: str
-    event: int | None
-
-
-@dataclass
-class Chain:
-    """The linear maps of a run."""
-
-    start: Vector
-    """Shape (n, parameters); more columns, which come first, where the start varies by itself."""
-    links: list[Step | Flow | Jump | Landing] = field(default_factory=list)
-    readings: list[Reading] = field(default_factory=list)
-    instants: list[Instant] = field(default_factory=list)
-    ends: float | None = None
-    """Where the derivative ends before the run does, s."""
-    why: str = ""
-    rough: list[float] = field(default_factory=list)
-    """Where halving steps did not make two halves and the whole agree, s."""
-
-    edges: list[tuple[str, list[str]]] = field(default_factory=list)
-    """What is zero at the start and moves, and by which parameters."""
-
-    def notes(self) -> tuple[str, ...]:
-        """Return what else is to be known."""
-        found = [
-            f"by {', '.join(by)} perhaps to one side only: the start lies on the edge of {text}"
-            for text, by in self.edges
-        ]
-        if self.rough:
-            found.append(
-                f"near t = {self.rough[0]:.6g} s the derivatives have fewer digits: their motion "
-                "is not smooth there"
-            )
-        return tuple(found)
-
-    def forward(self) -> list[Vector]:
-        """Return the variations before the first link, and after each."""
-        found = [self.start]
-        for link in self.links:
-            flat = link.after(found) if isinstance(link, Landing) else link.forward(found[-1])
-            found.append(flat)
-        return found
 
 
 def chain_of(
@@ -347,6 +273,7 @@ class _Along:
             edges = [c.by[self.fields.size :] for c in timed(self.fields, end, t)]
             if not all(self._is_end(np.append(np.zeros(self.more), by)) for by in edges):
                 self.chain.ends, self.chain.why = t, AT_THE_END
+            self._last_kink(segment, d)
             return d
         if len(own) > 1:
             raise Undetermined("two events happen at one instant: which comes first would change")
@@ -379,6 +306,28 @@ class _Along:
             self._read_last(begin, t)
         return d
 
+    def _last_kink(self, segment: Segment, d: Vector) -> None:
+        """Note a law that jumps at the very end: derivatives are those to one side, before it."""
+        if segment.sliding is not None:
+            return
+        kink = self.fields.last_kink(segment)
+        found = None if kink is None else jumps_at_end(self.fields, segment, kink)
+        if isinstance(found, str):
+            self.chain.ends, self.chain.why = self._now, found
+        if not isinstance(found, Crossing):
+            return
+        n = self.fields.size
+        moves = found.by[:n] @ d
+        moves[self.more :] += found.by[n:]
+        if self._is_end(moves):
+            return
+        if self.more:
+            self.chain.ends, self.chain.why = self._now, "a law jumps at the very end of the run"
+            return
+        own, known = moves - self.end, self.fields.values.found
+        by = np.abs(own @ known.follows) > SAME * (np.abs(own) @ np.abs(known.follows))
+        self.chain.last = [known.names[k] for k in np.flatnonzero(by).tolist()]
+
     def _land(self, flight: Field, limit: Segment) -> Vector:
         """Take the limit of impacts, behind the last of them."""
         t = float(limit.t[0])
@@ -389,7 +338,8 @@ class _Along:
         event = self.run.trace.events[numbers[0]]
         rest = self._begin(limit, event)
         found = self.chain.forward()
-        made = landed(self.fields, event, flight, rest, self._impacts(records[0].machine), found)
+        machine = records[0].machine
+        made = landed(self.fields, event, flight, rest, self._impacts(machine), found, machine)
         self.chain.instants.append(
             Instant(len(self.chain.links), t, "impacts come to rest", numbers[0])
         )

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.analysis.sensitivity.gradients import Compiled, Gradients
+from hybond.analysis.sensitivity.last_kink import Kink, ends_at
 from hybond.analysis.sensitivity.mode_rows import ModeRows
 from hybond.analysis.sensitivity.solving import NO_SLOPE
 from hybond.analysis.sensitivity.state_functions import state_function
@@ -93,6 +94,7 @@ class Fields:
         self._made: dict[tuple[object, ...], ModeField] = {}
         self._whole: tuple[Segment, Vector, Field] | None = None
         self._nine: tuple[Segment, Field] | None = None
+        self._last: tuple[Segment, Kink | None] | None = None
 
     @property
     def values(self) -> Values:
@@ -128,8 +130,18 @@ class Fields:
         """Return the field at times of a segment."""
         at = self.values.within(segment, t)
         if segment.sliding is None:
-            return self.mode(segment.mode, at).field(at)
+            mode = self.mode(segment.mode, at)
+            kink = self.last_kink(segment) if mode.rows.turns else None
+            if kink is not None and (t > kink.left).any():
+                at = self.values.within(segment, np.minimum(t, kink.left))
+            return mode.field(at)
         return self._sliding(segment, np.minimum(t, np.nextafter(segment.t[-1], 0.0)), at)
+
+    def last_kink(self, segment: Segment) -> Kink | None:
+        """Return the kink at the very end of a segment; kept as `whole` is."""
+        if self._last is None or self._last[0] is not segment:
+            self._last = segment, ends_at(self, segment)
+        return self._last[1]
 
     def whole(self, segment: Segment, times: Vector) -> tuple[Vector, Field]:
         """Return the accepted points of a segment with times inside it, and the field there.
@@ -160,7 +172,10 @@ class Fields:
         if state is None or segment.sliding is not None:
             return self.within(segment, np.array([t]))
         at = self.values.before(segment, t, state)
-        return self.mode(segment.mode, at).field(at)
+        mode = self.mode(segment.mode, at)
+        if mode.rows.turns and self.last_kink(segment) is not None:
+            return self.within(segment, np.array([t]))
+        return mode.field(at)
 
     def _stays(self, segment: Segment, state: Vector) -> bool:
         """Whether the motion itself ends in a state: no constraint puts it back."""

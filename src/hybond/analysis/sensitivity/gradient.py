@@ -54,6 +54,8 @@ class Gradient:
     units : tuple of str
         Of `by`.
     run : Result
+    notes : tuple of str
+        What else is to be known.
     """
 
     goal: Goal
@@ -62,6 +64,7 @@ class Gradient:
     by: Vector
     units: tuple[str, ...]
     run: Result = field(repr=False)
+    notes: tuple[str, ...] = ()
 
     def __getitem__(self, name: str) -> float:
         """Return the derivative by one thing.
@@ -88,6 +91,7 @@ class Gradient:
         wide = max(len(name) for name in self.wrt)
         for name, value, unit in zip(self.wrt, self.by.tolist(), self.units, strict=True):
             yield f"  by {name.ljust(wide)}  {value:.6g} {unit}".rstrip()
+        yield from self.notes
 
 
 @called('hb.gradient(model, hb.Final("c.e"), "1 s", wrt=["R"])', options=MethodOptions)
@@ -188,7 +192,8 @@ def gradient_of(
         d = varied.chain.forward()
         by = direct + sum(row @ d[place] for place, row in rows.items())
     units = tuple(unit_over(unit, u) for u in found.units)
-    return Gradient(goal, value, found.names, by @ found.follows, units, run)
+    notes = () if isinstance(goal, EventTime) else varied.chain.notes()
+    return Gradient(goal, value, found.names, by @ found.follows, units, run, notes)
 
 
 def _goal(varied: Varied, goal: Goal) -> tuple[float, dict[int, Vector], Vector, str]:

@@ -8,15 +8,17 @@ left side hold, and where the field itself jumps the variations jump, too:
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hybond.analysis.sensitivity.collocation import Jump
-from hybond.analysis.sensitivity.crossing import crossed
+from hybond.analysis.sensitivity.crossing import SAME, Crossing, crossed
 from hybond.analysis.sensitivity.fields import Field, Fields
 from hybond.analysis.sensitivity.gradients import Compiled
+from hybond.analysis.sensitivity.last_kink import BESIDE as INSTANT
+from hybond.analysis.sensitivity.last_kink import Kink
 from hybond.analysis.sensitivity.tangent import Read, Undetermined
 from hybond.model.expressions import Binary, Expr, comparisons, names, turning
 from hybond.model.graph import Mode
@@ -26,27 +28,10 @@ Vector = NDArray[np.float64]
 
 BESIDE = 1e-6
 """Part of a step before its end at which the laws of the left side are read."""
+THERE = 1e-3
+"""Part of a step, at the most, from its end to what it was ended for."""
 NO_JUMP = 1e-7
 """Part by which rates on both sides may differ and there is only a bend."""
-
-
-@dataclass(frozen=True, slots=True)
-class Kink:
-    """A point within a motion where a law bends or jumps.
-
-    Parameters
-    ----------
-    t : float
-        The accepted point behind it, s.
-    left : float
-        A time before it that is close, s.
-    h : Expr
-        What changes its sign.
-    """
-
-    t: float
-    left: float
-    h: Expr
 
 
 def kinks_of(fields: Fields, segment: Segment) -> list[Kink]:
@@ -55,22 +40,26 @@ def kinks_of(fields: Fields, segment: Segment) -> list[Kink]:
         return []
     at = fields.values.within(segment, segment.t)
     rows = fields.mode(segment.mode, at).rows
-    every = {h: None for e in (*rows.rows, *rows.rates) for h in turning(e)}
-    turns = [h for h in every if any(not n.startswith("p:") for n in names(h))]
-    found: dict[int, Kink] = {}
-    values = Compiled(turns).at(at.values, at.points)
-    for h, column in zip(turns, values.T, strict=True):
-        sign = np.sign(column)
-        for k in np.flatnonzero(sign[:-1] * sign[1:] < 0.0).tolist():
-            if k + 2 == len(segment.t):
-                continue  # the end of the segment is a switch of its own
-            j = k + 1 if abs(column[k + 1]) <= abs(column[k]) or k == 0 else k
-            step = float(segment.t[j] - segment.t[j - 1])
-            off = abs(column[j]) / max(abs(column[j] - column[j - 1]), 1e-300) * step
-            left = float(segment.t[j]) - max(BESIDE * step, 4.0 * off)
-            if j in found and found[j].h != h:
-                raise Undetermined("two laws bend at one instant: which comes first would change")
-            found[j] = Kink(float(segment.t[j]), left, h)
+    turns, found = rows.turns, dict[int, Kink]()
+    values = rows.turned.at(at.values, at.points)
+    sign = np.sign(values)
+    for k in np.flatnonzero((sign[:-1] * sign[1:] < 0.0).any(axis=1)).tolist():
+        changed = np.flatnonzero(sign[k] * sign[k + 1] < 0.0).tolist()
+        # the step ended behind what passes zero; what jumps over it is far from it on both sides
+        ends = np.abs(values[k : k + 2, changed])
+        parts = ends / np.abs(values[k + 1, changed] - values[k, changed])
+        before, behind = parts.min(axis=1).tolist()
+        j = k + 1 if behind <= before or before > THERE or k == 0 else k
+        if j + 1 == len(segment.t):
+            continue  # the end of the segment is a switch of its own
+        t, step = float(segment.t[j]), float(segment.t[j] - segment.t[j - 1])
+        off = min(before, behind)
+        back = max(BESIDE * step, 4.0 * off * step if off <= THERE else 0.0, INSTANT * t)
+        left = max(t - back, 0.5 * (float(segment.t[0]) + t))
+        h = [turns[c] for c in changed]
+        if j in found:
+            left, h = max(left, found[j].left), [*found[j].h, *h]
+        found[j] = Kink(t, left, tuple(dict.fromkeys(h)))
     return [found[j] for j in sorted(found)]
 
 
@@ -80,19 +69,57 @@ def jumped(fields: Fields, segment: Segment, kink: Kink) -> Jump | None:
     sides = np.array([kink.left - back, kink.left, kink.t, kink.t + back])
     field = fields.within(segment, np.minimum(sides, segment.t[-1]))
     before = 2.0 * field.f[1] - field.f[0]
-    after = field.f[2]
-    size = np.abs(before) + np.abs(after)
-    change = before - after
-    if (np.abs(change) <= NO_JUMP * size).all():
+    change = before - field.f[2]
+    small = _is_small(change, before)
+    leaps = fields.mode(segment.mode, field.at).rows.leaps
+    if small and not any(h in leaps for h in kink.h):
         return None
     left = fields.within(segment, sides[1:2])
-    moved = Field(left.at, before[None], left.slopes, left.bonds, left.tangent)
-    found = crossed(fields, segment, moved, kink.h, "a law jumps")
-    if found is None or isinstance(found, str):
+    found = passing(fields, segment, kink, replace(left, f=before[None]))
+    if found is None and not small:
         raise Undetermined("a law jumps where it is only touched (grazing)")
+    if isinstance(found, str) and not small:
+        raise Undetermined(found)
+    if not isinstance(found, Crossing):
+        return None
     n = fields.size
     whole = np.eye(n, len(found.by)) + np.outer(change, found.by)
     return Jump(kink.t, whole[:, :n], whole[:, n:], found.by[:n], found.by[n:])
+
+
+def jumps_at_end(fields: Fields, segment: Segment, kink: Kink) -> Crossing | str | None:
+    """Return how a jump at the very end of a segment moves, which the motion has not made yet.
+
+    None where laws only bend there; why it cannot be told how it moves.
+    """
+    left = fields.within(segment, np.array([kink.left]))
+    there = fields.values.within(segment, np.array([kink.t]))
+    mode = fields.mode(segment.mode, there)
+    passed = Compiled(kink.h)
+    if (passed.at(there.values, 1) * passed.at(left.at.values, 1) < 0.0).any():
+        if _is_small(left.f[0] - mode.field(there).f[0], left.f[0]):
+            return None
+    elif not any(h in mode.rows.leaps for h in kink.h):
+        return None
+    return passing(fields, segment, kink, left)
+
+
+def passing(fields: Fields, segment: Segment, kink: Kink, left: Field) -> Crossing | str | None:
+    """Return how the instant of a kink moves; None where all is only touched, or why there is none.
+
+    What is not zero on the left side has jumped over it, because something else passes.
+    """
+    found = [crossed(fields, segment, left, h, "a law jumps") for h in kink.h]
+    passed = [c for c in found if isinstance(c, Crossing)]
+    for other in passed[1:]:
+        both = np.abs(passed[0].by) + np.abs(other.by)
+        if (np.abs(passed[0].by - other.by) > SAME * both.max(initial=0.0)).any():
+            return "two laws bend at one instant: which comes first would change"
+    return passed[0] if passed else None
+
+
+def _is_small(change: Vector, before: Vector) -> bool:
+    return bool((np.abs(change) <= NO_JUMP * (np.abs(before) + np.abs(before - change))).all())
 
 
 def edges_at(fields: Fields, field: Field, mode: Mode, d: Vector) -> list[tuple[str, list[str]]]:

@@ -12,6 +12,8 @@ behind it (`entry`); from t_n on it moves, in the mean, as at rest, to first ord
     d_n = rest(d + f dt_n) - f_n dt_n        f: in flight behind the last impact
     d+  = d_n + (T - t_n) (A d_n + B),       f_n = f+ - (T - t_n) (A f+ + f_t),  A, B, f+: at rest
 
+and what is left of the gap is none (`gaps`).
+
 Source of the extrapolation: Aitken, Proceedings of the Royal Society of Edinburgh 46, 1926.
 """
 
@@ -26,6 +28,7 @@ from numpy.typing import NDArray
 from hybond.analysis.sensitivity.collocation import Jump
 from hybond.analysis.sensitivity.entry import Before, entered
 from hybond.analysis.sensitivity.fields import Field, Fields
+from hybond.analysis.sensitivity.gaps import closing, has_gap
 from hybond.analysis.sensitivity.tangent import Undetermined
 from hybond.runs.trace import Event
 
@@ -97,6 +100,7 @@ def landed(
     rest: Field,
     impacts: Sequence[tuple[int, Jump]],
     found: Sequence[Vector],
+    machine: str,
 ) -> Landing:
     """Return what the limit of impacts makes of the variations.
 
@@ -110,6 +114,8 @@ def landed(
         Of the machine that lands, with their places in the chain.
     found : sequence of array
         The variations before each link.
+    machine : str
+        What lands.
 
     Raises
     ------
@@ -134,12 +140,22 @@ def landed(
     own = {name: float(np.ravel(v)[0]) for name, v in flight.at.values.items()}
     at = fields.values.with_prior(rest.at, dict.fromkeys(own, 0.0))
     moved[:n] = entered(rest.tangent, at, event.steps[-1].areas, before)
+    entry = moved[:n, :n].copy()
     left = event.t - impacts[-1][1].t
     A = np.zeros((size, size))
     A[:, :n], by_time = rest.slopes[0, :, :n], rest.slopes[0, :, n]
     moved[:, -1] -= rest.f[0] - left * (A @ rest.f[0] + by_time)
     moved += left * (A @ moved)
     moved[:, size:-1] += left * rest.slopes[0, :, n + 1 :]
+    lands = [k for k, m in enumerate(fields.graph.machines) if m.path == machine]
+    less = closing(fields, lands, flight, entry) if has_gap(fields, lands[0]) else None
+    if less is not None:
+        gap = less[:, :n] @ moved[:n]
+        gap[:, size:-1] += less[:, n:]
+        moved[:n] -= gap
+        # nor does anything move on the contact, beyond the first order
+        again = Before(moved[:n], np.zeros(basis), p, rest, moved[:n])
+        moved[:n] = entered(rest.tangent, at, {}, again)
     return Landing(
         event.t,
         moved[:, :size],

@@ -7,12 +7,13 @@ r_J(J, w, x, p) = 0   what impulse areas J keep to: the structure, moduli as bef
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hybond.analysis.sensitivity.gradients import AREA, RATE, without_pre
+from hybond.analysis.sensitivity.gradients import AREA, RATE, Compiled, without_pre
 from hybond.analysis.sensitivity.wanted import followed, stored_law
 from hybond.equations.calculus import partial_time, rate_name
 from hybond.equations.element_parts import Part, Parts, configure, settings
@@ -29,7 +30,9 @@ from hybond.model.expressions import (
     names,
     simplify,
     substitute,
+    turning,
 )
+from hybond.model.expressions.kinks import leaping
 from hybond.model.expressions.slots import is_slotted, tree_of
 from hybond.model.expressions.tree import transform
 from hybond.model.graph import FlatGraph, Mode, Node
@@ -86,6 +89,25 @@ class ModeRows:
         rates: list[Expr] = [rate_name(s) for s in graph.storages]
         rates += [i.rate for i in graph.integrals]
         self.rates = [self.moving(e) for e in rates]
+
+    @cached_property
+    def turns(self) -> list[Expr]:
+        """What changes its sign where a law or a rate bends or jumps, of what moves."""
+        return self._moving(turning)
+
+    @cached_property
+    def turned(self) -> Compiled:
+        """The values of `turns`."""
+        return Compiled(self.turns)
+
+    @cached_property
+    def leaps(self) -> frozenset[Expr]:
+        """Those of `turns` at which something may jump."""
+        return frozenset(self._moving(leaping))
+
+    def _moving(self, found: Callable[[Expr], list[Expr]]) -> list[Expr]:
+        every = {h: None for e in (*self.rows, *self.rates) for h in found(e)}
+        return [h for h in every if any(not n.startswith("p:") for n in names(h))]
 
     def made(self, e: Expr) -> Expr:
         """Return an expression as it is in this mode, in names of parameters."""

@@ -9,7 +9,8 @@ from typing import Unpack
 import numpy as np
 from numpy.typing import NDArray
 
-from hybond.analysis.sensitivity.along import Chain, chain_of
+from hybond.analysis.sensitivity.along import chain_of
+from hybond.analysis.sensitivity.chain import Chain
 from hybond.analysis.sensitivity.collocation import Jump
 from hybond.analysis.sensitivity.fields import Fields
 from hybond.analysis.sensitivity.landing import Landing
@@ -83,7 +84,7 @@ def sensitivities(
         HB-A520 for a path that cannot be set, HB-S109 for a signal that there is not.
     EquationError
         HB-A521 for what is no number, or goes into something that is no law; HB-A522 for a model
-        with samples or friction in the plane.
+        with blocks or friction in the plane.
     HybondError
         As `simulate`.
 

@@ -34,19 +34,41 @@ def turning(e: Expr) -> list[Expr]:
     found: list[Expr] = []
     for part, _ in walk(e):
         match part:
-            case Compare():
-                found.append(Binary("-", part.left, part.right))
-            case Call(function="abs" | "sign"):
+            case Call(function="abs"):
                 found.append(part.args[0])
             case Call(function="min" | "max"):
                 found += [Binary("-", a, b) for a, b in combinations(part.args, 2)]
-            case Call(function="floor" | "ceil"):
-                found.append(_whole(part.args[0]))
-            case Call(function="mod"):
-                found.append(_whole(Binary("/", *part.args)))
             case Table():
                 found += [Binary("-", part.arg, Number(x)) for x in _corners(part)]
+            case _:
+                found += _leaping(part)
     return [e for e in dict.fromkeys(found) if names(e)]
+
+
+def leaping(e: Expr) -> list[Expr]:
+    """Return those of `turning` at which it may jump, and not only bend.
+
+    Examples
+    --------
+    >>> from hybond.model.expressions import parse
+    >>> [str(a) for a in leaping(parse("abs(q - 1) + sign(q - 2)"))]
+    ['q - 2']
+    """
+    found = [h for part, _ in walk(e) for h in _leaping(part)]
+    return [e for e in dict.fromkeys(found) if names(e)]
+
+
+def _leaping(part: Expr) -> list[Expr]:
+    match part:
+        case Compare():
+            return [Binary("-", part.left, part.right)]
+        case Call(function="sign"):
+            return [part.args[0]]
+        case Call(function="floor" | "ceil"):
+            return [_whole(part.args[0])]
+        case Call(function="mod"):
+            return [_whole(Binary("/", *part.args))]
+    return []
 
 
 def jumping(e: Expr) -> list[Expr]:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from hybond.engine.compiled.sections import Carry
+from hybond.names import in_columns
 from hybond.sweep.bifurcation.branch import Branch
 from hybond.sweep.bifurcation.orbits import Orbit, Word, turned
 from hybond.sweep.bifurcation.values import Point, Values
@@ -94,14 +95,12 @@ class Windows(tuple[Window, ...]):
         return (w for w in self if w.period > 0)
 
     def __repr__(self) -> str:
-        lines = [f"windows of {self.path}"]
+        rows = [["branch", "from", "to", "orbit", "events", "modes of a turn", "ends in"]]
         for w in self:
             low, high = self._border(w.low, w.low_error), self._border(w.high, w.high_error)
-            line = f"  {w.direction:5}  {low:>22} .. {high:<22}  {w.name:13}"
-            if w.period > 0:
-                line += f"  {w.events:.3g} events  {_short(w.orbit)}"
-            lines.append(line.rstrip() + (f"  ({w.ends_in})" if w.ends_in else ""))
-        return "\n".join(lines)
+            seen = [f"{w.events:.3g}", _short(w.orbit)] if w.period > 0 else ["", ""]
+            rows.append([w.direction, low, high, w.name, *seen, w.ends_in])
+        return "\n".join([f"windows of {self.path}", *(f"  {line}" for line in in_columns(rows))])
 
     def _border(self, at: float, error: float) -> str:
         if not math.isfinite(error):
