@@ -5,7 +5,7 @@ They look as the plots of runs do (`plots`): the same colours, widths and letter
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -113,7 +113,12 @@ def _turns(branch: Any, what: str) -> int:
 
 
 def plot_continuation(
-    found: Any, signal: str, what: Any, *, path: str | Path | None = None
+    found: Any,
+    signal: str,
+    what: Any,
+    value_of: Callable[[Any, str, Any], float],
+    *,
+    path: str | Path | None = None,
 ) -> Figure:
     """Plot a signal of orbits over the parameter, dashed where they are not stable.
 
@@ -123,6 +128,8 @@ def plot_continuation(
     signal : str
     what : str
         One of `WHAT`.
+    value_of : callable
+        Of an orbit, a signal and `what`: where on the axis it stands.
     path : path, optional
         Write the figure there too, in the format of its ending.
 
@@ -131,8 +138,6 @@ def plot_continuation(
     UsageError
         HB-D103 for what is no value of an orbit.
     """
-    from hybond.analysis.periodic.branch import value_of
-
     if what not in WHAT:
         raise UsageError(f"what = {what!r}", code="HB-D103", where="what", hint=", ".join(WHAT))
     top = _TOP + 0.2
