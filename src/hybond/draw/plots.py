@@ -8,7 +8,7 @@ where points are denser than pixels the lowest and highest of each column of pix
 from __future__ import annotations
 
 import io
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -335,10 +335,17 @@ def _legend(ax: Axes, lines: Sequence[Any], names: Sequence[str]) -> None:
         }
     else:
         where = {"loc": "lower left", "bbox_to_anchor": (0.0, 0.97), "ncols": len(names)}
+    name_lines(ax, lines, names, where)
+
+
+def name_lines(
+    ax: Axes, lines: Sequence[Any], names: Sequence[str], where: Mapping[str, Any]
+) -> None:
+    """Name lines in a legend; `where` it stands, in matplotlib's words."""
     # Neutral labels first: matplotlib leaves out those that begin with an underscore.
     legend = ax.legend(
         lines,
-        [str(k) for k in range(len(names))],
+        [str(k) for k in range(len(lines))],
         **where,
         frameon=False,
         fontsize=8.5,

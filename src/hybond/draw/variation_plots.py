@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.draw.measure import shorten
-from hybond.draw.plots import COLOURS, new_figure, write_figure
+from hybond.draw.plots import COLOURS, name_lines, new_figure, write_figure
 from hybond.draw.scales import axis_scale
 from hybond.draw.traces import apart
 from hybond.model.unit_words import unit_of
@@ -170,21 +170,8 @@ def _label(ax: Axes, name: str, unit: str) -> None:
 
 
 def _legend(ax: Axes, lines: Sequence[Any], names: Sequence[str]) -> None:
-    legend = ax.legend(
-        lines,
-        [str(k) for k in range(len(lines))],
-        loc="lower left",
-        bbox_to_anchor=(0.0, 0.985),
-        ncols=min(len(lines), 6),
-        frameon=False,
-        fontsize=8.5,
-        borderaxespad=0.0,
-        handlelength=1.4,
-        columnspacing=1.4,
-    )
-    for text, name in zip(legend.get_texts(), names, strict=True):
-        text.set_parse_math(False)
-        text.set_text(shorten(name, 8.5, 150.0))
+    above = {"loc": "lower left", "bbox_to_anchor": (0.0, 0.985), "ncols": min(len(lines), 6)}
+    name_lines(ax, lines, names, above)
 
 
 def _events(ax: Axes, times: Vector, end: float) -> None:
