@@ -24,6 +24,7 @@ WIDE = (
     "parallel_resonant_converter",
     "rectifier_dc_machine",
     "six_pulse_rectifier",
+    "woodpecker",
 )
 """Examples whose places take seconds to find: `tests/draw` looks at these, too."""
 
