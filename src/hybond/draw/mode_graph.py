@@ -77,7 +77,7 @@ def draw_mode_graph(found: Any) -> Drawing:
         )
         labels.append(_badge(", ".join(map(str, own)), points, role, taken))
     nodes = [_node(n, boxes[n.mode], first=n.mode == found.start) for n in found.nodes]
-    texts, bottom, right = _list(found, low, red)
+    texts, bottom, right = _list(found, low)
     across = max(max(b.x1 for b in boxes.values()) + MARGIN, right + MARGIN)
     title = Text("title", shorten(found.title, 13.0, across - 2 * MARGIN), MARGIN, 24.0, "start")
     return Drawing(
@@ -237,7 +237,7 @@ def _cycles(found: Any) -> set[Pair]:
     return pairs
 
 
-def _list(found: Any, top: float, red: set[Pair]) -> tuple[list[Group], float, float]:
+def _list(found: Any, top: float) -> tuple[list[Group], float, float]:
     """Return what stands below: the numbered transitions, what never fires, the verdict."""
     rows: list[tuple[str, str, str]] = []
     for k, e in enumerate(found.edges):
