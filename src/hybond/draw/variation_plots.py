@@ -156,7 +156,7 @@ def _panels(many: int, title: str, *, interactive: bool) -> tuple[Figure, list[A
         bottom = (height - _TOP - (k + 1) * _TALL - k * _GAP) / height
         panels.append(figure.add_axes((_LEFT / _WIDE, bottom, wide, _TALL / height)))
     figure.text(
-        _LEFT / _WIDE, 1.0 - 0.24 / height, shorten(title, 10.5, 72.0 * (_WIDE - _LEFT - _RIGHT)),
+        _LEFT / _WIDE, 1.0 - 0.24 / height, shorten(title, 10.5, 66.0 * (_WIDE - _LEFT - _RIGHT)),
         fontsize=10.5, fontweight="bold", parse_math=False,
     )  # fmt: skip
     return figure, panels
