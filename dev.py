@@ -7,6 +7,7 @@ import hashlib
 import os
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent
@@ -87,18 +88,25 @@ def make_environment(extra):
 def test():
     """Check format, lint and types and run the tests; only tests where some are chosen."""
     chosen = [word for word in sys.argv[2:] if word != "--all"]
-    checks = {"ruff format": ["ruff", "format", "--check"], "ruff check": ["ruff", "check"]}
-    codes = {}
-    for name, args in {**checks, "mypy": ["mypy"]}.items() if not chosen else ():
-        codes[name] = run(PYTHON, "-m", *args)
-    for name, code in codes.items():
-        print(f"{name:12} {'FAILED' if code else 'ok'}", flush=True)
     options = chosen or ["-n", "auto", "--dist", "loadscope"]
     if "--all" in sys.argv and "-m" in chosen:
         sys.exit("--all takes the tests with any mark: leave it or -m out")
     if "--all" in sys.argv:
         options += ["-m", ""]  # also those marked slow
-    return max(*codes.values(), run(PYTHON, "-m", "pytest", *options), 0, key=abs)
+    if chosen:
+        return run(PYTHON, "-m", "pytest", *options)
+    codes = {}
+    with ThreadPoolExecutor() as beside:
+        # mypy wants one core, and as long as the tests take more than one
+        types = beside.submit(quiet, PYTHON, "-m", "mypy")
+        codes["ruff format"] = run(PYTHON, "-m", "ruff", "format", "--check")
+        codes["ruff check"] = run(PYTHON, "-m", "ruff", "check")
+        codes["pytest"] = run(PYTHON, "-m", "pytest", *options)
+        codes["mypy"], said = types.result()
+    print(said, end="")
+    for name, code in codes.items():
+        print(f"{name:12} {'FAILED' if code else 'ok'}", flush=True)
+    return max(codes.values(), key=abs)
 
 
 def main():

@@ -3,6 +3,7 @@
 Tests that need what the machine lacks are skipped, and the end of a run counts what was, by reason.
 """
 
+import gc
 import os
 import signal
 from collections import Counter, defaultdict
@@ -18,9 +19,20 @@ settings.load_profile("new" if os.environ.get("HYBOND_FUZZ") else "same")
 
 
 def pytest_configure() -> None:
-    """Hear interrupts, also where the tests were started in the background, which ignores them."""
+    """Hear interrupts, also where the tests were started in the background, which ignores them.
+
+    Until all tests are collected, little that is made is garbage: nobody looks for it.
+    """
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
         signal.signal(signal.SIGINT, signal.default_int_handler)
+    gc.disable()
+
+
+def pytest_collection_finish() -> None:
+    """Let the garbage collector look at what tests make, not at all modules and tests each time."""
+    gc.collect()
+    gc.freeze()
+    gc.enable()
 
 
 @pytest.hookimpl(tryfirst=True)

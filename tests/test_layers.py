@@ -26,7 +26,10 @@ LAYERS = [
     ["engine"],
     ["report"],
     ["measures", "one_run", "result", "scripts", "simulation"],
-    ["analysis", "circuits", "sweep", "export", "draw", "fitting", "testing"],
+    ["draw"],
+    ["circuits", "export", "testing"],
+    ["analysis", "sweep"],
+    ["fitting"],
     ["studio"],
     ["cli"],
 ]

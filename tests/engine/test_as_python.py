@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import functools
 import math
 import os
 import platform
@@ -30,7 +31,7 @@ from hybond.engine.tables import tables_of
 
 SLOW = {
     *("boost", "elevator_actuators", "ratchet", "rimless_wheel", "rope_and_disc", "three_tanks"),
-    *("weirs",),
+    *("bouncing_rod", "weirs", "woodpecker"),
 }
 """Examples that take Python more than a second; they are the library's in a tenth of that."""
 BITS = platform.libc_ver()[0] == "glibc"
@@ -43,6 +44,12 @@ def both(model: hb.Model, **options: object) -> tuple[hb.Result, hb.Result]:
         hb.simulate(model, engine="library", on_error="return", **options),  # type: ignore[arg-type]
         hb.simulate(model, engine="python", on_error="return", **options),  # type: ignore[arg-type]
     )
+
+
+@functools.cache
+def both_of(name: str) -> tuple[hb.Result, hb.Result]:
+    """Return the runs of an example, made once."""
+    return both(example(name))
 
 
 def told(run: hb.Result) -> list[object]:
@@ -74,9 +81,10 @@ def assert_alike(library: hb.Result, python: hb.Result) -> None:
 
 
 @pytest.mark.usefixtures("native")
+@pytest.mark.sampled(28)
 @pytest.mark.parametrize("name", CASES)
 def test_an_example_runs_as_by_the_library(name: str) -> None:
-    library, python = both(example(name))
+    library, python = both_of(name)
     assert_alike(library, python)
     assert (python.error is not None) == (name in STOPPED)
 
@@ -99,7 +107,7 @@ def test_other_methods_run_alike(solver: str) -> None:
 @pytest.mark.usefixtures("native")
 @pytest.mark.parametrize("name", ["mmc_arm", "stick_slip", "bouncing_ball_contact", "cam_follower"])
 def test_what_is_read_between_is_the_same(name: str) -> None:
-    library, python = both(example(name))
+    library, python = both_of(name)
     t = np.linspace(0.0, library.t_end, 60)
     stored = [x.path for x in (*library.graph.storages, *library.graph.integrals)]
     ports = [x.path.rpartition(".")[0] for x in library.graph.storages]
@@ -115,7 +123,7 @@ def test_what_is_read_between_is_the_same(name: str) -> None:
 @pytest.mark.usefixtures("native")
 def test_the_time_that_a_sliding_machine_spends_in_a_state_is_the_same() -> None:
     shares = []
-    for run in both(example("tank_overflow_sliding")):
+    for run in both_of("tank_overflow_sliding"):
         slides = next(s for s in run.segments if s.sliding is not None)
         t = 0.5 * float(slides.t[0] + slides.t[-1])
         shares.append([run.trace.signals.weight(slides, t, 0, k) for k in (0, 1)])

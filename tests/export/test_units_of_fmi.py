@@ -69,7 +69,11 @@ def test_a_unit_runs_as_the_model_does(
 
 
 @pytest.mark.parametrize(
-    "made_by", [pytest.param(c, marks=getattr(pytest.mark, c)) for c in needs.COMPILERS]
+    "made_by",
+    [
+        pytest.param(c, marks=[getattr(pytest.mark, c), *[pytest.mark.slow] * (c == "clang")])
+        for c in needs.COMPILERS
+    ],
 )
 def test_any_compiler_makes_a_unit_that_runs(
     made_by: str, folder: Path, monkeypatch: pytest.MonkeyPatch

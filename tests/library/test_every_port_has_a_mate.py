@@ -44,7 +44,12 @@ GAPS = {"planar.floor": "height", "planar.wheel": "height - 0.3 [m]"}
 """Parts with an input that has to be what their ports close: how far that is from its start."""
 
 sheet_of = cache(hb.library.sheet)
-PARTS = [name for name in hb.library.names() if sheet_of(name).ports]
+
+
+@cache
+def parts() -> list[str]:
+    """Return the names of the parts that have ports."""
+    return [name for name in hb.library.names() if sheet_of(name).ports]
 
 
 def joined(name: str, *, backward: bool) -> hb.Model:
@@ -70,13 +75,15 @@ def joined(name: str, *, backward: bool) -> hb.Model:
 
 
 def test_every_domain_of_a_port_has_a_mate() -> None:
-    assert {p.domain for name in PARTS for p in sheet_of(name).ports} == {*MATES, "thermal"}
+    assert {p.domain for name in parts() for p in sheet_of(name).ports} == {*MATES, "thermal"}
     assert set(OHMS) == set(MATES)
 
 
-@listed("name", PARTS)
+@listed("name", hb.library.names())
 def test_every_port_of_a_part_bonds_to_a_mate(name: str) -> None:
     """What passes is what the mate's law says, in the domain of the page, drawn in both ways."""
+    if name not in parts():
+        return
     found = []
     for backward in (False, True):
         run = hb.simulate(joined(name, backward=backward), until=1e-9)
@@ -100,7 +107,7 @@ def test_every_port_of_a_part_bonds_to_a_mate(name: str) -> None:
 def test_a_port_refuses_a_mate_of_another_domain(domain: str) -> None:
     other = "electrical.ground" if domain != "electrical" else "hydraulic.atmosphere"
     pin = "pin" if domain != "electrical" else "port"
-    name, port = next((n, p.name) for n in PARTS for p in sheet_of(n).ports if p.domain == domain)
+    name, port = next((n, p.name) for n in parts() for p in sheet_of(n).ports if p.domain == domain)
     m = hb.Model("mismatched")
     m.add(part=hb.Submodel(name), other=hb.Submodel(other))
     m.bond(f"part.{port} -> other.{pin}")

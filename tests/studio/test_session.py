@@ -19,6 +19,14 @@ from hybond.studio.session import Session
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 MODELS = sorted(p for p in EXAMPLES.glob("*.toml") if not p.name.startswith("_"))
+WIDE = (
+    "diode_bridge",
+    "parallel_resonant_converter",
+    "rectifier_dc_machine",
+    "six_pulse_rectifier",
+    "woodpecker",
+)
+"""Examples whose places take seconds to find: `tests/draw` looks at these, too."""
 
 
 def drawn(session: Session) -> None:
@@ -107,7 +115,11 @@ def test_strokes_follow_the_mode_that_is_shown() -> None:
     assert [m["state"] for m in neither["machines"]] == ["open", "blocks"]
 
 
-@pytest.mark.parametrize("file", MODELS, ids=lambda p: p.stem)
+@pytest.mark.parametrize(
+    "file",
+    [pytest.param(p, marks=[pytest.mark.slow] * (p.stem in WIDE)) for p in MODELS],
+    ids=lambda p: p.stem,
+)
 def test_every_example_opens_with_the_strokes_that_are_printed(file: Path) -> None:
     session = Session(None)
     look = asked(session, "open", example=file.stem)

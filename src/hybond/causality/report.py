@@ -150,7 +150,7 @@ class CausalityReport:
             names = ", ".join(map(repr, self.loops))
             lines.append(f"algebraic loop through {names} (solved at each evaluation)")
         lines += [f"conflict: {text}" for text in self.conflicts]
-        lines += ahead_lines(graph, self.ahead)
+        lines += ahead_lines(self.ahead)
         return lines[:-1] if not lines[-1] else lines
 
     def counts(self) -> str:
@@ -297,7 +297,7 @@ def machine_groups(graph: FlatGraph, found: Dynamics) -> list[tuple[int, ...]]:
     return list(groups)
 
 
-def ahead_lines(graph: FlatGraph, ahead: ConflictsAhead) -> list[str]:
+def ahead_lines(ahead: ConflictsAhead) -> list[str]:
     """Return the modes ahead without causality as lines; none if there are none."""
     if not ahead.found:
         return []

@@ -287,7 +287,7 @@ def _source(
                 hint="DC value, PULSE, SIN, EXP, PWL or SFFM",
             )
     if wave is not None and wave[0] == "pwl":
-        wave = ("pwl", _absolute(wave[1], line))
+        wave = ("pwl", _absolute(wave[1]))
     return Card(name, line, nodes, value, wave=wave, given=given)
 
 
@@ -304,7 +304,7 @@ def _repeat(rest: list[str], k: int, line: Line) -> tuple[int, tuple[str, ...]]:
     return end + 1, points
 
 
-def _absolute(points: tuple[str, ...], line: Line) -> tuple[str, ...]:
+def _absolute(points: tuple[str, ...]) -> tuple[str, ...]:
     """Return the points of PWL with times like ``+1m``, since the last point, added up."""
     words = list(points)
     for j in range(0, len(words) - 1, 2):

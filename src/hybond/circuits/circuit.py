@@ -24,7 +24,7 @@ from hybond.circuits.texts import Texts
 from hybond.circuits.wanting import values_of, wanted_of
 from hybond.circuits.waves import ZERO, Clock
 from hybond.circuits.weaving import ends_of, weave
-from hybond.circuits.wiring import assemble
+from hybond.circuits.wiring import Assembly
 from hybond.errors import FileError, UsageError
 from hybond.model.builder import Model
 from hybond.model.expressions import Number
@@ -210,7 +210,9 @@ class _Making:
                 where=str(self.path),
                 hint="look at the names of its nodes: only a loop of elements carries a current",
             )
-        assemble(model, woven, self.leaves, ends, self.numbers, self.texts, self.deck, self.notices)
+        Assembly(
+            model, woven, self.leaves, ends, self.numbers, self.texts, self.deck, self.notices
+        ).run()
         if self.deck.transient is not None:
             model.experiment["until"] = _plain(self.stop)
             model.experiment["points"] = max(2, min(POINTS, self._steps()))

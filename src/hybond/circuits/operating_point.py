@@ -20,7 +20,7 @@ from hybond.circuits.opened import GROUND, Branch, Value
 from hybond.circuits.texts import Texts
 from hybond.circuits.waves import Drive
 from hybond.circuits.weaving import ends_of, weave
-from hybond.circuits.wiring import assemble
+from hybond.circuits.wiring import Assembly
 from hybond.circuits.woven import written
 from hybond.errors import FileError, HybondError
 from hybond.model.builder import Model
@@ -120,9 +120,8 @@ def _solve(
     # a capacitor that blocks a current source off from its way back is seen by weave
     woven = weave(still, ends, shown, names, texts, notices)
     model = Model("rest", domain="electrical")
-    assemble(
-        model, woven, still, ends, numbers, texts, replace(deck, outputs=[], measures=[]), notices
-    )
+    only = replace(deck, outputs=[], measures=[])
+    Assembly(model, woven, still, ends, numbers, texts, only, notices).run()
     wanted: dict[int, str] = {}
     for k in stores:
         terms = woven.drops.get(k) if still[k].role == "Sf" else woven.currents.get(k)

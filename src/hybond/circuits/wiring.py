@@ -22,27 +22,15 @@ _OUTPUT = re.compile(r"([vi])\(([^(),]+)(?:,([^(),]+))?\)\Z", re.IGNORECASE)
 _GAINS = {"e": "", "g": "A/V", "f": "", "h": "V/A"}
 
 
-def assemble(
-    model: Model,
-    woven: Woven,
-    leaves: Sequence[Leaf],
-    ends: Sequence[tuple[int, int]],
-    numbers: Mapping[str, int],
-    texts: Texts,
-    deck: Deck,
-    notices: Notices,
-) -> None:
-    """Put a woven circuit into a model.
+class Assembly:
+    """Puts a woven circuit into a model.
 
     Raises
     ------
     FileError
         HB-F134, HB-F144 (something sensed that is not there or not determined).
     """
-    _Assembly(model, woven, leaves, ends, numbers, texts, deck, notices).run()
 
-
-class _Assembly:
     def __init__(
         self,
         model: Model,
@@ -61,6 +49,7 @@ class _Assembly:
         self.computing = Computing(model, woven.names, self.sensing, texts)
 
     def run(self) -> None:
+        """Fill the model."""
         model, woven = self.model, self.woven
         model.elements.update(woven.elements)
         model.signals.update(woven.signals)
@@ -98,6 +87,7 @@ class _Assembly:
         return f"{gain}*{sensed if single else f'({sensed})'}"
 
     def sensed(self, k: int) -> str:
+        """Return what a controlled source follows, as an expression."""
         branch = self.leaves[k].branch
         if branch.kind in "egsa":
             plus, minus_ = branch.senses
@@ -201,6 +191,7 @@ class _Assembly:
         self.woven.laws[law] = self.woven.measured[text]
 
     def output(self, what: str, first: str, second: str | None, line: Line) -> str | None:
+        """Return a voltage or current that a card names, as an expression; None if it is zero."""
         if what == "v":
             terms = self.sensing.voltage(_node(first), _node(second or GROUND), line)
         else:

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from argparse import ArgumentParser
-from collections.abc import Callable
 from typing import Any
 
-Verb = Callable[..., ArgumentParser]
+from hybond.cli.shared_words import Verb, file_word, json_word
 
 
 def equations_words(verb: Verb, verbs: Any) -> ArgumentParser:
@@ -19,7 +18,7 @@ def equations_words(verb: Verb, verbs: Any) -> ArgumentParser:
         "hybond equations circuit.toml --outputs C1.e --transfer",
         "hybond equations rectifier.toml --complementarity",
     )
-    parser.add_argument("file", metavar="FILE", help="a model file")
+    file_word(parser)
     parser.add_argument(
         "--mode", metavar="MACHINE=STATE,...", help="one mode (default: all, with Booleans)"
     )
@@ -33,7 +32,7 @@ def equations_words(verb: Verb, verbs: Any) -> ArgumentParser:
     form = parser.add_mutually_exclusive_group()
     form.add_argument("--latex", action="store_true", help="write LaTeX")
     form.add_argument("--markdown", action="store_true", help="write Markdown")
-    form.add_argument("--json", action="store_true", help="print one JSON object and nothing else")
+    json_word(form)
     parser.add_argument("--matrices", action="store_true", help="also E, A, B, C, D")
     parser.add_argument(
         "--junctions", action="store_true", help="also the junction structure matrix"
@@ -59,7 +58,7 @@ def analyse_words(verb: Verb, verbs: Any) -> ArgumentParser:
         "hybond analyse circuit.toml --residuals --sensors Df,De1,De2",
         "hybond analyse ball.toml --coverage ball.p=-3..1 --at height=0",
     )
-    parser.add_argument("file", metavar="FILE", help="a model file")
+    file_word(parser)
     parser.add_argument(
         "--mode",
         metavar="MACHINE=STATE,...",
@@ -105,5 +104,5 @@ def analyse_words(verb: Verb, verbs: Any) -> ArgumentParser:
     parser.add_argument("--sensors", metavar="SIGNAL,...", help="what is measured, for --residuals")
     form = parser.add_mutually_exclusive_group()
     form.add_argument("--markdown", action="store_true", help="write Markdown")
-    form.add_argument("--json", action="store_true", help="print one JSON object and nothing else")
+    json_word(form)
     return parser

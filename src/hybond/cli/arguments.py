@@ -26,6 +26,7 @@ from hybond.cli.misfits import in_words, unknown_option
 from hybond.cli.periodic_words import periodic_words
 from hybond.cli.plan_words import sweep_words
 from hybond.cli.run_words import limits_words, option_word, settings_words, solver_words
+from hybond.cli.shared_words import diode_word, file_word, input_word, json_word, picture_word
 from hybond.errors import UsageError
 from hybond.names import did_you_mean
 from hybond.options import MADE
@@ -136,7 +137,7 @@ def _check(verbs: Any) -> None:
         "hybond check --cross rectifier.toml --step '10 us'",
         "hybond check --modes relay.toml --out modes.svg",
     )
-    check.add_argument("file", metavar="FILE", help="a model file")
+    file_word(check)
     check.add_argument(
         "--modes",
         action="store_true",
@@ -184,7 +185,7 @@ def _draw(verbs: Any) -> None:
         "hybond draw ball.toml --panels --out ball.tex",
         "hybond draw boost.toml --schematic",
     )
-    draw.add_argument("file", metavar="FILE", help="a model file")
+    file_word(draw)
     draw.add_argument(
         "--out", metavar="FILE", help="a .svg, .png, .pdf or .tex (default: an .svg here)"
     )
@@ -246,7 +247,7 @@ def _causality(verbs: Any) -> None:
         "hybond causality ball.toml --mode floor=touching",
         "hybond causality circuit.toml --diagnostic --sensors n1,n2 --advice",
     )
-    causality.add_argument("file", metavar="FILE", help="a model file")
+    file_word(causality)
     causality.add_argument(
         "--mode", metavar="MACHINE=STATE,...", help="the mode (default: the reference mode)"
     )
@@ -267,9 +268,7 @@ def _causality(verbs: Any) -> None:
     causality.add_argument(
         "--sensors", metavar="JUNCTION,...", help="for --diagnostic: what is measured"
     )
-    causality.add_argument(
-        "--json", action="store_true", help="print one JSON object and nothing else"
-    )
+    json_word(causality)
     settings_words(causality)
 
 
@@ -292,7 +291,7 @@ def _run(verbs: Any) -> None:
         "hybond run ball.toml --set m=2kg --plot ball.png",
         "hybond run ball.toml --json --at '0.5, 800 ms' --signals height,ball.p",
     )
-    run.add_argument("file", metavar="FILE", help="a model file, or a netlist")
+    input_word(run)
     settings_words(run)
     solver_words(run)
     run.add_argument(
@@ -313,13 +312,9 @@ def _run(verbs: Any) -> None:
         help="what is sampled, written by --out and plotted by --plot",
     )
     run.add_argument("--out", metavar="FILE", help="write the run as .csv, .npz or .json")
-    run.add_argument(
-        "--diode-current",
-        metavar="I",
-        help="of netlists: where diodes become straight lines (default: 1 A)",
-    )
-    run.add_argument("--plot", metavar="FILE", help="plot the run as .png, .svg or .pdf")
-    run.add_argument("--json", action="store_true", help="print one JSON object and nothing else")
+    diode_word(run)
+    picture_word(run, "plot the run")
+    json_word(run)
 
 
 def _sweep(verbs: Any) -> None:
@@ -348,7 +343,7 @@ def _periodic(verbs: Any) -> None:
 
 def _explain(verbs: Any) -> None:
     explain = _verb(verbs, "explain", "hybond explain ball.toml --at '0.8 s'")
-    explain.add_argument("file", metavar="FILE", help="a model file")
+    file_word(explain)
     explain.add_argument("--at", metavar="T", help="only the event nearest to this time")
     settings_words(explain)
     solver_words(explain)
@@ -374,11 +369,7 @@ def _convert(verbs: Any) -> None:
     convert.add_argument(
         "--strict", action="store_true", help="of other tools: refuse what would be a warning"
     )
-    convert.add_argument(
-        "--diode-current",
-        metavar="I",
-        help="of netlists: where diodes become straight lines (default: 1 A)",
-    )
+    diode_word(convert)
 
 
 def _library(verbs: Any) -> None:
@@ -418,7 +409,7 @@ def _export(verbs: Any) -> None:
         "hybond export ball.toml --to java --out -",
         "hybond export ball.toml --to fmu --fmi 2.0 --set m=2kg",
     )
-    export.add_argument("file", metavar="FILE", help="a model file")
+    file_word(export)
     export.add_argument(
         "--to", metavar="TARGET", required=True, help="c, java, fmu, python, latex or modelica"
     )

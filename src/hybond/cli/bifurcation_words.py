@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from argparse import ArgumentParser
-from collections.abc import Callable
 from typing import Any
 
+from hybond.cli.shared_words import Verb, input_word, json_word, workers_word
 
-def bifurcation_words(verb: Callable[..., ArgumentParser], verbs: Any) -> ArgumentParser:
+
+def bifurcation_words(verb: Verb, verbs: Any) -> ArgumentParser:
     """Add ``hybond bifurcation``."""
     parser = verb(
         verbs,
@@ -17,7 +18,7 @@ def bifurcation_words(verb: Callable[..., ArgumentParser], verbs: Any) -> Argume
         "--direction both",
         "hybond bifurcation stop.toml --vary w=2.4..3.6:300 --at stop.impact --before --of v.f",
     )
-    parser.add_argument("file", metavar="FILE", help="a model file, or a netlist")
+    input_word(parser)
     parser.add_argument(
         "--vary",
         metavar="PATH=VALUES",
@@ -58,12 +59,8 @@ def bifurcation_words(verb: Callable[..., ArgumentParser], verbs: Any) -> Argume
         "--windows", metavar="X", help="follow each orbit to where it ends, to within X"
     )
     parser.add_argument("--limit", metavar="T", help="of --at: how long a value may take")
-    parser.add_argument(
-        "--workers", metavar="N", type=int, help="threads (default: one for each core)"
-    )
+    workers_word(parser)
     parser.add_argument("--plot", metavar="FILE", help="draw the diagram")
     parser.add_argument("--out", metavar="FILE", help="write all samples as .csv or .json")
-    parser.add_argument(
-        "--json", action="store_true", help="print one JSON object and nothing else"
-    )
+    json_word(parser)
     return parser

@@ -70,7 +70,7 @@ def check(given: Namespace) -> int:
         conflicts = ()
         _enter_start(graph)
     elif graph.machines and len(graph.bonds) <= BONDS:
-        ahead = list(ahead_lines(graph, modes_report(graph).ahead))
+        ahead = list(ahead_lines(modes_report(graph).ahead))
     for line in ahead:
         say(f"warning: {line}" if not line.startswith(" ") else line)
     noted = list(graph.warnings)

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from argparse import ArgumentParser
-from collections.abc import Callable
 from typing import Any
 
 from hybond.cli.run_words import option_word
+from hybond.cli.shared_words import Verb, input_word, json_word
 
 
-def fit_words(verb: Callable[..., ArgumentParser], verbs: Any) -> ArgumentParser:
+def fit_words(verb: Verb, verbs: Any) -> ArgumentParser:
     """Add ``hybond fit``."""
     parser = verb(
         verbs,
@@ -19,7 +19,7 @@ def fit_words(verb: Callable[..., ArgumentParser], verbs: Any) -> ArgumentParser
         "hybond fit ball.toml drop.csv --free m --bounds 'm=0.5..2 kg' --loss soft_l1",
         "hybond fit ball.toml drop.csv --free eps --bounds eps=0.3..0.95 --starts 20",
     )
-    parser.add_argument("file", metavar="FILE", help="a model file, or a netlist")
+    input_word(parser)
     parser.add_argument(
         "data",
         metavar="DATA",
@@ -59,7 +59,5 @@ def fit_words(verb: Callable[..., ArgumentParser], verbs: Any) -> ArgumentParser
     parser.add_argument("--seed", metavar="N", type=int, help="of --starts (default: 0)")
     option_word(parser, "rtol")
     parser.add_argument("--plot", metavar="FILE", help="plot data and runs")
-    parser.add_argument(
-        "--json", action="store_true", help="print one JSON object and nothing else"
-    )
+    json_word(parser)
     return parser

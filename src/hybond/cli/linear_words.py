@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from argparse import ArgumentParser
-from collections.abc import Callable
 from typing import Any
 
-Verb = Callable[..., ArgumentParser]
+from hybond.cli.shared_words import Verb, input_word, json_word, picture_word
+
 PLOTS = ("bode", "nyquist", "step", "poles")
 
 
@@ -19,7 +19,7 @@ def linearise_words(verb: Verb, verbs: Any) -> ArgumentParser:
         "hybond linearise buck.toml --at '2 ms' --plot bode.png",
         "hybond linearise buck.toml --inject --input d --output out.e --frequencies 100..20kHz:9",
     )
-    parser.add_argument("file", metavar="FILE", help="a model file, or a netlist")
+    input_word(parser)
     parser.add_argument(
         "--input",
         metavar="NAME,...",
@@ -41,7 +41,7 @@ def linearise_words(verb: Verb, verbs: Any) -> ArgumentParser:
     parser.add_argument(
         "--mode", metavar="MACHINE=STATE,...", help="the mode (default: the one that holds there)"
     )
-    parser.add_argument("--plot", metavar="FILE", help="plot as .png, .svg or .pdf")
+    picture_word(parser)
     parser.add_argument(
         "--kind",
         metavar="WHAT",
@@ -65,7 +65,5 @@ def linearise_words(verb: Verb, verbs: Any) -> ArgumentParser:
     parser.add_argument(
         "--windows", metavar="N", type=int, help="of --inject: after how many it gives up"
     )
-    parser.add_argument(
-        "--json", action="store_true", help="print one JSON object and nothing else"
-    )
+    json_word(parser)
     return parser

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from argparse import ArgumentParser
-from collections.abc import Callable
 from typing import Any
 
+from hybond.cli.shared_words import Verb, input_word, json_word
 
-def measure_words(verb: Callable[..., ArgumentParser], verbs: Any) -> ArgumentParser:
+
+def measure_words(verb: Verb, verbs: Any) -> ArgumentParser:
     """Add ``hybond measure``."""
     parser = verb(
         verbs,
@@ -17,7 +18,7 @@ def measure_words(verb: Callable[..., ArgumentParser], verbs: Any) -> ArgumentPa
         "hybond measure buck.toml --losses --period '20 us' --power",
         "hybond measure buck.toml --losses --sankey losses.svg",
     )
-    parser.add_argument("file", metavar="FILE", help="a model file, or a netlist")
+    input_word(parser)
     parser.add_argument(
         "measures",
         metavar="MEASURE",
@@ -40,7 +41,5 @@ def measure_words(verb: Callable[..., ArgumentParser], verbs: Any) -> ArgumentPa
     parser.add_argument("--plot", metavar="FILE", help="of --losses: plot them over time")
     parser.add_argument("--sankey", metavar="FILE", help="of --losses: draw who gave and who took")
     parser.add_argument("--list", action="store_true", help="list the functions")
-    parser.add_argument(
-        "--json", action="store_true", help="print one JSON object and nothing else"
-    )
+    json_word(parser)
     return parser

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from argparse import ArgumentParser
-from collections.abc import Callable
 from typing import Any
 
+from hybond.cli.shared_words import Verb, input_word, json_word, picture_word
 
-def periodic_words(verb: Callable[..., ArgumentParser], verbs: Any) -> ArgumentParser:
+
+def periodic_words(verb: Verb, verbs: Any) -> ArgumentParser:
     """Add ``hybond periodic``."""
     parser = verb(
         verbs,
@@ -16,7 +17,7 @@ def periodic_words(verb: Callable[..., ArgumentParser], verbs: Any) -> ArgumentP
         "hybond periodic stick_slip.toml --settle '10 s'",
         "hybond periodic boost.toml --along 'D=0.3..0.7' --doublings 1 --plot branch.png",
     )
-    parser.add_argument("file", metavar="FILE", help="a model file, or a netlist")
+    input_word(parser)
     parser.add_argument(
         "--period",
         metavar="T",
@@ -48,8 +49,6 @@ def periodic_words(verb: Callable[..., ArgumentParser], verbs: Any) -> ArgumentP
     parser.add_argument("--solver", metavar="NAME", help="as for hybond run")
     parser.add_argument("--rtol", metavar="R", type=float, help="of the runs (default: 1e-10)")
     parser.add_argument("--max-step", metavar="H", help="longest step")
-    parser.add_argument("--plot", metavar="FILE", help="plot as .png, .svg or .pdf")
-    parser.add_argument(
-        "--json", action="store_true", help="print one JSON object and nothing else"
-    )
+    picture_word(parser)
+    json_word(parser)
     return parser

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
-from collections.abc import Callable
 from typing import Any
 
 from hybond.cli.run_words import settings_words, solver_words
+from hybond.cli.shared_words import Verb, file_word, json_word, workers_word
 
 SWITCHES = ("collect", "sample", "estimate", "cluster", "runs")
 NUMBERS = ("seed", "part")
 """Any of them makes a sweep one whose rows are collected in a folder."""
 
 
-def sweep_words(verb: Callable[..., ArgumentParser], verbs: Any) -> None:
+def sweep_words(verb: Verb, verbs: Any) -> None:
     """Add the verb."""
     sweep = verb(
         verbs,
@@ -23,7 +23,7 @@ def sweep_words(verb: Callable[..., ArgumentParser], verbs: Any) -> None:
         "hybond sweep ball.toml --vary 'm=normal(1 kg, 50 g)' --sample lhs:1000 --seed 7 "
         "--collect 'final(ball.p), count(events)' --out masses",
     )
-    sweep.add_argument("file", metavar="FILE", help="a model file")
+    file_word(sweep)
     sweep.add_argument(
         "--vary",
         metavar="PATH=VALUES",
@@ -41,15 +41,13 @@ def sweep_words(verb: Callable[..., ArgumentParser], verbs: Any) -> None:
     sweep.add_argument(
         "--signals", metavar="NAME,...", action="append", help="what is read at the end"
     )
-    sweep.add_argument(
-        "--workers", metavar="N", type=int, help="threads (default: one for each core)"
-    )
+    workers_word(sweep)
     sweep.add_argument(
         "--out",
         metavar="FILE",
         help="write the table as .csv, .npz or .json; of --collect: a folder",
     )
-    sweep.add_argument("--json", action="store_true", help="print one JSON object and nothing else")
+    json_word(sweep)
 
 
 def plan_words(parser: ArgumentParser) -> None:

@@ -5,16 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from typing import Any
 
 from hybond.draw.drawing import Drawing
 from hybond.draw.geometry import Box, Point
 from hybond.draw.measure import shorten, width
 from hybond.draw.scene import Frame, Group, Line, Mark, Scene, Text
 from hybond.errors import UsageError
-
-if TYPE_CHECKING:
-    from hybond.analysis.modes.records import Edge, ModeGraph, ModeNode
 
 MOST = 24
 """Modes that one drawing shows."""
@@ -35,8 +32,12 @@ CHAR = 11.0
 Pair = tuple[str, str]
 
 
-def draw_mode_graph(found: ModeGraph) -> Drawing:
+def draw_mode_graph(found: Any) -> Drawing:
     """Return the state diagram of what `hybond.reachable` found.
+
+    Parameters
+    ----------
+    found : ModeGraph
 
     Raises
     ------
@@ -76,7 +77,7 @@ def draw_mode_graph(found: ModeGraph) -> Drawing:
         )
         labels.append(_badge(", ".join(map(str, own)), points, role, taken))
     nodes = [_node(n, boxes[n.mode], first=n.mode == found.start) for n in found.nodes]
-    texts, bottom, right = _list(found, low, red)
+    texts, bottom, right = _list(found, low)
     across = max(max(b.x1 for b in boxes.values()) + MARGIN, right + MARGIN)
     title = Text("title", shorten(found.title, 13.0, across - 2 * MARGIN), MARGIN, 24.0, "start")
     return Drawing(
@@ -90,7 +91,7 @@ def draw_mode_graph(found: ModeGraph) -> Drawing:
     )
 
 
-def _boxes(nodes: Sequence[ModeNode]) -> dict[str, Box]:
+def _boxes(nodes: Sequence[Any]) -> dict[str, Box]:
     """Return where modes stand: on an ellipse, the first one at its left."""
     wide = [
         max(width(n.mode, CHAR, bold=True), width(", ".join(n.kinds), 9.0)) + 22.0 for n in nodes
@@ -175,7 +176,7 @@ def _tip(role: str, points: Sequence[Point]) -> Line:
     return Line(solid, (one, (bx, by), two))
 
 
-def _role(edges: Sequence[Edge], *, red: bool) -> str:
+def _role(edges: Sequence[Any], *, red: bool) -> str:
     if red:
         return "conflict"
     known = {e.known for e in edges}
@@ -199,7 +200,7 @@ def _badge(text: str, points: Sequence[Point], role: str, taken: list[Box]) -> G
     return Group("number", text, "", (Frame(word, box, 8.0), Text(word, text, x, y + 3.2)))
 
 
-def _node(n: ModeNode, box: Box, *, first: bool) -> Group:
+def _node(n: Any, box: Box, *, first: bool) -> Group:
     kinds = set(n.kinds)
     marks: list[Mark] = []
     if "continuous" in kinds or not kinds & {"mythical", "pinnacle"}:
@@ -225,7 +226,7 @@ def _node(n: ModeNode, box: Box, *, first: bool) -> Group:
     return Group("mode", n.mode, ", ".join(n.kinds), tuple(marks))
 
 
-def _cycles(found: ModeGraph) -> set[Pair]:
+def _cycles(found: Any) -> set[Pair]:
     """Return the edges that follow each other for ever from some state."""
     pairs: set[Pair] = set()
     for gap in found.gaps:
@@ -236,7 +237,7 @@ def _cycles(found: ModeGraph) -> set[Pair]:
     return pairs
 
 
-def _list(found: ModeGraph, top: float, red: set[Pair]) -> tuple[list[Group], float, float]:
+def _list(found: Any, top: float) -> tuple[list[Group], float, float]:
     """Return what stands below: the numbered transitions, what never fires, the verdict."""
     rows: list[tuple[str, str, str]] = []
     for k, e in enumerate(found.edges):

@@ -5,7 +5,7 @@ They look as the plots of runs do (`plots`): the same colours, widths and letter
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -112,11 +112,9 @@ def _turns(branch: Any, what: str) -> int:
 
 
 def _curve(
-    branch: Any, signal: str, what: Any
+    branch: Any, signal: str, what: Any, value_of: Callable[..., float]
 ) -> tuple[Any, Vector, list[Vector], NDArray[np.bool_]]:
     """Return a branch with its curves and where it is stable, from the orbit that it is born at."""
-    from hybond.analysis.periodic.branch import value_of
-
     x, stable = branch.values, branch.stable
     ys = [branch.of(signal, what, turn=k) for k in range(_turns(branch, what))]
     if branch.born is not None:
@@ -128,7 +126,12 @@ def _curve(
 
 
 def plot_continuation(
-    found: Any, signal: str, what: Any, *, path: str | Path | None = None
+    found: Any,
+    signal: str,
+    what: Any,
+    value_of: Callable[..., float],
+    *,
+    path: str | Path | None = None,
 ) -> Figure:
     """Plot a signal of orbits over the parameter, dashed where they are not stable.
 
@@ -138,6 +141,8 @@ def plot_continuation(
     signal : str
     what : str
         One of `WHAT`.
+    value_of : callable
+        Of an orbit, a signal and `what`: where on the axis it stands; and a part of a period later.
     path : path, optional
         Write the figure there too, in the format of its ending.
 
@@ -146,14 +151,12 @@ def plot_continuation(
     UsageError
         HB-A544 for what is no value of an orbit, HB-S109 for a signal that there is not.
     """
-    from hybond.analysis.periodic.branch import value_of
-
     top = _TOP + 0.2
     height, page = top + 3.6 + _BOTTOM, _WIDE
     figure = new_figure((page, height), interactive=path is None)
     inches = page - _LEFT - _RIGHT
     ax = figure.add_axes((_LEFT / page, _BOTTOM / height, inches / page, 3.6 / height))
-    curves = [_curve(b, signal, what) for b in found.branches]
+    curves = [_curve(b, signal, what, value_of) for b in found.branches]
     marks = [
         (s.kind, s.value, value_of(s.orbit, signal, what))
         for b in found.branches

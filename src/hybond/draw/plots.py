@@ -8,7 +8,7 @@ where points are denser than pixels the lowest and highest of each column of pix
 from __future__ import annotations
 
 import io
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -335,10 +335,17 @@ def _legend(ax: Axes, lines: Sequence[Any], names: Sequence[str]) -> None:
         }
     else:
         where = {"loc": "lower left", "bbox_to_anchor": (0.0, 0.97), "ncols": len(names)}
+    name_lines(ax, lines, names, where)
+
+
+def name_lines(
+    ax: Axes, lines: Sequence[Any], names: Sequence[str], where: Mapping[str, Any]
+) -> None:
+    """Name lines in a legend; `where` it stands, in matplotlib's words."""
     # Neutral labels first: matplotlib leaves out those that begin with an underscore.
     legend = ax.legend(
         lines,
-        [str(k) for k in range(len(names))],
+        [str(k) for k in range(len(lines))],
         **where,
         frameon=False,
         fontsize=8.5,
@@ -351,14 +358,18 @@ def _legend(ax: Axes, lines: Sequence[Any], names: Sequence[str]) -> None:
         text.set_text(shorten(name, 8.5, 150.0))
 
 
-def _time_axis(ax: Axes, result: Any, factor: float, label: str) -> None:
-    """Set the time axis and draw a dotted line at each event that has room for it."""
-    end = (result.t_end or 1.0) * factor
-    ax.set_xlim(-0.01 * end, 1.01 * end)
-    times = result.events.t * factor
+def event_lines(ax: Axes, times: Vector, end: float) -> None:
+    """Draw a dotted line at each event that has room for it."""
     times = np.unique(times[(times > 0) & (times < end)])
     for t in times[apart(times, _LINE_GAP * end)]:
         ax.axvline(t, color="#8c8c8c", linewidth=0.8, linestyle=(0, (1, 2)), zorder=1)
+
+
+def _time_axis(ax: Axes, result: Any, factor: float, label: str) -> None:
+    """Set the time axis, with its events."""
+    end = (result.t_end or 1.0) * factor
+    ax.set_xlim(-0.01 * end, 1.01 * end)
+    event_lines(ax, result.events.t * factor, end)
     ax.tick_params(axis="x", labelsize=8, labelbottom=bool(label))
     if label:
         ax.set_xlabel(f"time [{label}]", fontsize=9.5)

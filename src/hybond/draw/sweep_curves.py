@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from hybond.draw.measure import shorten
+from hybond.draw.of_sweeps import Spread
 from hybond.draw.plots import new_figure, write_figure
 from hybond.draw.scales import axis_scale
-from hybond.sweep.spread import Spread
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

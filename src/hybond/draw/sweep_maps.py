@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from hybond.draw.measure import shorten
+from hybond.draw.of_sweeps import NONE, Axis, OutcomeMap
 from hybond.draw.plots import new_figure, write_figure
-from hybond.sweep.maps import NONE, Axis, OutcomeMap
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

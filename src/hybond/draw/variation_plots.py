@@ -13,9 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.draw.measure import shorten
-from hybond.draw.plots import COLOURS, new_figure, write_figure
+from hybond.draw.plots import COLOURS, event_lines, name_lines, new_figure, write_figure
 from hybond.draw.scales import axis_scale
-from hybond.draw.traces import apart
 from hybond.model.unit_words import unit_of
 
 if TYPE_CHECKING:
@@ -26,7 +25,6 @@ Vector = NDArray[np.float64]
 
 _WIDE, _TALL = 7.4, 1.75
 _LEFT, _RIGHT, _TOP, _BOTTOM, _GAP = 0.95, 0.25, 0.78, 0.5, 0.16
-_EVENT = "#8c8c8c"
 
 
 def plot_sensitivities(
@@ -62,7 +60,7 @@ def plot_sensitivities(
             said = [w if v else f"{w}, by 0.01" for w, v in zip(found.wrt, found.values.tolist())]
             _legend(ax, lines, said)
         _finish(ax, end * factor)
-        _events(ax, found.run.events.t * factor, end * factor)
+        event_lines(ax, found.run.events.t * factor, end * factor)
         if found.ends is not None:
             ax.axvspan(found.ends * factor, 1.01 * end * factor, color="#f3f3f3", zorder=0)
     if found.ends is not None:
@@ -158,8 +156,8 @@ def _panels(many: int, title: str, *, interactive: bool) -> tuple[Figure, list[A
         bottom = (height - _TOP - (k + 1) * _TALL - k * _GAP) / height
         panels.append(figure.add_axes((_LEFT / _WIDE, bottom, wide, _TALL / height)))
     figure.text(
-        _LEFT / _WIDE, 1.0 - 0.24 / height, title, fontsize=10.5, fontweight="bold",
-        parse_math=False,
+        _LEFT / _WIDE, 1.0 - 0.24 / height, shorten(title, 10.5, 66.0 * (_WIDE - _LEFT - _RIGHT)),
+        fontsize=10.5, fontweight="bold", parse_math=False,
     )  # fmt: skip
     return figure, panels
 
@@ -170,27 +168,8 @@ def _label(ax: Axes, name: str, unit: str) -> None:
 
 
 def _legend(ax: Axes, lines: Sequence[Any], names: Sequence[str]) -> None:
-    legend = ax.legend(
-        lines,
-        [str(k) for k in range(len(lines))],
-        loc="lower left",
-        bbox_to_anchor=(0.0, 0.985),
-        ncols=min(len(lines), 6),
-        frameon=False,
-        fontsize=8.5,
-        borderaxespad=0.0,
-        handlelength=1.4,
-        columnspacing=1.4,
-    )
-    for text, name in zip(legend.get_texts(), names, strict=True):
-        text.set_parse_math(False)
-        text.set_text(shorten(name, 8.5, 150.0))
-
-
-def _events(ax: Axes, times: Vector, end: float) -> None:
-    times = np.unique(times[(times > 0) & (times < end)])
-    for t in times[apart(times, 0.006 * end)]:
-        ax.axvline(t, color=_EVENT, linewidth=0.8, linestyle=(0, (1, 2)), zorder=1)
+    above = {"loc": "lower left", "bbox_to_anchor": (0.0, 0.985), "ncols": min(len(lines), 6)}
+    name_lines(ax, lines, names, above)
 
 
 def _finish(ax: Axes, end: float) -> None:

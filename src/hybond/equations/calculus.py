@@ -1,4 +1,4 @@
-"""Derivatives of canonical expressions: along a bond variable, and along time."""
+"""Laws in the names of bonds, and derivatives: along a bond variable, and along time."""
 
 from __future__ import annotations
 
@@ -10,10 +10,11 @@ from hybond.model.expressions import (
     Number,
     differentiate,
     simplify,
+    substitute,
     turning,
 )
 from hybond.model.expressions import names as names_of
-from hybond.model.graph import FlatGraph, Storage
+from hybond.model.graph import FlatGraph, Node, Storage
 
 
 def rate_name(storage: Storage) -> Expr:
@@ -68,3 +69,15 @@ def reads_bonds(e: Expr) -> bool:
     from hybond.model.expressions import posterior_names
 
     return any(n.startswith(("e:", "f:")) for n in posterior_names(e))
+
+
+def localised(node: Node, expressions: tuple[Expr, ...]) -> list[Expr]:
+    """Return laws with their local names replaced by those of the node's bonds."""
+    local: dict[str, Expr] = {}
+    many = len(node.ends) > 1
+    for end in node.ends:
+        k = str(end.port + 1) if many else ""
+        local[f"law:e{k}"] = Name(f"e:{end.bond}")
+        flow = Name(f"f:{end.bond}")
+        local[f"law:f{k}"] = flow if end.inward else Neg(flow)
+    return [substitute(e, local) for e in expressions]

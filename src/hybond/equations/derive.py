@@ -99,7 +99,7 @@ def state_equations(
     closing: list[tuple[int, MixedRow[Any]]] = []
     for region in regions:
         if region.why_kept:
-            closing += [(s, closing_row(form, region, s)) for s in region.switches]
+            closing += [(s, closing_row(form, s)) for s in region.switches]
             closing += [(-1, MixedRow(form.constraints[k])) for k in region.constraints]
     closing = [(s, row) for s, row in closing if row.columns()]
     rows += [row for _, row in closing]

@@ -6,7 +6,7 @@ from collections import OrderedDict
 from collections.abc import Mapping
 from typing import Literal
 
-from hybond.equations.calculus import bent, gradient, partial_time, reads_bonds
+from hybond.equations.calculus import bent, gradient, localised, partial_time, reads_bonds
 from hybond.model.expressions import (
     Binary,
     Bool,
@@ -106,7 +106,8 @@ class Parts:
     def of(self, node: Node, off: bool, values: Mapping[str, Expr]) -> Part:
         """Return what an element says, where `values` are constant and it is `off` or not."""
         if node.index not in self._laws:
-            laws = _localised(node)
+            assert node.law is not None
+            laws = localised(node, node.law.expressions)
             self._laws[node.index] = laws, frozenset().union(*(names(e) for e in laws))
         laws, read = self._laws[node.index]
         asked = sorted(read & values.keys())
@@ -161,19 +162,6 @@ class Parts:
         """Return the column of a bond variable."""
         kind, _, index = name.partition(":")
         return int(index) + (self._bonds if kind == "f" else 0)
-
-
-def _localised(node: Node) -> list[Expr]:
-    """Return the law with its local names replaced by those of the node's bonds."""
-    assert node.law is not None
-    local: dict[str, Expr] = {}
-    many = len(node.ends) > 1
-    for end in node.ends:
-        k = str(end.port + 1) if many else ""
-        local[f"law:e{k}"] = Name(f"e:{end.bond}")
-        flow = Name(f"f:{end.bond}")
-        local[f"law:f{k}"] = flow if end.inward else Neg(flow)
-    return [substitute(e, local) for e in node.law.expressions]
 
 
 def _two_port(node: Node) -> list[tuple[Term, Term]]:

@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Generic, Literal, TypeVar
 
-from hybond.equations.calculus import bent, gradient, reads_bonds
+from hybond.equations.calculus import bent, gradient, localised, reads_bonds
 from hybond.equations.ring import Ring, Row
 from hybond.model.expressions import (
     Binary,
@@ -97,18 +97,6 @@ def laws_of(graph: FlatGraph, node: Node, *, symbolic: bool) -> Parametric:
         return Parametric(None, law.expressions)
     matrix = tuple(tuple(Number(c) for c in row) for row in law.matrix)
     return Parametric(matrix, law.expressions)
-
-
-def localised(node: Node, expressions: tuple[Expr, ...]) -> list[Expr]:
-    """Return laws with their local names replaced by those of the node's bonds."""
-    local: dict[str, Expr] = {}
-    many = len(node.ends) > 1
-    for end in node.ends:
-        k = str(end.port + 1) if many else ""
-        local[f"law:e{k}"] = Name(f"e:{end.bond}")
-        flow = Name(f"f:{end.bond}")
-        local[f"law:f{k}"] = flow if end.inward else Neg(flow)
-    return [substitute(e, local) for e in expressions]
 
 
 def _constant(e: Expr) -> bool:

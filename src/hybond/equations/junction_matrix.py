@@ -297,7 +297,7 @@ def junction_matrix(
     for region in regions:
         if region.why_kept:
             kept += region.variables
-            rows += [closing_row(form, region, s) for s in region.switches]
+            rows += [closing_row(form, s) for s in region.switches]
             rows += [MixedRow(form.constraints[k]) for k in region.constraints]
     return JunctionMatrix(
         graph,

@@ -225,7 +225,7 @@ def mixed_row(
     return MixedRow(base, tuple(parts))
 
 
-def closing_row(form: SwitchForm[T], region: Region[T], switch: int) -> MixedRow[T]:
+def closing_row(form: SwitchForm[T], switch: int) -> MixedRow[T]:
     """Return the closing row of a kept switch variable, by the states of its own machines."""
     from hybond.equations.regions import space_of_switch
 

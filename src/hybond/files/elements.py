@@ -62,7 +62,7 @@ def read_element(data: Any, place: Place, *, array: bool = False) -> Part | Subm
     options = {key: option for key, option in data.items() if key != kind}
     if kind == "junction":
         return Part(str(value), None, options)
-    _check_value(kind, value, place / kind)
+    _check_value(value, place / kind)
     if len(starts := [key for key in options if key in ("e", "f", "q", "p")]) > 1:
         raise place.refuse(
             f"it starts from {starts[0]} and from {starts[1]}",
@@ -128,7 +128,7 @@ def _check_single(data: dict[str, Any], kind: str, place: Place) -> None:
             )
 
 
-def _check_value(kind: str, value: Any, place: Place) -> None:
+def _check_value(value: Any, place: Place) -> None:
     if isinstance(value, list):
         if value and not any(isinstance(row, list) for row in value):
             return  # of an array

@@ -19,7 +19,7 @@ def graph_hints(model: Model, graph: FlatGraph) -> Iterator[Hint]:
         if node.kind in STORAGES + RESISTORS:
             yield from _arrows(graph, node)
         if node.is_junction:
-            yield from _alone(graph, node)
+            yield from _alone(node)
     for region in _regions(graph, through=True):
         yield from _still(graph, region)
     for region in _regions(graph, through=False):
@@ -55,7 +55,7 @@ def _arrows(graph: FlatGraph, node: Node) -> Iterator[Hint]:
         )
 
 
-def _alone(graph: FlatGraph, node: Node) -> Iterator[Hint]:
+def _alone(node: Node) -> Iterator[Hint]:
     where = f"elements.{node.path}"
     if not node.ends and node.controlled:
         return  # its machine is told of

@@ -38,6 +38,24 @@ LIMIT = 1_000_000
 """Pieces more than the run has steps, at the most."""
 
 
+def times_between(low: Vector, high: Vector) -> Vector:
+    """Return Chebyshev's points from `low` to `high`, shape (n, 11), the ends exactly."""
+    t = 0.5 * (low + high)[:, None] + (0.5 * (high - low))[:, None] * NODES
+    t[:, 0], t[:, -1] = low, high
+    return np.asarray(t)
+
+
+def within(low: Vector, high: Vector, x: Vector) -> Vector:
+    """Return the times of points between -1 and 1."""
+    return np.clip(0.5 * (low + high) + 0.5 * (high - low) * x, low, high)
+
+
+def halves(low: Vector, high: Vector) -> tuple[Vector, Vector]:
+    """Return where the halves of stretches begin and end, in the order of time."""
+    middle = 0.5 * (low + high)
+    return np.column_stack([low, middle]).ravel(), np.column_stack([middle, high]).ravel()
+
+
 @dataclass(frozen=True, slots=True)
 class Pieces:
     """Stretches of time within segments of a run, in order.
@@ -63,14 +81,11 @@ class Pieces:
 
     def times(self) -> Vector:
         """Return Chebyshev's points of each, shape (n, 11)."""
-        t = 0.5 * (self.low + self.high)[:, None] + self.half[:, None] * NODES
-        t[:, 0], t[:, -1] = self.low, self.high
-        return np.asarray(t)
+        return times_between(self.low, self.high)
 
     def at(self, which: Whole, x: Vector) -> Vector:
         """Return the times of points between -1 and 1 in some of the pieces."""
-        low, high = self.low[which], self.high[which]
-        return np.clip(0.5 * (low + high) + 0.5 * (high - low) * x, low, high)
+        return within(self.low[which], self.high[which], x)
 
     def part(self, chosen: NDArray[np.bool_]) -> Pieces:
         """Return some of them."""
@@ -78,12 +93,7 @@ class Pieces:
 
     def halved(self) -> Pieces:
         """Return the halves of all."""
-        middle = 0.5 * (self.low + self.high)
-        return Pieces(
-            np.repeat(self.segment, 2),
-            np.column_stack([self.low, middle]).ravel(),
-            np.column_stack([middle, self.high]).ravel(),
-        )
+        return Pieces(np.repeat(self.segment, 2), *halves(self.low, self.high))
 
     @staticmethod
     def joined(parts: list[Pieces]) -> tuple[Pieces, Whole]:

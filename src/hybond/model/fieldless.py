@@ -36,7 +36,7 @@ def active(graph: FlatGraph, node: Node, off: frozenset[int]) -> bool:
     return not any(s.index in off for s in switches_of(graph, node))
 
 
-def _reads_in(graph: FlatGraph, node: Node, machine: Machine, state: int) -> bool:
+def _reads_in(node: Node, machine: Machine, state: int) -> bool:
     """Whether the law still reads ``pre()`` when `machine` is in this state.
 
     A source that the law of a junction brought in does so in the state ``impact`` only.
@@ -87,7 +87,7 @@ def _is_fieldless(graph: FlatGraph, machine: Machine, state: int, laws: list[Nod
     for node in laws:
         switches = [s.index for s in switches_of(graph, node)]
         mine = [s for s in switches if s in machine.controls]
-        if not _reads_in(graph, node, machine, state):
+        if not _reads_in(node, machine, state):
             continue
         if mine and all(s in machine.on[state] for s in mine):
             return True

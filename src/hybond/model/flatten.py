@@ -76,7 +76,7 @@ def _flatten(
     switched = switched_by(opened)
     raw_nodes, raw_bonds = _graph(opened, switched)
     ends = ends_of(raw_nodes, raw_bonds)
-    domains = domains_of(raw_nodes, raw_bonds, opened)
+    domains = domains_of(raw_nodes, raw_bonds)
     bonds = tuple(
         Bond(k, b.tail, b.head, b.name, domains[k], *_place(written, k))
         for k, b in enumerate(raw_bonds)
@@ -104,7 +104,7 @@ def _flatten(
         path: (k, tuple(part.states)) for k, (path, (_, part)) in enumerate(opened.machines.items())
     }
     resolver = Resolver(opened, tuple(nodes), bonds, storages, states)
-    dimensions = _dimensions(bonds, storages, nodes)
+    dimensions = _dimensions(bonds, storages)
     inputs = inputs_of(opened)
     dimensions.update({f"u:{i.index}": i.dimension for i in inputs})
     give_units(opened, resolver, dimensions)
@@ -122,7 +122,7 @@ def _flatten(
     signals = {path: resolver.signal(path) for path in opened.signals}
     for path, tree in signals.items():
         dimensions[path] = resolver.dimension(tree, dimensions, f"signals.{path}")
-    machines = machines_of(opened, resolver, nodes, switched, dimensions)
+    machines = machines_of(opened, resolver, nodes, dimensions)
     if with_laws:
         machines = with_laws_of_junctions(machines, with_laws, opened, nodes, resolver, dimensions)
         machines = held_together(machines, nodes, bonds)
@@ -306,7 +306,7 @@ def _storages(raw_nodes: list[RawNode], nodes: list[Node]) -> tuple[Storage, ...
 
 
 def _dimensions(
-    bonds: tuple[Bond, ...], storages: tuple[Storage, ...], nodes: list[Node]
+    bonds: tuple[Bond, ...], storages: tuple[Storage, ...]
 ) -> dict[str, Dimension | None]:
     found: dict[str, Dimension | None] = {"time": _TIME}
     for bond in bonds:

@@ -31,10 +31,9 @@ class Waveform(Protocol):
 
 
 @dataclass(frozen=True, slots=True)
-class Constant:
-    """A constant input."""
-
+class _Level:
     level: float
+    """Where it starts, and stays in a run."""
 
     def piece(self, t: float) -> int:
         """Return 0: there is one piece."""
@@ -45,28 +44,18 @@ class Constant:
         return self.level
 
     def rate(self, t: float, piece: int) -> float:
-        """Return 0."""
+        """Return 0: inputs are held between the instants at which they are set."""
         return 0.0
 
 
 @dataclass(frozen=True, slots=True)
-class Free:
+class Constant(_Level):
+    """A constant input."""
+
+
+@dataclass(frozen=True, slots=True)
+class Free(_Level):
     """An input that is set from outside while the model runs, in an exported program only."""
-
-    level: float
-    """Where it starts."""
-
-    def piece(self, t: float) -> int:
-        """Return 0: there is one piece."""
-        return 0
-
-    def value(self, t: float, piece: int) -> float:
-        """Return the level at the start."""
-        return self.level
-
-    def rate(self, t: float, piece: int) -> float:
-        """Return 0: inputs are held between the instants at which they are set."""
-        return 0.0
 
 
 @dataclass(frozen=True, slots=True)

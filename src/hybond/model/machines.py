@@ -62,7 +62,6 @@ def machines_of(
     opened: Opened,
     resolver: Resolver,
     nodes: list[Node],
-    switched: Mapping[str, tuple[int, str]],
     dimensions: Mapping[str, Dimension | None],
 ) -> tuple[Machine, ...]:
     """Return the machines with what each state switches ON and their rules resolved.

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from hybond.errors import ModelError
 from hybond.model.domains import no_such_domain
 from hybond.model.graph import End
-from hybond.model.hierarchy import Opened, Scope, Written
+from hybond.model.hierarchy import Scope, Written
 from hybond.model.kinds import KINDS, TWO_PORTS
 from hybond.names import join, port_number
 from hybond.records import dataclass
@@ -146,7 +146,7 @@ def _numbered(
     return tuple(taken[k] for k in range(count))
 
 
-def domains_of(nodes: list[RawNode], bonds: list[RawBond], opened: Opened) -> list[Domain]:
+def domains_of(nodes: list[RawNode], bonds: list[RawBond]) -> list[Domain]:
     """Return the domain of each bond.
 
     A region of bonds joined by junctions and one-ports has one domain: the one that a node in it

@@ -110,9 +110,14 @@ class Exact(_Adaptive):
     """
 
 
+@dataclass(frozen=True, slots=True)
+class _FixedStep(Method):
+    step: float | str
+
+
 @fits('hb.RK4(step="1 ms")')
 @dataclass(frozen=True, slots=True)
-class RK4(Method):
+class RK4(_FixedStep):
     """Runge-Kutta of order 4 with a fixed step.
 
     Parameters
@@ -131,31 +136,17 @@ class RK4(Method):
     {'solver': 'rk4', 'step': '1 ms'}
     """
 
-    step: float | str
-
 
 @fits('hb.Euler(step="1 ms")')
 @dataclass(frozen=True, slots=True)
-class Euler(Method):
-    """Forward Euler with a fixed step.
-
-    Parameters
-    ----------
-    step : float or str
-        s.
-
-    Raises
-    ------
-    UsageError
-        HB-S102 for a step that is none.
+class Euler(_FixedStep):
+    """Forward Euler with a fixed step; `RK4` says what the parameter is.
 
     Examples
     --------
     >>> Euler("1 ms").solver
     'euler'
     """
-
-    step: float | str
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -211,7 +202,7 @@ class LIQSS(_Quantised):
 
 @fits('hb.MoreauJean(step="1 ms")')
 @dataclass(frozen=True, slots=True)
-class MoreauJean(Method):
+class MoreauJean(_FixedStep):
     """Time-stepping of Moreau and Jean: contacts, diodes and friction as laws of each step.
 
     Its impacts are Newton's for all contacts at once.
@@ -234,7 +225,6 @@ class MoreauJean(Method):
     {'solver': 'moreau-jean', 'step': '1 ms', 'theta': 1}
     """
 
-    step: float | str
     theta: float | None = None
 
     @property

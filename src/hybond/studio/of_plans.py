@@ -11,12 +11,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from hybond.draw.of_sweeps import NONE, Axis
 from hybond.errors import UsageError
 from hybond.model.parts import Value
 from hybond.studio.curves import numbers
 from hybond.studio.planned import Planned
 from hybond.studio.plans import faults, offered, wanted_of
-from hybond.sweep.maps import NONE, Axis, map_of
+from hybond.sweep.maps import map_of
 from hybond.sweep.spread import spread_of
 from hybond.sweep.views import refusal
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from hybond.draw.of_sweeps import NONE, Axis, OutcomeMap
 from hybond.errors import UsageError
 
 if TYPE_CHECKING:
@@ -24,66 +24,8 @@ INKS = (
     "#994455",
 )
 """The hues of P. Tol, which stay apart for colour-blind readers."""
-NONE = "#d9d9d9"
-"""Where there is no outcome."""
 OTHERS = "#555555"
 """Of texts that have no colour of their own."""
-
-
-@dataclass(frozen=True, slots=True)
-class Axis:
-    """One direction of a map.
-
-    Parameters
-    ----------
-    name, unit : str
-    log : bool
-        Whether values are apart by ratios more than by differences.
-    edges : array, shape (levels + 1,), or None
-        Of the cells around the levels of a grid; None of points.
-    """
-
-    name: str
-    unit: str
-    log: bool
-    edges: Vector | None
-
-
-@dataclass(frozen=True, slots=True)
-class OutcomeMap:
-    """An outcome over two columns.
-
-    Parameters
-    ----------
-    x, y : Axis
-    value, unit : str
-        What is mapped.
-    members : array, shape (points,)
-        Numbers of the members; of cells row by row, from below, -1 where none has run yet.
-    across, up : array, shape (points,)
-        Where they are; of cells the levels, shapes (columns,) and (rows,).
-    number : array, shape (points,)
-        The outcome, or which of `names` it is; nan where there is none.
-    names, inks : tuple of str
-        Texts in the order of the members, of very many the frequent ones, and their colours; empty
-        if the outcome is a number.
-    """
-
-    x: Axis
-    y: Axis
-    value: str
-    unit: str
-    members: Numbers
-    across: Vector
-    up: Vector
-    number: Vector
-    names: tuple[str, ...]
-    inks: tuple[str, ...]
-
-    @property
-    def is_grid(self) -> bool:
-        """Whether it is made of cells."""
-        return self.x.edges is not None
 
 
 def map_of(

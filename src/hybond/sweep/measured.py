@@ -20,7 +20,16 @@ from hybond.measures.asked import Asked
 from hybond.measures.chebyshev import NODES, WEIGHTS, evaluate, tails, turning_points
 from hybond.measures.chebyshev import coefficients_of as coefficients
 from hybond.measures.chebyshev import in_order as summed
-from hybond.measures.pieces import NOISE, PARTS, ROUNDS, TOLERANCE, check_tolerance
+from hybond.measures.pieces import (
+    NOISE,
+    PARTS,
+    ROUNDS,
+    TOLERANCE,
+    check_tolerance,
+    halves,
+    times_between,
+    within,
+)
 from hybond.measures.window import INSTANT, duration_of, time_of
 from hybond.records import dataclass
 
@@ -127,9 +136,7 @@ class Stretches:
 
     def times(self) -> Vector:
         """Return Chebyshev's points of each, shape (n, 11)."""
-        t = 0.5 * (self.low + self.high)[:, None] + self.half[:, None] * NODES
-        t[:, 0], t[:, -1] = self.low, self.high
-        return np.asarray(t)
+        return times_between(self.low, self.high)
 
     def part(self, chosen: Mask | Whole) -> Stretches:
         """Return some of them."""
@@ -139,12 +146,8 @@ class Stretches:
 
     def halved(self) -> Stretches:
         """Return the halves of all."""
-        middle = 0.5 * (self.low + self.high)
         return Stretches(
-            np.repeat(self.member, 2),
-            np.repeat(self.step, 2),
-            np.column_stack([self.low, middle]).ravel(),
-            np.column_stack([middle, self.high]).ravel(),
+            np.repeat(self.member, 2), np.repeat(self.step, 2), *halves(self.low, self.high)
         )
 
     @property
@@ -384,7 +387,7 @@ class _One:
             order = np.lexsort((-values, own))
             order = order[np.append(True, own[order][1:] != own[order][:-1])]
             low, high = pieces.low[which[order]], pieces.high[which[order]]
-            at = np.clip(0.5 * (low + high) + 0.5 * (high - low) * x[order], low, high)
+            at = within(low, high, x[order])
             exact = self.read(pieces.part(which[order]), at)
             _better(sign, own[order], at, exact, best, t, value)
         return t, value

@@ -2,42 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+
+from hybond.draw.of_sweeps import Spread
 
 if TYPE_CHECKING:
     from hybond.sweep.table import SweepTable
 
-Vector = NDArray[np.float64]
 SHOWN = 40
 """Members that are drawn."""
-
-
-@dataclass(frozen=True, slots=True)
-class Spread:
-    """A curve of many runs.
-
-    Parameters
-    ----------
-    signal, unit : str
-    t : array, shape (times,)
-        s.
-    bands : array, shape (5, times)
-        The quantiles `hybond.sweep.views.BANDS`: 5, 25, 50, 75 and 95 %.
-    members : array of int, shape (shown,)
-    curves : array, shape (shown, times)
-        Theirs; nan beyond the end of a run.
-    """
-
-    signal: str
-    unit: str
-    t: Vector
-    bands: Vector
-    members: NDArray[np.intp]
-    curves: Vector
 
 
 def spread_of(table: SweepTable, curve: str) -> Spread:

@@ -161,7 +161,7 @@ class Continuation:
         graph = self.branches[0].points[0].run.graph
         plotted = tuple(graph.experiment.get("plot", ()))
         chosen = signal or (plotted or tuple(self.branches[0].points[0].run.names))[0]
-        figure: Figure = plot_continuation(self, chosen, what, path=path)
+        figure: Figure = plot_continuation(self, chosen, what, value_of, path=path)
         return figure
 
     def to_data(self) -> dict[str, Any]:

@@ -96,14 +96,14 @@ def along_run(
         def read(jet: Jet, motion: Motion = motion) -> Array:
             own = about.given.known[jet.column]
             formula = own.formula if own.kind == "sensor" else numbered(own.formula, known)
-            return motion.derivative(_as_run(about, run, formula), jet.order)
+            return motion.derivative(_as_run(run, formula), jet.order)
 
         found, sizes = _evaluated(about, believed, read, known)
         pieces.append((times, believed, found, sizes))
     return _joined(about, pieces)
 
 
-def _as_run(about: Residuals, run: Result, formula: Expr) -> Expr:
+def _as_run(run: Result, formula: Expr) -> Expr:
     """Put in the values of parameters that a sensor's formula names."""
     values = {f"p:{path}": float(v) for path, v in run.graph.parameters.items()}
     return numbered(formula, values)

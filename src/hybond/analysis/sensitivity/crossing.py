@@ -218,10 +218,10 @@ def timed(fields: Fields, end: Field, t: float) -> list[Crossing]:
     for sample, by in due(fields, t):
         whole = np.concatenate([np.zeros(fields.size), by])
         found.append(Crossing(whole, f"{sample.path} is sampled"))
-    return found + _by_time(fields, end, t, close)
+    return found + _by_time(fields, end, close)
 
 
-def _by_time(fields: Fields, end: Field, t: float, close: float) -> list[Crossing]:
+def _by_time(fields: Fields, end: Field, close: float) -> list[Crossing]:
     """Return the comparisons of time that change their truth at an instant."""
     found = []
     for watch in fields.graph.watches:

@@ -27,22 +27,7 @@ def _two(own: Interface) -> str:
         variableNamingConvention="flat",
         numberOfEventIndicators=str(own.indicators),
     )
-    ElementTree.SubElement(
-        root,
-        "ModelExchange",
-        modelIdentifier=own.identifier,
-        canBeInstantiatedOnlyOncePerProcess="false",
-    )
-    ElementTree.SubElement(
-        root,
-        "CoSimulation",
-        modelIdentifier=own.identifier,
-        canHandleVariableCommunicationStepSize="true",
-        canBeInstantiatedOnlyOncePerProcess="false",
-    )
-    _units(root, own)
-    _experiment(root, own)
-    variables = ElementTree.SubElement(root, "ModelVariables")
+    variables = _begin(root, own)
 
     def add(reference: int, shown: Shown, real: dict[str, str], **attributes: str) -> None:
         own_words = {"name": shown.name, "valueReference": str(reference)}
@@ -88,22 +73,7 @@ def _three(own: Interface) -> str:
         generationTool=f"hybond {__version__}",
         variableNamingConvention="flat",
     )
-    ElementTree.SubElement(
-        root,
-        "ModelExchange",
-        modelIdentifier=own.identifier,
-        canBeInstantiatedOnlyOncePerProcess="false",
-    )
-    ElementTree.SubElement(
-        root,
-        "CoSimulation",
-        modelIdentifier=own.identifier,
-        canHandleVariableCommunicationStepSize="true",
-        canBeInstantiatedOnlyOncePerProcess="false",
-    )
-    _units(root, own)
-    _experiment(root, own)
-    variables = ElementTree.SubElement(root, "ModelVariables")
+    variables = _begin(root, own)
 
     def add(reference: int, shown: Shown, **attributes: str) -> None:
         own_words = {"name": shown.name, "valueReference": str(reference)}
@@ -146,6 +116,27 @@ def _three(own: Interface) -> str:
     for n in range(own.indicators):
         ElementTree.SubElement(structure, "EventIndicator", valueReference=str(indicators + n))
     return _text(root)
+
+
+def _begin(root: ElementTree.Element, own: Interface) -> ElementTree.Element:
+    """Say what is the same in both versions; return where the variables go."""
+    ElementTree.SubElement(
+        root,
+        "ModelExchange",
+        modelIdentifier=own.identifier,
+        canBeInstantiatedOnlyOncePerProcess="false",
+    )
+    ElementTree.SubElement(
+        root,
+        "CoSimulation",
+        modelIdentifier=own.identifier,
+        canHandleVariableCommunicationStepSize="true",
+        canBeInstantiatedOnlyOncePerProcess="false",
+    )
+    _units(root, own)
+    _experiment(root, own)
+    variables = ElementTree.SubElement(root, "ModelVariables")
+    return variables
 
 
 def _parameter(shown: Shown) -> dict[str, str]:

@@ -92,7 +92,7 @@ def to_latex(model: Model, *, run: Result | None = None) -> str:
         ("State equations", _equations(graph)),
         ("Machines", _machines(graph)),
         ("Signals and inputs", _signals(model)),
-        ("Results", _results(model, run, error)),
+        ("Results", _results(run, error)),
     ):
         found = list(body)
         if found:
@@ -285,7 +285,7 @@ def _input(given: InputPart) -> str:
     return str(given.constant)
 
 
-def _results(model: Model, run: Result | None, error: str) -> Iterator[str]:
+def _results(run: Result | None, error: str) -> Iterator[str]:
     if run is None:
         return
     until = f"From 0 to {run.t_end:.9g} s, solver {run.solver}, status {run.status}."

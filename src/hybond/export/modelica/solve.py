@@ -227,10 +227,10 @@ class Form:
             solution = self.jumps(mode)
             if solution is None:
                 return None
-            row = self._in_jumps(row, solution)
+            row = self._in_jumps(row)
         return row
 
-    def _in_jumps(self, row: Row[Any], solution: Peeling[Any]) -> Row[Any]:
+    def _in_jumps(self, row: Row[Any]) -> Row[Any]:
         if any(k >= self.n for k in row):
             raise ModelError(
                 "an impulse goes through a loop that no formula closes in all modes",
