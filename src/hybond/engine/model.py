@@ -431,8 +431,7 @@ class Model:
     """What each reads stands with the pairs."""
     kink_switch: Ints
     """What is to be ON for anything to feel it, -1: nothing."""
-    kink_root: Ints
-    """Whether a root is taken of the size of each: what it brings to nothing rests there."""
+    kink_root: Ints  # whether a root is taken of the size of each: it may rest there
     kink_node: Ints
     """The element that says it; -1: the rate of a signal."""
     timed_jumps: int
