@@ -58,7 +58,7 @@ def land_first(e: Engine, g: Locator, room: float) -> int:
     h = e.step.t1 - e.step.t0
     longest = e.step.t1
     at = g.at
-    g.rough = False
+    about = g.about
     for k in range(2):
         past = 1e-6 if k == 0 else 1e-3
         end = at + max(past * (at - e.step.t0), 2.0 * room)
@@ -84,9 +84,10 @@ def land_first(e: Engine, g: Locator, room: float) -> int:
     # the instant was not found again: the step as it was
     if e.step.t1 != longest and retry(e, longest) != OK:
         return REFUSED
-    if locate(e, g) != OK:
+    if about and locate(e, g) != OK:
         return REFUSED
-    g.at = at if g.at == math.inf else g.at
+    if not about or g.at == math.inf:
+        g.at = at
     return OK
 
 

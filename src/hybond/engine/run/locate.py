@@ -47,6 +47,7 @@ def search(e: Engine, g: Locator) -> int:
     """Look for it, block after block."""
     g.at = math.inf
     g.failed = False
+    g.about = False
     g.looked = math.nan
     if g.guards == 0:
         return OK

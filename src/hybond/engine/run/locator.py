@@ -94,6 +94,8 @@ class Locator:
     """Of each guard: signs of its comparisons, a bit for all together, with which it is false."""
     rough: bool
     """Whether it is enough to know about when a guard begins to hold: the step is repeated."""
+    about: bool
+    """Whether the instant found is such a one."""
     watched: int
     """The place of the mode that was watched last, and how many had been made."""
     watched_made: int

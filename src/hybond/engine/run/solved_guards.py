@@ -133,6 +133,7 @@ def of_polynomials(e: Engine, g: Locator, k: int, before: float) -> float:
 def begin_near(e: Engine, g: Locator, k: int, low: float, here: float, high: float) -> float:
     """Return when a guard begins to hold, about `here`; at `low` it does not yet."""
     if g.rough:
+        g.about = True
         return here
     g.bracket_low = low
     g.bracket_high = high
