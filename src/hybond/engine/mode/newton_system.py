@@ -93,7 +93,7 @@ def rows_of_system(e: Engine, mode: Mode, v: Floats, w: Floats) -> int:
     rows = mode.dynamics
     write_bonds(e, v, w)
     work.reluctant = mode.reluctant
-    work.bends = not mode.affine
+    work.bends = mode.bent
     fit(work.residual, rows)
     fit(work.residual_size, rows)
     fit(work.residual_reach, rows)
