@@ -1,4 +1,4 @@
-"""Junction laws at an instant: which is declared first, or named first, must not decide anything."""
+"""Junction laws at an instant: which is declared or named first must not decide anything."""
 
 from __future__ import annotations
 

@@ -361,7 +361,7 @@ def hidden_row(e: Engine, mode: Mode, j: int, v: Floats, w: Floats, row: Floats)
 
 
 def with_free(mode: Mode, n: int, base: Floats, r: Floats, w: Floats) -> None:
-    """Add what the free unknowns give; where laws bend, a sum that is rounding of its terms is zero.
+    """Add what the free unknowns give; where laws bend, a sum that is its rounding is zero.
 
     A law would take the sign of that rounding for one, or its root.
     """
