@@ -81,3 +81,22 @@ def test_a_root_and_a_square_beside_each_other_give_what_a_small_effort_asks(
         of_root = way * 1.68 * (effort / 0.756) ** 2 * (-1.0 if turned else 1.0)
         assert run["a.f"].at(0.5) == pytest.approx(of_square, rel=1e-9, abs=0.0)
         assert run["b.f"].at(0.5) == pytest.approx(of_root, rel=1e-9, abs=0.0)
+
+
+@pytest.mark.parametrize("ratio", [1.0, 1e3, 1e7])
+def test_tied_capacitors_at_a_source_that_has_saturated_stay_where_it_holds_them(
+    ratio: float,
+) -> None:
+    """``e = -0.615`` for ever: all that a coil brings goes into the source."""
+    parts = {
+        "n": hb.Zero(),
+        "a": hb.C(2.0, q=-1.23),
+        "b": hb.C(7e-4, q=-0.615 * 7e-4),
+        "c": hb.C(7e-4 * ratio, q=-0.615 * 7e-4 * ratio),
+        "s": hb.Se("-0.41*(1 - 0.5*tanh(a.q/0.0144))"),
+        "i": hb.I(0.33, p=-27.0),
+    }
+    for m in in_orders(parts, ["n -> a", "n -> b", "n -> c", "n -> s", "i -> n"]):
+        run = hb.simulate(m, "0.5 s")
+        assert run["i.p"].at(0.5) == pytest.approx(-27.0 - 0.5 * 0.615, rel=1e-9)
+        assert run["c.q"].at(0.5) == pytest.approx(-0.615 * 7e-4 * ratio, rel=1e-9)

@@ -1,8 +1,8 @@
 """Newton with steps that are shortened until they help.
 
 Full steps jump to and fro where a law is bent like a root on both sides of rest: two orifices in a
-row. A step is taken as far as the *next* one, with the same slopes, becomes smaller. Where each is
-half of the one before, as towards the root of a square, twice the step leads there.
+row. A step is taken as far as the *next* one, with the same slopes, becomes smaller. Where each
+step is half of the one before, as towards the root of a square, twice the step leads there.
 """
 
 from __future__ import annotations

@@ -120,7 +120,7 @@ class Mode:
     bent: bool
     """Whether any law of one bond bends, or a constraint that is differentiated."""
     reluctant: Ints
-    """Of each free unknown: whether a bent law reads it. Newton leaves it where others do."""
+    """Of each free unknown: whether a bent law reads it; Newton moves others in its place."""
     own_power: Rows
     own_power_free: Block
     constraints: Rows

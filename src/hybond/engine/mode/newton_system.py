@@ -94,7 +94,7 @@ def rows_of_system(e: Engine, mode: Mode, v: Floats, w: Floats) -> int:
     count_work(e, rows * (n + frees * frees))
     write_bonds(e, v, w)
     work.reluctant = mode.reluctant
-    work.bends = not mode.affine
+    work.bends = mode.bent
     fit(work.residual, rows)
     fit(work.residual_size, rows)
     fit(work.residual_reach, rows)
@@ -367,7 +367,7 @@ def hidden_row(e: Engine, mode: Mode, j: int, v: Floats, w: Floats, row: Floats)
 
 
 def with_free(mode: Mode, n: int, base: Floats, r: Floats, w: Floats) -> None:
-    """Add what the free unknowns give; where laws bend, what is rounding of its terms is zero.
+    """Add what the free unknowns give; where laws bend, a sum that is its rounding is zero.
 
     A law would take the sign of that rounding for one, or its root.
     """
