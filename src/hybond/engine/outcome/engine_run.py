@@ -151,7 +151,7 @@ class EngineRun:
 
     def _go(self, answer: Callable[[], None]) -> None:
         """Run in slices about as long as whoever looks on waits."""
-        begin = time.perf_counter()
+        begin = looked = time.perf_counter()
 
         def look() -> None:
             nonlocal looked
@@ -161,7 +161,6 @@ class EngineRun:
                 answer()
                 looked = time.perf_counter()
 
-        looked = begin
         self._run.onlooker.asked = look
         for rows in self._run.slices(steps=lambda: self._slice):
             took = time.perf_counter() - begin
