@@ -151,8 +151,7 @@ class EngineRun:
 
     def _go(self, answer: Callable[[], None]) -> None:
         """Run in slices about as long as whoever looks on waits."""
-        begin = time.perf_counter()
-        looked = begin
+        begin = looked = time.perf_counter()
 
         def look() -> None:
             nonlocal looked

@@ -114,7 +114,8 @@ def count_kink(e: Engine, r: Run) -> int:
         r.locator.asleep = r.nap
         r.nap = min(2 * r.nap, LONGEST_NAP)
         return OK
-    if r.dense >= DENSE and e.model.edges == 0:
+    first = r.kink_at[(r.kinks - 1 - DENSE) % (IDLE + 1)] if r.kinks > DENSE else -math.inf
+    if r.dense >= DENSE and e.model.edges == 0 and e.t - first <= SOON_BACK * e.span:
         if is_held(e, r):
             return switches_back(e, r)
         r.locator.asleep = r.lull
