@@ -8,6 +8,7 @@ from scipy.linalg import expm
 from scipy.optimize import brentq
 
 import hybond as hb
+from hybond.analysis.periodic.branch import value_of
 from hybond.draw.orbit_plots import _curve
 
 
@@ -40,7 +41,7 @@ def test_the_bouncing_ball_is_born_in_a_fold_and_doubles_its_period() -> None:
     assert second.multiple == 2 and second.stable[1] and second.values[2] > doubles
     # it is drawn from where it begins
     assert second.born is double and first.born is None
-    _, x, ys, stable = _curve(second, "ball.f", "begin")
+    _, x, ys, stable = _curve(second, "ball.f", "begin", value_of)
     assert x[0] == double.value and len(stable) == len(x)
     assert [y[0] for y in ys] == pytest.approx([double.orbit.state["ball.p"] / 2] * 2, rel=1e-6)
     # the other way the branch turns back where it is born

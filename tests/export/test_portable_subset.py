@@ -20,7 +20,7 @@ def test_the_runtime_is_portable() -> None:
     program = load(FILES, FILES, lambda path: text_of(path).replace(*LOG_OR_REPORT))
     effects_of(program)
     given = {f.name for f in program.functions.values() if f.body is None}
-    calls = {"call_input", "call_input_rate", "call_block"}
+    calls = {"call_input", "call_input_rate", "call_block", "call_outside"}
     assert given - calls == GIVEN, "what the runtime asks of a model is what programs bring along"
     assert calls <= given, "and what only runs by hybond itself have is printed in no program"
 

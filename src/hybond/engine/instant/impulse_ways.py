@@ -93,7 +93,8 @@ def find_ways(e: Engine, mode: Mode, v: Floats, x: Floats) -> None:
     find_shares(e, ways, n)
     fit(w.extents, m.storages)
     for k in range(m.storages):
-        w.extents.at[k] = extent(e, x, k)
+        size = may_hold(e, x, k)
+        w.extents.at[k] = size if size > 0.0 and math.isfinite(size) else 1.0
     give_own(e, ways, w.extents.at)
     fit(w.nu, ways.areas)
     fit(w.step, ways.areas)
@@ -322,9 +323,15 @@ def extent(e: Engine, x: Floats, k: int) -> float:
 
     It is no less than what constraints see of it.
     """
-    m = e.model
-    own = math.fabs(own_stiffness(m, k, with_stored(e, x)))
-    size = math.fabs(x[k])
+    own = math.fabs(own_stiffness(e.model, k, with_stored(e, x)))
+    size = may_hold(e, x, k)
     if own > 0.0 and math.isfinite(own):
-        size = max(size + e.work.reach[k] / own, e.work.seen_by.at[k] / own)
+        size = max(size, e.work.seen_by.at[k] / own)
     return size if size > 0.0 and math.isfinite(size) else 1e-6
+
+
+def may_hold(e: Engine, x: Floats, k: int) -> float:
+    """Return how much storage k holds, and would with the energy of the run."""
+    own = math.fabs(own_stiffness(e.model, k, with_stored(e, x)))
+    size = math.fabs(x[k])
+    return size + e.work.reach[k] / own if own > 0.0 and math.isfinite(own) else size
