@@ -1,8 +1,7 @@
 """What a model brings along: sizes and tables; `answers` has its expressions and its names.
 
-Tables in several columns that belong together say so by their names: rows of a table begin at
-``*_first[k]`` and end before ``*_first[k + 1]``. An expression is known by its number; -1 stands
-for a constant that is in the table beside it.
+Tables in several columns say so by their names: rows of a table begin at ``*_first[k]`` and end
+before ``*_first[k + 1]``. An expression is known by its number; -1: a constant is beside it.
 """
 
 from __future__ import annotations
@@ -144,6 +143,8 @@ class Model:
     """Whether it is that of a two-port whose modulus may jump with what is stored."""
     dynamic_affine: Ints
     """Whether its slopes do not read bond variables."""
+    dynamic_jumps: Ints
+    """Whether it is a law that jumps, or is flat, where what it reads is zero."""
     dynamic_fixed: Ints
     """Whether it reads nothing but bond variables, and its slopes are numbers."""
     dynamic_free: Ints
@@ -237,13 +238,11 @@ class Model:
     suppliers: int
     """Bonds of sources."""
     supplier_bond: Ints
-    supplier_sign: Ints
-    """1 if the bond points away from the source."""
+    supplier_sign: Ints  # 1 if the bond points away from the source
     dissipators: int
     """Ports of resistors."""
     dissipator_bond: Ints
-    dissipator_sign: Ints
-    """1 if the bond points at the resistor."""
+    dissipator_sign: Ints  # 1 if the bond points at the resistor
 
     # signals, inputs, time
     integral_rate: Ints
@@ -254,8 +253,7 @@ class Model:
     input_kind: Ints
     """0: constant, 1: table that is held, 2: with straight lines, 3: pulses, 4: from outside."""
     input_first: Ints
-    """Of each input: its numbers in `input_number`. 0: the level. 1, 2: times, then values, half
-    of the numbers each. 3: period, duty, high, low, phase. 4: where it starts."""
+    """Its numbers. 0: level. 1, 2: times, values. 3: period, duty, high, low, phase. 4: start."""
     input_number: Floats
     input_period: Floats
     """The time after which a table repeats; 0: it does not."""

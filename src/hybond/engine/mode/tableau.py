@@ -125,11 +125,15 @@ def join_equal(m: Model, power: Elimination, given: Ints) -> None:
 
 
 def note_read(m: Model, power: Elimination) -> None:
-    """Note the bond variables that bent laws of one bond read."""
+    """Note the bond variables that laws read which jump, or are flat, where these are zero.
+
+    A smooth law bears what rounding leaves of a difference. That what is read here is exact costs
+    digits elsewhere, where a flow is left over of large efforts.
+    """
     for k in range(power.unknowns):
         power.read[k] = 0
     for d in range(m.dynamics):
-        if m.dynamic_affine[d] == 0 and m.dynamic_partner[d] >= 0:
+        if m.dynamic_jumps[d] != 0:
             power.read[power.same[m.dynamic_partner[d]]] = 1
 
 

@@ -16,8 +16,11 @@ from hybond.model.expressions import (
     Name,
     Number,
     differentiate,
+    jumping,
     names,
     posterior_names,
+    simplify,
+    substitute,
     turning,
     uses_pre,
 )
@@ -125,6 +128,20 @@ def _slopes(t: ModelTables, slopes: Any) -> list[tuple[int, int, float]]:
     return [(t.slots.index[n] - first, *t.values.entry(e)) for n, e in slopes.items()]
 
 
+def _turns_on_dust(d: Dynamic) -> bool:
+    """Whether a law may jump where what it reads changes its sign, or is flat where that is zero.
+
+    Rounding of what it reads is then a whole jump, or the root of itself in what is solved for.
+    """
+    if d.partner is None:
+        return False
+    read = d.partner[0]
+    if any(read in names(a) for a in jumping(d.expression)):
+        return True
+    slope = substitute(differentiate(d.expression, read), {read: Number(0.0)})
+    return simplify(slope) == Number(0.0)
+
+
 def _dynamics(t: ModelTables, rows: list[Dynamic]) -> None:
     g = t.graph
     first = t.slots.w.start
@@ -150,6 +167,7 @@ def _dynamics(t: ModelTables, rows: list[Dynamic]) -> None:
         int(not (bent(d.expression) or any(reads_bonds(e) for e in d.slopes.values())))
         for d in rows
     ]
+    t.ints["dynamic_jumps"] = [int(_turns_on_dust(d)) for d in rows]
     t.ints["dynamic_rounding"] = [
         t.values.number(rounding(d.expression), f"law of {g.nodes[d.node].path}, its terms")
         for d in rows
