@@ -203,7 +203,7 @@ class NativeRun(SlicedRun):
     >>> graph = hb.load("examples/buck.toml").flatten()
     >>> run = NativeRun(NativeModel(tables_of(graph)))
     >>> sum(len(rows.instant_time) for rows in run.slices())
-    12
+    11
     >>> run.status == OK, run.t
     (True, 1e-05)
     """

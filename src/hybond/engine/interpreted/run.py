@@ -57,7 +57,7 @@ class PythonRun(SlicedRun):
     >>> graph = hb.load("examples/buck.toml").flatten()
     >>> run = PythonRun(PythonModel(tables_of(graph)))
     >>> sum(len(rows.instant_time) for rows in run.slices())
-    12
+    11
     >>> run.status == OK, run.t
     (True, 1e-05)
     """

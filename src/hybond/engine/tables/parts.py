@@ -128,12 +128,17 @@ def _slopes(t: ModelTables, slopes: Any) -> list[tuple[int, int, float]]:
     return [(t.slots.index[n] - first, *t.values.entry(e)) for n, e in slopes.items()]
 
 
+def _bent(d: Dynamic) -> bool:
+    """Whether slopes of a row read bond variables."""
+    return bent(d.expression) or any(reads_bonds(e) for e in d.slopes.values())
+
+
 def _turns_on_dust(d: Dynamic) -> bool:
     """Whether a law may jump where what it reads changes its sign, or is flat where that is zero.
 
     Rounding of what it reads is then a whole jump, or the root of itself in what is solved for.
     """
-    if d.partner is None:
+    if d.partner is None or not _bent(d):
         return False
     read = d.partner[0]
     if any(read in names(a) for a in jumping(d.expression)):
@@ -163,10 +168,7 @@ def _dynamics(t: ModelTables, rows: list[Dynamic]) -> None:
         )
         for d in rows
     ]
-    t.ints["dynamic_affine"] = [
-        int(not (bent(d.expression) or any(reads_bonds(e) for e in d.slopes.values())))
-        for d in rows
-    ]
+    t.ints["dynamic_affine"] = [int(not _bent(d)) for d in rows]
     t.ints["dynamic_jumps"] = [int(_turns_on_dust(d)) for d in rows]
     t.ints["dynamic_rounding"] = [
         t.values.number(rounding(d.expression), f"law of {g.nodes[d.node].path}, its terms")
