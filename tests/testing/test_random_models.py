@@ -221,3 +221,26 @@ def test_energy_that_tolerances_do_not_resolve_is_no_finding_and_lost_energy_is(
     # an imbalance that a tenth of the tolerance leaves as it is
     monkeypatch.setattr(hb.Result, "audit", lambda _: audit)
     assert [f.kind for f in check_model(m, 0.006).findings] == ["audit"]
+
+
+CONTROLLED = range(100, 130)
+
+
+def test_controllers_add_what_they_are_to_add() -> None:
+    recipes = [random_recipe(seed, controlled=True) for seed in range(400)]
+    options = [dict(p.value) for r in recipes for p in r.parts if p.kind in ("0", "1")]
+    assert {"thyristor", "unilateral", "coulomb"} <= {o.get("law") for o in options}
+    assert sum("gap" in o for o in options) > 5
+    assert {c.is_pulse for r in recipes for c in r.clocked} == {True, False}
+    assert sum(".e}" in s.closes or ".f}" in s.closes for r in recipes for s in r.switches) > 20
+    sizes = [p.value.width for r in recipes for p in r.parts if isinstance(p.value, Curve)]
+    assert min(sizes) < 1e-9
+
+
+@pytest.mark.parametrize("first", range(0, 30, 15))
+def test_models_with_controllers_run_alike_in_every_way(first: int) -> None:
+    checks = {
+        s: check_recipe(random_recipe(s, controlled=True), seed=s)
+        for s in CONTROLLED[first : first + 15]
+    }
+    assert {s: c.findings for s, c in checks.items() if c.findings} == {}
