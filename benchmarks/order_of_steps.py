@@ -163,6 +163,8 @@ def draw(found: dict[tuple[str, float], list[float]], path: Path) -> None:
             panel.loglog(STEPS, error, mark, color=colour, ms=5, label=label)
             line = error[-1] * (np.array(STEPS) / STEPS[-1]) ** -order
             panel.loglog(STEPS, line, "-", color=colour, alpha=0.4)
+        bottom, top = panel.get_ylim()
+        panel.set_ylim(bottom * (bottom / top) ** 0.3, top)  # room below for the legend
         panel.legend(fontsize=8, loc="lower left")
         panel.set_title(TITLES[name], fontsize=10)
         panel.grid(alpha=0.3)
