@@ -6,6 +6,7 @@ was left over for the small one, and its law was off by a tenth (HB-N411).
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 import hybond as hb
 
@@ -93,3 +94,18 @@ def test_between_two_large_ones(width):
     assert q["small"] == pytest.approx(width * of_cubic(e), rel=1e-12)
     assert q["one"] == pytest.approx(3.0 * (1.0 - e), rel=1e-13)
     assert q["two"] == pytest.approx(4.0 * (e - 0.25), rel=1e-12)
+
+
+@pytest.mark.parametrize("width", [1e-3, 1e-6, 1e-9, 1e-12])
+@pytest.mark.parametrize("f_0", [3.13, 8.0])
+def test_a_light_one_with_corners_follows_a_source_that_follows_a_heavy_one(width, f_0):
+    """Slopes beside a corner are those of its other side: it comes nearer by halves."""
+    m = hb.Model("corners")
+    rows = [[-2 * width, -width, 0.0, width, 3 * width], [-30.3, -10.1, 0.0, 10.1, 15.15]]
+    m.add(light=hb.I({"f": {"table": rows, "extrapolate": "linear"}}), heavy=hb.I(16.0, p=471.0))
+    m.add(s=hb.Sf(f"{f_0}*(1 - 0.5*tanh(heavy.p/471.0))"), v=hb.One())
+    m.bond("s -> v -> light", "v -> heavy")
+    run = hb.simulate(m, 1e-3)
+    f = brentq(lambda f: f - f_0 * (1.0 - 0.5 * np.tanh(16.0 * f / 471.0)), 0.0, f_0, xtol=1e-14)
+    assert run["heavy.p"].at(0.0) == pytest.approx(16.0 * f, rel=1e-12)
+    assert run["light.p"].at(0.0) == pytest.approx(np.interp(f, rows[1], rows[0]), rel=1e-11)
