@@ -112,6 +112,8 @@ class Work:
     base_gap: Block
     scaled: Block
     row_size: Block
+    co_energy: Block
+    """What laws of storages give before a difference is taken."""
     extents: Block
     """How much each storage may hold."""
     column_size: Block
@@ -216,6 +218,7 @@ def make_work(m: Model) -> Work:
     w.base_gap = make_block(1)
     w.scaled = make_block(1)
     w.row_size = make_block(1)
+    w.co_energy = make_block(1)
     w.extents = make_block(1)
     w.column_size = make_block(1)
     w.separate = make_separate()

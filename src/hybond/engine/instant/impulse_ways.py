@@ -274,8 +274,10 @@ def difference_slope(e: Engine, mode: Mode, v: Floats, x: Floats, ways: Ways) ->
         w.base_gap.at[i] = w.gap.at[i]
         for a in range(areas):
             ways.slope.at[i * areas + a] = 0.0
+    fit(w.co_energy, m.storages)
     for k in range(m.storages):
         w.ahead[k] = x[k]
+        w.co_energy.at[k] = w.xi[k]
     for k in range(m.storages):
         if not is_moved(ways, k):
             continue
@@ -284,10 +286,35 @@ def difference_slope(e: Engine, mode: Mode, v: Floats, x: Floats, ways: Ways) ->
         step = w.ahead[k] - x[k]
         residual(e, mode, v, w.ahead)
         w.ahead[k] = x[k]
+        values = with_stored(e, x)
         for i in range(count):
             rate = (w.gap.at[i] - w.base_gap.at[i]) / step
+            rate += beside_corners(e, mode, values, i, k, step)
             for a in range(areas):
                 ways.slope.at[i * areas + a] += rate * ways.d.at[k * areas + a]
+
+
+def beside_corners(e: Engine, mode: Mode, values: Floats, i: int, k: int, step: float) -> float:
+    """Return by how much a difference misses the slope of residual i by what storage k holds.
+
+    As far as it is laws of storages that bend between its ends, where they have `w.co_energy` and
+    `w.xi`: their slopes are known.
+    """
+    m = e.model
+    w = e.work
+    constraint_by_co_energy(e, mode, i, 2 * m.bonds)
+    total = 0.0
+    for s in range(m.storages):
+        change = w.xi[s] - w.co_energy.at[s]
+        if w.by_stored.at[s] == 0.0 or change == 0.0:
+            continue
+        slope = 0.0
+        for p in range(m.stiff_first[s], m.stiff_first[s + 1]):
+            if m.stiff_other[p] == k:
+                slope += stiff(m, p, values)
+        if math.isfinite(slope):
+            total += w.by_stored.at[s] * (slope - change / step)
+    return total
 
 
 def seen_by_constraints(e: Engine, mode: Mode) -> None:
