@@ -194,7 +194,9 @@ def begin(
                 where="settle",
                 hint='settle="10 s", in which it comes to repeat, or a first guess period="2 s"',
             )
-        length = seconds(until, "until") if until is not None else 10.0 * asked.T  # type: ignore[union-attr]
+        length = seconds(until, "until") if until is not None else 0.0
+        if until is None and asked is not None:
+            length = 10.0 * asked.T
     if not own:
         assert asked is not None
         return _driven(shots, asked, start, length)

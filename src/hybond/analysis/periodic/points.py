@@ -250,10 +250,12 @@ def _named(arc: Arc, before: Shot, after: Shot) -> tuple[str, list[str]]:
 
 
 def _instants(shot: Shot) -> list[tuple[str, Jump]]:
-    found = []
-    for instant in shot.chain.instants if shot.chain is not None else ():
+    found: list[tuple[str, Jump]] = []
+    if shot.chain is None:
+        return found
+    for instant in shot.chain.instants:
         if instant.place is not None:
-            link = shot.chain.links[instant.place]  # type: ignore[union-attr]
+            link = shot.chain.links[instant.place]
             assert isinstance(link, Jump)
             found.append((instant.text, link))
     return found
