@@ -64,6 +64,7 @@ def land_first(e: Engine, g: Locator, room: float) -> int:
         end = at + max(past * (at - e.step.t0), 2.0 * room)
         if end >= longest or end - e.step.t0 <= 1e-9 * h:
             break
+        g.at = at  # a first try that did not find it again has left none
         if e.model.kinks == 0 or kink_there(e, g) < 0:
             made = retry(e, end)
             if e.step.off > 1.0:
