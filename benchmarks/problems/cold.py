@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import importlib.util
+import os
 import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Callable
+from functools import cache
 
 from measuring.problem import Outcome, Problem
 
@@ -32,17 +35,28 @@ EMPTY = "print(10 * 2.718281828459045 ** -1)"
 TRUE = 3.678794411714423
 
 
+@cache
+def kept_bytecode() -> tuple[tempfile.TemporaryDirectory[str], dict[str, str]]:
+    """Return a folder for bytecode and the environment that has it kept there, also where the
+    installation cannot be written or the caller's environment forbids it."""
+    folder = tempfile.TemporaryDirectory()
+    writes = {
+        name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"
+    }
+    return folder, writes | {"PYTHONPYCACHEPREFIX": folder.name}
+
+
 def started(text: str, needs: str) -> Callable[[float], Outcome | None]:
     """Return a tool that runs a script so many times, each in its own process."""
 
     def tool(times: float) -> Outcome | None:
         if importlib.util.find_spec(needs) is None:
             return None
+        run, (_, env) = [sys.executable, "-c", text], kept_bytecode()
         out = ""
         start = time.perf_counter()
         for _ in range(int(times)):
-            run = [sys.executable, "-c", text]
-            out = subprocess.run(run, check=True, capture_output=True, text=True).stdout
+            out = subprocess.run(run, check=True, capture_output=True, text=True, env=env).stdout
         return Outcome(time.perf_counter() - start, (float(out or TRUE),))
 
     return tool
