@@ -77,7 +77,8 @@ def _keep(level: Level, places: Any) -> None:
 
 def refused(why: str, *, where: str = "", hint: str = "") -> UsageError:
     """Return the refusal of an edit."""
-    return UsageError(why, code="HB-W101", where=where, hint=hint or "undo brings back what was")
+    hint = hint or "undo brings back what was"
+    return UsageError(why, code="HB-W101", where=where or "edit", hint=hint)
 
 
 def fresh(taken: Mapping[str, Any] | set[str], stem: str) -> str:

@@ -1,0 +1,93 @@
+"""Models that still mean something after a change: run for a while, drawn, written as equations."""
+
+from __future__ import annotations
+
+import random
+import warnings
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import hybond as hb
+from fuzzing import corpus
+from fuzzing.judging import WrongError
+from fuzzing.mutations import changed_text, changed_tree
+
+LIMITS = hb.Limits(events=300, steps=3000)
+ENDED = ("ok", "accumulation", "unsound", "error")
+SOLVERS = ("", "", "", "radau", "rk45", "exact", "moreau-jean", "liqss2")
+
+
+def run(draw: random.Random, folder: Path) -> None:
+    """A changed model for some hundredths of its time, or of a second."""
+    model, until = _model(draw)
+    options: dict[str, Any] = {}
+    if solver := draw.choice(SOLVERS):
+        options["solver"] = solver
+        if solver == "moreau-jean":
+            options["step"] = until / 50
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        finite(hb.simulate(model, until, on_error="return", limits=LIMITS, **options))
+
+
+def shown(draw: random.Random, folder: Path) -> None:
+    """A changed model as a drawing, as equations, as a program."""
+    model, _ = _model(draw)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        match draw.randrange(6):
+            case 0:
+                hb.draw(model, path=folder / "x.svg")
+            case 1:
+                str(hb.state_equations(model))
+            case 2:
+                str(hb.causality(model))
+            case 3:
+                from hybond.hints.look import hints_of
+
+                hints_of(model, model.flatten())
+            case 4:
+                str(hb.structure(model))
+            case _:
+                from hybond.cli.export import export_model  # noqa: F401
+                from hybond.cli.main import main
+
+                hb.save(model, folder / "m.json")
+                target = draw.choice(("c", "java", "modelica", "python", "latex"))
+                main(["export", str(folder / "m.json"), "--to", target, "--out", str(folder / "x")])
+
+
+def _model(draw: random.Random) -> tuple[hb.Model, float]:
+    name = draw.choice(list(corpus.trees()))
+    tree = corpus.trees()[name]
+    others = draw.sample(list(corpus.trees().values()), 2)
+    if draw.random() < 0.6:
+        text = corpus.json_of(changed_tree(draw, tree, others))
+        model = hb.loads(text, format="json", base=corpus.ROOT / "examples")
+    else:
+        text = changed_text(draw, corpus.models()[name])
+        model = hb.loads(text, base=corpus.ROOT / "examples")
+    given = tree.get("experiment", {}).get("until", 1.0)
+    try:
+        until = float(str(given).split()[0]) * 0.05
+        until *= {"ms": 1e-3, "us": 1e-6, "min": 60.0, "h": 3600.0}.get(str(given).split()[-1], 1.0)
+    except ValueError:
+        until = 0.05
+    return model, until
+
+
+def finite(run: hb.Result) -> None:
+    """Refuse a run that ended in no known way, or with values that are none."""
+    if run.status not in ENDED:
+        raise WrongError(f"status {run.status!r}")
+    if run.status == "error" and run.error is not None:
+        raise run.error
+    if not run.segments:
+        return
+    names = run.names[:60]
+    times = np.linspace(run.t_begin, run.t_end, 5)
+    for name, values in run.sample(times.tolist(), names).items():
+        if not np.all(np.isfinite(np.asarray(values, dtype=float))):
+            raise WrongError(f"{run.status} with {name} = {values}")
