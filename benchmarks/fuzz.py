@@ -27,6 +27,7 @@ from pathlib import Path
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 os.environ.setdefault("MPLBACKEND", "agg")
+os.environ.setdefault("MPLCONFIGDIR", tempfile.gettempdir())
 
 from fuzzing.everything import READERS
 from fuzzing.judging import Verdict, judged, limit
@@ -144,20 +145,23 @@ def _campaign(readers: list[str], cpu: float, first: int, folder: Path) -> int:
     slowest = dict.fromkeys(readers, 0.0)
     largest = dict.fromkeys(readers, 0)
     begin = used()
-    while used() - begin < cpu:
-        # who had least goes on
-        reader = min(readers, key=lambda r: spent[r])
-        start = used()
-        seeds = range(first + cases[reader], first + cases[reader] + BATCH)
-        for verdict in batch(reader, seeds, folder):
-            kinds[reader, verdict.kind] += 1
-            codes[reader][verdict.code] += 1
-            slowest[reader] = max(slowest[reader], verdict.cpu)
-            largest[reader] = max(largest[reader], verdict.room)
-            if verdict.wrong:
-                print(f"{reader} {verdict.seed}: {verdict.kind}: {_last(verdict)}", flush=True)
-        cases[reader] += BATCH
-        spent[reader] += max(used() - start, 1e-3)
+    try:
+        while used() - begin < cpu:
+            # who had least goes on
+            reader = min(readers, key=lambda r: spent[r])
+            start = used()
+            seeds = range(first + cases[reader], first + cases[reader] + BATCH)
+            for verdict in batch(reader, seeds, folder):
+                kinds[reader, verdict.kind] += 1
+                codes[reader][verdict.code] += 1
+                slowest[reader] = max(slowest[reader], verdict.cpu)
+                largest[reader] = max(largest[reader], verdict.room)
+                if verdict.wrong:
+                    print(f"{reader} {verdict.seed}: {verdict.kind}: {_last(verdict)}", flush=True)
+            cases[reader] += BATCH
+            spent[reader] += max(used() - start, 1e-3)
+    except KeyboardInterrupt:
+        print("interrupted")  # what was counted is told
     print(f"{'reader':14} {'cases':>7} {'fine':>7} {'refused':>7} {'wrong':>6} {'codes':>5}"
           f" {'slowest':>8} {'most':>8} {'CPU':>7}")  # fmt: skip
     wrong = 0

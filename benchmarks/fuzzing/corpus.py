@@ -24,8 +24,8 @@ UNIT = """<?xml version="1.0" encoding="UTF-8"?>
 </ScalarVariable>
 <ScalarVariable name="k" valueReference="2" causality="parameter"><Real start="1"/></ScalarVariable>
 <ScalarVariable name="n" valueReference="3" causality="parameter"><Integer start="1"/>
-</ScalarVariable><ScalarVariable name="y" valueReference="0" causality="output"><Real declaredType="U"/>
-</ScalarVariable></ModelVariables><ModelStructure/></fmiModelDescription>
+</ScalarVariable><ScalarVariable name="y" valueReference="0" causality="output">
+<Real declaredType="U"/></ScalarVariable></ModelVariables><ModelStructure/></fmiModelDescription>
 """
 UNIT3 = """<fmiModelDescription fmiVersion="3.0" modelName="g" instantiationToken="g">
 <CoSimulation modelIdentifier="g"/>
@@ -39,7 +39,8 @@ UNIT3 = """<fmiModelDescription fmiVersion="3.0" modelName="g" instantiationToke
 """
 STATE = """{"format": "hybond state 1", "model": "ball", "t": 1.0, "stored": {"ball.p": -9.0},
 "signals": {"height": 0.5}, "machines": {"impact": "away"}, "landed": [],
-"units": {"ball.p": "N*s"}, "memory": {"model": "abc", "span": 1.0, "deep": true, "numbers": [1.0, "inf"], "places": [1, 2]}}"""
+"units": {"ball.p": "N*s"}, "memory": {"model": "abc", "span": 1.0, "deep": true,
+"numbers": [1.0, "inf"], "places": [1, 2]}}"""
 DATA = "time,side,height [mm],v\n0,right,5,0\n0.1,right,4.5,-1\n0.2,right,,\n0.3,right,3,-2.5\n"
 SMALL = """\
 hybond = 1

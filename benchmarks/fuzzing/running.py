@@ -12,7 +12,7 @@ import numpy as np
 import hybond as hb
 from fuzzing import corpus
 from fuzzing.judging import WrongError
-from fuzzing.mutations import changed_text, changed_tree
+from fuzzing.mutations import NUMBER, changed_text, changed_tree
 
 LIMITS = hb.Limits(events=300, steps=3000)
 ENDED = ("ok", "accumulation", "unsound", "error")
@@ -63,7 +63,10 @@ def _model(draw: random.Random) -> tuple[hb.Model, float]:
     name = draw.choice(list(corpus.trees()))
     tree = corpus.trees()[name]
     others = draw.sample(list(corpus.trees().values()), 2)
-    if draw.random() < 0.6:
+    kind = draw.random()
+    if kind < 0.4:
+        model = hb.loads(_numbers(draw, corpus.models()[name]), base=corpus.ROOT / "examples")
+    elif kind < 0.7:
         text = corpus.json_of(changed_tree(draw, tree, others))
         model = hb.loads(text, format="json", base=corpus.ROOT / "examples")
     else:
@@ -76,6 +79,15 @@ def _model(draw: random.Random) -> tuple[hb.Model, float]:
     except ValueError:
         until = 0.05
     return model, until
+
+
+def _numbers(draw: random.Random, text: str) -> str:
+    """Return a model in which only numbers are others: most mean something."""
+    for _ in range(draw.choice((1, 1, 2, 4, 10))):
+        at = draw.choice(list(NUMBER.finditer(text)))
+        factor = draw.choice((0.0, -1.0, 0.5, 2.0, 1e3, 1e-3, 1e9, 1e-9, 1e30, 1e-30, 1e150))
+        text = f"{text[: at.start()]}{float(at[0]) * factor:.6g}{text[at.end() :]}"
+    return text
 
 
 def finite(run: hb.Result) -> None:

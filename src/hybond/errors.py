@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from typing import Any, Self
 
-LONGEST = 3000
+LONGEST = 2000
 """Letters of a reason, a remedy or a place: what is quoted in it may be a megabyte."""
 LONGEST_WORD = 400
 """Letters of it without a space between."""
@@ -101,7 +101,7 @@ class HybondError(Exception):
 
 
 def _readable(text: str) -> str:
-    """Return what is quoted from a stranger's file as a terminal may show it: a letter for a letter.
+    r"""Return what is quoted from a stranger's file so that a terminal may show it.
 
     Examples
     --------

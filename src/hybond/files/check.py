@@ -217,6 +217,7 @@ def check_depth(data: Any, place: Place) -> None:
 
     Examples
     --------
+    >>> from hybond.files.place import Source
     >>> check_depth({"a": [[1]]}, Place(Source("small")))
     """
     level = [data]

@@ -10,12 +10,12 @@ from pathlib import Path
 from typing import Any
 
 from hybond.calls import called, named_file
-from hybond.errors import UsageError
+from hybond.errors import UnitError, UsageError
 from hybond.files.parse import read_regular
 from hybond.files.place import shortened
 from hybond.files.whole import write_whole
 from hybond.records import dataclass
-from hybond.units import format_quantity, try_quantity
+from hybond.units import format_quantity, parse_unit
 
 FORMAT = "hybond state 1"
 LARGEST = 64 * 2**20
@@ -169,7 +169,9 @@ def load_state(path: str | Path) -> State:
     try:
         record = json.loads(data.decode("utf-8"))
         if rb"\ud" in data.lower():
-            str(record).encode()  # half a character, which could not be saved again
+            json.dumps(
+                record, ensure_ascii=False
+            ).encode()  # half a character, which could not be saved again
         return state_of_record(record)
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
         raise _no_state(path, f"is no state of a run: {error}") from None
@@ -219,8 +221,10 @@ def state_of_record(record: Any) -> State:
     landed = tuple(str(path) for path in record.get("landed", ()))
     units = {str(k): str(v) for k, v in record.get("units", {}).items()}
     for unit in units.values():
-        if unit and try_quantity(f"1 {unit}") is None:
-            raise ValueError(f"{shortened(repr(unit))} is no unit")
+        try:
+            parse_unit(unit or "1")
+        except UnitError as error:
+            raise ValueError(error.why) from None
     return State(
         str(record["model"]),
         _number(record["t"]),

@@ -123,7 +123,8 @@ class Document:
                 hint="mend the text, or undo",
             )
         # values that no file can hold: half a character, no finite number, too many levels
-        check_plain(dict(edit), Place(Source("edit")))
+        given = {k: v for k, v in edit.items() if v is not None}
+        check_plain(given, Place(Source("edit")))
         new = apply(self.data, edit)
         if same(new, self.data):
             return
@@ -283,7 +284,10 @@ class Document:
         if journal.broken:
             self.unsaved = journal.broken if self.file is None else ""
         for edit in lost:
-            with contextlib.suppress(HybondError):
+            # what a damaged journal holds may be no edit
+            with contextlib.suppress(
+                HybondError, TypeError, ValueError, LookupError, AttributeError
+            ):
                 self.edit(edit)
                 self.settle()
 

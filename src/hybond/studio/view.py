@@ -44,7 +44,7 @@ def view(data: Data, path: str, shown: Places | None = None) -> dict[str, Any] |
     machines = _switched(level)
     places = _places(level, elements, bonds, shown or {})
     nodes = [_node(name, entry, data, path, machines, places) for name, entry in elements.items()]
-    ports = {target: port for port, target in table(level.data, "ports").items()}
+    ports = {str(target): port for port, target in table(level.data, "ports").items()}
     for node in nodes:
         outside = [
             p
