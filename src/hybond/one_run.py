@@ -147,7 +147,8 @@ def made(
     Raises
     ------
     UsageError
-        HB-S142 for instants without end, HB-S136 for what is no condition, HB-S113 for what is no file of a journal.
+        HB-S136 for what is no condition, HB-S113 for what is no file of a journal, HB-S142 for
+        instants without end.
     """
     check_instants(graph, settings.until)
     ending = ended(graph, conditions)

@@ -23,8 +23,6 @@ from hybond.records import dataclass
 
 NEARBY = 300
 """Vertices that a conflict is told from, beyond those of its own search."""
-LOOKED_AT = 3_000
-"""Such vertices of all conflicts together: of ten conflicts each has its `NEARBY`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,9 +71,8 @@ def account(
         arrays = compile_arrays(graph, unknown=told, switched=off)
         fixed = {bond: state.strokes[bond] for bond in state.trail}
         work = Assignment(arrays, off=off, pins=fixed)
-        nearby = min(NEARBY, LOOKED_AT // len(work.exposed)) if work.exposed else NEARBY
         for v in sorted(work.exposed):
-            node, region = _broken(work, v, nearby)
+            node, region = _broken(work, v)
             broken.append(node)
             involved[node] = region
             state.demand[node] = Demand.NONE
@@ -125,7 +122,7 @@ class _Region:
     fixed: tuple[int, ...]
 
 
-def _broken(work: Assignment, v: int, nearby: int) -> tuple[int, _Region]:
+def _broken(work: Assignment, v: int) -> tuple[int, _Region]:
     """Return the node at which the exposed vertex `v` shows, and what shows that it must."""
     arrays, m = work.arrays, work.matching
     node = v
@@ -141,17 +138,13 @@ def _broken(work: Assignment, v: int, nearby: int) -> tuple[int, _Region]:
     region = list(first.vertices)
     trees = {first}
     fixed: set[int] = set()
-    settled: set[int] = set()
     for u in region:
         for bond, w in arrays.near[u]:
             if not m.free[bond]:
                 fixed.add(bond)
             elif m.mate[w] == SETTLED:
-                if w in settled:
-                    continue
-                settled.add(w)
                 fixed.update(b for b, _ in arrays.near[w] if not m.free[b])
-            elif len(region) < nearby and (other := tree_of[w]) not in trees and other:
+            elif len(region) < NEARBY and (other := tree_of[w]) not in trees and other:
                 trees.add(other)
                 region += other.vertices
     nodes = tuple(sorted(w for w in region if w < arrays.nodes))
