@@ -16,7 +16,7 @@ from fuzzing.mutations import NAMES, VALUES, changed_text, changed_tree
 from hybond.errors import HybondError
 from hybond.studio.problems import problem_of
 from hybond.studio.server import dumped, read
-from hybond.studio.session import ASKS, Session
+from hybond.studio.session import ASKS, MISREAD, Session
 
 Message = dict[str, Any]
 EDITS: tuple[Message, ...] = (
@@ -88,8 +88,6 @@ MESSAGES: tuple[Message, ...] = (
     {"ask": "plan open", "plan": 1, "member": 1},
     {"ask": "plan csv", "plan": 1},
 )  # fmt: skip
-MISREAD = (TypeError, ValueError, KeyError, AttributeError, LookupError)
-"""What `Session.handle` answers as a message that cannot be read."""
 
 
 def page(draw: random.Random, folder: Path) -> None:

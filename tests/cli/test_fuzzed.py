@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 import hybond as hb
+from hybond.causality import report
 from hybond.errors import HybondError
 from hybond.files.edit import edit_toml
 from hybond.files.parse import parse
@@ -232,6 +233,24 @@ def test_many_equal_items_are_edited_in_little_time() -> None:
     assert parse(Source("found", found)) == new and found.endswith("# mine\n")
 
 
+def test_of_hundreds_of_conflicts_in_one_place_some_are_looked_at(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    m = hb.Model()
+    names = [f"{k}" for k in range(60)]
+    m.add(a=hb.Se(1), j=hb.Zero(), r=hb.R(1), **{f"s{k}": hb.Se(1) for k in names})
+    m.add(**{f"c{k}": hb.One() for k in names})
+    m.bond("a -> j", "j -> r", *[f"s{k} -> c{k} -> j" for k in names])
+    states = {"off": [], "on": [f"c{k}" for k in names]}
+    m.machine("k", states=states, start="off", rules=["off -> on when time > 1 [s]"])
+    looked_at: list[Any] = []
+    own = report.smallest
+    monkeypatch.setattr(report, "smallest", lambda *given: looked_at.append(given) or own(*given))
+    # whatever is looked at, the one machine that makes them is named
+    assert "switches: k = on" in str(report.causality(m))
+    assert 0 < len(looked_at) <= 20
+
+
 # -- the studio
 
 
@@ -302,6 +321,17 @@ def test_a_page_shows_what_means_nothing(session: Session, text: str) -> None:
     assert asked(session, ask="look") is None
     # refused, or done; and it still answers
     asked(session, ask="edit", edit={"do": "add", "element": {"R": 1}})
+    assert asked(session, ask="look") is None
+
+
+@pytest.mark.parametrize("number", [10**400, 1e300, "x", None, [], {}])
+def test_places_that_are_none(session: Session, number: object) -> None:
+    for message in (
+        {"ask": "attempt", "edit": {"do": "paste", "data": {}, "by": [number, 1]}},
+        {"ask": "edit", "edit": {"do": "move", "at": {"r": [number, number]}}},
+        {"ask": "curves", "run": 1, "names": [], "t0": number, "width": number},
+    ):
+        asked(session, **message)
     assert asked(session, ask="look") is None
 
 

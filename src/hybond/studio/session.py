@@ -35,6 +35,8 @@ Message = dict[str, Any]
 PANELS = ("parameters", "inputs", "signals", "machines", "blocks", "experiment", "ports")
 
 
+MISREAD = (TypeError, ValueError, AttributeError, LookupError, OverflowError)
+"""What reading a message raises that is not as the page writes it."""
 LONGEST = 200
 """Letters of the name of a file."""
 PLACING = ("add", "move", "paste")
@@ -117,7 +119,7 @@ class Session:
             return {"id": number, **answer}
         except HybondError as error:
             return {"id": number, "error": problem_of(error, self.document.data)}
-        except (TypeError, ValueError, KeyError, AttributeError, LookupError) as error:
+        except MISREAD as error:
             said = UsageError(
                 f"the message cannot be read: {type(error).__name__}: {error}",
                 code="HB-W101",
