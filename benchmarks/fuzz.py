@@ -48,6 +48,7 @@ def case_of(reader: str, seed: int, folder: Path) -> Verdict:
 def _child(reader: str, seeds: range, folder: Path, out: int) -> None:
     with os.fdopen(out, "w") as pipe, open(os.devnull, "w") as nothing:
         sys.stdout = sys.stderr = nothing
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)
         limit()
         warnings.simplefilter("ignore")
         for seed in seeds:
@@ -145,6 +146,7 @@ def _campaign(readers: list[str], cpu: float, first: int, folder: Path) -> int:
     slowest = dict.fromkeys(readers, 0.0)
     largest = dict.fromkeys(readers, 0)
     begin = used()
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
         while used() - begin < cpu:
             # who had least goes on

@@ -290,7 +290,8 @@ def _change(
             del holder[key]
             holder[name(draw)] = old
         case 6 if isinstance(holder, list):
-            holder[key:key] = [copy.deepcopy(old) for _ in range(draw.choice(COUNTS))]
+            many = min(draw.choice(COUNTS), 1 + 100_000 // (1 + len(str(old))))
+            holder[key:key] = [copy.deepcopy(old) for _ in range(many)]
         case 7:
             for _ in range(draw.choice(DEPTHS[:5])):
                 old = [old] if draw.random() < 0.5 else {"a": old}

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import random
+import time
 import warnings
 from pathlib import Path
 from typing import Any
@@ -15,8 +17,14 @@ from fuzzing.judging import WrongError
 from fuzzing.mutations import NUMBER, changed_text, changed_tree
 
 LIMITS = hb.Limits(events=300, steps=3000)
+LONG = 4.0
+"""Seconds of CPU after which a run is stopped."""
 ENDED = ("ok", "accumulation", "unsound", "error")
 SOLVERS = ("", "", "", "radau", "rk45", "exact", "moreau-jean", "liqss2")
+
+
+class LongError(Exception):
+    """A run is stopped, as by a page that is closed."""
 
 
 def run(draw: random.Random, folder: Path) -> None:
@@ -29,7 +37,16 @@ def run(draw: random.Random, folder: Path) -> None:
             options["step"] = until / 50
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        finite(hb.simulate(model, until, on_error="return", limits=LIMITS, **options))
+        # a run that goes on and can be stopped is no hang, however much it was asked for
+        begun = time.process_time()
+
+        def told(*_: float) -> None:
+            if time.process_time() - begun > LONG:
+                raise LongError
+
+        options["progress"] = told
+        with contextlib.suppress(LongError):
+            finite(hb.simulate(model, until, on_error="return", limits=LIMITS, **options))
 
 
 def shown(draw: random.Random, folder: Path) -> None:
