@@ -27,7 +27,6 @@ from pathlib import Path
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 os.environ.setdefault("MPLBACKEND", "agg")
-os.environ.setdefault("MPLCONFIGDIR", tempfile.gettempdir())
 
 from fuzzing.everything import READERS
 from fuzzing.judging import Verdict, judged, limit
@@ -129,6 +128,8 @@ def main() -> int:
     OUT.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as home:
         folder = Path(home, "case")
+        os.environ["MPLCONFIGDIR"] = home
+        import matplotlib.font_manager  # noqa: F401 - what it writes is written before
         os.environ["HYBOND_STATE"] = str(folder / "state")
         if given.seed is not None:
             verdict = case_of(readers[0], given.seed, folder)

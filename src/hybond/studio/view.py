@@ -71,7 +71,8 @@ def kind_of(entry: Mapping[str, Any]) -> str:
     """Return the kind of an element: a letter, a junction, ``part``, or ``?``."""
     for key in entry:
         if key == "junction":
-            return str(entry[key]) if entry[key] in (0, 1) else "?"
+            # not 1.0, and not true: a file says 0 or 1
+            return str(entry[key]) if type(entry[key]) is int and entry[key] in (0, 1) else "?"
         if key == "submodel":
             return "part"
         if key in KINDS:
