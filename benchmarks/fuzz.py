@@ -130,6 +130,7 @@ def main() -> int:
         folder = Path(home, "case")
         os.environ["MPLCONFIGDIR"] = home
         import matplotlib.font_manager  # noqa: F401 - what it writes is written before
+
         os.environ["HYBOND_STATE"] = str(folder / "state")
         if given.seed is not None:
             verdict = case_of(readers[0], given.seed, folder)

@@ -56,7 +56,7 @@ def shown(draw: random.Random, folder: Path) -> None:
         warnings.simplefilter("ignore")
         match draw.randrange(6):
             case 0:
-                hb.draw(model, path=folder / "x.svg")
+                hb.draw(model).save(folder / "x.svg")
             case 1:
                 str(hb.state_equations(model))
             case 2:

@@ -312,6 +312,8 @@ def test_another_file_is_replaced_as_a_whole_or_not_at_all(
     [
         "hybond = 1\n[ports]\na = { b = 1 }\n[elements]\nr = { R = 1 }\n",
         RC.replace("junction = 0", "junction = 0.0"),
+        RC + "[layout]\nr = [inf, 0]\n",
+        RC + "[layout]\nr = [1e300, nan]\n",
         RC.replace("junction = 0", "junction = false"),
         "hybond = 1\nmodels = 3\n",
         "hybond = 1\n[models]\na = 3\n[machines]\nb = 4\n",

@@ -158,7 +158,8 @@ def _places(
     given = {name: at for name, at in shown.items() if name in elements}
     for name, at in table(level.data, "layout").items():
         numbers = isinstance(at, list) and len(at) == 2
-        if name in elements and numbers and all(isinstance(v, int | float) for v in at):
+        numbers = numbers and all(isinstance(v, int | float) and abs(v) < FARTHEST for v in at)
+        if name in elements and numbers:
             given[name] = (float(at[0]), float(at[1]))
     if len(given) == len(elements):
         return given
@@ -169,6 +170,10 @@ def _places(
     pairs = tuple((number[tail], number[head]) for tail, head in ends)
     pins = tuple((number[name], at) for name, at in given.items())
     return dict(zip(names, _laid_out(kinds, pairs, pins), strict=True))
+
+
+FARTHEST = 1e6
+"""Cells from the middle at which something may be put down, as `edits` has it."""
 
 
 @lru_cache(maxsize=64)
