@@ -292,6 +292,24 @@ class Document:
                 self.settle()
 
 
+def must_be_model(file: Path) -> None:
+    """Refuse a file that the studio does not edit: HB-W104."""
+    if file.suffix.lower() != ".toml":
+        raise UsageError(
+            f"the studio edits .toml files, not {file.suffix or 'files without an ending'}",
+            code="HB-W104",
+            where=file.name,
+            hint=f"hybond convert {file.name} {file.stem}.toml",
+        )
+    if file.exists() and not file.is_file():
+        raise UsageError(
+            f"{file.name} is no ordinary file",
+            code="HB-W104",
+            where=file.name,
+            hint="take another name",
+        )
+
+
 def edited(text: str, old: Data, new: Data) -> str:
     r"""Return a text edited to say `new`; one that cannot be edited is written anew.
 

@@ -19,8 +19,8 @@ from hybond.files.whole import write_whole
 from hybond.model.graph import FlatGraph, Mode
 from hybond.names import did_you_mean
 from hybond.studio import of_models, of_plans, of_runs
-from hybond.studio.document import EMPTY, Document, Lock
-from hybond.studio.edits import apply, cut_out
+from hybond.studio.document import EMPTY, Document, Lock, must_be_model
+from hybond.studio.edits import apply, cut_out, edit_of
 from hybond.studio.levels import level_of, table
 from hybond.studio.places import Shown
 from hybond.studio.planned import Plans
@@ -206,14 +206,7 @@ class Session:
     def edit(self, message: Mapping[str, Any]) -> Message:
         """Do an edit and look at what it made."""
         self._must_write()
-        edit = message.get("edit")
-        if not isinstance(edit, dict):
-            raise UsageError(
-                "there is no edit",
-                code="HB-W101",
-                where="edit",
-                hint='say what to do: {"do": "add", "element": {"R": 1}}',
-            )
+        edit = edit_of(message)
         if edit.get("do") in PLACING and "keep" not in edit:
             edit = {**edit, "keep": self._unplaced(str(edit.get("level") or ""))}
         revision = self.document.revision
@@ -224,14 +217,7 @@ class Session:
 
     def attempt(self, message: Mapping[str, Any]) -> Message:
         """Return what would be wrong after an edit, without doing it: null if nothing were."""
-        edit = message.get("edit")
-        if not isinstance(edit, dict):
-            raise UsageError(
-                "there is no edit",
-                code="HB-W101",
-                where="edit",
-                hint='say what to do: {"do": "add", "element": {"R": 1}}',
-            )
+        edit = edit_of(message)
         document = self.document
         data = apply(document.data, edit)
         base = str(document.file.parent if document.file is not None else self.root)
@@ -345,7 +331,7 @@ class Session:
                 where=file.name,
                 hint="take another name, or open it",
             )
-        _must_be_model(file)
+        must_be_model(file)
         text = self.document.text
         try:
             # as a whole: what is there stays if there is no room for this
@@ -423,7 +409,7 @@ class Session:
 
     def _open(self, file: Path | None, text: str) -> Document:
         if file is not None:
-            _must_be_model(file)
+            must_be_model(file)
         if self.lock is not None:
             self.lock.release()
             self.lock = None
@@ -468,23 +454,6 @@ class Session:
             return sorted(f.stem for f in models_in(examples_folder()) if f.suffix == ".toml")
         except HybondError:
             return []
-
-
-def _must_be_model(file: Path) -> None:
-    if file.suffix.lower() != ".toml":
-        raise UsageError(
-            f"the studio edits .toml files, not {file.suffix or 'files without an ending'}",
-            code="HB-W104",
-            where=file.name,
-            hint=f"hybond convert {file.name} {file.stem}.toml",
-        )
-    if file.exists() and not file.is_file():
-        raise UsageError(
-            f"{file.name} is no ordinary file",
-            code="HB-W104",
-            where=file.name,
-            hint="take another name",
-        )
 
 
 ASKS: dict[str, Callable[[Session, Mapping[str, Any]], Message]] = {
