@@ -6,7 +6,17 @@ The tree has three branches, one per exit code of the terminal: `UsageError` (1)
 
 from __future__ import annotations
 
+import re
 from typing import Any, Self
+
+LONGEST = 2000
+"""Letters of a reason, a remedy or a place: what is quoted in it may be a megabyte."""
+LONGEST_WORD = 400
+"""Letters of it without a space between."""
+_UNSEEN = re.compile(
+    "[\x00-\x09\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ufeff\ud800-\udfff]"
+)
+"""What a terminal obeys or cannot write, and what turns the direction of writing around."""
 
 
 class HybondError(Exception):
@@ -34,11 +44,11 @@ class HybondError(Exception):
     exit_code = 2
 
     def __init__(self, why: str, *, code: str, where: str = "", hint: str = "") -> None:
-        super().__init__(why)
+        self.why = _readable(why)
+        super().__init__(self.why)
         self.code = code
         self.where = where
-        self.why = why
-        self.hint = hint
+        self.hint = _readable(hint)
         self.file = ""
         """The file that says it, empty if none does."""
         self.line: int | None = None
@@ -72,8 +82,8 @@ class HybondError(Exception):
         return f"{file}: {self.where}" if self.where else file
 
     def __str__(self) -> str:
-        place = f" at {self.place}" if self.place else ""
-        line = f"\n    {self.line} | {self.written}" if self.written else ""
+        place = f" at {_readable(self.place)}" if self.place else ""
+        line = f"\n    {self.line} | {_readable(self.written)}" if self.written else ""
         remedy = f"\n  try: {self.hint}" if self.hint else ""
         return f"{self.code}{place}: {self.why}{line}{remedy}"
 
@@ -88,6 +98,20 @@ class HybondError(Exception):
         if not self.file:
             return said
         return {**said, "file": self.file, "line": self.line, "written": self.written}
+
+
+def _readable(text: str) -> str:
+    r"""Return what is quoted from a stranger's file so that a terminal may show it.
+
+    Examples
+    --------
+    >>> _readable("a name with \x1b[31m"), len(_readable("(" * 10**6))
+    ('a name with \ufffd[31m', 403)
+    """
+    if len(text) > LONGEST_WORD:
+        text = re.sub(rf"(\S{{{LONGEST_WORD}}})\S+", r"\1...", text)
+        text = text if len(text) <= LONGEST else f"{text[:LONGEST]}..."
+    return text if text.isprintable() else _UNSEEN.sub("\ufffd", text)
 
 
 def _said_again(

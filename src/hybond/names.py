@@ -6,6 +6,9 @@ import difflib
 import re
 from collections.abc import Callable, Iterable, Sequence
 
+LONGEST = 200
+"""Letters of a name that are compared: a stranger's may have a million."""
+
 
 def did_you_mean(name: str, known: Iterable[str], *, limit: int = 3) -> str:
     """Return a remedy that lists the known names nearest to `name`.
@@ -21,7 +24,7 @@ def did_you_mean(name: str, known: Iterable[str], *, limit: int = 3) -> str:
     >>> did_you_mean("zzz", ["ball", "pad"])
     'known names: ball, pad'
     """
-    choices, name = list(known), str(name)
+    choices, name = list(known), str(name)[:LONGEST]
     near = difflib.get_close_matches(name, choices, n=limit, cutoff=0.6)
     # who forgets a capital means the name that is otherwise the same
     same = [c for c in choices if c.lower() == name.lower()]

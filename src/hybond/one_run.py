@@ -25,7 +25,7 @@ from hybond.options import STEPPING
 from hybond.result import Result, Status
 from hybond.runs.ends import ended
 from hybond.runs.states import State, load_state
-from hybond.runs.times import time_in
+from hybond.runs.times import check_instants, time_in
 
 Start = Result | State | Mapping[str, Any] | str | Path | None
 """Where a run may begin."""
@@ -147,8 +147,10 @@ def made(
     Raises
     ------
     UsageError
-        HB-S136 for what is no condition, HB-S113 for what is no file of a journal.
+        HB-S136 for what is no condition, HB-S113 for what is no file of a journal, HB-S142 for
+        instants without end.
     """
+    check_instants(graph, settings.until)
     ending = ended(graph, conditions)
     shown: Prepared | None = None if ending is graph else prepared(graph, settings, maker)
     run: EngineRun | StepsRun

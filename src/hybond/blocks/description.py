@@ -90,6 +90,8 @@ def read_description(path: str | os.PathLike[str], where: str = "") -> Descripti
     file = Path(path)
     where = where or str(path)
     try:
+        if file.exists() and not file.is_file():
+            raise _refused("it is not an ordinary file", where)
         with zipfile.ZipFile(file) as archive:
             members = archive.infolist()
             size = sum(m.file_size for m in members)
@@ -116,7 +118,7 @@ def read_description(path: str | os.PathLike[str], where: str = "") -> Descripti
         raise _refused(error.strerror or str(error), where) from None
     except KeyError:
         raise _refused("it has no modelDescription.xml", where) from None
-    except MemoryError:
+    except (MemoryError, FileError):
         raise
     except Exception as error:  # ways of packing and encodings have errors of their own
         raise _refused(str(error) or type(error).__name__, where) from None

@@ -18,6 +18,8 @@ from hybond.model.pins import pin_names
 from hybond.names import in_columns
 from hybond.records import dataclass
 
+CONFLICTS_HERE = 20
+"""Conflicts of one such mode that are looked at: of hundreds in one place most say the same."""
 MANY_BONDS = 60
 """Bonds above which a report lists only those whose stroke depends on the mode."""
 
@@ -287,7 +289,7 @@ def machine_groups(graph: FlatGraph, found: Dynamics) -> list[tuple[int, ...]]:
     reference = found.reference.mode
     for m, state in found.without[:CONFLICTS_NEARBY]:
         mode = (*reference[:m], state, *reference[m + 1 :])
-        for conflict in assign(graph, mode).conflicts:
+        for conflict in assign(graph, mode).conflicts[:CONFLICTS_HERE]:
             least = smallest(graph, mode, conflict)
             switches.append(tuple(graph.by_path[path] for path, _ in least.switches))
     groups: dict[tuple[int, ...], None] = {}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from hybond.circuits.behaviour import PLACE, Law
-from hybond.circuits.formulas import written
+from hybond.circuits.formulas import names_in, written
 from hybond.circuits.graph_names import GraphNames
 from hybond.circuits.notices import Line
 from hybond.circuits.sensing import Sensing
@@ -13,6 +13,7 @@ from hybond.model.builder import Model
 from hybond.model.expressions import Compare, Expr, Name, Number, parse, substitute, transform
 from hybond.model.expressions.tree import walk
 from hybond.model.parts import MachinePart
+from hybond.names import did_you_mean
 
 _UP = {">": ">", ">=": ">", "<": "<", "<=": "<"}
 _DOWN = {">": "<", ">=": "<", "<": ">", "<=": ">"}
@@ -38,7 +39,15 @@ class Computing:
         FileError
             HB-F134, HB-F144 (something read that is not there or not determined).
         """
-        named = parse(written(law.formula, {**self.texts.names, **_themselves(law)}))
+        known = {**self.texts.names, **_themselves(law)}
+        strange = [name for name in names_in(law.formula) if name not in known]
+        if strange:
+            raise line.refuse(
+                f"there is no parameter {strange[0]!r}",
+                code="HB-F134",
+                hint=did_you_mean(strange[0], self.texts.names) or "write v(node) or i(part)",
+            )
+        named = parse(written(law.formula, known))
         means: dict[str, Expr] = {"time": parse("time/(1 s)")}
         for k, read in enumerate(law.reads):
             if read.kind == "v":

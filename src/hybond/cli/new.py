@@ -46,7 +46,8 @@ plot  = ["cap.e", "series.f"]
 
 def new(given: Namespace) -> int:
     """Write a starter model, or a copy of an example."""
-    name = given.file if Path(given.file).suffix else given.file + ".toml"
+    named = Path(given.file).name not in ("", "..") and not Path(given.file).suffix
+    name = given.file + ".toml" if named else given.file
     target = check_target(name, (".toml", ".json"), "FILE")
     assert target is not None
     check_new(target, force=given.force)

@@ -56,16 +56,18 @@ def check_plain(data: Any, place: Place, *, depth: int = 0) -> None:
             )
     elif type(data) is float:
         if not math.isfinite(data):
-            raise place.refuse(f"{data} is not a finite number", code="HB-F108")
+            raise place.refuse(
+                f"{data} is not a finite number", code="HB-F108", hint="write a number"
+            )
     elif type(data) is list or type(data) is dict:
         if depth >= limits.NESTING:
-            raise place.refuse(
-                f"more than {limits.NESTING} tables and lists inside one another", code="HB-F103"
-            )
+            raise too_deep(place)
         if type(data) is dict:
             for key, value in data.items():
                 if type(key) is not str:
-                    raise place.refuse(f"the key {key!r} is not text", code="HB-F108")
+                    raise place.refuse(
+                        f"the key {key!r} is not text", code="HB-F108", hint="put it in quotes"
+                    )
                 if type(value) is not str or not (key.isascii() and value.isascii()):
                     check_plain(key, place, depth=depth + 1)
                     check_plain(value, place / key, depth=depth + 1)
@@ -199,3 +201,33 @@ def describe(data: Any) -> str:
         keys = ", ".join(map(shortened, list(data)[:4])) + (", ..." if len(data) > 4 else "")
         return f"a table with {keys}" if data else "an empty table"
     return type(data).__name__
+
+
+def too_deep(place: Place) -> FileError:
+    """Return the refusal of too many levels."""
+    return place.refuse(
+        f"more than {limits.NESTING} tables and lists inside one another",
+        code="HB-F103",
+        hint="write fewer levels",
+    )
+
+
+def check_depth(data: Any, place: Place) -> None:
+    """Refuse plain data with too many levels, whatever their values are: HB-F103.
+
+    Examples
+    --------
+    >>> from hybond.files.place import Source
+    >>> check_depth({"a": [[1]]}, Place(Source("small")))
+    """
+    level = [data]
+    for _ in range(limits.NESTING):
+        level = [
+            inner
+            for node in level
+            for inner in (node.values() if isinstance(node, dict) else node)
+            if isinstance(inner, dict | list)
+        ]
+        if not level:
+            return
+    raise too_deep(place)

@@ -16,6 +16,8 @@ from hybond.files.toml_text import ORDER, WIDTH, entry_text, table_text, value_t
 from hybond.records import dataclass
 
 _Path = tuple[str, ...]
+COMPARED = 100_000
+"""Pairs of items of two lists that are compared."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,7 +128,7 @@ def _merge_list(array: Any, new: list[Any]) -> None:
     old = [value_text(item) for item in array.unwrap()]
     texts = [value_text(item) for item in new]
     several_lines = "\n" in array.as_string()
-    for what, a, b, c, d in reversed(SequenceMatcher(None, old, texts, False).get_opcodes()):
+    for what, a, b, c, d in reversed(_differences(old, texts)):
         if what == "equal":
             continue
         paired = min(b - a, d - c)
@@ -139,6 +141,25 @@ def _merge_list(array: Any, new: list[Any]) -> None:
                 array.add_line(_item(new[k]), indent="  ")
             else:
                 array.insert(a + k - c, _item(new[k]))
+
+
+def _differences(old: list[str], new: list[str]) -> list[tuple[str, int, int, int, int]]:
+    """Return what leads from one list to another, as `SequenceMatcher.get_opcodes` does.
+
+    Of lists that differ in too much (`COMPARED`), as of a thousand items that are all the same,
+    the parts between equal ends are one difference: the matcher may take cubic time.
+    """
+    first, most = 0, min(len(old), len(new))
+    while first < most and old[first] == new[first]:
+        first += 1
+    last = 0
+    while last < most - first and old[-1 - last] == new[-1 - last]:
+        last += 1
+    a, b = len(old) - last, len(new) - last
+    if (a - first) * (b - first) > COMPARED:
+        return [("replace", first, a, first, b)]
+    matcher = SequenceMatcher(None, old[first:a], new[first:b], False)
+    return [(w, *(first + k for k in at)) for w, *at in matcher.get_opcodes()]  # type: ignore[misc]
 
 
 def _item(value: Any) -> Any:

@@ -53,7 +53,8 @@ def _sections(model: Model, path: Path, inside: list[Model], inline: bool) -> di
         names = " -> ".join(m.name for m in [*inside, model])
         raise _refuse(f"a model contains itself: {names}", path, "HB-F116", "take a submodel out")
     if len(inside) > limits.LEVELS:
-        raise _refuse(f"more than {limits.LEVELS} models inside one another", path, "HB-F103")
+        why = f"more than {limits.LEVELS} models inside one another"
+        raise _refuse(why, path, "HB-F103", "put models side by side")
     inside = [*inside, model]
     models = _Models(model, inline)
     elements = {

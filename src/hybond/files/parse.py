@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import re
@@ -89,16 +90,7 @@ def read_text(path: Path, name: str) -> str:
         HB-F101 (cannot be read), HB-F103 (too large), HB-F104 (not text).
     """
     try:
-        # Not blocking: a pipe that nobody writes to must not hang us before we see what it is.
-        descriptor = os.open(
-            path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
-        )
-        with open(descriptor, "rb") as file:
-            mode = os.fstat(descriptor).st_mode
-            if not stat.S_ISREG(mode):
-                what = "a directory" if stat.S_ISDIR(mode) else "not an ordinary file"
-                raise _unreadable(f"it is {what}", name)
-            data = file.read(limits.FILE_BYTES + 1)
+        data = read_regular(path, limits.FILE_BYTES + 1)
     except FileNotFoundError:
         raise _unreadable("there is no such file", name, hint=_near(path)) from None
     except IsADirectoryError:
@@ -109,6 +101,27 @@ def read_text(path: Path, name: str) -> str:
             why = "it is a directory"
         raise _unreadable(why, name) from None
     return decode_text(data, name)
+
+
+def read_regular(path: Path, most: int) -> bytes:
+    """Return the first bytes of a regular file; a device or a pipe would never end.
+
+    Raises
+    ------
+    OSError
+        Of the system, or because it is another kind of file.
+    """
+    # Not blocking: a pipe that nobody writes to must not hang us before we see what it is.
+    descriptor = os.open(
+        path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
+    )
+    with open(descriptor, "rb") as file:
+        mode = os.fstat(descriptor).st_mode
+        if stat.S_ISDIR(mode):
+            raise IsADirectoryError(errno.EISDIR, "it is a directory", str(path))
+        if not stat.S_ISREG(mode):
+            raise OSError(errno.EINVAL, "it is not an ordinary file", str(path))
+        return file.read(most)
 
 
 def _near(path: Path) -> str:

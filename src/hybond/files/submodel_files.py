@@ -61,7 +61,8 @@ class Reading:
         """Add up elements and refuse too many."""
         self._elements += number
         if self._elements > limits.ELEMENTS:
-            raise place.refuse(f"more than {limits.ELEMENTS} elements", code="HB-F103")
+            why = f"more than {limits.ELEMENTS} elements"
+            raise place.refuse(why, code="HB-F103", hint="take some of them out")
 
     @contextmanager
     def inside(self, place: Place) -> Iterator[None]:
@@ -69,7 +70,9 @@ class Reading:
         self._level += 1
         if self._level > limits.LEVELS:
             raise place.refuse(
-                f"more than {limits.LEVELS} models inside one another", code="HB-F103"
+                f"more than {limits.LEVELS} models inside one another",
+                code="HB-F103",
+                hint="put models side by side",
             )
         yield
         self._level -= 1
@@ -94,7 +97,11 @@ class Reading:
             )
         if path not in self._models:
             if len(self._models) + len(self._open) >= limits.FILES:
-                raise place.refuse(f"more than {limits.FILES} files", code="HB-F103")
+                raise place.refuse(
+                    f"more than {limits.FILES} files",
+                    code="HB-F103",
+                    hint="put models into one file",
+                )
             self._models[path] = self._read(path, reference, place)
         return self._models[path]
 

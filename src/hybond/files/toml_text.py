@@ -113,14 +113,16 @@ def _model(data: dict[str, Any], path: tuple[str, ...]) -> list[str]:
 
 def _section(path: tuple[str, ...], within: tuple[str, ...], data: dict[str, Any]) -> list[str]:
     """Return the blocks of a section; `within` is its path in the model it belongs to."""
-    if within == ("models",) and data:
-        return [block for key, inner in data.items() for block in _model(inner, (*path, key))]
-    if within == ("machines",) and data:
-        return [
-            block
-            for key, inner in data.items()
-            for block in _section((*path, key), ("machines", key), inner)
-        ]
+    if within in (("models",), ("machines",)) and data:
+        # what is no table, where the data are those of a model half written
+        loose = {k: v for k, v in data.items() if not isinstance(v, dict)}
+        blocks = _section(path, (), loose) if loose else []
+        for key, inner in data.items():
+            if isinstance(inner, dict) and within == ("models",):
+                blocks += _model(inner, (*path, key))
+            elif isinstance(inner, dict):
+                blocks += _section((*path, key), ("machines", key), inner)
+        return blocks
     return ["\n".join([_header(path), *(entry_text(k, v) for k, v in data.items())])]
 
 

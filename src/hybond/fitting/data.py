@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.errors import FileError, UsageError
+from hybond.files.parse import read_regular
 from hybond.units import try_quantity
 
 Vector = NDArray[np.float64]
@@ -86,14 +87,15 @@ def read_data(source: Any, number: int = 1) -> Data:
 
 def _of_file(path: Path) -> Data:
     try:
-        size = path.stat().st_size
-        if size > LARGEST:
-            raise _bad(str(path), f"{size} bytes are too many", f"at most {LARGEST // 2**20} MB")
-        text = path.read_text(encoding="utf-8-sig")
-    except OSError as error:
-        raise _bad(str(path), error.strerror or str(error), "name a CSV file") from None
-    except UnicodeDecodeError:
-        raise _bad(str(path), "it is no text in UTF-8", "save it as CSV, UTF-8") from None
+        content = read_regular(path, LARGEST + 1)
+        if len(content) > LARGEST:
+            raise _bad(str(path), "it is too large", f"at most {LARGEST // 2**20} MB")
+        text = content.decode("utf-8-sig")
+    except (OSError, ValueError) as error:
+        if isinstance(error, UnicodeDecodeError):
+            raise _bad(str(path), "it is no text in UTF-8", "save it as CSV, UTF-8") from None
+        why = getattr(error, "strerror", "") or str(error)
+        raise _bad(str(path), why, "name a CSV file") from None
     rows = csv.reader(io.StringIO(text), skipinitialspace=True)
     try:
         head = [cell.strip() for cell in next(rows, [])]

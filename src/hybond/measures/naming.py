@@ -42,7 +42,7 @@ def read_name(graph: FlatGraph, name: str) -> Expr:
         raise UsageError(
             f"there is no signal {name!r}: {error.why}",
             code="HB-S109",
-            where=name,
+            where=name.strip() or "signals",
             hint=error.hint or did_you_mean(name, names_of(graph)),
         ) from None
     known = {f"at:{w.index}" for w in graph.watches}

@@ -36,7 +36,7 @@ def no_such_end(
         # what lies deeper than the bond cannot be meant
         depth = path.count(".")
         near = [n for n in dict.fromkeys((*inside, *ports)) if n.count(".") <= depth]
-        hint = did_you_mean(path, near or inside)
+        hint = did_you_mean(path, near or inside) or "add the element, or take the bond out"
         return _refusal(bond, path, where, "which is not an element", hint)
     own = [p for p in ports if p.rpartition(".")[0] == owner]
     hint = f"its ports are {', '.join(sorted(own))}" if own else "it has no ports"
@@ -56,7 +56,7 @@ def no_such_target(port: str, target: str, nodes: Iterable[str]) -> ModelError:
     dot = f"{owner}." if owner else ""
     inside = [n.removeprefix(dot) for n in nodes if n.startswith(dot)]
     inner = target.removeprefix(dot)
-    hint = did_you_mean(inner, inside)
+    hint = did_you_mean(inner, inside) or "add the element, or take the port out"
     if len(inside) == 1:
         hint = f"did you mean {inside[0]!r}?"
     return ModelError(

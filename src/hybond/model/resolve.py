@@ -334,7 +334,7 @@ class Resolver:
             f'there is no "{text}".{variable}',
             code="HB-M120",
             where=where,
-            hint=did_you_mean(_squeeze(text), self._bond_names),
+            hint=did_you_mean(_squeeze(text), self._bond_names) or "the model has no bonds",
         )
 
     def dimension(

@@ -10,10 +10,12 @@ from pathlib import Path
 from typing import Any
 
 from hybond.calls import called, named_file
-from hybond.errors import UsageError
+from hybond.errors import UnitError, UsageError
+from hybond.files.parse import read_regular
+from hybond.files.place import shortened
 from hybond.files.whole import write_whole
 from hybond.records import dataclass
-from hybond.units import format_quantity
+from hybond.units import format_quantity, parse_unit
 
 FORMAT = "hybond state 1"
 LARGEST = 64 * 2**20
@@ -166,14 +168,17 @@ def load_state(path: str | Path) -> State:
         raise _no_state(path, f"cannot be read: {error.strerror}") from None
     try:
         record = json.loads(data.decode("utf-8"))
+        if rb"\ud" in data.lower():
+            json.dumps(
+                record, ensure_ascii=False
+            ).encode()  # half a character, which could not be saved again
         return state_of_record(record)
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
         raise _no_state(path, f"is no state of a run: {error}") from None
 
 
 def _bytes_of(path: Path) -> bytes:
-    with path.open("rb") as file:
-        data = file.read(LARGEST + 1)
+    data = read_regular(path, LARGEST + 1)
     if len(data) > LARGEST:
         raise _no_state(path, f"has more than {LARGEST} bytes")
     return data
@@ -215,6 +220,11 @@ def state_of_record(record: Any) -> State:
         raise ValueError("a machine's state is a text")
     landed = tuple(str(path) for path in record.get("landed", ()))
     units = {str(k): str(v) for k, v in record.get("units", {}).items()}
+    for unit in units.values():
+        try:
+            parse_unit(unit or "1")
+        except UnitError as error:
+            raise ValueError(error.why) from None
     return State(
         str(record["model"]),
         _number(record["t"]),
@@ -229,18 +239,21 @@ def state_of_record(record: Any) -> State:
 
 def _any_number(value: Any) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float):
-        raise ValueError(f"{value!r} is not a number")
-    return float(value)
+        raise ValueError(f"{shortened(repr(value))} is not a number")
+    try:
+        return float(value)
+    except OverflowError:
+        raise ValueError("a number of it is larger than a float can be") from None
 
 
 def _number(value: Any) -> float:
     found = _any_number(value)
     if not math.isfinite(found):
-        raise ValueError(f"{value!r} is not finite")
+        raise ValueError(f"{value} is not finite")
     return found
 
 
 def _whole(value: Any) -> int:
     if isinstance(value, bool) or not isinstance(value, int) or not -(2**31) <= value < 2**31:
-        raise ValueError(f"{value!r} is not a whole number")
+        raise ValueError(f"{shortened(repr(value))} is not a whole number of 32 bits")
     return value

@@ -8,10 +8,13 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from hybond.errors import UsageError
+from hybond.model.graph import FlatGraph, Sample
 from hybond.options import seconds_of
 
 FARTHEST = 1000.0
 """How many times longer or shorter than a run its scale of time may be."""
+INSTANTS = 1e9
+"""Instants of one signal or input that a run may come to: they take hours, and no room is left."""
 _CONDITION = re.compile(r"[<>=!]|\b(and|or|not|true|false)\b|\.on\b")
 
 
@@ -63,6 +66,40 @@ def end_of(
             hint='give until="1 s", or [experiment] until in the file',
         )
     return end
+
+
+def check_instants(graph: FlatGraph, end: float) -> None:
+    """Refuse a run with more instants that are given in advance than it could ever come to.
+
+    Raises
+    ------
+    UsageError
+        HB-S142 for what is sampled, or repeats, more often than `INSTANTS` times.
+
+    Examples
+    --------
+    >>> import hybond as hb
+    >>> m = hb.Model()
+    >>> m.input(u=hb.Input(pwm={"period": "1 fs", "duty": 0.5, "low": 0, "high": 1}))
+    >>> check_instants(m.flatten(), 1.0)
+    Traceback (most recent call last):
+        ...
+    hybond.errors.UsageError: HB-S142 at inputs.u: a period of 1e-15 s in a run of 1 s: 1e+15 times
+      try: a longer period, or a shorter run: at most 1e+09 times
+    """
+    periods = [(f"inputs.{i.path}", getattr(i.waveform, "period", 0.0)) for i in graph.inputs]
+    for where, period in [*periods, *((_sampled(s), s.every) for s in graph.samples)]:
+        if period > 0.0 and period * INSTANTS < end:
+            raise UsageError(
+                f"a period of {period:.6g} s in a run of {end:.6g} s: {end / period:.6g} times",
+                code="HB-S142",
+                where=where,
+                hint=f"a longer period, or a shorter run: at most {INSTANTS:g} times",
+            )
+
+
+def _sampled(sample: Sample) -> str:
+    return f"{'signals' if sample.block is None else 'blocks'}.{sample.path}"
 
 
 def span_of(experiment: Mapping[str, Any], end: float) -> float:

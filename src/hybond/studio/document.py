@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from hybond.errors import FileError, HybondError, UsageError
+from hybond.files.check import check_depth, check_plain
 from hybond.files.edit import edit_toml, same
 from hybond.files.limits import FILE_BYTES
 from hybond.files.parse import parse, read_text
@@ -121,6 +122,9 @@ class Document:
                 where=self.error.place,
                 hint="mend the text, or undo",
             )
+        # values that no file can hold: half a character, no finite number, too many levels
+        given = {k: v for k, v in edit.items() if v is not None}
+        check_plain(given, Place(Source("edit")))
         new = apply(self.data, edit)
         if same(new, self.data):
             return
@@ -136,9 +140,18 @@ class Document:
         Raises
         ------
         FileError
-            HB-F103 for one that is too large.
+            HB-F103 for one that is too large, HB-F104 for one that no file can hold.
         """
-        if len(text.encode("utf-8", "replace")) > FILE_BYTES:
+        try:
+            size = len(text.encode())
+        except UnicodeEncodeError:
+            raise FileError(
+                "the text holds half a character, which UTF-8 cannot write",
+                code="HB-F104",
+                where=self.name,
+                hint="write the character in full",
+            ) from None
+        if size > FILE_BYTES:
             raise FileError(
                 f"the text has more than {FILE_BYTES} bytes",
                 code="HB-F103",
@@ -235,8 +248,9 @@ class Document:
     def _read(self) -> None:
         source = Source(self.name, self._text)
         try:
-            self.data = parse(source)
-            self.error = None
+            data = parse(source)
+            check_depth(data, Place(source))
+            self.data, self.error = data, None
         except HybondError as error:
             self.error = error
             return
@@ -270,9 +284,30 @@ class Document:
         if journal.broken:
             self.unsaved = journal.broken if self.file is None else ""
         for edit in lost:
-            with contextlib.suppress(HybondError):
+            # what a damaged journal holds may be no edit
+            with contextlib.suppress(
+                HybondError, TypeError, ValueError, LookupError, AttributeError
+            ):
                 self.edit(edit)
                 self.settle()
+
+
+def must_be_model(file: Path) -> None:
+    """Refuse a file that the studio does not edit: HB-W104."""
+    if file.suffix.lower() != ".toml":
+        raise UsageError(
+            f"the studio edits .toml files, not {file.suffix or 'files without an ending'}",
+            code="HB-W104",
+            where=file.name,
+            hint=f"hybond convert {file.name} {file.stem}.toml",
+        )
+    if file.exists() and not file.is_file():
+        raise UsageError(
+            f"{file.name} is no ordinary file",
+            code="HB-W104",
+            where=file.name,
+            hint="take another name",
+        )
 
 
 def edited(text: str, old: Data, new: Data) -> str:

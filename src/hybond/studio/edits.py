@@ -77,7 +77,16 @@ def _keep(level: Level, places: Any) -> None:
 
 def refused(why: str, *, where: str = "", hint: str = "") -> UsageError:
     """Return the refusal of an edit."""
-    return UsageError(why, code="HB-W101", where=where, hint=hint or "undo brings back what was")
+    hint = hint or "undo brings back what was"
+    return UsageError(why, code="HB-W101", where=where or "edit", hint=hint)
+
+
+def edit_of(message: Message) -> Data:
+    """Return the edit of a message; HB-W101 if there is none."""
+    edit = message.get("edit")
+    if not isinstance(edit, dict):
+        raise refused("there is no edit", hint='say what to do: {"do": "add", "element": {"R": 1}}')
+    return edit
 
 
 def fresh(taken: Mapping[str, Any] | set[str], stem: str) -> str:

@@ -80,7 +80,7 @@ class Recovery:
         for line in lines:
             try:
                 entry = json.loads(line)
-            except ValueError:
+            except (ValueError, RecursionError):
                 continue  # the line at which the program ended
             if not isinstance(entry, dict):
                 continue

@@ -15,10 +15,12 @@ from typing import Any
 from hybond.errors import FileError, HybondError, UsageError
 from hybond.files.examples import examples_folder, models_in
 from hybond.files.toml_text import toml_text
+from hybond.files.whole import write_whole
 from hybond.model.graph import FlatGraph, Mode
+from hybond.names import did_you_mean
 from hybond.studio import of_models, of_plans, of_runs
-from hybond.studio.document import EMPTY, Document, Lock
-from hybond.studio.edits import apply, cut_out
+from hybond.studio.document import EMPTY, Document, Lock, must_be_model
+from hybond.studio.edits import apply, cut_out, edit_of
 from hybond.studio.levels import level_of, table
 from hybond.studio.places import Shown
 from hybond.studio.planned import Plans
@@ -33,6 +35,10 @@ Message = dict[str, Any]
 PANELS = ("parameters", "inputs", "signals", "machines", "blocks", "experiment", "ports")
 
 
+MISREAD = (TypeError, ValueError, AttributeError, LookupError, OverflowError)
+"""What reading a message raises that is not as the page writes it."""
+LONGEST = 200
+"""Letters of the name of a file."""
 PLACING = ("add", "move", "paste")
 """Edits that put something down by hand."""
 
@@ -103,18 +109,22 @@ class Session:
         try:
             if ask is None:
                 raise UsageError(
-                    f"there is no question {message.get('ask')!r}", code="HB-W101", where="ask"
+                    f"there is no question {message.get('ask')!r}",
+                    code="HB-W101",
+                    where="ask",
+                    hint=did_you_mean(str(message.get("ask")), ASKS),
                 )
             with self._busy:
                 answer = ask(self, message)
             return {"id": number, **answer}
         except HybondError as error:
             return {"id": number, "error": problem_of(error, self.document.data)}
-        except (TypeError, ValueError, KeyError, AttributeError, LookupError) as error:
+        except MISREAD as error:
             said = UsageError(
                 f"the message cannot be read: {type(error).__name__}: {error}",
                 code="HB-W101",
                 where=str(message.get("ask")),
+                hint="load the page again, so that it is of the same version",
             )
             return {"id": number, "error": said.to_dict()}
 
@@ -196,9 +206,7 @@ class Session:
     def edit(self, message: Mapping[str, Any]) -> Message:
         """Do an edit and look at what it made."""
         self._must_write()
-        edit = message.get("edit")
-        if not isinstance(edit, dict):
-            raise UsageError("there is no edit", code="HB-W101", where="edit")
+        edit = edit_of(message)
         if edit.get("do") in PLACING and "keep" not in edit:
             edit = {**edit, "keep": self._unplaced(str(edit.get("level") or ""))}
         revision = self.document.revision
@@ -209,9 +217,7 @@ class Session:
 
     def attempt(self, message: Mapping[str, Any]) -> Message:
         """Return what would be wrong after an edit, without doing it: null if nothing were."""
-        edit = message.get("edit")
-        if not isinstance(edit, dict):
-            raise UsageError("there is no edit", code="HB-W101", where="edit")
+        edit = edit_of(message)
         document = self.document
         data = apply(document.data, edit)
         base = str(document.file.parent if document.file is not None else self.root)
@@ -270,7 +276,12 @@ class Session:
         kept = {str(n) for n in message.get("keep", ())}
         level = level_of(self.document.data, path)
         if level is None or not level.editable:
-            raise UsageError("this level cannot be arranged", code="HB-W101", where=path)
+            raise UsageError(
+                "this level cannot be arranged",
+                code="HB-W101",
+                where=path or "level",
+                hint="open a submodel that this file says",
+            )
         shown = self._shown.of(path)
         held = {k: list(shown[k]) for k in shown if k in kept}
         loose = {**level.data, "layout": {**table(level.data, "layout"), **held}}
@@ -295,7 +306,12 @@ class Session:
         if message.get("example"):
             name = str(message["example"])
             if name not in self.examples():
-                raise UsageError(f"there is no example {name!r}", code="HB-W104", where="example")
+                raise UsageError(
+                    f"there is no example {name!r}",
+                    code="HB-W104",
+                    where="example",
+                    hint=did_you_mean(name, self.examples()) or "there are none here",
+                )
             text = (examples_folder() / f"{name}.toml").read_text(encoding="utf-8")
             self._take(self._open(None, text))
         elif message.get("file"):
@@ -315,19 +331,20 @@ class Session:
                 where=file.name,
                 hint="take another name, or open it",
             )
+        must_be_model(file)
         text = self.document.text
-        if file.exists():
-            file.unlink()
-        self._take(self._open(file, text))
-        self.document.revision += 1
-        self.document.save()
-        if self.document.unsaved:
+        try:
+            # as a whole: what is there stays if there is no room for this
+            write_whole(file, text.encode())
+        except OSError as error:
             raise FileError(
-                f"cannot write the file: {self.document.unsaved}",
+                f"cannot write the file: {error.strerror or error}",
                 code="HB-F119",
                 where=str(file),
                 hint="check that the directory is there and yours",
-            )
+            ) from None
+        self._take(self._open(file, text))
+        self.document.revision += 1
         return self._changed(message)
 
     # -- inside
@@ -391,13 +408,8 @@ class Session:
             )
 
     def _open(self, file: Path | None, text: str) -> Document:
-        if file is not None and file.suffix.lower() != ".toml":
-            raise UsageError(
-                f"the studio edits .toml files, not {file.suffix or 'files without an ending'}",
-                code="HB-W104",
-                where=file.name,
-                hint=f"hybond convert {file.name} {file.stem}.toml",
-            )
+        if file is not None:
+            must_be_model(file)
         if self.lock is not None:
             self.lock.release()
             self.lock = None
@@ -419,8 +431,10 @@ class Session:
 
     def _inside(self, name: str) -> Path:
         """Return a file of the folder; HB-W104 for one that is not there."""
-        file = (self.root / name).resolve()
-        if not file.is_relative_to(self.root) or "\0" in name:
+        file = self.root
+        if "\0" not in name and name.isprintable() and len(name) <= LONGEST:
+            file = (self.root / name).resolve()
+        if file == self.root or not file.is_relative_to(self.root):
             raise UsageError(
                 f"{name!r} is not in the folder {self.root}",
                 code="HB-W104",

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from hybond.errors import HybondError, UsageError
+from hybond.errors import HybondError, UnitError, UsageError
 from hybond.model.builder import Model
 from hybond.result import Result
 from hybond.simulation import simulate
@@ -58,7 +58,11 @@ def values_between(low: object, high: object, count: object, *, log: bool = Fals
     >>> values_between(1, 100, 3, log=True)
     ['1', '10', '100']
     """
-    first, last = parse_quantity(str(low)), parse_quantity(str(high))
+    try:
+        first, last = parse_quantity(str(low)), parse_quantity(str(high))
+    except UnitError as error:
+        error.where = "sweep"
+        raise
     try:
         many = int(count) if isinstance(count, int | str) else 0
     except ValueError:

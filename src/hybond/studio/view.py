@@ -44,7 +44,7 @@ def view(data: Data, path: str, shown: Places | None = None) -> dict[str, Any] |
     machines = _switched(level)
     places = _places(level, elements, bonds, shown or {})
     nodes = [_node(name, entry, data, path, machines, places) for name, entry in elements.items()]
-    ports = {target: port for port, target in table(level.data, "ports").items()}
+    ports = {str(target): port for port, target in table(level.data, "ports").items()}
     for node in nodes:
         outside = [
             p
@@ -71,7 +71,8 @@ def kind_of(entry: Mapping[str, Any]) -> str:
     """Return the kind of an element: a letter, a junction, ``part``, or ``?``."""
     for key in entry:
         if key == "junction":
-            return str(entry[key]) if entry[key] in (0, 1) else "?"
+            # not 1.0, and not true: a file says 0 or 1
+            return str(entry[key]) if type(entry[key]) is int and entry[key] in (0, 1) else "?"
         if key == "submodel":
             return "part"
         if key in KINDS:
@@ -157,7 +158,8 @@ def _places(
     given = {name: at for name, at in shown.items() if name in elements}
     for name, at in table(level.data, "layout").items():
         numbers = isinstance(at, list) and len(at) == 2
-        if name in elements and numbers and all(isinstance(v, int | float) for v in at):
+        numbers = numbers and all(isinstance(v, int | float) and abs(v) < FARTHEST for v in at)
+        if name in elements and numbers:
             given[name] = (float(at[0]), float(at[1]))
     if len(given) == len(elements):
         return given
@@ -168,6 +170,10 @@ def _places(
     pairs = tuple((number[tail], number[head]) for tail, head in ends)
     pins = tuple((number[name], at) for name, at in given.items())
     return dict(zip(names, _laid_out(kinds, pairs, pins), strict=True))
+
+
+FARTHEST = 1e6
+"""Cells from the middle at which something may be put down, as `edits` has it."""
 
 
 @lru_cache(maxsize=64)

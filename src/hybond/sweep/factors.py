@@ -217,9 +217,13 @@ def _of_values(path: str, values: Sequence[Any]) -> Factor:
     for value in values:
         if isinstance(value, bool) or not isinstance(value, str | int | float):
             raise _refusal(f"{path} = {value!r} is no value", path)
-        found.append(
-            try_quantity(value) if isinstance(value, str) else Quantity(float(value), DIMENSIONLESS)
-        )
+        try:
+            number = None if isinstance(value, str) else Quantity(float(value), DIMENSIONLESS)
+        except OverflowError:
+            raise _refusal(f"a value of {path} is larger than a float can be", path) from None
+        if number is not None and not math.isfinite(number.value):
+            raise _refusal(f"{path} = {value!r} is not finite", path, "numbers")
+        found.append(number or try_quantity(str(value)))
     text = ", ".join(v if isinstance(v, str) else repr(v) for v in values)
     numbers = [q for q in found if q is not None]
     if len(numbers) < len(values):

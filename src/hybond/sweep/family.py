@@ -32,6 +32,7 @@ from hybond.model.junction_laws import warn_of_values
 from hybond.model.parts import Value
 from hybond.model.unit_words import unit_of
 from hybond.model.written import Writing
+from hybond.runs.times import check_instants
 
 if TYPE_CHECKING:
     from hybond.sweep.measured import Measure, Measuring
@@ -180,6 +181,7 @@ def family_of(
         graph = flatten(model, given, slots)
         if band is not None:
             graph = banded(graph, band)
+        check_instants(graph, settings.until)
         differ = warn_of_values(graph)
         found = Family(graph, slots, settings, wanted, impact, measures)
     except HybondError:

@@ -121,9 +121,13 @@ class Folder:
         """Return what the folder says that it holds, None if nothing."""
         try:
             found = json.loads((self.path / ABOUT).read_text(encoding="utf-8"))
-            return found if isinstance(found, dict) and {"key", "part"} <= found.keys() else None
-        except (FileNotFoundError, ValueError):
+        except (FileNotFoundError, ValueError, RecursionError):
             return None
+        if not isinstance(found, dict) or not isinstance(found.get("job"), dict):
+            return None
+        part = found.get("part")
+        whole = isinstance(part, int) and not isinstance(part, bool) and part > 0
+        return found if whole and isinstance(found.get("key"), str) else None
 
     def _other(self, old: Mapping[str, Any], new: Mapping[str, Any]) -> UsageError:
         changed = [k for k in _WHAT if old.get(k) != new.get(k)]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import json
-import zipfile
 from typing import Any
 
 import numpy as np
@@ -101,6 +100,12 @@ class Part:
             said = {
                 int(k): (code, place, why, warned) for k, code, place, why, warned in about["said"]
             }
-            return Part(about["first"], texts["status"], arrays["t_end"], said, columns)
-        except (KeyError, IndexError, TypeError, OSError, EOFError, zipfile.BadZipFile) as error:
+            part = Part(about["first"], texts["status"], arrays["t_end"], said, columns)
+            many = len(part)
+            if not all(len(column) == many for column in (part.t_end, *columns.values())):
+                raise ValueError("columns of different lengths")
+            return part
+        except MemoryError:
+            raise
+        except Exception as error:  # ways of packing, headers of arrays have errors of their own
             raise ValueError(f"damaged: {error}") from error

@@ -209,7 +209,7 @@ class _Parser:
             self.fail("the expression is empty,", 0, hint="write a number, a name or a formula")
         e = self.expression(_IF)
         if self.now.kind != "end":
-            hint = ""
+            hint = f"take out what stands from {self.now} on"
             if self.now.kind in ("name", "number", "string") or self.now.text == "(":
                 hint = "write * for a product"
             self.fail(f"expected an operator or the end, found {self.now}", self.now.at, hint=hint)
