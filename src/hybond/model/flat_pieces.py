@@ -19,6 +19,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from bisect import bisect_right
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
@@ -145,50 +146,78 @@ def pieces_of(e: Expr, own: str) -> list[Piece]:
     """Return the pieces of a law that has flat ends, in the order of its argument `own`."""
     now = with_numbers(e, plain)
     ends = ends_in_numbers(now, own)
-    straight = _is_straight(now, own, ends)
     if now is not e:
         try:
             followed = _in_parameters(e, own, ends)
             with _nothing_new(e):
-                return _pieces(e, own, followed, straight=straight)
+                return _pieces(_between(e, own, ends), e, own, followed)
         except _OnlyNumbers:
             e = with_numbers(e, lambda x: settled(x, WHY))
-    return _pieces(e, own, ends, straight=straight)
+    return _pieces(_between(e, own, ends), e, own, ends)
 
 
-def _pieces(e: Expr, own: str, ends: tuple[End, ...], *, straight: bool) -> list[Piece]:
-    low = next((end.at for end in ends if end.way < 0), -math.inf)
-    high = next((end.at for end in ends if end.way > 0), math.inf)
-    slope = differentiate(e, own)
-    middle = e
+def _pieces(middle: Expr, e: Expr, own: str, ends: tuple[End, ...]) -> list[Piece]:
+    """Return the pieces of a law, given what it is between its ends."""
+    low, high = _bounds(ends)
+    slope = differentiate(middle, own)
+    straight = own not in names(simplify(slope))
     pieces: list[Piece] = []
     for end in ends:
-        level, at = _value(e, own, end.at), end.at
-        if end.outer is None:
-            inner = _middle(low, high)
-            chord = (_value(e, own, inner) - level) / (inner - at)
-            rise = _value(slope, own, at + BESIDE * (inner - at))
-            if not (math.isfinite(plain(rise)) and abs(plain(rise)) > 1e-3 * abs(plain(chord))):
-                rise = chord
-            line = _line(own, at, level, rise)
-        else:
+        at, level = end.at, _value(e, own, end.at)
+        if end.outer is not None:
             near, level = level, _value(e, own, end.way * 10.0**MOST)
             rise = (level - _value(e, own, end.outer)) / (at - end.outer)
             line = _line(own, at, near, rise)
             at = at + (level - near) / rise
-        side = Compare(">" if end.way > 0 else "<", Name(own), Number(end.at))
-        middle = line if straight else If(side, line, middle)
-        pieces.append(
-            Piece(at, math.inf, Number(level))
-            if end.way > 0
-            else Piece(-math.inf, at, Number(level))
-        )
-        if end.way > 0:
-            high = at
-        else:
-            low = at
-    pieces.append(Piece(low, high, simplify(middle) if straight else middle))
-    return sorted(pieces, key=lambda piece: plain(piece.low))
+        elif not straight:
+            inner = _middle(low, high)
+            chord = (_value(middle, own, inner) - level) / (inner - at)
+            rise = _value(slope, own, at + BESIDE * (inner - at))
+            if not (math.isfinite(plain(rise)) and abs(plain(rise)) > 1e-3 * abs(plain(chord))):
+                rise = chord
+            line = _line(own, at, level, rise)
+        if not straight:
+            side = Compare(">" if end.way > 0 else "<", Name(own), Number(end.at))
+            middle = If(side, line, middle)
+        bounds = (at, math.inf) if end.way > 0 else (-math.inf, at)
+        pieces.append(Piece(*bounds, Number(level)))
+        low, high = (low, at) if end.way > 0 else (at, high)
+    return sorted([*pieces, Piece(low, high, middle)], key=lambda piece: plain(piece.low))
+
+
+def _bounds(ends: tuple[End, ...]) -> tuple[float, float]:
+    low = next((end.at for end in ends if end.way < 0), -math.inf)
+    return low, next((end.at for end in ends if end.way > 0), math.inf)
+
+
+def _between(e: Expr, own: str, ends: tuple[End, ...]) -> Expr:
+    """Return what a law is between its ends, given in numbers: without branches if it is one."""
+    low, high = _bounds(ends)
+    if any(low < x < high for x in corners_of(with_numbers(e, plain), own)):
+        return e
+    at = values_within(low, high)[0]
+
+    def value(part: Expr) -> float:
+        return function_of(with_numbers(part, plain), own)(at)
+
+    def taken(node: Expr) -> Expr:
+        match node:
+            case If():
+                return node.then if value(node.cond) else node.orelse
+            case Call("min" | "max", args):
+                found = value(node)
+                return next((a for a in args if value(a) == found), node)
+            case Call("abs", (arg,)):
+                return arg if value(arg) > 0.0 else Neg(arg)
+            case Call("sign"):
+                return Number(value(node))
+            case Table(arg, x, y):
+                k = max(0, min(len(x) - 2, bisect_right(list(map(plain, x)), value(arg)) - 1))
+                rise = (y[k + 1] - y[k]) / (x[k + 1] - x[k])
+                return _line_of(arg, x[k], y[k], rise)
+        return node
+
+    return simplify(transform(e, taken))
 
 
 def _middle(low: float, high: float) -> float:
@@ -196,17 +225,6 @@ def _middle(low: float, high: float) -> float:
     if math.isinf(plain(low)):
         return high - (abs(high) + 1.0)
     return low + (abs(low) + 1.0) if math.isinf(plain(high)) else 0.5 * (low + high)
-
-
-def _is_straight(e: Expr, own: str, ends: tuple[End, ...]) -> bool:
-    """Whether a law with plain numbers is one straight line between its ends."""
-    if any(end.outer is not None for end in ends):
-        return False
-    low = next((end.at for end in ends if end.way < 0), -math.inf)
-    high = next((end.at for end in ends if end.way > 0), math.inf)
-    slope = function_of(differentiate(e, own), own)
-    bends = any(low < x < high for x in corners_of(e, own))
-    return not bends and len({slope(x) for x in values_within(low, high)}) == 1
 
 
 def _value(e: Expr, own: str, at: float) -> float:
@@ -218,7 +236,11 @@ def _value(e: Expr, own: str, at: float) -> float:
 
 
 def _line(own: str, at: float, level: float, rise: float) -> Expr:
-    away = Binary("-", Name(own), Number(at))
+    return _line_of(Name(own), at, level, rise)
+
+
+def _line_of(arg: Expr, at: float, level: float, rise: float) -> Expr:
+    away = Binary("-", arg, Number(at))
     return Binary("+", Number(level), Binary("*", Number(rise), away))
 
 
