@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from hybond.engine.outcome.beginnings import beginning_at
 from hybond.engine.outcome.engine_run import EngineRun
 from hybond.engine.outcome.engines import Prepared, choose_engine, prepared
 from hybond.engine.outcome.signals import Signals
@@ -109,13 +110,7 @@ class Apart:
         )
 
     def _run(self, y: Vector, mode: Mode) -> EngineRun:
-        """Return a run that begins there: the same tables with another start."""
-        tables, values, nx = self._prepared.tables, y.tolist(), len(self.graph.storages)
-        start = {"storage_start": values[:nx], "integral_start": values[nx:]}
-        own = replace(
-            tables,
-            graph=self.begun(y, mode),
-            floats={**tables.floats, **start},
-            ints={**tables.ints, "start": list(mode)},
+        """Return a run that begins there; what was prepared is the same for all."""
+        return EngineRun(
+            self._prepared, begin=beginning_at(0.0, y.tolist(), mode, self._prepared.tables)
         )
-        return EngineRun(choose_engine().prepare(own))
