@@ -27,7 +27,7 @@ def put_told(t: ModelTables, *, tells: bool) -> None:
             shown.append(place[e])
     t.ints["told_first"] = [0, *accumulate(len(rule.reads) for rule in rules)]
     t.ints["told_pair"] = shown
-    own, other, sign = [], [], []
+    own, other, value, sign = [], [], [], []
     bonds = len(t.graph.bonds)
     for node in t.graph.nodes if tells else ():
         # what reads a priori values is an impact law, and no source
@@ -36,7 +36,11 @@ def put_told(t: ModelTables, *, tells: bool) -> None:
             first = 0 if node.kind == "Se" else bonds
             own.append(first + end.bond)
             other.append(bonds - first + end.bond)
+            assert node.law is not None
+            value.append(
+                t.values.number(node.law.expressions[0], node.path) if node.implied else -1
+            )
             sign.append(float(end.sign))
     t.numbers["givers"] = len(own)
-    t.ints.update(giver_own=own, giver_other=other)
+    t.ints.update(giver_own=own, giver_other=other, giver_value=value)
     t.floats["giver_sign"] = sign
