@@ -89,7 +89,7 @@ class Apart:
             If it cannot be entered, or a guard has no truth there.
         """
         tables = self._prepared.tables
-        hold = self._run(y, mode).tried(tried)
+        hold = self._started(y, mode).tried(tried)
         first = tables.ints["rule_first"]
         return {
             m.path: [tables.rules[k] for k in range(first[m.index], first[m.index + 1]) if hold[k]]
@@ -114,3 +114,15 @@ class Apart:
         return EngineRun(
             self._prepared, begin=beginning_at(0.0, y.tolist(), mode, self._prepared.tables)
         )
+
+    def _started(self, y: Vector, mode: Mode) -> EngineRun:
+        """Return a run whose model starts there: the same tables with another start."""
+        tables, values, nx = self._prepared.tables, y.tolist(), len(self.graph.storages)
+        start = {"storage_start": values[:nx], "integral_start": values[nx:]}
+        own = replace(
+            tables,
+            graph=self.begun(y, mode),
+            floats={**tables.floats, **start},
+            ints={**tables.ints, "start": list(mode)},
+        )
+        return EngineRun(choose_engine().prepare(own))
