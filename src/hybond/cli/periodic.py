@@ -18,8 +18,8 @@ from hybond.cli.targets import check_target
 from hybond.errors import UsageError
 from hybond.progress import PATIENCE, Progress
 
-MANY = 200_000
-"""Events of one run above which it is said that there are many."""
+LONG = 20.0
+"""Seconds of one run, of which a search makes several, above which it is said early."""
 
 
 def periodic(given: Namespace) -> int:
@@ -61,7 +61,7 @@ def periodic(given: Namespace) -> int:
 class Runs(Progress):
     """How far a search is: which run is under way, and how much of it is done.
 
-    Of a run that will hold very many events it is said once, early.
+    Of a run that will take long, as one of very many events does, it is said once, early.
     """
 
     def __init__(self, *, active: bool | None = None) -> None:
@@ -73,16 +73,15 @@ class Runs(Progress):
         now = time.monotonic()
         if run != self.run:
             self.run, self.begin = run, now
-        if not self.told and now >= self.begin + PATIENCE and 0.0 < part < 1.0:
-            expected = events / part
-            if expected > MANY:
-                self.told = True
-                self.due = now
-                complain(
-                    f"run {run} will hold about {expected:.2g} events, of which {events} are done; "
-                    "is the period as long as that? --period says another one, --settle how long "
-                    "the first run is"
-                )
+        took = now - self.begin
+        if not self.told and took >= PATIENCE and 0.0 < part < 1.0 and took > part * LONG:
+            self.told = True
+            count = f", of {events / part:.1g} events" if events > part else ""
+            complain(
+                f"run {run} will take about {took / part:.0f} s{count}, and there will be several: "
+                "is the period as long as that? --period says another one, --settle how long the "
+                "first run is"
+            )
         self(part, events)
 
     def words(self, t: float, events: int) -> str:
