@@ -84,11 +84,9 @@ class Model:
     """Of each rule: the pairs that show what its guard reads."""
     told_pair: Ints
     givers: int
-    """Sources that can give energy at a jump: their own bond variable, the other, a sign; of one
-    that a law of a junction brought in the number of its value, else -1."""
+    """Sources that can give energy at a jump: their own bond variable, the other, a sign."""
     giver_own: Ints
     giver_other: Ints
-    giver_value: Ints
     giver_sign: Floats
 
     # what each pair reads: guards in all their forms, then rates of integrated signals, gaps

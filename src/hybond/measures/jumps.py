@@ -93,13 +93,16 @@ def _of_step(
     modes = _mode_before(graph, step), step.mode
     values = _Values(run, event, before, after, modes, first=first)
     supplied = {n.index: _supplied(n, areas, values, step.mode) for n in givers} if givers else {}
-    if len(givers) == 1:
-        supplied = {givers[0].index: step.energy.source}
+    own = [n for n in givers if not n.implied]
+    if len(own) == 1:
+        supplied[own[0].index] = step.energy.source
     lost = step.energy.lost
     for n in givers:
         if n.implied:
-            # the law of a junction: what its source takes is lost there, beside all the rest
-            jump.lost[owner_of(graph, n).index] = -supplied.pop(n.index)
+            # the law of a junction: what its source takes is a part of what is lost
+            taken = -supplied.pop(n.index)
+            jump.lost[owner_of(graph, n).index] = taken
+            lost -= taken
     jump.supplied = supplied
     places = [*switches, *givers]
     if len(switches) == 1 and not givers:

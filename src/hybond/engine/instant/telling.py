@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 
-from hybond.engine.answers import value
 from hybond.engine.engine import Engine
 from hybond.engine.expressions.paired import evaluate_pair, holds
 from hybond.engine.expressions.pairs import Stack, clear, is_impulsive
@@ -17,7 +16,7 @@ from hybond.engine.instant.told import add_over, add_read, say_why
 from hybond.engine.instant.trial import measure_trial, show_trial
 from hybond.engine.mode.leakage import MOVED
 from hybond.engine.mode.storage import energy_of
-from hybond.engine.words import Floats, Ints
+from hybond.engine.words import Floats
 
 
 def tell_fired(e: Engine, i: Instant, machine: int) -> None:
@@ -93,8 +92,7 @@ def tell_trial(e: Engine, i: Instant, x: Floats, written: bool) -> None:
         return
     if e.trial.jumps:
         before = energy_of(e, x)
-        supplied = supplied_when_struck(e) if e.trial.struck else supplied_by_jump(e)
-        add_energy(i, before, energy_of(e, e.trial.x), supplied)
+        add_energy(i, before, energy_of(e, e.trial.x), supplied_by_jump(e))
     elif written:
         here = energy_of(e, x)
         add_energy(i, here, here, 0.0)
@@ -134,30 +132,3 @@ def supplied_by_jump(e: Engine) -> float:
         own = e.v[m.bond_slot + m.giver_own[k]]
         total -= m.giver_sign[k] * own * e.impulses[m.giver_other[k]]
     return total
-
-
-def supplied_when_struck(e: Engine) -> float:
-    """Return the same where other branches of junction laws carried the impulses than last.
-
-    What such a law takes is what it is in the former: which of several at rest is the latter says
-    nothing of it.
-    """
-    m = e.model
-    total = supplied_by_jump(e)
-    show_branches(e, e.trial.through)
-    for k in range(m.givers):
-        if m.giver_value[k] >= 0:
-            own = value(m, m.giver_value[k], e.v) - e.v[m.bond_slot + m.giver_own[k]]
-            total -= m.giver_sign[k] * own * e.impulses[m.giver_other[k]]
-    show_branches(e, e.trial.state)
-    return total
-
-
-def show_branches(e: Engine, state: Ints) -> None:
-    """Write into the values in which states the machines with laws are."""
-    m = e.model
-    first = m.on_slot + m.switches
-    for k in range(m.machines):
-        if m.is_law[k] != 0:
-            for s in range(m.state_first[k], m.state_first[k + 1]):
-                e.v[first + s] = 1.0 if s == m.state_first[k] + state[k] else 0.0

@@ -27,20 +27,18 @@ def put_told(t: ModelTables, *, tells: bool) -> None:
             shown.append(place[e])
     t.ints["told_first"] = [0, *accumulate(len(rule.reads) for rule in rules)]
     t.ints["told_pair"] = shown
-    own, other, value, sign = [], [], [], []
+    own, other, sign = [], [], []
     bonds = len(t.graph.bonds)
     for node in t.graph.nodes if tells else ():
-        # what reads a priori values is an impact law, and no source
-        if node.kind in ("Se", "Sf") and not reads_pre(node) and not node.domain.pseudo:
+        # what reads a priori values is an impact law, and no source; nor is friction, whose value
+        # behind the jump is that of the branch that lasts, and not of the one that slid
+        own_work = not node.implied and not reads_pre(node)
+        if node.kind in ("Se", "Sf") and own_work and not node.domain.pseudo:
             end = node.ends[0]
             first = 0 if node.kind == "Se" else bonds
             own.append(first + end.bond)
             other.append(bonds - first + end.bond)
-            assert node.law is not None
-            value.append(
-                t.values.number(node.law.expressions[0], node.path) if node.implied else -1
-            )
             sign.append(float(end.sign))
     t.numbers["givers"] = len(own)
-    t.ints.update(giver_own=own, giver_other=other, giver_value=value)
+    t.ints.update(giver_own=own, giver_other=other)
     t.floats["giver_sign"] = sign
