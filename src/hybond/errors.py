@@ -57,8 +57,6 @@ class HybondError(Exception):
         """What that line says."""
         self.partial: Any = None
         """What had been computed (a `Result`), or None."""
-        self.laws: tuple[str, ...] = ()
-        """Resistors whose laws have no common solution, or may have none (HB-N301, HB-N201)."""
 
     def said_in(self, file: str, line: int | None = None, written: str = "") -> Self:
         """Note the file that says what is refused, and return the refusal.

@@ -15,7 +15,6 @@ from hybond.engine.outcome.journal import EventFile
 from hybond.engine.outcome.steps_run import StepsRun
 from hybond.engine.outcome.unsound import unsound_refusal
 from hybond.engine.tables.options import Settings
-from hybond.equations.flat_pieces import with_flat_pieces
 from hybond.errors import HybondError, UsageError
 from hybond.model.builder import Model
 from hybond.model.given import check_model
@@ -29,10 +28,6 @@ from hybond.runs.times import check_instants, time_in
 
 Start = Result | State | Mapping[str, Any] | str | Path | None
 """Where a run may begin."""
-
-
-GAIN = 1e-9
-"""Part of a run that one with flat pieces has to come farther, if it does not end either."""
 
 
 def graph_of(model: Model | FlatGraph, parameters: Any, on_error: str) -> FlatGraph:
@@ -200,23 +195,6 @@ def gone(run: EngineRun | StepsRun, graph: FlatGraph) -> tuple[Status, HybondErr
     if failure is not None and graph.locate is not None:
         failure = graph.locate(failure)
     return status, failure
-
-
-def with_pieces(result: Result, again: Callable[[FlatGraph], Result], *, until: float) -> Result:
-    """Return the run that has flat pieces of laws as states, where laws had no common solution.
-
-    A run without them goes on only where it comes no farther with them.
-    """
-    while result.error is not None and result.error.laws:
-        cut = with_flat_pieces(result.graph, result.error.laws)
-        if cut is result.graph:
-            return result
-        other = again(cut)
-        gained = other.t_end - result.t_end
-        if other.error is not None and gained <= GAIN * until:
-            return result
-        result = other
-    return result
 
 
 R = TypeVar("R", bound=Result)

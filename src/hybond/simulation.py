@@ -10,7 +10,7 @@ from hybond.blocks.runners import runners_of
 from hybond.calls import called
 from hybond.engine.outcome.engines import choose_engine
 from hybond.engine.tables.bands import banded
-from hybond.engine.tables.options import Settings, notices, settings_of
+from hybond.engine.tables.options import notices, settings_of
 from hybond.errors import UsageError
 from hybond.model.builder import Model
 from hybond.model.graph import FlatGraph
@@ -23,7 +23,6 @@ from hybond.one_run import (
     handed_over,
     made,
     of_experiment,
-    with_pieces,
 )
 from hybond.progress import Asked, shown
 from hybond.result import Result
@@ -173,43 +172,35 @@ def simulate(
         graph = banded(graph, band)
     maker = choose_engine(engine)
     given = start if start is not None else graph.experiment.get("start")
+    begin, settings = begun(given, graph, settings, maker)
     runners = runners_of(graph, fmus=fmus)
     try:
         with shown(progress, settings.until) as shows:
 
-            def run_of(graph: FlatGraph, settings: Settings) -> Result:
-                begin, settings = begun(given, graph, settings, maker)
+            def look(t: float, events: int) -> None:
+                if shows is not None:
+                    shows(t, events)
+                if watch is not None:
+                    with run.so_far():
+                        watch(Result(graph, run.trace, "running", settings.until, name, None))
 
-                def look(t: float, events: int) -> None:
-                    if shows is not None:
-                        shows(t, events)
-                    if watch is not None:
-                        with run.so_far():
-                            watch(Result(graph, run.trace, "running", settings.until, name, None))
-
-                run = made(
-                    graph,
-                    ends.conditions,
-                    settings,
-                    maker,
-                    begin=begin,
-                    progress=None if shows is None and watch is None else look,
-                    runners=runners,
-                    keep=last,
-                    journal=journal,
-                )
-                for text in notices(graph, settings, asked.get("impact")):
-                    run.trace.warn(text)
-                status, failure = gone(run, graph)
-                for warning in graph.warnings:
-                    run.trace.warn(warning)
-                return Result(graph, run.trace, status, settings.until, name, failure)
-
-            result = run_of(graph, settings)
-            if not runners:
-                result = with_pieces(
-                    result, lambda cut: run_of(cut, settings), until=settings.until
-                )
+            run = made(
+                graph,
+                ends.conditions,
+                settings,
+                maker,
+                begin=begin,
+                progress=None if shows is None and watch is None else look,
+                runners=runners,
+                keep=last,
+                journal=journal,
+            )
+            for text in notices(graph, settings, asked.get("impact")):
+                run.trace.warn(text)
+            status, failure = gone(run, graph)
+            for warning in graph.warnings:
+                run.trace.warn(warning)
+            result = Result(graph, run.trace, status, settings.until, name, failure)
             return handed_over(result, on_error)
     finally:
         for runner in runners.values():

@@ -6,7 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from hybond.cli.interrupt import Interruptible
 from hybond.cli.main import main
+from hybond.cli.periodic import Runs
 
 MODEL = """
 hybond = 1
@@ -68,3 +70,29 @@ def test_one_object_of_json(chopper: str, capsys) -> None:  # type: ignore[no-un
 def test_refused(chopper: str, capsys, words: list[str], code: int, said: str) -> None:  # type: ignore[no-untyped-def]
     assert main(["periodic", chopper, *words]) == code
     assert said in capsys.readouterr().err
+
+
+def test_a_run_that_will_take_long_is_told_early_and_once(monkeypatch, capsys) -> None:  # type: ignore[no-untyped-def]
+    clock = [100.0]
+    monkeypatch.setattr("hybond.cli.periodic.time.monotonic", lambda: clock[0])
+    bar = Runs(active=False)
+    for part, events in ((0.0, 0), (1e-3, 10), (2e-3, 20), (3e-3, 30)):
+        bar.shows(1, part, events)
+        clock[0] += 1.0
+    # a thousandth takes a second
+    told = capsys.readouterr().err
+    assert told.count("run 1 will take about 1000 s, of 1e+04 events") == 1
+    for part in (0.0, 0.1, 0.5):
+        bar.shows(2, part, 0)
+        clock[0] += 1.0
+    assert not capsys.readouterr().err
+
+
+def test_ctrl_c_ends_the_search_and_not_a_step_of_it(chopper: str, monkeypatch, capsys) -> None:  # type: ignore[no-untyped-def]
+    def pressed(self: Interruptible) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Interruptible, "check", pressed)
+    assert main(["periodic", chopper, "--period", "0.1 s"]) == 130
+    out = capsys.readouterr()
+    assert out.err.endswith("interrupted\n") and not out.out

@@ -16,6 +16,7 @@ import hybond as hb
 from hybond.engine.laws import law_branches
 from hybond.engine.mode import newton, undetermined
 from hybond.engine.outcome import warned
+from hybond.model import flatten as flattening
 
 
 def ended(m: hb.Model, until: float) -> hb.Result:
@@ -59,6 +60,7 @@ def test_a_saturated_law_that_is_projected_away(monkeypatch: pytest.MonkeyPatch,
     monkeypatch.setattr(undetermined, "may_move", lambda *_: True)
     monkeypatch.setattr(undetermined, "holds_at", lambda *_: True)
     monkeypatch.setattr(newton, "least_of_free", always)
+    monkeypatch.setattr(flattening, "with_flat_pieces", lambda graph: graph)
     run = ended(dragged(law), 2.0)
     assert run.status == "unsound", run.error
     assert run.error is not None and run.error.where == "rub" and not run.audit().holds()

@@ -232,3 +232,25 @@ def test_clocks_of_controllers_store_no_energy() -> None:
     assert found["r"].dissipated == pytest.approx(1e-9 * (0.05 - math.sin(62.8) / 1256), rel=1e-8)
     assert float(run["timer.waited"].at(0.1)) == pytest.approx(0.1, rel=1e-12)
     assert float(run["firing.frequency"].at(0.1)) == pytest.approx(314 / (2 * math.pi), rel=1e-8)
+
+
+@pytest.mark.parametrize(("relay", "diode"), [("a", "z"), ("z", "a")])
+def test_what_friction_takes_in_a_jump_is_the_same_whichever_law_lasts(
+    relay: str, diode: str
+) -> None:
+    """10 V onto an empty capacitor of the same size, through a relay of 2 V: 4 C pass.
+
+    The relay takes 2 V times 4 C. The voltage that closes is shared by the two junctions before,
+    5 V each: the diode loses 4 C times the mean of 5 V and 0, and the relay 4 C times that of 3 V
+    and 0 beside what it takes. Behind it nothing flows, and either of them may hold.
+    """
+    m = hb.Model("joined", domain="electrical")
+    laws = {relay: hb.One(law="relay", limit="2 V"), diode: hb.One(law="diode")}
+    m.add(**laws, c1=hb.C("1 F", e="10 V"), c2=hb.C("1 F"))
+    m.bond(f"c1 -> {diode} -> c2", f"{diode} -> {relay}")
+    run = hb.simulate(m, "1 s")
+    jump = run.events[0].steps[0].energy
+    assert jump is not None
+    assert (jump.source, jump.lost) == pytest.approx((0.0, 24.0), rel=1e-12)
+    lost = {row.name: row.lost for row in run.losses().rows if row.lost}
+    assert lost == pytest.approx({relay: 14.0, diode: 10.0}, rel=1e-12)

@@ -3,17 +3,23 @@
 from __future__ import annotations
 
 import sys
+import time
 from argparse import Namespace
 from typing import Any
 
+from hybond.cli.interrupt import Interruptible
 from hybond.cli.lists import split
 from hybond.cli.netlists import read_model
 from hybond.cli.outputs import PICTURES
 from hybond.cli.record import VERSION, to_json
 from hybond.cli.settings import changed_with
-from hybond.cli.streams import say
+from hybond.cli.streams import complain, say
 from hybond.cli.targets import check_target
 from hybond.errors import UsageError
+from hybond.progress import PATIENCE, Progress
+
+LONG = 20.0
+"""Seconds of one run, of which a search makes several, above which it is said early."""
 
 
 def periodic(given: Namespace) -> int:
@@ -30,16 +36,14 @@ def periodic(given: Namespace) -> int:
         "max_step": given.max_step,
     }
     signals = split(given.signals or [])
-    found: Any
-    if given.along is not None:
-        found = _along(given, model, options)
-    else:
-        for name in ("doublings", "points"):
-            if getattr(given, name) is not None:
-                raise _refusal(f"--{name} belongs to --along", f"--{name}")
-        from hybond.analysis.periodic.periodic import periodic as orbit_of
+    bar = Runs()
+    with Interruptible() as interruptible, bar:
 
-        found = orbit_of(model, wrt=split(given.wrt or []), **options)
+        def progress(run: int, part: float, events: int) -> None:
+            bar.shows(run, part, events)
+            interruptible.check()
+
+        found = _found(given, model, {**options, "progress": progress})
     if plot is not None:
         found.plot(*(signals[:1] if given.along is not None else signals), path=plot)
     if given.json:
@@ -52,6 +56,49 @@ def periodic(given: Namespace) -> int:
     if plot is not None:
         say(f"plot: {plot}")
     return 0
+
+
+class Runs(Progress):
+    """How far a search is: which run is under way, and how much of it is done.
+
+    Of a run that will take long, as one of very many events does, it is said once, early.
+    """
+
+    def __init__(self, *, active: bool | None = None) -> None:
+        super().__init__(1.0, active=active)
+        self.run, self.told = 0, False
+
+    def shows(self, run: int, part: float, events: int) -> None:
+        """Show how far a run is."""
+        now = time.monotonic()
+        if run != self.run:
+            self.run, self.begin = run, now
+        took = now - self.begin
+        if not self.told and took >= PATIENCE and 0.0 < part < 1.0 and took > part * LONG:
+            self.told = True
+            count = f", of {events / part:.1g} events" if events > part else ""
+            complain(
+                f"run {run} will take about {took / part:.0f} s{count}, and there will be several: "
+                "is the period as long as that? --period says another one, --settle how long the "
+                "first run is"
+            )
+        self(part, events)
+
+    def words(self, t: float, events: int) -> str:
+        """Return what stands behind the bar."""
+        return f"run {self.run}  {events} events"
+
+
+def _found(given: Namespace, model: Any, options: dict[str, Any]) -> Any:
+    """Return the orbit, or the branch of them that was asked for."""
+    if given.along is not None:
+        return _along(given, model, options)
+    for name in ("doublings", "points"):
+        if getattr(given, name) is not None:
+            raise _refusal(f"--{name} belongs to --along", f"--{name}")
+    from hybond.analysis.periodic.periodic import periodic as orbit_of
+
+    return orbit_of(model, wrt=split(given.wrt or []), **options)
 
 
 def _along(given: Namespace, model: Any, options: dict[str, Any]) -> Any:

@@ -19,9 +19,9 @@ from numpy.typing import NDArray
 
 from hybond.errors import HybondError
 from hybond.measures.window import Window
-from hybond.model.expressions import Name
+from hybond.model.expressions import Name, Number, names, substitute
 from hybond.model.fieldless import reads_pre
-from hybond.model.graph import FlatGraph, Node
+from hybond.model.graph import FlatGraph, Mode, Node
 from hybond.runs.trace import Event, Visit
 
 if TYPE_CHECKING:
@@ -90,18 +90,21 @@ def _of_step(
     givers = [n for n in struck if n.kind in ("Se", "Sf") and not reads_pre(n)]
     givers = [n for n in givers if not n.domain.pseudo]
     switches = [n for n in struck if n.controlled]
-    values = _Values(run, event, before, after, first=first)
-    supplied = {n.index: _supplied(n, areas, values) for n in givers} if givers else {}
-    if len(givers) == 1:
-        supplied = {givers[0].index: step.energy.source}
+    modes = _mode_before(graph, step), step.mode
+    values = _Values(run, event, before, after, modes, first=first)
+    supplied = {n.index: _supplied(n, areas, values, step.mode) for n in givers} if givers else {}
+    own = [n for n in givers if not n.implied]
+    if len(own) == 1:
+        supplied[own[0].index] = step.energy.source
     lost = step.energy.lost
     for n in givers:
         if n.implied:
-            # the law of a junction: what its source takes is lost there
-            lost -= supplied[n.index]
-            jump.lost[owner_of(graph, n).index] = -supplied.pop(n.index)
+            # the law of a junction: what its source takes is a part of what is lost
+            taken = -supplied.pop(n.index)
+            jump.lost[owner_of(graph, n).index] = taken
+            lost -= taken
     jump.supplied = supplied
-    places = [*switches, *(n for n in givers if not n.implied)]
+    places = [*switches, *givers]
     if len(switches) == 1 and not givers:
         jump.lost[switches[0].index] = jump.lost.get(switches[0].index, 0.0) + lost
         return jump
@@ -109,10 +112,24 @@ def _of_step(
         fired = {f.machine for f in step.fired}
         machines = [m for m in graph.machines if m.path in fired]
         places = [graph.nodes[k] for m in machines for k in sorted(m.controls)]
-    weights = {n.index: _weight(n, areas, values) for n in places}
+    weights: dict[int, float] = {}
+    for n in places:
+        at = owner_of(graph, n).index
+        weights[at] = weights.get(at, 0.0) + _weight(n, areas, values, step.mode)
     for place, part in _split(weights, lost, jump).items():
         jump.lost[place] = jump.lost.get(place, 0.0) + part
     return jump
+
+
+def _mode_before(graph: FlatGraph, step: Visit) -> Mode:
+    """Return the mode that a step was entered from."""
+    found = list(step.mode)
+    machines = {m.path: m for m in graph.machines}
+    for fired in reversed(step.fired):
+        machine = machines.get(fired.machine)
+        if machine is not None and fired.source in machine.states:
+            found[machine.index] = machine.states.index(fired.source)
+    return tuple(found)
 
 
 def _split(weights: dict[int, float], lost: float, jump: Jump) -> dict[int, float]:
@@ -133,7 +150,7 @@ def _split(weights: dict[int, float], lost: float, jump: Jump) -> dict[int, floa
     return {k: lost / len(weights) for k in weights}
 
 
-def _weight(node: Node, areas: Mapping[str, float], values: _Values) -> float:
+def _weight(node: Node, areas: Mapping[str, float], values: _Values, mode: Mode) -> float:
     """Return what impulses bring to a junction, or to a source less what it is said to give."""
     if node.is_junction:
         return sum(
@@ -146,16 +163,23 @@ def _weight(node: Node, areas: Mapping[str, float], values: _Values) -> float:
         )
     own, other = ("e", "f") if node.kind == "Se" else ("f", "e")
     bond = node.ends[0].bond
-    step = values.after(f"{own}:{bond}") - values.mean(f"{own}:{bond}")
+    after = values.of_law(node, mode) if node.implied else values.after(f"{own}:{bond}")
+    step = after - values.mean(f"{own}:{bond}")
     return -node.ends[0].sign * areas.get(f"{other}:{bond}", 0.0) * step
 
 
-def _supplied(node: Node, areas: Mapping[str, float], values: _Values) -> float:
-    """Return the work of a source: impulse times its own value after the jump."""
+def _supplied(node: Node, areas: Mapping[str, float], values: _Values, mode: Mode) -> float:
+    """Return the work of a source: impulse times its own value after the jump.
+
+    Of one that the law of a junction brought in the value is that of `mode`, which carried it.
+    """
     own, other = ("e", "f") if node.kind == "Se" else ("f", "e")
     bond = node.ends[0].bond
     area = areas.get(f"{other}:{bond}", 0.0)
-    return -node.ends[0].sign * area * values.after(f"{own}:{bond}") if area else 0.0
+    if not area:
+        return 0.0
+    after = values.of_law(node, mode) if node.implied else values.after(f"{own}:{bond}")
+    return -node.ends[0].sign * area * after
 
 
 def _area(areas: Mapping[str, float], bond: int) -> float:
@@ -171,19 +195,40 @@ def owner_of(graph: FlatGraph, node: Node) -> Node:
 
 
 class _Values:
-    """Bond variables before and after a jump, in the modes in which time passes around it."""
+    """Bond variables before and after a jump, in the modes that it leads from and to."""
 
     def __init__(
-        self, run: Result, event: Event, before: Vector, after: Vector, *, first: bool
+        self,
+        run: Result,
+        event: Event,
+        before: Vector,
+        after: Vector,
+        modes: tuple[Mode, Mode],
+        *,
+        first: bool,
     ) -> None:
         self._run = run
         self._event = event
         self._states = (before, after)
+        self._modes = modes
         self._first = first
         self._known: dict[tuple[str, bool], float] = {}
 
     def after(self, name: str) -> float:
         return self._value(name, later=True)
+
+    def of_law(self, node: Node, mode: Mode) -> float:
+        """Return what a source of a junction's law gives after the jump, in a mode."""
+        assert node.law is not None
+        e = node.law.expressions[0]
+        states = {n: n.split(":") for n in names(e) if n.startswith("in:")}
+        here = {n: Number(float(mode[int(m)] == int(k))) for n, (_, m, k) in states.items()}
+        signals = self._run.signals_of(self._run._segment_at(self._event.t, "right"))
+        last = self._event.steps[-1].mode
+        try:
+            return signals.after(self._event.t, self._states[1], last, [substitute(e, here)])[0]
+        except HybondError:
+            return 0.0
 
     def mean(self, name: str) -> float:
         return 0.5 * (self._value(name, later=False) + self._value(name, later=True))
@@ -204,6 +249,6 @@ class _Values:
             asked = np.array([number])
             (found,) = run._of([Name(name)], asked, np.array([event.t]))
             return float(found[0])
-        mode = event.steps[-1].mode
+        mode = self._modes[later]
         signals = run.signals_of(run._segment_at(event.t, "right"))
         return signals.after(event.t, self._states[later], mode, [Name(name)])[0]

@@ -16,6 +16,7 @@ from hybond.model import fieldless
 from hybond.model.builder import Model
 from hybond.model.expressions import Name, names, parse
 from hybond.model.expressions.slots import Slots
+from hybond.model.flat_pieces import with_flat_pieces
 from hybond.model.graph import Bond, FlatGraph, Integral, Node, Storage
 from hybond.model.hierarchy import Opened, Scope, WrittenBond, constant, literal, open_model
 from hybond.model.indices import spread
@@ -157,7 +158,7 @@ def _flatten(
         locate=lambda error: locate(error, model, asked),
     )
     check_readers(graph)
-    return fieldless.checked(graph)
+    return with_flat_pieces(fieldless.checked(graph))
 
 
 def _experiment(model: Model, root: Scope) -> dict[str, Any]:

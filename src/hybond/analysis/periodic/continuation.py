@@ -15,7 +15,7 @@ from hybond.analysis.periodic.newton import Found
 from hybond.analysis.periodic.periodic import TOL, begin, newton_of, shots_of
 from hybond.analysis.periodic.periods import Period, length_now, period_asked
 from hybond.analysis.periodic.points import Passed, SpecialPoint, at_end, passed, turned
-from hybond.analysis.periodic.shots import Shots, near_ends
+from hybond.analysis.periodic.shots import Shots, Shown, near_ends
 from hybond.calls import called
 from hybond.errors import NumericsError, UsageError
 from hybond.model.builder import Model
@@ -52,6 +52,7 @@ def continuation(
     settle: float | str | None = None,
     parameters: Mapping[str, Value] | None = None,
     tol: float = TOL,
+    progress: Shown | None = None,
     **options: Unpack[MethodOptions],
 ) -> Continuation:
     """Return the orbits of a model along a parameter, stable or not, and what they pass.
@@ -68,7 +69,7 @@ def continuation(
         A parameter (``"D"``), the value of an element (``"r.R"``) or an input.
     values : sequence of two
         From where to where, SI or quantities.
-    period, multiple, start, settle, parameters, tol, **options
+    period, multiple, start, settle, parameters, tol, progress, **options
         As for `periodic`, for the first orbit.
     doublings : int
         How many times branches of twice the period are followed from period doublings.
@@ -113,7 +114,7 @@ def continuation(
     if not isinstance(parameter, str):
         raise _no_range(f"parameter = {parameter!r} is no name", "parameter", '"D", or "r.R"')
     given = {k: v for k, v in (parameters or {}).items() if k != parameter}
-    shots = shots_of(model, [parameter], given, options)
+    shots = shots_of(model, [parameter], given, options, progress)
     _check_units(values, shots.wanted.units[0])
     shots.at([first])
     asked = period_asked(shots, period, multiple)

@@ -113,7 +113,6 @@ class Newton:
     T_by: Vector | None = None
     history: list[float] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
-    ran_on: int = 0
     _others: int = 0
     _drifting: int = 0
 
@@ -275,7 +274,6 @@ class Newton:
         return range_of(run) < 0.5 * many * abs(change)
 
     def _on(self, shot: Shot) -> Shot:
-        self.ran_on += 1
         return self.shot(shot.end, shot.end_mode, shot.T)
 
     def _settled(self) -> bool:

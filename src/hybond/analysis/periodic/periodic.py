@@ -18,7 +18,7 @@ from hybond.analysis.periodic.periods import (
     length_now,
     period_asked,
 )
-from hybond.analysis.periodic.shots import Shots, calm, end_of, near_ends
+from hybond.analysis.periodic.shots import Shots, Shown, calm, end_of, near_ends
 from hybond.analysis.sensitivity.opened import Opened, opened_model
 from hybond.calls import called
 from hybond.errors import HybondError, NumericsError, UsageError
@@ -55,6 +55,7 @@ def periodic(
     parameters: Mapping[str, Value] | None = None,
     tol: float = TOL,
     max_runs: int = MOST,
+    progress: Shown | None = None,
     **options: Unpack[MethodOptions],
 ) -> PeriodicOrbit:
     """Return a motion that repeats, and the Floquet multipliers that say what is near it.
@@ -86,6 +87,9 @@ def periodic(
         Part of each state by which the end of the period may be off its beginning.
     max_runs : int
         Runs after which the search ends.
+    progress : callable, optional
+        ``progress(run, part, events)``, called about twenty times a second with the number of the
+        run that is under way, from 1, the part of it that is done and its events so far.
     **options
         `method`, or what is short for it, as for `simulate`; its `rtol` is 1e-10 by default.
 
@@ -105,6 +109,8 @@ def periodic(
         derivatives, because a guard is only touched or two events share an instant.
     HybondError
         As `simulate`.
+    KeyboardInterrupt
+        Where Ctrl-C is pressed: what was found so far is no orbit.
 
     Examples
     --------
@@ -122,7 +128,7 @@ def periodic(
     >>> round(orbit["R.e"].mean(), 9)
     4.0
     """
-    shots = shots_of(model, wrt, parameters, options)
+    shots = shots_of(model, wrt, parameters, options, progress)
     asked = period_asked(shots, period, multiple)
     begun = begin(shots, asked, multiple, start, settle)
     newton = newton_of(shots, begun, tol, max_runs)
@@ -135,9 +141,17 @@ def shots_of(
     wrt: Sequence[str] | str,
     parameters: Mapping[str, Value] | None,
     asked: Mapping[str, Any],
+    progress: Shown | None = None,
 ) -> Shots:
     """Return what all shots of a model have in common."""
     check_model(model)
+    if progress is not None and not callable(progress):
+        raise UsageError(
+            f"progress = {progress!r}",
+            code="HB-S131",
+            where="progress",
+            hint="a function progress(run, part, events)",
+        )
     options = opened(asked)
     # a step that is given has no tolerance
     if "rtol" not in options and "step" not in options:
@@ -145,9 +159,9 @@ def shots_of(
     names = [wrt] if isinstance(wrt, str) else list(wrt)
     given = dict(parameters or {})
     if names:
-        return Shots(opened_model(model, names, given), options)
+        return Shots(opened_model(model, names, given), options, progress)
     model, left = with_parts(model, given)
-    return Shots(Opened((), (), model, (), left), options)
+    return Shots(Opened((), (), model, (), left), options, progress)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

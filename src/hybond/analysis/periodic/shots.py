@@ -7,9 +7,9 @@ is a number written into them.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,6 +39,10 @@ Vector = NDArray[np.float64]
 
 NEAR = 0.01
 """Part of a period within which a switch is near its end."""
+
+
+Shown: TypeAlias = Callable[[int, float, int], object]
+"""What is called with how far a run is: its number, the part of it that is done, its events."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -102,6 +106,8 @@ class Shots:
         The model; what is varied are parameters of it.
     options : mapping
         Of `simulate`: its method.
+    progress : callable, optional
+        ``progress(run, part, events)``, as for `hybond.periodic`.
 
     Attributes
     ----------
@@ -115,8 +121,11 @@ class Shots:
         When periods begin, s: the phase of what drives the motion.
     """
 
-    def __init__(self, opened: Opened, options: Mapping[str, Any]) -> None:
+    def __init__(
+        self, opened: Opened, options: Mapping[str, Any], progress: Shown | None = None
+    ) -> None:
         self.opened, self.options = opened, dict(options)
+        self.progress = progress
         self.wanted = slotted(opened, {}) if opened.paths else _nothing(opened)
         check_followed(self.wanted.graph)
         self.graph: FlatGraph = self.wanted.plain
@@ -154,9 +163,20 @@ class Shots:
         ------
         HybondError
             As `simulate`; HB-A540 for one that stops early.
+        KeyboardInterrupt
+            If it is interrupted.
         """
         self.done += 1
-        run = simulate(self.graph, until, start=start, **self.options)
+        number, begin = self.done, self.t0 if isinstance(start, State) else 0.0
+
+        def shows(t: float, events: int) -> None:
+            assert self.progress is not None
+            self.progress(number, min((t - begin) / (until - begin), 1.0), events)
+
+        progress = None if self.progress is None else shows
+        run = simulate(self.graph, until, start=start, progress=progress, **self.options)
+        if run.status == "interrupted":
+            raise KeyboardInterrupt
         self.time += run.t_end - run.trace.begin
         if run.status != "ok":
             error = NumericsError(

@@ -285,7 +285,7 @@ class _Along:
             raise Undetermined(ENDS[event.cause])
         end = self.fields.ending(segment, None if event is None else np.asarray(event.before))
         begin = self._begin(following, event)
-        found = crossing(self.fields, segment, end, event, following)
+        found = crossing(self.fields, segment, end, event)
         if found.text == NO_CAUSE:
             size = np.abs(end.f[0]) + np.abs(begin.f[0])
             if (np.abs(end.f[0] - begin.f[0]) > UNSEEN * size).any():

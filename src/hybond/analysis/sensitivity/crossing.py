@@ -58,9 +58,7 @@ class Crossing:
     text: str
 
 
-def crossing(
-    fields: Fields, segment: Segment, end: Field, event: Event | None, following: Segment | None
-) -> Crossing:
+def crossing(fields: Fields, segment: Segment, end: Field, event: Event | None) -> Crossing:
     """Return how the end of a segment moves.
 
     Parameters

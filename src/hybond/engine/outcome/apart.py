@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from hybond.engine.outcome.beginnings import beginning_at
 from hybond.engine.outcome.engine_run import EngineRun
 from hybond.engine.outcome.engines import Prepared, choose_engine, prepared
 from hybond.engine.outcome.signals import Signals
@@ -88,7 +89,7 @@ class Apart:
             If it cannot be entered, or a guard has no truth there.
         """
         tables = self._prepared.tables
-        hold = self._run(y, mode).tried(tried)
+        hold = self._started(y, mode).tried(tried)
         first = tables.ints["rule_first"]
         return {
             m.path: [tables.rules[k] for k in range(first[m.index], first[m.index + 1]) if hold[k]]
@@ -109,7 +110,13 @@ class Apart:
         )
 
     def _run(self, y: Vector, mode: Mode) -> EngineRun:
-        """Return a run that begins there: the same tables with another start."""
+        """Return a run that begins there; what was prepared is the same for all."""
+        return EngineRun(
+            self._prepared, begin=beginning_at(0.0, y.tolist(), mode, self._prepared.tables)
+        )
+
+    def _started(self, y: Vector, mode: Mode) -> EngineRun:
+        """Return a run whose model starts there: the same tables with another start."""
         tables, values, nx = self._prepared.tables, y.tolist(), len(self.graph.storages)
         start = {"storage_start": values[:nx], "integral_start": values[nx:]}
         own = replace(

@@ -99,7 +99,7 @@ def beginning_of(start: State, graph: FlatGraph, tables: ModelTables, way: int =
     y = [*_by_name(start.stored, paths[0]), *_by_name(start.signals, paths[1])]
     here = {m.path for m in graph.machines}
     mode = mode_named(graph, {k: v for k, v in start.machines.items() if k in here})
-    return _given(start.t, y, place_of(tables, mode))
+    return beginning_at(start.t, y, mode, tables)
 
 
 def _check(
@@ -135,7 +135,9 @@ def not_of_this_model(why: str) -> UsageError:
     return _wrong("memory", said, "save the state anew")
 
 
-def _given(t: float, y: Sequence[float], place: NDArray[np.intc]) -> Beginning:
+def beginning_at(t: float, y: Sequence[float], mode: Mode, tables: ModelTables) -> Beginning:
+    """Return how a run begins in a state and a mode, as if the model said so; it is settled."""
+    place = place_of(tables, mode)
     return Beginning(np.array([t, *y], dtype=np.float64), place, GIVEN, False, len(y))
 
 
@@ -218,7 +220,7 @@ def beginning_by_name(given: Mapping[str, Any], graph: FlatGraph, tables: ModelT
             known = [*stored, *co_energy, *integrals, *machines, "time"]
             raise _wrong(name, f"the model has no {name!r}", did_you_mean(str(name), known))
     y = start_of(replace(graph, storages=tuple(storages), integrals=tuple(signals)))
-    return _given(t, y, place_of(tables, mode_named(graph, states)))
+    return beginning_at(t, y, mode_named(graph, states), tables)
 
 
 def _read(name: str, value: Any, dimension: Dimension | None) -> float:

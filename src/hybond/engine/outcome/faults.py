@@ -9,7 +9,7 @@ from hybond.engine.methods.flow_records import AUTO, LARGE
 from hybond.engine.methods.radau_room import RADAU
 from hybond.engine.outcome.explain import Explaining
 from hybond.engine.outcome.records import Instants
-from hybond.engine.outcome.refusals import Said, elements_of, said_of
+from hybond.engine.outcome.refusals import Said, said_of
 from hybond.engine.outcome.starts import storage_at_start
 from hybond.engine.timestepping.step_records import MOREAU
 from hybond.errors import (
@@ -81,8 +81,6 @@ KINDS: dict[str, type[HybondError]] = {
     "HB-M": ModelError,
     "HB-N": NumericsError,
 }
-FOR_PIECES = ("HB-N201", "HB-N301")
-"""Refusals of laws that have no common solution, or one that no step reaches."""
 NUMERICS = (
     "HB-J110",
     "HB-J111",
@@ -160,12 +158,7 @@ def error_of(
     hint = said.hint or HINTS.get(code, "")
     if code in SMALL_STEPS:
         hint += _for_stiff(fault.method, len(graph.storages) + len(graph.integrals))
-    error = kind(said.why, code=code, where=said.where, hint=hint)
-    if code in FOR_PIECES:
-        error.laws = elements_of(
-            replace(refusal, about=()) if code != "HB-N301" else refusal, graph
-        )
-    return error
+    return kind(said.why, code=code, where=said.where, hint=hint)
 
 
 def _for_stiff(method: int, states: int) -> str:

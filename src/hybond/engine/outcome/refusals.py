@@ -13,7 +13,6 @@ from hybond.engine.outcome.explain import Explaining
 from hybond.model.expressions import Call, Expr
 from hybond.model.expressions.tree import walk
 from hybond.model.graph import FlatGraph, Mode
-from hybond.model.kinds import RESISTORS
 from hybond.records import dataclass
 
 NO_ELEMENT, OVERFLOW = -1, -2
@@ -194,14 +193,6 @@ def _no_rate(c: Case) -> Said:
     size = f", h = {h:.3g} s" if h else ""
     why = f"the derivative{blame} is not finite near t = {c.refusal.t:.9g} s{size}"
     return Said(why, path or c.here)
-
-
-def elements_of(refusal: Refusal, graph: FlatGraph) -> tuple[str, ...]:
-    """Return the paths of the resistors that HB-N301 names; of all where it names none."""
-    named = {int(k) for k in refusal.about[len(graph.machines) :]}
-    asked = [n for n in graph.nodes if n.kind in RESISTORS]
-    own = [n.path for n in asked if n.index in named]
-    return tuple(own or (n.path for n in asked))
 
 
 def _no_solution(c: Case) -> Said:

@@ -30,8 +30,10 @@ def put_told(t: ModelTables, *, tells: bool) -> None:
     own, other, sign = [], [], []
     bonds = len(t.graph.bonds)
     for node in t.graph.nodes if tells else ():
-        # what reads a priori values is an impact law, and no source
-        if node.kind in ("Se", "Sf") and not reads_pre(node) and not node.domain.pseudo:
+        # what reads a priori values is an impact law, and no source; nor is friction, whose value
+        # behind the jump is that of the branch that lasts, and not of the one that slid
+        own_work = not node.implied and not reads_pre(node)
+        if node.kind in ("Se", "Sf") and own_work and not node.domain.pseudo:
             end = node.ends[0]
             first = 0 if node.kind == "Se" else bonds
             own.append(first + end.bond)
