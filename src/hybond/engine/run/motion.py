@@ -268,7 +268,7 @@ def flow(e: Engine, r: Run) -> int:
                 see_jump(e, r, at)
                 see_crowd(e, r, at)
             g.held = True
-            if land(e, g, instant, end) != OK:
+            if land(e, g, instant, end, is_again(r, at, instant)) != OK:
                 if begin_at_edge(e, r) == OK:
                     continue
                 stuck_at_kink(e, r)
@@ -324,6 +324,11 @@ def flow(e: Engine, r: Run) -> int:
         timed = e.t >= end and e.next_break <= end
         foresee(e, min(at + instant, end))
         return timed_cause(e) if timed else GUARD
+
+
+def is_again(r: Run, at: float, instant: float) -> bool:
+    """Whether a guard held at this instant already, and nothing changed."""
+    return r.idle > 0 and at - r.idle_at[(r.idle - 1) % (IDLE + 1)] <= instant
 
 
 def begin_flow(e: Engine, r: Run) -> int:
