@@ -143,7 +143,12 @@ def _turns_on_dust(d: Dynamic) -> bool:
     read = d.partner[0]
     if any(read in names(a) for a in jumping(d.expression)):
         return True
-    slope = substitute(differentiate(d.expression, read), {read: Number(0.0)})
+    return is_flat_at_zero(d.expression, read)
+
+
+def is_flat_at_zero(law: Expr, read: str) -> bool:
+    """Whether a law gives nothing more, to first order, beside where what it reads is zero."""
+    slope = substitute(differentiate(law, read), {read: Number(0.0)})
     return simplify(slope) == Number(0.0)
 
 
