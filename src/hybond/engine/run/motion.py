@@ -314,6 +314,8 @@ def flow(e: Engine, r: Run) -> int:
             if count_kink(e, r) != OK:
                 return -1
             rest_at_roots(e, r)
+            if e.scale_energy == 0.0:
+                start_scale(e, e.mode)  # nothing has moved yet, but may do from here
             if start(e, e.t, e.y, bound_of(e), True) != OK:
                 return -1
             continue
