@@ -5,7 +5,9 @@ from __future__ import annotations
 import functools
 import math
 
+import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 import hybond as hb
 
@@ -153,3 +155,45 @@ def test_edges_at_the_instants_of_guards(run):
     # guard and edge are one event, not two that follow one another by rounding
     assert len(done.events) == 7
     assert done["C.q"].at(1.6) == pytest.approx(2.45, abs=1e-12)
+
+
+def test_a_guard_a_last_place_beyond_its_bound_is_passed() -> None:
+    """Found in the motion and a last place short of it when settled, a guard is no end of time.
+
+    Blocked, one winding of a field follows the current u of the other, p1 = 0.384 u: what is
+    stored is put back on that constraint at each instant, which moves it by a last place.
+    """
+    model = hb.Model("a blocked winding")
+    inverse_capacity = np.linalg.inv([[1.72, -0.979], [-0.979, 1.54]])
+    start = np.array([0.8976324323195317, 1.2857254477694062])
+    model.add(
+        j2=hb.One(),
+        r0=hb.R(1.1867469879518073),
+        c3=hb.C([[1.72, -0.979], [-0.979, 1.54]], q=start.tolist()),
+        j1=hb.One(),
+        j4=hb.One(),
+        i2=hb.I(0.826530612244898, p=-0.0),
+        j5=hb.One(),
+        i4=hb.I([[1.88, -0.384], [-0.384, 1.08]], p=[-0.3566029470860048, -0.7709193015505678]),
+    )
+    model.bond("c3.2 -> j2", "j5 -> i4.2", "j5 -> j4", "r0 -> j4", "j1 -> i4.1", "j4 -> c3.1")
+    model.bond("i2 -> j4")
+    rules = ["off -> on when i4.1.p > 0.1855", "on -> off when i4.1.p < 0.08057"]
+    model.machine("m0", states={"off": [], "on": ["j1"]}, start="off", rules=rules)
+    gate = ["off -> on when time >= 0.2 and time < 0.7"]
+    gate += ["on -> off when time < 0.2 or time >= 0.7"]
+    model.machine("m1", states={"off": [], "on": ["j2"]}, start="on", rules=gate)
+    run = hb.simulate(model, 1.31)
+    assert run.status == "ok"
+    inertia = 0.826530612244898 + 1.08
+
+    def rates(_: float, y: np.ndarray) -> list[float]:
+        pull = inverse_capacity[0] @ [y[1], start[1]]
+        return [(pull - 1.1867469879518073 * y[0]) / inertia, -y[0]]
+
+    def reached(_: float, y: np.ndarray) -> float:
+        return 0.384 * y[0] - 0.1855
+
+    first = [0.7709193015505678 / inertia, start[0]]
+    found = solve_ivp(rates, (0, 0.19), first, events=reached, rtol=1e-12, atol=1e-13)
+    assert [e.t for e in run.events] == pytest.approx([0.0, found.t_events[0][0], 0.2, 0.7])

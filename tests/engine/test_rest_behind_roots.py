@@ -65,3 +65,82 @@ def test_what_starts_at_rest_stays() -> None:
     run = hb.simulate(m, 1.0, max_steps=5000)
     assert run["i.p"].at(1.0) == 0.0
     assert run["c.q"].at(1.0) == pytest.approx(0.5 * math.exp(-0.5), rel=1e-6)
+
+
+def filled(law: dict[str, str], pressure: float, volume: float) -> hb.Model:
+    """A volume that a pressure fills through a law."""
+    m = hb.Model("filled")
+    m.add(s=hb.Se(pressure), i=hb.One(), r=hb.R(law), c=hb.C(volume))
+    m.bond("s -> i -> r", "i -> c")
+    return m
+
+
+@pytest.mark.parametrize("rtol", [1e-6, 1e-8, 1e-10])
+@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize("values", [(1.0, 1.0, 1.0), (1e5, 1e10, 1e-9), (2e7, 4e12, 3e-12)])
+def test_a_quadratic_orifice_fills_a_volume(
+    values: tuple[float, float, float], solver: str, rtol: float
+) -> None:
+    """``P - p = P (1 - t/T)**2`` up to ``T = 2 C sqrt(k P)``; then nothing flows, in few steps."""
+    pressure, k, volume = values
+    last = 2.0 * volume * math.sqrt(k * pressure)
+    model = filled({"e": f"{k}*f*abs(f)"}, pressure, volume)
+    run = hb.simulate(model, 3.0 * last, solver=solver, rtol=rtol, max_steps=300)
+    assert run["c.e"].at(0.5 * last) == pytest.approx(0.75 * pressure, rel=20.0 * rtol)
+    assert run["c.e"].at(3.0 * last) == pytest.approx(pressure, rel=1e-12)
+    assert abs(run["r.f"].at(3.0 * last)) <= 1e-6 * math.sqrt(pressure / k)
+    assert run.audit().energy < 20.0 * rtol
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize(
+    ("law", "power"),
+    [
+        ({"e": "f^3"}, 1.0 / 3.0),
+        ({"e": "sign(f)*abs(f)^1.75"}, 1.0 / 1.75),
+        ({"e": "sign(f)*abs(f)^10"}, 0.1),
+        ({"f": "sign(e)*abs(e)^0.1"}, 0.1),
+    ],
+)
+def test_a_charge_through_a_power_law_is_gone_in_a_finite_time(
+    law: dict[str, str], power: float, solver: str
+) -> None:
+    """``e = (1 - (1 - p) t)**(1/(1 - p))`` up to ``T = 1/(1 - p)``."""
+    m = hb.Model("emptied")
+    m.add(n=hb.Zero(), c=hb.C(1.0, e=1.0), r=hb.R(law))
+    m.bond("n -> c", "n -> r")
+    last = 1.0 / (1.0 - power)
+    run = hb.simulate(m, 2.0 * last, solver=solver, max_steps=300)
+    meant = 0.5 ** (1.0 / (1.0 - power))
+    assert run["c.e"].at(0.5 * last) == pytest.approx(meant, rel=1e-6)
+    assert abs(run["c.e"].at(2.0 * last)) < 1e-12
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize("law", [{"f": "0.3*sign(e)*sqrt(abs(e))"}, {"e": "f/0.3*abs(f/0.3)"}])
+@pytest.mark.parametrize(
+    ("level", "rate"),
+    [
+        ("time^3", "3*time^2"),
+        ("max(0, time - 0.1)^4", "4*max(0, time - 0.1)^3"),
+        ("(1 - cos(3*time))^2", "6*sin(3*time)*(1 - cos(3*time))"),
+    ],
+)
+def test_an_empty_tank_with_an_outlet_is_filled_gently(
+    level: str, rate: str, law: dict[str, str], solver: str
+) -> None:
+    """What flows in is made for a level: its rate, and what runs out there by the root."""
+    m = hb.Model("tank")
+    root = {"time^3": "time^1.5"}.get(level, level.removesuffix("^2"))
+    root = "max(0, time - 0.1)^2" if "max" in level else root
+    m.add(n=hb.Zero(), c=hb.C(1.0), r=hb.R(law), s=hb.Sf(f"{rate} + 0.3*{root}"))
+    m.bond("s -> n -> c", "n -> r")
+    run = hb.simulate(m, 1.0, solver=solver, max_steps=5000)
+
+    def meant(t: float) -> float:
+        if "cos" in level:
+            return (1.0 - math.cos(3.0 * t)) ** 2
+        return max(0.0, t - 0.1) ** 4 if "max" in level else t**3
+
+    for t in (0.05, 0.2, 0.5, 1.0):
+        assert run["c.e"].at(t) == pytest.approx(meant(t), rel=1e-6, abs=1e-9)

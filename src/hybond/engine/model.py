@@ -429,7 +429,7 @@ class Model:
     """What each reads stands with the pairs."""
     kink_switch: Ints
     """What is to be ON for anything to feel it, -1: nothing."""
-    kink_root: Ints  # whether a root is taken of the size of each: it may rest there
+    kink_rest: Ints  # what is at rest where it is zero, the root of which is here; -1: nothing
     kink_node: Ints
     """The element that says it; -1: the rate of a signal."""
     timed_jumps: int

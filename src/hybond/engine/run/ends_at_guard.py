@@ -27,10 +27,12 @@ def find_within(e: Engine, g: Locator) -> int:
     return REFUSED
 
 
-def land(e: Engine, g: Locator, room: float, end: float) -> int:
+def land(e: Engine, g: Locator, room: float, end: float, again: bool) -> int:
     """Repeat the step so that it ends just past the instant found; find all that is one with it.
 
-    Not beyond `end`. After Executive._land.
+    Not beyond `end`. Where a guard held in the motion and not when it was settled, `again` being
+    true, they differ by a last place, and a motion slower than that would never get past: it goes
+    on to the end of the instant. After Executive._land.
     """
     if land_first(e, g, room) != OK:
         return REFUSED
@@ -44,7 +46,7 @@ def land(e: Engine, g: Locator, room: float, end: float) -> int:
         if retry(e, top) != OK:
             return REFUSED
     g.looked = math.nan
-    g.at = last_of_instant(e, g, g.at, top)
+    g.at = top if again else last_of_instant(e, g, g.at, top)
     return REFUSED if g.failed else OK
 
 

@@ -268,7 +268,7 @@ def flow(e: Engine, r: Run) -> int:
                 see_jump(e, r, at)
                 see_crowd(e, r, at)
             g.held = True
-            if land(e, g, instant, end) != OK:
+            if land(e, g, instant, end, is_again(r, at, instant)) != OK:
                 if begin_at_edge(e, r) == OK:
                     continue
                 stuck_at_kink(e, r)
@@ -314,6 +314,8 @@ def flow(e: Engine, r: Run) -> int:
             if count_kink(e, r) != OK:
                 return -1
             rest_at_roots(e, r)
+            if e.scale_energy == 0.0:
+                start_scale(e, e.mode)  # nothing has moved yet, but may do from here
             if start(e, e.t, e.y, bound_of(e), True) != OK:
                 return -1
             continue
@@ -324,6 +326,11 @@ def flow(e: Engine, r: Run) -> int:
         timed = e.t >= end and e.next_break <= end
         foresee(e, min(at + instant, end))
         return timed_cause(e) if timed else GUARD
+
+
+def is_again(r: Run, at: float, instant: float) -> bool:
+    """Whether a guard held at this instant already, and nothing changed."""
+    return r.idle > 0 and at - r.idle_at[(r.idle - 1) % (IDLE + 1)] <= instant
 
 
 def begin_flow(e: Engine, r: Run) -> int:

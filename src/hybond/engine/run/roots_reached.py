@@ -13,6 +13,8 @@ from typing import Final
 
 from hybond.engine.engine import OK, Engine
 from hybond.engine.methods.scale import tolerance
+from hybond.engine.methods.stepping import by_radau
+from hybond.engine.mode.guess import give_back_guess, hold_guess
 from hybond.engine.mode.values import field
 from hybond.engine.run.held_by_kinks import compared
 from hybond.engine.run.locator import NO_KINK
@@ -21,6 +23,8 @@ from hybond.engine.words import Floats
 
 STANDS: Final = 1e-3
 """Part of the speed beside rest below which nothing moves at rest: a root of rounding is small."""
+STILL: Final = 1e-6
+"""The same where Newton finds the root: at rest it begins at zero, and leaves no rounding."""
 SHORT: Final = 1e-3
 """Part of what is stored that moves while a speed is seen."""
 NOTHING: Final = 1e-6
@@ -35,18 +39,23 @@ def rest_at_roots(e: Engine, r: Run) -> None:
     m = e.model
     for k in range(g.guards if m.kinks > 0 and e.slide.k == 0 else 0):
         kink = g.atom[g.atom_first[k]] - m.kink_atom
-        if g.side[k] == NO_KINK or m.kink_root[kink] == 0:
+        if g.side[k] == NO_KINK or m.kink_rest[kink] < 0:
             continue
         refusal = e.refusal
-        if goes_to_rest(e, r, m.atom_value[g.atom[g.atom_first[k]]]):
+        if goes_to_rest(e, r, m.kink_rest[kink], m.atom_value[m.kink_atom + kink]):
             for i in range(e.states):
                 e.y[i] = r.after[i]
+            if by_radau(e):
+                e.radau.known = False  # stages that go on from the last ones leave rest
         g.looked = math.nan
         e.refusal = refusal
 
 
-def goes_to_rest(e: Engine, r: Run, atom: int) -> bool:
-    """Put the state at rest into `r.after`; whether the motion leads there and stays."""
+def goes_to_rest(e: Engine, r: Run, atom: int, kink: int) -> bool:
+    """Put the state at rest into `r.after`; whether the motion leads there and stays.
+
+    Of what is compared a law takes the root, which is `kink` if it is the law that is flat.
+    """
     n = e.states
     for i in range(n):
         r.after[i] = e.y[i]
@@ -72,9 +81,15 @@ def goes_to_rest(e: Engine, r: Run, atom: int) -> bool:
             break
     if not math.fabs(left) <= NOTHING * math.fabs(away):
         return False
-    if field(e, e.mode, e.t, r.after, r.rate) != OK:
-        return False
-    return math.fabs(speed_of(e, r, atom, r.after, left)) <= STANDS * math.fabs(beside)
+    stands = STANDS if atom == kink else STILL
+    # a law that is flat at rest has many roots there but for rounding, beside it the last one
+    hold_guess(e, e.mode)
+    e.mode.guessed = False
+    rests = field(e, e.mode, e.t, r.after, r.rate) == OK
+    rests = rests and math.fabs(speed_of(e, r, atom, r.after, left)) <= stands * math.fabs(beside)
+    if not rests:
+        give_back_guess(e, e.mode)
+    return rests
 
 
 def is_within_error(e: Engine, r: Run, h: float) -> bool:

@@ -12,10 +12,12 @@ from typing import TYPE_CHECKING
 from hybond.engine.inputs.interval import CALLED, FREE
 from hybond.engine.tables.guards import magnitude
 from hybond.engine.tables.options import METHODS
+from hybond.engine.tables.parts import is_flat_at_zero
 from hybond.equations.surfaces import moves
 from hybond.model.expressions import (
     Call,
     Expr,
+    Name,
     Neg,
     Number,
     ending,
@@ -47,13 +49,22 @@ def put_kinks(t: ModelTables) -> None:
         for a in turns if len(turns) <= MOST else []:
             found.setdefault(a, node)
             switches.setdefault(a, set()).add(_switch_of(t.graph, node))
+    flat = _flat_at_zero(t)
+    for read, _, node in flat:
+        if simplify(Neg(read)) not in found:
+            found.setdefault(read, node)
+            switches.setdefault(read, set()).add(_switch_of(t.graph, node))
     t.numbers["kinks"] = len(found)
     t.numbers["kink_atom"] = len(t.ints["atom_value"])
     t.ints["kink_node"] = list(found.values())
     t.ints["kink_switch"] = [min(s) if len(s) == 1 else -1 for s in switches.values()]
     roots = {a for e, _ in _followed(t) for a in rooted(e)}
-    either = {simplify(b) for a in roots for b in (a, Neg(a))}
-    t.ints["kink_root"] = [int(simplify(a) in either) for a in found]
+    rests = {simplify(b): a for a in roots for b in (a, Neg(a))}
+    for read, given, _ in flat:
+        rests.setdefault(read, given)
+        rests.setdefault(simplify(Neg(read)), given)
+    at_rest = [rests.get(simplify(a)) for a in found]
+    t.ints["kink_rest"] = [-1 if a is None else t.values.number(a) for a in at_rest]
     t.ints["kink_pair"] = [len(t.pairs) + k for k in range(len(found))]
     t.pairs += found
     t.ints["atom_value"] += [t.values.number(a) for a in found]
@@ -69,10 +80,30 @@ def put_kinks(t: ModelTables) -> None:
     t.ints["edge_value"] = [t.values.number(a) for a in edges]
     t.ints["edge_size"] = [t.values.number(magnitude(a)) for a in edges]
     bonds = range(t.slots.w.start, t.slots.w.start + 2 * len(t.graph.bonds))
-    levels = [a for a in (*edges, *roots) if moves(a) and not uses_pre(a)]
+    levels = [a for a in (*edges, *roots, *filter(None, at_rest)) if moves(a) and not uses_pre(a)]
     read = sorted({t.slots.index[n] for a in levels for n in names(a)})
     t.ints["edge_bond"] = [k - bonds.start for k in read if k in bonds]
     t.numbers["edge_bonds"] = len(t.ints["edge_bond"])
+
+
+def _flat_at_zero(t: ModelTables) -> list[tuple[Expr, Expr, int]]:
+    """Return what laws read that are flat where it is zero, what they give, and the elements.
+
+    A root the other way round: of ``e = k*f*abs(f)`` the flow is the root of the effort.
+    """
+    bonds = len(t.graph.bonds)
+    found: list[tuple[Expr, Expr, int]] = []
+    if t.numbers["method"] not in FOLLOWED:
+        return found
+    rows = ("dynamic_value", "dynamic_partner", "dynamic_node")
+    for value, partner, node in zip(*(t.ints[name] for name in rows), strict=True):
+        if partner < 0:
+            continue
+        of, given = ("e", "f") if partner < bonds else ("f", "e")
+        bond = partner % bonds
+        if is_flat_at_zero(t.values.all[value], f"{of}:{bond}"):
+            found.append((Name(f"{of}:{bond}"), Name(f"{given}:{bond}"), node))
+    return found
 
 
 def _is_timed(t: ModelTables, jumping: Expr) -> bool:

@@ -11,7 +11,9 @@ from hybond.engine.tables.timestepping import put_steps
 from hybond.equations.calculus import bent, gradient, partial_time, reads_bonds
 from hybond.equations.element_parts import Dynamic, Part, Source
 from hybond.equations.rounding import rounding
+from hybond.equations.surfaces import moves
 from hybond.model.expressions import (
+    Binary,
     Expr,
     Name,
     Number,
@@ -24,6 +26,7 @@ from hybond.model.expressions import (
     turning,
     uses_pre,
 )
+from hybond.model.expressions.tree import walk
 from hybond.model.kinds import SOURCES
 
 
@@ -100,7 +103,8 @@ def _rounded(t: ModelTables, e: Expr) -> int:
         return -1
     if turning(e):
         return t.values.number(magnitude(e))
-    return t.values.number(rounding(e)) if _bends(e) else -1
+    differs = any(isinstance(part, Binary) and part.op in "+-" for part, _ in walk(e))
+    return t.values.number(rounding(e)) if _bends(e) or (differs and moves(e)) else -1
 
 
 def _of_time(e: Expr) -> bool:
@@ -143,7 +147,12 @@ def _turns_on_dust(d: Dynamic) -> bool:
     read = d.partner[0]
     if any(read in names(a) for a in jumping(d.expression)):
         return True
-    slope = substitute(differentiate(d.expression, read), {read: Number(0.0)})
+    return is_flat_at_zero(d.expression, read)
+
+
+def is_flat_at_zero(law: Expr, read: str) -> bool:
+    """Whether a law gives nothing more, to first order, beside where what it reads is zero."""
+    slope = substitute(differentiate(law, read), {read: Number(0.0)})
     return simplify(slope) == Number(0.0)
 
 
