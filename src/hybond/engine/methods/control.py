@@ -48,6 +48,8 @@ LEAST: Final = 1e-100
 begins at an edge of its law may grow from there, tenfold with each step, ..."""
 TINY_ROW: Final = 1000
 """... but not so many times."""
+LONGER: Final = 1.5
+"""What a motion may last to what the last one in its mode has: its first step goes no further."""
 
 
 def is_propagated(e: Engine) -> bool:
@@ -71,6 +73,7 @@ def controlled_start(e: Engine, t: float, y: Floats, t_bound: float, jumped: boo
     s.controlled = controlled(n, s.scale)
     if forget:
         s.error_before = SMALLEST_ERROR
+        s.began = t
         limit = min(e.model.max_step, t_bound - t) if t_bound > t else e.model.max_step
         choose_first(e, limit)
     return OK
@@ -90,7 +93,26 @@ def choose_first(e: Engine, limit: float) -> None:
                 # signals are integrated along: their rates may move faster than what is linear
                 s.h = min(s.h, first_step(e, limit, 4.0))
             return
-    s.h = first_step(e, limit, 4.0)
+    if e.straight and s.pace[e.mode.pace] > 0.0:
+        s.h = min(s.pace[e.mode.pace], limit)
+    else:
+        s.h = first_step(e, limit, 4.0)
+
+
+def keep_pace(e: Engine) -> None:
+    """Remember the size that the next step would have, for the next motion in the mode.
+
+    Where rates are sums of the state, error control sees all that a step passes over: the first of
+    a motion need not be shorter than the others.
+    """
+    if e.straight and not is_propagated(e):
+        e.step.pace[e.mode.pace] = e.step.h
+
+
+def end_pace(e: Engine, t: float) -> None:
+    """Remember no longer steps than the motion was that a guard has ended at `t`."""
+    s = e.step
+    s.pace[e.mode.pace] = min(s.pace[e.mode.pace], LONGER * (t - s.began))
 
 
 def attempt(e: Engine, t1: float) -> float:
@@ -159,6 +181,7 @@ def controlled_step(e: Engine, t_end: float) -> int:
         s.h = h * grown
         s.error_before = max(error, SMALLEST_ERROR)
     s.tiny = s.tiny + 1 if h < LEAST * e.span else 0
+    keep_pace(e)
     accept(e, t1)
     if e.model.method == AUTO and not e.exact.on and h >= 0.99 * trial:
         watch_explicit(e, h, grown)

@@ -73,19 +73,27 @@ def series(x: Exact, f: Flow, b: Floats, h: float) -> int:
     terms = x.terms.at
     total = x.b2.at
     copy_floats(n, b, total)
+    first = f.rows.first.at
+    column = f.rows.column.at
+    value = f.rows.value.at
     for k in range(TERMS):
         factor = h / (float(k) + 1.0)
         moves = False
+        below = b if k == 0 else terms
+        at = max(k - 1, 0) * n
+        p = first[0]
         for i in range(n):
             term = 0.0
-            for p in range(f.rows.first.at[i], f.rows.first.at[i + 1]):
-                j = f.rows.column.at[p]
-                term += f.rows.value.at[p] * (b[j] if k == 0 else terms[(k - 1) * n + j])
+            stop = first[i + 1]
+            while p < stop:
+                term += value[p] * below[at + column[p]]
+                p += 1
             term *= factor
             terms[k * n + i] = term
             total[i] += term
             # each component for itself: a small one may stand beside a large one all the time
-            moves = moves or math.fabs(term) > SMALL * math.fabs(total[i])
+            if math.fabs(term) > SMALL * math.fabs(total[i]):
+                moves = True
         if not moves:
             return k + 1
     return TERMS
@@ -126,6 +134,7 @@ def pass_parts(x: Exact, f: Flow, h: float) -> bool:
     """Put z at all parts of a time behind its beginning, which stands there; False: too long."""
     n = f.n
     parts = x.parts.at
+    terms = x.terms.at
     for i in range(n):
         parts[i] /= f.scale.at[i]
     if h <= f.unit:
@@ -134,10 +143,12 @@ def pass_parts(x: Exact, f: Flow, h: float) -> bool:
         for part in range(1, PARTS + 1):
             at = float(part) / float(PARTS)
             for i in range(n):
-                total = 0.0
-                for k in range(many):
-                    total = at * (x.terms.at[(many - 1 - k) * n + i] + total)
-                parts[part * n + i] = x.b.at[i] + total
+                parts[part * n + i] = 0.0
+            for k in range(many - 1, -1, -1):
+                for i in range(n):
+                    parts[part * n + i] = at * (terms[k * n + i] + parts[part * n + i])
+            for i in range(n):
+                parts[part * n + i] += x.b.at[i]
     else:
         copy_floats(n, parts, x.b.at)
         for part in range(1, PARTS + 1):

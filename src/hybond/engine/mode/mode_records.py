@@ -90,6 +90,8 @@ class Mode:
     used: int
     behind: int
     """The next of those kept whose configurations are in the same bucket, or NO_MODE."""
+    pace: int
+    """Which of the sizes of steps that are remembered is that of the mode."""
     state: Ints
     """Of each machine, then of what else selects equations."""
     flags: Floats

@@ -19,6 +19,7 @@ from hybond.engine.instant.doubts import warn_of_held
 from hybond.engine.instant.instant import GUARD, LAW, START, TIME, begin_instant
 from hybond.engine.instant.settle import settle
 from hybond.engine.laws.laws import limits_vary, look_at_limits, observe
+from hybond.engine.methods.control import end_pace
 from hybond.engine.methods.one_instant import room_of_instant
 from hybond.engine.methods.scale import start_scale
 from hybond.engine.methods.stepping import between, retry, start, step
@@ -321,6 +322,7 @@ def flow(e: Engine, r: Run) -> int:
             return -1
         if m.disks > 0 and lead_to_rest(e, r, end) != OK:
             return -1
+        end_pace(e, at)
         timed = e.t >= end and e.next_break <= end
         foresee(e, min(at + instant, end))
         return timed_cause(e) if timed else GUARD
