@@ -111,6 +111,8 @@ class Step:
     """The error of a step that was repeated, as a part of what it may be; 0: the method tells none.
     """
     error_before: float
+    precise: bool
+    """Whether its error is no more than rounding: a motion that is such a polynomial."""
     controlled: int
     rejected: int
     tried: float

@@ -48,7 +48,9 @@ LEAST: Final = 1e-100
 begins at an edge of its law may grow from there, tenfold with each step, ..."""
 TINY_ROW: Final = 1000
 """... but not so many times."""
-LONGER: Final = 1.5
+PRECISE: Final = 16.0 * 2.220446049250313e-16
+"""Part of the state up to which an error is rounding."""
+LONGER: Final = 2.5
 """What a motion may last to what the last one in its mode has: its first step goes no further."""
 
 
@@ -92,6 +94,8 @@ def choose_first(e: Engine, limit: float) -> None:
             if e.exact.alongs > 0:
                 # signals are integrated along: their rates may move faster than what is linear
                 s.h = min(s.h, first_step(e, limit, 4.0))
+            if e.straight and s.pace[e.mode.pace] > 0.0:
+                s.h = min(s.h, s.pace[e.mode.pace])
             return
     if e.straight and s.pace[e.mode.pace] > 0.0:
         s.h = min(s.pace[e.mode.pace], limit)
@@ -103,9 +107,10 @@ def keep_pace(e: Engine) -> None:
     """Remember the size that the next step would have, for the next motion in the mode.
 
     Where rates are sums of the state, error control sees all that a step passes over: the first of
-    a motion need not be shorter than the others.
+    a motion need not be shorter than the others. What is propagated begins with long ones, and only
+    what is a polynomial, whose steps may be of any length, is not to pass far beyond its end.
     """
-    if e.straight and not is_propagated(e):
+    if e.straight and (e.step.precise or not is_propagated(e)):
         e.step.pace[e.mode.pace] = e.step.h
 
 
@@ -181,6 +186,7 @@ def controlled_step(e: Engine, t_end: float) -> int:
         s.h = h * grown
         s.error_before = max(error, SMALLEST_ERROR)
     s.tiny = s.tiny + 1 if h < LEAST * e.span else 0
+    s.precise = error * e.model.rtol <= PRECISE
     keep_pace(e)
     accept(e, t1)
     if e.model.method == AUTO and not e.exact.on and h >= 0.99 * trial:

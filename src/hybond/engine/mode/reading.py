@@ -96,7 +96,12 @@ def solve_read(e: Engine, mode: Mode, r: Reads, v: Floats) -> int:
     m = e.model
     xi = e.work.xi
     for i in range(r.stores):
-        xi[r.storage[i]] = co_energy_of(m, r.storage[i], v)
+        port = r.storage[i]
+        first = m.stiff_first[port]
+        if m.co_energy[port] < 0 and m.stiff_first[port + 1] == first + 1:
+            xi[port] = m.stiff_constant[first] * v[m.stored_slot + m.stiff_other[first]]
+        else:
+            xi[port] = co_energy_of(m, port, v)
     for k in range(mode.sources):
         source = mode.source[k]
         at = m.storages + k
