@@ -421,6 +421,8 @@ def is_marked(e: Engine, g: Settling) -> bool:
     for k in range(m.machines):
         same = same and g.mark_state[k] == e.trial.state[k]
         same = same and g.mark_written[k] == g.state[k]
+    if not same:
+        return False
     at = 0
     for k in range(m.storages):
         same = same and g.mark[at] == g.x[k] and g.mark[at + 1] == e.trial.x[k]
