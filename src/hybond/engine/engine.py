@@ -112,7 +112,7 @@ class Step:
     """
     error_before: float
     precise: bool
-    """Whether its error is no more than rounding: a motion that is such a polynomial."""
+    """Whether it has next to no error: a motion that is such a polynomial."""
     controlled: int
     rejected: int
     tried: float

@@ -48,8 +48,8 @@ LEAST: Final = 1e-100
 begins at an edge of its law may grow from there, tenfold with each step, ..."""
 TINY_ROW: Final = 1000
 """... but not so many times."""
-PRECISE: Final = 16.0 * 2.220446049250313e-16
-"""Part of the state up to which an error is rounding."""
+PRECISE: Final = 1e-14
+"""Part of what a step adds to a state up to which its error is next to nothing."""
 LONGER: Final = 2.5
 """What a motion may last to what the last one in its mode has: its first step goes no further."""
 
@@ -101,6 +101,19 @@ def choose_first(e: Engine, limit: float) -> None:
         s.h = min(s.pace[e.mode.pace], limit)
     else:
         s.h = first_step(e, limit, 4.0)
+
+
+def is_precise(e: Engine) -> bool:
+    """Whether the last step has next to no error beside what it adds to each state.
+
+    Beside the states themselves it would be rounding long before: of a ball that comes to rest it
+    is the height of its last flights.
+    """
+    s = e.step
+    for k in range(e.states):
+        if not math.fabs(s.error[k]) <= PRECISE * math.fabs(s.y1[k] - s.y0[k]):
+            return False
+    return True
 
 
 def keep_pace(e: Engine) -> None:
@@ -186,7 +199,7 @@ def controlled_step(e: Engine, t_end: float) -> int:
         s.h = h * grown
         s.error_before = max(error, SMALLEST_ERROR)
     s.tiny = s.tiny + 1 if h < LEAST * e.span else 0
-    s.precise = error * e.model.rtol <= PRECISE
+    s.precise = e.straight and is_precise(e)
     keep_pace(e)
     accept(e, t1)
     if e.model.method == AUTO and not e.exact.on and h >= 0.99 * trial:

@@ -55,7 +55,7 @@ def land(e: Engine, g: Locator, room: float, end: float) -> int:
 def shows_instants(e: Engine) -> bool:
     """Whether the last step shows an instant in it as well as one that ends there would.
 
-    Its polynomial is the motion but for rounding, and its rates, sums of the state, hide nothing.
+    Its polynomial is the motion, and its rates, sums of the state, hide nothing.
     """
     return e.straight and e.step.precise and not is_constrained(e.mode)
 
