@@ -30,6 +30,8 @@ NOT_FINITE: Final = 2
 """A trial point beyond where the laws hold: the step is shortened."""
 NO_MODE: Final = -1
 BUCKETS: Final = 127
+PACES: Final = 16
+"""Sizes of steps that are remembered: modes that share one mislead each other, not the run."""
 """Of configurations, to find the modes that are kept."""
 LOOKED_ON: Final = 20_000
 """Work after which whoever is outside may look on: milliseconds in C, a fifth of a second as
@@ -109,6 +111,8 @@ class Step:
     """The error of a step that was repeated, as a part of what it may be; 0: the method tells none.
     """
     error_before: float
+    precise: bool
+    """Whether it has next to no error: a motion that is such a polynomial."""
     controlled: int
     rejected: int
     tried: float
@@ -141,6 +145,10 @@ class Step:
     k: Floats
     weight: Floats
     """Of each stage in a sum of them."""
+    pace: Floats
+    """The sizes of steps that motions in straight modes have ended with; 0: none has yet."""
+    began: float
+    """When the motion began, s."""
     dense: Floats
     scale: Floats
     error: Floats
@@ -297,6 +305,7 @@ def make_step(n: int, kinks: int) -> Step:
     s.f = floats(n)
     s.k = floats(7 * n)
     s.weight = floats(7)
+    s.pace = floats(PACES)
     s.dense = floats(4 * n)
     s.scale = floats(n)
     s.error = floats(n)

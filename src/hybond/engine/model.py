@@ -50,8 +50,7 @@ class Model:
     """How many machines stand for laws of junctions."""
     on_first: Ints
     """Of each state: what it switches on, in `on_switch`."""
-    on_switch: Ints
-    """The node of each switch."""
+    on_switch: Ints  # the node of each switch
     switch_machine: Ints
     rule_first: Ints
     """Of each machine: its rules, in order."""
@@ -125,8 +124,7 @@ class Model:
 
     # dynamic rows: expression = 0
     dynamics: int
-    dynamic_kind: Ints
-    """0: power structure, 1: law."""
+    dynamic_kind: Ints  # 0: power structure, 1: law
     dynamic_node: Ints
     dynamic_source: Ints
     """Whether it is that of a source."""
@@ -172,8 +170,7 @@ class Model:
     source_bond: Ints
     source_value: Ints
     source_constant: Floats
-    source_rate: Ints
-    """-1: zero."""
+    source_rate: Ints  # -1: zero
     source_linear: Ints
     """Whether the rate does not read bond variables."""
     source_curved: Ints
@@ -205,10 +202,8 @@ class Model:
 
     # storage
     storage_bond: Ints
-    storage_kind: Ints
-    """0: a C, 1: an I."""
-    storage_sign: Ints
-    """1 if the bond points at it."""
+    storage_kind: Ints  # 0: a C, 1: an I
+    storage_sign: Ints  # 1 if the bond points at it
     storage_start: Floats
     storage_pseudo: Ints
     storage_class: Ints
@@ -222,6 +217,11 @@ class Model:
     stiff_other: Ints
     stiff_value: Ints
     stiff_constant: Floats
+    power_first: Ints
+    """Of the law of each stored quantity, then of each entry of the stiffness: the powers of what
+    is stored that it is a sum of; none: it is no such sum."""
+    power_degree: Ints
+    power_factor: Floats
     groups: int
     """Storages that are not linear."""
     group_first: Ints

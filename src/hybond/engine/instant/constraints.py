@@ -96,6 +96,14 @@ def restore_bonds(e: Engine, mode: Mode, v: Floats) -> None:
         v[m.bond_slot + k] = e.work.kept[k]
 
 
+def is_alone(m: Model, k: int) -> bool:
+    """Whether known k is the co-energy variable of a storage that has one port and is linear."""
+    if k >= m.storages or m.co_energy[k] >= 0:
+        return False
+    first = m.stiff_first[k]
+    return m.stiff_first[k + 1] == first + 1 and m.stiff_other[first] == k
+
+
 def residual(e: Engine, mode: Mode, v: Floats, x: Floats) -> None:
     """Put the residuals at the state `x` and the sizes of their terms into `e.work`."""
     m = e.model
@@ -106,6 +114,10 @@ def residual(e: Engine, mode: Mode, v: Floats, x: Floats) -> None:
     restore_bonds(e, mode, v)
     for i in range(mode.bounds):
         k = mode.bound[i]
+        if is_alone(m, k):
+            w.xi[k] = m.stiff_constant[m.stiff_first[k]] * v[m.stored_slot + k]
+            w.known_size[k] = math.fabs(w.xi[k]) + TINY + w.reach[k]
+            continue
         w.xi[k] = known_of(e, mode, v, k)
         w.known_size[k] = math.fabs(w.xi[k]) + TINY
         if k < m.storages:

@@ -340,9 +340,12 @@ def on_constraints(e: Engine, mode: Mode, v: Floats, y: Floats) -> int:
     The same projection as a jump, but within a mode; `v` are the values of the motion at `y`.
     """
     m = e.model
-    status = enter_mode(e, mode, v, y, e.work.landed)
-    if status != OK or e.moved == STAYS:
-        return status
+    if not is_fixed(mode) or not project_once(e, mode, v, y, e.work.landed):
+        status = enter_mode(e, mode, v, y, e.work.landed)
+        if status != OK:
+            return status
+    if e.moved == STAYS:
+        return OK
     values = with_stored(e, y)
     for k in range(m.storages):
         # what a constraint holds at zero is zero, not ever smaller numbers; what none moves is kept
@@ -351,3 +354,37 @@ def on_constraints(e: Engine, mode: Mode, v: Floats, y: Floats) -> int:
             held = math.fabs(e.work.landed[k]) <= NOTHING * reach
             y[k] = 0.0 if held else e.work.landed[k]
     return OK
+
+
+def is_fixed(mode: Mode) -> bool:
+    """Whether one projection, which is known, puts any state on the constraints of a mode."""
+    linear = mode.dynamics == 0 and mode.structures == 0 and mode.agreements.rows == 0
+    return linear and mode.ways.known and mode.ways.rank == mode.constraints.rows
+
+
+def project_once(e: Engine, mode: Mode, v: Floats, y: Floats, after: Floats) -> bool:
+    """Put the state on the constraints of such a mode into `after`; False if rounding forbids it.
+
+    The first step of Newton's method, which has to meet them as the last one does.
+    """
+    w = e.work
+    ways = mode.ways
+    begin_constraints(e, mode, v, y)
+    count = w.constraints
+    residual(e, mode, v, y)
+    exact = True
+    for i in range(count):
+        exact = exact and w.gap.at[i] == 0.0
+    e.moved = STAYS
+    if exact:
+        return True
+    jump_step(e, ways, count)
+    for a in range(ways.areas):
+        w.nu.at[a] = -w.step.at[a]
+    moved_by(e.model.storages, y, ways, w.nu.at, after)
+    residual(e, mode, v, after)
+    for i in range(count):
+        if not math.fabs(w.gap.at[i]) <= BEST * w.gap_size.at[i]:
+            return False
+    e.moved = SWEPT
+    return meets_own_terms(e, mode, BEST)

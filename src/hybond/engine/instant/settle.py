@@ -166,8 +166,9 @@ def settle(e: Engine, g: Settling, i: Instant) -> int:
             return say_fault(e, "HB-N402", "too many state writes at one instant", "")
         if written >= 0:
             i.kind.at[written] = PINNACLE
+        still = is_where_it_was(e, g)
         written = write(e, g, i)
-        if go_on_from_written(e, g, t) != OK:
+        if go_on_from_written(e, g, t, still) != OK:
             return REFUSED
         by_law(e, g.state, i)
     if is_fieldless(e, e.mode):
@@ -206,8 +207,22 @@ def stand_before(e: Engine, g: Settling, t: float) -> None:
     keep_as_before(e, e.trial.loose, e.trial.freedom.at)
 
 
-def go_on_from_written(e: Engine, g: Settling, t: float) -> int:
-    """Let what ``pre()`` reads be the signals at the state just written; try its mode with that."""
+def is_where_it_was(e: Engine, g: Settling) -> bool:
+    """Whether the trial changes nothing that is stored or integrated."""
+    m = e.model
+    same = not e.trial.jumps
+    for k in range(m.storages):
+        same = same and e.trial.x[k] == g.x[k]
+    for k in range(m.integrals):
+        same = same and e.trial.s[k] == g.s[k]
+    return same
+
+
+def go_on_from_written(e: Engine, g: Settling, t: float, still: bool) -> int:
+    """Let what ``pre()`` reads be the signals at the state just written; try its mode with that.
+
+    `still` says whether it is the state from which the trial was made.
+    """
     m = e.model
     known = is_still_known(e)
     again = m.laws > 0 and not is_fieldless(e, e.mode)
@@ -218,7 +233,7 @@ def go_on_from_written(e: Engine, g: Settling, t: float) -> int:
     for k in range(m.slots):
         e.pre[k] = e.v[k]
     keep_as_before(e, e.trial.loose, e.trial.freedom.at)
-    if known and not acts_on_prior(e):
+    if known and not acts_on_prior(e, still):
         show_prior(e)
         return OK
     return enter(e, t, g.x, g.s, g.state, again, True)
@@ -406,6 +421,8 @@ def is_marked(e: Engine, g: Settling) -> bool:
     for k in range(m.machines):
         same = same and g.mark_state[k] == e.trial.state[k]
         same = same and g.mark_written[k] == g.state[k]
+    if not same:
+        return False
     at = 0
     for k in range(m.storages):
         same = same and g.mark[at] == g.x[k] and g.mark[at + 1] == e.trial.x[k]

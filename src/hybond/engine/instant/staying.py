@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from hybond.engine.engine import Engine
 from hybond.engine.instant.jump import STAYS
+from hybond.engine.laws.law_instant import NO_LAW_VALUE
+from hybond.engine.model import Model
 
 
 def is_still_known(e: Engine) -> bool:
@@ -30,12 +32,28 @@ def stay_on_trial(e: Engine) -> None:
     e.moved = STAYS
 
 
-def acts_on_prior(e: Engine) -> bool:
-    """Whether a law that acts in the mode reads ``pre()``; junction laws do."""
-    acts = e.model.laws > 0
-    for k in range(e.model.priors):
+def acts_on_prior(e: Engine, still: bool) -> bool:
+    """Whether a law that acts in the mode reads ``pre()``; junction laws do.
+
+    Not laws that take one of two sides by present values alone: what they have chosen from a state
+    that is `still` the same they would choose again.
+    """
+    m = e.model
+    acts = m.laws > 0 and not (still and m.priors == 0 and e.mode.dynamics == 0)
+    for k in range(m.ports if not acts else 0):
+        acts = acts or not is_simple(m, k)
+    for k in range(m.priors):
         acts = acts or e.mode.prior_acts[k] != 0
     return acts
+
+
+def is_simple(m: Model, k: int) -> bool:
+    """Whether the law of port k has two sides, and nothing beside them: an ideal diode."""
+    if m.port_two_sided[k] != 0 or m.port_planar[k] != 0 or m.port_impulsive[k] != 0:
+        return False
+    if m.port_gap[k] != NO_LAW_VALUE or m.port_gate[k] != NO_LAW_VALUE:
+        return False
+    return m.port_restitution[k] < 0 and m.port_limit[k] < 0 and m.port_breakaway[k] < 0
 
 
 def show_prior(e: Engine) -> None:

@@ -48,6 +48,10 @@ LEAST: Final = 1e-100
 begins at an edge of its law may grow from there, tenfold with each step, ..."""
 TINY_ROW: Final = 1000
 """... but not so many times."""
+PRECISE: Final = 1e-14
+"""Part of what a step adds to a state up to which its error is next to nothing."""
+LONGER: Final = 2.5
+"""What a motion may last to what the last one in its mode has: its first step goes no further."""
 
 
 def is_propagated(e: Engine) -> bool:
@@ -71,6 +75,7 @@ def controlled_start(e: Engine, t: float, y: Floats, t_bound: float, jumped: boo
     s.controlled = controlled(n, s.scale)
     if forget:
         s.error_before = SMALLEST_ERROR
+        s.began = t
         limit = min(e.model.max_step, t_bound - t) if t_bound > t else e.model.max_step
         choose_first(e, limit)
     return OK
@@ -89,8 +94,43 @@ def choose_first(e: Engine, limit: float) -> None:
             if e.exact.alongs > 0:
                 # signals are integrated along: their rates may move faster than what is linear
                 s.h = min(s.h, first_step(e, limit, 4.0))
+            if e.straight and s.pace[e.mode.pace] > 0.0:
+                s.h = min(s.h, s.pace[e.mode.pace])
             return
-    s.h = first_step(e, limit, 4.0)
+    if e.straight and s.pace[e.mode.pace] > 0.0:
+        s.h = min(s.pace[e.mode.pace], limit)
+    else:
+        s.h = first_step(e, limit, 4.0)
+
+
+def is_precise(e: Engine) -> bool:
+    """Whether the last step has next to no error beside what it adds to each state.
+
+    Beside the states themselves it would be rounding long before: of a ball that comes to rest it
+    is the height of its last flights.
+    """
+    s = e.step
+    for k in range(e.states):
+        if not math.fabs(s.error[k]) <= PRECISE * math.fabs(s.y1[k] - s.y0[k]):
+            return False
+    return True
+
+
+def keep_pace(e: Engine) -> None:
+    """Remember the size that the next step would have, for the next motion in the mode.
+
+    Where rates are sums of the state, error control sees all that a step passes over: the first of
+    a motion need not be shorter than the others. What is propagated begins with long ones, and only
+    what is a polynomial, whose steps may be of any length, is not to pass far beyond its end.
+    """
+    if e.straight and (e.step.precise or not is_propagated(e)):
+        e.step.pace[e.mode.pace] = e.step.h
+
+
+def end_pace(e: Engine, t: float) -> None:
+    """Remember no longer steps than the motion was that a guard has ended at `t`."""
+    s = e.step
+    s.pace[e.mode.pace] = min(s.pace[e.mode.pace], LONGER * (t - s.began))
 
 
 def attempt(e: Engine, t1: float) -> float:
@@ -159,6 +199,8 @@ def controlled_step(e: Engine, t_end: float) -> int:
         s.h = h * grown
         s.error_before = max(error, SMALLEST_ERROR)
     s.tiny = s.tiny + 1 if h < LEAST * e.span else 0
+    s.precise = e.straight and is_precise(e)
+    keep_pace(e)
     accept(e, t1)
     if e.model.method == AUTO and not e.exact.on and h >= 0.99 * trial:
         watch_explicit(e, h, grown)

@@ -111,12 +111,25 @@ def weigh(n: int, many: int, h: float, row: int, s: Step, out: Floats, at: int) 
                 total += s.weight[j] * s.k[j * n + i]
             out[at + i] = total
         return
+    weight = s.weight[0]
     for i in range(n):
-        out[at + i] = 0.0
-    for j in range(many):
-        weight = s.weight[j]
-        for i in range(n):
-            out[at + i] += weight * s.k[j * n + i]
+        out[at + i] = weight * s.k[i]
+    first = 1
+    while first < many:
+        if s.weight[first] == 0.0:
+            first += 1
+            continue
+        # two at once: half as often each sum is read and written
+        weight = s.weight[first]
+        other = s.weight[first + 1] if first + 1 < many else 0.0
+        begin = first * n
+        if other == 0.0:
+            for i in range(n):
+                out[at + i] += weight * s.k[begin + i]
+        else:
+            for i in range(n):
+                out[at + i] = (out[at + i] + weight * s.k[begin + i]) + other * s.k[begin + n + i]
+        first += 2
 
 
 def dopri_attempt(e: Engine, t1: float) -> float:

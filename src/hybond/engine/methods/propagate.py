@@ -1,7 +1,7 @@
 """Propagation of ``b' = M b`` by the exponential of the matrix, for any time at once.
 
-Up to a unit of time, about the inverse of the norm, a state is propagated by its Taylor series. For
-longer there are levels: the exponentials for a unit, two, four, ..., each less the identity.
+Up to about the inverse of the norm, a state is propagated by its Taylor series. For longer there
+are levels: the exponentials for a unit, two, four, ..., each less the identity.
 Less the identity, because slow motions beside a fast one hardly change in a unit: squared as
 ``(I + D)^2 - I = 2 D + D^2``, what they do is not lost in rounding.
 Source: C. Moler, C. Van Loan, SIAM Review 45(1), 2003.
@@ -19,6 +19,8 @@ from hybond.engine.words import Floats, some
 
 SMALL: Final = 2.0**-60
 """Part of the state below which a term is nothing."""
+LONGEST: Final = 1.5
+"""Time that a series goes over, in units of the inverse of the norm: so many terms are enough."""
 
 
 def level_of(x: Exact, f: Flow, k: int) -> Floats:
@@ -73,19 +75,27 @@ def series(x: Exact, f: Flow, b: Floats, h: float) -> int:
     terms = x.terms.at
     total = x.b2.at
     copy_floats(n, b, total)
+    first = f.rows.first.at
+    column = f.rows.column.at
+    value = f.rows.value.at
     for k in range(TERMS):
         factor = h / (float(k) + 1.0)
         moves = False
+        below = b if k == 0 else terms
+        at = max(k - 1, 0) * n
+        p = first[0]
         for i in range(n):
             term = 0.0
-            for p in range(f.rows.first.at[i], f.rows.first.at[i + 1]):
-                j = f.rows.column.at[p]
-                term += f.rows.value.at[p] * (b[j] if k == 0 else terms[(k - 1) * n + j])
+            stop = first[i + 1]
+            while p < stop:
+                term += value[p] * below[at + column[p]]
+                p += 1
             term *= factor
             terms[k * n + i] = term
             total[i] += term
             # each component for itself: a small one may stand beside a large one all the time
-            moves = moves or math.fabs(term) > SMALL * math.fabs(total[i])
+            if math.fabs(term) > SMALL * math.fabs(total[i]):
+                moves = True
         if not moves:
             return k + 1
     return TERMS
@@ -128,29 +138,50 @@ def pass_parts(x: Exact, f: Flow, h: float) -> bool:
     parts = x.parts.at
     for i in range(n):
         parts[i] /= f.scale.at[i]
-    if h <= f.unit:
-        copy_floats(n, parts, x.b.at)
-        many = series(x, f, x.b.at, h)
-        for part in range(1, PARTS + 1):
-            at = float(part) / float(PARTS)
-            for i in range(n):
-                total = 0.0
-                for k in range(many):
-                    total = at * (x.terms.at[(many - 1 - k) * n + i] + total)
-                parts[part * n + i] = x.b.at[i] + total
-    else:
-        copy_floats(n, parts, x.b.at)
-        for part in range(1, PARTS + 1):
-            begin = h * float(part - 1) / float(PARTS)
-            end = h if part == PARTS else h * float(part) / float(PARTS)
+    copy_floats(n, parts, x.b.at)
+    reach = parts_at_once(f, h)
+    done = 0
+    while done < PARTS:
+        reach = min(reach, PARTS - done)
+        begin = h * float(done) / float(PARTS)
+        end = h if done + reach == PARTS else h * float(done + reach) / float(PARTS)
+        if reach > 1:
+            many = series(x, f, x.b.at, end - begin)
+            for j in range(1, reach + 1):
+                sum_series(n, many, x.terms.at, float(j) / float(reach), parts, (done + j) * n)
+                for i in range(n):
+                    parts[(done + j) * n + i] += x.b.at[i]
+        else:
             if not pass_time(x, f, x.b.at, end - begin):
                 return False
             for i in range(n):
-                parts[part * n + i] = x.b.at[i]
+                parts[(done + 1) * n + i] = x.b.at[i]
+        done += reach
+        for i in range(n):
+            x.b.at[i] = parts[done * n + i]
     for part in range(PARTS + 1):
         for i in range(n):
             parts[part * n + i] *= f.scale.at[i]
     return True
+
+
+def parts_at_once(f: Flow, h: float) -> int:
+    """Return over how many parts of a time one series goes: all of them, if the time is short."""
+    if h * f.norm <= LONGEST:
+        return PARTS
+    reach = PARTS - 1
+    while reach > 1 and h * float(reach) / float(PARTS) * f.norm > LONGEST:
+        reach -= 1
+    return reach
+
+
+def sum_series(n: int, many: int, terms: Floats, at: float, out: Floats, begin: int) -> None:
+    """Put the sum of a series, but for its first term, at a part of its time into `out`."""
+    for i in range(n):
+        out[begin + i] = 0.0
+    for k in range(many - 1, -1, -1):
+        for i in range(n):
+            out[begin + i] = at * (terms[k * n + i] + out[begin + i])
 
 
 def pass_derivatives(f: Flow, many: int, z: Floats, rows: Floats) -> None:

@@ -54,6 +54,7 @@ def step(e: Engine, t_end: float) -> int:
     """Make one step that satisfies the tolerance, not beyond `t_end`."""
     e.refusal = False
     e.curved = False
+    e.step.precise = False
     if e.model.method == AUTO and e.step.turns and not e.exact.on:
         turn(e)
     if by_radau(e):

@@ -5,7 +5,7 @@ Configurations of one bucket are a chain: `bucket` has its first mode, `Mode.beh
 
 from __future__ import annotations
 
-from hybond.engine.engine import BUCKETS, NO_MODE, Engine
+from hybond.engine.engine import BUCKETS, NO_MODE, PACES, Engine
 from hybond.engine.mode.mode_records import Mode, make_mode
 from hybond.engine.words import Ints, records, some
 
@@ -37,6 +37,7 @@ def keep_mode(e: Engine, key: Ints) -> int:
         mode.state[k] = key[k]
     own = bucket_of(n, key)
     mode.behind = e.bucket[own]
+    mode.pace = own % PACES
     e.bucket[own] = at
     return at
 

@@ -90,6 +90,8 @@ class Mode:
     used: int
     behind: int
     """The next of those kept whose configurations are in the same bucket, or NO_MODE."""
+    pace: int
+    """Which of the sizes of steps that are remembered is that of the mode."""
     state: Ints
     """Of each machine, then of what else selects equations."""
     flags: Floats
@@ -159,6 +161,10 @@ class Mode:
     """What rounding of the free unknowns is measured by, at the bond variables `sized_at`."""
     rates: Reads
     """What the rates of the state read."""
+    rate_row: Ints
+    """Of each stored quantity: the row of `direct` that is its rate, but for its sign."""
+    signals: Reads
+    """What the rates of integrated signals read."""
     flow_known: bool
     """Whether it was looked whether the mode is linear."""
     flow_why: int
@@ -240,6 +246,8 @@ def make_mode(m: Model) -> Mode:
     mode.sized_at = floats(n)
     mode.free_size = make_block(1)
     mode.rates = make_reads(m)
+    mode.rate_row = ints(m.storages)
+    mode.signals = make_reads(m)
     return mode
 
 

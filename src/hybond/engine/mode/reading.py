@@ -34,10 +34,14 @@ def read_rates(e: Engine, mode: Mode, r: Reads) -> None:
     """Read what the rates of the state do: of stored quantities, of integrated signals."""
     m = e.model
     read_nothing(m, r)
+    read_nothing(m, mode.signals)
     for k in range(m.storages):
-        read_bond(m, mode, r, m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 0 else 0))
+        at = m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 0 else 0)
+        mode.rate_row[k] = mode.same[at]
+        read_bond(m, mode, r, at)
     for k in range(m.integrals):
         read_pair(m, mode, r, m.rule_first[m.machines] + k)
+        read_pair(m, mode, mode.signals, m.rule_first[m.machines] + k)
 
 
 def read_guard(m: Model, mode: Mode, r: Reads, rule: int) -> None:
@@ -93,10 +97,40 @@ def solve_read(e: Engine, mode: Mode, r: Reads, v: Floats) -> int:
     """Put the bond variables that are read into `e.work.w` and `v`; all of them after Newton."""
     if mode.dynamics > 0:
         return solve(e, mode, v)
+    put_knowns(e, mode, r, v)
+    show_read(e, mode, r, v)
+    return OK
+
+
+def show_read(e: Engine, mode: Mode, r: Reads, v: Floats) -> None:
+    """Put what the knowns there are give to the bond variables that are read into `v`."""
+    read_by_knowns(mode, r, e.work.xi, e.work.w)
+    for i in range(r.many):
+        v[e.model.bond_slot + r.bond[i]] = e.work.w[r.bond[i]]
+
+
+def rates_by_knowns(e: Engine, mode: Mode, v: Floats, rate: Floats) -> None:
+    """Put the rates of what is stored there, and what those of signals read into `v`."""
+    m = e.model
+    xi = e.work.xi
+    put_knowns(e, mode, mode.rates, v)
+    for k in range(m.storages):
+        total = row_times(mode.direct, mode.rate_row[k], xi)
+        rate[k] = -total if m.storage_kind[k] == 0 and m.storage_sign[k] < 0 else total
+    show_read(e, mode, mode.signals, v)
+
+
+def put_knowns(e: Engine, mode: Mode, r: Reads, v: Floats) -> None:
+    """Put the knowns that are read of a mode without Newton into `e.work.xi`."""
     m = e.model
     xi = e.work.xi
     for i in range(r.stores):
-        xi[r.storage[i]] = co_energy_of(m, r.storage[i], v)
+        port = r.storage[i]
+        first = m.stiff_first[port]
+        if m.co_energy[port] < 0 and m.stiff_first[port + 1] == first + 1:
+            xi[port] = m.stiff_constant[first] * v[m.stored_slot + m.stiff_other[first]]
+        else:
+            xi[port] = co_energy_of(m, port, v)
     for k in range(mode.sources):
         source = mode.source[k]
         at = m.storages + k
@@ -104,10 +138,6 @@ def solve_read(e: Engine, mode: Mode, r: Reads, v: Floats) -> int:
             law = m.source_value[source] if source >= 0 else -1
             xi[at] = mode.source_level[k] if law < 0 else value(m, law, v)
         xi[at + mode.sources] = value(m, m.source_rate[source], v) if r.rated[k] != 0 else 0.0
-    read_by_knowns(mode, r, xi, e.work.w)
-    for i in range(r.many):
-        v[m.bond_slot + r.bond[i]] = e.work.w[r.bond[i]]
-    return OK
 
 
 def read_by_knowns(mode: Mode, r: Reads, xi: Floats, w: Floats) -> None:

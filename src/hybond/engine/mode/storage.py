@@ -71,7 +71,7 @@ def co_energy_of(m: Model, k: int, v: Floats) -> float:
     """Return the co-energy variable of port k, which reads what its storage stores only."""
     law = m.co_energy[k]
     if law >= 0:
-        return value(m, law, v)
+        return law_at(m, k, law, v[m.stored_slot + k], v)
     total = 0.0
     for i in range(m.stiff_first[k], m.stiff_first[k + 1]):
         total += m.stiff_constant[i] * v[m.stored_slot + m.stiff_other[i]]
@@ -80,7 +80,32 @@ def co_energy_of(m: Model, k: int, v: Floats) -> float:
 
 def stiff(m: Model, i: int, v: Floats) -> float:
     """Return entry i of the stiffness."""
-    return m.stiff_constant[i] if m.stiff_value[i] < 0 else value(m, m.stiff_value[i], v)
+    law = m.stiff_value[i]
+    if law < 0:
+        return m.stiff_constant[i]
+    return law_at(m, m.storages + i, law, v[m.stored_slot + m.stiff_other[i]], v)
+
+
+def law_at(m: Model, row: int, law: int, x: float, v: Floats) -> float:
+    """Return a law, as a sum of powers of x in the order in which it adds them if it is one."""
+    first = m.power_first[row]
+    stop = m.power_first[row + 1]
+    if first == stop:
+        return value(m, law, v)
+    total = power_term(m, first, x)
+    for p in range(first + 1, stop):
+        total += power_term(m, p, x)
+    return total
+
+
+def power_term(m: Model, p: int, x: float) -> float:
+    """Return one of them with its factor."""
+    degree = m.power_degree[p]
+    if degree == 1:
+        return m.power_factor[p] * x
+    if degree == 0:
+        return m.power_factor[p]
+    return m.power_factor[p] * (x * x if degree == 2 else x * x * x)
 
 
 def own_stiffness(m: Model, k: int, v: Floats) -> float:

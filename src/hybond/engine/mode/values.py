@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from hybond.engine.answers import value
-from hybond.engine.engine import OK, Engine
+from hybond.engine.engine import NOT_FINITE, OK, Engine
 from hybond.engine.inputs.interval import set_time
 from hybond.engine.mode.mode_records import Mode
-from hybond.engine.mode.reading import solve_read
+from hybond.engine.mode.newton import solve
+from hybond.engine.mode.reading import rates_by_knowns
 from hybond.engine.mode.straight_rates import put_rates
 from hybond.engine.sliding.averages import blended_field, solve_here
 from hybond.engine.words import Floats
@@ -77,19 +78,21 @@ def field(e: Engine, mode: Mode, t: float, y: Floats, rate: Floats) -> int:
         put_rates(e, t, y, rate)
         return OK
     set_motion(e, v, t, y)
-    status = solve_read(e, mode, mode.rates, v)
-    if status != OK:
+    if mode.dynamics == 0:
+        rates_by_knowns(e, mode, v, rate)
+    elif solve(e, mode, v) != OK:
         # a trial point beyond where the laws hold: the solver shortens its step
         e.refusal = True
-        return status
-    w = e.work.w
-    for k in range(m.storages):
-        at = m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 0 else 0)
-        negative = m.storage_kind[k] == 0 and m.storage_sign[k] < 0
-        rate[k] = -w[at] if negative else w[at]
+        return NOT_FINITE
+    else:
+        w = e.work.w
+        for k in range(m.storages):
+            at = m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 0 else 0)
+            negative = m.storage_kind[k] == 0 and m.storage_sign[k] < 0
+            rate[k] = -w[at] if negative else w[at]
     for k in range(m.integrals):
         rate[m.storages + k] = value(m, m.integral_rate[k], v)
-    return status
+    return OK
 
 
 def begin_field(e: Engine, mode: Mode) -> None:

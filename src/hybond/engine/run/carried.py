@@ -20,7 +20,7 @@ from hybond.engine.algebra.blocks import (
 )
 from hybond.engine.contacts.landing_records import CROWD, LAST_TIMES
 from hybond.engine.contacts.rest import find_moved
-from hybond.engine.engine import OK, Engine
+from hybond.engine.engine import OK, PACES, Engine
 from hybond.engine.inputs.interval import is_due
 from hybond.engine.instant.instant import CHANGE, SAMPLE, START, TIME
 from hybond.engine.instant.trial import a_priori
@@ -176,6 +176,8 @@ def carry_step(e: Engine, r: Run, c: Carrier) -> None:
     s.free = carry_whole(c, s.free)
     s.long_bound = carry_whole(c, s.long_bound)
     s.long_free = carry_whole(c, s.long_free)
+    carry_floats(c, PACES, s.pace)
+    s.began = carry_number(c, s.began)
     carry_copy(c, e.states, s.y0, r.warm_y)
     carry_copy(c, e.model.storages, e.rounding, r.warm_rounding)
 

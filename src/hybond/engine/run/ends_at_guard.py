@@ -8,12 +8,15 @@ from typing import Final
 from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.methods.one_instant import room_of_instant
 from hybond.engine.methods.stepping import retry
+from hybond.engine.mode.mode_records import is_constrained
 from hybond.engine.run.locate import locate
 from hybond.engine.run.locator import Locator
 from hybond.engine.run.together import is_kink_alone, kink_there, last_of_instant
 
 SHORTER: Final = 30
 """Times that a step is repeated shorter, at the most."""
+FAR: Final = 4.0
+"""How many times as far as to the instant a step may go that shows it as it is."""
 
 
 def find_within(e: Engine, g: Locator) -> int:
@@ -34,7 +37,8 @@ def land(e: Engine, g: Locator, room: float, end: float, again: bool) -> int:
     true, they differ by a last place, and a motion slower than that would never get past: it goes
     on to the end of the instant. After Executive._land.
     """
-    if land_first(e, g, room) != OK:
+    far = e.step.t1 - e.step.t0 > FAR * (g.at - e.step.t0)
+    if (far or not shows_instants(e)) and land_first(e, g, room) != OK:
         return REFUSED
     if g.at == math.inf:
         return OK
@@ -48,6 +52,14 @@ def land(e: Engine, g: Locator, room: float, end: float, again: bool) -> int:
     g.looked = math.nan
     g.at = top if again else last_of_instant(e, g, g.at, top)
     return REFUSED if g.failed else OK
+
+
+def shows_instants(e: Engine) -> bool:
+    """Whether the last step shows an instant in it as well as one that ends there would.
+
+    Its polynomial is the motion, and its rates, sums of the state, hide nothing.
+    """
+    return e.straight and e.step.precise and not is_constrained(e.mode)
 
 
 def land_first(e: Engine, g: Locator, room: float) -> int:

@@ -19,6 +19,7 @@ from hybond.engine.instant.doubts import warn_of_held
 from hybond.engine.instant.instant import GUARD, LAW, START, TIME, begin_instant
 from hybond.engine.instant.settle import settle
 from hybond.engine.laws.laws import limits_vary, look_at_limits, observe
+from hybond.engine.methods.control import end_pace
 from hybond.engine.methods.one_instant import room_of_instant
 from hybond.engine.methods.scale import start_scale
 from hybond.engine.methods.stepping import between, retry, start, step
@@ -36,7 +37,7 @@ from hybond.engine.planar.descent import (
 from hybond.engine.planar.stops import arm_slips, begin_slips, follows_slip
 from hybond.engine.run.carried import begin_again, cause_of_beginning, take_up, warm_up
 from hybond.engine.run.edges import reach_edges, straight_on, time_at_once
-from hybond.engine.run.ends_at_guard import find_within, land
+from hybond.engine.run.ends_at_guard import find_within, land, shows_instants
 from hybond.engine.run.kinks_passed import (
     count_kink,
     end_at_kink,
@@ -254,7 +255,7 @@ def flow(e: Engine, r: Run) -> int:
         r.beyond = r.beyond + 1.0 if e.refusal else max(r.beyond - 0.1, 0.0)
         if e.refusal and r.beyond > BEYOND and m.edges == 0:
             return -1
-        g.rough = True
+        g.rough = not shows_instants(e)
         found = locate(e, g)
         g.rough = False
         if found != OK and find_within(e, g) != OK:
@@ -323,6 +324,7 @@ def flow(e: Engine, r: Run) -> int:
             return -1
         if m.disks > 0 and lead_to_rest(e, r, end) != OK:
             return -1
+        end_pace(e, at)
         timed = e.t >= end and e.next_break <= end
         foresee(e, min(at + instant, end))
         return timed_cause(e) if timed else GUARD

@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.engine.algebra.products import copy_floats
 from hybond.engine.engine import Engine
 from hybond.engine.methods.dopri import spacing
 from hybond.engine.methods.stepping import by_radau
@@ -39,18 +40,46 @@ FEW: Final = 4
 def solve_guards(e: Engine, g: Locator) -> bool:
     """Find the first instant at which any of these guards holds; whether others are left."""
     left = False
-    may = e.slide.k == 0 and not (by_radau(e) and not e.curved)
+    cubic = by_radau(e) and not e.curved
+    may = e.slide.k == 0 and (not cubic or put_cubic(e))
     # what is put on constraints is no polynomial any more
     may = may and not (g.held and is_constrained(e.mode))
     if may:
         take_step(e, g)
     for k in range(g.guards):
-        g.solved[k] = 1 if may and g.side[k] == NO_KINK and is_solved(g, k) else 0
+        own = may and g.side[k] == NO_KINK and (not cubic or begins_clear(g, k))
+        g.solved[k] = 1 if own and is_solved(g, k) else 0
         if g.solved[k] == 0:
             left = True
         elif not g.failed and not is_quiet(e, g, k):
             g.at = min(g.at, of_polynomials(e, g, k, g.at))
     return left
+
+
+def put_cubic(e: Engine) -> bool:
+    """Put the dense output of Radau IIA where that of other methods is, if it is of one piece."""
+    r = e.radau
+    n = e.states
+    if r.pieces > 1:
+        return False
+    copy_floats(3 * n, r.piece_polynomial, e.step.dense)
+    for k in range(n):
+        e.step.dense[3 * n + k] = 0.0
+    return True
+
+
+def begins_clear(g: Locator, k: int) -> bool:
+    """Whether all comparisons of a guard are clear of zero where the step begins.
+
+    The cubic of Radau IIA has the slope there but for rounding, with which what rises from zero may
+    dip below it.
+    """
+    for a in range(g.atom_first[k], g.atom_first[k + 1]):
+        if g.sums.known.at[a] != 0 and not math.fabs(g.step[COEFFICIENTS * a]) > (
+            NARROW * g.extent[a]
+        ):
+            return False
+    return True
 
 
 def is_solved(g: Locator, k: int) -> bool:

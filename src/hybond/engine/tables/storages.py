@@ -7,7 +7,8 @@ from hybond.engine.tables.expressions import number_of
 from hybond.engine.tables.start import start_of
 from hybond.equations.storage import EXACT, gauss, polynomial_degree
 from hybond.equations.stored_laws import stiffness, stored_names
-from hybond.model.expressions import substitute, turning
+from hybond.model.expressions import Binary, Expr, Name, Neg, Number, substitute, turning
+from hybond.model.expressions.slots import is_slotted
 from hybond.model.graph import Storage
 
 
@@ -48,6 +49,7 @@ def put_storages(t: ModelTables) -> None:
         degree, before = polynomial_degree(law), degrees.get(s.node, 0)
         degrees[s.node] = None if degree is None or before is None else max(degree, before)
     t.ints["co_energy"] = laws
+    put_powers(t, rows)
     put_rows(t, "stiff_first", rows, stiff_other=INTS, stiff_value=INTS, stiff_constant=FLOATS)
     t.numbers["groups"] = len(groups)
     put_rows(t, "group_first", [[(k,) for k in own] for own in groups.values()], group_storage=INTS)
@@ -58,3 +60,54 @@ def put_storages(t: ModelTables) -> None:
         points.append(list(zip(*gauss((degree or 0) // 2 + 1), strict=True)) if exact else [])
     put_rows(t, "point_first", points, point_at=FLOATS, point_weight=FLOATS)
     put_rows(t, "bend_first", [kinks[node] for node in groups], bend_value=INTS)
+
+
+def put_powers(t: ModelTables, stiff: list[list[tuple[int, int, float]]]) -> None:
+    """Put laws of storages, then entries of the stiffness, as sums of powers of what they read."""
+    stored = [f"x:{k}" for k in range(len(t.stored))]
+    asked = [(law, stored[k]) for k, law in enumerate(t.ints["co_energy"])]
+    asked += [(law, stored[other]) for row in stiff for other, law, _ in row]
+    found = [powers_of(t.values.all[e], of) if e >= 0 else None for e, of in asked]
+    rows = [powers or [] for powers in found]
+    put_rows(t, "power_first", rows, power_degree=INTS, power_factor=FLOATS)
+
+
+def powers_of(e: Expr, name: str) -> list[tuple[int, float]] | None:
+    """Return degrees and factors of an expression that is a sum of powers of one name, else None.
+
+    In the order in which it adds them, up to the third power.
+
+    Examples
+    --------
+    >>> from hybond.model.expressions import parse
+    >>> powers_of(parse("2*x - 3*(4*x^3) + 5"), "x")
+    [(1, 2.0), (3, -12.0), (0, 5.0)]
+    >>> powers_of(parse("2*x + sin(x)"), "x")
+    """
+    match e:
+        case Binary(op="+" | "-" as op, left=left, right=right):
+            before, last = powers_of(left, name), power_of(right, name)
+            if before is None or last is None:
+                return None
+            degree, factor = last
+            return [*before, (degree, factor if op == "+" else factor * -1.0)]
+    only = power_of(e, name)
+    return None if only is None else [only]
+
+
+def power_of(e: Expr, name: str) -> tuple[int, float] | None:
+    """Return the degree and the factor of a power of a name, None if it is none."""
+    match e:
+        case Number(value):
+            return 0, number_of(value)
+        case Name(path):
+            return (1, 1.0) if path == name else None
+        case Binary(op="*", left=Number(value), right=right):
+            found = power_of(right, name)
+            return None if found is None else (found[0], number_of(value) * found[1])
+        case Binary(op="^", left=Name(path), right=Number(value)) if not is_slotted(value):
+            return (int(value), 1.0) if path == name and value in (2.0, 3.0) else None
+        case Neg(arg):
+            found = power_of(arg, name)
+            return None if found is None else (found[0], found[1] * -1.0)
+    return None
