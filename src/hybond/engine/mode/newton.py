@@ -292,17 +292,24 @@ def keep_guess(mode: Mode, w: Floats) -> None:
 
 
 def stands_still(e: Engine, mode: Mode, rows: int, frees: int) -> bool:
-    """Whether a step leaves a part of the residual that the slopes here cannot reach."""
+    """Whether a step leaves a part of the residual that the slopes here cannot reach.
+
+    What one unknown has of the rounding of another is none: a flow that is zero beside an effort.
+    """
     work = e.work
+    most = ROUNDED * largest_of(frees, work.step.at)
     for i in range(rows):
         total = work.residual.at[i]
         size = math.fabs(total)
+        rounding = 0.0
         for j in range(frees):
             term = work.jacobian.at[i * frees + j] * work.step.at[j]
             total -= term
             size += math.fabs(term)
+            rounding += math.fabs(work.jacobian.at[i * frees + j]) * most
         rest = math.fabs(total)
-        if rest > 0.5 * math.fabs(work.residual.at[i]) and rest > REACHED * size:
+        left = rest > REACHED * size and rest > rounding
+        if left and rest > 0.5 * math.fabs(work.residual.at[i]):
             return True
     return False
 
