@@ -12,6 +12,7 @@ from hybond.engine.algebra.blocks import Rows, fit, row_size, row_times
 from hybond.engine.algebra.products import all_finite
 from hybond.engine.answers import node_name, value
 from hybond.engine.engine import NOT_FINITE, OK, Engine, count_work, say_fault
+from hybond.engine.mode.beside_jumps import from_beside_jumps
 from hybond.engine.mode.continuation import continued
 from hybond.engine.mode.damped import SETTLED, damped
 from hybond.engine.mode.dynamic_rows import dynamic_value, slopes_at
@@ -109,7 +110,7 @@ def solve(e: Engine, mode: Mode, v: Floats) -> int:
 def newton(e: Engine, mode: Mode, v: Floats) -> int:
     """Solve for the free unknowns, from where Newton ended last, or else from zero.
 
-    With full steps, then with shorter ones, then on the way from laws with a resistance beside
+    With full steps, beside jumps of laws, then with shorter steps, then on the way from laws with a resistance beside
     them; if laws have no values at zero, from what is known beside them. What is found is put back
     into the laws.
     """
@@ -127,6 +128,8 @@ def newton(e: Engine, mode: Mode, v: Floats) -> int:
     found = full_steps(e, mode, v, r)
     if work.swings > 0:
         found = from_swings(e, mode, v, r)
+    if not found:
+        found = from_beside_jumps(e, mode, v, r)
     if not found and mode.guessed:
         found = shorter_steps(e, mode, v, r, mode.guess.at)
     work.had_values = False
