@@ -110,9 +110,9 @@ def solve(e: Engine, mode: Mode, v: Floats) -> int:
 def newton(e: Engine, mode: Mode, v: Floats) -> int:
     """Solve for the free unknowns, from where Newton ended last, or else from zero.
 
-    With full steps, beside jumps of laws, then with shorter steps, then on the way from laws with a resistance beside
-    them; if laws have no values at zero, from what is known beside them. What is found is put back
-    into the laws.
+    With full steps, beside jumps of laws, then with shorter steps, then on the way from laws with a
+    resistance beside them; if laws have no values at zero, from what is known beside them. What is
+    found is put back into the laws.
     """
     work = e.work
     frees = mode.finite_frees
