@@ -17,6 +17,7 @@ all room to work in. Data flows so::
     reading, sizes            those that are read in a step; what their rounding is measured by
     sums, straight_rates      comparisons, and rates, that are sums of the state in a mode
     newton_system, dynamic_rows     what Newton makes zero; rows whose laws are evaluated
+    beside_jumps              laws that hold just beside a jump of one of them, to rounding
     damped, continuation      Newton with shorter steps, where full ones do not end; on the way from
                               laws with a resistance beside them, where these do not either
     put_back, freedom         whether a solution holds; directions that a linear system leaves free

@@ -19,6 +19,9 @@ class Work:
     power: Elimination
     finite: Elimination
     table: Elimination
+    weighed: bool
+    at_start: Floats
+    """Values at the start, of what is stored alone."""
     told: Ints
     agreements: int
     agreement_entries: int
@@ -149,6 +152,8 @@ def make_work(m: Model) -> Work:
     w.power = make_elimination(n, n + knowns)
     w.finite = make_elimination(n, n + knowns)
     w.table = make_elimination(m.storages, knowns)
+    w.weighed = False
+    w.at_start = floats(2 * m.slots)
     w.told = ints(m.storages)
     # one row for each end of a bond: not more can be left over
     w.agreement_first = ints(n + 1)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import pytest
 
 import hybond as hb
@@ -230,3 +231,20 @@ def test_a_root_held_at_rest_beside_flows_is_solved(law: str, coupling: str) -> 
     assert run["i.p"].at(4.0) == pytest.approx(0.4 * math.cos(4.0 * w), rel=1e-6)
     assert abs(run["r.f"].at([0.5, 2.2])).max() < 1e-12
     assert run.stats["steps"] < 400
+
+
+@pytest.mark.parametrize("solver", ["auto", "rk45", "radau"])
+def test_kink_at_the_start_of_a_motion_that_is_carried_over(solver):
+    # a step of 1e-33 s was taken for one of 1e-12 s: its polynomial, of a momentum that decays
+    # beside it, was rounding times 1e21 squared, and between both ends there was 1e54 J
+    m = hb.Model("beside")
+    m.add(s=hb.Sf("sin(3*time)"), j=hb.One(law="coulomb", limit=0.1), r=hb.R(1.0), c=hb.C(0.1))
+    m.add(g=hb.R({"f": "if e > 0 then 2*e else 0"}))
+    m.add(beside=hb.One(), mass=hb.I(1.0, p=0.25), drag=hb.R(0.3))
+    m.bond("s -> j", "j -> r", "j -> g", "j -> c", "beside -> mass", "beside -> drag")
+    run = hb.simulate(m, 0.5, solver=solver)
+    assert run.audit().holds()
+    times = np.concatenate([np.geomspace(1e-36, 0.5, 200), np.linspace(0.0, 0.5, 20)])
+    values = run.sample(times.tolist(), ["mass.p", "c.q"])
+    assert values["mass.p"] == pytest.approx(0.25 * np.exp(-0.3 * times), rel=1e-7)
+    assert values["c.q"] == pytest.approx((1.0 - np.cos(3.0 * times)) / 3.0, abs=1e-8)

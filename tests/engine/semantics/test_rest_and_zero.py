@@ -237,3 +237,30 @@ def test_a_modulus_without_a_value_is_refused_and_the_run_handed_back(part: dict
     run = hb.simulate(m, 1.0, on_error="return", solver="rk45")
     assert run.status == "error" and run.error is not None
     assert run.error.code.startswith("HB-N3") and run.t_end <= 0.5 + 1e-9
+
+
+@pytest.mark.parametrize("solver", ["auto", "rk45"])
+def test_spring_that_comes_to_the_edge_of_what_a_sign_gives(solver):
+    # the flow dies away and never is zero; in the last digits of the charge it was on either side
+    # of zero, where the sign gives too much, and from 60 time constants on there was no solution
+    # (HB-N301)
+    c, q0, limit = 1e-3, 0.02, 0.04
+    m = hb.Model("sign")
+    m.add(j=hb.One(), c=hb.C(c, q=q0), r=hb.R(1.0), s=hb.R({"e": f"{limit}*sign(f)"}))
+    m.bond("c -> j", "j -> r", "j -> s")
+    run = hb.simulate(m, 0.1, solver=solver)
+    t = np.linspace(0.0, 0.1, 101)
+    values = run.sample(t.tolist(), ["c.q", "s.e", "r.f"])
+    fades = np.exp(-t / c)
+    assert values["c.q"] == pytest.approx(limit * c + (q0 - limit * c) * fades, rel=1e-6)
+    assert values["s.e"] == pytest.approx(limit)
+    assert values["r.f"] == pytest.approx((q0 / c - limit) * fades, abs=1e-6)
+    assert run.audit().holds()
+
+
+def test_force_well_within_what_a_sign_gives_still_has_no_solution():
+    m = hb.Model("sign")
+    m.add(j=hb.One(), v=hb.Se(0.039), r=hb.R(1.0), s=hb.R({"e": "0.04*sign(f)"}))
+    m.bond("v -> j", "j -> r", "j -> s")
+    with pytest.raises(hb.HybondError, match="HB-N301"):
+        hb.simulate(m, 1.0)

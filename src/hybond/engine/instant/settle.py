@@ -8,6 +8,9 @@ Mosterman and Biswas 2002, eq. 18 and Algorithms 2 and 3.
 
 from __future__ import annotations
 
+import math
+from typing import Final
+
 from hybond.engine.answers import machine_name, rule_text
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.expressions.paired import holds
@@ -36,6 +39,7 @@ from hybond.engine.instant.instant import (
     note_hit,
     note_step,
 )
+from hybond.engine.instant.jump import SWEPT
 from hybond.engine.instant.staying import (
     acts_on_prior,
     is_still_known,
@@ -55,6 +59,9 @@ from hybond.engine.mode.equations import is_fieldless
 from hybond.engine.reasons.facts import add_fact
 from hybond.engine.sliding.branches import choose_at, know_around
 from hybond.engine.words import Floats, Ints, floats, ints, record
+
+OWN_ROUNDING: Final = 1e-14
+"""Part of what is stored that is its rounding."""
 
 
 @record
@@ -157,7 +164,7 @@ def settle(e: Engine, g: Settling, i: Instant) -> int:
             by_law(e, g.entered, i)
             fired_any = True
         if not fired_any and not e.trial.jumps and is_kept(e, g):
-            if e.trial.dusted:
+            if e.trial.dusted or is_moved(e, g):
                 for k in range(m.storages):
                     g.x[k] = e.trial.x[k]
             break
@@ -323,6 +330,20 @@ def is_kept(e: Engine, g: Settling) -> bool:
         if e.trial.s[k] != g.s[k]:
             return False
     return True
+
+
+def is_moved(e: Engine, g: Settling) -> bool:
+    """Whether a trial without impulses is off the state by more than the last digits of it.
+
+    What is rounding beside the energy of the run may be many digits of a storage that is small.
+    The signals are those of the trial.
+    """
+    moved = False
+    if e.moved == SWEPT:
+        for k in range(e.model.storages):
+            size = max(math.fabs(g.x[k]), math.fabs(e.trial.x[k]))
+            moved = moved or math.fabs(e.trial.x[k] - g.x[k]) > OWN_ROUNDING * size
+    return moved
 
 
 def find_enabled(e: Engine, g: Settling, t: float) -> int:

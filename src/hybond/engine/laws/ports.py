@@ -419,9 +419,9 @@ def directional(e: Engine, r: Laws, v: Floats, x: Floats) -> int:
             most = max(most, math.fabs(a.e[s * n + j]))
         for k in range(n):
             a.ce[k * n + j] = 0.0
-        if most == 0.0:
-            continue
-        h = 1e-6 * reach / most
+        h = 1e-6 * reach / most if most > 0.0 else math.inf
+        if not math.isfinite(h):
+            continue  # it moves nothing, or by the last bit of what is denormal
         for way in range(2):
             sign = 1.0 if way == 0 else -1.0
             for s in range(m.storages):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 from hybond.engine.engine import OK, Engine
 from hybond.engine.methods.control import (
     controlled_retry,
@@ -18,6 +20,9 @@ from hybond.engine.methods.radau_method import radau_retry, radau_start, radau_s
 from hybond.engine.methods.radau_room import RADAU
 from hybond.engine.methods.stiffness import turn
 from hybond.engine.words import Floats
+
+FARTHER: Final = 2.0
+"""Times as long as a step at the most that its polynomial is taken for."""
 
 
 def by_radau(e: Engine) -> bool:
@@ -84,17 +89,27 @@ def reach(e: Engine, t: float) -> None:
     """Let the last step end at `t`, which is one instant with where it ends, and what is there.
 
     What is between its ends stays where it is in time: of what moves fast, a few last places of
-    the time are more than rounding.
+    the time are more than rounding. A step that is next to no time itself says nothing of what is
+    so many times as far: that way is straight.
     """
     s = e.step
     n = e.states
     if by_radau(e) and not e.curved:
         r = e.radau
         k = r.pieces - 1
-        stretch(n, 3, stretched(r.piece_t0[k], r.piece_t1[k], t), r.piece_polynomial, 3 * k * n)
+        factor = stretched(r.piece_t0[k], r.piece_t1[k], t)
+        stretch(n, 3, factor, r.piece_polynomial, 3 * k * n)
+        if factor > FARTHER:
+            for i in range(n):
+                r.piece_y1[k * n + i] = s.y1[i]
+                r.piece_polynomial[3 * k * n + i] = s.y1[i] - r.piece_y0[k * n + i]
         r.piece_t1[k] = t
     else:
-        stretch(n, 4, stretched(s.t0, s.t1, t), s.dense, 0)
+        factor = stretched(s.t0, s.t1, t)
+        stretch(n, 4, factor, s.dense, 0)
+        if factor > FARTHER:
+            for i in range(n):
+                s.dense[i] = s.y1[i] - s.y0[i]
     s.t1 = t
 
 
@@ -104,8 +119,11 @@ def stretched(t0: float, t1: float, t: float) -> float:
 
 
 def stretch(n: int, rows: int, factor: float, dense: Floats, at: int) -> None:
-    """Write coefficients of powers of the part of a step for one so many times as long."""
-    power = 1.0
+    """Write coefficients of powers of the part of a step for one so many times as long.
+
+    Only a few times: farther off they are rounding, and zero.
+    """
+    power = 1.0 if factor <= FARTHER else 0.0
     for row in range(rows):
         power *= factor
         for i in range(n):

@@ -72,6 +72,8 @@ class Elimination:
     """Whether a bent law reads an unknown: it is left free where others can be solved for. Newton's
     method finds it to its last digit then, and where it is zero it is; a difference of others has
     the sign of their rounding."""
+    weight: Floats
+    """What unknowns are measured by beside each other: of a row the heaviest is solved for."""
     used: Ints
     """In how many rows each free unknown is."""
     user: Ints
@@ -111,6 +113,9 @@ def make_elimination(unknowns: int, columns: int) -> Elimination:
     e.entry = make_block(SMALLEST * unknowns)
     e.loss = make_block(SMALLEST * unknowns)
     e.read = ints(unknowns)
+    e.weight = floats(unknowns)
+    for k in range(unknowns):
+        e.weight[k] = 1.0
     e.used = ints(unknowns)
     e.user = ints(unknowns)
     e.cell_row = make_places(SMALLEST * unknowns)
@@ -311,13 +316,13 @@ def add_row(e: Elimination) -> int:
     for i in range(e.width):
         if e.met[i] < e.unknowns:
             found = True
-            biggest = max(biggest, math.fabs(e.total[e.met[i]]))
+            biggest = max(biggest, e.weight[e.met[i]] * math.fabs(e.total[e.met[i]]))
     if not found:
         return e.width
     pivot = -1
     for i in range(e.width):
         k = e.met[i]
-        if k >= e.unknowns or math.fabs(e.total[k]) < 0.1 * biggest:
+        if k >= e.unknowns or e.weight[k] * math.fabs(e.total[k]) < 0.1 * biggest:
             continue
         if pivot < 0 or is_before(e, k, pivot):
             pivot = k

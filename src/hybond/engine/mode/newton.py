@@ -12,6 +12,7 @@ from hybond.engine.algebra.blocks import Rows, fit, row_size, row_times
 from hybond.engine.algebra.products import all_finite
 from hybond.engine.answers import node_name, value
 from hybond.engine.engine import NOT_FINITE, OK, Engine, count_work, say_fault
+from hybond.engine.mode.beside_jumps import from_beside_jumps
 from hybond.engine.mode.continuation import continued
 from hybond.engine.mode.damped import SETTLED, damped
 from hybond.engine.mode.dynamic_rows import dynamic_value, slopes_at
@@ -109,9 +110,9 @@ def solve(e: Engine, mode: Mode, v: Floats) -> int:
 def newton(e: Engine, mode: Mode, v: Floats) -> int:
     """Solve for the free unknowns, from where Newton ended last, or else from zero.
 
-    With full steps, then with shorter ones, then on the way from laws with a resistance beside
-    them; if laws have no values at zero, from what is known beside them. What is found is put back
-    into the laws.
+    With full steps, beside jumps of laws, then with shorter steps, then on the way from laws with a
+    resistance beside them; if laws have no values at zero, from what is known beside them. What is
+    found is put back into the laws.
     """
     work = e.work
     frees = mode.finite_frees
@@ -127,6 +128,8 @@ def newton(e: Engine, mode: Mode, v: Floats) -> int:
     found = full_steps(e, mode, v, r)
     if work.swings > 0:
         found = from_swings(e, mode, v, r)
+    if not found:
+        found = from_beside_jumps(e, mode, v, r)
     if not found and mode.guessed:
         found = shorter_steps(e, mode, v, r, mode.guess.at)
     work.had_values = False
@@ -292,17 +295,24 @@ def keep_guess(mode: Mode, w: Floats) -> None:
 
 
 def stands_still(e: Engine, mode: Mode, rows: int, frees: int) -> bool:
-    """Whether a step leaves a part of the residual that the slopes here cannot reach."""
+    """Whether a step leaves a part of the residual that the slopes here cannot reach.
+
+    What one unknown has of the rounding of another is none: a flow that is zero beside an effort.
+    """
     work = e.work
+    most = ROUNDED * largest_of(frees, work.step.at)
     for i in range(rows):
         total = work.residual.at[i]
         size = math.fabs(total)
+        rounding = 0.0
         for j in range(frees):
             term = work.jacobian.at[i * frees + j] * work.step.at[j]
             total -= term
             size += math.fabs(term)
+            rounding += math.fabs(work.jacobian.at[i * frees + j]) * most
         rest = math.fabs(total)
-        if rest > 0.5 * math.fabs(work.residual.at[i]) and rest > REACHED * size:
+        left = rest > REACHED * size and rest > rounding
+        if left and rest > 0.5 * math.fabs(work.residual.at[i]):
             return True
     return False
 

@@ -10,6 +10,7 @@ Columns: efforts and flows, co-energy variables, values of sources, rates of sou
 
 from __future__ import annotations
 
+import math
 from typing import Final
 
 from hybond.engine.engine import Engine
@@ -25,6 +26,7 @@ from hybond.engine.mode.elimination import (
     settle_equal,
 )
 from hybond.engine.mode.mode_records import Mode
+from hybond.engine.mode.storage import own_stiffness
 from hybond.engine.model import Model
 from hybond.engine.words import Floats, Ints
 
@@ -76,6 +78,7 @@ def build(e: Engine, mode: Mode, given: Ints) -> int:
     unknowns = 2 * m.bonds
     value0 = unknowns + m.storages
     begin_elimination(power)
+    weigh_storages(e)
     begin_elimination(e.work.table)
     e.work.agreements = 0
     e.work.agreement_entries = 0
@@ -111,6 +114,25 @@ def build(e: Engine, mode: Mode, given: Ints) -> int:
         add_laws(e, mode, part_of(m, mode, element))
     mode.knowns = m.storages + 2 * mode.sources
     return add_hidden(e, mode, value0)
+
+
+def weigh_storages(e: Engine) -> None:
+    """Let of storages that depend on each other the one be solved for that holds the least.
+
+    A co-energy variable that is so large for one joule. What stays are those that hold nearly all:
+    a rate that follows what a mass of a milligram has beside a ton is a difference of sums in which
+    it is lost.
+    """
+    w = e.work
+    m = e.model
+    if w.weighed:
+        return
+    w.weighed = True
+    for k in range(m.storages):
+        w.at_start[m.stored_slot + k] = m.storage_start[k]
+    for k in range(m.storages):
+        root = math.sqrt(math.fabs(own_stiffness(m, k, w.at_start)))
+        w.table.weight[k] = root if root > 0.0 and math.isfinite(root) else 1.0
 
 
 def join_equal(m: Model, power: Elimination, given: Ints) -> None:

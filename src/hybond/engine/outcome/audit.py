@@ -160,6 +160,10 @@ def audit(graph: FlatGraph, trace: Trace, signals: Signals) -> Audit:
                 largest = max(largest, abs(step.energy.before), abs(step.energy.after))
     if sizes:
         size = np.concatenate(sizes)
+        # power that in all the time of the run adds up to no part of its energy: where nothing
+        # moves, rounding of large flows that a gyrator passes on is a force, and no other is there
+        span = trace.segments[-1].t[-1] - trace.segments[0].t[0]
+        size = np.maximum(size, largest / span if span > 0.0 else 0.0)
         # where a motion turns round there is no power to be a part of, but the rounding of flows
         size = np.maximum(size, _QUIET * size.max(initial=0.0))
         ratio = np.concatenate(totals) / np.where(size > 0.0, size, 1.0)

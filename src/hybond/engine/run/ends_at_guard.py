@@ -47,7 +47,13 @@ def land(e: Engine, g: Locator, room: float, end: float, again: bool) -> int:
     if top > e.step.t1:
         if is_kink_alone(e, g):
             return OK  # no step goes far beyond a kink
-        if retry(e, top) != OK:
+        longest = e.step.t1
+        made = retry(e, top)
+        if e.step.off > 1.0:
+            # what decays within the instant is followed as far as a step can
+            top = longest
+            made = retry(e, top)
+        if made != OK:
             return REFUSED
     g.looked = math.nan
     g.at = top if again else last_of_instant(e, g, g.at, top)

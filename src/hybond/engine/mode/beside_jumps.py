@@ -1,0 +1,87 @@
+"""Laws that hold just beside a jump of one of them, though rounding says that they do not.
+
+What a spring brings to rest against ``sign(f)`` approaches the edge of what the sign gives, and
+comes to it within the last digits of the spring: whether a flow is left that the law has a value
+for is a matter of rounding then. So the flow is next to nothing, on either side, and the law gives
+what it gives there; if it holds to rounding of its terms, that is the solution.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from hybond.engine.algebra.products import all_finite
+from hybond.engine.engine import Engine
+from hybond.engine.mode.mode_records import Mode
+from hybond.engine.mode.newton_system import (
+    largest_of,
+    measured_system,
+    newton_step,
+    system,
+    with_free,
+)
+from hybond.engine.mode.put_back import HOLDS, all_hold
+from hybond.engine.words import Floats
+
+NEXT_TO_NOTHING: Final = 1e-290
+"""What has a sign, and is no part of anything."""
+TURNS: Final = 20
+SMALL: Final = 1e-13
+"""Steps end that are below this part of the unknowns."""
+
+
+def from_beside_jumps(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
+    """Look for free unknowns, into `r`, at which all laws hold beside a jump of one of them."""
+    m = e.model
+    if mode.rank != mode.structures:
+        return False
+    for i in range(mode.dynamics):
+        d = mode.dynamic[i]
+        if d < 0 or m.dynamic_jumps[d] == 0 or m.dynamic_partner[d] < 0:
+            continue
+        for j in range(mode.finite_frees):
+            if mode.free_column[j] != mode.same[m.dynamic_partner[d]]:
+                continue
+            for side in range(2):
+                if holds_beside(e, mode, v, r, i, j, 1.0 if side == 0 else -1.0):
+                    return True
+    return False
+
+
+def holds_beside(e: Engine, mode: Mode, v: Floats, r: Floats, i: int, j: int, way: float) -> bool:
+    """Whether all laws hold where unknown j, which law i jumps with, is next to nothing.
+
+    What else is free follows from the other laws.
+    """
+    work = e.work
+    frees = mode.finite_frees
+    for k in range(frees):
+        r[k] = mode.guess.at[k] if mode.guessed else 0.0
+    r[j] = way * NEXT_TO_NOTHING
+    found = False
+    for _ in range(TURNS):
+        with_free(mode, 2 * e.model.bonds, work.base, r, work.w)
+        rows = system(e, mode, v, work.w)
+        if rows != frees or not all_finite(rows, work.residual.at):
+            return False
+        if not all_finite(rows * frees, work.jacobian.at):
+            return False
+        for k in range(frees):
+            work.jacobian.at[i * frees + k] = 1.0 if k == j else 0.0
+        work.residual.at[i] = 0.0
+        newton_step(e, rows, frees)
+        step = 0.0
+        for k in range(frees):
+            if k != j:
+                r[k] -= work.step.at[k]
+                step = max(step, math.fabs(work.step.at[k]))
+        if step <= SMALL * largest_of(frees, r):
+            found = True
+            break
+    if not found:
+        return False
+    with_free(mode, 2 * e.model.bonds, work.base, r, work.w)
+    rows = measured_system(e, mode, v, work.w)
+    mode.regular = False
+    return all_hold(e, rows, HOLDS)
