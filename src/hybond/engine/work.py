@@ -66,6 +66,10 @@ class Work:
     residual_reach: Block
     """The same of a row: what rounding of a solution is measured by."""
     """The sizes of the terms of each bond variable, by which residuals are measured."""
+    lost: float
+    """The part of a law that rounding of what was eliminated hides, where it was put back last."""
+    lost_at: Floats
+    """The bond variables there, if it is more than `put_back.HIDDEN`."""
     aid: float
     """A resistance beside each law, on the way from linear laws to the given ones; 0: none."""
     step: Block
@@ -182,6 +186,7 @@ def make_work(m: Model) -> Work:
     w.w_size = floats(n)
     w.kind_reach = floats(max(m.classes, 1))
     w.w_reach = floats(n)
+    w.lost_at = floats(n)
     w.residual_reach = make_block(1)
     w.step = make_block(1)
     w.reduced = make_block(1)

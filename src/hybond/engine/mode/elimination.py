@@ -72,6 +72,9 @@ class Elimination:
     """Whether a bent law reads an unknown: it is left free where others can be solved for. Newton's
     method finds it to its last digit then, and where it is zero it is; a difference of others has
     the sign of their rounding."""
+    weight: Floats
+    """How large each unknown is known to be; 1 where nothing is known. Of a row the largest of its
+    terms is solved for: what is a sum of them then is no small difference of large ones."""
     used: Ints
     """In how many rows each free unknown is."""
     user: Ints
@@ -111,6 +114,7 @@ def make_elimination(unknowns: int, columns: int) -> Elimination:
     e.entry = make_block(SMALLEST * unknowns)
     e.loss = make_block(SMALLEST * unknowns)
     e.read = ints(unknowns)
+    e.weight = floats(unknowns)
     e.used = ints(unknowns)
     e.user = ints(unknowns)
     e.cell_row = make_places(SMALLEST * unknowns)
@@ -139,6 +143,7 @@ def begin_elimination(e: Elimination) -> None:
     e.cells = 0
     for k in range(e.unknowns):
         e.same[k] = k
+        e.weight[k] = 1.0
         e.solved[k] = 0
         e.used[k] = 0
         e.count[k] = 0
@@ -224,6 +229,7 @@ def copy_elimination(source: Elimination, e: Elimination) -> None:
     for k in range(e.unknowns):
         e.same[k] = source.same[k]
         e.read[k] = source.read[k]
+        e.weight[k] = source.weight[k]
         e.solved[k] = source.solved[k]
         e.order[k] = source.order[k]
         if source.count[k] > 0:
@@ -311,13 +317,13 @@ def add_row(e: Elimination) -> int:
     for i in range(e.width):
         if e.met[i] < e.unknowns:
             found = True
-            biggest = max(biggest, math.fabs(e.total[e.met[i]]))
+            biggest = max(biggest, math.fabs(e.total[e.met[i]]) * e.weight[e.met[i]])
     if not found:
         return e.width
     pivot = -1
     for i in range(e.width):
         k = e.met[i]
-        if k >= e.unknowns or math.fabs(e.total[k]) < 0.1 * biggest:
+        if k >= e.unknowns or math.fabs(e.total[k]) * e.weight[k] < 0.1 * biggest:
             continue
         if pivot < 0 or is_before(e, k, pivot):
             pivot = k

@@ -76,9 +76,18 @@ def check_depth(e: Engine, mode: Mode) -> int:
 
 def make_equations(e: Engine, mode: Mode, given: Ints) -> None:
     """Eliminate a configuration and keep what evaluation asks for."""
+    for j in range(e.model.junctions):
+        mode.given[j] = given[j]
+    mode.weighed = False
+    mode.lost = 0.0
+    eliminate(e, mode)
+
+
+def eliminate(e: Engine, mode: Mode) -> None:
+    """Do the same for what is given in the mode, with its weights."""
     m = e.model
     switch_on(m, mode)
-    mode.too_high = build(e, mode, given) > 0
+    mode.too_high = build(e, mode) > 0
     for k in range(m.priors):
         mode.prior_acts[k] = 1 if is_prior_active(m, mode, k) else 0
     power = e.work.power

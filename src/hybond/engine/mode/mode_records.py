@@ -165,6 +165,14 @@ class Mode:
     """The number of the reason why it is not, or -1."""
     flow: int
     """Where its flow is kept, or -1."""
+    given: Ints
+    """Which variable of each junction is given from outside."""
+    weighed: bool
+    """Whether rows were eliminated by how large bond variables are: `weight`."""
+    weight: Floats
+    lost: float
+    """The part of laws that rounding of what was eliminated hid when that was done last; 0: never.
+    """
     opened: bool
     """Whether the laws of junctions are left open: the last sources are their ports."""
 
@@ -240,6 +248,8 @@ def make_mode(m: Model) -> Mode:
     mode.sized_at = floats(n)
     mode.free_size = make_block(1)
     mode.rates = make_reads(m)
+    mode.given = ints(m.junctions)
+    mode.weight = floats(n)
     return mode
 
 

@@ -7,11 +7,8 @@ begin to be watched. At events and where something is printed all are evaluated.
 from __future__ import annotations
 
 from hybond.engine.algebra.blocks import Rows, row_times
-from hybond.engine.answers import value
-from hybond.engine.engine import OK, Engine
+from hybond.engine.engine import Engine
 from hybond.engine.mode.mode_records import Mode, Reads
-from hybond.engine.mode.newton import solve
-from hybond.engine.mode.storage import co_energy_of
 from hybond.engine.model import Model
 from hybond.engine.words import Floats
 
@@ -87,27 +84,6 @@ def read_knowns(m: Model, mode: Mode, r: Reads, rows: Rows, k: int) -> None:
             r.rated[source - mode.sources] = mode.rated[source - mode.sources]
         else:
             r.valued[source] = 1
-
-
-def solve_read(e: Engine, mode: Mode, r: Reads, v: Floats) -> int:
-    """Put the bond variables that are read into `e.work.w` and `v`; all of them after Newton."""
-    if mode.dynamics > 0:
-        return solve(e, mode, v)
-    m = e.model
-    xi = e.work.xi
-    for i in range(r.stores):
-        xi[r.storage[i]] = co_energy_of(m, r.storage[i], v)
-    for k in range(mode.sources):
-        source = mode.source[k]
-        at = m.storages + k
-        if r.valued[k] != 0:
-            law = m.source_value[source] if source >= 0 else -1
-            xi[at] = mode.source_level[k] if law < 0 else value(m, law, v)
-        xi[at + mode.sources] = value(m, m.source_rate[source], v) if r.rated[k] != 0 else 0.0
-    read_by_knowns(mode, r, xi, e.work.w)
-    for i in range(r.many):
-        v[m.bond_slot + r.bond[i]] = e.work.w[r.bond[i]]
-    return OK
 
 
 def read_by_knowns(mode: Mode, r: Reads, xi: Floats, w: Floats) -> None:

@@ -1,0 +1,111 @@
+"""Bond variables of a mode at one instant, in equations that keep their digits.
+
+Elimination does not know how large bond variables will be. A flow through what resists next to
+nothing may come out as the difference of two pressures a billion times as large: nothing of it is
+left. What rounding of such differences hides of the laws that read them is told by `put_back`; if
+that is too much, rows are eliminated anew, each for the largest of its terms.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from hybond.engine.answers import value
+from hybond.engine.engine import NOT_FINITE, OK, Engine, count_work
+from hybond.engine.mode.equations import eliminate
+from hybond.engine.mode.mode_records import Mode, Reads
+from hybond.engine.mode.newton import by_knowns, keep_guess, knowns_of, newton
+from hybond.engine.mode.newton_system import write_bonds
+from hybond.engine.mode.put_back import HIDDEN
+from hybond.engine.mode.reading import read_by_knowns
+from hybond.engine.mode.storage import co_energy_of
+from hybond.engine.mode.undetermined import least_of_free
+from hybond.engine.words import Floats
+
+ROUNDS: Final = 4
+"""Times that rows are eliminated anew at one instant: what was nothing but rounding is known better
+each time."""
+BETTER: Final = 10.0
+"""How many times more of a law is hidden than the last time before it is done again."""
+FLOOR: Final = 2.0**-52
+"""The least that a variable counts as, as a part of the largest of its kind."""
+LEAST: Final = 1e-300
+"""Likewise, where all of its kind are zero."""
+
+
+def solve(e: Engine, mode: Mode, v: Floats) -> int:
+    """Put the bond variables into `e.work.w` and write them into `v`.
+
+    OK, or NOT_FINITE with a fault noted: HB-N301 if Newton does not converge, HB-N302 if a law has
+    no value.
+    """
+    w = e.work.w
+    count_work(e, 2 * e.model.bonds + mode.knowns)
+    knowns_of(e, mode, v, True)
+    if mode.dynamics == 0:
+        by_knowns(e, mode, mode.direct, w)
+    elif newton_with_digits(e, mode, v) != OK:
+        return NOT_FINITE
+    elif mode.finite_frees > 0:
+        least_of_free(e, mode, v, w)
+        keep_guess(mode, w)
+    write_bonds(e, v, w)
+    return OK
+
+
+def newton_with_digits(e: Engine, mode: Mode, v: Floats) -> int:
+    """Do what `newton` does, rows being eliminated anew where it finds that they lose digits."""
+    e.work.lost = 0.0
+    found = newton(e, mode, v)
+    for _ in range(ROUNDS):
+        if e.work.lost <= max(HIDDEN, BETTER * mode.lost):
+            break
+        weigh(e, mode)
+        knowns_of(e, mode, v, True)
+        e.work.lost = 0.0
+        found = newton(e, mode, v)
+        mode.lost = e.work.lost
+    return found
+
+
+def weigh(e: Engine, mode: Mode) -> None:
+    """Eliminate the rows of a mode anew, by how large bond variables are where digits were lost."""
+    m = e.model
+    at = e.work.lost_at
+    n = 2 * m.bonds
+    for c in range(m.classes):
+        e.work.kind_reach[c] = 0.0
+    for k in range(n):
+        c = m.bond_class[k]
+        if math.isfinite(at[k]):
+            e.work.kind_reach[c] = max(e.work.kind_reach[c], math.fabs(at[k]))
+    for k in range(n):
+        own = math.fabs(at[k]) if math.isfinite(at[k]) else 0.0
+        mode.weight[k] = max(own, max(FLOOR * e.work.kind_reach[m.bond_class[k]], LEAST))
+    mode.weighed = True
+    eliminate(e, mode)
+    for j in range(mode.finite_frees):
+        mode.guess.at[j] = at[mode.free_column[j]]
+        mode.guessed = True
+
+
+def solve_read(e: Engine, mode: Mode, r: Reads, v: Floats) -> int:
+    """Put the bond variables that are read into `e.work.w` and `v`; all of them after Newton."""
+    if mode.dynamics > 0:
+        return solve(e, mode, v)
+    m = e.model
+    xi = e.work.xi
+    for i in range(r.stores):
+        xi[r.storage[i]] = co_energy_of(m, r.storage[i], v)
+    for k in range(mode.sources):
+        source = mode.source[k]
+        at = m.storages + k
+        if r.valued[k] != 0:
+            law = m.source_value[source] if source >= 0 else -1
+            xi[at] = mode.source_level[k] if law < 0 else value(m, law, v)
+        xi[at + mode.sources] = value(m, m.source_rate[source], v) if r.rated[k] != 0 else 0.0
+    read_by_knowns(mode, r, xi, e.work.w)
+    for i in range(r.many):
+        v[m.bond_slot + r.bond[i]] = e.work.w[r.bond[i]]
+    return OK
