@@ -57,6 +57,7 @@ class Work:
     """A root that full steps swing about, if `swings` is not 0."""
     swings: int
     residual: Block
+    residual_before: Block
     residual_size: Block
     """The sizes of the terms of each residual, to first order."""
     w_size: Floats
@@ -182,6 +183,7 @@ def make_work(m: Model) -> Work:
     w.swings = 0
     w.slopes_there = make_block(1)
     w.residual = make_block(1)
+    w.residual_before = make_block(1)
     w.residual_size = make_block(1)
     w.w_size = floats(n)
     w.kind_reach = floats(max(m.classes, 1))

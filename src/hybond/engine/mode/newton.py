@@ -43,6 +43,8 @@ TO_AND_FRO: Final = 3
 """So many in a row lead nowhere."""
 ROUNDED: Final = 2.0 * 2.220446049250313e-16
 """What stored quantities leave in a difference of them, as a part of its terms."""
+LEFT: Final = 1e-13
+"""A residual below this part of its terms is rounding."""
 REACHED: Final = 1e-10
 """A step reaches a residual of which it leaves less than this part of its terms."""
 
@@ -186,6 +188,9 @@ def full_steps(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
         small = update <= TOLERANCE * scale
         ends = small and is_settled(e, frees, r)
         shrinks = update < 0.5 * previous or (small and share < 0.5 * shared)
+        falls = step > 0 and residuals_fall(e, rows)
+        shrinks = shrinks or (falls and not swings)
+        keep_residuals(e, rows)
         if exact or ends or not shrinks:
             with_free(mode, n, work.base, r, w)
             if put_back(e, mode, v, w):
@@ -196,6 +201,30 @@ def full_steps(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
             if exact:
                 return False
     return False
+
+
+def residuals_fall(e: Engine, rows: int) -> bool:
+    """Whether a residual that is more than rounding has become less than half, and none twice.
+
+    A square is come nearer to by halves; what large variables beside it leave is no reason to stop
+    there.
+    """
+    work = e.work
+    falls = False
+    for i in range(rows):
+        before = math.fabs(work.residual_before.at[i])
+        now = math.fabs(work.residual.at[i])
+        if now > 2.0 * before and now > LEFT * work.residual_size.at[i]:
+            return False
+        falls = falls or (now < 0.5 * before and now > LEFT * work.residual_size.at[i])
+    return falls
+
+
+def keep_residuals(e: Engine, rows: int) -> None:
+    """Keep the residuals to hold the next ones against."""
+    fit(e.work.residual_before, rows)
+    for i in range(rows):
+        e.work.residual_before.at[i] = e.work.residual.at[i]
 
 
 def largest_share(e: Engine, frees: int, r: Floats) -> float:
