@@ -34,7 +34,7 @@ SOLVED: Final = 1e-12
 """Likewise, of the largest variable of any kind: where Newton ends."""
 BLIND: Final = 1e-3
 """The part of its terms by which a law may be off where digits were lost: what is off by more is no
-solution, however it came about."""
+solution, however it came about. Likewise of a variable, whose digits are known if less is lost."""
 LOST_DIGITS: Final = 1e-13
 """Likewise, of the terms that made a variable, as where a guard is asked."""
 SPARSE: Final = 512
@@ -123,8 +123,7 @@ def hold_all(e: Engine, mode: Mode) -> None:
 def measure_bonds(e: Engine, mode: Mode) -> None:
     """Find what each bond variable may be off by.
 
-    Where elimination lost digits, as between milliohms and megohms, those are missing here too: up
-    to where nothing of a law is left that is more than rounding in what is largest of its kind.
+    Where elimination lost digits, as between milliohms and megohms, those are missing here too.
     What is beyond all bounds is told by `bounds_held`.
     """
     m = e.model
@@ -162,6 +161,7 @@ def hold_element(e: Engine, mode: Mode, element: int) -> None:
         size = math.fabs(level)
         may = PART * size
         lost = 0.0
+        known = 0.0
         for i in range(m.row_first[row], m.row_first[row + 1]):
             k = m.row_column[i]
             factor = m.row_value[i]
@@ -169,12 +169,16 @@ def hold_element(e: Engine, mode: Mode, element: int) -> None:
             size += math.fabs(factor) * c.magnitude[k]
             may += math.fabs(factor) * c.tolerance[k]
             lost += math.fabs(factor) * c.lost[k]
-        judge(e, ELEMENT, element, total, size, may, lost)
+            if c.lost[k] <= BLIND * c.magnitude[k]:
+                known += math.fabs(factor) * c.magnitude[k]
+        lost = excused(lost, size, known, may)
+        judge(e, ELEMENT, element, total, size, may + lost)
     for d in range(m.part_dynamic[part], m.part_dynamic[part + 1]):
         total = value(m, m.dynamic_value[d], c.v)
         size = 0.0
         may = 0.0
         lost = 0.0
+        known = 0.0
         for i in range(m.slope_first[d], m.slope_first[d + 1]):
             law = m.slope_value[i]
             slope = math.fabs(m.slope_constant[i] if law < 0 else value(m, law, c.v))
@@ -183,11 +187,22 @@ def hold_element(e: Engine, mode: Mode, element: int) -> None:
                 size += slope * c.magnitude[k]
                 may += slope * c.tolerance[k]
                 lost += slope * c.lost[k]
+                if c.lost[k] <= BLIND * c.magnitude[k]:
+                    known += slope * c.magnitude[k]
             else:
                 may += moved_by(e, d, k, total)
         if not c.first_look:
             size = max(size, value(m, m.dynamic_rounding[d], c.v))
-        judge(e, ELEMENT, element, total, size, may, lost)
+        judge(e, ELEMENT, element, total, size, may + excused(lost, size, known, may))
+
+
+def excused(lost: float, size: float, known: float, may: float) -> float:
+    """Return by how much more a law may be off that reads variables which lost digits.
+
+    All that is lost, where nothing else is known: a current that is zero among others. A term whose
+    digits are known says what the others have to be.
+    """
+    return min(lost, BLIND * size) if known > may else lost
 
 
 def moved_by(e: Engine, d: int, k: int, total: float) -> float:
@@ -223,7 +238,7 @@ def hold_storage(e: Engine, k: int) -> None:
     if not c.first_look:
         held = SOLVED * e.work.reach[k] * math.fabs(own_stiffness(m, k, c.v))
         may += held if math.isfinite(held) else 0.0
-    judge(e, STORAGE, k, shown - own, math.fabs(own), may + c.lost[at], 0.0)
+    judge(e, STORAGE, k, shown - own, math.fabs(own), may + c.lost[at])
 
 
 def hold_junction(e: Engine, j: int) -> None:
@@ -235,19 +250,17 @@ def hold_junction(e: Engine, j: int) -> None:
     total = 0.0
     size = 0.0
     may = 0.0
-    lost = 0.0
     first = common + m.end_bond[m.end_first[j]] if m.end_first[j] < m.end_first[j + 1] else 0
     for i in range(m.end_first[j], m.end_first[j + 1]):
         k = common + m.end_bond[i]
         apart = c.v[m.bond_slot + k] - c.v[m.bond_slot + first]
-        may_apart = c.tolerance[k] + c.tolerance[first]
-        judge(e, JUNCTION, j, apart, c.magnitude[k], may_apart, c.lost[k] + c.lost[first])
+        both = c.tolerance[k] + c.lost[k] + c.tolerance[first] + c.lost[first]
+        judge(e, JUNCTION, j, apart, c.magnitude[k], both)
         k = other + m.end_bond[i]
         total += float(m.end_sign[i]) * c.v[m.bond_slot + k]
         size += c.magnitude[k]
-        may += c.tolerance[k]
-        lost += c.lost[k]
-    judge(e, JUNCTION, j, total, size, may, lost)
+        may += c.tolerance[k] + c.lost[k]
+    judge(e, JUNCTION, j, total, size, may)
 
 
 def hold_off(e: Engine, j: int) -> None:
@@ -258,17 +271,12 @@ def hold_off(e: Engine, j: int) -> None:
     for i in range(m.end_first[j], m.end_first[j + 1]):
         k = common + m.end_bond[i]
         may = c.tolerance[k] - PART * c.magnitude[k] + c.lost[k]
-        judge(e, JUNCTION, j, c.v[m.bond_slot + k], c.magnitude[k], may, 0.0)
+        judge(e, JUNCTION, j, c.v[m.bond_slot + k], c.magnitude[k], may)
 
 
-def judge(
-    e: Engine, what: int, index: int, off: float, size: float, may: float, lost: float
-) -> None:
-    """Note a law of which more is left than it may be; the first of each element is told.
-
-    What digits that were lost allow is no more than a part of its terms.
-    """
-    if math.fabs(off) <= may + min(lost, BLIND * size) or may == math.inf:
+def judge(e: Engine, what: int, index: int, off: float, size: float, may: float) -> None:
+    """Note a law of which more is left than it may be; the first of each element is told."""
+    if math.fabs(off) <= may or may == math.inf:
         return
     if e.checks.first_look:
         e.checks.suspects += 1

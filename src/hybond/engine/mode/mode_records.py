@@ -173,6 +173,11 @@ class Mode:
     lost: float
     """The part of laws that rounding of what was eliminated hid when that was done last; 0: never.
     """
+    rows_lost: float
+    """The same of rows with constant coefficients."""
+    solves: int
+    """How often it was solved, up to where such rows are looked at."""
+    looks_due: int
     opened: bool
     """Whether the laws of junctions are left open: the last sources are their ports."""
 

@@ -157,7 +157,7 @@ def row_terms(n: int, a: Floats, first: int, size: Floats) -> float:
     total = 0.0
     for k in range(n):
         if a[first + k] != 0.0 and math.isfinite(a[first + k]):
-            total += math.fabs(a[first + k] * size[k])
+            total += math.fabs(a[first + k]) * size[k]
     return total
 
 

@@ -56,9 +56,7 @@ def put_back(e: Engine, mode: Mode, v: Floats, w: Floats) -> bool:
             work.residual.at[i] = f
             work.residual_size.at[i] = row_terms(n, work.slopes.at, i * n, work.w_size)
             work.residual_reach.at[i] = row_terms(n, work.slopes.at, i * n, work.w_reach)
-            own = row_terms(n, work.slopes.at, i * n, w)
-            if own > 0.0:
-                work.lost = max(work.lost, UNIT * work.residual_size.at[i] / own)
+            work.lost = max(work.lost, hidden_part(n, work.slopes.at, i * n, w, work.w_size))
             if d >= 0 and not math.fabs(f) <= HOLDS * work.residual_size.at[i]:
                 moved = moved_by_rounding(e, mode, i, v, w) / (ROUNDINGS * UNIT)
                 work.residual_reach.at[i] = min(work.residual_reach.at[i], moved)
@@ -68,6 +66,23 @@ def put_back(e: Engine, mode: Mode, v: Floats, w: Floats) -> bool:
     if all_hold(e, rows, HOLDS):
         return is_near(e, mode, v, w, rows)
     return mode.rank == mode.structures and is_rounding(e, mode, v, w)
+
+
+def hidden_part(n: int, a: Floats, first: int, w: Floats, size: Floats) -> float:
+    """Return what part of a row of slopes rounding of its variables hides.
+
+    As a part of those terms whose digits are known, since where there are none nothing tells that
+    the others are more than rounding.
+    """
+    known = 0.0
+    hidden = 0.0
+    for k in range(n):
+        slope = math.fabs(a[first + k])
+        if slope != 0.0 and math.isfinite(slope):
+            hidden += slope * UNIT * size[k]
+            if UNIT * size[k] <= HIDDEN * math.fabs(w[k]):
+                known += slope * math.fabs(w[k])
+    return hidden / known if known > 0.0 else 0.0
 
 
 def moved_by_rounding(e: Engine, mode: Mode, i: int, v: Floats, w: Floats) -> float:

@@ -13,13 +13,14 @@ from typing import Final
 
 from hybond.engine.answers import value
 from hybond.engine.engine import NOT_FINITE, OK, Engine, count_work
-from hybond.engine.mode.equations import eliminate
+from hybond.engine.mode.equations import eliminate_by
 from hybond.engine.mode.mode_records import Mode, Reads
 from hybond.engine.mode.newton import by_knowns, keep_guess, knowns_of, newton
-from hybond.engine.mode.newton_system import write_bonds
-from hybond.engine.mode.put_back import HIDDEN
+from hybond.engine.mode.newton_system import measure_terms, write_bonds
+from hybond.engine.mode.put_back import HIDDEN, UNIT
 from hybond.engine.mode.reading import read_by_knowns
 from hybond.engine.mode.storage import co_energy_of
+from hybond.engine.mode.tableau import part_of
 from hybond.engine.mode.undetermined import least_of_free
 from hybond.engine.words import Floats
 
@@ -28,10 +29,6 @@ ROUNDS: Final = 4
 each time."""
 BETTER: Final = 10.0
 """How many times more of a law is hidden than the last time before it is done again."""
-FLOOR: Final = 2.0**-52
-"""The least that a variable counts as, as a part of the largest of its kind."""
-LEAST: Final = 1e-300
-"""Likewise, where all of its kind are zero."""
 
 
 def solve(e: Engine, mode: Mode, v: Floats) -> int:
@@ -66,25 +63,49 @@ def newton_with_digits(e: Engine, mode: Mode, v: Floats) -> int:
         e.work.lost = 0.0
         found = newton(e, mode, v)
         mode.lost = e.work.lost
+    mode.solves += 1
+    if found != OK or mode.solves < mode.looks_due:
+        return found
+    mode.looks_due = 2 * mode.solves
+    for _ in range(ROUNDS):
+        lost = lost_in_rows(e, mode, e.work.w)
+        if found != OK or lost <= max(HIDDEN, BETTER * mode.rows_lost):
+            break
+        mode.rows_lost = lost
+        for k in range(2 * e.model.bonds):
+            e.work.lost_at[k] = e.work.w[k]
+        weigh(e, mode)
+        knowns_of(e, mode, v, True)
+        found = newton(e, mode, v)
     return found
+
+
+def lost_in_rows(e: Engine, mode: Mode, w: Floats) -> float:
+    """Return the most of a linear law that rounding of what was eliminated hides."""
+    m = e.model
+    size = e.work.w_size
+    measure_terms(e, mode, w)
+    most = 0.0
+    for element in range(m.elements):
+        part = part_of(m, mode, element)
+        for row in range(m.part_power[part], m.part_power[part + 1]):
+            known = 0.0
+            hidden = 0.0
+            for i in range(m.row_first[row], m.row_first[row + 1]):
+                k = m.row_column[i]
+                factor = math.fabs(m.row_value[i])
+                hidden += factor * UNIT * size[k]
+                if UNIT * size[k] <= HIDDEN * math.fabs(w[k]):
+                    known += factor * math.fabs(w[k])
+            if known > 0.0 and math.isfinite(hidden):
+                most = max(most, hidden / known)
+    return most
 
 
 def weigh(e: Engine, mode: Mode) -> None:
     """Eliminate the rows of a mode anew, by how large bond variables are where digits were lost."""
-    m = e.model
     at = e.work.lost_at
-    n = 2 * m.bonds
-    for c in range(m.classes):
-        e.work.kind_reach[c] = 0.0
-    for k in range(n):
-        c = m.bond_class[k]
-        if math.isfinite(at[k]):
-            e.work.kind_reach[c] = max(e.work.kind_reach[c], math.fabs(at[k]))
-    for k in range(n):
-        own = math.fabs(at[k]) if math.isfinite(at[k]) else 0.0
-        mode.weight[k] = max(own, max(FLOOR * e.work.kind_reach[m.bond_class[k]], LEAST))
-    mode.weighed = True
-    eliminate(e, mode)
+    eliminate_by(e, mode, at)
     for j in range(mode.finite_frees):
         mode.guess.at[j] = at[mode.free_column[j]]
         mode.guessed = True
