@@ -56,7 +56,8 @@ def put_back(e: Engine, mode: Mode, v: Floats, w: Floats) -> bool:
             work.residual.at[i] = f
             work.residual_size.at[i] = row_terms(n, work.slopes.at, i * n, work.w_size)
             work.residual_reach.at[i] = row_terms(n, work.slopes.at, i * n, work.w_reach)
-            work.lost = max(work.lost, hidden_part(n, work.slopes.at, i * n, w, work.w_size))
+            if d >= 0 and e.model.dynamic_kind[d] != 0:
+                work.lost = max(work.lost, hidden_part(e, i * n, w))
             if d >= 0 and not math.fabs(f) <= HOLDS * work.residual_size.at[i]:
                 moved = moved_by_rounding(e, mode, i, v, w) / (ROUNDINGS * UNIT)
                 work.residual_reach.at[i] = min(work.residual_reach.at[i], moved)
@@ -68,21 +69,29 @@ def put_back(e: Engine, mode: Mode, v: Floats, w: Floats) -> bool:
     return mode.rank == mode.structures and is_rounding(e, mode, v, w)
 
 
-def hidden_part(n: int, a: Floats, first: int, w: Floats, size: Floats) -> float:
+def hidden_part(e: Engine, first: int, w: Floats) -> float:
     """Return what part of a row of slopes rounding of its variables hides.
 
     As a part of those terms whose digits are known, since where there are none nothing tells that
-    the others are more than rounding.
+    the others are more than rounding. What is next to nothing beside others of its kind may be
+    rounding itself, whatever it is a sum of.
     """
+    work = e.work
     known = 0.0
     hidden = 0.0
-    for k in range(n):
-        slope = math.fabs(a[first + k])
+    for k in range(2 * e.model.bonds):
+        slope = math.fabs(work.slopes.at[first + k])
         if slope != 0.0 and math.isfinite(slope):
-            hidden += slope * UNIT * size[k]
-            if UNIT * size[k] <= HIDDEN * math.fabs(w[k]):
+            lost = UNIT * work.w_size[k]
+            hidden += slope * lost
+            if is_known(lost, work.w_reach[k], w[k]):
                 known += slope * math.fabs(w[k])
     return hidden / known if known > 0.0 else 0.0
+
+
+def is_known(lost: float, reach: float, own: float) -> bool:
+    """Whether a bond variable has digits, of which rounding leaves so much."""
+    return lost <= HIDDEN * math.fabs(own) and math.fabs(own) > HIDDEN * reach
 
 
 def moved_by_rounding(e: Engine, mode: Mode, i: int, v: Floats, w: Floats) -> float:

@@ -17,7 +17,7 @@ from hybond.engine.mode.equations import eliminate_by
 from hybond.engine.mode.mode_records import Mode, Reads
 from hybond.engine.mode.newton import by_knowns, keep_guess, knowns_of, newton
 from hybond.engine.mode.newton_system import measure_terms, write_bonds
-from hybond.engine.mode.put_back import HIDDEN, UNIT
+from hybond.engine.mode.put_back import HIDDEN, UNIT, is_known
 from hybond.engine.mode.reading import read_by_knowns
 from hybond.engine.mode.storage import co_energy_of
 from hybond.engine.mode.tableau import part_of
@@ -95,7 +95,7 @@ def lost_in_rows(e: Engine, mode: Mode, w: Floats) -> float:
                 k = m.row_column[i]
                 factor = math.fabs(m.row_value[i])
                 hidden += factor * UNIT * size[k]
-                if UNIT * size[k] <= HIDDEN * math.fabs(w[k]):
+                if is_known(UNIT * size[k], e.work.w_reach[k], w[k]):
                     known += factor * math.fabs(w[k])
             if known > 0.0 and math.isfinite(hidden):
                 most = max(most, hidden / known)
