@@ -71,6 +71,9 @@ class Work:
     """The part of a law that rounding of what was eliminated hides, where it was put back last."""
     lost_at: Floats
     """The bond variables there, if it is more than `put_back.HIDDEN`."""
+    row_known: float
+    row_hidden: float
+    """Of a row: the terms that have digits, and what rounding may be of all of them."""
     aid: float
     """A resistance beside each law, on the way from linear laws to the given ones; 0: none."""
     step: Block

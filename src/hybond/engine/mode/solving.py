@@ -20,7 +20,7 @@ from hybond.engine.mode.newton_system import measure_terms, write_bonds
 from hybond.engine.mode.put_back import HIDDEN, UNIT, is_known
 from hybond.engine.mode.reading import read_by_knowns
 from hybond.engine.mode.storage import co_energy_of
-from hybond.engine.mode.tableau import part_of
+from hybond.engine.mode.tableau import NOT_OPEN, part_of
 from hybond.engine.mode.undetermined import least_of_free
 from hybond.engine.words import Floats
 
@@ -81,25 +81,48 @@ def newton_with_digits(e: Engine, mode: Mode, v: Floats) -> int:
 
 
 def lost_in_rows(e: Engine, mode: Mode, w: Floats) -> float:
-    """Return the most of a linear law that rounding of what was eliminated hides."""
+    """Return the most of a linear law, or of a junction's sum, that lost digits hide."""
     m = e.model
-    size = e.work.w_size
+    n = m.bonds
     measure_terms(e, mode, w)
     most = 0.0
     for element in range(m.elements):
         part = part_of(m, mode, element)
         for row in range(m.part_power[part], m.part_power[part + 1]):
-            known = 0.0
-            hidden = 0.0
+            begin_row(e)
             for i in range(m.row_first[row], m.row_first[row + 1]):
-                k = m.row_column[i]
-                factor = math.fabs(m.row_value[i])
-                hidden += factor * UNIT * size[k]
-                if is_known(UNIT * size[k], e.work.w_reach[k], w[k]):
-                    known += factor * math.fabs(w[k])
-            if known > 0.0 and math.isfinite(hidden):
-                most = max(most, hidden / known)
+                add_term(e, math.fabs(m.row_value[i]), m.row_column[i], w)
+            most = max(most, part_hidden(e))
+    for j in range(m.junctions):
+        switch = m.junction_switch[j]
+        if mode.given[j] != NOT_OPEN or (switch >= 0 and mode.on[switch] == 0):
+            continue
+        begin_row(e)
+        for i in range(m.end_first[j], m.end_first[j + 1]):
+            add_term(e, 1.0, m.end_bond[i] + (n if m.junction_kind[j] == 0 else 0), w)
+        most = max(most, part_hidden(e))
     return most
+
+
+def begin_row(e: Engine) -> None:
+    """Begin to sum what is known of a row, and what is hidden of it."""
+    e.work.row_known = 0.0
+    e.work.row_hidden = 0.0
+
+
+def add_term(e: Engine, factor: float, k: int, w: Floats) -> None:
+    """Add a term of a row."""
+    lost = UNIT * e.work.w_size[k]
+    e.work.row_hidden += factor * lost
+    if is_known(lost, e.work.w_reach[k], w[k]):
+        e.work.row_known += factor * math.fabs(w[k])
+
+
+def part_hidden(e: Engine) -> float:
+    """Return the part of a row that is hidden, of what is known of it; 0 where nothing is."""
+    w = e.work
+    found = w.row_known > 0.0 and math.isfinite(w.row_hidden)
+    return w.row_hidden / w.row_known if found else 0.0
 
 
 def weigh(e: Engine, mode: Mode) -> None:
