@@ -26,6 +26,8 @@ of 2.2e-16, against 1e-13 of the terms."""
 
 TURNS: Final = 2
 """Times that rows without laws are eliminated anew if they lose digits."""
+APART: Final = 0.618
+"""By what levels are apart that stand for those that are not known yet."""
 FLOOR: Final = 2.0**-52
 """The least that a variable counts as, as a part of the largest of its kind."""
 LEAST: Final = 1e-300
@@ -109,15 +111,18 @@ def loses_digits(e: Engine) -> bool:
 
 
 def level_of(m: Model, mode: Mode, k: int) -> float:
-    """Return what a known counts as before any value is there: its constant, or 1."""
+    """Return what a known counts as before any value is there: its constant, or about 1.
+
+    No two are the same: nothing flows between equal ones.
+    """
+    some_level = 1.0 + math.fmod(APART * float(k + 1), 1.0)
     source = k - m.storages
     if source < 0:
-        return 1.0
+        return some_level
     if source >= mode.sources:
         return 0.0
     s = mode.source[source]
-    given = s >= 0 and m.source_value[s] < 0 and m.source_constant[s] != 0.0
-    return m.source_constant[s] if given else 1.0
+    return m.source_constant[s] if s >= 0 and m.source_value[s] < 0 else some_level
 
 
 def eliminate_by(e: Engine, mode: Mode, at: Floats) -> None:
