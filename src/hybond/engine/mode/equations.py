@@ -95,7 +95,9 @@ def make_equations(e: Engine, mode: Mode, given: Ints) -> None:
     mode.looks_due = 1
     eliminate(e, mode)
     for _ in range(TURNS):
-        if mode.dynamics > 0 or mode.too_high or not loses_digits(e):
+        # constraints on what is stored, and what laws tie together, are told from structure
+        structured = e.model.laws > 0 or e.work.table.done > 0
+        if mode.dynamics > 0 or mode.too_high or structured or not loses_digits(e):
             break
         for k in range(mode.knowns):
             e.work.xi[k] = level_of(e.model, mode, k)
