@@ -14,7 +14,7 @@ import pytest
 
 import hybond as hb
 from hybond.engine.laws import law_branches
-from hybond.engine.mode import newton, undetermined
+from hybond.engine.mode import newton, solving, undetermined
 from hybond.engine.outcome import warned
 from hybond.model import flatten as flattening
 
@@ -59,7 +59,7 @@ def test_a_saturated_law_that_is_projected_away(monkeypatch: pytest.MonkeyPatch,
     monkeypatch.setattr(undetermined, "system", elsewhere)
     monkeypatch.setattr(undetermined, "may_move", lambda *_: True)
     monkeypatch.setattr(undetermined, "holds_at", lambda *_: True)
-    monkeypatch.setattr(newton, "least_of_free", always)
+    monkeypatch.setattr(solving, "least_of_free", always)
     monkeypatch.setattr(flattening, "with_flat_pieces", lambda graph: graph)
     run = ended(dragged(law), 2.0)
     assert run.status == "unsound", run.error
@@ -167,14 +167,14 @@ def test_a_share_that_is_determined_and_moved(
     assert [run["c1.e"].at(0.05), run["c2.e"].at(0.05)] == pytest.approx([4.905, 4.905])
     at = [k for k, b in enumerate(run.graph.bonds) if b.name.startswith(("c1 ->", "c2 ->"))]
     assert len(at) == 4
-    true: Callable[..., None] = newton.least_of_free
+    true: Callable[..., None] = solving.least_of_free
 
     def moved(e: Any, mode: Any, v: Any, w: Any) -> None:
         true(e, mode, v, w)
         for k, sign in zip(at, (-1.0, -1.0, 1.0, 1.0), strict=True):
             w[k] += sign * share
 
-    monkeypatch.setattr(newton, "least_of_free", moved)
+    monkeypatch.setattr(solving, "least_of_free", moved)
     run = ended(m, 0.1)
     assert run.status == "unsound" and run.error is not None
     assert run.error.where in ("left", "right")

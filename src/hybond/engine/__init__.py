@@ -74,10 +74,10 @@ What junction laws and implicit steps ask of it, and give to it:
 
 State and values
     ``e.v`` are the values that expressions read (`2 * slots`), written by `values.set_values` (all
-    but bond variables) and `newton.solve(e, mode, v)` (bond variables, into ``e.work.w`` and `v`;
+    but bond variables) and `solving.solve(e, mode, v)` (bond variables, into ``e.work.w`` and `v`;
     OK or NOT_FINITE with ``e.fault``). ``e.pre`` is what ``pre()`` reads at an instant. Stored
     quantities stand in `v` at ``model.stored_slot``: what is solved for is what is stored *there*.
-    `reading.solve_read(e, mode, reads, v)` is the same for bond variables that are read in a step.
+    `solving.solve_read(e, mode, reads, v)` is the same for bond variables that are read in a step.
     `sizes.measure(e, mode, pair, xi, v, terms)`, before a guard is asked: what rounding of the
     signals that it reads is measured by, `xi` being what they were solved from. `sizes.seen_of(e,
     mode, x)`: ``mode.seen`` times the root of ``e.energy`` is reach_of_bonds.

@@ -60,6 +60,7 @@ class Work:
     """A root that full steps swing about, if `swings` is not 0."""
     swings: int
     residual: Block
+    residual_before: Block
     residual_size: Block
     """The sizes of the terms of each residual, to first order."""
     w_size: Floats
@@ -69,6 +70,13 @@ class Work:
     residual_reach: Block
     """The same of a row: what rounding of a solution is measured by."""
     """The sizes of the terms of each bond variable, by which residuals are measured."""
+    lost: float
+    """The part of a law that rounding of what was eliminated hides, where it was put back last."""
+    lost_at: Floats
+    """The bond variables there, if it is more than `put_back.HIDDEN`."""
+    row_known: float
+    row_hidden: float
+    """Of a row: the terms that have digits, and what rounding may be of all of them."""
     aid: float
     """A resistance beside each law, on the way from linear laws to the given ones; 0: none."""
     step: Block
@@ -183,10 +191,12 @@ def make_work(m: Model) -> Work:
     w.swings = 0
     w.slopes_there = make_block(1)
     w.residual = make_block(1)
+    w.residual_before = make_block(1)
     w.residual_size = make_block(1)
     w.w_size = floats(n)
     w.kind_reach = floats(max(m.classes, 1))
     w.w_reach = floats(n)
+    w.lost_at = floats(n)
     w.residual_reach = make_block(1)
     w.step = make_block(1)
     w.reduced = make_block(1)

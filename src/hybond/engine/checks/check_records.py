@@ -17,6 +17,8 @@ class Checks:
     v: Floats
     tolerance: Floats
     """By how much each bond variable may be off."""
+    lost: Floats
+    """By how much more, where digits were lost on the way to it."""
     magnitude: Floats
     largest: Floats
     """The largest bond variable of each class that the run has seen at its checks."""
@@ -73,6 +75,7 @@ def make_checks(m: Model) -> Checks:
     c = Checks()
     c.v = floats(2 * m.slots)
     c.tolerance = floats(2 * m.bonds)
+    c.lost = floats(2 * m.bonds)
     c.magnitude = floats(2 * m.bonds)
     c.largest = floats(m.classes)
     rules = m.rule_first[m.machines]

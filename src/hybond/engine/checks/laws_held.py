@@ -32,6 +32,9 @@ ROUNDING: Final = 1e-11
 """Likewise, as a part of what the largest variable of each kind has brought it in the run."""
 SOLVED: Final = 1e-12
 """Likewise, of the largest variable of any kind: where Newton ends."""
+BLIND: Final = 1e-3
+"""The part of its terms by which a law may be off where digits were lost: what is off by more is no
+solution, however it came about. Likewise of a variable, whose digits are known if less is lost."""
 LOST_DIGITS: Final = 1e-13
 """Likewise, of the terms that made a variable, as where a guard is asked."""
 SPARSE: Final = 512
@@ -136,12 +139,10 @@ def measure_bonds(e: Engine, mode: Mode) -> None:
             c.unbounded = k
     for k in range(2 * m.bonds):
         c.tolerance[k] = PART * c.magnitude[k] + ROUNDING * c.largest[m.bond_class[k]]
+        c.lost[k] = SOLVED * most if m.dynamics > 0 else 0.0
         if not c.first_look:
             size = size_of(e, mode, k, e.work.xi, c.v)
-            c.tolerance[k] += LOST_DIGITS * size
-    if m.dynamics > 0:
-        for k in range(2 * m.bonds):
-            c.tolerance[k] += SOLVED * most
+            c.lost[k] += LOST_DIGITS * size
 
 
 def hold_element(e: Engine, mode: Mode, element: int) -> None:
@@ -159,17 +160,25 @@ def hold_element(e: Engine, mode: Mode, element: int) -> None:
         total = -level
         size = math.fabs(level)
         may = PART * size
+        lost = 0.0
+        known = 0.0
         for i in range(m.row_first[row], m.row_first[row + 1]):
             k = m.row_column[i]
             factor = m.row_value[i]
             total += factor * c.v[m.bond_slot + k]
             size += math.fabs(factor) * c.magnitude[k]
             may += math.fabs(factor) * c.tolerance[k]
-        judge(e, ELEMENT, element, total, size, may)
+            lost += math.fabs(factor) * c.lost[k]
+            if c.lost[k] <= BLIND * c.magnitude[k]:
+                known += math.fabs(factor) * c.magnitude[k]
+        lost = excused(lost, size, known, may)
+        judge(e, ELEMENT, element, total, size, may + lost)
     for d in range(m.part_dynamic[part], m.part_dynamic[part + 1]):
         total = value(m, m.dynamic_value[d], c.v)
         size = 0.0
         may = 0.0
+        lost = 0.0
+        known = 0.0
         for i in range(m.slope_first[d], m.slope_first[d + 1]):
             law = m.slope_value[i]
             slope = math.fabs(m.slope_constant[i] if law < 0 else value(m, law, c.v))
@@ -177,9 +186,23 @@ def hold_element(e: Engine, mode: Mode, element: int) -> None:
             if math.isfinite(slope):
                 size += slope * c.magnitude[k]
                 may += slope * c.tolerance[k]
+                lost += slope * c.lost[k]
+                if c.lost[k] <= BLIND * c.magnitude[k]:
+                    known += slope * c.magnitude[k]
             else:
                 may += moved_by(e, d, k, total)
-        judge(e, ELEMENT, element, total, size, may)
+        if not c.first_look:
+            size = max(size, value(m, m.dynamic_rounding[d], c.v))
+        judge(e, ELEMENT, element, total, size, may + excused(lost, size, known, may))
+
+
+def excused(lost: float, size: float, known: float, may: float) -> float:
+    """Return by how much more a law may be off that reads variables which lost digits.
+
+    All that is lost, where nothing else is known: a current that is zero among others. A term whose
+    digits are known says what the others have to be.
+    """
+    return min(lost, BLIND * size) if known > may else lost
 
 
 def moved_by(e: Engine, d: int, k: int, total: float) -> float:
@@ -193,7 +216,8 @@ def moved_by(e: Engine, d: int, k: int, total: float) -> float:
     kept = c.v[at]
     most = 0.0
     for side in range(2):
-        c.v[at] = kept + c.tolerance[k] if side == 0 else kept - c.tolerance[k]
+        way = c.tolerance[k] + c.lost[k]
+        c.v[at] = kept + way if side == 0 else kept - way
         off = math.fabs(value(m, m.dynamic_value[d], c.v) - total)
         if math.isfinite(off):
             most = max(most, off)
@@ -214,7 +238,7 @@ def hold_storage(e: Engine, k: int) -> None:
     if not c.first_look:
         held = SOLVED * e.work.reach[k] * math.fabs(own_stiffness(m, k, c.v))
         may += held if math.isfinite(held) else 0.0
-    judge(e, STORAGE, k, shown - own, math.fabs(own), may)
+    judge(e, STORAGE, k, shown - own, math.fabs(own), may + c.lost[at])
 
 
 def hold_junction(e: Engine, j: int) -> None:
@@ -230,11 +254,12 @@ def hold_junction(e: Engine, j: int) -> None:
     for i in range(m.end_first[j], m.end_first[j + 1]):
         k = common + m.end_bond[i]
         apart = c.v[m.bond_slot + k] - c.v[m.bond_slot + first]
-        judge(e, JUNCTION, j, apart, c.magnitude[k], c.tolerance[k] + c.tolerance[first])
+        both = c.tolerance[k] + c.lost[k] + c.tolerance[first] + c.lost[first]
+        judge(e, JUNCTION, j, apart, c.magnitude[k], both)
         k = other + m.end_bond[i]
         total += float(m.end_sign[i]) * c.v[m.bond_slot + k]
         size += c.magnitude[k]
-        may += c.tolerance[k]
+        may += c.tolerance[k] + c.lost[k]
     judge(e, JUNCTION, j, total, size, may)
 
 
@@ -245,7 +270,7 @@ def hold_off(e: Engine, j: int) -> None:
     common = 0 if m.junction_kind[j] == 0 else m.bonds
     for i in range(m.end_first[j], m.end_first[j + 1]):
         k = common + m.end_bond[i]
-        may = c.tolerance[k] - PART * c.magnitude[k]
+        may = c.tolerance[k] - PART * c.magnitude[k] + c.lost[k]
         judge(e, JUNCTION, j, c.v[m.bond_slot + k], c.magnitude[k], may)
 
 

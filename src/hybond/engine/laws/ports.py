@@ -23,7 +23,7 @@ from hybond.engine.mode.equations import check_depth, make_equations
 from hybond.engine.mode.guess import give_back_guess, hold_guess
 from hybond.engine.mode.kept_modes import is_same
 from hybond.engine.mode.mode_records import Mode, make_mode
-from hybond.engine.mode.newton import solve
+from hybond.engine.mode.solving import solve
 from hybond.engine.mode.tableau import COMMON, NET, NOT_OPEN
 from hybond.engine.mode.values import set_values
 from hybond.engine.model import Model

@@ -8,7 +8,7 @@ from typing import Final
 from hybond.engine.answers import value
 from hybond.engine.engine import OK, Engine
 from hybond.engine.methods.dopri import spacing
-from hybond.engine.mode.newton import solve
+from hybond.engine.mode.solving import solve
 from hybond.engine.mode.values import set_motion
 from hybond.engine.words import Floats
 

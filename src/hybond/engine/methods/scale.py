@@ -9,8 +9,8 @@ from hybond.engine.answers import value
 from hybond.engine.engine import OK, Engine
 from hybond.engine.mode.guess import give_back_guess, hold_guess
 from hybond.engine.mode.mode_records import Mode
-from hybond.engine.mode.newton import solve
 from hybond.engine.mode.sizes import size_of
+from hybond.engine.mode.solving import solve
 from hybond.engine.mode.storage import own_stiffness
 from hybond.engine.mode.values import set_state
 from hybond.engine.words import Floats

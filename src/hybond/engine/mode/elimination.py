@@ -73,7 +73,8 @@ class Elimination:
     method finds it to its last digit then, and where it is zero it is; a difference of others has
     the sign of their rounding."""
     weight: Floats
-    """What unknowns are measured by beside each other: of a row the heaviest is solved for."""
+    """How large each unknown is known to be; 1 where nothing is known. Of a row the largest of its
+    terms is solved for: what is a sum of them then is no small difference of large ones."""
     used: Ints
     """In how many rows each free unknown is."""
     user: Ints
@@ -229,6 +230,7 @@ def copy_elimination(source: Elimination, e: Elimination) -> None:
     for k in range(e.unknowns):
         e.same[k] = source.same[k]
         e.read[k] = source.read[k]
+        e.weight[k] = source.weight[k]
         e.solved[k] = source.solved[k]
         e.order[k] = source.order[k]
         if source.count[k] > 0:
@@ -316,13 +318,13 @@ def add_row(e: Elimination) -> int:
     for i in range(e.width):
         if e.met[i] < e.unknowns:
             found = True
-            biggest = max(biggest, e.weight[e.met[i]] * math.fabs(e.total[e.met[i]]))
+            biggest = max(biggest, math.fabs(e.total[e.met[i]]) * e.weight[e.met[i]])
     if not found:
         return e.width
     pivot = -1
     for i in range(e.width):
         k = e.met[i]
-        if k >= e.unknowns or e.weight[k] * math.fabs(e.total[k]) < 0.1 * biggest:
+        if k >= e.unknowns or math.fabs(e.total[k]) * e.weight[k] < 0.1 * biggest:
             continue
         if pivot < 0 or is_before(e, k, pivot):
             pivot = k

@@ -12,16 +12,26 @@ from hybond.engine.mode.elimination import CLEAR, NOWHERE, Elimination, find_ent
 from hybond.engine.mode.kept_modes import find_kept, keep_mode
 from hybond.engine.mode.leakage import fold, least_leakage
 from hybond.engine.mode.mode_records import Mode
+from hybond.engine.mode.newton import by_knowns
 from hybond.engine.mode.newton_system import take_rank
 from hybond.engine.mode.reading import read_rates
 from hybond.engine.mode.tableau import build, switch_on
 from hybond.engine.model import Model
 from hybond.engine.reasons.warned import FAR_APART, add_about, begin_warning
-from hybond.engine.words import Ints, some
+from hybond.engine.words import Floats, Ints, some
 
 LOST: Final = 0.02
 """Units of rounding that elimination may lose, against those that a comparison lets pass: eight
 of 2.2e-16, against 1e-13 of the terms."""
+
+TURNS: Final = 2
+"""Times that rows without laws are eliminated anew if they lose digits."""
+APART: Final = 0.618
+"""By what levels are apart that stand for those that are not known yet."""
+FLOOR: Final = 2.0**-52
+"""The least that a variable counts as, as a part of the largest of its kind."""
+LEAST: Final = 1e-300
+"""Likewise, where all of its kind are zero."""
 
 
 def mode_of(e: Engine, state: Ints) -> int:
@@ -53,10 +63,10 @@ def mode_of(e: Engine, state: Ints) -> int:
 def look_at_digits(e: Engine, mode: Mode) -> None:
     """Warn, once in a run, of values so far apart that sums of them lose their digits."""
     w = e.warned
+    if w.far_apart or mode.too_high or not loses_digits(e):
+        return
     least = min(e.work.power.least, e.work.finite.least)
     dropped = max(e.work.power.dropped, e.work.finite.dropped)
-    if w.far_apart or mode.too_high or (least >= CLEAR and dropped == 0.0):
-        return
     w.far_apart = True
     begin_warning(w, FAR_APART, e.t)
     add_about(w, least)
@@ -76,9 +86,69 @@ def check_depth(e: Engine, mode: Mode) -> int:
 
 def make_equations(e: Engine, mode: Mode, given: Ints) -> None:
     """Eliminate a configuration and keep what evaluation asks for."""
+    for j in range(e.model.junctions):
+        mode.given[j] = given[j]
+    mode.weighed = False
+    mode.lost = 0.0
+    mode.rows_lost = 0.0
+    mode.solves = 0
+    mode.looks_due = 1
+    eliminate(e, mode)
+    for _ in range(TURNS):
+        # constraints on what is stored, and what laws tie together, are told from structure
+        structured = e.model.laws > 0 or e.work.table.done > 0
+        if mode.dynamics > 0 or mode.too_high or structured or not loses_digits(e):
+            break
+        for k in range(mode.knowns):
+            e.work.xi[k] = level_of(e.model, mode, k)
+        by_knowns(e, mode, mode.finite, e.work.w)
+        eliminate_by(e, mode, e.work.w)
+
+
+def loses_digits(e: Engine) -> bool:
+    """Whether coefficients have come out as small differences of large ones."""
+    power = e.work.power
+    finite = e.work.finite
+    return min(power.least, finite.least) < CLEAR or max(power.dropped, finite.dropped) > 0.0
+
+
+def level_of(m: Model, mode: Mode, k: int) -> float:
+    """Return what a known counts as before any value is there: its constant, or about 1.
+
+    No two are the same: nothing flows between equal ones.
+    """
+    some_level = 1.0 + math.fmod(APART * float(k + 1), 1.0)
+    source = k - m.storages
+    if source < 0:
+        return some_level
+    if source >= mode.sources:
+        return 0.0
+    s = mode.source[source]
+    return m.source_constant[s] if s >= 0 and m.source_value[s] < 0 else some_level
+
+
+def eliminate_by(e: Engine, mode: Mode, at: Floats) -> None:
+    """Eliminate the rows of a mode anew, by how large bond variables are; `at` may be rounding."""
+    m = e.model
+    n = 2 * m.bonds
+    for c in range(m.classes):
+        e.work.kind_reach[c] = 0.0
+    for k in range(n):
+        c = m.bond_class[k]
+        if math.isfinite(at[k]):
+            e.work.kind_reach[c] = max(e.work.kind_reach[c], math.fabs(at[k]))
+    for k in range(n):
+        own = math.fabs(at[k]) if math.isfinite(at[k]) else 0.0
+        mode.weight[k] = max(own, max(FLOOR * e.work.kind_reach[m.bond_class[k]], LEAST))
+    mode.weighed = True
+    eliminate(e, mode)
+
+
+def eliminate(e: Engine, mode: Mode) -> None:
+    """Do the same for what is given in the mode, with its weights."""
     m = e.model
     switch_on(m, mode)
-    mode.too_high = build(e, mode, given) > 0
+    mode.too_high = build(e, mode) > 0
     for k in range(m.priors):
         mode.prior_acts[k] = 1 if is_prior_active(m, mode, k) else 0
     power = e.work.power

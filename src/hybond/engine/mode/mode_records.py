@@ -171,6 +171,19 @@ class Mode:
     """The number of the reason why it is not, or -1."""
     flow: int
     """Where its flow is kept, or -1."""
+    given: Ints
+    """Which variable of each junction is given from outside."""
+    weighed: bool
+    """Whether rows were eliminated by how large bond variables are: `weight`."""
+    weight: Floats
+    lost: float
+    """The part of laws that rounding of what was eliminated hid when that was done last; 0: never.
+    """
+    rows_lost: float
+    """The same of rows with constant coefficients."""
+    solves: int
+    """How often it was solved, up to where such rows are looked at."""
+    looks_due: int
     opened: bool
     """Whether the laws of junctions are left open: the last sources are their ports."""
 
@@ -248,6 +261,8 @@ def make_mode(m: Model) -> Mode:
     mode.rates = make_reads(m)
     mode.rate_row = ints(m.storages)
     mode.signals = make_reads(m)
+    mode.given = ints(m.junctions)
+    mode.weight = floats(n)
     return mode
 
 

@@ -11,7 +11,7 @@ from typing import Final
 from hybond.engine.algebra.blocks import Rows, fit, row_size, row_times
 from hybond.engine.algebra.products import all_finite
 from hybond.engine.answers import node_name, value
-from hybond.engine.engine import NOT_FINITE, OK, Engine, count_work, say_fault
+from hybond.engine.engine import NOT_FINITE, OK, Engine, say_fault
 from hybond.engine.mode.beside_jumps import from_beside_jumps
 from hybond.engine.mode.continuation import continued
 from hybond.engine.mode.damped import SETTLED, damped
@@ -26,11 +26,9 @@ from hybond.engine.mode.newton_system import (
     system,
     take_rank,
     with_free,
-    write_bonds,
 )
 from hybond.engine.mode.put_back import put_back
 from hybond.engine.mode.storage import co_energy, co_energy_of
-from hybond.engine.mode.undetermined import least_of_free
 from hybond.engine.model import Model
 from hybond.engine.reasons.facts import NO_ELEMENT, OVERFLOW, tell_law, tell_laws
 from hybond.engine.words import Floats, Text
@@ -46,6 +44,8 @@ TO_AND_FRO: Final = 3
 """So many in a row lead nowhere."""
 ROUNDED: Final = 2.0 * 2.220446049250313e-16
 """What stored quantities leave in a difference of them, as a part of its terms."""
+LEFT: Final = 1e-13
+"""A residual below this part of its terms is rounding."""
 REACHED: Final = 1e-10
 """A step reaches a residual of which it leaves less than this part of its terms."""
 
@@ -85,26 +85,6 @@ def by_knowns(e: Engine, mode: Mode, rows: Rows, w: Floats) -> None:
     for k in range(n):
         same = mode.same[k]
         w[k] = w[same] if same < k else row_times(rows, k, xi)
-
-
-def solve(e: Engine, mode: Mode, v: Floats) -> int:
-    """Put the bond variables into `e.work.w` and write them into `v`.
-
-    OK, or NOT_FINITE with a fault noted: HB-N301 if Newton does not converge, HB-N302 if a law has
-    no value.
-    """
-    w = e.work.w
-    count_work(e, 2 * e.model.bonds + mode.knowns)
-    knowns_of(e, mode, v, True)
-    if mode.dynamics == 0:
-        by_knowns(e, mode, mode.direct, w)
-    elif newton(e, mode, v) != OK:
-        return NOT_FINITE
-    elif mode.finite_frees > 0:
-        least_of_free(e, mode, v, w)
-        keep_guess(mode, w)
-    write_bonds(e, v, w)
-    return OK
 
 
 def newton(e: Engine, mode: Mode, v: Floats) -> int:
@@ -174,6 +154,7 @@ def full_steps(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
     frees = mode.finite_frees
     w = work.w
     update = math.inf
+    share = math.inf
     turns = 0
     fit(work.trial, frees)
     for step in range(STEPS):
@@ -195,6 +176,8 @@ def full_steps(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
         scale = largest_of(n, work.base) + largest_of(frees, r)
         previous = update
         update = largest_of(frees, work.step.at)
+        shared = share
+        share = largest_share(e, frees, r)
         back = step > 0 and is_taken_back(work.trial.at, work.step.at, frees, BACK * update)
         swings = step > 0 and is_taken_back(work.trial.at, work.step.at, frees, SWINGS * update)
         turns = turns + 1 if back else 0
@@ -207,7 +190,11 @@ def full_steps(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
         # rounding keeps a step from vanishing: stop as well when it no longer shrinks
         small = update <= TOLERANCE * scale
         ends = small and is_settled(e, frees, r)
-        if exact or ends or update >= 0.5 * previous:
+        shrinks = update < 0.5 * previous or (small and share < 0.5 * shared)
+        falls = step > 0 and residuals_fall(e, rows)
+        shrinks = shrinks or (falls and not swings)
+        keep_residuals(e, rows)
+        if exact or ends or not shrinks:
             with_free(mode, n, work.base, r, w)
             if put_back(e, mode, v, w):
                 if ends or exact or not swings:
@@ -217,6 +204,40 @@ def full_steps(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
             if exact:
                 return False
     return False
+
+
+def residuals_fall(e: Engine, rows: int) -> bool:
+    """Whether a residual that is more than rounding has become less than half, and none twice.
+
+    A square is come nearer to by halves; what large variables beside it leave is no reason to stop
+    there.
+    """
+    work = e.work
+    falls = False
+    for i in range(rows):
+        before = math.fabs(work.residual_before.at[i])
+        now = math.fabs(work.residual.at[i])
+        if now > 2.0 * before and now > LEFT * work.residual_size.at[i]:
+            return False
+        falls = falls or (now < 0.5 * before and now > LEFT * work.residual_size.at[i])
+    return falls
+
+
+def keep_residuals(e: Engine, rows: int) -> None:
+    """Keep the residuals to hold the next ones against."""
+    fit(e.work.residual_before, rows)
+    for i in range(rows):
+        e.work.residual_before.at[i] = e.work.residual.at[i]
+
+
+def largest_share(e: Engine, frees: int, r: Floats) -> float:
+    """Return the largest part of an unknown that the last step is."""
+    most = 0.0
+    for j in range(frees):
+        step = math.fabs(e.work.step.at[j])
+        if step > most * math.fabs(r[j]):
+            most = step / math.fabs(r[j]) if r[j] != 0.0 else math.inf
+    return most
 
 
 def is_settled(e: Engine, frees: int, r: Floats) -> bool:

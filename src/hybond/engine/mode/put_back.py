@@ -25,6 +25,8 @@ HOLDS: Final = 1e-10
 UNIT: Final = 2.0**-52
 ROUNDINGS: Final = 16.0
 """Units of rounding, of all that a law is made of, by which its residual may be off."""
+HIDDEN: Final = 1e-9
+"""Part of a law that rounding of what was eliminated may hide: if more, it is done anew."""
 NEAR: Final = 1e-6
 """Part of the largest variable of its kind by which another step may still move one."""
 ANSWERS: Final = 1e-3
@@ -33,9 +35,13 @@ so by less than there."""
 
 
 def put_back(e: Engine, mode: Mode, v: Floats, w: Floats) -> bool:
-    """Whether all laws hold at the bond variables `w`, after `system` near them."""
+    """Whether all laws hold at the bond variables `w`, after `system` near them.
+
+    What part of a law rounding of its variables hides is noted, and where that is so.
+    """
     work = e.work
     n = 2 * e.model.bonds
+    work.lost = 0.0
     if mode.rank != mode.structures:
         rows = measured_system(e, mode, v, w)
     else:
@@ -50,12 +56,42 @@ def put_back(e: Engine, mode: Mode, v: Floats, w: Floats) -> bool:
             work.residual.at[i] = f
             work.residual_size.at[i] = row_terms(n, work.slopes.at, i * n, work.w_size)
             work.residual_reach.at[i] = row_terms(n, work.slopes.at, i * n, work.w_reach)
+            if d >= 0 and e.model.dynamic_kind[d] != 0:
+                work.lost = max(work.lost, hidden_part(e, i * n, w))
             if d >= 0 and not math.fabs(f) <= HOLDS * work.residual_size.at[i]:
                 moved = moved_by_rounding(e, mode, i, v, w) / (ROUNDINGS * UNIT)
                 work.residual_reach.at[i] = min(work.residual_reach.at[i], moved)
+    if work.lost > HIDDEN:
+        for k in range(n):
+            work.lost_at[k] = w[k]
     if all_hold(e, rows, HOLDS):
         return is_near(e, mode, v, w, rows)
     return mode.rank == mode.structures and is_rounding(e, mode, v, w)
+
+
+def hidden_part(e: Engine, first: int, w: Floats) -> float:
+    """Return what part of a row of slopes rounding of its variables hides.
+
+    As a part of those terms whose digits are known, since where there are none nothing tells that
+    the others are more than rounding. What is next to nothing beside others of its kind may be
+    rounding itself, whatever it is a sum of.
+    """
+    work = e.work
+    known = 0.0
+    hidden = 0.0
+    for k in range(2 * e.model.bonds):
+        slope = math.fabs(work.slopes.at[first + k])
+        if slope != 0.0 and math.isfinite(slope):
+            lost = UNIT * work.w_size[k]
+            hidden += slope * lost
+            if is_known(lost, work.w_reach[k], w[k]):
+                known += slope * math.fabs(w[k])
+    return hidden / known if known > 0.0 else 0.0
+
+
+def is_known(lost: float, reach: float, own: float) -> bool:
+    """Whether a bond variable has digits, of which rounding leaves so much."""
+    return lost <= HIDDEN * math.fabs(own) and math.fabs(own) > HIDDEN * reach
 
 
 def moved_by_rounding(e: Engine, mode: Mode, i: int, v: Floats, w: Floats) -> float:

@@ -8,9 +8,8 @@ from __future__ import annotations
 
 from hybond.engine.algebra.blocks import Rows, row_times
 from hybond.engine.answers import value
-from hybond.engine.engine import OK, Engine
+from hybond.engine.engine import Engine
 from hybond.engine.mode.mode_records import Mode, Reads
-from hybond.engine.mode.newton import solve
 from hybond.engine.mode.storage import co_energy_of
 from hybond.engine.model import Model
 from hybond.engine.words import Floats
@@ -91,15 +90,6 @@ def read_knowns(m: Model, mode: Mode, r: Reads, rows: Rows, k: int) -> None:
             r.rated[source - mode.sources] = mode.rated[source - mode.sources]
         else:
             r.valued[source] = 1
-
-
-def solve_read(e: Engine, mode: Mode, r: Reads, v: Floats) -> int:
-    """Put the bond variables that are read into `e.work.w` and `v`; all of them after Newton."""
-    if mode.dynamics > 0:
-        return solve(e, mode, v)
-    put_knowns(e, mode, r, v)
-    show_read(e, mode, r, v)
-    return OK
 
 
 def show_read(e: Engine, mode: Mode, r: Reads, v: Floats) -> None:

@@ -67,13 +67,14 @@ def part_of(m: Model, mode: Mode, element: int) -> int:
     return m.element_part[m.element_first[element] + number]
 
 
-def build(e: Engine, mode: Mode, given: Ints) -> int:
+def build(e: Engine, mode: Mode) -> int:
     """Eliminate the rows of a configuration, into `e.work.power` and `e.work.finite`.
 
-    ``given[k]`` says which variable of junction k is given from outside: NOT_OPEN, COMMON or NET.
-    Returns how many hidden rows determine nothing: differentiating once is not enough.
+    ``mode.given[k]`` says which variable of junction k is given from outside: NOT_OPEN, COMMON or
+    NET. Returns how many hidden rows determine nothing: differentiating once is not enough.
     """
     m = e.model
+    given = mode.given
     power = e.work.power
     unknowns = 2 * m.bonds
     value0 = unknowns + m.storages
@@ -86,6 +87,8 @@ def build(e: Engine, mode: Mode, given: Ints) -> int:
     mode.dynamics = 0
     join_equal(m, power, given)
     note_read(m, power)
+    for k in range(unknowns):
+        power.weight[k] = mode.weight[power.same[k]] if mode.weighed else 1.0
     for k in range(m.storages):
         at = m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 1 else 0)
         give(power, at, 1.0 if m.storage_kind[k] == 0 else float(m.storage_sign[k]))
@@ -256,7 +259,8 @@ def add_port(e: Engine, mode: Mode, j: int, given: int) -> None:
     m = e.model
     own = 2 * m.bonds + m.storages + mode.sources
     mode.source[mode.sources] = -1 - j
-    mode.source_level[mode.sources] = 0.0
+    if not mode.weighed:
+        mode.source_level[mode.sources] = 0.0
     mode.sources += 1
     if given == COMMON:
         add_nothing(e, j, own)

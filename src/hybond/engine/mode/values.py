@@ -6,8 +6,8 @@ from hybond.engine.answers import value
 from hybond.engine.engine import NOT_FINITE, OK, Engine
 from hybond.engine.inputs.interval import set_time
 from hybond.engine.mode.mode_records import Mode
-from hybond.engine.mode.newton import solve
 from hybond.engine.mode.reading import rates_by_knowns
+from hybond.engine.mode.solving import solve
 from hybond.engine.mode.straight_rates import put_rates
 from hybond.engine.sliding.averages import blended_field, solve_here
 from hybond.engine.words import Floats

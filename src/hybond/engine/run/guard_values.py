@@ -12,8 +12,8 @@ from hybond.engine.instant.jump import on_constraints
 from hybond.engine.instant.trial import refuse_pair
 from hybond.engine.methods.stepping import between
 from hybond.engine.mode.mode_records import is_constrained
-from hybond.engine.mode.reading import solve_read
 from hybond.engine.mode.sizes import measure
+from hybond.engine.mode.solving import solve_read
 from hybond.engine.mode.values import evaluate, set_motion, set_state
 from hybond.engine.reasons.facts import add_fact
 from hybond.engine.run.locator import ALL_PARTS, NO_KINK, Locator, is_asleep

@@ -12,7 +12,7 @@ from typing import Final
 from hybond.engine.answers import value
 from hybond.engine.engine import OK, Engine
 from hybond.engine.methods.one_instant import room_of_instant
-from hybond.engine.mode.reading import solve_read
+from hybond.engine.mode.solving import solve_read
 from hybond.engine.mode.values import field, set_motion
 from hybond.engine.run.guard_values import show
 from hybond.engine.run.locator import ALL_PARTS, NO_KINK, Locator

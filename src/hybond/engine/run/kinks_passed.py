@@ -13,7 +13,7 @@ from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.methods.dopri import spacing
 from hybond.engine.methods.one_instant import room_of_instant
 from hybond.engine.methods.stepping import between, reach, retry
-from hybond.engine.mode.reading import solve_read
+from hybond.engine.mode.solving import solve_read
 from hybond.engine.mode.values import field, set_motion
 from hybond.engine.reasons.facts import add_fact
 from hybond.engine.run.guard_values import has_crossed, holds_at, show

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from hybond.engine.engine import OK, Engine
-from hybond.engine.mode.newton import solve
+from hybond.engine.mode.solving import solve
 from hybond.engine.mode.values import field
 from hybond.engine.sliding.branches import know_branches
 from hybond.engine.sliding.combine import take_parts

@@ -11,9 +11,9 @@ from hybond.engine.algebra.blocks import fit, grow_block
 from hybond.engine.engine import NOT_FINITE, OK, Engine
 from hybond.engine.inputs.interval import set_time
 from hybond.engine.mode.mode_records import Mode
-from hybond.engine.mode.newton import solve
 from hybond.engine.mode.newton_system import write_bonds
 from hybond.engine.mode.sizes import STORED, seen_of, sizes_of
+from hybond.engine.mode.solving import solve
 from hybond.engine.mode.undetermined import freedom_at
 from hybond.engine.sliding.blend import blend
 from hybond.engine.sliding.outputs import solve_plain

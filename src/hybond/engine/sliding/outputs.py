@@ -12,7 +12,7 @@ from typing import Final
 from hybond.engine.answers import value
 from hybond.engine.engine import NOT_FINITE, OK, Engine
 from hybond.engine.inputs.interval import set_time
-from hybond.engine.mode.newton import solve
+from hybond.engine.mode.solving import solve
 from hybond.engine.sliding.surface import part_mode
 from hybond.engine.words import Floats, float_table
 
