@@ -430,6 +430,7 @@ class Model:
     kink_switch: Ints
     """What is to be ON for anything to feel it, -1: nothing."""
     kink_root: Ints  # whether a root is taken of the size of each: it may rest there
+    kink_meets: Ints  # whether besides all that is said of it has one value there
     kink_node: Ints
     """The element that says it; -1: the rate of a signal."""
     timed_jumps: int

@@ -230,3 +230,27 @@ def test_a_root_held_at_rest_beside_flows_is_solved(law: str, coupling: str) -> 
     assert run["i.p"].at(4.0) == pytest.approx(0.4 * math.cos(4.0 * w), rel=1e-6)
     assert abs(run["r.f"].at([0.5, 2.2])).max() < 1e-12
     assert run.stats["steps"] < 400
+
+
+def saw_filtered(t: float, period: float) -> float:
+    """What ``x' = max(mod(t, period) - 0.2, 0) - x`` makes of 0.1, part by part."""
+    x, left = 0.1, t
+    while left > 0.0:
+        flat = min(left, 0.2)
+        rising = min(left - flat, period - 0.2)
+        x = (x * math.exp(-flat) + 1.0) * math.exp(-rising) + rising - 1.0
+        left -= flat + rising
+    return x
+
+
+@pytest.mark.parametrize("rtol", [1e-8, 1e-11, 1e-12, 1e-13])
+def test_a_saw_that_begins_anew_is_not_held_by_the_corner_that_it_left(rtol: float) -> None:
+    """It falls from beyond its corner to before it, and comes back in a while: nothing chatters."""
+    period = 0.5001
+    m = hb.Model("saw", parameters={"P": period})
+    m.signal(x=hb.Integral("max(mod(time, P) - 0.2, 0) - x", start=0.1), c=hb.Integral("1"))
+    m.add(s=hb.Se(1.0), r=hb.R(1.0), j=hb.One())
+    m.bond("s -> j -> r")
+    m.machine("late", states={"a": [], "b": []}, start="a", rules=["a -> b when c > 0.777"])
+    run = hb.simulate(m, 1.13, rtol=rtol)
+    assert run["x"].at(1.13) == pytest.approx(saw_filtered(1.13, period), abs=1e-9)

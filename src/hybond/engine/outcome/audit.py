@@ -160,8 +160,11 @@ def audit(graph: FlatGraph, trace: Trace, signals: Signals) -> Audit:
                 largest = max(largest, abs(step.energy.before), abs(step.energy.after))
     if sizes:
         size = np.concatenate(sizes)
-        # where a motion turns round there is no power to be a part of, but the rounding of flows
-        size = np.maximum(size, _QUIET * size.max(initial=0.0))
+        # where a motion turns round there is no power to be a part of, but the rounding of flows;
+        # where all stands still that of what is stored, over the run
+        long = trace.segments[-1].t[-1] - trace.segments[0].t[0]
+        whole = largest / long if long > 0.0 else 0.0
+        size = np.maximum(size, _QUIET * max(float(size.max(initial=0.0)), whole))
         ratio = np.concatenate(totals) / np.where(size > 0.0, size, 1.0)
         power = float(ratio.max(initial=0.0))
     energy = max(energy, trace.stats.get("energy_unbalanced", 0.0))

@@ -20,6 +20,7 @@ from hybond.model.expressions import (
     Number,
     ending,
     jumping,
+    meets,
     names,
     rooted,
     simplify,
@@ -42,10 +43,12 @@ def put_kinks(t: ModelTables) -> None:
     """Put what is watched for kinks behind the comparisons of guards."""
     found: dict[Expr, int] = {}
     switches: dict[Expr, set[int]] = {}
+    said: dict[Expr, list[Expr]] = {}
     for e, node in _followed(t):
         turns = [a for a in turning(e) if moves(a) and not uses_pre(a)]
         for a in turns if len(turns) <= MOST else []:
             found.setdefault(a, node)
+            said.setdefault(a, []).append(e)
             switches.setdefault(a, set()).add(_switch_of(t.graph, node))
     t.numbers["kinks"] = len(found)
     t.numbers["kink_atom"] = len(t.ints["atom_value"])
@@ -53,7 +56,12 @@ def put_kinks(t: ModelTables) -> None:
     t.ints["kink_switch"] = [min(s) if len(s) == 1 else -1 for s in switches.values()]
     roots = {a for e, _ in _followed(t) for a in rooted(e)}
     either = {simplify(b) for a in roots for b in (a, Neg(a))}
-    t.ints["kink_root"] = [int(simplify(a) in either) for a in found]
+    at_root = [simplify(a) in either for a in found]
+    t.ints["kink_root"] = [int(k) for k in at_root]
+    t.ints["kink_meets"] = [
+        int(k and all(meets(e, simplify(a)) for e in said[a]))
+        for a, k in zip(found, at_root, strict=True)
+    ]
     t.ints["kink_pair"] = [len(t.pairs) + k for k in range(len(found))]
     t.pairs += found
     t.ints["atom_value"] += [t.values.number(a) for a in found]
