@@ -58,3 +58,21 @@ def test_what_breaks_loose_at_its_limit_is_not_decided_by_dust(solver: str) -> N
         fired = [f for event in run.events for step in event.steps for f in step.fired]
         seen.add(tuple((f.machine, f.source, f.target) for f in fired))
     assert len(seen) == 1
+
+
+def test_a_flow_that_least_leakage_shares_is_no_violation_where_it_begins_from_rest() -> None:
+    """An open transformer takes what an OFF junction is sent: rounding, when slip begins."""
+    m = hb.Model("open")
+    m.add(s=hb.Se("sin(3*time)"), push=hb.Se(0.3), r=hb.R(1.7), other=hb.R(0.9))
+    m.add(rub=hb.One(law="coulomb", limit=0.5), gate=hb.Zero(), t=hb.TF(0.743), end=hb.One())
+    m.bond("s -> rub", "push -> rub", "rub -> r", "rub -> other", "gate -> rub")
+    m.bond("t.1 -> gate", "t.2 -> end")
+    m.machine(
+        "m", states={"off": [], "on": ["gate"]}, start="off", rules=["off -> on when time > 9"]
+    )
+    run = hb.simulate(m, 0.5, engine=ENGINE)
+    assert run.events[1].t == pytest.approx(math.asin(0.2) / 3.0, rel=1e-9)
+    for t in (0.1, 0.3, 0.45):
+        slip = (math.sin(3.0 * t) + 0.3 - 0.5) / 2.6
+        assert run['"t.1 -> gate".f'].at(t) == pytest.approx(slip, rel=1e-9)
+        assert run['"t.2 -> end".f'].at(t) == pytest.approx(-0.743 * slip, rel=1e-9)

@@ -53,3 +53,13 @@ def test_steps_of_no_time_end_at_what_has_no_solution(seed: int) -> None:
         recipe = random_recipe(seed)
         hb.simulate(recipe.model(), recipe.until, max_steps=20_000)
     assert caught.value.code == "HB-N301"
+
+
+def test_what_stands_still_after_a_jump_balances_its_power() -> None:
+    """Inductors share constant flows: efforts are rounding, and power is none of what is stored."""
+    recipe = random_recipe(813582)
+    run = hb.simulate(recipe.model(), recipe.until)
+    half = run.sample([0.5 * run.t_end], list(recipe.stored))
+    for path in recipe.stored:
+        assert run.final[path] == pytest.approx(float(half[path][0]), rel=1e-12)
+    assert run.audit().holds(1e-8)

@@ -141,8 +141,7 @@ class Model:
     """Whether it is that of a two-port whose modulus may jump with what is stored."""
     dynamic_affine: Ints
     """Whether its slopes do not read bond variables."""
-    dynamic_jumps: Ints
-    """Whether it is a law that jumps, or is flat, where what it reads is zero."""
+    dynamic_jumps: Ints  # 1: a law that jumps where what it reads is zero, 2: bends or is flat
     dynamic_fixed: Ints
     """Whether it reads nothing but bond variables, and its slopes are numbers."""
     dynamic_free: Ints
@@ -430,6 +429,7 @@ class Model:
     kink_switch: Ints
     """What is to be ON for anything to feel it, -1: nothing."""
     kink_rest: Ints  # what is at rest where it is zero, the root of which is here; -1: nothing
+    kink_meets: Ints  # whether all that is said of it has one value there as well
     kink_node: Ints
     """The element that says it; -1: the rate of a signal."""
     timed_jumps: int

@@ -248,3 +248,27 @@ def test_kink_at_the_start_of_a_motion_that_is_carried_over(solver):
     values = run.sample(times.tolist(), ["mass.p", "c.q"])
     assert values["mass.p"] == pytest.approx(0.25 * np.exp(-0.3 * times), rel=1e-7)
     assert values["c.q"] == pytest.approx((1.0 - np.cos(3.0 * times)) / 3.0, abs=1e-8)
+
+
+def saw_filtered(t: float, period: float) -> float:
+    """What ``x' = max(mod(t, period) - 0.2, 0) - x`` makes of 0.1, part by part."""
+    x, left = 0.1, t
+    while left > 0.0:
+        flat = min(left, 0.2)
+        rising = min(left - flat, period - 0.2)
+        x = (x * math.exp(-flat) + 1.0) * math.exp(-rising) + rising - 1.0
+        left -= flat + rising
+    return x
+
+
+@pytest.mark.parametrize("rtol", [1e-8, 1e-11, 1e-12, 1e-13])
+def test_a_saw_that_begins_anew_is_not_held_by_the_corner_that_it_left(rtol: float) -> None:
+    """It falls from beyond its corner to before it, and comes back in a while: nothing chatters."""
+    period = 0.5001
+    m = hb.Model("saw", parameters={"P": period})
+    m.signal(x=hb.Integral("max(mod(time, P) - 0.2, 0) - x", start=0.1), c=hb.Integral("1"))
+    m.add(s=hb.Se(1.0), r=hb.R(1.0), j=hb.One())
+    m.bond("s -> j -> r")
+    m.machine("late", states={"a": [], "b": []}, start="a", rules=["a -> b when c > 0.777"])
+    run = hb.simulate(m, 1.13, rtol=rtol)
+    assert run["x"].at(1.13) == pytest.approx(saw_filtered(1.13, period), abs=1e-9)

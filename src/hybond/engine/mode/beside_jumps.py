@@ -38,7 +38,7 @@ def from_beside_jumps(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
         return False
     for i in range(mode.dynamics):
         d = mode.dynamic[i]
-        if d < 0 or m.dynamic_jumps[d] == 0 or m.dynamic_partner[d] < 0:
+        if d < 0 or m.dynamic_jumps[d] != 1 or m.dynamic_partner[d] < 0:
             continue
         for j in range(mode.finite_frees):
             if mode.free_column[j] != mode.same[m.dynamic_partner[d]]:

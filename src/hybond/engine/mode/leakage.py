@@ -240,7 +240,9 @@ def keep_entries(rows: Rows, entries: int, knowns: int, row: Floats) -> int:
         if math.fabs(row[j]) > CANCELS * row[knowns + j]:
             grow_places(rows.column, entries + 1)
             grow_block(rows.value, entries + 1)
+            grow_block(rows.size, entries + 1)
             rows.column.at[entries] = j
             rows.value.at[entries] = row[j]
+            rows.size.at[entries] = row[knowns + j]
             entries += 1
     return entries

@@ -27,8 +27,8 @@ of it."""
 def size_of(e: Engine, mode: Mode, b: int, xi: Floats, v: Floats) -> float:
     """Return the size of the terms of bond variable `b`, as `solve` found it from the knowns `xi`.
 
-    Those of what is left free count as well, as large as what Newton solved it from, and the value
-    itself.
+    Those of what is left free count as well, as large as what Newton solved it from, or what least
+    leakage made it of, and the value itself.
     """
     first = e.model.bond_slot
     if mode.finite_frees > 0:
@@ -38,6 +38,8 @@ def size_of(e: Engine, mode: Mode, b: int, xi: Floats, v: Floats) -> float:
     for j in range(mode.finite_frees):
         if mode.finite_free.at[at + j] != 0.0:
             size += math.fabs(mode.finite_free.at[at + j]) * mode.free_size.at[j]
+    if mode.dynamics == 0 and mode.leakage.stages > 0:
+        size = max(size, row_size(mode.direct, mode.same[b], xi))
     return max(size, math.fabs(v[first + b]))
 
 

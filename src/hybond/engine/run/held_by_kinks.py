@@ -39,11 +39,19 @@ def is_held(e: Engine, r: Run) -> bool:
     held = False
     if field(e, e.mode, e.t, e.y, r.rate) == OK:
         for k in range(g.guards):
-            if not held and g.side[k] != NO_KINK:
+            if not held and g.side[k] != NO_KINK and not is_met(e, g, k):
                 held = holds_motion(e, r, k)
     g.looked = math.nan
     e.refusal = refusal
     return held
+
+
+def is_met(e: Engine, g: Locator, k: int) -> bool:
+    """Whether the kink of guard k is a root that has one value from both sides.
+
+    It is so steep there that as near as one can see it looks like a jump.
+    """
+    return e.model.kink_meets[g.atom[g.atom_first[k]] - e.model.kink_atom] != 0
 
 
 def holds_motion(e: Engine, r: Run, k: int) -> bool:

@@ -106,6 +106,8 @@ def count_kink(e: Engine, r: Run) -> int:
     """Count the kink that the step just noted has ended at; REFUSED if it leads nowhere."""
     r.kink_at[r.kinks % (IDLE + 1)] = e.t
     r.kinks += 1
+    if r.told:
+        r.back = r.back + 1 if r.leads_back else 0
     if r.jumps and r.back >= BACK:
         return switches_back(e, r)
     if r.crowd >= CROWD:
@@ -171,9 +173,21 @@ def see_crowd(e: Engine, r: Run, at: float) -> None:
 
 
 def see_jump(e: Engine, r: Run, at: float) -> None:
-    """See whether rates jump at a kink, into `r.jumps`, where there is room to tell."""
+    """See whether rates jump at a kink, into `r.jumps`, where there is room to tell.
+
+    A step may see a kink that the next one sees again: it is counted where one ends at it.
+    """
     reach = ASIDE * min(at - e.step.t0, e.step.t1 - at)
-    if 0.25 * reach <= room_of_instant(e, at):
+    kink = kink_there(e, r.locator)
+    r.told = kink >= 0
+    if not r.told:
+        return  # a guard
+    if e.model.kink_meets[kink] != 0:
+        r.jumps = False
+        r.leads_back = False
+        return
+    r.told = 0.25 * reach > room_of_instant(e, at)
+    if not r.told:
         return  # so near, rounding speaks; what was seen last holds
     refusal = e.refusal
     known = True
@@ -194,7 +208,7 @@ def see_jump(e: Engine, r: Run, at: float) -> None:
         near = math.fabs(r.beside[2 * e.states + i] - r.beside[3 * e.states + i])
         size = math.fabs(r.beside[2 * e.states + i]) + math.fabs(r.beside[3 * e.states + i])
         r.jumps = r.jumps or (near > JUMPS * wide and near > SEEN * size)
-    r.back = r.back + 1 if r.jumps and leads_back(e, r, at + 0.25 * reach) else 0
+    r.leads_back = r.jumps and leads_back(e, r, at, reach)
 
 
 def dust_of_rate(e: Engine, i: int) -> float:
@@ -209,24 +223,37 @@ def dust_of_rate(e: Engine, i: int) -> float:
     return DUST * most
 
 
-def leads_back(e: Engine, r: Run, t: float) -> bool:
-    """Whether the rates behind a kink lead back towards it.
+def leads_back(e: Engine, r: Run, at: float, reach: float) -> bool:
+    """Whether the rates behind a kink lead back to it, from what the step makes of its end.
 
-    The rates at `t` are in the third row of `r.beside`.
+    What is compared may jump itself, as where ``mod`` begins anew: then the kink is left behind,
+    wherever the way leads. The rates a quarter of `reach` behind it are in the third row of
+    `r.beside`.
     """
     g = r.locator
     kink = kink_there(e, g)
     if kink < 0:
         return False
     atom = e.model.atom_value[e.model.kink_atom + kink]
-    between(e, t, g.y)
-    beyond = atom_of(e, g, atom, t)
-    h = 2.0 * (t - g.at)
+    before = atom_between(e, g, atom, at - reach)
+    after = atom_between(e, g, atom, at + reach)
+    h = 0.25 * reach
+    ahead = atom_between(e, g, atom, at - h)
+    beyond = atom_between(e, g, atom, at + h)
+    if math.fabs(beyond - ahead) > JUMPS * math.fabs(after - before):
+        g.looked = math.nan
+        return False
     for i in range(e.states):
-        g.y[i] += h * r.beside[2 * e.states + i]
-    there = atom_of(e, g, atom, t + h)
+        g.y[i] += 2.0 * h * r.beside[2 * e.states + i]
+    there = atom_of(e, g, atom, at + 3.0 * h)
     g.looked = math.nan
     return beyond * (there - beyond) < 0.0
+
+
+def atom_between(e: Engine, g: Locator, atom: int, t: float) -> float:
+    """Return a difference that is watched, at a time of the last step."""
+    between(e, t, g.y)
+    return atom_of(e, g, atom, t)
 
 
 def atom_of(e: Engine, g: Locator, atom: int, t: float) -> float:

@@ -50,8 +50,12 @@ class Run:
     """The last of them."""
     jumps: bool
     """Whether rates jumped at the last one where that could be told."""
+    told: bool
+    """Whether it could be told at the kink that the last step met."""
+    leads_back: bool
+    """Whether rates jumped there, and led back behind it."""
     back: int
-    """At how many of the last ones in a row they led back behind such a jump."""
+    """At how many of the last ones in a row they did."""
     crowd: int
     """Kinks without a jump in a row at which a step ended next to where it began."""
     nap: int

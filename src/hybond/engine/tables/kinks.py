@@ -22,6 +22,7 @@ from hybond.model.expressions import (
     Number,
     ending,
     jumping,
+    meets,
     names,
     rooted,
     simplify,
@@ -44,10 +45,12 @@ def put_kinks(t: ModelTables) -> None:
     """Put what is watched for kinks behind the comparisons of guards."""
     found: dict[Expr, int] = {}
     switches: dict[Expr, set[int]] = {}
+    said: dict[Expr, list[Expr]] = {}
     for e, node in _followed(t):
         turns = [a for a in turning(e) if moves(a) and not uses_pre(a)]
         for a in turns if len(turns) <= MOST else []:
             found.setdefault(a, node)
+            said.setdefault(a, []).append(e)
             switches.setdefault(a, set()).add(_switch_of(t.graph, node))
     flat = _flat_at_zero(t)
     for read, _, node in flat:
@@ -65,6 +68,10 @@ def put_kinks(t: ModelTables) -> None:
         rests.setdefault(simplify(Neg(read)), given)
     at_rest = [rests.get(simplify(a)) for a in found]
     t.ints["kink_rest"] = [-1 if a is None else t.values.number(a) for a in at_rest]
+    t.ints["kink_meets"] = [
+        int(rest is not None and all(meets(e, simplify(a)) for e in said.get(a, ())))
+        for a, rest in zip(found, at_rest, strict=True)
+    ]
     t.ints["kink_pair"] = [len(t.pairs) + k for k in range(len(found))]
     t.pairs += found
     t.ints["atom_value"] += [t.values.number(a) for a in found]

@@ -19,6 +19,7 @@ from hybond.model.expressions import (
     Number,
     differentiate,
     jumping,
+    meets,
     names,
     posterior_names,
     simplify,
@@ -137,17 +138,17 @@ def _bent(d: Dynamic) -> bool:
     return bent(d.expression) or any(reads_bonds(e) for e in d.slopes.values())
 
 
-def _turns_on_dust(d: Dynamic) -> bool:
-    """Whether a law may jump where what it reads changes its sign, or is flat where that is zero.
+def _turns_on_dust(d: Dynamic) -> int:
+    """Return 1 for a law that jumps where what it reads is zero, 2 for one that bends or is flat.
 
     Rounding of what it reads is then a whole jump, or the root of itself in what is solved for.
     """
     if d.partner is None or not _bent(d):
-        return False
+        return 0
     read = d.partner[0]
     if any(read in names(a) for a in jumping(d.expression)):
-        return True
-    return is_flat_at_zero(d.expression, read)
+        return 2 if meets(d.expression, Name(read)) else 1
+    return 2 if is_flat_at_zero(d.expression, read) else 0
 
 
 def is_flat_at_zero(law: Expr, read: str) -> bool:
@@ -178,7 +179,7 @@ def _dynamics(t: ModelTables, rows: list[Dynamic]) -> None:
         for d in rows
     ]
     t.ints["dynamic_affine"] = [int(not _bent(d)) for d in rows]
-    t.ints["dynamic_jumps"] = [int(_turns_on_dust(d)) for d in rows]
+    t.ints["dynamic_jumps"] = [_turns_on_dust(d) for d in rows]
     t.ints["dynamic_rounding"] = [
         t.values.number(rounding(d.expression), f"law of {g.nodes[d.node].path}, its terms")
         for d in rows

@@ -3,7 +3,7 @@
 from hybond.model.expressions.algebra import ARRAYS, FLOATS, Algebra
 from hybond.model.expressions.compile import compile_expression
 from hybond.model.expressions.differentiate import differentiate, simplify
-from hybond.model.expressions.kinks import ending, jumping, rooted, turning
+from hybond.model.expressions.kinks import ending, jumping, meets, rooted, turning
 from hybond.model.expressions.parse import parse
 from hybond.model.expressions.text import python_name, to_latex, to_python, to_text
 from hybond.model.expressions.tree import (
@@ -70,6 +70,7 @@ __all__ = [
     "transform",
     "ending",
     "jumping",
+    "meets",
     "rooted",
     "turning",
     "uses_pre",

@@ -5,17 +5,23 @@ from __future__ import annotations
 import math
 from itertools import combinations, pairwise
 
+from hybond.model.expressions.differentiate import simplify
 from hybond.model.expressions.slots import is_slotted
 from hybond.model.expressions.tree import (
     Binary,
+    Bool,
     Call,
     Compare,
     Expr,
     If,
+    Name,
+    Neg,
     Number,
     Table,
+    fold,
     names,
     walk,
+    with_children,
 )
 
 _STRAIGHT = 1e-14
@@ -132,6 +138,50 @@ def rooted(e: Expr) -> list[Expr]:
         sizes = [p.args[0] for p, _ in walk(under) if isinstance(p, Call) and p.function == "abs"]
         found += sizes or [under]
     return [e for e in dict.fromkeys(found) if names(e)]
+
+
+def meets(e: Expr, turn: Expr) -> bool:
+    """Whether an expression has one value on both sides of where a name is zero, by its form.
+
+    Parameters
+    ----------
+    e : Expr
+        Any expression.
+    turn : Expr
+        One of `turning`, simplified; of what is no name nothing is known.
+
+    Examples
+    --------
+    >>> from hybond.model.expressions import parse
+    >>> meets(parse("3*sign(q)*sqrt(abs(q)/p)"), parse("q"))
+    True
+    >>> meets(parse("sign(q)*sqrt(abs(q) + 1)"), parse("q"))
+    False
+    """
+    name = turn.arg if isinstance(turn, Neg) else turn
+    if not isinstance(name, Name):
+        return False
+    return simplify(_beside(e, name, True)) == simplify(_beside(e, name, False))
+
+
+def _beside(e: Expr, name: Name, above: bool) -> Expr:
+    """Return an expression with a name at zero, and what asks for its sign just beside it."""
+
+    def again(node: Expr, _: bool, below: list[Expr]) -> Expr:
+        match node:
+            case Name() if node == name:
+                return Number(0.0)
+            case Call(function="sign") | Compare():
+                asked = simplify(_leaping(node)[0])
+                if asked not in (name, Neg(name)):
+                    return with_children(node, tuple(below))
+                positive = above == (asked == name)
+                if isinstance(node, Call):
+                    return Number(1.0 if positive else -1.0)
+                return Bool(positive == (node.op in (">", ">=")))
+        return with_children(node, tuple(below)) if below else node
+
+    return fold(e, again)
 
 
 def _may_be_a_root(power: float) -> bool:
