@@ -87,9 +87,10 @@ def put_kinks(t: ModelTables) -> None:
     t.ints["edge_value"] = [t.values.number(a) for a in edges]
     t.ints["edge_size"] = [t.values.number(magnitude(a)) for a in edges]
     bonds = range(t.slots.w.start, t.slots.w.start + 2 * len(t.graph.bonds))
-    levels = [a for a in (*edges, *roots, *filter(None, at_rest)) if moves(a) and not uses_pre(a)]
-    read = sorted({t.slots.index[n] for a in levels for n in names(a)})
-    t.ints["edge_bond"] = [k - bonds.start for k in read if k in bonds]
+    rest = [a for a in at_rest if a is not None]
+    levels = [a for a in (*edges, *roots, *rest) if moves(a) and not uses_pre(a)]
+    seen = sorted({t.slots.index[n] for a in levels for n in names(a)})
+    t.ints["edge_bond"] = [k - bonds.start for k in seen if k in bonds]
     t.numbers["edge_bonds"] = len(t.ints["edge_bond"])
 
 
