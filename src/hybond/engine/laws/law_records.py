@@ -7,6 +7,7 @@ from hybond.engine.algebra.svd import Svd, make_svd
 from hybond.engine.complementarity.law_roles import LawProblem, make_law_problem
 from hybond.engine.impacts.impact_records import NEWTON, Impact, make_impact
 from hybond.engine.model import Model
+from hybond.engine.timestepping.step_records import Shares, make_shares
 from hybond.engine.words import (
     Floats,
     Ints,
@@ -93,6 +94,7 @@ class Laws:
     base: Ints
     given: Ints
     tried: Ints
+    many_tried: int
     l: Floats
     zero: Floats
     field: Floats
@@ -140,6 +142,10 @@ class Laws:
     block: Floats
     basis: Floats
     adrift: Ints
+    shares: Ints
+    """Laws that carry a share of what others beside them carry, or none of it."""
+    room: Shares
+    """Room to find these shares."""
     apart: Ints
     units: Floats
     rebound: Floats
@@ -164,7 +170,7 @@ class Laws:
     # where the search for what lasts stands
     attempt: int
     second: bool
-    """Whether an answer with what is adrift parted was given, and the answer itself is next."""
+    """Whether an answer with what is adrift parted, or shared, was given, and it is next itself."""
     solved: bool
     second_keep: bool
 
@@ -283,6 +289,8 @@ def make_laws(m: Model) -> Laws:
     r.block = floats(2 * n * n)
     r.basis = floats(n * n)
     r.adrift = ints(n)
+    r.shares = ints(n)
+    r.room = make_shares()
     r.apart = ints(n)
     r.units = floats(n)
     r.rebound = floats(n)
