@@ -8,6 +8,10 @@ Of these answers the one of least leakage is taken, no law giving less than noth
 take equal shares, whatever they are called and in whichever order they are declared. Laws that
 have a share there are ON, the others OFF, and the mode then leaves open how they share.
 
+Friction at rest shares what it holds in the same way, no law beyond its limit, once contacts have
+shared their forces. Friction that holds more at rest than in motion is left as it is where its
+share would come to its limit: what breaks loose is decided elsewhere.
+
 What a closed switch or a wire carries is not asked for: a diode beside it carries nothing.
 """
 
@@ -20,13 +24,17 @@ from hybond.engine.algebra.blocks import fit
 from hybond.engine.complementarity.law_roles import CUT, ONE_SIDED, SHUT
 from hybond.engine.engine import Engine, svd_room
 from hybond.engine.laws.law_records import Laws
+from hybond.engine.laws.law_shares import is_at_rest
 from hybond.engine.mode.freedom import directions_left
 from hybond.engine.mode.tableau import COMMON
+from hybond.engine.model import Model
 from hybond.engine.timestepping.step_shares import least_shares
 from hybond.engine.words import Floats
 
 RESIDUE: Final = 1e-12
 """Part of its terms up to which a difference of two solutions is nothing but rounding."""
+UNMOVED: Final = 1e-9
+"""Part of its terms up to which what a move does to a value cancels."""
 
 
 def find_shares(e: Engine, r: Laws, q: Floats, h: float, jump: bool) -> bool:
@@ -36,48 +44,94 @@ def find_shares(e: Engine, r: Laws, q: Floats, h: float, jump: bool) -> bool:
     """
     n = e.model.ports
     idle = False
+    resting = 0
     for k in range(n):
         r.shares[k] = 0
         r.branch[k] = r.answer[k]
+        r.share_l[k] = r.answer_l[k]
         idle = idle or (r.answer_open[k] != 0 and r.role[k] == ONE_SIDED)
-    if not idle:
-        return False
-    many = find_moves(e, r)
-    if many == 0:
-        return False
-    put_moves(e, r, many, q, h, jump)
-    if not least_shares(svd_room(e, 2 * n, 2 * n), 2 * n, many, 0, r.room):
-        return False
+        resting += 1 if holds_still(e.model, r, k) else 0
+    if idle and share_out(e, r, q, h, False):
+        take_shares(r, n)
+    if resting > 1 and not jump and share_out(e, r, q, h, True):
+        take_rests(e, r)
     changed = False
-    x = r.room
     for k in range(n):
-        if r.role[k] != ONE_SIDED or (x.open.at[k] == 0 and x.open.at[n + k] == 0):
-            continue
-        r.shares[k] = 1
-        r.branch[k] = 1 if x.values.at[common_at(r, k, n)] > 0.0 else 0
-        changed = changed or (r.branch[k] != 0 and r.answer_open[k] != 0)
+        changed = changed or r.branch[k] != r.answer[k]
     return changed
 
 
-def common_at(r: Laws, k: int, n: int) -> int:
-    """Return where the common variable of a port stands among all `l` and all `w`."""
-    return k if r.now.given[k] == COMMON else n + k
+def holds_still(m: Model, r: Laws, k: int) -> bool:
+    """Whether a port is friction in one direction that does not move in the answer."""
+    return m.port_planar[k] == 0 and is_at_rest(r.problem, k)
 
 
-def may_move(r: Laws, k: int) -> bool:
+def share_out(e: Engine, r: Laws, q: Floats, h: float, rubs: bool) -> bool:
+    """Find the shares of laws that conduct, or with `rubs` of friction at rest; False if none."""
+    n = e.model.ports
+    many = find_moves(e, r, rubs)
+    if many == 0:
+        return False
+    put_moves(e, r, many, q, h, rubs)
+    put_bounds(e, r, many, rubs)
+    return least_shares(svd_room(e, 2 * n, 2 * n), 2 * n, many, 0, r.room)
+
+
+def take_shares(r: Laws, n: int) -> None:
+    """Let laws that have a share be ON, and those that could have one but have none be OFF."""
+    x = r.room
+    for k in range(n):
+        r.share_l[k] = x.values.at[k] if x.high.at[k] > x.low.at[k] else r.share_l[k]
+        if r.role[k] == ONE_SIDED and (x.open.at[k] != 0 or x.open.at[n + k] != 0):
+            r.shares[k] = 1
+            common = k if r.now.given[k] == COMMON else n + k
+            r.branch[k] = 1 if x.values.at[common] > 0.0 else 0
+
+
+def take_rests(e: Engine, r: Laws) -> None:
+    """Let friction whose share is within its limit rest, and what is at its limit give that."""
+    n = e.model.ports
+    x = r.room
+    for k in range(n):
+        at = net_at(r, k, n)
+        if holds_still(e.model, r, k) and x.open.at[at] != 0 and r.resting[k] != 0:
+            if not math.fabs(x.values.at[at]) < x.high.at[at]:
+                return
+    for k in range(n):
+        at = net_at(r, k, n)
+        if holds_still(e.model, r, k) and x.open.at[at] != 0:
+            r.shares[k] = 1
+            r.branch[k] = 0
+            if not math.fabs(x.values.at[at]) < x.high.at[at]:
+                r.branch[k] = 1 if x.values.at[at] < 0.0 else -1
+
+
+def net_at(r: Laws, k: int, n: int) -> int:
+    """Return where minus the net variable of a port stands among all `l` and all `w`."""
+    return n + k if r.now.given[k] == COMMON else k
+
+
+def may_move(m: Model, r: Laws, k: int, rubs: bool) -> bool:
     """Whether the `l` of a port may differ between answers in which it does what it does."""
-    if r.role[k] == ONE_SIDED:
-        carries = r.answer[k] != 0 or r.answer_open[k] != 0
-        return carries == (r.now.given[k] == COMMON)
-    return r.role[k] == SHUT
+    if rubs and holds_still(m, r, k):
+        return r.now.given[k] != COMMON
+    return r.role[k] == SHUT or (not rubs and is_active(r, k))
 
 
-def stays(r: Laws, k: int) -> bool:
+def is_active(r: Laws, k: int) -> bool:
+    """Whether the `w` of a one-sided law is zero by its branch, and its `l` what it gives."""
+    carries = r.branch[k] != 0 or r.answer_open[k] != 0
+    return r.role[k] == ONE_SIDED and carries == (r.now.given[k] == COMMON)
+
+
+def stays(m: Model, r: Laws, k: int, rubs: bool) -> bool:
     """Whether the `w` of a port is the same in all answers in which it does what it does."""
-    return may_move(r, k) or (r.role[k] != ONE_SIDED and r.role[k] != CUT)
+    if r.role[k] == ONE_SIDED:
+        return rubs or is_active(r, k)
+    return r.role[k] != CUT and not (rubs and holds_still(m, r, k) and r.now.given[k] == COMMON)
 
 
-def find_moves(e: Engine, r: Laws) -> int:
+def find_moves(e: Engine, r: Laws, rubs: bool) -> int:
     """Find what the answer may be moved by, into ``r.room.onto``; return in how many ways.
 
     Each is a column with a row for every `l` in ``r.tried``, whose number is ``r.many_tried``.
@@ -87,7 +141,7 @@ def find_moves(e: Engine, r: Laws) -> int:
     x = r.room
     many = 0
     for k in range(n):
-        if may_move(r, k):
+        if may_move(m, r, k, rubs):
             r.tried[many] = k
             many += 1
     r.many_tried = many
@@ -96,7 +150,7 @@ def find_moves(e: Engine, r: Laws) -> int:
     fit(x.rows, (2 * n + m.storages) * many)
     rows = 0
     for k in range(n):
-        if stays(r, k):
+        if stays(m, r, k, rubs):
             rows += put_row(r, rows, k, n, r.response.d, rounding_of(r, r.response.size[k]))
             rows += put_row(r, rows, k, n, r.response.ce, 0.0)
     for s in range(m.storages):
@@ -123,18 +177,13 @@ def put_row(r: Laws, row: int, at: int, n: int, a: Floats, least: float) -> int:
     return found
 
 
-def put_moves(e: Engine, r: Laws, many: int, q: Floats, h: float, jump: bool) -> None:
-    """Put the answer, what it may be moved by, and bounds of that where shares are looked for.
-
-    What no move changes is zero there: it is no measure of what is shared.
-    """
+def put_moves(e: Engine, r: Laws, many: int, q: Floats, h: float, rubs: bool) -> None:
+    """Put the answer there, and what it may be moved by."""
     n = e.model.ports
     a = r.response
     x = r.room
     fit(x.basis, 2 * n * many)
     fit(x.values, 2 * n)
-    fit(x.low, 2 * n)
-    fit(x.high, 2 * n)
     for i in range(2 * n * many):
         x.basis.at[i] = 0.0
     for i in range(r.many_tried):
@@ -142,19 +191,28 @@ def put_moves(e: Engine, r: Laws, many: int, q: Floats, h: float, jump: bool) ->
             x.basis.at[r.tried[i] * many + j] = x.onto.at[i * many + j]
     for k in range(n):
         # what is given moves as it is given, and what follows by what is fed through
-        x.values.at[k] = r.answer_l[k]
+        x.values.at[k] = r.share_l[k]
         w = q[k]
         for i in range(n):
-            w += (a.d[k * n + i] + h * a.ce[k * n + i]) * r.answer_l[i]
+            w += (a.d[k * n + i] + h * a.ce[k * n + i]) * r.share_l[i]
         x.values.at[n + k] = w
-        for j in range(many if not stays(r, k) else 0):
+        for j in range(0 if stays(e.model, r, k, rubs) else many):
             total = 0.0
             size = 0.0
             for i in range(n):
                 term = a.d[k * n + i] * x.basis.at[i * many + j]
                 total += term
                 size += math.fabs(term)
-            x.basis.at[(n + k) * many + j] = total if math.fabs(total) > 1e-9 * size else 0.0
+            x.basis.at[(n + k) * many + j] = total if math.fabs(total) > UNMOVED * size else 0.0
+
+
+def put_bounds(e: Engine, r: Laws, many: int, rubs: bool) -> None:
+    """Put what bounds the shares there; what no move changes is zero: it is no measure of them."""
+    m = e.model
+    n = m.ports
+    x = r.room
+    fit(x.low, 2 * n)
+    fit(x.high, 2 * n)
     for i in range(2 * n):
         k = i if i < n else i - n
         moves = False
@@ -164,7 +222,19 @@ def put_moves(e: Engine, r: Laws, many: int, q: Floats, h: float, jump: bool) ->
         x.high.at[i] = math.inf if moves else 0.0
         if not moves:
             x.values.at[i] = 0.0
-        elif r.role[k] == SHUT or r.role[k] == CUT:
-            x.low.at[i] = -math.inf
-        else:
+        elif rubs and holds_still(m, r, k):
+            x.high.at[i] = limit_of(r, k)
+            x.low.at[i] = -x.high.at[i]
+        elif r.role[k] == ONE_SIDED:
             x.values.at[i] = max(x.values.at[i], 0.0)
+        else:
+            x.low.at[i] = -math.inf
+
+
+def limit_of(r: Laws, k: int) -> float:
+    """Return the limit of friction with the forces that contacts have shared."""
+    p = r.problem
+    total = p.limit[k]
+    for j in range(p.n):
+        total += p.slope[k * p.n + j] * r.share_l[j]
+    return max(total, 0.0)

@@ -144,6 +144,7 @@ class Laws:
     adrift: Ints
     shares: Ints
     """Laws that carry a share of what others beside them carry, or none of it."""
+    share_l: Floats
     room: Shares
     """Room to find these shares."""
     apart: Ints
@@ -290,6 +291,7 @@ def make_laws(m: Model) -> Laws:
     r.basis = floats(n * n)
     r.adrift = ints(n)
     r.shares = ints(n)
+    r.share_l = floats(n)
     r.room = make_shares()
     r.apart = ints(n)
     r.units = floats(n)
