@@ -121,8 +121,8 @@ def test_a_guard_on_a_share_is_refused(order: str) -> None:
 
     def relief(guard: str) -> hb.Model:
         m = hb.Model("relief", domain="hydraulic")
-        m.add(P=hb.Sf(1e-3), n=hb.Zero(), C=hb.C(1e-11), trip=hb.One(), T=hb.R(1e9))
-        m.bond("P -> n -> C", "n -> trip -> T")
+        m.add(P=hb.Sf(1e-3), n=hb.Zero(), C=hb.C(1e-11), trip=hb.One(), r=hb.R(1e9))
+        m.bond("P -> n -> C", "n -> trip -> r")
         for x in order:
             m.add(**{x: hb.One(law="diode"), f"s{x}": hb.Se(2e7)})
             m.bond(f"n -> {x} -> s{x}")
