@@ -202,6 +202,35 @@ def test_three_supports_of_a_beam(order: tuple[str, ...]) -> None:
         assert run[f"{x}.e"].at(0.9) == pytest.approx(s + r * place, rel=1e-9)
 
 
+@pytest.mark.parametrize("order", list(itertools.permutations("abc")), ids="".join)
+def test_a_support_without_a_share_says_that_it_could_have_one(order: tuple[str, ...]) -> None:
+    """At 0, 1 and 2, under 10 N at 0.1: least squares would pull at 2. So 9 N, 1 N and nothing.
+
+    9.5 N, 0 and 0.5 N would bear it as well.
+    """
+
+    def standing(guard: str) -> hb.Model:
+        m = hb.Model("beam", domain="translational")
+        m.add(M=hb.I(1.0), v=hb.One(), W=hb.Se(-10.0), J=hb.I(0.3), w=hb.One(), D=hb.Se(-1.0))
+        m.bond("v -> M", "W -> v", "w -> J", "D -> w")
+        for x in order:
+            m.add(**{x: hb.Zero(law="unilateral", gap=f"h + {'abc'.index(x)}*p")})
+            m.bond(f"{x} -> v")
+            if x != "a":
+                m.add(**{f"t{x}": hb.TF(1.0 / "abc".index(x))})
+                m.bond(f"{x} -> t{x} -> w")
+        m.signal(h=hb.Integral("v.f"), p=hb.Integral("w.f"))
+        m.machine("T", states={"no": [], "yes": []}, start="no", rules=[f"no -> yes when {guard}"])
+        return m
+
+    run = hb.simulate(standing("a.e + b.e + c.e > 9"), until=1.0)
+    assert [run[f"{x}.e"].at(0.5) for x in "abc"] == pytest.approx([9.0, 1.0, 0.0], rel=1e-9)
+    assert run.mode["T"] == "yes"
+    assert says_open(run)
+    with pytest.raises(hb.HybondError, match=r"HB-J102.*reads c\.e"):
+        hb.simulate(standing("c.e > 0.1"), until=1.0)
+
+
 # -- friction --------------------------------------------------------------------------------------
 
 
@@ -233,3 +262,17 @@ def test_frictions_on_one_shaft_share_what_they_hold(
         assert run["v.f"].at(0.9) == 0.0
         for x, share in shares.items():
             assert run[f"{x}.e"].at(0.9) == pytest.approx(share, rel=1e-9)
+        assert says_open(run)
+
+
+@pytest.mark.parametrize("order", ["ab", "ba"])
+def test_a_guard_on_friction_that_gives_all_it_can_is_refused(order: str) -> None:
+    """1 N and 3 N are the shares of 4 N, and 0.5 N and 3.5 N would be as good."""
+    m = held(order, {"a": 1.0, "b": 10.0}, 4.0, "coulomb")
+    m.machine("T", states={"no": [], "yes": []}, start="no", rules=["no -> yes when b.e > 3.2"])
+    with pytest.raises(hb.HybondError, match=r"HB-J102.*reads b\.e"):
+        hb.simulate(m, until=1.0)
+    m = held(order, {"a": 1.0, "b": 10.0}, 4.0, "coulomb")
+    rules = ["no -> yes when a.e + b.e > 3.9"]
+    m.machine("T", states={"no": [], "yes": []}, start="no", rules=rules)
+    assert hb.simulate(m, until=1.0).mode["T"] == "yes"

@@ -59,7 +59,7 @@ from hybond.engine.laws.law_instant import (
     passive_role,
     quantity,
 )
-from hybond.engine.laws.law_parallel import find_shares
+from hybond.engine.laws.law_parallel import find_shares, keep_left
 from hybond.engine.laws.law_rates import look_ahead
 from hybond.engine.laws.law_records import Laws, Response
 from hybond.engine.laws.ports import respond
@@ -228,6 +228,7 @@ def next_lasting(e: Engine, r: Laws, ways: int) -> bool:
             if r.shares[k] == 0 and r.adrift[k] != 0:
                 r.branch[k] = 0
         put_mode(m, r, r.branch, keep > 0 and not parted, False)
+        keep_left(e, r)
         r.candidate_kept = keep > 0 and not parted and not shared
         r.second = parted or shared
         r.second_keep = keep > 0

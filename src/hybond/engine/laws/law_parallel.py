@@ -20,7 +20,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.engine.algebra.blocks import fit
+from hybond.engine.algebra.blocks import fit, grow_block
 from hybond.engine.complementarity.law_roles import CUT, ONE_SIDED, SHUT
 from hybond.engine.engine import Engine, svd_room
 from hybond.engine.laws.law_records import Laws
@@ -45,6 +45,7 @@ def find_shares(e: Engine, r: Laws, q: Floats, h: float, jump: bool) -> bool:
     n = e.model.ports
     idle = False
     resting = 0
+    r.left = 0
     for k in range(n):
         r.shares[k] = 0
         r.branch[k] = r.answer[k]
@@ -55,6 +56,8 @@ def find_shares(e: Engine, r: Laws, q: Floats, h: float, jump: bool) -> bool:
         take_shares(r, n)
     if resting > 1 and not jump and share_out(e, r, q, h, True):
         take_rests(e, r)
+    if jump:
+        r.left = 0
     changed = False
     for k in range(n):
         changed = changed or r.branch[k] != r.answer[k]
@@ -74,7 +77,70 @@ def share_out(e: Engine, r: Laws, q: Floats, h: float, rubs: bool) -> bool:
         return False
     put_moves(e, r, many, q, h, rubs)
     put_bounds(e, r, many, rubs)
-    return least_shares(svd_room(e, 2 * n, 2 * n), 2 * n, many, 0, r.room)
+    if not least_shares(svd_room(e, 2 * n, 2 * n), 2 * n, many, 0, r.room):
+        return False
+    for j in range(many):
+        if may_exchange(r, n, many, j, 1.0) or may_exchange(r, n, many, j, -1.0):
+            grow_block(r.left_l, (r.left + 1) * n)
+            for k in range(n):
+                r.left_l.at[r.left * n + k] = r.room.basis.at[k * many + j]
+            r.left += 1
+    return True
+
+
+def may_exchange(r: Laws, n: int, many: int, j: int, way: float) -> bool:
+    """Whether a law at its bound may take, along move j, from others what these carry.
+
+    What only adds, as what runs round in a ring of diodes, is no exchange.
+    """
+    x = r.room
+    at_bound = False
+    gives = False
+    for i in range(2 * n):
+        move = way * x.basis.at[i * many + j]
+        if move == 0.0:
+            continue
+        low = x.values.at[i] <= x.low.at[i]
+        high = x.values.at[i] >= x.high.at[i]
+        if (move > 0.0 and high) or (move < 0.0 and low):
+            return False
+        at_bound = at_bound or low or high
+        gives = gives or move * x.values.at[i] < 0.0
+    return at_bound and gives
+
+
+def keep_left(e: Engine, r: Laws) -> None:
+    """Let what was found to be open of shares be so in the mode that is asked for."""
+    for k in range(e.model.machines):
+        r.left_state[k] = r.candidate[k]
+
+
+def add_left(e: Engine, r: Laws) -> None:
+    """Let the trial know in which directions shares are open that its mode gives to some laws."""
+    m = e.model
+    trial = e.trial
+    for k in range(m.machines):
+        if r.left_state[k] != trial.state[k]:
+            return
+    n = 2 * m.bonds
+    many = trial.loose + r.left
+    fit(r.left_room, n * many)
+    for b in range(n):
+        for j in range(trial.loose):
+            r.left_room.at[b * many + j] = trial.freedom.at[b * trial.loose + j]
+        for j in range(r.left):
+            total = 0.0
+            size = 0.0
+            for k in range(m.ports):
+                term = r.response.gain[b * m.ports + k] * r.left_l.at[j * m.ports + k]
+                total += term
+                size += math.fabs(term)
+            moves = math.fabs(total) > UNMOVED * size
+            r.left_room.at[b * many + trial.loose + j] = total if moves else 0.0
+    fit(trial.freedom, n * many)
+    for i in range(n * many):
+        trial.freedom.at[i] = r.left_room.at[i]
+    trial.loose = many
 
 
 def take_shares(r: Laws, n: int) -> None:

@@ -2,7 +2,7 @@
 
 from typing import Final
 
-from hybond.engine.algebra.blocks import Places, make_places
+from hybond.engine.algebra.blocks import Block, Places, make_block, make_places
 from hybond.engine.algebra.svd import Svd, make_svd
 from hybond.engine.complementarity.law_roles import LawProblem, make_law_problem
 from hybond.engine.impacts.impact_records import NEWTON, Impact, make_impact
@@ -145,6 +145,12 @@ class Laws:
     shares: Ints
     """Laws that carry a share of what others beside them carry, or none of it."""
     share_l: Floats
+    left: int
+    """In how many ways shares are open beyond what the mode with ``left_state`` says: a law that
+    has none, or friction at its limit, may take from others what they carry."""
+    left_state: Ints
+    left_l: Block
+    left_room: Block
     room: Shares
     """Room to find these shares."""
     apart: Ints
@@ -292,6 +298,9 @@ def make_laws(m: Model) -> Laws:
     r.adrift = ints(n)
     r.shares = ints(n)
     r.share_l = floats(n)
+    r.left_state = ints(m.machines)
+    r.left_l = make_block(1)
+    r.left_room = make_block(1)
     r.room = make_shares()
     r.apart = ints(n)
     r.units = floats(n)
