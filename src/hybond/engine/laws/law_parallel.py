@@ -33,6 +33,8 @@ from hybond.engine.words import Floats
 
 RESIDUE: Final = 1e-12
 """Part of its terms up to which a difference of two solutions is nothing but rounding."""
+NO_MORE: Final = 1e-13
+"""Part of its terms up to which what a law blocks is nothing but rounding."""
 UNMOVED: Final = 1e-9
 """Part of its terms up to which what a move does to a value cancels."""
 
@@ -50,7 +52,8 @@ def find_shares(e: Engine, r: Laws, q: Floats, h: float, jump: bool) -> bool:
         r.shares[k] = 0
         r.branch[k] = r.answer[k]
         r.share_l[k] = r.answer_l[k]
-        idle = idle or (r.answer_open[k] != 0 and r.role[k] == ONE_SIDED)
+        r.idle[k] = 1 if is_idle(r, k, n, q, h) else 0
+        idle = idle or r.idle[k] != 0
         resting += 1 if holds_still(e.model, r, k) else 0
     if idle and share_out(e, r, q, h, False):
         take_shares(r, n)
@@ -62,6 +65,19 @@ def find_shares(e: Engine, r: Laws, q: Floats, h: float, jump: bool) -> bool:
     for k in range(n):
         changed = changed or r.branch[k] != r.answer[k]
     return changed
+
+
+def is_idle(r: Laws, k: int, n: int, q: Floats, h: float) -> bool:
+    """Whether both variables of a one-sided law are zero in the answer, but for rounding."""
+    if r.role[k] != ONE_SIDED or r.answer_open[k] != 0 or r.answer_l[k] != 0.0:
+        return r.role[k] == ONE_SIDED and r.answer_open[k] != 0
+    w = q[k]
+    size = math.fabs(w)
+    for i in range(n):
+        term = (r.response.d[k * n + i] + h * r.response.ce[k * n + i]) * r.answer_l[i]
+        w += term
+        size += math.fabs(term)
+    return math.fabs(w) <= NO_MORE * size
 
 
 def holds_still(m: Model, r: Laws, k: int) -> bool:
@@ -186,7 +202,7 @@ def may_move(m: Model, r: Laws, k: int, rubs: bool) -> bool:
 
 def is_active(r: Laws, k: int) -> bool:
     """Whether the `w` of a one-sided law is zero by its branch, and its `l` what it gives."""
-    carries = r.branch[k] != 0 or r.answer_open[k] != 0
+    carries = r.branch[k] != 0 or r.idle[k] != 0
     return r.role[k] == ONE_SIDED and carries == (r.now.given[k] == COMMON)
 
 

@@ -144,6 +144,8 @@ class Laws:
     adrift: Ints
     shares: Ints
     """Laws that carry a share of what others beside them carry, or none of it."""
+    idle: Ints
+    """One-sided laws that carry nothing in the answer, and block nothing."""
     share_l: Floats
     left: int
     """In how many ways shares are open beyond what the mode with ``left_state`` says: a law that
@@ -297,6 +299,7 @@ def make_laws(m: Model) -> Laws:
     r.basis = floats(n * n)
     r.adrift = ints(n)
     r.shares = ints(n)
+    r.idle = ints(n)
     r.share_l = floats(n)
     r.left_state = ints(m.machines)
     r.left_l = make_block(1)
