@@ -33,6 +33,8 @@ from hybond.engine.words import Floats
 
 RESIDUE: Final = 1e-12
 """Part of its terms up to which a difference of two solutions is nothing but rounding."""
+SIZES: Final = 4
+"""Orders of magnitude at which shares are looked for."""
 NO_MORE: Final = 1e-13
 """Part of its terms up to which what a law blocks is nothing but rounding."""
 UNMOVED: Final = 1e-9
@@ -52,11 +54,14 @@ def find_shares(e: Engine, r: Laws, q: Floats, h: float, jump: bool) -> bool:
         r.shares[k] = 0
         r.branch[k] = r.answer[k]
         r.share_l[k] = r.answer_l[k]
+        r.carries[k] = 0
         r.idle[k] = 1 if is_idle(r, k, n, q, h) else 0
         idle = idle or r.idle[k] != 0
         resting += 1 if holds_still(e.model, r, k) else 0
-    if idle and share_out(e, r, q, h, False):
-        take_shares(r, n)
+    if idle:
+        level = 0
+        while level < SIZES and share_out(e, r, q, h, False) and take_shares(r, n):
+            level += 1
     if resting > 1 and not jump and share_out(e, r, q, h, True):
         take_rests(e, r)
     if jump:
@@ -159,15 +164,26 @@ def add_left(e: Engine, r: Laws) -> None:
     trial.loose = many
 
 
-def take_shares(r: Laws, n: int) -> None:
-    """Let laws that have a share be ON, and those that could have one but have none be OFF."""
+def take_shares(r: Laws, n: int) -> bool:
+    """Let laws that have a share be ON, and those that could have one but have none be OFF.
+
+    A current that begins to flow is small beside others. So those with a clear share are left alone
+    from then on: whether there are any.
+    """
     x = r.room
+    clear = False
+    for k in range(n):
+        common = k if r.now.given[k] == COMMON else n + k
+        if r.role[k] == ONE_SIDED and x.high.at[common] > 0.0 and x.values.at[common] > 0.0:
+            r.carries[k] = 1
+            clear = True
     for k in range(n):
         r.share_l[k] = x.values.at[k] if x.high.at[k] > x.low.at[k] else r.share_l[k]
         if r.role[k] == ONE_SIDED and (x.open.at[k] != 0 or x.open.at[n + k] != 0):
             r.shares[k] = 1
             common = k if r.now.given[k] == COMMON else n + k
             r.branch[k] = 1 if x.values.at[common] > 0.0 else 0
+    return clear
 
 
 def take_rests(e: Engine, r: Laws) -> None:
@@ -203,13 +219,13 @@ def may_move(m: Model, r: Laws, k: int, rubs: bool) -> bool:
 def is_active(r: Laws, k: int) -> bool:
     """Whether the `w` of a one-sided law is zero by its branch, and its `l` what it gives."""
     carries = r.branch[k] != 0 or r.idle[k] != 0
-    return r.role[k] == ONE_SIDED and carries == (r.now.given[k] == COMMON)
+    return r.role[k] == ONE_SIDED and r.carries[k] == 0 and carries == (r.now.given[k] == COMMON)
 
 
 def stays(m: Model, r: Laws, k: int, rubs: bool) -> bool:
     """Whether the `w` of a port is the same in all answers in which it does what it does."""
     if r.role[k] == ONE_SIDED:
-        return rubs or is_active(r, k)
+        return rubs or r.carries[k] != 0 or is_active(r, k)
     return r.role[k] != CUT and not (rubs and holds_still(m, r, k) and r.now.given[k] == COMMON)
 
 

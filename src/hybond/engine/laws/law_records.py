@@ -146,6 +146,8 @@ class Laws:
     """Laws that carry a share of what others beside them carry, or none of it."""
     idle: Ints
     """One-sided laws that carry nothing in the answer, and block nothing."""
+    carries: Ints
+    """Laws whose share is clear: what is far smaller is shared by others beside them."""
     share_l: Floats
     left: int
     """In how many ways shares are open beyond what the mode with ``left_state`` says: a law that
@@ -300,6 +302,7 @@ def make_laws(m: Model) -> Laws:
     r.adrift = ints(n)
     r.shares = ints(n)
     r.idle = ints(n)
+    r.carries = ints(n)
     r.share_l = floats(n)
     r.left_state = ints(m.machines)
     r.left_l = make_block(1)
