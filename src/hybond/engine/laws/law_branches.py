@@ -186,6 +186,7 @@ def next_lasting(e: Engine, r: Laws, ways: int) -> bool:
     a = r.response
     if r.second:
         r.second = False
+        r.shared = False
         for k in range(n):
             r.shares[k] = 0
         put_mode(m, r, r.answer, r.second_keep, False)
@@ -231,6 +232,7 @@ def next_lasting(e: Engine, r: Laws, ways: int) -> bool:
         keep_left(e, r)
         r.candidate_kept = keep > 0 and not parted and not shared
         r.second = parted or shared
+        r.shared = shared
         r.second_keep = keep > 0
         return True
     return False

@@ -76,13 +76,18 @@ def is_idle(r: Laws, k: int, n: int, q: Floats, h: float) -> bool:
     """Whether both variables of a one-sided law are zero in the answer, but for rounding."""
     if r.role[k] != ONE_SIDED or r.answer_open[k] != 0 or r.answer_l[k] != 0.0:
         return r.role[k] == ONE_SIDED and r.answer_open[k] != 0
+    return given_to(r, k, n, q, h, r.answer_l) == 0.0
+
+
+def given_to(r: Laws, k: int, n: int, q: Floats, h: float, l: Floats) -> float:
+    """Return the `w` of a port, zero if it is nothing but rounding of its terms."""
     w = q[k]
     size = math.fabs(w)
     for i in range(n):
-        term = (r.response.d[k * n + i] + h * r.response.ce[k * n + i]) * r.answer_l[i]
+        term = (r.response.d[k * n + i] + h * r.response.ce[k * n + i]) * l[i]
         w += term
         size += math.fabs(term)
-    return math.fabs(w) <= NO_MORE * size
+    return w if math.fabs(w) > NO_MORE * size else 0.0
 
 
 def holds_still(m: Model, r: Laws, k: int) -> bool:
@@ -290,10 +295,7 @@ def put_moves(e: Engine, r: Laws, many: int, q: Floats, h: float, rubs: bool) ->
     for k in range(n):
         # what is given moves as it is given, and what follows by what is fed through
         x.values.at[k] = r.share_l[k]
-        w = q[k]
-        for i in range(n):
-            w += (a.d[k * n + i] + h * a.ce[k * n + i]) * r.share_l[i]
-        x.values.at[n + k] = w
+        x.values.at[n + k] = given_to(r, k, n, q, h, r.share_l)
         for j in range(0 if stays(e.model, r, k, rubs) else many):
             total = 0.0
             size = 0.0

@@ -184,6 +184,8 @@ class Laws:
     """Whether an answer with what is adrift parted, or shared, was given, and it is next itself."""
     solved: bool
     second_keep: bool
+    shared: bool
+    """Whether the answer given has shares: what these violate is turned before another is tried."""
 
     # trying what was found
     jumping: bool
