@@ -49,6 +49,7 @@ all room to work in. Data flows so::
     gaps                      whether the gap of a contact is the distance that its bonds close
     law_instant, law_friction what laws may do at an instant, dry friction among them
     law_rates                 how what is zero moves on: which idle diode conducts
+    law_parallel              who of laws beside each other carries, and what of that stays open
     law_answers               one question to them, answered
     law_candidates            whether a mode stands up to its laws; all branches, where that cannot
                               be asked

@@ -304,7 +304,7 @@ def put_mode(m: Model, r: Laws, branch: Ints, keep: bool, impact: bool) -> None:
             r.candidate[machine] = 2 if way < 0 else way
         else:
             on = branch[k] != 0
-            if keep and r.answer_open[k] != 0 and now < 2:
+            if keep and r.answer_open[k] != 0 and r.shares[k] == 0 and now < 2:
                 on = is_on(m, k, now)
             r.candidate[machine] = 1 if on else 0
             strikes = impact and r.now.given[k] == COMMON

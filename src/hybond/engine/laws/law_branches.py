@@ -59,6 +59,7 @@ from hybond.engine.laws.law_instant import (
     passive_role,
     quantity,
 )
+from hybond.engine.laws.law_parallel import find_shares, keep_left
 from hybond.engine.laws.law_rates import look_ahead
 from hybond.engine.laws.law_records import Laws, Response
 from hybond.engine.laws.ports import respond
@@ -185,6 +186,9 @@ def next_lasting(e: Engine, r: Laws, ways: int) -> bool:
     a = r.response
     if r.second:
         r.second = False
+        r.shared = False
+        for k in range(n):
+            r.shares[k] = 0
         put_mode(m, r, r.answer, r.second_keep, False)
         r.candidate_kept = r.second_keep
         return True
@@ -219,16 +223,17 @@ def next_lasting(e: Engine, r: Laws, ways: int) -> bool:
             if r.apart[k] != 0 and r.now.given[k] == NET:
                 r.answer[k] = 1
         r.solved = True
-        if find_adrift(m, r):
-            for k in range(n):
-                r.branch[k] = 0 if r.adrift[k] != 0 else r.answer[k]
-            put_mode(m, r, r.branch, False, False)
-            r.candidate_kept = False
-            r.second = True
-            r.second_keep = keep > 0
-        else:
-            put_mode(m, r, r.answer, keep > 0, False)
-            r.candidate_kept = keep > 0
+        shared = find_shares(e, r, r.q, h, False)
+        parted = find_adrift(m, r)
+        for k in range(n if parted else 0):
+            if r.shares[k] == 0 and r.adrift[k] != 0:
+                r.branch[k] = 0
+        put_mode(m, r, r.branch, keep > 0 and not parted, False)
+        keep_left(e, r)
+        r.candidate_kept = keep > 0 and not parted and not shared
+        r.second = parted or shared
+        r.shared = shared
+        r.second_keep = keep > 0
         return True
     return False
 
@@ -380,7 +385,8 @@ def find_jumping(e: Engine, r: Laws, x: Floats) -> int:
         if slide(e, r, r.y, factor * h, True):
             if not wrong and not moves_stored(r, n, factor * h):
                 return 0
-            put_mode(m, r, r.answer, False, True)
+            find_shares(e, r, r.y, factor * h, True)
+            put_mode(m, r, r.branch, False, True)
             return 1
         turn += 1
     if dust or not wrong:

@@ -22,6 +22,7 @@ from hybond.engine.instant.trial import (
     write_entry,
 )
 from hybond.engine.laws.law_instant import NO_LAW_VALUE
+from hybond.engine.laws.law_parallel import add_left
 from hybond.engine.laws.law_rates import turns_at_once
 from hybond.engine.laws.law_records import AGAIN, TURNED, Laws
 from hybond.engine.laws.ports import open_mode
@@ -153,6 +154,8 @@ def try_candidate(e: Engine, r: Laws, x: Floats, kept: bool) -> int:
         found = BROKEN
     if found != BROKEN:
         e.trial.dusted = r.shifted
+        if found == STANDS and r.left > 0:
+            add_left(e, r)
         if found == STANDS and r.struck and e.trial.jumps:
             for k in range(m.machines):
                 e.trial.through[k] = r.through[k]

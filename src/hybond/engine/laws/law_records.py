@@ -2,11 +2,12 @@
 
 from typing import Final
 
-from hybond.engine.algebra.blocks import Places, make_places
+from hybond.engine.algebra.blocks import Block, Places, make_block, make_places
 from hybond.engine.algebra.svd import Svd, make_svd
 from hybond.engine.complementarity.law_roles import LawProblem, make_law_problem
 from hybond.engine.impacts.impact_records import NEWTON, Impact, make_impact
 from hybond.engine.model import Model
+from hybond.engine.timestepping.step_records import Shares, make_shares
 from hybond.engine.words import (
     Floats,
     Ints,
@@ -93,6 +94,7 @@ class Laws:
     base: Ints
     given: Ints
     tried: Ints
+    many_tried: int
     l: Floats
     zero: Floats
     field: Floats
@@ -140,6 +142,21 @@ class Laws:
     block: Floats
     basis: Floats
     adrift: Ints
+    shares: Ints
+    """Laws that carry a share of what others beside them carry, or none of it."""
+    idle: Ints
+    """One-sided laws that carry nothing in the answer, and block nothing."""
+    carries: Ints
+    """Laws whose share is clear: what is far smaller is shared by others beside them."""
+    share_l: Floats
+    left: int
+    """In how many ways shares are open beyond what the mode with ``left_state`` says: a law that
+    has none, or friction at its limit, may take from others what they carry."""
+    left_state: Ints
+    left_l: Block
+    left_room: Block
+    room: Shares
+    """Room to find these shares."""
     apart: Ints
     units: Floats
     rebound: Floats
@@ -164,9 +181,11 @@ class Laws:
     # where the search for what lasts stands
     attempt: int
     second: bool
-    """Whether an answer with what is adrift parted was given, and the answer itself is next."""
+    """Whether an answer with what is adrift parted, or shared, was given, and it is next itself."""
     solved: bool
     second_keep: bool
+    shared: bool
+    """Whether the answer given has shares: what these violate is turned before another is tried."""
 
     # trying what was found
     jumping: bool
@@ -283,6 +302,14 @@ def make_laws(m: Model) -> Laws:
     r.block = floats(2 * n * n)
     r.basis = floats(n * n)
     r.adrift = ints(n)
+    r.shares = ints(n)
+    r.idle = ints(n)
+    r.carries = ints(n)
+    r.share_l = floats(n)
+    r.left_state = ints(m.machines)
+    r.left_l = make_block(1)
+    r.left_room = make_block(1)
+    r.room = make_shares()
     r.apart = ints(n)
     r.units = floats(n)
     r.rebound = floats(n)

@@ -179,7 +179,14 @@ def from_state(e: Engine, r: Laws, x: Floats, turn: int, stay: bool) -> int:
     at = 0
     for part in range(2):
         while next_lasting(e, r, NO_DUST if part == 0 else TRIES):
+            first = r.asked
             found = try_candidate(e, r, x, r.candidate_kept)
+            if found == BROKEN and r.shared and r.asked > first:
+                # what a machine switches has a share as well, which may ask a law for less than
+                # nothing: others beside it then do without it
+                for k in range(m.machines):
+                    r.candidate[k] = r.asked_at[first * m.machines + k]
+                found = try_candidate(e, r, x, False)
             if found == STANDS or found == STOPS:
                 return found
         if part == 1 and not r.solved:

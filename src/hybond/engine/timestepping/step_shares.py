@@ -222,7 +222,10 @@ def inside_bounds(n: int, free: int, x: Shares) -> bool:
             way = 1.0 if side == 0 else -1.0
             for j in range(free):
                 x.seen.at[bounds * free + j] = way * x.kept.at[k * free + j]
-            x.q.at[bounds] = max(way * (x.values.at[k] - bound), 0.0)
+            room = way * (x.values.at[k] - bound)
+            # what is beyond its bound by more than rounding has to be brought back
+            rounding = SAME_SHARE * (math.fabs(x.values.at[k]) + math.fabs(bound))
+            x.q.at[bounds] = room if room < -rounding else max(room, 0.0)
             bounds += 1
     beyond = False
     for i in range(bounds):
