@@ -30,7 +30,9 @@ CLOSER = 1e-3
 """Part of the tolerance of the run with which a step is integrated once more."""
 CLOSEST = 1e-12
 """No tolerance is below this."""
-EVALUATIONS = 40_000
+LOST = 10.0
+"""So many times what is enough is too much: no other step can make that good."""
+EVALUATIONS = 20_000
 """Of the field, in all steps of a run that are integrated once more."""
 
 
@@ -152,15 +154,16 @@ def balances_of(looked: Looked, found: Sequence[Balance], enough: float) -> tupl
         if balance.most <= enough or balance.beyond.sum() <= enough:
             energy, beyond = max(energy, balance.most), max(beyond, float(balance.beyond.sum()))
             continue
-        off = balance.off.copy()
+        off, sure = balance.off.copy(), 0.0
         for k in np.argsort(-balance.beyond, kind="stable").tolist():
             left = np.maximum(np.abs(off) - balance.allowed, 0.0)
-            if left[k] == 0.0 or left.sum() <= 0.1 * enough:
+            if left[k] == 0.0 or left.sum() <= 0.1 * enough or sure > LOST * enough:
                 break
             again = looked.again(balance.segment, k, float(balance.allowed[k]))
             if again is None:
                 break
             off[k] = again
+            sure += max(abs(again) - float(balance.allowed[k]), 0.0)
         closer = Balance(balance.segment, off, balance.allowed)
         energy, beyond = max(energy, closer.most), max(beyond, float(closer.beyond.sum()))
     return energy, beyond

@@ -152,9 +152,9 @@ class Warnings:
         m = self.graph.machines[machine]
         name = m.states[state]
         return (
-            f"at t = {t:.9g} s {m.path} leaves {name} before the impact law there is written: a rule "
-            "out of it holds without the jump, which is on trial only and changes nothing; if the "
-            f'law is to act, let that rule read pre({m.path}.state == "{name}") (the first that does)'
+            f"at t = {t:.9g} s {m.path} leaves {name} before the impact law there is written: a "
+            "rule out of it holds without the jump, which is on trial only and changes nothing; if "
+            f'the law is to act, let it read pre({m.path}.state == "{name}") (the first that does)'
         )
 
     def _text(self, kind: int, t: float, about: list[float]) -> str:
