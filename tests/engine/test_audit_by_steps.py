@@ -1,4 +1,4 @@
-"""The audit of runs that are right, of which it must not say that they are wrong, and of wrong ones.
+"""The audit of runs that are right, which it must not call wrong, and of wrong ones.
 
 Oracles: what is conserved; the same motion judged by a law that it was not made with; a state that
 was moved by hand.
@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 import hybond as hb
+from hybond.chronicle import Chronicle
 from hybond.engine.outcome.audit import Audit, audit
 from hybond.engine.outcome.signals import Signals
 from hybond.testing import random_recipe
@@ -104,7 +105,7 @@ def test_a_state_that_is_moved_is_seen_among_thousands_of_steps() -> None:
     q, p = y[500]
     y[500] *= 1.0 + 1e-6
     trace = copy.copy(run.trace)
-    trace.segments = [replace(segment, y=y)]
+    trace.segments = Chronicle(lambda s: float(s.t[0]), [replace(segment, y=y)])
     found = audit(run.graph, trace, run.signals)
     moved = 1e-6 * (q**2 + q**4 + p**2) / 0.75  # once to there, once from there
     assert not found.holds() and found.beyond == pytest.approx(2.0 * moved, rel=0.05)
