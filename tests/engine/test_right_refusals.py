@@ -142,7 +142,8 @@ def test_switching_ever_faster_to_a_point_is_refused_with_a_remedy_that_helps() 
         s=hb.Integral('-1.5*sqrt(abs(s))*(if u.state == "p" then 1 else -1) + w', start=1.0),
         w=hb.Integral('if u.state == "p" then -1.1 else 1.1', start=0.0),
     )
-    m.machine("u", states={"p": [], "n": []}, start="p", rules=["p -> n when s < 0", "n -> p when s > 0"])  # fmt: skip
+    rules = ["p -> n when s < 0", "n -> p when s > 0"]
+    m.machine("u", states={"p": [], "n": []}, start="p", rules=rules)
     with pytest.raises(hb.HybondError, match="both sides move along the surface") as caught:
         hb.simulate(m, until=3.0)
     assert caught.value.partial is not None

@@ -93,6 +93,8 @@ class Looked:
         self._sign = np.array([float(s.sign) for s in stores])
         self._rates = [Name(f"{'f' if s.kind == 'C' else 'e'}:{s.bond}") for s in stores]
         self._left = EVALUATIONS
+        self.spent = 0
+        """Evaluations in the last step that was integrated once more."""
 
     def allowed(self, segment: Segment, bonds: Matrix) -> Vector:
         """Return what each step of a segment may be off by, J, from `Signals.bonds` of it."""
@@ -122,7 +124,7 @@ class Looked:
             found = np.array(signals.at(segment, rates, times, y)) * sign[:, None]
             return np.vstack([found, signals.powers_at(segment, times, y).T])
 
-        low, high = float(segment.t[k]), float(segment.t[k + 1])
+        low, high, before_it = float(segment.t[k]), float(segment.t[k + 1]), self._left
         rtol = max(CLOSER * self.rtol, CLOSEST)
         tiny = np.finfo(float).tiny
         try:
@@ -134,6 +136,8 @@ class Looked:
             )
         except (_TooLong, HybondError, ValueError, ArithmeticError):
             return None
+        finally:
+            self.spent = before_it - self._left
         if not made.success:
             return None
         supplied, dissipated = made.y[n:, -1]
@@ -155,7 +159,12 @@ def balances_of(looked: Looked, found: Sequence[Balance], enough: float) -> tupl
             energy, beyond = max(energy, balance.most), max(beyond, float(balance.beyond.sum()))
             continue
         off, sure = balance.off.copy(), 0.0
-        for k in np.argsort(-balance.beyond, kind="stable").tolist():
+        order = np.argsort(-balance.beyond, kind="stable")
+        rest = balance.beyond.sum() - np.cumsum(balance.beyond[order])
+        needed = int(np.count_nonzero(rest > LOST * enough)) + 1
+        for done, k in enumerate(order.tolist()):
+            if looked.spent * (needed - done) > EVALUATIONS:
+                break  # more steps than can be looked at so closely
             left = np.maximum(np.abs(off) - balance.allowed, 0.0)
             if left[k] == 0.0 or left.sum() <= 0.1 * enough or sure > LOST * enough:
                 break
