@@ -34,6 +34,8 @@ LOST = 10.0
 """So many times what is enough is too much: no other step can make that good."""
 EVALUATIONS = 20_000
 """Of the field, in all steps of a run that are integrated once more."""
+OF_A_STEP = 2_000
+"""In one of them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,7 +121,7 @@ class Looked:
         def field(t: float, w: Matrix) -> Matrix:
             times, y = np.full(w.shape[1], t), np.ascontiguousarray(w[:n].T)
             self._left -= len(times)
-            if self._left < 0:
+            if self._left < max(before_it - OF_A_STEP, 0):
                 raise _TooLong
             found = np.array(signals.at(segment, rates, times, y)) * sign[:, None]
             return np.vstack([found, signals.powers_at(segment, times, y).T])
