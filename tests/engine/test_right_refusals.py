@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 
+import numpy as np
 import pytest
 from scipy.optimize import brentq
 
@@ -127,3 +128,27 @@ def test_sources_that_part_are_told_with_the_time_at_which_they_differ(
     assert t > 0.0
     way = "in series with s" if make is shorted else "beside s"
     assert error.hint == f"put a resistor {way}"
+
+
+def test_switching_ever_faster_to_a_point_is_refused_with_a_remedy_that_helps() -> None:
+    """Super-twisting: ``s' = -1.5 sqrt|s| sign s + w``, ``w' = -1.1 sign s``.
+
+    Both are zero within a finite time (J. A. Moreno, M. Osorio, IEEE Trans. Autom. Control 57(4),
+    2012). It has no size of its own but that s goes with the square of w: in a band b, s stays
+    within some b, and w within some sqrt(b).
+    """
+    m = hb.Model("twisted")
+    m.signal(
+        s=hb.Integral('-1.5*sqrt(abs(s))*(if u.state == "p" then 1 else -1) + w', start=1.0),
+        w=hb.Integral('if u.state == "p" then -1.1 else 1.1', start=0.0),
+    )
+    rules = ["p -> n when s < 0", "n -> p when s > 0"]
+    m.machine("u", states={"p": [], "n": []}, start="p", rules=rules)
+    with pytest.raises(hb.HybondError, match="both sides move along the surface") as caught:
+        hb.simulate(m, until=3.0)
+    assert caught.value.partial is not None
+    assert caught.value.code == "HB-N405" and "hysteresis = 1e-6" in str(caught.value)
+    run = hb.simulate(m, until=3.0, sliding="hysteresis", hysteresis=1e-6)
+    late = np.linspace(caught.value.partial.t_end + 0.05, 3.0, 50)
+    assert run.status == "ok"
+    assert np.abs(run["s"].at(late)).max() < 3e-6 and np.abs(run["w"].at(late)).max() < 3e-3

@@ -174,13 +174,15 @@ class ScriptResult(Result):
         """Return the worst imbalance of power and energy over all steps."""
         found = [self._alone(k).audit() for k, p in enumerate(self.parts) if p.trace.segments]
         if not found:
-            return Audit(0.0, 0.0, 0.0)
+            return Audit(0.0, 0.0, 0.0, beyond=0.0)
         return Audit(
             max(a.power for a in found),
             max(a.energy for a in found),
             max(a.created for a in found),
             max(a.accuracy for a in found),
             tuple(law for a in found for law in a.laws),
+            max(a.beyond for a in found),
+            max(a.rtol for a in found),
         )
 
     def state(self, t: float | str | None = None) -> State:

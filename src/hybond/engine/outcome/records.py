@@ -381,6 +381,8 @@ class Records:
             self.t = times[-1]
         for text in self.warnings.of_created(found, many, self.trace.energy):
             self.trace.warn(text)
+        for text in self.warnings.of_unwritten(found, many):
+            self.trace.warn(text)
 
     def _event(self, found: Instants, k: int) -> Event:
         """Return one event."""

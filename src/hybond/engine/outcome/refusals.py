@@ -228,7 +228,16 @@ def _no_sample(c: Case) -> Said:
 
 def _nowhere(c: Case) -> Said:
     texts = ", ".join(c.explain.surfaces[k].text for k in c.numbers)
-    return Said(f"no combination of the modes stays on {texts} {c.now}", c.here)
+    why = f"no combination of the modes stays on {texts} {c.now}"
+    if len(c.numbers) > 1:
+        return Said(why, c.here)
+    return Said(
+        why,
+        c.here,
+        "both sides move along the surface there, as where switchings came ever faster to a point "
+        "(super-twisting control): give the guards a band, such as 1e-6, or run with "
+        'sliding = "hysteresis" and its half width, hysteresis = 1e-6',
+    )
 
 
 def _beyond(c: Case) -> Said:

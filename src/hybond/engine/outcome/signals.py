@@ -289,6 +289,12 @@ class Signals:
             self._enter(segment)
             return self._at(expressions, t, y)
 
+    def powers_at(self, segment: Segment, t: Vector, y: Vector) -> Vector:
+        """Return power supplied and dissipated in states as `at` has them, W, shape (times, 2)."""
+        with self._lock:
+            self._enter(segment)
+            return self._look.powers(Points(t, y[:, : self._states], accepted=True))
+
     def _at(self, expressions: Sequence[Expr], t: Vector, y: Vector) -> list[Vector]:
         slots = self._read(expressions)
         points = Points(t, y[:, : self._states], accepted=True)

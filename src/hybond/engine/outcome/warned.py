@@ -65,6 +65,14 @@ class Warnings:
         self._said: set[tuple[float, ...]] = set()
         self._creates = False
         """Whether it was said that a jump creates energy."""
+        self._written_by = {
+            k: m.fieldless
+            for k, m in enumerate(graph.machines)
+            if m.law is None and any(m.fieldless)
+        }
+        """Of machines with impact laws: which of their states have to write a jump."""
+        self._on_trial: set[tuple[int, int]] = set()
+        """Those of them of which it was said that one did not."""
 
     def texts(self, rows: Rows) -> Iterator[str]:
         """Yield the warnings of a slice."""
@@ -114,6 +122,40 @@ class Warnings:
                 f"({self.graph.mode_text(mode)}) creates {made[v]:.6g} J that no source "
                 "supplies, a law that reads pre() being none (the first that does)"
             )
+
+    def of_unwritten(self, found: Instants, many: int) -> Iterator[str]:
+        """Yield a warning of each state with an impact law that is left before the law is written.
+
+        Of the instants of a slice the first `many` are looked at.
+        """
+        if not self._written_by:
+            return
+        kinds = found.rows.visit[:, 0]
+        for k in range(many):
+            visits = range(int(found.visit[k]), int(found.visit[k + 1]))
+            if not (kinds[visits.start : visits.stop] == MYTHICAL).any():
+                continue
+            mode = found.before(k)
+            wrote: dict[int, bool] = {}
+            for v in visits:
+                before, mode = mode, self.explain.entered(found, v, mode)
+                for machine, fieldless in self._written_by.items():
+                    left, state = before[machine], mode[machine]
+                    on_trial = left != state and not wrote.pop(machine, True)
+                    if on_trial and (machine, left) not in self._on_trial:
+                        self._on_trial.add((machine, left))
+                        yield self._of_trial(machine, left, float(found.rows.instant_time[k, 0]))
+                    if fieldless[state]:
+                        wrote[machine] = wrote.get(machine, False) or bool(kinds[v] != MYTHICAL)
+
+    def _of_trial(self, machine: int, state: int, t: float) -> str:
+        m = self.graph.machines[machine]
+        name = m.states[state]
+        return (
+            f"at t = {t:.9g} s {m.path} leaves {name} before the impact law there is written: a "
+            "rule out of it holds without the jump, which is on trial only and changes nothing; if "
+            f'the law is to act, let it read pre({m.path}.state == "{name}") (the first that does)'
+        )
 
     def _text(self, kind: int, t: float, about: list[float]) -> str:
         numbers = [int(a) for a in about]

@@ -1,0 +1,180 @@
+"""The balance of energy step by step: how wrong a step is, and how wrong it may be.
+
+A step is accepted if the root mean square of its errors, each in units of what the tolerance lets
+its state be wrong by, is at most one. An error e of a state changes what is stored by z e, z being
+its co-energy variable: so by Cauchy and Schwarz a step may move the energy by no more than
+``sqrt(n) |z tol|``. What it moves it by is read from its polynomial, which between the ends knows
+less than at them, and powers may hang on small differences of what it says. Where that tells
+against a run the step is integrated once more, from where it began, with powers beside states.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hybond.engine.outcome.signals import Signals
+from hybond.errors import HybondError
+from hybond.model.expressions import Name
+from hybond.model.graph import FlatGraph
+from hybond.records import dataclass
+from hybond.runs.trace import Segment, Trace
+
+Vector = NDArray[np.float64]
+Matrix = NDArray[np.float64]
+
+CLOSER = 1e-3
+"""Part of the tolerance of the run with which a step is integrated once more."""
+CLOSEST = 1e-12
+"""No tolerance is below this."""
+LOST = 10.0
+"""So many times what is enough is too much: no other step can make that good."""
+EVALUATIONS = 20_000
+"""Of the field, in all steps of a run that are integrated once more."""
+OF_A_STEP = 2_000
+"""In one of them."""
+
+
+@dataclass(frozen=True, slots=True)
+class Balance:
+    """What a segment is off by.
+
+    Parameters
+    ----------
+    off : array, shape (steps,)
+        Change of stored + dissipated - supplied, J.
+    allowed : array, shape (steps,)
+        What the tolerance of the run lets each step be off by, J.
+    """
+
+    segment: Segment
+    off: Vector
+    allowed: Vector
+
+    @property
+    def beyond(self) -> Vector:
+        """What each step is off by more than that, J."""
+        return np.asarray(np.maximum(np.abs(self.off) - self.allowed, 0.0))
+
+    @property
+    def most(self) -> float:
+        """The largest difference of the balance at two points, J."""
+        return float(np.ptp(np.append(0.0, np.cumsum(self.off))))
+
+
+class _TooLong(Exception):
+    """A step takes more evaluations than are left."""
+
+
+def sizes_of(trace: Trace) -> Vector:
+    """Return the largest size that each state has in a run."""
+    found = [np.abs(s.y).max(axis=0) for s in trace.segments if s.bonds is None and len(s.t)]
+    return np.asarray(np.max(found, axis=0)) if found else np.zeros(0)
+
+
+class Looked:
+    """Steps of a run, looked at one by one.
+
+    Parameters
+    ----------
+    size : array, shape (states,)
+        The largest that each state has been.
+    """
+
+    def __init__(self, graph: FlatGraph, signals: Signals, size: Vector) -> None:
+        numbers = signals.tables.numbers
+        self.rtol, atol = numbers["rtol"], numbers["atol"]
+        self.tolerance = self.rtol * size + (0.0 if math.isnan(atol) else atol)
+        self._graph, self._signals, self._size = graph, signals, size
+        stores, many = graph.storages, len(graph.bonds)
+        self._powered = [not graph.bonds[s.bond].domain.pseudo for s in stores]
+        self._z = np.array([s.bond + (0 if s.kind == "C" else many) for s in stores], dtype=np.intp)
+        self._sign = np.array([float(s.sign) for s in stores])
+        self._rates = [Name(f"{'f' if s.kind == 'C' else 'e'}:{s.bond}") for s in stores]
+        self._left = EVALUATIONS
+        self.spent = 0
+        """Evaluations in the last step that was integrated once more."""
+
+    def allowed(self, segment: Segment, bonds: Matrix) -> Vector:
+        """Return what each step of a segment may be off by, J, from `Signals.bonds` of it."""
+        stores = len(self._z)
+        if not stores:
+            return np.zeros(len(segment.t) - 1)
+        z = np.abs(bonds[self._z]).reshape(stores, len(segment.t), -1).max(axis=2)
+        z = z * (self.tolerance[:stores] * self._powered)[:, None]
+        squares = np.maximum(z[:, 1:], z[:, :-1]) ** 2
+        return np.asarray(np.sqrt(len(self.tolerance) * squares.sum(axis=0)))
+
+    def again(self, segment: Segment, k: int, allowed: float) -> float | None:
+        """Return what step k is off by where it is integrated once more; None if it cannot be."""
+        if segment.sliding is not None and self._graph.integrals:
+            return None  # the rate of an integral may be that of a machine's state
+        from scipy.integrate import solve_ivp
+
+        signals, n = self._signals, len(self._size)
+        rates = [*self._rates, *(i.rate for i in self._graph.integrals)]
+        sign = np.concatenate([self._sign, np.ones(n - len(self._sign))])
+
+        def field(t: float, w: Matrix) -> Matrix:
+            times, y = np.full(w.shape[1], t), np.ascontiguousarray(w[:n].T)
+            self._left -= len(times)
+            if self._left < max(before_it - OF_A_STEP, 0):
+                raise _TooLong
+            found = np.array(signals.at(segment, rates, times, y)) * sign[:, None]
+            return np.vstack([found, signals.powers_at(segment, times, y).T])
+
+        low, high, before_it = float(segment.t[k]), float(segment.t[k + 1]), self._left
+        rtol = max(CLOSER * self.rtol, CLOSEST)
+        tiny = np.finfo(float).tiny
+        try:
+            made = solve_ivp(
+                *(field, (low, high), np.append(segment.y[k], [0.0, 0.0]), "Radau"),
+                vectorized=True,
+                rtol=rtol,
+                atol=np.append(rtol * self._size, [0.01 * allowed] * 2) + tiny,
+            )
+        except (_TooLong, HybondError, ValueError, ArithmeticError):
+            return None
+        finally:
+            self.spent = before_it - self._left
+        if not made.success:
+            return None
+        supplied, dissipated = made.y[n:, -1]
+        before, after = signals.stored(segment.y[k : k + 2])
+        return float(after - before + dissipated - supplied)
+
+
+def balances_of(looked: Looked, found: Sequence[Balance], enough: float) -> tuple[float, float]:
+    """Return the largest difference of a balance, and the most that steps are off by beyond theirs.
+
+    Parameters
+    ----------
+    enough : float
+        J. Segments that are off by less, beyond what they may be, are taken as they are.
+    """
+    energy = beyond = 0.0
+    for balance in found:
+        if balance.most <= enough or balance.beyond.sum() <= enough:
+            energy, beyond = max(energy, balance.most), max(beyond, float(balance.beyond.sum()))
+            continue
+        off, sure = balance.off.copy(), 0.0
+        order = np.argsort(-balance.beyond, kind="stable")
+        rest = balance.beyond.sum() - np.cumsum(balance.beyond[order])
+        needed = int(np.count_nonzero(rest > LOST * enough)) + 1
+        for done, k in enumerate(order.tolist()):
+            if looked.spent * (needed - done) > EVALUATIONS:
+                break  # more steps than can be looked at so closely
+            left = np.maximum(np.abs(off) - balance.allowed, 0.0)
+            if left[k] == 0.0 or left.sum() <= 0.1 * enough or sure > LOST * enough:
+                break
+            again = looked.again(balance.segment, k, float(balance.allowed[k]))
+            if again is None:
+                break
+            off[k] = again
+            sure += max(abs(again) - float(balance.allowed[k]), 0.0)
+        closer = Balance(balance.segment, off, balance.allowed)
+        energy, beyond = max(energy, closer.most), max(beyond, float(closer.beyond.sum()))
+    return energy, beyond
