@@ -106,6 +106,7 @@ def _readable(text: str) -> str:
     >>> _readable("a name with \x1b[31m"), len(_readable("(" * 10**6))
     ('a name with \ufffd[31m', 403)
     """
+    text = str(text)  # whatever a caller has named
     if len(text) > LONGEST_WORD:
         text = re.sub(rf"(\S{{{LONGEST_WORD}}})\S+", r"\1...", text)
         text = text if len(text) <= LONGEST else f"{text[:LONGEST]}..."

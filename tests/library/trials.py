@@ -38,7 +38,7 @@ def trials(
     _tried.add(kinds)
     for way in ways:
         run = hb.simulate(way, until=until, rtol=rtol, atol=rtol / 100)
-        assert (run.status, run.audit().holds()) == ("ok", True), way.name
+        assert (run.status, run.audit().holds()) == ("ok", True), (way.name, run.audit())
         yield run
 
 

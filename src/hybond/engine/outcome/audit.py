@@ -33,6 +33,10 @@ sources supply adds up to nothing, but the energy that passes from one to anothe
 """
 
 
+USUAL = 1e-8
+"""Tolerance that a run is judged by if its own is tighter: where a law bends, integrating powers
+is no better."""
+
 @dataclass(frozen=True, slots=True)
 class Audit:
     """The worst imbalance of a run, each as a part of what is balanced.
@@ -71,7 +75,7 @@ class Audit:
     rtol: float = 1e-8
 
     def holds(self, rtol: float | None = None) -> bool:
-        """Whether the run keeps its balances at a tolerance, else at that it was made with.
+        """Whether the run keeps its balances at a tolerance, else at that it was made with or 1e-8.
 
         Energy does not forget: what each of many steps may be wrong by adds up, even where the
         states come back to what they should be. So a run may be off by more than ten times its
@@ -94,7 +98,7 @@ class Audit:
         >>> many_steps.holds(), many_steps.holds(1e-9)
         (True, False)
         """
-        asked = self.rtol if rtol is None else rtol
+        asked = max(self.rtol, USUAL) if rtol is None else rtol
         wrong = self.energy if asked < self.rtol else min(self.energy, self.beyond)
         return (
             not self.laws

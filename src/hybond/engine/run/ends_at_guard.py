@@ -6,7 +6,8 @@ import math
 from typing import Final
 
 from hybond.engine.engine import OK, REFUSED, Engine
-from hybond.engine.methods.one_instant import room_of_instant
+from hybond.engine.methods.dopri import spacing
+from hybond.engine.methods.one_instant import LEAST, room_of_instant
 from hybond.engine.methods.stepping import retry
 from hybond.engine.mode.mode_records import is_constrained
 from hybond.engine.run.locate import locate
@@ -30,12 +31,13 @@ def find_within(e: Engine, g: Locator) -> int:
     return REFUSED
 
 
-def land(e: Engine, g: Locator, room: float, end: float, again: bool) -> int:
+def land(e: Engine, g: Locator, room: float, end: float, vain: int) -> int:
     """Repeat the step so that it ends just past the instant found; find all that is one with it.
 
-    Not beyond `end`. Where a guard held in the motion and not when it was settled, `again` being
-    true, they differ by a last place, and a motion slower than that would never get past: it goes
-    on to the end of the instant. After Executive._land.
+    Not beyond `end`. Where a guard held in the motion and not when it was settled, so many times
+    in `vain`, they differ by a last place, and a motion slower than that would never get past: it
+    goes on by a few last places of the time, each time by twice as many, within the instant.
+    After Executive._land.
     """
     far = e.step.t1 - e.step.t0 > FAR * (g.at - e.step.t0)
     if (far or not shows_instants(e)) and land_first(e, g, room) != OK:
@@ -56,7 +58,9 @@ def land(e: Engine, g: Locator, room: float, end: float, again: bool) -> int:
         if made != OK:
             return REFUSED
     g.looked = math.nan
-    g.at = top if again else last_of_instant(e, g, g.at, top)
+    if vain > 0:
+        g.at = min(g.at + LEAST * spacing(g.at) * math.pow(2.0, float(vain)), top)
+    g.at = last_of_instant(e, g, g.at, top)
     return REFUSED if g.failed else OK
 
 

@@ -269,7 +269,7 @@ def flow(e: Engine, r: Run) -> int:
                 see_jump(e, r, at)
                 see_crowd(e, r, at)
             g.held = True
-            if land(e, g, instant, end, is_again(r, at, instant)) != OK:
+            if land(e, g, instant, end, times_in_vain(r, at, instant)) != OK:
                 if begin_at_edge(e, r) == OK:
                     continue
                 stuck_at_kink(e, r)
@@ -330,9 +330,11 @@ def flow(e: Engine, r: Run) -> int:
         return timed_cause(e) if timed else GUARD
 
 
-def is_again(r: Run, at: float, instant: float) -> bool:
-    """Whether a guard held at this instant already, and nothing changed."""
-    return r.idle > 0 and at - r.idle_at[(r.idle - 1) % (IDLE + 1)] <= instant
+def times_in_vain(r: Run, at: float, instant: float) -> int:
+    """Return how often a guard held at this instant already, and nothing changed."""
+    if r.idle == 0 or at - r.idle_at[(r.idle - 1) % (IDLE + 1)] > instant:
+        return 0
+    return r.idle
 
 
 def begin_flow(e: Engine, r: Run) -> int:
