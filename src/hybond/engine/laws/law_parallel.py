@@ -8,9 +8,10 @@ Of these answers the one of least leakage is taken, no law giving less than noth
 take equal shares, whatever they are called and in whichever order they are declared. Laws that
 have a share there are ON, the others OFF, and the mode then leaves open how they share.
 
-Friction at rest shares what it holds in the same way, no law beyond its limit, once contacts have
-shared their forces. Friction that holds more at rest than in motion is left as it is where its
-share would come to its limit: what breaks loose is decided elsewhere.
+Friction at rest shares what it holds in the same way, no law beyond its limit; beside contacts it
+is left as it is, for whether they hold decides what slides with what. So is friction that holds
+more at rest than in motion where its share would come to its limit: what breaks loose is decided
+elsewhere.
 
 What a closed switch or a wire carries is not asked for: a diode beside it carries nothing.
 """
@@ -49,6 +50,7 @@ def find_shares(e: Engine, r: Laws, q: Floats, h: float, jump: bool) -> bool:
     n = e.model.ports
     idle = False
     resting = 0
+    contacts = False
     r.left = 0
     for k in range(n):
         r.shares[k] = 0
@@ -58,11 +60,12 @@ def find_shares(e: Engine, r: Laws, q: Floats, h: float, jump: bool) -> bool:
         r.idle[k] = 1 if is_idle(r, k, n, q, h) else 0
         idle = idle or r.idle[k] != 0
         resting += 1 if holds_still(e.model, r, k) else 0
+        contacts = contacts or r.role[k] == ONE_SIDED
     if idle:
         level = 0
         while level < SIZES and share_out(e, r, q, h, False) and take_shares(r, n):
             level += 1
-    if resting > 1 and not jump and share_out(e, r, q, h, True):
+    if resting > 1 and not jump and not contacts and share_out(e, r, q, h, True):
         take_rests(e, r)
     if jump:
         r.left = 0
