@@ -162,7 +162,7 @@ def test_what_was_looked_into_before_does_not_matter() -> None:
     def seen(look: EngineLook, which: slice) -> np.ndarray:
         look_at_steps(look, rows, which, largest)
         steps = Steps.of(rows, which)
-        return look.values(Within(steps, steps.time[:, :2].mean(axis=1).clip(max=t_end)), slots)
+        return look.values(Within(steps, steps.time[:, ::2].mean(axis=1).clip(max=t_end)), slots)
 
     t_end = float(rows.step_time[-1, 2])
     forth = [seen(one, w) for w in found]
