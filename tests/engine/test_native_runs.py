@@ -4,7 +4,9 @@ What happens in an example stands in `events/`, in the words of an exported prog
 down by another engine, of which not a line was shared, and to whose runs this one agreed. It did
 not say which of several idle diodes conducts (cockcroft_walton, mmc_arm, the start of
 parallel_resonant_converter): that is written down from an exported program. Of buck two lines are
-gone: a diode that began to conduct and ended within one instant, at a current of 1e-16 A.
+gone: a diode that began to conduct and ended within one instant, at a current of 1e-16 A. Where the
+current of parallel_resonant_converter runs through both its legs, they share it and end together:
+six lines are later, those of the leg that had been given none.
 """
 
 from __future__ import annotations
