@@ -109,8 +109,9 @@ def _flat_at_zero(t: ModelTables) -> list[tuple[Expr, Expr, int]]:
             continue
         of, given = ("e", "f") if partner < bonds else ("f", "e")
         bond = partner % bonds
-        if is_flat_at_zero(t.values.all[value], f"{of}:{bond}"):
-            found.append((Name(f"{of}:{bond}"), Name(f"{given}:{bond}"), node))
+        law, read = t.values.all[value], f"{of}:{bond}"
+        if read in names(law) and is_flat_at_zero(law, read):
+            found.append((Name(read), Name(f"{given}:{bond}"), node))
     return found
 
 
