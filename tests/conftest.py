@@ -34,23 +34,19 @@ def pytest_collection_finish() -> None:
     gc.freeze()
     gc.enable()
 
-OPEN = (
-    "test_an_example_does_what_is_written_of_it[parallel_resonant_converter]",
-    "test_an_example_does_the_same_at_its_own_tolerance[parallel_resonant_converter]",
-    "test_as_each_run_says[rod]",
-    "test_a_run_is_cancelled_and_keeps_what_it_has",
-    "test_a_run_is_seen_while_it_goes_on",
-    "test_a_ball_that_rests_on_a_shaker_loses_both_directions[5 mm-60 rad/s-0.2]",
-)
-"""Known to fail since engine changes were brought together; to be mended one by one."""
 
+OPEN = ("test_a_ball_that_rests_on_a_shaker_loses_both_directions[5 mm-60 rad/s-0.2]",)
+"""Known to fail: the last flights before rest are rounding, the ball lands instead of accumulating,
+and one of two lost directions is not told as such (its multiplier is 5e-16)."""
 
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     for item in items:
         if item.name in OPEN:
-            item.add_marker(pytest.mark.xfail(reason="open", strict=False))
+            item.add_marker(
+                pytest.mark.xfail(reason="one of two lost directions is not told", strict=True)
+            )
     for item in items:
         for mark, reason in needs.MISSING.items():
             if item.get_closest_marker(mark):
