@@ -159,7 +159,10 @@ def _differences(old: list[str], new: list[str]) -> list[tuple[str, int, int, in
     if (a - first) * (b - first) > COMPARED:
         return [("replace", first, a, first, b)]
     matcher = SequenceMatcher(None, old[first:a], new[first:b], False)
-    return [(w, *(first + k for k in at)) for w, *at in matcher.get_opcodes()]  # type: ignore[misc]
+    return [
+        (what, first + i, first + j, first + k, first + m)
+        for what, i, j, k, m in matcher.get_opcodes()
+    ]
 
 
 def _item(value: Any) -> Any:

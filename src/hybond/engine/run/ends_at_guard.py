@@ -14,6 +14,8 @@ from hybond.engine.run.locate import locate
 from hybond.engine.run.locator import Locator
 from hybond.engine.run.together import is_kink_alone, kink_there, last_of_instant
 
+FORWARD: Final = 3
+"""Times that the motion goes on beyond a guard that holds in vain; then that is refused."""
 SHORTER: Final = 30
 """Times that a step is repeated shorter, at the most."""
 FAR: Final = 4.0
@@ -36,7 +38,7 @@ def land(e: Engine, g: Locator, room: float, end: float, vain: int) -> int:
 
     Not beyond `end`. Where a guard held in the motion and not when it was settled, so many times
     in `vain`, they differ by a last place, and a motion slower than that would never get past: it
-    goes on by a few last places of the time, each time by twice as many, within the instant.
+    goes on by a few last places of the time, each time by twice as many, a few times.
     After Executive._land.
     """
     far = e.step.t1 - e.step.t0 > FAR * (g.at - e.step.t0)
@@ -58,7 +60,7 @@ def land(e: Engine, g: Locator, room: float, end: float, vain: int) -> int:
         if made != OK:
             return REFUSED
     g.looked = math.nan
-    if vain > 0:
+    if vain > 0 and vain <= FORWARD:
         g.at = min(g.at + LEAST * spacing(g.at) * math.pow(2.0, float(vain)), top)
     g.at = last_of_instant(e, g, g.at, top)
     return REFUSED if g.failed else OK
