@@ -103,7 +103,6 @@ def limit() -> None:
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     resource.setrlimit(resource.RLIMIT_FSIZE, (256 * 2**20, 256 * 2**20))
     signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-    signal.signal(signal.SIGPROF, _too_long)
     sys.addaudithook(_watch)
 
 
@@ -115,22 +114,26 @@ def _too_long(*_: object) -> None:
 @contextlib.contextmanager
 def _bounded() -> Iterator[None]:
     used = resource.getrusage(resource.RUSAGE_SELF)
-    hard = resource.getrlimit(resource.RLIMIT_CPU)[1]
+    soft, hard = resource.getrlimit(resource.RLIMIT_CPU)
     # where no signal is seen, as in a loop of C, the kernel ends the process
     end = int(used.ru_utime + used.ru_stime + PATIENCE + 15)
     resource.setrlimit(resource.RLIMIT_CPU, (end, hard))
+    seen = signal.signal(signal.SIGPROF, _too_long)
     signal.setitimer(signal.ITIMER_PROF, PATIENCE)
     try:
         yield
     finally:
         signal.setitimer(signal.ITIMER_PROF, 0.0)
+        signal.signal(signal.SIGPROF, seen)
+        # who judges a case in a process of its own goes on after it
+        resource.setrlimit(resource.RLIMIT_CPU, (soft, hard))
 
 
 def judged(reader: str, seed: int, folder: Path, case: Callable[[Path], None]) -> Verdict:
     """Run a case in a folder of its own and return what is to be said of it."""
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
-    tempfile.tempdir = str(folder)
+    temporary, tempfile.tempdir = tempfile.tempdir, str(folder)
     before = _peak(again=True)
     start = time.process_time()
     kind, code, said = "fine", "", ""
@@ -152,6 +155,7 @@ def judged(reader: str, seed: int, folder: Path, case: Callable[[Path], None]) -
         kind, said = type(error).__name__, traceback.format_exc(limit=-12)
     finally:
         _watched.clear()
+        tempfile.tempdir = temporary
     cpu, room = time.process_time() - start, _peak() - before
     if kind in ("fine", "refused"):
         if _written:
