@@ -37,6 +37,7 @@ USUAL = 1e-8
 """Tolerance that a run is judged by if its own is tighter: where a law bends, integrating powers
 is no better."""
 
+
 @dataclass(frozen=True, slots=True)
 class Audit:
     """The worst imbalance of a run, each as a part of what is balanced.
