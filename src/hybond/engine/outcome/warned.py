@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from hybond.engine.compiled.rows import Rows
-from hybond.engine.outcome.explain import Explaining
+from hybond.engine.outcome.explain import SLIDING, Explaining
 from hybond.engine.outcome.unsound import violation
 from hybond.engine.tables.contacts import contacts_of
 from hybond.model.graph import FlatGraph, Mode
@@ -130,23 +130,27 @@ class Warnings:
         """
         if not self._written_by:
             return
-        kinds = found.rows.visit[:, 0]
-        for k in range(many):
-            visits = range(int(found.visit[k]), int(found.visit[k + 1]))
-            if not (kinds[visits.start : visits.stop] == MYTHICAL).any():
-                continue
-            mode = found.before(k)
-            wrote: dict[int, bool] = {}
-            for v in visits:
-                before, mode = mode, self.explain.entered(found, v, mode)
-                for machine, fieldless in self._written_by.items():
-                    left, state = before[machine], mode[machine]
-                    on_trial = left != state and not wrote.pop(machine, True)
-                    if on_trial and (machine, left) not in self._on_trial:
-                        self._on_trial.add((machine, left))
-                        yield self._of_trial(machine, left, float(found.rows.instant_time[k, 0]))
-                    if fieldless[state]:
-                        wrote[machine] = wrote.get(machine, False) or bool(kinds[v] != MYTHICAL)
+        rows = found.rows
+        visits = int(found.visit[many])
+        moves = rows.fired[: int(found.fired[visits]), :3]
+        at = np.repeat(np.arange(visits), np.diff(found.fired[: visits + 1]))
+        instant = np.repeat(np.arange(many), np.diff(found.visit[: many + 1]))
+        # how many visits before each wrote what they found
+        wrote = np.concatenate([[0], np.cumsum(rows.visit[:visits, 0] != MYTHICAL)])
+        for machine, fieldless in self._written_by.items():
+            own = np.flatnonzero((moves[:, 0] == machine) & (moves[:, 2] != SLIDING))
+            target = moves[own, 2]
+            news = np.diff(target, prepend=-2) != 0
+            enters, state = at[own[news]], target[news]
+            here, away = enters[:-1], enters[1:]
+            unwritten = (instant[here] == instant[away]) & (wrote[here] == wrote[away])
+            unwritten &= np.array(fieldless)[state[:-1]]
+            for k in np.flatnonzero(unwritten).tolist():
+                left = int(state[k])
+                if (machine, left) not in self._on_trial:
+                    self._on_trial.add((machine, left))
+                    t = float(rows.instant_time[instant[away[k]], 0])
+                    yield self._of_trial(machine, left, t)
 
     def _of_trial(self, machine: int, state: int, t: float) -> str:
         m = self.graph.machines[machine]
