@@ -36,7 +36,7 @@ static int run(Arena *arena)
 int main(void)
 {
     Arena arena;
-    arena.last = NULL;
+    memset(&arena, 0, sizeof(arena));
     const int code = run(&arena);
     release(&arena);
     return code;

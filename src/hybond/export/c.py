@@ -291,7 +291,7 @@ int main(int argc, char **argv)
         }}
     }}
 {SET_TAKEN}    Arena arena;
-    arena.last = NULL;
+    memset(&arena, 0, sizeof(arena));
     const int code = run_model(&arena, &model, events);
     release(&arena);
     return code;

@@ -10,43 +10,81 @@ TAKE = """\
 /* Memory, zeroed: an arena for each engine, so that any number of them live beside each other.
  * Where there is no more, take() goes back to where setjmp() stands in what calls the engine: the
  * engine is of no use then, but release() gives all its memory back.
+ *
+ * Small things share chunks, in the order in which they are made; what is large has one of its
+ * own, and so has everything where a checker of addresses watches over their ends.
  */
-typedef struct Taken Taken;
+typedef struct Chunk Chunk;
 typedef struct Arena {
-    Taken *last;
+    Chunk *large;         /* those of one thing each */
+    Chunk *first, *now;   /* those that are shared, and which is filled; none behind it is in use */
     jmp_buf spent;
 } Arena;
-struct Taken {
-    Taken *next;
-    Arena *arena;
-    size_t size;
-    double start;
+struct Chunk {
+    Chunk *next;
+    size_t size, used;
+    double start;         /* what follows is as strictly aligned as a double */
 };
+typedef union Taken {
+    Arena *arena;
+    double start;
+} Taken;
+enum { CHUNK_SIZE = 16384 };
+#if defined(__SANITIZE_ADDRESS__)
+enum { CHUNK_PART = 0 };
+#else
+enum { CHUNK_PART = CHUNK_SIZE / 8 };
+#endif
+
+static Chunk *chunk_of(Arena *arena, size_t size)
+{
+    Chunk *chunk = calloc(1, sizeof(Chunk) + size);
+    if (chunk == NULL) {
+        longjmp(arena->spent, 1);
+    }
+    chunk->size = size;
+    return chunk;
+}
 
 static void *take(Arena *arena, int count, size_t size)
 {
-    const size_t total = (size_t)(count > 0 ? count : 1) * size;
-    Taken *block = calloc(1, sizeof(Taken) + total);
-    if (block == NULL) {
-        longjmp(arena->spent, 1);
+    const size_t wanted = (size_t)(count > 0 ? count : 1) * size;
+    const size_t total = (1 + (wanted + sizeof(Taken) - 1) / sizeof(Taken)) * sizeof(Taken);
+    Chunk *chunk = arena->now;
+    if (total > CHUNK_PART) {
+        chunk = chunk_of(arena, total);
+        chunk->next = arena->large;
+        arena->large = chunk;
+    } else if (chunk == NULL) {
+        arena->first = arena->now = chunk = chunk_of(arena, CHUNK_SIZE);
+    } else if (chunk->size - chunk->used < total) {
+        if (chunk->next == NULL) {
+            chunk->next = chunk_of(arena, CHUNK_SIZE);
+        }
+        arena->now = chunk = chunk->next;
     }
-    block->arena = arena;
-    block->size = total;
-    block->next = arena->last;
-    arena->last = block;
-    return block + 1;
+    Taken *taken = (Taken *)((char *)(chunk + 1) + chunk->used);
+    chunk->used += total;
+    taken->arena = arena;
+    return taken + 1;
+}
+
+static void release_chunks(Chunk *chunk)
+{
+    while (chunk != NULL) {
+        Chunk *next = chunk->next;
+        free(chunk);
+        chunk = next;
+    }
 }
 
 static void release(Arena *arena)
 {
-    while (arena->last != NULL) {
-        Taken *next = arena->last->next;
-        free(arena->last);
-        arena->last = next;
-    }
+    release_chunks(arena->large);
+    release_chunks(arena->first);
+    arena->large = arena->first = arena->now = NULL;
 }
 """
-"""`start` makes what follows a block as strictly aligned as a double."""
 ARENA_OF = """\
 /* The arena in which something was made. */
 static Arena *arena_of(const void *made)

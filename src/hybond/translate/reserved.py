@@ -26,7 +26,7 @@ JAVA_WORDS = _names(
 TYPES = _names(
     """
     String Math StrictMath System Double Integer Boolean Object Character Arrays Locale List
-    BigDecimal MathContext FILE Arena Taken
+    BigDecimal MathContext FILE Arena Taken Chunk CHUNK_SIZE CHUNK_PART
     """
 )
 C_LIBRARY = _names(

@@ -47,7 +47,8 @@ typedef struct HybondLooked {
 
 /* What an arena holds at a moment. */
 typedef struct Image {
-    Taken *last;
+    Chunk *large, *now;
+    size_t used;               /* of the chunk that is filled */
     char *bytes;
 } Image;
 
@@ -73,37 +74,62 @@ SHOWN void hybond_members_look(HybondMembers *all, const HybondSets *sets, Hybon
 SHOWN void hybond_members_end(HybondMembers *all);
 static bool keep_steps(HybondMembers *all, HybondSets *sets, int k); /* kept_steps.c */
 
+static size_t used_by(const Chunk *chunk)
+{
+    size_t used = 0;
+    for (; chunk != NULL; chunk = chunk->next) {
+        used += chunk->used;
+    }
+    return used;
+}
+
+static char *copy_of(const Chunk *chunk, char *to)
+{
+    for (; chunk != NULL; chunk = chunk->next) {
+        memcpy(to, chunk + 1, chunk->used);
+        to += chunk->used;
+    }
+    return to;
+}
+
 static bool keep_image(const Arena *arena, Image *image)
 {
-    size_t size = 1;
-    for (const Taken *block = arena->last; block != NULL; block = block->next) {
-        size += block->size;
-    }
-    image->last = arena->last;
-    image->bytes = malloc(size);
+    image->large = arena->large;
+    image->now = arena->now;
+    image->used = arena->now != NULL ? arena->now->used : 0;
+    image->bytes = malloc(used_by(arena->large) + used_by(arena->first) + 1);
     if (image->bytes == NULL) {
         return false;
     }
-    char *at = image->bytes;
-    for (const Taken *block = arena->last; block != NULL; block = block->next) {
-        memcpy(at, block + 1, block->size);
-        at += block->size;
-    }
+    (void)copy_of(arena->first, copy_of(arena->large, image->bytes));
     return true;
 }
 
+/* Put back what an arena held; shared chunks that were added are empty then, and stay. */
 static void restore(Arena *arena, const Image *image)
 {
-    while (arena->last != image->last) {
-        Taken *next = arena->last->next;
-        free(arena->last);
-        arena->last = next;
+    while (arena->large != image->large) {
+        Chunk *next = arena->large->next;
+        free(arena->large);
+        arena->large = next;
     }
     const char *at = image->bytes;
-    for (Taken *block = arena->last; block != NULL; block = block->next) {
-        memcpy(block + 1, at, block->size);
-        at += block->size;
+    for (Chunk *chunk = arena->large; chunk != NULL; chunk = chunk->next) {
+        memcpy(chunk + 1, at, chunk->used);
+        at += chunk->used;
     }
+    bool added = image->now == NULL;
+    for (Chunk *chunk = arena->first; chunk != NULL; chunk = chunk->next) {
+        const bool last = chunk == image->now;
+        const size_t held = added ? 0 : last ? image->used : chunk->used;
+        char *bytes = (char *)(chunk + 1);
+        memcpy(bytes, at, held);
+        memset(bytes + held, 0, chunk->used - held);
+        chunk->used = held;
+        at += held;
+        added = added || last;
+    }
+    arena->now = image->now != NULL ? image->now : arena->first;
 }
 
 /* Make ready for members whose outputs are looked at so many times; NULL without memory. */
