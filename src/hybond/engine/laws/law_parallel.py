@@ -24,7 +24,7 @@ from typing import Final
 from hybond.engine.algebra.blocks import fit, grow_block
 from hybond.engine.complementarity.law_roles import CUT, ONE_SIDED, SHUT
 from hybond.engine.engine import Engine, svd_room
-from hybond.engine.laws.law_records import Laws
+from hybond.engine.laws.law_records import BY_OTHERS, BY_STORAGE, NOT_ASKED, Laws
 from hybond.engine.laws.law_shares import is_at_rest
 from hybond.engine.mode.freedom import directions_left
 from hybond.engine.mode.tableau import COMMON
@@ -246,6 +246,8 @@ def find_moves(e: Engine, r: Laws, rubs: bool) -> int:
     n = m.ports
     x = r.room
     many = 0
+    if r.now.linear and told_by_storage(e, r):
+        return 0
     for k in range(n):
         if may_move(m, r, k, rubs):
             r.tried[many] = k
@@ -263,6 +265,21 @@ def find_moves(e: Engine, r: Laws, rubs: bool) -> int:
         rows += put_row(r, rows, s, n, r.response.e, rounding_of(r, r.field[s]))
     fit(x.onto, many * many)
     return directions_left(e, rows, many, x.rows.at, x.onto.at)
+
+
+def told_by_storage(e: Engine, r: Laws) -> bool:
+    """Whether what is stored moves with all that ports could share, in a linear graph.
+
+    Then no answer has another beside it, whatever the laws do: as in a ladder whose diodes have a
+    capacitor at each end. It is asked once of equations, and found from all ports together.
+    """
+    p = r.now
+    if p.moves == NOT_ASKED:
+        n = e.model.ports
+        fit(r.room.onto, n * n)
+        left = directions_left(e, e.model.storages, n, r.response.e, r.room.onto.at)
+        p.moves = BY_STORAGE if left == 0 else BY_OTHERS
+    return p.moves == BY_STORAGE
 
 
 def rounding_of(r: Laws, size: float) -> float:

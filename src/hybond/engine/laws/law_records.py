@@ -21,6 +21,9 @@ from hybond.engine.words import (
 OPEN_KEPT: Final = 64
 """Configurations with open laws that are kept: the legs of three phases with dead time meet more
 than 16."""
+NOT_ASKED: Final = 0
+BY_STORAGE: Final = 1
+BY_OTHERS: Final = 2
 AGAIN: Final = 4
 """States that differ by rounding from which branches are looked for."""
 TURNED: Final = 8
@@ -48,6 +51,9 @@ class Ports:
     sign: Floats
     linear: bool
     known: bool
+    moves: int
+    """Whether anything but what is stored tells how ports share what they carry: BY_STORAGE,
+    BY_OTHERS, or NOT_ASKED."""
     gain: Floats
     d: Floats
     e: Floats

@@ -18,7 +18,14 @@ from hybond.engine.algebra.blocks import row_size
 from hybond.engine.answers import node_name, value
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.inputs.interval import configuration
-from hybond.engine.laws.law_records import OPEN_KEPT, Laws, Ports, Response, make_ports
+from hybond.engine.laws.law_records import (
+    NOT_ASKED,
+    OPEN_KEPT,
+    Laws,
+    Ports,
+    Response,
+    make_ports,
+)
 from hybond.engine.mode.equations import check_depth, make_equations
 from hybond.engine.mode.guess import give_back_guess, hold_guess
 from hybond.engine.mode.kept_modes import is_same
@@ -124,6 +131,7 @@ def open_ports(e: Engine, r: Laws, p: Ports, mode: Mode) -> int:
     p.stamp = e.modes_built
     p.linear = mode.dynamics == 0 and m.groups == 0
     p.known = False
+    p.moves = NOT_ASKED
     return OK
 
 
