@@ -6,6 +6,9 @@ import bisect
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Generic, TypeVar, overload
 
+import numpy as np
+from numpy.typing import NDArray
+
 T = TypeVar("T")
 
 
@@ -145,6 +148,28 @@ class Chronicle(Sequence[T], Generic[T]):
             return None, k
         first, make = self._blocks[at]
         return make, k - first
+
+    def origins(
+        self, items: NDArray[np.intp]
+    ) -> Iterator[tuple[Callable[[int], T] | None, NDArray[np.intp], NDArray[np.intp]]]:
+        """Yield what makes items, in order, the places of those among `items`, their numbers there.
+
+        Examples
+        --------
+        >>> squares = Chronicle(float, [0])
+        >>> squares.extend([1.0, 4.0], lambda k: (k + 1) ** 2)
+        >>> [(places, own) for _, places, own in squares.origins(np.array([0, 2]))]
+        [(array([0]), array([0])), (array([1]), array([1]))]
+        """
+        firsts = np.array([first for first, _ in self._blocks], dtype=np.intp)
+        at = np.searchsorted(firsts, items, side="right") - 1
+        for block in np.unique(at).tolist():
+            places = np.flatnonzero(at == block)
+            if block < 0:
+                yield None, places, items[places]
+            else:
+                first, make = self._blocks[block]
+                yield make, places, items[places] - first
 
     def _item(self, k: int) -> T:
         item = self._items[k]

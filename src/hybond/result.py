@@ -43,6 +43,19 @@ POINTS = 200
 """Points per run that flat views add between accepted steps, spread over its segments."""
 
 
+FEW = 64
+"""Times that are looked for one by one: to make an array of what they are looked for in takes
+longer."""
+
+
+def _segments_of(starts: Sequence[float], t: Vector, side: Side) -> NDArray[np.intp]:
+    """Return in which segments times lie, by the times these begin at."""
+    if len(t) > FEW:
+        return np.maximum(np.searchsorted(np.asarray(starts), t, side) - 1, 0)
+    before = bisect.bisect_right if side == "right" else bisect.bisect_left
+    return np.array([max(before(starts, a) - 1, 0) for a in t.tolist()], dtype=np.intp)
+
+
 class Result(Measuring):
     """A run: segments of motion, events between them, signals by name.
 
@@ -283,40 +296,36 @@ class Result(Measuring):
         if side not in ("left", "right"):
             raise UsageError(f"side = {side!r}", code="HB-S110", where="side", hint="left or right")
         try:
-            t = np.asarray(t, dtype=float).reshape(-1).tolist()
+            at = np.asarray(t, dtype=float).reshape(-1)
         except (TypeError, ValueError):
             raise UsageError(
                 f"{t!r} are no times", code="HB-S110", where="t", hint="numbers, s: [0.0, 0.5]"
             ) from None
-        found = {name: np.full(len(t), np.nan) for name in names}
-        which = []
+        found = {name: np.full(len(at), np.nan) for name in names}
         begin, end = self.t_begin, self.t_end
         starts = self.trace.segments.times
-        before = bisect.bisect_right if side == "right" else bisect.bisect_left
         cut = side == "left" and bool(self.trace.segments.forgotten)
-        if not starts and self.trace.events and t and set(t) == {begin}:
+        if not starts and self.trace.events and len(at) and (at == begin).all():
             # a condition that held at the start: nothing moved
             for name, value in self._after_last_event(names).items():
                 found[name][:] = value
             return found
-        for a in t:
-            if not starts or (cut and a == begin) or not begin <= a <= end:
-                raise UsageError(
-                    f"the run goes from {begin:.9g} to {end:.9g} s, not to {a:g} s",
-                    code="HB-S110",
-                    where="t",
-                    hint="ask for a time within it",
-                )
-            which.append(max(before(starts, a) - 1, 0))
-        places = np.lexsort((np.asarray(t, dtype=float), np.asarray(which)))
-        times = np.asarray(t, dtype=float)[places]
-        for name, values in zip(
-            names, self._of(names, np.asarray(which, dtype=np.intp)[places], times), strict=True
-        ):
+        outside = ~((begin <= at) & (at <= end)) | (cut & (at == begin))
+        if len(at) and (outside.any() or not starts):
+            raise UsageError(
+                f"the run goes from {begin:.9g} to {end:.9g} s, not to {at[outside.argmax()]:g} s",
+                code="HB-S110",
+                where="t",
+                hint="ask for a time within it",
+            )
+        which = _segments_of(starts, at, side)
+        places = np.lexsort((at, which))
+        read = self._of(names, which[places], at[places])
+        for name, values in zip(names, read, strict=True):
             found[name][places] = values
         last = self.segments[-1] if self.segments else None
-        at_end = [k for k, a in enumerate(t) if a == end]
-        if side == "right" and last is not None and at_end and self._settled_at_end:
+        at_end = np.flatnonzero(at == end)
+        if side == "right" and last is not None and len(at_end) and self._settled_at_end:
             # an event at the very end: its right limit starts no segment
             for name, value in self._after_last_event(names).items():
                 found[name][at_end] = value
@@ -327,9 +336,7 @@ class Result(Measuring):
         return self
 
     def _segment_at(self, t: float, side: Side) -> int:
-        if side == "right":
-            return max(bisect.bisect_right(self.trace.segments.times, t) - 1, 0)
-        return max(bisect.bisect_left(self.trace.segments.times, t) - 1, 0)
+        return int(_segments_of(self.trace.segments.times, np.array([t]), side)[0])
 
     @property
     def _settled_at_end(self) -> bool:

@@ -316,12 +316,13 @@ class Records:
         times = steps.time[begins[:-1], 0].tolist()
         if not times:
             return
-        which = [self._combinations[k] for k in steps.place[begins[:-1], 1].tolist()]
+        which = steps.place[begins[:-1], 1]
 
         def make(k: int) -> Segment:
-            return self._segment(steps, begins[k], begins[k + 1], which[k])
+            return self._segment(steps, begins[k], begins[k + 1], self._combinations[which[k]])
 
-        alone = np.array([sliding is None for _, sliding in which]) & (steps.points is None)
+        alone = np.array([self._combinations[k][1] is None for k in which.tolist()])
+        alone &= steps.points is None
         self.trace.segments.extend(times, Block(steps, np.array(begins), alone, make))
 
     def _segment(

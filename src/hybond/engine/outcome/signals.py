@@ -147,21 +147,19 @@ class Signals:
         found = np.zeros((len(expressions), len(t)))
         asked, first = np.unique(which, return_index=True)
         ends = np.append(first[1:], len(t))
-        parts: dict[int, tuple[Block, list[int], list[int]]] = {}
-        for place, k in enumerate(asked.tolist()):
-            block, own = segments.origin(k)
-            if isinstance(block, Block) and block.alone[own]:
-                _, places, numbers = parts.setdefault(id(block), (block, [], []))
-                places.append(place)
-                numbers.append(own)
-            else:
+        along = []
+        for block, places, numbers in segments.origins(asked):
+            alone = np.zeros(len(places), dtype=bool)
+            if isinstance(block, Block):
+                alone = block.alone[numbers]
+                if alone.any():
+                    of_block = numbers[alone], places[alone]
+                    along.append(Along.of(block, *of_block, first, ends, t))
+            for place in places[~alone].tolist():
                 some = slice(int(first[place]), int(ends[place]))
-                for row, values in zip(found, self.of(segments[k], expressions, t[some])):
+                segment = segments[int(asked[place])]
+                for row, values in zip(found, self.of(segment, expressions, t[some])):
                     row[some] = values
-        along = [
-            Along.of(block, np.array(numbers), np.array(places), first, ends, t)
-            for block, places, numbers in parts.values()
-        ]
         if along:
             self._read_along(along, t, expressions, found)
         for place in [p for a in along for p in a.resting]:
