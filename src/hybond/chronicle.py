@@ -163,12 +163,13 @@ class Chronicle(Sequence[T], Generic[T]):
         """
         firsts = np.array([first for first, _ in self._blocks], dtype=np.intp)
         at = np.searchsorted(firsts, items, side="right") - 1
-        for block in np.unique(at).tolist():
-            places = np.flatnonzero(at == block)
-            if block < 0:
+        begins = np.flatnonzero(np.diff(at, prepend=-2) != 0)
+        for begin, end in zip(begins.tolist(), [*begins[1:].tolist(), len(items)], strict=True):
+            places = np.arange(begin, end)
+            if at[begin] < 0:
                 yield None, places, items[places]
             else:
-                first, make = self._blocks[block]
+                first, make = self._blocks[at[begin]]
                 yield make, places, items[places] - first
 
     def _item(self, k: int) -> T:

@@ -11,6 +11,17 @@ from hybond.records import dataclass
 Vector = NDArray[np.float64]
 
 
+def begins_of(numbers: NDArray[np.intp]) -> NDArray[np.bool_]:
+    """Return which of numbers differ from the one before: in order, that is where each begins.
+
+    Examples
+    --------
+    >>> begins_of(np.array([3, 3, 5])).tolist()
+    [True, False, True]
+    """
+    return np.diff(numbers, prepend=-1) != 0
+
+
 @dataclass(frozen=True, slots=True)
 class Along:
     """Points in segments of one block, with the steps in which they lie."""
@@ -51,7 +62,8 @@ class Along:
         low = np.repeat(block.begins[numbers], many)
         high = np.repeat(block.begins[numbers + 1] - 1, many)
         exact = np.clip(np.searchsorted(steps.time[:, 2], t[points]), low, high)
-        rows, step = np.unique(exact, return_inverse=True)
+        new = begins_of(exact)
+        rows, step = exact[new], np.cumsum(new) - 1
         begins = block.begins[numbers]
         return Along(
             points,

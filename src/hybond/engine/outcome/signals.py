@@ -17,7 +17,7 @@ from hybond.engine.compiled.look import Motions
 from hybond.engine.compiled.points import Points, Within
 from hybond.engine.compiled.points import Steps as StepsToLook
 from hybond.engine.compiled.rows import MACHINES_OF_STEP
-from hybond.engine.outcome.along import Along
+from hybond.engine.outcome.along import Along, begins_of
 from hybond.engine.outcome.combinations import ALONE, Combination
 from hybond.engine.outcome.engines import Prepared
 from hybond.engine.outcome.records import Block, Interpolants
@@ -145,7 +145,8 @@ class Signals:
         expressions: Sequence[Expr],
     ) -> list[Vector]:
         found = np.zeros((len(expressions), len(t)))
-        asked, first = np.unique(which, return_index=True)
+        first = np.flatnonzero(begins_of(which))
+        asked = which[first]
         ends = np.append(first[1:], len(t))
         along = []
         for block, places, numbers in segments.origins(asked):
