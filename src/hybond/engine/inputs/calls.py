@@ -1,12 +1,24 @@
 """What a run asks from outside: inputs that are functions, blocks, and whether to go on.
 
-Only runs by hybond itself have them; an export is printed without. A call does not come back where
-what was asked raises: the run ends there.
+Inputs are of several kinds; that one is a function is known where tables are made, too. Only
+runs by hybond itself have such; an export is printed without. A call does not come back where what
+was asked raises: the run ends there.
 """
 
 from __future__ import annotations
 
+from typing import Final
+
 from hybond.engine.words import Floats, Outside, floats, given, record
+
+CONSTANT: Final = 0
+HELD: Final = 1
+LINES: Final = 2
+PULSES: Final = 3
+FREE: Final = 4
+"""Set from outside, and so no part of what selects equations."""
+CALLED: Final = 5
+"""A function, smooth between the breaks that are its numbers."""
 
 
 @record

@@ -11,7 +11,15 @@ from typing import Final
 
 from hybond.engine.answers import value
 from hybond.engine.engine import Engine
-from hybond.engine.inputs.calls import call_input, call_input_rate
+from hybond.engine.inputs.calls import (
+    CALLED,
+    CONSTANT,
+    FREE,
+    LINES,
+    PULSES,
+    call_input,
+    call_input_rate,
+)
 from hybond.engine.model import Model
 from hybond.engine.words import Floats, Ints
 
@@ -19,14 +27,6 @@ ROUNDING: Final = 1.7763568394002505e-15
 """Eight units in the last place: what instants that are one on paper differ by."""
 HALF: Final = 0.5
 """Of one, which whole numbers, signs and truths jump by at least."""
-CONSTANT: Final = 0
-HELD: Final = 1
-LINES: Final = 2
-PULSES: Final = 3
-FREE: Final = 4
-"""Set from outside, and so no part of what selects equations."""
-CALLED: Final = 5
-"""A function, smooth between the breaks that are its numbers."""
 
 
 def edge(m: Model, i: int, piece: int) -> float:

@@ -10,7 +10,8 @@ import math
 
 from hybond.engine.algebra.blocks import Rows
 from hybond.engine.engine import Engine
-from hybond.engine.inputs.interval import CALLED, FREE, take_line
+from hybond.engine.inputs.calls import CALLED, FREE
+from hybond.engine.inputs.interval import take_line
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.sum_records import Sums, add_entry, begin_sum, end_sum
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from hybond.engine.inputs.interval import CALLED, FREE
+from hybond.engine.inputs.calls import CALLED, FREE
 from hybond.engine.tables.guards import magnitude
 from hybond.engine.tables.options import METHODS
 from hybond.engine.tables.parts import is_flat_at_zero
