@@ -1,12 +1,12 @@
 """How large each state lately was: what was large once is forgotten when it has stayed small.
 
 Since a state was last about as large as its size, time is cut into pieces, each a part of all that
-went before. What dies out loses in each piece as much, in parts of itself, as a piece is of the time
-since then: it goes on to be measured by what it died from, however long it takes, and steps grow. A
-state that has become small and loses less than half of that stays there: what it is there is its
+went before. What dies out loses in each piece as much, of its logarithm, as a piece is of the time
+since then: it goes on to be measured by what it died from, however long that takes, and steps grow.
+A state that has become small and loses less than half of that stays there: what it is there is its
 size from now on. So a voltage of 1 V that was 1 MV once has the digits of 1 V, what rings down to
 nothing is not followed forever, and what swings is not measured by its zeros. None of this has a
-scale of time or of size.
+scale of its own, of time or of size.
 """
 
 from __future__ import annotations
@@ -28,6 +28,11 @@ FAR: Final = 0.05
 SLOWER: Final = 0.5 * PIECE / (1.0 + PIECE)
 """What a state that stays loses in a piece, to what it has lost in all, both as logarithms: half of
 that at which it would die out."""
+STAGE: Final = 1e-3
+"""Part of its size that is left at once, at the least: what is left of a motion that died out
+may be no more than the error that steps were allowed, and go on to die out when it is looked at."""
+SOON: Final = 1e-4
+"""Part of the run within which nothing is forgotten: what chatters at a root stays there."""
 LEAST: Final = 1e-12
 """Part of the largest value ever below which no size is: what is left there may be rounding."""
 
@@ -72,18 +77,21 @@ def follow_size(e: Engine, k: int, t: float, now: float) -> bool:
         if t < s[4 * n + k]:
             return False
         before = s[2 * n + k]
+        since = t - s[3 * n + k]
         s[n + k] = now
         s[2 * n + k] = most
-        s[4 * n + k] = t + PIECE * (t - s[3 * n + k])
-        if most > FAR * s[k] or most == 0.0:
+        s[4 * n + k] = t + PIECE * since
+        if most > FAR * s[k] or most == 0.0 or since < SOON * e.span:
             return False
-        if math.log(before / most) > SLOWER * math.log(s[k] / most):
+        if before > most and math.log(before / most) > SLOWER * math.log(s[k] / most):
             return False
         ever = e.largest_state[k] if k < e.states else math.sqrt(e.scale_energy)
-        least = LEAST * ever
+        least = max(STAGE * s[k], LEAST * ever)
         if s[k] <= least:
             return False
         s[k] = max(max(before, most), least)
+        if s[k] == least:
+            return True
         forgets = True
     s[k] = max(s[k], now)
     s[n + k] = now  # the largest in this piece,
