@@ -31,6 +31,11 @@ that at which it would die out."""
 STAGE: Final = 1e-3
 """Part of its size that is left at once, at the least: what is left of a motion that died out
 may be no more than the error that steps were allowed, and go on to die out when it is looked at."""
+DOUBTFUL: Final = 10.0
+"""What is less than so many times the error that steps were allowed may be nothing else, ..."""
+BUSY: Final = 0.01
+"""... and is taken for that where steps are a smaller part of the time since it was large: they are
+bound by stability, or by a root, and would only be shorter."""
 SOON: Final = 1e-4
 """Part of the run within which nothing is forgotten: what chatters at a root stays there."""
 LEAST: Final = 1e-12
@@ -84,6 +89,9 @@ def follow_size(e: Engine, k: int, t: float, now: float) -> bool:
         if most > FAR * s[k] or most == 0.0 or since < SOON * e.span:
             return False
         if before > most and math.log(before / most) > SLOWER * math.log(s[k] / most):
+            return False
+        doubtful = most <= DOUBTFUL * e.model.rtol * s[k]
+        if doubtful and e.step.t1 - e.step.t0 < BUSY * since:
             return False
         ever = e.largest_state[k] if k < e.states else math.sqrt(e.scale_energy)
         least = max(STAGE * s[k], LEAST * ever)

@@ -201,7 +201,8 @@ def full_steps(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
                     return True
                 keep_swing(e, frees, r)
                 return False
-            if exact:
+            # from far away a step leaves rounding of where it began: the next one does not
+            if exact and step > 0:
                 return False
     return False
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.engine.algebra.blocks import fit
+from hybond.engine.algebra.blocks import fit, row_size
 from hybond.engine.algebra.products import all_finite
 from hybond.engine.algebra.svd import svd_of_transpose
 from hybond.engine.answers import value
@@ -28,8 +28,9 @@ BESIDE: Final = 1e-150
 """A way that is next to none, for the sign of a slope."""
 LAST_PLACES: Final = 2.0 * 2.220446049250313e-16
 """Part of its terms that is the rounding of a sum."""
-STEEP: Final = 1e8
-"""What stands for a slope without bound, as a multiple of the others in its row."""
+STEEP: Final = 1e100
+"""What stands for a slope without bound, as a multiple of the others in its row. A root is reached
+from below in a few steps, however small it is; from above its steps lead to and fro."""
 
 
 def write_bonds(e: Engine, v: Floats, w: Floats) -> None:
@@ -65,11 +66,15 @@ def measure_terms(e: Engine, mode: Mode, w: Floats) -> None:
                 known -= term
                 size += math.fabs(term)
         e.work.w_size[k] = size + math.fabs(known)
-    reach_of_kinds(e, w)
+    reach_of_kinds(e, mode, w)
 
 
-def reach_of_kinds(e: Engine, w: Floats) -> None:
-    """Put the largest magnitude among variables of its kind beside each."""
+def reach_of_kinds(e: Engine, mode: Mode, w: Floats) -> None:
+    """Put the largest magnitude among variables of its kind beside each.
+
+    What is known without Newton has the rounding of its own terms alone, however large an unknown
+    has become in vain: that of a law that has all but ended in its limit.
+    """
     m = e.model
     work = e.work
     for c in range(m.classes):
@@ -79,6 +84,17 @@ def reach_of_kinds(e: Engine, w: Floats) -> None:
         work.kind_reach[c] = max(work.kind_reach[c], math.fabs(w[k]))
     for k in range(2 * m.bonds):
         work.w_reach[k] = work.kind_reach[m.bond_class[k]]
+        if is_given(mode, k):
+            own = row_size(mode.finite, mode.same[k], work.xi)
+            work.w_reach[k] = min(work.w_reach[k], max(own, math.fabs(w[k])))
+
+
+def is_given(mode: Mode, k: int) -> bool:
+    """Whether no unknown has part in a bond variable."""
+    for j in range(mode.finite_frees):
+        if mode.finite_free.at[k * mode.finite_frees + j] != 0.0:
+            return False
+    return True
 
 
 def rows_of_system(e: Engine, mode: Mode, v: Floats, w: Floats) -> int:
