@@ -90,7 +90,7 @@ def follow_size(e: Engine, k: int, t: float, now: float) -> bool:
             return False
         if before > most and math.log(before / most) > SLOWER * math.log(s[k] / most):
             return False
-        doubtful = most <= DOUBTFUL * e.model.rtol * s[k]
+        doubtful = k < e.states and most <= DOUBTFUL * e.model.rtol * s[k]
         if doubtful and e.step.t1 - e.step.t0 < BUSY * since:
             return False
         ever = e.largest_state[k] if k < e.states else math.sqrt(e.scale_energy)
