@@ -16,7 +16,8 @@ all room to work in. Data flows so::
     newton, storage, leakage  bond variables at an instant; co-energy, energy; least leakage
     reading, sizes            those that are read in a step; what their rounding is measured by
     sums, straight_rates      comparisons, and rates, that are sums of the state in a mode
-    newton_system, dynamic_rows     what Newton makes zero; rows whose laws are evaluated
+    newton_system, newton_step      what Newton makes zero, and the step that it asks for;
+                              dynamic_rows (rows whose laws are evaluated)
     beside_jumps              laws that hold just beside a jump of one of them, to rounding
     damped, continuation      Newton with shorter steps, where full ones do not end; on the way from
                               laws with a resistance beside them, where these do not either
@@ -25,7 +26,8 @@ all room to work in. Data flows so::
     jump                      entering a mode: constraints, impulses
     trial, entering, settle   trying modes at an instant until none is left (staying: what is
                               known of the last one)
-    values, scale, stepping   values while time passes; tolerances; one step
+    values, scale, stepping   values while time passes; tolerances (by what states are and lately
+                              were: lately); one step
     control, dopri, exact     steps that the error controls: Dormand and Prince, or what is
                               propagated: flow (which modes are linear, and their matrix, by
                               linear_rows and balance), propagate (its exponential)

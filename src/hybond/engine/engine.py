@@ -191,6 +191,11 @@ class Engine:
     """What the rates of stored quantities may be wrong by, in the time of the run."""
     largest_state: Floats
     scale_energy: float
+    """The largest energy there ever was, or that what pushes would give in a moment."""
+    pushed_energy: float
+    lately: Floats
+    """The size that each state has lately had, the root of the energy behind them; what it comes
+    from, `methods/lately`."""
     state: Ints
     """Of each machine, now."""
     t: float
@@ -344,6 +349,7 @@ def make_engine(m: Model) -> Engine:
     e.slide = make_slide(m)
     e.rounding = floats(m.storages)
     e.largest_state = floats(e.states)
+    e.lately = floats(5 * (e.states + 1))
     e.piece = ints(m.inputs)
     e.line_piece = ints(m.inputs)
     e.line_value = floats(m.inputs)

@@ -108,6 +108,7 @@ class Work:
     b: Block
     c: Block
     pivots: Places
+    single: Places
     column: Places
     svd: Svd
     columns: Ints
@@ -223,6 +224,7 @@ def make_work(m: Model) -> Work:
     w.b = make_block(1)
     w.c = make_block(1)
     w.pivots = make_places(1)
+    w.single = make_places(1)
     w.column = make_places(1)
     w.svd = make_svd(8, 8)
     w.columns = ints(n)

@@ -279,9 +279,9 @@ def _by_itself(first: Outcome, model: Model, until: float, patience: float) -> l
 def _energy_by_tolerance(audit: Audit, model: Model, until: float, patience: float) -> bool:
     """Whether nothing but the energy does not balance, by an error that falls with the tolerance.
 
-    A tolerance counts for what is stored by the size that it has had. What follows a source with a
-    thousandth of that, and lets much pass by small differences, has a thousandth of its digits.
-    A law that is lost on the way is lost at any tolerance.
+    A tolerance counts for what is stored by the size that it lately had. What follows a source with
+    a thousandth of that, and lets much pass by small differences, has a thousandth of its digits. A
+    law that is lost on the way is lost at any tolerance.
     """
     rest = replace(audit, energy=0.0)
     if not rest.holds(0.1 * SOLVED) or not audit.energy <= BY_TOLERANCE:

@@ -13,7 +13,8 @@ from hybond.engine.methods.flow_records import Exact
 from hybond.engine.mode.leakage import project
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.newton import by_knowns
-from hybond.engine.mode.newton_system import by_free, newton_step, with_free
+from hybond.engine.mode.newton_step import newton_step
+from hybond.engine.mode.newton_system import by_free, with_free
 from hybond.engine.model import Model
 from hybond.engine.words import Floats
 

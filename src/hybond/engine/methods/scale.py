@@ -1,4 +1,4 @@
-"""The tolerance of each state, from the size it has had. After simulation.py, ErrorScale."""
+"""The tolerance of each state, from the size that it has and lately had."""
 
 from __future__ import annotations
 
@@ -52,6 +52,7 @@ def start_scale(e: Engine, mode: Mode) -> None:
         pushed = pushed_energy(e)
         e.energy = max(e.energy, pushed)
         e.scale_energy = max(e.scale_energy, pushed)
+        e.pushed_energy = max(e.pushed_energy, pushed)
 
 
 def pushed_energy(e: Engine) -> float:
@@ -96,25 +97,45 @@ def measure_again(e: Engine, mode: Mode) -> None:
 
     A source that begins at zero has pushed by next to nothing where motion started.
     """
-    refusal = e.refusal
     before = e.work.reach
     for k in range(e.model.storages):
         before[k] = e.rounding[k]
-    hold_guess(e, mode)
-    found_terms(e, mode, e.step.t0)
-    give_back_guess(e, mode)
+    measure_anew(e, mode)
     for k in range(e.model.storages):
         e.rounding[k] = max(before[k], e.rounding[k])
+
+
+def measure_anew(e: Engine, mode: Mode) -> None:
+    """Learn what rates cancel from where a step begins, and forget what was before."""
+    refusal = e.refusal
+    hold_guess(e, mode)
+    found_terms(e, mode, e.step.t)
+    give_back_guess(e, mode)
     e.refusal = refusal
 
 
 def tolerance(e: Engine, y0: Floats, y1: Floats, out: Floats) -> None:
     """Put the error that a step from `y0` to `y1` may make into `out`."""
-    m = e.model
     for k in range(e.states):
         # what a rejected step tried must not loosen the tolerance for good
-        e.largest_state[k] = max(e.largest_state[k], math.fabs(y0[k]))
-        out[k] = max(max(math.fabs(y0[k]), math.fabs(y1[k])), e.largest_state[k])
+        size = math.fabs(y0[k])
+        e.largest_state[k] = max(e.largest_state[k], size)
+        e.lately[k] = max(e.lately[k], size)
+        out[k] = max(math.fabs(y1[k]), e.lately[k])
+    root = e.lately[e.states]
+    allow(e, y0, y1, root * root, out)
+
+
+def widest_tolerance(e: Engine, y: Floats, out: Floats) -> None:
+    """Put the error there that a step may make at `y`, beside all that states have ever been."""
+    for k in range(e.states):
+        out[k] = max(math.fabs(y[k]), e.largest_state[k])
+    allow(e, y, y, e.scale_energy, out)
+
+
+def allow(e: Engine, y0: Floats, y1: Floats, energy: float, out: Floats) -> None:
+    """Put the error that a step may make there in place of what each state is measured by."""
+    m = e.model
     if m.atol == m.atol:
         for k in range(e.states):
             out[k] = m.rtol * out[k] + m.atol
@@ -130,7 +151,7 @@ def tolerance(e: Engine, y0: Floats, y1: Floats, out: Floats) -> None:
         here += own[k] * y0[k] * y0[k]
         tried += own[k] * (y1[k] * y1[k])
     e.scale_energy = max(e.scale_energy, 0.5 * here)
-    most = max(e.scale_energy, 0.5 * tried)
+    most = max(max(energy, e.pushed_energy), 0.5 * max(here, tried))
     moments = max(e.step.tried / (SHORT * e.span), 1.0) if e.step.tried > 0.0 else 1.0
     for k in range(m.storages):
         moved = out[k] > 0.0

@@ -12,6 +12,7 @@ from hybond.engine.methods.control import (
 )
 from hybond.engine.methods.fixed import RK4, fixed_retry, fixed_start, fixed_step
 from hybond.engine.methods.flow_records import AUTO
+from hybond.engine.methods.lately import follow_sizes
 from hybond.engine.methods.qss import qss_retry, qss_step
 from hybond.engine.methods.qss_room import QSS1
 from hybond.engine.methods.qss_start import qss_start
@@ -60,6 +61,7 @@ def step(e: Engine, t_end: float) -> int:
     e.refusal = False
     e.curved = False
     e.step.precise = False
+    follow_sizes(e)
     if e.model.method == AUTO and e.step.turns and not e.exact.on:
         turn(e)
     if by_radau(e):

@@ -14,13 +14,8 @@ from typing import Final
 from hybond.engine.algebra.products import all_finite
 from hybond.engine.engine import Engine
 from hybond.engine.mode.mode_records import Mode
-from hybond.engine.mode.newton_system import (
-    largest_of,
-    measured_system,
-    newton_step,
-    system,
-    with_free,
-)
+from hybond.engine.mode.newton_step import newton_step
+from hybond.engine.mode.newton_system import largest_of, measured_system, system, with_free
 from hybond.engine.mode.put_back import HOLDS, all_hold
 from hybond.engine.words import Floats
 

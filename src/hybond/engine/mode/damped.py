@@ -14,13 +14,8 @@ from hybond.engine.algebra.blocks import fit
 from hybond.engine.algebra.products import all_finite
 from hybond.engine.engine import Engine
 from hybond.engine.mode.mode_records import Mode
-from hybond.engine.mode.newton_system import (
-    is_zero,
-    largest_of,
-    newton_step,
-    system,
-    with_free,
-)
+from hybond.engine.mode.newton_step import newton_step
+from hybond.engine.mode.newton_system import is_zero, largest_of, system, with_free
 from hybond.engine.mode.put_back import put_back
 from hybond.engine.words import Floats
 

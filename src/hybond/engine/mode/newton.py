@@ -18,11 +18,11 @@ from hybond.engine.mode.damped import SETTLED, damped
 from hybond.engine.mode.dynamic_rows import dynamic_value, slopes_at
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.neighbours import from_neighbours
+from hybond.engine.mode.newton_step import newton_step
 from hybond.engine.mode.newton_system import (
     by_free,
     is_zero,
     largest_of,
-    newton_step,
     system,
     take_rank,
     with_free,
@@ -201,7 +201,8 @@ def full_steps(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
                     return True
                 keep_swing(e, frees, r)
                 return False
-            if exact:
+            # from far away a step leaves rounding of where it began: the next one does not
+            if exact and step > 0:
                 return False
     return False
 

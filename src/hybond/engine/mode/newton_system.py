@@ -1,4 +1,4 @@
-"""The residual that Newton makes zero, its Jacobian, and the step that they ask for.
+"""The residual that Newton makes zero, and its Jacobian.
 
 The residuals are the laws, the power structure projected on its range, and the hidden constraints:
 the time derivative of what the power structure puts on co-energy variables, found by its left null
@@ -10,14 +10,13 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.engine.algebra.blocks import fit, fit_places
-from hybond.engine.algebra.lu import SINGULAR, lu_factor, lu_solve
+from hybond.engine.algebra.blocks import fit, row_size
 from hybond.engine.algebra.products import all_finite
 from hybond.engine.algebra.svd import svd_of_transpose
 from hybond.engine.answers import value
 from hybond.engine.engine import Engine, count_work, svd_room
 from hybond.engine.mode.dynamic_rows import dynamic_value, frozen_at, slopes_at
-from hybond.engine.mode.freedom import rank_here, step_of_singular
+from hybond.engine.mode.freedom import rank_here
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.storage import stiff
 from hybond.engine.words import Floats
@@ -27,12 +26,11 @@ LONGEST: Final = 1000
 to hold."""
 BESIDE: Final = 1e-150
 """A way that is next to none, for the sign of a slope."""
-CLEAR_PIVOT: Final = 1e-6
-"""A pivot above this part of the largest entry of its column is no cancellation."""
 LAST_PLACES: Final = 2.0 * 2.220446049250313e-16
 """Part of its terms that is the rounding of a sum."""
-STEEP: Final = 1e8
-"""What stands for a slope without bound, as a multiple of the others in its row."""
+STEEP: Final = 1e100
+"""What stands for a slope without bound, as a multiple of the others in its row. A root is reached
+from below in a few steps, however small it is; from above its steps lead to and fro."""
 
 
 def write_bonds(e: Engine, v: Floats, w: Floats) -> None:
@@ -68,11 +66,15 @@ def measure_terms(e: Engine, mode: Mode, w: Floats) -> None:
                 known -= term
                 size += math.fabs(term)
         e.work.w_size[k] = size + math.fabs(known)
-    reach_of_kinds(e, w)
+    reach_of_kinds(e, mode, w)
 
 
-def reach_of_kinds(e: Engine, w: Floats) -> None:
-    """Put the largest magnitude among variables of its kind beside each."""
+def reach_of_kinds(e: Engine, mode: Mode, w: Floats) -> None:
+    """Put the largest magnitude among variables of its kind beside each.
+
+    What is known without Newton has the rounding of its own terms alone, however large an unknown
+    has become in vain: that of a law that has all but ended in its limit.
+    """
     m = e.model
     work = e.work
     for c in range(m.classes):
@@ -82,6 +84,17 @@ def reach_of_kinds(e: Engine, w: Floats) -> None:
         work.kind_reach[c] = max(work.kind_reach[c], math.fabs(w[k]))
     for k in range(2 * m.bonds):
         work.w_reach[k] = work.kind_reach[m.bond_class[k]]
+        if is_given(mode, k):
+            own = row_size(mode.finite, mode.same[k], work.xi)
+            work.w_reach[k] = min(work.w_reach[k], max(own, math.fabs(w[k])))
+
+
+def is_given(mode: Mode, k: int) -> bool:
+    """Whether no unknown has part in a bond variable."""
+    for j in range(mode.finite_frees):
+        if mode.finite_free.at[k * mode.finite_frees + j] != 0.0:
+            return False
+    return True
 
 
 def rows_of_system(e: Engine, mode: Mode, v: Floats, w: Floats) -> int:
@@ -382,61 +395,6 @@ def with_free(mode: Mode, n: int, base: Floats, r: Floats, w: Floats) -> None:
             size += math.fabs(term)
         rounded = math.fabs(total) <= most * size and size < math.inf
         w[k] = 0.0 if rounded else total
-
-
-def newton_step(e: Engine, rows: int, frees: int) -> bool:
-    """Solve ``jacobian step = residual``; if it is singular, what is free is zero.
-
-    Whether it is regular beyond doubt: no pivot is a small part of its column.
-    """
-    work = e.work
-    if rows == frees:
-        fit(work.jacobian2, rows * frees)
-        fit_places(work.pivots, rows)
-        for i in range(rows * frees):
-            work.jacobian2.at[i] = work.jacobian.at[i]
-        for i in range(rows):
-            work.step.at[i] = work.residual.at[i]
-        if lu_factor(rows, work.jacobian2.at, work.pivots.at) != SINGULAR:
-            lu_solve(rows, work.jacobian2.at, work.pivots.at, 1, work.step.at)
-            if all_finite(rows, work.step.at):
-                clear = is_clear(rows, work.jacobian.at, work.jacobian2.at)
-                if not clear and work.bends:
-                    refine_step(e, rows)
-                return clear
-    step_of_singular(e, rows, frees)
-    return False
-
-
-def refine_step(e: Engine, n: int) -> None:
-    """Take what the step leaves of each residual out of it, once.
-
-    Each equation holds to a part of its own terms then: an unknown that is zero is not left with
-    the rounding of those a million times as large. Source: R. D. Skeel, *Iterative refinement
-    implies numerical stability for Gaussian elimination*, Mathematics of Computation 35 (1980).
-    """
-    work = e.work
-    fit(work.left_over, n)
-    for i in range(n):
-        total = work.residual.at[i]
-        for j in range(n):
-            total -= work.jacobian.at[i * n + j] * work.step.at[j]
-        work.left_over.at[i] = total
-    lu_solve(n, work.jacobian2.at, work.pivots.at, 1, work.left_over.at)
-    for j in range(n):
-        if math.isfinite(work.left_over.at[j]):
-            work.step.at[j] += work.left_over.at[j]
-
-
-def is_clear(n: int, a: Floats, factors: Floats) -> bool:
-    """Whether each pivot is a fair part of the largest entry in its column."""
-    for k in range(n):
-        most = 0.0
-        for i in range(n):
-            most = max(most, math.fabs(a[i * n + k]))
-        if math.fabs(factors[k * n + k]) < CLEAR_PIVOT * most:
-            return False
-    return True
 
 
 def is_zero(n: int, a: Floats) -> bool:

@@ -10,10 +10,10 @@ from hybond.engine.answers import value
 from hybond.engine.engine import Engine
 from hybond.engine.mode.dynamic_rows import dynamic_value
 from hybond.engine.mode.mode_records import Mode
+from hybond.engine.mode.newton_step import newton_step
 from hybond.engine.mode.newton_system import (
     measure_terms,
     measured_system,
-    newton_step,
     row_terms,
     system,
     write_bonds,

@@ -15,7 +15,8 @@ from hybond.engine.algebra.products import all_finite
 from hybond.engine.answers import value
 from hybond.engine.engine import Engine
 from hybond.engine.mode.mode_records import Mode
-from hybond.engine.mode.newton_system import is_clear, rows_of_system
+from hybond.engine.mode.newton_step import is_clear
+from hybond.engine.mode.newton_system import rows_of_system
 from hybond.engine.words import Floats
 
 

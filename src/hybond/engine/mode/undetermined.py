@@ -16,7 +16,8 @@ from hybond.engine.engine import Engine
 from hybond.engine.mode.freedom import directions_left
 from hybond.engine.mode.leakage import least_leakage, project
 from hybond.engine.mode.mode_records import Mode
-from hybond.engine.mode.newton_system import measured_system, newton_step, system, write_bonds
+from hybond.engine.mode.newton_step import newton_step
+from hybond.engine.mode.newton_system import measured_system, system, write_bonds
 from hybond.engine.mode.put_back import HOLDS, all_hold, excess
 from hybond.engine.words import Floats
 

@@ -130,6 +130,7 @@ def carry_memory(e: Engine, r: Run, c: Carrier) -> None:
     g = e.landings
     many = machines_carried(e)
     carry_floats(c, e.states, e.largest_state)
+    carry_floats(c, 5 * (e.states + 1), e.lately)
     carry_floats(c, m.classes, e.largest)
     carry_floats(c, m.classes, e.checks.largest)
     if m.laws > 0:
@@ -151,6 +152,7 @@ def carry_memory(e: Engine, r: Run, c: Carrier) -> None:
     carry_ints(c, m.storages, g.held)
     e.energy = carry_number(c, e.energy)
     e.scale_energy = carry_number(c, e.scale_energy)
+    e.pushed_energy = carry_number(c, e.pushed_energy)
     e.sampled_at = carry_number(c, e.sampled_at)
     g.events = carry_whole(c, g.events)
     carry_step(e, r, c)

@@ -12,7 +12,7 @@ import math
 from typing import Final
 
 from hybond.engine.engine import OK, Engine
-from hybond.engine.methods.scale import tolerance
+from hybond.engine.methods.scale import widest_tolerance
 from hybond.engine.methods.stepping import by_radau
 from hybond.engine.mode.guess import give_back_guess, hold_guess
 from hybond.engine.mode.values import field
@@ -94,7 +94,7 @@ def goes_to_rest(e: Engine, r: Run, atom: int, kink: int) -> bool:
 
 def is_within_error(e: Engine, r: Run, h: float) -> bool:
     """Whether what is left of the motion for a time is less than the error of a step."""
-    tolerance(e, e.y, e.y, r.beside)
+    widest_tolerance(e, e.y, r.beside)
     for i in range(e.states):
         if not math.fabs(h * r.rate[i]) <= r.beside[i]:
             return False
