@@ -224,7 +224,10 @@ def find_gains(e: Engine, r: Laws, p: Ports, v: Floats, gain: Floats) -> int:
             return REFUSED
         r.l[k] = 0.0
         for b in range(n):
-            gain[b * m.ports + k] = e.work.w[b] - r.zero[b]
+            moved = e.work.w[b] - r.zero[b]
+            size = row_size(mode.finite, mode.same[b], e.work.xi)
+            size += math.fabs(e.work.w[b]) + math.fabs(r.zero[b])
+            gain[b * m.ports + k] = 0.0 if math.fabs(moved) <= DIGITS * size else moved
     for i in range(2 * m.slots):
         v[i] = r.kept[i]
     return OK
