@@ -43,7 +43,8 @@ def needing_ends(
     if not candidates:
         return []
     many = len(bonds)
-    given: dict[int, str] = {}
+    given: set[int] = set()
+    stored: set[int] = set()
     rows: list[Row] = []
     extra = 2 * many
     for node in nodes:
@@ -53,27 +54,30 @@ def needing_ends(
                 # while it is OFF its common variable is zero, while it is ON its net one
                 own[-1][extra] = -1.0
                 common = 0 if node.kind == "0" else many
-                given[extra] = "switch"
-                given.update((common + end.bond, "switch") for end in node.ends)
+                given.add(extra)
+                given.update(common + end.bond for end in node.ends)
                 extra += 1
             rows += own
         elif node.kind in TWO_PORTS:
             if node.controlled:
-                given.update((k + end.bond, "switch") for end in node.ends for k in (0, many))
+                given.update(k + end.bond for end in node.ends for k in (0, many))
             rows += two_port_rows(node, _modulus(node), many)
         elif node.kind in RESISTORS:
             matrix = node.law.matrix if node.law is not None else None
             if matrix is not None and len(node.ends) == 1 and plain(matrix[0][0]) == 0.0:
-                given[_output(node, many)] = "source"
+                given.add(_output(node, many))
         elif node.about.imposes is not None:
             first = 0 if node.about.imposes == "e" else many
-            what = "storage" if node.kind in STORAGES else "source"
-            given.update((first + end.bond, what) for end in node.ends)
+            imposed = [first + end.bond for end in node.ends]
+            given.update(imposed)
+            if node.kind in STORAGES:
+                stored.update(imposed)
     ends = {k: _output(nodes[k], many) for k in candidates}
-    given.update(dict.fromkeys(ends.values(), "law"))
+    given.update(ends.values())
     groups = _related(rows, given)
-    stores = {groups[k] for k, what in given.items() if what == "storage" and k in groups}
-    return [k for k, column in ends.items() if groups.get(column) in stores]
+    # a variable that two give is a relation of these two
+    stores = {groups[k] for k in stored if k in groups}
+    return [k for k, at in ends.items() if at in stored or groups.get(at) in stores]
 
 
 def _output(node: Node, bonds: int) -> int:

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 import hybond as hb
 
@@ -272,3 +273,59 @@ def test_a_saw_that_begins_anew_is_not_held_by_the_corner_that_it_left(rtol: flo
     m.machine("late", states={"a": [], "b": []}, start="a", rules=["a -> b when c > 0.777"])
     run = hb.simulate(m, 1.13, rtol=rtol)
     assert run["x"].at(1.13) == pytest.approx(saw_filtered(1.13, period), abs=1e-9)
+
+
+def held_twice(law: str, limit: float, jump: float, push: float, *, dual: bool) -> hb.Model:
+    """A mass that a spring pushes, on friction by a junction beside one that a law has."""
+    m = hb.Model("held twice")
+    if dual:
+        m.add(b=hb.Zero(law=law, limit=limit), i=hb.C(0.15, q=0.14), c=hb.I(0.5, p=-0.5 * push))
+        m.add(r=hb.R({"f": f"{jump}*sign(e)"}), d=hb.G(0.5))
+    else:
+        m.add(b=hb.One(law=law, limit=limit), i=hb.I(0.15, p=0.14), c=hb.C(0.5, q=-0.5 * push))
+        m.add(r=hb.R({"e": f"{jump}*sign(f)"}), d=hb.R(0.5))
+    m.bond("b -> i", "b -> c", "b -> r", "b -> d")
+    return m
+
+
+@pytest.mark.parametrize("dual", [False, True])
+@pytest.mark.parametrize(("limit", "jump"), [(2.36, 8.15), (4.0, 3.0)])
+@pytest.mark.parametrize("law", ["relay", "coulomb"])
+def test_a_law_that_jumps_at_rest_beside_friction_is_refused_as_it_is_alone(
+    law: str, limit: float, jump: float, dual: bool
+) -> None:
+    """Both would hold 5 N, neither does alone: each event lets go what the one before held."""
+    run = hb.simulate(held_twice(law, limit, jump, 5.0, dual=dual), 1.0, on_error="return")
+    assert run.error is not None
+    assert run.error.code == "HB-N410"
+    assert "at r" in str(run.error)
+    assert len(run.events) < 1000
+    # a mass of 0.15 that 5 N push, with all friction against it, and 0.5 N*s/m: it stands at
+    assert run.t_end == pytest.approx(stands_at(limit + jump), rel=1e-3)
+
+
+def stands_at(friction: float) -> float:
+    """When the mass comes to rest: ``0.15 v' = 5 - x/0.5 - friction - 0.5 v``."""
+    system = solve_ivp(
+        lambda t, y: [y[1], (5.0 - 2.0 * y[0] - friction - 0.5 * y[1]) / 0.15],
+        (0.0, 1.0),
+        [0.0, 0.14 / 0.15],
+        events=lambda t, y: y[1],
+        rtol=1e-10,
+        atol=1e-12,
+    )
+    return float(system.t_events[0][0])
+
+
+@pytest.mark.parametrize("fall", [0.5, 1.0])
+def test_a_law_that_holds_a_node_where_a_diode_would_is_refused_early(fall: float) -> None:
+    """Steps end above zero by what they may err, and behind it the law pushes back."""
+    m = hb.Model("clamped")
+    m.add(n=hb.Zero(law="diode"), c=hb.C(1.0, q=1.0), s=hb.Sf(fall), i=hb.I(1.0))
+    m.add(g=hb.R({"f": "1.74*sign(e)"}), h=hb.R({"f": "0.885*sign(e)"}))
+    m.bond("s -> n -> c", "n -> g", "n -> h", "n -> i")
+    run = hb.simulate(m, 3.0, on_error="return", max_steps=2000)
+    assert run.error is not None
+    assert run.error.code == "HB-N410"
+    # q'' = -q, q = 1 and q' = fall - 2.625 at the start
+    assert run.t_end == pytest.approx(math.atan(1.0 / (2.625 - fall)), rel=1e-4)

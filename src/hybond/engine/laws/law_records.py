@@ -118,6 +118,7 @@ class Laws:
     """Whether what stands must stand a moment later, too."""
     saw_ahead: bool
     row: Floats
+    row_terms: Floats
     terms: Floats
     nothing: Floats
 
@@ -283,6 +284,7 @@ def make_laws(m: Model) -> Laws:
     r.rate_terms = floats(n)
     r.atom = floats(m.atom_first[m.rule_first[m.machines]])
     r.row = floats(m.storages + 2 * m.most_sources + n)
+    r.row_terms = floats(m.storages + 2 * m.most_sources + n)
     r.terms = floats(m.slots)
     r.nothing = floats(m.slots)
     r.s = floats(m.integrals)

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.engine.complementarity.law_roles import TWO_SIDED, LawProblem
+from hybond.engine.complementarity.law_roles import ONE_SIDED, SHUT, TWO_SIDED, LawProblem
 from hybond.engine.engine import Engine
 from hybond.engine.laws.law_friction import may_rest
 from hybond.engine.laws.law_records import Laws
@@ -48,8 +48,13 @@ def is_at_rest(p: LawProblem, k: int) -> bool:
 
 
 def gives_force(p: LawProblem, k: int) -> bool:
-    """Whether it is, and its force is what it gives."""
-    return p.common[k] == 0 and is_at_rest(p, k)
+    """Whether what a port gives is a force that may be another: at rest, carrying, or held."""
+    return (p.common[k] == 0 and is_at_rest(p, k)) or carries(p, k) or p.role[k] == SHUT
+
+
+def carries(p: LawProblem, k: int) -> bool:
+    """Whether a port is a one-sided law in the branch in which its `l` is anything but negative."""
+    return p.role[k] == ONE_SIDED and (p.branch[k] != 0) == (p.common[k] != 0)
 
 
 def force_of(p: LawProblem, k: int) -> float:
@@ -60,6 +65,16 @@ def force_of(p: LawProblem, k: int) -> float:
     for j in range(p.n):
         total += p.m[k * p.n + j] * p.l[j]
     return -total
+
+
+def room_of(p: LawProblem, k: int, turn: float) -> float:
+    """Return how far the force of a port may change, per unit that it changes by."""
+    if p.role[k] == SHUT:
+        return math.inf
+    if p.role[k] == ONE_SIDED:
+        return math.inf if turn < 0.0 else p.l[k] / turn
+    force = force_of(p, k)
+    return (limit_here(p, k) - math.copysign(force, force * turn)) / math.fabs(turn)
 
 
 def limit_here(p: LawProblem, k: int) -> float:
@@ -108,10 +123,9 @@ def trade(e: Engine, r: Laws, k: int, one: int, other: int) -> bool:
         if r.tilt[j] == 0.0:
             continue
         turn = way * r.tilt[j]
-        if float(p.branch[j]) * turn > 0.0:
+        if p.role[j] == TWO_SIDED and float(p.branch[j]) * turn > 0.0:
             return False
-        room = limit_here(p, j) - math.copysign(force_of(p, j), force_of(p, j) * turn)
-        room = room / math.fabs(turn)
+        room = room_of(p, j, turn)
         if room < far:
             far = room
             first = j
@@ -123,10 +137,15 @@ def trade(e: Engine, r: Laws, k: int, one: int, other: int) -> bool:
     if other != ALONE:
         p.l[other] += way * far * share
     for j in range(n):
-        if r.tilt[j] != 0.0:
+        if r.tilt[j] != 0.0 and p.role[j] == TWO_SIDED:
             p.branch[j] = 0
             p.open[j] = 0
-    if not breaks:
+    if p.role[first] == ONE_SIDED:
+        # it gives nothing any more, and lets nothing through yet
+        p.l[first] = 0.0
+        p.branch[first] = 0 if p.common[first] != 0 else 1
+        p.open[first] = 1
+    elif not breaks:
         p.branch[first] = 1 if way * r.tilt[first] > 0.0 else -1
         p.open[first] = 1
     return True

@@ -40,6 +40,8 @@ from hybond.engine.words import Floats, Ints, some
 
 CANCELS: Final = 1e-13
 """A sum below this part of its terms is zero: a law without effect is told from a weak one."""
+DIGITS: Final = 8.0 * 2.220446049250313e-16
+"""Part of its terms up to which a difference of two solutions is rounding."""
 SHORT_WHILE: Final = 1e-7
 """Time over which rates are differences in a nonlinear graph, s."""
 
@@ -230,7 +232,10 @@ def find_gains(e: Engine, r: Laws, p: Ports, v: Floats, gain: Floats) -> int:
             return REFUSED
         r.l[k] = 0.0
         for b in range(n):
-            gain[b * m.ports + k] = e.work.w[b] - r.zero[b]
+            moved = e.work.w[b] - r.zero[b]
+            size = row_size(mode.finite, mode.same[b], e.work.xi)
+            size += math.fabs(e.work.w[b]) + math.fabs(r.zero[b])
+            gain[b * m.ports + k] = 0.0 if math.fabs(moved) <= DIGITS * size else moved
     for i in range(2 * m.slots):
         v[i] = r.kept[i]
     return OK
@@ -244,6 +249,14 @@ def times_partner(m: Model, p: Ports, w: Floats, y: Floats) -> None:
         for i in range(m.pair_first[row], m.pair_first[row + 1]):
             total += m.pair_value[i] * w[m.pair_column[i]]
         y[k] = partner_way(p, k) * total
+
+
+def add_partner_terms(m: Model, p: Ports, w: Floats, terms: Floats) -> None:
+    """Add the size of the terms of `w` of all ports, of bond variables."""
+    for k in range(m.ports):
+        row = partner_row(p, k)
+        for i in range(m.pair_first[row], m.pair_first[row + 1]):
+            terms[k] += math.fabs(m.pair_value[i] * w[m.pair_column[i]])
 
 
 def rates_of_stored(m: Model, w: Floats, n: int, column: int, rates: Floats) -> None:
@@ -395,17 +408,23 @@ def find_constant(e: Engine, r: Laws, v: Floats) -> int:
 
 
 def partner_by_knowns(e: Engine, r: Laws, p: Ports, k: int) -> None:
-    """Put what the knowns give to `w` of port k into `r.row`."""
+    """Put what the knowns give to `w` of port k into `r.row`: what cancels is nothing."""
     mode = open_mode(e, p)
     m = e.model
     for i in range(mode.knowns):
         r.row[i] = 0.0
+        r.row_terms[i] = 0.0
     pair = partner_row(p, k)
     for c in range(m.pair_first[pair], m.pair_first[pair + 1]):
         part = partner_way(p, k) * m.pair_value[c]
         row = mode.same[m.pair_column[c]]
         for i in range(mode.direct.first.at[row], mode.direct.first.at[row + 1]):
-            r.row[mode.direct.column.at[i]] += part * mode.direct.value.at[i]
+            term = part * mode.direct.value.at[i]
+            r.row[mode.direct.column.at[i]] += term
+            r.row_terms[mode.direct.column.at[i]] += math.fabs(term)
+    for i in range(mode.knowns):
+        if math.fabs(r.row[i]) <= CANCELS * r.row_terms[i]:
+            r.row[i] = 0.0
 
 
 def directional(e: Engine, r: Laws, v: Floats, x: Floats) -> int:
@@ -427,6 +446,7 @@ def directional(e: Engine, r: Laws, v: Floats, x: Floats) -> int:
             most = max(most, math.fabs(a.e[s * n + j]))
         for k in range(n):
             a.ce[k * n + j] = 0.0
+            r.row_terms[k] = a.size[k]
         h = 1e-6 * reach / most if most > 0.0 else math.inf
         if not math.isfinite(h):
             continue  # it moves nothing, or by the last bit of what is denormal
@@ -437,10 +457,14 @@ def directional(e: Engine, r: Laws, v: Floats, x: Floats) -> int:
             if solve_with(e, p, v, r.l) != OK:
                 return REFUSED
             times_partner(m, p, e.work.w, r.row)
+            add_partner_terms(m, p, e.work.w, r.row_terms)
             for k in range(n):
                 a.ce[k * n + j] += sign * r.row[k]
         for k in range(n):
-            a.ce[k * n + j] /= 2.0 * h
+            # a difference of the last digits of large terms is none
+            moved = a.ce[k * n + j]
+            still = math.fabs(moved) <= DIGITS * r.row_terms[k]
+            a.ce[k * n + j] = 0.0 if still else moved / (2.0 * h)
     for i in range(2 * m.slots):
         v[i] = r.kept[i]
     return OK
@@ -467,5 +491,10 @@ def ahead_of(e: Engine, r: Laws, v: Floats, x: Floats) -> int:
         return REFUSED
     times_partner(m, p, e.work.w, r.row)
     for k in range(m.ports):
-        a.rate[k] = (r.row[k] - a.y[k]) / SHORT_WHILE
+        r.row_terms[k] = a.size[k]
+    add_partner_terms(m, p, e.work.w, r.row_terms)
+    for k in range(m.ports):
+        moved = r.row[k] - a.y[k]
+        still = math.fabs(moved) <= DIGITS * r.row_terms[k]
+        a.rate[k] = 0.0 if still else moved / SHORT_WHILE
     return OK

@@ -14,10 +14,11 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import fit
+from hybond.engine.algebra.products import all_finite
 from hybond.engine.engine import Engine
 from hybond.engine.mode.damped import damped
 from hybond.engine.mode.mode_records import Mode
-from hybond.engine.mode.newton_system import largest_of, with_free
+from hybond.engine.mode.newton_system import largest_of, newton_step, system, with_free
 from hybond.engine.words import Floats
 
 STRONGEST: Final = 1e12
@@ -50,11 +51,43 @@ def continued(e: Engine, mode: Mode, v: Floats, r: Floats, tolerance: float) -> 
         for j in range(frees):
             r[j] = 0.0
         found = damped(e, mode, v, r, tolerance)
+        if not found and jumps(e, mode):
+            found = beyond_jumps(e, mode, v, r) and damped(e, mode, v, r, tolerance)
         if not found:
             work.aid *= 1e3
     found = found and weaken(e, mode, v, r, tolerance)
     work.aid = 0.0
     return found
+
+
+def jumps(e: Engine, mode: Mode) -> bool:
+    """Whether a law of the mode jumps."""
+    some = False
+    for i in range(mode.dynamics):
+        d = mode.dynamic[i]
+        some = some or (d >= 0 and e.model.dynamic_jumps[d] != 0)
+    return some
+
+
+def beyond_jumps(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
+    """Take one whole step from zero: beside a resistance its sides are those of the solution.
+
+    At zero a sign is zero, and the step the one without it; no shorter step leads past the jump,
+    behind which all that is left is larger.
+    """
+    frees = mode.finite_frees
+    for j in range(frees):
+        r[j] = 0.0
+    with_free(mode, 2 * e.model.bonds, e.work.base, r, e.work.w)
+    rows = system(e, mode, v, e.work.w)
+    if not all_finite(rows, e.work.residual.at):
+        return False
+    if not all_finite(rows * frees, e.work.jacobian.at):
+        return False
+    newton_step(e, rows, frees)
+    for j in range(frees):
+        r[j] -= e.work.step.at[j]
+    return True
 
 
 def weaken(e: Engine, mode: Mode, v: Floats, r: Floats, tolerance: float) -> bool:

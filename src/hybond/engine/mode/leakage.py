@@ -140,7 +140,7 @@ def project(p: Leakage, n: int, w: Floats) -> None:
 
 
 def take_off(n: int, many: int, basis: Floats, taken: Floats, amount: Floats, w: Floats) -> None:
-    """Take ``basis taken w`` off `w`."""
+    """Take ``basis taken w`` off `w`; what is left of a variable as rounding is zero."""
     for i in range(many):
         total = 0.0
         for k in range(n):
@@ -148,9 +148,14 @@ def take_off(n: int, many: int, basis: Floats, taken: Floats, amount: Floats, w:
         amount[i] = total
     for k in range(n):
         total = 0.0
+        size = math.fabs(w[k])
         for i in range(many):
-            total += basis[k * many + i] * amount[i]
-        w[k] -= total
+            term = basis[k * many + i] * amount[i]
+            total += term
+            size += math.fabs(term)
+        if total != 0.0:
+            left = w[k] - total
+            w[k] = left if math.fabs(left) > CANCELS * size else 0.0
 
 
 def fold(e: Engine, mode: Mode) -> None:

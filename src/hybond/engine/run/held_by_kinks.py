@@ -23,7 +23,9 @@ JUMPS: Final = 0.75
 SEEN: Final = 1e-9
 """Part of the rates below which a change of them is no jump."""
 NEAR: Final = 1e-8
-"""Part of the run within which a kink that holds the motion is reached."""
+"""Part of the run within which a kink that holds the motion is reached,"""
+STEPS: Final = 4.0
+"""or so many of the steps that are being made: errors that they may make keep it away."""
 WIDE: Final = 64.0
 """Instants on either side of it at which rates are compared, at the least."""
 HALVINGS: Final = 60
@@ -62,7 +64,8 @@ def holds_motion(e: Engine, r: Run, k: int) -> bool:
         return False
     far = room_of_instant(e, e.t)
     passed = way_through(e, r, atom, far)
-    while not passed and far < NEAR * e.until:
+    most = max(NEAR * e.until, STEPS * (e.step.t1 - e.step.t0))
+    while not passed and far < most:
         far *= 4.0
         passed = way_through(e, r, atom, far)
     if not passed:

@@ -132,6 +132,19 @@ def count_kink(e: Engine, r: Run) -> int:
     return OK
 
 
+def events_held(e: Engine, r: Run) -> bool:
+    """Whether a kink that a law jumps at has ended in one event after the other.
+
+    Friction that a junction has, beside a law that jumps at rest as well, changes its way each time
+    that the motion is driven back: neither of them holds it alone.
+    """
+    many = IDLE + 1
+    if e.model.kinks == 0 or r.events < many or r.events % many != 0:
+        return False
+    # an odd number: where two modes take turns, either is looked at
+    return e.t - r.event_at[r.events % many] <= SOON_BACK * e.span and is_held(e, r)
+
+
 def see_crawl(e: Engine, r: Run) -> int:
     """Count the step just noted if it is next to nothing; REFUSED if a kink holds the motion.
 

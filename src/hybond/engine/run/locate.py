@@ -24,8 +24,10 @@ from hybond.engine.run.locator import (
     BLOCKS,
     DEEPEST,
     FRACTION,
+    MOST_BLOCKS,
     NO_KINK,
     SAMPLES,
+    SHALLOW,
     Locator,
     has_failed,
 )
@@ -74,7 +76,8 @@ def search(e: Engine, g: Locator) -> int:
             return REFUSED
         blocks += 1
         resolved = is_resolved(e, g) if blocks <= BLOCKS else give_up_kinks(e, g)
-        if depth < DEEPEST and not resolved:
+        deepest = DEEPEST if blocks <= MOST_BLOCKS else SHALLOW
+        if depth < deepest and not resolved:
             middle = 0.5 * (low + high)
             g.low[left] = middle
             g.high[left] = high

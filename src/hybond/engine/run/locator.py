@@ -34,6 +34,11 @@ INSTANTS: Final = 200
 """Of one block at which a guard is asked, unless there are more."""
 BLOCKS: Final = 64
 """Of one step in which a kink is looked for, and longer only where it is a guard that is."""
+MOST_BLOCKS: Final = 128
+"""Of one step, to any depth; behind them halvings are few. So many are of signals that rounding or
+chatter moves everywhere, which no halving shows more of."""
+SHALLOW: Final = 4
+"""These."""
 LONGEST_NAP: Final = 4096
 """Steps for which a kink ends none, at the most."""
 ALL_PARTS: Final = -1

@@ -41,10 +41,12 @@ from hybond.engine.run.ends_at_guard import find_within, land, shows_instants
 from hybond.engine.run.kinks_passed import (
     count_kink,
     end_at_kink,
+    events_held,
     see_crawl,
     see_crowd,
     see_jump,
     stuck_at_kink,
+    switches_back,
 )
 from hybond.engine.run.locate import locate
 from hybond.engine.run.locator import watch
@@ -151,6 +153,8 @@ def settle_now(e: Engine, r: Run, cause: int) -> int:
     if e.model.method == MOREAU:
         return settle_in_steps(e, r, cause)
     i = r.instant
+    if cause == GUARD and events_held(e, r):
+        return switches_back(e, r)
     begin_instant(i, e.t, cause)
     if cause != START:
         keep_left(e, r.report)
@@ -172,6 +176,7 @@ def settle_now(e: Engine, r: Run, cause: int) -> int:
     report_slide(e, r.report)
     if i.steps > 0:
         r.cut = False
+        r.event_at[r.events % (IDLE + 1)] = e.t
         r.events += 1
         report_event(e, r.report, i)
     r.vain = cause == LAW and not settled

@@ -39,6 +39,8 @@ class Run:
     locator: Locator
     report: Report
     events: int
+    event_at: Floats
+    """When the last ones were, in a ring."""
     before: Floats
     idle: int
     idle_at: Floats
@@ -129,6 +131,7 @@ def make_run(e: Engine, report: Report) -> Run:
     r.report = report
     r.before = floats(e.states)
     r.idle_at = floats(IDLE + 1)
+    r.event_at = floats(IDLE + 1)
     r.kink_at = floats(IDLE + 1)
     r.rate = floats(e.states)
     r.beside = floats(4 * e.states)
