@@ -77,6 +77,11 @@ def shows_instants(e: Engine) -> bool:
     return e.straight and e.step.precise and not is_constrained(e.mode)
 
 
+def knows_ends(e: Engine) -> bool:
+    """Whether a step ends where the motion does, whatever its polynomial says in between."""
+    return is_propagated(e) and e.model.kinks == 0
+
+
 def land_first(e: Engine, g: Locator, room: float) -> int:
     """Repeat the step so that it ends just past the first instant at which a guard holds.
 
@@ -91,7 +96,7 @@ def land_first(e: Engine, g: Locator, room: float) -> int:
     for k in range(2):
         past = 1e-6 if k == 0 else 1e-3
         end = at + max(past * (at - e.step.t0), 2.0 * room)
-        if end >= longest:
+        if end >= longest and knows_ends(e):
             # a motion that is over within an instant
             end = at + past * (at - e.step.t0)
         if end >= longest or end - e.step.t0 <= 1e-9 * h:
@@ -114,7 +119,7 @@ def land_first(e: Engine, g: Locator, room: float) -> int:
             return REFUSED
         if g.at < math.inf:
             return closer(e, g)
-    if is_propagated(e) and e.step.t1 != longest and about:
+    if knows_ends(e) and e.step.t1 != longest and about:
         # the step that ends there has the motion itself, in which no guard holds up to there
         return OK
     # the instant was not found again: the step as it was
@@ -133,7 +138,7 @@ def closer(e: Engine, g: Locator) -> int:
     Of what has all but died away a polynomial that satisfies the tolerance knows nothing; at the
     end of a step that is propagated is what is left of it.
     """
-    if not is_propagated(e) or e.model.kinks > 0:
+    if not knows_ends(e):
         return OK
     for _ in range(SHORTER):
         if g.at >= e.step.t1 - NEARLY * (e.step.t1 - e.step.t0):
