@@ -35,18 +35,8 @@ def pytest_collection_finish() -> None:
     gc.enable()
 
 
-OPEN = ("test_a_ball_that_rests_on_a_shaker_loses_both_directions[5 mm-60 rad/s-0.2]",)
-"""Known to fail: the last flights before rest are rounding, the ball lands instead of accumulating,
-and one of two lost directions is not told as such (its multiplier is 5e-16)."""
-
-
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    for item in items:
-        if item.name in OPEN:
-            item.add_marker(
-                pytest.mark.xfail(reason="one of two lost directions is not told", strict=True)
-            )
     for item in items:
         for mark, reason in needs.MISSING.items():
             if item.get_closest_marker(mark):

@@ -129,6 +129,24 @@ def test_a_ball_that_rests_on_a_shaker_loses_both_directions(
         assert orbit.derivative("ball.p", "A") == pytest.approx(0.0, abs=1e-9)
 
 
+def test_where_a_ball_has_landed_on_a_shaker_the_table_alone_says_how_it_is_varied() -> None:
+    """h = A cos(w t), p = -2 m A w sin(w t): also where rounding ends the last flight, not the gap.
+
+    Which of the eleven landings end so is a matter of last digits; of the others the way to the
+    limit of impacts is the table's as well, as far as it is extrapolated.
+    """
+    w = 50.0
+    times = (0.2995 + 2.0 * np.pi / w * np.arange(11)).tolist()
+    found = hb.sensitivities(shaker("5 mm", f"{w} rad/s", 0.2), 1.6, wrt=["A", "e"], times=times)
+    landings = [e for e in found.run.events if e.steps[-1].mode == (1,) and e.cause != "start"]
+    for t in times:
+        (last,) = [e for e in landings if e.t < t][-1:]
+        close = 1e-12 if last.cause == "guard" else 1e-7
+        assert found.at(t, "h", "A") == pytest.approx(np.cos(w * t), abs=close)
+        assert found.at(t, "h", "e") == pytest.approx(0.0, abs=1e-20 if close < 1e-9 else 1e-9)
+        assert found.at(t, "ball.p", "A") == pytest.approx(-2.0 * w * np.sin(w * t), abs=1e-9)
+
+
 def test_clocks_that_nothing_ties_together_are_told_from_what_runs_away() -> None:
     """Up and down between -1 and 1 in 4 s, beside a clock of 1.1 s."""
     m = hb.Model("clocks", domain="electrical")

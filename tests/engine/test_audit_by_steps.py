@@ -109,3 +109,42 @@ def test_a_state_that_is_moved_is_seen_among_thousands_of_steps() -> None:
     found = audit(run.graph, trace, run.signals)
     moved = 1e-6 * (q**2 + q**4 + p**2) / 0.75  # once to there, once from there
     assert not found.holds() and found.beyond == pytest.approx(2.0 * moved, rel=0.05)
+
+
+RATE, AT_ONCE = 3.0, 1e-9
+FOLLOWS = {
+    "capacitor": (hb.Se, hb.One, hb.C, 1.0),
+    "mass": (hb.Sf, hb.Zero, hb.I, 1.0),
+    "mass, hardly held": (hb.Sf, hb.Zero, hb.I, 0.1),
+    "capacitor behind little": (hb.Se, hb.One, hb.C, 0.2),
+}
+
+
+@pytest.mark.parametrize("name", FOLLOWS)
+def test_what_follows_its_drive_within_a_nanosecond_is_not_told_to_lose_energy(name: str) -> None:
+    """Its force is the small difference of two large ones, of which rounding leaves few digits."""
+    source, junction, storage, resistance = FOLLOWS[name]
+    m = hb.Model("follows")
+    m.add(s=source(f"sin({RATE}*time)"), j=junction(), R=hb.R(resistance), x=storage(AT_ONCE))
+    m.bond("s -> j -> R", "j -> x")
+    run = hb.simulate(m, 1.0)
+    tau = AT_ONCE * resistance if storage is hb.C else AT_ONCE / resistance
+    t = np.linspace(0.1, 1.0, 10)
+    closed_form = (np.sin(RATE * t) - RATE * tau * np.cos(RATE * t)) / (1.0 + (RATE * tau) ** 2)
+    stored = "x.q" if storage is hb.C else "x.p"
+    assert np.asarray(run.sample(t, [stored])[stored]) / AT_ONCE == pytest.approx(
+        closed_form, abs=1e-8
+    )
+    found = run.audit()
+    assert found.holds() and found.beyond < found.rtol
+
+
+def test_what_follows_a_drive_that_it_was_not_made_with_is_seen() -> None:
+    """The same motion by a resistance of twice that: half of what passes is lost on the way."""
+    models = []
+    for resistance in (1.0, 2.0):
+        m = hb.Model("follows")
+        m.add(s=hb.Se(f"sin({RATE}*time)"), j=hb.One(), R=hb.R(resistance), x=hb.C(1e-3))
+        m.bond("s -> j -> R", "j -> x")
+        models.append(m)
+    assert judged(*models, 1.0).beyond > 1e-4

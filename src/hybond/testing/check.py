@@ -295,8 +295,8 @@ def _energy_by_tolerance(audit: Audit, model: Model, until: float, patience: flo
             energy = closer.run.audit().energy
         except HybondError:
             return False
-        if energy > before / FALLS:
-            return False
+        if energy > max(before / FALLS, SOLVED):
+            return False  # what is no more than that is not looked at in any run
         before = energy
     return True
 

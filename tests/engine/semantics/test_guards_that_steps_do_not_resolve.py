@@ -50,3 +50,43 @@ def test_a_jumping_signal_is_closed_in_on() -> None:
     m.machine("A", states={"low": [], "high": []}, start="low", rules=rules)
     run = hb.simulate(m, 3.2)
     assert [e.t for e in run.events[1:]] == pytest.approx([0.5, 1.0, 1.5, 2.0, 2.5, 3.0], rel=1e-9)
+
+
+DYING = {
+    "capacitor": (1e-6, 1e-6, None),
+    "capacitor, faster": (1e-9, 3e-3, None),
+    "onto another one": (1e-6, 1e-3, 1.0),
+    "onto another one, faster": (1e-9, 1e-5, 1.0),
+}
+
+
+@pytest.mark.parametrize("name", DYING)
+def test_what_dies_away_from_below_never_comes_above(name: str) -> None:
+    """f = -1 kV / R exp(-t / RC), RC 1 ps or 1 fs: what a guard asks for is 1e-12 to 1e-18 of it.
+
+    Of what is left at the end of a step nobody knows more than the exponential itself.
+    """
+    resistance, above, other = DYING[name]
+    m = hb.Model("dies away")
+    m.add(x=hb.C(1e-6, q=-1e-3), R=hb.R(resistance), j=hb.One())
+    m.bond("x -> j -> R")
+    if other:
+        m.add(y=hb.C(other))
+        m.bond("y -> j")
+    m.machine(
+        "G", states={"off": [], "on": []}, start="off", rules=[f"off -> on when R.f > {above}"]
+    )
+    run = hb.simulate(m, 1.0)
+    assert len(run.events) == 1
+    shared = 1e-3 * 1e-6 / (1e-6 + other) if other else 0.0  # of the charge, as much as fits
+    assert float(run["x.q"].at(1.0)) == pytest.approx(-shared, abs=1e-11)
+
+
+def test_what_dies_away_is_still_found_where_it_passes() -> None:
+    """-exp(-t / RC) + 1e-9 passes zero after 20.7 RC, RC 1 ps: the source of 1 uV beside 1 kV."""
+    m = hb.Model("passes")
+    m.add(x=hb.C(1e-6, q=-1e-3), R=hb.R(1e-6), V=hb.Se(1e-6), j=hb.One())
+    m.bond("V -> j -> R", "j -> x")
+    m.machine("G", states={"off": [], "on": []}, start="off", rules=["off -> on when x.q > 0"])
+    run = hb.simulate(m, 1.0)
+    assert run.events[1].t == pytest.approx(1e-12 * math.log(1.0 + 1e9), rel=1e-6)

@@ -20,10 +20,16 @@ from hybond.analysis.sensitivity.collocation import Jump
 from hybond.analysis.sensitivity.crossing import Crossing
 from hybond.analysis.sensitivity.entry import Before, entered
 from hybond.analysis.sensitivity.fields import Field, Fields
+from hybond.analysis.sensitivity.gaps import closing, has_gap
+from hybond.analysis.sensitivity.gradients import Compiled
 from hybond.analysis.sensitivity.sampling import due, sampled
+from hybond.analysis.sensitivity.tangent import Read
 from hybond.runs.trace import Event
 
 Vector = NDArray[np.float64]
+
+CLOSED = 1e-11
+"""Part of its terms that a gap may be open, and is closed."""
 
 
 def switched(
@@ -52,7 +58,54 @@ def switched(
     moved[:n] = sampled(end, now, moved[:n], dtau, p)
     moved[:n] = passed(fields, t, end, event, Before(moved[:n], dtau, p, end, written))
     whole = moved - np.outer(begin.f[0], dtau)
+    if event is not None:
+        whole[:n] = landed(fields, end, event, whole[:n], p)
     return Jump(t, whole[:, :size], whole[:, size:], dtau[:size], dtau[size:])
+
+
+def landed(fields: Fields, end: Field, event: Event, moved: Vector, p: Vector) -> Vector:
+    """Return variations after an event, those of gaps that it closed being none.
+
+    Where flights become so short that rounding ends the last one, it is not the gap that was found
+    to be zero first: and yet all motions nearby are on the contact from there, whichever way.
+
+    Parameters
+    ----------
+    end : Field
+        Before the event.
+    moved, p : array, shape (n, more), (parameters, more)
+        Variations of what is stored and integrated after it, and of parameters.
+    """
+    left = {f.machine for step in event.steps for f in step.fired if f.source == "open"}
+    contacts = [
+        k
+        for k, m in enumerate(fields.graph.machines)
+        if m.path in left
+        and has_gap(fields, k)
+        and m.states[event.steps[-1].mode[k]] == "closed"
+        and _is_closed(fields, end, k)
+    ]
+    if not contacts:
+        return moved
+    n = fields.columns.time
+    many = len(fields.columns.parameters)
+    still = np.zeros(n + many)
+    start = Before(np.eye(n, n + many), still, np.eye(many, n + many, n), end, np.eye(n, n + many))
+    less = closing(fields, contacts, end, passed(fields, event.t, end, event, start)[:, :n])
+    return moved if less is None else moved - less @ np.vstack([moved, p])
+
+
+def _is_closed(fields: Fields, end: Field, machine: int) -> bool:
+    """Whether the gap of a contact is zero, but for rounding of its terms."""
+    law = fields.graph.machines[machine].law
+    assert law is not None and law.gap is not None
+    made = end.tangent.rows.moving(law.gap)
+    read = Read(end.tangent, [made])
+    slope, n = read.at(end.at, end.bonds)[0, 0], fields.columns.time
+    value = float(Compiled([made]).at(end.at.values, 1)[0, 0])
+    states = (float(np.ravel(end.at.values[name])[0]) for name in fields.columns.states)
+    terms = sum(abs(float(c) * x) for c, x in zip(slope[:n], states, strict=True))
+    return abs(value) <= CLOSED * max(terms, float(read.terms(end.at)[0]))
 
 
 def started(fields: Fields, event: Event, states: Vector, begin: Field) -> Vector:

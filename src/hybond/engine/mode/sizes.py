@@ -13,7 +13,7 @@ from hybond.engine.algebra.blocks import row_size
 from hybond.engine.engine import Engine
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.solved_sizes import solved_sizes
-from hybond.engine.mode.storage import own_stiffness, reach_of, with_stored
+from hybond.engine.mode.storage import coupled, own_stiffness, reach_of, with_stored
 from hybond.engine.model import Model
 from hybond.engine.words import Floats
 
@@ -33,7 +33,7 @@ def size_of(e: Engine, mode: Mode, b: int, xi: Floats, v: Floats) -> float:
     first = e.model.bond_slot
     if mode.finite_frees > 0:
         solved_sizes(e, mode, xi, v)
-    size = row_size(mode.finite, mode.same[b], xi)
+    size = row_size(mode.finite, mode.same[b], xi) + of_fields(e.model, mode, mode.same[b], v)
     at = b * mode.finite_frees
     for j in range(mode.finite_frees):
         if mode.finite_free.at[at + j] != 0.0:
@@ -41,6 +41,23 @@ def size_of(e: Engine, mode: Mode, b: int, xi: Floats, v: Floats) -> float:
     if mode.dynamics == 0 and mode.leakage.stages > 0:
         size = max(size, row_size(mode.direct, mode.same[b], xi))
     return max(size, math.fabs(v[first + b]))
+
+
+def of_fields(m: Model, mode: Mode, b: int, v: Floats) -> float:
+    """Return what the ports of fields add to each other in the terms of bond variable `b`.
+
+    The speed of one of two masses that are coupled is a difference of what both have, and no more
+    than rounding of that where something holds it.
+    """
+    total = 0.0
+    if m.stiff_first[m.storages] == m.storages:
+        return total
+    rows = mode.finite
+    for i in range(rows.first.at[b], rows.first.at[b + 1]):
+        k = rows.column.at[i]
+        if k < m.storages:
+            total += rows.size.at[i] * coupled(m, k, v)
+    return total
 
 
 def sizes_of(e: Engine, mode: Mode, v: Floats) -> None:

@@ -26,9 +26,12 @@ from hybond.runs.trace import Segment, Trace
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
 
-CLOSER = 1e-3
-"""Part of the tolerance of the run with which a step is integrated once more."""
-CLOSEST = 1e-12
+CLOSER = ((1e-5, 100.0), (1e-3, 0.01))
+"""Parts of the tolerance of the run, and of what a step may be off by, with which its states and
+its powers are integrated once more: the second where the first tells against it. Where a small
+mass follows what drives it, its force is a difference that has few digits: no integral of it has
+many, and it takes close states to have some. The first is a question of yes or no, and coarse."""
+CLOSEST = 1e-13
 """No tolerance is below this."""
 LOST = 10.0
 """So many times what is enough is too much: no other step can make that good."""
@@ -127,24 +130,29 @@ class Looked:
             return np.vstack([found, signals.powers_at(segment, times, y).T])
 
         low, high, before_it = float(segment.t[k]), float(segment.t[k + 1]), self._left
-        rtol = max(CLOSER * self.rtol, CLOSEST)
         tiny = np.finfo(float).tiny
-        try:
-            made = solve_ivp(
-                *(field, (low, high), np.append(segment.y[k], [0.0, 0.0]), "Radau"),
-                vectorized=True,
-                rtol=rtol,
-                atol=np.append(rtol * self._size, [0.01 * allowed] * 2) + tiny,
-            )
-        except (_TooLong, HybondError, ValueError, ArithmeticError):
-            return None
-        finally:
-            self.spent = before_it - self._left
-        if not made.success:
-            return None
-        supplied, dissipated = made.y[n:, -1]
         before, after = signals.stored(segment.y[k : k + 2])
-        return float(after - before + dissipated - supplied)
+        off = None
+        for closer, part in CLOSER:
+            rtol = max(closer * self.rtol, CLOSEST)
+            try:
+                made = solve_ivp(
+                    *(field, (low, high), np.append(segment.y[k], [0.0, 0.0]), "Radau"),
+                    vectorized=True,
+                    rtol=rtol,
+                    atol=np.append(rtol * self._size, [part * allowed] * 2) + tiny,
+                )
+            except (_TooLong, HybondError, ValueError, ArithmeticError):
+                break
+            finally:
+                self.spent = before_it - self._left
+            if not made.success:
+                break
+            supplied, dissipated = made.y[n:, -1]
+            off = float(after - before + dissipated - supplied)
+            if abs(off) <= allowed:
+                break
+        return off
 
 
 def balances_of(looked: Looked, found: Sequence[Balance], enough: float) -> tuple[float, float]:

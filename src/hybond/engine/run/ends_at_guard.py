@@ -6,6 +6,7 @@ import math
 from typing import Final
 
 from hybond.engine.engine import OK, REFUSED, Engine
+from hybond.engine.methods.control import is_propagated
 from hybond.engine.methods.dopri import spacing
 from hybond.engine.methods.one_instant import LEAST, room_of_instant
 from hybond.engine.methods.stepping import retry
@@ -18,6 +19,8 @@ FORWARD: Final = 3
 """Times that the motion goes on beyond a guard that holds in vain; then that is refused."""
 SHORTER: Final = 30
 """Times that a step is repeated shorter, at the most."""
+NEARLY: Final = 1e-2
+"""Part of a step that is its end."""
 FAR: Final = 4.0
 """How many times as far as to the instant a step may go that shows it as it is."""
 
@@ -74,6 +77,11 @@ def shows_instants(e: Engine) -> bool:
     return e.straight and e.step.precise and not is_constrained(e.mode)
 
 
+def knows_ends(e: Engine) -> bool:
+    """Whether a step ends where the motion does, whatever its polynomial says in between."""
+    return is_propagated(e) and e.model.kinks == 0
+
+
 def land_first(e: Engine, g: Locator, room: float) -> int:
     """Repeat the step so that it ends just past the first instant at which a guard holds.
 
@@ -88,6 +96,9 @@ def land_first(e: Engine, g: Locator, room: float) -> int:
     for k in range(2):
         past = 1e-6 if k == 0 else 1e-3
         end = at + max(past * (at - e.step.t0), 2.0 * room)
+        if end >= longest and knows_ends(e):
+            # a motion that is over within an instant
+            end = at + past * (at - e.step.t0)
         if end >= longest or end - e.step.t0 <= 1e-9 * h:
             break
         g.at = at  # a first try that did not find it again has left none
@@ -107,7 +118,10 @@ def land_first(e: Engine, g: Locator, room: float) -> int:
         if locate(e, g) != OK:
             return REFUSED
         if g.at < math.inf:
-            return OK
+            return closer(e, g)
+    if knows_ends(e) and e.step.t1 != longest and about:
+        # the step that ends there has the motion itself, in which no guard holds up to there
+        return OK
     # the instant was not found again: the step as it was
     if e.step.t1 != longest and retry(e, longest) != OK:
         return REFUSED
@@ -115,6 +129,25 @@ def land_first(e: Engine, g: Locator, room: float) -> int:
         return REFUSED
     if not about or g.at == math.inf:
         g.at = at
+    return OK
+
+
+def closer(e: Engine, g: Locator) -> int:
+    """Repeat a step in which a guard holds long before its end, until one ends where it does.
+
+    Of what has all but died away a polynomial that satisfies the tolerance knows nothing; at the
+    end of a step that is propagated is what is left of it.
+    """
+    if not knows_ends(e):
+        return OK
+    for _ in range(SHORTER):
+        if g.at >= e.step.t1 - NEARLY * (e.step.t1 - e.step.t0):
+            break
+        end = g.at + 1e-6 * (g.at - e.step.t0)
+        if end == e.step.t0 or retry(e, end) != OK or locate(e, g) != OK:
+            return REFUSED
+        if g.at == math.inf:
+            break
     return OK
 
 
