@@ -147,3 +147,51 @@ def test_what_cannot_be_measured_is_said_and_the_rest_is_told(
     Path(rc).write_text(RC.split("measure =")[0], encoding="utf-8")
     assert main(["measure", rc]) == 1
     assert "--list" in capsys.readouterr().err
+
+
+def test_a_run_that_is_measured_ends_where_the_file_or_the_option_says(
+    rc: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A discharge, 10 V*exp(-t/1 s), whose end a condition gives: in the file, then by option."""
+    until = 'until   = ["c.e < 5 [V]", "2 s"]'
+    Path(rc).write_text(RC.replace('until   = "2 s"', until), encoding="utf-8")
+    for options, end in (
+        ([], math.log(2)),
+        (["--until", "0.5 s"], 0.5),
+        (["--until", "c.e < 8 [V]", "--until", "2 s"], math.log(10 / 8)),
+    ):
+        assert main(["measure", rc, "min(c.e)", "--json", *options]) == 0
+        record = json.loads(capsys.readouterr().out)
+        assert record["t_end"] == pytest.approx(end, rel=1e-7)
+        assert record["measures"]["min(c.e)"]["value"] == pytest.approx(10 * math.exp(-end))
+
+
+def test_a_measured_run_that_stops_where_events_accumulate_says_so(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Two tanks that lose 0.5 each and share 0.75: both are empty at 2/(1 - 0.75) s."""
+    path = tmp_path / "tanks.toml"
+    path.write_text(
+        """hybond = 1
+[elements]
+one = { C = 1, e = 1 }
+two = { C = 1, e = 1 }
+a = { junction = 0 }
+b = { junction = 0 }
+fill_a = { Sf = 'if hose.state == "first" then 0.75 else 0' }
+fill_b = { Sf = 'if hose.state == "second" then 0.75 else 0' }
+out_a = { Sf = 0.5 }
+out_b = { Sf = 0.5 }
+[graph]
+bonds = ["fill_a -> a -> one", "fill_b -> b -> two", "a -> out_a", "b -> out_b"]
+[machines.hose]
+states = { first = [], second = [] }
+start = "first"
+rules = ["first -> second when two.e <= 0", "second -> first when one.e <= 0"]
+[experiment]
+until = 10
+""",
+        encoding="utf-8",
+    )
+    assert main(["measure", str(path), "max(one.e)"]) == 3
+    assert "events of hose accumulate at t = 8 s" in capsys.readouterr().err

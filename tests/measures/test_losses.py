@@ -254,3 +254,18 @@ def test_what_friction_takes_in_a_jump_is_the_same_whichever_law_lasts(
     assert (jump.source, jump.lost) == pytest.approx((0.0, 24.0), rel=1e-12)
     lost = {row.name: row.lost for row in run.losses().rows if row.lost}
     assert lost == pytest.approx({relay: 14.0, diode: 10.0}, rel=1e-12)
+
+
+@pytest.mark.parametrize("domain", ["thermal_pseudo", "generic_pseudo"])
+def test_a_model_of_pseudo_bonds_alone_has_no_losses_and_says_so(
+    domain: str, tmp_path: Path
+) -> None:
+    m = hb.Model("room", domain=domain)
+    m.add(room=hb.C(1e5, e=293), wall=hb.R(0.02), air=hb.Zero())
+    m.bond("air -> room", "air -> wall")
+    run = hb.simulate(m, until=3600)
+    found = run.losses()
+    assert not len(found) and found.supplied == found.stored == found.through == 0.0
+    assert found.notes == ("on pseudo bonds there is no energy: room, wall",)
+    assert not len(run.losses(end="1 s").mean_power())
+    run.plot_losses(str(tmp_path / "none.png"))

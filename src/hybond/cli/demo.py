@@ -7,7 +7,7 @@ from argparse import Namespace
 from pathlib import Path
 
 from hybond.cli.explain import explanation
-from hybond.cli.lists import end_time
+from hybond.cli.lists import run_until
 from hybond.cli.outputs import write_plot
 from hybond.cli.refusal import refusal_of
 from hybond.cli.running import exit_code, read_graph, simulate_with
@@ -108,7 +108,8 @@ def _run(file: Path, out: Path) -> Result:
 
     graph = read_graph(str(file))
     draw_mode(graph).save(out / f"{file.stem}.svg")
-    run = simulate_with(graph, end_time(graph, None))
+    until, end = run_until(graph, None)
+    run = simulate_with(graph, until, end=end)
     write_whole(out / f"{file.stem}.txt", explanation(run) + "\n")
     write_plot(run, out / f"{file.stem}.png", ())
     return run

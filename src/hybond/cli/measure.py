@@ -7,7 +7,7 @@ from argparse import Namespace
 from collections.abc import Sequence
 from typing import Any
 
-from hybond.cli.lists import check_experiment, end_time
+from hybond.cli.lists import check_experiment, run_until
 from hybond.cli.netlists import read_model
 from hybond.cli.outputs import PICTURES
 from hybond.cli.record import VERSION, to_json
@@ -44,7 +44,8 @@ def measure(given: Namespace) -> int:
             where="hybond measure",
             hint="'mean(L.f)', --losses, or [experiment] measure in the file; --list has them all",
         )
-    run = simulate_with(graph, end_time(graph, given.until), given)
+    until, end = run_until(graph, given.until)
+    run = simulate_with(graph, until, given, end=end)
     values, problems = measures_record(run, asked)
     table = _losses(run, given, problems) if given.losses else None
     if plot is not None:
@@ -78,6 +79,9 @@ def measure(given: Namespace) -> int:
             say(str(table))
             share = abs(table.unbalanced) / table.through if table.through else 0.0
             say(f"balanced to {share:.1g} of what passed")
+    if run.status == "accumulation":
+        # of all that ends a run early it is the one without a refusal
+        complain("\n".join(f"warning: {w}" for w in run.warnings))
     for refusal in (run.error, *problems):
         if refusal is not None:
             complain(str(refusal))

@@ -109,8 +109,12 @@ def energies_into(
         powers = _powers(run, bonds, np.repeat(pieces.segment, t.shape[1]), t.ravel())
         return np.asarray((signs @ powers).reshape(len(nodes), *t.shape))
 
+    steps = steps_of(run, window, parts)
+    if not nodes:
+        # a model without bonds of power, all of them pseudo
+        return Passed(steps.low, steps.high, np.zeros((0, len(steps))))
     known: list[Known] = []
-    for stretch in _stretches(steps_of(run, window, parts), len(bonds)):
+    for stretch in _stretches(steps, len(bonds)):
         known.append(resolved(rows, stretch, name="power", shared=len(nodes), tolerance=tolerance))
     return Passed(
         np.concatenate([p.pieces.low for p in known]),

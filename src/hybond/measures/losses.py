@@ -299,7 +299,11 @@ def losses_of(run: Result, window: Window, *, tolerance: float = TOLERANCE) -> L
     pseudo = [
         n.path
         for n in graph.nodes
-        if n.ends and n.domain.pseudo and n.domain.effort is not None and not n.is_junction
+        if n.ends
+        and n.domain.pseudo
+        and not n.is_junction
+        # clocks of controllers are generic, and not worth a word beside what has energy
+        and (n.domain.effort is not None or not nodes)
     ]
     if pseudo:
         notes.append(f"on pseudo bonds there is no energy: {', '.join(pseudo[:8])}")

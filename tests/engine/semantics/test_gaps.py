@@ -1,6 +1,9 @@
 """A gap that is not the distance that the bonds close is refused; so is nothing else."""
 
+import math
+
 import pytest
+from scipy.integrate import quad
 
 import hybond as hb
 
@@ -66,3 +69,41 @@ def test_a_side_without_mass_may_move_at_any_speed(gap, right):
         return
     with pytest.raises(hb.ModelError, match="HB-M205"):
         hb.simulate(m, until="0.1 s")
+
+
+def crank(gap: str, ratio: str, bond: str = "stop -> v") -> hb.Model:
+    """Two inertias that a two-port ties, which turns with the angle; they begin at one motion."""
+    m = hb.Model("crank", domain="rotational")
+    m.add(J=hb.I(0.05, f=-1), w=hb.One(), tf=hb.TF(ratio))
+    m.add(v=hb.One(domain="translational"), M=hb.I(1, f=-2 * math.cos(0.5), domain="translational"))
+    m.add(stop=hb.Zero(law="unilateral", gap=gap, restitution=0.5, domain="translational"))
+    m.bond("w -> J", "w -> tf -> v -> M", bond)
+    m.signal(angle=hb.Integral("w.f", start=0.5))
+    return m
+
+
+def test_a_gap_behind_a_modulated_two_port_between_inertias_is_no_wrong_gap():
+    """Kinetic energy is kept up to the stop at `sin(angle) = 0.2`, and is a quarter after it."""
+    run = hb.simulate(crank("2*sin(angle) - 0.4", "2*cos(angle)"), until=0.5, rtol=1e-9)
+
+    def inertia(angle: float) -> float:
+        return 0.05 + 4 * math.cos(angle) ** 2
+
+    energy = inertia(0.5) / 2
+    struck = quad(lambda a: math.sqrt(inertia(a) / 2 / energy), math.asin(0.2), 0.5)[0]
+    assert run.events.t[1] == pytest.approx(struck, abs=1e-8)
+    after = math.sqrt(energy / 4 * 2 / inertia(math.asin(0.2)))
+    assert run["w.f"].at(run.events.t[1]) == pytest.approx(after, rel=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("gap", "ratio", "bond"),
+    [
+        ("2*sin(angle)", "2*sin(angle)", "stop -> v"),
+        ("3*sin(angle)", "2*cos(angle)", "stop -> v"),
+        ("2*sin(angle)", "2*cos(angle)", "v -> stop"),
+    ],
+)
+def test_a_wrong_gap_behind_a_modulated_two_port(gap, ratio, bond):
+    with pytest.raises(hb.ModelError, match="HB-M205"):
+        hb.simulate(crank(gap, ratio, bond), until=0.5)

@@ -2,7 +2,8 @@
 
 The law of a contact acts on velocities, its gap is a signal that the modeller wrote. If the gap
 does not open at the speed at which the bonds separate, the contact closes at the wrong place, or
-never. The two are compared at velocities of no meaning, always the same ones.
+never. The two are compared at velocities of no meaning, always the same ones. Where a modulated
+two-port ties storages together, velocities that it allows are made of them by a jump.
 """
 
 from __future__ import annotations
@@ -12,8 +13,10 @@ from typing import Final
 
 from hybond.engine.answers import node_name, value
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
+from hybond.engine.instant.jump import enter_mode
 from hybond.engine.laws.law_records import Laws
 from hybond.engine.laws.ports import open_mode, solve_with
+from hybond.engine.mode.mode_records import Mode
 from hybond.engine.model import Model
 from hybond.engine.reasons.facts import add_fact
 from hybond.engine.words import Floats
@@ -29,10 +32,11 @@ MERSENNE: Final = 2147483647.0
 """The generator of Park and Miller: numbers without pattern, the same wherever they are made."""
 
 
-def check_gaps(e: Engine, r: Laws) -> int:
+def check_gaps(e: Engine, r: Laws, x: Floats) -> int:
     """Refuse a gap that does not change as fast as the bonds of its contact say: HB-M205.
 
-    `r.now` are the ports of the mode, `r.v` and `r.x` values and state there.
+    `r.now` are the ports of the mode, `r.v` and `x` values and state there. What a jump leaves is
+    lost: impulses, `e.moved`, the state `r.x`.
     """
     m = e.model
     if not has_gaps(m):
@@ -45,17 +49,38 @@ def check_gaps(e: Engine, r: Laws) -> int:
             r.later[i] = r.v[i]
         for k in range(m.storages):
             seed = math.fmod(LEHMER * seed, MERSENNE)
+            r.moved[k] = x[k]
             if m.storage_kind[k] == 1:
-                size = max(math.fabs(r.x[k]), 1.0)
-                r.later[m.stored_slot + k] = r.x[k] + size * (2.0 * seed / MERSENNE - 1.0)
+                r.moved[k] += max(math.fabs(x[k]), 1.0) * (2.0 * seed / MERSENNE - 1.0)
         for k in range(m.ports):
             seed = math.fmod(LEHMER * seed, MERSENNE)
             r.l[k] = 2.0 * seed / MERSENNE - 1.0
         mode.guessed = False
+        if found != OK:
+            break
         # where laws have no value there is nothing to compare
-        if found == OK and solve_with(e, r.now, r.later, r.l) == OK:
+        if allow(e, r, mode) == OK and solve_with(e, r.now, r.later, r.l) == OK:
             found = compare_gaps(e, e.work.w, r.later)
     mode.guessed = False
+    return found
+
+
+def allow(e: Engine, r: Laws, mode: Mode) -> int:
+    """Put the state `r.moved`, or what a modulated structure allows of it, among `r.later`."""
+    m = e.model
+    found = OK
+    for k in range(m.storages):
+        r.x[k] = r.moved[k]
+    if mode.dynamics != 0:
+        for k in range(m.storages):
+            r.later[m.stored_slot + k] = r.moved[k]
+        for k in range(m.ports):
+            mode.source_level[r.now.column[k]] = r.now.sign[k] * r.l[k]
+        found = enter_mode(e, mode, r.later, r.moved, r.x)
+        for k in range(m.ports):
+            mode.source_level[r.now.column[k]] = 0.0
+    for k in range(m.storages):
+        r.later[m.stored_slot + k] = r.x[k]
     return found
 
 

@@ -65,13 +65,15 @@ def make_consistent(e: Engine, r: Laws, x: Floats) -> int:
         r.v[m.bond_slot + k] = 0.0
     energy = e.energy
     e.energy = max(e.energy, math.fabs(energy_of(e, x)))
-    found = enter_mode(e, mode, r.v, x, r.x)
+    found = OK
+    if not r.gaps_known:
+        found = check_gaps(e, r, x)
+        r.gaps_known = found == OK
+    if found == OK:
+        found = enter_mode(e, mode, r.v, x, r.x)
     e.energy = energy
     for k in range(m.storages):
         r.v[m.stored_slot + k] = r.x[k]
-    if found == OK and not r.gaps_known:
-        found = check_gaps(e, r)
-        r.gaps_known = found == OK
     return found
 
 

@@ -28,7 +28,7 @@ TURNS: Final = 2
 """Times that rows without laws are eliminated anew if they lose digits."""
 APART: Final = 0.618
 """By what levels are apart that stand for those that are not known yet."""
-FLOOR: Final = 2.0**-52
+LEAST_LEVEL: Final = 2.0**-52
 """The least that a variable counts as, as a part of the largest of its kind."""
 LEAST: Final = 1e-300
 """Likewise, where all of its kind are zero."""
@@ -139,7 +139,7 @@ def eliminate_by(e: Engine, mode: Mode, at: Floats) -> None:
             e.work.kind_reach[c] = max(e.work.kind_reach[c], math.fabs(at[k]))
     for k in range(n):
         own = math.fabs(at[k]) if math.isfinite(at[k]) else 0.0
-        mode.weight[k] = max(own, max(FLOOR * e.work.kind_reach[m.bond_class[k]], LEAST))
+        mode.weight[k] = max(own, max(LEAST_LEVEL * e.work.kind_reach[m.bond_class[k]], LEAST))
     mode.weighed = True
     eliminate(e, mode)
 

@@ -34,7 +34,7 @@ from hybond.engine.sliding.what_happened import is_held
 
 SLIDING: Final = -1
 """The state of a machine that slides, in what is written down."""
-FLOOR: Final = 1e-12
+NO_IMPULSE: Final = 1e-12
 """Impulses of jumps that were added up are none below this part of the largest."""
 
 
@@ -105,7 +105,7 @@ def note_collapse(e: Engine, i: Instant) -> None:
         most = max(most, math.fabs(s.impulses[b]))
     for b in range(2 * e.model.bonds):
         if s.impulses[b] != 0.0:
-            note_hit(i, b, s.impulses[b], FLOOR * most)
+            note_hit(i, b, s.impulses[b], NO_IMPULSE * most)
     note_step(i, CONTINUOUS)
     if e.model.tells != 0:
         add_energy(i, s.energy_before, s.energy_after, 0.0)
