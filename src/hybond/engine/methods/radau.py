@@ -12,6 +12,12 @@ from hybond.engine.algebra.lu import SINGULAR, lu_solve
 from hybond.engine.algebra.products import copy_floats
 from hybond.engine.engine import NOT_FINITE, OK, Engine
 from hybond.engine.methods.dopri import spacing
+from hybond.engine.methods.from_edges import (
+    lead_without_turn,
+    leaves_edge,
+    stages_from_edge,
+    widen,
+)
 from hybond.engine.methods.one_instant import is_one_kink
 from hybond.engine.methods.radau_dense import hold_dense, make_polynomial
 from hybond.engine.methods.radau_room import (
@@ -155,6 +161,8 @@ def estimate_error(e: Engine, r: Radau) -> None:
     for i in range(n):
         r.stage[i] = r.y[2 * n + i]
     tolerance(e, r.y0, r.stage, r.other)
+    if r.from_edge:
+        widen(r, r.other)
     r.error = filtered_error(r, r.f0)
     if r.error <= 1.0 or not (r.rejected > 0 or r.h_before == 0.0):
         return
@@ -180,9 +188,17 @@ def try_radau(e: Engine, r: Radau, rtol: float) -> int:
     r.beyond = False
     if e.model.tells != 0:
         r.blamed = RATE_BLAMED
+    r.from_edge = leaves_edge(e, r.t0, r.y0, r.f0, r.h) and stages_from_edge(e, r, rtol)
+    if r.matrix == NO_MATRIX:
+        differences(e, r, rtol)
     if factorise(r) == SINGULAR:
         return STEP_REJECTED
-    found = iterate_stages(e, r, rtol)
+    e.step.left_edge = e.step.left_edge or r.from_edge
+    found = STAGES_CONVERGED if r.from_edge else iterate_stages(e, r, rtol)
+    if found != STAGES_CONVERGED and e.step.left_edge and r.matrix == FRESH_MATRIX:
+        # it is still near: slopes fall so fast that one matrix serves not all stages
+        if stages_from_edge(e, r, rtol) and factorise(r) != SINGULAR:
+            found = STAGES_CONVERGED
     if e.model.tells != 0:
         r.blamed = ERROR_BLAMED if found == STAGES_CONVERGED else STAGES_BLAMED
     if found != STAGES_CONVERGED:
@@ -199,6 +215,8 @@ def try_radau(e: Engine, r: Radau, rtol: float) -> int:
         return STEP_REJECTED
     estimate_error(e, r)
     make_polynomial(r)
+    if r.from_edge:
+        lead_without_turn(r)
     if r.error <= 1.0 and not r.swings:
         # what swings about rest is within the tolerance, and its rates say nothing of how far
         hold_dense(e, r)
@@ -242,8 +260,6 @@ def advance_radau(e: Engine, r: Radau, rtol: float, t_end: float, h: float, long
     r.rejected = 0
     tolerance(e, r.y0, r.y0, r.tolerance)
     while True:
-        if r.matrix == NO_MATRIX:
-            differences(e, r, rtol)
         r.trial = h
         # a little longer rather than a sliver of a step afterwards
         r.t1 = t_end if may_land and remaining <= 1.01 * h else min(r.t0 + h, t_end)

@@ -1,0 +1,288 @@
+"""Steps that leave an edge of a law: Newton's iteration with the slopes of each stage.
+
+A tank that is empty is filled, and its outlet runs by a root: the level is where the outlet gives
+what flows in, and the slope that holds it there falls from without bound as it rises. One matrix
+for all stages, made where the step begins, serves none of them. Here each has its own, and
+corrections are shortened where they lead beyond the edge, so that a law is asked only where it has
+values.
+
+Between the stages what is held so is led from end to end without a turn: a polynomial through
+stages a thousand times as large as each other would fall below the edge.
+
+Sources: E. Hairer, G. Wanner, *Solving Ordinary Differential Equations II*, IV.8, for the stages;
+F. N. Fritsch, R. E. Carlson, SIAM J. Numer. Anal. 17(2), 1980, for what does not turn.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from hybond.engine.algebra.blocks import fit, fit_places
+from hybond.engine.algebra.lu import SINGULAR, lu_factor, lu_solve
+from hybond.engine.algebra.products import copy_floats
+from hybond.engine.answers import value
+from hybond.engine.engine import OK, Engine
+from hybond.engine.methods.flow_records import AUTO, EXACT
+from hybond.engine.methods.one_instant import room_of_instant
+from hybond.engine.methods.radau_room import Radau
+from hybond.engine.methods.radau_stages import (
+    BUTCHER_INVERSE,
+    ENOUGH,
+    FRESH_MATRIX,
+    STAGE_1,
+    STAGE_2,
+    mean_size,
+    place_stages,
+    rate_at,
+    stage_rates,
+    stage_time,
+)
+from hybond.engine.methods.scale import tolerance
+from hybond.engine.mode.values import evaluate
+from hybond.engine.words import Floats
+
+EXPLICIT: Final = 0
+"""The method ``rk45``."""
+FEW: Final = 64
+"""States up to which all stages are solved for at once."""
+FILLS: Final = 16
+"""Times that what flows in is led on to the next one that is empty."""
+CORRECTIONS: Final = 60
+SHORTEST: Final = 2.0**-60
+"""The smallest part of a correction that is tried."""
+DIGITS: Final = 1.4901161193847656e-08
+"""Part of a state that it is shifted by for a slope: the root of a unit in the last place."""
+STEEP: Final = 2.0
+"""Slope times step beyond which a state is held where it is, and does not follow its rate."""
+TURNS: Final = 3.0
+"""Times its mean slope that an end of a cubic may have without a turn."""
+
+
+def may_turn(e: Engine) -> bool:
+    """Whether steps may go over to ``radau``, or back: at an edge no explicit ones are stable."""
+    method = e.model.method
+    if method == AUTO:
+        return True
+    return e.model.edges > 0 and (method == EXPLICIT or method == EXACT)
+
+
+def see_edges(e: Engine, t: float, y: Floats) -> None:
+    """See whether a motion begins on an edge, and how far it is from each."""
+    m = e.model
+    s = e.step
+    s.on_edge = False
+    if m.edges == 0 or e.states > FEW or e.slide.k > 0 or evaluate(e, e.mode, e.v, t, y) != OK:
+        return
+    for k in range(m.edges):
+        s.edge[k] = value(m, m.edge_value[k], e.v)
+        s.on_edge = s.on_edge or s.edge[k] == 0.0
+
+
+def leaves_edge(e: Engine, t: float, y: Floats, f: Floats, h: float) -> bool:
+    """Whether a step of size `h` leaves an edge, by the rates at its end.
+
+    What flows in may begin at zero, and may come from what moves first.
+    """
+    m = e.model
+    s = e.step
+    if not s.on_edge:
+        return False
+    refusal = e.refusal
+    see_edges(e, t, y)
+    leaves = False
+    for turn in range(2 if s.on_edge else 0):
+        for i in range(e.states):
+            s.trial[i] = y[i] + (h * f[i] if turn > 0 else 0.0)
+        if leaves or rate_at(e, e.states, t + h, s.trial, s.rate) != OK:
+            continue
+        for i in range(e.states):
+            s.trial[i] = y[i] + h * s.rate[i]
+        if evaluate(e, e.mode, e.v, t + h, s.trial) == OK:
+            for k in range(m.edges):
+                there = value(m, m.edge_value[k], e.v)
+                leaves = leaves or (s.edge[k] == 0.0 and there > 0.0)
+    e.refusal = refusal
+    return leaves
+
+
+def stages_from_edge(e: Engine, r: Radau, rtol: float) -> bool:
+    """Find the stages of a step, and a Jacobian at its end; False where there are none.
+
+    What was tried beyond an edge on the way refuses no step that is found.
+    """
+    n = r.n
+    refusal = e.refusal
+    if n == 0 or n > FEW or not fill_stages(e, r):
+        return False
+    many = 3 * n
+    fit(r.whole, many * many)
+    fit(r.left_over, many)
+    fit(r.kept, many)
+    fit_places(r.whole_row, many)
+    enough = max(ENOUGH, 10.0 * 2.220446049250313e-16 / rtol)
+    for _ in range(CORRECTIONS):
+        put_whole(e, r, rtol)
+        if lu_factor(many, r.whole.at, r.whole_row.at) == SINGULAR:
+            return False
+        lu_solve(many, r.whole.at, r.whole_row.at, 1, r.left_over.at)
+        part = corrected_by(e, r)
+        if part == 0.0:
+            return False
+        for i in range(n):
+            r.stage[i] = r.y[2 * n + i]
+        tolerance(e, r.y0, r.stage, r.other)
+        r.size = mean_size(n, 3, r.left_over.at, r.other)
+        if part == 1.0 and r.size <= enough:
+            end_stages(r)
+            e.refusal = refusal
+            return True
+    return False
+
+
+def widen(r: Radau, unit: Floats) -> None:
+    """Let a tolerance be no less than what flows in within one instant, which is no time."""
+    for i in range(r.n):
+        unit[i] = max(unit[i], r.within[i])
+
+
+def end_stages(r: Radau) -> None:
+    """Let the Jacobian at the end be that of the step."""
+    n = r.n
+    r.matrix = FRESH_MATRIX
+    r.served = 0.0
+    r.made += 1
+    for i in range(n):
+        r.made_for[i] = math.fabs(r.y[2 * n + i])
+    r.iterations = 1
+    r.rate = 0.0
+    r.now_left = 1.0
+    r.swings = False
+
+
+def fill_stages(e: Engine, r: Radau) -> bool:
+    """Begin with what flows in by the rates where the step begins, and from there to the next."""
+    n = r.n
+    for k in range(3 * n):
+        r.z[k] = 0.0
+    place_stages(r)
+    if stage_rates(e, r) != OK:
+        return False
+    instant = room_of_instant(e, r.t0)
+    for i in range(n):
+        r.within[i] = instant * math.fabs(r.f[2 * n + i])
+    fit(r.kept, 3 * n)
+    for _ in range(FILLS):
+        copy_floats(3 * n, r.z, r.kept.at)
+        more = False
+        for s in range(3):
+            h = (STAGE_1 if s == 0 else STAGE_2 if s == 1 else 1.0) * r.h
+            for i in range(n):
+                k = s * n + i
+                r.last[k] = h * r.f[k] if r.z[k] == 0.0 else 0.0
+                more = more or r.last[k] != 0.0
+        if not more or move_stages(e, r) == 0.0:
+            break
+    return stage_rates(e, r) == OK
+
+
+def corrected_by(e: Engine, r: Radau) -> float:
+    """Correct the stages by what is solved for; return the part of it that was taken."""
+    n = r.n
+    copy_floats(3 * n, r.z, r.kept.at)
+    copy_floats(3 * n, r.left_over.at, r.last)
+    return move_stages(e, r)
+
+
+def move_stages(e: Engine, r: Radau) -> float:
+    """Move the stages by ``r.last``, or as much of it as laws have values for; return that part.
+
+    The rates there are those of ``r.f``; where there are none, nothing has moved.
+    """
+    n = r.n
+    part = 1.0
+    while part >= SHORTEST:
+        for k in range(3 * n):
+            r.z[k] = r.kept.at[k] + part * r.last[k]
+        place_stages(r)
+        if stage_rates(e, r) == OK:
+            return part
+        part *= 0.5
+    copy_floats(3 * n, r.kept.at, r.z)
+    place_stages(r)
+    return 0.0
+
+
+def put_whole(e: Engine, r: Radau, rtol: float) -> None:
+    """Put the matrix of all stages into ``r.whole``, what is left of them into ``r.left_over``.
+
+    The slopes of the last stage stay as the Jacobian.
+    """
+    n = r.n
+    many = 3 * n
+    for i in range(n):
+        r.stage[i] = r.y[2 * n + i]
+    tolerance(e, r.y0, r.stage, r.other)
+    for k in range(many * many):
+        r.whole.at[k] = 0.0
+    for s in range(3):
+        slopes_of(e, r, s, rtol)
+        for i in range(n):
+            row = s * n + i
+            total = r.f[row]
+            for j in range(3):
+                factor = BUTCHER_INVERSE[3 * s + j] / r.h
+                total -= factor * r.z[j * n + i]
+                r.whole.at[row * many + j * n + i] = factor
+            r.left_over.at[row] = total
+            for j in range(n):
+                r.whole.at[row * many + s * n + j] -= r.jacobian[i * n + j]
+
+
+def slopes_of(e: Engine, r: Radau, s: int, rtol: float) -> None:
+    """Put the slopes of rates at a stage into the Jacobian, by differences on either side."""
+    n = r.n
+    t = stage_time(r, s)
+    for i in range(n):
+        r.shifted[i] = r.y[s * n + i]
+    for j in range(n):
+        here = r.shifted[j]
+        delta = DIGITS * (math.fabs(here) if here != 0.0 else r.other[j] / rtol)
+        found = delta > 0.0
+        if found:
+            r.shifted[j] = here + delta
+            found = rate_at(e, n, t, r.shifted, r.end) == OK
+            if not found:
+                r.shifted[j] = here - delta
+                found = rate_at(e, n, t, r.shifted, r.end) == OK
+        width = r.shifted[j] - here
+        for i in range(n):
+            change = r.end[i] - r.f[s * n + i] if found and width != 0.0 else 0.0
+            r.jacobian[i * n + j] = change / width if change != 0.0 else 0.0
+        r.shifted[j] = here
+
+
+def lead_without_turn(r: Radau) -> None:
+    """Let the dense output of what is held where it is, or begins at zero, rise without a turn."""
+    n = r.n
+    for i in range(n):
+        if not is_held(r, i):
+            continue
+        way = r.z[2 * n + i]
+        begin = within_turn(r.h * r.f0[i], way)
+        end = within_turn(r.h * r.f[2 * n + i], way)
+        r.coefficients[i] = begin
+        r.coefficients[n + i] = 3.0 * way - 2.0 * begin - end
+        r.coefficients[2 * n + i] = begin + end - 2.0 * way
+
+
+def is_held(r: Radau, i: int) -> bool:
+    """Whether a state is held where it is, or begins at zero."""
+    return r.y0[i] == 0.0 or r.h * math.fabs(r.jacobian[i * r.n + i]) > STEEP
+
+
+def within_turn(slope: float, way: float) -> float:
+    """Return the slope at an end of a cubic that goes so far, at most as large as does not turn."""
+    if slope * way <= 0.0:
+        return 0.0
+    return math.copysign(min(math.fabs(slope), TURNS * math.fabs(way)), way)
