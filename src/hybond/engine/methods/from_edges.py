@@ -55,6 +55,8 @@ DIGITS: Final = 1.4901161193847656e-08
 """Part of a state that it is shifted by for a slope: the root of a unit in the last place."""
 STEEP: Final = 2.0
 """Slope times step beyond which a state is held where it is, and does not follow its rate."""
+LOOKS: Final = 8
+"""Parts of a step at whose ends its dense output is looked at."""
 TURNS: Final = 3.0
 """Times its mean slope that an end of a cubic may have without a turn."""
 
@@ -140,10 +142,14 @@ def stages_from_edge(e: Engine, r: Radau, rtol: float) -> bool:
     return False
 
 
-def widen(r: Radau, unit: Floats) -> None:
-    """Let a tolerance be no less than what flows in within one instant, which is no time."""
+def widen(e: Engine, r: Radau, unit: Floats) -> None:
+    """Let a tolerance be no less than what a step from an edge moves by in one instant.
+
+    Nobody knows better when it began. Near an edge all is in proportion to the time since then.
+    """
+    part = room_of_instant(e, r.t0) / r.h
     for i in range(r.n):
-        unit[i] = max(unit[i], r.within[i])
+        unit[i] = max(unit[i], part * math.fabs(r.z[2 * r.n + i]))
 
 
 def end_stages(r: Radau) -> None:
@@ -168,9 +174,6 @@ def fill_stages(e: Engine, r: Radau) -> bool:
     place_stages(r)
     if stage_rates(e, r) != OK:
         return False
-    instant = room_of_instant(e, r.t0)
-    for i in range(n):
-        r.within[i] = instant * math.fabs(r.f[2 * n + i])
     fit(r.kept, 3 * n)
     for _ in range(FILLS):
         copy_floats(3 * n, r.z, r.kept.at)
@@ -260,6 +263,22 @@ def slopes_of(e: Engine, r: Radau, s: int, rtol: float) -> None:
             change = r.end[i] - r.f[s * n + i] if found and width != 0.0 else 0.0
             r.jacobian[i * n + j] = change / width if change != 0.0 else 0.0
         r.shifted[j] = here
+
+
+def falls_beyond(e: Engine, r: Radau) -> bool:
+    """Whether the dense output of a step leads beyond an edge between the stages."""
+    n = r.n
+    refusal = e.refusal
+    beyond = False
+    for k in range(1, LOOKS):
+        x = float(k) / float(LOOKS)
+        for i in range(n):
+            r.shifted[i] = r.y0[i] + x * (
+                r.coefficients[i] + x * (r.coefficients[n + i] + x * r.coefficients[2 * n + i])
+            )
+        beyond = beyond or rate_at(e, n, r.t0 + x * r.h, r.shifted, r.end) != OK
+    e.refusal = refusal
+    return beyond
 
 
 def lead_without_turn(r: Radau) -> None:

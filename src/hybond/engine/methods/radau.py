@@ -13,6 +13,7 @@ from hybond.engine.algebra.products import copy_floats
 from hybond.engine.engine import NOT_FINITE, OK, Engine
 from hybond.engine.methods.dopri import spacing
 from hybond.engine.methods.from_edges import (
+    falls_beyond,
     lead_without_turn,
     leaves_edge,
     stages_from_edge,
@@ -161,8 +162,8 @@ def estimate_error(e: Engine, r: Radau) -> None:
     for i in range(n):
         r.stage[i] = r.y[2 * n + i]
     tolerance(e, r.y0, r.stage, r.other)
-    if r.from_edge:
-        widen(r, r.other)
+    if e.step.left_edge:
+        widen(e, r, r.other)
     r.error = filtered_error(r, r.f0)
     if r.error <= 1.0 or not (r.rejected > 0 or r.h_before == 0.0):
         return
@@ -215,7 +216,7 @@ def try_radau(e: Engine, r: Radau, rtol: float) -> int:
         return STEP_REJECTED
     estimate_error(e, r)
     make_polynomial(r)
-    if r.from_edge:
+    if r.from_edge or (e.step.left_edge and falls_beyond(e, r)):
         lead_without_turn(r)
     if r.error <= 1.0 and not r.swings:
         # what swings about rest is within the tolerance, and its rates say nothing of how far

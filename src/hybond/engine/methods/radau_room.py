@@ -88,8 +88,6 @@ class Radau:
     number: Complex
     from_edge: bool
     """Whether the step that is tried leaves an edge."""
-    within: Floats
-    """What flows in within one instant, of a step that leaves an edge; 0 of others."""
     whole: Block
     """All stages as one system, with the rows of its pivots; what is left of them; where they were.
     """
@@ -159,7 +157,6 @@ def make_radau(n: int) -> Radau:
     r.x_re = floats(n)
     r.x_im = floats(n)
     r.number = Complex()
-    r.within = floats(n)
     r.whole = make_block(1)
     r.whole_row = make_places(1)
     r.left_over = make_block(1)
