@@ -140,6 +140,8 @@ class Step:
     edge: Floats
     left_edge: bool
     """Whether it has left one."""
+    calm: int
+    """Steps in a row after that which need nothing of it."""
     bound: int
     """Steps in a row that stability has bound, or that did not need ``radau``; ..."""
     free: int

@@ -55,7 +55,9 @@ DIGITS: Final = 1.4901161193847656e-08
 """Part of a state that it is shifted by for a slope: the root of a unit in the last place."""
 STEEP: Final = 2.0
 """Slope times step beyond which a state is held where it is, and does not follow its rate."""
-LOOKS: Final = 8
+CALM: Final = 30
+"""Steps in a row beside an edge that need nothing of this, and leave it behind."""
+LOOKS: Final = 16
 """Parts of a step at whose ends its dense output is looked at."""
 TURNS: Final = 3.0
 """Times its mean slope that an end of a cubic may have without a turn."""
@@ -281,11 +283,11 @@ def falls_beyond(e: Engine, r: Radau) -> bool:
     return beyond
 
 
-def lead_without_turn(r: Radau) -> None:
-    """Let the dense output of what is held where it is, or begins at zero, rise without a turn."""
+def lead_without_turn(r: Radau, all_of_it: bool) -> None:
+    """Let the dense output rise or fall without a turn: of what is held, or of all states."""
     n = r.n
     for i in range(n):
-        if not is_held(r, i):
+        if not (all_of_it or is_held(r, i)):
             continue
         way = r.z[2 * n + i]
         begin = within_turn(r.h * r.f0[i], way)
@@ -293,6 +295,23 @@ def lead_without_turn(r: Radau) -> None:
         r.coefficients[i] = begin
         r.coefficients[n + i] = 3.0 * way - 2.0 * begin - end
         r.coefficients[2 * n + i] = begin + end - 2.0 * way
+
+
+def keep_within(e: Engine, r: Radau) -> None:
+    """Keep the dense output of a step beside an edge where laws have values.
+
+    What is beyond by more than the error of a step is not accepted by the one who asks.
+    """
+    s = e.step
+    if not s.left_edge:
+        return
+    if r.from_edge:
+        lead_without_turn(r, False)
+    beyond = falls_beyond(e, r)
+    if beyond:
+        lead_without_turn(r, True)
+    s.calm = 0 if beyond or r.from_edge else s.calm + 1
+    s.left_edge = s.calm < CALM
 
 
 def is_held(r: Radau, i: int) -> bool:

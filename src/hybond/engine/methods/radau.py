@@ -13,8 +13,7 @@ from hybond.engine.algebra.products import copy_floats
 from hybond.engine.engine import NOT_FINITE, OK, Engine
 from hybond.engine.methods.dopri import spacing
 from hybond.engine.methods.from_edges import (
-    falls_beyond,
-    lead_without_turn,
+    keep_within,
     leaves_edge,
     stages_from_edge,
     widen,
@@ -195,6 +194,8 @@ def try_radau(e: Engine, r: Radau, rtol: float) -> int:
     if factorise(r) == SINGULAR:
         return STEP_REJECTED
     e.step.left_edge = e.step.left_edge or r.from_edge
+    # stages that go on from the last ones leave rest
+    r.known = r.known and not e.step.on_edge
     found = STAGES_CONVERGED if r.from_edge else iterate_stages(e, r, rtol)
     if found != STAGES_CONVERGED and e.step.left_edge and r.matrix == FRESH_MATRIX:
         # it is still near: slopes fall so fast that one matrix serves not all stages
@@ -216,8 +217,7 @@ def try_radau(e: Engine, r: Radau, rtol: float) -> int:
         return STEP_REJECTED
     estimate_error(e, r)
     make_polynomial(r)
-    if r.from_edge or (e.step.left_edge and falls_beyond(e, r)):
-        lead_without_turn(r)
+    keep_within(e, r)
     if r.error <= 1.0 and not r.swings:
         # what swings about rest is within the tolerance, and its rates say nothing of how far
         hold_dense(e, r)

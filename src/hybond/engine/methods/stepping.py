@@ -50,6 +50,7 @@ def start(e: Engine, t: float, y: Floats, t_bound: float, jumped: bool) -> int:
     """Begin, or go on after an event, in the mode ``e.mode``."""
     if jumped and e.model.edges > 0:
         e.step.left_edge = False
+        e.step.calm = 0
         see_edges(e, t, y)
     if may_turn(e):
         return start_fitting(e, t, y, t_bound, jumped)
