@@ -50,9 +50,15 @@ FILLS: Final = 16
 """Times that what flows in is led on to the next one that is empty."""
 CORRECTIONS: Final = 60
 SHORTEST: Final = 2.0**-60
-"""The smallest part of a correction that is tried."""
+"""The smallest part of a correction that is tried, where laws have no values."""
+LEAST_PART: Final = 2.0**-12
+"""The smallest part of that, where the next one is longer."""
 DIGITS: Final = 1.4901161193847656e-08
 """Part of a state that it is shifted by for a slope: the root of a unit in the last place."""
+NEAR: Final = 1e-3
+"""Part of what a state has moved by that a slope is a difference over, at most, ..."""
+LAST: Final = 64.0 * 2.220446049250313e-16
+"""... and part of the state, at least."""
 STEEP: Final = 2.0
 """Slope times step beyond which a state is held where it is, and does not follow its rate."""
 CALM: Final = 30
@@ -86,28 +92,42 @@ def see_edges(e: Engine, t: float, y: Floats) -> None:
 def leaves_edge(e: Engine, t: float, y: Floats, f: Floats, h: float) -> bool:
     """Whether a step of size `h` leaves an edge, by the rates at its end.
 
-    What flows in may begin at zero, and may come from what moves first.
+    What flows in may begin at zero, and may come from what is filled first.
     """
-    m = e.model
     s = e.step
     if not s.on_edge:
         return False
     refusal = e.refusal
     see_edges(e, t, y)
     leaves = False
-    for turn in range(2 if s.on_edge else 0):
+    moves = -1
+    for i in range(e.states):
+        s.trial[i] = y[i]
+    for _ in range(FILLS if s.on_edge else 0):
+        if rate_at(e, e.states, t + h, s.trial, s.rate) != OK:
+            break
+        more = 0
         for i in range(e.states):
-            s.trial[i] = y[i] + (h * f[i] if turn > 0 else 0.0)
-        if leaves or rate_at(e, e.states, t + h, s.trial, s.rate) != OK:
-            continue
-        for i in range(e.states):
-            s.trial[i] = y[i] + h * s.rate[i]
-        if evaluate(e, e.mode, e.v, t + h, s.trial) == OK:
-            for k in range(m.edges):
-                there = value(m, m.edge_value[k], e.v)
-                leaves = leaves or (s.edge[k] == 0.0 and there > 0.0)
+            s.trial[i] = y[i] + h * (s.rate[i] if s.rate[i] != 0.0 else f[i])
+            more += 1 if s.trial[i] != y[i] else 0
+        leaves = more > moves and is_off_edge(e, t + h, s.trial)
+        if leaves or more <= moves:
+            break
+        moves = more
     e.refusal = refusal
     return leaves
+
+
+def is_off_edge(e: Engine, t: float, y: Floats) -> bool:
+    """Whether a state is not on an edge any more on which the last one seen was."""
+    m = e.model
+    if evaluate(e, e.mode, e.v, t, y) != OK:
+        return False
+    off = False
+    for k in range(m.edges):
+        there = value(m, m.edge_value[k], e.v)
+        off = off or (e.step.edge[k] == 0.0 and there > 0.0)
+    return off
 
 
 def stages_from_edge(e: Engine, r: Radau, rtol: float) -> bool:
@@ -130,7 +150,7 @@ def stages_from_edge(e: Engine, r: Radau, rtol: float) -> bool:
         if lu_factor(many, r.whole.at, r.whole_row.at) == SINGULAR:
             return False
         lu_solve(many, r.whole.at, r.whole_row.at, 1, r.left_over.at)
-        part = corrected_by(e, r)
+        part = correct_within(e, r)
         if part == 0.0:
             return False
         for i in range(n):
@@ -186,26 +206,51 @@ def fill_stages(e: Engine, r: Radau) -> bool:
                 k = s * n + i
                 r.last[k] = h * r.f[k] if r.z[k] == 0.0 else 0.0
                 more = more or r.last[k] != 0.0
-        if not more or move_stages(e, r) == 0.0:
+        if not more or move_stages(e, r, 1.0) == 0.0:
             break
     return stage_rates(e, r) == OK
 
 
-def corrected_by(e: Engine, r: Radau) -> float:
-    """Correct the stages by what is solved for; return the part of it that was taken."""
+def correct_within(e: Engine, r: Radau) -> float:
+    """Correct the stages by what is solved for; return the part of it that was taken.
+
+    As much of it as laws have values for, and after which the next correction, by the same slopes,
+    is no longer: a root on both sides of rest would throw it to and fro.
+    """
+    many = 3 * r.n
+    fit(r.next_one, many)
+    copy_floats(many, r.z, r.kept.at)
+    copy_floats(many, r.left_over.at, r.last)
+    part = move_stages(e, r, 1.0)
+    first = part
+    while part > first * LEAST_PART and throws_back(r):
+        part = move_stages(e, r, 0.5 * part)
+    if part > 0.0 and throws_back(r):
+        part = move_stages(e, r, first)
+    return part
+
+
+def throws_back(r: Radau) -> bool:
+    """Whether the next correction, by the same slopes, is longer than the last one."""
     n = r.n
-    copy_floats(3 * n, r.z, r.kept.at)
-    copy_floats(3 * n, r.left_over.at, r.last)
-    return move_stages(e, r)
+    put_left(r, r.next_one.at)
+    lu_solve(3 * n, r.whole.at, r.whole_row.at, 1, r.next_one.at)
+    last = 0.0
+    most = 0.0
+    for k in range(3 * n):
+        unit = max(math.fabs(r.kept.at[k]), math.fabs(r.last[k]))
+        if unit > 0.0:
+            last = max(last, math.fabs(r.last[k]) / unit)
+            most = max(most, math.fabs(r.next_one.at[k]) / unit)
+    return most > last
 
 
-def move_stages(e: Engine, r: Radau) -> float:
-    """Move the stages by ``r.last``, or as much of it as laws have values for; return that part.
+def move_stages(e: Engine, r: Radau, part: float) -> float:
+    """Move the stages by a part of ``r.last``, or as much of it as laws have values for; return it.
 
     The rates there are those of ``r.f``; where there are none, nothing has moved.
     """
     n = r.n
-    part = 1.0
     while part >= SHORTEST:
         for k in range(3 * n):
             r.z[k] = r.kept.at[k] + part * r.last[k]
@@ -234,14 +279,22 @@ def put_whole(e: Engine, r: Radau, rtol: float) -> None:
         slopes_of(e, r, s, rtol)
         for i in range(n):
             row = s * n + i
-            total = r.f[row]
             for j in range(3):
-                factor = BUTCHER_INVERSE[3 * s + j] / r.h
-                total -= factor * r.z[j * n + i]
-                r.whole.at[row * many + j * n + i] = factor
-            r.left_over.at[row] = total
+                r.whole.at[row * many + j * n + i] = BUTCHER_INVERSE[3 * s + j] / r.h
             for j in range(n):
                 r.whole.at[row * many + s * n + j] -= r.jacobian[i * n + j]
+    put_left(r, r.left_over.at)
+
+
+def put_left(r: Radau, out: Floats) -> None:
+    """Put what is left of the equations of all stages there."""
+    n = r.n
+    for s in range(3):
+        for i in range(n):
+            total = r.f[s * n + i]
+            for j in range(3):
+                total -= BUTCHER_INVERSE[3 * s + j] / r.h * r.z[j * n + i]
+            out[s * n + i] = total
 
 
 def slopes_of(e: Engine, r: Radau, s: int, rtol: float) -> None:
@@ -253,6 +306,10 @@ def slopes_of(e: Engine, r: Radau, s: int, rtol: float) -> None:
     for j in range(n):
         here = r.shifted[j]
         delta = DIGITS * (math.fabs(here) if here != 0.0 else r.other[j] / rtol)
+        moved = math.fabs(r.z[s * n + j])
+        if moved > 0.0:
+            # an edge that is not at zero is as far as the state has moved from there
+            delta = min(delta, max(NEAR * moved, LAST * math.fabs(here)))
         found = delta > 0.0
         if found:
             r.shifted[j] = here + delta

@@ -89,11 +89,12 @@ class Radau:
     from_edge: bool
     """Whether the step that is tried leaves an edge."""
     whole: Block
-    """All stages as one system, with the rows of its pivots; what is left of them; where they were.
-    """
+    """All stages as one system, with the rows of its pivots; what is left of them; where they were;
+    the correction after the last one."""
     whole_row: Places
     left_over: Block
     kept: Block
+    next_one: Block
     blamed: int
     """What is to blame if the step tried is too long: see RATE_BLAMED and the like."""
 
@@ -161,6 +162,7 @@ def make_radau(n: int) -> Radau:
     r.whole_row = make_places(1)
     r.left_over = make_block(1)
     r.kept = make_block(1)
+    r.next_one = make_block(1)
     r.start_y = floats(n)
     r.start_f = floats(n)
     r.again_polynomial = floats(3 * n)
