@@ -62,7 +62,7 @@ LAST: Final = 64.0 * 2.220446049250313e-16
 STEEP: Final = 2.0
 """Slope times step beyond which a state is held where it is, and does not follow its rate."""
 CALM: Final = 30
-"""Steps in a row beside an edge that need nothing of this, and leave it behind."""
+"""Steps in a row beside an edge that stay within it, and are looked at no more."""
 LOOKS: Final = 16
 """Parts of a step at whose ends its dense output is looked at."""
 TURNS: Final = 3.0
@@ -360,7 +360,7 @@ def keep_within(e: Engine, r: Radau) -> None:
     What is beyond by more than the error of a step is not accepted by the one who asks.
     """
     s = e.step
-    if not s.left_edge:
+    if not s.left_edge or s.calm >= CALM:
         return
     if r.from_edge:
         lead_without_turn(r, False)
@@ -368,7 +368,6 @@ def keep_within(e: Engine, r: Radau) -> None:
     if beyond:
         lead_without_turn(r, True)
     s.calm = 0 if beyond or r.from_edge else s.calm + 1
-    s.left_edge = s.calm < CALM
 
 
 def is_held(r: Radau, i: int) -> bool:

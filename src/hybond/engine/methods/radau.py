@@ -193,7 +193,9 @@ def try_radau(e: Engine, r: Radau, rtol: float) -> int:
         differences(e, r, rtol)
     if factorise(r) == SINGULAR:
         return STEP_REJECTED
-    e.step.left_edge = e.step.left_edge or r.from_edge
+    if r.from_edge:
+        e.step.left_edge = True
+        e.step.calm = 0
     # stages that go on from the last ones leave rest
     r.known = r.known and not e.step.on_edge
     found = STAGES_CONVERGED if r.from_edge else iterate_stages(e, r, rtol)

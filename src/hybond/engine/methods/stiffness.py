@@ -37,6 +37,8 @@ EASY: Final = 2.0
 """Size times norm below which an explicit step would be stable as well, ..."""
 EASY_ROW: Final = 100
 """... and how many such steps in a row lead back: enough for ``radau`` to damp what died out."""
+OFF_ROW: Final = 10
+"""The same where only an edge was left, and the run asked for explicit steps."""
 GROWING: Final = 2.0
 """By which a step that is bound by nothing grows."""
 
@@ -91,7 +93,7 @@ def watch_implicit(e: Engine, r: Radau) -> None:
         s.bound = 0
     elif r.next < GROWING * r.h:
         s.bound += 1
-    s.turns = s.bound >= (EASY_ROW if e.model.method == AUTO else 1) and not r.from_edge
+    s.turns = s.bound >= (EASY_ROW if e.model.method == AUTO else OFF_ROW) and not r.from_edge
 
 
 def norm_of(n: int, jacobian: Floats, unit: Floats) -> float:
