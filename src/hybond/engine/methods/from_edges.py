@@ -48,7 +48,7 @@ FEW: Final = 64
 """States up to which all stages are solved for at once."""
 FILLS: Final = 16
 """Times that what flows in is led on to the next one that is empty."""
-CORRECTIONS: Final = 60
+CORRECTIONS: Final = 200
 SHORTEST: Final = 2.0**-60
 """The smallest part of a correction that is tried, where laws have no values."""
 LEAST_PART: Final = 2.0**-12

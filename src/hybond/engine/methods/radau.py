@@ -198,11 +198,7 @@ def try_radau(e: Engine, r: Radau, rtol: float) -> int:
         e.step.calm = 0
     # stages that go on from the last ones leave rest
     r.known = r.known and not e.step.on_edge
-    found = STAGES_CONVERGED if r.from_edge else iterate_stages(e, r, rtol)
-    if found != STAGES_CONVERGED and e.step.left_edge and r.matrix == FRESH_MATRIX:
-        # it is still near: slopes fall so fast that one matrix serves not all stages
-        if stages_from_edge(e, r, rtol) and factorise(r) != SINGULAR:
-            found = STAGES_CONVERGED
+    found = STAGES_CONVERGED if r.from_edge else iterate_beside_edge(e, r, rtol)
     if e.model.tells != 0:
         r.blamed = ERROR_BLAMED if found == STAGES_CONVERGED else STAGES_BLAMED
     if found != STAGES_CONVERGED:
@@ -234,6 +230,25 @@ def try_radau(e: Engine, r: Radau, rtol: float) -> int:
         r.shrink = RADAU_SHRINK
         return STEP_REJECTED
     return STEP_MADE
+
+
+def iterate_beside_edge(e: Engine, r: Radau, rtol: float) -> int:
+    """Iterate the stages, those of a motion that has left an edge with slopes for each, if need be.
+
+    There one matrix may serve not all of them, or lead the end beyond the edge.
+    """
+    n = r.n
+    found = iterate_stages(e, r, rtol)
+    if not e.step.left_edge:
+        return found
+    if found == STAGES_CONVERGED:
+        for i in range(n):
+            r.stage[i] = r.y[2 * n + i]
+        if rate_at(e, n, r.t1, r.stage, r.end) == OK:
+            return found
+    if stages_from_edge(e, r, rtol) and factorise(r) != SINGULAR:
+        return STAGES_CONVERGED
+    return found
 
 
 def over_kink(e: Engine, r: Radau) -> bool:

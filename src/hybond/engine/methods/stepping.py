@@ -80,8 +80,7 @@ def step(e: Engine, t_end: float) -> int:
 
 
 def turn_in_time(e: Engine) -> None:
-    """Go over to ``radau``, or back, where the last step says so, or where the next leaves an edge.
-    """
+    """Go over to ``radau``, or back, if the last step says so, or if the next leaves an edge."""
     s = e.step
     if e.model.edges > 0 and not s.implicit and leaves_edge(e, s.t, s.y, s.f, s.h):
         s.turns = True
