@@ -13,14 +13,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from hybond.model.expressions import Binary, Call, Expr, Number, Table
+from hybond.model.expressions import Binary, Call, Expr, Table
+from hybond.model.expressions.partial import is_partial, may_lack_value
 from hybond.model.expressions.tree import walk
 
 if TYPE_CHECKING:
     from hybond.result import Result
 
-PARTIAL = frozenset({"sqrt", "log", "log10", "asin", "acos", "mod", "exp", "sinh", "cosh"})
-"""Functions that have no finite value of some numbers."""
 PARTS, ROUNDS = 32, 8
 """In how many parts a stretch is divided in which a signal ends to have values, and how often."""
 
@@ -58,25 +57,6 @@ def told_of_undefined(run: Result) -> tuple[str, ...]:
             if text:
                 found.append(text)
     return tuple(found)
-
-
-def may_lack_value(e: Expr) -> bool:
-    """Return whether an expression may lack a finite value of finite numbers, by its form."""
-    return any(_is_partial(part) for part, _ in walk(e))
-
-
-def _is_partial(e: Expr) -> bool:
-    match e:
-        case Call():
-            return e.function in PARTIAL
-        case Binary("/", _, right):
-            return not (isinstance(right, Number) and right.value != 0.0)
-        case Binary("^", _, right):
-            return not (isinstance(right, Number) and right.value in (1.0, 2.0, 3.0))
-        case Table():
-            return e.extrapolate == "error"
-        case _:
-            return False
 
 
 def _told(run: Result, name: str) -> str:
@@ -141,7 +121,7 @@ def _why(run: Result, name: str, number: int, t: float) -> str:
 def _reason(e: Expr, at: Callable[[Expr], float]) -> str:
     """Return why an expression has no value where its parts have one; empty if they lack it too."""
     for part, _ in walk(e):
-        if not _is_partial(part) or np.isfinite(at(part)):
+        if not is_partial(part) or np.isfinite(at(part)):
             continue
         below = _parts(part)
         numbers = [at(p) for p in below]
