@@ -19,6 +19,7 @@ from hybond.files.whole import whole, write_arrays
 from hybond.measures.measuring import Measuring
 from hybond.measures.naming import names_of, read_name
 from hybond.measures.signal import Signal
+from hybond.measures.undefined import told_of_undefined
 from hybond.measures.window import instant_near
 from hybond.model.expressions import Expr
 from hybond.model.graph import FlatGraph
@@ -109,11 +110,19 @@ class Result(Measuring):
         self.error = error
         self.segments: Sequence[Segment] = trace.segments
         self.events = EventTable(self.graph, trace.events)
-        self.warnings: tuple[str, ...] = tuple(trace.warnings)
         self.stats: dict[str, float] = dict(trace.stats)
         self.engine = trace.engine
         self.method = trace.method
         self._expressions: dict[str, Expr] = {}
+
+    @cached_property
+    def warnings(self) -> tuple[str, ...]:
+        """What was noted on the way, and which signals have no value in parts of the run."""
+        try:
+            undefined = told_of_undefined(self)
+        except HybondError:  # a run that stopped may have no values to tell
+            undefined = ()
+        return (*self.trace.warnings, *undefined)
 
     # -- names
 

@@ -135,6 +135,13 @@ class Step:
     """Whether that changes with the next step."""
     roomy: bool
     """Whether there is room for it."""
+    on_edge: bool
+    """Whether the motion began on an edge of a law, and how far it was from each."""
+    edge: Floats
+    left_edge: bool
+    """Whether it has left one."""
+    calm: int
+    """Steps in a row after that which need nothing of it."""
     bound: int
     """Steps in a row that stability has bound, or that did not need ``radau``; ..."""
     free: int
@@ -299,10 +306,11 @@ def make_trial(m: Model) -> Trial:
     return trial
 
 
-def make_step(n: int, kinks: int) -> Step:
-    """Return room for steps of n states, and for what turns at kinks."""
+def make_step(n: int, kinks: int, edges: int) -> Step:
+    """Return room for steps of n states, for what turns at kinks, and for ways to edges."""
     s = Step()
     s.kink = floats(kinks)
+    s.edge = floats(edges)
     s.y0 = floats(n)
     s.y1 = floats(n)
     s.f0 = floats(n)
@@ -345,7 +353,7 @@ def make_engine(m: Model) -> Engine:
     e.state = ints(m.machines)
     e.states = m.storages + m.integrals
     e.y = floats(e.states)
-    e.step = make_step(e.states, m.kinks)
+    e.step = make_step(e.states, m.kinks, m.edges)
     e.slide = make_slide(m)
     e.rounding = floats(m.storages)
     e.largest_state = floats(e.states)

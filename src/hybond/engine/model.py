@@ -61,8 +61,9 @@ class Model:
     rule_reaction: Ints
     rule_value: Ints
     """The guard as it is: an expression."""
+    rule_doubted: Ints
     rule_watched: Ints
-    """Whether the guard may become true while time passes."""
+    """Whether the guard may read no number, by its form; whether time alone may make it true."""
     rule_test: Ints
     """The guard while time passes: an expression. Pair k is the guard of rule k."""
     atom_first: Ints
@@ -217,8 +218,7 @@ class Model:
     stiff_value: Ints
     stiff_constant: Floats
     power_first: Ints
-    """Of the law of each stored quantity, then of each entry of the stiffness: the powers of what
-    is stored that it is a sum of; none: it is no such sum."""
+    """Of each stored quantity's law, then each stiffness: powers that it is a sum of, or none."""
     power_degree: Ints
     power_factor: Floats
     groups: int

@@ -254,8 +254,11 @@ def find_floor(e: Engine, x: Floats) -> None:
 
 
 def refuse_pair(e: Engine, t: float, place: Text) -> int:
-    """Refuse arithmetic on impulses that has no meaning."""
-    say_fault(e, "HB-J101", why_refused(e.work.stack.refused), place)
+    """Refuse arithmetic on impulses that has no meaning, or what is not a number."""
+    if e.work.stack.refused == NOT_A_NUMBER:
+        say_fault(e, "HB-N302", why_refused(e.work.stack.refused), place)
+    else:
+        say_fault(e, "HB-J101", why_refused(e.work.stack.refused), place)
     e.fault.t = t
     return REFUSED
 

@@ -12,6 +12,12 @@ from hybond.engine.algebra.lu import SINGULAR, lu_solve
 from hybond.engine.algebra.products import copy_floats
 from hybond.engine.engine import NOT_FINITE, OK, Engine
 from hybond.engine.methods.dopri import spacing
+from hybond.engine.methods.from_edges import (
+    keep_within,
+    leaves_edge,
+    stages_from_edge,
+    widen,
+)
 from hybond.engine.methods.one_instant import is_one_kink
 from hybond.engine.methods.radau_dense import hold_dense, make_polynomial
 from hybond.engine.methods.radau_room import (
@@ -155,6 +161,8 @@ def estimate_error(e: Engine, r: Radau) -> None:
     for i in range(n):
         r.stage[i] = r.y[2 * n + i]
     tolerance(e, r.y0, r.stage, r.other)
+    if e.step.left_edge:
+        widen(e, r, r.other)
     r.error = filtered_error(r, r.f0)
     if r.error <= 1.0 or not (r.rejected > 0 or r.h_before == 0.0):
         return
@@ -180,9 +188,17 @@ def try_radau(e: Engine, r: Radau, rtol: float) -> int:
     r.beyond = False
     if e.model.tells != 0:
         r.blamed = RATE_BLAMED
+    r.from_edge = leaves_edge(e, r.t0, r.y0, r.f0, r.h) and stages_from_edge(e, r, rtol)
+    if r.matrix == NO_MATRIX:
+        differences(e, r, rtol)
     if factorise(r) == SINGULAR:
         return STEP_REJECTED
-    found = iterate_stages(e, r, rtol)
+    if r.from_edge:
+        e.step.left_edge = True
+        e.step.calm = 0
+    # stages that go on from the last ones leave rest
+    r.known = r.known and not e.step.on_edge
+    found = STAGES_CONVERGED if r.from_edge else iterate_beside_edge(e, r, rtol)
     if e.model.tells != 0:
         r.blamed = ERROR_BLAMED if found == STAGES_CONVERGED else STAGES_BLAMED
     if found != STAGES_CONVERGED:
@@ -199,6 +215,7 @@ def try_radau(e: Engine, r: Radau, rtol: float) -> int:
         return STEP_REJECTED
     estimate_error(e, r)
     make_polynomial(r)
+    keep_within(e, r)
     if r.error <= 1.0 and not r.swings:
         # what swings about rest is within the tolerance, and its rates say nothing of how far
         hold_dense(e, r)
@@ -213,6 +230,25 @@ def try_radau(e: Engine, r: Radau, rtol: float) -> int:
         r.shrink = RADAU_SHRINK
         return STEP_REJECTED
     return STEP_MADE
+
+
+def iterate_beside_edge(e: Engine, r: Radau, rtol: float) -> int:
+    """Iterate the stages, those of a motion that has left an edge with slopes for each, if need be.
+
+    There one matrix may serve not all of them, or lead the end beyond the edge.
+    """
+    n = r.n
+    found = iterate_stages(e, r, rtol)
+    if not e.step.left_edge:
+        return found
+    if found == STAGES_CONVERGED:
+        for i in range(n):
+            r.stage[i] = r.y[2 * n + i]
+        if rate_at(e, n, r.t1, r.stage, r.end) == OK:
+            return found
+    if stages_from_edge(e, r, rtol) and factorise(r) != SINGULAR:
+        return STAGES_CONVERGED
+    return found
 
 
 def over_kink(e: Engine, r: Radau) -> bool:
@@ -242,8 +278,6 @@ def advance_radau(e: Engine, r: Radau, rtol: float, t_end: float, h: float, long
     r.rejected = 0
     tolerance(e, r.y0, r.y0, r.tolerance)
     while True:
-        if r.matrix == NO_MATRIX:
-            differences(e, r, rtol)
         r.trial = h
         # a little longer rather than a sliver of a step afterwards
         r.t1 = t_end if may_land and remaining <= 1.01 * h else min(r.t0 + h, t_end)

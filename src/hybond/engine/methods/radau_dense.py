@@ -17,6 +17,7 @@ from typing import Final
 from hybond.engine.algebra.lu import lu_solve
 from hybond.engine.algebra.products import copy_floats
 from hybond.engine.engine import OK, Engine
+from hybond.engine.methods.from_edges import is_held
 from hybond.engine.methods.radau_room import Radau
 from hybond.engine.methods.radau_stages import mean_size, rate_at
 from hybond.engine.words import float_table
@@ -67,6 +68,9 @@ def dense_error(e: Engine, r: Radau) -> float:
             r.coefficients[i]
             + x * (2.0 * r.coefficients[n + i] + 3.0 * x * r.coefficients[2 * n + i])
         ) / r.h
+        if r.from_edge and is_held(r, i):
+            # it was nothing before, and is led from there to what it is at the end
+            r.end[i] = 0.0
     lu_solve(n, r.real, r.real_row, 1, r.end)
     return mean_size(n, 1, r.end, r.other)
 

@@ -6,14 +6,13 @@ from hybond.engine.algebra.products import copy_floats
 from hybond.engine.engine import OK, Engine, say_fault
 from hybond.engine.methods.dopri import begin_step, first_step, goes_elsewhere, not_finite
 from hybond.engine.methods.failed_steps import no_rate, step_too_small
-from hybond.engine.methods.flow_records import AUTO
 from hybond.engine.methods.radau import (
     STEP_MADE,
     begin_radau,
     retry_radau,
     step_radau,
 )
-from hybond.engine.methods.radau_room import ERROR_BLAMED, STAGES_BLAMED, Radau
+from hybond.engine.methods.radau_room import ERROR_BLAMED, RADAU, STAGES_BLAMED, Radau
 from hybond.engine.methods.radau_stages import rate_at
 from hybond.engine.methods.scale import controlled, tolerance
 from hybond.engine.methods.stiffness import watch_implicit
@@ -53,7 +52,7 @@ def radau_step(e: Engine, t_end: float) -> int:
         return radau_failed(e)
     s.h = r.next
     s.rejected = r.rejected
-    if e.model.method == AUTO and r.h >= 0.99 * r.trial:
+    if e.model.method != RADAU and r.h >= 0.99 * r.trial:
         watch_implicit(e, r)
     accept_radau(e)
     return OK

@@ -2,6 +2,7 @@
 
 from typing import Final
 
+from hybond.engine.algebra.blocks import Block, Places, make_block, make_places
 from hybond.engine.algebra.lu_pair import Complex
 from hybond.engine.words import Floats, Ints, floats, ints, record
 
@@ -85,6 +86,15 @@ class Radau:
     x_re: Floats
     x_im: Floats
     number: Complex
+    from_edge: bool
+    """Whether the step that is tried leaves an edge."""
+    whole: Block
+    """All stages as one system, with the rows of its pivots; what is left of them; where they were;
+    the correction after the last one."""
+    whole_row: Places
+    left_over: Block
+    kept: Block
+    next_one: Block
     blamed: int
     """What is to blame if the step tried is too long: see RATE_BLAMED and the like."""
 
@@ -148,6 +158,11 @@ def make_radau(n: int) -> Radau:
     r.x_re = floats(n)
     r.x_im = floats(n)
     r.number = Complex()
+    r.whole = make_block(1)
+    r.whole_row = make_places(1)
+    r.left_over = make_block(1)
+    r.kept = make_block(1)
+    r.next_one = make_block(1)
     r.start_y = floats(n)
     r.start_f = floats(n)
     r.again_polynomial = floats(3 * n)

@@ -9,9 +9,11 @@ from hybond.engine.methods.control import (
     controlled_retry,
     controlled_start,
     controlled_step,
+    is_propagated,
 )
 from hybond.engine.methods.fixed import RK4, fixed_retry, fixed_start, fixed_step
-from hybond.engine.methods.flow_records import AUTO
+from hybond.engine.methods.flow_records import AUTO, EXACT
+from hybond.engine.methods.from_edges import EXPLICIT, leaves_edge, may_turn, see_edges
 from hybond.engine.methods.lately import follow_sizes
 from hybond.engine.methods.qss import qss_retry, qss_step
 from hybond.engine.methods.qss_room import QSS1
@@ -28,7 +30,9 @@ FARTHER: Final = 2.0
 
 def by_radau(e: Engine) -> bool:
     """Whether steps in the present mode are those of ``radau``."""
-    if e.model.method == AUTO:
+    if e.model.method == EXPLICIT:
+        return e.step.implicit
+    if e.model.method == AUTO or e.model.method == EXACT:
         return e.step.implicit and not e.exact.on
     return e.model.method == RADAU
 
@@ -45,7 +49,11 @@ def start_fitting(e: Engine, t: float, y: Floats, t_bound: float, jumped: bool) 
 
 def start(e: Engine, t: float, y: Floats, t_bound: float, jumped: bool) -> int:
     """Begin, or go on after an event, in the mode ``e.mode``."""
-    if e.model.method == AUTO:
+    if jumped and e.model.edges > 0:
+        e.step.left_edge = False
+        e.step.calm = 0
+        see_edges(e, t, y)
+    if may_turn(e):
         return start_fitting(e, t, y, t_bound, jumped)
     if e.model.method == RADAU:
         return radau_start(e, t, y, t_bound, jumped)
@@ -62,8 +70,8 @@ def step(e: Engine, t_end: float) -> int:
     e.curved = False
     e.step.precise = False
     follow_sizes(e)
-    if e.model.method == AUTO and e.step.turns and not e.exact.on:
-        turn(e)
+    if may_turn(e) and not is_propagated(e):
+        turn_in_time(e)
     if by_radau(e):
         return radau_step(e, t_end)
     if e.model.method >= QSS1:
@@ -71,6 +79,15 @@ def step(e: Engine, t_end: float) -> int:
     if e.model.method >= RK4:
         return fixed_step(e, t_end)
     return controlled_step(e, t_end)
+
+
+def turn_in_time(e: Engine) -> None:
+    """Go over to ``radau``, or back, if the last step says so, or if the next leaves an edge."""
+    s = e.step
+    if e.model.edges > 0 and not s.implicit and leaves_edge(e, s.t, s.y, s.f, s.h):
+        s.turns = True
+    if s.turns:
+        turn(e)
 
 
 def retry(e: Engine, t_end: float) -> int:

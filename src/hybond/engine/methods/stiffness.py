@@ -20,7 +20,7 @@ import math
 from typing import Final
 
 from hybond.engine.engine import Engine
-from hybond.engine.methods.flow_records import LARGE
+from hybond.engine.methods.flow_records import AUTO, LARGE
 from hybond.engine.methods.radau import begin_radau
 from hybond.engine.methods.radau_room import Radau, make_radau
 from hybond.engine.words import Floats
@@ -37,6 +37,8 @@ EASY: Final = 2.0
 """Size times norm below which an explicit step would be stable as well, ..."""
 EASY_ROW: Final = 100
 """... and how many such steps in a row lead back: enough for ``radau`` to damp what died out."""
+OFF_ROW: Final = 10
+"""The same where only an edge was left, and the run asked for explicit steps."""
 GROWING: Final = 2.0
 """By which a step that is bound by nothing grows."""
 
@@ -82,13 +84,16 @@ def fastest(e: Engine) -> float:
 
 
 def watch_implicit(e: Engine, r: Radau) -> None:
-    """Learn from a step of ``radau`` that was not cut short."""
+    """Learn from a step of ``radau`` that was not cut short.
+
+    Other methods than ``auto`` go back as soon as they may: they only wanted to leave an edge.
+    """
     s = e.step
     if r.h * norm_of(r.n, r.jacobian, r.tolerance) > EASY:
         s.bound = 0
     elif r.next < GROWING * r.h:
         s.bound += 1
-    s.turns = s.bound >= EASY_ROW
+    s.turns = s.bound >= (EASY_ROW if e.model.method == AUTO else OFF_ROW) and not r.from_edge
 
 
 def norm_of(n: int, jacobian: Floats, unit: Floats) -> float:

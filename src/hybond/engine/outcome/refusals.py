@@ -202,7 +202,21 @@ def _no_solution(c: Case) -> Said:
     return Said(why, c.graph.mode_text(mode))
 
 
+def _guard_without_value(c: Case) -> Said:
+    number = c.numbers[0]
+    hint = "give it a value there ('if ... then ... else'), or ask before it: 'x > 0 and y/x > 1'"
+    if number < 0:
+        why = f"what the signal integrates is not a number {c.now}"
+        return Said(why, f"signals.{c.refusal.place}")
+    rule, machine = c.explain.rule(number), c.explain.machine_of(number)
+    return Said(
+        f"the guard {rule.text!r} compares what is not a number {c.now}", machine.path, hint
+    )
+
+
 def _no_value(c: Case) -> Said:
+    if len(c.numbers) == 1:
+        return _guard_without_value(c)
     mode, (element, value) = c.given_mode()
     here = c.graph.mode_text(mode)
     if element == OVERFLOW:

@@ -12,7 +12,8 @@ HB-N201    the step, s; the state that dominates the error, or -1
 HB-N202    the step, s, 0 at the start of a motion; the state whose rate has no value, or -1
 HB-N203    the bond variable; its value
 HB-N301    the states of the mode; its elements that have laws
-HB-N302    the states of the mode; the element, NO_ELEMENT or OVERFLOW; its value
+HB-N302    the states of the mode; the element, NO_ELEMENT or OVERFLOW; its value;
+           of a guard that compares what is no number as HB-J101
 HB-N303/4  the states of the mode
 HB-N305    the signal; its value
 HB-N405    the surfaces

@@ -24,7 +24,7 @@ from hybond.engine.engine import OK, PACES, Engine
 from hybond.engine.inputs.interval import is_due
 from hybond.engine.instant.instant import CHANGE, SAMPLE, START, TIME
 from hybond.engine.instant.trial import a_priori
-from hybond.engine.methods.flow_records import AUTO
+from hybond.engine.methods.from_edges import may_turn
 from hybond.engine.methods.stepping import by_radau
 from hybond.engine.methods.stiffness import turn
 from hybond.engine.run.run_records import FRESH, GIVEN, GOES_ON, Run
@@ -235,7 +235,7 @@ def take_up(e: Engine, r: Run) -> int:
     for k in range(m.machines):
         e.landed[k] = 1 if g.landed[k] >= 0 else 0
         g.any_landed = g.any_landed or g.landed[k] >= 0
-    if m.method == AUTO and r.warm_implicit != e.step.implicit:
+    if may_turn(e) and r.warm_implicit != e.step.implicit:
         turn(e)
     if not g.any_landed or r.remembers:
         return OK

@@ -41,7 +41,8 @@ def reach_edges(e: Engine, r: Run) -> bool:
     r.edge_time = 0.0
     for i in range(n):
         r.edge_from[i] = e.y[i]
-        r.beside[n + i] = 1.0 if math.fabs(e.y[i]) > room * math.fabs(r.rate[i]) else 0.0
+        goes = e.y[i] * r.rate[i] <= 0.0 and math.fabs(e.y[i]) <= room * math.fabs(r.rate[i])
+        r.beside[n + i] = 0.0 if goes else 1.0
     reached = False
     for k in range(e.model.edges):
         reached = reach_edge(e, r, k, room) or reached

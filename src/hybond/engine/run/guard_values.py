@@ -144,6 +144,22 @@ def holds_at(e: Engine, g: Locator, k: int, t: float) -> bool:
     return true
 
 
+def doubt(e: Engine, g: Locator, t: float) -> int:
+    """Refuse a guard that compares what is not a number at the end of a step: it would not hold."""
+    m = e.model
+    for k in range(g.guards):
+        if g.rule[k] >= 0 and m.rule_doubted[g.rule[k]] != 0 and g.part[k] < 0:
+            lacks = False
+            for a in range(g.atom_first[k], g.atom_first[k + 1]):
+                here = atom_at(e, g, a, t)
+                lacks = lacks or here != here
+            if lacks:
+                holds_at(e, g, k, t)  # of what is never asked nothing is wrong
+            if lacks and g.failed:
+                return REFUSED
+    return OK
+
+
 def measure_here(e: Engine, g: Locator, k: int) -> None:
     """Find what rounding of the signals that guard k reads is measured by, and show these."""
     if g.part[k] >= 0:

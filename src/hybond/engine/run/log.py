@@ -20,7 +20,8 @@ from hybond.engine.algebra.blocks import (
 )
 from hybond.engine.engine import Engine
 from hybond.engine.instant.instant import MYTHICAL, START, Instant, note_step
-from hybond.engine.methods.flow_records import AUTO
+from hybond.engine.methods.control import is_propagated
+from hybond.engine.methods.from_edges import may_turn
 from hybond.engine.methods.stepping import by_radau
 from hybond.engine.reasons.warned import Warned, forget_warned, make_warned
 from hybond.engine.sliding.surface import part_mode
@@ -228,7 +229,7 @@ def report_step(e: Engine, r: Report) -> None:
     r.rejected += s.rejected
     if e.model.method == MOREAU:
         write_bonds_of_step(e, r)
-    if e.model.method == AUTO and not e.exact.on and s.implicit != r.implicit:
+    if may_turn(e) and not is_propagated(e) and s.implicit != r.implicit:
         r.implicit = s.implicit
         grow_block(r.turn_time, r.turns + 1)
         r.turn_time.at[r.turns] = s.t0

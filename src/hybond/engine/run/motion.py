@@ -38,6 +38,7 @@ from hybond.engine.planar.stops import arm_slips, begin_slips, follows_slip
 from hybond.engine.run.carried import begin_again, cause_of_beginning, take_up, warm_up
 from hybond.engine.run.edges import reach_edges, straight_on, time_at_once
 from hybond.engine.run.ends_at_guard import find_within, land, shows_instants
+from hybond.engine.run.guard_values import doubt
 from hybond.engine.run.kinks_passed import (
     count_kink,
     end_at_kink,
@@ -293,6 +294,8 @@ def flow(e: Engine, r: Run) -> int:
                 near = near or shown != e.step.t1
                 if g.failed:
                     return -1
+            if doubt(e, g, e.step.t1) != OK:
+                return -1
             if note(e, r, e.step.t1, shown) != OK:
                 return -1
             if e.step.t1 >= end:

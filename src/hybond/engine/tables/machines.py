@@ -6,6 +6,7 @@ from hybond.engine.tables.columns import INTS, ModelTables, first_of, put_rows
 from hybond.engine.tables.contacts import rules_of
 from hybond.engine.tables.guards import magnitude, seen_in_motion
 from hybond.model.expressions import comparisons, names
+from hybond.model.expressions.partial import may_lack_value
 from hybond.model.graph import FlatGraph, Machine
 
 _STILL = ("in:", "on:", "at:")
@@ -56,7 +57,8 @@ def put_machines(t: ModelTables) -> None:
             if moves
             else []
         )
-    t.ints.update(rule_value=plain, rule_test=tests, rule_watched=watched)
+    doubted = [int(may_lack_value(f.rule.guard)) for own in forced for f in own]
+    t.ints.update(rule_value=plain, rule_test=tests, rule_watched=watched, rule_doubted=doubted)
     put_rows(t, "atom_first", atoms, atom_value=INTS, atom_size=INTS, atom_zero=INTS)
 
 
