@@ -51,6 +51,10 @@ class Leaf:
     """In series with a diode, V."""
     switch: IdealSwitch | None = None
     winding: Winding | None = None
+    beside: str = ""
+    """Of a part of another branch, between the same nodes: its key."""
+    backward: bool = False
+    """Whether its nodes are those of that branch the other way round."""
 
 
 def leaves_of(
@@ -127,6 +131,21 @@ def _diode(branch: Branch, notices: Notices, current: float) -> list[Leaf]:
     resistance = _without(ideal.resistance, ideal.beside)
     text = quantity(resistance, "ohm") if resistance else None
     found = [Leaf(branch, "diode", resistance=text, drop=ideal.drop, emission=ideal.emission)]
+    back = ideal.breakdown
+    if back is not None:
+        other = replace(branch, name=f"{branch.name}_back", a=branch.b, b=branch.a)
+        text = quantity(back.resistance, "ohm") if back.resistance else None
+        found.append(
+            Leaf(
+                other,
+                "diode",
+                resistance=text,
+                drop=back.drop,
+                emission=back.emission,
+                beside=branch.key,
+                backward=True,
+            )
+        )
     return found + _beside(branch, ideal.beside)
 
 
@@ -151,9 +170,8 @@ def _beside(branch: Branch, resistance: float) -> list[Leaf]:
         return []
     value = Value(Number(resistance), resistance)
     name = f"{branch.name}_off"
-    return [
-        Leaf(replace(branch, name=name, kind="r", value=value), "R", quantity(resistance, "ohm"))
-    ]
+    part = replace(branch, name=name, kind="r", value=value)
+    return [Leaf(part, "R", quantity(resistance, "ohm"), beside=branch.key)]
 
 
 def negated(value: Value) -> Value:
