@@ -11,7 +11,7 @@ from pathlib import Path
 from hybond.calls import called, named_file
 from hybond.circuits.coils import couple
 from hybond.circuits.deck import Deck, read_deck
-from hybond.circuits.fitting import Tangent
+from hybond.circuits.fitting import Tangent, fits
 from hybond.circuits.formulas import written
 from hybond.circuits.graph_names import GraphNames
 from hybond.circuits.leaves import Leaf, leaves_of
@@ -28,9 +28,13 @@ from hybond.circuits.wiring import Assembly
 from hybond.errors import FileError, UsageError
 from hybond.model.builder import Model
 from hybond.model.expressions import Number
+from hybond.names import did_you_mean
+from hybond.simulation import simulate
 from hybond.uncollected import uncollected
 from hybond.units import try_quantity
 
+ROUNDS = 4
+"""Runs in which the currents of diodes are looked for, at the most."""
 POINTS = 2001
 """Output points at the most, whatever the step of ``.tran``."""
 
@@ -61,7 +65,10 @@ class Conversion:
 
 @called('hb.read_circuit("buck.cir")')
 def read_circuit(
-    path: str | os.PathLike[str], *, diode_current: float | str = 1.0, strict: bool = False
+    path: str | os.PathLike[str],
+    *,
+    diode_current: float | str | Mapping[str, float | str] = 1.0,
+    strict: bool = False,
 ) -> Conversion:
     r"""Read a SPICE netlist as a hybrid bond graph.
 
@@ -69,9 +76,12 @@ def read_circuit(
     ----------
     path : str or path
         A netlist; files that it includes are in its folder.
-    diode_current : float or str
+    diode_current : float, str or mapping
         The current, A, at which the exponential characteristic of a diode is replaced by its
-        tangent: ideal diode, drop and resistance.
+        tangent: ideal diode, drop and resistance. A mapping has one for each diode by its name in
+        the netlist (`"D1"`, `"X1.D1"`, `"D1_back"` for its breakdown), 1 A for the others. With
+        ``"auto"`` the circuit is run, up to four times, and each diode gets the current that it
+        carries.
     strict : bool
         Refuse what would be a warning.
 
@@ -84,6 +94,10 @@ def read_circuit(
     ------
     FileError
         HB-F130 to HB-F146, with the line.
+    UsageError
+        HB-F140 for a current that is not positive, or of a diode that is not there.
+    HybondError
+        As `simulate`, with ``"auto"``.
 
     Examples
     --------
@@ -100,10 +114,13 @@ def read_circuit(
     >>> rlc.origins["R1"]
     'line 3: R1 in a 1'
     """
-    current = _current(diode_current)
     path = named_file(path, 'hb.read_circuit("buck.cir")')
+    if diode_current == "auto":
+        diode_current = _carried(path)
+    currents = _currents(diode_current)
     notices = Notices()
-    made, model, lines = _made(path, notices, current)
+    made, model, lines = _made(path, notices, currents)
+    _check_names(currents, made)
     if strict and notices.found:
         first = next(iter(notices.found))
         raise FileError(
@@ -118,19 +135,52 @@ def read_circuit(
     )
 
 
+def _carried(path: str | os.PathLike[str]) -> dict[str, float]:
+    """Return the current that each diode carries, of those for which 1 A does not fit."""
+    found: dict[str, float] = {}
+    for _ in range(ROUNDS):
+        read = read_circuit(path, diode_current=found)
+        if not read.diodes:
+            break
+        wrong = fits(simulate(read.model), read.diodes)
+        if not wrong:
+            break
+        found |= {fit.tangent.key: float(f"{fit.carried:.3g}") for fit in wrong}
+    return found
+
+
 @uncollected
 def _made(
-    path: str | os.PathLike[str], notices: Notices, current: float
+    path: str | os.PathLike[str], notices: Notices, current: Mapping[str, float]
 ) -> tuple[_Making, Model, dict[str, Line]]:
     deck = read_deck(path, notices)
     made = _Making(Path(path), deck, open_deck(deck, notices), notices, current)
     return made, *made.run()
 
 
+def _currents(given: float | str | Mapping[str, float | str]) -> dict[str, float]:
+    """Return the current of each diode by its key, that of all others by an empty one."""
+    if isinstance(given, Mapping):
+        return {"": 1.0, **{str(key).lower(): _current(value) for key, value in given.items()}}
+    return {"": _current(given)}
+
+
+def _check_names(currents: Mapping[str, float], made: _Making) -> None:
+    known = {leaf.branch.key: leaf.branch.name for leaf in made.leaves if leaf.emission}
+    for key in currents:
+        if key and key not in known:
+            raise UsageError(
+                f"there is no diode {key!r} that is taken as a tangent",
+                code="HB-F140",
+                where="diode_current",
+                hint=did_you_mean(key, list(known.values())) or "use its name in the netlist",
+            )
+
+
 def _current(given: float | str) -> float:
     read = try_quantity(given) if isinstance(given, str) else None
     value = read.value if read is not None else given
-    if isinstance(value, str) or not 0.0 < value < 1e9:
+    if isinstance(value, str | bool) or not isinstance(value, int | float) or not 0.0 < value < 1e9:
         raise UsageError(
             f"diode_current = {given!r}",
             code="HB-F140",
@@ -149,7 +199,12 @@ class _Making:
     """One conversion: what its steps share."""
 
     def __init__(
-        self, path: Path, deck: Deck, opened: Opened, notices: Notices, current: float
+        self,
+        path: Path,
+        deck: Deck,
+        opened: Opened,
+        notices: Notices,
+        current: Mapping[str, float],
     ) -> None:
         self.path, self.deck, self.opened, self.notices = path, deck, opened, notices
         self.current = current
@@ -232,7 +287,12 @@ class _Making:
     def diodes(self) -> tuple[Tangent, ...]:
         """Return the diodes that were taken as tangents."""
         return tuple(
-            Tangent(name, self.current, self.leaves[k].emission)
+            Tangent(
+                name,
+                self.current.get(self.leaves[k].branch.key, self.current[""]),
+                self.leaves[k].emission,
+                self.leaves[k].branch.key,
+            )
             for k, name in self.woven.junctions.items()
             if self.leaves[k].emission
         )

@@ -39,11 +39,11 @@ class IdealDiode:
     """What conducts backward, beside it."""
 
 
-def ideal_diode(branch: Branch, current: float, notices: Notices) -> IdealDiode:
+def ideal_diode(branch: Branch, current: float, back: float, notices: Notices) -> IdealDiode:
     """Return the straight line that stands for the characteristic of a diode.
 
-    It is the tangent at `current`, of ``v = N Vt ln(1 + i/IS) + RS i``, and backward of
-    ``v = BV + NBV Vt ln(i/IBV) + RS i``; a card with ``Ron`` or ``Vfwd`` is a straight line
+    It is the tangent at `current`, of ``v = N Vt ln(1 + i/IS) + RS i``, and backward, at `back`,
+    of ``v = BV + NBV Vt ln(i/IBV) + RS i``; a card with ``Ron`` or ``Vfwd`` is a straight line
     already.
 
     Raises
@@ -85,15 +85,15 @@ def ideal_diode(branch: Branch, current: float, notices: Notices) -> IdealDiode:
         _rounded(forward - slope * current),
         _rounded(slope + resistance),
         emission=values["n"] * THERMAL_VOLTAGE,
-        breakdown=_breakdown(branch, given, area, current),
+        breakdown=_breakdown(branch, given, area, back),
     )
     said = (
         f"{model.name}: ideal diode with a drop of {found.drop:g} V and {found.resistance:g} "
         f"ohm, the tangent at {current:g} A"
     )
     if found.breakdown is not None:
-        back = found.breakdown
-        said += f"; backward with {back.drop:g} V and {back.resistance:g} ohm"
+        line = found.breakdown
+        said += f"; backward {line.drop:g} V and {line.resistance:g} ohm, that at {back:g} A"
     notices.add(model.line, said)
     return found
 
@@ -138,16 +138,16 @@ def _straight(branch: Branch, given: dict[str, float], notices: Notices) -> Idea
     if OPEN <= beside < math.inf:
         notices.add(model.line, f"{model.name}: Roff = {beside:g} ohm is taken as none")
         beside = math.inf
-    back = None
+    line = None
     if "vrev" in given:
-        back = IdealDiode(given["vrev"], given.get("rrev", resistance))
-        if back.drop < 0.0 or back.resistance < 0.0:
+        line = IdealDiode(given["vrev"], given.get("rrev", resistance))
+        if line.drop < 0.0 or line.resistance < 0.0:
             raise branch.line.refuse(
-                f"Vrev = {back.drop:g} V, Rrev = {back.resistance:g} ohm",
+                f"Vrev = {line.drop:g} V, Rrev = {line.resistance:g} ohm",
                 code="HB-F140",
                 hint="neither is negative",
             )
-    return IdealDiode(drop, resistance, beside, breakdown=back)
+    return IdealDiode(drop, resistance, beside, breakdown=line)
 
 
 @dataclass(frozen=True, slots=True)

@@ -64,9 +64,14 @@ def leaves_of(
     clock: Clock,
     notices: Notices,
     *,
-    current: float,
+    current: Mapping[str, float],
 ) -> list[Leaf]:
     """Return the branches with their meaning.
+
+    Parameters
+    ----------
+    current : mapping
+        Where a diode is taken as a tangent, A, by its key; an empty one is that of all others.
 
     Raises
     ------
@@ -126,14 +131,16 @@ def _plain(branch: Branch, texts: Texts, notices: Notices) -> list[Leaf]:
     return [Leaf(branch, role, texts.value(branch.value, unit), start=branch.start)]
 
 
-def _diode(branch: Branch, notices: Notices, current: float) -> list[Leaf]:
-    ideal = ideal_diode(branch, current, notices)
+def _diode(branch: Branch, notices: Notices, current: Mapping[str, float]) -> list[Leaf]:
+    back_name = f"{branch.name}_back"
+    ahead = current.get(branch.key, current[""])
+    ideal = ideal_diode(branch, ahead, current.get(back_name.lower(), current[""]), notices)
     resistance = _without(ideal.resistance, ideal.beside)
     text = quantity(resistance, "ohm") if resistance else None
     found = [Leaf(branch, "diode", resistance=text, drop=ideal.drop, emission=ideal.emission)]
     back = ideal.breakdown
     if back is not None:
-        other = replace(branch, name=f"{branch.name}_back", a=branch.b, b=branch.a)
+        other = replace(branch, name=back_name, a=branch.b, b=branch.a)
         text = quantity(back.resistance, "ohm") if back.resistance else None
         found.append(
             Leaf(
