@@ -14,6 +14,7 @@ from hybond.circuits.deck import Deck, read_deck
 from hybond.circuits.fitting import Tangent, fits
 from hybond.circuits.formulas import written
 from hybond.circuits.graph_names import GraphNames
+from hybond.circuits.ideal_transformers import ideal_transformers
 from hybond.circuits.leaves import Leaf, leaves_of
 from hybond.circuits.measured import Wanted
 from hybond.circuits.notices import Line, Notice, Notices
@@ -226,7 +227,7 @@ class _Making:
                 raise transient.line.refuse(
                     "a time that is not positive", code="HB-F140", hint=".tran step stop"
                 )
-        windings = couple(opened, self.texts)
+        windings = couple(opened, self.texts) | ideal_transformers(opened, self.texts)
         startup = transient is not None and transient.startup
         clock = Clock(edge, self.stop, startup)
         found = leaves_of(opened, windings, self.texts, clock, notices, current=current)
@@ -343,7 +344,7 @@ class _Making:
             forced.append((key, global_value(formula, self.opened, line), line))
         flowing = {}
         for key, formula, line in self.deck.currents:
-            if not any(x.branch.key == key and x.role in ("I", "winding") for x in self.leaves):
+            if not any(x.branch.key == key and x.branch.kind == "l" for x in self.leaves):
                 raise line.refuse(
                     f"there is no coil {key!r}", code="HB-F134", hint="i(L1)=... of an element L"
                 )
@@ -371,7 +372,7 @@ class _Making:
 def _flowing(leaf: Leaf, flowing: Mapping[str, Value]) -> Leaf:
     """Return a coil that starts from the current of ``.ic``, if it has no start itself."""
     start = flowing.get(leaf.branch.key)
-    if start is None or leaf.start is not None or leaf.role not in ("I", "winding"):
+    if start is None or leaf.start is not None or leaf.branch.kind != "l":
         return leaf
     return replace(leaf, start=start)
 

@@ -81,8 +81,9 @@ def leaves_of(
     found: list[Leaf] = []
     for branch in opened.branches:
         kind = branch.kind
-        if kind == "l" and branch.key in windings:
-            _positive(branch)
+        if branch.key in windings:
+            if kind == "l":
+                _positive(branch)
             found.append(Leaf(branch, "winding", start=branch.start, winding=windings[branch.key]))
         elif branch.law is not None:
             found.append(Leaf(branch, "Se" if branch.law.imposes == "v" else "Sf"))
