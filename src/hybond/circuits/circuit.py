@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from hybond.calls import called, named_file
@@ -62,6 +62,41 @@ class Conversion:
     """Of ``.step``: parameters of the model and their values; all combinations are meant."""
     diodes: tuple[Tangent, ...] = ()
     """Diodes that were taken as tangents: `fits(run, conversion.diodes)` says which do not fit."""
+    reader: Callable[[str], str] | None = field(default=None, repr=False, compare=False)
+    """What `signal` asks; None of a file that is no netlist."""
+
+    def signal(self, text: str) -> str:
+        r"""Return what a netlist calls ``v(a)``, ``v(a,b)`` or ``i(L1)`` in words of the model.
+
+        Parameters
+        ----------
+        text : str
+            An expression with any of them.
+
+        Raises
+        ------
+        FileError
+            HB-F134 (no such node or element), HB-F144 (nothing tells it).
+
+        Examples
+        --------
+        >>> import pathlib, tempfile
+        >>> import hybond as hb
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     path = pathlib.Path(folder, "rl.cir")
+        ...     _ = path.write_text("RL\nV1 in 0 10\nR1 in a 1\nL1 a 0 1m\n.tran 1u 1m uic\n")
+        ...     rl = hb.read_circuit(path)
+        >>> rl.signal("i(L1)"), rl.signal("v(in,a)*i(R1)"), rl.signal("v(a)")
+        ('L1.f', '(V1.e - L1.e)*R1.f', 'L1.e')
+        >>> round(hb.simulate(rl.model)[rl.signal("i(V1)")].at(1e-3), 4)
+        -6.3212
+        """
+        if self.reader is None:
+            return text
+        try:
+            return self.reader(text)
+        except FileError as error:
+            raise FileError(error.why, code=error.code, where=text, hint=error.hint) from None
 
 
 @called('hb.read_circuit("buck.cir")')
@@ -132,7 +167,13 @@ def read_circuit(
         )
     origins = {name: _origin(line, str(path)) for name, line in lines.items()}
     return Conversion(
-        model, tuple(notices.found), origins, made.measures(), made.steps(), made.diodes()
+        model,
+        tuple(notices.found),
+        origins,
+        made.measures(),
+        made.steps(),
+        made.diodes(),
+        made.assembly.read,
     )
 
 
@@ -266,9 +307,10 @@ class _Making:
                 where=str(self.path),
                 hint="look at the names of its nodes: only a loop of elements carries a current",
             )
-        Assembly(
+        self.assembly = Assembly(
             model, woven, self.leaves, ends, self.numbers, self.texts, self.deck, self.notices
-        ).run()
+        )
+        self.assembly.run()
         if self.deck.transient is not None:
             model.experiment["until"] = _plain(self.stop)
             model.experiment["points"] = max(2, min(POINTS, self._steps()))

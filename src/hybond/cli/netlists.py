@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -51,6 +51,13 @@ def currents_of(text: str | None) -> str | float | dict[str, float | str]:
         return text
     pairs = (part.partition("=") for part in text.split(","))
     return {name.strip(): value.strip() for name, _, value in pairs}
+
+
+def in_words_of(conversion: Conversion | None, texts: Sequence[str] | None) -> list[str]:
+    """Return texts with ``v(a)`` and ``i(L1)`` of a netlist in words of its model."""
+    if conversion is None or not texts:
+        return list(texts or ())
+    return [conversion.signal(text) for text in texts]
 
 
 def measurements(run: Result, conversion: Conversion | None) -> dict[str, float | None]:
