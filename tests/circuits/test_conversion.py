@@ -314,8 +314,75 @@ class TestDiodes:
                              ".model DX D(IS=1e-14 CJO=1p BV=100)", ".options reltol=1e-3",
                              ".four 1k v(b)")  # fmt: skip
         text = "\n".join(map(str, conversion.warnings))
-        assert "CJO" in text.upper() and "BV" in text
+        assert "CJO" in text.upper() and "backward" in text
         assert ":5:" in text and ":6:" in text and ":7:" in text
+
+    @pytest.mark.parametrize(
+        ("card", "line"),
+        [
+            # BV + NBV Vt ln(i/IBV) + RS i, of which 1e-3 Vt is nothing
+            ("D(IS=1e-14 N=1 BV=10 IBV=10m NBV=1e-3 RS=2)", (10.0, 2.0)),
+            ("D(Ron=0.1 Vfwd=0.5 Vrev=10 Rrev=2)", (10.0, 2.0)),
+            ("D(Ron=2 Vfwd=0.5 Vrev=10)", (10.0, 2.0)),
+        ],
+    )
+    def test_a_zener_diode_holds_its_voltage(self, convert, card, line):
+        rows = ["V1 in 0 SIN(15 5 100)", "R1 in o 100", "D1 0 o DZ", "RL o 0 500",
+                f".model DZ {card}", ".tran 10u 20m", ".print tran i(D1)"]  # fmt: skip
+        conversion = convert(*rows)
+        run = hb.simulate(conversion.model)
+        drop, resistance = line
+        for t in (0.0, 2.5e-3, 6e-3):
+            source = 15.0 + 5.0 * math.sin(200.0 * math.pi * t)
+            v = (source / 100.0 + drop / resistance) / (1 / 100.0 + 1 / 500.0 + 1 / resistance)
+            current = (source - v) / 100.0 - v / 500.0
+            assert run["o.e"].at(t) == pytest.approx(v, rel=1e-3)
+            assert run["i_D1"].at(t) == pytest.approx(-current, rel=2e-2)
+        assert run["o.e"].max() == pytest.approx(run["o.e"].at(2.5e-3), rel=1e-9)
+
+    @pytest.mark.parametrize(
+        "current", ["auto", {"D1": "10 mA", "x1.d1": 10, "D2_back": 0.02, "D2": 0.02}]
+    )
+    def test_each_diode_at_its_own_current(self, convert, current):
+        rows = ["I1 0 a 10m", "D1 a 0 DX", "I2 0 b 10", "X1 b 0 sub", "I3 0 c 20m", "D2 0 c DX",
+                ".subckt sub p m", "D1 p m DX", ".ends",
+                ".model DX D(IS=1e-12 N=1.2 RS=0.01 BV=5.1 IBV=5m)", ".tran 1m 1"]  # fmt: skip
+        conversion = convert(*rows, diode_current=current)
+        run = hb.simulate(conversion.model)
+        vt = 1.380649e-23 * 300.15 / 1.602176634e-19
+        for node, i in {"a": 0.01, "b": 10.0}.items():
+            v = 1.2 * vt * math.log1p(i / 1e-12) + 0.01 * i
+            assert run[f"{node}.e"].at(1) == pytest.approx(v, rel=1e-4)
+        back = 5.1 + 1.2 * vt * math.log(0.02 / 5e-3) + 0.01 * 0.02
+        assert run["c.e"].at(1) == pytest.approx(back, rel=1e-4)
+
+    @pytest.mark.parametrize("current", [{"D9": 1}, {"D1": 0}, {"D1": "x"}])
+    def test_currents_of_diodes_that_cannot_be(self, convert, current):
+        with pytest.raises(hb.UsageError, match="HB-F140"):
+            convert("I1 0 a 1", "D1 a 0 DX", ".model DX D(IS=1e-14)", diode_current=current)
+
+    def test_breakdown_clamps_a_coil(self, convert):
+        # 24 V against the coil: its current ends after L I/24 s, and all of its energy is gone
+        rows = ["I1 0 a PWL(0 1 1m 1 1.000001m 0)", "L1 a b 24m", "R0 b 0 1n", "Ra a 0 1meg",
+                "D1 a 0 DZ", ".model DZ D(N=1e-3 IS=1e-14 BV=24 IBV=1 RS=0)",
+                ".tran 1u 3m"]  # fmt: skip
+        run = hb.simulate(convert(*rows).model)
+        assert run["L1.f"].at(1.5e-3) == pytest.approx(0.5, abs=3e-3)
+        assert run["L1.f"].at(2.5e-3) == pytest.approx(0.0, abs=1e-3)
+
+    def test_the_current_of_a_part_has_that_of_its_leak(self, convert):
+        rows = ["V1 a 0 -1", "D1 a b DX", "V2 b 0 0", "S1 a 0 g 0 SW", "Vg g 0 0",
+                ".model DX D(Ron=1 Roff=1k)", ".model SW SW(VT=1 RON=1 ROFF=2k)",
+                ".tran 1m 1", ".print tran i(D1) i(V1)"]  # fmt: skip
+        run = hb.simulate(convert(*rows).model)
+        assert run["i_D1"].at(0.5) == pytest.approx(-1e-3)
+        assert run["i_V1"].at(0.5) == pytest.approx(1.5e-3)
+
+    def test_a_breakdown_that_cannot_be(self, convert):
+        with pytest.raises(hb.FileError, match="HB-F140"):
+            convert("V1 a 0 1", "D1 a b DX", "R1 b 0 1", ".model DX D(BV=-10)")
+        with pytest.raises(hb.FileError, match="HB-F140"):
+            convert("V1 a 0 1", "D1 a b DX", "R1 b 0 1", ".model DX D(Ron=1 Vrev=-10)")
 
     @pytest.mark.parametrize("current", [0, -1, "1 V*", "nothing"])
     def test_a_current_that_cannot_be(self, convert, current):

@@ -1,6 +1,7 @@
 """convert: netlists and files of BondGraphTools to model files."""
 
 import json
+import math
 from typing import Any
 
 import pytest
@@ -67,6 +68,34 @@ def test_the_current_of_diodes_is_an_option(shell: Any) -> None:
     ]
     assert drops[0] != drops[1]
     assert shell("convert", "rectifier.cir", "c.json", "--diode-current", "much").code == 1
+
+
+def test_words_of_the_netlist_name_signals(shell: Any) -> None:
+    """A half wave of 10 V on 50 ohm behind no diode to speak of: 10 V/pi, and the power of it."""
+    half = NETLIST.replace("C1 out 0 100u\n", "").replace("D(IS=1e-14 RS=0.1)", "D(Ron=1u)")
+    shell.file("half.cir", half.replace("40m uic", "{T}").replace(".model", ".param T=40m\n.model"))
+    done = shell("measure", "half.cir", "mean(V(in,OUT))", "mean(v(out)*i(D1))", "--json")
+    values = [one["value"] for one in json.loads(done.out)["measures"].values()]
+    assert values == pytest.approx([-10 / math.pi, 100 / 50 / 4], rel=1e-4)
+    done = shell("run", "half.cir", "--at", "5ms", "--signals", "v(out),i(V1)", "--json")
+    samples = json.loads(done.out)["samples"]
+    assert [column[0] for name, column in samples.items() if name != "t"][-2:] == pytest.approx(
+        [10.0, -0.2], rel=1e-4
+    )
+    done = shell("sweep", "half.cir", "--vary", "R1.R=50,100", "--signals", "v(out)", "--json")
+    assert done.code == 0
+    done = shell("measure", "half.cir", "mean(v(nowhere))")
+    assert done.code == 2 and done.err.splitlines()[-2].startswith("HB-F134 at mean(v(nowhere))")
+
+
+@pytest.mark.parametrize("given", ["auto", "D1=300 mA"])
+def test_the_current_of_each_diode_is_found_or_said(shell: Any, given: str) -> None:
+    shell.file("rectifier.cir", NETLIST)
+    noted = shell("run", "rectifier.cir")
+    assert "note: D1 carries" in noted.out
+    fits = shell("run", "rectifier.cir", "--diode-current", given)
+    assert fits.code == 0 and "note: D1 carries" not in fits.out
+    assert shell("run", "rectifier.cir", "--diode-current", "D7=1 A").code == 1
 
 
 def test_what_is_there_is_not_replaced(shell: Any) -> None:

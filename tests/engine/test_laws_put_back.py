@@ -51,3 +51,20 @@ def test_what_holds_is_sound(law: dict[str, str], engine: str | None) -> None:
     run = hb.simulate(circuit(law), "1 ms", engine=engine)
     assert run.status == "ok" and run.audit().laws == ()
     assert math.isfinite(run["c.e"].at(1e-3))
+
+
+@pytest.mark.parametrize("engine", ["python", None])
+@pytest.mark.parametrize("power", [2, 3, 5, 7])
+@pytest.mark.parametrize("until", [0.02, 0.03, 0.06])
+def test_what_ends_at_zero_but_for_rounding_is_sound(
+    power: int, until: float, engine: str | None
+) -> None:
+    """A varistor at a source that is zero at the end: its current there is some 1e-90 A."""
+    m = hb.Model("mov", domain="electrical")
+    m.add(V=hb.Se("100 V*sin(2*pi*50 Hz*time)"), r=hb.R("10 ohm"), i=hb.One())
+    m.add(mov=hb.Sf(f"1 mA*(V.e - r.e)/(1 [V])*abs((V.e - r.e)/(40 [V]))^{power}"))
+    m.bond("V -> i -> r", "mov -> i")
+    run = hb.simulate(m, until, engine=engine)
+    assert run.status == "ok"
+    v = 100.0 - run["r.e"].at(5e-3)
+    assert run["r.f"].at(5e-3) == pytest.approx(1e-3 * v * abs(v / 40.0) ** power, rel=1e-6)

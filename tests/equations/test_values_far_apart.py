@@ -41,3 +41,26 @@ def test_a_leak_that_is_lost_is_no_silent_one(leakage):
     with pytest.raises(hb.NumericsError) as caught:
         leak(1e-3, leakage)
     assert (caught.value.code, caught.value.where) == ("HB-N411", "n1")
+
+
+@pytest.mark.parametrize("r", [1.5173e-3, 0.7e-3, 3.3e-3])
+def test_no_word_where_halves_are_equal_and_differences_are_zero(r):
+    """A bridge behind a coil, all four diodes in turn; 2 U/pi less the commutation, 2 w L I/pi.
+
+    Source: Mohan, Undeland, Robbins, Power Electronics, chapter on line-frequency rectifiers.
+    """
+    m = hb.Model("bridge", domain="electrical")
+    m.add(V=hb.Se("170 V*sin(2*pi*60 Hz*time)"), Ls=hb.I("1 mH"), Ld=hb.I("1 H", f="10 A"))
+    m.add(Rd=hb.R("10 ohm"), s=hb.One(), d=hb.One(), a=hb.Zero(), p=hb.Zero(), n=hb.Zero())
+    for k, ends in enumerate(("a -> D0 -> p", "D1 -> p", "n -> D2 -> a", "n -> D3")):
+        m.add(**{f"D{k}": hb.One(law="diode"), f"r{k}": hb.R(r), f"u{k}": hb.Se("13.776 mV")})
+        m.bond(ends, f"D{k} -> r{k}", f"D{k} -> u{k}")
+    m.bond("V -> s -> a", "s -> Ls", "p -> d -> n", "d -> Ld", "d -> Rd")
+    run = hb.simulate(m, "1 s")
+    assert far_apart(run) == []
+    current = run["Ld.f"].mean(period="60 Hz", periods=6)
+    drops = 2 * (0.013776 + r * current)
+    wanted = 2 * 170 / math.pi - 2 * 2 * math.pi * 60 * 1e-3 * current / math.pi - drops
+    assert 10 * current + run["Ld.e"].mean(period="60 Hz", periods=6) == pytest.approx(
+        wanted, rel=1e-4
+    )

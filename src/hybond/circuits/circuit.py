@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from hybond.calls import called, named_file
 from hybond.circuits.coils import couple
 from hybond.circuits.deck import Deck, read_deck
-from hybond.circuits.fitting import Tangent
+from hybond.circuits.fitting import Tangent, fits
 from hybond.circuits.formulas import written
 from hybond.circuits.graph_names import GraphNames
+from hybond.circuits.ideal_transformers import ideal_transformers
 from hybond.circuits.leaves import Leaf, leaves_of
 from hybond.circuits.measured import Wanted
 from hybond.circuits.notices import Line, Notice, Notices
@@ -28,9 +29,13 @@ from hybond.circuits.wiring import Assembly
 from hybond.errors import FileError, UsageError
 from hybond.model.builder import Model
 from hybond.model.expressions import Number
+from hybond.names import did_you_mean
+from hybond.simulation import simulate
 from hybond.uncollected import uncollected
 from hybond.units import try_quantity
 
+ROUNDS = 4
+"""Runs in which the currents of diodes are looked for, at the most."""
 POINTS = 2001
 """Output points at the most, whatever the step of ``.tran``."""
 
@@ -57,11 +62,49 @@ class Conversion:
     """Of ``.step``: parameters of the model and their values; all combinations are meant."""
     diodes: tuple[Tangent, ...] = ()
     """Diodes that were taken as tangents: `fits(run, conversion.diodes)` says which do not fit."""
+    reader: Callable[[str], str] | None = field(default=None, repr=False, compare=False)
+    """What `signal` asks; None of a file that is no netlist."""
+
+    def signal(self, text: str) -> str:
+        r"""Return what a netlist calls ``v(a)``, ``v(a,b)`` or ``i(L1)`` in words of the model.
+
+        Parameters
+        ----------
+        text : str
+            An expression with any of them.
+
+        Raises
+        ------
+        FileError
+            HB-F134 (no such node or element), HB-F144 (nothing tells it).
+
+        Examples
+        --------
+        >>> import pathlib, tempfile
+        >>> import hybond as hb
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     path = pathlib.Path(folder, "rl.cir")
+        ...     _ = path.write_text("RL\nV1 in 0 10\nR1 in a 1\nL1 a 0 1m\n.tran 1u 1m uic\n")
+        ...     rl = hb.read_circuit(path)
+        >>> rl.signal("i(L1)"), rl.signal("v(in,a)*i(R1)"), rl.signal("v(a)")
+        ('L1.f', '(V1.e - L1.e)*R1.f', 'L1.e')
+        >>> round(hb.simulate(rl.model)[rl.signal("i(V1)")].at(1e-3), 4)
+        -6.3212
+        """
+        if self.reader is None:
+            return text
+        try:
+            return self.reader(text)
+        except FileError as error:
+            raise FileError(error.why, code=error.code, where=text, hint=error.hint) from None
 
 
 @called('hb.read_circuit("buck.cir")')
 def read_circuit(
-    path: str | os.PathLike[str], *, diode_current: float | str = 1.0, strict: bool = False
+    path: str | os.PathLike[str],
+    *,
+    diode_current: float | str | Mapping[str, float | str] = 1.0,
+    strict: bool = False,
 ) -> Conversion:
     r"""Read a SPICE netlist as a hybrid bond graph.
 
@@ -69,9 +112,12 @@ def read_circuit(
     ----------
     path : str or path
         A netlist; files that it includes are in its folder.
-    diode_current : float or str
+    diode_current : float, str or mapping
         The current, A, at which the exponential characteristic of a diode is replaced by its
-        tangent: ideal diode, drop and resistance.
+        tangent: ideal diode, drop and resistance. A mapping has one for each diode by its name in
+        the netlist (`"D1"`, `"X1.D1"`, `"D1_back"` for its breakdown), 1 A for the others. With
+        ``"auto"`` the circuit is run, up to four times, and each diode gets the current that it
+        carries.
     strict : bool
         Refuse what would be a warning.
 
@@ -84,6 +130,10 @@ def read_circuit(
     ------
     FileError
         HB-F130 to HB-F146, with the line.
+    UsageError
+        HB-F140 for a current that is not positive, or of a diode that is not there.
+    HybondError
+        As `simulate`, with ``"auto"``.
 
     Examples
     --------
@@ -100,10 +150,13 @@ def read_circuit(
     >>> rlc.origins["R1"]
     'line 3: R1 in a 1'
     """
-    current = _current(diode_current)
     path = named_file(path, 'hb.read_circuit("buck.cir")')
+    if diode_current == "auto":
+        diode_current = _carried(path)
+    currents = _currents(diode_current)
     notices = Notices()
-    made, model, lines = _made(path, notices, current)
+    made, model, lines = _made(path, notices, currents)
+    _check_names(currents, made)
     if strict and notices.found:
         first = next(iter(notices.found))
         raise FileError(
@@ -114,23 +167,62 @@ def read_circuit(
         )
     origins = {name: _origin(line, str(path)) for name, line in lines.items()}
     return Conversion(
-        model, tuple(notices.found), origins, made.measures(), made.steps(), made.diodes()
+        model,
+        tuple(notices.found),
+        origins,
+        made.measures(),
+        made.steps(),
+        made.diodes(),
+        made.assembly.read,
     )
+
+
+def _carried(path: str | os.PathLike[str]) -> dict[str, float]:
+    """Return the current that each diode carries, of those for which 1 A does not fit."""
+    found: dict[str, float] = {}
+    for _ in range(ROUNDS):
+        read = read_circuit(path, diode_current=found)
+        if not read.diodes:
+            break
+        wrong = fits(simulate(read.model), read.diodes)
+        if not wrong:
+            break
+        found |= {fit.tangent.key: float(f"{fit.carried:.3g}") for fit in wrong}
+    return found
 
 
 @uncollected
 def _made(
-    path: str | os.PathLike[str], notices: Notices, current: float
+    path: str | os.PathLike[str], notices: Notices, current: Mapping[str, float]
 ) -> tuple[_Making, Model, dict[str, Line]]:
     deck = read_deck(path, notices)
     made = _Making(Path(path), deck, open_deck(deck, notices), notices, current)
     return made, *made.run()
 
 
+def _currents(given: float | str | Mapping[str, float | str]) -> dict[str, float]:
+    """Return the current of each diode by its key, that of all others by an empty one."""
+    if isinstance(given, Mapping):
+        return {"": 1.0, **{str(key).lower(): _current(value) for key, value in given.items()}}
+    return {"": _current(given)}
+
+
+def _check_names(currents: Mapping[str, float], made: _Making) -> None:
+    known = {leaf.branch.key: leaf.branch.name for leaf in made.leaves if leaf.emission}
+    for key in currents:
+        if key and key not in known:
+            raise UsageError(
+                f"there is no diode {key!r} that is taken as a tangent",
+                code="HB-F140",
+                where="diode_current",
+                hint=did_you_mean(key, list(known.values())) or "use its name in the netlist",
+            )
+
+
 def _current(given: float | str) -> float:
     read = try_quantity(given) if isinstance(given, str) else None
     value = read.value if read is not None else given
-    if isinstance(value, str) or not 0.0 < value < 1e9:
+    if isinstance(value, str | bool) or not isinstance(value, int | float) or not 0.0 < value < 1e9:
         raise UsageError(
             f"diode_current = {given!r}",
             code="HB-F140",
@@ -149,7 +241,12 @@ class _Making:
     """One conversion: what its steps share."""
 
     def __init__(
-        self, path: Path, deck: Deck, opened: Opened, notices: Notices, current: float
+        self,
+        path: Path,
+        deck: Deck,
+        opened: Opened,
+        notices: Notices,
+        current: Mapping[str, float],
     ) -> None:
         self.path, self.deck, self.opened, self.notices = path, deck, opened, notices
         self.current = current
@@ -171,7 +268,7 @@ class _Making:
                 raise transient.line.refuse(
                     "a time that is not positive", code="HB-F140", hint=".tran step stop"
                 )
-        windings = couple(opened, self.texts)
+        windings = couple(opened, self.texts) | ideal_transformers(opened, self.texts)
         startup = transient is not None and transient.startup
         clock = Clock(edge, self.stop, startup)
         found = leaves_of(opened, windings, self.texts, clock, notices, current=current)
@@ -210,9 +307,10 @@ class _Making:
                 where=str(self.path),
                 hint="look at the names of its nodes: only a loop of elements carries a current",
             )
-        Assembly(
+        self.assembly = Assembly(
             model, woven, self.leaves, ends, self.numbers, self.texts, self.deck, self.notices
-        ).run()
+        )
+        self.assembly.run()
         if self.deck.transient is not None:
             model.experiment["until"] = _plain(self.stop)
             model.experiment["points"] = max(2, min(POINTS, self._steps()))
@@ -232,7 +330,12 @@ class _Making:
     def diodes(self) -> tuple[Tangent, ...]:
         """Return the diodes that were taken as tangents."""
         return tuple(
-            Tangent(name, self.current, self.leaves[k].emission)
+            Tangent(
+                name,
+                self.current.get(self.leaves[k].branch.key, self.current[""]),
+                self.leaves[k].emission,
+                self.leaves[k].branch.key,
+            )
             for k, name in self.woven.junctions.items()
             if self.leaves[k].emission
         )
@@ -283,7 +386,7 @@ class _Making:
             forced.append((key, global_value(formula, self.opened, line), line))
         flowing = {}
         for key, formula, line in self.deck.currents:
-            if not any(x.branch.key == key and x.role in ("I", "winding") for x in self.leaves):
+            if not any(x.branch.key == key and x.branch.kind == "l" for x in self.leaves):
                 raise line.refuse(
                     f"there is no coil {key!r}", code="HB-F134", hint="i(L1)=... of an element L"
                 )
@@ -311,7 +414,7 @@ class _Making:
 def _flowing(leaf: Leaf, flowing: Mapping[str, Value]) -> Leaf:
     """Return a coil that starts from the current of ``.ic``, if it has no start itself."""
     start = flowing.get(leaf.branch.key)
-    if start is None or leaf.start is not None or leaf.role not in ("I", "winding"):
+    if start is None or leaf.start is not None or leaf.branch.kind != "l":
         return leaf
     return replace(leaf, start=start)
 

@@ -29,7 +29,8 @@ class Magnetics:
     matrix: tuple[tuple[str | float, ...], ...] | None
     """Inductances as the model says them; None if all couplings are 1: then the core has the
     inductance of the first coil, and the others are transformers on it."""
-    inductance: str | float
+    inductance: str | float | None
+    """None of an ideal transformer, which stores nothing."""
     ratios: tuple[tuple[str | float, str | float], ...]
     """Of each coil, the turns ratio to the first one and its inverse."""
     turns: tuple[float, ...]

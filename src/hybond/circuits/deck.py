@@ -27,7 +27,7 @@ _LEFT_OUT = {
     "option": "options of another simulator are left out",
     "opt": "options of another simulator are left out",
     "temp": "the temperature is left out: parts are ideal at every temperature",
-    "four": "the Fourier analysis is left out",
+    "four": "the Fourier analysis is left out: hybond measure FILE 'thd(v(a), 1 kHz)' has it",
     "width": "it is left out",
     "backanno": "it is left out",
     "op": "the operating point is left out",

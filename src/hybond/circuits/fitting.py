@@ -28,11 +28,14 @@ class Tangent:
         Where the tangent touches, A.
     emission : float
         N Vt, V.
+    key : str
+        Its name in the netlist, in lower case.
     """
 
     name: str
     current: float
     emission: float
+    key: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +59,7 @@ class Fit:
         return (
             f"{self.tangent.name} carries {self.carried:.2g} A while it conducts; its drop was "
             f"taken at {self.tangent.current:g} A, which is {self.apart * 1e3:.2g} mV too much "
-            f"there: --diode-current '{self.carried:.2g} A' fits it"
+            f"there: --diode-current '{self.carried:.2g} A' fits it, or auto all of them"
         )
 
 

@@ -14,6 +14,9 @@ THERMAL_VOLTAGE = 1.380649e-23 * 300.15 / 1.602176634e-19
 OPEN = 1e6
 """Ohm: from here on the resistance of an open switch is that of none; a smaller one is kept."""
 _DIODE = {"is": 1e-14, "n": 1.0, "rs": 0.0}
+_BREAKDOWN = ("bv", "ibv", "nbv")
+_IBV = 1e-3
+"""Current at BV where a card says none, A: that of SPICE."""
 _SWITCHES = {
     "sw": ("s", "vt", "vh"),
     "vswitch": ("s", "von", "voff"),
@@ -32,13 +35,16 @@ class IdealDiode:
     beside: float = math.inf
     emission: float = 0.0
     """N Vt, V, if the line is a tangent; else zero."""
+    breakdown: IdealDiode | None = None
+    """What conducts backward, beside it."""
 
 
-def ideal_diode(branch: Branch, current: float, notices: Notices) -> IdealDiode:
+def ideal_diode(branch: Branch, current: float, back: float, notices: Notices) -> IdealDiode:
     """Return the straight line that stands for the characteristic of a diode.
 
-    It is the tangent at `current`, of ``v = N Vt ln(1 + i/IS) + RS i``; a card with ``Ron`` or
-    ``Vfwd`` is a straight line already.
+    It is the tangent at `current`, of ``v = N Vt ln(1 + i/IS) + RS i``, and backward, at `back`,
+    of ``v = BV + NBV Vt ln(i/IBV) + RS i``; a card with ``Ron`` or ``Vfwd`` is a straight line
+    already.
 
     Raises
     ------
@@ -65,12 +71,12 @@ def ideal_diode(branch: Branch, current: float, notices: Notices) -> IdealDiode:
             code="HB-F140",
             hint=f"see the model in line {model.line.number}",
         )
-    left = sorted(set(given) - set(_DIODE) - {"level"})
+    left = sorted(set(given) - set(_DIODE) - set(_BREAKDOWN) - {"level"})
     if left:
         notices.add(
             model.line,
             f"{model.name}: {', '.join(k.upper() for k in left)} left out: an ideal diode has no "
-            "capacitance, no breakdown and no temperature",
+            "capacitance and no temperature",
         )
     saturation, resistance = values["is"] * area, values["rs"] / area
     slope = values["n"] * THERMAL_VOLTAGE / (current + saturation)
@@ -79,13 +85,38 @@ def ideal_diode(branch: Branch, current: float, notices: Notices) -> IdealDiode:
         _rounded(forward - slope * current),
         _rounded(slope + resistance),
         emission=values["n"] * THERMAL_VOLTAGE,
+        breakdown=_breakdown(branch, given, area, back),
     )
-    notices.add(
-        model.line,
+    said = (
         f"{model.name}: ideal diode with a drop of {found.drop:g} V and {found.resistance:g} "
-        f"ohm, the tangent at {current:g} A",
+        f"ohm, the tangent at {current:g} A"
     )
+    if found.breakdown is not None:
+        line = found.breakdown
+        said += f"; backward {line.drop:g} V and {line.resistance:g} ohm, that at {back:g} A"
+    notices.add(model.line, said)
     return found
+
+
+def _breakdown(
+    branch: Branch, given: dict[str, float], area: float, current: float
+) -> IdealDiode | None:
+    """Return what conducts backward above BV, None of a card without."""
+    bv = given.get("bv", math.inf)
+    if math.isinf(bv):
+        return None
+    emission = given.get("nbv", given.get("n", 1.0)) * THERMAL_VOLTAGE
+    knee = given.get("ibv", _IBV) * area
+    if min(bv, emission, knee) <= 0.0:
+        raise branch.line.refuse(
+            f"BV, IBV and NBV are positive; here BV={bv:g}, IBV={knee / area:g}, "
+            f"NBV={emission / THERMAL_VOLTAGE:g}",
+            code="HB-F140",
+            hint="BV is written without a sign; take it out of a diode that has no breakdown",
+        )
+    drop = bv + emission * (math.log(current / knee) - 1.0)
+    resistance = emission / current + given.get("rs", 0.0) / area
+    return IdealDiode(_rounded(max(drop, 0.0)), _rounded(resistance), emission=emission)
 
 
 def _straight(branch: Branch, given: dict[str, float], notices: Notices) -> IdealDiode:
@@ -99,7 +130,7 @@ def _straight(branch: Branch, given: dict[str, float], notices: Notices) -> Idea
             code="HB-F140",
             hint="Ron is not negative, Roff is larger",
         )
-    left = sorted(k for k in given if k not in ("ron", "roff", "vfwd"))
+    left = sorted(k for k in given if k not in ("ron", "roff", "vfwd", "vrev", "rrev"))
     if left:
         notices.add(
             model.line, f"{model.name}: {', '.join(k.upper() for k in left)} left out of the diode"
@@ -107,7 +138,16 @@ def _straight(branch: Branch, given: dict[str, float], notices: Notices) -> Idea
     if OPEN <= beside < math.inf:
         notices.add(model.line, f"{model.name}: Roff = {beside:g} ohm is taken as none")
         beside = math.inf
-    return IdealDiode(drop, resistance, beside)
+    line = None
+    if "vrev" in given:
+        line = IdealDiode(given["vrev"], given.get("rrev", resistance))
+        if line.drop < 0.0 or line.resistance < 0.0:
+            raise branch.line.refuse(
+                f"Vrev = {line.drop:g} V, Rrev = {line.resistance:g} ohm",
+                code="HB-F140",
+                hint="neither is negative",
+            )
+    return IdealDiode(drop, resistance, beside, breakdown=line)
 
 
 @dataclass(frozen=True, slots=True)

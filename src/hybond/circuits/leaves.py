@@ -51,6 +51,10 @@ class Leaf:
     """In series with a diode, V."""
     switch: IdealSwitch | None = None
     winding: Winding | None = None
+    beside: str = ""
+    """Of a part of another branch, between the same nodes: its key."""
+    backward: bool = False
+    """Whether its nodes are those of that branch the other way round."""
 
 
 def leaves_of(
@@ -60,9 +64,14 @@ def leaves_of(
     clock: Clock,
     notices: Notices,
     *,
-    current: float,
+    current: Mapping[str, float],
 ) -> list[Leaf]:
     """Return the branches with their meaning.
+
+    Parameters
+    ----------
+    current : mapping
+        Where a diode is taken as a tangent, A, by its key; an empty one is that of all others.
 
     Raises
     ------
@@ -72,8 +81,9 @@ def leaves_of(
     found: list[Leaf] = []
     for branch in opened.branches:
         kind = branch.kind
-        if kind == "l" and branch.key in windings:
-            _positive(branch)
+        if branch.key in windings:
+            if kind == "l":
+                _positive(branch)
             found.append(Leaf(branch, "winding", start=branch.start, winding=windings[branch.key]))
         elif branch.law is not None:
             found.append(Leaf(branch, "Se" if branch.law.imposes == "v" else "Sf"))
@@ -122,11 +132,28 @@ def _plain(branch: Branch, texts: Texts, notices: Notices) -> list[Leaf]:
     return [Leaf(branch, role, texts.value(branch.value, unit), start=branch.start)]
 
 
-def _diode(branch: Branch, notices: Notices, current: float) -> list[Leaf]:
-    ideal = ideal_diode(branch, current, notices)
+def _diode(branch: Branch, notices: Notices, current: Mapping[str, float]) -> list[Leaf]:
+    back_name = f"{branch.name}_back"
+    ahead = current.get(branch.key, current[""])
+    ideal = ideal_diode(branch, ahead, current.get(back_name.lower(), current[""]), notices)
     resistance = _without(ideal.resistance, ideal.beside)
     text = quantity(resistance, "ohm") if resistance else None
     found = [Leaf(branch, "diode", resistance=text, drop=ideal.drop, emission=ideal.emission)]
+    back = ideal.breakdown
+    if back is not None:
+        other = replace(branch, name=back_name, a=branch.b, b=branch.a)
+        text = quantity(back.resistance, "ohm") if back.resistance else None
+        found.append(
+            Leaf(
+                other,
+                "diode",
+                resistance=text,
+                drop=back.drop,
+                emission=back.emission,
+                beside=branch.key,
+                backward=True,
+            )
+        )
     return found + _beside(branch, ideal.beside)
 
 
@@ -151,9 +178,8 @@ def _beside(branch: Branch, resistance: float) -> list[Leaf]:
         return []
     value = Value(Number(resistance), resistance)
     name = f"{branch.name}_off"
-    return [
-        Leaf(replace(branch, name=name, kind="r", value=value), "R", quantity(resistance, "ohm"))
-    ]
+    part = replace(branch, name=name, kind="r", value=value)
+    return [Leaf(part, "R", quantity(resistance, "ohm"), beside=branch.key)]
 
 
 def negated(value: Value) -> Value:

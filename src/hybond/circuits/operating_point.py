@@ -55,7 +55,7 @@ def operating_point(
         HB-F143 if the circuit has no rest, or not one alone.
     """
     cleared = [replace(leaf, start=None) for leaf in leaves]
-    stores = [k for k, leaf in enumerate(leaves) if leaf.role in ("C", "I", "winding")]
+    stores = [k for k, leaf in enumerate(leaves) if leaf.role == "C" or _is_coil(leaf)]
     driven = any(leaf.drive is not None and leaf.drive.initial for leaf in leaves)
     if not stores or (not driven and not forced):
         return cleared  # nothing drives it: it is at rest with nothing stored
@@ -85,11 +85,17 @@ def _none(place: str, why: str) -> FileError:
     )
 
 
+def _is_coil(leaf: Leaf) -> bool:
+    """Whether a branch stores flux; an ideal transformer stores nothing."""
+    winding = leaf.winding
+    return leaf.role == "I" or (winding is not None and winding.core.inductance is not None)
+
+
 def _at_rest(leaf: Leaf) -> Leaf:
     """Return what stands for a branch at rest at t = 0."""
     if leaf.role == "C":
         return replace(leaf, role="Sf", text="0 A", drive=Drive("0 A", None, 0.0, True))
-    if leaf.role in ("I", "winding"):
+    if _is_coil(leaf):
         return replace(
             leaf, role="Se", text="0 V", drive=Drive("0 V", None, 0.0, True), winding=None
         )

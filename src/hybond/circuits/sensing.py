@@ -34,7 +34,11 @@ class Sensing:
     ) -> None:
         self.woven, self.leaves, self.ends, self.numbers = woven, leaves, ends, numbers
         self.idle_voltage = idle_voltage
-        self.by_key = {leaf.branch.key: k for k, leaf in enumerate(leaves)}
+        self.by_key = {leaf.branch.key: k for k, leaf in enumerate(leaves) if not leaf.beside}
+        self.beside: dict[str, list[int]] = {}
+        for k, leaf in enumerate(leaves):
+            if leaf.beside:
+                self.beside.setdefault(leaf.beside, []).append(k)
         self._way: dict[int, tuple[int, Callable[[], Terms | None], int]] | None = None
 
     def voltage(self, plus: str, minus: str, line: Line) -> Terms:
@@ -63,6 +67,11 @@ class Sensing:
         if k is None:
             raise line.refuse(f"there is no element {key!r}", code="HB-F134", hint="check the name")
         found = self.woven.currents.get(k)
+        for part in self.beside.get(key, ()):
+            more = self.woven.currents.get(part)
+            if found is not None and more is not None:
+                way = -1 if self.leaves[part].backward else 1
+                found = (*found, *((way * sign, name) for sign, name in more))
         if found is None:
             raise line.refuse(
                 f"no bond has the current of {key!r} alone",

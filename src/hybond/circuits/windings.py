@@ -88,6 +88,8 @@ class Windings:
         else:
             if not host:
                 self.out.junction("0", name)
+            if core.inductance is None:
+                return name
             index = next(k for k, x in enumerate(self.leaves) if x.branch.key == core.coils[0])
             inductance = self.out.own[index]
             total = sum(

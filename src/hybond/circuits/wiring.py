@@ -19,6 +19,7 @@ from hybond.model.builder import Model
 from hybond.model.parts import MachinePart, Part
 
 _OUTPUT = re.compile(r"([vi])\(([^(),]+)(?:,([^(),]+))?\)\Z", re.IGNORECASE)
+_READ = re.compile(r"(?<![\w.])([vi])\(\s*([^\s(),]+)\s*(?:,\s*([^\s(),]+)\s*)?\)", re.IGNORECASE)
 _GAINS = {"e": "", "g": "A/V", "f": "", "h": "V/A"}
 
 
@@ -170,6 +171,28 @@ class Assembly:
                 plot.append(name)
         if plot:
             self.model.experiment["plot"] = plot
+
+    def read(self, text: str) -> str:
+        """Return a text with what it says in words of SPICE, ``v(a)``, in those of the model.
+
+        Raises
+        ------
+        FileError
+            HB-F134 (no such node or element), HB-F144 (nothing tells it).
+        """
+        whole = _READ.fullmatch(text.strip())
+
+        def one(match: re.Match[str]) -> str:
+            line = Line("", 0, match[0])
+            if match[1].lower() == "v":
+                terms = self.sensing.voltage(_node(match[2]), _node(match[3] or GROUND), line)
+            else:
+                terms = self.sensing.current(match[2].lower(), line)
+            found = written(terms)
+            plain = whole is not None or re.fullmatch(r"[A-Za-z_][\w.]*", found)
+            return found if plain else f"({found})"
+
+        return _READ.sub(one, text)
 
     def measures(self) -> None:
         """Make signals of what is measured."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from argparse import Namespace
 from pathlib import Path
 
+from hybond.cli.netlists import currents_of
 from hybond.cli.streams import complain, say
 from hybond.cli.targets import check_new, check_target
 from hybond.errors import UsageError
@@ -37,7 +38,7 @@ def convert(given: Namespace) -> int:
     if suffix in CIRCUITS:
         from hybond.circuits.circuit import read_circuit
 
-        current = given.diode_current or 1.0
+        current = currents_of(given.diode_current)
         conversion = read_circuit(source, diode_current=current, strict=given.strict)
     else:
         from hybond.circuits.bond_graph_tools import read_bond_graph

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from hybond.cli.lists import check_experiment, run_until
-from hybond.cli.netlists import read_model
+from hybond.cli.netlists import in_words_of, read_model
 from hybond.cli.outputs import PICTURES
 from hybond.cli.record import VERSION, to_json
 from hybond.cli.running import exit_code, simulate_with
@@ -34,9 +34,10 @@ def measure(given: Namespace) -> int:
     _check(given)
     plot = check_target(given.plot, PICTURES, "--plot")
     sankey = check_target(given.sankey, PICTURES, "--sankey")
-    graph = flatten_with(read_model(given.file)[0], given.settings)
+    model, conversion = read_model(given.file)
+    graph = flatten_with(model, given.settings)
     check_experiment(graph)
-    asked = wanted(graph, given.measures)
+    asked = wanted(graph, in_words_of(conversion, given.measures))
     if not asked and not given.losses:
         raise UsageError(
             "nothing is to be measured",

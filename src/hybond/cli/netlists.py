@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -37,10 +37,27 @@ def read_model(file: str, current: str | None = None) -> tuple[Model, Conversion
         return load(file), None
     from hybond.circuits.circuit import read_circuit
 
-    conversion = read_circuit(file, diode_current=current or 1.0)
+    conversion = read_circuit(file, diode_current=currents_of(current))
     for warning in conversion.warnings:
         complain(f"warning: {warning}")
     return conversion.model, conversion
+
+
+def currents_of(text: str | None) -> str | float | dict[str, float | str]:
+    """Return what ``--diode-current`` says: one for all diodes, or ``D1=10 A,D2=50 mA``."""
+    if not text:
+        return 1.0
+    if "=" not in text:
+        return text
+    pairs = (part.partition("=") for part in text.split(","))
+    return {name.strip(): value.strip() for name, _, value in pairs}
+
+
+def in_words_of(conversion: Conversion | None, texts: Sequence[str] | None) -> list[str]:
+    """Return texts with ``v(a)`` and ``i(L1)`` of a netlist in words of its model."""
+    if conversion is None or not texts:
+        return list(texts or ())
+    return [conversion.signal(text) for text in texts]
 
 
 def measurements(run: Result, conversion: Conversion | None) -> dict[str, float | None]:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from hybond.cli.lists import check_experiment, run_until
-from hybond.cli.netlists import read_model
+from hybond.cli.netlists import in_words_of, read_model
 from hybond.cli.outputs import TABLES
 from hybond.cli.record import VERSION, to_json
 from hybond.cli.run_words import options_given
@@ -42,7 +42,8 @@ def plan_sweep(given: Namespace) -> int:
     )
     until = run_until(graph, given.until)[0]
     asked: dict[str, Any] = {
-        **{"collect": given.collect, "until": until, "parameters": fixed, "out": given.out},
+        "collect": in_words_of(conversion, given.collect) or None,
+        **{"until": until, "parameters": fixed, "out": given.out},
         **{"runs": given.runs or "", "workers": given.workers, **options_given(given, "fmus")},
     }
     if given.estimate:

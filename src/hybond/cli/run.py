@@ -9,7 +9,13 @@ from collections.abc import Sequence
 
 from hybond.cli.lists import check_experiment, check_signals, run_until, sample_times, split
 from hybond.cli.measure import measures_record, print_measures
-from hybond.cli.netlists import measurements, notes, print_measurements, read_model
+from hybond.cli.netlists import (
+    in_words_of,
+    measurements,
+    notes,
+    print_measurements,
+    read_model,
+)
 from hybond.cli.outputs import PICTURES, TABLES, write_all
 from hybond.cli.record import run_record, sampled, to_json, units_of
 from hybond.cli.running import exit_code, script_with, simulate_with
@@ -40,7 +46,8 @@ def run(given: Namespace) -> int:
     scripted = bool(graph.experiment.get("script")) and not given.no_script
     until, end = (None, math.inf) if scripted else run_until(graph, given.until)
     times = sample_times(given.at or [], end)
-    signals = check_signals(graph, split(given.signals or []), "--signals")
+    named = in_words_of(conversion, split(given.signals or []))
+    signals = check_signals(graph, named, "--signals")
 
     if scripted:
         result: Result = script_with(model, given)

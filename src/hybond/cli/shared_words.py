@@ -44,5 +44,6 @@ def diode_word(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--diode-current",
         metavar="I",
-        help="of netlists: where diodes become straight lines (default: 1 A)",
+        help="of netlists: where diodes become straight lines: 1 A unless given, auto, or "
+        "'D1=10 A,D2=50 mA'",
     )

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from hybond.cli.lists import check_experiment, check_signals, run_until, split
-from hybond.cli.netlists import read_model
+from hybond.cli.netlists import in_words_of, read_model
 from hybond.cli.record import VERSION, to_json
 from hybond.cli.refusal import refusal_of
 from hybond.cli.run_words import options_given
@@ -42,7 +42,8 @@ def sweep(given: Namespace) -> int:
     graph = model.flatten(parameters=fixed)
     check_experiment(graph)
     until = run_until(graph, given.until)[0]
-    signals = check_signals(graph, split(given.signals or []), "--signals")
+    named = in_words_of(conversion, split(given.signals or []))
+    signals = check_signals(graph, named, "--signals")
     count = len(next(iter(varied.values())))
     same: dict[str, list[Any]] = {k: [v] * count for k, v in fixed.items() if k not in varied}
     with MembersDone(count) as bar:

@@ -381,9 +381,10 @@ class Newton:
     def _none(self, why: str, shot: Shot | None, hint: str = "") -> NoReturn:
         best = min(self.history, default=np.inf)
         history = ", ".join(f"{v:.3g}" for v in self.history[-8:])
+        notes = "".join(f"; {note}" for note in self.notes)
         error = NumericsError(
             f"no periodic orbit was found: {why}. The nearest was off by {best:.3g} of a state; "
-            f"the last ones by {history}",
+            f"the last ones by {history}{notes}",
             code="HB-A540",
             where=f"after {self.shots.done} runs",
             hint=hint or "let it settle longer (settle=...), start nearer, or ask for multiple=2",

@@ -3,7 +3,9 @@
     h(x, t, p) = 0 with h' = h_x f + h_t not zero:    d tau = -(h_x d + h_p dp) / h'
 
 h is the comparison of a guard that becomes true, a branch of a junction's law that ends, the edge
-of an input, a comparison of time, or a weight of sliding that reaches its end. Where h' is zero the
+of an input, a comparison of time, or a weight of sliding that reaches its end. A comparison may
+become true without passing zero, because what it reads jumps: the sawtooth of a pulse width
+modulation, a condition. Then h is what makes that jump. Where h' is zero the
 guard is only touched (grazing) and the instant has no derivative; where two of them are zero at
 once, their order would change, and it has none either unless both say the same.
 """
@@ -20,6 +22,7 @@ from hybond.analysis.sensitivity.gradients import Compiled
 from hybond.analysis.sensitivity.sampling import due
 from hybond.analysis.sensitivity.tangent import Read, Undetermined
 from hybond.model.expressions import Binary, Expr, comparisons, names, to_text
+from hybond.model.expressions.kinks import leaping
 from hybond.runs.trace import Event, Segment
 
 Vector = NDArray[np.float64]
@@ -97,18 +100,24 @@ def crossing(fields: Fields, segment: Segment, end: Field, event: Event | None) 
 
 
 def _by_guards(fields: Fields, segment: Segment, end: Field, event: Event) -> list[Crossing]:
-    """Return the comparisons of guards that fired first and that became zero."""
-    for loose in (False, True):
-        found, grazed = _guards_that_cross(fields, segment, end, event, loose)
-        if found:
-            return found
-        if grazed:
-            raise Undetermined(f"{grazed[0]} is only touched (grazing)")
+    """Return the comparisons of guards that fired first and that became zero.
+
+    Where none is zero, what jumps in them is looked at: that is zero where it jumps.
+    """
+    touched: list[str] = []
+    for jumps in (False, True):
+        for loose in (False, True):
+            found, grazed = _guards_that_cross(fields, segment, end, event, loose, jumps)
+            if found:
+                return found
+            touched += grazed
+    if touched:
+        raise Undetermined(f"{touched[0]} is only touched (grazing)")
     return []
 
 
 def _guards_that_cross(
-    fields: Fields, segment: Segment, end: Field, event: Event, loose: bool
+    fields: Fields, segment: Segment, end: Field, event: Event, loose: bool, jumps: bool
 ) -> tuple[list[Crossing], list[str]]:
     """Return what crosses, and the texts of what only touches."""
     graph = fields.graph
@@ -125,13 +134,12 @@ def _guards_that_cross(
         for rule in own or rules:
             for compare in comparisons(rule.guard):
                 h = Binary("-", compare.left, compare.right)
-                if not names(h):
-                    continue
-                made = crossed(fields, segment, end, h, rule.text, loose=loose)
-                if isinstance(made, str):
-                    grazed.append(made)
-                elif made is not None:
-                    found.append(made)
+                for g in leaping(end.tangent.rows.moving(h)) if jumps else [h] if names(h) else []:
+                    made = crossed(fields, segment, end, g, rule.text, loose=loose)
+                    if isinstance(made, str):
+                        grazed.append(made)
+                    elif made is not None:
+                        found.append(made)
     return found, grazed
 
 

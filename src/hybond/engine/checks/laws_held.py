@@ -5,7 +5,8 @@ here: each law as it was declared is given all values, and what is left is held 
 of its own terms. So a law that any of these lost on the way is found.
 
 It is looked at after each settled instant (of a mode whose laws are all linear after the first
-OFTEN, then after each SELDOM-th), and between at each SPARSE-th evaluation of the rates.
+OFTEN, then after each SELDOM-th), and between at each SPARSE-th evaluation of the rates, sooner at
+the beginning: what is rounding is known by how large variables have been.
 Motion along a surface is left out, where no law of one mode holds, and so is time-stepping, whose
 laws hold over a step.
 """
@@ -38,6 +39,8 @@ solution, however it came about. Likewise of a variable, whose digits are known 
 LOST_DIGITS: Final = 1e-13
 """Likewise, of the terms that made a variable, as where a guard is asked."""
 SPARSE: Final = 512
+SOON: Final = 8
+"""Evaluations from one look to the next at the least; then as many as there were."""
 OFTEN: Final = 16
 """Times that time begins to pass in a linear mode before it is looked at less often."""
 SELDOM: Final = 16
@@ -75,7 +78,7 @@ def look_at_laws(e: Engine) -> None:
     """Put the present values into all laws of the mode, and note those that do not hold."""
     m = e.model
     c = e.checks
-    c.due = e.evaluations + SPARSE
+    c.due = e.evaluations + min(max(e.evaluations, SOON), SPARSE)
     if e.slide.k > 0 or m.method == MOREAU:
         return
     mode = e.mode

@@ -33,6 +33,9 @@ CLEAR: Final = 1e-9
 """A sum above this part of its terms has digits enough."""
 NOISE: Final = 1e-14
 """A sum below this part of its terms may be nothing but rounding."""
+SURELY: Final = 1e-17
+"""A sum below this part of what it has lost on the way is far less than rounding makes: in circuits
+whose halves are equal, differences are zero and come out as that. It is not told."""
 SMALLEST: Final = 4
 """Entries that a row has room for at the least."""
 NOWHERE: Final = -1
@@ -263,7 +266,7 @@ def cancels(e: Elimination, total: float, size: float, lost: float) -> bool:
     zero = part <= CANCELLATION * size and part <= ROUNDED * lost
     if not zero:
         e.least = min(e.least, part / size)
-    elif part > NOISE * size:
+    elif part > NOISE * size and part > SURELY * lost:
         e.dropped = max(e.dropped, part / size)
     return zero
 

@@ -118,6 +118,8 @@ def run_to_end(e: Engine, r: Run) -> int:
         status = settle_now(e, r, cause)
         if status == OK:
             status = rest_now(e, r)
+        if status == OK and e.t >= e.until and r.late > e.t:
+            status = settle_late(e, r)
         if status == OK and stuck(e):
             status = ACCUMULATES
         r.slice = r.slice - 1 if r.slice > 0 else r.slice
@@ -149,6 +151,23 @@ def begin_now(e: Engine, r: Run) -> int:
     return rest_now(e, r) if status == OK else status
 
 
+def settle_late(e: Engine, r: Run) -> int:
+    """Settle what happens at the end of the run but for rounding of the time it is read from.
+
+    A sawtooth that begins anew there does so an ulp later; the two are one instant. The run goes
+    on from the later of them, if it does.
+    """
+    end = e.t
+    e.t = r.late
+    r.late = -math.inf
+    status = settle_now(e, r, GUARD)
+    if status == OK:
+        status = rest_now(e, r)
+    if r.instant.steps == 0:
+        e.t = end
+    return status
+
+
 def settle_now(e: Engine, r: Run, cause: int) -> int:
     """Settle the present instant, and report what changed. After Executive._settle."""
     if e.model.method == MOREAU:
@@ -156,7 +175,7 @@ def settle_now(e: Engine, r: Run, cause: int) -> int:
     i = r.instant
     if cause == GUARD and events_held(e, r):
         return switches_back(e, r)
-    begin_instant(i, e.t, cause)
+    begin_instant(i, min(e.t, e.until), cause)
     if cause != START:
         keep_left(e, r.report)
     if e.model.laws > 0:
@@ -298,6 +317,7 @@ def flow(e: Engine, r: Run) -> int:
                 return -1
             if note(e, r, e.step.t1, shown) != OK:
                 return -1
+            r.late = shown if e.t >= e.until else -math.inf
             if e.step.t1 >= end:
                 foresee(e, e.t)
                 if e.next_break <= end:

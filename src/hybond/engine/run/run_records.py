@@ -86,6 +86,8 @@ class Run:
     """How it begins: FRESH, GIVEN, CHANGED or GOES_ON."""
     remembers: bool
     """Whether it goes on with what another run has seen."""
+    late: float
+    """Up to when what is one instant with the end of the run happens, s; -inf: nothing does."""
     cut: bool
     """Whether the last step was ended by the end of the run alone: time would have gone on."""
     warm: bool
@@ -147,6 +149,7 @@ def make_run(e: Engine, report: Report) -> Run:
     r.warm_y = floats(e.states)
     r.warm_rounding = floats(e.model.storages)
     r.resumed = -math.inf
+    r.late = -math.inf
     r.slice = -1
     return r
 

@@ -1,0 +1,58 @@
+"""What a clock made of time does at the end of a run belongs to it, whatever time rounds to.
+
+``mod(1 ms, 10 us)`` is 10 us less a last place, and the sawtooth begins anew an ulp later than the
+run ends: one instant. Oracles are counts of edges and half C U^2 for each of them.
+"""
+
+import pytest
+
+import hybond as hb
+
+C, U, T = 1e-9, 100.0, 1e-5
+
+
+def leg(rules: list[str]) -> hb.Model:
+    """A capacitor that is joined to a source and to nothing in turn, with nothing between."""
+    m = hb.Model("leg", domain="electrical", parameters={"T": "10 us"})
+    m.add(V=hb.Se("100 V"), up=hb.One(), down=hb.Zero(), C=hb.C("1 nF"))
+    m.bond("V -> up -> down -> C")
+    m.machine("S", states={"low": [], "high": ["up", "down"]}, start="low", rules=rules)
+    return m
+
+
+CLOCKS = {
+    "sawtooth": ["low -> high when mod(time, T) < T/2", "high -> low when mod(time, T) > T/2"],
+    "count": [
+        "low -> high when mod(floor(2*time/T), 2) < 0.5",
+        "high -> low when mod(floor(2*time/T), 2) > 0.5",
+    ],
+    "phase": [
+        "low -> high when mod(time - 3*T, T)/T < 0.5",
+        "high -> low when mod(time - 3*T, T)/T > 0.5",
+    ],
+}
+
+
+@pytest.mark.parametrize("clock", list(CLOCKS))
+@pytest.mark.parametrize("periods", [2, 3, 7, 35, 100, 700])
+def test_the_edge_at_the_end_is_there(clock: str, periods: int) -> None:
+    run = hb.simulate(leg(CLOCKS[clock]), periods * T)
+    assert run.t_end == periods * T
+    edges = [e for e in run.events if len(e.steps[-1].fired)]
+    assert len(edges) == 2 * periods + 1
+    assert edges[-1].t == pytest.approx(periods * T, rel=1e-12)
+    assert run["C.e"].at(run.t_end) == pytest.approx(U)
+    lost = sum(row.lost or 0.0 for row in run.losses(period=T).rows)
+    assert lost == pytest.approx(C * U**2, rel=1e-9)
+
+
+@pytest.mark.parametrize("clock", list(CLOCKS))
+def test_a_run_that_goes_on_does_not_switch_again(clock: str) -> None:
+    model = leg(CLOCKS[clock])
+    first = hb.simulate(model, 100 * T)
+    second = hb.simulate(model, 200 * T, start=first)
+    edges = [e for e in second.events if len(e.steps[-1].fired) and e.t > 100.5 * T]
+    assert len(edges) == 200
+    assert not [e for e in second.events if 100 * T < e.t < 100.4 * T]
+    lost = sum(row.lost or 0.0 for row in second.losses().rows)
+    assert lost == pytest.approx(100 * C * U**2, rel=1e-9)
