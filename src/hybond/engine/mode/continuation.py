@@ -18,7 +18,8 @@ from hybond.engine.algebra.products import all_finite
 from hybond.engine.engine import Engine
 from hybond.engine.mode.damped import damped
 from hybond.engine.mode.mode_records import Mode
-from hybond.engine.mode.newton_system import largest_of, newton_step, system, with_free
+from hybond.engine.mode.newton_step import newton_step
+from hybond.engine.mode.newton_system import largest_of, system, with_free
 from hybond.engine.words import Floats
 
 STRONGEST: Final = 1e12
