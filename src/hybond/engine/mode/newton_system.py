@@ -31,6 +31,8 @@ LAST_PLACES: Final = 2.0 * 2.220446049250313e-16
 STEEP: Final = 1e100
 """What stands for a slope without bound, as a multiple of the others in its row. A root is reached
 from below in a few steps, however small it is; from above its steps lead to and fro."""
+GENTLE: Final = 1e8
+"""The same where steps are shortened: one that is lost beside what it is added to helps nothing."""
 
 
 def write_bonds(e: Engine, v: Floats, w: Floats) -> None:
@@ -212,7 +214,8 @@ def bound_slopes(e: Engine, mode: Mode, v: Floats) -> None:
             if not math.isfinite(a[i * n + k]):
                 steep = chord(e, mode, i, k, v)
                 if steep == 0.0:
-                    steep = STEEP * most if rises(e, mode, i, k, v) else -STEEP * most
+                    steep = (GENTLE if e.work.gentle else STEEP) * most
+                    steep = steep if rises(e, mode, i, k, v) else -steep
                 a[i * n + k] = steep
 
 
