@@ -76,3 +76,31 @@ def test_a_flow_that_least_leakage_shares_is_no_violation_where_it_begins_from_r
         slip = (math.sin(3.0 * t) + 0.3 - 0.5) / 2.6
         assert run['"t.1 -> gate".f'].at(t) == pytest.approx(slip, rel=1e-9)
         assert run['"t.2 -> end".f'].at(t) == pytest.approx(-0.743 * slip, rel=1e-9)
+
+
+DENORMAL = {
+    "friction": hb.One(law="coulomb", limit=0.05),
+    "diode": hb.One(law="diode"),
+    "relay": hb.One(law="relay", limit=0.05),
+    "gyrators": hb.One(law="coulomb", limit=0.05),
+}
+
+
+@pytest.mark.parametrize("kind", DENORMAL)
+def test_levers_that_pass_on_the_last_bits_of_what_is_denormal(kind: str) -> None:
+    """1e-321 of a speed: how far a law moves it, no finite step shows, and nothing else is moved.
+
+    The mass in front dies away as if alone; the one behind, which has to be as slow, stands still.
+    """
+    m = hb.Model("denormal")
+    m.add(x=hb.I(1.0, p=0.5), v=hb.One(), r=hb.R(0.5), z=hb.Zero())
+    m.add(y=hb.I({"f": "1.3*sinh(p)"}, p=0.1), k=DENORMAL[kind])
+    if kind == "gyrators":
+        m.add(a=hb.GY(1e-160), b=hb.GY(1e161))
+    else:
+        m.add(a=hb.TF(1e-160), b=hb.TF(1e-161))
+    m.bond("v -> x", "v -> r", "v -> a -> z -> b -> k -> y")
+    run = hb.simulate(m, 1.0, engine=ENGINE)
+    assert run["x.p"].at(1.0) == pytest.approx(0.5 * math.exp(-0.5), rel=1e-8)
+    assert run["y.p"].at(1.0) == 0.0
+    assert run.audit().holds()

@@ -90,3 +90,35 @@ def test_what_dies_away_is_still_found_where_it_passes() -> None:
     m.machine("G", states={"off": [], "on": []}, start="off", rules=["off -> on when x.q > 0"])
     run = hb.simulate(m, 1.0)
     assert run.events[1].t == pytest.approx(1e-12 * math.log(1.0 + 1e9), rel=1e-6)
+
+
+@pytest.mark.parametrize("solver", ["auto", "rk45", "radau"])
+@pytest.mark.parametrize("kind", ["capacitor", "mass", "behind a gyrator", "faster"])
+def test_what_decays_within_an_instant_is_followed_to_where_a_guard_ends_it(kind, solver):
+    """A switch opens at half of what was stored, ln 2 of a time constant of 0.3 ps or 10 fs.
+
+    In a run of a second an instant lasts a picosecond: no step that satisfies the tolerance
+    reaches its end, and one that does not has any value where the guard holds.
+    """
+    tau = 1e-14 if kind == "faster" else 3e-13
+    m = hb.Model("opens")
+    if kind == "mass":
+        m.add(x=hb.I(1e-6, p=-1e-3), R=hb.R(1e-6 / tau), j=hb.Zero())
+        m.bond("x -> j -> R")
+    elif kind == "behind a gyrator":
+        m.add(x=hb.I(1e-6, p=-1e-3), R=hb.R(tau / 1e-6), j=hb.One(), g=hb.GY(1.0))
+        m.bond("x -> g -> j -> R")
+    else:
+        m.add(x=hb.C(1e-6, q=-1e-3), R=hb.R(tau / 1e-6), j=hb.One())
+        m.bond("x -> j -> R")
+    name = "x.p" if kind in ("mass", "behind a gyrator") else "x.q"
+    rules = [f"closed -> open when {name} > -0.5e-3"]
+    m.machine("G", states={"closed": ["j"], "open": []}, start="closed", rules=rules)
+    run = hb.simulate(m, 1.0, solver=solver)
+    assert len(run.events) == 2
+    assert run.events[1].t == pytest.approx(tau * math.log(2.0), rel=1e-6)
+    if kind == "behind a gyrator":
+        assert float(run[name].at(run.events[1].t)) == pytest.approx(-0.5e-3, rel=1e-8)
+    else:
+        assert float(run[name].at(1.0)) == pytest.approx(-0.5e-3, rel=1e-8)
+    assert run.audit().holds()

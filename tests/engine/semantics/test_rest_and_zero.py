@@ -239,11 +239,11 @@ def test_a_modulus_without_a_value_is_refused_and_the_run_handed_back(part: dict
     assert run.error.code.startswith("HB-N3") and run.t_end <= 0.5 + 1e-9
 
 
-@pytest.mark.parametrize("solver", ["auto", "rk45"])
+@pytest.mark.parametrize("solver", ["auto", "rk45", "radau"])
 def test_spring_that_comes_to_the_edge_of_what_a_sign_gives(solver):
     # the flow dies away and never is zero; in the last digits of the charge it was on either side
     # of zero, where the sign gives too much, and from 60 time constants on there was no solution
-    # (HB-N301)
+    # (HB-N301); implicit steps foresaw it there, and crept on until there was none
     c, q0, limit = 1e-3, 0.02, 0.04
     m = hb.Model("sign")
     m.add(j=hb.One(), c=hb.C(c, q=q0), r=hb.R(1.0), s=hb.R({"e": f"{limit}*sign(f)"}))
@@ -256,6 +256,31 @@ def test_spring_that_comes_to_the_edge_of_what_a_sign_gives(solver):
     assert values["s.e"] == pytest.approx(limit)
     assert values["r.f"] == pytest.approx((q0 / c - limit) * fades, abs=1e-6)
     assert run.audit().holds()
+
+
+@pytest.mark.parametrize("kind", ["mass", "driven", "driven, arrows turned", "behind a gyrator"])
+def test_implicit_steps_to_the_edge_of_what_a_sign_gives(kind):
+    # what is left for the storage once a sign has taken its own part
+    tau, own, drive = 1e-3, 0.04, 0.06
+    m = hb.Model("sign")
+    if kind == "mass":
+        m.add(j=hb.Zero(), x=hb.I(tau, p=0.02), r=hb.R(1.0), s=hb.R({"f": f"{own}*sign(e)"}))
+        m.bond("x -> j", "j -> r", "j -> s")
+        rest = own * tau
+    else:
+        m.add(v=hb.Sf(drive), z=hb.Zero(), r=hb.R(1.0), s=hb.R({"e": f"{own}*sign(f)"}), j=hb.One())
+        m.add(x=hb.I(tau) if "gyrator" in kind else hb.C(tau))
+        rest = (drive - own) * tau
+    if kind == "driven":
+        m.bond("v -> z -> r", "z -> j -> x", "j -> s")
+    elif kind == "driven, arrows turned":
+        m.bond("z -> v", "z -> r", "j -> z", "x -> j", "s -> j")
+    elif kind != "mass":
+        m.add(g=hb.GY(1.0))
+        m.bond("v -> z -> r", "z -> j -> g -> x", "j -> s")
+    run = hb.simulate(m, 0.1, solver="radau", rtol=1e-6)
+    name = "x.p" if "x.p" in run.names else "x.q"
+    assert abs(float(run[name].at(0.1))) == pytest.approx(rest, rel=1e-5)
 
 
 def test_force_well_within_what_a_sign_gives_still_has_no_solution():

@@ -213,8 +213,8 @@ def iterate_stages(e: Engine, r: Radau, rtol: float) -> int:
     for count in range(1, ITERATIONS + 1):
         r.iterations = count
         found = stage_rates(e, r)
-        if found != OK and count == 1 and r.known and e.model.edges > 0:
-            # foreseen beyond where a law ends: straight on by the rates there are
+        if found != OK and count == 1 and r.known:
+            # foreseen beyond where laws end or jump: straight on by the rates there are
             for s in range(3):
                 for i in range(n):
                     r.z[s * n + i] = (stage_time(r, s) - r.t0) * r.f0[i]
