@@ -208,11 +208,24 @@ def test_a_run_that_stops_early_is_a_difference(monkeypatch: pytest.MonkeyPatch)
 
 def test_without_laws_the_tolerance_is_refined() -> None:
     found = hb.cross_check(hb.load(EXAMPLES / "clutch.toml"))
-    assert (found.engines, found.refined, found.verdict) == (("rk45", "radau"), "rtol", "agree")
+    assert (found.engines, found.refined, found.verdict) == (("auto", "radau"), "rtol", "agree")
     assert [v.value for v in found.levels] == pytest.approx([1e-4, 1e-6, 1e-8])
     means = [v.mean for v in found.levels]
     assert means[0] > 10 * means[1] > 100 * means[2]
     assert found.events.parted is None and "no junction has a law" in found.chosen
+
+
+def test_a_stiff_model_is_checked_by_the_solver_that_runs_take_and_says_where_both_are_one() -> (
+    None
+):
+    """Explicit steps of a nanosecond would fill the memory before they end."""
+    m = hb.Model("stiff", domain="electrical")
+    m.add(V=hb.Se("1 V"), i=hb.One(), r=hb.R("1 ohm"), c=hb.C("1 nF"), n=hb.Zero())
+    m.add(leak=hb.R({"f": "1e-3*e + 1e-3*e^3"}))
+    m.bond("V -> i -> n -> c", "i -> r", "n -> leak")
+    found = hb.cross_check(m, "1 s")
+    assert found.engines == ("auto", "radau") and found.verdict == "agree"
+    assert "auto went over to radau, too, at t = " in found.chosen
 
 
 @pytest.mark.slow

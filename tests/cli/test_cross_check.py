@@ -23,7 +23,7 @@ def test_two_engines_agree(circuit: Any) -> None:
     done = circuit("check", "--cross", "rlcd.toml", "--until", "2 ms", "--step", "5 us")
     assert (done.code, done.err) == (0, "")
     lines = done.out.splitlines()
-    assert lines[1].startswith("rk45 and moreau-jean, up to 2 ms")
+    assert lines[1].startswith("auto and moreau-jean, up to 2 ms")
     assert lines[-1].startswith("agree: ")
 
 

@@ -40,7 +40,7 @@ from hybond.model.graph import Bond, Node, Storage, Watch
 from hybond.model.hierarchy import Opened, Scope
 from hybond.model.indices import MAX_NODES, gathered, gathers, no_member, of_an_array, one
 from hybond.names import did_you_mean, join, port_number
-from hybond.units import Dimension
+from hybond.units import Dimension, try_quantity
 
 MAX_LEVELS = 500
 """Levels of an expression in which signals have been put for their names."""
@@ -193,12 +193,11 @@ class Resolver:
                     where=where,
                     hint=missing[1],
                 )
-            raise ModelError(
-                f"{text!r} is not known here",
-                code="HB-M120",
-                where=where,
-                hint=did_you_mean(text, self.known(scope)),
-            )
+            hint = did_you_mean(text, self.known(scope))
+            if try_quantity(f"1 {text}") is not None:
+                # 5 m/s reads as 5 metres through a name
+                hint += f"; if {text} is a unit: one of several symbols has brackets, 5 [m/s]"
+            raise ModelError(f"{text!r} is not known here", code="HB-M120", where=where, hint=hint)
         return found
 
     def signal(self, path: str) -> Expr:

@@ -163,8 +163,8 @@ def cross_check(
     parameters : mapping
         Values by dotted path that replace the model's own.
     engines : pair of str
-        Solvers. Default: the experiment's own, and ``moreau-jean`` if junctions have laws, else
-        ``radau``; if that is its own already, ``rk45``.
+        Solvers. Default: the experiment's own, or ``auto``, and ``moreau-jean`` if junctions have
+        laws, else ``radau``; if that is its own already, ``rk45``.
     step : float or str
         The longest step of an engine with fixed steps. Default: the experiment's, or a thousandth
         of the run.
@@ -198,7 +198,7 @@ def cross_check(
     >>> m.bond("n -> c", "n -> l", "n -> d -> r")
     >>> found = hb.cross_check(m, "2 ms", step="5 us")
     >>> found.engines, found.verdict
-    (('rk45', 'moreau-jean'), 'agree')
+    (('auto', 'moreau-jean'), 'agree')
     """
     check_model(model)
     graph = model.flatten(parameters=parameters) if isinstance(model, Model) else model
@@ -243,6 +243,8 @@ def cross_check(
         kept = [d for d in every if (d.quantity.machine, d.quantity.kind) not in unique.shares]
         kept.sort(key=lambda d: -d.mean)
         found.append(level_of(value, kept, found))
+    if pair == ("auto", "radau") and a.turns:
+        chosen += f"; auto went over to radau, too, at t = {a.turns[0].t:.6g} s"
     events = compared_events(graph, a, b)
     known = reasons(graph, a, b, step=h, unique=unique, compared=events)
     return CrossCheck(
@@ -312,7 +314,7 @@ def _engines(graph: FlatGraph, engines: Sequence[str] | None) -> tuple[tuple[str
                 hint='such as "rk45,moreau-jean"',
             )
         return (given[0], given[1]), "as given"
-    own = str(graph.experiment.get("solver", "rk45"))
+    own = str(graph.experiment.get("solver", "auto"))
     laws = any(m.law is not None for m in graph.machines)
     other = "moreau-jean" if laws else "radau"
     if own == other:

@@ -15,6 +15,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import row_size
+from hybond.engine.algebra.scaling import power_of_two
 from hybond.engine.answers import node_name, value
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.inputs.interval import configuration
@@ -31,6 +32,7 @@ from hybond.engine.mode.guess import give_back_guess, hold_guess
 from hybond.engine.mode.kept_modes import is_same
 from hybond.engine.mode.mode_records import Mode, make_mode
 from hybond.engine.mode.solving import solve
+from hybond.engine.mode.storage import reach_of
 from hybond.engine.mode.tableau import COMMON, NET, NOT_OPEN
 from hybond.engine.mode.values import set_values
 from hybond.engine.model import Model
@@ -43,7 +45,15 @@ CANCELS: Final = 1e-13
 DIGITS: Final = 8.0 * 2.220446049250313e-16
 """Part of its terms up to which a difference of two solutions is rounding."""
 SHORT_WHILE: Final = 1e-7
-"""Time over which rates are differences in a nonlinear graph, s."""
+"""Time over which rates are differences in a nonlinear graph, s; of runs below 1 s that part."""
+UNITS: Final = 1024.0
+"""How many units of what a port gives there may be in the graph: a power of two, so that units are.
+A difference over one unit has the digits that are left of it then."""
+NUDGE: Final = 1e-6
+"""Part of what a storage holds, or of what the energy would hold there, over which differences are
+taken."""
+LEAST_REACH: Final = 1e-6
+"""What is stored at the most where nothing is."""
 
 
 def base_mode(m: Model, state: Ints, base: Ints) -> None:
@@ -204,7 +214,8 @@ def find_gains(e: Engine, r: Laws, p: Ports, v: Floats, gain: Floats) -> int:
     """Put the derivatives of the bond variables by `l` there.
 
     Modulated two-ports and controlled sources are affine in what ports give, so that a difference
-    over a unit step is exact; through nonlinear resistors it is a chord.
+    over any step is exact, but for the rounding of what is there without it; through nonlinear
+    resistors it is a chord.
     """
     mode = open_mode(e, p)
     m = e.model
@@ -227,7 +238,8 @@ def find_gains(e: Engine, r: Laws, p: Ports, v: Floats, gain: Floats) -> int:
     for b in range(n):
         r.zero[b] = e.work.w[b]
     for k in range(m.ports):
-        r.l[k] = 1.0
+        unit = unit_of(m, p, k, r.zero)
+        r.l[k] = unit
         if solve_with(e, p, v, r.l) != OK:
             return REFUSED
         r.l[k] = 0.0
@@ -235,10 +247,24 @@ def find_gains(e: Engine, r: Laws, p: Ports, v: Floats, gain: Floats) -> int:
             moved = e.work.w[b] - r.zero[b]
             size = row_size(mode.finite, mode.same[b], e.work.xi)
             size += math.fabs(e.work.w[b]) + math.fabs(r.zero[b])
-            gain[b * m.ports + k] = 0.0 if math.fabs(moved) <= DIGITS * size else moved
+            still = math.fabs(moved) <= DIGITS * size
+            gain[b * m.ports + k] = 0.0 if still else moved / unit
     for i in range(2 * m.slots):
         v[i] = r.kept[i]
     return OK
+
+
+def unit_of(m: Model, p: Ports, k: int, w: Floats) -> float:
+    """Return what is given by port k to see what it does: 1, or more where its kind is large."""
+    own = 2 * k + 1 if p.given[k] == NET else 2 * k
+    kind = m.bond_class[m.pair_column[m.pair_first[own]]]
+    most = 0.0
+    for b in range(2 * m.bonds):
+        if m.bond_class[b] == kind:
+            most = max(most, math.fabs(w[b]))
+    if not (most > UNITS and math.isfinite(most)):
+        return 1.0
+    return power_of_two(most / UNITS)
 
 
 def times_partner(m: Model, p: Ports, w: Floats, y: Floats) -> None:
@@ -433,21 +459,26 @@ def directional(e: Engine, r: Laws, v: Floats, x: Floats) -> int:
     p = r.now
     a = r.response
     n = m.ports
-    reach = 1e-6
-    for s in range(m.storages):
-        reach = max(reach, math.fabs(x[s]))
+    reach = e.work.reach
+    reach_of(e, x, e.energy, reach)
     for i in range(2 * m.slots):
         r.kept[i] = v[i]
     for k in range(n):
         r.l[k] = 0.0
     for j in range(n):
+        h = math.inf
         most = 0.0
         for s in range(m.storages):
-            most = max(most, math.fabs(a.e[s * n + j]))
+            rate = math.fabs(a.e[s * n + j])
+            most = max(most, rate)
+            holds = max(reach[s], math.fabs(x[s]))
+            if rate > 0.0 and holds > 0.0:
+                h = min(h, NUDGE * holds / rate)
+        if most > 0.0 and not math.isfinite(h):
+            h = NUDGE * LEAST_REACH / most
         for k in range(n):
             a.ce[k * n + j] = 0.0
             r.row_terms[k] = a.size[k]
-        h = 1e-6 * reach / most if most > 0.0 else math.inf
         if not math.isfinite(h):
             continue  # it moves nothing, or by the last bit of what is denormal
         for way in range(2):
@@ -476,15 +507,17 @@ def ahead_of(e: Engine, r: Laws, v: Floats, x: Floats) -> int:
     p = r.now
     mode = open_mode(e, p)
     a = r.response
+    # runs of microseconds have motions of less
+    step = SHORT_WHILE * min(e.span, 1.0)
     for k in range(m.storages):
-        r.moved[k] = x[k] + SHORT_WHILE * r.field[k]
+        r.moved[k] = x[k] + step * r.field[k]
     # levers turn as well: what is integrated may be their angle
     for k in range(m.integrals):
-        r.ahead[k] = r.s[k] + SHORT_WHILE * value(m, m.integral_rate[k], v)
+        r.ahead[k] = r.s[k] + step * value(m, m.integral_rate[k], v)
     # what else is solved for in between must not show in the values
     for k in range(m.ports):
         r.l[k] = 0.0
-    set_values(e, mode, r.later, r.t + SHORT_WHILE, r.moved, r.ahead)
+    set_values(e, mode, r.later, r.t + step, r.moved, r.ahead)
     for k in range(m.slots):
         r.later[m.slots + k] = e.pre[k]
     if solve_with(e, p, r.later, r.l) != OK:
@@ -496,5 +529,5 @@ def ahead_of(e: Engine, r: Laws, v: Floats, x: Floats) -> int:
     for k in range(m.ports):
         moved = r.row[k] - a.y[k]
         still = math.fabs(moved) <= DIGITS * r.row_terms[k]
-        a.rate[k] = 0.0 if still else moved / SHORT_WHILE
+        a.rate[k] = 0.0 if still else moved / step
     return OK
