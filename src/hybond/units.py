@@ -266,7 +266,7 @@ _define(_PLAIN, f"rev,{_TURN},1;rpm,{_TURN / 60},1/s;deg °,{_TURN / 360},1")
 
 # The first name of a dimension wins: J before N*m, V*s before Wb.
 _NAMED = """1 1/s N Pa J W C V F ohm S H T V*s m/s m/s^2 m^2 m^3 m^3/s N/m N*s N*s/m m/N m/(N*s)
-Pa*s Pa*s/m^3 m^3/Pa Pa*s^2/m^3 J*s W/K J/K K/W kg kg*m^2 kg/m^3 m s A K mol cd"""
+Pa*s Pa*s/m^3 m^3/Pa Pa*s^2/m^3 N*m*s W/K J/K K/W kg kg*m^2 kg/m^3 m s A K mol cd"""
 _SYMBOL_OF: dict[Dimension, str] = {}
 for _name in _NAMED.split():
     _SYMBOL_OF.setdefault(parse_unit(_name)[1], _name)

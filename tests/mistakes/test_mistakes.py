@@ -170,3 +170,12 @@ def test_a_refusal_keeps_its_line_when_it_is_copied() -> None:
     error = refused(RIGHT.replace('"Rs" }', '"rs" }'), False)
     again = pickle.loads(pickle.dumps(error))
     assert str(again) == str(error) and again.to_dict()["line"] == error.line
+
+
+def test_a_signal_that_is_wrong_in_itself_is_the_place_also_where_a_law_reads_it() -> None:
+    text = RIGHT.replace('V = { Se = "U" }', 'V = { Se = "drive" }')
+    text = text.replace("[inputs]", 'drive = "U + 1 A"\n\n[inputs]', 1)
+    error = refused(text, run=False)
+    assert error.code == "HB-U102"
+    assert error.where == "signals.drive"
+    assert error.line == line_of(text, 'drive = "U')

@@ -25,6 +25,7 @@ from hybond.model.expressions.tree import (
     fold,
     walk,
 )
+from hybond.names import did_you_mean
 from hybond.records import dataclass
 from hybond.units import DIMENSIONLESS, Dimension, parse_unit
 
@@ -130,8 +131,42 @@ def _same(args: tuple[Expr, ...], below: list[_Found], verb: str, where: str) ->
         elif first[1] != dimension:
             why = f"{_shown(first[0])} in {first[1]} and {_shown(e)} in {dimension} do not {verb}"
             hint = "give both sides the same unit"
+            if any(_number_times_more(side) for side in (first[0], e)):
+                hint += "; a unit of several symbols stands in brackets, as in 2 [N*m]"
             raise UnitError(why, code="HB-U102", where=where, hint=hint)
     return result
+
+
+def instead_of(name: str, known: list[str]) -> str:
+    """Return a remedy for a name that is not known, which may be a unit or the time.
+
+    Examples
+    --------
+    >>> instead_of("m", ["T"]), instead_of("t", ["T", "time"])
+    ("known names: T; if 'm' is a unit, it stands in brackets: 2 [N*m]", 'the time is named time')
+    """
+    if name == "t":
+        return "the time is named time"
+    hint = did_you_mean(name, known)
+    try:
+        parse_unit(name)
+    except UnitError:
+        return hint
+    return f"{hint}; if {name!r} is a unit, it stands in brackets: 2 [{_COMPOUND.get(name, name)}]"
+
+
+_COMPOUND = {"m": "N*m", "s": "m/s", "rad": "rad/s", "N": "N*m"}
+"""Units in which a symbol is often met behind another one."""
+
+
+def _number_times_more(e: Expr) -> bool:
+    """Return whether it may be a number in two units of which one was read as a name."""
+    match e:
+        case Binary("*" | "/", Number(_, Dimension())):
+            return True
+        case Neg(inner) | Binary("*" | "/", inner, _):
+            return _number_times_more(inner)
+    return False
 
 
 def _number_only(e: Expr, found: _Found, of: str, where: str) -> None:

@@ -114,12 +114,18 @@ def _flatten(
     for path in opened.given:
         given = resolver.dimension(resolver.signal(path), dimensions, f"signals.{path}")
         check_given(path, given, opened)
-    for raw, node in zip(raw_nodes, nodes, strict=True):
-        if raw.path in with_laws and raw.written is not None:
-            check_units(node, raw.written, resolver, dimensions)
-    for k, raw in enumerate(raw_nodes):
-        if raw.written is not None and raw.kind not in ("0", "1"):
-            nodes[k] = replace(nodes[k], law=law_of(nodes[k], raw.written, resolver, dimensions))
+    try:
+        for raw, node in zip(raw_nodes, nodes, strict=True):
+            if raw.path in with_laws and raw.written is not None:
+                check_units(node, raw.written, resolver, dimensions)
+        for k, raw in enumerate(raw_nodes):
+            if raw.written is not None and raw.kind not in ("0", "1"):
+                law = law_of(nodes[k], raw.written, resolver, dimensions)
+                nodes[k] = replace(nodes[k], law=law)
+    except UnitError:  # where a signal is wrong in itself, that is the place
+        for path in opened.signals:
+            resolver.dimension(resolver.signal(path), dimensions, f"signals.{path}")
+        raise
     signals = {path: resolver.signal(path) for path in opened.signals}
     for path, tree in signals.items():
         dimensions[path] = resolver.dimension(tree, dimensions, f"signals.{path}")

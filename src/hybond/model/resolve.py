@@ -11,7 +11,7 @@ import re
 from collections.abc import Mapping, Sequence
 
 from hybond.errors import ExpressionError, ModelError
-from hybond.model.dimensions import infer_dimension
+from hybond.model.dimensions import infer_dimension, instead_of
 from hybond.model.expressions import (
     And,
     Binary,
@@ -197,7 +197,7 @@ class Resolver:
                 f"{text!r} is not known here",
                 code="HB-M120",
                 where=where,
-                hint=did_you_mean(text, self.known(scope)),
+                hint=instead_of(text, self.known(scope)),
             )
         return found
 

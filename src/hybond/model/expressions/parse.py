@@ -73,6 +73,17 @@ class _Token:
         return "the end" if self.kind == "end" else repr(self.text[:40])
 
 
+_WRITTEN = {
+    "ln": "the natural logarithm is log(x)",
+    **dict.fromkeys(("pow", "power"), "a power is a^b"),
+    **dict.fromkeys(("step", "heaviside"), "write if time >= 1 s then 1 else 0"),
+    **dict.fromkeys(("sat", "clip", "clamp", "limit"), "write min(max(x, low), high)"),
+    "round": "write floor(x + 0.5)",
+    **dict.fromkeys(("integral", "int", "integrate"), "an integral is a signal of its own kind"),
+}
+"""How functions of other languages are written here."""
+
+
 def parse(text: str, *, where: str = "") -> Expr:
     """Parse an expression.
 
@@ -336,6 +347,9 @@ class _Parser:
     def not_a_unit(self, number: _Token, symbol: _Token, hint: str) -> NoReturn:
         call = "(...)" if self.is_mark("(") else ""
         product = f"for a product write {number.text[:40]}*{symbol.text[:40]}{call}"
+        compound = re.fullmatch(r"did you mean '([^']*[*/^][^']*)'\?", hint)
+        if compound:  # `2 N*m` would be 2 newton times m
+            hint = f"write {number.text[:40]} [{compound[1]}]"
         remedy = f"{hint}; {product}" if hint and not hint.startswith("known") else product
         why = f"{symbol} after the number {number.text[:40]} is not a unit"
         self.fail(why, symbol.at, code="HB-E102", hint=remedy)
@@ -344,7 +358,8 @@ class _Parser:
         if not self.is_mark("("):
             return Number(math.pi) if token.text == "pi" else Name(token.text)
         if token.text != "pre" and token.text not in FUNCTIONS and token.text not in GATHER:
-            hint = did_you_mean(token.text, ["pre", *FUNCTIONS, *GATHER])
+            hint = _WRITTEN.get(token.text.lower(), "")
+            hint = hint or did_you_mean(token.text, ["pre", *FUNCTIONS, *GATHER])
             self.fail(f"unknown function {token}", token.at, code="HB-E103", hint=hint)
         opened = self.take()
         args: list[Expr] = []
