@@ -109,7 +109,15 @@ _MEANT = {
     **{"meter": "m", "metre": "m", "second": "s", "sec": "s", "msec": "ms", "usec": "us"},
     **{"kilogram": "kg", "kilo": "kg", "gramm": "g", "hour": "h", "minute": "min", "hr": "h"},
     **{"hertz": "Hz", "radian": "rad", "degree": "deg", "kelvin": "K", "liter": "L", "litre": "L"},
-    **{"nm": "N*m", "nms": "N*m*s", "ns": "N*s", "vs": "V*s", "as": "A*s", "rps": "rev/s"},
+    **{
+        "nm": "N*m",
+        "nms": "N*m*s",
+        "ns": "N*s",
+        "pas": "Pa*s",
+        "vs": "V*s",
+        "as": "A*s",
+        "rps": "rev/s",
+    },
     **{"mm2": "mm^2", "cm2": "cm^2", "m2": "m^2", "mm3": "mm^3", "cm3": "cm^3", "m3": "m^3"},
     **{"coulomb": "C", "tesla": "T", "weber": "Wb", "siemen": "S", "millisecond": "ms"},
 }
@@ -127,7 +135,9 @@ def _resolve(symbol: str) -> _Unit:
         why = f"{symbol!r} has an offset and is not a unit"
         raise UnitError(why, code="HB-U105", hint="write kelvin: 20 degC is 293.15 K")
     known = [*_PLAIN, *_PREFIXED, *(p + u for p in "kmMuc" for u in _PREFIXED)]
-    meant = _MEANT.get(symbol.lower()) or _MEANT.get(symbol.lower().removesuffix("s"))
+    one = symbol.removesuffix("s")
+    meant = _MEANT.get(symbol.lower()) or _MEANT.get(one.lower())
+    meant = meant or (one if len(one) > 1 and one in known else None)
     hint = f"did you mean {meant!r}?" if meant else did_you_mean(symbol, known)
     raise UnitError(f"unknown unit {symbol[:40]!r}", code="HB-U101", hint=hint)
 

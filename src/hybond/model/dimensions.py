@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from fractions import Fraction
 
@@ -145,14 +146,31 @@ def instead_of(name: str, known: list[str]) -> str:
     >>> instead_of("m", ["T"]), instead_of("t", ["T", "time"])
     ("known names: T; if 'm' is a unit, it stands in brackets: 2 [N*m]", 'the time is named time')
     """
-    if name == "t":
+    if name == "t" and "time" in known:
         return "the time is named time"
     hint = did_you_mean(name, known)
     try:
         parse_unit(name)
     except UnitError:
         return hint
-    return f"{hint}; if {name!r} is a unit, it stands in brackets: 2 [{_COMPOUND.get(name, name)}]"
+    brackets = f"if {name!r} is a unit, it stands in brackets: 2 [{_COMPOUND.get(name, name)}]"
+    return f"{hint}; {brackets}" if hint else brackets
+
+
+def powered(name: str) -> str:
+    """Return a remedy for the power of a unit that is written as ``s2``, else nothing.
+
+    Examples
+    --------
+    >>> powered("s2"), powered("R2")
+    ("if a unit is meant, write 's^2'", '')
+    """
+    match = re.fullmatch(r"([a-zA-Z]+)([2-9])", name)
+    try:
+        known = match is not None and bool(parse_unit(match[1]))
+    except UnitError:
+        known = False
+    return f"if a unit is meant, write '{match[1]}^{match[2]}'" if match and known else ""
 
 
 _COMPOUND = {"m": "N*m", "s": "m/s", "rad": "rad/s", "N": "N*m"}
