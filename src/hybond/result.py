@@ -469,6 +469,14 @@ class Result(Measuring):
         """Plot signals over time with a strip of modes; jumps as jumps, impulses as arrows."""
         from hybond.draw.plots import plot_run
 
+        for name in names:
+            if not isinstance(name, str):
+                raise UsageError(
+                    f"{name!r} is no signal",
+                    code="HB-S109",
+                    where="signals",
+                    hint="write names one after another: run.plot('a.e', 'b.f')",
+                )
         chosen = names or tuple(self.graph.experiment.get("plot", ())) or tuple(self.names[:3])
         return plot_run(self, chosen, path=path)
 

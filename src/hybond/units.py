@@ -109,7 +109,15 @@ _MEANT = {
     **{"meter": "m", "metre": "m", "second": "s", "sec": "s", "msec": "ms", "usec": "us"},
     **{"kilogram": "kg", "kilo": "kg", "gramm": "g", "hour": "h", "minute": "min", "hr": "h"},
     **{"hertz": "Hz", "radian": "rad", "degree": "deg", "kelvin": "K", "liter": "L", "litre": "L"},
-    **{"nm": "N*m", "nms": "N*m*s", "ns": "N*s", "vs": "V*s", "as": "A*s", "rps": "rev/s"},
+    **{
+        "nm": "N*m",
+        "nms": "N*m*s",
+        "ns": "N*s",
+        "pas": "Pa*s",
+        "vs": "V*s",
+        "as": "A*s",
+        "rps": "rev/s",
+    },
     **{"mm2": "mm^2", "cm2": "cm^2", "m2": "m^2", "mm3": "mm^3", "cm3": "cm^3", "m3": "m^3"},
     **{"coulomb": "C", "tesla": "T", "weber": "Wb", "siemen": "S", "millisecond": "ms"},
 }
@@ -127,7 +135,9 @@ def _resolve(symbol: str) -> _Unit:
         why = f"{symbol!r} has an offset and is not a unit"
         raise UnitError(why, code="HB-U105", hint="write kelvin: 20 degC is 293.15 K")
     known = [*_PLAIN, *_PREFIXED, *(p + u for p in "kmMuc" for u in _PREFIXED)]
-    meant = _MEANT.get(symbol.lower()) or _MEANT.get(symbol.lower().removesuffix("s"))
+    one = symbol.removesuffix("s")
+    meant = _MEANT.get(symbol.lower()) or _MEANT.get(one.lower())
+    meant = meant or (one if len(one) > 1 and one in known else None)
     hint = f"did you mean {meant!r}?" if meant else did_you_mean(symbol, known)
     raise UnitError(f"unknown unit {symbol[:40]!r}", code="HB-U101", hint=hint)
 
@@ -266,7 +276,7 @@ _define(_PLAIN, f"rev,{_TURN},1;rpm,{_TURN / 60},1/s;deg °,{_TURN / 360},1")
 
 # The first name of a dimension wins: J before N*m, V*s before Wb.
 _NAMED = """1 1/s N Pa J W C V F ohm S H T V*s m/s m/s^2 m^2 m^3 m^3/s N/m N*s N*s/m m/N m/(N*s)
-Pa*s Pa*s/m^3 m^3/Pa Pa*s^2/m^3 J*s W/K J/K K/W kg kg*m^2 kg/m^3 m s A K mol cd"""
+Pa*s Pa*s/m^3 m^3/Pa Pa*s^2/m^3 N*m*s W/K J/K K/W kg kg*m^2 kg/m^3 m s A K mol cd"""
 _SYMBOL_OF: dict[Dimension, str] = {}
 for _name in _NAMED.split():
     _SYMBOL_OF.setdefault(parse_unit(_name)[1], _name)

@@ -26,7 +26,7 @@ LINES = {
 UNITS = {name: unit for unit, names in LINES.items() for name in names.split()}
 OWN = {
     "translational": {"offset": "m"},
-    "rotational": {"offset": "rad", "speed": "rad/s", "slip": "rad/s", "momentum": "J*s"},
+    "rotational": {"offset": "rad", "speed": "rad/s", "slip": "rad/s", "momentum": "N*m*s"},
     "planar": {},
 }
 ELSEWHERE = {

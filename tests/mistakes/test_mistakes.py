@@ -170,3 +170,30 @@ def test_a_refusal_keeps_its_line_when_it_is_copied() -> None:
     error = refused(RIGHT.replace('"Rs" }', '"rs" }'), False)
     again = pickle.loads(pickle.dumps(error))
     assert str(again) == str(error) and again.to_dict()["line"] == error.line
+
+
+def test_a_signal_that_is_wrong_in_itself_is_the_place_also_where_a_law_reads_it() -> None:
+    text = RIGHT.replace('V = { Se = "U" }', 'V = { Se = "drive" }')
+    text = text.replace("[inputs]", 'drive = "U + 1 A"\n\n[inputs]', 1)
+    error = refused(text, run=False)
+    assert error.code == "HB-U102"
+    assert error.where == "signals.drive"
+    assert error.line == line_of(text, 'drive = "U')
+
+
+def test_a_domain_that_changes_the_units_of_signals_is_the_place() -> None:
+    text = """hybond = 1
+domain = "translational"
+[elements]
+pull = { Se = "10 N" }
+drum = { I = "2 kg*m^2" }
+v = { junction = 1 }
+w = { junction = 1, domain = "rotational" }
+[graph]
+bonds = ["pull -> v -> w -> drum"]
+[signals]
+height = { integral = "v.f", start = "1 m" }
+"""
+    error = refused(text, run=False)
+    assert (error.code, error.where, error.line) == ("HB-U103", "elements.w.domain", 7)
+    assert "TF" in error.hint

@@ -88,6 +88,27 @@ def test_ten_pages_see_one_model(client: TestClient) -> None:
         socket.__exit__(None, None, None)
 
 
+def test_a_page_is_told_what_another_program_writes(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("hybond.studio.server.GLANCE", 0.02)
+    file = tmp_path / "m.toml"
+    file.write_text('hybond = 1\n[elements]\na = { R = "1 ohm" }\n')
+    session = Session(file, journal=False)
+    with (
+        TestClient(application(session, "secret", {"testserver"})) as client,
+        client.websocket_connect(
+            "/talk?token=secret", headers={"host": "testserver", "origin": "http://testserver"}
+        ) as socket,
+    ):
+        file.write_text('hybond = 1\n[elements]\na = { R = "20 ohm" }\n')
+        told = json.loads(socket.receive_text())
+        assert (told["tell"], told["outside"]) == ("changed", True)
+        assert "20 ohm" in session.document.text
+        socket.send_text(json.dumps({"id": 1, "ask": "edit", "edit": {"do": "undo"}}))
+    session.close()
+
+
 @pytest.mark.parametrize("text", ["", "[", "3", '{"id": 1}', "[" * 100_000, '{"ask": ["edit"]}'])
 def test_what_is_no_question_is_answered_by_a_refusal(client: TestClient, text: str) -> None:
     with client.websocket_connect("/talk?token=secret", headers=RIGHT) as socket:

@@ -415,3 +415,22 @@ def test_an_edit_is_tried_without_being_done() -> None:
     assert asked(session, "attempt", edit=good)["problem"] is None
     assert session.document.text == before and not session.document.can_undo
     assert "error" in session.handle({"id": 1, "ask": "attempt", "edit": {"do": "nonsense"}})
+
+
+def test_values_are_those_of_the_file_also_where_one_is_wrong() -> None:
+    text = """hybond = 1
+[parameters]
+m = "450 kgs"
+[elements]
+load = { I = "m" }
+drag = { R = "50 ohm" }
+v = { junction = 1 }
+[graph]
+bonds = ["v -> load", "v -> drag"]
+"""
+    seen = Session(None, text=text).handle({"id": 1, "ask": "look"})
+    told = {n["name"]: n["says"] for n in seen["view"]["nodes"] if n["kind"] != "1"}
+    assert told == {"load": "m", "drag": "50 Ω"}
+    # nothing that the page would show in their place
+    assert not any("says" in about for about in seen["strokes"]["nodes"].values())
+    assert seen["strokes"]["bonds"]

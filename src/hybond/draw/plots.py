@@ -109,6 +109,13 @@ def write_figure(figure: Figure, path: str | Path | None) -> Figure:
     """Write a figure to a file, in the format of its ending, if there is one; return the figure."""
     if path is not None:
         file = Path(path) if Path(path).suffix else Path(f"{path}.png")
+        if file.suffix[1:].lower() not in figure.canvas.get_supported_filetypes():
+            raise UsageError(
+                f"cannot draw a {file.suffix!r} file",
+                code="HB-D101",
+                where=str(file),
+                hint="end the name in .png, .svg or .pdf",
+            )
         picture = io.BytesIO()
         figure.savefig(picture, format=file.suffix[1:], dpi=150)
         write_whole(file, picture.getvalue())

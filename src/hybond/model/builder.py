@@ -127,6 +127,13 @@ class Model:
         >>> [s.path for s in m.flatten().storages]
         ['m[1].p', 'm[2].p', 'm[3].p', 's[1].q', 's[2].q']
         """
+        if not isinstance(arrays, Mapping | None):
+            raise ModelError(
+                f"{arrays!r} has no name",
+                code="HB-M102",
+                where="elements",
+                hint='write the name before it: m.add(c=hb.C("1 mF"))',
+            )
         for name, part in {**(arrays or {}), **elements}.items():
             self._new_name(name, array=True)
             if not isinstance(part, Part | SubmodelPart):
@@ -358,6 +365,7 @@ class Model:
                 hint=f"another one, such as {name}_1"
                 if word
                 else "letters, digits and _; not a word of the expression language"
+                + (f"; such as {plain}" if (plain := _plainly(name)) else "")
                 + ("; an array is written cell[1..10]" if array and "[" in str(name) else ""),
             )
         taken: dict[str, Mapping[str, object]] = {
@@ -396,6 +404,12 @@ class Model:
             picture = f"<pre>{html.escape(str(error))}</pre>"
         title = html.escape(self.title or self.name)
         return f"<figure><figcaption>{title}</figcaption>{picture}</figure>"
+
+
+def _plainly(name: Any) -> str:
+    """Return a name made of one with dashes, dots or spaces in it, empty where none is found."""
+    tried = re.sub(r"[-. ]+", "_", name.strip()) if isinstance(name, str) else ""
+    return tried if tried != name and _NAME.match(tried) and tried not in RESERVED else ""
 
 
 def _no_element(part: Any, name: str) -> ModelError:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from fractions import Fraction
 
@@ -25,6 +26,7 @@ from hybond.model.expressions.tree import (
     fold,
     walk,
 )
+from hybond.names import did_you_mean
 from hybond.records import dataclass
 from hybond.units import DIMENSIONLESS, Dimension, parse_unit
 
@@ -130,8 +132,59 @@ def _same(args: tuple[Expr, ...], below: list[_Found], verb: str, where: str) ->
         elif first[1] != dimension:
             why = f"{_shown(first[0])} in {first[1]} and {_shown(e)} in {dimension} do not {verb}"
             hint = "give both sides the same unit"
+            if any(_number_times_more(side) for side in (first[0], e)):
+                hint += "; a unit of several symbols stands in brackets, as in 2 [N*m]"
             raise UnitError(why, code="HB-U102", where=where, hint=hint)
     return result
+
+
+def instead_of(name: str, known: list[str]) -> str:
+    """Return a remedy for a name that is not known, which may be a unit or the time.
+
+    Examples
+    --------
+    >>> instead_of("m", ["T"]), instead_of("t", ["T", "time"])
+    ("known names: T; if 'm' is a unit, it stands in brackets: 2 [N*m]", 'the time is named time')
+    """
+    if name == "t" and "time" in known:
+        return "the time is named time"
+    hint = did_you_mean(name, known)
+    try:
+        parse_unit(name)
+    except UnitError:
+        return hint
+    brackets = f"if {name!r} is a unit, it stands in brackets: 2 [{_COMPOUND.get(name, name)}]"
+    return f"{hint}; {brackets}" if hint else brackets
+
+
+def powered(name: str) -> str:
+    """Return a remedy for the power of a unit that is written as ``s2``, else nothing.
+
+    Examples
+    --------
+    >>> powered("s2"), powered("R2")
+    ("if a unit is meant, write 's^2'", '')
+    """
+    match = re.fullmatch(r"([a-zA-Z]+)([2-9])", name)
+    try:
+        known = match is not None and bool(parse_unit(match[1]))
+    except UnitError:
+        known = False
+    return f"if a unit is meant, write '{match[1]}^{match[2]}'" if match and known else ""
+
+
+_COMPOUND = {"m": "N*m", "s": "m/s", "rad": "rad/s", "N": "N*m"}
+"""Units in which a symbol is often met behind another one."""
+
+
+def _number_times_more(e: Expr) -> bool:
+    """Return whether it may be a number in two units of which one was read as a name."""
+    match e:
+        case Binary("*" | "/", Number(_, Dimension())):
+            return True
+        case Neg(inner) | Binary("*" | "/", inner, _):
+            return _number_times_more(inner)
+    return False
 
 
 def _number_only(e: Expr, found: _Found, of: str, where: str) -> None:

@@ -109,17 +109,26 @@ def _flatten(
     inputs = inputs_of(opened)
     dimensions.update({f"u:{i.index}": i.dimension for i in inputs})
     give_units(opened, resolver, dimensions)
-    integrals = _integrals(opened, resolver, dimensions)
-    samples = samples_of(opened, resolver, dimensions)
+    try:
+        integrals = _integrals(opened, resolver, dimensions)
+        samples = samples_of(opened, resolver, dimensions)
+    except UnitError as error:
+        raise _of_a_domain(raw_nodes, nodes, resolver, dimensions) or error from None
     for path in opened.given:
         given = resolver.dimension(resolver.signal(path), dimensions, f"signals.{path}")
         check_given(path, given, opened)
-    for raw, node in zip(raw_nodes, nodes, strict=True):
-        if raw.path in with_laws and raw.written is not None:
-            check_units(node, raw.written, resolver, dimensions)
-    for k, raw in enumerate(raw_nodes):
-        if raw.written is not None and raw.kind not in ("0", "1"):
-            nodes[k] = replace(nodes[k], law=law_of(nodes[k], raw.written, resolver, dimensions))
+    try:
+        for raw, node in zip(raw_nodes, nodes, strict=True):
+            if raw.path in with_laws and raw.written is not None:
+                check_units(node, raw.written, resolver, dimensions)
+        for k, raw in enumerate(raw_nodes):
+            if raw.written is not None and raw.kind not in ("0", "1"):
+                law = law_of(nodes[k], raw.written, resolver, dimensions)
+                nodes[k] = replace(nodes[k], law=law)
+    except UnitError:  # where a signal is wrong in itself, that is the place
+        for path in opened.signals:
+            resolver.dimension(resolver.signal(path), dimensions, f"signals.{path}")
+        raise
     signals = {path: resolver.signal(path) for path in opened.signals}
     for path, tree in signals.items():
         dimensions[path] = resolver.dimension(tree, dimensions, f"signals.{path}")
@@ -318,6 +327,23 @@ def _dimensions(
         rate = domain.flow if s.kind == "C" else domain.effort
         found[f"x:{s.index}"] = None if rate is None else rate * _TIME
     return found
+
+
+def _of_a_domain(
+    raw_nodes: Sequence[RawNode],
+    nodes: Sequence[Node],
+    resolver: Resolver,
+    dimensions: dict[str, Dimension | None],
+) -> UnitError | None:
+    """Return the refusal of a declared domain, in which units of signals are others, if any."""
+    for raw, node in zip(raw_nodes, nodes, strict=True):
+        if raw.written is not None and raw.kind not in ("0", "1"):
+            try:
+                law_of(node, raw.written, resolver, dimensions)
+            except HybondError as error:
+                if isinstance(error, UnitError) and error.where.endswith(".domain"):
+                    return error
+    return None
 
 
 def _integrals(

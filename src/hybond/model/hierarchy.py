@@ -389,6 +389,15 @@ def _is_bare(value: Value) -> bool:
     return quantity is not None and quantity.dimension == DIMENSIONLESS
 
 
+def _bond_meant(text: object) -> str:
+    """Return the remedy for two names with another sign than an arrow between, else nothing."""
+    match = re.fullmatch(r"\s*([\w.]+)\s*(<?)\s*([-=–—→>,]|=+>)\s*([\w.]+)\s*", str(text))
+    if match is None:
+        return ""
+    tail, back, _, head = match.groups()
+    return f'write "{head} -> {tail}"' if back else f'write "{tail} -> {head}"'
+
+
 def bonds_in(text: str, scope: Scope, where: str) -> tuple[str, list[list[list[str]]]]:
     """Return the label of a text of bonds, and for each arrow the ends of its bonds.
 
@@ -406,7 +415,7 @@ def bonds_in(text: str, scope: Scope, where: str) -> tuple[str, list[list[list[s
             f"{text!r} is not a bond",
             code="HB-M109",
             where=where,
-            hint='write "a -> b", "a -> b -> c" or "b3: a -> b"',
+            hint=_bond_meant(text) or 'write "a -> b", "a -> b -> c" or "b3: a -> b"',
         )
     label = match["label"] or ""
     arrows = [together(pair, scope, where) for pair in pairwise(ends)]

@@ -154,6 +154,8 @@ class _Reader:
         hint = f"give a value in {wants or expected}, or declare the domain of {path!r}"
         if made:
             hint = f"give the parameter a unit that makes it {wants or expected}"
+        if self.node.kind in TWO_PORTS:
+            hint += "; between two domains, declare that of a junction behind it: domain = ..."
         return UnitError(
             f"{value!r} is in {found}{made}; this place wants {wants or expected}{of}",
             code="HB-U103",

@@ -11,7 +11,7 @@ import re
 from collections.abc import Mapping, Sequence
 
 from hybond.errors import ExpressionError, ModelError
-from hybond.model.dimensions import infer_dimension
+from hybond.model.dimensions import infer_dimension, instead_of
 from hybond.model.expressions import (
     And,
     Binary,
@@ -40,7 +40,7 @@ from hybond.model.graph import Bond, Node, Storage, Watch
 from hybond.model.hierarchy import Opened, Scope
 from hybond.model.indices import MAX_NODES, gathered, gathers, no_member, of_an_array, one
 from hybond.names import did_you_mean, join, port_number
-from hybond.units import Dimension, try_quantity
+from hybond.units import Dimension
 
 MAX_LEVELS = 500
 """Levels of an expression in which signals have been put for their names."""
@@ -193,11 +193,12 @@ class Resolver:
                     where=where,
                     hint=missing[1],
                 )
-            hint = did_you_mean(text, self.known(scope))
-            if try_quantity(f"1 {text}") is not None:
-                # 5 m/s reads as 5 metres through a name
-                hint += f"; if {text} is a unit: one of several symbols has brackets, 5 [m/s]"
-            raise ModelError(f"{text!r} is not known here", code="HB-M120", where=where, hint=hint)
+            raise ModelError(
+                f"{text!r} is not known here",
+                code="HB-M120",
+                where=where,
+                hint=instead_of(text, self.known(scope)),
+            )
         return found
 
     def signal(self, path: str) -> Expr:

@@ -20,7 +20,6 @@ from hybond.model.expressions import (
 )
 from hybond.model.expressions.slots import plain
 from hybond.model.parts import Value
-from hybond.names import did_you_mean
 from hybond.records import dataclass
 from hybond.units import DIMENSIONLESS, try_quantity
 
@@ -81,18 +80,19 @@ def constant(
     ModelError
         HB-M107 for an unknown name, HB-M110 if the result is not a finite number.
     """
-    from hybond.model.dimensions import infer_dimension
+    from hybond.model.dimensions import infer_dimension, instead_of, powered
 
     tree = literal(value, where)
     if isinstance(tree, Number):
         return tree
-    for name in sorted(names(tree)):
+    for name in sorted(names(tree), key=lambda n: (not powered(n), n)):
         if name not in parameters:
             raise ModelError(
                 f"{name!r} is not a parameter; a value here is made of parameters and numbers",
                 code="HB-M107",
                 where=where,
-                hint=did_you_mean(name, parameters if known is None else known)
+                hint=powered(name)
+                or instead_of(name, [*(parameters if known is None else known)])
                 or "write a number, or give the model such a parameter",
             )
     bound = substitute(tree, parameters)

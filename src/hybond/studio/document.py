@@ -71,7 +71,10 @@ class Document:
         self._future: list[str] = []
         self._later: Callable[[], None] | None = None
         self._on_disk: str | None = None
+        self._glanced: tuple[int, int] | None = None
+        self._taken: tuple[int, int] | None = None
         if file is not None and file.exists():
+            self._taken = self._stamp()
             text = self._on_disk = read_text(file, str(file))
         self._text = text
         self._read()
@@ -182,6 +185,25 @@ class Document:
             later, self._later = self._later, None
             later()
 
+    def glance(self) -> bool:
+        """Return whether the file was written since it was last found so, and stands still since.
+
+        A file that changes from one glance to the next is still being written, and waits.
+        """
+        before, self._glanced = self._glanced, self._stamp()
+        if self._glanced is None or self._glanced != before or self._glanced == self._taken:
+            return False
+        self._taken = self._glanced
+        return True
+
+    def _stamp(self) -> tuple[int, int] | None:
+        """Return time and size of the file, None without one."""
+        try:
+            found = None if self.file is None else self.file.stat()
+        except OSError:
+            return None
+        return None if found is None else (found.st_mtime_ns, found.st_size)
+
     def changed_outside(self) -> bool:
         """Take the file as something else has written it, if so; undo brings back what was here."""
         self.settle()
@@ -207,7 +229,7 @@ class Document:
             self._keep_foreign()
             try:
                 write_whole(self.file, self._text.encode())
-                self.unsaved, self._on_disk = "", self._text
+                self.unsaved, self._on_disk, self._taken = "", self._text, self._stamp()
             except OSError as error:
                 self.unsaved = error.strerror or str(error)
                 return

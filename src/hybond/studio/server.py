@@ -23,6 +23,8 @@ LARGEST = 20 * 2**20
 """Bytes of one message: more than the largest model file."""
 CLIENTS = 32
 """Pages open at once."""
+GLANCE = 1.0
+"""Seconds between two glances at the file, which another program may have written."""
 QUEUE = 1000
 """Messages that wait for a page that does not read; then it is let go."""
 _HEADERS = {
@@ -112,6 +114,13 @@ def application(session: Session, token: str, names: set[str]) -> Any:
         def answered(message: dict[str, Any]) -> str:
             return dumped(session.handle(message))
 
+        async def watch() -> None:
+            while True:
+                await asyncio.sleep(GLANCE)
+                if session.document.glance():  # to look at it tells all pages what is new
+                    await asyncio.to_thread(session.handle, {"ask": "look"})
+
+        watching = asyncio.create_task(watch())
         sending = asyncio.create_task(send())
         try:
             while True:
@@ -128,6 +137,7 @@ def application(session: Session, token: str, names: set[str]) -> Any:
             pages -= 1
             stop()
             sending.cancel()
+            watching.cancel()
 
     return Starlette(
         routes=[

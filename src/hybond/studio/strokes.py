@@ -191,7 +191,7 @@ def strokes(known: Meaning, mode: Mode | None, path: str) -> dict[str, Any]:
             "controlled": symbol.controlled,
         }
         told: dict[str, Any] = {k: True for k, v in about.items() if v}
-        if symbol.parameter and symbol.kind not in ("0", "1"):
+        if known.whole and symbol.parameter and symbol.kind not in ("0", "1"):
             told["says"] = symbol.parameter
         name = symbol.path[len(start) :]
         nodes[name] = told

@@ -33,7 +33,7 @@ from hybond.model.expressions.tree import (
 )
 from hybond.names import did_you_mean
 from hybond.records import dataclass
-from hybond.units import parse_quantity
+from hybond.units import parse_quantity, parse_unit
 
 KEPT = 4096
 """Texts whose trees are kept: a model is flattened again with every set of parameters."""
@@ -71,6 +71,25 @@ class _Token:
 
     def __str__(self) -> str:
         return "the end" if self.kind == "end" else repr(self.text[:40])
+
+
+def _is_unit(text: str) -> bool:
+    try:
+        parse_unit(text)
+    except UnitError:
+        return False
+    return True
+
+
+_WRITTEN = {
+    "ln": "the natural logarithm is log(x)",
+    **dict.fromkeys(("pow", "power"), "a power is a^b"),
+    **dict.fromkeys(("step", "heaviside"), "write if time >= 1 s then 1 else 0"),
+    **dict.fromkeys(("sat", "clip", "clamp", "limit"), "write min(max(x, low), high)"),
+    "round": "write floor(x + 0.5)",
+    **dict.fromkeys(("integral", "int", "integrate"), "an integral is a signal of its own kind"),
+}
+"""How functions of other languages are written here."""
 
 
 def parse(text: str, *, where: str = "") -> Expr:
@@ -160,6 +179,9 @@ class _Parser:
         hint = {
             "=": "compare with <, <=, > or >=; an expression cannot assign",
             '"': 'close the quotes: "contact->v".e',
+            "&": "write and between conditions",
+            "|": "write or between conditions",
+            "!": "write not before a condition",
             "[": "brackets hold a unit, 9.8 [m/s] or (x) [m], or, with no space, an index, c[3].q",
         }.get(found, "write arithmetic, comparisons, and, or, not, if, functions and pre(...)")
         self.fail(f"found {found!r}, which is not part of an expression,", at, hint=hint)
@@ -317,7 +339,8 @@ class _Parser:
             if unit is None:
                 self.fail(error.why, token.at, hint=error.hint)
             if token.unit is None:
-                self.not_a_unit(token, following, "" if error.code == "HB-U104" else error.hint)
+                hint = "" if error.code == "HB-U104" else error.hint
+                self.not_a_unit(token, following, hint)
             at = self.text.index("[", token.at)
             self.fail(error.why, at, code="HB-E102", hint=error.hint)
         return Number(quantity.value, None if unit is None else quantity.dimension)
@@ -336,6 +359,11 @@ class _Parser:
     def not_a_unit(self, number: _Token, symbol: _Token, hint: str) -> NoReturn:
         call = "(...)" if self.is_mark("(") else ""
         product = f"for a product write {number.text[:40]}*{symbol.text[:40]}{call}"
+        compound = re.fullmatch(r"did you mean '([^']*[*/^][^']*)'\?", hint)
+        if compound:  # `2 N*m` would be 2 newton times m
+            rest = self.text[symbol.at + len(symbol.text) :]
+            unit = compound[1] + rest if _is_unit(compound[1] + rest) else compound[1]
+            hint = f"write {number.text[:40]} [{unit}]"
         remedy = f"{hint}; {product}" if hint and not hint.startswith("known") else product
         why = f"{symbol} after the number {number.text[:40]} is not a unit"
         self.fail(why, symbol.at, code="HB-E102", hint=remedy)
@@ -344,7 +372,8 @@ class _Parser:
         if not self.is_mark("("):
             return Number(math.pi) if token.text == "pi" else Name(token.text)
         if token.text != "pre" and token.text not in FUNCTIONS and token.text not in GATHER:
-            hint = did_you_mean(token.text, ["pre", *FUNCTIONS, *GATHER])
+            hint = _WRITTEN.get(token.text.lower(), "")
+            hint = hint or did_you_mean(token.text, ["pre", *FUNCTIONS, *GATHER])
             self.fail(f"unknown function {token}", token.at, code="HB-E103", hint=hint)
         opened = self.take()
         args: list[Expr] = []
