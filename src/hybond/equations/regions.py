@@ -17,7 +17,6 @@ variable joins the states, with its closing row. That is never wrong, only less 
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Generic, TypeVar
 
@@ -25,6 +24,7 @@ from hybond.equations.element_rows import Closing
 from hybond.equations.patterns import MOST_PATTERNS, Space, space_of
 from hybond.equations.ring import Ring, Row
 from hybond.equations.switch_form import SwitchForm
+from hybond.model.joined import Joined
 
 T = TypeVar("T")
 
@@ -157,20 +157,7 @@ def _touched(form: SwitchForm[T]) -> _Touch:
 def _groups(form: SwitchForm[T]) -> list[_Group | None]:
     """Return connected groups: variables that share a closing row or a constraint."""
     variables = _variables(form)
-    parent: dict[object, object] = {v: v for v in variables}
-
-    def root(a: object) -> object:
-        while parent[a] != a:
-            parent[a] = parent[parent[a]]
-            a = parent[a]
-        return a
-
-    def join(items: Iterable[object]) -> None:
-        items = iter(items)
-        first = root(next(items))
-        for item in items:
-            parent[root(item)] = first
-
+    joined: Joined[object] = Joined()
     for s in form.switches:
         closer = form.closer(s)
         space = _space(form, [s])
@@ -179,25 +166,23 @@ def _groups(form: SwitchForm[T]) -> list[_Group | None]:
             at = dict(zip(space.machines, states, strict=True))
             row = form.closing(s, tuple(at[m] for m in closer.machines))
             inside |= {k for k in row if k in variables}
-        join(inside)
+        joined.join(inside)
     targets = {_storage_column(form, t): t for t in form.targets}
     for k, row in enumerate(form.constraints):
         name = ("constraint", k)
-        parent[name] = name
-        inside = {j for j in row if j in variables}
-        join([name, *sorted(inside, key=str)])
+        joined.join([name, *(j for j in row if j in variables)])
         for column in row:
             # the tear that the constraint's storage would give way to
             target = targets.get(column)
             if target is not None:
-                join([name, *(v for v in form.targets[target] if v in form.tears)])
+                joined.join([name, *(v for v in form.targets[target] if v in form.tears)])
     groups: dict[object, _Group] = {}
     for s in form.switches:
-        groups.setdefault(root(s), _Group([], [], [])).switches.append(s)
+        groups.setdefault(joined.root(s), _Group([], [], [])).switches.append(s)
     for t in form.tears:
-        groups.setdefault(root(t), _Group([], [], [])).tears.append(t)
+        groups.setdefault(joined.root(t), _Group([], [], [])).tears.append(t)
     for k in range(len(form.constraints)):
-        groups.setdefault(root(("constraint", k)), _Group([], [], [])).constraints.append(k)
+        groups.setdefault(joined.root(("constraint", k)), _Group([], [], [])).constraints.append(k)
     return list(groups.values())
 
 
