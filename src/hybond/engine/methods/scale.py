@@ -1,4 +1,4 @@
-"""The tolerance of each state, from the size it has had. After simulation.py, ErrorScale."""
+"""The tolerance of each state, from the size it has had."""
 
 from __future__ import annotations
 

@@ -132,7 +132,7 @@ def find_ahead(e: Engine, d: int, t: float, y: Floats) -> float:
 
 
 def find_approach(e: Engine, d: int, t: float, y: Floats) -> int:
-    """Find how one slip comes to rest. As Descent._approach; p.rate is the rate at y."""
+    """Find how one slip comes to rest; p.rate is the rate at y."""
     m = e.model
     p = e.planar
     evaluate(e, e.mode, p.v, t, y)
@@ -181,7 +181,7 @@ def is_at_rest(p: Planar, d: int, t: float) -> bool:
 def step_descent(e: Engine, t: float, y: Floats, end: float) -> int:
     """Make the next step into ``e.step``: DESCENDS, IS_DOWN if no slip is on its way any more.
 
-    ENDLESS with HB-N408 if the end of a slip is not found. As Descent.step.
+    ENDLESS with HB-N408 if the end of a slip is not found.
     """
     m = e.model
     p = e.planar
@@ -242,7 +242,7 @@ def step_descent(e: Engine, t: float, y: Floats, end: float) -> int:
 def control_descent(e: Engine, t: float, y: Floats, h: float) -> int:
     """Make a step of at most h that agrees with two of half its length.
 
-    `p.y` is `y` with what is held on the way: directions. As Descent._controlled.
+    `p.y` is `y` with what is held on the way: directions.
     """
     p = e.planar
     n = e.states
@@ -318,7 +318,7 @@ def put_curve(
 
 
 def end_descent(e: Engine, t: float, y: Floats) -> None:
-    """Put the state at the end of the descent there, wherever that is. As Descent.ended."""
+    """Put the state at the end of the descent there, wherever that is."""
     m = e.model
     p = e.planar
     evaluate(e, e.mode, p.v, t, y)
