@@ -282,7 +282,7 @@ def loosen(e: Engine, r: Laws, q: Floats, h: float) -> bool:
 
 
 def put_mode(m: Model, r: Laws, branch: Ints, keep: bool, impact: bool) -> None:
-    """Put the mode with these branches into `r.candidate`; what is open stays as it was if `keep`."""
+    """Put the mode with these branches into `r.candidate`; with `keep` what is open stays so."""
     base_mode(m, r.state, r.candidate)
     for k in range(m.ports):
         machine = m.port_machine[k]
