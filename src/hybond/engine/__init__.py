@@ -121,8 +121,8 @@ Modes
     `equations.mode_of(e, state)` takes the equations of a mode into ``e.mode``. With laws left
     open: fill ``given[j]`` (a junction each: tableau.NOT_OPEN, COMMON, NET) and call
     `equations.make_equations(e, mode, given)` on a `mode_records.make_mode(model)` of your own,
-    whose ``state`` `interval.configuration` has filled. The last sources of such a mode are its ports, in
-    the order of junctions: ``mode.source[k] == -1 - j``; what is given from outside is
+    whose ``state`` `interval.configuration` has filled. The last sources of such a mode are its
+    ports, in the order of junctions: ``mode.source[k] == -1 - j``; what is given from outside is
     ``mode.source_level[k]``.
 
 Entering a mode
