@@ -65,6 +65,15 @@ def port_number(text: str) -> int:
     return int(text) if len(text) < 10 and text.isascii() and text.isdigit() else 0
 
 
+def is_number(text: str) -> bool:
+    """Whether a text is a number as Python reads one."""
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
 def steps(path: str) -> list[str]:
     """Return the parts of a dotted path; dots in brackets are part of a name.
 

@@ -16,7 +16,7 @@ subset. Rooms, and in them files, as data passes them::
         pairs, paired       what jumps: a finite part and an impulse; guards and rates on these
     algebra/
         blocks, products    arrays that grow, sparse rows; products of matrices
-        scaling, separate   powers of two; equations that share no unknown
+        rounding, scaling, separate   what rounding is; powers of two; equations apart
         lu, lu_pair, qr, regular   square systems: real, complex, orthogonal, clearly regular
         svd, least_distance        singular values; the point next to zero that keeps inequalities
     mode/

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.errors import HybondError, UsageError
-from hybond.files.whole import whole, write_arrays
+from hybond.files.whole import write_arrays, write_rows
 from hybond.model.builder import Model
 from hybond.model.parts import Value
 from hybond.result import Result
@@ -188,13 +188,7 @@ class Ensemble:
 
     def to_csv(self, path: str | Path) -> None:
         """Write the table, a row for each member."""
-        import csv
-
-        table = self.table()
-        with whole(path) as new, open(new, "w", newline="", encoding="utf-8") as file:
-            writer = csv.writer(file)
-            writer.writerow(table)
-            writer.writerows(zip(*(column.tolist() for column in table.values()), strict=True))
+        write_rows(path, self.table())
 
     def to_npz(self, path: str | Path) -> None:
         """Write the table as NumPy arrays; with samples also ``t`` and ``samples:<output>``."""

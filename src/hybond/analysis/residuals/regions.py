@@ -16,11 +16,10 @@ from hybond.analysis.residuals.region_solver import Item, RegionSolver
 from hybond.analysis.residuals.sensor_rows import SensorRows
 from hybond.analysis.residuals.unit_pivots import (
     UnitPivots,
-    substituted,
 )
 from hybond.equations.mixed import MixedRow, Part
 from hybond.equations.patterns import MOST_PATTERNS, Space, space_of
-from hybond.equations.ring import Row, Symbols
+from hybond.equations.ring import Row, Symbols, substituted
 from hybond.equations.symbolic.rational import Rational
 from hybond.errors import EquationError
 from hybond.model.graph import Mode
@@ -80,7 +79,6 @@ class _Elimination:
         self.given = given
         self.mode = mode
         self.ring = given.ring
-        self.pivots = pivots
         self.constraints = [row for _, row in pivots.constraints]
         self.kinds = [given.kinds[r] for r, _ in pivots.constraints]
         self.variables = set(given.switches) | set(pivots.free)

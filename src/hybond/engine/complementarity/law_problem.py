@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.engine.algebra.rounding import SMALLEST
 from hybond.engine.algebra.svd import rank_above, svd
 from hybond.engine.complementarity.law_roles import (
     BACKWARD,
@@ -27,8 +28,6 @@ from hybond.engine.words import Floats, Ints
 
 SETTLED: Final = 1e-9
 """Part of its terms up to which what is held counts as zero."""
-LEAST_SCALE: Final = 2.2250738585072014e-308
-"""The least number with all its digits."""
 
 
 def solve_laws(p: LawProblem, start: Ints) -> bool:
@@ -142,7 +141,7 @@ def inner_solved(p: LawProblem, free: int) -> bool:
 
 def held_scale(p: LawProblem, k: int) -> float:
     """Return the square root of what a port feels of itself."""
-    return math.sqrt(max(math.fabs(p.m[k * p.n + k]), LEAST_SCALE))
+    return math.sqrt(max(math.fabs(p.m[k * p.n + k]), SMALLEST))
 
 
 def solve_with_friction(p: LawProblem, moved: Floats, held: Floats, start: Ints) -> bool:

@@ -119,7 +119,6 @@ class Laws:
     saw_ahead: bool
     row: Floats
     terms: Floats
-    nothing: Floats
 
     t: float
     s: Floats
@@ -284,7 +283,6 @@ def make_laws(m: Model) -> Laws:
     r.atom = floats(m.atom_first[m.rule_first[m.machines]])
     r.row = floats(m.storages + 2 * m.most_sources + n)
     r.terms = floats(m.slots)
-    r.nothing = floats(m.slots)
     r.s = floats(m.integrals)
     r.state = ints(m.machines)
     r.x = floats(m.storages)

@@ -13,6 +13,7 @@ from typing import Final
 from hybond.engine.algebra.blocks import fit, fit_places
 from hybond.engine.algebra.lu import SINGULAR, lu_factor, lu_solve
 from hybond.engine.algebra.products import all_finite
+from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.algebra.svd import svd_of_transpose
 from hybond.engine.answers import value
 from hybond.engine.engine import Engine, count_work, svd_room
@@ -29,7 +30,7 @@ BESIDE: Final = 1e-150
 """A way that is next to none, for the sign of a slope."""
 CLEAR_PIVOT: Final = 1e-6
 """A pivot above this part of the largest entry of its column is no cancellation."""
-LAST_PLACES: Final = 2.0 * 2.220446049250313e-16
+LAST_PLACES: Final = 2.0 * EPSILON
 """Part of its terms that is the rounding of a sum."""
 STEEP: Final = 1e8
 """What stands for a slope without bound, as a multiple of the others in its row."""

@@ -10,6 +10,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.products import copy_floats
+from hybond.engine.algebra.rounding import SMALLEST
 from hybond.engine.answers import machine_name
 from hybond.engine.engine import NOT_FINITE, OK, REFUSED, Engine, say_fault
 from hybond.engine.mode.values import evaluate, field
@@ -55,7 +56,7 @@ def slip_velocity(m: Model, d: int, v: Floats, way: int) -> float:
 
 def least_slip(p: Planar, d: int) -> float:
     """Return the speed below which one straight step is the rest of the way."""
-    return max(SLIP_ROUNDING * p.largest[d], 10.0 * 2.2250738585072014e-308)
+    return max(SLIP_ROUNDING * p.largest[d], 10.0 * SMALLEST)
 
 
 def slow_place(m: Model, d: int) -> int:

@@ -12,6 +12,7 @@ from typing import Final
 
 from hybond.engine.algebra.lu import SINGULAR, lu_factor, lu_solve
 from hybond.engine.algebra.products import copy_floats
+from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.algebra.svd import rank_above, svd
 from hybond.engine.answers import node_name
 from hybond.engine.complementarity.friction_disk import on_disk
@@ -364,7 +365,7 @@ def solve_alone(e: Engine, q: LawProblem, start: Ints, d: int) -> bool:
     for k in range(4):
         r.block[k] = p.a[k]
     svd(r.svd, 2, 2, r.block)
-    regular = rank_above(r.svd, 2, 2.0 * 2.220446049250313e-16 * r.svd.s[0]) == 2
+    regular = rank_above(r.svd, 2, 2.0 * EPSILON * r.svd.s[0]) == 2
     if regular and lu_factor(2, r.block, r.tried) != SINGULAR:
         p.force[2 * d] = p.f0[0]
         p.force[2 * d + 1] = p.f0[1]

@@ -7,6 +7,7 @@ from typing import Final
 
 from hybond.engine.algebra.blocks import fit
 from hybond.engine.algebra.lu import SINGULAR, lu_invert
+from hybond.engine.algebra.products import column_norm
 from hybond.engine.algebra.scaling import balance
 from hybond.engine.algebra.svd import Svd, null_space
 from hybond.engine.complementarity.law_roles import CUT, ONE_SIDED, SHUT
@@ -74,19 +75,7 @@ def is_regular(n: int, a: Floats, factor: Floats, row: Ints, inverse: Floats) ->
     """Whether a balanced matrix clearly is regular; `factor` is a copy of it, and lost."""
     if lu_invert(n, factor, row, inverse) == SINGULAR:
         return False
-    return column_sum(n, a) * column_sum(n, inverse) < REGULAR_ENOUGH
-
-
-def column_sum(n: int, a: Floats) -> float:
-    """Return the largest sum of magnitudes of a column."""
-    most = 0.0
-    for j in range(n):
-        total = 0.0
-        for i in range(n):
-            total += math.fabs(a[i * n + j])
-        if not total <= most:
-            most = total
-    return most
+    return column_norm(n, a) * column_norm(n, inverse) < REGULAR_ENOUGH
 
 
 def share(e: Engine, s: Stepping, p: Ports, c: Coupled) -> None:

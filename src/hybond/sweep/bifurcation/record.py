@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.errors import HybondError, UsageError
-from hybond.files.whole import whole, write_whole
+from hybond.files.whole import write_rows, write_whole
 from hybond.names import did_you_mean
 from hybond.sweep.bifurcation.branch import Branch
 from hybond.sweep.bifurcation.question import refusal
@@ -190,13 +190,7 @@ class Bifurcation:
 
     def to_csv(self, path: str | Path) -> None:
         """Write the table, a row for each sample."""
-        import csv
-
-        table = self.table()
-        with whole(path) as new, open(new, "w", newline="", encoding="utf-8") as file:
-            writer = csv.writer(file)
-            writer.writerow(table)
-            writer.writerows(zip(*(column.tolist() for column in table.values()), strict=True))
+        write_rows(path, self.table())
 
     def to_dict(self) -> dict[str, Any]:
         """Return everything as plain data in SI; None where there is no number."""
