@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import html
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -14,6 +13,7 @@ from hybond.errors import HybondError, UsageError
 from hybond.files.whole import write_arrays, write_rows
 from hybond.model.builder import Model
 from hybond.model.parts import Value
+from hybond.names import html_lines, html_table
 from hybond.result import Result
 from hybond.simulation import simulate
 
@@ -202,14 +202,13 @@ class Ensemble:
 
     def _repr_html_(self) -> str:
         table = self.table()
-        head = "".join(f"<th>{html.escape(name)}</th>" for name in table)
-        rows = ""
-        for k in range(min(len(self), ROWS)):
-            cells = (f"{v:.6g}" if isinstance(v := c[k], float) else str(v) for c in table.values())
-            rows += "<tr>" + "".join(f"<td>{html.escape(c)}</td>" for c in cells) + "</tr>"
-        more = f"<p>{len(self) - ROWS} more members</p>" if len(self) > ROWS else ""
-        said = html.escape(repr(self).split("\n")[0][1:-1])
-        return f"<p>{said}</p><table><tr>{head}</tr>{rows}</table>{more}"
+        rows = [
+            [f"{v:.6g}" if isinstance(v := c[k], float) else str(v) for c in table.values()]
+            for k in range(min(len(self), ROWS))
+        ]
+        said = [repr(self).split("\n")[0][1:-1]]
+        more = [f"{len(self) - ROWS} more members"] if len(self) > ROWS else []
+        return html_lines(said) + html_table(rows, list(table)) + html_lines(more)
 
     def __repr__(self) -> str:
         kinds, counts = np.unique(self.status, return_counts=True)
