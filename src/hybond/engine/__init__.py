@@ -54,6 +54,7 @@ subset. Rooms, and in them files, as data passes them::
         one_sided, lcp, lcp_forms, lemke, pivoting    without friction; its solution
         all_branches, one_choice, choice, branch_records    few laws in doubt, by all their branches
         friction_disk, semidefinite    Coulomb's disk; whether there is one answer
+        least_shares        which of many answers is of least leakage
     impacts/
         strike              impacts by a law that sees all closed contacts at once
         impact_laws, shares, impact_records    Newton's for all, Poisson's; dependent contacts
@@ -94,7 +95,7 @@ subset. Rooms, and in them files, as data passes them::
     timestepping/
         step_motion, theta_step, matrices    an executive that locates nothing; one step
         step_laws, guessed, end_ports    laws at its end
-        open_shares, step_shares    who carries what
+        open_shares         who carries what
         step_event, step_shown, step_records    what is written and shown
     checks/
         laws_held, guards_held, impacts_held, untouched    put back into themselves

@@ -11,13 +11,13 @@ from hybond.engine.algebra.products import column_norm
 from hybond.engine.algebra.scaling import balance
 from hybond.engine.algebra.svd import Svd, null_space
 from hybond.engine.complementarity.law_roles import CUT, ONE_SIDED, SHUT
+from hybond.engine.complementarity.least_shares import least_shares, leave_still
 from hybond.engine.engine import Engine, svd_room
 from hybond.engine.laws.law_records import Ports
 from hybond.engine.laws.ports import open_mode
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.model import Model
 from hybond.engine.timestepping.step_records import Coupled, Stepping
-from hybond.engine.timestepping.step_shares import least_shares, leave_still
 from hybond.engine.words import Floats, Ints
 
 REGULAR_ENOUGH: Final = 1e9
