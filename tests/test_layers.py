@@ -2,6 +2,7 @@
 
 import ast
 import os
+import re
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -114,6 +115,19 @@ def test_imports_go_left() -> None:
     used = {(scope, room) for _, scope, _, room in found}
     listed = {(scope, room) for scope, rooms in DISPLAY.items() for room in rooms}
     assert listed <= used, f"listed for nothing: {sorted(listed - used)}"
+
+
+def test_the_map_of_the_engine_names_every_file_in_its_room() -> None:
+    engine = SOURCE / "hybond" / "engine"
+    room, named = "", set()
+    for line in TEXTS[engine / "__init__.py"].splitlines():
+        if head := re.fullmatch(r" {4}(\w+)/", line):
+            room = head[1]
+        elif row := re.match(r" {8}(\w+(?:, \w+)*) {2}", line):
+            named |= {f"{room}/{name}" for name in row[1].split(", ")}
+    files = {f"{p.parent.name}/{p.stem}" for p in engine.glob("*/*.py") if p.stem != "__init__"}
+    plain = ("tables", "compiled", "interpreted", "outcome")  # docs/rooms.md has these
+    assert named == {file for file in files if not file.startswith(plain)}
 
 
 @pytest.mark.parametrize(

@@ -1,8 +1,9 @@
-"""Names for people: dotted paths, "did you mean", words in columns."""
+"""Names for people: dotted paths, "did you mean", words in columns and in HTML."""
 
 from __future__ import annotations
 
 import difflib
+import html
 import re
 from collections.abc import Callable, Iterable, Sequence
 
@@ -65,6 +66,15 @@ def port_number(text: str) -> int:
     return int(text) if len(text) < 10 and text.isascii() and text.isdigit() else 0
 
 
+def is_number(text: str) -> bool:
+    """Whether a text is a number as Python reads one."""
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
 def steps(path: str) -> list[str]:
     """Return the parts of a dotted path; dots in brackets are part of a name.
 
@@ -102,3 +112,25 @@ def in_columns(
     most = widest or max((len(word) for row in table for word in row), default=0)
     widths = [max((n for n in map(len, column) if n <= most), default=0) for column in zip(*table)]
     return ["  ".join(map(justified, row, widths)).rstrip() for row in table]
+
+
+def html_table(rows: Iterable[Sequence[str]], head: Sequence[str] = ()) -> str:
+    """Return rows of words as a table of HTML, under a head if there is one.
+
+    Examples
+    --------
+    >>> html_table([("a", "<b>")], ["name", "value"])
+    '<table><tr><th>name</th><th>value</th></tr><tr><td>a</td><td>&lt;b&gt;</td></tr></table>'
+    """
+
+    def line(words: Sequence[str], tag: str) -> str:
+        cells = (f"<{tag}>{html.escape(word)}</{tag}>" for word in words)
+        return f"<tr>{''.join(cells)}</tr>"
+
+    body = "".join(line(row, "td") for row in rows)
+    return f"<table>{line(head, 'th') if head else ''}{body}</table>"
+
+
+def html_lines(lines: Iterable[str]) -> str:
+    """Return lines of text as paragraphs of HTML."""
+    return "".join(f"<p>{html.escape(line)}</p>" for line in lines)

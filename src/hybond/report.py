@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import html
 from collections.abc import Collection, Iterator, Sequence
 from typing import overload
 
@@ -11,7 +10,7 @@ from numpy.typing import NDArray
 
 from hybond.chronicle import Chronicle
 from hybond.model.graph import FlatGraph
-from hybond.names import in_columns
+from hybond.names import html_table, in_columns
 from hybond.runs.trace import Event, Fired, Visit
 from hybond.units import format_quantity
 
@@ -146,12 +145,7 @@ class EventTable(Sequence[Event]):
         return str(self)
 
     def _repr_html_(self) -> str:
-        body = "".join(
-            "<tr>" + "".join(f"<td>{html.escape(c)}</td>" for c in row) + "</tr>"
-            for row in self.rows()
-        )
-        head = "".join(f"<th>{h}</th>" for h in ("time", "cause", "what", "kind", "details"))
-        return f"<table><tr>{head}</tr>{body}</table>"
+        return html_table(self.rows(), ("time", "cause", "what", "kind", "details"))
 
 
 def joule(value: float) -> str:

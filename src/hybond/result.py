@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import bisect
-import html
 from collections.abc import Iterable, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
@@ -24,6 +23,7 @@ from hybond.measures.window import instant_near
 from hybond.model.expressions import Expr
 from hybond.model.graph import FlatGraph
 from hybond.model.unit_words import unit_of
+from hybond.names import html_lines, html_table
 from hybond.options import seconds
 from hybond.report import EventTable
 from hybond.runs.states import State
@@ -481,15 +481,13 @@ class Result(Measuring):
         return plot_run(self, chosen, path=path)
 
     def _repr_html_(self) -> str:
-        rows = "".join(
-            f"<tr><td>{html.escape(name)}</td><td>"
-            f"{html.escape(format_quantity(value, self.unit(name) or '1'))}</td></tr>"
+        rows = [
+            (name, format_quantity(value, self.unit(name) or "1"))
             for name, value in self._at_end().items()
-        )
+        ]
         said = [repr(self)[1:-1], *(f"warning: {w}" for w in self.warnings)]
         said += [str(self.error)] if self.error is not None else []
-        head = "".join(f"<p>{html.escape(line)}</p>" for line in said)
-        return f"{head}<table><tr><th>at the end</th><th></th></tr>{rows}</table>"
+        return html_lines(said) + html_table(rows, ("at the end", ""))
 
     def _at_end(self) -> dict[str, float]:
         try:

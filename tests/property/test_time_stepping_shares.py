@@ -13,8 +13,7 @@ from passive_nets import network
 import hybond as hb
 from hybond.engine.algebra.blocks import fit
 from hybond.engine.algebra.svd import make_svd
-from hybond.engine.timestepping.step_records import make_shares
-from hybond.engine.timestepping.step_shares import least_shares
+from hybond.engine.complementarity.least_shares import least_shares, make_shares
 
 
 def stepped(model: hb.Model, until: float, h: float, **options: object) -> hb.Result:

@@ -19,6 +19,7 @@ from hybond.causality.record import Causality
 from hybond.causality.reference import Reference, reference_mode
 from hybond.causality.strokes import Strokes
 from hybond.model.graph import FlatGraph, Mode
+from hybond.model.joined import Joined
 from hybond.records import dataclass
 from hybond.uncollected import uncollected
 
@@ -315,24 +316,13 @@ def _regions(
     arrays: Arrays, through: Mapping[int, set[int]]
 ) -> list[tuple[tuple[int, ...], tuple[int, ...]]]:
     """Group dynamic bonds that share a node or a switch; bonds and switches of each group."""
-    above: dict[int, int] = {}
-
-    def find(v: int) -> int:
-        root = v
-        while (up := above.setdefault(root, root)) != root:
-            root = up
-        while above[v] != root:
-            above[v], v = root, above[v]
-        return root
-
+    joined: Joined[int] = Joined()
     for bond, switches in through.items():
-        first = find(arrays.tail[bond])
-        for v in (arrays.head[bond], *sorted(switches)):
-            above[find(v)] = first
+        joined.join((arrays.tail[bond], arrays.head[bond], *switches))
     bonds: dict[int, list[int]] = {}
     moved: dict[int, set[int]] = {}
     for bond in sorted(through):
-        root = find(arrays.tail[bond])
+        root = joined.root(arrays.tail[bond])
         bonds.setdefault(root, []).append(bond)
         moved.setdefault(root, set()).update(through[bond])
     return [(tuple(bonds[root]), tuple(sorted(moved[root]))) for root in bonds]

@@ -18,6 +18,7 @@ from itertools import combinations, product
 
 from hybond.model.expressions import And, Bool, Compare, Expr, If, Name, Not, Or, names, simplify
 from hybond.model.graph import FlatGraph, Mode
+from hybond.model.joined import Joined
 from hybond.records import dataclass
 
 LIMIT = 1000
@@ -175,23 +176,14 @@ class _Steps:
 
     def _groups(self) -> list[tuple[int, ...]]:
         """Return the machines joined by asking for one another's states."""
-        group = {m: m for m in self.moved}
-
-        def root(m: int) -> int:
-            while group[m] != m:
-                m = group[m]
-            return m
-
+        joined = Joined(self.moved)
         for m in self.moved:
             for rule in self.graph.machines[m].rules:
                 for name in sorted(names(rule.guard)):
                     other = _asked(name, self.owner)
-                    if other in group:
-                        group[root(other)] = root(m)
-        joined: dict[int, list[int]] = {}
-        for m in self.moved:
-            joined.setdefault(root(m), []).append(m)
-        return [tuple(g) for g in joined.values()]
+                    if other in self.moved:
+                        joined.join((m, other))
+        return [tuple(g) for g in joined.groups()]
 
 
 @dataclass(frozen=True, slots=True)

@@ -20,6 +20,7 @@ from hybond.causality.matching import EXPOSED
 from hybond.causality.record import Causality
 from hybond.causality.strokes import Strokes
 from hybond.model.graph import FlatGraph, Mode
+from hybond.model.joined import Joined
 from hybond.records import dataclass
 from hybond.uncollected import uncollected
 
@@ -294,19 +295,10 @@ def _varying(sets: list[frozenset[int]]) -> list[int]:
 
 def _parts(arrays: Arrays) -> list[int]:
     """Return, per node, the least node of its part of the graph that hangs together."""
-    part = list(range(arrays.nodes))
-
-    def find(v: int) -> int:
-        while part[v] != v:
-            part[v] = part[part[v]]
-            v = part[v]
-        return v
-
-    pairs = list(zip(arrays.tail, arrays.head, strict=True))
+    parts = Joined(range(arrays.nodes))
+    for ends in zip(arrays.tail, arrays.head, strict=True):
+        parts.join(ends)
     for sets in arrays.on:
-        together = sorted(frozenset().union(*sets))
-        pairs += [(together[0], v) for v in together[1:]]
-    for a, b in pairs:
-        a, b = find(a), find(b)
-        part[max(a, b)] = min(a, b)
-    return [find(v) for v in range(arrays.nodes)]
+        parts.join(frozenset().union(*sets))
+    least = {v: part[0] for part in parts.groups() for v in part}
+    return [least[v] for v in range(arrays.nodes)]

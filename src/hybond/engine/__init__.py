@@ -7,71 +7,105 @@ arrays of a model from its flat graph, `compiled` prints, builds and calls the l
 a run.
 
 `model.Model` is what a model brings along: tables, which `tables/` makes; `answers` has its
-expressions and names. `engine.Engine` is one run; it holds the state, the modes known so far, and
-all room to work in. Data flows so::
+expressions and names. `engine.Engine` is one run: the state, the modes known so far, and all room
+to work in (`work`, and files that end in `_records` or `_room`). `words` has the words of the
+subset. Rooms, and in them files, as data passes them::
 
-    tables -> Model
-    elimination, tableau      rows of a mode, eliminated
-    equations, kept_modes     those made ready: engine.Mode, kept (the least recently used goes)
-    newton, storage, leakage  bond variables at an instant; co-energy, energy; least leakage
-    reading, sizes            those that are read in a step; what their rounding is measured by
-    sums, straight_rates      comparisons, and rates, that are sums of the state in a mode
-    newton_system, newton_step      what Newton makes zero, and the step that it asks for;
-                              dynamic_rows (rows whose laws are evaluated)
-    beside_jumps              laws that hold just beside a jump of one of them, to rounding
-    damped, continuation      Newton with shorter steps, where full ones do not end; on the way from
-                              laws with a resistance beside them, where these do not either
-    put_back, freedom         whether a solution holds; directions that a linear system leaves free
-    undetermined              what laws leave free at the values that hold
-    jump                      entering a mode: constraints, impulses
-    trial, entering, settle   trying modes at an instant until none is left (staying: what is
-                              known of the last one)
-    values, scale, stepping   values while time passes; tolerances (by what states are and lately
-                              were: lately); one step
-    control, dopri, exact     steps that the error controls: Dormand and Prince, or what is
-                              propagated: flow (which modes are linear, and their matrix, by
-                              linear_rows and balance), propagate (its exponential)
-    fixed                     forward Euler and the classical Runge-Kutta method
-    qss, qss_start            quantised states: steps from one quantum event to the next, qss_events
-                              (qss_band: when; qss_place: where linearly implicit ones are put);
-                              rates by the flow of a linear mode (qss_linear) or fitted (qss_fit)
-    locate                    the first instant of a step at which a guard holds: locator (what
-                              is kept), guard_values, guard_shape, candidates, bracket;
-                              solved_guards (those that are polynomials: step_polynomials,
-                              quartic);
-                              together (what is one instant with it, kinks), one_instant (how
-                              long that lasts); ends_at_guard (the step that ends there)
-    bounds_held               values that outgrow all bounds
-    roots_reached             what roots on both sides of rest bring there stays there
-    sampling, calls           signals set at instants; inputs and blocks that are asked for
-    motion                    the executive: segment after segment
-    radau, radau_stages       implicit steps
-    stiffness                 when ``auto`` goes over to them, and back
-    ports, law_branches, laws laws of junctions: the graph seen from them, which branches are taken
-    gaps                      whether the gap of a contact is the distance that its bonds close
-    law_instant, law_friction what laws may do at an instant, dry friction among them
-    law_rates                 how what is zero moves on: which idle diode conducts
-    law_parallel              who of laws beside each other carries, and what of that stays open
-    law_answers               one question to them, answered
-    law_candidates            whether a mode stands up to its laws; all branches, where that cannot
-                              be asked
-    strike                    impacts by a law that sees all closed contacts at once: impact_laws
-                              (Newton's for all, Poisson's), shares (of dependent contacts),
-                              compliant and spring_steps (contacts as stiff springs)
-    law_problem, lcp_forms, lemke   these as one complementarity problem, and its solution:
-                              law_roles (how each takes part), one_sided (without friction)
-    all_branches, one_choice  few laws in doubt: none, one or several answers, by all their branches
-    planar, stops, descent    friction in the plane: whether it holds, where slip ends and begins
-    accumulation, rest, landing     contacts that come to rest
-    sliding, going_on         after an event: which machines slide from there, and what is written
-    met, ways_on, filippov    the surfaces met, how the state goes on from them: additive, crossings
-    combine, corners, branches      the modes around surfaces; the branches of laws in each of them
-    blend, averages, onto     their combination, as a mode is asked for; back onto the surfaces
-    step_motion, theta_step   time-stepping: the executive that locates nothing, one step: matrices,
-                              step_laws, guessed (the branches of the step before), open_shares and
-                              step_shares (who carries what), end_ports, step_event, step_shown
-    log                       what is written down; in its place a program has
-    report, run               what is printed; options; the program
+    expressions/
+        code, lookup, functions    laws as instructions; tables that they read; what has no value
+        pairs, paired       what jumps: a finite part and an impulse; guards and rates on these
+    algebra/
+        blocks, products    arrays that grow, sparse rows; products of matrices
+        rounding, scaling, separate   what rounding is; powers of two; equations apart
+        lu, lu_pair, qr, regular   square systems: real, complex, orthogonal, clearly regular
+        svd, least_distance        singular values; the point next to zero that keeps inequalities
+    mode/
+        tableau, elimination    rows of a mode, eliminated
+        equations, kept_modes, mode_records    those made ready, and kept
+        solving, values     bond variables at an instant; what expressions read
+        newton, newton_system, newton_step, dynamic_rows    Newton's method: what it makes zero, its
+                            step, by which laws
+        guess, neighbours   where it begins
+        damped, continuation    with shorter steps; on the way from laws with a resistance beside
+        beside_jumps, put_back  solutions just beside a jump; whether one holds
+        freedom, undetermined, leakage    what a system leaves free, and laws; least leakage
+        storage             co-energy, energy
+        reading, sizes, solved_sizes    what a step reads; what its rounding is measured by
+        sums, straight_rates, sum_records    comparisons, and rates, that are sums of the state
+    inputs/
+        interval, sampling, calls    pieces of inputs; signals set at instants; who is asked
+    instant/
+        settle              trying modes at an instant until none is left
+        entering, trial, jump    a mode entered: signals, and what is stored
+        constraints, impulse_ways, own_ways    what a jump must fulfil, and what moves it there
+        staying             what is known of the last trial
+        in_force, indeterminate    rules that are asked; truths that depend on what is open
+        doubts, telling, told, instant    what is warned of, told and written down
+    laws/
+        laws                modes with laws of junctions: first what jumps, then what lasts
+        ports               the graph with its laws left open
+        law_branches, law_records    which branches are taken
+        law_instant, law_friction, law_rates    what laws may do; dry friction; how zeros move on
+        law_answers         one question to them, answered
+        law_parallel, law_shares    idle laws beside those that carry; friction that shares a load
+        law_candidates, law_seconds    whether a mode stands up to its laws; more than one answer
+        gaps                whether the gap of a contact is the distance that its bonds close
+    complementarity/
+        law_problem, law_roles    the question as a complementarity problem
+        one_sided, lcp, lcp_forms, lemke, pivoting    without friction; its solution
+        all_branches, one_choice, choice, branch_records    few laws in doubt, by all their branches
+        friction_disk, semidefinite    Coulomb's disk; whether there is one answer
+        least_shares        which of many answers is of least leakage
+    impacts/
+        strike              impacts by a law that sees all closed contacts at once
+        impact_laws, shares, impact_records    Newton's for all, Poisson's; dependent contacts
+        compliant, spring_steps    contacts as stiff springs
+    planar/
+        planar              friction in the plane: whether it holds
+        stops, descent, planar_records    where slip ends and begins; its last part
+    contacts/
+        impacts_seen, accumulation, landing, landing_records    impacts that come to rest
+        rest, unrest        the state at rest; why there is none
+    sliding/
+        sliding, what_happened, met    after an event: which machines slide from there
+        ways_on, filippov, crossings, additive, ways_told    how the state goes on
+        around, combine, corners, branches, branch_table    the modes around surfaces
+        blend, averages, common_space, outputs    their combination, asked as a mode is
+        surface, onto, going_on, slide_records    surfaces; back onto them; what is written
+    methods/
+        stepping            one step of the method asked for
+        scale, lately, failed_steps, one_instant    tolerances; steps that cannot be; how long an instant is
+        control, dopri      steps that the error controls: Dormand and Prince
+        exact, flow, linear_rows, balance, propagate, flow_records    linear modes, propagated
+        radau, radau_stages, radau_dense, radau_method, radau_room    implicit steps
+        stiffness, from_edges    when ``auto`` goes over to them, and back; where laws begin
+        fixed               forward Euler, the classical Runge-Kutta method
+        qss, qss_start, qss_events, qss_band, qss_place, qss_room    quantised states
+        qss_linear, qss_fit, qss_nodes    their rates: in linear modes, and in others
+    run/
+        motion              the executive: segment after segment
+        locate, locator     the first instant of a step at which a guard holds
+        guard_values, guard_shape, candidates, bracket    by samples
+        solved_guards, step_polynomials, quartic    by polynomials
+        together, ends_at_guard    what is one instant with it; the step that ends there
+        kinks_passed, held_by_kinks, source_jumps    kinks of laws and of sources
+        edges, roots_reached    where laws end; roots that come to rest
+        stranded            motion that gets nowhere
+        log, run_records, carried, trying    what is written, handed on, tried
+        report, run, unit   in a printed program: what is shown; the program; driven by others
+    timestepping/
+        step_motion, theta_step, matrices    an executive that locates nothing; one step
+        step_laws, guessed, end_ports    laws at its end
+        open_shares         who carries what
+        step_event, step_shown, step_records    what is written and shown
+    checks/
+        laws_held, guards_held, impacts_held, untouched    put back into themselves
+        bounds_held         values that outgrow all bounds
+        shown, noting, check_records    as read from outside; what was found
+    looking/
+        look, asked, known, energies    values and powers at points of a known motion
+    reasons/
+        facts, warned       why a run ended, what it warns of, in numbers
 
 What junction laws and implicit steps ask of it, and give to it:
 
@@ -83,21 +117,21 @@ State and values
     `solving.solve_read(e, mode, reads, v)` is the same for bond variables that are read in a step.
     `sizes.measure(e, mode, pair, xi, v, terms)`, before a guard is asked: what rounding of the
     signals that it reads is measured by, `xi` being what they were solved from. `sizes.seen_of(e,
-    mode, x)`: ``mode.seen`` times the root of ``e.energy`` is reach_of_bonds.
+    mode, x)`: ``mode.seen`` times the root of ``e.energy`` is how far each bond variable may reach.
 
 Modes
     `equations.mode_of(e, state)` takes the equations of a mode into ``e.mode``. With laws left
     open: fill ``given[j]`` (a junction each: tableau.NOT_OPEN, COMMON, NET) and call
-    `equations.make_equations(e, mode, given)` on a `engine.make_mode(model)` of your own, whose
-    ``state`` `interval.configuration` has filled. The last sources of such a mode are its ports, in
-    the order of junctions: ``mode.source[k] == -1 - j``; what is given from outside is
+    `equations.make_equations(e, mode, given)` on a `mode_records.make_mode(model)` of your own,
+    whose ``state`` `interval.configuration` has filled. The last sources of such a mode are its
+    ports, in the order of junctions: ``mode.source[k] == -1 - j``; what is given from outside is
     ``mode.source_level[k]``.
 
 Entering a mode
     `entering.enter(e, t, x, s, state, jump, stay)` is what settling calls. Without laws it is
     `trial.try_mode`. With laws (``model.laws > 0``) it calls
-    `laws.enter_with_laws(e, t, x, s, state, jump, stay)`, after Trials._with_laws, which must leave
-    the trial in ``e.trial`` and ``e.v``, ``e.mode`` being its equations. It is made of
+    `laws.enter_with_laws(e, t, x, s, state, jump, stay)`, which must leave the trial in ``e.trial``
+    and ``e.v``, ``e.mode`` being its equations. It is made of
 
     * `trial.begin_trial(e, t, x, s, state)`: takes the mode, writes the values on entering it;
     * `trial.take_factors(e, e.mode, e.v)`, `trial.jump_into(e, x, after)`: the jump (what it does

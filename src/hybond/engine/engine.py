@@ -48,8 +48,6 @@ class Fault:
     why: Text
     place: Text
     t: float
-    number: float
-    numbered: bool
     many: int
     about: Block
     """What is known of it, `many` numbers, for whoever puts it into words: see `facts`."""
@@ -106,7 +104,6 @@ class Step:
     y: Floats
     f: Floats
     h: float
-    h_before: float
     off: float
     """The error of a step that was repeated, as a part of what it may be; 0: the method tells none.
     """
@@ -272,7 +269,6 @@ def say_fault(e: Engine, code: Text, why: Text, place: Text) -> int:
     e.fault.why = why
     e.fault.place = place
     e.fault.t = e.t
-    e.fault.numbered = False
     if e.model.tells != 0:
         e.fault.many = 0
     return REFUSED

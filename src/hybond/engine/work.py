@@ -103,7 +103,6 @@ class Work:
     left_before: Block
     refrozen: Block
     known: Block
-    rates: Block
     rate_part: Block
     row: Block
     a: Block
@@ -151,7 +150,6 @@ class Work:
     generic: Floats
     values: Floats
     """Values to try something with."""
-    rate: Floats
     stack: Stack
 
 
@@ -220,7 +218,6 @@ def make_work(m: Model) -> Work:
     w.left_before = make_block(1)
     w.refrozen = make_block(1)
     w.known = make_block(1)
-    w.rates = make_block(1)
     w.rate_part = make_block(1)
     w.row = make_block(1)
     w.a = make_block(1)
@@ -259,6 +256,5 @@ def make_work(m: Model) -> Work:
     w.ways = make_ways()
     w.generic = floats(2 * m.slots)
     w.values = floats(2 * m.slots)
-    w.rate = floats(m.storages + m.integrals)
     w.stack = make_stack()
     return w

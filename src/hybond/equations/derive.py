@@ -15,7 +15,7 @@ from hybond.equations.ring import Numbers, Ring, Row, Symbols
 from hybond.equations.state_form import StateEquations
 from hybond.equations.switch_form import SwitchForm, switch_form
 from hybond.model.builder import Model, graph_of
-from hybond.model.expressions import Expr, names
+from hybond.model.expressions import names
 from hybond.model.graph import AnyMode, FlatGraph
 from hybond.uncollected import uncollected
 
@@ -83,7 +83,7 @@ def state_equations(
         from hybond.causality.reference import reference_mode
 
         start = reference_mode(graph).mode
-    wanted = [_signal(graph, text) for text in outputs]
+    wanted = [graph.signal(text) for text in outputs]
     form = switch_form(graph, ring, start, symbolic=symbolic, outputs=wanted)
     regions = regions_of(form, compact=compact)
     region_at = {v: r for r in regions if not r.why_kept for v in r.variables}
@@ -181,13 +181,6 @@ def _places(
     place.update({k: ("input", j) for j, k in enumerate(sources)})
     place.update({k: ("law", j) for j, k in enumerate(laws)})
     return place
-
-
-def _signal(graph: FlatGraph, text: str) -> Expr:
-    if text in graph.signals:
-        return graph.signals[text]
-    assert graph.read is not None
-    return graph.read(text)
 
 
 def _storage_rows(form: SwitchForm[T], *, symbolic: bool) -> dict[int, dict[int, T]]:

@@ -176,10 +176,6 @@ class Display:
                 parts.append(body)
         return joined(parts) if parts else "0"
 
-    def coefficient(self, c: Any) -> str:
-        """Return a coefficient as text, its sign in front."""
-        return self.rational(c) if isinstance(c, Rational) else f"{c:.6g}"
-
     def latex(self, c: Any) -> str:
         """Return a coefficient for LaTeX."""
         if isinstance(c, Rational):

@@ -56,7 +56,6 @@ class Column:
 class Rows(Generic[T]):
     """The rows of a graph, mode-independent ones first."""
 
-    ring: Ring[T]
     unknowns: int
     """``2 * bonds``."""
     columns: list[Column] = field(default_factory=list)
@@ -148,7 +147,7 @@ class Assembly(Generic[T]):
         self.symbolic = symbolic
         self.imposes = imposes
         self.bonds = len(graph.bonds)
-        self.out: Rows[T] = Rows(ring, 2 * self.bonds)
+        self.out: Rows[T] = Rows(2 * self.bonds)
         self.rates = [self.out.column("rate", s.index) for s in graph.storages]
         self.values = [self.out.column("storage", s.index) for s in graph.storages]
         self.stored = [self.out.column("stored", s.index) for s in graph.storages if feedback]

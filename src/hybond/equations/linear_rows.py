@@ -151,7 +151,7 @@ class _Assembly:
         self.fieldless = any(
             m.fieldless[k] for m, k in zip(graph.machines, mode, strict=True) if m.fieldless
         )
-        self.bonds, self.stored = len(graph.bonds), len(graph.storages)
+        self.bonds = len(graph.bonds)
         self.known = [f"x:{s.index}" for s in graph.storages]
         self.known += [f"s:{i.index}" for i in graph.integrals]
         self.place = {name: k for k, name in enumerate(self.known)}

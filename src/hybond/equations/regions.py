@@ -17,14 +17,14 @@ variable joins the states, with its closing row. That is never wrong, only less 
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Generic, TypeVar
 
 from hybond.equations.element_rows import Closing
 from hybond.equations.patterns import MOST_PATTERNS, Space, space_of
-from hybond.equations.ring import Ring, Row
+from hybond.equations.ring import Ring, Row, substituted
 from hybond.equations.switch_form import SwitchForm
+from hybond.model.joined import Joined
 
 T = TypeVar("T")
 
@@ -157,20 +157,7 @@ def _touched(form: SwitchForm[T]) -> _Touch:
 def _groups(form: SwitchForm[T]) -> list[_Group | None]:
     """Return connected groups: variables that share a closing row or a constraint."""
     variables = _variables(form)
-    parent: dict[object, object] = {v: v for v in variables}
-
-    def root(a: object) -> object:
-        while parent[a] != a:
-            parent[a] = parent[parent[a]]
-            a = parent[a]
-        return a
-
-    def join(items: Iterable[object]) -> None:
-        items = iter(items)
-        first = root(next(items))
-        for item in items:
-            parent[root(item)] = first
-
+    joined: Joined[object] = Joined()
     for s in form.switches:
         closer = form.closer(s)
         space = _space(form, [s])
@@ -179,25 +166,23 @@ def _groups(form: SwitchForm[T]) -> list[_Group | None]:
             at = dict(zip(space.machines, states, strict=True))
             row = form.closing(s, tuple(at[m] for m in closer.machines))
             inside |= {k for k in row if k in variables}
-        join(inside)
+        joined.join(inside)
     targets = {_storage_column(form, t): t for t in form.targets}
     for k, row in enumerate(form.constraints):
         name = ("constraint", k)
-        parent[name] = name
-        inside = {j for j in row if j in variables}
-        join([name, *sorted(inside, key=str)])
+        joined.join([name, *(j for j in row if j in variables)])
         for column in row:
             # the tear that the constraint's storage would give way to
             target = targets.get(column)
             if target is not None:
-                join([name, *(v for v in form.targets[target] if v in form.tears)])
+                joined.join([name, *(v for v in form.targets[target] if v in form.tears)])
     groups: dict[object, _Group] = {}
     for s in form.switches:
-        groups.setdefault(root(s), _Group([], [], [])).switches.append(s)
+        groups.setdefault(joined.root(s), _Group([], [], [])).switches.append(s)
     for t in form.tears:
-        groups.setdefault(root(t), _Group([], [], [])).tears.append(t)
+        groups.setdefault(joined.root(t), _Group([], [], [])).tears.append(t)
     for k in range(len(form.constraints)):
-        groups.setdefault(root(("constraint", k)), _Group([], [], [])).constraints.append(k)
+        groups.setdefault(joined.root(("constraint", k)), _Group([], [], [])).constraints.append(k)
     return list(groups.values())
 
 
@@ -297,7 +282,7 @@ def _gauss(
     solved: dict[int, Row[T]] = {}
     left: list[Row[T]] = []
     for row in sorted(rows, key=len):
-        reduced = _substituted(ring, row, solved)
+        reduced = substituted(ring, row, solved)
         inside = {k: c for k, c in reduced.items() if k in variables}
         if not inside:
             if reduced:
@@ -308,7 +293,7 @@ def _gauss(
         value = {k: -d / c for k, d in reduced.items() if k != pivot}  # type: ignore[operator]
         for k in solved:
             if pivot in solved[k]:
-                solved[k] = _substituted(ring, solved[k], {pivot: value})
+                solved[k] = substituted(ring, solved[k], {pivot: value})
         solved[pivot] = value
     return solved, left
 
@@ -320,14 +305,6 @@ def _pivot(ring: Ring[T], inside: Row[T]) -> int:
     if not fit:
         raise _Stuck("a pivot vanishes at the model's own values")
     return min(fit, key=lambda k: (not ring.steady(inside[k]), ring.cost(inside[k]), k))
-
-
-def _substituted(ring: Ring[T], row: Row[T], solved: dict[int, Row[T]]) -> Row[T]:
-    parts = [(c, solved[k]) for k, c in row.items() if k in solved]
-    if not parts:
-        return row
-    rest = {k: c for k, c in row.items() if k not in solved}
-    return ring.collect([(ring.one, rest), *parts])
 
 
 def _give_way(
@@ -344,7 +321,7 @@ def _give_way(
     Returns the variables that nothing determines and no rate reads.
     """
     ring = form.ring
-    all_rates = {t: _substituted(ring, form.targets[t], solved) for t in sorted(near)}
+    all_rates = {t: substituted(ring, form.targets[t], solved) for t in sorted(near)}
     rates = {t: row for t, row in all_rates.items() if t in exclusive}
     reads = {v for row in all_rates.values() for v in row}
     lost = [v for v in open_ if v not in reads]
@@ -354,7 +331,7 @@ def _give_way(
         if v in lost:
             continue
         holders = [t for t in rates if t not in used and v in rates[t]]
-        if not holders and any(v in _substituted(ring, r, solved) for r in all_rates.values()):
+        if not holders and any(v in substituted(ring, r, solved) for r in all_rates.values()):
             raise _Stuck("storage that several switches reach would have to give way")
         if not holders:
             lost.append(v)
@@ -374,11 +351,11 @@ def _give_way(
         value = {k: -d / c for k, d in rates[target].items() if k != v}  # type: ignore[operator]
         value[target] = ring.one / c  # type: ignore[operator]
         for k in solved:
-            solved[k] = _substituted(ring, solved[k], {v: value})
+            solved[k] = substituted(ring, solved[k], {v: value})
         solved[v] = value
         for t in rates:
             if t != target:
-                rates[t] = _substituted(ring, rates[t], {v: value})
+                rates[t] = substituted(ring, rates[t], {v: value})
         used.append(target)
     if len(used) != len(left):
         if any(_is_law(form, c) for row in left for c in row):

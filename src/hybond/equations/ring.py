@@ -251,3 +251,12 @@ class Symbols:
                         hint="ask for numbers (symbolic=False, --numbers)",
                     )
         return {k: v for k, v in total.items() if not v.is_zero}
+
+
+def substituted(ring: Ring[T], row: Row[T], values: Mapping[int, Row[T]]) -> Row[T]:
+    """Return a row with columns replaced by their values, which are rows."""
+    parts = [(c, values[k]) for k, c in row.items() if k in values]
+    if not parts:
+        return row
+    rest = {k: c for k, c in row.items() if k not in values}
+    return ring.collect([(ring.one, rest), *parts])

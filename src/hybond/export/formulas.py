@@ -1,7 +1,7 @@
 """Expressions of a model as the typed tree that the printers print.
 
 Guards, laws and signals are infix expressions on the vector `v` of values; at a jump they are calls
-on a stack of pairs (`portable/pairs.py`).
+on a stack of pairs (`engine.expressions.pairs`).
 """
 
 from __future__ import annotations

@@ -69,6 +69,16 @@ def write_whole(path: str | Path, data: str | bytes) -> None:
         file.write(data.encode("utf-8") if isinstance(data, str) else data)
 
 
+def write_rows(path: str | Path, columns: Mapping[str, NDArray[Any]]) -> None:
+    """Write columns as CSV, their names first, all or nothing."""
+    import csv
+
+    with whole(path) as new, open(new, "w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(columns)
+        writer.writerows(zip(*(column.tolist() for column in columns.values()), strict=True))
+
+
 def write_arrays(path: str | Path, columns: Mapping[str, NDArray[Any]]) -> None:
     """Write arrays as NumPy's ``.npz``, all or nothing; the ending is added where it is missing."""
     import numpy as np

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import cmath
-import html
 import math
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +15,7 @@ from hybond.measures.impulses import impulses_in, told
 from hybond.measures.pieces import TOLERANCE, Reader, integrable
 from hybond.measures.value import About, Measurement, shown
 from hybond.measures.window import Window
+from hybond.names import html_table
 from hybond.records import dataclass
 
 if TYPE_CHECKING:
@@ -94,11 +94,7 @@ class Spectrum:
         )
 
     def _repr_html_(self) -> str:
-        body = "".join(
-            "<tr>" + "".join(f"<td>{html.escape(word)}</td>" for word in row) + "</tr>"
-            for row in self.rows()
-        )
-        return f"<table><tr><th>frequency</th><th>amplitude</th><th>phase</th></tr>{body}</table>"
+        return html_table(self.rows(), ("frequency", "amplitude", "phase"))
 
 
 def spectrum_of(

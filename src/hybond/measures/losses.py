@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import html
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -16,7 +15,7 @@ from hybond.measures.pieces import TOLERANCE
 from hybond.measures.value import shown
 from hybond.measures.window import Window
 from hybond.model.graph import FlatGraph, Node
-from hybond.names import did_you_mean, in_columns
+from hybond.names import did_you_mean, html_lines, html_table, in_columns
 from hybond.records import dataclass
 
 if TYPE_CHECKING:
@@ -239,13 +238,7 @@ class Losses:
 
     def _repr_html_(self) -> str:
         head, *body = self.text_rows()
-        rows = "".join(
-            "<tr>" + "".join(f"<td>{html.escape(word)}</td>" for word in row) + "</tr>"
-            for row in body
-        )
-        heads = "".join(f"<th>{html.escape(word)}</th>" for word in head)
-        notes = "".join(f"<p>{html.escape(n)}</p>" for n in self.notes)
-        return f"<table><tr>{heads}</tr>{rows}</table>{notes}"
+        return html_table(body, head) + html_lines(self.notes)
 
 
 def _listed(names: str | Sequence[str]) -> list[str]:

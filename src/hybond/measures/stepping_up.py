@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import html
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
@@ -13,6 +12,7 @@ from hybond.measures.extremes import extreme_of
 from hybond.measures.pieces import TOLERANCE
 from hybond.measures.value import shown
 from hybond.measures.window import Window
+from hybond.names import html_table
 from hybond.records import dataclass
 
 if TYPE_CHECKING:
@@ -81,10 +81,7 @@ class StepInfo:
         return "\n".join(f"{name:{wide}}  {value}" for name, value in rows)
 
     def _repr_html_(self) -> str:
-        body = "".join(
-            f"<tr><td>{html.escape(a)}</td><td>{html.escape(b)}</td></tr>" for a, b in self.rows()
-        )
-        return f"<table>{body}</table>"
+        return html_table(self.rows())
 
 
 def step_of(

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import html
 from collections.abc import Iterator
 from typing import Any
 
 from hybond.errors import HybondError
+from hybond.names import html_lines, html_table
 from hybond.records import dataclass
 
 
@@ -107,17 +107,9 @@ class Checked:
         return "\n".join([f"<Checked {self.title!r}: {how}>", *said, *map(str, self.hints)])
 
     def _repr_html_(self) -> str:
-        rows = [("", self.error)] if self.error is not None else []
-        body = "".join(
-            f"<tr><td>{e.code}</td><td>{html.escape(e.place)}</td><td>{html.escape(e.why)}</td>"
-            f"<td>{html.escape(e.hint)}</td></tr>"
-            for _, e in rows
-        ) + "".join(
-            f"<tr><td>{h.code}</td><td>{html.escape(h.where)}</td><td>{html.escape(h.why)}</td>"
-            f"<td>{html.escape(h.remedy)}</td></tr>"
-            for h in self.hints
-        )
-        head = "<tr><th>code</th><th>where</th><th>what</th><th>try</th></tr>"
-        if not body:
-            return f"<p>{html.escape(self.title)}: fine</p>"
-        return f"<p>{html.escape(self.title)}</p><table>{head}{body}</table>"
+        e = self.error
+        rows = [] if e is None else [(e.code, e.place, e.why, e.hint)]
+        rows += [(h.code, h.where, h.why, h.remedy) for h in self.hints]
+        if not rows:
+            return html_lines([f"{self.title}: fine"])
+        return html_lines([self.title]) + html_table(rows, ("code", "where", "what", "try"))

@@ -31,11 +31,6 @@ def switches_of(graph: FlatGraph, node: Node) -> list[Node]:
     return found
 
 
-def active(graph: FlatGraph, node: Node, off: frozenset[int]) -> bool:
-    """Whether `node`'s law acts when the nodes `off` are OFF."""
-    return not any(s.index in off for s in switches_of(graph, node))
-
-
 def _reads_in(node: Node, machine: Machine, state: int) -> bool:
     """Whether the law still reads ``pre()`` when `machine` is in this state.
 

@@ -291,6 +291,13 @@ class FlatGraph:
         """The start state of each machine."""
         return tuple(m.start for m in self.machines)
 
+    def signal(self, text: str) -> Expr:
+        """Return a signal, by its name or as an expression, in canonical names."""
+        if text in self.signals:
+            return self.signals[text]
+        assert self.read is not None
+        return self.read(text)
+
     def on_nodes(self, mode: Mode) -> frozenset[int]:
         """Return the controlled junctions and switched elements that are ON in `mode`."""
         return frozenset().union(

@@ -42,7 +42,7 @@ from hybond.model.laws import TWO_SIDED, JunctionLaw
 from hybond.model.parts import MachinePart, Part, Value
 from hybond.model.planar_friction import keep, pairs_of, planar_parts
 from hybond.model.resolve import Resolver, balance
-from hybond.names import did_you_mean, join
+from hybond.names import did_you_mean, is_number, join
 from hybond.units import Dimension, parse_unit, try_quantity
 
 _TIME = parse_unit("s")[1]
@@ -247,20 +247,12 @@ def _text(value: Value) -> str:
     if not isinstance(value, str):
         # numbers of NumPy show their type
         return repr(value if type(value) is int else float(value))
-    if _is_number(value):
+    if is_number(value):
         return value
     split = _QUANTITY.fullmatch(value.strip())
     if try_quantity(value) is None or split is None or "[" in value:
         return value
     return f"{split[1]} [{split[2]}]"
-
-
-def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True
 
 
 def _add_source(opened: Opened, scope: Scope, path: str, own: str, text: str, part: Part) -> str:

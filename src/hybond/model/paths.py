@@ -89,30 +89,30 @@ def _set(model: Model, names: list[str], value: Value, known: Mapping[str, Model
     part = model.elements.get(name)
     if isinstance(part, Part) and len(rest) == 1:
         new_part = _changed(part, rest[0], value)
-        return None if new_part is None else _copy(model, "elements", name, new_part)
+        return None if new_part is None else regrouped(model, "elements", name, new_part)
     if isinstance(part, SubmodelPart) and rest:
         if len(rest) == 1 and rest[0] in part.inputs:
             inputs = {**part.inputs, rest[0]: value}
-            return _copy(model, "elements", name, replace(part, inputs=inputs))
+            return regrouped(model, "elements", name, replace(part, inputs=inputs))
         inner = _inner(part, known)
         if inner is not None and len(rest) == 1 and rest[0] in inner.parameters:
             if ".." not in name:
                 return None
             given = {**part.parameters, rest[0]: value}
-            return _copy(model, "elements", name, replace(part, parameters=given))
+            return regrouped(model, "elements", name, replace(part, parameters=given))
         if inner is None:
             return None
         new_inner = _set(inner, rest, value, known)
         if new_inner is None:
             return None
-        return _copy(model, "elements", name, replace(part, model=new_inner))
+        return regrouped(model, "elements", name, replace(part, model=new_inner))
     signal = model.signals.get(name)
     if isinstance(signal, Integral | Sampled) and rest == ["start"]:
-        return _copy(model, "signals", name, replace(signal, start=value))
+        return regrouped(model, "signals", name, replace(signal, start=value))
     if name in model.machines and rest == ["start"]:
-        return _copy(model, "machines", name, replace(model.machines[name], start=value))
+        return regrouped(model, "machines", name, replace(model.machines[name], start=value))
     if name in model.inputs and not rest:
-        return _copy(model, "inputs", name, InputPart(constant=value))
+        return regrouped(model, "inputs", name, InputPart(constant=value))
     return None
 
 
@@ -138,7 +138,7 @@ def _starts(part: Part) -> tuple[str, ...]:
     return (about.energy, about.imposes or "") if about is not None and about.energy else ()
 
 
-def _copy(model: Model, group: str, name: str, part: object) -> Model:
+def regrouped(model: Model, group: str, name: str, part: object) -> Model:
     """Return a copy that shares all but the one group that differs."""
     new = copy.copy(model)
     setattr(new, group, {**getattr(model, group), name: part})

@@ -8,6 +8,7 @@ from hybond.errors import ModelError
 from hybond.model.domains import no_such_domain
 from hybond.model.graph import End
 from hybond.model.hierarchy import Scope, Written
+from hybond.model.joined import Joined
 from hybond.model.kinds import KINDS, TWO_PORTS
 from hybond.names import join, port_number
 from hybond.records import dataclass
@@ -158,14 +159,7 @@ def domains_of(nodes: list[RawNode], bonds: list[RawBond]) -> list[Domain]:
     ModelError
         HB-M133 unknown domain, HB-M134 two domains in one region.
     """
-    region = list(range(len(bonds)))
-
-    def find(k: int) -> int:
-        while region[k] != k:
-            region[k] = region[region[k]]
-            k = region[k]
-        return k
-
+    regions = Joined(range(len(bonds)))
     touching: list[list[int]] = [[] for _ in nodes]
     for k, bond in enumerate(bonds):
         touching[bond.tail].append(k)
@@ -173,8 +167,8 @@ def domains_of(nodes: list[RawNode], bonds: list[RawBond]) -> list[Domain]:
     for node, at in zip(nodes, touching, strict=True):
         if node.kind in TWO_PORTS:
             continue
-        for k in at[1:]:
-            region[find(k)] = find(at[0])
+        if at:
+            regions.join(at)
 
     def declare(table: dict[int, tuple[str, str]], root: int, domain: str, path: str) -> None:
         _domain(domain, path)
@@ -182,10 +176,10 @@ def domains_of(nodes: list[RawNode], bonds: list[RawBond]) -> list[Domain]:
         if name == domain:
             return
         text = f"{path!r} is {domain} and {other!r} is {name}, but bonds and junctions join them"
-        inside = [n for n, at in zip(nodes, touching) if at and find(at[0]) == root]
+        inside = [n for n, at in zip(nodes, touching) if at and regions.root(at[0]) == root]
         where = _odd_one(inside) or path
         for k, bond in enumerate(bonds):
-            mixed = _mixed(bond, nodes) if find(k) == root else ""
+            mixed = _mixed(bond, nodes) if regions.root(k) == root else ""
             if mixed:
                 text, where = f"the bond {bond.name!r} joins {mixed}", bond.where
                 break
@@ -205,7 +199,7 @@ def domains_of(nodes: list[RawNode], bonds: list[RawBond]) -> list[Domain]:
         if node.written is None or not at or node.kind in TWO_PORTS:
             continue
         own = node.written.part.options.get("domain")
-        root = find(at[0])
+        root = regions.root(at[0])
         if own is not None:
             declare(said, root, str(own), node.path)
             spoken.setdefault(root, []).append(node.written.scope.prefix)
@@ -223,7 +217,9 @@ def domains_of(nodes: list[RawNode], bonds: list[RawBond]) -> list[Domain]:
         elif scope.model.domain not in (default[root][0], "generic"):
             declare(default, root, scope.model.domain, path)
     chosen: Mapping[int, tuple[str, str]] = {**default, **said}
-    return [_domain(*chosen.get(find(k), ("generic", bonds[k].name))) for k in range(len(bonds))]
+    return [
+        _domain(*chosen.get(regions.root(k), ("generic", bonds[k].name))) for k in range(len(bonds))
+    ]
 
 
 def _odd_one(region: list[RawNode]) -> str:

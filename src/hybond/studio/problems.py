@@ -89,9 +89,3 @@ def _parts(where: str, data: Mapping[str, Any]) -> list[str]:
     """Return the steps of a path, a member of an array as the array."""
     known = {k for section in _SECTIONS for k in table(data, section)}
     return [node_of(step, known) for step in steps(where)]
-
-
-def tone(found: list[Mapping[str, Any]]) -> str:
-    """Return the gravest of some problems: ``"error"``, ``"hint"``, or ``""``."""
-    graves = {p["grave"] for p in found}
-    return "error" if "error" in graves else "hint" if graves else ""

@@ -18,7 +18,7 @@ from hybond.measures.naming import read_name
 from hybond.measures.window import time_of
 from hybond.model.graph import FlatGraph
 from hybond.model.unit_words import unit_of
-from hybond.names import did_you_mean
+from hybond.names import did_you_mean, is_number
 from hybond.records import dataclass
 
 COLLECTORS: Mapping[str, str] = {
@@ -166,20 +166,12 @@ def _points(text: str, word: str) -> int:
 
 def _time(text: str, word: str) -> float:
     try:
-        t = time_of(word if not _is_number(word) else float(word), "collect")
+        t = time_of(word if not is_number(word) else float(word), "collect")
     except HybondError as error:
         raise _refusal(f"{text!r}: {error.why}", COLLECTORS["at"]) from None
     if not t >= 0.0:
         raise _refusal(f"{text!r} is before the start", COLLECTORS["at"])
     return t
-
-
-def _is_number(word: str) -> bool:
-    try:
-        float(word)
-    except ValueError:
-        return False
-    return True
 
 
 def _counted(graph: FlatGraph, name: str) -> int:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import html
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -11,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.errors import HybondError, UsageError
-from hybond.files.whole import whole, write_arrays
+from hybond.files.whole import write_arrays, write_rows
 from hybond.model.builder import Model
 from hybond.model.parts import Value
+from hybond.names import html_lines, html_table
 from hybond.result import Result
 from hybond.simulation import simulate
 
@@ -188,13 +188,7 @@ class Ensemble:
 
     def to_csv(self, path: str | Path) -> None:
         """Write the table, a row for each member."""
-        import csv
-
-        table = self.table()
-        with whole(path) as new, open(new, "w", newline="", encoding="utf-8") as file:
-            writer = csv.writer(file)
-            writer.writerow(table)
-            writer.writerows(zip(*(column.tolist() for column in table.values()), strict=True))
+        write_rows(path, self.table())
 
     def to_npz(self, path: str | Path) -> None:
         """Write the table as NumPy arrays; with samples also ``t`` and ``samples:<output>``."""
@@ -208,14 +202,13 @@ class Ensemble:
 
     def _repr_html_(self) -> str:
         table = self.table()
-        head = "".join(f"<th>{html.escape(name)}</th>" for name in table)
-        rows = ""
-        for k in range(min(len(self), ROWS)):
-            cells = (f"{v:.6g}" if isinstance(v := c[k], float) else str(v) for c in table.values())
-            rows += "<tr>" + "".join(f"<td>{html.escape(c)}</td>" for c in cells) + "</tr>"
-        more = f"<p>{len(self) - ROWS} more members</p>" if len(self) > ROWS else ""
-        said = html.escape(repr(self).split("\n")[0][1:-1])
-        return f"<p>{said}</p><table><tr>{head}</tr>{rows}</table>{more}"
+        rows = [
+            [f"{v:.6g}" if isinstance(v := c[k], float) else str(v) for c in table.values()]
+            for k in range(min(len(self), ROWS))
+        ]
+        said = [repr(self).split("\n")[0][1:-1]]
+        more = [f"{len(self) - ROWS} more members"] if len(self) > ROWS else []
+        return html_lines(said) + html_table(rows, list(table)) + html_lines(more)
 
     def __repr__(self) -> str:
         kinds, counts = np.unique(self.status, return_counts=True)

@@ -284,7 +284,7 @@ class _Work:
     def __init__(
         self, runner: Runner, first: int, rows: dict[str, Any], many: int, done: Done | None
     ) -> None:
-        self.runner, self.first, self.many = runner, first, many
+        self.runner, self.first = runner, first
         self.numbers: dict[str, Vector] = {}
         self.words: dict[str, list[Value]] = {}
         for path, column in rows.items():

@@ -198,75 +198,40 @@ def _swept(
         if job.runs:
             with told(folder.path):
                 folder.runs.mkdir(exist_ok=True)
+    done = _Done(folder)
     ranges = [(a, min(a + size, len(job.plan))) for a in range(0, len(job.plan), size)]
-    kept: dict[Range, Part] = {}
-    notes: list[str] = []
-    missing = ranges
-
-    def note(text: str) -> None:
-        notes.append(text)
-        if folder is not None:
-            folder.note(text)
-
-    if folder is not None:
-        missing = [r for r in ranges if folder.read(*r) is None]
-        for a, b in (r for r in missing if folder.place(*r).exists()):
-            note(f"the part of members {a} to {b - 1} is damaged: run again")
-
-    latest: list[Part] = []
-
-    def keep(part: Part) -> None:
-        latest[:] = [part]
-        if folder is None:
-            kept[part.first, part.last] = part
-        else:
-            folder.write(part)
-
-    def read(first: int, last: int) -> Part:
-        if [(p.first, p.last) for p in latest] == [(first, last)]:
-            return latest[0]
-        found = kept.get((first, last)) if folder is None else folder.read(first, last)
-        if found is None:
-            raise UsageError(
-                f"the part of members {first} to {last - 1} is not there any more",
-                code="HB-P106",
-                where=str(folder.path if folder is not None else "table"),
-                hint="give the same command again: it is run anew",
-            )
-        return found
-
-    done = len(job.plan) - sum(b - a for a, b in missing)
-    begun = done
+    missing = done.missing(ranges)
+    count = begun = len(job.plan) - sum(b - a for a, b in missing)
     interrupted = False
     with shown(progress, len(job.plan), members=True) as looked:
 
         def tell(more: int) -> None:
-            nonlocal done
-            done += more
+            nonlocal count
+            count += more
             if looked is not None:
-                looked(done, len(job.plan))
+                looked(count, len(job.plan))
 
         try:
             if executor is None:
-                how = _here(runner, missing, keep, tell, threads)
+                how = _here(runner, missing, done.keep, tell, threads)
             else:
                 from hybond.sweep.cluster import elsewhere
 
                 assert data is not None
-                how = elsewhere(executor, data, key, missing, keep, tell, note, runner.runs)
+                how = elsewhere(
+                    executor, data, key, missing, done.keep, tell, done.note, runner.runs
+                )
         except KeyboardInterrupt:
             interrupted, how = True, "interrupted"
     if begun:
         how = f"{begun} members were there; {how}"
     if interrupted:
-        missing_now = [
-            r for r in missing if (kept.get(r) if folder is None else folder.read(*r)) is None
-        ]
-        ranges = [r for r in ranges if r not in set(missing_now)]
+        lost = {r for r in missing if done.found(*r) is None}
+        ranges = [r for r in ranges if r not in lost]
     table = SweepTable(
-        job, runner.collectors, ranges, read, None if folder is None else folder.path
+        job, runner.collectors, ranges, done.read, None if folder is None else folder.path
     )
-    table.interrupted, table.how, table.notes = interrupted, how, tuple(notes)
+    table.interrupted, table.how, table.notes = interrupted, how, tuple(done.notes)
     if folder is not None and not interrupted:
         with told(folder.path):
             table.to_csv(folder.path / "table.csv")
@@ -274,6 +239,61 @@ def _swept(
                 table.to_parquet(folder.path / "table.parquet")
     table.seconds = time.perf_counter() - began
     return table
+
+
+class _Done:
+    """The parts that are done, in a folder or in memory; and notes of what went wrong."""
+
+    def __init__(self, folder: Folder | None) -> None:
+        self._folder = folder
+        self._kept: dict[Range, Part] = {}
+        self._latest: Part | None = None
+        self.notes: list[str] = []
+
+    def missing(self, ranges: list[Range]) -> list[Range]:
+        """Return those that are to be run; a part that is damaged is one of them."""
+        if self._folder is None:
+            return ranges
+        missing = [r for r in ranges if self.found(*r) is None]
+        for a, b in missing:
+            if self._folder.place(a, b).exists():
+                self.note(f"the part of members {a} to {b - 1} is damaged: run again")
+        return missing
+
+    def found(self, first: int, last: int) -> Part | None:
+        """Return a part, None if it is not there."""
+        if self._folder is None:
+            return self._kept.get((first, last))
+        return self._folder.read(first, last)
+
+    def keep(self, part: Part) -> None:
+        """Keep a part."""
+        self._latest = part
+        if self._folder is None:
+            self._kept[part.first, part.last] = part
+        else:
+            self._folder.write(part)
+
+    def read(self, first: int, last: int) -> Part:
+        """Return a part that was done; HB-P106 if somebody has taken it away."""
+        latest = self._latest
+        if latest is not None and (latest.first, latest.last) == (first, last):
+            return latest
+        found = self.found(first, last)
+        if found is None:
+            raise UsageError(
+                f"the part of members {first} to {last - 1} is not there any more",
+                code="HB-P106",
+                where="table" if self._folder is None else str(self._folder.path),
+                hint="give the same command again: it is run anew",
+            )
+        return found
+
+    def note(self, text: str) -> None:
+        """Note what went wrong."""
+        self.notes.append(text)
+        if self._folder is not None:
+            self._folder.note(text)
 
 
 def _here(

@@ -25,7 +25,6 @@ from hybond.units import DIMENSIONLESS, Dimension, try_quantity
 if TYPE_CHECKING:
     from hybond.result import Result
 
-Vector = NDArray[np.float64]
 OWN = ("status", "t_end", "code", "message", "warnings")
 """Columns that every table has behind the parameters."""
 

@@ -15,7 +15,7 @@ from hybond.analysis.complementarity.ports import Port
 from hybond.equations.calculus import partial_time
 from hybond.equations.element_rows import laws_of
 from hybond.equations.peeling import Peeling
-from hybond.equations.ring import Ring, Row
+from hybond.equations.ring import Ring, Row, substituted
 from hybond.equations.switch_form import SwitchForm, switch_form
 from hybond.errors import CausalityError
 from hybond.model.expressions import Expr, Number
@@ -75,9 +75,9 @@ def derive_rows(
         answers.append(in_l({k: way * c for k, c in row.items()}))  # type: ignore[operator]
     constraints = [in_l(row) for row in closed.constraints]
     stored = _in_stored(form, ring, symbolic=symbolic)
-    rates = [_replaced(r, stored, ring) for r in rates]
-    answers = [_replaced(r, stored, ring) for r in answers]
-    constraints = [_replaced(r, stored, ring) for r in constraints]
+    rates = [substituted(ring, r, stored) for r in rates]
+    answers = [substituted(ring, r, stored) for r in answers]
+    constraints = [substituted(ring, r, stored) for r in constraints]
     constraints = [r for r in constraints if r]
     labels = {
         k: _source_name(form, k)
@@ -193,14 +193,6 @@ def _in_stored(form: SwitchForm[T], ring: Ring[T], *, symbolic: bool) -> dict[in
         }
         found[form.partner["storage", s.index, 0]] = {k: c for k, c in row.items() if ring.there(c)}
     return found
-
-
-def _replaced(row: Row[T], values: dict[int, Row[T]], ring: Ring[T]) -> Row[T]:
-    parts = [(c, values[k]) for k, c in row.items() if k in values]
-    if not parts:
-        return row
-    rest = {k: c for k, c in row.items() if k not in values}
-    return ring.collect([(ring.one, rest), *parts])
 
 
 def _differentiated(

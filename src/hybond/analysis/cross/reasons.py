@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hybond.analysis.complementarity.form import complementarity
 from hybond.analysis.cross.runs import Events, states_passed
@@ -20,8 +19,6 @@ from hybond.model.expressions import Number, names
 from hybond.model.graph import FlatGraph, Machine, Mode
 from hybond.result import Result
 from hybond.runs.trace import Event
-
-Matrix = NDArray[np.float64]
 
 SMALL = 1e-9
 """Part of the largest entry below which an eigenvalue counts as zero."""

@@ -9,7 +9,6 @@ from hybond.analysis.linear.periods import Window
 from hybond.draw.impulses import impulses_of
 from hybond.result import Result
 
-Vector = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(5)

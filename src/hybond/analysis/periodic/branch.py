@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import html
 import json
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -15,7 +14,7 @@ from numpy.typing import NDArray
 from hybond.analysis.periodic.arc import OrbitPoint
 from hybond.analysis.periodic.points import KINDS, SpecialPoint
 from hybond.errors import UsageError
-from hybond.names import did_you_mean
+from hybond.names import did_you_mean, html_lines, html_table
 from hybond.units import format_quantity
 
 if TYPE_CHECKING:
@@ -203,14 +202,9 @@ class Continuation:
         return str(self)
 
     def _repr_html_(self) -> str:
-        rows = "".join(
-            f"<tr><td>{html.escape(s.kind)}</td><td>{html.escape(self._value(s))}</td>"
-            f"<td>{html.escape(s.text)}</td></tr>"
-            for s in self.special
-        )
         lines = [line for line in self._lines() if not line.startswith("  ")]
-        head = "".join(f"<p>{html.escape(line)}</p>" for line in lines)
-        return f"{head}<table>{rows}</table>"
+        rows = [(s.kind, self._value(s), s.text) for s in self.special]
+        return html_lines(lines) + html_table(rows)
 
     def _value(self, point: SpecialPoint) -> str:
         return f"{self.parameter} = {point.value:.9g} {self.unit}".rstrip()

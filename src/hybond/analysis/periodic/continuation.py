@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any, Unpack
 
 import numpy as np
@@ -217,7 +217,6 @@ class _Follow:
     points: int
     most: int
     tol: float
-    _todo: list[tuple[Arc, Node, int]] = field(default_factory=list)
 
     @property
     def span(self) -> float:

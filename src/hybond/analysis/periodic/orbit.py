@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import html
 import json
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
@@ -16,7 +15,7 @@ from hybond.analysis.linear.words import unit_over
 from hybond.analysis.periodic.multipliers import CIRCLE, Multiplier, is_neutral, is_stable
 from hybond.errors import HybondError, UsageError
 from hybond.measures.signal import Signal
-from hybond.names import did_you_mean
+from hybond.names import did_you_mean, html_lines, html_table
 from hybond.result import Result
 from hybond.runs.states import State
 from hybond.units import format_quantity
@@ -216,14 +215,12 @@ class PeriodicOrbit:
         return str(self)
 
     def _repr_html_(self) -> str:
-        head = "".join(f"<p>{html.escape(line)}</p>" for line in self._head())
         tables = [
-            _html(["multiplier", "size", ""], self._multiplier_rows()),
-            _html(["at the beginning", ""], self._state_rows()),
-            _html(["over the period", "mean", "least", "largest"], self._signal_rows()),
+            html_table(self._multiplier_rows(), ("multiplier", "size", "")),
+            html_table(self._state_rows(), ("at the beginning", "")),
+            html_table(self._signal_rows(), ("over the period", "mean", "least", "largest")),
         ]
-        tail = "".join(f"<p>{html.escape(line)}</p>" for line in self._tail())
-        return head + "".join(tables) + tail
+        return html_lines(self._head()) + "".join(tables) + html_lines(self._tail())
 
     # -- words
 
@@ -333,11 +330,3 @@ def _table(rows: Sequence[Sequence[str]], left: Sequence[int] = ()) -> Iterator[
             for k, (c, w) in enumerate(zip(row, widths))
         ]
         yield ("  " + "  ".join(cells)).rstrip()
-
-
-def _html(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    cells = "".join(f"<th>{html.escape(c)}</th>" for c in head)
-    body = "".join(
-        "<tr>" + "".join(f"<td>{html.escape(c)}</td>" for c in row) + "</tr>" for row in rows
-    )
-    return f"<table><tr>{cells}</tr>{body}</table>"

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from hybond.analysis.residuals.sensor_rows import D, Known
 from hybond.analysis.residuals.unit_pivots import has_rate
-from hybond.equations.ring import Row, Symbols
+from hybond.equations.ring import Row
 from hybond.equations.symbolic.polynomial import Polynomial
 from hybond.equations.symbolic.rational import Rational
 
@@ -25,9 +25,8 @@ class Jet:
 class Jets:
     """Numbers the jets that occur, lower orders and earlier columns first come, first served."""
 
-    def __init__(self, known: Mapping[int, Known], ring: Symbols) -> None:
+    def __init__(self, known: Mapping[int, Known]) -> None:
         self.known = known
-        self.ring = ring
         self.jets: list[Jet] = []
         self._number: dict[Jet, int] = {}
 

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 from hybond.analysis.residuals.region_solver import Item
 from hybond.analysis.residuals.regions import Found
 from hybond.analysis.residuals.sensor_rows import SensorRows
-from hybond.analysis.residuals.unit_pivots import UnitPivots, substituted
+from hybond.analysis.residuals.unit_pivots import UnitPivots
+from hybond.equations.ring import substituted
 
 if TYPE_CHECKING:
     from hybond.analysis.residuals.residuals import Residuals

@@ -10,10 +10,9 @@ from hybond.analysis.residuals.unit_pivots import (
     degree,
     has_rate,
     solved_for,
-    substituted,
     unit_pivot,
 )
-from hybond.equations.ring import Row
+from hybond.equations.ring import Row, substituted
 from hybond.equations.symbolic.rational import Rational
 
 Item = tuple[str, int]

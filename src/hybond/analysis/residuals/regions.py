@@ -16,14 +16,14 @@ from hybond.analysis.residuals.region_solver import Item, RegionSolver
 from hybond.analysis.residuals.sensor_rows import SensorRows
 from hybond.analysis.residuals.unit_pivots import (
     UnitPivots,
-    substituted,
 )
 from hybond.equations.mixed import MixedRow, Part
 from hybond.equations.patterns import MOST_PATTERNS, Space, space_of
-from hybond.equations.ring import Row, Symbols
+from hybond.equations.ring import Row, Symbols, substituted
 from hybond.equations.symbolic.rational import Rational
 from hybond.errors import EquationError
 from hybond.model.graph import Mode
+from hybond.model.joined import Joined
 
 
 @dataclass(slots=True)
@@ -79,7 +79,6 @@ class _Elimination:
         self.given = given
         self.mode = mode
         self.ring = given.ring
-        self.pivots = pivots
         self.constraints = [row for _, row in pivots.constraints]
         self.kinds = [given.kinds[r] for r, _ in pivots.constraints]
         self.variables = set(given.switches) | set(pivots.free)
@@ -122,26 +121,13 @@ class _Elimination:
 
     def _groups(self, together: Iterable[Iterable[int]]) -> list[Region]:
         """Group variables that share a closing row, or that `together` lists."""
-        parent = {v: v for v in self.variables}
-
-        def root(a: int) -> int:
-            while parent[a] != a:
-                parent[a] = parent[parent[a]]
-                a = parent[a]
-            return a
-
+        joined = Joined(sorted(self.variables))
         for (switch, _), row in self.closing.items():
-            for v in (row or {}).keys() & self.variables:
-                parent[root(v)] = root(switch)
+            joined.join([switch, *((row or {}).keys() & self.variables)])
         for members in together:
-            first, *others = sorted(members)
-            for v in others:
-                parent[root(v)] = root(first)
-        groups: dict[int, list[int]] = {}
-        for v in sorted(self.variables):
-            groups.setdefault(root(v), []).append(v)
+            joined.join(members)
         found = []
-        for members in groups.values():
+        for members in joined.groups():
             switches = [v for v in members if v in self.given.switches]
             free = [v for v in members if v not in self.given.switches]
             found.append(Region(self._space(switches), switches, free))

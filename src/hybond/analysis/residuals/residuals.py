@@ -157,7 +157,7 @@ class Residuals(Sequence[Residual]):
         self.ring = given.ring
         self.sensors = tuple(k.name for k in given.known.values() if k.kind == "sensor")
         self.naming = Naming(given.graph)
-        self.jets = Jets(given.known, given.ring)
+        self.jets = Jets(given.known)
         self.regions = found
         self.unused = {given.graph.nodes[n].path: why for n, why in sorted(given.unused.items())}
         self.unobserved = tuple(unobserved(self, pivots, found))

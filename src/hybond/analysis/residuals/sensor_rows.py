@@ -172,18 +172,14 @@ class _Writing:
     # -- sensors
 
     def _signal(self, name: str) -> Expr:
-        graph = self.graph
-        if name in graph.signals:
-            return graph.signals[name]
-        assert graph.read is not None
         try:
-            return graph.read(name)
+            return self.graph.signal(name)
         except Exception as error:
             raise UsageError(
                 f"the sensor {name!r} is no signal of the model",
                 code="HB-A301",
                 where="sensors",
-                hint=did_you_mean(name, list(graph.signals)) or str(error),
+                hint=did_you_mean(name, list(self.graph.signals)) or str(error),
             ) from None
 
     def _sensor(self, name: str, e: Expr) -> None:

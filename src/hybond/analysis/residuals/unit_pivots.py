@@ -16,7 +16,7 @@ import heapq
 from collections.abc import Collection, Sequence
 
 from hybond.analysis.residuals.sensor_rows import LAW, MONITORED, D, SensorRows
-from hybond.equations.ring import Row, Symbols
+from hybond.equations.ring import Row, Symbols, substituted
 from hybond.equations.symbolic.rational import Rational
 
 
@@ -207,14 +207,3 @@ def solved_for(ring: Symbols, row: Row[Rational], column: int) -> Row[Rational]:
     if c == ring.of(-1.0):
         return {k: d for k, d in row.items() if k != column}
     return {k: -d / c for k, d in row.items() if k != column}
-
-
-def substituted(
-    ring: Symbols, row: Row[Rational], values: dict[int, Row[Rational]]
-) -> Row[Rational]:
-    """Return a row with columns replaced by their values."""
-    parts = [(c, values[k]) for k, c in row.items() if k in values]
-    if not parts:
-        return row
-    rest = {k: c for k, c in row.items() if k not in values}
-    return ring.collect([(ring.one, rest), *parts])

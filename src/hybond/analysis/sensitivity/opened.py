@@ -6,7 +6,6 @@ model, so that all of them are one kind of thing: a slot ``p:path`` in the laws 
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -16,7 +15,7 @@ from hybond.model.builder import Model
 from hybond.model.hierarchy import submodel_of
 from hybond.model.kinds import KINDS
 from hybond.model.parts import Integral, Part, Sampled, SubmodelPart, Value
-from hybond.model.paths import settable, with_parts
+from hybond.model.paths import regrouped, settable, with_parts
 from hybond.names import did_you_mean, join
 
 OWN = "_by_"
@@ -117,11 +116,11 @@ def _opened(
         if inner is part.model:
             return model, below
         new = replace(part, model=inner)
-        return _with(model, "elements", name, new), below
+        return regrouped(model, "elements", name, new), below
     if isinstance(part, Part) and len(rest) == 1:
         if rest[0] == part.kind:
             value = _number(part.value, asked)
-            model = _with(model, "elements", name, replace(part, value=own))
+            model = regrouped(model, "elements", name, replace(part, value=own))
         else:
             about = KINDS[part.kind]
             starts = (about.energy, about.imposes or "")
@@ -134,19 +133,19 @@ def _opened(
                 )
             value = _number(part.options.get(rest[0], 0.0), asked)
             options = {**part.options, rest[0]: own}
-            model = _with(model, "elements", name, replace(part, options=options))
+            model = regrouped(model, "elements", name, replace(part, options=options))
     elif isinstance(signal := model.signals.get(name), Integral | Sampled) and rest == ["start"]:
         value = _number(signal.start, asked)
-        model = _with(model, "signals", name, replace(signal, start=own))
+        model = regrouped(model, "signals", name, replace(signal, start=own))
     elif name in model.inputs and not rest and model.inputs[name].constant is not None:
         part_ = model.inputs[name]
         value = _number(part_.constant, asked)
-        model = _with(model, "inputs", name, replace(part_, constant=own))
+        model = regrouped(model, "inputs", name, replace(part_, constant=own))
     else:
         raise EquationError(
             f"{asked} is no number", code="HB-A521", where=asked, hint="vary what is a number"
         )
-    return _with(model, "parameters", own, value), join(prefix, own)
+    return regrouped(model, "parameters", own, value), join(prefix, own)
 
 
 def _number(value: object, asked: str) -> Value:
@@ -158,9 +157,3 @@ def _number(value: object, asked: str) -> Value:
             hint="give its law a parameter of its own, and vary that",
         )
     return value
-
-
-def _with(model: Model, group: str, name: str, value: object) -> Model:
-    new = copy.copy(model)
-    setattr(new, group, {**getattr(model, group), name: value})
-    return new

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import Unpack
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hybond.analysis.sensitivity.along import chain_of
 from hybond.analysis.sensitivity.chain import Chain
@@ -30,8 +29,6 @@ from hybond.options import seconds
 from hybond.result import Result
 from hybond.runs.asked import MethodOptions
 from hybond.simulation import simulate
-
-Vector = NDArray[np.float64]
 
 
 @called(

@@ -84,7 +84,6 @@ class Direct:
         self._columns = columns
         self._own = Gradients(expressions, [*columns.states, "time", *columns.parameters])
         self._inputs = Gradients(expressions, u)
-        self.steady = self._own.steady and not self._inputs._places
 
     def at(self, at: At) -> Vector:
         """Return the slopes by states, time, parameters, shape (points, expressions, columns)."""

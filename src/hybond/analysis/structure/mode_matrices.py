@@ -21,7 +21,6 @@ from hybond.equations.descriptor import Descriptor
 from hybond.equations.ranks import rank_of, scaled
 from hybond.equations.state_form import StateEquations
 from hybond.errors import EquationError, NumericsError
-from hybond.model.expressions import Expr
 from hybond.model.graph import FlatGraph, Mode
 
 SEEDS = (11, 12)
@@ -113,11 +112,3 @@ def _same(a: Descriptor, b: Descriptor) -> bool:
     rows = np.hstack([s.E, s.A, s.B])
     outputs = all(np.allclose(getattr(a, k), getattr(b, k), rtol=1e-9, atol=0.0) for k in "CDF")
     return outputs and rank_of(rows).value == rank_of(rows[:n]).value
-
-
-def signal(graph: FlatGraph, name: str) -> Expr:
-    """Return a signal, by its name or as an expression, in canonical names."""
-    if name in graph.signals:
-        return graph.signals[name]
-    assert graph.read is not None
-    return graph.read(name)

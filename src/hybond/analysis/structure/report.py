@@ -10,7 +10,7 @@ from typing import Any
 from hybond.analysis.structure.rows import ModeStructure, Property, Word
 from hybond.errors import UsageError
 from hybond.model.graph import FlatGraph, Mode
-from hybond.names import in_columns
+from hybond.names import html_lines, html_table, in_columns
 
 CAVEAT = "Per-mode results imply nothing about the switched system."
 HEADER = (
@@ -164,20 +164,11 @@ class StructureReport:
         return "\n".join([*lines, "", CAVEAT])
 
     def _repr_html_(self) -> str:
-        def table(cells: list[tuple[str, ...]]) -> str:
-            head = "".join(f"<th>{html.escape(c)}</th>" for c in cells[0])
-            body = "".join(
-                "<tr>" + "".join(f"<td>{html.escape(c)}</td>" for c in r) + "</tr>"
-                for r in cells[1:]
-            )
-            return f"<table><tr>{head}</tr>{body}</table>"
-
-        parts = [f"<p>{html.escape(self.selection)}</p>"]
-        parts.append(table([HEADER, *(_cells(r) for r in self.rows)]))
+        parts = [html_lines([self.selection]), html_table([_cells(r) for r in self.rows], HEADER)]
         if notes := self.notes():
             parts.append("<ul>" + "".join(f"<li>{html.escape(n)}</li>" for n in notes) + "</ul>")
         if len(self.rows) > 1:
-            parts.append(table([("", "in each mode", "in some mode"), *self._summary_cells()]))
+            parts.append(html_table(self._summary_cells(), ("", "in each mode", "in some mode")))
         return "".join([*parts, f"<p>{CAVEAT}</p>"])
 
     def to_pandas(self) -> Any:

@@ -17,7 +17,7 @@ from typing import Any, Literal
 from hybond.analysis.structure.controllability import Reach, controllability, observability
 from hybond.analysis.structure.detectors import detected, paths_to
 from hybond.analysis.structure.generic import generic
-from hybond.analysis.structure.mode_matrices import ModeMatrices, signal
+from hybond.analysis.structure.mode_matrices import ModeMatrices
 from hybond.analysis.structure.paths import Paths, paths
 from hybond.analysis.structure.report import StructureReport, listed
 from hybond.analysis.structure.rows import ModeStructure, Property, StiffWords
@@ -180,7 +180,7 @@ class _Row:
 
     def _sight(self, d: Descriptor) -> Paths | None:
         """Return what causal paths say about observability, if all outputs are bond variables."""
-        signals = [signal(self.graph, name) for name in d.outputs]
+        signals = [self.graph.signal(name) for name in d.outputs]
         seen = [detected(self.graph, e) for e in signals]
         known = [v for v in seen if v is not None]
         if len(known) < len(seen):

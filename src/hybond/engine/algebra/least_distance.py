@@ -22,8 +22,6 @@ NOTHING_LEFT: Final = 1e-12
 class LeastDistance:
     """Room for up to `most` inequalities of up to `wide` unknowns."""
 
-    most: int
-    wide: int
     column: Floats
     chosen: Ints
     u: Floats
@@ -37,8 +35,6 @@ class LeastDistance:
 def make_least_distance(most: int, wide: int) -> LeastDistance:
     """Return room for such problems."""
     r = LeastDistance()
-    r.most = most
-    r.wide = wide
     rows = wide + 1
     r.column = floats(rows * most)
     r.chosen = ints(most)

@@ -1,12 +1,9 @@
 """Products of matrices, which are arrays row after row, and the largest of some numbers."""
 
 import math
-from typing import Final
 
+from hybond.engine.algebra.rounding import CANCELS
 from hybond.engine.words import Floats
-
-CANCELS: Final = 1e-13
-"""What is below this part of its terms is what rounding leaves of zero."""
 
 
 def times_vector(m: int, n: int, a: Floats, x: Floats, y: Floats) -> None:
@@ -80,3 +77,15 @@ def copy_floats(n: int, a: Floats, b: Floats) -> None:
     """Copy the first n numbers of `a` into `b`."""
     for k in range(n):
         b[k] = a[k]
+
+
+def column_norm(n: int, a: Floats) -> float:
+    """Return the largest sum of magnitudes of a column."""
+    most = 0.0
+    for j in range(n):
+        total = 0.0
+        for i in range(n):
+            total += math.fabs(a[i * n + j])
+        if not total <= most:
+            most = total
+    return most

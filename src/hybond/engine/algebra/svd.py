@@ -12,6 +12,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.regular import solve_regular
+from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.words import Floats, Ints, floats, ints, record
 
 SVD_SWEEPS: Final = 60
@@ -19,7 +20,6 @@ RIGHT_ANGLE: Final = 1e-15
 """Cosine of an angle that counts as right."""
 NO_COLUMN: Final = 1e-25
 """A column below this part of the largest is zero."""
-ROUNDING_UNIT: Final = 2.220446049250313e-16
 
 
 @record
@@ -213,7 +213,7 @@ def least_squares(
         return n
     svd(d, m, n, a)
     longer = max(m, n)
-    part = relative if relative >= 0.0 else ROUNDING_UNIT * float(longer)
+    part = relative if relative >= 0.0 else EPSILON * float(longer)
     first = d.s[0] if n > 0 else 0.0
     rank = min(rank_above(d, n, part * first), m)
     smallest_solution(d, m, n, rank, c, b, x)

@@ -36,7 +36,6 @@ class Checks:
     what: int
     index: int
     off: float
-    size: float
     t: float
     root: Ints
     """Of each bond: one in its part of the graph, while parts are found."""

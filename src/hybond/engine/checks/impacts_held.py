@@ -17,6 +17,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.checks.noting import IMPACT, note_violation
 from hybond.engine.engine import OK, Engine
 from hybond.engine.impacts.impact_records import NEWTON, NEWTON_SIMULTANEOUS
@@ -30,7 +31,7 @@ from hybond.engine.words import Floats
 
 MISSED: Final = 1e-6
 """Part of the fastest speed by which one may miss its law, as where storage is not linear."""
-ROUNDED: Final = 64.0 * 2.220446049250313e-16
+ROUNDED: Final = 64.0 * EPSILON
 """Likewise, of the two speeds that it is the difference of: balls side by side approach by what is
 rounding of theirs."""
 CARRIES: Final = 1e-9

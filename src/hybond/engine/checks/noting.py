@@ -32,7 +32,6 @@ def note_violation(
         c.what = what
         c.index = index
         c.off = off
-        c.size = size
         c.t = t
     c.violated += 1
     at = place_of(e, what) + index

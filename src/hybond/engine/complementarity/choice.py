@@ -18,7 +18,6 @@ class Choice:
     may still be chosen.
     """
 
-    rows: int
     table: Floats
     owner: Ints
     waiting: Ints
@@ -35,7 +34,6 @@ class Choice:
 def make_choice(rows: int, wide: int) -> Choice:
     """Return room for such matrices."""
     c = Choice()
-    c.rows = rows
     c.table = floats(rows * wide)
     c.owner = ints(rows)
     c.waiting = ints(wide)

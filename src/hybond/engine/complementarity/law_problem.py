@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.engine.algebra.rounding import SMALLEST
 from hybond.engine.algebra.svd import rank_above, svd
 from hybond.engine.complementarity.law_roles import (
     BACKWARD,
@@ -27,8 +28,6 @@ from hybond.engine.words import Floats, Ints
 
 SETTLED: Final = 1e-9
 """Part of its terms up to which what is held counts as zero."""
-LEAST_SCALE: Final = 2.2250738585072014e-308
-"""The least number with all its digits."""
 
 
 def solve_laws(p: LawProblem, start: Ints) -> bool:
@@ -142,14 +141,29 @@ def inner_solved(p: LawProblem, free: int) -> bool:
 
 def held_scale(p: LawProblem, k: int) -> float:
     """Return the square root of what a port feels of itself."""
-    return math.sqrt(max(math.fabs(p.m[k * p.n + k]), LEAST_SCALE))
+    return math.sqrt(max(math.fabs(p.m[k * p.n + k]), SMALLEST))
 
 
 def solve_with_friction(p: LawProblem, moved: Floats, held: Floats, start: Ints) -> bool:
     """Write the laws as rows ``A a + B b + C l = d`` with ``a, b >= 0`` and ``a b = 0``; solve."""
-    n = p.n
+    pairs = pair_up(p)
+    write_laws(p, pairs, moved, held)
+    for i in range(pairs):
+        one = p.pair_of[i]
+        if p.pair_way[i] != 0:
+            p.guess[i] = 1 if start[one] == p.pair_way[i] else 0
+        else:
+            p.guess[i] = 1 if (start[one] == 1) == (p.common[one] != 0) else 0
+    if solve_mixed(p.mixed, pairs, p.n, p.guess, True) != SOLVED:
+        return False
+    read_mixed(p, pairs)
+    return True
+
+
+def pair_up(p: LawProblem) -> int:
+    """Give a pair to each one-sided law and two to each friction; return how many there are."""
     pairs = 0
-    for k in range(n):
+    for k in range(p.n):
         if p.role[k] == ONE_SIDED:
             p.pair_of[pairs] = k
             p.pair_way[pairs] = 0
@@ -160,6 +174,12 @@ def solve_with_friction(p: LawProblem, moved: Floats, held: Floats, start: Ints)
             p.pair_of[pairs + 1] = k
             p.pair_way[pairs + 1] = -1
             pairs += 2
+    return pairs
+
+
+def write_laws(p: LawProblem, pairs: int, moved: Floats, held: Floats) -> None:
+    """Write the rows of all laws into the mixed problem."""
+    n = p.n
     x = p.mixed
     rows = pairs + n
     wide = 2 * pairs + n
@@ -202,15 +222,12 @@ def solve_with_friction(p: LawProblem, moved: Floats, held: Floats, start: Ints)
             give_friction(p, k, row, pair, pairs)
             row += 3
             pair += 2
-    for i in range(pairs):
-        one = p.pair_of[i]
-        if p.pair_way[i] != 0:
-            p.guess[i] = 1 if start[one] == p.pair_way[i] else 0
-        else:
-            p.guess[i] = 1 if (start[one] == 1) == (p.common[one] != 0) else 0
-    if solve_mixed(x, pairs, n, p.guess, True) != SOLVED:
-        return False
-    for k in range(n):
+
+
+def read_mixed(p: LawProblem, pairs: int) -> None:
+    """Take the answer of the mixed problem: what carries, which branches, what is open."""
+    x = p.mixed
+    for k in range(p.n):
         p.l[k] = x.c[k]
         p.open[k] = 0
         p.branch[k] = 1 if p.role[k] == FORWARD else -1 if p.role[k] == BACKWARD else 0
@@ -222,7 +239,6 @@ def solve_with_friction(p: LawProblem, moved: Floats, held: Floats, start: Ints)
             p.branch[one] = p.pair_way[i]
         if x.open[i] != 0:
             p.open[one] = 1
-    return True
 
 
 def give_friction(p: LawProblem, k: int, row: int, pair: int, pairs: int) -> None:

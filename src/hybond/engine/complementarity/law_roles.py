@@ -48,7 +48,6 @@ class LawProblem:
     taken first, and `answer_why` why it was taken.
     """
 
-    most: int
     n: int
     m: Floats
     q: Floats
@@ -107,7 +106,6 @@ class LawProblem:
 def make_law_problem(n: int) -> LawProblem:
     """Return room for n ports."""
     p = LawProblem()
-    p.most = n
     p.m = floats(n * n)
     p.q = floats(n)
     p.role = ints(n)

@@ -22,7 +22,6 @@ class Lcp:
     to work in: the scaled problem, Lemke's table, blocks of chosen pairs.
     """
 
-    most: int
     z: Floats
     w: Floats
     active: Ints
@@ -57,7 +56,6 @@ class Lcp:
 def make_lcp(n: int) -> Lcp:
     """Return room for problems of up to n pairs."""
     p = Lcp()
-    p.most = n
     p.z = floats(n)
     p.w = floats(n)
     p.active = ints(n)

@@ -31,8 +31,6 @@ class Mixed:
     `c`, which a are not zero in `active`, and which pairs are zero on both sides in `open`.
     """
 
-    pairs: int
-    free: int
     whole: Floats
     right: Floats
     a: Floats
@@ -60,8 +58,6 @@ def make_mixed(pairs: int, free: int) -> Mixed:
     rows = pairs + free
     wide = 2 * pairs + free
     x = Mixed()
-    x.pairs = pairs
-    x.free = free
     x.whole = floats(rows * wide)
     x.right = floats(rows)
     x.a = floats(pairs)

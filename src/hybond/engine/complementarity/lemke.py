@@ -11,6 +11,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.lu import SINGULAR, lu_factor, lu_solve
+from hybond.engine.algebra.rounding import SMALLEST
 from hybond.engine.algebra.scaling import balance, power_of_two
 from hybond.engine.complementarity.lcp import ON_A_RAY, SOLVED, TOO_MANY_PIVOTS, Lcp
 from hybond.engine.complementarity.pivoting import independent, lemke_path, principal, split_pairs
@@ -26,7 +27,6 @@ PATHS: Final = 5
 """How often a path is taken up again from its own end because rounding had misled it."""
 
 NEGATIVE_POINT: Final = 2
-SMALLEST_NORMAL: Final = 2.2250738585072014e-308
 
 
 def lemke(p: Lcp, n: int, m: Floats, q: Floats, start: Ints) -> int:
@@ -126,7 +126,7 @@ def confirm_point(p: Lcp, n: int) -> int:
             return SINGULAR
         lu_solve(count, p.block, p.pivot, 1, p.right)
     most = 0.0
-    of_z = SMALLEST_NORMAL
+    of_z = SMALLEST
     for k in range(n):
         p.z[k] = 0.0
         if p.q[k] != 0.0:

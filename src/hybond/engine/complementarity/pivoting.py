@@ -8,8 +8,9 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.lu import REGULAR, SINGULAR, lu_invert
+from hybond.engine.algebra.products import column_norm
 from hybond.engine.complementarity.lcp import ON_A_RAY, SOLVED, TOO_MANY_PIVOTS, Lcp
-from hybond.engine.words import Floats, Ints
+from hybond.engine.words import Ints
 
 REGULAR_PIVOT: Final = 1e-9
 """Smallest pivot of a matrix that counts as regular."""
@@ -79,18 +80,6 @@ def principal(p: Lcp, n: int, active: Ints) -> int:
             total += p.matrix[at * n + p.on[k]] * p.constant[p.on[k]]
         p.constant[at] = p.q[at] + total
     return REGULAR
-
-
-def column_norm(n: int, a: Floats) -> float:
-    """Return the largest sum of the magnitudes of a column."""
-    most = 0.0
-    for j in range(n):
-        total = 0.0
-        for i in range(n):
-            total += math.fabs(a[i * n + j])
-        if not total <= most:
-            most = total
-    return most
 
 
 def independent(p: Lcp, n: int, active: Ints) -> int:

@@ -87,7 +87,7 @@ def push_time(times: Floats, kept: int, machine: int, t: float) -> int:
 
 
 def note_impact(g: Landings, machine: int, t: float, approach: float) -> None:
-    """Note an impact with what its law read. As Series.note."""
+    """Note an impact with what its law read."""
     flight = approach * (t - g.since[machine])
     g.known[machine] = 1
     g.speed[machine] = max(g.speed[machine], approach)

@@ -45,7 +45,7 @@ def exchange_interval(e: Engine) -> None:
 
 
 def observe_event(e: Engine, i: Instant) -> None:
-    """Learn from an event, just settled, which impacts it was. As Landings.observe."""
+    """Learn from an event, just settled, which impacts it was."""
     m = e.model
     g = e.landings
     g.event_times[g.events % CROWD] = e.t
@@ -82,7 +82,7 @@ def note_struck(m: Model, g: Landings) -> None:
 
 
 def touch(e: Engine, g: Landings, machine: int) -> None:
-    """Note how fast a contact was approached and is left. As Landings._touch."""
+    """Note how fast a contact was approached and is left."""
     m = e.model
     contact = g.struck[machine]
     approach = contact_speed(e, g, contact, g.before)
@@ -121,7 +121,7 @@ def contact_speed(e: Engine, g: Landings, contact: int, y: Floats) -> float:
 
 
 def learn_signs(e: Engine, g: Landings, machine: int, contact: int) -> None:
-    """Learn the sign of each reaction's impulse in the impact. As Landings._signs."""
+    """Learn the sign of each reaction's impulse in the impact."""
     m = e.model
     for k in range(m.storages):
         g.x[k] = g.before[k]
@@ -140,7 +140,7 @@ def learn_signs(e: Engine, g: Landings, machine: int, contact: int) -> None:
 
 
 def forget_left(e: Engine) -> None:
-    """Forget landings that were left. As Landings._sync."""
+    """Forget landings that were left."""
     m = e.model
     g = e.landings
     g.any_landed = False

@@ -76,7 +76,7 @@ fastest approach, or if the last flight was shorter than FADING times the time r
 def land_contacts(e: Engine, s: Settling, i: Instant) -> int:
     """Land the machines whose impacts, just observed, are over: 1 if there are any, 0 if not.
 
-    -1 for a refusal. Call it until there are none; `i` is then the event. As Landings.land.
+    -1 for a refusal. Call it until there are none; `i` is then the event.
     """
     g = e.landings
     kept = 0
@@ -126,10 +126,7 @@ def worth_trying(e: Engine, g: Landings, k: int) -> bool:
 
 
 def would_rest(e: Engine, g: Landings) -> bool:
-    """Try the structure at rest of the chosen contacts, and see what it would have to carry.
-
-    As Landings._verdict.
-    """
+    """Try the structure at rest of the chosen contacts, and see what it would have to carry."""
     m = e.model
     for k in range(m.machines):
         g.state[k] = e.state[k]
@@ -183,10 +180,7 @@ def carries(e: Engine, g: Landings, r: int) -> bool:
 
 
 def flight_over(e: Engine, g: Landings, k: int) -> bool:
-    """Whether the next flight is none; the limit of the impacts is then in `g.limit_t`.
-
-    As Landings._limit.
-    """
+    """Whether the next flight is none; the limit of the impacts is then in `g.limit_t`."""
     m = e.model
     contact = g.touch_contact[k]
     machine = m.contact_machine[contact]
@@ -222,7 +216,7 @@ def flight_over(e: Engine, g: Landings, k: int) -> bool:
 
 
 def put_down(e: Engine, g: Landings, s: Settling, i: Instant) -> int:
-    """Land the chosen contacts, and settle the instant at their limit. As Landings._put_down."""
+    """Land the chosen contacts, and settle the instant at their limit."""
     m = e.model
     begin_instant(i, e.t, ACCUMULATION)
     many = 0
@@ -294,7 +288,7 @@ def tell_landing(g: Landings, i: Instant, machine: int, own: bool) -> None:
 def carry_over(e: Engine, g: Landings) -> int:
     """Carry the state over to the limit, unless something else would happen before it.
 
-    One step of the classical Runge-Kutta method. As Landings._carried.
+    One step of the classical Runge-Kutta method.
     """
     n = e.states
     limit = g.found_t
@@ -352,7 +346,7 @@ def would_leave(e: Engine, g: Landings, t: float) -> bool:
 
 
 def stuck(e: Engine) -> bool:
-    """Whether events accumulate that nothing was landed for. As Landings.stuck."""
+    """Whether events accumulate that nothing was landed for."""
     m = e.model
     g = e.landings
     for k in range(m.machines):

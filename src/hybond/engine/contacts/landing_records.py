@@ -90,7 +90,6 @@ class Landings:
     rate2: Floats
     rate3: Floats
     rate4: Floats
-    trial: Floats
     event_times: Floats
     events: int
 
@@ -142,7 +141,6 @@ def make_landings(m: Model) -> Landings:
     g.rate2 = floats(n)
     g.rate3 = floats(n)
     g.rate4 = floats(n)
-    g.trial = floats(n)
     g.event_times = floats(CROWD)
     return g
 

@@ -63,7 +63,6 @@ class Compliant:
     half: Floats
     inner: Floats
     table: Floats
-    there: Floats
     # while plastic contacts expand, which takes no time
     dropping: Ints
     kept: Floats
@@ -132,7 +131,6 @@ def make_compliant(n: int) -> Compliant:
     c.half = floats(2 * n)
     c.inner = floats(n)
     c.table = floats(2 * n * COLUMNS)
-    c.there = floats(n)
     c.dropping = ints(n)
     c.kept = floats(n)
     c.coarse = floats(n)

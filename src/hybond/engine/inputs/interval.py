@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.answers import value
 from hybond.engine.engine import Engine
 from hybond.engine.inputs.calls import (
@@ -23,7 +24,7 @@ from hybond.engine.inputs.calls import (
 from hybond.engine.model import Model
 from hybond.engine.words import Floats, Ints
 
-ROUNDING: Final = 1.7763568394002505e-15
+ROUNDING: Final = 8.0 * EPSILON
 """Eight units in the last place: what instants that are one on paper differ by."""
 HALF: Final = 0.5
 """Of one, which whole numbers, signs and truths jump by at least."""

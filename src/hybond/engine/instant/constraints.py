@@ -7,6 +7,7 @@ from typing import Final
 
 from hybond.engine.algebra.blocks import fit, row_size, row_times
 from hybond.engine.algebra.products import all_finite, copy_floats
+from hybond.engine.algebra.rounding import SMALLEST
 from hybond.engine.algebra.svd import svd_of_transpose
 from hybond.engine.answers import node_name, value
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault, svd_room
@@ -19,7 +20,7 @@ from hybond.engine.model import Model
 from hybond.engine.reasons.facts import disagree
 from hybond.engine.words import Floats
 
-TINY: Final = 2.2250738585072014e-296
+TINY: Final = 1e12 * SMALLEST
 """A term is not smaller than this: the last bit of what is denormal is no small part of it."""
 AGREE: Final = 1e-9
 """Contradicting sources agree if they differ by less than this part of their values."""

@@ -12,7 +12,7 @@ def enter(e: Engine, t: float, x: Floats, s: Floats, state: Ints, jump: bool, st
     """Enter a mode from the state `x`; without `jump`, stay on it.
 
     Junction laws choose their branches; with `stay` they keep those of `state`, which were just
-    chosen, unless an impulse or a violation asks for others. After Trials.enter.
+    chosen, unless an impulse or a violation asks for others.
     """
     if e.model.laws > 0:
         return enter_with_laws(e, t, x, s, state, jump, stay)

@@ -13,6 +13,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import fit
+from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.algebra.separate import least_squares_separate
 from hybond.engine.algebra.svd import least_squares
 from hybond.engine.checks.untouched import hold_untouched, note_reached
@@ -37,8 +38,6 @@ CREEPS: Final = 0.95
 """Part of what was left before that is left at least where Newton's method comes no nearer."""
 STEPS: Final = 60
 HALVES: Final = 40
-LAST_PLACES: Final = 2.220446049250313e-16
-"""Part of a constraint's own terms that is their rounding."""
 CANCELLED: Final = 1e-15
 """A sum of terms below this part of their sizes is zero."""
 NOTHING: Final = 1e-20
@@ -109,7 +108,7 @@ def sharpen(e: Engine, mode: Mode, v: Floats, ways: Ways, after: Floats) -> None
     m = e.model
     w = e.work
     residual(e, mode, v, after)
-    if not meets_own_terms(e, mode, LAST_PLACES):
+    if not meets_own_terms(e, mode, EPSILON):
         jump_step(e, ways, w.constraints)
         for k in range(m.storages):
             change = 0.0

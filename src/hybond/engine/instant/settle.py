@@ -104,7 +104,7 @@ def make_settling(e: Engine) -> Settling:
 def settle(e: Engine, g: Settling, i: Instant) -> int:
     """Find the state and mode in which time goes on, from those of the run, and write them there.
 
-    The interval is entered that begins at the instant. After Settler.settle.
+    The interval is entered that begins at the instant.
     """
     m = e.model
     t = e.t
@@ -250,7 +250,7 @@ def write(e: Engine, g: Settling, i: Instant) -> int:
     """Write the state of the trial, and note its mode; return the number of the step.
 
     If the junction laws that carried the impulses are not those that last, the former are a
-    pinnacle. After Recorder.written.
+    pinnacle.
     """
     m = e.model
     note_hits(e, i)

@@ -133,16 +133,13 @@ def try_mode(e: Engine, t: float, x: Floats, s: Floats, state: Ints, jump: bool)
 
 
 def jump_into(e: Engine, x: Floats, after: Floats) -> int:
-    """Put the state on entering `e.mode` from `x` into `after`. After Trials._jump."""
+    """Put the state on entering `e.mode` from `x` into `after`."""
     e.energy = max(e.energy, math.fabs(energy_of(e, x)))
     return enter_mode(e, e.mode, e.v, x, after)
 
 
 def finish_trial(e: Engine, t: float, x: Floats, s: Floats) -> int:
-    """Find the signals of a mode whose jump, from `x` to that of the trial, is known.
-
-    After Trials._made.
-    """
+    """Find the signals of a mode whose jump, from `x` to that of the trial, is known."""
     m = e.model
     trial = e.trial
     e.energy = max(e.energy, math.fabs(energy_of(e, x)))

@@ -63,8 +63,7 @@ def solve_branches(e: Engine, r: Laws, q: Floats, h: float, shifted: bool) -> bo
     """Solve one complementarity problem; False if nothing was found.
 
     `r.resting` are friction junctions that hold up to their breakaway limits, `r.rebound` what is
-    added in the conditions of one-sided laws if `shifted`. The answer is in `r.problem`. As
-    Complementarity._solve.
+    added in the conditions of one-sided laws if `shifted`. The answer is in `r.problem`.
     """
     m = e.model
     if asks_friction(e, r):
@@ -167,7 +166,7 @@ def put_disks(e: Engine, r: Laws) -> bool:
 def find_units(m: Model, r: Laws, q: Floats) -> None:
     """Find factors of `w` that make its efforts and its flows alike, domain by domain.
 
-    The same factors divide `l`, so that powers stay what they are. As Complementarity._units.
+    The same factors divide `l`, so that powers stay what they are.
     """
     for k in range(m.ports):
         effort = 0.0
@@ -249,10 +248,7 @@ def is_held_by_others(m: Model, r: Laws, k: int) -> bool:
 
 
 def loosen(e: Engine, r: Laws, q: Floats, h: float) -> bool:
-    """Let friction slide that holds with all it has; False if there is none.
-
-    As Complementarity._loosened.
-    """
+    """Let friction slide that holds with all it has; False if there is none."""
     m = e.model
     n = m.ports
     a = r.response
@@ -286,10 +282,7 @@ def loosen(e: Engine, r: Laws, q: Floats, h: float) -> bool:
 
 
 def put_mode(m: Model, r: Laws, branch: Ints, keep: bool, impact: bool) -> None:
-    """Put the mode with these branches into `r.candidate`; what is open stays as it was if `keep`.
-
-    As Complementarity._mode.
-    """
+    """Put the mode with these branches into `r.candidate`; with `keep` what is open stays so."""
     base_mode(m, r.state, r.candidate)
     for k in range(m.ports):
         machine = m.port_machine[k]

@@ -89,10 +89,7 @@ ADRIFT: Final = 1e-6
 
 
 def short_step(m: Model, a: Response, y: Floats) -> float:
-    """Return a step so short that finite values outweigh rates, and feedthrough storage.
-
-    As Complementarity.step.
-    """
+    """Return a step so short that finite values outweigh rates, and feedthrough storage."""
     n = m.ports
     least = 1.0
     first = math.inf
@@ -242,7 +239,7 @@ def find_adrift(m: Model, r: Laws) -> bool:
     """Find the junctions that conduct nothing and whose blocked value nothing determines.
 
     Around a loop that others have opened, each may block as well as conduct, and the voltage of the
-    loop lies on the open ones in shares that no equation fixes. As complementarity._adrift.
+    loop lies on the open ones in shares that no equation fixes.
     """
     n = m.ports
     any_idle = False
@@ -321,8 +318,7 @@ def find_breaking(e: Engine, r: Laws, x: Floats) -> int:
 def find_jumping(e: Engine, r: Laws, x: Floats) -> int:
     """Find the mode whose branches carry impulses from the state `x`, into `r.candidate`.
 
-    Returns 1 if there is one, 0 if no law is violated by what is stored, -1 for a refusal. As
-    Complementarity.jumping.
+    Returns 1 if there is one, 0 if no law is violated by what is stored, -1 for a refusal.
     """
     m = e.model
     n = m.ports
@@ -412,7 +408,7 @@ def sweep_dust(e: Engine, r: Laws, x: Floats, after: Floats) -> int:
     """Put the state without approaches that are nothing but rounding into `after`.
 
     For the laws they are zero, for the guards that watch them they may not be. They are taken away
-    as an impact would, along the impulses of their contacts. As Complementarity.dusted.
+    as an impact would, along the impulses of their contacts.
     """
     m = e.model
     n = m.ports

@@ -169,8 +169,7 @@ def try_candidate(e: Engine, r: Laws, x: Floats, kept: bool) -> int:
 def sweep_candidate(e: Engine, r: Laws) -> int:
     """Put the state on the constraints of the mode tried, unless that takes more than dust.
 
-    Impulses of laws were decided before; what remains would be an impulse of dry friction. As
-    Trials._swept.
+    Impulses of laws were decided before; what remains would be an impulse of dry friction.
     """
     m = e.model
     if e.mode.agreements.rows > 0:
@@ -194,7 +193,7 @@ def sweep_candidate(e: Engine, r: Laws) -> int:
 def find_broken(e: Engine, r: Laws) -> int:
     """Find the rules of laws that hold in their own branches, with finite values.
 
-    Rounding of what is stored is not a violation: it was counted as zero. As Trials._violated.
+    Rounding of what is stored is not a violation: it was counted as zero.
     """
     m = e.model
     stack = e.work.stack

@@ -51,7 +51,7 @@ def take_instant(e: Engine, r: Laws, t: float, s: Floats, state: Ints) -> None:
 def make_consistent(e: Engine, r: Laws, x: Floats) -> int:
     """Take the ports into `r.now`, the values into `r.v`, the state into `r.x`.
 
-    The state is put on what the machines' mode alone asks for. As Complementarity.consistent.
+    The state is put on what the machines' mode alone asks for.
     """
     m = e.model
     r.answered = False
@@ -78,10 +78,7 @@ def make_consistent(e: Engine, r: Laws, x: Floats) -> int:
 
 
 def find_able(e: Engine, r: Laws) -> int:
-    """Find which laws may take their ON branch at all: contacts closed, thyristors fired.
-
-    As Complementarity.able.
-    """
+    """Find which laws may take their ON branch at all: contacts closed, thyristors fired."""
     m = e.model
     stack = e.work.stack
     stack.now = r.v
@@ -129,7 +126,7 @@ def is_on(m: Model, k: int, state: int) -> bool:
 
 
 def find_rounding(e: Engine, r: Laws) -> None:
-    """Find what rounding of each `y` is measured by. As Complementarity._size."""
+    """Find what rounding of each `y` is measured by."""
     m = e.model
     mode = open_mode(e, r.now)
     energy = max(e.energy, math.fabs(energy_of(e, r.x)))
@@ -143,7 +140,7 @@ def find_rounding(e: Engine, r: Laws) -> None:
 
 
 def clean(m: Model, r: Laws, y: Floats) -> None:
-    """Put `y` of the response there, rounding counted as zero. As Complementarity.clean."""
+    """Put `y` of the response there, rounding counted as zero."""
     for k in range(m.ports):
         own = r.response.y[k]
         y[k] = 0.0 if math.fabs(own) <= LAW_ZERO * r.rounding[k] else own

@@ -23,13 +23,13 @@ from typing import Final
 
 from hybond.engine.algebra.blocks import fit, grow_block
 from hybond.engine.complementarity.law_roles import CUT, ONE_SIDED, SHUT
+from hybond.engine.complementarity.least_shares import least_shares
 from hybond.engine.engine import Engine, svd_room
 from hybond.engine.laws.law_records import BY_OTHERS, BY_STORAGE, NOT_ASKED, Laws
 from hybond.engine.laws.law_shares import is_at_rest
 from hybond.engine.mode.freedom import directions_left
 from hybond.engine.mode.tableau import COMMON
 from hybond.engine.model import Model
-from hybond.engine.timestepping.step_shares import least_shares
 from hybond.engine.words import Floats
 
 RESIDUE: Final = 1e-12

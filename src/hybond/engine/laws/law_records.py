@@ -5,9 +5,9 @@ from typing import Final
 from hybond.engine.algebra.blocks import Block, Places, make_block, make_places
 from hybond.engine.algebra.svd import Svd, make_svd
 from hybond.engine.complementarity.law_roles import LawProblem, make_law_problem
+from hybond.engine.complementarity.least_shares import Shares, make_shares
 from hybond.engine.impacts.impact_records import NEWTON, Impact, make_impact
 from hybond.engine.model import Model
-from hybond.engine.timestepping.step_records import Shares, make_shares
 from hybond.engine.words import (
     Floats,
     Ints,
@@ -120,7 +120,6 @@ class Laws:
     row: Floats
     row_terms: Floats
     terms: Floats
-    nothing: Floats
 
     t: float
     s: Floats
@@ -286,7 +285,6 @@ def make_laws(m: Model) -> Laws:
     r.row = floats(m.storages + 2 * m.most_sources + n)
     r.row_terms = floats(m.storages + 2 * m.most_sources + n)
     r.terms = floats(m.slots)
-    r.nothing = floats(m.slots)
     r.s = floats(m.integrals)
     r.state = ints(m.machines)
     r.x = floats(m.storages)

@@ -1,4 +1,4 @@
-"""Trying a mode with the laws of junctions: jump first, then what lasts. As Trials._with_laws."""
+"""Trying a mode with the laws of junctions: jump first, then what lasts."""
 
 import math
 from typing import Final
@@ -110,7 +110,7 @@ def enter_with_laws(
 
 
 def strike(e: Engine, r: Laws, x: Floats) -> int:
-    """Make the jump that laws ask for, if what is stored violates any. As Trials._struck."""
+    """Make the jump that laws ask for, if what is stored violates any."""
     r.at_once = e.model.impact == NEWTON_SIMULTANEOUS and rubs_in_impacts(e.model)
     if e.model.impact != NEWTON and not r.at_once:
         struck = strike_at_once(e, r, x)

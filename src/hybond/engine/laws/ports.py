@@ -15,6 +15,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import row_size
+from hybond.engine.algebra.rounding import CANCELS, EPSILON
 from hybond.engine.algebra.scaling import power_of_two
 from hybond.engine.answers import node_name, value
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
@@ -40,9 +41,7 @@ from hybond.engine.timestepping.end_ports import choose_given, prefer_common
 from hybond.engine.timestepping.step_records import MOREAU
 from hybond.engine.words import Floats, Ints, some
 
-CANCELS: Final = 1e-13
-"""A sum below this part of its terms is zero: a law without effect is told from a weak one."""
-DIGITS: Final = 8.0 * 2.220446049250313e-16
+DIGITS: Final = 8.0 * EPSILON
 """Part of its terms up to which a difference of two solutions is rounding."""
 SHORT_WHILE: Final = 1e-7
 """Time over which rates are differences in a nonlinear graph, s; of runs below 1 s that part."""

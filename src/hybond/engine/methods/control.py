@@ -60,7 +60,7 @@ def is_propagated(e: Engine) -> bool:
 
 
 def controlled_start(e: Engine, t: float, y: Floats, t_bound: float, jumped: bool) -> int:
-    """Begin, or go on after an event. After DormandPrince._begin."""
+    """Begin, or go on after an event."""
     s = e.step
     n = e.states
     forget = jumped or not s.started

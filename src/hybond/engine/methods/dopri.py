@@ -69,7 +69,7 @@ def goes_elsewhere(e: Engine, t: float, y: Floats, forget: bool) -> bool:
 
 
 def first_step(e: Engine, limit: float, order: float) -> float:
-    """Choose the first step, with one evaluation of the field. After control.first_step."""
+    """Choose the first step, with one evaluation of the field."""
     s = e.step
     n = e.states
     unit = limit if limit < math.inf else 1.0

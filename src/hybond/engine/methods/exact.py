@@ -13,6 +13,7 @@ from typing import Final
 
 from hybond.engine.algebra.blocks import fit
 from hybond.engine.algebra.products import all_finite, copy_floats
+from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.answers import value
 from hybond.engine.engine import OK, Engine
 from hybond.engine.methods.dopri import error_norm_of
@@ -57,7 +58,7 @@ FARTHEST: Final = 0.00576
 """How far ``x^5`` is from the dense output that it has, at the part that is asked."""
 LOOSE: Final = 100.0
 """What a generator may be off by, in units of `rtol`: powers are integrals of high order of it."""
-DOUBTFUL: Final = 64.0 * 2.220446049250313e-16
+DOUBTFUL: Final = 64.0 * EPSILON
 """Part of a rate, at least, that is rounding, in units of the norm of the matrix."""
 HALVINGS: Final = 1100
 

@@ -10,6 +10,7 @@ from typing import Final
 
 from hybond.engine.algebra.lu import SINGULAR, lu_solve
 from hybond.engine.algebra.products import copy_floats
+from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.engine import NOT_FINITE, OK, Engine
 from hybond.engine.methods.dopri import spacing
 from hybond.engine.methods.from_edges import (
@@ -100,7 +101,7 @@ def differences(e: Engine, r: Radau, rtol: float) -> None:
         r.made_for[j] = size
         if size == 0.0:
             size = 1.0
-        delta = math.sqrt(2.220446049250313e-16) * math.copysign(size, r.f0[j])
+        delta = math.sqrt(EPSILON) * math.copysign(size, r.f0[j])
         found = NOT_FINITE
         for _ in range(NEARER if e.model.edges > 0 else 1):
             found = beside(e, r, j, delta)

@@ -11,6 +11,7 @@ from typing import Final
 from hybond.engine.algebra.lu import REGULAR, SINGULAR, lu_factor, lu_solve
 from hybond.engine.algebra.lu_pair import lu_factor_pair, lu_solve_pair
 from hybond.engine.algebra.products import all_finite, copy_floats
+from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.engine import NOT_FINITE, OK, Engine
 from hybond.engine.methods.radau_room import Radau
 from hybond.engine.methods.scale import tolerance
@@ -202,7 +203,7 @@ def iterate_stages(e: Engine, r: Radau, rtol: float) -> int:
     """Iterate until the error left is negligible, or until it is clear that it will not be."""
     n = r.n
     # below ten units of rounding of the state itself no iteration can come
-    enough = max(ENOUGH, 10.0 * 2.220446049250313e-16 / rtol)
+    enough = max(ENOUGH, 10.0 * EPSILON / rtol)
     before = 0.0
     foresee(r)
     r.swings = False

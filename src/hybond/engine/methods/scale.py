@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.answers import value
 from hybond.engine.engine import OK, Engine
 from hybond.engine.mode.guess import give_back_guess, hold_guess
@@ -20,7 +21,7 @@ NEGLIGIBLE: Final = 1e-6
 of it, so that rounding in an idle storage does not steer the step size."""
 IDLE: Final = 1e-12
 """Absolute size, in SI, below which an integrated signal is idle."""
-ROUNDED: Final = 2.220446049250313e-15
+ROUNDED: Final = 10.0 * EPSILON
 """Part of its terms that the rate of a stored quantity may be off by."""
 SHORT: Final = 1e-6
 """Part of the run in which what that adds up to is no error, nor is it in a step, if that is more:

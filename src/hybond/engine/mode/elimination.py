@@ -54,7 +54,6 @@ class Elimination:
     """
 
     unknowns: int
-    columns: int
     same: Ints
     """The first of the unknowns that each one is equal to."""
     solved: Ints
@@ -106,7 +105,6 @@ def make_elimination(unknowns: int, columns: int) -> Elimination:
     """Return room for an elimination of so many unknowns and columns."""
     e = Elimination()
     e.unknowns = unknowns
-    e.columns = columns
     e.same = ints(unknowns)
     e.solved = ints(unknowns)
     e.order = ints(unknowns)

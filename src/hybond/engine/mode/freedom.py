@@ -11,7 +11,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import fit, fit_places
-from hybond.engine.algebra.products import CANCELS
+from hybond.engine.algebra.rounding import CANCELS
 from hybond.engine.algebra.scaling import balance_sides
 from hybond.engine.engine import Engine
 from hybond.engine.words import Floats

@@ -10,11 +10,11 @@ from typing import Final
 
 from hybond.engine.algebra.blocks import Block, Rows, fit, fit_places, grow_block, grow_places
 from hybond.engine.algebra.products import (
-    CANCELS,
     largest,
     times_cancelling,
     times_orthonormal,
 )
+from hybond.engine.algebra.rounding import CANCELS
 from hybond.engine.algebra.svd import null_space, pseudo_inverse
 from hybond.engine.engine import Engine, svd_room
 from hybond.engine.mode.mode_records import Leakage, Mode

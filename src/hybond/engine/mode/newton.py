@@ -10,6 +10,7 @@ from typing import Final
 
 from hybond.engine.algebra.blocks import Rows, fit, row_size, row_times
 from hybond.engine.algebra.products import all_finite
+from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.answers import node_name, value
 from hybond.engine.engine import NOT_FINITE, OK, Engine, say_fault
 from hybond.engine.mode.beside_jumps import from_beside_jumps
@@ -42,7 +43,7 @@ SWINGS: Final = 0.1
 """Likewise, for steps over a root that is steep on both sides: from f to nearly -f."""
 TO_AND_FRO: Final = 3
 """So many in a row lead nowhere."""
-ROUNDED: Final = 2.0 * 2.220446049250313e-16
+ROUNDED: Final = 2.0 * EPSILON
 """What stored quantities leave in a difference of them, as a part of its terms."""
 LEFT: Final = 1e-13
 """A residual below this part of its terms is rounding."""

@@ -12,6 +12,7 @@ from typing import Final
 
 from hybond.engine.algebra.blocks import fit, row_size
 from hybond.engine.algebra.products import all_finite
+from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.algebra.svd import svd_of_transpose
 from hybond.engine.answers import value
 from hybond.engine.engine import Engine, count_work, svd_room
@@ -26,7 +27,7 @@ LONGEST: Final = 1000
 to hold."""
 BESIDE: Final = 1e-150
 """A way that is next to none, for the sign of a slope."""
-LAST_PLACES: Final = 2.0 * 2.220446049250313e-16
+LAST_PLACES: Final = 2.0 * EPSILON
 """Part of its terms that is the rounding of a sum."""
 STEEP: Final = 1e100
 """What stands for a slope without bound, as a multiple of the others in its row. A root is reached

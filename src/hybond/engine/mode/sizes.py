@@ -72,8 +72,7 @@ def measure(e: Engine, mode: Mode, pair: int, xi: Floats, v: Floats, terms: Floa
 
     Where junctions have laws, bond variables are measured by what is stored as well, of which
     `mode.seen` tells: junction laws count rounding of that as zero, and beside them every guard
-    does. While machines slide those of bond variables are there, see `blend.begin_sizes`. After
-    Trials.measured.
+    does. While machines slide those of bond variables are there, see `blend.begin_sizes`.
     """
     m = e.model
     reach = STORED * math.sqrt(e.energy) if m.laws > 0 else 0.0

@@ -119,7 +119,7 @@ def own_stiffness(m: Model, k: int, v: Floats) -> float:
 def coupled(m: Model, k: int, v: Floats) -> float:
     """Return what the other ports of its field add to the co-energy variable of port k.
 
-    The sum of magnitudes. After StorageLaws.coupled.
+    The sum of magnitudes.
     """
     total = 0.0
     for i in range(m.stiff_first[k], m.stiff_first[k + 1]):

@@ -46,8 +46,7 @@ def set_motion(e: Engine, v: Floats, t: float, y: Floats) -> None:
 def evaluate(e: Engine, mode: Mode, v: Floats, t: float, y: Floats) -> int:
     """Write all values of a motion, the a priori copy being the same.
 
-    If time passes in a pinnacle's mode, a machine has landed: what its law reads is zero. After
-    Program.evaluate.
+    If time passes in a pinnacle's mode, a machine has landed: what its law reads is zero.
     """
     m = e.model
     set_state(e, mode, v, t, y)
@@ -63,7 +62,7 @@ def evaluate(e: Engine, mode: Mode, v: Floats, t: float, y: Floats) -> int:
 
 
 def field(e: Engine, mode: Mode, t: float, y: Floats, rate: Floats) -> int:
-    """Put ``y'`` into `rate`; NOT_FINITE where a law has no value. After Program.field.
+    """Put ``y'`` into `rate`; NOT_FINITE where a law has no value.
 
     Of bond variables only those are evaluated that rates read.
     """

@@ -116,64 +116,24 @@ def audit(graph: FlatGraph, trace: Trace, signals: Signals) -> Audit:
     Powers beyond the largest number are infinite, and what is to balance them is none: it does not
     hold, and need not be said twice.
     """
-    ends = [
-        end
-        for node in graph.nodes
-        if not node.is_junction and node.kind not in ("TF", "GY")
-        for end in node.ends
-        if not graph.bonds[end.bond].domain.pseudo
-    ]
-    bond = np.array([end.bond for end in ends], dtype=np.intp)
-    sign = np.array([float(end.sign) for end in ends])
-    power = energy = created = 0.0
+    powers = _Powers(graph, trace)
+    energy = created = beyond = 0.0
     rtol = signals.tables.numbers["rtol"]
-    if not ends:
+    if not len(powers.bond):
         # nothing carries power: machines and signals alone
-        return Audit(power, energy, created, laws=tuple(trace.unsound), beyond=0.0, rtol=rtol)
+        return Audit(0.0, energy, created, laws=tuple(trace.unsound), beyond=beyond, rtol=rtol)
     largest = through = 0.0
-    many = len(graph.bonds)
-    strongest, fastest = np.zeros(many), np.zeros(many)
-    for segment in trace.segments:
-        if segment.bonds is not None:
-            most = np.abs(segment.bonds).max(axis=0, initial=0.0)
-            strongest = np.maximum(strongest, most[:many])
-            fastest = np.maximum(fastest, most[many : 2 * many])
-    domains = [b.domain.name for b in graph.bonds]
-    same = np.array([[domains[k] == d for d in domains] for k in bond], dtype=bool).reshape(
-        len(bond), many
-    )
-
-    def rounding(e: Matrix, f: Matrix, most_e: Vector, most_f: Vector) -> Matrix:
-        # what rests under a load moves by the rounding of the fastest motion in its domain, and
-        # what flows without a load feels the rounding of the largest one, between two-ports too
-        loads, speeds = (
-            np.where(same, a, 0.0).max(axis=1, initial=0.0)[:, None] for a in (most_e, most_f)
-        )
-        return np.asarray(0.1 * (e * speeds + loads * f))
-
-    totals: list[Vector] = []
-    sizes: list[Vector] = []
     balances: list[Balance] = []
     looked = Looked(graph, signals, sizes_of(trace))
     for segment in trace.segments:
         if segment.bonds is not None:
-            w = segment.bonds.T
-            e, f = np.abs(w[bond]), np.abs(w[bond + many])
-            flows = w[bond] * w[bond + many] * sign[:, None]
-            totals.append(np.abs(flows.sum(axis=0)))
-            sizes.append((e * f + rounding(e, f, strongest, fastest)).sum(axis=0))
+            powers.add_steps(segment.bonds.T)
             made, size_of = _created_by_steps(signals, segment)
             created += made
             largest = max(largest, size_of)
             continue
         w = signals.bonds(segment)
-        flows = w[bond] * w[bond + many] * sign[:, None]
-        total, size = np.abs(flows.sum(axis=0)), np.abs(flows).sum(axis=0)
-        e, f = np.abs(w[bond]), np.abs(w[bond + many])
-        most = np.abs(w).max(axis=1, initial=0.0)
-        lost = rounding(e, f, most[:many], most[many : 2 * many])
-        totals.append(total)
-        sizes.append(size + lost.sum(axis=0))
+        flows, size = powers.add(w)
         # of a motion along a surface, the mode through which most passes
         flux = size.reshape(len(segment.t), -1).max(axis=1)
         passing = 0.5 * (flux[1:] + flux[:-1]) * np.diff(segment.t)
@@ -194,16 +154,8 @@ def audit(graph: FlatGraph, trace: Trace, signals: Signals) -> Audit:
             if step.energy is not None and step.kind != "mythical":
                 created = max(created, -step.energy.lost)
                 largest = max(largest, abs(step.energy.before), abs(step.energy.after))
-    if sizes:
-        size = np.concatenate(sizes)
-        # power that in all the time of the run adds up to no part of its energy: where nothing
-        # moves, rounding of large flows that a gyrator passes on is a force, and no other is there
-        span = trace.segments[-1].t[-1] - trace.segments[0].t[0]
-        size = np.maximum(size, largest / span if span > 0.0 else 0.0)
-        # where a motion turns round there is no power to be a part of, but the rounding of flows
-        size = np.maximum(size, _QUIET * size.max(initial=0.0))
-        ratio = np.concatenate(totals) / np.where(size > 0.0, size, 1.0)
-        power = float(ratio.max(initial=0.0))
+    span = trace.segments[-1].t[-1] - trace.segments[0].t[0] if trace.segments else 0.0
+    power = powers.unbalanced(largest / span if span > 0.0 else 0.0)
     largest = max(largest, _IDLE * through)
     scale = largest if largest > 0.0 else 1.0
     energy, beyond = balances_of(looked, balances, rtol * scale)
@@ -217,6 +169,79 @@ def audit(graph: FlatGraph, trace: Trace, signals: Signals) -> Audit:
         max(beyond, stepped) / scale,
         rtol,
     )
+
+
+class _Powers:
+    """The powers of all elements at all points of a run, and what rounding leaves of their sum."""
+
+    def __init__(self, graph: FlatGraph, trace: Trace) -> None:
+        ends = [
+            end
+            for node in graph.nodes
+            if not node.is_junction and node.kind not in ("TF", "GY")
+            for end in node.ends
+            if not graph.bonds[end.bond].domain.pseudo
+        ]
+        self.bond = np.array([end.bond for end in ends], dtype=np.intp)
+        self._sign = np.array([float(end.sign) for end in ends])
+        self._many = many = len(graph.bonds)
+        domains = [b.domain.name for b in graph.bonds]
+        self._same = np.array(
+            [[domains[k] == d for d in domains] for k in self.bond], dtype=bool
+        ).reshape(len(ends), many)
+        # of steps in which laws hold at the end: the largest efforts and flows of the run
+        self._strongest = np.zeros(2 * many)
+        for segment in trace.segments:
+            if segment.bonds is not None:
+                most = np.abs(segment.bonds).max(axis=0, initial=0.0)
+                self._strongest = np.maximum(self._strongest, most[: 2 * many])
+        self._totals: list[Vector] = []
+        self._sizes: list[Vector] = []
+
+    def add_steps(self, w: Matrix) -> None:
+        """Count bond variables at the ends of steps in which laws hold there."""
+        e, f = self._parts(w)
+        self._totals.append(np.abs(self._flows(w).sum(axis=0)))
+        self._sizes.append((e * f + self._rounding(e, f, self._strongest)).sum(axis=0))
+
+    def add(self, w: Matrix) -> tuple[Matrix, Vector]:
+        """Count those of a motion; return the powers, and the sum of their sizes."""
+        flows = self._flows(w)
+        size = np.abs(flows).sum(axis=0)
+        most = np.abs(w).max(axis=1, initial=0.0)
+        self._totals.append(np.abs(flows.sum(axis=0)))
+        self._sizes.append(size + self._rounding(*self._parts(w), most).sum(axis=0))
+        return flows, size
+
+    def unbalanced(self, least: float) -> float:
+        """Return the largest sum as a part of its terms, of which none counts as below `least`.
+
+        That is power that in all the time of the run adds up to no part of its energy: where
+        nothing moves, rounding of large flows that a gyrator passes on is a force, and no other is
+        there.
+        """
+        if not self._sizes:
+            return 0.0
+        size = np.maximum(np.concatenate(self._sizes), least)
+        # where a motion turns round there is no power to be a part of, but the rounding of flows
+        size = np.maximum(size, _QUIET * size.max(initial=0.0))
+        ratio = np.concatenate(self._totals) / np.where(size > 0.0, size, 1.0)
+        return float(ratio.max(initial=0.0))
+
+    def _flows(self, w: Matrix) -> Matrix:
+        return np.asarray(w[self.bond] * w[self.bond + self._many] * self._sign[:, None])
+
+    def _parts(self, w: Matrix) -> tuple[Matrix, Matrix]:
+        return np.abs(w[self.bond]), np.abs(w[self.bond + self._many])
+
+    def _rounding(self, e: Matrix, f: Matrix, most: Vector) -> Matrix:
+        # what rests under a load moves by the rounding of the fastest motion in its domain, and
+        # what flows without a load feels the rounding of the largest one, between two-ports too
+        loads, speeds = (
+            np.where(self._same, a, 0.0).max(axis=1, initial=0.0)[:, None]
+            for a in (most[: self._many], most[self._many : 2 * self._many])
+        )
+        return np.asarray(0.1 * (e * speeds + loads * f))
 
 
 def _most_taken(flows: Matrix, t: Vector) -> float:

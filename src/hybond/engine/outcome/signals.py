@@ -21,6 +21,7 @@ from hybond.engine.outcome.along import Along, begins_of
 from hybond.engine.outcome.combinations import ALONE, Combination
 from hybond.engine.outcome.engines import Prepared
 from hybond.engine.outcome.records import Block, Interpolants
+from hybond.engine.run.source_jumps import AT_KINK
 from hybond.engine.tables import ModelTables
 from hybond.model.expressions import ARRAYS, Expr, Name, Number, compile_expression, names, uses_pre
 from hybond.model.graph import FlatGraph, Mode
@@ -28,8 +29,6 @@ from hybond.runs.trace import Segment, Trace
 
 Vector = NDArray[np.float64]
 
-AT_KINK = 1e-9
-"""Part of its terms below which what changes its sign at a kink is zero."""
 MOMENTS = 64
 """Units in the last place that a limit from the left is before a kink, at first."""
 ROUNDS = 7

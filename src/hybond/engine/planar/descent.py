@@ -10,6 +10,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.products import copy_floats
+from hybond.engine.algebra.rounding import SMALLEST
 from hybond.engine.answers import machine_name
 from hybond.engine.engine import NOT_FINITE, OK, REFUSED, Engine, say_fault
 from hybond.engine.mode.values import evaluate, field
@@ -55,7 +56,7 @@ def slip_velocity(m: Model, d: int, v: Floats, way: int) -> float:
 
 def least_slip(p: Planar, d: int) -> float:
     """Return the speed below which one straight step is the rest of the way."""
-    return max(SLIP_ROUNDING * p.largest[d], 10.0 * 2.2250738585072014e-308)
+    return max(SLIP_ROUNDING * p.largest[d], 10.0 * SMALLEST)
 
 
 def slow_place(m: Model, d: int) -> int:
@@ -132,7 +133,7 @@ def find_ahead(e: Engine, d: int, t: float, y: Floats) -> float:
 
 
 def find_approach(e: Engine, d: int, t: float, y: Floats) -> int:
-    """Find how one slip comes to rest. As Descent._approach; p.rate is the rate at y."""
+    """Find how one slip comes to rest; p.rate is the rate at y."""
     m = e.model
     p = e.planar
     evaluate(e, e.mode, p.v, t, y)
@@ -181,7 +182,7 @@ def is_at_rest(p: Planar, d: int, t: float) -> bool:
 def step_descent(e: Engine, t: float, y: Floats, end: float) -> int:
     """Make the next step into ``e.step``: DESCENDS, IS_DOWN if no slip is on its way any more.
 
-    ENDLESS with HB-N408 if the end of a slip is not found. As Descent.step.
+    ENDLESS with HB-N408 if the end of a slip is not found.
     """
     m = e.model
     p = e.planar
@@ -242,7 +243,7 @@ def step_descent(e: Engine, t: float, y: Floats, end: float) -> int:
 def control_descent(e: Engine, t: float, y: Floats, h: float) -> int:
     """Make a step of at most h that agrees with two of half its length.
 
-    `p.y` is `y` with what is held on the way: directions. As Descent._controlled.
+    `p.y` is `y` with what is held on the way: directions.
     """
     p = e.planar
     n = e.states
@@ -318,7 +319,7 @@ def put_curve(
 
 
 def end_descent(e: Engine, t: float, y: Floats) -> None:
-    """Put the state at the end of the descent there, wherever that is. As Descent.ended."""
+    """Put the state at the end of the descent there, wherever that is."""
     m = e.model
     p = e.planar
     evaluate(e, e.mode, p.v, t, y)

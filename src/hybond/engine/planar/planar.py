@@ -12,6 +12,7 @@ from typing import Final
 
 from hybond.engine.algebra.lu import SINGULAR, lu_factor, lu_solve
 from hybond.engine.algebra.products import copy_floats
+from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.algebra.svd import rank_above, svd
 from hybond.engine.answers import node_name
 from hybond.engine.complementarity.friction_disk import on_disk
@@ -46,7 +47,7 @@ NO_SLIP: Final = 1e-100
 
 
 def find_disks(e: Engine, r: Laws) -> int:
-    """Find each disk as it is at this instant. As planar.disks_of."""
+    """Find each disk as it is at this instant."""
     m = e.model
     p = e.planar
     p.ready = True
@@ -87,7 +88,7 @@ def put_on_the_way(m: Model, p: Planar, q: LawProblem, d: int) -> None:
 
 
 def answer_with(m: Model, p: Planar, q: LawProblem, start: Ints) -> bool:
-    """Solve with the disks at rest held, or given the forces in `p`. As Rests._with."""
+    """Solve with the disks at rest held, or given the forces in `p`."""
     n = m.ports
     for h in range(p.held):
         d = p.which[h]
@@ -109,7 +110,7 @@ def affine(n: int, constant: float, slope: Floats, row: int, l: Floats) -> float
 
 
 def answer_rests(e: Engine, q: LawProblem, start: Ints) -> bool:
-    """Find what all laws do with the disks whose slip is zero. As Rests.answer.
+    """Find what all laws do with the disks whose slip is zero.
 
     First all that rest are held, and those let go that cannot be. Where that comes to no answer the
     disks take turns, each solved for itself between the forces of the others.
@@ -127,7 +128,7 @@ def answer_rests(e: Engine, q: LawProblem, start: Ints) -> bool:
 def answer_shared(e: Engine, q: LawProblem, start: Ints) -> bool:
     """Find an answer in which disks share what they hold alike, if more than one fits.
 
-    All give way by the same little then. As Rests._shared.
+    All give way by the same little then.
     """
     m = e.model
     p = e.planar
@@ -176,7 +177,7 @@ def restore_disk_answer(p: Planar, q: LawProblem) -> None:
 
 
 def answer_held(e: Engine, q: LawProblem, start: Ints) -> bool:
-    """Hold all disks, and let those go that cannot be held. As Rests._answer."""
+    """Hold all disks, and let those go that cannot be held."""
     m = e.model
     p = e.planar
     n = m.ports
@@ -223,7 +224,7 @@ def answer_held(e: Engine, q: LawProblem, start: Ints) -> bool:
 def probe_disk(e: Engine, q: LawProblem, start: Ints, d: int) -> bool:
     """Find how the slip and the limit of one disk follow its force, the others held.
 
-    ``f = f0 - a p``, and the limit ``reach + follow . p``. As Rests._about.
+    ``f = f0 - a p``, and the limit ``reach + follow . p``.
     """
     m = e.model
     p = e.planar
@@ -298,7 +299,7 @@ def turn_disk(e: Engine, q: LawProblem, start: Ints, d: int) -> float:
 
 
 def answer_in_turn(e: Engine, q: LawProblem, start: Ints) -> bool:
-    """Let the disks take turns, each solved for itself. As Rests._in_turn."""
+    """Let the disks take turns, each solved for itself."""
     m = e.model
     p = e.planar
     for h in range(p.held):
@@ -348,10 +349,7 @@ def answer_in_turn(e: Engine, q: LawProblem, start: Ints) -> bool:
 
 
 def solve_alone(e: Engine, q: LawProblem, start: Ints, d: int) -> bool:
-    """Find the force of one disk between those of the others, and whether it holds.
-
-    As Rests._local.
-    """
+    """Find the force of one disk between those of the others, and whether it holds."""
     m = e.model
     p = e.planar
     if not probe_disk(e, q, start, d):
@@ -367,7 +365,7 @@ def solve_alone(e: Engine, q: LawProblem, start: Ints, d: int) -> bool:
     for k in range(4):
         r.block[k] = p.a[k]
     svd(r.svd, 2, 2, r.block)
-    regular = rank_above(r.svd, 2, 2.0 * 2.220446049250313e-16 * r.svd.s[0]) == 2
+    regular = rank_above(r.svd, 2, 2.0 * EPSILON * r.svd.s[0]) == 2
     if regular and lu_factor(2, r.block, r.tried) != SINGULAR:
         p.force[2 * d] = p.f0[0]
         p.force[2 * d + 1] = p.f0[1]
@@ -409,7 +407,7 @@ def disks_fit(m: Model, p: Planar, q: LawProblem) -> bool:
 
 
 def put_headings(m: Model, p: Planar, s: Floats, state: Ints) -> None:
-    """Put the signals there with the heading of what begins to slip in a mode. As Kept.after."""
+    """Put the signals there with the heading of what begins to slip in a mode."""
     for k in range(m.integrals):
         p.signals[k] = s[k]
     if not p.ready:

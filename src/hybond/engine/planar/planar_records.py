@@ -28,7 +28,6 @@ class Planar:
     which: Ints
     free: Ints
     force: Floats
-    kept_force: Floats
     loose: Ints
     holds: Ints
     rest: Floats
@@ -101,7 +100,6 @@ def make_planar(m: Model) -> Planar:
     p.which = ints(d)
     p.free = ints(d)
     p.force = floats(2 * d)
-    p.kept_force = floats(2 * d)
     p.loose = ints(d)
     p.holds = ints(d)
     p.rest = floats(d)

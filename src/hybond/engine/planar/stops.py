@@ -47,7 +47,7 @@ def slips_now(e: Engine, d: int) -> bool:
 
 
 def arm_slips(e: Engine, t: float, y: Floats) -> None:
-    """Put the speeds there from which slips are at their end, after a step. As Stops.armed."""
+    """Put the speeds there from which slips are at their end, after a step."""
     m = e.model
     p = e.planar
     low_part = min(max(SLIP_LOW, SLIP_COARSE * m.rtol), SLIP_HIGHEST)
@@ -70,7 +70,7 @@ def follows_slip(e: Engine) -> bool:
     """Whether the last step follows slip: without turning it round, at the rate of what drives it.
 
     Where slip is slow its direction changes faster than any error estimate tells that looks at the
-    speed beside the speeds of the whole run. As Stops.follows.
+    speed beside the speeds of the whole run.
     """
     m = e.model
     p = e.planar
@@ -131,7 +131,7 @@ def goes_astray(e: Engine, at: int, largest: float) -> bool:
 
 
 def begin_slips(e: Engine, t: float, y: Floats) -> None:
-    """Put the state there from which slip begins. As Stops.begun.
+    """Put the state there from which slip begins.
 
     Friction that breaks loose exactly at its limit has next to no force left to move with: there
     the heading counts a little longer.

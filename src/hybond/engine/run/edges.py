@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.answers import value
 from hybond.engine.engine import OK, Engine
 from hybond.engine.methods.one_instant import room_of_instant
@@ -21,7 +22,7 @@ NEARLY: Final = 1.0 - 1e-10
 """Part of the way that is gone where all of it leads beyond by rounding."""
 AT_ONCE: Final = 1e-9
 """Part of the run within which an edge is reached at once, where no step is short enough."""
-LEVEL: Final = 64.0 * 2.220446049250313e-16
+LEVEL: Final = 64.0 * EPSILON
 """What is this near to an edge, as a part of its terms, is there as soon as it comes nearer: of
 many tanks that come to rest together no rounding goes to and fro."""
 PASSES: Final = 64

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.engine.answers import node_name, stored_name, value
+from hybond.engine.answers import node_name, stored_name
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.methods.dopri import spacing
 from hybond.engine.methods.one_instant import room_of_instant
@@ -17,7 +17,7 @@ from hybond.engine.mode.solving import solve_read
 from hybond.engine.mode.values import field, set_motion
 from hybond.engine.reasons.facts import add_fact
 from hybond.engine.run.guard_values import has_crossed, holds_at, show
-from hybond.engine.run.held_by_kinks import is_held
+from hybond.engine.run.held_by_kinks import JUMPS, SEEN, compared, is_held
 from hybond.engine.run.locator import ALL_PARTS, LONGEST_NAP, NO_KINK, Locator, pass_step
 from hybond.engine.run.run_records import IDLE, PATIENCE, Run
 from hybond.engine.run.together import LAST_PLACES, before_kink, kink_there
@@ -41,10 +41,6 @@ CRAWL: Final = 1e-6
 """Part of the run that a step is which leads nowhere."""
 ASIDE: Final = 0.25
 """Part of the way to an end of the step, on either side of a kink, at which rates are compared."""
-JUMPS: Final = 0.75
-"""A jump is as large from a quarter of that way; what is bent is a half or less, like a root."""
-SEEN: Final = 1e-9
-"""Part of the rates below which a change of them is no jump."""
 DUST: Final = 1e-14
 """Part of the largest effort or flow that is rounding, where a rate is the sum of some."""
 
@@ -258,7 +254,7 @@ def leads_back(e: Engine, r: Run, at: float, reach: float) -> bool:
         return False
     for i in range(e.states):
         g.y[i] += 2.0 * h * r.beside[2 * e.states + i]
-    there = atom_of(e, g, atom, at + 3.0 * h)
+    there = compared(e, g, atom, at + 3.0 * h)
     g.looked = math.nan
     return beyond * (there - beyond) < 0.0
 
@@ -266,17 +262,7 @@ def leads_back(e: Engine, r: Run, at: float, reach: float) -> bool:
 def atom_between(e: Engine, g: Locator, atom: int, t: float) -> float:
     """Return a difference that is watched, at a time of the last step."""
     between(e, t, g.y)
-    return atom_of(e, g, atom, t)
-
-
-def atom_of(e: Engine, g: Locator, atom: int, t: float) -> float:
-    """Return a difference that is watched, at the state in `g.y`; nan if it has no value."""
-    show(e, g, ALL_PARTS)
-    g.looked = math.nan
-    set_motion(e, e.v, t, g.y)
-    if solve_read(e, e.mode, g.reads, e.v) != OK:
-        return math.nan
-    return value(e.model, atom, e.v)
+    return compared(e, g, atom, t)
 
 
 def stuck_at_kink(e: Engine, r: Run) -> int:

@@ -169,7 +169,7 @@ def settle_late(e: Engine, r: Run) -> int:
 
 
 def settle_now(e: Engine, r: Run, cause: int) -> int:
-    """Settle the present instant, and report what changed. After Executive._settle."""
+    """Settle the present instant, and report what changed."""
     if e.model.method == MOREAU:
         return settle_in_steps(e, r, cause)
     i = r.instant
@@ -217,10 +217,7 @@ def settle_now(e: Engine, r: Run, cause: int) -> int:
 
 
 def rest_now(e: Engine, r: Run) -> int:
-    """Land what was hit and does not rebound: time goes on from the limit of its impacts.
-
-    After Executive._rest.
-    """
+    """Land what was hit and does not rebound: time goes on from the limit of its impacts."""
     landed = 1
     while landed > 0:
         if e.landings.touches == 0:
@@ -236,10 +233,7 @@ def rest_now(e: Engine, r: Run) -> int:
 
 
 def flow(e: Engine, r: Run) -> int:
-    """Let time pass in the mode; return why it ended, -1 if the run stops.
-
-    After Executive._flow.
-    """
+    """Let time pass in the mode; return why it ended, -1 if the run stops."""
     m = e.model
     if m.method == MOREAU:
         return flow_in_steps(e, r)
@@ -391,7 +385,7 @@ def begin_flow(e: Engine, r: Run) -> int:
 
 
 def follow(e: Engine) -> int:
-    """Repeat a step shorter until it follows slip in the plane. After Executive._followed."""
+    """Repeat a step shorter until it follows slip in the plane."""
     for _ in range(SHORTER):
         if follows_slip(e):
             return OK
@@ -438,7 +432,7 @@ def go_from_edge(e: Engine, r: Run) -> int:
 
 
 def lead_to_rest(e: Engine, r: Run, end: float) -> int:
-    """Lead slip in the plane to its end, if it is about to end. After Executive._to_rest."""
+    """Lead slip in the plane to its end, if it is about to end."""
     m = e.model
     p = e.planar
     if not begin_descent(e, e.t, e.y):

@@ -22,7 +22,7 @@ AT_ONCE: Final = 1e-11
 
 
 def find_met(e: Engine, i: Instant, before: Floats, moved: bool) -> int:
-    """Find the surfaces that the state is on, one per machine. After Slider._met.
+    """Find the surfaces that the state is on, one per machine.
 
     They are sought anew where the fields may have jumped, else among those just crossed.
     """

@@ -34,7 +34,7 @@ COLLAPSES: Final = 3
 def slide_after(e: Engine, i: Instant, before: Floats) -> int:
     """Decide which machines slide from now on; change the state and mode, and what is written.
 
-    `before` is the state before the instant. After Slider.after.
+    `before` is the state before the instant.
     """
     m = e.model
     s = e.slide

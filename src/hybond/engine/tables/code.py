@@ -1,4 +1,4 @@
-"""Expressions of a model as the instructions that `portable/code.py` runs."""
+"""Expressions of a model as the instructions that `engine.expressions.code` runs."""
 
 from __future__ import annotations
 

@@ -37,7 +37,6 @@ from hybond.model.expressions.slots import is_slotted, plain, settled
 from hybond.model.expressions.tree import fold, with_children
 from hybond.records import dataclass
 
-Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
 Key: TypeAlias = tuple[complex, float, tuple[str, ...]]
 """Rate and shift of the exponential, and the names of the monomial, sorted."""

@@ -12,6 +12,7 @@ from hybond.engine.tables.expressions import number_of
 from hybond.equations.calculus import gradient, partial_time
 from hybond.model.expressions import Expr, Number, names
 from hybond.model.graph import FlatGraph
+from hybond.model.joined import Joined
 from hybond.model.laws import JunctionLaw
 from hybond.model.planar_friction import HEADING, SLOW
 from hybond.names import join
@@ -193,17 +194,7 @@ def _kinds_of_states(g: FlatGraph) -> list[list[int]]:
 
 def _parts(g: FlatGraph) -> list[set[int]]:
     """Return the nodes that bonds join, part by part."""
-    part = list(range(len(g.nodes)))
-
-    def top(node: int) -> int:
-        while part[node] != node:
-            part[node] = part[part[node]]
-            node = part[node]
-        return node
-
+    parts = Joined(range(len(g.nodes)))
     for bond in g.bonds:
-        part[top(bond.tail)] = top(bond.head)
-    joined: dict[int, set[int]] = {}
-    for node in range(len(g.nodes)):
-        joined.setdefault(top(node), set()).add(node)
-    return list(joined.values())
+        parts.join((bond.tail, bond.head))
+    return [set(part) for part in parts.groups()]

@@ -7,16 +7,17 @@ from typing import Final
 
 from hybond.engine.algebra.blocks import fit
 from hybond.engine.algebra.lu import SINGULAR, lu_invert
+from hybond.engine.algebra.products import column_norm
 from hybond.engine.algebra.scaling import balance
 from hybond.engine.algebra.svd import Svd, null_space
 from hybond.engine.complementarity.law_roles import CUT, ONE_SIDED, SHUT
+from hybond.engine.complementarity.least_shares import least_shares, leave_still
 from hybond.engine.engine import Engine, svd_room
 from hybond.engine.laws.law_records import Ports
 from hybond.engine.laws.ports import open_mode
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.model import Model
 from hybond.engine.timestepping.step_records import Coupled, Stepping
-from hybond.engine.timestepping.step_shares import least_shares, leave_still
 from hybond.engine.words import Floats, Ints
 
 REGULAR_ENOUGH: Final = 1e9
@@ -74,19 +75,7 @@ def is_regular(n: int, a: Floats, factor: Floats, row: Ints, inverse: Floats) ->
     """Whether a balanced matrix clearly is regular; `factor` is a copy of it, and lost."""
     if lu_invert(n, factor, row, inverse) == SINGULAR:
         return False
-    return column_sum(n, a) * column_sum(n, inverse) < REGULAR_ENOUGH
-
-
-def column_sum(n: int, a: Floats) -> float:
-    """Return the largest sum of magnitudes of a column."""
-    most = 0.0
-    for j in range(n):
-        total = 0.0
-        for i in range(n):
-            total += math.fabs(a[i * n + j])
-        if not total <= most:
-            most = total
-    return most
+    return column_norm(n, a) * column_norm(n, inverse) < REGULAR_ENOUGH
 
 
 def share(e: Engine, s: Stepping, p: Ports, c: Coupled) -> None:

@@ -22,6 +22,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.answers import value
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.instant.instant import (
@@ -59,7 +60,7 @@ from hybond.engine.timestepping.theta_step import steady_bonds, theta_step, writ
 
 SLACK_OF_GRID: Final = 1e-9
 """Part of a step within which a time counts as a point of the grid."""
-OFF_BY: Final = 8.881784197001252e-16
+OFF_BY: Final = 4.0 * EPSILON
 """Part of the time by which the difference of two times may be off."""
 CHATTER: Final = 100
 """Steps in a row at whose ends one machine fires, after which a warning says so."""

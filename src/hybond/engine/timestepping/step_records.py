@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Final
 
-from hybond.engine.algebra.blocks import Block, Places, make_block, make_places
-from hybond.engine.complementarity.lcp import Lcp, make_lcp
+from hybond.engine.algebra.blocks import Block, make_block
+from hybond.engine.complementarity.least_shares import Shares, make_shares
 from hybond.engine.model import Model
 from hybond.engine.words import Floats, Ints, Records, floats, ints, record, records
 
@@ -70,28 +70,6 @@ class Guess:
     row: Ints
     l: Floats
     turned: Ints
-
-
-@record
-class Shares:
-    """Room for shares that the laws leave open: values, their bounds, what may be added to them."""
-
-    values: Block
-    low: Block
-    high: Block
-    basis: Block
-    kept: Block
-    rows: Block
-    seen: Block
-    onto: Block
-    flows: Block
-    t: Block
-    square: Block
-    q: Block
-    start: Places
-    open: Places
-    lcp: Lcp
-    lcp_most: int
 
 
 @record
@@ -273,25 +251,3 @@ def make_guess(n: int) -> Guess:
     g.l = floats(n)
     g.turned = ints(n)
     return g
-
-
-def make_shares() -> Shares:
-    """Return room that grows where shares are open."""
-    a = Shares()
-    a.values = make_block(1)
-    a.low = make_block(1)
-    a.high = make_block(1)
-    a.basis = make_block(1)
-    a.kept = make_block(1)
-    a.rows = make_block(1)
-    a.seen = make_block(1)
-    a.onto = make_block(1)
-    a.flows = make_block(1)
-    a.t = make_block(1)
-    a.square = make_block(1)
-    a.q = make_block(1)
-    a.start = make_places(1)
-    a.open = make_places(1)
-    a.lcp = make_lcp(1)
-    a.lcp_most = 1
-    return a

@@ -259,15 +259,6 @@ class Polynomial:
             least = {atom: min(k, powers[atom]) for atom, k in least.items() if atom in powers}
         return tuple(least.items())
 
-    def derivative(self, atom: str) -> Polynomial:
-        """Return the partial derivative with respect to an atom."""
-        found: dict[Monomial, Coefficient] = {}
-        for m, c in self.terms.items():
-            k = dict(m).get(atom, 0)
-            if k:
-                found[times(m, ((atom, -1),))] = c * k
-        return Polynomial(found)
-
     def evaluate(self, values: Mapping[str, float]) -> float:
         """Return the value as a float; KeyError names an atom without a value."""
         total = 0.0

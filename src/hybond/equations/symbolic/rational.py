@@ -221,25 +221,6 @@ class Rational:
             result = result * total**k
         return result
 
-    def derivative(self, atom: str) -> Rational:
-        """Return the partial derivative with respect to an atom.
-
-        Examples
-        --------
-        >>> x = Rational.atom("x")
-        >>> (1 / (x + 1)).derivative("x") == -1 / (x + 1) ** 2
-        True
-        """
-        # The logarithmic derivative, term by term, times the function.
-        total = ZERO
-        power = dict(self.monomial).get(atom, 0)
-        if power:
-            total = Rational(power, ((atom, -1),), {})
-        for f, k in self.factors.items():
-            slope = Rational.from_polynomial(f.derivative(atom))
-            total = total + slope * Rational(k, (), {f: -1})
-        return self * total
-
 
 ZERO = Rational(0, (), {})
 ONE = Rational(1, (), {})

@@ -33,7 +33,7 @@ def extended(graph: FlatGraph, mode: Mode, outputs: tuple[str, ...]) -> Extended
     sources = [n for n in graph.nodes if n.kind in SOURCES and _value(n) != Number(0.0)]
     inputs = [f"u:{i.index}" for i in graph.inputs] + [f"source:{n.index}" for n in sources]
     rows = linear_rows(
-        graph, mode, None, inputs=inputs, outputs={text: _signal(graph, text) for text in outputs}
+        graph, mode, None, inputs=inputs, outputs={text: graph.signal(text) for text in outputs}
     )
     many = len(graph.inputs)
     default = [k for k in range(many) if rows.B[:, k].any()]
@@ -50,10 +50,3 @@ def _value(node: Node) -> Expr:
 def _is_free(value: Expr) -> bool:
     """Whether a source reads nothing but the time."""
     return all(name == "time" or name.startswith("at:") for name in names(value))
-
-
-def _signal(graph: FlatGraph, text: str) -> Expr:
-    if text in graph.signals:
-        return graph.signals[text]
-    assert graph.read is not None
-    return graph.read(text)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import html
 import json
 import math
 from dataclasses import dataclass, field
@@ -13,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.errors import HybondError, UsageError
-from hybond.files.whole import whole, write_whole
-from hybond.names import did_you_mean
+from hybond.files.whole import write_rows, write_whole
+from hybond.names import did_you_mean, html_lines, html_table
 from hybond.sweep.bifurcation.branch import Branch
 from hybond.sweep.bifurcation.question import refusal
 from hybond.sweep.bifurcation.values import Values
@@ -190,13 +189,7 @@ class Bifurcation:
 
     def to_csv(self, path: str | Path) -> None:
         """Write the table, a row for each sample."""
-        import csv
-
-        table = self.table()
-        with whole(path) as new, open(new, "w", newline="", encoding="utf-8") as file:
-            writer = csv.writer(file)
-            writer.writerow(table)
-            writer.writerows(zip(*(column.tolist() for column in table.values()), strict=True))
+        write_rows(path, self.table())
 
     def to_dict(self) -> dict[str, Any]:
         """Return everything as plain data in SI; None where there is no number."""
@@ -306,17 +299,12 @@ class Bifurcation:
         return f"<Bifurcation {self.title!r}: {many} values of {self.parameter}, {said}>"
 
     def _repr_html_(self) -> str:
-        head = "".join(
-            f"<th>{html.escape(name)}</th>"
-            for name in ("branch", f"{self.parameter} from", "to", "what", "events", "modes", "end")
-        )
-        rows = ""
+        head = ("branch", f"{self.parameter} from", "to", "what", "events", "modes", "end")
+        rows = []
         for w in self.windows():
             low, high = f"{w.low:.6g}", f"{w.high:.6g}"
-            cells = (w.direction, low, high, w.name, f"{w.events:.3g}", w.orbit, w.ends_in)
-            rows += "<tr>" + "".join(f"<td>{html.escape(c)}</td>" for c in cells) + "</tr>"
-        said = html.escape(repr(self)[1:-1])
-        return f"<p>{said}</p><table><tr>{head}</tr>{rows}</table>"
+            rows.append((w.direction, low, high, w.name, f"{w.events:.3g}", w.orbit, w.ends_in))
+        return html_lines([repr(self)[1:-1]]) + html_table(rows, head)
 
 
 def _missing(why: str, where: str, hint: str) -> UsageError:

@@ -82,7 +82,7 @@ class Values:
         options = {k: v for k, v in q.options.items() if k not in ("engine", "keep", "fmus")}
         self._settings, self._band = settings_of(graph.experiment, span, **options)
         task = Task(q.model, span, q.options, q.of, np.zeros(0), False)
-        self._asked, self.alone = asked_of(task)
+        self._asked, _ = asked_of(task)
         self._family = self._family_of(float(q.values[0]))
         self.machines = graph.machines
         self.ordinary = 0

@@ -13,18 +13,61 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.engine.algebra.blocks import Block, fit, fit_places
+from hybond.engine.algebra.blocks import Block, Places, fit, fit_places, make_block, make_places
 from hybond.engine.algebra.svd import Svd, null_space
-from hybond.engine.complementarity.lcp import SOLVED, make_lcp
+from hybond.engine.complementarity.lcp import SOLVED, Lcp, make_lcp
 from hybond.engine.complementarity.lemke import lemke
-from hybond.engine.timestepping.step_records import Shares
-from hybond.engine.words import Floats
+from hybond.engine.words import Floats, record
 
 SAME_SHARE: Final = 1e-9
 """Shares that differ by less of the largest are the same."""
 MOVES_PART: Final = 1e-7
 """Part of its terms from which a sum counts as moved by a share."""
 SHARES_RANK: Final = 1e-10
+
+
+@record
+class Shares:
+    """Room for shares that the laws leave open: values, their bounds, what may be added to them."""
+
+    values: Block
+    low: Block
+    high: Block
+    basis: Block
+    kept: Block
+    rows: Block
+    seen: Block
+    onto: Block
+    flows: Block
+    t: Block
+    square: Block
+    q: Block
+    start: Places
+    open: Places
+    lcp: Lcp
+    lcp_most: int
+
+
+def make_shares() -> Shares:
+    """Return room that grows where shares are open."""
+    a = Shares()
+    a.values = make_block(1)
+    a.low = make_block(1)
+    a.high = make_block(1)
+    a.basis = make_block(1)
+    a.kept = make_block(1)
+    a.rows = make_block(1)
+    a.seen = make_block(1)
+    a.onto = make_block(1)
+    a.flows = make_block(1)
+    a.t = make_block(1)
+    a.square = make_block(1)
+    a.q = make_block(1)
+    a.start = make_places(1)
+    a.open = make_places(1)
+    a.lcp = make_lcp(1)
+    a.lcp_most = 1
+    return a
 
 
 def cleared(rows: int, n: int, many: int, a: Floats, basis: Floats, out: Floats) -> int:
