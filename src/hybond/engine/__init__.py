@@ -24,7 +24,7 @@ all room to work in. Data flows so::
     undetermined              what laws leave free at the values that hold
     jump                      entering a mode: constraints, impulses
     trial, entering, settle   trying modes at an instant until none is left (staying: what is
-                              known of the last one)
+                              known of the last one; passed_over: modes without a solution)
     values, scale, stepping   values while time passes; tolerances; one step
     control, dopri, exact     steps that the error controls: Dormand and Prince, or what is
                               propagated: flow (which modes are linear, and their matrix, by
