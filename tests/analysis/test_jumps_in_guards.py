@@ -97,3 +97,26 @@ def test_peak_current_control_has_the_multiplier_of_its_slopes(part: float) -> N
     assert multiplier == pytest.approx(-(down - ramp) / (up + ramp), abs=1e-9)
     assert orbit.stable == (part > 0.0)
     assert orbit["L.f"].max() == pytest.approx(6.0, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    "source", ["if mod(time, T) < T/2 then U else -U", "U*sign(sin(2*pi*time/T))"]
+)
+def test_ideal_bridges_behind_a_coil_are_followed(source: str) -> None:
+    """While the current of the coil turns round all four diodes conduct, and share it equally.
+
+    A stiff current I takes 2 L I/U of each half period from the voltage: U (1 - 4 L I/(U T)).
+    """
+    m = hb.Model("bridge", domain="electrical", parameters={"T": "10 us", "U": "100 V"})
+    m.add(V=hb.Se(source), L=hb.I("5 uH"), s=hb.One(), a=hb.Zero(), p=hb.Zero(), n=hb.Zero())
+    for k, ends in enumerate(("a -> D0 -> p", "D1 -> p", "n -> D2 -> a", "n -> D3")):
+        m.add(**{f"D{k}": hb.One(law="diode")})
+        m.bond(ends)
+    m.add(d=hb.One(), Lo=hb.I("50 mH"), r=hb.R("10 ohm"))
+    m.bond("V -> s -> a", "s -> L", "p -> d -> n", "d -> Lo", "d -> r")
+    orbit = hb.periodic(m, "T")
+    assert orbit.stable and orbit.periods <= 12
+    current = orbit["Lo.f"].mean()
+    # with 50 mH the current moves by 1e-4 of itself
+    assert 10 * current == pytest.approx(100 * (1 - 4 * 5e-6 * current / (100 * 10e-6)), rel=1e-4)
+    assert orbit["D0.f"].mean() == pytest.approx(current / 2, rel=1e-6)

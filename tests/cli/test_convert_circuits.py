@@ -126,3 +126,11 @@ def test_a_file_that_is_not_there(shell: Any, name: str) -> None:
     done = shell("convert", name, "made.toml")
     assert done.code == 2
     assert done.err.startswith("HB-F101")
+
+
+def test_a_netlist_is_checked_and_exported_as_it_is(shell: Any) -> None:
+    shell.file("rectifier.cir", NETLIST)
+    done = shell("check", "rectifier.cir")
+    assert done.code == 0 and "Half-wave rectifier" in done.out
+    done = shell("export", "rectifier.cir", "--to", "python", "--out", "rectifier.py")
+    assert done.code == 0 and (shell.folder / "rectifier.py").exists()

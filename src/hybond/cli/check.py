@@ -15,13 +15,13 @@ from hybond.causality.report import ahead_lines
 from hybond.causality.report import causality as modes_report
 from hybond.cli.cross import VERSION, check_options, cross
 from hybond.cli.lists import check_experiment
+from hybond.cli.netlists import read_model
 from hybond.cli.record import to_json
 from hybond.cli.refusal import placed
 from hybond.cli.settings import flatten_with
 from hybond.cli.streams import complain, say
 from hybond.engine.outcome.apart import Apart
 from hybond.errors import CausalityError, HybondError
-from hybond.files import load
 from hybond.hints.look import hints_of
 from hybond.model.builder import Model
 from hybond.model.checked import Checked, Hint
@@ -48,7 +48,7 @@ def check(given: Namespace) -> int:
         from hybond.cli.modes import modes
 
         return modes(given)
-    model = load(given.file)
+    model = read_model(given.file)[0]
     if given.json:
         return _as_data(given, model)
     graph = flatten_with(model, given.settings)

@@ -6,13 +6,13 @@ import sys
 from argparse import Namespace
 from pathlib import Path
 
+from hybond.cli.netlists import read_model
 from hybond.cli.run_words import options_given
 from hybond.cli.settings import model_with
 from hybond.cli.streams import complain, say
 from hybond.cli.targets import check_new, check_target
 from hybond.errors import UsageError
 from hybond.export.targets import TARGETS, default_name, export
-from hybond.files import load
 from hybond.names import did_you_mean
 
 PRINTED = "-"
@@ -40,7 +40,7 @@ def export_model(given: Namespace) -> int:
     if path is not None:
         check_new(path, force=given.force)
     options = options_given(given, "until", "points", "fmi")
-    model = model_with(load(Path(given.file)), given.settings)
+    model = model_with(read_model(given.file)[0], given.settings)
     if given.to == "fmu" and sys.stderr.isatty():
         complain("making the program and compiling it, some seconds ...")
     found = export(model, to=given.to, path=path, **options)

@@ -38,7 +38,7 @@ subset. Rooms, and in them files, as data passes them::
         settle              trying modes at an instant until none is left
         entering, trial, jump    a mode entered: signals, and what is stored
         constraints, impulse_ways, own_ways    what a jump must fulfil, and what moves it there
-        staying             what is known of the last trial
+        staying, passed_over    what is known of the last trial; modes without a solution
         in_force, indeterminate    rules that are asked; truths that depend on what is open
         doubts, telling, told, instant    what is warned of, told and written down
     laws/

@@ -306,11 +306,16 @@ def hand_over(second: str) -> hb.Model:
 
 
 def test_conflict_in_a_mode_that_is_passed() -> None:
-    """A mythical mode has values too: where they contradict each other it cannot be tried."""
-    run = hb.simulate(hand_over("time >= 1"), until=2.0)  # together: no mode between
-    assert run["r.e"].at(0.5) == 5.0 and run["r.e"].at(1.5) == 3.0
+    """Where the values of a mythical mode contradict each other, it is left by what asks for none.
+
+    Together there is no mode between; a switch that waits for the other one knows that it is on;
+    what waits for a voltage between the two sources waits for nothing that there is.
+    """
+    for second in ("time >= 1", "b.on"):
+        run = hb.simulate(hand_over(second), until=2.0)
+        assert run["r.e"].at(0.5) == 5.0 and run["r.e"].at(1.5) == 3.0
     with pytest.raises(hb.HybondError, match="HB-C101"):
-        hb.simulate(hand_over("b.on"), until=2.0)
+        hb.simulate(hand_over("r.e < 4"), until=2.0)
 
 
 # -- landing -------------------------------------------------------------------------------------

@@ -102,7 +102,8 @@ def crossing(fields: Fields, segment: Segment, end: Field, event: Event | None) 
 def _by_guards(fields: Fields, segment: Segment, end: Field, event: Event) -> list[Crossing]:
     """Return the comparisons of guards that fired first and that became zero.
 
-    Where none is zero, what jumps in them is looked at: that is zero where it jumps.
+    Where none is zero, what jumps in them is looked at, and then what jumps in the laws of the
+    mode, as a source that steps: that is zero where it jumps.
     """
     touched: list[str] = []
     for jumps in (False, True):
@@ -111,6 +112,10 @@ def _by_guards(fields: Fields, segment: Segment, end: Field, event: Event) -> li
             if found:
                 return found
             touched += grazed
+    rows = end.tangent.rows
+    made = [crossed(fields, segment, end, h, "a law jumps") for h in rows.turns if h in rows.leaps]
+    if passed := [c for c in made if isinstance(c, Crossing)]:
+        return passed
     if touched:
         raise Undetermined(f"{touched[0]} is only touched (grazing)")
     return []
@@ -175,7 +180,11 @@ def crossed(
     if abs(value) > (max(near, ROUNDED * terms) if loose else near):
         return None
     if read.is_open(end.at):
-        raise Undetermined(f"{text}: the mode leaves open how what it reads is shared")
+        bonds = end.tangent.shared(end.at, end.bonds, read.asked(end.at))
+        if bonds is None:
+            raise Undetermined(f"{text}: the mode leaves open how what it reads is shared")
+        slope = read.at(end.at, bonds)[0, 0]
+        speed = float(slope[:n] @ end.f[0, :n] + slope[n])
     by = np.zeros(fields.size + len(fields.columns.parameters))
     by[:n] = -slope[:n] / speed
     by[fields.size :] = -slope[n + 1 :] / speed

@@ -91,6 +91,18 @@ class ModeRows:
         self.rates = [self.moving(e) for e in rates]
 
     @cached_property
+    def carried(self) -> list[int]:
+        """The places of what diodes that conduct carry, among the bond variables."""
+        on = self.graph.on_nodes(self.mode)
+        laws = (m.law for m in self.graph.machines if m.law is not None)
+        nodes = (self.graph.nodes[a.node] for a in laws if a.kind in ("diode", "thyristor"))
+        return [
+            node.ends[0].bond + (self.many if node.kind == "1" else 0)
+            for node in nodes
+            if node.index in on and node.ends
+        ]
+
+    @cached_property
     def turns(self) -> list[Expr]:
         """What changes its sign where a law or a rate bends or jumps, of what moves."""
         return self._moving(turning)

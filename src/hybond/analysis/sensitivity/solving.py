@@ -80,6 +80,19 @@ def opens(matrix: Vector, rows: Vector) -> bool:
     return bool((np.abs(own @ free) > OPEN).any())
 
 
+def open_ways(matrix: Vector) -> Vector:
+    """Return what a matrix makes zero, as columns.
+
+    Examples
+    --------
+    >>> ways = open_ways(np.array([[1.0, 1.0, 0.0], [0.0, 0.0, 2.0]]))
+    >>> ways.shape, bool(abs(ways[0, 0] + ways[1, 0]) < 1e-15)
+    ((3, 1), True)
+    """
+    unit, _, columns = scaled(matrix)
+    return np.asarray(_open(unit) / columns[:, None])
+
+
 def solved(left: Vector, right: Vector) -> Vector:
     """Return the solutions of ``left @ y = right`` at points; one matrix may serve all."""
     unit, rows, columns = scaled(left)

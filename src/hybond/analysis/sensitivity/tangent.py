@@ -22,10 +22,20 @@ from numpy.typing import NDArray
 
 from hybond.analysis.sensitivity.gradients import AREA, PRIOR, RATE, Compiled, Gradients
 from hybond.analysis.sensitivity.mode_rows import ModeRows
-from hybond.analysis.sensitivity.solving import Undetermined, opens, rank_of, smallest, solved
+from hybond.analysis.sensitivity.solving import (
+    Undetermined,
+    open_ways,
+    opens,
+    rank_of,
+    smallest,
+    solved,
+)
 from hybond.model.expressions import Expr
 
 Vector = NDArray[np.float64]
+
+LEAST = 1e-6
+"""Part of currents by which their sum of squares may change along what is open, and be least."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -175,6 +185,36 @@ class Tangent:
         whole[:, : by_w.shape[2]] = rows @ self.rows.spread
         return opens(left[0], whole)
 
+    def shared(self, at: At, bonds: Vector, asked: Vector) -> Vector | None:
+        """Return how bond variables change where diodes share what the rows leave open.
+
+        They share it with the least sum of squares, as runs do. None where that does not tell what
+        is asked, or where a diode that would take less than nothing has none of it.
+
+        Parameters
+        ----------
+        at : At
+            At one point.
+        bonds : array, shape (1, 2 * bonds, columns)
+        asked : array, shape (many, 2 * bonds)
+            Sums of bond variables.
+        """
+        by_w = self._by_w.at(at.values, at.points) @ self.rows.spread
+        if self._more.second is None:
+            self._more.second = _Second(self)
+        left, _ = self._more.second.left(at, by_w)
+        ways = self.rows.spread @ open_ways(left[0])[: by_w.shape[2]]
+        carried = self.rows.carried
+        own = ways[carried]
+        if not carried or opens(own, asked @ ways):
+            return None
+        names = self.rows.bonds
+        there = np.array([float(np.ravel(at.values[names[k]])[0]) for k in carried])
+        if np.abs(own.T @ there).max(initial=0.0) > LEAST * np.linalg.norm(there):
+            return None
+        less = np.linalg.lstsq(own, -bonds[0, carried], rcond=None)[0]
+        return np.asarray(bonds + ways @ less)
+
     @property
     def alike(self) -> bool:
         """Whether what the mode holds is read from parameters alone."""
@@ -220,8 +260,12 @@ class Read:
 
     def is_open(self, at: At) -> bool:
         """Whether a mode leaves open one of the expressions, at the first point."""
-        rows = self._by_w.at(at.some(slice(0, 1)).values, 1)[0]
+        rows = self.asked(at)
         return bool(rows.any()) and self._tangent.leaves_open(at, rows)
+
+    def asked(self, at: At) -> Vector:
+        """Return the slopes by bond variables at the first point."""
+        return np.asarray(self._by_w.at(at.some(slice(0, 1)).values, 1)[0])
 
     def terms(self, at: At) -> Vector:
         """Return how large expressions were if all efforts and flows were as the largest ones.

@@ -40,6 +40,7 @@ from hybond.engine.instant.instant import (
     note_step,
 )
 from hybond.engine.instant.jump import SWEPT
+from hybond.engine.instant.passed_over import enter_or_pass
 from hybond.engine.instant.staying import (
     acts_on_prior,
     is_still_known,
@@ -159,7 +160,7 @@ def settle(e: Engine, g: Settling, i: Instant) -> int:
             for k in range(m.machines):
                 g.entered[k] = g.target[k]
             know_around(e, g.entered)
-            if enter(e, t, g.x, g.s, g.entered, True, False) != OK:
+            if enter_or_pass(e, i, t, g.x, g.s, g.entered, g.target) != OK:
                 return REFUSED
             by_law(e, g.entered, i)
             fired_any = True
