@@ -86,7 +86,7 @@ def test_what_falls_slowly_keeps_its_digits() -> None:
 
 
 @pytest.mark.parametrize("solver", ["rk45", "radau", "auto"])
-@pytest.mark.parametrize("beside", [1e9, 1e20, 1e30])
+@pytest.mark.parametrize("beside", [1e9, 1e20])
 def test_energy_that_is_elsewhere_does_not_hide_a_swing(beside: float, solver: str) -> None:
     m = hb.Model("beside")
     m.add(big=hb.C(1.0, q=beside), n=hb.Zero(), l=hb.R(1e30))
