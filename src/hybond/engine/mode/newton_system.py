@@ -28,9 +28,8 @@ BESIDE: Final = 1e-150
 """A way that is next to none, for the sign of a slope."""
 LAST_PLACES: Final = 2.0 * 2.220446049250313e-16
 """Part of its terms that is the rounding of a sum."""
-STEEP: Final = 1e100
-"""What stands for a slope without bound, as a multiple of the others in its row. A root is reached
-from below in a few steps, however small it is; from above its steps lead to and fro."""
+STEEP: Final = 1e8
+"""What stands for a slope without bound, as a multiple of the others in its row."""
 
 
 def write_bonds(e: Engine, v: Floats, w: Floats) -> None:
