@@ -10,26 +10,6 @@ import hybond as hb
 from hybond.testing import random_recipe
 
 
-def orifice_in_row(charge: float) -> hb.Model:
-    """A charge that runs out through an orifice, a gyrator and what resists behind it."""
-    m = hb.Model("row")
-    m.add(c=hb.C(1.0, q=charge), j=hb.One(), o=hb.R({"f": "7*sign(e)*sqrt(abs(e))"}))
-    m.add(g=hb.GY(-0.1), z=hb.Zero(), b=hb.R({"e": "3*f + f^3"}))
-    m.bond("c -> j -> o", "j -> g.1", "g.2 -> z", "b -> z")
-    return m
-
-
-@pytest.mark.parametrize("solver", ["rk45", "radau", "auto"])
-@pytest.mark.parametrize("charge", [1e-3, 1e-12, 1e-20, 1e-30, 1e-60])
-def test_a_root_far_below_one_is_found_from_nothing(charge: float, solver: str) -> None:
-    # q = (f/7)^2 + f*0.01/3, the cube being nothing
-    run = hb.simulate(orifice_in_row(charge), 1e-9, solver=solver)
-    a, b = 1.0 / 49.0, 0.01 / 3.0
-    flow = 2.0 * charge / (b + math.sqrt(b * b + 4.0 * a * charge))
-    assert run["o.f"].at(0.0) == pytest.approx(flow, rel=1e-6 + 10.0 * charge)
-    assert run["o.e"].at(0.0) == pytest.approx((flow / 7.0) ** 2, rel=1e-6 + 10.0 * charge)
-
-
 @pytest.mark.parametrize("solver", ["rk45", "radau", "auto"])
 @pytest.mark.parametrize(
     ("law", "half"),

@@ -83,3 +83,16 @@ def test_what_falls_slowly_keeps_its_digits() -> None:
     run = hb.simulate(m, 1e6)
     for t in (1e2, 1e4, 1e6):
         assert run["c.q"].at(t) == pytest.approx(1.0 / (1.0 + t), rel=1e-6), t
+
+
+@pytest.mark.parametrize("solver", ["rk45", "radau", "auto"])
+@pytest.mark.parametrize("beside", [1e9, 1e20])
+def test_energy_that_is_elsewhere_does_not_hide_a_swing(beside: float, solver: str) -> None:
+    m = hb.Model("beside")
+    m.add(big=hb.C(1.0, q=beside), n=hb.Zero(), l=hb.R(1e30))
+    m.add(c=hb.C({"e": "q + 1e-9*q^3"}, q=1.0), i=hb.I(1.0), j=hb.One())
+    m.bond("n -> big", "n -> l", "j -> c", "j -> i")
+    run = hb.simulate(m, 4.0 * math.pi, solver=solver)
+    assert run["c.q"].at(4.0 * math.pi) == pytest.approx(1.0, abs=1e-3)
+    assert run["c.q"].at(3.0 * math.pi) == pytest.approx(-1.0, abs=1e-3)
+    assert run["i.p"].at(4.0 * math.pi) == pytest.approx(0.0, abs=1e-3)

@@ -91,8 +91,6 @@ class Work:
     row_taken: Places
     bends: bool
     """Whether the laws of the mode whose system is there bend."""
-    gentle: bool
-    """Whether slopes without bound are taken for less steep ones: steps are shortened."""
     reluctant: Ints
     """Of each free unknown of the mode whose system is there: whether a bent law reads it."""
     moved: Block
@@ -210,7 +208,6 @@ def make_work(m: Model) -> Work:
     w.row_taken = make_places(1)
     w.reluctant = ints(n)
     w.bends = False
-    w.gentle = False
     w.moved = make_block(1)
     w.begun = make_block(1)
     w.onto = make_block(1)

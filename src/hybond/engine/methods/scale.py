@@ -19,6 +19,12 @@ from hybond.engine.words import Floats
 NEGLIGIBLE: Final = 1e-6
 """A stored quantity is measured against at least this part of what the system's energy would make
 of it, so that rounding in an idle storage does not steer the step size."""
+CLEAR: Final = 1e3
+"""A stored quantity that is more than so many times what the rounding of its rate adds up to over
+the whole run is not rounding: ..."""
+BESIDE: Final = 1e3
+"""... it is measured against no more than so many times its own size, however much energy there is
+beside it."""
 IDLE: Final = 1e-12
 """Absolute size, in SI, below which an integrated signal is idle."""
 ROUNDED: Final = 10.0 * EPSILON
@@ -159,6 +165,8 @@ def allow(e: Engine, y0: Floats, y1: Floats, energy: float, out: Floats) -> None
         floor = 0.0
         if own[k] > 0.0 and math.isfinite(own[k]) and math.isfinite(most):
             floor = NEGLIGIBLE * math.sqrt(2.0 * most / own[k])
+            if e.rounding[k] > 0.0 and out[k] > CLEAR * e.rounding[k] / SHORT:
+                floor = min(floor, BESIDE * out[k])
         out[k] = m.rtol * max(out[k], floor if math.isfinite(floor) else 0.0)
         # what has not moved yet has no size: the solver chooses its first step without it
         if moved:

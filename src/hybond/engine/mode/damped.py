@@ -32,14 +32,6 @@ SHORTEST: Final = 2.0**-30
 
 def damped(e: Engine, mode: Mode, v: Floats, r: Floats, tolerance: float) -> bool:
     """Go from `r` to a root; False if none is found."""
-    e.work.gentle = True
-    found = by_parts(e, mode, v, r, tolerance)
-    e.work.gentle = False
-    return found
-
-
-def by_parts(e: Engine, mode: Mode, v: Floats, r: Floats, tolerance: float) -> bool:
-    """Take steps as far as they help."""
     work = e.work
     n = 2 * e.model.bonds
     frees = mode.finite_frees

@@ -29,11 +29,8 @@ BESIDE: Final = 1e-150
 """A way that is next to none, for the sign of a slope."""
 LAST_PLACES: Final = 2.0 * EPSILON
 """Part of its terms that is the rounding of a sum."""
-STEEP: Final = 1e100
-"""What stands for a slope without bound, as a multiple of the others in its row. A root is reached
-from below in a few steps, however small it is; from above its steps lead to and fro."""
-GENTLE: Final = 1e8
-"""The same where steps are shortened: one that is lost beside what it is added to helps nothing."""
+STEEP: Final = 1e8
+"""What stands for a slope without bound, as a multiple of the others in its row."""
 
 
 def write_bonds(e: Engine, v: Floats, w: Floats) -> None:
@@ -215,8 +212,7 @@ def bound_slopes(e: Engine, mode: Mode, v: Floats) -> None:
             if not math.isfinite(a[i * n + k]):
                 steep = chord(e, mode, i, k, v)
                 if steep == 0.0:
-                    steep = (GENTLE if e.work.gentle else STEEP) * most
-                    steep = steep if rises(e, mode, i, k, v) else -steep
+                    steep = STEEP * most if rises(e, mode, i, k, v) else -STEEP * most
                 a[i * n + k] = steep
 
 
