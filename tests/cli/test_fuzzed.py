@@ -374,6 +374,16 @@ def test_a_part_that_was_a_table_becomes_a_word() -> None:
     assert edit_toml(text, old, new, finely=True).splitlines()[2].startswith('r = "gone"')
 
 
+def test_a_key_as_long_as_a_book_is_refused(session: Session) -> None:
+    key = "sin(" * 500_000
+    edit = {"do": "set", "path": ["parameters", key], "value": -0.7}
+    begin = time.process_time()
+    assert asked(session, ask="edit", edit=edit) is not None
+    assert time.process_time() - begin < 2.0 and asked(session, ask="look") is None
+    with pytest.raises(HybondError, match="HB-F108"):
+        hb.loads(f'hybond = 1\n[parameters]\n"{key}" = 1\n')
+
+
 def test_places_too_far_apart_are_not_drawn() -> None:
     m = hb.Model("far")
     m.add(c=hb.C(1.0, q=1.0), r=hb.R(1.0), n=hb.Zero())
