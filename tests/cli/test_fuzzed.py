@@ -349,3 +349,54 @@ def test_a_journal_with_nonsense_is_passed_over(session: Session) -> None:
     again = Session(file)
     assert asked(again, ask="look") is None and again.document.text == RC
     again.close()
+
+
+@pytest.mark.parametrize("name", ["out/\ud800", "out/a\0b"])
+def test_names_that_no_file_has_are_refused(shell: Shell, name: str) -> None:
+    """Before the run, not after it; a letter that cannot be written is written as its number."""
+    Path("out").mkdir()
+    for words in (
+        ["analyse", "spring.toml", "--draw", f"{name}.svg"],
+        ["draw", "spring.toml", "--out", f"{name}.svg"],
+        *(["run", "spring.toml", f"--{k}", f"{name}.csv"] for k in ("out", "journal")),
+        ["run", "spring.toml", "--plot", f"{name}.png"],
+    ):
+        done = shell(*words)
+        assert done.code == 1 and not done.out
+        assert "HB-X102" in done.err and "no name of a file" in done.err
+
+
+def test_a_part_that_was_a_table_becomes_a_word() -> None:
+    """What an inline table had is replaced by a text, item by item."""
+    old = {"hybond": 1, "elements": {"r": {"R": {"e": "2*f"}}}}
+    text = 'hybond = 1\n[elements]\nr = { R = { e = "2*f" } } # kept\n'
+    new = {"hybond": 1, "elements": {"r": "gone"}}
+    assert edit_toml(text, old, new, finely=True).splitlines()[2].startswith('r = "gone"')
+
+
+def test_a_key_as_long_as_a_book_is_refused(session: Session) -> None:
+    key = "sin(" * 500_000
+    edit = {"do": "set", "path": ["parameters", key], "value": -0.7}
+    begin = time.process_time()
+    assert asked(session, ask="edit", edit=edit) is not None
+    assert time.process_time() - begin < 2.0 and asked(session, ask="look") is None
+    with pytest.raises(HybondError, match="HB-F108"):
+        hb.loads(f'hybond = 1\n[parameters]\n"{key}" = 1\n')
+
+
+def test_places_too_far_apart_are_not_drawn() -> None:
+    m = hb.Model("far")
+    m.add(c=hb.C(1.0, q=1.0), r=hb.R(1.0), n=hb.Zero())
+    m.bond("n -> c", "n -> r")
+    m.layout = {"n": (0, 0), "c": (1, 2**32)}
+    with pytest.raises(HybondError, match="HB-D112"):
+        hb.draw(m)
+    m.layout = {"n": (0, 0), "c": (0, 1500)}
+    assert "<svg" in hb.draw(m).svg()
+
+
+def test_refusals_of_a_page_have_a_place_and_a_remedy(session: Session) -> None:
+    assert asked(session, ask="replace", text="hybond = 1\n[elements]\nr = { R = }") is None
+    for message in ({"ask": "run", "options": {"": 1}}, {"ask": "schematic", "level": "nowhere"}):
+        error = session.handle({"id": 1, **message})["error"]
+        assert error["where"] and error["try"]

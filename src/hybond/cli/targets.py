@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -28,7 +29,9 @@ def check_target(text: str | None, suffixes: Sequence[str], option: str) -> Path
         return None
     path = Path(text)
     why = hint = ""
-    if path.is_dir():
+    if not _is_name(text):
+        why, hint = "that is no name of a file", "leave out what is no letter"
+    elif path.is_dir():
         why, hint = "it is a folder", "name a file in it"
     elif path.suffix.lower() not in suffixes:
         why = f"{path.suffix!r} is not known" if path.suffix else "it has no ending"
@@ -39,6 +42,14 @@ def check_target(text: str | None, suffixes: Sequence[str], option: str) -> Path
     if why:
         raise UsageError(f"cannot write {text!r}: {why}", code="HB-X102", where=option, hint=hint)
     return path
+
+
+def _is_name(text: str) -> bool:
+    """Whether a file system may have such a name."""
+    try:
+        return b"\0" not in os.fsencode(text)
+    except ValueError:
+        return False
 
 
 def check_new(path: Path, *, force: bool) -> None:

@@ -9,7 +9,8 @@ and in schematics, which do not ask for bends, they are straight, on a `Board`.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
@@ -22,6 +23,7 @@ from hybond.draw.search import Search
 from hybond.draw.skeleton import components
 from hybond.draw.streets import Streets
 from hybond.draw.ways import Way, clear_ways
+from hybond.errors import UsageError
 
 _THOROUGH = 110
 """Number of nodes up to which the search is thorough."""
@@ -32,6 +34,8 @@ _TRIES = {Board: 9, Streets: 6}
 _EFFORT = {Board: 400, Streets: 150}
 """Moves tried for each node: with straight bonds few of them are worth it."""
 _STEPS = 9000
+LONGEST, MOST_CELLS = 2000, 100_000
+"""Columns or rows, and places, between parts that are bonded; a board remembers each place."""
 _SLANT = 0.12
 """Cells by which a bond may slant unseen."""
 
@@ -151,9 +155,9 @@ def _placed(
         for n in nodes:
             if n in pins:
                 # Two pins may round to one cell: the second takes the nearest free one.
-                wish = (round(pins[n][0]), round(pins[n][1]))
-                fixed[local[n]] = nearest(wish, set(fixed.values()))
+                fixed[local[n]] = nearest(_cell(pins[n]), set(fixed.values()))
         inside = [(local[a], local[b]) for a, b in own]
+        _check_room(fixed.values())
         board = arranged(kind, [kinds[n] for n in nodes], inside, fixed, seed=seed)
         turns.update(zip(own, board.turns, strict=True))
         cells = {n: cell for n, cell in zip(nodes, board.at, strict=True) if cell is not None}
@@ -163,6 +167,30 @@ def _placed(
             floating.append(cells)
     on_pages(floating, placed)
     return tuple(placed[n] for n in range(len(kinds))), turns
+
+
+def _check_room(cells: Iterable[Cell]) -> None:
+    """Refuse places between which there is more room than a board has: HB-D112."""
+    at = list(cells)
+    wide, high = (max(a) - min(a) + 1 for a in zip(*at, strict=True)) if at else (1, 1)
+    if max(wide, high) > LONGEST or wide * high > MOST_CELLS:
+        raise UsageError(
+            f"parts that are bonded stand {wide} columns and {high} rows apart",
+            code="HB-D112",
+            where="layout",
+            hint="bring them together: neighbours stand 1 apart",
+        )
+
+
+def _cell(at: Point) -> Cell:
+    if not (math.isfinite(at[0]) and math.isfinite(at[1])):
+        raise UsageError(
+            f"a part stands at {at[0]}, {at[1]}",
+            code="HB-D112",
+            where="layout",
+            hint="give columns and rows: neighbours stand 1 apart",
+        )
+    return round(at[0]), round(at[1])
 
 
 def _way(a: Point, b: Point, turn: int) -> Way:

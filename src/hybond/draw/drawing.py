@@ -144,7 +144,8 @@ def draw(
     UsageError
         HB-D106 for a mark on a node that does not exist,
         HB-D107 for a tone that does not exist,
-        HB-D111 for a part to open that does not exist.
+        HB-D111 for a part to open that does not exist,
+        HB-D112 for a layout with places too far apart.
 
     References
     ----------

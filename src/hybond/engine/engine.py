@@ -135,6 +135,7 @@ class Step:
     on_edge: bool
     """Whether the motion began on an edge of a law, and how far it was from each."""
     edge: Floats
+    edge_there: Floats
     left_edge: bool
     """Whether it has left one."""
     calm: int
@@ -307,6 +308,7 @@ def make_step(n: int, kinks: int, edges: int) -> Step:
     s = Step()
     s.kink = floats(kinks)
     s.edge = floats(edges)
+    s.edge_there = floats(edges)
     s.y0 = floats(n)
     s.y1 = floats(n)
     s.f0 = floats(n)

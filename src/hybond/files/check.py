@@ -68,6 +68,10 @@ def check_plain(data: Any, place: Place, *, depth: int = 0) -> None:
                     raise place.refuse(
                         f"the key {key!r} is not text", code="HB-F108", hint="put it in quotes"
                     )
+                if len(key) > limits.KEY:
+                    raise place.refuse(
+                        f"a key of {len(key)} letters", code="HB-F108", hint="take a shorter name"
+                    )
                 if type(value) is not str or not (key.isascii() and value.isascii()):
                     check_plain(key, place, depth=depth + 1)
                     check_plain(value, place / key, depth=depth + 1)

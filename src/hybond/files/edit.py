@@ -112,7 +112,10 @@ def _merge(
             before = old.get(key)
             # tomlkit leaves stray spaces where a key goes or comes in an inline table.
             inline = isinstance(now, InlineTable) and (
-                not finely or not isinstance(before, dict) or before.keys() != value.keys()
+                not finely
+                or not isinstance(before, dict)
+                or not isinstance(value, dict)
+                or before.keys() != value.keys()
             )
             if isinstance(value, dict) and isinstance(now, MutableMapping) and not inline:
                 before = before if isinstance(before, dict) else {}

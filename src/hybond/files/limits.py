@@ -14,3 +14,6 @@ NESTING = 4 * LEVELS
 """Tables and lists inside one another, in one file."""
 INTEGER = 2**63
 """Whole numbers are smaller than this, as TOML promises."""
+
+KEY = 10_000
+"""Letters of a key: what changes a file in place reads each of them many times."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -44,7 +45,10 @@ def whole(path: str | Path) -> Iterator[Path]:
     ...         print(error, [f.name for f in table.parent.iterdir()], table.read_text())
     no space left ['table.csv'] t,x
     """
-    target = Path(path).resolve()
+    try:
+        target = Path(path).resolve()
+    except ValueError:  # letters that no file system has
+        raise OSError(errno.EINVAL, "that is no name of a file", ascii(str(path))[1:-1]) from None
     if target.exists() and not target.is_file():
         yield target
         return

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from hybond.engine.outcome.audit import is_balanced
 from hybond.errors import UsageError
 from hybond.measures.energies import check_located, energies_into, power_nodes
 from hybond.measures.jumps import jumps_in, owner_of
@@ -26,6 +29,8 @@ Vector = NDArray[np.float64]
 COLUMNS = ("supplied", "dissipated", "lost", "stored")
 SET = "(set)"
 """The row of what a script gave or took when it set what storages are made of."""
+SAME = 2.0
+"""Times as much as the audit finds unbalanced in all the run may be so in a part of it."""
 NOWHERE = "(jumps)"
 """The row of what was lost in jumps that belong to no junction: an inconsistent start."""
 _KINDS = {"Se": "source", "Sf": "source", "R": "resistor", "G": "resistor"}
@@ -78,6 +83,11 @@ class Losses:
         ``"J"``, or ``"W"`` of `mean_power`.
     notes : tuple of str
         What was decided on the way.
+    rtol : float
+        The tolerance of the run.
+    beyond : float
+        The part of `through` that its steps had no right to, where more than 10 rtol is unbalanced
+        and the audit of the run knows of it.
     """
 
     rows: tuple[Row, ...]
@@ -86,6 +96,8 @@ class Losses:
     through: float
     unit: str = "J"
     notes: tuple[str, ...] = ()
+    rtol: float = 1e-8
+    beyond: float = math.inf
 
     @property
     def supplied(self) -> float:
@@ -112,9 +124,14 @@ class Losses:
         """What is supplied and went nowhere: rounding, and the tolerance of the run."""
         return self.supplied - self.dissipated - self.lost - self.stored
 
-    def holds(self, rtol: float = 1e-8) -> bool:
-        """Whether it adds up at the tolerance that the run was made with, as the audit has it."""
-        return abs(self.unbalanced) <= 10.0 * rtol * self.through
+    def holds(self, rtol: float | None = None) -> bool:
+        """Whether it adds up, by the rule of `Result.audit`: at the tolerance of the run, or 1e-8.
+
+        With an `rtol` below that of the run, what its steps may be wrong by is held against it.
+        """
+        wrong = abs(self.unbalanced)
+        part = wrong / self.through if self.through > 0.0 else 0.0 if wrong == 0.0 else math.inf
+        return is_balanced(part, self.beyond, made=self.rtol, asked=rtol)
 
     def __getitem__(self, name: str) -> Row:
         """Return the row of an element, or what those of a submodel add up to; HB-R111."""
@@ -135,7 +152,8 @@ class Losses:
         rows = tuple(
             Row(r.name, r.kind, *(getattr(r, c) / length for c in COLUMNS)) for r in self.rows
         )
-        return Losses(rows, self.start, self.end, self.through / length, "W", self.notes)
+        through = self.through / length
+        return replace(self, rows=rows, through=through, unit="W")
 
     def grouped(self, depth: int = 1) -> Losses:
         """Return it with submodels as rows: paths of more than `depth` words are added up."""
@@ -146,7 +164,7 @@ class Losses:
             rows[0] if len(rows) == 1 and rows[0].name == name else _sum(name, rows)
             for name, rows in groups.items()
         )
-        return Losses(rows, self.start, self.end, self.through, self.unit, self.notes)
+        return replace(self, rows=rows)
 
     def efficiency(
         self, loads: str | Sequence[str], *, sources: str | Sequence[str] | None = None
@@ -304,7 +322,13 @@ def losses_of(run: Result, window: Window, *, tolerance: float = TOLERANCE) -> L
     rows = book.rows(through)
     if abs(given) > 1e-15 * through:
         rows = (*rows, Row(SET, "script", supplied=given))
-    return Losses(rows, window.start, window.end, through, notes=tuple(notes))
+    rtol = run.signals.tables.numbers["rtol"]
+    found = Losses(rows, window.start, window.end, through, notes=tuple(notes), rtol=rtol)
+    if found.holds() or not through > 0.0:
+        return found
+    audit = run.audit()
+    known = abs(found.unbalanced) <= SAME * audit.energy * through
+    return replace(found, beyond=audit.beyond) if known else found
 
 
 class _Book:

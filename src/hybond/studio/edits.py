@@ -12,6 +12,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from hybond.errors import UsageError
+from hybond.files import limits
 from hybond.model.arrays import base_of, is_array, parts_of
 from hybond.model.builder import RESERVED
 from hybond.studio.chains import links, node_of, renamed, reversed_bonds, without
@@ -310,6 +311,8 @@ def _set(level: Level, edit: Message) -> None:
     value = edit.get("value")
     if not path or len(path) > 8 or path[0] in ("hybond", "models"):
         raise refused(f"{'.'.join(path)!r} cannot be set", where=".".join(path))
+    if any(len(key) > limits.KEY for key in path):
+        raise refused("the name is too long", where=path[0][:40])
     if isinstance(value, str) and len(value) > LONGEST:
         raise refused("the text is too long", where=".".join(path))
     *way, last = path

@@ -54,7 +54,12 @@ def schematic(session: Session, message: Mapping[str, Any]) -> Message:
     seen = view(session.document.data, path)
     if model is None or seen is None:
         error = session.meaning().error
-        raise error or UsageError("there is no model", code="HB-W103", where="schematic")
+        raise error or UsageError(
+            "there is no model",
+            code="HB-W103",
+            where="schematic",
+            hint="look at the problems, and at which level is open",
+        )
     for name in steps(path) if path else ():
         part = model.elements.get(name)
         if not isinstance(part, SubmodelPart):

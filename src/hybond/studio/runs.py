@@ -125,7 +125,7 @@ class Runs:
             raise UsageError(
                 f"a run has no option {wrong!r}",
                 code="HB-W103",
-                where=wrong,
+                where=wrong or "options",
                 hint=", ".join(OPTIONS),
             )
         self.cancel()

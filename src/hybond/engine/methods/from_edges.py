@@ -39,6 +39,7 @@ from hybond.engine.methods.radau_stages import (
     stage_time,
 )
 from hybond.engine.methods.scale import tolerance
+from hybond.engine.mode.sizes import sizes_of
 from hybond.engine.mode.values import evaluate
 from hybond.engine.words import Floats
 
@@ -59,6 +60,8 @@ NEAR: Final = 1e-3
 """Part of what a state has moved by that a slope is a difference over, at most, ..."""
 LAST: Final = 64.0 * 2.220446049250313e-16
 """... and part of the state, at least."""
+LEVEL: Final = 64.0 * 2.220446049250313e-16
+"""What is no farther off an edge, as a part of its terms, is on it."""
 STEEP: Final = 2.0
 """Slope times step beyond which a state is held where it is, and does not follow its rate."""
 CALM: Final = 30
@@ -123,10 +126,17 @@ def is_off_edge(e: Engine, t: float, y: Floats) -> bool:
     m = e.model
     if evaluate(e, e.mode, e.v, t, y) != OK:
         return False
+    s = e.step
+    for k in range(m.edges):
+        s.edge_there[k] = value(m, m.edge_value[k], e.v)
+    # two tanks that are level are so but for rounding of what they hold
+    sizes_of(e, e.mode, e.v)
+    for i in range(m.edge_bonds):
+        e.v[m.bond_slot + m.edge_bond[i]] = e.work.sizes[m.edge_bond[i]]
     off = False
     for k in range(m.edges):
-        there = value(m, m.edge_value[k], e.v)
-        off = off or (e.step.edge[k] == 0.0 and there > 0.0)
+        rounding = LEVEL * value(m, m.edge_size[k], e.v)
+        off = off or (s.edge[k] == 0.0 and s.edge_there[k] > rounding)
     return off
 
 

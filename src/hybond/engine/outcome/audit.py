@@ -99,14 +99,39 @@ class Audit:
         >>> many_steps.holds(), many_steps.holds(1e-9)
         (True, False)
         """
-        asked = max(self.rtol, USUAL) if rtol is None else rtol
-        wrong = self.energy if asked < self.rtol else min(self.energy, self.beyond)
         return (
             not self.laws
             and self.power <= 1e-12
-            and wrong <= 10.0 * max(asked, self.accuracy)
+            and is_balanced(
+                self.energy, self.beyond, made=self.rtol, asked=rtol, accuracy=self.accuracy
+            )
             and self.created <= max(1e-9, 10.0 * self.accuracy)
         )
+
+
+def is_balanced(
+    energy: float, beyond: float, *, made: float, asked: float | None, accuracy: float = 0.0
+) -> bool:
+    """Return whether energy is balanced: the one rule of a run's audit and of its losses.
+
+    Parameters
+    ----------
+    energy, beyond : float
+        What is unbalanced, and what of it the steps had no right to, as parts of all energy.
+    made, asked : float
+        The tolerance that the run was made with, and that which it is held to; None: the first one,
+        1e-8 at the tightest.
+    accuracy : float
+        Of steps of a fixed length.
+
+    Examples
+    --------
+    >>> is_balanced(4e-7, 0.0, made=1e-8, asked=None), is_balanced(4e-7, 0.0, made=1e-8, asked=1e-9)
+    (True, False)
+    """
+    held_to = max(made, USUAL) if asked is None else asked
+    wrong = energy if held_to < made else min(energy, beyond)
+    return wrong <= 10.0 * max(held_to, accuracy)
 
 
 @np.errstate(over="ignore", invalid="ignore")
