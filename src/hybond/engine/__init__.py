@@ -74,7 +74,8 @@ subset. Rooms, and in them files, as data passes them::
         surface, onto, going_on, slide_records    surfaces; back onto them; what is written
     methods/
         stepping            one step of the method asked for
-        scale, lately, failed_steps, one_instant    tolerances; steps that cannot be; how long an instant is
+        scale, lately, failed_steps, one_instant    tolerances; steps that cannot be; how long an
+                            instant is
         control, dopri      steps that the error controls: Dormand and Prince
         exact, flow, linear_rows, balance, propagate, flow_records    linear modes, propagated
         radau, radau_stages, radau_dense, radau_method, radau_room    implicit steps

@@ -5,6 +5,8 @@ Least leakage gives closed forms: the sum of squares of what is shared is least.
 
 from __future__ import annotations
 
+import math
+
 import pytest
 
 import hybond as hb
@@ -185,3 +187,33 @@ def test_a_valve_that_nothing_drives_is_shut_and_holds(law: object, kind: str, f
     assert run.status == "ok" and run.audit().holds()
     letter = "f" if kind == "0" else "e"
     assert run[f"d.{letter}"].at(0.0) <= 1e-12
+
+
+PIECES = {"table": [[-2.6, -1.3, 0.0, 1.3, 3.9], [-2.667, -0.889, 0.0, 0.889, 1.3335]]}
+BENT = [
+    PIECES | {"extrapolate": "linear"},
+    "0.7*sinh(q/0.9)",
+    "0.6*((q/0.5) + (q/0.5)^3)",
+    "if q > 0 then 2*q else 0.5*q",
+]
+
+
+@pytest.mark.parametrize("law", BENT, ids=["table", "sinh", "cubic", "corner"])
+def test_what_least_leakage_leaves_is_zero_and_not_rounding_of_what_it_takes(law: object) -> None:
+    """What stands open beside a spring that nothing moves is zero, bit for bit; steps stay long."""
+    m = hb.Model("beside")
+    closed = {"law": "unilateral", "restitution": 0.0}
+    m.add(j0=hb.One(**closed), j1=hb.Zero(), j2=hb.One(), j3=hb.Zero(**closed), j4=hb.One())
+    m.add(t1=hb.GY(-1.84), t3=hb.GY(1.21), g0=hb.G(1.19), g2=hb.G(0.82), spring=hb.C({"e": law}))
+    mass = {"f": PIECES | {"extrapolate": "linear"}}
+    m.add(mass=hb.I(mass, p=-0.231))
+    m.bond("t1.2 -> j1", "j0 -> g0", "j3 -> j4", "g2 -> j3", "j1 -> spring", "j0 -> t1.1")
+    m.bond("t3.1 -> j1", "j4 -> mass", "j1 -> j2", "t3.2 -> j3")
+    run = hb.simulate(m, 1.5, max_steps=500)
+    assert run.status == "ok" and run.stats["evaluations"] < 1000
+    for t in (0.0, 0.3, 0.7, 1.4):
+        for name in ("g0.e", "g0.f", "spring.e", "spring.f", "t1.1.e", "t1.2.f"):
+            assert run[name].at(t, side="right") == 0.0
+    # p' = -p/(1.3/0.889)/0.82 along the middle pieces of the mass's law
+    rate = 0.889 / 1.3 / 0.82
+    assert run["mass.p"].at(1.0) == pytest.approx(-0.231 * math.exp(-rate), rel=1e-6)

@@ -244,10 +244,7 @@ def find_gains(e: Engine, r: Laws, p: Ports, v: Floats, gain: Floats) -> int:
         r.l[k] = 0.0
         for b in range(n):
             moved = e.work.w[b] - r.zero[b]
-            size = row_size(mode.finite, mode.same[b], e.work.xi)
-            size += math.fabs(e.work.w[b]) + math.fabs(r.zero[b])
-            still = math.fabs(moved) <= DIGITS * size
-            gain[b * m.ports + k] = 0.0 if still else moved / unit
+            gain[b * m.ports + k] = moved / unit
     for i in range(2 * m.slots):
         v[i] = r.kept[i]
     return OK
@@ -523,10 +520,5 @@ def ahead_of(e: Engine, r: Laws, v: Floats, x: Floats) -> int:
         return REFUSED
     times_partner(m, p, e.work.w, r.row)
     for k in range(m.ports):
-        r.row_terms[k] = a.size[k]
-    add_partner_terms(m, p, e.work.w, r.row_terms)
-    for k in range(m.ports):
-        moved = r.row[k] - a.y[k]
-        still = math.fabs(moved) <= DIGITS * r.row_terms[k]
-        a.rate[k] = 0.0 if still else moved / step
+        a.rate[k] = (r.row[k] - a.y[k]) / step
     return OK

@@ -15,7 +15,7 @@ from hybond.engine.run.locate import locate
 from hybond.engine.run.locator import Locator
 from hybond.engine.run.together import is_kink_alone, kink_there, last_of_instant
 
-FORWARD: Final = 3
+FORWARD: Final = 20
 """Times that the motion goes on beyond a guard that holds in vain; then that is refused."""
 SHORTER: Final = 30
 """Times that a step is repeated shorter, at the most."""
