@@ -63,7 +63,7 @@ static void *take(Arena *arena, int count, size_t size)
         }
         arena->now = chunk = chunk->next;
     }
-    Taken *taken = (Taken *)((char *)(chunk + 1) + chunk->used);
+    Taken *taken = (void *)((char *)(chunk + 1) + chunk->used);
     chunk->used += total;
     taken->arena = arena;
     return taken + 1;

@@ -65,7 +65,7 @@ class ModeRows:
     """
 
     def __init__(self, graph: FlatGraph, mode: Mode, truths: Mapping[str, float]) -> None:
-        self.graph = graph
+        self.graph, self.mode = graph, mode
         self.many = len(graph.bonds)
         bonds = range(self.many)
         self.bonds = [f"e:{b}" for b in bonds] + [f"f:{b}" for b in bonds]

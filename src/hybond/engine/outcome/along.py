@@ -19,7 +19,7 @@ def begins_of(numbers: NDArray[np.intp]) -> NDArray[np.bool_]:
     >>> begins_of(np.array([3, 3, 5])).tolist()
     [True, False, True]
     """
-    return np.diff(numbers, prepend=-1) != 0
+    return np.not_equal(np.diff(numbers, prepend=-1), 0)
 
 
 @dataclass(frozen=True, slots=True)

@@ -116,10 +116,10 @@ def run_to_end(e: Engine, r: Run) -> int:
         if cause == STOPPED:
             break
         status = settle_now(e, r, cause)
+        if status == OK and r.instant.steps == 0 and r.late > e.t:
+            status = settle_late(e, r)
         if status == OK:
             status = rest_now(e, r)
-        if status == OK and e.t >= e.until and r.late > e.t:
-            status = settle_late(e, r)
         if status == OK and stuck(e):
             status = ACCUMULATES
         r.slice = r.slice - 1 if r.slice > 0 else r.slice
@@ -154,15 +154,12 @@ def begin_now(e: Engine, r: Run) -> int:
 def settle_late(e: Engine, r: Run) -> int:
     """Settle what happens at the end of the run but for rounding of the time it is read from.
 
-    A sawtooth that begins anew there does so an ulp later; the two are one instant. The run goes
-    on from the later of them, if it does.
+    A sawtooth that begins anew there does so an ulp later: the run goes on from there, if it does.
     """
     end = e.t
     e.t = r.late
     r.late = -math.inf
     status = settle_now(e, r, GUARD)
-    if status == OK:
-        status = rest_now(e, r)
     if r.instant.steps == 0:
         e.t = end
     return status
