@@ -45,8 +45,7 @@ POINTS = 200
 
 
 FEW = 64
-"""Times that are looked for one by one: to make an array of what they are looked for in takes
-longer."""
+"""Times that are looked for one by one: an array to look for them in takes longer."""
 
 
 def _segments_of(starts: Sequence[float], t: Vector, side: Side) -> NDArray[np.intp]:

@@ -43,7 +43,7 @@ subset. Rooms, and in them files, as data passes them::
         doubts, telling, told, instant    what is warned of, told and written down
     laws/
         laws                modes with laws of junctions: first what jumps, then what lasts
-        ports               the graph with its laws left open
+        ports, response     the graph with its laws left open, and what it says of them
         law_branches, law_records    which branches are taken
         law_instant, law_friction, law_rates    what laws may do; dry friction; how zeros move on
         law_answers         one question to them, answered

@@ -29,7 +29,8 @@ from hybond.engine.laws.law_instant import (
     quantity,
 )
 from hybond.engine.laws.law_records import Laws
-from hybond.engine.laws.ports import respond, solve_with, times_partner
+from hybond.engine.laws.ports import solve_with, times_partner
+from hybond.engine.laws.response import respond
 from hybond.engine.model import Model
 from hybond.engine.words import Floats
 

@@ -62,7 +62,7 @@ from hybond.engine.laws.law_instant import (
 from hybond.engine.laws.law_parallel import find_shares, keep_left
 from hybond.engine.laws.law_rates import look_ahead
 from hybond.engine.laws.law_records import Laws, Response
-from hybond.engine.laws.ports import respond
+from hybond.engine.laws.response import respond
 from hybond.engine.mode.tableau import COMMON, NET
 from hybond.engine.model import Model
 from hybond.engine.planar.planar import find_disks

@@ -15,7 +15,8 @@ from hybond.engine.answers import value
 from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.laws.law_instant import LAW_ZERO
 from hybond.engine.laws.law_records import Laws
-from hybond.engine.laws.ports import open_mode, rates_of_linear, rates_of_stored, solve_with
+from hybond.engine.laws.ports import open_mode, rates_of_stored, solve_with
+from hybond.engine.laws.response import rates_of_linear
 from hybond.engine.mode.guess import give_back_guess, hold_guess
 from hybond.engine.mode.sizes import size_of
 from hybond.engine.mode.values import set_values

@@ -12,12 +12,8 @@ times its area. Source: Heemels, Schumacher and Weiland (2000).
 """
 
 import math
-from typing import Final
 
-from hybond.engine.algebra.blocks import row_size
-from hybond.engine.algebra.rounding import CANCELS, EPSILON
-from hybond.engine.algebra.scaling import power_of_two
-from hybond.engine.answers import node_name, value
+from hybond.engine.answers import node_name
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.inputs.interval import configuration
 from hybond.engine.laws.law_records import (
@@ -25,34 +21,17 @@ from hybond.engine.laws.law_records import (
     OPEN_KEPT,
     Laws,
     Ports,
-    Response,
     make_ports,
 )
 from hybond.engine.mode.equations import check_depth, make_equations
-from hybond.engine.mode.guess import give_back_guess, hold_guess
 from hybond.engine.mode.kept_modes import is_same
 from hybond.engine.mode.mode_records import Mode, make_mode
 from hybond.engine.mode.solving import solve
-from hybond.engine.mode.storage import reach_of
 from hybond.engine.mode.tableau import COMMON, NET, NOT_OPEN
-from hybond.engine.mode.values import set_values
 from hybond.engine.model import Model
 from hybond.engine.timestepping.end_ports import choose_given, prefer_common
 from hybond.engine.timestepping.step_records import MOREAU
 from hybond.engine.words import Floats, Ints, some
-
-DIGITS: Final = 8.0 * EPSILON
-"""Part of its terms up to which a difference of two solutions is rounding."""
-SHORT_WHILE: Final = 1e-7
-"""Time over which rates are differences in a nonlinear graph, s; of runs below 1 s that part."""
-UNITS: Final = 1024.0
-"""How many units of what a port gives there may be in the graph: a power of two, so that units are.
-A difference over one unit has the digits that are left of it then."""
-NUDGE: Final = 1e-6
-"""Part of what a storage holds, or of what the energy would hold there, over which differences are
-taken."""
-LEAST_REACH: Final = 1e-6
-"""What is stored at the most where nothing is."""
 
 
 def base_mode(m: Model, state: Ints, base: Ints) -> None:
@@ -209,60 +188,6 @@ def solve_with(e: Engine, p: Ports, v: Floats, given: Floats) -> int:
     return OK
 
 
-def find_gains(e: Engine, r: Laws, p: Ports, v: Floats, gain: Floats) -> int:
-    """Put the derivatives of the bond variables by `l` there.
-
-    Modulated two-ports and controlled sources are affine in what ports give, so that a difference
-    over any step is exact, but for the rounding of what is there without it; through nonlinear
-    resistors it is a chord.
-    """
-    mode = open_mode(e, p)
-    m = e.model
-    n = 2 * m.bonds
-    if mode.dynamics == 0:
-        for k in range(m.ports):
-            for b in range(n):
-                gain[b * m.ports + k] = 0.0
-                row = mode.same[b]
-                for i in range(mode.direct.first.at[row], mode.direct.first.at[row + 1]):
-                    if mode.direct.column.at[i] == m.storages + p.column[k]:
-                        gain[b * m.ports + k] = mode.direct.value.at[i] * p.sign[k]
-        return OK
-    for i in range(2 * m.slots):
-        r.kept[i] = v[i]
-    for k in range(m.ports):
-        r.l[k] = 0.0
-    if solve_with(e, p, v, r.l) != OK:
-        return REFUSED
-    for b in range(n):
-        r.zero[b] = e.work.w[b]
-    for k in range(m.ports):
-        unit = unit_of(m, p, k, r.zero)
-        r.l[k] = unit
-        if solve_with(e, p, v, r.l) != OK:
-            return REFUSED
-        r.l[k] = 0.0
-        for b in range(n):
-            moved = e.work.w[b] - r.zero[b]
-            gain[b * m.ports + k] = moved / unit
-    for i in range(2 * m.slots):
-        v[i] = r.kept[i]
-    return OK
-
-
-def unit_of(m: Model, p: Ports, k: int, w: Floats) -> float:
-    """Return what is given by port k to see what it does: 1, or more where its kind is large."""
-    own = 2 * k + 1 if p.given[k] == NET else 2 * k
-    kind = m.bond_class[m.pair_column[m.pair_first[own]]]
-    most = 0.0
-    for b in range(2 * m.bonds):
-        if m.bond_class[b] == kind:
-            most = max(most, math.fabs(w[b]))
-    if not (most > UNITS and math.isfinite(most)):
-        return 1.0
-    return power_of_two(most / UNITS)
-
-
 def times_partner(m: Model, p: Ports, w: Floats, y: Floats) -> None:
     """Put `w` of all ports there, of bond variables."""
     for k in range(m.ports):
@@ -287,238 +212,3 @@ def rates_of_stored(m: Model, w: Floats, n: int, column: int, rates: Floats) -> 
         at = m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 0 else 0)
         sign = float(m.storage_sign[k]) if m.storage_kind[k] == 0 else 1.0
         rates[k * n + column] = sign * w[at * n + column]
-
-
-def respond(e: Engine, r: Laws, v: Floats, x: Floats, timed: bool) -> int:
-    """Find the response of `r.now` at the values `v` and the stored state `x`.
-
-    Bond variables are written into `v`. Rates are asked for if `timed`; those of a nonlinear graph
-    are differences.
-    """
-    m = e.model
-    p = r.now
-    a = r.response
-    n = m.ports
-    a.gain = p.gain
-    a.d = p.d
-    a.e = p.e
-    a.ce = p.ce
-    for k in range(n):
-        r.l[k] = 0.0
-    if solve_with(e, p, v, r.l) != OK:
-        return REFUSED
-    for b in range(2 * m.bonds):
-        a.bonds[b] = e.work.w[b]
-    times_partner(m, p, a.bonds, a.y)
-    find_sizes(e, p, a)
-    rates_of_stored(m, a.bonds, 1, 0, r.field)
-    for k in range(n):
-        a.rate[k] = 0.0
-    if not p.linear:
-        if find_gains(e, r, p, v, a.gain) != OK:
-            return REFUSED
-        couple(m, p, a)
-        mode = open_mode(e, p)
-        hold_guess(e, mode)
-        found = directional(e, r, v, x)
-        if found == OK and timed:
-            found = ahead_of(e, r, v, x)
-        give_back_guess(e, mode)
-        return found
-    if not p.known and find_constant(e, r, v) != OK:
-        return REFUSED
-    rates_of_linear(e, r, v, a.bonds, a.rate, a.rate_size)
-    return OK
-
-
-def rates_of_linear(
-    e: Engine, r: Laws, v: Floats, bonds: Floats, rate: Floats, terms: Floats
-) -> None:
-    """Put the rate of each `y` of a linear graph there, and the size of its terms.
-
-    To be asked after a solution. `r.field` becomes the rate of what is stored.
-    """
-    m = e.model
-    p = r.now
-    mode = open_mode(e, p)
-    rates_of_stored(m, bonds, 1, 0, r.field)
-    for i in range(m.storages):
-        at = m.storage_bond[i] + (m.bonds if m.storage_kind[i] == 0 else 0)
-        r.field_size[i] = row_size(mode.finite, mode.same[at], e.work.xi) + math.fabs(bonds[at])
-    for k in range(m.ports):
-        total = 0.0
-        size = 0.0
-        for i in range(m.storages):
-            seen = p.seen[k * m.storages + i]
-            total += seen * r.field[i]
-            size += math.fabs(seen) * r.field_size[i]
-        push = 0.0
-        for s in range(mode.sources):
-            source = mode.source[s]
-            if source >= 0 and m.source_rate[source] >= 0:
-                through = p.through[k * m.most_sources + s]
-                part = through * value(m, m.source_rate[source], v)
-                push += part
-                size += math.fabs(part)
-        # a rate that is rounding must not set the scale of what a law gives or stops
-        rate[k] = 0.0 if math.fabs(total + push) <= CANCELS * size else total + push
-        terms[k] = size
-
-
-def find_sizes(e: Engine, p: Ports, a: Response) -> None:
-    """Find the size of the terms of each `y`: of knowns, and of bond variables themselves."""
-    m = e.model
-    mode = open_mode(e, p)
-    for k in range(m.ports):
-        row = partner_row(p, k)
-        a.size[k] = 0.0
-        for i in range(m.pair_first[row], m.pair_first[row + 1]):
-            b = m.pair_column[i]
-            size = row_size(mode.finite, mode.same[b], e.work.xi) + math.fabs(a.bonds[b])
-            a.size[k] += math.fabs(m.pair_value[i]) * size
-
-
-def couple(m: Model, p: Ports, a: Response) -> None:
-    """Find D and E from the gains: what cancels is nothing."""
-    n = m.ports
-    for j in range(n):
-        rates_of_stored(m, a.gain, n, j, a.e)
-    for k in range(n):
-        row = partner_row(p, k)
-        way = partner_way(p, k)
-        for j in range(n):
-            total = 0.0
-            size = 0.0
-            for i in range(m.pair_first[row], m.pair_first[row + 1]):
-                part = way * m.pair_value[i]
-                gain = a.gain[m.pair_column[i] * n + j]
-                total += part * gain
-                size += math.fabs(part) * math.fabs(gain)
-            a.d[k * n + j] = 0.0 if math.fabs(total) <= CANCELS * size else total
-
-
-def find_constant(e: Engine, r: Laws, v: Floats) -> int:
-    """Find what is the same at every state of a linear graph."""
-    m = e.model
-    p = r.now
-    mode = open_mode(e, p)
-    n = m.ports
-    a = r.response
-    if find_gains(e, r, p, v, a.gain) != OK:
-        return REFUSED
-    couple(m, p, a)
-    for k in range(n):
-        partner_by_knowns(e, r, p, k)
-        for s in range(m.storages):
-            p.seen[k * m.storages + s] = 0.0
-        for z in range(m.storages):
-            for i in range(m.stiff_first[z], m.stiff_first[z + 1]):
-                at = k * m.storages + m.stiff_other[i]
-                p.seen[at] += r.row[z] * m.stiff_constant[i]
-        for s in range(mode.sources):
-            p.through[k * m.most_sources + s] = r.row[m.storages + s]
-    for k in range(n):
-        for j in range(n):
-            total = 0.0
-            size = 0.0
-            for s in range(m.storages):
-                total += p.seen[k * m.storages + s] * p.e[s * n + j]
-                size += math.fabs(p.seen[k * m.storages + s] * p.e[s * n + j])
-            p.ce[k * n + j] = 0.0 if math.fabs(total) <= CANCELS * size else total
-    p.known = True
-    return OK
-
-
-def partner_by_knowns(e: Engine, r: Laws, p: Ports, k: int) -> None:
-    """Put what the knowns give to `w` of port k into `r.row`: what cancels is nothing."""
-    mode = open_mode(e, p)
-    m = e.model
-    for i in range(mode.knowns):
-        r.row[i] = 0.0
-        r.row_terms[i] = 0.0
-    pair = partner_row(p, k)
-    for c in range(m.pair_first[pair], m.pair_first[pair + 1]):
-        part = partner_way(p, k) * m.pair_value[c]
-        row = mode.same[m.pair_column[c]]
-        for i in range(mode.direct.first.at[row], mode.direct.first.at[row + 1]):
-            term = part * mode.direct.value.at[i]
-            r.row[mode.direct.column.at[i]] += term
-            r.row_terms[mode.direct.column.at[i]] += math.fabs(term)
-    for i in range(mode.knowns):
-        if math.fabs(r.row[i]) <= CANCELS * r.row_terms[i]:
-            r.row[i] = 0.0
-
-
-def directional(e: Engine, r: Laws, v: Floats, x: Floats) -> int:
-    """Find how `y` moves along the columns of E, by differences."""
-    m = e.model
-    p = r.now
-    a = r.response
-    n = m.ports
-    reach = e.work.reach
-    reach_of(e, x, e.energy, reach)
-    for i in range(2 * m.slots):
-        r.kept[i] = v[i]
-    for k in range(n):
-        r.l[k] = 0.0
-    for j in range(n):
-        h = math.inf
-        most = 0.0
-        for s in range(m.storages):
-            rate = math.fabs(a.e[s * n + j])
-            most = max(most, rate)
-            holds = max(reach[s], math.fabs(x[s]))
-            if rate > 0.0 and holds > 0.0:
-                h = min(h, NUDGE * holds / rate)
-        if most > 0.0 and not math.isfinite(h):
-            h = NUDGE * LEAST_REACH / most
-        for k in range(n):
-            a.ce[k * n + j] = 0.0
-            r.row_terms[k] = a.size[k]
-        if not math.isfinite(h):
-            continue  # it moves nothing, or by the last bit of what is denormal
-        for way in range(2):
-            sign = 1.0 if way == 0 else -1.0
-            for s in range(m.storages):
-                v[m.stored_slot + s] = x[s] + sign * h * a.e[s * n + j]
-            if solve_with(e, p, v, r.l) != OK:
-                return REFUSED
-            times_partner(m, p, e.work.w, r.row)
-            add_partner_terms(m, p, e.work.w, r.row_terms)
-            for k in range(n):
-                a.ce[k * n + j] += sign * r.row[k]
-        for k in range(n):
-            # a difference of the last digits of large terms is none
-            moved = a.ce[k * n + j]
-            still = math.fabs(moved) <= DIGITS * r.row_terms[k]
-            a.ce[k * n + j] = 0.0 if still else moved / (2.0 * h)
-    for i in range(2 * m.slots):
-        v[i] = r.kept[i]
-    return OK
-
-
-def ahead_of(e: Engine, r: Laws, v: Floats, x: Floats) -> int:
-    """Find the rate of `y` as a difference over a short while."""
-    m = e.model
-    p = r.now
-    mode = open_mode(e, p)
-    a = r.response
-    # runs of microseconds have motions of less
-    step = SHORT_WHILE * min(e.span, 1.0)
-    for k in range(m.storages):
-        r.moved[k] = x[k] + step * r.field[k]
-    # levers turn as well: what is integrated may be their angle
-    for k in range(m.integrals):
-        r.ahead[k] = r.s[k] + step * value(m, m.integral_rate[k], v)
-    # what else is solved for in between must not show in the values
-    for k in range(m.ports):
-        r.l[k] = 0.0
-    set_values(e, mode, r.later, r.t + step, r.moved, r.ahead)
-    for k in range(m.slots):
-        r.later[m.slots + k] = e.pre[k]
-    if solve_with(e, p, r.later, r.l) != OK:
-        return REFUSED
-    times_partner(m, p, e.work.w, r.row)
-    for k in range(m.ports):
-        a.rate[k] = (r.row[k] - a.y[k]) / step
-    return OK

@@ -21,13 +21,13 @@ from hybond.engine.answers import value
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.laws.law_records import Ports
 from hybond.engine.laws.ports import (
-    find_gains,
     open_mode,
     partner_row,
     partner_way,
     rates_of_stored,
     solve_with,
 )
+from hybond.engine.laws.response import find_gains
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.newton import by_knowns
 from hybond.engine.model import Model

@@ -38,13 +38,8 @@ from hybond.engine.inputs.interval import set_time
 from hybond.engine.instant.jump import enter_mode
 from hybond.engine.laws.law_instant import take_instant
 from hybond.engine.laws.law_records import Ports
-from hybond.engine.laws.ports import (
-    find_sizes,
-    open_mode,
-    ports_of,
-    solve_with,
-    times_partner,
-)
+from hybond.engine.laws.ports import open_mode, ports_of, solve_with, times_partner
+from hybond.engine.laws.response import find_sizes
 from hybond.engine.mode.mode_records import is_constrained
 from hybond.engine.mode.storage import co_energy, energy_of, reach_of
 from hybond.engine.mode.tableau import COMMON
