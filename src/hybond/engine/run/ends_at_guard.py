@@ -42,7 +42,6 @@ def land(e: Engine, g: Locator, room: float, end: float, vain: int) -> int:
     Not beyond `end`. Where a guard held in the motion and not when it was settled, so many times
     in `vain`, they differ by a last place, and a motion slower than that would never get past: it
     goes on by a few last places of the time, each time by twice as many, a few times.
-
     """
     far = e.step.t1 - e.step.t0 > FAR * (g.at - e.step.t0)
     if (far or not shows_instants(e)) and land_first(e, g, room) != OK:
