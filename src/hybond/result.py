@@ -66,7 +66,6 @@ class Result(Measuring):
     events : EventTable
         Prints as the table of what happened and why.
     segments : sequence of Segment
-    warnings : tuple of str
     stats : dict
         Steps, events, evaluations, modes built (``propagated``: those that were propagated
         exactly).
