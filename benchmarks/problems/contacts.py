@@ -14,7 +14,7 @@ import hybond as hb
 from problems.chain import chain, links
 
 CONTACTS, CUBIC, PAD, DAMPER, RTOL = 10, 1e5, 1e5, 100.0, 1e-8
-LENGTHS = {100: (1.0, 2.0), 1000: (0.9, 1.1), 10_000: (0.5, 1.1)}
+LENGTHS = {100: (1.0, 2.0), 1000: (1.0, 2.0), 10_000: (0.5, 1.1)}
 FULL = {100: (1.0, 2.0), 1000: (1.0, 2.0), 10_000: (0.5, 1.1)}
 SCIPY = 1000
 """Masses up to which SciPy is asked."""

@@ -14,7 +14,7 @@ import hybond as hb
 from problems.ball import DROP, GRAVITY, RTOL, falling, model
 
 END, POINTS = 5.0, 100
-LENGTHS, FULL = (2.0, 12.0), (1000.0, 10_000.0)
+LENGTHS, FULL = (100.0, 600.0), (1000.0, 10_000.0)
 
 
 def spread(low: float, high: float, number: int, stride: float) -> float:
