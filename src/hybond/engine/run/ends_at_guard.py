@@ -143,7 +143,9 @@ def closer(e: Engine, g: Locator) -> int:
         if g.at >= e.step.t1 - NEARLY * (e.step.t1 - e.step.t0):
             break
         end = g.at + 1e-6 * (g.at - e.step.t0)
-        if end == e.step.t0 or retry(e, end) != OK or locate(e, g) != OK:
+        if end == e.step.t0:
+            break
+        if retry(e, end) != OK or locate(e, g) != OK:
             return REFUSED
         if g.at == math.inf:
             break
