@@ -64,7 +64,7 @@ def files_of(page: str, folder: Path) -> None:
 def test_a_python_block_of_the_pages_runs(page: str, k: int, body: str, tmp_path: Path) -> None:
     files_of(page, tmp_path)
     if 'to="fmu"' in body:
-        # what any compiler makes is tested in tests/export; the program has an environment of its own
+        # what each compiler makes is tested in tests/export
         body = f"import os\n\nos.environ['CC'] = {shlex.join(needs.QUICK or [])!r}\n{body}"
     code, _, errors = run_program(body, tmp_path)
     assert code == 0, errors
