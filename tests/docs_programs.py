@@ -10,7 +10,16 @@ from pathlib import Path
 
 LONGEST = 120.0
 """Seconds that a program may take."""
-PRELOADED = ["hybond", "matplotlib.pyplot", "scipy.linalg", "scipy.optimize", "tomlkit", "pandas"]
+PRELOADED = [
+    "hybond",
+    "hybond.simulation",
+    "hybond.result",
+    "matplotlib.pyplot",
+    "scipy.linalg",
+    "scipy.optimize",
+    "tomlkit",
+    "pandas",
+]
 
 
 def run_program(text: str, folder: Path) -> tuple[int | None, str, str]:
