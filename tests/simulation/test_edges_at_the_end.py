@@ -56,3 +56,34 @@ def test_a_run_that_goes_on_does_not_switch_again(clock: str) -> None:
     assert not [e for e in second.events if 100 * T < e.t < 100.4 * T]
     lost = sum(row.lost or 0.0 for row in second.losses().rows)
     assert lost == pytest.approx(100 * C * U**2, rel=1e-9)
+
+
+@pytest.mark.parametrize("periods", [3, 35, 100])
+@pytest.mark.parametrize("clock", list(CLOCKS))
+def test_the_edge_at_the_end_is_there_beside_another_event(clock: str, periods: int) -> None:
+    # 1 A into a farad for each second: its voltage reaches 1 V where the run ends
+    end = periods * T
+    m = leg(CLOCKS[clock])
+    m.add(feed=hb.Sf("1 A"), n=hb.Zero(), D=hb.C(end))
+    m.bond("feed -> n -> D")
+    m.machine(
+        "level",
+        states={"below": [], "above": []},
+        start="below",
+        rules=["below -> above when D.e >= 1"],
+    )
+    run = hb.simulate(m, end)
+    assert run.mode == {"S": "high", "level": "above"}
+    edges = [e for e in run.events if any(f.machine == "S" for f in e.steps[-1].fired)]
+    assert len(edges) == 2 * periods + 1
+    again = hb.simulate(m, 2 * end, start=run)
+    assert len([e for e in again.events if e.steps[-1].fired]) == 2 * periods
+
+
+def test_two_clocks_at_the_end() -> None:
+    m = leg(CLOCKS["sawtooth"])
+    rules = ["low -> high when mod(time, 2*T) < T", "high -> low when mod(time, 2*T) > T"]
+    m.machine("slow", states={"low": [], "high": []}, start="low", rules=rules)
+    run = hb.simulate(m, 100 * T)
+    assert run.mode == {"S": "high", "slow": "high"}
+    assert run.t_end == 100 * T

@@ -26,10 +26,14 @@ BEYOND: Final = 1e-13
 
 def look(e: Engine, g: Locator, t: float) -> None:
     """Fill the values at t that guards read."""
-    if g.looked == t:
-        return
+    if g.looked != t:
+        look_at_time(e, g, t, t)
+
+
+def look_at_time(e: Engine, g: Locator, t: float, at: float) -> None:
+    """Fill them as they would be at t, with the state at another instant."""
     show(e, g, ALL_PARTS)
-    between(e, t, g.y)
+    between(e, at, g.y)
     if g.held and put_on_constraints(e, t, g.y) != OK:
         g.failed = True
     set_motion(e, e.v, t, g.y)

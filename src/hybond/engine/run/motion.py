@@ -79,7 +79,7 @@ from hybond.engine.run.source_jumps import (
     put_before_kink,
 )
 from hybond.engine.run.stranded import in_vain, no_slip
-from hybond.engine.run.together import is_kink_alone, last_of_instant
+from hybond.engine.run.together import is_kink_alone, is_of_time, last_of_instant
 from hybond.engine.sliding.branches import know_around
 from hybond.engine.sliding.combine import combine_here
 from hybond.engine.sliding.onto import onto_surfaces
@@ -115,9 +115,7 @@ def run_to_end(e: Engine, r: Run) -> int:
             return PAUSED
         if cause == STOPPED:
             break
-        status = settle_now(e, r, cause)
-        if status == OK and r.instant.steps == 0 and r.late > e.t:
-            status = settle_late(e, r)
+        status = settle_late(e, r, cause) if r.late > e.t else settle_now(e, r, cause)
         if status == OK:
             status = rest_now(e, r)
         if status == OK and stuck(e):
@@ -151,15 +149,15 @@ def begin_now(e: Engine, r: Run) -> int:
     return rest_now(e, r) if status == OK else status
 
 
-def settle_late(e: Engine, r: Run) -> int:
-    """Settle what happens at the end of the run but for rounding of the time it is read from.
+def settle_late(e: Engine, r: Run, cause: int) -> int:
+    """Settle the instant at the end of the run, at the last of the times that it lasts.
 
     A sawtooth that begins anew there does so an ulp later: the run goes on from there, if it does.
     """
     end = e.t
     e.t = r.late
     r.late = -math.inf
-    status = settle_now(e, r, GUARD)
+    status = settle_now(e, r, cause)
     if r.instant.steps == 0:
         e.t = end
     return status
@@ -298,17 +296,19 @@ def flow(e: Engine, r: Run) -> int:
                     return -1
         if at == math.inf:
             shown = e.step.t1
+            r.late = -math.inf
             if shown >= end and shown - e.step.t0 >= instant:
                 # what crosses its bound just after a timed event does so with it
                 shown = last_of_instant(e, g, shown, shown + instant)
                 near = near or shown != e.step.t1
                 if g.failed:
                     return -1
+            if shown > e.until and is_of_time(e, g, e.until, shown):
+                r.late = shown
             if doubt(e, g, e.step.t1) != OK:
                 return -1
             if note(e, r, e.step.t1, shown) != OK:
                 return -1
-            r.late = shown if e.t >= e.until else -math.inf
             if e.step.t1 >= end:
                 foresee(e, e.t)
                 if e.next_break <= end:

@@ -18,6 +18,7 @@ from hybond.engine.run.guard_values import (
     atom_here,
     holds_at,
     look,
+    look_at_time,
     show,
     size_here,
     test_here,
@@ -55,6 +56,21 @@ def last_of_instant(e: Engine, g: Locator, t: float, top: float) -> float:
             last = t if g.done[k] != 0 else last
     show(e, g, ALL_PARTS)
     return last
+
+
+def is_of_time(e: Engine, g: Locator, t: float, last: float) -> bool:
+    """Whether a guard holds at `last` that would not hold in the state there if the time were `t`."""
+    for k in range(g.guards):
+        g.done[k] = 1 if g.side[k] == NO_KINK else 0
+    ask_done(e, g, last, True)
+    look_at_time(e, g, t, last)
+    ask_done(e, g, t, False)
+    found = False
+    for k in range(g.guards):
+        found = found or g.done[k] != 0
+    g.looked = math.nan
+    show(e, g, ALL_PARTS)
+    return found
 
 
 def ask_done(e: Engine, g: Locator, t: float, holds: bool) -> None:
