@@ -11,9 +11,11 @@ import pytest
 
 import hybond as hb
 from hybond.draw import draw_schematic
+from hybond.draw.composing import composed
+from hybond.draw.geometry import Box
 from hybond.draw.scene import Line, Text
 from hybond.draw.symbols import UNIT, boxed, placed
-from hybond.draw.wires import routed
+from hybond.draw.wires import Wire, led
 from hybond.errors import FileError, UsageError
 from hybond.files.save import dumps
 from hybond.library import find, names
@@ -94,11 +96,11 @@ def test_wires_of_a_net_begin_at_its_pins() -> None:
         own = [key for key in wires if dot in key.split(" -> ")]
         ends = [wires[key][0 if key.startswith(f"{dot} ->") else -1] for key in own]
         assert len(set(ends)) == 1, dot
-    # two wires meet nowhere but in their own net: no dot on a crossing of two nets. Where three or
-    # more come together: twice on out, on node, three times on earth
+    # two wires meet nowhere but in their own net: no dot on a crossing of two nets. Three come
+    # together on node and twice on out, four twice on earth
     drawing, _ = wires_of("boost")
     (joints,) = [g for g in drawing.scene.groups if g.name == "joints"]
-    assert len(joints.marks) == 6
+    assert len(joints.marks) == 5
 
 
 DRAWN = [n for n in sorted(names()) if find(n).symbol is not None]
@@ -140,18 +142,58 @@ def test_a_box_has_its_ports_where_they_are_wired() -> None:
     assert box.pins["c"][1] < 0 and box.pins["c"][0] != box.pins["d"][0]
 
 
-def test_a_wire_goes_around_a_symbol() -> None:
-    from hybond.draw.geometry import Box
+EAST, WEST = (1.0, 0.0), (-1.0, 0.0)
 
-    way = routed(((0.0, 0.0), (1.0, 0.0)), ((200.0, 0.0), (-1.0, 0.0)), [Box(80, -20, 120, 20)])
+
+def test_a_wire_goes_around_a_symbol() -> None:
+    (way,) = led([Wire(((0.0, 0.0), EAST), ((200.0, 0.0), WEST), "n")], [Box(80, -20, 120, 20)])
     assert way[0] == (0.0, 0.0) and way[-1] == (200.0, 0.0)
     assert all(abs(y) > 20 for x, y in way if 80 < x < 120) and len(way) > 2
 
 
-def test_a_wire_does_not_lie_on_another() -> None:
-    other = [((50.0, 0.0), (50.0, 100.0))]
-    way = routed(((0.0, 0.0), (1.0, 0.0)), ((100.0, 100.0), (-1.0, 0.0)), [], other)
-    assert not any(p[0] == q[0] == 50.0 for p, q in itertools.pairwise(way))
+def test_wires_of_two_nets_cross_and_do_not_lie_on_each_other() -> None:
+    # both would bend at x = 50
+    one = Wire(((0.0, 0.0), EAST), ((100.0, 100.0), WEST), "n")
+    other = Wire(((0.0, 100.0), EAST), ((100.0, 0.0), WEST), "m")
+    a, b = led([one, other], [])
+    upright = [{p[0] for p, q in itertools.pairwise(way) if p[0] == q[0]} for way in (a, b)]
+    assert all(upright) and not upright[0] & upright[1]
+
+
+def test_wires_of_one_net_go_together() -> None:
+    wires = [Wire(((0.0, y), EAST), ((200.0, 0.0), None), "n") for y in (-40.0, 40.0, 80.0)]
+    ways = led(wires, [])
+    pieces = {(p, q) if p < q else (q, p) for way in ways for p, q in itertools.pairwise(way)}
+    steps = {(p[0] + k, p[1]) for p, q in pieces if p[1] == q[1] for k in range(int(q[0] - p[0]))}
+    assert len(steps) < 350  # apart they would be 600 pixels long across
+
+
+def test_a_layout_is_turned_with_sources_at_the_left_and_ground_below() -> None:
+    places = {"earth": (0.0, 0.0), "load": (0.0, 3.0), "coil": (1.0, 3.0), "supply": (6.0, 3.0)}
+    found = composed(places, ["supply"], ["earth"])
+    assert found["supply"][0] == 0.0 and found["load"][0] > found["coil"][0]
+    assert found["earth"][1] > found["load"][1]
+    assert max(x for x, _ in found.values()) == 2.0  # no column is empty
+    assert composed(places, [], []) == composed(found | places, [], [])
+
+
+def test_power_comes_from_the_left_in_the_boost_converter() -> None:
+    at = draw_schematic(hb.load(EXAMPLES / "boost.toml")).positions
+    assert at["supply"][0] < at["switch"][0] < at["diode"][0]
+    assert at["ground"][1] > max(at[n][1] for n in ("supply", "switch", "diode", "coil"))
+
+
+@pytest.mark.parametrize("name", OF_PARTS)
+def test_no_wire_goes_through_a_symbol(name: str) -> None:
+    drawing, wires = wires_of(name)
+    for group in drawing.scene.groups:
+        lines = [m for m in group.marks if isinstance(m, Line)]
+        if group.name == "part" and lines:
+            xs, ys = zip(*(p for m in lines for p in m.points), strict=True)
+            box = Box(min(xs), min(ys), max(xs), max(ys)).grown(-1.0)
+            if box.x0 < box.x1 and box.y0 < box.y1:
+                for key, way in wires.items():
+                    assert not any(box.cut(p) for p in itertools.pairwise(way)), (group.key, key)
 
 
 def test_a_model_of_single_elements_has_no_schematic() -> None:

@@ -14,13 +14,15 @@ from dataclasses import dataclass
 from typing import Literal
 
 from hybond.draw.arrange import layout
+from hybond.draw.composing import composed
 from hybond.draw.drawing import Drawing
 from hybond.draw.geometry import Box, Point
 from hybond.draw.measure import width
 from hybond.draw.scene import Group, Line, Mark, Scene, Text
 from hybond.draw.sketch import typeset
 from hybond.draw.symbols import Placed, boxed, placed
-from hybond.draw.wires import End, routed
+from hybond.draw.wires import End, led
+from hybond.draw.wires import Wire as Wanted
 from hybond.errors import UsageError
 from hybond.model.builder import Model
 from hybond.model.hierarchy import submodel_of
@@ -29,7 +31,7 @@ from hybond.model.parts import Part, SubmodelPart
 from hybond.model.symbol import Symbol
 from hybond.model.written_out import written_out
 
-CELL = (116.0, 104.0)
+CELL = (120.0, 100.0)
 """Pixels from one cell of the layout to the next: symbols need more than letters."""
 MARGIN = 34.0
 DOT = 3.0
@@ -42,6 +44,8 @@ LABEL = 10.5
 LETTERS = 19.0
 CAP = 0.73
 """Size of letters, and how high their capitals are."""
+_SPREADING = ("C", "I", "TF", "GY")
+"""What a source has none of: machines and loads have sources within them, too."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,12 +119,12 @@ def draw_schematic(
             sides = {port: _side(toward, name, port) for port in node.ports}
             symbol = boxed(node.letters, node.ports, sides.__getitem__)
         put[name] = placed(symbol, node.at, _of(toward, name, node.ports))
-    wires = _wires(nodes, put, dots, bonds)
-    nets = dots | {f"{n}.{port}" for n, p in put.items() for port in p.pins}
+    nets = _nets(dots | {f"{n}.{port}" for n, p in put.items() for port in p.pins}, bonds)
+    wires, meets = _cut_back(_wires(nodes, put, dots, bonds, nets), sorted(dots))
     groups = [Group("wire", f"{a} -> {b}", f"{a} -> {b}", (Line("wire", w),)) for a, b, w in wires]
     groups += _parts(nodes, put, wires)
-    groups += [_dot(nodes[n]) for n in names if n in dots]
-    groups.append(Group("joints", "", "", tuple(_joint(p) for p in _joints(wires, nets))))
+    groups += [_dot(n, meets.get(n, nodes[n].at)) for n in names if n in dots]
+    groups.append(Group("joints", "", "", tuple(_joint(p) for p in _joints(wires, nets, put))))
     return _drawing(model.title or model.name if title else "", groups, places)
 
 
@@ -154,7 +158,26 @@ def _places(
     kinds = [p.kind if isinstance(p, Part) else "TF" for p in model.elements.values()]
     pairs = [(number[_name(a)], number[_name(b)]) for a, b in bonds if _name(a) != _name(b)]
     pinned = {number[n]: at for n, at in given.items() if n in number}
-    return dict(zip(names, layout(kinds, pairs, pinned=pinned), strict=True))
+    found = dict(zip(names, layout(kinds, pairs, pinned=pinned), strict=True))
+    if pinned:
+        return found
+    return composed(found, *_feet(model))
+
+
+def _feet(model: Model) -> tuple[list[str], list[str]]:
+    """Return the names of what feeds a system, and of what stands for its zero."""
+    sources, grounds = [], []
+    for name, part in model.elements.items():
+        if isinstance(part, SubmodelPart):
+            inner = submodel_of(part, name, model.models)
+            own = [p for p in inner.elements.values() if isinstance(p, Part)]
+            values = [str(p.value) for p in own if p.kind in ("Se", "Sf")]
+            switched = bool(inner.machines) or any(p.options.get("law") for p in own)
+            if "0" in values and len(inner.ports) == 1 and all(p.kind != "Sf" for p in own):
+                grounds.append(name)
+            elif values and not switched and all(p.kind not in _SPREADING for p in own):
+                sources.append(name)
+    return sources, grounds
 
 
 def _node(model: Model, name: str, place: tuple[float, float]) -> _Node:
@@ -223,33 +246,89 @@ def _side(toward: Mapping[str, Point], name: str, port: str) -> str:
     return "s" if y > 0 else "n"
 
 
+def _nets(shared: set[str], bonds: Sequence[tuple[str, str]]) -> list[str]:
+    """Return of each bond the net that its wire belongs to, by one of the ends of that.
+
+    `shared` are the ends that wires share: dots and pins. What meets at letters meets in what they
+    mean, and is no net.
+    """
+    net: dict[str, str] = {}
+
+    def root(end: str) -> str:
+        while net.get(end, end) != end:
+            end = net[end]
+        return end
+
+    owners = []
+    for k, (a, b) in enumerate(bonds):
+        one, other = (end if end in shared else f"{end} {k}" for end in (a, b))
+        net[root(one)] = root(other)
+        owners.append(one)
+    return [root(one) for one in owners]
+
+
 def _wires(
     nodes: Mapping[str, _Node],
     put: Mapping[str, Placed],
     dots: set[str],
     bonds: Sequence[tuple[str, str]],
+    nets: Sequence[str],
 ) -> list[Wire]:
     """Return a wire for each bond."""
-    boxes = [p.box for p in put.values()]
-    found: list[Wire] = []
-    for a, b in bonds:
+    wanted = []
+    for (a, b), net in zip(bonds, nets, strict=True):
         ends: list[End] = []
         for end in (a, b):
-            name = _name(end)
-            if name in dots:
-                ends.append((nodes[name].at, None))
-            else:
-                pin = put[name].pins.get(_port(end))
-                ends.append((nodes[name].at, None) if pin is None else pin)
-        others = [
-            piece for c, d, w in found if not {a, b} & {c, d} for piece in itertools.pairwise(w)
-        ]
-        way = routed(ends[0], ends[1], boxes, others)
+            pin = None if _name(end) in dots else put[_name(end)].pins.get(_port(end))
+            ends.append((nodes[_name(end)].at, None) if pin is None else pin)
+        wanted.append(Wanted(ends[0], ends[1], net))
+    found: list[Wire] = []
+    solid = [p.box for p in put.values() if p.pins]
+    for (a, b), w, way in zip(bonds, wanted, led(wanted, solid), strict=True):
         for k, end in enumerate((a, b)):
-            if _name(end) not in dots and ends[k][1] is None:
+            if _name(end) not in dots and (w.a, w.b)[k][1] is None:
                 way = _clipped(way, put[_name(end)].box, at_end=bool(k))
         found.append((a, b, way))
     return found
+
+
+def _cut_back(wires: Sequence[Wire], dots: Sequence[str]) -> tuple[list[Wire], dict[str, Point]]:
+    """Let wires that all come to a dot by one way meet where that begins, and return where."""
+    ways = [list(way) for _, _, way in wires]
+    meets: dict[str, Point] = {}
+    for dot in dots:
+        own = [
+            (k, _name(a) == dot) for k, (a, b, _) in enumerate(wires) if dot in (_name(a), _name(b))
+        ]
+        if len(own) < 2:
+            continue
+        paths = [ways[k] if first else ways[k][::-1] for k, first in own]
+        shared = _shared(paths)
+        meets[dot] = shared[-1]
+        for (k, first), path in zip(own, paths, strict=True):
+            rest = [shared[-1], *path[len(shared) - (shared[-1] not in path) :]]
+            ways[k] = rest if first else rest[::-1]
+    return [(a, b, tuple(way)) for (a, b, _), way in zip(wires, ways, strict=True)], meets
+
+
+def _shared(paths: Sequence[Sequence[Point]]) -> list[Point]:
+    """Return the part from their first place on that all paths have in common."""
+    found = [paths[0][0]]
+    while True:
+        here = found[-1]
+        ahead = [_after(path, len(found) - 1) for path in paths]
+        steps = [(q[0] - here[0], q[1] - here[1]) for q in ahead if q is not None]
+        if len(steps) < len(paths) or len({(_sign(x), _sign(y)) for x, y in steps}) > 1:
+            return found
+        x, y = min(steps, key=lambda step: abs(step[0]) + abs(step[1]))
+        found.append((here[0] + x, here[1] + y))
+        if any(step != (x, y) for step in steps):
+            return found
+
+
+def _after(path: Sequence[Point], k: int) -> Point | None:
+    """Return the corner after the k-th, None at the other end of the path."""
+    return path[k + 1] if k + 2 < len(path) else None
 
 
 def _clipped(way: tuple[Point, ...], box: Box, *, at_end: bool) -> tuple[Point, ...]:
@@ -265,27 +344,19 @@ def _clipped(way: tuple[Point, ...], box: Box, *, at_end: bool) -> tuple[Point, 
     return way
 
 
-def _joints(wires: Sequence[Wire], nets: set[str]) -> list[Point]:
+def _joints(wires: Sequence[Wire], nets: Sequence[str], put: Mapping[str, Placed]) -> list[Point]:
     """Return the places where three or four wires of one net meet: there stands a dot.
 
-    `nets` are the ends that wires share: dots and pins. What meets at letters meets in what they
-    mean, and is no net.
+    At a pin the line of its symbol is one of them.
     """
-    net: dict[str, str] = {}
-
-    def root(end: str) -> str:
-        while net.get(end, end) != end:
-            end = net[end]
-        return end
-
-    owners = []
-    for k, (a, b, _) in enumerate(wires):
-        one, other = (end if end in nets else f"{end} {k}" for end in (a, b))
-        net[root(one)] = root(other)
-        owners.append(one)
     pieces: dict[str, list[tuple[Point, Point]]] = {}
-    for owner, (_, _, way) in zip(owners, wires, strict=True):
-        pieces.setdefault(root(owner), []).extend(itertools.pairwise(way))
+    for net, (a, b, way) in zip(nets, wires, strict=True):
+        pieces.setdefault(net, []).extend(itertools.pairwise(way))
+        for end in (a, b):
+            pins = put[_name(end)].pins if _name(end) in put else {}
+            if _port(end) in pins:
+                (x, y), (dx, dy) = pins[_port(end)]
+                pieces[net].append(((x, y), (x - dx, y - dy)))
     found = []
     for own in pieces.values():
         places = {p for piece in own for p in piece}
@@ -347,6 +418,8 @@ def _beside(box: Box, words: Sequence[str]) -> list[list[Mark]]:
         (x, box.y0 - 6.0 - high, "middle"),
         (box.x1 + 5.0, y + 4.0 - high / 2.0, "start"),
         (box.x0 - 5.0, y + 4.0 - high / 2.0, "end"),
+        *((box.x1 + 5.0, y + aside, "start") for aside in (16.0, -8.0 - high)),
+        *((box.x0 - 5.0, y + aside, "end") for aside in (16.0, -8.0 - high)),
         (box.x1 + 3.0, box.y0 - 4.0 - high, "start"),
         (box.x1 + 3.0, box.y1 + 10.0, "start"),
         (box.x0 - 3.0, box.y1 + 10.0, "end"),
@@ -365,12 +438,10 @@ def _covers(own: Sequence[Box], lines: Sequence[tuple[Point, Point]], boxes: Seq
     return hits + sum(b.overlaps(other) for b in own for other in boxes)
 
 
-def _dot(node: _Node) -> Group:
+def _dot(name: str, at: Point) -> Group:
     """Return the name of a place where wires meet."""
-    x, y = node.at
-    return Group(
-        "node", node.name, node.name, (Text("junctionname", node.name, x + 5.0, y - 5.0, "start"),)
-    )
+    text = Text("junctionname", name, at[0] + 5.0, at[1] - 5.0, "start")
+    return Group("node", name, name, (text,))
 
 
 def _drawing(

@@ -1,108 +1,260 @@
-"""Wires of schematics: level and upright pieces from pin to pin, around symbols where they can."""
+"""Wires of schematics: level and upright pieces from pin to pin, as a draughtsman would lead them.
+
+Wires run on lines of a grid through all pins. A way costs what a reader minds: bends, crossings,
+wires close to symbols; to lie on a wire of another net, or to pass through a symbol, costs more
+than any way around, and to go along a wire of the same net next to nothing. The cheapest way is
+found for each wire in turn (Lee 1961; Dijkstra 1959), then each is taken out and led once more,
+when it is known where the others are.
+"""
 
 from __future__ import annotations
 
+import heapq
+import math
+from bisect import bisect_left
 from collections.abc import Sequence
+from dataclasses import dataclass, field
 from itertools import pairwise
 
 from hybond.draw.geometry import Box, Point
 
 End = tuple[Point, Point | None]
 """Where a wire ends, and the way in which it leaves; None at a dot, where any way is right."""
-_NEAR = 3.0
-"""Pixels by which a wire may slant unseen: it is made straight."""
-_OUT = 10.0
-"""Pixels that a wire goes on from a pin that points away."""
+GRID = 10.0
+"""Pixels from one line of the grid to the next."""
+AROUND = 90.0
+"""Pixels around two ends in which their wire is looked for first."""
+BEND, CROSSING, SIDEWAYS = 30.0, 45.0, 60.0
+"""Pixels that a bend is worth, a crossing, and a pin that is left another way than it points."""
+FORBIDDEN = 2000.0
+"""Likewise a step through a symbol, or on a wire of another net."""
+NEAR_SYMBOL, NEAR_WIRE, ON_OWN = 1.0, 0.6, 0.15
+"""What a pixel costs more close to a symbol or to a wire of another net; and all it costs on one of
+its own net."""
+CLOSE = 9.0
+_WAYS = ((1, 0), (0, 1), (-1, 0), (0, -1))
+
+Node = tuple[int, int]
+Step = tuple[Node, Node]
+"""From a node of the grid to the next to the right, or below."""
 
 
-def routed(
-    a: End, b: End, boxes: Sequence[Box], others: Sequence[tuple[Point, Point]] = ()
-) -> tuple[Point, ...]:
-    """Return the wire from one end to the other with fewest bends, through fewest symbols.
+@dataclass(frozen=True, slots=True)
+class Wire:
+    """A wire that is wanted: its ends, and the net that it belongs to."""
 
-    `others` are pieces of wires that it has nothing to do with: it must not lie on them.
+    a: End
+    b: End
+    net: str
+
+
+@dataclass(slots=True)
+class _Field:
+    """The grid, and what is on it."""
+
+    xs: list[float]
+    ys: list[float]
+    inside: set[Node]
+    """Nodes within symbols, and close to them."""
+    close: set[Node]
+    steps: dict[Step, list[str]] = field(default_factory=dict)
+    """The nets whose wires run there, once for each wire."""
+    corners: dict[Node, list[str]] = field(default_factory=dict)
+    """The nets whose wires end or bend there."""
+
+    def at(self, p: Point) -> Node:
+        return bisect_left(self.xs, p[0]), bisect_left(self.ys, p[1])
+
+    def place(self, n: Node) -> Point:
+        return self.xs[n[0]], self.ys[n[1]]
+
+
+def led(wires: Sequence[Wire], boxes: Sequence[Box]) -> list[tuple[Point, ...]]:
+    """Return the ways of wires among symbols, each from its first end to its second.
 
     Examples
     --------
-    >>> routed(((0.0, 0.0), (1.0, 0.0)), ((40.0, 30.0), (0.0, -1.0)), [])
-    ((0.0, 0.0), (40.0, 0.0), (40.0, 30.0))
-    >>> routed(((0.0, 0.0), None), ((40.0, 1.0), (-1.0, 0.0)), [])
-    ((0.0, 0.0), (40.0, 1.0))
+    >>> one = Wire(((0.0, 0.0), (1.0, 0.0)), ((40.0, 30.0), (0.0, -1.0)), "n")
+    >>> led([one], [])
+    [((0.0, 0.0), (40.0, 0.0), (40.0, 30.0))]
     """
-    (p, u), (q, v) = a, b
-    start = [p] if u is None or _ahead(p, u, q) else [p, (p[0] + _OUT * u[0], p[1] + _OUT * u[1])]
-    end = [q] if v is None or _ahead(q, v, p) else [(q[0] + _OUT * v[0], q[1] + _OUT * v[1]), q]
-    ways = [_clean([*start, *middle, *end]) for middle in _middles(start[-1], end[0])]
-    return min(ways, key=lambda way: _cost(way, u, v, boxes, others))
+    if not wires:
+        return []
+    f = _field(wires, boxes)
+    found: list[list[Node]] = [[] for _ in wires]
+
+    def length(k: int) -> float:
+        (p, _), (q, _) = wires[k].a, wires[k].b
+        return abs(p[0] - q[0]) + abs(p[1] - q[1])
+
+    order = sorted(range(len(wires)), key=length)
+    for again in (False, True):
+        for k in order:
+            if again:
+                _put(f, found[k], wires[k].net, -1)
+            found[k] = _way(f, wires[k])
+            _put(f, found[k], wires[k].net, 1)
+    return [_corners([f.place(n) for n in way]) for way in found]
 
 
-def _ahead(p: Point, way: Point, q: Point) -> bool:
-    """Whether a pin points to where the wire goes."""
-    return way[0] * (q[0] - p[0]) + way[1] * (q[1] - p[1]) >= -_NEAR
+def _field(wires: Sequence[Wire], boxes: Sequence[Box]) -> _Field:
+    pins = [end[0] for w in wires for end in (w.a, w.b)]
+    edges = [Box(x, y, x, y) for x, y in pins] + list(boxes)
+    xs = _lines({p[0] for p in pins}, min(b.x0 for b in edges), max(b.x1 for b in edges))
+    ys = _lines({p[1] for p in pins}, min(b.y0 for b in edges), max(b.y1 for b in edges))
+    f = _Field(xs, ys, set(), set())
+    for box in boxes:
+        f.inside |= _nodes(f, box.grown(-1.0))
+        f.close |= _nodes(f, box.grown(CLOSE))
+    for w in wires:
+        for p, _ in (w.a, w.b):
+            f.corners.setdefault(f.at(p), []).append(w.net)
+    return f
 
 
-def _middles(p: Point, q: Point) -> list[list[Point]]:
-    """Return the corners of wires with no bend, one, and two."""
-    (a, b), (c, d) = p, q
-    found: list[list[Point]] = []
-    if abs(a - c) <= _NEAR or abs(b - d) <= _NEAR:
-        found.append([])
-    found += [[(c, b)], [(a, d)]]
-    for part in (0.5, 0.25, 0.75):
-        x, y = a + part * (c - a), b + part * (d - b)
-        found += [[(x, b), (x, d)], [(a, y), (c, y)]]
-    for aside in (46.0, -46.0):
-        low, high = sorted((b, d))
-        y = high + aside if aside > 0 else low + aside
-        left, right = sorted((a, c))
-        x = right + aside if aside > 0 else left + aside
-        found += [[(a, y), (c, y)], [(x, b), (x, d)]]
-    return found
+def _lines(pins: set[float], low: float, high: float) -> list[float]:
+    """Return lines through all pins, and others where these leave room."""
+    first, last = math.floor((low - AROUND) / GRID), math.ceil((high + AROUND) / GRID)
+    own = sorted(pins)
+    found = list(own)
+    for k in range(first, last + 1):
+        v = k * GRID
+        i = bisect_left(own, v)
+        if all(abs(v - own[j]) > 0.6 * GRID for j in (i - 1, i) if 0 <= j < len(own)):
+            found.append(v)
+    return sorted(found)
 
 
-def _clean(way: Sequence[Point]) -> tuple[Point, ...]:
+def _nodes(f: _Field, box: Box) -> set[Node]:
+    across = range(bisect_left(f.xs, box.x0), bisect_left(f.xs, box.x1 + 1e-9))
+    down = range(bisect_left(f.ys, box.y0), bisect_left(f.ys, box.y1 + 1e-9))
+    return {(i, j) for i in across for j in down}
+
+
+def _way(f: _Field, w: Wire) -> list[Node]:
+    """Return the nodes of the cheapest way, looked for near its ends first."""
+    (p, _), (q, _) = w.a, w.b
+    near = Box(min(p[0], q[0]), min(p[1], q[1]), max(p[0], q[0]), max(p[1], q[1])).grown(AROUND)
+    low, high = f.at((near.x0, near.y0)), f.at((near.x1, near.y1))
+    way, cost = _cheapest(f, w, low, (min(high[0], len(f.xs) - 1), min(high[1], len(f.ys) - 1)))
+    if cost >= FORBIDDEN:
+        way, _ = _cheapest(f, w, (0, 0), (len(f.xs) - 1, len(f.ys) - 1))
+    return way
+
+
+def _cheapest(f: _Field, w: Wire, low: Node, high: Node) -> tuple[list[Node], float]:
+    """Return the cheapest way between nodes of a part of the grid, and what it costs."""
+    start, goal = f.at(w.a[0]), f.at(w.b[0])
+    best: dict[tuple[Node, int], float] = {}
+    before: dict[tuple[Node, int], tuple[Node, int]] = {}
+    heap: list[tuple[float, int, Node, int]] = []
+    for d in range(4):
+        best[start, d] = _aside(w.a[1], d)
+        heapq.heappush(heap, (best[start, d], d, start, d))
+    ends: list[tuple[float, int]] = []
+    limit = math.inf
+    while heap and heap[0][0] < limit:
+        cost, _, n, d = heapq.heappop(heap)
+        if cost > best[n, d]:
+            continue
+        if n == goal:
+            total = cost + _aside(w.b[1], (d + 2) % 4)
+            ends.append((total, d))
+            limit = min(limit, total)
+            continue
+        for e in (d, (d + 1) % 4, (d + 3) % 4):
+            if e != d and n == start:
+                continue
+            m = (n[0] + _WAYS[e][0], n[1] + _WAYS[e][1])
+            if not (low[0] <= m[0] <= high[0] and low[1] <= m[1] <= high[1]):
+                continue
+            more = cost + _step(f, w.net, n, m)
+            if e != d:
+                more += BEND + _turn(f, w.net, n)
+            if n != start:
+                more += _through(f, w.net, n, e, turned=e != d)
+            if more < best.get((m, e), math.inf):
+                best[m, e] = more
+                before[m, e] = (n, d)
+                heapq.heappush(heap, (more, e, m, e))
+    cost, d = min(ends)
+    at, way = (goal, d), [goal]
+    while at in before:
+        at = before[at]
+        way.append(at[0])
+    return way[::-1], cost
+
+
+def _aside(pin: Point | None, d: int) -> float:
+    """Return what it costs to leave a pin in a way."""
+    if pin is None:
+        return 0.0
+    return SIDEWAYS * (1.0 - pin[0] * _WAYS[d][0] - pin[1] * _WAYS[d][1])
+
+
+def _step(f: _Field, net: str, n: Node, m: Node) -> float:
+    """Return what the step to the next node costs."""
+    (a, b), (c, d) = f.place(n), f.place(m)
+    long = abs(c - a) + abs(d - b)
+    there = f.steps.get((min(n, m), max(n, m)), [])
+    if any(other != net for other in there):
+        return FORBIDDEN + long
+    if there:
+        return ON_OWN * long
+    if n in f.inside and m in f.inside:
+        return FORBIDDEN + long
+    more = NEAR_SYMBOL if n in f.close and m in f.close else 0.0
+    return long * (1.0 + more + NEAR_WIRE * _beside(f, net, n, m))
+
+
+def _beside(f: _Field, net: str, n: Node, m: Node) -> float:
+    """Return on how many sides a wire of another net runs close beside a step."""
+    dx, dy = (0, 1) if n[1] == m[1] else (1, 0)
+    found = 0
+    for s in (-1, 1):
+        one, two = (n[0] + s * dx, n[1] + s * dy), (m[0] + s * dx, m[1] + s * dy)
+        others = f.steps.get((min(one, two), max(one, two)), ())
+        found += any(other != net for other in others)
+    return float(found)
+
+
+def _turn(f: _Field, net: str, n: Node) -> float:
+    """Return what a bend costs more where wires of another net cross."""
+    for i, j in ((n[0] + 1, n[1]), (n[0] - 1, n[1]), (n[0], n[1] + 1), (n[0], n[1] - 1)):
+        if any(o != net for o in f.steps.get((min(n, (i, j)), max(n, (i, j))), ())):
+            return FORBIDDEN
+    return 0.0
+
+
+def _through(f: _Field, net: str, n: Node, d: int, *, turned: bool) -> float:
+    """Return what it costs to pass a node where others bend, end, or cross."""
+    if any(other != net for other in f.corners.get(n, ())):
+        return FORBIDDEN
+    if turned:
+        return 0.0
+    dx, dy = _WAYS[(d + 1) % 4]
+    m = (n[0] + dx, n[1] + dy)
+    across = f.steps.get((min(n, m), max(n, m)), ())
+    return CROSSING if any(other != net for other in across) else 0.0
+
+
+def _put(f: _Field, way: Sequence[Node], net: str, sign: int) -> None:
+    """Put a way onto the field, or take it from there."""
+
+    def change(there: list[str]) -> None:
+        there.append(net) if sign > 0 else there.remove(net)
+
+    for n, m in pairwise(way):
+        change(f.steps.setdefault((min(n, m), max(n, m)), []))
+    for a, b, c in zip(way, way[1:], way[2:], strict=False):
+        if a[0] != c[0] and a[1] != c[1]:
+            change(f.corners.setdefault(b, []))
+
+
+def _corners(way: Sequence[Point]) -> tuple[Point, ...]:
     """Leave out corners that are none."""
-    kept = [way[0]]
-    for p in way[1:]:
-        if p != kept[-1]:
-            kept.append(p)
-    found = kept[:1]
-    for k in range(1, len(kept) - 1):
-        (a, b), (c, d), (e, f) = found[-1], kept[k], kept[k + 1]
-        if (c - a) * (f - d) != (d - b) * (e - c) or (c - a) * (e - c) + (d - b) * (f - d) < 0:
-            found.append(kept[k])
-    return (*found, kept[-1]) if len(kept) > 1 else (way[0], way[-1])
-
-
-def _on(p: Point, q: Point, r: Point, s: Point) -> bool:
-    """Whether two pieces lie on each other for a while."""
-    for k in (0, 1):
-        m = 1 - k
-        if p[k] == q[k] and r[k] == s[k] and abs(p[k] - r[k]) < _NEAR:
-            low, high = max(min(p[m], q[m]), min(r[m], s[m])), min(max(p[m], q[m]), max(r[m], s[m]))
-            if high - low > 1.0:
-                return True
-    return False
-
-
-def _cost(
-    way: Sequence[Point],
-    u: Point | None,
-    v: Point | None,
-    boxes: Sequence[Box],
-    others: Sequence[tuple[Point, Point]],
-) -> tuple[float, float]:
-    through = sum(_on(*piece, *other) for piece in pairwise(way) for other in others)
-    for p, q in pairwise(way):
-        for box in boxes:
-            inner = Box(box.x0 + 1.0, box.y0 + 1.0, box.x1 - 1.0, box.y1 - 1.0)
-            if inner.x1 > inner.x0 and inner.y1 > inner.y0 and inner.cut((p, q)) is not None:
-                through += 1
-    wrong = 0.0
-    for pin, own, other in ((u, way[0], way[1]), (v, way[-1], way[-2])):
-        if pin is not None:
-            dx, dy = other[0] - own[0], other[1] - own[1]
-            far = abs(dx) + abs(dy) or 1.0
-            wrong += 1.0 - (pin[0] * dx + pin[1] * dy) / far
-    long = sum(abs(q[0] - p[0]) + abs(q[1] - p[1]) for p, q in pairwise(way))
-    return (40.0 * through + 6.0 * wrong + 3.0 * (len(way) - 2) + 0.02 * long, long)
+    found = [way[0]]
+    for a, b, c in zip(way, way[1:], way[2:], strict=False):
+        if not (a[0] == b[0] == c[0] or a[1] == b[1] == c[1]):
+            found.append(b)
+    return (*found, way[-1]) if len(way) > 1 else (way[0], way[0])
