@@ -9,6 +9,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from hybond.calls import called, named_file
+from hybond.circuits.as_parts import as_parts
 from hybond.circuits.coils import couple
 from hybond.circuits.deck import Deck, read_deck
 from hybond.circuits.fitting import Tangent, fits
@@ -64,6 +65,38 @@ class Conversion:
     """Diodes that were taken as tangents: `fits(run, conversion.diodes)` says which do not fit."""
     reader: Callable[[str], str] | None = field(default=None, repr=False, compare=False)
     """What `signal` asks; None of a file that is no netlist."""
+    drawn: Callable[[], Model] | None = field(default=None, repr=False, compare=False)
+    """What `as_parts` asks; likewise."""
+
+    def as_parts(self) -> Model:
+        r"""Return the netlist as parts and nodes, to be drawn as a schematic and not to be run.
+
+        Raises
+        ------
+        UsageError
+            HB-D110 of a file that is no netlist.
+
+        Examples
+        --------
+        >>> import pathlib, tempfile
+        >>> import hybond as hb
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     path = pathlib.Path(folder, "rl.cir")
+        ...     _ = path.write_text("RL\nV1 in 0 10\nR1 in a 1\nL1 a 0 1m\n.tran 1u 1m uic\n")
+        ...     rl = hb.read_circuit(path)
+        >>> rl.as_parts().draw(schematic=True).positions["ground"][1] > 0.0
+        True
+        >>> sorted(rl.as_parts().elements)
+        ['L1', 'R1', 'V1', 'a', 'earth', 'ground', 'in']
+        """
+        if self.drawn is None:
+            raise UsageError(
+                "there is a schematic of netlists alone",
+                code="HB-D110",
+                where=self.model.name,
+                hint="draw the bond graph of the model",
+            )
+        return self.drawn()
 
     def signal(self, text: str) -> str:
         r"""Return what a netlist calls ``v(a)``, ``v(a,b)`` or ``i(L1)`` in words of the model.
@@ -174,6 +207,7 @@ def read_circuit(
         made.steps(),
         made.diodes(),
         made.assembly.read,
+        lambda: as_parts(made.opened, made.texts, made.title),
     )
 
 
@@ -284,7 +318,7 @@ class _Making:
         self.leaves = self._started()
         model = Model(
             re.sub(r"\W+", "_", self.path.stem) or "circuit",
-            title=_printable(self.deck.title),
+            title=self.title,
             domain="electrical",
         )
         for key, (_, formula, _) in self.opened.parameters.items():
@@ -315,6 +349,11 @@ class _Making:
             model.experiment["until"] = _plain(self.stop)
             model.experiment["points"] = max(2, min(POINTS, self._steps()))
         return model, woven.lines
+
+    @property
+    def title(self) -> str:
+        """Return the first line of the netlist."""
+        return _printable(self.deck.title)
 
     def measures(self) -> tuple[Wanted, ...]:
         """Return what is measured in terms of the model."""

@@ -51,7 +51,8 @@ def _schematic(given: Namespace) -> Drawing:
                 where=f"--{option}",
                 hint=f"leave out --{option} or --schematic",
             )
-    return draw_schematic(read_model(given.file)[0])
+    model, conversion = read_model(given.file)
+    return draw_schematic(conversion.as_parts() if conversion is not None else model)
 
 
 def _picture(graph: FlatGraph, given: Namespace) -> Drawing:

@@ -59,7 +59,7 @@ def last_of_instant(e: Engine, g: Locator, t: float, top: float) -> float:
 
 
 def is_of_time(e: Engine, g: Locator, t: float, last: float) -> bool:
-    """Whether a guard holds at `last` that would not hold in the state there if the time were `t`."""
+    """Whether a guard holds at `last` that would not, in the state there, if the time were `t`."""
     for k in range(g.guards):
         g.done[k] = 1 if g.side[k] == NO_KINK else 0
     ask_done(e, g, last, True)

@@ -1,0 +1,73 @@
+"""A netlist is drawn as it is written: a symbol for each card, wired as its nodes say."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import hybond as hb
+from hybond.cli.main import main
+from hybond.draw import draw_schematic
+from hybond.draw.scene import Text
+from hybond.errors import UsageError
+
+NETLISTS = Path(__file__).parents[2] / "examples" / "netlists"
+NAMES = ["boost", "bridge", "buck", "controlled", "doubler", "flyback", "half_wave", "rlc"]
+
+
+def cards(path: Path) -> dict[str, tuple[str, str]]:
+    """Return the two nodes of each card, read without hybond."""
+    found = {}
+    for line in path.read_text().splitlines()[1:]:
+        words = line.split()
+        if words and words[0][0].lower() in "rclvidsegfh":
+            found[words[0]] = (words[1].lower(), words[2].lower())
+    return found
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_each_card_is_a_part_between_its_nodes(name: str) -> None:
+    path = NETLISTS / f"{name}.cir"
+    model = hb.read_circuit(path).as_parts()
+    wired: dict[str, str] = {}
+    for bond in model.bonds:
+        a, b = bond.split(" -> ")
+        wired |= {end: node for end, node in ((a, b), (b, a)) if "." in end}
+    own = cards(path)
+    parts = {n for n in model.elements if f"{n}.plus" in wired}
+    assert parts == set(own)
+    # ports that have a node in common are the pins that have one
+    node: dict[str, str] = {}
+    for part, (a, b) in own.items():
+        for port, key in (("plus", a), ("minus", b)):
+            assert node.setdefault(key, wired[f"{part}.{port}"]) == wired[f"{part}.{port}"]
+    assert len(set(node.values())) == len(node)
+
+
+def test_values_and_what_switches_stand_beside_the_parts() -> None:
+    drawing = draw_schematic(hb.read_circuit(NETLISTS / "flyback.cir").as_parts())
+    words = {m.text for g in drawing.scene.groups for m in g.marks if isinstance(m, Text)}
+    assert {"200 µH, K1", "48 V", "SWI v(g,0)", "pulse", "10 Ω", "Lp", "out"} <= words
+
+
+def test_what_is_in_subcircuits_is_drawn(tmp_path: Path) -> None:
+    text = "two\n.subckt pair a b\nR1 a m 1\nR2 m b 2\n.ends\nV1 x 0 1\nX1 x 0 pair\nX2 x 0 pair\n"
+    (tmp_path / "two.cir").write_text(text + ".tran 1u 1m\n.end\n")
+    model = hb.read_circuit(tmp_path / "two.cir").as_parts()
+    assert {"X1_R1", "X1_R2", "X2_R1", "X2_R2", "V1", "ground"} <= set(model.elements)
+    assert len([n for n in model.elements if n.endswith("_m")]) == 2
+
+
+def test_the_command_draws_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out = tmp_path / "buck.svg"
+    assert main(["draw", str(NETLISTS / "buck.cir"), "--schematic", "--out", str(out)]) == 0
+    assert ">D1<" in out.read_text()
+
+
+def test_a_bond_graph_of_another_tool_has_none(tmp_path: Path) -> None:
+    read = hb.read_circuit(NETLISTS / "rlc.cir")
+    other = type(read)(read.model, (), {})
+    with pytest.raises(UsageError) as refused:
+        other.as_parts()
+    assert refused.value.code == "HB-D110"
