@@ -33,6 +33,8 @@ _TRIES = {Board: 9, Streets: 6}
 """Searches for a picture without a flaw."""
 _EFFORT = {Board: 400, Streets: 150}
 """Moves tried for each node: with straight bonds few of them are worth it."""
+_VAIN = 3
+"""Searches in a row that find nothing better."""
 _STEPS = 9000
 LONGEST, MOST_CELLS = 2000, 100_000
 """Columns or rows, and places, between parts that are bonded; a board remembers each place."""
@@ -223,6 +225,7 @@ def arranged(
     near = Board(kinds, bonds).near
     crowded = sum(max(0, len(n) - 4) for n in near)  # bonds that have no side of their own
     best: tuple[int, B] | None = None
+    found = 0
     most = _TRIES[kind]
     tries = max(2, min(most, most * 40 // size)) if small else 1
     for attempt in range(tries):
@@ -236,8 +239,8 @@ def arranged(
                 search.descend(rounds=2, reach=1)
         cost = board.cost(range(size))
         if best is None or cost < best[0]:
-            best = cost, board
-        if board.defects() <= crowded:
+            best, found = (cost, board), attempt
+        if board.defects() <= crowded or attempt - found >= _VAIN:
             break
     assert best is not None
     return best[1]

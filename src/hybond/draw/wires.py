@@ -26,8 +26,8 @@ AROUND = 90.0
 """Pixels around two ends in which their wire is looked for first."""
 BEND, CROSSING, SIDEWAYS = 30.0, 45.0, 60.0
 """Pixels that a bend is worth, a crossing, and a pin that is left another way than it points."""
-FORBIDDEN = 2000.0
-"""Likewise a step through a symbol, or on a wire of another net."""
+FORBIDDEN, THROUGH = 2000.0, 400.0
+"""Likewise a step on a wire of another net, and one through a symbol: a pin may be within one."""
 NEAR_SYMBOL, NEAR_WIRE, ON_OWN = 1.0, 0.6, 0.15
 """What a pixel costs more close to a symbol or to a wire of another net; and all it costs on one of
 its own net."""
@@ -104,12 +104,18 @@ def _field(wires: Sequence[Wire], boxes: Sequence[Box]) -> _Field:
     ys = _lines({p[1] for p in pins}, min(b.y0 for b in edges), max(b.y1 for b in edges))
     f = _Field(xs, ys, set(), set())
     for box in boxes:
-        f.inside |= _nodes(f, box.grown(-1.0))
+        f.inside |= _nodes(f, _solid(box))
         f.close |= _nodes(f, box.grown(CLOSE))
     for w in wires:
         for p, _ in (w.a, w.b):
             f.corners.setdefault(f.at(p), []).append(w.net)
     return f
+
+
+def _solid(box: Box) -> Box:
+    """Return what no wire passes: a symbol up to its pins, its own line where it is thin."""
+    x, y = (-1.0 if long > 2.0 * GRID else 1.0 for long in (box.x1 - box.x0, box.y1 - box.y0))
+    return Box(box.x0 - x, box.y0 - y, box.x1 + x, box.y1 + y)
 
 
 def _lines(pins: set[float], low: float, high: float) -> list[float]:
@@ -201,8 +207,8 @@ def _step(f: _Field, net: str, n: Node, m: Node) -> float:
         return FORBIDDEN + long
     if there:
         return ON_OWN * long
-    if n in f.inside and m in f.inside:
-        return FORBIDDEN + long
+    if n in f.inside or m in f.inside:
+        return THROUGH + long
     more = NEAR_SYMBOL if n in f.close and m in f.close else 0.0
     return long * (1.0 + more + NEAR_WIRE * _beside(f, net, n, m))
 
