@@ -26,7 +26,7 @@ LAYERS = [
     ["progress", "runs", "translate"],
     ["engine"],
     ["report"],
-    ["measures", "one_run", "result", "scripts", "simulation"],
+    ["measures", "one_run", "result", "scripts", "simulation", "tabled"],
     ["draw"],
     ["circuits", "export", "testing"],
     ["analysis", "sweep"],
