@@ -5,6 +5,7 @@ Needs Python 3.11 and nothing else: it makes a virtual environment in .venv and 
 
 import hashlib
 import os
+import runpy
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
@@ -22,6 +23,8 @@ ENV = {
     "PIP_DISABLE_PIP_VERSION_CHECK": "1",
     "OPENBLAS_NUM_THREADS": "1",
 }
+# The tests start many programs: what one of them has compiled, the next need not.
+ENV.pop("PYTHONDONTWRITEBYTECODE", None)
 PROBE = "import sys, pip; sys.exit(sys.version_info < (3, 11))"
 NO_VENV = """\
 Cannot make a virtual environment with {python}: neither its venv module nor virtualenv works.
@@ -35,18 +38,35 @@ def run(*command):
     return subprocess.run([str(part) for part in command], cwd=ROOT, env=ENV).returncode
 
 
-def quiet(*command):
-    """Run one command, its output kept; return its exit code and output."""
+def quiet(*command, **more):
+    """Run one command, its output kept, with more variables; return its exit code and output."""
     done = subprocess.run(
         [str(part) for part in command],
         cwd=ROOT,
-        env=ENV,
+        env={**ENV, **more},
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         encoding="utf-8",
         errors="replace",
     )
     return done.returncode, done.stdout
+
+
+def install(wanted, *, compiles):
+    """Install what is wanted; return the exit code and output of pip.
+
+    pip takes one core for as long as a C compiler takes another for the engine: they go beside each
+    other, unless pip has to fetch the compiler.
+    """
+    pip = (PYTHON, "-m", "pip", "install", "--quiet", *wanted)
+    compiler = ROOT / "src" / "hybond" / "engine" / "compiled" / "compiler.py"
+    if not compiles or runpy.run_path(str(compiler))["wants_zig"]():
+        return quiet(*pip)
+    with ThreadPoolExecutor() as beside:
+        engine = beside.submit(quiet, PYTHON, ROOT / "hatch_build.py")
+        code, output = quiet(*pip, HYBOND_COMPILED_BESIDE="1")
+        print(engine.result()[1], end="", flush=True)
+    return code, output
 
 
 def make_environment(extra):
@@ -70,7 +90,8 @@ def make_environment(extra):
             break
     if not usable:
         sys.exit(NO_VENV.format(python=sys.executable))
-    if installed[:1] == [digest]:
+    known = installed[:1] == [digest]
+    if known:
         # what is compiled is there already: only the extra is missing
         import tomllib  # not in the Pythons that main() refuses
 
@@ -78,10 +99,10 @@ def make_environment(extra):
             wanted = tomllib.load(file)["project"]["optional-dependencies"][extra]
     else:
         wanted = ["--editable", f"{ROOT}[{extra}]" if extra else str(ROOT)]
-    code, output = quiet(PYTHON, "-m", "pip", "install", "--quiet", *wanted)
+    code, output = install(wanted, compiles=not known)
     if code:
         sys.exit(f"{output}\npip could not install hybond (exit code {code}).")
-    extras = {extra, *(installed[1:] if installed[:1] == [digest] else ())} - {""}
+    extras = {extra, *(installed[1:] if known else ())} - {""}
     STAMP.write_text(" ".join([digest, *sorted(extras)]))
 
 

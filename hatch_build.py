@@ -1,13 +1,20 @@
-"""Compiles the engine when hybond is built; without a compiler it is built without."""
+"""Compiles the engine when hybond is built; without a compiler it is built without.
+
+As a program, which needs nothing installed, it only compiles: `dev.py` has that done beside pip.
+"""
 
 import importlib
+import os
 import platform
 import sys
 import sysconfig
 import types
 from pathlib import Path
 
-from hatchling.builders.hooks.plugin.interface import BuildHookInterface
+try:
+    from hatchling.builders.hooks.plugin.interface import BuildHookInterface
+except ImportError:  # as a program
+    BuildHookInterface = object
 
 PACKAGE = Path(__file__).parent / "src" / "hybond"
 
@@ -22,6 +29,17 @@ def _imported(name):
     return importlib.import_module(f"hybond.{name}")
 
 
+def compiled():
+    """Compile the engine; return where it is then, and why it is not there if it is not."""
+    build = _imported("engine.compiled.build")
+    try:
+        build.HOME.unlink(missing_ok=True)
+        why = build.compile_into(build.HOME)
+    except Exception as error:  # whatever it is, hybond runs without
+        why = f"{type(error).__name__}: {error}"
+    return build.HOME, why and f"hybond is built without its library: {why}"
+
+
 class EngineHook(BuildHookInterface):
     """Puts what was compiled into wheels, and beside its sources for an editable install."""
 
@@ -33,15 +51,11 @@ class EngineHook(BuildHookInterface):
         """Compile, and mark the wheel as one for this platform."""
         if self.target_name != "wheel":
             return
-        build = _imported("engine.compiled.build")
-        target = build.HOME
-        try:
-            target.unlink(missing_ok=True)
-            why = build.compile_into(target)
-        except Exception as error:  # whatever it is, hybond runs without
-            why = f"{type(error).__name__}: {error}"
+        if version == "editable" and os.environ.get("HYBOND_COMPILED_BESIDE"):
+            return
+        target, why = compiled()
         if why:
-            self.app.display_warning(f"hybond is built without its library: {why}")
+            self.app.display_warning(why)
             return
         build_data["artifacts"].append(target.relative_to(PACKAGE.parents[1]).as_posix())
         build_data["pure_python"] = False
@@ -49,3 +63,7 @@ class EngineHook(BuildHookInterface):
         # a Python for two processors: the library is for the one that it was compiled on
         system = system.replace("universal2", platform.machine())
         build_data["tag"] = f"py3-none-{system.replace('-', '_').replace('.', '_')}"
+
+
+if __name__ == "__main__":
+    sys.exit(compiled()[1] or 0)

@@ -26,7 +26,7 @@ LAYERS = [
     ["progress", "runs", "translate"],
     ["engine"],
     ["report"],
-    ["measures", "one_run", "result", "scripts", "simulation"],
+    ["measures", "one_run", "result", "scripts", "simulation", "tabled"],
     ["draw"],
     ["circuits", "export", "testing"],
     ["analysis", "sweep"],
@@ -117,17 +117,42 @@ def test_imports_go_left() -> None:
     assert listed <= used, f"listed for nothing: {sorted(listed - used)}"
 
 
+def files(*, mapped: bool) -> set[str]:
+    """Return the files that the map of the engine is about, or all that docs/rooms.md is about."""
+    package = SOURCE / "hybond"
+    paths = {p.relative_to(package).with_suffix("").as_posix() for p in package.rglob("*.py")}
+    engine = re.compile(r"engine/(?!tables|compiled|interpreted|outcome)")
+    named = {p for p in paths if "__" not in p and p != "_version"}
+    return {p for p in named if bool(engine.match(p)) == mapped}
+
+
 def test_the_map_of_the_engine_names_every_file_in_its_room() -> None:
-    engine = SOURCE / "hybond" / "engine"
     room, named = "", set()
-    for line in TEXTS[engine / "__init__.py"].splitlines():
+    for line in TEXTS[SOURCE / "hybond" / "engine" / "__init__.py"].splitlines():
         if head := re.fullmatch(r" {4}(\w+)/", line):
             room = head[1]
         elif row := re.match(r" {8}(\w+(?:, \w+)*) {2}", line):
-            named |= {f"{room}/{name}" for name in row[1].split(", ")}
-    files = {f"{p.parent.name}/{p.stem}" for p in engine.glob("*/*.py") if p.stem != "__init__"}
-    plain = ("tables", "compiled", "interpreted", "outcome")  # docs/rooms.md has these
-    assert named == {file for file in files if not file.startswith(plain)}
+            named |= {f"engine/{room}/{name}" for name in row[1].split(", ")}
+    whole = {"engine", "model", "answers", "words", "work"}  # its first lines have these
+    assert named == files(mapped=True) - {f"engine/{name}" for name in whole}
+
+
+def test_the_page_of_rooms_names_every_other_file_in_its_room() -> None:
+    page = (SOURCE.parent / "docs" / "rooms.md").read_text(encoding="utf-8")
+    wanted = files(mapped=False)
+    rooms, named = list[str](), list[str]()
+    for line in page.splitlines():
+        first = line.split("|")[1] if line.startswith("|") else ""
+        words = re.findall(r"`([\w/]+)`", first)
+        if first.startswith(" files of "):
+            rooms = ["" if word == "hybond/" else word for word in words]
+        elif not first:
+            rooms = []
+        elif rooms:
+            found = [f"{room}{word}" for word in words for room in rooms if room + word in wanted]
+            assert len(found) == len(words), line
+            named += found
+    assert sorted(named) == sorted(wanted)
 
 
 @pytest.mark.parametrize(

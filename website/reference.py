@@ -79,6 +79,8 @@ def public(name: str) -> str:
         body = [f".. autoclass:: hybond.{name}", "   :members:"]
         if issubclass(what, Exception):
             body += ["   :show-inheritance:"]
+        elif any(base.__module__.startswith("hybond") for base in what.__mro__[1:]):
+            body += ["   :inherited-members:"]  # a class in two files is one for readers
     elif callable(what):
         body = [f".. autofunction:: hybond.{name}"]
     else:

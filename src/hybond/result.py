@@ -5,7 +5,7 @@ from __future__ import annotations
 import bisect
 from collections.abc import Iterable, Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,6 @@ from hybond.engine.outcome.audit import Audit, audit
 from hybond.engine.outcome.signals import Signals
 from hybond.engine.outcome.states_at import state_at
 from hybond.errors import HybondError, UsageError
-from hybond.files.whole import whole, write_arrays
 from hybond.measures.measuring import Measuring
 from hybond.measures.naming import names_of, read_name
 from hybond.measures.signal import Signal
@@ -28,11 +27,8 @@ from hybond.options import seconds
 from hybond.report import EventTable
 from hybond.runs.states import State
 from hybond.runs.trace import Accumulation, Segment, Sliding, Trace, Turn
+from hybond.tabled import Tabled
 from hybond.units import format_quantity
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
 
 Vector = NDArray[np.float64]
 Status = Literal["ok", "interrupted", "accumulation", "unsound", "error", "running"]
@@ -56,7 +52,7 @@ def _segments_of(starts: Sequence[float], t: Vector, side: Side) -> NDArray[np.i
     return np.array([max(before(starts, a) - 1, 0) for a in t.tolist()], dtype=np.intp)
 
 
-class Result(Measuring):
+class Result(Measuring, Tabled):
     """A run: segments of motion, events between them, signals by name.
 
     Attributes
@@ -409,59 +405,6 @@ class Result(Measuring):
     def audit(self) -> Audit:
         """Return the worst imbalance of power and energy over the run."""
         return audit(self.graph, self.trace, self.signals)
-
-    # -- other forms
-
-    def to_pandas(self, names: Sequence[str] | None = None) -> Any:
-        """Return a DataFrame over time; at an event two rows, column ``side`` tells them apart."""
-        import pandas as pd
-
-        table = self.table(names)
-        return pd.DataFrame(table).set_index("t")
-
-    def to_xarray(self, names: Sequence[str] | None = None) -> Any:
-        """Return a Dataset over ``t``, units as attributes, ``side`` as a coordinate."""
-        import xarray as xr
-
-        table = self.table(names)
-        t, side = table.pop("t"), table.pop("side")
-        return xr.Dataset(
-            {n: ("t", v, {"units": self.unit(n)}) for n, v in table.items()},
-            coords={"t": ("t", t, {"units": "s"}), "side": ("t", side)},
-            attrs={"title": self.title, "status": self.status},
-        )
-
-    def to_csv(self, path: str | Path, names: Sequence[str] | None = None) -> None:
-        """Write a table: both limits at events, column ``side`` (left, right or empty)."""
-        import csv
-
-        table = self.table(names)
-        with whole(path) as new, open(new, "w", newline="", encoding="utf-8") as file:
-            writer = csv.writer(file)
-            writer.writerow(table)
-            for row in zip(*table.values(), strict=True):
-                writer.writerow([a if isinstance(a, str) else repr(float(a)) for a in row])
-
-    def to_npz(self, path: str | Path, names: Sequence[str] | None = None) -> None:
-        """Write the same table as NumPy arrays."""
-        write_arrays(path, self.table(names))
-
-    def table(self, names: Sequence[str] | None = None) -> dict[str, Any]:
-        """Return columns of accepted points, ``t`` and ``side`` first; both limits at events."""
-        names = list(names) if names is not None else self.names
-        columns: dict[str, list[Vector]] = {n: [] for n in ("t", "side", *names)}
-        for k, segment in enumerate(self.segments):
-            columns["t"].append(segment.t)
-            side = np.full(len(segment.t), "", dtype="<U5")
-            if k or self.trace.segments.forgotten:
-                side[0] = "right"
-            if k + 1 < len(self.segments):
-                side[-1] = "left"
-            columns["side"].append(side)
-        for read in self._of_all(names, [segment.t for segment in self.segments]):
-            for name, values in zip(names, read, strict=True):
-                columns[name].append(values)
-        return {n: np.concatenate(c) if c else np.zeros(0) for n, c in columns.items()}
 
     def plot(self, *names: str, path: str | None = None) -> Any:
         """Plot signals over time with a strip of modes; jumps as jumps, impulses as arrows."""

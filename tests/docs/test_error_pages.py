@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import os
+import contextlib
+import io
 import re
 import shlex
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 from listed import listed
 
 import hybond as hb
+from hybond.cli.main import main
 
 ROOT = Path(__file__).parents[2]
 PAGES = ROOT / "docs" / "errors"
@@ -60,24 +60,17 @@ def test_a_page_says_its_code_and_what_to_do(code: str) -> None:
 def refusal_of(kind: str, body: str, folder: Path) -> str:
     """Return the code with which the example of a page is refused."""
     if kind == "console":
-        done = None
         for line in body.splitlines():
-            words = shlex.split(line.removeprefix("$ "))
-            if words[0] == "mkdir":
-                (folder / words[1]).mkdir()
+            command, *words = shlex.split(line.removeprefix("$ "))
+            if command == "mkdir":
+                (folder / words[0]).mkdir()
                 continue
-            assert words[0] == "hybond"
-            done = subprocess.run(
-                [sys.executable, "-m", *words],
-                cwd=folder,
-                capture_output=True,
-                text=True,
-                timeout=120,
-                env={**os.environ, "PYTHONPATH": str(ROOT / "src"), "MPLBACKEND": "Agg"},
-            )
-        assert done is not None
-        found = CODE.match(done.stderr)
-        return found[0] if found else done.stderr
+            assert command == "hybond"
+            said = io.StringIO()
+            with contextlib.redirect_stderr(said), contextlib.redirect_stdout(io.StringIO()):
+                main(words)
+        found = CODE.match(said.getvalue())
+        return found[0] if found else said.getvalue()
     try:
         if kind == "toml":
             model = hb.loads(body)

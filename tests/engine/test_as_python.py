@@ -229,10 +229,10 @@ def test_an_interrupt_within_a_slice_ends_the_run_without_its_rows(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """As a second one does: rows may be half written then."""
-    from hybond.engine.run import motion
+    from hybond.engine.run import noted
 
     model = PythonModel(tables_of(example("bouncing_ball").flatten()))
-    run, written = PythonRun(model), motion.report_step
+    run, written = PythonRun(model), noted.report_step
 
     def interrupted(e, r) -> None:
         written(e, r)
@@ -240,7 +240,7 @@ def test_an_interrupt_within_a_slice_ends_the_run_without_its_rows(
             r.steps += 1
             raise KeyboardInterrupt
 
-    monkeypatch.setattr(motion, "report_step", interrupted)
+    monkeypatch.setattr(noted, "report_step", interrupted)
     kept = []
     with pytest.raises(KeyboardInterrupt):
         for rows in run.slices(steps=3):

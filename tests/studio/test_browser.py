@@ -7,6 +7,7 @@ import math
 import re
 import subprocess
 import sys
+import threading
 import tomllib
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -17,6 +18,8 @@ from studio.chromium import browser, missing
 from studio.hand import Page
 
 import hybond as hb
+from hybond.studio.server import listening, server
+from hybond.studio.session import Session
 
 pytestmark = pytest.mark.skipif(bool(missing()), reason=missing() or "there is a browser")
 
@@ -24,8 +27,8 @@ EXAMPLES = Path(__file__).parents[2] / "examples"
 
 
 @pytest.fixture
-def serve(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[[str], str]]:
-    monkeypatch.setenv("HYBOND_STATE", str(tmp_path / "state"))
+def command(tmp_path: Path, state: Path) -> Iterator[Callable[[str], str]]:
+    """Return `hybond studio` as a user gives it: a program of its own."""
     started = []
 
     def begin(file: str) -> str:
@@ -43,6 +46,33 @@ def serve(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[
         process.wait()
 
 
+@pytest.fixture
+def serve(tmp_path: Path, state: Path) -> Iterator[Callable[[str], str]]:
+    """Return the same without the program, which takes a second to begin."""
+    started = []
+
+    def begin(file: str) -> str:
+        session, socket = Session(tmp_path / file), listening(0)
+        serving = server(session, socket, "token")
+        thread = threading.Thread(target=serving.run, args=([socket],), daemon=True)
+        thread.start()
+        started.append((session, serving, thread))
+        return f"http://127.0.0.1:{socket.getsockname()[1]}/?token=token"
+
+    yield begin
+    for session, serving, thread in started:
+        serving.should_exit = serving.force_exit = True
+        thread.join(10.0)
+        session.close()
+        assert not thread.is_alive()
+
+
+@pytest.fixture
+def state(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setenv("HYBOND_STATE", str(tmp_path / "state"))
+    return tmp_path / "state"
+
+
 @pytest.fixture(scope="module")
 def desk() -> Iterator[Any]:
     driver = browser()
@@ -51,11 +81,11 @@ def desk() -> Iterator[Any]:
 
 
 def test_a_new_user_draws_the_circuit_runs_it_and_sees_the_mythical_mode(
-    desk: Any, serve: Callable[[str], str], tmp_path: Path
+    desk: Any, command: Callable[[str], str], serve: Callable[[str], str], tmp_path: Path
 ) -> None:
     from selenium.webdriver.common.keys import Keys
 
-    page = Page(desk, serve("circuit.toml"))
+    page = Page(desk, command("circuit.toml"))
     # elements from the palette, by clicks: each is beside the one before
     for kind, name, value in (
         ("Se", "Se", "10 V"),

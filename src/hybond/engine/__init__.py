@@ -85,6 +85,7 @@ subset. Rooms, and in them files, as data passes them::
         qss_linear, qss_fit, qss_nodes    their rates: in linear modes, and in others
     run/
         motion              the executive: segment after segment
+        noted, slips_followed    the end of a step; steps that follow slip in the plane
         locate, locator     the first instant of a step at which a guard holds
         guard_values, guard_shape, candidates, bracket    by samples
         solved_guards, step_polynomials, quartic    by polynomials

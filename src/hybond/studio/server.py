@@ -206,8 +206,8 @@ def listening(port: int) -> socket.socket:
     return found
 
 
-def serve(session: Session, found: socket.socket, token: str) -> None:
-    """Serve a session until the program is interrupted."""
+def server(session: Session, found: socket.socket, token: str) -> Any:
+    """Return what serves a session on a socket: a server of uvicorn."""
     import uvicorn
 
     port = found.getsockname()[1]
@@ -220,7 +220,12 @@ def serve(session: Session, found: socket.socket, token: str) -> None:
         lifespan="off",
         timeout_graceful_shutdown=1,
     )
+    return uvicorn.Server(config)
+
+
+def serve(session: Session, found: socket.socket, token: str) -> None:
+    """Serve a session until the program is interrupted."""
     try:
-        uvicorn.Server(config).run(sockets=[found])
+        server(session, found, token).run(sockets=[found])
     finally:
         session.close()

@@ -6,7 +6,7 @@ import pytest
 
 import hybond as hb
 from hybond.engine.engine import make_engine
-from hybond.engine.run import motion, report
+from hybond.engine.run import motion, noted, report
 from hybond.engine.run.run import run_program
 from hybond.engine.tables import answered, tables_of
 
@@ -16,6 +16,7 @@ def test_the_table_has_both_limits_of_an_event(
 ) -> None:
     for name in ("keep_left", "report_end", "report_event", "report_slide", "report_step"):
         monkeypatch.setattr(motion, name, getattr(report, name))
+    monkeypatch.setattr(noted, "report_step", report.report_step)
     graph = hb.load("examples/capacitors_joined.toml").flatten()
     engine = make_engine(answered(tables_of(graph)))
     assert run_program(engine, report.make_report(engine)) == 0

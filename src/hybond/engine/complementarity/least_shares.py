@@ -14,6 +14,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import Block, Places, fit, fit_places, make_block, make_places
+from hybond.engine.algebra.products import copy_floats, times_matrix
 from hybond.engine.algebra.svd import Svd, null_space
 from hybond.engine.complementarity.lcp import SOLVED, Lcp, make_lcp
 from hybond.engine.complementarity.lemke import lemke
@@ -101,14 +102,8 @@ def leave_still(d: Svd, rows: int, n: int, many: int, a: Floats, basis: Block, x
     fit(x.square, many * many)
     free = null_space(d, kept, many, x.seen.at, SHARES_RANK, x.square.at)
     fit(x.onto, n * max(free, 1))
-    for k in range(n):
-        for j in range(free):
-            total = 0.0
-            for i in range(many):
-                total += basis.at[k * many + i] * x.square.at[i * free + j]
-            x.onto.at[k * free + j] = total
-    for k in range(n * free):
-        basis.at[k] = x.onto.at[k]
+    times_matrix(n, many, free, basis.at, x.square.at, x.onto.at)
+    copy_floats(n * free, x.onto.at, basis.at)
     return free
 
 
@@ -156,12 +151,7 @@ def least_shares(d: Svd, n: int, many: int, others: int, x: Shares) -> bool:
     fit(x.square, free * free)
     left = null_space(d, bound, free, x.seen.at, SHARES_RANK, x.square.at)
     fit(x.onto, n * max(left, 1))
-    for k in range(n):
-        for j in range(left):
-            total = 0.0
-            for i in range(free):
-                total += x.kept.at[k * free + i] * x.square.at[i * left + j]
-            x.onto.at[k * left + j] = total
+    times_matrix(n, free, left, x.kept.at, x.square.at, x.onto.at)
     note_touched(n, left, x.onto.at, x)
     return True
 

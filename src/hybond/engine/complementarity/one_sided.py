@@ -6,6 +6,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.lu import SINGULAR, lu_factor, lu_solve
+from hybond.engine.algebra.rounding import CANCELS
 from hybond.engine.algebra.svd import least_squares
 from hybond.engine.complementarity.law_roles import ONE_SIDED, LawProblem
 from hybond.engine.complementarity.lcp import SOLVED
@@ -16,8 +17,6 @@ CLEAR_PART: Final = 1e-6
 """Part of the largest of its kind from which a value is positive beyond doubt."""
 SHARED: Final = 1e-10
 """Part of their terms up to which rows of a block say the same, and what is blocked is zero."""
-CANCELLED_PART: Final = 1e-13
-"""Part of its terms below which what others leave of q is rounding."""
 LEVELS: Final = 4
 """Orders of magnitude at which pairs that are zero on both sides are looked at again."""
 
@@ -192,7 +191,7 @@ def finer_level(p: LawProblem, n: int, several: int) -> bool:
         for s in range(sure):
             held = p.into[s * (several + 1) + several]
             terms += math.fabs(p.own[one * n + p.held[s]] * held)
-        if math.fabs(p.sub_q[i]) <= CANCELLED_PART * terms:
+        if math.fabs(p.sub_q[i]) <= CANCELS * terms:
             p.sub_q[i] = 0.0  # rounding decides nothing: what is open stays so
         most = max(most, math.fabs(p.sub_q[i]))
         p.sub_start[i] = p.guess[p.free[i]]

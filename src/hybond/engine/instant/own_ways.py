@@ -12,14 +12,13 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import fit, fit_places
+from hybond.engine.algebra.rounding import CANCELS
 from hybond.engine.engine import Engine
 from hybond.engine.mode.mode_records import Ways
 from hybond.engine.words import Floats
 
 NO_PART: Final = 1e-10
 """A way takes no part in what it moves by less than this part of the others."""
-DUST: Final = 1e-13
-"""What is left of terms that cancel is zero below this part of them."""
 
 
 def give_own(e: Engine, ways: Ways, extents: Floats) -> None:
@@ -38,7 +37,7 @@ def give_own(e: Engine, ways: Ways, extents: Floats) -> None:
         for a in range(areas):
             w.row_size.at[k] = max(w.row_size.at[k], math.fabs(ways.d.at[k * areas + a]))
         for a in range(areas):
-            if math.fabs(ways.d.at[k * areas + a]) <= DUST * w.row_size.at[k]:
+            if math.fabs(ways.d.at[k * areas + a]) <= CANCELS * w.row_size.at[k]:
                 ways.d.at[k * areas + a] = 0.0
     for a in range(areas):
         own = -1
@@ -92,5 +91,5 @@ def take_column(rows: int, columns: int, a: int, j: int, part: float, x: Floats)
         before = x[i * columns + j]
         taken = part * x[i * columns + a]
         after = before - taken
-        dust = math.fabs(after) <= DUST * (math.fabs(before) + math.fabs(taken))
+        dust = math.fabs(after) <= CANCELS * (math.fabs(before) + math.fabs(taken))
         x[i * columns + j] = 0.0 if dust else after

@@ -107,6 +107,42 @@ def settle(e: Engine, g: Settling, i: Instant) -> int:
 
     The interval is entered that begins at the instant.
     """
+    if begin_to_settle(e, g, i) != OK:
+        return REFUSED
+    written = -1
+    writes = 0
+    while True:
+        fired = fire_all(e, g, i, written)
+        if fired < 0:
+            return REFUSED
+        if fired == 0 and not e.trial.jumps and is_kept(e, g):
+            if e.trial.dusted or is_moved(e, g):
+                for k in range(e.model.storages):
+                    g.x[k] = e.trial.x[k]
+            break
+        writes += 1
+        if writes > e.model.max_writes:
+            return say_fault(e, "HB-N402", "too many state writes at one instant", "")
+        if written >= 0:
+            i.kind.at[written] = PINNACLE
+        still = is_where_it_was(e, g)
+        written = write(e, g, i)
+        if go_on_from_written(e, g, e.t, still) != OK:
+            return REFUSED
+        by_law(e, g.state, i)
+    if is_fieldless(e, e.mode):
+        why = "the mode holds at an instant only (a law reads pre()) but no guard leaves it"
+        return say_fault(e, "HB-N403", why, "")
+    if i.steps == 0 and (i.cause == START or i.cause == CHANGE):
+        drop_fired(i)
+        note_step(i, CONTINUOUS)
+        tell_trial(e, i, g.x, True)
+    write_back(e, g)
+    return OK
+
+
+def begin_to_settle(e: Engine, g: Settling, i: Instant) -> int:
+    """Enter the mode of the run as it is at the instant: what is a priori, held and sampled."""
     m = e.model
     t = e.t
     for k in range(m.storages):
@@ -133,66 +169,52 @@ def settle(e: Engine, g: Settling, i: Instant) -> int:
         return REFUSED
     drop_fired(i)
     by_law(e, g.state, i)
-    written = -1
-    writes = 0
+    return OK
+
+
+def fire_all(e: Engine, g: Settling, i: Instant, written: int) -> int:
+    """Follow the rules that hold, mode after mode; return in how many, -1 if none can be entered.
+
+    `written` is the step of the instant that was the last to be written, -1: none.
+    """
+    m = e.model
+    many = 0
     while True:
-        fired_any = False
-        while True:
-            entered = i.waiting > 0
-            fired = find_enabled(e, g, t)
-            if fired < 0:
-                return REFUSED
-            if look_for_cycle(e, g) != OK:
-                return REFUSED
-            if fired == 0:
-                break
-            if fired_any or entered or e.trial.jumps or (i.cause == START and i.steps == 0):
-                note_hits(e, i)
-                note_step(i, MYTHICAL)
-                tell_trial(e, i, g.x, False)
-            elif written >= 0:
-                i.kind.at[written] = PINNACLE
-            drop_fired(i)
-            for k in range(m.machines):
-                if g.target[k] != e.trial.state[k]:
-                    note_fired(i, k, e.trial.state[k], g.target[k])
-                    tell_fired(e, i, k)
-            for k in range(m.machines):
-                g.entered[k] = g.target[k]
-            know_around(e, g.entered)
-            if enter_or_pass(e, i, t, g.x, g.s, g.entered, g.target) != OK:
-                return REFUSED
-            by_law(e, g.entered, i)
-            fired_any = True
-        if not fired_any and not e.trial.jumps and is_kept(e, g):
-            if e.trial.dusted or is_moved(e, g):
-                for k in range(m.storages):
-                    g.x[k] = e.trial.x[k]
-            break
-        writes += 1
-        if writes > m.max_writes:
-            return say_fault(e, "HB-N402", "too many state writes at one instant", "")
-        if written >= 0:
+        entered = i.waiting > 0
+        fired = find_enabled(e, g, e.t)
+        if fired < 0 or look_for_cycle(e, g) != OK:
+            return -1
+        if fired == 0:
+            return many
+        if many > 0 or entered or e.trial.jumps or (i.cause == START and i.steps == 0):
+            note_hits(e, i)
+            note_step(i, MYTHICAL)
+            tell_trial(e, i, g.x, False)
+        elif written >= 0:
             i.kind.at[written] = PINNACLE
-        still = is_where_it_was(e, g)
-        written = write(e, g, i)
-        if go_on_from_written(e, g, t, still) != OK:
-            return REFUSED
-        by_law(e, g.state, i)
-    if is_fieldless(e, e.mode):
-        why = "the mode holds at an instant only (a law reads pre()) but no guard leaves it"
-        return say_fault(e, "HB-N403", why, "")
-    if i.steps == 0 and (i.cause == START or i.cause == CHANGE):
         drop_fired(i)
-        note_step(i, CONTINUOUS)
-        tell_trial(e, i, g.x, True)
+        for k in range(m.machines):
+            if g.target[k] != e.trial.state[k]:
+                note_fired(i, k, e.trial.state[k], g.target[k])
+                tell_fired(e, i, k)
+        for k in range(m.machines):
+            g.entered[k] = g.target[k]
+        know_around(e, g.entered)
+        if enter_or_pass(e, i, e.t, g.x, g.s, g.entered, g.target) != OK:
+            return -1
+        by_law(e, g.entered, i)
+        many += 1
+
+
+def write_back(e: Engine, g: Settling) -> None:
+    """Let the run go on from what was found."""
+    m = e.model
     for k in range(m.storages):
         e.y[k] = g.x[k]
     for k in range(m.integrals):
         e.y[m.storages + k] = g.s[k]
     for k in range(m.machines):
         e.state[k] = e.trial.state[k]
-    return OK
 
 
 def stand_before(e: Engine, g: Settling, t: float) -> None:

@@ -22,6 +22,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import fit, grow_block
+from hybond.engine.algebra.rounding import CANCELS
 from hybond.engine.complementarity.law_roles import CUT, ONE_SIDED, SHUT
 from hybond.engine.complementarity.least_shares import least_shares
 from hybond.engine.engine import Engine, svd_room
@@ -36,8 +37,6 @@ RESIDUE: Final = 1e-12
 """Part of its terms up to which a difference of two solutions is nothing but rounding."""
 SIZES: Final = 4
 """Orders of magnitude at which shares are looked for."""
-NO_MORE: Final = 1e-13
-"""Part of its terms up to which what a law blocks is nothing but rounding."""
 UNMOVED: Final = 1e-9
 """Part of its terms up to which what a move does to a value cancels."""
 
@@ -90,7 +89,7 @@ def given_to(r: Laws, k: int, n: int, q: Floats, h: float, l: Floats) -> float:
         term = (r.response.d[k * n + i] + h * r.response.ce[k * n + i]) * l[i]
         w += term
         size += math.fabs(term)
-    return w if math.fabs(w) > NO_MORE * size else 0.0
+    return w if math.fabs(w) > CANCELS * size else 0.0
 
 
 def holds_still(m: Model, r: Laws, k: int) -> bool:

@@ -7,6 +7,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import row_size
+from hybond.engine.algebra.products import times_cancelling
 from hybond.engine.algebra.rounding import CANCELS, EPSILON
 from hybond.engine.algebra.scaling import power_of_two
 from hybond.engine.answers import value
@@ -174,14 +175,7 @@ def find_constant(e: Engine, r: Laws, v: Floats) -> int:
                 p.seen[at] += r.row[z] * m.stiff_constant[i]
         for s in range(mode.sources):
             p.through[k * m.most_sources + s] = r.row[m.storages + s]
-    for k in range(n):
-        for j in range(n):
-            total = 0.0
-            size = 0.0
-            for s in range(m.storages):
-                total += p.seen[k * m.storages + s] * p.e[s * n + j]
-                size += math.fabs(p.seen[k * m.storages + s] * p.e[s * n + j])
-            p.ce[k * n + j] = 0.0 if math.fabs(total) <= CANCELS * size else total
+    times_cancelling(n, m.storages, n, p.seen, p.e, p.ce)
     p.known = True
     return OK
 

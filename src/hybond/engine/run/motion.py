@@ -10,31 +10,23 @@ from typing import Final
 
 from hybond.engine.checks.bounds_held import hold_bounds
 from hybond.engine.checks.guards_held import foresee, hold_apart, look_at_guards
-from hybond.engine.checks.laws_held import look_at_entry, look_at_laws, look_now_and_then
+from hybond.engine.checks.laws_held import look_at_entry, look_at_laws
 from hybond.engine.contacts.impacts_seen import before_event, observe_event
-from hybond.engine.contacts.landing import keep_still, land_contacts, stuck
+from hybond.engine.contacts.landing import land_contacts, stuck
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.inputs.interval import interval_after, read_within
 from hybond.engine.instant.doubts import warn_of_held
 from hybond.engine.instant.instant import GUARD, LAW, START, TIME, begin_instant
 from hybond.engine.instant.settle import settle
-from hybond.engine.laws.laws import limits_vary, look_at_limits, observe
+from hybond.engine.laws.laws import limits_vary, look_at_limits
 from hybond.engine.methods.control import end_pace
 from hybond.engine.methods.one_instant import room_of_instant
 from hybond.engine.methods.scale import start_scale
-from hybond.engine.methods.stepping import between, retry, start, step
+from hybond.engine.methods.stepping import retry, start, step
 from hybond.engine.mode.equations import mode_of
 from hybond.engine.mode.straight_rates import take_rates
-from hybond.engine.mode.values import begin_field, set_state
-from hybond.engine.planar.descent import (
-    ENDLESS,
-    IS_DOWN,
-    any_ends,
-    begin_descent,
-    end_descent,
-    step_descent,
-)
-from hybond.engine.planar.stops import arm_slips, begin_slips, follows_slip
+from hybond.engine.mode.values import begin_field
+from hybond.engine.planar.stops import begin_slips
 from hybond.engine.run.carried import begin_again, cause_of_beginning, take_up, warm_up
 from hybond.engine.run.edges import reach_edges, straight_on, time_at_once
 from hybond.engine.run.ends_at_guard import find_within, land, shows_instants
@@ -58,6 +50,7 @@ from hybond.engine.run.log import (
     report_slide,
     report_step,
 )
+from hybond.engine.run.noted import go_on, note
 from hybond.engine.run.roots_reached import rest_at_roots
 from hybond.engine.run.run_records import (
     FRESH,
@@ -72,23 +65,16 @@ from hybond.engine.run.run_records import (
     is_over,
     timed_cause,
 )
-from hybond.engine.run.source_jumps import (
-    jumps_at_end,
-    jumps_at_once,
-    jumps_onto_storage,
-    put_before_kink,
-)
-from hybond.engine.run.stranded import in_vain, no_slip
+from hybond.engine.run.slips_followed import follow, lead_to_rest
+from hybond.engine.run.source_jumps import jumps_at_end, jumps_at_once, jumps_onto_storage
+from hybond.engine.run.stranded import in_vain
 from hybond.engine.run.together import is_kink_alone, is_of_time, last_of_instant
 from hybond.engine.sliding.branches import know_around
 from hybond.engine.sliding.combine import combine_here
-from hybond.engine.sliding.onto import onto_surfaces
 from hybond.engine.sliding.sliding import slide_after
 from hybond.engine.timestepping.step_motion import flow_in_steps, settle_in_steps
 from hybond.engine.timestepping.step_records import MOREAU
 
-SHORTER: Final = 30
-"""Times that a step is repeated, each time a quarter as long, if it does not follow slip."""
 VAIN: Final = 3
 """Instants in a row without any change after which rounding is swept out of what is stored."""
 MOMENT: Final = 1e-13
@@ -99,6 +85,8 @@ this many at once."""
 EDGES: Final = 100
 """Edges in a row with next to no time between them that are reached."""
 ACCUMULATES: Final = 3
+ANEW: Final = -2
+"""A step has ended, and the next begins anew behind it."""
 
 
 def run_to_end(e: Engine, r: Run) -> int:
@@ -235,15 +223,9 @@ def flow(e: Engine, r: Run) -> int:
     g = r.locator
     r.cut = False
     if not r.flowing:
-        again = begin_again(e, r)
-        read_within(e, e.t, min(e.next_break, e.stop))
-        if begin_flow(e, r) != OK:
-            return -1
-        if again:
-            warm_up(e, r)
-        if not r.vain and jumps_at_once(e, r):
-            report_step(e, r.report)
-            return LAW if count_step(e, r) == OK else -1
+        begun = begin_to_flow(e, r)
+        if begun != OK:
+            return begun
     r.flowing = False
     end = min(e.next_break, e.stop)
     instant = room_of_instant(e, e.t)
@@ -252,22 +234,10 @@ def flow(e: Engine, r: Run) -> int:
             r.flowing = True
             return PAUSED
         r.slice = r.slice - 1 if r.slice > 0 else r.slice
-        if step(e, end) != OK:
-            if begin_at_edge(e, r) == OK:
-                continue
-            stuck_at_kink(e, r)
-            return -1
-        if is_at_edge(e, r) and reach_edges(e, r):
-            if go_from_edge(e, r) != OK:
-                return -1
+        taken = take_step(e, r, end)
+        if taken == ANEW:
             continue
-        if m.disks > 0 and follow(e) != OK:
-            return -1
-        if count_step(e, r) != OK:
-            return -1
-        g.held = False
-        r.beyond = r.beyond + 1.0 if e.refusal else max(r.beyond - 0.1, 0.0)
-        if e.refusal and r.beyond > BEYOND and m.edges == 0:
+        if taken != OK:
             return -1
         g.rough = not shows_instants(e)
         found = locate(e, g)
@@ -324,20 +294,9 @@ def flow(e: Engine, r: Run) -> int:
                 return -1
             continue
         if is_kink_alone(e, g):
-            if end_at_kink(e, r, at) != OK:
-                return -1
-            if jumps_onto_storage(e, r, at):
-                report_step(e, r.report)
-                return LAW if count_kink(e, r) == OK else -1
-            if note(e, r, e.step.t1, e.step.t1) != OK:
-                return -1
-            if count_kink(e, r) != OK:
-                return -1
-            rest_at_roots(e, r)
-            if e.scale_energy == 0.0:
-                start_scale(e, e.mode)  # nothing has moved yet, but may do from here
-            if start(e, e.t, e.y, bound_of(e), True) != OK:
-                return -1
+            passed = pass_kink(e, r, at)
+            if passed != ANEW:
+                return passed
             continue
         if note(e, r, at, at) != OK:
             return -1
@@ -347,6 +306,56 @@ def flow(e: Engine, r: Run) -> int:
         timed = e.t >= end and e.next_break <= end
         foresee(e, min(at + instant, end))
         return timed_cause(e) if timed else GUARD
+
+
+def begin_to_flow(e: Engine, r: Run) -> int:
+    """Begin where an instant ended; LAW if a source jumps there, -1 if the run stops."""
+    again = begin_again(e, r)
+    read_within(e, e.t, min(e.next_break, e.stop))
+    if begin_flow(e, r) != OK:
+        return -1
+    if again:
+        warm_up(e, r)
+    if not r.vain and jumps_at_once(e, r):
+        report_step(e, r.report)
+        return LAW if count_step(e, r) == OK else -1
+    return OK
+
+
+def take_step(e: Engine, r: Run, end: float) -> int:
+    """Take a step no further than `end`; ANEW if it ends at an edge, -1 if the run stops."""
+    m = e.model
+    if step(e, end) != OK:
+        if begin_at_edge(e, r) == OK:
+            return ANEW
+        stuck_at_kink(e, r)
+        return -1
+    if is_at_edge(e, r) and reach_edges(e, r):
+        return ANEW if go_from_edge(e, r) == OK else -1
+    if m.disks > 0 and follow(e) != OK:
+        return -1
+    if count_step(e, r) != OK:
+        return -1
+    r.locator.held = False
+    r.beyond = r.beyond + 1.0 if e.refusal else max(r.beyond - 0.1, 0.0)
+    return -1 if e.refusal and r.beyond > BEYOND and m.edges == 0 else OK
+
+
+def pass_kink(e: Engine, r: Run, at: float) -> int:
+    """End the step at a kink and begin behind it: ANEW; LAW if it jumps, -1 if the run stops."""
+    if end_at_kink(e, r, at) != OK:
+        return -1
+    if jumps_onto_storage(e, r, at):
+        report_step(e, r.report)
+        return LAW if count_kink(e, r) == OK else -1
+    if note(e, r, e.step.t1, e.step.t1) != OK:
+        return -1
+    if count_kink(e, r) != OK:
+        return -1
+    rest_at_roots(e, r)
+    if e.scale_energy == 0.0:
+        start_scale(e, e.mode)  # nothing has moved yet, but may do from here
+    return ANEW if start(e, e.t, e.y, bound_of(e), True) == OK else -1
 
 
 def times_in_vain(r: Run, at: float, instant: float) -> int:
@@ -381,21 +390,6 @@ def begin_flow(e: Engine, r: Run) -> int:
     return start(e, e.t, e.y, bound_of(e), True)
 
 
-def follow(e: Engine) -> int:
-    """Repeat a step shorter until it follows slip in the plane."""
-    for _ in range(SHORTER):
-        if follows_slip(e):
-            return OK
-        h = 0.25 * (e.step.t1 - e.step.t0)
-        if e.step.t0 + h == e.step.t0:
-            if e.model.tells != 0:
-                return no_slip(e)
-            return say_fault(e, "HB-N408", "no step follows the slip", "")
-        if retry(e, e.step.t0 + h) != OK:
-            return REFUSED
-    return OK
-
-
 def is_at_edge(e: Engine, r: Run) -> bool:
     """Whether an edge has made a step as short as what is no time away from it; once at a time."""
     s = e.step
@@ -426,75 +420,3 @@ def go_from_edge(e: Engine, r: Run) -> int:
         return REFUSED
     r.edge_at = e.t
     return start(e, e.t, e.y, bound_of(e), True)
-
-
-def lead_to_rest(e: Engine, r: Run, end: float) -> int:
-    """Lead slip in the plane to its end, if it is about to end."""
-    m = e.model
-    p = e.planar
-    if not begin_descent(e, e.t, e.y):
-        return OK
-    p.leading = True
-    watch(e, r.locator, e.state)
-    p.leading = False
-    begin_field(e, e.mode)
-    while e.t < end:
-        found = step_descent(e, e.t, e.y, end)
-        if found == ENDLESS:
-            return REFUSED
-        if found == IS_DOWN or e.step.t1 == e.step.t0:
-            break
-        r.locator.held = False
-        if locate(e, r.locator) != OK:
-            return REFUSED
-        if r.locator.at < math.inf:
-            for d in range(m.disks):
-                p.ends[d] = 0
-            if note(e, r, r.locator.at, r.locator.at) != OK:
-                return REFUSED
-            break
-        if note(e, r, e.step.t1, e.step.t1) != OK:
-            return REFUSED
-        if any_ends(e):
-            break
-    end_descent(e, e.t, e.y)
-    return OK
-
-
-def note(e: Engine, r: Run, t: float, shown: float) -> int:
-    """Note a step that ends at `t`, with the state at `shown`, put back on its constraints.
-
-    The two are one instant.
-    """
-    m = e.model
-    for k in range(e.states):
-        e.y[k] = e.step.y1[k]
-    if shown != e.step.t1:
-        between(e, shown, e.y)
-    if put_before_kink(e, r, t) != OK:
-        return REFUSED
-    if e.slide.k > 0 and onto_surfaces(e, t, e.y) != OK:
-        return REFUSED
-    keep_still(e, e.y)
-    if m.laws > 0:
-        set_state(e, e.mode, e.shown, t, e.y)
-        observe(e, e.shown)
-    if m.disks > 0:
-        arm_slips(e, t, e.y)
-    e.t = t
-    if t > r.resumed:
-        report_step(e, r.report)
-    look_now_and_then(e)
-    if hold_bounds(e) != OK:
-        return REFUSED
-    if limits_vary(m) and look_at_limits(e) != OK:
-        return REFUSED
-    return OK
-
-
-def go_on(e: Engine) -> int:
-    """Tell the solver of a state that was put back on its constraints: no jump, no history."""
-    for k in range(e.states):
-        if e.y[k] != e.step.y1[k]:
-            return start(e, e.t, e.y, e.until, False)
-    return OK

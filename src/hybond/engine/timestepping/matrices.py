@@ -17,6 +17,7 @@ from typing import Final
 from hybond.engine.algebra.blocks import fit
 from hybond.engine.algebra.lu import SINGULAR, lu_invert
 from hybond.engine.algebra.products import times_matrix
+from hybond.engine.algebra.rounding import CANCELS
 from hybond.engine.answers import value
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.laws.law_records import Ports
@@ -40,9 +41,6 @@ from hybond.engine.timestepping.step_records import (
 )
 from hybond.engine.words import Floats, some
 
-ROUNDED_ENTRY: Final = 1e-13
-"""An entry of the coupling of laws below this part of its terms is rounding: laws between coils
-that are in series already cancel, and a law is not to be bought with what is left."""
 IDLE_PART: Final = 1e-14
 """Part of the largest response below which a law does nothing."""
 NEARBY: Final = 1e-7
@@ -265,7 +263,10 @@ def invert_step(e: Engine, s: Stepping, p: Ports, c: Coupled) -> int:
 
 
 def couple_laws(m: Model, p: Ports, c: Coupled) -> None:
-    """Find how laws feel each other; what cancels, by the size of its terms, is nothing."""
+    """Find how laws feel each other; what cancels, by the size of its terms, is nothing.
+
+    Laws between coils in series cancel; none is to be bought with what is left.
+    """
     n = m.ports
     for k in range(n):
         row = partner_row(p, k)
@@ -281,7 +282,7 @@ def couple_laws(m: Model, p: Ports, c: Coupled) -> None:
                     push = c.push.at[z * n + j]
                     terms += math.fabs(c.state.at[b * c.n + z]) * math.fabs(push)
                 size += math.fabs(m.pair_value[i]) * terms
-            rounded = math.fabs(total) <= ROUNDED_ENTRY * size
+            rounded = math.fabs(total) <= CANCELS * size
             c.m.at[k * n + j] = 0.0 if rounded else way * total
     most = 0.0
     for i in range(n * n):

@@ -36,6 +36,7 @@ from hybond.engine.instant.instant import (
 from hybond.engine.instant.settle import settle
 from hybond.engine.instant.told import STEP_ENDS, say_why
 from hybond.engine.laws.laws import check_limits, limits_vary
+from hybond.engine.methods.fixed import SLACK
 from hybond.engine.mode.equations import mode_of
 from hybond.engine.mode.values import evaluate
 from hybond.engine.reasons.warned import (
@@ -58,8 +59,6 @@ from hybond.engine.timestepping.step_event import note_event
 from hybond.engine.timestepping.step_records import Stepping
 from hybond.engine.timestepping.theta_step import steady_bonds, theta_step, write_point
 
-SLACK_OF_GRID: Final = 1e-9
-"""Part of a step within which a time counts as a point of the grid."""
 OFF_BY: Final = 4.0 * EPSILON
 """Part of the time by which the difference of two times may be off."""
 CHATTER: Final = 100
@@ -86,7 +85,7 @@ def flow_in_steps(e: Engine, r: Run) -> int:
             return PAUSED
         r.slice = r.slice - 1 if r.slice > 0 else r.slice
         point = s.grid + float(s.grid_next) * m.step
-        t1 = end if end <= point + SLACK_OF_GRID * m.step else point
+        t1 = end if end <= point + SLACK * m.step else point
         s.grid_next += 1
         h = t1 - e.t
         if math.fabs(h - m.step) <= OFF_BY * math.fabs(t1):

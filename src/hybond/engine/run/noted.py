@@ -1,0 +1,55 @@
+"""The end of a step, noted: the state is put back on its constraints, looked at and shown."""
+
+from __future__ import annotations
+
+from hybond.engine.checks.bounds_held import hold_bounds
+from hybond.engine.checks.laws_held import look_now_and_then
+from hybond.engine.contacts.landing import keep_still
+from hybond.engine.engine import OK, REFUSED, Engine
+from hybond.engine.laws.laws import limits_vary, look_at_limits, observe
+from hybond.engine.methods.stepping import between, start
+from hybond.engine.mode.values import set_state
+from hybond.engine.planar.stops import arm_slips
+from hybond.engine.run.log import report_step
+from hybond.engine.run.run_records import Run
+from hybond.engine.run.source_jumps import put_before_kink
+from hybond.engine.sliding.onto import onto_surfaces
+
+
+def note(e: Engine, r: Run, t: float, shown: float) -> int:
+    """Note a step that ends at `t`, with the state at `shown`, put back on its constraints.
+
+    The two are one instant.
+    """
+    m = e.model
+    for k in range(e.states):
+        e.y[k] = e.step.y1[k]
+    if shown != e.step.t1:
+        between(e, shown, e.y)
+    if put_before_kink(e, r, t) != OK:
+        return REFUSED
+    if e.slide.k > 0 and onto_surfaces(e, t, e.y) != OK:
+        return REFUSED
+    keep_still(e, e.y)
+    if m.laws > 0:
+        set_state(e, e.mode, e.shown, t, e.y)
+        observe(e, e.shown)
+    if m.disks > 0:
+        arm_slips(e, t, e.y)
+    e.t = t
+    if t > r.resumed:
+        report_step(e, r.report)
+    look_now_and_then(e)
+    if hold_bounds(e) != OK:
+        return REFUSED
+    if limits_vary(m) and look_at_limits(e) != OK:
+        return REFUSED
+    return OK
+
+
+def go_on(e: Engine) -> int:
+    """Tell the solver of a state that was put back on its constraints: no jump, no history."""
+    for k in range(e.states):
+        if e.y[k] != e.step.y1[k]:
+            return start(e, e.t, e.y, e.until, False)
+    return OK

@@ -1,0 +1,71 @@
+"""A run as a table, here and in the forms of others: the methods of `Result` that make one."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
+
+from hybond.files.whole import whole, write_arrays
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from hybond.result import Result
+
+
+class Tabled:
+    """A run as columns over time; `Result` is the only one that has them."""
+
+    def table(self, names: Sequence[str] | None = None) -> dict[str, Any]:
+        """Return columns of accepted points, ``t`` and ``side`` first; both limits at events."""
+        run = cast("Result", self)
+        names = list(names) if names is not None else run.names
+        columns: dict[str, list[Any]] = {n: [] for n in ("t", "side", *names)}
+        for k, segment in enumerate(run.segments):
+            columns["t"].append(segment.t)
+            side = np.full(len(segment.t), "", dtype="<U5")
+            if k or run.trace.segments.forgotten:
+                side[0] = "right"
+            if k + 1 < len(run.segments):
+                side[-1] = "left"
+            columns["side"].append(side)
+        for read in run._of_all(names, [segment.t for segment in run.segments]):
+            for name, values in zip(names, read, strict=True):
+                columns[name].append(values)
+        return {n: np.concatenate(c) if c else np.zeros(0) for n, c in columns.items()}
+
+    def to_pandas(self, names: Sequence[str] | None = None) -> Any:
+        """Return a DataFrame over time; at an event two rows, column ``side`` tells them apart."""
+        import pandas as pd
+
+        table = self.table(names)
+        return pd.DataFrame(table).set_index("t")
+
+    def to_xarray(self, names: Sequence[str] | None = None) -> Any:
+        """Return a Dataset over ``t``, units as attributes, ``side`` as a coordinate."""
+        import xarray as xr
+
+        run, table = cast("Result", self), self.table(names)
+        t, side = table.pop("t"), table.pop("side")
+        return xr.Dataset(
+            {n: ("t", v, {"units": run.unit(n)}) for n, v in table.items()},
+            coords={"t": ("t", t, {"units": "s"}), "side": ("t", side)},
+            attrs={"title": run.title, "status": run.status},
+        )
+
+    def to_csv(self, path: str | Path, names: Sequence[str] | None = None) -> None:
+        """Write a table: both limits at events, column ``side`` (left, right or empty)."""
+        import csv
+
+        table = self.table(names)
+        with whole(path) as new, open(new, "w", newline="", encoding="utf-8") as file:
+            writer = csv.writer(file)
+            writer.writerow(table)
+            for row in zip(*table.values(), strict=True):
+                writer.writerow([a if isinstance(a, str) else repr(float(a)) for a in row])
+
+    def to_npz(self, path: str | Path, names: Sequence[str] | None = None) -> None:
+        """Write the same table as NumPy arrays."""
+        write_arrays(path, self.table(names))
