@@ -117,6 +117,8 @@ class Laws:
     looks_ahead: bool
     """Whether what stands must stand a moment later, too."""
     saw_ahead: bool
+    parting: bool
+    """Whether sources that must agree do so at this instant only."""
     row: Floats
     row_terms: Floats
     terms: Floats

@@ -250,6 +250,8 @@ def find_gains(e: Engine, r: Laws, p: Ports, v: Floats, gain: Floats) -> int:
 def unit_of(m: Model, p: Ports, k: int, w: Floats) -> float:
     """Return what is given by port k to see what it does: 1, or more where its kind is large."""
     own = 2 * k + 1 if p.given[k] == NET else 2 * k
+    if m.pair_first[own] == m.pair_first[own + 1]:
+        return 1.0  # a junction without bonds
     kind = m.bond_class[m.pair_column[m.pair_first[own]]]
     most = 0.0
     for b in range(2 * m.bonds):
