@@ -27,6 +27,7 @@ from hybond.engine.mode.newton import source_of
 from hybond.engine.mode.sizes import size_of
 from hybond.engine.mode.values import set_values
 from hybond.engine.sliding.averages import solve_here
+from hybond.engine.words import Floats
 
 AHEAD: Final = 1e-9
 """The time over which a change of rates is looked at, as a part of the run."""

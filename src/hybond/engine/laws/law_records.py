@@ -103,6 +103,7 @@ class Laws:
     many_tried: int
     l: Floats
     zero: Floats
+    zero_terms: Floats
     field: Floats
     field_size: Floats
     """The size of the terms that made each rate of what is stored."""
@@ -274,6 +275,7 @@ def make_laws(m: Model) -> Laws:
     r.tried = ints(n)
     r.l = floats(n)
     r.zero = floats(2 * m.bonds)
+    r.zero_terms = floats(2 * m.bonds)
     r.field = floats(m.storages)
     r.field_size = floats(m.storages)
     r.moved = floats(m.storages)
