@@ -340,17 +340,21 @@ def find_jumping(e: Engine, r: Laws, x: Floats) -> int:
     dust = True
     for k in range(n):
         one_sided = m.port_two_sided[k] == 0
+        stored = is_stored(m, r, k)
         r.rebound[k] = 0.0
-        # what is stored has no speed to rebound with where it is the common variable
-        if m.port_restitution[k] != NO_LAW_VALUE and r.now.given[k] == COMMON:
+        # what is stored has no speed to rebound with where it is the common variable, nor where
+        # what other laws give is part of it
+        if m.port_restitution[k] != NO_LAW_VALUE and r.now.given[k] == COMMON and stored:
             own = quantity(m, m.port_restitution, m.port_restitution_constant, k, r.v)
             r.rebound[k] = own
         # what rebounds enters one after another; what does not stays together, as in one problem
         joins = r.rebound[k] == 0.0 or r.y[k] < 0.0 or r.at_once
         taking = one_sided and r.able[k] != 0 and joins
         # OFF where the common variable follows from what is stored alone: it must be zero
-        shut = one_sided and r.able[k] == 0 and is_stored(m, r, k) and r.now.given[k] == NET
-        if (taking and r.y[k] < 0.0) or (shut and r.y[k] != 0.0):
+        shut = one_sided and r.able[k] == 0 and stored and r.now.given[k] == NET
+        # what others give without an impulse may be all that it takes
+        doubtful = doubtful or (taking and r.y[k] < 0.0 and not stored)
+        if (taking and r.y[k] < 0.0 and stored) or (shut and r.y[k] != 0.0):
             wrong = True
             who = k
             dust = dust and math.fabs(r.y[k]) <= LAW_DUST * r.rounding[k]
