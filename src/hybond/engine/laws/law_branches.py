@@ -41,9 +41,9 @@ from hybond.engine.laws.law_answers import (
 )
 from hybond.engine.laws.law_friction import (
     jumping_role,
-    may_be_past,
     may_rest,
     past_limit,
+    past_with_others,
     rests_now,
 )
 from hybond.engine.laws.law_instant import (
@@ -84,6 +84,8 @@ TRY_KEEP: Final = int_table(1, 0, -1, 0, 1, 0, 0, 0)
 """Whether what is open is left as it was; -1: friction exactly at its limit breaks loose."""
 TRY_CLEAN: Final = int_table(1, 1, 1, 0, 1, 1, 1, 1)
 """Whether rounding of what is stored counts as zero."""
+LONGER: Final = 1e3
+"""How much longer what is stored is let move to tell an impulse from what is none."""
 ADRIFT: Final = 1e-6
 """Share of a unit of freedom from which a junction has part in it."""
 
@@ -292,14 +294,15 @@ def no_branches(e: Engine, r: Laws, k: int) -> int:
 def find_breaking(e: Engine, r: Laws, x: Floats) -> int:
     """Find friction that what is stored just brings to breaking loose, into `r.loose`.
 
-    To be asked where no law is violated. Where it slides with less than it held with, what is
+    Alone, or with what other laws give. To be asked where no law is violated. Where it slides with less than it held with, what is
     stored jumps to that. Returns 1 if there is any, 0 if none, -1 for a refusal.
     """
     m = e.model
     edge = False
     for k in range(m.ports):
         if may_rest(m, k) and m.port_impulsive[k] == 0 and rests_now(m, r, k):
-            edge = edge or past_limit(m, r, k) >= -LAW_ZERO * r.rounding[k]
+            past = max(past_limit(m, r, k), past_with_others(m, r, k))
+            edge = edge or past >= -LAW_ZERO * r.rounding[k]
     if not edge:
         return 0
     if begin_lasting(e, r, x) != OK:
@@ -369,7 +372,7 @@ def find_jumping(e: Engine, r: Laws, x: Floats) -> int:
                 wrong = True
                 who = k
                 dust = dust and past <= LAW_DUST * r.rounding[k]
-            doubtful = doubtful or may_be_past(m, r, k)
+            doubtful = doubtful or past_with_others(m, r, k) > LAW_ZERO * r.rounding[k]
         r.rebound[k] *= r.y[k]
     if not wrong and not doubtful:
         keep_answered(e, r, x)
@@ -383,7 +386,7 @@ def find_jumping(e: Engine, r: Laws, x: Floats) -> int:
             break
         factor = 1.0 if turn == 0 else 1e-3 if turn == 1 else 1e3 if turn == 2 else 1e-6
         if slide(e, r, r.y, factor * h, True):
-            if not wrong and not moves_stored(r, n, factor * h):
+            if not wrong and not moves_stored(e, r, factor * h):
                 return 0
             find_shares(e, r, r.y, factor * h, True)
             put_mode(m, r, r.branch, False, True)
@@ -397,15 +400,33 @@ def find_jumping(e: Engine, r: Laws, x: Floats) -> int:
     return -1
 
 
-def moves_stored(r: Laws, n: int, h: float) -> bool:
-    """Whether an answer in which what is stored moves for a time `h` has impulses."""
+def moves_stored(e: Engine, r: Laws, h: float) -> bool:
+    """Whether an answer in which what is stored moves for a time `h` has impulses.
+
+    They move it as far whatever the time is; what laws give without them moves it the farther the
+    longer that lasts.
+    """
+    n = e.model.ports
     moves = False
     for k in range(n):
-        total = 0.0
-        for j in range(n):
-            total += h * r.response.ce[k * n + j] * r.answer_l[j]
-        moves = moves or math.fabs(total) > LAW_DUST * r.rounding[k]
-    return moves
+        r.here_moved[k] = moved_in(r, n, h, k)
+        moves = moves or r.here_moved[k] > LAW_DUST * r.rounding[k]
+    if not moves or not slide(e, r, r.y, LONGER * h, True):
+        return moves
+    moves = False
+    for k in range(n):
+        seen = r.here_moved[k] > LAW_DUST * r.rounding[k]
+        same = moved_in(r, n, LONGER * h, k) < math.sqrt(LONGER) * r.here_moved[k]
+        moves = moves or (seen and same)
+    return slide(e, r, r.y, h, True) and moves
+
+
+def moved_in(r: Laws, n: int, h: float, k: int) -> float:
+    """Return how far the answer moves `y` of a port in a time `h`."""
+    total = 0.0
+    for j in range(n):
+        total += h * r.response.ce[k * n + j] * r.answer_l[j]
+    return math.fabs(total)
 
 
 def sweep_dust(e: Engine, r: Laws, x: Floats, after: Floats) -> int:

@@ -169,6 +169,8 @@ class Laws:
     apart: Ints
     units: Floats
     rebound: Floats
+    here_moved: Floats
+    """How far an answer moves what each law decides on."""
     largest: Floats
     largest_limit: Floats
     branch: Ints
@@ -323,6 +325,7 @@ def make_laws(m: Model) -> Laws:
     r.apart = ints(n)
     r.units = floats(n)
     r.rebound = floats(n)
+    r.here_moved = floats(n)
     r.largest = floats(n)
     r.largest_limit = floats(n)
     r.branch = ints(n)
