@@ -32,7 +32,7 @@ def coupled(parts: Parts, bonds: list[str], laws: tuple[str, ...]) -> list[hb.Mo
 
 
 def drive(slack: float, resistance: float, *, dual: bool) -> list[hb.Model]:
-    """A unit effort drives a mass of 0.5 through a relay, beside a coupling that limits the flow."""
+    """A unit effort drives a mass of 0.5 through a relay; a coupling limits the flow."""
     node, line = (hb.One, hb.Zero) if dual else (hb.Zero, hb.One)
     store, source = (hb.C, hb.Sf) if dual else (hb.I, hb.Se)
     way = "e" if dual else "f"

@@ -294,15 +294,16 @@ def no_branches(e: Engine, r: Laws, k: int) -> int:
 def find_breaking(e: Engine, r: Laws, x: Floats) -> int:
     """Find friction that what is stored just brings to breaking loose, into `r.loose`.
 
-    Alone, or with what other laws give. To be asked where no law is violated. Where it slides with less than it held with, what is
-    stored jumps to that. Returns 1 if there is any, 0 if none, -1 for a refusal.
+    Alone, or with what other laws give. To be asked where no law is violated. Where it slides with
+    less than it held with, what is stored jumps to that. Returns 1 if there is any, 0 if none, -1
+    for a refusal.
     """
     m = e.model
     edge = False
     for k in range(m.ports):
         if may_rest(m, k) and m.port_impulsive[k] == 0 and rests_now(m, r, k):
             past = max(past_limit(m, r, k), past_with_others(m, r, k))
-            edge = edge or past >= -LAW_ZERO * r.rounding[k]
+            edge = edge or r.edge[k] != 0 or past >= -LAW_ZERO * r.rounding[k]
     if not edge:
         return 0
     if begin_lasting(e, r, x) != OK:
@@ -342,6 +343,7 @@ def find_jumping(e: Engine, r: Laws, x: Floats) -> int:
     who = 0
     dust = True
     for k in range(n):
+        r.edge[k] = 0
         one_sided = m.port_two_sided[k] == 0
         stored = is_stored(m, r, k)
         r.rebound[k] = 0.0
@@ -387,6 +389,7 @@ def find_jumping(e: Engine, r: Laws, x: Floats) -> int:
         factor = 1.0 if turn == 0 else 1e-3 if turn == 1 else 1e3 if turn == 2 else 1e-6
         if slide(e, r, r.y, factor * h, True):
             if not wrong and not moves_stored(e, r, factor * h):
+                note_edges(m, r)
                 return 0
             find_shares(e, r, r.y, factor * h, True)
             put_mode(m, r, r.branch, False, True)
@@ -398,6 +401,13 @@ def find_jumping(e: Engine, r: Laws, x: Floats) -> int:
     if m.tells != 0:
         tell_ports(e, r, True)
     return -1
+
+
+def note_edges(m: Model, r: Laws) -> None:
+    """Note the friction at rest that gives all it can in an answer: the next moment may break it."""
+    for k in range(m.ports):
+        open_end = r.answer_open[k] != 0 and r.answer[k] == 0
+        r.edge[k] = 1 if open_end and may_rest(m, k) and r.resting[k] != 0 else 0
 
 
 def moves_stored(e: Engine, r: Laws, h: float) -> bool:

@@ -169,6 +169,8 @@ class Laws:
     apart: Ints
     units: Floats
     rebound: Floats
+    edge: Ints
+    """Friction at rest that gives all it can where nothing jumps."""
     here_moved: Floats
     """How far an answer moves what each law decides on."""
     largest: Floats
@@ -325,6 +327,7 @@ def make_laws(m: Model) -> Laws:
     r.apart = ints(n)
     r.units = floats(n)
     r.rebound = floats(n)
+    r.edge = ints(n)
     r.here_moved = floats(n)
     r.largest = floats(n)
     r.largest_limit = floats(n)
