@@ -89,3 +89,37 @@ def test_behind_a_one_way_clutch_the_mass_runs_on_when_the_coupling_breaks_loose
         run = hb.simulate(m, 1.5)
         for t in (0.4, 0.7, 1.4):
             assert run["i.p"].at(t) == pytest.approx(min(t, 0.5 * HOLDS), rel=1e-9)
+
+
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize(("slides", "holds", "relay"), [(0.5, 0.75, 1.46), (0.9, 0.95, 0.2)])
+def test_a_coupling_in_line_with_a_relay_breaks_loose_in_every_order(
+    slides: float, holds: float, relay: float, turned: bool
+) -> None:
+    """A charged capacitor drives a mass until its flow is what both of them bear together.
+
+    ``p = sin(w t) q/w`` until then; it falls to what they bear in motion, and stays there. The
+    relay is at a node, or at a line behind a gyrator.
+    """
+    parts: Parts = {
+        "n": hb.One(),
+        "xa": hb.Zero(law="coulomb", limit=slides, breakaway=holds),
+        "i": hb.I(1.0),
+        "c": hb.C(0.25, q=2.5),
+    }
+    bonds = ["c -> n", "n -> i", "xa -> n"]
+    if turned:
+        parts |= {"k": hb.Zero(), "g": hb.GY(1.0), "xb": hb.One(law="relay", limit=relay)}
+        bonds += ["g.2 -> k", "g.1 -> xb", "k -> xa"]
+    else:
+        parts["xb"] = hb.Zero(law="relay", limit=relay)
+        bonds.append("xb -> xa")
+    t = math.asin((holds + relay) / 5.0) / 2.0
+    left = 2.5 * math.cos(2.0 * t)
+    for m in coupled(parts, bonds, ("xa", "xb")):
+        run = hb.simulate(m, 1.0)
+        assert run["i.p"].at(0.5 * t) == pytest.approx(5.0 * math.sin(t), rel=1e-7)
+        for after in (1.001 * t, 0.9):
+            flow = slides + relay
+            assert run["i.p"].at(after) == pytest.approx(flow, rel=1e-9)
+            assert run["c.q"].at(after) == pytest.approx(left - flow * (after - t), rel=1e-7)
