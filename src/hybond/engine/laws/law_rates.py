@@ -37,6 +37,10 @@ BENT: Final = 1e-11
 """A change of rates is none below this part of their terms."""
 ROUNDED: Final = 1e-15
 """Part of its terms that a bond variable may move by rounding."""
+PARTING: Final = 0
+RATES: Final = 1
+SIZES: Final = 2
+"""What is summed over sources that must agree."""
 SEEN: Final = 0.1
 """Part of what counts as zero from which on a guard sees a value."""
 
@@ -107,36 +111,35 @@ def part_ways(e: Engine, r: Laws) -> int:
     if solve_ahead(e, r, step) != OK:
         return REFUSED
     for i in range(mode.agreements.rows):
-        size = differ(e, mode, i, r.v, False, True)
-        first = differ(e, mode, i, r.v, True, False)
-        rate = differ(e, mode, i, r.v, True, True)
-        change = differ(e, mode, i, r.later, True, False) - first
-        rate_after = differ(e, mode, i, r.later, True, True)
-        if math.fabs(change) <= BENT * (max(rate, rate_after) + size / whole):
+        size = over_sources(e, mode, i, r.v, SIZES)
+        rate = over_sources(e, mode, i, r.v, RATES)
+        rate = max(rate, over_sources(e, mode, i, r.later, RATES))
+        first = over_sources(e, mode, i, r.v, PARTING)
+        change = over_sources(e, mode, i, r.later, PARTING) - first
+        if math.fabs(change) <= BENT * (rate + size / whole):
             change = 0.0
         bend = change / step
-        most = size + whole * max(rate, rate_after)
+        most = size + whole * rate
         apart = max(math.fabs(first), 0.5 * whole * math.fabs(bend)) * whole
         r.parting = r.parting or apart > AGREE * most
     return OK
 
 
-def differ(e: Engine, mode: Mode, row: int, v: Floats, rates: bool, size: bool) -> float:
-    """Return what sources that must agree differ by, or its rate, or the `size` of its terms."""
+def over_sources(e: Engine, mode: Mode, row: int, v: Floats, what: int) -> float:
+    """Return how fast sources that must agree part, or the sum of their rates' sizes, or values'."""
     m = e.model
+    rows = mode.agreements
     total = 0.0
-    terms = 0.0
-    for i in range(mode.agreements.first.at[row], mode.agreements.first.at[row + 1]):
-        k = mode.agreements.column.at[i] - m.storages
-        law = m.source_rate[mode.source[k]] if mode.source[k] >= 0 else -1
+    for i in range(rows.first.at[row], rows.first.at[row + 1]):
+        k = rows.column.at[i] - m.storages
         own = 0.0
-        if not rates:
+        if what == SIZES:
             own = source_of(m, mode, k, v)
-        elif law >= 0:
-            own = value(m, law, v)
-        total += mode.agreements.value.at[i] * own
-        terms += math.fabs(mode.agreements.value.at[i] * own)
-    return terms if size else total
+        elif mode.source[k] >= 0 and m.source_rate[mode.source[k]] >= 0:
+            own = value(m, m.source_rate[mode.source[k]], v)
+        term = rows.value.at[i] * own
+        total += term if what == PARTING else math.fabs(term)
+    return total
 
 
 def may_turn(r: Laws, k: int) -> bool:
