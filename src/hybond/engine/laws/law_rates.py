@@ -126,7 +126,7 @@ def part_ways(e: Engine, r: Laws) -> int:
 
 
 def over_sources(e: Engine, mode: Mode, row: int, v: Floats, what: int) -> float:
-    """Return how fast sources that must agree part, or the sum of their rates' sizes, or values'."""
+    """Return how fast sources that must agree part, or the sizes of their rates, or values."""
     m = e.model
     rows = mode.agreements
     total = 0.0
