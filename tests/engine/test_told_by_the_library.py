@@ -11,7 +11,7 @@ import pytest
 import hybond as hb
 from hybond.engine.compiled.refusal import Refusal
 from hybond.engine.engine import REFUSED, make_engine
-from hybond.engine.laws import law_branches, law_candidates
+from hybond.engine.laws import law_branches, law_candidates, law_jumping
 from hybond.engine.outcome.explain import Explaining
 from hybond.engine.outcome.faults import Fault, error_of
 from hybond.engine.outcome.warned import NO_SIGN, NO_SOLUTION, NO_WAY_ON, OPEN, Warnings
@@ -341,7 +341,8 @@ def test_guards_that_ask_in_vain_are_named(monkeypatch: pytest.MonkeyPatch) -> N
         r.able[0] = 0
         return status
 
-    monkeypatch.setattr(law_branches, "find_able", not_able)
+    for module in (law_branches, law_jumping):
+        monkeypatch.setattr(module, "find_able", not_able)
     monkeypatch.setattr(law_candidates, "note_turned", lambda _m, _r: None)
     graph = m.flatten()
     tables = tables_of(graph, until=1e-3, tells=True)

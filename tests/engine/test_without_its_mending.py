@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 
 import hybond as hb
-from hybond.engine.laws import law_branches
+from hybond.engine.laws import law_jumping
 from hybond.engine.mode import newton, solving, undetermined
 from hybond.engine.outcome import warned
 from hybond.model import flatten as flattening
@@ -111,9 +111,9 @@ def test_a_finite_force_that_cures_a_jump(
     """A limit of friction becomes a constraint on what is stored: energy from nothing."""
     run = ended(stuck(charge, limit), 1.0)
     assert run.status == "ok" and run.final["c.q"] == charge and not run.warnings
-    shut = law_branches.passive_role
-    monkeypatch.setattr(law_branches, "jumping_role", lambda _, r, k: shut(r.now, k))
-    monkeypatch.setattr(law_branches, "past_limit", lambda *_: 1.0)
+    shut = law_jumping.passive_role
+    monkeypatch.setattr(law_jumping, "jumping_role", lambda _, r, k: shut(r.now, k))
+    monkeypatch.setattr(law_jumping, "past_limit", lambda *_: 1.0)
     run = ended(stuck(charge, limit), 1.0)
     assert not run.audit().holds() and run.audit().created > 0.1
     assert any(" creates " in note and " J " in note for note in run.warnings)

@@ -44,7 +44,7 @@ subset. Rooms, and in them files, as data passes them::
     laws/
         laws                modes with laws of junctions: first what jumps, then what lasts
         ports, response     the graph with its laws left open, and what it says of them
-        law_branches, law_records    which branches are taken
+        law_branches, law_jumping, law_records    which branches are taken; which of an impulse
         law_instant, law_friction, law_rates    what laws may do; dry friction; how zeros move on
         law_answers         one question to them, answered
         law_parallel, law_shares    idle laws beside those that carry; friction that shares a load
@@ -76,7 +76,7 @@ subset. Rooms, and in them files, as data passes them::
         stepping            one step of the method asked for
         scale, lately, failed_steps, one_instant    tolerances; steps that cannot be; how long an
                             instant is
-        control, dopri      steps that the error controls: Dormand and Prince
+        control, dopri, strayed    steps that the error controls: Dormand and Prince
         exact, flow, linear_rows, balance, propagate, flow_records    linear modes, propagated
         radau, radau_stages, radau_dense, radau_method, radau_room    implicit steps
         stiffness, from_edges    when ``auto`` goes over to them, and back; where laws begin

@@ -156,6 +156,9 @@ class Step:
     """When the motion began, s."""
     dense: Floats
     scale: Floats
+    tied: Floats
+    """The end of a step, on the constraints of its mode, and how far it may be off them."""
+    allowed: Floats
     error: Floats
     trial: Floats
     rate: Floats
@@ -320,6 +323,8 @@ def make_step(n: int, kinks: int, edges: int) -> Step:
     s.dense = floats(4 * n)
     s.scale = floats(n)
     s.error = floats(n)
+    s.tied = floats(n)
+    s.allowed = floats(n)
     s.trial = floats(n)
     s.rate = floats(n)
     return s

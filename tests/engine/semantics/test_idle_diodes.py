@@ -104,3 +104,17 @@ def test_a_peak_detector_lets_go_at_the_peak(phase: float) -> None:
         assert let_go[0] == pytest.approx(peak, abs=1e-9)
         assert len(let_go) == 1
         assert run["c.e"].at(0.03) == pytest.approx(325.0)
+
+
+@pytest.mark.parametrize("law", ["diode", "coulomb", "unilateral"])
+@pytest.mark.parametrize("kind", [hb.Zero, hb.One])
+def test_a_law_at_a_junction_without_bonds_does_nothing(kind: object, law: str) -> None:
+    """Beside it a capacitor runs empty by ``q' = -q^(1/3)``: its charge is ``(1 - 2t/3)^1.5``.
+
+    Where laws are curved, what a port does is found by differences, also where it has no bonds.
+    """
+    m = hb.Model("alone")
+    limit = {"limit": 1.0} if law == "coulomb" else {}
+    m.add(lone=kind(law=law, **limit), c=hb.C(1.0, q=1.0), r=hb.R({"e": "f^3"}), n=hb.Zero())
+    m.bond("n -> c", "n -> r")
+    assert hb.simulate(m, 1.0)["c.q"].at(1.0) == pytest.approx(3.0**-1.5, rel=1e-7)

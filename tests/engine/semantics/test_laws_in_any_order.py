@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import itertools
+import math
 
 import pytest
+from scipy.optimize import brentq
 
 import hybond as hb
 
@@ -82,3 +84,37 @@ def test_a_light_capacitor_beside_a_heavy_one_makes_no_large_rounding(light: flo
         empty = (178.0 + 2.0 * light) / 100.0
         assert run.events[-1].t == pytest.approx(empty, rel=1e-9)
         assert run["b_heavy.q"].at(3.9) == 0.0
+
+
+@pytest.mark.parametrize("before", [0.0, "plain"])
+@pytest.mark.parametrize(("limit", "rebound"), [(1.13, 0.5), (0.5, 0.5), (0.5, None)])
+@pytest.mark.parametrize("dual", [False, True])
+def test_friction_that_holds_a_load_is_not_moved_by_the_rebound_of_a_contact(
+    dual: bool, limit: float, rebound: float | None, before: float | str
+) -> None:
+    """A contact in line with it might rebound, and feels nothing of what friction bears.
+
+    Springs push with 0.762. What friction does not hold moves them until it does, in an impulse.
+    """
+    junction, store = (hb.Zero, hb.I) if dual else (hb.One, hb.C)
+    x, y = ("p", "f") if dual else ("q", "e")
+    way = -1.0 if dual else 1.0
+    parts = {
+        "xa": junction(law="coulomb", limit=limit),
+        "xb": junction() if before == "plain" else junction(law="unilateral", restitution=before),
+        "xc": junction(law="unilateral", **({} if rebound is None else {"restitution": rebound})),
+        "c": store({y: f"1.4*sinh({x}/1.22)"}, **{x: 1.2 * way}),
+        "k": store(1.0, **{x: -0.85 * way}),
+    }
+    moved = 0.0
+    if limit < 1.0:
+        moved = brentq(lambda d: 1.4 * math.sinh((1.2 - d) / 1.22) - 0.85 - d - limit, 0.0, 1.0)
+    for order in itertools.permutations(("xa", "xb", "xc")):
+        names = dict(zip(("xa", "xb", "xc"), order, strict=True))
+        m = hb.Model("orders")
+        m.add(**{names.get(name, name): part for name, part in parts.items()})
+        for chain in ("xa -> xb", "xa -> xc", "k -> xb", "c -> xa"):
+            m.bond(" -> ".join(names.get(n, n) for n in chain.split(" -> ")))
+        run = hb.simulate(m, 1.0)
+        assert run[f"c.{x}"].at(0.5) == pytest.approx((1.2 - moved) * way, rel=1e-9)
+        assert run[f"k.{x}"].at(0.5) == pytest.approx((-0.85 - moved) * way, rel=1e-9)

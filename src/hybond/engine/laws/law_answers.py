@@ -18,6 +18,7 @@ from hybond.engine.laws.law_instant import (
     NO_LAW_VALUE,
     find_start,
     is_on,
+    is_stored,
     quantity,
 )
 from hybond.engine.laws.law_records import Laws
@@ -300,6 +301,6 @@ def put_mode(m: Model, r: Laws, branch: Ints, keep: bool, impact: bool) -> None:
             if keep and r.answer_open[k] != 0 and r.shares[k] == 0 and now < 2:
                 on = is_on(m, k, now)
             r.candidate[machine] = 1 if on else 0
-            strikes = impact and r.now.given[k] == COMMON
+            strikes = impact and r.now.given[k] == COMMON and is_stored(m, r, k)
             if on and strikes and m.port_restitution[k] != NO_LAW_VALUE:
                 r.candidate[machine] = 2

@@ -21,7 +21,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.engine.algebra.svd import least_squares, null_space
+from hybond.engine.algebra.svd import null_space
 from hybond.engine.answers import node_name
 from hybond.engine.complementarity.law_roles import (
     BACKWARD,
@@ -32,23 +32,12 @@ from hybond.engine.complementarity.law_roles import (
     TWO_SIDED,
 )
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
-from hybond.engine.impacts.strike import close_gaps
 from hybond.engine.laws.law_answers import (
-    LAW_DUST,
     loosen,
     put_mode,
     slide,
 )
-from hybond.engine.laws.law_friction import (
-    jumping_role,
-    may_be_past,
-    may_rest,
-    past_limit,
-    rests_now,
-)
 from hybond.engine.laws.law_instant import (
-    LAW_ZERO,
-    LOCATED,
     NO_LAW_VALUE,
     clean,
     find_able,
@@ -57,7 +46,6 @@ from hybond.engine.laws.law_instant import (
     is_stored,
     make_consistent,
     passive_role,
-    quantity,
 )
 from hybond.engine.laws.law_parallel import find_shares, keep_left
 from hybond.engine.laws.law_rates import look_ahead
@@ -66,7 +54,6 @@ from hybond.engine.laws.response import respond
 from hybond.engine.mode.tableau import COMMON, NET
 from hybond.engine.model import Model
 from hybond.engine.planar.planar import find_disks
-from hybond.engine.reasons.facts import tell_ports
 from hybond.engine.words import Floats, float_table, int_table
 
 SHORT_STEP: Final = 1e-6
@@ -287,153 +274,3 @@ def no_branches(e: Engine, r: Laws, k: int) -> int:
     found = say_fault(e, code, why, node_name(e.model, e.model.port_node[k]))
     e.fault.t = r.t
     return found
-
-
-def find_breaking(e: Engine, r: Laws, x: Floats) -> int:
-    """Find friction that what is stored just brings to breaking loose, into `r.loose`.
-
-    To be asked where no law is violated. Where it slides with less than it held with, what is
-    stored jumps to that. Returns 1 if there is any, 0 if none, -1 for a refusal.
-    """
-    m = e.model
-    edge = False
-    for k in range(m.ports):
-        if may_rest(m, k) and m.port_impulsive[k] == 0 and rests_now(m, r, k):
-            edge = edge or past_limit(m, r, k) >= -LAW_ZERO * r.rounding[k]
-    if not edge:
-        return 0
-    if begin_lasting(e, r, x) != OK:
-        return -1
-    if not next_lasting(e, r, TRIES):
-        return 0
-    found = 0
-    for k in range(m.ports):
-        own = may_rest(m, k) and m.port_impulsive[k] == 0
-        if own and r.answer[k] != 0 and rests_now(m, r, k):
-            r.loose[k] = r.answer[k]
-            found = 1
-    return found
-
-
-def find_jumping(e: Engine, r: Laws, x: Floats) -> int:
-    """Find the mode whose branches carry impulses from the state `x`, into `r.candidate`.
-
-    Returns 1 if there is one, 0 if no law is violated by what is stored, -1 for a refusal.
-    """
-    m = e.model
-    n = m.ports
-    a = r.response
-    if make_consistent(e, r, x) != OK:
-        return -1
-    if respond(e, r, r.v, r.x, False) != OK:
-        return -1
-    e.planar.ready = False
-    find_rounding(e, r)
-    clean(m, r, r.y)
-    if find_able(e, r) != OK:
-        return -1
-    if r.at_once:
-        close_gaps(m, r)
-    wrong = False
-    doubtful = False
-    who = 0
-    dust = True
-    for k in range(n):
-        one_sided = m.port_two_sided[k] == 0
-        r.rebound[k] = 0.0
-        # what is stored has no speed to rebound with where it is the common variable
-        if m.port_restitution[k] != NO_LAW_VALUE and r.now.given[k] == COMMON:
-            own = quantity(m, m.port_restitution, m.port_restitution_constant, k, r.v)
-            r.rebound[k] = own
-        # what rebounds enters one after another; what does not stays together, as in one problem
-        joins = r.rebound[k] == 0.0 or r.y[k] < 0.0 or r.at_once
-        taking = one_sided and r.able[k] != 0 and joins
-        # OFF where the common variable follows from what is stored alone: it must be zero
-        shut = one_sided and r.able[k] == 0 and is_stored(m, r, k) and r.now.given[k] == NET
-        if (taking and r.y[k] < 0.0) or (shut and r.y[k] != 0.0):
-            wrong = True
-            who = k
-            dust = dust and math.fabs(r.y[k]) <= LAW_DUST * r.rounding[k]
-        taking = taking or m.port_impulsive[k] != 0
-        r.role[k] = passive_role(r.now, k)
-        if taking:
-            r.role[k] = ONE_SIDED if one_sided else TWO_SIDED
-        if not one_sided and m.port_impulsive[k] == 0:
-            r.role[k] = jumping_role(m, r, k)
-            past = past_limit(m, r, k)
-            if past > LAW_ZERO * r.rounding[k]:
-                wrong = True
-                who = k
-                dust = dust and past <= LAW_DUST * r.rounding[k]
-            doubtful = doubtful or may_be_past(m, r, k)
-        r.rebound[k] *= r.y[k]
-    if not wrong and not doubtful:
-        keep_answered(e, r, x)
-        return 0
-    find_start(m, r)
-    h = short_step(m, a, r.y)
-    r.proved = True
-    turn = 0
-    while turn < 4:
-        if turn > 0 and r.proved:
-            break
-        factor = 1.0 if turn == 0 else 1e-3 if turn == 1 else 1e3 if turn == 2 else 1e-6
-        if slide(e, r, r.y, factor * h, True):
-            if not wrong and not moves_stored(r, n, factor * h):
-                return 0
-            find_shares(e, r, r.y, factor * h, True)
-            put_mode(m, r, r.branch, False, True)
-            return 1
-        turn += 1
-    if dust or not wrong:
-        return 0  # rounding has no solution; what lasts is decided without it
-    no_branches(e, r, who)
-    if m.tells != 0:
-        tell_ports(e, r, True)
-    return -1
-
-
-def moves_stored(r: Laws, n: int, h: float) -> bool:
-    """Whether an answer in which what is stored moves for a time `h` has impulses."""
-    moves = False
-    for k in range(n):
-        total = 0.0
-        for j in range(n):
-            total += h * r.response.ce[k * n + j] * r.answer_l[j]
-        moves = moves or math.fabs(total) > LAW_DUST * r.rounding[k]
-    return moves
-
-
-def sweep_dust(e: Engine, r: Laws, x: Floats, after: Floats) -> int:
-    """Put the state without approaches that are nothing but rounding into `after`.
-
-    For the laws they are zero, for the guards that watch them they may not be. They are taken away
-    as an impact would, along the impulses of their contacts.
-    """
-    m = e.model
-    n = m.ports
-    a = r.response
-    if make_consistent(e, r, x) != OK or respond(e, r, r.v, r.x, False) != OK:
-        return REFUSED
-    find_rounding(e, r)
-    if find_able(e, r) != OK:
-        return REFUSED
-    many = 0
-    for k in range(n):
-        slow = a.y[k] < -LOCATED * LAW_ZERO * r.rounding[k] and a.y[k] >= -LAW_ZERO * r.rounding[k]
-        if slow and m.port_two_sided[k] == 0 and is_stored(m, r, k) and r.able[k] != 0:
-            r.tried[many] = k
-            many += 1
-    for s in range(m.storages):
-        after[s] = r.x[s]
-    if many == 0:
-        return OK
-    for i in range(many):
-        r.q[i] = -a.y[r.tried[i]]
-        for j in range(many):
-            r.block[i * many + j] = a.ce[r.tried[i] * n + r.tried[j]]
-    least_squares(r.svd, many, many, r.block, -1.0, 1, r.q, r.l)
-    for s in range(m.storages):
-        for i in range(many):
-            after[s] += a.e[s * n + r.tried[i]] * r.l[i]
-    return OK

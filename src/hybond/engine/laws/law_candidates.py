@@ -149,7 +149,8 @@ def try_candidate(e: Engine, r: Laws, x: Floats, kept: bool) -> int:
     if kept and e.trial.loose > 0:
         return BROKEN  # two that share a current at will: let one of them have it
     found = find_broken(e, r)
-    if found == STANDS and r.problem.doubtful and r.looks_ahead and turns_at_once(e, r, r.t):
+    looks = r.problem.doubtful and r.looks_ahead and not r.parting
+    if found == STANDS and looks and turns_at_once(e, r, r.t):
         r.saw_ahead = True
         found = BROKEN
     if found != BROKEN:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 
 from hybond.engine.complementarity.law_roles import CUT, SHUT, TWO_SIDED
-from hybond.engine.laws.law_instant import LAW_ZERO, NO_LAW_VALUE, is_stored, quantity
+from hybond.engine.instant.jump import JUMPS
+from hybond.engine.laws.law_instant import NO_LAW_VALUE, is_stored, quantity
 from hybond.engine.laws.law_records import Laws
 from hybond.engine.mode.tableau import COMMON, NET
 from hybond.engine.model import Model
@@ -19,7 +20,8 @@ def may_rest(m: Model, k: int) -> bool:
 def rests_now(m: Model, r: Laws, k: int) -> bool:
     """Whether a friction junction is at rest: by what is stored, else by the branch before.
 
-    What slid is at rest as well where the force that is stored now drives it back.
+    What slid is at rest as well where the force that is stored now drives it back. What an impulse
+    of this instant has torn loose goes on sliding if it can: nothing that is stored has stopped it.
     """
     if r.loose[k] != 0:
         return False
@@ -28,7 +30,8 @@ def rests_now(m: Model, r: Laws, k: int) -> bool:
         if r.now.given[k] == NET:
             return r.y[k] == 0.0
         return way == 0 or (r.y[k] > 0.0 if way > 0 else r.y[k] < 0.0)
-    return way == 0
+    torn = r.struck and r.struck_moved == JUMPS and r.through[m.port_machine[k]] != 0
+    return way == 0 and not torn
 
 
 def slid(m: Model, r: Laws, k: int) -> int:
@@ -82,27 +85,39 @@ def past_limit(m: Model, r: Laws, k: int) -> float:
         return -math.inf
     if limit_follows(m, r, k):
         return -math.inf
-    if may_rest(m, k) and rests_now(m, r, k):
-        limit = quantity(m, m.port_breakaway, m.port_breakaway_constant, k, r.v)
-    else:
-        limit = quantity(m, m.port_limit, m.port_limit_constant, k, r.v)
-    return math.fabs(r.y[k]) - limit
+    return math.fabs(r.y[k]) - most_held(m, r, k)
 
 
-def may_be_past(m: Model, r: Laws, k: int) -> bool:
-    """Whether friction is asked for more than it can hold, unless other laws take that from it.
+def past_with_others(m: Model, r: Laws, k: int) -> float:
+    """Return by how much friction may be asked for more than it can hold, all laws together.
 
-    What is stored asks for it, and an impulse of its own would change that.
+    What is stored asks for it, and what other laws may add to that; an impulse of its own would
+    change it. Minus infinity where that is no matter of what is stored, or of that alone.
     """
-    own = k * m.ports + k
+    n = m.ports
+    own = k * n + k
     if m.port_planar[k] != 0 or r.now.given[k] == NET or is_stored(m, r, k):
-        return False
+        return -math.inf
     if r.response.d[own] != 0.0 or not r.response.ce[own] > 0.0 or limit_follows(m, r, k):
-        return False
-    limit = quantity(m, m.port_limit, m.port_limit_constant, k, r.v)
+        return -math.inf
+    asked = math.fabs(r.y[k])
+    for j in range(n):
+        if r.response.d[k * n + j] != 0.0:
+            asked += math.fabs(r.response.d[k * n + j]) * most_given(m, r, j)
+    return asked - most_held(m, r, k)
+
+
+def most_held(m: Model, r: Laws, k: int) -> float:
+    """Return the most that friction holds: more at rest than in motion."""
     if may_rest(m, k) and rests_now(m, r, k):
-        limit = quantity(m, m.port_breakaway, m.port_breakaway_constant, k, r.v)
-    return math.fabs(r.y[k]) - limit > LAW_ZERO * r.rounding[k]
+        return quantity(m, m.port_breakaway, m.port_breakaway_constant, k, r.v)
+    return quantity(m, m.port_limit, m.port_limit_constant, k, r.v)
+
+
+def most_given(m: Model, r: Laws, j: int) -> float:
+    """Return the most that law j gives: friction, of its net variable, what it holds."""
+    known = m.port_two_sided[j] != 0 and m.port_planar[j] == 0 and r.now.given[j] == NET
+    return most_held(m, r, j) if known and not limit_follows(m, r, j) else math.inf
 
 
 def slides_through(m: Model, r: Laws, k: int) -> bool:

@@ -41,6 +41,7 @@ def take_instant(e: Engine, r: Laws, t: float, s: Floats, state: Ints) -> None:
     """Take the instant that is looked at, and the mode that it begins with."""
     m = e.model
     r.answered = False
+    r.parting = False
     r.t = t
     for k in range(m.integrals):
         r.s[k] = s[k]

@@ -4,6 +4,9 @@ Where a finite value and its rate are both zero, rounding must not decide: an in
 its last place only, and at the peak of a sine the sign of a rate is that of what location left.
 Then the rate that counts is the mean of the shortest time in which the value becomes more than
 rounding.
+
+Where sources agree at this instant only, there are as many rates as there are sources to follow,
+and which of them the equations take is a matter of the order of declaration. None of them counts.
 """
 
 from __future__ import annotations
@@ -13,14 +16,18 @@ from typing import Final
 
 from hybond.engine.answers import value
 from hybond.engine.engine import OK, REFUSED, Engine
+from hybond.engine.instant.constraints import AGREE
 from hybond.engine.laws.law_instant import LAW_ZERO
 from hybond.engine.laws.law_records import Laws
 from hybond.engine.laws.ports import open_mode, rates_of_stored, solve_with
 from hybond.engine.laws.response import rates_of_linear
 from hybond.engine.mode.guess import give_back_guess, hold_guess
+from hybond.engine.mode.mode_records import Mode
+from hybond.engine.mode.newton import source_of
 from hybond.engine.mode.sizes import size_of
 from hybond.engine.mode.values import set_values
 from hybond.engine.sliding.averages import solve_here
+from hybond.engine.words import Floats
 
 AHEAD: Final = 1e-9
 """The time over which a change of rates is looked at, as a part of the run."""
@@ -30,6 +37,10 @@ BENT: Final = 1e-11
 """A change of rates is none below this part of their terms."""
 ROUNDED: Final = 1e-15
 """Part of its terms that a bond variable may move by rounding."""
+PARTING: Final = 0
+RATES: Final = 1
+SIZES: Final = 2
+"""What is summed over sources that must agree."""
 SEEN: Final = 0.1
 """Part of what counts as zero from which on a guard sees a value."""
 
@@ -41,6 +52,13 @@ def look_ahead(e: Engine, r: Laws) -> int:
     """
     m = e.model
     a = r.response
+    if open_mode(e, r.now).agreements.rows > 0:
+        if part_ways(e, r) != OK:
+            return REFUSED
+        if r.parting:
+            for k in range(m.ports):
+                a.rate[k] = 0.0
+            return OK
     if not r.now.linear:
         return OK
     turns = False
@@ -49,16 +67,7 @@ def look_ahead(e: Engine, r: Laws) -> int:
     if not turns:
         return OK
     step = AHEAD * max(e.span, math.fabs(r.t))
-    for k in range(m.storages):
-        r.moved[k] = r.x[k] + step * r.field[k]
-    for k in range(m.integrals):
-        r.later_s[k] = r.s[k] + step * value(m, m.integral_rate[k], r.v)
-    set_values(e, open_mode(e, r.now), r.later, r.t + step, r.moved, r.later_s)
-    for k in range(m.slots):
-        r.later[m.slots + k] = e.pre[k]
-    for k in range(m.ports):
-        r.l[k] = 0.0
-    if solve_with(e, r.now, r.later, r.l) != OK:
+    if solve_ahead(e, r, step) != OK:
         return REFUSED
     rates_of_linear(e, r, r.later, e.work.w, r.rate_after, r.rate_terms)
     for k in range(m.ports):
@@ -72,6 +81,65 @@ def look_ahead(e: Engine, r: Laws) -> int:
             h = min(h, seen / math.fabs(a.rate[k]))
         a.rate[k] += 0.5 * bend * h
     return OK
+
+
+def solve_ahead(e: Engine, r: Laws, step: float) -> int:
+    """Put the values a `step` later, laws giving nothing, into `r.later` and ``e.work.w``."""
+    m = e.model
+    for k in range(m.storages):
+        r.moved[k] = r.x[k] + step * r.field[k]
+    for k in range(m.integrals):
+        r.later_s[k] = r.s[k] + step * value(m, m.integral_rate[k], r.v)
+    set_values(e, open_mode(e, r.now), r.later, r.t + step, r.moved, r.later_s)
+    for k in range(m.slots):
+        r.later[m.slots + k] = e.pre[k]
+    for k in range(m.ports):
+        r.l[k] = 0.0
+    return solve_with(e, r.now, r.later, r.l)
+
+
+def part_ways(e: Engine, r: Laws) -> int:
+    """Find whether sources that must agree, and do so now, part as soon as time passes.
+
+    They do if going on as they begin, for as long as the run is, would take them apart by more than
+    they may differ: at their rates, or as these change. The motion is refused then, if any follows.
+    """
+    mode = open_mode(e, r.now)
+    whole = max(e.span, math.fabs(r.t))
+    step = AHEAD * whole
+    r.parting = False
+    if solve_ahead(e, r, step) != OK:
+        return REFUSED
+    for i in range(mode.agreements.rows):
+        size = over_sources(e, mode, i, r.v, SIZES)
+        rate = over_sources(e, mode, i, r.v, RATES)
+        rate = max(rate, over_sources(e, mode, i, r.later, RATES))
+        first = over_sources(e, mode, i, r.v, PARTING)
+        change = over_sources(e, mode, i, r.later, PARTING) - first
+        if math.fabs(change) <= BENT * (rate + size / whole):
+            change = 0.0
+        bend = change / step
+        most = size + whole * rate
+        apart = max(math.fabs(first), 0.5 * whole * math.fabs(bend)) * whole
+        r.parting = r.parting or apart > AGREE * most
+    return OK
+
+
+def over_sources(e: Engine, mode: Mode, row: int, v: Floats, what: int) -> float:
+    """Return how fast sources that must agree part, or the sizes of their rates, or values."""
+    m = e.model
+    rows = mode.agreements
+    total = 0.0
+    for i in range(rows.first.at[row], rows.first.at[row + 1]):
+        k = rows.column.at[i] - m.storages
+        own = 0.0
+        if what == SIZES:
+            own = source_of(m, mode, k, v)
+        elif mode.source[k] >= 0 and m.source_rate[mode.source[k]] >= 0:
+            own = value(m, m.source_rate[mode.source[k]], v)
+        term = rows.value.at[i] * own
+        total += term if what == PARTING else math.fabs(term)
+    return total
 
 
 def may_turn(r: Laws, k: int) -> bool:

@@ -103,6 +103,7 @@ class Laws:
     many_tried: int
     l: Floats
     zero: Floats
+    zero_terms: Floats
     field: Floats
     field_size: Floats
     """The size of the terms that made each rate of what is stored."""
@@ -117,6 +118,8 @@ class Laws:
     looks_ahead: bool
     """Whether what stands must stand a moment later, too."""
     saw_ahead: bool
+    parting: bool
+    """Whether sources that must agree do so at this instant only."""
     row: Floats
     row_terms: Floats
     terms: Floats
@@ -166,6 +169,10 @@ class Laws:
     apart: Ints
     units: Floats
     rebound: Floats
+    edge: Ints
+    """Friction at rest that gives all it can where nothing jumps."""
+    here_moved: Floats
+    """How far an answer moves what each law decides on."""
     largest: Floats
     largest_limit: Floats
     branch: Ints
@@ -272,6 +279,7 @@ def make_laws(m: Model) -> Laws:
     r.tried = ints(n)
     r.l = floats(n)
     r.zero = floats(2 * m.bonds)
+    r.zero_terms = floats(2 * m.bonds)
     r.field = floats(m.storages)
     r.field_size = floats(m.storages)
     r.moved = floats(m.storages)
@@ -319,6 +327,8 @@ def make_laws(m: Model) -> Laws:
     r.apart = ints(n)
     r.units = floats(n)
     r.rebound = floats(n)
+    r.edge = ints(n)
+    r.here_moved = floats(n)
     r.largest = floats(n)
     r.largest_limit = floats(n)
     r.branch = ints(n)

@@ -18,11 +18,8 @@ from hybond.engine.laws.law_branches import (
     NO_DUST,
     TRIES,
     begin_lasting,
-    find_breaking,
-    find_jumping,
     next_lasting,
     no_branches,
-    sweep_dust,
 )
 from hybond.engine.laws.law_candidates import (
     BROKEN,
@@ -32,6 +29,7 @@ from hybond.engine.laws.law_candidates import (
     try_candidate,
 )
 from hybond.engine.laws.law_instant import NO_LAW_VALUE, make_consistent, quantity, take_instant
+from hybond.engine.laws.law_jumping import find_breaking, find_jumping, sweep_dust
 from hybond.engine.laws.law_records import Laws
 from hybond.engine.mode.storage import energy_of
 from hybond.engine.mode.values import evaluate

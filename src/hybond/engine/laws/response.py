@@ -27,6 +27,7 @@ from hybond.engine.laws.ports import (
     times_partner,
 )
 from hybond.engine.mode.guess import give_back_guess, hold_guess
+from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.storage import reach_of
 from hybond.engine.mode.tableau import NET
 from hybond.engine.mode.values import set_values
@@ -204,8 +205,8 @@ def find_gains(e: Engine, r: Laws, p: Ports, v: Floats, gain: Floats) -> int:
     """Put the derivatives of the bond variables by `l` there.
 
     Modulated two-ports and controlled sources are affine in what ports give, so that a difference
-    over any step is exact, but for the rounding of what is there without it; through nonlinear
-    resistors it is a chord.
+    over any step is exact, but for the rounding of what is there without it, which is no gain;
+    through nonlinear resistors it is a chord.
     """
     mode = open_mode(e, p)
     m = e.model
@@ -227,6 +228,7 @@ def find_gains(e: Engine, r: Laws, p: Ports, v: Floats, gain: Floats) -> int:
         return REFUSED
     for b in range(n):
         r.zero[b] = e.work.w[b]
+        r.zero_terms[b] = terms_of(e, mode, b)
     for k in range(m.ports):
         unit = unit_of(m, p, k, r.zero)
         r.l[k] = unit
@@ -235,15 +237,23 @@ def find_gains(e: Engine, r: Laws, p: Ports, v: Floats, gain: Floats) -> int:
         r.l[k] = 0.0
         for b in range(n):
             moved = e.work.w[b] - r.zero[b]
-            gain[b * m.ports + k] = moved / unit
+            still = math.fabs(moved) <= DIGITS * max(r.zero_terms[b], terms_of(e, mode, b))
+            gain[b * m.ports + k] = 0.0 if still else moved / unit
     for i in range(2 * m.slots):
         v[i] = r.kept[i]
     return OK
 
 
+def terms_of(e: Engine, mode: Mode, b: int) -> float:
+    """Return the size of the terms of a bond variable, after a solution."""
+    return row_size(mode.finite, mode.same[b], e.work.xi) + math.fabs(e.work.w[b])
+
+
 def unit_of(m: Model, p: Ports, k: int, w: Floats) -> float:
     """Return what is given by port k to see what it does: 1, or more where its kind is large."""
     own = 2 * k + 1 if p.given[k] == NET else 2 * k
+    if m.pair_first[own] == m.pair_first[own + 1]:
+        return 1.0  # a junction without bonds
     kind = m.bond_class[m.pair_column[m.pair_first[own]]]
     most = 0.0
     for b in range(2 * m.bonds):

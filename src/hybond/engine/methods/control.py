@@ -33,6 +33,7 @@ from hybond.engine.methods.one_instant import is_one_kink
 from hybond.engine.methods.propagate import even_length
 from hybond.engine.methods.scale import controlled, measure_again, tolerance
 from hybond.engine.methods.stiffness import watch_explicit
+from hybond.engine.methods.strayed import strayed
 from hybond.engine.mode.values import field
 from hybond.engine.words import Floats
 
@@ -173,6 +174,8 @@ def controlled_step(e: Engine, t_end: float) -> int:
         h = t1 - s.t0
         s.tried = h
         error = attempt(e, t1)
+        if error <= 1.0 and not is_propagated(e):
+            error = max(error, strayed(e, s.t0, s.y0, t1, s.y1))
         s.tried = 0.0
         if error <= 1.0 or (math.isfinite(error) and is_one_kink(e, s.t0, s.y0, t1, s.y1)):
             break

@@ -41,6 +41,7 @@ from hybond.engine.methods.radau_stages import (
     rate_at,
 )
 from hybond.engine.methods.scale import ROUNDED, tolerance
+from hybond.engine.methods.strayed import strayed
 from hybond.engine.words import Floats, float_table
 
 RADAU_SAFETY: Final = 0.9
@@ -222,6 +223,8 @@ def try_radau(e: Engine, r: Radau, rtol: float) -> int:
         hold_dense(e, r)
     for i in range(n):
         r.y1[i] = r.y[2 * n + i]
+    if r.error <= 1.0:
+        r.error = max(r.error, strayed(e, r.t0, r.y0, r.t1, r.y1))
     if not r.error <= 1.0 and not is_one_kink(e, r.t0, r.y0, r.t1, r.y1):
         factor = RADAU_SAFETY * radau_rounds(r) * math.pow(r.error, -0.25)
         r.shrink = min(max(factor, RADAU_SHRINK), RADAU_SAFETY)
