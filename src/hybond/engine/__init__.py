@@ -29,7 +29,7 @@ subset. Rooms, and in them files, as data passes them::
         damped, continuation    with shorter steps; on the way from laws with a resistance beside
         beside_jumps, put_back  solutions just beside a jump; whether one holds
         freedom, undetermined, leakage    what a system leaves free, and laws; least leakage
-        storage             co-energy, energy
+        storage, reach      co-energy, energy; what would have an energy
         reading, sizes, solved_sizes    what a step reads; what its rounding is measured by
         sums, straight_rates, sum_records    comparisons, and rates, that are sums of the state
     inputs/

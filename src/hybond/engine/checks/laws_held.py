@@ -22,8 +22,9 @@ from hybond.engine.checks.noting import ELEMENT, JUNCTION, STORAGE, note_violati
 from hybond.engine.checks.shown import clear_prior, show_at
 from hybond.engine.engine import Engine
 from hybond.engine.mode.mode_records import Mode
+from hybond.engine.mode.reach import reach_of
 from hybond.engine.mode.sizes import size_of
-from hybond.engine.mode.storage import co_energy_of, own_stiffness, reach_of
+from hybond.engine.mode.storage import co_energy_of, own_stiffness
 from hybond.engine.mode.tableau import part_of
 from hybond.engine.timestepping.step_records import MOREAU
 

@@ -9,7 +9,7 @@ from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.instant.impulse_ways import impulse_directions
 from hybond.engine.instant.jump import enter_mode
 from hybond.engine.mode.equations import mode_of
-from hybond.engine.mode.storage import reach_of
+from hybond.engine.mode.reach import reach_of
 from hybond.engine.mode.values import set_values
 from hybond.engine.sliding.averages import freedom_here, sizes_here, solve_here
 from hybond.engine.sliding.combine import combine_here

@@ -15,7 +15,8 @@ from hybond.engine.mode.dynamic_rows import frozen_at
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.newton import known_of, knowns_of
 from hybond.engine.mode.newton_system import by_power, split, take_rank
-from hybond.engine.mode.storage import coupled, own_stiffness, reach_by, with_stored
+from hybond.engine.mode.reach import reach_at
+from hybond.engine.mode.storage import coupled, own_stiffness, with_stored
 from hybond.engine.model import Model
 from hybond.engine.reasons.facts import disagree
 from hybond.engine.words import Floats
@@ -80,7 +81,8 @@ def begin_constraints(e: Engine, mode: Mode, v: Floats, x: Floats) -> None:
         if k < m.storages:
             # what is taken off what is stored leaves rounding of it, however little is left
             own = math.fabs(own_stiffness(m, k, values))
-            w.reach[k] = (reach_by(own, e.energy) + math.fabs(x[k])) * own
+            held = reach_at(e, k, x, e.energy)
+            w.reach[k] = (held + math.fabs(x[k])) * own
 
 
 def keep_bonds(e: Engine, mode: Mode, v: Floats) -> None:

@@ -27,7 +27,8 @@ from hybond.engine.instant.constraints import (
 from hybond.engine.instant.impulse_ways import find_ways, rank_of, scale_slope, slope_of
 from hybond.engine.mode.leakage import least_leakage, project
 from hybond.engine.mode.mode_records import Mode, Ways
-from hybond.engine.mode.storage import own_stiffness, reach_by, with_stored
+from hybond.engine.mode.reach import reach_at
+from hybond.engine.mode.storage import own_stiffness
 from hybond.engine.reasons.facts import refuse_jump
 from hybond.engine.words import Floats
 
@@ -345,11 +346,10 @@ def on_constraints(e: Engine, mode: Mode, v: Floats, y: Floats) -> int:
             return status
     if e.moved == STAYS:
         return OK
-    values = with_stored(e, y)
     for k in range(m.storages):
         # what a constraint holds at zero is zero, not ever smaller numbers; what none moves is kept
         if e.work.landed[k] != y[k]:
-            reach = reach_by(math.fabs(own_stiffness(m, k, values)), e.energy)
+            reach = reach_at(e, k, y, e.energy)
             held = math.fabs(e.work.landed[k]) <= NOTHING * reach
             y[k] = 0.0 if held else e.work.landed[k]
     return OK

@@ -31,8 +31,9 @@ from hybond.engine.instant.jump import JUMPS, STAYS, enter_mode
 from hybond.engine.mode.dynamic_rows import frozen_at
 from hybond.engine.mode.equations import is_fieldless, mode_of
 from hybond.engine.mode.mode_records import Mode
+from hybond.engine.mode.reach import reach_of
 from hybond.engine.mode.sizes import measure
-from hybond.engine.mode.storage import energy_of, reach_of
+from hybond.engine.mode.storage import energy_of
 from hybond.engine.mode.values import set_values
 from hybond.engine.reasons.facts import add_fact
 from hybond.engine.sliding.averages import begin_sizes, freedom_here, solve_here

@@ -27,7 +27,7 @@ from hybond.engine.laws.law_rates import turns_at_once
 from hybond.engine.laws.law_records import AGAIN, TURNED, Laws
 from hybond.engine.laws.ports import open_mode
 from hybond.engine.mode.newton import no_values
-from hybond.engine.mode.storage import reach_of
+from hybond.engine.mode.reach import reach_of
 from hybond.engine.model import Model
 from hybond.engine.planar.planar import put_headings
 from hybond.engine.reasons.facts import add_fact

@@ -28,7 +28,7 @@ from hybond.engine.laws.ports import (
 )
 from hybond.engine.mode.guess import give_back_guess, hold_guess
 from hybond.engine.mode.mode_records import Mode
-from hybond.engine.mode.storage import reach_of
+from hybond.engine.mode.reach import reach_of
 from hybond.engine.mode.tableau import NET
 from hybond.engine.mode.values import set_values
 from hybond.engine.model import Model

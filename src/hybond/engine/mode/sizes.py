@@ -12,8 +12,9 @@ from typing import Final
 from hybond.engine.algebra.blocks import row_size
 from hybond.engine.engine import Engine
 from hybond.engine.mode.mode_records import Mode
+from hybond.engine.mode.reach import reach_of
 from hybond.engine.mode.solved_sizes import solved_sizes
-from hybond.engine.mode.storage import coupled, own_stiffness, reach_of, with_stored
+from hybond.engine.mode.storage import coupled, own_stiffness, with_stored
 from hybond.engine.model import Model
 from hybond.engine.words import Floats
 
@@ -117,16 +118,17 @@ def seen_of(e: Engine, mode: Mode, x: Floats) -> None:
     """Put what each bond variable would be with a unit of energy in one storage into `mode.seen`.
 
     Rounding of what is stored shows itself in bond variables in these proportions, times the root
-    of the energy.
+    of the energy. Where laws bend it is that of the run which is put into one storage.
     """
     m = e.model
     w = e.work
     if mode.saw:
         return
-    reach_of(e, x, 1.0, w.reach)
+    energy = e.energy if m.groups > 0 and e.energy > 0.0 else 1.0
+    reach_of(e, x, energy, w.reach)
     v = with_stored(e, x)
     for k in range(m.storages):
-        w.reach[k] *= math.fabs(own_stiffness(m, k, v))
+        w.reach[k] *= math.fabs(own_stiffness(m, k, v)) / math.sqrt(energy)
         if not math.isfinite(w.reach[k]):
             w.reach[k] = 0.0
     for _ in range(TURNS):

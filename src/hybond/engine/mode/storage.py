@@ -289,19 +289,3 @@ def root_of_turn(
         else:
             right = middle
     return right
-
-
-def reach_of(e: Engine, x: Floats, energy: float, reach: Floats) -> None:
-    """Put what each storage would hold with all of `energy` there."""
-    m = e.model
-    v = with_stored(e, x)
-    for k in range(m.storages):
-        reach[k] = reach_by(math.fabs(own_stiffness(m, k, v)), energy)
-
-
-def reach_by(own: float, energy: float) -> float:
-    """Return what a storage of that stiffness would hold with all of `energy` there."""
-    if not (own > 0.0 and math.isfinite(own) and math.isfinite(energy)):
-        return 0.0
-    most = math.sqrt(2.0 * energy / own)
-    return most if math.isfinite(most) else 0.0

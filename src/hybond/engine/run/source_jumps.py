@@ -18,7 +18,7 @@ from hybond.engine.inputs.interval import moment
 from hybond.engine.instant.jump import on_constraints
 from hybond.engine.methods.stepping import between, step
 from hybond.engine.mode.mode_records import is_constrained
-from hybond.engine.mode.storage import reach_of
+from hybond.engine.mode.reach import reach_of
 from hybond.engine.mode.values import evaluate, field
 from hybond.engine.run.guard_values import put_on_constraints
 from hybond.engine.run.run_records import Run

@@ -16,7 +16,8 @@ from hybond.engine.engine import OK, Engine
 from hybond.engine.instant.jump import enter_mode
 from hybond.engine.mode.equations import is_fieldless
 from hybond.engine.mode.mode_records import is_constrained
-from hybond.engine.mode.storage import energy_of, reach_of
+from hybond.engine.mode.reach import reach_of
+from hybond.engine.mode.storage import energy_of
 from hybond.engine.mode.values import evaluate
 from hybond.engine.reasons.warned import WITHOUT_END, add_about, begin_warning
 from hybond.engine.sliding.around import find_field, take_met

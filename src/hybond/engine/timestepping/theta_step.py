@@ -41,7 +41,8 @@ from hybond.engine.laws.law_records import Ports
 from hybond.engine.laws.ports import open_mode, ports_of, solve_with, times_partner
 from hybond.engine.laws.response import find_sizes
 from hybond.engine.mode.mode_records import is_constrained
-from hybond.engine.mode.storage import co_energy, energy_of, reach_of
+from hybond.engine.mode.reach import reach_of
+from hybond.engine.mode.storage import co_energy, energy_of
 from hybond.engine.mode.tableau import COMMON
 from hybond.engine.model import Model
 from hybond.engine.timestepping.matrices import (
