@@ -135,7 +135,7 @@ def take_energy(e: Engine, l: Look, q: Meter, i: int, end: float, out: Floats) -
             break
         if turn == TRIES - 1:
             width = 1.0 - low
-        if take_piece(e, l, q, i, begin + span * low, begin + span * (low + width)) != OK:
+        if take_piece(e, l, q, i, span, low, width) != OK:
             return REFUSED
         h = span * width
         off = h * math.fabs(q.kronrod[0] - q.gauss[0])
@@ -155,18 +155,28 @@ def take_energy(e: Engine, l: Look, q: Meter, i: int, end: float, out: Floats) -
     return OK
 
 
-def take_piece(e: Engine, l: Look, q: Meter, i: int, begin: float, end: float) -> int:
-    """Put the means of the powers over a part of the step of point i there, by both formulas."""
+def take_piece(e: Engine, l: Look, q: Meter, i: int, span: float, low: float, width: float) -> int:
+    """Put the means of the powers over a part of the step of point i there, by both formulas.
+
+    Points lie where the formulas have them: of a step of nanoseconds, hours after the start, the
+    times that there are would be some way beside.
+    """
     for p in range(3):
         q.kronrod[p] = 0.0
         q.gauss[p] = 0.0
+    begin = l.points.t[i]
+    status = OK
     for k in range(POINTS):
         j = k if k <= MIDDLE else POINTS - 1 - k
         node = -NODE[j] if k <= MIDDLE else NODE[j]
-        t = min(begin + 0.5 * (end - begin) * (1.0 + node), end)
-        if take_power(e, l, q, i, t) != OK:
-            return REFUSED
+        since = span * min(low + 0.5 * width * (1.0 + node), 1.0)
+        t = begin + since
+        l.past = since - (t - begin)
+        status = take_power(e, l, q, i, t)
+        if status != OK:
+            break
         for p in range(3):
             q.kronrod[p] += 0.5 * KRONROD[j] * q.power[p]
             q.gauss[p] += 0.5 * GAUSS[j] * q.power[p]
-    return OK
+    l.past = 0.0
+    return status

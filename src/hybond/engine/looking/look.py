@@ -61,6 +61,8 @@ class Look:
     """Whether a state between accepted points has to be put back on anything."""
     held_known: bool
     y: Floats
+    past: float
+    """How far within a step a point lies behind its time, s: what rounding has taken off that."""
     vanishing: Ints
     """Of each slot: whether ``pre()`` of it is zero, at the limit of what has landed."""
 
@@ -73,6 +75,7 @@ def make_look(e: Engine) -> Look:
     l.meters = make_ask(m)
     l.points = Points()
     l.y = floats(e.states)
+    l.past = 0.0
     l.vanishing = ints(m.slots)
     ask_for_powers(m, l.meters)
     return l
@@ -221,14 +224,14 @@ def take_from_step(e: Engine, l: Look, a: Ask, step: int, t: float) -> bool:
     t0 = p.step_time[3 * step]
     t1 = p.step_time[3 * step + 1]
     at = 3 * n * step
-    if t == t0 or t == p.step_time[3 * step + 2]:
+    if l.past == 0.0 and (t == t0 or t == p.step_time[3 * step + 2]):
         at += 0 if t == t0 else 2 * n
         for i in range(a.parts):
             k = a.part[i]
             l.y[k] = p.step_state[at + k]
         return True
     dense = 4 * n * step
-    x = (t - t0) / (t1 - t0)
+    x = ((t - t0) + l.past) / (t1 - t0)
     x2 = x * x
     x3 = x2 * x
     x4 = x3 * x

@@ -39,6 +39,9 @@ EVALUATIONS = 20_000
 """Of the field, in all steps of a run that are integrated once more."""
 OF_A_STEP = 2_000
 """In one of them."""
+LAST_DIGIT = 2.0**-46
+"""Part of a state by which rounding may have moved it: some dozens of sums and products lie behind
+what is propagated, or read from a polynomial."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,6 +114,33 @@ class Looked:
         squares = np.maximum(z[:, 1:], z[:, :-1]) ** 2
         return np.asarray(np.sqrt(len(self.tolerance) * squares.sum(axis=0)))
 
+    def rounded(self, segment: Segment, steps: Vector) -> Vector:
+        """Return what rounding of states lets the balance of some steps be off by, J.
+
+        The force of what follows its drive at once is the small difference of two large ones: the
+        last digit of a state is all that is known of it, and of the power that hangs on it.
+        """
+        found = np.zeros(len(segment.t) - 1)
+        which = np.flatnonzero(steps)
+        points = np.unique(np.append(which, which + 1))
+        t, y = segment.t[points], np.array(segment.y[points])
+        power = np.zeros(len(segment.t))
+        try:
+            here = self._signals.powers_at(segment, t, y)
+            for i in range(len(self._size)):
+                most = np.zeros(len(t))
+                for part in (1.0 + LAST_DIGIT, 1.0 - LAST_DIGIT):
+                    beside = y.copy()
+                    beside[:, i] *= part
+                    moved = self._signals.powers_at(segment, t, beside) - here
+                    most = np.maximum(most, np.abs(moved[:, 1] - moved[:, 0]))
+                power[points] += most
+        except (HybondError, ValueError, ArithmeticError):
+            return found
+        power = np.where(np.isfinite(power), power, 0.0)
+        found[which] = (np.maximum(power[1:], power[:-1]) * np.diff(segment.t))[which]
+        return found
+
     def again(self, segment: Segment, k: int, allowed: float) -> float | None:
         """Return what step k is off by where it is integrated once more; None if it cannot be."""
         if segment.sliding is not None and self._graph.integrals:
@@ -164,10 +194,12 @@ def balances_of(looked: Looked, found: Sequence[Balance], enough: float) -> tupl
         J. Segments that are off by less, beyond what they may be, are taken as they are.
     """
     energy = beyond = 0.0
-    for balance in found:
-        if balance.most <= enough or balance.beyond.sum() <= enough:
-            energy, beyond = max(energy, balance.most), max(beyond, float(balance.beyond.sum()))
+    for made in found:
+        if made.most <= enough or made.beyond.sum() <= enough:
+            energy, beyond = max(energy, made.most), max(beyond, float(made.beyond.sum()))
             continue
+        allowed = made.allowed + looked.rounded(made.segment, made.beyond)
+        balance = Balance(made.segment, made.off, allowed)
         off, sure = balance.off.copy(), 0.0
         order = np.argsort(-balance.beyond, kind="stable")
         rest = balance.beyond.sum() - np.cumsum(balance.beyond[order])
