@@ -346,13 +346,31 @@ def on_constraints(e: Engine, mode: Mode, v: Floats, y: Floats) -> int:
             return status
     if e.moved == STAYS:
         return OK
+    small = False
     for k in range(m.storages):
-        # what a constraint holds at zero is zero, not ever smaller numbers; what none moves is kept
-        if e.work.landed[k] != y[k]:
-            reach = reach_at(e, k, y, e.energy)
-            held = math.fabs(e.work.landed[k]) <= NOTHING * reach
-            y[k] = 0.0 if held else e.work.landed[k]
+        landed = e.work.landed[k]
+        # what none moves is kept
+        if landed != y[k]:
+            y[k] = landed
+            if landed != 0.0 and math.fabs(landed) <= NOTHING * reach_at(e, k, y, e.energy):
+                e.work.landed[k] = 0.0
+                small = True
+    if small:
+        hold_at_zero(e, mode, v, y)
     return OK
+
+
+def hold_at_zero(e: Engine, mode: Mode, v: Floats, y: Floats) -> None:
+    """Put what a constraint holds at zero there, which would become ever smaller numbers.
+
+    Where it holds it at what is next to nothing, as a source does that has just begun, it stays.
+    `e.work.landed` is the state without what is so small.
+    """
+    residual(e, mode, v, e.work.landed)
+    if meets_own_terms(e, mode, BEST):
+        for k in range(e.model.storages):
+            y[k] = e.work.landed[k]
+    restore_bonds(e, mode, v)
 
 
 def is_fixed(mode: Mode) -> bool:
