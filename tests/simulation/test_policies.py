@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import msgspec
+import numpy as np
 import pytest
 
 import hybond as hb
@@ -20,6 +21,7 @@ from hybond.files.schema import Experiment
 from hybond.options import CALLED, OPTIONS
 from hybond.runs.asked import ASKED, RunOptions
 from hybond.runs.policies import Method
+from hybond.testing import random_recipe
 
 ADAPTIVE: list[Any] = [hb.Auto, hb.RK45, hb.Radau, hb.Exact, hb.QSS, hb.LIQSS]
 METHODS_OF_RUNS: list[Method] = [
@@ -189,3 +191,25 @@ def test_each_option_stands_in_the_same_words_everywhere() -> None:
     assert set(OPTIONS) <= written
     words = parse(["run", "ball.toml"])
     assert set(CALLED) <= vars(words).keys()
+
+
+@pytest.mark.parametrize("seed", [21098, 32889])
+def test_events_without_end_of_explicit_steps_name_the_method_that_has_few(seed: int) -> None:
+    """What is faster than a step swings across a guard from one step to the next."""
+    recipe = random_recipe(seed, controlled=True)
+    with pytest.raises(hb.HybondError, match="HB-N404") as caught:
+        hb.simulate(recipe.model(), recipe.until, solver="rk45", max_events=1000)
+    assert "solver = 'auto'" in caught.value.hint
+    runs = [hb.simulate(recipe.model(), recipe.until, solver=s) for s in ("auto", "radau")]
+    assert all(run.status == "ok" and len(run.events) < 1000 for run in runs)
+    times = [k * recipe.until / 7.3 for k in range(1, 8)]
+    for name in recipe.stored:
+        values = [np.asarray(run[name].at(times)) for run in runs]
+        size = max(float(np.abs(run[name].y).max()) for run in runs)
+        assert values[0] == pytest.approx(values[1], abs=1e-5 * size)
+
+
+def test_events_without_end_of_other_methods_name_none() -> None:
+    for solver in ("auto", "radau"):
+        run = hb.simulate(clock(), 100.0, solver=solver, max_events=5, on_error="return")
+        assert run.error is not None and "auto" not in run.error.hint

@@ -158,6 +158,9 @@ def error_of(
     hint = said.hint or HINTS.get(code, "")
     if code in SMALL_STEPS:
         hint += _for_stiff(fault.method, len(graph.storages) + len(graph.integrals))
+    elif code == "HB-N404" and fault.method not in (AUTO, RADAU, MOREAU):
+        # at the edge of stability an explicit step leads to and fro across a guard
+        hint += "; solver = 'auto' if the model is stiff"
     return kind(said.why, code=code, where=said.where, hint=hint)
 
 
