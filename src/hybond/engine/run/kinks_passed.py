@@ -132,13 +132,19 @@ def events_held(e: Engine, r: Run) -> bool:
     """Whether a kink that a law jumps at has ended in one event after the other.
 
     Friction that a junction has, beside a law that jumps at rest as well, changes its way each time
-    that the motion is driven back: neither of them holds it alone.
+    that the motion is driven back: neither of them holds it alone. A diode may open each time in
+    vain, and let go what rounding left behind the kink.
     """
     many = IDLE + 1
-    if e.model.kinks == 0 or r.events < many or r.events % many != 0:
+    if e.model.kinks == 0:
         return False
     # an odd number: where two modes take turns, either is looked at
-    return e.t - r.event_at[r.events % many] <= SOON_BACK * e.span and is_held(e, r)
+    if r.events >= many and r.events % many == 0:
+        if e.t - r.event_at[r.events % many] <= SOON_BACK * e.span and is_held(e, r):
+            return True
+    if r.idle < many or r.idle % many != 0:
+        return False
+    return e.t - r.idle_at[r.idle % many] <= SOON_BACK * e.span and is_held(e, r)
 
 
 def see_crawl(e: Engine, r: Run) -> int:
