@@ -28,11 +28,11 @@ from hybond.engine.laws.law_candidates import (
     BROKEN,
     STANDS,
     STOPS,
-    by_trial,
     try_candidate,
 )
 from hybond.engine.laws.law_instant import NO_LAW_VALUE, make_consistent, quantity, take_instant
 from hybond.engine.laws.law_records import Laws
+from hybond.engine.laws.law_trials import by_trial
 from hybond.engine.mode.storage import energy_of
 from hybond.engine.mode.values import evaluate
 from hybond.engine.model import Model
@@ -63,11 +63,16 @@ def enter_with_laws(
     if m.tells != 0:
         r.rules_held = 0
     if jump and strike(e, r, x) != OK:
-        if not r.unanswered:
+        if not r.unanswered and (r.now.linear or not r.undecided):
             return REFUSED
+        linearised = not r.unanswered
         for k in range(m.storages):
             r.here[k] = x[k]
-        return OK if by_trial(e, r, x) == STANDS else REFUSED
+        if by_trial(e, r, x) == STANDS:
+            r.undecided = False
+            return OK
+        # what is said of a graph that answers is said by its answers
+        return strike(e, r, x) if linearised else REFUSED
     if not r.struck:
         for k in range(m.storages):
             r.landed[k] = x[k]
