@@ -126,7 +126,12 @@ def options() -> dict[str, list[argparse.Action]]:
 
 
 def command(draw: random.Random, folder: Path) -> None:
-    """A command line with changed words, in a folder with good files or changed ones."""
+    """A command line with changed words, in a folder with good files or changed ones.
+
+    It stands one folder further in: who writes to ``../up`` as he is told to writes nowhere else.
+    """
+    folder = folder / "here"
+    folder.mkdir()
     text = corpus.SMALL
     if draw.random() < 0.15:
         text = changed_text(draw, text)

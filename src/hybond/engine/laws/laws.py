@@ -218,7 +218,8 @@ def observe(e: Engine, v: Floats) -> None:
     for k in range(m.ports):
         if m.port_gap[k] != NO_LAW_VALUE:
             gap = math.fabs(quantity(m, m.port_gap, m.port_gap_constant, k, v))
-            r.largest[k] = max(r.largest[k], gap)
+            if math.isfinite(gap):
+                r.largest[k] = max(r.largest[k], gap)
     if m.groups == 0:
         for k in range(m.storages):
             r.moved[k] = v[m.stored_slot + k]

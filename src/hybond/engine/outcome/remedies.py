@@ -25,8 +25,7 @@ def gives_effort(node: Node) -> bool:
 def resistors(nodes: Iterable[Node]) -> str:
     """Return where resistors go that let these elements give what they prescribe; "" for none."""
     parts = [
-        ("in series with " if gives_effort(n) else "beside ") + n.path
-        for n in dict.fromkeys(nodes)
+        ("in series with " if gives_effort(n) else "beside ") + n.path for n in dict.fromkeys(nodes)
     ]
     if len(parts) > MANY:
         parts[MANY - 1 :] = [f"so with {len(parts) - MANY + 1} more"]
@@ -67,8 +66,10 @@ def against_no_solution(elements: list[Node]) -> str:
     """
     stepped = [n for n in elements if n.law is not None and any(map(_steps, n.law.expressions))]
     if not stepped:
-        return f"look whether these laws can give what is asked of them; {resistors(elements)}, " \
+        return (
+            f"look whether these laws can give what is asked of them; {resistors(elements)}, "
             "which gives what they cannot"
+        )
     path = " and ".join(n.path for n in stepped[:MANY])
     kinds = sorted({"1" if n.law is not None and n.law.output == "e" else "0" for n in stepped})
     where = " or ".join(f"{k}-junction" for k in kinds)
@@ -76,7 +77,8 @@ def against_no_solution(elements: list[Node]) -> str:
     more = f"; {resistors(others)}, if more is asked than they give" if others else ""
     return (
         f"{path} may be asked for a value within a jump: where sign() stands for dry friction, a "
-        f"{where} with law = 'coulomb' has these values; else write the steep line, such as tanh(){more}"
+        f"{where} with law = 'coulomb' has these values; else write the steep line, such as "
+        f"tanh(){more}"
     )
 
 
