@@ -50,7 +50,7 @@ def test_texts_end_where_the_plain_rule_says(pattern: re.Pattern[str], plain: st
     rule = re.compile(plain, pattern.flags)
     draw = random.Random(7)
     for _ in range(5000):
-        text = "".join(draw.choice("\"\"\"\"\\'a\n#[,") for _ in range(draw.randint(1, 14)))
+        text = "".join(draw.choice('""""\\\'a\n#[,') for _ in range(draw.randint(1, 14)))
         assert [m.span() for m in pattern.finditer(text)] == [
             m.span() for m in rule.finditer(text)
         ], text
