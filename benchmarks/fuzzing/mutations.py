@@ -6,6 +6,7 @@ import copy
 import random
 import re
 from collections.abc import Callable, Sequence
+from itertools import islice
 from typing import Any
 
 NUMBERS = (
@@ -176,10 +177,11 @@ def _word(draw: random.Random, text: str, others: Sequence[str]) -> str:
 def _replaced(
     draw: random.Random, text: str, what: re.Pattern[str], by: Callable[[str], str]
 ) -> str:
-    found = list(what.finditer(text))
-    if not found:
+    many = sum(1 for _ in what.finditer(text))
+    if not many:
         return text
-    at = draw.choice(found)
+    # one at a time: a list of them may need a thousand times what the text does
+    at = next(islice(what.finditer(text), draw.randrange(many), None))
     return text[: at.start()] + by(at[0]) + text[at.end() :]
 
 
