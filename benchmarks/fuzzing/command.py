@@ -126,7 +126,12 @@ def options() -> dict[str, list[argparse.Action]]:
 
 
 def command(draw: random.Random, folder: Path) -> None:
-    """A command line with changed words, in a folder with good files or changed ones."""
+    """A command line with changed words, in a folder with good files or changed ones.
+
+    It stands one folder further in: who writes to ``../up`` as he is told to writes nowhere else.
+    """
+    folder = folder / "here"
+    folder.mkdir()
     text = corpus.SMALL
     if draw.random() < 0.15:
         text = changed_text(draw, text)
@@ -232,5 +237,5 @@ def _words(draw: random.Random) -> list[str]:
         words.append(value if len(value) < 120_000 else value[:120_000])
     if draw.random() < 0.1:
         words.insert(draw.randrange(len(words) + 1), name(draw))
-    # no processes and no addresses
-    return [w for w in words if w not in ("--cluster", "--fmus")]
+    # no processes and no addresses, and no places that are not its own: it may say what to write
+    return [w.lstrip("/") or "x" for w in words if w not in ("--cluster", "--fmus")]

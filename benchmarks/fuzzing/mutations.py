@@ -6,6 +6,7 @@ import copy
 import random
 import re
 from collections.abc import Callable, Sequence
+from itertools import islice
 from typing import Any
 
 NUMBERS = (
@@ -112,13 +113,16 @@ PAIRS = (("(", ")"), ("[", "]"), ("{", "}"), ("{a=", "}"), ('{"a":', "}"), ("-",
 PAIRS += (("sin(", ")"), ("1+", ""), ("<a>", "</a>"), ("if(", ",1,2)"), ("!", ""), ("2^", ""))
 COUNTS = (2, 5, 30, 300, 3000)
 
+LONGEST = 2_000_000
+"""Letters of a changed text."""
+
 
 def changed_text(draw: random.Random, text: str, others: Sequence[str] = ()) -> str:
     """Return a text with one to eight changes, each of tokens, lines, numbers or letters."""
     for _ in range(draw.choice((1, 1, 1, 2, 2, 3, 5, 8))):
         text = draw.choice(CHANGES)(draw, text, others)
-        if len(text) > 2_000_000:
-            return text[:2_000_000]
+        if len(text) > LONGEST:
+            return text[:LONGEST]
     return text
 
 
@@ -176,10 +180,11 @@ def _word(draw: random.Random, text: str, others: Sequence[str]) -> str:
 def _replaced(
     draw: random.Random, text: str, what: re.Pattern[str], by: Callable[[str], str]
 ) -> str:
-    found = list(what.finditer(text))
-    if not found:
+    many = sum(1 for _ in what.finditer(text))
+    if not many:
         return text
-    at = draw.choice(found)
+    # one at a time: a list of them may need a thousand times what the text does
+    at = next(islice(what.finditer(text), draw.randrange(many), None))
     return text[: at.start()] + by(at[0]) + text[at.end() :]
 
 
@@ -196,12 +201,17 @@ def _tokens(draw: random.Random, text: str, _: Sequence[str]) -> str:
         case 2:
             tokens.insert(at, tokens[other])
         case 3:
-            tokens[at] *= draw.choice(COUNTS)
+            tokens[at] *= _fitting(tokens[at], draw.choice(COUNTS))
         case _:
             tokens[at] = draw.choice("=.,:;+-*/^&|<>()[]{}#\"'\\\n\t?@$%!~") * draw.choice(
                 (1, 1, 2)
             )
     return "".join(tokens)
+
+
+def _fitting(text: str, many: int) -> int:
+    """Return how often a text is repeated, if so many times: what is cut off need not be made."""
+    return min(many, LONGEST // (len(text) + 1) + 1)
 
 
 def _lines(draw: random.Random, text: str, others: Sequence[str]) -> str:
@@ -215,7 +225,7 @@ def _lines(draw: random.Random, text: str, others: Sequence[str]) -> str:
         case 2:
             lines[at], lines[other] = lines[other], lines[at]
         case 3:
-            lines[at : at + 1] = [lines[at]] * draw.choice(COUNTS)
+            lines[at : at + 1] = [lines[at]] * _fitting(lines[at], draw.choice(COUNTS))
         case 4 if others:
             source = draw.choice(others).split("\n")
             start = draw.randrange(len(source))

@@ -21,6 +21,7 @@ from hybond.files.parse import parse
 from hybond.files.place import Source
 from hybond.fitting.data import read_data
 from hybond.names import did_you_mean
+from hybond.studio.phase import phase
 from hybond.studio.session import Session
 from hybond.sweep.folder import Folder
 from hybond.sweep.part import Part
@@ -139,11 +140,12 @@ def test_a_sweep_has_finite_values(value: float) -> None:
     assert caught.value.code == "HB-P101"
 
 
-def _damaged(content: bytes, name: str, new: bytes) -> bytes:
+def _damaged(content: bytes, name: str, new: bytes, called: str = "") -> bytes:
     packed = io.BytesIO()
     with zipfile.ZipFile(io.BytesIO(content)) as old, zipfile.ZipFile(packed, "w") as archive:
         for member in old.namelist():
-            archive.writestr(member, new if member == name else old.read(member))
+            hit = member == name
+            archive.writestr(called if hit and called else member, new if hit else old.read(member))
     return packed.getvalue()
 
 
@@ -167,6 +169,7 @@ def test_a_part_of_a_sweep_that_is_damaged_is_none(tmp_path: Path) -> None:
         _damaged(whole, "c0.npy", b"no array"),
         _damaged(whole, "about.npy", b"no array"),
         _damaged(whole, "c0.npy", longer.getvalue()),
+        _damaged(whole, "c0.npy", b"1", called="c0"),  # bytes as they are, as many as members
         _encrypted(whole),
         whole[:100],
         b"",
@@ -382,6 +385,13 @@ def test_a_key_as_long_as_a_book_is_refused(session: Session) -> None:
     assert time.process_time() - begin < 2.0 and asked(session, ask="look") is None
     with pytest.raises(HybondError, match="HB-F108"):
         hb.loads(f'hybond = 1\n[parameters]\n"{key}" = 1\n')
+
+
+def test_a_stretch_of_no_length_has_a_remedy() -> None:
+    run = hb.simulate(hb.loads(RC), 0.1)
+    with pytest.raises(HybondError, match="HB-W103") as seen:
+        phase(run, "c.e", "c.q", 0.05, -1.0)
+    assert seen.value.hint
 
 
 def test_places_too_far_apart_are_not_drawn() -> None:

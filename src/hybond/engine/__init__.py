@@ -48,7 +48,8 @@ subset. Rooms, and in them files, as data passes them::
         law_instant, law_friction, law_rates    what laws may do; dry friction; how zeros move on
         law_answers         one question to them, answered
         law_parallel, law_shares    idle laws beside those that carry; friction that shares a load
-        law_candidates, law_seconds    whether a mode stands up to its laws; more than one answer
+        law_candidates, law_trials    whether a mode stands up to its laws; all that can be tried
+        law_seconds         more than one answer
         gaps                whether the gap of a contact is the distance that its bonds close
     complementarity/
         law_problem, law_roles    the question as a complementarity problem

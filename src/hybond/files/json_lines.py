@@ -5,7 +5,8 @@ from __future__ import annotations
 import json
 import re
 
-_TOKEN = re.compile(r'"(?:[^"\\]|\\.)*"|[\[\]{},:\n]|[^\s"\[\]{},:]+')
+# possessive: nothing is kept of a long text to go back to
+_TOKEN = re.compile(r'"[^"\\]*+(?:\\.[^"\\]*+)*+"|[\[\]{},:\n]|[^\s"\[\]{},:]+')
 
 
 def find_line(text: str, path: tuple[str | int, ...]) -> int | None:

@@ -19,9 +19,9 @@ from hybond.names import did_you_mean
 
 _TOML_PLACE = re.compile(r" \(at (?:line (\d+), column (\d+)|end of document)\)\Z")
 _MASKED = re.compile(
-    r'"""(?:[^\\]|\\.)*?"{3,5}'
+    r'"""[^"\\]*+(?:(?:\\.|"(?!""))[^"\\]*+)*+"{3,5}'
     r"|'{3}.*?'{3,5}"
-    r'|"(?:[^"\\\n]|\\.)*"'
+    r'|"[^"\\\n]*+(?:\\.[^"\\\n]*+)*+"'
     r"|'[^'\n]*'"
     r"|\#[^\n]*",
     re.DOTALL,

@@ -12,9 +12,9 @@ from collections.abc import Iterator
 from hybond.records import dataclass
 
 _TOKEN = re.compile(
-    r'"""(?:[^\\]|\\.)*?"{3,5}'
+    r'"""[^"\\]*+(?:(?:\\.|"(?!""))[^"\\]*+)*+"{3,5}'
     r"|'{3}.*?'{3,5}"
-    r'|"(?:[^"\\\n]|\\.)*"'
+    r'|"[^"\\\n]*+(?:\\.[^"\\\n]*+)*+"'
     r"|'[^'\n]*'"
     r"|\#[^\n]*"
     r"|[\[\]{},=\n]"

@@ -9,7 +9,7 @@ from hybond.files.place import quoted, shortened
 _NUMBER = re.compile(r"[+-]?(?:0|[1-9]\d*)(?:\.\d+)?(?:[eE][+-]?\d+)?")
 _LIKE_A_NUMBER = re.compile(r"[+-]?[\d.][\d._]*(?:[eE][+-]?\d*)?")
 _VALUE = re.compile(r"""[^,\]}#\n]*""")
-_STRING = re.compile(r'"(?:[^"\\\n]|\\.)*"|\'[^\'\n]*\'')
+_STRING = re.compile(r'"[^"\\\n]*+(?:\\.[^"\\\n]*+)*+"|\'[^\'\n]*\'')
 _CURLY = "“”„‟‘’‚«»"
 _WORDS = {"True": "true", "TRUE": "true", "False": "false", "FALSE": "false"}
 _NOTHING = ("None", "null", "nil", "Null", "none")

@@ -256,7 +256,10 @@ class _Reader:
                     where=self.where,
                     hint="ideal coupling is a transformer",
                 )
-            given = np.linalg.inv(whole).tolist()
+            _check_symmetric(whole, self.where)
+            inverse = np.linalg.inv(whole)
+            # to rounding of its largest terms it is symmetric; small ones have none to spare
+            given = (0.5 * (inverse + inverse.T)).tolist()
         argument = self.node.about.energy or ("f" if self.output == "e" else "e")
         arguments = [
             self.locals[f"{argument}{k + 1}" if self.count > 1 else argument]
@@ -367,19 +370,25 @@ def _check(node: Node, law: Law, where: str) -> None:
     import numpy as np
 
     m = np.array([[settled(v, FIELD) for v in row] for row in law.matrix])
-    if not np.allclose(m, m.T, rtol=1e-12, atol=0.0):
-        raise ModelError(
-            "the matrix of a storage field must be symmetric, else it has no energy",
-            code="HB-M163",
-            where=where,
-            hint="split the rest off as an R field",
-        )
+    _check_symmetric(m, where)
     if np.linalg.eigvalsh(m).min() <= 0.0:
         raise ModelError(
             "the storage would have negative energy",
             code="HB-M163",
             where=where,
             hint="use positive values",
+        )
+
+
+def _check_symmetric(matrix: Any, where: str) -> None:
+    import numpy as np
+
+    if not np.allclose(matrix, matrix.T, rtol=1e-12, atol=0.0):
+        raise ModelError(
+            "the matrix of a storage field must be symmetric, else it has no energy",
+            code="HB-M163",
+            where=where,
+            hint="split the rest off as an R field",
         )
 
 

@@ -63,7 +63,12 @@ def schematic(session: Session, message: Mapping[str, Any]) -> Message:
     for name in steps(path) if path else ():
         part = model.elements.get(name)
         if not isinstance(part, SubmodelPart):
-            raise UsageError(f"{path!r} is no level", code="HB-W103", where="schematic")
+            raise UsageError(
+                f"{path!r} is no level",
+                code="HB-W103",
+                where="schematic",
+                hint="open a part that is made of others",
+            )
         model = submodel_of(part, name, model.models)
     places = {n["name"]: (n["x"], n["y"]) for n in seen["nodes"]}
     scene = draw_schematic(model, positions=places, title=False).scene

@@ -24,7 +24,12 @@ def begin(session: Session, message: Mapping[str, Any]) -> Message:
     model = session.meaning().model
     known = session.meaning()
     if known.error is not None or model is None:
-        raise known.error or UsageError("there is no model", code="HB-W103", where="run")
+        raise known.error or UsageError(
+            "there is no model",
+            code="HB-W103",
+            where="run",
+            hint="put an element or a junction there",
+        )
     until = message.get("until") or None
     options = message.get("options") or {}
     running = session.runs.start(

@@ -39,7 +39,12 @@ def phase(run: Result, x: str, y: str, t0: float, t1: float) -> dict[str, Any]:
     (1, [-1.0, 1.0, -1.0, 1.0])
     """
     if not t1 > t0:
-        raise UsageError(f"no time between {t0!r} and {t1!r}", code="HB-W103", where="phase")
+        raise UsageError(
+            f"no time between {t0!r} and {t1!r}",
+            code="HB-W103",
+            where="phase",
+            hint="a stretch of the run: its begin, then its end",
+        )
     pieces = []
     for (t, a), (_, b) in zip(run.pieces(x), run.pieces(y), strict=True):
         seen = (t >= t0) & (t <= t1) & np.isfinite(a) & np.isfinite(b)

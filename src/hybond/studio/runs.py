@@ -227,7 +227,12 @@ class Runs:
         except HybondError as refusal:
             error, result = refusal, refusal.partial
         except KeyboardInterrupt:
-            error = UsageError("the run was cancelled before it began", code="HB-W103", where="run")
+            error = UsageError(
+                "the run was cancelled before it began",
+                code="HB-W103",
+                where="run",
+                hint="run the model again",
+            )
         except Exception as cause:  # a defect of ours: told as such, the studio goes on
             error = defect(cause, "run")
         self._finished(running, result, error)

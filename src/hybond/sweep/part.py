@@ -89,6 +89,8 @@ class Part:
         try:
             with np.load(io.BytesIO(data), allow_pickle=False) as file:
                 arrays = {name: file[name] for name in file.files}
+            if not all(isinstance(array, np.ndarray) for array in arrays.values()):
+                raise ValueError("bytes in place of an array")
             about = json.loads(arrays["about"].tobytes().decode())
             if about["key"] != key:
                 raise ValueError(f"a part of another sweep, {about['key']}")

@@ -159,4 +159,5 @@ class NativeLook(Look):
             raise self._answering.taken()
         fault = refusal_of(self._library, self._handle, 0)
         why = f"{fault.why}, at t = {fault.t:.9g} s"
-        raise NumericsError(why, code=fault.code, where=fault.place)
+        hint = "look at the values just before: what is asked for has none there"
+        raise NumericsError(why, code=fault.code, where=fault.place, hint=hint)

@@ -143,4 +143,5 @@ class PythonLook(Look):
             return
         fault = self._engine.fault
         why = f"{fault.why}, at t = {self._engine.t:.9g} s"
-        raise NumericsError(why, code=fault.code, where=fault.place)
+        hint = "look at the values just before: what is asked for has none there"
+        raise NumericsError(why, code=fault.code, where=fault.place, hint=hint)

@@ -1,9 +1,4 @@
-"""Whether a mode stands up to the laws of its junctions; branches found by trying all of them.
-
-What the graph answers to its laws is a linearisation. Where that has no values, as a resistor that
-saturates has none for a current that no branch asks of it, few laws are tried branch by branch:
-each is a mode of its own, and stands if none of its laws is violated.
-"""
+"""Whether a mode stands up to the laws of its junctions, with what it does on being entered."""
 
 import math
 from typing import Final
@@ -19,22 +14,21 @@ from hybond.engine.instant.trial import (
     finish_trial,
     jump_into,
     measure_trial,
+    take_factors,
     write_entry,
 )
 from hybond.engine.laws.law_instant import NO_LAW_VALUE
 from hybond.engine.laws.law_parallel import add_left
 from hybond.engine.laws.law_rates import turns_at_once
 from hybond.engine.laws.law_records import AGAIN, TURNED, Laws
-from hybond.engine.laws.ports import open_mode
-from hybond.engine.mode.newton import no_values
 from hybond.engine.mode.reach import reach_of
 from hybond.engine.model import Model
 from hybond.engine.planar.planar import put_headings
 from hybond.engine.reasons.facts import add_fact
 from hybond.engine.words import Floats
 
-MANY_BRANCHES: Final = 729
-"""Branches of all laws together up to which all are tried."""
+CARRIES: Final = 1e-12
+"""Part of its terms below which what a law carries in a jump is rounding."""
 DUST_OF_STATE: Final = 1e-9
 """A change of what is stored below this part of what it may be is no impulse."""
 
@@ -43,68 +37,6 @@ BROKEN: Final = 1
 NO_ENTRY: Final = 2
 """A mode that would need an impulse, whose sources contradict each other, or without values."""
 STOPS: Final = 3
-
-
-def by_trial(e: Engine, r: Laws, x: Floats) -> int:
-    """Try all branches from the state in r.here, those of the mode first, without impulses.
-
-    STANDS, or STOPS with the fault that there are no values at which the laws hold.
-    """
-    m = e.model
-    many = tried_at_most(m)
-    if many == 0:
-        return STOPS
-    begin_trials(r)
-    for ahead in range(2):
-        r.looks_ahead = ahead == 0
-        r.saw_ahead = False
-        for turn in range(many):
-            nth_branches(m, r, turn)
-            if try_candidate(e, r, x, False) == STANDS:
-                return STANDS
-        if not r.saw_ahead:
-            break
-    no_values(e, open_mode(e, r.now))
-    e.fault.t = r.t
-    return STOPS
-
-
-def begin_trials(r: Laws) -> None:
-    """Make ready to try all branches: none of them is known to have one answer only."""
-    r.asked = 0
-    r.states = AGAIN
-    r.shifted = False
-    r.problem.doubtful = True
-
-
-def tried_at_most(m: Model) -> int:
-    """Return how many branches all laws have together; 0 if they are too many, or ask for more.
-
-    A gate, a gap or a limit may follow from what has no values yet, and so may a direction of slip.
-    """
-    many = 1
-    for k in range(m.ports):
-        if m.port_gate[k] != NO_LAW_VALUE or m.port_gap[k] != NO_LAW_VALUE:
-            return 0
-        if m.port_planar[k] != 0 or m.port_limit[k] >= 0 or m.port_breakaway[k] >= 0:
-            return 0
-        many *= 3 if m.port_two_sided[k] != 0 else 2
-        if many > MANY_BRANCHES:
-            return 0
-    return many
-
-
-def nth_branches(m: Model, r: Laws, turn: int) -> None:
-    """Put the branches of that number, counted from those of the mode, into `r.candidate`."""
-    left = turn
-    for k in range(m.machines):
-        r.candidate[k] = r.state[k]
-    for k in range(m.ports):
-        machine = m.port_machine[k]
-        ways = 3 if m.port_two_sided[k] != 0 else 2
-        now = r.state[machine] if r.state[machine] < ways else 0
-        r.candidate[machine] = (now + left % ways) % ways
-        left //= ways
 
 
 def try_candidate(e: Engine, r: Laws, x: Floats, kept: bool) -> int:
@@ -117,7 +49,11 @@ def try_candidate(e: Engine, r: Laws, x: Floats, kept: bool) -> int:
     e.trial.factors = 0
     for k in range(m.storages):
         r.swept[k] = r.here[k]
-    if r.jumping:
+    if r.leaps:
+        found = leap_candidate(e, r, x, signals)
+        if found != STANDS:
+            return found
+    elif r.jumping:
         found = sweep_candidate(e, r)
         if found != STANDS:
             return found
@@ -131,6 +67,8 @@ def try_candidate(e: Engine, r: Laws, x: Floats, kept: bool) -> int:
         for k in range(m.storages):
             e.trial.x[k] = r.swept[k]
     elif r.jumping:
+        if r.leaps:
+            take_factors(e, e.mode, e.v)
         if jump_into(e, x, e.trial.x) != OK:
             return STOPS
         if r.shifted:
@@ -146,6 +84,8 @@ def try_candidate(e: Engine, r: Laws, x: Floats, kept: bool) -> int:
     if finish_trial(e, r.t, x, signals) != OK:
         r.some_valueless = r.some_valueless or e.trial.valueless
         return NO_ENTRY if e.trial.valueless else STOPS
+    if r.leaps and e.trial.jumps and not carries_as_it_may(e, r):
+        return NO_ENTRY
     if kept and e.trial.loose > 0:
         return BROKEN  # two that share a current at will: let one of them have it
     found = find_broken(e, r)
@@ -191,6 +131,37 @@ def sweep_candidate(e: Engine, r: Laws) -> int:
     return STANDS
 
 
+def leap_candidate(e: Engine, r: Laws, x: Floats, signals: Floats) -> int:
+    """See whether the mode tried can be entered at all, by whatever impulses."""
+    write_entry(e, r.t, x, signals)
+    return STANDS if jump_into(e, x, r.swept) == OK else NO_ENTRY
+
+
+def carries_as_it_may(e: Engine, r: Laws) -> bool:
+    """Whether the impulses of the trial are such as its laws carry in the branches tried.
+
+    A contact pushes; what is open stops nothing that closes it; dry friction has no impulses, and
+    what rebounds has an impact of its own.
+    """
+    m = e.model
+    for k in range(m.ports):
+        for part in range(2):
+            total = 0.0
+            size = 0.0
+            for i in range(m.pair_first[2 * k + part], m.pair_first[2 * k + part + 1]):
+                own = m.pair_value[i] * e.trial.jump[m.bond_slot + m.pair_column[i]]
+                total += own
+                size += math.fabs(own)
+            if math.fabs(total) <= CARRIES * size:
+                continue
+            if part == 0 and (m.port_restitution[k] != NO_LAW_VALUE or total < 0.0):
+                if m.port_two_sided[k] == 0:
+                    return False
+            if part == 1 and (m.port_two_sided[k] != 0 or (total > 0.0 and r.able[k] != 0)):
+                return False
+    return True
+
+
 def find_broken(e: Engine, r: Laws) -> int:
     """Find the rules of laws that hold in their own branches, with finite values.
 
@@ -208,7 +179,7 @@ def find_broken(e: Engine, r: Laws) -> int:
         if m.is_law[k] == 0:
             continue
         state = e.trial.state[k]
-        if state == 0 and r.comes[k] != 0 and not r.unanswered:
+        if state == 0 and r.comes[k] != 0 and not r.unanswered and not r.leaps:
             continue  # what still approaches strikes in the next jump of this instant
         for rule in range(m.rule_first[k], m.rule_first[k + 1]):
             if m.rule_source[rule] != state:

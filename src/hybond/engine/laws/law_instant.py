@@ -103,6 +103,12 @@ def find_able(e: Engine, r: Laws) -> int:
                 if stack.refused != 0:
                     place = node_name(m, m.port_node[k])
                     return say_fault(e, "HB-J101", "a gap is not a number", place)
+                if not math.isfinite(gap):
+                    # nothing touches at no distance, and nothing is known of what is beyond any
+                    place = node_name(m, m.port_node[k])
+                    say_fault(e, "HB-N302", "the gap of the contact is infinite", place)
+                    e.fault.t = r.v[0]
+                    return REFUSED
             r.largest[k] = max(r.largest[k], math.fabs(gap))
             r.able[k] = 1 if on or sign <= 0 or gap <= CLOSED * r.largest[k] else 0
         if m.port_gate[k] != NO_LAW_VALUE:

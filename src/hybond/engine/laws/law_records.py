@@ -202,6 +202,8 @@ class Laws:
 
     # trying what was found
     jumping: bool
+    leaps: bool
+    """Whether a mode tried is entered with whatever impulses that takes: no law has struck yet."""
     at_once: bool
     """Whether contacts that do not approach take part in the impacts of others."""
     struck: bool

@@ -25,12 +25,12 @@ from hybond.engine.laws.law_candidates import (
     BROKEN,
     STANDS,
     STOPS,
-    by_trial,
     try_candidate,
 )
 from hybond.engine.laws.law_instant import NO_LAW_VALUE, make_consistent, quantity, take_instant
 from hybond.engine.laws.law_jumping import find_breaking, find_jumping, sweep_dust
 from hybond.engine.laws.law_records import Laws
+from hybond.engine.laws.law_trials import by_trial
 from hybond.engine.mode.storage import energy_of
 from hybond.engine.mode.values import evaluate
 from hybond.engine.model import Model
@@ -61,11 +61,16 @@ def enter_with_laws(
     if m.tells != 0:
         r.rules_held = 0
     if jump and strike(e, r, x) != OK:
-        if not r.unanswered:
+        if not r.unanswered and (r.now.linear or not r.undecided):
             return REFUSED
+        linearised = not r.unanswered
         for k in range(m.storages):
             r.here[k] = x[k]
-        return OK if by_trial(e, r, x) == STANDS else REFUSED
+        if by_trial(e, r, x) == STANDS:
+            r.undecided = False
+            return OK
+        # what is said of a graph that answers is said by its answers
+        return strike(e, r, x) if linearised else REFUSED
     if not r.struck:
         for k in range(m.storages):
             r.landed[k] = x[k]
@@ -211,7 +216,8 @@ def observe(e: Engine, v: Floats) -> None:
     for k in range(m.ports):
         if m.port_gap[k] != NO_LAW_VALUE:
             gap = math.fabs(quantity(m, m.port_gap, m.port_gap_constant, k, v))
-            r.largest[k] = max(r.largest[k], gap)
+            if math.isfinite(gap):
+                r.largest[k] = max(r.largest[k], gap)
     if m.groups == 0:
         for k in range(m.storages):
             r.moved[k] = v[m.stored_slot + k]

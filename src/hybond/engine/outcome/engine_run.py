@@ -75,6 +75,8 @@ class EngineRun:
         self.keep = keep
         self.journal = journal
         self._slice = FIRST
+        self._last = 0, 0, self.trace.begin if begin is not None else 0.0
+        """Events so far, and the steps and the time before the last slice that had any."""
         self._run = model.run(runners)
         if begin is not None:
             end = float(model.tables.numbers["until"]) if until is None else until
@@ -170,6 +172,7 @@ class EngineRun:
             if self.journal is not None and instants is not None:
                 _write(self.journal, instants)
             self._tidy()
+            self._bound()
             if self.progress is not None:
                 self.progress(self._run.t, self.trace.events.total)
             answer()
@@ -184,6 +187,19 @@ class EngineRun:
         for record in (self.trace.events, self.trace.segments):
             if len(record) > 2 * self.keep:
                 record.forget(len(record) - self.keep)
+
+    def _bound(self) -> None:
+        """Refuse more steps without an event than are to be recorded, clocks among them or none.
+
+        The engine counts anew where signals are sampled, and needs no memory for what it has done.
+        """
+        events = self.trace.events.total
+        if events != self._last[0]:
+            self._last = events, self.records.steps, self._run.t
+        many = self.records.steps - self._last[1]
+        if self.keep is None and many > self.tables.numbers["max_steps"]:
+            t = self._run.t
+            raise self._refused(Refusal("HB-N409", "", "", t, ((t - self._last[2]) / many,)))
 
     def _count(self) -> None:
         run = self._run

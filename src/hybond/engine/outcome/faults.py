@@ -24,7 +24,7 @@ from hybond.records import dataclass
 from hybond.runs.trace import Fired
 
 HINTS = {
-    "HB-C101": "put a resistor between them, or change the rule that switches them together",
+    "HB-C101": "put a resistor in series with a source of effort, beside one of flow",
     "HB-C103": "a controlled source prescribes what it also measures; add storage or resistance",
     "HB-C104": "two sources or switches leave nothing for the law to decide: look at what stands "
     "in parallel or in series with it",

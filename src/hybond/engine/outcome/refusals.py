@@ -10,6 +10,11 @@ from hybond.causality.explain import describe_conflict
 from hybond.causality.orientation import base_mode
 from hybond.engine.compiled.refusal import Refusal
 from hybond.engine.outcome.explain import Explaining
+from hybond.engine.outcome.remedies import (
+    against_conflict,
+    against_no_branches,
+    against_no_solution,
+)
 from hybond.model.expressions import Call, Expr
 from hybond.model.expressions.tree import walk
 from hybond.model.graph import FlatGraph, Mode
@@ -17,7 +22,6 @@ from hybond.records import dataclass
 
 NO_ELEMENT, OVERFLOW = -1, -2
 """In place of an element: as in `hybond.engine.reasons.facts`."""
-OPPOSED = "give the flow of a source another way, or the source a resistance"
 TIMES = 100
 """Instants in a row without any change that end a run."""
 ON_PAIRS = ("abs", "sign", "hypot", "min", "max")
@@ -96,11 +100,8 @@ def _sources(c: Case) -> Said:
     else:
         why = f"{names} prescribe the same variable and differ by {difference:.6g}"
     chains = " ".join(_conflicts(c.graph, mode))
-    where = "in series with" if nodes[0].kind == "Se" else "beside"
-    hint = f"put a resistor {where} {nodes[0].path}" if len(nodes) == 1 else ""
-    if hint and "; switches: " in chains:
-        hint += ", or change what switches it so"
-    return Said(f"{why} {c.now}. {chains}", c.graph.mode_text(mode), hint)
+    hint = against_conflict(nodes, "; switches: " in chains)
+    return Said(f"{why} {c.now}. {chains}".removesuffix(". "), c.graph.mode_text(mode), hint)
 
 
 def _too_high(c: Case) -> Said:
@@ -157,17 +158,24 @@ def _no_branches(c: Case) -> Said:
     finite, *taking = c.numbers
     ports = [law.node for m in c.graph.machines if m.law is not None for law in m.law.junctions]
     # where none may be ON, what keeps them OFF leaves no answer
-    names = c.paths([ports[k] for k in taking] or ports)
-    opposed = _conflicts(c.graph, base_mode(c.graph, c.mode))
+    laws = [ports[k] for k in taking] or ports
+    names = c.paths(laws)
+    base = base_mode(c.graph, c.mode)
+    opposed = _conflicts(c.graph, base)
     what = "finite values" if finite else "impulses"
     none = "have no solution" if c.refusal.code == "HB-J110" else NOT_FOUND
     why = " ".join([f"the {what} of {names} {none} {c.now}.", *opposed])
-    return Said(why.rstrip("."), c.here, OPPOSED if opposed else "")
+    hint = against_no_branches(c.graph, base, laws) if c.refusal.code == "HB-J110" else ""
+    return Said(why.rstrip("."), c.here, hint)
 
 
 def _no_branches_stand(c: Case) -> Said:
-    tried = (f"{c.explain.machine_of(k).path}: {c.explain.rule(k).text}" for k in c.numbers)
-    return Said(f"no branches of the junction laws stand {c.now}: {'; '.join(tried)}", c.here)
+    tried = [f"{c.explain.machine_of(k).path}: {c.explain.rule(k).text}" for k in c.numbers]
+    why = f"no branches of the junction laws stand {c.now}"
+    if tried:
+        return Said(f"{why}: {'; '.join(tried)}", c.here)
+    paths = ", ".join(m.path for m in c.graph.machines if m.law is not None)
+    return Said(f"{why}, of {paths}: what one asks of the next leads back to it", c.here)
 
 
 def _no_end(c: Case) -> Said:
@@ -197,9 +205,11 @@ def _no_rate(c: Case) -> Said:
 
 def _no_solution(c: Case) -> Said:
     mode, nodes = c.given_mode()
-    names = c.paths([int(k) for k in nodes])
+    elements = [int(k) for k in nodes]
+    names = c.paths(elements)
     why = f"the laws of {names} have no common solution that was found (t = {c.refusal.t:.9g} s)"
-    return Said(why, c.graph.mode_text(mode))
+    hint = against_no_solution([c.graph.nodes[k] for k in elements])
+    return Said(why, c.graph.mode_text(mode), hint)
 
 
 def _guard_without_value(c: Case) -> Said:

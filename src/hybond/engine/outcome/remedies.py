@@ -1,0 +1,121 @@
+"""What to add to a model that is refused: by name, and where."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from hybond.causality.assign import assign
+from hybond.model.expressions import Call, Expr
+from hybond.model.expressions.tree import names, walk
+from hybond.model.graph import FlatGraph, Mode, Node
+from hybond.model.joined import Joined
+
+MANY = 3
+"""Elements that a remedy names at the most."""
+PAINLEVE = "friction of a rigid contact may leave none (Painleve): give the contact a stiffness"
+STEPS = ("sign", "floor", "ceil", "mod")
+"""Functions that jump wherever they are."""
+
+
+def gives_effort(node: Node) -> bool:
+    """Whether an element prescribes an effort: a source, or a law with a flat end."""
+    return node.kind == "Se" if node.law is None or node.kind[0] == "S" else node.law.output == "e"
+
+
+def resistors(nodes: Iterable[Node]) -> str:
+    """Return where resistors go that let these elements give what they prescribe; "" for none."""
+    parts = [
+        ("in series with " if gives_effort(n) else "beside ") + n.path for n in dict.fromkeys(nodes)
+    ]
+    if len(parts) > MANY:
+        parts[MANY - 1 :] = [f"so with {len(parts) - MANY + 1} more"]
+    return f"put a resistor {', and one '.join(parts)}" if parts else ""
+
+
+def against_conflict(nodes: list[Node], switched: bool) -> str:
+    """Return what to try where these elements prescribe one variable, or what holds it at zero.
+
+    Where there are sources the rest is not to blame: laws with a flat end give way beside it.
+    """
+    sources = [n for n in nodes if n.kind in ("Se", "Sf")]
+    flat = [n.path for n in nodes if n.kind not in ("Se", "Sf")]
+    hint = resistors(sources or nodes)
+    if flat:
+        hint += f", or let the law of {' and '.join(flat[:MANY])} rise at its flat end"
+    return hint + (", or change what switches it so" if switched else "")
+
+
+def against_no_branches(graph: FlatGraph, mode: Mode, laws: Iterable[int]) -> str:
+    """Return what to try where junctions with these laws have no branches.
+
+    Where every limit is known before its force is, laws that ask for nothing would all hold: it is
+    sources that ask for more. Those in the way of a conflict are named, else all that hang together
+    with the junctions.
+    """
+    hint = resistors(_opposing(graph, mode)) or resistors(_sources_at(graph, laws))
+    if not hint:
+        return f"{PAINLEVE}, or a source a resistance"
+    return f"{PAINLEVE}, or {hint}" if _follows_force(graph) else hint
+
+
+def against_no_solution(elements: list[Node]) -> str:
+    """Return what to try where laws of these elements have no common solution.
+
+    A law that jumps has no value within its jump; dry friction has. One that ends gives more with a
+    resistor added to what it gives.
+    """
+    stepped = [n for n in elements if n.law is not None and any(map(_steps, n.law.expressions))]
+    if not stepped:
+        return (
+            f"look whether these laws can give what is asked of them; {resistors(elements)}, "
+            "which gives what they cannot"
+        )
+    path = " and ".join(n.path for n in stepped[:MANY])
+    kinds = sorted({"1" if n.law is not None and n.law.output == "e" else "0" for n in stepped})
+    where = " or ".join(f"{k}-junction" for k in kinds)
+    others = [n for n in elements if n not in stepped]
+    more = f"; {resistors(others)}, if more is asked than they give" if others else ""
+    return (
+        f"{path} may be asked for a value within a jump: where sign() stands for dry friction, a "
+        f"{where} with law = 'coulomb' has these values; else write the steep line, such as "
+        f"tanh(){more}"
+    )
+
+
+def _steps(e: Expr) -> bool:
+    """Whether an expression has a function that jumps."""
+    return any(isinstance(part, Call) and part.function in STEPS for part, _ in walk(e))
+
+
+def _opposing(graph: FlatGraph, mode: Mode) -> list[Node]:
+    """Return the sources at the ends of what disagrees in a mode."""
+    found: dict[int, Node] = {}
+    for conflict in assign(graph, mode).conflicts:
+        for origin in (conflict.origin_a, conflict.origin_b):
+            node = graph.nodes[origin.node]
+            if node.kind in ("Se", "Sf") and not node.implied:
+                found[node.index] = node
+    return [found[k] for k in sorted(found)]
+
+
+def _sources_at(graph: FlatGraph, ports: Iterable[int]) -> list[Node]:
+    """Return the sources that hang together with some nodes by bonds."""
+    joined = Joined(range(len(graph.nodes)))
+    for bond in graph.bonds:
+        joined.join((bond.tail, bond.head))
+    roots = {joined.root(k) for k in ports}
+    return [
+        n
+        for n in graph.nodes
+        if n.kind in ("Se", "Sf") and not n.implied and joined.root(n.index) in roots
+    ]
+
+
+def _follows_force(graph: FlatGraph) -> bool:
+    """Whether a limit of friction reads an effort or a flow that the laws may change at once."""
+    for machine in graph.machines:
+        for law in machine.law.junctions if machine.law is not None else ():
+            for limit in (law.limit, law.breakaway):
+                if limit is not None and any(n.startswith(("e:", "f:")) for n in names(limit)):
+                    return True
+    return False

@@ -1,0 +1,119 @@
+"""What refusals tell one to try, done: the run goes on, to values known otherwise."""
+
+from typing import Any
+
+import pytest
+
+import hybond as hb
+
+
+def model(bonds: str, switch: tuple[str, ...] = (), **parts: Any) -> hb.Model:
+    """Return a model of parts and chains of bonds; `switch` are OFF until 0.5 s."""
+    m = hb.Model("remedies")
+    m.add(**parts)
+    m.bond(*bonds.split(", "))
+    if switch:
+        states = {"off": [], "on": list(switch)}
+        m.machine("k", states=states, start="off", rules=["off -> on when time >= 0.5"])
+    return m
+
+
+def refusal(m: hb.Model, code: str) -> hb.HybondError:
+    """Return how it is refused."""
+    with pytest.raises(hb.HybondError, match=code) as seen:
+        hb.simulate(m, 1.0)
+    return seen.value
+
+
+def test_two_sources_of_flow_get_resistors_beside() -> None:
+    parts = {"a": hb.Sf(3.0), "b": hb.Sf(2.0), "j": hb.One(), "l": hb.I(1.0)}
+    hint = refusal(model("a -> j -> l, b -> j", **parts), "HB-C101").hint
+    assert hint == "put a resistor beside a, and one beside b"
+    more = {"x": hb.Zero(), "y": hb.Zero(), "r": hb.R(2.0), "s": hb.R(2.0)}
+    mended = model("a -> x -> j -> l, x -> r, b -> y -> j, y -> s", **parts, **more)
+    run = hb.simulate(mended, 10.0)
+    # at rest the coil has no voltage: 2*(3 - f) + 2*(2 - f) = 0
+    assert run["l.f"].at(10.0) == pytest.approx(2.5, rel=1e-6)
+
+
+def test_a_source_that_a_switch_shorts_gets_one_in_series() -> None:
+    parts = {"v": hb.Se(5.0), "n": hb.Zero(), "c": hb.C(1.0)}
+    hint = refusal(model("v -> n -> c", ("n",), **parts), "HB-C101").hint
+    assert hint == "put a resistor in series with v, or change what switches it so"
+    more = {"j": hb.One(), "r": hb.R(2.0)}
+    run = hb.simulate(model("v -> j -> n -> c, j -> r", ("n",), **parts, **more), 1.0)
+    assert run["r.f"].at(0.4) == pytest.approx(2.5, rel=1e-12)
+
+
+@pytest.mark.parametrize(("law", "most"), [("2*tanh(f)", 2.0), ("max(-1.5, min(1.5, f))", 1.5)])
+def test_a_flat_end_is_named_and_its_source_gets_the_resistor(law: str, most: float) -> None:
+    parts = {"v": hb.Se(5.0), "c": hb.C(0.01), "r": hb.R({"e": law})}
+    error = refusal(model("v -> n -> r, n -> c", n=hb.Zero(), **parts), "HB-C101")
+    assert error.why.endswith("at t = 0 s")  # and no empty sentence after it
+    assert error.hint == "put a resistor in series with v, or let the law of r rise at its flat end"
+    more = {"n": hb.Zero(), "s": hb.One(), "x": hb.R(0.1)}
+    run = hb.simulate(model("v -> s -> n -> r, s -> x, n -> c", **parts, **more), 1.0)
+    # at rest r gives all that it can, and the resistor the rest
+    assert run["c.e"].at(1.0) == pytest.approx(most, rel=1e-6)
+    assert run["x.f"].at(1.0) == pytest.approx((5.0 - most) / 0.1, rel=1e-6)
+
+
+def test_a_source_that_pushes_a_relay_beyond_its_limit_is_named() -> None:
+    parts = {"s": hb.Sf("2*time"), "j": hb.Zero(law="relay", limit=0.7)}
+    error = refusal(model("s -> j", **parts), "HB-J110")
+    assert error.hint == "put a resistor beside s"
+    run = hb.simulate(model("s -> n -> j, n -> r", **parts, n=hb.Zero(), r=hb.R(5.0)), 1.0)
+    # the relay takes what it can, the resistor the rest
+    assert run["r.e"].at(0.9) == pytest.approx(5.0 * (1.8 - 0.7), rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("r", "kind"), [({"e": "2*sign(f)"}, "1-junction"), ({"f": "2*sign(e)"}, "0-junction")]
+)
+def test_a_value_within_a_jump_is_one_of_dry_friction(r: dict[str, str], kind: str) -> None:
+    by_flow = "f" in r
+    source = hb.Sf(0.5) if by_flow else hb.Se(0.5)
+    parts = {"s": source, "j": hb.Zero() if by_flow else hb.One()}
+    error = refusal(model("s -> j -> r", **parts, r=hb.R(r)), "HB-N301")
+    assert f"a {kind} with law = 'coulomb'" in error.hint
+    held = hb.Zero if by_flow else hb.One
+    run = hb.simulate(model("s -> j -> r", **parts, r=held(law="coulomb", limit=2.0)), 1.0)
+    assert run["r.e" if by_flow else "r.f"].at(0.5) == 0.0
+
+
+def test_a_law_that_ends_gets_a_resistor_for_the_rest() -> None:
+    parts = {"s": hb.Se(3.0), "j": hb.One(), "r": hb.R({"e": "2*tanh(f)"})}
+    error = refusal(model("s -> j -> r", **parts), "HB-N301")
+    assert "put a resistor in series with r" in error.hint
+    run = hb.simulate(model("s -> j -> r, j -> x", **parts, x=hb.R(1.0)), 1.0)
+    f = run["x.f"].at(0.5)
+    assert 3.0 - f == pytest.approx(run["r.e"].at(0.5), rel=1e-9)
+    assert 0.9 < f < 1.6  # between all of it and none of it saturated
+
+
+@pytest.mark.parametrize("gap", ["y - 1/(time - time)", "y + 1/(0*y)", "y - exp(1e4 + y)"])
+@pytest.mark.parametrize("how", [{}, {"solver": "moreau-jean", "step": 1e-3}])
+def test_a_contact_of_no_distance_neither_touches_nor_stays_open(
+    gap: str, how: dict[str, Any]
+) -> None:
+    m = hb.Model("gap")
+    m.add(c=hb.Zero(law="unilateral", gap="h"), v=hb.One(), i=hb.I(1.0, p=-1.0))
+    m.bond("c -> v -> i")
+    m.signal(y=hb.Integral("v.f", start=0.1), h=gap)
+    with pytest.raises(hb.HybondError, match="HB-N302 at c: the gap of the contact is infinite"):
+        hb.simulate(m, 0.05, **how)
+
+
+@pytest.mark.parametrize("how", [{}, {"solver": "moreau-jean", "step": 1e-3}])
+def test_samples_without_an_event_are_steps_to_remember(how: dict[str, Any]) -> None:
+    m = hb.Model("clock")
+    m.signal(a=hb.Sampled("time", every=1e-5))
+    limits = hb.Limits(steps=500)
+    with pytest.raises(hb.NumericsError, match="HB-N409") as seen:
+        hb.simulate(m, 0.02, limits=limits, **how)
+    # no more than two slices of a run beyond it
+    assert seen.value.partial is not None
+    assert 500 * 1e-5 < seen.value.partial.t_end < 0.02
+    more = {"limits": hb.Limits(steps=6000)} if how else {"limits": limits, "keep": 10}
+    kept = hb.simulate(m, 0.02, **more, **how)
+    assert kept["a"].at(0.02) == pytest.approx(0.02, abs=1.5e-5)
