@@ -17,6 +17,7 @@ from hybond.engine.expressions.paired import holds
 from hybond.engine.inputs.interval import hold_before, interval_after
 from hybond.engine.inputs.sampling import sample
 from hybond.engine.instant.doubts import warn_of_moduli
+from hybond.engine.instant.left_out import warn_of_left_out
 from hybond.engine.instant.entering import enter
 from hybond.engine.instant.in_force import is_asked
 from hybond.engine.instant.indeterminate import (
@@ -256,6 +257,7 @@ def write(e: Engine, g: Settling, i: Instant) -> int:
     m = e.model
     note_hits(e, i)
     warn_of_moduli(e, e.mode)
+    warn_of_left_out(e, e.mode)
     if e.trial.struck:
         write_struck(e, i)
         tell_trial(e, i, g.x, True)
