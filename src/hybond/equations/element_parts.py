@@ -149,8 +149,8 @@ class Parts:
             value = Number(0.0) if off else laws[0]
             if reads_bonds(value) or node.impulsive:
                 sends = self._laws[node.index][2]
-                made = _controlled_source(node, name, value, sends=sends)
-                return Part(dynamic=(made,), steady=steady)
+                given = _controlled_source(node, name, value, sends=sends)
+                return Part(dynamic=(given,), steady=steady)
             source = Source(node.index, end.bond, value, partial_time(value, self.graph))
             return Part((self._row({name: 1.0}),), source=source, steady=steady)
         if node.kind in TWO_PORTS:

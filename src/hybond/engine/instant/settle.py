@@ -17,7 +17,6 @@ from hybond.engine.expressions.paired import holds
 from hybond.engine.inputs.interval import hold_before, interval_after
 from hybond.engine.inputs.sampling import sample
 from hybond.engine.instant.doubts import warn_of_moduli
-from hybond.engine.instant.left_out import warn_of_left_out
 from hybond.engine.instant.entering import enter
 from hybond.engine.instant.in_force import is_asked
 from hybond.engine.instant.indeterminate import (
@@ -41,6 +40,7 @@ from hybond.engine.instant.instant import (
     note_step,
 )
 from hybond.engine.instant.jump import SWEPT
+from hybond.engine.instant.left_out import warn_of_left_out
 from hybond.engine.instant.passed_over import enter_or_pass
 from hybond.engine.instant.staying import (
     acts_on_prior,

@@ -10,9 +10,12 @@ from hybond.causality.explain import describe_conflict
 from hybond.causality.orientation import base_mode
 from hybond.engine.compiled.refusal import Refusal
 from hybond.engine.outcome.explain import Explaining
+from hybond.equations.calculus import localised, reads_bonds
+from hybond.equations.element_parts import sends_impulses
 from hybond.model.expressions import Call, Expr
 from hybond.model.expressions.tree import walk
 from hybond.model.graph import FlatGraph, Mode
+from hybond.model.kinds import RESISTORS, SOURCES
 from hybond.records import dataclass
 
 NO_ELEMENT, OVERFLOW = -1, -2
@@ -231,7 +234,20 @@ def _no_value(c: Case) -> Said:
 
 
 def _no_jump(c: Case) -> Said:
-    return Said(f"{c.refusal.why} {c.now}", c.graph.mode_text(c.given_mode()[0]))
+    why, where = f"{c.refusal.why} {c.now}", c.graph.mode_text(c.given_mode()[0])
+    sources: list[str] = []
+    bends: list[str] = []
+    for n in c.graph.nodes:
+        if n.law is None or n.law.matrix is not None or n.kind not in (*SOURCES, *RESISTORS):
+            continue
+        laws = localised(n, n.law.expressions)
+        if n.kind in RESISTORS or any(reads_bonds(e) for e in laws):
+            (sources if sends_impulses(n, laws) else bends).append(n.path)
+    if c.refusal.code != "HB-N303" or not sources or not bends:
+        return Said(why, where)
+    hint = f"`impulsive = false` at {' or '.join(sources)}, if it is finite in jumps: the law of "
+    hint += f"{' or '.join(bends)} takes no impulse; else storage or a linear resistance there"
+    return Said(why, where, hint)
 
 
 def _no_sample(c: Case) -> Said:

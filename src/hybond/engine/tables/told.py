@@ -28,7 +28,8 @@ def put_told(t: ModelTables, *, tells: bool) -> None:
             shown.append(place[e])
     t.ints["told_first"] = [0, *accumulate(len(rule.reads) for rule in rules)]
     t.ints["told_pair"] = shown
-    t.ints["dynamic_pair"] = [_of_jumps(t, d, tells=tells) for d in range(len(t.ints["dynamic_node"]))]
+    rows = range(len(t.ints["dynamic_node"]))
+    t.ints["dynamic_pair"] = [_of_jumps(t, d, tells=tells) for d in rows]
     own, other, sign = [], [], []
     bonds = len(t.graph.bonds)
     for node in t.graph.nodes if tells else ():
