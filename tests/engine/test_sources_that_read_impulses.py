@@ -1,7 +1,7 @@
 """A source that is a multiple of what it reads is that in a jump, too; others say what they leave.
 
 Oracles: the same graph with the two-port that the sources stand for, charge shared in closed form
-(q1 + n q2 is conserved through n turns), flux of a coil times a transconductance, and time-stepping,
+(q1 + n q2 is conserved through n turns), flux of a coil times a transconductance, time-stepping,
 which knows no impulses.
 """
 
