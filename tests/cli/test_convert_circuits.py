@@ -168,6 +168,6 @@ def test_measurements_are_columns_of_a_sweep_and_follow_its_parameters(shell: An
     head = (shell.folder / "table.csv").read_text().splitlines()[0]
     assert head == "member,R,status,t_end,events,C1.q,C1.e,vt,mean,charge,meas_events,never"
     # a run with another value, too, and what is measured is no final value
-    record = shell("run", "rc.cir", "--set", "R=2k", "--json").json
+    record = shell("run", "rc.cir", "--set", "R=2000", "--json").json
     assert record["measurements"]["vt"] == pytest.approx(1 - math.exp(-1), rel=1e-6)
     assert set(record["final"]) == {"C1.q", "C1.e"}
