@@ -7,6 +7,7 @@ which knows no impulses.
 
 from __future__ import annotations
 
+import random
 from pathlib import Path
 
 import pytest
@@ -177,3 +178,44 @@ def test_a_netlist_with_sources_that_compute(tmp_path: Path) -> None:
     assert energy is not None
     assert float(run["a.e"].at(1.01e-3)) == pytest.approx(4.0, rel=1e-6)
     assert energy.lost == pytest.approx(40e-6, rel=1e-6)
+
+
+def chain(seed: int, *, real: bool) -> hb.Model:
+    """A tree of capacitors that switches and transformers join at once, or what stands for them."""
+    draw = random.Random(seed)
+    m = hb.Model("tree", domain="electrical")
+    n = draw.randint(2, 5)
+    for k in range(n):
+        m.add(**{f"C{k}": hb.C(10 ** draw.uniform(-2, 2), e=draw.uniform(-10, 10))})
+        m.add(**{f"v{k}": hb.Zero()})
+        m.bond(f"v{k} -> C{k}")
+    for k in range(1, n):
+        j, r = draw.randrange(k), 10 ** draw.uniform(-1, 1) * draw.choice([1, -1])
+        m.add(**{f"S{k}": hb.One()})
+        if real:
+            m.add(**{f"t{k}": hb.TF(r)})
+            m.bond(f"v{j} -> S{k} -> t{k} -> v{k}")
+        elif k % 2:  # e1 = r e2 and f2 = r f1
+            m.add(**{f"a{k}": hb.Se(f"{r!r}*v{k}.e"), f"b{k}": hb.Sf(f"{r!r}*S{k}.f")})
+            m.bond(f"v{j} -> S{k} -> a{k}", f"b{k} -> v{k}")
+        else:  # e2 = e1/r and f1 = f2/r
+            m.add(**{f"q{k}": hb.Zero(), f"i{k}": hb.One()})
+            m.add(**{f"a{k}": hb.Se(f"q{k}.e/{r!r}"), f"b{k}": hb.Sf(f"i{k}.f/{r!r}")})
+            m.bond(f"v{j} -> S{k} -> q{k} -> b{k}", f"a{k} -> i{k} -> v{k}")
+    shut = [f"S{k}" for k in range(1, n)]
+    rules = ["open -> shut when time >= 0.1 s"]
+    m.machine("switches", states={"open": [], "shut": shut}, start="open", rules=rules)
+    return m
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_trees_of_sources_share_what_trees_of_transformers_share(seed: int) -> None:
+    twin, own = (hb.simulate(chain(seed, real=real), "0.1 s") for real in (True, False))
+    stored = [name for name in twin.final if name.endswith(".q")]
+    size = max(abs(float(twin[name].at(0.1))) for name in stored)
+    for name in stored:
+        assert float(own[name].at(0.1)) == pytest.approx(float(twin[name].at(0.1)), abs=1e-9 * size)
+    lost = [run.events[-1].steps[-1].energy for run in (twin, own)]
+    assert lost[0] is not None and lost[1] is not None
+    assert lost[1].lost == pytest.approx(lost[0].lost, rel=1e-9)
+    assert not own.warnings
