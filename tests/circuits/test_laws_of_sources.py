@@ -96,3 +96,20 @@ def test_what_is_no_table_is_refused(tmp_path: Path, row: str, code: str, why: s
     with pytest.raises(hb.FileError, match=code) as caught:
         run(tmp_path, SWEPT, row, "R1 o 0 1")
     assert why in str(caught.value)
+
+
+VARISTOR = ["V1 s 0 SIN(0 100 50)", "R1 s b 10", "L9 b a 1m", "B1 a 0 I=1e-3*v(a)*abs(v(a)/40)^5"]
+
+
+def test_a_varistor_behind_a_coil_wants_what_it_has_beside_it(tmp_path: Path) -> None:
+    path = tmp_path / "varistor.cir"
+    rows = ["varistor", *VARISTOR, ".tran 10u 6m", ".end"]
+    path.write_text("\n".join(rows) + "\n")
+    with pytest.raises(hb.HybondError, match="the law of B1 is flat where") as caught:
+        hb.simulate(hb.read_circuit(path).model)
+    assert caught.value.code == "HB-N410" and "a capacitance" in str(caught.value)
+    path.write_text("\n".join([*rows[:-2], "C9 a 0 10n", *rows[-2:]]) + "\n")
+    conversion = hb.read_circuit(path)
+    run = hb.simulate(conversion.model)
+    clamped = run[conversion.signal("v(a)")].max()
+    assert float(clamped) == pytest.approx(77.99569, rel=1e-4)  # ngspice 39, without the capacitor

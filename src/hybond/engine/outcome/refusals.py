@@ -12,7 +12,7 @@ from hybond.engine.compiled.refusal import Refusal
 from hybond.engine.outcome.explain import Explaining
 from hybond.equations.calculus import localised, reads_bonds
 from hybond.equations.element_parts import sends_impulses
-from hybond.model.expressions import Call, Expr
+from hybond.model.expressions import Call, Expr, jumping
 from hybond.model.expressions.tree import walk
 from hybond.model.graph import FlatGraph, Mode
 from hybond.model.kinds import RESISTORS, SOURCES
@@ -322,6 +322,8 @@ def _slides_on(c: Case) -> Said:
 
 
 def _rate_jumps(c: Case) -> Said:
+    if not c.numbers:
+        return _switches_back(c)
     (signal,) = c.numbers
     path = c.graph.integrals[signal].path
     why = f"the rate of {path!r} jumps and switches back at once, again and again {c.now}"
@@ -330,6 +332,21 @@ def _rate_jumps(c: Case) -> Said:
         path,
         "let the rate read the state of a machine with these conditions as its guards, which "
         'slides: if limit.state == "high" then 0 else ...; or take control.pi_clamped',
+    )
+
+
+def _switches_back(c: Case) -> Said:
+    """Return what a law does that jumps, or is as steep as a jump where it is read backwards."""
+    path = c.refusal.place
+    laws = [n.law for n in c.graph.nodes if n.path == path and n.law is not None]
+    if not laws or any(jumping(e) for law in laws for e in law.expressions):
+        return Said(f"{c.refusal.why} {c.now}", path)
+    return Said(
+        f"the law of {path} is flat where what it reads is zero, so that what the rest gives it "
+        f"decides along a line as steep as a jump, again and again {c.now}",
+        path,
+        "what it has beside it in reality: a capacitance or a resistance across a law of a flow, "
+        "in series with a law of an effort; of varistors electrical.varistor",
     )
 
 
@@ -372,5 +389,6 @@ NO_NUMBERS = (
     "HB-N303",
     "HB-N304",
     "HB-N406",
+    "HB-N410",
 )
 """What may be known of these is nothing, or their reason and place are enough."""
