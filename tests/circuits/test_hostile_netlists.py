@@ -87,7 +87,6 @@ WRONG = {
     "a MOSFET": (GOOD + "M1 a b 0 0 MX\n", "HB-F136", 4),
     "a behavioural source": (GOOD + "B1 a 0 Q=v(a)*2\n", "HB-F130", 4),
     "a line": (GOOD + "T1 a 0 b 0 Z0=50\n", "HB-F136", 4),
-    "a polynomial": (GOOD + "E1 b 0 POLY(2) a 0 a 0 0 1 1 1\nR2 b 0 1\n", "HB-F136", 4),
     "a value of a node that is not there": (
         GOOD + "E1 b 0 VALUE={v(q)*2}\nR2 b 0 1\n",
         "HB-F134",

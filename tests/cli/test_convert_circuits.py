@@ -134,3 +134,40 @@ def test_a_netlist_is_checked_and_exported_as_it_is(shell: Any) -> None:
     assert done.code == 0 and "Half-wave rectifier" in done.out
     done = shell("export", "rectifier.cir", "--to", "python", "--out", "rectifier.py")
     assert done.code == 0 and (shell.folder / "rectifier.py").exists()
+
+
+STEPPED = """RC, charged for as long as its time constant
+.param R=1k T={R*1u}
+V1 a 0 1
+R1 a b {R}
+C1 b 0 1u IC=0
+.tran 1u 10m uic
+.step param R list 500 1k 2k
+.meas tran vt find v(b) at={T}
+.meas tran mean avg v(b) from={T} to={2*T}
+.meas tran charge param='vt*T/R'
+.meas tran events when v(b)=0.5
+.meas tran never when v(b)=2
+.end
+"""
+
+
+def test_measurements_are_columns_of_a_sweep_and_follow_its_parameters(shell: Any) -> None:
+    """Each at its own time constant: 1 - 1/e, whatever R is; the table is not that of the ends."""
+    shell.file("rc.cir", STEPPED)
+    record = shell("sweep", "rc.cir", "--json").json
+    assert set(record["final"]) == {"C1.q", "C1.e"} == set(record["units"])
+    found = record["measurements"]
+    assert found["vt"] == pytest.approx(3 * [1 - math.exp(-1)], rel=1e-6)
+    assert found["mean"] == pytest.approx(3 * [1 - math.exp(-1) + math.exp(-2)], rel=1e-6)
+    assert found["charge"] == pytest.approx(3 * [1e-6 * (1 - math.exp(-1))], rel=1e-6)
+    assert found["meas_events"] == pytest.approx([r * 1e-6 * math.log(2) for r in (500, 1e3, 2e3)])
+    assert found["never"] == [None, None, None]
+    done = shell("sweep", "rc.cir", "--out", "table.csv")
+    assert done.out.splitlines()[2].split()[-5:] == ["vt", "mean", "charge", "meas_events", "never"]
+    head = (shell.folder / "table.csv").read_text().splitlines()[0]
+    assert head == "member,R,status,t_end,events,C1.q,C1.e,vt,mean,charge,meas_events,never"
+    # a run with another value, too, and what is measured is no final value
+    record = shell("run", "rc.cir", "--set", "R=2000", "--json").json
+    assert record["measurements"]["vt"] == pytest.approx(1 - math.exp(-1), rel=1e-6)
+    assert set(record["final"]) == {"C1.q", "C1.e"}

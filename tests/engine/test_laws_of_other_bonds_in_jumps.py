@@ -50,9 +50,9 @@ def test_it_has_no_part_in_a_jump(factor: str, kind: str, turned: bool) -> None:
     assert not any("creates" in w for w in run.warnings)
 
 
-def test_a_source_and_a_resistor_of_one_law_agree() -> None:
+def test_a_source_that_carries_no_impulse_agrees_with_a_resistor_of_its_law() -> None:
     jumps = []
-    for lean in (hb.R({"e": "-0.5*x.e"}), hb.Se("-0.5*x.e")):
+    for lean in (hb.R({"e": "-0.5*x.e"}), hb.Se("-0.5*x.e", impulsive=False)):
         own = hb.Model("own", domain="rotational")
         own.add(A=hb.I("1 kg*m^2", f="3 rad/s"), B=hb.I("2 kg*m^2"), a=hb.One(), x=hb.Zero())
         own.add(dog=hb.Zero(), lean=lean)

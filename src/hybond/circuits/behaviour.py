@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from itertools import combinations_with_replacement
 
 from hybond.circuits.formulas import read_formula
 from hybond.circuits.notices import Line
@@ -21,6 +22,9 @@ _VALUE = re.compile(
 )
 _POLY = re.compile(
     r"\S+\s+(\S+)\s+(\S+)\s+poly\s*\(\s*(\d+)\s*\)\s*(.+)\Z", re.IGNORECASE | re.DOTALL
+)
+_TABLE = re.compile(
+    r"\S+\s+(\S+)\s+(\S+)\s+table\s*=?\s*\{([^{}]*)\}\s*=?\s*(.+)\Z", re.IGNORECASE | re.DOTALL
 )
 
 
@@ -89,6 +93,11 @@ def behaviour_of(line: Line) -> tuple[tuple[str, str], Law] | None:
     match = _VALUE.match(line.text) if kind in "eg" else None
     if match is not None:
         return (match[1], match[2]), read_law(match[3], line, imposes)
+    match = _TABLE.match(line.text) if kind in "eg" else None
+    if match is not None:
+        points = re.findall(r"\{[^{}]*\}|[^\s(),]+", match[4])
+        text = f"table({match[3]}, {', '.join(p.strip('{}') for p in points)})"
+        return (match[1], match[2]), read_law(text, line, imposes)
     match = _POLY.match(line.text)
     if match is None:
         return None
@@ -97,7 +106,10 @@ def behaviour_of(line: Line) -> tuple[tuple[str, str], Law] | None:
 
 
 def _polynomial(count: int, rest: str, kind: str, line: Line) -> str:
-    """Return a polynomial as an expression: of one variable, or linear in several."""
+    """Return a polynomial as an expression; products of its variables come as SPICE orders them.
+
+    After the constant those of one variable, then all of two, three: x, y, x*x, x*y, y*y, ...
+    """
     words = re.findall(r"\{[^{}]*\}|[^\s(),]+", rest)
     width = 2 if kind in "eg" else 1
     given = words[width * count :]
@@ -118,10 +130,11 @@ def _polynomial(count: int, rest: str, kind: str, line: Line) -> str:
             return f"{factors[0]}*{reads[0]}"
         powers = ["1", reads[0], *(f"{reads[0]}**{k}" for k in range(2, len(factors)))]
         return " + ".join(f"{c}*{x}" for c, x in zip(factors, powers, strict=True))
-    if len(factors) > count + 1:
-        raise line.refuse(
-            f"products of the {count} variables of a polynomial",
-            code="HB-F136",
-            hint="write the polynomial as VALUE={...}",
-        )
-    return " + ".join(f"{c}*{x}" for c, x in zip(factors, ["1", *reads], strict=False))
+    powers = ["1", *reads]
+    degree = 2
+    while len(powers) < len(factors):
+        powers += ["*".join(c) for c in combinations_with_replacement(reads, degree)]
+        degree += 1
+    # what is zero is left out: macro models have long rows of zeros
+    terms = [(c, x) for c, x in zip(factors, powers, strict=False) if c.strip("()") != "0"]
+    return " + ".join(f"{c}*{x}" for c, x in terms) or "0"

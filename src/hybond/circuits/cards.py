@@ -181,7 +181,8 @@ def read_card(line: Line, notices: Notices) -> Card:
         raise line.refuse(
             "a controlled source that is not a gain times one voltage or current",
             code="HB-F136",
-            hint="write a linear one as several E, F, G or H; other laws can be added by hand",
+            hint="write it as VALUE={...} of voltages, currents and `time`: E and G take an "
+            "expression, also table(x, x0, y0, x1, y1); LAPLACE and FREQ as R, C and gains",
         )
     plain, options = options_of(words, line)
     _check_options(kind, options, line, notices)
@@ -284,7 +285,7 @@ def _source(
             raise line.refuse(
                 f"{rest[k]!r} is not understood",
                 code="HB-F130",
-                hint="DC value, PULSE, SIN, EXP, PWL or SFFM",
+                hint="DC value, PULSE, SIN, EXP, PWL, SFFM or AM",
             )
     if wave is not None and wave[0] == "pwl":
         wave = ("pwl", _absolute(wave[1]))

@@ -357,7 +357,9 @@ class _Making:
 
     def measures(self) -> tuple[Wanted, ...]:
         """Return what is measured in terms of the model."""
-        found = (wanted_of(one, self.woven, self.opened) for one in self.deck.measures)
+        found = (
+            wanted_of(one, self.woven, self.opened, self.parameters) for one in self.deck.measures
+        )
         return tuple(one for one in found if one is not None)
 
     def steps(self) -> tuple[tuple[str, tuple[float, ...]], ...]:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import pairwise
 
 from hybond.circuits.notices import Line
 from hybond.circuits.numerals import NUMERAL, is_ambiguous, numeral, scaled
@@ -57,6 +58,8 @@ _BINDS = {
 _ALIASES = {"ln": "log", "sgn": "sign", "arctan": "atan", "pow": "^", "ternary_fcn": "if"}
 _ARGUMENTS = {name: least for name, (least, _) in FUNCTIONS.items() if name != "mod"}
 _ARGUMENTS |= {"^": 2, "if": 3, "u": 1, "uramp": 1, "limit": 3}
+_LINES = ("table", "pwl")
+"""Functions of an argument and points; ``pwl`` goes on with the slopes at its ends."""
 
 
 def read_formula(text: str, line: Line) -> Expr:
@@ -198,13 +201,16 @@ class _Parser:
         self.take(")")
         if name in self.line.functions:
             return self.defined(name, arguments)
+        if name in _LINES:
+            return self.lines(name, list(map(as_value, arguments)))
         name = _ALIASES.get(name, name)
         wanted = _ARGUMENTS.get(name)
         if name in ("min", "max") and len(arguments) > 2:
             wanted = len(arguments)
         if wanted is None:
             raise self.refuse(
-                f"the function {name!r} is not known here", "known: " + ", ".join(_ARGUMENTS)
+                f"the function {name!r} is not known here",
+                "known: " + ", ".join([*_ARGUMENTS, *_LINES]),
             )
         if len(arguments) != wanted:
             raise self.refuse(f"{name!r} takes {wanted} arguments, not {len(arguments)}")
@@ -223,6 +229,31 @@ class _Parser:
             return _combined(name, *arguments)
         return Call(name, tuple(map(as_value, arguments)))
 
+    def lines(self, name: str, arguments: list[Expr]) -> Expr:
+        """Return straight lines between points, as a sum of what each of them adds."""
+        x, *points = arguments
+        xs, ys = points[::2], points[1::2]
+        if len(points) < 4 or len(points) % 2:
+            raise self.refuse(f"{name!r} takes an argument and two or more points x, y")
+        at = [e.value for e in xs if isinstance(e, Number)]
+        if len(at) < len(xs):
+            raise self.refuse(f"a point of {name!r} is not at a number", "write numbers there")
+        if any(b <= a for a, b in pairwise(at)):
+            raise self.refuse(f"the points of {name!r} do not ascend", "sort them, each x once")
+        terms = [ys[0]]
+        for k in range(1, len(xs)):
+            inner = x
+            if k > 1 or name == "table":
+                inner = Call("max", (inner, xs[k - 1]))
+            if k < len(xs) - 1 or name == "table":
+                inner = Call("min", (inner, xs[k]))
+            slope = Binary("/", Binary("-", ys[k], ys[k - 1]), Number(at[k] - at[k - 1]))
+            terms.append(Binary("*", slope, Binary("-", inner, xs[k - 1])))
+        whole = summed(terms)
+        if size(whole) > LARGEST:
+            raise self.refuse(f"{name!r} has too many points for an expression of {LARGEST} parts")
+        return whole
+
     def defined(self, name: str, arguments: list[Expr]) -> Expr:
         """Return the body of a function of the netlist with its arguments put in."""
         names, body = self.line.functions[name]
@@ -237,6 +268,14 @@ class _Parser:
         if self.peek() != word:
             raise self.refuse(f"{word!r} is missing in {self.text!r}")
         self.at += 1
+
+
+def summed(terms: Sequence[Expr]) -> Expr:
+    """Return a sum by halves, so that many terms are no deep expression."""
+    if len(terms) == 1:
+        return terms[0]
+    half = len(terms) // 2
+    return Binary("+", summed(terms[:half]), summed(terms[half:]))
 
 
 def as_value(e: Expr) -> Expr:

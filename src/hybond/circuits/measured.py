@@ -14,6 +14,9 @@ from hybond.measures.window import Window
 from hybond.model.expressions import Expr
 from hybond.result import Result
 
+Time = float | Expr
+"""A time, s; an expression of parameters where it follows them."""
+
 
 @dataclass(frozen=True, slots=True)
 class Instant:
@@ -22,8 +25,8 @@ class Instant:
     signal: str
     edge: str
     count: int
-    after: float
-    at: float
+    after: Time
+    at: Time
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,22 +39,35 @@ class Wanted:
         As written.
     signal : str
         Of the model, without a unit; empty if none is measured.
-    begin, end : float
+    begin, end : float or Expr
         The stretch of time, s; infinite ends are those of the run.
     when, until : Instant or None
     formula : Expr or None
         Of measurements before it and of `constants`.
+    constants : tuple
+        Parameters of the netlist: how it calls them, how the model does, what they are there.
     """
 
     name: str
     kind: str
     signal: str = ""
-    begin: float = -math.inf
-    end: float = math.inf
+    begin: Time = -math.inf
+    end: Time = math.inf
     when: Instant | None = None
     until: Instant | None = None
     formula: Expr | None = None
-    constants: tuple[tuple[str, float], ...] = ()
+    constants: tuple[tuple[str, str, float], ...] = ()
+
+    @property
+    def signals(self) -> tuple[str, ...]:
+        """The signals of the model that it reads."""
+        read = (self.signal, *(i.signal for i in (self.when, self.until) if i is not None))
+        return tuple(name for name in read if name)
+
+    def known(self, run: Result) -> dict[str, float]:
+        """Return what parameters of the netlist are in a run."""
+        here = run.graph.parameters
+        return {name: here.get(path, value) for name, path, value in self.constants}
 
 
 def measure(run: Result, wanted: Sequence[Wanted]) -> dict[str, float | None]:
@@ -84,25 +100,27 @@ def measure(run: Result, wanted: Sequence[Wanted]) -> dict[str, float | None]:
 
 
 def _one(run: Result, one: Wanted, known: Mapping[str, float | None]) -> float | None:
+    own = one.known(run)
     if one.formula is not None:
-        values = {**dict(one.constants), **{k: v for k, v in known.items() if v is not None}}
+        values = {**own, **{k: v for k, v in known.items() if v is not None}}
         try:
             return evaluate(one.formula, values)
         except (KeyError, ArithmeticError, ValueError):
             return None
     if one.when is not None:
-        first = _instant(run, one.when)
+        first = _instant(run, one.when, own)
         if one.kind == "when" or first is None:
             return first
         if one.until is not None:
-            second = _instant(run, one.until)
+            second = _instant(run, one.until, own)
             return None if second is None else second - first
         if not run.t_begin <= first <= run.t_end:
             return None
         return (
             _slope(run, one.signal, first) if one.kind == "deriv" else _at(run, one.signal, first)
         )
-    begin, end = max(one.begin, run.t_begin), min(one.end, run.t_end)
+    begin = max(_time(one.begin, own), run.t_begin)
+    end = min(_time(one.end, own), run.t_end)
     if end <= begin:
         return None
     return _over(run, one, Window(begin, end, begin == run.t_begin))
@@ -132,11 +150,15 @@ def _at(run: Result, signal: str, t: float) -> float:
     return float(run[signal].at(t))
 
 
-def _instant(run: Result, instant: Instant) -> float | None:
+def _time(given: Time, known: Mapping[str, float]) -> float:
+    return given if isinstance(given, float) else evaluate(given, known)
+
+
+def _instant(run: Result, instant: Instant, known: Mapping[str, float]) -> float | None:
     """Return the time of an instant, None if the run has no such one."""
     if not instant.signal:
-        return instant.at
-    begin = max(instant.after, run.t_begin)
+        return _time(instant.at, known)
+    begin = max(_time(instant.after, known), run.t_begin)
     if not begin < run.t_end:
         return None
     # what happens at its begin belongs to it

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
-from hybond.circuits.measured import Instant, Wanted
+from hybond.circuits.measured import Instant, Time, Wanted
 from hybond.circuits.measures import Crossing, Measure
 from hybond.circuits.opened import Opened, global_value
 from hybond.circuits.steps import Step
@@ -15,7 +16,9 @@ MEMBERS = 100_000
 """Values of one ``.step``."""
 
 
-def wanted_of(one: Measure, woven: Woven, opened: Opened) -> Wanted | None:
+def wanted_of(
+    one: Measure, woven: Woven, opened: Opened, names: Mapping[str, str]
+) -> Wanted | None:
     """Return a measurement in terms of the model; None if what it reads is not there.
 
     Raises
@@ -28,8 +31,11 @@ def wanted_of(one: Measure, woven: Woven, opened: Opened) -> Wanted | None:
     if any(law not in woven.laws for law in laws):
         return None
 
-    def time(formula: Expr | None, default: float) -> float:
-        return default if formula is None else global_value(formula, opened, one.line).number
+    def time(formula: Expr | None, default: float) -> Time:
+        if formula is None:
+            return default
+        value = global_value(formula, opened, one.line)
+        return value.formula if value.parametric else float(value.number)
 
     def instant(crossing: Crossing | None) -> Instant | None:
         if crossing is None:
@@ -47,7 +53,7 @@ def wanted_of(one: Measure, woven: Woven, opened: Opened) -> Wanted | None:
         instant(one.when),
         instant(one.until),
         one.formula,
-        tuple(opened.values.items()) if one.formula is not None else (),
+        tuple((key, names.get(key, ""), value) for key, value in opened.values.items()),
     )
 
 

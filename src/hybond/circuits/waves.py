@@ -72,11 +72,13 @@ def drive_of(branch: Branch, texts: Texts, clock: Clock) -> Drive:
             return _lines(branch, given, texts, unit)
         case "sffm":
             return _modulated(branch, given, texts, clock, unit)
+        case "am":
+            return _amplitude(branch, given, texts, unit)
         case _:
             raise branch.line.refuse(
                 f"the function of time {name.upper()} has no meaning here",
                 code="HB-F136",
-                hint="PULSE, SIN, EXP, PWL or SFFM; an input of the model may be a function in "
+                hint="PULSE, SIN, EXP, PWL, SFFM or AM; an input of the model may be a function in "
                 "Python",
             )
 
@@ -365,3 +367,14 @@ def _modulated(
     inner = f"{texts.factor(index, '')}*sin({_angle(signal, 'time', texts)})"
     wave = f"{texts.factor(given[1], unit)}*sin({_angle(carrier, 'time', texts)} + {inner})"
     return Drive(f"{_offset(given[0], texts, unit)}{wave}", None, given[0].number, False)
+
+
+def _amplitude(branch: Branch, given: tuple[Value, ...], texts: Texts, unit: str) -> Drive:
+    """Return a carrier of modulated amplitude: size (offset + sin) sin, since the delay."""
+    _counted(branch, given, 4, 5)
+    size, offset, signal, carrier = given[:4]
+    delay = _pick(given, 4, ZERO)
+    since = _since(delay, texts)
+    shape = f"{_offset(offset, texts, '')}sin({_angle(signal, since, texts)})"
+    wave = f"{texts.factor(size, unit)}*({shape})*sin({_angle(carrier, since, texts)})"
+    return Drive(_delayed(delay, f"0 {unit}", wave, texts), None, 0.0, False)

@@ -60,6 +60,13 @@ def in_words_of(conversion: Conversion | None, texts: Sequence[str] | None) -> l
     return [conversion.signal(text) for text in texts]
 
 
+def aside_of(conversion: Conversion | None) -> set[str]:
+    """Return the signals that only ``.meas`` reads: no outputs of their own."""
+    if conversion is None:
+        return set()
+    return {name for one in conversion.measures for name in one.signals}
+
+
 def measurements(run: Result, conversion: Conversion | None) -> dict[str, float | None]:
     """Return what ``.meas`` asks for."""
     if conversion is None or not conversion.measures:

@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 import sys
 from argparse import Namespace
-from collections.abc import Sequence
+from collections.abc import Container, Sequence
 
 from hybond.cli.lists import check_experiment, check_signals, run_until, sample_times, split
 from hybond.cli.measure import measures_record, print_measures
 from hybond.cli.netlists import (
+    aside_of,
     in_words_of,
     measurements,
     notes,
@@ -57,6 +58,7 @@ def run(given: Namespace) -> int:
     measured = measurements(result, conversion)
     suggested = notes(result, conversion)
 
+    aside = aside_of(conversion)
     problems = write_all(result, table, plot, given.file, signals)
     if saved is not None and result.error is None:
         result.state().save(saved)
@@ -64,6 +66,7 @@ def run(given: Namespace) -> int:
     if given.json:
         said = [f"{p.code} at {p.where}: {p.why}" for p in problems]
         record = run_record(result, given.file, times, names, [*suggested, *said])
+        record["final"] = {k: v for k, v in record["final"].items() if k not in aside}
         if conversion is not None:
             record["measurements"] = measured
         if asked:
@@ -73,7 +76,7 @@ def run(given: Namespace) -> int:
         given.json = False  # what fails from here on must not put a second object there
         sys.stdout.write(text)
     else:
-        _print(result, times, names)
+        _print(result, times, names, aside)
         print_measurements(measured)
         problems += print_measures(result, asked)
         for note in suggested:
@@ -90,7 +93,9 @@ def default_names(run: Result) -> list[str]:
     return list(dict.fromkeys(listed)) or run.names
 
 
-def _print(run: Result, times: Sequence[float], names: Sequence[str]) -> None:
+def _print(
+    run: Result, times: Sequence[float], names: Sequence[str], aside: Container[str] = ()
+) -> None:
     record = run_record(run, "", times, events=False)
     say(run.title)
     say()
@@ -102,7 +107,8 @@ def _print(run: Result, times: Sequence[float], names: Sequence[str]) -> None:
     for step in getattr(run, "steps", ()):
         say(f"  {step.t0:.9g} .. {step.t1:.9g} s  {step.label or 'step'}: {step.ended_by}")
     say(ending(run))
-    final, units = record["final"], record["units"]
+    final = {name: value for name, value in record["final"].items() if name not in aside}
+    units = record["units"]
     width = max(map(len, final), default=0)
     for name, value in final.items():
         say(f"  {name:{width}}  {format_quantity(value, units[name] or '1')}")

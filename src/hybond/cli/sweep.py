@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from argparse import Namespace
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from hybond.cli.lists import check_experiment, check_signals, run_until, split
-from hybond.cli.netlists import in_words_of, read_model
+from hybond.cli.netlists import aside_of, in_words_of, read_model
 from hybond.cli.record import VERSION, to_json
 from hybond.cli.refusal import refusal_of
 from hybond.cli.run_words import options_given
@@ -22,6 +29,9 @@ from hybond.names import in_columns
 from hybond.progress import MembersDone
 from hybond.sweep.collection import Ensemble
 from hybond.sweep.ensemble import ensemble
+
+if TYPE_CHECKING:
+    from hybond.circuits.circuit import Conversion
 
 TABLES = (".csv", ".npz", ".json")
 FIRST, LAST = 40, 10
@@ -56,18 +66,50 @@ def sweep(given: Namespace) -> int:
             progress=bar,
             **options_given(given, "fmus"),
         )
-    problems = _written(many, target, given.file)
+    measured: dict[str, NDArray[np.float64]] = {}
+    if conversion is not None and conversion.measures:
+        many, measured = _with_measurements(many, conversion)
+    shown = replace(many, final={**many.final, **measured}) if measured else many
+    record = partial(sweep_record, many, given.file, measured)
+    problems = _written(shown, target, record)
     if given.json:
-        text = to_json(sweep_record(many, given.file))
+        text = to_json(record())
         given.json = False  # what fails from here on must not put a second object there
         sys.stdout.write(text)
     else:
-        _print(many)
+        _print(shown)
     return _told(many, problems)
 
 
-def sweep_record(many: Ensemble, file: str) -> dict[str, Any]:
+def _with_measurements(
+    many: Ensemble, conversion: Conversion
+) -> tuple[Ensemble, dict[str, NDArray[np.float64]]]:
+    """Return a sweep without the signals that ``.meas`` reads, and its measurements by column.
+
+    Members are run again for these, as ordinary runs. What is measured is no output: where a run
+    ends it has a value that is not the measurement.
+    """
+    from hybond.circuits.measured import measure
+
+    found = {one.name: np.full(len(many), math.nan) for one in conversion.measures}
+    with MembersDone(len(many)) as bar:
+        for k in np.flatnonzero(np.isin(many.status, ("ok", "accumulation"))).tolist():
+            values = measure(many.run(k), conversion.measures)
+            for name, value in values.items():
+                found[name][k] = math.nan if value is None else value
+            bar(k + 1, len(many))
+    aside = aside_of(conversion)
+    final = {k: column for k, column in many.final.items() if k not in aside}
+    taken = {*final, *many.parameters, "member", "status", "t_end", "events"}
+    named = {f"meas_{k}" if k in taken else k: column for k, column in found.items()}
+    return replace(many, final=final), named
+
+
+def sweep_record(
+    many: Ensemble, file: str, measured: Mapping[str, NDArray[np.float64]] | None = None
+) -> dict[str, Any]:
     """Return everything about a sweep as plain data in SI, lists over members."""
+    measurements = {name: column.tolist() for name, column in (measured or {}).items()}
     return {
         "hybond": VERSION,
         "model": many.model.name,
@@ -80,7 +122,8 @@ def sweep_record(many: Ensemble, file: str) -> dict[str, Any]:
         "t_end": many.t_end.tolist(),
         "events": many.counts.tolist(),
         "final": {name: column.tolist() for name, column in many.final.items()},
-        "units": dict(many.units),
+        **({"measurements": measurements} if measurements else {}),
+        "units": {name: unit for name, unit in many.units.items() if name in many.final},
         "errors": [{"member": k, **e.to_dict()} for k, e in many.errors.items()],
         "warnings": [{"member": k, "warnings": list(w)} for k, w in many.warnings.items()],
         "seconds": many.seconds,
@@ -88,7 +131,9 @@ def sweep_record(many: Ensemble, file: str) -> dict[str, Any]:
     }
 
 
-def _written(many: Ensemble, target: Path | None, file: str) -> list[HybondError]:
+def _written(
+    many: Ensemble, target: Path | None, record: Callable[[], dict[str, Any]]
+) -> list[HybondError]:
     """Write the table; return what went wrong, so that what is printed is not lost."""
     if target is None:
         return []
@@ -99,7 +144,7 @@ def _written(many: Ensemble, target: Path | None, file: str) -> list[HybondError
             case ".npz":
                 many.to_npz(target)
             case _:
-                write_whole(target, to_json(sweep_record(many, file)))
+                write_whole(target, to_json(record()))
     except Exception as error:
         refusal = refusal_of(error)
         refusal.where = refusal.where or str(target)

@@ -40,7 +40,7 @@ subset. Rooms, and in them files, as data passes them::
         constraints, impulse_ways, own_ways    what a jump must fulfil, and what moves it there
         staying, passed_over    what is known of the last trial; modes without a solution
         in_force, indeterminate    rules that are asked; truths that depend on what is open
-        doubts, telling, told, instant    what is warned of, told and written down
+        doubts, left_out, telling, told, instant    what is warned of, told and written down
     laws/
         laws                modes with laws of junctions: first what jumps, then what lasts
         ports, response     the graph with its laws left open, and what it says of them

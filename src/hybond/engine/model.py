@@ -131,6 +131,8 @@ class Model:
     """Whether it is that of a source."""
     dynamic_impulsive: Ints
     """Whether it is that of a law which was declared impulsive."""
+    dynamic_pair: Ints
+    """Of one that has to say if it leaves out an impulse: its pair, else -1."""
     dynamic_value: Ints
     dynamic_rounding: Ints
     """What rounding of it is measured by."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import OrderedDict
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Literal
 
 from hybond.equations.calculus import bent, gradient, localised, partial_time, reads_bonds
@@ -94,13 +94,27 @@ def configure(e: Expr, values: Mapping[str, Expr]) -> Expr:
     return simplify(substitute(e, {k: values[k] for k in read})) if read else e
 
 
+def sends_impulses(node: Node, laws: Sequence[Expr]) -> bool:
+    """Whether a source gives of an impulse that it reads the same multiple as of anything else.
+
+    It does if parameters, inputs and time alone decide which multiple: a voltage that is n times
+    another one is that at every instant, and so are their areas over a jump. Where the state or the
+    mode has a part in it, the model has to say so: `impulsive`. `laws` are in the names of bonds.
+    """
+    if node.kind not in SOURCES or node.implied or node.finite:
+        return node.impulsive
+    slopes = [d for e in laws for d in gradient(e).values()]
+    outside = all(n == "time" or n.startswith(("u:", "p:")) for d in slopes for n in names(d))
+    return node.impulsive or (outside and not any(bent(e) for e in laws))
+
+
 class Parts:
     """The parts of a graph's elements."""
 
     def __init__(self, graph: FlatGraph) -> None:
         self.graph = graph
         self._bonds = len(graph.bonds)
-        self._laws: dict[int, tuple[list[Expr], frozenset[str]]] = {}
+        self._laws: dict[int, tuple[list[Expr], frozenset[str], bool]] = {}
         self._made: OrderedDict[tuple[object, ...], Part] = OrderedDict()
 
     def of(self, node: Node, off: bool, values: Mapping[str, Expr]) -> Part:
@@ -108,8 +122,9 @@ class Parts:
         if node.index not in self._laws:
             assert node.law is not None
             laws = localised(node, node.law.expressions)
-            self._laws[node.index] = laws, frozenset().union(*(names(e) for e in laws))
-        laws, read = self._laws[node.index]
+            read = frozenset().union(*(names(e) for e in laws))
+            self._laws[node.index] = laws, read, sends_impulses(node, laws)
+        laws, read, _ = self._laws[node.index]
         asked = sorted(read & values.keys())
         key = node.index, off, *((k, values[k]) for k in asked)
         found = self._made.get(key)
@@ -133,7 +148,9 @@ class Parts:
             name = f"{'e' if node.kind == 'Se' else 'f'}:{end.bond}"
             value = Number(0.0) if off else laws[0]
             if reads_bonds(value) or node.impulsive:
-                return Part(dynamic=(_controlled_source(node, name, value),), steady=steady)
+                sends = self._laws[node.index][2]
+                given = _controlled_source(node, name, value, sends=sends)
+                return Part(dynamic=(given,), steady=steady)
             source = Source(node.index, end.bond, value, partial_time(value, self.graph))
             return Part((self._row({name: 1.0}),), source=source, steady=steady)
         if node.kind in TWO_PORTS:
@@ -191,10 +208,10 @@ def _modulated(node: Node, modulus: Expr, pair: tuple[Term, Term]) -> Dynamic:
     return Dynamic("structure", node.index, e, gradient(e), frozen)
 
 
-def _controlled_source(node: Node, name: str, value: Expr) -> Dynamic:
+def _controlled_source(node: Node, name: str, value: Expr, *, sends: bool) -> Dynamic:
     e = simplify(Binary("-", Name(name), value))
     slopes = gradient(e)
-    free = () if node.impulsive else (name,)
+    free = () if sends else (name,)
     other = f"{'f' if name.startswith('e:') else 'e'}:{node.ends[0].bond}"
     partner = (other, float(node.ends[0].sign))
     return Dynamic("structure", node.index, e, slopes, slopes, free, partner)

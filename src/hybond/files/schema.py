@@ -92,16 +92,18 @@ class GElement(Struct, forbid_unknown_fields=True):
 
 
 class SeElement(Struct, forbid_unknown_fields=True):
-    """An effort source."""
+    """An effort source; `impulsive` says whether what it reads gives it impulses too."""
 
     Se: Each
+    impulsive: bool | UnsetType = UNSET
     domain: str | UnsetType = UNSET
 
 
 class SfElement(Struct, forbid_unknown_fields=True):
-    """A flow source."""
+    """A flow source; `impulsive` says whether what it reads gives it impulses too."""
 
     Sf: Each
+    impulsive: bool | UnsetType = UNSET
     domain: str | UnsetType = UNSET
 
 

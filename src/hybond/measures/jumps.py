@@ -165,21 +165,29 @@ def _weight(node: Node, areas: Mapping[str, float], values: _Values, mode: Mode)
     bond = node.ends[0].bond
     after = values.of_law(node, mode) if node.implied else values.after(f"{own}:{bond}")
     step = after - values.mean(f"{own}:{bond}")
-    return -node.ends[0].sign * areas.get(f"{other}:{bond}", 0.0) * step
+    brought = areas.get(f"{other}:{bond}", 0.0) * step
+    if area := areas.get(f"{own}:{bond}", 0.0):
+        brought += area * (values.after(f"{other}:{bond}") - values.mean(f"{other}:{bond}"))
+    return -node.ends[0].sign * brought
 
 
 def _supplied(node: Node, areas: Mapping[str, float], values: _Values, mode: Mode) -> float:
     """Return the work of a source: impulse times its own value after the jump.
+
+    One that follows what it reads may have an impulse itself, of what its bond has beside it then.
 
     Of one that the law of a junction brought in the value is that of `mode`, which carried it.
     """
     own, other = ("e", "f") if node.kind == "Se" else ("f", "e")
     bond = node.ends[0].bond
     area = areas.get(f"{other}:{bond}", 0.0)
-    if not area:
-        return 0.0
-    after = values.of_law(node, mode) if node.implied else values.after(f"{own}:{bond}")
-    return -node.ends[0].sign * area * after
+    given = 0.0
+    if area:
+        after = values.of_law(node, mode) if node.implied else values.after(f"{own}:{bond}")
+        given += area * after
+    if not node.implied and (area := areas.get(f"{own}:{bond}", 0.0)):
+        given += area * values.after(f"{other}:{bond}")
+    return -node.ends[0].sign * given
 
 
 def _area(areas: Mapping[str, float], bond: int) -> float:

@@ -195,13 +195,22 @@ def G(
 
 
 @_element('hb.Se("10 V")')
-def Se(value: Scalar, *, domain: Domain | None = None, label: str | None = None) -> Part:
+def Se(
+    value: Scalar,
+    *,
+    impulsive: bool | None = None,
+    domain: Domain | None = None,
+    label: str | None = None,
+) -> Part:
     """Return a source of effort: a voltage, a force, a pressure.
 
     Parameters
     ----------
     value : number or str
         The effort: it may read time, inputs and signals, ``"10 V*sin(314*time)"``.
+    impulsive : bool, optional
+        Whether an impulse of what it reads gives it one. By default it does if the value is a
+        multiple of what it reads, by a factor of parameters, inputs and time: ``"2*node.e"``.
     domain, label : str, optional
         As of `C`.
 
@@ -210,16 +219,22 @@ def Se(value: Scalar, *, domain: Domain | None = None, label: str | None = None)
     >>> Se("10 V")
     Part(kind='Se', value='10 V', options={})
     """
-    return _part("Se", value, domain=domain, label=label)
+    return _part("Se", value, impulsive=impulsive, domain=domain, label=label)
 
 
 @_element('hb.Sf("1 A")')
-def Sf(value: Scalar, *, domain: Domain | None = None, label: str | None = None) -> Part:
+def Sf(
+    value: Scalar,
+    *,
+    impulsive: bool | None = None,
+    domain: Domain | None = None,
+    label: str | None = None,
+) -> Part:
     """Return a source of flow: a current, a velocity, a volume flow.
 
     Parameters
     ----------
-    value, domain, label
+    value, impulsive, domain, label
         As of `Se`.
 
     Examples
@@ -227,7 +242,7 @@ def Sf(value: Scalar, *, domain: Domain | None = None, label: str | None = None)
     >>> Sf("2 A").kind
     'Sf'
     """
-    return _part("Sf", value, domain=domain, label=label)
+    return _part("Sf", value, impulsive=impulsive, domain=domain, label=label)
 
 
 @_element('hb.TF("n")')

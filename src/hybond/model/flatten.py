@@ -93,6 +93,7 @@ def _flatten(
             machine=switched[raw.owner][0] if raw.switched else None,
             hidden=raw.written is None,
             impulsive=bool(raw.written and raw.written.part.options.get("impulsive", False)),
+            finite=bool(raw.written and raw.written.part.options.get("impulsive") is False),
             label=_label(raw),
             shown=_shown(raw),
         )

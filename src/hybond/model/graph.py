@@ -72,6 +72,8 @@ class Node:
     controlled: bool = False
     machine: int | None = None
     impulsive: bool = False
+    finite: bool = False
+    """True for a source of which the model says that it carries no impulse."""
     label: str = ""
     """The parameter as written, for drawings: ``m``, ``1 mm/N``."""
     shown: tuple[float, Dimension] | None = None

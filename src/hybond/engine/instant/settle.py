@@ -40,6 +40,7 @@ from hybond.engine.instant.instant import (
     note_step,
 )
 from hybond.engine.instant.jump import SWEPT
+from hybond.engine.instant.left_out import warn_of_left_out
 from hybond.engine.instant.passed_over import enter_or_pass
 from hybond.engine.instant.staying import (
     acts_on_prior,
@@ -278,6 +279,7 @@ def write(e: Engine, g: Settling, i: Instant) -> int:
     m = e.model
     note_hits(e, i)
     warn_of_moduli(e, e.mode)
+    warn_of_left_out(e, e.mode)
     if e.trial.struck:
         write_struck(e, i)
         tell_trial(e, i, g.x, True)

@@ -125,10 +125,17 @@ def tell_open(e: Engine, i: Instant, many: int, directions: Floats) -> None:
 
 
 def supplied_by_jump(e: Engine) -> float:
-    """Return the energy that sources give at a jump: impulse times the value at the right limit."""
+    """Return the energy that sources give at a jump: impulse times the value at the right limit.
+
+    A source that follows what it reads may have an impulse itself, of what the other variable of
+    its bond is then.
+    """
     m = e.model
     total = 0.0
     for k in range(m.givers):
         own = e.v[m.bond_slot + m.giver_own[k]]
         total -= m.giver_sign[k] * own * e.impulses[m.giver_other[k]]
+        area = e.impulses[m.giver_own[k]]
+        if area != 0.0:
+            total -= m.giver_sign[k] * e.v[m.bond_slot + m.giver_other[k]] * area
     return total

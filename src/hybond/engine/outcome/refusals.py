@@ -15,9 +15,12 @@ from hybond.engine.outcome.remedies import (
     against_no_branches,
     against_no_solution,
 )
-from hybond.model.expressions import Call, Expr
+from hybond.equations.calculus import localised, reads_bonds
+from hybond.equations.element_parts import sends_impulses
+from hybond.model.expressions import Call, Expr, jumping
 from hybond.model.expressions.tree import walk
 from hybond.model.graph import FlatGraph, Mode
+from hybond.model.kinds import RESISTORS, SOURCES
 from hybond.records import dataclass
 
 NO_ELEMENT, OVERFLOW = -1, -2
@@ -241,7 +244,20 @@ def _no_value(c: Case) -> Said:
 
 
 def _no_jump(c: Case) -> Said:
-    return Said(f"{c.refusal.why} {c.now}", c.graph.mode_text(c.given_mode()[0]))
+    why, where = f"{c.refusal.why} {c.now}", c.graph.mode_text(c.given_mode()[0])
+    sources: list[str] = []
+    bends: list[str] = []
+    for n in c.graph.nodes:
+        if n.law is None or n.law.matrix is not None or n.kind not in (*SOURCES, *RESISTORS):
+            continue
+        laws = localised(n, n.law.expressions)
+        if n.kind in RESISTORS or any(reads_bonds(e) for e in laws):
+            (sources if sends_impulses(n, laws) else bends).append(n.path)
+    if c.refusal.code != "HB-N303" or not sources or not bends:
+        return Said(why, where)
+    hint = f"`impulsive = false` at {' or '.join(sources)}, if it is finite in jumps: the law of "
+    hint += f"{' or '.join(bends)} takes no impulse; else storage or a linear resistance there"
+    return Said(why, where, hint)
 
 
 def _no_sample(c: Case) -> Said:
@@ -316,6 +332,8 @@ def _slides_on(c: Case) -> Said:
 
 
 def _rate_jumps(c: Case) -> Said:
+    if not c.numbers:
+        return _switches_back(c)
     (signal,) = c.numbers
     path = c.graph.integrals[signal].path
     why = f"the rate of {path!r} jumps and switches back at once, again and again {c.now}"
@@ -324,6 +342,21 @@ def _rate_jumps(c: Case) -> Said:
         path,
         "let the rate read the state of a machine with these conditions as its guards, which "
         'slides: if limit.state == "high" then 0 else ...; or take control.pi_clamped',
+    )
+
+
+def _switches_back(c: Case) -> Said:
+    """Return what a law does that jumps, or is as steep as a jump where it is read backwards."""
+    path = c.refusal.place
+    laws = [n.law for n in c.graph.nodes if n.path == path and n.law is not None]
+    if not laws or any(jumping(e) for law in laws for e in law.expressions):
+        return Said(f"{c.refusal.why} {c.now}", path)
+    return Said(
+        f"the law of {path} is flat where what it reads is zero, so that what the rest gives it "
+        f"decides along a line as steep as a jump, again and again {c.now}",
+        path,
+        "what it has beside it in reality: a capacitance or a resistance across a law of a flow, "
+        "in series with a law of an effort; of varistors electrical.varistor",
     )
 
 
@@ -366,5 +399,6 @@ NO_NUMBERS = (
     "HB-N303",
     "HB-N304",
     "HB-N406",
+    "HB-N410",
 )
 """What may be known of these is nothing, or their reason and place are enough."""

@@ -21,9 +21,12 @@ if TYPE_CHECKING:
 NOT_UNIQUE, NO_WAY_ON, TWIN_SURFACES, OWN_JUMP, THROWS_BACK = 1, 2, 3, 4, 5
 SECOND_ANSWER, IMPULSIVE, LEFT_OPEN, FAR_APART, UNREST = 6, 7, 8, 9, 10
 WITHOUT_END, SHARES_OPEN, FIRES_ALWAYS, NEXT_DECIDES, UNSOUND, HELD_AT_REST = 11, 12, 13, 14, 15, 16
-MODULUS_JUMPS = 17
+MODULUS_JUMPS, IMPULSE_LEFT_OUT = 17, 18
 """Kinds of warnings: as in `hybond.engine.reasons.warned`."""
-TIMELESS = (TWIN_SURFACES, OWN_JUMP, IMPULSIVE, LEFT_OPEN, FAR_APART, MODULUS_JUMPS)
+TIMELESS = (
+    *(TWIN_SURFACES, OWN_JUMP, IMPULSIVE, LEFT_OPEN, FAR_APART, MODULUS_JUMPS),
+    IMPULSE_LEFT_OUT,
+)
 """Those whose text does not say when: once said, they are said."""
 SLIDES, ABOVE = 0, 1
 REBOUNDS, NO_SOLUTION, NO_SIGN, OPEN = 0, 1, 2, 3
@@ -42,6 +45,16 @@ TAKEN = (
     "the first by name",
 )
 """Why one of several answers is taken: as in `hybond.engine.complementarity.all_branches`."""
+LEFT_OUT = (
+    "gives none of its own, though by its value it would: a jump takes at their word multiples of "
+    "what is read, by parameters, inputs and time; say `impulsive = true` if it holds in jumps "
+    "too, `impulsive = false` if it is finite",
+    "is declared impulsive, but gives another one than its value says, by its slopes before the "
+    "jump; write it as a multiple of what it reads",
+    "gives none of its own, since of an impulse its value has no meaning; say `impulsive = false` "
+    "if it is finite, else put what limits the impulse into the model",
+)
+"""What a source is taken for in a jump: as in `hybond.engine.instant.left_out`."""
 REBOUND = "its rebounds do not vanish"
 
 
@@ -176,6 +189,8 @@ class Warnings:
                 f"what the modulus of {which} reads jumps: impulses are those of the modulus "
                 "before, and its law holds with what it is behind them"
             )
+        if kind == IMPULSE_LEFT_OUT:
+            return self._of_left_out(*numbers)
         if kind == LEFT_OPEN:
             machines = len(self.graph.machines)
             rule, when, *rest = numbers
@@ -211,6 +226,11 @@ class Warnings:
         if kind == FAR_APART:
             return self._far_apart(about[0], about[1], tuple(numbers[2:]))
         return self._of_surfaces(kind, now, numbers)
+
+    def _of_left_out(self, number: int, how: int) -> str:
+        node = self.graph.nodes[number]
+        what = f"{node.path} ({node.kind} {node.label})"
+        return f"HB-J104: in a jump {what} reads an impulse and {LEFT_OUT[how]}"
 
     def _of_answers(self, now: str, numbers: list[int]) -> str:
         """Return which branches laws may take together, and which of them are taken why."""

@@ -56,6 +56,8 @@ HELD_AT_REST: Final = 16
 """Friction that slides by its branch is held at rest by others. Its port; said once."""
 MODULUS_JUMPS: Final = 17
 """What moduli read jumps. Numbers: their two-ports."""
+IMPULSE_LEFT_OUT: Final = 18
+"""A source reads an impulse and does not give what it says of it. Numbers: the source, and how."""
 
 
 @record

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from hybond.engine.tables.contacts import rules_of
 from hybond.model.expressions import Expr
 from hybond.model.fieldless import reads_pre
+from hybond.model.kinds import SOURCES
 
 if TYPE_CHECKING:
     from hybond.engine.tables.columns import ModelTables
@@ -27,6 +28,8 @@ def put_told(t: ModelTables, *, tells: bool) -> None:
             shown.append(place[e])
     t.ints["told_first"] = [0, *accumulate(len(rule.reads) for rule in rules)]
     t.ints["told_pair"] = shown
+    rows = range(len(t.ints["dynamic_node"]))
+    t.ints["dynamic_pair"] = [_of_jumps(t, d, tells=tells) for d in rows]
     own, other, sign = [], [], []
     bonds = len(t.graph.bonds)
     for node in t.graph.nodes if tells else ():
@@ -42,3 +45,15 @@ def put_told(t: ModelTables, *, tells: bool) -> None:
     t.numbers["givers"] = len(own)
     t.ints.update(giver_own=own, giver_other=other)
     t.floats["giver_sign"] = sign
+
+
+def _of_jumps(t: ModelTables, d: int, *, tells: bool) -> int:
+    """Return the pair of a dynamic row that has to say if it leaves out an impulse, or -1.
+
+    That friction and resistors act with finite forces only is what they are known for.
+    """
+    node = t.graph.nodes[t.ints["dynamic_node"][d]]
+    if not tells or node.kind not in SOURCES or node.implied or node.finite:
+        return -1
+    t.pairs.append(t.values.all[t.ints["dynamic_value"][d]])
+    return len(t.pairs) - 1

@@ -6,7 +6,9 @@ from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
+from hybond.equations.calculus import localised
 from hybond.equations.derive import state_equations
+from hybond.equations.element_parts import sends_impulses
 from hybond.equations.peeling import Peeling
 from hybond.equations.ring import Row
 from hybond.equations.state_form import StateEquations
@@ -258,7 +260,9 @@ def without_impulses(graph: FlatGraph) -> FlatGraph:
     nodes = list(graph.nodes)
     changed: dict[int, Expr] = {}
     for node in graph.nodes:
-        if node.kind not in ("Se", "Sf") or node.law is None or node.impulsive:
+        if node.kind not in ("Se", "Sf") or node.law is None:
+            continue
+        if sends_impulses(node, localised(node, node.law.expressions)):
             continue
         e = node.law.expressions[0]
         own = "e:" if node.kind == "Se" else "f:"
