@@ -46,13 +46,13 @@ def start_scale(e: Engine, mode: Mode) -> None:
     do those where what moves will be then: two bodies that fall side by side have no speeds yet,
     and what is between them will be the rounding of their difference.
     """
+    soon = SHORT * e.span
+    if e.next_break < math.inf:
+        soon = min(soon, 0.5 * (e.next_break - e.t))
     found = found_terms(e, mode, e.t, e.y)
     if not found or e.scale_energy == 0.0:
         for k in range(e.model.storages):
             e.work.reach[k] = e.rounding[k]
-        soon = SHORT * e.span
-        if e.next_break < math.inf:
-            soon = min(soon, 0.5 * (e.next_break - e.t))
         hold_guess(e, mode)
         found_terms(e, mode, e.t + soon, e.y)
         give_back_guess(e, mode)
@@ -60,7 +60,7 @@ def start_scale(e: Engine, mode: Mode) -> None:
         solve(e, mode, e.v)
         for k in range(e.model.storages):
             e.rounding[k] = max(e.work.reach[k], e.rounding[k])
-    find_moved_terms(e, mode)
+    find_moved_terms(e, mode, soon)
     if e.model.laws > 0:
         pushed = pushed_energy(e)
         e.energy = max(e.energy, pushed)
@@ -68,7 +68,7 @@ def start_scale(e: Engine, mode: Mode) -> None:
         e.pushed_energy = max(e.pushed_energy, pushed)
 
 
-def find_moved_terms(e: Engine, mode: Mode) -> None:
+def find_moved_terms(e: Engine, mode: Mode, soon: float) -> None:
     """Learn what rates that cancel from nothing yet will cancel from, a moment later."""
     m = e.model
     none = False
@@ -80,12 +80,12 @@ def find_moved_terms(e: Engine, mode: Mode) -> None:
     hold_guess(e, mode)
     refusal = e.refusal
     asked = e.evaluations
-    if field(e, mode, e.t, e.y, e.step.rate) == OK:
+    if field(e, mode, e.t + soon, e.y, e.step.rate) == OK:
         for k in range(e.states):
-            e.step.trial[k] = e.y[k] + SHORT * e.span * e.step.rate[k]
+            e.step.trial[k] = e.y[k] + soon * e.step.rate[k]
         for k in range(m.storages):
             e.work.reach[k] = e.rounding[k]
-        found_terms(e, mode, e.t, e.step.trial)
+        found_terms(e, mode, e.t + soon, e.step.trial)
         for k in range(m.storages):
             if e.work.reach[k] == 0.0 and e.rounding[k] < math.inf:
                 e.moved_rounding[k] = e.rounding[k]
