@@ -14,7 +14,7 @@ PUSH, RUB, RATE, MASS = 8.0, 5.0, 3.0, 2.0
 SPRINGS = {
     "cubic": {"e": "1e4*q^3"},
     "slack": {"e": "1e4*(max(q - 0.01, 0) - max(-0.01 - q, 0))"},
-    "hardening": {"e": "1e4*q + q^3"},
+    "hardening": {"e": "1e4*q + 1 [N/m^3]*q^3"},
 }
 
 
