@@ -209,3 +209,24 @@ def test_effort_times_flow_is_power_in_every_true_domain():
 def test_power_written_as_a_decimal() -> None:
     assert try_quantity("1e5 N/m^1.5") == try_quantity("1e5 N/m^(3/2)")
     assert try_quantity("2 m^2.0") == try_quantity("2 m^2")
+
+
+@pytest.mark.parametrize(
+    ("text", "same"),
+    [
+        ("A/(V*s)^3", "A/(V^3*s^3)"),
+        ("(kN/m)^2/Hz", "kN^2/(m^2*Hz)"),
+        ("1/((V*s)/A)^2", "A^2/(V^2*s^2)"),
+        ("(m^2)^(1/2)", "m"),
+        ("kg/(m*s)**2", "kg/(m^2*s^2)"),
+        ("(cm)^-2", "1/cm^2"),
+    ],
+)
+def test_a_parenthesis_has_a_power(text: str, same: str) -> None:
+    assert parse_unit(text) == parse_unit(same)
+
+
+@pytest.mark.parametrize("text", ["(m)^13", "((m^2)^9)^9", "(km)^(1/2)", "()^2", "m)^2", "(m"])
+def test_powers_of_parentheses_that_are_refused(text: str) -> None:
+    with pytest.raises(UnitError, match="HB-U104"):
+        parse_unit(text)

@@ -176,7 +176,7 @@ def _misfit(
         takes = {0: "no value", 1: "one value"}.get(len(positional), f"{len(positional)} values")
         named = ", ".join(f"{n}=..." for n in rest[:3])
         hint = f"write the name before it: {named}." if rest else ""
-        if not positional:
+        if not positional and not methods:
             hint = f"hb.{owner}()."
         return f"it takes {takes} without a name; {extra[:60]} is one more", hint
     for name in options:

@@ -6,6 +6,7 @@ import difflib
 import html
 import re
 from collections.abc import Callable, Iterable, Sequence
+from typing import TYPE_CHECKING, Any
 
 LONGEST = 200
 """Letters of a name that are compared: a stranger's may have a million."""
@@ -41,6 +42,56 @@ def did_you_mean(name: str, known: Iterable[str], *, limit: int = 3) -> str:
     known_names = sorted(set(choices))
     shown = ", ".join(known_names[:12])
     return f"known names: {shown}" + (", ..." if len(known_names) > 12 else "")
+
+
+_MEANT = {
+    "Model": {
+        **dict.fromkeys(("run", "simulate", "sim"), 'hb.simulate(model, until="1 s")'),
+        **dict.fromkeys(("save", "write", "to_toml"), 'hb.save(model, "model.toml")'),
+        **dict.fromkeys(("connect", "bonds_add", "add_bond", "link"), 'model.bond("a -> b")'),
+        **dict.fromkeys(("load", "read"), 'hb.load("model.toml")'),
+        "plot": 'model.draw() for the graph; hb.simulate(model, until="1 s").plot("x") for a run',
+    },
+    "Result": {
+        **dict.fromkeys(("t", "time", "times"), 'run["x"].t; run.t_end is when it ended'),
+        **dict.fromkeys(("y", "x", "states", "values", "data"), 'run["x"].y; run.names lists x'),
+        **dict.fromkeys(("signals", "keys", "variables"), "run.names"),
+        **dict.fromkeys(("success", "message"), "run.status and run.error"),
+        **dict.fromkeys(("save", "to_file"), 'run.to_csv("run.csv"), run.to_npz("run.npz")'),
+    },
+    "Signal": {
+        **dict.fromkeys(("time", "times", "x"), "signal.t"),
+        **dict.fromkeys(("value", "values", "data", "v"), "signal.y; signal.at(0.1) at a time"),
+    },
+}
+"""What somebody who comes from elsewhere asks objects for, and how it is said here."""
+
+
+class Asked:
+    """Objects that say what is meant where they are asked for what they do not have.
+
+    Examples
+    --------
+    >>> class Signal(Asked):
+    ...     y = 0.0
+    >>> Signal().values
+    Traceback (most recent call last):
+        ...
+    AttributeError: a Signal has no 'values'; try: signal.y; signal.at(0.1) at a time
+    """
+
+    __slots__ = ()
+
+    if not TYPE_CHECKING:  # else nothing would be unknown to who checks types
+
+        def __getattr__(self, name: str) -> Any:
+            kind = type(self).__name__
+            text = f"a {kind} has no {name!r}"
+            if not name.startswith("_"):
+                own = getattr(self, "__dict__", {})
+                known = [n for n in (*dir(type(self)), *own) if not n.startswith("_")]
+                text += f"; try: {_MEANT.get(kind, {}).get(name) or did_you_mean(name, known)}"
+            raise AttributeError(text, name=name, obj=self)
 
 
 def plural(noun: str, count: int) -> str:

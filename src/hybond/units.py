@@ -98,7 +98,9 @@ _PREFIX = {p: Fraction(10) ** n for p, n in (_POWERS | {"Z": 21, "Y": 24}).items
 
 _NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)", re.ASCII)
 _POWER = r"(?:\s*(?:\^|\*\*)\s*(?P<power>-?\d{1,2}(?:\.[05]0*)?(?![\d.])|\(-?\d/[1-9]\)))?"
-_TOKEN = re.compile(rf"\s*(?:(?P<symbol>°?[^\W\d_]+|[%°℃]|1(?![\w.])){_POWER}|(?P<mark>[*·/()]))")
+_TOKEN = re.compile(
+    rf"\s*(?:(?P<symbol>°?[^\W\d_]+|[%°℃]|1(?![\w.])|(?P<close>\))){_POWER}|(?P<mark>[*·/(]))"
+)
 _SUPERSCRIPT = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
 
 
@@ -152,30 +154,38 @@ def _exact(text: str) -> _Unit:
     """Return the exact factor and the dimension of a product of units."""
     source = re.sub("[⁻⁰¹²³⁴-⁹]+", lambda m: "^" + m[0].translate(_SUPERSCRIPT), text.strip())
     factor, dimension = _PLAIN["1"]
-    signs, sign, complete, at = [1], 1, not source, 0
+    sign, complete, at, raised = 1, not source, 0, False
+    around: list[tuple[_Unit, int]] = []
     while at < len(source):
         match = _TOKEN.match(source, at)
-        mark = match["mark"] if match else None
-        if match is None or (not complete and mark and mark != "(") or at > 100:
+        if match is None or (not complete and match["mark"] in ("*", "·", "/")) or at > 100:
+            raise _bad(text, f"is not a unit from column {at + 1} on")
+        if match["close"] and not complete:
             raise _bad(text, f"is not a unit from column {at + 1} on")
         at = match.end()
-        if mark == ")":
-            signs.pop()
-            if not signs:
-                raise _bad(text, "closes a parenthesis that is not open")
-        elif mark:
-            if mark == "(":
-                signs.append(signs[-1] * sign)
-            complete, sign = False, -1 if mark == "/" else 1
+        if match["mark"] == "(":
+            around.append(((factor, dimension), sign))
+            (factor, dimension), sign, complete = _PLAIN["1"], 1, False
+        elif match["mark"]:
+            complete, sign = False, -1 if match["mark"] == "/" else 1
         else:
             power = Fraction(match["power"].strip("()") if match["power"] else 1)
-            base, unit = _resolve(match["symbol"])
+            if match["close"]:
+                if not around:
+                    raise _bad(text, "closes a parenthesis that is not open")
+                base, unit = factor, dimension
+                (factor, dimension), sign = around.pop()
+                if raised and power != 1:
+                    raise _bad(text, "has the power of a power")
+                raised = raised or power != 1
+            else:
+                base, unit = _resolve(match["symbol"])
             if abs(power) > 12 or (power.denominator > 1 and base != 1):
                 raise _bad(text, f"has the power {power}, which is out of range")
-            power *= sign * signs[-1]
+            power *= sign
             factor, dimension = factor * base**power.numerator, dimension * unit**power
             complete, sign = True, 1
-    if not complete or len(signs) > 1:
+    if not complete or around:
         raise _bad(text, "is not a complete unit")
     return factor, dimension
 

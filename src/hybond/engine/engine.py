@@ -114,6 +114,8 @@ class Step:
     rejected: int
     tried: float
     """How long the step is that is tried; 0: none is."""
+    solved: bool
+    """Whether its stages are solved for: what damps its errors damps rounding."""
     tiny: int
     """Steps in a row that were next to no time."""
     grid: float
@@ -197,6 +199,8 @@ class Engine:
     slide: Slide
     rounding: Floats
     """What the rates of stored quantities may be wrong by, in the time of the run."""
+    moved_rounding: Floats
+    """The same a moment after motion starts, of those that rates of zero say nothing of."""
     largest_state: Floats
     scale_energy: float
     """The largest energy there ever was, or that what pushes would give in a moment."""
@@ -359,6 +363,7 @@ def make_engine(m: Model) -> Engine:
     e.step = make_step(e.states, m.kinks, m.edges)
     e.slide = make_slide(m)
     e.rounding = floats(m.storages)
+    e.moved_rounding = floats(m.storages)
     e.largest_state = floats(e.states)
     e.lately = floats(5 * (e.states + 1))
     e.piece = ints(m.inputs)

@@ -7,12 +7,13 @@ from typing import TYPE_CHECKING, Any, cast
 from hybond.measures.asked import asked_of_experiment, measured, read_measure
 from hybond.measures.losses import Losses, losses_of
 from hybond.measures.window import Time, window_of
+from hybond.names import Asked
 
 if TYPE_CHECKING:
     from hybond.result import Result
 
 
-class Measuring:
+class Measuring(Asked):
     """Measurements and losses of a run; `Result` is the only one that has them."""
 
     def measure(self, *texts: str) -> Any:

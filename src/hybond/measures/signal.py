@@ -20,6 +20,7 @@ from hybond.measures.ripple import Ripple, ripple_of
 from hybond.measures.stepping_up import StepInfo, step_of
 from hybond.measures.value import About, Measurement
 from hybond.measures.window import Time, Window, frequency_of, window_of
+from hybond.names import Asked
 from hybond.units import parse_unit, try_quantity
 
 if TYPE_CHECKING:
@@ -30,7 +31,7 @@ Side = Literal["left", "right"]
 
 
 @dataclass(frozen=True)
-class Signal:
+class Signal(Asked):
     """One signal of a run: pieces that are smooth, jumps between them.
 
     What is measured is of the motion, between its points too. It is of the whole run, of a window

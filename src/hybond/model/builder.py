@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from numbers import Real
 from typing import TYPE_CHECKING, Any
 
-from hybond.calls import fits
+from hybond.calls import called, fits
 from hybond.errors import HybondError, ModelError
 from hybond.model.domains import no_such_domain
 from hybond.model.kinds import KINDS
@@ -23,7 +23,7 @@ from hybond.model.parts import (
     Value,
 )
 from hybond.model.symbol import Symbol
-from hybond.names import plural
+from hybond.names import Asked, plural
 from hybond.units import DOMAINS
 
 if TYPE_CHECKING:
@@ -31,13 +31,15 @@ if TYPE_CHECKING:
     from hybond.model.graph import FlatGraph
 
 _NAME = re.compile(r"([A-Za-z_][A-Za-z0-9_]*)(\[[^\[\]]+\])?\Z")
+_END = re.compile(r"\s*[\w.\[\]]+\s*")
+"""A node or a port, where a bond should be."""
 RESERVED = frozenset(
     {"time", "pi", "pre", "and", "or", "not", "if", "then", "else", "true", "false"}
 )
 
 
 @fits('hb.Model("oscillator", domain="translational")')
-class Model:
+class Model(Asked):
     """A hybrid bond graph under construction.
 
     Parameters
@@ -150,6 +152,14 @@ class Model:
                     where=f"graph.bonds[{k}]",
                     hint='m.bond("a -> b", "b -> c -> d")',
                 )
+            if _END.fullmatch(chain):
+                both = " -> ".join(map(str, chains if len(chains) > 1 else (chain, "b")))
+                raise ModelError(
+                    f"{chain!r} is not a bond: it has one end",
+                    code="HB-M109",
+                    where=f"graph.bonds[{k}]",
+                    hint=f'm.bond("{both}")',
+                )
         self.bonds.extend(chains)
 
     def parameter(self, **parameters: Value) -> None:
@@ -194,6 +204,7 @@ class Model:
             self._new_name(name)
             self.blocks[name] = block
 
+    @called('m.machine("switch", states={"open": [], "closed": ["s"]}, start="open", rules=[...])')
     def machine(
         self,
         name: str,
@@ -236,6 +247,7 @@ class Model:
         """Expose nodes of a submodel: ``port(shaft="inertia_junction")``; arrays in a mapping."""
         self.ports.update({**(arrays or {}), **ports})
 
+    @called('m.pin("a -> b", at="b")')
     def pin(self, bond: str, *, at: str) -> None:
         """Fix the causal stroke of a bond.
 
@@ -304,6 +316,7 @@ class Model:
 
         return checked(self)
 
+    @called('m.draw(mode={"switch": "open"}).save("model.png")')
     def draw(
         self,
         *,

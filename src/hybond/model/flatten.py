@@ -101,7 +101,7 @@ def _flatten(
     ]
     sources = set(with_laws.values()) - {""}
     nodes = [replace(n, implied=n.path in sources) for n in nodes] if sources else nodes
-    storages = _storages(raw_nodes, nodes)
+    storages = _storages(raw_nodes, nodes, bonds)
     states = {
         path: (k, tuple(part.states)) for k, (path, (_, part)) in enumerate(opened.machines.items())
     }
@@ -292,12 +292,15 @@ def _names(text: str) -> set[str]:
         return set()
 
 
-def _storages(raw_nodes: list[RawNode], nodes: list[Node]) -> tuple[Storage, ...]:
+def _storages(
+    raw_nodes: list[RawNode], nodes: list[Node], bonds: Sequence[Bond]
+) -> tuple[Storage, ...]:
     storages: list[Storage] = []
     for raw, node in zip(raw_nodes, nodes, strict=True):
         if node.kind not in STORAGES or raw.written is None:
             continue
-        starts, meaning = start_of(node, raw.written)
+        domains = [bonds[end.bond].domain for end in node.ends]
+        starts, meaning = start_of(node, raw.written, domains)
         for end, start in zip(node.ends, starts, strict=True):
             port = f".{end.port + 1}" if len(node.ends) > 1 else ""
             storages.append(

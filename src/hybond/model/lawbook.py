@@ -32,7 +32,7 @@ from hybond.model.kinds import SOURCES, STORAGES, TWO_PORTS
 from hybond.model.laws import Law
 from hybond.model.misfits import declared_elsewhere, units_of
 from hybond.model.resolve import Resolver
-from hybond.units import SHORT, Dimension, parse_unit, try_quantity
+from hybond.units import SHORT, Dimension, Domain, parse_unit, try_quantity
 
 _TIME = parse_unit("s")[1]
 FIELD = "the matrix of a field"
@@ -149,7 +149,7 @@ class _Reader:
                 where=f"elements.{other}.domain",
                 hint=f"take the domain of {other!r} out, or put a TF or GY between the domains",
             )
-        own = self.node.kind not in TWO_PORTS and domain.effort is not None
+        own = self.count == 1 and domain.effort is not None
         of = f", {domain.name} as it is" if own else ""
         hint = f"give a value in {wants or expected}, or declare the domain of {path!r}"
         if made:
@@ -392,8 +392,11 @@ def _check_symmetric(matrix: Any, where: str) -> None:
         )
 
 
-def start_of(node: Node, written: Written) -> tuple[list[float], str]:
-    """Return the start values of a storage's ports, and whether they are stored or co-energy."""
+def start_of(node: Node, written: Written, domains: Sequence[Domain]) -> tuple[list[float], str]:
+    """Return the start values of a storage's ports, and whether they are stored or co-energy.
+
+    `domains` are those of its ports.
+    """
     options = written.part.options
     unknown = set(options) - _OPTIONS
     if unknown:
@@ -429,14 +432,10 @@ def start_of(node: Node, written: Written) -> tuple[list[float], str]:
             hint="a list, one per port",
         )
     numbers = [constant(v, written.scope.parameters, where) for v in values]
-    dimensions = (node.domain.effort, node.domain.flow)
-    wanted = {
-        "e": dimensions[0],
-        "f": dimensions[1],
-        "p": None if dimensions[0] is None else dimensions[0] * _TIME,
-        "q": None if dimensions[1] is None else dimensions[1] * _TIME,
-    }[key]
-    for n in numbers:
+    for n, domain in zip(numbers, domains, strict=True):
+        wanted = domain.effort if key in "ep" else domain.flow
+        if key in "pq":
+            wanted = None if wanted is None else wanted * _TIME
         if n.dimension is not None and wanted is not None and n.dimension != wanted:
             made = units_of(values, written.scope.parameters)
             raise UnitError(

@@ -155,6 +155,13 @@ def _rule(
                 where=where,
                 hint=did_you_mean(name, states),
             )
+    if match[1] == match[2]:
+        raise ModelError(
+            f"{text!r} leads back to the state that it leaves, and time could not advance",
+            code="HB-M145",
+            where=where,
+            hint="leave it out: a machine stays where no rule fires",
+        )
     found = rule_of(match[3].strip(), resolver, scope, where, dimensions)
     return replace(found, source=states.index(match[1]), target=states.index(match[2]))
 

@@ -64,7 +64,8 @@ def declared_elsewhere(node: Node, resolver: Resolver, domain: str) -> str | Non
                 if k in seen or other.kind in TWO_PORTS:
                     continue
                 seen.add(k)
-                waiting.append(k)
+                if other.kind in ("0", "1"):
+                    waiting.append(k)
                 written = resolver.opened.nodes.get(other.path)
                 if written and written.part.options.get("domain") == node.domain.name:
                     return other.path

@@ -1,15 +1,16 @@
 """The unit of a signal in the words of its domain: a torque is in N*m, not in J.
 
 Dimensions do not tell torque from energy or an angle from a number. A bond does, and what is added
-to a torque, or is the larger of two, is a torque as well.
+to a torque, or is the larger of two, or a number of times a torque, is a torque as well.
 """
 
 from __future__ import annotations
 
-from hybond.model.dimensions import infer_dimension
+from hybond.model.dimensions import RATED, infer_dimension
 from hybond.model.expressions import Expr, Name
 from hybond.model.expressions.tree import Binary, Call, If, Neg, Number, Pre
 from hybond.model.graph import FlatGraph
+from hybond.units import DIMENSIONLESS
 
 _KEEP = ("abs", "min", "max", "hypot")
 """Functions whose value is of the kind of their arguments."""
@@ -49,7 +50,22 @@ def _word(e: Expr, graph: FlatGraph, within: frozenset[int]) -> str | None:
             return _common((left, right), graph, within)
         case Call(function, args) if function in _KEEP:
             return _common(args, graph, within)
+        case Binary("*", left, right):
+            if _scales(left, graph, within):
+                return _word(right, graph, within)
+            return _word(left, graph, within) if _scales(right, graph, within) else ""
+        case Binary("/", left, right) if _scales(right, graph, within):
+            return _word(left, graph, within)
     return ""
+
+
+def _scales(e: Expr, graph: FlatGraph, within: frozenset[int]) -> bool:
+    """Whether a factor is a number: an angle times a torque is work."""
+    bare = isinstance(e, Number) and e.dimension is None
+    bare = bare or (isinstance(e, Call) and e.function in RATED)
+    if not bare and infer_dimension(e, graph.dimensions.get) != DIMENSIONLESS:
+        return False
+    return not _word(e, graph, within)
 
 
 def _common(terms: tuple[Expr, ...], graph: FlatGraph, within: frozenset[int]) -> str | None:

@@ -150,9 +150,9 @@ def _numbered(
 def domains_of(nodes: list[RawNode], bonds: list[RawBond]) -> list[Domain]:
     """Return the domain of each bond.
 
-    A region of bonds joined by junctions and one-ports has one domain: the one that a node in it
-    declares, else that of the models that contain its nodes. What a model says of one of its nodes
-    there goes before its own domain.
+    A region of bonds joined by junctions has one domain: the one that a node in it declares, else
+    that of the models that contain its nodes. What a model says of one of its nodes there goes
+    before its own domain. Two-ports and fields stand between regions: each port has its own.
 
     Raises
     ------
@@ -165,9 +165,7 @@ def domains_of(nodes: list[RawNode], bonds: list[RawBond]) -> list[Domain]:
         touching[bond.tail].append(k)
         touching[bond.head].append(k)
     for node, at in zip(nodes, touching, strict=True):
-        if node.kind in TWO_PORTS:
-            continue
-        if at:
+        if at and node.kind in ("0", "1"):
             regions.join(at)
 
     def declare(table: dict[int, tuple[str, str]], root: int, domain: str, path: str) -> None:
@@ -176,7 +174,7 @@ def domains_of(nodes: list[RawNode], bonds: list[RawBond]) -> list[Domain]:
         if name == domain:
             return
         text = f"{path!r} is {domain} and {other!r} is {name}, but bonds and junctions join them"
-        inside = [n for n, at in zip(nodes, touching) if at and regions.root(at[0]) == root]
+        inside = [n for n, at in zip(nodes, touching) if any(regions.root(k) == root for k in at)]
         where = _odd_one(inside) or path
         for k, bond in enumerate(bonds):
             mixed = _mixed(bond, nodes) if regions.root(k) == root else ""
@@ -199,13 +197,14 @@ def domains_of(nodes: list[RawNode], bonds: list[RawBond]) -> list[Domain]:
         if node.written is None or not at or node.kind in TWO_PORTS:
             continue
         own = node.written.part.options.get("domain")
-        root = regions.root(at[0])
-        if own is not None:
-            declare(said, root, str(own), node.path)
-            spoken.setdefault(root, []).append(node.written.scope.prefix)
-        else:
+        if own is None:
             _domain(node.written.scope.model.domain, node.written.scope.prefix)
-            silent.append((root, node.written.scope, node.path))
+        for root in dict.fromkeys(regions.root(k) for k in at):
+            if own is not None:
+                declare(said, root, str(own), node.path)
+                spoken.setdefault(root, []).append(node.written.scope.prefix)
+            else:
+                silent.append((root, node.written.scope, node.path))
     for root, scope, path in silent:
         if any(speaker.startswith(scope.prefix) for speaker in spoken.get(root, ())):
             continue  # its own model, or one within it, knows better than by its domain

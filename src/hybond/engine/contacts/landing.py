@@ -21,6 +21,7 @@ from hybond.engine.contacts.accumulation import (
     room_of,
     tick_of,
 )
+from hybond.engine.contacts.coming_back import comes_back
 from hybond.engine.contacts.impacts_seen import forget_left
 from hybond.engine.contacts.landing_records import CROWD, Landings, in_force
 from hybond.engine.contacts.rest import find_moved, find_rest, still_stored
@@ -134,6 +135,11 @@ def would_rest(e: Engine, g: Landings) -> bool:
         if g.chosen[k] != 0:
             contact = g.touch_contact[k]
             g.state[m.contact_machine[contact]] = m.contact_rest[contact]
+    for k in range(g.touches):
+        if g.chosen[k] != 0 and not comes_back(e, g, k):
+            if m.tells != 0:
+                g.why = REBOUNDS
+            return False
     for k in range(m.storages):
         g.x[k] = e.y[k]
     for k in range(m.integrals):

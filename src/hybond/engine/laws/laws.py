@@ -31,7 +31,7 @@ from hybond.engine.laws.law_instant import NO_LAW_VALUE, make_consistent, quanti
 from hybond.engine.laws.law_jumping import find_breaking, find_jumping, sweep_dust
 from hybond.engine.laws.law_records import Laws
 from hybond.engine.laws.law_trials import by_trial
-from hybond.engine.mode.storage import energy_of
+from hybond.engine.mode.storage import constant_energy, energy_of
 from hybond.engine.mode.values import evaluate
 from hybond.engine.model import Model
 from hybond.engine.reasons.facts import add_fact, tell_ports
@@ -210,7 +210,10 @@ def from_state(e: Engine, r: Laws, x: Floats, turn: int, stay: bool) -> int:
 
 
 def observe(e: Engine, v: Floats) -> None:
-    """Learn how large gaps and energy are in this run, which rounding is measured by."""
+    """Learn how large gaps and energy are in this run, which rounding is measured by.
+
+    That of bent storages is a quadrature, and seen at instants: what moves beside them counts here.
+    """
     m = e.model
     r = e.laws
     for k in range(m.ports):
@@ -218,10 +221,9 @@ def observe(e: Engine, v: Floats) -> None:
             gap = math.fabs(quantity(m, m.port_gap, m.port_gap_constant, k, v))
             if math.isfinite(gap):
                 r.largest[k] = max(r.largest[k], gap)
-    if m.groups == 0:
-        for k in range(m.storages):
-            r.moved[k] = v[m.stored_slot + k]
-        e.energy = max(e.energy, math.fabs(energy_of(e, r.moved)))
+    for k in range(m.storages):
+        r.moved[k] = v[m.stored_slot + k]
+    e.energy = max(e.energy, math.fabs(constant_energy(m, r.moved)))
 
 
 def look_at_limits(e: Engine) -> int:

@@ -31,7 +31,7 @@ from hybond.engine.methods.flow import take_flow
 from hybond.engine.methods.flow_records import AUTO, EXACT, LARGE
 from hybond.engine.methods.one_instant import is_one_kink
 from hybond.engine.methods.propagate import even_length
-from hybond.engine.methods.scale import controlled, measure_again, tolerance
+from hybond.engine.methods.scale import CREEPS, controlled, measure_again, tolerance
 from hybond.engine.methods.stiffness import watch_explicit
 from hybond.engine.methods.strayed import strayed
 from hybond.engine.mode.values import field
@@ -42,8 +42,6 @@ EXPONENT: Final = 0.2 - 0.75 * 0.04
 SAFETY: Final = 0.9
 SHRINK: Final = 0.2
 GROW: Final = 10.0
-CREEPS: Final = 1e-4
-"""Part of the run below which a step that is too long may be so by rounding alone."""
 LEAST: Final = 1e-100
 """Part of the run that is next to no time, though near zero there are always shorter ones. What
 begins at an edge of its law may grow from there, tenfold with each step, ..."""

@@ -40,7 +40,7 @@ from hybond.engine.methods.radau_stages import (
     mean_size,
     rate_at,
 )
-from hybond.engine.methods.scale import ROUNDED, tolerance
+from hybond.engine.methods.scale import CREEPS, ROUNDED, measure_again, tolerance
 from hybond.engine.methods.strayed import strayed
 from hybond.engine.words import Floats, float_table
 
@@ -162,7 +162,11 @@ def estimate_error(e: Engine, r: Radau) -> None:
     n = r.n
     for i in range(n):
         r.stage[i] = r.y[2 * n + i]
+    e.step.tried = r.h
+    e.step.solved = True
     tolerance(e, r.y0, r.stage, r.other)
+    e.step.solved = False
+    e.step.tried = 0.0
     if e.step.left_edge:
         widen(e, r, r.other)
     r.error = filtered_error(r, r.f0)
@@ -290,6 +294,8 @@ def advance_radau(e: Engine, r: Radau, rtol: float, t_end: float, h: float, long
         if try_radau(e, r, rtol) == STEP_MADE:
             return STEP_MADE
         r.rejected += 1
+        if r.rejected == 1 and h < CREEPS * e.span and e.slide.k == 0:
+            measure_again(e, e.mode)
         # what never moved has no size: it is found to be zero from zero alone
         r.known = r.known and any_moves(r)
         if r.shrink < 1.0 and h * r.shrink < smallest:

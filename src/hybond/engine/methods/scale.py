@@ -13,7 +13,7 @@ from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.sizes import size_of
 from hybond.engine.mode.solving import solve
 from hybond.engine.mode.storage import own_stiffness
-from hybond.engine.mode.values import set_state
+from hybond.engine.mode.values import field, set_state
 from hybond.engine.words import Floats
 
 NEGLIGIBLE: Final = 1e-6
@@ -33,33 +33,68 @@ SHORT: Final = 1e-6
 """Part of the run in which what that adds up to is no error, nor is it in a step, if that is more:
 what is held at zero has a rate that is nothing else."""
 
+CREEPS: Final = 1e-4
+"""Part of the run below which a step that is too long may be so by rounding alone."""
+
 
 def start_scale(e: Engine, mode: Mode) -> None:
     """Learn what the rates of stored quantities cancel from, where motion starts.
 
     From rest, rates may be nothing but rounding of these terms: then no step is small enough to be
     right to a part of what it adds. Where nothing has been stored yet, the terms of a moment later
-    count as well: what pushes may begin at zero, or at what rounding of the time leaves of it.
+    count as well: what pushes may begin at zero, or at what rounding of the time leaves of it. So
+    do those where what moves will be then: two bodies that fall side by side have no speeds yet,
+    and what is between them will be the rounding of their difference.
     """
-    found = found_terms(e, mode, e.t)
+    soon = SHORT * e.span
+    if e.next_break < math.inf:
+        soon = min(soon, 0.5 * (e.next_break - e.t))
+    found = found_terms(e, mode, e.t, e.y)
     if not found or e.scale_energy == 0.0:
         for k in range(e.model.storages):
             e.work.reach[k] = e.rounding[k]
-        soon = SHORT * e.span
-        if e.next_break < math.inf:
-            soon = min(soon, 0.5 * (e.next_break - e.t))
         hold_guess(e, mode)
-        found_terms(e, mode, e.t + soon)
+        found_terms(e, mode, e.t + soon, e.y)
         give_back_guess(e, mode)
         set_state(e, mode, e.v, e.t, e.y)
         solve(e, mode, e.v)
         for k in range(e.model.storages):
             e.rounding[k] = max(e.work.reach[k], e.rounding[k])
+    find_moved_terms(e, mode, soon)
     if e.model.laws > 0:
         pushed = pushed_energy(e)
         e.energy = max(e.energy, pushed)
         e.scale_energy = max(e.scale_energy, pushed)
         e.pushed_energy = max(e.pushed_energy, pushed)
+
+
+def find_moved_terms(e: Engine, mode: Mode, soon: float) -> None:
+    """Learn what rates that cancel from nothing yet will cancel from, a moment later."""
+    m = e.model
+    none = False
+    for k in range(m.storages):
+        e.moved_rounding[k] = 0.0
+        none = none or e.rounding[k] == 0.0
+    if not none:
+        return
+    hold_guess(e, mode)
+    refusal = e.refusal
+    asked = e.evaluations
+    if field(e, mode, e.t + soon, e.y, e.step.rate) == OK:
+        for k in range(e.states):
+            e.step.trial[k] = e.y[k] + soon * e.step.rate[k]
+        for k in range(m.storages):
+            e.work.reach[k] = e.rounding[k]
+        found_terms(e, mode, e.t + soon, e.step.trial)
+        for k in range(m.storages):
+            if e.work.reach[k] == 0.0 and e.rounding[k] < math.inf:
+                e.moved_rounding[k] = e.rounding[k]
+            e.rounding[k] = e.work.reach[k]
+    e.evaluations = asked
+    e.refusal = refusal
+    give_back_guess(e, mode)
+    set_state(e, mode, e.v, e.t, e.y)
+    solve(e, mode, e.v)
 
 
 def pushed_energy(e: Engine) -> float:
@@ -77,10 +112,10 @@ def pushed_energy(e: Engine) -> float:
     return most
 
 
-def found_terms(e: Engine, mode: Mode, t: float) -> bool:
+def found_terms(e: Engine, mode: Mode, t: float, y: Floats) -> bool:
     """Put the rounding of what rates cancel from at `t` there; False if there is nothing."""
     m = e.model
-    set_state(e, mode, e.v, t, e.y)
+    set_state(e, mode, e.v, t, y)
     if solve(e, mode, e.v) != OK:
         return False
     found = False
@@ -116,7 +151,7 @@ def measure_anew(e: Engine, mode: Mode) -> None:
     """Learn what rates cancel from where a step begins, and forget what was before."""
     refusal = e.refusal
     hold_guess(e, mode)
-    found_terms(e, mode, e.step.t)
+    found_terms(e, mode, e.step.t, e.y)
     give_back_guess(e, mode)
     e.refusal = refusal
 
@@ -170,8 +205,15 @@ def allow(e: Engine, y0: Floats, y1: Floats, energy: float, out: Floats) -> None
         out[k] = m.rtol * max(out[k], floor if math.isfinite(floor) else 0.0)
         # what has not moved yet has no size: the solver chooses its first step without it
         if moved:
-            out[k] = max(out[k], moments * e.rounding[k])
+            own_rounding = e.rounding[k] if e.step.solved else moments * e.rounding[k]
+            if e.moved_rounding[k] > 0.0:
+                # what is between motions is not what slows them
+                own_rounding = moments * max(e.rounding[k], e.moved_rounding[k])
+            out[k] = max(out[k], own_rounding)
+    # a step that is short beside the run adds what it would add in a short part of the run
+    wide = max(SHORT * e.span / e.step.tried, 1.0) if e.step.tried > 0.0 else 1.0
     for k in range(m.storages, e.states):
+        out[k] = max(out[k], wide * math.fabs(y1[k] - y0[k]))
         out[k] = m.rtol * out[k] + IDLE * math.sqrt(m.rtol)
 
 

@@ -138,13 +138,8 @@ def with_stored(e: Engine, x: Floats) -> Floats:
     return values
 
 
-def energy_of(e: Engine, x: Floats) -> float:
-    """Return the stored energy, J; that of a nonlinear storage is counted from x = 0.
-
-    Where a law has no value there, as of a gas without volume, from what is stored at the start.
-    Storage on pseudo bonds has none: effort times flow is no power there.
-    """
-    m = e.model
+def constant_energy(m: Model, x: Floats) -> float:
+    """Return the energy, J, in storages whose laws are linear."""
     total = 0.0
     for k in range(m.storages):
         if m.co_energy[k] >= 0 or m.storage_pseudo[k] != 0:
@@ -153,6 +148,17 @@ def energy_of(e: Engine, x: Floats) -> float:
             j = m.stiff_other[i]
             if m.storage_pseudo[j] == 0:
                 total += 0.5 * m.stiff_constant[i] * x[j] * x[k]
+    return total
+
+
+def energy_of(e: Engine, x: Floats) -> float:
+    """Return the stored energy, J; that of a nonlinear storage is counted from x = 0.
+
+    Where a law has no value there, as of a gas without volume, from what is stored at the start.
+    Storage on pseudo bonds has none: effort times flow is no power there.
+    """
+    m = e.model
+    total = constant_energy(m, x)
     for g in range(m.groups):
         first = m.group_storage[m.group_first[g]]
         if m.storage_pseudo[first] == 0:

@@ -153,7 +153,10 @@ def of_polynomials(e: Engine, g: Locator, k: int, before: float) -> float:
             remember(e, g, k, middle)
         quiet = max(quiet, middle) if middle < high else quiet
         unclear = count_unclear(e, g, k, high)
-        if high < end and (touches or unclear > (0 if last else 1)) and holds_at(e, g, k, high):
+        asked = touches or unclear > (0 if last else 1)
+        # a root in the last place of the step has nothing behind it but the end
+        asked = asked or (last and high > e.step.t0 and not (low < middle and middle < high))
+        if high < end and asked and holds_at(e, g, k, high):
             return begin_near(e, g, k, quiet, high, high)
         low = high
     return math.inf

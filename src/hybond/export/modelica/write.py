@@ -84,7 +84,7 @@ def _states(draft: Draft) -> Iterator[str]:
     """Yield the declarations of what is stored and integrated, and of machines."""
     graph, start = draft.graph, draft.start
     for s in graph.storages:
-        domain = graph.nodes[s.node].domain
+        domain = graph.bonds[s.bond].domain
         per = domain.flow_unit if s.kind == "C" else domain.effort_unit
         given = unit_text(graph.dimensions.get(f"x:{s.index}"))
         unit = f', unit = "{given}"' if given and per else ""

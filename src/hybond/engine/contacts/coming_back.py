@@ -1,0 +1,86 @@
+"""Whether a contact is met again at once: what an impact has put together stays there or leaves.
+
+A plastic impact leaves no rebound, so that nothing tells flights that are none from what moves
+away by itself: a sample that is taken of a signal is what the signal is, and drifts from it until
+the next one. So the motion behind the impact is followed for a moment. What rests on its contact
+falls back into it.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+from hybond.engine.contacts.accumulation import SOONEST, room_of
+from hybond.engine.contacts.landing_records import Landings, in_force
+from hybond.engine.engine import OK, Engine
+from hybond.engine.expressions.paired import holds
+from hybond.engine.mode.equations import mode_of
+from hybond.engine.mode.values import begin_field, evaluate, field
+from hybond.engine.run.guard_values import ask_in_motion, begin_sizes_in_motion, measure_in_motion
+from hybond.engine.sliding.combine import combine_here
+
+MOMENT: Final = 10.0
+"""How long the motion is followed, in the time in which impacts may end."""
+
+
+def comes_back(e: Engine, g: Landings, k: int) -> bool:
+    """Whether an impact follows on this one while all others that are chosen rest.
+
+    Where nothing tells, it does: a law's own contact, one that is entered by way of other states.
+    """
+    m = e.model
+    contact = g.touch_contact[k]
+    machine = m.contact_machine[contact]
+    target = m.contact_state[contact]
+    free = e.state[machine]
+    if m.is_law[machine] != 0:
+        return True
+    direct = False
+    for r in range(m.rule_first[machine], m.rule_first[machine + 1]):
+        if m.rule_source[r] == free and m.rule_target[r] == target:
+            if m.rule_watched[r] == 0:
+                return True
+            direct = True
+    if not direct:
+        return True
+    rest = g.state[machine]
+    g.state[machine] = free
+    moves = follow(e, g)
+    g.state[machine] = rest
+    return not moves or meets(e, g, machine, target)
+
+
+def follow(e: Engine, g: Landings) -> bool:
+    """Put where the motion leads in a moment into `g.at_rest`; False if nothing tells."""
+    n = e.states
+    if mode_of(e, g.state) != OK or combine_here(e, g.state) != OK:
+        return False
+    begin_field(e, e.mode)
+    h = max(MOMENT * room_of(e.t, e.span), SOONEST * e.span)
+    if not e.t + h < min(e.next_break, e.until):
+        return False
+    if field(e, e.mode, e.t, e.y, g.rate1) != OK:
+        return False
+    for j in range(n):
+        g.at_rest[j] = e.y[j] + h * g.rate1[j]
+    if field(e, e.mode, e.t + h, g.at_rest, g.rate2) != OK:
+        return False
+    for j in range(n):
+        g.at_rest[j] = e.y[j] + 0.5 * h * (g.rate1[j] + g.rate2[j])
+    return evaluate(e, e.mode, e.v, e.t + h, g.at_rest) == OK
+
+
+def meets(e: Engine, g: Landings, machine: int, target: int) -> bool:
+    """Whether a rule of a machine leads to a state at the values ``e.v``."""
+    m = e.model
+    stack = e.work.stack
+    begin_sizes_in_motion(e)
+    ask_in_motion(e)
+    for r in range(m.rule_first[machine], m.rule_first[machine + 1]):
+        if m.rule_source[r] != e.state[machine] or m.rule_target[r] != target:
+            continue
+        if in_force(m, g, machine, r):
+            measure_in_motion(e, r)
+            if holds(m, r, stack):
+                return True
+    return False

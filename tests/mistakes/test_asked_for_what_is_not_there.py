@@ -1,0 +1,80 @@
+"""Words of other tools on models, runs and signals say what is meant; a bond has two ends."""
+
+from __future__ import annotations
+
+import copy
+import pickle
+
+import pytest
+
+import hybond as hb
+
+
+def discharge() -> hb.Model:
+    m = hb.Model("rc", domain="electrical")
+    m.add(c=hb.C("1 mF", e="10 V"), r=hb.R("1 kohm"), node=hb.Zero())
+    m.bond("node -> c", "node -> r")
+    return m
+
+
+@pytest.mark.parametrize(
+    ("owner", "name", "meant"),
+    [
+        ("model", "simulate", "hb.simulate(model"),
+        ("model", "save", "hb.save(model"),
+        ("model", "signl", "did you mean 'signal'"),
+        ("run", "t", "run.t_end"),
+        ("run", "y", "run.names"),
+        ("run", "evnts", "did you mean 'events'"),
+        ("signal", "value", "signal.y"),
+        ("signal", "integal", "did you mean 'integral'"),
+    ],
+)
+def test_what_is_not_there_is_named_with_what_is_meant(owner: str, name: str, meant: str) -> None:
+    model = discharge()
+    run = hb.simulate(model, until=1)
+    asked = {"model": model, "run": run, "signal": run["c.e"]}[owner]
+    with pytest.raises(AttributeError, match=f"has no '{name}'; try: ") as caught:
+        getattr(asked, name)
+    assert meant in str(caught.value)
+    # who looks for what may be there finds nothing and goes on
+    assert getattr(asked, name, None) is None and not hasattr(asked, "_repr_nothing_")
+
+
+def test_models_are_copied_as_before() -> None:
+    model = discharge()
+    assert hb.dumps(copy.deepcopy(model)) == hb.dumps(model)
+    assert hb.dumps(pickle.loads(pickle.dumps(model))) == hb.dumps(model)
+
+
+@pytest.mark.parametrize(
+    ("ends", "meant"),
+    [
+        (("node", "c"), 'm.bond("node -> c")'),
+        (("node", "c", "r"), 'm.bond("node -> c -> r")'),
+        (("node",), 'm.bond("node -> b")'),
+        (("cell[1].plus", "node"), 'm.bond("cell[1].plus -> node")'),
+    ],
+)
+def test_ends_without_an_arrow_are_refused_where_they_are_given(
+    ends: tuple[str, ...], meant: str
+) -> None:
+    model = discharge()
+    with pytest.raises(hb.ModelError, match="HB-M109") as caught:
+        model.bond(*ends)
+    assert meant in str(caught.value)
+    assert model.bonds == ["node -> c", "node -> r"]
+
+
+def test_a_picture_is_saved_and_not_drawn_to_a_name() -> None:
+    with pytest.raises(hb.UsageError, match="HB-S130 at draw") as caught:
+        discharge().draw("rc.png")  # type: ignore[call-arg]
+    assert "save(" in str(caught.value)
+
+
+def test_a_rule_that_leads_back_to_its_state_is_refused() -> None:
+    model = discharge()
+    model.machine("m", states={"a": []}, start="a", rules=["a -> a when time > 1"])
+    with pytest.raises(hb.ModelError, match="HB-M145") as caught:
+        model.flatten()
+    assert "leave it out" in str(caught.value)
