@@ -14,7 +14,6 @@ from hybond.engine.outcome.audit import Audit, audit
 from hybond.engine.outcome.signals import Signals
 from hybond.engine.outcome.states_at import state_at
 from hybond.errors import HybondError, UsageError
-from hybond.files.whole import whole, write_arrays
 from hybond.measures.measuring import Measuring
 from hybond.measures.naming import names_of, read_name
 from hybond.measures.signal import Signal
@@ -33,7 +32,6 @@ from hybond.units import format_quantity
 if TYPE_CHECKING:
     from pathlib import Path
 
-
 Vector = NDArray[np.float64]
 Status = Literal["ok", "interrupted", "accumulation", "unsound", "error", "running"]
 Side = Literal["left", "right"]
@@ -42,8 +40,6 @@ ROWS = 20
 """Values that a notebook shows of the end of a run."""
 POINTS = 200
 """Points per run that flat views add between accepted steps, spread over its segments."""
-
-
 FEW = 64
 """Times that are looked for one by one: an array to look for them in takes longer."""
 
@@ -435,6 +431,8 @@ class Result(Measuring):
         """Write a table: both limits at events, column ``side`` (left, right or empty)."""
         import csv
 
+        from hybond.files.whole import whole
+
         table = self.table(names)
         with whole(path) as new, open(new, "w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)
@@ -444,6 +442,8 @@ class Result(Measuring):
 
     def to_npz(self, path: str | Path, names: Sequence[str] | None = None) -> None:
         """Write the same table as NumPy arrays."""
+        from hybond.files.whole import write_arrays
+
         write_arrays(path, self.table(names))
 
     def table(self, names: Sequence[str] | None = None) -> dict[str, Any]:

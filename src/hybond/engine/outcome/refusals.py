@@ -5,9 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 
-from hybond.causality.assign import assign
-from hybond.causality.explain import describe_conflict
-from hybond.causality.orientation import base_mode
 from hybond.engine.compiled.refusal import Refusal
 from hybond.engine.outcome.explain import Explaining
 from hybond.model.expressions import Call, Expr
@@ -83,7 +80,16 @@ def said_of(refusal: Refusal, graph: FlatGraph, explain: Explaining, mode: Mode)
 
 
 def _conflicts(graph: FlatGraph, mode: Mode) -> list[str]:
+    from hybond.causality.assign import assign
+    from hybond.causality.explain import describe_conflict
+
     return [describe_conflict(graph, mode, c) for c in assign(graph, mode).conflicts]
+
+
+def _base_mode(graph: FlatGraph, mode: Mode) -> Mode:
+    from hybond.causality.orientation import base_mode
+
+    return base_mode(graph, mode)
 
 
 def _sources(c: Case) -> Said:
@@ -110,7 +116,7 @@ def _too_high(c: Case) -> Said:
 def _tied(c: Case) -> Said:
     path = c.refusal.place
     why = f"the law of {path} is tied to a constraint that holds in every mode"
-    return Said(why, c.graph.mode_text(base_mode(c.graph, c.mode)))
+    return Said(why, c.graph.mode_text(_base_mode(c.graph, c.mode)))
 
 
 def _slip(c: Case) -> Said:
@@ -158,7 +164,7 @@ def _no_branches(c: Case) -> Said:
     ports = [law.node for m in c.graph.machines if m.law is not None for law in m.law.junctions]
     # where none may be ON, what keeps them OFF leaves no answer
     names = c.paths([ports[k] for k in taking] or ports)
-    opposed = _conflicts(c.graph, base_mode(c.graph, c.mode))
+    opposed = _conflicts(c.graph, _base_mode(c.graph, c.mode))
     what = "finite values" if finite else "impulses"
     none = "have no solution" if c.refusal.code == "HB-J110" else NOT_FOUND
     why = " ".join([f"the {what} of {names} {none} {c.now}.", *opposed])
