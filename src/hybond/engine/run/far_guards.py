@@ -42,9 +42,13 @@ DRIFTS: Final = 4.0
 
 def see_drift(e: Engine, g: Locator) -> None:
     """See how far the states of a step are off the constraints that guards are asked on."""
+    held = g.held and is_constrained(e.mode)
+    if not (held or g.drifted):
+        return
+    g.drifted = held
     for k in range(e.states):
         g.drift[k] = 0.0
-    if not (g.held and is_constrained(e.mode)):
+    if not held:
         return
     for i in range(0, SAMPLES, 2):
         t = sampled_time(e, i)

@@ -42,8 +42,8 @@ def look(e: Engine, g: Locator, t: float) -> None:
     set_motion(e, e.v, t, g.y)
     g.lost = False
     g.looks += 1
-    g.singly = e.slide.k == 0 and e.mode.dynamics == 0 and e.mode.finite_frees == 0
-    g.singly = g.singly and g.reads.many > FEW
+    several = g.reads.many > FEW and e.slide.k == 0
+    g.singly = several and e.mode.dynamics == 0 and e.mode.finite_frees == 0
     if g.singly:
         put_knowns(e, e.mode, g.reads, e.v)
     elif e.slide.k == 0:

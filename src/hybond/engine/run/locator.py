@@ -42,6 +42,8 @@ SHALLOW: Final = 4
 """These."""
 LONGEST_NAP: Final = 4096
 """Steps for which a kink ends none, at the most."""
+MOST_LOOKS: Final = 1_000_000_000
+"""Instants looked at after which they are counted anew."""
 ALL_PARTS: Final = -1
 """A guard is asked of the motion as it is, not of one of the modes that are combined."""
 NONE: Final = -1
@@ -111,7 +113,9 @@ class Locator:
     still_value: Floats
     still_extent: Floats
     drift: Floats
-    """Of each state: how far it is moved in the step where it is put on constraints."""
+    """Of each state: how far it is moved in the step where it is put on constraints; whether any
+    may be."""
+    drifted: bool
     before: Floats
     denied: Ints
     """Of each guard: signs of its comparisons, a bit for all together, with which it is false."""
@@ -159,7 +163,7 @@ class Locator:
     nap: Ints
     """Of each kink: for how many it will be the next time."""
     looks: int
-    """Instants looked at in this search; the last of them at which the bond variables of each guard
+    """Instants that were looked at; the last of them at which the bond variables of each guard
     were evaluated, and each row of them, if that is done as guards are asked, `singly`."""
     seen: Ints
     row_seen: Ints
@@ -423,8 +427,10 @@ def forget_denied(g: Locator) -> None:
 def begin_looks(m: Model, g: Locator) -> None:
     """Begin to look at another step: nothing is known at any instant of it."""
     g.looked = math.nan
+    if g.looks < MOST_LOOKS:
+        return
     g.looks = 0
-    for k in range(g.guards):
+    for k in range(g.room):
         g.seen[k] = 0
     for b in range(2 * m.bonds):
         g.row_seen[b] = 0
