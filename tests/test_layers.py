@@ -235,3 +235,20 @@ def test_import_hybond_is_light() -> None:
     )
     assert done.returncode == 0, done.stderr
     assert not set(HEAVY) & set(done.stdout.split())
+
+
+def test_a_run_by_the_library_imports_no_engine() -> None:
+    text = (
+        "import sys, hybond as hb\n"
+        "m = hb.Model('rc', domain='electrical')\n"
+        "m.add(c=hb.C('1 mF', e='10 V'), r=hb.R('1 kohm'), node=hb.Zero())\n"
+        "m.bond('node -> c', 'node -> r')\n"
+        "hb.simulate(m, until='1 s')\n"
+        "print(*sys.modules)"
+    )
+    done = subprocess.run([sys.executable, "-c", text], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    loaded = set(done.stdout.split())
+    if "hybond.engine.interpreted.run" not in loaded:  # there is a library
+        rooms = {"hybond.engine.run.motion", "hybond.files", "hybond.causality", "msgspec"}
+        assert not rooms & loaded

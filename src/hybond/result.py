@@ -38,8 +38,6 @@ ROWS = 20
 """Values that a notebook shows of the end of a run."""
 POINTS = 200
 """Points per run that flat views add between accepted steps, spread over its segments."""
-
-
 FEW = 64
 """Times that are looked for one by one: an array to look for them in takes longer."""
 

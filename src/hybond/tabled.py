@@ -7,8 +7,6 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
-from hybond.files.whole import whole, write_arrays
-
 if TYPE_CHECKING:
     from pathlib import Path
 
@@ -59,6 +57,8 @@ class Tabled:
         """Write a table: both limits at events, column ``side`` (left, right or empty)."""
         import csv
 
+        from hybond.files.whole import whole
+
         table = self.table(names)
         with whole(path) as new, open(new, "w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)
@@ -68,4 +68,6 @@ class Tabled:
 
     def to_npz(self, path: str | Path, names: Sequence[str] | None = None) -> None:
         """Write the same table as NumPy arrays."""
+        from hybond.files.whole import write_arrays
+
         write_arrays(path, self.table(names))

@@ -91,6 +91,7 @@ subset. Rooms, and in them files, as data passes them::
         locate, locator     the first instant of a step at which a guard holds
         guard_values, guard_shape, candidates, bracket    by samples
         solved_guards, step_polynomials, quartic    by polynomials
+        far_guards          those that do not come to hold, which is seen at once
         together, ends_at_guard    what is one instant with it; the step that ends there
         kinks_passed, held_by_kinks, source_jumps    kinks of laws and of sources
         edges, roots_reached    where laws end; roots that come to rest

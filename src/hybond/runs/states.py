@@ -11,9 +11,6 @@ from typing import Any
 
 from hybond.calls import called, named_file
 from hybond.errors import UnitError, UsageError
-from hybond.files.parse import read_regular
-from hybond.files.place import shortened
-from hybond.files.whole import write_whole
 from hybond.records import dataclass
 from hybond.units import format_quantity, parse_unit
 
@@ -98,6 +95,8 @@ class State:
         OSError
             If the file cannot be written.
         """
+        from hybond.files.whole import write_whole
+
         write_whole(path, self.to_json())
 
     def to_json(self) -> str:
@@ -178,6 +177,8 @@ def load_state(path: str | Path) -> State:
 
 
 def _bytes_of(path: Path) -> bytes:
+    from hybond.files.parse import read_regular
+
     data = read_regular(path, LARGEST + 1)
     if len(data) > LARGEST:
         raise _no_state(path, f"has more than {LARGEST} bytes")
@@ -237,9 +238,15 @@ def state_of_record(record: Any) -> State:
     )
 
 
+def _shortened(value: Any) -> str:
+    from hybond.files.place import shortened
+
+    return shortened(repr(value))
+
+
 def _any_number(value: Any) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float):
-        raise ValueError(f"{shortened(repr(value))} is not a number")
+        raise ValueError(f"{_shortened(value)} is not a number")
     try:
         return float(value)
     except OverflowError:
@@ -255,5 +262,5 @@ def _number(value: Any) -> float:
 
 def _whole(value: Any) -> int:
     if isinstance(value, bool) or not isinstance(value, int) or not -(2**31) <= value < 2**31:
-        raise ValueError(f"{shortened(repr(value))} is not a whole number of 32 bits")
+        raise ValueError(f"{_shortened(value)} is not a whole number of 32 bits")
     return value

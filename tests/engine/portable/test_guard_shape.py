@@ -61,5 +61,6 @@ def test_what_a_polynomial_leaves_is_below_its_length(locator, samples, offset):
     left = samples - np.polyval(np.polyfit(x, samples, 5), x)
     size = np.abs(samples).max()
     assert rest_of(locator, 0) == pytest.approx(np.abs(left).max(), abs=1e-12 * size)
-    assert rest_of(locator, 0) <= rest_below(locator, 0, size)
-    assert rest_below(locator, 0, size) == pytest.approx(np.linalg.norm(left), abs=1e-11 * size)
+    below = rest_below(locator, locator.shape, 0, size)
+    assert rest_of(locator, 0) <= below
+    assert below == pytest.approx(np.linalg.norm(left), abs=1e-11 * size)

@@ -8,3 +8,5 @@ SMALLEST: Final = 2.2250738585072014e-308
 """The smallest number that has all its digits."""
 CANCELS: Final = 1e-13
 """What is below this part of its terms is what rounding leaves of zero."""
+AT_KINK: Final = 1e-9
+"""Part of its terms below which what changes its sign at a kink is zero."""

@@ -169,10 +169,14 @@ def find_units(m: Model, r: Laws, q: Floats) -> None:
 
     The same factors divide `l`, so that powers stay what they are.
     """
+    effort = 0.0
+    flow = 0.0
     for k in range(m.ports):
-        effort = 0.0
-        flow = 0.0
-        for j in range(m.ports):
+        known = k > 0 and m.port_domain[k] == m.port_domain[k - 1]
+        if not known:
+            effort = 0.0
+            flow = 0.0
+        for j in range(0 if known else m.ports):
             if m.port_domain[j] != m.port_domain[k]:
                 continue
             if is_effort(m, r, j):

@@ -8,7 +8,7 @@ from typing import Final
 from hybond.engine.algebra.blocks import Block, Rows, fit, fit_rows
 from hybond.engine.engine import NO_MODE, OK, Engine, say_fault
 from hybond.engine.inputs.interval import configuration
-from hybond.engine.mode.elimination import CLEAR, NOWHERE, Elimination, find_entry, is_free
+from hybond.engine.mode.elimination import CLEAR, NOWHERE, Elimination, is_free
 from hybond.engine.mode.kept_modes import find_kept, keep_mode
 from hybond.engine.mode.leakage import fold, least_leakage
 from hybond.engine.mode.mode_records import Mode
@@ -263,14 +263,21 @@ def take_rows(m: Model, x: Elimination, knowns: int, rows: Rows) -> None:
 def take_free(x: Elimination, frees: int, column: Ints, block: Block) -> None:
     """Take what free unknowns give to each bond variable."""
     fit(block, x.unknowns * frees)
-    for k in range(x.unknowns):
+    for j in range(frees):
+        x.place[column[j]] = j
+    for k in range(x.unknowns if frees > 0 else 0):
         row = x.same[k]
+        at = k * frees
         for j in range(frees):
-            if row == column[j]:
-                block.at[k * frees + j] = 1.0
-            else:
-                at = find_entry(x, row, column[j])
-                block.at[k * frees + j] = -x.entry.at[at] if at != NOWHERE else 0.0
+            block.at[at + j] = 0.0
+        for i in range(x.first[row], x.first[row] + x.count[row]):
+            j = x.place[x.column.at[i]]
+            if j != NOWHERE:
+                block.at[at + j] = -x.entry.at[i]
+        if x.place[row] != NOWHERE:
+            block.at[at + x.place[row]] = 1.0
+    for j in range(frees):
+        x.place[column[j]] = NOWHERE
 
 
 def take_constraints(e: Engine, mode: Mode) -> None:

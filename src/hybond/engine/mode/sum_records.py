@@ -1,4 +1,8 @@
-"""Sums of the state and of time: rows of factors, taken when time begins to pass in a mode."""
+"""Sums of the state and of time: rows of factors, taken when time begins to pass in a mode.
+
+Beside them may stand sources that move by a law of time, where whoever takes the sums knows what to
+do with these: waves.
+"""
 
 from __future__ import annotations
 
@@ -31,6 +35,14 @@ class Sums:
     factor: Block
     size: Block
     """What rounding of each factor is measured by."""
+    waving: bool
+    """Whether waves are taken, and for which sums there are any: those are not `known`."""
+    waved: Places
+    terms: int
+    wave_first: Places
+    wave_source: Places
+    """Of each wave in a sum: a source of the mode, or behind all of them the rate of one."""
+    wave_factor: Block
 
 
 def make_sums() -> Sums:
@@ -44,6 +56,10 @@ def make_sums() -> Sums:
     s.column = make_places(1)
     s.factor = make_block(1)
     s.size = make_block(1)
+    s.waved = make_places(1)
+    s.wave_first = make_places(2)
+    s.wave_source = make_places(1)
+    s.wave_factor = make_block(1)
     return s
 
 
@@ -54,12 +70,16 @@ def begin_sums(s: Sums, many: int) -> None:
     fit(s.drift, many)
     fit(s.seen, many)
     fit_places(s.first, many + 1)
+    fit_places(s.waved, many)
+    fit_places(s.wave_first, many + 1)
     s.entries = 0
+    s.terms = 0
 
 
 def begin_sum(s: Sums, a: int) -> None:
     """Begin with sum a: nothing so far."""
     s.first.at[a] = s.entries
+    s.wave_first.at[a] = s.terms
     s.level.at[a] = 0.0
     s.drift.at[a] = 0.0
     s.seen.at[a] = 0.0
@@ -67,8 +87,11 @@ def begin_sum(s: Sums, a: int) -> None:
 
 def end_sum(s: Sums, a: int, known: bool) -> None:
     """End sum a, if it is one."""
-    s.known.at[a] = 1 if known else 0
+    waves = s.terms > s.wave_first.at[a]
+    s.known.at[a] = 1 if known and not waves else 0
+    s.waved.at[a] = 1 if known and waves else 0
     s.first.at[a + 1] = s.entries
+    s.wave_first.at[a + 1] = s.terms
 
 
 def add_entry(s: Sums, column: int, factor: float, size: float) -> None:
@@ -80,3 +103,12 @@ def add_entry(s: Sums, column: int, factor: float, size: float) -> None:
     s.factor.at[s.entries] = factor
     s.size.at[s.entries] = size
     s.entries += 1
+
+
+def add_wave(s: Sums, source: int, factor: float) -> None:
+    """Add a wave with its factor to the sum that is being taken."""
+    grow_places(s.wave_source, s.terms + 1)
+    grow_block(s.wave_factor, s.terms + 1)
+    s.wave_source.at[s.terms] = source
+    s.wave_factor.at[s.terms] = factor
+    s.terms += 1

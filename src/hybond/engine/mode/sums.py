@@ -13,7 +13,7 @@ from hybond.engine.engine import Engine
 from hybond.engine.inputs.calls import CALLED, FREE
 from hybond.engine.inputs.interval import take_line
 from hybond.engine.mode.mode_records import Mode
-from hybond.engine.mode.sum_records import Sums, add_entry, begin_sum, end_sum
+from hybond.engine.mode.sum_records import Sums, add_entry, add_wave, begin_sum, end_sum
 
 
 def take_sum(e: Engine, s: Sums, a: int, terms: int) -> None:
@@ -105,12 +105,23 @@ def take_row(
                 stiff = m.stiff_constant[i]
                 add_entry(s, m.stiff_other[i], weight * stiff, size * math.fabs(stiff))
         elif source >= mode.sources:
-            if mode.rated[source - mode.sources] != 0:
+            if mode.rated[source - mode.sources] != 0 and not take_wave(e, s, source, weight):
                 return False
         elif is_level(e, mode, source):
             s.level.at[a] += weight * mode.source_level[source]
-        else:
+        elif not take_wave(e, s, source, weight):
             return False
+    return True
+
+
+def take_wave(e: Engine, s: Sums, source: int, weight: float) -> bool:
+    """Add a source, or the rate of one, that moves by a law of time alone; False for others."""
+    mode = e.mode
+    own = source - mode.sources if source >= mode.sources else source
+    if not s.waving or e.model.source_timed[mode.source[own]] == 0:
+        return False
+    if weight != 0.0:
+        add_wave(s, source, weight)
     return True
 
 

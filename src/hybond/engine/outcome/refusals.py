@@ -5,16 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 
-from hybond.causality.assign import assign
-from hybond.causality.explain import describe_conflict
-from hybond.causality.orientation import base_mode
 from hybond.engine.compiled.refusal import Refusal
 from hybond.engine.outcome.explain import Explaining
-from hybond.engine.outcome.remedies import (
-    against_conflict,
-    against_no_branches,
-    against_no_solution,
-)
 from hybond.equations.calculus import localised, reads_bonds
 from hybond.equations.element_parts import sends_impulses
 from hybond.model.expressions import Call, Expr, jumping
@@ -90,10 +82,21 @@ def said_of(refusal: Refusal, graph: FlatGraph, explain: Explaining, mode: Mode)
 
 
 def _conflicts(graph: FlatGraph, mode: Mode) -> list[str]:
+    from hybond.causality.assign import assign
+    from hybond.causality.explain import describe_conflict
+
     return [describe_conflict(graph, mode, c) for c in assign(graph, mode).conflicts]
 
 
+def _base_mode(graph: FlatGraph, mode: Mode) -> Mode:
+    from hybond.causality.orientation import base_mode
+
+    return base_mode(graph, mode)
+
+
 def _sources(c: Case) -> Said:
+    from hybond.engine.outcome.remedies import against_conflict
+
     mode, (difference, *pairs) = c.given_mode()
     columns = sorted(zip(pairs[::2], pairs[1::2], strict=True))
     nodes = [c.graph.nodes[int(node)] for _, node in columns]
@@ -114,7 +117,7 @@ def _too_high(c: Case) -> Said:
 def _tied(c: Case) -> Said:
     path = c.refusal.place
     why = f"the law of {path} is tied to a constraint that holds in every mode"
-    return Said(why, c.graph.mode_text(base_mode(c.graph, c.mode)))
+    return Said(why, c.graph.mode_text(_base_mode(c.graph, c.mode)))
 
 
 def _slip(c: Case) -> Said:
@@ -158,12 +161,14 @@ NOT_FOUND = "have no solution that was found, which does not say that there is n
 
 
 def _no_branches(c: Case) -> Said:
+    from hybond.engine.outcome.remedies import against_no_branches
+
     finite, *taking = c.numbers
     ports = [law.node for m in c.graph.machines if m.law is not None for law in m.law.junctions]
     # where none may be ON, what keeps them OFF leaves no answer
     laws = [ports[k] for k in taking] or ports
     names = c.paths(laws)
-    base = base_mode(c.graph, c.mode)
+    base = _base_mode(c.graph, c.mode)
     opposed = _conflicts(c.graph, base)
     what = "finite values" if finite else "impulses"
     none = "have no solution" if c.refusal.code == "HB-J110" else NOT_FOUND
@@ -207,6 +212,8 @@ def _no_rate(c: Case) -> Said:
 
 
 def _no_solution(c: Case) -> Said:
+    from hybond.engine.outcome.remedies import against_no_solution
+
     mode, nodes = c.given_mode()
     elements = [int(k) for k in nodes]
     names = c.paths(elements)

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.chronicle import Chronicle
+from hybond.engine.algebra.rounding import AT_KINK
 from hybond.engine.compiled.look import Motions
 from hybond.engine.compiled.points import Points, Within
 from hybond.engine.compiled.points import Steps as StepsToLook
@@ -21,7 +22,6 @@ from hybond.engine.outcome.along import Along, begins_of
 from hybond.engine.outcome.combinations import ALONE, Combination
 from hybond.engine.outcome.engines import Prepared
 from hybond.engine.outcome.records import Block, Interpolants
-from hybond.engine.run.source_jumps import AT_KINK
 from hybond.engine.tables import ModelTables
 from hybond.model.expressions import ARRAYS, Expr, Name, Number, compile_expression, names, uses_pre
 from hybond.model.graph import FlatGraph, Mode

@@ -24,6 +24,7 @@ from hybond.engine.run.locator import (
     is_asleep,
     let_sleep,
 )
+from hybond.engine.words import Floats
 
 UNRESOLVED: Final = 0.02
 """A block whose samples leave more than this part of their spread unexplained is halved."""
@@ -76,7 +77,7 @@ def stays(g: Locator, a: int) -> bool:
         size = max(size, math.fabs(g.shape[at + i]))
     spread = most - least
     up = 1.0 if g.shape[at] > 0.0 else -1.0 if g.shape[at] < 0.0 else 0.0
-    rest = rest_below(g, a, size)
+    rest = rest_below(g, g.shape, at, size)
     if finite and rest <= UNRESOLVED * spread:
         if floor_of(g, least, most, up) > NEAR * spread + 3.0 * rest:
             g.doubtful[a] = 0
@@ -113,13 +114,13 @@ def rest_of(g: Locator, a: int) -> float:
     return rest
 
 
-def rest_below(g: Locator, a: int, size: float) -> float:
+def rest_below(g: Locator, samples: Floats, at: int, size: float) -> float:
     """Return what it leaves no more than: the length of that, of samples of such a size."""
     total = 0.0
     for j in range(SAMPLES - TERMS):
         part = 0.0
         for i in range(SAMPLES):
-            part += g.beyond[j * SAMPLES + i] * g.shape[a * SAMPLES + i]
+            part += g.beyond[j * SAMPLES + i] * samples[at + i]
         total += part * part
     return math.sqrt(total) + SLACK * size
 
@@ -179,7 +180,8 @@ def give_up_kinks(e: Engine, g: Locator) -> bool:
 def is_rounding(e: Engine, g: Locator, k: int, a: int) -> bool:
     """Whether what a polynomial leaves of the samples of a comparison is rounding of its terms."""
     if g.margin[k] >= 0:
-        return size_here(e, g, a) * ROUNDING >= g.rest[a]
+        size = size_here(e, g, a)
+        return size * ROUNDING >= g.rest[a]
     largest = 0.0
     for i in range(SAMPLES):
         look(e, g, g.t[i])

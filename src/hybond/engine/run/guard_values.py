@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
+from hybond.engine.algebra.blocks import row_times
 from hybond.engine.answers import rule_text, value
 from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.expressions.paired import holds
@@ -12,6 +13,7 @@ from hybond.engine.instant.jump import on_constraints
 from hybond.engine.instant.trial import refuse_pair
 from hybond.engine.methods.stepping import between
 from hybond.engine.mode.mode_records import is_constrained
+from hybond.engine.mode.reading import put_knowns
 from hybond.engine.mode.sizes import measure
 from hybond.engine.mode.solving import solve_read
 from hybond.engine.mode.values import evaluate, set_motion, set_state
@@ -20,12 +22,17 @@ from hybond.engine.run.locator import ALL_PARTS, NO_KINK, Locator, is_asleep
 from hybond.engine.sliding.averages import begin_sizes, part_sizes, show_part, solve_here
 from hybond.engine.words import Floats
 
+FEW: Final = 16
+"""Bond variables that are evaluated all at once, whichever of them are asked for."""
 BEYOND: Final = 1e-13
 """A weight this far beyond 0 or 1 has left."""
 
 
 def look(e: Engine, g: Locator, t: float) -> None:
-    """Fill the values at t that guards read."""
+    """Fill the values at t that guards read; bond variables as each is asked, where they are rows.
+
+    Most guards are asked at few of the instants that are looked at.
+    """
     if g.looked != t:
         look_at_time(e, g, t, t)
 
@@ -38,13 +45,36 @@ def look_at_time(e: Engine, g: Locator, t: float, at: float) -> None:
         g.failed = True
     set_motion(e, e.v, t, g.y)
     g.lost = False
-    if e.slide.k == 0:
+    g.looks += 1
+    several = g.reads.many > FEW and e.slide.k == 0
+    g.singly = several and e.mode.dynamics == 0 and e.mode.finite_frees == 0
+    if g.singly:
+        put_knowns(e, e.mode, g.reads, e.v)
+    elif e.slide.k == 0:
         g.failed = solve_read(e, e.mode, g.reads, e.v) != OK or g.failed
     else:
         # where no combination holds the state on its surfaces, it has left them
         g.lost = solve_here(e, e.mode, e.v) != OK
     g.looked = t
     g.sized = False
+
+
+def show_guard(e: Engine, g: Locator, k: int) -> None:
+    """Put the bond variables that guard k reads there, unless that was done since it was looked."""
+    if not g.singly or g.seen[k] == g.looks:
+        return
+    g.seen[k] = g.looks
+    m = e.model
+    w = e.work.w
+    for p in range(m.read_first[g.pair[k]], m.read_first[g.pair[k] + 1]):
+        b = m.read_slot[p] - m.bond_slot
+        if b < 0 or b >= 2 * m.bonds:
+            continue
+        row = e.mode.same[b]
+        if g.row_seen[row] != g.looks:
+            g.row_seen[row] = g.looks
+            w[row] = row_times(e.mode.direct, row, e.work.xi)
+        e.v[m.bond_slot + b] = w[row]
 
 
 def put_on_constraints(e: Engine, t: float, y: Floats) -> int:
@@ -77,12 +107,16 @@ def atom_here(e: Engine, g: Locator, a: int) -> float:
     if g.atom[a] < 0:
         return -1.0 if g.lost else e.slide.margin[-1 - g.atom[a]]
     show(e, g, g.atom_part[a])
+    show_guard(e, g, g.atom_guard[a])
     return value(e.model, e.model.atom_value[g.atom[a]], e.v)
 
 
 def size_here(e: Engine, g: Locator, a: int) -> float:
     """Return what the magnitudes of the two sides of a comparison add up to."""
-    return 1.0 if g.atom[a] < 0 else value(e.model, e.model.atom_size[g.atom[a]], e.v)
+    if g.atom[a] < 0:
+        return 1.0
+    show_guard(e, g, g.atom_guard[a])
+    return value(e.model, e.model.atom_size[g.atom[a]], e.v)
 
 
 def terms_here(e: Engine, g: Locator, k: int, a: int) -> float:
@@ -116,6 +150,7 @@ def test_here(e: Engine, g: Locator, k: int) -> bool:
     if g.side[k] != NO_KINK:
         return has_crossed(e, g, k)
     show(e, g, g.part[k])
+    show_guard(e, g, k)
     return value(e.model, g.test[k], e.v) != 0.0
 
 
@@ -124,7 +159,8 @@ def has_crossed(e: Engine, g: Locator, k: int) -> bool:
     if is_asleep(g, k):
         return False
     a = g.atom_first[k]
-    beyond = -float(g.side[k]) * atom_here(e, g, a)
+    here = atom_here(e, g, a)
+    beyond = -float(g.side[k]) * here
     if not beyond > ROUNDING * size_here(e, g, a):
         return False
     return beyond > ROUNDING * terms_here(e, g, k, a)
@@ -176,6 +212,7 @@ def measure_here(e: Engine, g: Locator, k: int) -> None:
         begin_sizes_in_motion(e)
         g.sized = True
     show(e, g, g.part[k])
+    show_guard(e, g, k)
     measure_in_motion(e, g.pair[k])
 
 

@@ -29,6 +29,7 @@ from hybond.engine.run.locator import (
     SAMPLES,
     SHALLOW,
     Locator,
+    begin_looks,
     has_failed,
 )
 from hybond.engine.run.solved_guards import solve_guards
@@ -50,7 +51,7 @@ def search(e: Engine, g: Locator) -> int:
     g.at = math.inf
     g.failed = False
     g.about = False
-    g.looked = math.nan
+    begin_looks(e.model, g)
     if g.guards == 0:
         return OK
     if e.model.kinks > 0:

@@ -16,6 +16,7 @@ from hybond.engine.mode.mode_records import Reads, make_reads
 from hybond.engine.mode.reading import read_guard, read_nothing
 from hybond.engine.mode.sum_records import Sums, begin_sums, make_sums
 from hybond.engine.mode.sums import take_sum
+from hybond.engine.model import Model
 from hybond.engine.run.quartic import COEFFICIENTS, Quartic, make_quartic
 from hybond.engine.sliding.surface import part_mode
 from hybond.engine.words import Floats, Ints, float_table, floats, ints, record
@@ -41,6 +42,8 @@ SHALLOW: Final = 4
 """These."""
 LONGEST_NAP: Final = 4096
 """Steps for which a kink ends none, at the most."""
+MOST_LOOKS: Final = 1_000_000_000
+"""Instants looked at after which they are counted anew."""
 ALL_PARTS: Final = -1
 """A guard is asked of the motion as it is, not of one of the modes that are combined."""
 NONE: Final = -1
@@ -84,7 +87,8 @@ class Locator:
     """Of each guard: its comparisons in `shape`."""
     atom: Ints
     atom_part: Ints
-    """Of each comparison: the part of its guard."""
+    atom_guard: Ints
+    """Of each comparison: its guard, and the part of that."""
     sums: Sums
     """The comparisons that are sums of the state: polynomials of a step, of which `step` has the
     coefficients, `extent` what the magnitudes of terms add up to, and `sign` the sign all over the
@@ -92,9 +96,27 @@ class Locator:
     step: Floats
     extent: Floats
     sign: Ints
+    wave: Floats
+    """Samples of the sources that stand in `sums` beside the state; below and above which each
+    stays in the step, where samples show that, `wave_shown`."""
+    wave_low: Floats
+    wave_high: Floats
+    wave_shown: Ints
     quartic: Quartic
     solved: Ints
-    """Of each guard: whether its comparisons are polynomials of the step, and no samples needed."""
+    """Of each guard: whether its comparisons are polynomials of the step, or nowhere near zero, and
+    no samples needed."""
+    still: Ints
+    """Of each guard: whether it was asked while nothing moved of what it compares, and did not
+    hold; what its comparisons were then, and the sizes of their terms: 0 and -1 of what was zero.
+    """
+    still_value: Floats
+    still_extent: Floats
+    drift: Floats
+    """Of each state: how far it is moved in the step where it is put on constraints; whether any
+    may be."""
+    drifted: bool
+    before: Floats
     denied: Ints
     """Of each guard: signs of its comparisons, a bit for all together, with which it is false."""
     rough: bool
@@ -140,6 +162,12 @@ class Locator:
     """Of each kink: likewise, as it was rounding that changed its sign, all over a step."""
     nap: Ints
     """Of each kink: for how many it will be the next time."""
+    looks: int
+    """Instants that were looked at; the last of them at which the bond variables of each guard
+    were evaluated, and each row of them, if that is done as guards are asked, `singly`."""
+    seen: Ints
+    row_seen: Ints
+    singly: bool
     sampled: bool
     """Whether the samples in `shape` are those of the step as it is."""
     looked: float
@@ -175,7 +203,15 @@ def make_locator(e: Engine) -> Locator:
     g.depth = ints(DEEPEST + 2)
     g.reads = make_reads(m)
     g.sums = make_sums()
+    g.sums.waving = m.called == 0
+    g.wave = floats(2 * m.most_sources * SAMPLES)
+    g.wave_low = floats(2 * m.most_sources)
+    g.wave_high = floats(2 * m.most_sources)
+    g.wave_shown = ints(2 * m.most_sources)
     g.quartic = make_quartic()
+    g.drift = floats(e.states)
+    g.before = floats(e.states)
+    g.row_seen = ints(2 * m.bonds)
     g.y = floats(e.states)
     g.d = floats(SAMPLES)
     g.polynomial = floats(GRID)
@@ -208,12 +244,17 @@ def fit_locator(g: Locator, guards: int, atoms: int) -> None:
     g.done = ints(g.room)
     g.solved = ints(g.room)
     g.denied = ints(g.room)
+    g.seen = ints(g.room)
+    g.still = ints(g.room)
     g.atom = ints(g.room_atoms)
     g.atom_part = ints(g.room_atoms)
+    g.atom_guard = ints(g.room_atoms)
     g.shape = floats(g.room_atoms * SAMPLES)
     g.rest = floats(g.room_atoms)
     g.step = floats(COEFFICIENTS * g.room_atoms)
     g.extent = floats(g.room_atoms)
+    g.still_value = floats(g.room_atoms)
+    g.still_extent = floats(g.room_atoms)
     g.sign = ints(g.room_atoms)
     g.doubtful = ints(g.room_atoms)
 
@@ -363,6 +404,7 @@ def begin_guard(g: Locator, rule: int, part: int) -> None:
     g.side[g.guards] = NO_KINK
     g.sleep[g.guards] = 0
     g.nap[g.guards] = 1
+    g.still[g.guards] = 0
     g.atom_first[g.guards] = g.atoms
 
 
@@ -371,6 +413,7 @@ def end_guard(g: Locator, first: int, stop: int) -> None:
     for a in range(first, stop):
         g.atom[g.atoms] = a
         g.atom_part[g.atoms] = g.part[g.guards]
+        g.atom_guard[g.atoms] = g.guards
         g.atoms += 1
     g.guards += 1
 
@@ -379,6 +422,18 @@ def forget_denied(g: Locator) -> None:
     """Forget with which signs guards are false: the Booleans that they read may be others now."""
     for k in range(g.room):
         g.denied[k] = 0
+
+
+def begin_looks(m: Model, g: Locator) -> None:
+    """Begin to look at another step: nothing is known at any instant of it."""
+    g.looked = math.nan
+    if g.looks < MOST_LOOKS:
+        return
+    g.looks = 0
+    for k in range(g.room):
+        g.seen[k] = 0
+    for b in range(2 * m.bonds):
+        g.row_seen[b] = 0
 
 
 def is_asleep(g: Locator, k: int) -> bool:

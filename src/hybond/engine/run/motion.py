@@ -262,8 +262,10 @@ def flow(e: Engine, r: Run) -> int:
             if at < math.inf and at >= end - instant:
                 # one instant with the timed event: settled once, there
                 at = math.inf
-                if e.step.t1 < end and retry(e, end) != OK:
-                    return -1
+                if e.step.t1 < end:
+                    g.looked = math.nan
+                    if retry(e, end) != OK:
+                        return -1
         if at == math.inf:
             shown = e.step.t1
             r.late = -math.inf

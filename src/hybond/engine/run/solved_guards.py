@@ -5,6 +5,9 @@ that of the signs that these have there. So a guard is asked once between any tw
 signs that it was asked with before in the same motion, and did not hold. At a root it has the truth
 of one of both sides, but where several comparisons are zero, or one of them only touches it: there
 it is asked as well.
+
+Comparisons that are nowhere near zero in the step keep their signs too, whatever else stands in
+them (`far_guards`).
 """
 
 from __future__ import annotations
@@ -19,6 +22,7 @@ from hybond.engine.methods.stepping import by_radau
 from hybond.engine.mode.mode_records import is_constrained
 from hybond.engine.run.bracket import around, bracket, halve
 from hybond.engine.run.candidates import keep, sort
+from hybond.engine.run.far_guards import NARROW, is_far, is_idle, sample_waves, see_drift
 from hybond.engine.run.guard_values import holds_at
 from hybond.engine.run.locator import NO_KINK, Locator
 from hybond.engine.run.quartic import (
@@ -31,8 +35,6 @@ from hybond.engine.run.quartic import (
 )
 from hybond.engine.run.step_polynomials import take_step
 
-NARROW: Final = 1e-9
-"""Part of its terms from which on a comparison is clear of zero: no rounding has a say in it."""
 FEW: Final = 4
 """Comparisons of a guard whose signs are remembered; there is a bit for all signs together."""
 
@@ -41,19 +43,30 @@ def solve_guards(e: Engine, g: Locator) -> bool:
     """Find the first instant at which any of these guards holds; whether others are left."""
     left = False
     cubic = by_radau(e) and not e.curved
-    may = e.slide.k == 0 and (not cubic or put_cubic(e))
+    shown = e.slide.k == 0 and (not cubic or put_cubic(e))
     # what is put on constraints is no polynomial any more
-    may = may and not (g.held and is_constrained(e.mode))
-    if may:
+    may = shown and not (g.held and is_constrained(e.mode))
+    waves = g.sums.terms > 0
+    if shown:
         take_step(e, g)
+        see_drift(e, g)
+        if waves:
+            sample_waves(e, g)
     for k in range(g.guards):
         own = may and g.side[k] == NO_KINK and (not cubic or begins_clear(g, k))
         g.solved[k] = 1 if own and is_solved(g, k) else 0
         if g.solved[k] == 0:
-            left = True
+            quiet = shown and g.side[k] == NO_KINK and never_holds(e, g, k, waves or not may)
+            g.solved[k] = 1 if quiet and not g.failed else 0
+            left = left or g.solved[k] == 0
         elif not g.failed and not is_quiet(e, g, k):
             g.at = min(g.at, of_polynomials(e, g, k, g.at))
     return left
+
+
+def never_holds(e: Engine, g: Locator, k: int, far: bool) -> bool:
+    """Whether it is seen at once that a guard does not come to hold in the step."""
+    return is_idle(e, g, k) or (far and is_far(g, k) and is_quiet(e, g, k))
 
 
 def put_cubic(e: Engine) -> bool:

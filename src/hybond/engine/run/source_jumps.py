@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.engine.algebra.rounding import AT_KINK
 from hybond.engine.answers import value
 from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.inputs.interval import moment
@@ -30,8 +31,6 @@ LONGER: Final = 4.0
 """Over so many times the time, what moves but does not jump is so many times as far apart, ..."""
 JUMPS: Final = 0.75
 """... and this part of what jumps is there already over the shorter one."""
-AT_KINK: Final = 1e-9
-"""Part of its terms below which what changes its sign at a kink is zero."""
 
 
 def jumps_onto_storage(e: Engine, r: Run, at: float) -> bool:

@@ -11,10 +11,10 @@ from hybond.engine.run.quartic import COEFFICIENTS
 
 
 def take_step(e: Engine, g: Locator) -> None:
-    """Take all comparisons that are sums as polynomials of the last step."""
+    """Take all comparisons that are sums as polynomials of the last step; of others their part."""
     reach = STORED * math.sqrt(e.energy) if e.model.laws > 0 else 0.0
     for a in range(g.atoms):
-        if g.sums.known.at[a] != 0:
+        if g.sums.known.at[a] != 0 or g.sums.waved.at[a] != 0:
             put_polynomial(e, g, a, reach)
 
 

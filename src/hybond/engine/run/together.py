@@ -89,7 +89,10 @@ def may_hold(e: Engine, g: Locator, k: int) -> bool:
         return False
     near = test_here(e, g, k)
     for a in range(g.atom_first[k], g.atom_first[k + 1]):
-        near = near or math.fabs(atom_here(e, g, a)) <= NEAR_ZERO * size_here(e, g, a)
+        if not near:
+            here = math.fabs(atom_here(e, g, a))
+            size = size_here(e, g, a)
+            near = here <= NEAR_ZERO * size
     return near
 
 

@@ -6,8 +6,6 @@ import math
 from itertools import product
 from typing import TYPE_CHECKING
 
-from hybond.causality.arrays import compile_arrays
-from hybond.causality.orientation import orientation
 from hybond.engine.tables.expressions import number_of
 from hybond.equations.calculus import gradient, partial_time
 from hybond.model.expressions import Expr, Number, names
@@ -153,6 +151,9 @@ def _put_orientation(t: ModelTables) -> None:
     t.numbers["oriented"] = 1
     if not t.numbers["ports"]:
         return
+    from hybond.causality.arrays import compile_arrays
+    from hybond.causality.orientation import orientation
+
     kinds = _kinds_of_states(g)
     sizes = [1 + max(kind) for kind in kinds]
     arrays = compile_arrays(g)
