@@ -1,7 +1,7 @@
 """What a model brings along: sizes and tables; `answers` has its expressions and its names.
 
-Tables in several columns say so by their names: rows of a table begin at ``*_first[k]`` and end
-before ``*_first[k + 1]``. An expression is known by its number; -1: a constant is beside it.
+Rows of a table in several columns begin at ``*_first[k]`` and end before ``*_first[k + 1]``. An
+expression is known by its number; -1: a constant is beside it.
 """
 
 from __future__ import annotations
@@ -128,14 +128,12 @@ class Model:
     dynamic_kind: Ints  # 0: power structure, 1: law
     dynamic_node: Ints
     dynamic_source: Ints
-    """Whether it is that of a source."""
     dynamic_impulsive: Ints
-    """Whether it is that of a law which was declared impulsive."""
+    """Whether it is that of a source; and of a law which was declared impulsive."""
     dynamic_pair: Ints
     """Of one that has to say if it leaves out an impulse: its pair, else -1."""
     dynamic_value: Ints
-    dynamic_rounding: Ints
-    """What rounding of it is measured by."""
+    dynamic_rounding: Ints  # what rounding of it is measured by
     dynamic_partner: Ints
     """Of a law that gives one variable of a bond: the other one, or -1."""
     dynamic_way: Floats

@@ -369,12 +369,9 @@ class Session:
         """Return the graph of the model; a refusal where it means nothing yet."""
         known = self.meaning()
         if known.graph is None or known.error is not None:
-            raise known.error or UsageError(
-                "there is no model",
-                code="HB-W103",
-                where=what,
-                hint="put an element or a junction there",
-            )
+            hint = "put an element or a junction there"
+            none = UsageError("there is no model", code="HB-W103", where=what, hint=hint)
+            raise known.error or none
         return known.graph
 
     def shown(self, message: Mapping[str, Any]) -> Mode:
