@@ -10,6 +10,7 @@ import math
 import pytest
 
 import hybond as hb
+from hybond.testing import random_recipe
 
 SMALL = 2.736625514403292e-06
 LARGE = 0.34054054054054056
@@ -50,3 +51,38 @@ def test_what_a_constraint_holds_at_zero_is_zero(small: float) -> None:
     run = hb.simulate(m, 0.14)
     assert run["a.q"].at(0.04) == pytest.approx(small * 0.003, rel=1e-10)
     assert run["a.q"].at(0.1) == 0.0 and run["b.q"].at(0.1) == 0.0
+
+
+def driven(kind: str, drive: str) -> hb.Model:
+    """Two masses that stick as long as their drive is zero, or two capacitors; and what adds up."""
+    m = hb.Model("driven")
+    if kind == "friction":
+        m.add(j=hb.One(law="coulomb", limit=0.124), a=hb.I(6.69), b=hb.I(0.0691), s=hb.Sf(drive))
+    else:
+        m.add(j=hb.Zero(law="relay", limit=0.124), a=hb.C(6.69), b=hb.C(0.0691), s=hb.Se(drive))
+    m.bond("a -> j -> s", "j -> b")
+    m.signal(sum=hb.Integral("a.p" if kind == "friction" else "a.q"))
+    return m
+
+
+@pytest.mark.parametrize("rtol", [1e-8, 1e-10, 1e-12])
+@pytest.mark.parametrize("kind", ["friction", "relay"])
+def test_what_sticks_while_its_drive_is_zero_lets_go_as_soon_as_time_passes(
+    kind: str, rtol: float
+) -> None:
+    run = hb.simulate(driven(kind, "5.04*sin(7.79*time)"), 1.62, rtol=rtol)
+    # there at once, and at each half period the other way
+    turns = [k * math.pi / 7.79 for k in range(1, 5)]
+    assert [e.t for e in run.events if e.t > 1e-9] == pytest.approx(turns, rel=1e-9)
+    stored = "a.p" if kind == "friction" else "a.q"
+    for t in (0.1, 0.7, 1.3):
+        size = 6.69 * 5.04
+        assert abs(run[stored].at(t)) == pytest.approx(size * abs(math.sin(7.79 * t)), rel=1e-6)
+        area = size * (1.0 - math.cos(7.79 * t)) / 7.79
+        assert abs(run["sum"].at(t)) == pytest.approx(area, rel=1e-6)
+
+
+@pytest.mark.parametrize("seed", [400306, 402910])
+def test_random_models_that_let_go_at_once(seed: int) -> None:
+    recipe = random_recipe(seed, controlled=True)
+    assert hb.simulate(recipe.model(), recipe.until).status == "ok"

@@ -21,6 +21,8 @@ SHORTER: Final = 30
 """Times that a step is repeated shorter, at the most."""
 NEARLY: Final = 1e-2
 """Part of a step that is its end."""
+NO_TIME: Final = 1e-100
+"""Part of the run that is next to none: what holds as soon as time passes holds at any such one."""
 FAR: Final = 4.0
 """How many times as far as to the instant a step may go that shows it as it is."""
 
@@ -143,7 +145,7 @@ def closer(e: Engine, g: Locator) -> int:
         if g.at >= e.step.t1 - NEARLY * (e.step.t1 - e.step.t0):
             break
         end = g.at + 1e-6 * (g.at - e.step.t0)
-        if end == e.step.t0:
+        if end - e.step.t0 <= NO_TIME * e.span:
             break
         if retry(e, end) != OK or locate(e, g) != OK:
             return REFUSED
