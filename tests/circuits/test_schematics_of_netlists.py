@@ -11,6 +11,7 @@ from hybond.cli.main import main
 from hybond.draw import draw_schematic
 from hybond.draw.scene import Text
 from hybond.errors import UsageError
+from hybond.model.parts import SubmodelPart
 
 NETLISTS = Path(__file__).parents[2] / "examples" / "netlists"
 NAMES = ["boost", "bridge", "buck", "controlled", "doubler", "flyback", "half_wave", "rlc"]
@@ -49,6 +50,14 @@ def test_values_and_what_switches_stand_beside_the_parts() -> None:
     drawing = draw_schematic(hb.read_circuit(NETLISTS / "flyback.cir").as_parts())
     words = {m.text for g in drawing.scene.groups for m in g.marks if isinstance(m, Text)}
     assert {"200 µH, K1", "48 V", "SWI v(g,0)", "pulse", "10 Ω", "Lp", "out"} <= words
+
+
+def test_gains_are_written_as_numbers_are(tmp_path: Path) -> None:
+    text = "amp\nV1 in 0 1\nE1 out 0 in out 1e5\nR1 out 0 1k\n.tran 1u 1m\n.end\n"
+    (tmp_path / "amp.cir").write_text(text)
+    amp = hb.read_circuit(tmp_path / "amp.cir").as_parts().elements["E1"]
+    assert isinstance(amp, SubmodelPart)
+    assert list(amp.parameters.values()) == ["100000*v(in,out)"]
 
 
 def test_what_is_in_subcircuits_is_drawn(tmp_path: Path) -> None:

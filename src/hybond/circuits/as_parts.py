@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from typing import Final
 
 from hybond.circuits.graph_names import GraphNames
+from hybond.circuits.numerals import short
 from hybond.circuits.opened import GROUND, Branch, Opened
 from hybond.circuits.texts import Texts
 from hybond.model.builder import Model
@@ -75,7 +76,8 @@ def _said(branch: Branch, opened: Opened, texts: Texts) -> str:
         return branch.wave[0].lower()
     if branch.value is None:
         return ""
-    text = str(texts.value(branch.value, PARTS[branch.kind][1]))
+    value = texts.value(branch.value, PARTS[branch.kind][1])
+    text = short(value) if isinstance(value, float) else value
     return f"{text}*{_control(branch, senses)}" if senses else text
 
 

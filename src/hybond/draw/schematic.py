@@ -35,6 +35,8 @@ CELL = (120.0, 100.0)
 """Pixels from one cell of the layout to the next: symbols need more than letters."""
 MARGIN = 34.0
 DOT = 3.0
+CLEAR = 2.5
+"""Pixels that texts keep from wires where they can."""
 LONGEST = 26
 """Characters of what is written below a name."""
 Anchor = Literal["start", "middle", "end"]
@@ -321,14 +323,17 @@ def _shared(paths: Sequence[Sequence[Point]]) -> list[Point]:
         if len(steps) < len(paths) or len({(_sign(x), _sign(y)) for x, y in steps}) > 1:
             return found
         x, y = min(steps, key=lambda step: abs(step[0]) + abs(step[1]))
-        found.append((here[0] + x, here[1] + y))
+        there = (here[0] + x, here[1] + y)
+        if any(there == path[-1] for path in paths):
+            return found  # else a wire had no length
+        found.append(there)
         if any(step != (x, y) for step in steps):
             return found
 
 
 def _after(path: Sequence[Point], k: int) -> Point | None:
-    """Return the corner after the k-th, None at the other end of the path."""
-    return path[k + 1] if k + 2 < len(path) else None
+    """Return the corner after the k-th, or the other end of the path; None after that."""
+    return path[k + 1] if k + 1 < len(path) else None
 
 
 def _clipped(way: tuple[Point, ...], box: Box, *, at_end: bool) -> tuple[Point, ...]:
@@ -401,7 +406,7 @@ def _parts(
         node = nodes[name]
         words = [node.name, *([node.about] if node.about else [])]
         texts = min(
-            _beside(p.box, words), key=lambda texts: _covers([_box(t) for t in texts], lines, boxes)
+            _beside(p.box, words), key=lambda texts: _tight([_box(t) for t in texts], lines, boxes)
         )
         boxes += [_box(t) for t in texts]
         about = f"{name}: {node.letters}"
@@ -436,6 +441,13 @@ def _covers(own: Sequence[Box], lines: Sequence[tuple[Point, Point]], boxes: Seq
     """Return how many wires and symbols some texts cover."""
     hits = sum(b.cut(line) is not None for b in own for line in lines)
     return hits + sum(b.overlaps(other) for b in own for other in boxes)
+
+
+def _tight(
+    own: Sequence[Box], lines: Sequence[tuple[Point, Point]], boxes: Sequence[Box]
+) -> tuple[int, int]:
+    """Return how many wires and symbols some texts cover, and how many they nearly do."""
+    return _covers(own, lines, boxes), _covers([b.grown(CLEAR) for b in own], lines, ())
 
 
 def _dot(name: str, at: Point) -> Group:

@@ -3,8 +3,8 @@
 Wires run on lines of a grid through all pins. A way costs what a reader minds: bends, crossings,
 wires close to symbols; to lie on a wire of another net, or to pass through a symbol, costs more
 than any way around, and to go along a wire of the same net next to nothing. The cheapest way is
-found for each wire in turn (Lee 1961; Dijkstra 1959), then each is taken out and led once more,
-when it is known where the others are.
+found for each wire in turn (Lee 1961; Hart, Nilsson, Raphael 1968), then each is taken out and led
+once more, when it is known where the others are.
 """
 
 from __future__ import annotations
@@ -15,6 +15,8 @@ from bisect import bisect_left
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
+
+import numpy as np
 
 from hybond.draw.geometry import Box, Point
 
@@ -92,7 +94,10 @@ def led(wires: Sequence[Wire], boxes: Sequence[Box]) -> list[tuple[Point, ...]]:
         for k in order:
             if again:
                 _put(f, found[k], wires[k].net, -1)
-            found[k] = _way(f, wires[k])
+            own = {
+                n for j, w in enumerate(wires) if w.net == wires[k].net and j != k for n in found[j]
+            }
+            found[k] = _way(f, wires[k], own)
             _put(f, found[k], wires[k].net, 1)
     return [_corners([f.place(n) for n in way]) for way in found]
 
@@ -137,30 +142,58 @@ def _nodes(f: _Field, box: Box) -> set[Node]:
     return {(i, j) for i in across for j in down}
 
 
-def _way(f: _Field, w: Wire) -> list[Node]:
-    """Return the nodes of the cheapest way, looked for near its ends first."""
+def _way(f: _Field, w: Wire, own: set[Node]) -> list[Node]:
+    """Return the nodes of the cheapest way, looked for near its ends first.
+
+    `own` are the nodes on other wires of its net.
+    """
+    least = _least(f, f.at(w.b[0]), own)
     (p, _), (q, _) = w.a, w.b
     near = Box(min(p[0], q[0]), min(p[1], q[1]), max(p[0], q[0]), max(p[1], q[1])).grown(AROUND)
     low, high = f.at((near.x0, near.y0)), f.at((near.x1, near.y1))
-    way, cost = _cheapest(f, w, low, (min(high[0], len(f.xs) - 1), min(high[1], len(f.ys) - 1)))
+    high = (min(high[0], len(f.xs) - 1), min(high[1], len(f.ys) - 1))
+    way, cost = _cheapest(f, w, least, low, high)
     if cost >= FORBIDDEN:
-        way, _ = _cheapest(f, w, (0, 0), (len(f.xs) - 1, len(f.ys) - 1))
+        way, _ = _cheapest(f, w, least, (0, 0), (len(f.xs) - 1, len(f.ys) - 1))
     return way
 
 
-def _cheapest(f: _Field, w: Wire, low: Node, high: Node) -> tuple[list[Node], float]:
+def _least(f: _Field, goal: Node, own: set[Node]) -> list[list[float]]:
+    """Return what a way from each node costs at least: to the goal, or to its own net and on there.
+
+    The search begins with what may end soonest by it, and leaves the far side of the paper out.
+    """
+    xs, ys = np.array(f.xs), np.array(f.ys)
+    least = np.full((len(xs), len(ys)), np.inf)
+    x, y = f.place(goal)
+    for i, j in own:
+        least[i, j] = ON_OWN * (abs(f.xs[i] - x) + abs(f.ys[j] - y))
+    least[goal] = 0.0
+    for values, at in ((least, xs[:, None]), (least.T, ys[:, None])):
+        before = np.minimum.accumulate(values - at, axis=0) + at
+        after = np.minimum.accumulate((values + at)[::-1], axis=0)[::-1] - at
+        values[:] = np.minimum(before, after)
+    found: list[list[float]] = least.tolist()
+    return found
+
+
+def _cheapest(
+    f: _Field, w: Wire, least: Sequence[Sequence[float]], low: Node, high: Node
+) -> tuple[list[Node], float]:
     """Return the cheapest way between nodes of a part of the grid, and what it costs."""
     start, goal = f.at(w.a[0]), f.at(w.b[0])
     best: dict[tuple[Node, int], float] = {}
     before: dict[tuple[Node, int], tuple[Node, int]] = {}
-    heap: list[tuple[float, int, Node, int]] = []
+    steps: dict[tuple[Node, int], float] = {}
+    turns: dict[Node, float] = {}
+    heap: list[tuple[float, float, int, Node]] = []
     for d in range(4):
-        best[start, d] = _aside(w.a[1], d)
-        heapq.heappush(heap, (best[start, d], d, start, d))
+        best[start, d] = cost = _aside(w.a[1], d)
+        heapq.heappush(heap, (cost + least[start[0]][start[1]], cost, d, start))
     ends: list[tuple[float, int]] = []
     limit = math.inf
     while heap and heap[0][0] < limit:
-        cost, _, n, d = heapq.heappop(heap)
+        _, cost, d, n = heapq.heappop(heap)
         if cost > best[n, d]:
             continue
         if n == goal:
@@ -174,15 +207,22 @@ def _cheapest(f: _Field, w: Wire, low: Node, high: Node) -> tuple[list[Node], fl
             m = (n[0] + _WAYS[e][0], n[1] + _WAYS[e][1])
             if not (low[0] <= m[0] <= high[0] and low[1] <= m[1] <= high[1]):
                 continue
-            more = cost + _step(f, w.net, n, m)
+            step = steps.get((n, e))
+            if step is None:
+                step = steps[n, e] = _step(f, w.net, n, m)
+            more, known = cost + step + (BEND if e != d else 0.0), best.get((m, e), math.inf)
+            if more >= known:
+                continue
             if e != d:
-                more += BEND + _turn(f, w.net, n)
+                if n not in turns:
+                    turns[n] = _turn(f, w.net, n)
+                more += turns[n]
             if n != start:
                 more += _through(f, w.net, n, e, turned=e != d)
-            if more < best.get((m, e), math.inf):
+            if more < known:
                 best[m, e] = more
                 before[m, e] = (n, d)
-                heapq.heappush(heap, (more, e, m, e))
+                heapq.heappush(heap, (more + least[m[0]][m[1]], more, e, m))
     cost, d = min(ends)
     at, way = (goal, d), [goal]
     while at in before:
