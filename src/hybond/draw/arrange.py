@@ -29,7 +29,7 @@ _THOROUGH = 110
 """Number of nodes up to which the search is thorough."""
 _LARGE = 320
 """Beyond, only the first placement is made."""
-_TRIES = {Board: 9, Streets: 6}
+_TRIES = {Board: 3, Streets: 6}
 """Searches for a picture without a flaw."""
 _EFFORT = {Board: 400, Streets: 150}
 """Moves tried for each node: with straight bonds few of them are worth it."""
