@@ -104,6 +104,26 @@ def test_a_transconductance_reads_the_flux_of_a_coil(impulsive: bool | None, cha
     assert not any("HB-J104" in w for w in run.warnings)
 
 
+@pytest.mark.parametrize(("at", "turns"), [("0.5", 2.0), ("1", 3.0), ("1.2", 3.0)])
+def test_turns_may_be_switched_at_given_times(at: str, turns: float) -> None:
+    """What is behind the instant counts: before the switch, with it, and while all are joined."""
+    m = hb.Model("late", domain="electrical")
+    m.add(C1=hb.C(1.0, e="10 V"), C2=hb.C(1.0, e="0 V"), a=hb.Zero(), b=hb.Zero(), S=hb.One())
+    n = f"(if time >= {at} then {turns} else 1)"
+    m.add(q=hb.Zero(), i=hb.One(), takes=hb.Sf(f"{n}*i.f"), gives=hb.Se(f"{n}*q.e"))
+    m.bond("a -> C1", "a -> S -> q -> takes", "gives -> i -> b -> C2")
+    run = hb.simulate(closing(m), "1.5 s")
+    # at 1.2 s both have 5 V: q1 + n q2 is 5 C + n 5 C from there on
+    given = 5.0 + turns * 5.0 if at == "1.2" else 10.0
+    v = given / (1.0 + turns**2)
+    assert float(run["C1.e"].at(1.4)) == pytest.approx(v, rel=1e-12)
+    assert float(run["C2.e"].at(1.4)) == pytest.approx(turns * v, rel=1e-12)
+    energy = run.events[-1].steps[-1].energy
+    assert energy is not None
+    assert energy.source == pytest.approx(0.0, abs=1e-12 * 50.0)
+    assert not run.warnings
+
+
 def read(value: str, load: hb.Part | None = None, impulsive: bool | None = None) -> hb.Model:
     """1 F at 3 V and 2 F are joined: 2 C pass the switch, which the source `s` reads."""
     m = hb.Model("read", domain="electrical")

@@ -104,7 +104,9 @@ def sends_impulses(node: Node, laws: Sequence[Expr]) -> bool:
     if node.kind not in SOURCES or node.implied or node.finite:
         return node.impulsive
     slopes = [d for e in laws for d in gradient(e).values()]
-    outside = all(n == "time" or n.startswith(("u:", "p:")) for d in slopes for n in names(d))
+    outside = all(
+        n == "time" or n.startswith(("u:", "p:", "at:")) for d in slopes for n in names(d)
+    )
     return node.impulsive or (outside and not any(bent(e) for e in laws))
 
 

@@ -159,6 +159,28 @@ def on_a_table(eps: float, amplitude: float, omega: float, gap: float) -> hb.Mod
     return m
 
 
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_what_a_table_gives_a_ball_that_lands_is_its_own(way: float) -> None:
+    """The landing takes the speed of the table, whose force does the work; no energy is made."""
+    m = hb.Model("table", domain="translational")
+    m.add(w=hb.Se(-G), ball=hb.I(1.0), v=hb.One(), c=hb.Zero(), table=hb.Sf(f"{2 * way}*time"))
+    m.add(r=hb.Sf("-0.3*(pre(v.f) - pre(table.f))"))
+    m.bond("w -> v -> ball", "c -> v", "r -> c", "table -> c")
+    m.signal(gap=hb.Integral("v.f - table.f", start=1.0), slip=f"v.f - {2 * way}*time")
+    rules = ["away -> impact when gap <= 0 and slip < 0", "impact -> away when pre(slip) >= 0"]
+    m.machine("F", states={"away": [], "impact": ["c"]}, start="away", rules=rules)
+    run = hb.simulate(m, 2.0)
+    first = math.sqrt(2.0 / (G + 2.0 * way))
+    (record,) = run.accumulations
+    assert record.t == pytest.approx(first * 1.3 / 0.7, rel=1e-9)
+    energy = run.events[-1].steps[-1].energy
+    assert energy is not None
+    # what is left of the impact: half the square of the last rebound, far below the table's work
+    assert abs(energy.source) > 1e-9
+    assert energy.lost == pytest.approx(0.0, abs=1e-14)
+    assert not run.warnings
+
+
 def test_on_a_vibrating_table_it_lands_and_takes_off() -> None:
     omega, strength = 10.0, 1.2  # the table accelerates by 1.2 g at most
     a = strength * G / omega**2

@@ -251,6 +251,8 @@ def put_down(e: Engine, g: Landings, s: Settling, i: Instant) -> int:
     note_step(i, CONTINUOUS)
     if m.tells != 0:
         before = energy_of(e, e.y)
+        for b in range(2 * e.model.bonds):
+            e.impulses[b] = g.area[b]
         add_energy(i, before, energy_of(e, g.x), supplied_by_jump(e))
     if g.any_landed:
         find_moved(e, g.held)

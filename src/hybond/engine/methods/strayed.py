@@ -49,7 +49,12 @@ def strayed(e: Engine, t0: float, y0: Floats, t1: float, y1: Floats) -> float:
 
 
 def is_led_by_rates(mode: Mode) -> bool:
-    """Whether a constraint of a mode is kept by a rate that is evaluated anew at each stage."""
+    """Whether a constraint of a mode is kept by a rate that is evaluated anew at each stage.
+
+    That of a structure always is: what stands in it bends.
+    """
+    if mode.structures > 0:
+        return True
     for c in range(mode.constraints.rows):
         if mode.constraint_hidden[c] >= 0:
             return True
