@@ -98,7 +98,8 @@ class Looked:
         stores, many = graph.storages, len(graph.bonds)
         self._powered = [not graph.bonds[s.bond].domain.pseudo for s in stores]
         self._z = np.array([s.bond + (0 if s.kind == "C" else many) for s in stores], dtype=np.intp)
-        self._sign = np.array([float(s.sign) for s in stores])
+        # efforts have no direction: p' = e whichever way the bond points
+        self._sign = np.array([float(s.sign) if s.kind == "C" else 1.0 for s in stores])
         self._rates = [Name(f"{'f' if s.kind == 'C' else 'e'}:{s.bond}") for s in stores]
         self._left = EVALUATIONS
         self.spent = 0
