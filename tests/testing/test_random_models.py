@@ -218,7 +218,7 @@ def test_energy_that_tolerances_do_not_resolve_is_no_finding_and_lost_energy_is(
     m.add(r=hb.R(0.00052))
     m.bond("i -> v", "v -> t.2", "j -> s", "j -> g", "j -> t.1", "r -> j")
     audit = hb.simulate(m, 0.006).audit()
-    assert 0.0 < audit.beyond and audit.energy < 1e-7 and audit.power < 1e-15
+    assert audit.beyond > 0.0 and audit.energy < 1e-7 and audit.power < 1e-15
     assert check_model(m, 0.006).findings == ()
     # an imbalance that a tenth of the tolerance leaves as it is, and no step accounts for
     lost = replace(audit, energy=1e-3, beyond=math.inf)
