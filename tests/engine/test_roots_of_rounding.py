@@ -7,23 +7,12 @@ from __future__ import annotations
 
 import itertools
 import math
-import random
 
 import pytest
+from in_orders import in_orders
 
 import hybond as hb
 
-
-def in_orders(parts: dict[str, object], bonds: list[str], many: int = 12) -> list[hb.Model]:
-    """The same graph declared in several orders."""
-    draw = random.Random(1)
-    made = []
-    for _ in range(many):
-        m = hb.Model("orders")
-        m.add(**{name: parts[name] for name in draw.sample(list(parts), len(parts))})
-        m.bond(*draw.sample(bonds, len(bonds)))
-        made.append(m)
-    return made
 
 
 @pytest.mark.parametrize("law", ["0.85*sign(f)", "0.85*sign(f)*sqrt(abs(f))", "0.85*f*abs(f)"])

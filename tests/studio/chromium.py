@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 import shutil
+from collections.abc import Callable
+from pathlib import Path
 from typing import Any
+
+import pytest
 
 BROWSER = (
     shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
@@ -47,3 +51,16 @@ def browser(
         options.add_experimental_option("mobileEmulation", {"deviceMetrics": metrics})
     options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
     return webdriver.Chrome(service=Service(str(DRIVER)), options=options)
+
+
+def with_axe(desk: Any) -> Callable[[], list[Any]]:
+    """Put axe into the page that is open; return what tells its serious findings."""
+    axe = pytest.importorskip("axe_core_python")
+    script = next(Path(axe.__file__).parent.glob("axe*.js")).read_text(encoding="utf-8")
+    desk.execute_script(script)
+    return lambda: desk.execute_async_script(
+        "const done = arguments[0];"
+        "axe.run(document, {resultTypes: ['violations']}).then(r => done(r.violations"
+        ".filter(v => ['serious', 'critical'].includes(v.impact))"
+        ".map(v => [v.id, v.nodes.map(n => n.html.slice(0, 120))])))"
+    )

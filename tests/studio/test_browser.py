@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from studio.chromium import browser, missing
+from studio.chromium import browser, missing, with_axe
 from studio.hand import Page
 
 import hybond as hb
@@ -414,19 +414,6 @@ def test_the_schematic_stands_beside_the_bond_graph_with_one_selection(
         "the schematic follows",
     )
     assert not page.complaints()
-
-
-def with_axe(desk: Any) -> Callable[[], list[Any]]:
-    """Put axe into the page that is open; return what tells its serious findings."""
-    axe = pytest.importorskip("axe_core_python")
-    script = next(Path(axe.__file__).parent.glob("axe*.js")).read_text(encoding="utf-8")
-    desk.execute_script(script)
-    return lambda: desk.execute_async_script(
-        "const done = arguments[0];"
-        "axe.run(document, {resultTypes: ['violations']}).then(r => done(r.violations"
-        ".filter(v => ['serious', 'critical'].includes(v.impact))"
-        ".map(v => [v.id, v.nodes.map(n => n.html.slice(0, 120))])))"
-    )
 
 
 def test_axe_finds_nothing_serious_in_a_schematic(

@@ -8,26 +8,14 @@ that must flow says of a diode that must block; the same outcome in all orders.
 from __future__ import annotations
 
 import math
-import random
 
 import pytest
+from in_orders import in_orders
 
 import hybond as hb
 
 Parts = dict[str, object]
 
-
-def orders(parts: Parts, bonds: list[str], many: int = 8) -> list[hb.Model]:
-    """The model declared in so many orders, elements and bonds."""
-    made = []
-    for seed in range(many):
-        draw = random.Random(seed)
-        m = hb.Model("ordered")
-        for name in draw.sample(sorted(parts), len(parts)):
-            m.add(**{name: parts[name]})
-        m.bond(*draw.sample(bonds, len(bonds)))
-        made.append(m)
-    return made
 
 
 def driven(law: str, flow: float, ratio: float, *, dual: bool = False) -> tuple[Parts, list[str]]:
@@ -67,7 +55,7 @@ def test_a_diode_has_to_block_what_a_source_drives_in_every_order(
     law: str, ratio: float, dual: bool
 ) -> None:
     """The gyrator makes of the flow an effort that the diode would have to bear, and cannot."""
-    for m in orders(*driven(law, 0.468, ratio, dual=dual)):
+    for m in in_orders(*driven(law, 0.468, ratio, dual=dual)):
         with pytest.raises(hb.HybondError) as refused:
             hb.simulate(m, 0.173)
         assert refused.value.code == "HB-J110"
@@ -76,7 +64,7 @@ def test_a_diode_has_to_block_what_a_source_drives_in_every_order(
 @pytest.mark.parametrize("ratio", [0.628, 1.3])
 def test_a_diode_lets_a_source_drive_the_other_way(ratio: float) -> None:
     """The diode bears an effort ``-0.468 r (1 - p)``, so that ``p = 1 - exp(0.468 r t)``."""
-    for m in orders(*driven("1 - i.p", -0.468, ratio)):
+    for m in in_orders(*driven("1 - i.p", -0.468, ratio)):
         run = hb.simulate(m, 0.5)
         p = 1.0 - math.exp(0.468 * ratio * 0.4)
         assert run["i.p"].at(0.4) == pytest.approx(p, rel=1e-7)

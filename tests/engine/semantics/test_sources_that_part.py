@@ -7,27 +7,14 @@ sources say of themselves; a closed form; the same outcome in all orders.
 from __future__ import annotations
 
 import math
-import random
 
 import pytest
+from in_orders import in_orders
 
 import hybond as hb
 
 Parts = dict[str, object]
-ORDERS = 8
 
-
-def orders(parts: Parts, bonds: list[str], many: int = ORDERS) -> list[hb.Model]:
-    """The model declared in so many orders, elements and bonds."""
-    made = []
-    for seed in range(many):
-        draw = random.Random(seed)
-        m = hb.Model("ordered")
-        for name in draw.sample(sorted(parts), len(parts)):
-            m.add(**{name: parts[name]})
-        m.bond(*draw.sample(bonds, len(bonds)))
-        made.append(m)
-    return made
 
 
 def refusals(models: list[hb.Model]) -> set[str]:
@@ -59,7 +46,7 @@ def test_sources_at_both_sides_of_a_gyrator_contradict_each_other_whatever_a_dio
     if bent:
         parts |= {"x": hb.One(), "b": hb.R({"e": "f + f^3"}), "c": hb.C(1.0)}
         bonds += ["d -> x", "x -> b", "x -> c"]
-    assert refusals(orders(parts, bonds)) == {"HB-C101"}
+    assert refusals(in_orders(parts, bonds)) == {"HB-C101"}
 
 
 @pytest.mark.parametrize("effort", ["time", "-time", "1 - cos(1.0*time)"])
@@ -75,7 +62,7 @@ def test_gears_of_two_ratios_hold_an_effort_at_zero_whatever_a_diode_does(effort
         "s": hb.Se(effort),
     }
     bonds = ["s -> n", "n -> a -> k", "n -> b -> k", "n -> g -> d"]
-    assert refusals(orders(parts, bonds)) == {"HB-C101"}
+    assert refusals(in_orders(parts, bonds)) == {"HB-C101"}
 
 
 def test_a_mode_that_is_left_at_once_need_not_agree_a_moment_later() -> None:
@@ -94,7 +81,7 @@ def test_a_mode_that_is_left_at_once_need_not_agree_a_moment_later() -> None:
         "c": hb.C(1.0),
     }
     bonds = ["s -> v -> n", "u -> w -> n", "n -> x", "x -> r", "x -> c"]
-    for m in orders(parts, bonds):
+    for m in in_orders(parts, bonds):
         m.machine(
             "M",
             states={"joined": ["v", "w"], "apart": ["v"]},
@@ -117,7 +104,7 @@ def test_sources_that_agree_for_good_let_a_diode_follow_them_from_their_turn() -
         "d": hb.One(law="diode"),
         "c": hb.C(2.0, q=-2.0),
     }
-    for m in orders(parts, ["s -> n", "u -> n", "n -> d -> c"]):
+    for m in in_orders(parts, ["s -> n", "u -> n", "n -> d -> c"]):
         run = hb.simulate(m, 3.0)
         for t in (0.5, 2.5):
             assert run["c.q"].at(t) == pytest.approx(-2.0 * math.cos(t), rel=1e-9)
