@@ -14,7 +14,6 @@ from in_orders import in_orders
 import hybond as hb
 
 
-
 @pytest.mark.parametrize("law", ["0.85*sign(f)", "0.85*sign(f)*sqrt(abs(f))", "0.85*f*abs(f)"])
 def test_a_law_at_a_node_that_gears_hold_at_zero_is_at_rest(law: str) -> None:
     """Two gears of different ratios between two nodes: no effort, so no flow of any resistor."""

@@ -17,7 +17,6 @@ import hybond as hb
 Parts = dict[str, object]
 
 
-
 def driven(law: str, flow: float, ratio: float, *, dual: bool = False) -> tuple[Parts, list[str]]:
     """A source that a coil follows drives another coil, beside a diode, through a gyrator.
 

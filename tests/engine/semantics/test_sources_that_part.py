@@ -16,7 +16,6 @@ import hybond as hb
 Parts = dict[str, object]
 
 
-
 def refusals(models: list[hb.Model]) -> set[str]:
     """The codes by which runs of models are refused."""
     found = set()
