@@ -67,6 +67,20 @@ def test_a_law_that_has_many_kinks_ends_with_what_it_may_be_wrong_by() -> None:
     assert wrong > 1e-6
 
 
+@pytest.mark.parametrize("large", ["1e9", "1e10"])
+@pytest.mark.parametrize("kink", [0.0, 0.3, 0.77])
+def test_nor_do_powers_that_are_known_to_few_places(kink: float, large: str) -> None:
+    """A root of what cancels but for a part of 1e-7: the pieces near it are cut, not the first."""
+    law = f"sign(f)*sqrt(abs((f + {large} [A]) - {large} [A]))*1 [ohm*A^0.5]"
+    graph = source_into(law).flatten(parameters={"kink": kink})
+    look = EngineLook(EngineModel(tables_of(graph, until=1.0)))
+    look.into(0.0, [])
+    ((_, dissipated, wrong),) = look.energies(STEP)
+    # the integral of abs(kink - t)^1.5
+    assert dissipated == pytest.approx((kink**2.5 + (1.0 - kink) ** 2.5) / 2.5, abs=2e-8)
+    assert wrong <= 1e-7
+
+
 def test_energies_of_a_capacitor_that_empties() -> None:
     """From 2 V by 1 ohm: dissipated is 2 (1 - exp(-2 t)) J, in all and in parts of steps."""
     m = hb.Model("rc", domain="electrical")

@@ -17,12 +17,17 @@ from hybond.engine.sliding.blend import ROUNDING
 from hybond.engine.words import Floats, floats, record
 
 ENOUGH: Final = 1e-11
-"""A piece of a step is done if its two formulas differ by less than this part of all the energy
-that passes in the step."""
-TRIES: Final = 200
-"""Pieces of a step that are tried; the last one is all that is left."""
+"""A step is done if its two formulas differ by less than this part of the energy that passes."""
+PIECES: Final = 100
+"""Pieces into which a step is cut at the most."""
 LEAST: Final = 1e-9
 """The shortest piece, as a part of the step: a jump of power may stand in it."""
+BLURRED: Final = 0.6
+"""By less a cut lessens the difference where powers are rounding: a jump leaves half, a root less."""
+SETTLED: Final = 1e-5
+"""By a smaller part of it the energy of such a piece does not change when it is cut."""
+ENDLESS: Final = 4
+"""Cuts that find rounding alone, behind which a step is left."""
 POINTS: Final = 21
 MIDDLE: Final = 10
 
@@ -31,12 +36,21 @@ MIDDLE: Final = 10
 class Meter:
     """Power supplied, power dissipated, and the size of all terms of both.
 
-    `power` at one point; `kronrod` and `gauss` the means of a piece by the two formulas.
+    `power` at one point; `kronrod` and `gauss` the means of a piece by the two formulas. Of each
+    piece of a step: where it begins and how long it is, as parts of the step; the energies; what
+    the formulas differ by, and whether that is to be lessened.
     """
 
     power: Floats
     kronrod: Floats
     gauss: Floats
+    pieces: int
+    low: Floats
+    width: Floats
+    supplied: Floats
+    dissipated: Floats
+    passed: Floats
+    off: Floats
 
 
 def make_meter() -> Meter:
@@ -45,6 +59,12 @@ def make_meter() -> Meter:
     q.power = floats(3)
     q.kronrod = floats(3)
     q.gauss = floats(3)
+    q.low = floats(PIECES)
+    q.width = floats(PIECES)
+    q.supplied = floats(PIECES)
+    q.dissipated = floats(PIECES)
+    q.passed = floats(PIECES)
+    q.off = floats(PIECES)
     return q
 
 
@@ -108,55 +128,88 @@ def read_meters(e: Engine, w: Floats, at: int, power: Floats) -> None:
 def look_energies(e: Engine, l: Look, q: Meter, end: Floats, out: Floats) -> int:
     """Put energy supplied, energy dissipated, and what both may be wrong by there.
 
-    A row for each point, from its time to that in `end`, in the same step.
+    A row for each point, from its time to that in `end`, in the same step. First each of them is
+    one piece: what is wrong in a row that is next to nothing beside the others need not be less.
     """
     prepare(e, l.meters, l.corrects)
+    passed = 0.0
     for i in range(l.points.many):
-        if take_energy(e, l, q, i, end[i], out) != OK:
+        if take_piece(e, l, q, i, end[i] - l.points.t[i], 0, 0.0, 1.0) != OK:
+            return REFUSED
+        out[3 * i] = q.supplied[0]
+        out[3 * i + 1] = q.dissipated[0]
+        out[3 * i + 2] = q.off[0]
+        passed += q.passed[0]
+    enough = ENOUGH * passed / float(max(l.points.many, 1))
+    for i in range(l.points.many):
+        if out[3 * i + 2] > enough and take_energy(e, l, q, i, end[i], enough, out) != OK:
             return REFUSED
     return OK
 
 
-def take_energy(e: Engine, l: Look, q: Meter, i: int, end: float, out: Floats) -> int:
+def take_energy(
+    e: Engine, l: Look, q: Meter, i: int, end: float, enough: float, out: Floats
+) -> int:
     """Integrate powers from point i on within its step, on pieces as short as it takes.
 
-    A kink of a law makes the two formulas differ, wherever in a piece it is.
+    A kink of a law makes the two formulas differ, wherever in a piece it is: the piece where they
+    differ most is cut, until all together are near enough. Where powers are what cancels but for
+    rounding cuts change nothing, and there is an end to them.
     """
-    begin = l.points.t[i]
-    span = end - begin
-    supplied = 0.0
-    dissipated = 0.0
-    wrong = 0.0
-    passes = 0.0
-    low = 0.0
-    width = 1.0
-    for turn in range(TRIES):
-        if low >= 1.0 or span <= 0.0:
+    span = end - l.points.t[i]
+    q.pieces = 1
+    if take_piece(e, l, q, i, span, 0, 0.0, 1.0) != OK:
+        return REFUSED
+    blurred = 0
+    while q.pieces < PIECES and blurred < ENDLESS:
+        off = 0.0
+        passed = 0.0
+        worst = -1
+        most = 0.0
+        for k in range(q.pieces):
+            off += q.off[k]
+            passed += q.passed[k]
+            if q.off[k] > most and q.width[k] > LEAST:
+                worst = k
+                most = q.off[k]
+        if off <= max(ENOUGH * passed, enough) or worst < 0:
             break
-        if turn == TRIES - 1:
-            width = 1.0 - low
-        if take_piece(e, l, q, i, span, low, width) != OK:
+        status = cut(e, l, q, i, span, worst)
+        if status < 0:
             return REFUSED
-        h = span * width
-        off = h * math.fabs(q.kronrod[0] - q.gauss[0])
-        off = max(off, h * math.fabs(q.kronrod[1] - q.gauss[1]))
-        passes = max(passes, h * q.kronrod[2])
-        if off <= ENOUGH * passes or width <= LEAST or turn == TRIES - 1:
-            supplied += h * q.kronrod[0]
-            dissipated += h * q.kronrod[1]
-            wrong += off
-            low += width
-            width = min(2.0 * width, 1.0 - low)
-        else:
-            width = 0.5 * width
-    out[3 * i] = supplied
-    out[3 * i + 1] = dissipated
-    out[3 * i + 2] = wrong
+        blurred += status
+    for p in range(3):
+        out[3 * i + p] = 0.0
+    for k in range(q.pieces):
+        out[3 * i] += q.supplied[k]
+        out[3 * i + 1] += q.dissipated[k]
+        out[3 * i + 2] += q.off[k]
     return OK
 
 
-def take_piece(e: Engine, l: Look, q: Meter, i: int, span: float, low: float, width: float) -> int:
-    """Put the means of the powers over a part of the step of point i there, by both formulas.
+def cut(e: Engine, l: Look, q: Meter, i: int, span: float, k: int) -> int:
+    """Cut piece k of the step in two: 1 if that found nothing but rounding, -1 if refused."""
+    off = q.off[k]
+    supplied = q.supplied[k]
+    dissipated = q.dissipated[k]
+    other = q.pieces
+    half = 0.5 * q.width[k]
+    if take_piece(e, l, q, i, span, k, q.low[k], half) != OK:
+        return -1
+    if take_piece(e, l, q, i, span, other, q.low[k] + half, half) != OK:
+        return -1
+    q.pieces += 1
+    moved = math.fabs(q.supplied[k] + q.supplied[other] - supplied)
+    moved = max(moved, math.fabs(q.dissipated[k] + q.dissipated[other] - dissipated))
+    if q.off[k] + q.off[other] < BLURRED * off:
+        return 0
+    return 1 if moved <= SETTLED * (q.passed[k] + q.passed[other]) else 0
+
+
+def take_piece(
+    e: Engine, l: Look, q: Meter, i: int, span: float, k: int, low: float, width: float
+) -> int:
+    """Make piece k that part of the step of point i: its energies, and how formulas differ.
 
     Points lie where the formulas have them: of a step of nanoseconds, hours after the start, the
     times that there are would be some way beside.
@@ -166,9 +219,9 @@ def take_piece(e: Engine, l: Look, q: Meter, i: int, span: float, low: float, wi
         q.gauss[p] = 0.0
     begin = l.points.t[i]
     status = OK
-    for k in range(POINTS):
-        j = k if k <= MIDDLE else POINTS - 1 - k
-        node = -NODE[j] if k <= MIDDLE else NODE[j]
+    for n in range(POINTS):
+        j = n if n <= MIDDLE else POINTS - 1 - n
+        node = -NODE[j] if n <= MIDDLE else NODE[j]
         since = span * min(low + 0.5 * width * (1.0 + node), 1.0)
         t = begin + since
         l.past = since - (t - begin)
@@ -179,4 +232,12 @@ def take_piece(e: Engine, l: Look, q: Meter, i: int, span: float, low: float, wi
             q.kronrod[p] += 0.5 * KRONROD[j] * q.power[p]
             q.gauss[p] += 0.5 * GAUSS[j] * q.power[p]
     l.past = 0.0
+    h = span * width
+    q.low[k] = low
+    q.width[k] = width
+    q.supplied[k] = h * q.kronrod[0]
+    q.dissipated[k] = h * q.kronrod[1]
+    q.passed[k] = h * q.kronrod[2]
+    off = max(math.fabs(q.kronrod[0] - q.gauss[0]), math.fabs(q.kronrod[1] - q.gauss[1]))
+    q.off[k] = h * off
     return status
