@@ -23,7 +23,7 @@ PIECES: Final = 100
 LEAST: Final = 1e-9
 """The shortest piece, as a part of the step: a jump of power may stand in it."""
 BLURRED: Final = 0.6
-"""By less a cut lessens the difference where powers are rounding: a jump leaves half, a root less."""
+"""By less a cut lessens what is off where powers are rounding: a jump leaves half, a root less."""
 SETTLED: Final = 1e-5
 """By a smaller part of it the energy of such a piece does not change when it is cut."""
 ENDLESS: Final = 4
