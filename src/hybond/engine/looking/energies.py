@@ -18,6 +18,9 @@ from hybond.engine.words import Floats, floats, record
 
 ENOUGH: Final = 1e-11
 """A step is done if its two formulas differ by less than this part of the energy that passes."""
+NOTHING: Final = 1e-13
+"""Or by less than this part of the largest energy of the run: where power hangs on the last digits
+of what is stored it is a staircase, however short the piece."""
 PIECES: Final = 100
 """Pieces into which a step is cut at the most."""
 LEAST: Final = 1e-9
@@ -140,7 +143,7 @@ def look_energies(e: Engine, l: Look, q: Meter, end: Floats, out: Floats) -> int
         out[3 * i + 1] = q.dissipated[0]
         out[3 * i + 2] = q.off[0]
         passed += q.passed[0]
-    enough = ENOUGH * passed / float(max(l.points.many, 1))
+    enough = max(ENOUGH * passed / float(max(l.points.many, 1)), NOTHING * e.energy)
     for i in range(l.points.many):
         if out[3 * i + 2] > enough and take_energy(e, l, q, i, end[i], enough, out) != OK:
             return REFUSED
