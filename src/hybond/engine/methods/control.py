@@ -75,7 +75,8 @@ def controlled_start(e: Engine, t: float, y: Floats, t_bound: float, jumped: boo
     if forget:
         s.error_before = SMALLEST_ERROR
         s.began = t
-        limit = min(e.model.max_step, t_bound - t) if t_bound > t else e.model.max_step
+        limit = min(e.model.max_step, e.longest)
+        limit = min(limit, t_bound - t) if t_bound > t else limit
         choose_first(e, limit)
     return OK
 
@@ -155,8 +156,9 @@ def controlled_step(e: Engine, t_end: float) -> int:
     smallest = 10.0 * spacing(s.t0)
     if s.tiny > TINY_ROW:
         smallest = max(smallest, LEAST * e.span)
-    h = max(min(s.h, e.model.max_step), smallest)
-    may_land = remaining <= e.model.max_step * (1.0 + 1e-12)
+    most = min(e.model.max_step, e.longest)
+    h = max(min(s.h, most), smallest)
+    may_land = remaining <= most * (1.0 + 1e-12)
     s.rejected = 0
     trial = h
     error = 0.0

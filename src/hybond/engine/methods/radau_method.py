@@ -33,7 +33,8 @@ def radau_start(e: Engine, t: float, y: Floats, t_bound: float, jumped: bool) ->
     tolerance(e, s.y, s.y, s.scale)
     s.controlled = controlled(n, s.scale)
     if forget:
-        limit = min(e.model.max_step, t_bound - t) if t_bound > t else e.model.max_step
+        limit = min(e.model.max_step, e.longest)
+        limit = min(limit, t_bound - t) if t_bound > t else limit
         s.h = first_step(e, limit, 3.0)
     return OK
 
@@ -47,7 +48,7 @@ def radau_step(e: Engine, t_end: float) -> int:
     copy_floats(e.states, s.y0, r.y0)
     copy_floats(e.states, s.f0, r.f0)
     r.next = s.h
-    made = step_radau(e, r, e.model.rtol, t_end, e.model.max_step)
+    made = step_radau(e, r, e.model.rtol, t_end, min(e.model.max_step, e.longest))
     if made != STEP_MADE:
         return radau_failed(e)
     s.h = r.next
@@ -85,7 +86,7 @@ def radau_too_small(e: Engine, r: Radau) -> int:
 
 def radau_retry(e: Engine, t_end: float) -> int:
     """Repeat the last step, ending at `t_end`."""
-    made = retry_radau(e, e.radau, e.model.rtol, t_end, e.model.max_step)
+    made = retry_radau(e, e.radau, e.model.rtol, t_end, min(e.model.max_step, e.longest))
     if made != STEP_MADE:
         return radau_failed(e)
     accept_radau(e)

@@ -1,0 +1,161 @@
+"""Steps no longer than what time alone does can be seen in: nothing lies hidden between samples.
+
+What depends on time alone is known before it is met. Of sums and products of sines the fastest one
+bounds all steps. Of any other course the range of its rate over an interval ahead says how far it
+can go there and come back: nowhere, or not much farther than its ends and its middle show, or else
+the interval is halved. So a pulse is approached by halves, and what is flat costs nothing.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from hybond.engine.answers import value
+from hybond.engine.engine import Engine
+from hybond.engine.expressions.course_parts import OTHER, SINES, find_kinds, range_parts
+from hybond.engine.expressions.course_ranges import farthest
+from hybond.engine.inputs.interval import set_time
+from hybond.engine.methods.one_instant import room_of_instant
+from hybond.engine.mode.mode_records import Mode
+from hybond.engine.reasons.warned import COURSE_UNSEEN, add_about, begin_warning
+from hybond.engine.run.run_records import bound_of
+
+TURN: Final = 2.0
+"""How far the fastest sine may turn in a step, rad."""
+FLAT: Final = 1e-9
+"""What goes no farther than this part of the largest value so far is flat."""
+SHOWN: Final = 12.0
+"""How many times the way that samples show a course may go: a parabola goes four times as far."""
+MONOTONE: Final = 1.02
+"""Likewise its range, where it has no bound on its rate at one end, such as a root."""
+USED: Final = 0.5
+"""Part of an interval that was looked at after which the next one is."""
+ALWAYS: Final = 0
+OF_SOURCE: Final = 1
+OF_SWITCH: Final = 2
+
+
+def begin_courses(e: Engine) -> None:
+    """Find which courses count in the mode that begins, and how long their sines let steps be."""
+    c = e.courses
+    if not c.known:
+        find_kinds(e.model, c.ranges, c.kind, c.fast)
+        c.known = True
+    if e.slide.k > 0 or e.mode.longest == 0.0:
+        count_courses(e, e.mode)
+    e.longest = e.mode.longest
+    if e.slide.k > 0:
+        e.mode.longest = 0.0
+    c.end = -math.inf
+
+
+def count_courses(e: Engine, mode: Mode) -> None:
+    """Find which courses count in a mode; all do where modes are combined."""
+    m = e.model
+    c = e.courses
+    mode.longest = math.inf
+    mode.moves = False
+    for k in range(m.courses):
+        counts = e.slide.k > 0
+        for p in range(m.course_first[k], m.course_first[k + 1]):
+            counts = counts or is_used(e, mode, m.course_user[p], m.course_index[p])
+        root = m.course_root[k]
+        mode.course[k] = 1 if counts and c.kind[root] == OTHER else 0
+        mode.moves = mode.moves or mode.course[k] != 0
+        if counts and c.kind[root] == SINES and c.fast[root] > 0.0:
+            mode.longest = min(mode.longest, TURN / c.fast[root])
+
+
+def is_used(e: Engine, mode: Mode, user: int, which: int) -> bool:
+    """Whether a course counts in a mode for one of its reasons."""
+    m = e.model
+    if user == ALWAYS:
+        return True
+    if user == OF_SOURCE:
+        for k in range(mode.sources):
+            if mode.source[k] == which:
+                return True
+        return False
+    if user == OF_SWITCH:
+        return mode.on[which] != 0
+    machine = 0
+    while m.rule_first[machine + 1] <= which:
+        machine += 1
+    return m.rule_source[which] == mode.state[machine]
+
+
+def end_ahead(e: Engine, end: float) -> float:
+    """Return how far the next step may go, at the most to `end`, to see all that courses do."""
+    c = e.courses
+    if not e.mode.moves:
+        return end
+    if c.end < end and not c.end - e.t > USED * c.length:
+        look_ahead(e, bound_of(e))
+    return min(end, c.end)
+
+
+def look_ahead(e: Engine, bound: float) -> None:
+    """Find an interval from now on in which all courses show what they do, into ``c.end``."""
+    m = e.model
+    c = e.courses
+    left = bound - e.t
+    least = room_of_instant(e, e.t)
+    length = min(2.0 * c.length, left) if c.length > 0.0 else left
+    set_time(e, e.v, e.t)
+    hidden = find_hidden(e, e.t, e.t + length)
+    while hidden >= 0 and length > least:
+        length *= 0.5
+        hidden = find_hidden(e, e.t, e.t + length)
+    if hidden >= 0:
+        # nothing bounds it here: past, in longer and longer steps
+        if m.tells != 0 and c.told[hidden] == 0:
+            begin_warning(e.warned, COURSE_UNSEEN, e.t)
+            add_about(e.warned, float(m.course_place[hidden]))
+        c.told[hidden] = 1
+        c.blind = 2.0 * c.blind if c.blind > 0.0 else 4.0 * least
+        length = min(c.blind, left)
+    else:
+        c.blind = 0.0
+    c.length = length
+    c.end = bound if length >= left else e.t + length
+
+
+def find_hidden(e: Engine, a: float, b: float) -> int:
+    """Return a course that samples do not show in ``[a, b]``, -1 if all of them are."""
+    m = e.model
+    c = e.courses
+    r = c.ranges
+    range_parts(m, r, e.v, a, b)
+    for k in range(m.courses):
+        if e.mode.course[k] == 0:
+            continue
+        root = m.course_root[k]
+        size = farthest(r.low[root], r.high[root])
+        size = size if math.isfinite(size) else 0.0
+        way = farthest(r.low_rate[root], r.high_rate[root]) * (b - a)
+        if way <= FLAT * max(size, c.size[m.course_group[k]]):
+            continue
+        shown = spread_of(e, k, a, b)
+        range_ = r.high[root] - r.low[root]
+        if not (way <= SHOWN * shown or (not math.isfinite(way) and range_ <= MONOTONE * shown)):
+            return k
+    for k in range(m.courses):
+        size = farthest(r.low[m.course_root[k]], r.high[m.course_root[k]])
+        if e.mode.course[k] != 0 and math.isfinite(size):
+            c.size[m.course_group[k]] = max(c.size[m.course_group[k]], size)
+    return -1
+
+
+def spread_of(e: Engine, k: int, a: float, b: float) -> float:
+    """Return how far apart a course is at the ends and in the middle of ``[a, b]``."""
+    m = e.model
+    low = math.inf
+    high = -math.inf
+    for i in range(3):
+        set_time(e, e.v, a if i == 0 else b if i == 1 else a + 0.5 * (b - a))
+        here = value(m, m.course_value[k], e.v)
+        low = min(low, here)
+        high = max(high, here)
+    set_time(e, e.v, a)
+    return high - low if math.isfinite(high - low) else 0.0
