@@ -9,8 +9,8 @@ from hybond.engine.algebra.blocks import Block, make_block
 from hybond.engine.algebra.svd import Svd, make_svd
 from hybond.engine.checks.check_records import Checks, make_checks
 from hybond.engine.contacts.landing_records import Landings, make_landings
-from hybond.engine.inputs.calls import Calls, call_outside, make_calls
 from hybond.engine.expressions.course_ranges import Ranges, make_ranges
+from hybond.engine.inputs.calls import Calls, call_outside, make_calls
 from hybond.engine.laws.law_records import OPEN_KEPT, Laws, make_laws
 from hybond.engine.methods.flow_records import AUTO, EXACT, Exact, make_exact
 from hybond.engine.methods.qss_room import QSS1, Quantised, make_quantised
@@ -172,7 +172,8 @@ class Step:
 class Courses:
     """What time alone does, and how far ahead it is known to show.
 
-    `kind` and `fast` are of its parts, `size` the largest value so far of each sum, and `told`
+    `kind` and `fast` are of its parts, `size` the largest value so far of each sum, `peak` that of
+    a course which is still to come, `pushed` the largest of these that a source says, and `told`
     whether it was said that a course is not seen. Up to `end` all is, `length` from where that was
     found; `blind` is the last step into what is not, 0: there was none.
     """
@@ -182,6 +183,10 @@ class Courses:
     fast: Floats
     ranges: Ranges
     size: Floats
+    peak: Floats
+    last: Floats
+    """The largest value of each in the interval that was looked at last, and was too long."""
+    pushed: Floats
     told: Ints
     end: float
     length: float
@@ -365,6 +370,9 @@ def make_courses(m: Model) -> Courses:
     c.fast = floats(m.course_nodes)
     c.ranges = make_ranges(m.course_nodes)
     c.size = floats(m.courses)
+    c.peak = floats(m.courses)
+    c.last = floats(m.courses)
+    c.pushed = floats(m.sources)
     c.told = ints(m.courses)
     c.end = -math.inf
     return c

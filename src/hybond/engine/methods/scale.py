@@ -126,6 +126,10 @@ def found_terms(e: Engine, mode: Mode, t: float, y: Floats) -> bool:
             given = value(m, m.source_size[source], e.v)
             if math.isfinite(given):
                 e.work.xi[m.storages + k] = given
+        if m.courses > 0 and source >= 0 and e.courses.pushed[source] > 0.0:
+            # a pulse that has not come yet: before it nothing is measured by what is left of it
+            given = max(math.fabs(e.work.xi[m.storages + k]), e.courses.pushed[source])
+            e.work.xi[m.storages + k] = given
     for k in range(m.storages):
         at = m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 0 else 0)
         size = size_of(e, mode, at, e.work.xi, e.v)

@@ -17,6 +17,7 @@ from hybond.engine.expressions.course_parts import OTHER, SINES, find_kinds, ran
 from hybond.engine.expressions.course_ranges import farthest
 from hybond.engine.inputs.interval import set_time
 from hybond.engine.methods.one_instant import room_of_instant
+from hybond.engine.methods.scale import measure_again, pushed_energy
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.reasons.warned import COURSE_UNSEEN, add_about, begin_warning
 from hybond.engine.run.run_records import bound_of
@@ -29,6 +30,8 @@ SHOWN: Final = 12.0
 """How many times the way that samples show a course may go: a parabola goes four times as far."""
 MONOTONE: Final = 1.02
 """Likewise its range, where it has no bound on its rate at one end, such as a root."""
+NOTHING: Final = 1e-30
+"""What a course is before a pulse, as a part of that: not what grows into it."""
 USED: Final = 0.5
 """Part of an interval that was looked at after which the next one is."""
 ALWAYS: Final = 0
@@ -103,6 +106,8 @@ def look_ahead(e: Engine, bound: float) -> None:
     least = room_of_instant(e, e.t)
     length = min(2.0 * c.length, left) if c.length > 0.0 else left
     set_time(e, e.v, e.t)
+    for k in range(m.courses):
+        c.last[k] = 0.0
     hidden = find_hidden(e, e.t, e.t + length)
     while hidden >= 0 and length > least:
         length *= 0.5
@@ -117,6 +122,7 @@ def look_ahead(e: Engine, bound: float) -> None:
         length = min(c.blind, left)
     else:
         c.blind = 0.0
+        see_peaks(e)
     c.length = length
     c.end = bound if length >= left else e.t + length
 
@@ -133,18 +139,44 @@ def find_hidden(e: Engine, a: float, b: float) -> int:
         root = m.course_root[k]
         size = farthest(r.low[root], r.high[root])
         size = size if math.isfinite(size) else 0.0
+        least = max(c.size[m.course_group[k]], c.peak[k])
         way = farthest(r.low_rate[root], r.high_rate[root]) * (b - a)
-        if way <= FLAT * max(size, c.size[m.course_group[k]]):
+        if way <= FLAT * max(size, least):
             continue
         shown = spread_of(e, k, a, b)
         range_ = r.high[root] - r.low[root]
         if not (way <= SHOWN * shown or (not math.isfinite(way) and range_ <= MONOTONE * shown)):
+            for i in range(m.courses):
+                c.last[i] = farthest(r.low[m.course_root[i]], r.high[m.course_root[i]])
             return k
     for k in range(m.courses):
         size = farthest(r.low[m.course_root[k]], r.high[m.course_root[k]])
         if e.mode.course[k] != 0 and math.isfinite(size):
             c.size[m.course_group[k]] = max(c.size[m.course_group[k]], size)
     return -1
+
+
+def see_peaks(e: Engine) -> None:
+    """See which courses are nothing in the interval ahead, and not so in one twice as long."""
+    m = e.model
+    c = e.courses
+    found = False
+    for k in range(m.courses):
+        root = m.course_root[k]
+        here = farthest(c.ranges.low[root], c.ranges.high[root])
+        if e.mode.course[k] == 0 or not (c.last[k] > c.peak[k] and math.isfinite(c.last[k])):
+            continue
+        if here > NOTHING * c.last[k]:
+            continue
+        c.peak[k] = c.last[k]
+        for p in range(m.course_first[k], m.course_first[k + 1]):
+            if m.course_user[p] == OF_SOURCE:
+                source = m.course_index[p]
+                c.pushed[source] = max(c.pushed[source], c.peak[k])
+                found = True
+    if found and e.slide.k == 0:
+        measure_again(e, e.mode)
+        e.pushed_energy = max(e.pushed_energy, pushed_energy(e))
 
 
 def spread_of(e: Engine, k: int, a: float, b: float) -> float:

@@ -43,6 +43,7 @@ from hybond.model.expressions import (
     Pre,
     Table,
     names,
+    simplify,
 )
 from hybond.model.expressions.tree import children, fold, walk
 
@@ -85,12 +86,9 @@ def put_courses(t: ModelTables) -> None:
 
 def _read(t: ModelTables) -> Iterator[tuple[Expr, tuple[int, int]]]:
     """Yield what a step evaluates, and what it ends at, with when that counts."""
-    for k, (value, rate) in enumerate(
-        zip(t.ints["source_value"], t.ints["source_rate"], strict=True)
-    ):
-        for number in (value, rate):
-            if number >= 0:
-                yield t.values.all[number], (OF_SOURCE, k)
+    for k, number in enumerate(t.ints["source_value"]):
+        if number >= 0:
+            yield t.values.all[number], (OF_SOURCE, k)
     for name in ("dynamic_value", "co_energy", "integral_rate"):
         for number in t.ints[name]:
             if number >= 0:
@@ -149,22 +147,23 @@ def _is_known(t: ModelTables, name: str) -> bool:
 
 
 def _terms(e: Expr) -> list[Expr]:
-    """Return the terms of a sum that change."""
+    """Return the terms of a sum that change, each with the factor that it has, but for its sign."""
     found: list[Expr] = []
-    stack = [e]
+    stack: list[tuple[Expr, Expr | None]] = [(e, None)]
     while stack:
-        part = stack.pop()
+        part, factor = stack.pop()
         match part:
             case Binary(op="+" | "-"):
-                stack += [part.left, part.right]
+                stack += [(part.left, factor), (part.right, factor)]
             case Neg():
-                stack.append(part.arg)
-            case Binary(op="*", left=Number()):
-                stack.append(part.right)
-            case Binary(op="*", right=Number()) | Binary(op="/", right=Number()):
-                stack.append(part.left)
+                stack.append((part.arg, factor))
+            case (
+                Binary(op="*", left=Number() as a, right=b)
+                | Binary(op="*", left=b, right=Number() as a)
+            ):
+                stack.append((b, a if factor is None else simplify(Binary("*", factor, a))))
             case _:
-                found.append(part)
+                found.append(part if factor is None else Binary("*", factor, part))
     return found
 
 
