@@ -75,8 +75,7 @@ def controlled_start(e: Engine, t: float, y: Floats, t_bound: float, jumped: boo
     if forget:
         s.error_before = SMALLEST_ERROR
         s.began = t
-        limit = min(e.model.max_step, e.longest)
-        limit = min(limit, t_bound - t) if t_bound > t else limit
+        limit = min(e.model.max_step, t_bound - t) if t_bound > t else e.model.max_step
         choose_first(e, limit)
     return OK
 

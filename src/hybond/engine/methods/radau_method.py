@@ -33,8 +33,7 @@ def radau_start(e: Engine, t: float, y: Floats, t_bound: float, jumped: bool) ->
     tolerance(e, s.y, s.y, s.scale)
     s.controlled = controlled(n, s.scale)
     if forget:
-        limit = min(e.model.max_step, e.longest)
-        limit = min(limit, t_bound - t) if t_bound > t else limit
+        limit = min(e.model.max_step, t_bound - t) if t_bound > t else e.model.max_step
         s.h = first_step(e, limit, 3.0)
     return OK
 

@@ -22,7 +22,7 @@ from hybond.engine.mode.mode_records import Mode
 from hybond.engine.reasons.warned import COURSE_UNSEEN, add_about, begin_warning
 from hybond.engine.run.run_records import bound_of
 
-TURN: Final = 2.0
+TURN: Final = 3.0
 """How far the fastest sine may turn in a step, rad."""
 FLAT: Final = 1e-9
 """What goes no farther than this part of the largest value so far is flat."""
