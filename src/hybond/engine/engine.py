@@ -191,6 +191,8 @@ class Courses:
     end: float
     length: float
     blind: float
+    hidden: int
+    """The last course that was not seen in an interval."""
 
 
 @record

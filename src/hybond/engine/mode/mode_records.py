@@ -92,6 +92,8 @@ class Mode:
     """The next of those kept whose configurations are in the same bucket, or NO_MODE."""
     longest: float
     """How long a step may be for the sines of time alone that count there, s; 0: not known yet."""
+    fastest: int
+    """Which course has the fastest of them, -1: none does."""
     moves: bool
     """Whether other courses of time count there, and which: `course`."""
     course: Ints

@@ -16,6 +16,7 @@ from hybond.engine.engine import Engine
 from hybond.engine.expressions.course_parts import OTHER, SINES, find_kinds, range_parts
 from hybond.engine.expressions.course_ranges import farthest
 from hybond.engine.inputs.interval import set_time
+from hybond.engine.methods.fixed import EULER, RK4
 from hybond.engine.methods.one_instant import room_of_instant
 from hybond.engine.methods.scale import measure_again, pushed_energy
 from hybond.engine.mode.mode_records import Mode
@@ -37,6 +38,9 @@ USED: Final = 0.5
 ALWAYS: Final = 0
 OF_SOURCE: Final = 1
 OF_SWITCH: Final = 2
+UNBOUNDED: Final = 0
+PASSED_OVER: Final = 1
+"""Why a course is not seen."""
 
 
 def begin_courses(e: Engine) -> None:
@@ -58,6 +62,7 @@ def count_courses(e: Engine, mode: Mode) -> None:
     m = e.model
     c = e.courses
     mode.longest = math.inf
+    mode.fastest = -1
     mode.moves = False
     for k in range(m.courses):
         counts = e.slide.k > 0
@@ -67,6 +72,7 @@ def count_courses(e: Engine, mode: Mode) -> None:
         mode.course[k] = 1 if counts and c.kind[root] == OTHER else 0
         mode.moves = mode.moves or mode.course[k] != 0
         if counts and c.kind[root] == SINES and c.fast[root] > 0.0:
+            mode.fastest = k if TURN / c.fast[root] < mode.longest else mode.fastest
             mode.longest = min(mode.longest, TURN / c.fast[root])
 
 
@@ -89,17 +95,39 @@ def is_used(e: Engine, mode: Mode, user: int, which: int) -> bool:
 
 
 def end_ahead(e: Engine, end: float) -> float:
-    """Return how far the next step may go, at the most to `end`, to see all that courses do."""
+    """Return how far the next step may go, at the most to `end`, to see all that courses do.
+
+    Fixed steps are as long as was said: of those that see too little it is told.
+    """
+    m = e.model
     c = e.courses
+    fixed = m.method == RK4 or m.method == EULER
+    if fixed and m.step > e.longest:
+        tell(e, e.mode.fastest, PASSED_OVER)
     if not e.mode.moves:
         return end
     if c.end < end and not c.end - e.t > USED * c.length:
         look_ahead(e, bound_of(e))
-    return min(end, c.end)
+        if fixed and c.length < m.step and c.end < end:
+            tell(e, c.hidden, PASSED_OVER)
+    return end if fixed else min(end, c.end)
+
+
+def tell(e: Engine, k: int, why: int) -> None:
+    """Warn of a course that is not seen, once."""
+    c = e.courses
+    if e.model.tells != 0 and k >= 0 and c.told[k] == 0:
+        begin_warning(e.warned, COURSE_UNSEEN, e.t)
+        add_about(e.warned, float(e.model.course_place[k]))
+        add_about(e.warned, float(why))
+        c.told[k] = 1
 
 
 def look_ahead(e: Engine, bound: float) -> None:
-    """Find an interval from now on in which all courses show what they do, into ``c.end``."""
+    """Find an interval from now on in which all courses show what they do, into ``c.end``.
+
+    What is hidden in one instant is no longer than that: only what has no bound there is told of.
+    """
     m = e.model
     c = e.courses
     left = bound - e.t
@@ -110,14 +138,14 @@ def look_ahead(e: Engine, bound: float) -> None:
         c.last[k] = 0.0
     hidden = find_hidden(e, e.t, e.t + length)
     while hidden >= 0 and length > least:
+        c.hidden = hidden
         length *= 0.5
         hidden = find_hidden(e, e.t, e.t + length)
     if hidden >= 0:
-        # nothing bounds it here: past, in longer and longer steps
-        if m.tells != 0 and c.told[hidden] == 0:
-            begin_warning(e.warned, COURSE_UNSEEN, e.t)
-            add_about(e.warned, float(m.course_place[hidden]))
-        c.told[hidden] = 1
+        root = m.course_root[hidden]
+        if not math.isfinite(c.ranges.high[root] - c.ranges.low[root]):
+            tell(e, hidden, UNBOUNDED)
+        # past it, in longer and longer steps
         c.blind = 2.0 * c.blind if c.blind > 0.0 else 4.0 * least
         length = min(c.blind, left)
     else:

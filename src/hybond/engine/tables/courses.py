@@ -52,8 +52,6 @@ if TYPE_CHECKING:
 
 ALWAYS, OF_SOURCE, OF_SWITCH, OF_RULE = 0, 1, 2, 3
 """When a course counts: always, where a source acts, a switch is ON, a rule is asked."""
-FIXED = tuple(METHODS[name] for name in ("moreau-jean", "rk4", "euler"))
-"""Methods whose steps are as long as was said."""
 _ARITHMETIC = {"+": c.ADD, "-": c.SUBTRACT, "*": c.MULTIPLY, "/": c.DIVIDE, "^": c.RAISE}
 _CALLED = {"abs": c.ABSOLUTE, "sign": c.SIGN, "hypot": c.LENGTH, "min": c.LEAST, "max": c.GREATEST}
 _COMPARED = {"<": LESS, "<=": LESS, ">": GREATER, ">=": GREATER, "==": SAME, "!=": SAME}
@@ -64,7 +62,7 @@ def put_courses(t: ModelTables) -> None:
     users: dict[Expr, dict[tuple[int, int], None]] = {}
     group: dict[Expr, int] = {}
     wholes: dict[Expr, int] = {}
-    for e, user in _read(t) if t.numbers["method"] not in FIXED else ():
+    for e, user in _read(t) if t.numbers["method"] != METHODS["moreau-jean"] else ():
         for whole in _timed_parts(t, e):
             for term in _terms(whole):
                 if _bends(term):
