@@ -433,6 +433,8 @@ class Model:
     course_user: Ints  # 0: always, 1: where a source acts, 2: a switch is ON, 3: a rule is asked
     course_index: Ints
     course_place: Ints  # who says it: an element, -1: the rate of a signal, else ``-2 - rule``
+    course_signals: int  # integrated signals whose rates time alone says
+    course_signal: Ints
     course_nodes: int
     course_op: Ints
     course_left: Ints

@@ -56,6 +56,7 @@ OPPOSITE: Final = 48
 CHOOSE: Final = 49  # of two, by the third
 ARC: Final = 50
 """Of two numbers; what has a number of `code` is as there."""
+AT_SIGNAL: Final = 51  # and its slot, and the part that is its rate
 STEADY: Final = 0
 """Of a part: it is a number; it is held; a line in time; made of sines of lines; none of these."""
 STILL: Final = 1
@@ -66,7 +67,7 @@ MOST_POWER: Final = 32.0
 
 
 def range_parts(m: Model, r: Ranges, v: Floats, a: float, b: float) -> None:
-    """Put the ranges of all parts in ``[a, b]`` there; `v` has inputs as of its own time."""
+    """Put the ranges of all parts in ``[a, b]`` there; `v` has values of its own time."""
     for k in range(m.course_nodes):
         what = m.course_op[k]
         i = m.course_left[k]
@@ -85,6 +86,11 @@ def range_parts(m: Model, r: Ranges, v: Floats, a: float, b: float) -> None:
         elif what == HELD:
             put_range(r, k, v[i], v[i])
             put_rates(r, k, 0.0, 0.0)
+        elif what == AT_SIGNAL:
+            low = least_product(a - v[0], b - v[0], r.low[j], r.high[j])
+            high = greatest_product(a - v[0], b - v[0], r.low[j], r.high[j])
+            put_range(r, k, v[i] + low, v[i] + high)
+            put_rates(r, k, r.low[j], r.high[j])
         elif what == ADD:
             put_range(r, k, r.low[i] + r.low[j], r.high[i] + r.high[j])
             put_rates(r, k, r.low_rate[i] + r.low_rate[j], r.high_rate[i] + r.high_rate[j])
@@ -271,6 +277,9 @@ def find_kinds(m: Model, r: Ranges, kind: Ints, fast: Floats) -> None:
         elif what == AT_TIME:
             kind[k] = LINE
             fast[k] = 1.0
+        elif what == AT_SIGNAL:
+            kind[k] = LINE if kind[j] == STEADY else OTHER
+            fast[k] = r.low[j]
         elif what == HELD:
             kind[k] = STILL
         elif what == AT_INPUT:

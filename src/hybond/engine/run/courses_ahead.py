@@ -20,6 +20,7 @@ from hybond.engine.methods.fixed import EULER, RK4
 from hybond.engine.methods.one_instant import room_of_instant
 from hybond.engine.methods.scale import measure_again, pushed_energy
 from hybond.engine.mode.mode_records import Mode
+from hybond.engine.mode.values import set_motion
 from hybond.engine.reasons.warned import COURSE_UNSEEN, add_about, begin_warning
 from hybond.engine.run.run_records import bound_of
 
@@ -133,7 +134,7 @@ def look_ahead(e: Engine, bound: float) -> None:
     left = bound - e.t
     least = room_of_instant(e, e.t)
     length = min(2.0 * c.length, left) if c.length > 0.0 else left
-    set_time(e, e.v, e.t)
+    set_motion(e, e.v, e.t, e.y)
     for k in range(m.courses):
         c.last[k] = 0.0
     hidden = find_hidden(e, e.t, e.t + length)
@@ -213,9 +214,21 @@ def spread_of(e: Engine, k: int, a: float, b: float) -> float:
     low = math.inf
     high = -math.inf
     for i in range(3):
-        set_time(e, e.v, a if i == 0 else b if i == 1 else a + 0.5 * (b - a))
+        t = a if i == 0 else b if i == 1 else a + 0.5 * (b - a)
+        put_signals(e, a, t)
+        set_time(e, e.v, t)
         here = value(m, m.course_value[k], e.v)
         low = min(low, here)
         high = max(high, here)
-    set_time(e, e.v, a)
+    set_motion(e, e.v, a, e.y)
     return high - low if math.isfinite(high - low) else 0.0
+
+
+def put_signals(e: Engine, now: float, t: float) -> None:
+    """Put integrated signals whose rates time alone says there, as they will be at `t`."""
+    m = e.model
+    for i in range(m.course_signals):
+        k = m.course_signal[i]
+        set_time(e, e.v, now + 0.5 * (t - now))
+        rate = value(m, m.integral_rate[k], e.v)
+        e.v[m.signal_slot + k] = e.y[m.storages + k] + rate * (t - now)

@@ -12,6 +12,7 @@ from hybond.engine.expressions import code as c
 from hybond.engine.expressions.course_parts import (
     ARC,
     AT_INPUT,
+    AT_SIGNAL,
     AT_TIME,
     BOTH,
     CHOOSE,
@@ -44,6 +45,7 @@ from hybond.model.expressions import (
     Table,
     names,
     simplify,
+    uses_pre,
 )
 from hybond.model.expressions.tree import children, fold, walk
 
@@ -79,7 +81,8 @@ def put_courses(t: ModelTables) -> None:
     for k, name in enumerate(("course_op", "course_left", "course_right", "course_third")):
         t.ints[name] = [int(node[k]) for node in nodes]
     t.floats["course_number"] = made.numbers
-    t.numbers.update(courses=len(users), course_nodes=len(nodes))
+    t.ints["course_signal"] = list(made.signals)
+    t.numbers.update(courses=len(users), course_nodes=len(nodes), course_signals=len(made.signals))
 
 
 def _read(t: ModelTables) -> Iterator[tuple[Expr, tuple[int, int]]]:
@@ -134,13 +137,18 @@ def _timed_parts(t: ModelTables, e: Expr) -> list[Expr]:
 
 def _moves(t: ModelTables, name: str) -> bool:
     """Whether a name stands for what goes on with time while nothing happens."""
-    return name == "time" or (name.startswith("u:") and _is_known(t, name))
+    return name == "time" or (name.startswith(("u:", "s:")) and _is_known(t, name))
 
 
 def _is_known(t: ModelTables, name: str) -> bool:
+    """Whether all is known of it beforehand: of a signal, by a rate that reads no other."""
     kind, _, index = name.partition(":")
     if kind in ("u", "du"):
         return t.ints["input_kind"][int(index)] != CALLED
+    if kind == "s":
+        rate = t.values.all[t.ints["integral_rate"][int(index)]]
+        plain = all(not n.startswith("s:") and _is_known(t, n) for n in names(rate))
+        return plain and not uses_pre(rate)
     return kind in ("time", "on", "in", "at")
 
 
@@ -182,6 +190,7 @@ class _Making:
         self.place: dict[tuple[int, int, int, int], int] = {}
         self.numbers: list[float] = []
         self.kept: dict[float, int] = {}
+        self.signals: dict[int, None] = {}
 
     def place_of(self, e: Expr) -> int:
         """Return where an expression stands among the parts."""
@@ -205,6 +214,11 @@ class _Making:
                 return self._put(AT_TIME)
             case Name(path):
                 kind, _, index = path.partition(":")
+                if kind == "s":
+                    rate = self.t.values.all[self.t.ints["integral_rate"][int(index)]]
+                    if names(rate) or rate != Number(0.0):
+                        self.signals[int(index)] = None
+                        return self._put(AT_SIGNAL, self.t.slots.index[path], self.place_of(rate))
                 if kind == "u" and self.t.ints["input_kind"][int(index)] != FREE:
                     return self._put(AT_INPUT, int(index))
                 return self._put(HELD, self.t.slots.index[path])
