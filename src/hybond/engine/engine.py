@@ -173,9 +173,9 @@ class Courses:
     """What time alone does, and how far ahead it is known to show.
 
     `kind` and `fast` are of its parts, `size` the largest value so far of each sum, `peak` that of
-    a course which is still to come, `pushed` the largest of these that a source says, and `told`
-    whether it was said that a course is not seen. Up to `end` all is, `length` from where that was
-    found; `blind` is the last step into what is not, 0: there was none.
+    a pulse, which is nothing before, `peak_at` about when that is, and `told` whether it was said
+    that a course is not seen. Up to `end` all is, `length` from where that was found; `blind` is
+    the last step into what is not, 0: there was none.
     """
 
     known: bool
@@ -186,7 +186,7 @@ class Courses:
     peak: Floats
     last: Floats
     """The largest value of each in the interval that was looked at last, and was too long."""
-    pushed: Floats
+    peak_at: Floats
     told: Ints
     end: float
     length: float
@@ -374,7 +374,7 @@ def make_courses(m: Model) -> Courses:
     c.size = floats(m.courses)
     c.peak = floats(m.courses)
     c.last = floats(m.courses)
-    c.pushed = floats(m.sources)
+    c.peak_at = floats(m.courses)
     c.told = ints(m.courses)
     c.end = -math.inf
     return c

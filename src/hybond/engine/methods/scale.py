@@ -126,10 +126,6 @@ def found_terms(e: Engine, mode: Mode, t: float, y: Floats) -> bool:
             given = value(m, m.source_size[source], e.v)
             if math.isfinite(given):
                 e.work.xi[m.storages + k] = given
-        if m.courses > 0 and source >= 0 and e.courses.pushed[source] > 0.0:
-            # a pulse that has not come yet: before it nothing is measured by what is left of it
-            given = max(math.fabs(e.work.xi[m.storages + k]), e.courses.pushed[source])
-            e.work.xi[m.storages + k] = given
     for k in range(m.storages):
         at = m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 0 else 0)
         size = size_of(e, mode, at, e.work.xi, e.v)
@@ -149,6 +145,25 @@ def measure_again(e: Engine, mode: Mode) -> None:
     measure_anew(e, mode)
     for k in range(e.model.storages):
         e.rounding[k] = max(before[k], e.rounding[k])
+
+
+def measure_ahead(e: Engine, mode: Mode, t: float) -> None:
+    """Learn what rates will cancel from at the top of a pulse to come, in the state as it is.
+
+    Before it nothing is measured by what there is of it, the last e-folds above no number at all.
+    """
+    before = e.work.reach
+    refusal = e.refusal
+    for k in range(e.model.storages):
+        before[k] = e.rounding[k]
+    hold_guess(e, mode)
+    found_terms(e, mode, t, e.y)
+    give_back_guess(e, mode)
+    for k in range(e.model.storages):
+        bounded = math.isfinite(e.rounding[k])
+        e.rounding[k] = max(before[k], e.rounding[k] if bounded else 0.0)
+    e.pushed_energy = max(e.pushed_energy, pushed_energy(e))
+    e.refusal = refusal
 
 
 def measure_anew(e: Engine, mode: Mode) -> None:

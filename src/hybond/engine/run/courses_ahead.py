@@ -18,7 +18,7 @@ from hybond.engine.expressions.course_ranges import farthest
 from hybond.engine.inputs.interval import set_time
 from hybond.engine.methods.fixed import EULER, RK4
 from hybond.engine.methods.one_instant import room_of_instant
-from hybond.engine.methods.scale import measure_again, pushed_energy
+from hybond.engine.methods.scale import measure_ahead
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.values import set_motion
 from hybond.engine.reasons.warned import COURSE_UNSEEN, add_about, begin_warning
@@ -34,6 +34,8 @@ MONOTONE: Final = 1.02
 """Likewise its range, where it has no bound on its rate at one end, such as a root."""
 NOTHING: Final = 1e-30
 """What a course is before a pulse, as a part of that: not what grows into it."""
+MIDDLE: Final = 0.5127
+"""Where about the middle is, so that nothing symmetrical is met there by chance."""
 USED: Final = 0.5
 """Part of an interval that was looked at after which the next one is."""
 ALWAYS: Final = 0
@@ -56,6 +58,8 @@ def begin_courses(e: Engine) -> None:
     if e.slide.k > 0:
         e.mode.longest = 0.0
     c.end = -math.inf
+    for k in range(e.model.courses if e.mode.moves else 0):
+        measure_peak(e, k)
 
 
 def count_courses(e: Engine, mode: Mode) -> None:
@@ -151,7 +155,7 @@ def look_ahead(e: Engine, bound: float) -> None:
         length = min(c.blind, left)
     else:
         c.blind = 0.0
-        see_peaks(e)
+        see_peaks(e, length)
     c.length = length
     c.end = bound if length >= left else e.t + length
 
@@ -172,9 +176,10 @@ def find_hidden(e: Engine, a: float, b: float) -> int:
         way = farthest(r.low_rate[root], r.high_rate[root]) * (b - a)
         if way <= FLAT * max(size, least):
             continue
-        shown = spread_of(e, k, a, b)
+        steep = not math.isfinite(way)
+        shown = spread_of(e, k, a, b, not steep)
         range_ = r.high[root] - r.low[root]
-        if not (way <= SHOWN * shown or (not math.isfinite(way) and range_ <= MONOTONE * shown)):
+        if not (steep and range_ <= MONOTONE * shown) and not way <= SHOWN * shown:
             for i in range(m.courses):
                 c.last[i] = farthest(r.low[m.course_root[i]], r.high[m.course_root[i]])
             return k
@@ -185,11 +190,10 @@ def find_hidden(e: Engine, a: float, b: float) -> int:
     return -1
 
 
-def see_peaks(e: Engine) -> None:
+def see_peaks(e: Engine, length: float) -> None:
     """See which courses are nothing in the interval ahead, and not so in one twice as long."""
     m = e.model
     c = e.courses
-    found = False
     for k in range(m.courses):
         root = m.course_root[k]
         here = farthest(c.ranges.low[root], c.ranges.high[root])
@@ -198,23 +202,41 @@ def see_peaks(e: Engine) -> None:
         if here > NOTHING * c.last[k]:
             continue
         c.peak[k] = c.last[k]
-        for p in range(m.course_first[k], m.course_first[k + 1]):
-            if m.course_user[p] == OF_SOURCE:
-                source = m.course_index[p]
-                c.pushed[source] = max(c.pushed[source], c.peak[k])
-                found = True
-    if found and e.slide.k == 0:
-        measure_again(e, e.mode)
-        e.pushed_energy = max(e.pushed_energy, pushed_energy(e))
+        c.peak_at[k] = top_of(e, k, e.t, e.t + 2.0 * length)
+        measure_peak(e, k)
 
 
-def spread_of(e: Engine, k: int, a: float, b: float) -> float:
-    """Return how far apart a course is at the ends and in the middle of ``[a, b]``."""
+def top_of(e: Engine, k: int, a: float, b: float) -> float:
+    """Return about when a course is largest in ``[a, b]``."""
+    r = e.courses.ranges
+    root = e.model.course_root[k]
+    least = room_of_instant(e, a)
+    set_motion(e, e.v, e.t, e.y)
+    while b - a > least:
+        middle = 0.5 * (a + b)
+        range_parts(e.model, r, e.v, a, middle)
+        first = farthest(r.low[root], r.high[root])
+        range_parts(e.model, r, e.v, middle, b)
+        second = farthest(r.low[root], r.high[root])
+        a = a if first >= second else middle
+        b = middle if first >= second else b
+    return 0.5 * (a + b)
+
+
+def measure_peak(e: Engine, k: int) -> None:
+    """Let a pulse that is still to come say what is measured before it."""
+    if e.slide.k == 0 and e.courses.peak_at[k] > e.t:
+        measure_ahead(e, e.mode, e.courses.peak_at[k])
+        set_motion(e, e.v, e.t, e.y)
+
+
+def spread_of(e: Engine, k: int, a: float, b: float, inside: bool) -> float:
+    """Return how far apart a course is at the ends of ``[a, b]``, and about its middle as well."""
     m = e.model
     low = math.inf
     high = -math.inf
-    for i in range(3):
-        t = a if i == 0 else b if i == 1 else a + 0.5 * (b - a)
+    for i in range(3 if inside else 2):
+        t = a if i == 0 else b if i == 1 else a + MIDDLE * (b - a)
         put_signals(e, a, t)
         set_time(e, e.v, t)
         here = value(m, m.course_value[k], e.v)
