@@ -9,6 +9,7 @@ from hybond.engine.algebra.blocks import Block, make_block
 from hybond.engine.algebra.svd import Svd, make_svd
 from hybond.engine.checks.check_records import Checks, make_checks
 from hybond.engine.contacts.landing_records import Landings, make_landings
+from hybond.engine.expressions.course_ranges import Ranges, make_ranges
 from hybond.engine.inputs.calls import Calls, call_outside, make_calls
 from hybond.engine.laws.law_records import OPEN_KEPT, Laws, make_laws
 from hybond.engine.methods.flow_records import AUTO, EXACT, Exact, make_exact
@@ -168,6 +169,33 @@ class Step:
 
 
 @record
+class Courses:
+    """What time alone does, and how far ahead it is known to show.
+
+    `kind` and `fast` are of its parts, `size` the largest value so far of each sum, `peak` that of
+    a pulse, which is nothing before, `peak_at` about when that is, and `told` whether it was said
+    that a course is not seen. Up to `end` all is, `length` from where that was found; `blind` is
+    the last step into what is not, 0: there was none.
+    """
+
+    known: bool
+    kind: Ints
+    fast: Floats
+    ranges: Ranges
+    size: Floats
+    peak: Floats
+    last: Floats
+    """The largest value of each in the interval that was looked at last, and was too long."""
+    peak_at: Floats
+    told: Ints
+    end: float
+    length: float
+    blind: float
+    hidden: int
+    """The last course that was not seen in an interval."""
+
+
+@record
 class Engine:
     """One run."""
 
@@ -227,6 +255,9 @@ class Engine:
     """Of inputs that are set from outside: their levels, and those from the next instant on."""
     energy: float
     """The largest energy that the run has seen, J."""
+    courses: Courses
+    longest: float
+    """How long a step may be in the mode, for sines of time alone, s."""
     next_break: float
     late: float
     """Time is not read before it, nor behind the next: where what depends on time alone jumps at an
@@ -334,6 +365,21 @@ def make_step(n: int, kinks: int, edges: int) -> Step:
     return s
 
 
+def make_courses(m: Model) -> Courses:
+    """Return courses of which nothing is known."""
+    c = Courses()
+    c.kind = ints(m.course_nodes)
+    c.fast = floats(m.course_nodes)
+    c.ranges = make_ranges(m.course_nodes)
+    c.size = floats(m.courses)
+    c.peak = floats(m.courses)
+    c.last = floats(m.courses)
+    c.peak_at = floats(m.courses)
+    c.told = ints(m.courses)
+    c.end = -math.inf
+    return c
+
+
 def make_engine(m: Model) -> Engine:
     """Return a run of a model that has not begun."""
     e = Engine()
@@ -383,6 +429,9 @@ def make_engine(m: Model) -> Engine:
     e.key = ints(m.machines + m.discrete)
     e.given = ints(m.junctions)
     e.impulses = floats(2 * m.bonds)
+    e.longest = math.inf
+    if m.courses > 0:
+        e.courses = make_courses(m)
     e.next_break = math.inf
     e.late = -math.inf
     e.early = math.inf

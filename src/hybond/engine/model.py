@@ -25,8 +25,7 @@ class Model:
     inputs: int
     watches: int
     machines: int
-    switches: int
-    """Controlled junctions and elements."""
+    switches: int  # controlled junctions and elements
     nodes: int
     slots: int
     input_slot: int
@@ -46,28 +45,23 @@ class Model:
     """The first state of each machine among all states; ``machines + 1`` entries."""
     start: Ints
     is_law: Ints
-    laws: int
-    """How many machines stand for laws of junctions."""
-    on_first: Ints
-    """Of each state: what it switches on, in `on_switch`."""
+    laws: int  # how many machines stand for laws of junctions
+    on_first: Ints  # of each state: what it switches on, in `on_switch`
     on_switch: Ints  # the node of each switch
     switch_machine: Ints
-    rule_first: Ints
-    """Of each machine: its rules, in order."""
+    rule_first: Ints  # of each machine: its rules, in order
     rule_source: Ints
     rule_target: Ints
     rule_landed: Ints
     """1 or -1: in force where the machine has landed, if the reaction has this sign."""
     rule_reaction: Ints
-    rule_value: Ints
-    """The guard as it is: an expression."""
+    rule_value: Ints  # the guard as it is: an expression
     rule_doubted: Ints
     rule_watched: Ints
     """Whether the guard may read no number, by its form; whether time alone may make it true."""
     rule_test: Ints
     """The guard while time passes: an expression. Pair k is the guard of rule k."""
-    atom_first: Ints
-    """Of each rule: the differences of its comparisons."""
+    atom_first: Ints  # of each rule: the differences of its comparisons
     atom_value: Ints
     atom_size: Ints
     atom_zero: Ints
@@ -78,10 +72,8 @@ class Model:
     term_factor: Floats
     atom_level: Floats
 
-    tells: int
-    """1: what explains an event is written down with it."""
-    told_first: Ints
-    """Of each rule: the pairs that show what its guard reads."""
+    tells: int  # 1: what explains an event is written down with it
+    told_first: Ints  # of each rule: the pairs that show what its guard reads
     told_pair: Ints
     givers: int
     """Sources that can give energy at a jump: their own bond variable, the other, a sign."""
@@ -96,8 +88,7 @@ class Model:
     # what elements say, by what is constant in a mode
     elements: int
     """Elements but storages and junctions: steady ones first, in order, then the others."""
-    steady: int
-    """How many of them say the same in every mode."""
+    steady: int  # how many of them say the same in every mode
     element_node: Ints
     select_first: Ints
     """Of each element: what selects its part, in `select_kind` and so on; the last runs fastest."""
@@ -111,10 +102,8 @@ class Model:
     part_power: Ints
     """Of each part: its first row of the power structure; its laws follow; then the next part's."""
     part_law: Ints
-    part_dynamic: Ints
-    """Of each part: the first of its dynamic rows."""
-    part_source: Ints
-    """Of each part: its source, or -1."""
+    part_dynamic: Ints  # of each part: the first of its dynamic rows
+    part_source: Ints  # of each part: its source, or -1
     row_first: Ints
     row_column: Ints
     row_value: Floats
@@ -140,8 +129,7 @@ class Model:
     """The sign with which a resistance beside the law would add that."""
     dynamic_follows: Ints
     """Whether it is that of a two-port whose modulus may jump with what is stored."""
-    dynamic_affine: Ints
-    """Whether its slopes do not read bond variables."""
+    dynamic_affine: Ints  # whether its slopes do not read bond variables
     dynamic_jumps: Ints  # 1: a law that jumps where what it reads is zero, 2: bends or is flat
     dynamic_fixed: Ints
     """Whether it reads nothing but bond variables, and its slopes are numbers."""
@@ -171,21 +159,17 @@ class Model:
     source_value: Ints
     source_constant: Floats
     source_rate: Ints  # -1: zero
-    source_linear: Ints
-    """Whether the rate does not read bond variables."""
-    source_curved: Ints
-    """Whether the slopes of the rate read bond variables."""
+    source_linear: Ints  # whether the rate does not read bond variables
+    source_curved: Ints  # whether the slopes of the rate read bond variables
     source_bent: Ints
     """Whether the value is no linear function of what is stored and of bond variables."""
     source_size: Ints
     """What the magnitudes of all its terms add up to, where it has kinks; -1: it has none."""
-    source_timed: Ints
-    """Whether the value depends on time and inputs only."""
+    source_timed: Ints  # whether the value depends on time and inputs only
     look_first: Ints
     """Of each source: the bonds that its value reads, by their variables or by what is stored."""
     look_bond: Ints
-    source_first: Ints
-    """Of each source: the slopes of its rate by bond variables."""
+    source_first: Ints  # of each source: the slopes of its rate by bond variables
     source_column: Ints
     source_slope: Ints
     source_slope_constant: Floats
@@ -193,8 +177,7 @@ class Model:
     # junctions
     junctions: int
     junction_kind: Ints
-    junction_switch: Ints
-    """-1: not controlled."""
+    junction_switch: Ints  # -1: not controlled
     end_first: Ints
     """Of each junction: its bonds, and 1 where one points at it, else -1."""
     end_bond: Ints
@@ -221,8 +204,7 @@ class Model:
     """Of each stored quantity's law, then each stiffness: powers that it is a sum of, or none."""
     power_degree: Ints
     power_factor: Floats
-    groups: int
-    """Storages that are not linear."""
+    groups: int  # storages that are not linear
     group_first: Ints
     group_storage: Ints
     point_first: Ints
@@ -433,16 +415,32 @@ class Model:
     kink_node: Ints
     """The element that says it; -1: the rate of a signal."""
     timed_jumps: int
-    timed_jump: Ints
-    """What depends on time and inputs that are known beforehand, and jumps by one at least."""
+    timed_jump: Ints  # what depends on time and known inputs, and jumps by one at least
     edges: int
     """What is nowhere negative: beyond, a root in a law has no value."""
     edge_value: Ints
     edge_size: Ints
     """What the magnitudes of its terms add up to."""
     edge_bonds: int
-    edge_bond: Ints
-    """The bond variables that these read."""
+    edge_bond: Ints  # the bond variables that these read
+
+    # courses: what time alone does where a step reads it, of parts that work on parts before them
+    courses: int
+    course_root: Ints
+    course_group: Ints  # of those that are terms of one sum: the same number
+    course_value: Ints
+    course_first: Ints  # of each: when it counts, by kind and number; a kind is one of four
+    course_user: Ints  # 0: always, 1: where a source acts, 2: a switch is ON, 3: a rule is asked
+    course_index: Ints
+    course_place: Ints  # who says it: an element, -1: the rate of a signal, else ``-2 - rule``
+    course_signals: int  # integrated signals whose rates time alone says
+    course_signal: Ints
+    course_nodes: int
+    course_op: Ints
+    course_left: Ints
+    course_right: Ints
+    course_third: Ints
+    course_number: Floats
 
     # forms, for what is propagated exactly: bond variables, states, then generators, with factors
     form_first: Ints

@@ -155,8 +155,9 @@ def controlled_step(e: Engine, t_end: float) -> int:
     smallest = 10.0 * spacing(s.t0)
     if s.tiny > TINY_ROW:
         smallest = max(smallest, LEAST * e.span)
-    h = max(min(s.h, e.model.max_step), smallest)
-    may_land = remaining <= e.model.max_step * (1.0 + 1e-12)
+    most = min(e.model.max_step, e.longest)
+    h = max(min(s.h, most), smallest)
+    may_land = remaining <= most * (1.0 + 1e-12)
     s.rejected = 0
     trial = h
     error = 0.0

@@ -45,7 +45,8 @@ def qss_step(e: Engine, t_end: float) -> int:
     while True:
         if a.stale:
             foresee_all(a)
-            horizon = min(min(t_end, next_event(a)) - a.t, e.model.max_step)
+            most = min(e.model.max_step, e.longest)
+            horizon = min(min(t_end, next_event(a)) - a.t, most)
             found = fit_rates(e, a, horizon)
             if found != OK:
                 return found
@@ -91,7 +92,7 @@ def end_of_step(e: Engine, a: Quantised, t_end: float) -> float:
     """Return where the step ends."""
     t = a.t
     smallest = 4.0 * spacing(t)
-    t1 = min(min(next_event(a), a.until), t + e.model.max_step)
+    t1 = min(min(next_event(a), a.until), t + min(e.model.max_step, e.longest))
     a.crowded = a.crowded + 1 if t1 < t + smallest else 0
     t1 = max(t1, t + smallest)
     return t_end if t1 > t_end - smallest else t1

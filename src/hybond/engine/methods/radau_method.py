@@ -47,7 +47,7 @@ def radau_step(e: Engine, t_end: float) -> int:
     copy_floats(e.states, s.y0, r.y0)
     copy_floats(e.states, s.f0, r.f0)
     r.next = s.h
-    made = step_radau(e, r, e.model.rtol, t_end, e.model.max_step)
+    made = step_radau(e, r, e.model.rtol, t_end, min(e.model.max_step, e.longest))
     if made != STEP_MADE:
         return radau_failed(e)
     s.h = r.next
@@ -85,7 +85,7 @@ def radau_too_small(e: Engine, r: Radau) -> int:
 
 def radau_retry(e: Engine, t_end: float) -> int:
     """Repeat the last step, ending at `t_end`."""
-    made = retry_radau(e, e.radau, e.model.rtol, t_end, e.model.max_step)
+    made = retry_radau(e, e.radau, e.model.rtol, t_end, min(e.model.max_step, e.longest))
     if made != STEP_MADE:
         return radau_failed(e)
     accept_radau(e)

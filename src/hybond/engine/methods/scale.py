@@ -147,6 +147,25 @@ def measure_again(e: Engine, mode: Mode) -> None:
         e.rounding[k] = max(before[k], e.rounding[k])
 
 
+def measure_ahead(e: Engine, mode: Mode, t: float) -> None:
+    """Learn what rates will cancel from at the top of a pulse to come, in the state as it is.
+
+    Before it nothing is measured by what there is of it, the last e-folds above no number at all.
+    """
+    before = e.work.reach
+    refusal = e.refusal
+    for k in range(e.model.storages):
+        before[k] = e.rounding[k]
+    hold_guess(e, mode)
+    found_terms(e, mode, t, e.y)
+    give_back_guess(e, mode)
+    for k in range(e.model.storages):
+        bounded = math.isfinite(e.rounding[k])
+        e.rounding[k] = max(before[k], e.rounding[k] if bounded else 0.0)
+    e.pushed_energy = max(e.pushed_energy, pushed_energy(e))
+    e.refusal = refusal
+
+
 def measure_anew(e: Engine, mode: Mode) -> None:
     """Learn what rates cancel from where a step begins, and forget what was before."""
     refusal = e.refusal

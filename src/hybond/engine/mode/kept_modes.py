@@ -38,6 +38,7 @@ def keep_mode(e: Engine, key: Ints) -> int:
     own = bucket_of(n, key)
     mode.behind = e.bucket[own]
     mode.pace = own % PACES
+    mode.longest = 0.0
     e.bucket[own] = at
     return at
 

@@ -90,6 +90,13 @@ class Mode:
     used: int
     behind: int
     """The next of those kept whose configurations are in the same bucket, or NO_MODE."""
+    longest: float
+    """How long a step may be for the sines of time alone that count there, s; 0: not known yet."""
+    fastest: int
+    """Which course has the fastest of them, -1: none does."""
+    moves: bool
+    """Whether other courses of time count there, and which: `course`."""
+    course: Ints
     pace: int
     """Which of the sizes of steps that are remembered is that of the mode."""
     state: Ints
@@ -232,6 +239,7 @@ def make_mode(m: Model) -> Mode:
     mode.state = ints(m.machines + m.discrete)
     mode.flags = floats(m.switches + m.state_first[m.machines])
     mode.on = ints(m.switches)
+    mode.course = ints(m.courses)
     mode.prior_acts = ints(m.priors)
     mode.source = ints(m.most_sources)
     mode.rated = ints(m.most_sources)

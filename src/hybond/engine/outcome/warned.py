@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 NOT_UNIQUE, NO_WAY_ON, TWIN_SURFACES, OWN_JUMP, THROWS_BACK = 1, 2, 3, 4, 5
 SECOND_ANSWER, IMPULSIVE, LEFT_OPEN, FAR_APART, UNREST = 6, 7, 8, 9, 10
 WITHOUT_END, SHARES_OPEN, FIRES_ALWAYS, NEXT_DECIDES, UNSOUND, HELD_AT_REST = 11, 12, 13, 14, 15, 16
-MODULUS_JUMPS, IMPULSE_LEFT_OUT = 17, 18
+MODULUS_JUMPS, IMPULSE_LEFT_OUT, COURSE_UNSEEN = 17, 18, 19
 """Kinds of warnings: as in `hybond.engine.reasons.warned`."""
 TIMELESS = (
     *(TWIN_SURFACES, OWN_JUMP, IMPULSIVE, LEFT_OPEN, FAR_APART, MODULUS_JUMPS),
@@ -29,6 +29,8 @@ TIMELESS = (
 )
 """Those whose text does not say when: once said, they are said."""
 SLIDES, ABOVE = 0, 1
+UNBOUNDED = 0
+"""Why what time does is not seen: as in `hybond.engine.run.courses_ahead`."""
 REBOUNDS, NO_SOLUTION, NO_SIGN, OPEN = 0, 1, 2, 3
 """Why a contact cannot rest: as in `hybond.engine.contacts.unrest`."""
 CLEAR = 1e-9
@@ -223,9 +225,27 @@ class Warnings:
                 "carries is not unique: it counts with what it holds in motion, not with its "
                 "breakaway, until they break loose; a stiffness between them decides"
             )
+        if kind == COURSE_UNSEEN:
+            return self._of_course(t, *numbers)
         if kind == FAR_APART:
             return self._far_apart(about[0], about[1], tuple(numbers[2:]))
         return self._of_surfaces(kind, now, numbers)
+
+    def _of_course(self, t: float, place: int, why: int) -> str:
+        """Say whose course of time is not seen: a number of a rule, or of an element."""
+        if place < -1:
+            who = f"in the guard {self.explain.rule(-2 - place).text!r}"
+        else:
+            who = "in the rate of a signal" if place < 0 else f"in {self.graph.nodes[place].path}"
+        if why == UNBOUNDED:
+            return (
+                f"what time does {who} has no bound at t = {t:.9g} s: what it does there is not "
+                "resolved; max_step bounds the steps around it"
+            )
+        return (
+            f"fixed steps are too long for what time does {who} (first at t = {t:.9g} s): peaks "
+            "between them are passed over; take a shorter step, or a solver that chooses its own"
+        )
 
     def _of_left_out(self, number: int, how: int) -> str:
         node = self.graph.nodes[number]

@@ -58,6 +58,9 @@ MODULUS_JUMPS: Final = 17
 """What moduli read jumps. Numbers: their two-ports."""
 IMPULSE_LEFT_OUT: Final = 18
 """A source reads an impulse and does not give what it says of it. Numbers: the source, and how."""
+COURSE_UNSEEN: Final = 19
+"""What time alone does is not seen. Numbers: who says it, as `course_place` of the model; why not,
+0: it has no bound there, 1: fixed steps are too long."""
 
 
 @record

@@ -28,6 +28,7 @@ from hybond.engine.mode.straight_rates import take_rates
 from hybond.engine.mode.values import begin_field
 from hybond.engine.planar.stops import begin_slips
 from hybond.engine.run.carried import begin_again, cause_of_beginning, take_up, warm_up
+from hybond.engine.run.courses_ahead import begin_courses, end_ahead
 from hybond.engine.run.edges import reach_edges, straight_on, time_at_once
 from hybond.engine.run.ends_at_guard import find_within, land, shows_instants
 from hybond.engine.run.guard_values import doubt
@@ -327,7 +328,7 @@ def begin_to_flow(e: Engine, r: Run) -> int:
 def take_step(e: Engine, r: Run, end: float) -> int:
     """Take a step no further than `end`; ANEW if it ends at an edge, -1 if the run stops."""
     m = e.model
-    if step(e, end) != OK:
+    if step(e, end_ahead(e, end) if m.courses > 0 else end) != OK:
         if begin_at_edge(e, r) == OK:
             return ANEW
         stuck_at_kink(e, r)
@@ -389,6 +390,8 @@ def begin_flow(e: Engine, r: Run) -> int:
         start_scale(e, e.mode)
     take_rates(e, e.mode)
     r.beyond = 0.0
+    if m.courses > 0:
+        begin_courses(e)
     return start(e, e.t, e.y, bound_of(e), True)
 
 

@@ -8,6 +8,7 @@ from hybond.engine.tables.calls import put_rated, refuse_calls
 from hybond.engine.tables.code import check_depths
 from hybond.engine.tables.columns import INTS, ModelTables, put_rows
 from hybond.engine.tables.contacts import put_contacts
+from hybond.engine.tables.courses import put_courses
 from hybond.engine.tables.elements import put_elements
 from hybond.engine.tables.kinks import put_kinks
 from hybond.engine.tables.laws import put_laws
@@ -68,6 +69,7 @@ def tables_of(
     put_laws(t)
     put_surfaces(t)
     put_kinks(t)
+    put_courses(t)
     put_terms(t)
     put_contacts(t)
     put_told(t, tells=tells)

@@ -11,6 +11,7 @@ from hybond.engine.tables.bands import banded
 from hybond.errors import UsageError
 from hybond.model.expressions import Expr, Name
 from hybond.model.graph import FlatGraph
+from hybond.model.inputs import Called
 from hybond.options import ALIASES, OPTIONS, STEPPING, STEPPING_IMPACT
 from hybond.records import dataclass
 from hybond.runs.asked import chosen, ignored_impact, opened
@@ -187,7 +188,20 @@ def notices(graph: FlatGraph, settings: Settings, impact: str | None) -> list[st
         said = ignored_impact(impact, graph.experiment)
     else:
         said = _friction_left_out(settings.impact[0], graph)
-    return [] if said is None else [said]
+    return [text for text in (said, _unknown_inputs(settings, graph)) if text is not None]
+
+
+def _unknown_inputs(settings: Settings, graph: FlatGraph) -> str | None:
+    """Return what is to be said of inputs of which nothing is known between steps."""
+    names = [
+        i.path for i in graph.inputs if isinstance(i.waveform, Called) and not i.waveform.breaks
+    ]
+    if not names or settings.max_step < math.inf or settings.step is not None:
+        return None
+    return (
+        f"nothing is known beforehand of {', '.join(names)}, given by functions: what is shorter "
+        "than a step may be passed over; max_step bounds steps, breaks end them"
+    )
 
 
 def _friction_left_out(impact: str, graph: FlatGraph) -> str | None:

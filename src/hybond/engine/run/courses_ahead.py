@@ -1,0 +1,256 @@
+"""Steps no longer than what time alone does can be seen in: nothing lies hidden between samples.
+
+What depends on time alone is known before it is met. Of sums and products of sines the fastest one
+bounds all steps. Of any other course the range of its rate over an interval ahead says how far it
+can go there and come back: nowhere, or not much farther than its ends and its middle show, or else
+the interval is halved. So a pulse is approached by halves, and what is flat costs nothing.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from hybond.engine.answers import value
+from hybond.engine.engine import Engine
+from hybond.engine.expressions.course_parts import OTHER, SINES, find_kinds, range_parts
+from hybond.engine.expressions.course_ranges import farthest
+from hybond.engine.inputs.interval import set_time
+from hybond.engine.methods.fixed import EULER, RK4
+from hybond.engine.methods.one_instant import room_of_instant
+from hybond.engine.methods.scale import measure_ahead
+from hybond.engine.mode.mode_records import Mode
+from hybond.engine.mode.values import set_motion
+from hybond.engine.reasons.warned import COURSE_UNSEEN, add_about, begin_warning
+from hybond.engine.run.run_records import bound_of
+
+TURN: Final = 3.0
+"""How far the fastest sine may turn in a step, rad."""
+FLAT: Final = 1e-9
+"""What goes no farther than this part of the largest value so far is flat."""
+SHOWN: Final = 12.0
+"""How many times the way that samples show a course may go: a parabola goes four times as far."""
+MONOTONE: Final = 1.02
+"""Likewise its range, where it has no bound on its rate at one end, such as a root."""
+NOTHING: Final = 1e-30
+"""What a course is before a pulse, as a part of that: not what grows into it."""
+MIDDLE: Final = 0.5127
+"""Where about the middle is, so that nothing symmetrical is met there by chance."""
+USED: Final = 0.5
+"""Part of an interval that was looked at after which the next one is."""
+ALWAYS: Final = 0
+OF_SOURCE: Final = 1
+OF_SWITCH: Final = 2
+UNBOUNDED: Final = 0
+PASSED_OVER: Final = 1
+"""Why a course is not seen."""
+
+
+def begin_courses(e: Engine) -> None:
+    """Find which courses count in the mode that begins, and how long their sines let steps be."""
+    c = e.courses
+    if not c.known:
+        find_kinds(e.model, c.ranges, c.kind, c.fast)
+        c.known = True
+    if e.slide.k > 0 or e.mode.longest == 0.0:
+        count_courses(e, e.mode)
+    e.longest = e.mode.longest
+    if e.slide.k > 0:
+        e.mode.longest = 0.0
+    c.end = -math.inf
+    for k in range(e.model.courses if e.mode.moves else 0):
+        measure_peak(e, k)
+
+
+def count_courses(e: Engine, mode: Mode) -> None:
+    """Find which courses count in a mode; all do where modes are combined."""
+    m = e.model
+    c = e.courses
+    mode.longest = math.inf
+    mode.fastest = -1
+    mode.moves = False
+    for k in range(m.courses):
+        counts = e.slide.k > 0
+        for p in range(m.course_first[k], m.course_first[k + 1]):
+            counts = counts or is_used(e, mode, m.course_user[p], m.course_index[p])
+        root = m.course_root[k]
+        mode.course[k] = 1 if counts and c.kind[root] == OTHER else 0
+        mode.moves = mode.moves or mode.course[k] != 0
+        if counts and c.kind[root] == SINES and c.fast[root] > 0.0:
+            mode.fastest = k if TURN / c.fast[root] < mode.longest else mode.fastest
+            mode.longest = min(mode.longest, TURN / c.fast[root])
+
+
+def is_used(e: Engine, mode: Mode, user: int, which: int) -> bool:
+    """Whether a course counts in a mode for one of its reasons."""
+    m = e.model
+    if user == ALWAYS:
+        return True
+    if user == OF_SOURCE:
+        for k in range(mode.sources):
+            if mode.source[k] == which:
+                return True
+        return False
+    if user == OF_SWITCH:
+        return mode.on[which] != 0
+    machine = 0
+    while m.rule_first[machine + 1] <= which:
+        machine += 1
+    return m.rule_source[which] == mode.state[machine]
+
+
+def end_ahead(e: Engine, end: float) -> float:
+    """Return how far the next step may go, at the most to `end`, to see all that courses do.
+
+    Fixed steps are as long as was said: of those that see too little it is told.
+    """
+    m = e.model
+    c = e.courses
+    fixed = m.method == RK4 or m.method == EULER
+    if fixed and m.step > e.longest:
+        tell(e, e.mode.fastest, PASSED_OVER)
+    if not e.mode.moves:
+        return end
+    if c.end < end and not c.end - e.t > USED * c.length:
+        look_ahead(e, bound_of(e))
+        if fixed and c.length < m.step and c.end < end:
+            tell(e, c.hidden, PASSED_OVER)
+    return end if fixed else min(end, c.end)
+
+
+def tell(e: Engine, k: int, why: int) -> None:
+    """Warn of a course that is not seen, once."""
+    c = e.courses
+    if e.model.tells != 0 and k >= 0 and c.told[k] == 0:
+        begin_warning(e.warned, COURSE_UNSEEN, e.t)
+        add_about(e.warned, float(e.model.course_place[k]))
+        add_about(e.warned, float(why))
+        c.told[k] = 1
+
+
+def look_ahead(e: Engine, bound: float) -> None:
+    """Find an interval from now on in which all courses show what they do, into ``c.end``.
+
+    What is hidden in one instant is no longer than that: only what has no bound there is told of.
+    """
+    m = e.model
+    c = e.courses
+    left = bound - e.t
+    least = room_of_instant(e, e.t)
+    length = min(2.0 * c.length, left) if c.length > 0.0 else left
+    set_motion(e, e.v, e.t, e.y)
+    for k in range(m.courses):
+        c.last[k] = 0.0
+    hidden = find_hidden(e, e.t, e.t + length)
+    while hidden >= 0 and length > least:
+        c.hidden = hidden
+        length *= 0.5
+        hidden = find_hidden(e, e.t, e.t + length)
+    if hidden >= 0:
+        root = m.course_root[hidden]
+        if not math.isfinite(c.ranges.high[root] - c.ranges.low[root]):
+            tell(e, hidden, UNBOUNDED)
+        # past it, in longer and longer steps
+        c.blind = 2.0 * c.blind if c.blind > 0.0 else 4.0 * least
+        length = min(c.blind, left)
+    else:
+        c.blind = 0.0
+        see_peaks(e, length)
+    c.length = length
+    c.end = bound if length >= left else e.t + length
+
+
+def find_hidden(e: Engine, a: float, b: float) -> int:
+    """Return a course that samples do not show in ``[a, b]``, -1 if all of them are."""
+    m = e.model
+    c = e.courses
+    r = c.ranges
+    range_parts(m, r, e.v, a, b)
+    for k in range(m.courses):
+        if e.mode.course[k] == 0:
+            continue
+        root = m.course_root[k]
+        size = farthest(r.low[root], r.high[root])
+        size = size if math.isfinite(size) else 0.0
+        least = max(c.size[m.course_group[k]], c.peak[k])
+        way = farthest(r.low_rate[root], r.high_rate[root]) * (b - a)
+        if way <= FLAT * max(size, least):
+            continue
+        steep = not math.isfinite(way)
+        shown = spread_of(e, k, a, b, not steep)
+        range_ = r.high[root] - r.low[root]
+        if not (steep and range_ <= MONOTONE * shown) and not way <= SHOWN * shown:
+            for i in range(m.courses):
+                c.last[i] = farthest(r.low[m.course_root[i]], r.high[m.course_root[i]])
+            return k
+    for k in range(m.courses):
+        size = farthest(r.low[m.course_root[k]], r.high[m.course_root[k]])
+        if e.mode.course[k] != 0 and math.isfinite(size):
+            c.size[m.course_group[k]] = max(c.size[m.course_group[k]], size)
+    return -1
+
+
+def see_peaks(e: Engine, length: float) -> None:
+    """See which courses are nothing in the interval ahead, and not so in one twice as long."""
+    m = e.model
+    c = e.courses
+    for k in range(m.courses):
+        root = m.course_root[k]
+        here = farthest(c.ranges.low[root], c.ranges.high[root])
+        if e.mode.course[k] == 0 or not (c.last[k] > c.peak[k] and math.isfinite(c.last[k])):
+            continue
+        if here > NOTHING * c.last[k]:
+            continue
+        c.peak[k] = c.last[k]
+        c.peak_at[k] = top_of(e, k, e.t, e.t + 2.0 * length)
+        measure_peak(e, k)
+
+
+def top_of(e: Engine, k: int, a: float, b: float) -> float:
+    """Return about when a course is largest in ``[a, b]``."""
+    r = e.courses.ranges
+    root = e.model.course_root[k]
+    least = room_of_instant(e, a)
+    set_motion(e, e.v, e.t, e.y)
+    while b - a > least:
+        middle = 0.5 * (a + b)
+        range_parts(e.model, r, e.v, a, middle)
+        first = farthest(r.low[root], r.high[root])
+        range_parts(e.model, r, e.v, middle, b)
+        second = farthest(r.low[root], r.high[root])
+        a = a if first >= second else middle
+        b = middle if first >= second else b
+    return 0.5 * (a + b)
+
+
+def measure_peak(e: Engine, k: int) -> None:
+    """Let a pulse that is still to come say what is measured before it."""
+    if e.slide.k == 0 and e.courses.peak_at[k] > e.t:
+        measure_ahead(e, e.mode, e.courses.peak_at[k])
+        set_motion(e, e.v, e.t, e.y)
+
+
+def spread_of(e: Engine, k: int, a: float, b: float, inside: bool) -> float:
+    """Return how far apart a course is at the ends of ``[a, b]``, and about its middle as well."""
+    m = e.model
+    low = math.inf
+    high = -math.inf
+    for i in range(3 if inside else 2):
+        t = a if i == 0 else b if i == 1 else a + MIDDLE * (b - a)
+        put_signals(e, a, t)
+        set_time(e, e.v, t)
+        here = value(m, m.course_value[k], e.v)
+        low = min(low, here)
+        high = max(high, here)
+    set_motion(e, e.v, a, e.y)
+    return high - low if math.isfinite(high - low) else 0.0
+
+
+def put_signals(e: Engine, now: float, t: float) -> None:
+    """Put integrated signals whose rates time alone says there, as they will be at `t`."""
+    m = e.model
+    for i in range(m.course_signals):
+        k = m.course_signal[i]
+        set_time(e, e.v, now + 0.5 * (t - now))
+        rate = value(m, m.integral_rate[k], e.v)
+        e.v[m.signal_slot + k] = e.y[m.storages + k] + rate * (t - now)
