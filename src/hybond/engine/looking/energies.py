@@ -18,7 +18,10 @@ from hybond.engine.words import Floats, floats, record
 
 ENOUGH: Final = 1e-11
 """A piece of a step is done if its two formulas differ by less than this part of all the energy
-that passes in the step."""
+that passes in the step, ..."""
+NOTHING: Final = 1e-13
+"""... or by less than this part of the largest energy of the run: power that hangs on the last
+digits of what is stored is a staircase, however short the piece."""
 TRIES: Final = 200
 """Pieces of a step that are tried; the last one is all that is left."""
 LEAST: Final = 1e-9
@@ -128,6 +131,7 @@ def take_energy(e: Engine, l: Look, q: Meter, i: int, end: float, out: Floats) -
     dissipated = 0.0
     wrong = 0.0
     passes = 0.0
+    nothing = NOTHING * e.energy
     low = 0.0
     width = 1.0
     for turn in range(TRIES):
@@ -141,7 +145,7 @@ def take_energy(e: Engine, l: Look, q: Meter, i: int, end: float, out: Floats) -
         off = h * math.fabs(q.kronrod[0] - q.gauss[0])
         off = max(off, h * math.fabs(q.kronrod[1] - q.gauss[1]))
         passes = max(passes, h * q.kronrod[2])
-        if off <= ENOUGH * passes or width <= LEAST or turn == TRIES - 1:
+        if off <= max(ENOUGH * passes, nothing) or width <= LEAST or turn == TRIES - 1:
             supplied += h * q.kronrod[0]
             dissipated += h * q.kronrod[1]
             wrong += off
