@@ -5,6 +5,10 @@ its last place only, and at the peak of a sine the sign of a rate is that of wha
 Then the rate that counts is the mean of the shortest time in which the value becomes more than
 rounding.
 
+Where what laws give acts on a value at once, and the value is zero but for rounding, so is the rate
+that this rounding has: a current that dies away in nanoseconds would do so at its own rate. There
+the rate that counts is that at which the value is zero.
+
 Where sources agree at this instant only, there are as many rates as there are sources to follow,
 and which of them the equations take is a matter of the order of declaration. None of them counts.
 """
@@ -14,13 +18,15 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.engine.algebra.products import all_finite
+from hybond.engine.algebra.svd import least_squares
 from hybond.engine.answers import value
 from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.instant.constraints import AGREE
 from hybond.engine.laws.law_instant import LAW_ZERO
 from hybond.engine.laws.law_records import Laws
-from hybond.engine.laws.ports import open_mode, rates_of_stored, solve_with
-from hybond.engine.laws.response import rates_of_linear
+from hybond.engine.laws.ports import open_mode, rates_of_stored, solve_with, times_partner
+from hybond.engine.laws.response import SHORT_WHILE, rates_of_linear
 from hybond.engine.mode.guess import give_back_guess, hold_guess
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.newton import source_of
@@ -43,6 +49,10 @@ SIZES: Final = 2
 """What is summed over sources that must agree."""
 SEEN: Final = 0.1
 """Part of what counts as zero from which on a guard sees a value."""
+ALIKE: Final = 1e-10
+"""Part of what one law does at once below which what it does beside others is nothing new."""
+LEFT: Final = 1e-6
+"""Part of a value that what laws give has to leave of it, where it makes it zero."""
 
 
 def look_ahead(e: Engine, r: Laws) -> int:
@@ -60,7 +70,7 @@ def look_ahead(e: Engine, r: Laws) -> int:
                 a.rate[k] = 0.0
             return OK
     if not r.now.linear:
-        return OK
+        return OK if rates_at_zero(e, r) == OK else REFUSED
     turns = False
     for k in range(m.ports):
         turns = turns or may_turn(r, k)
@@ -80,6 +90,67 @@ def look_ahead(e: Engine, r: Laws) -> int:
         if a.rate[k] != 0.0:
             h = min(h, seen / math.fabs(a.rate[k]))
         a.rate[k] += 0.5 * bend * h
+    return OK
+
+
+def rates_at_zero(e: Engine, r: Laws) -> int:
+    """Replace the rates of a nonlinear graph by those where values that are rounding are zero."""
+    m = e.model
+    n = m.ports
+    a = r.response
+    many = 0
+    for k in range(n):
+        r.l[k] = 0.0
+        rounded = a.y[k] != 0.0 and math.fabs(a.y[k]) <= LAW_ZERO * r.rounding[k]
+        if rounded and a.d[k * n + k] != 0.0:
+            r.tried[many] = k
+            many += 1
+    if many == 0:
+        return OK
+    for i in range(many):
+        r.row[i] = -a.y[r.tried[i]]
+        for j in range(many):
+            r.block[i * many + j] = a.d[r.tried[i] * n + r.tried[j]]
+    least_squares(r.svd, many, many, r.block, ALIKE, 1, r.row, r.basis)
+    if not all_finite(many, r.basis):
+        return OK
+    for i in range(many):
+        left = a.y[r.tried[i]]
+        for j in range(many):
+            left += a.d[r.tried[i] * n + r.tried[j]] * r.basis[j]
+        if not math.fabs(left) <= LEFT * math.fabs(a.y[r.tried[i]]):
+            return OK
+    for i in range(many):
+        r.l[r.tried[i]] = r.basis[i]
+    mode = open_mode(e, r.now)
+    hold_guess(e, mode)
+    found = rates_with(e, r)
+    give_back_guess(e, mode)
+    return found
+
+
+def rates_with(e: Engine, r: Laws) -> int:
+    """Put the rates there that a nonlinear graph has while laws give `r.l`."""
+    m = e.model
+    a = r.response
+    mode = open_mode(e, r.now)
+    step = SHORT_WHILE * min(e.span, 1.0)
+    for turn in range(2):
+        for k in range(m.storages):
+            r.moved[k] = r.x[k] + (step * r.field[k] if turn > 0 else 0.0)
+        for k in range(m.integrals):
+            rate = value(m, m.integral_rate[k], r.later) if turn > 0 else 0.0
+            r.later_s[k] = r.s[k] + step * rate
+        set_values(e, mode, r.later, r.t + step * float(turn), r.moved, r.later_s)
+        for k in range(m.slots):
+            r.later[m.slots + k] = e.pre[k]
+        if solve_with(e, r.now, r.later, r.l) != OK:
+            return REFUSED
+        times_partner(m, r.now, e.work.w, r.rate_after if turn > 0 else r.row)
+        if turn == 0:
+            rates_of_stored(m, e.work.w, 1, 0, r.field)
+    for k in range(m.ports):
+        a.rate[k] = (r.rate_after[k] - r.row[k]) / step
     return OK
 
 

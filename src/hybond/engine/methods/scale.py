@@ -113,7 +113,11 @@ def pushed_energy(e: Engine) -> float:
 
 
 def found_terms(e: Engine, mode: Mode, t: float, y: Floats) -> bool:
-    """Put the rounding of what rates cancel from at `t` there; False if there is nothing."""
+    """Put the rounding of what rates cancel from at `t` there; False if there is nothing.
+
+    What moves anything clearly acts for no longer than it takes to move what is stored: a force that
+    stops a body in no time is over by then, and its rounding none of what the body does afterwards.
+    """
     m = e.model
     set_state(e, mode, e.v, t, y)
     if solve(e, mode, e.v) != OK:
@@ -126,12 +130,25 @@ def found_terms(e: Engine, mode: Mode, t: float, y: Floats) -> bool:
             given = value(m, m.source_size[source], e.v)
             if math.isfinite(given):
                 e.work.xi[m.storages + k] = given
+    soonest = SHORT * e.span
     for k in range(m.storages):
         at = m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 0 else 0)
-        size = size_of(e, mode, at, e.work.xi, e.v)
-        e.rounding[k] = ROUNDED * SHORT * e.span * size
-        found = found or size > 0.0
+        e.rounding[k] = size_of(e, mode, at, e.work.xi, e.v)
+        found = found or e.rounding[k] > 0.0
+        if moves_clearly(e, at, e.rounding[k]) and y[k] != 0.0:
+            soonest = min(soonest, math.fabs(y[k] / e.work.w[at]))
+    for k in range(m.storages):
+        at = m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 0 else 0)
+        acts = SHORT * e.span
+        if moves_clearly(e, at, e.rounding[k]):
+            acts = soonest if y[k] == 0.0 else min(acts, math.fabs(y[k] / e.work.w[at]))
+        e.rounding[k] = ROUNDED * acts * e.rounding[k]
     return found
+
+
+def moves_clearly(e: Engine, rate: int, size: float) -> bool:
+    """Whether a bond variable, the rate of a storage, is more than rounding of terms of a size."""
+    return math.fabs(e.work.w[rate]) > CLEAR * ROUNDED * size
 
 
 def measure_again(e: Engine, mode: Mode) -> None:

@@ -56,22 +56,48 @@ def goes_to_rest(e: Engine, r: Run, atom: int, kink: int) -> bool:
 
     Of what is compared a law takes the root, which is `kink` if it is the law that is flat.
     """
+    away = at_state(e, r, atom, e.y)
+    if away == 0.0 or not math.isfinite(away) or field(e, e.mode, e.t, e.y, r.rate) != OK:
+        return False
+    beside = leads_to_rest(e, r, atom, away)
+    if beside == 0.0:
+        return False
+    if not is_within_error(e, r):
+        # what moves beside the root goes on doing so at rest, and has no part in the way there
+        for i in range(e.states):
+            r.beside[e.states + i] = r.rate[i]
+        if field(e, e.mode, e.t, r.after, r.rate) != OK:
+            return False
+        for i in range(e.states):
+            r.rate[i] = r.beside[e.states + i] - r.rate[i]
+        beside = leads_to_rest(e, r, atom, away)
+        if beside == 0.0 or not is_within_error(e, r):
+            return False
+    stands = STANDS if atom == kink else STILL
+    # a law that is flat at rest has many roots there but for rounding, beside it the last one
+    hold_guess(e, e.mode)
+    e.mode.guessed = False
+    rests = field(e, e.mode, e.t, r.after, r.rate) == OK
+    left = at_state(e, r, atom, r.after)
+    rests = rests and math.fabs(speed_of(e, r, atom, r.after, left)) <= stands * math.fabs(beside)
+    if not rests:
+        give_back_guess(e, e.mode)
+    return rests
+
+
+def leads_to_rest(e: Engine, r: Run, atom: int, away: float) -> float:
+    """Put the state at rest straight on by `r.rate` into `r.after`; return the speed, or 0."""
     n = e.states
     for i in range(n):
         r.after[i] = e.y[i]
-    away = at_state(e, r, atom, r.after)
-    if away == 0.0 or not math.isfinite(away) or field(e, e.mode, e.t, e.y, r.rate) != OK:
-        return False
     beside = 0.0
     left = away
     for turn in range(PASSES):
         speed = speed_of(e, r, atom, r.after, left)
         if not (speed * left < 0.0 and math.isfinite(speed)):
-            return False
+            return 0.0
         if turn == 0:
             beside = speed
-            if not is_within_error(e, r, -left / speed):
-                return False
         for i in range(n):
             r.after[i] -= left / speed * r.rate[i]
             if math.fabs(r.after[i]) <= NOTHING * math.fabs(e.y[i]):
@@ -79,24 +105,14 @@ def goes_to_rest(e: Engine, r: Run, atom: int, kink: int) -> bool:
         left = at_state(e, r, atom, r.after)
         if left == 0.0:
             break
-    if not math.fabs(left) <= NOTHING * math.fabs(away):
-        return False
-    stands = STANDS if atom == kink else STILL
-    # a law that is flat at rest has many roots there but for rounding, beside it the last one
-    hold_guess(e, e.mode)
-    e.mode.guessed = False
-    rests = field(e, e.mode, e.t, r.after, r.rate) == OK
-    rests = rests and math.fabs(speed_of(e, r, atom, r.after, left)) <= stands * math.fabs(beside)
-    if not rests:
-        give_back_guess(e, e.mode)
-    return rests
+    return beside if math.fabs(left) <= NOTHING * math.fabs(away) else 0.0
 
 
-def is_within_error(e: Engine, r: Run, h: float) -> bool:
-    """Whether what is left of the motion for a time is less than the error of a step."""
+def is_within_error(e: Engine, r: Run) -> bool:
+    """Whether what is left of the way to rest is less than the error of a step."""
     widest_tolerance(e, e.y, r.beside)
     for i in range(e.states):
-        if not math.fabs(h * r.rate[i]) <= r.beside[i]:
+        if not math.fabs(r.after[i] - e.y[i]) <= r.beside[i]:
             return False
     return True
 
