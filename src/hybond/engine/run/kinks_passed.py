@@ -56,10 +56,16 @@ def end_at_kink(e: Engine, r: Run, at: float) -> int:
     r.kink = kink if kink >= 0 else r.kink
     before = before_kink(e, g, at)
     behind = at + LAST_PLACES * spacing(at)
-    apart = before <= e.step.t0 or behind - before > room_of_instant(e, at)
+    room = room_of_instant(e, at)
+    apart = before <= e.step.t0 or behind - before > room
     for k in range(g.guards):
         g.done[k] = 1 if g.side[k] != NO_KINK and holds_at(e, g, k, at) else 0
-    if retry(e, at if apart else before) != OK:
+    made = retry(e, at if apart else before)
+    while made == OK and e.step.off > 1.0 and not apart and 2.0 * (behind - before) <= room:
+        # a stage at the end of the step is a last place beyond it, and has seen the jump
+        before = max(behind - 2.0 * (behind - before), e.step.t0)
+        made = retry(e, before) if before > e.step.t0 else REFUSED
+    if made != OK:
         return stuck_at_kink(e, r)
     if not apart:
         carry_over_kink(e, r, behind - before)
