@@ -61,15 +61,30 @@ def end_at_kink(e: Engine, r: Run, at: float) -> int:
     for k in range(g.guards):
         g.done[k] = 1 if g.side[k] != NO_KINK and holds_at(e, g, k, at) else 0
     made = retry(e, at if apart else before)
-    while made == OK and e.step.off > 1.0 and not apart and 2.0 * (behind - before) <= room:
-        # a stage at the end of the step is a last place beyond it, and has seen the jump
-        before = max(behind - 2.0 * (behind - before), e.step.t0)
-        made = retry(e, before) if before > e.step.t0 else REFUSED
+    if made == OK and e.step.off > 1.0 and not apart:
+        before = out_of_sight(e, before, behind, room)
+        made = retry(e, before)
     if made != OK:
         return stuck_at_kink(e, r)
     if not apart:
         carry_over_kink(e, r, behind - before)
     return OK
+
+
+def out_of_sight(e: Engine, before: float, behind: float, room: float) -> float:
+    """Return where the step ends that no stage of which has seen the jump, else `before`.
+
+    One at the end of the step may be a last place beyond what is compared at that time.
+    """
+    refusal = e.refusal
+    way = behind - before
+    made = OK
+    while made == OK and e.step.off > 1.0 and 2.0 * way <= room and behind - 2.0 * way > e.step.t0:
+        way = 2.0 * way
+        made = retry(e, behind - way)
+    seen = made != OK or e.step.off > 1.0
+    e.refusal = refusal
+    return before if seen else behind - way
 
 
 def carry_over_kink(e: Engine, r: Run, h: float) -> None:
