@@ -70,8 +70,6 @@ HINTS = {
     "there, or keep values that differ by many orders of magnitude apart",
     "HB-N407": "a size that is never below zero, and a breakaway of at least the limit",
     "HB-N408": "tighten rtol, or take solver = 'rk45'",
-    "HB-N410": "where sign(), or if/else, should hold what it switches: a junction with "
-    "law = 'coulomb' or 'relay', or a machine with a controlled junction, which slides",
     "HB-N409": "leave out what is so fast, or raise max_steps",
 }
 SMALL_STEPS = ("HB-N201", "HB-N409")

@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 
 from hybond.engine.compiled.refusal import Refusal
 from hybond.engine.outcome.explain import Explaining
+from hybond.engine.outcome.sides import machine_instead
 from hybond.equations.calculus import localised, reads_bonds
 from hybond.equations.element_parts import sends_impulses
 from hybond.model.expressions import Call, Expr, jumping
@@ -19,6 +20,11 @@ NO_ELEMENT, OVERFLOW = -1, -2
 """In place of an element: as in `hybond.engine.reasons.facts`."""
 TIMES = 100
 """Instants in a row without any change that end a run."""
+TO_SLIDE = (
+    "where sign(), or if/else, should hold what it switches: a junction with "
+    "law = 'coulomb' or 'relay', or a machine with a controlled junction, which slides"
+)
+"""What to do about a jump inside a law that would slide."""
 ON_PAIRS = ("abs", "sign", "hypot", "min", "max")
 """Functions that have a meaning for impulses."""
 
@@ -348,8 +354,15 @@ def _rate_jumps(c: Case) -> Said:
         why,
         path,
         "let the rate read the state of a machine with these conditions as its guards, which "
-        'slides: if limit.state == "high" then 0 else ...; or take control.pi_clamped',
+        'slides: if limit.state == "high" then 0 else ...; or take control.pi_clamped'
+        + _here(c, path),
     )
+
+
+def _here(c: Case, path: str) -> str:
+    """Return the machine that would slide here, behind what is said of all."""
+    found = machine_instead(c.graph, path)
+    return found and f". Here {found}"
 
 
 def _switches_back(c: Case) -> Said:
@@ -357,7 +370,7 @@ def _switches_back(c: Case) -> Said:
     path = c.refusal.place
     laws = [n.law for n in c.graph.nodes if n.path == path and n.law is not None]
     if not laws or any(jumping(e) for law in laws for e in law.expressions):
-        return Said(f"{c.refusal.why} {c.now}", path)
+        return Said(f"{c.refusal.why} {c.now}", path, TO_SLIDE + _here(c, path))
     return Said(
         f"the law of {path} is flat where what it reads is zero, so that what the rest gives it "
         f"decides along a line as steep as a jump, again and again {c.now}",

@@ -12,6 +12,7 @@ from typing import Final
 from hybond.engine.answers import value
 from hybond.engine.engine import OK, Engine
 from hybond.engine.methods.one_instant import room_of_instant
+from hybond.engine.methods.scale import tolerance
 from hybond.engine.mode.solving import solve_read
 from hybond.engine.mode.values import field, set_motion
 from hybond.engine.run.guard_values import show
@@ -76,11 +77,14 @@ def holds_motion(e: Engine, r: Run, k: int) -> bool:
         return False
     r.jumping = -1
     most = 0.0
+    tolerance(e, e.y, e.y, r.after)
     for i in range(e.states):
         apart = math.fabs(r.beside[i] - r.beside[e.states + i])
         near = math.fabs(r.beside[2 * e.states + i] - r.beside[3 * e.states + i])
         size = math.fabs(r.beside[2 * e.states + i]) + math.fabs(r.beside[3 * e.states + i])
-        if near > JUMPS * apart and near > SEEN * size and near > most:
+        # what moves a state by less than its error in the whole run is rounding
+        real = near * e.span > r.after[i]
+        if real and near > JUMPS * apart and near > SEEN * size and near > most:
             most = near
             r.jumping = i
     if r.jumping < 0:

@@ -56,14 +56,35 @@ def end_at_kink(e: Engine, r: Run, at: float) -> int:
     r.kink = kink if kink >= 0 else r.kink
     before = before_kink(e, g, at)
     behind = at + LAST_PLACES * spacing(at)
-    apart = before <= e.step.t0 or behind - before > room_of_instant(e, at)
+    room = room_of_instant(e, at)
+    apart = before <= e.step.t0 or behind - before > room
     for k in range(g.guards):
         g.done[k] = 1 if g.side[k] != NO_KINK and holds_at(e, g, k, at) else 0
-    if retry(e, at if apart else before) != OK:
+    made = retry(e, at if apart else before)
+    if made == OK and e.step.off > 1.0 and not apart:
+        before = out_of_sight(e, before, behind, room)
+        made = retry(e, before)
+    if made != OK:
         return stuck_at_kink(e, r)
     if not apart:
         carry_over_kink(e, r, behind - before)
     return OK
+
+
+def out_of_sight(e: Engine, before: float, behind: float, room: float) -> float:
+    """Return where the step ends that no stage of which has seen the jump, else `before`.
+
+    One at the end of the step may be a last place beyond what is compared at that time.
+    """
+    refusal = e.refusal
+    way = behind - before
+    made = OK
+    while made == OK and e.step.off > 1.0 and 2.0 * way <= room and behind - 2.0 * way > e.step.t0:
+        way = 2.0 * way
+        made = retry(e, behind - way)
+    seen = made != OK or e.step.off > 1.0
+    e.refusal = refusal
+    return before if seen else behind - way
 
 
 def carry_over_kink(e: Engine, r: Run, h: float) -> None:
