@@ -37,7 +37,7 @@ LARGEST = 2000
 
 _TOKEN = re.compile(
     rf"\s*(?:(?P<number>{NUMERAL.pattern.replace('?P<scale>', '').replace('?P<unit>', '')})"
-    r"|(?P<name>read#[0-9]+|[A-Za-z_][A-Za-z0-9_.]*)|(?P<sign>\*\*|<=|>=|==|!=|&&|\|\||[-+*/^()?:,<>!]))",
+    r"|(?P<name>read#[0-9]+|[A-Za-z_][A-Za-z0-9_.]*)|(?P<sign>\*\*|<=|>=|==|!=|&&|\|\||[-+*/^(){}?:,<>!]))",
     re.IGNORECASE,
 )
 _BINDS = {
@@ -58,6 +58,8 @@ _BINDS = {
 _ALIASES = {"ln": "log", "sgn": "sign", "arctan": "atan", "pow": "^", "ternary_fcn": "if"}
 _ARGUMENTS = {name: least for name, (least, _) in FUNCTIONS.items() if name != "mod"}
 _ARGUMENTS |= {"^": 2, "if": 3, "u": 1, "uramp": 1, "limit": 3}
+_PARTNERS = {"(": ")", "{": "}"}
+"""Braces stand around the whole, or around parameters in an expression of voltages."""
 _LINES = ("table", "pwl")
 """Functions of an argument and points; ``pwl`` goes on with the slopes at its ends."""
 
@@ -84,7 +86,7 @@ def read_formula(text: str, line: Line) -> Expr:
     if plain is not None:
         return Number(plain)
     inner = text.strip()
-    while len(inner) > 1 and (inner[0], inner[-1]) in (("{", "}"), ("'", "'"), ('"', '"')):
+    while len(inner) > 1 and (inner[0], inner[-1]) in (("'", "'"), ('"', '"')):
         inner = inner[1:-1].strip()
     return _Parser(inner, line).whole()
 
@@ -169,9 +171,9 @@ class _Parser:
             if word == "-" and isinstance(inner, Number):
                 return Number(-inner.value)
             return Neg(as_value(inner)) if word == "-" else Not(_as_condition(inner))
-        if word == "(":
+        if word in _PARTNERS:
             inner = self.choice()
-            self.take(")")
+            self.take(_PARTNERS[word])
             return inner
         if kind == "number":
             match = NUMERAL.fullmatch(word)
