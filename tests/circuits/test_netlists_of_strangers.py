@@ -105,3 +105,29 @@ def test_a_source_that_drives_nothing_can_be_looked_at_after_the_run(read):
     assert run[deck.signal("v(d)")].at(0.25e-3) == pytest.approx(6.0, rel=1e-6)
     # the third of a period in which a sine is above one half
     assert run[deck.signal("v(c)")].mean() == pytest.approx(5 / 3, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("law", "value"),
+    [
+        ("int(V(a)/4) - 10*int(-V(a)/4)", 1 + 10),
+        ("nint(V(a)/4) + round(V(a)/2.9)", 2 + 2),
+        ("stp(V(a)-1) + 2*stp(1-V(a))", 1),
+        ("pwrs(-V(a), 1.5) + pwrs(V(a), 2)", 49 - 7**1.5),
+        ("buf(V(a)) + 2*inv(V(a))", 1),
+        ("asinh(V(a)) - asinh(-V(a))", 2 * math.asinh(7)),
+        ("acosh(V(a)) + atanh(V(a)/10)", math.acosh(7) + math.atanh(0.7)),
+        ("arcsin(V(a)/10) + arccos(V(a)/10)", math.pi / 2),
+    ],
+)
+def test_functions_of_other_simulators(measured, law, value):
+    found = measured(
+        "V1 a 0 7", "R0 a 0 1k", f"B1 b 0 V = {law}", "R1 b 0 1", ".tran 0 1m",
+        ".meas tran x AVG v(b)",
+    )  # fmt: skip
+    assert found["x"] == pytest.approx(value, rel=1e-12)
+
+
+def test_a_function_that_simulators_disagree_on_is_refused(read):
+    with pytest.raises(hb.FileError, match=r"pwrs\(x, y\)"):
+        read("V1 a 0 7", "B1 b 0 V = pwr(V(a), 2)", "R1 b 0 1", ".tran 0 1m")
