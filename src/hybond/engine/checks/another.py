@@ -22,9 +22,10 @@ Newton's method leaves where a law is flat."""
 
 
 def look_for_another(e: Engine, mode: Mode) -> None:
-    """Solve once more, from zero, and note laws that are solved otherwise than in `e.checks.v`.
+    """Solve once more, from zero, and note laws by which what is stored would move otherwise.
 
-    Where the laws leave something open, that is told elsewhere.
+    Where the laws leave something open, that is told elsewhere; of several solutions that move
+    nothing any may be read.
     """
     m = e.model
     c = e.checks
@@ -42,11 +43,12 @@ def look_for_another(e: Engine, mode: Mode) -> None:
         return
     off = 0.0
     size = 0.0
-    for k in range(2 * m.bonds):
-        apart = math.fabs(c.other[m.bond_slot + k] - c.v[m.bond_slot + k])
-        if apart > APART * c.largest[m.bond_class[k]] and apart > off:
+    for k in range(m.storages):
+        b = m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 0 else 0)
+        apart = math.fabs(c.other[m.bond_slot + b] - c.v[m.bond_slot + b])
+        if apart > APART * c.largest[m.bond_class[b]] and apart > off:
             off = apart
-            size = c.largest[m.bond_class[k]]
+            size = c.largest[m.bond_class[b]]
     if off > 0.0:
         note_violation(e, mode, e.t, MANY, element_of(e, mode), off, size)
 
