@@ -15,6 +15,9 @@ PLACE = "read#"
 _READ = re.compile(
     r"(?<![\w.])([vi])\s*\(\s*([^(),\s]+)\s*(?:,\s*([^(),\s]+)\s*)?\)", re.IGNORECASE
 )
+_BRANCH = re.compile(
+    r"(?<![\w.@#])([a-z][\w.]*)#branch\b|@([a-z][\w.]*)\[(?:i|id|current)\]", re.IGNORECASE
+)
 _B = re.compile(r"\S+\s+(\S+)\s+(\S+)\s+([vi])\s*=(?!=)\s*(.+)\Z", re.IGNORECASE | re.DOTALL)
 _VALUE = re.compile(
     r"\S+\s+(\S+)\s+(\S+)\s+(?:value|vol|cur|v|i)\s*(?:=(?!=)\s*|(?=[{'\"]))(.+)\Z",
@@ -49,6 +52,17 @@ class Law:
     reads: tuple[Read, ...]
 
 
+def plainly(text: str) -> str:
+    """Return a text with currents as ``i(...)`` where ngspice has other words for them.
+
+    Examples
+    --------
+    >>> plainly("2*v1#branch + @r.x1.r2[i]")
+    '2*i(v1) + i(r.x1.r2)'
+    """
+    return _BRANCH.sub(lambda match: f"i({match[1] or match[2]})", text)
+
+
 def read_law(text: str, line: Line, imposes: str = "v") -> Law:
     """Return an expression with the voltages and currents that it reads.
 
@@ -69,7 +83,7 @@ def read_law(text: str, line: Line, imposes: str = "v") -> Law:
         read = Read(match[1].lower(), match[2], match[3] or "0")
         return f" {PLACE}{reads.setdefault(read, len(reads))} "
 
-    formula = read_formula(_READ.sub(placed, text), line)
+    formula = read_formula(_READ.sub(placed, plainly(text)), line)
     return Law(imposes, formula, tuple(reads))
 
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 from hybond.circuits.behaviour import Law, behaviour_of
 from hybond.circuits.formulas import read_formula
 from hybond.circuits.notices import Line, Notices
-from hybond.circuits.numerals import LETTERED
+from hybond.circuits.numerals import LETTERED, numeral
 from hybond.model.expressions import Expr, Number
 
 _WORD = re.compile(r"\{[^{}]*\}|'[^']*'|\"[^\"]*\"|[()=]|[^\s(){}=,'\"]+|(\S)")
@@ -135,12 +135,20 @@ def options_of(words: list[str], line: Line) -> tuple[list[str], dict[str, str]]
                 )
             options[words[k].lower()] = words[k + 2]
             k += 3
+            # tc=0.001,2e-6: the second coefficient belongs to it
+            if words[k - 3].lower() == "tc" and _numeral_at(words, k):
+                k += 1
         elif words[k] == "=":
             raise line.refuse("'=' without a name", code="HB-F130", hint="write name=value")
         else:
             plain.append(words[k])
             k += 1
     return plain, options
+
+
+def _numeral_at(words: list[str], k: int) -> bool:
+    """Whether a number stands there that is no name of an option."""
+    return k < len(words) and words[k + 1 : k + 2] != ["="] and numeral(words[k]) is not None
 
 
 def read_card(line: Line, notices: Notices) -> Card:
@@ -152,12 +160,11 @@ def read_card(line: Line, notices: Notices) -> Card:
         HB-F130 (words that do not fit the kind), HB-F131 (a value), HB-F133 (an option twice),
         HB-F136 (an element without ideal meaning).
     """
-    words = words_of(line.text, line)
-    if not words:
-        raise line.refuse("a card without words", code="HB-F130", hint="take it out")
-    name, kind = words[0], words[0][0].lower()
+    name, kind = line.text.split(None, 1)[0], line.text[0].lower()
     if kind in "begfh" and (law := behaviour_of(line)) is not None:
         return Card(name, line, law[0], law=law[1])
+    words = words_of(line.text, line)
+    name = words[0]
     if kind == "a" and (code := _ANALOG_SWITCH.match(line.text)):
         control = (code[3], code[4]) if code[3] else (code[2] or code[5], "0")
         return Card(name, line, (code[6], code[7], *control), refers=(code[8],))

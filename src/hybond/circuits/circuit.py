@@ -321,14 +321,7 @@ class _Making:
             title=self.title,
             domain="electrical",
         )
-        for key, (_, formula, _) in self.opened.parameters.items():
-            text: str | float
-            if isinstance(formula, Number):
-                whole = formula.value.is_integer() and abs(formula.value) < 1e15
-                text = int(formula.value) if whole else formula.value
-            else:
-                text = written(formula, self.parameters)
-            model.parameters[self.parameters[key]] = text
+        model.parameters.update(self._given())
         ends = ends_of(self.leaves, self.numbers)
         self.woven = woven = weave(
             self.leaves, ends, self.shown, self.names, self.texts, self.notices
@@ -349,6 +342,19 @@ class _Making:
             model.experiment["until"] = _plain(self.stop)
             model.experiment["points"] = max(2, min(POINTS, self._steps()))
         return model, woven.lines
+
+    def _given(self) -> dict[str, str | float]:
+        """Return the parameters as the model has them."""
+        found: dict[str, str | float] = {}
+        for key, (_, formula, _) in self.opened.parameters.items():
+            text: str | float
+            if isinstance(formula, Number):
+                whole = formula.value.is_integer() and abs(formula.value) < 1e15
+                text = int(formula.value) if whole else formula.value
+            else:
+                text = written(formula, self.parameters)
+            found[self.parameters[key]] = text
+        return found
 
     @property
     def title(self) -> str:
@@ -447,9 +453,23 @@ class _Making:
                     leaf.branch.line,
                     "IC counts only with uic in .tran: the start is the operating point",
                 )
-        return operating_point(
-            self.leaves, self.numbers, self.shown, forced, self.texts, self.deck, str(self.path)
+        found = operating_point(
+            self.leaves,
+            self.numbers,
+            self.shown,
+            forced,
+            self.texts,
+            self.deck,
+            str(self.path),
+            parameters=self._given(),
         )
+        if self.deck.steps and any(leaf.start is not None for leaf in found):
+            self.notices.add(
+                self.deck.steps[0].line,
+                "the start is the operating point with the values of .param: all runs of the steps "
+                "begin there",
+            )
+        return found
 
 
 def _flowing(leaf: Leaf, flowing: Mapping[str, Value]) -> Leaf:

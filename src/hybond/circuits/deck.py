@@ -6,6 +6,7 @@ import os
 import re
 from dataclasses import dataclass, field
 
+from hybond.circuits.behaviour import plainly
 from hybond.circuits.cards import WITHOUT_MEANING, Card, options_of, read_card, words_of
 from hybond.circuits.formulas import read_formula
 from hybond.circuits.measures import Measure, read_measure
@@ -425,5 +426,5 @@ def _worded(key: str) -> bool:
 
 
 def _outputs(text: str) -> list[str]:
-    words = re.findall(r"[A-Za-z]+\s*\([^()]*\)|\S+", text)
+    words = re.findall(r"[A-Za-z]+\s*\([^()]*\)|\S+", plainly(text))
     return [w.replace(" ", "") for w in words if w.lower() not in ("tran", "all", "alli", "allv")]

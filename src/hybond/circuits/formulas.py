@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import pairwise
 
 from hybond.circuits.notices import Line
@@ -37,7 +37,7 @@ LARGEST = 2000
 
 _TOKEN = re.compile(
     rf"\s*(?:(?P<number>{NUMERAL.pattern.replace('?P<scale>', '').replace('?P<unit>', '')})"
-    r"|(?P<name>read#[0-9]+|[A-Za-z_][A-Za-z0-9_.]*)|(?P<sign>\*\*|<=|>=|==|!=|&&|\|\||[-+*/^()?:,<>!]))",
+    r"|(?P<name>read#[0-9]+|[A-Za-z_][A-Za-z0-9_.]*)|(?P<sign>\*\*|<=|>=|==|!=|&&|\|\||[-+*/^(){}?:,<>!]))",
     re.IGNORECASE,
 )
 _BINDS = {
@@ -56,8 +56,13 @@ _BINDS = {
     "^": 8,
 }
 _ALIASES = {"ln": "log", "sgn": "sign", "arctan": "atan", "pow": "^", "ternary_fcn": "if"}
+_ALIASES |= {"arcsin": "asin", "arccos": "acos", "stp": "u", "nint": "round"}
 _ARGUMENTS = {name: least for name, (least, _) in FUNCTIONS.items() if name != "mod"}
 _ARGUMENTS |= {"^": 2, "if": 3, "u": 1, "uramp": 1, "limit": 3}
+_MADE: dict[str, tuple[int, Callable[..., Expr]]] = {}
+"""Functions that are written with those of models: of how many arguments, and how."""
+_PARTNERS = {"(": ")", "{": "}"}
+"""Braces stand around the whole, or around parameters in an expression of voltages."""
 _LINES = ("table", "pwl")
 """Functions of an argument and points; ``pwl`` goes on with the slopes at its ends."""
 
@@ -84,7 +89,7 @@ def read_formula(text: str, line: Line) -> Expr:
     if plain is not None:
         return Number(plain)
     inner = text.strip()
-    while len(inner) > 1 and (inner[0], inner[-1]) in (("{", "}"), ("'", "'"), ('"', '"')):
+    while len(inner) > 1 and (inner[0], inner[-1]) in (("'", "'"), ('"', '"')):
         inner = inner[1:-1].strip()
     return _Parser(inner, line).whole()
 
@@ -169,9 +174,9 @@ class _Parser:
             if word == "-" and isinstance(inner, Number):
                 return Number(-inner.value)
             return Neg(as_value(inner)) if word == "-" else Not(_as_condition(inner))
-        if word == "(":
+        if word in _PARTNERS:
             inner = self.choice()
-            self.take(")")
+            self.take(_PARTNERS[word])
             return inner
         if kind == "number":
             match = NUMERAL.fullmatch(word)
@@ -204,6 +209,12 @@ class _Parser:
         if name in _LINES:
             return self.lines(name, list(map(as_value, arguments)))
         name = _ALIASES.get(name, name)
+        if name == "pwr":
+            raise self.refuse(
+                "pwr(x, y) of x below zero is a magnitude to some simulators, and has the sign of "
+                "x to others",
+                "write abs(x)**y, or pwrs(x, y) with the sign",
+            )
         wanted = _ARGUMENTS.get(name)
         if name in ("min", "max") and len(arguments) > 2:
             wanted = len(arguments)
@@ -227,6 +238,8 @@ class _Parser:
             )
         if name == "^":
             return _combined(name, *arguments)
+        if name in _MADE:
+            return _MADE[name][1](*map(as_value, arguments))
         return Call(name, tuple(map(as_value, arguments)))
 
     def lines(self, name: str, arguments: list[Expr]) -> Expr:
@@ -281,6 +294,59 @@ def summed(terms: Sequence[Expr]) -> Expr:
 def as_value(e: Expr) -> Expr:
     """Return a condition as 1 or 0, and what is a number as it is."""
     return If(e, Number(1.0), Number(0.0)) if isinstance(e, Compare | And | Or | Not) else e
+
+
+def _whole(x: Expr) -> Expr:
+    """Return a number without what is behind its point."""
+    return Binary("*", Call("sign", (x,)), Call("floor", (Call("abs", (x,)),)))
+
+
+def _rounded(x: Expr) -> Expr:
+    return Call("floor", (Binary("+", x, Number(0.5)),))
+
+
+def _signed_power(x: Expr, y: Expr) -> Expr:
+    """Return a power of the magnitude, with the sign."""
+    return Binary("*", Call("sign", (x,)), Binary("^", Call("abs", (x,)), y))
+
+
+def _is_true(x: Expr) -> Expr:
+    """Return 1 for what is above one half, as gates of LTspice see it."""
+    return If(Compare(">", x, Number(0.5)), Number(1.0), Number(0.0))
+
+
+def _is_false(x: Expr) -> Expr:
+    return If(Compare(">", x, Number(0.5)), Number(0.0), Number(1.0))
+
+
+def _asinh(x: Expr) -> Expr:
+    """Return the inverse of sinh, for large numbers of either sign alike."""
+    size = Call("abs", (x,))
+    root = Call("sqrt", (Binary("+", Binary("*", x, x), Number(1.0)),))
+    return Binary("*", Call("sign", (x,)), Call("log", (Binary("+", size, root),)))
+
+
+def _acosh(x: Expr) -> Expr:
+    root = Call("sqrt", (Binary("-", Binary("*", x, x), Number(1.0)),))
+    return Call("log", (Binary("+", x, root),))
+
+
+def _atanh(x: Expr) -> Expr:
+    parts = Binary("/", Binary("+", Number(1.0), x), Binary("-", Number(1.0), x))
+    return Binary("*", Number(0.5), Call("log", (parts,)))
+
+
+_MADE |= {
+    "int": (1, _whole),
+    "round": (1, _rounded),
+    "pwrs": (2, _signed_power),
+    "buf": (1, _is_true),
+    "inv": (1, _is_false),
+    "asinh": (1, _asinh),
+    "acosh": (1, _acosh),
+    "atanh": (1, _atanh),
+}
+_ARGUMENTS |= {name: many for name, (many, _) in _MADE.items()}
 
 
 def _as_condition(e: Expr) -> Expr:

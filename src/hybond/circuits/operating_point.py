@@ -39,6 +39,8 @@ def operating_point(
     texts: Texts,
     deck: Deck,
     place: str,
+    *,
+    parameters: Mapping[str, str | float],
 ) -> list[Leaf]:
     """Return the branches, C and L with their starts at rest.
 
@@ -48,6 +50,8 @@ def operating_point(
     numbers, shown : nodes by key, and their names
     forced : sequence of (node, voltage, line)
         What ``.ic`` holds until t = 0.
+    parameters : mapping
+        Those of the model, which values of elements are written with.
 
     Raises
     ------
@@ -64,7 +68,7 @@ def operating_point(
     still = [_at_rest(leaf) for leaf in cleared]
     still += [_holding(key, value, line) for key, value, line in forced if key != GROUND]
     try:
-        values = _solve(still, stores, numbers, shown, texts, deck)
+        values = _solve(still, stores, numbers, shown, texts, deck, parameters)
     except FileError:
         raise
     except HybondError as error:
@@ -117,6 +121,7 @@ def _solve(
     shown: Sequence[str],
     texts: Texts,
     deck: Deck,
+    parameters: Mapping[str, str | float],
 ) -> dict[int, float]:
     from hybond.simulation import simulate
 
@@ -125,7 +130,7 @@ def _solve(
     ends = ends_of(still, numbers)
     # a capacitor that blocks a current source off from its way back is seen by weave
     woven = weave(still, ends, shown, names, texts, notices)
-    model = Model("rest", domain="electrical")
+    model = Model("rest", domain="electrical", parameters=dict(parameters))
     only = replace(deck, outputs=[], measures=[])
     Assembly(model, woven, still, ends, numbers, texts, only, notices).run()
     wanted: dict[int, str] = {}

@@ -65,9 +65,11 @@ class Sensing:
         """
         k = self.by_key.get(key)
         if k is None:
+            k = self.by_key.get(_lettered(key))
+        if k is None:
             raise line.refuse(f"there is no element {key!r}", code="HB-F134", hint="check the name")
         found = self.woven.currents.get(k)
-        for part in self.beside.get(key, ()):
+        for part in self.beside.get(self.leaves[k].branch.key, ()):
             more = self.woven.currents.get(part)
             if found is not None and more is not None:
                 way = -1 if self.leaves[part].backward else 1
@@ -136,3 +138,10 @@ class Sensing:
                     way[other] = (n, step, sign)
                     heapq.heappush(heap, (far + cost, other))
         return way
+
+
+def _lettered(key: str) -> str:
+    """Return ``x1.v1`` for ``v.x1.v1``, as ngspice calls an element inside a subcircuit."""
+    letter, _, path = key.partition(".")
+    own = path.rpartition(".")
+    return path if own[1] and len(letter) == 1 and own[2].startswith(letter) else key

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 
-from hybond.circuits.behaviour import Law, Read
+from hybond.circuits.behaviour import Law, Read, plainly
 from hybond.circuits.computing import Computing
 from hybond.circuits.deck import Deck
 from hybond.circuits.leaves import Leaf
@@ -68,6 +68,20 @@ class Assembly:
         model.bonds = chains(woven.bonds, woven.elements)
         self.outputs()
         self.measures()
+        self.looked_at()
+
+    def looked_at(self) -> None:
+        """Make signals of sources that compute and drive nothing: they are there to be looked at.
+
+        After a run it would be too late to ask for them.
+        """
+        for k in self.woven.idle:
+            leaf = self.leaves[k]
+            if leaf.role == "Se" and leaf.drive is None:
+                try:
+                    self.idle(k)
+                except FileError as error:
+                    self.notices.add(leaf.branch.line, f"it is left out: {error.why}")
 
     def controlled(self, k: int) -> str:
         """Return gain times what a controlled source follows."""
@@ -180,6 +194,7 @@ class Assembly:
         FileError
             HB-F134 (no such node or element), HB-F144 (nothing tells it).
         """
+        text = plainly(text)
         whole = _READ.fullmatch(text.strip())
 
         def one(match: re.Match[str]) -> str:

@@ -104,7 +104,7 @@ subset. Rooms, and in them files, as data passes them::
         open_shares         who carries what
         step_event, step_shown, step_records    what is written and shown
     checks/
-        laws_held, guards_held, impacts_held, untouched    put back into themselves
+        laws_held, another, guards_held, impacts_held, untouched    put back into themselves
         bounds_held         values that outgrow all bounds
         shown, noting, check_records    as read from outside; what was found
     looking/

@@ -207,6 +207,10 @@ def _instant(event: Event) -> float:
     return event.t
 
 
+ONE_SOLUTION = "one solution"
+"""What laws should have that were found to have more."""
+
+
 @dataclass(frozen=True, slots=True)
 class Violation:
     """A law that the values of a run do not satisfy.
@@ -234,6 +238,12 @@ class Violation:
     mode: str
 
     def __str__(self) -> str:
+        if self.law == ONE_SOLUTION:
+            return (
+                f"at t = {self.t:.9g} s in mode ({self.mode}) the laws around {self.place} have "
+                f"more than one solution, {self.off:.6g} apart: the run moved by one of them, and "
+                "what is read of it may be another"
+            )
         return (
             f"at t = {self.t:.9g} s in mode ({self.mode}) the law of {self.place}, {self.law}, is "
             f"off by {self.off:.6g} where its terms add up to {self.size:.6g}"

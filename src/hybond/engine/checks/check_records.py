@@ -15,6 +15,8 @@ class Checks:
     """
 
     v: Floats
+    other: Floats
+    """Values from another beginning of Newton's method."""
     tolerance: Floats
     """By how much each bond variable may be off."""
     lost: Floats
@@ -73,12 +75,13 @@ def make_checks(m: Model) -> Checks:
     """Return checks of a run that has not begun."""
     c = Checks()
     c.v = floats(2 * m.slots)
+    c.other = floats(2 * m.slots)
     c.tolerance = floats(2 * m.bonds)
     c.lost = floats(2 * m.bonds)
     c.magnitude = floats(2 * m.bonds)
     c.largest = floats(m.classes)
     rules = m.rule_first[m.machines]
-    c.said = ints(m.elements + 2 * m.storages + m.junctions + 2 * rules + m.ports)
+    c.said = ints(m.elements + 2 * m.storages + m.junctions + 2 * rules + m.ports + m.elements)
     c.root = ints(m.bonds)
     c.reached = ints(m.bonds)
     c.ahead = floats(m.storages + m.integrals)

@@ -17,6 +17,7 @@ import math
 from typing import Final
 
 from hybond.engine.answers import value
+from hybond.engine.checks.another import look_for_another
 from hybond.engine.checks.bounds_held import MOST
 from hybond.engine.checks.noting import ELEMENT, JUNCTION, STORAGE, note_violation
 from hybond.engine.checks.shown import clear_prior, show_at
@@ -89,6 +90,8 @@ def look_at_laws(e: Engine) -> None:
     clear_prior(e)
     c.looks += 1
     hold_laws(e, mode)
+    if mode.dynamics > 0 and not mode.affine:
+        look_for_another(e, mode)
 
 
 def hold_laws(e: Engine, mode: Mode) -> None:

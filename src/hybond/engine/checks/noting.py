@@ -20,6 +20,8 @@ APART: Final = 5
 """A guard began to hold within the instant before and fired in one of its own: its rule."""
 IMPACT: Final = 6
 """The speeds of a contact are not those that the law of impacts asks for: its port."""
+MANY: Final = 7
+"""The laws have another solution, too: the number of an element that takes part."""
 
 
 def note_violation(
@@ -66,4 +68,6 @@ def place_of(e: Engine, what: int) -> int:
         at += rules
     if what > APART:
         at += rules
+    if what > IMPACT:
+        at += m.ports
     return at

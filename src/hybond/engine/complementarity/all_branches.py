@@ -165,6 +165,7 @@ def take_part(p: LawProblem, part: int, start: Ints) -> None:
         b.rank[i] = p.rank[k]
         moved = p.moved[k] if p.role[k] == ONE_SIDED or not friction else p.q[k]
         b.q[i] = b.unit[i] * moved
+        b.noise[i] = b.unit[i] * p.noise[k]
         if b.role[i] < FORWARD:
             # what is given its force moves as it does
             b.size = max(b.size, math.fabs(b.q[i]))
@@ -184,6 +185,7 @@ def take_part(p: LawProblem, part: int, start: Ints) -> None:
         b.size = 1.0
     for i in range(n):
         b.q[i] /= b.size
+        b.noise[i] /= b.size
         b.limit[i] /= b.size
 
 

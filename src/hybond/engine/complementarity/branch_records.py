@@ -25,7 +25,8 @@ class Branching:
 
     `a l = right` is what one choice of ways asks for; `column` are the unknowns in the order in
     which they were solved for, `basis` what leaves the equations alone, and `g`, `floor` what is to
-    be at least zero: ``g l + floor``, `slack` being its rounding.
+    be at least zero: ``g l + floor``, `slack` being what its rounding is measured by and `faint`
+    what is rounding anyway, of what `q`, by `noise`, is a difference of.
 
     `answers` counts answers with different `w`, up to ANSWERS_KEPT; `more` says that there are
     more. Their `l`, `w`, ways and how many ways differ from the start are `kept_l`, `kept_w`,
@@ -39,6 +40,7 @@ class Branching:
     port: Ints
     m: Floats
     q: Floats
+    noise: Floats
     slope: Floats
     limit: Floats
     unit: Floats
@@ -60,6 +62,7 @@ class Branching:
     g: Floats
     floor: Floats
     slack: Floats
+    faint: Floats
     moved: Floats
     bound: Floats
     z: Floats
@@ -87,6 +90,7 @@ def make_branching(n: int) -> Branching:
     b.port = ints(k)
     b.m = floats(k * k)
     b.q = floats(k)
+    b.noise = floats(k)
     b.slope = floats(k * k)
     b.limit = floats(k)
     b.unit = floats(k)
@@ -106,6 +110,7 @@ def make_branching(n: int) -> Branching:
     b.g = floats(rows * k)
     b.floor = floats(rows)
     b.slack = floats(rows)
+    b.faint = floats(rows)
     b.moved = floats(rows * k)
     b.bound = floats(rows)
     b.z = floats(k)

@@ -53,6 +53,8 @@ class LawProblem:
     q: Floats
     role: Ints
     common: Ints
+    noise: Floats
+    """By how much each `q` may be off: rounding of what it is a difference of."""
     shifted: bool
     shift: Floats
     limit: Floats
@@ -110,6 +112,7 @@ def make_law_problem(n: int) -> LawProblem:
     p.q = floats(n)
     p.role = ints(n)
     p.common = ints(n)
+    p.noise = floats(n)
     p.shift = floats(n)
     p.limit = floats(n)
     p.slope = floats(n * n)

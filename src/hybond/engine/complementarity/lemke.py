@@ -23,6 +23,9 @@ BEYOND_ARITHMETIC: Final = 1e12
 """A scaled solution beyond it comes from a matrix that is singular but for rounding."""
 MEANT_PART: Final = 1e-9
 """A component of q that is not below it, relative to the largest, is no rounding."""
+PROOF_ZERO: Final = 1e-14
+"""Part of its terms up to which a row of a proof is zero: what is faint beside them, such as a leak
+of 1 Mohm beside diodes, may still carry the answer."""
 PATHS: Final = 5
 """How often a path is taken up again from its own end because rounding had misled it."""
 
@@ -167,17 +170,17 @@ def ray_proves(p: Lcp, n: int) -> bool:
     """Whether a ray proves that no ``z >= 0`` has ``M z + q >= 0`` (Farkas)."""
     for k in range(n):
         p.right[k] = p.ray[k] if p.active[k] != 0 else p.ray[n + k]
-    steep = 0.0
     along = 0.0
     size = 0.0
     for k in range(n):
-        steep = max(steep, math.fabs(p.right[k]))
         along += p.q[k] * p.right[k]
         size += math.fabs(p.q[k]) * math.fabs(p.right[k])
     for j in range(n):
         total = 0.0
+        terms = 0.0
         for i in range(n):
             total += p.matrix[i * n + j] * p.right[i]
-        if total > LCP_ZERO * steep:
+            terms += math.fabs(p.matrix[i * n + j]) * math.fabs(p.right[i])
+        if total > PROOF_ZERO * terms:
             return False
     return along < -LCP_ZERO * size

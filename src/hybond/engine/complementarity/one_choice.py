@@ -122,6 +122,7 @@ def put_end(b: Branching, row: int, i: int, is_w: bool, part: float, of_limit: f
     """Put ``part`` of `w` or `l`, plus a part of the limit, into a row; return the next one."""
     n = b.n
     b.floor[row] = of_limit * b.limit[i] + (part * b.q[i] if is_w else 0.0)
+    b.faint[row] = math.fabs(part) * b.noise[i] if is_w else 0.0
     b.slack[row] = max(of_limit * math.fabs(b.limit[i]), math.fabs(part * b.q[i]) if is_w else 0.0)
     for j in range(n):
         own = b.m[i * n + j] if is_w else (1.0 if i == j else 0.0)
@@ -231,7 +232,7 @@ def holds_ends(b: Branching, rows: int) -> bool:
             term = b.g[r * n + j] * b.l[j]
             total += term
             size += math.fabs(term)
-        if not total >= -KEPT_UP_TO * max(size, max(b.largest, 1.0)):
+        if not total >= -KEPT_UP_TO * max(size, max(b.largest, 1.0)) - b.faint[r]:
             return False
     return True
 

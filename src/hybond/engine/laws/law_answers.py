@@ -30,6 +30,9 @@ from hybond.engine.model import Model
 from hybond.engine.planar.planar import answer_rests, put_on_the_way
 from hybond.engine.words import Floats, Ints
 
+NOISE: Final = 1e-15
+"""Part of what its rounding is measured by that a finite value may be off by: large currents that
+cancel leave it in each, and not the same of two that are opposite."""
 LAW_DUST: Final = 1e-9
 """Part of its terms up to which a violation without a solution is rounding."""
 
@@ -109,6 +112,7 @@ def put_problem(e: Engine, r: Laws, q: Floats, h: float, shifted: bool) -> bool:
         for j in range(n):
             idle = idle and p.m[k * n + j] == 0.0 and p.m[j * n + k] == 0.0
         p.q[k] = q[k]
+        p.noise[k] = NOISE * r.rounding[k] if h > 0.0 else 0.0
         # a law that neither acts on anything nor feels any other: its value is rounding, or right
         if idle and q[k] < 0.0 and q[k] >= -LAW_DUST * a.size[k]:
             p.q[k] = 0.0

@@ -80,16 +80,19 @@ def look_ahead(e: Engine, r: Laws) -> int:
     if solve_ahead(e, r, step) != OK:
         return REFUSED
     rates_of_linear(e, r, r.later, e.work.w, r.rate_after, r.rate_terms)
+    # of one time for all: what adds up to zero, such as currents of diodes that only another one
+    # could carry away, would not do so at a time of its own for each
+    first = math.inf
     for k in range(m.ports):
-        change = r.rate_after[k] - a.rate[k]
-        if not may_turn(r, k) or math.fabs(change) <= BENT * max(r.rate_terms[k], a.rate_size[k]):
-            continue
-        seen = SEEN * LAW_ZERO * r.rounding[k]
-        bend = change / step
-        h = math.sqrt(2.0 * seen / math.fabs(bend))
-        if a.rate[k] != 0.0:
-            h = min(h, seen / math.fabs(a.rate[k]))
-        a.rate[k] += 0.5 * bend * h
+        if bends_at(r, k):
+            seen = SEEN * LAW_ZERO * r.rounding[k]
+            bend = (r.rate_after[k] - a.rate[k]) / step
+            first = min(first, math.sqrt(2.0 * seen / math.fabs(bend)))
+            if a.rate[k] != 0.0:
+                first = min(first, seen / math.fabs(a.rate[k]))
+    for k in range(m.ports):
+        if bends_at(r, k):
+            a.rate[k] += 0.5 * (r.rate_after[k] - a.rate[k]) / step * first
     return OK
 
 
@@ -152,6 +155,12 @@ def rates_with(e: Engine, r: Laws) -> int:
     for k in range(m.ports):
         a.rate[k] = (r.rate_after[k] - r.row[k]) / step
     return OK
+
+
+def bends_at(r: Laws, k: int) -> bool:
+    """Whether a rate that may turn changes by more than rounding."""
+    change = math.fabs(r.rate_after[k] - r.response.rate[k])
+    return may_turn(r, k) and change > BENT * max(r.rate_terms[k], r.response.rate_size[k])
 
 
 def solve_ahead(e: Engine, r: Laws, step: float) -> int:

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from hybond.engine.tables.contacts import rules_of
 from hybond.errors import NumericsError
 from hybond.model.graph import FlatGraph, Node
-from hybond.runs.trace import Violation
+from hybond.runs.trace import ONE_SOLUTION, Violation
 
-ELEMENT, STORAGE, JUNCTION, UNTOUCHED, UNFIRED, APART, IMPACT = range(7)
+ELEMENT, STORAGE, JUNCTION, UNTOUCHED, UNFIRED, APART, IMPACT, MANY = range(8)
 """What does not hold: as in `hybond.engine.checks.noting`."""
 SUMS = {
     "0": "one effort, and flows that add up to zero",
@@ -39,7 +39,7 @@ def _said(graph: FlatGraph, elements: Sequence[int], what: int, index: int) -> t
         ]
         machine, forced = ruled[index]
         return machine.path, f"{FIRES if what == UNFIRED else ONE_INSTANT} {forced.rule.text}"
-    if what == ELEMENT:
+    if what in (ELEMENT, MANY):
         node = graph.nodes[elements[index]]
     elif what in (STORAGE, UNTOUCHED):
         node = graph.nodes[graph.storages[index].node]
@@ -48,6 +48,8 @@ def _said(graph: FlatGraph, elements: Sequence[int], what: int, index: int) -> t
     else:
         ports = [law.node for m in graph.machines if m.law is not None for law in m.law.junctions]
         node = graph.nodes[ports[index]]
+    if what == MANY:
+        return node.path, ONE_SOLUTION
     own = KEPT if what == UNTOUCHED else IMPACTS if what == IMPACT else _law(node)
     return node.path, own
 
@@ -62,10 +64,14 @@ def unsound_refusal(found: Sequence[Violation], t_end: float) -> NumericsError:
     """Return what a run says in which laws do not hold."""
     first = found[0]
     more = f" (and {len(found) - 1} more)" if len(found) > 1 else ""
+    many = first.law == ONE_SOLUTION
     return NumericsError(
         f"{first}{more}; the run went on to t = {t_end:.9g} s, and its values are wrong from there "
         "on",
         code="HB-N411",
         where=first.place,
-        hint="compare with solver = 'moreau-jean', and report the model: no model should do this",
+        hint="give the loop what it has been idealised of: a small C or I where it feeds back, or "
+        "a machine of two states for a comparator"
+        if many
+        else "compare with solver = 'moreau-jean', and report the model: no model should do this",
     )

@@ -16,6 +16,7 @@ from hybond.engine.checks.noting import (
     APART,
     ELEMENT,
     IMPACT,
+    MANY,
     STORAGE,
     UNFIRED,
     UNTOUCHED,
@@ -297,6 +298,9 @@ def put_unsound(e: Engine) -> None:
     elif c.what == UNFIRED or c.what == APART:
         put_text("the guard ")
         put_text(rule_text(m, c.index))
+    elif c.what == MANY:
+        put_text("another solution of ")
+        put_text(node_name(m, m.element_node[c.index]))
     elif c.what == IMPACT:
         put_text("the impact of ")
         put_text(node_name(m, m.port_node[c.index]))

@@ -1,0 +1,133 @@
+"""What netlists of people who never saw hybond ran into, against closed forms."""
+
+import math
+
+import pytest
+
+import hybond as hb
+from hybond.circuits.measured import measure
+
+
+@pytest.fixture
+def read(tmp_path):
+    def made(*rows):
+        path = tmp_path / "test.cir"
+        path.write_text("\n".join(["Title", *rows, ".end"]))
+        return hb.read_circuit(path)
+
+    return made
+
+
+@pytest.fixture
+def measured(read):
+    def run(*rows):
+        conversion = read(*rows)
+        result = hb.simulate(conversion.model)
+        assert result.status == "ok"
+        return measure(result, conversion.measures)
+
+    return run
+
+
+@pytest.mark.parametrize(
+    ("law", "value"),
+    [
+        ("V = {k}*V(a) - {m}", 2 * 3 - 7),
+        ("V = {k*2}*abs(V(a)-{m})/10", 4 * 4 / 10),
+        ("V = min(max(-{m}, {k}*V(a)*100), {m})", 7),
+        ("V = {k+m}", 9),
+        ("V={{k}*V(a)}", 6),
+        ("V = V(a) > {k} ? {m} : -{m}", 7),
+    ],
+)
+def test_parameters_in_braces_within_an_expression(measured, law, value):
+    found = measured(
+        ".param k=2 m=7", "V1 a 0 3", "R0 a 0 1k", f"B1 b 0 {law}", "R1 b 0 1",
+        ".tran 0 1m", ".meas tran x AVG v(b)",
+    )  # fmt: skip
+    assert found["x"] == pytest.approx(value, rel=1e-12)
+
+
+def test_a_brace_that_is_not_closed_is_refused(read):
+    with pytest.raises(hb.FileError, match="is missing"):
+        read("V1 a 0 3", "B1 b 0 V = {2*V(a)", "R1 b 0 1", ".tran 0 1m")
+
+
+def test_the_rest_of_a_circuit_whose_values_are_parameters(measured):
+    found = measured(
+        ".param R=2k C={tau/R} tau=1m k=3", "V1 a 0 PULSE(6 0 0 1p 1p 1 2)", "R1 a b {R}",
+        "R2 b 0 {2*R}", "C1 b 0 {C}", "X1 b c buffer gain={k}", "C2 c d {C}", "R3 d 0 {R}",
+        ".subckt buffer i o gain=1", "E1 o 0 i 0 {gain}", ".ends",
+        ".tran 0 2m", ".meas tran begin FIND v(b) AT=1n", ".meas tran later FIND v(b) AT=1m",
+    )  # fmt: skip
+    assert found["begin"] == pytest.approx(4.0, rel=1e-5)
+    # discharged through R and 2R side by side
+    assert found["later"] == pytest.approx(4.0 * math.exp(-1.5), rel=1e-6)
+
+
+def test_a_step_whose_start_is_a_rest_says_with_which_values(read):
+    rows = ("R1 a b 1k", "R2 b 0 {R}", "C1 b 0 1u", ".param R=1k", ".step param R list 1k 2k")
+    said = read("V1 a 0 1", *rows, ".tran 0 1m").warnings
+    assert any("all runs of the steps begin there" in str(w) for w in said)
+    assert not read("V1 a 0 1", *rows, ".tran 0 1m uic").warnings
+
+
+@pytest.mark.parametrize("tc", ["tc=0.001,2e-6", "tc=1m 2u", "tc1=1m tc2=2u", "tc=0.001, 0 "])
+def test_coefficients_of_temperature(measured, tc):
+    found = measured(
+        "V1 a 0 10", f"R1 a b 1k {tc}", "R2 b 0 4k", ".tran 0 1m", ".meas tran x AVG v(b)"
+    )
+    assert found["x"] == pytest.approx(8.0, rel=1e-12)
+
+
+INSIDE = ("X1 a b part", ".subckt part i o", "V1 i m 0", "R1 m o 3k", ".ends")
+
+
+@pytest.mark.parametrize(
+    "current",
+    ["i(X1.V1)", "i(v.x1.v1)", "v.x1.v1#branch", "@r.x1.r1[i]", "-i(V1)", "-v1#branch", "@r2[i]"],
+)
+def test_currents_as_ngspice_calls_them(measured, current):
+    found = measured(
+        "V1 a 0 8", *INSIDE, "R2 b 0 1k", ".tran 0 1m", f".meas tran x AVG par('2*{current}')",
+        f".print tran v(b) {current.lstrip('-')}",
+    )  # fmt: skip
+    assert found["x"] == pytest.approx(4e-3, rel=1e-12)
+
+
+def test_a_source_that_drives_nothing_can_be_looked_at_after_the_run(read):
+    deck = read(
+        "V1 a 0 SIN(0 2 1k)", "R1 a 0 1k", "B1 w 0 V = V(a)*V(a)", "E1 d 0 a 0 3",
+        "B2 c 0 V = V(a) > 1 ? 5 : 0", ".tran 0 2m",
+    )  # fmt: skip
+    run = hb.simulate(deck.model)
+    assert run[deck.signal("v(w)")].mean() == pytest.approx(2.0, rel=1e-6)
+    assert run[deck.signal("v(d)")].at(0.25e-3) == pytest.approx(6.0, rel=1e-6)
+    # the third of a period in which a sine is above one half
+    assert run[deck.signal("v(c)")].mean() == pytest.approx(5 / 3, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("law", "value"),
+    [
+        ("int(V(a)/4) - 10*int(-V(a)/4)", 1 + 10),
+        ("nint(V(a)/4) + round(V(a)/2.9)", 2 + 2),
+        ("stp(V(a)-1) + 2*stp(1-V(a))", 1),
+        ("pwrs(-V(a), 1.5) + pwrs(V(a), 2)", 49 - 7**1.5),
+        ("buf(V(a)) + 2*inv(V(a))", 1),
+        ("asinh(V(a)) - asinh(-V(a))", 2 * math.asinh(7)),
+        ("acosh(V(a)) + atanh(V(a)/10)", math.acosh(7) + math.atanh(0.7)),
+        ("arcsin(V(a)/10) + arccos(V(a)/10)", math.pi / 2),
+    ],
+)
+def test_functions_of_other_simulators(measured, law, value):
+    found = measured(
+        "V1 a 0 7", "R0 a 0 1k", f"B1 b 0 V = {law}", "R1 b 0 1", ".tran 0 1m",
+        ".meas tran x AVG v(b)",
+    )  # fmt: skip
+    assert found["x"] == pytest.approx(value, rel=1e-12)
+
+
+def test_a_function_that_simulators_disagree_on_is_refused(read):
+    with pytest.raises(hb.FileError, match=r"pwrs\(x, y\)"):
+        read("V1 a 0 7", "B1 b 0 V = pwr(V(a), 2)", "R1 b 0 1", ".tran 0 1m")
