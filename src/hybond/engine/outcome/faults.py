@@ -74,6 +74,10 @@ HINTS = {
     "law = 'coulomb' or 'relay', or a machine with a controlled junction, which slides",
     "HB-N409": "leave out what is so fast, or raise max_steps",
 }
+TIME_STAYS = (
+    "guards are levels, and a time that has come stays: say until when, "
+    "time >= 1 [s] and time < 3 [s], or lead on to a state of its own"
+)
 SMALL_STEPS = ("HB-N201", "HB-N409")
 KINDS: dict[str, type[HybondError]] = {
     "HB-C": CausalityError,
@@ -189,6 +193,7 @@ def _cycle(
 ) -> Said:
     """Tell the modes that follow each other, each with what led to it."""
     lines: list[str] = []
+    hint = ""
     focus: set[str] = set()
     last = fault.mode
     if broken is not None:
@@ -206,7 +211,10 @@ def _cycle(
             begin -= 1
         visited = visited[begin : begin + period + 1]
         visited[0] = (visited[0][0], ())
-        focus = {f.machine for _, fired in visited for f in fired}
+        all_fired = [f for _, fired in visited for f in fired]
+        focus = {f.machine for f in all_fired}
+        if all(set(f.values) == {"time"} for f in all_fired):
+            hint = TIME_STAYS
         last = visited[-1][0]
         for mode, fired in visited:
             why = "; ".join(_fired_text(f) for f in fired)
@@ -216,7 +224,7 @@ def _cycle(
         + " -> ".join(lines)
         + " follow each other without end"
     )
-    return Said(why, graph.mode_text(last, focus))
+    return Said(why, graph.mode_text(last, focus), hint)
 
 
 def _period(modes: list[Mode]) -> int:
