@@ -66,7 +66,8 @@ def goes_to_rest(e: Engine, r: Run, atom: int, kink: int) -> bool:
     left = away
     for turn in range(PASSES):
         speed = speed_of(e, r, atom, r.after, left)
-        if not (speed * left < 0.0 and math.isfinite(speed)):
+        # where a storage bends the straight way leads a little beyond rest: the next one leads back
+        if not (speed * away < 0.0 and math.isfinite(speed)):
             return False
         if turn == 0:
             beside = speed
