@@ -213,7 +213,7 @@ def _cycle(
         visited[0] = (visited[0][0], ())
         all_fired = [f for _, fired in visited for f in fired]
         focus = {f.machine for f in all_fired}
-        if all(set(f.values) == {"time"} for f in all_fired):
+        if all_fired and all(set(f.values) == {"time"} for f in all_fired):
             hint = TIME_STAYS
         last = visited[-1][0]
         for mode, fired in visited:
