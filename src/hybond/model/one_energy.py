@@ -39,11 +39,12 @@ def check_energies(graph: FlatGraph) -> None:
     """
     for node in graph.nodes:
         law = node.law
-        if node.kind in STORAGES and law is not None and law.matrix is None:
-            if len(law.expressions) > 1:
-                own = (s for s in graph.storages if s.node == node.index)
-                starts = [plain(s.start) if s.start_is == "stored" else 0.0 for s in own]
-                _check_field(node, law, starts)
+        if node.kind not in STORAGES or law is None or law.matrix is not None:
+            continue
+        if len(law.expressions) > 1:
+            own = (s for s in graph.storages if s.node == node.index)
+            starts = [plain(s.start) if s.start_is == "stored" else 0.0 for s in own]
+            _check_field(node, law, starts)
 
 
 def _check_field(node: Node, law: Law, starts: Sequence[float]) -> None:
