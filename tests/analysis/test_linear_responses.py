@@ -75,6 +75,22 @@ def test_margins_of_a_loop_in_closed_form() -> None:
     assert grown.gain == pytest.approx(0.5, rel=1e-12) and grown.phase < 0.0
 
 
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_pole_on_the_axis_is_no_crossing(sign: float) -> None:
+    """A gain margin of nan was told, or one of nothing, at the frequency of an undamped swing."""
+
+    def loop(f: np.ndarray) -> np.ndarray:
+        s = 2j * np.pi * f
+        with np.errstate(all="ignore"):
+            return sign * s / (s * s + 100.0)
+
+    # never real but at the pole, where its sign turns; |L| = 1 where |w^2 - 100| = w
+    found = margins_of(loop, np.logspace(-3, 3, 301))
+    assert found.gain is None and found.gain_at is None
+    at = 2 * np.pi * found.phase_at
+    assert abs(at * at - 100.0) == pytest.approx(at, rel=1e-9)
+
+
 def test_a_pole_at_the_origin_has_no_gain_at_rest() -> None:
     m = hb.Model("free", domain="translational")
     m.add(F=hb.Se("1 N"), v=hb.One(), m=hb.I("2 kg"))
