@@ -118,12 +118,31 @@ def test_a_restitution_may_read_the_speed_of_approach() -> None:
     np.testing.assert_allclose([first, second - first], [fast / 9.81, 2 * slow / 9.81], rtol=1e-9)
 
 
-def test_times_that_stay_are_said_to_stay() -> None:
-    """The remedy spoke of a threshold on pre(), where only clocks were read."""
+RULES = {
+    "time >= 1 [s] and not (time >= 3 [s])": "time >= 3 [s]",
+    "turned > 2 and not (turned > 5)": "turned > 5",
+}
+
+
+@pytest.mark.parametrize("repaired", RULES)
+def test_guards_that_hold_at_once_are_told_how_to_exclude_each_other(repaired: str) -> None:
+    """The remedy spoke of a threshold on pre(), where what is read does not jump at all."""
+    back = RULES[repaired]
     m = hb.Model("coupling", domain="rotational")
     m.add(a=hb.I(1, f=2), b=hb.I(2), wa=hb.One(), wb=hb.One(), c=hb.Zero())
     m.bond("wa -> a", "wb -> b", "wa -> c -> wb")
-    rules = ["off -> on when time >= 1 [s]", "on -> off when time >= 3 [s]"]
-    m.machine("dog", states={"off": [], "on": ["c"]}, start="off", rules=rules)
-    with pytest.raises(hb.DivergenceOfTime, match="a time that has come stays"):
-        hb.simulate(m, 4.0)
+    m.signal(turned=hb.Integral("wa.f"))
+
+    def dog(first: str) -> hb.Result:
+        m.machines.clear()
+        rules = [f"off -> on when {first}", f"on -> off when {back}"]
+        m.machine("dog", states={"off": [], "on": ["c"]}, start="off", rules=rules)
+        return hb.simulate(m, 9.0)
+
+    with pytest.raises(hb.DivergenceOfTime) as caught:
+        dog(repaired.partition(" and not")[0])
+    assert f"write {repaired}, or" in caught.value.hint
+    run = dog(repaired)
+    # once on, both turn at 2/3, and stay so
+    assert [len(e.steps[-1].fired) for e in run.events[1:]] == [1, 1]
+    assert run["wb.f"].at(9.0) == pytest.approx(2 / 3, rel=1e-12)

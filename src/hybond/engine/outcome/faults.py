@@ -74,10 +74,6 @@ HINTS = {
     "law = 'coulomb' or 'relay', or a machine with a controlled junction, which slides",
     "HB-N409": "leave out what is so fast, or raise max_steps",
 }
-TIME_STAYS = (
-    "guards are levels, and a time that has come stays: say until when, "
-    "time >= 1 [s] and time < 3 [s], or lead on to a state of its own"
-)
 SMALL_STEPS = ("HB-N201", "HB-N409")
 KINDS: dict[str, type[HybondError]] = {
     "HB-C": CausalityError,
@@ -213,8 +209,7 @@ def _cycle(
         visited[0] = (visited[0][0], ())
         all_fired = [f for _, fired in visited for f in fired]
         focus = {f.machine for f in all_fired}
-        if all_fired and all(set(f.values) == {"time"} for f in all_fired):
-            hint = TIME_STAYS
+        hint = _levels(all_fired)
         last = visited[-1][0]
         for mode, fired in visited:
             why = "; ".join(_fired_text(f) for f in fired)
@@ -225,6 +220,21 @@ def _cycle(
         + " follow each other without end"
     )
     return Said(why, graph.mode_text(last, focus), hint)
+
+
+def _levels(fired: list[Fired]) -> str:
+    """Return what helps where guards follow each other that hold at once, for the same values."""
+    values: dict[str, float] = {}
+    for f in fired:
+        if f.impulses or any(values.setdefault(k, a) != a for k, a in f.values.items()):
+            return ""
+    if not values or len(fired) != 2 or fired[0].machine != fired[1].machine:
+        return ""
+    back, again = fired[0].guard, fired[1].guard
+    return (
+        "guards are levels, and these hold at once: write "
+        f"{again} and not ({back}), or lead on to a state of its own"
+    )
 
 
 def _period(modes: list[Mode]) -> int:
