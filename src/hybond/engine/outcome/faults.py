@@ -231,6 +231,7 @@ def _levels(fired: list[Fired]) -> str:
     if not values or len(fired) != 2 or fired[0].machine != fired[1].machine:
         return ""
     back, again = fired[0].guard, fired[1].guard
+    again = f"({again})" if " or " in again else again
     return (
         "guards are levels, and these hold at once: write "
         f"{again} and not ({back}), or lead on to a state of its own"
