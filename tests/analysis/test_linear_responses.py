@@ -1,5 +1,6 @@
 """Steps, Bode, margins, zeros of a linearisation: SciPy and closed forms say what is right."""
 
+import math
 from pathlib import Path
 
 import numpy as np
@@ -73,6 +74,22 @@ def test_margins_of_a_loop_in_closed_form() -> None:
     # twice the margin: the loop has grown past it, and the margin is a reduction
     grown = margins_of(lambda f: 10.0 * loop(f), np.logspace(-1, 5, 301))
     assert grown.gain == pytest.approx(0.5, rel=1e-12) and grown.phase < 0.0
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_pole_on_the_axis_is_no_crossing(sign: float) -> None:
+    """A gain margin of nan was told, or one of nothing, at the frequency of an undamped swing."""
+
+    def loop(f: np.ndarray) -> np.ndarray:
+        s = 2j * np.pi * f
+        with np.errstate(all="ignore"):
+            return sign * s / (s * s + 100.0) - 1e-3
+
+    # never real but at the pole, where its sign turns
+    found = margins_of(loop, np.logspace(-3, 3, 301))
+    assert found.gain is None and found.gain_at is None
+    at = 2 * np.pi * found.phase_at
+    assert abs(at * at - 100.0) == pytest.approx(at / math.sqrt(1 - 1e-6), rel=1e-9)
 
 
 def test_a_pole_at_the_origin_has_no_gain_at_rest() -> None:

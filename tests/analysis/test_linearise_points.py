@@ -173,6 +173,8 @@ def test_a_root_at_its_end_has_no_slope() -> None:
     with pytest.raises(HybondError) as refused:
         hb.linearise(m)
     assert refused.value.code == "HB-A506" and refused.value.where == "o"
+    # in names of the model, not of its flat graph
+    assert '"n -> o".f - sqrt("n -> o".e) has no finite slope by "n -> o".e' in refused.value.why
 
 
 def ball() -> hb.Model:

@@ -93,3 +93,33 @@ def test_a_domain_that_a_field_says_is_that_of_all_its_ports() -> None:
     m.elements["plates"] = hb.C([[1, 0.5], [0.5, 2]], domain="electrical")
     with pytest.raises(hb.ModelError, match="HB-M134"):
         m.flatten()
+
+
+ENERGIES = {
+    "twice the force": (["q1*q2/eA", "q1^2/eA"], [(0.0, 0.0), (1e-6, 1e-3), (0.0, 1e-3)]),
+    "turned round": (["q1*q2/eA", "-q1^2/(2*eA)"], [(0.0, 0.0), (1e-6, 1e-3)]),
+    "one way": (["q1*q2/eA", "0"], [(1e-6, 1e-3)]),
+}
+
+
+@pytest.mark.parametrize("name", ENERGIES)
+def test_a_bent_field_that_would_make_energy_is_refused(name: str) -> None:
+    """In a cycle around, what one port gives is not what the other takes."""
+    laws, starts = ENERGIES[name]
+    for start in starts:
+        m = microphone()
+        m.elements["plates"] = hb.C({"e": laws}, q=list(start))
+        with pytest.raises(hb.ModelError, match="no one energy") as caught:
+            m.flatten()
+        assert caught.value.code == "HB-M163" and caught.value.where == "elements.plates.C"
+
+
+def test_fields_with_an_energy_in_pieces_are_not() -> None:
+    for laws in (
+        ["q1*max(q2, 0)/eA", "if q2 > 0 then q1^2/(2*eA) else 0"],
+        ["q1*(1 [mm] + q2)/eA", "q1^2/(2*eA) + 5 [N/m]*q2"],
+        ["1 [V/m]*q2*log(q1/(1 [C]))", "1 [V/m]*q1*(log(q1/(1 [C])) - 1)"],
+    ):
+        m = microphone()
+        m.elements["plates"] = hb.C({"e": laws}, q=[1e-6, 1e-3])
+        m.flatten()

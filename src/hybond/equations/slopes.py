@@ -11,16 +11,17 @@ from hybond.equations.element_parts import configure
 from hybond.errors import EquationError
 from hybond.model.expressions import (
     Expr,
+    Name,
     Number,
     compile_expression,
     differentiate,
     names,
     simplify,
-    to_text,
     turning,
 )
 from hybond.model.expressions.slots import PREFIX, is_slotted, plain, tree_of
 from hybond.model.expressions.tree import transform
+from hybond.model.fieldless import describe
 from hybond.model.graph import FlatGraph
 from hybond.model.kinds import SOURCES
 
@@ -126,7 +127,8 @@ class Slopes:
         value = self.value(slope)
         if not math.isfinite(value):
             raise EquationError(
-                f"{to_text(e)} has no finite slope by {name} at this point",
+                f"{describe(self.graph, e)} has no finite slope by "
+                f"{describe(self.graph, Name(name))} at this point",
                 code="HB-A506",
                 where=where,
                 hint="a root or a quotient at its end: take a point beside it",
@@ -164,7 +166,7 @@ class Slopes:
             self.straight = False
             value = self.value(turns)
             if abs(value) <= KINK * self._size(turns):
-                text = f"{where}: {to_text(turns)} = 0"
+                text = f"{where}: {describe(self.graph, turns)} = 0"
                 if text not in self.kinks:
                     self.kinks.append(text)
 
@@ -219,7 +221,7 @@ class ConstantSlopes(Slopes):
                 hint="linearise at a point: hb.linearise",
             )
         return EquationError(
-            f"{to_text(e)} is not linear with constant coefficients",
+            f"{describe(self.graph, e)} is not linear with constant coefficients",
             code="HB-E671",
             where=where,
             hint="linearise at a point: hb.linearise; or make what it reads an input or a "

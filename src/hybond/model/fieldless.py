@@ -49,8 +49,10 @@ def checked(graph: FlatGraph) -> FlatGraph:
     ModelError
         HB-M170 a law that reads ``pre()`` in every mode, or of an element that may not;
         HB-M171 an exit from a fieldless state that reads a posteriori values; HB-M172 a
-        fieldless state without exit.
+        fieldless state without exit; HB-M207 a restitution that reads what the impact changes.
     """
+    for machine in graph.machines:
+        _check_restitution(graph, machine)
     laws = [n for n in graph.nodes if reads_pre(n)]
     for node in laws:
         where = f"elements.{node.path}"
@@ -120,6 +122,30 @@ def _check_exits(graph: FlatGraph, machine: Machine, state: int) -> None:
                         where=where,
                         hint="read stored quantities, their co-energy variables or integrals",
                     )
+
+
+def _check_restitution(graph: FlatGraph, machine: Machine) -> None:
+    """Refuse a restitution that the impact itself would change: it is decided before."""
+    eps = None if machine.law is None else machine.law.restitution
+    if eps is None:
+        return
+    for name in sorted(posterior_names(eps)):
+        if _is_jumping(graph, name):
+            said = describe(graph, Name(name))
+            raise ModelError(
+                f"the restitution of {machine.path!r} reads {said}, which the impact changes",
+                code="HB-M207",
+                where=f"elements.{machine.path}.restitution",
+                hint=f"pre({said}) is what it was before the impact",
+            )
+
+
+def _is_jumping(graph: FlatGraph, name: str) -> bool:
+    """Whether an impact changes a variable: momentum, a flow, an effort that no C decides."""
+    kind, _, index = name.partition(":")
+    if kind == "x":
+        return graph.storages[int(index)].kind == "I"
+    return kind == "f" or (kind == "e" and not _is_stored(graph, name))
 
 
 def _is_stored(graph: FlatGraph, name: str) -> bool:

@@ -26,6 +26,7 @@ from hybond.model.lawbook import law_of, start_of
 from hybond.model.located import locate
 from hybond.model.machines import machines_of, rule_of, switched_by, with_laws_of_junctions
 from hybond.model.misfits import units_of
+from hybond.model.one_energy import check_energies
 from hybond.model.parametric import Parametric, parametric
 from hybond.model.parts import Value
 from hybond.model.paths import settable_like, with_parts
@@ -168,6 +169,7 @@ def _flatten(
         locate=lambda error: locate(error, model, asked),
     )
     check_readers(graph)
+    check_energies(graph)
     return with_flat_pieces(fieldless.checked(graph))
 
 

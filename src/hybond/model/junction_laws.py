@@ -43,7 +43,7 @@ from hybond.model.parts import MachinePart, Part, Value
 from hybond.model.planar_friction import keep, pairs_of, planar_parts
 from hybond.model.resolve import Resolver, balance
 from hybond.names import did_you_mean, is_number, join
-from hybond.units import Dimension, parse_unit, try_quantity
+from hybond.units import DIMENSIONLESS, Dimension, parse_unit, try_quantity
 
 _TIME = parse_unit("s")[1]
 
@@ -55,8 +55,8 @@ LAWS: dict[str, tuple[str, ...]] = {
     "relay": ("limit", "breakaway", "impulsive", "pair"),
 }
 """Each law and the options that it may have."""
-_WITH_UNITS = ("limit", "breakaway", "gap")
-_READ = (*_WITH_UNITS, "gate", "restitution", "stiffness")
+_WITH_UNITS = ("limit", "breakaway", "gap", "restitution")
+_READ = (*_WITH_UNITS, "gate", "stiffness")
 """Options that are expressions."""
 NEEDED = {"thyristor": "gate", "coulomb": "limit", "relay": "limit"}
 _LAW_ONLY = ("law", "gap", "gate", "restitution", "stiffness", "limit", "breakaway", "pair")
@@ -289,7 +289,7 @@ def check_units(
     Raises
     ------
     UnitError
-        HB-U103 for a limit, breakaway or gap in the wrong unit.
+        HB-U103 for a limit, breakaway, gap or restitution in the wrong unit.
     """
     for option in _WITH_UNITS:
         if option in written.part.options:
@@ -321,11 +321,15 @@ def _option(
     found = resolver.dimension(tree, dimensions, at)
     target = _wanted(option, node, dimensions)
     if target is not None and found is not None and found != target:
+        plain_number = target == DIMENSIONLESS
         raise UnitError(
-            f"{value!r} is in {found}; {option} is in {target}",
+            f"{value!r} is in {found}; {option} is "
+            + ("a number without a unit" if plain_number else f"in {target}"),
             code="HB-U103",
             where=at,
-            hint=f"give it in {target}",
+            hint=f"divide by a reference: ({value})/(1 [{found}])"
+            if plain_number
+            else f"give it in {target}",
         )
     return simplify(without_units(tree))
 
@@ -334,6 +338,8 @@ def _wanted(
     option: str, node: Node, dimensions: Mapping[str, Dimension | None]
 ) -> Dimension | None:
     """Return the dimension that an option must have, None if it may have any."""
+    if option == "restitution":
+        return DIMENSIONLESS
     if option not in _WITH_UNITS or not node.ends:
         return None
     net = dimensions.get(f"{_variables(node.kind)[1]}:{node.ends[0].bond}")

@@ -14,6 +14,9 @@ from hybond.units import format_quantity
 CLEAR = 1e-12
 """Part of a value below which its imaginary part is rounding."""
 
+CROSSES = 1e-6
+"""Part of a value that its imaginary part is at most where it crosses the axis."""
+
 
 @dataclass(frozen=True, slots=True)
 class Margins:
@@ -85,8 +88,11 @@ def margins_of(response: Callable[[Any], NDArray[np.complex128]], f: NDArray[Any
     f, values = f[clear], values[clear]
     for k in np.flatnonzero(np.diff(values.imag > 0.0)):
         at = _crossing(lambda x: float(response(np.array([x]))[0].imag), f[k], f[k + 1])
-        real = float(response(np.array([at]))[0].real)
-        if real >= 0.0:
+        value = complex(response(np.array([at]))[0])
+        # through a pole on the axis the phase turns where nothing is finite: that is no crossing
+        turns = not np.isfinite(value) or abs(value.imag) > CROSSES * abs(value)
+        real = value.real
+        if turns or real >= 0.0:
             continue
         own = -1.0 / real
         if best_gain is None or abs(np.log(own)) < abs(np.log(best_gain[0])):

@@ -25,6 +25,7 @@ from hybond.engine.laws.law_instant import (
     clean,
     find_able,
     find_rounding,
+    hold_restitution,
     make_consistent,
     quantity,
 )
@@ -68,6 +69,9 @@ def strike_at_once(e: Engine, r: Laws, x: Floats) -> int:
         return NOTHING_STRIKES
     i = r.impact
     take_contacts(m, r, i)
+    for at in range(i.n):
+        if i.v[at] < 0.0 and hold_restitution(e, r.tried[at], i.eps[at], r.t) != OK:
+            return REFUSES
     found = exchange_impulses(i, m.impact)
     if found != EXCHANGED:
         return refuse_impact(e, r, found)

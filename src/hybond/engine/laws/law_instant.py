@@ -19,6 +19,7 @@ from hybond.engine.mode.storage import energy_of
 from hybond.engine.mode.tableau import COMMON
 from hybond.engine.mode.values import set_values
 from hybond.engine.model import Model
+from hybond.engine.reasons.facts import add_fact
 from hybond.engine.words import Floats, Ints
 
 LAW_ZERO: Final = 1e-12
@@ -35,6 +36,22 @@ NO_LAW_VALUE: Final = -2
 def quantity(m: Model, law: Ints, constant: Floats, k: int, v: Floats) -> float:
     """Return the value of an option of law k."""
     return constant[k] if law[k] < 0 else value(m, law[k], v)
+
+
+def hold_restitution(e: Engine, k: int, eps: float, t: float) -> int:
+    """Refuse an impact whose restitution is below zero, or none: the body would go on into it."""
+    if eps >= 0.0:
+        return OK
+    m = e.model
+    why = "the restitution of this impact is below zero"
+    if eps != eps:
+        why = "the restitution of this impact has no value"
+    say_fault(e, "HB-N412", why, node_name(m, m.port_node[k]))
+    if m.tells != 0:
+        add_fact(e.fault, float(m.port_machine[k]))
+        add_fact(e.fault, eps)
+    e.fault.t = t
+    return REFUSED
 
 
 def take_instant(e: Engine, r: Laws, t: float, s: Floats, state: Ints) -> None:

@@ -33,6 +33,7 @@ from hybond.engine.laws.law_instant import (
     find_able,
     find_rounding,
     find_start,
+    hold_restitution,
     is_stored,
     make_consistent,
     passive_role,
@@ -111,6 +112,8 @@ def find_jumping(e: Engine, r: Laws, x: Floats) -> int:
         if m.port_restitution[k] != NO_LAW_VALUE and r.now.given[k] == COMMON and stored:
             own = quantity(m, m.port_restitution, m.port_restitution_constant, k, r.v)
             r.rebound[k] = own
+            if r.able[k] != 0 and r.y[k] < 0.0 and hold_restitution(e, k, own, r.t) != OK:
+                return -1
         # what rebounds enters one after another; what does not stays together, as in one problem
         joins = r.rebound[k] == 0.0 or r.y[k] < 0.0 or r.at_once
         taking = one_sided and r.able[k] != 0 and joins

@@ -39,6 +39,7 @@ from hybond.engine.methods.radau_stages import (
     iterate_stages,
     mean_size,
     rate_at,
+    rests,
 )
 from hybond.engine.methods.scale import CREEPS, ROUNDED, measure_again, tolerance
 from hybond.engine.methods.strayed import strayed
@@ -154,6 +155,9 @@ def filtered_error(r: Radau, f: Floats) -> float:
             + ERROR_WEIGHT[2] / r.h * r.z[2 * n + i]
         )
     lu_solve(n, r.real, r.real_row, 1, r.error_vector)
+    for i in range(n):
+        if rests(r, i):
+            r.error_vector[i] = 0.0
     return mean_size(n, 1, r.error_vector, r.other)
 
 

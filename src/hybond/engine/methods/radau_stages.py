@@ -99,6 +99,9 @@ def foresee(r: Radau) -> None:
                 + (x * x - r.origin) * r.polynomial[n + i]
                 + (x * x * x - r.origin) * r.polynomial[2 * n + i]
             )
+            if r.y0[i] == 0.0 and r.f0[i] == 0.0:
+                # where it stays nothing it is found so from nothing
+                r.z[s * n + i] = 0.0
 
 
 def stage_time(r: Radau, s: int) -> float:
@@ -157,8 +160,24 @@ def correct_stages(r: Radau) -> None:
         for i in range(n):
             half = PAIR_OUT_RE[s] * r.x_re[i] - PAIR_OUT_IM[s] * r.x_im[i]
             r.last[s * n + i] = REAL_OUT[s] * r.x_real[i] + 2.0 * half
-            r.z[s * n + i] += r.last[s * n + i]
+    for i in range(n):
+        if rests(r, i):
+            for s in range(3):
+                r.last[s * n + i] = -r.z[s * n + i]
+    for k in range(3 * n):
+        r.z[k] += r.last[k]
     place_stages(r)
+
+
+def rests(r: Radau, i: int) -> bool:
+    """Whether a state that is nothing has no rate where the step begins, nor at any stage.
+
+    It stays: what slopes from beyond a kink, or what was foreseen, would leave of it is nothing
+    that a tolerance could be made of.
+    """
+    n = r.n
+    still = r.y0[i] == 0.0 and r.f0[i] == 0.0
+    return still and r.f[i] == 0.0 and r.f[n + i] == 0.0 and r.f[2 * n + i] == 0.0
 
 
 def mean_size(n: int, rows: int, x: Floats, unit: Floats) -> float:

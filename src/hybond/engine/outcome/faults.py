@@ -187,6 +187,7 @@ def _cycle(
 ) -> Said:
     """Tell the modes that follow each other, each with what led to it."""
     lines: list[str] = []
+    hint = ""
     focus: set[str] = set()
     last = fault.mode
     if broken is not None:
@@ -204,7 +205,9 @@ def _cycle(
             begin -= 1
         visited = visited[begin : begin + period + 1]
         visited[0] = (visited[0][0], ())
-        focus = {f.machine for _, fired in visited for f in fired}
+        all_fired = [f for _, fired in visited for f in fired]
+        focus = {f.machine for f in all_fired}
+        hint = _levels(all_fired)
         last = visited[-1][0]
         for mode, fired in visited:
             why = "; ".join(_fired_text(f) for f in fired)
@@ -214,7 +217,23 @@ def _cycle(
         + " -> ".join(lines)
         + " follow each other without end"
     )
-    return Said(why, graph.mode_text(last, focus))
+    return Said(why, graph.mode_text(last, focus), hint)
+
+
+def _levels(fired: list[Fired]) -> str:
+    """Return what helps where guards follow each other that hold at once, for the same values."""
+    values: dict[str, float] = {}
+    for f in fired:
+        if f.impulses or any(values.setdefault(k, a) != a for k, a in f.values.items()):
+            return ""
+    if not values or len(fired) != 2 or fired[0].machine != fired[1].machine:
+        return ""
+    back, again = fired[0].guard, fired[1].guard
+    again = f"({again})" if " or " in again else again
+    return (
+        "guards are levels, and these hold at once: write "
+        f"{again} and not ({back}), or lead on to a state of its own"
+    )
 
 
 def _period(modes: list[Mode]) -> int:

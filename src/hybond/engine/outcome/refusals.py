@@ -318,6 +318,17 @@ def _limits(c: Case) -> Said:
     return Said(why, path, "a size: abs(...), or the other sign of the force that it follows")
 
 
+def _restitution(c: Case) -> Said:
+    number, eps = c.refusal.about
+    path = c.graph.machines[int(number)].path
+    told = "no number" if math.isnan(eps) else f"{eps:.6g}"
+    return Said(
+        f"the restitution of {path!r} is {told} in the impact {c.now}",
+        f"elements.{path}.restitution",
+        "0 (plastic) to 1 (elastic); min() and max() bound an expression",
+    )
+
+
 def _gap(c: Case) -> Said:
     port, opening, closing = c.refusal.about
     laws = [law for m in c.graph.machines if m.law is not None for law in m.law.junctions]
@@ -407,6 +418,7 @@ WORDS: Mapping[str, Callable[[Case], Said]] = {
     "HB-N407": _limits,
     "HB-N408": _slides_on,
     "HB-N410": _rate_jumps,
+    "HB-N412": _restitution,
 }
 NO_NUMBERS = (
     "HB-C103",

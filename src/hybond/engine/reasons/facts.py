@@ -22,6 +22,7 @@ HB-N407    the machine; the limit; that of breaking loose
 HB-N408    1 if no end of a slip is found, 0 if no step follows it; the machines that slip
 HB-N409    the mean step, s
 HB-N410    the integrated signal whose rate jumps; nothing if it is another that does
+HB-N412    the machine; the restitution
 """
 
 from __future__ import annotations

@@ -94,7 +94,8 @@ def leads_to_rest(e: Engine, r: Run, atom: int, away: float) -> float:
     left = away
     for turn in range(PASSES):
         speed = speed_of(e, r, atom, r.after, left)
-        if not (speed * left < 0.0 and math.isfinite(speed)):
+        # where a storage bends the straight way leads a little beyond rest: the next one leads back
+        if not (speed * away < 0.0 and math.isfinite(speed)):
             return 0.0
         if turn == 0:
             beside = speed

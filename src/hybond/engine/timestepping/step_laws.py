@@ -20,6 +20,7 @@ from hybond.engine.laws.law_instant import (
     NO_LAW_VALUE,
     find_able,
     find_start,
+    hold_restitution,
     is_on,
     passive_role,
     quantity,
@@ -136,6 +137,8 @@ def solve_step_laws(
             r.q[k] = 0.0
         if c.deaf[k] != 0 and r.q[k] < 0.0 and r.q[k] >= -ROUNDED_VALUE * s.size:
             r.q[k] = 0.0
+        if s.before[k] < 0.0 and hold_restitution(e, k, s.restitution[k], e.t) != OK:
+            return REFUSED
         r.rebound[k] = s.restitution[k] * s.before[k]
         bounces = bounces or s.restitution[k] != 0.0
         rests = m.port_breakaway[k] != NO_LAW_VALUE and m.port_planar[k] == 0
