@@ -12,6 +12,7 @@ from hybond.engine.outcome.beginnings import Beginning, beginning_by_name, begin
 from hybond.engine.outcome.engine_run import EngineRun
 from hybond.engine.outcome.engines import EngineChoice, Prepared, prepared
 from hybond.engine.outcome.journal import EventFile
+from hybond.engine.outcome.outgrown import outgrown
 from hybond.engine.outcome.steps_run import StepsRun
 from hybond.engine.outcome.unsound import unsound_refusal
 from hybond.engine.tables.options import Settings
@@ -188,6 +189,10 @@ def gone(run: EngineRun | StepsRun, graph: FlatGraph) -> tuple[Status, HybondErr
         status = "interrupted"
     except HybondError as error:
         failure = error
+    if isinstance(run, EngineRun) and status in ("ok", "accumulation"):
+        numbers = run.tables.numbers
+        for text in outgrown(graph, trace, int(numbers["method"]), float(numbers["step"])):
+            trace.warn(text)
     if status in ("ok", "accumulation") and trace.unsound:
         status = "unsound"
         reached = trace.segments[-1].t[-1] if trace.segments else trace.begin

@@ -13,9 +13,10 @@ from hybond.circuits.ideal import IdealSwitch, ideal_diode, ideal_switch
 from hybond.circuits.notices import Notices
 from hybond.circuits.numerals import quantity
 from hybond.circuits.opened import Branch, Opened, Value
+from hybond.circuits.resistive import resistive
 from hybond.circuits.texts import Texts
 from hybond.circuits.waves import Clock, Drive, drive_of
-from hybond.model.expressions import Neg, Number
+from hybond.model.expressions import Expr, Neg, Number
 
 Role = Literal["R", "C", "I", "Se", "Sf", "meter", "diode", "switch", "winding"]
 
@@ -55,6 +56,8 @@ class Leaf:
     """Of a part of another branch, between the same nodes: its key."""
     backward: bool = False
     """Whether its nodes are those of that branch the other way round."""
+    formula: Expr | None = None
+    """Of an R whose law is computed: what it gives, of its own voltage or current."""
 
 
 def leaves_of(
@@ -86,14 +89,16 @@ def leaves_of(
                 _positive(branch)
             found.append(Leaf(branch, "winding", start=branch.start, winding=windings[branch.key]))
         elif branch.law is not None:
-            found.append(Leaf(branch, "Se" if branch.law.imposes == "v" else "Sf"))
+            own = resistive(branch.law, branch.a, branch.b, branch.key)
+            role: Role = "Se" if branch.law.imposes == "v" else "Sf"
+            found.append(Leaf(branch, "R" if own is not None else role, formula=own))
         elif kind in _PLAIN:
             found += _plain(branch, texts, notices)
         elif kind in "vi":
             drive = drive_of(branch, texts, clock)
             if clock.startup and not drive.zero:
                 drive = replace(drive, initial=0.0, constant=False, ramp=RAMP)
-            role: Role = "Sf" if kind == "i" else "meter" if drive.zero else "Se"
+            role = "Sf" if kind == "i" else "meter" if drive.zero else "Se"
             text = f"{RAMP}*({drive.text})" if drive.ramp and drive.input is None else drive.text
             found.append(Leaf(branch, role, text, drive))
         elif kind in "eh":

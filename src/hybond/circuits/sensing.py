@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from hybond.circuits.leaves import Leaf
 from hybond.circuits.notices import Line
 from hybond.circuits.woven import Terms, Woven
+from hybond.names import did_you_mean
 
 _COST = {"Se": 1.0, "C": 1.0, "R": 1.1, "meter": 0.9, "I": 1.2, "winding": 1.2, "Sf": 3.0}
 """Voltages are read off sources and capacitors rather than off switches."""
@@ -67,7 +68,11 @@ class Sensing:
         if k is None:
             k = self.by_key.get(_lettered(key))
         if k is None:
-            raise line.refuse(f"there is no element {key!r}", code="HB-F134", hint="check the name")
+            raise line.refuse(
+                f"there is no element {key!r}",
+                code="HB-F134",
+                hint=did_you_mean(key, self.by_key),
+            )
         found = self.woven.currents.get(k)
         for part in self.beside.get(self.leaves[k].branch.key, ()):
             more = self.woven.currents.get(part)
@@ -88,7 +93,7 @@ class Sensing:
             raise line.refuse(
                 f"there is no node {key!r} in a loop or at a source",
                 code="HB-F134",
-                hint="check the name of the node",
+                hint=did_you_mean(key, self.numbers),
             )
         if self._way is None:
             self._way = self._ways()

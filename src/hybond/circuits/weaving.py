@@ -22,6 +22,7 @@ from hybond.circuits.notices import Notices
 from hybond.circuits.numerals import quantity
 from hybond.circuits.opened import GROUND
 from hybond.circuits.reduction import Tree, reduce_block
+from hybond.circuits.resistive import as_law
 from hybond.circuits.texts import Texts, minus
 from hybond.circuits.windings import Windings
 from hybond.circuits.woven import Woven
@@ -283,7 +284,10 @@ class _Weaver:
             start = leaf.start if sign > 0 else negated(leaf.start)
             key, unit = ("e", "V") if leaf.role == "C" else ("f", "A")
             options[key] = self.texts.value(start, unit)
-        name = self.out.element(k, leaf.role, leaf.text, **options)
+        says: Any = leaf.text
+        if leaf.formula is not None and leaf.branch.law is not None:
+            says = as_law(leaf.branch.law.imposes, leaf.formula, sign)
+        name = self.out.element(k, leaf.role, says, **options)
         self.out.bond(host, name)
         self.out.drops[k] = ((sign, f"{name}.e"),)
         self.out.currents[k] = ((sign, f"{name}.f"),)

@@ -217,7 +217,8 @@ class Assembly:
                     if law is not None:
                         self.signal_of(law, one.name, one.line)
             except FileError as error:
-                self.notices.add(one.line, f"the measurement is left out: {error.why}")
+                remedy = f"; {error.hint}" if error.hint else ""
+                self.notices.add(one.line, f"the measurement is left out: {error.why}{remedy}")
 
     def signal_of(self, law: Law, owner: str, line: Line) -> None:
         """Make a signal of a law, once."""

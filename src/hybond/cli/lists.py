@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterable, Sequence
 
 from hybond.errors import HybondError, ModelError, UsageError
@@ -38,6 +39,25 @@ def split(texts: Iterable[str]) -> list[str]:
                 word += letter
         found.append(word.strip())  # what an open parenthesis or quote has kept
     return [word for word in found if word]
+
+
+_SUFFIX = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+))\s?([kunpµμ])")
+_POWERS = {"k": 3, "u": -6, "µ": -6, "μ": -6, "n": -9, "p": -12}
+
+
+def scaled(text: str) -> str:
+    """Return a number with a prefix and no unit, as circuits have it, as a plain number.
+
+    Only with prefixes that are no unit by themselves and mean the same in circuits: ``m`` is a
+    metre, and ``M`` is a thousandth there.
+
+    Examples
+    --------
+    >>> scaled("1k"), scaled("4.7 u"), scaled("1 m"), scaled("2*k")
+    ('1e3', '4.7e-6', '1 m', '2*k')
+    """
+    match = _SUFFIX.fullmatch(text.strip())
+    return f"{match[1]}e{_POWERS[match[2]]}" if match else text
 
 
 def setting(text: str, where: str) -> tuple[str, float]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 from collections.abc import Sequence
 
+from hybond.cli.lists import scaled
 from hybond.errors import UsageError
 from hybond.model.builder import Model
 from hybond.model.graph import FlatGraph
@@ -83,6 +84,7 @@ def _read(model: Model, settings: Sequence[str]) -> tuple[Model, dict[str, str]]
     changed = model
     for setting in settings:
         path, equals, value = (word.strip() for word in setting.partition("="))
+        value = scaled(value)
         if not equals or not path or not value:
             raise UsageError(
                 f"{setting!r} does not set anything",

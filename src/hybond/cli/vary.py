@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from hybond.cli.lists import split
+from hybond.cli.lists import scaled, split
 from hybond.errors import UsageError
 from hybond.sweep.factors import factor_of
 from hybond.sweep.laws import LAWS
@@ -42,6 +42,8 @@ def values_of(text: str) -> Values:
     ('m', ['1.0 kg', '1.5 kg', '2.0 kg'])
     >>> values_of("k=2 N/m, 1e3")
     ('k', ['2 N/m', '1e3'])
+    >>> values_of("R=1k,2.2k")
+    ('R', ['1e3', '2.2e3'])
     """
     path, _, given = (word.strip() for word in text.partition("="))
     if ".." not in given and path and _OTHER.fullmatch(given):
@@ -51,12 +53,12 @@ def values_of(text: str) -> Values:
         _check_members(factor.many)
         return path, [factor.shown(float(v)) for v in factor.levels]
     if ".." not in given:
-        words: list[str | float] = list(split([given]))
+        words: list[str | float] = [scaled(word) for word in split([given])]
         if not path or not words:
             raise _refusal(f"{text!r} varies nothing")
         return path, words
     span, _, count = (word.strip() for word in given.rpartition(":"))
-    low, _, high = (word.strip() for word in span.partition(".."))
+    low, _, high = (scaled(word.strip()) for word in span.partition(".."))
     ends = [try_quantity(low), try_quantity(high)]
     number = int(match[1]) if (match := _COUNT.fullmatch(count)) else 0
     if not path or number < 2 or None in ends:

@@ -283,6 +283,9 @@ class Model:
     prior_read: Ints
     """Of each: where what it reads so stands in `prior_slot`; then the next one's."""
     prior_slot: Ints
+    prior_limit: Ints
+    """What that is where its machine has landed, as a number of a value; -1: the constant."""
+    prior_limit_constant: Floats
 
     # laws of junctions: a port for each junction whose law is left open
     ports: int
@@ -368,6 +371,8 @@ class Model:
     """Sign of the impact law's value in what must vanish at rest."""
     reaction_law: Ints
     reaction_law_constant: Floats
+    reaction_prior: Ints
+    """Of each: its law among those that read ``pre()``, or -1."""
     prescribed_first: Ints
     """Of each reaction: bond variables whose sum must vanish at rest."""
     prescribed_column: Ints

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from hybond.engine.engine import OK, Engine
 from hybond.engine.mode.guess import give_back_guess, hold_guess
+from hybond.engine.mode.limits import put_limits
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.values import evaluate
 from hybond.engine.words import Floats
@@ -20,7 +21,8 @@ def show_at(e: Engine, mode: Mode, t: float, y: Floats) -> bool:
 
 
 def clear_prior(e: Engine) -> None:
-    """Let what is a priori be zero: while time passes, a law that reads ``pre()`` gives nothing."""
+    """Let what is a priori be zero, and what laws read of it at its limit: time passes."""
     m = e.model
     for k in range(m.slots):
         e.checks.v[m.slots + k] = 0.0
+    put_limits(e, e.mode, e.checks.v)

@@ -10,6 +10,7 @@ from hybond.engine.instant.entering import enter
 from hybond.engine.instant.instant import PINNACLE, Instant
 from hybond.engine.instant.trial import a_priori
 from hybond.engine.mode.equations import mode_of
+from hybond.engine.mode.limits import put_limit
 from hybond.engine.mode.values import evaluate
 from hybond.engine.model import Model
 from hybond.engine.sliding.combine import combine_here
@@ -108,6 +109,9 @@ def contact_speed(e: Engine, g: Landings, contact: int, y: Floats) -> float:
     evaluate(e, e.mode, g.v, e.t, y)
     for k in range(m.slots):
         g.v[m.slots + k] = 0.0
+    for r in range(m.reaction_first[contact], m.reaction_first[contact + 1]):
+        if m.reaction_prior[r] >= 0:
+            put_limit(e, m.reaction_prior[r], g.v)
     worst = 0.0
     for r in range(m.reaction_first[contact], m.reaction_first[contact + 1]):
         total = 0.0

@@ -1,4 +1,4 @@
-"""The state at rest: a pinnacle's structure with every ``pre()`` term of its laws at zero."""
+"""The state at rest: a pinnacle's structure with every ``pre()`` term of its laws at its limit."""
 
 import math
 from typing import Final
@@ -9,6 +9,7 @@ from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.instant.impulse_ways import impulse_directions
 from hybond.engine.instant.jump import enter_mode
 from hybond.engine.mode.equations import mode_of
+from hybond.engine.mode.limits import put_limits
 from hybond.engine.mode.reach import reach_of
 from hybond.engine.mode.values import set_values
 from hybond.engine.sliding.averages import freedom_here, sizes_here, solve_here
@@ -57,10 +58,7 @@ def find_rest(e: Engine, g: Landings, t: float, target: Ints) -> int:
     set_values(e, mode, e.v, t, g.x, g.s)
     for k in range(m.slots):
         e.v[m.slots + k] = e.pre[k]
-    for k in range(m.priors):
-        if mode.prior_acts[k] != 0:
-            for i in range(m.prior_read[k], m.prior_read[k + 1]):
-                e.v[m.slots + m.prior_slot[i]] = 0.0
+    put_limits(e, mode, e.v)
     for b in range(2 * m.bonds):
         e.v[m.bond_slot + b] = e.v[m.slots + m.bond_slot + b]
     for turn in range(DUSTING + 1):

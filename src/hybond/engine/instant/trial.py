@@ -30,6 +30,7 @@ from hybond.engine.instant.doubts import warn_of_impulsive
 from hybond.engine.instant.jump import JUMPS, STAYS, enter_mode
 from hybond.engine.mode.dynamic_rows import frozen_at
 from hybond.engine.mode.equations import is_fieldless, mode_of
+from hybond.engine.mode.limits import put_limits
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.reach import reach_of
 from hybond.engine.mode.sizes import measure
@@ -49,6 +50,7 @@ def a_priori(e: Engine, t: float, x: Floats, s: Floats, state: Ints) -> int:
     for k in range(m.slots):
         e.v[m.slots + k] = 0.0
     set_values(e, e.mode, e.v, t, x, s)
+    put_limits(e, e.mode, e.v)
     if combine_here(e, state) != OK:
         return REFUSED
     if solve_here(e, e.mode, e.v) != OK and not lose_bonds(e):

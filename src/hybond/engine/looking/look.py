@@ -17,6 +17,7 @@ from hybond.engine.inputs.interval import interval_after
 from hybond.engine.instant.jump import on_constraints
 from hybond.engine.looking.asked import Ask, ask_for_powers, make_ask, prepare, solve_asked
 from hybond.engine.mode.equations import mode_of
+from hybond.engine.mode.limits import put_limits
 from hybond.engine.mode.mode_records import Mode, is_constrained
 from hybond.engine.mode.values import evaluate, set_motion
 from hybond.engine.model import Model
@@ -151,6 +152,8 @@ def look_into(
         e.shown[k] = 0.0
     set_flags(m, e.mode, e.v)
     set_flags(m, e.mode, e.shown)
+    put_limits(e, e.mode, e.v)
+    put_limits(e, e.mode, e.shown)
     for k in range(m.slots):
         l.vanishing[k] = 0
     for k in range(m.priors):

@@ -25,6 +25,10 @@ the whole run is not rounding: ..."""
 BESIDE: Final = 1e3
 """... it is measured against no more than so many times its own size, however much energy there is
 beside it."""
+FAINT: Final = 1e-150
+"""What is stored is measured against no less, in SI: the square of less is no number, so that it
+has no energy. What grows from nothing by a power of time, or behind a steep law, would be followed
+through all numbers that there are."""
 IDLE: Final = 1e-12
 """Absolute size, in SI, below which an integrated signal is idle."""
 ROUNDED: Final = 10.0 * EPSILON
@@ -245,7 +249,7 @@ def allow(e: Engine, y0: Floats, y1: Floats, energy: float, out: Floats) -> None
             if e.moved_rounding[k] > 0.0:
                 # what is between motions is not what slows them
                 own_rounding = moments * max(e.rounding[k], e.moved_rounding[k])
-            out[k] = max(out[k], own_rounding)
+            out[k] = max(max(out[k], own_rounding), m.rtol * FAINT)
     # a step that is short beside the run adds what it would add in a short part of the run
     wide = max(SHORT * e.span / e.step.tried, 1.0) if e.step.tried > 0.0 else 1.0
     for k in range(m.storages, e.states):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from hybond.engine.answers import value
 from hybond.engine.engine import NOT_FINITE, OK, Engine
 from hybond.engine.inputs.interval import set_time
+from hybond.engine.mode.limits import put_limits
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.reading import rates_by_knowns
 from hybond.engine.mode.solving import solve
@@ -46,18 +47,15 @@ def set_motion(e: Engine, v: Floats, t: float, y: Floats) -> None:
 def evaluate(e: Engine, mode: Mode, v: Floats, t: float, y: Floats) -> int:
     """Write all values of a motion, the a priori copy being the same.
 
-    If time passes in a pinnacle's mode, a machine has landed: what its law reads is zero.
+    If time passes in a pinnacle's mode, a machine has landed: what its law reads is at its limit.
     """
     m = e.model
     set_state(e, mode, v, t, y)
+    put_limits(e, mode, v)
     status = solve_here(e, mode, v)
     for k in range(m.slots):
         v[m.slots + k] = v[k]
-    for k in range(m.priors):
-        acts = mode.prior_acts[k] != 0
-        for i in range(m.prior_read[k], m.prior_read[k + 1]):
-            if acts:
-                v[m.slots + m.prior_slot[i]] = 0.0
+    put_limits(e, mode, v)
     return status
 
 
@@ -101,3 +99,4 @@ def begin_field(e: Engine, mode: Mode) -> None:
         e.v[k] = 0.0
     for k in range(m.switches + m.state_first[m.machines]):
         e.v[m.on_slot + k] = mode.flags[k]
+    put_limits(e, mode, e.v)

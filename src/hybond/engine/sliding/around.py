@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from hybond.engine.engine import OK, Engine
+from hybond.engine.mode.limits import put_limits
 from hybond.engine.mode.solving import solve
 from hybond.engine.mode.values import field
 from hybond.engine.sliding.branches import know_branches
@@ -29,5 +30,6 @@ def find_field(e: Engine, rate: Floats) -> bool:
         e.v[m.slots + k] = 0.0
     for k in range(m.switches + m.state_first[m.machines]):
         e.v[m.on_slot + k] = e.mode.flags[k]
+    put_limits(e, e.mode, e.v)
     # functions of surfaces may read any bond variable
     return field(e, e.mode, e.t, e.y, rate) == OK and solve(e, e.mode, e.v) == OK

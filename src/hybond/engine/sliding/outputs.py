@@ -12,6 +12,7 @@ from typing import Final
 from hybond.engine.answers import value
 from hybond.engine.engine import NOT_FINITE, OK, Engine
 from hybond.engine.inputs.interval import set_time
+from hybond.engine.mode.limits import put_limits
 from hybond.engine.mode.solving import solve
 from hybond.engine.sliding.surface import part_mode
 from hybond.engine.words import Floats, float_table
@@ -43,6 +44,7 @@ def solve_plain(e: Engine, part: int, v: Floats) -> int:
     mode = part_mode(e, part)
     for k in range(m.switches + m.state_first[m.machines]):
         v[m.on_slot + k] = mode.flags[k]
+    put_limits(e, mode, v)
     return solve(e, mode, v)
 
 

@@ -12,7 +12,21 @@ from collections.abc import Iterable
 from functools import cache
 from typing import TYPE_CHECKING
 
-from hybond.model.expressions import Compare, Name, Number
+from hybond.equations.surfaces import moves
+from hybond.model.expressions import (
+    Binary,
+    Compare,
+    Expr,
+    Name,
+    Number,
+    Pre,
+    differentiate,
+    names,
+    posterior_names,
+    prior_names,
+    simplify,
+    transform,
+)
 from hybond.model.fieldless import reads_pre
 from hybond.model.graph import FlatGraph, Machine, Node, Rule
 from hybond.records import dataclass
@@ -103,6 +117,47 @@ def _reaction(graph: FlatGraph, node: Node) -> Reaction | None:
     prescribed = tuple((f"{own}:{e.bond}", float(e.sign)) for e in around)
     text = f"{node.path if junction.hidden else junction.path}.{other}"
     return Reaction(node.index, prescribed, sign, f"{other}:{end.bond}", text)
+
+
+def limit_at_rest(graph: FlatGraph, node: Node) -> Expr:
+    """Return what the one variable that an impact law reads comes to where impacts end.
+
+    There the law prescribes what it reads: ``u - eps*(pre(v.f) - u)`` reads `u`, the speed of the
+    table that a ball comes to rest on. Zero of laws that read something else, or what moves.
+    """
+    zero = Number(0.0)
+    assert node.law is not None
+    law = node.law.expressions[0]
+    reaction = _reaction(graph, node)
+    read = sorted(prior_names(law))
+    if reaction is None or len(read) != 1 or len(reaction.prescribed) != 1:
+        return zero
+    if any(moves(Name(n)) for n in posterior_names(law)):
+        return zero
+    ((prescribed, sign),) = reaction.prescribed
+    if not _is_common(graph, read[0], prescribed):
+        return zero
+    here = Name(read[0])
+    plain = transform(law, lambda n: n.arg if isinstance(n, Pre) else n)
+    slope = differentiate(plain, read[0])
+    if read[0] in names(slope) or moves(slope):
+        return zero
+    begin = simplify(transform(plain, lambda n: zero if n == here else n))
+    if begin == zero:
+        return zero
+    way = Number(-reaction.own / sign)
+    left = Binary("-", Number(1.0), Binary("*", way, slope))
+    return simplify(Binary("/", Binary("*", way, begin), left))
+
+
+def _is_common(graph: FlatGraph, one: str, other: str) -> bool:
+    """Whether two variables of bonds are the same at a junction that both bonds are at."""
+    (kind, _, first), (same, _, second) = one.partition(":"), other.partition(":")
+    if kind != same or kind not in ("e", "f"):
+        return False
+    of = "0" if kind == "e" else "1"
+    ends = [{b.tail, b.head} for b in (graph.bonds[int(first)], graph.bonds[int(second)])]
+    return one == other or any(graph.nodes[k].kind == of for k in ends[0] & ends[1])
 
 
 @dataclass(frozen=True, slots=True)
@@ -206,6 +261,8 @@ def put_contacts(t: ModelTables) -> None:
         constants.append(constant)
     t.ints["reaction_law"] = laws
     t.floats["reaction_law_constant"] = constants
+    priors = [n.index for n in g.nodes if reads_pre(n)]
+    t.ints["reaction_prior"] = [priors.index(r.law) if r.law in priors else -1 for r in reactions]
     first, columns, signs = [0], [], []
     for r in reactions:
         for name, sign in r.prescribed:

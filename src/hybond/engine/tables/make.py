@@ -6,8 +6,8 @@ from typing import Any
 
 from hybond.engine.tables.calls import put_rated, refuse_calls
 from hybond.engine.tables.code import check_depths
-from hybond.engine.tables.columns import INTS, ModelTables, put_rows
-from hybond.engine.tables.contacts import put_contacts
+from hybond.engine.tables.columns import FLOATS, INTS, ModelTables, put_rows
+from hybond.engine.tables.contacts import limit_at_rest, put_contacts
 from hybond.engine.tables.courses import put_courses
 from hybond.engine.tables.elements import put_elements
 from hybond.engine.tables.kinks import put_kinks
@@ -123,7 +123,8 @@ def _priors(t: ModelTables) -> None:
     switches = [n.index for n in g.nodes if n.controlled]
     nodes = [n for n in g.nodes if reads_pre(n)]
     by_source = {m.law.source: m for m in reversed(g.machines) if m.law}
-    acting, machine, state, read = [], [], [], []
+    acting, machine, state = [], [], []
+    read: list[list[tuple[int, int, float]]] = []
     for node in nodes:
         acting.append([(switches.index(s.index),) for s in switches_of(g, node)])
         owner = by_source.get(node.index)
@@ -131,12 +132,20 @@ def _priors(t: ModelTables) -> None:
         state.append(owner.states.index("impact") if owner and "impact" in owner.states else -1)
         assert node.law is not None
         slots = {t.slots.index[n] for e in node.law.expressions for a in prior(e) for n in names(a)}
-        read.append([(k,) for k in sorted(slots)])
+        limit = t.values.entry(limit_at_rest(g, node), f"what {node.path} reads at rest")
+        read.append([(k, *limit) for k in sorted(slots)])
     t.numbers["priors"] = len(nodes)
     put_rows(t, "prior_first", acting, prior_switch=INTS)
     t.ints["prior_machine"] = machine
     t.ints["prior_state"] = state
-    put_rows(t, "prior_read", read, prior_slot=INTS)
+    put_rows(
+        t,
+        "prior_read",
+        read,
+        prior_slot=INTS,
+        prior_limit=INTS,
+        prior_limit_constant=FLOATS,
+    )
 
 
 def _reads(t: ModelTables) -> None:
