@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import ctypes
 import functools
+import math
 import os
 import weakref
 from collections.abc import Mapping
@@ -20,8 +21,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from hybond.blocks.runners import Runner
 from hybond.engine.compiled.answering import CALLBACK, Answering, Question
+from hybond.engine.compiled.kept_rows import KeptRows
 from hybond.engine.compiled.refusal import Refusal, refusal_of
-from hybond.engine.compiled.rows import COUNTS, Rows, Seen, rows_of
+from hybond.engine.compiled.rows import COUNTS, STEPS, Rows, Seen, rows_of
 from hybond.engine.compiled.sliced import OK, PAUSED, RAISED, SPENT, SlicedRun, fitted
 from hybond.engine.compiled.sources import NAME, digest
 from hybond.engine.tables import ModelTables
@@ -222,6 +224,7 @@ class NativeRun(SlicedRun):
         self._answering = Answering(self._calls, self.onlooker)
         self._answering.of(self._library, self._handle)
         self._seen = Seen()
+        self._kept = KeptRows()
         self._see()
 
     def _refusal(self, which: int) -> Refusal:
@@ -288,13 +291,19 @@ class NativeRun(SlicedRun):
         s, model = self._seen, self.model.record
         rows = rows_of(
             {name: getattr(s, name) for name in (*COUNTS, "warns", "abouts")},
-            lambda name, kind, shape: _copied(getattr(s, name), kind, shape),
+            self._column,
             states=s.states,
             machines=model.machines,
             bonds=model.bonds,
         )
         self._library.hybond_forget(self._handle)
         return rows
+
+    def _column(self, name: str, kind: type, shape: tuple[int, ...]) -> NDArray[Any]:
+        begin = getattr(self._seen, name)
+        if name in STEPS and all(shape):
+            return self._kept.added(name, _shown(begin, shape))
+        return _copied(begin, kind, shape)
 
 
 def begun(owner: object, model: NativeModel, *, looking: bool = False) -> ctypes.c_void_p:
@@ -314,7 +323,9 @@ def begun(owner: object, model: NativeModel, *, looking: bool = False) -> ctypes
 
 def _copied(begin: Any, kind: type, shape: tuple[int, ...]) -> NDArray[Any]:
     """Return an array of the library as our own."""
-    size = int(np.prod(shape))
-    if not size:
-        return np.zeros(shape, dtype=kind)
-    return np.ctypeslib.as_array(begin, (size,)).reshape(shape).copy()
+    return _shown(begin, shape).copy() if all(shape) else np.zeros(shape, dtype=kind)
+
+
+def _shown(begin: Any, shape: tuple[int, ...]) -> NDArray[Any]:
+    """Return an array where the library has it."""
+    return np.ctypeslib.as_array(begin, (math.prod(shape),)).reshape(shape)

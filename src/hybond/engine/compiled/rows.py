@@ -27,6 +27,8 @@ FLOATS = (
 INTS = (
     *("step_place", "step_bond", "instant_place", "visit", "fired", "hit", "over", "open", "slid"),
 )
+STEPS = ("step_time", "step_until", "step_state", "step_dense", "step_place")
+"""Columns with a row for each step."""
 _NUMBER, _NUMBERS = ctypes.c_int, ctypes.POINTER(ctypes.c_double)
 _INDEX = ctypes.POINTER(ctypes.c_int)
 

@@ -15,6 +15,7 @@ from typing import overload
 import numpy as np
 from numpy.typing import NDArray
 
+from hybond.engine.compiled.kept_rows import joined_rows
 from hybond.engine.compiled.rows import MACHINES_OF_INSTANT, MACHINES_OF_STEP, Rows
 from hybond.engine.outcome.beginnings import Beginning
 from hybond.engine.outcome.combinations import (
@@ -108,11 +109,11 @@ class Steps:
         if len(parts) == 1:
             return parts[0]
         return Steps(
-            np.concatenate([p.time for p in parts]),
-            np.concatenate([p.until for p in parts]),
-            np.concatenate([p.state for p in parts]),
-            np.concatenate([p.dense for p in parts]),
-            np.concatenate([p.place for p in parts]),
+            joined_rows([p.time for p in parts]),
+            joined_rows([p.until for p in parts]),
+            joined_rows([p.state for p in parts]),
+            joined_rows([p.dense for p in parts]),
+            joined_rows([p.place for p in parts]),
             Points.joined([p.points for p in parts if p.points is not None]),
         )
 
