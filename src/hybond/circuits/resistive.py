@@ -2,7 +2,8 @@
 
 A varistor is written as ``B1 a 0 I=v(a)/40 + (v(a)/200)^5``. As a resistor with a law it says what
 it is: nothing but its own two variables, and it takes energy only. Laws that may give energy, as
-those of tunnel diodes, those that read anything else, and those that compare stay sources.
+those of tunnel diodes, those that read anything else, and those that compare stay sources; so do
+those that are flatter at zero than a square, which nothing can read backwards.
 """
 
 from __future__ import annotations
@@ -27,6 +28,8 @@ OWN = "own"
 """The name of its own variable in a formula."""
 LEVELS = tuple(m * 10.0**k for k in range(-9, 7) for m in (1.0, 2.0, 5.0))
 """Sizes at which a law is tried, in V or A."""
+FLAT = (1e-6, 1e-3)
+"""Those between which it shows whether it is flatter at zero than a square."""
 
 
 def resistive(law: Law, a: str, b: str, key: str) -> Expr | None:
@@ -89,4 +92,7 @@ def _takes_energy(formula: Expr) -> bool:
             return False
         found.append((x, y))
     rises = all(p[1] <= q[1] for p, q in pairwise(found))
-    return rises and all(x * y > 0.0 or y == 0.0 for x, y in found) and dict(found)[0.0] == 0.0
+    signs = all((x > 0.0) == (y > 0.0) or y == 0.0 for x, y in found)
+    near, far = (abs(dict(found)[x]) for x in FLAT)
+    flat = near < 0.1 * (FLAT[0] / FLAT[1]) ** 2 * far
+    return rises and signs and dict(found)[0.0] == 0.0 and not flat
