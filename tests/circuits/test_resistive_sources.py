@@ -48,7 +48,7 @@ def test_a_surge_law_behind_a_coil_is_not_refused(tmp_path: Path, law: str) -> N
 
     edges = np.array([0.0, 3e-3, 8e-3, 12e-3, 17e-3, 26e-3, 40e-3])
     for begin, end in pairwise(edges):
-        t = np.linspace(begin, end, 2001)
+        t = np.linspace(begin, end, 8001)
         i = np.asarray(run[conversion.signal("i(L1)")].at(t))
         drop = PEAK * np.sin(100.0 * np.pi * t) - [LAWS[law](x) for x in i.tolist()]
         assert COIL * (i[-1] - i[0]) == pytest.approx(simpson(drop, x=t), abs=2e-6)
@@ -94,7 +94,7 @@ def test_a_voltage_that_follows_its_own_current(tmp_path: Path) -> None:
 
 def test_steps_that_lead_nowhere_are_refused_with_what_is_missing(tmp_path: Path) -> None:
     path = tmp_path / "law.cir"
-    rows = ["V1 in 0 SIN(0 325 50)", "L1 in a 10m", "B1 a 0 I=(v(a)/200)^25"]
+    rows = ["V1 in 0 SIN(0 325 50)", "L1 in a 10m", "B1 a 0 I=(v(a)/200)^5"]
     path.write_text("\n".join(["law", *rows, ".tran 10u 40m", ".end"]) + "\n")
     with pytest.raises(hb.NumericsError, match=r"B1 is flat .* a capacitance .* across B1"):
         hb.simulate(hb.read_circuit(path).model)

@@ -3,7 +3,7 @@
 A varistor is written as ``B1 a 0 I=v(a)/40 + (v(a)/200)^5``. As a resistor with a law it says what
 it is: nothing but its own two variables, and it takes energy only. Laws that may give energy, as
 those of tunnel diodes, those that read anything else, and those that compare stay sources; so do
-those that are flatter at zero than a square, which nothing can read backwards.
+those with a sign that are flatter at zero than a square: read backwards they are steep as a jump.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from itertools import pairwise
 from hybond.circuits.behaviour import PLACE, Law
 from hybond.circuits.formulas import names_in
 from hybond.model.expressions import (
+    Call,
     Compare,
     Expr,
     Name,
@@ -94,5 +95,6 @@ def _takes_energy(formula: Expr) -> bool:
     rises = all(p[1] <= q[1] for p, q in pairwise(found))
     signs = all((x > 0.0) == (y > 0.0) or y == 0.0 for x, y in found)
     near, far = (abs(dict(found)[x]) for x in FLAT)
-    flat = near < 0.1 * (FLAT[0] / FLAT[1]) ** 2 * far
+    signed = any(isinstance(part, Call) for part, _ in walk(formula))
+    flat = signed and near < 0.1 * (FLAT[0] / FLAT[1]) ** 2 * far
     return rises and signs and dict(found)[0.0] == 0.0 and not flat
