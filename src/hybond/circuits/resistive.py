@@ -72,7 +72,7 @@ def as_law(imposes: str, formula: Expr, sign: int) -> dict[str, str]:
     Examples
     --------
     >>> as_law("i", parse("own/40 + own^3"), 1)
-    {'f': '1 A*((e/1 [V])/40 + (e/1 [V])^3)'}
+    {'f': '1 A*(e/1 [V]/40 + (e/1 [V])^3)'}
     """
     given, unit, read = ("f", "A", "e/1 [V]") if imposes == "i" else ("e", "V", "f/1 [A]")
     own = parse(read) if sign > 0 else parse(f"-{read}")
