@@ -130,12 +130,13 @@ def far_apart(leakage: float) -> hb.Model:
 
 
 def lift() -> hb.Model:
-    """Return a ball on a moving table whose speed stands in the impact law by hand."""
-    m = hb.Model("lift", domain="translational", parameters={"u": 0.2})
+    """Return a ball on a table whose speed, which may change, stands in the impact law by hand."""
+    m = hb.Model("lift", domain="translational")
+    m.signal(u=hb.Integral("0*u", start=0.2))
     m.add(w=hb.Se(-9.81), b=hb.I(1.0), v=hb.One(), c=hb.Zero(), r=hb.Sf("1.5*u - 0.5*pre(v.f)"))
     m.bond("w -> v -> b", "c -> v", "r -> c")
     m.signal(gap=hb.Integral("v.f - u", start=0.5))
-    rules = ["away -> impact when gap <= 0 and v.f < u", "impact -> away when pre(b.f) >= u"]
+    rules = ["away -> impact when gap <= 0 and v.f < u", "impact -> away when pre(b.f) >= pre(u)"]
     m.machine("F", states={"away": [], "impact": ["c"]}, start="away", rules=rules)
     return m
 

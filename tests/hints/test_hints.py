@@ -30,6 +30,7 @@ MENDED = {
     "HB-H108": ('Se = "10 V"', 'Se = "u"'),
     "HB-H110": ('right -> m.flange"', 'right -> m.flange", "pad.left -> wall.flange"'),
     "HB-H109": ('start = "on"', 'start = "on"\nrules = ["on -> off when time > 1"]'),
+    "HB-H111": ("abs(n.f) < 0 A", "abs(n.f) < 1 mA"),
 }
 
 

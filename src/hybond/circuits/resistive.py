@@ -2,7 +2,8 @@
 
 A varistor is written as ``B1 a 0 I=v(a)/40 + (v(a)/200)^5``. As a resistor with a law it says what
 it is: nothing but its own two variables, and it takes energy only. Laws that may give energy, as
-those of tunnel diodes, those that read anything else, and those that compare stay sources.
+those of tunnel diodes, those that read anything else, and those that compare stay sources; so do
+those with a sign that are flatter at zero than a square: read backwards they are steep as a jump.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from itertools import pairwise
 from hybond.circuits.behaviour import PLACE, Law
 from hybond.circuits.formulas import names_in
 from hybond.model.expressions import (
+    Call,
     Compare,
     Expr,
     Name,
@@ -27,6 +29,8 @@ OWN = "own"
 """The name of its own variable in a formula."""
 LEVELS = tuple(m * 10.0**k for k in range(-9, 7) for m in (1.0, 2.0, 5.0))
 """Sizes at which a law is tried, in V or A."""
+FLAT = (1e-6, 1e-3)
+"""Those between which it shows whether it is flatter at zero than a square."""
 
 
 def resistive(law: Law, a: str, b: str, key: str) -> Expr | None:
@@ -68,7 +72,7 @@ def as_law(imposes: str, formula: Expr, sign: int) -> dict[str, str]:
     Examples
     --------
     >>> as_law("i", parse("own/40 + own^3"), 1)
-    {'f': '1 A*((e/1 [V])/40 + (e/1 [V])^3)'}
+    {'f': '1 A*(e/1 [V]/40 + (e/1 [V])^3)'}
     """
     given, unit, read = ("f", "A", "e/1 [V]") if imposes == "i" else ("e", "V", "f/1 [A]")
     own = parse(read) if sign > 0 else parse(f"-{read}")
@@ -89,4 +93,8 @@ def _takes_energy(formula: Expr) -> bool:
             return False
         found.append((x, y))
     rises = all(p[1] <= q[1] for p, q in pairwise(found))
-    return rises and all(x * y > 0.0 or y == 0.0 for x, y in found) and dict(found)[0.0] == 0.0
+    signs = all((x > 0.0) == (y > 0.0) or y == 0.0 for x, y in found)
+    near, far = (abs(dict(found)[x]) for x in FLAT)
+    signed = any(isinstance(part, Call) for part, _ in walk(formula))
+    flat = signed and near < 0.1 * (FLAT[0] / FLAT[1]) ** 2 * far
+    return rises and signs and dict(found)[0.0] == 0.0 and not flat

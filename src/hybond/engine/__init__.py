@@ -22,7 +22,7 @@ subset. Rooms, and in them files, as data passes them::
     mode/
         tableau, elimination    rows of a mode, eliminated
         equations, kept_modes, mode_records    those made ready, and kept
-        solving, values     bond variables at an instant; what expressions read
+        solving, limits, values    bond variables at an instant; what expressions read
         newton, newton_system, newton_step, dynamic_rows    Newton's method: what it makes zero, its
                             step, by which laws
         guess, neighbours   where it begins

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from hybond.hints.never import never_holds
 from hybond.hints.uses import texts_of, used_in
 from hybond.model.arrays import base_of, is_array
 from hybond.model.builder import Model
@@ -24,6 +25,7 @@ def machine_hints(model: Model, graph: FlatGraph) -> Iterator[Hint]:
         arrays.discard(base)  # one member speaks for all
         yield from _states(machine)
         yield from _switching(machine, graph, f"{base}.state" in read)
+        yield from _rules(machine)
 
 
 def _states(machine: Machine) -> Iterator[Hint]:
@@ -49,6 +51,19 @@ def _states(machine: Machine) -> Iterator[Hint]:
                 f"no rule leads out of the state {state!r}: the machine stays there",
                 f'write one, "{state} -> {machine.states[0 if k else 1]} when ...", '
                 "if it is not the end",
+            )
+
+
+def _rules(machine: Machine) -> Iterator[Hint]:
+    for rule in machine.rules:
+        if never_holds(rule.guard):
+            source, target = (machine.states[k] for k in (rule.source, rule.target))
+            yield Hint(
+                "HB-H111",
+                f"machines.{machine.path}",
+                f"the guard of {source} -> {target}, {rule.text!r}, holds for no values of what it "
+                "reads: the rule never fires",
+                "look at its signs and at which side is larger; take the rule out if that is meant",
             )
 
 

@@ -304,12 +304,13 @@ def test_a_chattering_relay_is_no_impact() -> None:
 
 
 def test_a_law_that_does_not_vanish_at_rest_is_not_landed() -> None:
-    """The table's speed stands in the law by hand: with pre() at zero it would be 1.5 times it."""
-    m = hb.Model("lift", domain="translational", parameters={"u": 0.2})
+    """A speed that may change stands in the law by hand: with pre() at zero it is 1.5 times it."""
+    m = hb.Model("lift", domain="translational")
+    m.signal(u=hb.Integral("0*u", start=0.2))
     m.add(w=hb.Se(-G), b=hb.I(1.0), v=hb.One(), c=hb.Zero(), r=hb.Sf("1.5*u - 0.5*pre(v.f)"))
     m.bond("w -> v -> b", "c -> v", "r -> c")
     m.signal(gap=hb.Integral("v.f - u", start=0.5))
-    rules = ["away -> impact when gap <= 0 and v.f < u", "impact -> away when pre(b.f) >= u"]
+    rules = ["away -> impact when gap <= 0 and v.f < u", "impact -> away when pre(b.f) >= pre(u)"]
     m.machine("F", states={"away": [], "impact": ["c"]}, start="away", rules=rules)
     run = hb.simulate(m, 5.0)
     assert run.status == "accumulation"

@@ -150,12 +150,18 @@ def error_of(
             most = int(fault.limits["max_steps"])
             mean = f", of {refusal.about[0]:.3g} s in the mean" if refusal.about else ""
             why = f"{most} steps without an event by t = {refusal.t:.9g} s{mean}"
+            if len(refusal.about) > 1:
+                many = int(refusal.about[1])
+                why = f"steps lead nowhere from t = {refusal.t:.9g} s on: {many} of them{mean}"
             said = Said(why, here)
         case _:
             said = said_of(refusal, graph, explain, fault.mode) or said
     hint = said.hint or HINTS.get(code, "")
     if code in SMALL_STEPS:
         hint += _for_stiff(fault.method, len(graph.storages) + len(graph.integrals))
+        from hybond.engine.outcome.remedies import beside_flat_laws
+
+        hint += beside_flat_laws(graph)
     elif code == "HB-N404" and fault.method not in (AUTO, RADAU, MOREAU):
         # at the edge of stability an explicit step leads to and fro across a guard
         hint += "; solver = 'auto' if the model is stiff"

@@ -138,8 +138,8 @@ def _said(graph: FlatGraph, segment: Segment, solver: str, step: float, worst: c
         remedy = f"take step = {format_quantity(0.5 * longest, 's', 2)}, or solver = 'auto'"
     return (
         f"step = {format_quantity(step, 's')} is too long for {name} in mode "
-        f"({graph.mode_text(segment.mode)}): {what} grows by {100.0 * (grown - 1.0):.3g} % with each "
-        f"step, and the values are wrong; {remedy}"
+        f"({graph.mode_text(segment.mode)}): {what} grows by {100.0 * (grown - 1.0):.3g} % with "
+        f"each step, and the values are wrong; {remedy}"
     )
 
 

@@ -379,8 +379,11 @@ def _here(c: Case, path: str) -> str:
 def _switches_back(c: Case) -> Said:
     """Return what a law does that jumps, or is as steep as a jump where it is read backwards."""
     path = c.refusal.place
-    laws = [n.law for n in c.graph.nodes if n.path == path and n.law is not None]
-    if not laws or any(jumping(e) for law in laws for e in law.expressions):
+    from hybond.engine.outcome.remedies import is_flat
+
+    nodes = [n for n in c.graph.nodes if n.path == path and n.law is not None]
+    jumps = any(jumping(e) for n in nodes if n.law for e in n.law.expressions)
+    if not nodes or (jumps and not any(is_flat(n) for n in nodes)):
         return Said(f"{c.refusal.why} {c.now}", path, TO_SLIDE + _here(c, path))
     return Said(
         f"the law of {path} is flat where what it reads is zero, so that what the rest gives it "

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from hybond.causality.assign import assign
-from hybond.model.expressions import Call, Expr
+from hybond.model.expressions import Call, Expr, compile_expression, uses_pre
 from hybond.model.expressions.tree import names, walk
 from hybond.model.graph import FlatGraph, Mode, Node
 from hybond.model.joined import Joined
@@ -13,6 +13,10 @@ from hybond.model.joined import Joined
 MANY = 3
 """Elements that a remedy names at the most."""
 PAINLEVE = "friction of a rigid contact may leave none (Painleve): give the contact a stiffness"
+BESIDE = (1e-6, 1e-3)
+"""Where it is seen whether a law is flat at zero, in SI: ..."""
+FLAT = 0.1
+"""... it is if it rises to less than this part of what a straight line would."""
 STEPS = ("sign", "floor", "ceil", "mod")
 """Functions that jump wherever they are."""
 
@@ -80,6 +84,55 @@ def against_no_solution(elements: list[Node]) -> str:
         f"{where} with law = 'coulomb' has these values; else write the steep line, such as "
         f"tanh(){more}"
     )
+
+
+def beside_flat_laws(graph: FlatGraph) -> str:
+    """Return what to add to laws that are flat where what they read is zero; "" without any.
+
+    Where the rest says what such a law gives, what it reads is a root, and steeper than steps can
+    follow: a varistor behind a coil.
+    """
+    found = [
+        (n.path, n.law.output if n.kind in ("R", "G") else "f" if n.kind == "Sf" else "e")
+        for n in graph.nodes
+        if n.law is not None and is_flat(n)
+    ]
+    if not found:
+        return ""
+    beside = [
+        f"a capacitance or a resistance across {path}"
+        if output == "f"
+        else f"an inertia or a resistance in series with {path}"
+        for path, output in found[:MANY]
+    ]
+    return (
+        f"; {' and '.join(path for path, _ in found[:MANY])} is flat where what it reads is zero, "
+        f"and as steep as a jump where it is read backwards: add what it has beside it in reality, "
+        f"{', '.join(beside)}"
+    )
+
+
+def is_flat(node: Node) -> bool:
+    """Whether a law gives next to nothing beside where what it reads is zero, by two values.
+
+    ``sign(e)*abs(e)^5`` does not jump there, though it has a sign in it. Sources of netlists may
+    read a difference of variables.
+    """
+    if node.kind not in ("R", "G", "Se", "Sf") or node.law is None:
+        return False
+    law = node.law.expressions[0]
+    read = sorted(names(law))
+    if len(node.law.expressions) > 1 or not read or uses_pre(law):
+        return False
+    if not all(name.startswith(("law:e", "law:f", "e:", "f:")) for name in read):
+        return False
+    at = compile_expression(law, {name: k for k, name in enumerate(read)}, pre_offset=0)
+    rest = [0.0] * (len(read) - 1)
+    try:
+        none, near, far = (abs(float(at([x, *rest]))) for x in (0.0, *BESIDE))
+    except (ArithmeticError, ValueError):
+        return False
+    return none == 0.0 and near < FLAT * BESIDE[0] / BESIDE[1] * far
 
 
 def _steps(e: Expr) -> bool:

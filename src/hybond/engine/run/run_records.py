@@ -18,6 +18,10 @@ IDLE: Final = 100
 """Instants in a row without any change that end a run."""
 PATIENCE: Final = 64
 """Steps in a row that are next to no part of the run after which it is asked what holds it."""
+STANDING: Final = 2000
+"""Steps after which it is looked whether they lead on: ..."""
+NOWHERE: Final = 1e-12
+"""... those that are together less than this part of the run would never end it."""
 STOPPED: Final = 5
 """Why a motion ended: its stretch did, and nothing happened."""
 PAUSED: Final = 7
@@ -120,6 +124,8 @@ class Run:
     """Steps since the last instant."""
     began: float
     """When that was, s."""
+    marked: float
+    """Where steps were when it was last looked whether they lead on, s."""
     slice: int
     """Steps and instants that this slice of the run still has; -1: as many as it takes."""
 
@@ -186,19 +192,26 @@ def bound_of(e: Engine) -> float:
 def begin_count(e: Engine, r: Run) -> None:
     """Count steps anew from the present instant on."""
     r.taken = 0
+    r.marked = e.t
     if e.model.tells != 0:
         r.began = e.t
 
 
 def count_step(e: Engine, r: Run) -> int:
-    """Count a step, and refuse one too many without an event."""
+    """Count a step, and refuse one too many without an event, or many that lead nowhere."""
     m = e.model
     r.taken += 1
-    if r.taken <= m.max_steps:
+    stands = False
+    if r.taken % STANDING == 0:
+        stands = e.t - r.marked < NOWHERE * e.span and e.span < math.inf
+        r.marked = e.t
+    if r.taken <= m.max_steps and not stands:
         return OK
     refused = say_fault(e, "HB-N409", "too many steps without an event", "")
     if m.tells != 0:
         add_fact(e.fault, (e.t - r.began) / float(r.taken))
+        if stands:
+            add_fact(e.fault, float(r.taken))
     return refused
 
 

@@ -1,0 +1,69 @@
+"""Fixed steps with which grows what dies out: a warning, and a step with which it does not.
+
+Oracle: a step multiplies an eigenvalue's motion by 1 + z, or by the Taylor polynomial of degree
+four; z = -h/(RC) of a resistor at a capacitor, complex of a resonant circuit.
+"""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+import hybond as hb
+
+
+def decay() -> hb.Model:
+    m = hb.Model("decay", domain="electrical")
+    m.add(c=hb.C("1 uF", e="10 V"), r=hb.R("1 ohm"), j=hb.Zero())
+    m.bond("c -> j -> r")
+    return m
+
+
+def resonance() -> hb.Model:
+    m = hb.Model("resonance", domain="electrical")
+    m.add(v=hb.Se("5 V"), c=hb.C("1 uF"), l=hb.I("1 mH"), r=hb.R("1 ohm"), j=hb.One())
+    m.bond("v -> j -> c", "j -> l", "j -> r")
+    return m
+
+
+@pytest.mark.parametrize(
+    ("method", "step", "factor"),
+    [
+        (hb.Euler, 2.1e-6, 1.1),
+        (hb.Euler, 10e-6, 9.0),
+        (hb.RK4, 3e-6, 1 - 3 + 9 / 2 - 27 / 6 + 81 / 24),
+    ],
+)
+def test_growth_of_what_dies_out_is_said(method, step: float, factor: float) -> None:  # type: ignore[no-untyped-def]
+    run = hb.simulate(decay(), "60 us", method=method(step=step))
+    (said,) = run.warnings
+    assert "time constant of 1 µs" in said and f"grows by {100 * (factor - 1):.3g} %" in said
+    # what it advises does not grow
+    advised = said.partition("take step = ")[2].partition(",")[0]
+    again = hb.simulate(decay(), "60 us", method=method(step=advised))
+    assert not again.warnings and abs(float(again["c.e"].at(60e-6))) < 1e-6
+
+
+def test_a_swing_that_euler_lets_grow() -> None:
+    run = hb.simulate(resonance(), "1 ms", method=hb.Euler(step="10 us"))
+    (said,) = run.warnings
+    rate, turn = -500.0, math.sqrt(1e9 - 500.0**2)
+    grows = abs(1 + 1e-5 * complex(rate, turn)) - 1
+    assert f"grows by {100 * grows:.3g} %" in said
+    assert abs(float(run["c.e"].at(1e-3))) > 100.0  # what it warns of
+
+
+@pytest.mark.parametrize(
+    ("made", "method"),
+    [(decay, hb.Euler(step="0.5 us")), (decay, hb.RK4(step="2 us")), (resonance, hb.RK4("5 us"))],
+)
+def test_steps_that_are_short_enough_are_not_warned_of(made, method) -> None:  # type: ignore[no-untyped-def]
+    assert not hb.simulate(made(), "60 us", method=method).warnings
+
+
+def test_what_grows_in_the_model_may_grow() -> None:
+    m = hb.Model("growth")
+    m.signal(x=hb.Integral("x", start=1))
+    run = hb.simulate(m, 5, method=hb.Euler(step="1 ms"))
+    assert not run.warnings
