@@ -52,3 +52,25 @@ def test_a_gas_that_strikes_a_mass_loses_what_the_mass_had() -> None:
     (energy,) = (s.energy for e in run.events[1:] for s in e.steps if s.energy and s.impulses)
     kinetic = 0.5 + math.log(0.95)  # what the gas took as it was pressed together is not there
     assert energy.lost == pytest.approx(kinetic, rel=1e-7)
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_oil_at_rest_in_a_cylinder_has_no_energy(turned: bool) -> None:
+    """It had minus 28 kJ, beside which the audit of a run saw nothing of what moves."""
+    bulk, area, dead, volume = 1.4e9, 1e-3, 2e-5, 1.7e-4
+    pressure = f"{bulk}*(q1 - q2 - {dead})/({dead} + q2)"
+    force = f"-{bulk}*(q1 - q2 - {dead})*(q1 + q2 + {dead})/(2*({dead} + q2)^2)"
+    m = hb.Model("cylinder", domain="hydraulic")
+    m.add(oil=hb.C({"e": [pressure, force]}, q=[volume, volume - dead]))
+    m.add(pump=hb.Sf("1e-7*sin(9*time/(1 [s]))"), a=hb.Zero(), piston=hb.TF(area))
+    m.add(v=hb.One(domain="translational"), mass=hb.I(2.0), spring=hb.C("1e-5 m/N"))
+    m.bond("pump -> a -> oil.1", "v -> piston -> oil.2")
+    m.bond(*("mass -> v", "spring -> v") if turned else ("v -> mass", "v -> spring"))
+    m.machine("watch", states={"a": [], "b": []}, start="a", rules=["a -> b when time >= 0.3 [s]"])
+    run = hb.simulate(m, 0.4)
+    start, later = (e.steps[-1].energy.before for e in run.events)
+    q, chamber = (run[f"oil.{k}.q"].at(0.3) for k in (1, 2))
+    oil = bulk * (q - chamber - dead) ** 2 / (2 * (chamber + dead))
+    rest = run["mass.p"].at(0.3) ** 2 / 4 + run["spring.q"].at(0.3) ** 2 / 2e-5
+    assert start == 0.0 and later == pytest.approx(oil + rest, rel=1e-6)
+    assert run.audit().holds()

@@ -154,7 +154,8 @@ def constant_energy(m: Model, x: Floats) -> float:
 def energy_of(e: Engine, x: Floats) -> float:
     """Return the stored energy, J; that of a nonlinear storage is counted from x = 0.
 
-    Where a law has no value there, as of a gas without volume, from what is stored at the start.
+    Where a law has no value there, as of a gas without volume, or a field has efforts there, as oil
+    in a chamber that moves, from what is stored at the start.
     Storage on pseudo bonds has none: effort times flow is no power there.
     """
     m = e.model
@@ -188,13 +189,19 @@ def power_at(e: Engine, g: int, x: Floats, part: float) -> float:
 
 
 def has_origin(e: Engine, g: int, x: Floats) -> bool:
-    """Whether the laws of a storage have values where it stores nothing."""
+    """Whether a storage has an energy of nothing where it stores nothing.
+
+    Its laws have values there. Of a field they are zero, too: two chambers without any oil in them
+    would be torn by its bulk modulus, and no energy is counted from that.
+    """
     m = e.model
     place_along(e, g, x, 0.0)
     known = True
+    field = m.group_first[g + 1] - m.group_first[g] > 1
     for i in range(m.group_first[g], m.group_first[g + 1]):
         k = m.group_storage[i]
-        known = known and math.isfinite(value(m, m.co_energy[k], e.work.values))
+        there = value(m, m.co_energy[k], e.work.values)
+        known = known and math.isfinite(there) and not (field and there != 0.0)
     return known
 
 
