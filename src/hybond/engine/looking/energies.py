@@ -12,7 +12,7 @@ from typing import Final
 from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.looking.asked import prepare
 from hybond.engine.looking.look import Look, take_point
-from hybond.engine.mode.storage import GAUSS, KRONROD, NODE
+from hybond.engine.mode.storage import GAUSS, KRONROD, NODE, energy_of
 from hybond.engine.sliding.blend import ROUNDING
 from hybond.engine.words import Floats, floats, record
 
@@ -20,8 +20,8 @@ ENOUGH: Final = 1e-11
 """A piece of a step is done if its two formulas differ by less than this part of all the energy
 that passes in the step, ..."""
 NOTHING: Final = 1e-13
-"""... or by less than this part of the largest energy of the run: power that hangs on the last
-digits of what is stored is a staircase, however short the piece."""
+"""... or by less than this part of what is stored where the step begins: power that hangs on the
+last digits of that is a staircase, however short the piece."""
 TRIES: Final = 200
 """Pieces of a step that are tried; the last one is all that is left."""
 LEAST: Final = 1e-9
@@ -131,7 +131,7 @@ def take_energy(e: Engine, l: Look, q: Meter, i: int, end: float, out: Floats) -
     dissipated = 0.0
     wrong = 0.0
     passes = 0.0
-    nothing = NOTHING * e.energy
+    nothing = -1.0
     low = 0.0
     width = 1.0
     for turn in range(TRIES):
@@ -145,6 +145,8 @@ def take_energy(e: Engine, l: Look, q: Meter, i: int, end: float, out: Floats) -
         off = h * math.fabs(q.kronrod[0] - q.gauss[0])
         off = max(off, h * math.fabs(q.kronrod[1] - q.gauss[1]))
         passes = max(passes, h * q.kronrod[2])
+        if off > ENOUGH * passes and nothing < 0.0:
+            nothing = NOTHING * stored_at(e, l, i)
         if off <= max(ENOUGH * passes, nothing) or width <= LEAST or turn == TRIES - 1:
             supplied += h * q.kronrod[0]
             dissipated += h * q.kronrod[1]
@@ -157,6 +159,15 @@ def take_energy(e: Engine, l: Look, q: Meter, i: int, end: float, out: Floats) -
     out[3 * i + 1] = dissipated
     out[3 * i + 2] = wrong
     return OK
+
+
+def stored_at(e: Engine, l: Look, i: int) -> float:
+    """Return the energy stored where the step of point i begins, J; 0 where it has no value."""
+    at = 3 * e.states * l.points.step[i]
+    for k in range(e.states):
+        l.y[k] = l.points.step_state[at + k]
+    stored = math.fabs(energy_of(e, l.y))
+    return stored if math.isfinite(stored) else 0.0
 
 
 def take_piece(e: Engine, l: Look, q: Meter, i: int, span: float, low: float, width: float) -> int:
