@@ -115,8 +115,8 @@ def pushed_energy(e: Engine) -> float:
 def found_terms(e: Engine, mode: Mode, t: float, y: Floats) -> bool:
     """Put the rounding of what rates cancel from at `t` there; False if there is nothing.
 
-    What moves anything clearly acts for no longer than it takes to move what is stored: a force that
-    stops a body in no time is over by then, and its rounding none of what the body does afterwards.
+    What moves anything clearly acts for no longer than it takes to move what is stored: a force
+    that stops a body in no time is over by then, and its rounding none of what the body does later.
     """
     m = e.model
     set_state(e, mode, e.v, t, y)
