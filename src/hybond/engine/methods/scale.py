@@ -143,7 +143,7 @@ def found_terms(e: Engine, mode: Mode, t: float, y: Floats) -> bool:
         acts = SHORT * e.span
         if moves_clearly(e, at, e.rounding[k]):
             own = soonest if y[k] == 0.0 else math.fabs(y[k] / e.work.w[at])
-            acts = min(acts, max(own, math.fabs(t) * EPSILON / ROUNDED))
+            acts = min(acts, max(own, math.fabs(e.t) * EPSILON / ROUNDED))
         e.rounding[k] = ROUNDED * acts * e.rounding[k]
     return found
 
