@@ -12,15 +12,15 @@ from typing import Final
 from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.looking.asked import prepare
 from hybond.engine.looking.look import Look, take_point
-from hybond.engine.mode.storage import GAUSS, KRONROD, NODE
+from hybond.engine.mode.storage import GAUSS, KRONROD, NODE, energy_of
 from hybond.engine.sliding.blend import ROUNDING
 from hybond.engine.words import Floats, floats, record
 
 ENOUGH: Final = 1e-11
 """A step is done if its two formulas differ by less than this part of the energy that passes."""
 NOTHING: Final = 1e-13
-"""Or by less than this part of the largest energy of the run: where power hangs on the last digits
-of what is stored it is a staircase, however short the piece."""
+"""Or by less than this part of what is stored where the step begins: power that hangs on the last
+digits of that is a staircase, however short the piece."""
 PIECES: Final = 100
 """Pieces into which a step is cut at the most."""
 LEAST: Final = 1e-9
@@ -143,7 +143,7 @@ def look_energies(e: Engine, l: Look, q: Meter, end: Floats, out: Floats) -> int
         out[3 * i + 1] = q.dissipated[0]
         out[3 * i + 2] = q.off[0]
         passed += q.passed[0]
-    enough = max(ENOUGH * passed / float(max(l.points.many, 1)), NOTHING * e.energy)
+    enough = ENOUGH * passed / float(max(l.points.many, 1))
     for i in range(l.points.many):
         if out[3 * i + 2] > enough and take_energy(e, l, q, i, end[i], enough, out) != OK:
             return REFUSED
@@ -160,6 +160,7 @@ def take_energy(
     rounding cuts change nothing, and there is an end to them.
     """
     span = end - l.points.t[i]
+    enough = max(enough, NOTHING * stored_at(e, l, i))
     q.pieces = 1
     if take_piece(e, l, q, i, span, 0, 0.0, 1.0) != OK:
         return REFUSED
@@ -188,6 +189,15 @@ def take_energy(
         out[3 * i + 1] += q.dissipated[k]
         out[3 * i + 2] += q.off[k]
     return OK
+
+
+def stored_at(e: Engine, l: Look, i: int) -> float:
+    """Return the energy stored where the step of point i begins, J; 0 where it has no value."""
+    at = 3 * e.states * l.points.step[i]
+    for k in range(e.states):
+        l.y[k] = l.points.step_state[at + k]
+    stored = math.fabs(energy_of(e, l.y))
+    return stored if math.isfinite(stored) else 0.0
 
 
 def cut(e: Engine, l: Look, q: Meter, i: int, span: float, k: int) -> int:

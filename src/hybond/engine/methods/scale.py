@@ -119,8 +119,9 @@ def pushed_energy(e: Engine) -> float:
 def found_terms(e: Engine, mode: Mode, t: float, y: Floats) -> bool:
     """Put the rounding of what rates cancel from at `t` there; False if there is nothing.
 
-    What moves anything clearly acts for no longer than it takes to move what is stored: a force that
-    stops a body in no time is over by then, and its rounding none of what the body does afterwards.
+    What moves anything clearly acts for no longer than it takes to move what is stored: a force
+    that stops a body in no time is over by then, and its rounding none of what the body does later.
+    It is what the time itself is rounded by at the least.
     """
     m = e.model
     set_state(e, mode, e.v, t, y)
@@ -145,7 +146,8 @@ def found_terms(e: Engine, mode: Mode, t: float, y: Floats) -> bool:
         at = m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 0 else 0)
         acts = SHORT * e.span
         if moves_clearly(e, at, e.rounding[k]):
-            acts = soonest if y[k] == 0.0 else min(acts, math.fabs(y[k] / e.work.w[at]))
+            own = soonest if y[k] == 0.0 else math.fabs(y[k] / e.work.w[at])
+            acts = min(acts, max(own, math.fabs(e.t) * EPSILON / ROUNDED))
         e.rounding[k] = ROUNDED * acts * e.rounding[k]
     return found
 
