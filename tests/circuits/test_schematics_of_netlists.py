@@ -80,3 +80,27 @@ def test_a_bond_graph_of_another_tool_has_none(tmp_path: Path) -> None:
     with pytest.raises(UsageError) as refused:
         other.as_parts()
     assert refused.value.code == "HB-D110"
+
+
+def test_coupled_coils_have_dots_where_their_voltages_agree(tmp_path: Path) -> None:
+    rows = ["coils", "V1 a 0 1", "L1 a 0 1m", "L2 b 0 1m", "R2 b 0 1", "L3 c 0 1m", "R3 c 0 1"]
+    rows += ["L4 d 0 1m", "R4 d 0 1", "K12 L1 L2 0.9", "K13 L1 L3 -0.9", "K23 L2 L3 -0.9"]
+    path = tmp_path / "coils.cir"
+    path.write_text("\n".join([*rows, ".tran 1u 1m uic", ".end"]))
+    model = hb.read_circuit(path).as_parts()
+
+    def dotted(name: str) -> str:
+        """Return the port of a coil that is next to its dot."""
+        part = model.elements[name]
+        assert isinstance(part, SubmodelPart) and isinstance(part.model, str)
+        symbol = model.models[part.model].symbol
+        assert symbol is not None
+        (dot,) = symbol.fills
+        xs = [float(pair.partition(",")[0]) for pair in dot.split()]
+        middle = (min(xs) + max(xs)) / 2
+        return min(symbol.pins, key=lambda port: abs(symbol.pins[port][0] - middle))
+
+    assert [dotted(name) for name in ("L1", "L2", "L3")] == ["plus", "plus", "minus"]
+    assert getattr(model.elements["L4"], "model", "") == "electrical.inductor"
+    said = [model.elements[name].parameters.values() for name in ("L1", "L2", "L3")]
+    assert [list(values)[1] for values in said] == ["K12 K13", "K12 K23", "K13 K23"]
