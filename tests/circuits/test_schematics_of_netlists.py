@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
 
 import hybond as hb
 from hybond.cli.main import main
-from hybond.draw import draw_schematic
-from hybond.draw.scene import Text
+from hybond.draw import Drawing, draw_schematic
+from hybond.draw.scene import Line, Text
 from hybond.errors import UsageError
 from hybond.model.parts import SubmodelPart
 
@@ -104,3 +105,32 @@ def test_coupled_coils_have_dots_where_their_voltages_agree(tmp_path: Path) -> N
     assert getattr(model.elements["L4"], "model", "") == "electrical.inductor"
     said = [model.elements[name].parameters.values() for name in ("L1", "L2", "L3")]
     assert [list(values)[1] for values in said] == ["K12 K13", "K12 K23", "K13 K23"]
+
+
+def on_wires(drawing: Drawing, roles: set[str]) -> tuple[int, list[str]]:
+    """Return how many texts there are, and those that a wire passes through."""
+    marks = [m for g in drawing.scene.groups for m in g.marks]
+    lines = [m for m in marks if isinstance(m, Line) and m.role == "wire"]
+    texts = [m for m in marks if isinstance(m, Text) and m.role in roles]
+    found = []
+    for text in texts:
+        wide = 4.0 * len(text.text)  # less than any font takes
+        left = text.x - {"start": 0.0, "middle": wide / 2, "end": wide}[text.anchor]
+        for (ax, ay), (bx, by) in (ends for line in lines for ends in pairwise(line.points)):
+            across = max(ax, bx) > left and min(ax, bx) < left + wide
+            if across and max(ay, by) > text.y - 7.0 and min(ay, by) < text.y:
+                found.append(text.text)
+    return len(texts), found
+
+
+@pytest.mark.parametrize("name", ["flyback", "bridge"])
+def test_names_of_nodes_stand_on_no_wire(name: str) -> None:
+    drawing = draw_schematic(hb.read_circuit(NETLISTS / f"{name}.cir").as_parts())
+    many, found = on_wires(drawing, {"junctionname"})
+    assert many > 2 and not found
+
+
+def test_no_wire_passes_through_the_name_of_a_source() -> None:
+    relay = hb.load(NETLISTS.parent / "systems" / "relay_coil.toml")
+    many, found = on_wires(draw_schematic(relay), {"name", "parameter"})
+    assert many > 10 and not found
