@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
 
 import hybond as hb
 from hybond.cli.main import main
-from hybond.draw import draw_schematic
-from hybond.draw.scene import Text
+from hybond.draw import Drawing, draw_schematic
+from hybond.draw.scene import Line, Text
 from hybond.errors import UsageError
 from hybond.model.parts import SubmodelPart
 
@@ -80,3 +81,56 @@ def test_a_bond_graph_of_another_tool_has_none(tmp_path: Path) -> None:
     with pytest.raises(UsageError) as refused:
         other.as_parts()
     assert refused.value.code == "HB-D110"
+
+
+def test_coupled_coils_have_dots_where_their_voltages_agree(tmp_path: Path) -> None:
+    rows = ["coils", "V1 a 0 1", "L1 a 0 1m", "L2 b 0 1m", "R2 b 0 1", "L3 c 0 1m", "R3 c 0 1"]
+    rows += ["L4 d 0 1m", "R4 d 0 1", "K12 L1 L2 0.9", "K13 L1 L3 -0.9", "K23 L2 L3 -0.9"]
+    path = tmp_path / "coils.cir"
+    path.write_text("\n".join([*rows, ".tran 1u 1m uic", ".end"]))
+    model = hb.read_circuit(path).as_parts()
+
+    def dotted(name: str) -> str:
+        """Return the port of a coil that is next to its dot."""
+        part = model.elements[name]
+        assert isinstance(part, SubmodelPart) and isinstance(part.model, str)
+        symbol = model.models[part.model].symbol
+        assert symbol is not None
+        (dot,) = symbol.fills
+        xs = [float(pair.partition(",")[0]) for pair in dot.split()]
+        middle = (min(xs) + max(xs)) / 2
+        return min(symbol.pins, key=lambda port: abs(symbol.pins[port][0] - middle))
+
+    assert [dotted(name) for name in ("L1", "L2", "L3")] == ["plus", "plus", "minus"]
+    assert getattr(model.elements["L4"], "model", "") == "electrical.inductor"
+    said = [model.elements[name].parameters.values() for name in ("L1", "L2", "L3")]
+    assert [list(values)[1] for values in said] == ["K12 K13", "K12 K23", "K13 K23"]
+
+
+def on_wires(drawing: Drawing, roles: set[str]) -> tuple[int, list[str]]:
+    """Return how many texts there are, and those that a wire passes through."""
+    marks = [m for g in drawing.scene.groups for m in g.marks]
+    lines = [m for m in marks if isinstance(m, Line) and m.role == "wire"]
+    texts = [m for m in marks if isinstance(m, Text) and m.role in roles]
+    found = []
+    for text in texts:
+        wide = 4.0 * len(text.text)  # less than any font takes
+        left = text.x - {"start": 0.0, "middle": wide / 2, "end": wide}[text.anchor]
+        for (ax, ay), (bx, by) in (ends for line in lines for ends in pairwise(line.points)):
+            across = max(ax, bx) > left and min(ax, bx) < left + wide
+            if across and max(ay, by) > text.y - 7.0 and min(ay, by) < text.y:
+                found.append(text.text)
+    return len(texts), found
+
+
+@pytest.mark.parametrize("name", ["flyback"])
+def test_names_of_nodes_stand_on_no_wire(name: str) -> None:
+    drawing = draw_schematic(hb.read_circuit(NETLISTS / f"{name}.cir").as_parts())
+    many, found = on_wires(drawing, {"junctionname"})
+    assert many > 2 and not found
+
+
+def test_no_wire_passes_through_the_name_of_a_source() -> None:
+    relay = hb.load(NETLISTS.parent / "systems" / "relay_coil.toml")
+    many, found = on_wires(draw_schematic(relay), {"name", "parameter"})
+    assert many > 10 and not found

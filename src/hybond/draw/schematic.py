@@ -11,9 +11,9 @@ import itertools
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal
 
 from hybond.draw.arrange import layout
+from hybond.draw.beside import Wire, beside, box_of, named_nodes, tight
 from hybond.draw.composing import composed
 from hybond.draw.drawing import Drawing
 from hybond.draw.geometry import Box, Point
@@ -35,14 +35,8 @@ CELL = (120.0, 100.0)
 """Pixels from one cell of the layout to the next: symbols need more than letters."""
 MARGIN = 34.0
 DOT = 3.0
-CLEAR = 2.5
-"""Pixels that texts keep from wires where they can."""
 LONGEST = 26
 """Characters of what is written below a name."""
-Anchor = Literal["start", "middle", "end"]
-Wire = tuple[str, str, tuple[Point, ...]]
-"""The ends of a bond as written, and the way of its wire."""
-LABEL = 10.5
 LETTERS = 19.0
 CAP = 0.73
 """Size of letters, and how high their capitals are."""
@@ -125,7 +119,7 @@ def draw_schematic(
     wires, meets = _cut_back(_wires(nodes, put, dots, bonds, nets), sorted(dots))
     groups = [Group("wire", f"{a} -> {b}", f"{a} -> {b}", (Line("wire", w),)) for a, b, w in wires]
     groups += _parts(nodes, put, wires)
-    groups += [_dot(n, meets.get(n, nodes[n].at)) for n in names if n in dots]
+    groups += named_nodes({n: meets.get(n, nodes[n].at) for n in names if n in dots}, groups, wires)
     groups.append(Group("joints", "", "", tuple(_joint(p) for p in _joints(wires, nets, put))))
     return _drawing(model.title or model.name if title else "", groups, places)
 
@@ -406,61 +400,19 @@ def _parts(
         node = nodes[name]
         words = [node.name, *([node.about] if node.about else [])]
         texts = min(
-            _beside(p.box, words), key=lambda texts: _tight([_box(t) for t in texts], lines, boxes)
+            beside(p.box, words), key=lambda texts: tight([box_of(t) for t in texts], lines, boxes)
         )
-        boxes += [_box(t) for t in texts]
+        boxes += [box_of(t) for t in texts]
         about = f"{name}: {node.letters}"
         found.append(Group("part", name, about, (*p.marks, *texts)))
     return found
-
-
-def _beside(box: Box, words: Sequence[str]) -> list[list[Mark]]:
-    """Return the places of a name and what is written below it, best first."""
-    (x, y), more = ((box.x0 + box.x1) / 2.0, (box.y0 + box.y1) / 2.0), len(words) - 1
-    high = 13.0 * more
-    places: list[tuple[float, float, Anchor]] = [
-        (x, box.y1 + 12.0, "middle"),
-        (x, box.y0 - 6.0 - high, "middle"),
-        (box.x1 + 5.0, y + 4.0 - high / 2.0, "start"),
-        (box.x0 - 5.0, y + 4.0 - high / 2.0, "end"),
-        *((box.x1 + 5.0, y + aside, "start") for aside in (16.0, -8.0 - high)),
-        *((box.x0 - 5.0, y + aside, "end") for aside in (16.0, -8.0 - high)),
-        (box.x1 + 3.0, box.y0 - 4.0 - high, "start"),
-        (box.x1 + 3.0, box.y1 + 10.0, "start"),
-        (box.x0 - 3.0, box.y1 + 10.0, "end"),
-        (box.x0 - 3.0, box.y0 - 4.0 - high, "end"),
-    ]
-    roles = ("name", "parameter")
-    return [
-        [Text(roles[k], w, u, v + 13.0 * k, anchor) for k, w in enumerate(words)]
-        for u, v, anchor in places
-    ]
-
-
-def _covers(own: Sequence[Box], lines: Sequence[tuple[Point, Point]], boxes: Sequence[Box]) -> int:
-    """Return how many wires and symbols some texts cover."""
-    hits = sum(b.cut(line) is not None for b in own for line in lines)
-    return hits + sum(b.overlaps(other) for b in own for other in boxes)
-
-
-def _tight(
-    own: Sequence[Box], lines: Sequence[tuple[Point, Point]], boxes: Sequence[Box]
-) -> tuple[int, int]:
-    """Return how many wires and symbols some texts cover, and how many they nearly do."""
-    return _covers(own, lines, boxes), _covers([b.grown(CLEAR) for b in own], lines, ())
-
-
-def _dot(name: str, at: Point) -> Group:
-    """Return the name of a place where wires meet."""
-    text = Text("junctionname", name, at[0] + 5.0, at[1] - 5.0, "start")
-    return Group("node", name, name, (text,))
 
 
 def _drawing(
     title: str, groups: Sequence[Group], places: dict[str, tuple[float, float]]
 ) -> Drawing:
     """Return the drawing with all marks moved to where the paper begins."""
-    boxes = [_box(m) for g in groups for m in g.marks]
+    boxes = [box_of(m) for g in groups for m in g.marks]
     head = 30.0 if title else 0.0
     x0, y0 = min(b.x0 for b in boxes) - MARGIN, min(b.y0 for b in boxes) - MARGIN - head
     x1, y1 = max(b.x1 for b in boxes) + MARGIN, max(b.y1 for b in boxes) + MARGIN
@@ -479,13 +431,3 @@ def _moved(mark: Mark, dx: float, dy: float) -> Mark:
         return Line(mark.role, tuple((x + dx, y + dy) for x, y in mark.points))
     assert isinstance(mark, Text)
     return Text(mark.role, mark.text, mark.x + dx, mark.y + dy, mark.anchor)
-
-
-def _box(mark: Mark) -> Box:
-    if isinstance(mark, Line):
-        xs, ys = zip(*mark.points)
-        return Box(min(xs), min(ys), max(xs), max(ys))
-    assert isinstance(mark, Text)
-    wide = width(mark.text, LABEL)
-    left = {"start": 0.0, "middle": wide / 2.0, "end": wide}[mark.anchor]
-    return Box(mark.x - left, mark.y - LABEL, mark.x - left + wide, mark.y + 3.0)

@@ -311,8 +311,8 @@ class Warnings:
             )
         if kind == OWN_JUMP:
             return (
-                f"{first.text} reads what {graph.machines[first.machine].path} itself makes "
-                "jump: there is no surface to slide on"
+                f"{first.text} reads what {graph.machines[first.machine].path} itself makes jump, "
+                "as where a comparator is fed back: it switches there, and nothing slides"
             )
         if kind == WITHOUT_END:
             return (
