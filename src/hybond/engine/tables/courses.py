@@ -230,7 +230,7 @@ class _Making:
             case Binary(op):
                 return self._put(_ARITHMETIC[op], *below)
             case Compare(op):
-                return self._put(_COMPARED[op], *below, int(op == "!="))
+                return self._put(_COMPARED[op], below[0], below[1], int(op == "!="))
             case And() | Or():
                 return self._folded(BOTH if isinstance(e, And) else EITHER, below)
             case If():
