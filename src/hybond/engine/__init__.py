@@ -13,6 +13,7 @@ subset. Rooms, and in them files, as data passes them::
 
     expressions/
         code, lookup, functions    laws as instructions; tables that they read; what has no value
+        course_parts, course_ranges    what time alone does: its range over an interval
         pairs, paired       what jumps: a finite part and an impulse; guards and rates on these
     algebra/
         blocks, products    arrays that grow, sparse rows; products of matrices
@@ -94,6 +95,7 @@ subset. Rooms, and in them files, as data passes them::
         far_guards          those that do not come to hold, which is seen at once
         together, ends_at_guard    what is one instant with it; the step that ends there
         kinks_passed, held_by_kinks, source_jumps    kinks of laws and of sources
+        courses_ahead       steps that see all of what time does
         edges, roots_reached    where laws end; roots that come to rest
         stranded            motion that gets nowhere
         log, run_records, carried, trying    what is written, handed on, tried

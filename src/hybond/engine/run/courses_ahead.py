@@ -19,7 +19,7 @@ from hybond.engine.inputs.interval import set_time
 from hybond.engine.methods.fixed import EULER, RK4
 from hybond.engine.methods.one_instant import room_of_instant
 from hybond.engine.methods.scale import measure_ahead
-from hybond.engine.mode.mode_records import Mode
+from hybond.engine.mode.mode_records import Mode, Reads
 from hybond.engine.mode.values import set_motion
 from hybond.engine.reasons.warned import COURSE_UNSEEN, add_about, begin_warning
 from hybond.engine.run.run_records import bound_of
@@ -36,8 +36,8 @@ NOTHING: Final = 1e-30
 """What a course is before a pulse, as a part of that: not what grows into it."""
 MIDDLE: Final = 0.5127
 """Where about the middle is, so that nothing symmetrical is met there by chance."""
-USED: Final = 0.5
-"""Part of an interval that was looked at after which the next one is."""
+USED: Final = 0.25
+"""Part of an interval that was looked at: when no more is left of it, the next one is."""
 ALWAYS: Final = 0
 OF_SOURCE: Final = 1
 OF_SWITCH: Final = 2
@@ -46,14 +46,17 @@ PASSED_OVER: Final = 1
 """Why a course is not seen."""
 
 
-def begin_courses(e: Engine) -> None:
-    """Find which courses count in the mode that begins, and how long their sines let steps be."""
+def begin_courses(e: Engine, read: Reads) -> None:
+    """Find which courses count in the mode that begins, and how long their sines let steps be.
+
+    Guards read what `read` says.
+    """
     c = e.courses
     if not c.known:
         find_kinds(e.model, c.ranges, c.kind, c.fast)
         c.known = True
     if e.slide.k > 0 or e.mode.longest == 0.0:
-        count_courses(e, e.mode)
+        count_courses(e, e.mode, read)
     e.longest = e.mode.longest
     if e.slide.k > 0:
         e.mode.longest = 0.0
@@ -62,7 +65,7 @@ def begin_courses(e: Engine) -> None:
         measure_peak(e, k)
 
 
-def count_courses(e: Engine, mode: Mode) -> None:
+def count_courses(e: Engine, mode: Mode, read: Reads) -> None:
     """Find which courses count in a mode; all do where modes are combined."""
     m = e.model
     c = e.courses
@@ -72,7 +75,7 @@ def count_courses(e: Engine, mode: Mode) -> None:
     for k in range(m.courses):
         counts = e.slide.k > 0
         for p in range(m.course_first[k], m.course_first[k + 1]):
-            counts = counts or is_used(e, mode, m.course_user[p], m.course_index[p])
+            counts = counts or is_used(e, mode, read, m.course_user[p], m.course_index[p])
         root = m.course_root[k]
         mode.course[k] = 1 if counts and c.kind[root] == OTHER else 0
         mode.moves = mode.moves or mode.course[k] != 0
@@ -81,7 +84,7 @@ def count_courses(e: Engine, mode: Mode) -> None:
             mode.longest = min(mode.longest, TURN / c.fast[root])
 
 
-def is_used(e: Engine, mode: Mode, user: int, which: int) -> bool:
+def is_used(e: Engine, mode: Mode, read: Reads, user: int, which: int) -> bool:
     """Whether a course counts in a mode for one of its reasons."""
     m = e.model
     if user == ALWAYS:
@@ -89,7 +92,8 @@ def is_used(e: Engine, mode: Mode, user: int, which: int) -> bool:
     if user == OF_SOURCE:
         for k in range(mode.sources):
             if mode.source[k] == which:
-                return True
+                rates = mode.rates.valued[k] != 0 or mode.rates.rated[k] != 0
+                return rates or mode.dynamics > 0 or read.valued[k] != 0 or read.rated[k] != 0
         return False
     if user == OF_SWITCH:
         return mode.on[which] != 0

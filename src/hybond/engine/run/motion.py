@@ -391,7 +391,7 @@ def begin_flow(e: Engine, r: Run) -> int:
     take_rates(e, e.mode)
     r.beyond = 0.0
     if m.courses > 0:
-        begin_courses(e)
+        begin_courses(e, r.locator.reads)
     return start(e, e.t, e.y, bound_of(e), True)
 
 

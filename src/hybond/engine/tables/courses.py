@@ -68,8 +68,9 @@ def put_courses(t: ModelTables) -> None:
         for whole in _timed_parts(t, e):
             for term in _terms(whole):
                 if _bends(term):
+                    if term not in group:
+                        group[term] = wholes.setdefault(whole, len(wholes))
                     users.setdefault(term, {})[user] = None
-                    group.setdefault(term, wholes.setdefault(whole, len(wholes)))
     made = _Making(t)
     t.ints["course_root"] = [made.place_of(e) for e in users]
     t.ints["course_group"] = [group[e] for e in users]
@@ -229,7 +230,7 @@ class _Making:
             case Binary(op):
                 return self._put(_ARITHMETIC[op], *below)
             case Compare(op):
-                return self._put(_COMPARED[op], *below, int(op == "!="))
+                return self._put(_COMPARED[op], below[0], below[1], int(op == "!="))
             case And() | Or():
                 return self._folded(BOTH if isinstance(e, And) else EITHER, below)
             case If():
