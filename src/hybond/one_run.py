@@ -25,11 +25,13 @@ from hybond.result import Result, Status
 from hybond.runs.ends import ended
 from hybond.runs.states import State, load_state
 from hybond.runs.times import check_instants, time_in
+from hybond.uncollected import uncollected
 
 Start = Result | State | Mapping[str, Any] | str | Path | None
 """Where a run may begin."""
 
 
+@uncollected
 def graph_of(model: Model | FlatGraph, parameters: Any, on_error: str) -> FlatGraph:
     """Return the graph of a model with other values, for a call whose arguments fit.
 
@@ -53,6 +55,7 @@ def graph_of(model: Model | FlatGraph, parameters: Any, on_error: str) -> FlatGr
     return kept_graph(model, parameters or {}) if isinstance(model, Model) else model
 
 
+@uncollected
 def begun(
     start: Start, graph: FlatGraph, settings: Settings, maker: EngineChoice
 ) -> tuple[Beginning | None, Settings]:
@@ -109,6 +112,7 @@ def of_experiment(error: UsageError, graph: FlatGraph, asked: Mapping[str, Any])
     return error
 
 
+@uncollected
 def made(
     graph: FlatGraph,
     conditions: tuple[str, ...],
