@@ -33,6 +33,11 @@ FIRST = 1
 """Steps of the first slice; each may be longer than the one before by GROWS."""
 GROWS = 2.0
 MOST = 1_000_000
+BYTES = 56
+"""Those of a step for each state."""
+LARGEST = 1 << 22
+"""Bytes of the steps of a slice: the engine writes each slice into the same memory, which caches
+hold, and allocators keep what is smaller for the next run; they return what is larger."""
 TOLD = 4
 """Changes of method that are told one by one."""
 STUCK = ("", "if the guards chatter, give them a hysteresis", "no time passes between them")
@@ -75,6 +80,8 @@ class EngineRun:
         self.keep = keep
         self.journal = journal
         self._slice = FIRST
+        states = model.tables.numbers["storages"] + model.tables.numbers["integrals"]
+        self._most = int(min(LARGEST / (BYTES * (states + 1.0)) + 1.0, MOST))
         self._last = 0, 0, self.trace.begin if begin is not None else 0.0
         """Events so far, and the steps and the time before the last slice that had any."""
         self._run = model.run(runners)
@@ -167,7 +174,9 @@ class EngineRun:
         for rows in self._run.slices(steps=lambda: self._slice):
             took = time.perf_counter() - begin
             fits = self._slice * LOOKED / max(took, 1e-6)
-            self._slice = int(min(max(fits, 0.25 * self._slice, 1.0), GROWS * self._slice, MOST))
+            self._slice = int(
+                min(max(fits, 0.25 * self._slice, 1.0), GROWS * self._slice, self._most)
+            )
             instants = self.records.add(rows)
             if self.journal is not None and instants is not None:
                 _write(self.journal, instants)
