@@ -95,6 +95,14 @@ class Steps:
         object.__setattr__(self, "dense", terms)
 
     @staticmethod
+    def logged(time: Vector, state: Vector, dense: Vector) -> Steps:
+        """Return steps of a log, which are as they should be, and may be many."""
+        found = object.__new__(Steps)
+        for name, rows in (("time", time), ("state", state), ("dense", dense)):
+            object.__setattr__(found, name, np.ascontiguousarray(rows))
+        return found
+
+    @staticmethod
     def of(rows: Rows, which: slice = slice(None)) -> Steps:
         """Return some of the steps that a run wrote down."""
         return Steps(rows.step_time[which], rows.step_state[which], rows.step_dense[which])

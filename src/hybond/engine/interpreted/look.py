@@ -124,11 +124,10 @@ class PythonLook(Look):
             y, accepted = points.y[first:last], points.accepted[first:last]
             points_at(self._own, len(t), t, y.ravel().tolist(), accepted.tolist())
             return
-        which = points.step[first:last]
-        low, high = int(which.min()), int(which.max()) + 1
+        which, step = np.unique(points.step[first:last], return_inverse=True)
         steps = points.steps
-        rows = (a[low:high].ravel().tolist() for a in (steps.time, steps.state, steps.dense))
-        points_within(self._own, len(t), t, (which - low).tolist(), *rows)
+        rows = (a[which].ravel().tolist() for a in (steps.time, steps.state, steps.dense))
+        points_within(self._own, len(t), t, step.tolist(), *rows)
 
     def _check(self, look: Any, *given: Any) -> None:
         """Look; refuse what the engine does.

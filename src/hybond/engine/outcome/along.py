@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from hybond.engine.outcome.records import Block
+from hybond.engine.outcome.records import Block, Steps
 from hybond.records import dataclass
 
 Vector = NDArray[np.float64]
@@ -28,12 +28,10 @@ class Along:
 
     points: NDArray[np.intp]
     """Shape (points,). Which of all points these are."""
+    steps: Steps
+    """The steps of the block."""
     step: NDArray[np.intp]
-    """Shape (points,). The step of each, of those that follow."""
-    time: Vector
-    state: Vector
-    dense: Vector
-    """`time`, `state` and `dense`: steps."""
+    """Shape (points,). Which of them each lies in."""
     begin: Vector
     place: NDArray[np.intc]
     many: NDArray[np.intp]
@@ -61,16 +59,12 @@ class Along:
         points = np.repeat(first[places] - np.cumsum(many) + many, many) + np.arange(many.sum())
         low = np.repeat(block.begins[numbers], many)
         high = np.repeat(block.begins[numbers + 1] - 1, many)
-        exact = np.clip(np.searchsorted(steps.time[:, 2], t[points]), low, high)
-        new = begins_of(exact)
-        rows, step = exact[new], np.cumsum(new) - 1
+        step = np.clip(np.searchsorted(steps.time[:, 2], t[points]), low, high)
         begins = block.begins[numbers]
         return Along(
             points,
+            steps,
             step,
-            steps.time[rows],
-            steps.state[rows],
-            steps.dense[rows],
             steps.time[begins, 0],
             steps.place[begins],
             many,

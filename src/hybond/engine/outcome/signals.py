@@ -160,8 +160,8 @@ class Signals:
                 segment = segments[int(asked[place])]
                 for row, values in zip(found, self.of(segment, expressions, t[some])):
                     row[some] = values
-        if along:
-            self._read_along(along, t, expressions, found)
+        for some_along in along:
+            self._read_along(some_along, t, expressions, found)
         for place in [p for a in along for p in a.resting]:
             some = slice(int(first[place]), int(ends[place]))
             segment = segments[int(asked[place])]
@@ -170,34 +170,26 @@ class Signals:
         return list(found)
 
     def _read_along(
-        self, along: list[Along], t: Vector, expressions: Sequence[Expr], found: Vector
+        self, along: Along, t: Vector, expressions: Sequence[Expr], found: Vector
     ) -> None:
         """Read points of segments in which nothing is slid on; put what they say there."""
         machines = len(self.graph.machines)
-        before = np.concatenate([[0], np.cumsum([len(a.time) for a in along])])
-        steps = StepsToLook(
-            np.concatenate([a.time for a in along]),
-            np.concatenate([a.state for a in along]),
-            np.concatenate([a.dense for a in along]),
-        )
-        place = np.concatenate([a.place for a in along])
-        points = np.concatenate([a.points for a in along])
-        many = np.concatenate([a.many for a in along])
+        place = along.place
         motions = Motions(
-            np.concatenate([a.begin for a in along]),
+            along.begin,
             np.ascontiguousarray(place[:, MACHINES_OF_STEP : MACHINES_OF_STEP + machines]),
             np.ascontiguousarray(place[:, MACHINES_OF_STEP + machines :]),
-            np.concatenate([[0], np.cumsum(many)]).astype(np.intc),
+            np.append(0, np.cumsum(along.many)).astype(np.intc),
             self._energy,
         )
-        step = np.concatenate([a.step + k for a, k in zip(along, before.tolist(), strict=False)])
+        steps = StepsToLook.logged(along.steps.time, along.steps.state, along.steps.dense)
+        within = Within(steps, t[along.points], along.step)
         slots = self._read(expressions)
         with self._lock:
             self._into = None
-            within = Within(steps, t[points], step)
             columns = self._columns(slots, self._look.values_along(motions, within, slots))
         for k, e in enumerate(expressions):
-            found[k, points] = self._value(e, columns, points.shape)
+            found[k, along.points] = self._value(e, columns, along.points.shape)
 
     def rest(self, segment: Segment, t: float) -> tuple[Vector, Mode]:
         """Return state and mode at a time behind the last step of a segment.
@@ -452,7 +444,7 @@ class Signals:
             low, high = np.searchsorted(segment.t[1:], [times.min(), times.max()])
             first, last = int(low), min(int(high) + 1, last)
         steps, k = made.steps, slice(made.first + first, made.first + last)
-        return StepsToLook(steps.time[k], steps.state[k], steps.dense[k]), times
+        return StepsToLook.logged(steps.time[k], steps.state[k], steps.dense[k]), times
 
     # -- expressions
 
