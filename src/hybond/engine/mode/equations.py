@@ -163,7 +163,7 @@ def eliminate(e: Engine, mode: Mode) -> None:
         mode.bent = mode.bent or mode.dynamic[i] < 0
     for j in range(mode.finite_frees):
         mode.reluctant[j] = finite.read[mode.free_column[j]]
-    take_rows(m, finite, mode.knowns, mode.finite)
+    take_rows(finite, mode.knowns, mode.finite)
     take_free(finite, mode.finite_frees, mode.free_column, mode.finite_free)
     mode.power = mode.finite
     mode.power_free = mode.finite_free
@@ -172,7 +172,7 @@ def eliminate(e: Engine, mode: Mode) -> None:
         mode.power = mode.own_power
         mode.power_free = mode.own_power_free
         mode.power_frees = free_columns(power, e.work.columns)
-        take_rows(m, power, mode.knowns, mode.own_power)
+        take_rows(power, mode.knowns, mode.own_power)
         take_free(power, mode.power_frees, e.work.columns, mode.own_power_free)
     take_constraints(e, mode)
     list_bound(e, mode)
@@ -227,7 +227,7 @@ def free_columns(x: Elimination, column: Ints) -> int:
     return many
 
 
-def take_rows(m: Model, x: Elimination, knowns: int, rows: Rows) -> None:
+def take_rows(x: Elimination, knowns: int, rows: Rows) -> None:
     """Take what knowns give to each bond variable; equal ones share the row of the first."""
     n = x.unknowns
     entries = 0

@@ -10,7 +10,7 @@ from hybond.engine.algebra.blocks import Rows, row_times
 from hybond.engine.answers import value
 from hybond.engine.engine import Engine
 from hybond.engine.mode.mode_records import Mode, Reads
-from hybond.engine.mode.storage import co_energy_of
+from hybond.engine.mode.storage import co_energy_of, law_at
 from hybond.engine.model import Model
 from hybond.engine.words import Floats
 
@@ -117,7 +117,10 @@ def put_knowns(e: Engine, mode: Mode, r: Reads, v: Floats) -> None:
     for i in range(r.stores):
         port = r.storage[i]
         first = m.stiff_first[port]
-        if m.co_energy[port] < 0 and m.stiff_first[port + 1] == first + 1:
+        law = m.co_energy[port]
+        if law >= 0:
+            xi[port] = law_at(m, port, law, v[m.stored_slot + port], v)
+        elif m.stiff_first[port + 1] == first + 1:
             xi[port] = m.stiff_constant[first] * v[m.stored_slot + m.stiff_other[first]]
         else:
             xi[port] = co_energy_of(m, port, v)
@@ -125,8 +128,8 @@ def put_knowns(e: Engine, mode: Mode, r: Reads, v: Floats) -> None:
         source = mode.source[k]
         at = m.storages + k
         if r.valued[k] != 0:
-            law = m.source_value[source] if source >= 0 else -1
-            xi[at] = mode.source_level[k] if law < 0 else value(m, law, v)
+            given = m.source_value[source] if source >= 0 else -1
+            xi[at] = mode.source_level[k] if given < 0 else value(m, given, v)
         xi[at + mode.sources] = value(m, m.source_rate[source], v) if r.rated[k] != 0 else 0.0
 
 

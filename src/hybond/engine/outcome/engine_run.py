@@ -35,8 +35,9 @@ GROWS = 2.0
 MOST = 1_000_000
 BYTES = 56
 """Those of a step for each state."""
-LARGEST = 1 << 23
-"""Bytes of the steps of a slice: they are written there again and again, into the same memory."""
+LARGEST = 1 << 22
+"""Bytes of the steps of a slice: the engine writes each slice into the same memory, which caches
+hold, and allocators keep what is smaller for the next run; they return what is larger."""
 TOLD = 4
 """Changes of method that are told one by one."""
 STUCK = ("", "if the guards chatter, give them a hysteresis", "no time passes between them")
