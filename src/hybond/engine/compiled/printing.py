@@ -49,6 +49,12 @@ static void evaluate_pair(const Model *m, int k, Stack *s)
     run_pair_code(m->code, m->pair_begins[k], m->code_number, s);
 }
 """,
+    "copy_floats": """\
+static void copy_floats(int n, const double *a, double *b)
+{
+    memmove(b, a, (size_t)n * sizeof(double));
+}
+""",
     "copy_part": """\
 static void copy_part(int n, const double *a, int first, double *b, int at)
 {
