@@ -67,16 +67,22 @@ def largest(n: int, a: Floats) -> float:
 
 def all_finite(n: int, a: Floats) -> bool:
     """Whether none of the first n numbers is infinite or not a number."""
-    k = 0
-    while k < n and math.isfinite(a[k]):
-        k += 1
-    return k == n
+    nothing = 0.0
+    for k in range(n):
+        nothing += 0.0 * a[k]
+    return nothing == 0.0
 
 
 def copy_floats(n: int, a: Floats, b: Floats) -> None:
     """Copy the first n numbers of `a` into `b`."""
     for k in range(n):
         b[k] = a[k]
+
+
+def copy_part(n: int, a: Floats, first: int, b: Floats, at: int) -> None:
+    """Copy n numbers of `a`, from `first` on, into `b`, from `at` on."""
+    for k in range(n):
+        b[at + k] = a[first + k]
 
 
 def column_norm(n: int, a: Floats) -> float:

@@ -27,6 +27,7 @@ typedef struct HybondRun {
     HybondQuestion *question;
     void (*ask)(int);
     bool raised;
+    int passed; /* times that whoever looks on was not called */
     const Model *model;
     Engine *e;
     Run *r;
@@ -190,7 +191,10 @@ static double ask_run(Arena *arena, int what, int k, double t, int piece, double
 static void look_outside(Arena *arena)
 {
     HybondRun *run = (HybondRun *)arena;
-    if (run->question != NULL && run->r != NULL) {
+    /* what is called costs microseconds, and so much work only tens of them in most models */
+    enum { PASSED_OVER = 8 };
+    if (run->question != NULL && run->r != NULL && ++run->passed >= PASSED_OVER) {
+        run->passed = 0;
         (void)ask_run(arena, OUTSIDE, 0, run->e->t, 0, NULL);
     }
 }

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hybond.engine.compiled.native import NativeModel, library, model_struct
+from hybond.engine.compiled.native import NativeModel, copied, library, model_struct
 from hybond.engine.compiled.points import address
 from hybond.engine.compiled.sliced import OK
 from hybond.records import dataclass
@@ -211,26 +211,15 @@ class NativeMembers:
             sets.stepped, sets.energy = address(stepped), address(energy)
             sets.struck = address(struck)
         done = self._library.hybond_members_run(self._handle, ctypes.byref(sets))
-        events = np.zeros(0)
-        if sets.events:
-            events = np.ctypeslib.as_array(sets.event, (sets.events,)).copy()
-        since, mode = np.zeros(0), np.zeros((0, self._record.machines), dtype=np.intc)
-        if sets.rows:
-            shape = (sets.rows, self._record.machines)
-            since = np.ctypeslib.as_array(sets.since, (sets.rows,)).copy()
-            mode = (
-                np.ctypeslib.as_array(sets.mode, shape).copy()
-                if shape[1]
-                else np.zeros(shape, dtype=np.intc)
-            )
+        events = copied(sets.event, np.float64, (sets.events,))
+        since = copied(sets.since, np.float64, (sets.rows,))
+        mode = copied(sets.mode, np.intc, (sets.rows, self._record.machines))
         kept = None
         if measured:
-            shape = (sets.laid, 3)
-            time = np.ctypeslib.as_array(sets.time, shape)[:, ::2].copy() if sets.laid else None
-            motion = np.ctypeslib.as_array(sets.motion, shape[:1]) if sets.laid else np.zeros(0)
+            motion = copied(sets.motion, np.intc, (sets.laid,))
             kept = Kept(
                 stepped[:done],
-                np.zeros((0, 2)) if time is None else time,
+                copied(sets.time, np.float64, (sets.laid, 3))[:, ::2].copy(),
                 motion == np.arange(sets.laid),
                 struck[:done].astype(bool),
                 self._looking(sets, (given, energy)),

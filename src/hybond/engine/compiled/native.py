@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import ctypes
 import functools
-import math
 import os
 import weakref
 from collections.abc import Mapping
@@ -234,7 +233,7 @@ class NativeRun(SlicedRun):
         s, model = self._seen, self.model.record
         self._library.hybond_see(self._handle, ctypes.byref(s))
         self.t, self.energy = s.t, s.energy
-        self.y = _copied(s.y, np.float64, (s.states,))
+        self.y = copied(s.y, np.float64, (s.states,))
         self.mode = tuple((s.tried if s.settling else s.state)[: model.machines])
         self.stuck = s.stuck_machine, s.stuck_events, s.stuck_why, s.stuck_t, s.stuck_ratio
         self.rejected, self.evaluations, self.modes_made = s.rejected, s.evaluations, s.modes_made
@@ -263,8 +262,8 @@ class NativeRun(SlicedRun):
         """Return what a run that goes on from here is handed."""
         seen = self._taken_out()
         return (
-            _copied(seen.number, np.float64, (seen.floats,)),
-            _copied(seen.place, np.intc, (seen.ints,)),
+            copied(seen.number, np.float64, (seen.floats,)),
+            copied(seen.place, np.intc, (seen.ints,)),
         )
 
     def _taken_out(self) -> Carried:
@@ -302,8 +301,8 @@ class NativeRun(SlicedRun):
     def _column(self, name: str, kind: type, shape: tuple[int, ...]) -> NDArray[Any]:
         begin = getattr(self._seen, name)
         if name in STEPS and all(shape):
-            return self._kept.added(name, _shown(begin, shape))
-        return _copied(begin, kind, shape)
+            return self._kept.added(name, _shown(begin, kind, shape))
+        return copied(begin, kind, shape)
 
 
 def begun(owner: object, model: NativeModel, *, looking: bool = False) -> ctypes.c_void_p:
@@ -321,11 +320,28 @@ def begun(owner: object, model: NativeModel, *, looking: bool = False) -> ctypes
     return found
 
 
-def _copied(begin: Any, kind: type, shape: tuple[int, ...]) -> NDArray[Any]:
+def copied(begin: Any, kind: type, shape: tuple[int, ...]) -> NDArray[Any]:
     """Return an array of the library as our own."""
-    return _shown(begin, shape).copy() if all(shape) else np.zeros(shape, dtype=kind)
+    found: NDArray[Any] = np.empty(shape, dtype=kind)
+    # not as an array of ctypes: a type of its own for each size takes fifty times as long
+    if found.size:
+        ctypes.memmove(found.ctypes.data, begin, found.nbytes)
+    return found
 
 
-def _shown(begin: Any, shape: tuple[int, ...]) -> NDArray[Any]:
+class _Place:
+    """An array where the library has it, as numpy reads it."""
+
+    def __init__(self, begin: Any, kind: type, shape: tuple[int, ...]) -> None:
+        at = ctypes.cast(begin, ctypes.c_void_p).value
+        self.__array_interface__ = {
+            "data": (at, True),
+            "shape": shape,
+            "typestr": np.dtype(kind).str,
+            "version": 3,
+        }
+
+
+def _shown(begin: Any, kind: type, shape: tuple[int, ...]) -> NDArray[Any]:
     """Return an array where the library has it."""
-    return np.ctypeslib.as_array(begin, (math.prod(shape),)).reshape(shape)
+    return np.asarray(_Place(begin, kind, shape))

@@ -49,6 +49,18 @@ static void evaluate_pair(const Model *m, int k, Stack *s)
     run_pair_code(m->code, m->pair_begins[k], m->code_number, s);
 }
 """,
+    "copy_floats": """\
+static void copy_floats(int n, const double *a, double *b)
+{
+    memmove(b, a, (size_t)n * sizeof(double));
+}
+""",
+    "copy_part": """\
+static void copy_part(int n, const double *a, int first, double *b, int at)
+{
+    memmove(b + at, a + first, (size_t)n * sizeof(double));
+}
+""",
     "call_input": """\
 /* A run has its arena: `library.c` knows which run it is, and whom to ask. */
 enum { VALUE, RATE, BLOCK, OUTSIDE };

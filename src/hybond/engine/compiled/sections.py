@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.engine.compiled.members import NativeMembers
-from hybond.engine.compiled.native import NativeModel
+from hybond.engine.compiled.native import NativeModel, copied
 from hybond.engine.compiled.points import address
 from hybond.engine.compiled.sliced import OK, SPENT
 
@@ -188,12 +188,8 @@ class NativeSections(NativeMembers):
             setattr(s, name, address(column))
         s.stop = ctypes.addressof(self._stop)
         done = self._library.hybond_sections_run(self._handle, ctypes.byref(s))
-        shape = (s.rows, self._record.machines)
-        since, mode = np.zeros(0), np.zeros(shape, dtype=np.intc)
-        if s.rows:
-            since = np.ctypeslib.as_array(s.since, (s.rows,)).copy()
-            if shape[1]:
-                mode = np.ctypeslib.as_array(s.mode, shape).copy()
+        since = copied(s.since, np.float64, (s.rows,))
+        mode = copied(s.mode, np.intc, (s.rows, self._record.machines))
         return Looks(
             *(status[:done] == OK, found[:done], when[:done], out[:done]),
             *(stays[:done], since, mode),

@@ -298,10 +298,18 @@ def length(s: Stack) -> None:
 
 
 def compared(s: Stack) -> int:
-    """Take the two on top off and return the sign of their difference."""
-    subtract(s)
-    s.top -= 1
-    return sign_at(s, s.top + 1)
+    """Take the two on top off and return the sign of their difference, as `sign_at` does."""
+    k = s.top - 1
+    s.top = k - 1
+    impulse = s.impulse[k] - s.impulse[k + 1]
+    if math.fabs(impulse) > ROUNDING * (s.impulse_size[k] + s.impulse_size[k + 1]):
+        return 1 if impulse > 0.0 else -1
+    finite = s.finite[k] - s.finite[k + 1]
+    if math.fabs(finite) > ROUNDING * (s.size[k] + s.size[k + 1]):
+        return 1 if finite > 0.0 else -1
+    if finite != finite:
+        s.refused = NOT_A_NUMBER
+    return 0
 
 
 def less(s: Stack) -> None:

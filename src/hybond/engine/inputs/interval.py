@@ -288,6 +288,8 @@ def break_after(m: Model, t: float) -> float:
     for k in range(m.watches):
         if m.watch_time[k] > t:
             first = min(first, m.watch_time[k])
+    if m.inputs == 1 and m.samples == 0 and m.watches == 0:
+        return first
     last = first
     for i in range(m.inputs):
         last = later(last, next_break(m, i, t), first)
@@ -326,7 +328,8 @@ def set_time(e: Engine, v: Floats, t: float) -> None:
             v[m.input_slot + i] = e.line_value[i]
             v[m.input_rate_slot + i] = e.line_rate[i]
             continue
-        take_line(e, i)
+        if e.line_piece[i] != e.piece[i]:
+            take_line(e, i)
         rate = e.line_rate[i]
         v[m.input_slot + i] = (
             e.level[i]

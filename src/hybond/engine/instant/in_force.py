@@ -14,6 +14,8 @@ def is_asked(e: Engine, machine: int, rule: int, state: int) -> bool:
     """
     m = e.model
     s = e.slide
+    if s.many == 0:
+        return m.rule_source[rule] == state and in_force(m, e.landings, machine, rule)
     if not in_force(m, e.landings, machine, rule):
         return False
     source = m.rule_source[rule]
@@ -24,7 +26,7 @@ def is_asked(e: Engine, machine: int, rule: int, state: int) -> bool:
         above = m.surface_above[surface]
         if m.surface_machine[surface] == machine and (source == below or source == above):
             return target != below and target != above and (state == below or state == above)
-    for other in range(m.surfaces if s.many > 0 else 0):
+    for other in range(m.surfaces):
         if rule != m.surface_up[other] and rule != m.surface_down[other]:
             continue
         for j in range(s.many):

@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.engine.algebra.products import copy_part
 from hybond.engine.answers import machine_name, rule_text
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.expressions.paired import holds
@@ -48,7 +49,7 @@ from hybond.engine.instant.staying import (
     show_prior,
     stay_on_trial,
 )
-from hybond.engine.instant.telling import tell_branch, tell_fired, tell_kept, tell_trial
+from hybond.engine.instant.telling import tell_branch, tell_found, tell_kept, tell_trial
 from hybond.engine.instant.trial import (
     a_priori,
     measure_trial,
@@ -77,6 +78,8 @@ class Settling:
     state: Ints
     target: Ints
     entered: Ints
+    held: Ints
+    """Of each rule: whether it was asked of the trial, and holds."""
     # one earlier trial: the search for a cycle compares with it, and takes a later one in turn
     tries: int
     turn: int
@@ -97,6 +100,7 @@ def make_settling(e: Engine) -> Settling:
     g.state = ints(m.machines)
     g.target = ints(m.machines)
     g.entered = ints(m.machines)
+    g.held = ints(m.rule_first[m.machines])
     g.mark_state = ints(m.machines)
     g.mark_written = ints(m.machines)
     g.mark = floats(2 * e.states + m.slots)
@@ -197,7 +201,7 @@ def fire_all(e: Engine, g: Settling, i: Instant, written: int) -> int:
         for k in range(m.machines):
             if g.target[k] != e.trial.state[k]:
                 note_fired(i, k, e.trial.state[k], g.target[k])
-                tell_fired(e, i, k)
+                tell_found(e, i, k, g.held)
         for k in range(m.machines):
             g.entered[k] = g.target[k]
         know_around(e, g.entered)
@@ -261,8 +265,7 @@ def go_on_from_written(e: Engine, g: Settling, t: float, still: bool) -> int:
         stay_on_trial(e)
     elif enter(e, t, g.x, g.s, g.state, False, True) != OK:
         return REFUSED
-    for k in range(m.slots):
-        e.pre[k] = e.v[k]
+    copy_part(m.slots, e.v, 0, e.pre, 0)
     keep_as_before(e, e.trial.loose, e.trial.freedom.at)
     if known and not acts_on_prior(e, still):
         show_prior(e)
@@ -385,11 +388,13 @@ def find_enabled(e: Engine, g: Settling, t: float) -> int:
             continue
         chosen = False
         for r in range(m.rule_first[k], m.rule_first[k + 1]):
+            g.held[r] = 0
             if not is_asked(e, k, r, e.trial.state[k]):
                 continue
             true = rule_holds(e, t, r)
             if true < 0:
                 return -1
+            g.held[r] = true
             if true > 0 and not chosen:
                 chosen = True
                 fired += 1
@@ -456,8 +461,7 @@ def put_mark(e: Engine, g: Settling) -> None:
         g.mark[at] = g.s[k]
         g.mark[at + 1] = e.trial.s[k]
         at += 2
-    for k in range(m.slots):
-        g.mark[at + k] = e.pre[k]
+    copy_part(m.slots, e.pre, 0, g.mark, at)
 
 
 def is_marked(e: Engine, g: Settling) -> bool:

@@ -6,6 +6,7 @@ Its values are those of the state after its jump. Once that is written nothing j
 
 from __future__ import annotations
 
+from hybond.engine.algebra.products import copy_part
 from hybond.engine.engine import Engine
 from hybond.engine.instant.jump import STAYS
 from hybond.engine.laws.law_instant import NO_LAW_VALUE
@@ -59,5 +60,4 @@ def is_simple(m: Model, k: int) -> bool:
 def show_prior(e: Engine) -> None:
     """Show what ``pre()`` reads beside the values of the trial."""
     m = e.model
-    for k in range(m.slots):
-        e.v[m.slots + k] = e.pre[k]
+    copy_part(m.slots, e.pre, 0, e.v, m.slots)

@@ -16,7 +16,7 @@ from hybond.engine.instant.told import add_over, add_read, say_why
 from hybond.engine.instant.trial import measure_trial, show_trial
 from hybond.engine.mode.leakage import MOVED
 from hybond.engine.mode.storage import energy_of
-from hybond.engine.words import Floats
+from hybond.engine.words import Floats, Ints
 
 
 def tell_fired(e: Engine, i: Instant, machine: int) -> None:
@@ -36,6 +36,21 @@ def tell_fired(e: Engine, i: Instant, machine: int) -> None:
         if found:
             add_over(i.told, r)
         else:
+            tell_rule(e, i, r)
+            found = True
+
+
+def tell_found(e: Engine, i: Instant, machine: int, held: Ints) -> None:
+    """Tell the same where it is known of each rule that is asked whether it holds."""
+    m = e.model
+    if m.tells == 0:
+        return
+    show_trial(e, e.work.stack)
+    found = False
+    for r in range(m.rule_first[machine], m.rule_first[machine + 1]):
+        if held[r] != 0 and found:
+            add_over(i.told, r)
+        elif held[r] != 0:
             tell_rule(e, i, r)
             found = True
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 
 from hybond.engine.algebra.blocks import fit
-from hybond.engine.algebra.products import all_finite
+from hybond.engine.algebra.products import all_finite, copy_part
 from hybond.engine.answers import node_name, stored_name
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.expressions.paired import evaluate_pair
@@ -56,8 +56,7 @@ def a_priori(e: Engine, t: float, x: Floats, s: Floats, state: Ints) -> int:
     if solve_here(e, e.mode, e.v) != OK and not lose_bonds(e):
         return REFUSED
     show_stored(e)
-    for k in range(m.slots):
-        e.pre[k] = e.v[k]
+    copy_part(m.slots, e.v, 0, e.pre, 0)
     return OK
 
 
@@ -107,10 +106,8 @@ def write_entry(e: Engine, t: float, x: Floats, s: Floats) -> None:
     """Write the values on entering `e.mode`: bond variables and the second copy a priori."""
     m = e.model
     set_values(e, e.mode, e.v, t, x, s)
-    for k in range(m.slots):
-        e.v[m.slots + k] = e.pre[k]
-    for k in range(2 * m.bonds):
-        e.v[m.bond_slot + k] = e.pre[m.bond_slot + k]
+    copy_part(m.slots, e.pre, 0, e.v, m.slots)
+    copy_part(2 * m.bonds, e.pre, m.bond_slot, e.v, m.bond_slot)
 
 
 def try_mode(e: Engine, t: float, x: Floats, s: Floats, state: Ints, jump: bool) -> int:

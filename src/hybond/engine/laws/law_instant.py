@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.engine.algebra.products import copy_part
 from hybond.engine.answers import node_name, value
 from hybond.engine.complementarity.law_roles import CUT, SHUT
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
@@ -77,8 +78,7 @@ def make_consistent(e: Engine, r: Laws, x: Floats) -> int:
         return REFUSED
     mode = open_mode(e, r.now)
     set_values(e, mode, r.v, r.t, x, r.s)
-    for k in range(m.slots):
-        r.v[m.slots + k] = e.pre[k]
+    copy_part(m.slots, e.pre, 0, r.v, m.slots)
     for k in range(2 * m.bonds):
         r.v[m.bond_slot + k] = 0.0
     energy = e.energy

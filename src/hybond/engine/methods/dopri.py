@@ -41,6 +41,7 @@ TABLE: Final = float_table(
     69997945.0 / 29380423.0,
 )  # fmt: skip
 """Rows of seven: stages (1 to 5), solution (6), error (7), dense output (8 to 11)."""
+STAGES: Final = 7
 FEW: Final = 8
 """States below which a sum over stages stays in a register."""
 STAGE_AT: Final = float_table(0.0, 1.0 / 5.0, 3.0 / 10.0, 4.0 / 5.0, 8.0 / 9.0, 1.0)
@@ -102,6 +103,9 @@ def weigh(n: int, many: int, h: float, row: int, s: Step, out: Floats, at: int) 
     Both ways add in one order. Few states are summed each in a register, many stage after stage,
     each of which is read as it stands.
     """
+    if n < FEW and many == STAGES:
+        weigh_all(n, h, row, s, out, at)
+        return
     for j in range(many):
         s.weight[j] = h * TABLE[row + j]
     if n < FEW:
@@ -130,6 +134,23 @@ def weigh(n: int, many: int, h: float, row: int, s: Step, out: Floats, at: int) 
             for i in range(n):
                 out[at + i] = (out[at + i] + weight * s.k[begin + i]) + other * s.k[begin + n + i]
         first += 2
+
+
+def weigh_all(n: int, h: float, row: int, s: Step, out: Floats, at: int) -> None:
+    """Put the sum of all stages of few states there; the second one has no weight in any row."""
+    a = h * TABLE[row]
+    c = h * TABLE[row + 2]
+    d = h * TABLE[row + 3]
+    f = h * TABLE[row + 4]
+    g = h * TABLE[row + 5]
+    last = h * TABLE[row + 6]
+    for i in range(n):
+        total = 0.0 + a * s.k[i]
+        total += c * s.k[2 * n + i]
+        total += d * s.k[3 * n + i]
+        total += f * s.k[4 * n + i]
+        total += g * s.k[5 * n + i]
+        out[at + i] = total + last * s.k[6 * n + i]
 
 
 def dopri_attempt(e: Engine, t1: float) -> float:

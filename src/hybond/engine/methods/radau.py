@@ -148,12 +148,11 @@ def has_grown(r: Radau) -> bool:
 def filtered_error(r: Radau, f: Floats) -> float:
     """Find the error ``(REAL/h - J)^-1 (f + weights z / h)``; return its norm."""
     n = r.n
+    first = ERROR_WEIGHT[0] / r.h
+    second = ERROR_WEIGHT[1] / r.h
+    third = ERROR_WEIGHT[2] / r.h
     for i in range(n):
-        r.error_vector[i] = f[i] + (
-            ERROR_WEIGHT[0] / r.h * r.z[i]
-            + ERROR_WEIGHT[1] / r.h * r.z[n + i]
-            + ERROR_WEIGHT[2] / r.h * r.z[2 * n + i]
-        )
+        r.error_vector[i] = f[i] + (first * r.z[i] + second * r.z[n + i] + third * r.z[2 * n + i])
     lu_solve(n, r.real, r.real_row, 1, r.error_vector)
     for i in range(n):
         if rests(r, i):

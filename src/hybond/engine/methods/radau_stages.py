@@ -145,11 +145,13 @@ def correct_stages(r: Radau) -> None:
         r.x_real[i] = 0.0
         r.x_re[i] = 0.0
         r.x_im[i] = 0.0
-        for s in range(3):
+    for s in range(3):
+        first = BUTCHER_INVERSE[3 * s] / r.h
+        second = BUTCHER_INVERSE[3 * s + 1] / r.h
+        third = BUTCHER_INVERSE[3 * s + 2] / r.h
+        for i in range(n):
             residual = r.f[s * n + i] - (
-                BUTCHER_INVERSE[3 * s] / r.h * r.z[i]
-                + BUTCHER_INVERSE[3 * s + 1] / r.h * r.z[n + i]
-                + BUTCHER_INVERSE[3 * s + 2] / r.h * r.z[2 * n + i]
+                first * r.z[i] + second * r.z[n + i] + third * r.z[2 * n + i]
             )
             r.x_real[i] += REAL_IN[s] * residual
             r.x_re[i] += PAIR_IN_RE[s] * residual

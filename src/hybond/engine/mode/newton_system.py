@@ -11,7 +11,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import fit, row_size
-from hybond.engine.algebra.products import all_finite
+from hybond.engine.algebra.products import all_finite, copy_part
 from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.algebra.svd import svd_of_transpose
 from hybond.engine.answers import value
@@ -35,9 +35,7 @@ STEEP: Final = 1e8
 
 def write_bonds(e: Engine, v: Floats, w: Floats) -> None:
     """Write bond variables where expressions read them."""
-    m = e.model
-    for k in range(2 * m.bonds):
-        v[m.bond_slot + k] = w[k]
+    copy_part(2 * e.model.bonds, w, 0, v, e.model.bond_slot)
 
 
 def system(e: Engine, mode: Mode, v: Floats, w: Floats) -> int:

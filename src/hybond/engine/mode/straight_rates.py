@@ -23,6 +23,12 @@ def take_rates(e: Engine, mode: Mode) -> None:
         return
     if m.kinks > 0 or m.edges > 0 or m.disks > 0 or m.called > 0:
         return
+    same = e.mode_at == e.rates_of and e.modes_built == e.rates_made
+    if same and m.inputs == 0 and m.watches == 0:
+        e.straight = e.rates_straight
+        return
+    e.rates_of = e.mode_at
+    e.rates_made = e.modes_built
     begin_sums(s, e.states)
     straight = True
     for k in range(m.storages):
@@ -34,6 +40,7 @@ def take_rates(e: Engine, mode: Mode) -> None:
             take_sum(e, s, m.storages + k, first + k)
             straight = s.known.at[m.storages + k] != 0
     e.straight = straight
+    e.rates_straight = straight
 
 
 def take_rate(e: Engine, m: Model, s: Sums, k: int) -> bool:

@@ -31,7 +31,7 @@ LATE = 2.0 * LOOKED
 """Seconds after which a slice that has not ended is looked into: one step may be long."""
 FIRST = 1
 """Steps of the first slice; each may be longer than the one before by GROWS."""
-GROWS = 2.0
+GROWS = 8.0
 MOST = 1_000_000
 BYTES = 56
 """Those of a step for each state."""

@@ -258,7 +258,7 @@ class Records:
         """Note that the run is over."""
         if self._waiting:
             waiting, self._waiting = Steps.joined(self._waiting), []
-            self._note_segments(waiting, [0, len(waiting.time)])
+            self._note_segments(waiting, np.array([0, len(waiting.time)]))
         self._slide_until(self.t)
 
     @contextmanager
@@ -267,7 +267,7 @@ class Records:
         over = len(self.trace.segments)
         if self._waiting:
             waiting = Steps.joined(self._waiting)
-            self._note_segments(waiting, [0, len(waiting.time)])
+            self._note_segments(waiting, np.array([0, len(waiting.time)]))
         try:
             yield
         finally:
@@ -294,25 +294,25 @@ class Records:
     def _add_steps(self, new: Steps) -> None:
         """Note the segments that are over; what belongs to the next one waits."""
         key = _key(new)
-        changes = (np.flatnonzero((key[1:] != key[:-1]).any(axis=1)) + 1).tolist()
+        changes = np.flatnonzero((key[1:] != key[:-1]).any(axis=1)) + 1
         if self._waiting:
             goes_on = bool((key[0] == _key(self._waiting[-1])[-1]).all())
-            if goes_on and not changes:
+            if goes_on and not len(changes):
                 self._waiting.append(new)
                 return
             # only what the segment has in this slice is copied to its rest
-            head = changes.pop(0) if goes_on else 0
+            head = int(changes[0]) if goes_on else 0
             waiting = [*self._waiting, new.part(0, head)] if head else self._waiting
             over = Steps.joined(waiting)
-            self._note_segments(over, [0, len(over.time)])
+            self._note_segments(over, np.array([0, len(over.time)]))
             new = new.part(head, len(new.time))
-            changes = [k - head for k in changes]
-        begins = [0, *changes]
+            changes = (changes[1:] if goes_on else changes) - head
+        begins = np.concatenate(([0], changes))
         self._note_segments(new, begins)
-        at = begins[-1]
+        at = int(begins[-1])
         self._waiting = [new.part(at, len(new.time))]
 
-    def _note_segments(self, steps: Steps, begins: list[int]) -> None:
+    def _note_segments(self, steps: Steps, begins: NDArray[np.intp]) -> None:
         """Note segments; each begins at a step, and ends where the next one does."""
         times = steps.time[begins[:-1], 0].tolist()
         if not times:
@@ -320,11 +320,12 @@ class Records:
         which = steps.place[begins[:-1], 1]
 
         def make(k: int) -> Segment:
-            return self._segment(steps, begins[k], begins[k + 1], self._combinations[which[k]])
+            begin, end = int(begins[k]), int(begins[k + 1])
+            return self._segment(steps, begin, end, self._combinations[which[k]])
 
-        alone = np.array([self._combinations[k][1] is None for k in which.tolist()])
+        alone = np.array([sliding is None for _, sliding in self._combinations])[which]
         alone &= steps.points is None
-        self.trace.segments.extend(times, Block(steps, np.array(begins), alone, make))
+        self.trace.segments.extend(times, Block(steps, begins, alone, make))
 
     def _segment(
         self, steps: Steps, first: int, last: int, which: tuple[Combination, int | None]

@@ -83,7 +83,7 @@ def bracket(e: Engine, g: Locator, k: int, low: float, high: float) -> float:
     g.bracket_low = low
     g.bracket_high = high
     if turned == 1 and crosses:
-        around(e, g, k, root_between(e, g, which, low, at_low, high, at_high))
+        around(e, g, k, root_between(e, g, which, low, at_low, high, at_high), False)
     return halve(e, g, k)
 
 
@@ -101,8 +101,8 @@ def halve(e: Engine, g: Locator, k: int) -> float:
     return high
 
 
-def around(e: Engine, g: Locator, k: int, here: float) -> None:
-    """Narrow the bracket to near the root of its comparison.
+def around(e: Engine, g: Locator, k: int, here: float, known: bool) -> None:
+    """Narrow the bracket to near the root of its comparison, at which `known` says that it holds.
 
     The guard may hold a little before it, because rounding counts as zero, or a little after, where
     the comparison is strict. All guards are asked alike: a bounce ever smaller begins and ends at
@@ -111,7 +111,7 @@ def around(e: Engine, g: Locator, k: int, here: float) -> None:
     reach = 4.0 * spacing(here)
     low = g.bracket_low
     high = g.bracket_high
-    if holds_at(e, g, k, here):
+    if known or holds_at(e, g, k, here):
         if not g.rounded and g.part[k] < 0:
             g.bracket_low = here
             g.bracket_high = here

@@ -126,6 +126,8 @@ class Locator:
     watched: int
     """The place of the mode that was watched last, and how many had been made."""
     watched_made: int
+    kept: bool
+    """Whether the guards depend on nothing but that mode."""
     reads: Reads
     left_over: Floats
     """Samples to what a polynomial of degree 5 does not explain of them."""
@@ -193,6 +195,23 @@ def make_instants(n: int) -> Instants:
 
 def make_locator(e: Engine) -> Locator:
     """Return a locator without guards."""
+    g = begin_locator(e)
+    fit_polynomials(g)
+    return g
+
+
+def another_locator(e: Engine, first: Locator) -> Locator:
+    """Return one more, which has what is the same in all of them from the first."""
+    g = begin_locator(e)
+    g.left_over = first.left_over
+    g.beyond = first.beyond
+    g.fine = first.fine
+    g.swing = first.swing
+    return g
+
+
+def begin_locator(e: Engine) -> Locator:
+    """Return a locator that does not know yet what samples say."""
     m = e.model
     rules = m.rule_first[m.machines]
     g = Locator()
@@ -219,7 +238,6 @@ def make_locator(e: Engine) -> Locator:
     g.mark = make_instants(INSTANTS)
     g.showing = ALL_PARTS
     g.watched = NONE
-    fit_polynomials(g)
     return g
 
 
@@ -314,11 +332,18 @@ def watch(e: Engine, g: Locator, state: Ints) -> None:
     """Take the guards that leave a mode."""
     m = e.model
     s = e.slide
+    same = e.mode_at == g.watched and e.modes_built == g.watched_made
+    own = s.k == 0 and s.many == 0 and not e.landings.any_landed
+    own = own and m.watches == 0 and m.kinks == 0 and m.disks == 0
+    if same and g.kept and own:
+        watch_again(e, g)
+        return
+    g.kept = own
     rules = m.rule_first[m.machines]
     rests = m.surface_rest[2 * m.surfaces]
     several = s.parts + 1 if s.k > 0 and m.laws > 0 else 1
     atoms = several * m.atom_first[rules] + m.rest_atom[rests] - m.atom_first[rules]
-    if e.mode_at != g.watched or e.modes_built != g.watched_made or m.watches > 0 or s.k > 0:
+    if not same or m.watches > 0 or s.k > 0:
         forget_denied(g)
     g.watched = e.mode_at
     g.watched_made = e.modes_built
@@ -343,6 +368,16 @@ def watch(e: Engine, g: Locator, state: Ints) -> None:
     begin_sums(g.sums, g.atoms)
     for a in range(g.atoms if s.k == 0 else 0):
         take_sum(e, g.sums, a, g.atom[a])
+
+
+def watch_again(e: Engine, g: Locator) -> None:
+    """Take the guards that were taken in this mode before: only inputs may be others."""
+    for k in range(g.guards):
+        g.still[k] = 0
+    if e.model.inputs > 0:
+        begin_sums(g.sums, g.atoms)
+        for a in range(g.atoms):
+            take_sum(e, g.sums, a, g.atom[a])
 
 
 def watch_kinks(e: Engine, g: Locator) -> None:

@@ -64,6 +64,7 @@ from hybond.engine.run.run_records import (
     bound_of,
     count_step,
     is_over,
+    take_locator,
     timed_cause,
 )
 from hybond.engine.run.slips_followed import follow, lead_to_rest
@@ -221,12 +222,12 @@ def flow(e: Engine, r: Run) -> int:
     m = e.model
     if m.method == MOREAU:
         return flow_in_steps(e, r)
-    g = r.locator
     r.cut = False
     if not r.flowing:
         begun = begin_to_flow(e, r)
         if begun != OK:
             return begun
+    g = r.locator
     r.flowing = False
     end = min(e.next_break, e.stop)
     instant = room_of_instant(e, e.t)
@@ -379,6 +380,7 @@ def begin_flow(e: Engine, r: Run) -> int:
         return REFUSED
     if m.laws > 0 and m.tells != 0:
         warn_of_held(e)
+    take_locator(e, r)
     watch(e, r.locator, e.state)
     if limits_vary(m) and look_at_limits(e) != OK:
         return REFUSED

@@ -39,6 +39,17 @@ def make_quartic() -> Quartic:
 
 def horner(c: Floats, at: int, degree: int, x: float) -> float:
     """Return the polynomial whose coefficients stand from `at` on."""
+    if degree == DEGREE:
+        total = c[at + 4]
+        total = total * x + c[at + 3]
+        total = total * x + c[at + 2]
+        total = total * x + c[at + 1]
+        return total * x + c[at]
+    if degree == DEGREE - 1:
+        total = c[at + 3]
+        total = total * x + c[at + 2]
+        total = total * x + c[at + 1]
+        return total * x + c[at]
     total = c[at + degree]
     for j in range(degree):
         total = total * x + c[at + degree - 1 - j]

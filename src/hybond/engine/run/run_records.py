@@ -10,9 +10,9 @@ from hybond.engine.inputs.interval import is_due, is_timed
 from hybond.engine.instant.instant import INPUT, SAMPLE, TIME, Instant, make_instant
 from hybond.engine.instant.settle import Settling, make_settling
 from hybond.engine.reasons.facts import add_fact
-from hybond.engine.run.locator import Locator, make_locator
+from hybond.engine.run.locator import Locator, another_locator, make_locator
 from hybond.engine.run.log import Report
-from hybond.engine.words import Floats, floats, record
+from hybond.engine.words import Floats, Ints, Records, floats, ints, record, records, some
 
 IDLE: Final = 100
 """Instants in a row without any change that end a run."""
@@ -22,6 +22,8 @@ STANDING: Final = 2000
 """Steps after which it is looked whether they lead on: ..."""
 NOWHERE: Final = 1e-12
 """... those that are together less than this part of the run would never end it."""
+LOCATORS: Final = 8
+"""Modes of which it is known at once which guards leave them."""
 STOPPED: Final = 5
 """Why a motion ended: its stretch did, and nothing happened."""
 PAUSED: Final = 7
@@ -41,6 +43,9 @@ class Run:
     settling: Settling
     instant: Instant
     locator: Locator
+    locators: Records[Locator]
+    """One for each of some modes: what it knows of one is not forgotten in another."""
+    located: Ints
     report: Report
     events: int
     event_at: Floats
@@ -136,6 +141,10 @@ def make_run(e: Engine, report: Report) -> Run:
     r.settling = make_settling(e)
     r.instant = make_instant()
     r.locator = make_locator(e)
+    r.locators = records(Locator, LOCATORS)
+    r.locators[0] = r.locator
+    r.located = ints(LOCATORS)
+    r.located[0] = 1
     r.report = report
     r.before = floats(e.states)
     r.idle_at = floats(IDLE + 1)
@@ -158,6 +167,18 @@ def make_run(e: Engine, report: Report) -> Run:
     r.late = -math.inf
     r.slice = -1
     return r
+
+
+def take_locator(e: Engine, r: Run) -> None:
+    """Take the locator that was last in the mode, if there is one."""
+    if e.model.kinks > 0 or e.model.disks > 0:
+        return
+    k = e.mode_at % LOCATORS
+    if r.located[k] == 0:
+        r.located[k] = 1
+        r.locators[k] = another_locator(e, r.locator)
+    r.locator = some(r.locators[k])
+    r.locator.looked = math.nan
 
 
 def begin(e: Engine) -> None:

@@ -183,8 +183,8 @@ def begin_near(e: Engine, g: Locator, k: int, low: float, here: float, high: flo
     g.bracket_low = low
     g.bracket_high = high
     # if not there then a last place further on the comparison has changed its sign
-    root = here if holds_at(e, g, k, here) else min(here + spacing(here), high)
-    around(e, g, k, root)
+    known = holds_at(e, g, k, here)
+    around(e, g, k, here if known else min(here + spacing(here), high), known)
     return halve(e, g, k)
 
 
