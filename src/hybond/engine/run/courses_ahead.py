@@ -36,7 +36,7 @@ NOTHING: Final = 1e-30
 """What a course is before a pulse, as a part of that: not what grows into it."""
 MIDDLE: Final = 0.5127
 """Where about the middle is, so that nothing symmetrical is met there by chance."""
-USED: Final = 0.25
+USED: Final = 0.5
 """Part of an interval that was looked at: when no more is left of it, the next one is."""
 ALWAYS: Final = 0
 OF_SOURCE: Final = 1
