@@ -347,13 +347,12 @@ class _Making:
         """Return the parameters as the model has them."""
         found: dict[str, str | float] = {}
         for key, (_, formula, _) in self.opened.parameters.items():
-            text: str | float
+            name = self.parameters[key]
             if isinstance(formula, Number):
                 whole = formula.value.is_integer() and abs(formula.value) < 1e15
-                text = int(formula.value) if whole else formula.value
+                found[name] = int(formula.value) if whole else formula.value
             else:
-                text = written(formula, self.parameters)
-            found[self.parameters[key]] = text
+                found[name] = written(formula, self.parameters)
         return found
 
     @property

@@ -59,8 +59,7 @@ class Model:
     rule_doubted: Ints
     rule_watched: Ints
     """Whether the guard may read no number, by its form; whether time alone may make it true."""
-    rule_test: Ints
-    """The guard while time passes: an expression. Pair k is the guard of rule k."""
+    rule_test: Ints  # the guard while time passes: an expression. Pair k is the guard of rule k
     atom_first: Ints  # of each rule: the differences of its comparisons
     atom_value: Ints
     atom_size: Ints
@@ -119,20 +118,16 @@ class Model:
     dynamic_source: Ints
     dynamic_impulsive: Ints
     """Whether it is that of a source; and of a law which was declared impulsive."""
-    dynamic_pair: Ints
-    """Of one that has to say if it leaves out an impulse: its pair, else -1."""
+    dynamic_pair: Ints  # of one that has to say if it leaves out an impulse: its pair, else -1
     dynamic_value: Ints
     dynamic_rounding: Ints  # what rounding of it is measured by
-    dynamic_partner: Ints
-    """Of a law that gives one variable of a bond: the other one, or -1."""
-    dynamic_way: Floats
-    """The sign with which a resistance beside the law would add that."""
+    dynamic_partner: Ints  # of a law that gives one variable of a bond: the other one, or -1
+    dynamic_way: Floats  # the sign with which a resistance beside the law would add that
     dynamic_follows: Ints
     """Whether it is that of a two-port whose modulus may jump with what is stored."""
     dynamic_affine: Ints  # whether its slopes do not read bond variables
     dynamic_jumps: Ints  # 1: a law that jumps where what it reads is zero, 2: bends or is flat
-    dynamic_fixed: Ints
-    """Whether it reads nothing but bond variables, and its slopes are numbers."""
+    dynamic_fixed: Ints  # whether it reads nothing but bond variables, and its slopes are numbers
     dynamic_free: Ints
     """The first of the bond variables that it forbids to carry an impulse; then the next row's."""
     free_column: Ints
