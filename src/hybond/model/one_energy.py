@@ -27,6 +27,8 @@ FROM_ZERO: Final = (1.0, -1e-3, 1e-6, -1e-9, 1e-2)
 """Where they are tried, in SI, if they start from zero."""
 APART: Final = 1e-6
 """Part of both slopes by which they must differ to be two: what rounding leaves is less."""
+ROUNDING: Final = 1e-9
+"""Part of the mean of the ports' own slopes that is rounding: slopes that cancel leave it."""
 
 
 def check_energies(graph: FlatGraph) -> None:
@@ -52,20 +54,22 @@ def _check_field(node: Node, law: Law, starts: Sequence[float]) -> None:
     slot = {f"law:{node.about.energy}{k + 1}": k for k in range(len(starts))}
     named = list(slot)
     for i, j in itertools.combinations(range(len(starts)), 2):
-        one, other = (
+        slopes = [
             compile_expression(differentiate(law.expressions[a], named[b]), slot, pre_offset=0)
-            for a, b in ((i, j), (j, i))
-        )
+            for a, b in ((i, j), (j, i), (i, i), (j, j))
+        ]
         found = []
         for place in places:
             try:
-                a, b = float(one(place)), float(other(place))
+                a, b, *own = (float(slope(place)) for slope in slopes)
             except (HybondError, ArithmeticError, ValueError):
                 continue
             if math.isfinite(a) and math.isfinite(b) and (a != 0.0 or b != 0.0):
-                found.append((place, a, b))
-        if found and all(abs(a - b) > APART * (abs(a) + abs(b)) for _, a, b in found):
-            _refuse(node, i, j, found[0])
+                found.append((place, a, b, ROUNDING * math.sqrt(abs(own[0] * own[1]))))
+        if found and all(
+            abs(a - b) > max(APART * (abs(a) + abs(b)), rounding) for _, a, b, rounding in found
+        ):
+            _refuse(node, i, j, *found[0][:3])
 
 
 def _places(starts: Sequence[float]) -> list[list[float]]:
@@ -80,8 +84,7 @@ def _places(starts: Sequence[float]) -> list[list[float]]:
     return found
 
 
-def _refuse(node: Node, i: int, j: int, found: tuple[Sequence[float], float, float]) -> None:
-    place, a, b = found
+def _refuse(node: Node, i: int, j: int, place: Sequence[float], a: float, b: float) -> None:
     x, z = node.about.energy, node.about.imposes
     at = ", ".join(f"{x}{k + 1} = {value:.6g}" for k, value in enumerate(place))
     raise ModelError(

@@ -81,7 +81,8 @@ class EngineRun:
         self.journal = journal
         self._slice = FIRST
         states = model.tables.numbers["storages"] + model.tables.numbers["integrals"]
-        self._most = int(min(LARGEST / (BYTES * (states + 1.0)) + 1.0, MOST))
+        most = min(LARGEST / (BYTES * (states + 1.0)) + 1.0, model.tables.numbers["max_steps"])
+        self._most = int(max(min(most, MOST), 1))
         self._last = 0, 0, self.trace.begin if begin is not None else 0.0
         """Events so far, and the steps and the time before the last slice that had any."""
         self._run = model.run(runners)

@@ -112,17 +112,17 @@ def end_ahead(e: Engine, end: float) -> float:
     c = e.courses
     fixed = m.method == RK4 or m.method == EULER
     if fixed and m.step > e.longest:
-        tell(e, e.mode.fastest, PASSED_OVER)
+        tell_unseen(e, e.mode.fastest, PASSED_OVER)
     if not e.mode.moves:
         return end
     if c.end < end and not c.end - e.t > USED * c.length:
         look_ahead(e, bound_of(e))
         if fixed and c.length < m.step and c.end < end:
-            tell(e, c.hidden, PASSED_OVER)
+            tell_unseen(e, c.hidden, PASSED_OVER)
     return end if fixed else min(end, c.end)
 
 
-def tell(e: Engine, k: int, why: int) -> None:
+def tell_unseen(e: Engine, k: int, why: int) -> None:
     """Warn of a course that is not seen, once."""
     c = e.courses
     if e.model.tells != 0 and k >= 0 and c.told[k] == 0:
@@ -153,7 +153,7 @@ def look_ahead(e: Engine, bound: float) -> None:
     if hidden >= 0:
         root = m.course_root[hidden]
         if not math.isfinite(c.ranges.high[root] - c.ranges.low[root]):
-            tell(e, hidden, UNBOUNDED)
+            tell_unseen(e, hidden, UNBOUNDED)
         # past it, in longer and longer steps
         c.blind = 2.0 * c.blind if c.blind > 0.0 else 4.0 * least
         length = min(c.blind, left)

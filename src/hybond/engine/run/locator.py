@@ -334,7 +334,8 @@ def watch(e: Engine, g: Locator, state: Ints) -> None:
     s = e.slide
     same = e.mode_at == g.watched and e.modes_built == g.watched_made
     own = s.k == 0 and s.many == 0 and not e.landings.any_landed
-    own = own and m.watches == 0 and m.kinks == 0 and m.disks == 0
+    if m.watches > 0 or m.kinks > 0 or m.disks > 0:
+        own = False
     if same and g.kept and own:
         watch_again(e, g)
         return
