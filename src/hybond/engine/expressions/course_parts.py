@@ -139,10 +139,7 @@ def range_of_two(r: Ranges, k: int, what: int, i: int, j: int) -> None:
         take_one(r, k, i, j, a > r.high[j], r.low[j] > b)
         put_range(r, k, max(a, r.low[j]), max(b, r.high[j]))
     elif what == LENGTH:
-        near = math.hypot(nearest(a, b), nearest(r.low[j], r.high[j]))
-        put_range(r, k, near, math.hypot(farthest(a, b), farthest(r.low[j], r.high[j])))
-        far += farthest(r.low_rate[j], r.high_rate[j])
-        put_rates(r, k, -far, far)
+        range_length(r, k, i, j)
     elif what == ARC:
         range_arc(r, k, i, j)
     else:
@@ -162,6 +159,25 @@ def take_one(r: Ranges, k: int, i: int, j: int, first: bool, second: bool) -> No
     put_rates(r, k, low, high)
 
 
+def range_length(r: Ranges, k: int, i: int, j: int) -> None:
+    """Let part k be how far from nothing a point is whose places are parts i and j."""
+    near = math.hypot(nearest(r.low[i], r.high[i]), nearest(r.low[j], r.high[j]))
+    far = math.hypot(farthest(r.low[i], r.high[i]), farthest(r.low[j], r.high[j]))
+    put_range(r, k, near, far)
+    most = math.hypot(
+        farthest(r.low_rate[i], r.high_rate[i]), farthest(r.low_rate[j], r.high_rate[j])
+    )
+    put_rates(r, k, -most, most)
+    if near > 0.0 and math.isfinite(most) and math.isfinite(far):
+        # along the radius only: of what turns that is next to nothing
+        low = least_product(r.low[i], r.high[i], r.low_rate[i], r.high_rate[i])
+        low += least_product(r.low[j], r.high[j], r.low_rate[j], r.high_rate[j])
+        high = greatest_product(r.low[i], r.high[i], r.low_rate[i], r.high_rate[i])
+        high += greatest_product(r.low[j], r.high[j], r.low_rate[j], r.high_rate[j])
+        low = max(least_product(low, low, 1.0 / far, 1.0 / near), -most)
+        put_rates(r, k, low, min(greatest_product(high, high, 1.0 / far, 1.0 / near), most))
+
+
 def range_arc(r: Ranges, k: int, i: int, j: int) -> None:
     """Let part k be the angle of a point whose height is part i and whose width is part j."""
     near = math.hypot(nearest(r.low[i], r.high[i]), nearest(r.low[j], r.high[j]))
@@ -175,8 +191,13 @@ def range_arc(r: Ranges, k: int, i: int, j: int) -> None:
         c = math.atan2(r.high[i], r.low[j])
         d = math.atan2(r.high[i], r.high[j])
         put_range(r, k, min(min(a, b), min(c, d)), max(max(a, b), max(c, d)))
-    far = farthest(r.low_rate[i], r.high_rate[i]) + farthest(r.low_rate[j], r.high_rate[j])
-    put_rates(r, k, -far / near, far / near)
+    far = math.hypot(farthest(r.low[i], r.high[i]), farthest(r.low[j], r.high[j]))
+    low = least_product(r.low[j], r.high[j], r.low_rate[i], r.high_rate[i])
+    low -= greatest_product(r.low[i], r.high[i], r.low_rate[j], r.high_rate[j])
+    high = greatest_product(r.low[j], r.high[j], r.low_rate[i], r.high_rate[i])
+    high -= least_product(r.low[i], r.high[i], r.low_rate[j], r.high_rate[j])
+    low = least_product(low, low, 1.0 / (far * far), 1.0 / (near * near))
+    put_rates(r, k, low, greatest_product(high, high, 1.0 / (far * far), 1.0 / (near * near)))
 
 
 def range_rest(r: Ranges, k: int, i: int, j: int) -> None:

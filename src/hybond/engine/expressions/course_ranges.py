@@ -206,7 +206,7 @@ def put_slopes(r: Ranges, k: int, i: int, low: float, high: float) -> None:
 
 def least_sine(a: float, b: float) -> float:
     """Return the least sine of a number in ``[a, b]``."""
-    return -greatest_sine(a + math.pi, b + math.pi)
+    return -greatest_sine(-b, -a)
 
 
 def greatest_sine(a: float, b: float) -> float:

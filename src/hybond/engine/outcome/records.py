@@ -286,10 +286,10 @@ class Records:
         """Return what time-stepping tells besides; energies are those from the beginning on."""
         self.in_steps = True
         self.unbalanced += float(np.maximum(rows.step_energy[:, 2], 0.0).sum())
-        passed = self._passed + np.cumsum(rows.step_energy[:, :2], axis=0)
-        before = np.vstack([self._passed, passed[:-1]])
+        # one by one from what was: where a slice ends decides no last digit
+        passed = np.cumsum(np.vstack([self._passed, rows.step_energy[:, :2]]), axis=0)
         self._passed = passed[-1]
-        return Points(rows.step_bonds, rows.step_bond, np.hstack([before, passed]))
+        return Points(rows.step_bonds, rows.step_bond, np.hstack([passed[:-1], passed[1:]]))
 
     def _add_steps(self, new: Steps) -> None:
         """Note the segments that are over; what belongs to the next one waits."""

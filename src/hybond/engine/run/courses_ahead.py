@@ -36,6 +36,12 @@ NOTHING: Final = 1e-30
 """What a course is before a pulse, as a part of that: not what grows into it."""
 MIDDLE: Final = 0.5127
 """Where about the middle is, so that nothing symmetrical is met there by chance."""
+LITTLE: Final = 0.25
+"""Part of what it is that a course may go at the most for places to say whether it is even."""
+PLACES: Final = 16
+"""Into so many parts these cut the interval."""
+EVEN: Final = 0.1
+"""Part of the way between them that no two parts of the interval differ by: half a sine's 0.04."""
 USED: Final = 0.5
 """Part of an interval that was looked at: when no more is left of it, the next one is."""
 ALWAYS: Final = 0
@@ -74,10 +80,13 @@ def count_courses(e: Engine, mode: Mode, read: Reads) -> None:
     mode.moves = False
     for k in range(m.courses):
         counts = e.slide.k > 0
+        pulse = c.kind[m.course_root[k]] == OTHER
         for p in range(m.course_first[k], m.course_first[k + 1]):
+            # energies are of all sources
+            counts = counts or (pulse and m.course_user[p] == OF_SOURCE)
             counts = counts or is_used(e, mode, read, m.course_user[p], m.course_index[p])
         root = m.course_root[k]
-        mode.course[k] = 1 if counts and c.kind[root] == OTHER else 0
+        mode.course[k] = 1 if counts and pulse else 0
         mode.moves = mode.moves or mode.course[k] != 0
         if counts and c.kind[root] == SINES and c.fast[root] > 0.0:
             mode.fastest = k if TURN / c.fast[root] < mode.longest else mode.fastest
@@ -183,7 +192,8 @@ def find_hidden(e: Engine, a: float, b: float) -> int:
         steep = not math.isfinite(way)
         shown = spread_of(e, k, a, b, not steep)
         range_ = r.high[root] - r.low[root]
-        if not (steep and range_ <= MONOTONE * shown) and not way <= SHOWN * shown:
+        seen = way <= SHOWN * shown or (steep and range_ <= MONOTONE * shown)
+        if not seen and not is_even(e, k, a, b, way, least):
             for i in range(m.courses):
                 c.last[i] = farthest(r.low[m.course_root[i]], r.high[m.course_root[i]])
             return k
@@ -248,6 +258,38 @@ def spread_of(e: Engine, k: int, a: float, b: float, inside: bool) -> float:
         high = max(high, here)
     set_motion(e, e.v, a, e.y)
     return high - low if math.isfinite(high - low) else 0.0
+
+
+def is_even(e: Engine, k: int, a: float, b: float, way: float, least: float) -> bool:
+    """Whether a course that goes a little way at the most is even at all of some places.
+
+    What cancels, such as the sum of the squares of a sine and a cosine, has a bound on its rate
+    that is far from it, however short the interval.
+    """
+    if not math.isfinite(way):
+        return False
+    m = e.model
+    low = math.inf
+    high = -math.inf
+    before = 0.0
+    change = 0.0
+    bend = 0.0
+    for i in range(PLACES + 1):
+        t = a + (b - a) * float(i) / float(PLACES)
+        put_signals(e, a, t)
+        set_time(e, e.v, t)
+        here = value(m, m.course_value[k], e.v)
+        low = min(low, here)
+        high = max(high, here)
+        if i > 1:
+            bend = max(bend, math.fabs(here - before - change))
+        change = here - before
+        before = here
+    set_motion(e, e.v, a, e.y)
+    size = max(math.fabs(low), math.fabs(high))
+    if not (math.isfinite(size) and way <= LITTLE * max(size, least)):
+        return False
+    return bend <= max(EVEN * (high - low), FLAT * max(size, least))
 
 
 def put_signals(e: Engine, now: float, t: float) -> None:
