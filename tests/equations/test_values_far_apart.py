@@ -64,3 +64,40 @@ def test_no_word_where_halves_are_equal_and_differences_are_zero(r):
     assert 10 * current + run["Ld.e"].mean(period="60 Hz", periods=6) == pytest.approx(
         wanted, rel=1e-4
     )
+
+
+PUSH_PULL = """Push-pull with centre tapped windings
+V1 ct 0 24
+La ct d1 200u
+Lb d2 ct 200u
+Lc s1 0 {secondary}
+Ld 0 s2 {secondary}
+K1 La Lb Lc Ld {k}
+S1 d1 0 g 0 S
+S2 d2 0 h 0 S
+D1 s1 r D
+D2 s2 r D
+Lo r o 100u IC=1
+Ro o 0 5
+Vg g 0 PULSE(0 1 1u 20n 20n 8u 20u)
+Vh h 0 PULSE(0 1 11u 20n 20n 8u 20u)
+.model S SW(VT=0.5 RON=20m)
+.model D D(IS=1e-14 N=0.01 RS=10m)
+.tran 200n 20u uic
+.end
+"""
+
+
+@pytest.mark.parametrize("k", [0.99, 0.999, 0.9999])
+@pytest.mark.parametrize("secondary", [200e-6, 15.625e-6])
+def test_no_word_of_coils_that_are_coupled_closely(tmp_path, k, secondary):
+    """Windings that are alike stay alike; what leads a current has the flux of its inductances."""
+    path = tmp_path / "push.cir"
+    path.write_text(PUSH_PULL.format(k=k, secondary=secondary))
+    run = hb.simulate(hb.read_circuit(path).model)
+    assert run.status == "ok" and far_apart(run) == []
+    s, mutual = run.t_end, k * math.sqrt(200e-6 * secondary)
+    flux, current = ([float(run[f"K1.{j}.{x}"].at(s)) for j in range(1, 5)] for x in "pf")
+    rows = [[200e-6, k * 200e-6, mutual, mutual], [mutual, mutual, secondary, k * secondary]]
+    for j, row in zip((0, 2), rows, strict=True):
+        assert flux[j] == pytest.approx(math.fsum(map(float.__mul__, row, current)), rel=1e-9)
