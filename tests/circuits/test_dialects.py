@@ -7,6 +7,7 @@ import pytest
 import hybond as hb
 from hybond.circuits.fitting import fits
 from hybond.circuits.measured import measure
+from hybond.engine.outcome.signals import Signals
 from hybond.units import parse_quantity
 
 RC = ("R1 a b 1k", "C1 b 0 1u IC=0")
@@ -177,6 +178,28 @@ def test_a_diode_that_carries_another_current_is_told(tmp_path, current):
         curve = 0.02586493 * math.log(1e-2 / 1e-14)
         drop = parse_quantity(conversion.model.elements["D1_drop"].value).value
         assert drop + 0.02586493 * 1e-2 - curve == pytest.approx(fit.apart, rel=1e-3)
+
+
+def test_diodes_are_read_in_one_go_however_many(tmp_path, monkeypatch):
+    """Twelve half waves: of a sine of peak I the mean weighted with the charge is pi/4 I."""
+    rows = [f"D{k} a b{k} X\nR{k} b{k} 0 {k}\n" for k in range(1, 13)]
+    card = ".model X D(IS=1e-14 N=0.02)\n.tran 50u 40m\n.end\n"
+    path = tmp_path / "d.cir"
+    path.write_text("T\nV1 a 0 SIN(0 100 50)\n" + "".join(rows) + card)
+    conversion = hb.read_circuit(path)
+    run = hb.simulate(conversion.model)
+    read, of_points = [], Signals.of_points
+
+    def counted(self, segments, which, t, expressions):
+        read.append(len(t))
+        return of_points(self, segments, which, t, expressions)
+
+    monkeypatch.setattr(Signals, "of_points", counted)
+    found = {fit.tangent.name: fit.carried for fit in fits(run, conversion.diodes)}
+    assert found == pytest.approx({f"D{k}": math.pi / 4 * 100 / k for k in range(1, 13)}, rel=1e-3)
+    for_all = sum(read)
+    fits(run, conversion.diodes[:1])
+    assert sum(read) == 2 * for_all
 
 
 SCHEMATIC = """Version 4

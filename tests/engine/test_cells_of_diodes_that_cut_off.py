@@ -81,3 +81,30 @@ def test_a_leak_of_a_megohm_between_two_bridges(tmp_path):
         assert run.status == "ok"
         found.append(run[deck.signal("i(Lo)")].at(2e-3))
     assert found[0] == pytest.approx(found[1], rel=1e-4)
+
+
+@pytest.mark.parametrize("leak", ["10k", "300k", "1meg"])
+def test_a_leak_that_carries_a_coil_hands_it_over_without_an_impulse(tmp_path, leak):
+    """The leak stops the coil in a nanosecond, which is no impulse; then both coils are in series.
+
+    Of a sine behind a resistance and an inductance from rest, less two drops.
+    """
+    rows = ["Handed over", "V1 a 0 SIN(0 100 50)", "L1 a b 1m", "D1 b p DX", "D2 p b DX"]
+    rows += ["D4 p c DX", "R1 c d 10", "L2 d 0 10m", f"Rp p 0 {leak}"]
+    rows += [".model DX D(IS=1e-14 N=0.01 RS=10m)", ".tran 10u 8m uic", ".end"]
+    deck, run = run_of(tmp_path, "\n".join(rows))
+    assert run.status == "ok" and len(run.events) == 3
+    vt = 1.380649e-23 * 300.15 / 1.602176634e-19
+    r, drop = 10 + 2 * (0.01 + 0.01 * vt), 2 * 0.01 * vt * (math.log(1 + 1e14) - 1)
+    w, x = 2 * math.pi * 50, 2 * math.pi * 50 * 11e-3
+    begin = math.asin(drop / 100) / w
+
+    def lasting(t):
+        return 100 * (r * math.sin(w * t) - x * math.cos(w * t)) / (r * r + x * x) - drop / r
+
+    for t in (1e-4, 1e-3, 8e-3):
+        wanted = lasting(t) - lasting(begin) * math.exp(-(t - begin) * r / 11e-3)
+        # beside ten ohm and the second coil ten kilohm take a thousandth of the current
+        assert run[deck.signal("i(L2)")].at(t) == pytest.approx(
+            wanted, rel=2e-3 if leak == "10k" else 1e-4
+        )

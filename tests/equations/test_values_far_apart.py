@@ -64,3 +64,44 @@ def test_no_word_where_halves_are_equal_and_differences_are_zero(r):
     assert 10 * current + run["Ld.e"].mean(period="60 Hz", periods=6) == pytest.approx(
         wanted, rel=1e-4
     )
+
+
+WINDINGS = """Windings coupled closely
+V1 ct 0 24
+{primary}
+Lc s1 0 {secondary}
+Ld 0 s2 {secondary}
+S1 d1 0 g 0 S
+D1 s1 r D
+D2 s2 r D
+Lo r o 100u IC=1
+Ro o 0 5
+Vg g 0 PULSE(0 1 1u 20n 20n 8u 20u)
+Vh h 0 PULSE(0 1 11u 20n 20n 8u 20u)
+.model S SW(VT=0.5 RON=20m)
+.model D D(IS=1e-14 N=0.01 RS=10m)
+.tran 200n 20u uic
+.end
+"""
+PUSH_PULL = "La ct d1 200u\nLb d2 ct 200u\nS2 d2 0 h 0 S\nK1 La Lb Lc Ld {k}"
+FORWARD = "La ct d1 200u\nRa ct d1 1k\nK1 La Lc Ld {k}"
+
+
+@pytest.mark.parametrize("k", [0.99, 0.999, 0.9999])
+@pytest.mark.parametrize(("primary", "secondary"), [(PUSH_PULL, 200e-6), (FORWARD, 15.625e-6)])
+def test_no_word_of_coils_that_are_coupled_closely(tmp_path, k, primary, secondary):
+    """Windings that are alike stay alike; what leads a current has the flux of its inductances."""
+    path = tmp_path / "windings.cir"
+    path.write_text(WINDINGS.format(primary=primary.format(k=k), secondary=secondary))
+    run = hb.simulate(hb.read_circuit(path).model)
+    assert run.status == "ok" and far_apart(run) == []
+    many = 4 if primary == PUSH_PULL else 3
+    own = [200e-6] * (many - 2) + [secondary] * 2
+    flux, current = (
+        [float(run[f"K1.{j}.{x}"].at(run.t_end)) for j in range(1, many + 1)] for x in "pf"
+    )
+    for i, p in enumerate(flux):
+        row = (
+            a * (1.0 if i == j else k) * math.sqrt(own[i] * own[j]) for j, a in enumerate(current)
+        )
+        assert p == pytest.approx(math.fsum(row), rel=1e-9, abs=1e-15)

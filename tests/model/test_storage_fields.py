@@ -32,11 +32,25 @@ def test_weak_coupling_beside_large_and_small_is_symmetric(kind: str, seed: int)
         assert ib == ic
         (x, y), (_, z) = [[Fraction(v) for v in row] for row in matrix]
         det = x * z - y * y
-        size = float((x * z) ** 1 / det)
-        assert ia == pytest.approx(float(z / det), rel=1e-14 * size + 1e-15)
-        assert idd == pytest.approx(float(x / det), rel=1e-14 * size + 1e-15)
-        scale = float(x * z) ** 0.5 / float(det)
-        assert ib == pytest.approx(float(-y / det), abs=1e-14 * size * scale)
+        exact = [float(v / det) for v in (z, x, -y)]
+        assert [ia, idd, ib] == pytest.approx(exact, rel=3e-16, abs=0.0)
+
+
+@pytest.mark.parametrize("coupling", [0.9, 0.999, 0.999999])
+def test_of_equal_windings_the_inverse_has_two_numbers(coupling: float) -> None:
+    """Of a diagonal 1 and k elsewhere it is known: (1 + 2k)/d and -k/d, d = (1 - k)(1 + 3k)."""
+    m = hb.Model("windings", domain="electrical")
+    m.add(core=hb.I([[1.0 if i == j else coupling for j in range(4)] for i in range(4)]))
+    for j in range(4):
+        m.add(**{f"n{j}": hb.One(), f"r{j}": hb.R("1 ohm")})
+        m.bond(f"n{j} -> core.{j + 1}", f"n{j} -> r{j}")
+    law = m.flatten().nodes[0].law
+    assert law is not None and law.matrix is not None
+    k = Fraction(coupling)
+    d = (1 - k) * (1 + 3 * k)
+    own, mutual = float((1 + 2 * k) / d), float(-k / d)
+    for i, row in enumerate(law.matrix):
+        assert list(row) == [own if i == j else mutual for j in range(4)]
 
 
 @pytest.mark.parametrize("off", [1.0 + 1e-9, -1.0, 0.0])

@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TypeVar
 
 from hybond.draw.beginning import first_rows, nearest, on_pages, start_board
@@ -259,10 +260,9 @@ def _begun(
     """Return a board with every node placed, legs in a row; `row` is where some begin."""
     if not groups:
         board = kind(kinds, bonds)
-        rows = [row] if row else first_rows(board, fixed)
-        starts = [start_board(kinds, bonds, fixed, cells) for cells in rows]
-        starts.sort(key=lambda b: b.cost(range(len(kinds))))
-        for n, cell in enumerate(starts[attempt % len(starts)].at):
+        given = [tuple((row or {}).items()), tuple(fixed.items())]
+        starts = _starts(tuple(kinds), tuple(bonds), *given)
+        for n, cell in enumerate(starts[attempt % len(starts)]):
             if cell is not None:
                 board.put(n, cell)
         return board
@@ -292,6 +292,21 @@ def _begun(
     boards = [multiplied(kind, kinds, bonds, cells, legs, axis) for axis in (0, 1)]
     boards.sort(key=lambda b: b.cost(range(len(kinds))))
     return boards[attempt % 2]
+
+
+@lru_cache(maxsize=4)
+def _starts(
+    kinds: tuple[str, ...],
+    bonds: tuple[Pair, ...],
+    row: tuple[tuple[int, Cell], ...],
+    fixed: tuple[tuple[int, Cell], ...],
+) -> list[tuple[Cell | None, ...]]:
+    """Return where nodes may stand at first, what costs least first: the same for all attempts."""
+    pins = dict(fixed)
+    rows = [dict(row)] if row else first_rows(Board(kinds, bonds), pins)
+    found = [start_board(kinds, bonds, pins, cells) for cells in rows]
+    found.sort(key=lambda b: b.cost(range(len(kinds))))
+    return [tuple(b.at) for b in found]
 
 
 def _turn_about(search: Search) -> None:

@@ -6,6 +6,7 @@ same picture on every machine. x counts columns to the right, y rows downwards.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 
 from hybond.model.kinds import SOURCES
@@ -118,13 +119,18 @@ class Board:
     def best_turns(self, bonds: Iterable[int]) -> None:
         """Give each of these bonds the turn that costs least; here all are straight."""
 
-    def cost(self, nodes: Iterable[int]) -> int:
-        """Return the part of the cost that depends on where `nodes` are."""
+    def cost(self, nodes: Iterable[int], *, most: float = math.inf) -> int:
+        """Return the part of the cost that depends on where `nodes` are.
+
+        Of a cost above `most` only as much is counted as it takes to know that.
+        """
         changed = set(nodes)
         bonds = {b for n in changed for b in self.bonds_of[n]}
         total = 0
         for b in bonds:
             total += self._bond_cost(b, bonds)
+            if total > most:
+                return total
         for n in changed:
             cell = self.at[n]
             if cell is None:
@@ -152,14 +158,20 @@ class Board:
     def least(self, moves: Mapping[int, Cell]) -> int:
         """Return a quick lower bound of what `cost` would be after these moves.
 
-        It counts lengths and directions only; most moves are refused for these already.
+        It counts lengths and directions, and bonds that nodes would stand on; most moves are
+        refused for these already.
         """
         total = 0
-        for b in {b for n in moves for b in self.bonds_of[n]}:
+        bonds = {b for n in moves for b in self.bonds_of[n]}
+        for b in bonds:
             tail, head = self.bonds[b]
             start, end = moves.get(tail) or self.at[tail], moves.get(head) or self.at[head]
             if start is not None and end is not None:
                 total += _length(start, end)
+        for cell in moves.values():
+            for b in self._over.get(cell, ()):
+                if b not in bonds and self._covers(b, cell):
+                    total += ON_BOND
         return total
 
     def _covers(self, bond: int, cell: Cell) -> bool:
@@ -189,7 +201,7 @@ class Board:
         for cell in self._box[bond]:
             if cell in self.who and self._covers(bond, cell):
                 total += ON_BOND
-            others |= self._over.get(cell, set())
+            others.update(self._over.get(cell, ()))
         for other in others:
             # A pair of changed bonds is counted once.
             if (other not in changed or bond < other) and self._cross(bond, other):
@@ -203,8 +215,14 @@ class Board:
         first, second = self._ends[one], self._ends[two]
         if first is None or second is None:
             return False
-        (p, q), (r, s) = first, second
-        return _turn(p, q, r) * _turn(p, q, s) < 0 and _turn(r, s, p) * _turn(r, s, q) < 0
+        ((px, py), (qx, qy)), ((rx, ry), (sx, sy)) = first, second
+        # twice the areas of triangles: on which side of one bond the ends of the other are
+        ux, uy, vx, vy = qx - px, qy - py, sx - rx, sy - ry
+        one_side = ux * (ry - py) - uy * (rx - px)
+        other_side = ux * (sy - py) - uy * (sx - px)
+        if one_side * other_side >= 0:
+            return False
+        return (vx * (py - ry) - vy * (px - rx)) * (vx * (qy - ry) - vy * (qx - rx)) < 0
 
     def _node_cost(self, node: int) -> int:
         here = self.at[node]
@@ -239,13 +257,9 @@ def _length(a: Cell, b: Cell) -> int:
 
 def _box(a: Cell, b: Cell) -> list[Cell]:
     (ax, ay), (bx, by) = a, b
-    return [
-        (x, y)
-        for x in range(min(ax, bx), max(ax, bx) + 1)
-        for y in range(min(ay, by), max(ay, by) + 1)
-    ]
-
-
-def _turn(a: Cell, b: Cell, c: Cell) -> int:
-    """Return twice the signed area of the triangle a, b, c."""
-    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+    if ax > bx:
+        ax, bx = bx, ax
+    if ay > by:
+        ay, by = by, ay
+    rows = range(ay, by + 1)
+    return [(x, y) for x in range(ax, bx + 1) for y in rows]

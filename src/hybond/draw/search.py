@@ -7,7 +7,7 @@ copies of each other in a row.
 from __future__ import annotations
 
 import random
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from hybond.draw.board import Board, Cell
@@ -37,6 +37,7 @@ class Search:
     def __post_init__(self) -> None:
         size = len(self.board.kinds)
         near = self.board.near
+        self._costs: dict[frozenset[int], int] = {}  # of nodes as the board is
         self.twins: list[tuple[int, ...]] = [(n,) for n in range(size)]
         self.legs: list[Sequence[Leg]] = list(self.groups)
         for legs in self.groups:
@@ -57,6 +58,7 @@ class Search:
         if not free:
             return
         best, record, score = self._kept(), 0, 0
+        self._costs.clear()
         for step in range(steps):
             threshold = hot * (1.0 - step / steps) ** 2
             score += self.attempt(self._random(rng, free), threshold * rng.random())
@@ -70,6 +72,7 @@ class Search:
 
     def _back(self, kept: tuple[list[Cell | None], list[int]]) -> None:
         board = self.board
+        self._costs.clear()
         moved = {n: c for n, c in enumerate(kept[0]) if c is not None and board.at[n] != c}
         board.move(moved)
         for b, way in enumerate(kept[1]):
@@ -154,7 +157,7 @@ class Search:
         if not moves:
             return 0
         board = self.board
-        before = board.cost(moves)
+        before = self._cost(moves)
         if board.least(moves) > before + threshold:
             return 0
         old = {n: c for n in moves if (c := board.at[n]) is not None}
@@ -162,20 +165,30 @@ class Search:
         turns = [board.turns[b] for b in bonds]
         board.move(moves)
         board.best_turns(bonds)
-        change = board.cost(moves) - before
+        change = board.cost(moves, most=before + threshold) - before
         if change > threshold:
             board.move(old)
             for b, way in zip(bonds, turns, strict=True):
                 if board.turns[b] != way:
                     board.turn(b, way)
             return 0
+        self._costs.clear()
         return change
+
+    def _cost(self, nodes: Iterable[int]) -> int:
+        """Return what nodes cost where they are; nearly all moves are refused and leave it so."""
+        key = frozenset(nodes)
+        known = self._costs.get(key)
+        if known is None:
+            known = self._costs[key] = self.board.cost(key)
+        return known
 
     def descend(self, *, rounds: int, reach: int) -> None:
         """Try all near cells for all nodes until nothing improves, `rounds` times at most."""
         board = self.board
         ways = [(dx, dy) for dx in range(-reach, reach + 1) for dy in range(-reach, reach + 1)]
         first = [n for n in range(len(board.kinds)) if self.twins[n][0] == n]
+        self._costs.clear()
         for _ in range(rounds):
             gain = 0
             for node in first:

@@ -7,6 +7,7 @@ which is left to nodes with more bonds than sides.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from functools import lru_cache
 
@@ -137,13 +138,15 @@ class Streets(Board):
         ends = self._ends[bond]
         return None if ends is None else _corner(*ends, self.turns[bond])
 
-    def cost(self, nodes: Iterable[int]) -> int:
-        """Return the part of the cost that depends on where `nodes` are."""
+    def cost(self, nodes: Iterable[int], *, most: float = math.inf) -> int:
+        """Return the part of the cost that depends on where `nodes` are; `most` as for `Board`."""
         changed = set(nodes)
         bonds = {b for n in changed for b in self.bonds_of[n]}
         total = 0
         for b in bonds:
             total += self._bond_cost(b, bonds)
+            if total > most:
+                return total
         touched = set(changed)
         for n in changed:
             touched.update(self.near[n])

@@ -240,13 +240,10 @@ def _aside(pin: Point | None, d: int) -> float:
 
 def _step(f: _Field, net: str, n: Node, m: Node) -> float:
     """Return what the step to the next node costs."""
-    (a, b), (c, d) = f.place(n), f.place(m)
-    long = abs(c - a) + abs(d - b)
-    there = f.steps.get((min(n, m), max(n, m)), [])
-    if any(other != net for other in there):
-        return FORBIDDEN + long
+    long = abs(f.xs[m[0]] - f.xs[n[0]]) + abs(f.ys[m[1]] - f.ys[n[1]])
+    there = f.steps.get((n, m) if n < m else (m, n))
     if there:
-        return ON_OWN * long
+        return FORBIDDEN + long if _foreign(there, net) else ON_OWN * long
     if n in f.inside or m in f.inside:
         return THROUGH + long
     more = NEAR_SYMBOL if n in f.close and m in f.close else 0.0
@@ -259,29 +256,34 @@ def _beside(f: _Field, net: str, n: Node, m: Node) -> float:
     found = 0
     for s in (-1, 1):
         one, two = (n[0] + s * dx, n[1] + s * dy), (m[0] + s * dx, m[1] + s * dy)
-        others = f.steps.get((min(one, two), max(one, two)), ())
-        found += any(other != net for other in others)
+        others = f.steps.get((one, two) if one < two else (two, one))
+        found += _foreign(others, net)
     return float(found)
+
+
+def _foreign(there: Sequence[str] | None, net: str) -> bool:
+    """Whether one of the wires there is of another net; most often there is none."""
+    return there is not None and any(other != net for other in there)
 
 
 def _turn(f: _Field, net: str, n: Node) -> float:
     """Return what a bend costs more where wires of another net cross."""
     for i, j in ((n[0] + 1, n[1]), (n[0] - 1, n[1]), (n[0], n[1] + 1), (n[0], n[1] - 1)):
-        if any(o != net for o in f.steps.get((min(n, (i, j)), max(n, (i, j))), ())):
+        if _foreign(f.steps.get((min(n, (i, j)), max(n, (i, j)))), net):
             return FORBIDDEN
     return 0.0
 
 
 def _through(f: _Field, net: str, n: Node, d: int, *, turned: bool) -> float:
     """Return what it costs to pass a node where others bend, end, or cross."""
-    if any(other != net for other in f.corners.get(n, ())):
+    if _foreign(f.corners.get(n), net):
         return FORBIDDEN
     if turned:
         return 0.0
     dx, dy = _WAYS[(d + 1) % 4]
     m = (n[0] + dx, n[1] + dy)
-    across = f.steps.get((min(n, m), max(n, m)), ())
-    return CROSSING if any(other != net for other in across) else 0.0
+    across = f.steps.get((min(n, m), max(n, m)))
+    return CROSSING if _foreign(across, net) else 0.0
 
 
 def _put(f: _Field, way: Sequence[Node], net: str, sign: int) -> None:

@@ -28,6 +28,7 @@ from hybond.model.expressions import (
 from hybond.model.expressions.slots import settled
 from hybond.model.graph import Node
 from hybond.model.hierarchy import Written, constant, literal, without_units
+from hybond.model.inverse import inverse_of
 from hybond.model.kinds import SOURCES, STORAGES, TWO_PORTS
 from hybond.model.laws import Law
 from hybond.model.misfits import declared_elsewhere, units_of
@@ -257,9 +258,7 @@ class _Reader:
                     hint="ideal coupling is a transformer",
                 )
             _check_symmetric(whole, self.where)
-            inverse = np.linalg.inv(whole)
-            # to rounding of its largest terms it is symmetric; small ones have none to spare
-            given = (0.5 * (inverse + inverse.T)).tolist()
+            given = inverse_of(whole.tolist())
         argument = self.node.about.energy or ("f" if self.output == "e" else "e")
         arguments = [
             self.locals[f"{argument}{k + 1}" if self.count > 1 else argument]

@@ -49,6 +49,8 @@ from hybond.engine.words import Floats
 
 LONGER: Final = 1e3
 """How much longer what is stored is let move to tell an impulse from what is none."""
+SHORTER: Final = 1e-6
+"""How much shorter."""
 
 
 def find_breaking(e: Engine, r: Laws, x: Floats) -> int:
@@ -175,22 +177,38 @@ def note_edges(m: Model, r: Laws) -> None:
 def moves_stored(e: Engine, r: Laws, h: float) -> bool:
     """Whether an answer in which what is stored moves for a time `h` has impulses.
 
-    They move it as far whatever the time is; what laws give without them moves it the farther the
-    longer that lasts.
+    They move it as far whatever the time is. What laws give without them moves it the farther the
+    longer that lasts, until it is used up: the current of a coil that a leak carries is gone soon.
     """
     n = e.model.ports
     moves = False
     for k in range(n):
         r.here_moved[k] = moved_in(r, n, h, k)
         moves = moves or r.here_moved[k] > LAW_DUST * r.rounding[k]
-    if not moves or not slide(e, r, r.y, LONGER * h, True):
-        return moves
-    moves = False
-    for k in range(n):
-        seen = r.here_moved[k] > LAW_DUST * r.rounding[k]
-        same = moved_in(r, n, LONGER * h, k) < math.sqrt(LONGER) * r.here_moved[k]
-        moves = moves or (seen and same)
+    if not moves:
+        return False
+    moves = moves_alike(e, r, h, LONGER)
+    if moves:
+        moves = moves_alike(e, r, h, SHORTER)
     return slide(e, r, r.y, h, True) and moves
+
+
+def moves_alike(e: Engine, r: Laws, h: float, factor: float) -> bool:
+    """Whether an answer for another time moves something as far; true where there is none."""
+    m = e.model
+    n = m.ports
+    if not slide(e, r, r.y, factor * h, True):
+        return True
+    for k in range(n):
+        here = r.here_moved[k]
+        if here > LAW_DUST * r.rounding[k]:
+            moved = moved_in(r, n, factor * h, k)
+            if factor > 1.0 and moved < math.sqrt(LONGER) * here:
+                return True
+            # friction that is torn loose moves what is stored by what others hold it with
+            if factor < 1.0 and (m.port_two_sided[k] != 0 or math.sqrt(LONGER) * moved > here):
+                return True
+    return False
 
 
 def moved_in(r: Laws, n: int, h: float, k: int) -> float:
