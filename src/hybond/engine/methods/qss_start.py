@@ -74,7 +74,8 @@ def learn_field(e: Engine, a: Quantised) -> None:
     known = True
     for i in range(a.states):
         a.floor[i] = 0.0
-        known = known and s.scale[i] > 0.0
+        begins = i >= e.model.storages and s.y[i] == 0.0
+        known = known and s.scale[i] > 0.0 and not begins
     if known:
         return
     if a.linear:

@@ -42,6 +42,7 @@ from hybond.engine.methods.radau_stages import (
     rests,
 )
 from hybond.engine.methods.scale import CREEPS, ROUNDED, SHORT, measure_again, tolerance
+from hybond.engine.methods.signal_sizes import allow_rounding, ask_rates
 from hybond.engine.methods.strayed import strayed
 from hybond.engine.words import Floats, float_table
 
@@ -296,9 +297,13 @@ def advance_radau(e: Engine, r: Radau, rtol: float, t_end: float, h: float, long
         r.t1 = t_end if may_land and remaining <= 1.01 * h else min(r.t0 + h, t_end)
         h = r.t1 - r.t0
         r.h = h
+        allow_rounding(e, h, r.tolerance)
         if try_radau(e, r, rtol) == STEP_MADE:
             return STEP_MADE
         r.rejected += 1
+        if r.rejected == 1:
+            ask_rates(e, r.t0, h, r.y0, r.f0)
+            tolerance(e, r.y0, r.y0, r.tolerance)
         if r.rejected == 1 and h < CREEPS * e.span and e.slide.k == 0:
             measure_again(e, e.mode)
         # what never moved has no size: it is found to be zero from zero alone

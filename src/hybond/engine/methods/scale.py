@@ -8,11 +8,10 @@ from typing import Final
 from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.answers import value
 from hybond.engine.engine import OK, Engine
-from hybond.engine.expressions.paired import evaluate_pair
-from hybond.engine.expressions.pairs import clear
+from hybond.engine.methods.signal_sizes import allowed_signal, begin_rates, measure_rates
 from hybond.engine.mode.guess import give_back_guess, hold_guess
 from hybond.engine.mode.mode_records import Mode
-from hybond.engine.mode.sizes import measure, size_of
+from hybond.engine.mode.sizes import size_of
 from hybond.engine.mode.solving import solve
 from hybond.engine.mode.storage import own_stiffness
 from hybond.engine.mode.values import field, set_state
@@ -53,8 +52,7 @@ def start_scale(e: Engine, mode: Mode) -> None:
     soon = SHORT * e.span
     if e.next_break < math.inf:
         soon = min(soon, 0.5 * (e.next_break - e.t))
-    for k in range(e.model.integrals):
-        e.rate_rounding[k] = 0.0
+    begin_rates(e)
     found = found_terms(e, mode, e.t, e.y)
     if not found or e.scale_energy == 0.0:
         for k in range(e.model.storages):
@@ -151,34 +149,9 @@ def found_terms(e: Engine, mode: Mode, t: float, y: Floats) -> bool:
             own = soonest if y[k] == 0.0 else math.fabs(y[k] / e.work.w[at])
             acts = min(acts, max(own, math.fabs(e.t) * EPSILON / ROUNDED))
         e.rounding[k] = ROUNDED * acts * e.rounding[k]
-    if e.slide.k == 0:
-        measure_rates(e, mode)
+    if e.model.integrals > 0 and e.slide.k == 0:
+        measure_rates(e, mode, t)
     return found
-
-
-def measure_rates(e: Engine, mode: Mode) -> None:
-    """Put the rounding of rates of integrated signals there, of those that are no more than that.
-
-    What is more is as right as the state that it is made of.
-    """
-    m = e.model
-    stack = e.work.stack
-    for k in range(m.integrals):
-        pair = m.rule_first[m.machines] + k
-        stack.now = e.v
-        stack.was = e.v
-        stack.was_first = 0
-        stack.jump = e.trial.jump
-        stack.jumps = False
-        stack.terms = e.work.terms
-        clear(stack)
-        measure(e, mode, pair, e.work.xi, e.v, e.work.terms)
-        evaluate_pair(m, pair, stack)
-        if stack.refused != 0:
-            continue
-        rounded = ROUNDED * stack.size[stack.top]
-        if rounded < math.inf and math.fabs(stack.finite[stack.top]) <= CLEAR * rounded:
-            e.rate_rounding[k] = max(e.rate_rounding[k], rounded)
 
 
 def moves_clearly(e: Engine, rate: int, size: float) -> bool:
@@ -221,8 +194,6 @@ def measure_ahead(e: Engine, mode: Mode, t: float) -> None:
 def measure_anew(e: Engine, mode: Mode) -> None:
     """Learn what rates cancel from where a step begins, and forget what was before."""
     refusal = e.refusal
-    for k in range(e.model.integrals):
-        e.rate_rounding[k] = 0.0
     hold_guess(e, mode)
     found_terms(e, mode, e.step.t, e.y)
     give_back_guess(e, mode)
@@ -285,25 +256,6 @@ def allow(e: Engine, y0: Floats, y1: Floats, energy: float, out: Floats) -> None
             out[k] = max(max(out[k], own_rounding), m.rtol * FAINT)
     for k in range(m.storages, e.states):
         out[k] = allowed_signal(e, k, math.fabs(y1[k] - y0[k]), out[k])
-
-
-def allowed_signal(e: Engine, k: int, added: float, size: float) -> float:
-    """Return the error that a step may make of an integrated signal that has a size.
-
-    A step adds no less than rounding leaves of it: of the time, by which its rate changes, and of
-    the terms of its rate. It has the size at least that it would have if this step were as long as
-    what the end of the run is rounded to: what begins as a power of time begins there.
-    """
-    rtol = e.model.rtol
-    h = e.step.tried
-    if not h > 0.0:
-        return rtol * max(size, added)
-    shortest = EPSILON * e.span / h
-    allowed = rtol * max(size, added * max(shortest, 1.0))
-    rounded = e.rate_rounding[k - e.model.storages] * h
-    if added <= CLEAR * rounded:
-        allowed += rounded
-    return allowed + EPSILON * math.fabs(e.step.t0) / h * added
 
 
 def controlled(n: int, scale: Floats) -> int:
