@@ -42,7 +42,7 @@ from hybond.engine.methods.radau_stages import (
     rests,
 )
 from hybond.engine.methods.scale import CREEPS, ROUNDED, SHORT, measure_again, tolerance
-from hybond.engine.methods.signal_sizes import allow_rounding, ask_rates
+from hybond.engine.methods.signal_sizes import allow_begun, ask_rates
 from hybond.engine.methods.strayed import strayed
 from hybond.engine.words import Floats, float_table
 
@@ -297,7 +297,7 @@ def advance_radau(e: Engine, r: Radau, rtol: float, t_end: float, h: float, long
         r.t1 = t_end if may_land and remaining <= 1.01 * h else min(r.t0 + h, t_end)
         h = r.t1 - r.t0
         r.h = h
-        allow_rounding(e, h, r.tolerance)
+        allow_begun(e, h, r.y0, r.f0, r.tolerance)
         if try_radau(e, r, rtol) == STEP_MADE:
             return STEP_MADE
         r.rejected += 1

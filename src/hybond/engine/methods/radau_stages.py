@@ -252,7 +252,7 @@ def iterate_stages(e: Engine, r: Radau, rtol: float) -> int:
             for i in range(n):
                 r.stage[i] = r.y[2 * n + i]
             tolerance(e, r.y0, r.stage, r.other)
-            allow_rounding(e, r.h, r.other)
+            allow_rounding(e, r.h, r.y0, r.stage, r.other)
             other = True
             r.size = mean_size(n, 3, r.last, r.other)
         if count > 1:

@@ -8,7 +8,7 @@ from typing import Final
 from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.answers import value
 from hybond.engine.engine import OK, Engine
-from hybond.engine.methods.signal_sizes import allowed_signal, begin_rates, measure_rates
+from hybond.engine.methods.signal_sizes import allowed_signal, forget_rounding, measure_rates
 from hybond.engine.mode.guess import give_back_guess, hold_guess
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.sizes import size_of
@@ -52,7 +52,7 @@ def start_scale(e: Engine, mode: Mode) -> None:
     soon = SHORT * e.span
     if e.next_break < math.inf:
         soon = min(soon, 0.5 * (e.next_break - e.t))
-    begin_rates(e)
+    forget_rounding(e)
     found = found_terms(e, mode, e.t, e.y)
     if not found or e.scale_energy == 0.0:
         for k in range(e.model.storages):

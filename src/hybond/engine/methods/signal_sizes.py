@@ -33,13 +33,6 @@ FAINT: Final = 1e-150
 """A signal is measured against no less, in SI, as what is stored is."""
 
 
-def begin_rates(e: Engine) -> None:
-    """Know nothing of rates of integrated signals."""
-    for k in range(e.model.integrals):
-        e.rate_rounding[k] = 0.0
-        e.least_signal[k] = FAINT
-
-
 def forget_rounding(e: Engine) -> None:
     """Know nothing of the rounding of these rates."""
     for k in range(e.model.integrals):
@@ -130,15 +123,28 @@ def allowed_signal(e: Engine, k: int, added: float, size: float) -> float:
     i = k - e.model.storages
     rtol = e.model.rtol
     h = e.step.tried
-    size = max(max(size, added), e.least_signal[i])
+    size = max(max(size, added), max(e.least_signal[i], FAINT))
     if not h > 0.0:
         return rtol * size
     size = max(size, added * (EPSILON * e.span / h))
-    return rtol * size + e.rate_rounding[i] * h + EPSILON * math.fabs(e.step.t0) / h * added
+    return rtol * size + rounded(e, i, h, added)
 
 
-def allow_rounding(e: Engine, h: float, out: Floats) -> None:
-    """Let what is iterated for in a step of size `h` be no more than rounding of rates leaves."""
-    for k in range(e.model.integrals):
-        i = e.model.storages + k
-        out[i] = max(out[i], e.rate_rounding[k] * h)
+def rounded(e: Engine, i: int, h: float, added: float) -> float:
+    """Return what rounding leaves of signal `i` in a step of size `h` that adds so much to it."""
+    return e.rate_rounding[i] * h + EPSILON * math.fabs(e.step.t0) / h * added
+
+
+def allow_rounding(e: Engine, h: float, y0: Floats, y1: Floats, out: Floats) -> None:
+    """Let stages of a step of size `h` be found no better than rounding lets them."""
+    for i in range(e.model.integrals):
+        k = e.model.storages + i
+        out[k] = max(out[k], rounded(e, i, h, math.fabs(y1[k] - y0[k])))
+
+
+def allow_begun(e: Engine, h: float, y0: Floats, rate: Floats, out: Floats) -> None:
+    """Likewise before there are stages; those of a signal that has not begun say how large it is."""
+    for i in range(e.model.integrals):
+        k = e.model.storages + i
+        least = rounded(e, i, h, h * math.fabs(rate[k]))
+        out[k] = max(out[k], least) if y0[k] != 0.0 else 0.0
