@@ -8,7 +8,12 @@ from typing import Final
 from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.answers import value
 from hybond.engine.engine import OK, Engine
-from hybond.engine.methods.signal_sizes import allowed_signal, forget_rounding, measure_rates
+from hybond.engine.methods.signal_sizes import (
+    allowed_signal,
+    begin_signals,
+    forget_rounding,
+    measure_rates,
+)
 from hybond.engine.mode.guess import give_back_guess, hold_guess
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.sizes import size_of
@@ -65,6 +70,7 @@ def start_scale(e: Engine, mode: Mode) -> None:
         for k in range(e.model.storages):
             e.rounding[k] = max(e.work.reach[k], e.rounding[k])
     find_moved_terms(e, mode, soon)
+    begin_signals(e, mode, soon)
     if e.model.laws > 0:
         pushed = pushed_energy(e)
         e.energy = max(e.energy, pushed)

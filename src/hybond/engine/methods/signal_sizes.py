@@ -20,7 +20,7 @@ from hybond.engine.mode.guess import give_back_guess, hold_guess
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.sizes import measure
 from hybond.engine.mode.solving import solve
-from hybond.engine.mode.values import set_state
+from hybond.engine.mode.values import field, set_state
 from hybond.engine.words import Floats
 
 UNITS: Final = 10.0 * EPSILON
@@ -74,6 +74,24 @@ def measure_rates_at(e: Engine, mode: Mode, t: float, y: Floats) -> None:
     set_state(e, mode, e.v, t, y)
     if solve(e, mode, e.v) == OK:
         measure_rates(e, mode, t)
+
+
+def begin_signals(e: Engine, mode: Mode, soon: float) -> None:
+    """Learn how large signals will be from their rates a moment after motion starts."""
+    if e.model.integrals == 0 or e.slide.k > 0:
+        return
+    hold_guess(e, mode)
+    refusal = e.refusal
+    asked = e.evaluations
+    if field(e, mode, e.t, e.y, e.step.rate) == OK:
+        for k in range(e.states):
+            e.step.trial[k] = e.y[k] + soon * e.step.rate[k]
+        measure_rates_at(e, mode, e.t + soon, e.step.trial)
+    e.evaluations = asked
+    e.refusal = refusal
+    give_back_guess(e, mode)
+    set_state(e, mode, e.v, e.t, e.y)
+    solve(e, mode, e.v)
 
 
 def follow_rates(e: Engine) -> None:
@@ -143,7 +161,7 @@ def allow_rounding(e: Engine, h: float, y0: Floats, y1: Floats, out: Floats) -> 
 
 
 def allow_begun(e: Engine, h: float, y0: Floats, rate: Floats, out: Floats) -> None:
-    """Likewise before there are stages; those of a signal that has not begun say how large it is."""
+    """Likewise before there are stages; they say how large a signal is that has not begun."""
     for i in range(e.model.integrals):
         k = e.model.storages + i
         least = rounded(e, i, h, h * math.fabs(rate[k]))
