@@ -67,8 +67,8 @@ INTEGRALS = {
     "what died out": ("1e-25*exp(-time/1e-4)", 1.0, 1e-29),
     "small differences": ("1e-20*(1 - cos(time))", 1.0, 1e-20 * (1.0 - sin(1.0))),
     "rounded": ("cosh(time) - 1", 1e-3, 1e-9 / 6.0 + 1e-15 / 120.0),
-    "a power of a difference": ("(exp(time) - 1)^3", 1.0, exp(3) / 3 - 1.5 * exp(2) + 3 * exp(1) - 17 / 6),
-}  # fmt: skip
+    "a power of one": ("(exp(time) - 1)^3", 1.0, exp(3) / 3 - 1.5 * exp(2) + 3 * exp(1) - 17 / 6),
+}
 
 
 @pytest.mark.parametrize("solver", ["auto", "rk45", "radau"])
@@ -93,6 +93,16 @@ def test_ways_and_means_of_what_swings(solver: str) -> None:
     assert run["square"].at(2.0 * pi) == pytest.approx(pi, rel=1e-7)
     assert run["x"].at(1.0) == pytest.approx(0.2 * sin(5.0), rel=1e-6)
     assert run["area"].at(1.0) == pytest.approx(0.04 * (1.0 - cos(5.0)), rel=1e-6)
+
+
+@pytest.mark.parametrize("solver", ["qss2", "qss3", "liqss2"])
+@pytest.mark.parametrize("size", [1e-25, 1.0])
+def test_quanta_of_signals_follow_what_they_are(size: float, solver: str) -> None:
+    model = swings(x="M.f", area="x")
+    model.signal(q=hb.Integral(f"{size!r}*exp(-time/(0.1 s))"))
+    run = hb.simulate(model, 1.0, solver=solver, rtol=1e-4)
+    assert run["q"].at(1.0) / size == pytest.approx(0.1 * (1.0 - exp(-10.0)), rel=1e-3)
+    assert run["area"].at(1.0) == pytest.approx(0.04 * (1.0 - cos(5.0)), rel=1e-3)
 
 
 DRIVES = {
