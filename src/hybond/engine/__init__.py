@@ -77,7 +77,8 @@ subset. Rooms, and in them files, as data passes them::
         surface, onto, going_on, slide_records    surfaces; back onto them; what is written
     methods/
         stepping            one step of the method asked for
-        scale, lately, failed_steps, one_instant    tolerances; steps that cannot be; how long an
+        scale, signal_sizes, lately    tolerances of what is stored and what is integrated
+        failed_steps, one_instant    steps that cannot be; how long an
                             instant is
         control, dopri, strayed    steps that the error controls: Dormand and Prince
         exact, flow, linear_rows, balance, propagate, flow_records    linear modes, propagated

@@ -229,6 +229,10 @@ class Engine:
     """What the rates of stored quantities may be wrong by, in the time of the run."""
     moved_rounding: Floats
     """The same a moment after motion starts, of those that rates of zero say nothing of."""
+    rate_rounding: Floats
+    """What rates of integrated signals may be wrong by, where that matters, ..."""
+    least_signal: Floats
+    """... and what each of these signals is measured by at the least."""
     largest_state: Floats
     scale_energy: float
     """The largest energy there ever was, or that what pushes would give in a moment."""
@@ -415,6 +419,8 @@ def make_engine(m: Model) -> Engine:
     e.slide = make_slide(m)
     e.rounding = floats(m.storages)
     e.moved_rounding = floats(m.storages)
+    e.rate_rounding = floats(m.integrals)
+    e.least_signal = floats(m.integrals)
     e.largest_state = floats(e.states)
     e.lately = floats(5 * (e.states + 1))
     e.piece = ints(m.inputs)

@@ -223,6 +223,8 @@ class Model:
     # signals, inputs, time
     integral_rate: Ints
     """Pair ``rules + k`` is the same on pairs."""
+    integral_size: Ints
+    """What its rounding is measured by."""
     integral_start: Floats
     signals_act: int
     """Whether any of these rates reads an integrated signal."""

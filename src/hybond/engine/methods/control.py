@@ -32,6 +32,7 @@ from hybond.engine.methods.flow_records import AUTO, EXACT, LARGE
 from hybond.engine.methods.one_instant import is_one_kink
 from hybond.engine.methods.propagate import even_length
 from hybond.engine.methods.scale import CREEPS, controlled, measure_again, tolerance
+from hybond.engine.methods.signal_sizes import ask_rates
 from hybond.engine.methods.stiffness import watch_explicit
 from hybond.engine.methods.strayed import strayed
 from hybond.engine.mode.values import field
@@ -179,6 +180,8 @@ def controlled_step(e: Engine, t_end: float) -> int:
         if error <= 1.0 or (math.isfinite(error) and is_one_kink(e, s.t0, s.y0, t1, s.y1)):
             break
         s.rejected += 1
+        if s.rejected == 1 and math.isfinite(error):
+            ask_rates(e, s.t0, h, s.y0, s.f0)
         if s.rejected == 1 and math.isfinite(error) and h < CREEPS * e.span and e.slide.k == 0:
             measure_again(e, e.mode)
         factor = SAFETY * math.pow(error, -EXPONENT) if math.isfinite(error) else SHRINK

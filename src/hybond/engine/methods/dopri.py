@@ -74,6 +74,9 @@ def first_step(e: Engine, limit: float, order: float) -> float:
     s = e.step
     n = e.states
     unit = limit if limit < math.inf else 1.0
+    for k in range(e.model.storages, n):
+        if s.y[k] == 0.0:
+            s.scale[k] = math.inf  # a signal that has not begun has no size yet
     d0 = error_norm(n, s.y, s.scale)
     d1 = error_norm(n, s.f, s.scale)
     h0 = 1e-6 * unit

@@ -18,8 +18,8 @@ from hybond.engine.answers import value
 from hybond.engine.engine import OK, Engine
 from hybond.engine.methods.dopri import error_norm_of
 from hybond.engine.methods.flow_records import ORDERS, PARTS, TERMS
-from hybond.engine.methods.propagate import pass_derivatives, pass_parts, rate_of
-from hybond.engine.methods.scale import error_norm, tolerance
+from hybond.engine.methods.propagate import pass_derivatives, pass_parts, rate_of, size_of_rate
+from hybond.engine.methods.scale import ROUNDED, error_norm, tolerance
 from hybond.engine.mode.values import field, set_motion
 from hybond.engine.words import Floats, float_table
 
@@ -124,6 +124,8 @@ def first_exact(e: Engine, limit: float) -> float:
                     off += term
             # what has not moved yet has no size but that which it will have
             x.b2.at[i] = allowed[i] + relative[i] * size
+            if i < e.states:
+                x.b2.at[i] += min(h, f.unit) * ROUNDED * size_of_rate(f, e.states, z, i)
             x.off.at[i] = FARTHEST * off
         if error_norm(n, x.off.at, x.b2.at) <= 1.0:
             break
@@ -163,6 +165,10 @@ def exact_attempt(e: Engine, t1: float) -> float:
     if x.alongs > 0 and ask_between(e, h) != OK:
         return math.nan
     tolerance(e, s.y0, s.y1, s.scale)
+    for k in range(n):
+        # a power of a sine is a sum of sines, and as right as their rounding
+        rounded = ROUNDED * min(h, f.unit) * size_of_rate(f, n, z, k)
+        s.scale[k] = max(s.scale[k], rounded)
     return max(error_norm_of(n, s.error, s.scale, s.controlled), unresolved(e, h))
 
 

@@ -219,3 +219,13 @@ def rate_of(f: Flow, z: Floats, i: int) -> float:
         j = f.rows.column.at[p]
         total += f.rows.value.at[p] * (z[j] / f.scale.at[j])
     return total * f.scale.at[i]
+
+
+def size_of_rate(f: Flow, states: int, z: Floats, i: int) -> float:
+    """Return the size of the terms of the rate of component i of z that time alone makes."""
+    total = 0.0
+    for p in range(f.rows.first.at[i], f.rows.first.at[i + 1]):
+        j = f.rows.column.at[p]
+        if j >= states:
+            total += math.fabs(f.rows.value.at[p] * (z[j] / f.scale.at[j]))
+    return total * f.scale.at[i]

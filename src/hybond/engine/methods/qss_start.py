@@ -71,10 +71,13 @@ def learn_field(e: Engine, a: Quantised) -> None:
     else:
         take_size(a, a.states)
         a.reach = time_ahead(a, s.t)
+    stored = e.model.storages
+    sized = True
     known = True
     for i in range(a.states):
         a.floor[i] = 0.0
-        known = known and s.scale[i] > 0.0
+        sized = sized and (i >= stored or s.scale[i] > 0.0)
+        known = known and sized and (i < stored or s.y[i] != 0.0)
     if known:
         return
     if a.linear:
@@ -90,6 +93,8 @@ def learn_field(e: Engine, a: Quantised) -> None:
         if not (a.floor[i] > 0.0 and a.floor[i] < math.inf):
             a.floor[i] = IDLE_PART * farthest
         a.floor[i] *= START * e.model.rtol
+        if sized and (i < stored or s.y[i] != 0.0):
+            a.floor[i] = 0.0  # what has a size needs no other
 
 
 def reach_by_matrix(e: Engine, a: Quantised) -> None:

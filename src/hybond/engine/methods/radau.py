@@ -41,7 +41,8 @@ from hybond.engine.methods.radau_stages import (
     rate_at,
     rests,
 )
-from hybond.engine.methods.scale import CREEPS, ROUNDED, measure_again, tolerance
+from hybond.engine.methods.scale import CREEPS, ROUNDED, SHORT, measure_again, tolerance
+from hybond.engine.methods.signal_sizes import allow_begun, ask_rates
 from hybond.engine.methods.strayed import strayed
 from hybond.engine.words import Floats, float_table
 
@@ -100,6 +101,8 @@ def differences(e: Engine, r: Radau, rtol: float) -> None:
         if size == 0.0 and j < e.model.storages:
             # at rest: as far as rates move it in a moment; a unit may be far beyond what laws see
             size = e.rounding[j] / ROUNDED
+        if size == 0.0 and j >= e.model.storages:
+            size = SHORT * e.span * math.fabs(r.f0[j])
         r.made_for[j] = size
         if size == 0.0:
             size = 1.0
@@ -294,9 +297,13 @@ def advance_radau(e: Engine, r: Radau, rtol: float, t_end: float, h: float, long
         r.t1 = t_end if may_land and remaining <= 1.01 * h else min(r.t0 + h, t_end)
         h = r.t1 - r.t0
         r.h = h
+        allow_begun(e, h, r.y0, r.f0, r.tolerance)
         if try_radau(e, r, rtol) == STEP_MADE:
             return STEP_MADE
         r.rejected += 1
+        if r.rejected == 1:
+            ask_rates(e, r.t0, h, r.y0, r.f0)
+            tolerance(e, r.y0, r.y0, r.tolerance)
         if r.rejected == 1 and h < CREEPS * e.span and e.slide.k == 0:
             measure_again(e, e.mode)
         # what never moved has no size: it is found to be zero from zero alone

@@ -15,6 +15,7 @@ from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.engine import NOT_FINITE, OK, Engine
 from hybond.engine.methods.radau_room import Radau
 from hybond.engine.methods.scale import tolerance
+from hybond.engine.methods.signal_sizes import allow_rounding
 from hybond.engine.mode.values import field
 from hybond.engine.words import Floats, float_table
 
@@ -251,6 +252,7 @@ def iterate_stages(e: Engine, r: Radau, rtol: float) -> int:
             for i in range(n):
                 r.stage[i] = r.y[2 * n + i]
             tolerance(e, r.y0, r.stage, r.other)
+            allow_rounding(e, r.h, r.y0, r.stage, r.other)
             other = True
             r.size = mean_size(n, 3, r.last, r.other)
         if count > 1:

@@ -8,6 +8,12 @@ from typing import Final
 from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.answers import value
 from hybond.engine.engine import OK, Engine
+from hybond.engine.methods.signal_sizes import (
+    allowed_signal,
+    begin_signals,
+    forget_rounding,
+    measure_rates,
+)
 from hybond.engine.mode.guess import give_back_guess, hold_guess
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.sizes import size_of
@@ -29,8 +35,6 @@ FAINT: Final = 1e-150
 """What is stored is measured against no less, in SI: the square of less is no number, so that it
 has no energy. What grows from nothing by a power of time, or behind a steep law, would be followed
 through all numbers that there are."""
-IDLE: Final = 1e-12
-"""Absolute size, in SI, below which an integrated signal is idle."""
 ROUNDED: Final = 10.0 * EPSILON
 """Part of its terms that the rate of a stored quantity may be off by."""
 SHORT: Final = 1e-6
@@ -53,6 +57,7 @@ def start_scale(e: Engine, mode: Mode) -> None:
     soon = SHORT * e.span
     if e.next_break < math.inf:
         soon = min(soon, 0.5 * (e.next_break - e.t))
+    forget_rounding(e)
     found = found_terms(e, mode, e.t, e.y)
     if not found or e.scale_energy == 0.0:
         for k in range(e.model.storages):
@@ -65,6 +70,7 @@ def start_scale(e: Engine, mode: Mode) -> None:
         for k in range(e.model.storages):
             e.rounding[k] = max(e.work.reach[k], e.rounding[k])
     find_moved_terms(e, mode, soon)
+    begin_signals(e, mode, soon)
     if e.model.laws > 0:
         pushed = pushed_energy(e)
         e.energy = max(e.energy, pushed)
@@ -149,6 +155,8 @@ def found_terms(e: Engine, mode: Mode, t: float, y: Floats) -> bool:
             own = soonest if y[k] == 0.0 else math.fabs(y[k] / e.work.w[at])
             acts = min(acts, max(own, math.fabs(e.t) * EPSILON / ROUNDED))
         e.rounding[k] = ROUNDED * acts * e.rounding[k]
+    if e.model.integrals > 0 and e.slide.k == 0:
+        measure_rates(e, mode, t)
     return found
 
 
@@ -252,11 +260,8 @@ def allow(e: Engine, y0: Floats, y1: Floats, energy: float, out: Floats) -> None
                 # what is between motions is not what slows them
                 own_rounding = moments * max(e.rounding[k], e.moved_rounding[k])
             out[k] = max(max(out[k], own_rounding), m.rtol * FAINT)
-    # a step that is short beside the run adds what it would add in a short part of the run
-    wide = max(SHORT * e.span / e.step.tried, 1.0) if e.step.tried > 0.0 else 1.0
     for k in range(m.storages, e.states):
-        out[k] = max(out[k], wide * math.fabs(y1[k] - y0[k]))
-        out[k] = m.rtol * out[k] + IDLE * math.sqrt(m.rtol)
+        out[k] = allowed_signal(e, k, math.fabs(y1[k] - y0[k]), out[k])
 
 
 def controlled(n: int, scale: Floats) -> int:

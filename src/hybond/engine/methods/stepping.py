@@ -21,6 +21,7 @@ from hybond.engine.methods.qss_start import qss_start
 from hybond.engine.methods.radau import begin_radau, radau_between
 from hybond.engine.methods.radau_method import radau_retry, radau_start, radau_step
 from hybond.engine.methods.radau_room import RADAU
+from hybond.engine.methods.signal_sizes import follow_rates
 from hybond.engine.methods.stiffness import turn
 from hybond.engine.words import Floats
 
@@ -70,6 +71,7 @@ def step(e: Engine, t_end: float) -> int:
     e.curved = False
     e.step.precise = False
     follow_sizes(e)
+    follow_rates(e)
     if may_turn(e) and not is_propagated(e):
         turn_in_time(e)
     if by_radau(e):

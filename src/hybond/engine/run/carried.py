@@ -131,6 +131,8 @@ def carry_memory(e: Engine, r: Run, c: Carrier) -> None:
     many = machines_carried(e)
     carry_floats(c, e.states, e.largest_state)
     carry_floats(c, 5 * (e.states + 1), e.lately)
+    carry_floats(c, m.integrals, e.rate_rounding)
+    carry_floats(c, m.integrals, e.least_signal)
     carry_floats(c, m.classes, e.largest)
     carry_floats(c, m.classes, e.checks.largest)
     if m.laws > 0:

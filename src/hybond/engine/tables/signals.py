@@ -6,6 +6,7 @@ from hybond.engine.tables.calls import put_samples
 from hybond.engine.tables.columns import FLOATS, INTS, ModelTables, put_rows
 from hybond.engine.tables.elements import levels_of
 from hybond.engine.tables.expressions import number_of
+from hybond.equations.rounding import rounding
 from hybond.model.expressions import Binary
 from hybond.model.inputs import Called, Constant, Free, Pwm, Timetable
 from hybond.model.resolve import affine_in_time
@@ -18,6 +19,7 @@ def put_signals(t: ModelTables) -> None:
     g = t.graph
     t.pairs += [i.rate for i in g.integrals]
     t.ints["integral_rate"] = [t.values.number(i.rate, f"{i.path}'") for i in g.integrals]
+    t.ints["integral_size"] = [t.values.number(rounding(i.rate)) for i in g.integrals]
     t.floats["integral_start"] = [number_of(i.start) for i in g.integrals]
     put_samples(t)
     kinds, rows, levels = [], [], []
