@@ -30,6 +30,7 @@ from hybond.engine.methods.failed_steps import no_rate, step_too_small
 from hybond.engine.methods.flow import take_flow
 from hybond.engine.methods.flow_records import AUTO, EXACT, LARGE
 from hybond.engine.methods.one_instant import is_one_kink
+from hybond.engine.methods.onset import look_ahead
 from hybond.engine.methods.propagate import even_length
 from hybond.engine.methods.scale import CREEPS, controlled, measure_again, tolerance
 from hybond.engine.methods.stiffness import watch_explicit
@@ -181,6 +182,8 @@ def controlled_step(e: Engine, t_end: float) -> int:
         s.rejected += 1
         if s.rejected == 1 and math.isfinite(error) and h < CREEPS * e.span and e.slide.k == 0:
             measure_again(e, e.mode)
+        if h < CREEPS * e.span and not is_propagated(e):
+            look_ahead(e, e.mode, s.t0, s.y0, s.f0)
         factor = SAFETY * math.pow(error, -EXPONENT) if math.isfinite(error) else SHRINK
         smaller = h * max(factor, SHRINK)
         if smaller < smallest:

@@ -20,6 +20,7 @@ from hybond.engine.methods.from_edges import (
     widen,
 )
 from hybond.engine.methods.one_instant import is_one_kink
+from hybond.engine.methods.onset import look_ahead
 from hybond.engine.methods.radau_dense import hold_dense, make_polynomial
 from hybond.engine.methods.radau_room import (
     ERROR_BLAMED,
@@ -299,6 +300,8 @@ def advance_radau(e: Engine, r: Radau, rtol: float, t_end: float, h: float, long
         r.rejected += 1
         if r.rejected == 1 and h < CREEPS * e.span and e.slide.k == 0:
             measure_again(e, e.mode)
+        if h < CREEPS * e.span and look_ahead(e, e.mode, r.t0, r.y0, r.f0):
+            tolerance(e, r.y0, r.y0, r.tolerance)
         # what never moved has no size: it is found to be zero from zero alone
         r.known = r.known and any_moves(r)
         if r.shrink < 1.0 and h * r.shrink < smallest:

@@ -237,6 +237,7 @@ def allow(e: Engine, y0: Floats, y1: Floats, energy: float, out: Floats) -> None
     e.scale_energy = max(e.scale_energy, 0.5 * here)
     most = max(max(energy, e.pushed_energy), 0.5 * max(here, tried))
     moments = max(e.step.tried / (SHORT * e.span), 1.0) if e.step.tried > 0.0 else 1.0
+    begins = e.step.t < e.step.onset_end
     for k in range(m.storages):
         moved = out[k] > 0.0
         floor = 0.0
@@ -245,6 +246,9 @@ def allow(e: Engine, y0: Floats, y1: Floats, energy: float, out: Floats) -> None
             if e.rounding[k] > 0.0 and out[k] > CLEAR * e.rounding[k] / SHORT:
                 floor = min(floor, BESIDE * out[k])
         out[k] = m.rtol * max(out[k], floor if math.isfinite(floor) else 0.0)
+        if begins and e.step.onset[k] > 0.0:
+            out[k] = max(out[k], m.rtol * e.step.onset[k])
+            moved = True
         # what has not moved yet has no size: the solver chooses its first step without it
         if moved:
             own_rounding = e.rounding[k] if e.step.solved else moments * e.rounding[k]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Final
 
 from hybond.engine.engine import OK, Engine
@@ -49,6 +50,8 @@ def start_fitting(e: Engine, t: float, y: Floats, t_bound: float, jumped: bool) 
 
 def start(e: Engine, t: float, y: Floats, t_bound: float, jumped: bool) -> int:
     """Begin, or go on after an event, in the mode ``e.mode``."""
+    if jumped:
+        e.step.onset_end = -math.inf
     if jumped and e.model.edges > 0:
         e.step.left_edge = False
         e.step.calm = 0
