@@ -177,7 +177,7 @@ def controlled_step(e: Engine, t_end: float) -> int:
         if error <= 1.0 and not is_propagated(e):
             error = max(error, strayed(e, s.t0, s.y0, t1, s.y1))
         s.tried = 0.0
-        if error <= 1.0 or (math.isfinite(error) and is_one_kink(e, s.t0, s.y0, t1, s.y1)):
+        if error <= 1.0 or (error == error and is_one_kink(e, s.t0, s.y0, t1, s.y1)):
             break
         s.rejected += 1
         if s.rejected == 1 and math.isfinite(error) and h < CREEPS * e.span and e.slide.k == 0:
@@ -187,11 +187,11 @@ def controlled_step(e: Engine, t_end: float) -> int:
         factor = SAFETY * math.pow(error, -EXPONENT) if math.isfinite(error) else SHRINK
         smaller = h * max(factor, SHRINK)
         if smaller < smallest:
-            if e.model.tells != 0 and math.isfinite(error):
+            if e.model.tells != 0 and error == error:
                 return step_too_small(e, e.states, h, s.error, s.scale)
             if e.model.tells != 0 and not e.refusal:
                 return no_rate(e, e.states, h, s.rate, s.y1)
-            if not math.isfinite(error):
+            if error != error:
                 return not_finite(e)
             return say_fault(e, "HB-N201", "step size underflow", "")
         h = smaller
@@ -215,7 +215,7 @@ def controlled_step(e: Engine, t_end: float) -> int:
 def controlled_retry(e: Engine, t_end: float) -> int:
     """Repeat the last step with the size that ends it at `t_end`."""
     error = attempt(e, t_end)
-    if not math.isfinite(error):
+    if error != error:
         if e.model.tells != 0 and not e.refusal:
             return no_rate(e, e.states, t_end - e.step.t0, e.step.rate, e.step.y1)
         return not_finite(e)
