@@ -171,6 +171,7 @@ class Step:
     passed: Floats
     """A moment that is passed to see that."""
     passed_next: Floats
+    began_at: Floats
     passed_before: Floats
     kink: Floats
 
@@ -378,6 +379,7 @@ def make_step(n: int, kinks: int, edges: int) -> Step:
     s.onset_end = -math.inf
     s.passed = floats(n)
     s.passed_next = floats(n)
+    s.began_at = floats(n)
     s.passed_before = floats(n)
     return s
 

@@ -18,7 +18,7 @@ from typing import Final
 
 from hybond.engine.algebra.products import all_finite
 from hybond.engine.engine import OK, Engine
-from hybond.engine.methods.scale import SHORT
+from hybond.engine.methods.scale import SHORT, tolerance
 from hybond.engine.mode.guess import give_back_guess, hold_guess
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.values import field
@@ -56,11 +56,17 @@ def look_ahead(e: Engine, mode: Mode, t: float, y: Floats, f: Floats) -> bool:
         return False
     refusal = e.refusal
     hold_guess(e, mode)
+    s.onset_end = -math.inf
+    tolerance(e, y, y, s.began_at)
+    s.onset_end = t + soon
+    for k in range(e.states):
+        least = s.began_at[k] / e.model.rtol if k < e.model.storages and s.onset[k] == 0.0 else 0.0
+        s.began_at[k] = y[k] + math.copysign(least, f[k])
     found = False
     for _ in range(TRIES):
         if t + soon <= t:
             break
-        found = pass_moment(e, mode, t, y, soon)
+        found = pass_moment(e, mode, t, soon)
         if found:
             break
         soon *= SHORTER
@@ -71,14 +77,14 @@ def look_ahead(e: Engine, mode: Mode, t: float, y: Floats, f: Floats) -> bool:
     return found
 
 
-def pass_moment(e: Engine, mode: Mode, t: float, y: Floats, soon: float) -> bool:
+def pass_moment(e: Engine, mode: Mode, t: float, soon: float) -> bool:
     """Find what young states will be, by all ways; False where these disagree."""
     s = e.step
     n = e.states
     steps = FEWEST
     for way in range(WAYS):
         for k in range(n):
-            s.passed[k] = y[k]
+            s.passed[k] = s.began_at[k]
         h = soon / float(steps)
         for i in range(steps):
             if not pass_part(e, mode, t + float(i) * h, h):
