@@ -182,11 +182,13 @@ def controlled_step(e: Engine, t_end: float) -> int:
         s.rejected += 1
         if s.rejected == 1 and math.isfinite(error) and h < CREEPS * e.span and e.slide.k == 0:
             measure_again(e, e.mode)
-        if h < CREEPS * e.span and not is_propagated(e):
-            look_ahead(e, e.mode, s.t0, s.y0, s.f0)
+        short = h < CREEPS * e.span and not is_propagated(e)
+        seen = short and look_ahead(e, e.mode, s.t0, s.y0, s.f0)
         factor = SAFETY * math.pow(error, -EXPONENT) if math.isfinite(error) else SHRINK
         smaller = h * max(factor, SHRINK)
-        if smaller < smallest:
+        if smaller < smallest and seen:
+            smaller = smallest
+        elif smaller < smallest:
             if e.model.tells != 0 and error == error:
                 return step_too_small(e, e.states, h, s.error, s.scale)
             if e.model.tells != 0 and not e.refusal:
@@ -214,7 +216,11 @@ def controlled_step(e: Engine, t_end: float) -> int:
 
 def controlled_retry(e: Engine, t_end: float) -> int:
     """Repeat the last step with the size that ends it at `t_end`."""
+    s = e.step
     error = attempt(e, t_end)
+    if error > 1.0 and t_end - s.t0 < CREEPS * e.span and not is_propagated(e):
+        if look_ahead(e, e.mode, s.t0, s.y0, s.f0):
+            error = attempt(e, t_end)
     if error != error:
         if e.model.tells != 0 and not e.refusal:
             return no_rate(e, e.states, t_end - e.step.t0, e.step.rate, e.step.y1)

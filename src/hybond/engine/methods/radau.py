@@ -300,13 +300,14 @@ def advance_radau(e: Engine, r: Radau, rtol: float, t_end: float, h: float, long
         r.rejected += 1
         if r.rejected == 1 and h < CREEPS * e.span and e.slide.k == 0:
             measure_again(e, e.mode)
-        if h < CREEPS * e.span and look_ahead(e, e.mode, r.t0, r.y0, r.f0):
+        seen = h < CREEPS * e.span and look_ahead(e, e.mode, r.t0, r.y0, r.f0)
+        if seen:
             tolerance(e, r.y0, r.y0, r.tolerance)
         # what never moved has no size: it is found to be zero from zero alone
         r.known = r.known and any_moves(r)
-        if r.shrink < 1.0 and h * r.shrink < smallest:
+        if r.shrink < 1.0 and h * r.shrink < smallest and not seen:
             return STEP_TOO_SMALL
-        h *= r.shrink
+        h = max(h * r.shrink, min(h, smallest)) if seen else h * r.shrink
 
 
 def any_moves(r: Radau) -> bool:

@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.engine.engine import OK, Engine
+from hybond.engine.engine import OK, Engine, say_fault
 from hybond.engine.methods.control import (
     controlled_retry,
     controlled_start,
     controlled_step,
     is_propagated,
 )
+from hybond.engine.methods.failed_steps import step_too_small
 from hybond.engine.methods.fixed import RK4, fixed_retry, fixed_start, fixed_step
 from hybond.engine.methods.flow_records import AUTO, EXACT
 from hybond.engine.methods.from_edges import EXPLICIT, leaves_edge, may_turn, see_edges
@@ -20,13 +21,27 @@ from hybond.engine.methods.qss import qss_retry, qss_step
 from hybond.engine.methods.qss_room import QSS1
 from hybond.engine.methods.qss_start import qss_start
 from hybond.engine.methods.radau import begin_radau, radau_between
-from hybond.engine.methods.radau_method import radau_retry, radau_start, radau_step
+from hybond.engine.methods.radau_method import (
+    radau_retry,
+    radau_start,
+    radau_step,
+    radau_too_small,
+)
 from hybond.engine.methods.radau_room import RADAU
 from hybond.engine.methods.stiffness import turn
 from hybond.engine.words import Floats
 
 FARTHER: Final = 2.0
 """Times as long as a step at the most that its polynomial is taken for."""
+
+
+def no_shorter(e: Engine) -> int:
+    """Refuse the last step, the error of which is too large, where there is no shorter one."""
+    if e.model.tells == 0:
+        return say_fault(e, "HB-N201", "step size underflow", "")
+    if by_radau(e):
+        return radau_too_small(e, e.radau)
+    return step_too_small(e, e.states, e.step.t1 - e.step.t0, e.step.error, e.step.scale)
 
 
 def by_radau(e: Engine) -> bool:
