@@ -30,6 +30,8 @@ FEWEST: Final = 4
 AGREE: Final = 1e3
 """How many times as large as by one way a state may be by another."""
 TRIES: Final = 4
+AT_ONCE: Final = 1e-6
+"""Part of the moment in which what begins to move does so."""
 SHORTER: Final = 1.0 / 16.0
 """What a moment is to the last one, in which something was too fast."""
 
@@ -62,8 +64,8 @@ def look_ahead(e: Engine, mode: Mode, t: float, y: Floats, f: Floats) -> bool:
     for k in range(e.states):
         least = s.began_at[k] / e.model.rtol if k < e.model.storages and s.onset[k] == 0.0 else 0.0
         s.began_at[k] = y[k] + math.copysign(least, f[k])
-    found = False
-    for _ in range(TRIES):
+    found = stirs(e, mode, t, y, f, soon)
+    for _ in range(TRIES if found else 0):
         if t + soon <= t:
             break
         found = pass_moment(e, mode, t, soon)
@@ -103,6 +105,22 @@ def pass_moment(e: Engine, mode: Mode, t: float, soon: float) -> bool:
             s.onset[k] = s.passed_before[k]
             some = some or s.onset[k] > 0.0
     return some
+
+
+def stirs(e: Engine, mode: Mode, t: float, y: Floats, f: Floats, soon: float) -> bool:
+    """Whether anything moves, or does at once.
+
+    Where nothing does, something jumps at a time of its own, and is not to be stepped over.
+    """
+    for k in range(e.states):
+        if f[k] != 0.0:
+            return True
+    if field(e, mode, t + AT_ONCE * soon, y, e.step.rate) != OK:
+        return False
+    for k in range(e.states):
+        if e.step.rate[k] != 0.0:
+            return True
+    return False
 
 
 def pass_part(e: Engine, mode: Mode, t: float, h: float) -> bool:
