@@ -42,7 +42,7 @@ from hybond.engine.methods.radau_stages import (
     rate_at,
     rests,
 )
-from hybond.engine.methods.scale import CREEPS, ROUNDED, measure_again, tolerance
+from hybond.engine.methods.scale import CREEPS, ROUNDED, measure_again, tolerance, within_bent
 from hybond.engine.methods.strayed import strayed
 from hybond.engine.words import Floats, float_table
 
@@ -101,6 +101,8 @@ def differences(e: Engine, r: Radau, rtol: float) -> None:
         if size == 0.0 and j < e.model.storages:
             # at rest: as far as rates move it in a moment; a unit may be far beyond what laws see
             size = e.rounding[j] / ROUNDED
+        if j < e.model.storages:
+            size = within_bent(e, j, r.y0, size)
         r.made_for[j] = size
         if size == 0.0:
             size = 1.0

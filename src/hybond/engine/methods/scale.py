@@ -12,7 +12,7 @@ from hybond.engine.mode.guess import give_back_guess, hold_guess
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.sizes import size_of
 from hybond.engine.mode.solving import solve
-from hybond.engine.mode.storage import own_stiffness
+from hybond.engine.mode.storage import own_stiffness, with_stored
 from hybond.engine.mode.values import field, set_state
 from hybond.engine.words import Floats
 
@@ -243,7 +243,6 @@ def allow(e: Engine, y0: Floats, y1: Floats, energy: float, out: Floats) -> None
         floor = 0.0
         if own[k] > 0.0 and math.isfinite(own[k]) and math.isfinite(most):
             floor = NEGLIGIBLE * math.sqrt(2.0 * most / own[k])
-            floor = within_bent(e, k, own[k], y0[k], floor)
             if e.rounding[k] > 0.0 and out[k] > CLEAR * e.rounding[k] / SHORT:
                 floor = min(floor, BESIDE * out[k])
         out[k] = m.rtol * max(out[k], floor if math.isfinite(floor) else 0.0)
@@ -264,24 +263,23 @@ def allow(e: Engine, y0: Floats, y1: Floats, energy: float, out: Floats) -> None
         out[k] = m.rtol * out[k] + IDLE * math.sqrt(m.rtol)
 
 
-def within_bent(e: Engine, k: int, own: float, here: float, size: float) -> float:
+def within_bent(e: Engine, k: int, y: Floats, size: float) -> float:
     """Return the size at which a storage holds what it would at `size` if it stayed as soft.
 
     A spring that hardens has next to no stiffness beside rest: what energy would make of it by that
     is far beyond anything that it will ever be. Its stiffness is taken for a power in between.
     """
-    now = math.fabs(here)
+    now = math.fabs(y[k])
     if now == 0.0 or now >= size:
         return size
     m = e.model
-    v = e.work.values
-    v[m.stored_slot + k] = math.copysign(size, here)
+    v = with_stored(e, y)
+    own = math.fabs(own_stiffness(m, k, v))
+    v[m.stored_slot + k] = math.copysign(size, y[k])
     there = math.fabs(own_stiffness(m, k, v))
-    v[m.stored_slot + k] = here
-    if not there > own:
+    v[m.stored_slot + k] = y[k]
+    if own == 0.0 or not (there > own and math.isfinite(there)):
         return size
-    if not math.isfinite(there):
-        return now
     power = math.log(there / own) / math.log(size / now)
     return now * math.pow(size / now, 2.0 / (2.0 + power))
 
