@@ -42,7 +42,7 @@ def look_ahead(e: Engine, mode: Mode, t: float, y: Floats, f: Floats) -> bool:
     `f` are the rates there. What was learned holds until then.
     """
     s = e.step
-    if e.slide.k > 0 or e.model.storages == 0 or t < s.onset_end:
+    if e.slide.k > 0 or s.on_edge or t < s.onset_end:
         return False
     soon = SHORT * e.span
     if e.next_break < math.inf:

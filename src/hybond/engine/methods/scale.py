@@ -248,7 +248,8 @@ def allow(e: Engine, y0: Floats, y1: Floats, energy: float, out: Floats) -> None
         out[k] = m.rtol * max(out[k], floor if math.isfinite(floor) else 0.0)
         if begins and e.step.onset[k] > 0.0:
             out[k] = max(out[k], m.rtol * e.step.onset[k])
-            moved = True
+            # what grows by rounding alone has not moved
+            moved = moved or m.rtol * e.step.onset[k] > max(e.rounding[k], e.moved_rounding[k])
         # what has not moved yet has no size: the solver chooses its first step without it
         if moved:
             own_rounding = e.rounding[k] if e.step.solved else moments * e.rounding[k]
