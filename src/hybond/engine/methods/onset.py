@@ -5,7 +5,7 @@ as it is large: a part of that is no tolerance, and a shorter step is in the sam
 where a mass begins to move behind springs with play, at the edge of which there is no stiffness yet
 that energy could measure by; and there the force itself, a difference, begins as rounding. What a
 state will have become after a short part of the run has no such trouble, whatever the power is: an
-error that is small beside that shifts the beginning by less than nothing.
+error that is small beside that shifts the beginning by a part of that time.
 
 The moment is passed in three ways, with steps more and more. Where they disagree something is
 faster than they are, and a shorter moment is tried.
@@ -27,7 +27,7 @@ from hybond.engine.words import Floats
 WAYS: Final = 3
 FEWEST: Final = 4
 """Steps of the first way, of Runge and Kutta's; each of the others has twice those of the last."""
-AGREE: Final = 4.0
+AGREE: Final = 1e3
 """How many times as large as by one way a state may be by another."""
 TRIES: Final = 4
 CHAIN: Final = 2
