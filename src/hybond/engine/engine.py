@@ -165,6 +165,14 @@ class Step:
     error: Floats
     trial: Floats
     rate: Floats
+    onset: Floats
+    """What each state that has not moved will be a moment later, and until when that is known."""
+    onset_end: float
+    passed: Floats
+    """A moment that is passed to see that."""
+    passed_next: Floats
+    began_at: Floats
+    passed_before: Floats
     kink: Floats
 
 
@@ -371,6 +379,12 @@ def make_step(n: int, kinks: int, edges: int) -> Step:
     s.allowed = floats(n)
     s.trial = floats(n)
     s.rate = floats(n)
+    s.onset = floats(n)
+    s.onset_end = -math.inf
+    s.passed = floats(n)
+    s.passed_next = floats(n)
+    s.began_at = floats(n)
+    s.passed_before = floats(n)
     return s
 
 

@@ -30,6 +30,7 @@ from hybond.engine.methods.failed_steps import no_rate, step_too_small
 from hybond.engine.methods.flow import take_flow
 from hybond.engine.methods.flow_records import AUTO, EXACT, LARGE
 from hybond.engine.methods.one_instant import is_one_kink
+from hybond.engine.methods.onset import look_ahead
 from hybond.engine.methods.propagate import even_length
 from hybond.engine.methods.scale import CREEPS, controlled, measure_again, tolerance
 from hybond.engine.methods.signal_sizes import ask_rates
@@ -177,21 +178,25 @@ def controlled_step(e: Engine, t_end: float) -> int:
         if error <= 1.0 and not is_propagated(e):
             error = max(error, strayed(e, s.t0, s.y0, t1, s.y1))
         s.tried = 0.0
-        if error <= 1.0 or (math.isfinite(error) and is_one_kink(e, s.t0, s.y0, t1, s.y1)):
+        if error <= 1.0 or (error == error and is_one_kink(e, s.t0, s.y0, t1, s.y1)):
             break
         s.rejected += 1
         if s.rejected == 1 and math.isfinite(error):
             ask_rates(e, s.t0, h, s.y0, s.f0)
         if s.rejected == 1 and math.isfinite(error) and h < CREEPS * e.span and e.slide.k == 0:
             measure_again(e, e.mode)
+        short = h < CREEPS * e.span and not is_propagated(e)
+        seen = short and look_ahead(e, e.mode, s.t0, s.y0, s.f0)
         factor = SAFETY * math.pow(error, -EXPONENT) if math.isfinite(error) else SHRINK
         smaller = h * max(factor, SHRINK)
-        if smaller < smallest:
-            if e.model.tells != 0 and math.isfinite(error):
+        if smaller < smallest and seen:
+            smaller = smallest
+        elif smaller < smallest:
+            if e.model.tells != 0 and error == error:
                 return step_too_small(e, e.states, h, s.error, s.scale)
             if e.model.tells != 0 and not e.refusal:
                 return no_rate(e, e.states, h, s.rate, s.y1)
-            if not math.isfinite(error):
+            if error != error:
                 return not_finite(e)
             return say_fault(e, "HB-N201", "step size underflow", "")
         h = smaller
@@ -214,8 +219,12 @@ def controlled_step(e: Engine, t_end: float) -> int:
 
 def controlled_retry(e: Engine, t_end: float) -> int:
     """Repeat the last step with the size that ends it at `t_end`."""
+    s = e.step
     error = attempt(e, t_end)
-    if not math.isfinite(error):
+    if error > 1.0 and t_end - s.t0 < CREEPS * e.span and not is_propagated(e):
+        if look_ahead(e, e.mode, s.t0, s.y0, s.f0):
+            error = attempt(e, t_end)
+    if error != error:
         if e.model.tells != 0 and not e.refusal:
             return no_rate(e, e.states, t_end - e.step.t0, e.step.rate, e.step.y1)
         return not_finite(e)

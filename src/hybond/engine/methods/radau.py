@@ -20,6 +20,7 @@ from hybond.engine.methods.from_edges import (
     widen,
 )
 from hybond.engine.methods.one_instant import is_one_kink
+from hybond.engine.methods.onset import look_ahead
 from hybond.engine.methods.radau_dense import hold_dense, make_polynomial
 from hybond.engine.methods.radau_room import (
     ERROR_BLAMED,
@@ -41,7 +42,14 @@ from hybond.engine.methods.radau_stages import (
     rate_at,
     rests,
 )
-from hybond.engine.methods.scale import CREEPS, ROUNDED, SHORT, measure_again, tolerance
+from hybond.engine.methods.scale import (
+    CREEPS,
+    ROUNDED,
+    SHORT,
+    measure_again,
+    tolerance,
+    within_bent,
+)
 from hybond.engine.methods.signal_sizes import allow_begun, ask_rates
 from hybond.engine.methods.strayed import strayed
 from hybond.engine.words import Floats, float_table
@@ -103,6 +111,8 @@ def differences(e: Engine, r: Radau, rtol: float) -> None:
             size = e.rounding[j] / ROUNDED
         if size == 0.0 and j >= e.model.storages:
             size = SHORT * e.span * math.fabs(r.f0[j])
+        if j < e.model.storages:
+            size = within_bent(e, j, r.y0, size)
         r.made_for[j] = size
         if size == 0.0:
             size = 1.0
@@ -306,11 +316,14 @@ def advance_radau(e: Engine, r: Radau, rtol: float, t_end: float, h: float, long
             tolerance(e, r.y0, r.y0, r.tolerance)
         if r.rejected == 1 and h < CREEPS * e.span and e.slide.k == 0:
             measure_again(e, e.mode)
+        seen = h < CREEPS * e.span and look_ahead(e, e.mode, r.t0, r.y0, r.f0)
+        if seen:
+            tolerance(e, r.y0, r.y0, r.tolerance)
         # what never moved has no size: it is found to be zero from zero alone
         r.known = r.known and any_moves(r)
-        if r.shrink < 1.0 and h * r.shrink < smallest:
+        if r.shrink < 1.0 and h * r.shrink < smallest and not seen:
             return STEP_TOO_SMALL
-        h *= r.shrink
+        h = max(h * r.shrink, min(h, smallest)) if seen else h * r.shrink
 
 
 def any_moves(r: Radau) -> bool:

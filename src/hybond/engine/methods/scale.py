@@ -18,7 +18,7 @@ from hybond.engine.mode.guess import give_back_guess, hold_guess
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.sizes import size_of
 from hybond.engine.mode.solving import solve
-from hybond.engine.mode.storage import own_stiffness
+from hybond.engine.mode.storage import own_stiffness, with_stored
 from hybond.engine.mode.values import field, set_state
 from hybond.engine.words import Floats
 
@@ -245,6 +245,7 @@ def allow(e: Engine, y0: Floats, y1: Floats, energy: float, out: Floats) -> None
     e.scale_energy = max(e.scale_energy, 0.5 * here)
     most = max(max(energy, e.pushed_energy), 0.5 * max(here, tried))
     moments = max(e.step.tried / (SHORT * e.span), 1.0) if e.step.tried > 0.0 else 1.0
+    begins = e.step.t < e.step.onset_end
     for k in range(m.storages):
         moved = out[k] > 0.0
         floor = 0.0
@@ -253,6 +254,10 @@ def allow(e: Engine, y0: Floats, y1: Floats, energy: float, out: Floats) -> None
             if e.rounding[k] > 0.0 and out[k] > CLEAR * e.rounding[k] / SHORT:
                 floor = min(floor, BESIDE * out[k])
         out[k] = m.rtol * max(out[k], floor if math.isfinite(floor) else 0.0)
+        if begins and e.step.onset[k] > 0.0:
+            out[k] = max(out[k], m.rtol * e.step.onset[k])
+            # what grows by rounding alone has not moved
+            moved = moved or m.rtol * e.step.onset[k] > max(e.rounding[k], e.moved_rounding[k])
         # what has not moved yet has no size: the solver chooses its first step without it
         if moved:
             own_rounding = e.rounding[k] if e.step.solved else moments * e.rounding[k]
@@ -262,6 +267,27 @@ def allow(e: Engine, y0: Floats, y1: Floats, energy: float, out: Floats) -> None
             out[k] = max(max(out[k], own_rounding), m.rtol * FAINT)
     for k in range(m.storages, e.states):
         out[k] = allowed_signal(e, k, math.fabs(y1[k] - y0[k]), out[k])
+
+
+def within_bent(e: Engine, k: int, y: Floats, size: float) -> float:
+    """Return the size at which a storage holds what it would at `size` if it stayed as soft.
+
+    A spring that hardens has next to no stiffness beside rest: what energy would make of it by that
+    is far beyond anything that it will ever be. Its stiffness is taken for a power in between.
+    """
+    now = math.fabs(y[k])
+    if now == 0.0 or now >= size:
+        return size
+    m = e.model
+    v = with_stored(e, y)
+    own = math.fabs(own_stiffness(m, k, v))
+    v[m.stored_slot + k] = math.copysign(size, y[k])
+    there = math.fabs(own_stiffness(m, k, v))
+    v[m.stored_slot + k] = y[k]
+    if own == 0.0 or not (there > own and math.isfinite(there)):
+        return size
+    power = math.log(there / own) / math.log(size / now)
+    return now * math.pow(size / now, 2.0 / (2.0 + power))
 
 
 def controlled(n: int, scale: Floats) -> int:

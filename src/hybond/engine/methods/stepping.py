@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from typing import Final
 
-from hybond.engine.engine import OK, Engine
+from hybond.engine.engine import OK, Engine, say_fault
 from hybond.engine.methods.control import (
     controlled_retry,
     controlled_start,
     controlled_step,
     is_propagated,
 )
+from hybond.engine.methods.failed_steps import step_too_small
 from hybond.engine.methods.fixed import RK4, fixed_retry, fixed_start, fixed_step
 from hybond.engine.methods.flow_records import AUTO, EXACT
 from hybond.engine.methods.from_edges import EXPLICIT, leaves_edge, may_turn, see_edges
@@ -19,7 +21,12 @@ from hybond.engine.methods.qss import qss_retry, qss_step
 from hybond.engine.methods.qss_room import QSS1
 from hybond.engine.methods.qss_start import qss_start
 from hybond.engine.methods.radau import begin_radau, radau_between
-from hybond.engine.methods.radau_method import radau_retry, radau_start, radau_step
+from hybond.engine.methods.radau_method import (
+    radau_retry,
+    radau_start,
+    radau_step,
+    radau_too_small,
+)
 from hybond.engine.methods.radau_room import RADAU
 from hybond.engine.methods.signal_sizes import follow_rates
 from hybond.engine.methods.stiffness import turn
@@ -27,6 +34,15 @@ from hybond.engine.words import Floats
 
 FARTHER: Final = 2.0
 """Times as long as a step at the most that its polynomial is taken for."""
+
+
+def no_shorter(e: Engine) -> int:
+    """Refuse the last step, the error of which is too large, where there is no shorter one."""
+    if e.model.tells == 0:
+        return say_fault(e, "HB-N201", "step size underflow", "")
+    if by_radau(e):
+        return radau_too_small(e, e.radau)
+    return step_too_small(e, e.states, e.step.t1 - e.step.t0, e.step.error, e.step.scale)
 
 
 def by_radau(e: Engine) -> bool:
@@ -50,6 +66,8 @@ def start_fitting(e: Engine, t: float, y: Floats, t_bound: float, jumped: bool) 
 
 def start(e: Engine, t: float, y: Floats, t_bound: float, jumped: bool) -> int:
     """Begin, or go on after an event, in the mode ``e.mode``."""
+    if jumped:
+        e.step.onset_end = -math.inf
     if jumped and e.model.edges > 0:
         e.step.left_edge = False
         e.step.calm = 0

@@ -9,7 +9,7 @@ from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.methods.control import is_propagated
 from hybond.engine.methods.dopri import spacing
 from hybond.engine.methods.one_instant import LEAST, room_of_instant
-from hybond.engine.methods.stepping import retry
+from hybond.engine.methods.stepping import no_shorter, retry
 from hybond.engine.mode.mode_records import is_constrained
 from hybond.engine.run.locate import locate
 from hybond.engine.run.locator import Locator
@@ -161,7 +161,7 @@ def shorten(e: Engine, g: Locator) -> int:
     for _ in range(SHORTER):
         h *= 0.5
         if e.step.t0 + h == e.step.t0:
-            return REFUSED
+            return no_shorter(e)
         made = retry(e, e.step.t0 + h)
         if e.step.off <= 1.0:
             break
