@@ -79,6 +79,7 @@ subset. Rooms, and in them files, as data passes them::
         stepping            one step of the method asked for
         scale, lately, failed_steps, one_instant    tolerances; steps that cannot be; how long an
                             instant is
+        onset               what has not moved yet, by what it will be
         control, dopri, strayed    steps that the error controls: Dormand and Prince
         exact, flow, linear_rows, balance, propagate, flow_records    linear modes, propagated
         radau, radau_stages, radau_dense, radau_method, radau_room    implicit steps
