@@ -80,6 +80,7 @@ subset. Rooms, and in them files, as data passes them::
         scale, signal_sizes, lately    tolerances of what is stored and what is integrated
         failed_steps, one_instant    steps that cannot be; how long an
                             instant is
+        onset               what has not moved yet, by what it will be
         control, dopri, strayed    steps that the error controls: Dormand and Prince
         exact, flow, linear_rows, balance, propagate, flow_records    linear modes, propagated
         radau, radau_stages, radau_dense, radau_method, radau_room    implicit steps
