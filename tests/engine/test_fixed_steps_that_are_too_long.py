@@ -67,3 +67,27 @@ def test_what_grows_in_the_model_may_grow() -> None:
     m.signal(x=hb.Integral("x", start=1))
     run = hb.simulate(m, 5, method=hb.Euler(step="1 ms"))
     assert not run.warnings
+
+
+@pytest.mark.parametrize("method", [hb.RK4(step="20 ms"), hb.Euler(step="20 ms")])
+def test_what_becomes_stiff_on_the_way_is_told_as_well(method: hb.RK4 | hb.Euler) -> None:
+    """A conductance that grows by 400 S/s drains 1 A out of 1 F: at the end 2.5 mV are left."""
+    m = hb.Model("drained", domain="electrical")
+    m.add(s=hb.Sf("1 A"), c=hb.C("1 F"), g=hb.G("1 S*(1 + 400*time/(1 s))"), n=hb.Zero())
+    m.bond("s -> n -> c", "n -> g")
+    run = hb.simulate(m, "1 s", method=method)
+    (said,) = run.warnings
+    assert "the values are wrong" in said
+    assert float(run["c.e"].at(1.0)) != pytest.approx(2.5e-3, rel=0.1)
+
+
+def test_nothing_is_said_of_what_is_stiff_for_a_step_only_or_of_what_is_empty() -> None:
+    """A body that drag brakes from 10 m/s, ``v' = -v^3``, and a stiff circuit without charge."""
+    m = hb.Model("braked")
+    m.add(v=hb.One(), i=hb.I(1.0, f=10.0), d=hb.R({"e": "f^3"}))
+    m.add(n=hb.Zero(), c=hb.C(1e-6), r=hb.R(1.0))
+    m.bond("v -> i", "v -> d", "c -> n -> r")
+    run = hb.simulate(m, 50.0, method=hb.Euler(step=7e-3))
+    assert not run.warnings
+    # 1/v^2 grows by 2 in a second
+    assert float(run["i.f"].at(50.0)) == pytest.approx(1 / math.sqrt(0.01 + 100.0), rel=1e-3)

@@ -297,3 +297,57 @@ def test_an_exported_program_sees_the_same_peak(tmp_path) -> None:  # type: igno
     assert said.times[1:] == pytest.approx([0.5 - x * 1e-5, 0.5 + x * 1e-5], abs=1e-12)
     charge = 100.0 * ROOT * math.erf(x) * 1e-5 - 100.0 * x * 1e-5
     assert said.states["q"] == pytest.approx(charge, rel=1e-6)
+
+
+CANCELS = {
+    "hypot": "hypot({0}, {1})",
+    "root": "sqrt(({0})^2 + ({1})^2)",
+    "tanh": "3*tanh((({0})/325)^2 + (({1})/325)^2)",
+    "quotient": "325/((({0})/325)^2 + (({1})/325)^2)",
+}
+
+
+@pytest.mark.parametrize("form", CANCELS)
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_what_cancels_does_not_make_steps_short(form: str, solver: str) -> None:
+    """The amplitude of three balanced phases, by Clarke's transform: constant, onto an RC."""
+    phase = [f"325*sin(314*x - {k}*2.0943951023931953)" for k in range(3)]
+    alpha = f"(2*{phase[0]} - {phase[1]} - {phase[2]})/3"
+    beta = f"({phase[1]} - {phase[2]})/sqrt(3)"
+    source = CANCELS[form].format(alpha, beta).replace("x -", "(time/(1 s)) -")
+    m = hb.Model("amplitude", domain="electrical")
+    m.add(s=hb.Se(f"1 V*({source})"), r=hb.R("1 ohm"), c=hb.C("0.05 F"), i=hb.One())
+    m.bond("s -> i -> r", "i -> c")
+    run = hb.simulate(m, "1 s", solver=solver, max_steps=20000)
+    height = 3.0 * math.tanh(1.0) if form == "tanh" else 325.0
+    assert run["c.e"].at(1.0) == pytest.approx(height * (1.0 - math.exp(-20.0)), rel=1e-7)
+    assert not run.warnings
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_the_sine_of_what_is_still_next_to_nothing_is_that(solver: str) -> None:
+    """``tanh(t) sin(exp(-((t - 0.8)/0.05)^2))`` onto a capacitor, against Simpson's rule."""
+    source = f"tanh(time/(1 s))*sin({gauss(0.05, 0.8)})"
+    m = hb.Model("bell", domain="electrical")
+    m.add(s=hb.Sf(f"1 A*{source}"), c=hb.C("1 F"), n=hb.Zero(), r=hb.R("1 Mohm"))
+    m.bond("s -> n -> c", "n -> r")
+    m.signal(q=hb.Integral(f"1 A*{source}"))
+    run = hb.simulate(m, "1 s", solver=solver, max_steps=20000)
+    t = np.linspace(0.0, 1.0, 20001)
+    f = np.tanh(t) * np.sin(np.exp(-(((t - 0.8) / 0.05) ** 2)))
+    area = (f[0] + f[-1] + 4.0 * f[1::2].sum() + 2.0 * f[2:-1:2].sum()) / 60000.0
+    assert run["q"].at(1.0) == pytest.approx(area, rel=1e-7)
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_a_pulse_that_only_heats_a_resistor_counts(solver: str) -> None:
+    """10 V in the form of a bell onto 1 ohm, beside a circuit that it has nothing to do with."""
+    m = hb.Model("heated", domain="electrical")
+    m.add(V=hb.Se(f"10 V*{gauss(1e-4)}"), r=hb.R("1 ohm"), i=hb.One())
+    m.add(c=hb.C("1 F", e="1 V"), o=hb.R("1 ohm"), n=hb.Zero())
+    m.bond("V -> i -> r", "c -> n -> o")
+    run = hb.simulate(m, "1 s", solver=solver)
+    assert run["V.e"].integral() == pytest.approx(10.0 * ROOT * 1e-4, rel=1e-8)
+    assert run["V.e"].max() == pytest.approx(10.0, rel=1e-9)
+    heat = 100.0 * ROOT * 1e-4 / math.sqrt(2.0)
+    assert run.losses()["r"].dissipated == pytest.approx(heat, rel=1e-8)

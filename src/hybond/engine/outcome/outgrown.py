@@ -31,12 +31,20 @@ SEGMENTS = 64
 """... among the first segments of a run, ..."""
 STATES = 128
 """... with so many states at the most."""
+FEW = 16
+"""States up to which a motion is looked at in many places, ..."""
+PLACES = 17
+"""... which are so many, along the longest motion in a mode, ..."""
+ENDS = 3
+"""... and so many with more states."""
 TOLD = 2.0
 """What grows by less over the longest motion in a mode is not told."""
 STILL = 1e-9
 """Real part that counts as none, as a part of an eigenvalue: differences leave some."""
 SHIFT = 1e-6
 """Part of a state that it is shifted by for a slope."""
+PART = 1e-9
+"""Part of a motion that is none."""
 HALVINGS = 60
 
 STABILITY: dict[str, tuple[float, ...]] = {
@@ -61,15 +69,38 @@ def outgrown(graph: FlatGraph, trace: Trace, method: int, step: float) -> Iterat
     if solver is None or not isinstance(signals, Signals):
         return
     for segment in _longest(trace):
-        slopes = _slopes(graph, signals, segment)
-        if slopes is None:
-            continue
-        steps = (float(segment.t[-1]) - float(segment.t[0])) / step
-        found = np.linalg.eigvals(slopes)
-        worst = max(found, key=lambda a: _growth(solver, step, a), default=0.0)
-        grown = _growth(solver, step, worst)
-        if grown > 1.0 and steps * math.log(grown) > math.log(TOLD):
-            yield _said(graph, segment, solver, step, complex(worst))
+        found = _grows(graph, signals, segment, solver, step)
+        if found is not None:
+            yield _said(graph, segment, solver, step, found)
+
+
+def _grows(
+    graph: FlatGraph, signals: Signals, segment: Segment, solver: str, step: float
+) -> complex | None:
+    """Return the eigenvalue of what a motion lets grow most; None if nothing grows for long.
+
+    What grows at one of two neighbouring places alone has no time to: a body that is braked hard
+    where it begins. What is zero all along has nothing to grow from.
+    """
+    n = len(graph.storages) + len(graph.integrals)
+    if not 0 < n <= STATES:
+        return None
+    many = PLACES if n <= FEW else ENDS
+    places = np.unique(np.linspace(0, len(segment.t) - 1, many).astype(int))
+    is_zero = ~np.asarray(segment.y, dtype=float)[:, :n].any(axis=0)
+    growths, worst = [], []
+    for k in places.tolist():
+        slopes = _slopes(graph, signals, segment, k)
+        found: list[complex] = []
+        if slopes is not None:
+            values, vectors = np.linalg.eig(slopes)
+            moves = (np.abs(vectors[~is_zero]) > PART * np.abs(vectors).max(axis=0)).any(axis=0)
+            found = values[moves].tolist()
+        worst.append(max(found, key=lambda a: _growth(solver, step, a), default=0.0j))
+        growths.append(math.log(max(_growth(solver, step, worst[-1]), 1.0)))
+    steps = np.diff(np.asarray(segment.t, dtype=float)[places]) / step
+    grown = float(np.sum(steps * np.minimum(growths[1:], growths[:-1])))
+    return worst[int(np.argmax(growths))] if grown > math.log(TOLD) else None
 
 
 def _growth(solver: str, step: float, eigenvalue: complex) -> float:
@@ -92,8 +123,8 @@ def _longest(trace: Trace) -> list[Segment]:
     return list(found.values())[:MODES]
 
 
-def _slopes(graph: FlatGraph, signals: Signals, segment: Segment) -> Vector | None:
-    """Return how rates change with states where a motion begins; None if they have no values."""
+def _slopes(graph: FlatGraph, signals: Signals, segment: Segment, at: int) -> Vector | None:
+    """Return how rates change with states at a point; None if they have no values."""
     names: list[Expr] = []
     signs = []
     for s in graph.storages:
@@ -102,16 +133,14 @@ def _slopes(graph: FlatGraph, signals: Signals, segment: Segment) -> Vector | No
     names += [i.rate for i in graph.integrals]
     signs += [1.0] * len(graph.integrals)
     n = len(names)
-    if not 0 < n <= STATES:
-        return None
-    begin = np.asarray(segment.y[0], dtype=float)[:n]
+    begin = np.asarray(segment.y[at], dtype=float)[:n]
     seen = np.abs(np.asarray(segment.y, dtype=float)[:, :n])
     least = np.where(seen > 0.0, seen, np.inf).min(axis=0)
     size = np.where(begin != 0.0, np.abs(begin), np.where(np.isfinite(least), least, 1.0))
     shifts = SHIFT * size
     points = np.concatenate([begin[None], begin + np.diag(shifts), begin - np.diag(shifts)])
     try:
-        found = signals.at(segment, names, np.full(len(points), segment.t[0]), points)
+        found = signals.at(segment, names, np.full(len(points), segment.t[at]), points)
     except HybondError:
         return None  # beyond an edge of a law
     rates = np.array(found).T
