@@ -36,6 +36,8 @@ SLOW = {
 """Examples that take Python more than a second; they are the library's in a tenth of that."""
 BITS = platform.libc_ver()[0] == "glibc"
 """Whether Python and the library have the same sin, exp and pow: then nothing differs at all."""
+LENGTHS = {"planar_puck"}
+"""Examples that read a length: `math.hypot` of Python rounds in its own way since 3.10."""
 CASES = [pytest.param(n, marks=[pytest.mark.slow] * (n in SLOW)) for n in NAMES]
 
 
@@ -63,14 +65,14 @@ def told(run: hb.Result) -> list[object]:
     ]
 
 
-def assert_alike(library: hb.Result, python: hb.Result) -> None:
+def assert_alike(library: hb.Result, python: hb.Result, *, bits: bool = BITS) -> None:
     assert python.engine.startswith("the engine as Python") and library.engine == "the library"
     assert told(python) == told(library)
     assert python.status == library.status
     assert str(python.error) == str(library.error)
     assert python.warnings == library.warnings
     times = [[*(e.t for e in run.events), run.t_end] for run in (library, python)]
-    if BITS:
+    if bits:
         assert times[1] == times[0]
         assert python.stats == library.stats
         for a, b in zip(library.segments, python.segments, strict=True):
@@ -85,7 +87,7 @@ def assert_alike(library: hb.Result, python: hb.Result) -> None:
 @pytest.mark.parametrize("name", CASES)
 def test_an_example_runs_as_by_the_library(name: str) -> None:
     library, python = both_of(name)
-    assert_alike(library, python)
+    assert_alike(library, python, bits=BITS and name not in LENGTHS)
     assert (python.error is not None) == (name in STOPPED)
 
 

@@ -40,7 +40,9 @@ def inverse_of(matrix: Sequence[Sequence[float]]) -> list[list[float]]:
     worst = np.inf
     for _ in range(ROUNDS):
         lacks = _residual(whole.tolist(), found.tolist())
-        last, worst = worst, (np.abs(lacks) / (np.abs(whole) @ np.abs(found))).max()
+        terms = np.abs(whole) @ np.abs(found)
+        shares = np.divide(np.abs(lacks), terms, out=np.zeros_like(terms), where=terms > 0.0)
+        last, worst = worst, shares.max()
         if not worst < last:
             break
         found = found + found @ lacks

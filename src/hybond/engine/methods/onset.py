@@ -52,7 +52,7 @@ def look_ahead(e: Engine, mode: Mode, t: float, y: Floats, f: Floats) -> bool:
         soon = min(soon, 0.5 * (e.next_break - t))
     s.onset_end = t + soon
     young = False
-    for k in range(e.model.storages):
+    for k in range(e.states):
         s.onset[k] = -1.0
         if max(e.largest_state[k], math.fabs(y[k])) <= soon * math.fabs(f[k]):
             s.onset[k] = 0.0
@@ -77,7 +77,7 @@ def look_ahead(e: Engine, mode: Mode, t: float, y: Floats, f: Floats) -> bool:
         soon *= SHORTER
     give_back_guess(e, mode)
     e.refusal = refusal
-    for k in range(e.model.storages):
+    for k in range(e.states):
         s.onset[k] = s.onset[k] if found else 0.0
     return found
 
@@ -103,7 +103,7 @@ def pass_moment(e: Engine, mode: Mode, t: float, soon: float) -> bool:
             s.passed_before[k] = now
         steps *= 2
     some = False
-    for k in range(e.model.storages):
+    for k in range(e.states):
         if s.onset[k] >= 0.0:
             s.onset[k] = s.passed_before[k]
             some = some or s.onset[k] > 0.0

@@ -266,7 +266,8 @@ def allow(e: Engine, y0: Floats, y1: Floats, energy: float, out: Floats) -> None
                 own_rounding = moments * max(e.rounding[k], e.moved_rounding[k])
             out[k] = max(max(out[k], own_rounding), m.rtol * FAINT)
     for k in range(m.storages, e.states):
-        out[k] = allowed_signal(e, k, math.fabs(y1[k] - y0[k]), out[k])
+        size = max(out[k], e.step.onset[k]) if begins else out[k]
+        out[k] = allowed_signal(e, k, math.fabs(y1[k] - y0[k]), size)
 
 
 def within_bent(e: Engine, k: int, y: Floats, size: float) -> float:
