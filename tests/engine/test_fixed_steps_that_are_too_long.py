@@ -7,6 +7,7 @@ four; z = -h/(RC) of a resistor at a capacitor, complex of a resonant circuit.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import pytest
 
@@ -35,7 +36,9 @@ def resonance() -> hb.Model:
         (hb.RK4, 3e-6, 1 - 3 + 9 / 2 - 27 / 6 + 81 / 24),
     ],
 )
-def test_growth_of_what_dies_out_is_said(method, step: float, factor: float) -> None:  # type: ignore[no-untyped-def]
+def test_growth_of_what_dies_out_is_said(
+    method: type[hb.Euler | hb.RK4], step: float, factor: float
+) -> None:
     run = hb.simulate(decay(), "60 us", method=method(step=step))
     (said,) = run.warnings
     assert "time constant of 1 µs" in said and f"grows by {100 * (factor - 1):.3g} %" in said
@@ -58,7 +61,9 @@ def test_a_swing_that_euler_lets_grow() -> None:
     ("made", "method"),
     [(decay, hb.Euler(step="0.5 us")), (decay, hb.RK4(step="2 us")), (resonance, hb.RK4("5 us"))],
 )
-def test_steps_that_are_short_enough_are_not_warned_of(made, method) -> None:  # type: ignore[no-untyped-def]
+def test_steps_that_are_short_enough_are_not_warned_of(
+    made: Callable[[], hb.Model], method: hb.Euler | hb.RK4
+) -> None:
     assert not hb.simulate(made(), "60 us", method=method).warnings
 
 

@@ -6,6 +6,7 @@ Oracles: integrals of the forces in closed form; masses that are tied share them
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import pytest
 
@@ -39,7 +40,9 @@ SHARES = {tied: 1.0 / 3.0, geared: 1.0 / 19.0, free: 1.0}
 
 @pytest.mark.parametrize("width", [0.01, 0.0187, 0.02])
 @pytest.mark.parametrize("made", SHARES)
-def test_a_bell_curve_from_numbers_next_to_zero(made, width: float) -> None:  # type: ignore[no-untyped-def]
+def test_a_bell_curve_from_numbers_next_to_zero(
+    made: Callable[[str], hb.Model], width: float
+) -> None:
     run = hb.simulate(made(f"1 N*exp(-((time - 0.5 s)/({width} s))^2)"), "1 s")
     assert run.status == "ok"
     impulse = width * math.sqrt(math.pi)
@@ -48,7 +51,7 @@ def test_a_bell_curve_from_numbers_next_to_zero(made, width: float) -> None:  # 
 
 
 @pytest.mark.parametrize("made", SHARES)
-def test_a_tanh_from_its_tail(made) -> None:  # type: ignore[no-untyped-def]
+def test_a_tanh_from_its_tail(made: Callable[[str], hb.Model]) -> None:
     run = hb.simulate(made("1 N*(1 + tanh((time - 0.4567 s)/(1e-3 s)))"), "1 s")
     impulse = 2.0 * (1.0 - 0.4567)
     assert float(run["a.p"].at(1.0)) == pytest.approx(SHARES[made] * impulse, rel=1e-6)

@@ -6,6 +6,9 @@ Oracles are closed forms: integrals of pulses, what a peak charges, times at whi
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -158,7 +161,7 @@ PLACES = (
 
 @pytest.mark.parametrize("place", PLACES, ids=lambda f: f.__name__)
 @pytest.mark.parametrize("solver", SOLVERS)
-def test_a_pulse_is_seen_wherever_it_is_said(solver: str, place) -> None:  # type: ignore[no-untyped-def]
+def test_a_pulse_is_seen_wherever_it_is_said(solver: str, place: Callable[..., Any]) -> None:
     """Two pulses, the second a thousand times narrower and as high: the sum of both areas."""
     m, name = place(f"({gauss(1e-3, 0.3)} + {gauss(1e-6, 0.7)})")
     run = hb.simulate(m, "1 s", solver=solver)
@@ -285,7 +288,7 @@ def test_functions_in_python_are_told_of_unless_steps_are_bounded() -> None:
 
 
 @pytest.mark.c
-def test_an_exported_program_sees_the_same_peak(tmp_path) -> None:  # type: ignore[no-untyped-def]
+def test_an_exported_program_sees_the_same_peak(tmp_path: Path) -> None:
     from export.programs import ask, compile_quickly, read_events
 
     from hybond.export.c import to_c

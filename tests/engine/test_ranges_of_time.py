@@ -6,6 +6,7 @@ The oracle is the expression itself, at many points, and its differences.
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -30,7 +31,7 @@ OF_TIME = (
 WINDOWS = ((0.05, 0.07), (0.3, 0.45), (0.1, 0.9), (0.5, 0.5), (1.1, 1.9))
 
 
-def made(expression: str):  # type: ignore[no-untyped-def]
+def made(expression: str) -> Any:
     m = hb.Model()
     m.signal(x=hb.Integral(expression))
     m.signal(t="time/(1 s)")
