@@ -86,6 +86,25 @@ def test_linear_systems_stay_within_kofmans_bound_at_all_times(
     assert worst.max() > 1e-2 * tol
 
 
+@pytest.mark.parametrize("copies", [2, 3])
+@pytest.mark.parametrize("name", NAMES)
+def test_equal_states_whose_events_are_at_once_are_as_exact_as_one(name: str, copies: int) -> None:
+    """Copies of an oscillator that all drive one more state: what one alone does, times as many."""
+    one = np.array([[0.0, 1.0, 0.0], [-4.0, -0.1, 0.0], [1.0, 0.0, -0.02]])
+    many = np.zeros((2 * copies + 1, 2 * copies + 1))
+    for k in range(copies):
+        many[2 * k : 2 * k + 2, 2 * k : 2 * k + 2] = one[:2, :2]
+        many[-1, 2 * k] = 1.0 / copies
+    many[-1, -1] = one[2, 2]
+    tol = tolerance_of(name)
+    alone = by(name, linear(one, [1.0, 0.0, 0.0]), 15.0, tol)
+    run = by(name, linear(many, [1.0, 0.0] * copies + [0.0]), 15.0, tol)
+    assert steps(run) == pytest.approx(steps(alone), rel=0.03)
+    t, x = course(run, 1)
+    worst = np.abs(x[-1] - exact(one, t, [1.0, 0.0, 0.0])[2]).max()
+    assert worst <= kofman(one, tol)[2]
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_a_law_that_is_not_linear_stays_within_that_bound_where_it_is_straight(name: str) -> None:
     """The same decay, written so that no form is found: rates are fitted."""

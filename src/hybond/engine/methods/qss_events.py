@@ -101,10 +101,10 @@ def let_happen(e: Engine, a: Quantised) -> None:
     if not a.linear:
         return
     for i in range(a.states):
-        if a.due[i] != 0:
-            if not a.implicit:
-                add_column(a, i)
-            wipe_rounding(a)
+        if a.due[i] != 0 and not a.implicit:
+            add_column(a, i)
+    # not between columns: what is computed anew holds all changes, and would take the rest twice
+    wipe_rounding(a, many)
 
 
 def foresee(a: Quantised) -> None:

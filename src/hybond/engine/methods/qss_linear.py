@@ -84,9 +84,9 @@ def add_column(a: Quantised, j: int) -> None:
         a.marked[i] = 1
 
 
-def wipe_rounding(a: Quantised) -> None:
-    """Compute all rates anew, every so many events."""
-    a.added += 1
+def wipe_rounding(a: Quantised, many: int) -> None:
+    """Compute all rates anew, every so many events, of which `many` have been added."""
+    a.added += many
     if a.added >= max(REFRESH, a.size):
         a.added = 0
         for k in range(a.order):
