@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import copy
 import random
 import re
@@ -263,7 +264,8 @@ def changed_tree(draw: random.Random, tree: Any, others: Sequence[Any] = ()) -> 
         if not places:
             return new
         holder, key = draw.choice(places)
-        _change(draw, holder, key, places, others)
+        with contextlib.suppress(RecursionError):  # deeper than Python copies
+            _change(draw, holder, key, places, others)
     return new
 
 
