@@ -5,6 +5,7 @@ What is held against each other are files, byte for byte.
 
 from __future__ import annotations
 
+import json
 import os
 import signal
 import subprocess
@@ -19,6 +20,7 @@ import pytest
 import hybond as hb
 from hybond.cli.main import main
 from hybond.sweep.folder import Folder
+from hybond.sweep.part import Part
 
 ROOT = Path(__file__).parents[2]
 BALL = """\
@@ -142,6 +144,20 @@ def test_a_damaged_part_is_run_again(folder: Path) -> None:
         "the part of members 8 to 15 is damaged",
         "the part of members 16 to 23 is damaged",
     ]
+    assert (folder / "s" / "table.csv").read_bytes() == before
+
+
+def test_a_part_that_lacks_a_column_is_run_again(folder: Path) -> None:
+    """An archive that is whole, by somebody who edited what it says of its columns."""
+    small(folder / "s")
+    before = (folder / "s" / "table.csv").read_bytes()
+    path = sorted((folder / "s" / "parts").iterdir())[1]
+    key = json.loads((folder / "s" / "sweep.json").read_text())["key"]
+    part = Part.from_bytes(path.read_bytes(), key)
+    part.columns.pop("final(height)")
+    path.write_bytes(part.to_bytes(key))
+    table = small(folder / "s")
+    assert table.notes == ("the part of members 8 to 15 is damaged: run again",)
     assert (folder / "s" / "table.csv").read_bytes() == before
 
 

@@ -198,7 +198,7 @@ def _swept(
         if job.runs:
             with told(folder.path):
                 folder.runs.mkdir(exist_ok=True)
-    done = _Done(folder)
+    done = _Done(folder, [c.text for c in runner.collectors])
     ranges = [(a, min(a + size, len(job.plan))) for a in range(0, len(job.plan), size)]
     missing = done.missing(ranges)
     count = begun = len(job.plan) - sum(b - a for a, b in missing)
@@ -242,10 +242,14 @@ def _swept(
 
 
 class _Done:
-    """The parts that are done, in a folder or in memory; and notes of what went wrong."""
+    """The parts that are done, in a folder or in memory; and notes of what went wrong.
 
-    def __init__(self, folder: Folder | None) -> None:
+    `names` are those of the columns that a part has, by which a damaged one is known.
+    """
+
+    def __init__(self, folder: Folder | None, names: list[str]) -> None:
         self._folder = folder
+        self._names = names
         self._kept: dict[Range, Part] = {}
         self._latest: Part | None = None
         self.notes: list[str] = []
@@ -264,7 +268,8 @@ class _Done:
         """Return a part, None if it is not there."""
         if self._folder is None:
             return self._kept.get((first, last))
-        return self._folder.read(first, last)
+        part = self._folder.read(first, last)
+        return None if part is None or list(part.columns) != self._names else part
 
     def keep(self, part: Part) -> None:
         """Keep a part."""
