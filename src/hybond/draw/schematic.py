@@ -9,11 +9,13 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 from hybond.draw.arrange import layout
 from hybond.draw.beside import Wire, beside, box_of, named_nodes, tight
+from hybond.draw.circuit_places import Part as CircuitPart
+from hybond.draw.circuit_places import Plan, circuit_places, two_ended
 from hybond.draw.composing import composed
 from hybond.draw.drawing import Drawing
 from hybond.draw.geometry import Box, Point
@@ -28,7 +30,7 @@ from hybond.model.builder import Model
 from hybond.model.hierarchy import submodel_of
 from hybond.model.kinds import KINDS
 from hybond.model.parts import Part, SubmodelPart
-from hybond.model.symbol import Symbol
+from hybond.model.symbol import CORE, Symbol
 from hybond.model.written_out import written_out
 
 CELL = (120.0, 100.0)
@@ -40,6 +42,7 @@ LONGEST = 26
 LETTERS = 19.0
 CAP = 0.73
 """Size of letters, and how high their capitals are."""
+_ROLE = {"diode": "diode", "switch": "switch", "resistor": "load", "current_source": "source"}
 _SPREADING = ("C", "I", "TF", "GY")
 """What a source has none of: machines and loads have sources within them, too."""
 
@@ -99,10 +102,12 @@ def draw_schematic(
             where=model.name,
             hint="draw its bond graph, or build it from parts of the library",
         )
-    places = _places(model, names, bonds)
-    nodes = {name: _node(model, name, places[name]) for name in names}
     dots = {n for n in names if _is_dot(model, n, bonds)}
-    toward = _toward(nodes, bonds)
+    plan = _plan(model, dots, bonds)
+    places = _cells(plan) if plan is not None else _places(model, names, bonds)
+    nodes = {name: _node(model, name, places[name]) for name in names}
+    toward = _toward(nodes, bonds) | (plan.toward if plan is not None else {})
+    facing = plan.facing if plan is not None else {}
     put: dict[str, Placed] = {}
     for name, node in nodes.items():
         if name in dots:
@@ -114,10 +119,14 @@ def draw_schematic(
         if symbol is None:
             sides = {port: _side(toward, name, port) for port in node.ports}
             symbol = boxed(node.letters, node.ports, sides.__getitem__)
-        put[name] = placed(symbol, node.at, _of(toward, name, node.ports))
+        ways = _of(toward, name, node.ports)
+        put[name] = placed(symbol, node.at, ways, facing=facing.get(name, (0.0, 0.0)))
     nets = _nets(dots | {f"{n}.{port}" for n, p in put.items() for port in p.pins}, bonds)
-    wires, meets = _cut_back(_wires(nodes, put, dots, bonds, nets), sorted(dots))
+    cores = plan.cores if plan is not None else ()
+    wires, meets = _cut_back(_wires(nodes, put, dots, bonds, nets, cores), sorted(dots))
     groups = [Group("wire", f"{a} -> {b}", f"{a} -> {b}", (Line("wire", w),)) for a, b, w in wires]
+    if plan is not None and plan.bars:
+        groups.append(Group("cores", "", "", plan.bars))
     groups += _parts(nodes, put, wires)
     groups += named_nodes({n: meets.get(n, nodes[n].at) for n in names if n in dots}, groups, wires)
     groups.append(Group("joints", "", "", tuple(_joint(p) for p in _joints(wires, nets, put))))
@@ -158,6 +167,43 @@ def _places(
     if pinned:
         return found
     return composed(found, *_feet(model))
+
+
+def _plan(model: Model, dots: Collection[str], bonds: Sequence[tuple[str, str]]) -> Plan | None:
+    """Return the plan of an electrical circuit of parts with two ends, None of other models."""
+    if model.layout.keys() & model.elements.keys():
+        return None
+    sources, grounds = _feet(model)
+    wired = {end: node for a, b in bonds for end, node in ((a, b), (b, a)) if node in dots}
+    parts, signs = [], {}
+    for name, part in model.elements.items():
+        if name in dots:
+            if getattr(part, "kind", "") != "0":
+                return None
+            continue
+        if not isinstance(part, SubmodelPart):
+            return None
+        inner = submodel_of(part, name, model.models)
+        nodes = [wired.get(f"{name}.{port}", "") for port in inner.ports]
+        if name in grounds and len(nodes) == 1 and nodes[0]:
+            signs[name] = nodes[0]
+        elif two_ended(inner.symbol) and inner.domain == "electrical" and all(nodes):
+            ports = tuple(sorted(inner.ports, key=lambda p: inner.symbol.pins[p]))
+            node = _node(model, name, (0.0, 0.0))
+            words = (name, node.about) if node.about else (name,)
+            role = "source" if name in sources else _ROLE.get(part.model.rpartition(".")[2], "plain")
+            core = str(part.parameters.get(CORE, ""))
+            ends = wired[f"{name}.{ports[0]}"], wired[f"{name}.{ports[1]}"]
+            parts.append(CircuitPart(name, *ends, ports, role, words, core))
+        else:
+            return None
+    nodes = [n for n in model.elements if n in dots]
+    return circuit_places(parts, nodes, signs)
+
+
+def _cells(plan: Plan) -> dict[str, tuple[float, float]]:
+    """Return where all stands in cells."""
+    return {name: (x / CELL[0], y / CELL[1]) for name, (x, y) in plan.at.items()}
 
 
 def _feet(model: Model) -> tuple[list[str], list[str]]:
@@ -269,6 +315,7 @@ def _wires(
     dots: set[str],
     bonds: Sequence[tuple[str, str]],
     nets: Sequence[str],
+    cores: Sequence[Box],
 ) -> list[Wire]:
     """Return a wire for each bond."""
     wanted = []
@@ -279,7 +326,7 @@ def _wires(
             ends.append((nodes[_name(end)].at, None) if pin is None else pin)
         wanted.append(Wanted(ends[0], ends[1], net))
     found: list[Wire] = []
-    solid = [p.box for p in put.values() if p.pins]
+    solid = [*(p.box for p in put.values() if p.pins), *cores]
     for (a, b), w, way in zip(bonds, wanted, led(wanted, solid), strict=True):
         for k, end in enumerate((a, b)):
             if _name(end) not in dots and (w.a, w.b)[k][1] is None:
