@@ -346,6 +346,6 @@ def _cores(plan: Plan, circuit: Circuit, parts: Sequence[Part]) -> tuple[tuple[L
         x = (plan.at[parts[core.left[0]].name][0] + plan.at[parts[core.right[0]].name][0]) / 2.0
         y0, y1 = min(y for _, y in places) - BARS, max(y for _, y in places) + BARS
         bars += [Line("symbol", ((x + u, y0), (x + u, y1))) for u in (-BAR, BAR)]
-        half = BACK_TO_BACK / 2.0
+        half = BACK_TO_BACK / 4.0
         boxes.append(Box(x - half, y0, x + half, y1))
     return tuple(bars), tuple(boxes)

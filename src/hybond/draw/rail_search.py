@@ -61,7 +61,24 @@ def begun(circuit: Circuit, *, high: int) -> Placing:
         if item not in order:
             order.append(item)
     rows = [0 if n == circuit.zero else high for n in range(circuit.nets)]
+    if high > 1:
+        _spread(circuit, rows)
     return Placing(order, rows, [max(high - 1, 0)] * len(circuit.cores))
+
+
+def _spread(circuit: Circuit, rows: list[int]) -> None:
+    """Give the rails of bridges rows of their own, between them one for the middle of each leg."""
+    of: dict[tuple[int, int], list[int]] = {}
+    for middle, upper, lower in circuit.legs:
+        of.setdefault((upper, lower), []).append(middle)
+    for (upper, lower), middles in of.items():
+        least = 0 if lower == circuit.zero else 1
+        rows[lower] = least
+        for k, middle in enumerate(middles):
+            if middle != circuit.zero:
+                rows[middle] = least + len(middles) - k
+        if upper != circuit.zero:
+            rows[upper] = least + len(middles) + 1
 
 
 def _better(
@@ -119,9 +136,9 @@ def _moved(circuit: Circuit, placing: Placing, rng: random.Random) -> bool:
 
 def _follow(circuit: Circuit, placing: Placing, core: int) -> None:
     """Give the nets of the coils of a core the rows at which the coils end."""
-    for coil, above in slots_of(circuit, circuit.cores[core]).items():
+    for coil, (above, first) in slots_of(circuit, circuit.cores[core]).items():
         b, row = circuit.branches[coil], placing.bases[core] + above
-        up = placing.rows[b.plus] > placing.rows[b.minus]
+        up = placing.rows[b.plus] > placing.rows[b.minus] if first < 0 else first == b.plus
         for net, at in ((b.plus, row + up), (b.minus, row + 1 - up)):
             if net != circuit.zero and at != placing.rows[circuit.zero]:
                 placing.rows[net] = at

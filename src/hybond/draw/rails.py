@@ -11,14 +11,16 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
+from typing import NamedTuple
 
-OVERLAP, CROSSING, TAIL = 14.0, 5.0, 1.5
-"""What a column costs in which two rails are one, a wire across a rail, a row that a wire passes."""
-ASKEW, UPSIDE_DOWN, LYING = 3.0, 12.0, 6.0
+OVERLAP, CROSSING, TAIL, OFF = 14.0, 5.0, 1.0, 1.5
+"""What a column costs in which two rails are one, a wire across a rail, a row that a wire passes,
+a row that the rail of a coil is from its end."""
+ASKEW, UPSIDE_DOWN, LYING = 8.0, 12.0, 6.0
 """A coil whose end is on the wrong side, a source with its positive side down, one that lies."""
-UPRIGHT, BACKWARDS, REVERSED = 1.0, 1.0, 1.5
+UPRIGHT, BACKWARDS, REVERSED = 2.5, 1.0, 1.5
 """Upright though not at the zero; lying and leading back to the sources; a diode that does."""
-LEG = 4.0
+LEG = 8.0
 """A leg of a bridge that does not lead from its upper rail down to its lower one."""
 BELOW, HIGH = 5.0, 0.4
 """A row below the zero, and each row above it that is used."""
@@ -96,8 +98,7 @@ class Placing:
         return Placing(list(self.order), list(self.rows), list(self.bases))
 
 
-@dataclass(frozen=True, slots=True)
-class Stand:
+class Stand(NamedTuple):
     """How a branch stands: in which column, from which row up to which, its body, its ends."""
 
     column: int
@@ -110,26 +111,37 @@ class Stand:
     lies: bool
 
 
-def slots_of(circuit: Circuit, core: Core) -> dict[int, int]:
-    """Return of each coil of a core how many rows above its base it stands.
+@lru_cache(maxsize=64)
+def slots_of(circuit: Circuit, core: Core) -> dict[int, tuple[int, int]]:
+    """Return of each coil of a core how many rows above its base it stands, and its upper net.
 
-    Coils one upon the other have a row between them, unless they have a net in common there.
+    Coils one upon the other have a row between them, unless they have a net in common: that is
+    between them. The upper net is -1 of coils that may be turned.
     """
-    found: dict[int, int] = {}
+    found: dict[int, tuple[int, int]] = {}
+    branches = circuit.branches
+    tall = 0
     for side in (core.left, core.right):
         at = 0
         for k, coil in enumerate(reversed(side)):
+            own = {branches[coil].plus, branches[coil].minus}
+            upper = -1
             if k:
-                below = circuit.branches[side[len(side) - k]]
-                own = circuit.branches[coil]
-                common = {own.plus, own.minus} & {below.plus, below.minus}
+                below = side[len(side) - k]
+                other = branches[below]
+                common = own & {other.plus, other.minus}
                 at += 1 if common else 2
-            found[coil] = at
-    tall = max(found.values())
+                if common:
+                    net = min(common)
+                    if found[below][1] in (-1, net):
+                        found[below] = (found[below][0], net)
+                    upper = min(own - {net}, default=-1)
+            found[coil] = (at, upper)
+        tall = max(tall, at)
     for side in (core.left, core.right):
-        spare = tall - max((found[coil] for coil in side), default=tall)
+        spare = tall - max((found[coil][0] for coil in side), default=tall)
         for coil in side:
-            found[coil] += spare  # both sides begin at the same height
+            found[coil] = (found[coil][0] + spare, found[coil][1])  # both begin at one height
     return found
 
 
@@ -145,34 +157,36 @@ def stands(circuit: Circuit, placing: Placing) -> list[Stand]:
     found = []
     for k, (b, x) in enumerate(zip(branches, columns, strict=True)):
         p, m = rows[b.plus], rows[b.minus]
+        upper = b.plus if p > m else b.minus
         if k in slots:
-            slot = slots[k]
-            upper = b.plus if p > m or (p == m and b.plus != circuit.zero) else b.minus
-            ends = (p, m, slot, slot + 1)
-            found.append(Stand(x, min(ends), max(ends), slot + 0.5, upper, lies=False))
+            slot, fixed = slots[k]
+            upper = fixed if fixed >= 0 else upper
+            low = min(p, m, slot)
+            found.append(Stand(x, low, max(p, m, slot + 1), slot + 0.5, upper, False))
         elif p == m:
-            one, two = _mean(total, count, b.plus, x), _mean(total, count, b.minus, x)
-            if one is None and two is None:
-                one = 0.0
-            first = b.plus if (one is None and two > x) or (  # type: ignore[operator]
-                one is not None and (one < x if two is None else one <= two)
-            ) else b.minus
-            found.append(Stand(x, p, p, float(p), first, lies=True))
+            first = b.plus if _leads(total, count, b, x) else b.minus
+            found.append(Stand(x, p, p, float(p), first, True))
         else:
-            upper = b.plus if p > m else b.minus
-            found.append(Stand(x, min(p, m), max(p, m), (p + m) / 2.0, upper, lies=False))
+            found.append(Stand(x, min(p, m), max(p, m), (p + m) / 2.0, upper, False))
     return found
 
 
-def _mean(total: Sequence[int], count: Sequence[int], net: int, x: int) -> float | None:
-    """Return where the other parts of a net stand."""
-    return (total[net] - x) / (count[net] - 1) if count[net] > 1 else None
+def _leads(total: Sequence[int], count: Sequence[int], b: Branch, x: int) -> bool:
+    """Whether the plus of a part that lies is at its left: where the rest of its net is."""
+    one, two = count[b.plus] - 1, count[b.minus] - 1
+    if not one:
+        return not two or total[b.minus] - x > x * two
+    if not two:
+        return total[b.plus] - x < x * one
+    return (total[b.plus] - x) * two <= (total[b.minus] - x) * one
 
 
-def _columns(circuit: Circuit, placing: Placing) -> tuple[list[int], dict[int, int]]:
-    """Return the column of each branch, and of coils the row below them."""
+def _columns(
+    circuit: Circuit, placing: Placing
+) -> tuple[list[int], dict[int, tuple[int, int]]]:
+    """Return the column of each branch, and of coils the row below them and the upper net."""
     columns = [0] * len(circuit.branches)
-    slots: dict[int, int] = {}
+    slots: dict[int, tuple[int, int]] = {}
     at = 0
     for item in placing.order:
         if item >= 0:
@@ -180,8 +194,8 @@ def _columns(circuit: Circuit, placing: Placing) -> tuple[list[int], dict[int, i
             at += 1
             continue
         core = circuit.cores[-1 - item]
-        for coil, above in slots_of(circuit, core).items():
-            slots[coil] = placing.bases[-1 - item] + above
+        for coil, (above, upper) in slots_of(circuit, core).items():
+            slots[coil] = (placing.bases[-1 - item] + above, upper)
         for side in (core.left, core.right):
             for coil in side:
                 columns[coil] = at
@@ -203,50 +217,47 @@ def cost(circuit: Circuit, placing: Placing) -> float:
     True
     """
     found = stands(circuit, placing)
-    rows, far, zero = placing.rows, circuit.far, circuit.zero
-    base = rows[zero]
+    rows, far, in_legs = placing.rows, circuit.far, circuit.in_legs
+    base, last = rows[circuit.zero], len(found) - 1
     low, high = [1 << 30] * circuit.nets, [-1] * circuit.nets
     taken: dict[int, int] = {}
     total = 0.0
-    last = len(found) - 1
-
-    def reach(net: int, bit: int) -> None:
-        low[net] = min(low[net], bit)
-        high[net] = max(high[net], bit)
-
     for b, s in zip(circuit.branches, found, strict=True):
-        bit = 2 * s.column + 1
-        if b.role == "source":
+        bit = left = right = 2 * s.column + 1
+        first, role = s.first, b.role
+        second = b.minus if first == b.plus else b.plus
+        if role == "source":
             total += SOURCE_RIGHT * s.column
-        elif b.role == "control":
+        elif role == "control":
             total += CONTROL_LEFT * (last - s.column)
-        elif b.role == "load":
+        elif role == "load":
             total += LOAD_LEFT * (last - s.column)
-        second = b.minus if s.first == b.plus else b.plus
         if s.lies:
-            reach(s.first, bit - 1)
-            reach(second, bit + 1)
-            total += OVERLAP * ((taken.get(s.low, 0) >> bit) & 1)
-            taken[s.low] = taken.get(s.low, 0) | (1 << bit)
-            if far[s.first] > far[second]:
+            left, right = bit - 1, bit + 1
+            there = taken.get(s.low, 0)
+            total += OVERLAP * ((there >> bit) & 1)
+            taken[s.low] = there | (1 << bit)
+            if far[first] > far[second]:
                 total += BACKWARDS
-            if b.role == "diode" and s.first == b.minus:
+            if role == "diode" and first == b.minus:
                 total += REVERSED
-            if b.role in ("source", "control"):
+            elif role in ("source", "control"):
                 total += LYING
-            continue
-        reach(b.plus, bit)
-        reach(b.minus, bit)
-        if b.role in ("source", "control"):
-            total += UPSIDE_DOWN * (s.first == b.minus)
-        if b.role == "coil":
-            top, bottom = round(s.slot + 0.5), round(s.slot - 0.5)
-            total += TAIL * (abs(rows[s.first] - top) + abs(rows[second] - bottom))
-            total += ASKEW * ((rows[s.first] < top) + (rows[second] > bottom))
+        elif role == "coil":
+            top = round(s.slot + 0.5)
+            up, down = rows[first] - top, top - 1 - rows[second]
+            total += OFF * (abs(up) + abs(down)) + ASKEW * ((up < 0) + (down < 0))
         else:
             total += TAIL * (s.high - s.low - 1)
-            if base not in (s.low, s.high) and (b.plus, b.minus) not in circuit.in_legs:
+            if role in ("source", "control"):
+                total += UPSIDE_DOWN * (first == b.minus)
+            elif base not in (s.low, s.high) and (b.plus, b.minus) not in in_legs:
                 total += UPRIGHT
+        for net, at in ((first, left), (second, right)):
+            if at < low[net]:
+                low[net] = at
+            if at > high[net]:
+                high[net] = at
     for net, row in enumerate(rows):
         if high[net] < 0:
             continue

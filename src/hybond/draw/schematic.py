@@ -23,7 +23,7 @@ from hybond.draw.measure import width
 from hybond.draw.scene import Group, Line, Mark, Scene, Text
 from hybond.draw.sketch import typeset
 from hybond.draw.symbols import Placed, boxed, placed
-from hybond.draw.wires import End, led
+from hybond.draw.wires import End, clear, led
 from hybond.draw.wires import Wire as Wanted
 from hybond.errors import UsageError
 from hybond.model.builder import Model
@@ -123,11 +123,11 @@ def draw_schematic(
         put[name] = placed(symbol, node.at, ways, facing=facing.get(name, (0.0, 0.0)))
     nets = _nets(dots | {f"{n}.{port}" for n, p in put.items() for port in p.pins}, bonds)
     cores = plan.cores if plan is not None else ()
-    wires, meets = _cut_back(_wires(nodes, put, dots, bonds, nets, cores), sorted(dots))
+    wires, meets = _cut_back(_wires(nodes, put, dots, bonds, nets, plan), sorted(dots))
     groups = [Group("wire", f"{a} -> {b}", f"{a} -> {b}", (Line("wire", w),)) for a, b, w in wires]
     if plan is not None and plan.bars:
         groups.append(Group("cores", "", "", plan.bars))
-    groups += _parts(nodes, put, wires)
+    groups += _parts(nodes, put, wires, cores)
     groups += named_nodes({n: meets.get(n, nodes[n].at) for n in names if n in dots}, groups, wires)
     groups.append(Group("joints", "", "", tuple(_joint(p) for p in _joints(wires, nets, put))))
     return _drawing(model.title or model.name if title else "", groups, places)
@@ -315,7 +315,7 @@ def _wires(
     dots: set[str],
     bonds: Sequence[tuple[str, str]],
     nets: Sequence[str],
-    cores: Sequence[Box],
+    plan: Plan | None,
 ) -> list[Wire]:
     """Return a wire for each bond."""
     wanted = []
@@ -326,13 +326,22 @@ def _wires(
             ends.append((nodes[_name(end)].at, None) if pin is None else pin)
         wanted.append(Wanted(ends[0], ends[1], net))
     found: list[Wire] = []
-    solid = [*(p.box for p in put.values() if p.pins), *cores]
-    for (a, b), w, way in zip(bonds, wanted, led(wanted, solid), strict=True):
+    solid = [p.box for p in put.values() if p.pins] + list(plan.cores if plan is not None else ())
+    given = clear(wanted, [_direct(w) for w in wanted], solid) if plan is not None else []
+    for (a, b), w, way in zip(bonds, wanted, led(wanted, solid, given=given), strict=True):
         for k, end in enumerate((a, b)):
             if _name(end) not in dots and (w.a, w.b)[k][1] is None:
                 way = _clipped(way, put[_name(end)].box, at_end=bool(k))
         found.append((a, b, way))
     return found
+
+
+def _direct(wire: Wanted) -> tuple[Point, ...]:
+    """Return the way from a pin straight to the rail of a node and along it."""
+    a, b = wire.a[0], wire.b[0]
+    if a[0] == b[0] or a[1] == b[1]:
+        return (a, b)
+    return (a, (a[0], b[1]), b) if wire.b[1] is None else (a, (b[0], a[1]), b)
 
 
 def _cut_back(wires: Sequence[Wire], dots: Sequence[str]) -> tuple[list[Wire], dict[str, Point]]:
@@ -437,11 +446,14 @@ def _joint(at: Point) -> Line:
 
 
 def _parts(
-    nodes: Mapping[str, _Node], put: Mapping[str, Placed], wires: Sequence[Wire]
+    nodes: Mapping[str, _Node],
+    put: Mapping[str, Placed],
+    wires: Sequence[Wire],
+    cores: Sequence[Box],
 ) -> list[Group]:
     """Return the marks of what is drawn, names where they cover least."""
     lines = [piece for _, _, way in wires for piece in itertools.pairwise(way)]
-    boxes = [p.box for p in put.values()]
+    boxes = [*(p.box for p in put.values()), *cores]
     found = []
     for name, p in put.items():
         node = nodes[name]
