@@ -7,10 +7,12 @@ out as bond graphs are.
 from __future__ import annotations
 
 import math
+from bisect import bisect_right
 from collections import deque
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
+from hybond.draw.folded import Folds, cuts, folds
 from hybond.draw.geometry import Box, Point
 from hybond.draw.measure import width
 from hybond.draw.rail_search import settled
@@ -77,6 +79,14 @@ class Plan:
     facing: dict[str, Point] = field(default_factory=dict)
     bars: tuple[Line, ...] = ()
     cores: tuple[Box, ...] = ()
+    folds: Folds | None = None
+
+    def way(self, pin: Point, node: str) -> tuple[Point, ...]:
+        """Return the way from a pin straight to the rail of a node and along it to its dot."""
+        dot = self.at[node]
+        if self.folds is not None:
+            return self.folds.way(pin, node, dot)
+        return (pin, dot) if dot[0] == pin[0] or dot[1] == pin[1] else (pin, (pin[0], dot[1]), dot)
 
 
 def two_ended(symbol: Symbol | None) -> bool:
@@ -130,8 +140,25 @@ def circuit_places(
         if k >= 0 and found[k].lies:
             x += -LEVEL if found[k].first == number[name] else LEVEL
         plan.at[name] = (x, (top - rows[number[name]]) * ROW)
-    _ground_signs(plan, parts, grounds, (top - min(rows)) * ROW)
-    return Plan(plan.at, plan.toward, plan.facing, *_cores(plan, circuit, parts))
+    lowest = (top - min(rows)) * ROW
+    zero = nodes[circuit.zero]
+    folded = None
+    own = [span for n, span in enumerate(spans) if n != circuit.zero]
+    starts = cuts(xs, lowest + ROW, own, {columns[core.left[0]] for core in circuit.cores})
+    if starts:
+        band = [bisect_right(starts, c) for c in range(len(xs))]
+        left = [xs[c] for c in (0, *starts)]
+        wide = max(x - left[k] for x, k in zip(xs, band, strict=True))
+        by_name = {name: spans[n] for name, n in number.items()}
+        folded = folds(by_name, zero, starts, wide + LEVEL, (lowest, lowest))
+        where = {part.name: columns[k] for k, part in enumerate(parts)}
+        middles = where_nets(circuit, placing, columns)
+        where |= {name: columns[k] for name, k in zip(nodes, middles, strict=True) if k >= 0}
+        for name, c in where.items():
+            x, y = plan.at[name]
+            plan.at[name] = (x - left[band[c]] + LEVEL, y + band[c] * folded.tall)
+    _ground_signs(plan, parts, grounds)
+    return Plan(plan.at, plan.toward, plan.facing, *_cores(plan, circuit, parts), folded)
 
 
 def _circuit(
@@ -324,14 +351,13 @@ def _across(
     return xs
 
 
-def _ground_signs(
-    plan: Plan, parts: Sequence[Part], grounds: Mapping[str, str], lowest: float
-) -> None:
-    """Put the signs for ground below the lowest rail, below what stands there first."""
+def _ground_signs(plan: Plan, parts: Sequence[Part], grounds: Mapping[str, str]) -> None:
+    """Put the signs for ground below the rail of their node, below what stands there first."""
     for k, (name, node) in enumerate(grounds.items()):
-        wired = [plan.at[p.name][0] for p in parts if node in (p.plus, p.minus)]
-        x = min(wired, default=0.0) + 3.0 * HALF * k
-        plan.at[name] = (x, lowest + DROP)
+        rail = plan.at[node][1]
+        wired = [plan.at[p.name] for p in parts if node in (p.plus, p.minus)]
+        xs = [x for x, y in wired if abs(y - rail) < 2.5 * ROW]
+        plan.at[name] = (min(xs, default=0.0) + 3.0 * HALF * k, rail + DROP)
 
 
 def _cores(plan: Plan, circuit: Circuit, parts: Sequence[Part]) -> tuple[tuple[Line, ...], tuple[Box, ...]]:

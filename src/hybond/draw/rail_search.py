@@ -12,11 +12,13 @@ from collections.abc import Sequence
 
 from hybond.draw.rails import Circuit, Placing, cost, slots_of
 
-_EFFORT, _LEAST, _MOST = 300_000, 600, 5000
+_EFFORT, _LEAST, _MOST = 150_000, 400, 4000
 """Parts looked at in a search; moves that are tried at least, and at most."""
-_HOT = 6.0
-_STARTS = 2
-_HIGHEST = 9
+_STARTS: tuple[tuple[int, float], ...] = ((1, 6.0), (2, 3.0), (2, 10.0))
+"""Searches: whether all nets begin on a row, 1, or bridges on rows of theirs, 2; and how much more
+a move may cost at first."""
+_LARGE = 90
+_LOWEST, _HIGHEST = -2, 14
 
 
 def settled(circuit: Circuit, *, seed: int = 1) -> Placing:
@@ -30,11 +32,14 @@ def settled(circuit: Circuit, *, seed: int = 1) -> Placing:
     [2, 1, 0]
     """
     size = max(len(circuit.branches), 1)
-    steps = min(_MOST, max(_LEAST, _EFFORT // (size * _STARTS)))
+    steps = min(_MOST, max(_LEAST, _EFFORT // size))
     found = []
-    for k in range(_STARTS):
-        start = begun(circuit, high=1 + k)
-        hot = _HOT if size <= 60 else _HOT / 4.0
+    starts = _STARTS
+    if size > _LARGE:  # one is enough, as long as little is lost of what it begins with
+        high, hot = _STARTS[1 if circuit.legs else 0]
+        starts = ((high, hot / 4.0),)
+    for k, (high, hot) in enumerate(starts):
+        start = begun(circuit, high=high)
         found.append(_better(circuit, start, steps, random.Random(seed + k), hot))
     return min(found, key=lambda f: f[0])[1]
 
@@ -71,14 +76,17 @@ def _spread(circuit: Circuit, rows: list[int]) -> None:
     of: dict[tuple[int, int], list[int]] = {}
     for middle, upper, lower in circuit.legs:
         of.setdefault((upper, lower), []).append(middle)
-    for (upper, lower), middles in of.items():
-        least = 0 if lower == circuit.zero else 1
-        rows[lower] = least
+    uppers = {upper for upper, _ in of}
+    known: dict[int, int] = {circuit.zero: 0}
+    # bridges in series stand one upon the other
+    for upper, lower in sorted(of, key=lambda rails: (rails[1] in uppers, rails)):
+        middles = of[upper, lower]
+        least = known.setdefault(lower, 1)
         for k, middle in enumerate(middles):
-            if middle != circuit.zero:
-                rows[middle] = least + len(middles) - k
-        if upper != circuit.zero:
-            rows[upper] = least + len(middles) + 1
+            known.setdefault(middle, least + len(middles) - k)
+        known.setdefault(upper, least + len(middles) + 1)
+    for net, row in known.items():
+        rows[net] = row
 
 
 def _better(
@@ -100,38 +108,61 @@ def _better(
 
 def _moved(circuit: Circuit, placing: Placing, rng: random.Random) -> bool:
     """Make a move at random; return whether there was one."""
-    kind, rows, order = rng.random(), placing.rows, placing.order
-    if kind < 0.5 and len(order) > 1:
-        one = rng.randrange(len(order))
-        other = rng.randrange(len(order))
-        if rng.random() < 0.6:
-            other = max(0, min(len(order) - 1, one + rng.choice((-2, -1, 1, 2))))
-        if one == other:
-            return False
-        item = order.pop(one)
-        order.insert(other, item)
-        return True
+    kind = rng.random()
+    if kind < 0.45:
+        return _reordered(placing.order, rng)
     if kind < 0.85:
-        net = rng.randrange(circuit.nets)
-        if net == circuit.zero:
-            return False
-        near = circuit.branches[rng.randrange(len(circuit.branches))]
-        if rng.random() < 0.4 and net in (near.plus, near.minus):
-            new = rows[near.minus if net == near.plus else near.plus]
-        else:
-            new = rows[net] + rng.choice((-1, 1))
-        if new == rows[net] or not -2 <= new <= _HIGHEST or new == rows[circuit.zero]:
-            return False
-        rows[net] = new
-        return True
+        return _lifted(circuit, placing, rng)
     if kind < 0.93 and placing.bases:
-        core = rng.randrange(len(placing.bases))
-        by = rng.choice((-1, 1))
-        placing.bases[core] = max(-2, min(_HIGHEST, placing.bases[core] + by))
+        core, by = rng.randrange(len(placing.bases)), rng.choice((-1, 1))
+        placing.bases[core] = max(_LOWEST, min(_HIGHEST, placing.bases[core] + by))
         if rng.random() < 0.5:
             _follow(circuit, placing, core)
         return True
     return _row_changed(placing, rng.randrange(1, _HIGHEST), rng.choice((-1, 1)))
+
+
+def _reordered(order: list[int], rng: random.Random) -> bool:
+    """Take a few items that follow each other to another place, or turn them round."""
+    many = len(order)
+    long = 1 if rng.random() < 0.6 else rng.randrange(1, 5)
+    if many <= long:
+        return False
+    one = rng.randrange(many - long + 1)
+    part = order[one : one + long]
+    del order[one : one + long]
+    if long > 1 and rng.random() < 0.3:
+        order[one:one] = part[::-1]
+        return True
+    to = rng.randrange(len(order) + 1)
+    if rng.random() < 0.6:
+        to = max(0, min(len(order), one + rng.choice((-2, -1, 1, 2))))
+    order[to:to] = part
+    return to != one
+
+
+def _lifted(circuit: Circuit, placing: Placing, rng: random.Random) -> bool:
+    """Give a net another row: one beside its own, that of a net near it, or in exchange."""
+    rows, zero = placing.rows, circuit.zero
+    net = rng.randrange(circuit.nets)
+    if net == zero:
+        return False
+    kind = rng.random()
+    if kind < 0.2:
+        other = rng.randrange(circuit.nets)
+        if other == zero or rows[other] == rows[net]:
+            return False
+        rows[net], rows[other] = rows[other], rows[net]
+        return True
+    near = circuit.branches[rng.randrange(len(circuit.branches))]
+    if kind < 0.4 and net in (near.plus, near.minus):
+        new = rows[near.minus if net == near.plus else near.plus]
+    else:
+        new = rows[net] + rng.choice((-1, 1))
+    if new == rows[net] or not _LOWEST <= new <= _HIGHEST or new == rows[zero]:
+        return False
+    rows[net] = new
+    return True
 
 
 def _follow(circuit: Circuit, placing: Placing, core: int) -> None:
@@ -157,7 +188,7 @@ def _row_changed(placing: Placing, at: int, by: int) -> bool:
 
 def _settled(circuit: Circuit, placing: Placing, price: float) -> tuple[float, Placing]:
     """Try each part in the places near it until nothing is better; large circuits once."""
-    rounds = 3 if len(circuit.branches) <= 60 else 1
+    rounds = 3 if len(circuit.branches) <= _LARGE else 1
     for _ in range(rounds):
         before = price
         for item in list(placing.order):

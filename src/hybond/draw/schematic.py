@@ -104,8 +104,8 @@ def draw_schematic(
         )
     dots = {n for n in names if _is_dot(model, n, bonds)}
     plan = _plan(model, dots, bonds)
-    places = _cells(plan) if plan is not None else _places(model, names, bonds)
-    nodes = {name: _node(model, name, places[name]) for name in names}
+    places, at = _where(model, names, bonds, plan)
+    nodes = {name: _node(model, name, at[name]) for name in names}
     toward = _toward(nodes, bonds) | (plan.toward if plan is not None else {})
     facing = plan.facing if plan is not None else {}
     put: dict[str, Placed] = {}
@@ -201,9 +201,14 @@ def _plan(model: Model, dots: Collection[str], bonds: Sequence[tuple[str, str]])
     return circuit_places(parts, nodes, signs)
 
 
-def _cells(plan: Plan) -> dict[str, tuple[float, float]]:
-    """Return where all stands in cells."""
-    return {name: (x / CELL[0], y / CELL[1]) for name, (x, y) in plan.at.items()}
+def _where(
+    model: Model, names: Sequence[str], bonds: Sequence[tuple[str, str]], plan: Plan | None
+) -> tuple[dict[str, tuple[float, float]], Mapping[str, Point]]:
+    """Return where all stands, in cells and in pixels."""
+    if plan is not None:
+        return {n: (x / CELL[0], y / CELL[1]) for n, (x, y) in plan.at.items()}, plan.at
+    places = _places(model, names, bonds)
+    return places, {n: (x * CELL[0], y * CELL[1]) for n, (x, y) in places.items()}
 
 
 def _feet(model: Model) -> tuple[list[str], list[str]]:
@@ -222,9 +227,8 @@ def _feet(model: Model) -> tuple[list[str], list[str]]:
     return sources, grounds
 
 
-def _node(model: Model, name: str, place: tuple[float, float]) -> _Node:
+def _node(model: Model, name: str, at: Point) -> _Node:
     part = model.elements[name]
-    at = (place[0] * CELL[0], place[1] * CELL[1])
     if isinstance(part, SubmodelPart):
         inner = submodel_of(part, name, model.models)
         about = ", ".join(typeset(str(v)) for v in list(part.parameters.values())[:2])
@@ -327,21 +331,19 @@ def _wires(
         wanted.append(Wanted(ends[0], ends[1], net))
     found: list[Wire] = []
     solid = [p.box for p in put.values() if p.pins] + list(plan.cores if plan is not None else ())
-    given = clear(wanted, [_direct(w) for w in wanted], solid) if plan is not None else []
+    given: Sequence[tuple[Point, ...] | None] = ()
+    if plan is not None:
+        direct = [
+            plan.way(w.a[0], b) if b in dots else plan.way(w.b[0], a)[::-1]
+            for (a, b), w in zip(bonds, wanted, strict=True)
+        ]
+        given = clear(wanted, direct, solid)
     for (a, b), w, way in zip(bonds, wanted, led(wanted, solid, given=given), strict=True):
         for k, end in enumerate((a, b)):
             if _name(end) not in dots and (w.a, w.b)[k][1] is None:
                 way = _clipped(way, put[_name(end)].box, at_end=bool(k))
         found.append((a, b, way))
     return found
-
-
-def _direct(wire: Wanted) -> tuple[Point, ...]:
-    """Return the way from a pin straight to the rail of a node and along it."""
-    a, b = wire.a[0], wire.b[0]
-    if a[0] == b[0] or a[1] == b[1]:
-        return (a, b)
-    return (a, (a[0], b[1]), b) if wire.b[1] is None else (a, (b[0], a[1]), b)
 
 
 def _cut_back(wires: Sequence[Wire], dots: Sequence[str]) -> tuple[list[Wire], dict[str, Point]]:

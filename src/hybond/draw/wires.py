@@ -93,7 +93,7 @@ def led(
     """
     if not wires:
         return []
-    f = _field(wires, boxes)
+    f = _field(wires, boxes, given)
     found: list[list[Node]] = [[] for _ in wires]
 
     def length(k: int) -> float:
@@ -101,6 +101,8 @@ def led(
         return abs(p[0] - q[0]) + abs(p[1] - q[1])
 
     known = [given[k] if k < len(given) else None for k in range(len(wires))]
+    if all(way is not None for way in known):
+        return [way for way in known if way is not None]
     for k, way in enumerate(known):
         if way is not None:
             found[k] = _along(f, way)
@@ -164,8 +166,11 @@ def clear(
     return found
 
 
-def _field(wires: Sequence[Wire], boxes: Sequence[Box]) -> _Field:
+def _field(
+    wires: Sequence[Wire], boxes: Sequence[Box], given: Sequence[tuple[Point, ...] | None]
+) -> _Field:
     pins = [end[0] for w in wires for end in (w.a, w.b)]
+    pins += [p for way in given if way is not None for p in way]
     edges = [Box(x, y, x, y) for x, y in pins] + list(boxes)
     xs = _lines({p[0] for p in pins}, min(b.x0 for b in edges), max(b.x1 for b in edges))
     ys = _lines({p[1] for p in pins}, min(b.y0 for b in edges), max(b.y1 for b in edges))
