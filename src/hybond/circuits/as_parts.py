@@ -65,7 +65,10 @@ def as_parts(opened: Opened, texts: Texts, title: str) -> Model:
     model.add({name: Zero() for name in node.values()})
     for branch in opened.branches:
         name = own[id(branch)]
-        beside = {"value": _said(branch, opened, texts), CORE: " ".join(coupled.get(branch.key, ()))}
+        beside = {
+            "value": _said(branch, opened, texts),
+            CORE: " ".join(coupled.get(branch.key, ())),
+        }
         values: dict[str, str | float] = {key: text for key, text in beside.items() if text}
         kind = f"electrical.{_LAWS[branch.law.imposes] if branch.law else PARTS[branch.kind][0]}"
         if branch.key in way:

@@ -12,7 +12,7 @@ from collections import deque
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
-from hybond.draw.folded import Folds, cuts, folds
+from hybond.draw.folded import Folds, cuts, folds, plain
 from hybond.draw.geometry import Box, Point
 from hybond.draw.measure import width
 from hybond.draw.rail_search import settled
@@ -81,12 +81,12 @@ class Plan:
     cores: tuple[Box, ...] = ()
     folds: Folds | None = None
 
-    def way(self, pin: Point, node: str) -> tuple[Point, ...]:
-        """Return the way from a pin straight to the rail of a node and along it to its dot."""
-        dot = self.at[node]
+    def way(self, a: Point, b: Point, node: str) -> tuple[Point, ...]:
+        """Return the way from a place to another, straight to the rail of a node and along it."""
         if self.folds is not None:
-            return self.folds.way(pin, node, dot)
-        return (pin, dot) if dot[0] == pin[0] or dot[1] == pin[1] else (pin, (pin[0], dot[1]), dot)
+            return self.folds.way(a, b, node, self.at[node])
+        rail = self.at[node][1]
+        return plain((a, (a[0], rail), (b[0], rail), b))
 
 
 def two_ended(symbol: Symbol | None) -> bool:
@@ -328,8 +328,12 @@ def _across(
     """Return where columns are, so far apart that what is written beside parts has room."""
     many = max(columns) + 1
     left, right = [0.0] * many, [0.0] * many
-    sides = {c: side for core in circuit.cores for side, own in
-             (("left", core.left), ("right", core.right)) for c in own}
+    sides = {
+        c: side
+        for core in circuit.cores
+        for side, own in (("left", core.left), ("right", core.right))
+        for c in own
+    }
     for k, part in enumerate(parts):
         at = columns[k]
         words = max((width(w, LABEL) for w in part.words), default=0.0)
@@ -357,10 +361,15 @@ def _ground_signs(plan: Plan, parts: Sequence[Part], grounds: Mapping[str, str])
         rail = plan.at[node][1]
         wired = [plan.at[p.name] for p in parts if node in (p.plus, p.minus)]
         xs = [x for x, y in wired if abs(y - rail) < 2.5 * ROW]
-        plan.at[name] = (min(xs, default=0.0) + 3.0 * HALF * k, rail + DROP)
+        x = min(xs, default=0.0) + 3.0 * HALF * k
+        if any(y > rail and u < x + HALF for u, y in plan.at.values()):
+            x = min(u for u, _ in plan.at.values()) - 1.5 * HALF  # something stands there
+        plan.at[name] = (x, rail + DROP)
 
 
-def _cores(plan: Plan, circuit: Circuit, parts: Sequence[Part]) -> tuple[tuple[Line, ...], tuple[Box, ...]]:
+def _cores(
+    plan: Plan, circuit: Circuit, parts: Sequence[Part]
+) -> tuple[tuple[Line, ...], tuple[Box, ...]]:
     """Let the coils of cores face each other, and return the bars between them."""
     bars: list[Line] = []
     boxes: list[Box] = []

@@ -47,27 +47,26 @@ class Folds:
         """Return the band in which a place is."""
         return max(0, math.floor((y - self.lowest + 0.7 * self.tall) / self.tall))
 
-    def way(self, pin: Point, node: str, dot: Point) -> tuple[Point, ...]:
-        """Return the way from a pin to the rail of a node and on to its dot."""
-        own, there = self.band(pin[1]), self.band(dot[1])
-        rails = [dot[1] + (k - there) * self.tall for k in range(max(own, there) + 1)]
-        points = [pin, (pin[0], rails[own])]
+    def way(self, a: Point, b: Point, node: str, dot: Point) -> tuple[Point, ...]:
+        """Return the way from a place to another by the rail of a node, whose dot is given."""
+        own, there = self.band(a[1]), self.band(b[1])
+        from_dot = [k - self.band(dot[1]) for k in range(max(own, there) + 1)]
+        rails = [dot[1] + k * self.tall for k in from_dot]
+        points = [a, (a[0], rails[own])]
         if own != there:
             left, right, down = self.sides[node]
             if node == self.zero:
                 points += [(left, rails[own]), (left, rails[there])]
             else:
+                turns = []
                 for k in range(min(own, there), max(own, there)):
                     back = self.lowest + k * self.tall + down
-                    turn = [(right, rails[k]), (right, back), (left, back), (left, rails[k + 1])]
-                    if own < there:
-                        points += turn
-                    else:
-                        points[2:2] = turn[::-1]
-        return _plain([*points, dot])
+                    turns += [(right, rails[k]), (right, back), (left, back), (left, rails[k + 1])]
+                points += turns if own < there else turns[::-1]
+        return plain([*points, (b[0], rails[there]), b])
 
 
-def _plain(points: Sequence[Point]) -> tuple[Point, ...]:
+def plain(points: Sequence[Point]) -> tuple[Point, ...]:
     """Leave out places that are no corners."""
     found = [points[0]]
     for p in points[1:]:

@@ -12,9 +12,9 @@ from collections.abc import Sequence
 
 from hybond.draw.rails import Circuit, Placing, cost, slots_of
 
-_EFFORT, _LEAST, _MOST = 150_000, 400, 4000
+_EFFORT, _LEAST, _MOST = 200_000, 400, 5000
 """Parts looked at in a search; moves that are tried at least, and at most."""
-_STARTS: tuple[tuple[int, float], ...] = ((1, 6.0), (2, 3.0), (2, 10.0))
+_STARTS: tuple[tuple[int, float], ...] = ((1, 6.0), (2, 3.0), (2, 10.0), (1, 14.0))
 """Searches: whether all nets begin on a row, 1, or bridges on rows of theirs, 2; and how much more
 a move may cost at first."""
 _LARGE = 90

@@ -16,15 +16,15 @@ from typing import NamedTuple
 OVERLAP, CROSSING, TAIL, OFF = 14.0, 5.0, 1.0, 1.5
 """What a column costs in which two rails are one, a wire across a rail, a row that a wire passes,
 a row that the rail of a coil is from its end."""
-ASKEW, UPSIDE_DOWN, LYING = 8.0, 12.0, 6.0
+ASKEW, UPSIDE_DOWN, LYING = 8.0, 25.0, 9.0
 """A coil whose end is on the wrong side, a source with its positive side down, one that lies."""
 UPRIGHT, BACKWARDS, REVERSED = 2.5, 1.0, 1.5
 """Upright though not at the zero; lying and leading back to the sources; a diode that does."""
 LEG = 8.0
 """A leg of a bridge that does not lead from its upper rail down to its lower one."""
-BELOW, HIGH = 5.0, 0.4
+BELOW, HIGH = 9.0, 0.4
 """A row below the zero, and each row above it that is used."""
-SOURCE_RIGHT, LOAD_LEFT, CONTROL_LEFT = 0.3, 0.06, 0.3
+SOURCE_RIGHT, LOAD_LEFT, CONTROL_LEFT = 0.6, 0.06, 0.3
 """Each column that a source stands from the left, a load or what controls from the right."""
 
 Leg = tuple[int, int, int]
@@ -67,7 +67,6 @@ class Circuit:
     """Of each net how many parts away from the sources it is."""
     legs: tuple[Leg, ...] = ()
     """Legs that are in parallel, as those of bridges."""
-
 
     @property
     def in_legs(self) -> frozenset[tuple[int, int]]:
@@ -181,9 +180,7 @@ def _leads(total: Sequence[int], count: Sequence[int], b: Branch, x: int) -> boo
     return (total[b.plus] - x) * two <= (total[b.minus] - x) * one
 
 
-def _columns(
-    circuit: Circuit, placing: Placing
-) -> tuple[list[int], dict[int, tuple[int, int]]]:
+def _columns(circuit: Circuit, placing: Placing) -> tuple[list[int], dict[int, tuple[int, int]]]:
     """Return the column of each branch, and of coils the row below them and the upper net."""
     columns = [0] * len(circuit.branches)
     slots: dict[int, tuple[int, int]] = {}

@@ -103,7 +103,8 @@ def draw_schematic(
             hint="draw its bond graph, or build it from parts of the library",
         )
     dots = {n for n in names if _is_dot(model, n, bonds)}
-    plan = _plan(model, dots, bonds)
+    ends = _named_nets(dots, bonds)
+    plan = _plan(model, dots, bonds, ends)
     places, at = _where(model, names, bonds, plan)
     nodes = {name: _node(model, name, at[name]) for name in names}
     toward = _toward(nodes, bonds) | (plan.toward if plan is not None else {})
@@ -123,7 +124,7 @@ def draw_schematic(
         put[name] = placed(symbol, node.at, ways, facing=facing.get(name, (0.0, 0.0)))
     nets = _nets(dots | {f"{n}.{port}" for n, p in put.items() for port in p.pins}, bonds)
     cores = plan.cores if plan is not None else ()
-    wires, meets = _cut_back(_wires(nodes, put, dots, bonds, nets, plan), sorted(dots))
+    wires, meets = _cut_back(_wires(nodes, put, dots, bonds, nets, plan, ends), sorted(dots))
     groups = [Group("wire", f"{a} -> {b}", f"{a} -> {b}", (Line("wire", w),)) for a, b, w in wires]
     if plan is not None and plan.bars:
         groups.append(Group("cores", "", "", plan.bars))
@@ -169,36 +170,56 @@ def _places(
     return composed(found, *_feet(model))
 
 
-def _plan(model: Model, dots: Collection[str], bonds: Sequence[tuple[str, str]]) -> Plan | None:
-    """Return the plan of an electrical circuit of parts with two ends, None of other models."""
+def _plan(
+    model: Model, dots: Collection[str], bonds: Sequence[tuple[str, str]], nets: Mapping[str, str]
+) -> Plan | None:
+    """Return the plan of an electrical circuit of parts with two ends, None of other models.
+
+    `nets` are the nets of ends, by their names or by that of a dot in them.
+    """
     if model.layout.keys() & model.elements.keys():
         return None
     sources, grounds = _feet(model)
-    wired = {end: node for a, b in bonds for end, node in ((a, b), (b, a)) if node in dots}
     parts, signs = [], {}
     for name, part in model.elements.items():
-        if name in dots:
-            if getattr(part, "kind", "") != "0":
-                return None
+        if name in dots and isinstance(part, Part) and part.kind == "0":
             continue
         if not isinstance(part, SubmodelPart):
             return None
         inner = submodel_of(part, name, model.models)
-        nodes = [wired.get(f"{name}.{port}", "") for port in inner.ports]
-        if name in grounds and len(nodes) == 1 and nodes[0]:
-            signs[name] = nodes[0]
-        elif two_ended(inner.symbol) and inner.domain == "electrical" and all(nodes):
-            ports = tuple(sorted(inner.ports, key=lambda p: inner.symbol.pins[p]))
-            node = _node(model, name, (0.0, 0.0))
-            words = (name, node.about) if node.about else (name,)
-            role = "source" if name in sources else _ROLE.get(part.model.rpartition(".")[2], "plain")
+        symbol = inner.symbol
+        ends = [nets.get(f"{name}.{port}", "") for port in inner.ports]
+        if name in grounds and len(ends) == 1 and ends[0]:
+            signs[name] = ends[0]
+        elif symbol is not None and two_ended(symbol) and inner.domain == "electrical":
+            one, two = sorted(inner.ports, key=symbol.pins.__getitem__)
+            plus, minus = nets.get(f"{name}.{one}", ""), nets.get(f"{name}.{two}", "")
+            if not plus or not minus:
+                return None
+            about = _node(model, name, (0.0, 0.0)).about
+            role = "source" if name in sources else _role(part)
             core = str(part.parameters.get(CORE, ""))
-            ends = wired[f"{name}.{ports[0]}"], wired[f"{name}.{ports[1]}"]
-            parts.append(CircuitPart(name, *ends, ports, role, words, core))
+            words = (name, about) if about else (name,)
+            parts.append(CircuitPart(name, plus, minus, (one, two), role, words, core))
         else:
             return None
-    nodes = [n for n in model.elements if n in dots]
-    return circuit_places(parts, nodes, signs)
+    return circuit_places(parts, list(dict.fromkeys(nets.values())), signs)
+
+
+def _role(part: SubmodelPart) -> str:
+    """Return what a part is in a circuit, as far as that says where it stands."""
+    return _ROLE.get(part.model.rpartition(".")[2], "plain") if isinstance(part.model, str) else ""
+
+
+def _named_nets(dots: Collection[str], bonds: Sequence[tuple[str, str]]) -> dict[str, str]:
+    """Return the net of each end, by a dot that is in it, else by one of its ends."""
+    nets = _nets({end for bond in bonds for end in bond}, bonds)
+    named = {
+        net: end for (a, b), net in zip(bonds, nets, strict=True) for end in (a, b) if end in dots
+    }
+    return {
+        end: named.get(net, net) for (a, b), net in zip(bonds, nets, strict=True) for end in (a, b)
+    }
 
 
 def _where(
@@ -320,6 +341,7 @@ def _wires(
     bonds: Sequence[tuple[str, str]],
     nets: Sequence[str],
     plan: Plan | None,
+    ends_of: Mapping[str, str],
 ) -> list[Wire]:
     """Return a wire for each bond."""
     wanted = []
@@ -334,8 +356,7 @@ def _wires(
     given: Sequence[tuple[Point, ...] | None] = ()
     if plan is not None:
         direct = [
-            plan.way(w.a[0], b) if b in dots else plan.way(w.b[0], a)[::-1]
-            for (a, b), w in zip(bonds, wanted, strict=True)
+            plan.way(w.a[0], w.b[0], ends_of[a]) for (a, _), w in zip(bonds, wanted, strict=True)
         ]
         given = clear(wanted, direct, solid)
     for (a, b), w, way in zip(bonds, wanted, led(wanted, solid, given=given), strict=True):
