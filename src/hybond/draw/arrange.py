@@ -25,6 +25,7 @@ from hybond.draw.skeleton import components
 from hybond.draw.streets import Streets
 from hybond.draw.ways import Way, clear_ways
 from hybond.errors import UsageError
+from hybond.model.kinds import SOURCES
 
 _THOROUGH = 110
 """Number of nodes up to which the search is thorough."""
@@ -39,6 +40,8 @@ _VAIN = 3
 _STEPS = 9000
 LONGEST, MOST_CELLS = 2000, 100_000
 """Columns or rows, and places, between parts that are bonded; a board remembers each place."""
+_WEST = 60.0
+"""What it costs that all sources are at the right end of a picture."""
 _SLANT = 0.12
 """Cells by which a bond may slant unseen."""
 
@@ -310,7 +313,10 @@ def _starts(
 
 
 def _turn_about(search: Search) -> None:
-    """Mirror or turn the whole picture to the way that suits the compass best."""
+    """Mirror or turn the whole picture to the way that suits the compass best.
+
+    Sources are at the left of a textbook's picture: that counts besides the sides of their bonds.
+    """
     board = search.board
     nodes = range(len(board.kinds))
     here = {n: c for n, c in enumerate(board.at) if c is not None}
@@ -321,9 +327,23 @@ def _turn_about(search: Search) -> None:
             way = {n: (a * y, b * x) if swap else (a * x, b * y) for n, (x, y) in here.items()}
             ways = [t if t > 1 or not swap else 1 - t for t in turns]
             _set(board, way, ways)
-            found.append((board.cost(nodes), way, ways))
+            found.append((board.cost(nodes) + _drawn_back(board, way), way, ways))
     _, way, ways = min(found, key=lambda f: f[0])
     _set(board, way, ways)
+
+
+def _drawn_back(board: Board, cells: Mapping[int, Cell]) -> float:
+    """Return what it costs that sources which feed stand to the right of what they feed."""
+    feeds = [
+        n
+        for n, kind in enumerate(board.kinds)
+        if kind in SOURCES and all(board.bonds[b][0] == n for b in board.bonds_of[n])
+    ]
+    if not feeds:
+        return 0.0
+    xs = [x for x, _ in cells.values()]
+    low, wide = min(xs), max(xs) - min(xs)
+    return _WEST * sum(cells[n][0] - low for n in feeds) / (len(feeds) * wide) if wide else 0.0
 
 
 def _set(board: Board, cells: Mapping[int, Cell], turns: Sequence[int]) -> None:
