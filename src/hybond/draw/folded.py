@@ -97,7 +97,7 @@ def cuts(
     Examples
     --------
     >>> cuts([100.0 * k for k in range(40)], 300.0, [(k, k + 1) for k in range(39)], set())
-    [20]
+    [19]
     """
     wide = xs[-1] - xs[0]
     if wide <= WIDEST:

@@ -247,7 +247,10 @@ class _Lines:
             offer(0.0, (*start, k), None)
         if tail in crowded:
             for i, j in self._around(start):
-                if free(i, j) and (start_at, (xs[i] > start_at[0], ys[j] > start_at[1])) not in left:
+                if (
+                    free(i, j)
+                    and (start_at, (xs[i] > start_at[0], ys[j] > start_at[1])) not in left
+                ):
                     for k in range(4):
                         offer(_ASKEW + _LENGTH, (i, j, k), None)
         askew_goals = {
