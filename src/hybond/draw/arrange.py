@@ -18,6 +18,7 @@ from typing import TypeVar
 from hybond.draw.beginning import first_rows, nearest, on_pages, start_board
 from hybond.draw.board import LEVEL_FIRST, STRAIGHT_AWAY, Board, Cell
 from hybond.draw.copies import between_hubs, links_between, multiplied
+from hybond.draw.fans import fanned
 from hybond.draw.geometry import Point
 from hybond.draw.legs import Leg, legs_of
 from hybond.draw.search import Search
@@ -121,9 +122,10 @@ def arrange(
     pins = pinned or {}
     single = _single(bonds)
     positions, turns = _placed(Streets, kinds, single, pins, seed)
+    positions, straight = fanned(positions, single, pins)
     ways: list[Way] = []
-    for a, b in single:
-        way = STRAIGHT_AWAY if a in pins and b in pins else turns[a, b]
+    for k, (a, b) in enumerate(single):
+        way = STRAIGHT_AWAY if k in straight or (a in pins and b in pins) else turns[a, b]
         ways.append(_way(positions[a], positions[b], way))
     known = dict(zip(single, clear_ways(positions, single, ways), strict=True))
     bends = [

@@ -298,7 +298,8 @@ def _legs(branches: Sequence[Branch], far: Sequence[int], zero: int) -> tuple[Le
 
 def _chained(coils: Sequence[int], ends: Sequence[tuple[int, int]]) -> tuple[int, ...]:
     """Return coils in such an order that those with a net in common follow each other."""
-    rest, found = list(coils), []
+    rest = list(coils)
+    found: list[int] = []
     while rest:
         last = set(ends[found[-1]]) if found else set()
         found.append(next((c for c in rest if last & set(ends[c])), rest[0]))
