@@ -29,6 +29,7 @@ PARTS: Final[Mapping[str, tuple[str, str]]] = {
     "d": ("diode", ""),
     "s": ("switch", ""),
     "w": ("switch", ""),
+    "a": ("switch", ""),
     "e": ("voltage_source", ""),
     "h": ("voltage_source", "ohm"),
     "g": ("current_source", "A/V"),
@@ -117,7 +118,7 @@ def _said(branch: Branch, opened: Opened, texts: Texts) -> str:
     senses = ",".join(opened.nodes.get(key, key) for key in branch.senses)
     if branch.law is not None:
         return branch.line.text.partition("=")[2].strip() or "computed"
-    if branch.kind in "dsw":
+    if branch.kind in "adsw":
         model = branch.model.name if branch.model is not None else ""
         return model if branch.kind == "d" else f"{model} {_control(branch, senses)}".strip()
     if branch.wave is not None:

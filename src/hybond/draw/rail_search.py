@@ -66,6 +66,9 @@ def begun(circuit: Circuit, *, high: int) -> Placing:
         if item not in order:
             order.append(item)
     rows = [0 if n == circuit.zero else high for n in range(circuit.nets)]
+    for b in circuit.branches:
+        if b.role == "source" and b.plus == circuit.zero:
+            rows[b.minus] = -1  # a supply below zero
     if high > 1:
         _spread(circuit, rows)
     return Placing(order, rows, [max(high - 1, 0)] * len(circuit.cores))

@@ -20,6 +20,8 @@ ASKEW, UPSIDE_DOWN, LYING = 8.0, 25.0, 9.0
 """A coil whose end is on the wrong side, a source with its positive side down, one that lies."""
 UPRIGHT, BACKWARDS, REVERSED = 2.5, 1.0, 1.5
 """Upright though not at the zero; lying and leading back to the sources; a diode that does."""
+ACROSS = 20.0
+"""A rail that would lead through a core."""
 LEG = 8.0
 """A leg of a bridge that does not lead from its upper rail down to its lower one."""
 BELOW, HIGH = 9.0, 0.4
@@ -271,6 +273,11 @@ def cost(circuit: Circuit, placing: Placing) -> float:
             total += CROSSING * ((taken.get(row, 0) >> (2 * s.column + 1)) & 1)
     for middle, upper, lower in circuit.legs:
         total += LEG * ((rows[upper] <= rows[middle]) + (rows[middle] <= rows[lower]))
+    for core in circuit.cores:
+        slots = [round(found[c].slot - 0.5) for c in (*core.left, *core.right)]
+        between = 2 * found[core.left[0]].column + 2
+        for row in range(min(slots) + 1, max(slots) + 1):
+            total += ACROSS * ((taken.get(row, 0) >> between) & 1)
     return total + HIGH * (max(rows) - min(rows)) + _stacked(circuit, found)
 
 
