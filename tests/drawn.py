@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 import time
 from collections.abc import Iterator
@@ -145,6 +146,13 @@ def _cross(p: Segment, q: Segment) -> bool:
 
 
 def _along(p: Segment, q: Segment) -> bool:
+    (ax, ay), (bx, by) = p
+    long = math.dist(*p)
+    if min(abs(bx - ax), abs(by - ay), *(abs(u - v) for u, v in zip(*q, strict=True))) > 2.0:
+        ux, uy = (bx - ax) / long, (by - ay) / long
+        off = [abs(ux * (y - ay) - uy * (x - ax)) for x, y in q]
+        ends = sorted(ux * (x - ax) + uy * (y - ay) for x, y in q)
+        return max(off) < 2.0 and min(ends[1], long) - max(ends[0], 0.0) > 2.0
     for k in (0, 1):
         m = 1 - k
         if max(abs(p[0][k] - p[1][k]), abs(q[0][k] - q[1][k]), abs(p[0][k] - q[0][k])) < 2.0:

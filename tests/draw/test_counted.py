@@ -106,6 +106,8 @@ def test_the_counter_finds_each_kind_of_flaw() -> None:
     assert (crossed.crossings, crossed.bends, crossed.askew, crossed.along) == (1, 1, 1, 0)
     shared = counts(scene(bond((0.0, 0.0), (90.0, 0.0)), bond((40.0, 0.0), (120.0, 0.0))))
     assert (shared.crossings, shared.along) == (0, 1)
+    askew = counts(scene(bond((0.0, 0.0), (90.0, 90.0)), bond((40.0, 40.0), (120.0, 120.0))))
+    assert askew.along == 1
     assert Box(0, 0, 1, 1).overlaps(Box(0.5, 0.5, 2, 2))
 
 
@@ -129,3 +131,38 @@ def test_two_sources_at_one_node_are_a_conflict_still() -> None:
     m.add(V=hb.Se(10), W=hb.Se(12), node=hb.Zero())
     m.bond("V -> node", "W -> node")
     assert "causal conflict" in m.draw().svg()
+
+
+def crowded(count: int) -> hb.Model:
+    m = hb.Model("crowded")
+    m.add(s=hb.Se(1.0), j=hb.One(), t=hb.TF(2.0), o=hb.Zero(), r=hb.R(1.0), c=hb.C(1.0))
+    m.bond("s -> j -> t -> o", "o -> r", "o -> c")
+    for k in range(count):
+        m.add(**{f"x{k}": (hb.I, hb.R, hb.C)[k % 3](1.0)})
+        m.bond(f"j -> x{k}")
+    return m
+
+
+@pytest.mark.parametrize("count", [9, 12])
+def test_bonds_of_a_crowded_junction_do_not_lie_on_each_other(count: int) -> None:
+    """Eleven bonds and more: three ran along others, which reads as bonds that branch."""
+    found = counts(crowded(count).draw().scene)
+    assert (found.through, found.along, found.on_node, found.on_label) == (0, 0, 0, 0)
+    assert found.crossings == 0
+
+
+def test_sources_are_at_the_left_of_a_bridge() -> None:
+    """The bridge of Wheatstone was drawn from right to left."""
+    m = hb.Model("wheatstone")
+    m.add(u=hb.Se(10.0), gnd=hb.R(1.0), rg=hb.R(1.0), g=hb.One())
+    m.add(top=hb.Zero(), left=hb.Zero(), right=hb.Zero(), low=hb.Zero())
+    for n, a, b in (("a", "top", "left"), ("b", "top", "right"), ("c", "left", "low")):
+        m.add(**{n: hb.One(), f"r{n}": hb.R(1.0)})
+        m.bond(f"{a} -> {n} -> {b}", f"{n} -> r{n}")
+    m.add(d=hb.One(), rd=hb.R(1.0))
+    m.bond(
+        "right -> d -> low", "d -> rd", "u -> top", "low -> gnd", "left -> g -> right", "g -> rg"
+    )
+    at = m.draw().positions
+    assert at["u"][0] < sum(x for x, _ in at.values()) / len(at)
+    assert at["u"][0] < at["gnd"][0]

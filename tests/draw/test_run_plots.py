@@ -133,8 +133,8 @@ def test_values_that_are_not_finite_do_not_break_the_plot(run_of: Any, tmp_path:
         ("V", 0.7, (1.0, "V")),
         ("V", 24e3, (1e-3, "kV")),
         ("A", 2e-6, (1e6, "µA")),
-        ("kg", 1e-5, (1.0, "kg")),
-        ("m^2", 1e-6, (1.0, "m²")),
+        ("kg", 1e-5, (1e6, "10⁻⁶ kg")),
+        ("m^2", 1e-6, (1e6, "10⁻⁶ m²")),
         ("1/s", 1e5, (1.0, "1/s")),
         ("", 1e5, (1.0, "")),
         ("V", 0.0, (1.0, "V")),
@@ -165,3 +165,54 @@ def test_names_beside_the_strip_were_cut_at_the_edge_of_the_figure(tmp_path):
     assert len(texts) == 2
     for text in texts:
         assert text.get_window_extent().x1 <= figure.bbox.x1
+
+
+def overlapping(figure: Any) -> list[tuple[str, str]]:
+    """Return pairs of texts of a figure that lie on each other, as it is drawn."""
+    figure.canvas.draw()
+    found = []
+    texts = [t for t in figure.texts]
+    for ax in figure.axes:
+        texts += [*ax.texts, ax.yaxis.label, ax.xaxis.label, ax.yaxis.get_offset_text()]
+        low, high = ax.get_ylim()
+        texts += [t for t in ax.get_yticklabels() if low <= t.get_position()[1] <= high]
+        texts += ax.get_legend().get_texts() if ax.get_legend() else []
+    shown = [(t.get_text(), t.get_window_extent()) for t in texts if t.get_text()]
+    for k, (one, a) in enumerate(shown):
+        found += [(one, other) for other, b in shown[:k] if a.padded(-1).overlaps(b.padded(-1))]
+    return found
+
+
+def test_long_names_and_values_of_all_sizes_do_not_lie_on_each_other(run_of: Any) -> None:
+    t = np.linspace(0.0, 1.0, 50)
+    units = ["V", "A", "V", "N*m", "Pa", "m", "K", "m^3/s", "W", "V", "A", "N"]
+    sizes = [1.0, 1e-12, 1e12, 3e5, 1e-3, 2e-9, 300.0, 1e-12, 1e6, 24.0, 12.0, 5.0]
+    signals = {
+        f"subsystem.part.variable_with_a_very_long_name_{k}.e": (u, [(t, s * np.sin((k + 2) * t))])
+        for k, (u, s) in enumerate(zip(units, sizes, strict=True))
+    }
+    figure = plot_run(run_of(signals, [(0,)]), list(signals))
+    assert not overlapping(figure)
+    said = {t.get_text() for ax in figure.axes for t in ax.texts}
+    assert "subsystem.part.variable_with_a_very_long_name_7.e" in said
+    assert "[10⁻¹² m³/s]" in {ax.get_ylabel() for ax in figure.axes}
+
+
+def test_what_is_far_below_the_largest_of_its_unit_has_axes_of_its_own(run_of: Any) -> None:
+    t = np.linspace(0.0, 1.0, 20)
+    signals = {f"n{k}.e": ("V", [(t, 10.0 ** (k - 6) * np.cos(t))]) for k in range(12)}
+    figure = plot_run(run_of(signals, [(0,)]), list(signals))
+    assert len(figure.axes) == 3  # twelve values a decade apart, four in each
+    for ax in figure.axes:
+        low, high = ax.get_ylim()
+        for line in ax.lines:
+            assert np.ptp(line.get_ydata()) > 2e-4 * (high - low)
+
+
+def test_small_changes_of_a_large_value_are_counted_from_a_round_number(run_of: Any) -> None:
+    t = np.linspace(0.0, 1.0, 20)
+    run = run_of({"p.e": ("Pa", [(t, 1e12 + 1e3 * np.sin(6 * t))])}, [(0,)])
+    (ax,) = plot_run(run, ["p.e"]).axes
+    assert ax.get_ylabel() == "p.e [Pa from 1 TPa]"
+    assert max(ax.lines[0].get_ydata()) == pytest.approx(1e3, rel=0.02)
+    assert not ax.yaxis.get_offset_text().get_text()

@@ -18,6 +18,7 @@ from hybond.library import part
 from hybond.model.builder import Model
 from hybond.model.constructors import Zero
 from hybond.model.parts import SubmodelPart
+from hybond.model.symbol import CORE
 
 PARTS: Final[Mapping[str, tuple[str, str]]] = {
     "r": ("resistor", "ohm"),
@@ -28,6 +29,7 @@ PARTS: Final[Mapping[str, tuple[str, str]]] = {
     "d": ("diode", ""),
     "s": ("switch", ""),
     "w": ("switch", ""),
+    "a": ("switch", ""),
     "e": ("voltage_source", ""),
     "h": ("voltage_source", "ohm"),
     "g": ("current_source", "A/V"),
@@ -64,9 +66,11 @@ def as_parts(opened: Opened, texts: Texts, title: str) -> Model:
     model.add({name: Zero() for name in node.values()})
     for branch in opened.branches:
         name = own[id(branch)]
-        beside = (_said(branch, opened, texts), " ".join(coupled.get(branch.key, ())))
-        said = [text for text in beside if text]
-        values: dict[str, str | float] = {f"value_{k}": text for k, text in enumerate(said)}
+        beside = {
+            "value": _said(branch, opened, texts),
+            CORE: " ".join(coupled.get(branch.key, ())),
+        }
+        values: dict[str, str | float] = {key: text for key, text in beside.items() if text}
         kind = f"electrical.{_LAWS[branch.law.imposes] if branch.law else PARTS[branch.kind][0]}"
         if branch.key in way:
             kind = "winding" if way[branch.key] > 0 else "winding_reversed"
@@ -114,7 +118,7 @@ def _said(branch: Branch, opened: Opened, texts: Texts) -> str:
     senses = ",".join(opened.nodes.get(key, key) for key in branch.senses)
     if branch.law is not None:
         return branch.line.text.partition("=")[2].strip() or "computed"
-    if branch.kind in "dsw":
+    if branch.kind in "adsw":
         model = branch.model.name if branch.model is not None else ""
         return model if branch.kind == "d" else f"{model} {_control(branch, senses)}".strip()
     if branch.wave is not None:

@@ -18,6 +18,7 @@ from typing import TypeVar
 from hybond.draw.beginning import first_rows, nearest, on_pages, start_board
 from hybond.draw.board import LEVEL_FIRST, STRAIGHT_AWAY, Board, Cell
 from hybond.draw.copies import between_hubs, links_between, multiplied
+from hybond.draw.fans import fanned
 from hybond.draw.geometry import Point
 from hybond.draw.legs import Leg, legs_of
 from hybond.draw.search import Search
@@ -25,6 +26,7 @@ from hybond.draw.skeleton import components
 from hybond.draw.streets import Streets
 from hybond.draw.ways import Way, clear_ways
 from hybond.errors import UsageError
+from hybond.model.kinds import SOURCES
 
 _THOROUGH = 110
 """Number of nodes up to which the search is thorough."""
@@ -39,6 +41,8 @@ _VAIN = 3
 _STEPS = 9000
 LONGEST, MOST_CELLS = 2000, 100_000
 """Columns or rows, and places, between parts that are bonded; a board remembers each place."""
+_WEST = 60.0
+"""What it costs that all sources are at the right end of a picture."""
 _SLANT = 0.12
 """Cells by which a bond may slant unseen."""
 
@@ -118,9 +122,10 @@ def arrange(
     pins = pinned or {}
     single = _single(bonds)
     positions, turns = _placed(Streets, kinds, single, pins, seed)
+    positions, straight = fanned(positions, single, pins)
     ways: list[Way] = []
-    for a, b in single:
-        way = STRAIGHT_AWAY if a in pins and b in pins else turns[a, b]
+    for k, (a, b) in enumerate(single):
+        way = STRAIGHT_AWAY if k in straight or (a in pins and b in pins) else turns[a, b]
         ways.append(_way(positions[a], positions[b], way))
     known = dict(zip(single, clear_ways(positions, single, ways), strict=True))
     bends = [
@@ -310,7 +315,10 @@ def _starts(
 
 
 def _turn_about(search: Search) -> None:
-    """Mirror or turn the whole picture to the way that suits the compass best."""
+    """Mirror or turn the whole picture to the way that suits the compass best.
+
+    Sources are at the left of a textbook's picture: that counts besides the sides of their bonds.
+    """
     board = search.board
     nodes = range(len(board.kinds))
     here = {n: c for n, c in enumerate(board.at) if c is not None}
@@ -321,9 +329,23 @@ def _turn_about(search: Search) -> None:
             way = {n: (a * y, b * x) if swap else (a * x, b * y) for n, (x, y) in here.items()}
             ways = [t if t > 1 or not swap else 1 - t for t in turns]
             _set(board, way, ways)
-            found.append((board.cost(nodes), way, ways))
+            found.append((board.cost(nodes) + _drawn_back(board, way), way, ways))
     _, way, ways = min(found, key=lambda f: f[0])
     _set(board, way, ways)
+
+
+def _drawn_back(board: Board, cells: Mapping[int, Cell]) -> float:
+    """Return what it costs that sources which feed stand to the right of what they feed."""
+    feeds = [
+        n
+        for n, kind in enumerate(board.kinds)
+        if kind in SOURCES and all(board.bonds[b][0] == n for b in board.bonds_of[n])
+    ]
+    if not feeds:
+        return 0.0
+    xs = [x for x, _ in cells.values()]
+    low, wide = min(xs), max(xs) - min(xs)
+    return _WEST * sum(cells[n][0] - low for n in feeds) / (len(feeds) * wide) if wide else 0.0
 
 
 def _set(board: Board, cells: Mapping[int, Cell], turns: Sequence[int]) -> None:

@@ -46,6 +46,8 @@ def beside(box: Box, words: Sequence[str]) -> list[list[Mark]]:
         # beyond a wire that passes close by
         *((x, box.y1 + 12.0 + k * FARTHER, "middle") for k in (1, 2)),
         *((x, box.y0 - 6.0 - high - k * FARTHER, "middle") for k in (1, 2)),
+        (box.x1 + 5.0 + FARTHER, y + 4.0 - high / 2.0, "start"),
+        (box.x0 - 5.0 - FARTHER, y + 4.0 - high / 2.0, "end"),
     ]
     roles = ("name", "parameter")
     return [

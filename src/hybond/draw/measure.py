@@ -57,6 +57,25 @@ def shorten(text: str, size: float, room: float, *, keep_end: bool = False) -> s
     return "…"
 
 
+def abridged(text: str, size: float, room: float) -> str:
+    """Return `text` with its middle left out where it takes more than `room`.
+
+    Paths that begin and end alike differ at their ends.
+
+    Examples
+    --------
+    >>> abridged("plant.motor.winding.e", 10.0, 80.0)
+    'plant…nding.e'
+    """
+    if width(text, size) <= room:
+        return text
+    for n in range(len(text) - 1, 1, -1):
+        cut = text[: n // 3 + 1] + "…" + text[len(text) - (n - n // 3) + 1 :]
+        if width(cut, size) <= room:
+            return cut
+    return "…"
+
+
 _BREAKS = (frozenset(" ·*+-,="), frozenset(" ·*+-,=/("))
 """After these a law may go on in the next line, the first where one of them will do."""
 

@@ -1,13 +1,15 @@
 """Plots of results: signals over time, with jumps, impulses and a strip of modes.
 
-One axes per unit. At a jump the line is broken: an open circle is the left limit, a filled one
-the right limit. Where events are too dense for circles and event lines these are left out, and
-where points are denser than pixels the lowest and highest of each column of pixels are drawn.
+One axes per unit, more where the signals of a unit differ by a factor of thousands. At a jump the
+line is broken: an open circle is the left limit, a filled one the right limit. Where events are too
+dense for circles and event lines these are left out, and where points are denser than pixels the
+lowest and highest of each column of pixels are drawn.
 """
 
 from __future__ import annotations
 
 import io
+import math
 from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
@@ -17,7 +19,7 @@ import numpy as np
 
 from hybond.draw.impulses import draw_impulses, impulses_of
 from hybond.draw.marks import draw_marks
-from hybond.draw.measure import shorten, width
+from hybond.draw.measure import abridged, shorten, width
 from hybond.draw.mode_strip import draw_strip, lanes, room_beside
 from hybond.draw.scales import axis_scale, printed, time_scale
 from hybond.draw.traces import Trace, Vector, apart, thinned, trace_of
@@ -34,6 +36,12 @@ COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#0
 _DASHES = ("-", "--", ":", "-.")
 """Of curves beyond the colours, so that each has a look of its own."""
 
+Panel = tuple[str, dict[str, Trace]]
+"""A unit and the signals that share axes."""
+_SMALL = 1e-3
+"""Part of the largest signal below which one has axes of its own: it would be a line at zero."""
+_FLAT = 1e-4
+"""Part of the largest value below which only what values differ is shown."""
 _WIDE = 7.4
 _TALL = 1.75
 _LANE = 0.2
@@ -56,7 +64,8 @@ def plot_run(
     result : Result
         A run.
     names : sequence of str
-        Signals; those of one unit share axes, in the order in which the units first come up.
+        Signals; those of one unit share axes, in the order in which the units first come up. What
+        is less than a thousandth of the largest has axes of its own.
     ax : Axes, optional
         Draw on these axes, without a strip of modes; the signals must have one unit.
     path : path, optional
@@ -65,7 +74,7 @@ def plot_run(
     Returns
     -------
     Figure
-        With one axes per unit and, if the model has machines, a strip of modes at the bottom.
+        With axes for each unit and, if the model has machines, a strip of modes at the bottom.
 
     Raises
     ------
@@ -96,13 +105,31 @@ def plot_run(
                 hint="plot one unit per axes, or leave `ax` out",
             )
         ((unit, chosen),) = groups.items()
-        _signals(ax, result, chosen, unit, factor)
+        _signals(ax, result, {n: trace_of(result.pieces(n)) for n in chosen}, unit, factor)
         _time_axis(ax, result, factor, time_label)
         figure = ax.get_figure(root=True)
         assert figure is not None
     else:
-        figure = _stacked(result, groups, factor, time_label, interactive=path is None)
+        panels = _panels(result, groups)
+        figure = _stacked(result, panels, factor, time_label, interactive=path is None)
     return write_figure(figure, path)
+
+
+def _panels(result: Any, groups: Mapping[str, Sequence[str]]) -> list[Panel]:
+    """Return what axes there are: the unit of each, and its signals."""
+    found: list[Panel] = []
+    for unit, names in groups.items():
+        traces = {name: trace_of(result.pieces(name)) for name in names}
+        peaks = {
+            n: float(np.max(np.abs(t.y[np.isfinite(t.y)]), initial=0.0)) for n, t in traces.items()
+        }
+        rest = list(names)
+        while rest:
+            most = max(peaks[n] for n in rest)
+            own = [n for n in rest if peaks[n] >= _SMALL * most or peaks[n] == 0.0]
+            found.append((unit, {n: traces[n] for n in own}))
+            rest = [n for n in rest if n not in own]
+    return found
 
 
 def write_figure(figure: Figure, path: str | Path | None) -> Figure:
@@ -123,9 +150,9 @@ def write_figure(figure: Figure, path: str | Path | None) -> Figure:
 
 
 def _stacked(
-    result: Any, groups: dict[str, list[str]], factor: float, time_label: str, *, interactive: bool
+    result: Any, groups: Sequence[Panel], factor: float, time_label: str, *, interactive: bool
 ) -> Figure:
-    """Make a figure with one axes per unit and the strip of modes below."""
+    """Make a figure with the axes and the strip of modes below."""
     shown, more = lanes(result)
     machines = [result.graph.machines[m].path for m in shown]
     left = min(2.2, max(0.95, *(0.2 + width(p, 8.0) / 72.0 for p in machines), 0.0))
@@ -140,7 +167,7 @@ def _stacked(
     inches = _WIDE - left - right
     # names of curves that are too many for a row make the figure wider
     own = tall - 0.16  # of axes with several curves
-    columns = [_column_of(n, own) for n in groups.values() if _row_of(n) > inches]
+    columns = [_column_of(list(n), own) for _, n in groups if _row_of(list(n)) > inches]
     page = _WIDE + max(0.0, max(columns, default=0.0) + 0.15 - right)
     figure = new_figure((page, height), interactive=interactive)
 
@@ -150,11 +177,12 @@ def _stacked(
 
     y = height - top
     panels: list[Any] = []
-    for unit, names in groups.items():
+    for unit, traces in groups:
         y -= tall
-        panel = place(y, tall - (0.16 if len(names) > 1 else 0.0))
+        named = len(traces) > 1 or _is_long(next(iter(traces)), unit, tall)
+        panel = place(y, tall - (0.16 if named else 0.0))
         panels.append(panel)
-        _signals(panel, result, names, unit, factor)
+        _signals(panel, result, traces, unit, factor)
         y -= gap
     if shown:
         lane_axes = place(y - strip, strip)
@@ -223,14 +251,36 @@ def _picture() -> type[Figure]:
     return Picture
 
 
-def _signals(ax: Axes, result: Any, names: Sequence[str], unit: str, factor: float) -> None:
+def _is_long(name: str, unit: str, tall: float) -> bool:
+    """Whether a name has no room beside axes that are so many inches high."""
+    return width(f"{name} [m{printed(unit)}]", 9.5) > min(72.0 * tall, 126.0)
+
+
+def _base(values: Vector) -> float:
+    """Return a round number in the midst of values that hardly differ, else zero."""
+    low, high = (float(f(values)) if values.size else 0.0 for f in (np.min, np.max))
+    largest, span = max(abs(low), abs(high)), high - low
+    if not 1e-12 * largest < span < _FLAT * largest:
+        return 0.0
+    digit = 10.0 ** math.ceil(math.log10(span))
+    return digit * round(0.5 * (low + high) / digit)
+
+
+def _signals(ax: Axes, result: Any, of: Mapping[str, Trace], unit: str, factor: float) -> None:
     """Draw the signals of one unit with their jumps and impulses."""
-    traces = [trace_of(result.pieces(name)) for name in names]
+    names, traces = list(of), list(of.values())
     impulses = [impulses_of(result, name) for name in names]
     values = np.concatenate([t.y for t in traces])
     values = values[np.isfinite(values)]
+    base = 0.0 if any(len(i) for i in impulses) else _base(values)
+    if base:
+        traces = [trace.less(base) for trace in traces]
+        values = values - base
     largest = float(np.max(np.abs(values), initial=0.0))
     scale, label = axis_scale(unit, largest)
+    if base:
+        by, of_base = axis_scale(unit, abs(base))
+        label = f"{label} from {base * by:.15g} {of_base}".rstrip()
     lines = []
     begin = min((float(t.t[0]) for t in traces if len(t.t)), default=0.0)
     for k, whole in enumerate(traces):
@@ -258,14 +308,35 @@ def _signals(ax: Axes, result: Any, names: Sequence[str], unit: str, factor: flo
         )
     bracket = f" [{label}]" if label else ""
     if len(names) == 1:
-        ax.set_ylabel(shorten(names[0], 9.5, 95.0) + bracket, fontsize=9.5, parse_math=False)
+        _name(ax, names[0], bracket)
     else:
         ax.set_ylabel(label, fontsize=9.5, parse_math=False)
         _legend(ax, lines, names)
     ax.tick_params(labelsize=8)
+    ax.ticklabel_format(axis="y", style="plain", useOffset=False)
     ax.grid(visible=True, axis="y", color="#e6e6e6", linewidth=0.6)
     for side in ("top", "right"):
         ax.spines[side].set_visible(False)
+
+
+def _name(ax: Axes, name: str, bracket: str) -> None:
+    """Write the name of the only signal beside its axes, above them where that has no room."""
+    figure = ax.get_figure(root=True)
+    box = ax.get_position()
+    wide, high = figure.get_size_inches() if figure is not None else (_WIDE, _TALL)
+    if width(name + bracket, 9.5) <= min(72.0 * box.height * high + 12.0, 126.0):
+        ax.set_ylabel(name + bracket, fontsize=9.5, parse_math=False)
+        return
+    ax.set_ylabel(bracket.strip(), fontsize=9.5, parse_math=False)
+    room = 72.0 * box.width * wide
+    ax.text(
+        0.0,
+        1.0 + 4.0 / (72.0 * box.height * high),
+        abridged(name, 8.5, room),
+        transform=ax.transAxes,
+        fontsize=8.5,
+        parse_math=False,
+    )
 
 
 def _circles(
@@ -318,13 +389,13 @@ def _limits(ax: Axes, values: Vector, areas: Vector) -> None:
 
 def _row_of(names: Sequence[str]) -> float:
     """Return how wide, in inches, a row of names and their lines is."""
-    return sum(width(shorten(n, 8.5, 150.0), 8.5) + 32.0 for n in names) / 72.0
+    return sum(width(abridged(n, 8.5, 150.0), 8.5) + 32.0 for n in names) / 72.0
 
 
 def _column_of(names: Sequence[str], tall: float) -> float:
     """Return how wide, in inches, names below each other are that stand beside their axes."""
     columns = -(-len(names) // max(1, round(_NAMES * tall / _TALL)))
-    return columns * (max(width(shorten(n, 8.5, 150.0), 8.5) for n in names) + 34.0) / 72.0
+    return columns * (max(width(abridged(n, 8.5, 150.0), 8.5) for n in names) + 34.0) / 72.0
 
 
 def _legend(ax: Axes, lines: Sequence[Any], names: Sequence[str]) -> None:
@@ -362,7 +433,7 @@ def name_lines(
     )
     for text, name in zip(legend.get_texts(), names, strict=True):
         text.set_parse_math(False)
-        text.set_text(shorten(name, 8.5, 150.0))
+        text.set_text(abridged(name, 8.5, 150.0))
 
 
 def event_lines(ax: Axes, times: Vector, end: float) -> None:

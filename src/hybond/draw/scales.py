@@ -8,6 +8,8 @@ import re
 _PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
 # A prefix goes before a plain symbol; before kg, a power or a number it would mislead.
 _TAKES_PREFIX = re.compile(r"(?!kg|1|rad)[^\W\d_]+(?![\^²³\d])")
+_FEW, _MANY = 1e-3, 1e6
+"""Between these a number needs no power of ten where there is no prefix."""
 _POWERS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
@@ -28,21 +30,27 @@ def axis_scale(unit: str, largest: float, *, least: float = 0.1) -> tuple[float,
     factor : float
         Multiply values by it.
     label : str
-        The unit with its prefix, as it is printed.
+        The unit with its prefix, as it is printed; with a power of ten where there is no prefix.
 
     Examples
     --------
     >>> axis_scale("A", 0.02)
     (1000.0, 'mA')
     >>> axis_scale("m/s", 0.5), axis_scale("N*m", 5e4), axis_scale("m^3/s", 1e-5)
-    ((1.0, 'm/s'), (0.001, 'kN·m'), (1.0, 'm³/s'))
+    ((1.0, 'm/s'), (0.001, 'kN·m'), (1000000.0, '10⁻⁶ m³/s'))
+    >>> axis_scale("A", 1e-18), axis_scale("K", 5e4), axis_scale("", 0.02)
+    ((1e+18, '10⁻¹⁸ A'), (0.001, 'kK'), (1.0, ''))
     """
     power = 0
     if math.isfinite(largest) and largest > 0 and not least <= largest < 2000.0:
         # The largest value becomes a number of one to three digits before the point.
-        power = min(max(3 * math.floor(math.log10(largest) / 3 + 1e-9), -12), 12)
-    if not _TAKES_PREFIX.match(unit):
+        power = 3 * math.floor(math.log10(largest) / 3 + 1e-3)
+    plain = not _TAKES_PREFIX.match(unit)
+    if plain and _FEW <= largest < _MANY:
         power = 0
+    elif plain or power not in _PREFIXES:
+        raised = f"10{str(power).translate(_POWERS)} " if power else ""
+        return float(f"1e{-power}"), (raised + printed(unit)).strip()
     return float(f"1e{-power}"), _PREFIXES[power] + printed(unit)
 
 

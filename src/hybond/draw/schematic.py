@@ -8,38 +8,40 @@ nothing but wires meets in them. What is no part is drawn as its letters.
 from __future__ import annotations
 
 import itertools
-import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 from hybond.draw.arrange import layout
 from hybond.draw.beside import Wire, beside, box_of, named_nodes, tight
+from hybond.draw.circuit_places import Part as CircuitPart
+from hybond.draw.circuit_places import Plan, circuit_places, two_ended
 from hybond.draw.composing import composed
 from hybond.draw.drawing import Drawing
 from hybond.draw.geometry import Box, Point
 from hybond.draw.measure import width
+from hybond.draw.meeting import cut_back, element_of, joint, joints_of, nets_of, port_of
 from hybond.draw.scene import Group, Line, Mark, Scene, Text
 from hybond.draw.sketch import typeset
 from hybond.draw.symbols import Placed, boxed, placed
-from hybond.draw.wires import End, led
+from hybond.draw.wires import End, clear, led
 from hybond.draw.wires import Wire as Wanted
 from hybond.errors import UsageError
 from hybond.model.builder import Model
 from hybond.model.hierarchy import submodel_of
 from hybond.model.kinds import KINDS
 from hybond.model.parts import Part, SubmodelPart
-from hybond.model.symbol import Symbol
+from hybond.model.symbol import CORE, Symbol
 from hybond.model.written_out import written_out
 
 CELL = (120.0, 100.0)
 """Pixels from one cell of the layout to the next: symbols need more than letters."""
 MARGIN = 34.0
-DOT = 3.0
 LONGEST = 26
 """Characters of what is written below a name."""
 LETTERS = 19.0
 CAP = 0.73
 """Size of letters, and how high their capitals are."""
+_ROLE = {"diode": "diode", "switch": "switch", "resistor": "load", "current_source": "source"}
 _SPREADING = ("C", "I", "TF", "GY")
 """What a source has none of: machines and loads have sources within them, too."""
 
@@ -99,10 +101,13 @@ def draw_schematic(
             where=model.name,
             hint="draw its bond graph, or build it from parts of the library",
         )
-    places = _places(model, names, bonds)
-    nodes = {name: _node(model, name, places[name]) for name in names}
     dots = {n for n in names if _is_dot(model, n, bonds)}
-    toward = _toward(nodes, bonds)
+    ends = _named_nets(dots, bonds)
+    plan = _plan(model, dots, bonds, ends)
+    places, at = _where(model, names, bonds, plan)
+    nodes = {name: _node(model, name, at[name]) for name in names}
+    toward = _toward(nodes, bonds) | (plan.toward if plan is not None else {})
+    facing = plan.facing if plan is not None else {}
     put: dict[str, Placed] = {}
     for name, node in nodes.items():
         if name in dots:
@@ -114,13 +119,17 @@ def draw_schematic(
         if symbol is None:
             sides = {port: _side(toward, name, port) for port in node.ports}
             symbol = boxed(node.letters, node.ports, sides.__getitem__)
-        put[name] = placed(symbol, node.at, _of(toward, name, node.ports))
-    nets = _nets(dots | {f"{n}.{port}" for n, p in put.items() for port in p.pins}, bonds)
-    wires, meets = _cut_back(_wires(nodes, put, dots, bonds, nets), sorted(dots))
+        ways = _of(toward, name, node.ports)
+        put[name] = placed(symbol, node.at, ways, facing=facing.get(name, (0.0, 0.0)))
+    nets = nets_of(dots | {f"{n}.{port}" for n, p in put.items() for port in p.pins}, bonds)
+    cores = plan.cores if plan is not None else ()
+    wires, meets = cut_back(_wires(nodes, put, dots, bonds, nets, plan, ends), sorted(dots))
     groups = [Group("wire", f"{a} -> {b}", f"{a} -> {b}", (Line("wire", w),)) for a, b, w in wires]
-    groups += _parts(nodes, put, wires)
+    if plan is not None and plan.bars:
+        groups.append(Group("cores", "", "", plan.bars))
+    groups += _parts(nodes, put, wires, cores)
     groups += named_nodes({n: meets.get(n, nodes[n].at) for n in names if n in dots}, groups, wires)
-    groups.append(Group("joints", "", "", tuple(_joint(p) for p in _joints(wires, nets, put))))
+    groups.append(Group("joints", "", "", tuple(joint(p) for p in joints_of(wires, nets, put))))
     return _drawing(model.title or model.name if title else "", groups, places)
 
 
@@ -131,15 +140,7 @@ def _bonds(model: Model) -> list[tuple[str, str]]:
         chain = str(text).rpartition(":")[2]
         ends = [e.strip() for e in chain.split("->")]
         found += list(itertools.pairwise(ends))
-    return [(a, b) for a, b in found if {_name(a), _name(b)} <= model.elements.keys()]
-
-
-def _name(end: str) -> str:
-    return end.partition(".")[0]
-
-
-def _port(end: str) -> str:
-    return end.partition(".")[2]
+    return [(a, b) for a, b in found if {element_of(a), element_of(b)} <= model.elements.keys()]
 
 
 def _places(
@@ -152,12 +153,78 @@ def _places(
     if set(number) <= given.keys():
         return {n: given[n] for n in names}
     kinds = [p.kind if isinstance(p, Part) else "TF" for p in model.elements.values()]
-    pairs = [(number[_name(a)], number[_name(b)]) for a, b in bonds if _name(a) != _name(b)]
+    pairs = [
+        (number[element_of(a)], number[element_of(b)])
+        for a, b in bonds
+        if element_of(a) != element_of(b)
+    ]
     pinned = {number[n]: at for n, at in given.items() if n in number}
     found = dict(zip(names, layout(kinds, pairs, pinned=pinned), strict=True))
     if pinned:
         return found
     return composed(found, *_feet(model))
+
+
+def _plan(
+    model: Model, dots: Collection[str], bonds: Sequence[tuple[str, str]], nets: Mapping[str, str]
+) -> Plan | None:
+    """Return the plan of an electrical circuit of parts with two ends, None of other models.
+
+    `nets` are the nets of ends, by their names or by that of a dot in them.
+    """
+    if model.layout.keys() & model.elements.keys():
+        return None
+    sources, grounds = _feet(model)
+    parts, signs = [], {}
+    for name, part in model.elements.items():
+        if name in dots and isinstance(part, Part) and part.kind == "0":
+            continue
+        if not isinstance(part, SubmodelPart):
+            return None
+        inner = submodel_of(part, name, model.models)
+        symbol = inner.symbol
+        ends = [nets.get(f"{name}.{port}", "") for port in inner.ports]
+        if name in grounds and len(ends) == 1 and ends[0]:
+            signs[name] = ends[0]
+        elif symbol is not None and two_ended(symbol) and inner.domain == "electrical":
+            one, two = sorted(inner.ports, key=symbol.pins.__getitem__)
+            plus, minus = nets.get(f"{name}.{one}", ""), nets.get(f"{name}.{two}", "")
+            if not plus or not minus:
+                return None
+            about = _node(model, name, (0.0, 0.0)).about
+            role = "source" if name in sources else _role(part)
+            core = str(part.parameters.get(CORE, ""))
+            words = (name, about) if about else (name,)
+            parts.append(CircuitPart(name, plus, minus, (one, two), role, words, core))
+        else:
+            return None
+    return circuit_places(parts, list(dict.fromkeys(nets.values())), signs)
+
+
+def _role(part: SubmodelPart) -> str:
+    """Return what a part is in a circuit, as far as that says where it stands."""
+    return _ROLE.get(part.model.rpartition(".")[2], "plain") if isinstance(part.model, str) else ""
+
+
+def _named_nets(dots: Collection[str], bonds: Sequence[tuple[str, str]]) -> dict[str, str]:
+    """Return the net of each end, by a dot that is in it, else by one of its ends."""
+    nets = nets_of({end for bond in bonds for end in bond}, bonds)
+    named = {
+        net: end for (a, b), net in zip(bonds, nets, strict=True) for end in (a, b) if end in dots
+    }
+    return {
+        end: named.get(net, net) for (a, b), net in zip(bonds, nets, strict=True) for end in (a, b)
+    }
+
+
+def _where(
+    model: Model, names: Sequence[str], bonds: Sequence[tuple[str, str]], plan: Plan | None
+) -> tuple[dict[str, tuple[float, float]], Mapping[str, Point]]:
+    """Return where all stands, in cells and in pixels."""
+    if plan is not None:
+        return {n: (x / CELL[0], y / CELL[1]) for n, (x, y) in plan.at.items()}, plan.at
+    places = _places(model, names, bonds)
+    return places, {n: (x * CELL[0], y * CELL[1]) for n, (x, y) in places.items()}
 
 
 def _feet(model: Model) -> tuple[list[str], list[str]]:
@@ -176,9 +243,8 @@ def _feet(model: Model) -> tuple[list[str], list[str]]:
     return sources, grounds
 
 
-def _node(model: Model, name: str, place: tuple[float, float]) -> _Node:
+def _node(model: Model, name: str, at: Point) -> _Node:
     part = model.elements[name]
-    at = (place[0] * CELL[0], place[1] * CELL[1])
     if isinstance(part, SubmodelPart):
         inner = submodel_of(part, name, model.models)
         about = ", ".join(typeset(str(v)) for v in list(part.parameters.values())[:2])
@@ -211,10 +277,10 @@ def _is_dot(model: Model, name: str, bonds: Sequence[tuple[str, str]]) -> bool:
         return False
     if any(name in on for m in model.machines.values() for on in m.states.values()):
         return False
-    ends = [(a, b) for a, b in bonds if name in (_name(a), _name(b))]
-    others = [b if _name(a) == name else a for a, b in ends]
+    ends = [(a, b) for a, b in bonds if name in (element_of(a), element_of(b))]
+    others = [b if element_of(a) == name else a for a, b in ends]
     return bool(others) and all(
-        isinstance(other := model.elements[_name(o)], SubmodelPart)
+        isinstance(other := model.elements[element_of(o)], SubmodelPart)
         or (isinstance(other, Part) and other.kind == part.kind)
         for o in others
     )
@@ -226,7 +292,7 @@ def _toward(nodes: Mapping[str, _Node], bonds: Sequence[tuple[str, str]]) -> dic
     for a, b in bonds:
         for own, other in ((a, b), (b, a)):
             x, y = found.get(own, (0.0, 0.0))
-            p, q = nodes[_name(own)].at, nodes[_name(other)].at
+            p, q = nodes[element_of(own)].at, nodes[element_of(other)].at
             found[own] = (x + q[0] - p[0], y + q[1] - p[1])
     return found
 
@@ -242,92 +308,37 @@ def _side(toward: Mapping[str, Point], name: str, port: str) -> str:
     return "s" if y > 0 else "n"
 
 
-def _nets(shared: set[str], bonds: Sequence[tuple[str, str]]) -> list[str]:
-    """Return of each bond the net that its wire belongs to, by one of the ends of that.
-
-    `shared` are the ends that wires share: dots and pins. What meets at letters meets in what they
-    mean, and is no net.
-    """
-    net: dict[str, str] = {}
-
-    def root(end: str) -> str:
-        while net.get(end, end) != end:
-            end = net[end]
-        return end
-
-    owners = []
-    for k, (a, b) in enumerate(bonds):
-        one, other = (end if end in shared else f"{end} {k}" for end in (a, b))
-        net[root(one)] = root(other)
-        owners.append(one)
-    return [root(one) for one in owners]
-
-
 def _wires(
     nodes: Mapping[str, _Node],
     put: Mapping[str, Placed],
     dots: set[str],
     bonds: Sequence[tuple[str, str]],
     nets: Sequence[str],
+    plan: Plan | None,
+    ends_of: Mapping[str, str],
 ) -> list[Wire]:
     """Return a wire for each bond."""
     wanted = []
     for (a, b), net in zip(bonds, nets, strict=True):
         ends: list[End] = []
         for end in (a, b):
-            pin = None if _name(end) in dots else put[_name(end)].pins.get(_port(end))
-            ends.append((nodes[_name(end)].at, None) if pin is None else pin)
+            pin = None if element_of(end) in dots else put[element_of(end)].pins.get(port_of(end))
+            ends.append((nodes[element_of(end)].at, None) if pin is None else pin)
         wanted.append(Wanted(ends[0], ends[1], net))
     found: list[Wire] = []
-    solid = [p.box for p in put.values() if p.pins]
-    for (a, b), w, way in zip(bonds, wanted, led(wanted, solid), strict=True):
+    solid = [p.box for p in put.values() if p.pins] + list(plan.cores if plan is not None else ())
+    given: Sequence[tuple[Point, ...] | None] = ()
+    if plan is not None:
+        direct = [
+            plan.way(w.a[0], w.b[0], ends_of[a]) for (a, _), w in zip(bonds, wanted, strict=True)
+        ]
+        given = clear(wanted, direct, solid)
+    for (a, b), w, way in zip(bonds, wanted, led(wanted, solid, given=given), strict=True):
         for k, end in enumerate((a, b)):
-            if _name(end) not in dots and (w.a, w.b)[k][1] is None:
-                way = _clipped(way, put[_name(end)].box, at_end=bool(k))
+            if element_of(end) not in dots and (w.a, w.b)[k][1] is None:
+                way = _clipped(way, put[element_of(end)].box, at_end=bool(k))
         found.append((a, b, way))
     return found
-
-
-def _cut_back(wires: Sequence[Wire], dots: Sequence[str]) -> tuple[list[Wire], dict[str, Point]]:
-    """Let wires that all come to a dot by one way meet where that begins, and return where."""
-    ways = [list(way) for _, _, way in wires]
-    meets: dict[str, Point] = {}
-    for dot in dots:
-        own = [
-            (k, _name(a) == dot) for k, (a, b, _) in enumerate(wires) if dot in (_name(a), _name(b))
-        ]
-        if len(own) < 2:
-            continue
-        paths = [ways[k] if first else ways[k][::-1] for k, first in own]
-        shared = _shared(paths)
-        meets[dot] = shared[-1]
-        for (k, first), path in zip(own, paths, strict=True):
-            rest = [shared[-1], *path[len(shared) - (shared[-1] not in path) :]]
-            ways[k] = rest if first else rest[::-1]
-    return [(a, b, tuple(way)) for (a, b, _), way in zip(wires, ways, strict=True)], meets
-
-
-def _shared(paths: Sequence[Sequence[Point]]) -> list[Point]:
-    """Return the part from their first place on that all paths have in common."""
-    found = [paths[0][0]]
-    while True:
-        here = found[-1]
-        ahead = [_after(path, len(found) - 1) for path in paths]
-        steps = [(q[0] - here[0], q[1] - here[1]) for q in ahead if q is not None]
-        if len(steps) < len(paths) or len({(_sign(x), _sign(y)) for x, y in steps}) > 1:
-            return found
-        x, y = min(steps, key=lambda step: abs(step[0]) + abs(step[1]))
-        there = (here[0] + x, here[1] + y)
-        if any(there == path[-1] for path in paths):
-            return found  # else a wire had no length
-        found.append(there)
-        if any(step != (x, y) for step in steps):
-            return found
-
-
-def _after(path: Sequence[Point], k: int) -> Point | None:
-    """Return the corner after the k-th, or the other end of the path; None after that."""
-    return path[k + 1] if k + 1 < len(path) else None
 
 
 def _clipped(way: tuple[Point, ...], box: Box, *, at_end: bool) -> tuple[Point, ...]:
@@ -343,58 +354,15 @@ def _clipped(way: tuple[Point, ...], box: Box, *, at_end: bool) -> tuple[Point, 
     return way
 
 
-def _joints(wires: Sequence[Wire], nets: Sequence[str], put: Mapping[str, Placed]) -> list[Point]:
-    """Return the places where three or four wires of one net meet: there stands a dot.
-
-    At a pin the line of its symbol is one of them.
-    """
-    pieces: dict[str, list[tuple[Point, Point]]] = {}
-    for net, (a, b, way) in zip(nets, wires, strict=True):
-        pieces.setdefault(net, []).extend(itertools.pairwise(way))
-        for end in (a, b):
-            pins = put[_name(end)].pins if _name(end) in put else {}
-            if _port(end) in pins:
-                (x, y), (dx, dy) = pins[_port(end)]
-                pieces[net].append(((x, y), (x - dx, y - dy)))
-    found = []
-    for own in pieces.values():
-        places = {p for piece in own for p in piece}
-        places |= {(p[0], r[1]) for p, q in own if p[0] == q[0] for r, s in own if r[1] == s[1]}
-        found += [at for at in sorted(places) if len(_rays(at, own)) > 2]
-    return found
-
-
-def _rays(at: Point, pieces: Sequence[tuple[Point, Point]]) -> set[tuple[int, int]]:
-    """Return the ways in which wires leave a place."""
-    found = set()
-    for p, q in pieces:
-        inside = min(p[0], q[0]) <= at[0] <= max(p[0], q[0])
-        inside &= min(p[1], q[1]) <= at[1] <= max(p[1], q[1])
-        if not inside or (p[0] != q[0] and p[1] != q[1]):
-            continue
-        for end in (p, q):
-            way = (_sign(end[0] - at[0]), _sign(end[1] - at[1]))
-            if way != (0, 0):
-                found.add(way)
-    return found
-
-
-def _sign(v: float) -> int:
-    return (v > 0) - (v < 0)
-
-
-def _joint(at: Point) -> Line:
-    around = [2.0 * math.pi * k / 12 for k in range(13)]
-    corners = tuple((at[0] + DOT * math.cos(a), at[1] + DOT * math.sin(a)) for a in around)
-    return Line("symbol filled", corners)
-
-
 def _parts(
-    nodes: Mapping[str, _Node], put: Mapping[str, Placed], wires: Sequence[Wire]
+    nodes: Mapping[str, _Node],
+    put: Mapping[str, Placed],
+    wires: Sequence[Wire],
+    cores: Sequence[Box],
 ) -> list[Group]:
     """Return the marks of what is drawn, names where they cover least."""
     lines = [piece for _, _, way in wires for piece in itertools.pairwise(way)]
-    boxes = [p.box for p in put.values()]
+    boxes = [*(p.box for p in put.values()), *cores]
     found = []
     for name, p in put.items():
         node = nodes[name]

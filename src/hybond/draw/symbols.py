@@ -50,13 +50,17 @@ class Placed:
     box: Box
 
 
-def placed(symbol: Symbol, at: Point, toward: Mapping[str, Point]) -> Placed:
+def placed(
+    symbol: Symbol, at: Point, toward: Mapping[str, Point], *, facing: Point = (0.0, 0.0)
+) -> Placed:
     """Put a symbol at a place, turned as its wires want it.
 
     Parameters
     ----------
     toward : mapping of port to (x, y)
         The way from the middle to what the port is wired to.
+    facing : (x, y)
+        The way in which its upper side looks, where its pins leave that open.
 
     Examples
     --------
@@ -65,7 +69,7 @@ def placed(symbol: Symbol, at: Point, toward: Mapping[str, Point]) -> Placed:
     ((0.0, 40.0), (0.0, 1.0))
     """
     turns = _UPRIGHT if symbol.upright else _TURNS
-    turn = max(turns, key=lambda t: _fit(symbol, t, toward))
+    turn = max(turns, key=lambda t: _fit(symbol, t, toward, facing))
 
     def to(p: Point) -> Point:
         x, y = _turned(turn, p)
@@ -88,10 +92,14 @@ def placed(symbol: Symbol, at: Point, toward: Mapping[str, Point]) -> Placed:
 
 
 def _fit(
-    symbol: Symbol, turn: tuple[float, float, float, float], toward: Mapping[str, Point]
+    symbol: Symbol,
+    turn: tuple[float, float, float, float],
+    toward: Mapping[str, Point],
+    facing: Point,
 ) -> float:
     """Return how well the pins point where they are wired to; as written where it is the same."""
-    total = -0.01 * _TURNS.index(turn)
+    x, y = _turned(turn, (0.0, -1.0))
+    total = -0.01 * _TURNS.index(turn) + 0.2 * (x * facing[0] + y * facing[1])
     for port, pin in symbol.pins.items():
         if port in toward:
             (x, y), (u, v) = _turned(turn, pin), toward[port]

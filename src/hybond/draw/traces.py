@@ -26,6 +26,10 @@ class Trace:
     jumps: Vector
     """Shape (k, 3). Time, left limit and right limit of each visible jump."""
 
+    def less(self, base: float) -> Trace:
+        """Return the trace with all values less by `base`."""
+        return Trace(self.t, self.y - base, self.jumps - np.array([0.0, base, base]))
+
 
 def trace_of(pieces: Sequence[tuple[Vector, Vector]]) -> Trace:
     """Join the pieces of a signal, breaking the line at jumps.

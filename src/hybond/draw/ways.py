@@ -150,6 +150,14 @@ def _lies(p: Point, piece: Segment) -> bool:
 
 
 def _on(p: Segment, q: Segment) -> bool:
+    """Whether two pieces lie on each other for a while, whichever way they run."""
+    (ax, ay), (bx, by) = p
+    dx, dy = bx - ax, by - ay
+    if dx and dy:
+        off = [abs(dx * (y - ay) - dy * (x - ax)) for x, y in q]
+        along = sorted(dx * (x - ax) + dy * (y - ay) for x, y in q)
+        long = dx * dx + dy * dy
+        return max(off) < 1e-6 * long and min(along[1], long) - max(along[0], 0.0) > 1e-6 * long
     for k in (0, 1):
         m = 1 - k
         if p[0][k] == p[1][k] and q[0][k] == q[1][k] and abs(p[0][k] - q[0][k]) < 0.1:
@@ -195,6 +203,7 @@ class _Lines:
         xs, ys = self.xs, self.ys
         tail, head = bonds[bond]
         start, goal = self._at(tail), self._at(head)
+        start_at, goal_at = self.positions[tail], self.positions[head]
         taken, passed, slanted = self._used(bond, ways)
         ends = {tail, head}
         window = _bounds((self.positions[tail], self.positions[head])).grown(_AROUND)
@@ -212,7 +221,15 @@ class _Lines:
             price = _LENGTH * length + _SHARE * taken.get(key, 0) + _CROSS * slanted.get(key, 0)
             return price, u, v
 
-        # a node with more bonds than sides is also left askew, to the next crossing of lines
+        # a node with more bonds than sides is also left askew, to the next crossing of lines,
+        # where no other way leaves it like that
+        left = {
+            (p, (q[0] > p[0], q[1] > p[1]))
+            for b, way in enumerate(ways)
+            if b != bond
+            for p, q in ((way[0], way[1]), (way[-1], way[-2]))
+            if p[0] != q[0] and p[1] != q[1]
+        }
         crowded = [n for n in (tail, head) if sum(n in b for b in bonds) > 4]
         best: dict[tuple[int, int, int], float] = {}
         before: dict[tuple[int, int, int], tuple[int, int, int] | None] = {}
@@ -230,10 +247,17 @@ class _Lines:
             offer(0.0, (*start, k), None)
         if tail in crowded:
             for i, j in self._around(start):
-                if free(i, j):
+                if (
+                    free(i, j)
+                    and (start_at, (xs[i] > start_at[0], ys[j] > start_at[1])) not in left
+                ):
                     for k in range(4):
                         offer(_ASKEW + _LENGTH, (i, j, k), None)
-        askew_goals = set(self._around(goal)) if head in crowded else set()
+        askew_goals = {
+            (i, j)
+            for i, j in (self._around(goal) if head in crowded else ())
+            if (goal_at, (xs[i] > goal_at[0], ys[j] > goal_at[1])) not in left
+        }
         end: tuple[int, int, int] | None = None
         while queue:
             price, state = heapq.heappop(queue)

@@ -71,8 +71,19 @@ class _Field:
         return self.xs[n[0]], self.ys[n[1]]
 
 
-def led(wires: Sequence[Wire], boxes: Sequence[Box]) -> list[tuple[Point, ...]]:
+def led(
+    wires: Sequence[Wire],
+    boxes: Sequence[Box],
+    *,
+    given: Sequence[tuple[Point, ...] | None] = (),
+) -> list[tuple[Point, ...]]:
     """Return the ways of wires among symbols, each from its first end to its second.
+
+    Parameters
+    ----------
+    given : sequence of tuple of (x, y) or None
+        Ways that are known and stay, their corners in line with ends of wires; the others are led
+        around them.
 
     Examples
     --------
@@ -82,14 +93,21 @@ def led(wires: Sequence[Wire], boxes: Sequence[Box]) -> list[tuple[Point, ...]]:
     """
     if not wires:
         return []
-    f = _field(wires, boxes)
+    f = _field(wires, boxes, given)
     found: list[list[Node]] = [[] for _ in wires]
 
     def length(k: int) -> float:
         (p, _), (q, _) = wires[k].a, wires[k].b
         return abs(p[0] - q[0]) + abs(p[1] - q[1])
 
-    order = sorted(range(len(wires)), key=length)
+    known = [given[k] if k < len(given) else None for k in range(len(wires))]
+    if all(way is not None for way in known):
+        return [way for way in known if way is not None]
+    for k, way in enumerate(known):
+        if way is not None:
+            found[k] = _along(f, way)
+            _put(f, found[k], wires[k].net, 1)
+    order = sorted((k for k in range(len(wires)) if known[k] is None), key=length)
     for again in (False, True):
         for k in order:
             if again:
@@ -99,11 +117,60 @@ def led(wires: Sequence[Wire], boxes: Sequence[Box]) -> list[tuple[Point, ...]]:
             }
             found[k] = _way(f, wires[k], own)
             _put(f, found[k], wires[k].net, 1)
-    return [_corners([f.place(n) for n in way]) for way in found]
+    return [
+        way if way is not None else _corners([f.place(n) for n in nodes])
+        for way, nodes in zip(known, found, strict=True)
+    ]
 
 
-def _field(wires: Sequence[Wire], boxes: Sequence[Box]) -> _Field:
+def _along(f: _Field, way: Sequence[Point]) -> list[Node]:
+    """Return the nodes that a known way passes."""
+    nodes = [f.at(way[0])]
+    for p in way[1:]:
+        (i, j), (u, v) = nodes[-1], f.at(p)
+        steps = max(abs(u - i), abs(v - j))
+        dx, dy = (u > i) - (u < i), (v > j) - (v < j)
+        nodes += [(i + k * dx, j + k * dy) for k in range(1, steps + 1)]
+    return nodes
+
+
+def clear(
+    wires: Sequence[Wire], ways: Sequence[tuple[Point, ...]], boxes: Sequence[Box]
+) -> list[tuple[Point, ...] | None]:
+    """Return the ways that touch no symbol and lie on no way of another net, None for others.
+
+    Examples
+    --------
+    >>> ends = ((0.0, 0.0), None), ((40.0, 0.0), None)
+    >>> clear([Wire(*ends, "n"), Wire(*ends, "m")], [((0, 0), (40, 0))] * 2, [])
+    [((0, 0), (40, 0)), None]
+    """
+    solid = [_solid(box) for box in boxes]
+    solid = [box for box in solid if box.x0 < box.x1 and box.y0 < box.y1]
+    lines: dict[tuple[int, float], list[tuple[float, float, str]]] = {}
+    found: list[tuple[Point, ...] | None] = []
+    for w, way in zip(wires, ways, strict=True):
+        own = []
+        free = True
+        for p, q in pairwise(way):
+            k = 0 if p[0] == q[0] else 1
+            low, high = min(p[1 - k], q[1 - k]), max(p[1 - k], q[1 - k])
+            there = lines.get((k, p[k]), ())
+            free &= all(n == w.net or b < low or high < a for a, b, n in there)
+            free &= not any(box.cut((p, q)) for box in solid)
+            own.append(((k, p[k]), (low, high, w.net)))
+        found.append(way if free else None)
+        if free:
+            for key, piece in own:
+                lines.setdefault(key, []).append(piece)
+    return found
+
+
+def _field(
+    wires: Sequence[Wire], boxes: Sequence[Box], given: Sequence[tuple[Point, ...] | None]
+) -> _Field:
     pins = [end[0] for w in wires for end in (w.a, w.b)]
+    pins += [p for way in given if way is not None for p in way]
     edges = [Box(x, y, x, y) for x, y in pins] + list(boxes)
     xs = _lines({p[0] for p in pins}, min(b.x0 for b in edges), max(b.x1 for b in edges))
     ys = _lines({p[1] for p in pins}, min(b.y0 for b in edges), max(b.y1 for b in edges))

@@ -16,6 +16,8 @@ Point = tuple[float, float]
 
 LARGEST = 12.0
 """Farthest place from the middle."""
+CORE = "core"
+"""Parameter of a part of a circuit diagram: the couplings of a coil, divided by spaces."""
 MARKS = 200
 """Most marks of a symbol."""
 _PAIR = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)),([+-]?(?:\d+\.?\d*|\.\d+))\Z", re.ASCII)
