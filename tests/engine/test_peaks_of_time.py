@@ -260,6 +260,21 @@ def test_a_pole_is_passed_and_told_of() -> None:
     assert any("what time does in s has no bound at t = 0.5 s" in w for w in run.warnings)
 
 
+@pytest.mark.parametrize("solver", ["auto", "rk45", "radau"])
+@pytest.mark.parametrize("at", [0.25, 0.3, 0.5, 0.625, 0.7])
+@pytest.mark.parametrize("pole", ["1/(time - {})", "2/(4*time - 4*{})^3", "1/(x - {})"])
+def test_a_pole_is_told_of_wherever_halving_ends(pole: str, at: float, solver: str) -> None:
+    """Where an interval ends just at the pole, all that is looked at lies before or behind it."""
+    m = hb.Model()
+    m.add(V=hb.Se(pole.format(at)), i=hb.One(), R=hb.R(1), L=hb.I(1))
+    m.bond("V -> i -> R", "i -> L")
+    if "x" in pole:
+        m.signal(x=hb.Integral("1"))
+    run = hb.simulate(m, 1.0, solver=solver, on_error="return")
+    passed = run.t_end > at
+    assert not passed or any(f"has no bound at t = {at} s" in w for w in run.warnings)
+
+
 def test_a_root_at_the_start_is_no_pole() -> None:
     m, name = of_flow_into_c("sqrt(time/(1 s))")
     run = hb.simulate(m, "1 s")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 from pathlib import Path
 from typing import Any
@@ -31,6 +32,7 @@ MENDED = {
     "HB-H110": ('right -> m.flange"', 'right -> m.flange", "pad.left -> wall.flange"'),
     "HB-H109": ('start = "on"', 'start = "on"\nrules = ["on -> off when time > 1"]'),
     "HB-H111": ("abs(n.f) < 0 A", "abs(n.f) < 1 mA"),
+    "HB-H112": ('"-2 N*s/m"', '"2 N*s/m"'),
 }
 
 
@@ -113,3 +115,26 @@ def test_the_command_line_tells_hints_with_places(
     assert main(["check", str(path), "--json"]) == 2
     data = json.loads(capsys.readouterr().out)
     assert not data["ok"] and data["error"]["line"] == 7 and data["error"]["file"] == str(path)
+
+
+@pytest.mark.parametrize(
+    ("value", "given"),
+    [
+        ([[1, 5], [-5, 1]], False),  # what goes in at one port comes out at the other
+        ([[0, 3], [-3, 0]], False),
+        ([[2, 1], [1, 0.5]], False),  # singular: it takes nothing of one direction
+        ([[1, 2], [2, 1]], True),
+        ([[1, 0], [0, -1e-3]], True),
+    ],
+)
+def test_a_field_gives_energy_if_some_flow_gets_it(value: list[list[float]], given: bool) -> None:
+    """The least of f'*M*f over flows of size one, asked at many directions."""
+    flows = [(math.cos(k / 100), math.sin(k / 100)) for k in range(629)]
+    least = min(
+        sum(a * value[i][k] * b for i, a in enumerate(f) for k, b in enumerate(f)) for f in flows
+    )
+    assert (least < -1e-4) == given
+    m = hb.Model("field")
+    m.add(V=hb.Se(1), W=hb.Se(2), r=hb.R(value), a=hb.One(), b=hb.One())
+    m.bond("V -> a -> r.1", "W -> b -> r.2")
+    assert [h.code for h in m.check()] == (["HB-H112"] if given else [])

@@ -44,3 +44,64 @@ def test_some_times_a_torque_is_a_torque_and_its_work_is_none(text: str, unit: s
     m.bond("J.shaft -> d.left", "d.right -> f.shaft")
     m.signal(angle=hb.Integral("J.speed"), asked=text)
     assert hb.simulate(m, until=1)["asked"].unit == unit
+
+
+def drive(**signals: object) -> hb.Model:
+    """Return a voltage `u` made of the speed of a rotor, that ends at 0.05 rad/s after 1 s."""
+    m = hb.Model("drive", domain="electrical")
+    m.add(V=hb.Se("u"), i=hb.One(), R=hb.R(1))
+    m.add(T=hb.Se(0.1, domain="rotational"), w=hb.One(domain="rotational"), J=hb.I(2.0))
+    m.bond("V -> i -> R", "T -> w -> J")
+    m.signal(**signals)
+    return m
+
+
+LOOSE = {
+    "integral": ({"s": hb.Integral("4*w.f"), "u": "0.3*w.f + s"}, 0.3 * 0.05 + 4 * 0.025),
+    "alone": ({"s": hb.Integral("4*w.f"), "u": "s"}, 4 * 0.025),
+    "with a start": ({"s": hb.Integral("4*w.f", "2 V"), "u": "3*w.f + s"}, 2.25),
+    "twice": ({"s": hb.Integral("6*w.f"), "z": hb.Integral("s"), "u": "z"}, 0.3 / 6),
+    "limited": (
+        {
+            "s": hb.Integral("4*w.f + 20*(u - a)"),
+            "a": "0.3*w.f + s",
+            "u": "max(-12, min(12, a))",
+        },
+        0.3 * 0.05 + 4 * 0.025,
+    ),
+    "sampled": ({"s": hb.Sampled("4*w.f", every="0.3 s"), "u": "2*w.f + s"}, 0.1 + 4 * 0.045),
+    "sampled, with a start": (
+        {"s": hb.Sampled("4*w.f", every="0.3 s", start="1 V"), "u": "s"},
+        4 * 0.045,
+    ),
+}
+
+
+@pytest.mark.parametrize("name", LOOSE)
+def test_plain_gains_of_a_controller_may_have_any_unit(name: str) -> None:
+    """Numbers fit everywhere, in the integral of a PI controller, too."""
+    signals, volts = LOOSE[name]
+    run = hb.simulate(drive(**signals), 1.0)
+    assert run["V.e"].at(1.0) == pytest.approx(volts, rel=1e-7)
+
+
+@pytest.mark.parametrize(
+    ("signals", "code"),
+    [
+        ({"s": hb.Integral("w.f"), "u": "s"}, "HB-U103"),
+        ({"s": hb.Integral("w.f", "2 V"), "u": "s"}, "HB-U102"),
+        ({"s": hb.Integral("4 [V*s]*w.f"), "u": "w.f + s"}, "HB-U102"),
+        ({"s": hb.Sampled("w.f", every="0.1 s"), "u": "s"}, "HB-U103"),
+        ({"s": hb.Integral("4*w.f"), "u": "w.f + s"}, "HB-U103"),
+    ],
+)
+def test_what_has_no_plain_factor_has_a_unit(signals: dict[str, object], code: str) -> None:
+    with pytest.raises(hb.UnitError) as refused:
+        hb.simulate(drive(**signals), 1.0)
+    assert refused.value.code == code
+
+
+def test_a_number_with_a_unit_says_that_of_the_sum() -> None:
+    m = drive(s=hb.Integral("4*w.f"), z="s + 1 [A]", turned="s + 1 [rad]", u="0")
+    run = hb.simulate(m, 1.0)
+    assert (run["z"].unit, run["turned"].unit) == ("A", "rad")

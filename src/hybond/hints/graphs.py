@@ -1,8 +1,10 @@
-"""Hints at the graph: arrows, junctions without use, parts that float, circuits without ground."""
+"""Hints at the graph: arrows, signs, unused junctions, parts that float, circuits without ground."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+
+import numpy as np
 
 from hybond.model.arrays import base_of, is_array
 from hybond.model.builder import Model
@@ -11,6 +13,9 @@ from hybond.model.expressions import Expr, Number, names
 from hybond.model.graph import FlatGraph, Node
 from hybond.model.kinds import RESISTORS, STORAGES, TWO_PORTS
 
+ROUNDING = 1e-12
+"""Part of the entries of a field below which it takes and gives nothing."""
+
 
 def graph_hints(model: Model, graph: FlatGraph) -> Iterator[Hint]:
     """Yield the hints at nodes and bonds of the model itself, not of its submodels."""
@@ -18,6 +23,8 @@ def graph_hints(model: Model, graph: FlatGraph) -> Iterator[Hint]:
     for node in own:
         if node.kind in STORAGES + RESISTORS:
             yield from _arrows(graph, node)
+        if node.kind in RESISTORS:
+            yield from _gives(node)
         if node.is_junction:
             yield from _alone(node)
     for region in _regions(graph, through=True):
@@ -53,6 +60,27 @@ def _arrows(graph: FlatGraph, node: Node) -> Iterator[Hint]:
             f"law then {what} with the opposite sign of what the arrow counts",
             f'turn it round: "{other} -> {node.path}"',
         )
+
+
+def _gives(node: Node) -> Iterator[Hint]:
+    """A resistance below zero gives energy, and so does a field that does for some of its flows."""
+    matrix = node.law.matrix if node.law else None
+    if not matrix:
+        return
+    size = max(abs(entry) for row in matrix for entry in row)
+    sums = [
+        [a + b for a, b in zip(row, column, strict=True)]
+        for row, column in zip(matrix, zip(*matrix, strict=True), strict=True)
+    ]
+    if float(np.linalg.eigvalsh(sums)[0]) >= -ROUNDING * size:
+        return
+    what = f"{matrix[0][0]:g} is negative" if len(matrix) == 1 else "its matrix is not positive"
+    yield Hint(
+        "HB-H112",
+        f"elements.{node.path}",
+        f"{node.kind} {node.path!r} gives energy where others take it: {what}",
+        "look at its sign; a source of energy is Se or Sf, which says so in the balance",
+    )
 
 
 def _alone(node: Node) -> Iterator[Hint]:

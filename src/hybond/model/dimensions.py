@@ -43,6 +43,24 @@ class _Scaled:
     dimension: Dimension
 
 
+class Loose(Dimension):
+    """The dimension of a signal whose rate has plain numbers as factors: it contradicts nothing.
+
+    Examples
+    --------
+    >>> Loose(parse_unit("V")[1].exponents) == parse_unit("V")[1]
+    True
+    """
+
+    __slots__ = ()
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Dimension) and self.exponents == other.exponents
+
+    def __hash__(self) -> int:
+        return hash(Dimension(self.exponents))
+
+
 _PLAIN = _Plain()
 _TIME = parse_unit("s")[1]
 RATED = ("sin", "cos", "tan", "exp")
@@ -235,7 +253,8 @@ def _node(
 ) -> _Found:
     match e:
         case Name(path):
-            return lookup(path)
+            found = lookup(path)
+            return _Scaled(Dimension(found.exponents)) if isinstance(found, Loose) else found
         case Number(_, dimension):
             return _PLAIN if dimension is None else dimension
         case Pre() | Neg():

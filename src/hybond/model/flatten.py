@@ -14,6 +14,7 @@ from typing import Any
 from hybond.errors import HybondError, ModelError, UnitError
 from hybond.model import fieldless
 from hybond.model.builder import Model
+from hybond.model.dimensions import Loose
 from hybond.model.expressions import Name, names, parse
 from hybond.model.expressions.slots import Slots
 from hybond.model.flat_pieces import with_flat_pieces
@@ -367,7 +368,8 @@ def _integrals(
         if dimension is not None:
             whole = dimension * _TIME
             given = starts[path].dimension
-            if given is not None and given != whole:
+            certain = resolver.dimension(rate, dimensions, where, certain=True) is not None
+            if given is not None and given != whole and certain:
                 made = units_of([part.start, part.rate], scope.parameters)
                 raise UnitError(
                     f"the start {part.start!r} is in {given}, the integral of {part.rate!r} in "
@@ -377,7 +379,8 @@ def _integrals(
                     hint=f"give the start in {whole}"
                     + (", or mend the unit of the parameter" if made else ""),
                 )
-            dimensions[f"s:{k}"] = whole
+            # the numbers in 4*speed may have any unit, which the start may say
+            dimensions[f"s:{k}"] = whole if certain else given or Loose(whole.exponents)
         dimensions[path] = dimensions[f"s:{k}"]
         found.append(Integral(k, path, rate, starts[path].value))
     return tuple(found)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from hybond.errors import ModelError, UnitError
+from hybond.model.dimensions import Loose
 from hybond.model.expressions import Expr, If, Number
 from hybond.model.graph import Sample
 from hybond.model.hierarchy import Opened, Scope, constant, literal
@@ -36,14 +37,18 @@ def samples_of(
     for sample in plain:
         path = sample.path
         at = f"s:{number[path]}"
-        own = resolver.dimension(sample.values[0], dimensions, f"signals.{path}.sample")
-        if own is not None and dimensions[at] not in (None, own):
+        where = f"signals.{path}.sample"
+        own = resolver.dimension(sample.values[0], dimensions, where)
+        certain = resolver.dimension(sample.values[0], dimensions, where, certain=True)
+        if certain is not None and dimensions[at] not in (None, own):
             raise UnitError(
                 f"the start is in {dimensions[at]}, what is sampled in {own}",
                 code="HB-U102",
                 where=f"signals.{path}.start",
                 hint=f"give it in {own}",
             )
+        if own is not None and certain is None:
+            own = Loose(own.exponents)
         dimensions[at] = dimensions[path] = dimensions[at] or own
     return *plain, *_blocks(opened, resolver, dimensions, number)
 

@@ -40,8 +40,8 @@ def _word(e: Expr, graph: FlatGraph, within: frozenset[int]) -> str | None:
     `within` are the integrals in whose rates this stands: one that reads itself says nothing.
     """
     match e:
-        case Number():
-            return None
+        case Number(_, dimension):
+            return None if dimension in (None, DIMENSIONLESS) else ""
         case Name(path):
             return _of_name(path, graph, within)
         case Neg(arg) | Pre(arg):

@@ -19,7 +19,7 @@ from hybond.engine.algebra.products import copy_floats
 from hybond.engine.engine import OK, Engine
 from hybond.engine.methods.from_edges import is_held
 from hybond.engine.methods.radau_room import Radau
-from hybond.engine.methods.radau_stages import mean_size, rate_at
+from hybond.engine.methods.radau_stages import mean_size, rate_at, rests
 from hybond.engine.words import float_table
 
 TO_POLYNOMIAL: Final = float_table(
@@ -71,7 +71,11 @@ def dense_error(e: Engine, r: Radau) -> float:
         if r.from_edge and is_held(r, i):
             # it was nothing before, and is led from there to what it is at the end
             r.end[i] = 0.0
+        # what rests here, too, is not moved by slopes that were found beyond a kink
+        r.shifted[i] = 0.0 if r.end[i] == 0.0 and rests(r, i) else 1.0
     lu_solve(n, r.real, r.real_row, 1, r.end)
+    for i in range(n):
+        r.end[i] *= r.shifted[i]
     return mean_size(n, 1, r.end, r.other)
 
 

@@ -246,11 +246,12 @@ def iterate_stages(e: Engine, r: Radau, rtol: float) -> int:
         if found != OK:
             return STAGES_BEYOND
         correct_stages(r)
-        r.size = mean_size(n, 3, r.last, r.other if other else r.tolerance)
+        r.size = math.inf if other else mean_size(n, 3, r.last, r.tolerance)
         if r.size == math.inf:
-            # a state that leaves 0 in this step
+            # a state that leaves 0 in this step, and may be at 0 again where it ends
             for i in range(n):
-                r.stage[i] = r.y[2 * n + i]
+                r.stage[i] = max(math.fabs(r.y[i]), math.fabs(r.y[n + i]))
+                r.stage[i] = max(r.stage[i], math.fabs(r.y[2 * n + i]))
             tolerance(e, r.y0, r.stage, r.other)
             allow_rounding(e, r.h, r.y0, r.stage, r.other)
             other = True

@@ -160,12 +160,13 @@ def look_ahead(e: Engine, bound: float) -> None:
         length *= 0.5
         hidden = find_hidden(e, e.t, e.t + length)
     if hidden >= 0:
-        root = m.course_root[hidden]
-        if not math.isfinite(c.ranges.high[root] - c.ranges.low[root]):
-            tell_unseen(e, hidden, UNBOUNDED)
         # past it, in longer and longer steps
         c.blind = 2.0 * c.blind if c.blind > 0.0 else 4.0 * least
         length = min(c.blind, left)
+        range_parts(m, c.ranges, e.v, e.t, e.t + length)
+        root = m.course_root[hidden]
+        if not math.isfinite(c.ranges.high[root] - c.ranges.low[root]):
+            tell_unseen(e, hidden, UNBOUNDED)
     else:
         c.blind = 0.0
         see_peaks(e, length)

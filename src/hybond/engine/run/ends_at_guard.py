@@ -13,7 +13,12 @@ from hybond.engine.methods.stepping import no_shorter, retry
 from hybond.engine.mode.mode_records import is_constrained
 from hybond.engine.run.locate import locate
 from hybond.engine.run.locator import Locator
-from hybond.engine.run.together import is_kink_alone, kink_there, last_of_instant
+from hybond.engine.run.together import (
+    ends_in_rounding,
+    is_kink_alone,
+    kink_there,
+    last_of_instant,
+)
 
 FORWARD: Final = 20
 """Times that the motion goes on beyond a guard that holds in vain; then that is refused."""
@@ -137,7 +142,8 @@ def closer(e: Engine, g: Locator) -> int:
     """Repeat a step in which a guard holds long before its end, until one ends where it does.
 
     Of what has all but died away a polynomial that satisfies the tolerance knows nothing; at the
-    end of a step that is propagated is what is left of it.
+    end of a step that is propagated is what is left of it. Where that is rounding, within an
+    instant, the guard begins where the longer step has it: others would lead nowhere.
     """
     if not knows_ends(e):
         return OK
@@ -147,9 +153,13 @@ def closer(e: Engine, g: Locator) -> int:
         end = g.at + 1e-6 * (g.at - e.step.t0)
         if end - e.step.t0 <= NO_TIME * e.span:
             break
+        longer = e.step.t1
         if retry(e, end) != OK or locate(e, g) != OK:
             return REFUSED
         if g.at == math.inf:
+            within = e.step.t1 - e.step.t0 <= room_of_instant(e, e.step.t0)
+            if within and ends_in_rounding(e, g):
+                return locate(e, g) if retry(e, longer) == OK else REFUSED
             break
     return OK
 

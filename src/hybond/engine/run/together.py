@@ -11,6 +11,7 @@ import math
 from typing import Final
 
 from hybond.engine.engine import Engine
+from hybond.engine.expressions.pairs import ROUNDING
 from hybond.engine.methods.dopri import spacing
 from hybond.engine.run.bracket import bracket
 from hybond.engine.run.guard_values import (
@@ -21,6 +22,7 @@ from hybond.engine.run.guard_values import (
     look_at_time,
     show,
     size_here,
+    terms_here,
     test_here,
 )
 from hybond.engine.run.locator import ALL_PARTS, NO_KINK, Locator
@@ -94,6 +96,19 @@ def may_hold(e: Engine, g: Locator, k: int) -> bool:
             size = size_here(e, g, a)
             near = here <= NEAR_ZERO * size
     return near
+
+
+def ends_in_rounding(e: Engine, g: Locator) -> bool:
+    """Whether a guard compares what is rounding of its terms, at the end of the last step."""
+    found = False
+    look(e, g, e.step.t1)
+    for k in range(g.guards):
+        if g.side[k] == NO_KINK and g.margin[k] < 0:
+            for a in range(g.atom_first[k], g.atom_first[k + 1]):
+                size = terms_here(e, g, k, a)
+                found = found or (size > 0.0 and math.fabs(atom_here(e, g, a)) <= ROUNDING * size)
+    show(e, g, ALL_PARTS)
+    return found
 
 
 def is_kink_alone(e: Engine, g: Locator) -> bool:
