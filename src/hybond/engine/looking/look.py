@@ -16,7 +16,7 @@ from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.inputs.interval import interval_after
 from hybond.engine.instant.jump import on_constraints
 from hybond.engine.looking.asked import Ask, ask_for_powers, make_ask, prepare, solve_asked
-from hybond.engine.looking.led_back import WAYS, lead_back
+from hybond.engine.looking.led_back import lead_back, ways_back
 from hybond.engine.mode.equations import mode_of
 from hybond.engine.mode.limits import put_limits
 from hybond.engine.mode.mode_records import Mode, is_constrained
@@ -219,7 +219,8 @@ def take_point(e: Engine, l: Look, a: Ask, i: int, t: float) -> int:
         return OK
     found = solve_point(e, l, t, accepted)
     way = 0
-    while found != OK and way < WAYS and l.points.in_steps and e.model.edges > 0 and not accepted:
+    ways = ways_back(e) if l.points.in_steps and e.model.edges > 0 and not accepted else 0
+    while found != OK and way < ways:
         step = l.points.step[i]
         take_from_step(e, l, a, step, t)
         lead_back(e, way, part_of_step(l, step, t), l.points.step_state, 3 * e.states * step, l.y)
