@@ -84,7 +84,8 @@ subset. Rooms, and in them files, as data passes them::
         control, dopri, strayed    steps that the error controls: Dormand and Prince
         exact, flow, linear_rows, balance, propagate, flow_records    linear modes, propagated
         radau, radau_stages, radau_dense, radau_method, radau_room    implicit steps
-        stiffness, from_edges    when ``auto`` goes over to them, and back; where laws begin
+        stiffness           when ``auto`` goes over to them, and back
+        from_edges, beside_edges    stages where laws begin, and beside that
         fixed               forward Euler, the classical Runge-Kutta method
         qss, qss_start, qss_events, qss_band, qss_place, qss_room    quantised states
         qss_linear, qss_fit, qss_nodes    their rates: in linear modes, and in others
@@ -113,6 +114,7 @@ subset. Rooms, and in them files, as data passes them::
         shown, noting, check_records    as read from outside; what was found
     looking/
         look, asked, known, energies    values and powers at points of a known motion
+        led_back            points that a cubic leads beyond where a law ends
     reasons/
         facts, warned       why a run ended, what it warns of, in numbers
 

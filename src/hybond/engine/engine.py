@@ -193,7 +193,9 @@ class Courses:
     size: Floats
     peak: Floats
     last: Floats
-    """The largest value of each in the interval that was looked at last, and was too long."""
+    last_length: Floats
+    """The largest value of each in the intervals looked at last that were too long, and how long
+    the one with it was."""
     peak_at: Floats
     told: Ints
     end: float
@@ -397,6 +399,7 @@ def make_courses(m: Model) -> Courses:
     c.size = floats(m.courses)
     c.peak = floats(m.courses)
     c.last = floats(m.courses)
+    c.last_length = floats(m.courses)
     c.peak_at = floats(m.courses)
     c.told = ints(m.courses)
     c.end = -math.inf

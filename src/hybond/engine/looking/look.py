@@ -16,6 +16,7 @@ from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.inputs.interval import interval_after
 from hybond.engine.instant.jump import on_constraints
 from hybond.engine.looking.asked import Ask, ask_for_powers, make_ask, prepare, solve_asked
+from hybond.engine.looking.led_back import lead_back, ways_back
 from hybond.engine.mode.equations import mode_of
 from hybond.engine.mode.limits import put_limits
 from hybond.engine.mode.mode_records import Mode, is_constrained
@@ -211,13 +212,36 @@ def take_point(e: Engine, l: Look, a: Ask, i: int, t: float) -> int:
             l.y[a.part[p]] = l.points.y[i * e.states + a.part[p]]
         accepted = l.points.accepted[i] != 0
     e.t = t
-    if l.corrects and not accepted and correct(e, l, t) != OK:
-        return REFUSED
     if a.sparse:
+        if l.corrects and not accepted and correct(e, l, t) != OK:
+            return REFUSED
         solve_asked(e, a, t, l.y)
         return OK
+    found = solve_point(e, l, t, accepted)
+    way = 0
+    ways = ways_back(e) if l.points.in_steps and e.model.edges > 0 and not accepted else 0
+    while found != OK and way < ways:
+        step = l.points.step[i]
+        take_from_step(e, l, a, step, t)
+        lead_back(e, way, part_of_step(l, step, t), l.points.step_state, 3 * e.states * step, l.y)
+        found = solve_point(e, l, t, accepted)
+        way += 1
+    return found
+
+
+def solve_point(e: Engine, l: Look, t: float, accepted: bool) -> int:
+    """Find all values with the state in `l.y`, put back on what holds it if need be."""
+    if l.corrects and not accepted and correct(e, l, t) != OK:
+        return REFUSED
     set_motion(e, e.v, t, l.y)
     return OK if solve_here(e, e.mode, e.v) == OK else REFUSED
+
+
+def part_of_step(l: Look, step: int, t: float) -> float:
+    """Return which part of a step is over at a time within it."""
+    p = l.points
+    t0 = p.step_time[3 * step]
+    return ((t - t0) + l.past) / (p.step_time[3 * step + 1] - t0)
 
 
 def take_from_step(e: Engine, l: Look, a: Ask, step: int, t: float) -> bool:
@@ -225,7 +249,6 @@ def take_from_step(e: Engine, l: Look, a: Ask, step: int, t: float) -> bool:
     n = e.states
     p = l.points
     t0 = p.step_time[3 * step]
-    t1 = p.step_time[3 * step + 1]
     at = 3 * n * step
     if l.past == 0.0 and (t == t0 or t == p.step_time[3 * step + 2]):
         at += 0 if t == t0 else 2 * n
@@ -234,7 +257,7 @@ def take_from_step(e: Engine, l: Look, a: Ask, step: int, t: float) -> bool:
             l.y[k] = p.step_state[at + k]
         return True
     dense = 4 * n * step
-    x = ((t - t0) + l.past) / (t1 - t0)
+    x = part_of_step(l, step, t)
     x2 = x * x
     x3 = x2 * x
     x4 = x3 * x

@@ -140,10 +140,11 @@ def is_off_edge(e: Engine, t: float, y: Floats) -> bool:
     return off
 
 
-def stages_from_edge(e: Engine, r: Radau, rtol: float) -> bool:
+def stages_from_edge(e: Engine, r: Radau, rtol: float, least: float) -> bool:
     """Find the stages of a step, and a Jacobian at its end; False where there are none.
 
-    What was tried beyond an edge on the way refuses no step that is found.
+    No part of a correction that is less than `least` is taken for progress. What was tried beyond
+    an edge on the way refuses no step that is found.
     """
     n = r.n
     refusal = e.refusal
@@ -161,7 +162,7 @@ def stages_from_edge(e: Engine, r: Radau, rtol: float) -> bool:
             return False
         lu_solve(many, r.whole.at, r.whole_row.at, 1, r.left_over.at)
         part = correct_within(e, r)
-        if part == 0.0:
+        if part <= least:
             return False
         for i in range(n):
             r.stage[i] = r.y[2 * n + i]

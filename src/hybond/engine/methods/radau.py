@@ -12,13 +12,9 @@ from hybond.engine.algebra.lu import SINGULAR, lu_solve
 from hybond.engine.algebra.products import copy_floats
 from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.engine import NOT_FINITE, OK, Engine
+from hybond.engine.methods.beside_edges import begins_at_edge, iterate_beside_edge
 from hybond.engine.methods.dopri import spacing
-from hybond.engine.methods.from_edges import (
-    keep_within,
-    leaves_edge,
-    stages_from_edge,
-    widen,
-)
+from hybond.engine.methods.from_edges import keep_within, widen
 from hybond.engine.methods.one_instant import is_one_kink
 from hybond.engine.methods.onset import look_ahead
 from hybond.engine.methods.radau_dense import hold_dense, make_polynomial
@@ -37,7 +33,6 @@ from hybond.engine.methods.radau_stages import (
     STAGES_BEYOND,
     STAGES_CONVERGED,
     factorise,
-    iterate_stages,
     mean_size,
     rate_at,
     rests,
@@ -210,16 +205,14 @@ def try_radau(e: Engine, r: Radau, rtol: float) -> int:
     r.beyond = False
     if e.model.tells != 0:
         r.blamed = RATE_BLAMED
-    r.from_edge = leaves_edge(e, r.t0, r.y0, r.f0, r.h) and stages_from_edge(e, r, rtol)
+    r.from_edge = begins_at_edge(e, r, rtol)
     if r.matrix == NO_MATRIX:
         differences(e, r, rtol)
     if factorise(r) == SINGULAR:
         return STEP_REJECTED
-    if r.from_edge:
-        e.step.left_edge = True
-        e.step.calm = 0
     # stages that go on from the last ones leave rest
     r.known = r.known and not e.step.on_edge
+    fresh = r.matrix == FRESH_MATRIX
     found = STAGES_CONVERGED if r.from_edge else iterate_beside_edge(e, r, rtol)
     if e.model.tells != 0:
         r.blamed = ERROR_BLAMED if found == STAGES_CONVERGED else STAGES_BLAMED
@@ -229,7 +222,7 @@ def try_radau(e: Engine, r: Radau, rtol: float) -> int:
         if found == STAGES_BEYOND:
             r.beyond = True
             r.shrink = RADAU_SHRINK
-        if r.matrix != FRESH_MATRIX:
+        if not fresh:
             # the Jacobian may be to blame; where something is not finite, the size as well
             r.matrix = NO_MATRIX
             if found != STAGES_BEYOND:
@@ -254,25 +247,6 @@ def try_radau(e: Engine, r: Radau, rtol: float) -> int:
         r.shrink = RADAU_SHRINK
         return STEP_REJECTED
     return STEP_MADE
-
-
-def iterate_beside_edge(e: Engine, r: Radau, rtol: float) -> int:
-    """Iterate the stages, those of a motion that has left an edge with slopes for each, if need be.
-
-    There one matrix may serve not all of them, or lead the end beyond the edge.
-    """
-    n = r.n
-    found = iterate_stages(e, r, rtol)
-    if not e.step.left_edge:
-        return found
-    if found == STAGES_CONVERGED:
-        for i in range(n):
-            r.stage[i] = r.y[2 * n + i]
-        if rate_at(e, n, r.t1, r.stage, r.end) == OK:
-            return found
-    if stages_from_edge(e, r, rtol) and factorise(r) != SINGULAR:
-        return STAGES_CONVERGED
-    return found
 
 
 def over_kink(e: Engine, r: Radau) -> bool:

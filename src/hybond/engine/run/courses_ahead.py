@@ -154,6 +154,7 @@ def look_ahead(e: Engine, bound: float) -> None:
     set_motion(e, e.v, e.t, e.y)
     for k in range(m.courses):
         c.last[k] = 0.0
+        c.last_length[k] = 0.0
     hidden = find_hidden(e, e.t, e.t + length)
     while hidden >= 0 and length > least:
         c.hidden = hidden
@@ -169,7 +170,7 @@ def look_ahead(e: Engine, bound: float) -> None:
             tell_unseen(e, hidden, UNBOUNDED)
     else:
         c.blind = 0.0
-        see_peaks(e, length)
+        see_peaks(e)
     c.length = length
     c.end = bound if length >= left else e.t + length
 
@@ -196,7 +197,10 @@ def find_hidden(e: Engine, a: float, b: float) -> int:
         seen = way <= SHOWN * shown or (steep and range_ <= MONOTONE * shown)
         if not seen and not is_even(e, k, a, b, way, least):
             for i in range(m.courses):
-                c.last[i] = farthest(r.low[m.course_root[i]], r.high[m.course_root[i]])
+                most = farthest(r.low[m.course_root[i]], r.high[m.course_root[i]])
+                if math.isfinite(most) and most > c.last[i]:
+                    c.last[i] = most
+                    c.last_length[i] = b - a
             return k
     for k in range(m.courses):
         size = farthest(r.low[m.course_root[k]], r.high[m.course_root[k]])
@@ -205,19 +209,19 @@ def find_hidden(e: Engine, a: float, b: float) -> int:
     return -1
 
 
-def see_peaks(e: Engine, length: float) -> None:
-    """See which courses are nothing in the interval ahead, and not so in one twice as long."""
+def see_peaks(e: Engine) -> None:
+    """See which courses are nothing in the interval ahead, and not so in a longer one that hid."""
     m = e.model
     c = e.courses
     for k in range(m.courses):
         root = m.course_root[k]
         here = farthest(c.ranges.low[root], c.ranges.high[root])
-        if e.mode.course[k] == 0 or not (c.last[k] > c.peak[k] and math.isfinite(c.last[k])):
+        if e.mode.course[k] == 0 or not c.last[k] > c.peak[k]:
             continue
         if here > NOTHING * c.last[k]:
             continue
         c.peak[k] = c.last[k]
-        c.peak_at[k] = top_of(e, k, e.t, e.t + 2.0 * length)
+        c.peak_at[k] = top_of(e, k, e.t, e.t + c.last_length[k])
         measure_peak(e, k)
 
 

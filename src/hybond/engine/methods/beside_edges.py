@@ -1,0 +1,102 @@
+"""Stages of a step where laws have edges: found with one matrix for all, or with slopes of each.
+
+One matrix serves all stages where slopes are about the same at all of them. Beside an edge they are
+not. A matrix that was made where a root has next to no bound on its slope makes the correction next
+to nothing, however much is left of the equations, and that looks as if stages had converged; one
+that was made farther off leads them beyond the edge. So what is found at once is put back into the
+laws, and where either has happened the stages are found by their own slopes.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from hybond.engine.algebra.lu import SINGULAR
+from hybond.engine.engine import OK, Engine
+from hybond.engine.methods.from_edges import leaves_edge, put_left, stages_from_edge
+from hybond.engine.methods.radau_room import Radau
+from hybond.engine.methods.radau_stages import (
+    NO_MATRIX,
+    STAGES_BEYOND,
+    STAGES_CONVERGED,
+    factorise,
+    iterate_stages,
+    rate_at,
+    stage_rates,
+)
+
+LESSENS: Final = 0.5
+"""Part of what was left of the equations that a correction may leave of them."""
+STALLS: Final = 2.0**-5
+"""Part of a correction that laws have values for, at the most, where a motion runs into an edge:
+there is no way on. Where one runs beside it, there is one for a quarter and more."""
+
+
+def begins_at_edge(e: Engine, r: Radau, rtol: float) -> bool:
+    """Whether the step that is tried leaves an edge; its stages are found then."""
+    if not (leaves_edge(e, r.t0, r.y0, r.f0, r.h) and own_stages(e, r, rtol, 0.0)):
+        return False
+    e.step.left_edge = True
+    e.step.calm = 0
+    return True
+
+
+def own_stages(e: Engine, r: Radau, rtol: float, least: float) -> bool:
+    """Find the stages by slopes of their own; where there are none, those serve no other iteration.
+
+    They are of places that were tried: at an edge without bound.
+    """
+    if stages_from_edge(e, r, rtol, least):
+        return True
+    r.matrix = NO_MATRIX
+    r.served = 0.0
+    return False
+
+
+def iterate_beside_edge(e: Engine, r: Radau, rtol: float) -> int:
+    """Iterate the stages with one matrix, and with slopes for each where that does not serve."""
+    found = iterate_stages(e, r, rtol)
+    if e.model.edges == 0 or e.slide.k > 0:
+        return found
+    s = e.step
+    if found == STAGES_CONVERGED:
+        for i in range(r.n):
+            r.stage[i] = r.y[2 * r.n + i]
+        within = rate_at(e, r.n, r.t1, r.stage, r.end) == OK
+        if within and not (r.iterations == 1 and is_stuck(e, r)):
+            return found
+        found = STAGES_BEYOND
+    if found != STAGES_BEYOND and not s.left_edge:
+        return found
+    if own_stages(e, r, rtol, 0.0 if s.left_edge else STALLS) and factorise(r) != SINGULAR:
+        s.left_edge = True
+        s.calm = 0
+        return STAGES_CONVERGED
+    return found
+
+
+def is_stuck(e: Engine, r: Radau) -> bool:
+    """Whether the only correction has left most of what there was to correct, more than may be."""
+    n = r.n
+    for k in range(3 * n):
+        r.z[k] -= r.last[k]
+    before = most_left(r)
+    for k in range(3 * n):
+        r.z[k] += r.last[k]
+    if not before > 1.0:
+        return False
+    return stage_rates(e, r) != OK or most_left(r) > LESSENS * before
+
+
+def most_left(r: Radau) -> float:
+    """Return the most that is left of the equations of a stage, over a step, in tolerances."""
+    n = r.n
+    put_left(r, r.swung)
+    most = 0.0
+    for k in range(3 * n):
+        unit = r.tolerance[k % n]
+        left = r.h * math.fabs(r.swung[k])
+        if left > 0.0:
+            most = max(most, left / unit if unit > 0.0 else math.inf)
+    return most
