@@ -252,9 +252,11 @@ def take_rows(x: Elimination, knowns: int, rows: Rows) -> None:
                 rows.column.at[at] = rows.column.at[at - 1]
                 rows.value.at[at] = rows.value.at[at - 1]
                 rows.size.at[at] = rows.size.at[at - 1]
+                rows.rest.at[at] = rows.rest.at[at - 1]
                 at -= 1
             rows.column.at[at] = j
             rows.value.at[at] = -x.entry.at[i]
+            rows.rest.at[at] = -x.rest.at[i]
             rows.size.at[at] = max(math.fabs(x.entry.at[i]), LOST * x.loss.at[i])
             entries += 1
     rows.first.at[n] = entries

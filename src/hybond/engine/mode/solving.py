@@ -14,7 +14,7 @@ from typing import Final
 from hybond.engine.engine import NOT_FINITE, OK, Engine, count_work
 from hybond.engine.mode.equations import eliminate_by
 from hybond.engine.mode.mode_records import Mode, Reads
-from hybond.engine.mode.newton import by_knowns, keep_guess, knowns_of, newton
+from hybond.engine.mode.newton import closely, keep_guess, knowns_of, newton
 from hybond.engine.mode.newton_system import measure_terms, write_bonds
 from hybond.engine.mode.put_back import HIDDEN, UNIT, is_known
 from hybond.engine.mode.reading import put_knowns, show_read
@@ -39,7 +39,7 @@ def solve(e: Engine, mode: Mode, v: Floats) -> int:
     count_work(e, 2 * e.model.bonds + mode.knowns)
     knowns_of(e, mode, v, True)
     if mode.dynamics == 0:
-        by_knowns(e, mode, mode.direct, w)
+        closely(e, mode, mode.direct, w)
     elif newton_with_digits(e, mode, v) != OK:
         return NOT_FINITE
     elif mode.finite_frees > 0:
