@@ -10,7 +10,7 @@ from typing import Final
 
 from hybond.engine.engine import OK, Engine
 from hybond.engine.looking.look import Look
-from hybond.engine.mode.newton import closely
+from hybond.engine.mode.closely import closely
 from hybond.engine.mode.storage import energy_of
 from hybond.engine.words import Floats, Ints
 

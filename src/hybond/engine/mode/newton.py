@@ -11,7 +11,6 @@ from typing import Final
 from hybond.engine.algebra.blocks import Rows, fit, row_size, row_times
 from hybond.engine.algebra.products import all_finite
 from hybond.engine.algebra.rounding import EPSILON
-from hybond.engine.algebra.twofold import row_closely
 from hybond.engine.answers import node_name, value
 from hybond.engine.engine import NOT_FINITE, OK, Engine, say_fault
 from hybond.engine.mode.beside_jumps import from_beside_jumps
@@ -87,14 +86,6 @@ def by_knowns(e: Engine, mode: Mode, rows: Rows, w: Floats) -> None:
     for k in range(n):
         same = mode.same[k]
         w[k] = w[same] if same < k else row_times(rows, k, xi)
-
-
-def closely(e: Engine, mode: Mode, rows: Rows, w: Floats) -> None:
-    """Do the same with all digits, however many terms cancel: what holds of them all holds then."""
-    xi = e.work.xi
-    for k in range(2 * e.model.bonds):
-        same = mode.same[k]
-        w[k] = w[same] if same < k else row_closely(rows, k, xi)
 
 
 def newton(e: Engine, mode: Mode, v: Floats) -> int:
