@@ -1,9 +1,12 @@
-"""Laws that hold just beside a jump of one of them, though rounding says that they do not.
+"""Laws that hold at a jump of one of them or just beside it, though Newton's steps miss that.
 
 What a spring brings to rest against ``sign(f)`` approaches the edge of what the sign gives, and
 comes to it within the last digits of the spring: whether a flow is left that the law has a value
 for is a matter of rounding then. So the flow is next to nothing, on either side, and the law gives
 what it gives there; if it holds to rounding of its terms, that is the solution.
+
+A law that jumps and one that is flat see the same unknown sum of what each is asked for. What one
+of them is to take, slopes do not tell: at zero the one that jumps leaves all of it to the other.
 """
 
 from __future__ import annotations
@@ -38,14 +41,16 @@ def from_beside_jumps(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
         for j in range(mode.finite_frees):
             if mode.free_column[j] != mode.same[m.dynamic_partner[d]]:
                 continue
-            for side in range(2):
-                if holds_beside(e, mode, v, r, i, j, 1.0 if side == 0 else -1.0):
-                    return True
+            # above the jump, below it, at the jump itself
+            if holds_beside(e, mode, v, r, i, j, 1.0) or holds_beside(e, mode, v, r, i, j, -1.0):
+                return True
+            if holds_beside(e, mode, v, r, i, j, 0.0):
+                return True
     return False
 
 
 def holds_beside(e: Engine, mode: Mode, v: Floats, r: Floats, i: int, j: int, way: float) -> bool:
-    """Whether all laws hold where unknown j, which law i jumps with, is next to nothing.
+    """Whether all laws hold where unknown j, which law i jumps with, is next to nothing, or zero.
 
     What else is free follows from the other laws.
     """

@@ -77,6 +77,9 @@ class Elimination:
     """Whether a bent law reads an unknown: it is left free where others can be solved for. Newton's
     method finds it to its last digit then, and where it is zero it is; a difference of others has
     the sign of their rounding."""
+    last: Ints
+    """Whether an unknown is in one row alone, which it ends: the force of a source of flow. Solved
+    for there it takes the terms of all others, and they keep their digits."""
     weight: Floats
     """How large each unknown is known to be; 1 where nothing is known. Of a row the largest of its
     terms is solved for: what is a sum of them then is no small difference of large ones."""
@@ -121,6 +124,7 @@ def make_elimination(unknowns: int, columns: int) -> Elimination:
     e.rest = make_block(SMALLEST * unknowns)
     e.loss = make_block(SMALLEST * unknowns)
     e.read = ints(unknowns)
+    e.last = ints(unknowns)
     e.weight = floats(unknowns)
     for k in range(unknowns):
         e.weight[k] = 1.0
@@ -243,6 +247,7 @@ def copy_elimination(source: Elimination, e: Elimination) -> None:
     for k in range(e.unknowns):
         e.same[k] = source.same[k]
         e.read[k] = source.read[k]
+        e.last[k] = source.last[k]
         e.weight[k] = source.weight[k]
         e.solved[k] = source.solved[k]
         e.order[k] = source.order[k]
@@ -366,6 +371,8 @@ def is_before(e: Elimination, k: int, other: int) -> bool:
     """Whether unknown k is rather solved for than another one."""
     if e.read[k] != e.read[other]:
         return e.read[k] == 0
+    if e.last[k] != e.last[other]:
+        return e.last[k] != 0
     return e.used[k] < e.used[other] or (e.used[k] == e.used[other] and k < other)
 
 
