@@ -1,4 +1,4 @@
-"""What a sum or a product of two numbers was rounded by: the digits that the result has no room for.
+"""What a sum or a product was rounded by: the digits that the result has no room for.
 
 A number and such a rest beside it have twice the digits of one (Dekker, *A floating-point technique
 for extending the available precision*, 1971; Knuth's sum).

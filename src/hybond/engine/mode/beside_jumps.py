@@ -24,6 +24,7 @@ from hybond.engine.words import Floats
 
 NEXT_TO_NOTHING: Final = 1e-290
 """What has a sign, and is no part of anything."""
+NO_FREE: Final = -1
 TURNS: Final = 20
 SMALL: Final = 1e-13
 """Steps end that are below this part of the unknowns."""
@@ -38,15 +39,31 @@ def from_beside_jumps(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
         d = mode.dynamic[i]
         if d < 0 or m.dynamic_jumps[d] != 1 or m.dynamic_partner[d] < 0:
             continue
-        for j in range(mode.finite_frees):
-            if mode.free_column[j] != mode.same[m.dynamic_partner[d]]:
-                continue
-            # above the jump, below it, at the jump itself
-            if holds_beside(e, mode, v, r, i, j, 1.0) or holds_beside(e, mode, v, r, i, j, -1.0):
-                return True
-            if holds_beside(e, mode, v, r, i, j, 0.0):
-                return True
+        j = free_alone(mode, mode.same[m.dynamic_partner[d]], e.work.base)
+        if j == NO_FREE:
+            continue
+        # above the jump, below it, at the jump itself
+        if holds_beside(e, mode, v, r, i, j, 1.0) or holds_beside(e, mode, v, r, i, j, -1.0):
+            return True
+        if holds_beside(e, mode, v, r, i, j, 0.0):
+            return True
     return False
+
+
+def free_alone(mode: Mode, k: int, base: Floats) -> int:
+    """Return the free unknown that bond variable k is a multiple of, or NO_FREE.
+
+    Of a flow that passes through several elements one stands for all, whichever it is.
+    """
+    found = NO_FREE
+    if base[k] != 0.0:
+        return NO_FREE
+    for j in range(mode.finite_frees):
+        if mode.finite_free.at[k * mode.finite_frees + j] != 0.0:
+            if found != NO_FREE:
+                return NO_FREE
+            found = j
+    return found
 
 
 def holds_beside(e: Engine, mode: Mode, v: Floats, r: Floats, i: int, j: int, way: float) -> bool:

@@ -19,12 +19,11 @@ from hybond.engine.mode.elimination import (
     Elimination,
     add_row,
     begin_elimination,
-    copy_elimination,
     give,
     make_equal,
-    put_in,
     settle_equal,
 )
+from hybond.engine.mode.elimination_of_another import copy_elimination, put_in
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.storage import own_stiffness
 from hybond.engine.model import Model

@@ -5,6 +5,7 @@ from __future__ import annotations
 from hybond.engine.answers import value
 from hybond.engine.engine import NOT_FINITE, OK, Engine
 from hybond.engine.inputs.interval import set_time
+from hybond.engine.mode.agreement import check_agreement
 from hybond.engine.mode.limits import put_limits
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.reading import rates_by_knowns
@@ -78,7 +79,10 @@ def field(e: Engine, mode: Mode, t: float, y: Floats, rate: Floats) -> int:
     if mode.dynamics == 0:
         rates_by_knowns(e, mode, v, rate)
     elif solve_in_step(e, mode, v) != OK:
-        # a trial point beyond where the laws hold: the solver shortens its step
+        # a trial point beyond where the laws hold: the solver shortens its step; where sources have
+        # come to contradict each other laws have no part in it
+        if mode.agreements.rows > 0:
+            check_agreement(e, mode, v)
         e.refusal = True
         return NOT_FINITE
     else:
