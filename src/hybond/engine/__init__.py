@@ -17,13 +17,15 @@ subset. Rooms, and in them files, as data passes them::
         pairs, paired       what jumps: a finite part and an impulse; guards and rates on these
     algebra/
         blocks, products    arrays that grow, sparse rows; products of matrices
+        twofold             sums and products with twice the digits
         rounding, scaling, separate   what rounding is; powers of two; equations apart
         lu, lu_pair, qr, regular   square systems: real, complex, orthogonal, clearly regular
         svd, least_distance        singular values; the point next to zero that keeps inequalities
     mode/
-        tableau, elimination    rows of a mode, eliminated
+        tableau, elimination, elimination_of_another    rows of a mode, eliminated
         equations, kept_modes, mode_records    those made ready, and kept
         solving, limits, values    bond variables at an instant; what expressions read
+        closely, agreement  with all digits, where sums cancel; whether sources agree
         newton, newton_system, newton_step, dynamic_rows    Newton's method: what it makes zero, its
                             step, by which laws
         guess, neighbours   where it begins

@@ -75,6 +75,18 @@ def test_no_more_is_lost_than_it_says(seed: int) -> None:
             assert e.loss.at[i] >= abs(e.entry.at[i])
 
 
+@pytest.mark.parametrize("seed", range(40))
+def test_entries_and_their_rests_have_twice_the_digits(seed: int) -> None:
+    rows, n = ladder(seed)
+    e, exact = eliminated(rows, n), solved(rows, n)
+    for k in range(n):
+        for i in range(e.first[k], e.first[k] + e.count[k]):
+            true = exact[k][e.column.at[i] - n]
+            assert e.entry.at[i] == pytest.approx(float(true), rel=2.0**-52)
+            off = float(abs(Fraction(e.entry.at[i]) + Fraction(e.rest.at[i]) - true))
+            assert off <= 2.0**-96 * e.loss.at[i]
+
+
 def test_what_cancelled_is_known_to_be_uncertain() -> None:
     # x + y = a, x + (1 + 2^-30) y = b: y is 2^30 (b - a), of which thirty binary digits are lost
     small = Fraction(1, 2**30)

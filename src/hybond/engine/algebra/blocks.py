@@ -33,6 +33,8 @@ class Rows:
     value: Block
     size: Block
     """What rounding of each value is measured by, at least its magnitude; where somebody asks."""
+    rest: Block
+    """By what each value is more than it was rounded to; where somebody asks."""
 
 
 def make_block(n: int) -> Block:
@@ -58,6 +60,7 @@ def make_rows() -> Rows:
     r.column = make_places(1)
     r.value = make_block(1)
     r.size = make_block(1)
+    r.rest = make_block(1)
     return r
 
 
@@ -106,6 +109,7 @@ def fit_rows(r: Rows, rows: int, entries: int) -> None:
     fit_places(r.column, entries)
     fit(r.value, entries)
     fit(r.size, entries)
+    fit(r.rest, entries)
 
 
 def row_times(r: Rows, k: int, x: Floats) -> float:

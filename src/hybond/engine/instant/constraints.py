@@ -9,51 +9,19 @@ from hybond.engine.algebra.blocks import fit, row_size, row_times
 from hybond.engine.algebra.products import all_finite, copy_floats
 from hybond.engine.algebra.rounding import SMALLEST
 from hybond.engine.algebra.svd import svd_of_transpose
-from hybond.engine.answers import node_name, value
-from hybond.engine.engine import OK, REFUSED, Engine, say_fault, svd_room
+from hybond.engine.answers import value
+from hybond.engine.engine import Engine, svd_room
 from hybond.engine.mode.dynamic_rows import frozen_at
 from hybond.engine.mode.mode_records import Mode
-from hybond.engine.mode.newton import known_of, knowns_of
+from hybond.engine.mode.newton import known_of
 from hybond.engine.mode.newton_system import by_power, split, take_rank
 from hybond.engine.mode.reach import reach_at
 from hybond.engine.mode.storage import coupled, own_stiffness, with_stored
 from hybond.engine.model import Model
-from hybond.engine.reasons.facts import disagree
 from hybond.engine.words import Floats
 
 TINY: Final = 1e12 * SMALLEST
 """A term is not smaller than this: the last bit of what is denormal is no small part of it."""
-AGREE: Final = 1e-9
-"""Contradicting sources agree if they differ by less than this part of their values."""
-
-
-def check_agreement(e: Engine, mode: Mode, v: Floats) -> int:
-    """Refuse sources that prescribe one variable differently."""
-    m = e.model
-    knowns_of(e, mode, v, False)
-    for r in range(mode.agreements.rows):
-        total = 0.0
-        size = 0.0
-        place = -1
-        for i in range(mode.agreements.first.at[r], mode.agreements.first.at[r + 1]):
-            at = mode.agreements.column.at[i]
-            term = mode.agreements.value.at[i] * e.work.xi[at]
-            total += term
-            size += math.fabs(term)
-            source = mode.source[at - m.storages]
-            if source >= 0:
-                place = m.source_node[source]
-        if math.fabs(total) <= AGREE * size:
-            continue
-        why = "sources prescribe the same variable and differ"
-        if m.tells != 0:
-            disagree(e, mode, r, total, why)
-        else:
-            say_fault(e, "HB-C101", why, node_name(m, place) if place >= 0 else "")
-        # a step may have come to where they differ: what is said is so then
-        e.fault.t = v[0]
-        return REFUSED
-    return OK
 
 
 def begin_constraints(e: Engine, mode: Mode, v: Floats, x: Floats) -> None:

@@ -20,11 +20,11 @@ from hybond.engine.checks.untouched import hold_untouched, note_reached
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault, svd_room
 from hybond.engine.instant.constraints import (
     begin_constraints,
-    check_agreement,
     residual,
     restore_bonds,
 )
 from hybond.engine.instant.impulse_ways import find_ways, rank_of, scale_slope, slope_of
+from hybond.engine.mode.agreement import check_agreement
 from hybond.engine.mode.leakage import least_leakage, project
 from hybond.engine.mode.mode_records import Mode, Ways
 from hybond.engine.mode.reach import reach_at

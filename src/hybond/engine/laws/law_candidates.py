@@ -7,7 +7,6 @@ from hybond.engine.algebra.blocks import grow_places
 from hybond.engine.answers import machine_name
 from hybond.engine.engine import OK, Engine, say_fault
 from hybond.engine.expressions.paired import holds
-from hybond.engine.instant.constraints import check_agreement
 from hybond.engine.instant.jump import JUMPS, STAYS
 from hybond.engine.instant.trial import (
     begin_trial,
@@ -21,6 +20,7 @@ from hybond.engine.laws.law_instant import NO_LAW_VALUE
 from hybond.engine.laws.law_parallel import add_left
 from hybond.engine.laws.law_rates import turns_at_once
 from hybond.engine.laws.law_records import AGAIN, TURNED, Laws
+from hybond.engine.mode.agreement import check_agreement
 from hybond.engine.mode.reach import reach_of
 from hybond.engine.model import Model
 from hybond.engine.planar.planar import put_headings

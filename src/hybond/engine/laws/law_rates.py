@@ -22,11 +22,11 @@ from hybond.engine.algebra.products import all_finite
 from hybond.engine.algebra.svd import least_squares
 from hybond.engine.answers import value
 from hybond.engine.engine import OK, REFUSED, Engine
-from hybond.engine.instant.constraints import AGREE
 from hybond.engine.laws.law_instant import LAW_ZERO
 from hybond.engine.laws.law_records import Laws
 from hybond.engine.laws.ports import open_mode, rates_of_stored, solve_with, times_partner
 from hybond.engine.laws.response import SHORT_WHILE, rates_of_linear
+from hybond.engine.mode.agreement import AGREE
 from hybond.engine.mode.guess import give_back_guess, hold_guess
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.newton import source_of

@@ -6,7 +6,8 @@ variables, sources and states that they read: a model may be large and the quest
 
 from __future__ import annotations
 
-from hybond.engine.algebra.blocks import Places, fit_places, make_places, row_times
+from hybond.engine.algebra.blocks import Places, fit_places, make_places
+from hybond.engine.algebra.twofold import row_closely
 from hybond.engine.answers import value
 from hybond.engine.engine import Engine
 from hybond.engine.inputs.interval import set_time
@@ -173,4 +174,4 @@ def solve_asked(e: Engine, a: Ask, t: float, y: Floats) -> None:
         xi[m.storages + mode.sources + k] = value(m, m.source_rate[mode.source[k]], v)
     for i in range(a.reads.many):
         b = a.reads.bond[i]
-        v[m.bond_slot + b] = row_times(mode.direct, mode.same[b], xi)
+        v[m.bond_slot + b] = row_closely(mode.direct, mode.same[b], xi)

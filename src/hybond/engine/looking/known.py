@@ -10,7 +10,7 @@ from typing import Final
 
 from hybond.engine.engine import OK, Engine
 from hybond.engine.looking.look import Look
-from hybond.engine.mode.newton import by_knowns
+from hybond.engine.mode.closely import closely
 from hybond.engine.mode.storage import energy_of
 from hybond.engine.words import Floats, Ints
 
@@ -53,6 +53,6 @@ def look_by_knowns(e: Engine, many: int, known: Floats, out: Floats) -> None:
     for i in range(many):
         for k in range(size):
             e.work.xi[k] = known[i * size + k]
-        by_knowns(e, mode, mode.direct, e.work.w)
+        closely(e, mode, mode.direct, e.work.w)
         for k in range(n):
             out[i * n + k] = e.work.w[k]

@@ -1,9 +1,12 @@
-"""Laws that hold just beside a jump of one of them, though rounding says that they do not.
+"""Laws that hold at a jump of one of them or just beside it, though Newton's steps miss that.
 
 What a spring brings to rest against ``sign(f)`` approaches the edge of what the sign gives, and
 comes to it within the last digits of the spring: whether a flow is left that the law has a value
 for is a matter of rounding then. So the flow is next to nothing, on either side, and the law gives
 what it gives there; if it holds to rounding of its terms, that is the solution.
+
+A law that jumps and one that is flat see the same unknown sum of what each is asked for. What one
+of them is to take, slopes do not tell: at zero the one that jumps leaves all of it to the other.
 """
 
 from __future__ import annotations
@@ -21,6 +24,7 @@ from hybond.engine.words import Floats
 
 NEXT_TO_NOTHING: Final = 1e-290
 """What has a sign, and is no part of anything."""
+NO_FREE: Final = -1
 TURNS: Final = 20
 SMALL: Final = 1e-13
 """Steps end that are below this part of the unknowns."""
@@ -35,17 +39,35 @@ def from_beside_jumps(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
         d = mode.dynamic[i]
         if d < 0 or m.dynamic_jumps[d] != 1 or m.dynamic_partner[d] < 0:
             continue
-        for j in range(mode.finite_frees):
-            if mode.free_column[j] != mode.same[m.dynamic_partner[d]]:
-                continue
-            for side in range(2):
-                if holds_beside(e, mode, v, r, i, j, 1.0 if side == 0 else -1.0):
-                    return True
+        j = free_alone(mode, mode.same[m.dynamic_partner[d]], e.work.base)
+        if j == NO_FREE:
+            continue
+        # above the jump, below it, at the jump itself
+        if holds_beside(e, mode, v, r, i, j, 1.0) or holds_beside(e, mode, v, r, i, j, -1.0):
+            return True
+        if holds_beside(e, mode, v, r, i, j, 0.0):
+            return True
     return False
 
 
+def free_alone(mode: Mode, k: int, base: Floats) -> int:
+    """Return the free unknown that bond variable k is a multiple of, or NO_FREE.
+
+    Of a flow that passes through several elements one stands for all, whichever it is.
+    """
+    found = NO_FREE
+    if base[k] != 0.0:
+        return NO_FREE
+    for j in range(mode.finite_frees):
+        if mode.finite_free.at[k * mode.finite_frees + j] != 0.0:
+            if found != NO_FREE:
+                return NO_FREE
+            found = j
+    return found
+
+
 def holds_beside(e: Engine, mode: Mode, v: Floats, r: Floats, i: int, j: int, way: float) -> bool:
-    """Whether all laws hold where unknown j, which law i jumps with, is next to nothing.
+    """Whether all laws hold where unknown j, which law i jumps with, is next to nothing, or zero.
 
     What else is free follows from the other laws.
     """
@@ -58,7 +80,7 @@ def holds_beside(e: Engine, mode: Mode, v: Floats, r: Floats, i: int, j: int, wa
     for _ in range(TURNS):
         with_free(mode, 2 * e.model.bonds, work.base, r, work.w)
         rows = system(e, mode, v, work.w)
-        if rows != frees or not all_finite(rows, work.residual.at):
+        if not all_finite(rows, work.residual.at):
             return False
         if not all_finite(rows * frees, work.jacobian.at):
             return False

@@ -23,6 +23,7 @@ from hybond.engine.algebra.blocks import (
     make_block,
     make_places,
 )
+from hybond.engine.algebra.twofold import product_rest, sum_rest
 from hybond.engine.words import Floats, Ints, floats, ints, record
 
 CANCELLATION: Final = 1e-12
@@ -68,12 +69,17 @@ class Elimination:
     """Where the next row goes."""
     column: Places
     entry: Block
+    rest: Block
+    """By what each entry is more than it was rounded to: rows have twice the digits of a number."""
     loss: Block
     """At least the size of the entry: rounding has moved it by no more than some units of this."""
     read: Ints
     """Whether a bent law reads an unknown: it is left free where others can be solved for. Newton's
     method finds it to its last digit then, and where it is zero it is; a difference of others has
     the sign of their rounding."""
+    last: Ints
+    """Whether an unknown is in one row alone, which it ends: the force of a source of flow. Solved
+    for there it takes the terms of all others, and they keep their digits."""
     weight: Floats
     """How large each unknown is known to be; 1 where nothing is known. Of a row the largest of its
     terms is solved for: what is a sum of them then is no small difference of large ones."""
@@ -88,6 +94,8 @@ class Elimination:
     dropped: float
     # a row under way
     total: Floats
+    over: Floats
+    """By what each total is more than it was rounded to."""
     size: Floats
     lost: Floats
     met: Ints
@@ -113,8 +121,10 @@ def make_elimination(unknowns: int, columns: int) -> Elimination:
     e.room = ints(unknowns)
     e.column = make_places(SMALLEST * unknowns)
     e.entry = make_block(SMALLEST * unknowns)
+    e.rest = make_block(SMALLEST * unknowns)
     e.loss = make_block(SMALLEST * unknowns)
     e.read = ints(unknowns)
+    e.last = ints(unknowns)
     e.weight = floats(unknowns)
     for k in range(unknowns):
         e.weight[k] = 1.0
@@ -123,6 +133,7 @@ def make_elimination(unknowns: int, columns: int) -> Elimination:
     e.cell_row = make_places(SMALLEST * unknowns)
     e.cell_next = make_places(SMALLEST * unknowns)
     e.total = floats(columns)
+    e.over = floats(columns)
     e.size = floats(columns)
     e.lost = floats(columns)
     e.met = ints(columns)
@@ -160,22 +171,27 @@ def make_room(e: Elimination, k: int, many: int) -> None:
     room = max(many + many // 2, SMALLEST)
     grow_places(e.column, e.end + room)
     grow_block(e.entry, e.end + room)
+    grow_block(e.rest, e.end + room)
     grow_block(e.loss, e.end + room)
     for i in range(e.count[k]):
         e.column.at[e.end + i] = e.column.at[e.first[k] + i]
         e.entry.at[e.end + i] = e.entry.at[e.first[k] + i]
+        e.rest.at[e.end + i] = e.rest.at[e.first[k] + i]
         e.loss.at[e.end + i] = e.loss.at[e.first[k] + i]
     e.first[k] = e.end
     e.room[k] = room
     e.end += room
 
 
-def append_entry(e: Elimination, k: int, column: int, value: float, loss: float) -> None:
+def append_entry(
+    e: Elimination, k: int, column: int, value: float, rest: float, loss: float
+) -> None:
     """Add an entry to row k; there is none in that column."""
     make_room(e, k, e.count[k] + 1)
     at = e.first[k] + e.count[k]
     e.column.at[at] = column
     e.entry.at[at] = value
+    e.rest.at[at] = rest
     e.loss.at[at] = loss
     e.count[k] += 1
 
@@ -222,30 +238,6 @@ def settle_equal(e: Elimination) -> None:
         e.same[k] = first_of(e, k)
 
 
-def copy_elimination(source: Elimination, e: Elimination) -> None:
-    """Make `e` a copy of another elimination with the same columns."""
-    begin_elimination(e)
-    e.done = source.done
-    e.least = source.least
-    e.dropped = source.dropped
-    for k in range(e.unknowns):
-        e.same[k] = source.same[k]
-        e.read[k] = source.read[k]
-        e.weight[k] = source.weight[k]
-        e.solved[k] = source.solved[k]
-        e.order[k] = source.order[k]
-        if source.count[k] > 0:
-            make_room(e, k, source.count[k])
-        for i in range(source.count[k]):
-            column = source.column.at[source.first[k] + i]
-            e.column.at[e.first[k] + i] = column
-            e.entry.at[e.first[k] + i] = source.entry.at[source.first[k] + i]
-            e.loss.at[e.first[k] + i] = source.loss.at[source.first[k] + i]
-            if column < e.unknowns:
-                note_user(e, column, k)
-        e.count[k] = source.count[k]
-
-
 def give(e: Elimination, column: int, value: float) -> None:
     """Add a term to the row that is to be added next; a column comes once."""
     e.given_column[e.given] = column
@@ -269,18 +261,30 @@ def cancels(e: Elimination, total: float, size: float, lost: float) -> bool:
     return zero
 
 
-def meet(e: Elimination, column: int, value: float, loss: float) -> None:
-    """Add a term to the row under way, and what it has lost."""
+def meet(e: Elimination, column: int, value: float, rest: float, loss: float) -> None:
+    """Add a term to the row under way, by what it is more than that, and what it has lost."""
     if e.mark[column] == 0:
         e.mark[column] = 1
         e.met[e.width] = column
         e.width += 1
         e.total[column] = 0.0
+        e.over[column] = 0.0
         e.size[column] = 0.0
         e.lost[column] = 0.0
-    e.total[column] += value
+    before = e.total[column]
+    e.total[column] = before + value
+    e.over[column] += sum_rest(before, value, e.total[column]) + rest
     e.size[column] += math.fabs(value)
     e.lost[column] += loss
+
+
+def meet_product(
+    e: Elimination, column: int, factor: float, more: float, entry: float, rest: float
+) -> None:
+    """Take a product away from the row under way; what it has lost is not added."""
+    product = factor * entry
+    over = product_rest(factor, entry, product) + (factor * rest + more * entry)
+    meet(e, column, -product, -over, 0.0)
 
 
 def reduce_row(e: Elimination) -> None:
@@ -291,10 +295,11 @@ def reduce_row(e: Elimination) -> None:
         c = e.given_value[t]
         column = e.same[k] if k < e.unknowns else k
         if column >= e.unknowns or e.solved[column] == 0:
-            meet(e, column, c, math.fabs(c))
+            meet(e, column, c, 0.0, math.fabs(c))
             continue
         for i in range(e.first[column], e.first[column] + e.count[column]):
-            meet(e, e.column.at[i], -c * e.entry.at[i], math.fabs(c) * e.loss.at[i])
+            meet_product(e, e.column.at[i], c, 0.0, e.entry.at[i], e.rest.at[i])
+            e.lost[e.column.at[i]] += math.fabs(c) * e.loss.at[i]
     e.given = 0
     drop_zeros(e)
 
@@ -305,6 +310,9 @@ def drop_zeros(e: Elimination) -> None:
     for i in range(e.width):
         at = e.met[i]
         e.mark[at] = 0
+        total = e.total[at] + e.over[at]
+        e.over[at] = sum_rest(e.total[at], e.over[at], total)
+        e.total[at] = total
         if not cancels(e, e.total[at], e.size[at], e.lost[at]):
             e.met[kept] = at
             kept += 1
@@ -337,6 +345,8 @@ def is_before(e: Elimination, k: int, other: int) -> bool:
     """Whether unknown k is rather solved for than another one."""
     if e.read[k] != e.read[other]:
         return e.read[k] == 0
+    if e.last[k] != e.last[other]:
+        return e.last[k] != 0
     return e.used[k] < e.used[other] or (e.used[k] == e.used[other] and k < other)
 
 
@@ -349,8 +359,11 @@ def solve_for(e: Elimination, pivot: int) -> None:
         k = e.met[i]
         if k != pivot:
             value = e.total[k] / scale
+            product = value * scale
+            rest = (e.total[k] - product) - product_rest(value, scale, product)
+            rest = (rest + e.over[k] - value * e.over[pivot]) / scale
             loss = e.lost[k] / math.fabs(scale) + math.fabs(value) * doubt
-            append_entry(e, pivot, k, value, loss)
+            append_entry(e, pivot, k, value, rest, loss)
     e.solved[pivot] = 1
     e.used[pivot] = 0
     cell = e.user[pivot]
@@ -374,16 +387,24 @@ def replace_in(e: Elimination, user: int, pivot: int) -> None:
     for i in range(e.count[user]):
         e.place[e.column.at[first + i]] = i
     c = e.entry.at[first + e.place[pivot]]
+    more = e.rest.at[first + e.place[pivot]]
     doubt = e.loss.at[first + e.place[pivot]]
     e.entry.at[first + e.place[pivot]] = 0.0
     for i in range(e.first[pivot], e.first[pivot] + e.count[pivot]):
         k = e.column.at[i]
         change = c * e.entry.at[i]
+        over = product_rest(c, e.entry.at[i], change) + (c * e.rest.at[i] + more * e.entry.at[i])
         at = e.place[k]
-        old = e.entry.at[first + at] if at != NOWHERE else 0.0
-        new = old - change
+        old = 0.0
+        new = -change
+        rest = -over
         lost = math.fabs(c) * e.loss.at[i] + doubt * math.fabs(e.entry.at[i])
         if at != NOWHERE:
+            old = e.entry.at[first + at]
+            total = old - change
+            rest = sum_rest(old, -change, total) + (e.rest.at[first + at] - over)
+            new = total + rest
+            rest = sum_rest(total, rest, new)
             lost += e.loss.at[first + at]
         if cancels(e, new, math.fabs(old) + math.fabs(change), lost):
             if at != NOWHERE:
@@ -392,11 +413,12 @@ def replace_in(e: Elimination, user: int, pivot: int) -> None:
                     e.used[k] -= 1
             continue
         if at == NOWHERE:
-            append_entry(e, user, k, new, lost)
+            append_entry(e, user, k, new, rest, lost)
             if k < e.unknowns:
                 note_user(e, k, user)
         else:
             e.entry.at[first + at] = new
+            e.rest.at[first + at] = rest
             e.loss.at[first + at] = lost
     tidy_row(e, user)
 
@@ -410,53 +432,10 @@ def tidy_row(e: Elimination, k: int) -> None:
         if e.entry.at[first + i] != 0.0:
             e.column.at[first + kept] = e.column.at[first + i]
             e.entry.at[first + kept] = e.entry.at[first + i]
+            e.rest.at[first + kept] = e.rest.at[first + i]
             e.loss.at[first + kept] = e.loss.at[first + i]
             kept += 1
     e.count[k] = kept
-
-
-def put_in(e: Elimination, known: Elimination, shift: int, told: Ints) -> None:
-    """Replace known columns by the rows of another elimination, of columns `shift` behind.
-
-    Column ``shift + k`` is replaced where k is solved there and ``told[k]``. Of a row that has
-    such columns all terms are summed anew.
-    """
-    for done in range(e.done):
-        user = e.order[done]
-        first = e.first[user]
-        met = 0
-        for i in range(first, first + e.count[user]):
-            if is_told(known, shift, told, e.column.at[i]):
-                e.place[e.column.at[i]] = i
-                met += 1
-        if met == 0:
-            continue
-        e.width = 0
-        for i in range(first, first + e.count[user]):
-            if e.place[e.column.at[i]] == NOWHERE:
-                meet(e, e.column.at[i], e.entry.at[i], e.loss.at[i])
-        # in the order of what is told: sums follow it
-        for k in range(known.unknowns):
-            at = e.place[shift + k]
-            if at == NOWHERE:
-                continue
-            e.place[shift + k] = NOWHERE
-            for i in range(known.first[k], known.first[k] + known.count[k]):
-                c = e.entry.at[at]
-                lost = math.fabs(c) * known.loss.at[i]
-                lost += e.loss.at[at] * math.fabs(known.entry.at[i])
-                meet(e, shift + known.column.at[i], -c * known.entry.at[i], lost)
-        drop_zeros(e)
-        e.count[user] = 0
-        make_room(e, user, e.width)
-        for i in range(e.width):
-            append_entry(e, user, e.met[i], e.total[e.met[i]], e.lost[e.met[i]])
-
-
-def is_told(known: Elimination, shift: int, told: Ints, column: int) -> bool:
-    """Whether a column is one that is replaced."""
-    k = column - shift
-    return k >= 0 and k < known.unknowns and told[k] != 0
 
 
 def is_free(e: Elimination, k: int) -> bool:

@@ -165,6 +165,7 @@ def eliminate(e: Engine, mode: Mode) -> None:
         mode.reluctant[j] = finite.read[mode.free_column[j]]
     take_rows(finite, mode.knowns, mode.finite)
     take_free(finite, mode.finite_frees, mode.free_column, mode.finite_free)
+    take_free_rest(finite, mode)
     mode.power = mode.finite
     mode.power_free = mode.finite_free
     mode.power_frees = mode.finite_frees
@@ -252,9 +253,11 @@ def take_rows(x: Elimination, knowns: int, rows: Rows) -> None:
                 rows.column.at[at] = rows.column.at[at - 1]
                 rows.value.at[at] = rows.value.at[at - 1]
                 rows.size.at[at] = rows.size.at[at - 1]
+                rows.rest.at[at] = rows.rest.at[at - 1]
                 at -= 1
             rows.column.at[at] = j
             rows.value.at[at] = -x.entry.at[i]
+            rows.rest.at[at] = -x.rest.at[i]
             rows.size.at[at] = max(math.fabs(x.entry.at[i]), LOST * x.loss.at[i])
             entries += 1
     rows.first.at[n] = entries
@@ -278,6 +281,24 @@ def take_free(x: Elimination, frees: int, column: Ints, block: Block) -> None:
             block.at[at + x.place[row]] = 1.0
     for j in range(frees):
         x.place[column[j]] = NOWHERE
+
+
+def take_free_rest(x: Elimination, mode: Mode) -> None:
+    """Take by what these are more than they were rounded to."""
+    frees = mode.finite_frees
+    fit(mode.free_rest, x.unknowns * frees)
+    for j in range(frees):
+        x.place[mode.free_column[j]] = j
+    for k in range(x.unknowns if frees > 0 else 0):
+        for j in range(frees):
+            mode.free_rest.at[k * frees + j] = 0.0
+        row = x.same[k]
+        for i in range(x.first[row], x.first[row] + x.count[row]):
+            j = x.place[x.column.at[i]]
+            if j != NOWHERE:
+                mode.free_rest.at[k * frees + j] = -x.rest.at[i]
+    for j in range(frees):
+        x.place[mode.free_column[j]] = NOWHERE
 
 
 def take_constraints(e: Engine, mode: Mode) -> None:

@@ -246,8 +246,10 @@ def keep_entries(rows: Rows, entries: int, knowns: int, row: Floats) -> int:
             grow_places(rows.column, entries + 1)
             grow_block(rows.value, entries + 1)
             grow_block(rows.size, entries + 1)
+            grow_block(rows.rest, entries + 1)
             rows.column.at[entries] = j
             rows.value.at[entries] = row[j]
             rows.size.at[entries] = row[knowns + j]
+            rows.rest.at[entries] = 0.0
             entries += 1
     return entries

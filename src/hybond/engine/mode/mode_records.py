@@ -123,6 +123,8 @@ class Mode:
     """Room for them if least leakage takes anything off."""
     power_free: Block
     finite_free: Block
+    free_rest: Block
+    """By what each of these is more than it was rounded to."""
     power_frees: int
     finite_frees: int
     free_column: Ints
@@ -249,6 +251,7 @@ def make_mode(m: Model) -> Mode:
     mode.shared = make_rows()
     mode.own_power = make_rows()
     mode.finite_free = make_block(1)
+    mode.free_rest = make_block(1)
     mode.own_power_free = make_block(1)
     mode.free_column = ints(n)
     mode.reluctant = ints(n)

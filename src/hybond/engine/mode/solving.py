@@ -12,9 +12,10 @@ import math
 from typing import Final
 
 from hybond.engine.engine import NOT_FINITE, OK, Engine, count_work
+from hybond.engine.mode.closely import closely, sum_closely
 from hybond.engine.mode.equations import eliminate_by
 from hybond.engine.mode.mode_records import Mode, Reads
-from hybond.engine.mode.newton import by_knowns, keep_guess, knowns_of, newton
+from hybond.engine.mode.newton import keep_guess, knowns_of, newton
 from hybond.engine.mode.newton_system import measure_terms, write_bonds
 from hybond.engine.mode.put_back import HIDDEN, UNIT, is_known
 from hybond.engine.mode.reading import put_knowns, show_read
@@ -36,16 +37,35 @@ def solve(e: Engine, mode: Mode, v: Floats) -> int:
     no value.
     """
     w = e.work.w
+    if mode.dynamics == 0:
+        count_work(e, 2 * e.model.bonds + mode.knowns)
+        knowns_of(e, mode, v, True)
+        closely(e, mode, mode.direct, w)
+    elif by_newton(e, mode, v) != OK:
+        return NOT_FINITE
+    else:
+        sum_closely(e, mode, w)
+    write_bonds(e, v, w)
+    return OK
+
+
+def solve_in_step(e: Engine, mode: Mode, v: Floats) -> int:
+    """Do the same where nothing is shown or decided by them but rates."""
+    if by_newton(e, mode, v) != OK:
+        return NOT_FINITE
+    write_bonds(e, v, e.work.w)
+    return OK
+
+
+def by_newton(e: Engine, mode: Mode, v: Floats) -> int:
+    """Put the bond variables of a mode with laws that are evaluated into `e.work.w`."""
     count_work(e, 2 * e.model.bonds + mode.knowns)
     knowns_of(e, mode, v, True)
-    if mode.dynamics == 0:
-        by_knowns(e, mode, mode.direct, w)
-    elif newton_with_digits(e, mode, v) != OK:
+    if newton_with_digits(e, mode, v) != OK:
         return NOT_FINITE
-    elif mode.finite_frees > 0:
-        least_of_free(e, mode, v, w)
-        keep_guess(mode, w)
-    write_bonds(e, v, w)
+    if mode.finite_frees > 0:
+        least_of_free(e, mode, v, e.work.w)
+        keep_guess(mode, e.work.w)
     return OK
 
 
@@ -135,7 +155,7 @@ def weigh(e: Engine, mode: Mode) -> None:
 def solve_read(e: Engine, mode: Mode, r: Reads, v: Floats) -> int:
     """Put the bond variables that are read into `e.work.w` and `v`; all of them after Newton."""
     if mode.dynamics > 0:
-        return solve(e, mode, v)
+        return solve_in_step(e, mode, v)
     put_knowns(e, mode, r, v)
     show_read(e, mode, r, v)
     return OK

@@ -19,12 +19,11 @@ from hybond.engine.mode.elimination import (
     Elimination,
     add_row,
     begin_elimination,
-    copy_elimination,
     give,
     make_equal,
-    put_in,
     settle_equal,
 )
+from hybond.engine.mode.elimination_of_another import copy_elimination, put_in
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.storage import own_stiffness
 from hybond.engine.model import Model
@@ -87,6 +86,7 @@ def build(e: Engine, mode: Mode) -> int:
     mode.dynamics = 0
     join_equal(m, power, given)
     note_read(m, power)
+    note_last(m, mode, power)
     for k in range(unknowns):
         power.weight[k] = mode.weight[power.same[k]] if mode.weighed else 1.0
     for k in range(m.storages):
@@ -160,6 +160,30 @@ def note_read(m: Model, power: Elimination) -> None:
     for d in range(m.dynamics):
         if m.dynamic_jumps[d] != 0:
             power.read[power.same[m.dynamic_partner[d]]] = 1
+
+
+def note_last(m: Model, mode: Mode, power: Elimination) -> None:
+    """Note the forces of sources of flow, and the flows of sources of effort, that no bond shares.
+
+    What laws read is no such end.
+    """
+    for k in range(power.unknowns):
+        power.last[k] = 0
+    for element in range(m.elements):
+        part = part_of(m, mode, element)
+        if m.part_source[part] < 0:
+            continue
+        for row in range(m.part_power[part], m.part_law[part]):
+            for i in range(m.row_first[row], m.row_first[row + 1]):
+                k = m.row_column[i]
+                power.last[k + m.bonds if k < m.bonds else k - m.bonds] = 1
+    for k in range(power.unknowns):
+        if power.same[k] != k:
+            power.last[k] = 0
+            power.last[power.same[k]] = 0
+    for d in range(m.dynamics):
+        if m.dynamic_partner[d] >= 0:
+            power.last[m.dynamic_partner[d]] = 0
 
 
 def keep(e: Engine, left: int) -> None:

@@ -5,10 +5,11 @@ from __future__ import annotations
 from hybond.engine.answers import value
 from hybond.engine.engine import NOT_FINITE, OK, Engine
 from hybond.engine.inputs.interval import set_time
+from hybond.engine.mode.agreement import check_agreement
 from hybond.engine.mode.limits import put_limits
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.reading import rates_by_knowns
-from hybond.engine.mode.solving import solve
+from hybond.engine.mode.solving import solve_in_step
 from hybond.engine.mode.straight_rates import put_rates
 from hybond.engine.sliding.averages import blended_field, solve_here
 from hybond.engine.words import Floats
@@ -77,8 +78,11 @@ def field(e: Engine, mode: Mode, t: float, y: Floats, rate: Floats) -> int:
     set_motion(e, v, t, y)
     if mode.dynamics == 0:
         rates_by_knowns(e, mode, v, rate)
-    elif solve(e, mode, v) != OK:
-        # a trial point beyond where the laws hold: the solver shortens its step
+    elif solve_in_step(e, mode, v) != OK:
+        # a trial point beyond where the laws hold: the solver shortens its step; where sources have
+        # come to contradict each other laws have no part in it
+        if mode.agreements.rows > 0:
+            check_agreement(e, mode, v)
         e.refusal = True
         return NOT_FINITE
     else:

@@ -1,0 +1,76 @@
+"""Bond variables where something is shown or decided: with all digits, however many terms cancel.
+
+Of what a state and the unknowns of Newton's method give to a bond variable each sum is rounded on
+its own. Where large terms cancel, the sums of a junction, or the two sides of a two-port, would
+differ by that rounding, and powers would not balance.
+"""
+
+from __future__ import annotations
+
+import math
+
+from hybond.engine.algebra.blocks import Rows
+from hybond.engine.algebra.twofold import CLOSE, product_rest, row_closely, sum_rest
+from hybond.engine.engine import Engine
+from hybond.engine.mode.mode_records import Mode
+from hybond.engine.words import Floats
+
+
+def closely(e: Engine, mode: Mode, rows: Rows, w: Floats) -> None:
+    """Put what the knowns give to bond variables by such rows into `w`."""
+    xi = e.work.xi
+    for k in range(2 * e.model.bonds):
+        same = mode.same[k]
+        w[k] = w[same] if same < k else row_closely(rows, k, xi)
+
+
+def sum_closely(e: Engine, mode: Mode, w: Floats) -> None:
+    """Sum bond variables anew that knowns and free unknowns, which are in `w`, make by cancelling.
+
+    What comes out as zero is left at that.
+    """
+    for k in range(2 * e.model.bonds):
+        same = mode.same[k]
+        if same < k:
+            w[k] = w[same]
+        elif w[k] != 0.0 and cancels_here(e, mode, k, w):
+            w[k] = row_with_free(e, mode, k, w)
+
+
+def cancels_here(e: Engine, mode: Mode, k: int, w: Floats) -> bool:
+    """Whether a bond variable is a small part of its terms."""
+    rows = mode.finite
+    frees = mode.finite_frees
+    size = 0.0
+    for i in range(rows.first.at[k], rows.first.at[k + 1]):
+        size += math.fabs(rows.value.at[i] * e.work.xi[rows.column.at[i]])
+    for j in range(frees):
+        share = mode.finite_free.at[k * frees + j]
+        if share != 0.0:
+            size += math.fabs(share * w[mode.free_column[j]])
+    return math.fabs(w[k]) < CLOSE * size
+
+
+def row_with_free(e: Engine, mode: Mode, k: int, w: Floats) -> float:
+    """Return the sum of the terms of a bond variable, with twice the digits on the way."""
+    rows = mode.finite
+    frees = mode.finite_frees
+    total = 0.0
+    rest = 0.0
+    for i in range(rows.first.at[k], rows.first.at[k + 1]):
+        at = e.work.xi[rows.column.at[i]]
+        term = rows.value.at[i] * at
+        rest += product_rest(rows.value.at[i], at, term) + rows.rest.at[i] * at
+        before = total
+        total = before + term
+        rest += sum_rest(before, term, total)
+    for j in range(frees):
+        share = mode.finite_free.at[k * frees + j]
+        if share != 0.0:
+            at = w[mode.free_column[j]]
+            term = share * at
+            rest += product_rest(share, at, term) + mode.free_rest.at[k * frees + j] * at
+            before = total
+            total = before + term
+            rest += sum_rest(before, term, total)
+    return total + rest
