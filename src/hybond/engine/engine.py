@@ -312,11 +312,6 @@ class Engine:
     rates: Sums
     """The rates of the state in the motion, if they are `straight`: sums of the state, all."""
     straight: bool
-    rates_of: int
-    """The place of the mode that they were taken in, how many had been made, and whether all are
-    sums there."""
-    rates_made: int
-    rates_straight: bool
     curved: bool
     """Whether the last step is one of a descent: a cubic, whatever the method."""
 
@@ -469,7 +464,6 @@ def make_engine(m: Model) -> Engine:
     if m.method == MOREAU:
         e.stepping = make_stepping(m)
     e.rates = make_sums()
-    e.rates_of = NO_MODE
     e.landings = make_landings(m)
     e.planar = make_planar(m)
     if m.method == RADAU:

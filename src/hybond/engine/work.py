@@ -116,6 +116,11 @@ class Work:
     lefts: int
     origin: float
     """Whether energy is counted from what a storage starts with: 1, or from zero: 0."""
+    counted: bool
+    """Whether the energy of anything was counted; ..."""
+    counted_x: Floats
+    counted_energy: float
+    """... of what is stored, the last time, and how much it was, J."""
     gap: Block
     gap_size: Block
     gap_first: Block
@@ -246,6 +251,7 @@ def make_work(m: Model) -> Work:
     w.met = ints(m.storages + 2 * m.most_sources)
     w.reach_before = floats(m.storages)
     w.known_size = floats(knowns)
+    w.counted_x = floats(m.storages)
     w.here = floats(m.storages)
     w.ahead = floats(m.storages)
     w.landed = floats(m.storages)

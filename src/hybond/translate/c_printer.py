@@ -160,15 +160,15 @@ class CPrinter(Chapters):
                 flush()
                 lines += ["", *self.record(record)]
             f = module.functions.get(name)
-            if f is not None and f.name in self.reached.functions and f.body is not None:
+            if f is not None and self.given.get(name):
+                flush()
+                lines += ["", *self.given[name]]
+            elif f is not None and f.name in self.reached.functions and f.body is not None:
                 flush()
                 if early:
                     lines += ["", *early]
                     early = []
                 lines += ["", *self.defined(f)]
-            elif f is not None and self.given.get(name):
-                flush()
-                lines += ["", *self.given[name]]
         flush()
         return lines
 

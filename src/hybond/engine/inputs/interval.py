@@ -109,8 +109,8 @@ def breaks_until(m: Model, i: int, t: float) -> int:
     return low - m.input_first[i]
 
 
-def next_break(m: Model, i: int, t: float) -> float:
-    """Return the first instant after t at which an input begins another piece."""
+def next_break(m: Model, i: int, t: float, piece: int) -> float:
+    """Return the first instant after t, in that piece of an input, at which it begins another."""
     at = m.input_first[i]
     kind = m.input_kind[i]
     if kind == CONSTANT or kind == FREE:
@@ -122,9 +122,8 @@ def next_break(m: Model, i: int, t: float) -> float:
         duty = m.input_number[at + 1]
         if duty == 0.0 or duty == 1.0:
             return math.inf
-        return edge(m, i, piece_of(m, i, t) + 1)
+        return edge(m, i, piece + 1)
     many = (m.input_first[i + 1] - at) // 2
-    piece = piece_of(m, i, t)
     if m.input_period[i] > 0.0 or piece < many:
         return begin_of_piece(m, i, piece + 1)
     return math.inf
@@ -227,7 +226,7 @@ def interval_after(e: Engine, t: float) -> None:
     for i in range(m.inputs):
         e.piece[i] = piece_of(m, i, t)
         e.level[i] = e.asked[i]
-    end = break_after(m, t)
+    end = break_after(e, t)
     inside = t + 0.5 * (end - t) if end < math.inf else t + 1.0
     for k in range(m.watches):
         e.at[k] = 1 if watch_holds(m, k, inside) else 0
@@ -278,11 +277,15 @@ def moment(m: Model, t: float) -> float:
     return ROUNDING * max(math.fabs(t), m.span)
 
 
-def break_after(m: Model, t: float) -> float:
-    """Return the first timed event after t; of several that are one but for rounding, the last."""
+def break_after(e: Engine, t: float) -> float:
+    """Return the first timed event after t; of several that are one but for rounding, the last.
+
+    Inputs are in the pieces that they have at t.
+    """
+    m = e.model
     first = math.inf
     for i in range(m.inputs):
-        first = min(first, next_break(m, i, t))
+        first = min(first, next_break(m, i, t, e.piece[i]))
     for k in range(m.samples):
         first = min(first, next_sample(m, k, t))
     for k in range(m.watches):
@@ -292,7 +295,7 @@ def break_after(m: Model, t: float) -> float:
         return first
     last = first
     for i in range(m.inputs):
-        last = later(last, next_break(m, i, t), first)
+        last = later(last, next_break(m, i, t, e.piece[i]), first)
     for k in range(m.samples):
         last = later(last, next_sample(m, k, t), first)
     for k in range(m.watches):

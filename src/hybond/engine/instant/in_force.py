@@ -7,15 +7,21 @@ from hybond.engine.engine import Engine
 
 
 def is_asked(e: Engine, machine: int, rule: int, state: int) -> bool:
-    """Whether a rule of a machine may lead away from a state.
+    """Whether a rule of a machine may lead away from a state."""
+    if e.slide.many > 0:
+        return is_asked_beside(e, machine, rule, state)
+    m = e.model
+    return m.rule_source[rule] == state and in_force(m, e.landings, machine, rule)
+
+
+def is_asked_beside(e: Engine, machine: int, rule: int, state: int) -> bool:
+    """Whether it may while surfaces are slid on.
 
     The rules between the two states of a surface that is slid on rest, those from either to a third
     hold in both; machines that switch on the same surface rest as well.
     """
     m = e.model
     s = e.slide
-    if s.many == 0:
-        return m.rule_source[rule] == state and in_force(m, e.landings, machine, rule)
     if not in_force(m, e.landings, machine, rule):
         return False
     source = m.rule_source[rule]

@@ -58,6 +58,7 @@ from hybond.engine.instant.trial import (
     show_trial,
 )
 from hybond.engine.laws.law_instant import make_consistent, take_instant
+from hybond.engine.laws.law_standing import stands_as_it_was
 from hybond.engine.mode.equations import is_fieldless
 from hybond.engine.reasons.facts import add_fact
 from hybond.engine.sliding.branches import choose_at, know_around
@@ -138,7 +139,7 @@ def settle(e: Engine, g: Settling, i: Instant) -> int:
     if is_fieldless(e, e.mode):
         why = "the mode holds at an instant only (a law reads pre()) but no guard leaves it"
         return say_fault(e, "HB-N403", why, "")
-    if i.steps == 0 and (i.cause == START or i.cause == CHANGE):
+    if i.steps == 0 and is_new(i):
         drop_fired(i)
         note_step(i, CONTINUOUS)
         tell_trial(e, i, g.x, True)
@@ -170,11 +171,17 @@ def begin_to_settle(e: Engine, g: Settling, i: Instant) -> int:
     know_around(e, g.state)
     if i.cause == START and m.laws > 0:
         stand_before(e, g, t)
-    if enter(e, t, g.x, g.s, g.state, True, False) != OK:
+    stands = m.laws > 0 and not is_new(i) and stands_as_it_was(e, t, g.x, g.s, g.state)
+    if not stands and enter(e, t, g.x, g.s, g.state, True, False) != OK:
         return REFUSED
     drop_fired(i)
     by_law(e, g.state, i)
     return OK
+
+
+def is_new(i: Instant) -> bool:
+    """Whether nothing led up to the instant: no motion ended there."""
+    return i.cause == START or i.cause == CHANGE
 
 
 def fire_all(e: Engine, g: Settling, i: Instant, written: int) -> int:

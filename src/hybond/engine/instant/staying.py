@@ -9,8 +9,7 @@ from __future__ import annotations
 from hybond.engine.algebra.products import copy_part
 from hybond.engine.engine import Engine
 from hybond.engine.instant.jump import STAYS
-from hybond.engine.laws.law_instant import NO_LAW_VALUE
-from hybond.engine.model import Model
+from hybond.engine.laws.law_standing import is_simple
 
 
 def is_still_known(e: Engine) -> bool:
@@ -46,15 +45,6 @@ def acts_on_prior(e: Engine, still: bool) -> bool:
     for k in range(m.priors):
         acts = acts or e.mode.prior_acts[k] != 0
     return acts
-
-
-def is_simple(m: Model, k: int) -> bool:
-    """Whether the law of port k has two sides, and nothing beside them: an ideal diode."""
-    if m.port_two_sided[k] != 0 or m.port_planar[k] != 0 or m.port_impulsive[k] != 0:
-        return False
-    if m.port_gap[k] != NO_LAW_VALUE or m.port_gate[k] != NO_LAW_VALUE:
-        return False
-    return m.port_restitution[k] < 0 and m.port_limit[k] < 0 and m.port_breakaway[k] < 0
 
 
 def show_prior(e: Engine) -> None:

@@ -127,6 +127,8 @@ def tell_kept(e: Engine, i: Instant) -> None:
 
 def tell_open(e: Engine, i: Instant, many: int, directions: Floats) -> None:
     """Tell the bond variables that some directions, the columns, move."""
+    if many == 0:
+        return
     n = 2 * e.model.bonds
     most = 0.0
     for k in range(n * many):

@@ -21,6 +21,7 @@ from hybond.engine.laws.law_parallel import add_left
 from hybond.engine.laws.law_rates import turns_at_once
 from hybond.engine.laws.law_records import AGAIN, TURNED, Laws
 from hybond.engine.mode.agreement import check_agreement
+from hybond.engine.mode.mode_records import is_constrained
 from hybond.engine.mode.reach import reach_of
 from hybond.engine.model import Model
 from hybond.engine.planar.planar import put_headings
@@ -57,7 +58,9 @@ def try_candidate(e: Engine, r: Laws, x: Floats, kept: bool) -> int:
         found = sweep_candidate(e, r)
         if found != STANDS:
             return found
-    write_entry(e, r.t, x, signals)
+    if r.leaps or (r.jumping and is_constrained(e.mode)):
+        # what it takes to enter was tried with them
+        write_entry(e, r.t, x, signals)
     e.moved = STAYS
     if r.struck:
         e.trial.factors = r.factors

@@ -51,6 +51,8 @@ class Ports:
     sign: Floats
     linear: bool
     known: bool
+    monotone: bool
+    """Of a linear graph: whether what laws give never makes what they feel less, all together."""
     moves: int
     """Whether anything but what is stored tells how ports share what they carry: BY_STORAGE,
     BY_OTHERS, or NOT_ASKED."""

@@ -121,6 +121,7 @@ def open_ports(e: Engine, r: Laws, p: Ports, mode: Mode) -> int:
     p.stamp = e.modes_built
     p.linear = mode.dynamics == 0 and m.groups == 0
     p.known = False
+    p.monotone = False
     p.moves = NOT_ASKED
     return OK
 

@@ -11,6 +11,7 @@ from hybond.engine.algebra.products import times_cancelling
 from hybond.engine.algebra.rounding import CANCELS, EPSILON
 from hybond.engine.algebra.scaling import power_of_two
 from hybond.engine.answers import value
+from hybond.engine.complementarity.semidefinite import is_indefinite
 from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.laws.law_records import (
     Laws,
@@ -177,6 +178,9 @@ def find_constant(e: Engine, r: Laws, v: Floats) -> int:
         for s in range(mode.sources):
             p.through[k * m.most_sources + s] = r.row[m.storages + s]
     times_cancelling(n, m.storages, n, p.seen, p.e, p.ce)
+    # at once, and by what is stored
+    through = is_indefinite(n, p.d, r.q, r.units, r.block)
+    p.monotone = not through and not is_indefinite(n, p.ce, r.q, r.units, r.block)
     p.known = True
     return OK
 

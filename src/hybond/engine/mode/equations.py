@@ -188,6 +188,7 @@ def eliminate(e: Engine, mode: Mode) -> None:
     mode.ways.parted = False
     mode.ways.shares = 0
     mode.flow_known = False
+    mode.summed_known = False
     mode.saw = False
     mode.sized = False
     mode.leakage.stages = 0

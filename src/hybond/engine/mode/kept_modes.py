@@ -13,6 +13,9 @@ from hybond.engine.words import Ints, records, some
 def find_kept(e: Engine, key: Ints) -> int:
     """Return where the mode of a configuration stands, NO_MODE if it is not kept."""
     n = e.model.machines + e.model.discrete
+    # at an instant the same mode is asked for again and again
+    if e.modes_made > 0 and is_same(n, some(e.modes[e.mode_at]).state, key):
+        return e.mode_at
     at = e.bucket[bucket_of(n, key)]
     while at != NO_MODE and not is_same(n, some(e.modes[at]).state, key):
         at = some(e.modes[at]).behind

@@ -12,6 +12,7 @@ from hybond.engine.algebra.blocks import (
     make_places,
     make_rows,
 )
+from hybond.engine.mode.sum_records import Sums, make_sums
 from hybond.engine.model import Model
 from hybond.engine.words import Floats, Ints, floats, ints, record
 
@@ -174,6 +175,11 @@ class Mode:
     """Of each stored quantity: the row of `direct` that is its rate, but for its sign."""
     signals: Reads
     """What the rates of integrated signals read."""
+    summed: Sums
+    """The rates of the state as sums of it; ..."""
+    summed_known: bool
+    """... whether they were taken of these rows, and whether all of them are such sums."""
+    summed_straight: bool
     flow_known: bool
     """Whether it was looked whether the mode is linear."""
     flow_why: int
@@ -270,6 +276,7 @@ def make_mode(m: Model) -> Mode:
     mode.sized_at = floats(n)
     mode.free_size = make_block(1)
     mode.rates = make_reads(m)
+    mode.summed = make_sums()
     mode.rate_row = ints(m.storages)
     mode.signals = make_reads(m)
     mode.given = ints(m.junctions)

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.engine.algebra.products import copy_floats
 from hybond.engine.answers import value
 from hybond.engine.engine import Engine
 from hybond.engine.model import Model
@@ -157,7 +158,27 @@ def energy_of(e: Engine, x: Floats) -> float:
     Where a law has no value there, as of a gas without volume, or a field has efforts there, as oil
     in a chamber that moves, from what is stored at the start.
     Storage on pseudo bonds has none: effort times flow is no power there.
+    It is asked for many times at an instant, in one state: that of the last is kept.
     """
+    w = e.work
+    if not is_counted(e, x):
+        w.counted_energy = count_energy(e, x)
+        copy_floats(e.model.storages, x, w.counted_x)
+        w.counted = True
+    return w.counted_energy
+
+
+def is_counted(e: Engine, x: Floats) -> bool:
+    """Whether the energy of just this was counted last; laws of storage read nothing else."""
+    w = e.work
+    for k in range(e.model.storages if w.counted else 0):
+        if x[k] != w.counted_x[k]:
+            return False
+    return w.counted
+
+
+def count_energy(e: Engine, x: Floats) -> float:
+    """Return the energy of that state, found anew."""
     m = e.model
     total = constant_energy(m, x)
     for g in range(m.groups):

@@ -17,30 +17,33 @@ def take_rates(e: Engine, mode: Mode) -> None:
     beside the rates.
     """
     m = e.model
-    s = e.rates
     e.straight = False
     if e.slide.k > 0 or mode.dynamics > 0 or m.groups > 0:
         return
     if m.kinks > 0 or m.edges > 0 or m.disks > 0 or m.called > 0:
         return
-    same = e.mode_at == e.rates_of and e.modes_built == e.rates_made
-    if same and m.inputs == 0 and m.watches == 0:
-        e.straight = e.rates_straight
-        return
-    e.rates_of = e.mode_at
-    e.rates_made = e.modes_built
+    e.rates = mode.summed
+    # inputs stand in those of integrated signals only, with what they are in the interval
+    lasts = m.integrals == 0 or (m.inputs == 0 and m.watches == 0)
+    if not (mode.summed_known and lasts):
+        mode.summed_straight = take_all(e, mode.summed)
+        mode.summed_known = True
+    e.straight = mode.summed_straight
+
+
+def take_all(e: Engine, s: Sums) -> bool:
+    """Take the rates of all states; False if one of them is no sum."""
+    m = e.model
     begin_sums(s, e.states)
-    straight = True
     for k in range(m.storages):
-        if straight:
-            straight = take_rate(e, m, s, k)
+        if not take_rate(e, m, s, k):
+            return False
     first = m.kink_atom + m.kinks
     for k in range(m.integrals):
-        if straight:
-            take_sum(e, s, m.storages + k, first + k)
-            straight = s.known.at[m.storages + k] != 0
-    e.straight = straight
-    e.rates_straight = straight
+        take_sum(e, s, m.storages + k, first + k)
+        if s.known.at[m.storages + k] == 0:
+            return False
+    return True
 
 
 def take_rate(e: Engine, m: Model, s: Sums, k: int) -> bool:

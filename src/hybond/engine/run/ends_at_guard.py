@@ -61,6 +61,7 @@ def land(e: Engine, g: Locator, room: float, end: float, vain: int) -> int:
         if is_kink_alone(e, g):
             return OK  # no step goes far beyond a kink
         longest = e.step.t1
+        g.found_at = math.nan
         made = retry(e, top)
         if e.step.off > 1.0:
             # what decays within the instant is followed as far as a step can

@@ -123,6 +123,9 @@ class Locator:
     """Whether it is enough to know about when a guard begins to hold: the step is repeated."""
     about: bool
     """Whether the instant found is such a one."""
+    found: int
+    """The guard that held when it was asked at `found_at`, in the step as it is."""
+    found_at: float
     watched: int
     """The place of the mode that was watched last, and how many had been made."""
     watched_made: int
@@ -463,6 +466,7 @@ def forget_denied(g: Locator) -> None:
 def begin_looks(m: Model, g: Locator) -> None:
     """Begin to look at another step: nothing is known at any instant of it."""
     g.looked = math.nan
+    g.found_at = math.nan
     if g.looks < MOST_LOOKS:
         return
     g.looks = 0

@@ -60,7 +60,11 @@ def solve_guards(e: Engine, g: Locator) -> bool:
             g.solved[k] = 1 if quiet and not g.failed else 0
             left = left or g.solved[k] == 0
         elif not g.failed and not is_quiet(e, g, k):
-            g.at = min(g.at, of_polynomials(e, g, k, g.at))
+            at = of_polynomials(e, g, k, g.at)
+            if at < g.at:
+                g.at = at
+                g.found = k
+                g.found_at = math.nan if g.about else at
     return left
 
 

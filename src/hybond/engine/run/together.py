@@ -13,6 +13,7 @@ from typing import Final
 from hybond.engine.engine import Engine
 from hybond.engine.expressions.pairs import ROUNDING
 from hybond.engine.methods.dopri import spacing
+from hybond.engine.mode.mode_records import is_constrained
 from hybond.engine.run.bracket import bracket
 from hybond.engine.run.guard_values import (
     atom_at,
@@ -39,7 +40,7 @@ def last_of_instant(e: Engine, g: Locator, t: float, top: float) -> float:
     Guards that hold at `t` must still hold there: what is only touched at `t` is an instant alone.
     """
     last = t
-    if g.guards == 0:
+    if not are_others(e, g, t):
         return last
     look(e, g, top)
     for k in range(g.guards):
@@ -58,6 +59,15 @@ def last_of_instant(e: Engine, g: Locator, t: float, top: float) -> float:
             last = t if g.done[k] != 0 else last
     show(e, g, ALL_PARTS)
     return last
+
+
+def are_others(e: Engine, g: Locator, t: float) -> bool:
+    """Whether there is any guard but the one that is known to hold at `t`."""
+    known = g.found_at == t and not is_constrained(e.mode)
+    for k in range(g.guards):
+        if g.side[k] == NO_KINK and not (known and k == g.found):
+            return True
+    return False
 
 
 def is_of_time(e: Engine, g: Locator, t: float, last: float) -> bool:
