@@ -9,13 +9,14 @@ To add a method: a record here with the options it has, of `hybond.options`, and
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from pathlib import Path
 from typing import Any, Literal
 
 from hybond.calls import fits
 from hybond.errors import UsageError
 from hybond.options import OPTIONS
+from hybond.records import dataclass
 
 
 @dataclass(frozen=True, slots=True)
