@@ -24,7 +24,7 @@ from hybond.engine.compiled.kept_rows import KeptRows
 from hybond.engine.compiled.refusal import Refusal, refusal_of
 from hybond.engine.compiled.rows import COUNTS, STEPS, Rows, Seen, rows_of
 from hybond.engine.compiled.sliced import OK, PAUSED, RAISED, SPENT, SlicedRun, fitted
-from hybond.engine.compiled.sources import NAME, digest
+from hybond.engine.compiled.sources import NAME, are_those_of
 from hybond.engine.tables import ModelTables
 from hybond.engine.tables.code import Code
 from hybond.model.expressions.slots import plain, slot_of
@@ -69,7 +69,7 @@ def library() -> ctypes.CDLL:
         made = found.hybond_source().decode()
     except (OSError, AttributeError) as error:
         raise Unavailable(f"{path.name} cannot be loaded: {error}") from error
-    if made != digest():
+    if not are_those_of(made):
         raise Unavailable(f"{path.name} was built from other sources: install hybond again")
     found.hybond_columns.restype = ctypes.POINTER(ctypes.c_char_p)
     found.hybond_begin.restype = ctypes.c_void_p
