@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Mapping
 from dataclasses import field
@@ -101,6 +100,8 @@ class State:
 
     def to_json(self) -> str:
         """Return it as JSON; every number is read back bit for bit."""
+        import json
+
         record: dict[str, Any] = {
             "format": FORMAT,
             "model": self.model,
@@ -161,6 +162,8 @@ def load_state(path: str | Path) -> State:
     >>> hb.simulate(m, "2 s", start=state).t_begin
     1.0
     """
+    import json
+
     try:
         data = _bytes_of(named_file(path, 'hb.load_state("state.json")'))
     except OSError as error:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import csv
 import io
 from pathlib import Path
 
@@ -29,6 +28,8 @@ class EventFile:
     """
 
     def __init__(self, path: Path, graph: FlatGraph) -> None:
+        import csv
+
         self.graph = graph
         self.written = 0
         """Rows, one an event."""
