@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 else:
 
     def dataclass(kind=None, /, *, frozen=False, slots=False, **options):
-        """Return a data class; one with slots has its methods when they are asked for.
+        """Return a data class that has its methods when they are asked for.
 
         Examples
         --------
@@ -38,8 +38,8 @@ else:
         """
 
         def made(kind):
-            if slots and options.keys() <= {"eq", "repr", "kw_only"} and _is_plain(kind):
-                return _later(kind, frozen, **options)
+            if options.keys() <= {"eq", "repr", "kw_only"} and _is_plain(kind):
+                return _later(kind, frozen, slots, **options)
             return dataclasses.dataclass(frozen=frozen, slots=slots, **options)(kind)
 
         return made if kind is None else made(kind)
@@ -65,9 +65,15 @@ def _is_plain(kind: type) -> bool:
 
 
 def _later(
-    kind: type, frozen: bool, *, eq: bool = True, repr: bool = True, kw_only: bool = False
+    kind: type,
+    frozen: bool,
+    slots: bool,
+    *,
+    eq: bool = True,
+    repr: bool = True,
+    kw_only: bool = False,
 ) -> type:
-    """Return a class with slots whose methods are made of `kind` when they are asked for."""
+    """Return a class whose methods are made of `kind` when they are asked for."""
     own = dict(vars(kind))
     fields = own.get("__annotations__", {})
     taken = {name for base in kind.__mro__[1:-1] for name in _slots_of(base)}
@@ -82,9 +88,11 @@ def _later(
         if own.get("__hash__") is None and ("__hash__" not in own or "__eq__" in own):
             space["__hash__"] = Later("__hash__") if frozen else None
     space |= {name: Later(name) for name in names if name not in space}
-    space["__slots__"] = tuple(name for name in fields if name not in taken)
+    if slots:
+        space["__slots__"] = tuple(name for name in fields if name not in taken)
     if frozen:
         space |= {"__setattr__": _frozen, "__delattr__": _frozen}
+    if frozen and slots:
         space |= {"__getstate__": _state, "__setstate__": _with_state}
     space["_written"] = kind
     space["_asked"] = {"frozen": frozen, "kw_only": kw_only}

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -14,6 +13,7 @@ from hybond.errors import UsageError
 from hybond.measures.value import About, Measurement
 from hybond.measures.window import TOLERANCE, Time, Window, frequency_of, window_of
 from hybond.names import Asked
+from hybond.records import dataclass
 from hybond.units import parse_unit, try_quantity
 
 if TYPE_CHECKING:
