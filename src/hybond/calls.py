@@ -6,12 +6,14 @@ import inspect
 import os
 from collections.abc import Callable
 from functools import cache, wraps
-from pathlib import Path
-from typing import Any, ParamSpec, TypeVar
+from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
 from hybond.errors import FileError, HybondError, UsageError
 from hybond.names import did_you_mean
 from hybond.records import Later
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -123,6 +125,8 @@ def named_file(path: Any, example: str) -> Path:
     '.toml'
     """
     if isinstance(path, str | os.PathLike):
+        from pathlib import Path
+
         return Path(path)
     raise FileError(
         f"{path!r} is not the name of a file", code="HB-F102", where="path", hint=example
