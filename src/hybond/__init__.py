@@ -17,6 +17,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from hybond._version import __version__
+from hybond.uncollected import uncollected
 
 if TYPE_CHECKING:
     from hybond import library, studio, switching
@@ -299,6 +300,7 @@ __all__ = [
 ]
 
 
+@uncollected
 def __getattr__(name: str) -> Any:
     if name in _ROOMS:
         return import_module(_ROOMS[name])

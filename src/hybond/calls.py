@@ -5,12 +5,15 @@ from __future__ import annotations
 import inspect
 import os
 from collections.abc import Callable
-from functools import wraps
-from pathlib import Path
-from typing import Any, ParamSpec, TypeVar
+from functools import cache, wraps
+from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
 from hybond.errors import FileError, HybondError, UsageError
 from hybond.names import did_you_mean
+from hybond.records import Later
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -55,9 +58,11 @@ def called(
     """
 
     def decorate(function: Callable[P, T]) -> Callable[P, T]:
-        signature = inspect.signature(function)
-        if options is not None:
-            signature = _with_options(signature, options)
+        @cache
+        def signed() -> inspect.Signature:
+            signature = inspect.signature(function)
+            return signature if options is None else _with_options(signature, options)
+
         name = function.__name__
         if name.startswith("__"):  # of a class, or of a room that can be called
             name = example.partition("(")[0].rpartition(".")[2]
@@ -65,9 +70,9 @@ def called(
         @wraps(function)
         def call(*args: P.args, **given: P.kwargs) -> T:
             try:
-                signature.bind(*args, **given)
+                signed().bind(*args, **given)
             except TypeError:
-                why, hint = _misfit(name, signature, args, given)
+                why, hint = _misfit(name, signed(), args, given)
                 remedy = f"{hint} As in {example}" if hint else example
                 raise kind(why, code=code, where=name, hint=remedy) from None
             try:
@@ -79,7 +84,7 @@ def called(
                 raise error.with_traceback(None) from error.__cause__
 
         if options is not None:
-            call.__signature__ = signature  # type: ignore[attr-defined]
+            call.__signature__ = signed()  # type: ignore[attr-defined]
         return call
 
     return decorate
@@ -120,6 +125,8 @@ def named_file(path: Any, example: str) -> Path:
     '.toml'
     """
     if isinstance(path, str | os.PathLike):
+        from pathlib import Path
+
         return Path(path)
     raise FileError(
         f"{path!r} is not the name of a file", code="HB-F102", where="path", hint=example
@@ -150,7 +157,11 @@ def fits(example: str, *, code: str = "HB-S130") -> Callable[[type[C]], type[C]]
     """
 
     def decorate(kind: type[C]) -> type[C]:
-        kind.__init__ = called(example, code=code)(kind.__init__)  # type: ignore[method-assign]
+        around, own = called(example, code=code), vars(kind).get("__init__")
+        if isinstance(own, Later):
+            own.wrap = around
+        else:
+            kind.__init__ = around(kind.__init__)  # type: ignore[method-assign]
         return kind
 
     return decorate

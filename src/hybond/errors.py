@@ -13,7 +13,7 @@ LONGEST = 2000
 """Letters of a reason, a remedy or a place: what is quoted in it may be a megabyte."""
 LONGEST_WORD = 400
 """Letters of it without a space between."""
-_UNSEEN = re.compile(
+_UNSEEN = (
     "[\x00-\x09\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ufeff\ud800-\udfff]"
 )
 """What a terminal obeys or cannot write, and what turns the direction of writing around."""
@@ -110,7 +110,7 @@ def _readable(text: str) -> str:
     if len(text) > LONGEST_WORD:
         text = re.sub(rf"(\S{{{LONGEST_WORD}}})\S+", r"\1...", text)
         text = text if len(text) <= LONGEST else f"{text[:LONGEST]}..."
-    return text if text.isprintable() else _UNSEEN.sub("\ufffd", text)
+    return text if text.isprintable() else re.sub(_UNSEEN, "\ufffd", text)
 
 
 def _said_again(

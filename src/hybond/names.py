@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
-import html
 import re
 from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING, Any
@@ -26,6 +24,8 @@ def did_you_mean(name: str, known: Iterable[str], *, limit: int = 3) -> str:
     >>> did_you_mean("zzz", ["ball", "pad"])
     'known names: ball, pad'
     """
+    import difflib
+
     choices, name = list(known), str(name)[:LONGEST]
     near = difflib.get_close_matches(name, choices, n=limit, cutoff=0.6)
     # who forgets a capital means the name that is otherwise the same
@@ -173,9 +173,10 @@ def html_table(rows: Iterable[Sequence[str]], head: Sequence[str] = ()) -> str:
     >>> html_table([("a", "<b>")], ["name", "value"])
     '<table><tr><th>name</th><th>value</th></tr><tr><td>a</td><td>&lt;b&gt;</td></tr></table>'
     """
+    from html import escape
 
     def line(words: Sequence[str], tag: str) -> str:
-        cells = (f"<{tag}>{html.escape(word)}</{tag}>" for word in words)
+        cells = (f"<{tag}>{escape(word)}</{tag}>" for word in words)
         return f"<tr>{''.join(cells)}</tr>"
 
     body = "".join(line(row, "td") for row in rows)
@@ -184,4 +185,6 @@ def html_table(rows: Iterable[Sequence[str]], head: Sequence[str] = ()) -> str:
 
 def html_lines(lines: Iterable[str]) -> str:
     """Return lines of text as paragraphs of HTML."""
-    return "".join(f"<p>{html.escape(line)}</p>" for line in lines)
+    from html import escape
+
+    return "".join(f"<p>{escape(line)}</p>" for line in lines)

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from pathlib import Path
 from typing import Any, TypeVar
 
 from hybond.blocks.runners import Runner
@@ -28,7 +28,7 @@ from hybond.runs.states import State, load_state
 from hybond.runs.times import check_instants, time_in
 from hybond.uncollected import uncollected
 
-Start = Result | State | Mapping[str, Any] | str | Path | None
+Start = Result | State | Mapping[str, Any] | str | os.PathLike[str] | None
 """Where a run may begin."""
 
 
@@ -70,7 +70,7 @@ def begun(
     if start is None:
         return None, settings
     given = start.state() if isinstance(start, Result) else start
-    if isinstance(given, str | Path):
+    if isinstance(given, str | os.PathLike):
         given = load_state(given)
     if not isinstance(given, State | Mapping):
         raise UsageError(
@@ -125,7 +125,7 @@ def made(
     runners: Mapping[str, Runner],
     until: float | None = None,
     keep: int | None = None,
-    journal: Path | None = None,
+    journal: str | None = None,
 ) -> EngineRun | StepsRun:
     """Return a run that is ready to go, by the executive or by time-stepping.
 
@@ -141,7 +141,7 @@ def made(
     until : float, optional
         When it ends, s, if that is before the time of `settings`.
     keep : int, optional
-    journal : Path, optional
+    journal : str, optional
         As for `hybond.simulate`; not for time-stepping.
 
     Raises

@@ -9,12 +9,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 from numbers import Real
 from typing import Any, Literal, get_args
 
 from hybond.errors import UsageError
 from hybond.names import did_you_mean
+from hybond.records import dataclass
 from hybond.units import parse_unit, try_quantity
 
 Choice = Literal["filippov", "hysteresis", "refuse"]

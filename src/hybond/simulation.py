@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from pathlib import Path
-from typing import Literal, Unpack
+from typing import TYPE_CHECKING, Literal, Unpack
 
 from hybond.blocks.runners import runners_of
 from hybond.calls import called
@@ -29,6 +28,9 @@ from hybond.result import Result
 from hybond.runs.asked import RunOptions, kept, opened, solver_of
 from hybond.runs.ends import Until, ends_of
 from hybond.runs.policies import Journal
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 
 @called('hb.simulate(model, until="1 s", solver="auto")', options=RunOptions)

@@ -10,7 +10,7 @@ import math
 import re
 from collections.abc import Mapping
 from fractions import Fraction
-from functools import lru_cache
+from functools import cache, lru_cache
 
 from hybond.errors import UnitError
 from hybond.names import did_you_mean
@@ -42,8 +42,9 @@ class Dimension:
         return Dimension(tuple([_whole(a * power) if a else a for a in self.exponents]))
 
     def __str__(self) -> str:
-        if self in _SYMBOL_OF:
-            return _SYMBOL_OF[self]
+        symbols = _symbols()
+        if self in symbols:
+            return symbols[self]
         sides: tuple[list[str], list[str]] = ([], [])
         for name, n in zip(_BASE, self.exponents, strict=True):
             power = f"^{abs(n)}" if n.denominator == 1 else f"^({abs(n)})"
@@ -83,12 +84,14 @@ class Domain:
 DIMENSIONLESS = Dimension()
 _BASE = ("kg", "m", "s", "A", "K", "mol", "cd")
 _Unit = tuple[Fraction, Dimension]
-_PLAIN: dict[str, _Unit] = {"1": (Fraction(1), DIMENSIONLESS)}  # these take no prefix
-_PREFIXED: dict[str, _Unit] = {"rad": _PLAIN["1"]}
+_ONE: _Unit = (Fraction(1), DIMENSIONLESS)
+_Units = dict[str, _Unit | tuple[str, str]]
+"""Units by their names; those that are a number and other units are solved when asked for."""
+_PLAIN: _Units = {"1": _ONE}  # these take no prefix
+_PREFIXED: _Units = {"rad": _ONE, "g": ("1/1000", "kg")}
 for _name in _BASE:
     _one = Dimension(tuple(int(_name == base) for base in _BASE))
     _PREFIXED[_name] = (Fraction(1), _one)
-_PREFIXED["g"] = (Fraction(1, 1000), _PREFIXED["kg"][1])
 _PLAIN["kg"] = _PREFIXED.pop("kg")
 
 _ENGINEERING = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
@@ -126,12 +129,21 @@ _MEANT = {
 """What words mean that are no units."""
 
 
+def _solved(units: _Units, symbol: str) -> _Unit:
+    number, unit = units[symbol]
+    if isinstance(number, Fraction) and isinstance(unit, Dimension):
+        return number, unit
+    factor, dimension = _exact(str(unit))
+    units[symbol] = found = (Fraction(number) * factor, dimension)
+    return found
+
+
 def _resolve(symbol: str) -> _Unit:
     if symbol in _PLAIN or symbol in _PREFIXED:
-        return _PLAIN.get(symbol) or _PREFIXED[symbol]
+        return _solved(_PLAIN if symbol in _PLAIN else _PREFIXED, symbol)
     for cut in (2, 1):
         if symbol[:cut] in _PREFIX and symbol[cut:] in _PREFIXED:
-            factor, dimension = _PREFIXED[symbol[cut:]]
+            factor, dimension = _solved(_PREFIXED, symbol[cut:])
             return _PREFIX[symbol[:cut]] * factor, dimension
     if symbol in ("degC", "°C", "℃", "celsius", "Celsius", "degF", "°F"):
         why = f"{symbol!r} has an offset and is not a unit"
@@ -153,7 +165,7 @@ def _bad(text: str, why: str) -> UnitError:
 def _exact(text: str) -> _Unit:
     """Return the exact factor and the dimension of a product of units."""
     source = re.sub("[⁻⁰¹²³⁴-⁹]+", lambda m: "^" + m[0].translate(_SUPERSCRIPT), text.strip())
-    factor, dimension = _PLAIN["1"]
+    factor, dimension = _ONE
     sign, complete, at, raised = 1, not source, 0, False
     around: list[tuple[_Unit, int]] = []
     while at < len(source):
@@ -165,7 +177,7 @@ def _exact(text: str) -> _Unit:
         at = match.end()
         if match["mark"] == "(":
             around.append(((factor, dimension), sign))
-            (factor, dimension), sign, complete = _PLAIN["1"], 1, False
+            (factor, dimension), sign, complete = _ONE, 1, False
         elif match["mark"]:
             complete, sign = False, -1 if match["mark"] == "/" else 1
         else:
@@ -270,11 +282,10 @@ def format_quantity(value: float, unit: Dimension | str, digits: int = 6) -> str
     return f"{shown:.{digits}g} {name}".rstrip()
 
 
-def _define(table: dict[str, _Unit], entries: str) -> None:
+def _define(table: _Units, entries: str) -> None:
     for entry in entries.split(";"):
         names, number, unit = entry.split(",")
-        factor, dimension = _exact(unit)
-        table |= dict.fromkeys(names.split(), (Fraction(number) * factor, dimension))
+        table |= dict.fromkeys(names.split(), (number, unit))
 
 
 _define(_PREFIXED, "Hz,1,1/s;N,1,kg*m/s^2;Pa,1,N/m^2;J,1,N*m;W,1,J/s;C,1,A*s;V,1,W/A;F,1,C/V")
@@ -287,9 +298,15 @@ _define(_PLAIN, f"rev,{_TURN},1;rpm,{_TURN / 60},1/s;deg °,{_TURN / 360},1")
 # The first name of a dimension wins: J before N*m, V*s before Wb.
 _NAMED = """1 1/s N Pa J W C V F ohm S H T V*s m/s m/s^2 m^2 m^3 m^3/s N/m N*s N*s/m m/N m/(N*s)
 Pa*s Pa*s/m^3 m^3/Pa Pa*s^2/m^3 N*m*s W/K J/K K/W kg kg*m^2 kg/m^3 m s A K mol cd"""
-_SYMBOL_OF: dict[Dimension, str] = {}
-for _name in _NAMED.split():
-    _SYMBOL_OF.setdefault(parse_unit(_name)[1], _name)
+
+
+@cache
+def _symbols() -> dict[Dimension, str]:
+    found: dict[Dimension, str] = {}
+    for name in _NAMED.split():
+        found.setdefault(parse_unit(name)[1], name)
+    return found
+
 
 _POWER_PAIRS = "electrical V A;translational N m/s;rotational N*m rad/s;hydraulic Pa m^3/s;"
 _POWER_PAIRS += "thermal K W/K;thermal_pseudo K W;magnetic A V"

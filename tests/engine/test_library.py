@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -10,9 +11,10 @@ from pathlib import Path
 import needs
 import pytest
 
+import hybond
 from hybond.engine.compiled.build import compile_into
+from hybond.engine.compiled.fresh import NAME
 from hybond.engine.compiled.native import columns, library
-from hybond.engine.compiled.sources import NAME
 
 pytestmark = pytest.mark.usefixtures("native")
 
@@ -66,7 +68,7 @@ def test_a_library_of_other_sources_is_not_used(
 ) -> None:
     text = (
         "from hybond.engine.compiled import native\n"
-        "native.digest = lambda: 'of others'\n"
+        "native.is_of_these_sources = lambda made: made == 'of others'\n"
         "native.library()"
     )
     done = subprocess.run([sys.executable, "-c", text], capture_output=True, text=True, check=False)
@@ -78,3 +80,32 @@ def test_the_columns_of_a_model_are_those_of_its_tables() -> None:
     assert len(found) > 200
     assert found["until"] == "float" and found["code"] == "Ints" and found["row_value"] == "Floats"
     assert library().hybond_model_size() > 8 * 150
+
+
+def test_sources_that_were_changed_are_seen(tmp_path: Path) -> None:
+    """A copy of hybond with its library, in which bytecode is kept; one letter is changed in it."""
+    package = Path(hybond.__file__).parent
+    shutil.copytree(package, tmp_path / "hybond", ignore=shutil.ignore_patterns("page", "*.pyc"))
+    env = {k: v for k, v in os.environ.items() if not k.startswith("PYTHON")}
+    env |= {"PYTHONPATH": str(tmp_path), "PYTHONPYCACHEPREFIX": str(tmp_path / "kept")}
+    text = (
+        "import sys\n"
+        "from hybond.engine.compiled import native\n"
+        "native.library()\n"
+        "print('hybond.engine.compiled.sources' in sys.modules)"
+    )
+
+    def begun() -> tuple[str, str]:
+        run = [sys.executable, "-c", text]
+        done = subprocess.run(run, env=env, capture_output=True, text=True, check=False)
+        return done.stdout.strip(), done.stderr
+
+    assert begun() == ("True", "")
+    assert begun() == ("False", ""), "nothing was changed, and all is read again"
+    source = tmp_path / "hybond/engine/run/motion.py"
+    whole = source.read_text(encoding="utf-8")
+    source.write_text(whole.replace("a", "b", 1), encoding="utf-8")
+    assert "was built from other sources" in begun()[1]
+    source.write_text(whole, encoding="utf-8")
+    (tmp_path / "hybond/engine/run/another.py").write_text("", encoding="utf-8")
+    assert "was built from other sources" in begun()[1]

@@ -12,7 +12,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from functools import lru_cache
-from random import Random
 from typing import Any
 
 from hybond.model.expressions import (
@@ -318,6 +317,8 @@ def _may_meet(terms: Iterable[tuple[Expr, ...]]) -> bool:
 @lru_cache
 def _generic(count: int) -> tuple[list[float], ...]:
     """Return values of so many names, several of each size, the same in every run."""
+    from random import Random
+
     generator = Random(7)
     return tuple(
         [scale * generator.uniform(0.3, 1.7) for _ in range(count)]

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Literal
 
 from hybond.errors import UsageError
 from hybond.measures.impulses import Impulse, impulses_in, told
-from hybond.measures.pieces import TOLERANCE, Reader, integrable
+from hybond.measures.pieces import Reader, integrable
 from hybond.measures.value import About, Measurement, integral_unit
-from hybond.measures.window import Window
+from hybond.measures.window import TOLERANCE, Window
 
 if TYPE_CHECKING:
     from hybond.result import Result

@@ -14,7 +14,6 @@ from hybond.measures.pieces import (
     LIMIT,
     NOISE,
     ROUNDS,
-    TOLERANCE,
     Pieces,
     Reader,
     Whole,
@@ -23,7 +22,7 @@ from hybond.measures.pieces import (
     unknown,
 )
 from hybond.measures.value import About, Measurement
-from hybond.measures.window import Window
+from hybond.measures.window import TOLERANCE, Window
 from hybond.records import dataclass
 
 if TYPE_CHECKING:

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.errors import UsageError
-from hybond.measures.pieces import TOLERANCE, Known, Pieces, resolved, steps_of
-from hybond.measures.window import Window
+from hybond.measures.pieces import Known, Pieces, resolved, steps_of
+from hybond.measures.window import TOLERANCE, Window
 from hybond.model.expressions import Name
 from hybond.model.graph import FlatGraph, Node
 from hybond.records import dataclass

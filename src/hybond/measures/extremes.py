@@ -13,7 +13,6 @@ from hybond.measures.pieces import (
     LIMIT,
     NOISE,
     ROUNDS,
-    TOLERANCE,
     Pieces,
     Reader,
     check_tolerance,
@@ -21,7 +20,7 @@ from hybond.measures.pieces import (
     unknown,
 )
 from hybond.measures.value import About, Measurement
-from hybond.measures.window import Window
+from hybond.measures.window import TOLERANCE, Window
 
 if TYPE_CHECKING:
     from hybond.result import Result

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from hybond.errors import UsageError
 from hybond.measures.averages import without_impulses
 from hybond.measures.impulses import impulses_in, told
-from hybond.measures.pieces import TOLERANCE, Reader, integrable
+from hybond.measures.pieces import Reader, integrable
 from hybond.measures.value import About, Measurement, shown
-from hybond.measures.window import Window
+from hybond.measures.window import TOLERANCE, Window
 from hybond.names import html_table
 from hybond.records import dataclass
 

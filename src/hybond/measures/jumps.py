@@ -11,7 +11,7 @@ lost is split in the same proportion.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -22,6 +22,7 @@ from hybond.measures.window import Window
 from hybond.model.expressions import Name, Number, names, substitute
 from hybond.model.fieldless import reads_pre
 from hybond.model.graph import FlatGraph, Mode, Node
+from hybond.records import dataclass
 from hybond.runs.trace import Event, Visit
 
 if TYPE_CHECKING:
@@ -33,7 +34,7 @@ ROUNDING = 1e-9
 """Part of the energy of a jump that counts as nothing."""
 
 
-@dataclass
+@dataclass(slots=True)
 class Jump:
     """What one jump did to the energy: J by the number of the node."""
 

@@ -14,9 +14,8 @@ from hybond.engine.outcome.audit import is_balanced
 from hybond.errors import UsageError
 from hybond.measures.energies import check_located, energies_into, power_nodes
 from hybond.measures.jumps import jumps_in, owner_of
-from hybond.measures.pieces import TOLERANCE
 from hybond.measures.value import shown
-from hybond.measures.window import Window
+from hybond.measures.window import TOLERANCE, Window
 from hybond.model.graph import FlatGraph, Node
 from hybond.names import did_you_mean, html_lines, html_table, in_columns
 from hybond.records import dataclass

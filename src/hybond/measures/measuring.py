@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, cast
 
-from hybond.measures.asked import asked_of_experiment, measured, read_measure
-from hybond.measures.losses import Losses, losses_of
 from hybond.measures.window import Time, window_of
 from hybond.names import Asked
 
 if TYPE_CHECKING:
+    from hybond.measures.losses import Losses
     from hybond.result import Result
 
 
@@ -45,6 +44,8 @@ class Measuring(Asked):
         >>> print(run.measure("mean(c.e)"))
         6.32121 V
         """
+        from hybond.measures.asked import asked_of_experiment, measured, read_measure
+
         run = cast("Result", self)
         if not texts:
             return measured(run, asked_of_experiment(run.graph))
@@ -86,6 +87,8 @@ class Measuring(Asked):
         join     switch                         12 J
         total                                   12 J           -12 J
         """
+        from hybond.measures.losses import losses_of
+
         run = cast("Result", self)
         window = window_of(run, start=start, end=end, period=period, periods=periods)
         found = losses_of(run, window)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from hybond.errors import NumericsError, UsageError
 from hybond.measures.chebyshev import NODES, WEIGHTS, coefficients, tails
-from hybond.measures.window import Window
+from hybond.measures.window import TOLERANCE, Window
 from hybond.model.expressions import Expr, Name
 from hybond.records import dataclass
 
@@ -27,9 +27,6 @@ Whole = NDArray[np.intp]
 Functions = Callable[[Vector, Vector], Vector]
 """Of values and times, shape (pieces, nodes), to rows of functions, shape (k, pieces, nodes)."""
 
-TOLERANCE = 1e-10
-"""Of an integral, as a part of the integral of the magnitude; of extremes, as a part of the
-largest value."""
 NOISE = 1e-14
 """Part of the largest value that counts as rounding."""
 ROUNDS = 64

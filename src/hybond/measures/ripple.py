@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 from hybond.errors import UsageError
 from hybond.measures.averages import mean_of, rms_of
 from hybond.measures.extremes import range_of
-from hybond.measures.pieces import TOLERANCE
-from hybond.measures.window import Window
+from hybond.measures.window import TOLERANCE, Window
 from hybond.records import dataclass
 
 if TYPE_CHECKING:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -11,19 +10,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.errors import UsageError
-from hybond.measures.averages import Impulses, integral_of, mean_of, rms_of
-from hybond.measures.crossings import Crossing, Edge, crossings_of, duty_of, period_of
-from hybond.measures.extremes import extreme_of, range_of
-from hybond.measures.harmonics import Spectrum, spectrum_of, thd_of
-from hybond.measures.pieces import TOLERANCE
-from hybond.measures.ripple import Ripple, ripple_of
-from hybond.measures.stepping_up import StepInfo, step_of
 from hybond.measures.value import About, Measurement
-from hybond.measures.window import Time, Window, frequency_of, window_of
+from hybond.measures.window import TOLERANCE, Time, Window, frequency_of, window_of
 from hybond.names import Asked
+from hybond.records import dataclass
 from hybond.units import parse_unit, try_quantity
 
 if TYPE_CHECKING:
+    from hybond.measures.averages import Impulses
+    from hybond.measures.crossings import Crossing, Edge
+    from hybond.measures.harmonics import Spectrum
+    from hybond.measures.ripple import Ripple
+    from hybond.measures.stepping_up import StepInfo
     from hybond.result import Result
 
 Vector = NDArray[np.float64]
@@ -120,6 +118,8 @@ class Signal(Asked):
         NumericsError
             HB-R103: no value; HB-R104: too rough for the tolerance.
         """
+        from hybond.measures.averages import integral_of
+
         return integral_of(
             self.run, self.name, self._window(start, end, period, periods), tolerance=tolerance
         )
@@ -134,6 +134,8 @@ class Signal(Asked):
         tolerance: float = TOLERANCE,
     ) -> Measurement:
         """Return the mean, the areas of impulses included; arguments as `integral`."""
+        from hybond.measures.averages import mean_of
+
         return mean_of(
             self.run, self.name, self._window(start, end, period, periods), tolerance=tolerance
         )
@@ -156,6 +158,8 @@ class Signal(Asked):
             The square of an impulse has no integral: refuse it with HB-R106, or measure what is
             beside it.
         """
+        from hybond.measures.averages import rms_of
+
         window = self._window(start, end, period, periods)
         return rms_of(self.run, self.name, window, impulses=impulses, tolerance=tolerance)
 
@@ -173,6 +177,8 @@ class Signal(Asked):
 
         Arguments as `rms`.
         """
+        from hybond.measures.extremes import extreme_of
+
         window = self._window(start, end, period, periods)
         return extreme_of(self.run, self.name, window, 1.0, impulses=impulses, tolerance=tolerance)
 
@@ -187,6 +193,8 @@ class Signal(Asked):
         tolerance: float = TOLERANCE,
     ) -> Measurement:
         """Return the minimum of the motion, as `max`."""
+        from hybond.measures.extremes import extreme_of
+
         window = self._window(start, end, period, periods)
         return extreme_of(self.run, self.name, window, -1.0, impulses=impulses, tolerance=tolerance)
 
@@ -213,6 +221,8 @@ class Signal(Asked):
         tolerance: float = TOLERANCE,
     ) -> Measurement:
         """Return the maximum less the minimum; arguments as `rms`."""
+        from hybond.measures.extremes import range_of
+
         window = self._window(start, end, period, periods)
         return range_of(self.run, self.name, window, impulses=impulses, tolerance=tolerance)
 
@@ -232,6 +242,8 @@ class Signal(Asked):
         UsageError
             HB-R106 for impulses, HB-R108 for a mean of zero.
         """
+        from hybond.measures.ripple import ripple_of
+
         window = self._window(start, end, period, periods)
         return ripple_of(self.run, self.name, window, tolerance=tolerance)
 
@@ -259,6 +271,8 @@ class Signal(Asked):
             SI, or a quantity of the signal's unit.
         edge : {"both", "rise", "fall"}
         """
+        from hybond.measures.crossings import crossings_of
+
         window = self._window(start, end, period, periods)
         at = self._level(level)
         return crossings_of(self.run, self.name, at, window, edge=edge, tolerance=tolerance)
@@ -284,6 +298,8 @@ class Signal(Asked):
         UsageError
             HB-R107 if there are less than two.
         """
+        from hybond.measures.crossings import period_of
+
         window = self._window(start, end, None, None)
         at = self._middle(window, tolerance) if level is None else self._level(level)
         return period_of(self.run, self.name, at, window, edge=edge, tolerance=tolerance)
@@ -312,6 +328,8 @@ class Signal(Asked):
         tolerance: float = TOLERANCE,
     ) -> Measurement:
         """Return the part of the time that it is above a level, by default the middle."""
+        from hybond.measures.crossings import duty_of
+
         window = self._window(start, end, period, periods)
         at = self._middle(window, tolerance) if level is None else self._level(level)
         return duty_of(self.run, self.name, at, window, tolerance=tolerance)
@@ -344,6 +362,8 @@ class Signal(Asked):
         UsageError
             HB-R108 if there is no step.
         """
+        from hybond.measures.stepping_up import step_of
+
         return step_of(
             self.run,
             self.name,
@@ -386,6 +406,8 @@ class Signal(Asked):
         UsageError
             HB-R109 for a window that is not whole periods.
         """
+        from hybond.measures.harmonics import spectrum_of
+
         if f is None:
             window = self._window(start, end, None, periods)
             base = 1.0 / window.length
@@ -421,6 +443,8 @@ class Signal(Asked):
         UsageError
             HB-R106 for impulses, HB-R109, HB-R110 if there is no fundamental.
         """
+        from hybond.measures.harmonics import thd_of
+
         base = frequency_of(f)
         window = self._whole(base, start, end, periods)
         return thd_of(self.run, self.name, window, base, harmonics=harmonics, tolerance=tolerance)
@@ -438,6 +462,8 @@ class Signal(Asked):
         return self._window(start, end, 1.0 / f, periods)
 
     def _middle(self, window: Window, tolerance: float) -> float:
+        from hybond.measures.extremes import extreme_of
+
         low, high = (
             extreme_of(self.run, self.name, window, sign, impulses="leave out", tolerance=tolerance)
             for sign in (-1.0, 1.0)

@@ -9,9 +9,8 @@ from hybond.errors import UsageError
 from hybond.measures.averages import without_impulses
 from hybond.measures.crossings import crossings_of
 from hybond.measures.extremes import extreme_of
-from hybond.measures.pieces import TOLERANCE
 from hybond.measures.value import shown
-from hybond.measures.window import Window
+from hybond.measures.window import TOLERANCE, Window
 from hybond.names import html_table
 from hybond.records import dataclass
 

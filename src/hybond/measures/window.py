@@ -20,6 +20,9 @@ Time = float | str
 INSTANT = 1e-12
 """Part of the run, at least 8 units in the last place of a time, within which an end of a window
 is the instant of an event: a period that is a decimal fraction ends beside the switch it means."""
+TOLERANCE = 1e-10
+"""Of an integral, as a part of the integral of the magnitude; of extremes, as a part of the
+largest value."""
 PERIODS = 1_000_000
 """Periods in a window, at the most."""
 

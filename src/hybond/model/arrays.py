@@ -25,10 +25,7 @@ from hybond.records import dataclass
 
 INDEX = "i"
 """What the index is called, unless an array says otherwise."""
-_KEY = re.compile(
-    r"(?P<name>[A-Za-z_]\w*)\[\s*(?:(?P<index>[A-Za-z_]\w*)\s*=)?(?P<inside>[^\[\]=]+)\]\Z",
-    re.ASCII,
-)
+_KEY = r"(?P<name>[A-Za-z_]\w*)\[\s*(?:(?P<index>[A-Za-z_]\w*)\s*=)?(?P<inside>[^\[\]=]+)\]\Z"
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,7 +80,7 @@ def parts_of(key: str) -> tuple[str, str, str, str] | None:
     >>> parts_of("cell[k = 2..n-1]"), parts_of("cell[3]"), parts_of("cell[]")
     (('cell', 'k', '2', 'n-1'), ('cell', 'i', '3', '3'), None)
     """
-    match = _KEY.match(key)
+    match = re.match(_KEY, key, re.ASCII)
     if match is None:
         return None
     first, dots, last = (part.strip() for part in match["inside"].partition(".."))

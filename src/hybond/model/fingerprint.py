@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Mapping, Set
 from dataclasses import fields, is_dataclass
 from typing import Any
@@ -32,6 +31,8 @@ def fingerprint_of(graph: FlatGraph) -> str:
     >>> texts[0] == texts[1], texts[0] == texts[2]
     (True, False)
     """
+    import hashlib
+
     digest = hashlib.sha256()
     for name in PARTS:
         part = getattr(graph, name)

@@ -16,7 +16,6 @@ matroid): one elimination finds all.
 from __future__ import annotations
 
 import heapq
-import random
 from collections.abc import Collection, Sequence
 
 from hybond.model.expressions.slots import plain
@@ -163,4 +162,6 @@ def _modulus(node: Node) -> float:
     law = node.law
     if law is not None and law.matrix is not None:
         return plain(law.matrix[0][0])
-    return random.Random(node.index).uniform(0.5, 2.0)
+    from random import Random
+
+    return Random(node.index).uniform(0.5, 2.0)

@@ -60,7 +60,7 @@ _READ = (*_WITH_UNITS, "gate", "stiffness")
 """Options that are expressions."""
 NEEDED = {"thyristor": "gate", "coulomb": "limit", "relay": "limit"}
 _LAW_ONLY = ("law", "gap", "gate", "restitution", "stiffness", "limit", "breakaway", "pair")
-_QUANTITY = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.+)", re.ASCII)
+_QUANTITY = r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.+)"
 _COMMON_OPTIONS = ("law", "domain", "label")
 
 
@@ -249,7 +249,7 @@ def _text(value: Value) -> str:
         return repr(value if type(value) is int else float(value))
     if is_number(value):
         return value
-    split = _QUANTITY.fullmatch(value.strip())
+    split = re.fullmatch(_QUANTITY, value.strip(), re.ASCII)
     if try_quantity(value) is None or split is None or "[" in value:
         return value
     return f"{split[1]} [{split[2]}]"

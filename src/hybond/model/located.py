@@ -11,7 +11,7 @@ from hybond.model.builder import Model
 from hybond.model.origin import SECTIONS, Path, as_read
 from hybond.model.parts import SubmodelPart
 
-_STEP = re.compile(r"([A-Za-z_]\w*(?:\[[^\[\]]*[^\[\]\d][^\[\]]*\])?)|\[(\d+)\]|\.")
+_STEP = r"([A-Za-z_]\w*(?:\[[^\[\]]*[^\[\]\d][^\[\]]*\])?)|\[(\d+)\]|\."
 _OTHER = ("graph", "causality", "experiment", "models", "layout")
 _KEYS = ("domain", "indeterminate", "title", "about", "name")
 
@@ -61,7 +61,7 @@ def _steps(where: str) -> Path:
     steps: list[str | int] = []
     at = 0
     while at < len(where):
-        match = _STEP.match(where, at)
+        match = re.compile(_STEP).match(where, at)
         if match is None:
             return ()
         at = match.end()

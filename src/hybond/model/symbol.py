@@ -20,7 +20,7 @@ CORE = "core"
 """Parameter of a part of a circuit diagram: the couplings of a coil, divided by spaces."""
 MARKS = 200
 """Most marks of a symbol."""
-_PAIR = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)),([+-]?(?:\d+\.?\d*|\.\d+))\Z", re.ASCII)
+_PAIR = r"([+-]?(?:\d+\.?\d*|\.\d+)),([+-]?(?:\d+\.?\d*|\.\d+))\Z"
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,7 +82,7 @@ def points_of(text: str) -> tuple[Point, ...]:
     """
     found = []
     for pair in text.split():
-        match = _PAIR.match(pair)
+        match = re.match(_PAIR, pair, re.ASCII)
         if match is None:
             raise ValueError(f"{pair[:20]!r} is no place x,y")
         found.append((float(match[1]), float(match[2])))

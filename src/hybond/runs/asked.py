@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
-from pathlib import Path
-from typing import Any, TypedDict
+from typing import TYPE_CHECKING, Any, TypedDict
 
 from hybond.errors import UsageError
 from hybond.options import CALLED, MADE, OPTIONS, STEPPING, STEPPING_IMPACT, Choice
@@ -16,6 +16,9 @@ from hybond.runs.policies import (
     is_many,
     nothing_kept,
 )
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 
 class MethodOptions(TypedDict, total=False):
@@ -103,7 +106,7 @@ def _no_record(name: str, value: object) -> UsageError:
 
 def kept(
     keep: Journal | int | None, journal: str | Path | None, solver: str
-) -> tuple[int | None, Path | None]:
+) -> tuple[int | None, str | None]:
     """Return how many segments and events a result keeps at the least, and the file of a journal.
 
     Raises
@@ -130,7 +133,7 @@ def kept(
             where=one,
             hint="take a solver that locates events",
         )
-    return keep, None if journal is None else Path(Journal(journal).path)
+    return keep, None if journal is None else os.fspath(Journal(journal).path)
 
 
 def chosen(asked: Mapping[str, Any], experiment: Mapping[str, Any]) -> dict[str, Any]:

@@ -9,13 +9,17 @@ To add a method: a record here with the options it has, of `hybond.options`, and
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
-from pathlib import Path
-from typing import Any, Literal
+import os
+from dataclasses import fields
+from typing import TYPE_CHECKING, Any, Literal
 
 from hybond.calls import fits
 from hybond.errors import UsageError
 from hybond.options import OPTIONS
+from hybond.records import dataclass
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 
 @dataclass(frozen=True, slots=True)
@@ -329,7 +333,8 @@ class Journal:
     last: int | None = None
 
     def __post_init__(self) -> None:
-        if not isinstance(self.path, str | Path) or Path(self.path).suffix.lower() != ".csv":
+        named = isinstance(self.path, str | os.PathLike)
+        if not named or os.path.splitext(self.path)[1].lower() != ".csv":
             # a file that is there is replaced: let it not be a model
             raise UsageError(
                 f"the journal cannot be {str(self.path)!r}",

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-import json
 import math
+import os
 from collections.abc import Mapping
 from dataclasses import field
-from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from hybond.calls import called, named_file
 from hybond.errors import UnitError, UsageError
 from hybond.records import dataclass
 from hybond.units import format_quantity, parse_unit
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 FORMAT = "hybond state 1"
 LARGEST = 64 * 2**20
@@ -101,6 +103,8 @@ class State:
 
     def to_json(self) -> str:
         """Return it as JSON; every number is read back bit for bit."""
+        import json
+
         record: dict[str, Any] = {
             "format": FORMAT,
             "model": self.model,
@@ -141,7 +145,7 @@ def _text_of(x: float) -> float | str:
 
 
 @called('hb.load_state("state.json")')
-def load_state(path: str | Path) -> State:
+def load_state(path: str | os.PathLike[str]) -> State:
     """Return a state that was saved.
 
     Raises
@@ -161,6 +165,8 @@ def load_state(path: str | Path) -> State:
     >>> hb.simulate(m, "2 s", start=state).t_begin
     1.0
     """
+    import json
+
     try:
         data = _bytes_of(named_file(path, 'hb.load_state("state.json")'))
     except OSError as error:
@@ -185,7 +191,7 @@ def _bytes_of(path: Path) -> bytes:
     return data
 
 
-def _no_state(path: str | Path, why: str) -> UsageError:
+def _no_state(path: object, why: str) -> UsageError:
     return UsageError(
         f"{str(path)!r} {why}",
         code="HB-S135",

@@ -24,13 +24,12 @@ from hybond.measures.pieces import (
     NOISE,
     PARTS,
     ROUNDS,
-    TOLERANCE,
     check_tolerance,
     halves,
     times_between,
     within,
 )
-from hybond.measures.window import INSTANT, duration_of, time_of
+from hybond.measures.window import INSTANT, TOLERANCE, duration_of, time_of
 from hybond.records import dataclass
 
 Vector = NDArray[np.float64]

@@ -10,8 +10,8 @@ import tempfile
 from pathlib import Path
 
 from hybond.engine.compiled.compiler import TIMEOUT, compiler
+from hybond.engine.compiled.fresh import NAME
 from hybond.engine.compiled.printing import library_text
-from hybond.engine.compiled.sources import NAME
 
 HOME = Path(__file__).with_name(NAME)
 """Where runs look for it."""

@@ -12,7 +12,6 @@ import functools
 import os
 import weakref
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
@@ -20,11 +19,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from hybond.blocks.runners import Runner
 from hybond.engine.compiled.answering import CALLBACK, Answering, Question
+from hybond.engine.compiled.fresh import HERE, NAME, is_of_these_sources
 from hybond.engine.compiled.kept_rows import KeptRows
 from hybond.engine.compiled.refusal import Refusal, refusal_of
 from hybond.engine.compiled.rows import COUNTS, STEPS, Rows, Seen, rows_of
 from hybond.engine.compiled.sliced import OK, PAUSED, RAISED, SPENT, SlicedRun, fitted
-from hybond.engine.compiled.sources import NAME, digest
 from hybond.engine.tables import ModelTables
 from hybond.engine.tables.code import Code
 from hybond.model.expressions.slots import plain, slot_of
@@ -60,17 +59,18 @@ def library() -> ctypes.CDLL:
     Unavailable
     """
     chosen = os.environ.get("HYBOND_ENGINE", "")
-    path = Path(chosen) if chosen else Path(__file__).parent / NAME
-    if not path.is_file():
-        raise Unavailable(f"{path.name} was not built")
+    path = chosen or os.path.join(HERE, NAME)
+    name = os.path.basename(path)
+    if not os.path.isfile(path):
+        raise Unavailable(f"{name} was not built")
     try:
-        found = ctypes.CDLL(str(path))
+        found = ctypes.CDLL(path)
         found.hybond_source.restype = ctypes.c_char_p
         made = found.hybond_source().decode()
     except (OSError, AttributeError) as error:
-        raise Unavailable(f"{path.name} cannot be loaded: {error}") from error
-    if made != digest():
-        raise Unavailable(f"{path.name} was built from other sources: install hybond again")
+        raise Unavailable(f"{name} cannot be loaded: {error}") from error
+    if not is_of_these_sources(made):
+        raise Unavailable(f"{name} was built from other sources: install hybond again")
     found.hybond_columns.restype = ctypes.POINTER(ctypes.c_char_p)
     found.hybond_begin.restype = ctypes.c_void_p
     found.hybond_begin.argtypes = [ctypes.c_void_p, ctypes.c_int]

@@ -1,4 +1,4 @@
-"""Where the modules of the engine stand that are printed, and the library made of them.
+"""Where the modules of the engine stand that are printed, and what tells them from others.
 
 Nothing of the translator is imported here: who runs a library does not print it.
 """
@@ -6,15 +6,12 @@ Nothing of the translator is imported here: who runs a library does not print it
 from __future__ import annotations
 
 import hashlib
-import sys
 from functools import lru_cache
 from pathlib import Path
 
 ENGINE = Path(__file__).parents[1]
 ORDINARY = ("tables", "compiled", "interpreted", "outcome")
 """Rooms of the engine that are not printed."""
-NAME = {"win32": "_engine.dll", "darwin": "_engine.dylib"}.get(sys.platform, "_engine.so")
-"""The library, beside this file."""
 SHOWN = ("library.c", "members.c", "sections.c", "kept_steps.c")
 """What it shows, in C."""
 

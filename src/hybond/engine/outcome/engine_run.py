@@ -18,7 +18,6 @@ from hybond.engine.compiled.refusal import Refusal
 from hybond.engine.compiled.sliced import ACCUMULATES, REFUSED
 from hybond.engine.outcome.beginnings import Beginning, not_of_this_model
 from hybond.engine.outcome.engines import Prepared
-from hybond.engine.outcome.faults import Fault, error_of
 from hybond.engine.outcome.journal import EventFile
 from hybond.engine.outcome.records import CAUSES, Instants, Records
 from hybond.engine.outcome.signals import Signals
@@ -262,6 +261,9 @@ class EngineRun:
         return self._refused(refusal)
 
     def _refused(self, refusal: Refusal) -> HybondError:
+        # only who is refused needs the words for it
+        from hybond.engine.outcome.faults import Fault, error_of
+
         numbers = self.tables.numbers
         limits = {name: numbers[name] for name in ("max_writes", "max_events", "max_steps")}
         fault = Fault(refusal, self._run.mode, limits, int(numbers["method"]))

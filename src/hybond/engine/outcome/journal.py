@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import contextlib
-import csv
 import io
-from pathlib import Path
+import os
 
 from hybond.errors import UsageError
 from hybond.model.graph import FlatGraph, Mode
@@ -19,7 +18,7 @@ class EventFile:
 
     Parameters
     ----------
-    path : Path
+    path : str or Path
         Replaced if it is there.
 
     Raises
@@ -28,13 +27,15 @@ class EventFile:
         HB-S113 if it cannot be written, also by any method.
     """
 
-    def __init__(self, path: Path, graph: FlatGraph) -> None:
+    def __init__(self, path: str | os.PathLike[str], graph: FlatGraph) -> None:
+        import csv
+
         self.graph = graph
         self.written = 0
         """Rows, one an event."""
         self._path = path
         try:
-            self._file = path.open("wb", buffering=0)
+            self._file = open(path, "wb", buffering=0)
         except OSError as error:
             raise self._refusal(error, "name a file in a folder that is there") from None
         self._rows = io.StringIO()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from hybond.engine.expressions import code as c
 from hybond.engine.expressions.functions import (
@@ -45,6 +45,7 @@ from hybond.model.expressions import (
 )
 from hybond.model.expressions.slots import is_slotted
 from hybond.model.expressions.tree import fold
+from hybond.records import dataclass
 
 ONE = {
     "sin": SIN,
@@ -85,7 +86,7 @@ _Part = tuple[list[int], int]
 """Instructions, and how many places of the stack they need."""
 
 
-@dataclass
+@dataclass(slots=True)
 class Code:
     """Instructions of many expressions, and the numbers that they read.
 
