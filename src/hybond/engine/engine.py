@@ -65,6 +65,9 @@ class Trial:
     """What the bond variables were found from."""
     jumps: bool
     """Whether impulses move what is stored."""
+    energy_before: float
+    """What is stored before the jump and after it, J."""
+    energy_after: float
     jump: Floats
     """The impulse of each signal."""
     terms: Floats
@@ -174,6 +177,14 @@ class Step:
     began_at: Floats
     passed_before: Floats
     kink: Floats
+    level0: Floats
+    """Co-energy variables where the step begins and ends, with what is stored there."""
+    level1: Floats
+    level_at: Floats
+    defect: float
+    """What the step has stored beyond what its rates bring, J; see `methods/defects`."""
+    apart: float
+    """What it has by how it moves at its end, beyond what is shown there, J."""
 
 
 @record
@@ -382,6 +393,11 @@ def make_step(n: int, kinks: int, edges: int) -> Step:
     s.passed_next = floats(n)
     s.began_at = floats(n)
     s.passed_before = floats(n)
+    s.level0 = floats(n)
+    s.level1 = floats(n)
+    s.level_at = floats(n)
+    for k in range(n):
+        s.level_at[k] = math.nan
     return s
 
 

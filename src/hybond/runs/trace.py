@@ -210,6 +210,10 @@ def _instant(event: Event) -> float:
 ONE_SOLUTION = "one solution"
 """What laws should have that were found to have more."""
 
+UNBALANCED = "no energy comes from nowhere"
+CREATES = "a jump creates no energy"
+"""What should be so of energy, in steps and in jumps."""
+
 
 @dataclass(frozen=True, slots=True)
 class Violation:
@@ -243,6 +247,18 @@ class Violation:
                 f"at t = {self.t:.9g} s in mode ({self.mode}) the laws around {self.place} have "
                 f"more than one solution, {self.off:.6g} apart: the run moved by one of them, and "
                 "what is read of it may be another"
+            )
+        if self.law == UNBALANCED:
+            return (
+                f"at t = {self.t:.9g} s in mode ({self.mode}) {self.off:.6g} J have come from "
+                f"nowhere, or are lost, of {self.size:.6g} J that have moved; most moves in "
+                f"{self.place} there"
+            )
+        if self.law == CREATES:
+            return (
+                f"at t = {self.t:.9g} s the jump into mode ({self.mode}) creates {self.off:.6g} J "
+                f"that no source supplies, where {self.size:.6g} J are stored or supplied; most of "
+                f"it in {self.place}"
             )
         return (
             f"at t = {self.t:.9g} s in mode ({self.mode}) the law of {self.place}, {self.law}, is "

@@ -69,6 +69,18 @@ class Checks:
     terms: Floats
     """The magnitudes of what each of these is a sum of."""
     prior: Floats
+    size: float
+    """The largest sum of what is stored times its co-energy variable, J."""
+    moved: float
+    """The energy that has moved into storage or out of it, J; what of it comes from nowhere, and
+    what steps may be off by; what does by rates that are shown, beyond those of the motion."""
+    unbalanced: float
+    may: float
+    apart: float
+    beside: Floats
+    rate: Floats
+    shown_at: float
+    """When values were last looked at."""
 
 
 def make_checks(m: Model) -> Checks:
@@ -81,7 +93,15 @@ def make_checks(m: Model) -> Checks:
     c.magnitude = floats(2 * m.bonds)
     c.largest = floats(m.classes)
     rules = m.rule_first[m.machines]
-    c.said = ints(m.elements + 2 * m.storages + m.junctions + 2 * rules + m.ports + m.elements)
+    c.said = ints(
+        m.elements
+        + 2 * m.storages
+        + m.junctions
+        + 2 * rules
+        + m.ports
+        + m.elements
+        + 3 * m.storages
+    )
     c.root = ints(m.bonds)
     c.reached = ints(m.bonds)
     c.ahead = floats(m.storages + m.integrals)
@@ -94,4 +114,7 @@ def make_checks(m: Model) -> Checks:
     c.after = floats(m.ports)
     c.terms = floats(m.ports)
     c.prior = floats(2 * m.bonds)
+    c.beside = floats(m.storages + m.integrals)
+    c.rate = floats(m.storages + m.integrals)
+    c.shown_at = -1.0
     return c

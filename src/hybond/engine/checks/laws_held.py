@@ -92,6 +92,7 @@ def look_at_laws(e: Engine) -> None:
         return
     clear_prior(e)
     c.looks += 1
+    c.shown_at = e.t
     hold_laws(e, mode)
     if mode.dynamics > 0 and not mode.affine:
         look_for_another(e, mode)

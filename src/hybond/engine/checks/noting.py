@@ -22,6 +22,12 @@ IMPACT: Final = 6
 """The speeds of a contact are not those that the law of impacts asks for: its port."""
 MANY: Final = 7
 """The laws have another solution, too: the number of an element that takes part."""
+BALANCE: Final = 8
+"""Energy of steps comes from nowhere, or is lost: the storage that moved most of it."""
+MOVES: Final = 9
+"""What is stored does not move by the rate that is shown: its number."""
+CREATED: Final = 10
+"""A jump has created energy: the storage that has got most of it."""
 
 
 def note_violation(
@@ -70,4 +76,10 @@ def place_of(e: Engine, what: int) -> int:
         at += rules
     if what > IMPACT:
         at += m.ports
+    if what > MANY:
+        at += m.elements
+    if what > BALANCE:
+        at += m.storages
+    if what > MOVES:
+        at += m.storages
     return at

@@ -13,6 +13,7 @@ from typing import Final
 
 from hybond.engine.algebra.products import copy_part
 from hybond.engine.answers import machine_name, rule_text
+from hybond.engine.checks.energy_held import hold_jump
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.expressions.paired import holds
 from hybond.engine.inputs.interval import hold_before, interval_after
@@ -49,7 +50,13 @@ from hybond.engine.instant.staying import (
     show_prior,
     stay_on_trial,
 )
-from hybond.engine.instant.telling import tell_branch, tell_found, tell_kept, tell_trial
+from hybond.engine.instant.telling import (
+    supplied_by_jump,
+    tell_branch,
+    tell_found,
+    tell_kept,
+    tell_trial,
+)
 from hybond.engine.instant.trial import (
     a_priori,
     measure_trial,
@@ -293,6 +300,8 @@ def write(e: Engine, g: Settling, i: Instant) -> int:
     if e.trial.struck:
         write_struck(e, i)
         tell_trial(e, i, g.x, True)
+    if e.trial.jumps:
+        hold_jump(e, g.x, supplied_by_jump(e), jump_may_create(e))
     written = note_step(i, CONTINUOUS)
     if e.trial.struck:
         tell_kept(e, i)
@@ -305,6 +314,18 @@ def write(e: Engine, g: Settling, i: Instant) -> int:
     for k in range(m.machines):
         g.state[k] = e.trial.state[k]
     return written
+
+
+def jump_may_create(e: Engine) -> bool:
+    """Whether a law that is declared for impacts may create energy in the jump of the trial.
+
+    One that reads ``pre()``, friction of an impact, restitution.
+    """
+    m = e.model
+    may = e.trial.factors > 0 or is_fieldless(e, e.mode)
+    for k in range(m.ports):
+        may = may or m.port_restitution[k] >= 0 or m.port_limit[k] >= 0
+    return may
 
 
 def note_hits(e: Engine, i: Instant) -> None:

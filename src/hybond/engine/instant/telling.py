@@ -106,8 +106,7 @@ def tell_trial(e: Engine, i: Instant, x: Floats, written: bool) -> None:
     if m.tells == 0:
         return
     if e.trial.jumps:
-        before = energy_of(e, x)
-        add_energy(i, before, energy_of(e, e.trial.x), supplied_by_jump(e))
+        add_energy(i, e.trial.energy_before, e.trial.energy_after, supplied_by_jump(e))
     elif written:
         here = energy_of(e, x)
         add_energy(i, here, here, 0.0)

@@ -142,10 +142,13 @@ def finish_trial(e: Engine, t: float, x: Floats, s: Floats) -> int:
     """Find the signals of a mode whose jump, from `x` to that of the trial, is known."""
     m = e.model
     trial = e.trial
-    e.energy = max(e.energy, math.fabs(energy_of(e, x)))
+    trial.energy_before = energy_of(e, x)
+    trial.energy_after = trial.energy_before
     trial.jumps = e.moved == JUMPS
     if e.moved != STAYS:
-        e.energy = max(e.energy, math.fabs(energy_of(e, trial.x)))
+        trial.energy_after = energy_of(e, trial.x)
+    e.energy = max(e.energy, math.fabs(trial.energy_before))
+    e.energy = max(e.energy, math.fabs(trial.energy_after))
     for k in range(m.slots):
         trial.jump[k] = 0.0
     if trial.jumps:

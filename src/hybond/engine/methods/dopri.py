@@ -12,6 +12,7 @@ from typing import Final
 
 from hybond.engine.algebra.products import all_finite
 from hybond.engine.engine import NOT_FINITE, OK, Engine, Step, say_fault
+from hybond.engine.methods.defects import begin_levels, defect_of_stages
 from hybond.engine.methods.scale import error_norm, tolerance
 from hybond.engine.mode.values import field
 from hybond.engine.words import Floats, float_table
@@ -207,6 +208,7 @@ def begin_step(e: Engine) -> None:
     for k in range(e.states):
         s.y0[k] = s.y[k]
         s.f0[k] = s.f[k]
+    begin_levels(e)
 
 
 def dopri_accept(e: Engine, t1: float) -> None:
@@ -221,3 +223,4 @@ def dopri_accept(e: Engine, t1: float) -> None:
         s.f[k] = s.k[6 * n + k]
     for row in range(4):
         weigh(n, 7, h, 7 * (8 + row), s, s.dense, row * n)
+    defect_of_stages(e, h)

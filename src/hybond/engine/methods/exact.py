@@ -16,6 +16,7 @@ from hybond.engine.algebra.products import all_finite, copy_floats
 from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.answers import value
 from hybond.engine.engine import OK, Engine
+from hybond.engine.methods.defects import apart_at_end, end_levels
 from hybond.engine.methods.dopri import error_norm_of
 from hybond.engine.methods.flow_records import ORDERS, PARTS, TERMS
 from hybond.engine.methods.propagate import pass_derivatives, pass_parts, rate_of, size_of_rate
@@ -282,3 +283,9 @@ def exact_accept(e: Engine, t1: float) -> None:
     s.t = t1
     copy_floats(e.states, s.y1, s.y)
     copy_floats(e.states, s.rate, s.f)
+    end_levels(e)
+    n = e.states
+    s.apart = 0.0
+    for k in range(e.model.storages):
+        d = s.dense
+        apart_at_end(e, k, d[k] + 2.0 * d[n + k] + 3.0 * d[2 * n + k] + 4.0 * d[3 * n + k])

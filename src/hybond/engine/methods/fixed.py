@@ -12,6 +12,7 @@ from typing import Final
 
 from hybond.engine.algebra.products import all_finite, copy_floats
 from hybond.engine.engine import NOT_FINITE, OK, Engine, say_fault
+from hybond.engine.methods.defects import defect_of_fixed
 from hybond.engine.methods.dopri import begin_step, goes_elsewhere, not_finite
 from hybond.engine.mode.values import field
 from hybond.engine.words import Floats
@@ -95,6 +96,7 @@ def advance_fixed(e: Engine, t1: float) -> int:
     copy_floats(n, s.y1, s.y)
     # the derivative at the end of a step of Euler is that of the next one, if there is one
     s.rated = e.model.method == RK4
+    defect_of_fixed(e, t1 - s.t0, s.rated)
     return OK
 
 

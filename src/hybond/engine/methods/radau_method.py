@@ -4,6 +4,7 @@ import math
 
 from hybond.engine.algebra.products import copy_floats
 from hybond.engine.engine import OK, Engine, say_fault
+from hybond.engine.methods.defects import apart_at_end, end_levels
 from hybond.engine.methods.dopri import begin_step, first_step, goes_elsewhere, not_finite
 from hybond.engine.methods.failed_steps import no_rate, step_too_small
 from hybond.engine.methods.radau import (
@@ -101,3 +102,23 @@ def accept_radau(e: Engine) -> None:
     copy_floats(e.states, r.y1, s.y1)
     copy_floats(e.states, r.y1, s.y)
     copy_floats(e.states, r.f1, s.f)
+    count_defect(e, r)
+
+
+def count_defect(e: Engine, r: Radau) -> None:
+    """Find what the step made leaves open, by its error and by what its stages were last moved.
+
+    Of a step that was repeated in pieces, the last one.
+    """
+    m = e.model
+    s = e.step
+    n = e.states
+    c = r.coefficients
+    end_levels(e)
+    s.defect = 0.0
+    s.apart = 0.0
+    for k in range(m.storages):
+        if m.storage_pseudo[k] == 0:
+            level = 0.5 * (s.level0[k] + s.level1[k])
+            s.defect += level * r.error_vector[k] + s.level1[k] * r.last[2 * n + k]
+        apart_at_end(e, k, c[k] + 2.0 * c[n + k] + 3.0 * c[2 * n + k])

@@ -7,9 +7,11 @@ from collections.abc import Sequence
 from hybond.engine.tables.contacts import rules_of
 from hybond.errors import NumericsError
 from hybond.model.graph import FlatGraph, Node
-from hybond.runs.trace import ONE_SOLUTION, Violation
+from hybond.runs.trace import CREATES, ONE_SOLUTION, UNBALANCED, Violation
 
-ELEMENT, STORAGE, JUNCTION, UNTOUCHED, UNFIRED, APART, IMPACT, MANY = range(8)
+ELEMENT, STORAGE, JUNCTION, UNTOUCHED, UNFIRED, APART, IMPACT, MANY, BALANCE, RATE, CREATED = range(
+    11
+)
 """What does not hold: as in `hybond.engine.checks.noting`."""
 SUMS = {
     "0": "one effort, and flows that add up to zero",
@@ -18,7 +20,17 @@ SUMS = {
 KEPT = "what no constraint of a jump reaches keeps what it stores"
 FIRES = "the guard holds, and fires:"
 ONE_INSTANT = "what begins to hold within one instant fires in it:"
+MOVES = "what is stored moves by the rate that is shown"
 IMPACTS = "the law of impacts that was asked for"
+LOOP = (
+    "give the loop what it has been idealised of: a small C or I where it feeds back, or a machine "
+    "of two states for a comparator"
+)
+CLOSER = (
+    "compare with solver = 'radau' and with a tenth of rtol; give what moves far faster than "
+    "anything that is asked for the C or I that it has, or leave it out; and report the model"
+)
+REPORT = "compare with solver = 'moreau-jean', and report the model: no model should do this"
 
 
 def violation(
@@ -41,7 +53,7 @@ def _said(graph: FlatGraph, elements: Sequence[int], what: int, index: int) -> t
         return machine.path, f"{FIRES if what == UNFIRED else ONE_INSTANT} {forced.rule.text}"
     if what in (ELEMENT, MANY):
         node = graph.nodes[elements[index]]
-    elif what in (STORAGE, UNTOUCHED):
+    elif what in (STORAGE, UNTOUCHED, BALANCE, RATE, CREATED):
         node = graph.nodes[graph.storages[index].node]
     elif what == JUNCTION:
         node = [n for n in graph.nodes if n.is_junction][index]
@@ -50,6 +62,10 @@ def _said(graph: FlatGraph, elements: Sequence[int], what: int, index: int) -> t
         node = graph.nodes[ports[index]]
     if what == MANY:
         return node.path, ONE_SOLUTION
+    if what in (BALANCE, CREATED):
+        return node.path, UNBALANCED if what == BALANCE else CREATES
+    if what == RATE:
+        return node.path, MOVES
     own = KEPT if what == UNTOUCHED else IMPACTS if what == IMPACT else _law(node)
     return node.path, own
 
@@ -70,8 +86,5 @@ def unsound_refusal(found: Sequence[Violation], t_end: float) -> NumericsError:
         "on",
         code="HB-N411",
         where=first.place,
-        hint="give the loop what it has been idealised of: a small C or I where it feeds back, or "
-        "a machine of two states for a comparator"
-        if many
-        else "compare with solver = 'moreau-jean', and report the model: no model should do this",
+        hint=LOOP if many else CLOSER if first.law == UNBALANCED else REPORT,
     )

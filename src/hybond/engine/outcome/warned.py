@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 NOT_UNIQUE, NO_WAY_ON, TWIN_SURFACES, OWN_JUMP, THROWS_BACK = 1, 2, 3, 4, 5
 SECOND_ANSWER, IMPULSIVE, LEFT_OPEN, FAR_APART, UNREST = 6, 7, 8, 9, 10
 WITHOUT_END, SHARES_OPEN, FIRES_ALWAYS, NEXT_DECIDES, UNSOUND, HELD_AT_REST = 11, 12, 13, 14, 15, 16
-MODULUS_JUMPS, IMPULSE_LEFT_OUT, COURSE_UNSEEN = 17, 18, 19
+MODULUS_JUMPS, IMPULSE_LEFT_OUT, COURSE_UNSEEN, MADE_BY_STEPS = 17, 18, 19, 20
 """Kinds of warnings: as in `hybond.engine.reasons.warned`."""
 TIMELESS = (
     *(TWIN_SURFACES, OWN_JUMP, IMPULSIVE, LEFT_OPEN, FAR_APART, MODULUS_JUMPS),
@@ -227,6 +227,13 @@ class Warnings:
             )
         if kind == COURSE_UNSEEN:
             return self._of_course(t, *numbers)
+        if kind == MADE_BY_STEPS:
+            off, moved = about
+            return (
+                f"steps of this length have {'made' if off > 0.0 else 'lost'} {abs(off):.3g} J, "
+                f"{100.0 * abs(off) / moved:.2g} % of the {moved:.3g} J that moved: take a shorter "
+                "step, or a solver that chooses its own"
+            )
         if kind == FAR_APART:
             return self._far_apart(about[0], about[1], tuple(numbers[2:]))
         return self._of_surfaces(kind, now, numbers)

@@ -9,6 +9,7 @@ import math
 from typing import Final
 
 from hybond.engine.checks.bounds_held import hold_bounds
+from hybond.engine.checks.energy_held import hold_rates, warn_of_steps
 from hybond.engine.checks.guards_held import foresee, hold_apart, look_at_guards
 from hybond.engine.checks.laws_held import look_at_entry, look_at_laws
 from hybond.engine.contacts.impacts_seen import before_event, observe_event
@@ -115,6 +116,7 @@ def run_to_end(e: Engine, r: Run) -> int:
         if mode_of(e, e.state) == OK and combine_here(e, e.state) == OK:
             look_at_laws(e)
             status = status if hold_bounds(e) == OK else REFUSED
+        warn_of_steps(e)
         report_end(e, r.report)
     return status
 
@@ -394,7 +396,10 @@ def begin_flow(e: Engine, r: Run) -> int:
     r.beyond = 0.0
     if m.courses > 0:
         begin_courses(e, r.locator.reads)
-    return start(e, e.t, e.y, bound_of(e), True)
+    begun = start(e, e.t, e.y, bound_of(e), True)
+    if begun == OK:
+        hold_rates(e)
+    return begun
 
 
 def is_at_edge(e: Engine, r: Run) -> bool:

@@ -14,9 +14,12 @@ from hybond.engine.answers import (
 )
 from hybond.engine.checks.noting import (
     APART,
+    BALANCE,
+    CREATED,
     ELEMENT,
     IMPACT,
     MANY,
+    MOVES,
     STORAGE,
     UNFIRED,
     UNTOUCHED,
@@ -301,6 +304,15 @@ def put_unsound(e: Engine) -> None:
     elif c.what == MANY:
         put_text("another solution of ")
         put_text(node_name(m, m.element_node[c.index]))
+    elif c.what == BALANCE:
+        put_text("the energy of steps of ")
+        put_text(stored_name(m, c.index))
+    elif c.what == MOVES:
+        put_text("the rate of ")
+        put_text(stored_name(m, c.index))
+    elif c.what == CREATED:
+        put_text("the energy of a jump of ")
+        put_text(stored_name(m, c.index))
     elif c.what == IMPACT:
         put_text("the impact of ")
         put_text(node_name(m, m.port_node[c.index]))

@@ -1,0 +1,221 @@
+"""The energy of a run: what is stored is what powers bring, step by step and jump by jump.
+
+No power is lost in the junction structure, which is looked at where laws are: what sources give
+less what resistors take is what flows into storage, `z x'`. So the balance of a run is kept by
+what is stored: of each step that of its rates at its stages (`methods/defects`), where laws are
+looked at that these are the rates that are shown, and of each jump that nothing comes from nowhere.
+
+What is off is held against all that moved, and against what tolerances let each step be off by: a
+state that is off by e changes what is stored by e times its co-energy variable. Steps of a fixed
+length are as long as somebody wished: what they make of nothing is told in joules, and no fault.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from hybond.engine.algebra.rounding import EPSILON
+from hybond.engine.checks.noting import BALANCE, CREATED, MOVES, note_violation
+from hybond.engine.engine import OK, Engine
+from hybond.engine.methods.defects import chord
+from hybond.engine.methods.fixed import RK4
+from hybond.engine.mode.guess import give_back_guess, hold_guess
+from hybond.engine.mode.sizes import size_of
+from hybond.engine.mode.storage import co_energy, own_stiffness, with_stored
+from hybond.engine.mode.values import field
+from hybond.engine.reasons.warned import MADE_BY_STEPS, add_about, begin_warning
+from hybond.engine.timestepping.step_records import MOREAU
+from hybond.engine.words import Floats
+
+PART: Final = 0.01
+"""Part of the energy that moved by which a run may be off: a hundred thousand steps of the usual
+tolerance add up to a tenth of that, and what is wrong is off by as much as moves."""
+TIMES: Final = 10.0
+"""How many times what tolerances allow it may be off: as in the audit."""
+LOST_DIGITS: Final = 1e-10
+"""Part of the terms that made a variable by which a rate may be off that is made another way."""
+INSTANT: Final = 1e-12
+"""Part of the run in which what the largest rate of its kind stores is no energy yet."""
+
+
+def hold_step(e: Engine) -> None:
+    """Count the step just noted, and hold the balance of the run against what moved."""
+    m = e.model
+    c = e.checks
+    s = e.step
+    if e.curved or m.storages == 0:
+        return
+    moved = 0.0
+    size = 0.0
+    put = 0.0
+    lost = 0.0
+    # a step may count up to a place within it
+    whole = e.t == s.t1
+    for k in range(m.storages):
+        if m.storage_pseudo[k] != 0:
+            continue
+        level = s.level1[k]
+        moved += math.fabs(0.5 * (s.level0[k] + level) * (e.y[k] - s.y0[k]))
+        size += math.fabs(level * e.y[k])
+        put += level * (e.y[k] - s.y1[k]) if whole else 0.0
+        lost += math.fabs(level)
+    c.size = max(c.size, size)
+    c.moved += moved
+    c.may += (m.rtol + EPSILON) * c.size
+    if m.atol == m.atol:
+        c.may += m.atol * lost
+    if not whole:
+        return
+    c.unbalanced += s.defect + put
+    bound = PART * c.moved + TIMES * c.may
+    if math.fabs(c.unbalanced) <= bound and math.fabs(c.apart + s.apart) <= bound:
+        c.apart += s.apart
+        return
+    hold_apart_rates(e, bound)
+    if m.method >= RK4:
+        return
+    bound += nothing(e)
+    k = most_moved(e)
+    if not math.fabs(c.unbalanced) <= bound:
+        note_violation(e, e.mode, e.t, BALANCE, k, math.fabs(c.unbalanced), c.moved)
+    elif not math.fabs(c.apart) <= bound:
+        note_violation(e, e.mode, e.t, BALANCE, k, math.fabs(c.apart), c.moved)
+
+
+def hold_apart_rates(e: Engine, bound: float) -> None:
+    """Count by how much the rates shown at the end of a step are not those of its motion.
+
+    Beside what they may be off as states are off by their tolerance: what follows its drive at once
+    has a force that is the small difference of two large ones.
+    """
+    m = e.model
+    c = e.checks
+    s = e.step
+    if math.fabs(c.apart + s.apart) <= bound:
+        c.apart += s.apart
+        return
+    h = s.t1 - s.t0
+    may = 0.0
+    known = True
+    refusal = e.refusal
+    hold_guess(e, e.mode)
+    for j in range(e.states):
+        for k in range(e.states):
+            c.beside[k] = s.y1[k]
+        shift = tolerance_of(e, j)
+        c.beside[j] += shift
+        known = known and field(e, e.mode, s.t1, c.beside, c.rate) == OK
+        for k in range(m.storages if known else 0):
+            if m.storage_pseudo[k] == 0:
+                may += math.fabs(s.level1[k] * (c.rate[k] - s.f[k])) * h
+    give_back_guess(e, e.mode)
+    e.refusal = refusal
+    if not known or not math.fabs(s.apart) > may:
+        return
+    c.apart += s.apart - math.copysign(may, s.apart)
+
+
+def tolerance_of(e: Engine, j: int) -> float:
+    """Return what a state may be off by, of its own size or by the energy of the run."""
+    m = e.model
+    s = e.step
+    size = max(math.fabs(s.y1[j]), math.fabs(s.y0[j]))
+    if j < m.storages:
+        own = math.fabs(own_stiffness(m, j, with_stored(e, s.y1)))
+        if own > 0.0 and math.isfinite(own):
+            size = max(size, 1e-6 * math.sqrt(2.0 * e.checks.size / own))
+    return m.rtol * size + (m.atol if m.atol == m.atol else 0.0)
+
+
+def nothing(e: Engine) -> float:
+    """Return an energy that is none: what the largest rates would store in no time."""
+    m = e.model
+    c = e.checks
+    total = 0.0
+    for k in range(m.storages):
+        rate = m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 0 else 0)
+        way = INSTANT * e.span * c.largest[m.bond_class[rate]]
+        own = math.fabs(chord(e, k))
+        if way > 0.0 and math.isfinite(own) and m.storage_pseudo[k] == 0:
+            total += own * way * way
+    return total
+
+
+def most_moved(e: Engine) -> int:
+    """Return the storage that the last step has moved most energy into, or out of."""
+    m = e.model
+    s = e.step
+    most = -1.0
+    found = 0
+    for k in range(m.storages):
+        moved = math.fabs((s.level0[k] + s.level1[k]) * (s.y1[k] - s.y0[k]))
+        if m.storage_pseudo[k] == 0 and moved > most:
+            most = moved
+            found = k
+    return found
+
+
+def hold_rates(e: Engine) -> None:
+    """Hold the rates that the last step has ended with against those shown, in `e.checks.v`."""
+    m = e.model
+    c = e.checks
+    if e.slide.k > 0 or c.shown_at != e.t or m.method >= MOREAU:
+        return
+    for k in range(m.storages):
+        at = m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 0 else 0)
+        shown = c.v[m.bond_slot + at]
+        if m.storage_kind[k] == 0 and m.storage_sign[k] < 0:
+            shown = -shown
+        off = math.fabs(e.step.f[k] - shown)
+        may = PART * math.fabs(shown) + 1e-9 * c.largest[m.bond_class[at]]
+        if off <= may:
+            continue
+        may += LOST_DIGITS * size_of(e, e.mode, at, e.work.xi, c.v)
+        if not off <= may:
+            note_violation(e, e.mode, e.t, MOVES, k, off, math.fabs(shown))
+
+
+def hold_jump(e: Engine, x: Floats, given: float, may_create: bool) -> None:
+    """Hold what a jump from `x` to the state of the trial has stored against what sources gave.
+
+    A law of impacts may give some, as declared: that is a warning in joules.
+    """
+    c = e.checks
+    before = e.trial.energy_before
+    after = e.trial.energy_after
+    c.moved += math.fabs(after - before) + math.fabs(given)
+    made = after - before - given
+    size = max(max(math.fabs(before), math.fabs(after)), math.fabs(given))
+    if may_create or made <= PART * size:
+        return
+    c.unbalanced += made
+    k = most_by_jump(e, x)
+    note_violation(e, e.mode, e.t, CREATED, k, made, size)
+
+
+def most_by_jump(e: Engine, x: Floats) -> int:
+    """Return the storage into which the jump has brought most energy."""
+    m = e.model
+    co_energy(m, with_stored(e, e.trial.x), e.checks.rate)
+    most = -math.inf
+    found = 0
+    for k in range(m.storages):
+        moved = e.checks.rate[k] * (e.trial.x[k] - x[k])
+        if m.storage_pseudo[k] == 0 and moved > most:
+            most = moved
+            found = k
+    return found
+
+
+def warn_of_steps(e: Engine) -> None:
+    """Say what steps of a fixed length have made of nothing, or lost, if that is much."""
+    m = e.model
+    c = e.checks
+    if m.method < RK4 or m.tells == 0:
+        return
+    if math.fabs(c.unbalanced) <= PART * c.moved + TIMES * c.may:
+        return
+    begin_warning(e.warned, MADE_BY_STEPS, e.t)
+    add_about(e.warned, c.unbalanced)
+    add_about(e.warned, c.moved)
