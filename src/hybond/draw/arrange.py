@@ -41,8 +41,9 @@ _VAIN = 3
 _STEPS = 9000
 LONGEST, MOST_CELLS = 2000, 100_000
 """Columns or rows, and places, between parts that are bonded; a board remembers each place."""
-_WEST = 60.0
-"""What it costs that all sources are at the right end of a picture."""
+_WEST, _BACK = 60.0, 6.0
+"""What it costs that all sources are at the right end of a picture, and each bond between inner
+nodes by which power goes to the left."""
 _SLANT = 0.12
 """Cells by which a bond may slant unseen."""
 
@@ -335,17 +336,19 @@ def _turn_about(search: Search) -> None:
 
 
 def _drawn_back(board: Board, cells: Mapping[int, Cell]) -> float:
-    """Return what it costs that sources which feed stand to the right of what they feed."""
+    """Return what it costs that power comes from the right."""
+    inner = [(a, b) for a, b in board.bonds if len(board.near[a]) > 1 < len(board.near[b])]
+    back = _BACK * sum(cells[b][0] < cells[a][0] for a, b in inner)
     feeds = [
         n
         for n, kind in enumerate(board.kinds)
         if kind in SOURCES and all(board.bonds[b][0] == n for b in board.bonds_of[n])
     ]
     if not feeds:
-        return 0.0
+        return back
     xs = [x for x, _ in cells.values()]
     low, wide = min(xs), max(xs) - min(xs)
-    return _WEST * sum(cells[n][0] - low for n in feeds) / (len(feeds) * wide) if wide else 0.0
+    return back + _WEST * sum(cells[n][0] - low for n in feeds) / (len(feeds) * (wide or 1))
 
 
 def _set(board: Board, cells: Mapping[int, Cell], turns: Sequence[int]) -> None:
