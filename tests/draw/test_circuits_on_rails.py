@@ -12,6 +12,7 @@ import pytest
 
 import hybond as hb
 from hybond.draw import draw_schematic
+from hybond.draw.beside import box_of
 from hybond.draw.geometry import Box, Point
 from hybond.draw.scene import Line, Text
 from hybond.draw.wires import Wire, clear, led
@@ -161,6 +162,23 @@ def test_no_symbol_stands_on_another(name: str, folder: str) -> None:
     _, groups = drawn(name, folder)
     boxes = [body(g) for g in groups.values() if g.name == "part"]
     assert not any(a.overlaps(b) for a, b in itertools.combinations(boxes, 2))
+
+
+@pytest.mark.parametrize("name", [*CIRCUITS, "ladder40"])
+def test_no_text_stands_on_a_wire_or_on_another_text(name: str, folder: str) -> None:
+    drawing, _ = drawn(name, folder)
+    texts = [
+        (m.text, box_of(m).grown(-1.0))
+        for g in drawing.scene.groups
+        for m in g.marks
+        if isinstance(m, Text) and m.role != "word"
+    ]
+    pieces = [piece for way in wires(drawing).values() for piece in itertools.pairwise(way)]
+    assert len(texts) > 10
+    assert not [text for text, box in texts if any(box.cut(piece) for piece in pieces)]
+    assert not [
+        pair for pair in itertools.combinations(texts, 2) if pair[0][1].overlaps(pair[1][1])
+    ]
 
 
 def test_a_long_ladder_is_folded_and_drawn_in_time(folder: str) -> None:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import random
 from collections.abc import Sequence
 
-from hybond.draw.rails import Circuit, Placing, cost, slots_of
+from hybond.draw.rails import Circuit, Placing, cost
 
 _EFFORT, _LEAST, _MOST = 200_000, 400, 5000
 """Parts looked at in a search; moves that are tried at least, and at most."""
@@ -170,7 +170,7 @@ def _lifted(circuit: Circuit, placing: Placing, rng: random.Random) -> bool:
 
 def _follow(circuit: Circuit, placing: Placing, core: int) -> None:
     """Give the nets of the coils of a core the rows at which the coils end."""
-    for coil, (above, first) in slots_of(circuit, circuit.cores[core]).items():
+    for coil, (above, first) in circuit.slots[core].items():
         b, row = circuit.branches[coil], placing.bases[core] + above
         up = placing.rows[b.plus] > placing.rows[b.minus] if first < 0 else first == b.plus
         for net, at in ((b.plus, row + up), (b.minus, row + 1 - up)):
