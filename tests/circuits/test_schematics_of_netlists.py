@@ -134,3 +134,14 @@ def test_no_wire_passes_through_the_name_of_a_source() -> None:
     relay = hb.load(NETLISTS.parent / "systems" / "relay_coil.toml")
     many, found = on_wires(draw_schematic(relay), {"name", "parameter"})
     assert many > 10 and not found
+
+
+def test_an_analog_switch_is_drawn_as_a_switch(tmp_path: Path) -> None:
+    """A card of a code model had no part and ended in a KeyError."""
+    rows = ["aswitch", "V1 p 0 12", "V2 g 0 5", "A1 g (p a) sw", "R1 a 0 10"]
+    rows += [".model sw aswitch(cntl_off=1 cntl_on=4 r_off=1e9 r_on=0.01)", ".tran 1u 1m", ".end"]
+    path = tmp_path / "a.cir"
+    path.write_text("\n".join(rows))
+    model = hb.read_circuit(path).as_parts()
+    assert getattr(model.elements["A1"], "model", "") == "electrical.switch"
+    assert {"p -> A1.plus", "A1.minus -> a"} <= {str(b) for b in model.bonds}

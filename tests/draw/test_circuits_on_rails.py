@@ -12,6 +12,7 @@ import pytest
 
 import hybond as hb
 from hybond.draw import draw_schematic
+from hybond.draw.beside import box_of
 from hybond.draw.geometry import Box, Point
 from hybond.draw.scene import Line, Text
 from hybond.draw.wires import Wire, clear, led
@@ -45,6 +46,8 @@ CORES = {
     "isolated_cuk": [("L1", "L2")],
     "three_phases": [("L1", "L2"), ("L3", "L4"), ("L5", "L6")],
 }
+SLOW = {"forward", "three_phases"}
+EACH = [pytest.param(n, marks=[pytest.mark.slow] if n in SLOW else []) for n in CIRCUITS]
 
 
 def ladder(count: int) -> str:
@@ -87,7 +90,7 @@ def nets(found: dict[str, tuple[Point, ...]]) -> dict[str, str]:
     return {key: next(e for e in key.split(" -> ") if "." not in e) for key in found}
 
 
-@pytest.mark.parametrize("name", CIRCUITS)
+@pytest.mark.parametrize("name", EACH)
 def test_coils_of_a_core_stand_side_by_side_with_bars_between_and_dots_that_agree(
     name: str, folder: str
 ) -> None:
@@ -110,7 +113,7 @@ def test_coils_of_a_core_stand_side_by_side_with_bars_between_and_dots_that_agre
             assert not any(box.cut(piece) for piece in itertools.pairwise(way))
 
 
-@pytest.mark.parametrize("name", CIRCUITS)
+@pytest.mark.parametrize("name", EACH)
 def test_sources_stand_with_plus_up_and_the_ground_is_at_the_bottom(name: str, folder: str) -> None:
     _, groups = drawn(name, folder)
     for key, group in groups.items():
@@ -121,14 +124,14 @@ def test_sources_stand_with_plus_up_and_the_ground_is_at_the_bottom(name: str, f
     assert all(middle(g)[1] < ground for k, g in groups.items() if k[0] in "VLSDCR")
 
 
-@pytest.mark.parametrize("name", ["flyback", "forward", "full_bridge", "isolated_cuk"])
+@pytest.mark.parametrize("name", ["flyback", "full_bridge", "isolated_cuk"])
 def test_power_goes_from_left_to_right(name: str, folder: str) -> None:
     _, groups = drawn(name, folder)
     assert middle(groups["V1"])[0] < middle(groups["L1"])[0]
     assert middle(groups["L2"])[0] < middle(groups["C1"])[0] <= middle(groups["R1"])[0]
 
 
-@pytest.mark.parametrize("name", [*CIRCUITS, "ladder40"])
+@pytest.mark.parametrize("name", [*EACH, "ladder40"])
 def test_wires_of_nets_are_apart_and_no_symbol_is_crossed(name: str, folder: str) -> None:
     drawing, groups = drawn(name, folder)
     found = wires(drawing)
@@ -156,11 +159,28 @@ def test_wires_of_nets_are_apart_and_no_symbol_is_crossed(name: str, folder: str
                     )
 
 
-@pytest.mark.parametrize("name", [*CIRCUITS, "ladder40"])
+@pytest.mark.parametrize("name", [*EACH, "ladder40"])
 def test_no_symbol_stands_on_another(name: str, folder: str) -> None:
     _, groups = drawn(name, folder)
     boxes = [body(g) for g in groups.values() if g.name == "part"]
     assert not any(a.overlaps(b) for a, b in itertools.combinations(boxes, 2))
+
+
+@pytest.mark.parametrize("name", [*EACH, "ladder40"])
+def test_no_text_stands_on_a_wire_or_on_another_text(name: str, folder: str) -> None:
+    drawing, _ = drawn(name, folder)
+    texts = [
+        (m.text, box_of(m).grown(-1.0))
+        for g in drawing.scene.groups
+        for m in g.marks
+        if isinstance(m, Text) and m.role != "word"
+    ]
+    pieces = [piece for way in wires(drawing).values() for piece in itertools.pairwise(way)]
+    assert len(texts) > 10
+    assert not [text for text, box in texts if any(box.cut(piece) for piece in pieces)]
+    assert not [
+        pair for pair in itertools.combinations(texts, 2) if pair[0][1].overlaps(pair[1][1])
+    ]
 
 
 def test_a_long_ladder_is_folded_and_drawn_in_time(folder: str) -> None:

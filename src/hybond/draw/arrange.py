@@ -10,7 +10,7 @@ and in schematics, which do not ask for bends, they are straight, on a `Board`.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import TypeVar
@@ -41,8 +41,9 @@ _VAIN = 3
 _STEPS = 9000
 LONGEST, MOST_CELLS = 2000, 100_000
 """Columns or rows, and places, between parts that are bonded; a board remembers each place."""
-_WEST = 60.0
-"""What it costs that all sources are at the right end of a picture."""
+_WEST, _BACK = 60.0, 6.0
+"""What it costs that all sources are at the right end of a picture, and each bond between inner
+nodes by which power goes to the left."""
 _SLANT = 0.12
 """Cells by which a bond may slant unseen."""
 
@@ -241,7 +242,7 @@ def arranged(
             search.anneal(steps, seed=seed + attempt, hot=160 if attempt else 40)
             search.descend(rounds=6 if small else 2, reach=2 if small else 1)
             if not fixed and small:
-                _turn_about(search)
+                _turn_about(board)
                 search.descend(rounds=2, reach=1)
         cost = board.cost(range(size))
         if best is None or cost < best[0]:
@@ -249,6 +250,8 @@ def arranged(
         if board.defects() <= crowded or attempt - found >= _VAIN:
             break
     assert best is not None
+    if not fixed:
+        _turn_about(best[1], _drawn_back)
     return best[1]
 
 
@@ -314,12 +317,13 @@ def _starts(
     return [tuple(b.at) for b in found]
 
 
-def _turn_about(search: Search) -> None:
+def _turn_about(
+    board: Board, besides: Callable[[Board, Mapping[int, Cell]], float] | None = None
+) -> None:
     """Mirror or turn the whole picture to the way that suits the compass best.
 
-    Sources are at the left of a textbook's picture: that counts besides the sides of their bonds.
+    `besides` is what a way costs beside that; it is asked when all is placed.
     """
-    board = search.board
     nodes = range(len(board.kinds))
     here = {n: c for n, c in enumerate(board.at) if c is not None}
     turns = list(board.turns)
@@ -329,23 +333,26 @@ def _turn_about(search: Search) -> None:
             way = {n: (a * y, b * x) if swap else (a * x, b * y) for n, (x, y) in here.items()}
             ways = [t if t > 1 or not swap else 1 - t for t in turns]
             _set(board, way, ways)
-            found.append((board.cost(nodes) + _drawn_back(board, way), way, ways))
+            more = besides(board, way) if besides is not None else 0.0
+            found.append((board.cost(nodes) + more, way, ways))
     _, way, ways = min(found, key=lambda f: f[0])
     _set(board, way, ways)
 
 
 def _drawn_back(board: Board, cells: Mapping[int, Cell]) -> float:
-    """Return what it costs that sources which feed stand to the right of what they feed."""
+    """Return what it costs that power comes from the right."""
+    inner = [(a, b) for a, b in board.bonds if len(board.near[a]) > 1 < len(board.near[b])]
+    back = _BACK * sum(cells[b][0] < cells[a][0] for a, b in inner)
     feeds = [
         n
         for n, kind in enumerate(board.kinds)
         if kind in SOURCES and all(board.bonds[b][0] == n for b in board.bonds_of[n])
     ]
     if not feeds:
-        return 0.0
+        return back
     xs = [x for x, _ in cells.values()]
     low, wide = min(xs), max(xs) - min(xs)
-    return _WEST * sum(cells[n][0] - low for n in feeds) / (len(feeds) * wide) if wide else 0.0
+    return back + _WEST * sum(cells[n][0] - low for n in feeds) / (len(feeds) * (wide or 1))
 
 
 def _set(board: Board, cells: Mapping[int, Cell], turns: Sequence[int]) -> None:

@@ -69,6 +69,32 @@ def tight(
     return covers(own, lines, boxes), covers([b.grown(CLEAR) for b in own], lines, ())
 
 
+def close_by(
+    own: Sequence[Box], lines: Sequence[tuple[Point, Point]], boxes: Sequence[Box]
+) -> tuple[list[tuple[Point, Point]], list[Box]]:
+    """Return the wires and symbols that may touch some texts: the others need no second look."""
+    x0, y0 = min(b.x0 for b in own) - CLEAR, min(b.y0 for b in own) - CLEAR
+    x1, y1 = max(b.x1 for b in own) + CLEAR, max(b.y1 for b in own) + CLEAR
+    return [
+        (p, q)
+        for p, q in lines
+        if min(p[0], q[0]) <= x1
+        and max(p[0], q[0]) >= x0
+        and min(p[1], q[1]) <= y1
+        and max(p[1], q[1]) >= y0
+    ], [b for b in boxes if b.x0 <= x1 and b.x1 >= x0 and b.y0 <= y1 and b.y1 >= y0]
+
+
+def freest(
+    places: Sequence[list[Mark]], lines: Sequence[tuple[Point, Point]], boxes: Sequence[Box]
+) -> list[Mark]:
+    """Return the texts, of those at several places, that cover least; the first of the best."""
+    covered = [[box_of(mark) for mark in texts] for texts in places]
+    near = close_by([box for own in covered for box in own], lines, boxes)
+    costs = [tight(own, *near) for own in covered]
+    return places[costs.index(min(costs))]
+
+
 def named_nodes(
     at: Mapping[str, Point], drawn: Sequence[Group], wires: Sequence[Wire]
 ) -> list[Group]:
@@ -77,10 +103,10 @@ def named_nodes(
     boxes = [box_of(m) for g in drawn if g.name != "wire" for m in g.marks]
     found = []
     for name, (x, y) in at.items():
-        texts = [
-            Text("junctionname", name, x + u, y + v, anchor) for u, v, anchor in _BESIDE_A_NODE
+        texts: list[list[Mark]] = [
+            [Text("junctionname", name, x + u, y + v, anchor)] for u, v, anchor in _BESIDE_A_NODE
         ]
-        text = min(texts, key=lambda text: tight([box_of(text)], lines, boxes))
+        (text,) = freest(texts, lines, boxes)
         boxes.append(box_of(text))
         found.append(Group("node", name, name, (text,)))
     return found

@@ -10,14 +10,15 @@ from __future__ import annotations
 import random
 from collections.abc import Sequence
 
-from hybond.draw.rails import Circuit, Placing, cost, slots_of
+from hybond.draw.rails import Circuit, Placing, cost
 
-_EFFORT, _LEAST, _MOST = 200_000, 400, 5000
+_EFFORT, _LEAST, _MOST = 200_000, 400, 4500
 """Parts looked at in a search; moves that are tried at least, and at most."""
-_STARTS: tuple[tuple[int, float], ...] = ((1, 6.0), (2, 3.0), (2, 10.0), (1, 14.0))
+_STARTS: tuple[tuple[int, float], ...] = ((1, 6.0), (2, 3.0), (2, 10.0), (2, 10.0), (1, 14.0))
 """Searches: whether all nets begin on a row, 1, or bridges on rows of theirs, 2; and how much more
 a move may cost at first."""
-_LARGE = 90
+_SMALL, _FEW, _LARGE = 14, 3, 90
+"""Branches up to which a few searches are enough, how many, and from which on there is one."""
 _LOWEST, _HIGHEST = -2, 14
 
 
@@ -34,7 +35,7 @@ def settled(circuit: Circuit, *, seed: int = 1) -> Placing:
     size = max(len(circuit.branches), 1)
     steps = min(_MOST, max(_LEAST, _EFFORT // size))
     found = []
-    starts = _STARTS
+    starts = _STARTS[:_FEW] if size <= _SMALL else _STARTS
     if size > _LARGE:  # one is enough, as long as little is lost of what it begins with
         high, hot = _STARTS[1 if circuit.legs else 0]
         starts = ((high, hot / 4.0),)
@@ -170,7 +171,7 @@ def _lifted(circuit: Circuit, placing: Placing, rng: random.Random) -> bool:
 
 def _follow(circuit: Circuit, placing: Placing, core: int) -> None:
     """Give the nets of the coils of a core the rows at which the coils end."""
-    for coil, (above, first) in slots_of(circuit, circuit.cores[core]).items():
+    for coil, (above, first) in circuit.slots[core].items():
         b, row = circuit.branches[coil], placing.bases[core] + above
         up = placing.rows[b.plus] > placing.rows[b.minus] if first < 0 else first == b.plus
         for net, at in ((b.plus, row + up), (b.minus, row + 1 - up)):

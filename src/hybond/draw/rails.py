@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import lru_cache
+from functools import cached_property
 from typing import NamedTuple
 
 OVERLAP, CROSSING, TAIL, OFF = 14.0, 5.0, 1.0, 1.5
@@ -57,7 +57,7 @@ class Core:
     right: tuple[int, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Circuit:
     """What is placed: branches between nets, cores of coils, and which net is the zero."""
 
@@ -70,16 +70,16 @@ class Circuit:
     legs: tuple[Leg, ...] = ()
     """Legs that are in parallel, as those of bridges."""
 
-    @property
+    @cached_property
     def in_legs(self) -> frozenset[tuple[int, int]]:
         """Pairs of nets between which there is a part of a leg."""
-        return _in_legs(self.legs)
+        pairs = [(m, end) for m, upper, lower in self.legs for end in (upper, lower)]
+        return frozenset(pairs + [(b, a) for a, b in pairs])
 
-
-@lru_cache(maxsize=8)
-def _in_legs(legs: tuple[Leg, ...]) -> frozenset[tuple[int, int]]:
-    pairs = [(m, end) for m, upper, lower in legs for end in (upper, lower)]
-    return frozenset(pairs + [(b, a) for a, b in pairs])
+    @cached_property
+    def slots(self) -> tuple[dict[int, tuple[int, int]], ...]:
+        """Of each core, where its coils stand: see `slots_of`."""
+        return tuple(slots_of(self, core) for core in self.cores)
 
 
 @dataclass(slots=True)
@@ -112,7 +112,6 @@ class Stand(NamedTuple):
     lies: bool
 
 
-@lru_cache(maxsize=64)
 def slots_of(circuit: Circuit, core: Core) -> dict[int, tuple[int, int]]:
     """Return of each coil of a core how many rows above its base it stands, and its upper net.
 
@@ -193,7 +192,7 @@ def _columns(circuit: Circuit, placing: Placing) -> tuple[list[int], dict[int, t
             at += 1
             continue
         core = circuit.cores[-1 - item]
-        for coil, (above, upper) in slots_of(circuit, core).items():
+        for coil, (above, upper) in circuit.slots[-1 - item].items():
             slots[coil] = (placing.bases[-1 - item] + above, upper)
         for side in (core.left, core.right):
             for coil in side:

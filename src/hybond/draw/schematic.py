@@ -12,7 +12,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 from hybond.draw.arrange import layout
-from hybond.draw.beside import Wire, beside, box_of, named_nodes, tight
+from hybond.draw.beside import Wire, beside, box_of, freest, named_nodes
 from hybond.draw.circuit_places import Part as CircuitPart
 from hybond.draw.circuit_places import Plan, circuit_places, two_ended
 from hybond.draw.composing import composed
@@ -367,9 +367,7 @@ def _parts(
     for name, p in put.items():
         node = nodes[name]
         words = [node.name, *([node.about] if node.about else [])]
-        texts = min(
-            beside(p.box, words), key=lambda texts: tight([box_of(t) for t in texts], lines, boxes)
-        )
+        texts = freest(beside(p.box, words), lines, boxes)
         boxes += [box_of(t) for t in texts]
         about = f"{name}: {node.letters}"
         found.append(Group("part", name, about, (*p.marks, *texts)))
