@@ -16,6 +16,7 @@ from hybond.engine.outcome.states_at import state_at
 from hybond.errors import HybondError, UsageError
 from hybond.measures.measuring import Measuring
 from hybond.measures.naming import names_of, read_name
+from hybond.measures.overlaps import told_of_overlaps
 from hybond.measures.signal import Signal
 from hybond.measures.undefined import told_of_undefined
 from hybond.measures.window import instant_near
@@ -109,12 +110,12 @@ class Result(Measuring, Tabled):
 
     @cached_property
     def warnings(self) -> tuple[str, ...]:
-        """What was noted on the way, and which signals have no value in parts of the run."""
+        """What was noted, which contacts begin overlapping, which signals lack values at times."""
         try:
-            undefined = told_of_undefined(self)
+            more = (*told_of_overlaps(self), *told_of_undefined(self))
         except HybondError:  # a run that stopped may have no values to tell
-            undefined = ()
-        return (*self.trace.warnings, *undefined)
+            more = ()
+        return (*self.trace.warnings, *more)
 
     # -- names
 

@@ -1,4 +1,4 @@
-"""Hints at the graph: arrows, signs, unused junctions, parts that float, circuits without ground."""
+"""Hints at the graph: arrows, signs, unused junctions, parts that float, no ground."""
 
 from __future__ import annotations
 

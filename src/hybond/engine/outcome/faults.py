@@ -132,6 +132,14 @@ def error_of(
         case "HB-N302":
             at_rest = storage_at_start(graph) if refusal.t == 0.0 else None
             said = at_rest or said_of(refusal, graph, explain, fault.mode) or said
+        case "HB-N303" if not graph.storages:
+            said = Said(
+                f"the sources and laws of this mode contradict each other {now}: no values meet "
+                "them, and nothing is stored",
+                refusal.place or here,
+                "a controlled source that gives back all that it reads, as V = i*(1 [ohm]) beside "
+                "1 ohm does, leaves nothing for the rest: change its gain, or add what is stored",
+            )
         case "HB-N310":
             said = Said(f"the step that ends at t = {refusal.t:.9g} s does not converge", here)
         case "HB-N402":

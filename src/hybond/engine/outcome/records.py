@@ -208,6 +208,7 @@ class Records:
         self.explain = Explaining(tables)
         self.warnings = Warnings(self.graph, self.explain, tables.ints["element_node"])
         self.trace.unsound = self.warnings.unsound
+        self._open: list[frozenset[str]] = []
         self.broken: tuple[Instants, int] | None = None
         """An instant that could not be settled."""
         self.mode: Mode = self.graph.start_mode
@@ -459,11 +460,12 @@ class Records:
             self.trace.slidings[number] = replace(self.trace.slidings[number], t1=t)
 
     def _note_open(self, found: Instants, many: int) -> None:
-        """Warn of what the modes leave open in which time goes on."""
+        """Warn of what the modes leave open in which time goes on: of the same names once."""
         for k in range(many):
             last = int(found.visit[k + 1]) - 1
             names = self.explain.open(found, last)
-            if names:
+            if names and not any(told.issuperset(names) for told in self._open):
+                self._open.append(frozenset(names))
                 mode: Mode = tuple(found.states[k].tolist())
                 self.trace.warn(
                     f"in mode ({self.graph.mode_text(mode)}) the equations leave "
