@@ -66,7 +66,7 @@ class Trial:
     jumps: bool
     """Whether impulses move what is stored."""
     jump: Floats
-    """The impulse of each signal."""
+    """The impulse of each signal: zero unless it `jumps`."""
     terms: Floats
     """The size of the terms that made each signal that a guard asked for."""
     valueless: bool

@@ -138,16 +138,22 @@ def jump_into(e: Engine, x: Floats, after: Floats) -> int:
     return enter_mode(e, e.mode, e.v, x, after)
 
 
+def forget_jump(e: Engine) -> None:
+    """Let nothing jump in the trial."""
+    for k in range(e.model.slots if e.trial.jumps else 0):
+        e.trial.jump[k] = 0.0
+    e.trial.jumps = False
+
+
 def finish_trial(e: Engine, t: float, x: Floats, s: Floats) -> int:
     """Find the signals of a mode whose jump, from `x` to that of the trial, is known."""
     m = e.model
     trial = e.trial
     e.energy = max(e.energy, math.fabs(energy_of(e, x)))
+    forget_jump(e)
     trial.jumps = e.moved == JUMPS
     if e.moved != STAYS:
         e.energy = max(e.energy, math.fabs(energy_of(e, trial.x)))
-    for k in range(m.slots):
-        trial.jump[k] = 0.0
     if trial.jumps:
         find_floor(e, x)
         for k in range(2 * m.bonds):
