@@ -52,7 +52,7 @@ subset. Rooms, and in them files, as data passes them::
         law_answers         one question to them, answered
         law_parallel, law_shares    idle laws beside those that carry; friction that shares a load
         law_candidates, law_trials    whether a mode stands up to its laws; all that can be tried
-        law_seconds         more than one answer
+        law_seconds, law_standing    more than one answer; the one that stands already
         gaps                whether the gap of a contact is the distance that its bonds close
     complementarity/
         law_problem, law_roles    the question as a complementarity problem

@@ -69,7 +69,7 @@ class Trial:
     """What is stored before the jump and after it, J."""
     energy_after: float
     jump: Floats
-    """The impulse of each signal."""
+    """The impulse of each signal: zero unless it `jumps`."""
     terms: Floats
     """The size of the terms that made each signal that a guard asked for."""
     valueless: bool

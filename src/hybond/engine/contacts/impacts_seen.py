@@ -86,8 +86,9 @@ def touch(e: Engine, g: Landings, machine: int) -> None:
     """Note how fast a contact was approached and is left."""
     m = e.model
     contact = g.struck[machine]
-    approach = contact_speed(e, g, contact, g.before)
-    rebound = contact_speed(e, g, contact, e.y)
+    moves = mode_of(e, e.state) == OK and combine_here(e, e.state) == OK
+    approach = contact_speed(e, g, contact, g.before) if moves else 0.0
+    rebound = contact_speed(e, g, contact, e.y) if moves else 0.0
     g.touch_contact[g.touches] = contact
     g.touch_gap[g.touches] = e.t - g.since[machine]
     g.touch_approach[g.touches] = approach
@@ -102,10 +103,8 @@ def touch(e: Engine, g: Landings, machine: int) -> None:
 
 
 def contact_speed(e: Engine, g: Landings, contact: int, y: Floats) -> float:
-    """Return how far a state is from what the impact laws prescribe at rest."""
+    """Return how far a state of the mode is from what the impact laws prescribe at rest."""
     m = e.model
-    if mode_of(e, e.state) != OK or combine_here(e, e.state) != OK:
-        return 0.0
     evaluate(e, e.mode, g.v, e.t, y)
     for k in range(m.slots):
         g.v[m.slots + k] = 0.0

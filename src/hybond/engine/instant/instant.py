@@ -109,12 +109,37 @@ def begin_instant(i: Instant, t: float, cause: int) -> None:
     forget_told(i.told)
 
 
+def room_for_waiting(i: Instant, n: int) -> None:
+    """Make room for so many transitions on their way: their columns are of one length."""
+    if n > i.wait_machine.size:
+        grow_places(i.wait_machine, n)
+        grow_places(i.wait_source, n)
+        grow_places(i.wait_target, n)
+        grow_places(i.wait_reason, n)
+
+
+def room_for_fired(i: Instant, n: int) -> None:
+    """Make room for so many transitions of steps."""
+    if n > i.machine.size:
+        grow_places(i.machine, n)
+        grow_places(i.source, n)
+        grow_places(i.target, n)
+        grow_places(i.reason, n)
+
+
+def room_for_visits(i: Instant, n: int) -> None:
+    """Make room for so many steps, and for where what belongs to each begins, and ends."""
+    if n >= i.kind.size:
+        grow_places(i.kind, n + 1)
+        grow_places(i.energies, n + 1)
+        grow_places(i.first, n + 1)
+        grow_places(i.hit_first, n + 1)
+        grow_places(i.open_first, n + 1)
+
+
 def note_fired(i: Instant, machine: int, source: int, target: int) -> None:
     """Note a transition into the mode that is tried next; why may be told behind it."""
-    grow_places(i.wait_machine, i.waiting + 1)
-    grow_places(i.wait_source, i.waiting + 1)
-    grow_places(i.wait_target, i.waiting + 1)
-    grow_places(i.wait_reason, i.waiting + 1)
+    room_for_waiting(i, i.waiting + 1)
     i.wait_machine.at[i.waiting] = machine
     i.wait_source.at[i.waiting] = source
     i.wait_target.at[i.waiting] = target
@@ -146,15 +171,11 @@ def is_struck(i: Instant, step: int) -> bool:
 
 def note_step(i: Instant, kind: int) -> int:
     """Note a mode visited, entered by what fired last; return its number."""
-    grow_places(i.kind, i.steps + 1)
-    grow_places(i.first, i.steps + 2)
-    grow_places(i.hit_first, i.steps + 2)
+    room_for_visits(i, i.steps + 1)
     i.kind.at[i.steps] = kind
     i.hit_first.at[0] = 0
     i.hit_first.at[i.steps + 1] = i.hits
     i.first.at[i.steps] = i.fired
-    grow_places(i.energies, i.steps + 1)
-    grow_places(i.open_first, i.steps + 2)
     i.energies.at[i.steps] = 0
     i.open_first.at[i.steps] = i.opens
     i.open_first.at[i.steps + 1] = i.opens
@@ -183,11 +204,8 @@ def add_open(i: Instant, bond: int) -> None:
 
 def append_fired(i: Instant) -> None:
     """Add what fired last to the transitions of the last step."""
+    room_for_fired(i, i.fired + i.waiting)
     for k in range(i.waiting):
-        grow_places(i.machine, i.fired + 1)
-        grow_places(i.source, i.fired + 1)
-        grow_places(i.target, i.fired + 1)
-        grow_places(i.reason, i.fired + 1)
         i.machine.at[i.fired] = i.wait_machine.at[k]
         i.source.at[i.fired] = i.wait_source.at[k]
         i.target.at[i.fired] = i.wait_target.at[k]

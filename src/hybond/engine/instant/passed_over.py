@@ -16,7 +16,7 @@ from hybond.engine.instant.entering import enter
 from hybond.engine.instant.in_force import is_asked
 from hybond.engine.instant.instant import MYTHICAL, Instant, drop_fired, note_fired, note_step
 from hybond.engine.instant.telling import tell_fired
-from hybond.engine.instant.trial import show_trial, write_entry
+from hybond.engine.instant.trial import forget_jump, show_trial, write_entry
 from hybond.engine.mode.equations import mode_of
 from hybond.engine.mode.sizes import measure_values
 from hybond.engine.words import Floats, Ints
@@ -46,7 +46,7 @@ def leave(e: Engine, i: Instant, t: float, x: Floats, s: Floats, state: Ints, ta
     if e.slide.k > 0 or mode_of(e, state) != OK:
         return False
     write_entry(e, t, x, s)
-    e.trial.jumps = False
+    forget_jump(e)
     for k in range(m.machines):
         e.trial.state[k] = state[k]
     fires = False

@@ -9,6 +9,7 @@ from __future__ import annotations
 from hybond.engine.algebra.products import copy_part
 from hybond.engine.engine import Engine
 from hybond.engine.instant.jump import STAYS
+from hybond.engine.instant.trial import forget_jump
 from hybond.engine.laws.law_standing import is_simple
 
 
@@ -23,9 +24,7 @@ def is_still_known(e: Engine) -> bool:
 def stay_on_trial(e: Engine) -> None:
     """Let the trial be one from the state it has led to: its values hold, and nothing jumps."""
     trial = e.trial
-    for k in range(e.model.slots if trial.jumps else 0):
-        trial.jump[k] = 0.0
-    trial.jumps = False
+    forget_jump(e)
     trial.struck = False
     trial.dusted = False
     trial.factors = 0

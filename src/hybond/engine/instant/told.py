@@ -75,9 +75,10 @@ def forget_told(t: Told) -> None:
 
 def add_row(t: Told, why: int) -> int:
     """Add a row; return its number. What is read and passed over is added to the last row."""
-    grow_places(t.why, t.rows + 1)
-    grow_places(t.first, t.rows + 2)
-    grow_places(t.over_first, t.rows + 2)
+    if t.rows + 2 > t.why.size:
+        grow_places(t.why, t.rows + 2)
+        grow_places(t.first, t.rows + 2)
+        grow_places(t.over_first, t.rows + 2)
     t.why.at[t.rows] = why
     t.first.at[t.rows] = t.reads
     t.over_first.at[t.rows] = t.overs
@@ -94,9 +95,10 @@ def say_why(t: Told, why: int) -> None:
 
 def add_read(t: Told, finite: float, impulse: float, strikes: bool) -> None:
     """Add a value that was read to the last row."""
-    grow_block(t.finite, t.reads + 1)
-    grow_block(t.impulse, t.reads + 1)
-    grow_places(t.strikes, t.reads + 1)
+    if t.reads >= t.finite.size:
+        grow_block(t.finite, t.reads + 1)
+        grow_block(t.impulse, t.reads + 1)
+        grow_places(t.strikes, t.reads + 1)
     t.finite.at[t.reads] = finite
     t.impulse.at[t.reads] = impulse
     t.strikes.at[t.reads] = 1 if strikes else 0

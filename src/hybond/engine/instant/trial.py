@@ -138,19 +138,25 @@ def jump_into(e: Engine, x: Floats, after: Floats) -> int:
     return enter_mode(e, e.mode, e.v, x, after)
 
 
+def forget_jump(e: Engine) -> None:
+    """Let nothing jump in the trial."""
+    for k in range(e.model.slots if e.trial.jumps else 0):
+        e.trial.jump[k] = 0.0
+    e.trial.jumps = False
+
+
 def finish_trial(e: Engine, t: float, x: Floats, s: Floats) -> int:
     """Find the signals of a mode whose jump, from `x` to that of the trial, is known."""
     m = e.model
     trial = e.trial
     trial.energy_before = energy_of(e, x)
     trial.energy_after = trial.energy_before
+    forget_jump(e)
     trial.jumps = e.moved == JUMPS
     if e.moved != STAYS:
         trial.energy_after = energy_of(e, trial.x)
     e.energy = max(e.energy, math.fabs(trial.energy_before))
     e.energy = max(e.energy, math.fabs(trial.energy_after))
-    for k in range(m.slots):
-        trial.jump[k] = 0.0
     if trial.jumps:
         find_floor(e, x)
         for k in range(2 * m.bonds):

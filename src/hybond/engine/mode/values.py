@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from hybond.engine.algebra.products import copy_part
 from hybond.engine.answers import value
 from hybond.engine.engine import NOT_FINITE, OK, Engine
 from hybond.engine.inputs.interval import set_time
@@ -54,8 +55,7 @@ def evaluate(e: Engine, mode: Mode, v: Floats, t: float, y: Floats) -> int:
     set_state(e, mode, v, t, y)
     put_limits(e, mode, v)
     status = solve_here(e, mode, v)
-    for k in range(m.slots):
-        v[m.slots + k] = v[k]
+    copy_part(m.slots, v, 0, v, m.slots)
     put_limits(e, mode, v)
     return status
 

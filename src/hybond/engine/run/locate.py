@@ -51,6 +51,8 @@ def search(e: Engine, g: Locator) -> int:
     g.at = math.inf
     g.failed = False
     g.about = False
+    g.found_at = math.nan
+    g.shown_to = math.nan
     begin_looks(e.model, g)
     if g.guards == 0:
         return OK

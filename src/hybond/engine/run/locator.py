@@ -126,6 +126,8 @@ class Locator:
     found: int
     """The guard that held when it was asked at `found_at`, in the step as it is."""
     found_at: float
+    shown_to: float
+    """The end of the step whose comparisons are there as polynomials."""
     watched: int
     """The place of the mode that was watched last, and how many had been made."""
     watched_made: int
@@ -466,7 +468,6 @@ def forget_denied(g: Locator) -> None:
 def begin_looks(m: Model, g: Locator) -> None:
     """Begin to look at another step: nothing is known at any instant of it."""
     g.looked = math.nan
-    g.found_at = math.nan
     if g.looks < MOST_LOOKS:
         return
     g.looks = 0

@@ -49,6 +49,7 @@ def solve_guards(e: Engine, g: Locator) -> bool:
     waves = g.sums.terms > 0
     if shown:
         take_step(e, g)
+        g.shown_to = e.step.t1
         see_drift(e, g)
         if waves:
             sample_waves(e, g)

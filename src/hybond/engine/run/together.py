@@ -27,11 +27,17 @@ from hybond.engine.run.guard_values import (
     test_here,
 )
 from hybond.engine.run.locator import ALL_PARTS, NO_KINK, Locator
+from hybond.engine.run.quartic import COEFFICIENTS, DEGREE, horner
+from hybond.engine.run.solved_guards import is_known
 
 LAST_PLACES: Final = 8.0
 """Units in the last place within which a jump and what is watched for it may differ."""
 NEAR_ZERO: Final = 1e-6
 """Part of its terms from which on rounding has no say in a comparison."""
+BY_FAR: Final = 1e-3
+"""Part of its terms that is far from zero: it takes more than an instant to get there, ..."""
+LONG: Final = 1e6
+"""... in a step that is so many of them long."""
 
 
 def last_of_instant(e: Engine, g: Locator, t: float, top: float) -> float:
@@ -40,7 +46,7 @@ def last_of_instant(e: Engine, g: Locator, t: float, top: float) -> float:
     Guards that hold at `t` must still hold there: what is only touched at `t` is an instant alone.
     """
     last = t
-    if not are_others(e, g, t):
+    if not may_others(e, g, t, top):
         return last
     look(e, g, top)
     for k in range(g.guards):
@@ -61,13 +67,31 @@ def last_of_instant(e: Engine, g: Locator, t: float, top: float) -> float:
     return last
 
 
-def are_others(e: Engine, g: Locator, t: float) -> bool:
-    """Whether there is any guard but the one that is known to hold at `t`."""
-    known = g.found_at == t and not is_constrained(e.mode)
+def may_others(e: Engine, g: Locator, t: float, top: float) -> bool:
+    """Whether any guard but the one that was found at `t` may begin to hold up to `top`."""
+    plain = e.mode.dynamics == 0 and not is_constrained(e.mode)
+    shown = plain and g.shown_to == e.step.t1
+    long = (e.step.t1 - e.step.t0) > LONG * (top - t)
     for k in range(g.guards):
-        if g.side[k] == NO_KINK and not (known and k == g.found):
+        if g.side[k] != NO_KINK or (plain and g.found_at == t and k == g.found):
+            continue
+        if not (shown and long and is_false_by_far(e, g, k)):
             return True
     return False
+
+
+def is_false_by_far(e: Engine, g: Locator, k: int) -> bool:
+    """Whether a guard is false in the step, and its comparisons are far from zero at its end.
+
+    They keep their signs in the step, with which it was asked.
+    """
+    for a in range(g.atom_first[k], g.atom_first[k + 1]):
+        if g.sums.known.at[a] == 0 or g.sign[a] == 0:
+            return False
+        there = horner(g.step, COEFFICIENTS * a, DEGREE, 1.0)
+        if not math.fabs(there) > BY_FAR * g.extent[a]:
+            return False
+    return g.solved[k] != 0 and is_known(e, g, k, e.step.t1)
 
 
 def is_of_time(e: Engine, g: Locator, t: float, last: float) -> bool:
