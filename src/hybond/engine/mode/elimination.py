@@ -246,6 +246,39 @@ def copy_elimination(source: Elimination, e: Elimination) -> None:
         e.count[k] = source.count[k]
 
 
+def repeat_elimination(source: Elimination, e: Elimination) -> None:
+    """Make `e` go on from where another elimination with the same columns is, as that would."""
+    e.done = source.done
+    e.least = source.least
+    e.dropped = source.dropped
+    e.given = 0
+    e.end = source.end
+    e.cells = source.cells
+    for k in range(e.unknowns):
+        e.same[k] = source.same[k]
+        e.solved[k] = source.solved[k]
+        e.order[k] = source.order[k]
+        e.first[k] = source.first[k]
+        e.count[k] = source.count[k]
+        e.room[k] = source.room[k]
+        e.read[k] = source.read[k]
+        e.weight[k] = source.weight[k]
+        e.used[k] = source.used[k]
+        e.user[k] = source.user[k]
+    grow_places(e.column, e.end)
+    grow_block(e.entry, e.end)
+    grow_block(e.loss, e.end)
+    for i in range(e.end):
+        e.column.at[i] = source.column.at[i]
+        e.entry.at[i] = source.entry.at[i]
+        e.loss.at[i] = source.loss.at[i]
+    grow_places(e.cell_row, e.cells)
+    grow_places(e.cell_next, e.cells)
+    for i in range(e.cells):
+        e.cell_row.at[i] = source.cell_row.at[i]
+        e.cell_next.at[i] = source.cell_next.at[i]
+
+
 def give(e: Elimination, column: int, value: float) -> None:
     """Add a term to the row that is to be added next; a column comes once."""
     e.given_column[e.given] = column

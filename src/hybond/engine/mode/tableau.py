@@ -23,6 +23,7 @@ from hybond.engine.mode.elimination import (
     give,
     make_equal,
     put_in,
+    repeat_elimination,
     settle_equal,
 )
 from hybond.engine.mode.mode_records import Mode
@@ -75,33 +76,13 @@ def build(e: Engine, mode: Mode) -> int:
     """
     m = e.model
     given = mode.given
-    power = e.work.power
-    unknowns = 2 * m.bonds
-    value0 = unknowns + m.storages
-    begin_elimination(power)
-    weigh_storages(e)
-    begin_elimination(e.work.table)
-    e.work.agreements = 0
-    e.work.agreement_entries = 0
     mode.sources = 0
     mode.dynamics = 0
-    join_equal(m, power, given)
-    note_read(m, power)
-    for k in range(unknowns):
-        power.weight[k] = mode.weight[power.same[k]] if mode.weighed else 1.0
-    for k in range(m.storages):
-        at = m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 1 else 0)
-        give(power, at, 1.0 if m.storage_kind[k] == 0 else float(m.storage_sign[k]))
-        give(power, unknowns + k, -1.0)
-        keep(e, add_row(power))
     # what is the same in every mode comes first
-    for element in range(m.steady):
-        add_power(e, mode, part_of(m, mode, element))
-    for j in range(m.junctions):
-        if m.junction_switch[j] < 0 and given[j] == NOT_OPEN:
-            add_balance(e, j, -1)
-    for element in range(m.steady):
-        add_laws(e, mode, part_of(m, mode, element))
+    if e.work.steady_known and is_steady(m, mode):
+        repeat_steady(e, mode)
+    else:
+        add_steady(e, mode)
     for element in range(m.steady, m.elements):
         add_power(e, mode, part_of(m, mode, element))
     for j in range(m.junctions):
@@ -116,7 +97,63 @@ def build(e: Engine, mode: Mode) -> int:
     for element in range(m.steady, m.elements):
         add_laws(e, mode, part_of(m, mode, element))
     mode.knowns = m.storages + 2 * mode.sources
-    return add_hidden(e, mode, value0)
+    return add_hidden(e, mode, 2 * m.bonds + m.storages)
+
+
+def is_steady(m: Model, mode: Mode) -> bool:
+    """Whether a mode begins as all do: its rows are not weighed, none of them is left open."""
+    plain = not mode.weighed
+    for j in range(m.junctions):
+        plain = plain and (m.junction_switch[j] >= 0 or mode.given[j] == NOT_OPEN)
+    return plain
+
+
+def add_steady(e: Engine, mode: Mode) -> None:
+    """Add the rows that are the same in every mode, and keep what they come to."""
+    m = e.model
+    w = e.work
+    power = w.power
+    unknowns = 2 * m.bonds
+    begin_elimination(power)
+    weigh_storages(e)
+    begin_elimination(w.table)
+    w.agreements = 0
+    w.agreement_entries = 0
+    join_equal(m, power, mode.given)
+    note_read(m, power)
+    for k in range(unknowns):
+        power.weight[k] = mode.weight[power.same[k]] if mode.weighed else 1.0
+    for k in range(m.storages):
+        at = m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 1 else 0)
+        give(power, at, 1.0 if m.storage_kind[k] == 0 else float(m.storage_sign[k]))
+        give(power, unknowns + k, -1.0)
+        keep(e, add_row(power))
+    for element in range(m.steady):
+        add_power(e, mode, part_of(m, mode, element))
+    for j in range(m.junctions):
+        if m.junction_switch[j] < 0 and mode.given[j] == NOT_OPEN:
+            add_balance(e, j, -1)
+    for element in range(m.steady):
+        add_laws(e, mode, part_of(m, mode, element))
+    if is_steady(m, mode) and w.agreements == 0:
+        repeat_elimination(power, w.steady)
+        repeat_elimination(w.table, w.steady_table)
+        w.steady_known = True
+
+
+def repeat_steady(e: Engine, mode: Mode) -> None:
+    """Go on from the rows that are the same in every mode, bit for bit as if they were added."""
+    m = e.model
+    w = e.work
+    repeat_elimination(w.steady, w.power)
+    repeat_elimination(w.steady_table, w.table)
+    w.agreements = 0
+    w.agreement_entries = 0
+    for element in range(m.steady):
+        part = part_of(m, mode, element)
+        for _ in range(m.part_power[part], m.part_law[part]):
+            list_source(m, mode, m.part_source[part])
+        list_dynamics(m, mode, part)
 
 
 def weigh_storages(e: Engine) -> None:
@@ -204,10 +241,21 @@ def add_power(e: Engine, mode: Mode, part: int) -> None:
         give_row(m, e.work.power, row)
         if source >= 0:
             give(e.work.power, 2 * m.bonds + m.storages + mode.sources, -1.0)
-            mode.source[mode.sources] = source
-            mode.source_level[mode.sources] = m.source_constant[source]
-            mode.sources += 1
+            list_source(m, mode, source)
         keep(e, add_row(e.work.power))
+    list_dynamics(m, mode, part)
+
+
+def list_source(m: Model, mode: Mode, source: int) -> None:
+    """List a source of a part among those of the mode, if there is one."""
+    if source >= 0:
+        mode.source[mode.sources] = source
+        mode.source_level[mode.sources] = m.source_constant[source]
+        mode.sources += 1
+
+
+def list_dynamics(m: Model, mode: Mode, part: int) -> None:
+    """List what of a part is evaluated each time."""
     for d in range(m.part_dynamic[part], m.part_dynamic[part + 1]):
         mode.dynamic[mode.dynamics] = d
         mode.dynamics += 1
