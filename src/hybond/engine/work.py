@@ -20,6 +20,11 @@ class Work:
     finite: Elimination
     table: Elimination
     weighed: bool
+    steady_known: bool
+    steady: Elimination
+    steady_table: Elimination
+    """Rows that are the same in every mode, as they are once they are eliminated, if that is
+    known; and constraints among them."""
     at_start: Floats
     """Values at the start, of what is stored alone."""
     told: Ints
@@ -165,6 +170,9 @@ def make_work(m: Model) -> Work:
     w.finite = make_elimination(n, n + knowns)
     w.table = make_elimination(m.storages, knowns)
     w.weighed = False
+    w.steady_known = False
+    w.steady = make_elimination(n, n + knowns)
+    w.steady_table = make_elimination(m.storages, knowns)
     w.at_start = floats(2 * m.slots)
     w.told = ints(m.storages)
     # one row for each end of a bond: not more can be left over

@@ -16,7 +16,7 @@ from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.newton import known_of
 from hybond.engine.mode.newton_system import by_power, split, take_rank
 from hybond.engine.mode.reach import reach_at
-from hybond.engine.mode.storage import coupled, own_stiffness, with_stored
+from hybond.engine.mode.storage import coupled, is_alone, own_stiffness, with_stored
 from hybond.engine.model import Model
 from hybond.engine.words import Floats
 
@@ -65,14 +65,6 @@ def restore_bonds(e: Engine, mode: Mode, v: Floats) -> None:
     m = e.model
     for k in range(2 * m.bonds if mode.dynamics > 0 else 0):
         v[m.bond_slot + k] = e.work.kept[k]
-
-
-def is_alone(m: Model, k: int) -> bool:
-    """Whether known k is the co-energy variable of a storage that has one port and is linear."""
-    if k >= m.storages or m.co_energy[k] >= 0:
-        return False
-    first = m.stiff_first[k]
-    return m.stiff_first[k + 1] == first + 1 and m.stiff_other[first] == k
 
 
 def residual(e: Engine, mode: Mode, v: Floats, x: Floats) -> None:

@@ -1,9 +1,10 @@
-"""What one elimination takes from another: all of it, or its rows in place of known columns."""
+"""What one elimination takes from another: all that it is, or rows in place of known columns."""
 
 from __future__ import annotations
 
 import math
 
+from hybond.engine.algebra.blocks import grow_block, grow_places
 from hybond.engine.mode.elimination import (
     NOWHERE,
     Elimination,
@@ -42,6 +43,42 @@ def copy_elimination(source: Elimination, e: Elimination) -> None:
             if column < e.unknowns:
                 note_user(e, column, k)
         e.count[k] = source.count[k]
+
+
+def repeat_elimination(source: Elimination, e: Elimination) -> None:
+    """Make `e` go on from where another elimination with the same columns is, as that would."""
+    e.done = source.done
+    e.least = source.least
+    e.dropped = source.dropped
+    e.given = 0
+    e.end = source.end
+    e.cells = source.cells
+    for k in range(e.unknowns):
+        e.same[k] = source.same[k]
+        e.solved[k] = source.solved[k]
+        e.order[k] = source.order[k]
+        e.first[k] = source.first[k]
+        e.count[k] = source.count[k]
+        e.room[k] = source.room[k]
+        e.read[k] = source.read[k]
+        e.last[k] = source.last[k]
+        e.weight[k] = source.weight[k]
+        e.used[k] = source.used[k]
+        e.user[k] = source.user[k]
+    grow_places(e.column, e.end)
+    grow_block(e.entry, e.end)
+    grow_block(e.rest, e.end)
+    grow_block(e.loss, e.end)
+    for i in range(e.end):
+        e.column.at[i] = source.column.at[i]
+        e.entry.at[i] = source.entry.at[i]
+        e.rest.at[i] = source.rest.at[i]
+        e.loss.at[i] = source.loss.at[i]
+    grow_places(e.cell_row, e.cells)
+    grow_places(e.cell_next, e.cells)
+    for i in range(e.cells):
+        e.cell_row.at[i] = source.cell_row.at[i]
+        e.cell_next.at[i] = source.cell_next.at[i]
 
 
 def put_in(e: Elimination, known: Elimination, shift: int, told: Ints) -> None:

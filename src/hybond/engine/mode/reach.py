@@ -10,7 +10,7 @@ import math
 from typing import Final
 
 from hybond.engine.engine import Engine
-from hybond.engine.mode.storage import co_energy_of, own_stiffness, with_stored
+from hybond.engine.mode.storage import co_energy_of, is_alone, own_stiffness, with_stored
 from hybond.engine.words import Floats
 
 LEAST: Final = 1e-150
@@ -33,6 +33,8 @@ def reach_at(e: Engine, k: int, x: Floats, energy: float) -> float:
     By the slope of its law at `x`, and no more than what has that energy by the law itself.
     """
     m = e.model
+    if is_alone(m, k):
+        return reach_by(math.fabs(m.stiff_constant[m.stiff_first[k]]), energy)
     v = with_stored(e, x)
     most = reach_by(math.fabs(own_stiffness(m, k, v)), energy)
     if m.co_energy[k] < 0 or most == 0.0:

@@ -117,6 +117,14 @@ def own_stiffness(m: Model, k: int, v: Floats) -> float:
     return 0.0
 
 
+def is_alone(m: Model, k: int) -> bool:
+    """Whether known k is the co-energy variable of a storage that has one port and is linear."""
+    if k >= m.storages or m.co_energy[k] >= 0:
+        return False
+    first = m.stiff_first[k]
+    return m.stiff_first[k + 1] == first + 1 and m.stiff_other[first] == k
+
+
 def coupled(m: Model, k: int, v: Floats) -> float:
     """Return what the other ports of its field add to the co-energy variable of port k.
 

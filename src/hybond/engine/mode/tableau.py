@@ -23,7 +23,11 @@ from hybond.engine.mode.elimination import (
     make_equal,
     settle_equal,
 )
-from hybond.engine.mode.elimination_of_another import copy_elimination, put_in
+from hybond.engine.mode.elimination_of_another import (
+    copy_elimination,
+    put_in,
+    repeat_elimination,
+)
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.storage import own_stiffness
 from hybond.engine.model import Model
@@ -74,34 +78,13 @@ def build(e: Engine, mode: Mode) -> int:
     """
     m = e.model
     given = mode.given
-    power = e.work.power
-    unknowns = 2 * m.bonds
-    value0 = unknowns + m.storages
-    begin_elimination(power)
-    weigh_storages(e)
-    begin_elimination(e.work.table)
-    e.work.agreements = 0
-    e.work.agreement_entries = 0
     mode.sources = 0
     mode.dynamics = 0
-    join_equal(m, power, given)
-    note_read(m, power)
-    note_last(m, mode, power)
-    for k in range(unknowns):
-        power.weight[k] = mode.weight[power.same[k]] if mode.weighed else 1.0
-    for k in range(m.storages):
-        at = m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 1 else 0)
-        give(power, at, 1.0 if m.storage_kind[k] == 0 else float(m.storage_sign[k]))
-        give(power, unknowns + k, -1.0)
-        keep(e, add_row(power))
     # what is the same in every mode comes first
-    for element in range(m.steady):
-        add_power(e, mode, part_of(m, mode, element))
-    for j in range(m.junctions):
-        if m.junction_switch[j] < 0 and given[j] == NOT_OPEN:
-            add_balance(e, j, -1)
-    for element in range(m.steady):
-        add_laws(e, mode, part_of(m, mode, element))
+    if begins_as_known(e, mode):
+        repeat_steady(e, mode)
+    else:
+        add_steady(e, mode)
     for element in range(m.steady, m.elements):
         add_power(e, mode, part_of(m, mode, element))
     for j in range(m.junctions):
@@ -116,7 +99,78 @@ def build(e: Engine, mode: Mode) -> int:
     for element in range(m.steady, m.elements):
         add_laws(e, mode, part_of(m, mode, element))
     mode.knowns = m.storages + 2 * mode.sources
-    return add_hidden(e, mode, value0)
+    return add_hidden(e, mode, 2 * m.bonds + m.storages)
+
+
+def is_steady(m: Model, mode: Mode) -> bool:
+    """Whether a mode begins as all do: its rows are not weighed, none of them is left open."""
+    plain = not mode.weighed
+    for j in range(m.junctions):
+        plain = plain and (m.junction_switch[j] >= 0 or mode.given[j] == NOT_OPEN)
+    return plain
+
+
+def begins_as_known(e: Engine, mode: Mode) -> bool:
+    """Whether the rows that are the same in every mode are known as this mode would add them.
+
+    Which unknowns end a row hangs on what a mode's own elements are, sources or not.
+    """
+    w = e.work
+    known = w.steady_known and is_steady(e.model, mode)
+    if known:
+        note_last(e.model, mode, w.steady.same, w.power.last)
+        for k in range(w.power.unknowns):
+            known = known and w.power.last[k] == w.steady.last[k]
+    return known
+
+
+def add_steady(e: Engine, mode: Mode) -> None:
+    """Add the rows that are the same in every mode, and keep what they come to."""
+    m = e.model
+    w = e.work
+    power = w.power
+    unknowns = 2 * m.bonds
+    begin_elimination(power)
+    weigh_storages(e)
+    begin_elimination(w.table)
+    w.agreements = 0
+    w.agreement_entries = 0
+    join_equal(m, power, mode.given)
+    note_read(m, power)
+    note_last(m, mode, power.same, power.last)
+    for k in range(unknowns):
+        power.weight[k] = mode.weight[power.same[k]] if mode.weighed else 1.0
+    for k in range(m.storages):
+        at = m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 1 else 0)
+        give(power, at, 1.0 if m.storage_kind[k] == 0 else float(m.storage_sign[k]))
+        give(power, unknowns + k, -1.0)
+        keep(e, add_row(power))
+    for element in range(m.steady):
+        add_power(e, mode, part_of(m, mode, element))
+    for j in range(m.junctions):
+        if m.junction_switch[j] < 0 and mode.given[j] == NOT_OPEN:
+            add_balance(e, j, -1)
+    for element in range(m.steady):
+        add_laws(e, mode, part_of(m, mode, element))
+    if is_steady(m, mode) and w.agreements == 0:
+        repeat_elimination(power, w.steady)
+        repeat_elimination(w.table, w.steady_table)
+        w.steady_known = True
+
+
+def repeat_steady(e: Engine, mode: Mode) -> None:
+    """Go on from the rows that are the same in every mode, bit for bit as if they were added."""
+    m = e.model
+    w = e.work
+    repeat_elimination(w.steady, w.power)
+    repeat_elimination(w.steady_table, w.table)
+    w.agreements = 0
+    w.agreement_entries = 0
+    for element in range(m.steady):
+        part = part_of(m, mode, element)
+        for _ in range(m.part_power[part], m.part_law[part]):
+            list_source(m, mode, m.part_source[part])
+        list_dynamics(m, mode, part)
 
 
 def weigh_storages(e: Engine) -> None:
@@ -162,13 +216,13 @@ def note_read(m: Model, power: Elimination) -> None:
             power.read[power.same[m.dynamic_partner[d]]] = 1
 
 
-def note_last(m: Model, mode: Mode, power: Elimination) -> None:
+def note_last(m: Model, mode: Mode, same: Ints, last: Ints) -> None:
     """Note the forces of sources of flow, and the flows of sources of effort, that no bond shares.
 
     What laws read is no such end.
     """
-    for k in range(power.unknowns):
-        power.last[k] = 0
+    for k in range(2 * m.bonds):
+        last[k] = 0
     for element in range(m.elements):
         part = part_of(m, mode, element)
         if m.part_source[part] < 0:
@@ -176,14 +230,14 @@ def note_last(m: Model, mode: Mode, power: Elimination) -> None:
         for row in range(m.part_power[part], m.part_law[part]):
             for i in range(m.row_first[row], m.row_first[row + 1]):
                 k = m.row_column[i]
-                power.last[k + m.bonds if k < m.bonds else k - m.bonds] = 1
-    for k in range(power.unknowns):
-        if power.same[k] != k:
-            power.last[k] = 0
-            power.last[power.same[k]] = 0
+                last[k + m.bonds if k < m.bonds else k - m.bonds] = 1
+    for k in range(2 * m.bonds):
+        if same[k] != k:
+            last[k] = 0
+            last[same[k]] = 0
     for d in range(m.dynamics):
         if m.dynamic_partner[d] >= 0:
-            power.last[m.dynamic_partner[d]] = 0
+            last[m.dynamic_partner[d]] = 0
 
 
 def keep(e: Engine, left: int) -> None:
@@ -228,10 +282,21 @@ def add_power(e: Engine, mode: Mode, part: int) -> None:
         give_row(m, e.work.power, row)
         if source >= 0:
             give(e.work.power, 2 * m.bonds + m.storages + mode.sources, -1.0)
-            mode.source[mode.sources] = source
-            mode.source_level[mode.sources] = m.source_constant[source]
-            mode.sources += 1
+            list_source(m, mode, source)
         keep(e, add_row(e.work.power))
+    list_dynamics(m, mode, part)
+
+
+def list_source(m: Model, mode: Mode, source: int) -> None:
+    """List a source of a part among those of the mode, if there is one."""
+    if source >= 0:
+        mode.source[mode.sources] = source
+        mode.source_level[mode.sources] = m.source_constant[source]
+        mode.sources += 1
+
+
+def list_dynamics(m: Model, mode: Mode, part: int) -> None:
+    """List what of a part is evaluated each time."""
     for d in range(m.part_dynamic[part], m.part_dynamic[part + 1]):
         mode.dynamic[mode.dynamics] = d
         mode.dynamics += 1
