@@ -80,6 +80,7 @@ subset. Rooms, and in them files, as data passes them::
     methods/
         stepping            one step of the method asked for
         scale, signal_sizes, lately    tolerances of what is stored and what is integrated
+        defects             what a step stores beyond what its rates bring
         failed_steps, one_instant    steps that cannot be; how long an
                             instant is
         onset               what has not moved yet, by what it will be
@@ -112,7 +113,7 @@ subset. Rooms, and in them files, as data passes them::
         step_event, step_shown, step_records    what is written and shown
     checks/
         laws_held, another, guards_held, impacts_held, untouched    put back into themselves
-        bounds_held         values that outgrow all bounds
+        bounds_held, energy_held    values that outgrow all bounds; energy that comes from nowhere
         shown, noting, check_records    as read from outside; what was found
     looking/
         look, asked, known, energies    values and powers at points of a known motion

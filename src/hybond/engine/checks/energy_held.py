@@ -19,7 +19,7 @@ from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.checks.noting import BALANCE, CREATED, MOVES, note_violation
 from hybond.engine.engine import OK, Engine
 from hybond.engine.methods.defects import chord
-from hybond.engine.methods.fixed import RK4
+from hybond.engine.methods.fixed import EULER, RK4
 from hybond.engine.mode.guess import give_back_guess, hold_guess
 from hybond.engine.mode.sizes import size_of
 from hybond.engine.mode.storage import co_energy, own_stiffness, with_stored
@@ -154,6 +154,23 @@ def most_moved(e: Engine) -> int:
             most = moved
             found = k
     return found
+
+
+def hold_last_rates(e: Engine) -> None:
+    """Hold the rates that a step has ended with, where it did just now and laws were looked at.
+
+    What puts the state back on its constraints is rounding, or should be. Where laws or sources
+    jump, rates are those of one side, and what is shown may be of the other.
+    """
+    s = e.step
+    m = e.model
+    if e.curved or s.t1 != e.t or s.t != e.t or m.method == EULER or e.t >= e.next_break:
+        return
+    same = True
+    for k in range(m.storages):
+        same = same and e.y[k] == s.y1[k]
+    if same or m.kinks == 0:
+        hold_rates(e)
 
 
 def hold_rates(e: Engine) -> None:

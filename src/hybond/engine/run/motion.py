@@ -9,7 +9,7 @@ import math
 from typing import Final
 
 from hybond.engine.checks.bounds_held import hold_bounds
-from hybond.engine.checks.energy_held import hold_rates, warn_of_steps
+from hybond.engine.checks.energy_held import hold_last_rates, hold_rates, warn_of_steps
 from hybond.engine.checks.guards_held import foresee, hold_apart, look_at_guards
 from hybond.engine.checks.laws_held import look_at_entry, look_at_laws
 from hybond.engine.contacts.impacts_seen import before_event, observe_event
@@ -115,6 +115,8 @@ def run_to_end(e: Engine, r: Run) -> int:
     if status != REFUSED:
         if mode_of(e, e.state) == OK and combine_here(e, e.state) == OK:
             look_at_laws(e)
+            if r.cut:
+                hold_last_rates(e)
             status = status if hold_bounds(e) == OK else REFUSED
         warn_of_steps(e)
         report_end(e, r.report)
@@ -377,6 +379,7 @@ def begin_flow(e: Engine, r: Run) -> int:
     if mode_of(e, e.state) != OK or combine_here(e, e.state) != OK:
         return REFUSED
     report_slide(e, r.report)
+    e.checks.shown_at = -math.inf
     look_at_entry(e)
     if hold_bounds(e) != OK:
         return REFUSED

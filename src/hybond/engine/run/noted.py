@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from hybond.engine.checks.bounds_held import hold_bounds
-from hybond.engine.checks.energy_held import hold_rates, hold_step
+from hybond.engine.checks.energy_held import hold_last_rates, hold_step
 from hybond.engine.checks.laws_held import look_now_and_then
 from hybond.engine.contacts.landing import keep_still
 from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.laws.laws import limits_vary, look_at_limits, observe
-from hybond.engine.methods.fixed import EULER
 from hybond.engine.methods.stepping import between, start
 from hybond.engine.mode.values import set_state
 from hybond.engine.planar.stops import arm_slips
@@ -43,8 +42,7 @@ def note(e: Engine, r: Run, t: float, shown: float) -> int:
         report_step(e, r.report)
     hold_step(e)
     look_now_and_then(e)
-    if e.checks.shown_at == t and e.step.t1 == t and shown == t and m.method != EULER:
-        hold_rates(e)
+    hold_last_rates(e)
     if hold_bounds(e) != OK:
         return REFUSED
     if limits_vary(m) and look_at_limits(e) != OK:
