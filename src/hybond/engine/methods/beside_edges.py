@@ -13,8 +13,10 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.lu import SINGULAR
+from hybond.engine.answers import value
 from hybond.engine.engine import OK, Engine
 from hybond.engine.methods.from_edges import leaves_edge, put_left, stages_from_edge
+from hybond.engine.methods.one_instant import room_of_instant
 from hybond.engine.methods.radau_room import Radau
 from hybond.engine.methods.radau_stages import (
     NO_MATRIX,
@@ -25,6 +27,7 @@ from hybond.engine.methods.radau_stages import (
     rate_at,
     stage_rates,
 )
+from hybond.engine.mode.values import evaluate
 
 LESSENS: Final = 0.5
 """Part of what was left of the equations that a correction may leave of them."""
@@ -43,14 +46,14 @@ def begins_at_edge(e: Engine, r: Radau, rtol: float) -> bool:
 
 
 def own_stages(e: Engine, r: Radau, rtol: float, least: float) -> bool:
-    """Find the stages by slopes of their own; where there are none, those serve no other iteration.
+    """Find the stages by slopes of their own; where there are none, those serve no step after this.
 
     They are of places that were tried: at an edge without bound.
     """
     if stages_from_edge(e, r, rtol, least):
         return True
-    r.matrix = NO_MATRIX
-    r.served = 0.0
+    for i in range(r.n):
+        r.made_for[i] = 0.0
     return False
 
 
@@ -60,25 +63,57 @@ def iterate_beside_edge(e: Engine, r: Radau, rtol: float) -> int:
     if e.model.edges == 0 or e.slide.k > 0:
         return found
     s = e.step
+    stuck = False
     if found == STAGES_CONVERGED:
         for i in range(r.n):
             r.stage[i] = r.y[2 * r.n + i]
         within = rate_at(e, r.n, r.t1, r.stage, r.end) == OK
-        if within and not (r.iterations == 1 and is_stuck(e, r)):
+        stuck = within and r.iterations == 1 and not s.left_edge and is_stuck(e, r)
+        if within and not stuck:
             return found
         found = STAGES_BEYOND
-    if found != STAGES_BEYOND and not s.left_edge:
+    # a motion that has not begun is led over no kink at which it does
+    if (found != STAGES_BEYOND or s.on_edge) and not (stuck or s.left_edge):
         return found
-    if own_stages(e, r, rtol, 0.0 if s.left_edge else STALLS) and factorise(r) != SINGULAR:
+    left = s.left_edge
+    if own_stages(e, r, rtol, 0.0 if left else STALLS) and factorise(r) != SINGULAR:
+        if not (left or rises(e, r)):
+            r.matrix = NO_MATRIX
+            r.served = 0.0
+            return found
         s.left_edge = True
         s.calm = 0
         return STAGES_CONVERGED
     return found
 
 
-def is_stuck(e: Engine, r: Radau) -> bool:
-    """Whether the only correction has left most of what there was to correct, more than may be."""
+def rises(e: Engine, r: Radau) -> bool:
+    """Whether a step leads away from all edges: what runs into one ends there by shorter steps."""
+    m = e.model
+    s = e.step
     n = r.n
+    if evaluate(e, e.mode, e.v, r.t0, r.y0) != OK:
+        return False
+    for k in range(m.edges):
+        s.edge_there[k] = value(m, m.edge_value[k], e.v)
+    for i in range(n):
+        r.shifted[i] = r.y[2 * n + i]
+    if evaluate(e, e.mode, e.v, r.t1, r.shifted) != OK:
+        return False
+    for k in range(m.edges):
+        if value(m, m.edge_value[k], e.v) < s.edge_there[k]:
+            return False
+    return True
+
+
+def is_stuck(e: Engine, r: Radau) -> bool:
+    """Whether the only correction has left most of what there was to correct, more than may be.
+
+    Within one instant nothing is: there a motion may begin at a kink.
+    """
+    n = r.n
+    if r.h <= room_of_instant(e, r.t0):
+        return False
     for k in range(3 * n):
         r.z[k] -= r.last[k]
     before = most_left(r)

@@ -98,7 +98,20 @@ def step(e: Engine, t_end: float) -> int:
         return qss_step(e, t_end)
     if e.model.method >= RK4:
         return fixed_step(e, t_end)
-    return controlled_step(e, t_end)
+    h = e.step.h
+    found = controlled_step(e, t_end)
+    if found == OK or not may_be_beside_edge(e):
+        return found
+    e.refusal = False
+    e.step.h = h
+    turn(e)
+    return radau_step(e, t_end)
+
+
+def may_be_beside_edge(e: Engine) -> bool:
+    """Whether a step that failed was explicit, and may have led beyond an edge, however short."""
+    beside = e.model.edges > 0 and e.slide.k == 0 and may_turn(e)
+    return beside and not e.step.implicit and not is_propagated(e)
 
 
 def turn_in_time(e: Engine) -> None:

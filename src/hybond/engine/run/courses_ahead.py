@@ -23,6 +23,7 @@ from hybond.engine.mode.mode_records import Mode, Reads
 from hybond.engine.mode.values import set_motion
 from hybond.engine.reasons.warned import COURSE_UNSEEN, add_about, begin_warning
 from hybond.engine.run.run_records import bound_of
+from hybond.engine.timestepping.step_records import MOREAU
 
 TURN: Final = 3.0
 """How far the fastest sine may turn in a step, rad."""
@@ -93,6 +94,33 @@ def count_courses(e: Engine, mode: Mode, read: Reads) -> None:
             mode.longest = min(mode.longest, TURN / c.fast[root])
 
 
+def watch_courses(e: Engine, end: float) -> None:
+    """Tell of what time does between steps of fixed length that locate nothing.
+
+    All of it counts: branches of laws change from step to step, and let through what they blocked.
+    """
+    m = e.model
+    c = e.courses
+    mode = e.mode
+    if mode.longest == 0.0:
+        if not c.known:
+            find_kinds(m, c.ranges, c.kind, c.fast)
+            c.known = True
+        mode.longest = math.inf
+        mode.fastest = -1
+        mode.moves = False
+        for k in range(m.courses):
+            root = m.course_root[k]
+            mode.course[k] = 1 if c.kind[root] == OTHER else 0
+            mode.moves = mode.moves or mode.course[k] != 0
+            if c.kind[root] == SINES and c.fast[root] > 0.0:
+                mode.fastest = k if TURN / c.fast[root] < mode.longest else mode.fastest
+                mode.longest = min(mode.longest, TURN / c.fast[root])
+        c.end = -math.inf
+    e.longest = mode.longest
+    end_ahead(e, end)
+
+
 def is_used(e: Engine, mode: Mode, read: Reads, user: int, which: int) -> bool:
     """Whether a course counts in a mode for one of its reasons."""
     m = e.model
@@ -119,7 +147,7 @@ def end_ahead(e: Engine, end: float) -> float:
     """
     m = e.model
     c = e.courses
-    fixed = m.method == RK4 or m.method == EULER
+    fixed = m.method == RK4 or m.method == EULER or m.method == MOREAU
     if fixed and m.step > e.longest:
         tell_unseen(e, e.mode.fastest, PASSED_OVER)
     if not e.mode.moves:
@@ -244,7 +272,7 @@ def top_of(e: Engine, k: int, a: float, b: float) -> float:
 
 def measure_peak(e: Engine, k: int) -> None:
     """Let a pulse that is still to come say what is measured before it."""
-    if e.slide.k == 0 and e.courses.peak_at[k] > e.t:
+    if e.slide.k == 0 and e.model.method != MOREAU and e.courses.peak_at[k] > e.t:
         measure_ahead(e, e.mode, e.courses.peak_at[k])
         set_motion(e, e.v, e.t, e.y)
 

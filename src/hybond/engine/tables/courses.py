@@ -27,7 +27,6 @@ from hybond.engine.inputs.calls import CALLED, FREE
 from hybond.engine.tables.code import ONE
 from hybond.engine.tables.columns import INTS, ModelTables, put_rows
 from hybond.engine.tables.expressions import number_of
-from hybond.engine.tables.options import METHODS
 from hybond.model.expressions import (
     And,
     Binary,
@@ -64,7 +63,7 @@ def put_courses(t: ModelTables) -> None:
     users: dict[Expr, dict[tuple[int, int], None]] = {}
     group: dict[Expr, int] = {}
     wholes: dict[Expr, int] = {}
-    for e, user in _read(t) if t.numbers["method"] != METHODS["moreau-jean"] else ():
+    for e, user in _read(t):
         for whole in _timed_parts(t, e):
             for term in _terms(whole):
                 if _bends(term):

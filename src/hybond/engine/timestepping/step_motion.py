@@ -46,6 +46,7 @@ from hybond.engine.reasons.warned import (
     add_about,
     begin_warning,
 )
+from hybond.engine.run.courses_ahead import watch_courses
 from hybond.engine.run.log import keep_left, report_event, report_step
 from hybond.engine.run.run_records import (
     PAUSED,
@@ -90,11 +91,15 @@ def flow_in_steps(e: Engine, r: Run) -> int:
         h = t1 - e.t
         if math.fabs(h - m.step) <= OFF_BY * math.fabs(t1):
             h = m.step
+        if m.courses > 0:
+            watch_courses(e, end)
         if make_step(e, r, t1, h) != OK:
             return FAILED
         if e.t < e.next_break and guard_fires(e, s):
             return GUARD
     s.grid_new = True
+    if m.courses > 0:
+        e.courses.end = -math.inf
     return timed_cause(e) if e.next_break <= end else STOPPED
 
 
