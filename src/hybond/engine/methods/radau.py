@@ -62,6 +62,8 @@ KEEP_SIZE: Final = 1.2
 SLOW_RATE: Final = 1e-3
 ERROR_WEIGHT: Final = float_table(-10.0488093998274156, 1.3821427331607489, -0.333333333333333333)
 
+SWINGING: Final = 2.0
+"""How much longer the step is at least after one that swings about rest within the tolerance."""
 STEP_MADE: Final = 0
 STEP_REJECTED: Final = 1
 GROWN: Final = 10.0
@@ -259,20 +261,22 @@ def try_radau(e: Engine, r: Radau, rtol: float) -> int:
 def iterate_beside_edge(e: Engine, r: Radau, rtol: float) -> int:
     """Iterate the stages, those of a motion that has left an edge with slopes for each, if need be.
 
-    There one matrix may serve not all of them, or lead the end beyond the edge.
+    There one matrix may serve not all of them, or lead the end beyond the edge, or to and fro over
+    one that is steep on both sides: within the tolerance, but far beside what holds it.
     """
     n = r.n
     found = iterate_stages(e, r, rtol)
     if not e.step.left_edge:
         return found
-    if found == STAGES_CONVERGED:
+    if found == STAGES_CONVERGED and not r.swings:
         for i in range(n):
             r.stage[i] = r.y[2 * n + i]
         if rate_at(e, n, r.t1, r.stage, r.end) == OK:
             return found
+    swings = r.swings
     if stages_from_edge(e, r, rtol) and factorise(r) != SINGULAR:
         return STAGES_CONVERGED
-    return found
+    return iterate_stages(e, r, rtol) if swings else found
 
 
 def over_kink(e: Engine, r: Radau) -> bool:
@@ -351,6 +355,9 @@ def control_radau(e: Engine, r: Radau, rtol: float, t_end: float, longest: float
     if r.h_before > 0.0 and not cut:
         # Gustafsson: the error is expected to go on changing as over the last two steps
         factor *= min(1.0, r.h / r.h_before * math.pow(r.error_before / error, 0.25))
+    if r.swings:
+        # the error that is left is that of swinging, and no less in shorter steps
+        factor = max(factor, SWINGING)
     factor = min(max(factor, RADAU_SHRINK), 1.0 if r.rejected > 0 else RADAU_GROW)
     r.slow = r.iterations > 2 and r.rate > SLOW_RATE
     if cut and factor >= 1.0:
