@@ -32,6 +32,27 @@ def stable(e: Expr) -> Expr:
     return transform(e, _stabler)
 
 
+def familiar(e: Expr) -> Expr:
+    """Return an expression in functions of the language alone: what was before `stable`.
+
+    Examples
+    --------
+    >>> from hybond.model.expressions import parse
+    >>> print(familiar(stable(parse("log(exp(x) + 1) + log(cosh(x))"))))
+    log(1 + exp(x)) + log(cosh(x))
+    """
+    return transform(e, _more_familiar)
+
+
+def _more_familiar(e: Expr) -> Expr:
+    match e:
+        case Call("softplus", (u,)):
+            return Call("log", (Binary("+", Number(1.0), Call("exp", (u,))),))
+        case Call("log_cosh", (u,)):
+            return Call("log", (Call("cosh", (u,)),))
+    return e
+
+
 def _stabler(e: Expr) -> Expr:
     match e:
         case Call("log", (Call("cosh", (u,)),)):
