@@ -42,7 +42,7 @@ def enclosed(e: Engine, mode: Mode, v: Floats, r: Floats, begin: float) -> bool:
     if mode.finite_frees != 1 or mode.dynamics != 1 or mode.rank != mode.structures:
         return False
     here = residual_at(e, mode, v, r, begin)
-    if here != here:
+    if here != here or here == 0.0:
         return False
     step = FIRST * math.fabs(begin) if begin != 0.0 else LEAST
     up = begin
@@ -52,18 +52,23 @@ def enclosed(e: Engine, mode: Mode, v: Floats, r: Floats, begin: float) -> bool:
     while step < FARTHEST and (above or below):
         if above:
             there = residual_at(e, mode, v, r, begin + step)
-            above = there == there
-            if not there * here > 0.0 and ends_between(e, mode, v, r, up, begin + step, here):
+            above = is_alike(there, here)
+            if not above and ends_between(e, mode, v, r, up, begin + step, here):
                 return True
             up = begin + step
         if below:
             there = residual_at(e, mode, v, r, begin - step)
-            below = there == there
-            if not there * here > 0.0 and ends_between(e, mode, v, r, down, begin - step, here):
+            below = is_alike(there, here)
+            if not below and ends_between(e, mode, v, r, down, begin - step, here):
                 return True
             down = begin - step
         step *= FARTHER
     return False
+
+
+def is_alike(a: float, b: float) -> bool:
+    """Whether two numbers have one sign; zero has none."""
+    return (a > 0.0 and b > 0.0) or (a < 0.0 and b < 0.0)
 
 
 def residual_at(e: Engine, mode: Mode, v: Floats, r: Floats, x: float) -> float:
@@ -85,7 +90,7 @@ def ends_between(
         middle = middle_of(near, far)
         if middle == near or middle == far:
             break
-        if residual_at(e, mode, v, r, middle) * here > 0.0:
+        if is_alike(residual_at(e, mode, v, r, middle), here):
             near = middle
         else:
             far = middle
