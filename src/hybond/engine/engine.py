@@ -443,7 +443,7 @@ def make_engine(m: Model) -> Engine:
     e.state = ints(m.machines)
     e.states = m.storages + m.integrals
     e.y = floats(e.states)
-    e.step = make_step(e.states, m.kinks, m.edges)
+    e.step = make_step(e.states, m.kinks, m.begins)
     e.slide = make_slide(m)
     e.rounding = floats(m.storages)
     e.moved_rounding = floats(m.storages)

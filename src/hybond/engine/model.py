@@ -420,6 +420,8 @@ class Model:
     timed_jump: Ints  # what depends on time and known inputs, and jumps by one at least
     edges: int
     """What is nowhere negative: beyond, a root in a law has no value."""
+    begins: int
+    """These, and behind them what roots are taken of on both sides."""
     edge_value: Ints
     edge_size: Ints
     """What the magnitudes of its terms add up to."""

@@ -23,6 +23,7 @@ from hybond.model.expressions import (
     simplify,
     substitute,
 )
+from hybond.model.expressions.stable import familiar, stable
 from hybond.model.expressions.tree import fold
 
 _ZERO = Number(0.0)
@@ -42,7 +43,7 @@ def rounding(e: Expr) -> Expr:
     >>> print(rounding(parse("exp(a) - 1")))
     abs(exp(a))*abs(a) + abs(exp(a))
     """
-    return simplify(fold(simplify(e), _bound))
+    return simplify(familiar(fold(stable(simplify(e)), _bound)))
 
 
 def _bound(e: Expr, prior: bool, below: list[Expr]) -> Expr:

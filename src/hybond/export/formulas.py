@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from hybond.model import expressions as e
+from hybond.model.expressions.stable import stable
 from hybond.model.expressions.tree import Table, fold
 from hybond.translate.tree import (
     BOOL,
@@ -50,7 +51,14 @@ _WORDS = frozenset(
     ("sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "exp", "log", "log10")
     + ("sqrt", "floor", "ceil", "atan2", "hypot")
 )
-_CALLED = {"sign": "sign_of", "mod": "modulo", "min": "least_of", "max": "greatest_of"}
+_CALLED = {
+    "sign": "sign_of",
+    "mod": "modulo",
+    "min": "least_of",
+    "max": "greatest_of",
+    "softplus": "softplus",
+    "log_cosh": "log_cosh",
+}
 _PAIRED = {
     "+": "add",
     "-": "subtract",
@@ -88,11 +96,11 @@ class Formulas:
 
     def number(self, tree: e.Expr) -> Expr:
         """Return an expression as a number; what is true counts 1."""
-        return _number(fold(tree, self._node))
+        return _number(fold(stable(tree), self._node))
 
     def truth(self, tree: e.Expr) -> Expr:
         """Return an expression as a condition; a number is true unless it is zero."""
-        return _truth(fold(tree, self._node))
+        return _truth(fold(stable(tree), self._node))
 
     def _node(self, node: e.Expr, prior: bool, below: list[Expr]) -> Expr:
         match node:

@@ -230,9 +230,13 @@ def _middle(low: float, high: float) -> float:
 def _value(e: Expr, own: str, at: float) -> float:
     """Return a law at a value of its argument, in parameters if either says so."""
     found = simplify(substitute(e, {own: Number(at)}))
-    if not isinstance(found, Number):
+    if isinstance(found, Number):
+        return found.value
+    # something in it may be beyond all numbers, and the whole is one: 1/(1 + exp(at))
+    known = function_of(e, own)(at) if with_numbers(e, plain) is e else math.nan
+    if not math.isfinite(known):
         raise _OnlyNumbers
-    return found.value
+    return known
 
 
 def _line(own: str, at: float, level: float, rise: float) -> Expr:

@@ -39,6 +39,7 @@ ONE_FLOAT = frozenset(
         "exp",
         "log",
         "log10",
+        "log1p",
         "sin",
         "cos",
         "tan",

@@ -24,10 +24,13 @@ FLOOR: Final = 13
 CEIL: Final = 14
 ATAN2: Final = 15
 MOD: Final = 16
+SOFTPLUS: Final = 17
+LOG_COSH: Final = 18
 MOST: Final = 709.782712893384
 """The logarithm of the largest number: exp() of more is infinite."""
 MOST_HALVED: Final = 710.4758600739439
 """That of twice as much: sinh() and cosh() of more are infinite."""
+LOG_OF_TWO: Final = 0.6931471805599453
 ROUNDED: Final = 1e-9
 """What the logarithm of a power is known to."""
 
@@ -89,6 +92,20 @@ def logarithm(a: float) -> float:
     return math.log(a) if a > 0.0 else -math.inf if a == 0.0 else math.nan
 
 
+def softplus(a: float) -> float:
+    """Return ``log(1 + exp(a))``."""
+    return max(a, 0.0) + math.log1p(math.exp(-math.fabs(a)))
+
+
+def log_cosh(a: float) -> float:
+    """Return ``log(cosh(a))``."""
+    size = math.fabs(a)
+    if size < 1.0:
+        half = math.sinh(0.5 * size)
+        return math.log1p(2.0 * half * half)
+    return size + (math.log1p(math.exp(-2.0 * size)) - LOG_OF_TWO)
+
+
 def function_of(which: int, a: float, b: float) -> float:
     """Return one of the functions above; `b` is read by those of two numbers."""
     if which == SIN:
@@ -121,6 +138,10 @@ def function_of(which: int, a: float, b: float) -> float:
         return float(math.floor(a)) if math.isfinite(a) else a
     if which == CEIL:
         return float(math.ceil(a)) if math.isfinite(a) else a
+    if which == SOFTPLUS:
+        return softplus(a)
+    if which == LOG_COSH:
+        return log_cosh(a)
     if which == ATAN2:
         return math.atan2(a, b)
     if which == MOD:

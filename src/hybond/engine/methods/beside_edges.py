@@ -58,20 +58,27 @@ def own_stages(e: Engine, r: Radau, rtol: float, least: float) -> bool:
 
 
 def iterate_beside_edge(e: Engine, r: Radau, rtol: float) -> int:
-    """Iterate the stages with one matrix, and with slopes for each where that does not serve."""
+    """Iterate the stages with one matrix, and with slopes for each where that does not serve.
+
+    Nor does it where stages swing to and fro over an edge that is steep on both sides: within the
+    tolerance, but far beside what holds it.
+    """
     found = iterate_stages(e, r, rtol)
-    if e.model.edges == 0 or e.slide.k > 0:
+    if e.model.begins == 0 or e.slide.k > 0:
         return found
     s = e.step
     stuck = False
+    swings = False
     if found == STAGES_CONVERGED:
         for i in range(r.n):
             r.stage[i] = r.y[2 * r.n + i]
         within = rate_at(e, r.n, r.t1, r.stage, r.end) == OK
+        swings = within and s.left_edge and r.swings
         stuck = within and r.iterations == 1 and not s.left_edge and is_stuck(e, r)
-        if within and not stuck:
+        if within and not (stuck or swings):
             return found
-        found = STAGES_BEYOND
+        if not swings:
+            found = STAGES_BEYOND
     # a motion that has not begun is led over no kink at which it does
     if (found != STAGES_BEYOND or s.on_edge) and not (stuck or s.left_edge):
         return found
@@ -84,7 +91,7 @@ def iterate_beside_edge(e: Engine, r: Radau, rtol: float) -> int:
         s.left_edge = True
         s.calm = 0
         return STAGES_CONVERGED
-    return found
+    return iterate_stages(e, r, rtol) if swings else found
 
 
 def rises(e: Engine, r: Radau) -> bool:

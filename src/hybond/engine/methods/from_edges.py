@@ -77,7 +77,7 @@ def may_turn(e: Engine) -> bool:
     method = e.model.method
     if method == AUTO:
         return True
-    return e.model.edges > 0 and (method == EXPLICIT or method == EXACT)
+    return e.model.begins > 0 and (method == EXPLICIT or method == EXACT)
 
 
 def see_edges(e: Engine, t: float, y: Floats) -> None:
@@ -85,9 +85,9 @@ def see_edges(e: Engine, t: float, y: Floats) -> None:
     m = e.model
     s = e.step
     s.on_edge = False
-    if m.edges == 0 or e.states > FEW or e.slide.k > 0 or evaluate(e, e.mode, e.v, t, y) != OK:
+    if m.begins == 0 or e.states > FEW or e.slide.k > 0 or evaluate(e, e.mode, e.v, t, y) != OK:
         return
-    for k in range(m.edges):
+    for k in range(m.begins):
         s.edge[k] = value(m, m.edge_value[k], e.v)
         s.on_edge = s.on_edge or s.edge[k] == 0.0
 
@@ -127,16 +127,17 @@ def is_off_edge(e: Engine, t: float, y: Floats) -> bool:
     if evaluate(e, e.mode, e.v, t, y) != OK:
         return False
     s = e.step
-    for k in range(m.edges):
+    for k in range(m.begins):
         s.edge_there[k] = value(m, m.edge_value[k], e.v)
     # two tanks that are level are so but for rounding of what they hold
     sizes_of(e, e.mode, e.v)
     for i in range(m.edge_bonds):
         e.v[m.bond_slot + m.edge_bond[i]] = e.work.sizes[m.edge_bond[i]]
     off = False
-    for k in range(m.edges):
+    for k in range(m.begins):
         rounding = LEVEL * value(m, m.edge_size[k], e.v)
-        off = off or (s.edge[k] == 0.0 and s.edge_there[k] > rounding)
+        there = s.edge_there[k] if k < m.edges else math.fabs(s.edge_there[k])
+        off = off or (s.edge[k] == 0.0 and there > rounding)
     return off
 
 
@@ -373,12 +374,29 @@ def keep_within(e: Engine, r: Radau) -> None:
     s = e.step
     if not s.left_edge or s.calm >= CALM:
         return
-    if r.from_edge:
+    if r.from_edge or turns_over(r):
         lead_without_turn(r, False)
     beyond = falls_beyond(e, r)
     if beyond:
         lead_without_turn(r, True)
     s.calm = 0 if beyond or r.from_edge else s.calm + 1
+
+
+def turns_over(r: Radau) -> bool:
+    """Whether the dense output leads what is held beyond zero and back, on its way between."""
+    n = r.n
+    for i in range(n):
+        ends = r.y0[i] + r.y[2 * n + i]
+        if r.y0[i] * r.y[2 * n + i] < 0.0 or not is_held(r, i):
+            continue
+        for k in range(1, LOOKS):
+            x = float(k) / float(LOOKS)
+            way = x * (
+                r.coefficients[i] + x * (r.coefficients[n + i] + x * r.coefficients[2 * n + i])
+            )
+            if (r.y0[i] + way) * ends < 0.0:
+                return True
+    return False
 
 
 def is_held(r: Radau, i: int) -> bool:

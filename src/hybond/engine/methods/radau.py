@@ -57,6 +57,8 @@ KEEP_SIZE: Final = 1.2
 SLOW_RATE: Final = 1e-3
 ERROR_WEIGHT: Final = float_table(-10.0488093998274156, 1.3821427331607489, -0.333333333333333333)
 
+SWINGING: Final = 2.0
+"""How much longer the step is at least after one that swings about rest within the tolerance."""
 STEP_MADE: Final = 0
 STEP_REJECTED: Final = 1
 GROWN: Final = 10.0
@@ -325,6 +327,9 @@ def control_radau(e: Engine, r: Radau, rtol: float, t_end: float, longest: float
     if r.h_before > 0.0 and not cut:
         # Gustafsson: the error is expected to go on changing as over the last two steps
         factor *= min(1.0, r.h / r.h_before * math.pow(r.error_before / error, 0.25))
+    if r.swings:
+        # the error that is left is that of swinging, and no less in shorter steps
+        factor = max(factor, SWINGING)
     factor = min(max(factor, RADAU_SHRINK), 1.0 if r.rejected > 0 else RADAU_GROW)
     r.slow = r.iterations > 2 and r.rate > SLOW_RATE
     if cut and factor >= 1.0:

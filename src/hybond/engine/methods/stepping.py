@@ -68,7 +68,7 @@ def start(e: Engine, t: float, y: Floats, t_bound: float, jumped: bool) -> int:
     """Begin, or go on after an event, in the mode ``e.mode``."""
     if jumped:
         e.step.onset_end = -math.inf
-    if jumped and e.model.edges > 0:
+    if jumped and e.model.begins > 0:
         e.step.left_edge = False
         e.step.calm = 0
         see_edges(e, t, y)
@@ -117,7 +117,7 @@ def may_be_beside_edge(e: Engine) -> bool:
 def turn_in_time(e: Engine) -> None:
     """Go over to ``radau``, or back, if the last step says so, or if the next leaves an edge."""
     s = e.step
-    if e.model.edges > 0 and not s.implicit and leaves_edge(e, s.t, s.y, s.f, s.h):
+    if e.model.begins > 0 and not s.implicit and leaves_edge(e, s.t, s.y, s.f, s.h):
         s.turns = True
     if s.turns:
         turn(e)

@@ -17,6 +17,7 @@ from hybond.engine.mode.beside_jumps import from_beside_jumps
 from hybond.engine.mode.continuation import continued
 from hybond.engine.mode.damped import SETTLED, damped
 from hybond.engine.mode.dynamic_rows import dynamic_value, slopes_at
+from hybond.engine.mode.enclosed import enclosed
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.neighbours import from_neighbours
 from hybond.engine.mode.newton_step import newton_step
@@ -113,6 +114,8 @@ def newton(e: Engine, mode: Mode, v: Floats) -> int:
         found = from_beside_jumps(e, mode, v, r)
     if not found and mode.guessed:
         found = shorter_steps(e, mode, v, r, mode.guess.at)
+    if not found and mode.guessed and frees == 1:
+        found = enclosed(e, mode, v, r, mode.guess.at[0])
     work.had_values = False
     if not found:
         with_free(mode, 2 * e.model.bonds, work.base, r, work.w)
@@ -125,6 +128,7 @@ def newton(e: Engine, mode: Mode, v: Floats) -> int:
         else:
             found = damped(e, mode, v, r, TOLERANCE)
             found = found or continued(e, mode, v, r, TOLERANCE)
+        found = found or enclosed(e, mode, v, r, 0.0)
     if found:
         with_free(mode, 2 * e.model.bonds, work.base, r, work.w)
         return OK

@@ -18,9 +18,11 @@ from hybond.engine.expressions.functions import (
     FLOOR,
     LOG,
     LOG10,
+    LOG_COSH,
     MOD,
     SIN,
     SINH,
+    SOFTPLUS,
     SQRT,
     TAN,
     TANH,
@@ -44,6 +46,7 @@ from hybond.model.expressions import (
     Table,
 )
 from hybond.model.expressions.slots import is_slotted
+from hybond.model.expressions.stable import stable
 from hybond.model.expressions.tree import fold
 from hybond.records import dataclass
 
@@ -65,6 +68,8 @@ ONE = {
     "ceil": CEIL,
 }
 """Functions of one number by the codes of `portable.functions`."""
+_FORMS = {"softplus": SOFTPLUS, "log_cosh": LOG_COSH}
+"""What stands for a form of several."""
 TWO = {"atan2": ATAN2, "mod": MOD}
 _ARITHMETIC = {"+": c.ADD, "-": c.SUBTRACT, "*": c.MULTIPLY, "/": c.DIVIDE, "^": c.RAISE}
 _COMPARISON = {
@@ -123,7 +128,8 @@ class Code:
         ModelError
             HB-E636 for one that needs a deeper stack than there is.
         """
-        instructions, depth = fold(e, lambda *node: self._node(*node, paired=paired))
+        form = e if paired else stable(e)
+        instructions, depth = fold(form, lambda *node: self._node(*node, paired=paired))
         if depth > c.DEEPEST:
             raise ModelError(
                 f"an expression needs {depth} intermediate values at once",
@@ -178,6 +184,8 @@ class Code:
     def _call(self, function: str, below: Sequence[_Part]) -> _Part:
         if function in ONE:
             return _then(below, c.APPLY, ONE[function])
+        if function in _FORMS:
+            return _then(below, c.APPLY, _FORMS[function])
         if len(below) == 1:
             return _then(below, _CALLED[function]) if function in ("abs", "sign") else below[0]
         part = below[0]

@@ -84,11 +84,14 @@ def put_kinks(t: ModelTables) -> None:
         a for e, _ in _asked(t) for a in ending(e) if moves(a) and not uses_pre(a)
     )
     t.numbers["edges"] = len(edges)
-    t.ints["edge_value"] = [t.values.number(a) for a in edges]
-    t.ints["edge_size"] = [t.values.number(magnitude(a)) for a in edges]
-    bonds = range(t.slots.w.start, t.slots.w.start + 2 * len(t.graph.bonds))
     rest = [a for a in at_rest if a is not None]
-    levels = [a for a in (*edges, *roots, *rest) if moves(a) and not uses_pre(a)]
+    ordered = [a for e, _ in _followed(t) for a in rooted(e)]
+    levels = [a for a in (*edges, *ordered, *rest) if moves(a) and not uses_pre(a)]
+    begins = dict.fromkeys((*edges, *levels))
+    t.numbers["begins"] = len(begins)
+    t.ints["edge_value"] = [t.values.number(a) for a in begins]
+    t.ints["edge_size"] = [t.values.number(magnitude(a)) for a in begins]
+    bonds = range(t.slots.w.start, t.slots.w.start + 2 * len(t.graph.bonds))
     seen = sorted({t.slots.index[n] for a in levels for n in names(a)})
     t.ints["edge_bond"] = [k - bonds.start for k in seen if k in bonds]
     t.numbers["edge_bonds"] = len(t.ints["edge_bond"])

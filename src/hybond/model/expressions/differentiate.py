@@ -7,6 +7,7 @@ import math
 from hybond.model.expressions.algebra import FLOATS
 from hybond.model.expressions.compile import compile_expression
 from hybond.model.expressions.slots import is_slotted, plain, slot_of, slotted, tree_of
+from hybond.model.expressions.stable import beside_one
 from hybond.model.expressions.tree import (
     And,
     Binary,
@@ -267,6 +268,9 @@ def _of_binary(op: str, a: Expr, b: Expr, da: Expr, db: Expr) -> Expr:
     if op == "/":
         if db == ZERO:
             return _div(da, b)
+        steep = _of_sigmoid(a, b, da, db)
+        if steep is not None:
+            return steep
         return _sub(_div(da, b), _div(_mul(a, db), _pow(b, TWO)))
     by_base = _mul(_mul(b, _pow(a, _sub(b, ONE))), da)
     if db == ZERO:
@@ -274,8 +278,55 @@ def _of_binary(op: str, a: Expr, b: Expr, da: Expr, db: Expr) -> Expr:
     return _add(by_base, _mul(_mul(_pow(a, b), _folded(Call("log", (a,)))), db))
 
 
+def _of_sigmoid(a: Expr, b: Expr, da: Expr, db: Expr) -> Expr | None:
+    """Return the derivative of ``a/(1 + exp(u))``, in which no square is too large; None of others.
+
+    ``a`` is constant or ``exp(u)``, and ``db`` is ``exp(u)*u'``.
+    """
+    u = beside_one(b)
+    du = None if u is None else _inner("exp", db)
+    if u is None or du is None:
+        return None
+    below = _add(TWO, _mul(TWO, _folded(Call("cosh", (u,)))))
+    if a == Call("exp", (u,)):
+        return _div(du, below)
+    return _neg(_div(_mul(a, du), below)) if da == ZERO else None
+
+
+def _inner(function: str, d: Expr) -> Expr | None:
+    """Return u' of a derivative ``function(u)*u'``, None of what does not have that form."""
+    match d:
+        case Binary("*", Call() as outer, du) if outer.function == function:
+            return du
+        case Call() if d.function == function:
+            return ONE
+        case Neg(Call() as outer) if outer.function == function:
+            return Number(-1.0)
+    return None
+
+
+def _of_log(u: Expr, du: Expr) -> Expr | None:
+    """Return the derivative of the logarithm of ``1 + exp(w)`` or ``cosh(w)``; None of others."""
+    w = beside_one(u)
+    steep = "exp"
+    if w is None:
+        if not (isinstance(u, Call) and u.function == "cosh"):
+            return None
+        w = u.args[0]
+        steep = "sinh"
+    dw = _inner(steep, du)
+    if dw is None:
+        return None
+    if steep == "sinh":
+        return _mul(_folded(Call("tanh", (w,))), dw)
+    return _div(dw, _add(ONE, _folded(Call("exp", (_neg(w),)))))
+
+
 def _of_call(function: str, args: tuple[Expr, ...], d: list[Expr]) -> Expr:
     u, du = args[0], d[0]
+    own = _of_log(u, du) if function == "log" else None
+    if own is not None:
+        return own
     if len(args) == 1:
         return ZERO if du == ZERO else _mul(_outer(function, u), du)
     w, dw = args[1], d[1]
@@ -329,6 +380,10 @@ def _outer(function: str, u: Expr) -> Expr:
             return _div(ONE, _mul(u, Number(math.log(10.0))))
         case "sqrt":
             return _div(ONE, _mul(TWO, call("sqrt")))
+        case "softplus":
+            return _div(ONE, _add(ONE, Call("exp", (_neg(u),))))
+        case "log_cosh":
+            return call("tanh")
         case "abs":
             return call("sign")
     return ZERO
