@@ -16,6 +16,8 @@ from hybond.engine.words import Floats, float_table
 
 SHORT_CHORD: Final = 1e-6
 """Part of what is stored below which a change of it tells no slope."""
+SURE: Final = 1e-4
+"""Part of the energy that a step has moved up to which its own error leaves nothing open."""
 STAGES: Final = 4
 """Stages of Dormand and Prince with a weight, but for the first and those at the end."""
 WEIGHT: Final = float_table(500.0 / 1113.0, 125.0 / 192.0, -2187.0 / 6784.0, 11.0 / 84.0)
@@ -100,6 +102,14 @@ def defect_of_stages(e: Engine, h: float) -> None:
     n = e.states
     end_levels(e)
     total = 0.0
+    sure = 0.0
+    moved = 0.0
+    for k in range(m.storages):
+        sure += math.fabs(s.level1[k] * s.error[k])
+        moved += math.fabs(s.level1[k] * (s.y1[k] - s.y0[k]))
+    s.defect = 0.0
+    if sure <= SURE * moved:
+        return
     for k in range(m.storages):
         if m.storage_pseudo[k] != 0:
             continue
