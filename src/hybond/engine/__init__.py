@@ -30,6 +30,7 @@ subset. Rooms, and in them files, as data passes them::
                             step, by which laws
         guess, neighbours   where it begins
         damped, continuation    with shorter steps; on the way from laws with a resistance beside
+        enclosed            one law alone, between two signs
         beside_jumps, put_back  solutions just beside a jump; whether one holds
         freedom, undetermined, leakage    what a system leaves free, and laws; least leakage
         storage, reach      co-energy, energy; what would have an energy

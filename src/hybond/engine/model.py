@@ -422,6 +422,9 @@ class Model:
     """What is nowhere negative: beyond, a root in a law has no value."""
     begins: int
     """These, and behind them what roots are taken of on both sides."""
+    rooted: int
+    """So many of these by roots that are written; the others are powers, roots if turned round."""
+    begin_bond: Ints  # the bond variable that each of these is; -1: none
     edge_value: Ints
     edge_size: Ints
     """What the magnitudes of its terms add up to."""

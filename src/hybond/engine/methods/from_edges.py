@@ -39,6 +39,7 @@ from hybond.engine.methods.radau_stages import (
     stage_time,
 )
 from hybond.engine.methods.scale import tolerance
+from hybond.engine.mode.newton_system import is_given
 from hybond.engine.mode.sizes import sizes_of
 from hybond.engine.mode.values import evaluate
 from hybond.engine.words import Floats
@@ -89,6 +90,9 @@ def see_edges(e: Engine, t: float, y: Floats) -> None:
         return
     for k in range(m.begins):
         s.edge[k] = value(m, m.edge_value[k], e.v)
+        bond = m.begin_bond[k]
+        if k >= m.rooted and bond >= 0 and not is_given(e.mode, bond):
+            s.edge[k] = math.inf  # a power that no law is solved for is no root
         s.on_edge = s.on_edge or s.edge[k] == 0.0
 
 

@@ -88,10 +88,14 @@ def put_kinks(t: ModelTables) -> None:
     ordered = [a for e, _ in _followed(t) for a in rooted(e)]
     levels = [a for a in (*edges, *ordered, *rest) if moves(a) and not uses_pre(a)]
     begins = dict.fromkeys((*edges, *levels))
+    written = {*edges, *(a for a in ordered if moves(a) and not uses_pre(a))}
+    t.numbers["rooted"] = len(written)
     t.numbers["begins"] = len(begins)
     t.ints["edge_value"] = [t.values.number(a) for a in begins]
     t.ints["edge_size"] = [t.values.number(magnitude(a)) for a in begins]
     bonds = range(t.slots.w.start, t.slots.w.start + 2 * len(t.graph.bonds))
+    places = [t.slots.index[a.path] if isinstance(a, Name) else -1 for a in begins]
+    t.ints["begin_bond"] = [k - bonds.start if k in bonds else -1 for k in places]
     seen = sorted({t.slots.index[n] for a in levels for n in names(a)})
     t.ints["edge_bond"] = [k - bonds.start for k in seen if k in bonds]
     t.numbers["edge_bonds"] = len(t.ints["edge_bond"])
