@@ -13,7 +13,8 @@ subset. Rooms, and in them files, as data passes them::
 
     expressions/
         code, lookup, functions    laws as instructions; tables that they read; what has no value
-        course_parts, course_ranges    what time alone does: its range over an interval
+        course_parts, course_ranges, course_records    what time alone does: its range over an
+                            interval
         pairs, paired       what jumps: a finite part and an impulse; guards and rates on these
     algebra/
         blocks, products    arrays that grow, sparse rows; products of matrices

@@ -9,7 +9,7 @@ from hybond.engine.algebra.blocks import Block, make_block
 from hybond.engine.algebra.svd import Svd, make_svd
 from hybond.engine.checks.check_records import Checks, make_checks
 from hybond.engine.contacts.landing_records import Landings, make_landings
-from hybond.engine.expressions.course_ranges import Ranges, make_ranges
+from hybond.engine.expressions.course_records import Courses, make_courses
 from hybond.engine.inputs.calls import Calls, call_outside, make_calls
 from hybond.engine.laws.law_records import OPEN_KEPT, Laws, make_laws
 from hybond.engine.methods.flow_records import AUTO, EXACT, Exact, make_exact
@@ -185,35 +185,6 @@ class Step:
     """What the step has stored beyond what its rates bring, J; see `methods/defects`."""
     apart: float
     """What it has by how it moves at its end, beyond what is shown there, J."""
-
-
-@record
-class Courses:
-    """What time alone does, and how far ahead it is known to show.
-
-    `kind` and `fast` are of its parts, `size` the largest value so far of each sum, `peak` that of
-    a pulse, which is nothing before, `peak_at` about when that is, and `told` whether it was said
-    that a course is not seen. Up to `end` all is, `length` from where that was found; `blind` is
-    the last step into what is not, 0: there was none.
-    """
-
-    known: bool
-    kind: Ints
-    fast: Floats
-    ranges: Ranges
-    size: Floats
-    peak: Floats
-    last: Floats
-    last_length: Floats
-    """The largest value of each in the intervals looked at last that were too long, and how long
-    the one with it was."""
-    peak_at: Floats
-    told: Ints
-    end: float
-    length: float
-    blind: float
-    hidden: int
-    """The last course that was not seen in an interval."""
 
 
 @record
@@ -399,22 +370,6 @@ def make_step(n: int, kinks: int, edges: int) -> Step:
     for k in range(n):
         s.level_at[k] = math.nan
     return s
-
-
-def make_courses(m: Model) -> Courses:
-    """Return courses of which nothing is known."""
-    c = Courses()
-    c.kind = ints(m.course_nodes)
-    c.fast = floats(m.course_nodes)
-    c.ranges = make_ranges(m.course_nodes)
-    c.size = floats(m.courses)
-    c.peak = floats(m.courses)
-    c.last = floats(m.courses)
-    c.last_length = floats(m.courses)
-    c.peak_at = floats(m.courses)
-    c.told = ints(m.courses)
-    c.end = -math.inf
-    return c
 
 
 def make_engine(m: Model) -> Engine:

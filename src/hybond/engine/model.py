@@ -408,10 +408,8 @@ class Model:
     """What changes its sign where a law, a source or a rate has a kink: a step ends there."""
     kink_atom: int
     """The first of them among comparisons, in order, behind all others."""
-    kink_pair: Ints
-    """What each reads stands with the pairs."""
-    kink_switch: Ints
-    """What is to be ON for anything to feel it, -1: nothing."""
+    kink_pair: Ints  # what each reads stands with the pairs
+    kink_switch: Ints  # what is to be ON for anything to feel it, -1: nothing
     kink_rest: Ints  # what is at rest where it is zero, the root of which is here; -1: nothing
     kink_meets: Ints  # whether all that is said of it has one value there as well
     kink_node: Ints

@@ -20,6 +20,7 @@ from hybond.engine.checks.noting import BALANCE, CREATED, MOVES, note_violation
 from hybond.engine.engine import OK, Engine
 from hybond.engine.methods.defects import chord
 from hybond.engine.methods.fixed import EULER, RK4
+from hybond.engine.mode.equations import is_fieldless
 from hybond.engine.mode.guess import give_back_guess, hold_guess
 from hybond.engine.mode.sizes import size_of
 from hybond.engine.mode.storage import co_energy, own_stiffness, with_stored
@@ -236,3 +237,15 @@ def warn_of_steps(e: Engine) -> None:
     begin_warning(e.warned, MADE_BY_STEPS, e.t)
     add_about(e.warned, c.unbalanced)
     add_about(e.warned, c.moved)
+
+
+def jump_may_create(e: Engine) -> bool:
+    """Whether a law that is declared for impacts may create energy in the jump of the trial.
+
+    One that reads ``pre()``, friction of an impact, restitution.
+    """
+    m = e.model
+    may = e.trial.factors > 0 or is_fieldless(e, e.mode)
+    for k in range(m.ports):
+        may = may or m.port_restitution[k] >= 0 or m.port_limit[k] >= 0
+    return may

@@ -213,3 +213,8 @@ def append_fired(i: Instant) -> None:
         i.fired += 1
     i.waiting = 0
     i.first.at[i.steps] = i.fired
+
+
+def is_new(i: Instant) -> bool:
+    """Whether nothing led up to the instant: no motion ended there."""
+    return i.cause == START or i.cause == CHANGE

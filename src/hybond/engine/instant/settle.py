@@ -13,7 +13,7 @@ from typing import Final
 
 from hybond.engine.algebra.products import copy_part
 from hybond.engine.answers import machine_name, rule_text
-from hybond.engine.checks.energy_held import hold_jump
+from hybond.engine.checks.energy_held import hold_jump, jump_may_create
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.expressions.paired import holds
 from hybond.engine.inputs.interval import hold_before, interval_after
@@ -30,13 +30,13 @@ from hybond.engine.instant.indeterminate import (
     warn_of_open,
 )
 from hybond.engine.instant.instant import (
-    CHANGE,
     CONTINUOUS,
     MYTHICAL,
     PINNACLE,
     START,
     Instant,
     drop_fired,
+    is_new,
     note_fired,
     note_hit,
     note_step,
@@ -186,11 +186,6 @@ def begin_to_settle(e: Engine, g: Settling, i: Instant) -> int:
     return OK
 
 
-def is_new(i: Instant) -> bool:
-    """Whether nothing led up to the instant: no motion ended there."""
-    return i.cause == START or i.cause == CHANGE
-
-
 def fire_all(e: Engine, g: Settling, i: Instant, written: int) -> int:
     """Follow the rules that hold, mode after mode; return in how many, -1 if none can be entered.
 
@@ -314,18 +309,6 @@ def write(e: Engine, g: Settling, i: Instant) -> int:
     for k in range(m.machines):
         g.state[k] = e.trial.state[k]
     return written
-
-
-def jump_may_create(e: Engine) -> bool:
-    """Whether a law that is declared for impacts may create energy in the jump of the trial.
-
-    One that reads ``pre()``, friction of an impact, restitution.
-    """
-    m = e.model
-    may = e.trial.factors > 0 or is_fieldless(e, e.mode)
-    for k in range(m.ports):
-        may = may or m.port_restitution[k] >= 0 or m.port_limit[k] >= 0
-    return may
 
 
 def note_hits(e: Engine, i: Instant) -> None:

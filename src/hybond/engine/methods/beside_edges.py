@@ -83,14 +83,15 @@ def iterate_beside_edge(e: Engine, r: Radau, rtol: float) -> int:
     if (found != STAGES_BEYOND or s.on_edge) and not (stuck or s.left_edge):
         return found
     left = s.left_edge
-    if own_stages(e, r, rtol, 0.0 if left else STALLS) and factorise(r) != SINGULAR:
-        if not (left or rises(e, r)):
-            r.matrix = NO_MATRIX
-            r.served = 0.0
-            return found
+    served = own_stages(e, r, rtol, 0.0 if left else STALLS) and factorise(r) != SINGULAR
+    if served and (left or rises(e, r)):
         s.left_edge = True
         s.calm = 0
         return STAGES_CONVERGED
+    if not left:
+        # as if nothing had been tried
+        r.matrix = NO_MATRIX
+        r.served = 0.0
     return iterate_stages(e, r, rtol) if swings else found
 
 

@@ -214,8 +214,7 @@ class Records:
         self.mode: Mode = self.graph.start_mode
         self.t = 0.0 if begin is None else begin.t
         self.steps = 0
-        self.in_steps = False
-        """Whether these are the records of time-stepping."""
+        self.in_steps = False  # whether these are the records of time-stepping
         self.unbalanced = 0.0
         """Energy that came from nowhere in its steps, J."""
         self._passed = np.zeros(2)

@@ -1,0 +1,54 @@
+"""What is known of what time alone does: `run/courses_ahead` looks at it ahead of the motion."""
+
+from __future__ import annotations
+
+import math
+
+from hybond.engine.expressions.course_ranges import Ranges, make_ranges
+from hybond.engine.model import Model
+from hybond.engine.words import Floats, Ints, floats, ints, record
+
+
+@record
+class Courses:
+    """What time alone does, and how far ahead it is known to show.
+
+    `kind` and `fast` are of its parts, `size` the largest value so far of each sum, `peak` that of
+    a pulse, which is nothing before, `peak_at` about when that is, and `told` whether it was said
+    that a course is not seen. Up to `end` all is, `length` from where that was found; `blind` is
+    the last step into what is not, 0: there was none.
+    """
+
+    known: bool
+    kind: Ints
+    fast: Floats
+    ranges: Ranges
+    size: Floats
+    peak: Floats
+    last: Floats
+    last_length: Floats
+    """The largest value of each in the intervals looked at last that were too long, and how long
+    the one with it was."""
+    peak_at: Floats
+    told: Ints
+    end: float
+    length: float
+    blind: float
+    hidden: int
+    """The last course that was not seen in an interval."""
+
+
+def make_courses(m: Model) -> Courses:
+    """Return courses of which nothing is known."""
+    c = Courses()
+    c.kind = ints(m.course_nodes)
+    c.fast = floats(m.course_nodes)
+    c.ranges = make_ranges(m.course_nodes)
+    c.size = floats(m.courses)
+    c.peak = floats(m.courses)
+    c.last = floats(m.courses)
+    c.last_length = floats(m.courses)
+    c.peak_at = floats(m.courses)
+    c.told = ints(m.courses)
+    c.end = -math.inf
+    return c
