@@ -58,8 +58,8 @@ def _stabler(e: Expr) -> Expr:
         case Call("log", (Call("cosh", (u,)),)):
             return Call("log_cosh", (u,))
         case Call("log", (under,)):
-            u = beside_one(under)
-            return e if u is None else Call("softplus", (u,))
+            beside = beside_one(under)
+            return e if beside is None else Call("softplus", (beside,))
         case Binary("/", Call("exp", (u,)) as above, below) if beside_one(below) == u:
             assert isinstance(above, Call)
             one = Number(1.0)
