@@ -211,20 +211,17 @@ class Model:
     bend_value: Ints
 
     # where power enters and leaves, over bonds on which effort times flow is power
-    suppliers: int
-    """Bonds of sources."""
+    suppliers: int  # bonds of sources
     supplier_bond: Ints
     supplier_sign: Ints  # 1 if the bond points away from the source
-    dissipators: int
-    """Ports of resistors."""
+    dissipators: int  # ports of resistors
     dissipator_bond: Ints
     dissipator_sign: Ints  # 1 if the bond points at the resistor
 
     # signals, inputs, time
     integral_rate: Ints
     """Pair ``rules + k`` is the same on pairs."""
-    integral_size: Ints
-    """What its rounding is measured by."""
+    integral_size: Ints  # what its rounding is measured by
     integral_start: Floats
     signals_act: int
     """Whether any of these rates reads an integrated signal."""
@@ -263,8 +260,7 @@ class Model:
     watch_slope: Floats
     """A comparison of time: ``slope * time + offset`` is compared with zero."""
     watch_offset: Floats
-    watch_operator: Ints
-    """0: <, 1: <=, 2: >, 3: >=."""
+    watch_operator: Ints  # 0: <, 1: <=, 2: >, 3: >=
     watch_time: Floats
 
     # states that hold at an instant only
