@@ -195,7 +195,10 @@ def gone(run: EngineRun | StepsRun, graph: FlatGraph) -> tuple[Status, HybondErr
         failure = error
     if isinstance(run, EngineRun) and status in ("ok", "accumulation"):
         numbers = run.tables.numbers
-        for text in outgrown(graph, trace, int(numbers["method"]), float(numbers["step"])):
+        grown = [*outgrown(graph, trace, int(numbers["method"]), float(numbers["step"]))]
+        made = run.records.warnings.made
+        # what grows makes energy: that is said once
+        for text in grown or [made] * bool(made):
             trace.warn(text)
     if status in ("ok", "accumulation") and trace.unsound:
         status = "unsound"

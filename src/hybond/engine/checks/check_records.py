@@ -77,6 +77,8 @@ class Checks:
     unbalanced: float
     may: float
     apart: float
+    brought: float
+    """What rates have brought into storage, less what they took out of it, J."""
     beside: Floats
     rate: Floats
     shown_at: float

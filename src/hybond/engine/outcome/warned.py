@@ -68,6 +68,8 @@ class Warnings:
         self._elements = elements
         self.unsound: list[Violation] = []
         """Laws that were found not to hold."""
+        self.made = ""
+        """What steps of a fixed length have made or lost, if that is much."""
         self.explain = explain
         self.unrest: tuple[int, int, float, int] | None = None
         """Of the contact that ended the run: why, the reaction, what it is, the sign it had."""
@@ -106,6 +108,9 @@ class Warnings:
             if kind == UNSOUND:
                 t = float(rows.warn_time[k])
                 self.unsound.append(violation(self.graph, self._elements, t, about))
+                continue
+            if kind == MADE_BY_STEPS:
+                self.made = _of_made(*about)
                 continue
             yield self._text(kind, float(rows.warn_time[k]), about)
 
@@ -227,13 +232,6 @@ class Warnings:
             )
         if kind == COURSE_UNSEEN:
             return self._of_course(t, *numbers)
-        if kind == MADE_BY_STEPS:
-            off, moved = about
-            return (
-                f"steps of this length have {'made' if off > 0.0 else 'lost'} {abs(off):.3g} J, "
-                f"{100.0 * abs(off) / moved:.2g} % of the {moved:.3g} J that moved: take a shorter "
-                "step, or a solver that chooses its own"
-            )
         if kind == FAR_APART:
             return self._far_apart(about[0], about[1], tuple(numbers[2:]))
         return self._of_surfaces(kind, now, numbers)
@@ -358,3 +356,12 @@ class Warnings:
             return f"the equations at rest leave {text} open"
         wanted = "positive" if sign > 0 else "negative"
         return f"at rest {text} = {force:.6g}, which is not {wanted}"
+
+
+def _of_made(off: float, moved: float) -> str:
+    """Return what steps of a fixed length have made, or lost, in words."""
+    return (
+        f"steps of this length have {'made' if off > 0.0 else 'lost'} {abs(off):.3g} J, "
+        f"{100.0 * abs(off) / moved:.2g} % of the {moved:.3g} J that moved: take a shorter "
+        "step, or a solver that chooses its own"
+    )

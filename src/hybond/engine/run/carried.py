@@ -159,6 +159,7 @@ def carry_memory(e: Engine, r: Run, c: Carrier) -> None:
     e.checks.unbalanced = carry_number(c, e.checks.unbalanced)
     e.checks.may = carry_number(c, e.checks.may)
     e.checks.apart = carry_number(c, e.checks.apart)
+    e.checks.brought = carry_number(c, e.checks.brought)
     e.pushed_energy = carry_number(c, e.pushed_energy)
     e.sampled_at = carry_number(c, e.sampled_at)
     g.events = carry_whole(c, g.events)
