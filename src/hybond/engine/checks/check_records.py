@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from hybond.engine.model import Model
 from hybond.engine.words import Floats, Ints, floats, ints, record
 
@@ -79,6 +81,11 @@ class Checks:
     apart: float
     brought: float
     """What rates have brought into storage, less what they took out of it, J."""
+    strayed: float
+    """Since when the balance does not hold, s; infinity: it does. Which storage moved most then, and
+    in which mode."""
+    strayed_by: int
+    strayed_state: Ints
     beside: Floats
     rate: Floats
     shown_at: float
@@ -119,4 +126,6 @@ def make_checks(m: Model) -> Checks:
     c.beside = floats(m.storages + m.integrals)
     c.rate = floats(m.storages + m.integrals)
     c.shown_at = -1.0
+    c.strayed = math.inf
+    c.strayed_state = ints(m.machines)
     return c

@@ -18,7 +18,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.rounding import EPSILON
-from hybond.engine.checks.noting import BALANCE, CREATED, MOVES, note_violation
+from hybond.engine.checks.noting import BALANCE, CREATED, MOVES, note_in_state, note_violation
 from hybond.engine.engine import OK, Engine
 from hybond.engine.methods.defects import chord
 from hybond.engine.methods.fixed import EULER, RK4
@@ -81,16 +81,33 @@ def hold_step(e: Engine) -> None:
     bound = PART * c.moved + TIMES * c.may
     if math.fabs(c.unbalanced) <= bound and math.fabs(c.apart + s.apart) <= bound:
         c.apart += s.apart
+        c.strayed = math.inf
         return
     hold_apart_rates(e, bound)
     if m.method >= RK4:
         return
     bound += nothing(e)
-    k = most_moved(e)
-    if not math.fabs(c.unbalanced) <= bound:
-        note_violation(e, e.mode, e.t, BALANCE, k, math.fabs(c.unbalanced), c.moved)
-    elif not math.fabs(c.apart) <= bound:
-        note_violation(e, e.mode, e.t, BALANCE, k, math.fabs(c.apart), c.moved)
+    if math.fabs(c.unbalanced) <= bound and math.fabs(c.apart) <= bound:
+        c.strayed = math.inf
+    elif c.strayed == math.inf:
+        c.strayed = e.t
+        c.strayed_by = most_moved(e)
+        for k in range(m.machines):
+            c.strayed_state[k] = e.mode.state[k]
+
+
+def tell_balance(e: Engine) -> None:
+    """Tell, where a run ends, that its balance has not held since some step.
+
+    Not before: what begins with next to nothing may be off by a large part of that, as tolerances
+    are of what it comes to, and is nothing beside what moves then.
+    """
+    c = e.checks
+    if c.strayed < math.inf:
+        off = math.fabs(c.unbalanced)
+        if not off >= math.fabs(c.apart):
+            off = math.fabs(c.apart)
+        note_in_state(e, c.strayed_state, c.strayed, BALANCE, c.strayed_by, off, c.moved)
 
 
 def hold_apart_rates(e: Engine, bound: float) -> None:

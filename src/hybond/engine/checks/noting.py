@@ -7,6 +7,7 @@ from typing import Final
 from hybond.engine.engine import Engine
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.reasons.warned import UNSOUND, add_about, begin_warning
+from hybond.engine.words import Ints
 
 ELEMENT: Final = 0
 STORAGE: Final = 1
@@ -34,6 +35,13 @@ def note_violation(
     e: Engine, mode: Mode, t: float, what: int, index: int, off: float, size: float
 ) -> None:
     """Note what does not hold, `off` being what is left where its terms add up to `size`."""
+    note_in_state(e, mode.state, t, what, index, off, size)
+
+
+def note_in_state(
+    e: Engine, state: Ints, t: float, what: int, index: int, off: float, size: float
+) -> None:
+    """Note what did not hold at a time when machines were in these states."""
     m = e.model
     c = e.checks
     if c.violated == 0:
@@ -54,7 +62,7 @@ def note_violation(
     add_about(e.warned, off)
     add_about(e.warned, size)
     for k in range(m.machines):
-        add_about(e.warned, float(mode.state[k]))
+        add_about(e.warned, float(state[k]))
 
 
 def place_of(e: Engine, what: int) -> int:

@@ -9,7 +9,12 @@ import math
 from typing import Final
 
 from hybond.engine.checks.bounds_held import hold_bounds
-from hybond.engine.checks.energy_held import hold_last_rates, hold_rates, warn_of_steps
+from hybond.engine.checks.energy_held import (
+    hold_last_rates,
+    hold_rates,
+    tell_balance,
+    warn_of_steps,
+)
 from hybond.engine.checks.guards_held import foresee, hold_apart, look_at_guards
 from hybond.engine.checks.laws_held import look_at_entry, look_at_laws
 from hybond.engine.contacts.impacts_seen import before_event, observe_event
@@ -118,6 +123,7 @@ def run_to_end(e: Engine, r: Run) -> int:
             if r.cut:
                 hold_last_rates(e)
             status = status if hold_bounds(e) == OK else REFUSED
+        tell_balance(e)
         warn_of_steps(e)
         report_end(e, r.report)
     return status
