@@ -29,7 +29,9 @@ def test_a_law_that_has_ended_in_its_limit_gives_no_more(
     m.add(k=hb.C(1.0, q=1.0), kr=hb.R(1.0), n=hb.Zero())
     m.bond("s -> a -> g.1", "g.2 -> b -> r", "n -> k", "n -> kr")
     run = hb.simulate(m, 2.0, solver=solver, on_error="return")
-    assert run.error is not None and run.error.code == "HB-N301"
+    # a flow that grows without bound towards the end is told as that, if a step comes so near
+    codes = ("HB-N301", "HB-N203") if "atan" in law else ("HB-N301",)
+    assert run.error is not None and run.error.code in codes
     assert run.t_end == pytest.approx(1.0, abs=1e-9)
     assert run["r.f"].at(0.5) == pytest.approx(half, rel=1e-9)
 

@@ -2,8 +2,9 @@
 
 No power is lost in the junction structure, which is looked at where laws are: what sources give
 less what resistors take is what flows into storage, `z x'`. So the balance of a run is kept by
-what is stored: of each step that of its rates at its stages (`methods/defects`), where laws are
-looked at that these are the rates that are shown, and of each jump that nothing comes from nowhere.
+what is stored: of each step that of its rates at its stages (`methods/defects`), or, where it is
+implicit, that it ends by the rates that are there; where laws are looked at that these are the
+rates that are shown; and of each jump that nothing comes from nowhere.
 
 What is off is held against all that moved, and against what tolerances let each step be off by: a
 state that is off by e changes what is stored by e times its co-energy variable. Steps of a fixed

@@ -102,23 +102,20 @@ def accept_radau(e: Engine) -> None:
     copy_floats(e.states, r.y1, s.y1)
     copy_floats(e.states, r.y1, s.y)
     copy_floats(e.states, r.f1, s.f)
-    count_defect(e, r)
+    count_apart(e, r)
 
 
-def count_defect(e: Engine, r: Radau) -> None:
-    """Find what the step made leaves open, by its error and by what its stages were last moved.
+def count_apart(e: Engine, r: Radau) -> None:
+    """Find by how much the rates at the end of the step made may not be those that it ends with.
 
-    Of a step that was repeated in pieces, the last one.
+    Its error is no more than the tolerance by the same estimate: that says nothing of the energy
+    beyond it. Of a step that was repeated in pieces, the last one is looked at.
     """
-    m = e.model
     s = e.step
     n = e.states
     c = r.coefficients
     end_levels(e)
     s.defect = 0.0
     s.apart = 0.0
-    for k in range(m.storages):
-        if m.storage_pseudo[k] == 0:
-            level = 0.5 * (s.level0[k] + s.level1[k])
-            s.defect += level * r.error_vector[k] + s.level1[k] * r.last[2 * n + k]
+    for k in range(e.model.storages):
         apart_at_end(e, k, c[k] + 2.0 * c[n + k] + 3.0 * c[2 * n + k])

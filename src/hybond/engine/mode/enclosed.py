@@ -4,7 +4,8 @@ A steep power, turned round, throws Newton's steps far beyond its root, and from
 comes back by a small part; an exponential does so until there is no number left for it. Signs lead
 to a root of any law that has no jump there: what is infinite has a sign as well. Steps that grow
 from where the search begins find the nearest change of it first. Between numbers of any size halves
-are taken of their powers of two, then of themselves.
+are taken of their powers of two, then of themselves. What is zero there and farther on has ended
+in its limit: that is no root.
 
 Source: R. P. Brent, *Algorithms for Minimization without Derivatives*, 1973, chapter 4.
 """
@@ -53,12 +54,18 @@ def enclosed(e: Engine, mode: Mode, v: Floats, r: Floats, begin: float) -> bool:
         if above:
             there = residual_at(e, mode, v, r, begin + step)
             above = is_alike(there, here)
+            beyond = begin + FARTHER * step
+            if there == 0.0 and residual_at(e, mode, v, r, beyond) == 0.0:
+                return False
             if not above and ends_between(e, mode, v, r, up, begin + step, here):
                 return True
             up = begin + step
         if below:
             there = residual_at(e, mode, v, r, begin - step)
             below = is_alike(there, here)
+            beyond = begin - FARTHER * step
+            if there == 0.0 and residual_at(e, mode, v, r, beyond) == 0.0:
+                return False
             if not below and ends_between(e, mode, v, r, down, begin - step, here):
                 return True
             down = begin - step
