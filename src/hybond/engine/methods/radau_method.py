@@ -1,6 +1,7 @@
 """Radau IIA as a method that a run may ask for: start, step, retry, and what is between."""
 
 import math
+from typing import Final
 
 from hybond.engine.algebra.products import copy_floats
 from hybond.engine.engine import OK, Engine, say_fault
@@ -17,7 +18,12 @@ from hybond.engine.methods.radau_room import ERROR_BLAMED, RADAU, STAGES_BLAMED,
 from hybond.engine.methods.radau_stages import rate_at
 from hybond.engine.methods.scale import controlled, tolerance
 from hybond.engine.methods.stiffness import watch_implicit
+from hybond.engine.model import Model
+from hybond.engine.reasons.warned import SWINGS, add_about, begin_warning
 from hybond.engine.words import Floats
+
+OFF: Final = 1e-3
+"""Part of the largest rate of its kind by which one may be off without a word."""
 
 
 def radau_start(e: Engine, t: float, y: Floats, t_bound: float, jumped: bool) -> int:
@@ -119,3 +125,37 @@ def count_apart(e: Engine, r: Radau) -> None:
     s.apart = 0.0
     for k in range(e.model.storages):
         apart_at_end(e, k, c[k] + 2.0 * c[n + k] + 3.0 * c[2 * n + k])
+    if r.swings and not e.warned.swings:
+        warn_of_swings(e)
+
+
+def warn_of_swings(e: Engine) -> None:
+    """Say once that the rates at the end of steps are off, where these swing within the tolerance.
+
+    By how much the last one leads elsewhere than what it is said to end with.
+    """
+    m = e.model
+    s = e.step
+    most = OFF
+    which = -1
+    for k in range(m.storages):
+        size = e.checks.largest[m.bond_class[m.storage_bond[k] + rate_kind(m, k)]]
+        off = math.fabs(s.f[k] - (s.y1[k] - s.y0[k]) / (s.t1 - s.t0))
+        if off > most * size and size > 0.0:
+            most = off / size
+            which = k
+    if which < 0:
+        return
+    e.warned.swings = True
+    if m.tells == 0:
+        return
+    size = e.checks.largest[m.bond_class[m.storage_bond[which] + rate_kind(m, which)]]
+    begin_warning(e.warned, SWINGS, s.t1)
+    add_about(e.warned, float(which))
+    add_about(e.warned, most * size)
+    add_about(e.warned, size)
+
+
+def rate_kind(m: Model, k: int) -> int:
+    """Return where rates of a storage of that kind begin among bond variables."""
+    return m.bonds if m.storage_kind[k] == 0 else 0

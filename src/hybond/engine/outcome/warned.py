@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 NOT_UNIQUE, NO_WAY_ON, TWIN_SURFACES, OWN_JUMP, THROWS_BACK = 1, 2, 3, 4, 5
 SECOND_ANSWER, IMPULSIVE, LEFT_OPEN, FAR_APART, UNREST = 6, 7, 8, 9, 10
 WITHOUT_END, SHARES_OPEN, FIRES_ALWAYS, NEXT_DECIDES, UNSOUND, HELD_AT_REST = 11, 12, 13, 14, 15, 16
-MODULUS_JUMPS, IMPULSE_LEFT_OUT, COURSE_UNSEEN, MADE_BY_STEPS = 17, 18, 19, 20
+MODULUS_JUMPS, IMPULSE_LEFT_OUT, COURSE_UNSEEN, MADE_BY_STEPS, SWINGS = 17, 18, 19, 20, 21
 """Kinds of warnings: as in `hybond.engine.reasons.warned`."""
 TIMELESS = (
     *(TWIN_SURFACES, OWN_JUMP, IMPULSIVE, LEFT_OPEN, FAR_APART, MODULUS_JUMPS),
@@ -232,9 +232,22 @@ class Warnings:
             )
         if kind == COURSE_UNSEEN:
             return self._of_course(t, *numbers)
+        if kind == SWINGS:
+            return self._of_swings(now, numbers[0], *about[1:])
         if kind == FAR_APART:
             return self._far_apart(about[0], about[1], tuple(numbers[2:]))
         return self._of_surfaces(kind, now, numbers)
+
+    def _of_swings(self, now: str, storage: int, off: float, size: float) -> str:
+        """Say which rate is known less well than the state."""
+        found = self.graph.storages[storage]
+        rate = "flow" if found.kind == "C" else "effort"
+        return (
+            f"from {now[3:]} on, steps swing about a law that is steep without bound at zero: what "
+            f"{found.path} stores is within the tolerance, but its {rate} is off by {off:.2g} there "
+            f"(of {size:.2g} at most), and so is what that law says; a smaller rtol makes it less, "
+            "a small C or I where it stands ends it"
+        )
 
     def _of_course(self, t: float, place: int, why: int) -> str:
         """Say whose course of time is not seen: a number of a rule, or of an element."""

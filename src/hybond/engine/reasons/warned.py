@@ -63,13 +63,17 @@ COURSE_UNSEEN: Final = 19
 0: it has no bound there, 1: fixed steps are too long."""
 MADE_BY_STEPS: Final = 20
 """Steps of a fixed length have made energy, or lost it. Numbers: how much, of how much, J."""
+SWINGS: Final = 21
+"""Implicit steps swing about a law that is steep without bound. Numbers: the storage whose rate
+does, by how much, the largest of that kind; said once."""
 
 
 @record
 class Warned:
     """Rows of warnings: `kind`, `time`, and ``number[first[k]]`` to ``number[first[k + 1] - 1]``.
 
-    `far_apart` is whether elements were found to lie far apart: that is said once.
+    `far_apart` is whether elements were found to lie far apart, `swings` whether steps swing: that
+    is said once.
     """
 
     rows: int
@@ -79,6 +83,7 @@ class Warned:
     numbers: int
     number: Block
     far_apart: bool
+    swings: bool
 
 
 def make_warned() -> Warned:
