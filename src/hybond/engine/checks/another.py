@@ -14,11 +14,16 @@ from hybond.engine.checks.noting import MANY, note_violation
 from hybond.engine.engine import OK, Engine
 from hybond.engine.mode.guess import give_back_guess, hold_guess
 from hybond.engine.mode.mode_records import Mode
+from hybond.engine.mode.newton_system import measured_system
+from hybond.engine.mode.put_back import HOLDS, all_hold
 from hybond.engine.mode.values import evaluate
 
 APART: Final = 1e-3
 """How far apart two solutions are, as a part of the largest variable of the kind: less may be what
 Newton's method leaves where a law is flat."""
+
+BETWEEN: Final = 0.3
+"""Where between two solutions laws are asked."""
 
 
 def look_for_another(e: Engine, mode: Mode) -> None:
@@ -49,8 +54,21 @@ def look_for_another(e: Engine, mode: Mode) -> None:
         if apart > APART * c.largest[m.bond_class[b]] and apart > off:
             off = apart
             size = c.largest[m.bond_class[b]]
-    if off > 0.0:
+    if off > 0.0 and not is_one_answer(e, mode):
         note_violation(e, mode, e.t, MANY, element_of(e, mode), off, size)
+
+
+def is_one_answer(e: Engine, mode: Mode) -> bool:
+    """Whether laws hold between the two as well: where they are flat, both are one to rounding.
+
+    Of three that lie evenly the third is not asked.
+    """
+    n = 2 * e.model.bonds
+    c = e.checks
+    at = e.model.bond_slot
+    for k in range(n):
+        e.work.w[k] = c.v[at + k] + BETWEEN * (c.other[at + k] - c.v[at + k])
+    return all_hold(e, measured_system(e, mode, c.other, e.work.w), HOLDS)
 
 
 def element_of(e: Engine, mode: Mode) -> int:

@@ -82,8 +82,8 @@ class Checks:
     brought: float
     """What rates have brought into storage, less what they took out of it, J."""
     strayed: float
-    """Since when the balance does not hold, s; infinity: it does. Which storage moved most then, and
-    in which mode."""
+    """Since when the balance does not hold, s; infinity: it does. Which storage moved most then,
+    and in which mode."""
     strayed_by: int
     strayed_state: Ints
     beside: Floats

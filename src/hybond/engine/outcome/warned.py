@@ -244,9 +244,9 @@ class Warnings:
         rate = "flow" if found.kind == "C" else "effort"
         return (
             f"from {now[3:]} on, steps swing about a law that is steep without bound at zero: what "
-            f"{found.path} stores is within the tolerance, but its {rate} is off by {off:.2g} there "
-            f"(of {size:.2g} at most), and so is what that law says; a smaller rtol makes it less, "
-            "a small C or I where it stands ends it"
+            f"{found.path} stores is within the tolerance, but its {rate} is off by {off:.2g} "
+            f"there (of {size:.2g} at most), and so is what that law says; a smaller rtol makes it "
+            "less, a small C or I where it stands ends it"
         )
 
     def _of_course(self, t: float, place: int, why: int) -> str:
