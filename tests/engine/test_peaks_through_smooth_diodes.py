@@ -68,3 +68,14 @@ def test_what_peaks_in_a_phase_of_its_own_is_seen() -> None:
     right = solve_ivp(rate, (0.0, 0.11), [0.0], "LSODA", rtol=1e-8, atol=1e-11, max_step=5e-4)
     run = hb.simulate(m, 0.11)
     assert run.final["c.q"] == pytest.approx(right.y[0, -1], rel=2e-6)
+
+
+@pytest.mark.parametrize("solver", ["auto", "radau"])
+def test_kinks_elsewhere_end_steps_that_hide_peaks(solver: str) -> None:
+    """A step that is repeated, in pieces, to end at a kink makes no energy, and passes no peak."""
+    m = rectifier(LAWS["tanh"][0], 1e3)
+    m.add(W=hb.Se("3*abs(sin(70*time))"), w=hb.R(1.0), j=hb.One())
+    m.bond("W -> j -> w")
+    run = hb.simulate(m, 0.11, solver=solver, on_error="return")
+    assert run.status == "ok"
+    assert run.final["c.q"] == pytest.approx(charged("tanh", 0.11, 1e3), rel=2e-6)

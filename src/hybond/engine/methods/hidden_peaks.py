@@ -6,7 +6,7 @@ such laws read is smooth, though: where that is largest or smallest within the s
 between its ends, the rates are asked for. If they are far from the rates of the way there, the step
 is too long.
 
-Kinks end steps where they are crossed: of models with such this is not asked.
+Kinks end steps where they are crossed: beyond one nothing is asked.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from typing import Final
 
 from hybond.engine.algebra.lu import lu_solve
 from hybond.engine.algebra.products import all_finite
+from hybond.engine.answers import value
 from hybond.engine.engine import OK, Engine
 from hybond.engine.methods.radau_room import Radau
 from hybond.engine.methods.scale import tolerance
@@ -50,7 +51,7 @@ def may_hide(e: Engine, h: float, error: float) -> bool:
     """Whether a step is to be looked at."""
     m = e.model
     mode = e.mode
-    if m.courses == 0 or m.kinks > 0 or e.slide.k > 0 or mode.dynamics == 0 or mode.affine:
+    if m.courses == 0 or e.slide.k > 0 or mode.dynamics == 0 or mode.affine:
         return False
     if not (math.isfinite(e.longest) or mode.moves) or h < SHORTEST * e.span:
         return False
@@ -105,6 +106,8 @@ def hides(
         if found or not rates_at(e, float(i) / float(parts), t0, h, y0, f0, y1):
             many = 0
             continue
+        if is_beyond_kink(e, i == 0):
+            break
         if i > 0 and i < parts:
             found = is_far(e, r, filtered, h, float(i) / float(parts), y0, f0, y1)
         for k in range(n):
@@ -161,11 +164,24 @@ def is_far_at_peaks(
             if not (place > low and place < high) or math.fabs(place - last) < 0.01 * apart:
                 continue
             last = place
-            if not rates_at(e, place, t0, h, y0, f0, y1):
+            if not rates_at(e, place, t0, h, y0, f0, y1) or is_beyond_kink(e, False):
                 continue
             if is_far(e, r, filtered, h, place, y0, f0, y1):
                 return True
     return False
+
+
+def is_beyond_kink(e: Engine, first: bool) -> bool:
+    """Whether a kink lies between the place looked at and where the step begins, the `first`."""
+    m = e.model
+    s = e.step
+    beyond = False
+    for k in range(m.kinks):
+        there = value(m, m.atom_value[m.kink_atom + k], e.v)
+        if first or s.kink[k] == 0.0:
+            s.kink[k] = there
+        beyond = beyond or s.kink[k] * there < 0.0
+    return beyond
 
 
 def rates_at(
