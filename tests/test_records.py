@@ -91,3 +91,13 @@ def test_what_is_wrong_is_refused_when_it_is_made() -> None:
             kind()
         with pytest.raises(TypeError, match="unexpected keyword argument 'z'"):
             kind(1.0, z=1.0)
+
+
+def test_fields_may_have_the_names_that_making_a_record_uses() -> None:
+    @dataclass(frozen=True)
+    class Held:
+        record: int
+        owner: str = ""
+
+    held = Held(record=1, owner="me")
+    assert (held.record, held.owner) == (1, "me")

@@ -136,7 +136,7 @@ class Later:
         self.calls += 1
         return self.fields is not None and self.calls <= _FEW
 
-    def _fill(self, record: Any, owner: type, *args: Any, **given: Any) -> None:
+    def _fill(self, record: Any, owner: type, /, *args: Any, **given: Any) -> None:
         """Give a new record its values, as the method would."""
         fields = self.fields
         assert fields is not None

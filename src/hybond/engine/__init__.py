@@ -87,6 +87,7 @@ subset. Rooms, and in them files, as data passes them::
                             instant is
         onset               what has not moved yet, by what it will be
         control, dopri, strayed    steps that the error controls: Dormand and Prince
+        hidden_peaks        what laws that bend do within a step, and nowhere it has looked
         exact, flow, linear_rows, balance, propagate, flow_records    linear modes, propagated
         radau, radau_stages, radau_dense, radau_method, radau_room    implicit steps
         stiffness           when ``auto`` goes over to them, and back

@@ -160,6 +160,12 @@ class Step:
     """The sizes of steps that motions in straight modes have ended with; 0: none has yet."""
     began: float
     """When the motion began, s."""
+    peak_y: Floats
+    peak_f1: Floats
+    peak_rate: Floats
+    peak_read: Floats
+    """Of a step that may hide a peak: a state within it and its rates, those at its end, and three
+    samples of all bond variables."""
     dense: Floats
     scale: Floats
     tied: Floats
@@ -355,6 +361,9 @@ def make_step(n: int, kinks: int, edges: int) -> Step:
     s.scale = floats(n)
     s.error = floats(n)
     s.tied = floats(n)
+    s.peak_y = floats(n)
+    s.peak_f1 = floats(n)
+    s.peak_rate = floats(n)
     s.allowed = floats(n)
     s.trial = floats(n)
     s.rate = floats(n)
@@ -399,6 +408,7 @@ def make_engine(m: Model) -> Engine:
     e.states = m.storages + m.integrals
     e.y = floats(e.states)
     e.step = make_step(e.states, m.kinks, m.begins)
+    e.step.peak_read = floats(6 * m.bonds)
     e.slide = make_slide(m)
     e.rounding = floats(m.storages)
     e.moved_rounding = floats(m.storages)

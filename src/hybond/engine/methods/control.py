@@ -29,6 +29,7 @@ from hybond.engine.methods.exact import (
 from hybond.engine.methods.failed_steps import no_rate, step_too_small
 from hybond.engine.methods.flow import take_flow
 from hybond.engine.methods.flow_records import AUTO, EXACT, LARGE
+from hybond.engine.methods.hidden_peaks import hidden_at_end
 from hybond.engine.methods.one_instant import is_one_kink
 from hybond.engine.methods.onset import look_ahead
 from hybond.engine.methods.propagate import even_length
@@ -177,6 +178,7 @@ def controlled_step(e: Engine, t_end: float) -> int:
         error = attempt(e, t1)
         if error <= 1.0 and not is_propagated(e):
             error = max(error, strayed(e, s.t0, s.y0, t1, s.y1))
+            error = hidden_at_end(e, t1, error)
         s.tried = 0.0
         if error <= 1.0 or (error == error and is_one_kink(e, s.t0, s.y0, t1, s.y1)):
             break
@@ -224,6 +226,8 @@ def controlled_retry(e: Engine, t_end: float) -> int:
     if error > 1.0 and t_end - s.t0 < CREEPS * e.span and not is_propagated(e):
         if look_ahead(e, e.mode, s.t0, s.y0, s.f0):
             error = attempt(e, t_end)
+    if error <= 1.0 and not is_propagated(e):
+        error = hidden_at_end(e, t_end, error)
     if error != error:
         if e.model.tells != 0 and not e.refusal:
             return no_rate(e, e.states, t_end - e.step.t0, e.step.rate, e.step.y1)

@@ -15,6 +15,7 @@ from hybond.engine.engine import NOT_FINITE, OK, Engine
 from hybond.engine.methods.beside_edges import begins_at_edge, iterate_beside_edge
 from hybond.engine.methods.dopri import spacing
 from hybond.engine.methods.from_edges import keep_within, widen
+from hybond.engine.methods.hidden_peaks import hidden_in_stages
 from hybond.engine.methods.one_instant import is_one_kink
 from hybond.engine.methods.onset import look_ahead
 from hybond.engine.methods.radau_dense import hold_dense, make_polynomial
@@ -240,6 +241,7 @@ def try_radau(e: Engine, r: Radau, rtol: float) -> int:
         r.y1[i] = r.y[2 * n + i]
     if r.error <= 1.0:
         r.error = max(r.error, strayed(e, r.t0, r.y0, r.t1, r.y1))
+        r.error = hidden_in_stages(e, r, r.error)
     if not r.error <= 1.0 and not is_one_kink(e, r.t0, r.y0, r.t1, r.y1):
         factor = RADAU_SAFETY * radau_rounds(r) * math.pow(r.error, -0.25)
         r.shrink = min(max(factor, RADAU_SHRINK), RADAU_SAFETY)

@@ -109,6 +109,18 @@ def accept_radau(e: Engine) -> None:
     copy_floats(e.states, r.y1, s.y)
     copy_floats(e.states, r.f1, s.f)
     count_apart(e, r)
+    if r.pieces > 1:
+        count_last_piece(e, r)
+
+
+def count_last_piece(e: Engine, r: Radau) -> None:
+    """Let the rates that a step ends with count for as long as its last piece, which moved so."""
+    m = e.model
+    s = e.step
+    before = (s.t1 - s.t0) - (r.t1 - r.t0)
+    for k in range(m.storages):
+        if m.storage_pseudo[k] == 0:
+            s.apart += 0.5 * s.level1[k] * before * s.f[k]
 
 
 def count_apart(e: Engine, r: Radau) -> None:
