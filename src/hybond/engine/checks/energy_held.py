@@ -192,6 +192,8 @@ def hold_last_rates(e: Engine) -> None:
     """
     s = e.step
     m = e.model
+    if e.checks.shown_at != e.t:
+        return
     if e.curved or s.t1 != e.t or s.t != e.t or m.method == EULER or e.t >= e.next_break:
         return
     same = True

@@ -11,7 +11,14 @@ import math
 from typing import Final
 
 from hybond.engine.engine import Engine
-from hybond.engine.mode.storage import co_energy, own_stiffness, stiff, with_stored
+from hybond.engine.mode.storage import (
+    co_energy,
+    co_energy_of,
+    is_alone,
+    own_stiffness,
+    stiff,
+    with_stored,
+)
 from hybond.engine.words import Floats, float_table
 
 SHORT_CHORD: Final = 1e-6
@@ -47,10 +54,18 @@ def begin_levels(e: Engine) -> None:
 
 def end_levels(e: Engine) -> None:
     """Find the co-energy variables where the step just made ends."""
+    m = e.model
     s = e.step
-    co_energy(e.model, with_stored(e, s.y1), s.level1)
-    for k in range(e.model.storages):
+    written = False
+    for k in range(m.storages):
         s.level_at[k] = s.y1[k]
+        if is_alone(m, k):
+            s.level1[k] = m.stiff_constant[m.stiff_first[k]] * s.y1[k]
+            continue
+        if not written:
+            with_stored(e, s.y1)
+            written = True
+        s.level1[k] = co_energy_of(m, k, e.work.values)
 
 
 def chord(e: Engine, k: int) -> float:
