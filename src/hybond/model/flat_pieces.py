@@ -72,6 +72,8 @@ BESIDE = 2.0**-30
 """Part of the way to the middle of a law at which its slope beside a corner is taken."""
 SAME = 1e-9
 """Part of a corner within which one that is found in another way is the same."""
+FARTHER = 2.0
+"""Times as far as its limit that a law goes on with its own slope, before it does so with less."""
 LOW, FOLLOWS, HIGH = "low", "follows", "high"
 """What pieces are called: flat ends, and what is between."""
 LONG = 40
@@ -131,6 +133,10 @@ def with_flat_pieces(graph: FlatGraph) -> FlatGraph:
         assert law is not None
         pieces = pieces_of(law.expressions[0], argument_of(nodes[k]))
         machine = _machine(nodes[k], len(machines), pieces)
+        match ends_of(nodes[k]):
+            case [End(way, at, outer)] if outer is not None:
+                limit = next(p.high if way < 0 else p.low for p in pieces if p.name != FOLLOWS)
+                machine = replace(machine, led_on=(at, FARTHER * plain(limit)))
         whole = pieces[0].said
         for n, piece in enumerate(pieces[1:], 1):
             whole = If(Name(f"in:{machine.index}:{n}"), piece.said, whole)
@@ -167,8 +173,18 @@ def _pieces(middle: Expr, e: Expr, own: str, ends: tuple[End, ...]) -> list[Piec
         if end.outer is not None:
             near, level = level, _value(e, own, end.way * 10.0**MOST)
             rise = (level - _value(e, own, end.outer)) / (at - end.outer)
-            line = _line(own, at, near, rise)
-            at = at + (level - near) / rise
+            if len(ends) == 1:
+                # it goes on as it is: within rounding of what is stored, the other variable is not
+                own_rise = _value(slope, own, at)
+                tangent = _line(own, at, near, own_rise)
+                at = at + (level - near) / own_rise
+                beyond = FARTHER * at
+                far = _line(own, beyond, near + own_rise * (beyond - end.at), rise)
+                side = Compare(">" if end.way > 0 else "<", Name(own), Number(beyond))
+                line = If(side, far, tangent)
+            else:
+                line = _line(own, at, near, rise)
+                at = at + (level - near) / rise
         elif not straight:
             inner = _middle(low, high)
             chord = (_value(middle, own, inner) - level) / (inner - at)

@@ -78,7 +78,7 @@ def may_turn(e: Engine) -> bool:
     method = e.model.method
     if method == AUTO:
         return True
-    return e.model.begins > 0 and (method == EXPLICIT or method == EXACT)
+    return (e.model.begins > 0 or e.model.bends > 0.0) and (method == EXPLICIT or method == EXACT)
 
 
 def see_edges(e: Engine, t: float, y: Floats) -> None:

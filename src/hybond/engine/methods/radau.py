@@ -15,7 +15,7 @@ from hybond.engine.engine import NOT_FINITE, OK, Engine
 from hybond.engine.methods.beside_edges import begins_at_edge, iterate_beside_edge
 from hybond.engine.methods.dopri import spacing
 from hybond.engine.methods.from_edges import keep_within, widen
-from hybond.engine.methods.one_instant import is_one_kink
+from hybond.engine.methods.one_instant import is_one_kink, room_of_instant
 from hybond.engine.methods.onset import look_ahead
 from hybond.engine.methods.radau_dense import hold_dense, make_polynomial
 from hybond.engine.methods.radau_room import (
@@ -67,6 +67,16 @@ NEARER: Final = 6
 """How often a difference is tried for the Jacobian where laws have edges."""
 RADAU_NEAR: Final = 1.0 / 16.0
 """By how much it is then smaller each time."""
+NEAREST: Final = 64.0 * EPSILON
+"""The least part of a state that it is shifted by where its law may be steep, ..."""
+FIRST_PART: Final = 2.0**-40
+"""... or of how far it is shifted else, from zero; ..."""
+NEAREST_GROWS: Final = 64.0
+"""... how much farther it is shifted next, ..."""
+CLEARLY: Final = 1e-7
+"""... and the part of rates by which they are to differ."""
+DIGITS_LEFT: Final = 1e4 * EPSILON
+"""Part of a state that its tolerance is at least where a law that holds it asks for less."""
 STEP_TOO_SMALL: Final = 2
 
 
@@ -114,11 +124,11 @@ def differences(e: Engine, r: Radau, rtol: float) -> None:
         if size == 0.0:
             size = 1.0
         delta = math.sqrt(EPSILON) * math.copysign(size, r.f0[j])
-        found = NOT_FINITE
+        found = nearest(e, r, j, delta) if e.model.bends > 0.0 else NOT_FINITE
         for _ in range(NEARER if e.model.edges > 0 else 1):
-            found = beside(e, r, j, delta)
             if found == OK:
                 break
+            found = beside(e, r, j, delta)
             delta *= RADAU_NEAR
         for i in range(n):
             # off its constraints, or where laws end or jump, a state may have no rates; nothing
@@ -141,6 +151,27 @@ def beside(e: Engine, r: Radau, j: int, delta: float) -> int:
         if found == OK:
             break
     return found
+
+
+def nearest(e: Engine, r: Radau, j: int, farthest: float) -> int:
+    """Find the rates as near beside a state as they differ clearly, at `farthest` at most.
+
+    A logarithm beside its end is straight only within part of the way there, and beyond its end a
+    line is no slope of it.
+    """
+    size = math.fabs(r.y0[j])
+    part = min(NEAREST * size / math.fabs(farthest), 1.0) if size > 0.0 else FIRST_PART
+    while True:
+        found = beside(e, r, j, part * farthest)
+        if part >= 1.0:
+            return found
+        clear = False
+        for i in range(r.n):
+            terms = max(math.fabs(r.f0[i]), e.model.bends)
+            clear = clear or math.fabs(r.end[i] - r.f0[i]) > CLEARLY * terms
+        if found == OK and clear:
+            return found
+        part = min(part * NEAREST_GROWS, 1.0)
 
 
 def has_grown(r: Radau) -> bool:
@@ -170,6 +201,19 @@ def filtered_error(r: Radau, f: Floats) -> float:
     return mean_size(n, 1, r.error_vector, r.other)
 
 
+def held_by_law(e: Engine, r: Radau, unit: Floats) -> None:
+    """Let the tolerance of a state be no more than the law that holds it can tell apart.
+
+    A coil behind a diode that blocks has next to no current; but what is across the diode hangs on
+    how much. Only what is held so within the step: of others the law follows.
+    """
+    for i in range(e.model.storages):
+        slope = math.fabs(r.jacobian[i * r.n + i])
+        if r.h * slope > 1.0 and slope < math.inf:
+            least = max(e.model.rtol * e.model.bends / slope, DIGITS_LEFT * math.fabs(r.y0[i]))
+            unit[i] = min(unit[i], least)
+
+
 def estimate_error(e: Engine, r: Radau) -> None:
     """Estimate the error of the step that is tried."""
     n = r.n
@@ -182,6 +226,8 @@ def estimate_error(e: Engine, r: Radau) -> None:
     e.step.tried = 0.0
     if e.step.left_edge:
         widen(e, r, r.other)
+    if e.model.bends > 0.0:
+        held_by_law(e, r, r.other)
     r.error = filtered_error(r, r.f0)
     if r.error <= 1.0 or not (r.rejected > 0 or r.h_before == 0.0):
         return
@@ -215,6 +261,9 @@ def try_radau(e: Engine, r: Radau, rtol: float) -> int:
     # stages that go on from the last ones leave rest
     r.known = r.known and not e.step.on_edge
     fresh = r.matrix == FRESH_MATRIX
+    if e.model.bends > 0.0:
+        tolerance(e, r.y0, r.y0, r.tolerance)
+        held_by_law(e, r, r.tolerance)
     found = STAGES_CONVERGED if r.from_edge else iterate_beside_edge(e, r, rtol)
     if e.model.tells != 0:
         r.blamed = ERROR_BLAMED if found == STAGES_CONVERGED else STAGES_BLAMED
@@ -252,11 +301,17 @@ def try_radau(e: Engine, r: Radau, rtol: float) -> int:
 
 
 def over_kink(e: Engine, r: Radau) -> bool:
-    """Pass a kink within one instant by a straight line: no stages converge over a jump."""
+    """Pass a kink within one instant by a straight line: no stages converge over a jump.
+
+    Nor do they where a current runs into the limit of its law.
+    """
     n = r.n
     for i in range(n):
         r.y1[i] = r.y0[i] + r.h * r.f0[i]
-    if not is_one_kink(e, r.t0, r.y0, r.t1, r.y1) or rate_at(e, n, r.t1, r.y1, r.f1) != OK:
+    bends = e.model.bends > 0.0 and r.h <= room_of_instant(e, r.t0)
+    if not (bends or is_one_kink(e, r.t0, r.y0, r.t1, r.y1)):
+        return False
+    if rate_at(e, n, r.t1, r.y1, r.f1) != OK:
         return False
     for i in range(n):
         r.coefficients[i] = r.h * r.f0[i]
