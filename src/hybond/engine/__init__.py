@@ -88,7 +88,7 @@ subset. Rooms, and in them files, as data passes them::
         onset               what has not moved yet, by what it will be
         control, dopri, strayed    steps that the error controls: Dormand and Prince
         exact, flow, linear_rows, balance, propagate, flow_records    linear modes, propagated
-        radau, radau_stages, radau_dense, radau_method, radau_room    implicit steps
+        radau, radau_stages, radau_slopes, radau_dense, radau_method, radau_room    implicit steps
         stiffness           when ``auto`` goes over to them, and back
         from_edges, beside_edges    stages where laws begin, and beside that
         fixed               forward Euler, the classical Runge-Kutta method

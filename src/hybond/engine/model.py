@@ -422,8 +422,7 @@ class Model:
     edge_value: Ints
     edge_size: Ints
     """What the magnitudes of its terms add up to."""
-    bends: float
-    """Arguments of laws beside a limit, at least, if they have none on their other side; 0: none."""
+    bends: float  # what arguments of laws are beside a limit on one side alone, at least; 0: none
     edge_bonds: int
     edge_bond: Ints  # the bond variables that these read
 

@@ -66,6 +66,8 @@ def hold_step(e: Engine) -> None:
     c.may += (m.rtol + EPSILON) * c.size
     if m.atol == m.atol:
         c.may += m.atol * lost
+    # what is across a law beside its limit is known to a part of where that is
+    c.may += m.rtol * m.bends * lost * (s.t1 - s.t0)
     if not whole:
         return
     c.unbalanced += s.defect + put
