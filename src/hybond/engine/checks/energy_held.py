@@ -20,6 +20,7 @@ from hybond.engine.checks.noting import BALANCE, CREATED, MOVES, note_violation
 from hybond.engine.engine import OK, Engine
 from hybond.engine.methods.defects import chord
 from hybond.engine.methods.fixed import EULER, RK4
+from hybond.engine.methods.scale import FAINT
 from hybond.engine.mode.equations import is_fieldless
 from hybond.engine.mode.guess import give_back_guess, hold_guess
 from hybond.engine.mode.sizes import size_of
@@ -135,7 +136,7 @@ def nothing(e: Engine) -> float:
     """Return an energy that is none: what the largest rates would store in no time."""
     m = e.model
     c = e.checks
-    total = 0.0
+    total = FAINT * FAINT
     for k in range(m.storages):
         rate = m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 0 else 0)
         way = INSTANT * e.span * c.largest[m.bond_class[rate]]
