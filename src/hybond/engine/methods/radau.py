@@ -11,7 +11,7 @@ from typing import Final
 from hybond.engine.algebra.lu import SINGULAR, lu_solve
 from hybond.engine.algebra.products import copy_floats
 from hybond.engine.engine import OK, Engine
-from hybond.engine.methods.beside_edges import begins_at_edge, iterate_beside_edge
+from hybond.engine.methods.beside_edges import begins_at_edge, iterate_beside_edge, own_stages
 from hybond.engine.methods.dopri import spacing
 from hybond.engine.methods.from_edges import keep_within, widen
 from hybond.engine.methods.one_instant import is_one_kink, room_of_instant
@@ -144,6 +144,10 @@ def try_radau(e: Engine, r: Radau, rtol: float) -> int:
         tolerance(e, r.y0, r.y0, r.tolerance)
         held_by_law(e, r, r.tolerance)
     found = STAGES_CONVERGED if r.from_edge else iterate_beside_edge(e, r, rtol)
+    if found != STAGES_CONVERGED and fresh and e.model.bends > 0.0:
+        # one matrix does not serve stages before and behind where a current has all but ended
+        if own_stages(e, r, rtol, 0.0) and factorise(r) != SINGULAR:
+            found = STAGES_CONVERGED
     if e.model.tells != 0:
         r.blamed = ERROR_BLAMED if found == STAGES_CONVERGED else STAGES_BLAMED
     if found != STAGES_CONVERGED:
