@@ -120,3 +120,67 @@ def test_a_cell_in_the_sun_drives_a_coil() -> None:
     run = hb.simulate(m, 0.2)
     left = brentq(lambda v: 3.0 - 1e-9 * math.expm1(v / 0.035) - v / 50 - v / 0.32, 0.0, 0.9)
     assert run["l.f"].at(0.2) == pytest.approx(left / 0.32, rel=1e-8)
+
+
+def test_a_diode_that_takes_over_from_another_had_no_end_of_modes() -> None:
+    """HB-N401, HB-N301: one blocks and leaves to the other what is stored, until it is nothing."""
+    m = hb.Model("freewheeling")
+    m.add(v=hb.Se("10*sin(2*pi*50*time)"), d=hb.R(DIODE), s=hb.One(), n=hb.Zero())
+    m.add(w=hb.R({"f": "-1e-12*(exp(-e/0.02585) - 1)"}), j=hb.One(), r=hb.R(10.0), l=hb.I(0.01))
+    m.bond("v -> s -> n -> j -> r", "s -> d", "n -> w", "j -> l")
+
+    def rate(t: float, y: list[float]) -> list[float]:
+        v = 10.0 * math.sin(100 * math.pi * t)
+        n = brentq(lambda n: current(v - n) + current(-n) - y[0], -1.0, max(v, 0.0) + 0.1)
+        return [(n - 10.0 * y[0]) / 0.01]
+
+    meant = solve_ivp(
+        rate, (0.0, 0.0108), [0.0], method="Radau", rtol=1e-9, atol=1e-12, dense_output=True
+    )
+    run = hb.simulate(m, 0.04)
+    for k in range(1, 28):
+        t = 0.0004 * k
+        assert run["l.f"].at(t) == pytest.approx(meant.sol(t)[0], abs=1e-6)
+        assert run["l.f"].at(t + 0.02) == pytest.approx(meant.sol(t)[0], abs=1e-6)
+
+
+def bridge(inductance: float) -> hb.Model:
+    """Four diodes behind 1 ohm, and a load of 100 ohm with a coil or without."""
+    m = hb.Model("bridge")
+    m.add(v=hb.Se("10*sin(2*pi*50*time)"), s=hb.One(), rs=hb.R(1.0), a=hb.Zero(), b=hb.Zero())
+    m.add(p=hb.Zero(), q=hb.Zero(), load=hb.One(), r=hb.R(100.0))
+    m.bond("v -> s -> a", "b -> s", "s -> rs", "p -> load -> q", "load -> r")
+    for k, (x, y) in enumerate([("a", "p"), ("b", "p"), ("q", "a"), ("q", "b")]):
+        m.add(**{f"j{k}": hb.One(), f"d{k}": hb.R(DIODE)})
+        m.bond(f"{x} -> j{k} -> {y}", f"j{k} -> d{k}")
+    if inductance:
+        m.add(l=hb.I(inductance))
+        m.bond("load -> l")
+    return m
+
+
+def test_four_laws_that_are_solved_together_had_no_solution_that_was_found() -> None:
+    """HB-N301: with a resistor alone two of them have the current, and the source the rest."""
+    run = hb.simulate(bridge(0.0), 0.02)
+    for t in (0.001, 0.005, 0.012):
+        v = 10.0 * abs(math.sin(100 * math.pi * t))
+        i = run["r.f"].at(t)
+        assert 101.0 * i + 2.0 * THERMAL * math.log1p(i / SATURATION) == pytest.approx(v, rel=1e-8)
+
+
+def test_a_bridge_with_a_coil_is_a_rectifier() -> None:
+    """The diodes of a pair share alike: both pairs have closed forms given the coil's current."""
+
+    def rate(t: float, y: list[float]) -> list[float]:
+        v, i = 10.0 * math.sin(100 * math.pi * t), y[0] + 2.0 * SATURATION
+        w = brentq(lambda w: v - i * math.tanh(w / (2 * THERMAL)) - w, -10.1, 10.1, xtol=1e-14)
+        half = abs(w) / (2 * THERMAL)
+        across = 2 * THERMAL * (half + math.log1p(math.exp(-2 * half)) - math.log(i / SATURATION))
+        return [(across - 100.0 * y[0]) / 0.1]
+
+    meant = solve_ivp(
+        rate, (0.0, 0.03), [0.0], method="Radau", rtol=1e-9, atol=1e-12, dense_output=True
+    )
+    run = hb.simulate(bridge(0.1), 0.03)
+    for k in range(1, 30):
+        assert run["l.f"].at(0.001 * k) == pytest.approx(meant.sol(0.001 * k)[0], abs=1e-6)
