@@ -30,7 +30,8 @@ subset. Rooms, and in them files, as data passes them::
         newton, newton_system, newton_step, dynamic_rows    Newton's method: what it makes zero, its
                             step, by which laws
         guess, neighbours   where it begins
-        damped, continuation, led_up    with shorter steps; on the way from laws with a resistance beside
+        damped, continuation    with shorter steps; on the way from laws with a resistance beside
+        led_up              from nothing known to all that is
         enclosed            one law alone, between two signs
         beside_jumps, put_back  solutions just beside a jump; whether one holds
         freedom, undetermined, leakage    what a system leaves free, and laws; least leakage

@@ -172,6 +172,7 @@ def _pieces(middle: Expr, e: Expr, own: str, ends: tuple[End, ...]) -> list[Piec
     slope = differentiate(middle, own)
     straight = own not in names(simplify(slope))
     pieces: list[Piece] = []
+    line: Expr
     for end in ends:
         at, level = end.at, _value(e, own, end.at)
         if end.outer is not None:
