@@ -181,6 +181,8 @@ def _pieces(middle: Expr, e: Expr, own: str, ends: tuple[End, ...]) -> list[Piec
             if len(ends) == 1:
                 # it goes on as it is: within rounding of what is stored, the other variable is not
                 own_rise = _value(slope, own, at)
+                if plain(own_rise) * plain(rise) <= 0.0:
+                    own_rise = rise
                 tangent = _line(own, at, near, own_rise)
                 at = at + (level - near) / own_rise
                 beyond = FARTHER * at
