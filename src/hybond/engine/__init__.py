@@ -31,6 +31,7 @@ subset. Rooms, and in them files, as data passes them::
                             step, by which laws
         guess, neighbours   where it begins
         damped, continuation    with shorter steps; on the way from laws with a resistance beside
+        led_up              from nothing known to all that is
         enclosed            one law alone, between two signs
         beside_jumps, put_back  solutions just beside a jump; whether one holds
         freedom, undetermined, leakage    what a system leaves free, and laws; least leakage
@@ -89,7 +90,7 @@ subset. Rooms, and in them files, as data passes them::
         control, dopri, strayed    steps that the error controls: Dormand and Prince
         hidden_peaks        what laws that bend do within a step, and nowhere it has looked
         exact, flow, linear_rows, balance, propagate, flow_records    linear modes, propagated
-        radau, radau_stages, radau_dense, radau_method, radau_room    implicit steps
+        radau, radau_stages, radau_slopes, radau_dense, radau_method, radau_room    implicit steps
         stiffness           when ``auto`` goes over to them, and back
         from_edges, beside_edges    stages where laws begin, and beside that
         fixed               forward Euler, the classical Runge-Kutta method

@@ -52,8 +52,8 @@ class Model:
     rule_first: Ints  # of each machine: its rules, in order
     rule_source: Ints
     rule_target: Ints
-    rule_landed: Ints
-    """1 or -1: in force where the machine has landed, if the reaction has this sign."""
+    rule_landed: Ints  # 1, -1: in force where the machine has landed, if the reaction is so
+    rule_piece: Ints  # 1: leads from one piece of a law to the next
     rule_reaction: Ints
     rule_value: Ints  # the guard as it is: an expression
     rule_doubted: Ints
@@ -422,6 +422,7 @@ class Model:
     edge_value: Ints
     edge_size: Ints
     """What the magnitudes of its terms add up to."""
+    bends: float  # what arguments of laws are beside a limit on one side alone, at least; 0: none
     edge_bonds: int
     edge_bond: Ints  # the bond variables that these read
 

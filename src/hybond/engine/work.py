@@ -101,6 +101,9 @@ class Work:
     moved: Block
     """Bond variables, moved to see whether laws still hold; and where they begin."""
     begun: Block
+    led: Block
+    led_from: Block
+    led_by: Block
     onto: Block
     left: Block
     left_before: Block
@@ -223,6 +226,9 @@ def make_work(m: Model) -> Work:
     w.bends = False
     w.moved = make_block(1)
     w.begun = make_block(1)
+    w.led = make_block(1)
+    w.led_from = make_block(1)
+    w.led_by = make_block(1)
     w.onto = make_block(1)
     w.left = make_block(1)
     w.left_before = make_block(1)

@@ -72,6 +72,10 @@ BESIDE = 2.0**-30
 """Part of the way to the middle of a law at which its slope beside a corner is taken."""
 SAME = 1e-9
 """Part of a corner within which one that is found in another way is the same."""
+FARTHER = 2.0
+"""Times as far as its limit that a law goes on with its own slope, before it does so with less."""
+LEAVES = 1.5
+"""Times as far as its limit that it is left for it: there nothing tells what is across it."""
 LOW, FOLLOWS, HIGH = "low", "follows", "high"
 """What pieces are called: flat ends, and what is between."""
 LONG = 40
@@ -130,7 +134,13 @@ def with_flat_pieces(graph: FlatGraph) -> FlatGraph:
         law = nodes[k].law
         assert law is not None
         pieces = pieces_of(law.expressions[0], argument_of(nodes[k]))
-        machine = _machine(nodes[k], len(machines), pieces)
+        match ends_of(nodes[k]):
+            case [End(way, at, outer)] if outer is not None:
+                limit = next(p.high if way < 0 else p.low for p in pieces if p.name != FOLLOWS)
+                machine = _machine(nodes[k], len(machines), pieces, LEAVES)
+                machine = replace(machine, led_on=(at, FARTHER * plain(limit)))
+            case _:
+                machine = _machine(nodes[k], len(machines), pieces, 1.0)
         whole = pieces[0].said
         for n, piece in enumerate(pieces[1:], 1):
             whole = If(Name(f"in:{machine.index}:{n}"), piece.said, whole)
@@ -162,13 +172,26 @@ def _pieces(middle: Expr, e: Expr, own: str, ends: tuple[End, ...]) -> list[Piec
     slope = differentiate(middle, own)
     straight = own not in names(simplify(slope))
     pieces: list[Piece] = []
+    line: Expr
     for end in ends:
         at, level = end.at, _value(e, own, end.at)
         if end.outer is not None:
             near, level = level, _value(e, own, end.way * 10.0**MOST)
             rise = (level - _value(e, own, end.outer)) / (at - end.outer)
-            line = _line(own, at, near, rise)
-            at = at + (level - near) / rise
+            if len(ends) == 1:
+                # it goes on as it is: within rounding of what is stored, the other variable is not
+                own_rise = _value(slope, own, at)
+                if plain(own_rise) * plain(rise) <= 0.0:
+                    own_rise = rise
+                tangent = _line(own, at, near, own_rise)
+                at = at + (level - near) / own_rise
+                beyond = FARTHER * at
+                far = _line(own, beyond, near + own_rise * (beyond - end.at), rise)
+                side = Compare(">" if end.way > 0 else "<", Name(own), Number(beyond))
+                line = If(side, far, tangent)
+            else:
+                line = _line(own, at, near, rise)
+                at = at + (level - near) / rise
         elif not straight:
             inner = _middle(low, high)
             chord = (_value(middle, own, inner) - level) / (inner - at)
@@ -248,7 +271,7 @@ def _line_of(arg: Expr, at: float, level: float, rise: float) -> Expr:
     return Binary("+", Number(level), Binary("*", Number(rise), away))
 
 
-def _machine(node: Node, index: int, pieces: list[Piece]) -> Machine:
+def _machine(node: Node, index: int, pieces: list[Piece], leaves: float) -> Machine:
     bond = node.ends[0]
     assert node.law is not None
     read = Name(f"{'e' if node.law.output == 'f' else 'f'}:{bond.bond}")
@@ -260,6 +283,8 @@ def _machine(node: Node, index: int, pieces: list[Piece]) -> Machine:
     rules = []
     for k, (one, other) in enumerate(itertools.pairwise(pieces)):
         for source, target, op, at in ((k, k + 1, ">", one.high), (k + 1, k, "<", other.low)):
+            if pieces[source].name == FOLLOWS:
+                at = leaves * at
             guard = Compare(op, argument, Number(at))
             text = f"{written} {op} {_written(at)}"
             rules.append(Rule(source, target, guard, text, ((letter, read),)))

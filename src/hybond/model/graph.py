@@ -160,6 +160,9 @@ class Machine:
     """The law whose branches are its states: complementarity, not its rules, decides them."""
     pieces: bool = False
     """Whether its states are pieces of a resistor's law: nothing jumps between them."""
+    led_on: tuple[float, ...] = ()
+    """Where such a law that bends towards a limit, and grows without bound on its other side, goes
+    on in a straight line."""
 
     @property
     def controls(self) -> frozenset[int]:

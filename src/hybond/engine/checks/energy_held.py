@@ -23,6 +23,7 @@ from hybond.engine.checks.noting import BALANCE, CREATED, MOVES, note_in_state, 
 from hybond.engine.engine import OK, Engine
 from hybond.engine.methods.defects import chord
 from hybond.engine.methods.fixed import EULER, RK4
+from hybond.engine.methods.scale import FAINT
 from hybond.engine.mode.equations import is_fieldless
 from hybond.engine.mode.guess import give_back_guess, hold_guess
 from hybond.engine.mode.sizes import size_of
@@ -75,6 +76,8 @@ def hold_step(e: Engine) -> None:
     c.may += (m.rtol + EPSILON) * c.size
     if m.atol == m.atol:
         c.may += m.atol * lost
+    # what is across a law beside its limit is known to a part of where that is
+    c.may += m.rtol * m.bends * lost * (s.t1 - s.t0)
     if not whole:
         return
     c.unbalanced += s.defect + put
@@ -160,7 +163,7 @@ def nothing(e: Engine) -> float:
     """Return an energy that is none: what the largest rates would store in no time."""
     m = e.model
     c = e.checks
-    total = 0.0
+    total = FAINT * FAINT
     for k in range(m.storages):
         rate = m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 0 else 0)
         way = INSTANT * e.span * c.largest[m.bond_class[rate]]

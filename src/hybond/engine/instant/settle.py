@@ -418,9 +418,11 @@ def rule_holds(e: Engine, t: float, r: int) -> int:
     m = e.model
     open_at = is_indeterminate(e, r)
     if open_at != DECIDED:
-        if m.tells != 0 and m.decided != 0:
+        # how diodes in a row share what they block is nobody's choice
+        shared = m.rule_piece[r] != 0
+        if m.tells != 0 and (m.decided != 0 or shared):
             warn_of_open(e, r, open_at)
-        else:
+        elif not shared:
             why = "a guard reads what the equations leave open"
             say_fault(e, "HB-J102", why, rule_text(m, r))
             if m.tells != 0:

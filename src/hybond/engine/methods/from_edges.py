@@ -26,6 +26,7 @@ from hybond.engine.engine import OK, Engine
 from hybond.engine.methods.flow_records import AUTO, EXACT
 from hybond.engine.methods.one_instant import room_of_instant
 from hybond.engine.methods.radau_room import Radau
+from hybond.engine.methods.radau_slopes import held_by_law
 from hybond.engine.methods.radau_stages import (
     BUTCHER_INVERSE,
     ENOUGH,
@@ -78,7 +79,7 @@ def may_turn(e: Engine) -> bool:
     method = e.model.method
     if method == AUTO:
         return True
-    return e.model.begins > 0 and (method == EXPLICIT or method == EXACT)
+    return (e.model.begins > 0 or e.model.bends > 0.0) and (method == EXPLICIT or method == EXACT)
 
 
 def see_edges(e: Engine, t: float, y: Floats) -> None:
@@ -172,6 +173,8 @@ def stages_from_edge(e: Engine, r: Radau, rtol: float, least: float) -> bool:
         for i in range(n):
             r.stage[i] = r.y[2 * n + i]
         tolerance(e, r.y0, r.stage, r.other)
+        if e.model.bends > 0.0:
+            held_by_law(e, r, r.other)
         r.size = mean_size(n, 3, r.left_over.at, r.other)
         if part == 1.0 and r.size <= enough:
             end_stages(r)

@@ -10,13 +10,12 @@ from typing import Final
 
 from hybond.engine.algebra.lu import SINGULAR, lu_solve
 from hybond.engine.algebra.products import copy_floats
-from hybond.engine.algebra.rounding import EPSILON
-from hybond.engine.engine import NOT_FINITE, OK, Engine
-from hybond.engine.methods.beside_edges import begins_at_edge, iterate_beside_edge
+from hybond.engine.engine import OK, Engine
+from hybond.engine.methods.beside_edges import begins_at_edge, iterate_beside_edge, own_stages
 from hybond.engine.methods.dopri import spacing
 from hybond.engine.methods.from_edges import keep_within, widen
 from hybond.engine.methods.hidden_peaks import hidden_in_stages
-from hybond.engine.methods.one_instant import is_one_kink
+from hybond.engine.methods.one_instant import is_one_kink, room_of_instant
 from hybond.engine.methods.onset import look_ahead
 from hybond.engine.methods.radau_dense import hold_dense, make_polynomial
 from hybond.engine.methods.radau_room import (
@@ -26,6 +25,7 @@ from hybond.engine.methods.radau_room import (
     STAGES_BLAMED,
     Radau,
 )
+from hybond.engine.methods.radau_slopes import differences, has_grown, held_by_law
 from hybond.engine.methods.radau_stages import (
     FRESH_MATRIX,
     ITERATIONS,
@@ -40,11 +40,8 @@ from hybond.engine.methods.radau_stages import (
 )
 from hybond.engine.methods.scale import (
     CREEPS,
-    ROUNDED,
-    SHORT,
     measure_again,
     tolerance,
-    within_bent,
 )
 from hybond.engine.methods.signal_sizes import allow_begun, ask_rates
 from hybond.engine.methods.strayed import strayed
@@ -62,12 +59,6 @@ SWINGING: Final = 2.0
 """How much longer the step is at least after one that swings about rest within the tolerance."""
 STEP_MADE: Final = 0
 STEP_REJECTED: Final = 1
-GROWN: Final = 10.0
-"""How much larger a state may be than when the Jacobian was made."""
-NEARER: Final = 6
-"""How often a difference is tried for the Jacobian where laws have edges."""
-RADAU_NEAR: Final = 1.0 / 16.0
-"""By how much it is then smaller each time."""
 STEP_TOO_SMALL: Final = 2
 
 
@@ -86,74 +77,6 @@ def begin_radau(r: Radau, jumped: bool) -> None:
     r.origin = 1.0
     r.h_before = 0.0
     r.error_before = 0.0
-
-
-def differences(e: Engine, r: Radau, rtol: float) -> None:
-    """Make the Jacobian by forward differences where the step starts, in the direction of motion.
-
-    A state at the edge of where its law is defined is more likely to have come from there than to
-    go there. Between two edges that are near, differences are as small as the room is; on both at
-    once there are none, and no slope: steps are then those of an iteration without it. So are
-    those from rest where laws say nothing of what is beside it, as where friction holds a body.
-    What was tried here alone is no step's matter: it refuses none.
-    """
-    n = r.n
-    refusal = e.refusal
-    tolerance(e, r.y0, r.y0, r.other)
-    for i in range(n):
-        r.shifted[i] = r.y0[i]
-    for j in range(n):
-        size = max(math.fabs(r.y0[j]), r.other[j] / rtol)
-        if size == 0.0 and j < e.model.storages:
-            # at rest: as far as rates move it in a moment; a unit may be far beyond what laws see
-            size = e.rounding[j] / ROUNDED
-        if size == 0.0 and j >= e.model.storages:
-            size = SHORT * e.span * math.fabs(r.f0[j])
-        if j < e.model.storages:
-            size = within_bent(e, j, r.y0, size)
-        r.made_for[j] = size
-        if size == 0.0:
-            size = 1.0
-        delta = math.sqrt(EPSILON) * math.copysign(size, r.f0[j])
-        found = NOT_FINITE
-        for _ in range(NEARER if e.model.edges > 0 else 1):
-            found = beside(e, r, j, delta)
-            if found == OK:
-                break
-            delta *= RADAU_NEAR
-        for i in range(n):
-            # off its constraints, or where laws end or jump, a state may have no rates; nothing
-            # moves it there
-            change = r.end[i] - r.f0[i] if found == OK else 0.0
-            r.jacobian[i * n + j] = change / (r.shifted[j] - r.y0[j])
-        r.shifted[j] = r.y0[j]
-    e.refusal = refusal
-    r.matrix = FRESH_MATRIX
-    r.served = 0.0
-    r.made += 1
-
-
-def beside(e: Engine, r: Radau, j: int, delta: float) -> int:
-    """Find the rates in ``r.end`` with one state shifted, against the motion if not with it."""
-    found = NOT_FINITE
-    for way in range(2):
-        r.shifted[j] = r.y0[j] + (delta if way == 0 else -delta)
-        found = rate_at(e, r.n, r.t0, r.shifted, r.end)
-        if found == OK:
-            break
-    return found
-
-
-def has_grown(r: Radau) -> bool:
-    """Whether a state is no longer of the size at which the Jacobian was made.
-
-    From rest its differences are rounding. Such a Jacobian is stiff by chance: stages that hardly
-    move seem to have converged, and the error that it filters is small.
-    """
-    for j in range(r.n):
-        if math.fabs(r.y0[j]) > GROWN * r.made_for[j]:
-            return True
-    return False
 
 
 def filtered_error(r: Radau, f: Floats) -> float:
@@ -183,6 +106,8 @@ def estimate_error(e: Engine, r: Radau) -> None:
     e.step.tried = 0.0
     if e.step.left_edge:
         widen(e, r, r.other)
+    if e.model.bends > 0.0:
+        held_by_law(e, r, r.other)
     r.error = filtered_error(r, r.f0)
     if r.error <= 1.0 or not (r.rejected > 0 or r.h_before == 0.0):
         return
@@ -216,7 +141,14 @@ def try_radau(e: Engine, r: Radau, rtol: float) -> int:
     # stages that go on from the last ones leave rest
     r.known = r.known and not e.step.on_edge
     fresh = r.matrix == FRESH_MATRIX
+    if e.model.bends > 0.0:
+        tolerance(e, r.y0, r.y0, r.tolerance)
+        held_by_law(e, r, r.tolerance)
     found = STAGES_CONVERGED if r.from_edge else iterate_beside_edge(e, r, rtol)
+    if found != STAGES_CONVERGED and fresh and e.model.bends > 0.0:
+        # one matrix does not serve stages before and behind where a current has all but ended
+        if own_stages(e, r, rtol, 0.0) and factorise(r) != SINGULAR:
+            found = STAGES_CONVERGED
     if e.model.tells != 0:
         r.blamed = ERROR_BLAMED if found == STAGES_CONVERGED else STAGES_BLAMED
     if found != STAGES_CONVERGED:
@@ -254,11 +186,17 @@ def try_radau(e: Engine, r: Radau, rtol: float) -> int:
 
 
 def over_kink(e: Engine, r: Radau) -> bool:
-    """Pass a kink within one instant by a straight line: no stages converge over a jump."""
+    """Pass a kink within one instant by a straight line: no stages converge over a jump.
+
+    Nor do they where a current runs into the limit of its law.
+    """
     n = r.n
     for i in range(n):
         r.y1[i] = r.y0[i] + r.h * r.f0[i]
-    if not is_one_kink(e, r.t0, r.y0, r.t1, r.y1) or rate_at(e, n, r.t1, r.y1, r.f1) != OK:
+    bends = e.model.bends > 0.0 and r.h <= room_of_instant(e, r.t0)
+    if not (bends or is_one_kink(e, r.t0, r.y0, r.t1, r.y1)):
+        return False
+    if rate_at(e, n, r.t1, r.y1, r.f1) != OK:
         return False
     for i in range(n):
         r.coefficients[i] = r.h * r.f0[i]

@@ -117,7 +117,9 @@ def may_be_beside_edge(e: Engine) -> bool:
 def turn_in_time(e: Engine) -> None:
     """Go over to ``radau``, or back, if the last step says so, or if the next leaves an edge."""
     s = e.step
-    if e.model.begins > 0 and not s.implicit and leaves_edge(e, s.t, s.y, s.f, s.h):
+    if e.model.bends > 0.0:
+        s.turns = not s.implicit
+    elif e.model.begins > 0 and not s.implicit and leaves_edge(e, s.t, s.y, s.f, s.h):
         s.turns = True
     if s.turns:
         turn(e)

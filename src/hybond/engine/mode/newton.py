@@ -18,6 +18,7 @@ from hybond.engine.mode.continuation import continued
 from hybond.engine.mode.damped import SETTLED, damped
 from hybond.engine.mode.dynamic_rows import dynamic_value, slopes_at
 from hybond.engine.mode.enclosed import enclosed
+from hybond.engine.mode.led_up import led_up
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.neighbours import from_neighbours
 from hybond.engine.mode.newton_step import newton_step
@@ -128,6 +129,7 @@ def newton(e: Engine, mode: Mode, v: Floats) -> int:
         else:
             found = damped(e, mode, v, r, TOLERANCE)
             found = found or continued(e, mode, v, r, TOLERANCE)
+        found = found or led_up(e, mode, v, r, TOLERANCE)
         found = found or enclosed(e, mode, v, r, 0.0)
     if found:
         with_free(mode, 2 * e.model.bonds, work.base, r, work.w)

@@ -15,6 +15,7 @@ from hybond.engine.tables.options import METHODS
 from hybond.engine.tables.parts import is_flat_at_zero
 from hybond.equations.surfaces import moves
 from hybond.model.expressions import (
+    Binary,
     Call,
     Expr,
     Name,
@@ -29,6 +30,7 @@ from hybond.model.expressions import (
     turning,
     uses_pre,
 )
+from hybond.model.expressions.slots import plain
 from hybond.model.graph import FlatGraph
 from hybond.options import QUANTISED
 
@@ -47,7 +49,7 @@ def put_kinks(t: ModelTables) -> None:
     switches: dict[Expr, set[int]] = {}
     said: dict[Expr, list[Expr]] = {}
     for e, node in _followed(t):
-        turns = [a for a in turning(e) if moves(a) and not uses_pre(a)]
+        turns = [a for a in turning(e) if moves(a) and not uses_pre(a) and not _is_led_on(t, a)]
         for a in turns if len(turns) <= MOST else []:
             found.setdefault(a, node)
             said.setdefault(a, []).append(e)
@@ -58,6 +60,8 @@ def put_kinks(t: ModelTables) -> None:
             found.setdefault(read, node)
             switches.setdefault(read, set()).add(_switch_of(t.graph, node))
     t.numbers["kinks"] = len(found)
+    led_on = [abs(at) for m in t.graph.machines for at in m.led_on]
+    t.numbers["bends"] = min(led_on, default=0.0)
     t.numbers["kink_atom"] = len(t.ints["atom_value"])
     t.ints["kink_node"] = list(found.values())
     t.ints["kink_switch"] = [min(s) if len(s) == 1 else -1 for s in switches.values()]
@@ -99,6 +103,14 @@ def put_kinks(t: ModelTables) -> None:
     seen = sorted({t.slots.index[n] for a in levels for n in names(a)})
     t.ints["edge_bond"] = [k - bonds.start for k in seen if k in bonds]
     t.numbers["edge_bonds"] = len(t.ints["edge_bond"])
+
+
+def _is_led_on(t: ModelTables, a: Expr) -> bool:
+    """Whether a law only goes on from there in a straight line with the slope that it has."""
+    match a:
+        case Binary("-", _, Number(at)):
+            return any(abs(plain(at)) in map(abs, m.led_on) for m in t.graph.machines)
+    return False
 
 
 def _flat_at_zero(t: ModelTables) -> list[tuple[Expr, Expr, int]]:

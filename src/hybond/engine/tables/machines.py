@@ -39,6 +39,9 @@ def put_machines(t: ModelTables) -> None:
         rule_landed=INTS,
         rule_reaction=INTS,
     )
+    t.ints["rule_piece"] = [
+        int(m.pieces) for m, own in zip(g.machines, forced, strict=True) for _ in own
+    ]
     tests, watched, plain, atoms = [], [], [], []
     for rule in (f.rule for own in forced for f in own):
         t.pairs.append(rule.guard)
