@@ -13,6 +13,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import fit
+from hybond.engine.algebra.products import are_equal
 from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.algebra.separate import least_squares_separate
 from hybond.engine.algebra.svd import least_squares
@@ -109,7 +110,8 @@ def sharpen(e: Engine, mode: Mode, v: Floats, ways: Ways, after: Floats) -> None
     """
     m = e.model
     w = e.work
-    residual(e, mode, v, after)
+    if not ways.known or not are_equal(m.storages, w.here, after):
+        residual(e, mode, v, after)  # else it is what Newton's method has left there
     if not meets_own_terms(e, mode, EPSILON):
         jump_step(e, ways, w.constraints)
         for k in range(m.storages):
