@@ -83,6 +83,7 @@ subset. Rooms, and in them files, as data passes them::
     methods/
         stepping            one step of the method asked for
         scale, signal_sizes, lately    tolerances of what is stored and what is integrated
+        moment_later                   values kept while those of a moment later are looked at
         defects             what a step stores beyond what its rates bring
         failed_steps, one_instant    steps that cannot be; how long an
                             instant is

@@ -42,6 +42,7 @@ class Work:
     guess: Block
     kept_guess: Block
     had_guess: bool
+    kept_bonds: Floats
     had_values: bool
     """Whether laws that have none at zero had values beside what is known."""
     freedom: Block
@@ -190,6 +191,7 @@ def make_work(m: Model) -> Work:
     w.base_size = floats(n)
     w.guess = make_block(1)
     w.kept_guess = make_block(1)
+    w.kept_bonds = floats(n)
     w.freedom = make_block(1)
     w.terms = floats(m.slots)
     w.slopes = make_block(1)

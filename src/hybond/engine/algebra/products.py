@@ -73,6 +73,14 @@ def all_finite(n: int, a: Floats) -> bool:
     return nothing == 0.0
 
 
+def are_equal(n: int, a: Floats, b: Floats) -> bool:
+    """Whether the first n numbers of both are the same."""
+    for k in range(n):
+        if a[k] != b[k]:
+            return False
+    return True
+
+
 def copy_floats(n: int, a: Floats, b: Floats) -> None:
     """Copy the first n numbers of `a` into `b`."""
     for k in range(n):

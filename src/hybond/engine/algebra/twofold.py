@@ -54,8 +54,16 @@ def row_closely(r: Rows, k: int, x: Floats) -> float:
         term = r.value.at[i] * x[r.column.at[i]]
         total += term
         size += math.fabs(term)
-    if total == 0.0 or not math.fabs(total) < CLOSE * size:
-        return total
+    return total if keeps_digits(total, size) else row_cancelling(r, k, x)
+
+
+def keeps_digits(total: float, size: float) -> bool:
+    """Whether a sum is so large a part of its terms that it has digits enough; zero is left."""
+    return total == 0.0 or not math.fabs(total) < CLOSE * size
+
+
+def row_cancelling(r: Rows, k: int, x: Floats) -> float:
+    """Return the same of a row whose terms cancel."""
     closer = 0.0
     rest = 0.0
     for i in range(r.first.at[k], r.first.at[k + 1]):

@@ -67,6 +67,27 @@ def restore_bonds(e: Engine, mode: Mode, v: Floats) -> None:
         v[m.bond_slot + k] = e.work.kept[k]
 
 
+def gaps(e: Engine, mode: Mode, v: Floats, x: Floats) -> None:
+    """Put the residuals at the state `x` into `e.work`, of a mode in which no law is evaluated.
+
+    Nothing is found of their sizes.
+    """
+    m = e.model
+    w = e.work
+    w.lefts = 0
+    w.constraints = mode.constraints.rows
+    fit(w.gap, w.constraints)
+    for k in range(m.storages):
+        v[m.stored_slot + k] = x[k]
+    for i in range(mode.bounds):
+        k = mode.bound[i]
+        alone = is_alone(m, k)
+        own = m.stiff_constant[m.stiff_first[k]] * x[k] if alone else known_of(e, mode, v, k)
+        w.xi[k] = own
+    for i in range(w.constraints):
+        w.gap.at[i] = row_times(mode.constraints, i, w.xi)
+
+
 def residual(e: Engine, mode: Mode, v: Floats, x: Floats) -> None:
     """Put the residuals at the state `x` and the sizes of their terms into `e.work`."""
     m = e.model

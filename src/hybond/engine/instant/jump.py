@@ -13,6 +13,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import fit
+from hybond.engine.algebra.products import are_equal
 from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.algebra.separate import least_squares_separate
 from hybond.engine.algebra.svd import least_squares
@@ -20,6 +21,7 @@ from hybond.engine.checks.untouched import hold_untouched, note_reached
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault, svd_room
 from hybond.engine.instant.constraints import (
     begin_constraints,
+    gaps,
     residual,
     restore_bonds,
 )
@@ -108,7 +110,8 @@ def sharpen(e: Engine, mode: Mode, v: Floats, ways: Ways, after: Floats) -> None
     """
     m = e.model
     w = e.work
-    residual(e, mode, v, after)
+    if not ways.known or not are_equal(m.storages, w.here, after):
+        residual(e, mode, v, after)  # else it is what Newton's method has left there
     if not meets_own_terms(e, mode, EPSILON):
         jump_step(e, ways, w.constraints)
         for k in range(m.storages):
@@ -366,7 +369,10 @@ def hold_at_zero(e: Engine, mode: Mode, v: Floats, y: Floats) -> None:
     Where it holds it at what is next to nothing, as a source does that has just begun, it stays.
     `e.work.landed` is the state without what is so small.
     """
-    residual(e, mode, v, e.work.landed)
+    if is_fixed(mode):
+        gaps(e, mode, v, e.work.landed)
+    else:
+        residual(e, mode, v, e.work.landed)
     if meets_own_terms(e, mode, BEST):
         for k in range(e.model.storages):
             y[k] = e.work.landed[k]
@@ -386,22 +392,17 @@ def project_once(e: Engine, mode: Mode, v: Floats, y: Floats, after: Floats) -> 
     """
     w = e.work
     ways = mode.ways
-    begin_constraints(e, mode, v, y)
-    count = w.constraints
-    residual(e, mode, v, y)
+    gaps(e, mode, v, y)
     exact = True
-    for i in range(count):
+    for i in range(w.constraints):
         exact = exact and w.gap.at[i] == 0.0
     e.moved = STAYS
     if exact:
         return True
-    jump_step(e, ways, count)
+    jump_step(e, ways, w.constraints)
     for a in range(ways.areas):
         w.nu.at[a] = -w.step.at[a]
     moved_by(e.model.storages, y, ways, w.nu.at, after)
-    residual(e, mode, v, after)
-    for i in range(count):
-        if not math.fabs(w.gap.at[i]) <= BEST * w.gap_size.at[i]:
-            return False
+    gaps(e, mode, v, after)
     e.moved = SWEPT
     return meets_own_terms(e, mode, BEST)

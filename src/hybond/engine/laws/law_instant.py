@@ -187,7 +187,7 @@ def passive_role(p: Ports, k: int) -> int:
 def is_stored(m: Model, r: Laws, k: int) -> bool:
     """Whether `w` of a port follows from what is stored, and no `l`."""
     n = m.ports
-    stored = True
     for j in range(n):
-        stored = stored and r.response.d[k * n + j] == 0.0
-    return stored
+        if r.response.d[k * n + j] != 0.0:
+            return False
+    return True

@@ -21,6 +21,8 @@ SMALL: Final = 2.0**-60
 """Part of the state below which a term is nothing."""
 LONGEST: Final = 1.5
 """Time that a series goes over, in units of the inverse of the norm: so many terms are enough."""
+FEW: Final = 4
+"""Of no more components series are summed one by one, of more all at once."""
 
 
 def level_of(x: Exact, f: Flow, k: int) -> Floats:
@@ -177,6 +179,13 @@ def parts_at_once(f: Flow, h: float) -> int:
 
 def sum_series(n: int, many: int, terms: Floats, at: float, out: Floats, begin: int) -> None:
     """Put the sum of a series, but for its first term, at a part of its time into `out`."""
+    if n <= FEW:
+        for i in range(n):
+            total = 0.0
+            for k in range(many - 1, -1, -1):
+                total = at * (terms[k * n + i] + total)
+            out[begin + i] = total
+        return
     for i in range(n):
         out[begin + i] = 0.0
     for k in range(many - 1, -1, -1):

@@ -8,6 +8,7 @@ from typing import Final
 from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.answers import value
 from hybond.engine.engine import OK, Engine
+from hybond.engine.methods.moment_later import come_back, look_later
 from hybond.engine.methods.signal_sizes import (
     allowed_signal,
     begin_signals,
@@ -62,11 +63,9 @@ def start_scale(e: Engine, mode: Mode) -> None:
     if not found or e.scale_energy == 0.0:
         for k in range(e.model.storages):
             e.work.reach[k] = e.rounding[k]
-        hold_guess(e, mode)
+        look_later(e, mode)
         found_terms(e, mode, e.t + soon, e.y)
-        give_back_guess(e, mode)
-        set_state(e, mode, e.v, e.t, e.y)
-        solve(e, mode, e.v)
+        come_back(e, mode)
         for k in range(e.model.storages):
             e.rounding[k] = max(e.work.reach[k], e.rounding[k])
     find_moved_terms(e, mode, soon)
@@ -87,7 +86,7 @@ def find_moved_terms(e: Engine, mode: Mode, soon: float) -> None:
         none = none or e.rounding[k] == 0.0
     if not none:
         return
-    hold_guess(e, mode)
+    look_later(e, mode)
     refusal = e.refusal
     asked = e.evaluations
     if field(e, mode, e.t + soon, e.y, e.step.rate) == OK:
@@ -102,9 +101,7 @@ def find_moved_terms(e: Engine, mode: Mode, soon: float) -> None:
             e.rounding[k] = e.work.reach[k]
     e.evaluations = asked
     e.refusal = refusal
-    give_back_guess(e, mode)
-    set_state(e, mode, e.v, e.t, e.y)
-    solve(e, mode, e.v)
+    come_back(e, mode)
 
 
 def pushed_energy(e: Engine) -> float:

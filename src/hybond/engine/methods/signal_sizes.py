@@ -16,6 +16,7 @@ from hybond.engine.answers import value
 from hybond.engine.engine import OK, Engine
 from hybond.engine.expressions.paired import evaluate_pair
 from hybond.engine.expressions.pairs import clear
+from hybond.engine.methods.moment_later import come_back, look_later
 from hybond.engine.mode.guess import give_back_guess, hold_guess
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.sizes import measure
@@ -80,7 +81,7 @@ def begin_signals(e: Engine, mode: Mode, soon: float) -> None:
     """Learn how large signals will be from their rates a moment after motion starts."""
     if e.model.integrals == 0 or e.slide.k > 0:
         return
-    hold_guess(e, mode)
+    look_later(e, mode)
     refusal = e.refusal
     asked = e.evaluations
     if field(e, mode, e.t, e.y, e.step.rate) == OK:
@@ -89,9 +90,7 @@ def begin_signals(e: Engine, mode: Mode, soon: float) -> None:
         measure_rates_at(e, mode, e.t + soon, e.step.trial)
     e.evaluations = asked
     e.refusal = refusal
-    give_back_guess(e, mode)
-    set_state(e, mode, e.v, e.t, e.y)
-    solve(e, mode, e.v)
+    come_back(e, mode)
 
 
 def follow_rates(e: Engine) -> None:

@@ -10,7 +10,13 @@ from __future__ import annotations
 import math
 
 from hybond.engine.algebra.blocks import Rows
-from hybond.engine.algebra.twofold import CLOSE, product_rest, row_closely, sum_rest
+from hybond.engine.algebra.twofold import (
+    CLOSE,
+    keeps_digits,
+    product_rest,
+    row_cancelling,
+    sum_rest,
+)
 from hybond.engine.engine import Engine
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.words import Floats
@@ -19,9 +25,21 @@ from hybond.engine.words import Floats
 def closely(e: Engine, mode: Mode, rows: Rows, w: Floats) -> None:
     """Put what the knowns give to bond variables by such rows into `w`."""
     xi = e.work.xi
+    at = 0
     for k in range(2 * e.model.bonds):
+        begin = at
+        at = rows.first.at[k + 1]
         same = mode.same[k]
-        w[k] = w[same] if same < k else row_closely(rows, k, xi)
+        if same < k:
+            w[k] = w[same]
+            continue
+        total = 0.0
+        size = 0.0
+        for i in range(begin, at):
+            term = rows.value.at[i] * xi[rows.column.at[i]]
+            total += term
+            size += math.fabs(term)
+        w[k] = total if keeps_digits(total, size) else row_cancelling(rows, k, xi)
 
 
 def sum_closely(e: Engine, mode: Mode, w: Floats) -> None:

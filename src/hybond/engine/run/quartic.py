@@ -61,19 +61,33 @@ def solve_quartic(q: Quartic, c: Floats, at: int) -> None:
 
     A root is where the sign changes.
     """
+    last = DEGREE - 1 if bends(c, at) else 1
     for j in range(COEFFICIENTS):
         q.row[j] = c[at + j]
-    for k in range(DEGREE):
+    for k in range(last + 1):
         for j in range(DEGREE - k):
             q.row[COEFFICIENTS * (k + 1) + j] = float(j + 1) * q.row[COEFFICIENTS * k + j + 1]
     q.roots = 0
     q.turns = 0
-    for k in range(DEGREE - 1, -1, -1):
+    for k in range(last, -1, -1):
         swapped = q.turn
         q.turn = q.root
         q.turns = q.roots
         q.root = swapped
         find_roots(q, k)
+
+
+def bends(c: Floats, at: int) -> bool:
+    """Whether the polynomial may bend both ways: else it turns once at the most, as a parabola.
+
+    The coefficients of its second derivative in Bernstein's basis are of one sign then.
+    """
+    d0 = c[at + 2]
+    d1 = d0 + 1.5 * c[at + 3]
+    d2 = d0 + 3.0 * c[at + 3] + 6.0 * c[at + 4]
+    up = d0 > 0.0 and d1 > 0.0 and d2 > 0.0
+    down = d0 < 0.0 and d1 < 0.0 and d2 < 0.0
+    return not up and not down
 
 
 def turns(c: Floats, at: int) -> bool:
