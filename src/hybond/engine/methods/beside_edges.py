@@ -83,16 +83,21 @@ def iterate_beside_edge(e: Engine, r: Radau, rtol: float) -> int:
     if (found != STAGES_BEYOND or s.on_edge) and not (stuck or s.left_edge):
         return found
     left = s.left_edge
-    served = own_stages(e, r, rtol, 0.0 if left else STALLS) and factorise(r) != SINGULAR
+    led = own_stages(e, r, rtol, 0.0 if left else STALLS)
+    served = led and factorise(r) != SINGULAR
     if served and (left or rises(e, r)):
         s.left_edge = True
         s.calm = 0
         return STAGES_CONVERGED
+    # slopes of what was tried serve no step after this
+    r.matrix = NO_MATRIX
+    if swings and not led:
+        # nothing better is found; the factors are still those of before
+        return iterate_stages(e, r, rtol)
     if not left:
         # as if nothing had been tried
-        r.matrix = NO_MATRIX
         r.served = 0.0
-    return iterate_stages(e, r, rtol) if swings else found
+    return STAGES_BEYOND if swings else found
 
 
 def rises(e: Engine, r: Radau) -> bool:

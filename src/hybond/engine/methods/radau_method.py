@@ -15,7 +15,7 @@ from hybond.engine.methods.radau import (
     step_radau,
 )
 from hybond.engine.methods.radau_room import ERROR_BLAMED, RADAU, STAGES_BLAMED, Radau
-from hybond.engine.methods.radau_stages import rate_at
+from hybond.engine.methods.radau_stages import BUTCHER_INVERSE, rate_at
 from hybond.engine.methods.scale import controlled, tolerance
 from hybond.engine.methods.stiffness import watch_implicit
 from hybond.engine.model import Model
@@ -136,7 +136,13 @@ def count_apart(e: Engine, r: Radau) -> None:
     s.defect = 0.0
     s.apart = 0.0
     for k in range(e.model.storages):
-        apart_at_end(e, k, c[k] + 2.0 * c[n + k] + 3.0 * c[2 * n + k])
+        moved = c[k] + 2.0 * c[n + k] + 3.0 * c[2 * n + k]
+        if s.left_edge:
+            # there the curve between the ends is led without a turn: stages say how it ends
+            moved = 0.0
+            for j in range(3):
+                moved += BUTCHER_INVERSE[6 + j] * r.z[j * n + k]
+        apart_at_end(e, k, moved)
     if r.swings and not e.warned.swings:
         warn_of_swings(e)
 
