@@ -95,7 +95,8 @@ def hides(
     h = t1 - t0
     parts = MOST // 4
     if math.isfinite(e.longest):
-        parts = min(max(int(math.ceil(h / (APART * e.longest))), 2), MOST)
+        wanted = min(math.ceil(h / (APART * e.longest)), float(MOST))
+        parts = max(int(wanted), 2)
     refusal = e.refusal
     hold_guess(e, e.mode)
     tolerance(e, y0, y1, s.allowed)

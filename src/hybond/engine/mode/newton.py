@@ -200,9 +200,6 @@ def full_steps(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
         shrinks = update < 0.5 * previous or (small and share < 0.5 * shared)
         falls = step > 0 and residuals_fall(e, rows)
         shrinks = shrinks or (falls and not swings)
-        if step > 0 and not shrinks and not small and not exact and residuals_grow(e, rows):
-            # over a square that is next to flat where it begins, steps of any length are halved
-            return False
         keep_residuals(e, rows)
         if exact or ends or not shrinks:
             with_free(mode, n, work.base, r, w)
@@ -232,17 +229,6 @@ def residuals_fall(e: Engine, rows: int) -> bool:
             return False
         falls = falls or (now < 0.5 * before and now > LEFT * work.residual_size.at[i])
     return falls
-
-
-def residuals_grow(e: Engine, rows: int) -> bool:
-    """Whether the step before has made a residual more than twice as large, beyond rounding."""
-    work = e.work
-    grow = False
-    for i in range(rows):
-        now = math.fabs(work.residual.at[i])
-        grows = now > 2.0 * math.fabs(work.residual_before.at[i])
-        grow = grow or (grows and now > LEFT * work.residual_size.at[i])
-    return grow
 
 
 def keep_residuals(e: Engine, rows: int) -> None:

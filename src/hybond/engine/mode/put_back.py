@@ -128,10 +128,10 @@ def all_hold(e: Engine, rows: int, part: float) -> bool:
 
 
 def excess(e: Engine, i: int, part: float) -> float:
-    """Return by how much residual `i` is more than that."""
+    """Return by how much residual `i` is more than that; terms beyond all numbers allow nothing."""
     allowed = part * e.work.residual_size.at[i]
     allowed += ROUNDINGS * UNIT * e.work.residual_reach.at[i]
-    return math.fabs(e.work.residual.at[i]) - allowed
+    return math.fabs(e.work.residual.at[i]) - (allowed if allowed < math.inf else 0.0)
 
 
 def is_near(e: Engine, mode: Mode, v: Floats, w: Floats, rows: int) -> bool:
@@ -178,6 +178,8 @@ def is_lost(e: Engine, mode: Mode, v: Floats, i: int) -> bool:
     d = mode.dynamic[i] if mode.rank == mode.structures else -1
     if d >= 0:
         terms = max(terms, value(m, m.dynamic_rounding[d], v))
+    if not terms < math.inf:
+        return e.work.residual.at[i] == 0.0
     return math.fabs(e.work.residual.at[i]) <= ROUNDINGS * UNIT * terms
 
 
