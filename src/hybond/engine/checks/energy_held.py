@@ -26,6 +26,7 @@ from hybond.engine.methods.fixed import EULER, RK4
 from hybond.engine.methods.scale import FAINT
 from hybond.engine.mode.equations import is_fieldless
 from hybond.engine.mode.guess import give_back_guess, hold_guess
+from hybond.engine.mode.put_back import NEAR
 from hybond.engine.mode.sizes import size_of
 from hybond.engine.mode.storage import co_energy, own_stiffness, with_stored
 from hybond.engine.mode.values import field
@@ -207,7 +208,11 @@ def hold_last_rates(e: Engine) -> None:
 
 
 def hold_rates(e: Engine) -> None:
-    """Hold the rates that the last step has ended with against those shown, in `e.checks.v`."""
+    """Hold the rates that the last step has ended with against those shown, in `e.checks.v`.
+
+    Both are solved from their own beginnings, and each is taken for a solution where another step
+    of Newton's method would move it by no more than a part of the largest of its kind.
+    """
     m = e.model
     c = e.checks
     if e.slide.k > 0 or c.shown_at != e.t or m.method >= MOREAU:
@@ -218,7 +223,7 @@ def hold_rates(e: Engine) -> None:
         if m.storage_kind[k] == 0 and m.storage_sign[k] < 0:
             shown = -shown
         off = math.fabs(e.step.f[k] - shown)
-        may = PART * math.fabs(shown) + 1e-9 * c.largest[m.bond_class[at]]
+        may = PART * math.fabs(shown) + NEAR * c.largest[m.bond_class[at]]
         if off <= may:
             continue
         may += LOST_DIGITS * size_of(e, e.mode, at, e.work.xi, c.v)
