@@ -225,6 +225,8 @@ class Model:
     integral_start: Floats
     signals_act: int
     """Whether any of these rates reads an integrated signal."""
+    signal_acts: Ints
+    """Of each integrated signal: whether any rate, a law's or one of these, reads it."""
     input_kind: Ints
     """0: constant, 1: table that is held, 2: with straight lines, 3: pulses, 4: from outside."""
     input_first: Ints

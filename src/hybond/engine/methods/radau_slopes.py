@@ -43,7 +43,9 @@ def differences(e: Engine, r: Radau, rtol: float) -> None:
     go there. Between two edges that are near, differences are as small as the room is; on both at
     once there are none, and no slope: steps are then those of an iteration without it. So are
     those from rest where laws say nothing of what is beside it, as where friction holds a body.
-    What was tried here alone is no step's matter: it refuses none.
+    A signal that no rate reads has no slopes: what rates differ by is their rounding then, and over
+    a difference that is next to nothing, as where it has not begun, that is beyond all bounds. What
+    was tried here alone is no step's matter: it refuses none.
     """
     n = r.n
     refusal = e.refusal
@@ -60,6 +62,10 @@ def differences(e: Engine, r: Radau, rtol: float) -> None:
         if j < e.model.storages:
             size = within_bent(e, j, r.y0, size)
         r.made_for[j] = size
+        if only_shown(e, j):
+            for i in range(n):
+                r.jacobian[i * n + j] = 0.0
+            continue
         if size == 0.0:
             size = 1.0
         delta = math.sqrt(EPSILON) * math.copysign(size, r.f0[j])
@@ -79,6 +85,12 @@ def differences(e: Engine, r: Radau, rtol: float) -> None:
     r.matrix = FRESH_MATRIX
     r.served = 0.0
     r.made += 1
+
+
+def only_shown(e: Engine, j: int) -> bool:
+    """Whether a state is a signal that no rate reads; where a motion slides, its surface may."""
+    m = e.model
+    return j >= m.storages and e.slide.k == 0 and m.signal_acts[j - m.storages] == 0
 
 
 def beside(e: Engine, r: Radau, j: int, delta: float) -> int:

@@ -15,7 +15,7 @@ from hybond.engine.tables.laws import put_laws
 from hybond.engine.tables.machines import put_machines
 from hybond.engine.tables.options import Options, options_of
 from hybond.engine.tables.powers import put_powers
-from hybond.engine.tables.signals import put_signals
+from hybond.engine.tables.signals import put_acting, put_signals
 from hybond.engine.tables.storages import put_storages
 from hybond.engine.tables.surfaces import put_surfaces
 from hybond.engine.tables.terms import put_terms
@@ -67,6 +67,7 @@ def tables_of(
     put_signals(t)
     _priors(t)
     put_laws(t)
+    put_acting(t)
     put_surfaces(t)
     put_kinks(t)
     put_courses(t)

@@ -7,7 +7,7 @@ from hybond.engine.tables.columns import FLOATS, INTS, ModelTables, put_rows
 from hybond.engine.tables.elements import levels_of
 from hybond.engine.tables.expressions import number_of
 from hybond.equations.rounding import rounding
-from hybond.model.expressions import Binary
+from hybond.model.expressions import Binary, names
 from hybond.model.inputs import Called, Constant, Free, Pwm, Timetable
 from hybond.model.resolve import affine_in_time
 
@@ -20,6 +20,9 @@ def put_signals(t: ModelTables) -> None:
     t.pairs += [i.rate for i in g.integrals]
     t.ints["integral_rate"] = [t.values.number(i.rate, f"{i.path}'") for i in g.integrals]
     t.ints["integral_size"] = [t.values.number(rounding(i.rate)) for i in g.integrals]
+    t.numbers["signals_act"] = int(
+        any(n.startswith("s:") for i in g.integrals for n in names(i.rate))
+    )
     t.floats["integral_start"] = [number_of(i.start) for i in g.integrals]
     put_samples(t)
     kinds, rows, levels = [], [], []
@@ -59,3 +62,12 @@ def put_signals(t: ModelTables) -> None:
     t.floats["watch_offset"] = [b for _, b in lines]
     t.ints["watch_operator"] = [_OPERATORS[w.compare.op] for w in g.watches]
     t.floats["watch_time"] = [w.times[0] for w in g.watches]
+
+
+def put_acting(t: ModelTables) -> None:
+    """Put into the tables which integrated signals rates read, when all laws are in them."""
+    columns = ("source_value", "dynamic_value", "co_energy", "integral_rate")
+    ports = ("port_limit", "port_gap", "port_gate")
+    asked = {k for name in (*columns, *ports) for k in t.ints[name] if k >= 0}
+    read = {n for k in asked for n in names(t.values.all[k])}
+    t.ints["signal_acts"] = [int(f"s:{i.index}" in read) for i in t.graph.integrals]

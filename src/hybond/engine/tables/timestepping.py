@@ -19,9 +19,6 @@ def put_steps(t: ModelTables, dynamics: list[Dynamic]) -> None:
     """Put what time-stepping asks for into the tables."""
     g = t.graph
     laws = [(m, law) for m in g.machines if m.law is not None for law in m.law.junctions]
-    t.numbers["signals_act"] = int(
-        any(n.startswith("s:") for i in g.integrals for n in names(i.rate))
-    )
     t.ints["dynamic_fixed"] = [int(_is_fixed(d)) for d in dynamics]
     t.ints["port_affine"] = [
         int(all(_is_affine(a) for a in (law.limit, law.breakaway) if a is not None))
