@@ -160,3 +160,33 @@ def test_too_many_steps_name_a_remedy_that_is_none_already(solver, hint):
         hb.simulate(van_der_pol(), 2000.0, solver=solver, max_steps=200)
     assert hint in told.value.hint
     assert ("solver" in told.value.hint) == (solver == "rk45")
+
+
+@pytest.mark.parametrize("turned", ["j -> r", "r -> j"])
+@pytest.mark.parametrize(
+    ("law", "size"), [("e", 1e-3), ("1e-3*e + e^3", 1e-5), ("max(e, 0)", 1e-3)]
+)
+def test_what_settles_before_the_time_is_another_number_is_told_with_a_remedy(turned, law, size):
+    text = f"""
+hybond = 1
+name = "too fast for the time"
+[elements]
+s = {{ Se = "if time >= 0.5 then 1 else 0.2" }}
+j = {{ junction = 1 }}
+r = {{ R = {size} }}
+n = {{ junction = 0 }}
+c = {{ C = 1e-12 }}
+d = {{ R = {{ f = "{law}" }} }}
+[graph]
+bonds = ["s -> j", "{turned}", "j -> n", "n -> c", "n -> d"]
+"""
+    with pytest.raises(hb.NumericsError, match="HB-N201") as told:
+        hb.simulate(hb.loads(text), 1.0)
+    assert f"c.q settles within {size * 1e-12:.1g} s" in told.value.hint
+    # the remedy: the charge follows at once, or jumps where nothing resists
+    without = text.replace("c = { C = 1e-12 }\n", "").replace(', "n -> c"', "")
+    jumps = text.replace(f"r = {{ R = {size} }}\n", "").replace(f', "{turned}"', "")
+    for other in (without, jumps):
+        assert hb.simulate(hb.loads(other), 1.0).final is not None
+    sooner = text.replace("0.5", "5e-6")
+    assert hb.simulate(hb.loads(sooner), 1e-5).final["c.e"] == pytest.approx(1.0, rel=1e-2)

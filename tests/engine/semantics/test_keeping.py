@@ -173,3 +173,32 @@ def test_steps_without_an_event_do_not_fill_the_memory():
     assert "in the mean" in str(caught.value)
     assert caught.value.partial.stats["steps"] < 10_000
     assert hb.simulate(m, "1 s", solver="radau", max_steps=3000).status == "ok"
+
+
+def test_a_run_ends_at_its_limit_of_steps_however_long_its_slices_are(monkeypatch):
+    # a clock begins a motion anew, and is no event: who looks on counts then, slice by slice
+    from hybond.engine.outcome import engine_run
+
+    text = """
+hybond = 1
+name = "clocked"
+domain = "electrical"
+[elements]
+s = { Se = "k" }
+j = { junction = 1 }
+r = { R = 1.0 }
+c = { C = 1.0 }
+[graph]
+bonds = ["s -> j", "j -> r", "j -> c"]
+[inputs]
+k = { pwm = { period = 1e-3, duty = 0.351, high = 1.0, low = 0.0 } }
+"""
+    ends = set()
+    for first in (1, 7, 100, 5000):
+        monkeypatch.setattr(engine_run, "FIRST", first)
+        with pytest.raises(hb.NumericsError) as caught:
+            hb.simulate(hb.loads(text), 1.0, max_steps=170)
+        partial = caught.value.partial
+        ends.add((caught.value.code, str(caught.value), partial.t_end, partial.stats["steps"]))
+    # the 171st step is one too many: two a period
+    assert {end[3] for end in ends} == {171.0} and len(ends) == 1

@@ -95,7 +95,9 @@ def enter_mode(e: Engine, mode: Mode, v: Floats, x: Floats, after: Floats) -> in
     moved_by(m.storages, x, ways, e.work.nu.at, after)
     # rounding is no jump: dust is swept up without an impulse
     e.moved = SWEPT if rounding else JUMPS
-    if not rounding:
+    if rounding:
+        leave_nothing(e, mode, v, x, after)
+    else:
         sharpen(e, mode, v, ways, after)
         put_impulses(e, mode, ways)
     hold_untouched(e, mode, v[0], x, after)
@@ -120,6 +122,27 @@ def sharpen(e: Engine, mode: Mode, v: Floats, ways: Ways, after: Floats) -> None
                 change += ways.d.at[k * ways.areas + a] * w.step.at[a]
             # what the jump has brought to zero is there
             after[k] -= change if after[k] != 0.0 else 0.0
+    restore_bonds(e, mode, v)
+
+
+def leave_nothing(e: Engine, mode: Mode, v: Floats, x: Floats, after: Floats) -> None:
+    """Let rounding that is swept up leave what is nothing as it is, where the others meet without.
+
+    What it would be is the last digit of the others, but its sign decides which way a law turns
+    that begins at it: a mass at rest behind a diode is no mass that is pushed back.
+    """
+    m = e.model
+    w = e.work
+    none = True
+    for k in range(m.storages):
+        w.here[k] = 0.0 if x[k] == 0.0 else after[k]
+        none = none and w.here[k] == after[k]
+    if none:
+        return
+    residual(e, mode, v, w.here)
+    if meets_own_terms(e, mode, BEST):
+        for k in range(m.storages):
+            after[k] = w.here[k]
     restore_bonds(e, mode, v)
 
 

@@ -26,7 +26,7 @@ from hybond.engine.methods.exact import (
     exact_attempt,
     first_exact,
 )
-from hybond.engine.methods.failed_steps import no_rate, step_too_small
+from hybond.engine.methods.failed_steps import no_rate, note_settling, step_too_small
 from hybond.engine.methods.flow import take_flow
 from hybond.engine.methods.flow_records import AUTO, EXACT, LARGE
 from hybond.engine.methods.hidden_peaks import hidden_at_end
@@ -148,6 +148,17 @@ def accept(e: Engine, t1: float) -> None:
         dopri_accept(e, t1)
 
 
+def refuse_step(e: Engine, h: float) -> int:
+    """Refuse a step of size `h` that is still too large."""
+    s = e.step
+    found = step_too_small(e, e.states, h, s.error, s.scale)
+    k = int(e.fault.about.at[1])
+    way = s.y1[k] - s.y0[k] if k >= 0 else 0.0
+    if way != 0.0 and field(e, e.mode, s.t0 + h, s.y1, s.rate) == OK:
+        note_settling(e, s.t0, (s.rate[k] - s.f0[k]) / way)
+    return found
+
+
 def controlled_step(e: Engine, t_end: float) -> int:
     """Make one step that satisfies the tolerance, not beyond `t_end`."""
     s = e.step
@@ -195,7 +206,7 @@ def controlled_step(e: Engine, t_end: float) -> int:
             smaller = smallest
         elif smaller < smallest:
             if e.model.tells != 0 and error == error:
-                return step_too_small(e, e.states, h, s.error, s.scale)
+                return refuse_step(e, h)
             if e.model.tells != 0 and not e.refusal:
                 return no_rate(e, e.states, h, s.rate, s.y1)
             if error != error:

@@ -3,10 +3,16 @@
 from __future__ import annotations
 
 import math
+from typing import Final
 
 from hybond.engine.engine import Engine, say_fault
+from hybond.engine.methods.dopri import spacing
 from hybond.engine.reasons.facts import add_fact
 from hybond.engine.words import Floats
+
+SETTLES: Final = 0.01
+"""Part of its motion that is over from one number of the time to the next where that is too soon:
+a step is ten of these at least, and is to be a part of the motion."""
 
 
 def no_rate(e: Engine, n: int, h: float, rate: Floats, y: Floats) -> int:
@@ -40,3 +46,12 @@ def step_too_small(e: Engine, n: int, h: float, error: Floats, scale: Floats) ->
     add_fact(e.fault, h)
     add_fact(e.fault, float(worst))
     return found
+
+
+def note_settling(e: Engine, t: float, rate: float) -> None:
+    """Note how soon what dominates the error settles, if it is over before time is another number.
+
+    `rate` is the slope of its own rate. Called after `step_too_small`.
+    """
+    if -rate * spacing(t) >= SETTLES:
+        add_fact(e.fault, -1.0 / rate)

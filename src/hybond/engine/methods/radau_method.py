@@ -6,8 +6,13 @@ from typing import Final
 from hybond.engine.algebra.products import copy_floats
 from hybond.engine.engine import OK, Engine, say_fault
 from hybond.engine.methods.defects import apart_at_end, end_levels
-from hybond.engine.methods.dopri import begin_step, first_step, goes_elsewhere, not_finite
-from hybond.engine.methods.failed_steps import no_rate, step_too_small
+from hybond.engine.methods.dopri import (
+    begin_step,
+    first_step,
+    goes_elsewhere,
+    not_finite,
+)
+from hybond.engine.methods.failed_steps import no_rate, note_settling, step_too_small
 from hybond.engine.methods.radau import (
     STEP_MADE,
     begin_radau,
@@ -77,7 +82,10 @@ def radau_failed(e: Engine) -> int:
 
 
 def radau_too_small(e: Engine, r: Radau) -> int:
-    """Refuse a step that would have to be too small, with the state that is to blame."""
+    """Refuse a step that would have to be too small, with the state that is to blame.
+
+    And with how soon that settles by itself, where that is over before the time is another number.
+    """
     n = r.n
     for i in range(n):
         last = max(math.fabs(r.last[i]), math.fabs(r.last[n + i]))
@@ -87,7 +95,11 @@ def radau_too_small(e: Engine, r: Radau) -> int:
         elif r.blamed == ERROR_BLAMED:
             r.shifted[i] = r.error_vector[i]
     tolerance(e, r.y0, r.y0, r.other)
-    return step_too_small(e, n, r.h, r.shifted, r.other)
+    found = step_too_small(e, n, r.h, r.shifted, r.other)
+    worst = int(e.fault.about.at[1])
+    if worst >= 0:
+        note_settling(e, r.t0, r.jacobian[worst * n + worst])
+    return found
 
 
 def radau_retry(e: Engine, t_end: float) -> int:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from hybond.blocks.runners import Runner
 from hybond.engine.compiled.refusal import Refusal
+from hybond.engine.compiled.rows import Rows
 from hybond.engine.compiled.sliced import ACCUMULATES, REFUSED
 from hybond.engine.outcome.beginnings import Beginning, not_of_this_model
 from hybond.engine.outcome.engines import Prepared
@@ -82,8 +83,11 @@ class EngineRun:
         states = model.tables.numbers["storages"] + model.tables.numbers["integrals"]
         most = min(LARGEST / (BYTES * (states + 1.0)) + 1.0, model.tables.numbers["max_steps"])
         self._most = int(max(min(most, MOST), 1))
-        self._last = 0, 0, self.trace.begin if begin is not None else 0.0
-        """Events so far, and the steps and the time before the last slice that had any."""
+        self._events = 0
+        self._since = 0
+        """Steps since the last event, ..."""
+        self._last = self.trace.begin if begin is not None else 0.0
+        """... and when that was."""
         self._run = model.run(runners)
         if begin is not None:
             end = float(model.tables.numbers["until"]) if until is None else until
@@ -171,7 +175,7 @@ class EngineRun:
                 looked = time.perf_counter()
 
         self._run.onlooker.asked = look
-        for rows in self._run.slices(steps=lambda: self._slice):
+        for rows in self._run.slices(steps=self._next):
             took = time.perf_counter() - begin
             fits = self._slice * LOOKED / max(took, 1e-6)
             self._slice = int(
@@ -181,7 +185,7 @@ class EngineRun:
             if self.journal is not None and instants is not None:
                 _write(self.journal, instants)
             self._tidy()
-            self._bound()
+            self._bound(rows)
             if self.progress is not None:
                 self.progress(self._run.t, self.trace.events.total)
             answer()
@@ -197,18 +201,26 @@ class EngineRun:
             if len(record) > 2 * self.keep:
                 record.forget(len(record) - self.keep)
 
-    def _bound(self) -> None:
+    def _next(self) -> int:
+        """Return how long the next slice is: a run ends at its limit, however long slices take."""
+        left = int(self.tables.numbers["max_steps"]) + 1 - self._since
+        return min(self._slice, max(left, 1)) if self.keep is None else self._slice
+
+    def _bound(self, rows: Rows) -> None:
         """Refuse more steps without an event than are to be recorded, clocks among them or none.
 
         The engine counts anew where signals are sampled, and needs no memory for what it has done.
         """
-        events = self.trace.events.total
-        if events != self._last[0]:
-            self._last = events, self.records.steps, self._run.t
-        many = self.records.steps - self._last[1]
-        if self.keep is None and many > self.tables.numbers["max_steps"]:
+        events = self.trace.events
+        ends = rows.step_time[:, 2]
+        if events.total != self._events:
+            self._events, self._since, self._last = events.total, 0, events[-1].t
+            ends = ends[ends > self._last]
+        self._since += len(ends)
+        if self.keep is None and self._since > self.tables.numbers["max_steps"]:
             t = self._run.t
-            raise self._refused(Refusal("HB-N409", "", "", t, ((t - self._last[2]) / many,)))
+            mean = (t - self._last) / self._since
+            raise self._refused(Refusal("HB-N409", "", "", t, (mean,)))
 
     def _count(self) -> None:
         run = self._run

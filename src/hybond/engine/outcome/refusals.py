@@ -201,11 +201,19 @@ def _no_end(c: Case) -> Said:
 
 
 def _too_small(c: Case) -> Said:
-    h, k = c.refusal.about
+    h, k, *settles = c.refusal.about
     path = c.component(int(k)) if k >= 0 else ""
     blame = f"; {path} dominates the error" if path else ""
     why = f"step size underflow {c.now}: h = {h:.3g} s is still too large{blame}"
-    return Said(why, path or c.here)
+    if not settles:
+        return Said(why, path or c.here)
+    # a step is no shorter than ten last places of the time
+    hint = (
+        f"{path} settles within {settles[0]:.1g} s, but numbers of the time are {0.1 * h:.1g} s "
+        "apart there: leave out what is so small, the storage, or what resists its change (without "
+        "that it jumps); or let this happen sooner: nearer to t = 0 time is told apart more finely"
+    )
+    return Said(why, path, hint)
 
 
 def _no_rate(c: Case) -> Said:

@@ -8,7 +8,7 @@ HB-J102    the rule; when (1 at the instant, 2 before it); bond variables that a
 HB-J110/2  0 impulses, 1 finite values; the ports that take part
 HB-J111    the rules that held, in the order in which they were found
 HB-M205    the port; how fast its gap opens; how fast its bonds close
-HB-N201    the step, s; the state that dominates the error, or -1
+HB-N201    the step, s; the state that dominates the error, or -1; how soon it settles, s, if soon
 HB-N202    the step, s, 0 at the start of a motion; the state whose rate has no value, or -1
 HB-N203    the bond variable; its value
 HB-N301    the states of the mode; its elements that have laws
