@@ -183,6 +183,7 @@ class Step:
     began_at: Floats
     passed_before: Floats
     kink: Floats
+    kink_rate: Floats
     level0: Floats
     """Co-energy variables where the step begins and ends, with what is stored there."""
     level1: Floats
@@ -224,9 +225,14 @@ class Engine:
     step: Step
     slide: Slide
     rounding: Floats
-    """What the rates of stored quantities may be wrong by, in the time of the run."""
+    """What the rates of stored quantities may be wrong by, in the time of the run: ..."""
+    rate_noise: Floats
+    """... the rates themselves, ..."""
+    settled: Floats
+    """... and what is left of that where they lead a state back to where it settles."""
     moved_rounding: Floats
-    """The same a moment after motion starts, of those that rates of zero say nothing of."""
+    """What they may be wrong by in that time a moment after motion starts, of those that rates of
+    zero say nothing of."""
     rate_rounding: Floats
     """What rates of integrated signals may be wrong by, where that matters, ..."""
     least_signal: Floats
@@ -361,6 +367,7 @@ def make_step(n: int, kinks: int, edges: int) -> Step:
     s.scale = floats(n)
     s.error = floats(n)
     s.tied = floats(n)
+    s.kink_rate = floats(n)
     s.peak_y = floats(n)
     s.peak_f1 = floats(n)
     s.peak_rate = floats(n)
@@ -411,6 +418,10 @@ def make_engine(m: Model) -> Engine:
     e.step.peak_read = floats(6 * m.bonds)
     e.slide = make_slide(m)
     e.rounding = floats(m.storages)
+    e.rate_noise = floats(m.storages)
+    e.settled = floats(m.storages)
+    for k in range(m.storages):
+        e.settled[k] = math.inf
     e.moved_rounding = floats(m.storages)
     e.rate_rounding = floats(m.integrals)
     e.least_signal = floats(m.integrals)

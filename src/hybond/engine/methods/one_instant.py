@@ -14,6 +14,11 @@ from hybond.engine.words import Floats
 
 LEAST: Final = 8.0
 """Units in the last place that an instant lasts at least."""
+FAR: Final = 2.0
+"""How many times as far as rates at both ends lead a step may go, ..."""
+OFF: Final = 1e-3
+"""... and by which part of what is stored farther: a rate that is nothing at both ends tells no
+way."""
 LAST: Final = 2.0
 """Units in the last place that time may be short of a kink, and still be there."""
 
@@ -27,7 +32,9 @@ def room_of_instant(e: Engine, t: float) -> float:
 def is_one_kink(e: Engine, t0: float, y0: Floats, t1: float, y1: Floats) -> bool:
     """Whether a step tried is within one instant, at which a kink is passed.
 
-    What has never moved has no size: no step over the kink that makes it move is short enough.
+    What has never moved has no size: no step over the kink that makes it move is short enough. A
+    step that goes where its rates do not lead has passed none: what seems to be beyond a kink there
+    is what an explicit step makes of a motion that is faster than the step.
     """
     m = e.model
     s = e.step
@@ -37,7 +44,9 @@ def is_one_kink(e: Engine, t0: float, y0: Floats, t1: float, y1: Floats) -> bool
         return False
     for k in range(m.kinks):
         s.kink[k] = value(m, m.atom_value[m.kink_atom + k], e.v)
-    if not show_motion(e, t1, y1):
+    for k in range(m.storages):
+        s.kink_rate[k] = shown_rate(e, k)
+    if not show_motion(e, t1, y1) or not is_led(e, t1 - t0, y0, y1):
         return False
     passed = False
     for k in range(m.kinks):
@@ -47,6 +56,29 @@ def is_one_kink(e: Engine, t0: float, y0: Floats, t1: float, y1: Floats) -> bool
         reached = math.fabs(there) * (t1 - t0) <= LAST * spacing(t1) * way
         passed = passed or (s.kink[k] != there and (s.kink[k] * there <= 0.0 or reached))
     return passed
+
+
+def is_led(e: Engine, h: float, y0: Floats, y1: Floats) -> bool:
+    """Whether a step of size `h` leads no farther than its rates at both ends do, which are shown.
+
+    Between them rates may be others, but within an instant not for long: twice as far at the most.
+    """
+    for k in range(e.model.storages):
+        one = FAR * h * e.step.kink_rate[k]
+        other = FAR * h * shown_rate(e, k)
+        way = y1[k] - y0[k]
+        beyond = max(way - max(max(one, other), 0.0), min(min(one, other), 0.0) - way)
+        if not beyond <= OFF * max(math.fabs(y0[k]), math.fabs(y1[k])):
+            return False
+    return True
+
+
+def shown_rate(e: Engine, k: int) -> float:
+    """Return the rate of storage `k` in the motion that is shown."""
+    m = e.model
+    at = m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 0 else 0)
+    rate = e.v[m.bond_slot + at]
+    return -rate if m.storage_kind[k] == 0 and m.storage_sign[k] < 0 else rate
 
 
 def show_motion(e: Engine, t: float, y: Floats) -> bool:

@@ -15,7 +15,7 @@ from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.engine import NOT_FINITE, OK, Engine
 from hybond.engine.methods.radau_room import Radau
 from hybond.engine.methods.radau_stages import FRESH_MATRIX, rate_at
-from hybond.engine.methods.scale import ROUNDED, SHORT, tolerance, within_bent
+from hybond.engine.methods.scale import ROUNDED, SHORT, know_settling, tolerance, within_bent
 from hybond.engine.words import Floats
 
 GROWN: Final = 10.0
@@ -81,6 +81,7 @@ def differences(e: Engine, r: Radau, rtol: float) -> None:
             change = r.end[i] - r.f0[i] if found == OK else 0.0
             r.jacobian[i * n + j] = change / (r.shifted[j] - r.y0[j])
         r.shifted[j] = r.y0[j]
+    know_settling(e, r.jacobian)
     e.refusal = refusal
     r.matrix = FRESH_MATRIX
     r.served = 0.0

@@ -42,6 +42,9 @@ SHORT: Final = 1e-6
 """Part of the run in which what that adds up to is no error, nor is it in a step, if that is more:
 what is held at zero has a rate that is nothing else."""
 
+SEEN: Final = 1e3
+"""Times the rounding that is left of a state is its tolerance at least: iterations end at a part
+of the tolerance, and that is to be more than rounding."""
 CREEPS: Final = 1e-4
 """Part of the run below which a step that is too long may be so by rounding alone."""
 
@@ -55,6 +58,9 @@ def start_scale(e: Engine, mode: Mode) -> None:
     do those where what moves will be then: two bodies that fall side by side have no speeds yet,
     and what is between them will be the rounding of their difference.
     """
+    for k in range(e.model.storages):
+        e.rate_noise[k] = 0.0
+    forget_settling(e)
     soon = SHORT * e.span
     if e.next_break < math.inf:
         soon = min(soon, 0.5 * (e.next_break - e.t))
@@ -75,6 +81,23 @@ def start_scale(e: Engine, mode: Mode) -> None:
         e.energy = max(e.energy, pushed)
         e.scale_energy = max(e.scale_energy, pushed)
         e.pushed_energy = max(e.pushed_energy, pushed)
+
+
+def forget_settling(e: Engine) -> None:
+    """Know of no state how soon it settles."""
+    for k in range(e.model.storages):
+        e.settled[k] = math.inf
+
+
+def know_settling(e: Engine, jacobian: Floats) -> None:
+    """Learn what rounding of its rate leaves of a state that the rate itself brings back.
+
+    It adds up for no longer than that takes: a capacitor of 1 pF behind 1 microhm is off by the
+    rounding of its voltage, however long the run is.
+    """
+    for k in range(e.model.storages):
+        slope = -jacobian[k * e.states + k]
+        e.settled[k] = SEEN * e.rate_noise[k] / slope if slope > 0.0 else math.inf
 
 
 def find_moved_terms(e: Engine, mode: Mode, soon: float) -> None:
@@ -142,6 +165,7 @@ def found_terms(e: Engine, mode: Mode, t: float, y: Floats) -> bool:
     for k in range(m.storages):
         at = m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 0 else 0)
         e.rounding[k] = size_of(e, mode, at, e.work.xi, e.v)
+        e.rate_noise[k] = max(e.rate_noise[k], ROUNDED * e.rounding[k])
         found = found or e.rounding[k] > 0.0
         if moves_clearly(e, at, e.rounding[k]) and y[k] != 0.0:
             soonest = min(soonest, math.fabs(y[k] / e.work.w[at]))
@@ -261,6 +285,10 @@ def allow(e: Engine, y0: Floats, y1: Floats, energy: float, out: Floats) -> None
             if e.moved_rounding[k] > 0.0:
                 # what is between motions is not what slows them
                 own_rounding = moments * max(e.rounding[k], e.moved_rounding[k])
+            own_rounding = min(own_rounding, e.settled[k])
+            if e.step.tried > 0.0:
+                # a step adds what it lasts for, no more: else what is unstable in it seems no error
+                own_rounding = min(own_rounding, SEEN * e.rate_noise[k] * e.step.tried)
             out[k] = max(max(out[k], own_rounding), m.rtol * FAINT)
     for k in range(m.storages, e.states):
         size = max(out[k], e.step.onset[k]) if begins else out[k]

@@ -23,6 +23,7 @@ from hybond.engine.engine import Engine
 from hybond.engine.methods.flow_records import AUTO, LARGE
 from hybond.engine.methods.radau import begin_radau
 from hybond.engine.methods.radau_room import Radau, make_radau
+from hybond.engine.methods.scale import forget_settling
 from hybond.engine.words import Floats
 
 RIM: Final = 3.25
@@ -114,6 +115,7 @@ def turn(e: Engine) -> None:
     s = e.step
     s.turns = False
     s.implicit = not s.implicit
+    forget_settling(e)
     if s.implicit and not s.roomy:
         s.roomy = True
         e.radau = make_radau(e.states)
