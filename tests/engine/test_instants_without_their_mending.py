@@ -194,6 +194,7 @@ def switched(first: str, second: str, rise: float = 1.0) -> hb.Model:
     return m
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("seed", range(6))
 def test_gates_of_one_instant_that_are_settled_apart(
     monkeypatch: pytest.MonkeyPatch, seed: int

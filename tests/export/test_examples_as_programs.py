@@ -60,9 +60,9 @@ def printed_by_java(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
 @needs_c
 @pytest.mark.parametrize("name", IN_C)
 def test_an_example_as_a_c_program(name: str, tmp_path: Path) -> None:
-    """And a strict compiler has nothing to say of it."""
+    """And a strict compiler has nothing to say of it, asked each time of the first two."""
     text = hb.export(example(name), to="c", **INTEGRATED)
-    compiled = compile_c if needs.STRICT else compile_quickly
+    compiled = compile_c if needs.STRICT and name not in FEW[2:] else compile_quickly
     printed = ask(compiled(text, tmp_path, name), "--events", code=3 if name in STOPPED else 0)
     check(name, read_events(printed), expected(run_of(name)))
 
@@ -79,8 +79,8 @@ def test_clang_has_nothing_to_say(name: str, tmp_path: Path) -> None:
         model = example(name)
         text = hb.export(model, to="c") if kind == "program" else unit_of(model, fmi="3.0")[1]
         source.write_text(text, encoding="utf-8")
-        flags = ["-std=c99", "-Weverything", "-Werror", *style]
-        subprocess.run([*clang, *flags, "-c", "-o", source.with_suffix(".o"), source], check=True)
+        flags = ["-std=c99", "-fsyntax-only", "-Weverything", "-Werror", *style]
+        subprocess.run([*clang, *flags, source], check=True)
 
 
 @pytest.mark.slow

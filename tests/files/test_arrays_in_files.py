@@ -115,6 +115,8 @@ def test_names_of_members_become_identifiers_that_differ(model: hb.Model) -> Non
 
 def test_members_of_an_array_stand_in_a_row() -> None:
     m = hb.loads(TEXT)
+    parts = {g.key for g in m.draw(schematic=True).scene.groups if g.name == "part"}
+    assert {"r[1]", "r[2]", "r[3]", "c[2]"} <= parts
     m.layout = {
         "top[0..n]": (0, 0),
         "gap[1..n]": (1, 0),
@@ -133,8 +135,6 @@ def test_members_of_an_array_stand_in_a_row() -> None:
     assert at["c[2]"] == (3, 2)
     # a part of six cells, and two between
     assert [at[f"r[{k}].i"] for k in (1, 2, 3)] == [(1, 5), (9, 5), (17, 5)]
-    parts = {g.key for g in m.draw(schematic=True).scene.groups if g.name == "part"}
-    assert {"r[1]", "r[2]", "r[3]", "c[2]"} <= parts
 
 
 def test_the_studio_shows_an_array_as_one_node() -> None:

@@ -24,6 +24,12 @@ def names() -> tuple[str, ...]:
     >>> "electrical.diode" in hb.library.names()
     True
     """
+    return _names()
+
+
+@cache
+def _names() -> tuple[str, ...]:
+    """Look once: each part that a model uses is looked for among them."""
     found = (path.relative_to(SHELVES).with_suffix("") for path in SHELVES.glob("*/*.toml"))
     return tuple(sorted(".".join(path.parts) for path in found))
 
@@ -31,7 +37,7 @@ def names() -> tuple[str, ...]:
 @cache
 def find(name: Any) -> Model | None:
     """Return the part of a name, shared by all who ask, or None."""
-    if not isinstance(name, str) or name not in names():
+    if not isinstance(name, str) or name not in _names():
         return None
     from hybond.files.load import load
 

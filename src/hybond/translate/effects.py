@@ -218,9 +218,10 @@ def reads(e: Expr) -> frozenset[str]:
 
 
 def _check_order(s: Statement, f: Function, effects: Effects) -> None:
-    for e in expressions(s):
+    changing = [e for e in expressions(s) if effects.of(e)]
+    for e in changing:
         _check_parts(e, s, f, effects)
-    if isinstance(s, Assign | Augment) and isinstance(s.target, Field | Element):
+    if changing and isinstance(s, Assign | Augment) and isinstance(s.target, Field | Element):
         target = s.target
         seen = frozenset().union(*(reads(p) for p in parts(target)))
         if isinstance(s, Augment):
@@ -231,17 +232,19 @@ def _check_order(s: Statement, f: Function, effects: Effects) -> None:
 
 
 def _check_parts(e: Expr, s: Statement, f: Function, effects: Effects) -> None:
+    """Look at an expression that changes something."""
     below = parts(e)
+    changes = [effects.of(part) for part in below]
     sequenced = isinstance(e, Choice) or (isinstance(e, Binary) and e.op in ("and", "or"))
     if not sequenced and len(below) > 1:
-        for i, part in enumerate(below):
-            changed = effects.of(part)
+        for i, changed in enumerate(changes):
             for j, other in enumerate(below):
-                clash = changed & (reads(other) | effects.of(other))
-                if i != j and clash:
+                clash = changed & (reads(other) | changes[j]) if changed and i != j else None
+                if clash:
                     raise _out_of_order(s, f, clash)
-    for part in below:
-        _check_parts(part, s, f, effects)
+    for part, changed in zip(below, changes):
+        if changed:
+            _check_parts(part, s, f, effects)
 
 
 def _out_of_order(s: Statement, f: Function, what: Iterable[str]) -> PortableError:

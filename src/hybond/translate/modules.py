@@ -93,37 +93,36 @@ def load(
         HB-E601.
     """
     known = {path.stem: path for path in among}
-    texts: dict[str, str] = {}
-    files: dict[str, str] = {}
+    raw: dict[str, _Raw] = {}
     waiting = list(paths)
     while waiting:
         path = waiting.pop()
-        if path.stem in texts:
+        if path.stem in raw:
             continue
-        texts[path.stem] = read(path)
-        files[path.stem] = path.name
-        for name in _imported_modules(ast.parse(texts[path.stem], str(path))):
+        found = raw[path.stem] = _Raw.of(path.stem, path.name, read(path))
+        for name in _imported_modules(found.tree):
             waiting.append(known.get(name, path.with_name(f"{name}.py")))
-    return load_texts(texts, files)
+    return _program(raw)
 
 
-def load_texts(texts: Mapping[str, str], files: Mapping[str, str] | None = None) -> Program:
+def load_texts(texts: Mapping[str, str]) -> Program:
     """Read portable modules that are given as texts.
 
     Parameters
     ----------
     texts : mapping of str to str
         The source of each module, by the last part of its name.
-    files : mapping of str to str, optional
-        What refusals call them.
 
     Raises
     ------
     PortableError
         HB-E601 for anything outside the subset.
     """
-    raw = {n: _Raw.of(n, (files or {}).get(n, f"{n}.py"), texts[n]) for n in sorted(texts)}
-    ordered = _in_order(raw)
+    return _program({name: _Raw.of(name, f"{name}.py", text) for name, text in texts.items()})
+
+
+def _program(raw: Mapping[str, _Raw]) -> Program:
+    ordered = _in_order({n: raw[n] for n in sorted(raw)})
     _distinct(ordered)
     modules: dict[str, Module] = {}
     for r in ordered:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from typing import Any
 
 from hybond.translate.tree import (
     Assign,
@@ -24,30 +25,31 @@ from hybond.translate.tree import (
     Word,
 )
 
+_PARTS: dict[type, Callable[[Any], tuple[Expr, ...]]] = {
+    Field: lambda e: (e.base,),
+    Element: lambda e: (e.base, e.index),
+    Unary: lambda e: (e.arg,),
+    Binary: lambda e: (e.left, e.right),
+    Choice: lambda e: (e.cond, e.then, e.orelse),
+    Call: lambda e: e.args,
+    Word: lambda e: e.args,
+}
+"""By type: most expressions have no parts, and a match would ask them for each of these first."""
+
 
 def parts(e: Expr) -> tuple[Expr, ...]:
     """Return the direct subexpressions of an expression, in reading order."""
-    match e:
-        case Field():
-            return (e.base,)
-        case Element():
-            return (e.base, e.index)
-        case Unary():
-            return (e.arg,)
-        case Binary():
-            return (e.left, e.right)
-        case Choice():
-            return (e.cond, e.then, e.orelse)
-        case Call() | Word():
-            return e.args
-    return ()
+    of = _PARTS.get(type(e))
+    return () if of is None else of(e)
 
 
 def within(e: Expr) -> Iterator[Expr]:
     """Yield an expression and all that it is made of."""
-    yield e
-    for part in parts(e):
-        yield from within(part)
+    waiting = [e]
+    while waiting:
+        e = waiting.pop()
+        yield e
+        waiting.extend(reversed(parts(e)))
 
 
 def expressions(s: Statement) -> tuple[Expr, ...]:
