@@ -13,6 +13,10 @@ if TYPE_CHECKING:
     from hybond.result import Result
 
 
+ROWS = 10_000
+"""Rows that are turned into text together: as objects, numbers take four times their room."""
+
+
 class Tabled:
     """A run as columns over time; `Result` is the only one that has them."""
 
@@ -20,19 +24,15 @@ class Tabled:
         """Return columns of accepted points, ``t`` and ``side`` first; both limits at events."""
         run = cast("Result", self)
         names = list(names) if names is not None else run.names
-        columns: dict[str, list[Any]] = {n: [] for n in ("t", "side", *names)}
-        for k, segment in enumerate(run.segments):
-            columns["t"].append(segment.t)
-            side = np.full(len(segment.t), "", dtype="<U5")
-            if k or run.trace.segments.forgotten:
-                side[0] = "right"
-            if k + 1 < len(run.segments):
-                side[-1] = "left"
-            columns["side"].append(side)
-        for read in run._of_all(names, [segment.t for segment in run.segments]):
-            for name, values in zip(names, read, strict=True):
-                columns[name].append(values)
-        return {n: np.concatenate(c) if c else np.zeros(0) for n, c in columns.items()}
+        times = [segment.t for segment in run.segments]
+        many = np.array([len(t) for t in times], dtype=np.intp)
+        t = np.concatenate(times) if times else np.zeros(0)
+        ends = np.cumsum(many)
+        side = np.full(len(t), "", dtype="<U5")
+        side[(ends - many)[0 if run.trace.segments.forgotten else 1 :]] = "right"
+        side[ends[:-1] - 1] = "left"
+        read = run._of(names, np.repeat(np.arange(len(times)), many), t)
+        return {"t": t, "side": side, **dict(zip(names, read, strict=True))}
 
     def to_pandas(self, names: Sequence[str] | None = None) -> Any:
         """Return a DataFrame over time; at an event two rows, column ``side`` tells them apart."""
@@ -63,8 +63,9 @@ class Tabled:
         with whole(path) as new, open(new, "w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)
             writer.writerow(table)
-            for row in zip(*table.values(), strict=True):
-                writer.writerow([a if isinstance(a, str) else repr(float(a)) for a in row])
+            for k in range(0, len(table["t"]), ROWS):
+                # a number is written with as many digits as tell it from all others
+                writer.writerows(zip(*(c[k : k + ROWS].tolist() for c in table.values())))
 
     def to_npz(self, path: str | Path, names: Sequence[str] | None = None) -> None:
         """Write the same table as NumPy arrays."""

@@ -202,6 +202,7 @@ def _exact(text: str) -> _Unit:
     return factor, dimension
 
 
+@lru_cache(1024)
 def parse_unit(text: str) -> tuple[float, Dimension]:
     """Return the factor to SI and the dimension of a unit.
 

@@ -15,6 +15,7 @@ SHELVES = Path(__file__).parent
 """Where the parts are: a folder for each domain."""
 
 
+@cache
 def names() -> tuple[str, ...]:
     """Return the names of all parts, in order.
 

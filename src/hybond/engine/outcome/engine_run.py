@@ -29,8 +29,9 @@ LOOKED = 0.05
 """Seconds between two looks at the world outside: progress, and whoever wants it to stop."""
 LATE = 2.0 * LOOKED
 """Seconds after which a slice that has not ended is looked into: one step may be long."""
-FIRST = 1
-"""Steps of the first slice; each may be longer than the one before by GROWS."""
+FIRST = 100
+"""Steps of the first slice, so that a short run is one or two; only one, if somebody is told of
+progress. Each may be longer than the one before by GROWS."""
 GROWS = 8.0
 MOST = 1_000_000
 BYTES = 56
@@ -79,10 +80,10 @@ class EngineRun:
         self.progress = progress
         self.keep = keep
         self.journal = journal
-        self._slice = FIRST
         states = model.tables.numbers["storages"] + model.tables.numbers["integrals"]
         most = min(LARGEST / (BYTES * (states + 1.0)) + 1.0, model.tables.numbers["max_steps"])
         self._most = int(max(min(most, MOST), 1))
+        self._slice = 1 if progress is not None else min(FIRST, self._most)
         self._events = 0
         self._since = 0
         """Steps since the last event, ..."""
