@@ -239,6 +239,10 @@ def read_mixed(p: LawProblem, pairs: int) -> None:
             p.branch[one] = p.pair_way[i]
         if x.open[i] != 0:
             p.open[one] = 1
+    for i in range(pairs):
+        # what slides clearly is at its limit, and at that of the other way where both are zero
+        if p.pair_way[i] != 0 and x.active[i] != 0 and x.open[i] == 0:
+            p.open[p.pair_of[i]] = 0
 
 
 def give_friction(p: LawProblem, k: int, row: int, pair: int, pairs: int) -> None:

@@ -163,6 +163,7 @@ def full_steps(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
     update = math.inf
     share = math.inf
     turns = 0
+    small = False
     fit(work.trial, frees)
     for step in range(STEPS):
         with_free(mode, n, work.base, r, w)
@@ -179,7 +180,8 @@ def full_steps(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
             return False
         mode.regular = newton_step(e, rows, frees)
         if not mode.regular and stands_still(e, mode, rows, frees):
-            return False
+            # after a step that was next to nothing, what cannot be reached may be rounding
+            return small and put_back(e, mode, v, w)
         scale = largest_of(n, work.base) + largest_of(frees, r)
         previous = update
         update = largest_of(frees, work.step.at)
@@ -211,7 +213,8 @@ def full_steps(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
             # from far away a step leaves rounding of where it began: the next one does not
             if exact and step > 0:
                 return False
-    return False
+    with_free(mode, n, work.base, r, w)
+    return small and put_back(e, mode, v, w)
 
 
 def residuals_fall(e: Engine, rows: int) -> bool:
