@@ -43,7 +43,7 @@ def made(expression: str) -> Any:
 def test_a_range_holds_what_lies_in_it(expression: str) -> None:
     m = made(expression)
     assert m.courses >= 1  # kinks are courses too, behind it
-    r = make_ranges(m.course_nodes)
+    r = make_ranges(m.course_nodes, m.course_plants)
     v = floats(2 * m.slots)
     root = m.course_root[0]
     for a, b in WINDOWS:
@@ -69,7 +69,7 @@ def test_a_range_holds_what_lies_in_it(expression: str) -> None:
 def test_what_has_no_value_somewhere_is_unbounded() -> None:
     for expression in ("1/(t - 0.5)", "log(t - 0.5)*exp(t)", "tan(3.2*t)", "(t - 0.5)^-2*exp(t)"):
         m = made(expression)
-        r = make_ranges(m.course_nodes)
+        r = make_ranges(m.course_nodes, m.course_plants)
         range_parts(m, r, floats(2 * m.slots), 0.45, 0.55)
         root = m.course_root[0]
         assert math.inf in (-r.low[root], r.high[root])
@@ -93,7 +93,7 @@ def test_sines_of_lines_are_told_from_what_else_moves(
     """A product is as fast as its factors together."""
     m = made(expression)
     kinds, fast = ints(m.course_nodes), floats(m.course_nodes)
-    find_kinds(m, make_ranges(m.course_nodes), kinds, fast)
+    find_kinds(m, make_ranges(m.course_nodes, m.course_plants), kinds, fast)
     assert kinds[m.course_root[0]] == kind
     if fastest is not None:
         assert fast[m.course_root[0]] == pytest.approx(fastest)

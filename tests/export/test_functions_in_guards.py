@@ -32,6 +32,16 @@ TIMES = {
     "max(x, 0.5) > 0.61": 0.61,
     "x^3 > 0.2": 0.2 ** (1 / 3),
     "(if x > 0.4 then 1 else 0) > 0.5": 0.4,
+    # numbers on the way are beyond all numbers, what is compared is not
+    "log(1 + exp(1e3*x)) >= 810": 0.81,
+    "log(2*exp(-1e3*x) + 3*exp(1e3*x)) > 820": 0.82 - 1e-3 * math.log(3),
+    "exp(900*x - 900)/(1 + exp(900*x - 900)) > 0.5": 1.0,
+    "sinh(900*x - 900)/cosh(900*x - 900) > 0.5": 1.0 + math.atanh(0.5) / 900,
+    "(exp(9e2*x - 9e2) - exp(9e2 - 9e2*x))/(exp(9e2*x - 9e2) + exp(9e2 - 9e2*x)) > 0.5": (
+        1.0 + math.atanh(0.5) / 900
+    ),
+    "sqrt((1e200*x)^2 + (5e199)^2) > 1.5e200": math.sqrt(2.25 - 0.25),
+    "exp(1e3*x)*exp(-1e3*x)*x >= 0.83": 0.83,
 }
 """When each guard begins to hold, where `x` is the time."""
 

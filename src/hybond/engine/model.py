@@ -433,12 +433,16 @@ class Model:
     course_root: Ints
     course_group: Ints  # of those that are terms of one sum: the same number
     course_value: Ints
+    course_phase: Ints  # 1: what the plant moves has a say in it, 0: all of it is known
     course_first: Ints  # of each: when it counts, by kind and number; a kind is one of four
     course_user: Ints  # 0: always, 1: where a source acts, 2: a switch is ON, 3: a rule is asked
     course_index: Ints
     course_place: Ints  # who says it: an element, -1: the rate of a signal, else ``-2 - rule``
-    course_signals: int  # integrated signals whose rates time alone says
+    course_signals: int  # integrated signals that they read, each behind what its rate reads
     course_signal: Ints
+    course_phases: int
+    course_plants: int  # bond variables and what is stored: the slots that they read
+    course_plant: Ints
     course_nodes: int
     course_op: Ints
     course_left: Ints

@@ -187,7 +187,7 @@ class Formulas:
 
     def pairs(self, tree: e.Expr) -> Block:
         """Return the calls that leave an expression on top of the stack of pairs."""
-        code: list[Statement] = fold(tree, self._paired)
+        code: list[Statement] = fold(stable(tree), self._paired)
         return Block(tuple(code))
 
     def _do(self, function: str, *args: Expr) -> Statement:

@@ -56,7 +56,8 @@ OPPOSITE: Final = 48
 CHOOSE: Final = 49  # of two, by the third
 ARC: Final = 50
 """Of two numbers; what has a number of `code` is as there."""
-AT_SIGNAL: Final = 51  # and its slot, and the part that is its rate
+AT_SIGNAL: Final = 51  # its slot, the part that is its rate, and 1: the plant has a say in it
+AT_PLANT: Final = 52  # and its slot, and which one: its rate is what it was of late
 STEADY: Final = 0
 """Of a part: it is a number; it is held; a line in time; made of sines of lines; none of these."""
 STILL: Final = 1
@@ -67,7 +68,10 @@ MOST_POWER: Final = 32.0
 
 
 def range_parts(m: Model, r: Ranges, v: Floats, a: float, b: float) -> None:
-    """Put the ranges of all parts in ``[a, b]`` there; `v` has values of its own time."""
+    """Put the ranges of all parts in ``[a, b]`` there; `v` has values of its own time.
+
+    What the plant moves may go on twice as fast as it did of late (`r.late`), or stay.
+    """
     for k in range(m.course_nodes):
         what = m.course_op[k]
         i = m.course_left[k]
@@ -91,6 +95,10 @@ def range_parts(m: Model, r: Ranges, v: Floats, a: float, b: float) -> None:
             high = greatest_product(a - v[0], b - v[0], r.low[j], r.high[j])
             put_range(r, k, v[i] + low, v[i] + high)
             put_rates(r, k, r.low[j], r.high[j])
+        elif what == AT_PLANT:
+            most = 2.0 * r.late[j]
+            put_range(r, k, v[i] + min(most, 0.0) * (b - v[0]), v[i] + max(most, 0.0) * (b - v[0]))
+            put_rates(r, k, min(most, 0.0), max(most, 0.0))
         elif what == ADD:
             put_range(r, k, r.low[i] + r.low[j], r.high[i] + r.high[j])
             put_rates(r, k, r.low_rate[i] + r.low_rate[j], r.high_rate[i] + r.high_rate[j])
@@ -299,8 +307,10 @@ def find_kinds(m: Model, r: Ranges, kind: Ints, fast: Floats) -> None:
             kind[k] = LINE
             fast[k] = 1.0
         elif what == AT_SIGNAL:
-            kind[k] = LINE if kind[j] == STEADY else OTHER
-            fast[k] = r.low[j]
+            kind[k] = LINE if kind[j] == STEADY or m.course_third[k] != 0 else OTHER
+            fast[k] = r.low[j] if kind[j] == STEADY else 0.0
+        elif what == AT_PLANT:
+            kind[k] = LINE
         elif what == HELD:
             kind[k] = STILL
         elif what == AT_INPUT:

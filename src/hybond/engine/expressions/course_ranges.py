@@ -35,21 +35,26 @@ ROUND: Final = 2.0 * math.pi
 
 @record
 class Ranges:
-    """Of each part of courses: the least and the greatest value, and those of its rate."""
+    """Of each part of courses: the least and the greatest value, and those of its rate.
+
+    `late` is the rate of what the plant moves, of late.
+    """
 
     low: Floats
     high: Floats
     low_rate: Floats
     high_rate: Floats
+    late: Floats
 
 
-def make_ranges(n: int) -> Ranges:
-    """Return room for n parts."""
+def make_ranges(n: int, plants: int) -> Ranges:
+    """Return room for n parts, and for so many that the plant moves."""
     r = Ranges()
     r.low = floats(n)
     r.high = floats(n)
     r.low_rate = floats(n)
     r.high_rate = floats(n)
+    r.late = floats(plants)
     return r
 
 

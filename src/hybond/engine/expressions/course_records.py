@@ -31,9 +31,18 @@ class Courses:
     the one with it was."""
     peak_at: Floats
     told: Ints
+    plant: Floats
+    plant_at: float
+    """What the plant had at the last look, and when that was; -infinity: in another mode."""
+    seen: Floats
+    state: Floats
+    rate: Floats
+    """Room for values, a state and its rate."""
     end: float
     length: float
     blind: float
+    lost: int
+    """A course of a phase that is not seen however near, -1: there is none."""
     hidden: int
     """The last course that was not seen in an interval."""
 
@@ -43,12 +52,18 @@ def make_courses(m: Model) -> Courses:
     c = Courses()
     c.kind = ints(m.course_nodes)
     c.fast = floats(m.course_nodes)
-    c.ranges = make_ranges(m.course_nodes)
+    c.ranges = make_ranges(m.course_nodes, m.course_plants)
     c.size = floats(m.courses)
     c.peak = floats(m.courses)
     c.last = floats(m.courses)
     c.last_length = floats(m.courses)
     c.peak_at = floats(m.courses)
     c.told = ints(m.courses)
+    c.plant = floats(m.course_plants)
+    c.plant_at = -math.inf
+    c.lost = -1
+    c.seen = floats(2 * m.slots)
+    c.state = floats(m.storages + m.integrals)
+    c.rate = floats(m.storages + m.integrals)
     c.end = -math.inf
     return c

@@ -18,6 +18,8 @@ DEPTH: Final = 256
 """Pairs that the stack has room for; tables with expressions that need more are refused."""
 ROUNDING: Final = 1e-13
 """A difference below this part of its terms is rounding, hence zero."""
+LARGEST: Final = 1e300
+"""The size of a term that is beyond all numbers: sums of such sizes are numbers."""
 IMPULSE_RTOL: Final = 1e-9
 """An impulse below this part of the largest one or stored quantity of its kind is zero."""
 
@@ -219,11 +221,15 @@ def divide(s: Stack) -> None:
 
 
 def put_plain(s: Stack, k: int, finite: float, before: float) -> None:
-    """Make pair k one that carries no impulse."""
+    """Make pair k one that carries no impulse.
+
+    A value beyond all numbers is more than rounding, unless it comes of one that is no value.
+    """
+    beyond = math.fabs(finite) == math.inf and math.isfinite(s.size[k])
     s.finite[k] = finite
     s.impulse[k] = 0.0
     s.before[k] = before
-    s.size[k] = math.fabs(finite)
+    s.size[k] = LARGEST if beyond else math.fabs(finite)
     s.impulse_size[k] = 0.0
 
 

@@ -97,6 +97,8 @@ class Mode:
     """Which course has the fastest of them, -1: none does."""
     moves: bool
     """Whether other courses of time count there, and which: `course`."""
+    phased: bool
+    """Whether courses of phases that the plant moves do."""
     course: Ints
     pace: int
     """Which of the sizes of steps that are remembered is that of the mode."""

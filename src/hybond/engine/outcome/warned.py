@@ -29,7 +29,7 @@ TIMELESS = (
 )
 """Those whose text does not say when: once said, they are said."""
 SLIDES, ABOVE = 0, 1
-UNBOUNDED = 0
+UNBOUNDED, LOST = 0, 2
 """Why what time does is not seen: as in `hybond.engine.run.courses_ahead`."""
 REBOUNDS, NO_SOLUTION, NO_SIGN, OPEN = 0, 1, 2, 3
 """Why a contact cannot rest: as in `hybond.engine.contacts.unrest`."""
@@ -259,6 +259,12 @@ class Warnings:
             return (
                 f"what time does {who} has no bound at t = {t:.9g} s: what it does there is not "
                 "resolved; max_step bounds the steps around it"
+            )
+        if why == LOST:
+            return (
+                f"what a phase does {who} is not foreseen (first at t = {t:.9g} s), however near: "
+                "it bounds no step, and what is narrow in it may be passed over; max_step bounds "
+                "the steps"
             )
         return (
             f"fixed steps are too long for what time does {who} (first at t = {t:.9g} s): peaks "

@@ -3,7 +3,8 @@
 What depends on time alone is known before it is met. Of sums and products of sines the fastest one
 bounds all steps. Of any other course the range of its rate over an interval ahead says how far it
 can go there and come back: nowhere, or not much farther than its ends and its middle show, or else
-the interval is halved. So a pulse is approached by halves, and what is flat costs nothing.
+the interval is halved. So a pulse is approached by halves, and what is flat costs nothing. What
+phases of the plant do is looked at in the same way from step to step, by how fast they move.
 """
 
 from __future__ import annotations
@@ -15,13 +16,13 @@ from hybond.engine.answers import value
 from hybond.engine.engine import Engine
 from hybond.engine.expressions.course_parts import OTHER, SINES, find_kinds, range_parts
 from hybond.engine.expressions.course_ranges import farthest
-from hybond.engine.inputs.interval import set_time
 from hybond.engine.methods.fixed import EULER, RK4
 from hybond.engine.methods.one_instant import room_of_instant
 from hybond.engine.methods.scale import measure_ahead
 from hybond.engine.mode.mode_records import Mode, Reads
 from hybond.engine.mode.values import set_motion
 from hybond.engine.reasons.warned import COURSE_UNSEEN, add_about, begin_warning
+from hybond.engine.run.phases import put_now, put_signals, see_plant
 from hybond.engine.run.run_records import bound_of
 from hybond.engine.timestepping.step_records import MOREAU
 
@@ -37,6 +38,8 @@ NOTHING: Final = 1e-30
 """What a course is before a pulse, as a part of that: not what grows into it."""
 MIDDLE: Final = 0.5127
 """Where about the middle is, so that nothing symmetrical is met there by chance."""
+NEAR: Final = 1e-13
+"""Part of the run in which a phase is no longer foreseen: its own digits end there."""
 LITTLE: Final = 0.25
 """Part of what it is that a course may go at the most for places to say whether it is even."""
 PLACES: Final = 16
@@ -50,6 +53,7 @@ OF_SOURCE: Final = 1
 OF_SWITCH: Final = 2
 UNBOUNDED: Final = 0
 PASSED_OVER: Final = 1
+LOST: Final = 2
 """Why a course is not seen."""
 
 
@@ -68,6 +72,7 @@ def begin_courses(e: Engine, read: Reads) -> None:
     if e.slide.k > 0:
         e.mode.longest = 0.0
     c.end = -math.inf
+    c.plant_at = -math.inf
     for k in range(e.model.courses if e.mode.moves else 0):
         measure_peak(e, k)
 
@@ -79,6 +84,7 @@ def count_courses(e: Engine, mode: Mode, read: Reads) -> None:
     mode.longest = math.inf
     mode.fastest = -1
     mode.moves = False
+    mode.phased = False
     for k in range(m.courses):
         counts = e.slide.k > 0
         pulse = c.kind[m.course_root[k]] == OTHER
@@ -87,8 +93,10 @@ def count_courses(e: Engine, mode: Mode, read: Reads) -> None:
             counts = counts or (pulse and m.course_user[p] == OF_SOURCE)
             counts = counts or is_used(e, mode, read, m.course_user[p], m.course_index[p])
         root = m.course_root[k]
-        mode.course[k] = 1 if counts and pulse else 0
-        mode.moves = mode.moves or mode.course[k] != 0
+        phase = m.course_phase[k] != 0
+        mode.course[k] = 1 if counts and pulse and not (phase and e.slide.k > 0) else 0
+        mode.phased = mode.phased or (phase and mode.course[k] != 0)
+        mode.moves = mode.moves or (not phase and mode.course[k] != 0)
         if counts and c.kind[root] == SINES and c.fast[root] > 0.0:
             mode.fastest = k if TURN / c.fast[root] < mode.longest else mode.fastest
             mode.longest = min(mode.longest, TURN / c.fast[root])
@@ -111,7 +119,7 @@ def watch_courses(e: Engine, end: float) -> None:
         mode.moves = False
         for k in range(m.courses):
             root = m.course_root[k]
-            mode.course[k] = 1 if c.kind[root] == OTHER else 0
+            mode.course[k] = 1 if c.kind[root] == OTHER and m.course_phase[k] == 0 else 0
             mode.moves = mode.moves or mode.course[k] != 0
             if c.kind[root] == SINES and c.fast[root] > 0.0:
                 mode.fastest = k if TURN / c.fast[root] < mode.longest else mode.fastest
@@ -150,10 +158,18 @@ def end_ahead(e: Engine, end: float) -> float:
     fixed = m.method == RK4 or m.method == EULER or m.method == MOREAU
     if fixed and m.step > e.longest:
         tell_unseen(e, e.mode.fastest, PASSED_OVER)
-    if not e.mode.moves:
+    if not (e.mode.moves or e.mode.phased):
         return end
-    if c.end < end and not c.end - e.t > USED * c.length:
+    if e.mode.phased:
+        see_plant(e, bound_of(e))
+    if e.mode.phased or (c.end < end and not c.end - e.t > USED * c.length):
         look_ahead(e, bound_of(e))
+        while c.lost >= 0:
+            # what is not foreseen however near bounds no step
+            e.mode.course[c.lost] = 0
+            tell_unseen(e, c.lost, LOST)
+            c.length = 0.0
+            look_ahead(e, bound_of(e))
         if fixed and c.length < m.step and c.end < end:
             tell_unseen(e, c.hidden, PASSED_OVER)
     return end if fixed else min(end, c.end)
@@ -179,15 +195,19 @@ def look_ahead(e: Engine, bound: float) -> None:
     left = bound - e.t
     least = room_of_instant(e, e.t)
     length = min(2.0 * c.length, left) if c.length > 0.0 else left
-    set_motion(e, e.v, e.t, e.y)
+    put_now(e)
     for k in range(m.courses):
         c.last[k] = 0.0
         c.last_length[k] = 0.0
+    c.lost = -1
     hidden = find_hidden(e, e.t, e.t + length)
     while hidden >= 0 and length > least:
         c.hidden = hidden
         length *= 0.5
         hidden = find_hidden(e, e.t, e.t + length)
+        if hidden >= 0 and m.course_phase[hidden] != 0 and length <= NEAR * e.span:
+            c.lost = hidden
+            return
     if hidden >= 0:
         # past it, in longer and longer steps
         c.blind = 2.0 * c.blind if c.blind > 0.0 else 4.0 * least
@@ -220,6 +240,8 @@ def find_hidden(e: Engine, a: float, b: float) -> int:
         if way <= FLAT * max(size, least):
             continue
         steep = not math.isfinite(way)
+        if steep and m.course_phase[k] != 0:
+            continue
         shown = spread_of(e, k, a, b, not steep)
         range_ = r.high[root] - r.low[root]
         seen = way <= SHOWN * shown or (steep and range_ <= MONOTONE * shown)
@@ -244,7 +266,7 @@ def see_peaks(e: Engine) -> None:
     for k in range(m.courses):
         root = m.course_root[k]
         here = farthest(c.ranges.low[root], c.ranges.high[root])
-        if e.mode.course[k] == 0 or not c.last[k] > c.peak[k]:
+        if e.mode.course[k] == 0 or m.course_phase[k] != 0 or not c.last[k] > c.peak[k]:
             continue
         if here > NOTHING * c.last[k]:
             continue
@@ -258,7 +280,7 @@ def top_of(e: Engine, k: int, a: float, b: float) -> float:
     r = e.courses.ranges
     root = e.model.course_root[k]
     least = room_of_instant(e, a)
-    set_motion(e, e.v, e.t, e.y)
+    put_now(e)
     while b - a > least:
         middle = 0.5 * (a + b)
         range_parts(e.model, r, e.v, a, middle)
@@ -285,11 +307,10 @@ def spread_of(e: Engine, k: int, a: float, b: float, inside: bool) -> float:
     for i in range(3 if inside else 2):
         t = a if i == 0 else b if i == 1 else a + MIDDLE * (b - a)
         put_signals(e, a, t)
-        set_time(e, e.v, t)
         here = value(m, m.course_value[k], e.v)
         low = min(low, here)
         high = max(high, here)
-    set_motion(e, e.v, a, e.y)
+    put_now(e)
     return high - low if math.isfinite(high - low) else 0.0
 
 
@@ -310,7 +331,6 @@ def is_even(e: Engine, k: int, a: float, b: float, way: float, least: float) -> 
     for i in range(PLACES + 1):
         t = a + (b - a) * float(i) / float(PLACES)
         put_signals(e, a, t)
-        set_time(e, e.v, t)
         here = value(m, m.course_value[k], e.v)
         low = min(low, here)
         high = max(high, here)
@@ -318,18 +338,8 @@ def is_even(e: Engine, k: int, a: float, b: float, way: float, least: float) -> 
             bend = max(bend, math.fabs(here - before - change))
         change = here - before
         before = here
-    set_motion(e, e.v, a, e.y)
+    put_now(e)
     size = max(math.fabs(low), math.fabs(high))
     if not (math.isfinite(size) and way <= LITTLE * max(size, least)):
         return False
     return bend <= max(EVEN * (high - low), FLAT * max(size, least))
-
-
-def put_signals(e: Engine, now: float, t: float) -> None:
-    """Put integrated signals whose rates time alone says there, as they will be at `t`."""
-    m = e.model
-    for i in range(m.course_signals):
-        k = m.course_signal[i]
-        set_time(e, e.v, now + 0.5 * (t - now))
-        rate = value(m, m.integral_rate[k], e.v)
-        e.v[m.signal_slot + k] = e.y[m.storages + k] + rate * (t - now)

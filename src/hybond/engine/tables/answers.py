@@ -13,7 +13,6 @@ from hybond.engine.tables.code import Code
 from hybond.engine.tables.columns import ModelTables
 from hybond.model.expressions import compile_expression
 from hybond.model.expressions.algebra import FLOATS
-from hybond.model.expressions.stable import stable
 
 FORMS = replace(FLOATS, call={**FLOATS.call, "softplus": softplus, "log_cosh": log_cosh})
 """What operations mean, those of `stable` among them."""
@@ -28,7 +27,7 @@ class Answers:
         self.stored, self.outputs = tables.stored, tables.outputs
         self.nodes, self.bonds, self.rules = tables.nodes, tables.bonds, tables.rules
         self.values: list[Callable[[Sequence[float]], float]] = [
-            compile_expression(stable(e), index, FORMS, pre_offset=size) for e in tables.values.all
+            compile_expression(e, index, FORMS, pre_offset=size) for e in tables.values.all
         ]
         self._code = Code(index, size)
         self._begins = [self._code.add(e, paired=True) for e in tables.pairs]

@@ -128,8 +128,7 @@ class Code:
         ModelError
             HB-E636 for one that needs a deeper stack than there is.
         """
-        form = e if paired else stable(e)
-        instructions, depth = fold(form, lambda *node: self._node(*node, paired=paired))
+        instructions, depth = fold(stable(e), lambda *node: self._node(*node, paired=paired))
         if depth > c.DEEPEST:
             raise ModelError(
                 f"an expression needs {depth} intermediate values at once",

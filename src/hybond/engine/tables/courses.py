@@ -1,17 +1,21 @@
 """Tables of courses: what time alone does in laws, sources, rates, guards and kinks.
 
 A course is known before it is met, so that a step can be chosen by what lies ahead of it
-(`engine.run.courses_ahead`). Sums are taken apart: each term is a course of its own.
+(`engine.run.courses_ahead`). Sums are taken apart: each term is a course of its own. What a phase
+of the plant does, such as the angle of a flywheel, is a course too: it is foreseen by how fast its
+argument moves.
 """
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 from hybond.engine.expressions import code as c
 from hybond.engine.expressions.course_parts import (
     ARC,
     AT_INPUT,
+    AT_PLANT,
     AT_SIGNAL,
     AT_TIME,
     BOTH,
@@ -46,13 +50,17 @@ from hybond.model.expressions import (
     simplify,
     uses_pre,
 )
-from hybond.model.expressions.tree import children, fold, walk
+from hybond.model.expressions.stable import stable
+from hybond.model.expressions.tree import children, fold, transform, walk
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
 ALWAYS, OF_SOURCE, OF_SWITCH, OF_RULE = 0, 1, 2, 3
 """When a course counts: always, where a source acts, a switch is ON, a rule is asked."""
+_PLANT = ("e:", "f:", "x:")
+_TURNING = ("sin", "cos", "tan", "mod", "exp", "tanh", "cosh", "sinh")
+"""Functions by which what moves evenly can do something in no time."""
 _ARITHMETIC = {"+": c.ADD, "-": c.SUBTRACT, "*": c.MULTIPLY, "/": c.DIVIDE, "^": c.RAISE}
 _CALLED = {"abs": c.ABSOLUTE, "sign": c.SIGN, "hypot": c.LENGTH, "min": c.LEAST, "max": c.GREATEST}
 _COMPARED = {"<": LESS, "<=": LESS, ">": GREATER, ">=": GREATER, "==": SAME, "!=": SAME}
@@ -63,17 +71,21 @@ def put_courses(t: ModelTables) -> None:
     users: dict[Expr, dict[tuple[int, int], None]] = {}
     group: dict[Expr, int] = {}
     wholes: dict[Expr, int] = {}
+    phases: set[Expr] = set()
     for e, user in _read(t):
-        for whole in _timed_parts(t, e):
+        for whole in (*_timed_parts(t, e), *_phased(t, e, user)):
             for term in _terms(whole):
-                if _bends(term):
+                phased = _has_phase(t, term)
+                if _bends(term) and (phased or _of_time(t, term)):
                     if term not in group:
                         group[term] = wholes.setdefault(whole, len(wholes))
                     users.setdefault(term, {})[user] = None
+                    phases |= {term} if phased else set()
     made = _Making(t)
-    t.ints["course_root"] = [made.place_of(e) for e in users]
+    t.ints["course_root"] = [made.place_of(_bounded(e)) for e in users]
     t.ints["course_group"] = [group[e] for e in users]
     t.ints["course_place"] = [_place_of(t, *next(iter(own))) for own in users.values()]
+    t.ints["course_phase"] = [int(e in phases) for e in users]
     t.ints["course_value"] = [t.values.number(e) for e in users]
     rows = [list(own) for own in users.values()]
     put_rows(t, "course_first", rows, course_user=INTS, course_index=INTS)
@@ -82,7 +94,9 @@ def put_courses(t: ModelTables) -> None:
         t.ints[name] = [int(node[k]) for node in nodes]
     t.floats["course_number"] = made.numbers
     t.ints["course_signal"] = list(made.signals)
+    t.ints["course_plant"] = list(made.plants)
     t.numbers.update(courses=len(users), course_nodes=len(nodes), course_signals=len(made.signals))
+    t.numbers.update(course_plants=len(made.plants), course_phases=len(phases))
 
 
 def _read(t: ModelTables) -> Iterator[tuple[Expr, tuple[int, int]]]:
@@ -90,7 +104,9 @@ def _read(t: ModelTables) -> Iterator[tuple[Expr, tuple[int, int]]]:
     for k, number in enumerate(t.ints["source_value"]):
         if number >= 0:
             yield t.values.all[number], (OF_SOURCE, k)
-    for name in ("dynamic_value", "co_energy", "integral_rate"):
+    for number, node in zip(t.ints["dynamic_value"], t.ints["dynamic_node"], strict=True):
+        yield t.values.all[number], (ALWAYS, node + 1)
+    for name in ("co_energy", "integral_rate"):
         for number in t.ints[name]:
             if number >= 0:
                 yield t.values.all[number], (ALWAYS, 0)
@@ -111,7 +127,7 @@ def _place_of(t: ModelTables, user: int, which: int) -> int:
     """Return who says a course: an element, -1: the rate of a signal, else ``-2 - rule``."""
     if user == OF_SOURCE:
         return t.ints["source_node"][which]
-    return -2 - which if user == OF_RULE else -1
+    return -2 - which if user == OF_RULE else which - 1
 
 
 def _timed_parts(t: ModelTables, e: Expr) -> list[Expr]:
@@ -135,21 +151,82 @@ def _timed_parts(t: ModelTables, e: Expr) -> list[Expr]:
     return found
 
 
+def _of_time(t: ModelTables, e: Expr) -> bool:
+    """Whether all that an expression reads is known beforehand."""
+    return all(_is_known(t, n) for n in names(e)) and not uses_pre(e)
+
+
+def _phased(t: ModelTables, e: Expr, user: tuple[int, int]) -> list[Expr]:
+    """Return an expression if a phase of the plant turns something in it."""
+    return [e] if not uses_pre(e) and user[0] != OF_SWITCH and _has_phase(t, e) else []
+
+
+def _has_phase(t: ModelTables, e: Expr) -> bool:
+    """Whether a function in it reads a phase that the plant moves, and all else is there to see."""
+    if any(n.startswith("u:") and not _is_known(t, n) for n in names(e)):
+        return False
+    return any(
+        _is_phase(t, argument)
+        for part, _ in walk(e)
+        if isinstance(part, Call) and part.function in _TURNING
+        for argument in part.args
+    )
+
+
+def _is_phase(t: ModelTables, e: Expr) -> bool:
+    """Whether an argument goes on with time by what the plant says."""
+    read = names(e)
+    if any(n.startswith("s:") and not _is_known(t, n) for n in read):
+        return True
+    plant = any(n.startswith(_PLANT) for n in read)
+    return plant and any(_moves(t, n) or n.startswith("x:") for n in read)
+
+
 def _moves(t: ModelTables, name: str) -> bool:
     """Whether a name stands for what goes on with time while nothing happens."""
     return name == "time" or (name.startswith(("u:", "s:")) and _is_known(t, name))
 
 
 def _is_known(t: ModelTables, name: str) -> bool:
-    """Whether all is known of it beforehand: of a signal, by a rate that reads no other."""
-    kind, _, index = name.partition(":")
-    if kind in ("u", "du"):
-        return t.ints["input_kind"][int(index)] != CALLED
-    if kind == "s":
-        rate = t.values.all[t.ints["integral_rate"][int(index)]]
-        plain = all(not n.startswith("s:") and _is_known(t, n) for n in names(rate))
-        return plain and not uses_pre(rate)
-    return kind in ("time", "on", "in", "at")
+    """Whether all is known of it beforehand: of a signal, by rates that read none of themselves."""
+    signals = _behind(t, name)
+    read = {name}.union(*(names(_rate_of(t, n)) for n in signals))
+    if _goes_round(t, name) or any(uses_pre(_rate_of(t, n)) for n in signals):
+        return False
+    for other in read:
+        kind, _, index = other.partition(":")
+        if kind in ("u", "du"):
+            if t.ints["input_kind"][int(index)] == CALLED:
+                return False
+        elif kind not in ("s", "time", "on", "in", "at"):
+            return False
+    return True
+
+
+def _behind(t: ModelTables, name: str) -> set[str]:
+    """Return the integrated signals that a signal is made of, itself among them."""
+    found: set[str] = set()
+    stack = [name]
+    while stack:
+        other = stack.pop()
+        if other.startswith("s:") and other not in found:
+            found.add(other)
+            stack += names(_rate_of(t, other))
+    return found
+
+
+def _goes_round(t: ModelTables, name: str) -> bool:
+    """Whether a signal, or one that it is made of, reads itself by its rate."""
+    return any(
+        n in _behind(t, other)
+        for n in _behind(t, name)
+        for other in names(_rate_of(t, n))
+        if other.startswith("s:")
+    )
+
+
+def _rate_of(t: ModelTables, name: str) -> Expr:
+    return t.values.all[t.ints["integral_rate"][int(name.partition(":")[2])]]
 
 
 def _terms(e: Expr) -> list[Expr]:
@@ -182,6 +259,24 @@ def _bends(e: Expr) -> bool:
     )
 
 
+def _bounded(e: Expr) -> Expr:
+    """Return an expression in a form whose parts have bounds where it has."""
+    return transform(stable(e), _in_parts)
+
+
+def _in_parts(e: Expr) -> Expr:
+    """Return what has no range of its own as what has: ``max(u, 0) + log(1 + exp(-abs(u)))``."""
+    match e:
+        case Call("softplus", (u,)):
+            one = Number(1.0)
+            rest = Binary("+", one, Call("exp", (Neg(Call("abs", (u,))),)))
+            return Binary("+", Call("max", (u, Number(0.0))), Call("log", (rest,)))
+        case Call("log_cosh", (u,)):
+            twice = _in_parts(Call("softplus", (Binary("*", Number(2.0), u),)))
+            return Binary("-", twice, Binary("+", u, Number(math.log(2.0))))
+    return e
+
+
 class _Making:
     """What courses are made of, the same part once: rows of what it is, and what it works on."""
 
@@ -191,6 +286,8 @@ class _Making:
         self.numbers: list[float] = []
         self.kept: dict[float, int] = {}
         self.signals: dict[int, None] = {}
+        """Each behind those that its rate reads."""
+        self.plants: dict[int, int] = {}
 
     def place_of(self, e: Expr) -> int:
         """Return where an expression stands among the parts."""
@@ -215,10 +312,16 @@ class _Making:
             case Name(path):
                 kind, _, index = path.partition(":")
                 if kind == "s":
-                    rate = self.t.values.all[self.t.ints["integral_rate"][int(index)]]
-                    if names(rate) or rate != Number(0.0):
+                    rate = _rate_of(self.t, path)
+                    moves = bool(names(rate)) or rate != Number(0.0)
+                    if moves and not _goes_round(self.t, path) and not uses_pre(rate):
+                        at = self.place_of(_bounded(rate))
                         self.signals[int(index)] = None
-                        return self._put(AT_SIGNAL, self.t.slots.index[path], self.place_of(rate))
+                        known = _is_known(self.t, path)
+                        return self._put(AT_SIGNAL, self.t.slots.index[path], at, int(not known))
+                if kind in ("e", "f", "x") or (kind == "s" and moves):
+                    slot = self.t.slots.index[path]
+                    return self._put(AT_PLANT, slot, self.plants.setdefault(slot, len(self.plants)))
                 if kind == "u" and self.t.ints["input_kind"][int(index)] != FREE:
                     return self._put(AT_INPUT, int(index))
                 return self._put(HELD, self.t.slots.index[path])

@@ -50,7 +50,8 @@ class Algebra:
     where: Callable[[Any, Any, Any], Any]
     """``where(c, a, b)``, `a` where `c` is true, else `b`."""
     call: Mapping[str, Callable[..., Any]]
-    """From each name of `FUNCTIONS` to its function."""
+    """From each name of `FUNCTIONS` to its function; those of `stable` beside them let
+    `compile_expression` write in that way what would overflow."""
     const: Callable[[float], Any]
     """The value of a Python float or bool of the text."""
     table: Callable[[Points, Points, str], Closure]
@@ -191,6 +192,27 @@ _UFUNC: dict[str, Callable[..., Any]] = {
 }
 
 
+def _softplus(a: float) -> float:
+    return max(a, 0.0) + math.log1p(math.exp(-abs(a)))
+
+
+def _log_cosh(a: float) -> float:
+    size = abs(a)
+    if size < 1.0:
+        return math.log1p(2.0 * math.sinh(0.5 * size) ** 2)
+    return size + (math.log1p(math.exp(-2.0 * size)) - math.log(2.0))
+
+
+def _softplus_arrays(a: Any) -> Any:
+    return np.logaddexp(0.0, a, dtype=np.float64)
+
+
+def _log_cosh_arrays(a: Any) -> Any:
+    size = np.abs(a, dtype=np.float64)
+    near = np.log1p(2.0 * np.sinh(0.5 * np.minimum(size, 1.0)) ** 2)
+    return np.where(size < 1.0, near, size + (np.log1p(np.exp(-2.0 * size)) - math.log(2.0)))
+
+
 def _real(ufunc: Callable[..., Any]) -> Callable[..., Any]:
     # bool - bool is an error in NumPy and bool + bool is `or`: a comparison counts as 0 or 1.
     return lambda *args: ufunc(*args, dtype=np.float64)
@@ -239,6 +261,8 @@ FLOATS = Algebra(
         "mod": _quiet(operator.mod, np.mod),
         "min": _least,
         "max": _most,
+        "softplus": _softplus,
+        "log_cosh": _log_cosh,
     },
     const=same,
     table=_table,
@@ -263,6 +287,8 @@ ARRAYS = Algebra(
         **{f: _real(ufunc) for f, ufunc in _UFUNC.items()},
         "min": _fold(np.minimum),
         "max": _fold(np.maximum),
+        "softplus": _softplus_arrays,
+        "log_cosh": _log_cosh_arrays,
     },
     const=cast("Callable[[float], Any]", np.asarray),
     table=_table_arrays,

@@ -1,19 +1,36 @@
 """Forms of the same value in which no number on the way is too large, and no small one is lost.
 
 ``log(1 + exp(x))`` is x where the exponential has no number any more, and the exponential itself
-where beside 1 nothing is left of it. ``softplus`` and ``log_cosh`` are no functions of the
-language: they stand where an expression is evaluated, and in no text.
+where beside 1 nothing is left of it; a quotient of sums of exponentials has a value where both
+have none, and the length of what is 1e200 both ways is no more than 1.5e200. ``softplus`` and
+``log_cosh`` are no functions of the language: they stand where an expression is evaluated, and in
+no text.
 
 Source: W. Kahan, "Branch cuts for complex elementary functions", 1987, on ``log(1 + x)``.
 """
 
 from __future__ import annotations
 
+import math
+
+from hybond.model.expressions.exponentials import (
+    Term,
+    difference,
+    is_number,
+    largest,
+    minus,
+    over,
+    scaled,
+    steep,
+    terms_of,
+    times,
+    total,
+)
 from hybond.model.expressions.slots import is_slotted
 from hybond.model.expressions.tree import Binary, Call, Expr, Neg, Number, transform, walk
 
-_STEEP = ("exp", "cosh")
-"""Functions that are beyond all numbers of what is not."""
+_MENDED = ("exp", "sinh", "cosh", "sqrt")
+"""Functions without which there is nothing to be said in another way."""
 
 
 def stable(e: Expr) -> Expr:
@@ -24,12 +41,15 @@ def stable(e: Expr) -> Expr:
     >>> from hybond.model.expressions import parse
     >>> print(stable(parse("k*log(1 + exp(x/w))")))
     k*softplus(x/w)
-    >>> print(stable(parse("exp(x)/(1 + exp(x))")))
-    1/(1 + exp(-x))
+    >>> print(stable(parse("exp(x)/(1 + exp(x)) - sinh(x)/cosh(x)")))
+    1/(1 + exp(-x)) - tanh(x)
+    >>> print(stable(parse("sqrt(x^2 + y^2) + log(k*exp(x))")))
+    hypot(x, y) + (log(k) + x)
     """
-    if not any(isinstance(part, Call) and part.function in _STEEP for part, _ in walk(e)):
-        return e
-    return transform(e, _stabler)
+    for part, _ in walk(e):
+        if isinstance(part, Call) and part.function in _MENDED:
+            return transform(e, _stabler)
+    return e
 
 
 def familiar(e: Expr) -> Expr:
@@ -55,16 +75,122 @@ def _more_familiar(e: Expr) -> Expr:
 
 def _stabler(e: Expr) -> Expr:
     match e:
-        case Call("log", (Call("cosh", (u,)),)):
-            return Call("log_cosh", (u,))
         case Call("log", (under,)):
-            beside = beside_one(under)
-            return e if beside is None else Call("softplus", (beside,))
-        case Binary("/", Call("exp", (u,)) as above, below) if beside_one(below) == u:
-            assert isinstance(above, Call)
+            return _logarithm(under) or e
+        case Call("log10", (under,)):
+            found = _logarithm(under)
+            return e if found is None else Binary("/", found, Number(math.log(10.0)))
+        case Call("sqrt", (under,)):
+            return _root(under) or e
+        case Binary("/", above, below):
+            return _quotient(above, below) or e
+        case Binary("*", Call("exp", (u,)), Call("exp", (v,))):
+            return Call("exp", (total(u, v),))
+        case Binary("*", Binary("/", a, below), b) | Binary("*", b, Binary("/", a, below)):
+            return _quotient(times(a, b), below) or e
+    return e
+
+
+def _logarithm(e: Expr) -> Expr | None:
+    """Return the logarithm of a sum of exponentials, or of a number over one; None of others."""
+    beside = beside_one(e)
+    if beside is not None:
+        return Call("softplus", (beside,))
+    match e:
+        case Call("cosh", (u,)):
+            return Call("log_cosh", (u,))
+        case Binary("/", above, below) if is_number(above):
+            found = _logarithm(below)
+            if found is not None:
+                return minus(found) if is_number(above, 1.0) else Binary("-", _log(above), found)
+    terms = terms_of(e)
+    if not steep(terms):
+        return None
+    if len(terms) == 1:
+        ((a, u),) = terms
+        return u if is_number(a, 1.0) else total(_log(a), u)
+    if len(terms) == 2 and all(is_number(a) for a, _ in terms):
+        return _of_two(*terms)
+    most = largest(terms)
+    return total(most, Call("log", (scaled(terms, most),)))
+
+
+def _of_two(first: Term, second: Term) -> Expr:
+    """Return the logarithm of two exponentials with factors above zero: no small one is lost."""
+    (a, u), (b, v) = (second, first) if is_number(second[1], 0.0) else (first, second)
+    assert isinstance(a, Number)
+    assert isinstance(b, Number)
+    shift = Number(math.log(b.value) - math.log(a.value))
+    rest = Call("softplus", (total(difference(v, u), shift),))
+    return total(total(u, Number(math.log(a.value))), rest)
+
+
+def _quotient(above: Expr, below: Expr) -> Expr | None:
+    """Return the quotient of two sums of exponentials, None of others.
+
+    Both without the largest one of the denominator, which may be a power of a sum.
+    """
+    match above, below:
+        case Call("exp", (u,)), _ if beside_one(below) == u:
             one = Number(1.0)
             return Binary("/", one, Binary("+", one, Call("exp", (Neg(u),))))
-    return e
+        case Call("sinh", (u,)), Call("cosh", (v,)) if u == v:
+            return Call("tanh", (u,))
+        case Call("cosh", (u,)), Call("sinh", (v,)) if u == v:
+            return Binary("/", Number(1.0), Call("tanh", (u,)))
+    base, power = below, 1.0
+    while isinstance(base, Binary) and base.op == "^":
+        times_itself = base.right
+        if not (isinstance(times_itself, Number) and is_number(times_itself)):
+            break
+        base, power = base.left, power * times_itself.value
+    down = terms_of(base)
+    if not steep(down):
+        return None
+    up = terms_of(above)
+    if not steep(up):
+        return None
+    most = largest(down)
+    under = scaled(down, most)
+    under = under if base is below else Binary("^", under, Number(power))
+    return over(scaled(up, times(Number(power), most)), under)
+
+
+def _root(e: Expr) -> Expr | None:
+    """Return the root of an exponential, or of a sum of squares; None of others."""
+    terms = terms_of(e)
+    if len(terms) == 1 and steep(terms):
+        ((a, u),) = terms
+        half = Call("exp", (Binary("/", u, Number(2.0)),))
+        return half if is_number(a, 1.0) else Binary("*", Call("sqrt", (a,)), half)
+    sides = _sides(e)
+    if sides is None or all(isinstance(s, Number) for s in sides):
+        return None
+    if len(sides) == 1:
+        return Call("abs", (sides[0],))
+    found = sides[0]
+    for side in sides[1:]:
+        found = Call("hypot", (found, side))
+    return found
+
+
+def _sides(e: Expr) -> list[Expr] | None:
+    """Return of what a sum is the squares, None if it is another one."""
+    match e:
+        case Binary("+", left, right):
+            first, second = _sides(left), _sides(right)
+            return None if first is None or second is None else first + second
+        case Binary("^", base, two) if is_number(two, 2.0):
+            return [base]
+        case Binary("*", left, right) if left == right:
+            return [left]
+        case Number() if is_number(e):
+            return [Number(math.sqrt(e.value))]
+    return None
+
+
+def _log(a: Expr) -> Expr:
+    return Call("log", (a,))
 
 
 def beside_one(e: Expr) -> Expr | None:

@@ -1,0 +1,168 @@
+"""Pulses by a phase that is not written in the expression: none of them is passed over in silence.
+
+A phase turns by 20 rad from 0.5 on, and each time it is a multiple of pi something is not nothing
+for ``WIDTH`` of its turn. Six pulses, each of the area ``sqrt(pi)*WIDTH/speed`` to the square of
+the width.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import pytest
+
+import hybond as hb
+
+WIDTH = 1e-4
+PULSE = f"exp(-(sin(phase)/{WIDTH!r})^2)"
+MET = [k * math.pi - 0.5 for k in range(1, 7)]
+"""What the phase has turned by at each of them."""
+EVEN = sum(math.sqrt(math.pi) * WIDTH / 20.0 for _ in MET)
+
+
+def of_signals(**rates: str) -> Callable[[hb.Model, bool], None]:
+    def add(m: hb.Model, back: bool) -> None:
+        start = {"phase": 0.5, **({"speed": 20.0} if rates.get("speed") == "0*time" else {})}
+        m.signal(**{n: hb.Integral(r, start=start.get(n, 0.0)) for n, r in rates.items()})
+
+    return add
+
+
+def of_a_bond(
+    source: hb.Element, element: hb.Element, rate: str
+) -> Callable[[hb.Model, bool], None]:
+    """Return what adds a source on an element, and a phase that is the integral of what it says."""
+
+    def add(m: hb.Model, back: bool) -> None:
+        m.add(q=source, r=element, w=hb.One() if "f" in rate else hb.Zero())
+        m.bond("q -> w", "w -> r")
+        m.signal(phase=hb.Integral(rate, start=0.5))
+
+    return add
+
+
+def of_a_flywheel(m: hb.Model, back: bool) -> None:
+    m.add(J=hb.I(2.0, f=-20.0 if back else 20.0), w=hb.One(), bearing=hb.R(0.0))
+    m.bond("w -> J", "bearing -> w" if back else "w -> bearing")
+    m.signal(phase=hb.Integral("-w.f" if back else "w.f", start=0.5))
+
+
+def of_a_driven_flywheel(m: hb.Model, back: bool) -> None:
+    """From rest, by a torque that is constant: the phase is ``0.5 + 20 t^2``."""
+    m.add(J=hb.I(2.0), w=hb.One(), T=hb.Se(-80.0 if back else 80.0))
+    m.bond("w -> T" if back else "T -> w", "w -> J")
+    m.signal(phase=hb.Integral("w.f", start=0.5))
+
+
+def evenly(turned: float) -> float:
+    return 20.0
+
+
+PHASES: dict[str, tuple[Callable[[hb.Model, bool], None], Callable[[float], float]]] = {
+    "integral of a constant": (of_signals(phase="20"), evenly),
+    "integral of an integral": (of_signals(speed="0*time", phase="speed"), evenly),
+    "of a speed that grows": (of_signals(speed="40", phase="speed"), lambda s: math.sqrt(80.0 * s)),
+    "of three integrals": (
+        of_signals(a="120", speed="a", phase="speed"),
+        lambda s: 60.0 * (s / 20.0) ** (2.0 / 3.0),
+    ),
+    "flow of a source": (of_a_bond(hb.Sf(20.0), hb.R(1.0), "q.f"), evenly),
+    "flow of a resistor": (of_a_bond(hb.Se(40.0), hb.R(2.0), "r.f"), evenly),
+    "effort of a resistor": (of_a_bond(hb.Sf(40.0), hb.R(0.5), "r.e"), evenly),
+    "flywheel": (of_a_flywheel, evenly),
+    "driven flywheel": (of_a_driven_flywheel, lambda s: math.sqrt(80.0 * s)),
+}
+
+
+def into_c(m: hb.Model, back: bool) -> str:
+    m.add(s=hb.Sf(f"-{PULSE}" if back else PULSE), c=hb.C(1.0))
+    m.bond("c -> s" if back else "s -> c")
+    m.signal(charge=hb.Integral("-s.f" if back else "s.f"))
+    return "charge"
+
+
+def through_g(m: hb.Model, back: bool) -> str:
+    m.add(s=hb.Se(1.0), g=hb.G(PULSE), n=hb.Zero())
+    m.bond("s -> n", "g -> n" if back else "n -> g")
+    m.signal(charge=hb.Integral("-g.f" if back else "g.f"))
+    return "charge"
+
+
+def through_tf(m: hb.Model, back: bool) -> str:
+    m.add(s=hb.Sf(-1.0 if back else 1.0), t=hb.TF(PULSE), c=hb.C(1.0))
+    m.bond("s -> t -> c")
+    m.signal(charge=hb.Integral("-c.f" if back else "c.f"))
+    return "charge"
+
+
+PULSED = {"source": into_c, "conductance": through_g, "transformer": through_tf}
+
+
+def made(phase: str, pulsed: str, *, back: bool) -> tuple[hb.Model, str, float]:
+    m = hb.Model("pulses")
+    add, speed = PHASES[phase]
+    add(m, back)
+    charge = sum(math.sqrt(math.pi) * WIDTH / speed(s) for s in MET)
+    return m, PULSED[pulsed](m, back), charge
+
+
+@pytest.mark.parametrize("back", [False, True])
+@pytest.mark.parametrize("phase", PHASES)
+def test_the_charge_of_each_pulse_of_a_phase_arrives(phase: str, *, back: bool) -> None:
+    m, q, charge = made(phase, "source", back=back)
+    assert hb.simulate(m, 1.0).final[q] == pytest.approx(charge, rel=2e-5)
+
+
+@pytest.mark.parametrize("back", [False, True])
+@pytest.mark.parametrize("solver", ["rk45", "radau", "exact", "auto"])
+@pytest.mark.parametrize("pulsed", PULSED)
+@pytest.mark.parametrize("phase", ["flywheel"])
+def test_wherever_the_pulse_acts_and_whatever_solves(
+    phase: str, pulsed: str, solver: str, *, back: bool
+) -> None:
+    m, q, charge = made(phase, pulsed, back=back)
+    assert hb.simulate(m, 1.0, solver=solver).final[q] == pytest.approx(charge, rel=2e-5)
+
+
+@pytest.mark.parametrize("solver", ["euler", "rk4"])
+@pytest.mark.parametrize("phase", ["integral of an integral", "flow of a source", "flywheel"])
+def test_fixed_steps_that_pass_over_pulses_of_a_phase_say_so(phase: str, solver: str) -> None:
+    run = hb.simulate(made(phase, "source", back=False)[0], 1.0, solver=solver, step=1e-3)
+    assert any("fixed steps are too long for what time does in s" in w for w in run.warnings)
+
+
+@pytest.mark.parametrize("phase", PHASES)
+def test_a_guard_sees_each_pulse_of_a_phase(phase: str) -> None:
+    m = hb.Model("seen")
+    add, _ = PHASES[phase]
+    add(m, False)
+    m.machine(
+        "g",
+        states={"low": [], "high": []},
+        start="low",
+        rules=[f"low -> high when {PULSE} > 0.5", f"high -> low when {PULSE} < 0.5"],
+    )
+    assert len(hb.simulate(m, 1.0).events) == 1 + 2 * len(MET)
+
+
+@pytest.mark.parametrize("width", [1e-7, 1e-2])
+def test_a_cam_turns_by_itself(width: float) -> None:
+    """What pushes is the phase of what it pushes: each pulse does the work of its area."""
+    m = hb.Model("cam")
+    m.add(J=hb.I(2.0, f=20.0), w=hb.One(), T=hb.Se(f"exp(-(sin(phase)/{width!r})^2)"))
+    m.bond("T -> w -> J")
+    m.signal(phase=hb.Integral("w.f", start=0.5), work=hb.Integral("T.e*w.f"))
+    area = math.sqrt(math.pi) * width * (1.0 + width**2 / 4.0)
+    assert hb.simulate(m, 1.0).final["work"] == pytest.approx(len(MET) * area, rel=1e-4)
+
+
+def test_what_only_turns_evenly_bounds_no_step() -> None:
+    """A sine of an angle is seen by any step that its error allows."""
+    m = hb.Model("even")
+    m.add(J=hb.I(2.0, f=1.0), w=hb.One(), T=hb.Se("0.1*sin(phase)"))
+    m.bond("T -> w -> J")
+    m.signal(phase=hb.Integral("w.f", start=0.5))
+    run = hb.simulate(m, 1.0)
+    assert run.stats["steps"] < 12
+    assert not run.warnings
