@@ -48,6 +48,30 @@ def test_measurements_of_a_charging_capacitor(measured):
     )  # fmt: skip
 
 
+@pytest.mark.parametrize("start", ["2m", "{2*half}"])
+@pytest.mark.parametrize(
+    ("asked", "value"),
+    [
+        ("AVG v(a)", 0.75),
+        ("INTEG v(a)", 1.5e-3),
+        ("MIN v(a)", 0.5),
+        ("AVG v(a) FROM=0", 0.5),
+        ("AVG v(a) FROM=1m TO=3m", 0.5),
+        ("WHEN v(a)=0.6", 2.4e-3),
+        ("WHEN v(a)=0.4", None),
+        ("WHEN v(b)=0.5 CROSS=1", 2.5e-3),
+        ("TRIG v(b) VAL=0.5 RISE=1 TARG v(b) VAL=0.5 RISE=1 TD=3m", 1e-3),
+        ("FIND v(a) AT=1m", 0.25),
+    ],
+)
+def test_measurements_begin_where_the_output_begins(measured, start, asked, value):
+    found = measured(
+        "V1 a 0 PWL(0 0 4m 1)", "V2 b 0 PULSE(0 1 0 1m 1p 1p 1m)", "R1 a 0 1", "R2 b 0 1",
+        ".param half=1m", f".tran 10u 4m {start} 1u", f".meas tran x {asked}",
+    )  # fmt: skip
+    assert found["x"] == (None if value is None else pytest.approx(value, rel=1e-6))
+
+
 def test_the_analysis_of_a_control_section(measured):
     found = measured(
         "V1 a 0 1", *RC, ".control", "tran 1u 3m uic", "meas tran x FIND v(b) AT=1m", "plot v(b)",

@@ -131,3 +131,55 @@ def test_functions_of_other_simulators(measured, law, value):
 def test_a_function_that_simulators_disagree_on_is_refused(read):
     with pytest.raises(hb.FileError, match=r"pwrs\(x, y\)"):
         read("V1 a 0 7", "B1 b 0 V = pwr(V(a), 2)", "R1 b 0 1", ".tran 0 1m")
+
+
+@pytest.mark.parametrize("nothing", ["0A", "0.0a", "-0Amps", "{0A}", "0e3A"])
+def test_nothing_is_nothing_with_a_unit_that_may_be_a_factor(measured, nothing):
+    found = measured(
+        "V1 a 0 4", "R1 a b 2", f"L1 b 0 1m IC={nothing}", f"I1 0 b {nothing}", ".tran 0 2m uic",
+        ".meas tran x FIND i(L1) AT=0.5m",
+    )  # fmt: skip
+    assert found["x"] == pytest.approx(2 * (1 - math.exp(-1)), rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("card", "value"),
+    [
+        ("V1 a 0 dc=6", 6),
+        ("V1 a 0 DC = {k} AC = 1", 6),
+        ("V1 a 0 AC=1 DC=6", 6),
+        ("V1 a 0 dc=1 PULSE(6 6 0 1u 1u 1 2)", 6),
+        ("I1 0 a dc = 6m", 6),
+    ],
+)
+def test_sources_with_an_equals_sign_before_their_value(measured, card, value):
+    found = measured(card, "R1 a 0 1k", ".param k=6", ".tran 0 1m", ".meas tran x AVG v(a)")
+    assert found["x"] == pytest.approx(value, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("command", "said"),
+    [
+        (".backanno", None),
+        (".nodeset v(a)=1", ".nodeset is left out"),
+        (".width out=80", "the width of what is printed is left out"),
+    ],
+)
+def test_what_is_left_out_is_named(read, command, said):
+    warnings = [str(w) for w in read("V1 a 0 1", "R1 a 0 1", command, ".tran 0 1m").warnings]
+    assert len(warnings) == (said is not None)
+    assert all(f":4: {said}" in w for w in warnings)
+
+
+@pytest.mark.parametrize(
+    ("couplings", "remedy"),
+    [
+        (("K1 L1 L2 .99", "K2 L1 L3 .99", "K3 L2 L3 .5"), "raise the smallest K"),
+        (("K1 L1 L2 .9", "K2 L1 L3 .9"), "a K that is not written is a coupling of 0"),
+        (("K1 L1 L2 1", "K2 L1 L3 .9", "K3 L2 L3 .9"), "all with 1 or all with less"),
+    ],
+)
+def test_couplings_that_no_coils_have_are_told_their_remedy(read, couplings, remedy):
+    coils = ("L1 a 0 1m", "L2 b 0 1m", "R2 b 0 1", "L3 c 0 1m", "R3 c 0 1")
+    with pytest.raises(hb.FileError, match=f"HB-F141(.|\n)*of L1, L2, L3(.|\n)*{remedy}"):
+        read("V1 a 0 SIN(0 1 1k)", *coils, *couplings, ".tran 0 1m")

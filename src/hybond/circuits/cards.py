@@ -146,6 +146,11 @@ def options_of(words: list[str], line: Line) -> tuple[list[str], dict[str, str]]
     return plain, options
 
 
+def _spelled(words: list[str]) -> list[str]:
+    """Return the words of a source with ``DC 5`` for ``DC=5``."""
+    return [w for k, w in enumerate(words) if w != "=" or words[k - 1].lower() not in ("dc", "ac")]
+
+
 def _numeral_at(words: list[str], k: int) -> bool:
     """Whether a number stands there that is no name of an option."""
     return k < len(words) and words[k + 1 : k + 2] != ["="] and numeral(words[k]) is not None
@@ -191,6 +196,8 @@ def read_card(line: Line, notices: Notices) -> Card:
             hint="write it as VALUE={...} of voltages, currents and `time`: E and G take an "
             "expression, also table(x, x0, y0, x1, y1); LAPLACE and FREQ as R, C and gains",
         )
+    if kind in "vi":
+        words = _spelled(words)
     plain, options = options_of(words, line)
     _check_options(kind, options, line, notices)
     count = NODES[kind]

@@ -23,7 +23,7 @@ from hybond.circuits.numerals import quantity
 from hybond.circuits.opened import GROUND, Opened, Value, global_value, open_deck
 from hybond.circuits.operating_point import operating_point
 from hybond.circuits.texts import Texts
-from hybond.circuits.wanting import values_of, wanted_of
+from hybond.circuits.wanting import all_wanted, values_of
 from hybond.circuits.waves import ZERO, Clock
 from hybond.circuits.weaving import ends_of, weave
 from hybond.circuits.wiring import Assembly
@@ -362,10 +362,7 @@ class _Making:
 
     def measures(self) -> tuple[Wanted, ...]:
         """Return what is measured in terms of the model."""
-        found = (
-            wanted_of(one, self.woven, self.opened, self.parameters) for one in self.deck.measures
-        )
-        return tuple(one for one in found if one is not None)
+        return all_wanted(self.deck, self.woven, self.opened, self.parameters)
 
     def steps(self) -> tuple[tuple[str, tuple[float, ...]], ...]:
         """Return the parameters that are stepped, and their values."""

@@ -114,6 +114,13 @@ def _group(first: str, pairs: Pairs, coils: Mapping[str, Branch]) -> tuple[str, 
     return tuple(key for key in coils if key in inside)
 
 
+def _possible(k: np.ndarray) -> str:
+    """Return what to do about couplings that no coils have."""
+    if np.any((k == 0.0) & ~np.eye(len(k), dtype=bool)):
+        return "couple each coil with each other one: a K that is not written is a coupling of 0"
+    return "coils that are both close to a third are close to each other: raise the smallest K"
+
+
 def _core(
     group: tuple[str, ...], pairs: Pairs, coils: Mapping[str, Branch], texts: Texts
 ) -> Magnetics:
@@ -131,12 +138,16 @@ def _core(
     numbers = [v.number for v in inductances]
     rigid = bool(np.all(np.abs(k) == 1.0)) and np.linalg.matrix_rank(k) == 1
     if least < SINGULAR and not rigid:
-        why = "would store negative energy" if least < -SINGULAR else "tie only some coils rigidly"
-        raise card.line.refuse(
-            f"the couplings of {', '.join(group)} {why}",
-            code="HB-F141",
-            hint="couple each coil with each other one, all with 1 or all with less",
+        why, hint = (
+            ("would store negative energy", _possible(k))
+            if least < -SINGULAR
+            else (
+                "tie only some coils rigidly",
+                "couple each coil with each other one, all with 1 or all with less",
+            )
         )
+        names = ", ".join(coils[key].name for key in group)
+        raise card.line.refuse(f"the couplings of {names} {why}", code="HB-F141", hint=hint)
     matrix = None
     ratios: list[tuple[str | float, str | float]] = []
     for i, value in enumerate(inductances):

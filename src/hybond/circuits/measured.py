@@ -27,6 +27,8 @@ class Instant:
     count: int
     after: Time
     at: Time
+    since: Time = -math.inf
+    """Crossings before this time do not count, either."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -158,7 +160,7 @@ def _instant(run: Result, instant: Instant, known: Mapping[str, float]) -> float
     """Return the time of an instant, None if the run has no such one."""
     if not instant.signal:
         return _time(instant.at, known)
-    begin = max(_time(instant.after, known), run.t_begin)
+    begin = max(_time(instant.after, known), _time(instant.since, known), run.t_begin)
     if not begin < run.t_end:
         return None
     # what happens at its begin belongs to it

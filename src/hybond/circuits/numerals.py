@@ -51,8 +51,8 @@ def numeral(text: str) -> float | None:
     1e-15
     >>> numeral("4k7"), numeral("2n2"), numeral("0R5")  # a letter where the point is
     (4700.0, 2.2e-09, 0.5)
-    >>> numeral("1A") is None
-    True
+    >>> numeral("1A") is None, numeral("0A")
+    (True, 0.0)
     """
     sign = -1.0 if text.startswith("-") else 1.0
     bare = text[1:] if text[:1] in ("+", "-") else text
@@ -69,8 +69,13 @@ def numeral(text: str) -> float | None:
 
 
 def is_ambiguous(match: re.Match[str]) -> bool:
-    """Say whether the letters of a match of `NUMERAL` may be a unit or a scale factor."""
-    return not match["scale"] and match["unit"][:1].lower() == AMBIGUOUS
+    """Say whether the letters of a match of `NUMERAL` may be a unit or a scale factor.
+
+    Nothing is nothing in either.
+    """
+    if match["scale"] or match["unit"][:1].lower() != AMBIGUOUS:
+        return False
+    return scaled(match) != 0.0
 
 
 def scaled(match: re.Match[str]) -> float:

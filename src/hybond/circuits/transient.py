@@ -29,6 +29,8 @@ class Transient:
     """What an edge without a time of its own lasts: the step, where one is written."""
     startup: bool = False
     """Whether the sources are off at first, and come up within the first 20 us."""
+    start: Expr = NONE
+    """From when on simulators keep what they compute."""
 
 
 def read_transient(rest: str, line: Line, notices: Notices) -> Transient:
@@ -56,8 +58,13 @@ def read_transient(rest: str, line: Line, notices: Notices) -> Transient:
         raise line.refuse(
             f"{len(times)} times", code="HB-F130", hint=".tran step stop [start [max]] [uic]"
         )
-    if len(times) > 2 and times[2] != Number(0.0):
-        notices.add(line, "the start of output is left out: all of the run is kept")
+    start = times[2] if len(times) > 2 else NONE
+    if start != NONE:
+        notices.add(
+            line,
+            "all of the run is kept, also before the start of output; .meas without FROM begins at "
+            "the latter",
+        )
     stop = times[0] if len(times) == 1 else times[1]
     edge = times[0] if len(times) > 1 else Number(0.0)
     step = edge
@@ -65,4 +72,4 @@ def read_transient(rest: str, line: Line, notices: Notices) -> Transient:
         step = Binary("/", stop, Number(float(OUTPUTS)))
         if len(times) == 4 and times[3] != Number(0.0):
             step = times[3]
-    return Transient(line, step, stop, "uic" in flags, edge, "startup" in flags)
+    return Transient(line, step, stop, "uic" in flags, edge, "startup" in flags, start)

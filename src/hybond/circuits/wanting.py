@@ -5,10 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
+from hybond.circuits.deck import Deck
 from hybond.circuits.measured import Instant, Time, Wanted
 from hybond.circuits.measures import Crossing, Measure
 from hybond.circuits.opened import Opened, global_value
 from hybond.circuits.steps import Step
+from hybond.circuits.transient import NONE
 from hybond.circuits.woven import Woven
 from hybond.model.expressions import Expr
 
@@ -16,10 +18,22 @@ MEMBERS = 100_000
 """Values of one ``.step``."""
 
 
+def all_wanted(
+    deck: Deck, woven: Woven, opened: Opened, names: Mapping[str, str]
+) -> tuple[Wanted, ...]:
+    """Return all measurements that there are in terms of the model."""
+    kept = NONE if deck.transient is None else deck.transient.start
+    found = (wanted_of(one, woven, opened, names, kept) for one in deck.measures)
+    return tuple(one for one in found if one is not None)
+
+
 def wanted_of(
-    one: Measure, woven: Woven, opened: Opened, names: Mapping[str, str]
+    one: Measure, woven: Woven, opened: Opened, names: Mapping[str, str], kept: Expr
 ) -> Wanted | None:
     """Return a measurement in terms of the model; None if what it reads is not there.
+
+    `kept` is from when on simulators keep what they compute: nothing before it is measured unless
+    a time is written.
 
     Raises
     ------
@@ -37,18 +51,21 @@ def wanted_of(
         value = global_value(formula, opened, one.line)
         return value.formula if value.parametric else float(value.number)
 
+    since = time(kept, -math.inf)
+
     def instant(crossing: Crossing | None) -> Instant | None:
         if crossing is None:
             return None
         signal = "" if crossing.law is None else woven.laws[crossing.law]
         after = time(crossing.after, 0.0)
-        return Instant(signal, crossing.edge, crossing.count, after, time(crossing.at, 0.0))
+        at = time(crossing.at, 0.0)
+        return Instant(signal, crossing.edge, crossing.count, after, at, since)
 
     return Wanted(
         one.name,
         one.kind,
         "" if one.law is None else woven.laws[one.law],
-        time(one.begin, -math.inf),
+        time(one.begin, -math.inf) if one.begin is not None else since,
         time(one.end, math.inf),
         instant(one.when),
         instant(one.until),

@@ -81,7 +81,9 @@ class Assembly:
                 try:
                     self.idle(k)
                 except FileError as error:
-                    self.notices.add(leaf.branch.line, f"it is left out: {error.why}")
+                    self.notices.add(
+                        leaf.branch.line, f"{leaf.branch.name} is left out: {error.why}"
+                    )
 
     def controlled(self, k: int) -> str:
         """Return gain times what a controlled source follows."""

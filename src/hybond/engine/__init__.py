@@ -42,6 +42,7 @@ subset. Rooms, and in them files, as data passes them::
         interval, sampling, calls    pieces of inputs; signals set at instants; who is asked
     instant/
         settle              trying modes at an instant until none is left
+        beginning           what is a priori where a run begins; states it cannot begin in
         entering, trial, jump    a mode entered: signals, and what is stored
         constraints, impulse_ways, own_ways    what a jump must fulfil, and what moves it there
         staying, passed_over    what is known of the last trial; modes without a solution

@@ -18,6 +18,7 @@ from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.expressions.paired import holds
 from hybond.engine.inputs.interval import hold_before, interval_after
 from hybond.engine.inputs.sampling import sample
+from hybond.engine.instant.beginning import begin_behind, stand_before
 from hybond.engine.instant.doubts import warn_of_moduli
 from hybond.engine.instant.entering import enter
 from hybond.engine.instant.in_force import is_asked
@@ -61,10 +62,8 @@ from hybond.engine.instant.trial import (
     a_priori,
     measure_trial,
     refuse_pair,
-    show_stored,
     show_trial,
 )
-from hybond.engine.laws.law_instant import make_consistent, take_instant
 from hybond.engine.laws.law_standing import stands_as_it_was
 from hybond.engine.mode.equations import is_fieldless
 from hybond.engine.reasons.facts import add_fact
@@ -177,10 +176,13 @@ def begin_to_settle(e: Engine, g: Settling, i: Instant) -> int:
     choose_at(e, g.x, g.s)
     know_around(e, g.state)
     if i.cause == START and m.laws > 0:
-        stand_before(e, g, t)
+        stand_before(e, t, g.x, g.s, g.state, g.begin)
     stands = m.laws > 0 and not is_new(i) and stands_as_it_was(e, t, g.x, g.s, g.state)
     if not stands and enter(e, t, g.x, g.s, g.state, True, False) != OK:
-        return REFUSED
+        if i.cause != START or not begin_behind(e, i, g.x, g.s, g.entered, g.target, g.begin):
+            return REFUSED
+        by_law(e, g.entered, i)
+        return OK
     drop_fired(i)
     by_law(e, g.state, i)
     return OK
@@ -229,26 +231,6 @@ def write_back(e: Engine, g: Settling) -> None:
         e.y[m.storages + k] = g.s[k]
     for k in range(m.machines):
         e.state[k] = e.trial.state[k]
-
-
-def stand_before(e: Engine, g: Settling, t: float) -> None:
-    """Let what is a priori at the start be of branches of laws that stand there, if any do.
-
-    Those that laws are declared with are nobody's choice: friction at rest beside what moves would
-    make of an impact one that is faster than anything stored. Storages that one junction holds
-    together say different things of it before they share what they store, and none is more right.
-    """
-    take_instant(e, e.laws, t, g.s, g.state)
-    if make_consistent(e, e.laws, g.x) != OK:
-        return
-    for k in range(e.model.storages):
-        g.begin[k] = e.laws.x[k]
-    if enter(e, t, g.begin, g.s, g.state, False, False) != OK:
-        return
-    show_stored(e)
-    for k in range(e.model.slots):
-        e.pre[k] = e.v[k]
-    keep_as_before(e, e.trial.loose, e.trial.freedom.at)
 
 
 def is_where_it_was(e: Engine, g: Settling) -> bool:
