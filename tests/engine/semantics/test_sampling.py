@@ -181,3 +181,27 @@ def test_instants_that_are_one_but_for_rounding_are_one(solver: str) -> None:
     before = (k % 10 >= 1) & (k % 10 <= 3)
     before[0] = True  # nothing is before the start
     assert np.asarray(run["edge"].at(t)).tolist() == before.astype(float).tolist()
+
+
+def test_what_is_sampled_where_the_time_passes_a_bound_is_what_held_before() -> None:
+    m = hb.Model("clock")
+    m.add(feed=hb.Sf(1.0), n=hb.Zero(), store=hb.C(1.0))
+    m.bond("feed -> n -> store")
+    m.input(edge=hb.Input(table=[[0, 0], [1, 5], [2, 7]]))
+    m.signal(
+        below=hb.Sampled("if time < 1 [s] then 1 else 2", every=0.5),
+        beyond=hb.Sampled("if time >= 1 [s] then 1 else 0", every=0.5),
+        step=hb.Sampled("edge", every=0.5),
+        now=hb.Sampled("time", every=0.5),
+    )
+    run = hb.simulate(m, until=2)
+    seen = {
+        name: [run[name].at(t) for t in (0.5, 1.0, 1.5)]
+        for name in ("below", "beyond", "step", "now")
+    }
+    assert seen == {
+        "below": [1, 1, 2],
+        "beyond": [0, 0, 1],
+        "step": [0, 0, 5],
+        "now": [0.5, 1.0, 1.5],
+    }
