@@ -174,7 +174,9 @@ def test_dust_of_a_jump_in_a_part_that_it_does_not_reach(
         if not any(run.final[name] for name in stored):
             continue
         dusty += 1
-        assert "no constraint of a jump reaches" in said(run)
+        # where dust is all that an island has, its laws may be off by a greater part of it
+        told = said(run)
+        assert "no constraint of a jump reaches" in told or "the law of s" in told
     assert dusty > 0
 
 

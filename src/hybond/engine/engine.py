@@ -238,12 +238,13 @@ class Engine:
     least_signal: Floats
     """... and what each of these signals is measured by at the least."""
     largest_state: Floats
-    scale_energy: float
-    """The largest energy there ever was, or that what pushes would give in a moment."""
-    pushed_energy: float
+    scale_energy: Floats
+    """The largest energy there ever was on each island, or that what pushes would give in a
+    moment."""
+    pushed_energy: Floats
     lately: Floats
-    """The size that each state has lately had, the root of the energy behind them; what it comes
-    from, `methods/lately`."""
+    """The size that each state has lately had, the roots of energies of islands behind them; what
+    it comes from, `methods/lately`."""
     state: Ints
     """Of each machine, now."""
     t: float
@@ -263,6 +264,8 @@ class Engine:
     """Of inputs that are set from outside: their levels, and those from the next instant on."""
     energy: float
     """The largest energy that the run has seen, J."""
+    island_energy: Floats
+    """The same of each island: what rounding there is measured by."""
     courses: Courses
     longest: float
     """How long a step may be in the mode, for sines of time alone, s."""
@@ -426,7 +429,10 @@ def make_engine(m: Model) -> Engine:
     e.rate_rounding = floats(m.integrals)
     e.least_signal = floats(m.integrals)
     e.largest_state = floats(e.states)
-    e.lately = floats(5 * (e.states + 1))
+    e.lately = floats(5 * (e.states + m.islands))
+    e.scale_energy = floats(m.islands)
+    e.pushed_energy = floats(m.islands)
+    e.island_energy = floats(m.islands)
     e.piece = ints(m.inputs)
     e.line_piece = ints(m.inputs)
     e.line_value = floats(m.inputs)

@@ -185,9 +185,13 @@ class Model:
     storage_start: Floats
     storage_pseudo: Ints
     storage_class: Ints
-    """Whose impulses are compared with whose; `bond_class` of all efforts, then flows."""
+    """Whose impulses are compared with whose; `bond_class` of all efforts, then flows: by domain
+    and island."""
     bond_class: Ints
     classes: int
+    islands: int  # parts of the graph between which no rounding passes
+    bond_island: Ints
+    storage_island: Ints
     co_energy: Ints
     """The law of each stored quantity, -1: the row of `stiff_constant` is."""
     stiff_first: Ints

@@ -129,7 +129,14 @@ class Work:
     """Whether the energy of anything was counted; ..."""
     counted_x: Floats
     counted_energy: float
-    """... of what is stored, the last time, and how much it was, J."""
+    """... of what is stored, the last time, and how much it was, J, ..."""
+    counted_island: Floats
+    """... on each island, if there are several."""
+    island_here: Floats
+    island_tried: Floats
+    island_energy: Floats
+    island_reach: Floats
+    island_still: Ints
     gap: Block
     gap_size: Block
     gap_first: Block
@@ -268,6 +275,12 @@ def make_work(m: Model) -> Work:
     w.reach_before = floats(m.storages)
     w.known_size = floats(knowns)
     w.counted_x = floats(m.storages)
+    w.counted_island = floats(m.islands)
+    w.island_here = floats(m.islands)
+    w.island_tried = floats(m.islands)
+    w.island_energy = floats(m.islands)
+    w.island_reach = floats(m.islands)
+    w.island_still = ints(m.islands)
     w.here = floats(m.storages)
     w.ahead = floats(m.storages)
     w.landed = floats(m.storages)

@@ -39,7 +39,7 @@ def find_moved(e: Engine, held: Ints) -> None:
 def still_stored(e: Engine, held: Ints, x: Floats) -> None:
     """Put rounding in storages that are held to zero."""
     m = e.model
-    reach_of(e, x, e.energy, e.work.reach)
+    reach_of(e, x, e.work.reach)
     for k in range(m.storages):
         if held[k] != 0 and math.fabs(x[k]) <= STILL * e.work.reach[k]:
             x[k] = 0.0

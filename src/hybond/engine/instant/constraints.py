@@ -49,7 +49,7 @@ def begin_constraints(e: Engine, mode: Mode, v: Floats, x: Floats) -> None:
         if k < m.storages:
             # what is taken off what is stored leaves rounding of it, however little is left
             own = math.fabs(own_stiffness(m, k, values))
-            held = reach_at(e, k, x, e.energy)
+            held = reach_at(e, k, x, e.island_energy[m.storage_island[k]])
             w.reach[k] = (held + math.fabs(x[k])) * own
 
 

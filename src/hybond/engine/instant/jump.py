@@ -378,7 +378,8 @@ def on_constraints(e: Engine, mode: Mode, v: Floats, y: Floats) -> int:
         # what none moves is kept
         if landed != y[k]:
             y[k] = landed
-            if landed != 0.0 and math.fabs(landed) <= NOTHING * reach_at(e, k, y, e.energy):
+            held = reach_at(e, k, y, e.island_energy[m.storage_island[k]])
+            if landed != 0.0 and math.fabs(landed) <= NOTHING * held:
                 e.work.landed[k] = 0.0
                 small = True
     if small:

@@ -30,6 +30,7 @@ from hybond.engine.instant.doubts import warn_of_impulsive
 from hybond.engine.instant.jump import JUMPS, STAYS, enter_mode
 from hybond.engine.mode.dynamic_rows import frozen_at
 from hybond.engine.mode.equations import is_fieldless, mode_of
+from hybond.engine.mode.island_energies import see_energy
 from hybond.engine.mode.limits import put_limits
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.reach import reach_of
@@ -134,7 +135,7 @@ def try_mode(e: Engine, t: float, x: Floats, s: Floats, state: Ints, jump: bool)
 
 def jump_into(e: Engine, x: Floats, after: Floats) -> int:
     """Put the state on entering `e.mode` from `x` into `after`."""
-    e.energy = max(e.energy, math.fabs(energy_of(e, x)))
+    see_energy(e, x)
     return enter_mode(e, e.mode, e.v, x, after)
 
 
@@ -151,12 +152,12 @@ def finish_trial(e: Engine, t: float, x: Floats, s: Floats) -> int:
     trial = e.trial
     trial.energy_before = energy_of(e, x)
     trial.energy_after = trial.energy_before
+    see_energy(e, x)
     forget_jump(e)
     trial.jumps = e.moved == JUMPS
     if e.moved != STAYS:
         trial.energy_after = energy_of(e, trial.x)
-    e.energy = max(e.energy, math.fabs(trial.energy_before))
-    e.energy = max(e.energy, math.fabs(trial.energy_after))
+        see_energy(e, trial.x)
     if trial.jumps:
         find_floor(e, x)
         for k in range(2 * m.bonds):
@@ -247,7 +248,7 @@ def find_floor(e: Engine, x: Floats) -> None:
     m = e.model
     for c in range(m.classes):
         e.largest[c] = 0.0
-    reach_of(e, x, e.energy, e.work.reach)
+    reach_of(e, x, e.work.reach)
     for k in range(m.storages):
         c = m.storage_class[k]
         most = max(math.fabs(e.work.reach[k]), math.fabs(x[k]))

@@ -24,8 +24,9 @@ from hybond.engine.instant.trial import begin_trial, finish_trial
 from hybond.engine.laws.law_instant import NO_LAW_VALUE, is_on
 from hybond.engine.laws.law_records import Laws
 from hybond.engine.laws.ports import open_mode, ports_of
+from hybond.engine.mode.island_energies import find_reaches, reach_of_bond
 from hybond.engine.mode.mode_records import is_constrained
-from hybond.engine.mode.sizes import STORED, size_of
+from hybond.engine.mode.sizes import size_of
 from hybond.engine.model import Model
 from hybond.engine.words import Floats, Ints
 
@@ -94,10 +95,10 @@ def stands_clearly(e: Engine, r: Laws, k: int) -> bool:
     m = e.model
     on = is_on(m, k, e.trial.state[m.port_machine[k]])
     row = 2 * k if on else 2 * k + 1
-    reach = STORED * math.sqrt(e.energy)
+    find_reaches(e)
     size = 0.0
     for i in range(m.pair_first[row], m.pair_first[row + 1]):
         b = m.pair_column[i]
         own = size_of(e, e.mode, b, e.trial.xi, e.v)
-        size += math.fabs(m.pair_value[i]) * max(own, reach * e.mode.seen[b])
+        size += math.fabs(m.pair_value[i]) * max(own, reach_of_bond(e, e.mode, b))
     return shown(m, k, on, e.v) > CLEARLY * size

@@ -31,7 +31,7 @@ from hybond.engine.laws.law_instant import NO_LAW_VALUE, make_consistent, quanti
 from hybond.engine.laws.law_jumping import find_breaking, find_jumping, sweep_dust
 from hybond.engine.laws.law_records import Laws
 from hybond.engine.laws.law_trials import by_trial
-from hybond.engine.mode.storage import constant_energy, energy_of
+from hybond.engine.mode.island_energies import see_constant_energy, see_energy
 from hybond.engine.mode.values import evaluate
 from hybond.engine.model import Model
 from hybond.engine.reasons.facts import add_fact, tell_ports
@@ -52,7 +52,7 @@ def enter_with_laws(
     """
     m = e.model
     r = e.laws
-    e.energy = max(e.energy, math.fabs(energy_of(e, x)))
+    see_energy(e, x)
     take_instant(e, r, t, s, state)
     r.jumping = jump
     r.struck = False
@@ -223,7 +223,7 @@ def observe(e: Engine, v: Floats) -> None:
                 r.largest[k] = max(r.largest[k], gap)
     for k in range(m.storages):
         r.moved[k] = v[m.stored_slot + k]
-    e.energy = max(e.energy, math.fabs(constant_energy(m, r.moved)))
+    see_constant_energy(e, r.moved)
 
 
 def look_at_limits(e: Engine) -> int:

@@ -44,7 +44,8 @@ def lead_back(e: Engine, way: int, x: float, ends: Floats, at: int, y: Floats) -
         size = max(math.fabs(first), math.fabs(last))
         if k < m.storages:
             own = math.fabs(own_stiffness(m, k, v))
-            floor = NEGLIGIBLE * math.sqrt(2.0 * e.energy / own) if own > 0.0 else 0.0
+            energy = e.island_energy[m.storage_island[k]]
+            floor = NEGLIGIBLE * math.sqrt(2.0 * energy / own) if own > 0.0 else 0.0
             size = max(size, floor if math.isfinite(floor) else 0.0)
         allowed = m.rtol * size + (m.atol if m.atol == m.atol else 0.0)
         goal = min(max(y[k], min(first, last)), max(first, last))

@@ -119,6 +119,8 @@ def look_into(
     g = e.landings
     e.t = t
     e.energy = energy
+    for k in range(m.islands):
+        e.island_energy[k] = energy
     interval_after(e, t)
     g.any_landed = False
     for k in range(m.machines):

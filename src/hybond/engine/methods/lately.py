@@ -59,21 +59,24 @@ def follow_sizes(e: Engine) -> None:
     v = e.work.values
     for k in range(m.storages):
         v[m.stored_slot + k] = y[k]
-    energy = 0.0
+    energy = e.work.island_here
+    for i in range(m.islands):
+        energy[i] = 0.0
     for k in range(m.storages):
-        energy += math.fabs(own_stiffness(m, k, v)) * y[k] * y[k]
-    if energy < math.inf:
-        forgets = follow_size(e, e.states, t, math.sqrt(0.5 * energy)) or forgets
+        energy[m.storage_island[k]] += math.fabs(own_stiffness(m, k, v)) * y[k] * y[k]
+    for i in range(m.islands):
+        if energy[i] < math.inf:
+            forgets = follow_size(e, e.states + i, t, math.sqrt(0.5 * energy[i])) or forgets
     if forgets and e.slide.k == 0:
         measure_anew(e, e.mode)
 
 
 def follow_size(e: Engine, k: int, t: float, now: float) -> bool:
-    """Learn from what state `k` is at `t`; behind all states, the root of the energy.
+    """Learn from what state `k` is at `t`; behind all states, the roots of energies of islands.
 
     Whether something larger is forgotten.
     """
-    n = e.states + 1
+    n = e.states + e.model.islands
     s = e.lately
     forgets = False
     if now < NEAR * s[k]:
@@ -93,7 +96,7 @@ def follow_size(e: Engine, k: int, t: float, now: float) -> bool:
         doubtful = k < e.states and most <= DOUBTFUL * e.model.rtol * s[k]
         if doubtful and e.step.t1 - e.step.t0 < BUSY * since:
             return False
-        ever = e.largest_state[k] if k < e.states else math.sqrt(e.scale_energy)
+        ever = e.largest_state[k] if k < e.states else math.sqrt(e.scale_energy[k - e.states])
         least = max(STAGE * s[k], LEAST * ever)
         if s[k] <= least:
             return False

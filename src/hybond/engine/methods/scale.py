@@ -24,8 +24,8 @@ from hybond.engine.mode.values import field, set_state
 from hybond.engine.words import Floats
 
 NEGLIGIBLE: Final = 1e-6
-"""A stored quantity is measured against at least this part of what the system's energy would make
-of it, so that rounding in an idle storage does not steer the step size."""
+"""A stored quantity is measured against at least this part of what the energy of its island would
+make of it, so that rounding in an idle storage does not steer the step size."""
 CLEAR: Final = 1e3
 """A stored quantity that is more than so many times what the rounding of its rate adds up to over
 the whole run is not rounding: ..."""
@@ -64,23 +64,49 @@ def start_scale(e: Engine, mode: Mode) -> None:
     soon = SHORT * e.span
     if e.next_break < math.inf:
         soon = min(soon, 0.5 * (e.next_break - e.t))
+    m = e.model
     forget_rounding(e)
     found = found_terms(e, mode, e.t, e.y)
-    if not found or e.scale_energy == 0.0:
-        for k in range(e.model.storages):
+    if not found or is_unmoved(e):
+        for k in range(m.storages):
             e.work.reach[k] = e.rounding[k]
+        find_still(e, found)
         look_later(e, mode)
         found_terms(e, mode, e.t + soon, e.y)
         come_back(e, mode)
-        for k in range(e.model.storages):
-            e.rounding[k] = max(e.work.reach[k], e.rounding[k])
+        for k in range(m.storages):
+            if e.work.island_still[m.storage_island[k]] != 0:
+                e.rounding[k] = max(e.work.reach[k], e.rounding[k])
+            else:
+                e.rounding[k] = e.work.reach[k]
     find_moved_terms(e, mode, soon)
     begin_signals(e, mode, soon)
-    if e.model.laws > 0:
-        pushed = pushed_energy(e)
-        e.energy = max(e.energy, pushed)
-        e.scale_energy = max(e.scale_energy, pushed)
-        e.pushed_energy = max(e.pushed_energy, pushed)
+    if m.laws > 0:
+        see_pushes(e)
+        for i in range(m.islands):
+            e.energy = max(e.energy, e.work.island_here[i])
+            e.island_energy[i] = max(e.island_energy[i], e.work.island_here[i])
+            e.scale_energy[i] = max(e.scale_energy[i], e.work.island_here[i])
+
+
+def is_unmoved(e: Engine) -> bool:
+    """Whether nothing has been stored yet on an island."""
+    m = e.model
+    for k in range(m.storages):
+        if e.scale_energy[m.storage_island[k]] == 0.0:
+            return True
+    return m.storages == 0
+
+
+def find_still(e: Engine, found: bool) -> None:
+    """Note the islands on which nothing has been stored yet, or nothing pushes."""
+    m = e.model
+    still = e.work.island_still
+    for i in range(m.islands):
+        still[i] = 1
+    for k in range(m.storages if found else 0):
+        if e.rounding[k] > 0.0 and e.scale_energy[m.storage_island[k]] != 0.0:
+            still[m.storage_island[k]] = 0
 
 
 def forget_settling(e: Engine) -> None:
@@ -127,19 +153,24 @@ def find_moved_terms(e: Engine, mode: Mode, soon: float) -> None:
     come_back(e, mode)
 
 
-def pushed_energy(e: Engine) -> float:
-    """Return the energy that what pushes would give in a short part of the run, if it were alone.
+def see_pushes(e: Engine) -> None:
+    """Learn what energy that which pushes would give in a short part of the run, if it were alone.
 
-    Bodies at rest have none to measure rounding by, though great forces may hold them there.
+    Bodies at rest have none to measure rounding by, though great forces may hold them there. What
+    it is on each island is then in `e.work.island_here`.
     """
     m = e.model
-    most = 0.0
+    most = e.work.island_here
+    for i in range(m.islands):
+        most[i] = 0.0
     for k in range(m.storages):
+        i = m.storage_island[k]
         given = e.rounding[k] / ROUNDED
         energy = 0.5 * math.fabs(own_stiffness(m, k, e.v)) * given * given
         if math.isfinite(energy):
-            most = max(most, energy)
-    return most
+            most[i] = max(most[i], energy)
+    for i in range(m.islands):
+        e.pushed_energy[i] = max(e.pushed_energy[i], most[i])
 
 
 def found_terms(e: Engine, mode: Mode, t: float, y: Floats) -> bool:
@@ -161,19 +192,23 @@ def found_terms(e: Engine, mode: Mode, t: float, y: Floats) -> bool:
             given = value(m, m.source_size[source], e.v)
             if math.isfinite(given):
                 e.work.xi[m.storages + k] = given
-    soonest = SHORT * e.span
+    soonest = e.work.island_tried
+    for i in range(m.islands):
+        soonest[i] = SHORT * e.span
     for k in range(m.storages):
+        i = m.storage_island[k]
         at = m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 0 else 0)
         e.rounding[k] = size_of(e, mode, at, e.work.xi, e.v)
         e.rate_noise[k] = max(e.rate_noise[k], ROUNDED * e.rounding[k])
         found = found or e.rounding[k] > 0.0
         if moves_clearly(e, at, e.rounding[k]) and y[k] != 0.0:
-            soonest = min(soonest, math.fabs(y[k] / e.work.w[at]))
+            soonest[i] = min(soonest[i], math.fabs(y[k] / e.work.w[at]))
     for k in range(m.storages):
         at = m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 0 else 0)
         acts = SHORT * e.span
         if moves_clearly(e, at, e.rounding[k]):
-            own = soonest if y[k] == 0.0 else math.fabs(y[k] / e.work.w[at])
+            first = soonest[m.storage_island[k]]
+            own = first if y[k] == 0.0 else math.fabs(y[k] / e.work.w[at])
             acts = min(acts, max(own, math.fabs(e.t) * EPSILON / ROUNDED))
         e.rounding[k] = ROUNDED * acts * e.rounding[k]
     if e.model.integrals > 0 and e.slide.k == 0:
@@ -214,7 +249,7 @@ def measure_ahead(e: Engine, mode: Mode, t: float) -> None:
     for k in range(e.model.storages):
         bounded = math.isfinite(e.rounding[k])
         e.rounding[k] = max(before[k], e.rounding[k] if bounded else 0.0)
-    e.pushed_energy = max(e.pushed_energy, pushed_energy(e))
+    see_pushes(e)
     e.refusal = refusal
 
 
@@ -235,8 +270,11 @@ def tolerance(e: Engine, y0: Floats, y1: Floats, out: Floats) -> None:
         e.largest_state[k] = max(e.largest_state[k], size)
         e.lately[k] = max(e.lately[k], size)
         out[k] = max(math.fabs(y1[k]), e.lately[k])
-    root = e.lately[e.states]
-    allow(e, y0, y1, root * root, out)
+    energy = e.work.island_energy
+    for i in range(e.model.islands):
+        root = e.lately[e.states + i]
+        energy[i] = root * root
+    allow(e, y0, y1, energy, out)
 
 
 def widest_tolerance(e: Engine, y: Floats, out: Floats) -> None:
@@ -246,7 +284,7 @@ def widest_tolerance(e: Engine, y: Floats, out: Floats) -> None:
     allow(e, y, y, e.scale_energy, out)
 
 
-def allow(e: Engine, y0: Floats, y1: Floats, energy: float, out: Floats) -> None:
+def allow(e: Engine, y0: Floats, y1: Floats, energy: Floats, out: Floats) -> None:
     """Put the error that a step may make there in place of what each state is measured by."""
     m = e.model
     if m.atol == m.atol:
@@ -257,18 +295,24 @@ def allow(e: Engine, y0: Floats, y1: Floats, energy: float, out: Floats) -> None
     own = e.work.ahead
     for k in range(m.storages):
         v[m.stored_slot + k] = y0[k]
-    here = 0.0
-    tried = 0.0
+    here = e.work.island_here
+    tried = e.work.island_tried
+    for i in range(m.islands):
+        here[i] = 0.0
+        tried[i] = 0.0
     for k in range(m.storages):
+        i = m.storage_island[k]
         own[k] = math.fabs(own_stiffness(m, k, v))
-        here += own[k] * y0[k] * y0[k]
-        tried += own[k] * (y1[k] * y1[k])
-    e.scale_energy = max(e.scale_energy, 0.5 * here)
-    most = max(max(energy, e.pushed_energy), 0.5 * max(here, tried))
+        here[i] += own[k] * y0[k] * y0[k]
+        tried[i] += own[k] * (y1[k] * y1[k])
+    for i in range(m.islands):
+        e.scale_energy[i] = max(e.scale_energy[i], 0.5 * here[i])
+        here[i] = max(max(energy[i], e.pushed_energy[i]), 0.5 * max(here[i], tried[i]))
     moments = max(e.step.tried / (SHORT * e.span), 1.0) if e.step.tried > 0.0 else 1.0
     begins = e.step.t < e.step.onset_end
     for k in range(m.storages):
         moved = out[k] > 0.0
+        most = here[m.storage_island[k]]
         floor = 0.0
         if own[k] > 0.0 and math.isfinite(own[k]) and math.isfinite(most):
             floor = NEGLIGIBLE * math.sqrt(2.0 * most / own[k])

@@ -21,10 +21,10 @@ GOOD: Final = 1.1
 """It is found within this factor."""
 
 
-def reach_of(e: Engine, x: Floats, energy: float, reach: Floats) -> None:
-    """Put what each storage would hold with all of `energy` there."""
+def reach_of(e: Engine, x: Floats, reach: Floats) -> None:
+    """Put what each storage would hold with the largest energy that its island has had."""
     for k in range(e.model.storages):
-        reach[k] = reach_at(e, k, x, energy)
+        reach[k] = reach_at(e, k, x, e.island_energy[e.model.storage_island[k]])
 
 
 def reach_at(e: Engine, k: int, x: Floats, energy: float) -> float:

@@ -11,8 +11,9 @@ from typing import Final
 
 from hybond.engine.algebra.blocks import row_size
 from hybond.engine.engine import Engine
+from hybond.engine.mode.island_energies import find_reaches, reach_of_bond
 from hybond.engine.mode.mode_records import Mode
-from hybond.engine.mode.reach import reach_of
+from hybond.engine.mode.reach import reach_at
 from hybond.engine.mode.solved_sizes import solved_sizes
 from hybond.engine.mode.storage import coupled, own_stiffness, with_stored
 from hybond.engine.model import Model
@@ -20,9 +21,6 @@ from hybond.engine.words import Floats
 
 TURNS: Final = 2
 """Times that constraints are gone through: each tells of what others have told."""
-STORED: Final = 10.0
-"""Rounding of a bond variable is measured by this multiple of what the energy of the run would make
-of it."""
 
 
 def size_of(e: Engine, mode: Mode, b: int, xi: Floats, v: Floats) -> float:
@@ -76,7 +74,7 @@ def measure(e: Engine, mode: Mode, pair: int, xi: Floats, v: Floats, terms: Floa
     does. While machines slide those of bond variables are there, see `blend.begin_sizes`.
     """
     m = e.model
-    reach = STORED * math.sqrt(e.energy) if m.laws > 0 else 0.0
+    find_reaches(e)
     for i in range(m.read_first[pair], m.read_first[pair + 1]):
         slot = m.read_slot[i]
         b = slot - m.bond_slot
@@ -84,7 +82,7 @@ def measure(e: Engine, mode: Mode, pair: int, xi: Floats, v: Floats, terms: Floa
             terms[slot] = math.fabs(v[slot])
         elif e.slide.k == 0:
             size = size_of(e, mode, b, xi, v)
-            terms[slot] = max(size, reach * mode.seen[b])
+            terms[slot] = max(size, reach_of_bond(e, mode, b))
 
 
 def measure_values(m: Model, pair: int, v: Floats, terms: Floats) -> None:
@@ -118,16 +116,17 @@ def seen_of(e: Engine, mode: Mode, x: Floats) -> None:
     """Put what each bond variable would be with a unit of energy in one storage into `mode.seen`.
 
     Rounding of what is stored shows itself in bond variables in these proportions, times the root
-    of the energy. Where laws bend it is that of the run which is put into one storage.
+    of the energy. Where laws bend it is that of its island which is put into one storage.
     """
     m = e.model
     w = e.work
     if mode.saw:
         return
-    energy = e.energy if m.groups > 0 and e.energy > 0.0 else 1.0
-    reach_of(e, x, energy, w.reach)
     v = with_stored(e, x)
     for k in range(m.storages):
+        here = e.island_energy[m.storage_island[k]]
+        energy = here if m.groups > 0 and here > 0.0 else 1.0
+        w.reach[k] = reach_at(e, k, x, energy)
         w.reach[k] *= math.fabs(own_stiffness(m, k, v)) / math.sqrt(energy)
         if not math.isfinite(w.reach[k]):
             w.reach[k] = 0.0

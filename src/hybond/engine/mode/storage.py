@@ -160,6 +160,19 @@ def constant_energy(m: Model, x: Floats) -> float:
     return total
 
 
+def constant_energies(m: Model, x: Floats, out: Floats) -> None:
+    """Put what there is of that on each island into `out`."""
+    for i in range(m.islands):
+        out[i] = 0.0
+    for k in range(m.storages):
+        if m.co_energy[k] >= 0 or m.storage_pseudo[k] != 0:
+            continue
+        for i in range(m.stiff_first[k], m.stiff_first[k + 1]):
+            j = m.stiff_other[i]
+            if m.storage_pseudo[j] == 0:
+                out[m.storage_island[k]] += 0.5 * m.stiff_constant[i] * x[j] * x[k]
+
+
 def energy_of(e: Engine, x: Floats) -> float:
     """Return the stored energy, J; that of a nonlinear storage is counted from x = 0.
 
@@ -188,11 +201,16 @@ def is_counted(e: Engine, x: Floats) -> bool:
 def count_energy(e: Engine, x: Floats) -> float:
     """Return the energy of that state, found anew."""
     m = e.model
+    own = e.work.counted_island
     total = constant_energy(m, x)
+    if m.islands > 1:
+        constant_energies(m, x, own)
     for g in range(m.groups):
         first = m.group_storage[m.group_first[g]]
         if m.storage_pseudo[first] == 0:
-            total += energy_along(e, g, x)
+            energy = energy_along(e, g, x)
+            total += energy
+            own[m.storage_island[first]] += energy
     return total
 
 

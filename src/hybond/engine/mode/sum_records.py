@@ -27,8 +27,10 @@ class Sums:
     """Whether each is such a sum."""
     level: Block
     drift: Block
+    islands: int
     seen: Block
-    """What a unit of energy could make of it; where junctions have laws rounding is of that."""
+    """What a unit of energy on each island could make of it; where junctions have laws rounding is
+    of that."""
     entries: int
     first: Places
     column: Places
@@ -63,12 +65,13 @@ def make_sums() -> Sums:
     return s
 
 
-def begin_sums(s: Sums, many: int) -> None:
-    """Begin to take so many sums."""
+def begin_sums(s: Sums, many: int, islands: int) -> None:
+    """Begin to take so many sums of what so many islands store."""
+    s.islands = islands
     fit_places(s.known, many)
     fit(s.level, many)
     fit(s.drift, many)
-    fit(s.seen, many)
+    fit(s.seen, many * islands)
     fit_places(s.first, many + 1)
     fit_places(s.waved, many)
     fit_places(s.wave_first, many + 1)
@@ -82,7 +85,8 @@ def begin_sum(s: Sums, a: int) -> None:
     s.wave_first.at[a] = s.terms
     s.level.at[a] = 0.0
     s.drift.at[a] = 0.0
-    s.seen.at[a] = 0.0
+    for i in range(s.islands):
+        s.seen.at[a * s.islands + i] = 0.0
 
 
 def end_sum(s: Sums, a: int, known: bool) -> None:

@@ -23,8 +23,8 @@ from hybond.engine.engine import OK, Engine
 from hybond.engine.expressions.pairs import ROUNDING
 from hybond.engine.inputs.interval import set_time
 from hybond.engine.methods.stepping import between
+from hybond.engine.mode.island_energies import find_reaches, reach_of_sum
 from hybond.engine.mode.mode_records import is_constrained
-from hybond.engine.mode.sizes import STORED
 from hybond.engine.run.guard_shape import NEAR, ROUNDED, SLACK, UNRESOLVED, rest_below
 from hybond.engine.run.guard_values import holds_at, put_on_constraints
 from hybond.engine.run.locator import FRACTION, SAMPLES, Locator
@@ -86,10 +86,10 @@ def is_still(g: Locator, a: int) -> bool:
     return drift_of(g, a) == 0.0
 
 
-def is_nothing(g: Locator, a: int, reach: float) -> bool:
+def is_nothing(e: Engine, g: Locator, a: int) -> bool:
     """Whether a comparison counts as zero all over the step, as large as energy makes its terms."""
     at = COEFFICIENTS * a
-    largest = reach * g.sums.seen.at[a]
+    largest = reach_of_sum(e, g.sums, a)
     top = EVALUATED * g.extent[a]
     if largest <= 0.0 or not top <= largest:
         return False
@@ -101,14 +101,14 @@ def is_nothing(g: Locator, a: int, reach: float) -> bool:
 
 def is_idle(e: Engine, g: Locator, k: int) -> bool:
     """Whether the truth of a guard does not change in the step, and it does not hold."""
-    reach = STORED * math.sqrt(e.energy) if e.model.laws > 0 else 0.0
+    find_reaches(e)
     known = g.still[k] != 0
     for a in range(g.atom_first[k], g.atom_first[k + 1]):
         if g.sums.known.at[a] == 0:
             return False
         value_then = g.still_value[a]
         extent_then = g.still_extent[a]
-        if is_nothing(g, a, reach):
+        if is_nothing(e, g, a):
             g.still_value[a] = 0.0
             g.still_extent[a] = -1.0
         elif is_still(g, a):

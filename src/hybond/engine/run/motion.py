@@ -27,7 +27,7 @@ from hybond.engine.instant.settle import settle
 from hybond.engine.laws.laws import limits_vary, look_at_limits
 from hybond.engine.methods.control import end_pace
 from hybond.engine.methods.one_instant import room_of_instant
-from hybond.engine.methods.scale import start_scale
+from hybond.engine.methods.scale import is_unmoved, start_scale
 from hybond.engine.methods.stepping import retry, start, step
 from hybond.engine.mode.equations import mode_of
 from hybond.engine.mode.straight_rates import take_rates
@@ -367,7 +367,7 @@ def pass_kink(e: Engine, r: Run, at: float) -> int:
     if count_kink(e, r) != OK:
         return -1
     rest_at_roots(e, r)
-    if e.scale_energy == 0.0:
+    if is_unmoved(e):
         start_scale(e, e.mode)  # nothing has moved yet, but may do from here
     return ANEW if start(e, e.t, e.y, bound_of(e), True) == OK else -1
 

@@ -21,9 +21,10 @@ def put_storages(t: ModelTables) -> None:
     t.ints["storage_sign"] = [s.sign for s in g.storages]
     t.floats["storage_start"] = [number_of(a) for a in start_of(g)[: len(g.storages)]]
     t.ints["storage_pseudo"] = [int(g.bonds[s.bond].domain.pseudo) for s in g.storages]
-    domains = list(dict.fromkeys(b.domain.name for b in g.bonds))
-    t.numbers["classes"] = 2 * len(domains)
-    own = [domains.index(b.domain.name) for b in g.bonds]
+    kinds = [(t.ints["bond_island"][b.index], b.domain.name) for b in g.bonds]
+    number = {kind: k for k, kind in enumerate(dict.fromkeys(kinds))}
+    t.numbers["classes"] = 2 * len(number)
+    own = [number[kind] for kind in kinds]
     t.ints["bond_class"] = [2 * k for k in own] + [2 * k + 1 for k in own]
     t.ints["storage_class"] = [2 * own[s.bond] + int(s.kind == "C") for s in g.storages]
     laws, rows = [], []

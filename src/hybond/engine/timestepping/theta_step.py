@@ -40,8 +40,8 @@ from hybond.engine.laws.law_instant import take_instant
 from hybond.engine.laws.law_records import Ports
 from hybond.engine.laws.ports import open_mode, ports_of, solve_with, times_partner
 from hybond.engine.laws.response import find_sizes
+from hybond.engine.mode.island_energies import see_energy
 from hybond.engine.mode.mode_records import is_constrained
-from hybond.engine.mode.reach import reach_of
 from hybond.engine.mode.storage import co_energy, energy_of
 from hybond.engine.mode.tableau import COMMON
 from hybond.engine.model import Model
@@ -58,6 +58,7 @@ from hybond.engine.timestepping.step_laws import (
     solve_step_laws,
 )
 from hybond.engine.timestepping.step_records import Coupled, Stepping
+from hybond.engine.timestepping.step_sizes import island_of_port, measure_step
 from hybond.engine.words import Floats, Ints
 
 NEWTON_ROUNDS: Final = 40
@@ -69,7 +70,7 @@ UPDATED: Final = 1e-11
 LAW_DUST_PART: Final = 1e-3
 """Part of the largest bond variable of its kind down to which the digits of `l` count."""
 GIVES_PART: Final = 1e-12
-"""Part of the largest energy so far from which a law gives more than rounding."""
+"""Part of the largest energy of its island so far from which a law gives more than rounding."""
 AT_REST: Final = 1e-9
 """Part of the largest approach so far below which a contact counts as at rest."""
 
@@ -133,7 +134,7 @@ def end_of_step(e: Engine, s: Stepping, t1: float, h: float) -> int:
     write_point(e, s.v0, e.t, e.y, s.w)
     if read_step_laws(e, s, p) != OK:
         return REFUSED
-    e.energy = max(e.energy, math.fabs(energy_of(e, e.y)))
+    see_energy(e, e.y)
     c = take_coupled(e, s, p, h)
     s.now = c
     if c.straight and not c.known and find_straight(e, s, p, c) != OK:
@@ -183,7 +184,7 @@ def laws_give(e: Engine, s: Stepping) -> bool:
     h = s.now.h
     for k in range(m.ports):
         if m.port_pseudo[k] == 0 and s.restitution[k] == 0.0:
-            if h * s.l[k] * s.wl[k] > GIVES_PART * e.energy:
+            if h * s.l[k] * s.wl[k] > GIVES_PART * e.island_energy[island_of_port(m, k)]:
                 return True
     return False
 
@@ -275,7 +276,7 @@ def newton_step_of(e: Engine, s: Stepping, p: Ports, c: Coupled) -> int:
     """
     m = e.model
     n = c.n
-    measure(e, s, p, c.h)
+    measure_step(e, s, p, c.h)
     last = math.inf
     projected = False
     first = True
@@ -360,41 +361,6 @@ def no_convergence(e: Engine) -> int:
     return say_fault(e, "HB-N310", "a step does not converge", "")
 
 
-def measure(e: Engine, s: Stepping, p: Ports, h: float) -> None:
-    """Find what each unknown is measured by: itself, its motion, what the energy would make."""
-    m = e.model
-    reach_of(e, e.y, e.energy, s.reach)
-    most = 0.0
-    for k in range(e.states):
-        s.weight[k] = math.fabs(e.y[k]) + h * math.fabs(s.rate0[k])
-        if k < m.storages:
-            s.weight[k] = max(s.weight[k], s.reach[k])
-            most = max(most, s.weight[k])
-    for k in range(m.storages):
-        s.weight[k] = max(s.weight[k], 1e-3 * most)
-    # signals move as what is stored would move them by its own measure, though it may be at rest
-    for k in range(e.states):
-        s.move[k] = e.y[k] + (s.weight[k] if k < m.storages else 0.0)
-    if m.integrals > 0 and rates_at(e, s, p, s.move, s.nothing, s.rate) == OK:
-        for k in range(m.integrals):
-            at = m.storages + k
-            s.weight[at] = max(s.weight[at], h * math.fabs(s.rate[at]))
-    for k in range(m.integrals):
-        most = max(most, s.weight[m.storages + k])
-    for k in range(e.states):
-        if not s.weight[k] > 0.0:
-            s.weight[k] = 1e-3 * most if most > 0.0 else 1.0
-    effort = 0.0
-    flow = 0.0
-    for b in range(m.bonds):
-        effort = max(effort, math.fabs(s.w[b]))
-        flow = max(flow, math.fabs(s.w[m.bonds + b]))
-    for k in range(m.ports):
-        is_effort = (m.junction_kind[m.port_junction[k]] == 0) == (p.given[k] == COMMON)
-        size = effort if is_effort else flow
-        s.unit[k] = size if size > 0.0 else 1.0
-
-
 def finish_step(e: Engine, s: Stepping, p: Ports, t1: float, h: float) -> None:
     """Make the end of a step the present point, and find what it did."""
     m = e.model
@@ -426,7 +392,7 @@ def finish_step(e: Engine, s: Stepping, p: Ports, t1: float, h: float) -> None:
             s.after_state[machine] = 2 if s.branch[k] < 0 else s.branch[k]
         else:
             s.after_state[machine] = 1 if s.branch[k] != 0 else 0
-    e.energy = max(e.energy, math.fabs(energy_of(e, e.y)))
+    see_energy(e, e.y)
     e.evaluations += 1
 
 

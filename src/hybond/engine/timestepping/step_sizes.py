@@ -1,0 +1,73 @@
+"""What the unknowns of a step are measured by, on each island by what is there."""
+
+from __future__ import annotations
+
+import math
+
+from hybond.engine.engine import OK, Engine
+from hybond.engine.laws.law_records import Ports
+from hybond.engine.mode.reach import reach_of
+from hybond.engine.mode.tableau import COMMON
+from hybond.engine.model import Model
+from hybond.engine.timestepping.matrices import rates_at
+from hybond.engine.timestepping.step_records import Stepping
+
+
+def measure_step(e: Engine, s: Stepping, p: Ports, h: float) -> None:
+    """Find what each unknown is measured by: itself, its motion, what the energy would make."""
+    m = e.model
+    reach_of(e, e.y, s.reach)
+    most = e.work.island_here
+    for i in range(m.islands):
+        most[i] = 0.0
+    for k in range(e.states):
+        s.weight[k] = math.fabs(e.y[k]) + h * math.fabs(s.rate0[k])
+        if k < m.storages:
+            i = m.storage_island[k]
+            s.weight[k] = max(s.weight[k], s.reach[k])
+            most[i] = max(most[i], s.weight[k])
+    largest = 0.0
+    for k in range(m.storages):
+        s.weight[k] = max(s.weight[k], 1e-3 * most[m.storage_island[k]])
+        largest = max(largest, s.weight[k])
+    # signals move as what is stored would move them by its own measure, though it may be at rest
+    for k in range(e.states):
+        s.move[k] = e.y[k] + (s.weight[k] if k < m.storages else 0.0)
+    if m.integrals > 0 and rates_at(e, s, p, s.move, s.nothing, s.rate) == OK:
+        for k in range(m.integrals):
+            at = m.storages + k
+            s.weight[at] = max(s.weight[at], h * math.fabs(s.rate[at]))
+    signals = 0.0
+    for k in range(m.integrals):
+        signals = max(signals, s.weight[m.storages + k])
+    largest = max(largest, signals)
+    for k in range(e.states):
+        if not s.weight[k] > 0.0:
+            beside = signals if k < m.storages else largest
+            s.weight[k] = 1e-3 * beside if beside > 0.0 else 1.0
+    measure_laws(e, s, p)
+
+
+def measure_laws(e: Engine, s: Stepping, p: Ports) -> None:
+    """Find what is given by each law is measured by: the largest effort or flow on its island."""
+    m = e.model
+    effort = e.work.island_here
+    flow = e.work.island_tried
+    for i in range(m.islands):
+        effort[i] = 0.0
+        flow[i] = 0.0
+    for b in range(m.bonds):
+        i = m.bond_island[b]
+        effort[i] = max(effort[i], math.fabs(s.w[b]))
+        flow[i] = max(flow[i], math.fabs(s.w[m.bonds + b]))
+    for k in range(m.ports):
+        i = island_of_port(m, k)
+        is_effort = (m.junction_kind[m.port_junction[k]] == 0) == (p.given[k] == COMMON)
+        size = effort[i] if is_effort else flow[i]
+        s.unit[k] = size if size > 0.0 else 1.0
+
+
+def island_of_port(m: Model, k: int) -> int:
+    """Return the island of the junction of port k; of one without bonds the first."""
+    at = m.end_first[m.port_junction[k]]
+    return m.bond_island[m.end_bond[at]] if at < m.end_first[m.port_junction[k] + 1] else 0
