@@ -70,7 +70,7 @@ def driven() -> hb.Model:
     return m
 
 
-@pytest.mark.parametrize("seed", [3053760, 3120253, 2022233])
+@pytest.mark.parametrize("seed", [3053760, 2022233])
 def test_power_balances_to_its_last_digits(seed: int) -> None:
     recipe = random_recipe(seed)
     audit = hb.simulate(recipe.model(), recipe.until).audit()

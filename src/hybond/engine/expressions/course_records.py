@@ -34,6 +34,8 @@ class Courses:
     plant: Floats
     plant_at: float
     """What the plant had at the last look, and when that was; -infinity: in another mode."""
+    held: Floats
+    """What the motion has found of it."""
     seen: Floats
     state: Floats
     rate: Floats
@@ -61,6 +63,7 @@ def make_courses(m: Model) -> Courses:
     c.told = ints(m.courses)
     c.plant = floats(m.course_plants)
     c.plant_at = -math.inf
+    c.held = floats(m.course_plants)
     c.lost = -1
     c.seen = floats(2 * m.slots)
     c.state = floats(m.storages + m.integrals)

@@ -47,18 +47,22 @@ def leave(e: Engine, i: Instant, t: float, x: Floats, s: Floats, state: Ints, ta
         return False
     write_entry(e, t, x, s)
     forget_jump(e)
-    for k in range(m.machines):
-        e.trial.state[k] = state[k]
     fires = False
     for k in range(m.machines):
-        target[k] = state[k]
-        if m.is_law[k] == 0:
-            leads = first_rule(e, k)
-            if leads >= 0:
-                target[k] = m.rule_target[leads]
-                fires = True
+        target[k] = e.trial.state[k]
+        e.trial.state[k] = state[k]
+    for k in range(m.machines):
+        fires = fires or (m.is_law[k] == 0 and first_rule(e, k) >= 0)
     if not fires:
+        # it is refused in the branches that laws have tried
+        for k in range(m.machines):
+            e.trial.state[k] = target[k]
         return False
+    for k in range(m.machines):
+        target[k] = state[k]
+        leads = first_rule(e, k) if m.is_law[k] == 0 else -1
+        if leads >= 0:
+            target[k] = m.rule_target[leads]
     note_step(i, MYTHICAL)
     drop_fired(i)
     for k in range(m.machines):

@@ -22,7 +22,7 @@ from hybond.engine.methods.scale import measure_ahead
 from hybond.engine.mode.mode_records import Mode, Reads
 from hybond.engine.mode.values import set_motion
 from hybond.engine.reasons.warned import COURSE_UNSEEN, add_about, begin_warning
-from hybond.engine.run.phases import put_now, put_signals, see_plant
+from hybond.engine.run.phases import give_back_plant, hold_plant, put_now, put_signals, see_plant
 from hybond.engine.run.run_records import bound_of
 from hybond.engine.timestepping.step_records import MOREAU
 
@@ -162,6 +162,7 @@ def end_ahead(e: Engine, end: float) -> float:
         return end
     if e.mode.phased:
         see_plant(e, bound_of(e))
+    hold_plant(e)
     if e.mode.phased or (c.end < end and not c.end - e.t > USED * c.length):
         look_ahead(e, bound_of(e))
         while c.lost >= 0:
@@ -172,6 +173,7 @@ def end_ahead(e: Engine, end: float) -> float:
             look_ahead(e, bound_of(e))
         if fixed and c.length < m.step and c.end < end:
             tell_unseen(e, c.hidden, PASSED_OVER)
+    give_back_plant(e)
     return end if fixed else min(end, c.end)
 
 

@@ -53,6 +53,18 @@ def see_plant(e: Engine, bound: float) -> None:
     e.evaluations = evaluations
 
 
+def hold_plant(e: Engine) -> None:
+    """Keep what the motion has found last of what is foreseen."""
+    for p in range(e.model.course_plants):
+        e.courses.held[p] = e.v[e.model.course_plant[p]]
+
+
+def give_back_plant(e: Engine) -> None:
+    """Let the motion go on from what it has found, not from what was foreseen."""
+    for p in range(e.model.course_plants):
+        e.v[e.model.course_plant[p]] = e.courses.held[p]
+
+
 def put_now(e: Engine) -> None:
     """Write what is there now: time, what is stored, signals, what the plant has."""
     set_motion(e, e.v, e.t, e.y)
