@@ -62,8 +62,11 @@ def is_led(e: Engine, h: float, y0: Floats, y1: Floats) -> bool:
     """Whether a step of size `h` leads no farther than its rates at both ends do, which are shown.
 
     Between them rates may be others, but within an instant not for long: twice as far at the most.
+    What neither is nor moves where it begins is led by the kink alone.
     """
     for k in range(e.model.storages):
+        if y0[k] == 0.0 and e.step.kink_rate[k] == 0.0:
+            continue
         one = FAR * h * e.step.kink_rate[k]
         other = FAR * h * shown_rate(e, k)
         way = y1[k] - y0[k]

@@ -119,11 +119,15 @@ def know_settling(e: Engine, jacobian: Floats) -> None:
     """Learn what rounding of its rate leaves of a state that the rate itself brings back.
 
     It adds up for no longer than that takes: a capacitor of 1 pF behind 1 microhm is off by the
-    rounding of its voltage, however long the run is.
+    rounding of its voltage, however long the run is. Beside edges and limits of laws slopes are
+    without bound, and say nothing of what a state has a moment later.
     """
-    for k in range(e.model.storages):
+    m = e.model
+    steep = m.edges > 0 or m.begins > 0 or m.bends > 0.0
+    for k in range(m.storages):
         slope = -jacobian[k * e.states + k]
-        e.settled[k] = SEEN * e.rate_noise[k] / slope if slope > 0.0 else math.inf
+        known = slope > 0.0 and e.rate_noise[k] > 0.0 and not steep
+        e.settled[k] = SEEN * e.rate_noise[k] / slope if known else math.inf
 
 
 def find_moved_terms(e: Engine, mode: Mode, soon: float) -> None:
@@ -330,8 +334,8 @@ def allow(e: Engine, y0: Floats, y1: Floats, energy: Floats, out: Floats) -> Non
                 # what is between motions is not what slows them
                 own_rounding = moments * max(e.rounding[k], e.moved_rounding[k])
             own_rounding = min(own_rounding, e.settled[k])
-            if e.step.tried > 0.0:
-                # a step adds what it lasts for, no more: else what is unstable in it seems no error
+            if e.step.tried > 0.0 and not e.step.solved:
+                # an explicit step adds what it lasts for: else what is unstable seems no error
                 own_rounding = min(own_rounding, SEEN * e.rate_noise[k] * e.step.tried)
             out[k] = max(max(out[k], own_rounding), m.rtol * FAINT)
     for k in range(m.storages, e.states):
