@@ -1,4 +1,4 @@
-"""Tables of courses: what time alone does in laws, sources, rates, guards and kinks.
+"""Tables of courses: what time, or a phase, does in laws, sources, rates, guards and kinks.
 
 A course is known before it is met, so that a step can be chosen by what lies ahead of it
 (`engine.run.courses_ahead`). Sums are taken apart: each term is a course of its own. What a phase
