@@ -81,7 +81,8 @@ def simulate(
         diodes and friction as laws of each step. Default ``"auto"``, or what the experiment says.
     rtol : float
         Relative tolerance, default 1e-8. Stored quantities are measured against the largest value
-        they have had, and against 1e-6 of the value that would hold the system's energy.
+        they have lately had, and against 1e-6 of the value that would hold the energy of
+        what they are connected with.
     atol : float
         Absolute tolerance in SI for every state, instead of that floor.
     step : float or str

@@ -73,9 +73,8 @@ def test_a_hammer_goes_through_eight_pieces_of_a_line() -> None:
         rules=["open -> shut when time >= 50 ms"],
     )
     run = hb.simulate(m, until="0.2 s")
-    a = np.zeros(
-        (2 * n + 1, 2 * n + 1)
-    )  # flows, pressures, and the one that the source is a multiple of
+    # flows, pressures, and the one that the source is a multiple of
+    a = np.zeros((2 * n + 1, 2 * n + 1))
     for i in range(n):
         a[i, i], a[i, n + i], a[n + i, i] = -2.0, -1e-6, 1e11
         a[i, n + i - 1 if i else 2 * n] = 1e-6 if i else 0.5

@@ -39,6 +39,17 @@ def made(expression: str) -> Any:
     return answered(tables)
 
 
+def test_integrals_of_integrals_are_laid_out_once_each() -> None:
+    """However deep they are, and however often the rate of one reads the next."""
+    n = 400
+    rates = {f"a{k}": f"sin(a{k + 1})*a{k + 1}" if k + 1 < n else "1" for k in range(n)}
+    m = hb.Model()
+    m.signal(x=hb.Integral("exp(a0)"), **{name: hb.Integral(rate) for name, rate in rates.items()})
+    tables = tables_of(m.flatten(), until=1.0)
+    assert tables.numbers["course_signals"] == n
+    assert tables.numbers["course_nodes"] < 4 * n
+
+
 @pytest.mark.parametrize("expression", OF_TIME)
 def test_a_range_holds_what_lies_in_it(expression: str) -> None:
     m = made(expression)

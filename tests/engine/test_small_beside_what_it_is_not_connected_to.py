@@ -128,7 +128,7 @@ def test_a_small_circuit_beside_a_huge_energy(small: str, beside: str, solver: s
 
 
 def fired(run: hb.Result) -> list[tuple[float, tuple[str, str, str]]]:
-    """What the machines of the small circuit did, and when."""
+    """Return what the machines of the small circuit did, and when."""
     steps = [(e.t, f) for e in run.events for step in e.steps for f in step.fired]
     return [(t, (f.machine, f.source, f.target)) for t, f in steps if not f.machine.endswith("W")]
 

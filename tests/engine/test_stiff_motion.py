@@ -187,6 +187,6 @@ bonds = ["s -> j", "{turned}", "j -> n", "n -> c", "n -> d"]
     without = text.replace("c = { C = 1e-12 }\n", "").replace(', "n -> c"', "")
     jumps = text.replace(f"r = {{ R = {size} }}\n", "").replace(f', "{turned}"', "")
     for other in (without, jumps):
-        assert hb.simulate(hb.loads(other), 1.0).final is not None
+        assert hb.simulate(hb.loads(other), 1.0)["n.e"].at(1.0) == pytest.approx(1.0, rel=1e-2)
     sooner = text.replace("0.5", "5e-6")
     assert hb.simulate(hb.loads(sooner), 1e-5).final["c.e"] == pytest.approx(1.0, rel=1e-2)

@@ -60,7 +60,7 @@ def printed_by_java(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
 @needs_c
 @pytest.mark.parametrize("name", IN_C)
 def test_an_example_as_a_c_program(name: str, tmp_path: Path) -> None:
-    """And a strict compiler has nothing to say of it, asked each time of the first two."""
+    """And a strict compiler has nothing to say of it; two of `FEW` go to a quick one."""
     text = hb.export(example(name), to="c", **INTEGRATED)
     compiled = compile_c if needs.STRICT and name not in FEW[2:] else compile_quickly
     printed = ask(compiled(text, tmp_path, name), "--events", code=3 if name in STOPPED else 0)

@@ -44,8 +44,8 @@ NAMED = {
 
 
 def meant(text: str, x: float) -> float:
-    # digits enough for what is left of 1 beside the exponential
-    with localcontext(Context(prec=60 + int(abs(x)), Emax=10**6, Emin=-(10**6))):
+    # digits enough for an exponential beside 1: exp(-x) begins at the 0.43 x-th
+    with localcontext(Context(prec=40 + int(abs(x)) // 2, Emax=10**6, Emin=-(10**6))):
         exact = re.sub(r"(?<![a-z\d.])([\d.]+(e-?\d+)?)", r"Decimal('\1')", text.replace("^", "**"))
         found = eval(exact, {**NAMED, "Decimal": Decimal, "x": Decimal(x)})
         return float(found)

@@ -114,7 +114,7 @@ def _group(first: str, pairs: Pairs, coils: Mapping[str, Branch]) -> tuple[str, 
     return tuple(key for key in coils if key in inside)
 
 
-def _possible(k: np.ndarray) -> str:
+def _remedy(k: np.ndarray) -> str:
     """Return what to do about couplings that no coils have."""
     if np.any((k == 0.0) & ~np.eye(len(k), dtype=bool)):
         return "couple each coil with each other one: a K that is not written is a coupling of 0"
@@ -139,7 +139,7 @@ def _core(
     rigid = bool(np.all(np.abs(k) == 1.0)) and np.linalg.matrix_rank(k) == 1
     if least < SINGULAR and not rigid:
         why, hint = (
-            ("would store negative energy", _possible(k))
+            ("would store negative energy", _remedy(k))
             if least < -SINGULAR
             else (
                 "tie only some coils rigidly",

@@ -43,6 +43,7 @@ _LEFT_OUT = {
     "sp": "the analysis is left out",
     "title": "",
 }
+"""Commands that are left out, and what is said of that: nothing of what means nothing here."""
 _COMMANDS = (
     *(".param", ".model", ".subckt", ".include", ".lib", ".tran", ".ic", ".global"),
     *(".print", ".meas", ".step", ".func", ".end", ".ends"),

@@ -71,7 +71,7 @@ def numeral(text: str) -> float | None:
 def is_ambiguous(match: re.Match[str]) -> bool:
     """Say whether the letters of a match of `NUMERAL` may be a unit or a scale factor.
 
-    Nothing is nothing in either.
+    Zero is the same with either.
     """
     if match["scale"] or match["unit"][:1].lower() != AMBIGUOUS:
         return False

@@ -23,11 +23,11 @@ def all_wanted(
 ) -> tuple[Wanted, ...]:
     """Return all measurements that there are in terms of the model."""
     kept = NONE if deck.transient is None else deck.transient.start
-    found = (wanted_of(one, woven, opened, names, kept) for one in deck.measures)
+    found = (_wanted(one, woven, opened, names, kept) for one in deck.measures)
     return tuple(one for one in found if one is not None)
 
 
-def wanted_of(
+def _wanted(
     one: Measure, woven: Woven, opened: Opened, names: Mapping[str, str], kept: Expr
 ) -> Wanted | None:
     """Return a measurement in terms of the model; None if what it reads is not there.

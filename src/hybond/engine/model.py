@@ -290,19 +290,16 @@ class Model:
     ports: int
     port_machine: Ints
     port_node: Ints
-    port_rank: Ints
-    """Its place by name."""
+    port_rank: Ints  # its place by name
     port_junction: Ints
     port_domain: Ints
     port_two_sided: Ints
     """Whether the common variable may have either sign: dry friction."""
-    port_planar: Ints
-    """Whether it is one of two that share a disk."""
+    port_planar: Ints  # whether it is one of two that share a disk
     port_impulsive: Ints
     port_affine: Ints
     """Whether its limits of friction are affine in bond variables, with constant slopes."""
-    port_pseudo: Ints
-    """Whether effort times flow is no power there."""
+    port_pseudo: Ints  # whether effort times flow is no power there
     port_force: Ints
     """The bond variable of the source that friction brought in, or -1, and its sign there."""
     port_force_sign: Ints
@@ -318,8 +315,7 @@ class Model:
     port_gap_rate: Ints
     """How fast it opens: an expression; -1: the constant; -2: it is none, or does not change."""
     port_gap_rate_constant: Floats
-    port_gap_pair: Ints
-    """The gap among the pairs; -1 if it is constant."""
+    port_gap_pair: Ints  # the gap among the pairs; -1 if it is constant
     port_gate: Ints
     port_gate_constant: Floats
     port_gate_pair: Ints
@@ -339,8 +335,7 @@ class Model:
     disks: int
     """Friction in the plane: two junctions that share a disk."""
     disk_machine: Ints
-    disk_port: Ints
-    """The two ports of each disk."""
+    disk_port: Ints  # the two ports of each disk
     disk_heading: Ints
     """What it keeps between events, among the integrated signals: the direction of slip."""
     disk_slow: Ints
@@ -359,8 +354,7 @@ class Model:
     """Of each state: the contact that it closes by an impact law, or -1."""
     contact_machine: Ints
     contact_state: Ints
-    contact_rest: Ints
-    """The state that the machine rests in."""
+    contact_rest: Ints  # the state that the machine rests in
     reactions: int
     reaction_first: Ints
     """Of each contact: its reactions."""
@@ -414,8 +408,7 @@ class Model:
     kink_switch: Ints  # what is to be ON for anything to feel it, -1: nothing
     kink_rest: Ints  # what is at rest where it is zero, the root of which is here; -1: nothing
     kink_meets: Ints  # whether all that is said of it has one value there as well
-    kink_node: Ints
-    """The element that says it; -1: the rate of a signal."""
+    kink_node: Ints  # the element that says it; -1: the rate of a signal
     timed_jumps: int
     timed_jump: Ints  # what depends on time and known inputs, and jumps by one at least
     edges: int
@@ -426,13 +419,12 @@ class Model:
     """So many of these by roots that are written; the others are powers, roots if turned round."""
     begin_bond: Ints  # the bond variable that each of these is; -1: none
     edge_value: Ints
-    edge_size: Ints
-    """What the magnitudes of its terms add up to."""
+    edge_size: Ints  # what the magnitudes of its terms add up to
     bends: float  # what arguments of laws are beside a limit on one side alone, at least; 0: none
     edge_bonds: int
     edge_bond: Ints  # the bond variables that these read
 
-    # courses: what time alone does where a step reads it, of parts that work on parts before them
+    # courses: what time, or a phase, does where a step reads it; parts work on parts before them
     courses: int
     course_root: Ints
     course_group: Ints  # of those that are terms of one sum: the same number
@@ -466,14 +458,12 @@ class Model:
     reasons: int
     generators: int
     """Functions of time; row k is the rate of the k-th by all of them."""
-    generator_one: int
-    """The one that is 1."""
+    generator_one: int  # the one that is 1
     generator_first: Ints
     generator_column: Ints
     generator_rate: Floats
     generator_value: Ints
-    generator_moving: Ints
-    """Whether each is no polynomial of time."""
+    generator_moving: Ints  # whether each is no polynomial of time
 
     # what is printed
     outputs: int
@@ -485,20 +475,16 @@ class Model:
     """The machine whose first transition ends the run, or -1."""
     points: int
     rtol: float
-    atol: float
-    """nan: none is given."""
+    atol: float  # nan: none is given
     max_step: float
     event_tol: float
     max_writes: int
     max_events: int
-    max_steps: int
-    """Between two events."""
+    max_steps: int  # between two events
     method: int
     """By the numbers of `tables.options.METHODS`."""
-    step: float
-    """Of rk4, euler and moreau-jean."""
-    theta: float
-    """Of moreau-jean: how much the end of a step weighs in its smooth part."""
+    step: float  # of rk4, euler and moreau-jean
+    theta: float  # of moreau-jean: how much the end of a step weighs in its smooth part
     slides: int
     """1: time goes on along surfaces into which both sides push; 0: refused."""
     impact: int

@@ -134,9 +134,13 @@ class Work:
     """... on each island, if there are several."""
     island_here: Floats
     island_tried: Floats
+    """Room for a number of each island, and for another one; ..."""
     island_energy: Floats
+    """... what tolerances are measured by there, J; ..."""
     island_reach: Floats
+    """... what `Mode.seen` is a factor of; ..."""
     island_still: Ints
+    """... and whether nothing has been stored there yet, or nothing pushes."""
     gap: Block
     gap_size: Block
     gap_first: Block

@@ -25,12 +25,7 @@ def names() -> tuple[str, ...]:
     >>> "electrical.diode" in hb.library.names()
     True
     """
-    return _names()
-
-
-@cache
-def _names() -> tuple[str, ...]:
-    """Look once: each part that a model uses is looked for among them."""
+    # looked for once: each part that a model uses is asked for among them
     found = (path.relative_to(SHELVES).with_suffix("") for path in SHELVES.glob("*/*.toml"))
     return tuple(sorted(".".join(path.parts) for path in found))
 
@@ -38,7 +33,7 @@ def _names() -> tuple[str, ...]:
 @cache
 def find(name: Any) -> Model | None:
     """Return the part of a name, shared by all who ask, or None."""
-    if not isinstance(name, str) or name not in _names():
+    if not isinstance(name, str) or name not in names():
         return None
     from hybond.files.load import load
 

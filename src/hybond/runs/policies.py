@@ -59,7 +59,7 @@ class Auto(_Adaptive):
     rtol : float
         Relative tolerance, 1e-8 by default.
     atol : float
-        Absolute tolerance in SI for every state, instead of a part of the system's energy.
+        Absolute tolerance in SI for every state, instead of a part of what energies make of it.
     max_step : float or str
         Longest step, s.
 

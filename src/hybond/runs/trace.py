@@ -304,7 +304,7 @@ class Trace:
     signals: object = None
     """What tells signals, powers and energies; the engine sets it."""
     energy: float = 0.0
-    """The largest energy seen, J: what rounding of stored quantities is measured by."""
+    """The largest energy seen, J: what rounding is measured by where the run is looked into."""
     begin: float = 0.0
     """When the run began, s."""
     ended_by: str = ""

@@ -19,8 +19,8 @@ from hybond.engine.words import Floats, Ints
 DUSTING: Final = 2
 """Times that rounding is swept off a state at rest: what is left would do work for ever."""
 STILL: Final = 1e-15
-"""What a contact at rest holds still is at rest below this part of what all the energy of the run
-would make of it: else the sign of a rounding error could close a contact that is to open."""
+"""What a contact at rest holds still is at rest below this part of what all the energy of its
+island would make of it: else the sign of a rounding error could close a contact that is to open."""
 
 
 def find_moved(e: Engine, held: Ints) -> None:

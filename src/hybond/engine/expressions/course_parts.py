@@ -1,6 +1,7 @@
 """What courses are made of: parts that work on parts before them, and their ranges.
 
-A course is what time alone does in an expression. `tables/courses.py` makes its parts.
+A course is what time alone, or a phase of the plant, does in an expression. `tables/courses.py`
+makes its parts.
 """
 
 from __future__ import annotations

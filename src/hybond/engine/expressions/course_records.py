@@ -1,4 +1,4 @@
-"""What is known of what time alone does: `run/courses_ahead` looks at it ahead of the motion."""
+"""What is known of what time and phases do: `run/courses_ahead` looks ahead."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from hybond.engine.words import Floats, Ints, floats, ints, record
 
 @record
 class Courses:
-    """What time alone does, and how far ahead it is known to show.
+    """What time and phases of the plant do, and how far ahead it is known to show.
 
     `kind` and `fast` are of its parts, `size` the largest value so far of each sum, `peak` that of
     a pulse, which is nothing before, `peak_at` about when that is, and `told` whether it was said

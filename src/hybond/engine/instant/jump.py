@@ -149,8 +149,8 @@ def leave_nothing(e: Engine, mode: Mode, v: Floats, x: Floats, after: Floats) ->
 def meets_own_terms(e: Engine, mode: Mode, part: float) -> bool:
     """Whether every constraint holds to a part of its terms as they are.
 
-    Not as large as the energy of the run could make them: a storage that is small beside the others
-    would be far off before that shows.
+    Not as large as the energy of their island could make them: a storage that is small beside the
+    others would be far off before that shows.
     """
     w = e.work
     constraints = mode.constraints

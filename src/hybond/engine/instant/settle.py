@@ -356,7 +356,7 @@ def is_kept(e: Engine, g: Settling) -> bool:
 def is_moved(e: Engine, g: Settling) -> bool:
     """Whether a trial without impulses is off the state by more than the last digits of it.
 
-    What is rounding beside the energy of the run may be many digits of a storage that is small.
+    What is rounding beside the energy of its island may be many digits of a storage that is small.
     The signals are those of the trial.
     """
     moved = False

@@ -113,7 +113,7 @@ def look_into(
     They are told by the states of machines, by which of these have landed, and by the surfaces slid
     on: whether all corners are combined, and, where junctions have laws, the states of machines in
     the modes around, `rows` of `branch`. `energy` is the largest that the run has seen, which
-    rounding is measured by.
+    rounding is measured by on each island: a run keeps no more of it.
     """
     m = e.model
     g = e.landings

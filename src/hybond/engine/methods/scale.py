@@ -158,10 +158,10 @@ def find_moved_terms(e: Engine, mode: Mode, soon: float) -> None:
 
 
 def see_pushes(e: Engine) -> None:
-    """Learn what energy that which pushes would give in a short part of the run, if it were alone.
+    """Learn the energy that what pushes would give in a short part of the run, if it were alone.
 
-    Bodies at rest have none to measure rounding by, though great forces may hold them there. What
-    it is on each island is then in `e.work.island_here`.
+    Bodies at rest have none to measure rounding by, though great forces may hold them there. That
+    of each island is then in `e.work.island_here`.
     """
     m = e.model
     most = e.work.island_here

@@ -96,9 +96,9 @@ class Mode:
     fastest: int
     """Which course has the fastest of them, -1: none does."""
     moves: bool
-    """Whether other courses of time count there, and which: `course`."""
+    """Whether other courses of time count there; ..."""
     phased: bool
-    """Whether courses of phases that the plant moves do."""
+    """... whether courses of phases that the plant moves do; and which of both: `course`."""
     course: Ints
     pace: int
     """Which of the sizes of steps that are remembered is that of the mode."""

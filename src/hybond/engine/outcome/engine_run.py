@@ -30,8 +30,8 @@ LOOKED = 0.05
 LATE = 2.0 * LOOKED
 """Seconds after which a slice that has not ended is looked into: one step may be long."""
 FIRST = 100
-"""Steps of the first slice, so that a short run is one or two; only one, if somebody is told of
-progress. Each may be longer than the one before by GROWS."""
+"""Steps of the first slice, so that a short run is one slice or two; where somebody is told of
+progress the first has one step. Each may be longer than the one before by GROWS."""
 GROWS = 8.0
 MOST = 1_000_000
 BYTES = 56

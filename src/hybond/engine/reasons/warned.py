@@ -59,8 +59,8 @@ MODULUS_JUMPS: Final = 17
 IMPULSE_LEFT_OUT: Final = 18
 """A source reads an impulse and does not give what it says of it. Numbers: the source, and how."""
 COURSE_UNSEEN: Final = 19
-"""What time alone does is not seen. Numbers: who says it, as `course_place` of the model; why not,
-0: it has no bound there, 1: fixed steps are too long, 2: a phase is not foreseen."""
+"""What time or a phase does is not seen. Numbers: who says it, as `course_place` of the model; why
+not, 0: it has no bound there, 1: fixed steps are too long, 2: a phase is not foreseen."""
 MADE_BY_STEPS: Final = 20
 """Steps of a fixed length have made energy, or lost it. Numbers: how much, of how much, J."""
 SWINGS: Final = 21

@@ -3,19 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 
 from hybond.engine.expressions.code import run_pair_code
-from hybond.engine.expressions.functions import log_cosh, softplus
 from hybond.engine.expressions.pairs import Stack
 from hybond.engine.model import Model
 from hybond.engine.tables.code import Code
 from hybond.engine.tables.columns import ModelTables
 from hybond.model.expressions import compile_expression
-from hybond.model.expressions.algebra import FLOATS
-
-FORMS = replace(FLOATS, call={**FLOATS.call, "softplus": softplus, "log_cosh": log_cosh})
-"""What operations mean, those of `stable` among them."""
 
 
 class Answers:
@@ -27,7 +21,7 @@ class Answers:
         self.stored, self.outputs = tables.stored, tables.outputs
         self.nodes, self.bonds, self.rules = tables.nodes, tables.bonds, tables.rules
         self.values: list[Callable[[Sequence[float]], float]] = [
-            compile_expression(e, index, FORMS, pre_offset=size) for e in tables.values.all
+            compile_expression(e, index, pre_offset=size) for e in tables.values.all
         ]
         self._code = Code(index, size)
         self._begins = [self._code.add(e, paired=True) for e in tables.pairs]

@@ -1,4 +1,4 @@
-"""Tables of courses: what time alone does in laws, sources, rates, guards and kinks.
+"""Tables of courses: what time, or a phase, does in laws, sources, rates, guards and kinks.
 
 A course is known before it is met, so that a step can be chosen by what lies ahead of it
 (`engine.run.courses_ahead`). Sums are taken apart: each term is a course of its own. What a phase
@@ -27,7 +27,8 @@ from hybond.engine.expressions.course_parts import (
     OPPOSITE,
     SAME,
 )
-from hybond.engine.inputs.calls import CALLED, FREE
+from hybond.engine.inputs.calls import FREE
+from hybond.engine.tables.beforehand import Beforehand
 from hybond.engine.tables.code import ONE
 from hybond.engine.tables.columns import INTS, ModelTables, put_rows
 from hybond.engine.tables.expressions import number_of
@@ -72,16 +73,17 @@ def put_courses(t: ModelTables) -> None:
     group: dict[Expr, int] = {}
     wholes: dict[Expr, int] = {}
     phases: set[Expr] = set()
+    before = Beforehand(t)
     for e, user in _read(t):
-        for whole in (*_timed_parts(t, e), *_phased(t, e, user)):
+        for whole in (*_timed_parts(before, e), *_phased(before, e, user)):
             for term in _terms(whole):
-                phased = _has_phase(t, term)
-                if _bends(term) and (phased or _of_time(t, term)):
+                phased = _has_phase(before, term)
+                if _bends(term) and (phased or before.covers(term)):
                     if term not in group:
                         group[term] = wholes.setdefault(whole, len(wholes))
                     users.setdefault(term, {})[user] = None
                     phases |= {term} if phased else set()
-    made = _Making(t)
+    made = _Making(t, before)
     t.ints["course_root"] = [made.place_of(_bounded(e)) for e in users]
     t.ints["course_group"] = [group[e] for e in users]
     t.ints["course_place"] = [_place_of(t, *next(iter(own))) for own in users.values()]
@@ -93,9 +95,9 @@ def put_courses(t: ModelTables) -> None:
     for k, name in enumerate(("course_op", "course_left", "course_right", "course_third")):
         t.ints[name] = [int(node[k]) for node in nodes]
     t.floats["course_number"] = made.numbers
-    t.ints["course_signal"] = list(made.signals)
+    t.ints["course_signal"] = [int(name.partition(":")[2]) for name in made.rates]
     t.ints["course_plant"] = list(made.plants)
-    t.numbers.update(courses=len(users), course_nodes=len(nodes), course_signals=len(made.signals))
+    t.numbers.update(courses=len(users), course_nodes=len(nodes), course_signals=len(made.rates))
     t.numbers.update(course_plants=len(made.plants), course_phases=len(phases))
 
 
@@ -130,7 +132,7 @@ def _place_of(t: ModelTables, user: int, which: int) -> int:
     return -2 - which if user == OF_RULE else which - 1
 
 
-def _timed_parts(t: ModelTables, e: Expr) -> list[Expr]:
+def _timed_parts(before: Beforehand, e: Expr) -> list[Expr]:
     """Return the largest parts of an expression that change with time alone.
 
     Those of which all is known beforehand: no function in Python, nothing from outside.
@@ -139,94 +141,39 @@ def _timed_parts(t: ModelTables, e: Expr) -> list[Expr]:
     stack = [e]
     while stack:
         part = stack.pop()
-        read = names(part)
-        if not any(_moves(t, n) for n in read):
+        if not any(before.moves(n) for n in names(part)):
             continue
-        if all(_is_known(t, n) for n in read) and not any(
-            isinstance(p, Pre) for p, _ in walk(part)
-        ):
+        if before.covers(part):
             found.append(part)
         elif not isinstance(part, Pre):
             stack += children(part)
     return found
 
 
-def _of_time(t: ModelTables, e: Expr) -> bool:
-    """Whether all that an expression reads is known beforehand."""
-    return all(_is_known(t, n) for n in names(e)) and not uses_pre(e)
-
-
-def _phased(t: ModelTables, e: Expr, user: tuple[int, int]) -> list[Expr]:
+def _phased(before: Beforehand, e: Expr, user: tuple[int, int]) -> list[Expr]:
     """Return an expression if a phase of the plant turns something in it."""
-    return [e] if not uses_pre(e) and user[0] != OF_SWITCH and _has_phase(t, e) else []
+    return [e] if not uses_pre(e) and user[0] != OF_SWITCH and _has_phase(before, e) else []
 
 
-def _has_phase(t: ModelTables, e: Expr) -> bool:
+def _has_phase(before: Beforehand, e: Expr) -> bool:
     """Whether a function in it reads a phase that the plant moves, and all else is there to see."""
-    if any(n.startswith("u:") and not _is_known(t, n) for n in names(e)):
+    if any(n.startswith("u:") and not before.is_known(n) for n in names(e)):
         return False
     return any(
-        _is_phase(t, argument)
+        _is_phase(before, argument)
         for part, _ in walk(e)
         if isinstance(part, Call) and part.function in _TURNING
         for argument in part.args
     )
 
 
-def _is_phase(t: ModelTables, e: Expr) -> bool:
+def _is_phase(before: Beforehand, e: Expr) -> bool:
     """Whether an argument goes on with time by what the plant says."""
     read = names(e)
-    if any(n.startswith("s:") and not _is_known(t, n) for n in read):
+    if any(n.startswith("s:") and not before.is_known(n) for n in read):
         return True
     plant = any(n.startswith(_PLANT) for n in read)
-    return plant and any(_moves(t, n) or n.startswith("x:") for n in read)
-
-
-def _moves(t: ModelTables, name: str) -> bool:
-    """Whether a name stands for what goes on with time while nothing happens."""
-    return name == "time" or (name.startswith(("u:", "s:")) and _is_known(t, name))
-
-
-def _is_known(t: ModelTables, name: str) -> bool:
-    """Whether all is known of it beforehand: of a signal, by rates that read none of themselves."""
-    signals = _behind(t, name)
-    read = {name}.union(*(names(_rate_of(t, n)) for n in signals))
-    if _goes_round(t, name) or any(uses_pre(_rate_of(t, n)) for n in signals):
-        return False
-    for other in read:
-        kind, _, index = other.partition(":")
-        if kind in ("u", "du"):
-            if t.ints["input_kind"][int(index)] == CALLED:
-                return False
-        elif kind not in ("s", "time", "on", "in", "at"):
-            return False
-    return True
-
-
-def _behind(t: ModelTables, name: str) -> set[str]:
-    """Return the integrated signals that a signal is made of, itself among them."""
-    found: set[str] = set()
-    stack = [name]
-    while stack:
-        other = stack.pop()
-        if other.startswith("s:") and other not in found:
-            found.add(other)
-            stack += names(_rate_of(t, other))
-    return found
-
-
-def _goes_round(t: ModelTables, name: str) -> bool:
-    """Whether a signal, or one that it is made of, reads itself by its rate."""
-    return any(
-        n in _behind(t, other)
-        for n in _behind(t, name)
-        for other in names(_rate_of(t, n))
-        if other.startswith("s:")
-    )
-
-
-def _rate_of(t: ModelTables, name: str) -> Expr:
-    return t.values.all[t.ints["integral_rate"][int(name.partition(":")[2])]]
+    return plant and any(before.moves(n) or n.startswith("x:") for n in read)
 
 
 def _terms(e: Expr) -> list[Expr]:
@@ -280,18 +227,43 @@ def _in_parts(e: Expr) -> Expr:
 class _Making:
     """What courses are made of, the same part once: rows of what it is, and what it works on."""
 
-    def __init__(self, t: ModelTables) -> None:
+    def __init__(self, t: ModelTables, before: Beforehand) -> None:
         self.t = t
+        self.before = before
         self.place: dict[tuple[int, int, int, int], int] = {}
         self.numbers: list[float] = []
         self.kept: dict[float, int] = {}
-        self.signals: dict[int, None] = {}
-        """Each behind those that its rate reads."""
+        self.rates: dict[str, int] = {}
+        """Where those of integrated signals stand, each behind those that it reads."""
         self.plants: dict[int, int] = {}
 
     def place_of(self, e: Expr) -> int:
         """Return where an expression stands among the parts."""
         return fold(e, self._node)
+
+    def _place_rates(self, signal: str) -> None:
+        """Place the rate of a signal that is an integral of others, behind those of these."""
+        waiting = [signal] if self._is_integral(signal) else []
+        while waiting:
+            path = waiting[-1]
+            rate = self.before.rate_of(path)
+            read = [n for n in sorted(names(rate)) if self._is_integral(n)]
+            first = [n for n in read if n not in self.rates]
+            waiting += first
+            if not first:
+                waiting.pop()
+                if path not in self.rates:
+                    self.rates[path] = self.place_of(_bounded(rate))
+
+    def _is_integral(self, name: str) -> bool:
+        """Whether it is a signal that moves by a rate whose parts can be foreseen."""
+        if not name.startswith("s:") or not self._moves(name):
+            return False
+        return not self.before.goes_round(name) and not uses_pre(self.before.rate_of(name))
+
+    def _moves(self, signal: str) -> bool:
+        rate = self.before.rate_of(signal)
+        return bool(names(rate)) or rate != Number(0.0)
 
     def _put(self, op: int, left: int = 0, right: int = 0, third: int = 0) -> int:
         return self.place.setdefault((op, left, right, third), len(self.place))
@@ -312,14 +284,12 @@ class _Making:
             case Name(path):
                 kind, _, index = path.partition(":")
                 if kind == "s":
-                    rate = _rate_of(self.t, path)
-                    moves = bool(names(rate)) or rate != Number(0.0)
-                    if moves and not _goes_round(self.t, path) and not uses_pre(rate):
-                        at = self.place_of(_bounded(rate))
-                        self.signals[int(index)] = None
-                        known = _is_known(self.t, path)
-                        return self._put(AT_SIGNAL, self.t.slots.index[path], at, int(not known))
-                if kind in ("e", "f", "x") or (kind == "s" and moves):
+                    self._place_rates(path)
+                    if path in self.rates:
+                        known = self.before.is_known(path)
+                        slot, at = self.t.slots.index[path], self.rates[path]
+                        return self._put(AT_SIGNAL, slot, at, int(not known))
+                if kind in ("e", "f", "x") or (kind == "s" and self._moves(path)):
                     slot = self.t.slots.index[path]
                     return self._put(AT_PLANT, slot, self.plants.setdefault(slot, len(self.plants)))
                 if kind == "u" and self.t.ints["input_kind"][int(index)] != FREE:

@@ -49,7 +49,7 @@ def measure_step(e: Engine, s: Stepping, p: Ports, h: float) -> None:
 
 
 def measure_laws(e: Engine, s: Stepping, p: Ports) -> None:
-    """Find what is given by each law is measured by: the largest effort or flow on its island."""
+    """Find what that which a law gives is measured by: the largest effort or flow on its island."""
     m = e.model
     effort = e.work.island_here
     flow = e.work.island_tried

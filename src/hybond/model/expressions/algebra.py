@@ -50,8 +50,8 @@ class Algebra:
     where: Callable[[Any, Any, Any], Any]
     """``where(c, a, b)``, `a` where `c` is true, else `b`."""
     call: Mapping[str, Callable[..., Any]]
-    """From each name of `FUNCTIONS` to its function; those of `stable` beside them let
-    `compile_expression` write in that way what would overflow."""
+    """From each name of `FUNCTIONS` to its function. Where those of `stable` are beside them,
+    `compile_expression` takes forms in which nothing on the way overflows."""
     const: Callable[[float], Any]
     """The value of a Python float or bool of the text."""
     table: Callable[[Points, Points, str], Closure]
@@ -192,6 +192,7 @@ _UFUNC: dict[str, Callable[..., Any]] = {
 }
 
 
+# the engine has the same functions, to the last bit, in the language that it is translated from
 def _softplus(a: float) -> float:
     return max(a, 0.0) + math.log1p(math.exp(-abs(a)))
 
@@ -199,7 +200,8 @@ def _softplus(a: float) -> float:
 def _log_cosh(a: float) -> float:
     size = abs(a)
     if size < 1.0:
-        return math.log1p(2.0 * math.sinh(0.5 * size) ** 2)
+        half = math.sinh(0.5 * size)
+        return math.log1p(2.0 * half * half)
     return size + (math.log1p(math.exp(-2.0 * size)) - math.log(2.0))
 
 

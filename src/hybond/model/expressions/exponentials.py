@@ -14,7 +14,7 @@ from hybond.model.expressions.slots import is_slotted
 from hybond.model.expressions.tree import Binary, Call, Expr, Neg, Number
 
 _MOST = 9
-"""Terms that a product of sums is written out to: that of two derivatives of three terms."""
+"""Terms that a product of sums is written out to, at the most: three by three."""
 _ONE, _ZERO, _HALF = Number(1.0), Number(0.0), Number(0.5)
 Term = tuple[Expr, Expr]
 """Factor and exponent."""
@@ -96,7 +96,7 @@ def scaled(terms: list[Term], by: Expr) -> Expr:
 
 
 def is_number(e: Expr, value: float | None = None) -> bool:
-    """Whether it is a plain number: this one, or else any above zero."""
+    """Whether it is a plain number: this one, or any above zero if none is named."""
     if not isinstance(e, Number) or is_slotted(e.value) or e.dimension is not None:
         return False
     return bool(e.value > 0.0) if value is None else bool(e.value == value)

@@ -140,10 +140,10 @@ def _quotient(above: Expr, below: Expr) -> Expr | None:
             return Binary("/", Number(1.0), Call("tanh", (u,)))
     base, power = below, 1.0
     while isinstance(base, Binary) and base.op == "^":
-        times_itself = base.right
-        if not (isinstance(times_itself, Number) and is_number(times_itself)):
+        raised = base.right
+        if not (isinstance(raised, Number) and is_number(raised)):
             break
-        base, power = base.left, power * times_itself.value
+        base, power = base.left, power * raised.value
     down = terms_of(base)
     if not steep(down):
         return None
