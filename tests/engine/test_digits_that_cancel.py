@@ -70,7 +70,17 @@ def driven() -> hb.Model:
     return m
 
 
-@pytest.mark.parametrize("seed", [3053760, 2022233])
+NOISY = "a flow of 1e9 beside small efforts: what is shown hangs on where Newton began"
+
+
+@pytest.mark.parametrize(
+    "seed",
+    [
+        3053760,
+        pytest.param(3120253, marks=pytest.mark.xfail(reason=NOISY, strict=True)),
+        2022233,
+    ],
+)
 def test_power_balances_to_its_last_digits(seed: int) -> None:
     recipe = random_recipe(seed)
     audit = hb.simulate(recipe.model(), recipe.until).audit()

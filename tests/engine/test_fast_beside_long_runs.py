@@ -67,3 +67,14 @@ def test_what_settles_at_once_follows_to_the_tolerance(of, span, r, c, law, turn
     begin = [r * c * 10.0**k for k in range(-2, 8)]
     early = run.sample(begin, [f"c.{read}"])[f"c.{read}"]
     assert early.min() >= -1e-5 and early.max() <= 1.0 + 1e-5
+
+
+@pytest.mark.parametrize("at", [0.0, 1.0, 50.0])
+def test_what_two_have_together_is_no_matter_of_how_soon_they_agree(at: float) -> None:
+    """Two capacitors of 1 pF behind 1 kohm, joined by 1 microhm, follow a step within 2 ns."""
+    m = hb.Model("pair", domain="electrical")
+    m.add(a=hb.C(1e-12), b=hb.C(1e-12), n=hb.Zero(), k=hb.Zero(), j=hb.One(), r=hb.R(1e-6))
+    m.add(s=hb.Se(f"if time < {at} then 0 else 1"), q=hb.One(), R=hb.R(1e3))
+    m.bond("s -> q -> n", "q -> R", "n -> a", "n -> j -> k", "j -> r", "k -> b")
+    run = hb.simulate(m, 2.0 * max(at, 1.0), solver="radau", max_steps=2000)
+    assert run.final["b.e"] == pytest.approx(1.0, abs=1e-6)

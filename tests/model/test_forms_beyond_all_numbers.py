@@ -71,6 +71,26 @@ def test_a_form_has_its_value_wherever_that_is_a_number(text: str) -> None:
         assert s.refused == 0
 
 
+@pytest.mark.parametrize(
+    ("text", "at", "value"),
+    [
+        # the root of a square has no sign, and the larger of two is not lost beside the other
+        ("exp(x)/((exp(x) - 3)^2)^0.5", 0.0, 0.5),
+        ("cosh(x)/(sinh(x)^2)^0.5", -1.0, 1.0 / np.tanh(1.0)),
+        ("exp(x)/((1 - exp(x))^2)^1.5", 1.0, np.e / (np.e - 1.0) ** 3),
+        ("exp(x)/((1 - exp(x))^2)^1.5", -1.0, np.exp(-1.0) / (1.0 - np.exp(-1.0)) ** 3),
+        ("log(exp(1e200*x) + exp(3))", -0.95, 3.0),
+        ("log(exp(3) + exp(1e200*x))", -0.95, 3.0),
+        ("1e-12*log(exp(x/1e-12) + exp(1e-4))", -1.0, 1e-16),
+        ("log(exp(x) + exp(x^2))", 40.0, 1600.0),
+        ("log(exp(x) + exp(x^2))", 1.0, 1.0 + np.log(2.0)),
+    ],
+)
+def test_another_form_is_of_the_same_value(text: str, at: float, value: float) -> None:
+    of_one = compile_expression(parse(text), {"x": 0}, pre_offset=1)
+    assert float(of_one([at])) == pytest.approx(value, rel=1e-13)
+
+
 def test_what_is_beyond_all_numbers_is_more_than_one_that_is_not() -> None:
     code = Code({"x": 0}, 1)
     for text, holds in (

@@ -42,6 +42,8 @@ SHORT: Final = 1e-6
 """Part of the run in which what that adds up to is no error, nor is it in a step, if that is more:
 what is held at zero has a rate that is nothing else."""
 
+ALONE: Final = 2.0
+"""Times the slopes on all others that a state's own is at least where it settles by itself."""
 SEEN: Final = 1e3
 """Times the rounding that is left of a state is its tolerance at least: iterations end at a part
 of the tolerance, and that is to be more than rounding."""
@@ -119,15 +121,20 @@ def know_settling(e: Engine, jacobian: Floats) -> None:
     """Learn what rounding of its rate leaves of a state that the rate itself brings back.
 
     It adds up for no longer than that takes: a capacitor of 1 pF behind 1 microhm is off by the
-    rounding of its voltage, however long the run is. Beside edges and limits of laws slopes are
-    without bound, and say nothing of what a state has a moment later.
+    rounding of its voltage, however long the run is. Two that are joined by it settle together, but
+    what both have does not; their slopes on each other are as large as their own. Beside edges and
+    limits of laws slopes are without bound, and say nothing of what a state has a moment later.
     """
     m = e.model
+    n = e.states
     steep = m.edges > 0 or m.begins > 0 or m.bends > 0.0
     for k in range(m.storages):
-        slope = -jacobian[k * e.states + k]
-        known = slope > 0.0 and e.rate_noise[k] > 0.0 and not steep
-        e.settled[k] = SEEN * e.rate_noise[k] / slope if known else math.inf
+        own = -jacobian[k * n + k]
+        others = 0.0
+        for j in range(n):
+            others += math.fabs(jacobian[k * n + j]) if j != k else 0.0
+        known = own > ALONE * others and e.rate_noise[k] > 0.0 and not steep
+        e.settled[k] = SEEN * e.rate_noise[k] / own if known else math.inf
 
 
 def find_moved_terms(e: Engine, mode: Mode, soon: float) -> None:

@@ -109,14 +109,18 @@ def _logarithm(e: Expr) -> Expr | None:
     if len(terms) == 1:
         ((a, u),) = terms
         return u if is_number(a, 1.0) else total(_log(a), u)
-    if len(terms) == 2 and all(is_number(a) for a, _ in terms):
+    numbers = all(is_number(a) for a, _ in terms) and any(is_number(u, 0.0) for _, u in terms)
+    if len(terms) == 2 and numbers:
         return _of_two(*terms)
     most = largest(terms)
     return total(most, Call("log", (scaled(terms, most),)))
 
 
 def _of_two(first: Term, second: Term) -> Expr:
-    """Return the logarithm of two exponentials with factors above zero: no small one is lost."""
+    """Return the logarithm of a number and an exponential, factors above zero: none is lost.
+
+    Of two that both vary the larger one has to stand in front, or it is lost beside the other.
+    """
     (a, u), (b, v) = (second, first) if is_number(second[1], 0.0) else (first, second)
     assert isinstance(a, Number)
     assert isinstance(b, Number)
@@ -139,11 +143,11 @@ def _quotient(above: Expr, below: Expr) -> Expr | None:
         case Call("cosh", (u,)), Call("sinh", (v,)) if u == v:
             return Binary("/", Number(1.0), Call("tanh", (u,)))
     base, power = below, 1.0
-    while isinstance(base, Binary) and base.op == "^":
+    # a power of a power is none of its base: the root of a square is not what was squared
+    if isinstance(base, Binary) and base.op == "^":
         raised = base.right
-        if not (isinstance(raised, Number) and is_number(raised)):
-            break
-        base, power = base.left, power * raised.value
+        if isinstance(raised, Number) and is_number(raised):
+            base, power = base.left, raised.value
     down = terms_of(base)
     if not steep(down):
         return None
