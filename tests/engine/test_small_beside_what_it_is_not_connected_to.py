@@ -36,9 +36,13 @@ def friction(m: hb.Model, s: float) -> Callable[[float], float]:
     x, phase = 0.3 / 36.0, math.atan2(0.3, 6.0)
     turn = (0.5 * math.pi - phase) / 6.0
     top = math.hypot(x, 1.0 / 6.0) - x
-    back = lambda t: -6.0 * s * (top - x) * math.sin(6.0 * (t - turn))  # noqa: E731
-    there = lambda t: s * math.cos(6.0 * t + phase) / math.cos(phase)  # noqa: E731
-    return lambda t: there(t) if t < turn else back(t)
+
+    def momentum(t: float) -> float:
+        if t < turn:
+            return s * math.cos(6.0 * t + phase) / math.cos(phase)
+        return -6.0 * s * (top - x) * math.sin(6.0 * (t - turn))
+
+    return momentum
 
 
 def jump(m: hb.Model, s: float) -> Callable[[float], float]:

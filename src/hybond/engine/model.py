@@ -436,7 +436,6 @@ class Model:
     course_place: Ints  # who says it: an element, -1: the rate of a signal, else ``-2 - rule``
     course_signals: int  # integrated signals that they read, each behind what its rate reads
     course_signal: Ints
-    course_phases: int
     course_plants: int  # bond variables and what is stored: the slots that they read
     course_plant: Ints
     course_nodes: int

@@ -98,7 +98,7 @@ def put_courses(t: ModelTables) -> None:
     t.ints["course_signal"] = [int(name.partition(":")[2]) for name in made.rates]
     t.ints["course_plant"] = list(made.plants)
     t.numbers.update(courses=len(users), course_nodes=len(nodes), course_signals=len(made.rates))
-    t.numbers.update(course_plants=len(made.plants), course_phases=len(phases))
+    t.numbers["course_plants"] = len(made.plants)
 
 
 def _read(t: ModelTables) -> Iterator[tuple[Expr, tuple[int, int]]]:
