@@ -8,7 +8,6 @@ argument moves.
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING
 
 from hybond.engine.expressions import code as c
@@ -31,6 +30,7 @@ from hybond.engine.inputs.calls import FREE
 from hybond.engine.tables.beforehand import Beforehand
 from hybond.engine.tables.code import ONE
 from hybond.engine.tables.columns import INTS, ModelTables, put_rows
+from hybond.engine.tables.course_forms import bounded
 from hybond.engine.tables.expressions import number_of
 from hybond.model.expressions import (
     And,
@@ -51,8 +51,7 @@ from hybond.model.expressions import (
     simplify,
     uses_pre,
 )
-from hybond.model.expressions.stable import stable
-from hybond.model.expressions.tree import children, fold, transform, walk
+from hybond.model.expressions.tree import children, fold, walk
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -62,6 +61,8 @@ ALWAYS, OF_SOURCE, OF_SWITCH, OF_RULE = 0, 1, 2, 3
 _PLANT = ("e:", "f:", "x:")
 _TURNING = ("sin", "cos", "tan", "mod", "exp", "tanh", "cosh", "sinh")
 """Functions by which what moves evenly can do something in no time."""
+_RISING = ("exp", "tanh", "sinh")
+"""Those of them that only go one way: alone, one of them goes there and does not come back."""
 _ARITHMETIC = {"+": c.ADD, "-": c.SUBTRACT, "*": c.MULTIPLY, "/": c.DIVIDE, "^": c.RAISE}
 _CALLED = {"abs": c.ABSOLUTE, "sign": c.SIGN, "hypot": c.LENGTH, "min": c.LEAST, "max": c.GREATEST}
 _COMPARED = {"<": LESS, "<=": LESS, ">": GREATER, ">=": GREATER, "==": SAME, "!=": SAME}
@@ -84,7 +85,7 @@ def put_courses(t: ModelTables) -> None:
                     users.setdefault(term, {})[user] = None
                     phases |= {term} if phased else set()
     made = _Making(t, before)
-    t.ints["course_root"] = [made.place_of(_bounded(e)) for e in users]
+    t.ints["course_root"] = [made.place_of(bounded(e)) for e in users]
     t.ints["course_group"] = [group[e] for e in users]
     t.ints["course_place"] = [_place_of(t, *next(iter(own))) for own in users.values()]
     t.ints["course_phase"] = [int(e in phases) for e in users]
@@ -151,8 +152,13 @@ def _timed_parts(before: Beforehand, e: Expr) -> list[Expr]:
 
 
 def _phased(before: Beforehand, e: Expr, user: tuple[int, int]) -> list[Expr]:
-    """Return an expression if a phase of the plant turns something in it."""
-    return [e] if not uses_pre(e) and user[0] != OF_SWITCH and _has_phase(before, e) else []
+    """Return an expression if a phase of the plant turns something in it, and may turn it back.
+
+    What does not come back is seen at the end of a step: there a rate is another one.
+    """
+    if uses_pre(e) or user[0] == OF_SWITCH or not _has_phase(before, e):
+        return []
+    return [] if _rises(e) <= 1 else [e]
 
 
 def _has_phase(before: Beforehand, e: Expr) -> bool:
@@ -174,6 +180,37 @@ def _is_phase(before: Beforehand, e: Expr) -> bool:
         return True
     plant = any(n.startswith(_PLANT) for n in read)
     return plant and any(before.moves(n) or n.startswith("x:") for n in read)
+
+
+def _rises(e: Expr) -> int:
+    """Return how many functions rise in what is even otherwise in the plant and time; 2: or other.
+
+    ``tanh(k*(a - b)) + c*a`` has one; the difference of two is a pulse, and so is their product.
+    """
+    match e:
+        case Neg(a):
+            return _rises(a)
+        case Binary(op="+" | "-"):
+            return _rises(e.left) + _rises(e.right)
+        case Binary(op="*", left=a, right=b) if not (_is_moved(a) and _is_moved(b)):
+            return _rises(a) + _rises(b)
+        case Binary(op="/", left=a, right=b) if not _is_moved(b):
+            return _rises(a)
+        case (
+            Binary(op="/", left=a, right=Binary("+", Number(n), Call("exp") as b))
+            | Binary(op="/", left=a, right=Binary("+", Call("exp") as b, Number(n)))
+        ) if n >= 0.0 and not _is_moved(a):
+            return _rises(b)
+        case Call(function, (a,)) if function in _RISING:
+            return max(1, _rises(a))
+        case Name(path):
+            return 2 if path.startswith("u:") else 0
+    return 2 if _is_moved(e) else 0
+
+
+def _is_moved(e: Expr) -> bool:
+    """Whether anything in it goes on while nothing happens."""
+    return any(n == "time" or n.startswith(("u:", "s:", *_PLANT)) for n in names(e))
 
 
 def _terms(e: Expr) -> list[Expr]:
@@ -206,24 +243,6 @@ def _bends(e: Expr) -> bool:
     )
 
 
-def _bounded(e: Expr) -> Expr:
-    """Return an expression in a form whose parts have bounds where it has."""
-    return transform(stable(e), _in_parts)
-
-
-def _in_parts(e: Expr) -> Expr:
-    """Return what has no range of its own as what has: ``max(u, 0) + log(1 + exp(-abs(u)))``."""
-    match e:
-        case Call("softplus", (u,)):
-            one = Number(1.0)
-            rest = Binary("+", one, Call("exp", (Neg(Call("abs", (u,))),)))
-            return Binary("+", Call("max", (u, Number(0.0))), Call("log", (rest,)))
-        case Call("log_cosh", (u,)):
-            twice = _in_parts(Call("softplus", (Binary("*", Number(2.0), u),)))
-            return Binary("-", twice, Binary("+", u, Number(math.log(2.0))))
-    return e
-
-
 class _Making:
     """What courses are made of, the same part once: rows of what it is, and what it works on."""
 
@@ -253,7 +272,7 @@ class _Making:
             if not first:
                 waiting.pop()
                 if path not in self.rates:
-                    self.rates[path] = self.place_of(_bounded(rate))
+                    self.rates[path] = self.place_of(bounded(rate))
 
     def _is_integral(self, name: str) -> bool:
         """Whether it is a signal that moves by a rate whose parts can be foreseen."""
