@@ -188,13 +188,19 @@ def test_what_only_turns_evenly_bounds_no_step() -> None:
         "sigmoids",
     ],
 )
-@pytest.mark.parametrize("phase", ["flywheel", "time"])
+@pytest.mark.parametrize("phase", ["flywheel", "time", "voltage", "speed"])
 def test_what_rises_and_falls_again_is_seen(pulse: str, area: float, phase: str) -> None:
     m = hb.Model("bell")
-    if phase == "time":
+    if phase == "flywheel":
+        of_a_flywheel(m, False)
+    elif phase == "time":
         m.signal(phase="0.5 + 20*time")
     else:
-        of_a_flywheel(m, False)
+        # what is filled evenly from 0.5 on: no expression reads what it holds
+        filled = hb.C(1.0, e=0.5) if phase == "voltage" else hb.I(1.0, f=0.5)
+        m.add(u=hb.Sf(20.0) if phase == "voltage" else hb.Se(20.0), filled=filled)
+        m.bond("u -> filled")
+        m.signal(phase="filled.e" if phase == "voltage" else "filled.f")
     m.parameter(w=WIDTH)
     m.add(s=hb.Sf(pulse), c=hb.C(1.0))
     m.bond("s -> c")

@@ -76,9 +76,10 @@ def put_courses(t: ModelTables) -> None:
     phases: set[Expr] = set()
     before = Beforehand(t)
     for e, user in _read(t):
-        for whole in (*_timed_parts(before, e), *_phased(before, e, user)):
+        own = _own(t, user)
+        for whole in (*_timed_parts(before, e), *_phased(before, e, user, own)):
             for term in _terms(whole):
-                phased = _has_phase(before, term)
+                phased = _has_phase(before, term, own)
                 if _bends(term) and (phased or before.covers(term)):
                     if term not in group:
                         group[term] = wholes.setdefault(whole, len(wholes))
@@ -151,35 +152,46 @@ def _timed_parts(before: Beforehand, e: Expr) -> list[Expr]:
     return found
 
 
-def _phased(before: Beforehand, e: Expr, user: tuple[int, int]) -> list[Expr]:
+def _own(t: ModelTables, user: tuple[int, int]) -> frozenset[str]:
+    """Return the effort and the flow of what says an expression: no phase turns a law by itself.
+
+    How a law of its own effort or flow bends is seen by the steps that solve it.
+    """
+    if user[0] != OF_SOURCE:
+        return frozenset()
+    bond = t.ints["source_bond"][user[1]]
+    return frozenset((f"e:{bond}", f"f:{bond}"))
+
+
+def _phased(before: Beforehand, e: Expr, user: tuple[int, int], own: frozenset[str]) -> list[Expr]:
     """Return an expression if a phase of the plant turns something in it, and may turn it back.
 
     What does not come back is seen at the end of a step: there a rate is another one.
     """
-    if uses_pre(e) or user[0] == OF_SWITCH or not _has_phase(before, e):
+    if uses_pre(e) or user[0] == OF_SWITCH or not _has_phase(before, e, own):
         return []
     return [] if _rises(e) <= 1 else [e]
 
 
-def _has_phase(before: Beforehand, e: Expr) -> bool:
+def _has_phase(before: Beforehand, e: Expr, own: frozenset[str]) -> bool:
     """Whether a function in it reads a phase that the plant moves, and all else is there to see."""
     if any(n.startswith("u:") and not before.is_known(n) for n in names(e)):
         return False
     return any(
-        _is_phase(before, argument)
+        _is_phase(before, argument, own)
         for part, _ in walk(e)
         if isinstance(part, Call) and part.function in _TURNING
         for argument in part.args
     )
 
 
-def _is_phase(before: Beforehand, e: Expr) -> bool:
+def _is_phase(before: Beforehand, e: Expr, own: frozenset[str]) -> bool:
     """Whether an argument goes on with time by what the plant says."""
     read = names(e)
     if any(n.startswith("s:") and not before.is_known(n) for n in read):
         return True
     plant = any(n.startswith(_PLANT) for n in read)
-    return plant and any(before.moves(n) or n.startswith("x:") for n in read)
+    return plant and any(before.moves(n) or (n.startswith(_PLANT) and n not in own) for n in read)
 
 
 def _rises(e: Expr) -> int:
