@@ -8,6 +8,7 @@ is across the source, and what was stored jumped to zero at the start.
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import pytest
@@ -91,3 +92,22 @@ def test_power_beside_what_a_source_ties(tmp_path: Path) -> None:
     run = hb.simulate(hb.read_circuit(deck).model, until=0.004)
     assert float(run["L1.f"].at(0.004)) == pytest.approx(left(0.004, 5), rel=1e-6)
     assert float(run["C2.e"].at(0.004)) == pytest.approx(float(run["C1.e"].at(0.004)) ** 2)
+
+
+@pytest.mark.parametrize("kind", ["resistor", "source", "source against the arrow"])
+def test_powers_of_sizes_are_no_corners_for_steps(kind: str) -> None:
+    """A varistor with ``abs(v)^4`` is driven through zero, as one with ``v^4`` is (HB-N410).
+
+    The coil has next to nothing across it: the current is what the law gives of all of the voltage.
+    """
+    m = hb.Model("a varistor behind a coil", domain="electrical")
+    m.add(V=hb.Se("5*cos(2*pi*50*time)"), L=hb.I(0.01, f=0.001), R=hb.R(10.0), s=hb.One())
+    law = "1e-3[A]*B.e/1[V]*abs(B.e/40[V])^4"
+    m.add(B=hb.R({"f": law.replace("B.e", "e")}) if kind == "resistor" else hb.Sf(law))
+    m.bond("V -> s -> L", "s -> R", "s -> B")
+    if kind == "source against the arrow":
+        m = hb.loads(hb.dumps(m).replace("s -> B", "B -> s").replace("1e-3[A]", "-1e-3[A]"))
+    run = hb.simulate(m, until=0.01)
+    assert run.audit().holds()
+    for t, volts in ((0.01, -5.0), (0.0085, -5.0 * math.cos(0.15 * math.pi))):
+        assert float(run["L.f"].at(t)) == pytest.approx(1e-3 * volts * (volts / 40) ** 4, rel=1e-3)
