@@ -176,7 +176,9 @@ def test_what_is_left_out_is_named(read, command, said):
     [
         (("K1 L1 L2 .99", "K2 L1 L3 .99", "K3 L2 L3 .5"), "raise the smallest K"),
         (("K1 L1 L2 .9", "K2 L1 L3 .9"), "a K that is not written is a coupling of 0"),
-        (("K1 L1 L2 1", "K2 L1 L3 .9", "K3 L2 L3 .9"), "all with 1 or all with less"),
+        (("K1 L1 L2 1", "K2 L1 L3 .9"), "couple L3 and L2 by 0.9"),
+        (("K1 L1 L2 -1", "K2 L1 L3 .9", "K3 L2 L3 .9"), "couple L3 and L2 by -0.9"),
+        (("K1 L1 L2 .8", "K2 L1 L3 .6"), "make one K less"),
     ],
 )
 def test_couplings_that_no_coils_have_are_told_their_remedy(read, couplings, remedy):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -36,6 +36,11 @@ class Magnetics:
     turns: tuple[float, ...]
     numbers: tuple[tuple[float, ...], ...]
     """The matrix of inductances with the values of the parameters, H."""
+    tied: tuple[tuple[str, ...], ...] = ()
+    """Of each coil, all that are coupled to it by 1, windings on its leg; empty: only itself."""
+    leg: Winding | None = None
+    """Of coils that are coupled by 1 beside others that are less: the coil of the field that they
+    are windings of."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,6 +51,9 @@ class Winding:
     index: int
 
 
+Pairs = dict[tuple[str, str], Coupling]
+
+
 def couple(opened: Opened, texts: Texts) -> dict[str, Winding]:
     """Return the coils that are coupled, by key.
 
@@ -53,7 +61,7 @@ def couple(opened: Opened, texts: Texts) -> dict[str, Winding]:
     ------
     FileError
         HB-F133 (a pair coupled twice), HB-F134 (no such coil), HB-F140 (a coupling above 1),
-        HB-F141 (couplings that store negative energy, or only some of which are rigid).
+        HB-F141 (couplings that store negative energy, or none with some currents).
     """
     if not opened.couplings:
         return {}
@@ -72,12 +80,48 @@ def couple(opened: Opened, texts: Texts) -> dict[str, Winding]:
         if first in found or not any(first in pair for pair in pairs):
             continue
         group = _group(first, pairs, coils)
-        core = _core(group, pairs, coils, texts)
-        found.update({key: Winding(core, k) for k, key in enumerate(group)})
+        found.update(_windings(group, pairs, coils, texts))
     return found
 
 
-Pairs = dict[tuple[str, str], Coupling]
+def _windings(
+    group: tuple[str, ...], pairs: Pairs, coils: Mapping[str, Branch], texts: Texts
+) -> dict[str, Winding]:
+    """Return the coils of one core; those that are coupled by 1 share a leg of it."""
+    legs = _legs(group, pairs)
+    if len(legs) in (1, len(group)):
+        core = _core(group, pairs, coils, texts)
+        return {key: Winding(core, k) for k, key in enumerate(group)}
+    _check(group, pairs, coils)
+    field = replace(_core(tuple(leg[0] for leg in legs), pairs, coils, texts), tied=legs)
+    found = {}
+    for i, leg in enumerate(legs):
+        if len(leg) == 1:
+            found[leg[0]] = Winding(field, i)
+            continue
+        core = replace(_core(leg, pairs, coils, texts), leg=Winding(field, i))
+        found.update({key: Winding(core, k) for k, key in enumerate(leg)})
+    return found
+
+
+def _legs(group: tuple[str, ...], pairs: Pairs) -> tuple[tuple[str, ...], ...]:
+    """Return the coils that are coupled by 1, directly or by way of others, together."""
+    legs: list[list[str]] = []
+    for key in group:
+        here = [leg for leg in legs if any(abs(_factor(key, b, pairs)) == 1.0 for b in leg)]
+        rest = [leg for leg in legs if leg not in here]
+        legs = [*rest, [*(b for leg in here for b in leg), key]]
+    order = {key: k for k, key in enumerate(group)}
+    sorted_legs = sorted(
+        (sorted(leg, key=order.__getitem__) for leg in legs), key=lambda x: order[x[0]]
+    )
+    return tuple(map(tuple, sorted_legs))
+
+
+def _factor(a: str, b: str, pairs: Pairs) -> float:
+    """Return how two coils are coupled; 0 where nothing is written."""
+    card = pairs.get((a, b) if a < b else (b, a))
+    return 0.0 if card is None else card.value.number
 
 
 def _pairs(couplings: list[Coupling], coils: Mapping[str, Branch]) -> Pairs:
@@ -114,40 +158,54 @@ def _group(first: str, pairs: Pairs, coils: Mapping[str, Branch]) -> tuple[str, 
     return tuple(key for key in coils if key in inside)
 
 
-def _remedy(k: np.ndarray) -> str:
+def _remedy(k: np.ndarray, names: list[str]) -> str:
     """Return what to do about couplings that no coils have."""
+    many = range(len(k))
+    for i, j in ((i, j) for i in many for j in many if i != j and abs(k[i, j]) == 1.0):
+        for m in many:
+            if m not in (i, j) and k[m, j] != k[i, j] * k[m, i]:
+                return (
+                    f"{names[i]} and {names[j]} are coupled by {k[i, j]:g} and {names[m]} and "
+                    f"{names[i]} by {k[m, i]:g}: couple {names[m]} and {names[j]} by "
+                    f"{k[i, j] * k[m, i]:g}"
+                )
     if np.any((k == 0.0) & ~np.eye(len(k), dtype=bool)):
         return "couple each coil with each other one: a K that is not written is a coupling of 0"
     return "coils that are both close to a third are close to each other: raise the smallest K"
 
 
+def _check(group: tuple[str, ...], pairs: Pairs, coils: Mapping[str, Branch]) -> np.ndarray:
+    """Return how coils are coupled, 1 of each with itself, if there are such coils."""
+    k = np.array([[1.0 if a == b else _factor(a, b, pairs) for b in group] for a in group])
+    legs = [group.index(leg[0]) for leg in _legs(group, pairs)]
+    least = float(np.linalg.eigvalsh(k)[0])
+    between = float(np.linalg.eigvalsh(k[np.ix_(legs, legs)])[0])
+    if least >= -SINGULAR and between >= SINGULAR:
+        return k
+    names = [coils[key].name for key in group]
+    why, hint = (
+        ("would store negative energy", _remedy(k, names))
+        if least < -SINGULAR
+        else ("leave a current that stores nothing", "make one K less")
+    )
+    card = next(c for pair, c in pairs.items() if all(key in group for key in pair))
+    raise card.line.refuse(f"the couplings of {', '.join(names)} {why}", code="HB-F141", hint=hint)
+
+
 def _core(
     group: tuple[str, ...], pairs: Pairs, coils: Mapping[str, Branch], texts: Texts
 ) -> Magnetics:
-    card = next(c for pair, c in pairs.items() if pair[0] in group)
-    k = np.eye(len(group))
+    card = next(c for pair, c in pairs.items() if all(key in group for key in pair))
+    k = _check(group, pairs, coils)
     text = [[""] * len(group) for _ in group]
     values = [coils[key].value for key in group]
     for i, a in enumerate(group):
         for j, b in enumerate(group[:i]):
             pair = pairs.get((a, b) if a < b else (b, a))
-            k[i, j] = k[j, i] = 0.0 if pair is None else pair.value.number
             text[i][j] = text[j][i] = "" if pair is None else texts.factor(pair.value, "")
-    least = float(np.linalg.eigvalsh(k)[0])
     inductances: list[Value] = [v for v in values if v is not None]
     numbers = [v.number for v in inductances]
-    rigid = bool(np.all(np.abs(k) == 1.0)) and np.linalg.matrix_rank(k) == 1
-    if least < SINGULAR and not rigid:
-        why, hint = (
-            ("would store negative energy", _remedy(k))
-            if least < -SINGULAR
-            else (
-                "tie only some coils rigidly",
-                "couple each coil with each other one, all with 1 or all with less",
-            )
-        )
-        names = ", ".join(coils[key].name for key in group)
-        raise card.line.refuse(f"the couplings of {names} {why}", code="HB-F141", hint=hint)
+    rigid = bool(np.all(np.abs(k) == 1.0))
     matrix = None
     ratios: list[tuple[str | float, str | float]] = []
     for i, value in enumerate(inductances):

@@ -31,7 +31,8 @@ class Windings:
     def _wound(self, core: Magnetics) -> list[int]:
         """Return the coils of a core that have a current, by their place."""
         open_keys = {self.leaves[k].branch.key for k in self._open}
-        return [i for i, key in enumerate(core.coils) if key not in open_keys]
+        legs = core.tied or tuple((key,) for key in core.coils)
+        return [i for i, leg in enumerate(legs) if not open_keys.issuperset(leg)]
 
     def _port(self, core: Magnetics, index: int) -> str:
         """Return the port of a coil at the field of its core; a single coil needs none."""
@@ -43,15 +44,20 @@ class Windings:
         winding = self.leaves[k].winding
         assert winding is not None
         core = self._cores.get(winding.core.name)
+        leg, turns = winding, 1.0
+        if core is None and winding.core.leg is not None:
+            # none of its leg has one: each sees the same for each of its turns
+            leg, turns = winding.core.leg, winding.core.turns[winding.index]
+            core = self._cores.get(leg.core.name)
         if core is None:
             return  # none of them has a current
-        if winding.core.matrix is not None:
+        if leg.core.matrix is not None:
             # e = M i' of the coils with a current, so i' = M^-1 e, which induces m i' here
-            kept = self._wound(winding.core)
-            numbers = np.array(winding.core.numbers)
-            parts = np.linalg.solve(numbers[np.ix_(kept, kept)], numbers[kept, winding.index])
+            kept = self._wound(leg.core)
+            numbers = np.array(leg.core.numbers)
+            parts = np.linalg.solve(numbers[np.ix_(kept, kept)], numbers[kept, leg.index])
             terms = (
-                f"{float(c)!r}*{core}{self._port(winding.core, i)}.e"
+                f"{turns * float(c)!r}*{core}{self._port(leg.core, i)}.e"
                 for c, i in zip(parts, kept, strict=True)
             )
             name = self.out.own[k]
@@ -74,13 +80,11 @@ class Windings:
             return known
         name = self._cores[core.name] = host or self.out.names.take(core.name)
         keys = {leaf.branch.key: leaf for leaf in self.leaves if leaf.winding is not None}
-        starts = [keys[c].start for c in core.coils]
         if core.matrix is not None:
             options: dict[str, Any] = {}
             kept = self._wound(core)
-            used = [starts[i] for i in kept]
-            if any(s is not None and s.number for s in used):
-                given = [0.0 if s is None else self.texts.value(s, "A") for s in used]
+            given = [self._start(core, i) for i in kept]
+            if any(given):
                 options["f"] = given if len(kept) > 1 else given[0]
             rows: Any = [[core.matrix[i][j] for j in kept] for i in kept]
             value = rows if len(kept) > 1 else rows[0][0]
@@ -88,10 +92,14 @@ class Windings:
         else:
             if not host:
                 self.out.junction("0", name)
-            if core.inductance is None:
+            if core.leg is not None:
+                field = self._core(core.leg.core)
+                self.out.bond(name, f"{field}{self._port(core.leg.core, core.leg.index)}")
+            if core.inductance is None or core.leg is not None:
                 return name
             index = next(k for k, x in enumerate(self.leaves) if x.branch.key == core.coils[0])
             inductance = self.out.own[index]
+            starts = [keys[c].start for c in core.coils]
             total = sum(
                 m * (0.0 if s is None else s.number)
                 for m, s in zip(core.turns, starts, strict=True)
@@ -103,6 +111,20 @@ class Windings:
         if not host:
             self.out.lines[name] = core.line
         return name
+
+    def _start(self, core: Magnetics, i: int) -> str | float:
+        """Return the current that a coil of a field begins with: that of all turns on its leg."""
+        leaves = {leaf.branch.key: leaf for leaf in self.leaves}
+        leg = [leaves[key] for key in (core.tied[i] if core.tied else (core.coils[i],))]
+        starts = [leaf.start for leaf in leg]
+        if not any(s is not None and s.number for s in starts):
+            return 0.0
+        if len(leg) == 1 and starts[0] is not None:
+            return self.texts.value(starts[0], "A")
+        winding = leg[0].winding
+        assert winding is not None
+        pairs = zip(winding.core.turns, starts, strict=True)
+        return quantity(sum(m * s.number for m, s in pairs if s is not None), "A")
 
     def on_one(self, k: int, host: str, sign: int) -> None:
         """Hang a coil onto a 1-junction."""

@@ -140,6 +140,7 @@ class Model:
     frozen_column: Ints
     frozen_value: Ints
     frozen_constant: Floats
+    frozen_isolated: Ints  # of a source: whether one that is zero is so at points only
     drift_value: Ints
     """The time derivative of each row at constant bond variables, and its slopes."""
     drift_first: Ints

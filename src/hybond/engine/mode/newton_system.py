@@ -29,6 +29,8 @@ BESIDE: Final = 1e-150
 """A way that is next to none, for the sign of a slope."""
 LAST_PLACES: Final = 2.0 * EPSILON
 """Part of its terms that is the rounding of a sum."""
+ISOLATED: Final = 1.0
+"""What stands for a slope that is zero at one point: that of the variable which a row gives."""
 STEEP: Final = 1e8
 """What stands for a slope without bound, as a multiple of the others in its row."""
 
@@ -300,7 +302,27 @@ def split(e: Engine, mode: Mode, v: Floats) -> None:
 def put_structure(e: Engine, mode: Mode, v: Floats) -> None:
     """Put the power structure's rows by what it leaves free into ``e.work.c``."""
     frozen_at(e, mode, v, e.work.frozen)
+    count_isolated(e, mode)
     by_power(e, mode)
+
+
+def count_isolated(e: Engine, mode: Mode) -> None:
+    """Let slopes that are zero here and not beside here count in ``e.work.frozen``.
+
+    What a law determines does not hang on whether its slope is zero at one point. Slopes by what is
+    known already are left as they are: they say how a constraint follows what is stored.
+    """
+    m = e.model
+    n = 2 * m.bonds
+    frees = mode.power_frees
+    for i in range(mode.structures):
+        d = mode.dynamic[mode.structure[i]]
+        for p in range(m.frozen_first[d], m.frozen_first[d + 1]):
+            at = mode.structure[i] * n + m.frozen_column[p]
+            if m.frozen_isolated[p] != 0 and e.work.frozen.at[at] == 0.0:
+                for j in range(frees):
+                    if mode.power_free.at[m.frozen_column[p] * frees + j] != 0.0:
+                        e.work.frozen.at[at] = ISOLATED
 
 
 def by_power(e: Engine, mode: Mode) -> None:

@@ -10,6 +10,7 @@ from hybond.engine.tables.guards import magnitude
 from hybond.engine.tables.timestepping import put_steps
 from hybond.equations.calculus import bent, gradient, partial_time, reads_bonds
 from hybond.equations.element_parts import Dynamic, Part, Source
+from hybond.equations.isolated import isolated
 from hybond.equations.rounding import rounding
 from hybond.equations.surfaces import moves
 from hybond.model.expressions import (
@@ -197,6 +198,11 @@ def _dynamics(t: ModelTables, rows: list[Dynamic]) -> None:
             f"{name}_constant": FLOATS,
         }
         put_rows(t, f"{name}_first", own, **columns)
+    t.ints["frozen_isolated"] = [
+        int(g.nodes[d.node].kind in SOURCES and reads_bonds(e) and isolated(e))
+        for d in rows
+        for e in d.frozen.values()
+    ]
     drifts = [partial_time(d.expression, g) if d.kind == "structure" else Number(0.0) for d in rows]
     t.ints["drift_value"] = [-1 if e == Number(0.0) else t.values.number(e) for e in drifts]
     put_rows(

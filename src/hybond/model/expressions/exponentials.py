@@ -10,6 +10,8 @@ functions", IMA J. Numer. Anal. 41(4), 2021.
 
 from __future__ import annotations
 
+import math
+
 from hybond.model.expressions.slots import is_slotted
 from hybond.model.expressions.tree import Binary, Call, Expr, Neg, Number
 
@@ -46,6 +48,13 @@ def terms_of(e: Expr) -> list[Term]:
             return terms_of(left) + [(minus(a), u) for a, u in terms_of(right)]
         case Binary("*", left, right):
             return _multiplied(e, terms_of(left), terms_of(right))
+        case Binary("^", base, Number() as power) if is_number(power):
+            # not written out: a small difference has its digits before it is squared
+            terms = terms_of(base)
+            if steep(terms) and (is_whole(power) or adds_up(terms)):
+                most = largest(terms)
+                under = Binary("^", scaled(terms, most), power)
+                return [(under, times(power, most))]
         case Binary("/", left, right):
             below = terms_of(right)
             if len(below) == 1:
@@ -63,6 +72,22 @@ def _multiplied(e: Expr, left: list[Term], right: list[Term]) -> list[Term]:
 def steep(terms: list[Term]) -> bool:
     """Whether any of the terms has an exponential."""
     return any(u != _ZERO for _, u in terms)
+
+
+def adds_up(terms: list[Term]) -> bool:
+    """Whether no term is taken off the others, by its form: then rounding is never below zero."""
+    return all(_is_above_zero(a) for a, _ in terms)
+
+
+def _is_above_zero(a: Expr) -> bool:
+    match a:
+        case Number():
+            return is_number(a)
+        case Binary("*" | "/" | "+", left, right):
+            return _is_above_zero(left) and _is_above_zero(right)
+        case Binary("^", base, Number() as power):
+            return _is_above_zero(base) or (is_whole(power) and power.value % 2.0 == 0.0)
+    return isinstance(a, Call) and a.function in ("exp", "cosh", "sqrt")
 
 
 def largest(terms: list[Term]) -> Expr:
@@ -100,6 +125,11 @@ def is_number(e: Expr, value: float | None = None) -> bool:
     if not isinstance(e, Number) or is_slotted(e.value) or e.dimension is not None:
         return False
     return bool(e.value > 0.0) if value is None else bool(e.value == value)
+
+
+def is_whole(e: Expr) -> bool:
+    """Whether it is a plain whole number above zero: such powers have a value on both sides."""
+    return is_number(e) and isinstance(e, Number) and e.value == math.floor(e.value)
 
 
 def minus(a: Expr) -> Expr:

@@ -20,10 +20,12 @@ from hybond.model.expressions.tree import (
     Table,
     fold,
     names,
+    transform,
     walk,
     with_children,
 )
 
+_SQUARE = Number(2.0)
 _STRAIGHT = 1e-14
 """Slopes that differ by no more than this part of them are those of one line."""
 
@@ -38,7 +40,7 @@ def turning(e: Expr) -> list[Expr]:
     ['q - 1', 'q - 2']
     """
     found: list[Expr] = []
-    for part, _ in walk(e):
+    for part, _ in walk(transform(e, _without_smooth)):
         match part:
             case Call(function="abs"):
                 found.append(part.args[0])
@@ -49,6 +51,21 @@ def turning(e: Expr) -> list[Expr]:
             case _:
                 found += _leaping(part)
     return [e for e in dict.fromkeys(found) if names(e)]
+
+
+def _without_smooth(e: Expr) -> Expr:
+    """Return a power of a size that is smooth where that is zero as one that does not turn.
+
+    From the square on it has a curvature there, which is all that steps ask for.
+    """
+    match e:
+        case Binary("^", Call("abs", (under,)), Number(power)) if _is_smooth(power):
+            return Binary("^", under, _SQUARE)
+    return e
+
+
+def _is_smooth(power: float) -> bool:
+    return not is_slotted(power) and power >= 2.0
 
 
 def leaping(e: Expr) -> list[Expr]:

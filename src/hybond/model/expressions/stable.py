@@ -15,8 +15,10 @@ import math
 
 from hybond.model.expressions.exponentials import (
     Term,
+    adds_up,
     difference,
     is_number,
+    is_whole,
     largest,
     minus,
     over,
@@ -82,6 +84,8 @@ def _stabler(e: Expr) -> Expr:
             return e if found is None else Binary("/", found, Number(math.log(10.0)))
         case Call("sqrt", (under,)):
             return _root(under) or e
+        case Binary("^", base, Number() as power) if is_number(power) and power.value < 1.0:
+            return _root_of_sum(base, power.value) or e
         case Binary("/", above, below):
             return _quotient(above, below) or e
         case Binary("*", Call("exp", (u,)), Call("exp", (v,))):
@@ -142,6 +146,9 @@ def _quotient(above: Expr, below: Expr) -> Expr | None:
             return Call("tanh", (u,))
         case Call("cosh", (u,)), Call("sinh", (v,)) if u == v:
             return Binary("/", Number(1.0), Call("tanh", (u,)))
+        case Binary("^", a, n), Binary("^", b, m) if n == m and is_whole(n):
+            found = _quotient(a, b)
+            return None if found is None else Binary("^", found, n)
     base, power = below, 1.0
     # a power of a power is none of its base: the root of a square is not what was squared
     if isinstance(base, Binary) and base.op == "^":
@@ -169,13 +176,27 @@ def _root(e: Expr) -> Expr | None:
         return half if is_number(a, 1.0) else Binary("*", Call("sqrt", (a,)), half)
     sides = _sides(e)
     if sides is None or all(isinstance(s, Number) for s in sides):
-        return None
+        return _root_of_sum(e, 0.5) if sides is None else None
     if len(sides) == 1:
         return Call("abs", (sides[0],))
     found = sides[0]
     for side in sides[1:]:
         found = Call("hypot", (found, side))
     return found
+
+
+def _root_of_sum(e: Expr, power: float) -> Expr | None:
+    """Return a power below one of a sum of exponentials, the largest in front; None of others.
+
+    That one may have a number where the sum has none any more.
+    """
+    terms = terms_of(e)
+    if not steep(terms) or not adds_up(terms):
+        return None
+    most = largest(terms)
+    under = scaled(terms, most)
+    root = Call("sqrt", (under,)) if power == 0.5 else Binary("^", under, Number(power))
+    return Binary("*", root, Call("exp", (times(Number(power), most),)))
 
 
 def _sides(e: Expr) -> list[Expr] | None:
