@@ -1,13 +1,15 @@
 """Boxes with corners that rub, which move or turn where a run begins.
 
-Laws are declared at rest. No values fit a body in motion there, and this was refused before any law
-was asked (HB-N301), in the air as well as on the ground. What is a priori is of branches that stand.
+Laws are declared at rest. No values fit a body in motion there, and this was refused before any
+law was asked (HB-N301), in the air as well as on the ground. What is a priori is of branches that
+stand.
 """
 
 import math
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 import hybond as hb
@@ -40,7 +42,7 @@ def arm(angle, corner):
 
 
 def after_impact(v, angle, corner):
-    """Return the velocities after a plastic impact at a corner, if it goes down: it slides on or sticks."""
+    """Return the velocities after a plastic impact at a corner: it slides on, or sticks."""
     x, y = arm(angle, corner)
     rows = np.array([[1.0, 0.0, -y], [0.0, 1.0, x]])
     slip, approach = rows @ v
@@ -109,8 +111,6 @@ def test_a_ladder_slides_at_both_ends_from_the_start(side):
         ]
         right = [half * c * w * w * mass, half * s * w * w * mass - mass * G, 0.0]
         return np.linalg.solve(rows, right)[0]
-
-    from scipy.integrate import solve_ivp
 
     motion = solve_ivp(
         lambda t, y: [y[1], force(*y)], (0.0, 0.2), [begin, rate], rtol=1e-11, atol=1e-13

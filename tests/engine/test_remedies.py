@@ -94,7 +94,9 @@ def test_a_law_that_ends_gets_a_resistor_for_the_rest() -> None:
 
 @pytest.mark.parametrize("bonds", ["s -> j -> t -> k -> r", "s -> j, t.1 -> j, k -> t.2, r -> k"])
 @pytest.mark.parametrize("gyrates", [False, True])
-def test_a_two_port_among_laws_is_named_once_and_gets_no_resistor(gyrates: bool, bonds: str) -> None:
+def test_a_two_port_among_laws_is_named_once_and_gets_no_resistor(
+    gyrates: bool, bonds: str
+) -> None:
     """It has two laws, and hands on what others give."""
     parts: dict[str, Any] = {"k": hb.One(), "r": hb.R({"e": "2*tanh(f)"})}
     parts |= {"s": hb.Se(3.0), "j": hb.One(), "t": hb.TF("1 + 0.1*tanh(j.f)")}

@@ -170,11 +170,10 @@ def _sources_at(graph: FlatGraph, ports: Iterable[int]) -> list[Node]:
 
 
 def _follows_force(graph: FlatGraph, nodes: list[int]) -> bool:
-    """Whether friction at one of these junctions has a limit of what the laws may change at once."""
+    """Whether friction at one of these junctions has a limit that the laws may change at once."""
     for machine in graph.machines:
         for law in machine.law.junctions if machine.law is not None else ():
-            for limit in (law.limit, law.breakaway):
-                known = limit is None or law.node not in nodes
-                if not known and any(n.startswith(("e:", "f:")) for n in names(limit)):
+            for limit in (law.limit, law.breakaway) if law.node in nodes else ():
+                if limit is not None and any(n.startswith(("e:", "f:")) for n in names(limit)):
                     return True
     return False
