@@ -2,6 +2,7 @@
 
 from typing import Any
 
+import numpy as np
 import pytest
 
 import hybond as hb
@@ -89,6 +90,46 @@ def test_a_law_that_ends_gets_a_resistor_for_the_rest() -> None:
     f = run["x.f"].at(0.5)
     assert 3.0 - f == pytest.approx(run["r.e"].at(0.5), rel=1e-9)
     assert 0.9 < f < 1.6  # between all of it and none of it saturated
+
+
+@pytest.mark.parametrize("bonds", ["s -> j -> t -> k -> r", "s -> j, t.1 -> j, k -> t.2, r -> k"])
+@pytest.mark.parametrize("gyrates", [False, True])
+def test_a_two_port_among_laws_is_named_once_and_gets_no_resistor(
+    gyrates: bool, bonds: str
+) -> None:
+    """It has two laws, and hands on what others give."""
+    parts: dict[str, Any] = {"k": hb.One(), "r": hb.R({"e": "2*tanh(f)"})}
+    parts |= {"s": hb.Se(3.0), "j": hb.One(), "t": hb.TF("1 + 0.1*tanh(j.f)")}
+    if gyrates:
+        parts |= {"s": hb.Sf(3.0), "j": hb.Zero(), "t": hb.GY("1 + 0.1*tanh(j.e)")}
+    error = refusal(model(bonds, **parts), "HB-N301")
+    assert sorted(error.why.split("the laws of ")[1].split(" have ")[0].split(", ")) == ["r", "t"]
+    assert "put a resistor in series with r, which" in error.hint
+    run = hb.simulate(model(f"{bonds}, k -> x", **parts, x=hb.R(5.0)), 1.0)
+    given = run["k.f"].at(0.5) * 5.0 + run["r.e"].at(0.5) * (1.0 if "t -> k" in bonds else -1.0)
+    gear = 1.0 + 0.1 * np.tanh(run["j.e" if gyrates else "j.f"].at(0.5))
+    assert abs(given) == pytest.approx(3.0 * gear if gyrates else 3.0 / gear, rel=1e-9)
+
+
+def wedge(stiff: bool, **more: Any) -> hb.Model:
+    """Return a contact whose friction moves the body on against it, by two to one (Painleve)."""
+    m = hb.Model("wedge", domain="translational")
+    m.add(a=hb.I(1.0), b=hb.I(1.0, f=0.5), va=hb.One(), vb=hb.One(), F=hb.Se(-1.0), **more)
+    m.add(contact=hb.C({"e": "1e3*max(q, 0)"}) if stiff else hb.Zero(law="unilateral"))
+    m.add(tf=hb.TF(2.0), rub=hb.Zero(), slip=hb.One(law="coulomb", limit="contact.e"))
+    m.bond("F -> va -> a", "contact -> va", "vb -> b", "va -> tf -> rub", "vb -> rub -> slip")
+    m.bond(*(f"va -> {name}" for name in more))
+    return m
+
+
+def test_friction_that_leaves_no_answer_gets_a_stiffness_and_no_resistance() -> None:
+    hint = refusal(wedge(False), "HB-J110").hint
+    assert hint.endswith("(Painleve): give the contact a stiffness")
+    refusal(wedge(False, x=hb.R(5.0)), "HB-J110")
+    run = hb.simulate(wedge(True), 0.07)
+    # until it sticks: x'' = -1 - 1e3*(-x), and the slip of b dies away
+    x = (np.cosh(np.sqrt(1e3) * 0.07) - 1.0) / 1e3
+    assert run["contact.q"].at(0.07) == pytest.approx(x, rel=1e-6)
 
 
 @pytest.mark.parametrize("gap", ["y - 1/(time - time)", "y + 1/(0*y)", "y - exp(1e4 + y)"])

@@ -320,3 +320,26 @@ def test_a_law_that_does_not_vanish_at_rest_is_not_landed() -> None:
     limit = first + 2 * speed * 0.5 / (G * 0.5)
     assert not record.landed and record.t == pytest.approx(limit, abs=1e-9)
     assert any("F cannot rest: its rebounds do not vanish" in w for w in run.warnings)
+
+
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_contacts_that_strike_in_turn_without_a_rebound_are_told_what_goes_on(way: float) -> None:
+    """A rope jerks a body off its stop, to which it falls back: each time a third of the speed."""
+    slack, pull, weight = 0.458, 5.0, 10.363
+    m = hb.Model("jerks", domain="translational")
+    m.add(A=hb.I(1.0), B=hb.I(0.5), W=hb.Se(-way * weight), P=hb.Se(way * pull))
+    m.add(a=hb.One(), b=hb.One(), rope=hb.Zero(law="unilateral", gap="g"))
+    m.add(stop=hb.Zero(law="unilateral", gap="h"))
+    up = way > 0.0
+    m.bond("W -> a -> A", "P -> b -> B")
+    m.bond(*(["b -> rope -> a", "stop -> a"] if up else ["a -> rope -> b", "a -> stop"]))
+    m.signal(g=hb.Integral(f"{way}*(a.f - b.f)", slack), h=hb.Integral(f"{way}*a.f"))
+    ended = hb.simulate(m, until=3.0)
+    speed = math.sqrt(2 * slack * pull / 0.5)
+    limit = speed / (pull / 0.5) + speed * (1.5 / (weight - pull) + 0.5 / pull)
+    assert ended.status == "accumulation" and ended.t_end == pytest.approx(limit, rel=1e-8)
+    assert "solver moreau-jean goes on through it" in ended.warnings[0]
+    run = hb.simulate(m, until=3.0, solver="moreau-jean", step=1e-3)
+    assert run.status == "ok" and run["a.f"].at(2.9) == pytest.approx(0.0, abs=1e-9)
+    assert run["rope.e"].at(2.9) == pytest.approx(pull)
+    assert run["stop.e"].at(2.9) == pytest.approx(weight - pull)

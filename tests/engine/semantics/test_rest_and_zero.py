@@ -258,18 +258,11 @@ def test_spring_that_comes_to_the_edge_of_what_a_sign_gives(solver):
     assert run.audit().holds()
 
 
-@pytest.mark.parametrize(
-    "kind",
-    [
-        "mass",
-        pytest.param("driven", marks=pytest.mark.slow),
-        "driven, arrows turned",
-        pytest.param("behind a gyrator", marks=pytest.mark.slow),
-    ],
-)
+@pytest.mark.parametrize("kind", ["mass", "driven", "driven, arrows turned", "behind a gyrator"])
 def test_implicit_steps_to_the_edge_of_what_a_sign_gives(kind):
     # what is left for the storage once a sign has taken its own part; from 25 time constants on
-    # the stages of steps ask for more than it gives, which takes them seconds to find out
+    # the stages of steps ask for more than it gives, and corrections that lead there are not
+    # followed for ever
     tau, own, drive = 1e-3, 0.04, 0.06
     m = hb.Model("sign")
     if kind == "mass":
@@ -287,9 +280,10 @@ def test_implicit_steps_to_the_edge_of_what_a_sign_gives(kind):
     elif kind != "mass":
         m.add(g=hb.GY(1.0))
         m.bond("v -> z -> r", "z -> j -> g -> x", "j -> s")
-    run = hb.simulate(m, 0.03, solver="radau", rtol=1e-6)
+    run = hb.simulate(m, 0.1, solver="radau", rtol=1e-6)
     name = "x.p" if "x.p" in run.names else "x.q"
-    assert abs(float(run[name].at(0.03))) == pytest.approx(rest, rel=1e-5)
+    assert abs(float(run[name].at(0.1))) == pytest.approx(rest, rel=1e-5)
+    assert run.stats["evaluations"] < 3000
 
 
 def test_force_well_within_what_a_sign_gives_still_has_no_solution():

@@ -205,3 +205,30 @@ def test_what_is_sampled_where_the_time_passes_a_bound_is_what_held_before() -> 
         "step": [0, 0, 5],
         "now": [0.5, 1.0, 1.5],
     }
+
+
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize("kind", ["friction", "diode", "contact"])
+def test_what_is_sampled_at_the_start_is_of_branches_that_stand(kind: str, turned: bool) -> None:
+    """Laws are declared at rest, blocking and open: nothing of that is in what moves already."""
+    m = hb.Model("start", domain="translational")
+    if kind == "diode":
+        m.add(store=hb.C(1.0, e=5.0), n=hb.Zero(), law=hb.One(law="diode"), rub=hb.R(2.0))
+        m.bond("n -> store", "n -> law", "rub -> law" if turned else "law -> rub")
+        expected = {"law.f": 2.5, "n.e": 5.0}
+    else:
+        m.add(body=hb.I(2.0, f=3.0), v=hb.One(), push=hb.Se(-4.0))
+        m.bond("push -> v -> body")
+        m.add(law=hb.One(law="coulomb", limit=1.5) if kind == "friction" else hb.Zero(law="diode"))
+        if kind == "contact":
+            # a body that pushes a damper in front of it
+            m.add(rub=hb.R(0.5), w=hb.One())
+            m.bond("v -> law -> w", "rub -> w" if turned else "w -> rub")
+            expected = {"law.e": 1.5, "w.f": 3.0}
+        else:
+            m.bond("law -> v" if turned else "v -> law")
+            expected = {"law.f": 3.0, "body.e": -5.5}
+    m.signal({f"s{k}": hb.Sampled(name, every=1.0) for k, name in enumerate(expected)})
+    run = hb.simulate(m, 0.1)
+    for k, (name, value) in enumerate(expected.items()):
+        assert run[f"s{k}"].at(0.05) == pytest.approx(value), name

@@ -17,29 +17,46 @@ from hybond.engine.instant.instant import Instant
 from hybond.engine.instant.passed_over import MOST, leave
 from hybond.engine.instant.trial import a_priori, show_stored
 from hybond.engine.laws.law_instant import make_consistent, take_instant
+from hybond.engine.mode.values import set_values
 from hybond.engine.sliding.branches import know_around
 from hybond.engine.words import Floats, Ints
 
 
-def stand_before(e: Engine, t: float, x: Floats, s: Floats, state: Ints, begin: Floats) -> None:
+def stand_before(e: Engine, t: float, x: Floats, s: Floats, state: Ints, begin: Floats) -> bool:
     """Let what is a priori at the start be of branches of laws that stand there, if any do.
 
     Those that laws are declared with are nobody's choice: friction at rest beside what moves would
     make of an impact one that is faster than anything stored. Storages that one junction holds
     together say different things of it before they share what they store, and none is more right.
-    `begin` is room for what is stored, put on what machines ask for without their laws.
+    `begin` is room for what is stored, put on what machines ask for without their laws. Whether any
+    branches stand.
     """
     take_instant(e, e.laws, t, s, state)
     if make_consistent(e, e.laws, x) != OK:
-        return
+        return False
     for k in range(e.model.storages):
         begin[k] = e.laws.x[k]
     if enter(e, t, begin, s, state, False, False) != OK:
-        return
+        return False
     show_stored(e)
     for k in range(e.model.slots):
         e.pre[k] = e.v[k]
     keep_as_before(e, e.trial.loose, e.trial.freedom.at)
+    return True
+
+
+def stand_without_before(
+    e: Engine, t: float, x: Floats, s: Floats, state: Ints, begin: Floats
+) -> bool:
+    """Let what is a priori at the start be of branches that stand; those declared have no values.
+
+    A box that turns in the air has none in which all its corners are at rest, as laws are declared
+    to begin. Whether any stand.
+    """
+    set_values(e, e.mode, e.pre, t, x, s)
+    for k in range(2 * e.model.bonds):
+        e.pre[e.model.bond_slot + k] = math.nan
+    return stand_before(e, t, x, s, state, begin)
 
 
 def begin_behind(

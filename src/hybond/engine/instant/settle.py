@@ -18,7 +18,7 @@ from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.expressions.paired import holds
 from hybond.engine.inputs.interval import hold_before, interval_after
 from hybond.engine.inputs.sampling import sample
-from hybond.engine.instant.beginning import begin_behind, stand_before
+from hybond.engine.instant.beginning import begin_behind, stand_before, stand_without_before
 from hybond.engine.instant.doubts import warn_of_moduli
 from hybond.engine.instant.entering import enter
 from hybond.engine.instant.in_force import is_asked
@@ -167,15 +167,20 @@ def begin_to_settle(e: Engine, g: Settling, i: Instant) -> int:
     g.turn = 1
     g.marked = False
     hold_before(e, t)
-    if a_priori(e, t, g.x, g.s, g.state) != OK:
-        return REFUSED
+    known = a_priori(e, t, g.x, g.s, g.state) == OK
+    begins = i.cause == START and m.laws > 0
+    if not known and not (begins and stand_without_before(e, t, g.x, g.s, g.state, g.begin)):
+        return a_priori(e, t, g.x, g.s, g.state)
+    if known and begins and m.samples > 0:
+        # what is sampled now is of branches that stand, too
+        stand_before(e, t, g.x, g.s, g.state, g.begin)
     keep_open_before(e)
     if sample(e, g.s) != OK:
         return REFUSED
     interval_after(e, t)
     choose_at(e, g.x, g.s)
     know_around(e, g.state)
-    if i.cause == START and m.laws > 0:
+    if begins:
         stand_before(e, t, g.x, g.s, g.state, g.begin)
     stands = m.laws > 0 and not is_new(i) and stands_as_it_was(e, t, g.x, g.s, g.state)
     if not stands and enter(e, t, g.x, g.s, g.state, True, False) != OK:

@@ -15,7 +15,7 @@ from typing import Final
 from hybond.engine.algebra.lu import SINGULAR
 from hybond.engine.answers import value
 from hybond.engine.engine import OK, Engine
-from hybond.engine.methods.from_edges import leaves_edge, put_left, stages_from_edge
+from hybond.engine.methods.from_edges import STALLS, leaves_edge, put_left, stages_from_edge
 from hybond.engine.methods.one_instant import room_of_instant
 from hybond.engine.methods.radau_room import Radau
 from hybond.engine.methods.radau_stages import (
@@ -31,9 +31,6 @@ from hybond.engine.mode.values import evaluate
 
 LESSENS: Final = 0.5
 """Part of what was left of the equations that a correction may leave of them."""
-STALLS: Final = 2.0**-5
-"""Part of a correction that laws have values for, at the most, where a motion runs into an edge:
-there is no way on. Where one runs beside it, there is one for a quarter and more."""
 
 
 def begins_at_edge(e: Engine, r: Radau, rtol: float) -> bool:

@@ -52,6 +52,15 @@ FEW: Final = 64
 FILLS: Final = 16
 """Times that what flows in is led on to the next one that is empty."""
 CORRECTIONS: Final = 200
+STALLS: Final = 2.0**-5
+"""Part of a correction that laws have values for, at the most, where a motion runs into an edge:
+there is no way on. Where one runs beside it, there is one for a quarter and more."""
+LOST: Final = 2.0**-20
+"""Part of a correction from which on the next ones are no larger where there is no way on: along a
+diode that saturates there is one after several parts of a hundredth."""
+STALLED: Final = 4
+"""Such parts in a row, none more than the one before: they lead into the edge for ever. A first
+guess may be far beyond an edge, but parts become larger then."""
 SHORTEST: Final = 2.0**-60
 """The smallest part of a correction that is tried, where laws have no values."""
 LEAST_PART: Final = 2.0**-12
@@ -162,13 +171,17 @@ def stages_from_edge(e: Engine, r: Radau, rtol: float, least: float) -> bool:
     fit(r.kept, many)
     fit_places(r.whole_row, many)
     enough = max(ENOUGH, 10.0 * 2.220446049250313e-16 / rtol)
+    stalled = 0
+    before = 1.0
     for _ in range(CORRECTIONS):
         put_whole(e, r, rtol)
         if lu_factor(many, r.whole.at, r.whole_row.at) == SINGULAR:
             return False
         lu_solve(many, r.whole.at, r.whole_row.at, 1, r.left_over.at)
         part = correct_within(e, r)
-        if part <= least:
+        stalled = stalled + 1 if part <= min(before, LOST) else 0
+        before = part
+        if part <= least or stalled >= STALLED:
             return False
         for i in range(n):
             r.stage[i] = r.y[2 * n + i]

@@ -43,6 +43,11 @@ TOLD = 4
 """Changes of method that are told one by one."""
 STUCK = ("", "if the guards chatter, give them a hysteresis", "no time passes between them")
 """What to say of events that accumulate: impacts, other events of a machine, any events."""
+CONTACTS = (
+    "contacts that strike in turn come to rest there: solver moreau-jean goes on through it, and "
+    "so does this run if one of them has a stiffness"
+)
+"""What to say of contacts without a rebound."""
 
 
 class EngineRun:
@@ -263,7 +268,10 @@ class EngineRun:
         unrest = self._run.unrest
         no_solution = self._refused(unrest).why if unrest.code else ""
         rest = f"{machine} cannot rest: {self.records.warnings.why_no_rest(no_solution)}"
+        law = graph.machines[number].law if number >= 0 else None
         reason = STUCK[why] or rest
+        if why == 1 and law is not None and law.gap is not None:
+            reason = CONTACTS
         self.trace.warn(
             f"events of {machine} accumulate at t = {t:.9g} s{shrinking}: the run stops there; "
             f"{reason}"

@@ -229,7 +229,8 @@ def _no_solution(c: Case) -> Said:
     from hybond.engine.outcome.remedies import against_no_solution
 
     mode, nodes = c.given_mode()
-    elements = [int(k) for k in nodes]
+    # a two-port has two laws, of efforts and of flows
+    elements = list(dict.fromkeys(int(k) for k in nodes))
     names = c.paths(elements)
     why = f"the laws of {names} have no common solution that was found (t = {c.refusal.t:.9g} s)"
     hint = against_no_solution([c.graph.nodes[k] for k in elements])

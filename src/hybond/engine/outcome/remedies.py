@@ -9,6 +9,7 @@ from hybond.model.expressions import Call, Expr, compile_expression, uses_pre
 from hybond.model.expressions.tree import names, walk
 from hybond.model.graph import FlatGraph, Mode, Node
 from hybond.model.joined import Joined
+from hybond.model.kinds import TWO_PORTS
 
 MANY = 3
 """Elements that a remedy names at the most."""
@@ -54,20 +55,24 @@ def against_no_branches(graph: FlatGraph, mode: Mode, laws: Iterable[int]) -> st
 
     Where every limit is known before its force is, laws that ask for nothing would all hold: it is
     sources that ask for more. Those in the way of a conflict are named, else all that hang together
-    with the junctions.
+    with the junctions. Where a limit follows a force it is inertia and leverage that leave no
+    answer, and a resistance has none at that instant either.
     """
-    hint = resistors(_opposing(graph, mode)) or resistors(_sources_at(graph, laws))
-    if not hint:
-        return f"{PAINLEVE}, or a source a resistance"
-    return f"{PAINLEVE}, or {hint}" if _follows_force(graph) else hint
+    laws = list(laws)
+    opposing = resistors(_opposing(graph, mode))
+    if _follows_force(graph, laws):
+        return f"{PAINLEVE}, or {opposing}" if opposing else PAINLEVE
+    hint = opposing or resistors(_sources_at(graph, laws))
+    return hint or f"{PAINLEVE}, or a source a resistance"
 
 
 def against_no_solution(elements: list[Node]) -> str:
     """Return what to try where laws of these elements have no common solution.
 
     A law that jumps has no value within its jump; dry friction has. One that ends gives more with a
-    resistor added to what it gives.
+    resistor added to what it gives. Two-ports of the loop hand on what others give.
     """
+    elements = [n for n in elements if n.kind not in TWO_PORTS] or elements
     stepped = [n for n in elements if n.law is not None and any(map(_steps, n.law.expressions))]
     if not stepped:
         return (
@@ -164,11 +169,11 @@ def _sources_at(graph: FlatGraph, ports: Iterable[int]) -> list[Node]:
     ]
 
 
-def _follows_force(graph: FlatGraph) -> bool:
-    """Whether a limit of friction reads an effort or a flow that the laws may change at once."""
+def _follows_force(graph: FlatGraph, nodes: list[int]) -> bool:
+    """Whether friction at one of these junctions has a limit that the laws may change at once."""
     for machine in graph.machines:
         for law in machine.law.junctions if machine.law is not None else ():
-            for limit in (law.limit, law.breakaway):
+            for limit in (law.limit, law.breakaway) if law.node in nodes else ():
                 if limit is not None and any(n.startswith(("e:", "f:")) for n in names(limit)):
                     return True
     return False
