@@ -1,7 +1,8 @@
 """A small circuit is the same beside a huge energy, where nothing connects the two.
 
 Rounding was measured by the energy of the whole run: beside a flywheel a diode of nanovolts did not
-conduct, a guard did not fire, and a charge did not jump, status ok.
+conduct, a guard did not fire, and a charge did not jump, status ok. So it was later where a diode
+that blocks, or an open switch, stood between the two.
 """
 
 from __future__ import annotations
@@ -135,6 +136,70 @@ def fired(run: hb.Result) -> list[tuple[float, tuple[str, str, str]]]:
     """Return what the machines of the small circuit did, and when."""
     steps = [(e.t, f) for e in run.events for step in e.steps for f in step.fired]
     return [(t, (f.machine, f.source, f.target)) for t, f in steps if not f.machine.endswith("W")]
+
+
+JOINT = {"coil": "d", "friction": "d", "jump": "z", "guarded": "z", "sampled": "j"}
+"""The junction at which each small circuit is joined to something."""
+
+
+def put_parted(m: hb.Model, at: str, by: str, energy: float, until: float = 9.0) -> None:
+    """Put a huge energy beside a junction, parted from it by what is OFF until then, or always."""
+    # a diode that leads to the small circuit blocks what is lower than that
+    level = math.sqrt(2.0 * energy) * (-1.0 if by.endswith("back") else 1.0)
+    law = "diode" if by.startswith("diode") else None
+    if at == "d":
+        m.add(W=hb.I(1.0, p=level), JW=hb.One(), RW=hb.R(1e-3), X=hb.Zero(law=law))
+    else:
+        m.add(W=hb.C(1.0, q=level), JW=hb.Zero(), RW=hb.R(1e3), X=hb.One(law=law))
+    m.bond("JW -> W", "JW -> RW")
+    m.bond(f"JW -> X -> {at}" if by.endswith("back") else f"{at} -> X -> JW")
+    if law is None:
+        rules = [f"open -> shut when time > {until}"]
+        m.machine("XW", states={"open": [], "shut": ["X"]}, start="open", rules=rules)
+
+
+@pytest.mark.parametrize("by", ["switch", "diode", "diode back"])
+@pytest.mark.parametrize("small", SMALL)
+def test_a_small_circuit_parted_from_a_huge_energy(small: str, by: str) -> None:
+    """By an open switch, or by a diode that blocks: 130 % off, and laws that did not act."""
+    s, energy = 1e-9, 1e10
+    m = hb.Model("parted")
+    value = SMALL[small](m, s)
+    alone = fired(hb.simulate(m, UNTIL))
+    put_parted(m, JOINT[small], by, energy)
+    run = hb.simulate(m, UNTIL)
+    name = "l.p" if "l.p" in run.names else "l.q"
+    for t in np.linspace(0.03, LAST.get(small, UNTIL), 12):
+        assert run[name].at(t) == pytest.approx(value(t), rel=1e-5, abs=1e-6 * s), t
+    there = [(t, what) for t, what in fired(run) if what[0] != "X"]
+    assert [what for _, what in there] == [what for _, what in alone]
+    assert [t for t, _ in there] == pytest.approx([t for t, _ in alone], rel=1e-5)
+
+
+@pytest.mark.parametrize("solver", ["auto", "rk45", "radau", "moreau-jean"])
+def test_a_small_circuit_that_is_joined_to_a_huge_energy(solver: str) -> None:
+    """It is what it is alone up to then, and what both make of it from then on."""
+    m = hb.Model("joined")
+    m.add(l=hb.C(1.0, q=1e-9), r=hb.R(2.0), z=hb.Zero(), d=hb.One(law="diode"), o=hb.R(8.0))
+    m.bond("z -> l", "z -> r", "z -> d -> o")
+    put_parted(m, "z", "switch", 1e10, until=1.0)
+    steps = solver == "moreau-jean"
+    run = hb.simulate(m, 1.2, solver=solver, step="1 ms" if steps else None)
+    leak = 0.5 + 1.0 / 8.0
+    for t in (0.3, 0.9):
+        assert run["l.q"].at(t) == pytest.approx(1e-9 * math.exp(-leak * t), rel=1e-5)
+    bank = math.sqrt(2e10) * math.exp(-1e-3)
+    both = 0.5 * bank * math.exp(-0.5 * (leak + 1e-3) * 0.2)
+    assert run["l.q"].at(1.2) == pytest.approx(both, rel=1e-3 if steps else 1e-5)
+    assert run.audit().holds()
+
+
+def test_what_is_open_joins_what_it_is_asked_of() -> None:
+    """A law that is asked for its net effort ties its bonds: no guard fires twice at an instant."""
+    run = hb.simulate(hb.load("examples/ratchet.toml"))
+    for event in run.events:
+        machines = [f.machine for step in event.steps for f in step.fired]
+        assert len(machines) == len(set(machines)), event.t
 
 
 @pytest.mark.parametrize("beside", BESIDE)

@@ -35,8 +35,8 @@ subset. Rooms, and in them files, as data passes them::
         enclosed            one law alone, between two signs
         beside_jumps, put_back  solutions just beside a jump; whether one holds
         freedom, undetermined, leakage    what a system leaves free, and laws; least leakage
-        storage, reach, island_energies    co-energy, energy; what would have an energy, of which
-                            there has been so much on each part of the graph
+        storage, reach      co-energy, energy; what would have an energy
+        connected, part_energies    parts of the graph; how much energy there has been on each
         reading, sizes, solved_sizes    what a step reads; what its rounding is measured by
         sums, straight_rates, sum_records    comparisons, and rates, that are sums of the state
     inputs/
@@ -139,8 +139,8 @@ State and values
     `solving.solve_read(e, mode, reads, v)` is the same for bond variables that are read in a step.
     `sizes.measure(e, mode, pair, xi, v, terms)`, before a guard is asked: what rounding of the
     signals that it reads is measured by, `xi` being what they were solved from. `sizes.seen_of(e,
-    mode, x)`: ``mode.seen`` times the root of ``e.island_energy`` is how far each bond variable may
-    reach.
+    mode, x)`: ``mode.seen`` times the root of the energy of its part, `find_energies`, is how far
+    each bond variable may reach.
 
 Modes
     `equations.mode_of(e, state)` takes the equations of a mode into ``e.mode``. With laws left

@@ -239,11 +239,11 @@ class Engine:
     """... and what each of these signals is measured by at the least."""
     largest_state: Floats
     scale_energy: Floats
-    """The largest energy there ever was on each island, or that what pushes would give in a
-    moment."""
+    """The largest energy there ever was on each part, or that what pushes would give in a moment.
+    """
     pushed_energy: Floats
     lately: Floats
-    """The size that each state has lately had, the roots of energies of islands behind them; what
+    """The size that each state has lately had, the roots of energies of parts behind them; what
     it comes from, `methods/lately`."""
     state: Ints
     """Of each machine, now."""
@@ -264,8 +264,13 @@ class Engine:
     """Of inputs that are set from outside: their levels, and those from the next instant on."""
     energy: float
     """The largest energy that the run has seen, J."""
-    island_energy: Floats
-    """The same of each island: what rounding there is measured by."""
+    parts: int
+    storage_part: Ints
+    """Of each storage: the part of the graph that it hangs together with, as time last passed."""
+    part_energy: Floats
+    """The largest energy of each part, J: what rounding there is measured by."""
+    energies_seen: float
+    """How often these have become others."""
     courses: Courses
     longest: float
     """How long a step may be in the mode, for sines of time alone, s."""
@@ -412,7 +417,7 @@ def make_engine(m: Model) -> Engine:
     e.shown = floats(2 * m.slots)
     e.pre = floats(m.slots)
     e.trial = make_trial(m)
-    e.largest = floats(m.classes)
+    e.largest = floats((m.storages + 1) * m.impulse_kinds)
     e.floor = floats(2 * m.bonds)
     e.state = ints(m.machines)
     e.states = m.storages + m.integrals
@@ -429,10 +434,15 @@ def make_engine(m: Model) -> Engine:
     e.rate_rounding = floats(m.integrals)
     e.least_signal = floats(m.integrals)
     e.largest_state = floats(e.states)
-    e.lately = floats(5 * (e.states + m.islands))
-    e.scale_energy = floats(m.islands)
-    e.pushed_energy = floats(m.islands)
-    e.island_energy = floats(m.islands)
+    e.lately = floats(5 * (e.states + m.storages + 1))
+    e.scale_energy = floats(m.storages + 1)
+    e.pushed_energy = floats(m.storages + 1)
+    e.part_energy = floats(m.storages + 1)
+    e.storage_part = ints(m.storages)
+    e.parts = 1
+    for k in range(m.storages if m.most_parts > 1 else 0):
+        e.storage_part[k] = m.storage_base[k]
+        e.parts = m.most_parts
     e.piece = ints(m.inputs)
     e.line_piece = ints(m.inputs)
     e.line_value = floats(m.inputs)

@@ -185,14 +185,18 @@ class Model:
     storage_sign: Ints  # 1 if the bond points at it
     storage_start: Floats
     storage_pseudo: Ints
-    storage_class: Ints
-    """Whose impulses are compared with whose; `bond_class` of all efforts, then flows: by domain
-    and island."""
-    bond_class: Ints
+    storage_impulse: Ints
+    """Of which kind its impulses are; `bond_impulse` of all efforts, then flows: by domain."""
+    bond_impulse: Ints
+    impulse_kinds: int
+    bond_class: Ints  # the same by domain and island
     classes: int
-    islands: int  # parts of the graph between which no rounding passes
+    islands: int  # parts of the graph between which no rounding passes, whatever is ON
     bond_island: Ints
-    storage_island: Ints
+    bases: int  # parts that remain one, whatever is OFF
+    bond_base: Ints
+    most_parts: int  # of these that store anything
+    storage_base: Ints  # numbered as storages stand
     co_energy: Ints
     """The law of each stored quantity, -1: the row of `stiff_constant` is."""
     stiff_first: Ints

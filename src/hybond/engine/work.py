@@ -130,17 +130,25 @@ class Work:
     counted_x: Floats
     counted_energy: float
     """... of what is stored, the last time, and how much it was, J, ..."""
-    counted_island: Floats
-    """... on each island, if there are several."""
-    island_here: Floats
-    island_tried: Floats
-    """Room for a number of each island, and for another one; ..."""
-    island_energy: Floats
+    counted_of: Floats
+    """... in each storage; of several that bend together in the first."""
+    linear_of: Floats
+    """The same of those whose laws are linear, of what was looked at last."""
+    part_here: Floats
+    part_tried: Floats
+    part_root: Floats
+    """Room for a number of each part of the graph, and for others; ..."""
+    lately_energy: Floats
     """... what tolerances are measured by there, J; ..."""
-    island_reach: Floats
-    """... what `Mode.seen` is a factor of; ..."""
-    island_still: Ints
-    """... and whether nothing has been stored there yet, or nothing pushes."""
+    part_still: Ints
+    """... whether nothing has been stored there yet, or nothing pushes; ..."""
+    part_number: Ints
+    """... a number, and of each storage the part that it comes to."""
+    new_part: Ints
+    base_root: Ints
+    base_part: Ints
+    """Of each of those parts that hang together however machines switch: what stands for the one
+    that it is in, and the number of that."""
     gap: Block
     gap_size: Block
     gap_first: Block
@@ -279,12 +287,17 @@ def make_work(m: Model) -> Work:
     w.reach_before = floats(m.storages)
     w.known_size = floats(knowns)
     w.counted_x = floats(m.storages)
-    w.counted_island = floats(m.islands)
-    w.island_here = floats(m.islands)
-    w.island_tried = floats(m.islands)
-    w.island_energy = floats(m.islands)
-    w.island_reach = floats(m.islands)
-    w.island_still = ints(m.islands)
+    w.counted_of = floats(m.storages)
+    w.linear_of = floats(m.storages)
+    w.part_here = floats(m.storages + 1)
+    w.part_tried = floats(m.storages + 1)
+    w.part_root = floats(m.storages + 1)
+    w.lately_energy = floats(m.storages + 1)
+    w.part_still = ints(m.storages + 1)
+    w.part_number = ints(m.storages + 1)
+    w.new_part = ints(m.storages)
+    w.base_root = ints(m.bases)
+    w.base_part = ints(m.bases)
     w.here = floats(m.storages)
     w.ahead = floats(m.storages)
     w.landed = floats(m.storages)

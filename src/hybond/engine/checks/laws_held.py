@@ -112,7 +112,7 @@ def hold_laws(e: Engine, mode: Mode) -> None:
         c.first_look = False
         measure_bonds(e, mode)
         # what a jump leaves is as exact as what was stored before it was large
-        reach_of(e, e.y, e.work.reach)
+        reach_of(e, mode, e.y, e.work.reach)
         hold_all(e, mode)
 
 

@@ -20,7 +20,7 @@ DUSTING: Final = 2
 """Times that rounding is swept off a state at rest: what is left would do work for ever."""
 STILL: Final = 1e-15
 """What a contact at rest holds still is at rest below this part of what all the energy of its
-island would make of it: else the sign of a rounding error could close a contact that is to open."""
+part would make of it: else the sign of a rounding error could close a contact that is to open."""
 
 
 def find_moved(e: Engine, held: Ints) -> None:
@@ -39,7 +39,7 @@ def find_moved(e: Engine, held: Ints) -> None:
 def still_stored(e: Engine, held: Ints, x: Floats) -> None:
     """Put rounding in storages that are held to zero."""
     m = e.model
-    reach_of(e, x, e.work.reach)
+    reach_of(e, e.mode, x, e.work.reach)
     for k in range(m.storages):
         if held[k] != 0 and math.fabs(x[k]) <= STILL * e.work.reach[k]:
             x[k] = 0.0

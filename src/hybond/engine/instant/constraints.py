@@ -15,6 +15,7 @@ from hybond.engine.mode.dynamic_rows import frozen_at
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.newton import known_of
 from hybond.engine.mode.newton_system import by_power, split, take_rank
+from hybond.engine.mode.part_energies import find_energies
 from hybond.engine.mode.reach import reach_at
 from hybond.engine.mode.storage import coupled, is_alone, own_stiffness, with_stored
 from hybond.engine.model import Model
@@ -44,12 +45,13 @@ def begin_constraints(e: Engine, mode: Mode, v: Floats, x: Floats) -> None:
     fit(w.base_gap, w.constraints)
     fit(w.two_port, 2 * mode.structures + 1)
     values = with_stored(e, x)
+    find_energies(e, mode)
     for i in range(mode.bounds):
         k = mode.bound[i]
         if k < m.storages:
             # what is taken off what is stored leaves rounding of it, however little is left
             own = math.fabs(own_stiffness(m, k, values))
-            held = reach_at(e, k, x, e.island_energy[m.storage_island[k]])
+            held = reach_at(e, k, x, mode.part_energy[mode.bond_part[m.storage_bond[k]]])
             w.reach[k] = (held + math.fabs(x[k])) * own
 
 

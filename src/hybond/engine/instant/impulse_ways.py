@@ -358,7 +358,7 @@ def extent(e: Engine, x: Floats, k: int) -> float:
 
 
 def may_hold(e: Engine, x: Floats, k: int) -> float:
-    """Return how much storage k holds, and would with the energy of its island."""
+    """Return how much storage k holds, and would with the energy of its part."""
     own = math.fabs(own_stiffness(e.model, k, with_stored(e, x)))
     size = math.fabs(x[k])
     return size + e.work.reach[k] / own if own > 0.0 and math.isfinite(own) else size

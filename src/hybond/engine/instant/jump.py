@@ -29,6 +29,7 @@ from hybond.engine.instant.impulse_ways import find_ways, rank_of, scale_slope, 
 from hybond.engine.mode.agreement import check_agreement
 from hybond.engine.mode.leakage import least_leakage, project
 from hybond.engine.mode.mode_records import Mode, Ways
+from hybond.engine.mode.part_energies import find_energies
 from hybond.engine.mode.reach import reach_at
 from hybond.engine.mode.storage import own_stiffness
 from hybond.engine.reasons.facts import refuse_jump
@@ -149,7 +150,7 @@ def leave_nothing(e: Engine, mode: Mode, v: Floats, x: Floats, after: Floats) ->
 def meets_own_terms(e: Engine, mode: Mode, part: float) -> bool:
     """Whether every constraint holds to a part of its terms as they are.
 
-    Not as large as the energy of their island could make them: a storage that is small beside the
+    Not as large as the energy of their part could make them: a storage that is small beside the
     others would be far off before that shows.
     """
     w = e.work
@@ -373,12 +374,13 @@ def on_constraints(e: Engine, mode: Mode, v: Floats, y: Floats) -> int:
     if e.moved == STAYS:
         return OK
     small = False
+    find_energies(e, mode)
     for k in range(m.storages):
         landed = e.work.landed[k]
         # what none moves is kept
         if landed != y[k]:
             y[k] = landed
-            held = reach_at(e, k, y, e.island_energy[m.storage_island[k]])
+            held = reach_at(e, k, y, mode.part_energy[mode.bond_part[m.storage_bond[k]]])
             if landed != 0.0 and math.fabs(landed) <= NOTHING * held:
                 e.work.landed[k] = 0.0
                 small = True

@@ -65,7 +65,8 @@ from hybond.engine.instant.trial import (
     show_trial,
 )
 from hybond.engine.laws.law_standing import stands_as_it_was
-from hybond.engine.mode.equations import is_fieldless
+from hybond.engine.mode.equations import is_fieldless, mode_of
+from hybond.engine.mode.part_energies import join_parts
 from hybond.engine.reasons.facts import add_fact
 from hybond.engine.sliding.branches import choose_at, know_around
 from hybond.engine.words import Floats, Ints, floats, ints, record
@@ -138,6 +139,8 @@ def settle(e: Engine, g: Settling, i: Instant) -> int:
         if written >= 0:
             i.kind.at[written] = PINNACLE
         still = is_where_it_was(e, g)
+        if join_written(e) != OK:
+            return REFUSED
         written = write(e, g, i)
         if go_on_from_written(e, g, e.t, still) != OK:
             return REFUSED
@@ -149,6 +152,7 @@ def settle(e: Engine, g: Settling, i: Instant) -> int:
         drop_fired(i)
         note_step(i, CONTINUOUS)
         tell_trial(e, i, g.x, True)
+    join_parts(e, e.mode)
     write_back(e, g)
     return OK
 
@@ -298,6 +302,18 @@ def write(e: Engine, g: Settling, i: Instant) -> int:
     return written
 
 
+def join_written(e: Engine) -> int:
+    """Let what the trial joins be one part, and what its impulses went through, if that is over."""
+    if e.trial.struck and e.model.most_parts > 1:
+        if mode_of(e, e.trial.through) != OK:
+            return REFUSED
+        join_parts(e, e.mode)
+        if mode_of(e, e.trial.state) != OK:
+            return REFUSED
+    join_parts(e, e.mode)
+    return OK
+
+
 def note_hits(e: Engine, i: Instant) -> None:
     """Note the impulses of the trial that are more than rounding."""
     m = e.model
@@ -361,7 +377,7 @@ def is_kept(e: Engine, g: Settling) -> bool:
 def is_moved(e: Engine, g: Settling) -> bool:
     """Whether a trial without impulses is off the state by more than the last digits of it.
 
-    What is rounding beside the energy of its island may be many digits of a storage that is small.
+    What is rounding beside the energy of its part may be many digits of a storage that is small.
     The signals are those of the trial.
     """
     moved = False

@@ -30,9 +30,9 @@ from hybond.engine.instant.doubts import warn_of_impulsive
 from hybond.engine.instant.jump import JUMPS, STAYS, enter_mode
 from hybond.engine.mode.dynamic_rows import frozen_at
 from hybond.engine.mode.equations import is_fieldless, mode_of
-from hybond.engine.mode.island_energies import see_energy
 from hybond.engine.mode.limits import put_limits
 from hybond.engine.mode.mode_records import Mode
+from hybond.engine.mode.part_energies import part_of_bond, see_energy, see_energy_after
 from hybond.engine.mode.reach import reach_of
 from hybond.engine.mode.sizes import measure
 from hybond.engine.mode.storage import energy_of
@@ -157,7 +157,7 @@ def finish_trial(e: Engine, t: float, x: Floats, s: Floats) -> int:
     trial.jumps = e.moved == JUMPS
     if e.moved != STAYS:
         trial.energy_after = energy_of(e, trial.x)
-        see_energy(e, trial.x)
+        see_energy_after(e, trial.x)
     if trial.jumps:
         find_floor(e, x)
         for k in range(2 * m.bonds):
@@ -242,22 +242,25 @@ def measure_trial(e: Engine, pair: int) -> None:
 def find_floor(e: Engine, x: Floats) -> None:
     """Find the size below which each bond variable's impulse counts as zero.
 
-    That part of the largest stored quantity of its kind in the bond's domain, or of the largest
-    such impulse if nothing is stored there.
+    That share of the largest stored quantity of its kind in the bond's domain, on its part of the
+    graph, or of the largest such impulse if nothing is stored there.
     """
     m = e.model
-    for c in range(m.classes):
+    mode = e.mode
+    kinds = m.impulse_kinds
+    reach_of(e, mode, x, e.work.reach)
+    for c in range((mode.parts + 1) * kinds):
         e.largest[c] = 0.0
-    reach_of(e, x, e.work.reach)
     for k in range(m.storages):
-        c = m.storage_class[k]
+        c = mode.bond_part[m.storage_bond[k]] * kinds + m.storage_impulse[k]
         most = max(math.fabs(e.work.reach[k]), math.fabs(x[k]))
         e.largest[c] = max(e.largest[c], max(most, math.fabs(e.trial.x[k])))
     for k in range(2 * m.bonds):
-        c = m.bond_class[k]
+        c = part_of_bond(m, mode, k) * kinds + m.bond_impulse[k]
         e.largest[c] = max(e.largest[c], math.fabs(e.impulses[k]))
     for k in range(2 * m.bonds):
-        e.floor[k] = IMPULSE_RTOL * e.largest[m.bond_class[k]]
+        c = part_of_bond(m, mode, k) * kinds + m.bond_impulse[k]
+        e.floor[k] = IMPULSE_RTOL * e.largest[c]
 
 
 def refuse_pair(e: Engine, t: float, place: Text) -> int:

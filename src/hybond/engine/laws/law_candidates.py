@@ -126,7 +126,7 @@ def sweep_candidate(e: Engine, r: Laws) -> int:
     if e.moved != JUMPS:
         # no more than rounding of the constraint's own terms, however little is stored yet
         return STANDS
-    reach_of(e, r.here, e.work.reach)
+    reach_of(e, e.mode, r.here, e.work.reach)
     for k in range(m.storages):
         change = math.fabs(r.swept[k] - r.here[k])
         if not change <= DUST_OF_STATE * (math.fabs(r.here[k]) + e.work.reach[k]):

@@ -15,7 +15,12 @@ from hybond.engine.instant.jump import enter_mode
 from hybond.engine.laws.gaps import check_gaps
 from hybond.engine.laws.law_records import Laws, Ports
 from hybond.engine.laws.ports import open_mode, partner_row, ports_of
-from hybond.engine.mode.island_energies import STORED, energy_there, island_of, see_energy
+from hybond.engine.mode.part_energies import (
+    STORED,
+    find_energies_at,
+    part_of_bond,
+    see_energy,
+)
 from hybond.engine.mode.sizes import measure_values, seen_of
 from hybond.engine.mode.tableau import COMMON
 from hybond.engine.mode.values import set_values
@@ -82,8 +87,8 @@ def make_consistent(e: Engine, r: Laws, x: Floats) -> int:
     for k in range(2 * m.bonds):
         r.v[m.bond_slot + k] = 0.0
     energy = e.energy
-    for i in range(m.islands):
-        r.island_energy[i] = e.island_energy[i]
+    for p in range(e.parts):
+        r.kept_energy[p] = e.part_energy[p]
     see_energy(e, x)
     found = OK
     if not r.gaps_known:
@@ -92,8 +97,9 @@ def make_consistent(e: Engine, r: Laws, x: Floats) -> int:
     if found == OK:
         found = enter_mode(e, mode, r.v, x, r.x)
     e.energy = energy
-    for i in range(m.islands):
-        e.island_energy[i] = r.island_energy[i]
+    for p in range(e.parts):
+        e.part_energy[p] = r.kept_energy[p]
+    e.energies_seen += 1.0
     for k in range(m.storages):
         r.v[m.stored_slot + k] = r.x[k]
     return found
@@ -157,17 +163,17 @@ def find_rounding(e: Engine, r: Laws) -> None:
     """Find what rounding of each `y` is measured by."""
     m = e.model
     mode = open_mode(e, r.now)
-    root = r.island_energy
-    for i in range(m.islands):
-        here = energy_there(e, r.x, i)
-        root[i] = math.sqrt(max(e.island_energy[i], here))
+    root = e.work.part_root
+    find_energies_at(e, mode, r.x, root)
+    for p in range(mode.parts + 1):
+        root[p] = math.sqrt(root[p])
     seen_of(e, mode, r.x)
     for k in range(m.ports):
         row = partner_row(r.now, k)
         stored = 0.0
         for i in range(m.pair_first[row], m.pair_first[row + 1]):
             b = m.pair_column[i]
-            stored += math.fabs(m.pair_value[i]) * (root[island_of(m, b)] * mode.seen[b])
+            stored += math.fabs(m.pair_value[i]) * (root[part_of_bond(m, mode, b)] * mode.seen[b])
         r.rounding[k] = r.response.size[k] + STORED * stored
 
 

@@ -175,8 +175,8 @@ class Laws:
     """Friction at rest that gives all it can where nothing jumps."""
     here_moved: Floats
     """How far an answer moves what each law decides on."""
-    island_energy: Floats
-    """What the run has seen on each island, while it is set aside; or the root of that."""
+    kept_energy: Floats
+    """What the run has seen on each part, while it is set aside."""
     largest: Floats
     largest_limit: Floats
     branch: Ints
@@ -335,7 +335,7 @@ def make_laws(m: Model) -> Laws:
     r.rebound = floats(n)
     r.edge = ints(n)
     r.here_moved = floats(n)
-    r.island_energy = floats(m.islands)
+    r.kept_energy = floats(m.storages + 1)
     r.largest = floats(n)
     r.largest_limit = floats(n)
     r.branch = ints(n)

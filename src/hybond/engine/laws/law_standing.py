@@ -24,8 +24,8 @@ from hybond.engine.instant.trial import begin_trial, finish_trial
 from hybond.engine.laws.law_instant import NO_LAW_VALUE, is_on
 from hybond.engine.laws.law_records import Laws
 from hybond.engine.laws.ports import open_mode, ports_of
-from hybond.engine.mode.island_energies import find_reaches, reach_of_bond
 from hybond.engine.mode.mode_records import is_constrained
+from hybond.engine.mode.part_energies import find_energies, reach_of_bond
 from hybond.engine.mode.sizes import size_of
 from hybond.engine.model import Model
 from hybond.engine.words import Floats, Ints
@@ -95,7 +95,7 @@ def stands_clearly(e: Engine, r: Laws, k: int) -> bool:
     m = e.model
     on = is_on(m, k, e.trial.state[m.port_machine[k]])
     row = 2 * k if on else 2 * k + 1
-    find_reaches(e)
+    find_energies(e, e.mode)
     size = 0.0
     for i in range(m.pair_first[row], m.pair_first[row + 1]):
         b = m.pair_column[i]

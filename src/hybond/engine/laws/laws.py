@@ -31,7 +31,7 @@ from hybond.engine.laws.law_instant import NO_LAW_VALUE, make_consistent, quanti
 from hybond.engine.laws.law_jumping import find_breaking, find_jumping, sweep_dust
 from hybond.engine.laws.law_records import Laws
 from hybond.engine.laws.law_trials import by_trial
-from hybond.engine.mode.island_energies import see_constant_energy, see_energy
+from hybond.engine.mode.part_energies import see_energy, see_linear_energy
 from hybond.engine.mode.values import evaluate
 from hybond.engine.model import Model
 from hybond.engine.reasons.facts import add_fact, tell_ports
@@ -223,7 +223,7 @@ def observe(e: Engine, v: Floats) -> None:
                 r.largest[k] = max(r.largest[k], gap)
     for k in range(m.storages):
         r.moved[k] = v[m.stored_slot + k]
-    see_constant_energy(e, r.moved)
+    see_linear_energy(e, r.moved)
 
 
 def look_at_limits(e: Engine) -> int:

@@ -275,7 +275,7 @@ def directional(e: Engine, r: Laws, v: Floats, x: Floats) -> int:
     a = r.response
     n = m.ports
     reach = e.work.reach
-    reach_of(e, x, reach)
+    reach_of(e, open_mode(e, p), x, reach)
     for i in range(2 * m.slots):
         r.kept[i] = v[i]
     for k in range(n):

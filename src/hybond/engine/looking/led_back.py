@@ -44,7 +44,7 @@ def lead_back(e: Engine, way: int, x: float, ends: Floats, at: int, y: Floats) -
         size = max(math.fabs(first), math.fabs(last))
         if k < m.storages:
             own = math.fabs(own_stiffness(m, k, v))
-            energy = e.island_energy[m.storage_island[k]]
+            energy = e.part_energy[e.storage_part[k]]
             floor = NEGLIGIBLE * math.sqrt(2.0 * energy / own) if own > 0.0 else 0.0
             size = max(size, floor if math.isfinite(floor) else 0.0)
         allowed = m.rtol * size + (m.atol if m.atol == m.atol else 0.0)

@@ -113,14 +113,15 @@ def look_into(
     They are told by the states of machines, by which of these have landed, and by the surfaces slid
     on: whether all corners are combined, and, where junctions have laws, the states of machines in
     the modes around, `rows` of `branch`. `energy` is the largest that the run has seen, which
-    rounding is measured by on each island: a run keeps no more of it.
+    rounding is measured by everywhere: a run keeps no more of it.
     """
     m = e.model
     g = e.landings
     e.t = t
     e.energy = energy
-    for k in range(m.islands):
-        e.island_energy[k] = energy
+    for p in range(e.parts):
+        e.part_energy[p] = energy
+    e.energies_seen += 1.0
     interval_after(e, t)
     g.any_landed = False
     for k in range(m.machines):

@@ -59,12 +59,12 @@ def follow_sizes(e: Engine) -> None:
     v = e.work.values
     for k in range(m.storages):
         v[m.stored_slot + k] = y[k]
-    energy = e.work.island_here
-    for i in range(m.islands):
+    energy = e.work.part_here
+    for i in range(e.parts):
         energy[i] = 0.0
     for k in range(m.storages):
-        energy[m.storage_island[k]] += math.fabs(own_stiffness(m, k, v)) * y[k] * y[k]
-    for i in range(m.islands):
+        energy[e.storage_part[k]] += math.fabs(own_stiffness(m, k, v)) * y[k] * y[k]
+    for i in range(e.parts):
         if energy[i] < math.inf:
             forgets = follow_size(e, e.states + i, t, math.sqrt(0.5 * energy[i])) or forgets
     if forgets and e.slide.k == 0:
@@ -72,11 +72,11 @@ def follow_sizes(e: Engine) -> None:
 
 
 def follow_size(e: Engine, k: int, t: float, now: float) -> bool:
-    """Learn from what state `k` is at `t`; behind all states, the roots of energies of islands.
+    """Learn from what state `k` is at `t`; behind all states, the roots of energies of parts.
 
     Whether something larger is forgotten.
     """
-    n = e.states + e.model.islands
+    n = e.states + e.model.storages + 1
     s = e.lately
     forgets = False
     if now < NEAR * s[k]:

@@ -17,6 +17,7 @@ from hybond.engine.methods.signal_sizes import (
 )
 from hybond.engine.mode.guess import give_back_guess, hold_guess
 from hybond.engine.mode.mode_records import Mode
+from hybond.engine.mode.part_energies import see_part
 from hybond.engine.mode.sizes import size_of
 from hybond.engine.mode.solving import solve
 from hybond.engine.mode.storage import own_stiffness, with_stored
@@ -24,8 +25,8 @@ from hybond.engine.mode.values import field, set_state
 from hybond.engine.words import Floats
 
 NEGLIGIBLE: Final = 1e-6
-"""A stored quantity is measured against at least this part of what the energy of its island would
-make of it, so that rounding in an idle storage does not steer the step size."""
+"""A stored quantity is measured against at least this share of what the energy of its part of the
+graph would make of it, so that rounding in an idle storage does not steer the step size."""
 CLEAR: Final = 1e3
 """A stored quantity that is more than so many times what the rounding of its rate adds up to over
 the whole run is not rounding: ..."""
@@ -77,7 +78,7 @@ def start_scale(e: Engine, mode: Mode) -> None:
         found_terms(e, mode, e.t + soon, e.y)
         come_back(e, mode)
         for k in range(m.storages):
-            if e.work.island_still[m.storage_island[k]] != 0:
+            if e.work.part_still[e.storage_part[k]] != 0:
                 e.rounding[k] = max(e.work.reach[k], e.rounding[k])
             else:
                 e.rounding[k] = e.work.reach[k]
@@ -85,30 +86,31 @@ def start_scale(e: Engine, mode: Mode) -> None:
     begin_signals(e, mode, soon)
     if m.laws > 0:
         see_pushes(e)
-        for i in range(m.islands):
-            e.energy = max(e.energy, e.work.island_here[i])
-            e.island_energy[i] = max(e.island_energy[i], e.work.island_here[i])
-            e.scale_energy[i] = max(e.scale_energy[i], e.work.island_here[i])
+        for p in range(e.parts):
+            pushed = e.work.part_here[p]
+            e.energy = max(e.energy, pushed)
+            see_part(e, p, pushed)
+            e.scale_energy[p] = max(e.scale_energy[p], pushed)
 
 
 def is_unmoved(e: Engine) -> bool:
-    """Whether nothing has been stored yet on an island."""
+    """Whether nothing has been stored yet on a part."""
     m = e.model
     for k in range(m.storages):
-        if e.scale_energy[m.storage_island[k]] == 0.0:
+        if e.scale_energy[e.storage_part[k]] == 0.0:
             return True
     return m.storages == 0
 
 
 def find_still(e: Engine, found: bool) -> None:
-    """Note the islands on which nothing has been stored yet, or nothing pushes."""
+    """Note the parts on which nothing has been stored yet, or nothing pushes."""
     m = e.model
-    still = e.work.island_still
-    for i in range(m.islands):
+    still = e.work.part_still
+    for i in range(e.parts):
         still[i] = 1
     for k in range(m.storages if found else 0):
-        if e.rounding[k] > 0.0 and e.scale_energy[m.storage_island[k]] != 0.0:
-            still[m.storage_island[k]] = 0
+        if e.rounding[k] > 0.0 and e.scale_energy[e.storage_part[k]] != 0.0:
+            still[e.storage_part[k]] = 0
 
 
 def forget_settling(e: Engine) -> None:
@@ -168,19 +170,19 @@ def see_pushes(e: Engine) -> None:
     """Learn the energy that what pushes would give in a short part of the run, if it were alone.
 
     Bodies at rest have none to measure rounding by, though great forces may hold them there. That
-    of each island is then in `e.work.island_here`.
+    of each part is then in `e.work.part_here`.
     """
     m = e.model
-    most = e.work.island_here
-    for i in range(m.islands):
+    most = e.work.part_here
+    for i in range(e.parts):
         most[i] = 0.0
     for k in range(m.storages):
-        i = m.storage_island[k]
+        i = e.storage_part[k]
         given = e.rounding[k] / ROUNDED
         energy = 0.5 * math.fabs(own_stiffness(m, k, e.v)) * given * given
         if math.isfinite(energy):
             most[i] = max(most[i], energy)
-    for i in range(m.islands):
+    for i in range(e.parts):
         e.pushed_energy[i] = max(e.pushed_energy[i], most[i])
 
 
@@ -203,11 +205,11 @@ def found_terms(e: Engine, mode: Mode, t: float, y: Floats) -> bool:
             given = value(m, m.source_size[source], e.v)
             if math.isfinite(given):
                 e.work.xi[m.storages + k] = given
-    soonest = e.work.island_tried
-    for i in range(m.islands):
+    soonest = e.work.part_tried
+    for i in range(e.parts):
         soonest[i] = SHORT * e.span
     for k in range(m.storages):
-        i = m.storage_island[k]
+        i = e.storage_part[k]
         at = m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 0 else 0)
         e.rounding[k] = size_of(e, mode, at, e.work.xi, e.v)
         e.rate_noise[k] = max(e.rate_noise[k], ROUNDED * e.rounding[k])
@@ -218,7 +220,7 @@ def found_terms(e: Engine, mode: Mode, t: float, y: Floats) -> bool:
         at = m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 0 else 0)
         acts = SHORT * e.span
         if moves_clearly(e, at, e.rounding[k]):
-            first = soonest[m.storage_island[k]]
+            first = soonest[e.storage_part[k]]
             own = first if y[k] == 0.0 else math.fabs(y[k] / e.work.w[at])
             acts = min(acts, max(own, math.fabs(e.t) * EPSILON / ROUNDED))
         e.rounding[k] = ROUNDED * acts * e.rounding[k]
@@ -281,8 +283,8 @@ def tolerance(e: Engine, y0: Floats, y1: Floats, out: Floats) -> None:
         e.largest_state[k] = max(e.largest_state[k], size)
         e.lately[k] = max(e.lately[k], size)
         out[k] = max(math.fabs(y1[k]), e.lately[k])
-    energy = e.work.island_energy
-    for i in range(e.model.islands):
+    energy = e.work.lately_energy
+    for i in range(e.parts):
         root = e.lately[e.states + i]
         energy[i] = root * root
     allow(e, y0, y1, energy, out)
@@ -306,24 +308,24 @@ def allow(e: Engine, y0: Floats, y1: Floats, energy: Floats, out: Floats) -> Non
     own = e.work.ahead
     for k in range(m.storages):
         v[m.stored_slot + k] = y0[k]
-    here = e.work.island_here
-    tried = e.work.island_tried
-    for i in range(m.islands):
+    here = e.work.part_here
+    tried = e.work.part_tried
+    for i in range(e.parts):
         here[i] = 0.0
         tried[i] = 0.0
     for k in range(m.storages):
-        i = m.storage_island[k]
+        i = e.storage_part[k]
         own[k] = math.fabs(own_stiffness(m, k, v))
         here[i] += own[k] * y0[k] * y0[k]
         tried[i] += own[k] * (y1[k] * y1[k])
-    for i in range(m.islands):
+    for i in range(e.parts):
         e.scale_energy[i] = max(e.scale_energy[i], 0.5 * here[i])
         here[i] = max(max(energy[i], e.pushed_energy[i]), 0.5 * max(here[i], tried[i]))
     moments = max(e.step.tried / (SHORT * e.span), 1.0) if e.step.tried > 0.0 else 1.0
     begins = e.step.t < e.step.onset_end
     for k in range(m.storages):
         moved = out[k] > 0.0
-        most = here[m.storage_island[k]]
+        most = here[e.storage_part[k]]
         floor = 0.0
         if own[k] > 0.0 and math.isfinite(own[k]) and math.isfinite(most):
             floor = NEGLIGIBLE * math.sqrt(2.0 * most / own[k])

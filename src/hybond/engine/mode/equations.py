@@ -189,6 +189,7 @@ def eliminate(e: Engine, mode: Mode) -> None:
     mode.ways.shares = 0
     mode.flow_known = False
     mode.summed_known = False
+    mode.connected = False
     mode.saw = False
     mode.sized = False
     mode.leakage.stages = 0

@@ -165,6 +165,16 @@ class Mode:
     guessed: bool
     guess: Block
     ways: Ways
+    connected: bool
+    parts: int
+    bond_part: Ints
+    """The part of the graph that each bond hangs together with, once it is `connected`; `parts`
+    where that stores nothing."""
+    floored_at: float
+    part_energy: Floats
+    """What rounding on each of them is measured by, J, as of `Engine.energies_seen`; ..."""
+    part_reach: Floats
+    """... what `seen` is a factor of."""
     saw: bool
     seen: Floats
     sized: bool
@@ -274,6 +284,9 @@ def make_mode(m: Model) -> Mode:
     mode.freedom = make_block(1)
     mode.guess = make_block(1)
     mode.ways = make_ways()
+    mode.bond_part = ints(m.bonds)
+    mode.part_energy = floats(m.storages + 1)
+    mode.part_reach = floats(m.storages + 1)
     mode.seen = floats(n)
     mode.sized_at = floats(n)
     mode.free_size = make_block(1)

@@ -10,6 +10,8 @@ import math
 from typing import Final
 
 from hybond.engine.engine import Engine
+from hybond.engine.mode.mode_records import Mode
+from hybond.engine.mode.part_energies import find_energies
 from hybond.engine.mode.storage import co_energy_of, is_alone, own_stiffness, with_stored
 from hybond.engine.words import Floats
 
@@ -21,10 +23,12 @@ GOOD: Final = 1.1
 """It is found within this factor."""
 
 
-def reach_of(e: Engine, x: Floats, reach: Floats) -> None:
-    """Put what each storage would hold with the largest energy that its island has had."""
-    for k in range(e.model.storages):
-        reach[k] = reach_at(e, k, x, e.island_energy[e.model.storage_island[k]])
+def reach_of(e: Engine, mode: Mode, x: Floats, reach: Floats) -> None:
+    """Put what each storage would hold with the largest energy that its part of a mode has had."""
+    m = e.model
+    find_energies(e, mode)
+    for k in range(m.storages):
+        reach[k] = reach_at(e, k, x, mode.part_energy[mode.bond_part[m.storage_bond[k]]])
 
 
 def reach_at(e: Engine, k: int, x: Floats, energy: float) -> float:

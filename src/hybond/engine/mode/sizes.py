@@ -11,8 +11,8 @@ from typing import Final
 
 from hybond.engine.algebra.blocks import row_size
 from hybond.engine.engine import Engine
-from hybond.engine.mode.island_energies import find_reaches, reach_of_bond
 from hybond.engine.mode.mode_records import Mode
+from hybond.engine.mode.part_energies import find_energies, reach_of_bond
 from hybond.engine.mode.reach import reach_at
 from hybond.engine.mode.solved_sizes import solved_sizes
 from hybond.engine.mode.storage import coupled, own_stiffness, with_stored
@@ -74,7 +74,7 @@ def measure(e: Engine, mode: Mode, pair: int, xi: Floats, v: Floats, terms: Floa
     does. While machines slide those of bond variables are there, see `blend.begin_sizes`.
     """
     m = e.model
-    find_reaches(e)
+    find_energies(e, mode)
     for i in range(m.read_first[pair], m.read_first[pair + 1]):
         slot = m.read_slot[i]
         b = slot - m.bond_slot
@@ -116,15 +116,16 @@ def seen_of(e: Engine, mode: Mode, x: Floats) -> None:
     """Put what each bond variable would be with a unit of energy in one storage into `mode.seen`.
 
     Rounding of what is stored shows itself in bond variables in these proportions, times the root
-    of the energy. Where laws bend it is that of its island which is put into one storage.
+    of the energy. Where laws bend it is that of its part which is put into one storage.
     """
     m = e.model
     w = e.work
     if mode.saw:
         return
     v = with_stored(e, x)
+    find_energies(e, mode)
     for k in range(m.storages):
-        here = e.island_energy[m.storage_island[k]]
+        here = mode.part_energy[mode.bond_part[m.storage_bond[k]]]
         energy = here if m.groups > 0 and here > 0.0 else 1.0
         w.reach[k] = reach_at(e, k, x, energy)
         w.reach[k] *= math.fabs(own_stiffness(m, k, v)) / math.sqrt(energy)

@@ -147,30 +147,20 @@ def with_stored(e: Engine, x: Floats) -> Floats:
     return values
 
 
-def constant_energy(m: Model, x: Floats) -> float:
-    """Return the energy, J, in storages whose laws are linear."""
+def linear_energy(m: Model, x: Floats, of: Floats) -> float:
+    """Return the energy, J, in storages whose laws are linear; what each has goes into `of`."""
     total = 0.0
     for k in range(m.storages):
+        of[k] = 0.0
         if m.co_energy[k] >= 0 or m.storage_pseudo[k] != 0:
             continue
         for i in range(m.stiff_first[k], m.stiff_first[k + 1]):
             j = m.stiff_other[i]
             if m.storage_pseudo[j] == 0:
-                total += 0.5 * m.stiff_constant[i] * x[j] * x[k]
+                energy = 0.5 * m.stiff_constant[i] * x[j] * x[k]
+                total += energy
+                of[k] += energy
     return total
-
-
-def constant_energies(m: Model, x: Floats, out: Floats) -> None:
-    """Put what there is of that on each island into `out`."""
-    for i in range(m.islands):
-        out[i] = 0.0
-    for k in range(m.storages):
-        if m.co_energy[k] >= 0 or m.storage_pseudo[k] != 0:
-            continue
-        for i in range(m.stiff_first[k], m.stiff_first[k + 1]):
-            j = m.stiff_other[i]
-            if m.storage_pseudo[j] == 0:
-                out[m.storage_island[k]] += 0.5 * m.stiff_constant[i] * x[j] * x[k]
 
 
 def energy_of(e: Engine, x: Floats) -> float:
@@ -201,16 +191,14 @@ def is_counted(e: Engine, x: Floats) -> bool:
 def count_energy(e: Engine, x: Floats) -> float:
     """Return the energy of that state, found anew."""
     m = e.model
-    own = e.work.counted_island
-    total = constant_energy(m, x)
-    if m.islands > 1:
-        constant_energies(m, x, own)
+    own = e.work.counted_of
+    total = linear_energy(m, x, own)
     for g in range(m.groups):
         first = m.group_storage[m.group_first[g]]
         if m.storage_pseudo[first] == 0:
             energy = energy_along(e, g, x)
             total += energy
-            own[m.storage_island[first]] += energy
+            own[first] += energy
     return total
 
 

@@ -34,7 +34,7 @@ def take_rates(e: Engine, mode: Mode) -> None:
 def take_all(e: Engine, s: Sums) -> bool:
     """Take the rates of all states; False if one of them is no sum."""
     m = e.model
-    begin_sums(s, e.states, e.model.islands)
+    begin_sums(s, e.states)
     for k in range(m.storages):
         if not take_rate(e, m, s, k):
             return False

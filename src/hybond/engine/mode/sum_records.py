@@ -27,10 +27,12 @@ class Sums:
     """Whether each is such a sum."""
     level: Block
     drift: Block
-    islands: int
-    seen: Block
-    """What a unit of energy on each island could make of it; where junctions have laws rounding is
-    of that."""
+    reaches: int
+    reach_first: Places
+    reach_part: Places
+    """Of each sum: parts of the mode whose energy could make something of it; ..."""
+    reach: Block
+    """... what a unit of that could make: where junctions have laws rounding is of that."""
     entries: int
     first: Places
     column: Places
@@ -53,7 +55,9 @@ def make_sums() -> Sums:
     s.known = make_places(1)
     s.level = make_block(1)
     s.drift = make_block(1)
-    s.seen = make_block(1)
+    s.reach_first = make_places(2)
+    s.reach_part = make_places(1)
+    s.reach = make_block(1)
     s.first = make_places(2)
     s.column = make_places(1)
     s.factor = make_block(1)
@@ -65,18 +69,18 @@ def make_sums() -> Sums:
     return s
 
 
-def begin_sums(s: Sums, many: int, islands: int) -> None:
-    """Begin to take so many sums of what so many islands store."""
-    s.islands = islands
+def begin_sums(s: Sums, many: int) -> None:
+    """Begin to take so many sums."""
     fit_places(s.known, many)
     fit(s.level, many)
     fit(s.drift, many)
-    fit(s.seen, many * islands)
     fit_places(s.first, many + 1)
     fit_places(s.waved, many)
     fit_places(s.wave_first, many + 1)
+    fit_places(s.reach_first, many + 1)
     s.entries = 0
     s.terms = 0
+    s.reaches = 0
 
 
 def begin_sum(s: Sums, a: int) -> None:
@@ -85,8 +89,7 @@ def begin_sum(s: Sums, a: int) -> None:
     s.wave_first.at[a] = s.terms
     s.level.at[a] = 0.0
     s.drift.at[a] = 0.0
-    for i in range(s.islands):
-        s.seen.at[a * s.islands + i] = 0.0
+    s.reach_first.at[a] = s.reaches
 
 
 def end_sum(s: Sums, a: int, known: bool) -> None:
@@ -96,6 +99,7 @@ def end_sum(s: Sums, a: int, known: bool) -> None:
     s.waved.at[a] = 1 if known and waves else 0
     s.first.at[a + 1] = s.entries
     s.wave_first.at[a + 1] = s.terms
+    s.reach_first.at[a + 1] = s.reaches
 
 
 def add_entry(s: Sums, column: int, factor: float, size: float) -> None:
@@ -107,6 +111,19 @@ def add_entry(s: Sums, column: int, factor: float, size: float) -> None:
     s.factor.at[s.entries] = factor
     s.size.at[s.entries] = size
     s.entries += 1
+
+
+def add_reach(s: Sums, a: int, part: int, reach: float) -> None:
+    """Add what a unit of energy on a part could make of sum a, which is being taken."""
+    for i in range(s.reach_first.at[a], s.reaches):
+        if s.reach_part.at[i] == part:
+            s.reach.at[i] += reach
+            return
+    grow_places(s.reach_part, s.reaches + 1)
+    grow_block(s.reach, s.reaches + 1)
+    s.reach_part.at[s.reaches] = part
+    s.reach.at[s.reaches] = reach
+    s.reaches += 1
 
 
 def add_wave(s: Sums, source: int, factor: float) -> None:

@@ -12,9 +12,17 @@ from hybond.engine.algebra.blocks import Rows
 from hybond.engine.engine import Engine
 from hybond.engine.inputs.calls import CALLED, FREE
 from hybond.engine.inputs.interval import take_line
-from hybond.engine.mode.island_energies import island_of
+from hybond.engine.mode.connected import find_connected
 from hybond.engine.mode.mode_records import Mode
-from hybond.engine.mode.sum_records import Sums, add_entry, add_wave, begin_sum, end_sum
+from hybond.engine.mode.part_energies import part_of_bond
+from hybond.engine.mode.sum_records import (
+    Sums,
+    add_entry,
+    add_reach,
+    add_wave,
+    begin_sum,
+    end_sum,
+)
 
 
 def take_sum(e: Engine, s: Sums, a: int, terms: int) -> None:
@@ -78,7 +86,8 @@ def take_bond(e: Engine, s: Sums, a: int, b: int, factor: float) -> bool:
             if mode.finite_free.at[b * mode.finite_frees + j] != 0.0:
                 return False
     if e.model.laws > 0:
-        s.seen.at[a * s.islands + island_of(e.model, b)] += math.fabs(factor) * mode.seen[b]
+        find_connected(e, mode)
+        add_reach(s, a, part_of_bond(e.model, mode, b), math.fabs(factor) * mode.seen[b])
     k = mode.same[b]
     if mode.dynamics > 0 or mode.leakage.stages == 0:
         return take_row(e, s, a, mode.finite, k, factor, math.fabs(factor))

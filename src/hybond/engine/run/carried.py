@@ -130,10 +130,10 @@ def carry_memory(e: Engine, r: Run, c: Carrier) -> None:
     g = e.landings
     many = machines_carried(e)
     carry_floats(c, e.states, e.largest_state)
-    carry_floats(c, 5 * (e.states + m.islands), e.lately)
+    carry_floats(c, 5 * (e.states + m.storages + 1), e.lately)
     carry_floats(c, m.integrals, e.rate_rounding)
     carry_floats(c, m.integrals, e.least_signal)
-    carry_floats(c, m.classes, e.largest)
+    carry_floats(c, (m.storages + 1) * m.impulse_kinds, e.largest)
     carry_floats(c, m.classes, e.checks.largest)
     if m.laws > 0:
         carry_floats(c, m.ports, e.laws.largest)
@@ -153,9 +153,12 @@ def carry_memory(e: Engine, r: Run, c: Carrier) -> None:
     carry_ints(c, m.reactions, g.sign)
     carry_ints(c, m.storages, g.held)
     e.energy = carry_number(c, e.energy)
-    carry_floats(c, m.islands, e.island_energy)
-    carry_floats(c, m.islands, e.scale_energy)
-    carry_floats(c, m.islands, e.pushed_energy)
+    e.parts = carry_whole(c, e.parts)
+    carry_ints(c, m.storages, e.storage_part)
+    carry_floats(c, e.parts, e.part_energy)
+    carry_floats(c, e.parts, e.scale_energy)
+    carry_floats(c, e.parts, e.pushed_energy)
+    e.energies_seen += 1.0
     e.checks.size = carry_number(c, e.checks.size)
     e.checks.moved = carry_number(c, e.checks.moved)
     e.checks.unbalanced = carry_number(c, e.checks.unbalanced)

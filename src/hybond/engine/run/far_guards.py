@@ -23,8 +23,8 @@ from hybond.engine.engine import OK, Engine
 from hybond.engine.expressions.pairs import ROUNDING
 from hybond.engine.inputs.interval import set_time
 from hybond.engine.methods.stepping import between
-from hybond.engine.mode.island_energies import find_reaches, reach_of_sum
 from hybond.engine.mode.mode_records import is_constrained
+from hybond.engine.mode.part_energies import find_energies, reach_of_sum
 from hybond.engine.run.guard_shape import NEAR, ROUNDED, SLACK, UNRESOLVED, rest_below
 from hybond.engine.run.guard_values import holds_at, put_on_constraints
 from hybond.engine.run.locator import FRACTION, SAMPLES, Locator
@@ -89,7 +89,7 @@ def is_still(g: Locator, a: int) -> bool:
 def is_nothing(e: Engine, g: Locator, a: int) -> bool:
     """Whether a comparison counts as zero all over the step, as large as energy makes its terms."""
     at = COEFFICIENTS * a
-    largest = reach_of_sum(e, g.sums, a)
+    largest = reach_of_sum(e.mode, g.sums, a)
     top = EVALUATED * g.extent[a]
     if largest <= 0.0 or not top <= largest:
         return False
@@ -101,7 +101,7 @@ def is_nothing(e: Engine, g: Locator, a: int) -> bool:
 
 def is_idle(e: Engine, g: Locator, k: int) -> bool:
     """Whether the truth of a guard does not change in the step, and it does not hold."""
-    find_reaches(e)
+    find_energies(e, e.mode)
     known = g.still[k] != 0
     for a in range(g.atom_first[k], g.atom_first[k + 1]):
         if g.sums.known.at[a] == 0:

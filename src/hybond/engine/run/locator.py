@@ -371,7 +371,7 @@ def watch(e: Engine, g: Locator, state: Ints) -> None:
     elif not e.planar.leading:
         watch_kinks(e, g)
     g.atom_first[g.guards] = g.atoms
-    begin_sums(g.sums, g.atoms, e.model.islands)
+    begin_sums(g.sums, g.atoms)
     for a in range(g.atoms if s.k == 0 else 0):
         take_sum(e, g.sums, a, g.atom[a])
 
@@ -381,7 +381,7 @@ def watch_again(e: Engine, g: Locator) -> None:
     for k in range(g.guards):
         g.still[k] = 0
     if e.model.inputs > 0:
-        begin_sums(g.sums, g.atoms, e.model.islands)
+        begin_sums(g.sums, g.atoms)
         for a in range(g.atoms):
             take_sum(e, g.sums, a, g.atom[a])
 

@@ -30,6 +30,7 @@ from hybond.engine.methods.one_instant import room_of_instant
 from hybond.engine.methods.scale import is_unmoved, start_scale
 from hybond.engine.methods.stepping import retry, start, step
 from hybond.engine.mode.equations import mode_of
+from hybond.engine.mode.part_energies import join_parts
 from hybond.engine.mode.straight_rates import take_rates
 from hybond.engine.mode.values import begin_field
 from hybond.engine.planar.stops import begin_slips
@@ -384,6 +385,7 @@ def begin_flow(e: Engine, r: Run) -> int:
     m = e.model
     if mode_of(e, e.state) != OK or combine_here(e, e.state) != OK:
         return REFUSED
+    join_parts(e, e.mode)
     report_slide(e, r.report)
     e.checks.shown_at = -math.inf
     look_at_entry(e)

@@ -177,7 +177,7 @@ def differ(e: Engine, r: Run) -> bool:
     Before it they have moved the first row of `r.beside` to `r.rate`, behind it the second to
     `e.y`.
     """
-    reach_of(e, e.y, e.work.reach)
+    reach_of(e, e.mode, e.y, e.work.reach)
     apart = False
     for i in range(e.model.storages):
         apart = apart or differs(e, r, i)

@@ -5,14 +5,14 @@ from __future__ import annotations
 import math
 
 from hybond.engine.engine import Engine
-from hybond.engine.mode.island_energies import find_reaches, reach_of_sum
+from hybond.engine.mode.part_energies import find_energies, reach_of_sum
 from hybond.engine.run.locator import Locator
 from hybond.engine.run.quartic import COEFFICIENTS
 
 
 def take_step(e: Engine, g: Locator) -> None:
     """Take all comparisons that are sums as polynomials of the last step; of others their part."""
-    find_reaches(e)
+    find_energies(e, e.mode)
     for a in range(g.atoms):
         if g.sums.known.at[a] != 0 or g.sums.waved.at[a] != 0:
             put_polynomial(e, g, a)
@@ -30,7 +30,8 @@ def put_polynomial(e: Engine, g: Locator, a: int) -> None:
     c2 = 0.0
     c3 = 0.0
     c4 = 0.0
-    extent = math.fabs(s.level.at[a]) + math.fabs(s.drift.at[a] * step.t1) + reach_of_sum(e, s, a)
+    extent = math.fabs(s.level.at[a]) + math.fabs(s.drift.at[a] * step.t1)
+    extent += reach_of_sum(e.mode, s, a)
     for p in range(s.first.at[a], s.first.at[a + 1]):
         k = s.column.at[p]
         factor = s.factor.at[p]

@@ -10,9 +10,9 @@ import math
 from hybond.engine.algebra.blocks import fit, grow_block
 from hybond.engine.engine import NOT_FINITE, OK, Engine
 from hybond.engine.inputs.interval import set_time
-from hybond.engine.mode.island_energies import find_reaches, reach_of_bond
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.newton_system import write_bonds
+from hybond.engine.mode.part_energies import find_energies, reach_of_bond
 from hybond.engine.mode.sizes import seen_of, sizes_of
 from hybond.engine.mode.solving import solve
 from hybond.engine.mode.undetermined import freedom_at
@@ -75,7 +75,7 @@ def begin_sizes(e: Engine, mode: Mode, v: Floats, x: Floats, terms: Floats) -> N
 def put_terms(e: Engine, mode: Mode, terms: Floats) -> None:
     """Put what bond variables are measured by into `terms`: beside laws by what is stored, too."""
     m = e.model
-    find_reaches(e)
+    find_energies(e, mode)
     for b in range(2 * m.bonds):
         terms[m.bond_slot + b] = e.work.sizes[b]
         if m.laws > 0:

@@ -44,7 +44,7 @@ TURNS: Final = 3
 def vanishes(e: Engine, moved: Floats, y: Floats) -> bool:
     """Whether a jump of what is stored is next to nothing."""
     m = e.model
-    reach_of(e, y, e.work.reach)
+    reach_of(e, e.mode, y, e.work.reach)
     for k in range(m.storages):
         if not math.fabs(moved[k]) <= VANISHED * (math.fabs(y[k]) + e.work.reach[k]):
             return False

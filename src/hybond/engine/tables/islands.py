@@ -1,7 +1,8 @@
 """Islands: parts of a graph between which no rounding passes, whatever is ON.
 
 Nothing that one of them stores, and no rounding of it, is ever in another: what is small there is
-measured by what is there.
+measured by what is there. What a mode joins lies between them and the parts that remain one with
+all controlled junctions OFF: `engine/mode/connected`.
 """
 
 from __future__ import annotations
@@ -15,16 +16,24 @@ from hybond.model.graph import FlatGraph, Node
 
 
 def put_islands(t: ModelTables) -> None:
-    """Put the island of each bond, and of each stored quantity, into the tables."""
+    """Put the island of each bond into the tables, and the part that remains, whatever is OFF."""
     g = t.graph
     own = islands(g)
     t.numbers["islands"] = max(own, default=0) + 1
     t.ints["bond_island"] = own
-    t.ints["storage_island"] = [own[s.bond] for s in g.storages]
+    base = islands(g, switched=False)
+    t.numbers["bases"] = max(base, default=0) + 1
+    t.ints["bond_base"] = base
+    held = [base[s.bond] for s in g.storages]
+    number = {b: k for k, b in enumerate(dict.fromkeys(held))}
+    t.numbers["most_parts"] = len(number)
+    t.ints["storage_base"] = [number[b] for b in held]
 
 
-def islands(g: FlatGraph) -> list[int]:
+def islands(g: FlatGraph, *, switched: bool = True) -> list[int]:
     """Return the number of the island of each bond, in the order of their first bonds.
+
+    Without what is `switched` they are parts that remain one with all controlled junctions OFF.
 
     Bonds that meet at a node are in one. So are those that a law reads: what it says follows from
     them at once. What is stored elsewhere is a factor, which is as exact as what it multiplies,
@@ -39,7 +48,7 @@ def islands(g: FlatGraph) -> list[int]:
             b = first[b]
         return b
 
-    for group in _joined(g):
+    for group in _joined(g, switched):
         for b in group[1:]:
             one, other = sorted((root(group[0]), root(b)))
             first[other] = one
@@ -48,18 +57,20 @@ def islands(g: FlatGraph) -> list[int]:
     return [number[b] for b in roots]
 
 
-def _joined(g: FlatGraph) -> Iterator[list[int]]:
+def _joined(g: FlatGraph, switched: bool) -> Iterator[list[int]]:
     """Yield bonds that are in one island."""
     for node in g.nodes:
-        own = [end.bond for end in node.ends]
-        yield own + _bonds_read(g, node)
+        if switched or not (node.controlled and node.is_junction):
+            yield [end.bond for end in node.ends] + _bonds_read(g, node)
     for machine in g.machines:
         laws = machine.law.junctions if machine.law is not None else ()
         disk: list[int] = []
         for law in laws:
             own = [end.bond for end in g.nodes[law.node].ends]
             limits = [e for e in (law.limit, law.breakaway) if e is not None]
-            yield own + [b for e in limits for b in _bonds_of(e)]
+            read = [b for e in limits for b in _bonds_of(e)]
+            if switched or read:
+                yield own + read
             disk += own if law.planar else []
         yield disk
 

@@ -26,7 +26,12 @@ def put_storages(t: ModelTables) -> None:
     t.numbers["classes"] = 2 * len(number)
     own = [number[kind] for kind in kinds]
     t.ints["bond_class"] = [2 * k for k in own] + [2 * k + 1 for k in own]
-    t.ints["storage_class"] = [2 * own[s.bond] + int(s.kind == "C") for s in g.storages]
+    domains = [b.domain.name for b in g.bonds]
+    place = {name: k for k, name in enumerate(dict.fromkeys(domains))}
+    t.numbers["impulse_kinds"] = 2 * len(place)
+    kind = [place[name] for name in domains]
+    t.ints["bond_impulse"] = [2 * k for k in kind] + [2 * k + 1 for k in kind]
+    t.ints["storage_impulse"] = [2 * kind[s.bond] + int(s.kind == "C") for s in g.storages]
     laws, rows = [], []
     kinks: dict[int, list[tuple[int]]] = {}
     groups: dict[int, list[int]] = {}

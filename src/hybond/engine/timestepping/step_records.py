@@ -108,6 +108,9 @@ class Stepping:
     move: Floats
     change: Floats
     weight: Floats
+    most_effort: Floats
+    most_flow: Floats
+    """Of each island: the largest effort and flow on it."""
     unit: Floats
     reach: Floats
     nothing: Floats
@@ -188,6 +191,8 @@ def make_stepping(m: Model) -> Stepping:
     s.move = floats(states)
     s.change = floats(states)
     s.weight = floats(states)
+    s.most_effort = floats(m.islands)
+    s.most_flow = floats(m.islands)
     s.unit = floats(n)
     s.reach = floats(m.storages)
     s.nothing = floats(n)

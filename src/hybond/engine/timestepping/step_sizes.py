@@ -1,4 +1,4 @@
-"""What the unknowns of a step are measured by, on each island by what is there."""
+"""What the unknowns of a step are measured by, by what is there, and hangs together."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import math
 
 from hybond.engine.engine import OK, Engine
 from hybond.engine.laws.law_records import Ports
+from hybond.engine.laws.ports import open_mode
 from hybond.engine.mode.reach import reach_of
 from hybond.engine.mode.tableau import COMMON
 from hybond.engine.model import Model
@@ -16,19 +17,19 @@ from hybond.engine.timestepping.step_records import Stepping
 def measure_step(e: Engine, s: Stepping, p: Ports, h: float) -> None:
     """Find what each unknown is measured by: itself, its motion, what the energy would make."""
     m = e.model
-    reach_of(e, e.y, s.reach)
-    most = e.work.island_here
-    for i in range(m.islands):
+    reach_of(e, open_mode(e, p), e.y, s.reach)
+    most = e.work.part_here
+    for i in range(e.parts):
         most[i] = 0.0
     for k in range(e.states):
         s.weight[k] = math.fabs(e.y[k]) + h * math.fabs(s.rate0[k])
         if k < m.storages:
-            i = m.storage_island[k]
+            i = e.storage_part[k]
             s.weight[k] = max(s.weight[k], s.reach[k])
             most[i] = max(most[i], s.weight[k])
     largest = 0.0
     for k in range(m.storages):
-        s.weight[k] = max(s.weight[k], 1e-3 * most[m.storage_island[k]])
+        s.weight[k] = max(s.weight[k], 1e-3 * most[e.storage_part[k]])
         largest = max(largest, s.weight[k])
     # signals move as what is stored would move them by its own measure, though it may be at rest
     for k in range(e.states):
@@ -51,8 +52,8 @@ def measure_step(e: Engine, s: Stepping, p: Ports, h: float) -> None:
 def measure_laws(e: Engine, s: Stepping, p: Ports) -> None:
     """Find what that which a law gives is measured by: the largest effort or flow on its island."""
     m = e.model
-    effort = e.work.island_here
-    flow = e.work.island_tried
+    effort = s.most_effort
+    flow = s.most_flow
     for i in range(m.islands):
         effort[i] = 0.0
         flow[i] = 0.0

@@ -40,8 +40,8 @@ from hybond.engine.laws.law_instant import take_instant
 from hybond.engine.laws.law_records import Ports
 from hybond.engine.laws.ports import open_mode, ports_of, solve_with, times_partner
 from hybond.engine.laws.response import find_sizes
-from hybond.engine.mode.island_energies import see_energy
 from hybond.engine.mode.mode_records import is_constrained
+from hybond.engine.mode.part_energies import find_energies, join_parts, see_energy
 from hybond.engine.mode.storage import co_energy, energy_of
 from hybond.engine.mode.tableau import COMMON
 from hybond.engine.model import Model
@@ -58,7 +58,7 @@ from hybond.engine.timestepping.step_laws import (
     solve_step_laws,
 )
 from hybond.engine.timestepping.step_records import Coupled, Stepping
-from hybond.engine.timestepping.step_sizes import island_of_port, measure_step
+from hybond.engine.timestepping.step_sizes import measure_step
 from hybond.engine.words import Floats, Ints
 
 NEWTON_ROUNDS: Final = 40
@@ -70,7 +70,7 @@ UPDATED: Final = 1e-11
 LAW_DUST_PART: Final = 1e-3
 """Part of the largest bond variable of its kind down to which the digits of `l` count."""
 GIVES_PART: Final = 1e-12
-"""Part of the largest energy of its island so far from which a law gives more than rounding."""
+"""Share of the largest energy of its part so far from which a law gives more than rounding."""
 AT_REST: Final = 1e-9
 """Part of the largest approach so far below which a contact counts as at rest."""
 
@@ -134,6 +134,7 @@ def end_of_step(e: Engine, s: Stepping, t1: float, h: float) -> int:
     write_point(e, s.v0, e.t, e.y, s.w)
     if read_step_laws(e, s, p) != OK:
         return REFUSED
+    join_parts(e, open_mode(e, p))
     see_energy(e, e.y)
     c = take_coupled(e, s, p, h)
     s.now = c
@@ -182,9 +183,15 @@ def laws_give(e: Engine, s: Stepping) -> bool:
     """Whether any law gave energy in a step, but one that rebounds, whose velocity is averaged."""
     m = e.model
     h = s.now.h
+    mode = open_mode(e, e.laws.now)
+    find_energies(e, mode)
     for k in range(m.ports):
         if m.port_pseudo[k] == 0 and s.restitution[k] == 0.0:
-            if h * s.l[k] * s.wl[k] > GIVES_PART * e.island_energy[island_of_port(m, k)]:
+            first = m.end_first[m.port_junction[k]]
+            here = e.energy
+            if first < m.end_first[m.port_junction[k] + 1]:
+                here = mode.part_energy[mode.bond_part[m.end_bond[first]]]
+            if h * s.l[k] * s.wl[k] > GIVES_PART * here:
                 return True
     return False
 
