@@ -92,7 +92,9 @@ subset. Rooms, and in them files, as data passes them::
         onset               what has not moved yet, by what it will be
         control, dopri, strayed    steps that the error controls: Dormand and Prince
         hidden_peaks        what laws that bend do within a step, and nowhere it has looked
-        exact, flow, linear_rows, balance, propagate, flow_records    linear modes, propagated
+        exact, flow, flow_columns, linear_rows, balance, propagate, flow_records    linear modes,
+                            propagated
+        graded              slow motions of these beside fast ones
         radau, radau_stages, radau_slopes, radau_dense, radau_method, radau_room    implicit steps
         stiffness           when ``auto`` goes over to them, and back
         from_edges, beside_edges    stages where laws begin, and beside that

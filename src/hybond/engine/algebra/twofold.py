@@ -19,6 +19,9 @@ LARGEST: Final = 1e270
 CLOSE: Final = 2.0**-10
 """A sum below this part of its terms has lost digits enough for being summed with twice as many."""
 
+TWOFOLD_ZERO: Final = 2.0**-98
+"""A sum below this part of its terms is what rounding leaves of zero with twice the digits."""
+
 
 def sum_rest(a: float, b: float, total: float) -> float:
     """Return by what ``a + b`` is more than the sum that it was rounded to."""

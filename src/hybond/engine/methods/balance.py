@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.engine.algebra.blocks import fit, fit_rows
+from hybond.engine.algebra.blocks import Rows, fit, fit_rows
 from hybond.engine.methods.flow_records import Flow
 from hybond.engine.words import Floats
 
@@ -50,25 +50,36 @@ def take_matrix(f: Flow, n: int, a: Floats) -> None:
     f.n = n
     fit(f.scale, n)
     balance(n, a, f.scale.at)
+    f.norm = put_rows(f.rows, n, a)
+    f.levels = 0
+    take_unit(f)
+
+
+def put_rows(rows: Rows, n: int, a: Floats) -> float:
+    """Put what is not zero of a matrix into `rows`; return its norm."""
     entries = 0
-    f.norm = 0.0
+    norm = 0.0
     for i in range(n):
         total = 0.0
         for j in range(n):
             total += math.fabs(a[i * n + j])
             entries += 1 if a[i * n + j] != 0.0 else 0
-        f.norm = max(f.norm, total)
-    fit_rows(f.rows, n, entries)
+        norm = max(norm, total)
+    fit_rows(rows, n, entries)
     entries = 0
     for i in range(n):
-        f.rows.first.at[i] = entries
+        rows.first.at[i] = entries
         for j in range(n):
             if a[i * n + j] != 0.0:
-                f.rows.column.at[entries] = j
-                f.rows.value.at[entries] = a[i * n + j]
+                rows.column.at[entries] = j
+                rows.value.at[entries] = a[i * n + j]
                 entries += 1
-    f.rows.first.at[n] = entries
-    f.levels = 0
+    rows.first.at[n] = entries
+    return norm
+
+
+def take_unit(f: Flow) -> None:
+    """Take a unit of time that fits the norm."""
     f.unit = math.inf
     if f.norm > 0.0:
         f.unit = 1.0

@@ -1,8 +1,4 @@
-"""Which modes are linear, and what their matrix is: column after column, by the rows of the mode.
-
-Stored quantities, signals and generators stand for themselves; bond variables follow from them as
-they do at any instant.
-"""
+"""Which modes are linear, and what the flow of such a mode is."""
 
 from __future__ import annotations
 
@@ -12,6 +8,7 @@ from hybond.engine.algebra.blocks import fit, fit_places
 from hybond.engine.algebra.products import all_finite
 from hybond.engine.engine import NOT_FINITE, OK, Engine
 from hybond.engine.methods.balance import take_matrix
+from hybond.engine.methods.flow_columns import put_column
 from hybond.engine.methods.flow_records import (
     MOST_FLOWS,
     NO_FLOW,
@@ -20,9 +17,9 @@ from hybond.engine.methods.flow_records import (
     Flow,
     make_flow,
 )
-from hybond.engine.methods.linear_rows import open_rows, solve_rows
+from hybond.engine.methods.graded import grade
+from hybond.engine.methods.linear_rows import open_rows
 from hybond.engine.mode.mode_records import Mode
-from hybond.engine.mode.reading import read_by_knowns
 from hybond.engine.model import Model
 from hybond.engine.words import some
 
@@ -128,6 +125,7 @@ def make_flow_of(e: Engine, mode: Mode) -> int:
     if not all_finite(n * n, x.dense.at):
         return NOT_FINITE
     take_matrix(f, n, x.dense.at)
+    grade(e, mode, f)
     fit_places(f.watched, f.gens)
     f.watches = 0
     for k in range(f.gens):
@@ -207,62 +205,3 @@ def put_generators(m: Model, x: Exact, f: Flow, states: int, n: int) -> None:
         for p in range(m.generator_first[f.gen[k]], m.generator_first[f.gen[k] + 1]):
             at = (states + k) * n + x.place[m.generator_column[p]]
             x.dense.at[at] = m.generator_rate[p]
-
-
-def put_column(e: Engine, mode: Mode, f: Flow, n: int, c: int) -> int:
-    """Put what the states' rates are, where all but component c of z is zero."""
-    m = e.model
-    x = e.exact
-    w = e.work.w
-    column = 2 * m.bonds + (c if c < e.states else e.states + f.gen[c - e.states])
-    put_knowns(e, mode, column, c)
-    if mode.dynamics == 0:
-        read_by_knowns(mode, mode.rates, e.work.xi, w)
-    else:
-        solve_rows(e, mode, column)
-        if not all_finite(2 * m.bonds, w):
-            return NOT_FINITE
-    for k in range(m.storages):
-        at = m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 0 else 0)
-        negative = m.storage_kind[k] == 0 and m.storage_sign[k] < 0
-        x.dense.at[k * n + c] = -w[at] if negative else w[at]
-    first = 2 * m.sources + m.dynamics
-    for k in range(m.integrals):
-        if x.along[m.storages + k] != 0:
-            continue
-        total = form_at(m, first + k, column)
-        for p in range(m.form_first[first + k], m.form_first[first + k + 1]):
-            if m.form_column[p] < 2 * m.bonds:
-                total += m.form_value[p] * w[m.form_column[p]]
-        x.dense.at[(m.storages + k) * n + c] = total
-    return OK
-
-
-def form_at(m: Model, form: int, column: int) -> float:
-    """Return the factor of one column in a form."""
-    for p in range(m.form_first[form], m.form_first[form + 1]):
-        if m.form_column[p] == column:
-            return m.form_value[p]
-    return 0.0
-
-
-def put_knowns(e: Engine, mode: Mode, column: int, c: int) -> None:
-    """Put the knowns where all but one component is zero into ``e.work.xi``."""
-    m = e.model
-    xi = e.work.xi
-    one = 2 * m.bonds + e.states + m.generator_one
-    for k in range(m.storages):
-        xi[k] = 0.0
-        for i in range(m.stiff_first[k], m.stiff_first[k + 1]):
-            if m.stiff_other[i] == c:
-                xi[k] += m.stiff_constant[i]
-    for k in range(mode.sources):
-        s = mode.source[k]
-        at = m.storages + k
-        xi[at + mode.sources] = 0.0
-        if s < 0 or m.source_value[s] < 0:
-            xi[at] = mode.source_level[k] if column == one else 0.0
-        else:
-            xi[at] = form_at(m, s, column)
-        if s >= 0 and mode.rated[k] != 0:
-            xi[at + mode.sources] = form_at(m, m.sources + s, column)

@@ -50,6 +50,20 @@ class Flow:
     gen: Ints
     """The generators that z ends with."""
     rows: Rows
+    own: Rows
+    """The same in coordinates in which slow motions are slow by themselves: these rows, or where
+    there are fast ones beside them `apart`."""
+    apart: Rows
+    shares: int
+    """Those coordinates are z but that one after the other a `share` of `row` is taken off `other`.
+    """
+    row: Places
+    other: Places
+    share: Block
+    share_rest: Block
+    """By what each share is more than it was rounded to."""
+    standing: Places
+    pivoted: Places
     scale: Block
     norm: float
     unit: float
@@ -78,6 +92,12 @@ class Exact:
     along: Ints
     """Of each state: whether it is integrated along the others."""
     dense: Block
+    rest: Block
+    """By what its entries are more than they were rounded to."""
+    largest: Block
+    total: float
+    """A sum with twice the digits: this and `over`."""
+    over: float
     row: Floats
     place: Ints
     """Of each generator: its place in z, or -1."""
@@ -109,6 +129,14 @@ def make_flow(m: Model) -> Flow:
     f.owner = NO_FLOW
     f.gen = ints(m.generators)
     f.rows = make_rows()
+    f.own = f.rows
+    f.apart = make_rows()
+    f.row = make_places(1)
+    f.other = make_places(1)
+    f.share = make_block(1)
+    f.share_rest = make_block(1)
+    f.standing = make_places(1)
+    f.pivoted = make_places(1)
     f.scale = make_block(1)
     f.level = records(Block, LEVELS)
     f.watched = make_places(1)
@@ -130,6 +158,8 @@ def make_exact(m: Model) -> Exact:
             x.along[m.storages + k] = 1
             x.alongs += 1
     x.dense = make_block(1)
+    x.rest = make_block(1)
+    x.largest = make_block(1)
     x.row = floats(2 * m.bonds + most)
     x.place = ints(m.generators)
     x.left = make_places(1)

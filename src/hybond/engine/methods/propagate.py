@@ -61,14 +61,26 @@ def first_level(x: Exact, f: Flow, out: Floats) -> None:
         for i in range(n * n):
             other[i] = 0.0
         for i in range(n):
-            for p in range(f.rows.first.at[i], f.rows.first.at[i + 1]):
-                entry = factor * f.rows.value.at[p]
-                row = f.rows.column.at[p] * n
+            for p in range(f.own.first.at[i], f.own.first.at[i + 1]):
+                entry = factor * f.own.value.at[p]
+                row = f.own.column.at[p] * n
                 for j in range(n):
                     other[i * n + j] += entry * power[row + j]
         for i in range(n * n):
             power[i] = other[i]
             out[i] += other[i]
+
+
+def to_own(f: Flow, b: Floats) -> None:
+    """Replace z, in balanced units, by the coordinates that the flow is propagated in."""
+    for p in range(f.shares):
+        b[f.other.at[p]] -= f.share.at[p] * b[f.row.at[p]]
+
+
+def from_own(f: Flow, b: Floats, at: int) -> None:
+    """Replace such coordinates, from `at` on, by z."""
+    for p in range(f.shares - 1, -1, -1):
+        b[at + f.other.at[p]] += f.share.at[p] * b[at + f.row.at[p]]
 
 
 def series(x: Exact, f: Flow, b: Floats, h: float) -> int:
@@ -77,9 +89,9 @@ def series(x: Exact, f: Flow, b: Floats, h: float) -> int:
     terms = x.terms.at
     total = x.b2.at
     copy_floats(n, b, total)
-    first = f.rows.first.at
-    column = f.rows.column.at
-    value = f.rows.value.at
+    first = f.own.first.at
+    column = f.own.column.at
+    value = f.own.value.at
     for k in range(TERMS):
         factor = h / (float(k) + 1.0)
         moves = False
@@ -141,6 +153,8 @@ def pass_parts(x: Exact, f: Flow, h: float) -> bool:
     for i in range(n):
         parts[i] /= f.scale.at[i]
     copy_floats(n, parts, x.b.at)
+    if f.shares > 0:
+        to_own(f, x.b.at)
     reach = parts_at_once(f, h)
     done = 0
     while done < PARTS:
@@ -161,6 +175,8 @@ def pass_parts(x: Exact, f: Flow, h: float) -> bool:
         done += reach
         for i in range(n):
             x.b.at[i] = parts[done * n + i]
+    for part in range(1, PARTS + 1 if f.shares > 0 else 1):
+        from_own(f, parts, part * n)
     for part in range(PARTS + 1):
         for i in range(n):
             parts[part * n + i] *= f.scale.at[i]

@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.engine.algebra.products import copy_floats
 from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.engine import NOT_FINITE, OK, Engine
 from hybond.engine.methods.radau_room import Radau
@@ -32,11 +33,42 @@ NEAREST_GROWS: Final = 64.0
 """... how much farther it is shifted next, ..."""
 CLEARLY: Final = 1e-7
 """... and the part of rates by which they are to differ."""
+ROUNDED_AWAY: Final = 0.1
+"""Part of `rtol` that rounding of fast terms may move a slow motion by, over the whole run."""
 DIGITS_LEFT: Final = 1e4 * EPSILON
 """Part of a state that its tolerance is at least where a law that holds it asks for less."""
 
 
 def differences(e: Engine, r: Radau, rtol: float) -> None:
+    """Make the Jacobian where the step starts; with closer rates if slow motions ask for them.
+
+    Where states exchange what they store so fast that rounding of it moves their sum, rates of the
+    mode are from now on summed with all digits.
+    """
+    make_slopes(e, r, rtol)
+    if e.mode.closely or e.slide.k > 0 or not exchange_fast(e, r, rtol):
+        return
+    e.mode.closely = True
+    refusal = e.refusal
+    if rate_at(e, r.n, r.t0, r.y0, r.end) == OK:
+        copy_floats(r.n, r.end, r.f0)
+        make_slopes(e, r, rtol)
+    e.refusal = refusal
+
+
+def exchange_fast(e: Engine, r: Radau, rtol: float) -> bool:
+    """Whether two states act on each other so fast that rounding of that tells in the run."""
+    most = ROUNDED_AWAY * rtol / (EPSILON * e.span) if e.span > 0.0 else math.inf
+    for i in range(e.model.storages):
+        for j in range(i):
+            one = math.fabs(r.jacobian[i * r.n + j])
+            other = math.fabs(r.jacobian[j * r.n + i])
+            if one > 0.0 and other > 0.0 and math.sqrt(one) * math.sqrt(other) > most:
+                return True
+    return False
+
+
+def make_slopes(e: Engine, r: Radau, rtol: float) -> None:
     """Make the Jacobian by forward differences where the step starts, in the direction of motion.
 
     A state at the edge of where its law is defined is more likely to have come from there than to

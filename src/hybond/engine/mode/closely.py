@@ -12,6 +12,7 @@ import math
 from hybond.engine.algebra.blocks import Rows
 from hybond.engine.algebra.twofold import (
     CLOSE,
+    TWOFOLD_ZERO,
     keeps_digits,
     product_rest,
     row_cancelling,
@@ -55,8 +56,40 @@ def sum_closely(e: Engine, mode: Mode, w: Floats) -> None:
             w[k] = row_with_free(e, mode, k, w)
 
 
+def rate_closely(e: Engine, mode: Mode, k: int, w: Floats) -> float:
+    """Return one bond variable with all digits; also where its terms come out as zero.
+
+    A leak of two capacitors at one voltage is less than the last digit of what they exchange.
+    """
+    same = mode.same[k]
+    size = size_here(e, mode, same, w)
+    if not math.fabs(w[k]) < CLOSE * size:
+        return w[k]
+    total = row_with_free(e, mode, same, w)
+    return total if math.fabs(total) > TWOFOLD_ZERO * size else 0.0
+
+
+def rate_by_row(rows: Rows, k: int, xi: Floats) -> float:
+    """Return the same where knowns give it by a row."""
+    total = 0.0
+    size = 0.0
+    for i in range(rows.first.at[k], rows.first.at[k + 1]):
+        term = rows.value.at[i] * xi[rows.column.at[i]]
+        total += term
+        size += math.fabs(term)
+    if not math.fabs(total) < CLOSE * size:
+        return total
+    total = row_cancelling(rows, k, xi)
+    return total if math.fabs(total) > TWOFOLD_ZERO * size else 0.0
+
+
 def cancels_here(e: Engine, mode: Mode, k: int, w: Floats) -> bool:
     """Whether a bond variable is a small part of its terms."""
+    return math.fabs(w[k]) < CLOSE * size_here(e, mode, k, w)
+
+
+def size_here(e: Engine, mode: Mode, k: int, w: Floats) -> float:
+    """Return the size of the terms of a bond variable."""
     rows = mode.finite
     frees = mode.finite_frees
     size = 0.0
@@ -66,7 +99,7 @@ def cancels_here(e: Engine, mode: Mode, k: int, w: Floats) -> bool:
         share = mode.finite_free.at[k * frees + j]
         if share != 0.0:
             size += math.fabs(share * w[mode.free_column[j]])
-    return math.fabs(w[k]) < CLOSE * size
+    return size
 
 
 def row_with_free(e: Engine, mode: Mode, k: int, w: Floats) -> float:

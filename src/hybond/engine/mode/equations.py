@@ -89,6 +89,7 @@ def make_equations(e: Engine, mode: Mode, given: Ints) -> None:
     for j in range(e.model.junctions):
         mode.given[j] = given[j]
     mode.weighed = False
+    mode.closely = False
     mode.lost = 0.0
     mode.rows_lost = 0.0
     mode.solves = 0

@@ -176,7 +176,7 @@ def fold(e: Engine, mode: Mode) -> None:
     mode.direct = mode.shared
     fit_places(mode.direct.first, n + 1)
     mode.direct.rows = n
-    fit(w.row, 2 * mode.knowns)
+    fit(w.row, 3 * mode.knowns)
     entries = 0
     for k in range(n):
         mode.direct.first.at[k] = entries
@@ -220,16 +220,20 @@ def after_first(p: Leakage, n: int, knowns: int, first: Floats, second: Floats) 
 
 
 def put_finite(mode: Mode, k: int, row: Floats) -> None:
-    """Put row k of what knowns give there, and behind it the sizes of its terms."""
-    for j in range(2 * mode.knowns):
+    """Put row k of what knowns give there, behind it the sizes of its terms and their rests."""
+    for j in range(3 * mode.knowns):
         row[j] = 0.0
     for i in range(mode.finite.first.at[k], mode.finite.first.at[k + 1]):
         row[mode.finite.column.at[i]] = mode.finite.value.at[i]
         row[mode.knowns + mode.finite.column.at[i]] = math.fabs(mode.finite.value.at[i])
+        row[2 * mode.knowns + mode.finite.column.at[i]] = mode.finite.rest.at[i]
 
 
 def less_share(many: int, knowns: int, basis: Floats, at: int, taken: Floats, row: Floats) -> None:
-    """Take ``basis taken`` off a row, whose part of `basis` begins at `at`; add to the sizes."""
+    """Take ``basis taken`` off a row, whose part of `basis` begins at `at`; add to the sizes.
+
+    What a projection takes off has the digits of one number, and so has what it leaves.
+    """
     for i in range(many):
         factor = basis[at + i]
         if factor == 0.0:
@@ -237,6 +241,7 @@ def less_share(many: int, knowns: int, basis: Floats, at: int, taken: Floats, ro
         for j in range(knowns):
             row[j] -= factor * taken[i * knowns + j]
             row[knowns + j] += math.fabs(factor) * taken[(many + i) * knowns + j]
+            row[2 * knowns + j] = 0.0
 
 
 def keep_entries(rows: Rows, entries: int, knowns: int, row: Floats) -> int:
@@ -250,6 +255,6 @@ def keep_entries(rows: Rows, entries: int, knowns: int, row: Floats) -> int:
             rows.column.at[entries] = j
             rows.value.at[entries] = row[j]
             rows.size.at[entries] = row[knowns + j]
-            rows.rest.at[entries] = 0.0
+            rows.rest.at[entries] = row[2 * knowns + j]
             entries += 1
     return entries

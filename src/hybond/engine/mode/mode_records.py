@@ -192,6 +192,9 @@ class Mode:
     summed_known: bool
     """... whether they were taken of these rows, and whether all of them are such sums."""
     summed_straight: bool
+    closely: bool
+    """Whether rates are summed with all digits where large terms cancel: slow motions beside fast
+    ones are nothing but rounding of these else."""
     flow_known: bool
     """Whether it was looked whether the mode is linear."""
     flow_why: int

@@ -9,6 +9,7 @@ from __future__ import annotations
 from hybond.engine.algebra.blocks import Rows, row_times
 from hybond.engine.answers import value
 from hybond.engine.engine import Engine
+from hybond.engine.mode.closely import rate_by_row
 from hybond.engine.mode.mode_records import Mode, Reads
 from hybond.engine.mode.storage import co_energy_of, law_at
 from hybond.engine.model import Model
@@ -105,7 +106,10 @@ def rates_by_knowns(e: Engine, mode: Mode, v: Floats, rate: Floats) -> None:
     xi = e.work.xi
     put_knowns(e, mode, mode.rates, v)
     for k in range(m.storages):
-        total = row_times(mode.direct, mode.rate_row[k], xi)
+        row = mode.rate_row[k]
+        total = (
+            rate_by_row(mode.direct, row, xi) if mode.closely else row_times(mode.direct, row, xi)
+        )
         rate[k] = -total if m.storage_kind[k] == 0 and m.storage_sign[k] < 0 else total
     show_read(e, mode, mode.signals, v)
 
@@ -138,4 +142,9 @@ def read_by_knowns(mode: Mode, r: Reads, xi: Floats, w: Floats) -> None:
     for i in range(r.many):
         b = r.bond[i]
         first = r.first_of[mode.same[b]] - 1
-        w[b] = w[first] if first != b else row_times(mode.direct, mode.same[b], xi)
+        w[b] = w[first] if first != b else row_of_rate(mode, mode.same[b], xi)
+
+
+def row_of_rate(mode: Mode, k: int, xi: Floats) -> float:
+    """Return what the knowns `xi` give to a bond variable by row k."""
+    return rate_by_row(mode.direct, k, xi) if mode.closely else row_times(mode.direct, k, xi)

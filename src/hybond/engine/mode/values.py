@@ -7,6 +7,7 @@ from hybond.engine.answers import value
 from hybond.engine.engine import NOT_FINITE, OK, Engine
 from hybond.engine.inputs.interval import set_time
 from hybond.engine.mode.agreement import check_agreement
+from hybond.engine.mode.closely import rate_closely
 from hybond.engine.mode.limits import put_limits
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.reading import rates_by_knowns
@@ -72,7 +73,7 @@ def field(e: Engine, mode: Mode, t: float, y: Floats, rate: Floats) -> int:
         status = blended_field(e, t, y, rate)
         e.refusal = e.refusal or status != OK
         return status
-    if e.straight:
+    if e.straight and not mode.closely:
         put_rates(e, t, y, rate)
         return OK
     set_motion(e, v, t, y)
@@ -90,7 +91,11 @@ def field(e: Engine, mode: Mode, t: float, y: Floats, rate: Floats) -> int:
         for k in range(m.storages):
             at = m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 0 else 0)
             negative = m.storage_kind[k] == 0 and m.storage_sign[k] < 0
-            rate[k] = -w[at] if negative else w[at]
+            total = rate_closely(e, mode, at, w) if mode.closely else w[at]
+            rate[k] = -total if negative else total
+        for i in range(mode.signals.many if mode.closely else 0):
+            b = mode.signals.bond[i]
+            v[m.bond_slot + b] = rate_closely(e, mode, b, w)
     for k in range(m.integrals):
         rate[m.storages + k] = value(m, m.integral_rate[k], v)
     return OK

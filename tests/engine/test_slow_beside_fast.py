@@ -1,0 +1,61 @@
+"""Slow motions beside fast ones keep their digits where a linear mode is propagated.
+
+Two capacitors joined by a nanoohm empty together by a megohm. Each rate is a difference of terms
+1e15 times as large as the leak: of that, which is their sum, nothing was left.
+"""
+
+from __future__ import annotations
+
+import pytest
+from engine.slow_models import LINEAR, held, moved, pair, pair_rates, switched
+from portable_runs import assert_the_same, portable
+
+import hybond as hb
+
+
+@pytest.mark.parametrize("name", LINEAR)
+def test_slow_motions_have_their_digits(name: str) -> None:
+    m, until, ends = LINEAR[name]()
+    run = hb.simulate(m, until)
+    assert run.method.startswith("1 mode propagated exactly")
+    # of three scales the middle one is told from the slowest only where `rtol` asks for it
+    held(run, until, ends, 2e-11 if name == "bodies" else 1e-14)
+
+
+@pytest.mark.parametrize("r", [1e-9, 1e-7, 1e-5, 1e-3])
+def test_between_steps_and_at_all_resistances(r: float) -> None:
+    run = hb.simulate(pair(r=r), 3.0)
+    for t in (1e-3, 0.31, 1.77, 2.999):
+        a, b = moved(pair_rates(r=r), [5e-6, 0.0], t)
+        assert run["a.q"].at(t) == pytest.approx(float(a), rel=1e-8)
+        assert run["b.q"].at(t) == pytest.approx(float(b), rel=1e-8)
+
+
+def test_joined_by_a_switch() -> None:
+    m, until, ends = switched()
+    held(hb.simulate(m, until), until, ends, 1e-14)
+
+
+def test_without_a_leak_their_sum_stays() -> None:
+    run = hb.simulate(pair(leak=hb.Sf(0.0)), 1e6)
+    a, b = run["a.q"].at(1e6), run["b.q"].at(1e6)
+    assert a + b == pytest.approx(5e-6, rel=1e-15)
+    assert b == pytest.approx(2.0 * a, rel=1e-14)
+
+
+def test_the_engine_as_python_does_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert_the_same(pair(), monkeypatch, rel=1e-15, until=3.0)
+
+
+def test_others_are_propagated_as_they_are(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A fast storage by itself, and storages that exchange no faster than is seen."""
+    m = hb.Model("others")
+    m.add(V=hb.Se(1.0), s=hb.One(), r=hb.R(1e-9), n=hb.Zero(), c=hb.C(1e-6), t=hb.One())
+    m.add(g=hb.R(1e3), k=hb.Zero(), d=hb.C(1e-3))
+    m.bond("V -> s -> n", "s -> r", "n -> c", "n -> t -> k", "t -> g", "k -> d")
+    for model in (m, pair(r=10.0)):
+        flow = portable(model, monkeypatch, until=3.0).engine.exact.flow
+        assert flow.own is flow.rows
+    flow = portable(pair(), monkeypatch, until=3.0).engine.exact.flow
+    assert flow.own is not flow.rows
+    assert flow.shares == 1
