@@ -13,6 +13,7 @@ from typing import Final
 
 from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.engine import NOT_FINITE, OK, Engine
+from hybond.engine.methods.beside_kinks import passes_kink, see_kinks
 from hybond.engine.methods.radau_room import Radau
 from hybond.engine.methods.radau_stages import FRESH_MATRIX, rate_at
 from hybond.engine.methods.scale import ROUNDED, SHORT, know_settling, tolerance, within_bent
@@ -36,7 +37,7 @@ DIGITS_LEFT: Final = 1e4 * EPSILON
 """Part of a state that its tolerance is at least where a law that holds it asks for less."""
 
 
-def differences(e: Engine, r: Radau, rtol: float) -> None:
+def differences(e: Engine, r: Radau, rtol: float, one_side: bool) -> bool:
     """Make the Jacobian by forward differences where the step starts, in the direction of motion.
 
     A state at the edge of where its law is defined is more likely to have come from there than to
@@ -46,12 +47,18 @@ def differences(e: Engine, r: Radau, rtol: float) -> None:
     A signal that no rate reads has no slopes: what rates differ by is their rounding then, and over
     a difference that is next to nothing, as where it has not begun, that is beyond all bounds. What
     was tried here alone is no step's matter: it refuses none.
+
+    One that comes near a kink and is not at it stays on its side, or a step ends at the kink: where
+    the slopes beyond have not served, differences on `one_side` are made. Return whether some
+    of them are others.
     """
     n = r.n
     refusal = e.refusal
     tolerance(e, r.y0, r.y0, r.other)
     for i in range(n):
         r.shifted[i] = r.y0[i]
+    kinks = one_side and see_kinks(e, r)
+    others = False
     for j in range(n):
         size = max(math.fabs(r.y0[j]), r.other[j] / rtol)
         if size == 0.0 and j < e.model.storages:
@@ -75,6 +82,9 @@ def differences(e: Engine, r: Radau, rtol: float) -> None:
                 break
             found = beside(e, r, j, delta)
             delta *= RADAU_NEAR
+        if kinks and found == OK and passes_kink(e, r, j):
+            found = away_from_kink(e, r, j)
+            others = True
         for i in range(n):
             # off its constraints, or where laws end or jump, a state may have no rates; nothing
             # moves it there
@@ -86,6 +96,20 @@ def differences(e: Engine, r: Radau, rtol: float) -> None:
     r.matrix = FRESH_MATRIX
     r.served = 0.0
     r.made += 1
+    return others
+
+
+def away_from_kink(e: Engine, r: Radau, j: int) -> int:
+    """Find the rates with a state shifted the other way, or less far, so that no kink is passed."""
+    far = r.shifted[j]
+    way = r.y0[j] - far
+    for k in range(2 * NEARER):
+        r.shifted[j] = r.y0[j] + way
+        if rate_at(e, r.n, r.t0, r.shifted, r.end) == OK and not passes_kink(e, r, j):
+            return OK
+        way *= -RADAU_NEAR if k % 2 == 0 else -1.0
+    r.shifted[j] = far
+    return rate_at(e, r.n, r.t0, r.shifted, r.end)
 
 
 def only_shown(e: Engine, j: int) -> bool:
