@@ -185,6 +185,17 @@ def test_refusals(text, code, says):
     assert len(str(caught.value)) < 700
 
 
+@pytest.mark.parametrize(
+    ("text", "try_"),
+    [("np.float64(2.5)*x", "float(x)"), ("ln(x)", "log(x)"), ("round(x)", "floor(x + 0.5)")],
+)
+def test_what_other_languages_write_is_told_how_it_is_written_here(text, try_):
+    with pytest.raises(ExpressionError) as caught:
+        parse(text, where="ball.law")
+    assert caught.value.code == "HB-E103"
+    assert try_ in caught.value.hint
+
+
 def test_caret_stands_under_the_culprit():
     with pytest.raises(ExpressionError) as caught:
         parse("a" * 200 + " ; b")

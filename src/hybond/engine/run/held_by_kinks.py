@@ -30,6 +30,8 @@ STEPS: Final = 4.0
 WIDE: Final = 64.0
 """Instants on either side of it at which rates are compared, at the least."""
 HALVINGS: Final = 60
+DUST: Final = 1e-14
+"""Part of the largest effort or flow that is rounding, where a rate is the sum of some."""
 
 
 def is_held(e: Engine, r: Run) -> bool:
@@ -84,6 +86,7 @@ def holds_motion(e: Engine, r: Run, k: int) -> bool:
         size = math.fabs(r.beside[2 * e.states + i]) + math.fabs(r.beside[3 * e.states + i])
         # what moves a state by less than its error in the whole run is rounding
         real = near * e.span > r.after[i]
+        real = real and near > dust_of_rate(e, i)
         if real and near > JUMPS * apart and near > SEEN * size and near > most:
             most = near
             r.jumping = i
@@ -91,6 +94,23 @@ def holds_motion(e: Engine, r: Run, k: int) -> bool:
         return False
     r.kink = g.atom[g.atom_first[k]] - e.model.kink_atom
     return True
+
+
+def dust_of_rate(e: Engine, i: int) -> float:
+    """Return what rounding leaves of a rate where its terms cancel, at the values just found.
+
+    What a controller makes of the difference of where something is and where it should be has, once
+    it is there, the steps of its last place.
+    """
+    m = e.model
+    if i >= m.storages:
+        own = value(m, m.integral_size[i - m.storages], e.v)
+        return DUST * own if math.isfinite(own) else 0.0
+    first = m.bond_slot + (m.bonds if m.storage_kind[i] == 0 else 0)
+    most = 0.0
+    for k in range(m.bonds):
+        most = max(most, math.fabs(e.v[first + k]))
+    return DUST * most
 
 
 def way_through(e: Engine, r: Run, atom: int, far: float) -> bool:

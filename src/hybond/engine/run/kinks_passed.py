@@ -17,7 +17,7 @@ from hybond.engine.mode.solving import solve_read
 from hybond.engine.mode.values import field, set_motion
 from hybond.engine.reasons.facts import add_fact
 from hybond.engine.run.guard_values import has_crossed, holds_at, show
-from hybond.engine.run.held_by_kinks import JUMPS, SEEN, compared, is_held
+from hybond.engine.run.held_by_kinks import JUMPS, SEEN, compared, dust_of_rate, is_held
 from hybond.engine.run.locator import ALL_PARTS, LONGEST_NAP, NO_KINK, Locator, pass_step
 from hybond.engine.run.run_records import IDLE, PATIENCE, Run
 from hybond.engine.run.together import LAST_PLACES, before_kink, kink_there
@@ -41,8 +41,6 @@ CRAWL: Final = 1e-6
 """Part of the run that a step is which leads nowhere."""
 ASIDE: Final = 0.25
 """Part of the way to an end of the step, on either side of a kink, at which rates are compared."""
-DUST: Final = 1e-14
-"""Part of the largest effort or flow that is rounding, where a rate is the sum of some."""
 
 
 def end_at_kink(e: Engine, r: Run, at: float) -> int:
@@ -245,18 +243,6 @@ def see_jump(e: Engine, r: Run, at: float) -> None:
         size = math.fabs(r.beside[2 * e.states + i]) + math.fabs(r.beside[3 * e.states + i])
         r.jumps = r.jumps or (near > JUMPS * wide and near > SEEN * size)
     r.leads_back = r.jumps and leads_back(e, r, at, reach)
-
-
-def dust_of_rate(e: Engine, i: int) -> float:
-    """Return what rounding leaves of the rate of what is stored, where its terms cancel."""
-    m = e.model
-    if i >= m.storages:
-        return 0.0
-    first = m.bond_slot + (m.bonds if m.storage_kind[i] == 0 else 0)
-    most = 0.0
-    for k in range(m.bonds):
-        most = max(most, math.fabs(e.v[first + k]))
-    return DUST * most
 
 
 def leads_back(e: Engine, r: Run, at: float, reach: float) -> bool:

@@ -87,6 +87,10 @@ _WRITTEN = {
     **dict.fromkeys(("step", "heaviside"), "write if time >= 1 s then 1 else 0"),
     **dict.fromkeys(("sat", "clip", "clamp", "limit"), "write min(max(x, low), high)"),
     "round": "write floor(x + 0.5)",
+    **dict.fromkeys(
+        ("np.float64", "np.float32", "np.int64"),
+        "a number of NumPy is put into a text by float(x), or without !r",
+    ),
     **dict.fromkeys(("integral", "int", "integrate"), "an integral is a signal of its own kind"),
 }
 """How functions of other languages are written here."""
