@@ -114,7 +114,11 @@ QUICK = (
 """All are in docs/circuits.md; these take ngspice less than a second each."""
 
 
-@pytest.mark.parametrize("name", QUICK)
+@pytest.mark.parametrize(
+    "name",
+    # twice six pulses are the same diodes, behind a transformer, and take four times as long
+    [pytest.param(n, marks=[pytest.mark.slow] * (n == "twelve_pulse_rectifier")) for n in QUICK],
+)
 def test_converters_agree(tmp_path, name):
     """Means and root mean squares; the tables of the documentation have the others."""
     seen = see(next(c for c in CONVERTERS if c.name == name), tmp_path)

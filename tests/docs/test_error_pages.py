@@ -94,4 +94,6 @@ def test_the_example_of_a_page_is_refused_with_its_code(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("MPLBACKEND", "Agg")
+    # of a signal that is too rough a million pieces say what some say
+    monkeypatch.setattr("hybond.measures.pieces.LIMIT", 20_000)
     assert refusal_of(kind, body, tmp_path) == code

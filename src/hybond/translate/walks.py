@@ -43,13 +43,19 @@ def parts(e: Expr) -> tuple[Expr, ...]:
     return () if of is None else of(e)
 
 
-def within(e: Expr) -> Iterator[Expr]:
-    """Yield an expression and all that it is made of."""
-    waiting = [e]
-    while waiting:
-        e = waiting.pop()
-        yield e
-        waiting.extend(reversed(parts(e)))
+def within(e: Expr) -> list[Expr]:
+    """Return an expression and all that it is made of."""
+    found: list[Expr] = []
+    _add_within(e, found)
+    return found
+
+
+def _add_within(e: Expr, found: list[Expr]) -> None:
+    found.append(e)
+    of = _PARTS.get(type(e))
+    if of is not None:
+        for part in of(e):
+            _add_within(part, found)
 
 
 def expressions(s: Statement) -> tuple[Expr, ...]:
@@ -95,7 +101,9 @@ def every(block: Block) -> Iterator[Expr]:
         yield from of_statement(s)
 
 
-def of_statement(s: Statement) -> Iterator[Expr]:
-    """Yield the expressions of a statement, blocks inside it left out, and their parts."""
+def of_statement(s: Statement) -> list[Expr]:
+    """Return the expressions of a statement, blocks inside it left out, and their parts."""
+    found: list[Expr] = []
     for e in expressions(s):
-        yield from within(e)
+        _add_within(e, found)
+    return found

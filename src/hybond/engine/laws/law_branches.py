@@ -48,7 +48,7 @@ from hybond.engine.laws.law_instant import (
     passive_role,
 )
 from hybond.engine.laws.law_parallel import find_shares, keep_left
-from hybond.engine.laws.law_rates import look_ahead
+from hybond.engine.laws.law_rates import take_later_rates
 from hybond.engine.laws.law_records import Laws, Response
 from hybond.engine.laws.response import respond
 from hybond.engine.mode.tableau import COMMON, NET
@@ -103,7 +103,7 @@ def begin_lasting(e: Engine, r: Laws, x: Floats) -> int:
         find_rounding(e, r)
     # its rates are about to be changed
     r.answered = False
-    if look_ahead(e, r) != OK:
+    if take_later_rates(e, r) != OK:
         return REFUSED
     find_start(m, r)
     e.planar.ready = False

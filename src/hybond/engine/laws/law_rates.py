@@ -55,7 +55,7 @@ LEFT: Final = 1e-6
 """Part of a value that what laws give has to leave of it, where it makes it zero."""
 
 
-def look_ahead(e: Engine, r: Laws) -> int:
+def take_later_rates(e: Engine, r: Laws) -> int:
     """Replace rates of values that are zero, and that turn, by those of the time after the instant.
 
     Those of a nonlinear graph are differences over a short while already.

@@ -26,12 +26,12 @@ from hybond.engine.methods.exact import (
     exact_attempt,
     first_exact,
 )
-from hybond.engine.methods.failed_steps import no_rate, note_settling, step_too_small
+from hybond.engine.methods.failed_steps import no_rate, note_settling, step_too_small, worst_of
 from hybond.engine.methods.flow import take_flow
 from hybond.engine.methods.flow_records import AUTO, EXACT, LARGE
 from hybond.engine.methods.hidden_peaks import hidden_at_end
 from hybond.engine.methods.one_instant import is_one_kink
-from hybond.engine.methods.onset import look_ahead
+from hybond.engine.methods.onset import foresee_onset
 from hybond.engine.methods.propagate import even_length
 from hybond.engine.methods.scale import CREEPS, controlled, measure_again, tolerance
 from hybond.engine.methods.signal_sizes import ask_rates
@@ -151,8 +151,8 @@ def accept(e: Engine, t1: float) -> None:
 def refuse_step(e: Engine, h: float) -> int:
     """Refuse a step of size `h` that is still too large."""
     s = e.step
-    found = step_too_small(e, e.states, h, s.error, s.scale)
-    k = int(e.fault.about.at[1])
+    k = worst_of(e.states, s.error, s.scale)
+    found = step_too_small(e, h, k)
     way = s.y1[k] - s.y0[k] if k >= 0 else 0.0
     if way != 0.0 and field(e, e.mode, s.t0 + h, s.y1, s.rate) == OK:
         note_settling(e, s.t0, (s.rate[k] - s.f0[k]) / way)
@@ -199,7 +199,7 @@ def controlled_step(e: Engine, t_end: float) -> int:
         if s.rejected == 1 and math.isfinite(error) and h < CREEPS * e.span and e.slide.k == 0:
             measure_again(e, e.mode)
         short = h < CREEPS * e.span and not is_propagated(e)
-        seen = short and look_ahead(e, e.mode, s.t0, s.y0, s.f0)
+        seen = short and foresee_onset(e, e.mode, s.t0, s.y0, s.f0)
         factor = SAFETY * math.pow(error, -EXPONENT) if math.isfinite(error) else SHRINK
         smaller = h * max(factor, SHRINK)
         if smaller < smallest and seen:
@@ -235,7 +235,7 @@ def controlled_retry(e: Engine, t_end: float) -> int:
     s = e.step
     error = attempt(e, t_end)
     if error > 1.0 and t_end - s.t0 < CREEPS * e.span and not is_propagated(e):
-        if look_ahead(e, e.mode, s.t0, s.y0, s.f0):
+        if foresee_onset(e, e.mode, s.t0, s.y0, s.f0):
             error = attempt(e, t_end)
     if error <= 1.0 and not is_propagated(e):
         error = hidden_at_end(e, t_end, error)

@@ -32,9 +32,8 @@ def first_not_finite(n: int, values: Floats) -> int:
     return -1
 
 
-def step_too_small(e: Engine, n: int, h: float, error: Floats, scale: Floats) -> int:
-    """Refuse a step of size `h` that is still too large, with what dominates its error."""
-    found = say_fault(e, "HB-N201", "step size underflow", "")
+def worst_of(n: int, error: Floats, scale: Floats) -> int:
+    """Return the state that dominates an error, or -1."""
     worst = -1
     most = 0.0
     for k in range(n):
@@ -43,6 +42,12 @@ def step_too_small(e: Engine, n: int, h: float, error: Floats, scale: Floats) ->
         if share > most:
             most = share
             worst = k
+    return worst
+
+
+def step_too_small(e: Engine, h: float, worst: int) -> int:
+    """Refuse a step of size `h` that is still too large, with the state that is to blame, or -1."""
+    found = say_fault(e, "HB-N201", "step size underflow", "")
     add_fact(e.fault, h)
     add_fact(e.fault, float(worst))
     return found

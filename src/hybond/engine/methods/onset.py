@@ -38,7 +38,7 @@ SHORTER: Final = 1.0 / 16.0
 """What a moment is to the last one, in which something was too fast."""
 
 
-def look_ahead(e: Engine, mode: Mode, t: float, y: Floats, f: Floats) -> bool:
+def foresee_onset(e: Engine, mode: Mode, t: float, y: Floats, f: Floats) -> bool:
     """Learn what states that have not moved until `t` will be soon; whether there is anything.
 
     `f` are the rates there. What was learned holds until then. What is stored in one place alone

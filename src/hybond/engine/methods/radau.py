@@ -16,7 +16,7 @@ from hybond.engine.methods.dopri import spacing
 from hybond.engine.methods.from_edges import keep_within, widen
 from hybond.engine.methods.hidden_peaks import hidden_in_stages
 from hybond.engine.methods.one_instant import is_one_kink, room_of_instant
-from hybond.engine.methods.onset import look_ahead
+from hybond.engine.methods.onset import foresee_onset
 from hybond.engine.methods.radau_dense import hold_dense, make_polynomial
 from hybond.engine.methods.radau_room import (
     ERROR_BLAMED,
@@ -239,7 +239,7 @@ def advance_radau(e: Engine, r: Radau, rtol: float, t_end: float, h: float, long
             tolerance(e, r.y0, r.y0, r.tolerance)
         if r.rejected == 1 and h < CREEPS * e.span and e.slide.k == 0:
             measure_again(e, e.mode)
-        seen = h < CREEPS * e.span and look_ahead(e, e.mode, r.t0, r.y0, r.f0)
+        seen = h < CREEPS * e.span and foresee_onset(e, e.mode, r.t0, r.y0, r.f0)
         if seen:
             tolerance(e, r.y0, r.y0, r.tolerance)
         # what never moved has no size: it is found to be zero from zero alone

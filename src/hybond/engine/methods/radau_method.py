@@ -12,7 +12,7 @@ from hybond.engine.methods.dopri import (
     goes_elsewhere,
     not_finite,
 )
-from hybond.engine.methods.failed_steps import no_rate, note_settling, step_too_small
+from hybond.engine.methods.failed_steps import no_rate, note_settling, step_too_small, worst_of
 from hybond.engine.methods.radau import (
     STEP_MADE,
     begin_radau,
@@ -95,8 +95,8 @@ def radau_too_small(e: Engine, r: Radau) -> int:
         elif r.blamed == ERROR_BLAMED:
             r.shifted[i] = r.error_vector[i]
     tolerance(e, r.y0, r.y0, r.other)
-    found = step_too_small(e, n, r.h, r.shifted, r.other)
-    worst = int(e.fault.about.at[1])
+    worst = worst_of(n, r.shifted, r.other)
+    found = step_too_small(e, r.h, worst)
     if worst >= 0:
         note_settling(e, r.t0, r.jacobian[worst * n + worst])
     return found

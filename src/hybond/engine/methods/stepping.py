@@ -12,7 +12,7 @@ from hybond.engine.methods.control import (
     controlled_step,
     is_propagated,
 )
-from hybond.engine.methods.failed_steps import step_too_small
+from hybond.engine.methods.failed_steps import step_too_small, worst_of
 from hybond.engine.methods.fixed import RK4, fixed_retry, fixed_start, fixed_step
 from hybond.engine.methods.flow_records import AUTO, EXACT
 from hybond.engine.methods.from_edges import EXPLICIT, leaves_edge, may_turn, see_edges
@@ -42,7 +42,8 @@ def no_shorter(e: Engine) -> int:
         return say_fault(e, "HB-N201", "step size underflow", "")
     if by_radau(e):
         return radau_too_small(e, e.radau)
-    return step_too_small(e, e.states, e.step.t1 - e.step.t0, e.step.error, e.step.scale)
+    worst = worst_of(e.states, e.step.error, e.step.scale)
+    return step_too_small(e, e.step.t1 - e.step.t0, worst)
 
 
 def by_radau(e: Engine) -> bool:

@@ -104,7 +104,7 @@ def take_slow(e: Engine, t: float, y: Floats) -> bool:
     return some_slow
 
 
-def look_ahead(e: Engine, d: int, t: float, y: Floats, h: float, rate: Floats) -> None:
+def slip_later(e: Engine, d: int, t: float, y: Floats, h: float, rate: Floats) -> None:
     """Put the slip velocity a time h later into `p.slip`."""
     p = e.planar
     for k in range(e.states):
@@ -124,7 +124,7 @@ def find_ahead(e: Engine, d: int, t: float, y: Floats) -> float:
         most = max(most, math.fabs(y[k]))
     h = 1e-6 * most / max(size, 1e-300)
     for _ in range(3):
-        look_ahead(e, d, t, y, h, p.rate)
+        slip_later(e, d, t, y, h, p.rate)
         moved = math.hypot(p.slip[0] - p.fx[d], p.slip[1] - p.fy[d])
         if moved <= 0.0:
             break
@@ -146,20 +146,20 @@ def find_approach(e: Engine, d: int, t: float, y: Floats) -> int:
         h = find_ahead(e, d, t, y)
         p.ahead[d] = h
     ahead = p.ahead[d]
-    look_ahead(e, d, t, y, ahead, p.rate)
+    slip_later(e, d, t, y, ahead, p.rate)
     pull_x = (p.slip[0] - p.fx[d]) / ahead
     pull_y = (p.slip[1] - p.fy[d]) / ahead
     angle = math.atan2(p.fy[d], p.fx[d])
     freeze(e, d, angle, y, p.frozen)
     if field(e, e.mode, t, p.frozen, p.other) != OK:
         return NOT_FINITE
-    look_ahead(e, d, t, y, ahead, p.other)
+    slip_later(e, d, t, y, ahead, p.other)
     x = p.slip[0]
     z = p.slip[1]
     freeze(e, d, angle + math.pi, y, p.frozen)
     if field(e, e.mode, t, p.frozen, p.other) != OK:
         return NOT_FINITE
-    look_ahead(e, d, t, y, ahead, p.other)
+    slip_later(e, d, t, y, ahead, p.other)
     friction = 0.5 * math.hypot(x - p.slip[0], z - p.slip[1]) / ahead
     p.falls[d] = 0.0
     p.across[d] = 0.0

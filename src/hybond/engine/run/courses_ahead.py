@@ -164,13 +164,13 @@ def end_ahead(e: Engine, end: float) -> float:
         see_plant(e, bound_of(e))
     hold_plant(e)
     if e.mode.phased or (c.end < end and not c.end - e.t > USED * c.length):
-        look_ahead(e, bound_of(e))
+        find_shown(e, bound_of(e))
         while c.lost >= 0:
             # what is not foreseen however near bounds no step
             e.mode.course[c.lost] = 0
             tell_unseen(e, c.lost, LOST)
             c.length = 0.0
-            look_ahead(e, bound_of(e))
+            find_shown(e, bound_of(e))
         if fixed and c.length < m.step and c.end < end:
             tell_unseen(e, c.hidden, PASSED_OVER)
     give_back_plant(e)
@@ -187,7 +187,7 @@ def tell_unseen(e: Engine, k: int, why: int) -> None:
         c.told[k] = 1
 
 
-def look_ahead(e: Engine, bound: float) -> None:
+def find_shown(e: Engine, bound: float) -> None:
     """Find an interval from now on in which all courses show what they do, into ``c.end``.
 
     What is hidden in one instant is no longer than that: only what has no bound there is told of.
