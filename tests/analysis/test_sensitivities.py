@@ -226,3 +226,18 @@ def test_a_law_that_jumps_within_a_motion() -> None:
         v, x = end(*steps)
         assert s.final("v.f", name) == pytest.approx(np.imag(v) / TINY, rel=1e-8)
         assert s.final("x", name) == pytest.approx(np.imag(x) / TINY, rel=1e-8)
+
+
+@pytest.mark.parametrize("arrow", ["n -> B", "B -> n"])
+def test_a_coil_that_empties_through_a_power_by_its_coefficient(arrow: str) -> None:
+    """With ``i = k*v^4`` the current follows ``i^(3/4) = i0^(3/4) - 3/4*t/(L*k^(1/4))``."""
+    k, t, sign = 2e-3, 0.004, "" if arrow == "n -> B" else "-"
+    m = hb.Model("a coil behind a power", domain="electrical", parameters={"k": k})
+    law = f"{sign}k*1[A]*(B.e/1[V])*abs(B.e/1[V])^3"
+    m.add(S=hb.I(0.1, f=0.5), B=hb.Sf(law), n=hb.Zero())
+    m.bond("n -> S", arrow)
+    found = hb.sensitivities(m, t, wrt=["k"], of=["S.f"])
+    i = (0.5**0.75 - 0.75 * t / (0.1 * k**0.25)) ** (4 / 3)
+    by = i**0.25 * t / 0.1 * 0.25 * k**-1.25
+    assert found.ends is None
+    assert found["S.f"][-1, 0] == pytest.approx(by, rel=1e-5)

@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 
 from hybond.analysis.sensitivity.gradients import AREA, RATE, Compiled, without_pre
 from hybond.analysis.sensitivity.wanted import followed, stored_law
-from hybond.equations.calculus import partial_time, rate_name
+from hybond.equations.calculus import partial_time, rate_name, reads_bonds
 from hybond.equations.element_parts import Part, Parts, configure, settings
+from hybond.equations.isolated import isolated
 from hybond.equations.peeling import Peeling
 from hybond.equations.ring import Numbers, Row
 from hybond.model.expressions import (
@@ -200,6 +201,11 @@ class ModeRows:
                     self.areas.append(Name(AREA + name))
             elif free:
                 area = Name(AREA + free[0])
+                other = dynamic.partner[0] if dynamic.partner is not None else ""
+                slope = dynamic.frozen.get(other, Number(0.0))
+                if reads_bonds(slope) and isolated(slope):
+                    # as a resistor: a power of an impulse is beyond what is finite
+                    self.areas.append(Name(AREA + other))
             else:
                 area = None
             if area is None and dynamic.kind == "structure":
