@@ -163,6 +163,13 @@ def carry_memory(e: Engine, r: Run, c: Carrier) -> None:
     e.checks.apart = carry_number(c, e.checks.apart)
     e.checks.brought = carry_number(c, e.checks.brought)
     e.sampled_at = carry_number(c, e.sampled_at)
+    carry_floats(c, e.states, e.rests.began)
+    e.rests.began_at = carry_number(c, e.rests.began_at)
+    e.rests.begun = carry_truth(c, e.rests.begun)
+    e.rests.taken = c.puts and e.rests.begun
+    e.rests.any = carry_truth(c, e.rests.any)
+    carry_ints(c, m.rule_first[many], e.rests.rule)
+    carry_ints(c, m.rule_first[many], e.rests.since)
     g.events = carry_whole(c, g.events)
     carry_step(e, r, c)
 
