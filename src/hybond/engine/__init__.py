@@ -111,6 +111,7 @@ subset. Rooms, and in them files, as data passes them::
         kinks_passed, held_by_kinks, source_jumps    kinks of laws and of sources
         courses_ahead       steps that see all of what time does
         phases              how phases of the plant go on, such as the angle of a flywheel
+        courses_kept        what is known of both, for a run that goes on
         edges, roots_reached    where laws end; roots that come to rest
         stranded            motion that gets nowhere
         log, run_records, carried, trying    what is written, handed on, tried

@@ -27,6 +27,7 @@ from hybond.engine.instant.trial import a_priori
 from hybond.engine.methods.from_edges import may_turn
 from hybond.engine.methods.stepping import by_radau
 from hybond.engine.methods.stiffness import turn
+from hybond.engine.run.courses_kept import give_back_courses
 from hybond.engine.run.run_records import FRESH, GIVEN, GOES_ON, Run
 from hybond.engine.sliding.branches import choose_anew
 from hybond.engine.sliding.what_happened import is_held
@@ -198,6 +199,9 @@ def carry_step(e: Engine, r: Run, c: Carrier) -> None:
     s.began = carry_number(c, s.began)
     carry_copy(c, e.states, s.y0, r.warm_y)
     carry_copy(c, e.model.storages, e.rounding, r.warm_rounding)
+    if e.model.courses > 0:
+        m = e.model
+        carry_floats(c, 4 * m.courses + 2 * m.course_plants + 4, e.courses.memory)
 
 
 def take_out(e: Engine, r: Run, c: Carrier) -> None:
@@ -298,3 +302,5 @@ def warm_up(e: Engine, r: Run) -> None:
     e.step.grid_next = r.warm_next
     for k in range(e.model.storages):
         e.rounding[k] = r.warm_rounding[k]
+    if e.model.courses > 0:
+        give_back_courses(e.model, e.courses)
