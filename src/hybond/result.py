@@ -43,6 +43,22 @@ FEW = 64
 """Times that are looked for one by one: an array to look for them in takes longer."""
 
 
+def _times(t: float | str | Sequence[float | str]) -> Vector:
+    """Return times as they were given, s; HB-S110 for what is none."""
+    given = t if isinstance(t, np.ndarray) else np.asarray(t, dtype=object).reshape(-1)
+    try:
+        if given.dtype == object:
+            given = np.array([seconds(x, "t") if isinstance(x, str) else x for x in given])
+        return np.asarray(given, dtype=float).reshape(-1)
+    except (TypeError, ValueError, UsageError):
+        raise UsageError(
+            f"{t!r} are no times",
+            code="HB-S110",
+            where="t",
+            hint='write 0.5, "500 ms" or [0.0, 0.5]',
+        ) from None
+
+
 def _segments_of(starts: Sequence[float], t: Vector, side: Side) -> NDArray[np.intp]:
     """Return in which segments times lie, by the times these begin at."""
     if len(t) > FEW:
@@ -286,9 +302,15 @@ class Result(Measuring, Tabled):
         return [list(read) for read in zip(*(np.split(v, cuts) for v in found), strict=True)]
 
     def sample(
-        self, t: float | Sequence[float], names: Sequence[str], *, side: Side = "right"
+        self,
+        t: float | str | Sequence[float | str],
+        names: Sequence[str],
+        *,
+        side: Side = "right",
     ) -> dict[str, Vector]:
         """Return ``{name: values}`` at the times `t`; at events the limit of that `side`.
+
+        Times are numbers, s, or quantities.
 
         Raises
         ------
@@ -297,12 +319,7 @@ class Result(Measuring, Tabled):
         """
         if side not in ("left", "right"):
             raise UsageError(f"side = {side!r}", code="HB-S110", where="side", hint="left or right")
-        try:
-            at = np.asarray(t, dtype=float).reshape(-1)
-        except (TypeError, ValueError):
-            raise UsageError(
-                f"{t!r} are no times", code="HB-S110", where="t", hint="numbers, s: [0.0, 0.5]"
-            ) from None
+        at = _times(t)
         found = {name: np.full(len(at), np.nan) for name in names}
         begin, end = self.t_begin, self.t_end
         starts = self.trace.segments.times

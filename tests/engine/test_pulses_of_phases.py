@@ -229,3 +229,20 @@ def test_what_only_rises_is_as_exact_without_a_look_ahead(rise: str, charge: flo
     run = hb.simulate(m, 1.0)
     assert run.final["charge"] == pytest.approx(charge, rel=1e-6)
     assert run.stats["steps"] < 200
+
+
+@pytest.mark.parametrize("solver", ["auto", "rk45", "exact"])
+@pytest.mark.parametrize(("width", "cut"), [(1e-3, 0.4), (1e-3, 3.3), (1e-5, 0.55), (1e-5, 0.61)])
+def test_a_run_that_goes_on_foresees_phases_as_one_that_was_not_interrupted(
+    width: float, cut: float, solver: str
+) -> None:
+    m = hb.Model("cam", domain="rotational")
+    m.add(J=hb.I("1 kg*m^2", f="5 rad/s"), B=hb.R("0.01 N*m*s/rad"), w=hb.One())
+    m.add(T=hb.Se(f"exp(-((mod(a, 2*pi) - 3)/{width})^2)*1 [N*m]"))
+    m.bond("T -> w -> J", "w -> B")
+    m.signal(a=hb.Integral("w.f/(1 [rad])"))
+    m.experiment["until"] = "4 s"
+    whole = hb.simulate(m, solver=solver)
+    parts = hb.simulate(m, start=hb.simulate(m, until=cut, solver=solver), solver=solver)
+    assert parts["w.f"].at(4.0) == whole["w.f"].at(4.0)
+    assert parts["a"].at(4.0) == whole["a"].at(4.0)

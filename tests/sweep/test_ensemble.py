@@ -294,6 +294,16 @@ def test_calls_that_are_wrong_are_refused(options: dict[str, Any], code: str) ->
     assert caught.value.code == code
 
 
+@pytest.mark.parametrize("group", ["final", "samples"])
+@pytest.mark.parametrize("name", ["c1.q", "c2.e", "C1.e"])
+def test_outputs_that_were_not_read_are_refused_with_the_nearest(group: str, name: str) -> None:
+    many = hb.ensemble(capacitor(), 1.0, sets={"r": [1.0]}, outputs=["c1.e"], samples=[0, 1])
+    with pytest.raises(hb.UsageError, match="did you mean 'c") as caught:
+        getattr(many, group)[name]
+    assert caught.value.code == "HB-S109"
+    assert name not in getattr(many, group)
+
+
 def test_a_flat_graph_has_no_parameters_left() -> None:
     with pytest.raises(hb.UsageError, match="FlatGraph"):
         hb.ensemble(capacitor().flatten(), 1.0, sets={"r": [1.0]})  # type: ignore[arg-type]

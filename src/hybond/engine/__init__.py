@@ -109,10 +109,12 @@ subset. Rooms, and in them files, as data passes them::
         guard_values, guard_shape, candidates, bracket    by samples
         solved_guards, step_polynomials, quartic    by polynomials
         far_guards          those that do not come to hold, which is seen at once
+        at_rest, rest_limits, rest_records    those that would hold where the motion comes to rest
         together, ends_at_guard    what is one instant with it; the step that ends there
         kinks_passed, held_by_kinks, source_jumps    kinks of laws and of sources
         courses_ahead       steps that see all of what time does
         phases              how phases of the plant go on, such as the angle of a flywheel
+        courses_kept        what is known of both, for a run that goes on
         edges, roots_reached    where laws end; roots that come to rest
         stranded            motion that gets nowhere
         log, run_records, carried, trying    what is written, handed on, tried

@@ -20,6 +20,7 @@ from hybond.engine.mode.sum_records import Sums, make_sums
 from hybond.engine.model import Model
 from hybond.engine.planar.planar_records import Planar, make_planar
 from hybond.engine.reasons.warned import Warned, make_warned
+from hybond.engine.run.rest_records import Rests, make_rests
 from hybond.engine.sliding.slide_records import Slide, make_slide
 from hybond.engine.timestepping.step_records import MOREAU, Stepping, make_stepping
 from hybond.engine.words import Floats, Ints, Records, Text, floats, ints, record, records
@@ -310,6 +311,7 @@ class Engine:
     quantised: Quantised
     landings: Landings
     planar: Planar
+    rests: Rests
     stepping: Stepping
     rates: Sums
     """The rates of the state in the motion, if they are `straight`: sums of the state, all."""
@@ -474,6 +476,7 @@ def make_engine(m: Model) -> Engine:
     e.rates = make_sums()
     e.landings = make_landings(m)
     e.planar = make_planar(m)
+    e.rests = make_rests(m)
     if m.method == RADAU:
         e.radau = make_radau(e.states)
     if m.method == EXACT or m.method == AUTO or m.method >= QSS1:

@@ -76,8 +76,8 @@ class Signal(Asked):
             return np.zeros(0), np.zeros(0)
         return np.concatenate([t for t, _ in pieces]), np.concatenate([y for _, y in pieces])
 
-    def at(self, t: float | Sequence[float], *, side: Side = "right") -> Any:
-        """Return the value at `t`: a float for a float, an array for a sequence.
+    def at(self, t: Time | Sequence[Time], *, side: Side = "right") -> Any:
+        """Return the value at `t`, s or a quantity: a float for one, an array for a sequence.
 
         At an event `side` says which limit; the right one is after all that happened there.
         """

@@ -13,7 +13,7 @@ from hybond.errors import HybondError, UsageError
 from hybond.files.whole import write_arrays, write_rows
 from hybond.model.builder import Model
 from hybond.model.parts import Value
-from hybond.names import html_lines, html_table
+from hybond.names import did_you_mean, html_lines, html_table
 from hybond.result import Result
 from hybond.simulation import simulate
 
@@ -23,6 +23,19 @@ if TYPE_CHECKING:
 Vector = NDArray[np.float64]
 ROWS = 20
 """Members that a notebook shows."""
+
+
+class Outputs(dict[str, Vector]):
+    """Outputs by name; one that was not read is refused with the nearest names."""
+
+    def __missing__(self, name: str) -> Vector:
+        """Refuse a name; HB-S109."""
+        raise UsageError(
+            f"there is no output {name!r}",
+            code="HB-S109",
+            where=f"{name}",
+            hint=did_you_mean(str(name), self) if self else "give samples= to hb.ensemble",
+        )
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -21,7 +21,7 @@ from hybond.result import Result
 from hybond.runs.ends import Until, ends_of
 from hybond.runs.times import end_of
 from hybond.sweep.asking import asked_of, check_options
-from hybond.sweep.collection import Ensemble
+from hybond.sweep.collection import Ensemble, Outputs
 from hybond.sweep.family import Family, family_of
 from hybond.sweep.member import Task, read_outputs, run_of
 from hybond.sweep.sets import Columns, columns_of, numbers_of
@@ -316,9 +316,9 @@ def _gathered(work: _Work, how: str, seconds: float) -> Ensemble:
         t_end=work.t_end,
         counts=work.counts,
         events=tuple(work.events) if task.events else (),
-        final=dict(zip(task.names, work.final, strict=True)),
+        final=Outputs(zip(task.names, work.final, strict=True)),
         t=task.t,
-        samples=dict(zip(task.names, work.samples, strict=True)) if len(task.t) else {},
+        samples=Outputs(zip(task.names, work.samples, strict=True) if len(task.t) else ()),
         errors=dict(sorted(work.errors.items())),
         warnings=dict(sorted(work.warnings.items())),
         interrupted=work.interrupted,

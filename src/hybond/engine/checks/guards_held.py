@@ -42,6 +42,8 @@ def holds_clearly(e: Engine, r: int) -> bool:
     m = e.model
     v = e.checks.v
     stack = e.work.stack
+    if e.rests.rule[r] != 0:
+        return False
     measure(e, e.mode, r, e.work.xi, v, e.work.terms)
     stack.now = v
     stack.was = v

@@ -47,6 +47,9 @@ class Courses:
     """A course of a phase that is not seen however near, -1: there is none."""
     hidden: int
     """The last course that was not seen in an interval."""
+    memory: Floats
+    """What was known where the last step began, before it was looked ahead from there: see
+    `run/courses_kept`."""
 
 
 def make_courses(m: Model) -> Courses:
@@ -69,4 +72,5 @@ def make_courses(m: Model) -> Courses:
     c.state = floats(m.storages + m.integrals)
     c.rate = floats(m.storages + m.integrals)
     c.end = -math.inf
+    c.memory = floats(4 * m.courses + 2 * m.course_plants + 4)
     return c

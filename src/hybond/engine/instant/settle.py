@@ -68,6 +68,7 @@ from hybond.engine.laws.law_standing import stands_as_it_was
 from hybond.engine.mode.equations import is_fieldless, mode_of
 from hybond.engine.mode.part_energies import join_parts
 from hybond.engine.reasons.facts import add_fact
+from hybond.engine.run.at_rest import is_as_it_rested
 from hybond.engine.sliding.branches import choose_at, know_around
 from hybond.engine.words import Floats, Ints, floats, ints, record
 
@@ -439,7 +440,7 @@ def rule_holds(e: Engine, t: float, r: int) -> int:
         if m.tells != 0:
             add_fact(e.fault, float(r))
         return -1
-    return 1 if true else 0
+    return 1 if true and not is_as_it_rested(e, r, e.v) else 0
 
 
 def look_for_cycle(e: Engine, g: Settling) -> int:

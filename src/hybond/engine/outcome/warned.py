@@ -22,6 +22,7 @@ NOT_UNIQUE, NO_WAY_ON, TWIN_SURFACES, OWN_JUMP, THROWS_BACK = 1, 2, 3, 4, 5
 SECOND_ANSWER, IMPULSIVE, LEFT_OPEN, FAR_APART, UNREST = 6, 7, 8, 9, 10
 WITHOUT_END, SHARES_OPEN, FIRES_ALWAYS, NEXT_DECIDES, UNSOUND, HELD_AT_REST = 11, 12, 13, 14, 15, 16
 MODULUS_JUMPS, IMPULSE_LEFT_OUT, COURSE_UNSEEN, MADE_BY_STEPS, SWINGS = 17, 18, 19, 20, 21
+GUARD_AT_REST = 22
 """Kinds of warnings: as in `hybond.engine.reasons.warned`."""
 TIMELESS = (
     *(TWIN_SURFACES, OWN_JUMP, IMPULSIVE, LEFT_OPEN, FAR_APART, MODULUS_JUMPS),
@@ -234,6 +235,8 @@ class Warnings:
             return self._of_course(t, *numbers)
         if kind == SWINGS:
             return self._of_swings(now, numbers[0], *about[1:])
+        if kind == GUARD_AT_REST:
+            return self._of_rest(now, numbers[0], numbers[1] != 0, *about[2:])
         if kind == FAR_APART:
             return self._far_apart(about[0], about[1], tuple(numbers[2:]))
         return self._of_surfaces(kind, now, numbers)
@@ -247,6 +250,22 @@ class Warnings:
             f"{found.path} stores is within the tolerance, but its {rate} is off by {off:.2g} "
             f"there (of {size:.2g} at most), and so is what that law says; a smaller rtol makes it "
             "less, a small C or I where it stands ends it"
+        )
+
+    def _of_rest(self, now: str, rule: int, fires: bool, distance: float, size: float) -> str:
+        """Say that a guard asks for what the motion comes to only in the limit, or nearly so."""
+        text, machine = self.explain.rule(rule).text, self.explain.machine_of(rule).path
+        if fires:
+            return (
+                f"HB-N413: {now} the guard {text!r} of {machine} fires, but when is not known: "
+                f"its threshold is {abs(distance):.2g} from where the motion comes to rest, and "
+                f"the run tells {size:.2g} there; a smaller rtol, or a threshold farther from the "
+                "limit, tells more"
+            )
+        return (
+            f"HB-N413: {now} the guard {text!r} of {machine} is {abs(distance):.2g} from its "
+            f"threshold (of terms of {size:.6g}), where the motion comes to rest: rounding may "
+            "put it on either side, and it does not fire; put the threshold clear of the limit"
         )
 
     def _of_course(self, t: float, place: int, why: int) -> str:

@@ -66,6 +66,10 @@ MADE_BY_STEPS: Final = 20
 SWINGS: Final = 21
 """Implicit steps swing about a law that is steep without bound. Numbers: the storage whose rate
 does, by how much, the largest of that kind; said once."""
+GUARD_AT_REST: Final = 22
+"""A threshold is where the motion comes to rest. Numbers: the rule; 0: it would hold by rounding
+and does not fire, then what its comparison has and the size of the terms of that; 1: it fires, but
+the run cannot tell when, then what it has in the limit and what the run can tell; said once."""
 
 
 @record

@@ -27,6 +27,7 @@ from hybond.engine.instant.trial import a_priori
 from hybond.engine.methods.from_edges import may_turn
 from hybond.engine.methods.stepping import by_radau
 from hybond.engine.methods.stiffness import turn
+from hybond.engine.run.courses_kept import give_back_courses
 from hybond.engine.run.run_records import FRESH, GIVEN, GOES_ON, Run
 from hybond.engine.sliding.branches import choose_anew
 from hybond.engine.sliding.what_happened import is_held
@@ -166,6 +167,13 @@ def carry_memory(e: Engine, r: Run, c: Carrier) -> None:
     e.checks.apart = carry_number(c, e.checks.apart)
     e.checks.brought = carry_number(c, e.checks.brought)
     e.sampled_at = carry_number(c, e.sampled_at)
+    carry_floats(c, e.states, e.rests.began)
+    e.rests.began_at = carry_number(c, e.rests.began_at)
+    e.rests.begun = carry_truth(c, e.rests.begun)
+    e.rests.taken = c.puts and e.rests.begun
+    e.rests.any = carry_truth(c, e.rests.any)
+    carry_ints(c, m.rule_first[many], e.rests.rule)
+    carry_ints(c, m.rule_first[many], e.rests.since)
     g.events = carry_whole(c, g.events)
     carry_step(e, r, c)
 
@@ -194,6 +202,9 @@ def carry_step(e: Engine, r: Run, c: Carrier) -> None:
     s.began = carry_number(c, s.began)
     carry_copy(c, e.states, s.y0, r.warm_y)
     carry_copy(c, e.model.storages, e.rounding, r.warm_rounding)
+    if e.model.courses > 0:
+        m = e.model
+        carry_floats(c, 4 * m.courses + 2 * m.course_plants + 4, e.courses.memory)
 
 
 def take_out(e: Engine, r: Run, c: Carrier) -> None:
@@ -294,3 +305,5 @@ def warm_up(e: Engine, r: Run) -> None:
     e.step.grid_next = r.warm_next
     for k in range(e.model.storages):
         e.rounding[k] = r.warm_rounding[k]
+    if e.model.courses > 0:
+        give_back_courses(e.model, e.courses)

@@ -22,6 +22,7 @@ from hybond.engine.methods.scale import measure_ahead
 from hybond.engine.mode.mode_records import Mode, Reads
 from hybond.engine.mode.values import set_motion
 from hybond.engine.reasons.warned import COURSE_UNSEEN, add_about, begin_warning
+from hybond.engine.run.courses_kept import keep_courses
 from hybond.engine.run.phases import give_back_plant, hold_plant, put_now, put_signals, see_plant
 from hybond.engine.run.run_records import bound_of
 from hybond.engine.timestepping.step_records import MOREAU
@@ -155,6 +156,7 @@ def end_ahead(e: Engine, end: float) -> float:
     """
     m = e.model
     c = e.courses
+    keep_courses(m, c)
     fixed = m.method == RK4 or m.method == EULER or m.method == MOREAU
     if fixed and m.step > e.longest:
         tell_unseen(e, e.mode.fastest, PASSED_OVER)

@@ -39,8 +39,20 @@ def look(e: Engine, g: Locator, t: float) -> None:
 
 def look_at_time(e: Engine, g: Locator, t: float, at: float) -> None:
     """Fill them as they would be at t, with the state at another instant."""
-    show(e, g, ALL_PARTS)
     between(e, at, g.y)
+    look_here(e, g, t)
+
+
+def look_at_state(e: Engine, g: Locator, t: float, y: Floats) -> None:
+    """Fill them as they would be at t in any state; what was looked at before is forgotten."""
+    for k in range(e.states):
+        g.y[k] = y[k]
+    look_here(e, g, t)
+
+
+def look_here(e: Engine, g: Locator, t: float) -> None:
+    """Fill them with the state that is there."""
+    show(e, g, ALL_PARTS)
     if g.held and put_on_constraints(e, t, g.y) != OK:
         g.failed = True
     set_motion(e, e.v, t, g.y)
@@ -145,6 +157,8 @@ def swap_terms(e: Engine, g: Locator, k: int) -> None:
 
 def test_here(e: Engine, g: Locator, k: int) -> bool:
     """Return the truth of guard k at the values of the motion, rounding being counted."""
+    if rests(e, g, k):
+        return holds_at_rest(e, g, k, g.looked)
     if g.margin[k] >= 0:
         return g.lost or e.slide.margin[g.margin[k]] < -BEYOND
     if g.side[k] != NO_KINK:
@@ -169,10 +183,42 @@ def has_crossed(e: Engine, g: Locator, k: int) -> bool:
 def holds_at(e: Engine, g: Locator, k: int, t: float) -> bool:
     """Ask a guard as settling will, with rounding counted as zero; nothing jumps there."""
     look(e, g, t)
-    m = e.model
-    stack = e.work.stack
+    if rests(e, g, k):
+        return holds_at_rest(e, g, k, t)
     if g.margin[k] >= 0 or g.side[k] != NO_KINK:
         return test_here(e, g, k)
+    return holds_here(e, g, k)
+
+
+def rests(e: Engine, g: Locator, k: int) -> bool:
+    """Whether guard k holds in the step by rounding alone, as far as it does."""
+    return e.rests.any and g.rule[k] >= 0 and g.part[k] < 0 and e.rests.rule[g.rule[k]] != 0
+
+
+def holds_at_rest(e: Engine, g: Locator, k: int, t: float) -> bool:
+    """Ask such a guard with what rests where it does, and what is zero there with either sign."""
+    q = e.rests
+    n = e.states
+    if g.atom_first[k + 1] - g.atom_first[k] < 2:
+        return False
+    true = True
+    for way in range(2):
+        between(e, t, g.y)
+        for j in range(n):
+            at = g.rule[k] * n + j
+            if q.kept[at] == q.kept[at]:
+                g.y[j] = q.kept[at] + (q.aside[at] if way == 0 else -q.aside[at])
+        look_here(e, g, t)
+        held = holds_here(e, g, k)
+        true = true and held
+    look_at_time(e, g, t, t)
+    return true
+
+
+def holds_here(e: Engine, g: Locator, k: int) -> bool:
+    """Ask a guard so at the values of the motion."""
+    m = e.model
+    stack = e.work.stack
     measure_here(e, g, k)
     ask_in_motion(e)
     true = holds(m, g.pair[k], stack)

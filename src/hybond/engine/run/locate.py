@@ -15,6 +15,7 @@ from typing import Final
 
 from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.expressions.pairs import ROUNDING
+from hybond.engine.run.at_rest import forget_rests, see_rests
 from hybond.engine.run.bracket import bracket
 from hybond.engine.run.candidates import beside, between_roots, extrema, keep, sort
 from hybond.engine.run.guard_shape import find_shape, give_up_kinks, is_resolved, sample
@@ -40,7 +41,10 @@ SOON: Final = 1e-3
 
 def locate(e: Engine, g: Locator) -> int:
     """Find the first instant of the last step at which a guard holds, or infinity, into `g.at`."""
+    forget_rests(e)
     status = search(e, g)
+    while status == OK and g.at < math.inf and see_rests(e, g):
+        status = search(e, g)
     show(e, g, ALL_PARTS)
     g.sampled = False
     return status

@@ -34,6 +34,7 @@ from hybond.engine.mode.part_energies import join_parts
 from hybond.engine.mode.straight_rates import take_rates
 from hybond.engine.mode.values import begin_field
 from hybond.engine.planar.stops import begin_slips
+from hybond.engine.run.at_rest import begin_rests, let_hold, none_holds
 from hybond.engine.run.carried import begin_again, cause_of_beginning, take_up, warm_up
 from hybond.engine.run.courses_ahead import begin_courses, end_ahead
 from hybond.engine.run.edges import reach_edges, straight_on, time_at_once
@@ -272,6 +273,9 @@ def flow(e: Engine, r: Run) -> int:
                 stuck_at_kink(e, r)
                 return -1
             at = g.at
+            if at < math.inf and none_holds(e, g, at):
+                at = math.inf
+                near = False
             if at < math.inf and at >= end - instant:
                 # one instant with the timed event: settled once, there
                 at = math.inf
@@ -292,6 +296,8 @@ def flow(e: Engine, r: Run) -> int:
                 r.late = shown
             if doubt(e, g, e.step.t1) != OK:
                 return -1
+            if near:
+                let_hold(e, g, shown)
             if note(e, r, e.step.t1, shown) != OK:
                 return -1
             if e.step.t1 >= end:
@@ -313,6 +319,7 @@ def flow(e: Engine, r: Run) -> int:
             if passed != ANEW:
                 return passed
             continue
+        let_hold(e, g, at)
         if note(e, r, at, at) != OK:
             return -1
         if m.disks > 0 and lead_to_rest(e, r, end) != OK:
@@ -407,6 +414,7 @@ def begin_flow(e: Engine, r: Run) -> int:
     r.beyond = 0.0
     if m.courses > 0:
         begin_courses(e, r.locator.reads)
+    begin_rests(e)
     begun = start(e, e.t, e.y, bound_of(e), True)
     if begun == OK:
         hold_rates(e)

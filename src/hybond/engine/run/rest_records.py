@@ -1,0 +1,117 @@
+"""What is known of guards whose thresholds are where the motion comes to rest, and room for it."""
+
+from __future__ import annotations
+
+import math
+
+from hybond.engine.model import Model
+from hybond.engine.words import Floats, Ints, floats, ints, record
+
+
+@record
+class Rests:
+    """Of each rule: whether its guard holds in the last step by rounding alone."""
+
+    any: bool
+    rule: Ints
+    since: Ints
+    """... whether it did since something jumped, ..."""
+    said: Ints
+    """... and whether the run has warned of it."""
+    atom: Ints
+    """Of each comparison: whether it is one that comes to rest on zero, ..."""
+    band: Floats
+    """... and how far from it rounding and the error of the run may put it."""
+    kept: Floats
+    """Of each rule that rests, and each state: where that rests, not a number if it does not, and
+    how far aside comparisons are clear of zero."""
+    aside: Floats
+    began: Floats
+    """Each state as the last jump has left it, or the start; and when the motion began."""
+    begun: bool
+    taken: bool
+    """Whether that is known of a run from which this one goes on."""
+    began_at: float
+    y: Floats
+    """The state that is asked, ..."""
+    rest: Floats
+    """... with what comes to rest where it does so, ..."""
+    shifted: Floats
+    rate: Floats
+    other: Floats
+    tell: Floats
+    """... and how far from there it cannot be told from it."""
+    jacobian: Floats
+    """The slopes of the rates, and those of each comparison of the guard."""
+    slope: Floats
+    level: Floats
+    inside: Ints
+    """Whether a state has a part in a comparison, and the places of those that have."""
+    place: Ints
+    kind: Ints
+    """How each comparison of the guard comes to rest, if it does."""
+    driver: Ints
+    """Of each: the state that it is shifted by; what the terms of each add up to at most, and how
+    far from its limit the run cannot tell it from that."""
+    size: Floats
+    near: Floats
+    matrix: Floats
+    inverse: Floats
+    largest: Floats
+    flow: Floats
+    """What a linear motion leaves after some time, that after twice as long, and of a state."""
+    twice: Floats
+    power: Floats
+    left: Floats
+    kept_inverse: Floats
+    kept_flow: Floats
+    fast: float
+    room: int
+
+
+def make_rests(m: Model) -> Rests:
+    """Return knowledge of nothing."""
+    q = Rests()
+    n = m.storages + m.integrals
+    rules = m.rule_first[m.machines]
+    q.rule = ints(rules)
+    q.since = ints(rules)
+    q.said = ints(rules)
+    q.atom = ints(m.atom_first[rules])
+    q.band = floats(m.atom_first[rules])
+    q.began = floats(n)
+    q.began_at = -math.inf
+    return q
+
+
+def make_room(q: Rests, n: int, rules: int, atoms: int) -> None:
+    """Make room to look at a guard of so many comparisons."""
+    if q.room == 0:
+        q.y = floats(n)
+        q.rest = floats(n)
+        q.shifted = floats(n)
+        q.rate = floats(n)
+        q.other = floats(n)
+        q.tell = floats(n)
+        q.jacobian = floats(n * n)
+        q.inside = ints(n)
+        q.place = ints(n)
+        q.matrix = floats(n * n)
+        q.inverse = floats(n * n)
+        q.largest = floats(n)
+        q.flow = floats(n * n)
+        q.twice = floats(n * n)
+        q.power = floats(n * n)
+        q.left = floats(n)
+        q.kept = floats(rules * n)
+        q.aside = floats(rules * n)
+        q.kept_inverse = floats(n * n)
+        q.kept_flow = floats(n * n)
+    if atoms > q.room:
+        q.slope = floats(atoms * n)
+        q.level = floats(atoms)
+        q.kind = ints(atoms)
+        q.driver = ints(atoms)
+        q.size = floats(atoms)
+        q.near = floats(atoms)
+        q.room = atoms
