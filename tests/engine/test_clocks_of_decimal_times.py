@@ -13,22 +13,26 @@ import pytest
 import hybond as hb
 
 PERIODS = ["0.1", "0.2", "0.3", "1/3", "1e-3", "7e-6"]
+OFFSETS = ["0", "1/4", "1/2"]
+"""Of clocks beside each other, in periods: no two of them tick at one instant."""
 MANY = 60
 BESIDE = 7
 """The instant, in periods, that a guard names by its decimal number."""
 
 
-def clock(period: str, offset: str, every: int, source: str) -> hb.Model:
-    """Return a clock that counts periods by `floor`, `mod` and a comparison with half of one."""
-    m = hb.Model("clock", domain="electrical")
+def clocks(period: str, every: int, source: str) -> hb.Model:
+    """Return clocks that count periods by `floor`, `mod` and a comparison with half of one."""
+    m = hb.Model("clocks", domain="electrical")
     m.add(S=hb.Se(source), R=hb.R("1 ohm"), i=hb.One())
     m.bond("S -> i -> R")
-    at = {"every": f"{every}*({period}) [s]", "phase": f"({offset})*({period}) [s]"}
-    m.signal(
-        many=hb.Sampled(f"floor(time/({period}))", **at),
-        part=hb.Sampled(f"mod(time, {period})", **at),
-        half=hb.Sampled(f"if mod(time, {period}) >= ({period})/2 then 1 else 0", **at),
-    )
+    for k, offset in enumerate(OFFSETS):
+        at = {"every": f"{every}*({period}) [s]", "phase": f"({offset})*({period}) [s]"}
+        formulas = {
+            f"many{k}": f"floor(time/({period}))",
+            f"part{k}": f"mod(time, {period})",
+            f"half{k}": f"if mod(time, {period}) >= ({period})/2 then 1 else 0",
+        }
+        m.signal(**{name: hb.Sampled(formula, **at) for name, formula in formulas.items()})
     named = float(BESIDE * Fraction(period))
     rules = [f"before -> after when time >= {named!r} [s]"]
     m.machine("q", states={"before": [], "after": []}, start="before", rules=rules)
@@ -36,23 +40,20 @@ def clock(period: str, offset: str, every: int, source: str) -> hb.Model:
 
 
 @pytest.mark.parametrize("source", ["1 V", "1 V*floor(time/({}))"])
-@pytest.mark.parametrize("offset", ["0", "1/4", "1/2"])
 @pytest.mark.parametrize("every", [1, 3])
 @pytest.mark.parametrize("period", PERIODS)
-def test_clock_ticks_at_decimal_times(period: str, every: int, offset: str, source: str) -> None:
+def test_clocks_tick_at_decimal_times(period: str, every: int, source: str) -> None:
     t = Fraction(period)
-    step, phase = every * t, Fraction(offset) * t
-    run = hb.simulate(
-        clock(period, offset, every, source.format(period)),
-        until=float(phase + (MANY + Fraction(1, 2)) * step),
-    )
-    held = run.sample(
-        [float(phase + (k + Fraction(1, 4)) * step) for k in range(MANY)], ["many", "part", "half"]
-    )
-    for k in range(MANY):
-        now = phase + k * step
-        whole = floor(now / t)
-        rest = now - whole * t
-        assert held["many"][k] == whole
-        assert abs(held["part"][k] - float(rest)) <= 1e-14 * float(now + t)
-        assert held["half"][k] == (2 * rest >= t)
+    step = every * t
+    until = float((MANY + Fraction(1, 2)) * step + t)
+    run = hb.simulate(clocks(period, every, source.format(period)), until=until)
+    for k, offset in enumerate(OFFSETS):
+        ticks = [Fraction(offset) * t + n * step for n in range(MANY)]
+        names = [f"many{k}", f"part{k}", f"half{k}"]
+        many, part, half = run.sample([float(now + t / 4) for now in ticks], names).values()
+        for n, now in enumerate(ticks):
+            whole = floor(now / t)
+            rest = now - whole * t
+            assert many[n] == whole
+            assert abs(part[n] - float(rest)) <= 1e-14 * float(now + t)
+            assert half[n] == (2 * rest >= t)

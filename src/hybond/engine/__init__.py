@@ -42,7 +42,7 @@ subset. Rooms, and in them files, as data passes them::
     inputs/
         interval, sampling, calls    pieces of inputs; signals set at instants; who is asked
     instant/
-        settle              trying modes at an instant until none is left
+        settle, settling    trying modes at an instant until none is left; what a cycle is told by
         beginning           what is a priori where a run begins; states it cannot begin in
         entering, trial, jump    a mode entered: signals, and what is stored
         constraints, impulse_ways, own_ways    what a jump must fulfil, and what moves it there

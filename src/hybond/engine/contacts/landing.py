@@ -45,7 +45,8 @@ from hybond.engine.instant.instant import (
     note_fired,
     note_step,
 )
-from hybond.engine.instant.settle import Settling, settle
+from hybond.engine.instant.settle import settle
+from hybond.engine.instant.settling import Settling
 from hybond.engine.instant.telling import supplied_by_jump
 from hybond.engine.instant.told import LANDS, add_read, say_why
 from hybond.engine.instant.trial import a_priori

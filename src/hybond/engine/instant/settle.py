@@ -12,7 +12,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.products import copy_part
-from hybond.engine.answers import machine_name, rule_text
+from hybond.engine.answers import rule_text
 from hybond.engine.checks.energy_held import hold_jump, jump_may_create
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.expressions.paired import holds
@@ -21,7 +21,7 @@ from hybond.engine.inputs.sampling import sample
 from hybond.engine.instant.beginning import begin_behind, stand_before, stand_without_before
 from hybond.engine.instant.doubts import warn_of_moduli
 from hybond.engine.instant.entering import enter
-from hybond.engine.instant.in_force import is_asked
+from hybond.engine.instant.in_force import is_as_it_rested, is_asked
 from hybond.engine.instant.indeterminate import (
     DECIDED,
     is_indeterminate,
@@ -45,6 +45,7 @@ from hybond.engine.instant.instant import (
 from hybond.engine.instant.jump import SWEPT
 from hybond.engine.instant.left_out import warn_of_left_out
 from hybond.engine.instant.passed_over import enter_or_pass
+from hybond.engine.instant.settling import Settling, look_for_cycle
 from hybond.engine.instant.staying import (
     acts_on_prior,
     is_still_known,
@@ -68,52 +69,11 @@ from hybond.engine.laws.law_standing import stands_as_it_was
 from hybond.engine.mode.equations import is_fieldless, mode_of
 from hybond.engine.mode.part_energies import join_parts
 from hybond.engine.reasons.facts import add_fact
-from hybond.engine.run.at_rest import is_as_it_rested
 from hybond.engine.sliding.branches import choose_at, know_around
-from hybond.engine.words import Floats, Ints, floats, ints, record
+from hybond.engine.words import Ints
 
 OWN_ROUNDING: Final = 1e-14
 """Part of what is stored that is its rounding."""
-
-
-@record
-class Settling:
-    """An instant under way: the state written last, and what a cycle is told by."""
-
-    x: Floats
-    begin: Floats
-    """At the start: what is stored, put on what machines ask for without their laws."""
-    s: Floats
-    state: Ints
-    target: Ints
-    entered: Ints
-    held: Ints
-    """Of each rule: whether it was asked of the trial, and holds."""
-    # one earlier trial: the search for a cycle compares with it, and takes a later one in turn
-    tries: int
-    turn: int
-    marked: bool
-    mark_state: Ints
-    mark_written: Ints
-    mark: Floats
-    mark_jumps: bool
-
-
-def make_settling(e: Engine) -> Settling:
-    """Return room for settling."""
-    m = e.model
-    g = Settling()
-    g.x = floats(m.storages)
-    g.begin = floats(m.storages)
-    g.s = floats(m.integrals)
-    g.state = ints(m.machines)
-    g.target = ints(m.machines)
-    g.entered = ints(m.machines)
-    g.held = ints(m.rule_first[m.machines])
-    g.mark_state = ints(m.machines)
-    g.mark_written = ints(m.machines)
-    g.mark = floats(2 * e.states + m.slots)
-    return g
 
 
 def settle(e: Engine, g: Settling, i: Instant) -> int:
@@ -441,62 +401,3 @@ def rule_holds(e: Engine, t: float, r: int) -> int:
             add_fact(e.fault, float(r))
         return -1
     return 1 if true and not is_as_it_rested(e, r, e.v) else 0
-
-
-def look_for_cycle(e: Engine, g: Settling) -> int:
-    """Refuse a trial that was there before at this instant: time cannot advance.
-
-    Compared is one earlier trial, taken anew after 1, 2, 4, ... others (Brent), so that a cycle is
-    found without keeping all of them.
-    """
-    m = e.model
-    if g.marked and is_marked(e, g):
-        names = machine_name(m, m.machines - 1) if m.machines == 1 else ""
-        return say_fault(e, "HB-N401", "time cannot advance: modes follow without end", names)
-    g.tries += 1
-    if g.tries >= g.turn:
-        g.tries = 0
-        g.turn *= 2
-        put_mark(e, g)
-    return OK
-
-
-def put_mark(e: Engine, g: Settling) -> None:
-    """Remember the trial."""
-    m = e.model
-    g.marked = True
-    g.mark_jumps = e.trial.jumps
-    for k in range(m.machines):
-        g.mark_state[k] = e.trial.state[k]
-        g.mark_written[k] = g.state[k]
-    at = 0
-    for k in range(m.storages):
-        g.mark[at] = g.x[k]
-        g.mark[at + 1] = e.trial.x[k]
-        at += 2
-    for k in range(m.integrals):
-        g.mark[at] = g.s[k]
-        g.mark[at + 1] = e.trial.s[k]
-        at += 2
-    copy_part(m.slots, e.pre, 0, g.mark, at)
-
-
-def is_marked(e: Engine, g: Settling) -> bool:
-    """Whether the trial is the one remembered."""
-    m = e.model
-    same = g.mark_jumps == e.trial.jumps
-    for k in range(m.machines):
-        same = same and g.mark_state[k] == e.trial.state[k]
-        same = same and g.mark_written[k] == g.state[k]
-    if not same:
-        return False
-    at = 0
-    for k in range(m.storages):
-        same = same and g.mark[at] == g.x[k] and g.mark[at + 1] == e.trial.x[k]
-        at += 2
-    for k in range(m.integrals):
-        same = same and g.mark[at] == g.s[k] and g.mark[at + 1] == e.trial.s[k]
-        at += 2
-    for k in range(m.slots):
-        same = same and g.mark[at + k] == e.pre[k]
-    return same

@@ -23,12 +23,17 @@ from hybond.engine.methods.flow_records import Exact, Flow
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.words import Floats
 
-SHARE: Final = 0.1
+ROUNDED_AWAY: Final = 0.1
 """Part of `rtol` that rounding of fast terms may move a slow motion by, over the whole run."""
 RANGE: Final = 2.0**-90
 """Part of the norm below which no entry counts as fast, however long a run is."""
 SINGLE: Final = 2.0**-44
 """Part of it above which fast entries are told from others without twice the digits."""
+
+
+def fast_from(e: Engine, rtol: float) -> float:
+    """Return the rate from which on rounding of what goes so fast tells in the run."""
+    return ROUNDED_AWAY * rtol / (EPSILON * e.span) if e.span > 0.0 else math.inf
 
 
 def grade(e: Engine, mode: Mode, f: Flow) -> None:
@@ -42,8 +47,7 @@ def grade(e: Engine, mode: Mode, f: Flow) -> None:
     f.shares = 0
     fit_places(f.standing, e.states)
     fit_places(f.pivoted, e.states)
-    fast = SHARE * e.model.rtol / (EPSILON * e.span) if e.span > 0.0 else math.inf
-    fast = max(fast, RANGE * f.norm)
+    fast = max(fast_from(e, e.model.rtol), RANGE * f.norm)
     if not (f.norm > fast and share_fast(f, e.states, fast)):
         return
     fit(x.rest, n * n)

@@ -15,6 +15,7 @@ from hybond.engine.algebra.products import copy_floats
 from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.engine import NOT_FINITE, OK, Engine
 from hybond.engine.methods.beside_kinks import passes_kink, see_kinks
+from hybond.engine.methods.graded import fast_from
 from hybond.engine.methods.radau_room import Radau
 from hybond.engine.methods.radau_stages import FRESH_MATRIX, rate_at
 from hybond.engine.methods.scale import ROUNDED, SHORT, know_settling, tolerance, within_bent
@@ -34,8 +35,6 @@ NEAREST_GROWS: Final = 64.0
 """... how much farther it is shifted next, ..."""
 CLEARLY: Final = 1e-7
 """... and the part of rates by which they are to differ."""
-ROUNDED_AWAY: Final = 0.1
-"""Part of `rtol` that rounding of fast terms may move a slow motion by, over the whole run."""
 DIGITS_LEFT: Final = 1e4 * EPSILON
 """Part of a state that its tolerance is at least where a law that holds it asks for less."""
 
@@ -61,7 +60,7 @@ def differences(e: Engine, r: Radau, rtol: float, one_side: bool) -> bool:
 
 def exchange_fast(e: Engine, r: Radau, rtol: float) -> bool:
     """Whether two states act on each other so fast that rounding of that tells in the run."""
-    most = ROUNDED_AWAY * rtol / (EPSILON * e.span) if e.span > 0.0 else math.inf
+    most = fast_from(e, rtol)
     for i in range(e.model.storages):
         for j in range(i):
             one = math.fabs(r.jacobian[i * r.n + j])

@@ -19,7 +19,6 @@ from typing import Final
 
 from hybond.engine.algebra.products import all_finite
 from hybond.engine.algebra.rounding import EPSILON
-from hybond.engine.answers import value
 from hybond.engine.engine import OK, Engine
 from hybond.engine.expressions.pairs import ROUNDING
 from hybond.engine.methods.scale import widest_tolerance
@@ -37,7 +36,7 @@ from hybond.engine.run.guard_values import (
 from hybond.engine.run.locator import NO_KINK, Locator
 from hybond.engine.run.rest_limits import find_limit, lead_to_rest, stays_near
 from hybond.engine.run.rest_records import make_room
-from hybond.engine.words import Floats, float_table
+from hybond.engine.words import float_table
 
 MOVES: Final = 0
 """A comparison does not come to rest, or nobody can tell yet; ..."""
@@ -436,18 +435,6 @@ def let_hold(e: Engine, g: Locator, t: float) -> None:
         if rule >= 0 and q.since[rule] != 0 and holds_at(e, g, k, t):
             q.rule[rule] = 0
             q.since[rule] = 0
-
-
-def is_as_it_rested(e: Engine, rule: int, v: Floats) -> bool:
-    """Whether a guard that held by rounding compares the same at an instant that is settled."""
-    q = e.rests
-    m = e.model
-    if q.since[rule] == 0 or e.trial.jumps:
-        return False
-    for a in range(m.atom_first[rule], m.atom_first[rule + 1]):
-        if q.atom[a] != 0 and not math.fabs(value(m, m.atom_value[a], v)) <= q.band[a]:
-            return False
-    return True
 
 
 def none_holds(e: Engine, g: Locator, t: float) -> bool:
