@@ -43,7 +43,7 @@ FEW = 64
 """Times that are looked for one by one: an array to look for them in takes longer."""
 
 
-def _times(t: float | str | Sequence[float | str]) -> Vector:
+def _times(t: object) -> Vector:
     """Return times as they were given, s; HB-S110 for what is none."""
     given = t if isinstance(t, np.ndarray) else np.asarray(t, dtype=object).reshape(-1)
     try:

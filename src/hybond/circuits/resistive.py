@@ -2,8 +2,9 @@
 
 A varistor is written as ``B1 a 0 I=v(a)/40 + (v(a)/200)^5``. As a resistor with a law it says what
 it is: nothing but its own two variables, and it takes energy only. Laws that may give energy, as
-those of tunnel diodes, those that read anything else, and those that compare stay sources; so do
-those with a sign that are flatter at zero than a square: read backwards they are steep as a jump.
+those of tunnel diodes, those that read anything else, and those that compare stay sources. So do
+those with a sign that are flatter at zero than a square: as resistors they would run no better, for
+read backwards, as a coil reads them, they are steep without bound either way.
 """
 
 from __future__ import annotations

@@ -185,11 +185,10 @@ class Model:
     storage_sign: Ints  # 1 if the bond points at it
     storage_start: Floats
     storage_pseudo: Ints
-    storage_impulse: Ints
-    """Of which kind its impulses are; `bond_impulse` of all efforts, then flows: by domain."""
-    bond_impulse: Ints
+    storage_impulse: Ints  # of which kind its impulses are, by domain
+    bond_impulse: Ints  # of which kind those of each effort are, then of each flow
     impulse_kinds: int
-    bond_class: Ints  # the same by domain and island
+    bond_class: Ints  # the same kinds by domain and island
     classes: int
     islands: int  # parts of the graph between which no rounding passes, whatever is ON
     bond_island: Ints
@@ -197,8 +196,7 @@ class Model:
     bond_base: Ints
     most_parts: int  # of these that store anything
     storage_base: Ints  # numbered as storages stand
-    co_energy: Ints
-    """The law of each stored quantity, -1: the row of `stiff_constant` is."""
+    co_energy: Ints  # the law of each stored quantity, -1: the row of `stiff_constant` is
     stiff_first: Ints
     """Of each stored quantity: derivatives of its co-energy variable, by those of its storage."""
     stiff_other: Ints

@@ -33,7 +33,7 @@ class Outputs(dict[str, Vector]):
         raise UsageError(
             f"there is no output {name!r}",
             code="HB-S109",
-            where=f"{name}",
+            where=str(name),
             hint=did_you_mean(str(name), self) if self else "give samples= to hb.ensemble",
         )
 

@@ -72,5 +72,10 @@ def make_courses(m: Model) -> Courses:
     c.state = floats(m.storages + m.integrals)
     c.rate = floats(m.storages + m.integrals)
     c.end = -math.inf
-    c.memory = floats(4 * m.courses + 2 * m.course_plants + 4)
+    c.memory = floats(many_kept(m))
     return c
+
+
+def many_kept(m: Model) -> int:
+    """Return how many numbers courses are remembered by."""
+    return 4 * m.courses + 2 * m.course_plants + 4

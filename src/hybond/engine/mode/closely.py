@@ -65,12 +65,11 @@ def rate_closely(e: Engine, mode: Mode, k: int, w: Floats) -> float:
     size = size_here(e, mode, same, w)
     if not math.fabs(w[k]) < CLOSE * size:
         return w[k]
-    total = row_with_free(e, mode, same, w)
-    return total if math.fabs(total) > TWOFOLD_ZERO * size else 0.0
+    return without_dust(row_with_free(e, mode, same, w), size)
 
 
 def rate_by_row(rows: Rows, k: int, xi: Floats) -> float:
-    """Return the same where knowns give it by a row."""
+    """Return the same of a bond variable that knowns `xi` give by row k alone."""
     total = 0.0
     size = 0.0
     for i in range(rows.first.at[k], rows.first.at[k + 1]):
@@ -79,7 +78,11 @@ def rate_by_row(rows: Rows, k: int, xi: Floats) -> float:
         size += math.fabs(term)
     if not math.fabs(total) < CLOSE * size:
         return total
-    total = row_cancelling(rows, k, xi)
+    return without_dust(row_cancelling(rows, k, xi), size)
+
+
+def without_dust(total: float, size: float) -> float:
+    """Return a sum with twice the digits; zero if it is rounding of these beside its terms."""
     return total if math.fabs(total) > TWOFOLD_ZERO * size else 0.0
 
 

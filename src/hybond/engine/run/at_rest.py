@@ -34,6 +34,7 @@ from hybond.engine.run.guard_values import (
     terms_here,
 )
 from hybond.engine.run.locator import NO_KINK, Locator
+from hybond.engine.run.quartic import COEFFICIENTS
 from hybond.engine.run.rest_limits import find_limit, lead_to_rest, stays_near
 from hybond.engine.run.rest_records import make_room
 from hybond.engine.words import float_table
@@ -53,6 +54,8 @@ DIGITS: Final = 1e-12
 """Part of a state that its tolerance is at least."""
 CLEARLY: Final = 1e-4
 """Part of its terms that a comparison which crosses moves by in a step."""
+CLEARER: Final = 1e-3
+"""... so that it is seen by the polynomial of the step, whose slope is as right as the step is."""
 SHIFT: Final = 1e-9
 """Part of its terms by which a comparison is put beside zero, clear of rounding."""
 BENT: Final = 0.05
@@ -103,18 +106,57 @@ def see_rests(e: Engine, g: Locator) -> bool:
     m = e.model
     if e.slide.k > 0 or m.disks > 0 or e.states > MOST or g.failed:
         return False
+    asks = False
+    for k in range(g.guards):
+        asks = asks or may_rest(e, g, k)
+    if not asks:
+        return False
     found = False
     refused = e.refusal
     evaluations = e.evaluations
     hold_guess(e, e.mode)
     for k in range(g.guards):
-        if g.rule[k] >= 0 and g.part[k] < 0 and g.side[k] == NO_KINK and is_by_hand(e, g.rule[k]):
+        if may_rest(e, g, k):
             found = is_held_by_rounding(e, g, k) or found
     give_back_guess(e, e.mode)
     e.refusal = refused
     e.evaluations = evaluations
     g.looked = math.nan
     return found and not g.failed
+
+
+def may_rest(e: Engine, g: Locator, k: int) -> bool:
+    """Whether guard k is one of a machine written by hand, and is not seen at once to cross."""
+    if g.rule[k] < 0 or g.part[k] >= 0 or g.side[k] != NO_KINK or not is_by_hand(e, g.rule[k]):
+        return False
+    return g.solved[k] == 0 or not crosses_clearly(e, g, k)
+
+
+def crosses_clearly(e: Engine, g: Locator, k: int) -> bool:
+    """Whether all comparisons of a guard are polynomials that go on with a clear rate.
+
+    Most guards are asked no more than this. A ramp of time alone has no place to rest at.
+    """
+    s = g.sums
+    step = e.step
+    h = step.t1 - step.t0
+    x = (g.at - step.t0) / h if h > 0.0 else 0.0
+    for a in range(g.atom_first[k], g.atom_first[k + 1]):
+        if s.known.at[a] == 0:
+            return False
+        if s.first.at[a] == s.first.at[a + 1] and s.drift.at[a] != 0.0:
+            continue
+        at = COEFFICIENTS * a
+        slope = 4.0 * g.step[at + 4] * x + 3.0 * g.step[at + 3]
+        slope = (slope * x + 2.0 * g.step[at + 2]) * x + g.step[at + 1]
+        size = g.extent[a]
+        for p in range(s.first.at[a], s.first.at[a + 1]):
+            j = s.column.at[p]
+            most = max(e.largest_state[j], math.fabs(e.rests.began[j]))
+            size += s.size.at[p] * most
+        if not math.fabs(slope) > CLEARER * size:
+            return False
+    return True
 
 
 def is_by_hand(e: Engine, rule: int) -> bool:

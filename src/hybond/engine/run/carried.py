@@ -21,6 +21,7 @@ from hybond.engine.algebra.blocks import (
 from hybond.engine.contacts.landing_records import CROWD, LAST_TIMES
 from hybond.engine.contacts.rest import find_moved
 from hybond.engine.engine import OK, PACES, Engine
+from hybond.engine.expressions.course_records import many_kept
 from hybond.engine.inputs.interval import is_due
 from hybond.engine.instant.instant import CHANGE, SAMPLE, START, TIME
 from hybond.engine.instant.trial import a_priori
@@ -203,8 +204,7 @@ def carry_step(e: Engine, r: Run, c: Carrier) -> None:
     carry_copy(c, e.states, s.y0, r.warm_y)
     carry_copy(c, e.model.storages, e.rounding, r.warm_rounding)
     if e.model.courses > 0:
-        m = e.model
-        carry_floats(c, 4 * m.courses + 2 * m.course_plants + 4, e.courses.memory)
+        carry_floats(c, many_kept(e.model), e.courses.memory)
 
 
 def take_out(e: Engine, r: Run, c: Carrier) -> None:
