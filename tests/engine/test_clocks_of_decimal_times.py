@@ -5,8 +5,9 @@ The oracle computes with fractions.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from fractions import Fraction
-from math import floor
+from math import floor, pi, sin
 
 import pytest
 
@@ -29,6 +30,7 @@ def clocks(period: str, every: int, source: str) -> hb.Model:
         at = {"every": f"{every}*({period}) [s]", "phase": f"({offset})*({period}) [s]"}
         formulas = {
             f"many{k}": f"floor(time/({period}))",
+            f"next{k}": f"ceil(time/({period}))",
             f"part{k}": f"mod(time, {period})",
             f"half{k}": f"if mod(time, {period}) >= ({period})/2 then 1 else 0",
         }
@@ -49,11 +51,31 @@ def test_clocks_tick_at_decimal_times(period: str, every: int, source: str) -> N
     run = hb.simulate(clocks(period, every, source.format(period)), until=until)
     for k, offset in enumerate(OFFSETS):
         ticks = [Fraction(offset) * t + n * step for n in range(MANY)]
-        names = [f"many{k}", f"part{k}", f"half{k}"]
-        many, part, half = run.sample([float(now + t / 4) for now in ticks], names).values()
+        names = [f"many{k}", f"next{k}", f"part{k}", f"half{k}"]
+        many, after, part, half = run.sample([float(now + t / 4) for now in ticks], names).values()
         for n, now in enumerate(ticks):
             whole = floor(now / t)
             rest = now - whole * t
             assert many[n] == whole
+            assert after[n] == whole + 1  # from the instant on, at 0 as well
             assert abs(part[n] - float(rest)) <= 1e-14 * float(now + t)
             assert half[n] == (2 * rest >= t)
+
+
+MOVES: dict[str, Callable[[float], float]] = {
+    "time": lambda t: t,
+    "sin(2*pi*time)": lambda t: sin(2 * pi * t),
+    "time - 0.3": lambda t: t - 0.3,
+    "abs(time - 0.6)": lambda t: abs(t - 0.6),
+}
+
+
+@pytest.mark.parametrize("law", MOVES)
+def test_what_goes_through_zero_at_an_instant_does_not_jump(law: str) -> None:
+    m = hb.Model("moves", domain="electrical")
+    m.add(S=hb.Se("1 V"), R=hb.R("1 ohm"), i=hb.One())
+    m.bond("S -> i -> R")
+    m.signal(k=hb.Sampled(law, every=0.1))
+    run = hb.simulate(m, until=1.25)
+    for n in range(12):
+        assert run["k"].at(n * 0.1 + 0.05) == MOVES[law](n * 0.1)

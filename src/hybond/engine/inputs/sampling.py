@@ -8,13 +8,15 @@ from typing import Final
 from hybond.engine.answers import stored_name, value
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.inputs.calls import call_block
-from hybond.engine.inputs.interval import ROUNDING, is_due, one_instant
+from hybond.engine.inputs.interval import ROUNDING, is_due, moment, one_instant
 from hybond.engine.model import Model
 from hybond.engine.reasons.facts import no_sample
 from hybond.engine.words import Floats
 
 JUMPS: Final = 1e-6
 """Part of a value that it jumps by at least within an instant."""
+STAYS: Final = 0.5
+"""Part of that by which it moves in as much time beyond."""
 
 
 def sample(e: Engine, s: Floats) -> int:
@@ -50,15 +52,20 @@ def sample(e: Engine, s: Floats) -> int:
 def value_at_instant(m: Model, law: int, v: Floats) -> float:
     """Return what is sampled, where it jumps with time as it is from this instant on.
 
-    Three tenths of a second are three times a tenth, whatever rounding makes of either.
+    Three tenths of a second are three times a tenth, whatever rounding makes of either. What jumps
+    stays there beyond; what only moves goes on as far once more.
     """
     t = v[0]
+    way = ROUNDING * math.fabs(t) if t != 0.0 else moment(m, t)
     here = value(m, law, v)
-    v[0] = t + ROUNDING * math.fabs(t)
+    v[0] = t + way
     behind = value(m, law, v)
+    v[0] = t + 2.0 * way
+    beyond = value(m, law, v)
     v[0] = t
+    jump = math.fabs(behind - here)
     size = max(math.fabs(here), math.fabs(behind))
-    return behind if math.fabs(behind - here) > JUMPS * size else here
+    return behind if jump > JUMPS * size and math.fabs(beyond - behind) < STAYS * jump else here
 
 
 def run_block(e: Engine, block: int, v: Floats, s: Floats) -> int:

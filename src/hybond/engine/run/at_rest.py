@@ -21,7 +21,6 @@ from hybond.engine.algebra.products import all_finite
 from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.engine import OK, Engine
 from hybond.engine.expressions.pairs import ROUNDING
-from hybond.engine.methods.scale import widest_tolerance
 from hybond.engine.methods.stepping import between
 from hybond.engine.mode.guess import give_back_guess, hold_guess
 from hybond.engine.mode.values import field
@@ -50,6 +49,9 @@ MOST: Final = 64
 TELL: Final = 10.0
 """Times the tolerance that errors of steps may add up to, and polynomials between them may be off.
 """
+KEPT: Final = 1e-6
+"""Part of what it was from which on a state that dies out is not known by its own digits alone:
+errors of earlier steps die out as it does, or nearly so."""
 DIGITS: Final = 1e-12
 """Part of a state that its tolerance is at least."""
 CLEARLY: Final = 1e-4
@@ -238,11 +240,10 @@ def find_slopes(e: Engine, g: Locator, k: int, t: float) -> bool:
     n = e.states
     first = g.atom_first[k]
     steep = e.model.edges > 0 or e.model.begins > 0
-    widest_tolerance(e, q.y, q.tell)
     for j in range(n):
-        q.tell[j] = TELL * max(
-            max(q.tell[j], e.model.rtol * size_of_state(e, j)), DIGITS * size_of_state(e, j)
-        )
+        size = max(math.fabs(q.y[j]), KEPT * size_of_state(e, j))
+        atol = e.model.atol if e.model.atol == e.model.atol else 0.0
+        q.tell[j] = TELL * (max(e.model.rtol, DIGITS) * size + atol)
         if not (q.tell[j] > 0.0 and q.tell[j] < math.inf):
             q.tell[j] = TELL * e.model.rtol
         q.shifted[j] = q.y[j]
