@@ -193,12 +193,17 @@ def test_each_option_stands_in_the_same_words_everywhere() -> None:
     assert set(CALLED) <= vars(words).keys()
 
 
-@pytest.mark.parametrize("seed", [21098, 32889])
-def test_events_without_end_of_explicit_steps_name_the_method_that_has_few(seed: int) -> None:
-    """What is faster than a step swings across a guard from one step to the next."""
+@pytest.mark.parametrize(("seed", "code"), [(21098, "HB-N404"), (32889, "HB-N409")])
+def test_events_or_steps_without_end_of_explicit_steps_name_the_method_that_has_few(
+    seed: int, code: str
+) -> None:
+    """What is faster than a step swings across a guard from one step to the next.
+
+    Where the guard is what the motion comes to rest at, that is no event.
+    """
     recipe = random_recipe(seed, controlled=True)
-    with pytest.raises(hb.HybondError, match="HB-N404") as caught:
-        hb.simulate(recipe.model(), recipe.until, solver="rk45", max_events=1000)
+    with pytest.raises(hb.HybondError, match=code) as caught:
+        hb.simulate(recipe.model(), recipe.until, solver="rk45", max_events=1000, max_steps=20000)
     assert "solver = 'auto'" in caught.value.hint
     runs = [hb.simulate(recipe.model(), recipe.until, solver=s) for s in ("auto", "radau")]
     assert all(run.status == "ok" and len(run.events) < 1000 for run in runs)

@@ -21,6 +21,7 @@ from hybond.engine.algebra.products import all_finite
 from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.engine import OK, Engine
 from hybond.engine.expressions.pairs import ROUNDING
+from hybond.engine.methods.qss_room import QSS1
 from hybond.engine.methods.stepping import between
 from hybond.engine.mode.guess import give_back_guess, hold_guess
 from hybond.engine.mode.values import field
@@ -51,7 +52,7 @@ TELL: Final = 10.0
 """
 KEPT: Final = 1e-6
 """Part of what it was from which on a state that dies out is not known by its own digits alone:
-errors of earlier steps die out as it does, or nearly so."""
+errors of earlier steps die out as it does, or nearly so. A quantum does not."""
 DIGITS: Final = 1e-12
 """Part of a state that its tolerance is at least."""
 CLEARLY: Final = 1e-4
@@ -241,7 +242,9 @@ def find_slopes(e: Engine, g: Locator, k: int, t: float) -> bool:
     first = g.atom_first[k]
     steep = e.model.edges > 0 or e.model.begins > 0
     for j in range(n):
-        size = max(math.fabs(q.y[j]), KEPT * size_of_state(e, j))
+        size = size_of_state(e, j)
+        if e.model.method < QSS1:
+            size = max(math.fabs(q.y[j]), KEPT * size)
         atol = e.model.atol if e.model.atol == e.model.atol else 0.0
         q.tell[j] = TELL * (max(e.model.rtol, DIGITS) * size + atol)
         if not (q.tell[j] > 0.0 and q.tell[j] < math.inf):
