@@ -98,7 +98,6 @@ subset. Rooms, and in them files, as data passes them::
         radau, radau_stages, radau_slopes, radau_dense, radau_method, radau_room    implicit steps
         stiffness           when ``auto`` goes over to them, and back
         from_edges, beside_edges    stages where laws begin, and beside that
-        beside_kinks        differences that reach over a kink of a law
         fixed               forward Euler, the classical Runge-Kutta method
         qss, qss_start, qss_events, qss_band, qss_place, qss_room    quantised states
         qss_linear, qss_fit, qss_nodes    their rates: in linear modes, and in others

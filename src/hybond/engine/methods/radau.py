@@ -33,7 +33,6 @@ from hybond.engine.methods.radau_stages import (
     NO_MATRIX,
     STAGES_BEYOND,
     STAGES_CONVERGED,
-    STAGES_FAILED,
     factorise,
     mean_size,
     rate_at,
@@ -135,9 +134,8 @@ def try_radau(e: Engine, r: Radau, rtol: float) -> int:
     if e.model.tells != 0:
         r.blamed = RATE_BLAMED
     r.from_edge = begins_at_edge(e, r, rtol)
-    made = r.matrix == NO_MATRIX
-    if made:
-        differences(e, r, rtol, False)
+    if r.matrix == NO_MATRIX:
+        differences(e, r, rtol)
     if factorise(r) == SINGULAR:
         return STEP_REJECTED
     # stages that go on from the last ones leave rest
@@ -151,11 +149,6 @@ def try_radau(e: Engine, r: Radau, rtol: float) -> int:
         # one matrix does not serve stages before and behind where a current has all but ended
         if own_stages(e, r, rtol, 0.0) and factorise(r) != SINGULAR:
             found = STAGES_CONVERGED
-    made = made and r.matrix == FRESH_MATRIX and not e.step.left_edge and e.model.kinks > 0
-    if found == STAGES_FAILED and made and differences(e, r, rtol, True):
-        # slopes beyond a kink that the motion does not come to serve none of its stages
-        if factorise(r) != SINGULAR:
-            found = iterate_beside_edge(e, r, rtol)
     if e.model.tells != 0:
         r.blamed = ERROR_BLAMED if found == STAGES_CONVERGED else STAGES_BLAMED
     if found != STAGES_CONVERGED:

@@ -14,7 +14,6 @@ from typing import Final
 from hybond.engine.algebra.products import copy_floats
 from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.engine import NOT_FINITE, OK, Engine
-from hybond.engine.methods.beside_kinks import passes_kink, see_kinks
 from hybond.engine.methods.graded import fast_from
 from hybond.engine.methods.radau_room import Radau
 from hybond.engine.methods.radau_stages import FRESH_MATRIX, rate_at
@@ -39,23 +38,21 @@ DIGITS_LEFT: Final = 1e4 * EPSILON
 """Part of a state that its tolerance is at least where a law that holds it asks for less."""
 
 
-def differences(e: Engine, r: Radau, rtol: float, one_side: bool) -> bool:
+def differences(e: Engine, r: Radau, rtol: float) -> None:
     """Make the Jacobian where the step starts; with closer rates if slow motions ask for them.
 
     Where states exchange what they store so fast that rounding of it moves their sum, rates of the
-    mode are from now on summed with all digits. Return whether some slopes are others, on
-    `one_side` of a kink.
+    mode are from now on summed with all digits.
     """
-    others = make_slopes(e, r, rtol, one_side)
+    make_slopes(e, r, rtol)
     if e.mode.closely or e.slide.k > 0 or not exchange_fast(e, r, rtol):
-        return others
+        return
     e.mode.closely = True
     refusal = e.refusal
     if rate_at(e, r.n, r.t0, r.y0, r.end) == OK:
         copy_floats(r.n, r.end, r.f0)
-        others = make_slopes(e, r, rtol, one_side)
+        make_slopes(e, r, rtol)
     e.refusal = refusal
-    return others
 
 
 def exchange_fast(e: Engine, r: Radau, rtol: float) -> bool:
@@ -70,7 +67,7 @@ def exchange_fast(e: Engine, r: Radau, rtol: float) -> bool:
     return False
 
 
-def make_slopes(e: Engine, r: Radau, rtol: float, one_side: bool) -> bool:
+def make_slopes(e: Engine, r: Radau, rtol: float) -> None:
     """Make the Jacobian by forward differences where the step starts, in the direction of motion.
 
     A state at the edge of where its law is defined is more likely to have come from there than to
@@ -80,18 +77,12 @@ def make_slopes(e: Engine, r: Radau, rtol: float, one_side: bool) -> bool:
     A signal that no rate reads has no slopes: what rates differ by is their rounding then, and over
     a difference that is next to nothing, as where it has not begun, that is beyond all bounds. What
     was tried here alone is no step's matter: it refuses none.
-
-    One that comes near a kink and is not at it stays on its side, or a step ends at the kink: where
-    the slopes beyond have not served, differences on `one_side` are made. Return whether some
-    of them are others.
     """
     n = r.n
     refusal = e.refusal
     tolerance(e, r.y0, r.y0, r.other)
     for i in range(n):
         r.shifted[i] = r.y0[i]
-    kinks = one_side and see_kinks(e, r)
-    others = False
     for j in range(n):
         size = max(math.fabs(r.y0[j]), r.other[j] / rtol)
         if size == 0.0 and j < e.model.storages:
@@ -115,9 +106,6 @@ def make_slopes(e: Engine, r: Radau, rtol: float, one_side: bool) -> bool:
                 break
             found = beside(e, r, j, delta)
             delta *= RADAU_NEAR
-        if kinks and found == OK and passes_kink(e, r, j):
-            found = away_from_kink(e, r, j)
-            others = True
         for i in range(n):
             # off its constraints, or where laws end or jump, a state may have no rates; nothing
             # moves it there
@@ -129,20 +117,6 @@ def make_slopes(e: Engine, r: Radau, rtol: float, one_side: bool) -> bool:
     r.matrix = FRESH_MATRIX
     r.served = 0.0
     r.made += 1
-    return others
-
-
-def away_from_kink(e: Engine, r: Radau, j: int) -> int:
-    """Find the rates with a state shifted the other way, or less far, so that no kink is passed."""
-    far = r.shifted[j]
-    way = r.y0[j] - far
-    for k in range(2 * NEARER):
-        r.shifted[j] = r.y0[j] + way
-        if rate_at(e, r.n, r.t0, r.shifted, r.end) == OK and not passes_kink(e, r, j):
-            return OK
-        way *= -RADAU_NEAR if k % 2 == 0 else -1.0
-    r.shifted[j] = far
-    return rate_at(e, r.n, r.t0, r.shifted, r.end)
 
 
 def only_shown(e: Engine, j: int) -> bool:

@@ -340,12 +340,15 @@ def was_zero(e: Engine, g: Locator, k: int, a: int) -> bool:
 
 
 def is_reached(e: Engine, g: Locator, a: int, t: float, size: float) -> bool:
-    """Whether what time alone moves comes to zero with a clear rate, and stays, as it is cut off.
+    """Whether what has no slope came to zero with a clear rate, and stays: it is cut off, or jumps.
 
     So it does if it was clear of zero a last part of its way before.
     """
     q = e.rests
-    look_at_state(e, g, t - JUST * (t - q.began_at), q.y)
+    back = JUST * (t - q.began_at)
+    for i in range(e.states):
+        q.shifted[i] = q.y[i] - back * q.rate[i]
+    look_at_state(e, g, t - back, q.shifted)
     here = atom_here(e, g, a)
     return not math.fabs(here) <= 4.0 * ROUNDING * size
 

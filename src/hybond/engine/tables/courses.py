@@ -51,6 +51,7 @@ from hybond.model.expressions import (
     simplify,
     uses_pre,
 )
+from hybond.model.expressions.stable import stable
 from hybond.model.expressions.tree import children, fold, walk
 
 if TYPE_CHECKING:
@@ -170,7 +171,7 @@ def _phased(before: Beforehand, e: Expr, user: tuple[int, int], own: frozenset[s
     """
     if uses_pre(e) or user[0] == OF_SWITCH or not _has_phase(before, e, own):
         return []
-    return [] if _rises(e) <= 1 else [e]
+    return [] if _rises(stable(e)) <= 1 else [e]
 
 
 def _has_phase(before: Beforehand, e: Expr, own: frozenset[str]) -> bool:
