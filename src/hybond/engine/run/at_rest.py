@@ -121,11 +121,13 @@ def see_rests(e: Engine, g: Locator) -> bool:
     for k in range(g.guards):
         if may_rest(e, g, k):
             found = is_held_by_rounding(e, g, k) or found
+            # where a law ends a little farther, nothing is said of a place to rest at
+            g.failed = False
     give_back_guess(e, e.mode)
     e.refusal = refused
     e.evaluations = evaluations
     g.looked = math.nan
-    return found and not g.failed
+    return found
 
 
 def may_rest(e: Engine, g: Locator, k: int) -> bool:

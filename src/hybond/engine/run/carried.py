@@ -157,9 +157,10 @@ def carry_memory(e: Engine, r: Run, c: Carrier) -> None:
     e.energy = carry_number(c, e.energy)
     e.parts = carry_whole(c, e.parts)
     carry_ints(c, m.storages, e.storage_part)
-    carry_floats(c, e.parts, e.part_energy)
-    carry_floats(c, e.parts, e.scale_energy)
-    carry_floats(c, e.parts, e.pushed_energy)
+    # all there may be: how many parts there are depends on where the run is
+    carry_floats(c, m.storages + 1, e.part_energy)
+    carry_floats(c, m.storages + 1, e.scale_energy)
+    carry_floats(c, m.storages + 1, e.pushed_energy)
     e.energies_seen += 1.0
     e.checks.size = carry_number(c, e.checks.size)
     e.checks.moved = carry_number(c, e.checks.moved)
