@@ -70,14 +70,11 @@ def driven() -> hb.Model:
     return m
 
 
-NOISY = "a flow of 1e9 beside small efforts: what is shown hangs on where Newton began"
-
-
 @pytest.mark.parametrize(
     "seed",
     [
         3053760,
-        pytest.param(3120253, marks=pytest.mark.xfail(reason=NOISY, strict=True)),
+        3120253,
         2022233,
     ],
 )
