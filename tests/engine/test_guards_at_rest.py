@@ -82,12 +82,39 @@ def ring(guard: str, r: str) -> hb.Model:
     return watched(m, guard)
 
 
+def dying(large: str) -> hb.Model:
+    """Return two capacitors that empty by themselves: `large` in 1 s, below 1 V in 2 s."""
+    m = hb.Model("dying", domain="electrical")
+    m.add(A=hb.C("1 F", e=large), R=hb.R("1 ohm"), a=hb.Zero())
+    m.add(B=hb.C("1 F", e="1 V"), S=hb.R("2 ohm"), b=hb.Zero())
+    m.bond("a -> A", "a -> R", "b -> B", "b -> S")
+    return watched(m, "A.e <= B.e")
+
+
+def coupled(guard: str, starts: tuple[float, float]) -> hb.Model:
+    """Return two signals that die out and turn each other; their eigenvalues are real."""
+    m = hb.Model("coupled")
+    m.signal(
+        x=hb.Integral("(-8.6*x + y)*1 [1/s]", start=starts[0]),
+        y=hb.Integral("(-x - 2.6*y)*1 [1/s]", start=starts[1]),
+    )
+    return watched(m, guard)
+
+
 def clocked(guard: str) -> hb.Model:
     """Return the line beside a clock, whose instants ask all guards."""
     m = line(guard)
     m.signal(**CLOCK)
     rules = ["a -> b when k > 0.5", "b -> a when k < 0.5"]
     m.machine("clock", states={"a": [], "b": []}, start="a", rules=rules)
+    return m
+
+
+def after(guard: str) -> hb.Model:
+    """Return the line where something else happens at 0.3 s."""
+    m = line(guard)
+    rules = ["a -> b when x > 0.3"]
+    m.machine("other", states={"a": [], "b": []}, start="a", rules=rules)
     return m
 
 
@@ -114,6 +141,9 @@ NEVER = {
     "both of two": (chain("C1.e <= C2.e and time > 1 [s]"), 5000),
     "levelled": (shared("C1.e <= C2.e"), 1000),
     "levelled, charge kept": (shared("C2.e > 1/3*1 [V]"), 1000),
+    # both of one sign all the way: the slow direction is near to (1, 6), and it starts beside that
+    "die out together": (coupled("x + y >= 0", (-0.35, -1.06)), 100),
+    "one of two that die out": (coupled("y >= 0", (-0.35, -1.06)), 100),
     "rings out": (ring("C.e > 1 [V] and time > 400 [s]", "0.2 ohm"), 1000),
     "does not ring": (ring("C.e > 1 [V]", "2 ohm"), 1000),
 }
@@ -127,6 +157,8 @@ FIRES = {
     "touch": (line("cos(time/(1 [s])) <= -1"), 10, math.pi),
     "way": (falling("x >= 100 [m]"), 100, math.acosh(math.exp(100)) / 2),
     "cut off at its bound": (line("min(x, 1) >= 1"), 10, 1.0),
+    "jumps upwards": (after("floor(x) >= 1"), 10, 1.0),
+    "jumps behind a whole number": (after("ceil(x) >= 2"), 10, 1.0),
     "rings": (ring("C.e > 1 [V]", "0.2 ohm"), 100, (math.pi - math.acos(0.1)) / RINGS),
 }
 
@@ -153,6 +185,21 @@ def test_what_is_reached_in_finite_time_fires(name: str, method: str) -> None:
     at = fired(hb.simulate(model, until=until, method=method))
     assert len(at) == 1
     assert at[0] == pytest.approx(t, rel=1e-3 if "nearly" in name else 1e-5, abs=1e-12)
+
+
+@pytest.mark.parametrize("method", ["exact", "radau"])
+@pytest.mark.parametrize("large", [1e1, 1e4])
+def test_what_dies_out_is_told_by_its_own_digits(large: float, method: str) -> None:
+    """One falls below the other far below where it began, and both come to rest at zero."""
+    at = fired(hb.simulate(dying(f"{large} V"), until=80, method=method))
+    assert at == pytest.approx([2 * math.log(large)], rel=1e-5)
+
+
+def test_explicit_steps_say_that_they_cannot_tell_that() -> None:
+    run = hb.simulate(dying("1e4 V"), until=80, method="rk45")
+    assert fired(run) == [] and "HB-N413" in run.warnings[0]
+    run = hb.simulate(dying("1e4 V"), until=80, method="rk45", rtol=1e-11)
+    assert fired(run) == pytest.approx([2 * math.log(1e4)], rel=1e-5) and not run.warnings
 
 
 @pytest.mark.parametrize("guard", ["C.e >= 1 [V]", "C.e > 1 [V]", "R.e <= 0 [V]"])

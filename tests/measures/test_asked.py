@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -202,16 +203,16 @@ until = 10
     ("given", "t"),
     [("1 s", 1.0), ("500 ms", 0.5), (1, 1.0), (["1 s", 0.5], [1.0, 0.5]), (["2 s"], [2.0])],
 )
-def test_values_at_times_with_units(discharge: hb.Result, given: object, t: object) -> None:
-    assert np.array_equal(discharge["c.e"].at(given), discharge["c.e"].at(t))  # type: ignore[arg-type]
-    assert np.ndim(discharge["c.e"].at(given)) == np.ndim(t)  # type: ignore[arg-type]
+def test_values_at_times_with_units(discharge: hb.Result, given: Any, t: Any) -> None:
+    assert np.array_equal(discharge["c.e"].at(given), discharge["c.e"].at(t))
+    assert np.ndim(discharge["c.e"].at(given)) == np.ndim(t)
     assert np.array_equal(
-        discharge.sample(given, ["c.e"])["c.e"],  # type: ignore[arg-type]
-        discharge.sample(t, ["c.e"])["c.e"],  # type: ignore[arg-type]
+        discharge.sample(given, ["c.e"])["c.e"],
+        discharge.sample(t, ["c.e"])["c.e"],
     )
 
 
 @pytest.mark.parametrize("given", ["1 V", "soon", ["1 s", "soon"], "1e9 s"])
-def test_what_is_no_time_of_the_run_is_refused(discharge: hb.Result, given: object) -> None:
+def test_what_is_no_time_of_the_run_is_refused(discharge: hb.Result, given: Any) -> None:
     with pytest.raises(hb.UsageError, match="HB-S110"):
-        discharge["c.e"].at(given)  # type: ignore[arg-type]
+        discharge["c.e"].at(given)

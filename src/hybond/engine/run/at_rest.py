@@ -21,8 +21,8 @@ from hybond.engine.algebra.products import all_finite
 from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.engine import OK, Engine
 from hybond.engine.expressions.pairs import ROUNDING
-from hybond.engine.methods.qss_room import QSS1
-from hybond.engine.methods.stepping import between
+from hybond.engine.methods.control import is_propagated
+from hybond.engine.methods.stepping import between, by_radau
 from hybond.engine.mode.guess import give_back_guess, hold_guess
 from hybond.engine.mode.values import field
 from hybond.engine.reasons.warned import GUARD_AT_REST, add_about, begin_warning
@@ -50,9 +50,12 @@ MOST: Final = 64
 TELL: Final = 10.0
 """Times the tolerance that errors of steps may add up to, and polynomials between them may be off.
 """
-KEPT: Final = 1e-6
-"""Part of what it was from which on a state that dies out is not known by its own digits alone:
-errors of earlier steps die out as it does, or nearly so. A quantum does not."""
+PROPAGATED: Final = 1e-6
+"""Part of what it was from which on a state that dies out is not known by its own digits alone,
+where modes are propagated exactly: the rest is rounding, ..."""
+DAMPED: Final = 1e-2
+"""... and in implicit steps, of which errors die out as it does. Explicit ones go on making some
+that are as large as the tolerance lets them, and so do quanta."""
 DIGITS: Final = 1e-12
 """Part of a state that its tolerance is at least."""
 CLEARLY: Final = 1e-4
@@ -243,10 +246,9 @@ def find_slopes(e: Engine, g: Locator, k: int, t: float) -> bool:
     n = e.states
     first = g.atom_first[k]
     steep = e.model.edges > 0 or e.model.begins > 0
+    part = PROPAGATED if is_propagated(e) else DAMPED if by_radau(e) else 1.0
     for j in range(n):
-        size = size_of_state(e, j)
-        if e.model.method < QSS1:
-            size = max(math.fabs(q.y[j]), KEPT * size)
+        size = max(math.fabs(q.y[j]), part * size_of_state(e, j))
         atol = e.model.atol if e.model.atol == e.model.atol else 0.0
         q.tell[j] = TELL * (max(e.model.rtol, DIGITS) * size + atol)
         if not (q.tell[j] > 0.0 and q.tell[j] < math.inf):
