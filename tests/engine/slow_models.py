@@ -197,3 +197,89 @@ LINEAR: dict[str, Callable[[], System]] = {
     "driven back": functools.partial(driven, back=True),
     **{"read by a source": read_by_source, "loose": loose, "counted": counted},
 }
+
+Joint = tuple[int, int, float]
+"""Two nodes, and the resistance between them, ohm."""
+At = tuple[int, float]
+"""A node, and what is there: a resistance to ground in ohm, or a current into it in ampere."""
+
+
+def network(
+    farads: Sequence[float],
+    volts: Sequence[float],
+    joints: Sequence[Joint],
+    leaks: Sequence[At],
+    fed: Sequence[At],
+    until: float,
+) -> System:
+    """Capacitors at nodes that resistors join."""
+    m = hb.Model("network")
+    n = len(farads)
+    rates = [[Fraction(0)] * (n + 1) for _ in range(n + 1)]
+    for i, (c, e) in enumerate(zip(farads, volts, strict=True)):
+        m.add(**{f"n{i}": hb.Zero(), f"c{i}": hb.C(c, e=e)})
+        m.bond(f"n{i} -> c{i}")
+    for k, (a, b, r) in enumerate(joints):
+        m.add(**{f"s{k}": hb.One(), f"r{k}": hb.R(r)})
+        m.bond(f"n{a} -> s{k} -> n{b}", f"s{k} -> r{k}")
+        for i, j in ((a, b), (b, a)):  # of charges: what one gives is what the other gets
+            rates[i][i] -= over(1, r, farads[i])
+            rates[j][i] += over(1, r, farads[i])
+    for k, (i, r) in enumerate(leaks):
+        m.add(**{f"l{k}": hb.R(r)})
+        m.bond(f"n{i} -> l{k}")
+        rates[i][i] -= over(1, r, farads[i])
+    for k, (i, f) in enumerate(fed):
+        m.add(**{f"f{k}": hb.Sf(f)})
+        m.bond(f"f{k} -> n{i}")
+        rates[i][n] += Fraction(f)
+    start = [*(Decimal(c) * Decimal(e) for c, e in zip(farads, volts, strict=True)), Decimal(1)]
+    return m, until, ends(" ".join(f"c{i}.q" for i in range(n)), moved(rates, start, until))
+
+
+NETWORKS: dict[str, Callable[[], System]] = {
+    "of three scales": lambda: network(
+        [1e-9, 1e-3, 1e-2], [-1.5, 1.0, -2.5], [(0, 1, 1e-10), (2, 1, 1e-2)], [(2, 1e6)], [], 80.0
+    ),
+    "fed": lambda: network(
+        [3e-7, 1e-6, 3e-2],
+        [-4.0, -1.0, 4.0],
+        [(0, 1, 1e-10), (0, 2, 5e-3), (0, 1, 3e-4)],
+        [(0, 1e6)],
+        [(1, 1e-2)],
+        0.3,
+    ),
+    "fed for years": lambda: network(
+        [0.1, 0.3, 1e-3, 3e-5],
+        [5.0, -4.0, -5.0, 5.0],
+        [(1, 0, 1e-9), (2, 0, 1e2), (1, 3, 90.0)],
+        [(0, 1e9), (1, 20.0), (2, 100.0)],
+        [(3, -1.0)],
+        1e8,
+    ),
+    "that begins with nothing": lambda: network(
+        [1e-3, 1e-6, 1e-5, 3e-5],
+        [0.0, 0.0, 1.5, 0.0],
+        [(1, 0, 13.0), (1, 2, 1e-4), (1, 3, 1e-5), (2, 1, 1e-10)],
+        [(0, 1e8), (2, 1e4), (3, 1.0)],
+        [(0, -5e-4)],
+        3e4,
+    ),
+    "for 1e25 times the fastest": lambda: network(
+        [1e-9, 1e-8, 0.1],
+        [0.0, -4.11, 4.11],
+        [(0, 1, 1e-10), (0, 2, 1.5e-10)],
+        [(2, 1e6)],
+        [],
+        1e6,
+    ),
+    "that is level soon": lambda: network(
+        [1e-6, 1.0, 1e-4, 3e-8],
+        [3.0, 3.0, -2.3, 3.0],
+        [(0, 1, 1e-5), (0, 2, 1e5), (3, 1, 2.3e-7), (2, 0, 1e-8)],
+        [(0, 2.7e3), (2, 1.1e5)],
+        [],
+        11.0,
+    ),
+}
+"""Networks of capacitors whose rates are more than ten powers of ten apart."""

@@ -6,8 +6,10 @@ Two capacitors joined by a nanoohm empty together by a megohm. Each rate is a di
 
 from __future__ import annotations
 
+import math
+
 import pytest
-from engine.slow_models import LINEAR, held, moved, pair, pair_rates, switched
+from engine.slow_models import LINEAR, NETWORKS, held, moved, pair, pair_rates, switched
 from portable_runs import assert_the_same, portable
 
 import hybond as hb
@@ -22,6 +24,15 @@ def test_slow_motions_have_their_digits(name: str) -> None:
     held(run, until, ends, 2e-11 if name == "bodies" else 1e-14)
 
 
+@pytest.mark.parametrize("name", NETWORKS)
+def test_a_network(name: str) -> None:
+    """Several of its rows are fast, and of what is left of them another one is fast as well."""
+    m, until, ends = NETWORKS[name]()
+    run = hb.simulate(m, until, max_steps=2000)
+    assert run.method.startswith("1 mode propagated exactly")
+    held(run, until, ends, 2e-9)
+
+
 @pytest.mark.parametrize("r", [1e-9, 1e-7, 1e-5, 1e-3])
 def test_between_steps_and_at_all_resistances(r: float) -> None:
     run = hb.simulate(pair(r=r), 3.0)
@@ -34,6 +45,24 @@ def test_between_steps_and_at_all_resistances(r: float) -> None:
 def test_joined_by_a_switch() -> None:
     m, until, ends = switched()
     held(hb.simulate(m, until), until, ends, 1e-14)
+
+
+@pytest.mark.parametrize("back", [False, True])
+@pytest.mark.parametrize("r", [1e-12, 1e-9, 1e-8])
+@pytest.mark.parametrize("switch", [False, True])
+def test_what_begins_level_raises_no_alarm(r: float, back: bool, switch: bool) -> None:
+    """Nothing flows between the two but the leak's half; what each term is rounded by is more."""
+    m = hb.Model("level")
+    m.add(a=hb.C(1.0, e=3.0), b=hb.C(1.0, e=3.0), na=hb.Zero(), nb=hb.Zero(), s=hb.One())
+    m.add(r=hb.R(r), l=hb.R(1e6))
+    m.bond("s -> r", *(["nb -> s -> na", "a -> na", "nb -> l", "b -> nb"] if back else
+                       ["na -> s -> nb", "na -> a", "nb -> l", "nb -> b"]))  # fmt: skip
+    if switch:
+        m.machine("S", start="closed", states={"open": [], "closed": ["s"]}, rules=[])
+    run = hb.simulate(m, 1e6)
+    assert run.status == "ok"
+    for name in ("a.e", "b.e"):
+        assert run[name].at(1e6) == pytest.approx(3.0 * math.exp(-0.5), rel=1e-14)
 
 
 def test_without_a_leak_their_sum_stays() -> None:

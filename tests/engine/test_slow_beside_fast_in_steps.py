@@ -7,7 +7,7 @@ Rates were rounded by more than the leak is, and so was the Jacobian: a motion o
 from __future__ import annotations
 
 import pytest
-from engine.slow_models import LINEAR, System, held, of_pair, pair, switched
+from engine.slow_models import LINEAR, NETWORKS, System, held, of_pair, pair, switched
 
 import hybond as hb
 
@@ -15,6 +15,11 @@ import hybond as hb
 @pytest.mark.parametrize("name", LINEAR)
 def test_radau(name: str) -> None:
     stepped(LINEAR[name](), "radau", 1e-7)
+
+
+@pytest.mark.parametrize("name", ["of three scales", "fed", "for 1e25 times the fastest"])
+def test_a_network(name: str) -> None:
+    stepped(NETWORKS[name](), "radau", 1e-7)
 
 
 def test_a_switched_pair() -> None:

@@ -25,7 +25,7 @@ NO_FLOW: Final = -1
 MOST_FLOWS: Final = 64
 ROOM: Final = 4194304
 """Numbers that the exponentials of all flows may take, about: of large modes fewer are kept."""
-LEVELS: Final = 60
+LEVELS: Final = 180
 PARTS: Final = 5
 """Parts of a step in which its dense output is made from."""
 TERMS: Final = 24
@@ -113,6 +113,9 @@ class Exact:
     terms: Block
     parts: Block
     """z at all parts of a step."""
+    shared: Block
+    """How large, in units of the flow, what each component of z is a sum or difference of was in a
+    step, where others were taken off it."""
     rates: Floats
     """The rate of the state there."""
     y: Floats
@@ -171,6 +174,7 @@ def make_exact(m: Model) -> Exact:
     x.b2 = make_block(most)
     x.terms = make_block(TERMS * most)
     x.parts = make_block((PARTS + 1) * most)
+    x.shared = make_block(1)
     x.rates = floats((PARTS + 1) * n)
     x.y = floats(n)
     x.rate = floats(n)

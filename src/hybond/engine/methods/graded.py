@@ -27,6 +27,8 @@ ROUNDED_AWAY: Final = 0.1
 """Part of `rtol` that rounding of fast terms may move a slow motion by, over the whole run."""
 RANGE: Final = 2.0**-90
 """Part of the norm below which no entry counts as fast, however long a run is."""
+LESS: Final = 0.5
+"""Part of its largest entry that a row is left with where something large has gone."""
 SINGLE: Final = 2.0**-44
 """Part of it above which fast entries are told from others without twice the digits."""
 
@@ -85,7 +87,7 @@ def share_fast(f: Flow, states: int, fast: float) -> bool:
 
 
 def take_off(x: Exact, f: Flow, states: int, fast: float) -> bool:
-    """Take rows with fast entries off each other; whether one that had some is left without.
+    """Take rows with fast entries off each other; whether one that had some is left with less.
 
     A row stands for the others by the largest entry that is left. States that no rate reads, such
     as signals, do not: what they have grown to would hide what they were taken off.
@@ -114,7 +116,7 @@ def take_off(x: Exact, f: Flow, states: int, fast: float) -> bool:
             if f.standing.at[k] != 1 and math.fabs(a[k * n + column]) >= fast:
                 take_row_off(x, f, row, k, column)
     for i in range(states):
-        if f.standing.at[i] != 1 and x.largest.at[i] >= fast:
+        if x.largest.at[i] >= fast and row_largest(a, n, i, states) < LESS * x.largest.at[i]:
             return True
     return False
 

@@ -77,10 +77,15 @@ def to_own(f: Flow, b: Floats) -> None:
         b[f.other.at[p]] -= f.share.at[p] * b[f.row.at[p]]
 
 
-def from_own(f: Flow, b: Floats, at: int) -> None:
-    """Replace such coordinates, from `at` on, by z."""
+def from_own(f: Flow, b: Floats, at: int, shared: Floats) -> None:
+    """Replace such coordinates, from `at` on, by z; `shared` grows to the size of what is added.
+
+    A state that is zero is a difference there of what others hold, and no more exact than these.
+    """
     for p in range(f.shares - 1, -1, -1):
-        b[at + f.other.at[p]] += f.share.at[p] * b[at + f.row.at[p]]
+        term = f.share.at[p] * b[at + f.row.at[p]]
+        b[at + f.other.at[p]] += term
+        shared[f.other.at[p]] = max(shared[f.other.at[p]], math.fabs(term))
 
 
 def series(x: Exact, f: Flow, b: Floats, h: float) -> int:
@@ -155,6 +160,9 @@ def pass_parts(x: Exact, f: Flow, h: float) -> bool:
     copy_floats(n, parts, x.b.at)
     if f.shares > 0:
         to_own(f, x.b.at)
+        fit(x.shared, n)
+        for i in range(n):
+            x.shared.at[i] = 0.0
     reach = parts_at_once(f, h)
     done = 0
     while done < PARTS:
@@ -176,7 +184,7 @@ def pass_parts(x: Exact, f: Flow, h: float) -> bool:
         for i in range(n):
             x.b.at[i] = parts[done * n + i]
     for part in range(1, PARTS + 1 if f.shares > 0 else 1):
-        from_own(f, parts, part * n)
+        from_own(f, parts, part * n, x.shared.at)
     for part in range(PARTS + 1):
         for i in range(n):
             parts[part * n + i] *= f.scale.at[i]

@@ -37,6 +37,9 @@ NOISE: Final = 1e-14
 SURELY: Final = 1e-17
 """A sum below this part of what it has lost on the way is far less than rounding makes: in circuits
 whose halves are equal, differences are zero and come out as that. It is not told."""
+NOTHING: Final = 1e-22
+"""A sum below this part of what it has lost is zero in rows of twice the digits too: what is more
+may be a coefficient, and may be rounding of what the model was given."""
 SMALLEST: Final = 4
 """Entries that a row has room for at the least."""
 NOWHERE: Final = -1
@@ -92,6 +95,8 @@ class Elimination:
     cell_next: Places
     least: float
     dropped: float
+    doubted: bool
+    """Whether a sum was taken for zero that twice the digits do not make so."""
     # a row under way
     total: Floats
     over: Floats
@@ -152,6 +157,7 @@ def begin_elimination(e: Elimination) -> None:
     e.done = 0
     e.least = 1.0
     e.dropped = 0.0
+    e.doubted = False
     e.given = 0
     e.end = 0
     e.cells = 0
@@ -258,6 +264,8 @@ def cancels(e: Elimination, total: float, size: float, lost: float) -> bool:
         e.least = min(e.least, part / size)
     elif part > NOISE * size and part > SURELY * lost:
         e.dropped = max(e.dropped, part / size)
+    elif part > NOTHING * lost:
+        e.doubted = True
     return zero
 
 

@@ -25,6 +25,7 @@ def copy_elimination(source: Elimination, e: Elimination) -> None:
     e.done = source.done
     e.least = source.least
     e.dropped = source.dropped
+    e.doubted = source.doubted
     for k in range(e.unknowns):
         e.same[k] = source.same[k]
         e.read[k] = source.read[k]
@@ -50,6 +51,7 @@ def repeat_elimination(source: Elimination, e: Elimination) -> None:
     e.done = source.done
     e.least = source.least
     e.dropped = source.dropped
+    e.doubted = source.doubted
     e.given = 0
     e.end = source.end
     e.cells = source.cells

@@ -98,7 +98,7 @@ def make_equations(e: Engine, mode: Mode, given: Ints) -> None:
     for _ in range(TURNS):
         # constraints on what is stored, and what laws tie together, are told from structure
         structured = e.model.laws > 0 or e.work.table.done > 0
-        if mode.dynamics > 0 or mode.too_high or structured or not loses_digits(e):
+        if mode.dynamics > 0 or mode.too_high or structured or not may_lose_digits(e):
             break
         for k in range(mode.knowns):
             e.work.xi[k] = level_of(e.model, mode, k)
@@ -111,6 +111,14 @@ def loses_digits(e: Engine) -> bool:
     power = e.work.power
     finite = e.work.finite
     return min(power.least, finite.least) < CLEAR or max(power.dropped, finite.dropped) > 0.0
+
+
+def may_lose_digits(e: Engine) -> bool:
+    """Whether they have, or what was taken for zero would be told in other rows from rounding.
+
+    A leak beside an exchange 1e15 times as large is as small as rounding of the two.
+    """
+    return loses_digits(e) or e.work.power.doubted or e.work.finite.doubted
 
 
 def level_of(m: Model, mode: Mode, k: int) -> float:
