@@ -281,5 +281,24 @@ NETWORKS: dict[str, Callable[[], System]] = {
         [],
         11.0,
     ),
+    "that leaks beside": lambda: network(
+        [1e-7, 1e-8, 1e-4],
+        [3.0, 3.0, 3.0],
+        [(1, 0, 73.0), (2, 0, 6e-10)],
+        [(0, 1e4)],
+        [],
+        0.3,
+    ),
+    "of next to no and next to all resistance": lambda: network(
+        [1e-4, 1e-6, 1e-4],
+        [-2.8, 4.3, 0.0],
+        [(1, 0, 1.0), (2, 0, 3.4e6), (1, 2, 1e-8)],
+        [(0, 1e6)],
+        [],
+        1.0,
+    ),
+    "that is level": lambda: network(
+        [1.4e-8, 1e-8], [1.0, 1.0], [(1, 0, 1e-10)], [(0, 1e6)], [], 4e-3
+    ),
 }
 """Networks of capacitors whose rates are more than ten powers of ten apart."""

@@ -22,6 +22,24 @@ def test_a_network(name: str) -> None:
     stepped(NETWORKS[name](), "radau", 1e-7)
 
 
+@pytest.mark.parametrize(
+    "name",
+    [
+        "that leaks beside",
+        "of next to no and next to all resistance",
+        "that is level",
+        "that begins with nothing",
+        "fed for years",
+    ],
+)
+def test_a_network_beside_a_law_that_is_bent(name: str) -> None:
+    """What joins it nowhere takes the mode from those that are propagated, and changes nothing."""
+    m, until, ends = NETWORKS[name]()
+    m.add(x=hb.C(1.0, e=1.0), y=hb.R("1 + y.f^2"), o=hb.Zero())
+    m.bond("o -> x", "o -> y")
+    stepped((m, until, ends), "auto", 1e-5)
+
+
 def test_a_switched_pair() -> None:
     stepped(switched(), "radau", 1e-8)
 

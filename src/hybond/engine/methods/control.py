@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.engine.algebra.products import all_finite
+from hybond.engine.algebra.products import all_finite, copy_floats
 from hybond.engine.engine import NOT_FINITE, OK, Engine, say_fault
 from hybond.engine.methods.dopri import (
     SMALLEST_ERROR,
@@ -29,6 +29,7 @@ from hybond.engine.methods.exact import (
 from hybond.engine.methods.failed_steps import no_rate, note_settling, step_too_small, worst_of
 from hybond.engine.methods.flow import take_flow
 from hybond.engine.methods.flow_records import AUTO, EXACT, LARGE
+from hybond.engine.methods.graded import exchanges_fast
 from hybond.engine.methods.hidden_peaks import hidden_at_end
 from hybond.engine.methods.one_instant import is_one_kink
 from hybond.engine.methods.onset import foresee_onset
@@ -79,11 +80,11 @@ def controlled_start(e: Engine, t: float, y: Floats, t_bound: float, jumped: boo
         s.error_before = SMALLEST_ERROR
         s.began = t
         limit = min(e.model.max_step, t_bound - t) if t_bound > t else e.model.max_step
-        choose_first(e, limit)
+        choose_first(e, t, limit)
     return OK
 
 
-def choose_first(e: Engine, limit: float) -> None:
+def choose_first(e: Engine, t: float, limit: float) -> None:
     """Choose the method in the mode that begins, and the size of the first step."""
     s = e.step
     if e.model.method == EXACT or e.model.method == AUTO:
@@ -99,6 +100,11 @@ def choose_first(e: Engine, limit: float) -> None:
             if e.straight and s.pace[e.mode.pace] > 0.0:
                 s.h = min(s.h, s.pace[e.mode.pace])
             return
+    if not e.mode.closely and e.slide.k == 0 and exchanges_fast(e, e.mode):
+        # as `radau` does; rates begin anew with all their digits
+        e.mode.closely = True
+        if field(e, e.mode, t, s.y, s.rate) == OK:
+            copy_floats(e.states, s.rate, s.f)
     if e.straight and s.pace[e.mode.pace] > 0.0:
         s.h = min(s.pace[e.mode.pace], limit)
     else:

@@ -38,6 +38,27 @@ def fast_from(e: Engine, rtol: float) -> float:
     return ROUNDED_AWAY * rtol / (EPSILON * e.span) if e.span > 0.0 else math.inf
 
 
+def exchanges_fast(e: Engine, mode: Mode) -> bool:
+    """Whether a rate reads what another storage holds so fast that rounding of it tells in the run.
+
+    What laws that are solved make of it is left out.
+    """
+    m = e.model
+    most = fast_from(e, m.rtol)
+    rows = mode.finite
+    for k in range(m.storages):
+        own = mode.same[m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 0 else 0)]
+        for i in range(rows.first.at[own], rows.first.at[own + 1]):
+            port = rows.column.at[i]
+            if port >= m.storages:
+                continue
+            for p in range(m.stiff_first[port], m.stiff_first[port + 1]):
+                fast = math.fabs(rows.value.at[i] * m.stiff_constant[p]) > most
+                if fast and m.stiff_other[p] != k:
+                    return True
+    return False
+
+
 def grade(e: Engine, mode: Mode, f: Flow) -> None:
     """Find such coordinates for the flow of a mode, if it has slow motions beside fast ones.
 

@@ -262,10 +262,10 @@ def cancels(e: Elimination, total: float, size: float, lost: float) -> bool:
     zero = part <= CANCELLATION * size and part <= ROUNDED * lost
     if not zero:
         e.least = min(e.least, part / size)
-    elif part > NOISE * size and part > SURELY * lost:
-        e.dropped = max(e.dropped, part / size)
     elif part > NOTHING * lost:
         e.doubted = True
+        if part > NOISE * size and part > SURELY * lost:
+            e.dropped = max(e.dropped, part / size)
     return zero
 
 

@@ -15,7 +15,7 @@ from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.newton import by_knowns
 from hybond.engine.mode.newton_system import take_rank
 from hybond.engine.mode.reading import read_rates
-from hybond.engine.mode.tableau import build, switch_on
+from hybond.engine.mode.tableau import build, part_of, switch_on
 from hybond.engine.model import Model
 from hybond.engine.reasons.warned import FAR_APART, add_about, begin_warning
 from hybond.engine.words import Floats, Ints, some
@@ -98,7 +98,10 @@ def make_equations(e: Engine, mode: Mode, given: Ints) -> None:
     for _ in range(TURNS):
         # constraints on what is stored, and what laws tie together, are told from structure
         structured = e.model.laws > 0 or e.work.table.done > 0
-        if mode.dynamics > 0 or mode.too_high or structured or not may_lose_digits(e):
+        if mode.dynamics > 0 or mode.too_high or structured:
+            break
+        # a leak beside an exchange 1e15 times as large is as small as rounding of the two
+        if not loses_digits(e) and not mode.doubted:
             break
         for k in range(mode.knowns):
             e.work.xi[k] = level_of(e.model, mode, k)
@@ -111,14 +114,6 @@ def loses_digits(e: Engine) -> bool:
     power = e.work.power
     finite = e.work.finite
     return min(power.least, finite.least) < CLEAR or max(power.dropped, finite.dropped) > 0.0
-
-
-def may_lose_digits(e: Engine) -> bool:
-    """Whether they have, or what was taken for zero would be told in other rows from rounding.
-
-    A leak beside an exchange 1e15 times as large is as small as rounding of the two.
-    """
-    return loses_digits(e) or e.work.power.doubted or e.work.finite.doubted
 
 
 def level_of(m: Model, mode: Mode, k: int) -> float:
@@ -148,9 +143,37 @@ def eliminate_by(e: Engine, mode: Mode, at: Floats) -> None:
             e.work.kind_reach[c] = max(e.work.kind_reach[c], math.fabs(at[k]))
     for k in range(n):
         own = math.fabs(at[k]) if math.isfinite(at[k]) else 0.0
-        mode.weight[k] = max(own, max(LEAST_LEVEL * e.work.kind_reach[m.bond_class[k]], LEAST))
+        mode.weight[k] = max(own, least_weight(e, k))
+    weigh_by_laws(e, mode)
     mode.weighed = True
     eliminate(e, mode)
+
+
+def least_weight(e: Engine, k: int) -> float:
+    """Return what bond variable k counts as where nothing but rounding is known of it."""
+    return max(LEAST_LEVEL * e.work.kind_reach[e.model.bond_class[k]], LEAST)
+
+
+def weigh_by_laws(e: Engine, mode: Mode) -> None:
+    """Let what a law gives count as that where the sums of a junction have lost it in rounding.
+
+    The current of a leak is as large as the voltage at it says, however large those beside it are.
+    """
+    m = e.model
+    for element in range(m.elements):
+        part = part_of(m, mode, element)
+        for row in range(m.part_power[part], m.part_power[part + 1]):
+            first = m.row_first[row]
+            if m.row_first[row + 1] != first + 2:
+                continue
+            for i in range(2):
+                one = m.row_column[first + i]
+                other = m.row_column[first + 1 - i]
+                if one >= 2 * m.bonds or other >= 2 * m.bonds or m.row_value[first + i] == 0.0:
+                    continue
+                given = math.fabs(m.row_value[first + 1 - i] / m.row_value[first + i])
+                if mode.weight[one] <= least_weight(e, one):
+                    mode.weight[one] = max(mode.weight[one], given * mode.weight[other])
 
 
 def eliminate(e: Engine, mode: Mode) -> None:
@@ -162,6 +185,7 @@ def eliminate(e: Engine, mode: Mode) -> None:
         mode.prior_acts[k] = 1 if is_prior_active(m, mode, k) else 0
     power = e.work.power
     finite = e.work.finite
+    mode.doubted = power.doubted or finite.doubted
     for k in range(2 * m.bonds):
         mode.same[k] = power.same[k]
     mode.finite_frees = free_columns(finite, mode.free_column)

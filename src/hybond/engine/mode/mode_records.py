@@ -203,6 +203,8 @@ class Mode:
     """Where its flow is kept, or -1."""
     given: Ints
     """Which variable of each junction is given from outside."""
+    doubted: bool
+    """Whether elimination took a sum for zero that may be a coefficient."""
     weighed: bool
     """Whether rows were eliminated by how large bond variables are: `weight`."""
     weight: Floats

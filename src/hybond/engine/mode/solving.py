@@ -13,9 +13,9 @@ from typing import Final
 
 from hybond.engine.engine import NOT_FINITE, OK, Engine, count_work
 from hybond.engine.mode.closely import closely, sum_closely
-from hybond.engine.mode.equations import eliminate_by
+from hybond.engine.mode.equations import eliminate_by, level_of
 from hybond.engine.mode.mode_records import Mode, Reads
-from hybond.engine.mode.newton import keep_guess, knowns_of, newton
+from hybond.engine.mode.newton import by_knowns, keep_guess, knowns_of, newton
 from hybond.engine.mode.newton_system import measure_terms, write_bonds
 from hybond.engine.mode.put_back import HIDDEN, UNIT, is_known
 from hybond.engine.mode.reading import put_knowns, show_read
@@ -82,6 +82,8 @@ def newton_with_digits(e: Engine, mode: Mode, v: Floats) -> int:
         found = newton(e, mode, v)
         mode.lost = e.work.lost
     mode.solves += 1
+    if found == OK and mode.doubted and not mode.weighed:
+        found = newton_apart(e, mode, v)
     if found != OK or mode.solves < mode.looks_due:
         return found
     mode.looks_due = 2 * mode.solves
@@ -96,6 +98,26 @@ def newton_with_digits(e: Engine, mode: Mode, v: Floats) -> int:
         knowns_of(e, mode, v, True)
         found = newton(e, mode, v)
     return found
+
+
+def newton_apart(e: Engine, mode: Mode, v: Floats) -> int:
+    """Solve once more, rows being eliminated by how large bond variables are or may become.
+
+    Nothing flows between what is level, and much as soon as it is not.
+    """
+    w = e.work.w
+    at = e.work.lost_at
+    for k in range(mode.knowns):
+        e.work.xi[k] = level_of(e.model, mode, k)
+    by_knowns(e, mode, mode.finite, at)
+    for k in range(2 * e.model.bonds):
+        at[k] = max(math.fabs(at[k]), math.fabs(w[k]))
+    eliminate_by(e, mode, at)
+    for j in range(mode.finite_frees):
+        mode.guess.at[j] = w[mode.free_column[j]]
+        mode.guessed = True
+    knowns_of(e, mode, v, True)
+    return newton(e, mode, v)
 
 
 def lost_in_rows(e: Engine, mode: Mode, w: Floats) -> float:
