@@ -359,8 +359,9 @@ def test_contacts_that_strike_in_turn_rest_at_their_limit(way: float, rebound: f
     assert run["stop.e"].at(2.9) == pytest.approx(weight - pull)
 
 
-def test_a_chain_of_ropes_that_jerks_rests_at_its_limit() -> None:
-    run = hb.simulate(jerks(1.0, 0.0, 2.0, 3.0), until=8.0)
+@pytest.mark.parametrize("rebound", [0.0, 0.4])
+def test_a_chain_of_ropes_that_jerks_rests_at_its_limit(rebound: float) -> None:
+    run = hb.simulate(jerks(1.0, rebound, 2.0, 3.0), until=8.0)
     assert run.status == "ok" and run.mode == {
         "stop": "closed",
         "rope1": "closed",

@@ -38,7 +38,8 @@ def land_in_turn(e: Engine, s: Settling, i: Instant) -> int:
     t = g.limit_t
     ratio = g.limit_ratio
     room = TURN * CHATTERING * since_start(e.t, e.span)
-    if not close_in_turn(e, g, room) or not would_carry(e, g, room):
+    found = close_in_turn(e, g, room, True) and would_carry(e, g, room)
+    if not found and not (close_in_turn(e, g, room, False) and would_carry(e, g, room)):
         return 0
     g.found_t = t
     g.found_ratio = ratio
@@ -54,8 +55,12 @@ def land_in_turn(e: Engine, s: Settling, i: Instant) -> int:
     return lie_down(e, g, s, i)
 
 
-def close_in_turn(e: Engine, g: Landings, room: float) -> bool:
-    """Choose the contacts whose events accumulate, two at least, into `g.state` all closed."""
+def close_in_turn(e: Engine, g: Landings, room: float, touching: bool) -> bool:
+    """Choose the contacts whose events accumulate, two at least, into `g.state` all closed.
+
+    Or all that are `touching`, whose own events may be those of another: what lies between two of
+    them strikes both at one instant.
+    """
     m = e.model
     for k in range(m.machines):
         g.state[k] = e.state[k]
@@ -64,7 +69,9 @@ def close_in_turn(e: Engine, g: Landings, room: float) -> bool:
     opened = False
     for p in range(m.ports):
         k = m.port_machine[p]
-        if m.port_gap[p] == NO_LAW_VALUE or not takes_turns(g, k, room):
+        if m.port_gap[p] == NO_LAW_VALUE:
+            continue
+        if not (e.laws.able[p] != 0 if touching else takes_turns(g, k, room)):
             continue
         g.chosen[k] = 1
         many += 1
