@@ -76,6 +76,7 @@ subset. Rooms, and in them files, as data passes them::
         impacts_seen, accumulation, landing, landing_records    impacts that come to rest
         rest, unrest        the state at rest; why there is none
         coming_back         whether what was put together stays there
+        in_turn             contacts without a rebound that open each other, ever faster
     sliding/
         sliding, what_happened, met    after an event: which machines slide from there
         ways_on, filippov, crossings, additive, ways_told    how the state goes on

@@ -25,6 +25,7 @@ from hybond.engine.laws.law_instant import NO_LAW_VALUE, is_stored, quantity
 from hybond.engine.laws.law_records import Laws
 from hybond.engine.laws.ports import open_mode, partner_row, solve_with, times_partner
 from hybond.engine.mode.guess import give_back_guess, hold_guess
+from hybond.engine.mode.part_energies import find_energies_at, part_of_bond
 from hybond.engine.mode.tableau import COMMON
 from hybond.engine.timestepping.step_records import MOREAU
 from hybond.engine.words import Floats
@@ -93,9 +94,24 @@ def hold_contact(e: Engine, r: Laws, k: int, alone: bool, may: float, least: flo
         off = max(target - c.after[k], 0.0)
     elif asked != NEWTON:
         off = max(-c.after[k], 0.0)
-    if off > (0.0 if nu < -least else may + ROUNDED * c.terms[k]):
+    if nu < -least:
+        # an impulse is a difference of momenta, of which energy over speed tells the size
+        held = energy_at(e, r, k)
+        wrong = off * c.terms[k] > ROUNDED * held
+    else:
+        wrong = off > may + ROUNDED * c.terms[k]
+    if wrong:
         size = math.fabs(c.after[k]) + math.fabs(target)
         note_violation(e, e.mode, r.t, IMPACT, k, off, size)
+
+
+def energy_at(e: Engine, r: Laws, k: int) -> float:
+    """Return the largest energy that the part of port k has held, J."""
+    m = e.model
+    mode = open_mode(e, r.now)
+    energies = e.work.part_root
+    find_energies_at(e, mode, r.x, energies)
+    return energies[part_of_bond(m, mode, m.end_bond[m.end_first[m.port_junction[k]]])]
 
 
 def strikes(e: Engine, r: Laws, least: float) -> bool:

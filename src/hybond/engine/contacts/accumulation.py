@@ -120,8 +120,18 @@ def chatters(g: Landings, machine: int, until: float) -> bool:
     first = LAST_TIMES * machine
     last = g.others[first + LAST_TIMES - 1]
     room = CHATTERING * since_start(last, until)
-    if last - g.others[first] <= room:
+    return crowd_within(g, g.others, machine, LAST_TIMES, room)
+
+
+def crowd_within(g: Landings, times: Floats, machine: int, n: int, room: float) -> bool:
+    """Whether n instants of a machine lie within a time, or what is left to their limit does.
+
+    The limit is put into `g`.
+    """
+    first = LAST_TIMES * machine
+    last = times[first + n - 1]
+    if n == LAST_TIMES and last - times[first] <= room:
         g.limit_t = last
         g.limit_ratio = math.nan
         return True
-    return limit_of(g, g.others, machine, LAST_TIMES) and g.limit_left <= room
+    return limit_of(g, times, machine, n) and g.limit_left <= room

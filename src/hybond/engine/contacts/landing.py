@@ -249,6 +249,15 @@ def put_down(e: Engine, g: Landings, s: Settling, i: Instant) -> int:
         tell_landing(g, i, machine, own_limits)
         restart(g, machine, g.found_t)
     g.touches = left
+    return lie_down(e, g, s, i)
+
+
+def lie_down(e: Engine, g: Landings, s: Settling, i: Instant) -> int:
+    """Take the state at rest that was found, carry it to the limit, and settle the instant there.
+
+    1, or -1 for a refusal. What lands is noted in `i`.
+    """
+    m = e.model
     note_step(i, CONTINUOUS)
     if m.tells != 0:
         before = energy_of(e, e.y)
@@ -288,8 +297,13 @@ def tell_landing(g: Landings, i: Instant, machine: int, own: bool) -> None:
     if own and limit_of(g, g.times, machine, g.kept[machine]):
         t = g.limit_t
         ratio = g.limit_ratio
+    tell_end(i, g.count[machine], t, ratio)
+
+
+def tell_end(i: Instant, many: int, t: float, ratio: float) -> None:
+    """Tell of the transition noted last that so many impacts came to an end there."""
     say_why(i.told, LANDS)
-    add_read(i.told, float(g.count[machine]), 0.0, False)
+    add_read(i.told, float(many), 0.0, False)
     add_read(i.told, t, 0.0, False)
     add_read(i.told, ratio, 0.0, False)
 

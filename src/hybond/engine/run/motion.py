@@ -18,6 +18,7 @@ from hybond.engine.checks.energy_held import (
 from hybond.engine.checks.guards_held import foresee, hold_apart, look_at_guards
 from hybond.engine.checks.laws_held import look_at_entry, look_at_laws
 from hybond.engine.contacts.impacts_seen import before_event, observe_event
+from hybond.engine.contacts.in_turn import land_in_turn
 from hybond.engine.contacts.landing import land_contacts, stuck
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.inputs.interval import interval_after, read_within
@@ -117,7 +118,7 @@ def run_to_end(e: Engine, r: Run) -> int:
         if status == OK:
             status = rest_now(e, r)
         if status == OK and stuck(e):
-            status = ACCUMULATES
+            status = rest_in_turn(e, r)
         r.slice = r.slice - 1 if r.slice > 0 else r.slice
     if status != REFUSED:
         if mode_of(e, e.state) == OK and combine_here(e, e.state) == OK:
@@ -226,6 +227,19 @@ def rest_now(e: Engine, r: Run) -> int:
             r.cut = False
             r.events += 1
             report_event(e, r.report, r.instant)
+    return OK
+
+
+def rest_in_turn(e: Engine, r: Run) -> int:
+    """Put contacts to rest that strike in turn; ACCUMULATES if the events are no such."""
+    landed = land_in_turn(e, r.settling, r.instant)
+    if landed < 0:
+        return REFUSED
+    if landed == 0:
+        return ACCUMULATES
+    r.cut = False
+    r.events += 1
+    report_event(e, r.report, r.instant)
     return OK
 
 

@@ -1,0 +1,119 @@
+"""Contacts without a rebound that strike in turn: each opens the other, ever faster.
+
+A rope jerks a body off its stop, it falls back, and what pulls the rope goes on until that is taut
+again: with each turn a part of the speed is left. No contact rebounds by itself, so the flights are
+told by all events of their laws. At their limit all of them are closed, if they then push.
+"""
+
+import math
+from typing import Final
+
+from hybond.engine.contacts.accumulation import CHATTERING, crowd_within, restart, since_start
+from hybond.engine.contacts.landing import CHATTERS, lie_down, tell_end
+from hybond.engine.contacts.landing_records import Landings
+from hybond.engine.contacts.rest import find_rest
+from hybond.engine.engine import OK, Engine
+from hybond.engine.expressions.pairs import ROUNDING
+from hybond.engine.instant.instant import ACCUMULATION, Instant, begin_instant, note_fired
+from hybond.engine.instant.settling import Settling
+from hybond.engine.instant.trial import a_priori
+from hybond.engine.laws.law_instant import NO_LAW_VALUE, is_on
+
+TURN: Final = 10.0
+"""Contacts that strike in turn have one limit, of which each tells by its own events only: this
+many times the time room is what the others may have left, and what their next flights may take."""
+SOME: Final = 5
+"""Instants that tell of a limit where another contact has told of it by all that are kept."""
+
+
+def land_in_turn(e: Engine, s: Settling, i: Instant) -> int:
+    """Put contacts to rest whose events accumulate: 1 if there are any, 0 if not, -1 refused.
+
+    Called where `stuck` has found the limit of the events of one of them.
+    """
+    m = e.model
+    g = e.landings
+    if g.stuck_why != CHATTERS:
+        return 0
+    t = g.limit_t
+    ratio = g.limit_ratio
+    room = TURN * CHATTERING * since_start(e.t, e.span)
+    found = close_in_turn(e, g, room, True) and would_carry(e, g, room)
+    if not found and not (close_in_turn(e, g, room, False) and would_carry(e, g, room)):
+        return 0
+    g.found_t = t
+    g.found_ratio = ratio
+    begin_instant(i, e.t, ACCUMULATION)
+    for k in range(m.machines):
+        if g.chosen[k] == 0:
+            continue
+        if g.state[k] != e.state[k]:
+            note_fired(i, k, e.state[k], g.state[k])
+            tell_end(i, max(g.other_kept[k], g.count[k]), t, ratio)
+        restart(g, k, t)
+        g.other_kept[k] = 0
+    return lie_down(e, g, s, i)
+
+
+def close_in_turn(e: Engine, g: Landings, room: float, touching: bool) -> bool:
+    """Choose the contacts whose events accumulate, two at least, into `g.state` all closed.
+
+    Or all that are `touching`, whose own events may be those of another: what lies between two of
+    them strikes both at one instant.
+    """
+    m = e.model
+    for k in range(m.machines):
+        g.state[k] = e.state[k]
+        g.chosen[k] = 0
+    many = 0
+    opened = False
+    for p in range(m.ports):
+        k = m.port_machine[p]
+        if m.port_gap[p] == NO_LAW_VALUE:
+            continue
+        if not (e.laws.able[p] != 0 if touching else takes_turns(g, k, room)):
+            continue
+        g.chosen[k] = 1
+        many += 1
+        if not is_on(m, p, e.state[k]):
+            opened = True
+            for state in range(m.state_first[k + 1] - m.state_first[k]):
+                if state != m.port_bounce[p] and is_on(m, p, state):
+                    g.state[k] = state
+    return many > 1 and opened
+
+
+def takes_turns(g: Landings, k: int, room: float) -> bool:
+    """Whether the events of a contact have a limit, its impacts or those without a rebound."""
+    others = g.other_kept[k]
+    if others >= SOME and crowd_within(g, g.others, k, others, room):
+        return True
+    return g.kept[k] >= SOME and crowd_within(g, g.times, k, g.kept[k], room)
+
+
+def would_carry(e: Engine, g: Landings, room: float) -> bool:
+    """Whether all chosen contacts push at rest, and what is left of their flights is none."""
+    m = e.model
+    for k in range(m.storages):
+        g.x[k] = e.y[k]
+    for k in range(m.integrals):
+        g.s[k] = e.y[m.storages + k]
+    if a_priori(e, e.t, g.x, g.s, e.state) != OK or find_rest(e, g, e.t, g.state) != OK:
+        return False
+    for p in range(m.ports):
+        if g.chosen[m.port_machine[p]] == 0:
+            continue
+        force = 0.0
+        area = 0.0
+        size = 0.0
+        for c in range(m.pair_first[2 * p], m.pair_first[2 * p + 1]):
+            column = m.pair_column[c]
+            for j in range(g.loose):
+                if e.trial.freedom.at[column * g.loose + j] != 0.0:
+                    return False
+            force += m.pair_value[c] * g.force[column]
+            area += m.pair_value[c] * g.area[column]
+            size += math.fabs(m.pair_value[c]) * g.size[column]
+        if not force > ROUNDING * size or 2.0 * math.fabs(area) > room * force:
+            return False
+    return True
