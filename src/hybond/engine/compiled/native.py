@@ -12,6 +12,7 @@ import functools
 import os
 import weakref
 from collections.abc import Mapping
+from contextlib import suppress
 from typing import Any, ClassVar
 
 import numpy as np
@@ -19,7 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from hybond.blocks.runners import Runner
 from hybond.engine.compiled.answering import CALLBACK, Answering, Question
-from hybond.engine.compiled.fresh import HERE, NAME, is_of_these_sources
+from hybond.engine.compiled.fresh import HERE, NAME, WHY, is_of_these_sources
 from hybond.engine.compiled.kept_rows import KeptRows
 from hybond.engine.compiled.refusal import Refusal, refusal_of
 from hybond.engine.compiled.rows import COUNTS, STEPS, Rows, Seen, rows_of
@@ -62,7 +63,7 @@ def library() -> ctypes.CDLL:
     path = chosen or os.path.join(HERE, NAME)
     name = os.path.basename(path)
     if not os.path.isfile(path):
-        raise Unavailable(f"{name} was not built")
+        raise Unavailable(f"{name} was not built" + ("" if chosen else _why()))
     try:
         found = ctypes.CDLL(path)
         found.hybond_source.restype = ctypes.c_char_p
@@ -87,6 +88,13 @@ def library() -> ctypes.CDLL:
         getattr(found, name).argtypes = [ctypes.c_void_p]
         getattr(found, name).restype = None
     return found
+
+
+def _why() -> str:
+    """Return what the installation noted when it could not build the library, in one line."""
+    with suppress(OSError), open(os.path.join(HERE, WHY), encoding="utf-8") as file:
+        return ": " + " ".join(file.read().split())
+    return ""
 
 
 @functools.cache
