@@ -11,12 +11,12 @@ import ctypes
 import functools
 import os
 import weakref
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from hybond.blocks.runners import Runner
 from hybond.engine.compiled.answering import CALLBACK, Answering, Question
@@ -119,6 +119,13 @@ def model_struct() -> type[ctypes.Structure]:
     return found
 
 
+@functools.cache
+def places(kind: str) -> dict[str, int]:
+    """Return the columns of a kind, and which pointer of the record each is."""
+    record, size = model_struct(), np.dtype(np.uintp).itemsize
+    return {n: getattr(record, n).offset // size for n, k in columns().items() if k == kind}
+
+
 class NativeModel:
     """The tables of a model where the library reads them."""
 
@@ -132,7 +139,6 @@ class NativeModel:
         ints = {**tables.ints, "code": code.instructions, "value_begins": values}
         ints["pair_begins"] = pairs
         floats = {**tables.floats, "code_number": code.numbers}
-        self.floats: dict[str, NDArray[np.float64]] = {}
         self.written = [
             (name, k, slot.tree)
             for name, row in floats.items()
@@ -144,16 +150,14 @@ class NativeModel:
             if kind in ("int", "float"):
                 number = tables.numbers[name]
                 setattr(self.record, name, int(number) if kind == "int" else float(number))
-            elif kind == "Ints":
-                self._put(name, np.array(ints[name] or [0], dtype=np.intc), ctypes.c_int)
-            elif kind == "Floats":
-                self.floats[name] = np.array([*map(plain, floats[name])] or [0.0])
-                self._put(name, self.floats[name], ctypes.c_double)
-            else:
+            elif kind == "Texts":
                 texts = [t.encode() for t in getattr(tables, _NAMES[name])] or [b""]
                 row = (ctypes.c_char_p * len(texts))(*texts)
                 self._kept.append(row)
                 setattr(self.record, name, ctypes.cast(row, ctypes.POINTER(ctypes.c_char_p)))
+        self._put_all("Ints", ints, np.intc)
+        numbers = {name: [*map(plain, floats[name])] for name in places("Floats")}
+        self.floats = self._put_all("Floats", numbers, np.float64)
 
     def written_with(self, tables: ModelTables) -> NativeModel:
         """Return this model with other numbers in its slots: those of the graph of `tables`."""
@@ -173,6 +177,22 @@ class NativeModel:
         for name, k, tree in self.written:
             found.floats[name][k] = written.writing.value(tree, written.row)
         return found
+
+    def _put_all(
+        self, kind: str, rows: Mapping[str, Sequence[float]], dtype: DTypeLike
+    ) -> dict[str, NDArray[Any]]:
+        """Put all columns of a kind, which stand behind each other in one array; return them."""
+        at = places(kind)
+        numbers: list[float] = []
+        begins = []
+        for name in at:
+            begins.append(len(numbers))
+            numbers += rows[name] or (0,)  # a pointer must be to something
+        whole = np.array(numbers, dtype=dtype)
+        self._kept.append(whole)
+        record = np.frombuffer(memoryview(self.record), dtype=np.uintp)
+        record[[*at.values()]] = whole.ctypes.data + whole.itemsize * np.array(begins)
+        return dict(zip(at, np.split(whole, begins[1:])))
 
     def _put(self, name: str, column: NDArray[Any], kind: Any) -> None:
         self._kept.append(column)
