@@ -30,14 +30,21 @@ def _imported(name):
 
 
 def compiled():
-    """Compile the engine; return where it is then, and why it is not there if it is not."""
+    """Compile the engine; return the file that it is in, and why there is none.
+
+    Then the file is the one that says so, for who asks hybond later: pip shows no warnings.
+    """
     build = _imported("engine.compiled.build")
     try:
         build.HOME.unlink(missing_ok=True)
+        build.NOTE.unlink(missing_ok=True)
         why = build.compile_into(build.HOME)
     except Exception as error:  # whatever it is, hybond runs without
         why = f"{type(error).__name__}: {error}"
-    return build.HOME, why and f"hybond is built without its library: {why}"
+    if not why:
+        return build.HOME, ""
+    build.NOTE.write_text(f"{why}\n", encoding="utf-8")
+    return build.NOTE, f"hybond is built without its library: {why}"
 
 
 class EngineHook(BuildHookInterface):
@@ -54,10 +61,10 @@ class EngineHook(BuildHookInterface):
         if version == "editable" and os.environ.get("HYBOND_COMPILED_BESIDE"):
             return
         target, why = compiled()
+        build_data["artifacts"].append(target.relative_to(PACKAGE.parents[1]).as_posix())
         if why:
             self.app.display_warning(why)
             return
-        build_data["artifacts"].append(target.relative_to(PACKAGE.parents[1]).as_posix())
         build_data["pure_python"] = False
         system = sysconfig.get_platform()
         # a Python for two processors: the library is for the one that it was compiled on

@@ -110,8 +110,10 @@ def test_help_has_an_example_for_each_verb(shell: Any) -> None:
 
 def test_version(shell: Any) -> None:
     import hybond
+    from hybond.engine.outcome.engines import choose_engine
 
-    assert shell("--version").out == f"hybond {hybond.__version__}\n"
+    made = f"runs are made by {choose_engine().said}"
+    assert shell("--version").out == f"hybond {hybond.__version__}\n{made}\n"
 
 
 def test_every_verb_is_in_the_page(shell: Any) -> None:

@@ -318,6 +318,22 @@ def test_without_a_library_runs_are_made_by_python(
     assert caught.value.code == "HB-S119"
 
 
+def test_what_kept_the_library_from_being_built_is_said(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """Of what a failed installation notes, as `hatch_build.compiled` writes it."""
+    monkeypatch.delenv("HYBOND_ENGINE", raising=False)
+    monkeypatch.setattr(native, "HERE", str(tmp_path))
+    monkeypatch.setattr(engines, "library", native.library.__wrapped__)
+    said = choose_engine().said
+    assert said == f"the engine as Python ({native.NAME} was not built)"
+    (tmp_path / native.WHY).write_text("gcc: fatal error\n  no space left\n", encoding="utf-8")
+    noted = f"{native.NAME} was not built: gcc: fatal error no space left"
+    assert choose_engine().said == f"the engine as Python ({noted})"
+    run = hb.simulate(example("capacitors_joined"))
+    assert run.engine == f"the engine as Python ({noted})"
+
+
 @pytest.mark.usefixtures("native")
 def test_with_a_library_python_is_what_is_asked_for() -> None:
     assert hb.simulate(example("capacitors_joined")).engine == "the library"

@@ -80,7 +80,14 @@ LONG = {"automatic_gearbox"}
 """Refused as well, HB-E682, after a quarter of a minute of symbols."""
 
 
-@pytest.mark.parametrize("name", sorted({p.stem for p in EXAMPLES.glob("*.toml")} - LONG))
+@pytest.mark.parametrize(
+    "name",
+    [
+        # a bridge as in rectifier_dc_machine, which takes a quarter of the time
+        pytest.param(n, marks=[pytest.mark.slow] * (n == "six_pulse_rectifier"))
+        for n in sorted({p.stem for p in EXAMPLES.glob("*.toml")} - LONG)
+    ],
+)
 def test_every_example_is_written_or_refused_with_its_reason(name: str) -> None:
     if name in REFUSED:
         with pytest.raises(HybondError) as refused:

@@ -8,6 +8,7 @@ adds 0.01 s.
 from __future__ import annotations
 
 from argparse import (
+    Action,
     ArgumentParser,
     BooleanOptionalAction,
     Namespace,
@@ -27,6 +28,7 @@ from hybond.cli.periodic_words import periodic_words
 from hybond.cli.plan_words import sweep_words
 from hybond.cli.run_words import limits_words, option_word, settings_words, solver_words
 from hybond.cli.shared_words import diode_word, file_word, input_word, json_word, picture_word
+from hybond.cli.streams import say
 from hybond.errors import UsageError
 from hybond.names import did_you_mean
 from hybond.options import MADE
@@ -55,6 +57,17 @@ VERBS = {
 }
 
 CODES = "Exit codes: 0 fine, 1 usage, 2 the model, 3 the numerics, 130 interrupted."
+
+
+class _Version(Action):
+    """Says what this is, and what makes runs: without its library hybond is many times slower."""
+
+    def __call__(self, parser: ArgumentParser, *given: object) -> NoReturn:
+        # imported here: no verb needs it before it has read its words
+        from hybond.engine.outcome.engines import choose_engine
+
+        say(f"hybond {__version__}\nruns are made by {choose_engine().said}")
+        parser.exit()
 
 
 class Parser(ArgumentParser):
@@ -109,7 +122,9 @@ def parser_of_words(verb: str = "") -> Parser:
         formatter_class=RawDescriptionHelpFormatter,
         allow_abbrev=False,
     )
-    parser.add_argument("--version", action="version", version=f"hybond {__version__}")
+    parser.add_argument(
+        "--version", action=_Version, nargs=0, help="what this is, and what runs it"
+    )
     verbs = parser.add_subparsers(dest="verb", metavar="VERB", required=True)
     for words in [_WORDS[verb]] if verb in _WORDS else _WORDS.values():
         words(verbs)

@@ -104,7 +104,7 @@ def state_equations(
     closing = [(s, row) for s, row in closing if row.columns()]
     rows += [row for _, row in closing]
     results = [mixed_row(form, row, region_at) for row in form.outputs]
-    stored = _storage_rows(form, symbolic=symbolic)
+    stored = storage_rows(form, symbolic=symbolic)
 
     def in_x(row: Row[Any]) -> Row[Any]:
         parts = [(c, stored[k]) for k, c in row.items() if k in stored]
@@ -183,8 +183,8 @@ def _places(
     return place
 
 
-def _storage_rows(form: SwitchForm[T], *, symbolic: bool) -> dict[int, dict[int, T]]:
-    """Return ``z = K x`` per linear storage port."""
+def storage_rows(form: SwitchForm[T], *, symbolic: bool) -> dict[int, dict[int, T]]:
+    """Return the co-energy variable of each linear storage port: ``z = K x``."""
     graph, ring = form.graph, form.ring
     at: dict[tuple[int, int], int] = {(s.node, s.port): s.index for s in graph.storages}
     found: dict[int, dict[int, T]] = {}

@@ -12,6 +12,7 @@ from hybond.model.builder import Model
 from hybond.translate.c_printer import CPrinter, c_number, c_table, c_text
 from hybond.translate.c_words import HEADERS, c_words
 from hybond.translate.lines import block_comment, plain, prose, wrapped
+from hybond.uncollected import uncollected
 
 LEAVES = ["functions", "lookup"]
 """Chapters that stand before the model's expressions, which call them."""
@@ -60,6 +61,7 @@ def main_of(found: Exported) -> str:
     return "\n".join([*setting(own), "", main])
 
 
+@uncollected
 def c_file(model: Model, found: Exported, tail: str) -> str:
     """Return a model and the runtime as one text, with `tail`, its main or what stands for it."""
     graph = found.graph

@@ -22,6 +22,7 @@ from hybond.translate.modules import Program, load, text_of
 from hybond.translate.reach import Uses
 from hybond.translate.specialise import Specialist, deciding
 from hybond.translate.tree import Block, Expr
+from hybond.uncollected import uncollected
 
 ROOTS = ("make_engine", "make_report", "run_program")
 """What the printed main calls."""
@@ -59,6 +60,7 @@ OWN = (
 
 
 @lru_cache(maxsize=1)
+@uncollected
 def runtime() -> Program:
     """Return the runtime, read and checked: what logs is replaced by what prints."""
     run = ENGINE / "run"
@@ -67,6 +69,7 @@ def runtime() -> Program:
 
 
 @lru_cache(maxsize=1)
+@uncollected
 def specialist() -> Specialist:
     """Return what makes the runtime of one model."""
     program = runtime()
@@ -134,6 +137,7 @@ class Exported:
     parameters: Parameters
 
 
+@uncollected
 def exported(
     model: Model,
     *,

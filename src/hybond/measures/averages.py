@@ -84,16 +84,6 @@ def rms_of(
     return Measurement(math.sqrt(mean), About(run.unit(name), window.start, window.end, how=how))
 
 
-def power_integral(
-    run: Result, name: str, window: Window, power: int, *, tolerance: float = TOLERANCE
-) -> float:
-    """Return the integral of a power of a signal, without impulses."""
-    known = integrable(
-        Reader(run, name), window, lambda y, t: (y**power)[None], tolerance=tolerance
-    )
-    return known.integrals()[0]
-
-
 def without_impulses(run: Result, name: str, window: Window, choice: Impulses, what: str) -> str:
     """Return that impulses were left out, empty if there are none; refuse them if so asked.
 

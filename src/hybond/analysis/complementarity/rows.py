@@ -13,7 +13,7 @@ from typing import Generic, TypeVar
 
 from hybond.analysis.complementarity.ports import Port
 from hybond.equations.calculus import partial_time
-from hybond.equations.element_rows import laws_of
+from hybond.equations.derive import storage_rows
 from hybond.equations.peeling import Peeling
 from hybond.equations.ring import Ring, Row, substituted
 from hybond.equations.switch_form import SwitchForm, switch_form
@@ -74,7 +74,7 @@ def derive_rows(
         way = ring.of(-1.0 if p.given == "common" else 1.0)
         answers.append(in_l({k: way * c for k, c in row.items()}))  # type: ignore[operator]
     constraints = [in_l(row) for row in closed.constraints]
-    stored = _in_stored(form, ring, symbolic=symbolic)
+    stored = storage_rows(form, symbolic=symbolic)
     rates = [substituted(ring, r, stored) for r in rates]
     answers = [substituted(ring, r, stored) for r in answers]
     constraints = [substituted(ring, r, stored) for r in constraints]
@@ -177,22 +177,6 @@ def _source_name(form: SwitchForm[T], k: int) -> str:
     ]
     path = form.graph.nodes[column.index].path
     return path if len(same) == 1 else f"{path}#{same.index(k) + 1}"
-
-
-def _in_stored(form: SwitchForm[T], ring: Ring[T], *, symbolic: bool) -> dict[int, Row[T]]:
-    """Return the co-energy variable of each storage port in stored quantities."""
-    graph = form.graph
-    at = {(s.node, s.port): s.index for s in graph.storages}
-    found: dict[int, Row[T]] = {}
-    for s in graph.storages:
-        law = laws_of(graph, graph.nodes[s.node], symbolic=symbolic)
-        assert law.matrix is not None
-        row = {
-            form.partner["stored", at[s.node, j], 0]: ring.read(e)
-            for j, e in enumerate(law.matrix[s.port])
-        }
-        found[form.partner["storage", s.index, 0]] = {k: c for k, c in row.items() if ring.there(c)}
-    return found
 
 
 def _differentiated(

@@ -10,11 +10,14 @@ import tempfile
 from pathlib import Path
 
 from hybond.engine.compiled.compiler import TIMEOUT, compiler
-from hybond.engine.compiled.fresh import NAME
+from hybond.engine.compiled.fresh import NAME, WHY
 from hybond.engine.compiled.printing import library_text
+from hybond.uncollected import uncollected
 
 HOME = Path(__file__).with_name(NAME)
 """Where runs look for it."""
+NOTE = HOME.with_name(WHY)
+"""Where they look for the reason why it is not there."""
 FLAGS = ("-std=c99", "-O3", "-ffp-contract=off", "-shared")
 
 
@@ -27,7 +30,7 @@ def compile_into(target: Path = HOME, *, flags: tuple[str, ...] = ()) -> str:
     libraries = () if sys.platform == "win32" else ("-lm",)
     with tempfile.TemporaryDirectory() as folder:
         source = Path(folder, "engine.c")
-        source.write_text(library_text(), encoding="utf-8")
+        source.write_text(uncollected(library_text)(), encoding="utf-8")
         made = Path(folder, target.name)
         whole = [*command, *FLAGS, *hidden, *flags]
         try:

@@ -11,8 +11,9 @@ import shlex
 import shutil
 import sys
 
-TIMEOUT = 300.0
-"""Seconds that compiling may take."""
+TIMEOUT = 900.0
+"""Seconds that compiling may take: half a minute, but many times that on a machine with much to do
+or by a compiler that has just been fetched."""
 
 
 def compiler() -> list[str] | None:

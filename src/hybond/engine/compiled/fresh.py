@@ -9,6 +9,8 @@ from contextlib import suppress
 
 NAME = {"win32": "_engine.dll", "darwin": "_engine.dylib"}.get(sys.platform, "_engine.so")
 """The library, beside this file."""
+WHY = "_engine.why"
+"""What kept it from being built, where that was tried in vain."""
 HERE = os.path.dirname(os.path.abspath(__file__))
 
 

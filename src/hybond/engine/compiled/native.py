@@ -11,15 +11,16 @@ import ctypes
 import functools
 import os
 import weakref
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from hybond.blocks.runners import Runner
 from hybond.engine.compiled.answering import CALLBACK, Answering, Question
-from hybond.engine.compiled.fresh import HERE, NAME, is_of_these_sources
+from hybond.engine.compiled.fresh import HERE, NAME, WHY, is_of_these_sources
 from hybond.engine.compiled.kept_rows import KeptRows
 from hybond.engine.compiled.refusal import Refusal, refusal_of
 from hybond.engine.compiled.rows import COUNTS, STEPS, Rows, Seen, rows_of
@@ -62,7 +63,7 @@ def library() -> ctypes.CDLL:
     path = chosen or os.path.join(HERE, NAME)
     name = os.path.basename(path)
     if not os.path.isfile(path):
-        raise Unavailable(f"{name} was not built")
+        raise Unavailable(f"{name} was not built" + ("" if chosen else _why()))
     try:
         found = ctypes.CDLL(path)
         found.hybond_source.restype = ctypes.c_char_p
@@ -89,6 +90,13 @@ def library() -> ctypes.CDLL:
     return found
 
 
+def _why() -> str:
+    """Return what the installation noted when it could not build the library, in one line."""
+    with suppress(OSError), open(os.path.join(HERE, WHY), encoding="utf-8") as file:
+        return ": " + " ".join(file.read().split())
+    return ""
+
+
 @functools.cache
 def columns() -> dict[str, str]:
     """Return the columns of a model's record, in order, with the types that the library names."""
@@ -111,6 +119,13 @@ def model_struct() -> type[ctypes.Structure]:
     return found
 
 
+@functools.cache
+def places(kind: str) -> dict[str, int]:
+    """Return the columns of a kind, and which pointer of the record each is."""
+    record, size = model_struct(), np.dtype(np.uintp).itemsize
+    return {n: getattr(record, n).offset // size for n, k in columns().items() if k == kind}
+
+
 class NativeModel:
     """The tables of a model where the library reads them."""
 
@@ -124,7 +139,6 @@ class NativeModel:
         ints = {**tables.ints, "code": code.instructions, "value_begins": values}
         ints["pair_begins"] = pairs
         floats = {**tables.floats, "code_number": code.numbers}
-        self.floats: dict[str, NDArray[np.float64]] = {}
         self.written = [
             (name, k, slot.tree)
             for name, row in floats.items()
@@ -136,16 +150,14 @@ class NativeModel:
             if kind in ("int", "float"):
                 number = tables.numbers[name]
                 setattr(self.record, name, int(number) if kind == "int" else float(number))
-            elif kind == "Ints":
-                self._put(name, np.array(ints[name] or [0], dtype=np.intc), ctypes.c_int)
-            elif kind == "Floats":
-                self.floats[name] = np.array([*map(plain, floats[name])] or [0.0])
-                self._put(name, self.floats[name], ctypes.c_double)
-            else:
+            elif kind == "Texts":
                 texts = [t.encode() for t in getattr(tables, _NAMES[name])] or [b""]
                 row = (ctypes.c_char_p * len(texts))(*texts)
                 self._kept.append(row)
                 setattr(self.record, name, ctypes.cast(row, ctypes.POINTER(ctypes.c_char_p)))
+        self._put_all("Ints", ints, np.intc)
+        numbers = {name: [*map(plain, floats[name])] for name in places("Floats")}
+        self.floats = self._put_all("Floats", numbers, np.float64)
 
     def written_with(self, tables: ModelTables) -> NativeModel:
         """Return this model with other numbers in its slots: those of the graph of `tables`."""
@@ -165,6 +177,22 @@ class NativeModel:
         for name, k, tree in self.written:
             found.floats[name][k] = written.writing.value(tree, written.row)
         return found
+
+    def _put_all(
+        self, kind: str, rows: Mapping[str, Sequence[float]], dtype: DTypeLike
+    ) -> dict[str, NDArray[Any]]:
+        """Put all columns of a kind, which stand behind each other in one array; return them."""
+        at = places(kind)
+        numbers: list[float] = []
+        begins = []
+        for name in at:
+            begins.append(len(numbers))
+            numbers += rows[name] or (0,)  # a pointer must be to something
+        whole = np.array(numbers, dtype=dtype)
+        self._kept.append(whole)
+        record = np.frombuffer(memoryview(self.record), dtype=np.uintp)
+        record[[*at.values()]] = whole.ctypes.data + whole.itemsize * np.array(begins)
+        return dict(zip(at, np.split(whole, begins[1:])))
 
     def _put(self, name: str, column: NDArray[Any], kind: Any) -> None:
         self._kept.append(column)
