@@ -26,6 +26,7 @@ from hybond.engine.methods.fixed import EULER, RK4
 from hybond.engine.methods.scale import FAINT
 from hybond.engine.mode.equations import is_fieldless
 from hybond.engine.mode.guess import give_back_guess, hold_guess
+from hybond.engine.mode.newton import knowns_of
 from hybond.engine.mode.put_back import NEAR
 from hybond.engine.mode.sizes import size_of
 from hybond.engine.mode.storage import co_energy, own_stiffness, with_stored
@@ -226,6 +227,8 @@ def hold_rates(e: Engine) -> None:
         may = PART * math.fabs(shown) + NEAR * c.largest[m.bond_class[at]]
         if off <= may:
             continue
+        # what began the motion may have left columns of a matrix where the knowns stand
+        knowns_of(e, e.mode, c.v, True)
         may += LOST_DIGITS * size_of(e, e.mode, at, e.work.xi, c.v)
         if not off <= may:
             note_violation(e, e.mode, e.t, MOVES, k, off, math.fabs(shown))
