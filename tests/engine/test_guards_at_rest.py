@@ -110,6 +110,13 @@ def clocked(guard: str) -> hb.Model:
     return m
 
 
+def sampled(guard: str, source: str = "1 V", start: str = "0 V") -> hb.Model:
+    """Return the line beside a signal that is sampled: 1 or 0, seven seconds each."""
+    m = line(guard, start=start, source=source)
+    m.signal(**CLOCK)
+    return m
+
+
 def after(guard: str) -> hb.Model:
     """Return the line where something else happens at 0.3 s."""
     m = line(guard)
@@ -144,6 +151,9 @@ NEVER = {
     # both of one sign all the way: the slow direction is near to (1, 6), and it starts beside that
     "die out together": (coupled("x + y >= 0", (-0.35, -1.06)), 100),
     "one of two that die out": (coupled("y >= 0", (-0.35, -1.06)), 100),
+    "while a sampled signal is off": (sampled("C.e >= 1 [V] and k < 0.5"), 100),
+    "while it is off, from above": (sampled("C.e <= 1 [V] and k < 0.5", start="3 V"), 100),
+    "a sampled threshold": (sampled("C.e >= (1 + k)*1 [V]"), 100),
     "rings out": (ring("C.e > 1 [V] and time > 400 [s]", "0.2 ohm"), 1000),
     "does not ring": (ring("C.e > 1 [V]", "2 ohm"), 1000),
 }
@@ -153,6 +163,11 @@ FIRES = {
     "nearly all": (line("C.e > 0.999999 [V]"), 100, 6 * math.log(10)),
     "equal from the start": (line("C.e >= 1 [V]", start="1 V"), 10, 0.0),
     "driven on": (line("C.e > 1 [V]", source="if time < 50 [s] then 1 V else 2 V"), 100, 50.0),
+    "driven on, while a sampled signal is off": (
+        sampled("C.e >= 1 [V] and k < 0.5", source="if time < 50 [s] then 1 V else 2 V"),
+        100,
+        50.0,
+    ),
     "or more": (line("C.e >= 1 [V] or x >= 60"), 100, 60.0),
     "touch": (line("cos(time/(1 [s])) <= -1"), 10, math.pi),
     "way": (falling("x >= 100 [m]"), 100, math.acosh(math.exp(100)) / 2),

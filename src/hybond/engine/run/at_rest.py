@@ -28,7 +28,6 @@ from hybond.engine.mode.values import field
 from hybond.engine.reasons.warned import GUARD_AT_REST, add_about, begin_warning
 from hybond.engine.run.guard_values import (
     atom_here,
-    holds_at,
     holds_here,
     look_at_state,
     terms_here,
@@ -68,43 +67,11 @@ BENT: Final = 0.05
 """Part of a slope that it may differ by from the next one."""
 NO_SLOPE: Final = 1e-12
 """Part of the slopes of a rate below which one is rounding."""
-SAME: Final = 1e-6
-"""Part of a state that it jumps by at least."""
 JUST: Final = 1e-6
 """Part of a motion that is its end."""
 LATER: Final = float_table(1e-6, 1e-4, 1e-2, 0.113, 0.261, 0.372, 0.5127, 0.6291, 0.7713, 0.8837)
 """Where in what is left of the interval it is looked whether all stays at rest: unevenly."""
 LOOKS: Final = 10
-
-
-def begin_rests(e: Engine) -> None:
-    """Note where a motion begins: each state as it was when something made it jump last."""
-    q = e.rests
-    jumped = False
-    if q.taken:
-        # a run that goes on from another: nothing has jumped
-        q.taken = False
-        return
-    for k in range(e.states):
-        size = max(math.fabs(e.y[k]), e.largest_state[k])
-        if not q.begun or math.fabs(e.y[k] - e.step.y1[k]) > SAME * size:
-            q.began[k] = e.y[k]
-            jumped = True
-    for r in range(e.model.rule_first[e.model.machines] if jumped else 0):
-        q.since[r] = 0
-    q.begun = True
-    q.began_at = e.t
-
-
-def forget_rests(e: Engine) -> None:
-    """Know of no guard that it holds by rounding: another step is looked at."""
-    q = e.rests
-    m = e.model
-    if not q.any:
-        return
-    q.any = False
-    for r in range(m.rule_first[m.machines]):
-        q.rule[r] = 0
 
 
 def see_rests(e: Engine, g: Locator) -> bool:
@@ -478,21 +445,3 @@ def warn_of_instant(e: Engine, g: Locator, k: int) -> None:
             add_about(e.warned, 1.0)
             add_about(e.warned, there)
             add_about(e.warned, q.near[a])
-
-
-def let_hold(e: Engine, g: Locator, t: float) -> None:
-    """Let guards hold at an instant that do so whatever rounding says of what rests."""
-    q = e.rests
-    for k in range(g.guards):
-        rule = g.rule[k]
-        if rule >= 0 and q.since[rule] != 0 and holds_at(e, g, k, t):
-            q.rule[rule] = 0
-            q.since[rule] = 0
-
-
-def none_holds(e: Engine, g: Locator, t: float) -> bool:
-    """Whether what was found to hold at an instant does so by rounding alone."""
-    for k in range(g.guards if e.rests.any else 0):
-        if holds_at(e, g, k, t):
-            return False
-    return e.rests.any

@@ -15,11 +15,12 @@ from typing import Final
 
 from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.expressions.pairs import ROUNDING
-from hybond.engine.run.at_rest import forget_rests, see_rests
+from hybond.engine.run.at_rest import see_rests
 from hybond.engine.run.bracket import bracket
 from hybond.engine.run.candidates import beside, between_roots, extrema, keep, sort
 from hybond.engine.run.guard_shape import find_shape, give_up_kinks, is_resolved, sample
 from hybond.engine.run.guard_values import atom_at, holds_at, show, terms_here
+from hybond.engine.run.kept_rests import forget_rests
 from hybond.engine.run.locator import (
     ALL_PARTS,
     BLOCKS,

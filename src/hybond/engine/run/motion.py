@@ -35,12 +35,12 @@ from hybond.engine.mode.part_energies import join_parts
 from hybond.engine.mode.straight_rates import take_rates
 from hybond.engine.mode.values import begin_field
 from hybond.engine.planar.stops import begin_slips
-from hybond.engine.run.at_rest import begin_rests, let_hold, none_holds
 from hybond.engine.run.carried import begin_again, cause_of_beginning, take_up, warm_up
 from hybond.engine.run.courses_ahead import begin_courses, end_ahead
 from hybond.engine.run.edges import reach_edges, straight_on, time_at_once
 from hybond.engine.run.ends_at_guard import find_within, land, shows_instants
 from hybond.engine.run.guard_values import doubt
+from hybond.engine.run.kept_rests import begin_rests, let_hold, none_holds
 from hybond.engine.run.kinks_passed import (
     count_kink,
     end_at_kink,
