@@ -55,26 +55,31 @@ def principal(p: Lcp, n: int, active: Ints) -> int:
         for j in range(count):
             p.pivoted[at * n + p.on[j]] = p.inverse[i * count + j]
         for j in range(n - count):
-            total = 0.0
-            for k in range(count):
-                total += p.inverse[i * count + k] * p.matrix[p.on[k] * n + p.off[j]]
-            p.pivoted[at * n + p.off[j]] = -total
+            p.pivoted[at * n + p.off[j]] = 0.0
+        for k in range(count):
+            # few are not zero where pairs are many: what is far apart has nothing to do with it
+            share = p.inverse[i * count + k]
+            for j in range(n - count if share != 0.0 else 0):
+                p.pivoted[at * n + p.off[j]] += share * p.matrix[p.on[k] * n + p.off[j]]
+        for j in range(n - count):
+            p.pivoted[at * n + p.off[j]] = -p.pivoted[at * n + p.off[j]]
         total = 0.0
         for k in range(count):
             total += p.inverse[i * count + k] * p.q[p.on[k]]
         p.constant[at] = -total
     for i in range(n - count):
         at = p.off[i]
-        for j in range(count):
-            total = 0.0
-            for k in range(count):
-                total += p.matrix[at * n + p.on[k]] * p.inverse[k * count + j]
-            p.pivoted[at * n + p.on[j]] = total
+        for j in range(n):
+            p.pivoted[at * n + j] = 0.0
+        for k in range(count):
+            share = p.matrix[at * n + p.on[k]]
+            for j in range(count if share != 0.0 else 0):
+                p.pivoted[at * n + p.on[j]] += share * p.inverse[k * count + j]
+            for j in range(n - count if share != 0.0 else 0):
+                p.pivoted[at * n + p.off[j]] += share * -p.pivoted[p.on[k] * n + p.off[j]]
         for j in range(n - count):
-            total = 0.0
-            for k in range(count):
-                total += p.matrix[at * n + p.on[k]] * -p.pivoted[p.on[k] * n + p.off[j]]
-            p.pivoted[at * n + p.off[j]] = p.matrix[at * n + p.off[j]] - total
+            left = p.matrix[at * n + p.off[j]] - p.pivoted[at * n + p.off[j]]
+            p.pivoted[at * n + p.off[j]] = left
         total = 0.0
         for k in range(count):
             total += p.matrix[at * n + p.on[k]] * p.constant[p.on[k]]

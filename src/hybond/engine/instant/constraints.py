@@ -69,10 +69,10 @@ def restore_bonds(e: Engine, mode: Mode, v: Floats) -> None:
         v[m.bond_slot + k] = e.work.kept[k]
 
 
-def gaps(e: Engine, mode: Mode, v: Floats, x: Floats) -> None:
+def gaps(e: Engine, mode: Mode, v: Floats, x: Floats, again: bool) -> None:
     """Put the residuals at the state `x` into `e.work`, of a mode in which no law is evaluated.
 
-    Nothing is found of their sizes.
+    Nothing is found of their sizes. What is of time alone is there if it is asked `again`.
     """
     m = e.model
     w = e.work
@@ -83,11 +83,21 @@ def gaps(e: Engine, mode: Mode, v: Floats, x: Floats) -> None:
         v[m.stored_slot + k] = x[k]
     for i in range(mode.bounds):
         k = mode.bound[i]
+        if again and is_of_time(m, mode, k):
+            continue
         alone = is_alone(m, k)
         own = m.stiff_constant[m.stiff_first[k]] * x[k] if alone else known_of(e, mode, v, k)
         w.xi[k] = own
     for i in range(w.constraints):
         w.gap.at[i] = row_times(mode.constraints, i, w.xi)
+
+
+def is_of_time(m: Model, mode: Mode, k: int) -> bool:
+    """Whether known k is a source that reads nothing that is stored."""
+    if k < m.storages or k >= m.storages + mode.sources:
+        return False
+    s = mode.source[k - m.storages]
+    return s < 0 or m.source_value[s] < 0 or m.source_timed[s] != 0
 
 
 def residual(e: Engine, mode: Mode, v: Floats, x: Floats) -> None:

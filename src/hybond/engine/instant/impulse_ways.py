@@ -96,6 +96,7 @@ def find_ways(e: Engine, mode: Mode, v: Floats, x: Floats) -> None:
         size = may_hold(e, x, k)
         w.extents.at[k] = size if size > 0.0 and math.isfinite(size) else 1.0
     give_own(e, ways, w.extents.at)
+    list_moves(m.storages, ways)
     fit(w.nu, ways.areas)
     fit(w.step, ways.areas)
     fit(w.combined, many)
@@ -107,6 +108,21 @@ def find_ways(e: Engine, mode: Mode, v: Floats, x: Floats) -> None:
     ways.rank = rank_of(e, count, ways.areas, ways.slope.at)
     invert_slope(e, ways, count)
     ways.known = True
+
+
+def list_moves(storages: int, ways: Ways) -> None:
+    """List which areas move each storage: few, where there are many of both."""
+    areas = ways.areas
+    fit_places(ways.moves_first, storages + 1)
+    fit_places(ways.moves, storages * areas)
+    many = 0
+    for k in range(storages):
+        ways.moves_first.at[k] = many
+        for a in range(areas):
+            if ways.d.at[k * areas + a] != 0.0:
+                ways.moves.at[many] = a
+                many += 1
+    ways.moves_first.at[storages] = many
 
 
 def invert_slope(e: Engine, ways: Ways, count: int) -> None:

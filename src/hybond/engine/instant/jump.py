@@ -31,7 +31,7 @@ from hybond.engine.mode.leakage import least_leakage, project
 from hybond.engine.mode.mode_records import Mode, Ways
 from hybond.engine.mode.part_energies import find_energies
 from hybond.engine.mode.reach import reach_at
-from hybond.engine.mode.storage import own_stiffness
+from hybond.engine.mode.storage import is_alone, own_stiffness
 from hybond.engine.reasons.facts import refuse_jump
 from hybond.engine.words import Floats
 
@@ -46,6 +46,8 @@ CANCELLED: Final = 1e-15
 """A sum of terms below this part of their sizes is zero."""
 NOTHING: Final = 1e-20
 """A stored quantity that a constraint moves is zero below this part of what it may be."""
+PLAINLY: Final = 1e10 * NOTHING * NOTHING
+"""Part of an energy, in what is stored, that is far above that."""
 STAYS: Final = 0
 SWEPT: Final = 1
 JUMPS: Final = 2
@@ -119,7 +121,8 @@ def sharpen(e: Engine, mode: Mode, v: Floats, ways: Ways, after: Floats) -> None
         jump_step(e, ways, w.constraints)
         for k in range(m.storages):
             change = 0.0
-            for a in range(ways.areas):
+            for i in range(ways.moves_first.at[k], ways.moves_first.at[k + 1]):
+                a = ways.moves.at[i]
                 change += ways.d.at[k * ways.areas + a] * w.step.at[a]
             # what the jump has brought to zero is there
             after[k] -= change if after[k] != 0.0 else 0.0
@@ -188,7 +191,8 @@ def moved_by(n: int, x: Floats, ways: Ways, nu: Floats, after: Floats) -> None:
     for k in range(n):
         total = x[k]
         size = math.fabs(x[k])
-        for a in range(ways.areas):
+        for i in range(ways.moves_first.at[k], ways.moves_first.at[k + 1]):
+            a = ways.moves.at[i]
             change = ways.d.at[k * ways.areas + a] * nu[a]
             total += change
             size += math.fabs(change)
@@ -346,7 +350,8 @@ def count_moves(e: Engine, mode: Mode, ways: Ways, nu: Floats) -> None:
         if k >= m.storages:
             break
         moved = 0.0
-        for a in range(ways.areas):
+        for p in range(ways.moves_first.at[k], ways.moves_first.at[k + 1]):
+            a = ways.moves.at[p]
             moved += math.fabs(ways.d.at[k * ways.areas + a] * nu[a])
         if moved > 0.0:
             moved *= math.fabs(own_stiffness(m, k, e.work.values))
@@ -357,7 +362,8 @@ def put_here(n: int, x: Floats, ways: Ways, nu: Floats, here: Floats) -> None:
     """Put ``x + d nu`` into `here`."""
     for k in range(n):
         here[k] = x[k]
-        for a in range(ways.areas):
+        for i in range(ways.moves_first.at[k], ways.moves_first.at[k + 1]):
+            a = ways.moves.at[i]
             here[k] += ways.d.at[k * ways.areas + a] * nu[a]
 
 
@@ -380,13 +386,25 @@ def on_constraints(e: Engine, mode: Mode, v: Floats, y: Floats) -> int:
         # what none moves is kept
         if landed != y[k]:
             y[k] = landed
-            held = reach_at(e, k, y, mode.part_energy[mode.bond_part[m.storage_bond[k]]])
-            if landed != 0.0 and math.fabs(landed) <= NOTHING * held:
+            energy = mode.part_energy[mode.bond_part[m.storage_bond[k]]]
+            nothing = is_next_to_nothing(e, k, y, energy)
+            if landed != 0.0 and nothing:
                 e.work.landed[k] = 0.0
                 small = True
     if small:
         hold_at_zero(e, mode, v, y)
     return OK
+
+
+def is_next_to_nothing(e: Engine, k: int, y: Floats, energy: float) -> bool:
+    """Whether what storage k holds is none beside what it would with all of an energy."""
+    m = e.model
+    if is_alone(m, k) and y[k] * y[k] * math.fabs(m.stiff_constant[m.stiff_first[k]]) > (
+        PLAINLY * energy
+    ):
+        return False  # seen without a root, which takes longer than all else here
+    held = reach_at(e, k, y, energy)
+    return math.fabs(y[k]) <= NOTHING * held
 
 
 def hold_at_zero(e: Engine, mode: Mode, v: Floats, y: Floats) -> None:
@@ -396,7 +414,7 @@ def hold_at_zero(e: Engine, mode: Mode, v: Floats, y: Floats) -> None:
     `e.work.landed` is the state without what is so small.
     """
     if is_fixed(mode):
-        gaps(e, mode, v, e.work.landed)
+        gaps(e, mode, v, e.work.landed, False)
     else:
         residual(e, mode, v, e.work.landed)
     if meets_own_terms(e, mode, BEST):
@@ -418,7 +436,7 @@ def project_once(e: Engine, mode: Mode, v: Floats, y: Floats, after: Floats) -> 
     """
     w = e.work
     ways = mode.ways
-    gaps(e, mode, v, y)
+    gaps(e, mode, v, y, False)
     exact = True
     for i in range(w.constraints):
         exact = exact and w.gap.at[i] == 0.0
@@ -429,6 +447,6 @@ def project_once(e: Engine, mode: Mode, v: Floats, y: Floats, after: Floats) -> 
     for a in range(ways.areas):
         w.nu.at[a] = -w.step.at[a]
     moved_by(e.model.storages, y, ways, w.nu.at, after)
-    gaps(e, mode, v, after)
+    gaps(e, mode, v, after, True)
     e.moved = SWEPT
     return meets_own_terms(e, mode, BEST)

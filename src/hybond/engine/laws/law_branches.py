@@ -136,13 +136,13 @@ def keep_answered(e: Engine, r: Laws, x: Floats) -> None:
 def lasting_role(m: Model, r: Laws, k: int) -> int:
     """Return how a port takes part in what lasts, `y` being decided by what is stored."""
     if m.port_two_sided[k] != 0:
-        if is_stored(m, r, k) and r.now.given[k] == NET and r.y[k] != 0.0:
+        if r.now.given[k] == NET and r.y[k] != 0.0 and is_stored(m, r, k):
             return FORWARD if r.y[k] > 0.0 else BACKWARD
         return TWO_SIDED
     # a contact that still approaches is for the next jump; where its motion follows from what other
     # laws give, whether it approaches is what is asked, and where its effort is stored none strikes
-    stored = is_stored(m, r, k) and r.now.given[k] == COMMON
-    comes = stored and m.port_restitution[k] != NO_LAW_VALUE and r.y[k] < 0.0
+    rebounds = r.now.given[k] == COMMON and m.port_restitution[k] != NO_LAW_VALUE
+    comes = rebounds and r.y[k] < 0.0 and is_stored(m, r, k)
     r.comes[m.port_machine[k]] = 1 if comes else 0
     return ONE_SIDED if r.able[k] != 0 and not comes else passive_role(r.now, k)
 

@@ -107,11 +107,15 @@ def find_jumping(e: Engine, r: Laws, x: Floats) -> int:
     for k in range(n):
         r.edge[k] = 0
         one_sided = m.port_two_sided[k] == 0
-        stored = is_stored(m, r, k)
+        common = r.now.given[k] == COMMON
+        # asked where it decides anything: that looks at what all others give
+        decides = r.y[k] < 0.0 if r.able[k] != 0 else not common
+        decides = (one_sided and decides) or (m.port_restitution[k] != NO_LAW_VALUE and common)
+        stored = decides and is_stored(m, r, k)
         r.rebound[k] = 0.0
         # what is stored has no speed to rebound with where it is the common variable, nor where
         # what other laws give is part of it
-        if m.port_restitution[k] != NO_LAW_VALUE and r.now.given[k] == COMMON and stored:
+        if m.port_restitution[k] != NO_LAW_VALUE and common and stored:
             own = quantity(m, m.port_restitution, m.port_restitution_constant, k, r.v)
             r.rebound[k] = own
             if r.able[k] != 0 and r.y[k] < 0.0 and hold_restitution(e, k, own, r.t) != OK:

@@ -8,7 +8,7 @@ from hybond.engine.algebra.blocks import fit, fit_places
 from hybond.engine.algebra.products import all_finite
 from hybond.engine.engine import NOT_FINITE, OK, Engine
 from hybond.engine.methods.balance import take_matrix
-from hybond.engine.methods.flow_columns import put_column
+from hybond.engine.methods.flow_columns import put_column, put_stored, stands_alone
 from hybond.engine.methods.flow_records import (
     MOST_FLOWS,
     NO_FLOW,
@@ -118,7 +118,11 @@ def make_flow_of(e: Engine, mode: Mode) -> int:
     fit(x.dense, n * n)
     for i in range(n * n):
         x.dense.at[i] = 0.0
-    for c in range(n):
+    begin = 0
+    if stands_alone(e.model, mode):
+        put_stored(e, mode, n)
+        begin = e.states
+    for c in range(begin, n):
         if put_column(e, mode, f, n, c) != OK:
             return NOT_FINITE
     put_generators(e.model, x, f, e.states, n)

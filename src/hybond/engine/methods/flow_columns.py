@@ -13,7 +13,43 @@ from hybond.engine.methods.flow_records import Exact, Flow
 from hybond.engine.methods.linear_rows import solve_rows
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.reading import read_by_knowns
+from hybond.engine.mode.storage import is_alone
 from hybond.engine.model import Model
+
+
+def stands_alone(m: Model, mode: Mode) -> bool:
+    """Whether rates are rows of a mode in which each storage stands for itself and in no source."""
+    if mode.dynamics > 0 or m.integrals > 0:
+        return False
+    for k in range(m.storages):
+        if not is_alone(m, k):
+            return False
+    for k in range(mode.sources):
+        s = mode.source[k]
+        if s >= 0 and m.source_value[s] >= 0 and reads_state(m, s):
+            return False
+        if s >= 0 and mode.rated[k] != 0 and reads_state(m, m.sources + s):
+            return False
+    return True
+
+
+def reads_state(m: Model, form: int) -> bool:
+    """Whether a form has terms with bond variables or with what is stored, which are its first."""
+    first = m.form_first[form]
+    return first < m.form_first[form + 1] and m.form_column[first] < 2 * m.bonds + m.storages
+
+
+def put_stored(e: Engine, mode: Mode, n: int) -> None:
+    """Put what the rates are by each stored quantity alone there: entries of rows as they are."""
+    m = e.model
+    rows = mode.direct
+    for k in range(m.storages):
+        negative = m.storage_kind[k] == 0 and m.storage_sign[k] < 0
+        for i in range(rows.first.at[mode.rate_row[k]], rows.first.at[mode.rate_row[k] + 1]):
+            c = rows.column.at[i]
+            if c < m.storages:
+                rate = rows.value.at[i] * m.stiff_constant[m.stiff_first[c]]
+                e.exact.dense.at[k * n + c] = -rate if negative else rate
 
 
 def put_column(e: Engine, mode: Mode, f: Flow, n: int, c: int) -> int:

@@ -39,7 +39,8 @@ class Ways:
     """The impulses that a mode allows, and what they do to what is stored.
 
     `directions` are bond variables by `many`; `moving`, many by areas; `d`,
-    storages by areas; `slope`, constraints by areas, its inverse and its rank. `part` is the
+    storages by areas, those of storage k that are not zero in the columns `moves` from
+    ``moves_first[k]`` on; `slope`, constraints by areas, its inverse and its rank. `part` is the
     part of the graph that each bond is in, once it is `parted`.
     """
 
@@ -49,6 +50,8 @@ class Ways:
     directions: Block
     moving: Block
     d: Block
+    moves_first: Places
+    moves: Places
     slope: Block
     inverse: Block
     rank: int
@@ -237,6 +240,8 @@ def make_ways() -> Ways:
     w.directions = make_block(1)
     w.moving = make_block(1)
     w.d = make_block(1)
+    w.moves_first = make_places(1)
+    w.moves = make_places(1)
     w.slope = make_block(1)
     w.inverse = make_block(1)
     w.share = make_block(1)

@@ -112,6 +112,8 @@ class Locator:
     """
     still_value: Floats
     still_extent: Floats
+    motion: Ints
+    """Of each state: whether the step moves it, and whether it is anything, for `sums`."""
     drift: Floats
     """Of each state: how far it is moved in the step where it is put on constraints; whether any
     may be."""
@@ -233,6 +235,7 @@ def begin_locator(e: Engine) -> Locator:
     g.wave_high = floats(2 * m.most_sources)
     g.wave_shown = ints(2 * m.most_sources)
     g.quartic = make_quartic()
+    g.motion = ints(e.states)
     g.drift = floats(e.states)
     g.before = floats(e.states)
     g.row_seen = ints(2 * m.bonds)

@@ -3,19 +3,39 @@
 from __future__ import annotations
 
 import math
+from typing import Final
 
 from hybond.engine.engine import Engine
 from hybond.engine.mode.part_energies import find_energies, reach_of_sum
 from hybond.engine.run.locator import Locator
 from hybond.engine.run.quartic import COEFFICIENTS
 
+MOVES: Final = 2
+"""What a state does in a step: it moves, ..."""
+STANDS: Final = 1
+"""... has one value all over it, ..."""
+NOTHING: Final = 0
+"""... or is zero all over it."""
+
 
 def take_step(e: Engine, g: Locator) -> None:
     """Take all comparisons that are sums as polynomials of the last step; of others their part."""
     find_energies(e, e.mode)
+    see_motion(e, g)
     for a in range(g.atoms):
         if g.sums.known.at[a] != 0 or g.sums.waved.at[a] != 0:
             put_polynomial(e, g, a)
+
+
+def see_motion(e: Engine, g: Locator) -> None:
+    """See which states the step moves, and which are zero all over it: terms of these are none."""
+    step = e.step
+    n = e.states
+    for k in range(n):
+        moves = step.dense[k] != 0.0 or step.dense[n + k] != 0.0
+        moves = moves or step.dense[2 * n + k] != 0.0 or step.dense[3 * n + k] != 0.0
+        there = step.y0[k] != 0.0 or step.y1[k] != 0.0
+        g.motion[k] = MOVES if moves else STANDS if there else NOTHING
 
 
 def put_polynomial(e: Engine, g: Locator, a: int) -> None:
@@ -34,12 +54,15 @@ def put_polynomial(e: Engine, g: Locator, a: int) -> None:
     extent += reach_of_sum(e.mode, s, a)
     for p in range(s.first.at[a], s.first.at[a + 1]):
         k = s.column.at[p]
+        if g.motion[k] == NOTHING:
+            continue
         factor = s.factor.at[p]
         c0 += factor * step.y0[k]
-        c1 += factor * step.dense[k]
-        c2 += factor * step.dense[n + k]
-        c3 += factor * step.dense[2 * n + k]
-        c4 += factor * step.dense[3 * n + k]
+        if g.motion[k] == MOVES:
+            c1 += factor * step.dense[k]
+            c2 += factor * step.dense[n + k]
+            c3 += factor * step.dense[2 * n + k]
+            c4 += factor * step.dense[3 * n + k]
         extent += s.size.at[p] * max(math.fabs(step.y0[k]), math.fabs(step.y1[k]))
     g.step[at] = c0
     g.step[at + 1] = c1
