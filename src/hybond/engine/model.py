@@ -45,6 +45,7 @@ class Model:
     """The first state of each machine among all states; ``machines + 1`` entries."""
     start: Ints
     is_law: Ints
+    leads_on: Ints  # per machine: whether it leads a law on where that would grow beyond all bounds
     laws: int  # how many machines stand for laws of junctions
     on_first: Ints  # of each state: what it switches on, in `on_switch`
     on_switch: Ints  # the node of each switch

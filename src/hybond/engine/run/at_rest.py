@@ -135,11 +135,11 @@ def crosses_clearly(e: Engine, g: Locator, k: int) -> bool:
 
 
 def is_by_hand(e: Engine, rule: int) -> bool:
-    """Whether a rule is one of a machine that is no law of a junction."""
+    """Whether a rule is one of a machine that is no law of a junction, nor of an element."""
     m = e.model
     for k in range(m.machines):
         if rule < m.rule_first[k + 1]:
-            return m.is_law[k] == 0
+            return m.is_law[k] == 0 and m.leads_on[k] == 0
     return False
 
 

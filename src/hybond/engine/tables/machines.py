@@ -24,6 +24,7 @@ def put_machines(t: ModelTables) -> None:
     t.ints["state_first"] = first_of([list(m.states) for m in g.machines])
     t.ints["start"] = [m.start for m in g.machines]
     t.ints["is_law"] = [int(m.law is not None) for m in g.machines]
+    t.ints["leads_on"] = [int(bool(m.led_on)) for m in g.machines]
     on = [[(place[n],) for n in sorted(nodes)] for m in g.machines for nodes in m.on]
     put_rows(t, "on_first", on, on_switch=INTS)
     owners = owners_of(g)
