@@ -98,6 +98,7 @@ subset. Rooms, and in them files, as data passes them::
         graded              slow motions of these beside fast ones
         radau, radau_stages, radau_slopes, radau_dense, radau_method, radau_room    implicit steps
         stiffness           when ``auto`` goes over to them, and back
+        beside_kinks        slopes of the side of a kink on which a step is
         from_edges, beside_edges    stages where laws begin, and beside that
         fixed               forward Euler, the classical Runge-Kutta method
         qss, qss_start, qss_events, qss_band, qss_place, qss_room    quantised states

@@ -184,6 +184,8 @@ class Step:
     began_at: Floats
     passed_before: Floats
     kink: Floats
+    kink_side: Floats
+    """What says on which side of each kink a step of ``radau`` is."""
     kink_rate: Floats
     level0: Floats
     """Co-energy variables where the step begins and ends, with what is stored there."""
@@ -363,6 +365,7 @@ def make_step(n: int, kinks: int, edges: int) -> Step:
     """Return room for steps of n states, for what turns at kinks, and for ways to edges."""
     s = Step()
     s.kink = floats(kinks)
+    s.kink_side = floats(kinks)
     s.edge = floats(edges)
     s.edge_there = floats(edges)
     s.y0 = floats(n)

@@ -411,6 +411,7 @@ class Model:
     kink_pair: Ints  # what each reads stands with the pairs
     kink_switch: Ints  # what is to be ON for anything to feel it, -1: nothing
     kink_rest: Ints  # what is at rest where it is zero, the root of which is here; -1: nothing
+    kink_rooted: Ints  # whether a law takes the root of it, or of what it is a multiple of
     kink_meets: Ints  # whether all that is said of it has one value there as well
     kink_node: Ints  # the element that says it; -1: the rate of a signal
     timed_jumps: int

@@ -12,6 +12,7 @@ from hybond.engine.algebra.lu import SINGULAR, lu_solve
 from hybond.engine.algebra.products import copy_floats
 from hybond.engine.engine import OK, Engine
 from hybond.engine.methods.beside_edges import begins_at_edge, iterate_beside_edge, own_stages
+from hybond.engine.methods.beside_kinks import leads_beyond
 from hybond.engine.methods.dopri import spacing
 from hybond.engine.methods.from_edges import keep_within, widen
 from hybond.engine.methods.hidden_peaks import hidden_in_stages
@@ -33,6 +34,7 @@ from hybond.engine.methods.radau_stages import (
     NO_MATRIX,
     STAGES_BEYOND,
     STAGES_CONVERGED,
+    STAGES_FAILED,
     factorise,
     mean_size,
     rate_at,
@@ -135,7 +137,7 @@ def try_radau(e: Engine, r: Radau, rtol: float) -> int:
         r.blamed = RATE_BLAMED
     r.from_edge = begins_at_edge(e, r, rtol)
     if r.matrix == NO_MATRIX:
-        differences(e, r, rtol)
+        differences(e, r, rtol, False)
     if factorise(r) == SINGULAR:
         return STEP_REJECTED
     # stages that go on from the last ones leave rest
@@ -149,6 +151,9 @@ def try_radau(e: Engine, r: Radau, rtol: float) -> int:
         # one matrix does not serve stages before and behind where a current has all but ended
         if own_stages(e, r, rtol, 0.0) and factorise(r) != SINGULAR:
             found = STAGES_CONVERGED
+    through = found == STAGES_FAILED and fresh and r.sided and goes_through(e, r, rtol)
+    if through:
+        found = STAGES_CONVERGED
     if e.model.tells != 0:
         r.blamed = ERROR_BLAMED if found == STAGES_CONVERGED else STAGES_BLAMED
     if found != STAGES_CONVERGED:
@@ -183,6 +188,14 @@ def try_radau(e: Engine, r: Radau, rtol: float) -> int:
         r.shrink = RADAU_SHRINK
         return STEP_REJECTED
     return STEP_MADE
+
+
+def goes_through(e: Engine, r: Radau, rtol: float) -> bool:
+    """Whether a step goes through a kink by the slopes beyond; they serve no step but this."""
+    differences(e, r, rtol, True)
+    found = factorise(r) != SINGULAR and iterate_beside_edge(e, r, rtol) == STAGES_CONVERGED
+    r.matrix = NO_MATRIX
+    return found and leads_beyond(e, r)
 
 
 def over_kink(e: Engine, r: Radau) -> bool:
@@ -336,6 +349,7 @@ def retry_radau(e: Engine, r: Radau, rtol: float, t_end: float, longest: float) 
     """
     n = r.n
     next_size = r.next
+    matrix = r.matrix
     slow = r.slow
     left = r.left
     h_before = r.h_before
@@ -379,7 +393,7 @@ def retry_radau(e: Engine, r: Radau, rtol: float, t_end: float, longest: float) 
     if remade > 0:
         copy_floats(n * n, r.kept_jacobian, r.jacobian)
         r.served = 0.0
-    r.matrix = KEPT_MATRIX
+    r.matrix = NO_MATRIX if matrix == NO_MATRIX else KEPT_MATRIX
     r.next = next_size
     r.slow = slow
     r.left = left

@@ -111,6 +111,8 @@ class Radau:
     kept_jacobian: Floats
     made: int
     """Jacobians made so far."""
+    sided: bool
+    """Whether the last one would have been another, had it not stayed on its side of a kink."""
     beyond: bool
     """Whether the attempt that was given up led to where something is not finite."""
 

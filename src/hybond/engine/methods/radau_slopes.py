@@ -14,6 +14,7 @@ from typing import Final
 from hybond.engine.algebra.products import copy_floats
 from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.engine import NOT_FINITE, OK, Engine
+from hybond.engine.methods.beside_kinks import is_beyond, see_sides, stay_on_side
 from hybond.engine.methods.graded import fast_from
 from hybond.engine.methods.radau_room import Radau
 from hybond.engine.methods.radau_stages import FRESH_MATRIX, rate_at
@@ -38,20 +39,21 @@ DIGITS_LEFT: Final = 1e4 * EPSILON
 """Part of a state that its tolerance is at least where a law that holds it asks for less."""
 
 
-def differences(e: Engine, r: Radau, rtol: float) -> None:
+def differences(e: Engine, r: Radau, rtol: float, across: bool) -> None:
     """Make the Jacobian where the step starts; with closer rates if slow motions ask for them.
 
     Where states exchange what they store so fast that rounding of it moves their sum, rates of the
-    mode are from now on summed with all digits.
+    mode are from now on summed with all digits. `across` kinks that a step goes through, slopes may
+    be those of beyond.
     """
-    make_slopes(e, r, rtol)
+    make_slopes(e, r, rtol, across)
     if e.mode.closely or e.slide.k > 0 or not exchange_fast(e, r, rtol):
         return
     e.mode.closely = True
     refusal = e.refusal
     if rate_at(e, r.n, r.t0, r.y0, r.end) == OK:
         copy_floats(r.n, r.end, r.f0)
-        make_slopes(e, r, rtol)
+        make_slopes(e, r, rtol, across)
     e.refusal = refusal
 
 
@@ -67,7 +69,7 @@ def exchange_fast(e: Engine, r: Radau, rtol: float) -> bool:
     return False
 
 
-def make_slopes(e: Engine, r: Radau, rtol: float) -> None:
+def make_slopes(e: Engine, r: Radau, rtol: float, across: bool) -> None:
     """Make the Jacobian by forward differences where the step starts, in the direction of motion.
 
     A state at the edge of where its law is defined is more likely to have come from there than to
@@ -81,6 +83,8 @@ def make_slopes(e: Engine, r: Radau, rtol: float) -> None:
     n = r.n
     refusal = e.refusal
     tolerance(e, r.y0, r.y0, r.other)
+    r.sided = False
+    one_side = not across and see_sides(e, r)
     for i in range(n):
         r.shifted[i] = r.y0[i]
     for j in range(n):
@@ -106,6 +110,8 @@ def make_slopes(e: Engine, r: Radau, rtol: float) -> None:
                 break
             found = beside(e, r, j, delta)
             delta *= RADAU_NEAR
+        if one_side and found == OK and is_beyond(e, r):
+            found = stay_on_side(e, r, j)
         for i in range(n):
             # off its constraints, or where laws end or jump, a state may have no rates; nothing
             # moves it there

@@ -227,10 +227,13 @@ def iterate_stages(e: Engine, r: Radau, rtol: float) -> int:
     # below ten units of rounding of the state itself no iteration can come
     enough = max(ENOUGH, 10.0 * EPSILON / rtol)
     before = 0.0
+    # beside a kink what is foreseen may be beyond, and looks right there by slopes of this side
+    r.known = r.known and not r.sided
     foresee(r)
     r.swings = False
     r.rate = 0.0
-    r.now_left = math.pow(max(r.left, 1e-16), 0.8)
+    # what was foreseen beside a kink may be beyond: how fast others converged says nothing then
+    r.now_left = 1.0 if r.sided else math.pow(max(r.left, 1e-16), 0.8)
     place_stages(r)
     other = False
     for count in range(1, ITERATIONS + 1):

@@ -76,6 +76,10 @@ def put_kinks(t: ModelTables) -> None:
         int(rest is not None and all(meets(e, simplify(a)) for e in said.get(a, ())))
         for a, rest in zip(found, at_rest, strict=True)
     ]
+    t.ints["kink_rooted"] = [
+        int(_unscaled(a) in rests and all(meets(e, _unscaled(a)) for e in said.get(a, ())))
+        for a in found
+    ]
     t.ints["kink_pair"] = [len(t.pairs) + k for k in range(len(found))]
     t.pairs += found
     t.ints["atom_value"] += [t.values.number(a) for a in found]
@@ -103,6 +107,17 @@ def put_kinks(t: ModelTables) -> None:
     seen = sorted({t.slots.index[n] for a in levels for n in names(a)})
     t.ints["edge_bond"] = [k - bonds.start for k in seen if k in bonds]
     t.numbers["edge_bonds"] = len(t.ints["edge_bond"])
+
+
+def _unscaled(a: Expr) -> Expr:
+    """Return what is zero where a multiple of it is."""
+    match simplify(a):
+        case Neg(arg) | Binary("/", arg, Number()) | Binary("*", Number(), arg):
+            return _unscaled(arg)
+        case Binary("*", arg, Number()):
+            return _unscaled(arg)
+        case bare:
+            return bare
 
 
 def _is_led_on(t: ModelTables, a: Expr) -> bool:

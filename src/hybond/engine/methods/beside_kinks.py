@@ -1,0 +1,96 @@
+"""On which side of each kink a step of Radau IIA is, so that its slopes are those of that side.
+
+A tank runs empty through a check valve: its level nears the place where the valve shuts, and never
+comes there. A difference that is longer than the rest of the way has next to nothing but the slope
+of the shut valve. Where that is steeper, each correction of the stages is next to nothing, however
+much is left of their equations, and looks as if they had converged; where it is less steep they do
+not. A step that goes through a kink ends there, and the next one begins behind it: the slopes of
+the side on which a step begins are those of all of it.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+from hybond.engine.answers import value
+from hybond.engine.engine import OK, Engine
+from hybond.engine.methods.one_instant import room_of_instant, show_motion
+from hybond.engine.methods.radau_room import Radau
+from hybond.engine.methods.radau_stages import rate_at
+
+NEARER: Final = 12
+"""How often a difference is tried that stays on its side, to and fro by turns, ..."""
+NEAR: Final = 1.0 / 16.0
+"""... and by how much it is shorter after two."""
+
+
+def see_sides(e: Engine, r: Radau) -> bool:
+    """See on which side of each kink the step begins; False if there are none, or laws no values.
+
+    What is passed within the instant at which it begins is behind. Those of what a law takes the
+    root of are not asked: slopes are without bound there.
+    """
+    m = e.model
+    s = e.step
+    some = False
+    for k in range(m.kinks):
+        some = some or m.kink_rooted[k] == 0
+    if not some or e.slide.k > 0:
+        return False
+    h = room_of_instant(e, r.t0)
+    for i in range(r.n):
+        r.stage[i] = r.y0[i] + h * r.f0[i]
+    # behind the instant, or where a law has no value there, where it begins
+    if not show_motion(e, r.t0, r.stage) and not show_motion(e, r.t0, r.y0):
+        return False
+    for k in range(m.kinks):
+        s.kink_side[k] = 0.0
+        if m.kink_rooted[k] == 0:
+            s.kink_side[k] = value(m, m.atom_value[m.kink_atom + k], e.v)
+    return True
+
+
+def is_beyond(e: Engine, r: Radau) -> bool:
+    """Whether the state that is shifted is beyond a kink; its rates have just been found."""
+    m = e.model
+    s = e.step
+    if e.mode.dynamics == 0 and not show_motion(e, r.t0, r.shifted):
+        return False
+    for k in range(m.kinks):
+        if s.kink_side[k] != 0.0:
+            there = value(m, m.atom_value[m.kink_atom + k], e.v)
+            if (there > 0.0 and s.kink_side[k] < 0.0) or (there < 0.0 and s.kink_side[k] > 0.0):
+                return True
+    return False
+
+
+def stay_on_side(e: Engine, r: Radau, j: int) -> int:
+    """Find the rates with a state shifted the other way, or less far, so that no kink is passed.
+
+    Where each way leads over one, they are those of where it was shifted to.
+    """
+    far = r.shifted[j]
+    way = r.y0[j] - far
+    for k in range(NEARER):
+        r.shifted[j] = r.y0[j] + way
+        if r.shifted[j] != r.y0[j] and rate_at(e, r.n, r.t0, r.shifted, r.end) == OK:
+            if not is_beyond(e, r):
+                r.sided = True
+                return OK
+        way *= -NEAR if k % 2 == 0 else -1.0
+    r.shifted[j] = far
+    return rate_at(e, r.n, r.t0, r.shifted, r.end)
+
+
+def leads_beyond(e: Engine, r: Radau) -> bool:
+    """Whether the stages that were found end beyond a kink."""
+    for i in range(r.n):
+        r.shifted[i] = r.y[2 * r.n + i]
+    m = e.model
+    s = e.step
+    if not show_motion(e, r.t1, r.shifted):
+        return False
+    for k in range(m.kinks):
+        if s.kink_side[k] * value(m, m.atom_value[m.kink_atom + k], e.v) < 0.0:
+            return True
+    return False
