@@ -3,6 +3,7 @@
 import io
 import json
 import signal
+import sys
 import zipfile
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -216,8 +217,10 @@ def test_a_coefficient_beyond_floats_is_there(shell: Shell) -> None:
 
 @contextmanager
 def small_disk() -> Iterator[None]:
-    """Files of 600 bytes at most."""
+    """Files of 600 bytes at most; byte code, which Python does not find cut short, is none then."""
     resource = pytest.importorskip("resource")
+    written = sys.dont_write_bytecode
+    sys.dont_write_bytecode = True
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
     answer = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
     resource.setrlimit(resource.RLIMIT_FSIZE, (600, before[1]))
@@ -226,6 +229,7 @@ def small_disk() -> Iterator[None]:
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
         signal.signal(signal.SIGXFSZ, answer)
+        sys.dont_write_bytecode = written
 
 
 @pytest.mark.parametrize(

@@ -49,15 +49,20 @@ def test_joined_by_a_switch() -> None:
 
 @pytest.mark.parametrize("back", [False, True])
 @pytest.mark.parametrize("r", [1e-12, 1e-9, 1e-8])
-@pytest.mark.parametrize("switch", [False, True])
-def test_what_begins_level_raises_no_alarm(r: float, back: bool, switch: bool) -> None:
+@pytest.mark.parametrize("beside", ["", "switch", "diode"])
+def test_what_begins_level_raises_no_alarm(r: float, back: bool, beside: str) -> None:
     """Nothing flows between the two but the leak's half; what each term is rounded by is more."""
     m = hb.Model("level")
     m.add(a=hb.C(1.0, e=3.0), b=hb.C(1.0, e=3.0), na=hb.Zero(), nb=hb.Zero(), s=hb.One())
     m.add(r=hb.R(r), l=hb.R(1e6))
     m.bond("s -> r", *(["nb -> s -> na", "a -> na", "nb -> l", "b -> nb"] if back else
                        ["na -> s -> nb", "na -> a", "nb -> l", "nb -> b"]))  # fmt: skip
-    if switch:
+    if beside == "diode":
+        m.add(
+            v=hb.Se("sin(time/1e5)"), d=hb.One(law="diode"), o=hb.Zero(), x=hb.R(1.0), y=hb.C(1.0)
+        )
+        m.bond("v -> d -> o -> y", "d -> x")
+    if beside == "switch":
         m.machine("S", start="closed", states={"open": [], "closed": ["s"]}, rules=[])
     run = hb.simulate(m, 1e6)
     assert run.status == "ok"

@@ -43,6 +43,7 @@ writers = {
     "draw.svg": lambda f: main(["draw", "rod.toml", "--out", f]),
     "export.c": lambda f: main(["export", "rod.toml", "--to", "c", "--out", f, "--force"]),
 }
+sys.dont_write_bytecode = True  # Python does not find it cut short
 _, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
 resource.setrlimit(resource.RLIMIT_FSIZE, (64, hard))
 silent = []

@@ -60,10 +60,13 @@ SWEEP = (
 
 
 def program(*words: str, **options: Any) -> subprocess.Popen[str]:
-    """Start the command line in a process of its own."""
+    """Start the command line in a process of its own, which leaves no byte code behind.
+
+    Where files may not be long, Python writes that too, and does not find it cut short.
+    """
     return subprocess.Popen(
         [sys.executable, "-m", "hybond", *words],
-        env={**os.environ, "PYTHONPATH": str(ROOT / "src")},
+        env={**os.environ, "PYTHONPATH": str(ROOT / "src"), "PYTHONDONTWRITEBYTECODE": "1"},
         stdout=subprocess.DEVNULL,
         stderr=subprocess.PIPE,
         text=True,

@@ -96,8 +96,9 @@ def make_equations(e: Engine, mode: Mode, given: Ints) -> None:
     mode.looks_due = 1
     eliminate(e, mode)
     for _ in range(TURNS):
-        # constraints on what is stored, and what laws tie together, are told from structure
-        structured = e.model.laws > 0 or e.work.table.done > 0
+        # constraints on what is stored, and what laws tie together, are told from structure, but
+        # for a leak that is lost
+        structured = e.work.table.done > 0 or (e.model.laws > 0 and not mode.doubted)
         if mode.dynamics > 0 or mode.too_high or structured:
             break
         # a leak beside an exchange 1e15 times as large is as small as rounding of the two
