@@ -8,7 +8,8 @@ from typing import Final
 from hybond.engine.engine import Engine
 from hybond.engine.methods.dopri import spacing
 from hybond.engine.run.guard_values import atom_at, holds_at
-from hybond.engine.run.locator import SAMPLES, Locator, is_asleep
+from hybond.engine.run.locator import SAMPLES, Locator
+from hybond.engine.run.naps import is_asleep
 
 SEARCH: Final = 40
 """Most iterations of one root or extremum search."""

@@ -14,16 +14,8 @@ from hybond.engine.run.guard_values import (
     terms_here,
     test_here,
 )
-from hybond.engine.run.locator import (
-    FRACTION,
-    GRID,
-    NO_KINK,
-    SAMPLES,
-    TERMS,
-    Locator,
-    is_asleep,
-    let_sleep,
-)
+from hybond.engine.run.locator import FRACTION, GRID, NO_KINK, SAMPLES, TERMS, Locator
+from hybond.engine.run.naps import is_asleep, let_sleep
 from hybond.engine.words import Floats
 
 UNRESOLVED: Final = 0.02

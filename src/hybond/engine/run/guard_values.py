@@ -18,7 +18,8 @@ from hybond.engine.mode.sizes import measure
 from hybond.engine.mode.solving import solve_read
 from hybond.engine.mode.values import evaluate, set_motion, set_state
 from hybond.engine.reasons.facts import add_fact
-from hybond.engine.run.locator import ALL_PARTS, NO_KINK, Locator, is_asleep
+from hybond.engine.run.locator import ALL_PARTS, NO_KINK, Locator
+from hybond.engine.run.naps import is_asleep
 from hybond.engine.sliding.averages import begin_sizes, part_sizes, show_part, solve_here
 from hybond.engine.words import Floats
 

@@ -18,7 +18,8 @@ from hybond.engine.mode.values import field, set_motion
 from hybond.engine.reasons.facts import add_fact
 from hybond.engine.run.guard_values import has_crossed, holds_at, show
 from hybond.engine.run.held_by_kinks import JUMPS, SEEN, compared, dust_of_rate, is_held
-from hybond.engine.run.locator import ALL_PARTS, LONGEST_NAP, NO_KINK, Locator, pass_step
+from hybond.engine.run.locator import ALL_PARTS, NO_KINK, Locator
+from hybond.engine.run.naps import LONGEST_NAP, pass_step
 from hybond.engine.run.run_records import IDLE, PATIENCE, Run
 from hybond.engine.run.together import LAST_PLACES, before_kink, kink_there
 

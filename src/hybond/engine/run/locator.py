@@ -40,8 +40,6 @@ MOST_BLOCKS: Final = 128
 chatter moves everywhere, which no halving shows more of."""
 SHALLOW: Final = 4
 """These."""
-LONGEST_NAP: Final = 4096
-"""Steps for which a kink ends none, at the most."""
 MOST_LOOKS: Final = 1_000_000_000
 """Instants looked at after which they are counted anew."""
 ALL_PARTS: Final = -1
@@ -478,24 +476,6 @@ def begin_looks(m: Model, g: Locator) -> None:
         g.seen[k] = 0
     for b in range(2 * m.bonds):
         g.row_seen[b] = 0
-
-
-def is_asleep(g: Locator, k: int) -> bool:
-    """Whether guard k is a kink that ends no step just now."""
-    return g.side[k] != NO_KINK and (g.asleep > 0 or g.sleep[k] > 0)
-
-
-def let_sleep(g: Locator, k: int) -> None:
-    """Let a kink end no steps for a while, longer each time."""
-    g.sleep[k] = g.nap[k]
-    g.nap[k] = min(2 * g.nap[k], LONGEST_NAP)
-
-
-def pass_step(g: Locator) -> None:
-    """Count a step for kinks that are asleep."""
-    g.asleep = max(g.asleep - 1, 0)
-    for k in range(g.guards):
-        g.sleep[k] = max(g.sleep[k] - 1, 0)
 
 
 def has_failed(g: Locator) -> bool:
