@@ -166,7 +166,8 @@ class Step:
     peak_rate: Floats
     peak_read: Floats
     """Of a step that may hide a peak: a state within it and its rates, those at its end, and three
-    samples of all bond variables."""
+    samples of all bond variables and arguments."""
+    hid_until: float  # up to when a step has hidden one, s; nan: none has
     dense: Floats
     scale: Floats
     tied: Floats
@@ -318,8 +319,7 @@ class Engine:
     rates: Sums
     """The rates of the state in the motion, if they are `straight`: sums of the state, all."""
     straight: bool
-    curved: bool
-    """Whether the last step is one of a descent: a cubic, whatever the method."""
+    curved: bool  # whether the last step is one of a descent: a cubic, whatever the method
 
 
 def say_fault(e: Engine, code: Text, why: Text, place: Text) -> int:
@@ -384,6 +384,7 @@ def make_step(n: int, kinks: int, edges: int) -> Step:
     s.peak_y = floats(n)
     s.peak_f1 = floats(n)
     s.peak_rate = floats(n)
+    s.hid_until = math.nan
     s.allowed = floats(n)
     s.trial = floats(n)
     s.rate = floats(n)
@@ -428,7 +429,7 @@ def make_engine(m: Model) -> Engine:
     e.states = m.storages + m.integrals
     e.y = floats(e.states)
     e.step = make_step(e.states, m.kinks, m.begins)
-    e.step.peak_read = floats(6 * m.bonds)
+    e.step.peak_read = floats(3 * (2 * m.bonds + m.arguments))
     e.slide = make_slide(m)
     e.rounding = floats(m.storages)
     e.rate_noise = floats(m.storages)

@@ -449,6 +449,8 @@ class Model:
     course_right: Ints
     course_third: Ints
     course_number: Floats
+    arguments: int  # of functions that turn, in laws and sources: what these are largest by
+    argument_value: Ints
 
     # forms, for what is propagated exactly: bond variables, states, then generators, with factors
     form_first: Ints
@@ -460,8 +462,7 @@ class Model:
     forms_why: int
     """That of why no mode can be propagated, or -1."""
     reasons: int
-    generators: int
-    """Functions of time; row k is the rate of the k-th by all of them."""
+    generators: int  # functions of time; row k is the rate of the k-th by all of them
     generator_one: int  # the one that is 1
     generator_first: Ints
     generator_column: Ints

@@ -32,7 +32,17 @@ LONG: Final = 0.25
 APART: Final = 0.13
 """Part of the longest step in which samples of what laws read are apart: 0.4 rad of a sine."""
 MOST: Final = 16
-"""Parts of a step that are looked at, at the most."""
+"""Parts of a step that are looked at, at the most; ..."""
+FEWEST: Final = 2
+"""... and at the least."""
+CLOSER: Final = 3
+"""How often the place where something is largest is looked at, each time more closely; ..."""
+NEARER: Final = 1.0 / 16.0
+"""... each time between places that are this part as far apart."""
+NOISE: Final = 1e-10
+"""Part of a quantity by which samples bend that are next to even."""
+ABOUT: Final = 0.25
+"""By so much of how far places are apart that place may be elsewhere at first."""
 SHORT: Final = 0.01
 """Part of the longest step that hides no peak."""
 FAR: Final = 0.5
@@ -47,43 +57,56 @@ SHORTEST: Final = 1e-9
 """Part of the run below which a step is no shorter for that."""
 
 
-def may_hide(e: Engine, h: float, error: float) -> bool:
-    """Whether a step is to be looked at."""
+def parts_looked_at(e: Engine, t0: float, h: float, error: float) -> int:
+    """Return into how many parts a step is to be cut and looked at; 0: it is not.
+
+    Within one that has hidden something shorter ones are looked at whatever their error: it may be
+    that of a stage at the foot of a peak.
+    """
     m = e.model
     mode = e.mode
-    if m.courses == 0 or e.slide.k > 0 or mode.dynamics == 0 or mode.affine:
-        return False
-    if not (math.isfinite(e.longest) or mode.moves) or h < SHORTEST * e.span:
-        return False
-    if error >= KNOWS:
-        return h > LONG * e.longest
-    return mode.moves or h > SHORT * e.longest
+    if e.slide.k > 0 or h < SHORTEST * e.span:
+        return 0
+    timed = m.courses > 0 and (math.isfinite(e.longest) or mode.moves)
+    bent = timed and mode.dynamics > 0 and not mode.affine
+    if bent and not t0 < e.step.hid_until:
+        bent = h > LONG * e.longest if error >= KNOWS else mode.moves or h > SHORT * e.longest
+    if not bent and m.arguments == 0:
+        return 0
+    parts = MOST // 4 if bent else FEWEST
+    if math.isfinite(e.longest):
+        wanted = min(math.ceil(h / (APART * e.longest)), float(MOST))
+        parts = max(int(wanted), FEWEST)
+    return parts
 
 
 def hidden_at_end(e: Engine, t1: float, error: float) -> float:
     """Return the error of an explicit step that is tried, larger if it hides something."""
     s = e.step
-    if not may_hide(e, t1 - s.t0, error):
+    parts = parts_looked_at(e, s.t0, t1 - s.t0, error)
+    if parts == 0:
         return error
     for k in range(e.states):
         s.peak_f1[k] = s.k[6 * e.states + k]
-    return HIDES if hides(e, e.radau, False, s.t0, s.y0, s.f0, t1, s.y1) else error
+    return HIDES if hides(e, e.radau, False, parts, s.t0, s.y0, s.f0, t1, s.y1) else error
 
 
 def hidden_in_stages(e: Engine, r: Radau, error: float) -> float:
     """Return the error of an implicit step that is tried, larger if it hides something."""
     s = e.step
-    if not may_hide(e, r.t1 - r.t0, error):
+    parts = parts_looked_at(e, r.t0, r.t1 - r.t0, error)
+    if parts == 0:
         return error
     for k in range(e.states):
         s.peak_f1[k] = r.f[2 * e.states + k]
-    return HIDES if hides(e, r, True, r.t0, r.y0, r.f0, r.t1, r.y1) else error
+    return HIDES if hides(e, r, True, parts, r.t0, r.y0, r.f0, r.t1, r.y1) else error
 
 
 def hides(
     e: Engine,
     r: Radau,
     filtered: bool,
+    parts: int,
     t0: float,
     y0: Floats,
     f0: Floats,
@@ -93,14 +116,9 @@ def hides(
     """Whether rates within a step are far from those of the way between its ends."""
     s = e.step
     h = t1 - t0
-    parts = MOST // 4
-    if math.isfinite(e.longest):
-        wanted = min(math.ceil(h / (APART * e.longest)), float(MOST))
-        parts = max(int(wanted), 2)
     refusal = e.refusal
     hold_guess(e, e.mode)
     tolerance(e, y0, y1, s.allowed)
-    n = 2 * e.model.bonds
     found = False
     many = 0
     for i in range(parts + 1):
@@ -111,8 +129,7 @@ def hides(
             break
         if i > 0 and i < parts:
             found = is_far(e, r, filtered, h, float(i) / float(parts), y0, f0, y1)
-        for k in range(n):
-            s.peak_read[(many % 3) * n + k] = e.work.w[k]
+        sample_reads(e, many % 3)
         many += 1
         if found or many < 3:
             continue
@@ -122,7 +139,18 @@ def hides(
         found = is_far_at_peaks(e, r, filtered, low, high, i, apart, many, t0, h, y0, f0, y1)
     give_back_guess(e, e.mode)
     e.refusal = refusal
+    if found and not t1 <= s.hid_until:
+        s.hid_until = t1
     return found
+
+
+def sample_reads(e: Engine, row: int) -> None:
+    """Keep what laws and functions read at the place looked at."""
+    m = e.model
+    n = 2 * m.bonds
+    first = row * (n + m.arguments)
+    for k in range(n + m.arguments):
+        e.step.peak_read[first + k] = read_of(e, k)
 
 
 def is_far_at_peaks(
@@ -145,31 +173,102 @@ def is_far_at_peaks(
     It is a parabola through the last three samples, of which the last is at part `at`.
     """
     m = e.model
-    s = e.step
-    n = 2 * m.bonds
-    first = ((many - 3) % 3) * n
-    second = ((many - 2) % 3) * n
-    third = ((many - 1) % 3) * n
-    last = math.inf
+    last = math.nan
     for i in range(e.mode.dynamics):
         d = e.mode.dynamic[i]
         if d < 0 or m.dynamic_affine[d] != 0:
             continue
         for p in range(m.slope_first[d], m.slope_first[d + 1]):
             k = m.slope_column[p]
-            before = s.peak_read[second + k] - s.peak_read[first + k]
-            after = s.peak_read[third + k] - s.peak_read[second + k]
-            if before == after:
-                continue
-            place = apart * (float(at) - 1.0 + 0.5 * (before + after) / (before - after))
-            if not (place > low and place < high) or math.fabs(place - last) < 0.01 * apart:
+            place = peak_between(e, k, at, apart, many)
+            if not is_within(place, low, high, apart, last):
                 continue
             last = place
-            if not rates_at(e, place, t0, h, y0, f0, y1) or is_beyond_kink(e, False):
-                continue
-            if is_far(e, r, filtered, h, place, y0, f0, y1):
+            if is_far_at_top(e, r, filtered, k, place, apart, t0, h, y0, f0, y1):
                 return True
+    last = math.nan
+    for a in range(m.arguments):
+        k = 2 * m.bonds + a
+        place = peak_between(e, k, at, apart, many)
+        if not is_within(place, low, high, apart, last):
+            continue
+        last = place
+        if is_far_at_top(e, r, filtered, k, place, apart, t0, h, y0, f0, y1):
+            return True
     return False
+
+
+def is_within(place: float, low: float, high: float, apart: float, last: float) -> bool:
+    """Whether a place is to be looked at: not one just looked at; a parabola may miss the ends."""
+    if math.fabs(place - last) < 0.01 * apart:
+        return False
+    return place > low - ABOUT * apart and place < high + ABOUT * apart
+
+
+def peak_between(e: Engine, k: int, at: int, apart: float, many: int) -> float:
+    """Return where the parabola through the last three samples of something has its peak."""
+    read = e.step.peak_read
+    row = 2 * e.model.bonds + e.model.arguments
+    first = read[((many - 3) % 3) * row + k]
+    second = read[((many - 2) % 3) * row + k]
+    third = read[((many - 1) % 3) * row + k]
+    before = second - first
+    after = third - second
+    if math.fabs(before - after) <= NOISE * math.fabs(second):
+        return math.nan
+    return apart * (float(at) - 1.0 + 0.5 * (before + after) / (before - after))
+
+
+def is_far_at_top(
+    e: Engine,
+    r: Radau,
+    filtered: bool,
+    k: int,
+    place: float,
+    apart: float,
+    t0: float,
+    h: float,
+    y0: Floats,
+    f0: Floats,
+    y1: Floats,
+) -> bool:
+    """Whether rates are far off where what is read is largest.
+
+    What a function makes of it may be nothing as close to that as a parabola through three samples
+    comes. So it is laid through others closer by, again and again.
+    """
+    for closer in range(CLOSER):
+        place = max(min(place, 1.0), 0.0)
+        if not rates_at(e, place, t0, h, y0, f0, y1) or is_beyond_kink(e, False):
+            return False
+        if is_far(e, r, filtered, h, place, y0, f0, y1):
+            return True
+        if closer == CLOSER - 1:
+            break
+        apart *= NEARER
+        here = read_of(e, k)
+        inside = max(min(place, 1.0 - apart), apart)
+        if inside != place:
+            place = inside
+            if not rates_at(e, place, t0, h, y0, f0, y1):
+                return False
+            here = read_of(e, k)
+        if not rates_at(e, place - apart, t0, h, y0, f0, y1):
+            return False
+        before = here - read_of(e, k)
+        if not rates_at(e, place + apart, t0, h, y0, f0, y1):
+            return False
+        after = read_of(e, k) - here
+        if math.fabs(before - after) <= NOISE * math.fabs(here):
+            return False
+        place += max(min(0.5 * (before + after) / (before - after), 2.0), -2.0) * apart
+    return False
+
+
+def read_of(e: Engine, k: int) -> float:
+    """Return a bond variable, or an argument behind them, at the place looked at."""
+    n = 2 * e.model.bonds
+    return e.work.w[k] if k < n else value(e.model, e.model.argument_value[k - n], e.v)
 
 
 def is_beyond_kink(e: Engine, first: bool) -> bool:

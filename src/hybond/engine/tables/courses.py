@@ -59,8 +59,8 @@ if TYPE_CHECKING:
 
 ALWAYS, OF_SOURCE, OF_SWITCH, OF_RULE = 0, 1, 2, 3
 """When a course counts: always, where a source acts, a switch is ON, a rule is asked."""
-_PLANT = ("e:", "f:", "x:")
-_TURNING = ("sin", "cos", "tan", "mod", "exp", "tanh", "cosh", "sinh")
+PLANT = ("e:", "f:", "x:")
+TURNING = ("sin", "cos", "tan", "mod", "exp", "tanh", "cosh", "sinh")
 """Functions by which what moves evenly can do something in no time."""
 _RISING = ("exp", "tanh", "sinh")
 """Those of them that only go one way: alone, one of them goes there and does not come back."""
@@ -167,11 +167,14 @@ def _own(t: ModelTables, user: tuple[int, int]) -> frozenset[str]:
 def _phased(before: Beforehand, e: Expr, user: tuple[int, int], own: frozenset[str]) -> list[Expr]:
     """Return an expression if a phase of the plant turns something in it, and may turn it back.
 
-    What does not come back is seen at the end of a step: there a rate is another one.
+    What does not come back is seen at the end of a step: there a rate is another one. What time
+    alone does in it is a course for itself; beside it the plant goes against it where a loop is
+    closed, and what both leave is far smaller than either. A guard is no rate.
     """
     if uses_pre(e) or user[0] == OF_SWITCH or not _has_phase(before, e, own):
         return []
-    return [] if _rises(stable(e)) <= 1 else [e]
+    timed = None if user[0] == OF_RULE else before
+    return [] if _rises(stable(e), timed) <= 1 else [e]
 
 
 def _has_phase(before: Beforehand, e: Expr, own: frozenset[str]) -> bool:
@@ -181,7 +184,7 @@ def _has_phase(before: Beforehand, e: Expr, own: frozenset[str]) -> bool:
     return any(
         _is_phase(before, argument, own)
         for part, _ in walk(e)
-        if isinstance(part, Call) and part.function in _TURNING
+        if isinstance(part, Call) and part.function in TURNING
         for argument in part.args
     )
 
@@ -191,39 +194,42 @@ def _is_phase(before: Beforehand, e: Expr, own: frozenset[str]) -> bool:
     read = names(e)
     if any(n.startswith("s:") and not before.is_known(n) for n in read):
         return True
-    plant = any(n.startswith(_PLANT) for n in read)
-    return plant and any(before.moves(n) or (n.startswith(_PLANT) and n not in own) for n in read)
+    plant = any(n.startswith(PLANT) for n in read)
+    return plant and any(before.moves(n) or (n.startswith(PLANT) and n not in own) for n in read)
 
 
-def _rises(e: Expr) -> int:
+def _rises(e: Expr, timed: Beforehand | None) -> int:
     """Return how many functions rise in what is even otherwise in the plant and time; 2: or other.
 
     ``tanh(k*(a - b)) + c*a`` has one; the difference of two is a pulse, and so is their product.
+    What is known beforehand is even as well, if it is given what that is.
     """
     match e:
         case Neg(a):
-            return _rises(a)
+            return _rises(a, timed)
         case Binary(op="+" | "-"):
-            return _rises(e.left) + _rises(e.right)
-        case Binary(op="*", left=a, right=b) if not (_is_moved(a) and _is_moved(b)):
-            return _rises(a) + _rises(b)
-        case Binary(op="/", left=a, right=b) if not _is_moved(b):
-            return _rises(a)
+            return _rises(e.left, timed) + _rises(e.right, timed)
+        case Binary(op="*", left=a, right=b) if not (_is_moved(a, timed) and _is_moved(b, timed)):
+            return _rises(a, timed) + _rises(b, timed)
+        case Binary(op="/", left=a, right=b) if not _is_moved(b, timed):
+            return _rises(a, timed)
         case (
             Binary(op="/", left=a, right=Binary("+", Number(n), Call("exp") as b))
             | Binary(op="/", left=a, right=Binary("+", Call("exp") as b, Number(n)))
-        ) if n >= 0.0 and not _is_moved(a):
-            return _rises(b)
-        case Call(function, (a,)) if function in _RISING:
-            return max(1, _rises(a))
+        ) if n >= 0.0 and not _is_moved(a, timed):
+            return _rises(b, timed)
+        case Call(function, (a,)) if function in _RISING and _is_moved(e, timed):
+            return max(1, _rises(a, timed))
         case Name(path):
-            return 2 if path.startswith("u:") else 0
-    return 2 if _is_moved(e) else 0
+            return 2 if path.startswith("u:") and _is_moved(e, timed) else 0
+    return 2 if _is_moved(e, timed) else 0
 
 
-def _is_moved(e: Expr) -> bool:
-    """Whether anything in it goes on while nothing happens."""
-    return any(n == "time" or n.startswith(("u:", "s:", *_PLANT)) for n in names(e))
+def _is_moved(e: Expr, timed: Beforehand | None) -> bool:
+    """Whether anything in it goes on while nothing happens, other than what time alone does."""
+    if timed is not None and timed.covers(e):
+        return False
+    return any(n == "time" or n.startswith(("u:", "s:", *PLANT)) for n in names(e))
 
 
 def _terms(e: Expr) -> list[Expr]:

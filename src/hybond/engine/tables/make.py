@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from hybond.engine.tables.arguments import put_arguments
 from hybond.engine.tables.calls import put_rated, refuse_calls
 from hybond.engine.tables.code import check_depths
 from hybond.engine.tables.columns import FLOATS, INTS, ModelTables, put_rows
@@ -73,6 +74,7 @@ def tables_of(
     put_surfaces(t)
     put_kinks(t)
     put_courses(t)
+    put_arguments(t)
     put_terms(t)
     put_contacts(t)
     put_told(t, tells=tells)
