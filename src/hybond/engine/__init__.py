@@ -112,6 +112,7 @@ subset. Rooms, and in them files, as data passes them::
         far_guards          those that do not come to hold, which is seen at once
         at_rest, rest_limits, rest_records    those that would hold where the motion comes to rest
         kept_rests          what is known of these from step to step
+        limits_crossed      what has come to one, waits there, and is asked again
         naps                kinks that end no steps for a while
         together, ends_at_guard    what is one instant with it; the step that ends there
         kinks_passed, held_by_kinks, source_jumps    kinks of laws and of sources
