@@ -11,6 +11,7 @@ from hybond.engine.inputs.interval import configuration
 from hybond.engine.mode.elimination import CLEAR, NOWHERE, Elimination, is_free
 from hybond.engine.mode.kept_modes import find_kept, keep_mode
 from hybond.engine.mode.leakage import fold, least_leakage
+from hybond.engine.mode.lesser_sizes import keep_sizes, take_lesser
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.newton import by_knowns
 from hybond.engine.mode.newton_system import take_rank
@@ -95,7 +96,9 @@ def make_equations(e: Engine, mode: Mode, given: Ints) -> None:
     mode.solves = 0
     mode.looks_due = 1
     eliminate(e, mode)
-    for _ in range(TURNS):
+    many = 2 * e.model.bonds
+    plain = mode.finite_frees == 0
+    for turn in range(TURNS):
         # constraints on what is stored, and what laws tie together, are told from structure, but
         # for a leak that is lost
         structured = e.work.table.done > 0 or (e.model.laws > 0 and not mode.doubted)
@@ -107,7 +110,11 @@ def make_equations(e: Engine, mode: Mode, given: Ints) -> None:
         for k in range(mode.knowns):
             e.work.xi[k] = level_of(e.model, mode, k)
         by_knowns(e, mode, mode.finite, e.work.w)
+        if plain and turn == 0:
+            keep_sizes(mode.finite, many, e.work.plain)
         eliminate_by(e, mode, e.work.w)
+        if plain and mode.finite_frees == 0:
+            take_lesser(mode.finite, many, e.work.plain)
 
 
 def loses_digits(e: Engine) -> bool:
