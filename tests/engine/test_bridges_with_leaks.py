@@ -120,3 +120,4 @@ def test_leaks_hide_no_current(
             found = way * float(run[f"L{k}.e"].at(t))
             assert found == pytest.approx(v[f"a{k}"] - v[f"b{k}"], abs=1e-5), t
     assert len(run.events) < 40
+    assert not any("few digits" in warning for warning in run.warnings)

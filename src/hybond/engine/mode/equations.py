@@ -62,12 +62,16 @@ def mode_of(e: Engine, state: Ints) -> int:
 
 
 def look_at_digits(e: Engine, mode: Mode) -> None:
-    """Warn, once in a run, of values so far apart that sums of them lose their digits."""
+    """Warn, once in a run, of values so far apart that sums of them lose their digits.
+
+    Rows have twice the digits: what is small beside its terms has enough of them, unless storages
+    are tied, whose constraints have those of a number.
+    """
     w = e.warned
-    if w.far_apart or mode.too_high or not loses_digits(e):
-        return
-    least = min(e.work.power.least, e.work.finite.least)
+    least = min(e.work.power.least, e.work.finite.least) if e.work.table.done > 0 else 1.0
     dropped = max(e.work.power.dropped, e.work.finite.dropped)
+    if w.far_apart or mode.too_high or not (least < CLEAR or dropped > 0.0):
+        return
     w.far_apart = True
     begin_warning(w, FAR_APART, e.t)
     add_about(w, least)
