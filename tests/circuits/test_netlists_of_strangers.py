@@ -38,6 +38,9 @@ def measured(read):
         ("V = {k+m}", 9),
         ("V={{k}*V(a)}", 6),
         ("V = V(a) > {k} ? {m} : -{m}", 7),
+        ("V = V(a) > (V(a) > 5 ? 4 : 2) ? {m} : -{m}", 7),
+        ("V = (V(a) > 2 ? 1 : 8) >= V(a) ? {m} : -{m}", -7),
+        ("V = (V(a) > 2 && V(a) < 4) < V(a) ? {m} : -{m}", 7),
     ],
 )
 def test_parameters_in_braces_within_an_expression(measured, law, value):

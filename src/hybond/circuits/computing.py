@@ -76,8 +76,8 @@ class Computing:
                 {"no": (), "yes": ()},
                 "no",
                 (
-                    f"no -> yes when {left} {_UP[op]} {right}",
-                    f"yes -> no when {left} {_DOWN[op]} {right}",
+                    f"no -> yes when {Compare(_UP[op], comparison.left, comparison.right)}",
+                    f"yes -> no when {Compare(_DOWN[op], comparison.left, comparison.right)}",
                 ),
             )
             self.model.signals[name] = f'if {machine}.state == "yes" then 1 else 0'

@@ -37,7 +37,8 @@ subset. Rooms, and in them files, as data passes them::
         freedom, undetermined, leakage    what a system leaves free, and laws; least leakage
         storage, reach      co-energy, energy; what would have an energy
         connected, part_energies    parts of the graph; how much energy there has been on each
-        reading, sizes, solved_sizes    what a step reads; what its rounding is measured by
+        reading             what a step reads
+        sizes, solved_sizes, lesser_sizes    what its rounding is measured by
         sums, straight_rates, sum_records    comparisons, and rates, that are sums of the state
     inputs/
         interval, sampling, calls    pieces of inputs; signals set at instants; who is asked
@@ -112,6 +113,7 @@ subset. Rooms, and in them files, as data passes them::
         far_guards          those that do not come to hold, which is seen at once
         at_rest, rest_limits, rest_records    those that would hold where the motion comes to rest
         kept_rests          what is known of these from step to step
+        limits_crossed      what has come to one, waits there, and is asked again
         naps                kinks that end no steps for a while
         together, ends_at_guard    what is one instant with it; the step that ends there
         kinks_passed, held_by_kinks, source_jumps    kinks of laws and of sources

@@ -2,7 +2,14 @@
 
 from __future__ import annotations
 
-from hybond.engine.algebra.blocks import Block, Places, make_block, make_places
+from hybond.engine.algebra.blocks import (
+    Block,
+    Places,
+    Rows,
+    make_block,
+    make_places,
+    make_rows,
+)
 from hybond.engine.algebra.separate import Separate, make_separate
 from hybond.engine.algebra.svd import Svd, make_svd
 from hybond.engine.expressions.pairs import Stack, make_stack
@@ -27,6 +34,8 @@ class Work:
     known; and constraints among them."""
     at_start: Floats
     """Values at the start, of what is stored alone."""
+    plain: Rows
+    """Rows of a mode as they were before they are eliminated by how large bond variables are."""
     told: Ints
     agreements: int
     agreement_entries: int
@@ -193,6 +202,7 @@ def make_work(m: Model) -> Work:
     w.finite = make_elimination(n, n + knowns)
     w.table = make_elimination(m.storages, knowns)
     w.weighed = False
+    w.plain = make_rows()
     w.steady_known = False
     w.steady = make_elimination(n, n + knowns)
     w.steady_table = make_elimination(m.storages, knowns)

@@ -11,7 +11,7 @@ from hybond.engine.answers import value
 from hybond.engine.checks.noting import APART, UNFIRED, note_violation
 from hybond.engine.checks.shown import show_at
 from hybond.engine.engine import OK, Engine
-from hybond.engine.expressions.paired import holds
+from hybond.engine.expressions.paired import holds_from
 from hybond.engine.instant.in_force import is_asked
 from hybond.engine.instant.instant import Instant
 from hybond.engine.methods.stepping import between
@@ -51,7 +51,7 @@ def holds_clearly(e: Engine, r: int) -> bool:
     stack.jump = v
     stack.jumps = False
     stack.terms = e.work.terms
-    true = holds(m, r, stack)
+    true = holds_from(m, r, stack, e.rests.within[r])
     return true and stack.refused == 0
 
 

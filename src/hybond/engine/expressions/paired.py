@@ -18,3 +18,11 @@ def holds(m: Model, k: int, s: Stack) -> bool:
     clear(s)
     evaluate_pair(m, k, s)
     return pop_truth(s)
+
+
+def holds_from(m: Model, k: int, s: Stack, level: float) -> bool:
+    """Return the same of one comparison, zero up to `level`: it is at its limit that far."""
+    s.level = level
+    true = holds(m, k, s)
+    s.level = 0.0
+    return true

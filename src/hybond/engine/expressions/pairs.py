@@ -41,7 +41,8 @@ class Stack:
 
     Entry k of `finite`, `impulse`, `before`, `size` and `impulse_size` is one pair; `top` is the
     last one. Signal k is now ``now[k]`` and was ``was[was_first + k]``; it carries the impulse
-    ``jump[k]`` if `jumps`, and ``terms[k]`` is the size of the terms that made it.
+    ``jump[k]`` if `jumps`, and ``terms[k]`` is the size of the terms that made it. Comparisons
+    past zero by no more than `level` count as zero.
     """
 
     finite: Floats
@@ -57,6 +58,7 @@ class Stack:
     jump: Floats
     jumps: bool
     terms: Floats
+    level: float
 
 
 def make_stack() -> Stack:
@@ -312,6 +314,8 @@ def compared(s: Stack) -> int:
         return 1 if impulse > 0.0 else -1
     finite = s.finite[k] - s.finite[k + 1]
     if math.fabs(finite) > ROUNDING * (s.size[k] + s.size[k + 1]):
+        if math.fabs(finite) <= math.fabs(s.level) and (finite > 0.0) == (s.level > 0.0):
+            return 0
         return 1 if finite > 0.0 else -1
     if finite != finite:
         s.refused = NOT_A_NUMBER

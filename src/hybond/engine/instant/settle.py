@@ -15,7 +15,7 @@ from hybond.engine.algebra.products import copy_part
 from hybond.engine.answers import rule_text
 from hybond.engine.checks.energy_held import hold_jump, jump_may_create
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
-from hybond.engine.expressions.paired import holds
+from hybond.engine.expressions.paired import holds_from
 from hybond.engine.inputs.interval import hold_before, interval_after
 from hybond.engine.inputs.sampling import sample
 from hybond.engine.instant.beginning import begin_behind, stand_before, stand_without_before
@@ -69,6 +69,7 @@ from hybond.engine.laws.law_standing import stands_as_it_was
 from hybond.engine.mode.equations import is_fieldless, mode_of
 from hybond.engine.mode.part_energies import join_parts
 from hybond.engine.reasons.facts import add_fact
+from hybond.engine.run.limits_crossed import level_of
 from hybond.engine.sliding.branches import choose_at, know_around
 from hybond.engine.words import Ints
 
@@ -366,7 +367,7 @@ def find_enabled(e: Engine, g: Settling, t: float) -> int:
             g.held[r] = 0
             if not is_asked(e, k, r, e.trial.state[k]):
                 continue
-            true = rule_holds(e, t, r)
+            true = rule_holds(e, t, k, r)
             if true < 0:
                 return -1
             g.held[r] = true
@@ -377,8 +378,8 @@ def find_enabled(e: Engine, g: Settling, t: float) -> int:
     return fired
 
 
-def rule_holds(e: Engine, t: float, r: int) -> int:
-    """Return whether the guard of a rule holds in the trial, 1 or 0; -1 if it has no truth."""
+def rule_holds(e: Engine, t: float, k: int, r: int) -> int:
+    """Return whether rule r of machine k holds in the trial, 1 or 0; -1 if it has no truth."""
     m = e.model
     open_at = is_indeterminate(e, r)
     if open_at != DECIDED:
@@ -394,7 +395,7 @@ def rule_holds(e: Engine, t: float, r: int) -> int:
             return -1
     stack = e.work.stack
     measure_trial(e, r)
-    true = holds(m, r, stack)
+    true = holds_from(m, r, stack, level_of(e, k, r))
     if stack.refused != 0:
         refuse_pair(e, t, rule_text(m, r))
         if m.tells != 0:

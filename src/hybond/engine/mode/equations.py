@@ -11,6 +11,7 @@ from hybond.engine.inputs.interval import configuration
 from hybond.engine.mode.elimination import CLEAR, NOWHERE, Elimination, is_free
 from hybond.engine.mode.kept_modes import find_kept, keep_mode
 from hybond.engine.mode.leakage import fold, least_leakage
+from hybond.engine.mode.lesser_sizes import keep_sizes, take_lesser
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.newton import by_knowns
 from hybond.engine.mode.newton_system import take_rank
@@ -61,12 +62,16 @@ def mode_of(e: Engine, state: Ints) -> int:
 
 
 def look_at_digits(e: Engine, mode: Mode) -> None:
-    """Warn, once in a run, of values so far apart that sums of them lose their digits."""
+    """Warn, once in a run, of values so far apart that sums of them lose their digits.
+
+    Rows have twice the digits: what is small beside its terms has enough of them, unless storages
+    are tied, whose constraints have those of a number.
+    """
     w = e.warned
-    if w.far_apart or mode.too_high or not loses_digits(e):
-        return
-    least = min(e.work.power.least, e.work.finite.least)
+    least = min(e.work.power.least, e.work.finite.least) if e.work.table.done > 0 else 1.0
     dropped = max(e.work.power.dropped, e.work.finite.dropped)
+    if w.far_apart or mode.too_high or not (least < CLEAR or dropped > 0.0):
+        return
     w.far_apart = True
     begin_warning(w, FAR_APART, e.t)
     add_about(w, least)
@@ -95,7 +100,9 @@ def make_equations(e: Engine, mode: Mode, given: Ints) -> None:
     mode.solves = 0
     mode.looks_due = 1
     eliminate(e, mode)
-    for _ in range(TURNS):
+    many = 2 * e.model.bonds
+    plain = mode.finite_frees == 0
+    for turn in range(TURNS):
         # constraints on what is stored, and what laws tie together, are told from structure, but
         # for a leak that is lost
         structured = e.work.table.done > 0 or (e.model.laws > 0 and not mode.doubted)
@@ -107,7 +114,11 @@ def make_equations(e: Engine, mode: Mode, given: Ints) -> None:
         for k in range(mode.knowns):
             e.work.xi[k] = level_of(e.model, mode, k)
         by_knowns(e, mode, mode.finite, e.work.w)
+        if plain and turn == 0:
+            keep_sizes(mode.finite, many, e.work.plain)
         eliminate_by(e, mode, e.work.w)
+        if plain and mode.finite_frees == 0:
+            take_lesser(mode.finite, many, e.work.plain)
 
 
 def loses_digits(e: Engine) -> bool:

@@ -176,6 +176,12 @@ def carry_memory(e: Engine, r: Run, c: Carrier) -> None:
     e.rests.any = carry_truth(c, e.rests.any)
     carry_ints(c, m.rule_first[many], e.rests.rule)
     carry_ints(c, m.rule_first[many], e.rests.since)
+    carry_floats(c, m.rule_first[many], e.rests.within)
+    for a in range(m.atom_first[m.rule_first[many]]):
+        which = m.atom_value[a]
+        e.rests.limit[which] = carry_number(c, e.rests.limit[which])
+        e.rests.limit_at[which] = carry_number(c, e.rests.limit_at[which])
+    e.rests.limits = carry_truth(c, e.rests.limits)
     g.events = carry_whole(c, g.events)
     carry_step(e, r, c)
 

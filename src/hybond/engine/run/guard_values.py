@@ -7,7 +7,7 @@ from typing import Final
 from hybond.engine.algebra.blocks import row_times
 from hybond.engine.answers import rule_text, value
 from hybond.engine.engine import OK, REFUSED, Engine
-from hybond.engine.expressions.paired import holds
+from hybond.engine.expressions.paired import holds_from
 from hybond.engine.expressions.pairs import ROUNDING
 from hybond.engine.instant.jump import on_constraints
 from hybond.engine.instant.trial import refuse_pair
@@ -216,13 +216,19 @@ def holds_at_rest(e: Engine, g: Locator, k: int, t: float) -> bool:
     return true
 
 
+def level_in_motion(e: Engine, g: Locator, k: int) -> float:
+    """Return up to where what guard k compares counts as zero: its limit."""
+    known = e.rests.limits and g.rule[k] >= 0 and g.pair[k] == g.rule[k]
+    return e.rests.within[g.rule[k]] if known else 0.0
+
+
 def holds_here(e: Engine, g: Locator, k: int) -> bool:
     """Ask a guard so at the values of the motion."""
     m = e.model
     stack = e.work.stack
     measure_here(e, g, k)
     ask_in_motion(e)
-    true = holds(m, g.pair[k], stack)
+    true = holds_from(m, g.pair[k], stack, level_in_motion(e, g, k))
     if stack.refused != 0:
         refuse_pair(e, e.v[0], rule_text(m, g.rule[k]))
         if m.tells != 0:

@@ -7,6 +7,7 @@ from typing import Final
 
 from hybond.engine.engine import Engine
 from hybond.engine.run.guard_values import holds_at
+from hybond.engine.run.limits_crossed import note_limits
 from hybond.engine.run.locator import Locator
 
 SAME: Final = 1e-6
@@ -53,8 +54,12 @@ def forget_rests(e: Engine) -> None:
 
 
 def let_hold(e: Engine, g: Locator, t: float) -> None:
-    """Let guards hold at an instant that do so whatever rounding says of what rests."""
+    """Let guards hold at an instant that do so whatever rounding says of what rests.
+
+    What they compare has come to its limit there.
+    """
     q = e.rests
+    note_limits(e, g, t)
     for k in range(g.guards):
         rule = g.rule[k]
         if rule >= 0 and q.since[rule] != 0 and holds_at(e, g, k, t):

@@ -26,6 +26,15 @@ class Rests:
     """Of each rule that rests, and each state: where that rests, not a number if it does not, and
     how far aside comparisons are clear of zero."""
     aside: Floats
+    limit: Floats
+    """Of each expression: what it was where a guard that compares it with zero found it past that,
+    0 if none did; when that was, and whether it ever was."""
+    limit_at: Floats
+    limits: bool
+    by_hand: Ints
+    """Of each rule: whether it is one of a machine that stands for no law, and compares once; up to
+    where that counts as zero, as the state it leaves was entered with what had not moved since."""
+    within: Floats
     began: Floats
     """Each state as the last jump has left it, or the start; and when the motion began."""
     begun: bool
@@ -79,6 +88,17 @@ def make_rests(m: Model) -> Rests:
     q.said = ints(rules)
     q.atom = ints(m.atom_first[rules])
     q.band = floats(m.atom_first[rules])
+    values = 0
+    for a in range(m.atom_first[rules]):
+        values = max(values, m.atom_value[a] + 1)
+    q.limit = floats(values)
+    q.limit_at = floats(values)
+    q.within = floats(rules)
+    q.by_hand = ints(rules)
+    for k in range(m.machines):
+        for r in range(m.rule_first[k], m.rule_first[k + 1]):
+            once = m.atom_first[r + 1] - m.atom_first[r] == 1
+            q.by_hand[r] = 1 if once and m.is_law[k] == 0 else 0
     q.began = floats(n)
     q.began_at = -math.inf
     return q

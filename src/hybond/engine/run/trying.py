@@ -41,7 +41,7 @@ def try_at_start(e: Engine, r: Run, state: Ints, hold: Ints) -> int:
         for i in range(m.rule_first[k], m.rule_first[k + 1]):
             hold[i] = 0
             if m.is_law[k] == 0 and is_asked(e, k, i, e.trial.state[k]):
-                hold[i] = rule_holds(e, 0.0, i)
+                hold[i] = rule_holds(e, 0.0, k, i)
                 if hold[i] < 0:
                     return REFUSED
     return OK

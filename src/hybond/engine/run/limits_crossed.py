@@ -1,0 +1,63 @@
+"""Limits that were crossed: what waits just past one has come to it, and no further.
+
+The motion finds a guard `melted > heat` where that is more by more than rounding: a little late. If
+what it compares then stands still while other states come and go, and a state is entered whose
+guards compare the same, it is at its limit, as it would be in exact arithmetic. So up to there it
+counts as zero for as long as that state lasts.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from hybond.engine.answers import value
+from hybond.engine.engine import Engine
+from hybond.engine.expressions.pairs import ROUNDING
+from hybond.engine.methods.dopri import spacing
+from hybond.engine.run.guard_values import atom_at, holds_at, terms_here
+from hybond.engine.run.locator import ALL_PARTS, Locator
+
+WIDE: Final = 16.0
+"""Last places of the time between which a guard is found to begin: four, and those around them."""
+NEAR: Final = 4.0
+"""Times rounding by which a comparison is past zero where it is found to be so at once."""
+
+
+def note_limits(e: Engine, g: Locator, t: float) -> None:
+    """Note what the guards compare that begin to hold at an instant, where they have crossed."""
+    for k in range(g.guards if e.slide.k == 0 else 0):
+        r = g.rule[k]
+        if r < 0 or g.part[k] != ALL_PARTS or g.pair[k] != r or e.rests.by_hand[r] == 0:
+            continue
+        if holds_at(e, g, k, t) and crosses_at(e, g, k, t):
+            a = g.atom_first[k]
+            here = atom_at(e, g, a, t)
+            e.rests.limit[e.model.atom_value[g.atom[a]]] = here
+            e.rests.limit_at[e.model.atom_value[g.atom[a]]] = t
+            e.rests.limits = True
+
+
+def crosses_at(e: Engine, g: Locator, k: int, t: float) -> bool:
+    """Whether a comparison is past zero by no more than finding it does."""
+    a = g.atom_first[k]
+    here = atom_at(e, g, a, t)
+    size = terms_here(e, g, k, a)
+    if math.fabs(here) <= NEAR * ROUNDING * size:
+        return True
+    before = atom_at(e, g, a, max(t - WIDE * spacing(t), e.step.t0))
+    return not before * here > 0.0
+
+
+def level_of(e: Engine, machine: int, r: int) -> float:
+    """Return up to where what a rule compares counts as zero, at an instant that is settled."""
+    q = e.rests
+    m = e.model
+    if not q.limits or q.by_hand[r] == 0:
+        return 0.0
+    if e.state[machine] != m.rule_source[r]:
+        # the state is entered
+        a = m.atom_value[m.atom_first[r]]
+        waits = q.limit_at[a] < e.t and value(m, a, e.v) == q.limit[a]
+        q.within[r] = q.limit[a] if waits else 0.0
+    return q.within[r]
