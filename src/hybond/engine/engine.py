@@ -236,6 +236,9 @@ class Engine:
     moved_rounding: Floats
     """What they may be wrong by in that time a moment after motion starts, of those that rates of
     zero say nothing of."""
+    rate_rest: Floats
+    """By what the rates of the state that were found last are more than they were rounded to, where
+    the mode is summed closely."""
     rate_rounding: Floats
     """What rates of integrated signals may be wrong by, where that matters, ..."""
     least_signal: Floats
@@ -436,6 +439,7 @@ def make_engine(m: Model) -> Engine:
     for k in range(m.storages):
         e.settled[k] = math.inf
     e.moved_rounding = floats(m.storages)
+    e.rate_rest = floats(e.states)
     e.rate_rounding = floats(m.integrals)
     e.least_signal = floats(m.integrals)
     e.largest_state = floats(e.states)
