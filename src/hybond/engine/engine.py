@@ -154,6 +154,9 @@ class Step:
     long_bound: int
     """Likewise of steps beyond a bound that a motion which is followed may keep to as well."""
     long_free: int
+    looked: int
+    """Steps since it was seen how far they have led from `looked_at`."""
+    looked_at: Floats
     k: Floats
     weight: Floats
     """Of each stage in a sum of them."""
@@ -377,6 +380,7 @@ def make_step(n: int, kinks: int, edges: int) -> Step:
     s.y = floats(n)
     s.f = floats(n)
     s.k = floats(7 * n)
+    s.looked_at = floats(n)
     s.weight = floats(7)
     s.pace = floats(PACES)
     s.dense = floats(4 * n)
