@@ -87,8 +87,8 @@ def ends(names: str, stored: Sequence[Decimal]) -> dict[str, float]:
     return dict(zip(names.split(), map(float, stored), strict=False))
 
 
-def of_pair(m: hb.Model, *, back: bool = False, until: float = 3.0) -> System:
-    q = moved(pair_rates(back=back), [5e-6, 0.0], until)
+def of_pair(m: hb.Model, *, back: bool = False, until: float = 3.0, r: float = R) -> System:
+    q = moved(pair_rates(back=back, r=r), [5e-6, 0.0], until)
     return m, until, ends("a.q b.q", q)
 
 

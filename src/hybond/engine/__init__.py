@@ -21,6 +21,7 @@ subset. Rooms, and in them files, as data passes them::
         twofold             sums and products with twice the digits
         rounding, scaling, separate   what rounding is; powers of two; equations apart
         lu, lu_pair, qr, regular   square systems: real, complex, orthogonal, clearly regular
+        lu_twofold          these with twice the digits
         svd, least_distance        singular values; the point next to zero that keeps inequalities
     mode/
         tableau, elimination, elimination_of_another    rows of a mode, eliminated
@@ -98,6 +99,7 @@ subset. Rooms, and in them files, as data passes them::
                             propagated
         graded              slow motions of these beside fast ones
         radau, radau_stages, radau_slopes, radau_dense, radau_method, radau_room    implicit steps
+        radau_factors       what they solve for
         stiffness           when ``auto`` goes over to them, and back
         beside_kinks        slopes of the side of a kink on which a step is
         from_edges, beside_edges    stages where laws begin, and beside that

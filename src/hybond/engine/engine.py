@@ -154,6 +154,9 @@ class Step:
     long_bound: int
     """Likewise of steps beyond a bound that a motion which is followed may keep to as well."""
     long_free: int
+    looked: int
+    """Steps since it was seen how far they have led from `looked_at`."""
+    looked_at: Floats
     k: Floats
     weight: Floats
     """Of each stage in a sum of them."""
@@ -237,6 +240,9 @@ class Engine:
     moved_rounding: Floats
     """What they may be wrong by in that time a moment after motion starts, of those that rates of
     zero say nothing of."""
+    rate_rest: Floats
+    """By what the rates of the state that were found last are more than they were rounded to, where
+    the mode is summed closely."""
     rate_rounding: Floats
     """What rates of integrated signals may be wrong by, where that matters, ..."""
     least_signal: Floats
@@ -374,6 +380,7 @@ def make_step(n: int, kinks: int, edges: int) -> Step:
     s.y = floats(n)
     s.f = floats(n)
     s.k = floats(7 * n)
+    s.looked_at = floats(n)
     s.weight = floats(7)
     s.pace = floats(PACES)
     s.dense = floats(4 * n)
@@ -437,6 +444,7 @@ def make_engine(m: Model) -> Engine:
     for k in range(m.storages):
         e.settled[k] = math.inf
     e.moved_rounding = floats(m.storages)
+    e.rate_rest = floats(e.states)
     e.rate_rounding = floats(m.integrals)
     e.least_signal = floats(m.integrals)
     e.largest_state = floats(e.states)

@@ -89,6 +89,10 @@ class Work:
     """The part of a law that rounding of what was eliminated hides, where it was put back last."""
     lost_at: Floats
     """The bond variables there, if it is more than `put_back.HIDDEN`."""
+    over: float
+    """By what a rate that was summed with twice the digits is more than it was rounded to,
+    and the size of its terms."""
+    over_size: float
     row_known: float
     row_hidden: float
     """Of a row: the terms that have digits, and what rounding may be of all of them."""

@@ -5,12 +5,13 @@ import pytest
 from scipy.integrate import RK45
 from scipy.integrate._ivp.radau import MU_COMPLEX, MU_REAL
 
+from hybond.engine.methods import radau_factors as f
 from hybond.engine.methods import radau_stages as r
 from hybond.engine.methods.dopri import STAGE_AT, TABLE
 
 DOPRI = np.reshape(TABLE, (-1, 7))
 C = np.array([r.STAGE_1, r.STAGE_2, 1.0])
-INVERSE = np.reshape(r.BUTCHER_INVERSE, (3, 3))
+INVERSE = np.reshape(f.BUTCHER_INVERSE, (3, 3))
 A = np.linalg.inv(INVERSE)
 
 
@@ -47,13 +48,13 @@ def test_radau_integrates_the_collocation_polynomial_and_is_of_order_five():
 
 
 def test_the_eigenvectors_restore_the_inverse():
-    pair = complex(r.PAIR_RE, r.PAIR_IM)
+    pair = complex(f.PAIR_RE, f.PAIR_IM)
     out = np.array(r.PAIR_OUT_RE) + 1j * np.array(r.PAIR_OUT_IM)
-    into = np.array(r.PAIR_IN_RE) + 1j * np.array(r.PAIR_IN_IM)
-    whole = r.REAL * np.outer(r.REAL_OUT, r.REAL_IN) + 2.0 * (pair * np.outer(out, into)).real
+    into = np.array(f.PAIR_IN_RE) + 1j * np.array(f.PAIR_IN_IM)
+    whole = f.REAL * np.outer(r.REAL_OUT, f.REAL_IN) + 2.0 * (pair * np.outer(out, into)).real
     assert whole == pytest.approx(INVERSE, abs=1e-13)
     # Pade's denominator
-    for root in (r.REAL, pair):
+    for root in (f.REAL, pair):
         assert 60.0 - 36.0 * root + 9.0 * root**2 - root**3 == pytest.approx(0.0, abs=1e-11)
-    assert pytest.approx(MU_REAL, rel=1e-14) == r.REAL
+    assert pytest.approx(MU_REAL, rel=1e-14) == f.REAL
     assert abs(pair.imag) == pytest.approx(abs(MU_COMPLEX.imag), rel=1e-14)

@@ -77,3 +77,40 @@ def row_cancelling(r: Rows, k: int, x: Floats) -> float:
         closer = before + term
         rest += sum_rest(before, term, closer)
     return closer + rest
+
+
+def add_product(a: Floats, r: Floats, at: int, factor: float, more: float, of: int) -> None:
+    """Add a product with entry `of` to entry `at`, both with their rests in `r`."""
+    change = factor * a[of]
+    over = product_rest(factor, a[of], change) + (factor * r[of] + more * a[of])
+    old = a[at]
+    total = old + change
+    rest = sum_rest(old, change, total) + (r[at] + over)
+    new = total + rest
+    if math.fabs(new) <= TWOFOLD_ZERO * (math.fabs(old) + math.fabs(change)):
+        a[at] = 0.0
+        r[at] = 0.0
+        return
+    a[at] = new
+    r[at] = sum_rest(total, rest, new)
+
+
+def take_quotient(b: Floats, r: Floats, at: int, a: Floats, s: Floats, of: int) -> None:
+    """Divide entry `at` of `b` by entry `of` of `a`; their rests are in `r` and `s`."""
+    quotient = b[at] / a[of]
+    product = quotient * a[of]
+    rest = (b[at] - product) - product_rest(quotient, a[of], product)
+    rest = (rest + (r[at] - quotient * s[of])) / a[of]
+    b[at] = quotient + rest
+    r[at] = sum_rest(quotient, rest, b[at])
+
+
+def add_part(a: Floats, r: Floats, at: int, factor: float, value: float, rest: float) -> None:
+    """Add a number's product with a factor to entry `at`, both with their rests."""
+    change = factor * value
+    over = product_rest(factor, value, change) + factor * rest
+    old = a[at]
+    total = old + change
+    over += sum_rest(old, change, total) + r[at]
+    a[at] = total + over
+    r[at] = sum_rest(total, over, a[at])

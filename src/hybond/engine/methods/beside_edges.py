@@ -17,12 +17,12 @@ from hybond.engine.answers import value
 from hybond.engine.engine import OK, Engine
 from hybond.engine.methods.from_edges import STALLS, leaves_edge, put_left, stages_from_edge
 from hybond.engine.methods.one_instant import room_of_instant
+from hybond.engine.methods.radau_factors import factorise
 from hybond.engine.methods.radau_room import Radau
 from hybond.engine.methods.radau_stages import (
     NO_MATRIX,
     STAGES_BEYOND,
     STAGES_CONVERGED,
-    factorise,
     iterate_stages,
     rate_at,
     stage_rates,

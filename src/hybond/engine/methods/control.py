@@ -34,7 +34,13 @@ from hybond.engine.methods.hidden_peaks import hidden_at_end
 from hybond.engine.methods.one_instant import is_one_kink
 from hybond.engine.methods.onset import foresee_onset
 from hybond.engine.methods.propagate import even_length
-from hybond.engine.methods.scale import CREEPS, controlled, measure_again, tolerance
+from hybond.engine.methods.scale import (
+    CREEPS,
+    controlled,
+    measure_again,
+    sum_closely_on,
+    tolerance,
+)
 from hybond.engine.methods.signal_sizes import ask_rates
 from hybond.engine.methods.stiffness import watch_explicit
 from hybond.engine.methods.strayed import strayed
@@ -102,7 +108,7 @@ def choose_first(e: Engine, t: float, limit: float) -> None:
             return
     if not e.mode.closely and e.slide.k == 0 and exchanges_fast(e, e.mode):
         # as `radau` does; rates begin anew with all their digits
-        e.mode.closely = True
+        sum_closely_on(e, e.mode)
         if field(e, e.mode, t, s.y, s.rate) == OK:
             copy_floats(e.states, s.rate, s.f)
     if e.straight and s.pace[e.mode.pace] > 0.0:

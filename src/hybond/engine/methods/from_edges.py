@@ -25,10 +25,10 @@ from hybond.engine.answers import value
 from hybond.engine.engine import OK, Engine
 from hybond.engine.methods.flow_records import AUTO, EXACT
 from hybond.engine.methods.one_instant import room_of_instant
+from hybond.engine.methods.radau_factors import BUTCHER_INVERSE
 from hybond.engine.methods.radau_room import Radau
 from hybond.engine.methods.radau_slopes import held_by_law
 from hybond.engine.methods.radau_stages import (
-    BUTCHER_INVERSE,
     ENOUGH,
     FRESH_MATRIX,
     STAGE_1,
@@ -332,6 +332,7 @@ def put_left(r: Radau, out: Floats) -> None:
 def slopes_of(e: Engine, r: Radau, s: int, rtol: float) -> None:
     """Put the slopes of rates at a stage into the Jacobian, by differences on either side."""
     n = r.n
+    r.twofold_from = math.inf
     t = stage_time(r, s)
     for i in range(n):
         r.shifted[i] = r.y[s * n + i]

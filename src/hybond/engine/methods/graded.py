@@ -15,7 +15,7 @@ from typing import Final
 
 from hybond.engine.algebra.blocks import fit, fit_places, grow_block, grow_places
 from hybond.engine.algebra.rounding import EPSILON
-from hybond.engine.algebra.twofold import TWOFOLD_ZERO, product_rest, sum_rest
+from hybond.engine.algebra.twofold import add_product, product_rest
 from hybond.engine.engine import Engine
 from hybond.engine.methods.balance import put_rows, take_unit
 from hybond.engine.methods.flow_columns import put_column_twofold
@@ -33,9 +33,9 @@ SINGLE: Final = 2.0**-44
 """Part of it above which fast entries are told from others without twice the digits."""
 
 
-def fast_from(e: Engine, rtol: float) -> float:
-    """Return the rate from which on rounding of what goes so fast tells in the run."""
-    return ROUNDED_AWAY * rtol / (EPSILON * e.span) if e.span > 0.0 else math.inf
+def fast_from(rtol: float, span: float) -> float:
+    """Return the rate from which on rounding of what goes so fast tells in such a time."""
+    return ROUNDED_AWAY * rtol / (EPSILON * span) if span > 0.0 else math.inf
 
 
 def exchanges_fast(e: Engine, mode: Mode) -> bool:
@@ -44,7 +44,7 @@ def exchanges_fast(e: Engine, mode: Mode) -> bool:
     What laws that are solved make of it is left out.
     """
     m = e.model
-    most = fast_from(e, m.rtol)
+    most = fast_from(m.rtol, e.span)
     rows = mode.finite
     for k in range(m.storages):
         own = mode.same[m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 0 else 0)]
@@ -70,7 +70,7 @@ def grade(e: Engine, mode: Mode, f: Flow) -> None:
     f.shares = 0
     fit_places(f.standing, e.states)
     fit_places(f.pivoted, e.states)
-    fast = max(fast_from(e, e.model.rtol), RANGE * f.norm)
+    fast = max(fast_from(e.model.rtol, e.span), RANGE * f.norm)
     if not (f.norm > fast and share_fast(f, e.states, fast)):
         return
     fit(x.rest, n * n)
@@ -184,22 +184,6 @@ def take_row_off(x: Exact, f: Flow, row: int, other: int, column: int) -> None:
     f.share.at[f.shares] = share
     f.share_rest.at[f.shares] = rest
     f.shares += 1
-
-
-def add_product(a: Floats, r: Floats, at: int, factor: float, more: float, of: int) -> None:
-    """Add a product with entry `of` to entry `at`, both with their rests in `r`."""
-    change = factor * a[of]
-    over = product_rest(factor, a[of], change) + (factor * r[of] + more * a[of])
-    old = a[at]
-    total = old + change
-    rest = sum_rest(old, change, total) + (r[at] + over)
-    new = total + rest
-    if math.fabs(new) <= TWOFOLD_ZERO * (math.fabs(old) + math.fabs(change)):
-        a[at] = 0.0
-        r[at] = 0.0
-        return
-    a[at] = new
-    r[at] = sum_rest(total, rest, new)
 
 
 def put_back(x: Exact, f: Flow) -> None:

@@ -14,10 +14,10 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.engine.algebra.lu import lu_solve
 from hybond.engine.algebra.products import all_finite
 from hybond.engine.answers import value
 from hybond.engine.engine import OK, Engine
+from hybond.engine.methods.radau_factors import solve_real
 from hybond.engine.methods.radau_room import Radau
 from hybond.engine.methods.scale import tolerance
 from hybond.engine.mode.guess import give_back_guess, hold_guess
@@ -320,13 +320,13 @@ def is_far(
         steep = 6.0 * x * (1.0 - x) * way
         steep += (1.0 - x) * (1.0 - 3.0 * x) * f0[k] + x * (3.0 * x - 2.0) * s.peak_f1[k]
         off = s.peak_rate[k] - steep
-        s.peak_y[k] = off
+        s.peak_y[k] = -steep
         most = max(math.fabs(way), max(math.fabs(f0[k]), math.fabs(s.peak_f1[k])))
         far = far or (math.fabs(off) > FAR * most and h * math.fabs(off) > COUNTS * s.allowed[k])
     if not far or not filtered:
         return far
     far = False
-    lu_solve(e.states, r.real, r.real_row, 1, s.peak_y)
+    solve_real(r, s.peak_rate, e.rate_rest, s.peak_y)
     for k in range(e.states):
         far = far or math.fabs(s.peak_y[k]) > FILTERED * s.allowed[k]
     return far

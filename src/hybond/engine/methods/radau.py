@@ -8,8 +8,10 @@ Math. Softw. 20(4), 1994.
 import math
 from typing import Final
 
-from hybond.engine.algebra.lu import SINGULAR, lu_solve
+from hybond.engine.algebra.blocks import fit
+from hybond.engine.algebra.lu import SINGULAR
 from hybond.engine.algebra.products import copy_floats
+from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.engine import OK, Engine
 from hybond.engine.methods.beside_edges import begins_at_edge, iterate_beside_edge, own_stages
 from hybond.engine.methods.beside_kinks import leads_beyond
@@ -19,6 +21,7 @@ from hybond.engine.methods.hidden_peaks import hidden_in_stages
 from hybond.engine.methods.one_instant import is_one_kink, room_of_instant
 from hybond.engine.methods.onset import foresee_onset
 from hybond.engine.methods.radau_dense import hold_dense, make_polynomial
+from hybond.engine.methods.radau_factors import factorise, solve_real
 from hybond.engine.methods.radau_room import (
     ERROR_BLAMED,
     PIECES,
@@ -26,7 +29,7 @@ from hybond.engine.methods.radau_room import (
     STAGES_BLAMED,
     Radau,
 )
-from hybond.engine.methods.radau_slopes import differences, has_grown, held_by_law
+from hybond.engine.methods.radau_slopes import begin_closely, differences, has_grown, held_by_law
 from hybond.engine.methods.radau_stages import (
     FRESH_MATRIX,
     ITERATIONS,
@@ -35,7 +38,6 @@ from hybond.engine.methods.radau_stages import (
     STAGES_BEYOND,
     STAGES_CONVERGED,
     STAGES_FAILED,
-    factorise,
     mean_size,
     rate_at,
     rests,
@@ -81,15 +83,15 @@ def begin_radau(r: Radau, jumped: bool) -> None:
     r.error_before = 0.0
 
 
-def filtered_error(r: Radau, f: Floats) -> float:
+def filtered_error(r: Radau, f: Floats, rest: Floats) -> float:
     """Find the error ``(REAL/h - J)^-1 (f + weights z / h)``; return its norm."""
     n = r.n
     first = ERROR_WEIGHT[0] / r.h
     second = ERROR_WEIGHT[1] / r.h
     third = ERROR_WEIGHT[2] / r.h
     for i in range(n):
-        r.error_vector[i] = f[i] + (first * r.z[i] + second * r.z[n + i] + third * r.z[2 * n + i])
-    lu_solve(n, r.real, r.real_row, 1, r.error_vector)
+        r.error_vector[i] = first * r.z[i] + second * r.z[n + i] + third * r.z[2 * n + i]
+    solve_real(r, f, rest, r.error_vector)
     for i in range(n):
         if rests(r, i):
             r.error_vector[i] = 0.0
@@ -108,9 +110,11 @@ def estimate_error(e: Engine, r: Radau) -> None:
     e.step.tried = 0.0
     if e.step.left_edge:
         widen(e, r, r.other)
+    if e.mode.closely:
+        allow_time(r, r.other)
     if e.model.bends > 0.0:
         held_by_law(e, r, r.other)
-    r.error = filtered_error(r, r.f0)
+    r.error = filtered_error(r, r.f0, r.f0_rest)
     if r.error <= 1.0 or not (r.rejected > 0 or r.h_before == 0.0):
         return
     # in a fast transient the estimate is too large; filtered twice it is right
@@ -118,9 +122,19 @@ def estimate_error(e: Engine, r: Radau) -> None:
         r.shifted[i] = r.y0[i] + r.error_vector[i]
     if rate_at(e, n, r.t0, r.shifted, r.end) != OK:
         return
-    twice = filtered_error(r, r.end)
+    twice = filtered_error(r, r.end, e.rate_rest)
     if twice < r.error:
         r.error = twice
+
+
+def allow_time(r: Radau, unit: Floats) -> None:
+    """Let a tolerance be no less than what a step moves by while the time is rounded.
+
+    What exchanges fast may be over within a few numbers of a late time.
+    """
+    part = EPSILON * math.fabs(r.t0) / r.h
+    for i in range(r.n):
+        unit[i] = max(unit[i], part * math.fabs(r.z[2 * r.n + i]))
 
 
 def radau_rounds(r: Radau) -> float:
@@ -140,6 +154,8 @@ def try_radau(e: Engine, r: Radau, rtol: float) -> int:
         differences(e, r, rtol, False)
     if factorise(r) == SINGULAR:
         return STEP_REJECTED
+    if r.twofold and not r.f0_closely:
+        begin_closely(e, r)
     # stages that go on from the last ones leave rest
     r.known = r.known and not e.step.on_edge
     fresh = r.matrix == FRESH_MATRIX
@@ -229,6 +245,7 @@ def advance_radau(e: Engine, r: Radau, rtol: float, t_end: float, h: float, long
     h = max(min(h, longest), smallest)
     may_land = remaining <= longest * (1.0 + 1e-12)
     r.rejected = 0
+    r.f0_closely = False
     tolerance(e, r.y0, r.y0, r.tolerance)
     while True:
         r.trial = h
@@ -355,6 +372,10 @@ def retry_radau(e: Engine, r: Radau, rtol: float, t_end: float, longest: float) 
     h_before = r.h_before
     error_before = r.error_before
     copy_floats(n * n, r.jacobian, r.kept_jacobian)
+    r.kept_from = r.twofold_from
+    if r.kept_from < math.inf:
+        fit(r.kept_rest, n * n)
+        copy_floats(n * n, r.jacobian_rest.at, r.kept_rest.at)
     r.slow = False
     r.matrix = r.again_matrix
     r.h_before = r.again_h_before
@@ -392,6 +413,9 @@ def retry_radau(e: Engine, r: Radau, rtol: float, t_end: float, longest: float) 
                 break
     if remade > 0:
         copy_floats(n * n, r.kept_jacobian, r.jacobian)
+        r.twofold_from = r.kept_from
+        if r.kept_from < math.inf:
+            copy_floats(n * n, r.kept_rest.at, r.jacobian_rest.at)
         r.served = 0.0
     r.matrix = NO_MATRIX if matrix == NO_MATRIX else KEPT_MATRIX
     r.next = next_size

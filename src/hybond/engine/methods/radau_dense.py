@@ -14,10 +14,10 @@ J. Comput. Appl. Math. 125(1), 2000, for the defect.
 import math
 from typing import Final
 
-from hybond.engine.algebra.lu import lu_solve
 from hybond.engine.algebra.products import copy_floats
 from hybond.engine.engine import OK, Engine
 from hybond.engine.methods.from_edges import is_held
+from hybond.engine.methods.radau_factors import solve_real
 from hybond.engine.methods.radau_room import Radau
 from hybond.engine.methods.radau_stages import mean_size, rate_at, rests
 from hybond.engine.words import float_table
@@ -64,18 +64,19 @@ def dense_error(e: Engine, r: Radau) -> float:
         r.beyond = True
         return math.inf
     for i in range(n):
-        r.end[i] -= (
+        way = (
             r.coefficients[i]
             + x * (2.0 * r.coefficients[n + i] + 3.0 * x * r.coefficients[2 * n + i])
         ) / r.h
         if r.from_edge and is_held(r, i):
             # it was nothing before, and is led from there to what it is at the end
-            r.end[i] = 0.0
+            way = r.end[i]
         # what rests here, too, is not moved by slopes that were found beyond a kink
-        r.shifted[i] = 0.0 if r.end[i] == 0.0 and rests(r, i) else 1.0
-    lu_solve(n, r.real, r.real_row, 1, r.end)
+        r.shifted[i] = 0.0 if r.end[i] == way and rests(r, i) else 1.0
+        r.x_real[i] = -way
+    solve_real(r, r.end, e.rate_rest, r.x_real)
     for i in range(n):
-        r.end[i] *= r.shifted[i]
+        r.end[i] = r.x_real[i] * r.shifted[i]
     return mean_size(n, 1, r.end, r.other)
 
 

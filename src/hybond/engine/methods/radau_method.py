@@ -19,8 +19,9 @@ from hybond.engine.methods.radau import (
     retry_radau,
     step_radau,
 )
+from hybond.engine.methods.radau_factors import BUTCHER_INVERSE
 from hybond.engine.methods.radau_room import ERROR_BLAMED, RADAU, STAGES_BLAMED, Radau
-from hybond.engine.methods.radau_stages import BUTCHER_INVERSE, rate_at
+from hybond.engine.methods.radau_stages import rate_at
 from hybond.engine.methods.scale import controlled, tolerance
 from hybond.engine.methods.stiffness import watch_implicit
 from hybond.engine.model import Model

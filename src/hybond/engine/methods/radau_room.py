@@ -1,5 +1,6 @@
 """What Radau IIA keeps from step to step, and room for the step that is tried."""
 
+import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import Block, Places, make_block, make_places
@@ -40,6 +41,24 @@ class Radau:
     re: Floats
     im: Floats
     pair_row: Ints
+    jacobian_rest: Block
+    """What the Jacobian was rounded by, if `twofold_from` is finite: ..."""
+    twofold_from: float
+    """... the size of steps beyond which rounding of factors would tell."""
+    twofold: bool
+    """Whether the factors have twice the digits. Then `real_rest` stands beside `real`, and `pair`
+    in place of the complex ones, with rates and right-hand sides rounded by so much:"""
+    real_rest: Block
+    pair: Block
+    pair_rest: Block
+    pair_pivot: Places
+    f0_rest: Floats
+    f0_closely: bool
+    """Whether that is known where the step begins."""
+    f_rest: Block
+    x_rest: Block
+    x_pair: Block
+    x_pair_rest: Block
     left: float
     known: bool
     polynomial: Floats
@@ -109,6 +128,8 @@ class Radau:
     again_span: float
     again_polynomial: Floats
     kept_jacobian: Floats
+    kept_rest: Block
+    kept_from: float
     made: int
     """Jacobians made so far."""
     sided: bool
@@ -136,6 +157,17 @@ def make_radau(n: int) -> Radau:
     r.re = floats(n * n)
     r.im = floats(n * n)
     r.pair_row = ints(n)
+    r.jacobian_rest = make_block(1)
+    r.twofold_from = math.inf
+    r.real_rest = make_block(1)
+    r.pair = make_block(1)
+    r.pair_rest = make_block(1)
+    r.pair_pivot = make_places(1)
+    r.f0_rest = floats(n)
+    r.f_rest = make_block(1)
+    r.x_rest = make_block(1)
+    r.x_pair = make_block(1)
+    r.x_pair_rest = make_block(1)
     r.left = 1.0
     r.polynomial = floats(3 * n)
     r.span = 1.0
@@ -169,6 +201,7 @@ def make_radau(n: int) -> Radau:
     r.start_f = floats(n)
     r.again_polynomial = floats(3 * n)
     r.kept_jacobian = floats(n * n)
+    r.kept_rest = make_block(1)
     r.piece_t0 = floats(PIECES)
     r.piece_t1 = floats(PIECES)
     r.piece_y0 = floats(PIECES * n)

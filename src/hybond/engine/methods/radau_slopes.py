@@ -11,14 +11,22 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.engine.algebra.products import copy_floats
+from hybond.engine.algebra.blocks import fit
 from hybond.engine.algebra.rounding import EPSILON
+from hybond.engine.algebra.twofold import product_rest, sum_rest
 from hybond.engine.engine import NOT_FINITE, OK, Engine
 from hybond.engine.methods.beside_kinks import is_beyond, see_sides, stay_on_side
 from hybond.engine.methods.graded import fast_from
 from hybond.engine.methods.radau_room import Radau
 from hybond.engine.methods.radau_stages import FRESH_MATRIX, rate_at
-from hybond.engine.methods.scale import ROUNDED, SHORT, know_settling, tolerance, within_bent
+from hybond.engine.methods.scale import (
+    ROUNDED,
+    SHORT,
+    know_settling,
+    sum_closely_on,
+    tolerance,
+    within_bent,
+)
 from hybond.engine.words import Floats
 
 GROWN: Final = 10.0
@@ -46,27 +54,44 @@ def differences(e: Engine, r: Radau, rtol: float, across: bool) -> None:
     mode are from now on summed with all digits. `across` kinks that a step goes through, slopes may
     be those of beyond.
     """
+    r.twofold_from = math.inf
+    if e.mode.closely and e.slide.k == 0:
+        begin_closely(e, r)
     make_slopes(e, r, rtol, across)
-    if e.mode.closely or e.slide.k > 0 or not exchange_fast(e, r, rtol):
+    if e.slide.k > 0:
         return
-    e.mode.closely = True
+    fastest = exchange_rate(e, r)
+    if not e.mode.closely and fastest > fast_from(rtol, e.span):
+        sum_closely_on(e, e.mode)
+        if begin_closely(e, r):
+            make_slopes(e, r, rtol, across)
+    if e.mode.closely and fastest > 0.0:
+        r.twofold_from = fast_from(rtol, fastest)
+
+
+def begin_closely(e: Engine, r: Radau) -> bool:
+    """Find rates with twice the digits where the step begins; False where there are none."""
     refusal = e.refusal
-    if rate_at(e, r.n, r.t0, r.y0, r.end) == OK:
-        copy_floats(r.n, r.end, r.f0)
-        make_slopes(e, r, rtol, across)
+    found = rate_at(e, r.n, r.t0, r.y0, r.end) == OK
+    for i in range(r.n):
+        r.f0_rest[i] = 0.0
+        if found:
+            r.f0[i] = r.end[i]
+            r.f0_rest[i] = e.rate_rest[i]
     e.refusal = refusal
+    r.f0_closely = True
+    return found
 
 
-def exchange_fast(e: Engine, r: Radau, rtol: float) -> bool:
-    """Whether two states act on each other so fast that rounding of that tells in the run."""
-    most = fast_from(e, rtol)
+def exchange_rate(e: Engine, r: Radau) -> float:
+    """Return the rate of the two states that act on each other fastest."""
+    most = 0.0
     for i in range(e.model.storages):
         for j in range(i):
             one = math.fabs(r.jacobian[i * r.n + j])
             other = math.fabs(r.jacobian[j * r.n + i])
-            if one > 0.0 and other > 0.0 and math.sqrt(one) * math.sqrt(other) > most:
-                return True
-    return False
+            most = max(most, math.sqrt(one) * math.sqrt(other))
+    return most
 
 
 def make_slopes(e: Engine, r: Radau, rtol: float, across: bool) -> None:
@@ -84,6 +109,8 @@ def make_slopes(e: Engine, r: Radau, rtol: float, across: bool) -> None:
     refusal = e.refusal
     tolerance(e, r.y0, r.y0, r.other)
     r.sided = False
+    closely = e.mode.closely and e.slide.k == 0
+    fit(r.jacobian_rest, n * n if closely else 1)
     one_side = not across and see_sides(e, r)
     for i in range(n):
         r.shifted[i] = r.y0[i]
@@ -99,7 +126,7 @@ def make_slopes(e: Engine, r: Radau, rtol: float, across: bool) -> None:
         r.made_for[j] = size
         if only_shown(e, j):
             for i in range(n):
-                r.jacobian[i * n + j] = 0.0
+                put_slope(r, i * n + j, 0.0, 0.0, 1.0, closely)
             continue
         if size == 0.0:
             size = 1.0
@@ -112,17 +139,33 @@ def make_slopes(e: Engine, r: Radau, rtol: float, across: bool) -> None:
             delta *= RADAU_NEAR
         if one_side and found == OK and is_beyond(e, r):
             found = stay_on_side(e, r, j)
+        width = r.shifted[j] - r.y0[j]
         for i in range(n):
             # off its constraints, or where laws end or jump, a state may have no rates; nothing
             # moves it there
             change = r.end[i] - r.f0[i] if found == OK else 0.0
-            r.jacobian[i * n + j] = change / (r.shifted[j] - r.y0[j])
+            rest = 0.0
+            if closely and found == OK:
+                rest = sum_rest(r.end[i], -r.f0[i], change) + (e.rate_rest[i] - r.f0_rest[i])
+            put_slope(r, i * n + j, change, rest, width, closely)
         r.shifted[j] = r.y0[j]
     know_settling(e, r.jacobian)
     e.refusal = refusal
     r.matrix = FRESH_MATRIX
     r.served = 0.0
     r.made += 1
+
+
+def put_slope(r: Radau, at: int, change: float, rest: float, width: float, closely: bool) -> None:
+    """Put what a rate changes by, over a width, into the Jacobian; `closely` with its rest."""
+    r.jacobian[at] = change / width
+    if not closely:
+        return
+    slope = r.jacobian[at]
+    product = slope * width
+    left = ((change - product) - product_rest(slope, width, product) + rest) / width
+    r.jacobian[at] = slope + left
+    r.jacobian_rest.at[at] = sum_rest(slope, left, r.jacobian[at])
 
 
 def only_shown(e: Engine, j: int) -> bool:

@@ -8,11 +8,10 @@ times the size of the state, falls apart into a real and a complex one.
 import math
 from typing import Final
 
-from hybond.engine.algebra.lu import REGULAR, SINGULAR, lu_factor, lu_solve
-from hybond.engine.algebra.lu_pair import lu_factor_pair, lu_solve_pair
 from hybond.engine.algebra.products import all_finite, copy_floats
 from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.engine import NOT_FINITE, OK, Engine
+from hybond.engine.methods.radau_factors import solve_stages
 from hybond.engine.methods.radau_room import Radau
 from hybond.engine.methods.scale import tolerance
 from hybond.engine.methods.signal_sizes import allow_rounding
@@ -21,29 +20,11 @@ from hybond.engine.words import Floats, float_table
 
 ITERATIONS: Final = 7
 ENOUGH: Final = 0.001
-STEADY_SIZE: Final = 1e-3
 STAGE_1: Final = 0.15505102572168219
 STAGE_2: Final = 0.6449489742783178
-REAL: Final = 3.63783425274449573
-PAIR_RE: Final = 2.68108287362775213
-PAIR_IM: Final = 3.05043019924741057
-BUTCHER_INVERSE: Final = float_table(
-    3.22474487139158905,
-    1.16784008469040549,
-    -0.253197264742180826,
-    -3.56784008469040549,
-    0.775255128608410951,
-    1.05319726474218083,
-    5.53197264742180826,
-    -7.53197264742180826,
-    5.0,
-)
 REAL_OUT: Final = float_table(0.0944387624889752415, 0.250213122965333311, 1.0)
-REAL_IN: Final = float_table(4.17871859155190473, 0.327682820761062387, 0.523376445499449548)
 PAIR_OUT_RE: Final = float_table(-0.141255295020954208, 0.204129352293799932, 1.0)
 PAIR_OUT_IM: Final = float_table(0.0300291941051474245, -0.382942112757261938, 0.0)
-PAIR_IN_RE: Final = float_table(-2.08935929577595236, -0.163841410380531194, 0.238311777250275226)
-PAIR_IN_IM: Final = float_table(-0.251436317472893438, 1.28596347492780271, -0.298019602414112462)
 
 STILL_SWINGS: Final = 0.5
 """A correction is more than this part of the one before where stages swing and do not settle."""
@@ -61,28 +42,6 @@ def rate_at(e: Engine, n: int, t: float, y: Floats, f: Floats) -> int:
     if field(e, e.mode, t, y, f) != OK or not all_finite(n, f):
         return NOT_FINITE
     return OK
-
-
-def factorise(r: Radau) -> int:
-    """Make factors for a step of size r.h, if those that there are do not serve."""
-    if r.served > 0.0 and math.fabs(r.h - r.served) <= STEADY_SIZE * r.h:
-        return REGULAR
-    n = r.n
-    for k in range(n * n):
-        r.real[k] = -r.jacobian[k]
-        r.re[k] = -r.jacobian[k]
-        r.im[k] = 0.0
-    for k in range(n):
-        r.real[k * n + k] += REAL / r.h
-        r.re[k * n + k] += PAIR_RE / r.h
-        r.im[k * n + k] = PAIR_IM / r.h
-    r.served = 0.0
-    if lu_factor(n, r.real, r.real_row) == SINGULAR:
-        return SINGULAR
-    if lu_factor_pair(n, r.re, r.im, r.pair_row, r.number) == SINGULAR:
-        return SINGULAR
-    r.served = r.h
-    return REGULAR
 
 
 def foresee(r: Radau) -> None:
@@ -120,6 +79,8 @@ def stage_rate(e: Engine, r: Radau, s: int) -> int:
     found = rate_at(e, n, stage_time(r, s), r.stage, r.end)
     for i in range(n):
         r.f[s * n + i] = r.end[i]
+        if r.twofold:
+            r.f_rest.at[s * n + i] = e.rate_rest[i]
     return found
 
 
@@ -142,23 +103,7 @@ def place_stages(r: Radau) -> None:
 def correct_stages(r: Radau) -> None:
     """Correct the stages by what is left of their equations."""
     n = r.n
-    for i in range(n):
-        r.x_real[i] = 0.0
-        r.x_re[i] = 0.0
-        r.x_im[i] = 0.0
-    for s in range(3):
-        first = BUTCHER_INVERSE[3 * s] / r.h
-        second = BUTCHER_INVERSE[3 * s + 1] / r.h
-        third = BUTCHER_INVERSE[3 * s + 2] / r.h
-        for i in range(n):
-            residual = r.f[s * n + i] - (
-                first * r.z[i] + second * r.z[n + i] + third * r.z[2 * n + i]
-            )
-            r.x_real[i] += REAL_IN[s] * residual
-            r.x_re[i] += PAIR_IN_RE[s] * residual
-            r.x_im[i] += PAIR_IN_IM[s] * residual
-    lu_solve(n, r.real, r.real_row, 1, r.x_real)
-    lu_solve_pair(n, r.re, r.im, r.pair_row, r.number, r.x_re, r.x_im)
+    solve_stages(r)
     for s in range(3):
         for i in range(n):
             half = PAIR_OUT_RE[s] * r.x_re[i] - PAIR_OUT_IM[s] * r.x_im[i]

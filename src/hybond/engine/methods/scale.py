@@ -15,6 +15,7 @@ from hybond.engine.methods.signal_sizes import (
     forget_rounding,
     measure_rates,
 )
+from hybond.engine.mode.closely import lasting_size
 from hybond.engine.mode.guess import give_back_guess, hold_guess
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.part_energies import see_part
@@ -223,7 +224,10 @@ def found_terms(e: Engine, mode: Mode, t: float, y: Floats) -> bool:
             first = soonest[e.storage_part[k]]
             own = first if y[k] == 0.0 else math.fabs(y[k] / e.work.w[at])
             acts = min(acts, max(own, math.fabs(e.t) * EPSILON / ROUNDED))
-        e.rounding[k] = ROUNDED * acts * e.rounding[k]
+        if mode.closely and e.slide.k == 0:
+            e.rounding[k] = ROUNDED * lasting_size(e, mode, k, at, acts)
+        else:
+            e.rounding[k] = ROUNDED * acts * e.rounding[k]
     if e.model.integrals > 0 and e.slide.k == 0:
         measure_rates(e, mode, t)
     return found
@@ -245,6 +249,21 @@ def measure_again(e: Engine, mode: Mode) -> None:
     measure_anew(e, mode)
     for k in range(e.model.storages):
         e.rounding[k] = max(before[k], e.rounding[k])
+
+
+def sum_closely_on(e: Engine, mode: Mode) -> None:
+    """Let rates of a mode be summed with all digits from here: they are known better then.
+
+    Of storages that hold nothing yet, and do not move, as before.
+    """
+    mode.closely = True
+    before = e.work.reach
+    for k in range(e.model.storages):
+        before[k] = e.rounding[k]
+    measure_anew(e, mode)
+    for k in range(e.model.storages):
+        if e.rounding[k] == 0.0 and e.y[k] == 0.0:
+            e.rounding[k] = before[k]
 
 
 def measure_ahead(e: Engine, mode: Mode, t: float) -> None:

@@ -7,6 +7,10 @@ be as well if tolerances are coarse: there many more steps decide. An implicit s
 where the product is so small that explicit ones would be stable too. A step that is about to grow
 is bound by nothing yet, and tells nothing.
 
+Where steps lead a motion nowhere, though, nobody can tell from two stages what binds them: a law
+that saturates between these looks far less steep than it is, and what is level to the last digit
+does not move at all. There the rates themselves are asked, beside where the motion is.
+
 What was counted outlives events: a motion that switches every few steps is stiff all the same.
 
 Sources: E. Hairer, G. Wanner, *Solving Ordinary Differential Equations II*, IV.2 (DOPRI5); L.
@@ -19,11 +23,13 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.engine.engine import Engine
+from hybond.engine.engine import OK, Engine
 from hybond.engine.methods.flow_records import AUTO, LARGE
 from hybond.engine.methods.radau import begin_radau
 from hybond.engine.methods.radau_room import Radau, make_radau
-from hybond.engine.methods.scale import forget_settling
+from hybond.engine.methods.scale import error_norm, forget_settling
+from hybond.engine.mode.guess import give_back_guess, hold_guess
+from hybond.engine.mode.values import field
 from hybond.engine.words import Floats
 
 RIM: Final = 3.25
@@ -38,6 +44,16 @@ EASY: Final = 2.0
 """Size times norm below which an explicit step would be stable as well, ..."""
 EASY_ROW: Final = 100
 """... and how many such steps in a row lead back: enough for ``radau`` to damp what died out."""
+LED_ROW: Final = 200
+"""Steps after which it is seen how far they have led: ..."""
+NOWHERE: Final = 0.1
+"""... nowhere, where no state has moved by this part of its size; ..."""
+ASKED: Final = 12
+"""... how often the rates are asked then what grows fastest, ..."""
+TELLS: Final = 4
+"""... of which the last ones tell."""
+TURNS: Final = 0.6180339887498949
+"""No two states begin so with like numbers: parts of the golden section."""
 OFF_ROW: Final = 10
 """The same where only an edge was left, and the run asked for explicit steps."""
 GROWING: Final = 2.0
@@ -65,6 +81,60 @@ def watch_explicit(e: Engine, h: float, grown: float) -> None:
         if s.long_free >= FORGOTTEN:
             s.long_bound = 0
     s.turns = s.bound >= ROW or s.long_bound >= LONG_ROW
+    if leads_nowhere(e) and h * fastest_here(e) > EASY:
+        s.turns = True
+
+
+def leads_nowhere(e: Engine) -> bool:
+    """Whether a row of steps, which ends here, has led no state on by a part of its size."""
+    s = e.step
+    if s.looked == 0:
+        for k in range(e.states):
+            s.looked_at[k] = s.y0[k]
+    s.looked += 1
+    if s.looked < LED_ROW:
+        return False
+    s.looked = 0
+    for k in range(e.states):
+        if math.fabs(s.y1[k] - s.looked_at[k]) > NOWHERE * e.lately[k]:
+            return False
+    return True
+
+
+def fastest_here(e: Engine) -> float:
+    """Return the rate of what grows or dies out fastest within the tolerance of the present state.
+
+    By how much a change of the state changes its rates, over and over.
+    """
+    s = e.step
+    n = e.states
+    v = s.peak_y
+    refusal = e.refusal
+    asked = e.evaluations
+    hold_guess(e, e.mode)
+    for k in range(n):
+        part = math.fmod(float(k + 1) * TURNS, 1.0) - 0.5
+        v[k] = part * s.scale[k] if s.scale[k] < math.inf else 0.0
+    found = 1.0
+    for i in range(ASKED):
+        size = error_norm(n, v, s.scale)
+        if not size > 0.0 or not size < math.inf:
+            found = 0.0
+            break
+        for k in range(n):
+            v[k] /= size
+            s.trial[k] = s.y[k] + v[k]
+        if field(e, e.mode, s.t, s.trial, s.rate) != OK:
+            found = 0.0
+            break
+        for k in range(n):
+            v[k] = s.rate[k] - s.f[k] if s.scale[k] > 0.0 and s.scale[k] < math.inf else 0.0
+        if i >= ASKED - TELLS:
+            found *= error_norm(n, v, s.scale)
+    give_back_guess(e, e.mode)
+    e.evaluations = asked
+    e.refusal = refusal
+    return math.pow(found, 1.0 / float(TELLS)) if found < math.inf else 0.0
 
 
 def fastest(e: Engine) -> float:
@@ -123,5 +193,6 @@ def turn(e: Engine) -> None:
         begin_radau(e.radau, True)
     s.bound = 0
     s.free = 0
+    s.looked = 0
     s.long_bound = 0
     s.long_free = 0

@@ -20,7 +20,9 @@ from hybond.engine.algebra.twofold import (
 )
 from hybond.engine.engine import Engine
 from hybond.engine.mode.mode_records import Mode
+from hybond.engine.mode.storage import own_stiffness
 from hybond.engine.words import Floats
+from hybond.engine.work import Work
 
 
 def closely(e: Engine, mode: Mode, rows: Rows, w: Floats) -> None:
@@ -79,6 +81,76 @@ def rate_by_row(rows: Rows, k: int, xi: Floats) -> float:
     if not math.fabs(total) < CLOSE * size:
         return total
     return without_dust(row_cancelling(rows, k, xi), size)
+
+
+def rate_twofold(e: Engine, mode: Mode, k: int, w: Floats) -> float:
+    """Return the same with twice the digits: what it is rounded by stands in ``e.work.over``."""
+    at = mode.same[k]
+    total = row_twofold(e.work, mode.finite, at, e.work.xi)
+    size = e.work.over_size
+    rest = e.work.over
+    for j in range(mode.finite_frees):
+        share = mode.finite_free.at[at * mode.finite_frees + j]
+        if share != 0.0:
+            free = w[mode.free_column[j]]
+            term = share * free
+            rest += product_rest(share, free, term)
+            rest += mode.free_rest.at[at * mode.finite_frees + j] * free
+            before = total
+            total = before + term
+            rest += sum_rest(before, term, total)
+            size += math.fabs(term)
+    return put_over(e.work, total, rest, size)
+
+
+def row_twofold(work: Work, rows: Rows, k: int, xi: Floats) -> float:
+    """Return the same of a bond variable that knowns `xi` give by row k alone."""
+    total = 0.0
+    rest = 0.0
+    size = 0.0
+    for i in range(rows.first.at[k], rows.first.at[k + 1]):
+        at = xi[rows.column.at[i]]
+        term = rows.value.at[i] * at
+        rest += product_rest(rows.value.at[i], at, term) + rows.rest.at[i] * at
+        before = total
+        total = before + term
+        rest += sum_rest(before, term, total)
+        size += math.fabs(term)
+    return put_over(work, total, rest, size)
+
+
+def put_over(work: Work, total: float, rest: float, size: float) -> float:
+    """Return a sum of terms of such a size without dust, and put what it is rounded by there."""
+    rounded = without_dust(total + rest, size)
+    work.over = sum_rest(total, rest, rounded) if rounded != 0.0 else 0.0
+    work.over_size = size
+    return rounded
+
+
+def lasting_size(e: Engine, mode: Mode, k: int, b: int, acts: float) -> float:
+    """Return what rounding in the rate of storage `k`, bond variable `b`, acts on for a time.
+
+    All of what is given from outside, and of what laws are solved for. What is stored is rounded in
+    all rates alike where these are summed with all digits: as if it were a little more or less, and
+    for no longer than its own rate takes.
+    """
+    rows = mode.finite
+    at = mode.same[b]
+    given = math.fabs(e.work.w[b])
+    stored = 0.0
+    own = 0.0
+    for i in range(rows.first.at[at], rows.first.at[at + 1]):
+        term = math.fabs(rows.value.at[i] * e.work.xi[rows.column.at[i]])
+        if rows.column.at[i] >= e.model.storages:
+            given += term
+            continue
+        stored += term
+        if rows.column.at[i] == k:
+            own = math.fabs(rows.value.at[i] * own_stiffness(e.model, k, e.v))
+    for j in range(mode.finite_frees):
+        share = mode.finite_free.at[at * mode.finite_frees + j]
+        given += math.fabs(share) * mode.free_size.at[j] if share != 0.0 else 0.0
+    return given * acts + stored * (min(acts, 1.0 / own) if own > 0.0 else acts)
 
 
 def without_dust(total: float, size: float) -> float:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from hybond.engine.algebra.blocks import Rows, row_times
 from hybond.engine.answers import value
 from hybond.engine.engine import Engine
-from hybond.engine.mode.closely import rate_by_row
+from hybond.engine.mode.closely import rate_by_row, row_twofold
 from hybond.engine.mode.mode_records import Mode, Reads
 from hybond.engine.mode.storage import co_energy_of, law_at
 from hybond.engine.model import Model
@@ -107,10 +107,13 @@ def rates_by_knowns(e: Engine, mode: Mode, v: Floats, rate: Floats) -> None:
     put_knowns(e, mode, mode.rates, v)
     for k in range(m.storages):
         row = mode.rate_row[k]
-        total = (
-            rate_by_row(mode.direct, row, xi) if mode.closely else row_times(mode.direct, row, xi)
-        )
-        rate[k] = -total if m.storage_kind[k] == 0 and m.storage_sign[k] < 0 else total
+        negative = m.storage_kind[k] == 0 and m.storage_sign[k] < 0
+        if mode.closely:
+            total = row_twofold(e.work, mode.direct, row, xi)
+            e.rate_rest[k] = -e.work.over if negative else e.work.over
+        else:
+            total = row_times(mode.direct, row, xi)
+        rate[k] = -total if negative else total
     show_read(e, mode, mode.signals, v)
 
 

@@ -7,7 +7,7 @@ from hybond.engine.answers import value
 from hybond.engine.engine import NOT_FINITE, OK, Engine
 from hybond.engine.inputs.interval import set_time
 from hybond.engine.mode.agreement import check_agreement
-from hybond.engine.mode.closely import rate_closely
+from hybond.engine.mode.closely import rate_closely, rate_twofold
 from hybond.engine.mode.limits import put_limits
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.reading import rates_by_knowns
@@ -91,7 +91,10 @@ def field(e: Engine, mode: Mode, t: float, y: Floats, rate: Floats) -> int:
         for k in range(m.storages):
             at = m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 0 else 0)
             negative = m.storage_kind[k] == 0 and m.storage_sign[k] < 0
-            total = rate_closely(e, mode, at, w) if mode.closely else w[at]
+            total = w[at]
+            if mode.closely:
+                total = rate_twofold(e, mode, at, w)
+                e.rate_rest[k] = -e.work.over if negative else e.work.over
             rate[k] = -total if negative else total
         for i in range(mode.signals.many if mode.closely else 0):
             b = mode.signals.bond[i]

@@ -206,6 +206,8 @@ def carry_step(e: Engine, r: Run, c: Carrier) -> None:
     s.free = carry_whole(c, s.free)
     s.long_bound = carry_whole(c, s.long_bound)
     s.long_free = carry_whole(c, s.long_free)
+    s.looked = carry_whole(c, s.looked)
+    carry_floats(c, e.states, s.looked_at)
     carry_floats(c, PACES, s.pace)
     s.began = carry_number(c, s.began)
     carry_copy(c, e.states, s.y0, r.warm_y)
