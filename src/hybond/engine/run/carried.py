@@ -176,6 +176,17 @@ def carry_memory(e: Engine, r: Run, c: Carrier) -> None:
     e.rests.any = carry_truth(c, e.rests.any)
     carry_ints(c, m.rule_first[many], e.rests.rule)
     carry_ints(c, m.rule_first[many], e.rests.since)
+    atoms = m.atom_first[m.rule_first[many]]
+    carry_ints(c, atoms, e.rests.atom)
+    carry_floats(c, atoms, e.rests.band)
+    carry_ints(c, atoms, e.rests.side)
+    carry_ints(c, atoms, e.rests.turns)
+    carry_ints(c, atoms, e.rests.away)
+    carry_floats(c, atoms, e.rests.last)
+    carry_floats(c, atoms, e.rests.older)
+    carry_ints(c, atoms, e.rests.creeps)
+    e.rests.some = carry_truth(c, e.rests.some)
+    carry_floats(c, m.integrals, e.sample_terms)
     g.events = carry_whole(c, g.events)
     carry_step(e, r, c)
 
