@@ -50,6 +50,7 @@ subset. Rooms, and in them files, as data passes them::
         constraints, impulse_ways, own_ways    what a jump must fulfil, and what moves it there
         staying, passed_over    what is known of the last trial; modes without a solution
         in_force, indeterminate    rules that are asked; truths that depend on what is open
+        kept_sides          guards of what is rounding: it is what it was
         doubts, left_out, telling, told, instant    what is warned of, told and written down
     laws/
         laws                modes with laws of junctions: first what jumps, then what lasts
@@ -114,8 +115,9 @@ subset. Rooms, and in them files, as data passes them::
         solved_guards, step_polynomials, quartic    by polynomials
         far_guards          those that do not come to hold, which is seen at once
         at_rest, rest_limits, rest_records    those that would hold where the motion comes to rest
-        kept_rests          what is known of these from step to step
+        kept_rests, sides_seen    what is known of these from step to step, and of their sides
         limits_crossed      what has come to one, waits there, and is asked again
+        rests_asked         what rests where time, or a crossing beside it, asks for it
         naps                kinks that end no steps for a while
         together, ends_at_guard    what is one instant with it; the step that ends there
         kinks_passed, held_by_kinks, source_jumps    kinks of laws and of sources

@@ -246,6 +246,8 @@ class Engine:
     rate_rounding: Floats
     """What rates of integrated signals may be wrong by, where that matters, ..."""
     least_signal: Floats
+    sample_terms: Floats
+    """Of each signal that is sampled: the size of the terms that it was made of."""
     """... and what each of these signals is measured by at the least."""
     largest_state: Floats
     scale_energy: Floats
@@ -447,6 +449,7 @@ def make_engine(m: Model) -> Engine:
     e.rate_rest = floats(e.states)
     e.rate_rounding = floats(m.integrals)
     e.least_signal = floats(m.integrals)
+    e.sample_terms = floats(m.integrals)
     e.largest_state = floats(e.states)
     e.lately = floats(5 * (e.states + m.storages + 1))
     e.scale_energy = floats(m.storages + 1)

@@ -250,6 +250,8 @@ class Model:
     sample_signal: Ints
     """Which integrated signal, of rate zero, each is."""
     sample_value: Ints
+    sample_size: Ints
+    """What is sampled, and the size of its terms: expressions."""
     sample_every: Floats
     sample_phase: Floats
     called: int

@@ -14,6 +14,7 @@ from hybond.engine.engine import OK, Engine
 from hybond.engine.expressions.paired import holds_from
 from hybond.engine.instant.in_force import is_asked
 from hybond.engine.instant.instant import Instant
+from hybond.engine.instant.kept_sides import keeps_sides
 from hybond.engine.methods.stepping import between
 from hybond.engine.mode.equations import mode_of
 from hybond.engine.mode.sizes import measure
@@ -42,7 +43,7 @@ def holds_clearly(e: Engine, r: int) -> bool:
     m = e.model
     v = e.checks.v
     stack = e.work.stack
-    if e.rests.rule[r] != 0:
+    if e.rests.rule[r] != 0 or keeps_sides(e, r, v):
         return False
     measure(e, e.mode, r, e.work.xi, v, e.work.terms)
     stack.now = v

@@ -41,6 +41,8 @@ def sample(e: Engine, s: Floats) -> int:
             continue
         i = m.sample_signal[k]
         s[i] = value_at_instant(m, m.sample_value[k], v)
+        size = value(m, m.sample_size[k], v)
+        e.sample_terms[i] = size if math.isfinite(size) else 0.0
         if not math.isfinite(s[i]):
             why = "a sampled signal has no value"
             if m.tells != 0:

@@ -1,13 +1,9 @@
-"""Which rules are asked: some rest while a machine has landed, or slides; some hold by rounding."""
+"""Which rules are asked: some rest while a machine has landed, or slides."""
 
 from __future__ import annotations
 
-import math
-
-from hybond.engine.answers import value
 from hybond.engine.contacts.landing_records import in_force
 from hybond.engine.engine import Engine
-from hybond.engine.words import Floats
 
 
 def is_asked(e: Engine, machine: int, rule: int, state: int) -> bool:
@@ -43,15 +39,3 @@ def is_asked_beside(e: Engine, machine: int, rule: int, state: int) -> bool:
             if m.surface_twin[s.surface[j] * m.surfaces + other] != 0:
                 return False
     return source == state
-
-
-def is_as_it_rested(e: Engine, rule: int, v: Floats) -> bool:
-    """Whether a guard that held by rounding compares the same at an instant that is settled."""
-    q = e.rests
-    m = e.model
-    if q.since[rule] == 0 or e.trial.jumps:
-        return False
-    for a in range(m.atom_first[rule], m.atom_first[rule + 1]):
-        if q.atom[a] != 0 and not math.fabs(value(m, m.atom_value[a], v)) <= q.band[a]:
-            return False
-    return True

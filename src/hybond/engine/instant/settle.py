@@ -21,7 +21,7 @@ from hybond.engine.inputs.sampling import sample
 from hybond.engine.instant.beginning import begin_behind, stand_before, stand_without_before
 from hybond.engine.instant.doubts import warn_of_moduli
 from hybond.engine.instant.entering import enter
-from hybond.engine.instant.in_force import is_as_it_rested, is_asked
+from hybond.engine.instant.in_force import is_asked
 from hybond.engine.instant.indeterminate import (
     DECIDED,
     is_indeterminate,
@@ -43,6 +43,7 @@ from hybond.engine.instant.instant import (
     note_step,
 )
 from hybond.engine.instant.jump import SWEPT
+from hybond.engine.instant.kept_sides import NOT_ASKED, holds_on_sides, warn_of_kept
 from hybond.engine.instant.left_out import warn_of_left_out
 from hybond.engine.instant.passed_over import enter_or_pass
 from hybond.engine.instant.settling import Settling, look_for_cycle
@@ -401,4 +402,9 @@ def rule_holds(e: Engine, t: float, k: int, r: int) -> int:
         if m.tells != 0:
             add_fact(e.fault, float(r))
         return -1
-    return 1 if true and not is_as_it_rested(e, r, e.v) else 0
+    kept = holds_on_sides(e, r)
+    if kept == NOT_ASKED:
+        return 1 if true else 0
+    if true and kept == 0:
+        warn_of_kept(e, r, t)
+    return kept

@@ -80,6 +80,8 @@ def measure(e: Engine, mode: Mode, pair: int, xi: Floats, v: Floats, terms: Floa
         b = slot - m.bond_slot
         if b < 0 or b >= 2 * m.bonds:
             terms[slot] = math.fabs(v[slot])
+            if m.samples > 0 and slot >= m.signal_slot and slot < m.stored_slot:
+                terms[slot] = max(terms[slot], e.sample_terms[slot - m.signal_slot])
         elif e.slide.k == 0:
             size = size_of(e, mode, b, xi, v)
             terms[slot] = max(size, reach_of_bond(e, mode, b))

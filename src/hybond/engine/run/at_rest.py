@@ -35,7 +35,8 @@ from hybond.engine.run.guard_values import (
 from hybond.engine.run.locator import NO_KINK, Locator
 from hybond.engine.run.quartic import COEFFICIENTS
 from hybond.engine.run.rest_limits import find_limit, lead_to_rest, stays_near
-from hybond.engine.run.rest_records import make_room
+from hybond.engine.run.rest_records import make_room, side_of
+from hybond.engine.run.sides_seen import creeps_in
 from hybond.engine.words import float_table
 
 MOVES: Final = 0
@@ -272,6 +273,8 @@ def how_it_rests(e: Engine, g: Locator, k: int, a: int, t: float) -> int:
     if not math.fabs(q.level[a]) <= near or was_zero(e, g, k, which):
         return MOVES
     many = find_inside(e, a, size)
+    if creeps_in(e, g, which, t):
+        return ZERO
     if many < 0 or not find_limit(e, many):
         return MOVES
     if many == 0 and (q.driver[a] >= 0 or is_reached(e, g, which, t, size)):
@@ -292,9 +295,22 @@ def how_it_rests(e: Engine, g: Locator, k: int, a: int, t: float) -> int:
         return MOVES
     for i in range(many):
         q.rest[q.place[i]] = q.shifted[q.place[i]]
-    q.atom[g.atom[which]] = 1
-    q.band[g.atom[which]] = 2.0 * near
+    q.limit[a] = limit
     return kind
+
+
+def keep_side(e: Engine, g: Locator, k: int, a: int) -> None:
+    """Keep comparison a of guard k where it was, or on the side that its limit is on."""
+    q = e.rests
+    which = g.atom[g.atom_first[k] + a]
+    q.some = True
+    q.atom[which] = q.kind[a]
+    q.away[which] = 0
+    q.band[which] = 2.0 * q.near[a]
+    q.extent[which] = q.size[a]
+    if q.kind[a] == CLEAR:
+        q.side[which] = 1 if q.limit[a] > 0.0 else -1
+        q.turns[which] = 0
 
 
 def was_zero(e: Engine, g: Locator, k: int, a: int) -> bool:
@@ -386,7 +402,10 @@ def holds_in_the_limit(e: Engine, g: Locator, k: int, t: float, doubtful: bool) 
 
 
 def put_beside(e: Engine, g: Locator, k: int, sign: float) -> None:
-    """Put the state there with comparisons that rest at zero clear of it, on one side."""
+    """Put the state there with comparisons that rest at zero clear of it, where they were last.
+
+    Of those that never were, all are on one side.
+    """
     q = e.rests
     n = e.states
     for i in range(n):
@@ -394,7 +413,9 @@ def put_beside(e: Engine, g: Locator, k: int, sign: float) -> None:
     for a in range(g.atom_first[k + 1] - g.atom_first[k]):
         j = q.driver[a]
         if q.kind[a] == ZERO and j >= 0:
-            q.shifted[j] = q.rest[j] + sign * SHIFT * q.size[a] / q.slope[a * n + j]
+            side = side_of(q, g.atom[g.atom_first[k] + a])
+            own = float(side) if side != 0 else sign
+            q.shifted[j] = q.rest[j] + own * SHIFT * q.size[a] / q.slope[a * n + j]
 
 
 def note_rest(e: Engine, g: Locator, k: int, doubtful: bool) -> None:
@@ -405,12 +426,20 @@ def note_rest(e: Engine, g: Locator, k: int, doubtful: bool) -> None:
     q.rule[rule] = 1
     q.since[rule] = 1
     q.any = True
-    if doubtful:
-        put_beside(e, g, k, 1.0)
-    for i in range(n):
-        still = q.rest[i] == q.y[i] and (not doubtful or q.shifted[i] == q.rest[i])
-        q.kept[rule * n + i] = math.nan if still else q.rest[i]
-        q.aside[rule * n + i] = q.shifted[i] - q.rest[i] if doubtful else 0.0
+    for a in range(g.atom_first[k + 1] - g.atom_first[k]):
+        if q.kind[a] != MOVES:
+            keep_side(e, g, k, a)
+    for way in range(2):
+        if doubtful:
+            put_beside(e, g, k, 1.0 if way == 0 else -1.0)
+        for i in range(n):
+            still = q.rest[i] == q.y[i] and (not doubtful or q.shifted[i] == q.rest[i])
+            q.kept[rule * n + i] = math.nan if still else q.rest[i]
+            aside = q.shifted[i] - q.rest[i] if doubtful else 0.0
+            if way == 0:
+                q.aside[rule * n + i] = aside
+            else:
+                q.across[rule * n + i] = aside
     if e.model.tells == 0 or q.said[rule] != 0 or not doubtful:
         return
     q.said[rule] = 1

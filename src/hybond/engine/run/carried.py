@@ -182,6 +182,17 @@ def carry_memory(e: Engine, r: Run, c: Carrier) -> None:
         e.rests.limit[which] = carry_number(c, e.rests.limit[which])
         e.rests.limit_at[which] = carry_number(c, e.rests.limit_at[which])
     e.rests.limits = carry_truth(c, e.rests.limits)
+    atoms = m.atom_first[m.rule_first[many]]
+    carry_ints(c, atoms, e.rests.atom)
+    carry_floats(c, atoms, e.rests.band)
+    carry_ints(c, atoms, e.rests.side)
+    carry_ints(c, atoms, e.rests.turns)
+    carry_ints(c, atoms, e.rests.away)
+    carry_floats(c, atoms, e.rests.last)
+    carry_floats(c, atoms, e.rests.older)
+    carry_ints(c, atoms, e.rests.creeps)
+    e.rests.some = carry_truth(c, e.rests.some)
+    carry_floats(c, m.integrals, e.sample_terms)
     g.events = carry_whole(c, g.events)
     carry_step(e, r, c)
 

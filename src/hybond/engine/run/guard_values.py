@@ -10,6 +10,7 @@ from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.expressions.paired import holds_from
 from hybond.engine.expressions.pairs import ROUNDING
 from hybond.engine.instant.jump import on_constraints
+from hybond.engine.instant.kept_sides import NOT_ASKED, ask_kept
 from hybond.engine.instant.trial import refuse_pair
 from hybond.engine.methods.stepping import between
 from hybond.engine.mode.mode_records import is_constrained
@@ -166,6 +167,8 @@ def test_here(e: Engine, g: Locator, k: int) -> bool:
         return has_crossed(e, g, k)
     show(e, g, g.part[k])
     show_guard(e, g, k)
+    if keeps(e, g, k):
+        return holds_as_it_was(e, g, k)
     return value(e.model, g.test[k], e.v) != 0.0
 
 
@@ -188,7 +191,29 @@ def holds_at(e: Engine, g: Locator, k: int, t: float) -> bool:
         return holds_at_rest(e, g, k, t)
     if g.margin[k] >= 0 or g.side[k] != NO_KINK:
         return test_here(e, g, k)
+    if keeps(e, g, k):
+        return holds_as_it_was(e, g, k)
     return holds_here(e, g, k)
+
+
+def keeps(e: Engine, g: Locator, k: int) -> bool:
+    """Whether a comparison of guard k rests on zero, and is what it was where it was clear."""
+    q = e.rests
+    rule = g.rule[k]
+    if not q.some or rule < 0 or g.part[k] >= 0 or g.side[k] != NO_KINK or q.follows[rule] == 0:
+        return False
+    for a in range(e.model.atom_first[rule], e.model.atom_first[rule + 1]):
+        if q.atom[a] != 0 and q.away[a] == 0:
+            return True
+    return False
+
+
+def holds_as_it_was(e: Engine, g: Locator, k: int) -> bool:
+    """Ask such a guard at the values of the motion."""
+    measure_here(e, g, k)
+    ask_in_motion(e)
+    held = ask_kept(e, g.rule[k], e.v, e.work.terms, False)
+    return holds_here(e, g, k) if held == NOT_ASKED else held == 1
 
 
 def rests(e: Engine, g: Locator, k: int) -> bool:
@@ -197,7 +222,10 @@ def rests(e: Engine, g: Locator, k: int) -> bool:
 
 
 def holds_at_rest(e: Engine, g: Locator, k: int, t: float) -> bool:
-    """Ask such a guard with what rests where it does, and what is zero there with either sign."""
+    """Ask such a guard with what rests where it does, and what is zero there as it was.
+
+    With either sign if it was never clear.
+    """
     q = e.rests
     n = e.states
     if g.atom_first[k + 1] - g.atom_first[k] < 2:
@@ -208,7 +236,7 @@ def holds_at_rest(e: Engine, g: Locator, k: int, t: float) -> bool:
         for j in range(n):
             at = g.rule[k] * n + j
             if q.kept[at] == q.kept[at]:
-                g.y[j] = q.kept[at] + (q.aside[at] if way == 0 else -q.aside[at])
+                g.y[j] = q.kept[at] + (q.aside[at] if way == 0 else q.across[at])
         look_here(e, g, t)
         held = holds_here(e, g, k)
         true = true and held

@@ -6,7 +6,7 @@ import math
 from typing import Final
 
 from hybond.engine.engine import Engine
-from hybond.engine.run.guard_values import holds_at
+from hybond.engine.run.guard_values import holds_at, keeps
 from hybond.engine.run.limits_crossed import note_limits
 from hybond.engine.run.locator import Locator
 
@@ -27,8 +27,16 @@ def begin_rests(e: Engine) -> None:
         if not q.begun or math.fabs(e.y[k] - e.step.y1[k]) > SAME * size:
             q.began[k] = e.y[k]
             jumped = jumped or not is_sampled(e, k)
-    for r in range(e.model.rule_first[e.model.machines] if jumped else 0):
+    rules = e.model.rule_first[e.model.machines]
+    for r in range(rules if jumped else 0):
         q.since[r] = 0
+    for a in range(e.model.atom_first[rules] if jumped else 0):
+        q.atom[a] = 0
+        q.side[a] = 0
+        q.turns[a] = 0
+        q.away[a] = 0
+        q.creeps[a] = 0
+        q.last[a] = 0.0
     q.begun = True
     q.began_at = e.t
 
@@ -65,6 +73,9 @@ def let_hold(e: Engine, g: Locator, t: float) -> None:
         if rule >= 0 and q.since[rule] != 0 and holds_at(e, g, k, t):
             q.rule[rule] = 0
             q.since[rule] = 0
+            if not keeps(e, g, k):
+                for a in range(e.model.atom_first[rule], e.model.atom_first[rule + 1]):
+                    q.atom[a] = 0
 
 
 def none_holds(e: Engine, g: Locator, t: float) -> bool:

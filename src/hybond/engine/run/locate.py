@@ -34,6 +34,8 @@ from hybond.engine.run.locator import (
     begin_looks,
     has_failed,
 )
+from hybond.engine.run.rests_asked import see_rests_beside
+from hybond.engine.run.sides_seen import note_sides
 from hybond.engine.run.solved_guards import solve_guards
 
 SOON: Final = 1e-3
@@ -44,6 +46,11 @@ def locate(e: Engine, g: Locator) -> int:
     """Find the first instant of the last step at which a guard holds, or infinity, into `g.at`."""
     forget_rests(e)
     status = search(e, g)
+    if status == OK:
+        if note_sides(e, g):
+            status = search(e, g)
+        if status == OK and see_rests_beside(e, g):
+            status = search(e, g)
     while status == OK and g.at < math.inf and see_rests(e, g):
         status = search(e, g)
     show(e, g, ALL_PARTS)

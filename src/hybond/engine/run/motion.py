@@ -61,6 +61,7 @@ from hybond.engine.run.log import (
     report_step,
 )
 from hybond.engine.run.noted import go_on, note
+from hybond.engine.run.rests_asked import see_rests_at_end
 from hybond.engine.run.roots_reached import rest_at_roots
 from hybond.engine.run.run_records import (
     FRESH,
@@ -317,6 +318,7 @@ def flow(e: Engine, r: Run) -> int:
             if e.step.t1 >= end:
                 foresee(e, e.t)
                 if e.next_break <= end:
+                    see_rests_at_end(e, g)
                     return timed_cause(e)
                 if not near and jumps_at_end(e, r):
                     return LAW

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import math
+from typing import Final
 
 from hybond.engine.model import Model
 from hybond.engine.words import Floats, Ints, floats, ints, record
+
+SWINGS: Final = 2
+"""Times that what comes to rest has changed its side if it swings: an overshoot is one."""
 
 
 @record
@@ -22,10 +26,36 @@ class Rests:
     """Of each comparison: whether it is one that comes to rest on zero, ..."""
     band: Floats
     """... and how far from it rounding and the error of the run may put it."""
+    some: bool
+    """Whether a comparison rests, or creeps."""
+    follows: Ints
+    """Of each rule: whether it is known what its comparisons were, ..."""
+    side: Ints
+    """... and of each of these the sign that it had when it was clear of zero last, 0 if it never
+    was since something jumped, ..."""
+    turns: Ints
+    """... how often it has changed, ..."""
+    away: Ints
+    """... whether it has moved since it was seen to rest, ..."""
+    before: Floats
+    here: Floats
+    extent: Floats
+    crosses: Ints
+    """... what it is where the step begins and where it ends, the size of its terms, and whether
+    its sign is another one there."""
+    last: Floats
+    older: Floats
+    """Of each: what it was where time went on after the last instants, while it was clear."""
+    creeps: Ints
+    """Whether the next one, in the same proportion to the last, would be within its digits."""
+    seen_at: float
+    signals: Floats
+    """What a guard reads, while it is asked with other values."""
     kept: Floats
     """Of each rule that rests, and each state: where that rests, not a number if it does not, and
-    how far aside comparisons are clear of zero."""
+    how far aside comparisons are clear of zero, and so on the other side where none is known."""
     aside: Floats
+    across: Floats
     limit: Floats
     """Of each expression: what it was where a guard that compares it with zero found it past that,
     0 if none did; when that was, and whether it ever was."""
@@ -64,6 +94,7 @@ class Rests:
     far from its limit the run cannot tell it from that."""
     size: Floats
     near: Floats
+    limit: Floats
     matrix: Floats
     inverse: Floats
     largest: Floats
@@ -88,6 +119,23 @@ def make_rests(m: Model) -> Rests:
     q.said = ints(rules)
     q.atom = ints(m.atom_first[rules])
     q.band = floats(m.atom_first[rules])
+    atoms = m.atom_first[rules]
+    q.follows = ints(rules)
+    q.side = ints(atoms)
+    q.turns = ints(atoms)
+    q.away = ints(atoms)
+    q.before = floats(atoms)
+    q.here = floats(atoms)
+    q.extent = floats(atoms)
+    q.last = floats(atoms)
+    q.older = floats(atoms)
+    q.creeps = ints(atoms)
+    q.crosses = ints(atoms)
+    q.seen_at = -math.inf
+    most = 0
+    for r in range(rules):
+        most = max(most, m.read_first[r + 1] - m.read_first[r])
+    q.signals = floats(2 * most)
     values = 0
     for a in range(m.atom_first[rules]):
         values = max(values, m.atom_value[a] + 1)
@@ -101,7 +149,23 @@ def make_rests(m: Model) -> Rests:
             q.by_hand[r] = 1 if once and m.is_law[k] == 0 else 0
     q.began = floats(n)
     q.began_at = -math.inf
+    put_followed(q, m)
     return q
+
+
+def put_followed(q: Rests, m: Model) -> None:
+    """Put there which rules are followed: of machines written by hand.
+
+    A single comparison that holds is seen where it begins to, unless time or samples decide.
+    """
+    for k in range(m.machines):
+        if m.is_law[k] != 0 or m.leads_on[k] != 0:
+            continue
+        for r in range(m.rule_first[k], m.rule_first[k + 1]):
+            several = m.atom_first[r + 1] - m.atom_first[r] > 1 or m.samples > 0
+            for p in range(m.read_first[r], m.read_first[r + 1]):
+                several = several or m.read_slot[p] >= m.at_slot
+            q.follows[r] = 1 if several and m.rule_watched[r] != 0 else 0
 
 
 def make_room(q: Rests, n: int, rules: int, atoms: int) -> None:
@@ -125,6 +189,7 @@ def make_room(q: Rests, n: int, rules: int, atoms: int) -> None:
         q.left = floats(n)
         q.kept = floats(rules * n)
         q.aside = floats(rules * n)
+        q.across = floats(rules * n)
         q.kept_inverse = floats(n * n)
         q.kept_flow = floats(n * n)
     if atoms > q.room:
@@ -134,4 +199,13 @@ def make_room(q: Rests, n: int, rules: int, atoms: int) -> None:
         q.driver = ints(atoms)
         q.size = floats(atoms)
         q.near = floats(atoms)
+        q.limit = floats(atoms)
         q.room = atoms
+
+
+def side_of(q: Rests, a: int) -> int:
+    """Return the side on which a comparison is kept, 0 if it has none.
+
+    What swings, or has been elsewhere, has none of its own.
+    """
+    return q.side[a] if q.turns[a] < SWINGS and q.away[a] == 0 else 0

@@ -23,7 +23,7 @@ from hybond.engine.mode.mode_records import is_constrained
 from hybond.engine.run.bracket import around, bracket, halve
 from hybond.engine.run.candidates import keep, sort
 from hybond.engine.run.far_guards import NARROW, is_far, is_idle, sample_waves, see_drift
-from hybond.engine.run.guard_values import holds_at, level_in_motion, rests
+from hybond.engine.run.guard_values import holds_at, keeps, level_in_motion, rests
 from hybond.engine.run.locator import NO_KINK, Locator
 from hybond.engine.run.quartic import (
     COEFFICIENTS,
@@ -260,6 +260,6 @@ def is_known(e: Engine, g: Locator, k: int, t: float) -> bool:
 
 def remember(e: Engine, g: Locator, k: int, t: float) -> None:
     """Remember that a guard does not hold with the signs that its comparisons have."""
-    if rests(e, g, k) or level_in_motion(e, g, k) != 0.0:
+    if rests(e, g, k) or keeps(e, g, k) or level_in_motion(e, g, k) != 0.0:
         return
     g.denied[k] = g.denied[k] | signs_there(e, g, k, t)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from hybond.engine.tables.guards import magnitude
 from hybond.errors import ModelError
 from hybond.model.expressions import names
 from hybond.model.graph import FlatGraph, Sample
@@ -55,6 +56,10 @@ def put_samples(t: ModelTables) -> None:
     t.ints["sample_signal"] = [s.signals[0] if p else -1 for s, p in zip(g.samples, plain)]
     t.ints["sample_value"] = [
         t.values.number(s.values[0], s.path) if p else -1 for s, p in zip(g.samples, plain)
+    ]
+    t.ints["sample_size"] = [
+        t.values.number(magnitude(s.values[0]), s.path) if p else -1
+        for s, p in zip(g.samples, plain)
     ]
     t.floats["sample_every"] = [s.every for s in g.samples]
     t.floats["sample_phase"] = [s.phase for s in g.samples]

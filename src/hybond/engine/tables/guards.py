@@ -16,12 +16,11 @@ from hybond.model.expressions import (
     comparisons,
     transform,
 )
-from hybond.model.graph import Rule
 
 
-def seen_in_motion(rule: Rule) -> tuple[Expr, list[Expr]]:
+def seen_in_motion(asked: Expr) -> tuple[Expr, list[Expr]]:
     """Return a guard as it is while time passes, and the differences of its comparisons."""
-    guard = transform(rule.guard, _without_pre)
+    guard = transform(asked, _without_pre)
     compared = [c for c in comparisons(guard) if isinstance(c, Compare)]
     return guard, [Binary("-", c.left, c.right) for c in compared]
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from hybond.engine.tables.columns import INTS, ModelTables, first_of, put_rows
 from hybond.engine.tables.contacts import rules_of
 from hybond.engine.tables.guards import magnitude, seen_in_motion
+from hybond.engine.tables.plain_guards import plain_guard
 from hybond.model.expressions import comparisons, names
 from hybond.model.expressions.partial import may_lack_value
 from hybond.model.graph import FlatGraph, Machine
@@ -44,12 +45,17 @@ def put_machines(t: ModelTables) -> None:
         int(m.pieces) for m, own in zip(g.machines, forced, strict=True) for _ in own
     ]
     tests, watched, plain, atoms = [], [], [], []
-    for rule in (f.rule for own in forced for f in own):
-        t.pairs.append(rule.guard)
+    asked = [
+        (f.rule, plain_guard(f.rule.guard) if is_by_hand(m) else f.rule.guard)
+        for m, own in zip(g.machines, forced, strict=True)
+        for f in own
+    ]
+    for rule, guard in asked:
+        t.pairs.append(guard)
         t.rules.append(rule.text)
-        test, differences = seen_in_motion(rule)
-        signs = [_ZERO_IS.get(c.op, 1) for c in comparisons(rule.guard)]
-        plain.append(t.values.number(rule.guard, rule.text))
+        test, differences = seen_in_motion(guard)
+        signs = [_ZERO_IS.get(c.op, 1) for c in comparisons(guard)]
+        plain.append(t.values.number(guard, rule.text))
         tests.append(t.values.number(test, rule.text))
         moves = any(not n.startswith(_STILL) for n in names(rule.guard))
         watched.append(int(moves))
@@ -64,6 +70,11 @@ def put_machines(t: ModelTables) -> None:
     doubted = [int(may_lack_value(f.rule.guard)) for own in forced for f in own]
     t.ints.update(rule_value=plain, rule_test=tests, rule_watched=watched, rule_doubted=doubted)
     put_rows(t, "atom_first", atoms, atom_value=INTS, atom_size=INTS, atom_zero=INTS)
+
+
+def is_by_hand(m: Machine) -> bool:
+    """Whether a machine is no law of a junction, nor of an element."""
+    return m.law is None and not m.led_on and not m.pieces
 
 
 def owners_of(g: FlatGraph) -> dict[int, Machine]:

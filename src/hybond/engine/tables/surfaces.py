@@ -61,7 +61,7 @@ def _put_watched(t: ModelTables, rests: list[Expr]) -> None:
             rule = Rule(0, 0, Not(e), "")
             pair = len(t.pairs)
             t.pairs.append(rule.guard)
-            seen, differences = seen_in_motion(rule)
+            seen, differences = seen_in_motion(rule.guard)
             test = t.values.number(seen)
             t.ints["atom_value"] += [t.values.number(d) for d in differences]
             t.ints["atom_size"] += [t.values.number(magnitude(d)) for d in differences]
