@@ -200,18 +200,20 @@ def eliminate(e: Engine, mode: Mode) -> None:
     take_rows(finite, mode.knowns, mode.finite)
     take_free(finite, mode.finite_frees, mode.free_column, mode.finite_free)
     take_free_rest(finite, mode)
+    divide_rows(m, mode)
     mode.power = mode.finite
     mode.power_free = mode.finite_free
     mode.power_frees = mode.finite_frees
     if e.work.table.done > 0:
-        mode.power = mode.own_power
         mode.power_free = mode.own_power_free
         mode.power_frees = free_columns(power, e.work.columns)
-        take_rows(power, mode.knowns, mode.own_power)
         take_free(power, mode.power_frees, e.work.columns, mode.own_power_free)
+    if e.work.table.done > 0 and mode.structures > 0:
+        # what knowns give there is read by dynamic rows of the power structure alone
+        mode.power = mode.own_power
+        take_rows(power, mode.knowns, mode.own_power)
     take_constraints(e, mode)
     list_bound(e, mode)
-    divide_rows(m, mode)
     note_rates(m, mode)
     mode.direct = mode.finite
     read_rates(e, mode, mode.rates)
