@@ -15,6 +15,7 @@ from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.newton import by_knowns
 from hybond.engine.mode.newton_system import take_rank
 from hybond.engine.mode.reading import read_rates
+from hybond.engine.mode.storage import is_alone
 from hybond.engine.mode.tableau import build, part_of, switch_on
 from hybond.engine.model import Model
 from hybond.engine.reasons.warned import FAR_APART, add_about, begin_warning
@@ -391,6 +392,7 @@ def list_bound(e: Engine, mode: Mode) -> None:
     for k in range(mode.knowns):
         if mark[k] != 0:
             mode.bound[mode.bounds] = k
+            mode.bound_alone[mode.bounds] = 1 if is_alone(m, k) else 0
             mode.bounds += 1
 
 

@@ -146,6 +146,8 @@ class Mode:
     bounds: int
     bound: Ints
     """The knowns that constraints are evaluated by: the first `bounds`; see `list_bound`."""
+    bound_alone: Ints
+    """Whether each of them is that of a storage with one port and a linear law."""
     agreements: Rows
     dynamics: int
     dynamic: Ints
@@ -286,6 +288,7 @@ def make_mode(m: Model) -> Mode:
     mode.constraints = make_rows()
     mode.constraint_hidden = ints(m.storages)
     mode.bound = ints(m.storages + 2 * m.most_sources)
+    mode.bound_alone = ints(m.storages + 2 * m.most_sources)
     mode.agreements = make_rows()
     mode.dynamic = ints(m.most_dynamic + m.storages)
     mode.structure = ints(m.most_dynamic + m.storages)
