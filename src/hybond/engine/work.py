@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from hybond.engine.algebra.blocks import Block, Places, make_block, make_places
 from hybond.engine.algebra.separate import Separate, make_separate
 from hybond.engine.algebra.svd import Svd, make_svd
@@ -27,6 +29,9 @@ class Work:
     known; and constraints among them."""
     at_start: Floats
     """Values at the start, of what is stored alone."""
+    timed: Floats
+    timed_at: Floats
+    """Values of sources that move by a law of time alone, then their rates; and at which time."""
     told: Ints
     agreements: int
     agreement_entries: int
@@ -197,6 +202,10 @@ def make_work(m: Model) -> Work:
     w.steady = make_elimination(n, n + knowns)
     w.steady_table = make_elimination(m.storages, knowns)
     w.at_start = floats(2 * m.slots)
+    w.timed = floats(2 * m.sources)
+    w.timed_at = floats(2 * m.sources)
+    for k in range(2 * m.sources):
+        w.timed_at[k] = math.nan
     w.told = ints(m.storages)
     # one row for each end of a bond: not more can be left over
     w.agreement_first = ints(n + 1)

@@ -58,6 +58,7 @@ def mode_of(e: Engine, state: Ints) -> int:
     if m.tells != 0:
         look_at_digits(e, mode)
     e.modes_built += 1
+    mode.made = e.modes_built
     return check_depth(e, mode)
 
 

@@ -92,6 +92,8 @@ class Mode:
     """
 
     used: int
+    made: int
+    """Which of all the modes that were made it is: others had its place before."""
     behind: int
     """The next of those kept whose configurations are in the same bucket, or NO_MODE."""
     longest: float

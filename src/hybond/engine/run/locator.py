@@ -14,7 +14,7 @@ from hybond.engine.engine import Engine
 from hybond.engine.instant.in_force import is_asked
 from hybond.engine.mode.mode_records import Reads, make_reads
 from hybond.engine.mode.reading import read_guard, read_nothing
-from hybond.engine.mode.sum_records import Sums, begin_sums, make_sums
+from hybond.engine.mode.sum_records import Sums, begin_as_large, begin_sums, make_sums
 from hybond.engine.mode.sums import take_sum
 from hybond.engine.model import Model
 from hybond.engine.run.quartic import COEFFICIENTS, Quartic, make_quartic
@@ -129,7 +129,7 @@ class Locator:
     shown_to: float
     """The end of the step whose comparisons are there as polynomials."""
     watched: int
-    """The place of the mode that was watched last, and how many had been made."""
+    """The place of the mode that was watched last, and which of all that were made it is."""
     watched_made: int
     kept: bool
     """Whether the guards depend on nothing but that mode."""
@@ -208,6 +208,7 @@ def make_locator(e: Engine) -> Locator:
 def another_locator(e: Engine, first: Locator) -> Locator:
     """Return one more, which has what is the same in all of them from the first."""
     g = begin_locator(e)
+    begin_as_large(g.sums, first.sums)
     g.left_over = first.left_over
     g.beyond = first.beyond
     g.fine = first.fine
@@ -338,10 +339,10 @@ def watch(e: Engine, g: Locator, state: Ints) -> None:
     """Take the guards that leave a mode."""
     m = e.model
     s = e.slide
-    same = e.mode_at == g.watched and e.modes_built == g.watched_made
+    same = e.mode_at == g.watched and e.mode.made == g.watched_made
     own = s.k == 0 and s.many == 0 and not e.landings.any_landed
-    if m.watches > 0 or m.kinks > 0 or m.disks > 0:
-        own = False
+    if m.watches > 0 or m.kinks > 0 or m.disks > 0 or (m.laws > 0 and m.groups > 0):
+        own = False  # how far laws that bend may reach is of the state that they are at
     if same and g.kept and own:
         watch_again(e, g)
         return
@@ -353,7 +354,7 @@ def watch(e: Engine, g: Locator, state: Ints) -> None:
     if not same or m.watches > 0 or s.k > 0:
         forget_denied(g)
     g.watched = e.mode_at
-    g.watched_made = e.modes_built
+    g.watched_made = e.mode.made
     fit_locator(g, several * rules + rests + 2 * s.k + m.kinks, atoms + 2 * s.k + m.kinks)
     g.guards = 0
     g.atoms = 0
