@@ -45,6 +45,11 @@ MOST_LOOKS: Final = 1_000_000_000
 ALL_PARTS: Final = -1
 """A guard is asked of the motion as it is, not of one of the modes that are combined."""
 NONE: Final = -1
+COURSE: Final = 6
+MOST: Final = 5
+"""Numbers that say what a state does in a step: coefficients, and behind them how large it is."""
+KEPT: Final = (SAMPLES + 1) // 2
+"""Samples at which it is seen how far a step is off its constraints: every other one."""
 NO_KINK: Final = 2
 """The side of what is no kink."""
 
@@ -112,11 +117,19 @@ class Locator:
     still_extent: Floats
     motion: Ints
     """Of each state: whether the step moves it, and whether it is anything, for `sums`."""
+    course: Floats
+    """Its coefficients in the step, and the larger of its magnitudes at both ends."""
     drift: Floats
     """Of each state: how far it is moved in the step where it is put on constraints; whether any
     may be."""
     drifted: bool
+    astray: Floats
+    """Of each comparison: how far it may be off for that."""
     before: Floats
+    kept_at: Floats
+    """Instants of the step at which states on their constraints are known, the first so many."""
+    kept_y: Floats
+    keeps: int
     denied: Ints
     """Of each guard: signs of its comparisons, a bit for all together, with which it is false."""
     rough: bool
@@ -235,8 +248,11 @@ def begin_locator(e: Engine) -> Locator:
     g.wave_shown = ints(2 * m.most_sources)
     g.quartic = make_quartic()
     g.motion = ints(e.states)
+    g.course = floats(COURSE * e.states)
     g.drift = floats(e.states)
     g.before = floats(e.states)
+    g.kept_at = floats(KEPT)
+    g.kept_y = floats(KEPT * e.states)
     g.row_seen = ints(2 * m.bonds)
     g.y = floats(e.states)
     g.d = floats(SAMPLES)
@@ -278,6 +294,7 @@ def fit_locator(g: Locator, guards: int, atoms: int) -> None:
     g.rest = floats(g.room_atoms)
     g.step = floats(COEFFICIENTS * g.room_atoms)
     g.extent = floats(g.room_atoms)
+    g.astray = floats(g.room_atoms)
     g.still_value = floats(g.room_atoms)
     g.still_extent = floats(g.room_atoms)
     g.sign = ints(g.room_atoms)
@@ -470,6 +487,7 @@ def forget_denied(g: Locator) -> None:
 def begin_looks(m: Model, g: Locator) -> None:
     """Begin to look at another step: nothing is known at any instant of it."""
     g.looked = math.nan
+    g.keeps = 0
     if g.looks < MOST_LOOKS:
         return
     g.looks = 0
