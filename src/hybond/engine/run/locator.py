@@ -45,8 +45,7 @@ MOST_LOOKS: Final = 1_000_000_000
 ALL_PARTS: Final = -1
 """A guard is asked of the motion as it is, not of one of the modes that are combined."""
 NONE: Final = -1
-COURSE: Final = 6
-MOST: Final = 5
+COURSE: Final = COEFFICIENTS + 1
 """Numbers that say what a state does in a step: coefficients, and behind them how large it is."""
 KEPT: Final = (SAMPLES + 1) // 2
 """Samples at which it is seen how far a step is off its constraints: every other one."""
@@ -116,15 +115,13 @@ class Locator:
     still_value: Floats
     still_extent: Floats
     motion: Ints
-    """Of each state: whether the step moves it, and whether it is anything, for `sums`."""
     course: Floats
-    """Its coefficients in the step, and the larger of its magnitudes at both ends."""
+    """Of each state: whether the step moves it or it is anything; its coefficients, its size."""
     drift: Floats
     """Of each state: how far it is moved in the step where it is put on constraints; whether any
-    may be."""
+    may be; of each comparison: how far it may be off for that."""
     drifted: bool
     astray: Floats
-    """Of each comparison: how far it may be off for that."""
     before: Floats
     kept_at: Floats
     """Instants of the step at which states on their constraints are known, the first so many."""

@@ -7,7 +7,7 @@ from typing import Final
 
 from hybond.engine.engine import Engine
 from hybond.engine.mode.part_energies import find_energies, reach_of_sum
-from hybond.engine.run.locator import COURSE, MOST, Locator
+from hybond.engine.run.locator import COURSE, Locator
 from hybond.engine.run.quartic import COEFFICIENTS, DEGREE
 
 MOVES: Final = 2
@@ -40,7 +40,7 @@ def see_motion(e: Engine, g: Locator) -> None:
         g.course[at] = step.y0[k]
         for i in range(DEGREE):
             g.course[at + 1 + i] = step.dense[i * n + k]
-        g.course[at + MOST] = max(math.fabs(step.y0[k]), math.fabs(step.y1[k]))
+        g.course[at + COEFFICIENTS] = max(math.fabs(step.y0[k]), math.fabs(step.y1[k]))
 
 
 def put_polynomial(e: Engine, g: Locator, a: int) -> None:
@@ -72,7 +72,7 @@ def put_polynomial(e: Engine, g: Locator, a: int) -> None:
             c2 += factor * course[own + 2]
             c3 += factor * course[own + 3]
             c4 += factor * course[own + 4]
-        extent += s.size.at[p] * course[own + MOST]
+        extent += s.size.at[p] * course[own + COEFFICIENTS]
     g.step[at] = c0
     g.step[at + 1] = c1
     g.step[at + 2] = c2
