@@ -38,7 +38,7 @@ subset. Rooms, and in them files, as data passes them::
         freedom, undetermined, leakage    what a system leaves free, and laws; least leakage
         storage, reach      co-energy, energy; what would have an energy
         connected, part_energies    parts of the graph; how much energy there has been on each
-        reading             what a step reads
+        reading, sources_of_time    what a step reads; sources that time alone moves
         sizes, solved_sizes, lesser_sizes    what its rounding is measured by
         sums, straight_rates, sum_records    comparisons, and rates, that are sums of the state
     inputs/

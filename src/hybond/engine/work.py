@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from hybond.engine.algebra.blocks import (
     Block,
     Places,
@@ -36,6 +38,9 @@ class Work:
     """Values at the start, of what is stored alone."""
     plain: Rows
     """Rows of a mode as they were before they are eliminated by how large bond variables are."""
+    timed: Floats
+    timed_at: Floats
+    """Values of sources that move by a law of time alone, then their rates; and at which time."""
     told: Ints
     agreements: int
     agreement_entries: int
@@ -211,6 +216,10 @@ def make_work(m: Model) -> Work:
     w.steady = make_elimination(n, n + knowns)
     w.steady_table = make_elimination(m.storages, knowns)
     w.at_start = floats(2 * m.slots)
+    w.timed = floats(2 * m.sources)
+    w.timed_at = floats(2 * m.sources)
+    for k in range(2 * m.sources):
+        w.timed_at[k] = math.nan
     w.told = ints(m.storages)
     # one row for each end of a bond: not more can be left over
     w.agreement_first = ints(n + 1)

@@ -36,7 +36,8 @@ def balance(n: int, m: Floats, d: Floats, down: Floats) -> None:
             down[j] = 0.0
             for i in range(n):
                 size = max(math.fabs(m[i * n + j]), math.fabs(m[j * n + i]))
-                down[j] = max(down[j], size * d[i] * d[j])
+                if size != 0.0:
+                    down[j] = max(down[j], size * d[i] * d[j])
             if down[j] == 0.0:
                 down[j] = 1.0
             most = max(most, down[j])

@@ -223,10 +223,12 @@ def put_in_held(
     for i in range(free):
         one = p.free[i]
         for j in range(wide):
-            total = 0.0
-            for s in range(many):
-                total += m[one * n + p.held[s]] * p.into[s * wide + j]
-            if j < free:
-                inner[i * free + j] = m[one * n + p.free[j]] - total
-            else:
-                rest[i] = q[one] - total
+            p.fixed[j] = 0.0
+        for s in range(many):
+            # few are not zero where pairs are many: what is far apart has nothing to do with it
+            share = m[one * n + p.held[s]]
+            for j in range(wide if share != 0.0 else 0):
+                p.fixed[j] += share * p.into[s * wide + j]
+        for j in range(free):
+            inner[i * free + j] = m[one * n + p.free[j]] - p.fixed[j]
+        rest[i] = q[one] - p.fixed[free]

@@ -17,7 +17,7 @@ from hybond.engine.mode.newton import known_of
 from hybond.engine.mode.newton_system import by_power, split, take_rank
 from hybond.engine.mode.part_energies import find_energies
 from hybond.engine.mode.reach import reach_at
-from hybond.engine.mode.storage import coupled, is_alone, own_stiffness, with_stored
+from hybond.engine.mode.storage import coupled, own_stiffness, with_stored
 from hybond.engine.model import Model
 from hybond.engine.words import Floats
 
@@ -83,11 +83,10 @@ def gaps(e: Engine, mode: Mode, v: Floats, x: Floats, again: bool) -> None:
         v[m.stored_slot + k] = x[k]
     for i in range(mode.bounds):
         k = mode.bound[i]
-        if again and is_of_time(m, mode, k):
-            continue
-        alone = is_alone(m, k)
-        own = m.stiff_constant[m.stiff_first[k]] * x[k] if alone else known_of(e, mode, v, k)
-        w.xi[k] = own
+        if mode.bound_alone[i] != 0:
+            w.xi[k] = m.stiff_constant[m.stiff_first[k]] * x[k]
+        elif not (again and is_of_time(m, mode, k)):
+            w.xi[k] = known_of(e, mode, v, k)
     for i in range(w.constraints):
         w.gap.at[i] = row_times(mode.constraints, i, w.xi)
 
@@ -110,7 +109,7 @@ def residual(e: Engine, mode: Mode, v: Floats, x: Floats) -> None:
     restore_bonds(e, mode, v)
     for i in range(mode.bounds):
         k = mode.bound[i]
-        if is_alone(m, k):
+        if mode.bound_alone[i] != 0:
             w.xi[k] = m.stiff_constant[m.stiff_first[k]] * v[m.stored_slot + k]
             w.known_size[k] = math.fabs(w.xi[k]) + TINY + w.reach[k]
             continue

@@ -383,14 +383,15 @@ def on_constraints(e: Engine, mode: Mode, v: Floats, y: Floats) -> int:
     find_energies(e, mode)
     for k in range(m.storages):
         landed = e.work.landed[k]
-        # what none moves is kept
-        if landed != y[k]:
-            y[k] = landed
-            energy = mode.part_energy[mode.bond_part[m.storage_bond[k]]]
-            nothing = is_next_to_nothing(e, k, y, energy)
-            if landed != 0.0 and nothing:
-                e.work.landed[k] = 0.0
-                small = True
+        if landed == y[k]:
+            continue  # what none moves is kept
+        y[k] = landed
+        if landed == 0.0:
+            continue
+        energy = mode.part_energy[mode.bond_part[m.storage_bond[k]]]
+        if is_next_to_nothing(e, k, y, energy):
+            e.work.landed[k] = 0.0
+            small = True
     if small:
         hold_at_zero(e, mode, v, y)
     return OK

@@ -214,7 +214,7 @@ def over_sources(e: Engine, mode: Mode, row: int, v: Floats, what: int) -> float
         k = rows.column.at[i] - m.storages
         own = 0.0
         if what == SIZES:
-            own = source_of(m, mode, k, v)
+            own = source_of(e, mode, k, v)
         elif mode.source[k] >= 0 and m.source_rate[mode.source[k]] >= 0:
             own = value(m, m.source_rate[mode.source[k]], v)
         term = rows.value.at[i] * own

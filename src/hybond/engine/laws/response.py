@@ -30,6 +30,7 @@ from hybond.engine.laws.ports import (
 from hybond.engine.mode.guess import give_back_guess, hold_guess
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.reach import reach_of
+from hybond.engine.mode.sources_of_time import rate_of_source
 from hybond.engine.mode.tableau import NET
 from hybond.engine.mode.values import set_values
 from hybond.engine.model import Model
@@ -117,7 +118,7 @@ def rates_of_linear(
             source = mode.source[s]
             if source >= 0 and m.source_rate[source] >= 0:
                 through = p.through[k * m.most_sources + s]
-                part = through * value(m, m.source_rate[source], v)
+                part = through * rate_of_source(e, source, v)
                 push += part
                 size += math.fabs(part)
         # a rate that is rounding must not set the scale of what a law gives or stops

@@ -16,6 +16,7 @@ from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.newton import by_knowns
 from hybond.engine.mode.newton_system import take_rank
 from hybond.engine.mode.reading import read_rates
+from hybond.engine.mode.storage import is_alone
 from hybond.engine.mode.tableau import build, part_of, switch_on
 from hybond.engine.model import Model
 from hybond.engine.reasons.warned import FAR_APART, add_about, begin_warning
@@ -58,6 +59,7 @@ def mode_of(e: Engine, state: Ints) -> int:
     if m.tells != 0:
         look_at_digits(e, mode)
     e.modes_built += 1
+    mode.made = e.modes_built
     return check_depth(e, mode)
 
 
@@ -211,18 +213,20 @@ def eliminate(e: Engine, mode: Mode) -> None:
     take_rows(finite, mode.knowns, mode.finite)
     take_free(finite, mode.finite_frees, mode.free_column, mode.finite_free)
     take_free_rest(finite, mode)
+    divide_rows(m, mode)
     mode.power = mode.finite
     mode.power_free = mode.finite_free
     mode.power_frees = mode.finite_frees
     if e.work.table.done > 0:
-        mode.power = mode.own_power
         mode.power_free = mode.own_power_free
         mode.power_frees = free_columns(power, e.work.columns)
-        take_rows(power, mode.knowns, mode.own_power)
         take_free(power, mode.power_frees, e.work.columns, mode.own_power_free)
+    if e.work.table.done > 0 and mode.structures > 0:
+        # what knowns give there is read by dynamic rows of the power structure alone
+        mode.power = mode.own_power
+        take_rows(power, mode.knowns, mode.own_power)
     take_constraints(e, mode)
     list_bound(e, mode)
-    divide_rows(m, mode)
     note_rates(m, mode)
     mode.direct = mode.finite
     read_rates(e, mode, mode.rates)
@@ -400,6 +404,7 @@ def list_bound(e: Engine, mode: Mode) -> None:
     for k in range(mode.knowns):
         if mark[k] != 0:
             mode.bound[mode.bounds] = k
+            mode.bound_alone[mode.bounds] = 1 if is_alone(m, k) else 0
             mode.bounds += 1
 
 

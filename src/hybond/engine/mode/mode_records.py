@@ -92,6 +92,8 @@ class Mode:
     """
 
     used: int
+    made: int
+    """Which of all the modes that were made it is: others had its place before."""
     behind: int
     """The next of those kept whose configurations are in the same bucket, or NO_MODE."""
     longest: float
@@ -146,6 +148,8 @@ class Mode:
     bounds: int
     bound: Ints
     """The knowns that constraints are evaluated by: the first `bounds`; see `list_bound`."""
+    bound_alone: Ints
+    """Whether each of them is that of a storage with one port and a linear law."""
     agreements: Rows
     dynamics: int
     dynamic: Ints
@@ -286,6 +290,7 @@ def make_mode(m: Model) -> Mode:
     mode.constraints = make_rows()
     mode.constraint_hidden = ints(m.storages)
     mode.bound = ints(m.storages + 2 * m.most_sources)
+    mode.bound_alone = ints(m.storages + 2 * m.most_sources)
     mode.agreements = make_rows()
     mode.dynamic = ints(m.most_dynamic + m.storages)
     mode.structure = ints(m.most_dynamic + m.storages)

@@ -11,7 +11,7 @@ from typing import Final
 from hybond.engine.algebra.blocks import Rows, fit, row_size, row_times
 from hybond.engine.algebra.products import all_finite
 from hybond.engine.algebra.rounding import EPSILON
-from hybond.engine.answers import node_name, value
+from hybond.engine.answers import node_name
 from hybond.engine.engine import NOT_FINITE, OK, Engine, say_fault
 from hybond.engine.mode.beside_jumps import from_beside_jumps
 from hybond.engine.mode.continuation import continued
@@ -31,8 +31,8 @@ from hybond.engine.mode.newton_system import (
     with_free,
 )
 from hybond.engine.mode.put_back import put_back
+from hybond.engine.mode.sources_of_time import rate_of_source, value_of_source
 from hybond.engine.mode.storage import co_energy, co_energy_of
-from hybond.engine.model import Model
 from hybond.engine.reasons.facts import NO_ELEMENT, OVERFLOW, tell_law, tell_laws
 from hybond.engine.words import Floats, Text
 
@@ -59,11 +59,11 @@ def knowns_of(e: Engine, mode: Mode, v: Floats, rates: bool) -> None:
     xi = e.work.xi
     co_energy(m, v, xi)
     for k in range(mode.sources):
-        xi[m.storages + k] = source_of(m, mode, k, v)
+        xi[m.storages + k] = source_of(e, mode, k, v)
         at = m.storages + mode.sources + k
         xi[at] = 0.0
         if rates and mode.rated[k] != 0:
-            xi[at] = value(m, m.source_rate[mode.source[k]], v)
+            xi[at] = rate_of_source(e, mode.source[k], v)
 
 
 def known_of(e: Engine, mode: Mode, v: Floats, k: int) -> float:
@@ -71,14 +71,14 @@ def known_of(e: Engine, mode: Mode, v: Floats, k: int) -> float:
     m = e.model
     if k < m.storages:
         return co_energy_of(m, k, v)
-    return source_of(m, mode, k - m.storages, v) if k < m.storages + mode.sources else 0.0
+    return source_of(e, mode, k - m.storages, v) if k < m.storages + mode.sources else 0.0
 
 
-def source_of(m: Model, mode: Mode, k: int, v: Floats) -> float:
+def source_of(e: Engine, mode: Mode, k: int, v: Floats) -> float:
     """Return the value of source k of a mode."""
     source = mode.source[k]
-    law = m.source_value[source] if source >= 0 else -1
-    return mode.source_level[k] if law < 0 else value(m, law, v)
+    law = e.model.source_value[source] if source >= 0 else -1
+    return mode.source_level[k] if law < 0 else value_of_source(e, source, v)
 
 
 def by_knowns(e: Engine, mode: Mode, rows: Rows, w: Floats) -> None:

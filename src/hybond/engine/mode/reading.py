@@ -7,10 +7,10 @@ begin to be watched. At events and where something is printed all are evaluated.
 from __future__ import annotations
 
 from hybond.engine.algebra.blocks import Rows, row_times
-from hybond.engine.answers import value
 from hybond.engine.engine import Engine
 from hybond.engine.mode.closely import rate_by_row, row_twofold
 from hybond.engine.mode.mode_records import Mode, Reads
+from hybond.engine.mode.sources_of_time import rate_of_source, value_of_source
 from hybond.engine.mode.storage import co_energy_of, law_at
 from hybond.engine.model import Model
 from hybond.engine.words import Floats
@@ -136,8 +136,8 @@ def put_knowns(e: Engine, mode: Mode, r: Reads, v: Floats) -> None:
         at = m.storages + k
         if r.valued[k] != 0:
             given = m.source_value[source] if source >= 0 else -1
-            xi[at] = mode.source_level[k] if given < 0 else value(m, given, v)
-        xi[at + mode.sources] = value(m, m.source_rate[source], v) if r.rated[k] != 0 else 0.0
+            xi[at] = mode.source_level[k] if given < 0 else value_of_source(e, source, v)
+        xi[at + mode.sources] = rate_of_source(e, source, v) if r.rated[k] != 0 else 0.0
 
 
 def read_by_knowns(mode: Mode, r: Reads, xi: Floats, w: Floats) -> None:

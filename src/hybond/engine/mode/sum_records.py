@@ -83,6 +83,13 @@ def begin_sums(s: Sums, many: int) -> None:
     s.reaches = 0
 
 
+def begin_as_large(s: Sums, other: Sums) -> None:
+    """Make room for as many entries as other sums have."""
+    fit_places(s.column, other.entries)
+    fit(s.factor, other.entries)
+    fit(s.size, other.entries)
+
+
 def begin_sum(s: Sums, a: int) -> None:
     """Begin with sum a: nothing so far."""
     s.first.at[a] = s.entries
@@ -102,11 +109,15 @@ def end_sum(s: Sums, a: int, known: bool) -> None:
     s.reach_first.at[a + 1] = s.reaches
 
 
+def make_room(s: Sums, more: int) -> None:
+    """Make room for so many more entries."""
+    grow_places(s.column, s.entries + more)
+    grow_block(s.factor, s.entries + more)
+    grow_block(s.size, s.entries + more)
+
+
 def add_entry(s: Sums, column: int, factor: float, size: float) -> None:
-    """Add a state with its factor to the sum that is being taken."""
-    grow_places(s.column, s.entries + 1)
-    grow_block(s.factor, s.entries + 1)
-    grow_block(s.size, s.entries + 1)
+    """Add a state with its factor to the sum that is being taken, where there is room for it."""
     s.column.at[s.entries] = column
     s.factor.at[s.entries] = factor
     s.size.at[s.entries] = size

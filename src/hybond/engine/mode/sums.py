@@ -22,6 +22,7 @@ from hybond.engine.mode.sum_records import (
     add_wave,
     begin_sum,
     end_sum,
+    make_room,
 )
 
 
@@ -52,8 +53,10 @@ def take_term(e: Engine, s: Sums, a: int, slot: int, factor: float) -> bool:
         s.level.at[a] += factor * e.line_rate[i]
         return m.input_kind[i] != CALLED
     elif slot < m.stored_slot:
+        make_room(s, 1)
         add_entry(s, m.storages + slot - m.signal_slot, factor, math.fabs(factor))
     elif slot < m.bond_slot:
+        make_room(s, 1)
         add_entry(s, slot - m.stored_slot, factor, math.fabs(factor))
     elif slot < m.on_slot:
         return take_bond(e, s, a, slot - m.bond_slot, factor)
@@ -103,7 +106,9 @@ def take_row(
     """Add a row of knowns with a factor, and another one for the sizes of its terms."""
     m = e.model
     mode = e.mode
-    for p in range(rows.first.at[k], rows.first.at[k + 1]):
+    stop = rows.first.at[k + 1]
+    make_room(s, stop - rows.first.at[k])
+    for p in range(rows.first.at[k], stop):
         known = rows.column.at[p]
         weight = factor * rows.value.at[p]
         size = measured * rows.size.at[p] if measured > 0.0 else 0.0
@@ -111,6 +116,9 @@ def take_row(
         if known < m.storages:
             if m.co_energy[known] >= 0:
                 return False
+            ports = m.stiff_first[known + 1] - m.stiff_first[known]
+            if ports > 1:
+                make_room(s, ports + stop - p)
             for i in range(m.stiff_first[known], m.stiff_first[known + 1]):
                 stiff = m.stiff_constant[i]
                 add_entry(s, m.stiff_other[i], weight * stiff, size * math.fabs(stiff))

@@ -26,7 +26,7 @@ from hybond.engine.methods.stepping import between
 from hybond.engine.mode.mode_records import is_constrained
 from hybond.engine.mode.part_energies import find_energies, reach_of_sum
 from hybond.engine.run.guard_shape import NEAR, ROUNDED, SLACK, UNRESOLVED, rest_below
-from hybond.engine.run.guard_values import holds_at, put_on_constraints
+from hybond.engine.run.guard_values import holds_at, keep_sample, put_on_constraints
 from hybond.engine.run.locator import FRACTION, SAMPLES, Locator
 from hybond.engine.run.quartic import COEFFICIENTS
 
@@ -56,6 +56,8 @@ def see_drift(e: Engine, g: Locator) -> None:
         for k in range(e.states):
             g.before[k] = g.y[k]
         found = put_on_constraints(e, t, g.y) == OK
+        if found:
+            keep_sample(e, g, t)
         for k in range(e.states):
             off = DRIFTS * math.fabs(g.y[k] - g.before[k])
             g.drift[k] = max(g.drift[k], off) if found and math.isfinite(off) else math.inf
@@ -67,23 +69,13 @@ def sampled_time(e: Engine, i: int) -> float:
     return e.step.t1 if i == SAMPLES - 1 else within
 
 
-def drift_of(g: Locator, a: int) -> float:
-    """Return how far a comparison may be off for that."""
-    s = g.sums
-    total = 0.0
-    for p in range(s.first.at[a], s.first.at[a + 1]):
-        if g.drift[s.column.at[p]] != 0.0:
-            total += math.fabs(s.factor.at[p]) * g.drift[s.column.at[p]]
-    return total
-
-
 def is_still(g: Locator, a: int) -> bool:
     """Whether nothing that a comparison reads moves in the step."""
     at = COEFFICIENTS * a
     for i in range(1, COEFFICIENTS):
         if g.step[at + i] != 0.0:
             return False
-    return drift_of(g, a) == 0.0
+    return g.astray[a] == 0.0
 
 
 def is_nothing(e: Engine, g: Locator, a: int) -> bool:
@@ -96,7 +88,7 @@ def is_nothing(e: Engine, g: Locator, a: int) -> bool:
     top = EVALUATED * max(g.extent[a] - largest, 0.0)
     for i in range(COEFFICIENTS):
         top += math.fabs(g.step[at + i])
-    return top + drift_of(g, a) <= NOTHING * ROUNDING * largest
+    return top + g.astray[a] <= NOTHING * ROUNDING * largest
 
 
 def is_idle(e: Engine, g: Locator, k: int) -> bool:
@@ -200,6 +192,6 @@ def find_far_sign(g: Locator, a: int) -> bool:
         low += min(one, other)
         high += max(one, other)
         extent += max(math.fabs(one), math.fabs(other))
-    near = NARROW * extent + drift_of(g, a)
+    near = NARROW * extent + g.astray[a]
     g.sign[a] = 1 if low > near else -1 if high < -near else 0
     return g.sign[a] != 0 and math.isfinite(high - low)

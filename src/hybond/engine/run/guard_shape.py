@@ -9,6 +9,7 @@ from hybond.engine.engine import Engine
 from hybond.engine.run.guard_values import (
     atom_here,
     look,
+    look_at_sample,
     show,
     size_here,
     terms_here,
@@ -34,7 +35,7 @@ def sample(e: Engine, g: Locator) -> None:
     """Sample all guards of the block."""
     g.sampled = True
     for i in range(SAMPLES):
-        look(e, g, g.t[i])
+        look_at_sample(e, g, g.t[i])
         for k in range(g.guards):
             if g.solved[k] != 0:
                 continue

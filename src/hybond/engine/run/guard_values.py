@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from hybond.engine.algebra.blocks import row_times
+from hybond.engine.algebra.products import copy_part
 from hybond.engine.answers import rule_text, value
 from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.expressions.paired import holds_from
@@ -39,6 +40,25 @@ def look(e: Engine, g: Locator, t: float) -> None:
         look_at_time(e, g, t, t)
 
 
+def look_at_sample(e: Engine, g: Locator, t: float) -> None:
+    """Do the same where the step is sampled: the state may be known there on its constraints."""
+    at = 0
+    while at < g.keeps and g.kept_at[at] != t:
+        at += 1
+    if at == g.keeps or g.looked == t:
+        look(e, g, t)
+        return
+    copy_part(e.states, g.kept_y, at * e.states, g.y, 0)
+    look_on(e, g, t)
+
+
+def keep_sample(e: Engine, g: Locator, t: float) -> None:
+    """Keep the state that is there, on its constraints, for who samples the step."""
+    g.kept_at[g.keeps] = t
+    copy_part(e.states, g.y, 0, g.kept_y, g.keeps * e.states)
+    g.keeps += 1
+
+
 def look_at_time(e: Engine, g: Locator, t: float, at: float) -> None:
     """Fill them as they would be at t, with the state at another instant."""
     between(e, at, g.y)
@@ -54,9 +74,14 @@ def look_at_state(e: Engine, g: Locator, t: float, y: Floats) -> None:
 
 def look_here(e: Engine, g: Locator, t: float) -> None:
     """Fill them with the state that is there."""
-    show(e, g, ALL_PARTS)
     if g.held and put_on_constraints(e, t, g.y) != OK:
         g.failed = True
+    look_on(e, g, t)
+
+
+def look_on(e: Engine, g: Locator, t: float) -> None:
+    """Fill them with the state that is there, which is on its constraints where it has to be."""
+    show(e, g, ALL_PARTS)
     set_motion(e, e.v, t, g.y)
     g.lost = False
     g.looks += 1

@@ -14,7 +14,7 @@ from hybond.engine.engine import Engine
 from hybond.engine.instant.in_force import is_asked
 from hybond.engine.mode.mode_records import Reads, make_reads
 from hybond.engine.mode.reading import read_guard, read_nothing
-from hybond.engine.mode.sum_records import Sums, begin_sums, make_sums
+from hybond.engine.mode.sum_records import Sums, begin_as_large, begin_sums, make_sums
 from hybond.engine.mode.sums import take_sum
 from hybond.engine.model import Model
 from hybond.engine.run.quartic import COEFFICIENTS, Quartic, make_quartic
@@ -45,6 +45,10 @@ MOST_LOOKS: Final = 1_000_000_000
 ALL_PARTS: Final = -1
 """A guard is asked of the motion as it is, not of one of the modes that are combined."""
 NONE: Final = -1
+COURSE: Final = COEFFICIENTS + 1
+"""Numbers that say what a state does in a step: coefficients, and behind them how large it is."""
+KEPT: Final = (SAMPLES + 1) // 2
+"""Samples at which it is seen how far a step is off its constraints: every other one."""
 NO_KINK: Final = 2
 """The side of what is no kink."""
 
@@ -111,12 +115,18 @@ class Locator:
     still_value: Floats
     still_extent: Floats
     motion: Ints
-    """Of each state: whether the step moves it, and whether it is anything, for `sums`."""
+    course: Floats
+    """Of each state: whether the step moves it or it is anything; its coefficients, its size."""
     drift: Floats
     """Of each state: how far it is moved in the step where it is put on constraints; whether any
-    may be."""
+    may be; of each comparison: how far it may be off for that."""
     drifted: bool
+    astray: Floats
     before: Floats
+    kept_at: Floats
+    """Instants of the step at which states on their constraints are known, the first so many."""
+    kept_y: Floats
+    keeps: int
     denied: Ints
     """Of each guard: signs of its comparisons, a bit for all together, with which it is false."""
     rough: bool
@@ -129,7 +139,7 @@ class Locator:
     shown_to: float
     """The end of the step whose comparisons are there as polynomials."""
     watched: int
-    """The place of the mode that was watched last, and how many had been made."""
+    """The place of the mode that was watched last, and which of all that were made it is."""
     watched_made: int
     kept: bool
     """Whether the guards depend on nothing but that mode."""
@@ -208,6 +218,7 @@ def make_locator(e: Engine) -> Locator:
 def another_locator(e: Engine, first: Locator) -> Locator:
     """Return one more, which has what is the same in all of them from the first."""
     g = begin_locator(e)
+    begin_as_large(g.sums, first.sums)
     g.left_over = first.left_over
     g.beyond = first.beyond
     g.fine = first.fine
@@ -234,8 +245,11 @@ def begin_locator(e: Engine) -> Locator:
     g.wave_shown = ints(2 * m.most_sources)
     g.quartic = make_quartic()
     g.motion = ints(e.states)
+    g.course = floats(COURSE * e.states)
     g.drift = floats(e.states)
     g.before = floats(e.states)
+    g.kept_at = floats(KEPT)
+    g.kept_y = floats(KEPT * e.states)
     g.row_seen = ints(2 * m.bonds)
     g.y = floats(e.states)
     g.d = floats(SAMPLES)
@@ -277,6 +291,7 @@ def fit_locator(g: Locator, guards: int, atoms: int) -> None:
     g.rest = floats(g.room_atoms)
     g.step = floats(COEFFICIENTS * g.room_atoms)
     g.extent = floats(g.room_atoms)
+    g.astray = floats(g.room_atoms)
     g.still_value = floats(g.room_atoms)
     g.still_extent = floats(g.room_atoms)
     g.sign = ints(g.room_atoms)
@@ -338,10 +353,10 @@ def watch(e: Engine, g: Locator, state: Ints) -> None:
     """Take the guards that leave a mode."""
     m = e.model
     s = e.slide
-    same = e.mode_at == g.watched and e.modes_built == g.watched_made
+    same = e.mode_at == g.watched and e.mode.made == g.watched_made
     own = s.k == 0 and s.many == 0 and not e.landings.any_landed
-    if m.watches > 0 or m.kinks > 0 or m.disks > 0:
-        own = False
+    if m.watches > 0 or m.kinks > 0 or m.disks > 0 or (m.laws > 0 and m.groups > 0):
+        own = False  # how far laws that bend may reach is of the state that they are at
     if same and g.kept and own:
         watch_again(e, g)
         return
@@ -353,7 +368,7 @@ def watch(e: Engine, g: Locator, state: Ints) -> None:
     if not same or m.watches > 0 or s.k > 0:
         forget_denied(g)
     g.watched = e.mode_at
-    g.watched_made = e.modes_built
+    g.watched_made = e.mode.made
     fit_locator(g, several * rules + rests + 2 * s.k + m.kinks, atoms + 2 * s.k + m.kinks)
     g.guards = 0
     g.atoms = 0
@@ -469,6 +484,7 @@ def forget_denied(g: Locator) -> None:
 def begin_looks(m: Model, g: Locator) -> None:
     """Begin to look at another step: nothing is known at any instant of it."""
     g.looked = math.nan
+    g.keeps = 0
     if g.looks < MOST_LOOKS:
         return
     g.looks = 0

@@ -22,8 +22,8 @@ STANDING: Final = 2000
 """Steps after which it is looked whether they lead on: ..."""
 NOWHERE: Final = 1e-12
 """... those that are together less than this part of the run would never end it."""
-LOCATORS: Final = 8
-"""Modes of which it is known at once which guards leave them."""
+LOCATORS: Final = 64
+"""Modes of which it is known at once which guards leave them: as many as are kept."""
 STOPPED: Final = 5
 """Why a motion ended: its stretch did, and nothing happened."""
 PAUSED: Final = 7

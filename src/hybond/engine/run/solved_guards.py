@@ -48,9 +48,9 @@ def solve_guards(e: Engine, g: Locator) -> bool:
     may = shown and not (g.held and is_constrained(e.mode))
     waves = g.sums.terms > 0
     if shown:
+        see_drift(e, g)
         take_step(e, g)
         g.shown_to = e.step.t1
-        see_drift(e, g)
         if waves:
             sample_waves(e, g)
     for k in range(g.guards):

@@ -7,8 +7,8 @@ from typing import Final
 
 from hybond.engine.engine import Engine
 from hybond.engine.mode.part_energies import find_energies, reach_of_sum
-from hybond.engine.run.locator import Locator
-from hybond.engine.run.quartic import COEFFICIENTS
+from hybond.engine.run.locator import COURSE, Locator
+from hybond.engine.run.quartic import COEFFICIENTS, DEGREE
 
 MOVES: Final = 2
 """What a state does in a step: it moves, ..."""
@@ -28,7 +28,7 @@ def take_step(e: Engine, g: Locator) -> None:
 
 
 def see_motion(e: Engine, g: Locator) -> None:
-    """See which states the step moves, and which are zero all over it: terms of these are none."""
+    """See how the step moves each state; terms of those that are zero all over it are none."""
     step = e.step
     n = e.states
     for k in range(n):
@@ -36,13 +36,18 @@ def see_motion(e: Engine, g: Locator) -> None:
         moves = moves or step.dense[2 * n + k] != 0.0 or step.dense[3 * n + k] != 0.0
         there = step.y0[k] != 0.0 or step.y1[k] != 0.0
         g.motion[k] = MOVES if moves else STANDS if there else NOTHING
+        at = COURSE * k
+        g.course[at] = step.y0[k]
+        for i in range(DEGREE):
+            g.course[at + 1 + i] = step.dense[i * n + k]
+        g.course[at + COEFFICIENTS] = max(math.fabs(step.y0[k]), math.fabs(step.y1[k]))
 
 
 def put_polynomial(e: Engine, g: Locator, a: int) -> None:
     """Put the coefficients of a comparison there, as of dense output, and the size of its terms."""
     s = g.sums
     step = e.step
-    n = e.states
+    course = g.course
     at = COEFFICIENTS * a
     h = step.t1 - step.t0
     c0 = s.level.at[a] + s.drift.at[a] * step.t0
@@ -52,21 +57,26 @@ def put_polynomial(e: Engine, g: Locator, a: int) -> None:
     c4 = 0.0
     extent = math.fabs(s.level.at[a]) + math.fabs(s.drift.at[a] * step.t1)
     extent += reach_of_sum(e.mode, s, a)
+    astray = 0.0
     for p in range(s.first.at[a], s.first.at[a + 1]):
         k = s.column.at[p]
+        if g.drifted and g.drift[k] != 0.0:
+            astray += math.fabs(s.factor.at[p]) * g.drift[k]
         if g.motion[k] == NOTHING:
             continue
         factor = s.factor.at[p]
-        c0 += factor * step.y0[k]
+        own = COURSE * k
+        c0 += factor * course[own]
         if g.motion[k] == MOVES:
-            c1 += factor * step.dense[k]
-            c2 += factor * step.dense[n + k]
-            c3 += factor * step.dense[2 * n + k]
-            c4 += factor * step.dense[3 * n + k]
-        extent += s.size.at[p] * max(math.fabs(step.y0[k]), math.fabs(step.y1[k]))
+            c1 += factor * course[own + 1]
+            c2 += factor * course[own + 2]
+            c3 += factor * course[own + 3]
+            c4 += factor * course[own + 4]
+        extent += s.size.at[p] * course[own + COEFFICIENTS]
     g.step[at] = c0
     g.step[at + 1] = c1
     g.step[at + 2] = c2
     g.step[at + 3] = c3
     g.step[at + 4] = c4
     g.extent[a] = extent
+    g.astray[a] = astray
