@@ -94,7 +94,7 @@ subset. Rooms, and in them files, as data passes them::
         failed_steps, one_instant    steps that cannot be; how long an
                             instant is
         onset               what has not moved yet, by what it will be
-        control, dopri, strayed    steps that the error controls: Dormand and Prince
+        control, dopri, strayed, step_room    steps that the error controls: Dormand and Prince
         hidden_peaks        what laws that bend do within a step, and nowhere it has looked
         exact, flow, flow_columns, linear_rows, balance, propagate, flow_records    linear modes,
                             propagated

@@ -245,13 +245,10 @@ class Model:
     level_first: Ints
     """Of each table that is held: which of its levels a piece has, in `level_of`."""
     level_of: Ints
-    samples: int
-    """Signals that are set at instants and held between them."""
-    sample_signal: Ints
-    """Which integrated signal, of rate zero, each is."""
+    samples: int  # signals that are set at instants and held between them
+    sample_signal: Ints  # which integrated signal, of rate zero, each is
     sample_value: Ints
-    sample_size: Ints
-    """What is sampled, and the size of its terms: expressions."""
+    sample_size: Ints  # what is sampled, and the size of its terms: expressions
     sample_every: Floats
     sample_phase: Floats
     called: int

@@ -116,13 +116,23 @@ def hides(
     """Whether rates within a step are far from those of the way between its ends."""
     s = e.step
     h = t1 - t0
+    for k in range(e.states):
+        if filtered:
+            # rates of what is stiff are rounding: the way is that through the stages
+            for j in range(3):
+                s.peak_way[j * e.states + k] = r.coefficients[j * e.states + k]
+        else:
+            along = y1[k] - y0[k]
+            s.peak_way[k] = h * f0[k]
+            s.peak_way[e.states + k] = 3.0 * along - h * (2.0 * f0[k] + s.peak_f1[k])
+            s.peak_way[2 * e.states + k] = h * (f0[k] + s.peak_f1[k]) - 2.0 * along
     refusal = e.refusal
     hold_guess(e, e.mode)
     tolerance(e, y0, y1, s.allowed)
     found = False
     many = 0
     for i in range(parts + 1):
-        if found or not rates_at(e, float(i) / float(parts), t0, h, y0, f0, y1):
+        if found or not rates_at(e, float(i) / float(parts), t0, h, y0):
             many = 0
             continue
         if is_beyond_kink(e, i == 0):
@@ -239,7 +249,7 @@ def is_far_at_top(
     """
     for closer in range(CLOSER):
         place = max(min(place, 1.0), 0.0)
-        if not rates_at(e, place, t0, h, y0, f0, y1) or is_beyond_kink(e, False):
+        if not rates_at(e, place, t0, h, y0) or is_beyond_kink(e, False):
             return False
         if is_far(e, r, filtered, h, place, y0, f0, y1):
             return True
@@ -250,13 +260,13 @@ def is_far_at_top(
         inside = max(min(place, 1.0 - apart), apart)
         if inside != place:
             place = inside
-            if not rates_at(e, place, t0, h, y0, f0, y1):
+            if not rates_at(e, place, t0, h, y0):
                 return False
             here = read_of(e, k)
-        if not rates_at(e, place - apart, t0, h, y0, f0, y1):
+        if not rates_at(e, place - apart, t0, h, y0):
             return False
         before = here - read_of(e, k)
-        if not rates_at(e, place + apart, t0, h, y0, f0, y1):
+        if not rates_at(e, place + apart, t0, h, y0):
             return False
         after = read_of(e, k) - here
         if math.fabs(before - after) <= NOISE * math.fabs(here):
@@ -284,22 +294,16 @@ def is_beyond_kink(e: Engine, first: bool) -> bool:
     return beyond
 
 
-def rates_at(
-    e: Engine, place: float, t0: float, h: float, y0: Floats, f0: Floats, y1: Floats
-) -> bool:
+def rates_at(e: Engine, place: float, t0: float, h: float, y0: Floats) -> bool:
     """Put rates at a part of the step into `peak_rate`; whether they are there."""
     s = e.step
-    for k in range(e.states):
-        s.peak_y[k] = way_at(place, h, y0[k], f0[k], y1[k], s.peak_f1[k])
+    n = e.states
+    for k in range(n):
+        bent = s.peak_way[n + k] + place * s.peak_way[2 * n + k]
+        s.peak_y[k] = y0[k] + place * (s.peak_way[k] + place * bent)
     if field(e, e.mode, t0 + place * h, s.peak_y, s.peak_rate) != OK:
         return False
-    return all_finite(e.states, s.peak_rate)
-
-
-def way_at(x: float, h: float, y0: float, f0: float, y1: float, f1: float) -> float:
-    """Return the cubic between the ends of a step, with the rates there."""
-    z = 1.0 - x
-    return y0 + x * x * (3.0 - 2.0 * x) * (y1 - y0) + x * z * h * (z * f0 - x * f1)
+    return all_finite(n, s.peak_rate)
 
 
 def is_far(
@@ -317,8 +321,8 @@ def is_far(
     far = False
     for k in range(e.states):
         way = (y1[k] - y0[k]) / h
-        steep = 6.0 * x * (1.0 - x) * way
-        steep += (1.0 - x) * (1.0 - 3.0 * x) * f0[k] + x * (3.0 * x - 2.0) * s.peak_f1[k]
+        bent = 2.0 * s.peak_way[e.states + k] + 3.0 * x * s.peak_way[2 * e.states + k]
+        steep = (s.peak_way[k] + x * bent) / h
         off = s.peak_rate[k] - steep
         s.peak_y[k] = -steep
         most = max(math.fabs(way), max(math.fabs(f0[k]), math.fabs(s.peak_f1[k])))

@@ -5,7 +5,8 @@ Configurations of one bucket are a chain: `bucket` has its first mode, `Mode.beh
 
 from __future__ import annotations
 
-from hybond.engine.engine import BUCKETS, NO_MODE, PACES, Engine
+from hybond.engine.engine import BUCKETS, NO_MODE, Engine
+from hybond.engine.methods.step_room import PACES
 from hybond.engine.mode.mode_records import Mode, make_mode
 from hybond.engine.words import Ints, records, some
 

@@ -20,12 +20,13 @@ from hybond.engine.algebra.blocks import (
 )
 from hybond.engine.contacts.landing_records import CROWD, LAST_TIMES
 from hybond.engine.contacts.rest import find_moved
-from hybond.engine.engine import OK, PACES, Engine
+from hybond.engine.engine import OK, Engine
 from hybond.engine.expressions.course_records import many_kept
 from hybond.engine.inputs.interval import is_due
 from hybond.engine.instant.instant import CHANGE, SAMPLE, START, TIME
 from hybond.engine.instant.trial import a_priori
 from hybond.engine.methods.from_edges import may_turn
+from hybond.engine.methods.step_room import PACES
 from hybond.engine.methods.stepping import by_radau
 from hybond.engine.methods.stiffness import turn
 from hybond.engine.run.courses_kept import give_back_courses
@@ -179,9 +180,9 @@ def carry_memory(e: Engine, r: Run, c: Carrier) -> None:
     carry_floats(c, m.rule_first[many], e.rests.within)
     for a in range(m.atom_first[m.rule_first[many]]):
         which = m.atom_value[a]
-        e.rests.limit[which] = carry_number(c, e.rests.limit[which])
-        e.rests.limit_at[which] = carry_number(c, e.rests.limit_at[which])
-    e.rests.limits = carry_truth(c, e.rests.limits)
+        e.rests.crossed[which] = carry_number(c, e.rests.crossed[which])
+        e.rests.crossed_at[which] = carry_number(c, e.rests.crossed_at[which])
+    e.rests.some_crossed = carry_truth(c, e.rests.some_crossed)
     atoms = m.atom_first[m.rule_first[many]]
     carry_ints(c, atoms, e.rests.atom)
     carry_floats(c, atoms, e.rests.band)

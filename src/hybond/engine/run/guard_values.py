@@ -271,7 +271,7 @@ def holds_at_rest(e: Engine, g: Locator, k: int, t: float) -> bool:
 
 def level_in_motion(e: Engine, g: Locator, k: int) -> float:
     """Return up to where what guard k compares counts as zero: its limit."""
-    known = e.rests.limits and g.rule[k] >= 0 and g.pair[k] == g.rule[k]
+    known = e.rests.some_crossed and g.rule[k] >= 0 and g.pair[k] == g.rule[k]
     return e.rests.within[g.rule[k]] if known else 0.0
 
 

@@ -33,9 +33,9 @@ def note_limits(e: Engine, g: Locator, t: float) -> None:
         if holds_at(e, g, k, t) and crosses_at(e, g, k, t):
             a = g.atom_first[k]
             here = atom_at(e, g, a, t)
-            e.rests.limit[e.model.atom_value[g.atom[a]]] = here
-            e.rests.limit_at[e.model.atom_value[g.atom[a]]] = t
-            e.rests.limits = True
+            e.rests.crossed[e.model.atom_value[g.atom[a]]] = here
+            e.rests.crossed_at[e.model.atom_value[g.atom[a]]] = t
+            e.rests.some_crossed = True
 
 
 def crosses_at(e: Engine, g: Locator, k: int, t: float) -> bool:
@@ -53,11 +53,11 @@ def level_of(e: Engine, machine: int, r: int) -> float:
     """Return up to where what a rule compares counts as zero, at an instant that is settled."""
     q = e.rests
     m = e.model
-    if not q.limits or q.by_hand[r] == 0:
+    if not q.some_crossed or q.by_hand[r] == 0:
         return 0.0
     if e.state[machine] != m.rule_source[r]:
         # the state is entered
         a = m.atom_value[m.atom_first[r]]
-        waits = q.limit_at[a] < e.t and value(m, a, e.v) == q.limit[a]
-        q.within[r] = q.limit[a] if waits else 0.0
+        waits = q.crossed_at[a] < e.t and value(m, a, e.v) == q.crossed[a]
+        q.within[r] = q.crossed[a] if waits else 0.0
     return q.within[r]

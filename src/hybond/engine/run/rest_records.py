@@ -56,11 +56,11 @@ class Rests:
     how far aside comparisons are clear of zero, and so on the other side where none is known."""
     aside: Floats
     across: Floats
-    limit: Floats
+    crossed: Floats
     """Of each expression: what it was where a guard that compares it with zero found it past that,
     0 if none did; when that was, and whether it ever was."""
-    limit_at: Floats
-    limits: bool
+    crossed_at: Floats
+    some_crossed: bool
     by_hand: Ints
     """Of each rule: whether it is one of a machine that stands for no law, and compares once; up to
     where that counts as zero, as the state it leaves was entered with what had not moved since."""
@@ -139,8 +139,8 @@ def make_rests(m: Model) -> Rests:
     values = 0
     for a in range(m.atom_first[rules]):
         values = max(values, m.atom_value[a] + 1)
-    q.limit = floats(values)
-    q.limit_at = floats(values)
+    q.crossed = floats(values)
+    q.crossed_at = floats(values)
     q.within = floats(rules)
     q.by_hand = ints(rules)
     for k in range(m.machines):
