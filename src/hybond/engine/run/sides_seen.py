@@ -127,15 +127,21 @@ def sampled_terms(e: Engine, g: Locator, a: int) -> float:
 
 
 def see_leap(e: Engine, which: int, here: float, size: float) -> None:
-    """See what a comparison has become since time went on last: whether it creeps up to zero."""
+    """See what a comparison has become since time went on last: whether it creeps up to zero.
+
+    What was elsewhere meanwhile does not, however close to zero its instants are: it crosses there.
+    """
     q = e.rests
     near = ROUNDING * size
     if not math.fabs(here) > near:
         return
+    meanwhile = q.here[which]
     q.older[which] = q.last[which]
     q.last[which] = here
     q.creeps[which] = 0
-    if q.older[which] * here > 0.0 and math.fabs(here) < math.fabs(q.older[which]):
+    low = min(q.older[which], here) - near
+    between = meanwhile >= low and meanwhile <= max(q.older[which], here) + near
+    if between and q.older[which] * here > 0.0 and math.fabs(here) < math.fabs(q.older[which]):
         left = here * (here / q.older[which])
         q.creeps[which] = 1 if math.fabs(left) <= LEFT * near else 0
         q.some = q.some or q.creeps[which] != 0
