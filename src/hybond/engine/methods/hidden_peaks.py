@@ -4,9 +4,11 @@ A rectifier's capacitor is charged while a sine is near its peak. Elsewhere an e
 nothing through, no rate tells of the peak, and steps grow until it lies between two stages. What
 such laws read is smooth, though: where that is largest or smallest within the step, on the way
 between its ends, the rates are asked for. If they are far from the rates of the way there, the step
-is too long.
+is too long. So it is of functions that turn in next to no time in sources and laws: what they read
+is what ``tables/arguments`` names.
 
-Kinks end steps where they are crossed: beyond one nothing is asked.
+The place is sought closely, as a comparator just below the top of a sine is on for a hundredth of
+its turn. Kinks end steps where they are crossed: beyond one nothing is asked.
 """
 
 from __future__ import annotations
