@@ -42,6 +42,7 @@ subset. Rooms, and in them files, as data passes them::
         reading, sources_of_time    what a step reads; sources that time alone moves
         sizes, solved_sizes, lesser_sizes    what its rounding is measured by
         sums, straight_rates, sum_records    comparisons, and rates, that are sums of the state
+        standing, standing_records    what stands at an equilibrium that nothing touches
     inputs/
         interval, sampling, calls    pieces of inputs; signals set at instants; who is asked
     instant/

@@ -97,6 +97,9 @@ def first_exact(e: Engine, limit: float) -> float:
     z = x.parts.at
     c = x.terms.at
     pass_derivatives(f, ORDERS, z, c)
+    for k in range(e.model.storages if e.standing.some else 0):
+        for order in range(ORDERS if e.standing.stands[k] != 0 else 0):
+            c[order * n + k] = 0.0
     allowed = x.size.at
     relative = x.b.at
     for i in range(n):
@@ -145,6 +148,10 @@ def exact_attempt(e: Engine, t1: float) -> float:
     if not pass_parts(x, f, h) or not all_finite((PARTS + 1) * f.n, x.parts.at):
         return math.nan
     z = x.parts.at
+    for k in range(e.model.storages if e.standing.some else 0):
+        # powers of the matrix have a rounding of their own
+        for part in range(PARTS + 1 if e.standing.stands[k] != 0 else 0):
+            z[part * f.n + k] = s.y0[k]
     for k in range(n):
         s.y1[k] = z[PARTS * f.n + k]
     if x.alongs > 0 and take_along(e, t1) != OK:

@@ -1,13 +1,13 @@
 """How a sum of given numbers would move if these moved: what tells a small one from rounding.
 
-A coefficient that is a small difference of large terms may be the current of a leak, or nothing: two
-gears whose ratios are 3/7 and 7/3 undo each other, but for rounding of the two decimals. How large
+A coefficient that is a small difference of large terms may be the current of a leak, or nothing:
+two gears whose ratios are 3/7 and 7/3 undo each other, but for rounding of the decimals. How large
 the terms are does not tell which. If each number that is given moves by the same small part of
-itself, at random up or down, a leak moves by as much of itself; what is rounding of the numbers moves by
-as much of the terms. So each entry has a derivative beside it, along a direction that is drawn
-from the given numbers themselves (forward mode of differentiation; stochastic arithmetic with a
-first-order model of it, J. Vignes, *Mathematics and Computers in Simulation* 35, 1993). Equal numbers
-move alike: a ratio stands in two rows of its gear, and power is conserved whatever it is.
+itself, at random up or down, a leak moves by as much of itself; what is rounding of the numbers
+moves by as much of the terms. So each entry has a derivative beside it, along a direction that is
+drawn from the given numbers themselves (forward mode of differentiation, in place of the repeated
+runs of stochastic arithmetic: J. Vignes, *Mathematics and Computers in Simulation* 35, 1993). Equal
+numbers move alike: a ratio stands in two rows of its gear, and power is conserved whatever it is.
 
 There are two directions, as two terms that do move apart may by chance move alike along one.
 """

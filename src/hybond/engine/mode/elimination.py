@@ -25,7 +25,7 @@ from hybond.engine.algebra.blocks import (
     make_places,
 )
 from hybond.engine.algebra.twofold import product_rest, sum_rest
-from hybond.engine.mode.drift import OTHER_WAY, ONE_WAY, drift_of
+from hybond.engine.mode.drift import ONE_WAY, OTHER_WAY, drift_of
 from hybond.engine.words import Floats, Ints, floats, ints, record
 
 CANCELLATION: Final = 1e-12
