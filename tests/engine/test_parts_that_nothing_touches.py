@@ -27,6 +27,14 @@ def hanging(m: float, k: float, g: float) -> hb.Model:
     return model
 
 
+def pushed_later(m: float, k: float, g: float) -> hb.Model:
+    """What pushes does so behind the end of the run."""
+    model = hanging(m, k, g)
+    model.add(push=hb.Se("if time >= 5 [s] then 2 [N] else 0 [N]"))
+    model.bond("push -> v")
+    return model
+
+
 def hanging_on_two(m: float, k: float, g: float) -> hb.Model:
     """The bonds of the source and of one spring point the other way."""
     model = hb.Model("two springs", domain="translational")
@@ -86,7 +94,7 @@ def moved_at(run: hb.Result) -> list[float]:
     return [float(event.t) for event in run.events if event.steps[-1].mode[0] == 1][:1]
 
 
-FAMILIES = [hanging, hanging_on_two, charged, divided, at_ambient, level, geared]
+FAMILIES = [hanging, pushed_later, hanging_on_two, charged, divided, at_ambient, level, geared]
 
 
 @pytest.mark.parametrize("solver", SOLVERS)
