@@ -121,3 +121,4 @@ def test_leaks_hide_no_current(
             assert found == pytest.approx(v[f"a{k}"] - v[f"b{k}"], abs=1e-5), t
     assert len(run.events) < 40
     assert not any("few digits" in warning for warning in run.warnings)
+    assert run.audit().power < 1e-12

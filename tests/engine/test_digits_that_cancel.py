@@ -83,3 +83,17 @@ def test_power_balances_to_its_last_digits(seed: int) -> None:
     audit = hb.simulate(recipe.model(), recipe.until).audit()
     assert audit.power < 1e-15
     assert audit.holds()
+
+
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize("leak", [1e7, 1e10, 1e13, 1e15])
+def test_capacitors_that_are_joined_leak_however_little(leak: float, turned: bool) -> None:
+    """Beside a milliohm, in parallel to what joins them, the leak is down to 1e-18 of the terms."""
+    parts = {"C1": hb.C("1 nF", e="1 V"), "C2": hb.C("1 nF", e="1 V"), "R": hb.R(leak)}
+    parts |= {"n1": hb.Zero(), "n2": hb.Zero(), "b": hb.One(), "x": hb.One(), "r": hb.R(1e-3)}
+    ways = ["n2 -> b -> n1", "n2 -> x -> n1"] if turned else ["n1 -> b -> n2", "n1 -> x -> n2"]
+    until = 0.1e-9 * leak
+    for m in in_orders(parts, ["n1 -> C1", "n2 -> C2", "n1 -> R", "x -> r", *ways], 3):
+        run = hb.simulate(m, until)
+        assert run["C1.e"].at(until) == pytest.approx(math.exp(-0.05), rel=1e-14)
+        assert run.audit().power < 1e-15

@@ -151,7 +151,6 @@ def lift() -> hb.Model:
         (sliding_impact(50.0), 2.0, "enter the jump equations: fr"),
         (floating("least leakage"), 1.0, "reads n.e, which the equations leave open in mode (off)"),
         (far_apart(1e7), 1e-2, "few digits"),
-        (far_apart(1e10), 1.0, "counts as zero"),
         (lift(), 5.0, "F cannot rest: its rebounds do not vanish"),
     ],
     ids=lambda a: a if isinstance(a, str) else "",

@@ -25,6 +25,7 @@ subset. Rooms, and in them files, as data passes them::
         svd, least_distance        singular values; the point next to zero that keeps inequalities
     mode/
         tableau, elimination, elimination_of_another    rows of a mode, eliminated
+        drift               whether a small coefficient is rounding of what is given
         equations, kept_modes, mode_records    those made ready, and kept
         solving, limits, values    bond variables at an instant; what expressions read
         closely, agreement  with all digits, where sums cancel; whether sources agree
@@ -41,6 +42,7 @@ subset. Rooms, and in them files, as data passes them::
         reading, sources_of_time    what a step reads; sources that time alone moves
         sizes, solved_sizes, lesser_sizes    what its rounding is measured by
         sums, straight_rates, sum_records    comparisons, and rates, that are sums of the state
+        standing, standing_records    what stands at an equilibrium that nothing touches
     inputs/
         interval, sampling, calls    pieces of inputs; signals set at instants; who is asked
     instant/

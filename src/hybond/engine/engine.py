@@ -17,6 +17,7 @@ from hybond.engine.methods.qss_room import QSS1, Quantised, make_quantised
 from hybond.engine.methods.radau_room import RADAU, Radau, make_radau
 from hybond.engine.methods.step_room import Step, make_step
 from hybond.engine.mode.mode_records import KEPT, Mode
+from hybond.engine.mode.standing_records import Standing, make_standing
 from hybond.engine.mode.sum_records import Sums, make_sums
 from hybond.engine.model import Model
 from hybond.engine.planar.planar_records import Planar, make_planar
@@ -216,6 +217,7 @@ class Engine:
     rates: Sums
     """The rates of the state in the motion, if they are `straight`: sums of the state, all."""
     straight: bool
+    standing: Standing
     curved: bool  # whether the last step is one of a descent: a cubic, whatever the method
 
 
@@ -336,6 +338,7 @@ def make_engine(m: Model) -> Engine:
     if m.method == MOREAU:
         e.stepping = make_stepping(m)
     e.rates = make_sums()
+    e.standing = make_standing(m.storages)
     e.landings = make_landings(m)
     e.planar = make_planar(m)
     e.rests = make_rests(m)

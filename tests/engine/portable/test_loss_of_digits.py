@@ -1,4 +1,4 @@
-"""Elimination knows how many digits it lost: held against the same sums with fractions."""
+"""Elimination knows how many digits it lost, and what is rounding: held against fractions."""
 
 import math
 import sys
@@ -108,3 +108,64 @@ def test_what_does_not_cancel_loses_little() -> None:
     e = eliminated(rows, n)
     for k in range(n):
         assert e.loss.at[e.first[k]] <= 4 * (k + 1) * abs(e.entry.at[e.first[k]])
+
+
+def geared(seed: int) -> tuple[Matrix, int]:
+    """A net of resistors over fifteen powers of ten, some behind gears, of three values or many.
+
+    All numbers are quotients of small ones: bridges are in balance, gears undo each other.
+    """
+    draw = np.random.default_rng(seed)
+
+    def quotient(most: int, decades: int) -> Fraction:
+        a, b, power = draw.integers(1, most), draw.integers(1, most), draw.integers(decades + 1)
+        return Fraction(int(a), int(b)) * Fraction(10) ** (int(power) - decades // 2)
+
+    nodes = int(draw.integers(2, 7))
+    edges = [(k, int(draw.integers(-1, k))) for k in range(nodes)]
+    edges += [tuple(int(i) for i in draw.integers(-1, nodes, 2)) for _ in range(nodes)]
+    edges = [(a, b) for a, b in edges if a != b]
+    few = [quotient(12, 15) for _ in range(3)]
+    rows = [[Fraction(0)] * (nodes + len(edges) + KNOWN) for _ in range(nodes + len(edges))]
+    for i, (a, b) in enumerate(edges):
+        ratio = quotient(8, 0) if draw.random() < 0.4 else Fraction(1)
+        rows[i][nodes + i] = few[draw.integers(3)] if draw.random() < 0.6 else quotient(12, 15)
+        for node, factor in ((a, ratio), (b, Fraction(-1))):
+            if node >= 0:
+                rows[i][node] -= factor
+                rows[len(edges) + node][nodes + i] += factor
+    for node in range(nodes):
+        known = nodes + len(edges) + int(draw.integers(KNOWN))
+        rows[len(edges) + node][known] = Fraction(int(draw.integers(-5, 6)), 3)
+    return [rows[i] for i in draw.permutation(len(rows))], nodes + len(edges)
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_no_coefficient_is_dropped_and_no_rounding_is_kept(seed: int) -> None:
+    rows, n = geared(seed)
+    e, exact = eliminated(rows, n), solved(rows, n)
+    for k in range(n):
+        kept = {e.column.at[i] for i in range(e.first[k], e.first[k] + e.count[k])}
+        assert kept == {n + j for j in range(KNOWN) if exact[k][j]}
+
+
+@pytest.mark.parametrize(
+    ("there", "back", "closes"),
+    [
+        (Fraction(3, 7), Fraction(7, 3), True),
+        (Fraction(1, 49), Fraction(49), True),
+        (Fraction(-17, 10), Fraction(10, -17), True),
+        (Fraction(3, 7), Fraction(7, 3) * (1 + Fraction(1, 10**12)), False),
+        (Fraction(2), Fraction(1, 2) * (1 - Fraction(1, 10**13)), False),
+    ],
+)
+def test_gears_that_undo_each_other_but_for_rounding(
+    there: Fraction, back: Fraction, closes: bool
+) -> None:
+    # x = there y, y = back x: any x does if the two undo each other, else none but zero
+    e = make_elimination(2, 2 + KNOWN)
+    for row in ((1.0, -float(there)), (-float(back), 1.0)):
+        for k, c in enumerate(row):
+            give(e, k, c)
+        add_row(e)
+    assert (e.solved[0] + e.solved[1] == 1) is closes

@@ -21,6 +21,8 @@ from hybond.engine.methods.dopri import error_norm_of
 from hybond.engine.methods.flow_records import ORDERS, PARTS, TERMS
 from hybond.engine.methods.propagate import pass_derivatives, pass_parts, rate_of, size_of_rate
 from hybond.engine.methods.scale import ROUNDED, error_norm, tolerance
+from hybond.engine.mode.standing import begin_standing, find_among, hold_standing
+from hybond.engine.mode.sum_records import add_entry, begin_sum, begin_sums, end_sum, make_room
 from hybond.engine.mode.values import field, set_motion
 from hybond.engine.words import Floats, float_table
 
@@ -75,7 +77,40 @@ def begin_exact(e: Engine) -> bool:
     for k in range(x.flow.watches):
         x.amplitude.at[k] = 0.0
     put_start(e, e.step.t, e.step.y)
-    return all_finite(n, x.parts.at)
+    if not all_finite(n, x.parts.at):
+        return False
+    stand_in_flow(e)
+    return True
+
+
+def stand_in_flow(e: Engine) -> None:
+    """Find what stands, by the rows of the flow: there sources that time moves later are constant.
+
+    As is what of a generator of the flow has no rate.
+    """
+    m = e.model
+    if e.standing.some or e.step.t != e.t or not begin_standing(e, e.step.f):
+        return
+    f = e.exact.flow
+    z = e.exact.parts.at
+    s = e.standing.sums
+    begin_sums(s, m.storages)
+    for k in range(m.storages):
+        begin_sum(s, k)
+        make_room(s, f.rows.first.at[k + 1] - f.rows.first.at[k])
+        for p in range(f.rows.first.at[k], f.rows.first.at[k + 1]):
+            j = f.rows.column.at[p]
+            factor = f.rows.value.at[p] * f.scale.at[k] / f.scale.at[j]
+            if j < e.states:
+                add_entry(s, j, factor, math.fabs(factor))
+                continue
+            g = f.gen[j - e.states]
+            s.level.at[k] += factor * z[j]
+            if m.generator_first[g + 1] > m.generator_first[g]:
+                s.drift.at[k] = 1.0
+        end_sum(s, k, True)
+    if find_among(e):
+        hold_standing(e, e.step.f)
 
 
 def put_start(e: Engine, t: float, y: Floats) -> None:
@@ -97,6 +132,9 @@ def first_exact(e: Engine, limit: float) -> float:
     z = x.parts.at
     c = x.terms.at
     pass_derivatives(f, ORDERS, z, c)
+    for k in range(e.model.storages if e.standing.some else 0):
+        for order in range(ORDERS if e.standing.stands[k] != 0 else 0):
+            c[order * n + k] = 0.0
     allowed = x.size.at
     relative = x.b.at
     for i in range(n):
@@ -145,6 +183,10 @@ def exact_attempt(e: Engine, t1: float) -> float:
     if not pass_parts(x, f, h) or not all_finite((PARTS + 1) * f.n, x.parts.at):
         return math.nan
     z = x.parts.at
+    for k in range(e.model.storages if e.standing.some else 0):
+        # powers of the matrix have a rounding of their own
+        for part in range(PARTS + 1 if e.standing.stands[k] != 0 else 0):
+            z[part * f.n + k] = s.y0[k]
     for k in range(n):
         s.y1[k] = z[PARTS * f.n + k]
     if x.alongs > 0 and take_along(e, t1) != OK:

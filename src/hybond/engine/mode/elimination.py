@@ -7,7 +7,8 @@ equal are one from the start.
 Beside each entry stands what rounding may have lost in it, in units of rounding: the size of the
 terms it came about by, sums and quotients followed to first order (running error analysis; Higham,
 *Accuracy and Stability of Numerical Algorithms*, 2002, section 3.3). What is small because large
-terms cancelled is known as that.
+terms cancelled is known as that. Whether it is anything at all is told by how it would move with
+what is given, in `mode/drift`.
 """
 
 from __future__ import annotations
@@ -24,22 +25,19 @@ from hybond.engine.algebra.blocks import (
     make_places,
 )
 from hybond.engine.algebra.twofold import product_rest, sum_rest
+from hybond.engine.mode.drift import ONE_WAY, OTHER_WAY, drift_of
 from hybond.engine.words import Floats, Ints, floats, ints, record
 
 CANCELLATION: Final = 1e-12
 """A sum below this part of its terms is a cancellation, hence zero."""
-ROUNDED: Final = 1e-14
-"""A sum below this part of what it has lost on the way is nothing but rounding."""
+GIVEN: Final = 1e-14
+"""A sum is rounding of what is given, to some 45 units in the last place as expressions of decimal
+numbers have, if it is below this part of how far it moves with that."""
 CLEAR: Final = 1e-9
 """A sum above this part of its terms has digits enough."""
-NOISE: Final = 1e-14
-"""A sum below this part of its terms may be nothing but rounding."""
-SURELY: Final = 1e-17
-"""A sum below this part of what it has lost on the way is far less than rounding makes: in circuits
-whose halves are equal, differences are zero and come out as that. It is not told."""
-NOTHING: Final = 1e-22
-"""A sum below this part of what it has lost is zero in rows of twice the digits too: what is more
-may be a coefficient, and may be rounding of what the model was given."""
+ROUNDED: Final = 2.0**-96
+"""A sum below this part of what it has lost on the way is rounding of rows with twice the digits:
+2^-105 of its terms at each step, and some hundred steps."""
 SMALLEST: Final = 4
 """Entries that a row has room for at the least."""
 NOWHERE: Final = -1
@@ -76,6 +74,9 @@ class Elimination:
     """By what each entry is more than it was rounded to: rows have twice the digits of a number."""
     loss: Block
     """At least the size of the entry: rounding has moved it by no more than some units of this."""
+    one_drift: Block
+    """How far the entry moves if what is given moves one way, and another one."""
+    other_drift: Block
     read: Ints
     """Whether a bent law reads an unknown: it is left free where others can be solved for. Newton's
     method finds it to its last digit then, and where it is zero it is; a difference of others has
@@ -94,15 +95,17 @@ class Elimination:
     cell_row: Places
     cell_next: Places
     least: float
-    dropped: float
     doubted: bool
-    """Whether a sum was taken for zero that twice the digits do not make so."""
+    """Whether a sum was taken for rounding of what is given; twice the digits do not make it so."""
     # a row under way
     total: Floats
     over: Floats
     """By what each total is more than it was rounded to."""
     size: Floats
     lost: Floats
+    one_off: Floats
+    """How far each total moves if what is given moves one way, and another one."""
+    other_off: Floats
     met: Ints
     mark: Ints
     width: int
@@ -128,6 +131,8 @@ def make_elimination(unknowns: int, columns: int) -> Elimination:
     e.entry = make_block(SMALLEST * unknowns)
     e.rest = make_block(SMALLEST * unknowns)
     e.loss = make_block(SMALLEST * unknowns)
+    e.one_drift = make_block(SMALLEST * unknowns)
+    e.other_drift = make_block(SMALLEST * unknowns)
     e.read = ints(unknowns)
     e.last = ints(unknowns)
     e.weight = floats(unknowns)
@@ -141,6 +146,8 @@ def make_elimination(unknowns: int, columns: int) -> Elimination:
     e.over = floats(columns)
     e.size = floats(columns)
     e.lost = floats(columns)
+    e.one_off = floats(columns)
+    e.other_off = floats(columns)
     e.met = ints(columns)
     e.mark = ints(columns)
     e.place = ints(columns)
@@ -156,7 +163,6 @@ def begin_elimination(e: Elimination) -> None:
     """Forget all rows, and which unknowns are equal."""
     e.done = 0
     e.least = 1.0
-    e.dropped = 0.0
     e.doubted = False
     e.given = 0
     e.end = 0
@@ -179,27 +185,32 @@ def make_room(e: Elimination, k: int, many: int) -> None:
     grow_block(e.entry, e.end + room)
     grow_block(e.rest, e.end + room)
     grow_block(e.loss, e.end + room)
+    grow_block(e.one_drift, e.end + room)
+    grow_block(e.other_drift, e.end + room)
     for i in range(e.count[k]):
-        e.column.at[e.end + i] = e.column.at[e.first[k] + i]
-        e.entry.at[e.end + i] = e.entry.at[e.first[k] + i]
-        e.rest.at[e.end + i] = e.rest.at[e.first[k] + i]
-        e.loss.at[e.end + i] = e.loss.at[e.first[k] + i]
+        move_entry(e, e.first[k] + i, e.end + i)
     e.first[k] = e.end
     e.room[k] = room
     e.end += room
 
 
-def append_entry(
-    e: Elimination, k: int, column: int, value: float, rest: float, loss: float
-) -> None:
-    """Add an entry to row k; there is none in that column."""
+def move_entry(e: Elimination, at: int, to: int) -> None:
+    """Put a copy of an entry elsewhere."""
+    e.column.at[to] = e.column.at[at]
+    e.entry.at[to] = e.entry.at[at]
+    e.rest.at[to] = e.rest.at[at]
+    e.loss.at[to] = e.loss.at[at]
+    e.one_drift.at[to] = e.one_drift.at[at]
+    e.other_drift.at[to] = e.other_drift.at[at]
+
+
+def append_entry(e: Elimination, k: int, column: int) -> int:
+    """Add an entry to row k, in which there is none in that column; return where it stands."""
     make_room(e, k, e.count[k] + 1)
     at = e.first[k] + e.count[k]
     e.column.at[at] = column
-    e.entry.at[at] = value
-    e.rest.at[at] = rest
-    e.loss.at[at] = loss
     e.count[k] += 1
+    return at
 
 
 def note_user(e: Elimination, k: int, row: int) -> None:
@@ -251,26 +262,27 @@ def give(e: Elimination, column: int, value: float) -> None:
     e.given += 1
 
 
-def cancels(e: Elimination, total: float, size: float, lost: float) -> bool:
+def cancels(e: Elimination, total: float, size: float, lost: float, drift: float) -> bool:
     """Whether a sum of terms of that size is zero; note how sure that is.
 
-    It is where it is small, and no more than what rounding has made of terms on the way to it.
+    It is if it is small, and either what rows with twice the digits leave of zero or what rounding
+    of the numbers that were given makes of it: it would be something else if these moved. The
+    current of a leak is small beside the terms it is summed from, too, and moves by as much of
+    itself as what is given does of itself.
     """
     part = math.fabs(total)
     if part > CLEAR * size:
         return False
-    zero = part <= CANCELLATION * size and part <= ROUNDED * lost
+    zero = part <= CANCELLATION * size and part <= max(ROUNDED * lost, GIVEN * drift)
     if not zero:
         e.least = min(e.least, part / size)
-    elif part > NOTHING * lost:
+    elif part > ROUNDED * lost:
         e.doubted = True
-        if part > NOISE * size and part > SURELY * lost:
-            e.dropped = max(e.dropped, part / size)
     return zero
 
 
-def meet(e: Elimination, column: int, value: float, rest: float, loss: float) -> None:
-    """Add a term to the row under way, by what it is more than that, and what it has lost."""
+def meet(e: Elimination, column: int, value: float, rest: float) -> None:
+    """Add a term to the row under way, and by what it is more; not what it has lost."""
     if e.mark[column] == 0:
         e.mark[column] = 1
         e.met[e.width] = column
@@ -279,20 +291,21 @@ def meet(e: Elimination, column: int, value: float, rest: float, loss: float) ->
         e.over[column] = 0.0
         e.size[column] = 0.0
         e.lost[column] = 0.0
+        e.one_off[column] = 0.0
+        e.other_off[column] = 0.0
     before = e.total[column]
     e.total[column] = before + value
     e.over[column] += sum_rest(before, value, e.total[column]) + rest
     e.size[column] += math.fabs(value)
-    e.lost[column] += loss
 
 
 def meet_product(
     e: Elimination, column: int, factor: float, more: float, entry: float, rest: float
 ) -> None:
-    """Take a product away from the row under way; what it has lost is not added."""
+    """Take a product away from the row under way; not what it has lost."""
     product = factor * entry
     over = product_rest(factor, entry, product) + (factor * rest + more * entry)
-    meet(e, column, -product, -over, 0.0)
+    meet(e, column, -product, -over)
 
 
 def reduce_row(e: Elimination) -> None:
@@ -302,12 +315,20 @@ def reduce_row(e: Elimination) -> None:
         k = e.given_column[t]
         c = e.given_value[t]
         column = e.same[k] if k < e.unknowns else k
+        one = drift_of(c, ONE_WAY)
+        other = drift_of(c, OTHER_WAY)
         if column >= e.unknowns or e.solved[column] == 0:
-            meet(e, column, c, 0.0, math.fabs(c))
+            meet(e, column, c, 0.0)
+            e.lost[column] += math.fabs(c)
+            e.one_off[column] += one
+            e.other_off[column] += other
             continue
         for i in range(e.first[column], e.first[column] + e.count[column]):
-            meet_product(e, e.column.at[i], c, 0.0, e.entry.at[i], e.rest.at[i])
-            e.lost[e.column.at[i]] += math.fabs(c) * e.loss.at[i]
+            at = e.column.at[i]
+            meet_product(e, at, c, 0.0, e.entry.at[i], e.rest.at[i])
+            e.lost[at] += math.fabs(c) * e.loss.at[i]
+            e.one_off[at] -= c * e.one_drift.at[i] + one * e.entry.at[i]
+            e.other_off[at] -= c * e.other_drift.at[i] + other * e.entry.at[i]
     e.given = 0
     drop_zeros(e)
 
@@ -321,7 +342,8 @@ def drop_zeros(e: Elimination) -> None:
         total = e.total[at] + e.over[at]
         e.over[at] = sum_rest(e.total[at], e.over[at], total)
         e.total[at] = total
-        if not cancels(e, e.total[at], e.size[at], e.lost[at]):
+        drift = max(math.fabs(e.one_off[at]), math.fabs(e.other_off[at]))
+        if not cancels(e, e.total[at], e.size[at], e.lost[at], drift):
             e.met[kept] = at
             kept += 1
     e.width = kept
@@ -370,8 +392,12 @@ def solve_for(e: Elimination, pivot: int) -> None:
             product = value * scale
             rest = (e.total[k] - product) - product_rest(value, scale, product)
             rest = (rest + e.over[k] - value * e.over[pivot]) / scale
-            loss = e.lost[k] / math.fabs(scale) + math.fabs(value) * doubt
-            append_entry(e, pivot, k, value, rest, loss)
+            at = append_entry(e, pivot, k)
+            e.entry.at[at] = value
+            e.rest.at[at] = rest
+            e.loss.at[at] = e.lost[k] / math.fabs(scale) + math.fabs(value) * doubt
+            e.one_drift.at[at] = (e.one_off[k] - value * e.one_off[pivot]) / scale
+            e.other_drift.at[at] = (e.other_off[k] - value * e.other_off[pivot]) / scale
     e.solved[pivot] = 1
     e.used[pivot] = 0
     cell = e.user[pivot]
@@ -394,19 +420,21 @@ def replace_in(e: Elimination, user: int, pivot: int) -> None:
     first = e.first[user]
     for i in range(e.count[user]):
         e.place[e.column.at[first + i]] = i
-    c = e.entry.at[first + e.place[pivot]]
-    more = e.rest.at[first + e.place[pivot]]
-    doubt = e.loss.at[first + e.place[pivot]]
-    e.entry.at[first + e.place[pivot]] = 0.0
+    own = first + e.place[pivot]
+    c = e.entry.at[own]
+    e.entry.at[own] = 0.0
     for i in range(e.first[pivot], e.first[pivot] + e.count[pivot]):
         k = e.column.at[i]
-        change = c * e.entry.at[i]
-        over = product_rest(c, e.entry.at[i], change) + (c * e.rest.at[i] + more * e.entry.at[i])
+        put = e.entry.at[i]
+        change = c * put
+        over = product_rest(c, put, change) + (c * e.rest.at[i] + e.rest.at[own] * put)
         at = e.place[k]
         old = 0.0
         new = -change
         rest = -over
-        lost = math.fabs(c) * e.loss.at[i] + doubt * math.fabs(e.entry.at[i])
+        lost = math.fabs(c) * e.loss.at[i] + e.loss.at[own] * math.fabs(put)
+        one = -(c * e.one_drift.at[i] + e.one_drift.at[own] * put)
+        other = -(c * e.other_drift.at[i] + e.other_drift.at[own] * put)
         if at != NOWHERE:
             old = e.entry.at[first + at]
             total = old - change
@@ -414,20 +442,24 @@ def replace_in(e: Elimination, user: int, pivot: int) -> None:
             new = total + rest
             rest = sum_rest(total, rest, new)
             lost += e.loss.at[first + at]
-        if cancels(e, new, math.fabs(old) + math.fabs(change), lost):
+            one += e.one_drift.at[first + at]
+            other += e.other_drift.at[first + at]
+        size = math.fabs(old) + math.fabs(change)
+        if cancels(e, new, size, lost, max(math.fabs(one), math.fabs(other))):
             if at != NOWHERE:
                 e.entry.at[first + at] = 0.0
                 if k < e.unknowns:
                     e.used[k] -= 1
             continue
         if at == NOWHERE:
-            append_entry(e, user, k, new, rest, lost)
+            at = append_entry(e, user, k) - first
             if k < e.unknowns:
                 note_user(e, k, user)
-        else:
-            e.entry.at[first + at] = new
-            e.rest.at[first + at] = rest
-            e.loss.at[first + at] = lost
+        e.entry.at[first + at] = new
+        e.rest.at[first + at] = rest
+        e.loss.at[first + at] = lost
+        e.one_drift.at[first + at] = one
+        e.other_drift.at[first + at] = other
     tidy_row(e, user)
 
 
@@ -438,10 +470,7 @@ def tidy_row(e: Elimination, k: int) -> None:
     for i in range(e.count[k]):
         e.place[e.column.at[first + i]] = NOWHERE
         if e.entry.at[first + i] != 0.0:
-            e.column.at[first + kept] = e.column.at[first + i]
-            e.entry.at[first + kept] = e.entry.at[first + i]
-            e.rest.at[first + kept] = e.rest.at[first + i]
-            e.loss.at[first + kept] = e.loss.at[first + i]
+            move_entry(e, first + i, first + kept)
             kept += 1
     e.count[k] = kept
 

@@ -24,7 +24,6 @@ def copy_elimination(source: Elimination, e: Elimination) -> None:
     begin_elimination(e)
     e.done = source.done
     e.least = source.least
-    e.dropped = source.dropped
     e.doubted = source.doubted
     for k in range(e.unknowns):
         e.same[k] = source.same[k]
@@ -41,6 +40,8 @@ def copy_elimination(source: Elimination, e: Elimination) -> None:
             e.entry.at[e.first[k] + i] = source.entry.at[source.first[k] + i]
             e.rest.at[e.first[k] + i] = source.rest.at[source.first[k] + i]
             e.loss.at[e.first[k] + i] = source.loss.at[source.first[k] + i]
+            e.one_drift.at[e.first[k] + i] = source.one_drift.at[source.first[k] + i]
+            e.other_drift.at[e.first[k] + i] = source.other_drift.at[source.first[k] + i]
             if column < e.unknowns:
                 note_user(e, column, k)
         e.count[k] = source.count[k]
@@ -50,7 +51,6 @@ def repeat_elimination(source: Elimination, e: Elimination) -> None:
     """Make `e` go on from where another elimination with the same columns is, as that would."""
     e.done = source.done
     e.least = source.least
-    e.dropped = source.dropped
     e.doubted = source.doubted
     e.given = 0
     e.end = source.end
@@ -71,11 +71,15 @@ def repeat_elimination(source: Elimination, e: Elimination) -> None:
     grow_block(e.entry, e.end)
     grow_block(e.rest, e.end)
     grow_block(e.loss, e.end)
+    grow_block(e.one_drift, e.end)
+    grow_block(e.other_drift, e.end)
     for i in range(e.end):
         e.column.at[i] = source.column.at[i]
         e.entry.at[i] = source.entry.at[i]
         e.rest.at[i] = source.rest.at[i]
         e.loss.at[i] = source.loss.at[i]
+        e.one_drift.at[i] = source.one_drift.at[i]
+        e.other_drift.at[i] = source.other_drift.at[i]
     grow_places(e.cell_row, e.cells)
     grow_places(e.cell_next, e.cells)
     for i in range(e.cells):
@@ -101,8 +105,12 @@ def put_in(e: Elimination, known: Elimination, shift: int, told: Ints) -> None:
             continue
         e.width = 0
         for i in range(first, first + e.count[user]):
-            if e.place[e.column.at[i]] == NOWHERE:
-                meet(e, e.column.at[i], e.entry.at[i], e.rest.at[i], e.loss.at[i])
+            column = e.column.at[i]
+            if e.place[column] == NOWHERE:
+                meet(e, column, e.entry.at[i], e.rest.at[i])
+                e.lost[column] += e.loss.at[i]
+                e.one_off[column] += e.one_drift.at[i]
+                e.other_off[column] += e.other_drift.at[i]
         # in the order of what is told: sums follow it
         for k in range(known.unknowns):
             at = e.place[shift + k]
@@ -111,16 +119,23 @@ def put_in(e: Elimination, known: Elimination, shift: int, told: Ints) -> None:
             e.place[shift + k] = NOWHERE
             for i in range(known.first[k], known.first[k] + known.count[k]):
                 c = e.entry.at[at]
+                put = known.entry.at[i]
                 column = shift + known.column.at[i]
-                meet_product(e, column, c, e.rest.at[at], known.entry.at[i], known.rest.at[i])
-                e.lost[column] += math.fabs(c) * known.loss.at[i]
-                e.lost[column] += e.loss.at[at] * math.fabs(known.entry.at[i])
+                meet_product(e, column, c, e.rest.at[at], put, known.rest.at[i])
+                e.lost[column] += math.fabs(c) * known.loss.at[i] + e.loss.at[at] * math.fabs(put)
+                e.one_off[column] -= c * known.one_drift.at[i] + e.one_drift.at[at] * put
+                e.other_off[column] -= c * known.other_drift.at[i] + e.other_drift.at[at] * put
         drop_zeros(e)
         e.count[user] = 0
         make_room(e, user, e.width)
         for i in range(e.width):
             k = e.met[i]
-            append_entry(e, user, k, e.total[k], e.over[k], e.lost[k])
+            at = append_entry(e, user, k)
+            e.entry.at[at] = e.total[k]
+            e.rest.at[at] = e.over[k]
+            e.loss.at[at] = e.lost[k]
+            e.one_drift.at[at] = e.one_off[k]
+            e.other_drift.at[at] = e.other_off[k]
 
 
 def is_told(known: Elimination, shift: int, told: Ints, column: int) -> bool:

@@ -71,13 +71,11 @@ def look_at_digits(e: Engine, mode: Mode) -> None:
     """
     w = e.warned
     least = min(e.work.power.least, e.work.finite.least) if e.work.table.done > 0 else 1.0
-    dropped = max(e.work.power.dropped, e.work.finite.dropped)
-    if w.far_apart or mode.too_high or not (least < CLEAR or dropped > 0.0):
+    if w.far_apart or mode.too_high or not least < CLEAR:
         return
     w.far_apart = True
     begin_warning(w, FAR_APART, e.t)
     add_about(w, least)
-    add_about(w, dropped)
     for k in range(e.model.machines):
         add_about(w, float(mode.state[k]))
 
@@ -106,7 +104,7 @@ def make_equations(e: Engine, mode: Mode, given: Ints) -> None:
     plain = mode.finite_frees == 0
     for turn in range(TURNS):
         # constraints on what is stored, and what laws tie together, are told from structure, but
-        # for a leak that is lost
+        # where what is given does not fit to its last digit
         structured = e.work.table.done > 0 or (e.model.laws > 0 and not mode.doubted)
         if mode.dynamics > 0 or mode.too_high or structured:
             break
@@ -127,7 +125,7 @@ def loses_digits(e: Engine) -> bool:
     """Whether coefficients have come out as small differences of large ones."""
     power = e.work.power
     finite = e.work.finite
-    return min(power.least, finite.least) < CLEAR or max(power.dropped, finite.dropped) > 0.0
+    return min(power.least, finite.least) < CLEAR
 
 
 def level_of(m: Model, mode: Mode, k: int) -> float:

@@ -12,6 +12,7 @@ from hybond.engine.mode.limits import put_limits
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.reading import rates_by_knowns
 from hybond.engine.mode.solving import solve_in_step
+from hybond.engine.mode.standing import hold_standing
 from hybond.engine.mode.straight_rates import put_rates
 from hybond.engine.sliding.averages import blended_field, solve_here
 from hybond.engine.words import Floats
@@ -75,6 +76,8 @@ def field(e: Engine, mode: Mode, t: float, y: Floats, rate: Floats) -> int:
         return status
     if e.straight and not mode.closely:
         put_rates(e, t, y, rate)
+        if e.standing.some:
+            hold_standing(e, rate)
         return OK
     set_motion(e, v, t, y)
     if mode.dynamics == 0:
@@ -101,12 +104,15 @@ def field(e: Engine, mode: Mode, t: float, y: Floats, rate: Floats) -> int:
             v[m.bond_slot + b] = rate_closely(e, mode, b, w)
     for k in range(m.integrals):
         rate[m.storages + k] = value(m, m.integral_rate[k], v)
+    if e.standing.some:
+        hold_standing(e, rate)
     return OK
 
 
 def begin_field(e: Engine, mode: Mode) -> None:
-    """Write what does not change while time passes in a mode: its Booleans."""
+    """Write what does not change while time passes in a mode: its Booleans; nothing stands yet."""
     m = e.model
+    e.standing.some = False
     for k in range(2 * m.slots):
         e.v[k] = 0.0
     for k in range(m.switches + m.state_first[m.machines]):

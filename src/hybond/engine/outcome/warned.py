@@ -34,8 +34,6 @@ UNBOUNDED, LOST = 0, 2
 """Why what time does is not seen: as in `hybond.engine.run.courses_ahead`."""
 REBOUNDS, NO_SOLUTION, NO_SIGN, OPEN = 0, 1, 2, 3
 """Why a contact cannot rest: as in `hybond.engine.contacts.unrest`."""
-CLEAR = 1e-9
-"""A sum above this part of its terms has digits enough."""
 CREATED = 1e-9
 """Energy of a jump is rounding below this part of the largest in the run: as in the audit."""
 MYTHICAL, STEP = 0, 5
@@ -238,7 +236,7 @@ class Warnings:
         if kind == GUARD_AT_REST:
             return self._of_rest(now, numbers[0], numbers[1] != 0, *about[2:])
         if kind == FAR_APART:
-            return self._far_apart(about[0], about[1], tuple(numbers[2:]))
+            return self._far_apart(about[0], tuple(numbers[1:]))
         return self._of_surfaces(kind, now, numbers)
 
     def _of_swings(self, now: str, storage: int, off: float, size: float) -> str:
@@ -318,13 +316,11 @@ class Warnings:
         machine = next(m for m in self.graph.machines if m.path == path)
         return any(len(rule.reads) > 1 for rule in machine.rules if rule.source == 0)
 
-    def _far_apart(self, least: float, dropped: float, mode: Mode) -> str:
-        lost = f"{dropped:.0e} of its terms and counts as zero" if dropped else ""
-        few = f"{least:.0e} of its terms and has few digits" if least < CLEAR else ""
+    def _far_apart(self, least: float, mode: Mode) -> str:
         return (
             "elements lie too many powers of ten apart for the arithmetic: in mode "
-            f"({self.graph.mode_text(mode)}) a coefficient is {lost or few}; leave out what is "
-            "negligible, or check units"
+            f"({self.graph.mode_text(mode)}) a coefficient is {least:.0e} of its terms and has few "
+            "digits; leave out what is negligible, or check units"
         )
 
     def _of_surfaces(self, kind: int, now: str, numbers: list[int]) -> str:

@@ -31,9 +31,11 @@ from hybond.engine.methods.one_instant import room_of_instant
 from hybond.engine.methods.scale import is_unmoved, start_scale
 from hybond.engine.methods.stepping import retry, start, step
 from hybond.engine.mode.equations import mode_of
+from hybond.engine.mode.guess import give_back_guess, hold_guess
 from hybond.engine.mode.part_energies import join_parts
+from hybond.engine.mode.standing import find_standing
 from hybond.engine.mode.straight_rates import take_rates
-from hybond.engine.mode.values import begin_field
+from hybond.engine.mode.values import begin_field, field
 from hybond.engine.planar.stops import begin_slips
 from hybond.engine.run.carried import begin_again, cause_of_beginning, take_up, warm_up
 from hybond.engine.run.courses_ahead import begin_courses, end_ahead
@@ -427,6 +429,7 @@ def begin_flow(e: Engine, r: Run) -> int:
     if e.slide.k == 0:
         start_scale(e, e.mode)
     take_rates(e, e.mode)
+    see_standing(e)
     r.beyond = 0.0
     if m.courses > 0:
         begin_courses(e, r.locator.reads)
@@ -435,6 +438,20 @@ def begin_flow(e: Engine, r: Run) -> int:
     if begun == OK:
         hold_rates(e)
     return begun
+
+
+def see_standing(e: Engine) -> None:
+    """Find what stands in the motion that begins; nothing along surfaces, or where discs slip."""
+    if e.slide.k > 0 or e.model.groups > 0 or e.model.disks > 0:
+        return
+    refused = e.refusal
+    asked = e.evaluations
+    hold_guess(e, e.mode)
+    if field(e, e.mode, e.t, e.y, e.step.rate) == OK:
+        find_standing(e, e.step.rate)
+    give_back_guess(e, e.mode)
+    e.refusal = refused
+    e.evaluations = asked
 
 
 def is_at_edge(e: Engine, r: Run) -> bool:
