@@ -213,6 +213,25 @@ def test_refusal(spoil: Callable[[hb.Model], None], code: str, where: str) -> No
     assert error.hint
 
 
+@pytest.mark.parametrize("guard", ["true", "not false", "time >= 0 s", 'k.state == "b"'])
+def test_an_exit_that_waits_for_no_jump_is_told_what_does(guard: str) -> None:
+    """Where a jump keeps the sign of a speed, only the state itself says that it was written."""
+
+    def leaves(guard: str) -> hb.Model:
+        m = circuit()
+        m.add(hit=hb.Sf("0.5*pre(C.e)*1 [S]"), g=hb.Zero())
+        m.bond("n -> g -> hit")
+        machine(m, "a -> b when C.e > 5 V", f"b -> a when {guard}", a=[], b=["g"])
+        return m
+
+    with pytest.raises(hb.ModelError) as caught:
+        leaves(guard).flatten()
+    assert caught.value.code == "HB-M171"
+    told = 'pre(k.state == "b")'
+    assert caught.value.hint.endswith(told)
+    assert leaves(told).flatten().machines
+
+
 def test_the_sound_model_is_accepted() -> None:
     assert len(circuit().flatten().bonds) == 4
 
