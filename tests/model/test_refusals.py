@@ -232,6 +232,20 @@ def test_an_exit_that_waits_for_no_jump_is_told_what_does(guard: str) -> None:
     assert leaves(told).flatten().machines
 
 
+@pytest.mark.parametrize(
+    ("value", "told"), [("A", "1/A"), ("A + A", "1/(A + A)"), ("12 cm^2", "1/(12 cm^2)")]
+)
+def test_a_modulus_that_is_the_other_way_round_is_told(value: str, told: str) -> None:
+    """A cylinder's area is flow per speed, the modulus of its transformer pressure per force."""
+    m = hb.Model("cylinder", domain="hydraulic", parameters={"A": "12 cm^2"})
+    m.add(p=hb.Se("2 bar"), n=hb.Zero(), ram=hb.TF(value), mass=hb.I("3 kg"))
+    m.add(v=hb.One(domain="translational"))
+    m.bond("p -> n -> ram -> v -> mass")
+    with pytest.raises(hb.UnitError) as caught:
+        m.flatten()
+    assert f"write {told}," in caught.value.hint
+
+
 def test_the_sound_model_is_accepted() -> None:
     assert len(circuit().flatten().bonds) == 4
 
