@@ -1,4 +1,5 @@
 import math
+import re
 from fractions import Fraction
 
 import pytest
@@ -134,6 +135,12 @@ def test_refusals(text, code):
 def test_unknown_unit_names_the_nearest():
     with pytest.raises(UnitError, match="did you mean 'ohm'"):
         parse_unit("Ohm")
+
+
+@pytest.mark.parametrize("meant", ["m^2", "kg/m^3", "mm^2/N", "L/min^2", "s^-1"])
+def test_a_unit_whose_power_lacks_its_sign_is_told(meant):
+    with pytest.raises(UnitError, match=re.escape(f"did you mean '{meant}'?")):
+        parse_unit(meant.replace("^", ""))
 
 
 @pytest.mark.slow

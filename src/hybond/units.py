@@ -123,7 +123,6 @@ _MEANT = {
         "as": "A*s",
         "rps": "rev/s",
     },
-    **{"mm2": "mm^2", "cm2": "cm^2", "m2": "m^2", "mm3": "mm^3", "cm3": "cm^3", "m3": "m^3"},
     **{"coulomb": "C", "tesla": "T", "weber": "Wb", "siemen": "S", "millisecond": "ms"},
 }
 """What words mean that are no units."""
@@ -161,6 +160,19 @@ def _bad(text: str, why: str) -> UnitError:
     return UnitError(f"{text[:40]!r} {why}", code="HB-U104", hint=hint)
 
 
+def _no_unit(text: str, at: int) -> UnitError:
+    """Refuse a text that is no unit from a place on: of `m2`, say, where its ``^`` belongs."""
+    found = _bad(text, f"is not a unit from column {at + 1} on")
+    raised = re.sub(r"(?<=[^\W\d_])(?=-?[1-4](?!\w))", "^", text)
+    if raised != text and len(text) <= 40:
+        try:
+            _exact(raised)
+        except UnitError:
+            return found
+        found.hint = f"did you mean {raised!r}?"
+    return found
+
+
 @lru_cache(1024)
 def _exact(text: str) -> _Unit:
     """Return the exact factor and the dimension of a product of units."""
@@ -171,9 +183,9 @@ def _exact(text: str) -> _Unit:
     while at < len(source):
         match = _TOKEN.match(source, at)
         if match is None or (not complete and match["mark"] in ("*", "·", "/")) or at > 100:
-            raise _bad(text, f"is not a unit from column {at + 1} on")
+            raise _no_unit(text, at)
         if match["close"] and not complete:
-            raise _bad(text, f"is not a unit from column {at + 1} on")
+            raise _no_unit(text, at)
         at = match.end()
         if match["mark"] == "(":
             around.append(((factor, dimension), sign))

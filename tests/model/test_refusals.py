@@ -213,6 +213,39 @@ def test_refusal(spoil: Callable[[hb.Model], None], code: str, where: str) -> No
     assert error.hint
 
 
+@pytest.mark.parametrize("guard", ["true", "not false", "time >= 0 s", 'k.state == "b"'])
+def test_an_exit_that_waits_for_no_jump_is_told_what_does(guard: str) -> None:
+    """Where a jump keeps the sign of a speed, only the state itself says that it was written."""
+
+    def leaves(guard: str) -> hb.Model:
+        m = circuit()
+        m.add(hit=hb.Sf("0.5*pre(C.e)*1 [S]"), g=hb.Zero())
+        m.bond("n -> g -> hit")
+        machine(m, "a -> b when C.e > 5 V", f"b -> a when {guard}", a=[], b=["g"])
+        return m
+
+    with pytest.raises(hb.ModelError) as caught:
+        leaves(guard).flatten()
+    assert caught.value.code == "HB-M171"
+    told = 'pre(k.state == "b")'
+    assert caught.value.hint.endswith(told)
+    assert leaves(told).flatten().machines
+
+
+@pytest.mark.parametrize(
+    ("value", "told"), [("A", "1/A"), ("A + A", "1/(A + A)"), ("12 cm^2", "1/(12 cm^2)")]
+)
+def test_a_modulus_that_is_the_other_way_round_is_told(value: str, told: str) -> None:
+    """A cylinder's area is flow per speed, the modulus of its transformer pressure per force."""
+    m = hb.Model("cylinder", domain="hydraulic", parameters={"A": "12 cm^2"})
+    m.add(p=hb.Se("2 bar"), n=hb.Zero(), ram=hb.TF(value), mass=hb.I("3 kg"))
+    m.add(v=hb.One(domain="translational"))
+    m.bond("p -> n -> ram -> v -> mass")
+    with pytest.raises(hb.UnitError) as caught:
+        m.flatten()
+    assert f"write {told}," in caught.value.hint
+
+
 def test_the_sound_model_is_accepted() -> None:
     assert len(circuit().flatten().bonds) == 4
 

@@ -104,7 +104,16 @@ def _check_exits(graph: FlatGraph, machine: Machine, state: int) -> None:
         )
     for rule in exits:
         later = {n for n in posterior_names(rule.guard) if not n.startswith(("at:", "in:"))}
-        if later or not uses_pre(rule.guard):
+        if not later and not uses_pre(rule.guard):
+            raise ModelError(
+                f"the exit {rule.text!r} of a fieldless state does not wait for its jump, so the "
+                "state would be left before that is written",
+                code="HB-M171",
+                where=where,
+                hint="ask whether the state was there when something was written last: "
+                f'pre({machine.path}.state == "{machine.states[state]}")',
+            )
+        if later:
             raise ModelError(
                 f"the exit {rule.text!r} of a fieldless state reads a posteriori values, so the "
                 "state would be left before its jump is written",

@@ -155,7 +155,10 @@ class _Reader:
         hint = f"give a value in {wants or expected}, or declare the domain of {path!r}"
         if made:
             hint = f"give the parameter a unit that makes it {wants or expected}"
-        if self.node.kind in TWO_PORTS:
+        if self.node.kind in TWO_PORTS and found == expected**-1:
+            below = value if str(value).isidentifier() else f"({value})"
+            hint = f"the modulus is the other way round: write 1/{below}, or swap its ports"
+        elif self.node.kind in TWO_PORTS:
             hint += "; between two domains, declare that of a junction behind it: domain = ..."
         return UnitError(
             f"{value!r} is in {found}{made}; this place wants {wants or expected}{of}",

@@ -30,6 +30,7 @@ from hybond.engine.laws.ports import (
 from hybond.engine.mode.guess import give_back_guess, hold_guess
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.reach import reach_of
+from hybond.engine.mode.sizes import size_of
 from hybond.engine.mode.sources_of_time import rate_of_source
 from hybond.engine.mode.tableau import NET
 from hybond.engine.mode.values import set_values
@@ -127,7 +128,7 @@ def rates_of_linear(
 
 
 def find_sizes(e: Engine, p: Ports, a: Response) -> None:
-    """Find the size of the terms of each `y`: of knowns, and of bond variables themselves."""
+    """Find the size of the terms of each `y`, after a solution."""
     m = e.model
     mode = open_mode(e, p)
     for k in range(m.ports):
@@ -135,8 +136,7 @@ def find_sizes(e: Engine, p: Ports, a: Response) -> None:
         a.size[k] = 0.0
         for i in range(m.pair_first[row], m.pair_first[row + 1]):
             b = m.pair_column[i]
-            size = row_size(mode.finite, mode.same[b], e.work.xi) + math.fabs(a.bonds[b])
-            a.size[k] += math.fabs(m.pair_value[i]) * size
+            a.size[k] += math.fabs(m.pair_value[i]) * terms_of(e, mode, b)
 
 
 def couple(m: Model, p: Ports, a: Response) -> None:
@@ -211,7 +211,8 @@ def find_gains(e: Engine, r: Laws, p: Ports, v: Floats, gain: Floats) -> int:
 
     Modulated two-ports and controlled sources are affine in what ports give, so that a difference
     over any step is exact, but for the rounding of what is there without it, which is no gain;
-    through nonlinear resistors it is a chord.
+    through nonlinear resistors it is a chord. That rounding is measured by what Newton solved from:
+    the voltage of a coil is what supply and modulated gyrators leave of each other.
     """
     mode = open_mode(e, p)
     m = e.model
@@ -233,7 +234,7 @@ def find_gains(e: Engine, r: Laws, p: Ports, v: Floats, gain: Floats) -> int:
         return REFUSED
     for b in range(n):
         r.zero[b] = e.work.w[b]
-        r.zero_terms[b] = terms_of(e, mode, b)
+        r.zero_terms[b] = size_of(e, mode, b, e.work.xi, v)
     for k in range(m.ports):
         unit = unit_of(m, p, k, r.zero)
         r.l[k] = unit
@@ -250,8 +251,16 @@ def find_gains(e: Engine, r: Laws, p: Ports, v: Floats, gain: Floats) -> int:
 
 
 def terms_of(e: Engine, mode: Mode, b: int) -> float:
-    """Return the size of the terms of a bond variable, after a solution."""
-    return row_size(mode.finite, mode.same[b], e.work.xi) + math.fabs(e.work.w[b])
+    """Return the size of the terms of a bond variable, after a solution.
+
+    What Newton solves for, as the voltages of modulated gyrators, is among them.
+    """
+    w = e.work.w
+    frees = mode.finite_frees if mode.dynamics > 0 else 0
+    size = row_size(mode.finite, mode.same[b], e.work.xi) + math.fabs(w[b])
+    for j in range(frees):
+        size += math.fabs(mode.finite_free.at[b * frees + j] * w[mode.free_column[j]])
+    return size
 
 
 def unit_of(m: Model, p: Ports, k: int, w: Floats) -> float:
