@@ -207,3 +207,34 @@ def test_the_limit_of_friction_while_it_slips() -> None:
     lin = hb.linearise(hb.simulate(m, until="10 s"), inputs=["L"], outputs=["v.f"])
     assert lin.mode == {"v": "forward"}
     assert lin.transfer(s)[0, 0] == pytest.approx(-1 / (s + 2), rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("value", "gain"),
+    [
+        ("u", 1.0),  # a hundredth of what the input has at the start
+        ("2*u + 1", 1.0),
+        ("u + 3*cos(2*pi*150*time)", 1.0),
+        ("u*(1 - r.f/(10 A))", None),  # its own loop: u = 5 V is 0.5 ohm more
+    ],
+)
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_source_that_reads_an_input_is_asked(
+    value: str, gain: float | None, turned: bool
+) -> None:
+    m = hb.Model("rc", domain="electrical")
+    m.add(V=hb.Se(value), j=hb.One(), r=hb.R(10.0), c=hb.C(1e-4))
+    m.bond("j -> V" if turned else "V -> j", "j -> r", "j -> c")
+    m.input(u=5.0)
+    amplitude = None if gain else 0.01
+    found = hb.frequency_response(
+        m, input="V", output="c.e", frequencies=[100.0], amplitude=amplitude
+    )
+    s = 2j * np.pi * found.frequencies[0]
+    way = -1.0 if turned else 1.0
+    resistance = 10.0 if gain else 10.0 + way * 0.5
+    assert found.ok
+    assert abs(found.response[0] - way / (1 + s * resistance * 1e-4)) < 1e-3
+    if gain is None:
+        with pytest.raises(hb.UsageError, match="HB-A509"):
+            hb.frequency_response(m, input="V", output="c.e", frequencies=[100.0])

@@ -4,7 +4,9 @@ from pathlib import Path
 
 import pytest
 
+from hybond.cli.arguments import parse
 from hybond.cli.main import main
+from hybond.errors import UsageError
 
 MODEL = """
 hybond = 1
@@ -101,3 +103,26 @@ def test_a_sweep_that_cannot_begin_leaves_no_folder(
     told = capsys.readouterr().err
     assert "HB-P107" in told and "the plan is another" in told and "SciPy" not in told
     assert sorted(p.name for p in folder.rglob("*")) == kept
+
+
+@pytest.mark.parametrize(
+    ("words", "many"),
+    [
+        ("measure m.toml --until 1s mean(x) rms(x)", ["mean(x)", "rms(x)"]),
+        ("measure m.toml mean(x) --json rms(x)", ["mean(x)", "rms(x)"]),
+        ("measure --set a=1 m.toml mean(x) --until 1s rms(x) --json max(x)",
+         ["mean(x)", "rms(x)", "max(x)"]),
+        ("fit m.toml one.csv --free a two.csv", ["one.csv", "two.csv"]),
+        ("fit m.toml --free a one.csv two.csv", ["one.csv", "two.csv"]),
+    ],
+)  # fmt: skip
+def test_options_may_stand_between_words_of_a_list(words: str, many: list[str]) -> None:
+    given = parse(words.split())
+    assert given.file == "m.toml"
+    assert (given.measures if given.verb == "measure" else given.data) == many
+
+
+@pytest.mark.parametrize("words", ["run m.toml --until 1s 2s", "measure m.toml x --jsn y"])
+def test_what_is_no_list_takes_no_more_words(words: str) -> None:
+    with pytest.raises(UsageError, match="HB-X101"):
+        parse(words.split())

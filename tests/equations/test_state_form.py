@@ -330,3 +330,50 @@ def test_bonds_either_way_with_a_switch_that_closes_at_the_start(turned) -> None
     assert eq.at({"S": "off"}).E.tolist() != eq.at({"S": "on"}).E.tolist()
     run = hb.simulate(m, until=0.1)
     assert [e.t for e in run.events] == [0.0] and run.mode == {"S": "on"}
+
+
+PLAIN = {"f": "50 Hz", "e": "2 V", "q": 3.0, "p": 2.0, "e1": 4.0, "f2": 5.0}
+
+
+def plain(part, *, turned) -> hb.Model:
+    """Parameters that have the names of an element's own variables."""
+    m = hb.Model("plain", domain="electrical", parameters=PLAIN)
+    m.add(V=hb.Se("e*sin(2*pi*f*time)"), i=hb.One(), L=hb.I("1 H"), x=part, j=hb.One(), C=hb.C(1))
+    far = "x.1 -> i" if turned else "i -> x.1"
+    m.bond("V -> i -> L", far, "x.2 -> j" if not turned else "j -> x.2", "j -> C")
+    return m
+
+
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize(
+    ("part", "gains"),
+    [
+        # of L.p' by C.q, and of C.q' by L.p, with V + ... -> x -> ...
+        (hb.TF("q"), (-3.0, 3.0)),
+        (hb.TF("p*q"), (-6.0, 6.0)),
+        (hb.TF("e1"), (-4.0, 4.0)),
+    ],
+)
+def test_a_plain_value_may_read_parameters_named_like_own_variables(part, gains, turned) -> None:
+    m = plain(part, turned=turned)
+    a = hb.state_equations(m).at(()).A
+    np.testing.assert_allclose(np.abs([a[0, 1], a[1, 0]]), np.abs(gains), rtol=1e-15)
+    np.testing.assert_array_equal(a, hb.state_equations(m, symbolic=False).at(()).A)
+    text = str(hb.state_equations(m))
+    assert "V = e*sin(6.283185307179586*f*time)" in text
+    assert "law:" not in text and "V.e" not in text
+
+
+def test_values_of_a_field_may_read_parameters_named_like_own_variables() -> None:
+    m = hb.Model("coils", domain="electrical", parameters=PLAIN)
+    m.add(a=hb.R([["e1", "f2/10"], ["f2/10", "p"]]), j=hb.One(), k=hb.One(), L=hb.I(1), M=hb.I("q"))
+    m.bond("j -> a.1", "j -> L", "k -> a.2", "k -> M")
+    a = hb.state_equations(m).at(()).A
+    np.testing.assert_allclose(a, [[-4, -0.5 / 3], [-0.5, -2 / 3]], rtol=1e-15)
+
+
+def test_a_formula_reads_its_own_variables_all_the_same() -> None:
+    m = hb.Model("own", domain="electrical", parameters=PLAIN)
+    m.add(r=hb.R({"e": "p*f"}), j=hb.One(), L=hb.I(1))
+    m.bond("j -> r", "j -> L")
+    assert hb.state_equations(m).at(()).A.tolist() == [[-2.0]]

@@ -188,3 +188,26 @@ def test_a_measurement_is_a_number_and_more(discharge: hb.Result) -> None:
     assert (float(copy), copy.unit, copy.t) == (10.0, "V", 0.0)
     assert str(m) == "10 V" and f"{m:.1f}" == "10.0"
     assert m.to_dict() == {"value": 10.0, "unit": "V", "start": 0.0, "end": 3.0, "t": 0.0}
+
+
+@pytest.mark.parametrize("beyond", [0.01, 1e-3, -0.004])
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_a_top_beside_the_end_of_a_step(way: float, beyond: float) -> None:
+    """A stone is at its top 1 s after it was thrown, and something ends its step beside that."""
+    m = hb.Model("stone", domain="translational")
+    m.add(weight=hb.Se(-9.81 * way), stone=hb.I(1.0, f=9.81 * way), v=hb.One())
+    m.bond("weight -> v -> stone")
+    m.signal(h=hb.Integral("v.f"))
+    m.machine("clock", states={"a": [], "b": []}, start="a",
+              rules=[f"a -> b when time >= {1 + beyond}"])  # fmt: skip
+    run = hb.simulate(m, "2 s")
+    best = "max" if way > 0 else "min"
+    top = getattr(run["h"], best)()
+    assert (float(top), top.t) == pytest.approx((way * 9.81 / 2, 1.0), rel=1e-12)
+    assert float(run["h"].peak_to_peak()) == pytest.approx(9.81 / 2, rel=1e-12)
+    # a level that is reached within a millisecond of the top only
+    near = 1e-3
+    level = way * (9.81 / 2 - 9.81 / 2 * near**2)
+    assert [c.t for c in run["h"].crossings(level)] == pytest.approx([1 - near, 1 + near], rel=1e-9)
+    table = hb.sweep(m, hb.Plan({"stone.f": [9.81 * way]}), until="2 s", collect=f"{best}(h)")
+    assert table[f"{best}(h)"][0] == pytest.approx(way * 9.81 / 2, rel=1e-12)

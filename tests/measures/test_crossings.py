@@ -38,6 +38,27 @@ def test_jumps_across(waves: hb.Result) -> None:
     assert float(waves["pulse"].frequency("1", end="0.09 s")) == pytest.approx(50.0, rel=1e-9)
 
 
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize("early", [0.0, 0.3])
+@pytest.mark.parametrize(
+    ("bias", "part"),
+    [(0.0, 1 / 2), (-5.0, 1 / 3), (5.0, 2 / 3)],
+)
+def test_the_duty_of_what_rests_at_the_level(
+    turned: bool, early: float, bias: float, part: float
+) -> None:
+    """A diode's current is zero for a part of each period, and above zero for the rest."""
+    m = hb.Model("half", domain="electrical")
+    m.add(V=hb.Se(f"{bias} [V] + 10 [V]*sin(2*pi*50*time/(1 s) + {early})"))
+    m.add(d=hb.One(law="diode"), r=hb.R(10.0))
+    m.bond("V -> d", "r -> d" if turned else "d -> r")
+    run = hb.simulate(m, "100 ms")
+    for window in ({}, {"period": "20 ms", "periods": 2}, {"start": "13 ms", "end": "53 ms"}):
+        assert float(run["d.f"].duty(0.0, **window)) == pytest.approx(part, rel=1e-9)
+    assert float(run["-d.f"].duty(0.0)) == pytest.approx(0.0, abs=1e-12)
+    assert float(run["d.f + 1 [A]"].duty("1 A")) == pytest.approx(part, rel=1e-9)
+
+
 def test_a_jump_of_the_run_is_a_crossing(ball: hb.Result) -> None:
     bounces = ball["v.f"].crossings(end="5 s")
     ups = [c for c in bounces if c.edge == "rise"]

@@ -168,3 +168,41 @@ def test_a_file_that_no_run_has_written_is_refused(tmp_path: Path, spoil: object
     with pytest.raises(hb.UsageError) as error:
         hb.simulate(model, "2 s", start=path)
     assert error.value.code in ("HB-S134", "HB-S135")
+
+
+def crank(law: hb.C | None = None, *, turned: bool = False) -> hb.Model:
+    """A piston that follows its crank: what it stores is tied to what the crank stores."""
+    m = hb.Model("crank", domain="rotational", parameters={"r": "40 mm", "l": "120 mm"})
+    m.add(T=hb.Se("2 N*m"), w=hb.One(), fly=hb.I("0.02 kg*m^2", f="30 rad/s"))
+    m.add(rod=hb.TF("r*sin(phi)*(1 + r*cos(phi)/sqrt(l^2 - r^2*sin(phi)^2))"))
+    m.add(v=hb.One(domain="translational"), piston=hb.I("0.4 kg", domain="translational"))
+    m.bond("T -> w -> fly", "w -> rod -> v", "piston -> v" if turned else "v -> piston")
+    if law is not None:
+        m.add(gas=law)
+        m.bond("v -> gas")
+    m.signal(phi=hb.Integral("w.f", start=0.5))
+    return m
+
+
+@pytest.mark.parametrize(
+    "model",
+    [
+        crank(),
+        crank(turned=True),
+        crank(hb.C({"e": "300 [N]*((100 [mm])/(100 [mm] - q) - 1)"}, domain="translational")),
+    ],
+    ids=["idle", "turned", "gas"],
+)
+def test_a_state_within_a_step_keeps_what_its_mode_ties_together(model: hb.Model) -> None:
+    run = hb.simulate(model, "0.5 s")
+    state = run.state("0.37 s")
+    stored = {**state.stored, **state.signals}
+    assert stored == {name: run[name].at(0.37) for name in stored}
+    phi, w = state.signals["phi"], state.stored["fly.p"] / 0.02
+    ratio = 0.04 * math.sin(phi)
+    ratio *= 1 + 0.04 * math.cos(phi) / math.sqrt(0.12**2 - (0.04 * math.sin(phi)) ** 2)
+    speed = abs(state.stored["piston.p"]) / 0.4
+    assert speed == pytest.approx(abs(ratio * w), rel=1e-14)
+    again = hb.simulate(model, "0.5 s", start=state)
+    for name, value in run.final.items():
+        assert again.final[name] == pytest.approx(value, rel=1e-6), name

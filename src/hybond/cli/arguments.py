@@ -33,6 +33,8 @@ from hybond.errors import UsageError
 from hybond.names import did_you_mean
 from hybond.options import MADE
 
+MANY = {"measure": "measures", "fit": "data"}
+"""The words of a verb of which there may be many."""
 VERBS = {
     "demo": "draw and run an example, or a folder of them",
     "new": "write a small model to start from",
@@ -108,6 +110,10 @@ def parse(argv: list[str]) -> Namespace:
             hint=did_you_mean(argv[0], VERBS),
         )
     given, rest = parser.parse_known_args(argv)
+    if argv[0] in MANY and not any(word.startswith("-") for word in rest):
+        # the parser fills a list from the words that stand together; options may stand between
+        getattr(given, MANY[argv[0]]).extend(rest)
+        rest = []
     if rest:
         raise unknown_option(parser, argv[0], rest)
     return given

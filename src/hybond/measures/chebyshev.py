@@ -97,8 +97,18 @@ def turning_points(c: Vector, sign: float) -> tuple[NDArray[np.intp], Vector]:
     inside = (fine[:, 1:-1] >= fine[:, :-2]) & (fine[:, 1:-1] >= fine[:, 2:])
     flat = (fine[:, 1:-1] == fine[:, :-2]) & (fine[:, 1:-1] == fine[:, 2:])
     piece, at = np.nonzero(inside & ~flat)
-    slope = np.asarray(sign * np.polynomial.chebyshev.chebder(c[piece], axis=1), dtype=float)
     low, high = _FINE[at].copy(), _FINE[at + 2].copy()
+    # one that is nearer to an end of its piece than to the point beside that end is no higher
+    # there than at the end: slopes tell
+    slope = np.asarray(sign * np.polynomial.chebyshev.chebder(c, axis=1), dtype=float)
+    for first, last, end, beside in ((0, 1, 0, 1), (-2, -1, -1, -2)):
+        falls = evaluate(slope, np.full(len(c), _FINE[last])) < 0.0
+        turns = (evaluate(slope, np.full(len(c), _FINE[first])) > 0.0) & falls
+        rest = np.flatnonzero(turns & (fine[:, end] >= fine[:, beside]))
+        piece = np.concatenate([piece, rest])
+        low = np.concatenate([low, np.full(len(rest), _FINE[first])])
+        high = np.concatenate([high, np.full(len(rest), _FINE[last])])
+    slope = slope[piece]
     for _ in range(54):
         middle = 0.5 * (low + high)
         rising = evaluate(slope, middle) > 0.0

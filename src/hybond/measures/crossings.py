@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -81,16 +81,15 @@ def crossings_of(
     up = (above[:-1] < 0.0) & (above[1:] >= 0.0)
     down = (above[:-1] > 0.0) & (above[1:] <= 0.0)
     at = np.flatnonzero({"rise": up, "fall": down}.get(edge, up | down))
-    low, high, rising = points.t[at].copy(), points.t[at + 1].copy(), up[at]
+    rising = up[at]
     segment = points.segment[at + 1]
     jump = segment != points.segment[at]
-    for _ in range(64):
-        middle = 0.5 * (low + high)
-        if not ((low < middle) & (middle < high)).any():
-            break
-        value = reader(segment, middle) - level
-        there = np.where(rising, value >= 0.0, value <= 0.0)
-        low, high = np.where(there, low, middle), np.where(there, middle, high)
+
+    def there(t: Vector) -> NDArray[np.bool_]:
+        value = reader(segment, t) - level
+        return np.where(rising, value >= 0.0, value <= 0.0)
+
+    high = _bisected(points.t[at], points.t[at + 1], there)
     return tuple(
         Crossing(t, "rise" if r else "fall", j)
         for t, r, j in zip(high.tolist(), rising.tolist(), jump.tolist(), strict=True)
@@ -186,15 +185,34 @@ def duty_of(
     run: Result, name: str, level: float, window: Window, *, tolerance: float = TOLERANCE
 ) -> Measurement:
     """Return the part of a window in which a signal is above a level."""
-    points = crossings_of(run, name, level, window, tolerance=tolerance)
     reader = Reader(run, name)
-    edges = np.array([window.start, *(c.t for c in points), window.end])
-    middle = 0.5 * (edges[1:] + edges[:-1])
-    starts = np.array(run.trace.segments.times)
-    segment = np.maximum(np.searchsorted(starts, middle, side="right") - 1, 0)
-    above = reader(segment, middle) > level
-    part = float(np.diff(edges)[above].sum()) / window.length
+    points = _points(reader, level, window, tolerance)
+    # not between crossings: what rests at the level, as the current of a diode at zero, and then
+    # rises has crossed nothing
+    # and rounding is not above it
+    least = level + NOISE * max(abs(level), float(np.abs(points.y).max()))
+    above = points.y > least
+    at = np.flatnonzero(above[:-1] != above[1:])
+    segment, before = points.segment[at + 1], above[at]
+    turns = _bisected(
+        points.t[at], points.t[at + 1], lambda t: (reader(segment, t) > least) != before
+    )
+    edges = np.array([window.start, *turns.tolist(), window.end])
+    held = np.concatenate([above[:1], above[at + 1]])
+    part = float(np.diff(edges)[held].sum()) / window.length
     return Measurement(part, About("", window.start, window.end))
+
+
+def _bisected(low: Vector, high: Vector, is_there: Callable[[Vector], NDArray[np.bool_]]) -> Vector:
+    """Return the first instants at which something holds that does at `high` and not at `low`."""
+    low, high = low.copy(), high.copy()
+    for _ in range(64):
+        middle = 0.5 * (low + high)
+        if not ((low < middle) & (middle < high)).any():
+            break
+        there = is_there(middle)
+        low, high = np.where(there, low, middle), np.where(there, middle, high)
+    return high
 
 
 def too_few(name: str, level: float, found: Sequence[Crossing], wanted: int) -> UsageError:

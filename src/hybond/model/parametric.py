@@ -67,10 +67,12 @@ class _Reading:
         }
         if self.scope.index:
             self.names[self.scope.index] = self.scope.parameters[self.scope.index]
+        # As in `lawbook`, in a formula alone: a plain value may read a parameter `f`.
+        self.locals: dict[str, Expr] = {}
         for k in range(len(node.ends)):
             for variable in variables:
                 name = f"{variable}{k + 1 if many else ''}"
-                self.names[name] = Name(f"law:{name}")
+                self.locals[name] = Name(f"law:{name}")
         self.own: dict[str, float] = {}
 
     def read(self) -> Parametric:
@@ -81,8 +83,9 @@ class _Reading:
             return self._matrix()
         return self._plain()
 
-    def _tree(self, value: Any) -> Expr:
-        tree = self.resolver.resolve(literal(value, self.where), self.scope, self.where, self.names)
+    def _tree(self, value: Any, *, local: bool = False) -> Expr:
+        names = {**self.names, **self.locals} if local else self.names
+        tree = self.resolver.resolve(literal(value, self.where), self.scope, self.where, names)
         return simplify(without_units(tree))
 
     def _named(self, name: str, value: float) -> Expr:
@@ -132,7 +135,7 @@ class _Reading:
         for entries in rows:
             total: Expr = Number(0.0)
             for k, entry in enumerate(entries):
-                total = Binary("+", total, Binary("*", entry, self.names[f"{argument}{k + 1}"]))
+                total = Binary("+", total, Binary("*", entry, self.locals[f"{argument}{k + 1}"]))
             expressions.append(simplify(total))
         return Parametric(tuple(rows), tuple(expressions), self.own)
 
@@ -146,7 +149,7 @@ class _Reading:
             texts = list(texts[0])
         if any(isinstance(t, Mapping) for t in texts):
             return Parametric(None, law.expressions, {})
-        expressions = tuple(self._tree(t) for t in texts)
+        expressions = tuple(self._tree(t, local=True) for t in texts)
         if law.matrix is None:
             return Parametric(None, expressions, {})
         argument = self.node.about.energy or ("f" if law.output == "e" else "e")

@@ -25,7 +25,7 @@ from hybond.calls import called
 from hybond.errors import NumericsError, UsageError
 from hybond.measures.naming import read_name
 from hybond.model.builder import Model
-from hybond.model.expressions import Name, compile_expression
+from hybond.model.expressions import Expr, Name, compile_expression, names
 from hybond.model.graph import FlatGraph
 from hybond.model.inputs import Waveform
 from hybond.model.kept import kept_graph
@@ -335,17 +335,12 @@ def _amplitude(graph: FlatGraph, name: str, given: float | str | None) -> tuple[
     inputs = {i.path: i for i in graph.inputs}
     if name in inputs:
         unit = input_unit(graph, inputs[name].index)
-        wave: Waveform = inputs[name].waveform
-        value = wave.value(0.0, wave.piece(0.0))
+        value = _input_at_start(inputs[name].waveform)
     else:
         node = graph.nodes[source_of(graph, name)]
         assert node.law is not None
         unit = unit_of(Name(f"{'e' if node.kind == 'Se' else 'f'}:{node.ends[0].bond}"), graph)
-        law = node.law.expressions[0]
-        try:
-            value = float(compile_expression(law, {"time": 0}, pre_offset=0)([0.0]))
-        except KeyError:
-            value = 0.0
+        value = _at_start(graph, node.law.expressions[0])
     if given is not None:
         quantity = try_quantity(given) if isinstance(given, str) else None
         number = given if not isinstance(given, str) else quantity.value if quantity else np.nan
@@ -366,6 +361,19 @@ def _amplitude(graph: FlatGraph, name: str, given: float | str | None) -> tuple[
             hint=f"give one: amplitude={'1 ' + unit if unit else 0.01!r}",
         )
     return SMALL * abs(value), unit
+
+
+def _input_at_start(wave: Waveform) -> float:
+    return wave.value(0.0, wave.piece(0.0))
+
+
+def _at_start(graph: FlatGraph, law: Expr) -> float:
+    """Return what a source has at the start; zero if that takes more than time and inputs."""
+    known = {f"u:{i.index}": _input_at_start(i.waveform) for i in graph.inputs} | {"time": 0.0}
+    if not names(law) <= known.keys():
+        return 0.0
+    slots = {name: k for k, name in enumerate(known)}
+    return float(compile_expression(law, slots, pre_offset=0)(list(known.values())))
 
 
 def _text(value: float, unit: str) -> str:

@@ -10,6 +10,7 @@ from hybond.engine.outcome.beginnings import place_of
 from hybond.engine.outcome.combinations import ALONE, Combination
 from hybond.engine.outcome.signals import Signals
 from hybond.errors import UsageError
+from hybond.model.expressions import Name
 from hybond.model.fingerprint import fingerprint_of
 from hybond.model.graph import FlatGraph, Mode
 from hybond.model.unit_words import unit_of
@@ -86,4 +87,11 @@ def _within(
         state, mode = signals.rest(segment, t)
         return state[:n].tolist(), mode, segment.landed, ALONE
     made = segment.combined if isinstance(segment.combined, Combination) else ALONE
-    return segment.at(t)[:n].tolist(), segment.mode, segment.landed, made
+    if t in segment.t:
+        return segment.at(t)[:n].tolist(), segment.mode, segment.landed, made
+    # the polynomial of a step is off the constraints of its mode by its error, which a run that
+    # starts there would begin with: so what is read there, put back on them
+    names = [Name(f"x:{s.index}") for s in graph.storages]
+    names += [Name(f"s:{i.index}") for i in graph.integrals]
+    found = signals.of(segment, names, np.array([t]))
+    return [float(v[0]) for v in found], segment.mode, segment.landed, made

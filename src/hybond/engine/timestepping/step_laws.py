@@ -195,7 +195,7 @@ def ask_laws(e: Engine, s: Stepping, c: Coupled, bounces: bool) -> bool:
         broken = False
         for k in range(n):
             slides = r.resting[k] != 0 and p.branch[k] != 0
-            if slides and not is_held_by_others(m, r, k):
+            if slides and not is_held_by_others(m, r, k) and not rests_on_others(c, p, k):
                 r.resting[k] = 0
                 broken = True
         if broken:
@@ -212,8 +212,24 @@ def ask_laws(e: Engine, s: Stepping, c: Coupled, bounces: bool) -> bool:
         return True
 
 
+def rests_on_others(c: Coupled, p: LawProblem, k: int) -> bool:
+    """Whether friction at its breakaway does not move, and diodes or contacts may hold, too.
+
+    What leans on a stop is held by both; how much by either is open, and nothing breaks loose.
+    """
+    if p.open[k] == 0:
+        return False
+    for j in range(p.n):
+        if j != k and p.role[j] == ONE_SIDED and c.m.at[k * p.n + j] != 0.0:
+            return True
+    return False
+
+
 def keep_idle_branches(e: Engine, s: Stepping, c: Coupled) -> None:
-    """Leave the branches as they were of laws where either fits: nothing has happened there."""
+    """Leave the branches as they were of laws where either fits: nothing has happened there.
+
+    Friction that has come to rest at its limit rests, and holds up to its breakaway from then on.
+    """
     r = e.laws
     p = r.problem
     n = p.n
@@ -233,7 +249,8 @@ def keep_idle_branches(e: Engine, s: Stepping, c: Coupled) -> None:
             )
         p.open[k] = 1 if either else 0
         if either:
-            s.branch[k] = r.start[k]
+            rests = e.model.port_breakaway[k] != NO_LAW_VALUE and p.role[k] == TWO_SIDED
+            s.branch[k] = 0 if rests and e.model.port_planar[k] == 0 else r.start[k]
 
 
 def keeps_laws(e: Engine, s: Stepping, c: Coupled) -> bool:

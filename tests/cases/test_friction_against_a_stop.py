@@ -1,0 +1,45 @@
+"""What leans on a stop with dry friction, in fixed steps: it leaves at its breakaway."""
+
+from __future__ import annotations
+
+import pytest
+
+import hybond as hb
+
+
+def pressed(start: tuple[float, float], *, turned: bool) -> hb.Model:
+    """1 kg pressed by 5 N against a stop, until the force falls from 1 s on, 4 N a second.
+
+    At -2 N, after 2.75 s, friction lets go and goes on with 1 N: ``v' = -(2 + 4 s - 1)``.
+    """
+    m = hb.Model("pressed", domain="translational")
+    speed, gap = start
+    m.add(F=hb.Se("if time < 1 [s] then 5 [N] else 5 [N] - 4 [N/s]*(time - 1 [s])"))
+    m.add(mass=hb.I(1.0, f=-speed if turned else speed), wall=hb.Sf(0.0))
+    m.add(v=hb.One(law="coulomb", limit="1 N", breakaway="2 N"))
+    m.add(stop=hb.Zero(law="unilateral", gap=f"{gap} - x", restitution=0.2))
+    m.bond("F -> v", "mass -> v" if turned else "v -> mass", "v -> stop -> wall")
+    m.signal(x=hb.Integral("v.f"))
+    return m
+
+
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize("start", [(0.02, 0.001), (0.1, 0.01), (0.4, 0.003)])
+@pytest.mark.parametrize("theta", [0.5, 1.0])
+def test_friction_that_leans_on_a_stop_holds_up_to_its_breakaway(
+    start: tuple[float, float], theta: float, turned: bool
+) -> None:
+    model = pressed(start, turned=turned)
+    run = hb.simulate(model, "3.2 s", solver="moreau-jean", step="1 ms", theta=theta)
+    located = hb.simulate(model, "3.2 s")
+    s = 3.2 - 2.75
+    for found, within in ((run, 3e-3), (located, 1e-9)):
+        last = found.events[-1]
+        assert "backward" in [f.target for v in last.steps for f in v.fired]
+        assert last.t == pytest.approx(2.75, abs=1.1e-3 if found is run else 1e-9)
+        x = start[1] - s**2 / 2 - 4 * s**3 / 6
+        assert found.final["x"] == pytest.approx(x, abs=within)
+    # at rest both carry the push of 3 N, half each: no more than friction holds
+    assert run["v.e"].at(1.5) == pytest.approx(1.5, abs=2e-3)
+    assert run["stop.e"].at(1.5) == pytest.approx(1.5, abs=2e-3)
+    assert run.mode["v"] == "backward"
