@@ -6,6 +6,7 @@ Needs Python 3.11 and nothing else: it makes a virtual environment in .venv and 
 import hashlib
 import os
 import runpy
+import shutil
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
@@ -52,22 +53,41 @@ def quiet(*command, **more):
     return done.returncode, done.stdout
 
 
-def install(wanted, *, compiles):
-    """Install what is wanted; return the exit code and output of pip.
+def compiling():
+    """Begin to compile the engine, which needs nothing installed; None if pip is to do that.
 
-    pip takes one core for as long as a C compiler takes another for the engine: they go beside each
-    other, unless pip has to fetch the compiler.
+    A C compiler takes one core for as long as what makes the environment takes another: they go
+    beside each other, unless pip has to fetch the compiler.
     """
-    # what is never imported is never compiled: that took pip half of its time
-    pip = (PYTHON, "-m", "pip", "install", "--quiet", "--no-compile", *wanted)
     compiler = ROOT / "src" / "hybond" / "engine" / "compiled" / "compiler.py"
-    if not compiles or runpy.run_path(str(compiler))["wants_zig"]():
-        return quiet(*pip)
-    with ThreadPoolExecutor() as beside:
-        engine = beside.submit(quiet, PYTHON, ROOT / "hatch_build.py")
-        code, output = quiet(*pip, HYBOND_COMPILED_BESIDE="1")
-        print(engine.result()[1], end="", flush=True)
-    return code, output
+    if runpy.run_path(str(compiler))["wants_zig"]():
+        return None
+    return subprocess.Popen(
+        [sys.executable, str(ROOT / "hatch_build.py")],
+        cwd=ROOT,
+        env=ENV,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        encoding="utf-8",
+        errors="replace",
+    )
+
+
+def make_venv():
+    """Make .venv anew, by whichever module does; exit where none does."""
+    for module in ("venv", "virtualenv"):
+        quiet(sys.executable, "-m", module, "--clear", VENV)
+        if PYTHON.exists() and quiet(PYTHON, "-c", PROBE)[0] == 0:
+            return
+    sys.exit(NO_VENV.format(python=sys.executable))
+
+
+def install(wanted, **more):
+    """Install what is wanted; exit with what pip says where it cannot."""
+    # what is never imported is never compiled: that took pip half of its time
+    code, output = quiet(PYTHON, "-m", "pip", "install", "--quiet", "--no-compile", *wanted, **more)
+    if code:
+        sys.exit(f"{output}\npip could not install hybond (exit code {code}).")
 
 
 def make_environment(extras):
@@ -84,13 +104,6 @@ def make_environment(extras):
     if installed[:1] == [digest] and extras <= {*installed}:
         return
     print("Installing hybond into .venv (the first time takes a minute or two) ...", flush=True)
-    for module in () if usable else ("venv", "virtualenv"):
-        quiet(sys.executable, "-m", module, "--clear", VENV)
-        usable = PYTHON.exists() and quiet(PYTHON, "-c", PROBE)[0] == 0
-        if usable:
-            break
-    if not usable:
-        sys.exit(NO_VENV.format(python=sys.executable))
     known = installed[:1] == [digest]
     if known:
         # what is compiled is there already: only extras are missing
@@ -98,12 +111,20 @@ def make_environment(extras):
 
         with (ROOT / "pyproject.toml").open("rb") as file:
             optional = tomllib.load(file)["project"]["optional-dependencies"]
-        wanted = [package for extra in sorted(extras) for package in optional[extra]]
+        install([package for extra in sorted(extras) for package in optional[extra]])
     else:
         wanted = ["--editable", f"{ROOT}[{','.join(sorted(extras))}]" if extras else str(ROOT)]
-    code, output = install(wanted, compiles=not known)
-    if code:
-        sys.exit(f"{output}\npip could not install hybond (exit code {code}).")
+        engine = compiling()
+        try:
+            if not usable:
+                make_venv()
+            install(wanted, **({"HYBOND_COMPILED_BESIDE": "1"} if engine else {}))
+        except BaseException:
+            if engine:
+                engine.kill()
+            raise
+        if engine:
+            print(engine.communicate()[0], end="", flush=True)
     there = extras | ({*installed[1:]} if known else set())
     STAMP.write_text(" ".join([digest, *sorted(there)]))
 
@@ -120,8 +141,9 @@ def test():
         return run(PYTHON, "-m", "pytest", *options)
     codes = {}
     with ThreadPoolExecutor() as beside:
-        # mypy wants one core, and as long as the tests take more than one
-        types = beside.submit(quiet, PYTHON, "-m", "mypy")
+        # mypy takes what the tests leave: they often wait for browsers and other programs
+        behind = ("nice", "-n", "10") if shutil.which("nice") else ()
+        types = beside.submit(quiet, *behind, PYTHON, "-m", "mypy")
         codes["ruff format"] = run(PYTHON, "-m", "ruff", "format", "--check")
         codes["ruff check"] = run(PYTHON, "-m", "ruff", "check")
         codes["pytest"] = run(PYTHON, "-m", "pytest", *options)

@@ -5,7 +5,8 @@ Run `python docs/make_library.py` after a change of a part; a test says when it 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from pathlib import Path
 
 import hybond as hb
@@ -16,14 +17,16 @@ from hybond.units import DOMAINS
 DOCS = Path(__file__).parent
 
 
-def pages() -> dict[Path, str]:
-    """Return the text of every page and drawing by its path below docs."""
-    found: dict[Path, str] = {}
-    sheets = [hb.library.sheet(name) for name in hb.library.names()]
+def pages(
+    sheet_of: Callable[[str], Sheet] = hb.library.sheet,
+) -> dict[Path, Callable[[], str]]:
+    """Return what makes the text of every page and drawing, by its path below docs."""
+    found: dict[Path, Callable[[], str]] = {}
+    sheets = [sheet_of(name) for name in hb.library.names()]
     for domain in sorted({domain_of(sheet) for sheet in sheets}):
         mine = [sheet for sheet in sheets if domain_of(sheet) == domain]
-        found[Path("library", f"{domain}.md")] = "\n".join(page(domain, mine)) + "\n"
-        found |= {drawing_of(sheet): drawing(sheet) for sheet in mine if has_graph(sheet)}
+        found[Path("library", f"{domain}.md")] = partial(text_of, domain, mine)
+        found |= {drawing_of(s): partial(drawing, s) for s in mine if has_graph(s)}
     return found
 
 
@@ -46,6 +49,10 @@ def drawing(sheet: Sheet) -> str:
     model = hb.library.part(sheet.name)
     marks = {target: ("port", "blue") for target in model.ports.values()}
     return draw(model, marks=marks, title=False, legend=False).svg()
+
+
+def text_of(domain: str, sheets: Sequence[Sheet]) -> str:
+    return "\n".join(page(domain, sheets)) + "\n"
 
 
 def page(domain: str, sheets: Sequence[Sheet]) -> Iterator[str]:
@@ -116,8 +123,8 @@ def write() -> None:
         for path in (DOCS / folder).iterdir():
             if path.relative_to(DOCS) not in made:
                 path.unlink()
-    for path, text in made.items():
-        target = DOCS / path
+    for path, make in made.items():
+        target, text = DOCS / path, make()
         if not target.exists() or target.read_text(encoding="utf-8") != text:
             target.write_text(text, encoding="utf-8")
             print(target.relative_to(DOCS.parent))

@@ -15,6 +15,7 @@ import pytest
 from _pytest.doctest import DoctestModule
 from example_runs import SHARE_RUNS
 from hypothesis import settings
+from part_sheets import SHARE_SHEETS
 
 WORKER = os.environ.get("PYTEST_XDIST_WORKER", "")
 """Which of several processes this is: gw0, gw1, ..."""
@@ -109,13 +110,16 @@ def sample(items: list[pytest.Item]) -> None:
 
 
 def pytest_xdist_make_scheduler(config: pytest.Config, log: object) -> object:
-    """Send the files that look at the same runs of examples to one worker, others file by file."""
+    """Send the files that look at the same runs or sheets to one worker, others file by file."""
     from xdist.scheduler import LoadScopeScheduling
 
     class Scheduling(LoadScopeScheduling):
         def _split_scope(self, nodeid: str) -> str:
             path = nodeid.partition("::")[0]
-            return "examples" if path.endswith(SHARE_RUNS) else super()._split_scope(nodeid)
+            for scope, files in (("examples", SHARE_RUNS), ("parts", SHARE_SHEETS)):
+                if path.endswith(files):
+                    return scope
+            return super()._split_scope(nodeid)
 
     return Scheduling(config, log)
 

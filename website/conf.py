@@ -35,6 +35,13 @@ pygments_style = "friendly"
 def setup(app):
     """Give drawings their size: a link into a page then leads where it should while they load."""
     app.connect("html-page-context", sized)
+    app.add_config_value("searched", True, "html", bool)
+    app.connect("builder-inited", unsearched)
+
+
+def unsearched(app):
+    """Make no index of all words where nobody is to search."""
+    app.builder.search = app.config.searched
 
 
 def sized(app, pagename, templatename, context, doctree):

@@ -57,13 +57,19 @@ def at_points(run: hb.Result, k: int, names):
     return found
 
 
+@functools.cache
+def energies_of(run: hb.Result) -> list[tuple[np.ndarray, np.ndarray]]:
+    """What is stored, and what was supplied and dissipated, of each segment."""
+    names = storage_names(run)
+    return [
+        (stored_energy(run, at_points(run, k, names)), run.energies(segment))
+        for k, segment in enumerate(run.segments)
+    ]
+
+
 def largest_energy(run: hb.Result) -> float:
     """The largest energy that was stored, supplied or dissipated."""
-    largest = 0.0
-    for k, segment in enumerate(run.segments):
-        stored = stored_energy(run, at_points(run, k, storage_names(run)))
-        largest = max(largest, np.abs(stored).max(), np.abs(run.energies(segment)).max())
-    return largest
+    return max(max(np.abs(s).max(), np.abs(e).max()) for s, e in energies_of(run))
 
 
 def storage_names(run: hb.Result) -> list[str]:
@@ -103,9 +109,8 @@ def test_power_balances(name):
 def test_energy_balances_over_each_segment(name):
     run = run_of(name)
     scale = largest_energy(run)
-    for k, segment in enumerate(run.segments):
-        stored = stored_energy(run, at_points(run, k, storage_names(run)))
-        supplied, dissipated = run.energies(segment).T
+    for stored, energies in energies_of(run):
+        supplied, dissipated = energies.T
         balance = stored + dissipated - supplied
         assert np.ptp(balance) <= 1e-9 * scale
         assert (np.diff(dissipated) >= -1e-12 * scale).all()

@@ -155,8 +155,10 @@ def test_parameters_may_stand_in_any_order() -> None:
     count = 5000
     given = {f"p{k}": f"p{k + 1} + 1" for k in range(count)}
     m = block({}, parameters={**given, f"p{count}": 1})
-    assert timeit(lambda: m.flatten(), timer=process_time, number=1) < 3
-    assert m.flatten().parameters["p0"] == count + 1
+    begin = process_time()
+    graph = m.flatten()
+    assert process_time() - begin < 3
+    assert graph.parameters["p0"] == count + 1
     m = block({}, parameters={f"p{k}": f"p{(k + 1) % count}" for k in range(count)})
     with pytest.raises(hb.ModelError) as caught:
         m.flatten()

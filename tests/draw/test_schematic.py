@@ -31,6 +31,17 @@ OF_PARTS = [
     "rectifier_dc_machine",
     "three_tanks",
 ]
+LONG = {"rectifier_dc_machine", "controlled"}
+"""What takes one to two seconds, and is drawn with --all: others have diodes and machines, too."""
+
+
+def drawn(names: list[str]) -> pytest.MarkDecorator:
+    return pytest.mark.parametrize(
+        "name", [pytest.param(n, marks=[pytest.mark.slow] * (n in LONG)) for n in names]
+    )
+
+
+of_parts = drawn(OF_PARTS)
 
 
 @functools.cache
@@ -44,7 +55,7 @@ def wires_of(name: str) -> tuple[Any, dict[str, tuple[tuple[float, float], ...]]
     return drawing, found
 
 
-@pytest.mark.parametrize("name", OF_PARTS)
+@of_parts
 def test_wires_are_level_or_upright_and_there_is_one_for_each_bond(name: str) -> None:
     model = hb.load(EXAMPLES / f"{name}.toml")
     drawing, wires = wires_of(name)
@@ -58,7 +69,7 @@ def test_wires_are_level_or_upright_and_there_is_one_for_each_bond(name: str) ->
     assert shown == set(model.elements)
 
 
-@pytest.mark.parametrize("name", OF_PARTS)
+@of_parts
 def test_wires_that_share_no_end_do_not_lie_on_each_other(name: str) -> None:
     """Else two nets would read as one."""
     _, wires = wires_of(name)
@@ -76,7 +87,7 @@ def test_wires_that_share_no_end_do_not_lie_on_each_other(name: str) -> None:
     assert not found
 
 
-@pytest.mark.parametrize("name", OF_PARTS)
+@of_parts
 def test_all_is_on_the_paper(name: str) -> None:
     drawing, _ = wires_of(name)
     scene = drawing.scene
@@ -187,7 +198,7 @@ def test_many_wires_are_led_in_time() -> None:
     )
 
 
-@pytest.mark.parametrize("name", ["controlled", "three_phase", "boost"])
+@drawn(["controlled", "three_phase", "boost"])
 def test_no_wire_ends_in_the_open(name: str) -> None:
     """Where wires of a junction meet they leave in two ways: it is no end of all of them."""
     drawing, wires = wires_of(name)
@@ -220,7 +231,7 @@ def test_power_comes_from_the_left_in_the_boost_converter() -> None:
     assert at["ground"][1] > max(at[n][1] for n in ("supply", "switch", "diode", "coil"))
 
 
-@pytest.mark.parametrize("name", [*OF_PARTS, "three_phase", "controlled"])
+@drawn([*OF_PARTS, "three_phase", "controlled"])
 def test_no_wire_goes_through_a_symbol(name: str) -> None:
     drawing, wires = wires_of(name)
     for group in drawing.scene.groups:

@@ -14,7 +14,8 @@ from scipy.integrate import solve_ivp
 
 import hybond as hb
 
-SOLVERS = ("auto", "radau", "rk45")
+SOLVERS = ("auto", "radau")
+"""The one begins by explicit steps."""
 TIMES = np.array([0.02, 0.1, 0.3, 0.6, 1.0])
 
 

@@ -101,6 +101,12 @@ def compile_c(
     return program
 
 
+def check_c(source: Path) -> None:
+    """Have gcc or clang read a program, and say nothing; it makes none, which takes ten times."""
+    assert needs.STRICT is not None, "the test lacks the mark `strict`"
+    subprocess.run([*needs.STRICT, *STRICT, "-fsyntax-only", source], check=True)
+
+
 def compile_quickly(text: str, folder: Path, name: str) -> Path:
     """Compile a program with the compiler that takes least time; return it."""
     assert needs.QUICK is not None, "the test lacks the mark `c`"

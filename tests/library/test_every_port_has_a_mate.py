@@ -10,6 +10,7 @@ from functools import cache
 
 import pytest
 from listed import listed
+from part_sheets import sheet_of
 
 import hybond as hb
 
@@ -42,8 +43,6 @@ OHMS = {
 AMBIENT = {"thermal_pseudo": 293.15}
 GAPS = {"planar.floor": "height", "planar.wheel": "height - 0.3 [m]"}
 """Parts with an input that has to be what their ports close: how far that is from its start."""
-
-sheet_of = cache(hb.library.sheet)
 
 
 @cache

@@ -40,14 +40,14 @@ SEEDS = range(150)
 THOUSAND = range(1000)
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("first", range(0, len(SEEDS), 15))
 def test_nothing_is_found_in_any_way(first: int) -> None:
     checks = {s: check_recipe(random_recipe(s), seed=s) for s in SEEDS[first : first + 15]}
     assert not {seed: check for seed, check in checks.items() if not check.holds}
 
 
-@pytest.mark.sampled(5)
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("first", range(0, len(THOUSAND), 50))
 def test_nothing_is_found_in_the_next_way(first: int) -> None:
     """Each in one way only, the next way for the next seed."""
@@ -236,7 +236,7 @@ def test_energy_that_tolerances_do_not_resolve_is_no_finding_and_lost_energy_is(
     # an imbalance that a tenth of the tolerance leaves as it is, and no step accounts for
     lost = replace(audit, energy=1e-3, beyond=math.inf)
     monkeypatch.setattr(hb.Result, "audit", lambda _: lost)
-    assert [f.kind for f in check_model(m, 0.006).findings] == ["audit"]
+    assert [f.kind for f in check_model(m, 0.001).findings] == ["audit"]
 
 
 CONTROLLED = range(100, 130)
