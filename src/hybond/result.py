@@ -310,7 +310,7 @@ class Result(Measuring, Tabled):
     ) -> dict[str, Vector]:
         """Return ``{name: values}`` at the times `t`; at events the limit of that `side`.
 
-        Times are numbers, s, or quantities.
+        Times are numbers, s, or quantities; one name may stand for a list of one.
 
         Raises
         ------
@@ -320,6 +320,7 @@ class Result(Measuring, Tabled):
         if side not in ("left", "right"):
             raise UsageError(f"side = {side!r}", code="HB-S110", where="side", hint="left or right")
         at = _times(t)
+        names = (names,) if isinstance(names, str) else names
         found = {name: np.full(len(at), np.nan) for name in names}
         begin, end = self.t_begin, self.t_end
         starts = self.trace.segments.times
