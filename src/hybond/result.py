@@ -123,6 +123,7 @@ class Result(Measuring, Tabled):
         self.engine = trace.engine
         self.method = trace.method
         self._expressions: dict[str, Expr] = {}
+        self._end: tuple[tuple[int, float, int], dict[str, float]] | None = None
 
     @cached_property
     def warnings(self) -> tuple[str, ...]:
@@ -382,6 +383,13 @@ class Result(Measuring, Tabled):
     @property
     def final(self) -> dict[str, float]:
         """Stored quantities, co-energy variables, signals and listed outputs at the end."""
+        # asked for name by name in loops: read once, and once more if the run went on meanwhile
+        at = (len(self.segments), self.t_end, len(self.events))
+        if self._end is None or self._end[0] != at:
+            self._end = (at, self._read_end())
+        return dict(self._end[1])
+
+    def _read_end(self) -> dict[str, float]:
         if not self.segments:
             return self._after_last_event(self.names) if self.trace.events else {}
         values = self.sample([self.t_end], self.names)
