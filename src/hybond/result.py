@@ -123,6 +123,7 @@ class Result(Measuring, Tabled):
         self.engine = trace.engine
         self.method = trace.method
         self._expressions: dict[str, Expr] = {}
+        self._end: tuple[tuple[int, float, int], dict[str, float]] | None = None
 
     @cached_property
     def warnings(self) -> tuple[str, ...]:
@@ -310,7 +311,7 @@ class Result(Measuring, Tabled):
     ) -> dict[str, Vector]:
         """Return ``{name: values}`` at the times `t`; at events the limit of that `side`.
 
-        Times are numbers, s, or quantities.
+        Times are numbers, s, or quantities; one name may stand for a list of one.
 
         Raises
         ------
@@ -320,6 +321,7 @@ class Result(Measuring, Tabled):
         if side not in ("left", "right"):
             raise UsageError(f"side = {side!r}", code="HB-S110", where="side", hint="left or right")
         at = _times(t)
+        names = (names,) if isinstance(names, str) else names
         found = {name: np.full(len(at), np.nan) for name in names}
         begin, end = self.t_begin, self.t_end
         starts = self.trace.segments.times
@@ -381,6 +383,13 @@ class Result(Measuring, Tabled):
     @property
     def final(self) -> dict[str, float]:
         """Stored quantities, co-energy variables, signals and listed outputs at the end."""
+        # asked for name by name in loops: read once, and once more if the run went on meanwhile
+        at = (len(self.segments), self.t_end, len(self.events))
+        if self._end is None or self._end[0] != at:
+            self._end = (at, self._read_end())
+        return dict(self._end[1])
+
+    def _read_end(self) -> dict[str, float]:
         if not self.segments:
             return self._after_last_event(self.names) if self.trace.events else {}
         values = self.sample([self.t_end], self.names)

@@ -34,9 +34,14 @@ class Tabled:
     """A run as columns over time; `Result` is the only one that has them."""
 
     def table(self, names: Sequence[str] | None = None) -> dict[str, Any]:
-        """Return columns of accepted points, ``t`` and ``side`` first; both limits at events."""
+        """Return columns of accepted points, ``t`` and ``side`` first; both limits at events.
+
+        One name may stand for a list of one, here and in what is written or made of a table.
+        """
         run = cast("Result", self)
-        names = list(names) if names is not None else run.names
+        if names is None:
+            names = run.names
+        names = [names] if isinstance(names, str) else list(names)
         times = [segment.t for segment in run.segments]
         many = np.array([len(t) for t in times], dtype=np.intp)
         t = np.concatenate(times) if times else np.zeros(0)

@@ -34,3 +34,7 @@ def test_numbers_of_a_csv_file_are_those_of_the_run(tmp_path: Path) -> None:
             read = np.array([float(row[k]) for row in rows])
             assert read.tobytes() == table[name].tobytes()
     assert np.signbit(table["zero"]).any() and not np.signbit(table["zero"]).all()
+    alone = run.table("r.f")
+    assert list(alone) == ["t", "side", "r.f"]
+    assert alone["r.f"].tobytes() == table["r.f"].tobytes()
+    assert run.sample(1.0, "c.e")["c.e"] == run.sample(1.0, ["c.e"])["c.e"]

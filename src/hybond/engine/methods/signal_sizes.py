@@ -54,6 +54,12 @@ def measure_rates(e: Engine, mode: Mode, t: float) -> None:
         stack.terms = e.work.terms
         clear(stack)
         measure(e, mode, pair, e.work.xi, e.v, e.work.terms)
+        for i in range(m.read_first[pair], m.read_first[pair + 1]):
+            j = m.read_slot[i] - m.stored_slot
+            if j >= 0 and j < m.storages:
+                # what is stored is known no better than its own rate is: from rest that is rounding
+                terms = e.work.terms
+                terms[m.read_slot[i]] = max(terms[m.read_slot[i]], e.rounding[j] / UNITS)
         evaluate_pair(m, pair, stack)
         if stack.refused != 0:
             continue
