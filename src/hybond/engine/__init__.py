@@ -24,8 +24,9 @@ subset. Rooms, and in them files, as data passes them::
         lu_twofold          these with twice the digits
         svd, least_distance        singular values; the point next to zero that keeps inequalities
     mode/
-        tableau, elimination, elimination_of_another    rows of a mode, eliminated
-        equations, kept_modes, mode_records    those made ready, and kept
+        tableau, hidden_rows, elimination, elimination_of_another    rows of a mode, eliminated
+        equations, taken_rows    those made ready: what is kept of them
+        kept_modes, mode_records    modes kept
         solving, limits, values    bond variables at an instant; what expressions read
         closely, agreement  with all digits, where sums cancel; whether sources agree
         newton, newton_system, newton_step, dynamic_rows    Newton's method: what it makes zero, its
