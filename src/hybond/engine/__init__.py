@@ -26,7 +26,7 @@ subset. Rooms, and in them files, as data passes them::
     mode/
         tableau, hidden_rows, elimination, elimination_of_another    rows of a mode, eliminated
         equations, taken_rows    those made ready: what is kept of them
-        kept_modes, mode_records    modes kept
+        kept_modes, mode_records, mode_sizes    modes kept, and what room they take
         solving, limits, values    bond variables at an instant; what expressions read
         closely, agreement  with all digits, where sums cancel; whether sources agree
         newton, newton_system, newton_step, dynamic_rows    Newton's method: what it makes zero, its
