@@ -24,9 +24,10 @@ subset. Rooms, and in them files, as data passes them::
         lu_twofold          these with twice the digits
         svd, least_distance        singular values; the point next to zero that keeps inequalities
     mode/
-        tableau, elimination, elimination_of_another    rows of a mode, eliminated
+        tableau, hidden_rows, elimination, elimination_of_another    rows of a mode, eliminated
         drift               whether a small coefficient is rounding of what is given
-        equations, kept_modes, mode_records    those made ready, and kept
+        equations, taken_rows    those made ready: what is kept of them
+        kept_modes, mode_records, mode_sizes    modes kept, and what room they take
         solving, limits, values    bond variables at an instant; what expressions read
         closely, agreement  with all digits, where sums cancel; whether sources agree
         newton, newton_system, newton_step, dynamic_rows    Newton's method: what it makes zero, its

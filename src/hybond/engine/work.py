@@ -42,6 +42,8 @@ class Work:
     timed_at: Floats
     """Values of sources that move by a law of time alone, then their rates; and at which time."""
     told: Ints
+    wide: Ints
+    """Junctions whose sums are added last, and determine something; see `tableau.WIDE`."""
     agreements: int
     agreement_entries: int
     agreement_first: Ints
@@ -221,6 +223,7 @@ def make_work(m: Model) -> Work:
     for k in range(2 * m.sources):
         w.timed_at[k] = math.nan
     w.told = ints(m.storages)
+    w.wide = ints(m.junctions)
     # one row for each end of a bond: not more can be left over
     w.agreement_first = ints(n + 1)
     w.agreement_column = ints(n * 2 * m.most_sources)

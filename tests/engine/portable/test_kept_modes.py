@@ -5,10 +5,15 @@ from __future__ import annotations
 import random
 from collections import OrderedDict
 
+import pytest
+
 import hybond as hb
-from hybond.engine.engine import NO_MODE, make_engine
-from hybond.engine.mode.kept_modes import find_kept, keep_mode
+from hybond.engine.engine import NO_MODE, OK, make_engine
+from hybond.engine.mode import kept_modes
+from hybond.engine.mode.equations import mode_of
+from hybond.engine.mode.kept_modes import FEWEST, find_kept, keep_mode
 from hybond.engine.mode.mode_records import KEPT
+from hybond.engine.mode.mode_sizes import numbers_of
 from hybond.engine.tables import answered, tables_of
 from hybond.engine.words import some
 
@@ -25,7 +30,9 @@ def engine(machines: int):
     return make_engine(answered(tables_of(m.flatten(), until=1.0)))
 
 
-def test_what_is_kept_is_what_was_used_last():
+@pytest.mark.parametrize(("room", "most"), [(kept_modes.ROOM, KEPT), (0.0, FEWEST)])
+def test_what_is_kept_is_what_was_used_last(monkeypatch, room, most):
+    monkeypatch.setattr(kept_modes, "ROOM", room)
     e = engine(9)
     dice = random.Random(4)
     kept: OrderedDict[tuple[int, ...], int] = OrderedDict()
@@ -42,11 +49,41 @@ def test_what_is_kept_is_what_was_used_last():
             assert kept[tuple(key)] == at
         else:
             at = keep_mode(e, key)
-            if len(kept) == KEPT:
+            if len(kept) == most:
                 assert kept.popitem(last=False)[1] == at
             kept[tuple(key)] = at
         kept.move_to_end(tuple(key))
         some(e.modes[at]).used = e.clock
         assert some(e.modes[at]).state[:9] == key
     assert 0 < found < 3000
-    assert len(kept) == KEPT
+    assert len(kept) == most
+
+
+def test_modes_that_take_much_memory_are_fewer(monkeypatch):
+    one = engine(12)
+    assert mode_of(one, [0] * 12) == OK
+    room = numbers_of(one.model, one.modes[0])
+    monkeypatch.setattr(kept_modes, "ROOM", 20.0 * room)
+    e = engine(12)
+    for number in range(200):
+        assert mode_of(e, [number >> k & 1 for k in range(12)]) == OK
+    assert FEWEST < e.modes_made <= 20
+    assert e.modes_built == 200
+
+
+def numbers_in(what: object, seen: set[int]) -> float:
+    """Return how many numbers lists of a record hold; two whole ones count as one."""
+    if id(what) in seen or what is None:
+        return 0.0
+    seen.add(id(what))
+    if isinstance(what, list):
+        return len(what) * (0.5 if what and isinstance(what[0], int) else 1.0)
+    return sum(numbers_in(v, seen) for v in vars(what).values()) if hasattr(what, "__dict__") else 0
+
+
+@pytest.mark.parametrize("example", ["three_tanks", "six_pulse_rectifier", "clutch", "boost"])
+def test_what_a_mode_is_counted_as_is_what_its_lists_hold(example):
+    e = make_engine(answered(tables_of(hb.load(f"examples/{example}.toml").flatten(), until=1.0)))
+    assert mode_of(e, list(e.model.start)[: e.model.machines]) == OK
+    counted = numbers_of(e.model, e.mode)
+    assert counted == pytest.approx(numbers_in(e.mode, set()), rel=0.25)

@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.engine.algebra.blocks import Block, Rows, fit, fit_rows
+from hybond.engine.algebra.blocks import fit, fit_rows
 from hybond.engine.engine import NO_MODE, OK, Engine, say_fault
 from hybond.engine.inputs.interval import configuration
-from hybond.engine.mode.elimination import CLEAR, NOWHERE, Elimination, is_free
+from hybond.engine.mode.elimination import CLEAR
 from hybond.engine.mode.kept_modes import find_kept, keep_mode
 from hybond.engine.mode.leakage import fold, least_leakage
 from hybond.engine.mode.lesser_sizes import keep_sizes, take_lesser
@@ -18,13 +18,16 @@ from hybond.engine.mode.newton_system import take_rank
 from hybond.engine.mode.reading import read_rates
 from hybond.engine.mode.storage import is_alone
 from hybond.engine.mode.tableau import build, part_of, switch_on
+from hybond.engine.mode.taken_rows import (
+    free_columns,
+    share_rows,
+    take_free,
+    take_free_rest,
+    take_rows,
+)
 from hybond.engine.model import Model
 from hybond.engine.reasons.warned import FAR_APART, add_about, begin_warning
 from hybond.engine.words import Floats, Ints, some
-
-LOST: Final = 0.02
-"""Units of rounding that elimination may lose, against those that a comparison lets pass: eight
-of 2.2e-16, against 1e-13 of the terms."""
 
 TURNS: Final = 2
 """Times that rows without laws are eliminated anew if they lose digits."""
@@ -208,7 +211,9 @@ def eliminate(e: Engine, mode: Mode) -> None:
         mode.bent = mode.bent or mode.dynamic[i] < 0
     for j in range(mode.finite_frees):
         mode.reluctant[j] = finite.read[mode.free_column[j]]
-    take_rows(finite, mode.knowns, mode.finite)
+    if mode.finite_frees == 0 and mode.dynamics == 0:
+        share_rows(m, finite, mode)
+    take_rows(finite, mode.knowns, mode.same, mode.finite)
     take_free(finite, mode.finite_frees, mode.free_column, mode.finite_free)
     take_free_rest(finite, mode)
     divide_rows(m, mode)
@@ -222,7 +227,7 @@ def eliminate(e: Engine, mode: Mode) -> None:
     if e.work.table.done > 0 and mode.structures > 0:
         # what knowns give there is read by dynamic rows of the power structure alone
         mode.power = mode.own_power
-        take_rows(power, mode.knowns, mode.own_power)
+        take_rows(power, mode.knowns, mode.same, mode.own_power)
     take_constraints(e, mode)
     list_bound(e, mode)
     note_rates(m, mode)
@@ -265,89 +270,6 @@ def eliminate(e: Engine, mode: Mode) -> None:
     if mode.leakage.stages > 0:
         fold(e, mode)
         read_rates(e, mode, mode.rates)
-
-
-def free_columns(x: Elimination, column: Ints) -> int:
-    """Put the free unknowns of an elimination there and return how many they are."""
-    many = 0
-    for k in range(x.unknowns):
-        if is_free(x, k):
-            column[many] = k
-            many += 1
-    return many
-
-
-def take_rows(x: Elimination, knowns: int, rows: Rows) -> None:
-    """Take what knowns give to each bond variable; equal ones share the row of the first."""
-    n = x.unknowns
-    entries = 0
-    for k in range(n):
-        for i in range(x.first[k], x.first[k] + x.count[k]):
-            if x.column.at[i] >= n:
-                entries += 1
-    fit_rows(rows, n, entries)
-    entries = 0
-    for k in range(n):
-        rows.first.at[k] = entries
-        if x.solved[k] == 0 or x.same[k] != k:
-            continue
-        begin = entries
-        for i in range(x.first[k], x.first[k] + x.count[k]):
-            j = x.column.at[i] - n
-            if j < 0 or j >= knowns:
-                continue
-            # in the order of knowns, which sums follow
-            at = entries
-            while at > begin and rows.column.at[at - 1] > j:
-                rows.column.at[at] = rows.column.at[at - 1]
-                rows.value.at[at] = rows.value.at[at - 1]
-                rows.size.at[at] = rows.size.at[at - 1]
-                rows.rest.at[at] = rows.rest.at[at - 1]
-                at -= 1
-            rows.column.at[at] = j
-            rows.value.at[at] = -x.entry.at[i]
-            rows.rest.at[at] = -x.rest.at[i]
-            rows.size.at[at] = max(math.fabs(x.entry.at[i]), LOST * x.loss.at[i])
-            entries += 1
-    rows.first.at[n] = entries
-
-
-def take_free(x: Elimination, frees: int, column: Ints, block: Block) -> None:
-    """Take what free unknowns give to each bond variable."""
-    fit(block, x.unknowns * frees)
-    for j in range(frees):
-        x.place[column[j]] = j
-    for k in range(x.unknowns if frees > 0 else 0):
-        row = x.same[k]
-        at = k * frees
-        for j in range(frees):
-            block.at[at + j] = 0.0
-        for i in range(x.first[row], x.first[row] + x.count[row]):
-            j = x.place[x.column.at[i]]
-            if j != NOWHERE:
-                block.at[at + j] = -x.entry.at[i]
-        if x.place[row] != NOWHERE:
-            block.at[at + x.place[row]] = 1.0
-    for j in range(frees):
-        x.place[column[j]] = NOWHERE
-
-
-def take_free_rest(x: Elimination, mode: Mode) -> None:
-    """Take by what these are more than they were rounded to."""
-    frees = mode.finite_frees
-    fit(mode.free_rest, x.unknowns * frees)
-    for j in range(frees):
-        x.place[mode.free_column[j]] = j
-    for k in range(x.unknowns if frees > 0 else 0):
-        for j in range(frees):
-            mode.free_rest.at[k * frees + j] = 0.0
-        row = x.same[k]
-        for i in range(x.first[row], x.first[row] + x.count[row]):
-            j = x.place[x.column.at[i]]
-            if j != NOWHERE:
-                mode.free_rest.at[k * frees + j] = -x.rest.at[i]
-    for j in range(frees):
-        x.place[mode.free_column[j]] = NOWHERE
 
 
 def take_constraints(e: Engine, mode: Mode) -> None:

@@ -5,10 +5,21 @@ Configurations of one bucket are a chain: `bucket` has its first mode, `Mode.beh
 
 from __future__ import annotations
 
+from typing import Final
+
 from hybond.engine.engine import BUCKETS, NO_MODE, Engine
 from hybond.engine.methods.step_room import PACES
-from hybond.engine.mode.mode_records import Mode, make_mode
+from hybond.engine.mode.mode_records import KEPT, Mode, make_mode
+from hybond.engine.mode.mode_sizes import numbers_of
 from hybond.engine.words import Ints, records, some
+
+ROOM: Final = 16777216.0
+"""Numbers that the modes kept may take, 128 MiB: of large modes fewer are kept. Each new one takes
+the place of the one that was used least recently then, with what that had of room.
+
+A quarter of what a run of 10,000 elements may take in all; 64 modes of a thousand elements fit."""
+FEWEST: Final = 8
+"""Modes kept whatever they take: an instant goes through some, and comes back to the first."""
 
 
 def find_kept(e: Engine, key: Ints) -> int:
@@ -27,12 +38,12 @@ def keep_mode(e: Engine, key: Ints) -> int:
     """Return where there is room for the mode of a configuration, from now on found by it."""
     n = e.model.machines + e.model.discrete
     at = e.modes_made
-    if at < e.modes_kept:
+    if at < e.modes_kept and has_room(e):
         e.modes[at] = make_mode(e.model)
         e.modes_made += 1
     else:
         at = 0
-        for k in range(e.modes_kept):
+        for k in range(e.modes_made):
             if some(e.modes[k]).used < some(e.modes[at]).used:
                 at = k
         forget_mode(e, at)
@@ -47,8 +58,19 @@ def keep_mode(e: Engine, key: Ints) -> int:
     return at
 
 
-def keep_so_many(e: Engine, n: int) -> None:
-    """Let so many modes be kept: that many are used together."""
+def has_room(e: Engine) -> bool:
+    """Whether one more mode may be kept beside those that are."""
+    if e.modes_made < FEWEST + e.modes_kept - KEPT:
+        return True
+    taken = 0.0
+    for k in range(e.modes_made):
+        taken += numbers_of(e.model, some(e.modes[k]))
+    return taken < ROOM
+
+
+def keep_together(e: Engine, many: int) -> None:
+    """Let so many modes more be kept than others need: that many are used together."""
+    n = KEPT + many
     if n <= e.modes_kept:
         return
     more = records(Mode, n)

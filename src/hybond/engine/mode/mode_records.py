@@ -17,7 +17,7 @@ from hybond.engine.model import Model
 from hybond.engine.words import Floats, Ints, floats, ints, record
 
 KEPT: Final = 64
-"""Modes kept; the least recently used is made anew when it is entered again."""
+"""Modes kept at the most; the least recently used is made anew when it is entered again."""
 
 
 @record

@@ -28,15 +28,23 @@ from hybond.engine.mode.elimination_of_another import (
     put_in,
     repeat_elimination,
 )
+from hybond.engine.mode.hidden_rows import give_hidden, is_constant, is_source_timed
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.storage import own_stiffness
 from hybond.engine.model import Model
-from hybond.engine.words import Floats, Ints
+from hybond.engine.words import Ints
 
 NOT_OPEN: Final = 0
 COMMON: Final = 1
 NET: Final = 2
 """What is given from outside of the pair of a junction whose law is left open."""
+WIDE: Final = 32
+"""Ends from which on the sum of a junction is added behind all other rows.
+
+What all branches share there, the voltage of a bus, stays one unknown in the row of each until
+then; added before them the sum would put every branch into every other, and each row that is added
+would be put into all. Where there are few ends that costs nothing.
+"""
 
 
 def switch_on(m: Model, mode: Mode) -> None:
@@ -148,7 +156,7 @@ def add_steady(e: Engine, mode: Mode) -> None:
     for element in range(m.steady):
         add_power(e, mode, part_of(m, mode, element))
     for j in range(m.junctions):
-        if m.junction_switch[j] < 0 and mode.given[j] == NOT_OPEN:
+        if m.junction_switch[j] < 0 and mode.given[j] == NOT_OPEN and not is_wide(m, j):
             add_balance(e, j, -1)
     for element in range(m.steady):
         add_laws(e, mode, part_of(m, mode, element))
@@ -310,12 +318,43 @@ def add_laws(e: Engine, mode: Mode, part: int) -> None:
         keep(e, add_row(e.work.power))
 
 
-def add_balance(e: Engine, j: int, own: int) -> None:
-    """Add the sum that a junction, ON, makes zero, or the known column `own`."""
+def is_wide(m: Model, j: int) -> bool:
+    """Whether the sum of a junction whose law is not open is added last: it has many ends."""
+    return m.end_first[j + 1] - m.end_first[j] >= WIDE
+
+
+def add_wide(e: Engine, mode: Mode) -> int:
+    """Add the sums of junctions with many ends that are ON; return how many determine something."""
     m = e.model
+    many = 0
+    for j in range(m.junctions):
+        if not is_sum_last(m, mode, j):
+            continue
+        give_balance(m, e.work.power, j)
+        left = add_row(e.work.power)
+        if left == USED:
+            e.work.wide[many] = j
+            many += 1
+        keep(e, left)
+    return many
+
+
+def is_sum_last(m: Model, mode: Mode, j: int) -> bool:
+    """Whether a junction makes a sum zero in a mode that is added last."""
+    switch = m.junction_switch[j]
+    return is_wide(m, j) and mode.given[j] == NOT_OPEN and (switch < 0 or mode.on[switch] != 0)
+
+
+def give_balance(m: Model, x: Elimination, j: int) -> None:
+    """Give the sum that a junction, ON, makes zero."""
     other = m.bonds if m.junction_kind[j] == 0 else 0
     for i in range(m.end_first[j], m.end_first[j + 1]):
-        give(e.work.power, other + m.end_bond[i], float(m.end_sign[i]))
+        give(x, other + m.end_bond[i], float(m.end_sign[i]))
+
+
+def add_balance(e: Engine, j: int, own: int) -> None:
+    """Add the sum that a junction, ON, makes zero, or the known column `own`."""
+    give_balance(e.model, e.work.power, j)
     if own >= 0:
         give(e.work.power, own, -1.0)
     keep(e, add_row(e.work.power))
@@ -329,7 +368,8 @@ def add_joined(e: Engine, j: int, own: int) -> None:
         give(e.work.power, common + m.end_bond[i], 1.0)
         give(e.work.power, common + m.end_bond[i + 1], -1.0)
         keep(e, add_row(e.work.power))
-    add_balance(e, j, own)
+    if own >= 0 or not is_wide(m, j):
+        add_balance(e, j, own)
 
 
 def add_nothing(e: Engine, j: int, own: int) -> None:
@@ -367,6 +407,10 @@ def add_hidden(e: Engine, mode: Mode, value0: int) -> int:
     finite = e.work.finite
     table = e.work.table
     copy_elimination(e.work.power, finite)
+    wide = add_wide(e, mode)
+    if wide > 0 and table.done == 0:
+        copy_elimination(e.work.power, finite)
+        wide = 0
     too_high = 0
     for c in range(table.done):
         pivot = table.order[c]
@@ -379,6 +423,11 @@ def add_hidden(e: Engine, mode: Mode, value0: int) -> int:
             mode.constraint_hidden[c] = mode.dynamics
             mode.dynamic[mode.dynamics] = -1 - c
             mode.dynamics += 1
+    for i in range(wide):
+        # where nothing is left that it determines a row before it has taken that
+        give_balance(m, finite, e.work.wide[i])
+        if add_row(finite) != USED:
+            too_high += 1
     told = e.work.told
     for k in range(m.storages):
         told[k] = 0
@@ -392,65 +441,3 @@ def add_hidden(e: Engine, mode: Mode, value0: int) -> int:
     if table.done > 0:
         put_in(finite, table, 2 * m.bonds, told)
     return too_high
-
-
-def is_source_timed(m: Model, mode: Mode, k: int) -> bool:
-    """Whether the value of source k of a mode depends on time and inputs only."""
-    return mode.source[k] < 0 or m.source_timed[mode.source[k]] != 0
-
-
-def is_linear(m: Model, k: int) -> bool:
-    """Whether the co-energy variable of a storage is linear, as far as its stiffness tells."""
-    for i in range(m.stiff_first[k], m.stiff_first[k + 1]):
-        if m.stiff_value[i] >= 0:
-            return False
-    return True
-
-
-def is_constant(e: Engine, mode: Mode, pivot: int) -> bool:
-    """Whether the time derivative of a constraint has constant coefficients."""
-    m = e.model
-    table = e.work.table
-    constant = is_linear(m, pivot)
-    for i in range(table.first[pivot], table.first[pivot] + table.count[pivot]):
-        k = table.column.at[i]
-        if k < m.storages:
-            constant = constant and is_linear(m, k)
-        elif mode.source[k - m.storages] >= 0:
-            constant = constant and m.source_linear[mode.source[k - m.storages]] != 0
-    return constant
-
-
-def give_hidden(e: Engine, mode: Mode, pivot: int, value0: int) -> None:
-    """Give the time derivative of a constraint with constant coefficients."""
-    m = e.model
-    table = e.work.table
-    finite = e.work.finite
-    row = e.work.base
-    for k in range(2 * m.bonds):
-        row[k] = 0.0
-    add_rates(m, row, pivot, 1.0)
-    for i in range(table.first[pivot], table.first[pivot] + table.count[pivot]):
-        k = table.column.at[i]
-        c = table.entry.at[i]
-        if k < m.storages:
-            add_rates(m, row, k, c)
-        elif has_rate(m, mode, k - m.storages):
-            give(finite, value0 + (k - m.storages) + mode.sources, c)
-    for k in range(2 * m.bonds):
-        if row[k] != 0.0:
-            give(finite, k, row[k])
-
-
-def has_rate(m: Model, mode: Mode, k: int) -> bool:
-    """Whether the value of source k of a mode moves with time."""
-    return mode.source[k] >= 0 and m.source_rate[mode.source[k]] >= 0
-
-
-def add_rates(m: Model, row: Floats, k: int, c: float) -> None:
-    """Add c times the rate of a co-energy variable, by bond variables."""
-    for i in range(m.stiff_first[k], m.stiff_first[k + 1]):
-        s = m.stiff_other[i]
-        at = m.storage_bond[s] + (m.bonds if m.storage_kind[s] == 0 else 0)
-        way = float(m.storage_sign[s]) if m.storage_kind[s] == 0 else 1.0
-        row[at] += c * m.stiff_constant[i] * way

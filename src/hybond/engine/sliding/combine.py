@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.mode.equations import mode_of
-from hybond.engine.mode.kept_modes import keep_so_many
-from hybond.engine.mode.mode_records import KEPT
+from hybond.engine.mode.kept_modes import keep_together
 from hybond.engine.sliding.branch_table import take_branches
 from hybond.engine.sliding.common_space import find_common
 from hybond.engine.sliding.corners import count_corners, put_corner
@@ -26,7 +25,7 @@ def take_parts(e: Engine, state: Ints) -> int:
     # one more: a mode that the others are held against
     fit_slide(m, s, s.k, s.parts + 1)
     # trials in between must not make any of them be forgotten
-    keep_so_many(e, KEPT + 2 * s.parts)
+    keep_together(e, 2 * s.parts)
     for part in range(s.parts):
         put_corner(m, state, part, s.k, s.product, s.side, s.corner)
         take_branches(m, s, s.corner)

@@ -1,0 +1,41 @@
+"""How much memory the equations of a mode take."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from hybond.engine.algebra.blocks import Rows
+from hybond.engine.mode.mode_records import Mode
+from hybond.engine.mode.sum_records import Sums
+from hybond.engine.model import Model
+
+PER_BOND: Final = 18
+"""Numbers for each bond in arrays that are as long as there are bond variables."""
+
+
+def numbers_of(m: Model, mode: Mode) -> float:
+    """Return about how many numbers there is room for in a mode; two whole ones count as one."""
+    total = float(PER_BOND * m.bonds + 4 * m.storages + 4 * m.most_sources)
+    total += rows_numbers(mode.finite) + rows_numbers(mode.shared)
+    total += rows_numbers(mode.own_power)
+    total += rows_numbers(mode.constraints) + rows_numbers(mode.agreements)
+    total += float(mode.finite_free.size + mode.free_rest.size + mode.own_power_free.size)
+    total += float(mode.freedom.size + mode.free_size.size)
+    p = mode.leakage
+    total += float(p.basis.size + p.taken.size + p.basis2.size + p.taken2.size)
+    ways = mode.ways
+    total += float(ways.directions.size + ways.moving.size + ways.d.size + ways.share.size)
+    total += float(ways.slope.size + ways.inverse.size) + 0.5 * float(ways.moves.size)
+    return total + sums_numbers(mode.summed)
+
+
+def rows_numbers(r: Rows) -> float:
+    """Return how many numbers sparse rows have room for."""
+    total = float(r.value.size + r.size.size + r.rest.size)
+    return total + 0.5 * float(r.first.size + r.column.size)
+
+
+def sums_numbers(s: Sums) -> float:
+    """Return how many numbers sums have room for."""
+    total = float(s.factor.size + s.size.size + s.reach.size + s.wave_factor.size)
+    return total + 0.5 * float(s.column.size + s.reach_part.size + s.wave_source.size)
