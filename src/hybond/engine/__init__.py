@@ -51,6 +51,7 @@ subset. Rooms, and in them files, as data passes them::
         beginning           what is a priori where a run begins; states it cannot begin in
         entering, trial, jump    a mode entered: signals, and what is stored
         constraints, impulse_ways, own_ways    what a jump must fulfil, and what moves it there
+        tied                motions that are nothing but what constraints lead along
         staying, passed_over    what is known of the last trial; modes without a solution
         in_force, indeterminate    rules that are asked; truths that depend on what is open
         kept_sides          guards of what is rounding: it is what it was

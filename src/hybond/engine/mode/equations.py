@@ -12,7 +12,7 @@ from hybond.engine.mode.elimination import CLEAR
 from hybond.engine.mode.kept_modes import find_kept, keep_mode
 from hybond.engine.mode.leakage import fold, least_leakage
 from hybond.engine.mode.lesser_sizes import keep_sizes, take_lesser
-from hybond.engine.mode.mode_records import Mode
+from hybond.engine.mode.mode_records import NOT_KNOWN, Mode
 from hybond.engine.mode.newton import by_knowns
 from hybond.engine.mode.newton_system import take_rank
 from hybond.engine.mode.reading import read_rates
@@ -237,6 +237,7 @@ def eliminate(e: Engine, mode: Mode) -> None:
     mode.looks = 0
     fit(mode.guess, mode.finite_frees + 1)
     mode.ways.known = False
+    mode.ties.known = NOT_KNOWN
     mode.ways.parted = False
     mode.ways.shares = 0
     mode.flow_known = False

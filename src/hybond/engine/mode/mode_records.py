@@ -18,6 +18,10 @@ from hybond.engine.words import Floats, Ints, floats, ints, record
 
 KEPT: Final = 64
 """Modes kept at the most; the least recently used is made anew when it is entered again."""
+NOT_KNOWN: Final = 0
+TIED: Final = 1
+FREE: Final = 2
+"""Whether sources lead all that moves: not known, so they do, they do not."""
 
 
 @record
@@ -59,6 +63,27 @@ class Ways:
     share: Block
     parted: bool
     part: Places
+
+
+@record
+class Ties:
+    """Sources that lead all that moves in a mode along with its constraints, if that is so.
+
+    `known` says whether it is: NOT_KNOWN, TIED, FREE. `factor` is what a unit of each of the
+    `leaders`, which are sources of the model, moves of each storage, and `size` what that is
+    rounding of; storages that are `given` hold nothing else, others the `rest` of the motion.
+    `place` says which leader a source of the mode is, or -1; `level` are their values.
+    """
+
+    known: int
+    leaders: int
+    leader: Places
+    place: Places
+    factor: Block
+    size: Block
+    given: Places
+    rest: Block
+    level: Block
 
 
 @record
@@ -172,6 +197,7 @@ class Mode:
     guessed: bool
     guess: Block
     ways: Ways
+    ties: Ties
     connected: bool
     parts: int
     bond_part: Ints
@@ -253,6 +279,19 @@ def make_ways() -> Ways:
     return w
 
 
+def make_ties() -> Ties:
+    """Return no ties."""
+    t = Ties()
+    t.leader = make_places(1)
+    t.place = make_places(1)
+    t.factor = make_block(1)
+    t.size = make_block(1)
+    t.given = make_places(1)
+    t.rest = make_block(1)
+    t.level = make_block(1)
+    return t
+
+
 def make_reads(m: Model) -> Reads:
     """Return room for what a mode of a model is read of; nothing is."""
     r = Reads()
@@ -299,6 +338,7 @@ def make_mode(m: Model) -> Mode:
     mode.freedom = make_block(1)
     mode.guess = make_block(1)
     mode.ways = make_ways()
+    mode.ties = make_ties()
     mode.bond_part = ints(m.bonds)
     mode.part_energy = floats(m.storages + 1)
     mode.part_reach = floats(m.storages + 1)

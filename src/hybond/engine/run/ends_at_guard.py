@@ -46,12 +46,13 @@ def find_within(e: Engine, g: Locator) -> int:
 def land(e: Engine, g: Locator, room: float, end: float, vain: int) -> int:
     """Repeat the step so that it ends just past the instant found; find all that is one with it.
 
-    Not beyond `end`. Where a guard held in the motion and not when it was settled, so many times
-    in `vain`, they differ by a last place, and a motion slower than that would never get past: it
-    goes on by a few last places of the time, each time by twice as many, a few times.
+    Not beyond `end`. A motion that is tied is known at any instant, whatever the step is. Where a
+    guard held in the motion and not when it was settled, so many times in `vain`, they differ by a
+    last place, and a motion slower than that would never get past: it goes on by a few last places
+    of the time, each time by twice as many, a few times.
     """
     far = e.step.t1 - e.step.t0 > FAR * (g.at - e.step.t0)
-    if (far or not shows_instants(e)) and land_first(e, g, room) != OK:
+    if not g.tied and (far or not shows_instants(e)) and land_first(e, g, room) != OK:
         return REFUSED
     if g.at == math.inf:
         return OK

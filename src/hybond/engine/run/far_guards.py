@@ -22,6 +22,7 @@ from hybond.engine.answers import value
 from hybond.engine.engine import OK, Engine
 from hybond.engine.expressions.pairs import ROUNDING
 from hybond.engine.inputs.interval import set_time
+from hybond.engine.instant.tied import put_tied
 from hybond.engine.methods.stepping import between
 from hybond.engine.mode.mode_records import is_constrained
 from hybond.engine.mode.part_energies import find_energies, reach_of_sum
@@ -55,7 +56,11 @@ def see_drift(e: Engine, g: Locator) -> None:
         between(e, t, g.y)
         for k in range(e.states):
             g.before[k] = g.y[k]
-        found = put_on_constraints(e, t, g.y) == OK
+        found = True
+        if g.tied:
+            put_tied(e, t, g.y)
+        else:
+            found = put_on_constraints(e, t, g.y) == OK
         if found:
             keep_sample(e, g, t)
         for k in range(e.states):

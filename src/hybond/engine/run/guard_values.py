@@ -12,6 +12,7 @@ from hybond.engine.expressions.paired import holds_from
 from hybond.engine.expressions.pairs import ROUNDING
 from hybond.engine.instant.jump import on_constraints
 from hybond.engine.instant.kept_sides import NOT_ASKED, ask_kept
+from hybond.engine.instant.tied import put_tied
 from hybond.engine.instant.trial import refuse_pair
 from hybond.engine.methods.stepping import between
 from hybond.engine.mode.mode_records import is_constrained
@@ -61,6 +62,10 @@ def keep_sample(e: Engine, g: Locator, t: float) -> None:
 
 def look_at_time(e: Engine, g: Locator, t: float, at: float) -> None:
     """Fill them as they would be at t, with the state at another instant."""
+    if g.tied:
+        put_tied(e, t, g.y)
+        look_on(e, g, t)
+        return
     between(e, at, g.y)
     look_here(e, g, t)
 

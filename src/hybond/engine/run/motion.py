@@ -25,6 +25,7 @@ from hybond.engine.inputs.interval import interval_after, read_within
 from hybond.engine.instant.doubts import warn_of_held
 from hybond.engine.instant.instant import GUARD, LAW, START, TIME, begin_instant
 from hybond.engine.instant.settle import settle
+from hybond.engine.instant.tied import begin_tied
 from hybond.engine.laws.laws import limits_vary, look_at_limits
 from hybond.engine.methods.control import end_pace
 from hybond.engine.methods.one_instant import room_of_instant
@@ -270,7 +271,8 @@ def flow(e: Engine, r: Run) -> int:
             continue
         if taken != OK:
             return -1
-        g.rough = not shows_instants(e)
+        g.held = g.tied
+        g.rough = not (g.tied or shows_instants(e))
         found = locate(e, g)
         g.rough = False
         if found != OK and find_within(e, g) != OK:
@@ -420,6 +422,7 @@ def begin_flow(e: Engine, r: Run) -> int:
         warn_of_held(e)
     take_locator(e, r)
     watch(e, r.locator, e.state)
+    r.locator.tied = begin_tied(e, e.t, e.y)
     if limits_vary(m) and look_at_limits(e) != OK:
         return REFUSED
     begin_field(e, e.mode)

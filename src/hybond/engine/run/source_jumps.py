@@ -17,6 +17,7 @@ from hybond.engine.answers import value
 from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.inputs.interval import moment
 from hybond.engine.instant.jump import on_constraints
+from hybond.engine.instant.tied import put_tied
 from hybond.engine.methods.stepping import between, step
 from hybond.engine.mode.mode_records import is_constrained
 from hybond.engine.mode.reach import reach_of
@@ -145,6 +146,9 @@ def put_before_kink(e: Engine, r: Run, t: float) -> int:
     passes through zero fast is a thousand times off what is left of it.
     """
     m = e.model
+    if r.locator.tied:
+        put_tied(e, t, e.y)
+        return OK
     if m.kinks == 0 or not is_constrained(e.mode):
         return put_on_constraints(e, t, e.y)
     if evaluate(e, e.mode, e.shown, t, e.y) != OK:
