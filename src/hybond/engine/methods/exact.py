@@ -109,7 +109,7 @@ def stand_in_flow(e: Engine) -> None:
             if m.generator_first[g + 1] > m.generator_first[g]:
                 s.drift.at[k] = 1.0
         end_sum(s, k, True)
-    if find_among(e):
+    if find_among(e, 1):
         hold_standing(e, e.step.f)
 
 

@@ -242,6 +242,8 @@ def eliminate(e: Engine, mode: Mode) -> None:
     mode.ways.shares = 0
     mode.flow_known = False
     mode.summed_known = False
+    for k in range(m.storages):
+        mode.stood.members[k] = 0
     mode.connected = False
     mode.saw = False
     mode.sized = False

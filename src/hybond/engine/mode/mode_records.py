@@ -12,6 +12,7 @@ from hybond.engine.algebra.blocks import (
     make_places,
     make_rows,
 )
+from hybond.engine.mode.standing_records import Stood, make_stood
 from hybond.engine.mode.sum_records import Sums, make_sums
 from hybond.engine.model import Model
 from hybond.engine.words import Floats, Ints, floats, ints, record
@@ -220,6 +221,7 @@ class Mode:
     """Of each stored quantity: the row of `direct` that is its rate, but for its sign."""
     signals: Reads
     """What the rates of integrated signals read."""
+    stood: Stood
     summed: Sums
     """The rates of the state as sums of it; ..."""
     summed_known: bool
@@ -346,6 +348,7 @@ def make_mode(m: Model) -> Mode:
     mode.sized_at = floats(n)
     mode.free_size = make_block(1)
     mode.rates = make_reads(m)
+    mode.stood = make_stood(m.storages)
     mode.summed = make_sums()
     mode.rate_row = ints(m.storages)
     mode.signals = make_reads(m)

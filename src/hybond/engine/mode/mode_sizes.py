@@ -15,7 +15,7 @@ PER_BOND: Final = 18
 
 def numbers_of(m: Model, mode: Mode) -> float:
     """Return about how many numbers there is room for in a mode; two whole ones count as one."""
-    total = float(PER_BOND * m.bonds + 4 * m.storages + 4 * m.most_sources)
+    total = float(PER_BOND * m.bonds + 8 * m.storages + 4 * m.most_sources)
     total += rows_numbers(mode.finite) + rows_numbers(mode.shared)
     total += rows_numbers(mode.own_power)
     total += rows_numbers(mode.constraints) + rows_numbers(mode.agreements)
@@ -26,6 +26,8 @@ def numbers_of(m: Model, mode: Mode) -> float:
     ways = mode.ways
     total += float(ways.directions.size + ways.moving.size + ways.d.size + ways.share.size)
     total += float(ways.slope.size + ways.inverse.size) + 0.5 * float(ways.moves.size)
+    t = mode.ties
+    total += float(t.factor.size + t.size.size + t.rest.size + t.level.size)
     return total + sums_numbers(mode.summed)
 
 

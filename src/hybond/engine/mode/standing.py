@@ -40,7 +40,7 @@ def find_standing(e: Engine, rate: Floats) -> None:
     """Find what stands in the motion that begins in the present mode, with these rates."""
     if begin_standing(e, rate):
         take_sums(e)
-        find_among(e)
+        find_among(e, 0)
 
 
 def begin_standing(e: Engine, rate: Floats) -> bool:
@@ -59,7 +59,7 @@ def begin_standing(e: Engine, rate: Floats) -> bool:
     return some
 
 
-def find_among(e: Engine) -> bool:
+def find_among(e: Engine, in_flow: int) -> bool:
     """Find what stands among what may, by the sums that are taken of their rates; if any does."""
     m = e.model
     x = e.standing
@@ -67,11 +67,93 @@ def find_among(e: Engine) -> bool:
         leave_moving(e, k)
     while leaves_out(x, m.storages):
         pass
-    while any_stands(x, m.storages) and not is_equilibrium(e):
-        while leaves_out(x, m.storages):
-            pass
+    gather(x, m.storages)
+    for k in range(m.storages):
+        if x.root[k] == k:
+            find_block(e, k, in_flow)
     x.some = any_stands(x, m.storages)
     return x.some
+
+
+def gather(x: Standing, storages: int) -> None:
+    """Chain those that stand and read each other, from the first of them on."""
+    s = x.sums
+    for k in range(storages):
+        x.root[k] = k if x.stands[k] != 0 else -1
+        x.behind[k] = -1
+    for k in range(storages):
+        if x.stands[k] == 0:
+            continue
+        for p in range(s.first.at[k], s.first.at[k + 1]):
+            if s.factor.at[p] != 0.0:
+                join(x, k, s.column.at[p])
+    for i in range(storages):
+        k = storages - 1 - i
+        if x.root[k] < 0:
+            continue
+        root = root_of(x, k)
+        x.root[k] = root
+        if root != k:
+            x.behind[k] = x.behind[root]
+            x.behind[root] = k
+
+
+def root_of(x: Standing, k: int) -> int:
+    """Return the first of those that storage k is joined with; the way there gets shorter."""
+    i = k
+    while x.root[i] != i:
+        x.root[i] = x.root[x.root[i]]
+        i = x.root[i]
+    return i
+
+
+def join(x: Standing, k: int, j: int) -> None:
+    """Let storages k and j have one root."""
+    one = root_of(x, k)
+    other = root_of(x, j)
+    x.root[max(one, other)] = min(one, other)
+
+
+def find_block(e: Engine, root: int, in_flow: int) -> None:
+    """Find which of the storages of a chain stand, or that it is as the last time in the mode."""
+    x = e.standing
+    kept = e.mode.stood
+    members = 0
+    same = True
+    k = root
+    while k >= 0:
+        members += 1
+        same = same and kept.in_flow[k] == in_flow
+        same = same and kept.y[k] == e.y[k] and kept.rate[k] == x.rate[k]
+        k = x.behind[k]
+    k = root
+    while k >= 0:
+        same = same and kept.members[k] == members
+        k = x.behind[k]
+    if not same:
+        while stands_in(x, root) and not is_equilibrium(e, root, members):
+            while leaves_out(x, e.model.storages):
+                pass
+    k = root
+    while k >= 0:
+        if same:
+            x.stands[k] = kept.stands[k]
+        kept.members[k] = members
+        kept.in_flow[k] = in_flow
+        kept.stands[k] = x.stands[k]
+        kept.y[k] = e.y[k]
+        kept.rate[k] = x.rate[k]
+        k = x.behind[k]
+
+
+def stands_in(x: Standing, root: int) -> bool:
+    """Whether some storage of a chain stands."""
+    k = root
+    while k >= 0:
+        if x.stands[k] != 0:
+            return True
+        k = x.behind[k]
+    return False
 
 
 def take_sums(e: Engine) -> None:
@@ -120,15 +202,15 @@ def any_stands(x: Standing, storages: int) -> bool:
     return False
 
 
-def is_equilibrium(e: Engine) -> bool:
-    """Whether changes by rounding make the rates of all that stand zero; else leave one out.
+def is_equilibrium(e: Engine, root: int, members: int) -> bool:
+    """Whether changes by rounding make the rates of a chain zero; else leave one of it out.
 
     Each is sought as a part of what the storage holds, by elimination with full pivoting. What
     holds nothing has no rounding, and an equation without terms holds.
     """
     x = e.standing
-    rows = put_equations(e)
-    width = e.model.storages + 1
+    rows = put_equations(e, root, members)
+    width = members + 1
     a = x.matrix.at
     for done in range(rows):
         row = done
@@ -155,30 +237,35 @@ def is_equilibrium(e: Engine) -> bool:
     return True
 
 
-def put_equations(e: Engine) -> int:
+def put_equations(e: Engine, root: int, members: int) -> int:
     """Put a row there for each rate that has terms: parts of these, then by what it is not zero.
 
     Returns how many there are.
     """
-    m = e.model
     x = e.standing
     s = x.sums
-    width = m.storages + 1
+    width = members + 1
     rows = 0
-    for k in range(m.storages):
-        x.taken[k] = 0
+    column = 0
+    k = root
+    while k >= 0:
+        x.place[k] = column
+        x.taken[column] = 0
+        column += 1
         if x.stands[k] != 0 and x.size[k] > 0.0:
             x.row[rows] = k
             rows += 1
+        k = x.behind[k]
     fit(x.matrix, rows * width)
     a = x.matrix.at
     for i in range(rows):
         k = x.row[i]
-        for j in range(width - 1):
+        for j in range(width):
             a[i * width + j] = 0.0
         for p in range(s.first.at[k], s.first.at[k + 1]):
             j = s.column.at[p]
-            a[i * width + j] += s.factor.at[p] * e.y[j] / x.size[k]
+            if s.factor.at[p] != 0.0:
+                a[i * width + x.place[j]] += s.factor.at[p] * e.y[j] / x.size[k]
         a[i * width + width - 1] = -x.rate[k] / x.size[k]
     return rows
 

@@ -195,8 +195,7 @@ class Locator:
     held: bool
     """Whether states are put on their constraints where guards are asked: an event begins there,
     and what integration drifts off would say something else of it."""
-    tied: bool
-    """Whether the motion is tied to its sources (`instant.tied`)."""
+    tied: bool  # whether the motion is tied to its sources, see instant/tied
     at: float
     bracket_low: float
     bracket_high: float
