@@ -7,9 +7,11 @@ import hashlib
 import os
 import runpy
 import shutil
+import signal
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent
@@ -70,7 +72,19 @@ def compiling():
         stderr=subprocess.STDOUT,
         encoding="utf-8",
         errors="replace",
+        process_group=0,  # with the C compiler that it starts: see end()
     )
+
+
+def end(engine):
+    """End what compiles the engine, and the C compiler that it has started."""
+    if os.name == "nt":
+        quiet("taskkill", "/F", "/T", "/PID", engine.pid)
+    else:
+        with suppress(ProcessLookupError, PermissionError):  # it is at its end already
+            # not SIGKILL: a C compiler removes its files then
+            os.killpg(engine.pid, signal.SIGTERM)
+    engine.wait()
 
 
 def make_venv():
@@ -114,17 +128,22 @@ def make_environment(extras):
         install([package for extra in sorted(extras) for package in optional[extra]])
     else:
         wanted = ["--editable", f"{ROOT}[{','.join(sorted(extras))}]" if extras else str(ROOT)]
+        STAMP.unlink(missing_ok=True)  # compiling begins with removing the library of before
         engine = compiling()
+        said = ""
         try:
             if not usable:
                 make_venv()
             install(wanted, **({"HYBOND_COMPILED_BESIDE": "1"} if engine else {}))
+            if engine:
+                said = engine.communicate()[0]
         except BaseException:
             if engine:
-                engine.kill()
+                end(engine)
             raise
-        if engine:
-            print(engine.communicate()[0], end="", flush=True)
+        print(said, end="", flush=True)
+        if engine and engine.returncode:
+            sys.exit(f"The engine could not be compiled (exit code {engine.returncode}).")
     there = extras | ({*installed[1:]} if known else set())
     STAMP.write_text(" ".join([digest, *sorted(there)]))
 

@@ -103,7 +103,7 @@ def test_quantity(text, value, unit):
         ("-m*g", "HB-U104"),
         ("1/s", "HB-U104"),
         ("", "HB-U104"),
-        ("5 m2", "HB-U104"),
+        ("5 m2", "HB-U101"),
         ("5 (m", "HB-U104"),
         ("5 m)", "HB-U104"),
         ("5 m/", "HB-U104"),

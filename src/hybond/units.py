@@ -162,15 +162,17 @@ def _bad(text: str, why: str) -> UnitError:
 
 def _no_unit(text: str, at: int) -> UnitError:
     """Refuse a text that is no unit from a place on: of `m2`, say, where its ``^`` belongs."""
-    found = _bad(text, f"is not a unit from column {at + 1} on")
+    # powers that units in use have, up to the K^4 of radiation and the m^4 of a bent beam
     raised = re.sub(r"(?<=[^\W\d_])(?=-?[1-4](?!\w))", "^", text)
-    if raised != text and len(text) <= 40:
+    if raised != text and len(text) <= 40:  # a longer one is quoted only in part
         try:
             _exact(raised)
         except UnitError:
-            return found
-        found.hint = f"did you mean {raised!r}?"
-    return found
+            pass
+        else:
+            hint = f"did you mean {raised!r}?"
+            return UnitError(f"unknown unit {text!r}", code="HB-U101", hint=hint)
+    return _bad(text, f"is not a unit from column {at + 1} on")
 
 
 @lru_cache(1024)

@@ -122,7 +122,11 @@ def test_options_may_stand_between_words_of_a_list(words: str, many: list[str]) 
     assert (given.measures if given.verb == "measure" else given.data) == many
 
 
-@pytest.mark.parametrize("words", ["run m.toml --until 1s 2s", "measure m.toml x --jsn y"])
-def test_what_is_no_list_takes_no_more_words(words: str) -> None:
+def test_what_is_no_list_takes_no_more_words() -> None:
     with pytest.raises(UsageError, match="HB-X101"):
-        parse(words.split())
+        parse(["run", "m.toml", "--until", "1s", "2s"])
+
+
+def test_a_misspelt_option_between_words_of_a_list_is_none_of_them() -> None:
+    with pytest.raises(UsageError, match="HB-X101"):
+        parse(["measure", "m.toml", "x", "--jsn", "y"])

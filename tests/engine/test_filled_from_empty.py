@@ -15,7 +15,7 @@ from scipy.integrate import solve_ivp
 import hybond as hb
 
 SOLVERS = ("auto", "radau")
-"""The one begins by explicit steps."""
+"""`auto` begins with explicit steps, `radau` takes implicit ones from the start."""
 TIMES = np.array([0.02, 0.1, 0.3, 0.6, 1.0])
 
 

@@ -11,7 +11,6 @@ import math
 import pytest
 
 import hybond as hb
-from hybond.simulation import simulate
 
 PUSH, INERTIA, DRAG = 2.5, 0.86, 0.79
 
@@ -60,7 +59,7 @@ def test_a_signal_integrates_what_begins_to_move(
 ) -> None:
     built = hb.loads(model.format(push=PUSH, inertia=INERTIA, drag=DRAG, w=w, rate=rate))
     since = 0.6 * math.pi / w
-    run = simulate(built, math.pi / w + since, solver=solver)
+    run = hb.simulate(built, math.pi / w + since, solver=solver)
     slows = DRAG / INERTIA
     moved = slows * (1.0 - math.cos(w * since)) / w - math.sin(w * since)
     moved += w * -math.expm1(-slows * since) / slows

@@ -151,3 +151,15 @@ def test_what_is_touched_moves(touch: str, solver: str) -> None:
         way = 0.5 * (-0.02) * (slow * math.sin(slow * 2) - fast * math.sin(fast * 2))
     run = hb.simulate(model, 2, solver=solver)
     assert run["v.f"].at(2) == pytest.approx(way, rel=1e-5, abs=1e-7)
+
+
+@pytest.mark.parametrize("solver", ["auto", "exact"])
+@pytest.mark.parametrize("cut", [0.0352, 0.036, 0.038, 0.04])
+def test_what_has_come_to_rest_goes_on_as_if_it_had_not_been_cut(cut: float, solver: str) -> None:
+    """What stands is sought where a motion begins, not where a run goes on: the same to the bit."""
+    model = hb.Model("charged", domain="electrical")
+    model.add(s=hb.Se(7.3), r=hb.R(1.0), c=hb.C("1 mF"), v=hb.One())
+    model.bond("s -> v -> r", "v -> c")
+    whole = hb.simulate(model, 0.05, solver=solver)
+    first = hb.simulate(model, cut, solver=solver)
+    assert hb.simulate(model, 0.05, start=first, solver=solver).final == whole.final

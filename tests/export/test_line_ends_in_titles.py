@@ -24,7 +24,7 @@ def titled(mark: str) -> hb.Model:
 
 @needs_c
 def test_a_program_in_c_says_its_title(tmp_path: Path) -> None:
-    """Compiled with all of them at once."""
+    """Its title holds all marks at once."""
     text = hb.export(titled("".join(ENDS)), to="c")
     program = compile_quickly(text, tmp_path, "titled")
     assert "second" in ask(program, "--help").replace("\n", " ")
@@ -32,7 +32,7 @@ def test_a_program_in_c_says_its_title(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("to", ["c", "java"])
 def test_no_text_is_broken(to: str) -> None:
-    """Of any mark: each stands between two that are split there, were it an end of a line."""
+    """A string that a mark had broken would leave an odd number of quotes on its line."""
     lines = hb.export(titled("-".join(ENDS)), to=to).split("\n")
     literal = [line for line in lines if line.lstrip().startswith('"') and "first" in line]
     assert all(line.count('"') % 2 == 0 for line in literal)

@@ -98,10 +98,10 @@ def turning_points(c: Vector, sign: float) -> tuple[NDArray[np.intp], Vector]:
     flat = (fine[:, 1:-1] == fine[:, :-2]) & (fine[:, 1:-1] == fine[:, 2:])
     piece, at = np.nonzero(inside & ~flat)
     low, high = _FINE[at].copy(), _FINE[at + 2].copy()
-    # one that is nearer to an end of its piece than to the point beside that end is no higher
-    # there than at the end: slopes tell
+    # a top between an end and the next point shows in slopes only
     slope = np.asarray(sign * np.polynomial.chebyshev.chebder(c, axis=1), dtype=float)
-    for first, last, end, beside in ((0, 1, 0, 1), (-2, -1, -1, -2)):
+    for end, beside in ((0, 1), (-1, -2)):
+        first, last = sorted((end, beside))  # from left to right
         falls = evaluate(slope, np.full(len(c), _FINE[last])) < 0.0
         turns = (evaluate(slope, np.full(len(c), _FINE[first])) > 0.0) & falls
         rest = np.flatnonzero(turns & (fine[:, end] >= fine[:, beside]))

@@ -188,8 +188,7 @@ def duty_of(
     reader = Reader(run, name)
     points = _points(reader, level, window, tolerance)
     # not between crossings: what rests at the level, as the current of a diode at zero, and then
-    # rises has crossed nothing
-    # and rounding is not above it
+    # rises has crossed nothing; rounding is not above it
     least = level + NOISE * max(abs(level), float(np.abs(points.y).max()))
     above = points.y > least
     at = np.flatnonzero(above[:-1] != above[1:])

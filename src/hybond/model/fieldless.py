@@ -104,22 +104,20 @@ def _check_exits(graph: FlatGraph, machine: Machine, state: int) -> None:
         )
     for rule in exits:
         later = {n for n in posterior_names(rule.guard) if not n.startswith(("at:", "in:"))}
-        if not later and not uses_pre(rule.guard):
-            raise ModelError(
-                f"the exit {rule.text!r} of a fieldless state does not wait for its jump, so the "
-                "state would be left before that is written",
-                code="HB-M171",
-                where=where,
-                hint="ask whether the state was there when something was written last: "
-                f'pre({machine.path}.state == "{machine.states[state]}")',
-            )
+        early, hint = "", ""
         if later:
+            early, hint = "reads a posteriori values", "wrap what it reads in pre(...)"
+        elif not uses_pre(rule.guard):
+            early = "waits for nothing"
+            hint = "ask whether the state was there when something was written last: "
+            hint += f'pre({machine.path}.state == "{machine.states[state]}")'
+        if early:
             raise ModelError(
-                f"the exit {rule.text!r} of a fieldless state reads a posteriori values, so the "
-                "state would be left before its jump is written",
+                f"the exit {rule.text!r} of a fieldless state {early}, so the state would be left "
+                "before its jump is written",
                 code="HB-M171",
                 where=where,
-                hint="wrap what it reads in pre(...)",
+                hint=hint,
             )
         for argument in prior(rule.guard):
             for name in sorted(names(argument)):

@@ -113,14 +113,18 @@ def fell_silent(g: Landings, machine: int, until: float) -> bool:
     return last - g.times[first] <= float(LAST_TIMES - 1) * tick_of(last, until)
 
 
-def chatters(g: Landings, machine: int, until: float) -> bool:
-    """Whether the events of a machine without impacts have reached a limit."""
+def chatters(g: Landings, machine: int, until: float, now: float) -> bool:
+    """Whether the events of a machine without impacts have reached a limit, as it is `now`.
+
+    What went on beyond that was the rebounds of another one, which the machine was struck by at the
+    same instants, and which is at rest by now.
+    """
     if g.other_kept[machine] < LAST_TIMES:
         return False
     first = LAST_TIMES * machine
     last = g.others[first + LAST_TIMES - 1]
     room = CHATTERING * since_start(last, until)
-    return crowd_within(g, g.others, machine, LAST_TIMES, room)
+    return crowd_within(g, g.others, machine, LAST_TIMES, room) and now <= g.limit_t + room
 
 
 def crowd_within(g: Landings, times: Floats, machine: int, n: int, room: float) -> bool:

@@ -26,21 +26,30 @@ SOME: Final = 5
 """Instants that tell of a limit where another contact has told of it by all that are kept."""
 
 
+NONE_RESTS: Final = 0
+LANDED: Final = 1
+RESTED: Final = 2
+"""What comes of events that accumulate: no rest is known; contacts were put to rest at their limit;
+all were, by the last of these events itself."""
+
+
 def land_in_turn(e: Engine, s: Settling, i: Instant) -> int:
-    """Put contacts to rest whose events accumulate: 1 if there are any, 0 if not, -1 refused.
+    """Put contacts to rest whose events accumulate; return what came of it, -1 if refused.
 
     Called where `stuck` has found the limit of the events of one of them.
     """
     m = e.model
     g = e.landings
     if g.stuck_why != CHATTERS:
-        return 0
+        return NONE_RESTS
     t = g.limit_t
     ratio = g.limit_ratio
     room = TURN * CHATTERING * since_start(e.t, e.span)
-    found = close_in_turn(e, g, room, True) and would_carry(e, g, room)
-    if not found and not (close_in_turn(e, g, room, False) and would_carry(e, g, room)):
-        return 0
+    if not rests(e, g, room, True, LANDED) and not rests(e, g, room, False, LANDED):
+        if rests(e, g, room, True, RESTED) or rests(e, g, room, False, RESTED):
+            forget_chosen(e, g, t)
+            return RESTED
+        return NONE_RESTS
     g.found_t = t
     g.found_ratio = ratio
     begin_instant(i, e.t, ACCUMULATION)
@@ -50,13 +59,27 @@ def land_in_turn(e: Engine, s: Settling, i: Instant) -> int:
         if g.state[k] != e.state[k]:
             note_fired(i, k, e.state[k], g.state[k])
             tell_end(i, max(g.other_kept[k], g.count[k]), t, ratio)
-        restart(g, k, t)
-        g.other_kept[k] = 0
+    forget_chosen(e, g, t)
     return lie_down(e, g, s, i)
 
 
-def close_in_turn(e: Engine, g: Landings, room: float, touching: bool) -> bool:
+def forget_chosen(e: Engine, g: Landings, t: float) -> None:
+    """Forget the events of the chosen contacts: they have come to their limit, `t`."""
+    for k in range(e.model.machines):
+        if g.chosen[k] != 0:
+            restart(g, k, t)
+            g.other_kept[k] = 0
+
+
+def rests(e: Engine, g: Landings, room: float, touching: bool, how: int) -> bool:
+    """Whether contacts whose events accumulate push when all are closed, LANDED or RESTED."""
+    return close_in_turn(e, g, room, touching) == how and would_carry(e, g, room)
+
+
+def close_in_turn(e: Engine, g: Landings, room: float, touching: bool) -> int:
     """Choose the contacts whose events accumulate, two at least, into `g.state` all closed.
+
+    LANDED if some are open yet, RESTED if none is.
 
     Or all that are `touching`, whose own events may be those of another: what lies between two of
     them strikes both at one instant.
@@ -80,7 +103,9 @@ def close_in_turn(e: Engine, g: Landings, room: float, touching: bool) -> bool:
             for state in range(m.state_first[k + 1] - m.state_first[k]):
                 if state != m.port_bounce[p] and is_on(m, p, state):
                     g.state[k] = state
-    return many > 1 and opened
+    if many < 2:
+        return NONE_RESTS
+    return LANDED if opened else RESTED
 
 
 def takes_turns(g: Landings, k: int, room: float) -> bool:

@@ -385,7 +385,7 @@ def stuck(e: Engine) -> bool:
             if m.tells != 0:
                 warn_of_unrest(e, g, k)
             return True
-        if chatters(g, k, e.span):
+        if chatters(g, k, e.span, e.t):
             g.stuck_events = g.other_kept[k]
             g.stuck_why = CHATTERS
             return True

@@ -84,12 +84,15 @@ def begin_exact(e: Engine) -> bool:
 
 
 def stand_in_flow(e: Engine) -> None:
-    """Find what stands, by the rows of the flow: there sources that time moves later are constant.
+    """Find what stands where a motion begins, by the rows of the flow.
 
-    As is what of a generator of the flow has no rate.
+    There sources that time moves later only, and what else generates the flow without a rate of its
+    own, are constants.
     """
     m = e.model
-    if e.standing.some or e.step.t != e.t or not begin_standing(e, e.step.f):
+    if e.standing.some or e.standing.goes_on or e.step.t != e.t:
+        return
+    if not begin_standing(e, e.step.f):
         return
     f = e.exact.flow
     z = e.exact.parts.at

@@ -20,7 +20,7 @@ from typing import Final
 from hybond.engine.algebra.twofold import LARGEST, SPLIT
 
 UNITS: Final = 2.0**53
-"""Of the last binary digit of a number in the number."""
+"""Units of the last binary digit in a number, about."""
 ONE_WAY: Final = 0.6180339887498949
 """By what numbers that differ in their last digit move apart: any irrational number does, and this
 is the worst to approximate by fractions."""

@@ -29,7 +29,7 @@ from hybond.engine.mode.drift import ONE_WAY, OTHER_WAY, drift_of
 from hybond.engine.words import Floats, Ints, floats, ints, record
 
 CANCELLATION: Final = 1e-12
-"""A sum below this part of its terms is a cancellation, hence zero."""
+"""Of a sum below this part of its terms it is asked whether it is rounding; of others it is not."""
 GIVEN: Final = 1e-14
 """A sum is rounding of what is given, to some 45 units in the last place as expressions of decimal
 numbers have, if it is below this part of how far it moves with that."""

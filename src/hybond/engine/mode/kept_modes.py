@@ -60,7 +60,8 @@ def keep_mode(e: Engine, key: Ints) -> int:
 
 def has_room(e: Engine) -> bool:
     """Whether one more mode may be kept beside those that are."""
-    if e.modes_made < FEWEST + e.modes_kept - KEPT:
+    together = e.modes_kept - KEPT
+    if e.modes_made < FEWEST + together:
         return True
     taken = 0.0
     for k in range(e.modes_made):

@@ -10,12 +10,15 @@ from hybond.engine.mode.sum_records import Sums
 from hybond.engine.model import Model
 
 PER_BOND: Final = 18
-"""Numbers for each bond in arrays that are as long as there are bond variables."""
+PER_STORAGE: Final = 8
+PER_SOURCE: Final = 4
+"""Numbers for each bond, storage and source in the arrays of a mode that are as long as there are
+of these."""
 
 
 def numbers_of(m: Model, mode: Mode) -> float:
     """Return about how many numbers there is room for in a mode; two whole ones count as one."""
-    total = float(PER_BOND * m.bonds + 8 * m.storages + 4 * m.most_sources)
+    total = float(PER_BOND * m.bonds + PER_STORAGE * m.storages + PER_SOURCE * m.most_sources)
     total += rows_numbers(mode.finite) + rows_numbers(mode.shared)
     total += rows_numbers(mode.own_power)
     total += rows_numbers(mode.constraints) + rows_numbers(mode.agreements)

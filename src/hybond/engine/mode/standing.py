@@ -23,13 +23,14 @@ from typing import Final
 
 from hybond.engine.algebra.blocks import fit
 from hybond.engine.algebra.rounding import EPSILON
+from hybond.engine.algebra.separate import first_of, unite
 from hybond.engine.engine import Engine
 from hybond.engine.mode.standing_records import Standing
 from hybond.engine.mode.straight_rates import take_rate
 from hybond.engine.mode.sum_records import begin_sum, begin_sums, end_sum
 from hybond.engine.words import Floats
 
-GIVEN: Final = 64.0 * EPSILON
+LAST_DIGITS: Final = 64.0 * EPSILON
 """Part of what is stored that rounding may be: a product of decimals and its quotients are off by
 some units each."""
 TOLD: Final = 1e-6
@@ -44,9 +45,9 @@ def find_standing(e: Engine, rate: Floats) -> None:
 
 
 def begin_standing(e: Engine, rate: Floats) -> bool:
-    """Note rates, and which of them may be rounding; whether any is where something is stored.
+    """Note rates, and which may be rounding by a first look; whether any such storage holds some.
 
-    That is a first look, by what is known without the terms.
+    The look needs no terms of the rates.
     """
     m = e.model
     x = e.standing
@@ -86,32 +87,16 @@ def gather(x: Standing, storages: int) -> None:
             continue
         for p in range(s.first.at[k], s.first.at[k + 1]):
             if s.factor.at[p] != 0.0:
-                join(x, k, s.column.at[p])
+                unite(x.root, k, s.column.at[p])
     for i in range(storages):
         k = storages - 1 - i
         if x.root[k] < 0:
             continue
-        root = root_of(x, k)
+        root = first_of(x.root, k)
         x.root[k] = root
         if root != k:
             x.behind[k] = x.behind[root]
             x.behind[root] = k
-
-
-def root_of(x: Standing, k: int) -> int:
-    """Return the first of those that storage k is joined with; the way there gets shorter."""
-    i = k
-    while x.root[i] != i:
-        x.root[i] = x.root[x.root[i]]
-        i = x.root[i]
-    return i
-
-
-def join(x: Standing, k: int, j: int) -> None:
-    """Let storages k and j have one root."""
-    one = root_of(x, k)
-    other = root_of(x, j)
-    x.root[max(one, other)] = min(one, other)
 
 
 def find_block(e: Engine, root: int, in_flow: int) -> None:
@@ -174,7 +159,7 @@ def leave_moving(e: Engine, k: int) -> None:
     x.size[k] = math.fabs(s.level.at[k])
     for p in range(s.first.at[k], s.first.at[k + 1]):
         x.size[k] += math.fabs(s.factor.at[p] * e.y[s.column.at[p]])
-    still = math.fabs(x.rate[k]) <= GIVEN * x.size[k] and s.drift.at[k] == 0.0
+    still = math.fabs(x.rate[k]) <= LAST_DIGITS * x.size[k] and s.drift.at[k] == 0.0
     if s.known.at[k] == 0 or not still:
         x.stands[k] = 0
 
@@ -231,7 +216,7 @@ def is_equilibrium(e: Engine, root: int, members: int) -> bool:
         x.row[row] = x.row[done]
         x.row[done] = storage
     for i in range(rows):
-        if math.fabs(a[i * width + width - 1]) > GIVEN:
+        if math.fabs(a[i * width + width - 1]) > LAST_DIGITS:
             x.stands[x.row[i]] = 0
             return False
     return True

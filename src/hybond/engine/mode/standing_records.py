@@ -13,6 +13,8 @@ class Standing:
 
     some: bool
     """Whether there are any."""
+    goes_on: bool
+    """Whether they are those of the run that goes on here: nothing begins, and none is sought."""
     stands: Ints
     """Of each storage: whether nothing moves it in the present motion."""
     sums: Sums

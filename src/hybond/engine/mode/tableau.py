@@ -319,7 +319,7 @@ def add_laws(e: Engine, mode: Mode, part: int) -> None:
 
 
 def is_wide(m: Model, j: int) -> bool:
-    """Whether the sum of a junction whose law is not open is added last: it has many ends."""
+    """Whether a junction has so many ends that its sum is added last."""
     return m.end_first[j + 1] - m.end_first[j] >= WIDE
 
 
@@ -406,6 +406,8 @@ def add_hidden(e: Engine, mode: Mode, value0: int) -> int:
     m = e.model
     finite = e.work.finite
     table = e.work.table
+    # sums of wide junctions are the last rows of the power structure, but behind the derivatives of
+    # constraints in what is evaluated: it goes on from before them where there are any
     copy_elimination(e.work.power, finite)
     wide = add_wide(e, mode)
     if wide > 0 and table.done == 0:
@@ -424,7 +426,7 @@ def add_hidden(e: Engine, mode: Mode, value0: int) -> int:
             mode.dynamic[mode.dynamics] = -1 - c
             mode.dynamics += 1
     for i in range(wide):
-        # where nothing is left that it determines a row before it has taken that
+        # a row that is left with nothing to determine is one derivative too many
         give_balance(m, finite, e.work.wide[i])
         if add_row(finite) != USED:
             too_high += 1

@@ -6,12 +6,15 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import Block, Rows, fit, fit_rows
+from hybond.engine.algebra.separate import first_of, unite
 from hybond.engine.mode.elimination import NOWHERE, Elimination, is_free
 from hybond.engine.mode.mode_records import Mode
-from hybond.engine.mode.tableau import NOT_OPEN, WIDE
+from hybond.engine.mode.tableau import NOT_OPEN
 from hybond.engine.model import Model
 from hybond.engine.words import Ints
 
+LONG: Final = 32
+"""Entries from which on it is worth its while to find rows that are equal to the last bit."""
 LOST: Final = 0.02
 """Units of rounding that elimination may lose, against those that a comparison lets pass: eight
 of 2.2e-16, against 1e-13 of the terms."""
@@ -38,19 +41,12 @@ def share_rows(m: Model, x: Elimination, mode: Mode) -> None:
             continue
         common = 0 if m.junction_kind[j] == 0 else m.bonds
         for i in range(m.end_first[j], m.end_first[j + 1] - 1):
-            one = first_of_row(mode.same, common + m.end_bond[i])
-            other = first_of_row(mode.same, common + m.end_bond[i + 1])
-            if one != other and x.count[one] >= WIDE and is_same_row(x, one, other):
-                mode.same[max(one, other)] = min(one, other)
+            one = first_of(mode.same, common + m.end_bond[i])
+            other = first_of(mode.same, common + m.end_bond[i + 1])
+            if one != other and x.count[one] >= LONG and is_same_row(x, one, other):
+                unite(mode.same, one, other)
     for k in range(2 * m.bonds):
-        mode.same[k] = mode.same[mode.same[k]]
-
-
-def first_of_row(same: Ints, k: int) -> int:
-    """Return the bond variable whose row that of k is, so far."""
-    while same[k] != k:
-        k = same[k]
-    return k
+        mode.same[k] = first_of(mode.same, k)
 
 
 def is_same_row(x: Elimination, one: int, other: int) -> bool:

@@ -194,8 +194,19 @@ def carry_memory(e: Engine, r: Run, c: Carrier) -> None:
     carry_ints(c, atoms, e.rests.creeps)
     e.rests.some = carry_truth(c, e.rests.some)
     carry_floats(c, m.integrals, e.sample_terms)
+    carry_standing(e, c)
     g.events = carry_whole(c, g.events)
     carry_step(e, r, c)
+
+
+def carry_standing(e: Engine, c: Carrier) -> None:
+    """Carry what stands: it was found where the motion began that goes on."""
+    x = e.standing
+    x.some = carry_truth(c, x.some)
+    carry_ints(c, e.model.storages, x.stands)
+    for k in range(e.model.storages if not x.some else 0):
+        x.stands[k] = 0
+    x.goes_on = c.puts
 
 
 def carry_step(e: Engine, r: Run, c: Carrier) -> None:

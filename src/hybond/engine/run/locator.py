@@ -193,8 +193,8 @@ class Locator:
     lost: bool
     """Whether no combination holds the state on its surfaces there."""
     held: bool
-    """Whether states are put on their constraints where guards are asked: an event begins there,
-    and what integration drifts off would say something else of it."""
+    """Whether states are on their constraints where guards are asked: an event begins there, and
+    what integration drifts off would say something else of it."""
     tied: bool  # whether the motion is tied to its sources, see instant/tied
     at: float
     bracket_low: float

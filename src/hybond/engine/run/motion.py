@@ -18,7 +18,7 @@ from hybond.engine.checks.energy_held import (
 from hybond.engine.checks.guards_held import foresee, hold_apart, look_at_guards
 from hybond.engine.checks.laws_held import look_at_entry, look_at_laws
 from hybond.engine.contacts.impacts_seen import before_event, observe_event
-from hybond.engine.contacts.in_turn import land_in_turn
+from hybond.engine.contacts.in_turn import NONE_RESTS, RESTED, land_in_turn
 from hybond.engine.contacts.landing import land_contacts, stuck
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.inputs.interval import interval_after, read_within
@@ -34,7 +34,7 @@ from hybond.engine.methods.stepping import retry, start, step
 from hybond.engine.mode.equations import mode_of
 from hybond.engine.mode.guess import give_back_guess, hold_guess
 from hybond.engine.mode.part_energies import join_parts
-from hybond.engine.mode.standing import find_standing
+from hybond.engine.mode.standing import any_stands, find_standing
 from hybond.engine.mode.straight_rates import take_rates
 from hybond.engine.mode.values import begin_field, field
 from hybond.engine.planar.stops import begin_slips
@@ -145,6 +145,7 @@ def begin_now(e: Engine, r: Run) -> int:
     if r.way != FRESH and take_up(e, r) != OK:
         return REFUSED
     cause = cause_of_beginning(e, r)
+    e.standing.goes_on = e.standing.goes_on and cause == TIME
     if cause == TIME and e.model.method != MOREAU:
         # what was settled there is not settled again
         if e.slide.many > 0:
@@ -239,8 +240,10 @@ def rest_in_turn(e: Engine, r: Run) -> int:
     landed = land_in_turn(e, r.settling, r.instant)
     if landed < 0:
         return REFUSED
-    if landed == 0:
+    if landed == NONE_RESTS:
         return ACCUMULATES
+    if landed == RESTED:
+        return OK
     r.cut = False
     r.events += 1
     report_event(e, r.report, r.instant)
@@ -271,6 +274,7 @@ def flow(e: Engine, r: Run) -> int:
             continue
         if taken != OK:
             return -1
+        # what is tied to sources is known there in closed form, on its constraints
         g.held = g.tied
         g.rough = not (g.tied or shows_instants(e))
         found = locate(e, g)
@@ -438,6 +442,7 @@ def begin_flow(e: Engine, r: Run) -> int:
         begin_courses(e, r.locator.reads)
     begin_rests(e)
     begun = start(e, e.t, e.y, bound_of(e), True)
+    e.standing.goes_on = False
     if begun == OK:
         hold_rates(e)
     return begun
@@ -446,6 +451,9 @@ def begin_flow(e: Engine, r: Run) -> int:
 def see_standing(e: Engine) -> None:
     """Find what stands in the motion that begins; nothing along surfaces, or where discs slip."""
     if e.slide.k > 0 or e.model.groups > 0 or e.model.disks > 0:
+        return
+    if e.standing.goes_on:
+        e.standing.some = any_stands(e.standing, e.model.storages)
         return
     refused = e.refusal
     asked = e.evaluations

@@ -343,8 +343,7 @@ class _Parser:
             if unit is None:
                 self.fail(error.why, token.at, hint=error.hint)
             if token.unit is None:
-                meant = error.code != "HB-U104" or error.hint.startswith("did you mean")
-                hint = error.hint if meant else ""
+                hint = "" if error.code == "HB-U104" else error.hint
                 self.not_a_unit(token, following, hint)
             at = self.text.index("[", token.at)
             self.fail(error.why, at, code="HB-E102", hint=error.hint)
