@@ -56,7 +56,7 @@ def crowd(times: list[float]) -> tuple[bool, Landings]:
     g = landings()
     for t in times:
         g.other_kept[0] = push_time(g.others, g.other_kept[0], 0, t)
-    return chatters(g, 0, 10.0), g
+    return chatters(g, 0, 10.0, times[-1]), g
 
 
 def test_twelve_intervals_in_one_moment_are_chatter() -> None:
@@ -70,6 +70,17 @@ def test_twelve_intervals_in_one_moment_are_chatter() -> None:
     assert g.limit_ratio == pytest.approx(0.1, rel=1e-3)
     # the oldest go
     assert crowd([0.1 * k for k in range(20)] + [3.0 - 0.1**k for k in range(13)])[0]
+
+
+def test_intervals_before_it_all_began_tell_no_limit() -> None:
+    """Four tenths at each turn: 7e-8 s are left, whatever a first interval of a second says."""
+    assert not crowd([2.0, *(3.0 - 0.4 ** (6 + k) for k in range(12))])[0]
+
+
+def test_a_limit_that_is_past_is_none() -> None:
+    """Another contact went on beyond it, and struck this one at the same instants."""
+    found, g = crowd([2.0 - 0.1**k for k in range(13)])
+    assert found and not chatters(g, 0, 10.0, 2.0 + 1e-8)
 
 
 def test_a_machine_remembers_its_longest_flight() -> None:

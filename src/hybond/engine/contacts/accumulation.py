@@ -16,6 +16,8 @@ REMAINING: Final = 1e-7
 """Impacts may end at their limit if what is left to it is below this part of the time."""
 CHATTERING: Final = 1e-10
 """The same for events that are not impacts."""
+WIDER: Final = 10.0
+"""Times that the last intervals may tell of a limit later than all do: they are not just alike."""
 SOONEST: Final = 1e-6
 """That part is taken of at least this part of the run."""
 POSITION: Final = 1e-16
@@ -138,4 +140,8 @@ def crowd_within(g: Landings, times: Floats, machine: int, n: int, room: float) 
         g.limit_t = last
         g.limit_ratio = math.nan
         return True
-    return limit_of(g, times, machine, n) and g.limit_left <= room
+    if not limit_of(g, times, machine, n) or g.limit_left > room:
+        return False
+    # the same by the last three alone: far apart, the first may be from before it all began
+    before = times[first + n - 2]
+    return aitken(times[first + n - 3], before, last) - last <= WIDER * room
