@@ -153,6 +153,23 @@ def test_what_is_touched_moves(touch: str, solver: str) -> None:
     assert run["v.f"].at(2) == pytest.approx(way, rel=1e-5, abs=1e-7)
 
 
+@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize("force", [3.0, -1e-3, 1e-6])
+@pytest.mark.parametrize("cut", [0.4, 0.5, 0.6])
+def test_a_run_that_ends_where_something_is_touched_goes_on(
+    cut: float, force: float, solver: str
+) -> None:
+    model = hanging(M, K, G)
+    model.add(push=hb.Se(f'if hand.state == "on" then {force} [N] else 0 [N]'))
+    model.bond("push -> v")
+    rules = ["off -> on when time >= 0.5"]
+    model.machine("hand", states={"off": [], "on": []}, start="off", rules=rules)
+    run = hb.simulate(model, 2.0, start=hb.simulate(model, cut, solver=solver), solver=solver)
+    rate = math.sqrt(K / M)
+    moved = force / K * (1.0 - math.cos(1.5 * rate))
+    assert run.final["c.q"] - M * G / K == pytest.approx(moved, rel=1e-5, abs=1e-15)
+
+
 @pytest.mark.parametrize("solver", ["auto", "exact"])
 @pytest.mark.parametrize("cut", [0.0352, 0.036, 0.038, 0.04])
 def test_what_has_come_to_rest_goes_on_as_if_it_had_not_been_cut(cut: float, solver: str) -> None:

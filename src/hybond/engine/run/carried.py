@@ -223,6 +223,8 @@ def carry_step(e: Engine, r: Run, c: Carrier) -> None:
     sound = r.warm_h > 0.0 or r.warm_next > 0.0
     sound = sound and r.warm_t < e.t and r.warm_h < math.inf and r.warm_next < math.inf
     cut = carry_truth(c, r.cut)
+    # behind an event at the end of a run another motion begins
+    e.standing.goes_on = e.standing.goes_on and cut
     r.warm = c.puts and same and sound and cut
     r.warm_implicit = carry_truth(c, s.implicit)
     s.bound = carry_whole(c, s.bound)
