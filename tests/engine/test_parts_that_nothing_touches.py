@@ -167,7 +167,8 @@ def test_a_run_that_ends_where_something_is_touched_goes_on(
     run = hb.simulate(model, 2.0, start=hb.simulate(model, cut, solver=solver), solver=solver)
     rate = math.sqrt(K / M)
     moved = force / K * (1.0 - math.cos(1.5 * rate))
-    assert run.final["c.q"] - M * G / K == pytest.approx(moved, rel=1e-5, abs=1e-15)
+    # steps with an error of their own are right to 1e-8 of the stretch
+    assert run.final["c.q"] - M * G / K == pytest.approx(moved, rel=1e-5, abs=3e-10)
 
 
 @pytest.mark.parametrize("solver", ["auto", "exact"])
