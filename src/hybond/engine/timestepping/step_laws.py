@@ -132,6 +132,7 @@ def solve_step_laws(
     bounces = False
     rubs = False
     for k in range(n):
+        s.turned[k] = 0
         a.size[k] = s.doubt[k]
         if doubtful and math.fabs(r.q[k]) <= CANCELLED_VALUE * s.doubt[k]:
             r.q[k] = 0.0
@@ -175,7 +176,8 @@ def ask_laws(e: Engine, s: Stepping, c: Coupled, bounces: bool) -> bool:
     """Ask the laws, those of the last step's branches first.
 
     What was at rest stays so up to its breakaway limit, and slides with the other one: to let go is
-    never taken back.
+    never taken back. So does what would end the step sliding the other way: it comes to rest in
+    between.
     """
     m = e.model
     r = e.laws
@@ -198,6 +200,10 @@ def ask_laws(e: Engine, s: Stepping, c: Coupled, bounces: bool) -> bool:
             if slides and not is_held_by_others(m, r, k) and not rests_on_others(c, p, k):
                 r.resting[k] = 0
                 broken = True
+            elif s.turned[k] == 0 and reverses(e, p, k):
+                s.turned[k] = 1
+                r.resting[k] = 1
+                broken = True
         if broken:
             continue
         if not guessed and p.answers > 1 and not s.second_said:
@@ -210,6 +216,15 @@ def ask_laws(e: Engine, s: Stepping, c: Coupled, bounces: bool) -> bool:
             for k in range(n):
                 p.moved[k] = p.q[k] + p.shift[k]
         return True
+
+
+def reverses(e: Engine, p: LawProblem, k: int) -> bool:
+    """Whether friction with a breakaway limit would end a step sliding the other way."""
+    m = e.model
+    if m.port_breakaway[k] == NO_LAW_VALUE or m.port_planar[k] != 0:
+        return False
+    began = e.state[m.port_machine[k]]
+    return (began == 1 and p.branch[k] < 0) or (began == 2 and p.branch[k] > 0)
 
 
 def rests_on_others(c: Coupled, p: LawProblem, k: int) -> bool:

@@ -33,11 +33,13 @@ from hybond.engine.instant.instant import (
     note_fired,
     note_step,
 )
+from hybond.engine.instant.jump import on_constraints
 from hybond.engine.instant.settle import settle
 from hybond.engine.instant.told import STEP_ENDS, say_why
 from hybond.engine.laws.laws import check_limits, limits_vary
 from hybond.engine.methods.fixed import SLACK
 from hybond.engine.mode.equations import mode_of
+from hybond.engine.mode.mode_records import is_constrained
 from hybond.engine.mode.values import evaluate
 from hybond.engine.reasons.warned import (
     FIRES_ALWAYS,
@@ -208,6 +210,16 @@ def end_run(e: Engine, r: Run) -> None:
     report_event(e, r.report, i)
 
 
+def drop_dust(e: Engine) -> None:
+    """Put what laws hold still on their constraints, which a step keeps but for rounding.
+
+    Laws look at the signs of speeds: what sticks would slide on by what is left of its own.
+    """
+    if mode_of(e, e.state) == OK and is_constrained(e.mode):
+        if evaluate(e, e.mode, e.shown, e.t, e.y) == OK:
+            on_constraints(e, e.mode, e.shown, e.y)
+
+
 def settle_in_steps(e: Engine, r: Run, cause: int) -> int:
     """Settle the present instant, and report what changed.
 
@@ -225,6 +237,8 @@ def settle_in_steps(e: Engine, r: Run, cause: int) -> int:
         keep_left(e, r.report)
     if m.laws > 0:
         e.laws.undecided = False
+        if cause != START:
+            drop_dust(e)
     if settle(e, r.settling, i) != OK:
         if s.hand or m.laws == 0 or not e.laws.undecided:
             return REFUSED

@@ -135,6 +135,8 @@ class Stepping:
     shared: Ints
     """Ports whose shares were open in this step, then those of which it was said."""
     shared_said: Ints
+    turned: Ints
+    """Friction that was asked to rest in the step, as it would end it sliding the other way."""
     second_said: bool
 
     couples: Records[Coupled]
@@ -211,6 +213,7 @@ def make_stepping(m: Model) -> Stepping:
     s.most = floats(n)
     s.shared = ints(n)
     s.shared_said = ints(n)
+    s.turned = ints(n)
     s.couples = records(Coupled, COUPLED_KEPT)
     s.guess = make_guess(n)
     s.shares = make_shares()
