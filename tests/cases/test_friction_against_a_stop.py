@@ -45,37 +45,46 @@ def test_friction_that_leans_on_a_stop_holds_up_to_its_breakaway(
     assert run.mode["v"] == "backward"
 
 
-def block(push: str, speed: float, way: float) -> hb.Model:
-    """0.4 kg on a table that holds 6 N and drags with 2 N."""
+def block(push: str, speed: float, way: float, turned: bool) -> hb.Model:
+    """0.4 kg on a table that holds 6 N and drags with 2 N; a swing that touches nothing beside."""
     m = hb.Model("block", domain="translational")
-    m.add(F=hb.Se(f"{way}*({push})"), mass=hb.I(0.4, f=way * speed))
+    own = -way * speed if turned else way * speed
+    m.add(F=hb.Se(f"{way}*({push})"), mass=hb.I(0.4, f=own))
     m.add(v=hb.One(law="coulomb", limit="2 N", breakaway="6 N"))
-    m.bond("F -> v -> mass")
+    m.bond("F -> v", "mass -> v" if turned else "v -> mass")
+    m.add(swing=hb.One(), other=hb.I(1.0, f=3.0), spring=hb.C(0.1))
+    m.bond("swing -> other", "swing -> spring")
     m.signal(x=hb.Integral("v.f"))
     return m
 
 
-@pytest.mark.parametrize("way", [1.0, -1.0])
+@pytest.mark.parametrize(("way", "turned"), [(1.0, False), (-1.0, False), (1.0, True)])
 @pytest.mark.parametrize("theta", [0.5, 1.0])
 @pytest.mark.parametrize("step", [4e-3, 2e-3, 1.7e-3, 1e-3, 1e-4])
-def test_what_comes_to_rest_within_a_step_is_held(step: float, theta: float, way: float) -> None:
+def test_what_comes_to_rest_within_a_step_is_held(
+    step: float, theta: float, way: float, turned: bool
+) -> None:
     """Braked by 4 N and 2 N, the 4 N move it no more; 7 N do, with 5 N."""
     held = hb.simulate(
-        block("4", -0.301, way), 0.5, solver="moreau-jean", step=step, theta=theta
+        block("4", -0.301, way, turned), 0.5, solver="moreau-jean", step=step, theta=theta
     ).final
     assert way * held["x"] == pytest.approx(-(0.301**2) / 30.0, abs=0.4 * step)
     assert held["mass.f"] == pytest.approx(0.0, abs=1e-12)
-    pushed = hb.simulate(block("7", -0.301, way), 0.2, solver="moreau-jean", step=step, theta=theta)
+    pushed = hb.simulate(
+        block("7", -0.301, way, turned), 0.2, solver="moreau-jean", step=step, theta=theta
+    )
     left = 0.2 - 0.301 / 22.5
     away = -(0.301**2) / 45.0 + 12.5 * left**2 / 2
     assert way * pushed.final["x"] == pytest.approx(away, abs=4.0 * step)
 
 
-@pytest.mark.parametrize("way", [1.0, -1.0])
+@pytest.mark.parametrize(("way", "turned"), [(1.0, False), (-1.0, False), (1.0, True)])
 @pytest.mark.parametrize("theta", [0.5, 1.0])
 @pytest.mark.parametrize("later", ["3 + 0.001*(time - 1)", "4", "2.9", "-3"])
-def test_what_sticks_does_so_beyond_a_timed_event(later: str, theta: float, way: float) -> None:
-    model = block(f"if time < 1 then 3 else {later}", 0.0, way)
+def test_what_sticks_does_so_beyond_a_timed_event(
+    later: str, theta: float, way: float, turned: bool
+) -> None:
+    model = block(f"if time < 1 then 3 else {later}", 0.0, way, turned)
     run = hb.simulate(model, 2.0, solver="moreau-jean", step=1e-3, theta=theta)
     assert run.final["x"] == pytest.approx(0.0, abs=1e-15)
     assert run.mode == {"v": "sticks"}
