@@ -20,6 +20,7 @@ subset. Rooms, and in them files, as data passes them::
         blocks, products    arrays that grow, sparse rows; products of matrices
         twofold             sums and products with twice the digits
         rounding, scaling, separate   what rounding is; powers of two; equations apart
+        reached             unknowns that no given value reaches
         lu, lu_pair, qr, regular   square systems: real, complex, orthogonal, clearly regular
         lu_twofold          these with twice the digits
         svd, least_distance        singular values; the point next to zero that keeps inequalities
@@ -95,6 +96,7 @@ subset. Rooms, and in them files, as data passes them::
         scale, signal_sizes, lately    tolerances of what is stored and what is integrated
         moment_later                   values kept while those of a moment later are looked at
         defects             what a step stores beyond what its rates bring
+        rates_off           what errors leave in rates, where something exchanges fast
         failed_steps, one_instant    steps that cannot be; how long an
                             instant is
         onset               what has not moved yet, by what it will be

@@ -172,6 +172,7 @@ class Work:
     gap: Block
     gap_size: Block
     gap_first: Block
+    gap_before: Block
     tried: Block
     base_gap: Block
     scaled: Block
@@ -294,6 +295,7 @@ def make_work(m: Model) -> Work:
     w.gap = make_block(1)
     w.gap_size = make_block(1)
     w.gap_first = make_block(1)
+    w.gap_before = make_block(1)
     w.tried = make_block(1)
     w.base_gap = make_block(1)
     w.scaled = make_block(1)

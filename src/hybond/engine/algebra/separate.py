@@ -9,6 +9,7 @@ from __future__ import annotations
 from typing import Final
 
 from hybond.engine.algebra.blocks import Block, Places, fit, fit_places, make_block, make_places
+from hybond.engine.algebra.reached import Reached, make_reached, put_zeros
 from hybond.engine.algebra.svd import Svd, least_squares
 from hybond.engine.words import Floats, Ints, record
 
@@ -24,6 +25,7 @@ class Separate:
     a: Block
     b: Block
     x: Block
+    reached: Reached
 
 
 def make_separate() -> Separate:
@@ -34,15 +36,17 @@ def make_separate() -> Separate:
     p.a = make_block(1)
     p.b = make_block(1)
     p.x = make_block(1)
+    p.reached = make_reached()
     return p
 
 
 def least_squares_separate(
     p: Separate, d: Svd, m: int, n: int, a: Floats, relative: float, b: Floats, x: Floats
 ) -> None:
-    """Solve ``a x = b`` in the least squares, m equations for n unknowns, part by part.
+    """Solve ``a x = b`` of rank n in the least squares, m equations for n unknowns, part by part.
 
-    An unknown that no equation has is zero. `relative` as for `least_squares`, of each part.
+    An unknown that no value of `b` reaches is zero. `relative` as for `least_squares`, of each
+    part.
     """
     find_separate(p, m, n, a)
     fit(p.a, m * n)
@@ -65,6 +69,8 @@ def least_squares_separate(
             rows += 1
         if rows > 0:
             least_squares(d, rows, columns, p.a.at, relative, 1, p.b.at, p.x.at)
+        if rows == columns:
+            put_zeros(p.reached, rows, p.a.at, p.b.at, p.x.at)
         k = 0
         for j in range(n if columns > 0 else 0):
             if p.column.at[j] == part:

@@ -133,10 +133,7 @@ def invert_slope(e: Engine, ways: Ways, count: int) -> None:
     if ways.rank < areas and count > 0:
         fit(w.row_size, count)
         for i in range(count):
-            most = 0.0
-            for a in range(areas):
-                most = max(most, math.fabs(ways.slope.at[i * areas + a]))
-            w.row_size.at[i] = most if most > 0.0 else 1.0
+            size_by_entries(w.row_size.at, ways, i)
         if scale_slope(e, ways, count, w.row_size.at) == areas:
             pseudo_inverse(d, count, areas, w.scaled.at, 1e-12, ways.inverse.at)
             for a in range(areas):
@@ -146,6 +143,14 @@ def invert_slope(e: Engine, ways: Ways, count: int) -> None:
             ways.rank = areas
             return
     pseudo_inverse(d, count, areas, ways.slope.at, 1e-12, ways.inverse.at)
+
+
+def size_by_entries(size: Floats, ways: Ways, i: int) -> None:
+    """Let row i of the slope be measured by its largest entry."""
+    most = 0.0
+    for a in range(ways.areas):
+        most = max(most, math.fabs(ways.slope.at[i * ways.areas + a]))
+    size[i] = most if most > 0.0 else 1.0
 
 
 def scale_slope(e: Engine, ways: Ways, count: int, size: Floats) -> int:

@@ -25,7 +25,13 @@ from hybond.engine.instant.constraints import (
     residual,
     restore_bonds,
 )
-from hybond.engine.instant.impulse_ways import find_ways, rank_of, scale_slope, slope_of
+from hybond.engine.instant.impulse_ways import (
+    find_ways,
+    rank_of,
+    scale_slope,
+    size_by_entries,
+    slope_of,
+)
 from hybond.engine.mode.agreement import check_agreement
 from hybond.engine.mode.leakage import least_leakage, project
 from hybond.engine.mode.mode_records import Mode, Ways
@@ -42,6 +48,8 @@ CREEPS: Final = 0.95
 """Part of what was left before that is left at least where Newton's method comes no nearer."""
 STEPS: Final = 60
 HALVES: Final = 40
+NO_SIZE: Final = 1e-280
+"""What is zero has about 1e-296 times what multiplies it, so as never to be divided by."""
 CANCELLED: Final = 1e-15
 """A sum of terms below this part of their sizes is zero."""
 NOTHING: Final = 1e-20
@@ -217,16 +225,16 @@ def find_step(e: Engine, ways: Ways, count: int) -> int:
     w = e.work
     areas = ways.areas
     d = svd_room(e, max(count, areas), max(count, areas))
-    rank = scale_slope(e, ways, count, w.gap_size.at)
+    size_rows(e, ways, count)
+    rank = scale_slope(e, ways, count, w.row_size.at)
     if areas == 0:
         return rank
     if rank < areas:
         rank = rank_of(e, count, areas, ways.slope.at)
         least_squares(d, count, areas, ways.slope.at, 1e-12, 1, w.gap.at, w.step.at)
         return rank
-    fit(w.row_size, count)
     for i in range(count):
-        size = w.gap_size.at[i]
+        size = w.row_size.at[i]
         w.row_size.at[i] = w.gap.at[i] / (size if size > 0.0 else 1.0)
     least_squares_separate(
         w.separate, d, count, areas, w.scaled.at, 1e-12, w.row_size.at, w.step.at
@@ -234,6 +242,24 @@ def find_step(e: Engine, ways: Ways, count: int) -> int:
     for a in range(areas):
         w.step.at[a] = w.step.at[a] / w.column_size.at[a]
     return rank
+
+
+def size_rows(e: Engine, ways: Ways, count: int) -> None:
+    """Put what rows of the slope are measured by into `e.work.row_size`: the sizes of their terms.
+
+    Where all terms of one are zero, as far from a first switch of a circuit at rest, it has no
+    size, and all are measured by their largest entries.
+    """
+    w = e.work
+    fit(w.row_size, count)
+    least = math.inf
+    for i in range(count):
+        w.row_size.at[i] = w.gap_size.at[i]
+        least = min(least, w.gap_size.at[i])
+    if least > NO_SIZE:
+        return
+    for i in range(count):
+        size_by_entries(w.row_size.at, ways, i)
 
 
 def newton_jump(e: Engine, mode: Mode, v: Floats, x: Floats, ways: Ways, measured: bool) -> int:
@@ -309,7 +335,15 @@ def gap_at(e: Engine, mode: Mode, v: Floats, x: Floats, ways: Ways, part: float)
 
 
 def nearer(e: Engine, mode: Mode, v: Floats, x: Floats, ways: Ways) -> float:
-    """Return the part of Newton's step that brings the constraints nearer; 1 if none is found."""
+    """Return the part of Newton's step that brings the constraints nearer; 1 if none is found.
+
+    Sizes are those of the terms before the step: what was zero at first has none of its own, and
+    the rounding of one that has grown since would outweigh all that the step mends.
+    """
+    w = e.work
+    fit(w.gap_before, w.constraints)
+    for i in range(w.constraints):
+        w.gap_before.at[i] = w.gap_size.at[i]
     before = furthest(e)
     part = 1.0
     for _ in range(HALVES):
@@ -321,11 +355,11 @@ def nearer(e: Engine, mode: Mode, v: Floats, x: Floats, ways: Ways) -> float:
 
 
 def furthest(e: Engine) -> float:
-    """Return the largest residual, each a part of the size that its terms had at first."""
+    """Return the largest residual, each a part of the size that its terms had before the step."""
     w = e.work
     most = 0.0
     for i in range(w.constraints):
-        size = w.gap_first.at[i]
+        size = w.gap_before.at[i]
         part = math.fabs(w.gap.at[i]) / (size if size > 0.0 else 1.0)
         most = max(most, part) if math.isfinite(part) else math.inf
     return most
