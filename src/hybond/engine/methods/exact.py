@@ -13,13 +13,13 @@ from typing import Final
 
 from hybond.engine.algebra.blocks import fit
 from hybond.engine.algebra.products import all_finite, copy_floats
-from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.answers import value
 from hybond.engine.engine import OK, Engine
 from hybond.engine.methods.defects import apart_at_end, end_levels
 from hybond.engine.methods.dopri import error_norm_of
 from hybond.engine.methods.flow_records import ORDERS, PARTS, TERMS
 from hybond.engine.methods.propagate import pass_derivatives, pass_parts, rate_of, size_of_rate
+from hybond.engine.methods.rates_off import rates_off_in_flow
 from hybond.engine.methods.scale import ROUNDED, error_norm, tolerance
 from hybond.engine.mode.standing import begin_standing, find_among, hold_standing
 from hybond.engine.mode.sum_records import add_entry, begin_sum, begin_sums, end_sum, make_room
@@ -61,8 +61,9 @@ FARTHEST: Final = 0.00576
 """How far ``x^5`` is from the dense output that it has, at the part that is asked."""
 LOOSE: Final = 100.0
 """What a generator may be off by, in units of `rtol`: powers are integrals of high order of it."""
-DOUBTFUL: Final = 64.0 * EPSILON
-"""Part of a rate, at least, that is rounding, in units of the norm of the matrix."""
+DOUBTFUL: Final = 100.0
+"""How many times faster than a step something exchanges where the slope of what was passed is
+better than the rate: what is rounding of the state is multiplied by about as much there."""
 HALVINGS: Final = 1100
 
 
@@ -200,7 +201,7 @@ def exact_attempt(e: Engine, t1: float) -> float:
         return math.nan
     # fast rates read states that are differences of what others hold: once they have settled these
     # rates are rounding of that
-    doubtful = h * f.norm > (1.0 if f.shares > 0 else e.model.rtol / DOUBTFUL)
+    doubtful = h * f.norm > (1.0 if f.shares > 0 else DOUBTFUL)
     for k in range(n):
         first = h * s.f0[k]
         if doubtful and x.along[k] == 0:
@@ -219,7 +220,8 @@ def exact_attempt(e: Engine, t1: float) -> float:
         if f.shares > 0:
             rounded += ROUNDED * x.shared.at[k] * f.scale.at[k]
         s.scale[k] = max(s.scale[k], rounded)
-    return max(error_norm_of(n, s.error, s.scale, s.controlled), unresolved(e, h))
+    error = max(error_norm_of(n, s.error, s.scale, s.controlled), unresolved(e, h))
+    return max(error, rates_off_in_flow(f, n, h, z, s.error, s.scale))
 
 
 def fitted(z: Floats, n: int, k: int, width: int, first: float, out: Floats) -> float:

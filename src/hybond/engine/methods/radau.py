@@ -42,6 +42,7 @@ from hybond.engine.methods.radau_stages import (
     rate_at,
     rests,
 )
+from hybond.engine.methods.rates_off import rates_off
 from hybond.engine.methods.scale import (
     CREEPS,
     measure_again,
@@ -193,6 +194,7 @@ def try_radau(e: Engine, r: Radau, rtol: float) -> int:
     for i in range(n):
         r.y1[i] = r.y[2 * n + i]
     if r.error <= 1.0:
+        r.error = max(r.error, rates_off(n, r.h, r.jacobian, r.y1, r.error_vector, r.other))
         r.error = max(r.error, strayed(e, r.t0, r.y0, r.t1, r.y1))
         r.error = hidden_in_stages(e, r, r.error)
     if not r.error <= 1.0 and not is_one_kink(e, r.t0, r.y0, r.t1, r.y1):
