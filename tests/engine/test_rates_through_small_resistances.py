@@ -105,3 +105,37 @@ def test_a_mass_pulled_along_by_a_stiff_damper() -> None:
     force = run.sample(times, "v.e")["v.e"]
     right = np.array([6 * math.cos(3 * t) + 2 * (1 - math.cos(3 * t)) / 3 for t in times])
     assert force == pytest.approx(right, abs=2e-4)
+
+
+RECTIFIER = """
+hybond = 1
+domain = "electrical"
+[parameters]
+R_on = "1 ohm"
+[elements]
+gnd = { submodel = "electrical.ground" }
+V = { submodel = "electrical.voltage_source", inputs.u = "10 [V]*sin(100*pi*time/(1 [s]))" }
+D = { submodel = "electrical.diode", parameters.R_on = "R_on" }
+C = { submodel = "electrical.capacitor", parameters.C = "1 mF" }
+R = { submodel = "electrical.resistor", parameters.R = "100 ohm" }
+earth = { junction = 0 }
+inp = { junction = 0 }
+out = { junction = 0 }
+[graph]
+bonds = [
+  "gnd.pin -> earth", "inp -> V.plus", "V.minus -> earth", "inp -> D.plus", "D.minus -> out",
+  "out -> C.plus", "C.minus -> earth", "out -> R.plus", "R.minus -> earth",
+]
+"""
+
+
+@pytest.mark.parametrize("solver", ["auto", "radau"])
+@pytest.mark.parametrize("r_on", [1e-6, 1e-9])
+def test_a_diode_of_next_to_no_resistance_ends_each_half_wave(r_on: float, solver: str) -> None:
+    """It took what the source would drive through it for stored energy, and blocked no more."""
+    run = hb.simulate(hb.loads(RECTIFIER), until=UNTIL, solver=solver, parameters={"R_on": r_on})
+    ends = [event.t for event in run.events if event.after == (0,)]
+    first = (math.pi - math.atan(OMEGA * 0.1)) / OMEGA
+    # a current is located to 1e-12 of what it is a difference of, 10 V through r_on
+    late = 2e-7 + 2e-12 * 10.0 / r_on / 987.0
+    assert ends == pytest.approx([first, first + 0.02, first + 0.04], abs=late)

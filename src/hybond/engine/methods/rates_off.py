@@ -16,8 +16,9 @@ from hybond.engine.words import Floats
 
 RATES: Final = 100.0
 """What rates times a step may be off by, in what states may be."""
-ROUNDING: Final = 16.0 * EPSILON
-"""Part of the terms of a rate up to which it is rounding, whatever the step."""
+ROUNDING: Final = 256.0 * EPSILON
+"""Part of the terms of a rate up to which it is rounding, whatever the step: what the error of a
+step is found by multiplies that of the states by as much."""
 
 
 def rates_off(n: int, h: float, jacobian: Floats, y: Floats, error: Floats, scale: Floats) -> float:
