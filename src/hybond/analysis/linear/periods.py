@@ -163,6 +163,21 @@ def periods_in(graph: FlatGraph) -> list[float]:
     return found
 
 
+def repeats_from(graph: FlatGraph) -> float:
+    """Return when the last of the inputs that repeat begins to, s: one held first may begin late.
+
+    Examples
+    --------
+    >>> import hybond as hb
+    >>> m = hb.Model("late")
+    >>> m.input(u=hb.Input(table=[(8e-6, 1.0), (14e-6, 0.0)], period=10e-6))
+    >>> repeats_from(m.flatten())
+    8e-06
+    """
+    tables = (i.waveform for i in graph.inputs if isinstance(i.waveform, Timetable))
+    return max((w.times[0] for w in tables if w.period), default=0.0)
+
+
 def trees(graph: FlatGraph) -> Iterator[tuple[Expr, str]]:
     """Yield what is evaluated while a model runs, and what it belongs to."""
     for node in graph.nodes:
