@@ -63,6 +63,15 @@ def test_what_is_brought_up_first_repeats_where_it_has_settled() -> None:
         hb.periodic(m, "10 us")
 
 
+@pytest.mark.parametrize("phase", ["3 us", "10 us", "25 us"])
+def test_samples_that_begin_late_are_met_as_they_go_on(phase: str) -> None:
+    m = hb.Model("held", domain="electrical")
+    m.add(V=hb.Se("1 V*u"), j=hb.One(), R=hb.R("1 ohm"), C=hb.C("10 uF"))
+    m.bond("V -> j -> R", "j -> C")
+    m.signal(u=hb.Sampled("2 - C.e/(10 V)", every="10 us", phase=phase))
+    assert hb.periodic(m)["C.e"].mean() == pytest.approx(2.0 / 1.1, rel=1e-9)
+
+
 def test_a_pulse_of_a_netlist_that_wraps_round_its_period(tmp_path) -> None:  # type: ignore[no-untyped-def]
     path = tmp_path / "wraps.cir"
     rows = ["Wraps", "V1 a 0 PULSE(0 5 8u 1p 1p 6u 10u)", "R1 a b 1", "C1 b 0 10u", ".tran 1u 1m"]

@@ -164,7 +164,7 @@ def periods_in(graph: FlatGraph) -> list[float]:
 
 
 def repeats_from(graph: FlatGraph) -> float:
-    """Return when the last of the inputs that repeat begins to, s: one held first may begin late.
+    """Return when all has begun to repeat, s: tables and samples may begin late.
 
     Examples
     --------
@@ -175,7 +175,10 @@ def repeats_from(graph: FlatGraph) -> float:
     8e-06
     """
     tables = (i.waveform for i in graph.inputs if isinstance(i.waveform, Timetable))
-    return max((w.times[0] for w in tables if w.period), default=0.0)
+    begin = [w.times[0] for w in tables if w.period]
+    # within its first period nothing is missing before the first instant
+    begin += [s.phase for s in graph.samples if s.phase >= s.every]
+    return max(begin, default=0.0)
 
 
 def trees(graph: FlatGraph) -> Iterator[tuple[Expr, str]]:
