@@ -79,3 +79,41 @@ def test_what_goes_through_zero_at_an_instant_does_not_jump(law: str) -> None:
     run = hb.simulate(m, until=1.25)
     for n in range(12):
         assert run["k"].at(n * 0.1 + 0.05) == MOVES[law](n * 0.1)
+
+
+RESETS = {
+    "mod": ("mod(time, T) > 0.4*T", Fraction(2, 5)),
+    "part of a period": ("mod(time, T)/T >= 0.25", Fraction(1, 4)),
+    "floor": ("time - T*floor(time/T) > 0.4*T", Fraction(2, 5)),
+    "ceil": ("T*ceil(time/T) - time < 0.6*T", Fraction(2, 5)),
+    "within a condition": ("(if mod(time, T) > 0.4*T then 1 else 0) > 0.5", Fraction(2, 5)),
+    "turned round": ("not (mod(time, T) <= 0.4*T)", Fraction(2, 5)),
+    "sine": ("sin(2*pi*time/T) < 0", Fraction(1, 2)),
+}
+"""What ends a pulse that begins with each period, and the part of it that it lasts."""
+
+
+@pytest.mark.parametrize("period", [*PERIODS, "0.7"])
+@pytest.mark.parametrize("reset", RESETS)
+def test_a_clock_sets_what_a_ramp_of_its_own_period_resets(reset: str, period: str) -> None:
+    guard, part = RESETS[reset]
+    m = hb.Model("latch", domain="electrical", parameters={"T": float(Fraction(period))})
+    m.add(V=hb.Se("1 V"), s=hb.One(), L=hb.I("1 H"))
+    m.bond("V -> s -> L")
+    m.input(clock=hb.Input(pwm={"period": "T", "duty": 0.05}))
+    rules = ["off -> on when clock > 0.5", f"on -> off when {guard}"]
+    m.machine("latch", states={"off": [], "on": ["s"]}, start="off", rules=rules)
+    run = hb.simulate(m, until=float((MANY + Fraction(9, 10)) * Fraction(period)))
+    edges = [(k + p) * Fraction(period) for k in range(MANY + 1) for p in (0, part)]
+    assert [e.t for e in run.events] == pytest.approx([float(t) for t in edges], rel=1e-11)
+
+
+def test_a_gate_that_opens_with_a_clock_is_seen_with_it() -> None:
+    # the phase of the clock is where the gate opens: one instant, whatever rounds it
+    m = hb.Model("fired", domain="electrical")
+    m.add(V=hb.Se("u"), s=hb.One(law="thyristor", gate="mod(time, 0.3) < 0.1"), R=hb.R("1 ohm"))
+    m.bond("V -> s -> R")
+    m.input(u=hb.Input(pwm={"period": 0.3, "duty": 0.5, "high": 1, "low": -1}))
+    run = hb.simulate(m, until=0.3 * MANY + 0.05)
+    assert len(run.events) == 2 * MANY + 1
+    assert run["s.f"].mean(end=0.3 * MANY) == pytest.approx(0.5, rel=1e-12)

@@ -7,6 +7,7 @@ output at that frequency is the Fourier coefficient over whole periods of the si
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,7 +18,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from hybond.analysis.linear.asked import input_unit
 from hybond.analysis.linear.injection import injected, source_of
-from hybond.analysis.linear.periods import Window, period_of, time_said, times_of, window_of
+from hybond.analysis.linear.periods import (
+    WHOLE,
+    Window,
+    period_of,
+    repeats_from,
+    time_said,
+    times_of,
+    window_of,
+)
 from hybond.analysis.linear.responses import Bode, frequencies_of
 from hybond.analysis.linear.windows import coefficients, left_over
 from hybond.analysis.linear.words import unit_over
@@ -305,8 +314,10 @@ def _one(
     """Return response, whether it settled, what is left, windows and distortion of a frequency."""
     made = injected(graph, name, amplitude, window.frequency)
     many = FIRST
+    # windows in which an input has not yet begun to repeat say nothing
+    quiet = math.ceil(repeats_from(graph) / window.length - WHOLE)
     while True:
-        end = many * window.length
+        end = (quiet + many) * window.length
         run = simulate(made, end, **options)
         if run.status == "interrupted":
             raise KeyboardInterrupt
@@ -317,7 +328,7 @@ def _one(
                 where=f"{window.frequency:g} Hz",
                 hint="run the model itself that long, and see what stops it",
             )
-        found = coefficients(run, output, window, (1, 2))
+        found = coefficients(run, output, window, (1, 2))[quiet:]
         left = left_over(found[:, 0])
         settled = left <= tolerance
         if settled or many >= most:

@@ -163,6 +163,24 @@ def periods_in(graph: FlatGraph) -> list[float]:
     return found
 
 
+def repeats_from(graph: FlatGraph) -> float:
+    """Return when all has begun to repeat, s: tables and samples may begin late.
+
+    Examples
+    --------
+    >>> import hybond as hb
+    >>> m = hb.Model("late")
+    >>> m.input(u=hb.Input(table=[(8e-6, 1.0), (14e-6, 0.0)], period=10e-6))
+    >>> repeats_from(m.flatten())
+    8e-06
+    """
+    tables = (i.waveform for i in graph.inputs if isinstance(i.waveform, Timetable))
+    begin = [w.times[0] for w in tables if w.period]
+    # within its first period nothing is missing before the first instant
+    begin += [s.phase for s in graph.samples if s.phase >= s.every]
+    return max(begin, default=0.0)
+
+
 def trees(graph: FlatGraph) -> Iterator[tuple[Expr, str]]:
     """Yield what is evaluated while a model runs, and what it belongs to."""
     for node in graph.nodes:

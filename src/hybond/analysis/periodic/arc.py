@@ -134,7 +134,9 @@ class Arc:
         self.shots, self.period = shots, period
         self.base, self.sizes, self.kept = x, sizes[kept], kept
         self.conserved, self.tol, self.span = conserved, tol, span
-        self.T0, self.t0 = period.T, shots.t0
+        self.T0 = period.T
+        self.phase = shots.t0 if period.own else shots.t0 - shots.first(period.T)
+        """When a period begins, s: within the first one from which on all repeats."""
         self.why = ""
         """Why the last correction failed."""
 
@@ -159,11 +161,11 @@ class Arc:
     def shot(self, z: Vector, mode: Mode) -> Shot:
         """Return the period that unknowns say."""
         self.shots.at([self.parameter(z)])
-        self.shots.t0 = self.t0
         if self.period.own:
             T, T_by = float(z[-2]) * self.T0, None
         else:
             T, T_by = length_now(self.shots, self.period), followed_by(self.shots, self.period)
+        self.shots.t0 = self.phase + (0.0 if self.period.own else self.shots.first(T))
         return self.shots.shot(self._state(z), mode, T, T_by)
 
     def tried(self, z: Vector, mode: Mode) -> Shot | None:
@@ -292,7 +294,7 @@ class Arc:
             self.shots, self.period, x, self._whole_sizes(), self.kept, self.conserved, self.tol,
             self.span,
         )  # fmt: skip
-        arc.T0, arc.t0 = self.T0, (0.0 if self.period.own else t % shot.T)
+        arc.T0, arc.phase = self.T0, (0.0 if self.period.own else t % shot.T)
         row = np.zeros(len(node.z))
         row[-1] = 1.0
         z = arc.z_of(x, shot.T, self.parameter(node.z))
@@ -323,7 +325,7 @@ class Arc:
             self.shots, period, self._state(node.z), self._whole_sizes(), kept, self.conserved,
             self.tol, self.span,
         )  # fmt: skip
-        arc.t0 = self.t0
+        arc.phase = self.phase
         z = arc.z_of(self._state(node.z), period.T, self.parameter(node.z))
         row = np.zeros(len(z))
         row[:m] = v
@@ -339,7 +341,8 @@ class Arc:
         """Return a point of the curve as a record."""
         shot = node.shot
         # what drives it says when it begins
-        state = shot.run.state(shot.T if self.t0 else shot.run.t_begin)
+        begin = shot.run.t_begin
+        state = shot.run.state(begin - self.phase + shot.T if self.phase else begin)
         return OrbitPoint(
             self.parameter(node.z),
             shot.T,

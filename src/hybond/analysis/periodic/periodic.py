@@ -230,17 +230,20 @@ def _driven(shots: Shots, asked: Period, start: Any, length: float) -> Begun:
             where="settle",
             hint=f'settle="{max(round(whole), 1) * asked.T:.9g} s"',
         )
-    if not round(whole):
+    if not asked.known:
+        shots.settled = length
+    shots.t0 = shots.first(asked.T)
+    if not round(whole) and not shots.t0:
         run = shots.run(asked.T, _begin_state(start))
         first = run.events[0]
         return Begun(np.asarray(first.after[:n]), first.steps[-1].mode, asked, _sizes(run, n))
-    run = shots.run(length, _begin_state(start))
+    run = shots.run(max(length, shots.t0), _begin_state(start))
     x, mode = end_of(run)
     if near_ends(run, asked.T):
         point = calm(run, asked.T)
         if point is not None:
             t, x, mode = point
-            shots.t0 = t - (run.t_end - asked.T)
+            shots.t0 += t - (run.t_end - asked.T)
     return Begun(x, mode, asked, _sizes(run, n))
 
 
@@ -281,8 +284,11 @@ def orbit_of(shots: Shots, period: Period, found: Found) -> PeriodicOrbit:
     by, period_by = _moved(shots, period, found)
     if not period.own and period.multiple > 1:
         notes += _shorter(shots, period, found)
-    if shots.t0:
+    first = shots.first(shot.T)
+    if shots.t0 > first:
         notes.append(f"it is counted from t = {shots.t0:.9g} s, away from switches")
+    elif first:
+        notes.append(f"it is counted from t = {first:.9g} s, from where on all repeats")
     if not period.known:
         notes += _checked(shots, found)
     notes += [] if shot.chain is None else shot.chain.digits()

@@ -7,6 +7,7 @@ is a number written into them.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, TypeAlias
@@ -14,7 +15,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from hybond.analysis.linear.periods import trees
+from hybond.analysis.linear.periods import WHOLE, repeats_from, trees
 from hybond.analysis.periodic.lost import lost_directions
 from hybond.analysis.periodic.multipliers import CIRCLE, Multiplier, multipliers, spanned
 from hybond.analysis.periodic.resting import resting, shut
@@ -119,6 +120,8 @@ class Shots:
         Time that was run, all together, s.
     t0 : float
         When periods begin, s: the phase of what drives the motion.
+    settled : float
+        Before this time nobody says that anything repeats, s.
     """
 
     def __init__(
@@ -133,7 +136,7 @@ class Shots:
         self.states = [s.path for s in self.graph.storages]
         self.names = [*self.states, *(i.path for i in self.graph.integrals)]
         self.read = read_states(self.graph)
-        self.done, self.time, self.t0 = 0, 0.0, 0.0
+        self.done, self.time, self.t0, self.settled = 0, 0.0, 0.0, 0.0
         self._fields: Fields | None = None
 
     def at(self, values: Sequence[float]) -> None:
@@ -144,6 +147,10 @@ class Shots:
         given = dict(zip(self.opened.paths, row.tolist(), strict=True))
         self.graph = kept_graph(self.opened.model, {**self.opened.given, **given})
         self.values = row
+
+    def first(self, T: float) -> float:
+        """Return when the first whole period begins from which on all repeats, s."""
+        return T * math.ceil(max(self.settled, repeats_from(self.graph)) / T - WHOLE)
 
     def state(self, x: Vector, mode: Mode) -> State:
         """Return a state as a run begins with it."""
@@ -214,11 +221,12 @@ class Shots:
 
     def _varied(self, shot: Shot, T_by: Vector | None) -> Shot:
         run, n, many = shot.run, len(shot.x), len(self.wanted.names)
+        begins = np.zeros(many) if T_by is None else self.first(shot.T) / shot.T * T_by
         if self._fields is None:
             self._fields = Fields(Values(run, self.wanted), [])
         fields = self._fields
         fields.values = fields.values.of(run, self.values)
-        ends = np.zeros(many) if T_by is None else T_by
+        ends = np.zeros(many) if T_by is None else begins + T_by
         try:
             chain = chain_of(run, fields, resting(run, fields), [], [], ends)
         except (HybondError, Undetermined) as error:
@@ -232,7 +240,8 @@ class Shots:
             last = _rates(_last_field(run, fields))
         except HybondError as error:
             return replace(shot, why=error.why)
-        by = (whole[:, n:] + np.outer(last, ends)) @ self.wanted.follows
+        moved = np.outer(last, ends) - whole[:, :n] @ np.outer(first, begins)
+        by = (whole[:, n:] + moved) @ self.wanted.follows
         return replace(shot, M=whole[:, :n], by=by, first=first, last=last)
 
     def multipliers(

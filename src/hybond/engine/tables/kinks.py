@@ -85,7 +85,8 @@ def put_kinks(t: ModelTables) -> None:
     t.ints["atom_value"] += [t.values.number(a) for a in found]
     t.ints["atom_size"] += [t.values.number(_terms(a)) for a in found]
     t.ints["atom_zero"] += [1] * len(found)
-    jumps = dict.fromkeys(a for e, _ in _followed(t) for a in jumping(e) if _is_timed(t, a))
+    timed = [*(e for e, _ in _followed(t)), *_decided_by(t)]
+    jumps = dict.fromkeys(a for e in timed for a in jumping(e) if _is_timed(t, a))
     t.ints["timed_jump"] = [t.values.number(a) for a in jumps]
     t.numbers["timed_jumps"] = len(jumps)
     edges = dict.fromkeys(
@@ -107,6 +108,14 @@ def put_kinks(t: ModelTables) -> None:
     seen = sorted({t.slots.index[n] for a in levels for n in names(a)})
     t.ints["edge_bond"] = [k - bonds.start for k in seen if k in bonds]
     t.numbers["edge_bonds"] = len(t.ints["edge_bond"])
+
+
+def _decided_by(t: ModelTables) -> list[Expr]:
+    """Return signs of what guards compare, and what gates and gaps of laws are."""
+    atoms = t.ints["atom_value"][: int(t.numbers["kink_atom"])]
+    laws = [k for name in ("port_gap", "port_gate") for k in t.ints[name] if k >= 0]
+    signs = [Call("sign", (t.values.all[k],)) for k in atoms]
+    return [*signs, *(t.values.all[k] for k in laws)]
 
 
 def _unscaled(a: Expr) -> Expr:
