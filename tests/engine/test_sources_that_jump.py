@@ -217,3 +217,38 @@ def test_time_stepping_pays_for_what_a_source_jumps_by(shape: str, kind: str, th
     jumps = jumps[1:] if shape == "if" else jumps  # a jump at the start is no step's
     given = sum(MASS * (after - before) * after for before, after in jumps)
     assert run.segments[-1].y[-1][-2] == pytest.approx(given, rel=1e-9)
+
+
+LET_GO = {
+    "sign": ("2*sign(1.8 - (time - t0)/(1 s))", 1.8),
+    "mod": ("if mod(time - t0, 1.3 s) < 0.5 [s] then 2 else -2", 0.5),
+    "floor": ("2 - 4*floor((time - t0)/(1.8 s))", 1.8),
+}
+
+
+@pytest.mark.parametrize(("begins", "solver"), [(0.0, "radau"), (1e4, "auto")])
+@pytest.mark.parametrize("kind", ["Se", "Sf", "turned", "machine"])
+@pytest.mark.parametrize("shape", LET_GO)
+def test_laws_hold_before_a_jump_by_which_a_source_lets_go_what_it_drives(
+    shape: str, kind: str, begins: float, solver: str
+) -> None:
+    """A diode, a freewheel or a rule opens as the source falls: what is stored dies out."""
+    law, falls = LET_GO[shape]
+    m = hb.Model("let go", parameters={"t0": f"{begins} s"})
+    if kind == "Sf":
+        m.add(s=hb.Sf(law), d=hb.Zero(law="diode"), n=hb.One(), store=hb.I(0.5), loss=hb.R(1.0))
+    else:
+        d = hb.One() if kind == "machine" else hb.One(law="diode")
+        m.add(s=hb.Se(law), d=d, n=hb.Zero(), store=hb.C(0.5), loss=hb.G(1.0))
+    m.bond("s -> d -> n", "store -> n" if kind == "turned" else "n -> store", "n -> loss")
+    if kind == "machine":
+        m.machine(
+            "M",
+            states={"joined": ["d"], "free": []},
+            start="joined",
+            rules=["joined -> free when d.f < 0", "free -> joined when d.e > 0"],
+        )
+    run = hb.simulate(m, begins + falls + 0.1, solver=solver, start={"time": begins})
+    assert run.audit().holds() and run.events.t[1:] == pytest.approx([begins + falls], abs=1e-9)
+    found = run["n.f" if kind == "Sf" else "n.e"].at([begins + falls / 2, begins + falls + 0.1])
+    assert found == pytest.approx([2.0, 2.0 * math.exp(-0.2)], rel=1e-8)

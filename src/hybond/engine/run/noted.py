@@ -23,6 +23,7 @@ def note(e: Engine, r: Run, t: float, shown: float) -> int:
     The two are one instant.
     """
     m = e.model
+    early = e.early
     for k in range(e.states):
         e.y[k] = e.step.y1[k]
     if shown != e.step.t1:
@@ -47,6 +48,7 @@ def note(e: Engine, r: Run, t: float, shown: float) -> int:
         return REFUSED
     if limits_vary(m) and look_at_limits(e) != OK:
         return REFUSED
+    e.early = early
     return OK
 
 

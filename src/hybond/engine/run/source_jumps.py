@@ -143,7 +143,8 @@ def put_before_kink(e: Engine, r: Run, t: float) -> int:
 
     A step may end at the very time at which a source jumps: what happens there is for the instant.
     At a kink where none jumps constraints are those of the time itself: a moment before, what
-    passes through zero fast is a thousand times off what is left of it.
+    passes through zero fast is a thousand times off what is left of it. What is read of the state
+    that was put before a jump is read before it, too: `e.early`, until the caller gives it back.
     """
     m = e.model
     if r.locator.tied:
@@ -160,9 +161,9 @@ def put_before_kink(e: Engine, r: Run, t: float) -> int:
     early = e.early
     e.early = math.inf
     apart = jump_between(e, r, t, t - a_moment, t + a_moment)
-    e.early = early
+    e.early = min(early, t - a_moment) if apart else early
     e.refusal = refusal
-    return put_on_constraints(e, t - a_moment if apart else t, e.y)
+    return put_on_constraints(e, t, e.y)
 
 
 def is_at_kink(e: Engine) -> bool:
