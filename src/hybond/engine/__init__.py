@@ -159,8 +159,8 @@ State and values
     `solving.solve_read(e, mode, reads, v)` is the same for bond variables that are read in a step.
     `sizes.measure(e, mode, pair, xi, v, terms)`, before a guard is asked: what rounding of the
     signals that it reads is measured by, `xi` being what they were solved from. `sizes.seen_of(e,
-    mode, x)`: ``mode.seen`` times the root of the energy of its part, `find_energies`, is how far
-    each bond variable may reach.
+    mode, v, x)`: ``mode.seen`` times the root of the energy of its part, `find_energies`, is how
+    far each bond variable may reach.
 
 Modes
     `equations.mode_of(e, state)` takes the equations of a mode into ``e.mode``. With laws left

@@ -177,6 +177,7 @@ class Work:
     base_gap: Block
     scaled: Block
     row_size: Block
+    free_seen: Block
     co_energy: Block
     """What laws of storages give before a difference is taken."""
     extents: Block
@@ -300,6 +301,7 @@ def make_work(m: Model) -> Work:
     w.base_gap = make_block(1)
     w.scaled = make_block(1)
     w.row_size = make_block(1)
+    w.free_seen = make_block(1)
     w.co_energy = make_block(1)
     w.extents = make_block(1)
     w.column_size = make_block(1)

@@ -167,7 +167,7 @@ def find_rounding(e: Engine, r: Laws) -> None:
     find_energies_at(e, mode, r.x, root)
     for p in range(mode.parts + 1):
         root[p] = math.sqrt(root[p])
-    seen_of(e, mode, r.x)
+    seen_of(e, mode, r.v, r.x)
     for k in range(m.ports):
         row = partner_row(r.now, k)
         stored = 0.0

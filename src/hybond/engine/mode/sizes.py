@@ -9,9 +9,11 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.engine.algebra.blocks import row_size
+from hybond.engine.algebra.blocks import fit, row_size
 from hybond.engine.engine import Engine
+from hybond.engine.mode.dynamic_rows import frozen_at
 from hybond.engine.mode.mode_records import Mode
+from hybond.engine.mode.newton_system import by_free, row_terms
 from hybond.engine.mode.part_energies import find_energies, reach_of_bond
 from hybond.engine.mode.reach import reach_at
 from hybond.engine.mode.solved_sizes import solved_sizes
@@ -114,11 +116,12 @@ def bound_tied(mode: Mode, i: int, storages: int, reach: Floats) -> None:
         reach[k] = min(reach[k], others / math.fabs(rows.value.at[p]))
 
 
-def seen_of(e: Engine, mode: Mode, x: Floats) -> None:
+def seen_of(e: Engine, mode: Mode, values: Floats, x: Floats) -> None:
     """Put what each bond variable would be with a unit of energy in one storage into `mode.seen`.
 
     Rounding of what is stored shows itself in bond variables in these proportions, times the root
-    of the energy. Where laws bend it is that of its part which is put into one storage.
+    of the energy. Where laws bend it is that of its part which is put into one storage. Moduli are
+    those at `values`.
     """
     m = e.model
     w = e.work
@@ -147,4 +150,53 @@ def seen_of(e: Engine, mode: Mode, x: Floats) -> None:
             if j < m.storages:
                 most = max(most, math.fabs(mode.finite.value.at[i]) * w.reach[j])
         mode.seen[k] = most
-    mode.saw = m.groups == 0
+    modulated = mode.structures > 0 and mode.finite_frees > 0
+    if modulated:
+        seen_through(e, mode, values)
+    mode.saw = m.groups == 0 and not modulated
+
+
+def seen_through(e: Engine, mode: Mode, v: Floats) -> None:
+    """Let what is stored be seen through modulated two-ports as well, moduli as they are now.
+
+    The slip behind a lever whose arms change has the rounding of the speed before it. Unknowns that
+    a row of the power structure finds from what is seen are found one after the other; laws that
+    bend are not gone through.
+    """
+    m = e.model
+    work = e.work
+    n = 2 * m.bonds
+    frees = mode.finite_frees
+    frozen_at(e, mode, v, work.frozen)
+    fit(work.row, frees)
+    fit(work.free_seen, frees)
+    row = work.row.at
+    found = work.free_seen.at
+    for j in range(frees):
+        found[j] = -1.0
+    more = True
+    while more:
+        more = False
+        for i in range(mode.structures):
+            first = mode.structure[i] * n
+            if m.dynamic_affine[mode.dynamic[mode.structure[i]]] == 0:
+                continue
+            by_free(mode, n, work.frozen.at, first, 0, row)
+            alone = -1
+            for j in range(frees):
+                if row[j] != 0.0 and found[j] < 0.0:
+                    alone = j if alone < 0 else frees
+            if alone < 0 or alone == frees:
+                continue
+            size = row_terms(n, work.frozen.at, first, mode.seen)
+            for j in range(frees):
+                if row[j] != 0.0 and j != alone:
+                    size += math.fabs(row[j]) * found[j]
+            size /= math.fabs(row[alone])
+            found[alone] = size if math.isfinite(size) else 0.0
+            more = True
+    for k in range(n):
+        for j in range(frees):
+            if found[j] > 0.0:
+                share = math.fabs(mode.finite_free.at[k * frees + j])
+                mode.seen[k] = max(mode.seen[k], share * found[j])

@@ -65,7 +65,7 @@ def begin_sizes(e: Engine, mode: Mode, v: Floats, x: Floats, terms: Floats) -> N
     """
     m = e.model
     if m.laws > 0:
-        seen_of(e, mode, x)
+        seen_of(e, mode, v, x)
     if e.slide.k == 0:
         return
     sizes_here(e, mode, v)
@@ -91,7 +91,7 @@ def part_sizes(e: Engine, part: int, v: Floats, x: Floats, terms: Floats) -> Non
     if solve_plain(e, part, s.v) != OK:
         return
     if e.model.laws > 0:
-        seen_of(e, own, x)
+        seen_of(e, own, s.v, x)
     sizes_of(e, own, s.v)
     put_terms(e, own, terms)
 
