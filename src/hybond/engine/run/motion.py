@@ -434,7 +434,7 @@ def begin_flow(e: Engine, r: Run) -> int:
 
 def see_standing(e: Engine) -> None:
     """Find what stands in the motion that begins; nothing along surfaces, or where discs slip."""
-    if e.slide.k > 0 or e.model.groups > 0 or e.model.disks > 0:
+    if e.slide.k > 0 or e.model.disks > 0:
         return
     if e.standing.goes_on:
         e.standing.some = any_stands(e.standing, e.model.storages)
