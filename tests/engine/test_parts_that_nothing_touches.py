@@ -10,6 +10,7 @@ import math
 from collections.abc import Callable
 
 import pytest
+from scipy.optimize import brentq
 
 import hybond as hb
 
@@ -83,6 +84,36 @@ def geared(m: float, k: float, g: float) -> hb.Model:
     return model
 
 
+def on_a_cubic(m: float, k: float, g: float) -> hb.Model:
+    model = hb.Model("cubic spring", domain="translational")
+    model.add(i=hb.I(m), v=hb.One(), weight=hb.Se(m * g), r=hb.R(k))
+    model.add(c=hb.C({"e": f"{k}*q^3"}, q=(m * g / k) ** (1 / 3)))
+    model.bond("weight -> v -> i", "v -> c", "v -> r")
+    return model
+
+
+def on_hard_and_soft(m: float, k: float, g: float) -> hb.Model:
+    """A spring that hardens beside a straight one, whose bond points the other way."""
+    model = hb.Model("hard and soft", domain="translational")
+    q = brentq(lambda q: 1.37 * k * q + 4 * k * q**3 - m * g, 0, 1, xtol=1e-17, rtol=1e-15)
+    model.add(i=hb.I(m), c=hb.C({"e": f"{k}*q + {4 * k}*q^3"}, q=q), d=hb.C(1 / (0.37 * k), q=-q))
+    model.add(v=hb.One(), weight=hb.Se(-m * g))
+    model.bond("v -> weight", "v -> i", "v -> c", "d -> v")
+    return model
+
+
+def bent_wheel(m: float, k: float, g: float) -> hb.Model:
+    """What is bent is an inertia, which turns as fast as its spring is driven."""
+    model = hb.Model("bent wheel", domain="rotational")
+    p = m * g
+    model.add(
+        s=hb.Sf(p / m + 0.1 * p**3), n=hb.Zero(), c=hb.C(1 / k), i=hb.I("1 kg*m^2"), v=hb.One()
+    )
+    model.elements["i"] = hb.I({"f": f"p/{m} + 0.1*p^3"}, p=p)
+    model.bond("s -> n -> v -> i", "n -> c")
+    return model
+
+
 def watched(model: hb.Model, guard: str) -> hb.Model:
     rules = [f"rests -> moved when {guard}"]
     model.machine("watch", states={"rests": [], "moved": []}, start="rests", rules=rules)
@@ -95,12 +126,13 @@ def moved_at(run: hb.Result) -> list[float]:
 
 
 FAMILIES = [hanging, pushed_later, hanging_on_two, charged, divided, at_ambient, level, geared]
+BENT = [on_a_cubic, on_hard_and_soft, bent_wheel]
 
 
 @pytest.mark.parametrize("solver", SOLVERS)
-@pytest.mark.parametrize("family", FAMILIES, ids=lambda family: family.__name__)
+@pytest.mark.parametrize("family", [*FAMILIES, *BENT], ids=lambda family: family.__name__)
 def test_rounding_fires_no_guard(family: Family, solver: str) -> None:
-    flow = "c.f" if family is divided else "v.f"
+    flow = {divided: "c.f", bent_wheel: "c.e"}.get(family, "v.f")
     for values in VALUES:
         for sign in "><":
             run = hb.simulate(watched(family(*values), f"{flow} {sign} 0"), 3, solver=solver)
@@ -118,6 +150,20 @@ def test_what_is_beside_its_equilibrium_swings(aside: float, solver: str) -> Non
     half = math.pi * math.sqrt(M / K)
     # what is left of the digits of the stretch is all that is known of the swing
     assert moved_at(run) == pytest.approx([half if aside > 0 else 0.0], abs=1e-15 / abs(aside))
+
+
+@pytest.mark.parametrize("solver", ["rk45", "radau"])
+@pytest.mark.parametrize("aside", [1e-4, -1e-4])
+def test_what_is_beside_its_equilibrium_on_a_bent_spring_swings(aside: float, solver: str) -> None:
+    """A hardening spring alone; its stiffness there is three times its force by its stretch."""
+    model = hb.Model("cubic spring", domain="translational")
+    stretch = (M * G / K) ** (1 / 3)
+    model.add(i=hb.I(M), v=hb.One(), weight=hb.Se(M * G))
+    model.add(c=hb.C({"e": f"{K}*q^3"}, q=stretch * (1 + aside)))
+    model.bond("weight -> v -> i", "v -> c")
+    run = hb.simulate(watched(model, "v.f > 0"), 3, solver=solver)
+    half = math.pi * math.sqrt(M / (3 * K)) / stretch
+    assert moved_at(run) == pytest.approx([half if aside > 0 else 0.0], rel=1e-4, abs=1e-12)
 
 
 @pytest.mark.parametrize("solver", SOLVERS)

@@ -100,6 +100,7 @@ subset. Rooms, and in them files, as data passes them::
         failed_steps, one_instant    steps that cannot be; how long an
                             instant is
         onset               what has not moved yet, by what it will be
+        off_kinks           rates where a motion begins on a kink
         control, dopri, strayed, step_room    steps that the error controls: Dormand and Prince
         hidden_peaks        what laws that bend do within a step, and nowhere it has looked
         exact, flow, flow_columns, linear_rows, balance, propagate, flow_records    linear modes,
@@ -127,6 +128,7 @@ subset. Rooms, and in them files, as data passes them::
         naps                kinks that end no steps for a while
         together, ends_at_guard    what is one instant with it; the step that ends there
         kinks_passed, held_by_kinks, source_jumps    kinks of laws and of sources
+        guard_at_kink, ends_at_kink    a guard that holds at one; steps that end there
         courses_ahead       steps that see all of what time does
         phases              how phases of the plant go on, such as the angle of a flywheel
         courses_kept        what is known of both, for a run that goes on

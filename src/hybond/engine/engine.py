@@ -158,6 +158,9 @@ class Engine:
     stop: float
     """Where this stretch of the run ends: at `until`, unless somebody drives it in pieces."""
     sampled_at: float
+    awaited: Floats
+    """What was sampled at the end of the run, for one that goes on from there; and when that is."""
+    awaited_at: float
     samples_end: float
     """From when on nothing is sampled any more: the end of a run shows what leads up to it."""
     calls: Calls
@@ -319,6 +322,8 @@ def make_engine(m: Model) -> Engine:
     if m.called > 0 or m.blocks > 0 or m.tells != 0:
         e.calls = make_calls(m.most_called)
     e.sampled_at = -math.inf
+    e.awaited = floats(m.integrals)
+    e.awaited_at = -math.inf
     e.level = floats(m.inputs)
     e.asked = floats(m.inputs)
     e.at = ints(m.watches)

@@ -20,9 +20,13 @@ STAYS: Final = 0.5
 
 
 def sample(e: Engine, s: Floats) -> int:
-    """Set the signals in `s` that are due now to what they read a priori; each instant once."""
+    """Set the signals in `s` that are due now to what they read a priori; each instant once.
+
+    At the very end of a run nothing is set. What would be is kept: what happens there with time
+    alone is over when another one goes on.
+    """
     m = e.model
-    if m.samples == 0 or e.t >= e.samples_end:
+    if m.samples == 0:
         return OK
     if e.t <= e.sampled_at or one_instant(e.sampled_at, e.t):
         return OK
@@ -31,6 +35,11 @@ def sample(e: Engine, s: Floats) -> int:
         v[k] = e.pre[k]
         v[m.slots + k] = e.pre[k]
     v[0] = e.t
+    waited = one_instant(e.awaited_at, e.t)
+    if e.t >= e.samples_end:
+        if not waited:
+            await_samples(e, v)
+        return OK
     for k in range(m.samples):
         if not is_due(m, k, e.t):
             continue
@@ -40,7 +49,7 @@ def sample(e: Engine, s: Floats) -> int:
                 return REFUSED
             continue
         i = m.sample_signal[k]
-        s[i] = value_at_instant(m, m.sample_value[k], v)
+        s[i] = e.awaited[i] if waited else value_at_instant(m, m.sample_value[k], v)
         size = value(m, m.sample_size[k], v)
         e.sample_terms[i] = size if math.isfinite(size) else 0.0
         if not math.isfinite(s[i]):
@@ -49,6 +58,15 @@ def sample(e: Engine, s: Floats) -> int:
                 return no_sample(e, i, s[i], why)
             return say_fault(e, "HB-N305", why, stored_name(m, m.storages + i))
     return OK
+
+
+def await_samples(e: Engine, v: Floats) -> None:
+    """Keep what is sampled now; blocks are called when it is set."""
+    m = e.model
+    for k in range(m.samples):
+        if is_due(m, k, e.t) and not (m.blocks > 0 and m.sample_block[k] >= 0):
+            e.awaited[m.sample_signal[k]] = value_at_instant(m, m.sample_value[k], v)
+            e.awaited_at = e.t
 
 
 def value_at_instant(m: Model, law: int, v: Floats) -> float:

@@ -6,7 +6,8 @@ move by that, and a guard ``v.f > 0`` holds, however small it is beside the weig
 is an equilibrium to within rounding of what is stored is one. So, where motion begins, storages are
 sought
 
-- whose rates are sums of what is stored and of constants, and are rounding of their terms;
+- whose rates are sums of what storages give and of constants, and are rounding of their terms;
+  what a bent storage gives counts by its slope at what it holds;
 - which read each other only: no source that moves, no storage that moves, no signal;
 - and for which a change of what they hold by no more than rounding makes all these rates zero.
 

@@ -57,6 +57,7 @@ def make_standing(storages: int) -> Standing:
     s = Standing()
     s.stands = ints(storages)
     s.sums = make_sums()
+    s.sums.bent = True
     s.rate = floats(storages)
     s.size = floats(storages)
     s.root = ints(storages)

@@ -39,6 +39,8 @@ class Sums:
     factor: Block
     size: Block
     """What rounding of each factor is measured by."""
+    bent: bool
+    """Whether what bent storages give is taken as it is for what they hold now, by its slope."""
     waving: bool
     """Whether waves are taken, and for which sums there are any: those are not `known`."""
     waved: Places

@@ -15,6 +15,7 @@ from hybond.engine.inputs.interval import take_line
 from hybond.engine.mode.connected import find_connected
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.part_energies import part_of_bond
+from hybond.engine.mode.storage import co_energy_of, stiff
 from hybond.engine.mode.sum_records import (
     Sums,
     add_entry,
@@ -114,14 +115,20 @@ def take_row(
         size = measured * rows.size.at[p] if measured > 0.0 else 0.0
         source = known - m.storages
         if known < m.storages:
-            if m.co_energy[known] >= 0:
+            bent = m.co_energy[known] >= 0
+            if bent and not s.bent:
                 return False
+            if bent:
+                s.level.at[a] += weight * co_energy_of(m, known, e.v)
             ports = m.stiff_first[known + 1] - m.stiff_first[known]
             if ports > 1:
                 make_room(s, ports + stop - p)
             for i in range(m.stiff_first[known], m.stiff_first[known + 1]):
-                stiff = m.stiff_constant[i]
-                add_entry(s, m.stiff_other[i], weight * stiff, size * math.fabs(stiff))
+                other = m.stiff_other[i]
+                slope = stiff(m, i, e.v) if bent else m.stiff_constant[i]
+                if bent:
+                    s.level.at[a] -= weight * slope * e.v[m.stored_slot + other]
+                add_entry(s, other, weight * slope, size * math.fabs(slope))
         elif source >= mode.sources:
             if mode.rated[source - mode.sources] != 0 and not take_wave(e, s, source, weight):
                 return False

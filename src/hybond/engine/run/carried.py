@@ -170,6 +170,8 @@ def carry_memory(e: Engine, r: Run, c: Carrier) -> None:
     e.checks.apart = carry_number(c, e.checks.apart)
     e.checks.brought = carry_number(c, e.checks.brought)
     e.sampled_at = carry_number(c, e.sampled_at)
+    e.awaited_at = carry_number(c, e.awaited_at)
+    carry_floats(c, m.integrals, e.awaited)
     carry_floats(c, e.states, e.rests.began)
     e.rests.began_at = carry_number(c, e.rests.began_at)
     e.rests.begun = carry_truth(c, e.rests.begun)
@@ -264,6 +266,11 @@ def take_over(e: Engine, r: Run, c: Carrier, way: int, until: float, deep: bool)
     carry_state(e, c)
     if deep:
         carry_memory(e, r, c)
+    elif way != GIVEN:
+        # within the run before, what happens there is over
+        e.sampled_at = e.t
+    if way != GOES_ON:
+        e.awaited_at = -math.inf
     r.remembers = deep
     r.resumed = e.t
 

@@ -28,8 +28,9 @@ from hybond.engine.instant.settle import settle
 from hybond.engine.instant.tied import begin_tied
 from hybond.engine.laws.laws import limits_vary, look_at_limits
 from hybond.engine.methods.control import end_pace
+from hybond.engine.methods.off_kinks import lead_off_kinks
 from hybond.engine.methods.one_instant import room_of_instant
-from hybond.engine.methods.scale import is_unmoved, start_scale
+from hybond.engine.methods.scale import start_scale
 from hybond.engine.methods.stepping import retry, start, step
 from hybond.engine.mode.equations import mode_of
 from hybond.engine.mode.guess import give_back_guess, hold_guess
@@ -42,11 +43,11 @@ from hybond.engine.run.carried import begin_again, cause_of_beginning, take_up, 
 from hybond.engine.run.courses_ahead import begin_courses, end_ahead
 from hybond.engine.run.edges import reach_edges, straight_on, time_at_once
 from hybond.engine.run.ends_at_guard import find_within, land, shows_instants
+from hybond.engine.run.ends_at_kink import ANEW, meet_kink, pass_kink
+from hybond.engine.run.guard_at_kink import is_over_kink
 from hybond.engine.run.guard_values import doubt
 from hybond.engine.run.kept_rests import begin_rests, let_hold, none_holds
 from hybond.engine.run.kinks_passed import (
-    count_kink,
-    end_at_kink,
     events_held,
     see_crawl,
     see_crowd,
@@ -79,9 +80,10 @@ from hybond.engine.run.run_records import (
     is_over,
     take_locator,
     timed_cause,
+    times_in_vain,
 )
 from hybond.engine.run.slips_followed import follow, lead_to_rest
-from hybond.engine.run.source_jumps import jumps_at_end, jumps_at_once, jumps_onto_storage
+from hybond.engine.run.source_jumps import jumps_at_end, jumps_at_once
 from hybond.engine.run.stranded import in_vain
 from hybond.engine.run.together import is_kink_alone, is_of_time, last_of_instant
 from hybond.engine.sliding.branches import know_around
@@ -100,8 +102,6 @@ this many at once."""
 EDGES: Final = 100
 """Edges in a row with next to no time between them that are reached."""
 ACCUMULATES: Final = 3
-ANEW: Final = -2
-"""A step has ended, and the next begins anew behind it."""
 
 
 def run_to_end(e: Engine, r: Run) -> int:
@@ -343,6 +343,13 @@ def flow(e: Engine, r: Run) -> int:
             if passed != ANEW:
                 return passed
             continue
+        if is_over_kink(e, g, at):
+            passed = meet_kink(e, r, at)
+            if passed == ANEW:
+                continue
+            if passed != GUARD:
+                return -1
+            at = g.at
         let_hold(e, g, at)
         if note(e, r, at, at) != OK:
             return -1
@@ -387,30 +394,6 @@ def take_step(e: Engine, r: Run, end: float) -> int:
     return -1 if e.refusal and r.beyond > BEYOND and m.edges == 0 else OK
 
 
-def pass_kink(e: Engine, r: Run, at: float) -> int:
-    """End the step at a kink and begin behind it: ANEW; LAW if it jumps, -1 if the run stops."""
-    if end_at_kink(e, r, at) != OK:
-        return -1
-    if jumps_onto_storage(e, r, at):
-        report_step(e, r.report)
-        return LAW if count_kink(e, r) == OK else -1
-    if note(e, r, e.step.t1, e.step.t1) != OK:
-        return -1
-    if count_kink(e, r) != OK:
-        return -1
-    rest_at_roots(e, r)
-    if is_unmoved(e):
-        start_scale(e, e.mode)  # nothing has moved yet, but may do from here
-    return ANEW if start(e, e.t, e.y, bound_of(e), True) == OK else -1
-
-
-def times_in_vain(r: Run, at: float, instant: float) -> int:
-    """Return how often a guard held at this instant already, and nothing changed."""
-    if r.idle == 0 or at - r.idle_at[(r.idle - 1) % (IDLE + 1)] > instant:
-        return 0
-    return r.idle
-
-
 def begin_flow(e: Engine, r: Run) -> int:
     """Make ready for time to pass in the mode."""
     m = e.model
@@ -445,12 +428,13 @@ def begin_flow(e: Engine, r: Run) -> int:
     e.standing.goes_on = False
     if begun == OK:
         hold_rates(e)
+        lead_off_kinks(e)
     return begun
 
 
 def see_standing(e: Engine) -> None:
     """Find what stands in the motion that begins; nothing along surfaces, or where discs slip."""
-    if e.slide.k > 0 or e.model.groups > 0 or e.model.disks > 0:
+    if e.slide.k > 0 or e.model.disks > 0:
         return
     if e.standing.goes_on:
         e.standing.some = any_stands(e.standing, e.model.storages)

@@ -244,3 +244,10 @@ def timed_cause(e: Engine) -> int:
         if is_due(e.model, k, e.next_break):
             return SAMPLE
     return INPUT
+
+
+def times_in_vain(r: Run, at: float, instant: float) -> int:
+    """Return how often a guard held at this instant already, and nothing changed."""
+    if r.idle == 0 or at - r.idle_at[(r.idle - 1) % (IDLE + 1)] > instant:
+        return 0
+    return r.idle

@@ -1,0 +1,54 @@
+"""A step that ends at a kink, alone or with a guard, and how time goes on from there."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from hybond.engine.engine import OK, Engine
+from hybond.engine.instant.instant import GUARD, LAW
+from hybond.engine.methods.scale import is_unmoved, start_scale
+from hybond.engine.methods.stepping import start
+from hybond.engine.run.guard_at_kink import end_at_guard, some_guard_holds
+from hybond.engine.run.kinks_passed import count_kink, end_at_kink, stuck_at_kink
+from hybond.engine.run.log import report_step
+from hybond.engine.run.noted import note
+from hybond.engine.run.roots_reached import rest_at_roots
+from hybond.engine.run.run_records import Run, bound_of
+from hybond.engine.run.source_jumps import jumps_onto_storage
+
+ANEW: Final = -2
+"""A step has ended, and the next begins anew behind it."""
+
+
+def pass_kink(e: Engine, r: Run, at: float) -> int:
+    """End the step at a kink and begin behind it: ANEW; LAW if it jumps, -1 if the run stops."""
+    if end_at_kink(e, r, at) != OK:
+        return -1
+    if jumps_onto_storage(e, r, at):
+        report_step(e, r.report)
+        return LAW if count_kink(e, r) == OK else -1
+    return go_behind(e, r)
+
+
+def meet_kink(e: Engine, r: Run, at: float) -> int:
+    """End the step at a guard and a kink: GUARD, or ANEW where only the kink made it hold."""
+    g = r.locator
+    if end_at_guard(e, r, at) != OK:
+        stuck_at_kink(e, r)
+        return -1
+    if not some_guard_holds(e, g):
+        return go_behind(e, r)
+    g.at = e.step.t1
+    return GUARD
+
+
+def go_behind(e: Engine, r: Run) -> int:
+    """Begin where a kink has ended the step: ANEW, -1 if the run stops."""
+    if note(e, r, e.step.t1, e.step.t1) != OK:
+        return -1
+    if count_kink(e, r) != OK:
+        return -1
+    rest_at_roots(e, r)
+    if is_unmoved(e):
+        start_scale(e, e.mode)  # nothing has moved yet, but may do from here
+    return ANEW if start(e, e.t, e.y, bound_of(e), True) == OK else -1

@@ -1,0 +1,130 @@
+"""A guard that holds at a kink: the step ends before the kink, and is carried over to the guard.
+
+Where a law jumps just where a guard fires, as the weight of a block that rocks does where it lands,
+a step that ends past the guard has stages behind the jump. What it says of the motion up to there
+is off by as much as its error control lets pass. So it is repeated to end before the kink, of which
+nothing shows then, and goes the rest of the instant by the rates there.
+"""
+
+from __future__ import annotations
+
+import math
+
+from hybond.engine.engine import OK, REFUSED, Engine
+from hybond.engine.expressions.pairs import ROUNDING
+from hybond.engine.methods.dopri import spacing
+from hybond.engine.methods.one_instant import room_of_instant
+from hybond.engine.methods.stepping import reach, retry
+from hybond.engine.mode.values import field
+from hybond.engine.model import Model
+from hybond.engine.run.guard_values import atom_at, holds_at, terms_here
+from hybond.engine.run.kinks_passed import out_of_sight
+from hybond.engine.run.locator import NO_KINK, Locator
+from hybond.engine.run.run_records import Run
+from hybond.engine.run.together import LAST_PLACES
+
+
+def is_over_kink(e: Engine, g: Locator, at: float) -> bool:
+    """Whether the step that ends at a guard at `at`, or a little behind it, goes over a kink."""
+    if e.model.kinks == 0 or e.slide.k > 0 or g.tied:
+        return False
+    over = False
+    for k in range(g.guards):
+        over = over or goes_over(e, g, k, at)
+    return over
+
+
+def goes_over(e: Engine, g: Locator, k: int, at: float) -> bool:
+    """Whether guard k is a kink that the step goes over up to there, or up to its end.
+
+    A root, however steep, has one value from both sides: there nothing jumps.
+    """
+    if g.side[k] == NO_KINK or is_root(e.model, g.atom[g.atom_first[k]] - e.model.kink_atom):
+        return False
+    return holds_at(e, g, k, at) or holds_at(e, g, k, e.step.t1)
+
+
+def end_at_guard(e: Engine, r: Run, at: float) -> int:
+    """End the step at a guard that holds at `at` before what is behind a kink shows.
+
+    What holds there is in `r.locator.done`. Where it does not hold in what the step has become, it
+    was the kink that brought it so near.
+    """
+    g = r.locator
+    room = room_of_instant(e, at)
+    before = clear_of_kinks(e, g, at)
+    apart = before <= e.step.t0 or at - before > room
+    for k in range(g.guards):
+        g.done[k] = 1 if holds_at(e, g, k, at) else 0
+    made = retry(e, at if apart else before)
+    if made == OK and e.step.off > 1.0 and not apart:
+        before = out_of_sight(e, before, at, room)
+        made = retry(e, before)
+    g.looked = math.nan
+    if made != OK or apart or at <= before:
+        return made
+    return carry_over(e, r, at, room)
+
+
+def is_root(m: Model, kink: int) -> bool:
+    """Whether a kink is that of a root."""
+    return m.kink_meets[kink] != 0 or m.kink_rooted[kink] != 0
+
+
+def clear_of_kinks(e: Engine, g: Locator, at: float) -> float:
+    """Return the last instant, up to `at`, at which no kink that the step goes over is near.
+
+    Within rounding of where it is, stages see what is behind.
+    """
+    reach = LAST_PLACES * spacing(at)
+    before = at
+    while before > e.step.t0 and is_near_kink(e, g, at, before):
+        before = at - reach
+        reach = 2.0 * reach
+    return before
+
+
+def is_near_kink(e: Engine, g: Locator, at: float, t: float) -> bool:
+    """Whether a kink that the step goes over is passed at `t`, or there but for rounding."""
+    for k in range(g.guards):
+        if goes_over(e, g, k, at):
+            here = atom_at(e, g, g.atom_first[k], t)
+            terms = terms_here(e, g, k, g.atom_first[k])
+            if not float(g.side[k]) * here > ROUNDING * terms:
+                return True
+    return False
+
+
+def carry_over(e: Engine, r: Run, at: float, room: float) -> int:
+    """Carry the end of the step over to where all that is in `done` holds, within the instant."""
+    g = r.locator
+    begin = e.step.t1
+    if field(e, e.mode, begin, e.step.y1, r.rate) != OK:
+        return REFUSED
+    for i in range(e.states):
+        r.beside[i] = e.step.y1[i]
+    way = at - begin
+    while True:
+        for i in range(e.states):
+            e.step.y1[i] = r.beside[i] + way * r.rate[i]
+        reach(e, begin + way)
+        g.looked = math.nan
+        if all_hold(e, g) or begin + 2.0 * way > at + room:
+            return OK
+        way = max(2.0 * way, LAST_PLACES * spacing(at))
+
+
+def all_hold(e: Engine, g: Locator) -> bool:
+    """Whether all that is in `done` holds at the end of the step."""
+    for k in range(g.guards):
+        if g.done[k] != 0 and not holds_at(e, g, k, e.step.t1):
+            return False
+    return True
+
+
+def some_guard_holds(e: Engine, g: Locator) -> bool:
+    """Whether a guard that is no kink holds at the end of the step."""
+    for k in range(g.guards):
+        if g.side[k] == NO_KINK and holds_at(e, g, k, e.step.t1):
+            return True
+    return False

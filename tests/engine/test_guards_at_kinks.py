@@ -1,0 +1,101 @@
+"""A guard that fires where a law jumps, and a motion that begins there: each by its own side."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import hybond as hb
+
+SOLVERS = ["auto", "rk45", "radau", "exact"]
+PUSHES = {
+    "if": "if x > 0 then -2 else 3",
+    "as it is not": "if x <= 0 then 3 else -2",
+    "sign": "0.5 - 2.5*sign(x)",
+    "with a sum": "if x + 1 > 1 then -2 else 3",
+}
+
+
+def to_and_fro(push: str, start: float = 1.0, speed: float = 0.0, turned: bool = False) -> hb.Model:
+    """Return a mass that is pushed to zero from either side; a machine counts that it passes."""
+    m = hb.Model("to and fro")
+    m.add(m=hb.I(1.0, f=speed), v=hb.One(), F=hb.Se(f"-({push})" if turned else push))
+    m.bond("v -> F" if turned else "F -> v", "v -> m")
+    m.signal(x=hb.Integral("v.f", start=start))
+    m.machine(
+        "side",
+        states={"above": [], "below": []},
+        start="above" if start > 0.0 else "below",
+        rules=["above -> below when x <= 0 and v.f < 0", "below -> above when x >= 0 and v.f > 0"],
+    )
+    return m
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize("push", PUSHES)
+def test_a_push_that_jumps_where_a_guard_fires(push: str, turned: bool, solver: str) -> None:
+    """Parabolas: a second down, 4/3 s below, 2 s above; steps of any length follow them."""
+    run = hb.simulate(to_and_fro(PUSHES[push], turned=turned), until=8.5, solver=solver)
+    at = np.cumsum([1.0, 4.0 / 3.0, 2.0, 4.0 / 3.0, 2.0])
+    assert np.array(run.events.t[1:]) == pytest.approx(at, rel=1e-10)
+    assert run["v.f"].at(at[-1], side="left") == pytest.approx(-2.0, rel=2e-9)
+    assert run.audit().holds()
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_a_spring_that_jumps_where_a_guard_fires(solver: str) -> None:
+    """The same of a storage: its energy is that of a step in the way it is stretched."""
+    m = hb.Model("step in a spring")
+    m.add(m=hb.I(1.0, f=-1.0), v=hb.One(), k=hb.C({"e": "if q > 0 then 2 else -3"}, q=0.75))
+    m.bond("v -> m", "v -> k")
+    m.machine("passed", states={"no": [], "yes": []}, start="no", rules=["no -> yes when k.q < 0"])
+    run = hb.simulate(m, until=2.0, solver=solver)
+    # 0.75 - t - t^2 = 0 at 0.5 s, with -2 m/s
+    assert run.events.t[1] == pytest.approx(0.5, rel=1e-11)
+    assert run["v.f"].at(1.0) == pytest.approx(-2.0 + 3.0 * 0.5, rel=1e-9)
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_brake_whose_limit_jumps_where_it_holds(turned: bool, solver: str) -> None:
+    """A band brake: T*r*(1 - exp(-mu*a)) one way, T*r*(exp(mu*a) - 1) the other."""
+    limit = "if w.f < 0 then 40 else 140" if turned else "if w.f > 0 then 40 else 140"
+    m = hb.Model("band brake", domain="rotational")
+    m.add(J=hb.I(0.5, f=-30.0 if turned else 30.0), w=hb.One())
+    m.add(b=hb.One(law="coulomb", limit=limit))
+    m.bond("w -> J", "b -> w" if turned else "w -> b")
+    run = hb.simulate(m, until=1.0, solver=solver)
+    assert run.events.t[1] == pytest.approx(30.0 * 0.5 / 40.0, rel=1e-9)
+
+
+@pytest.mark.parametrize("solver", [*SOLVERS, "rk4"])
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize("push", ["if x >= 0 then -2 else 3", "0.5 - 2.5*sign(x)"])
+def test_a_motion_that_begins_on_a_jump(push: str, turned: bool, solver: str) -> None:
+    """To the left: 3 N from the first moment on, whatever the source is at zero itself."""
+    step = {"step": 0.1} if solver == "rk4" else {}
+    run = hb.simulate(
+        to_and_fro(push, start=0.0, speed=-1.5, turned=turned), until=0.9, solver=solver, **step
+    )
+    for t in (0.05, 0.3, 0.9):
+        assert run["x"].at(t) == pytest.approx(-1.5 * t + 1.5 * t * t, rel=1e-10)
+    assert run.audit().holds()
+
+
+def test_a_signal_that_begins_on_a_jump() -> None:
+    m = to_and_fro("-1", start=0.0, speed=-1.5)
+    m.signal(a=hb.Integral("if x >= 0 then 100 else 1"))
+    for solver in SOLVERS:
+        run = hb.simulate(m, until=1.0, solver=solver)
+        assert run["a"].at(1.0) == pytest.approx(1.0, rel=1e-9)
+
+
+def test_a_jump_that_nobody_gets_off() -> None:
+    """A sign that would hold at rest what it gives in motion is refused, as ever."""
+    m = hb.Model("held by a sign")
+    m.add(m=hb.I(1.0), v=hb.One(), F=hb.Se("0.5 - sign(v.f)"))
+    m.bond("F -> v -> m")
+    with pytest.raises(hb.errors.HybondError) as caught:
+        hb.simulate(m, until=1.0, solver="rk45")
+    assert caught.value.code == "HB-N410"
