@@ -134,7 +134,7 @@ bonds = [
 def test_a_diode_of_next_to_no_resistance_ends_each_half_wave(r_on: float, solver: str) -> None:
     """It took what the source would drive through it for stored energy, and blocked no more."""
     run = hb.simulate(hb.loads(RECTIFIER), until=UNTIL, solver=solver, parameters={"R_on": r_on})
-    ends = [event.t for event in run.events if event.after == (0,)]
+    ends = [event.t for event in run.events if event.steps[-1].mode == (0,)]
     first = (math.pi - math.atan(OMEGA * 0.1)) / OMEGA
     # a current is located to 1e-12 of what it is a difference of, 10 V through r_on
     late = 2e-7 + 2e-12 * 10.0 / r_on / 987.0
