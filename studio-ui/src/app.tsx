@@ -28,7 +28,7 @@ const TABS: [Tab, string][] = [
   ["plan", "Sweep"],
 ];
 
-export class App extends Component<{ store: Store; root?: HTMLElement }, State> {
+export class App extends Component<{ store: Store; whole?: boolean }, State> {
   state = this.props.store.state;
   private stop = () => {};
 
@@ -79,7 +79,14 @@ export class App extends Component<{ store: Store; root?: HTMLElement }, State> 
 
   private key = (e: KeyboardEvent): void => {
     const ctrl = e.ctrlKey || e.metaKey;
-    const { store } = this.props;
+    const { store, whole } = this.props;
+    if (whole && document.activeElement === document.body && e.key !== "Tab") {
+      // the document is this page, and nothing in it has the focus: keys are for the picture
+      const svg = document.querySelector<SVGSVGElement>(".canvas svg");
+      svg?.focus({ preventScroll: true });
+      if (svg && !svg.dispatchEvent(new KeyboardEvent(e.type, e))) e.preventDefault();
+      return;
+    }
     if (!ctrl || !this.onCanvas()) return;
     const key = e.key.toLowerCase();
     if (key === "z" && !e.shiftKey) void store.undo();

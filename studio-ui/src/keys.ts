@@ -52,8 +52,8 @@ export function keyed(e: KeyboardEvent, store: Store, canvas: Asked): void {
   else if (e.key === "r" && !ctrl && state.bonds.size) store.reverse();
   else if (e.key === "a" && !ctrl) store.set({ adding: true });
   else if (e.key === "f" && !ctrl) canvas.fit();
-  else if (e.key === "+" || e.key === "=") canvas.zoom(1.25);
-  else if (e.key === "-") canvas.zoom(0.8);
+  else if ((e.key === "+" || e.key === "=") && !ctrl) canvas.zoom(1.25);
+  else if (e.key === "-" && !ctrl) canvas.zoom(0.8);
   else if (e.key === "a" && ctrl) store.set({ nodes: new Set(nodes.map((n) => n.name)) });
   else if (e.key === "d" && ctrl) void store.duplicate();
   else if (e.key === "Delete" || e.key === "Backspace") store.remove();

@@ -10,7 +10,7 @@ import { Transport, overSocket } from "./transport";
 const transport = new Transport();
 const store = new Store(transport);
 overSocket(transport, (connected) => (connected ? void store.begin() : store.set({ connected })));
-render(<App store={store} />, document.getElementById("studio")!);
+render(<App store={store} whole />, document.getElementById("studio")!);
 
 // what tests/studio compares with draw/geometry.py
 (window as unknown as Record<string, unknown>).hybondGeometry = (asked: {

@@ -377,3 +377,30 @@ def test_a_formula_reads_its_own_variables_all_the_same() -> None:
     m.add(r=hb.R({"e": "p*f"}), j=hb.One(), L=hb.I(1))
     m.bond("j -> r", "j -> L")
     assert hb.state_equations(m).at(()).A.tolist() == [[-2.0]]
+
+
+@pytest.mark.parametrize(
+    ("kind", "letter", "bonds"),
+    [
+        ("I", "W", ("i -> field.1", "j -> field.2")),
+        ("I", "W", ("field.1 -> i", "j -> field.2")),
+        ("C", "K", ("i -> field.1", "field.2 -> j")),
+        ("R", "", ("i -> field.1", "j -> field.2")),
+    ],
+)
+def test_the_inverse_of_a_field_is_told_where_rates_read_it(kind, letter, bonds) -> None:
+    """Its entries are numbers that the model does not say: the text has to."""
+    m = hb.Model("field")
+    matrix = [[1.0, 0.5], [0.5, 2.0]]
+    m.add(field=getattr(hb, kind)(matrix), i=hb.One(), j=hb.One(), a=hb.R(1), b=hb.R(2))
+    m.add(c=hb.C(1))
+    m.bond(*bonds, "i -> a", "j -> b", "i -> c")
+    text = str(hb.state_equations(m))
+    note = f"# field.{letter} is the inverse of field.{kind}"
+    assert (note in text.splitlines()) == bool(letter)
+    if letter:
+        inverse = np.linalg.inv(matrix)
+        values = hb.state_equations(m).values
+        found = [values[f"p:field.{letter}{k}"] for k in ("11", "12", "22")]
+        assert found == pytest.approx([inverse[0, 0], inverse[0, 1], inverse[1, 1]])
+        assert f"field.{letter}12" in text and f"% {note[2:]}" in hb.state_equations(m).latex()

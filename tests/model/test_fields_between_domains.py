@@ -7,6 +7,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import hybond as hb
+from hybond.model.expressions.slots import Slots
+from hybond.model.flatten import flatten
 
 EA, GAP, COMPLIANCE, MASS, OHM = 1e-14, 1e-3, 0.1, 1e-6, 1e6
 
@@ -123,3 +125,41 @@ def test_fields_with_an_energy_in_pieces_are_not() -> None:
         m = microphone()
         m.elements["plates"] = hb.C({"e": laws}, q=[1e-6, 1e-3])
         m.flatten()
+
+
+FOLLOWED = {
+    "a condenser": (["q1*q2/eA", "q1^2/(2*eA)"], set()),
+    "another gap": (["q1*(q2 + w*d)/eA", "q1^2/(2*eA)"], set()),
+    "in pieces": (["q1*max(q2, w*d)/eA", "if q2 > w*d then q1^2/(2*eA) else 0"], set()),
+    "a function": (["q1*exp(q2/d)/w/(1 [F])", "q1^2*exp(q2/d)/(2*w*d)/(1 [F])"], set()),
+    "one energy by chance": (["q1*q2/eA", "w*q1^2/(2*eA)"], {"eA", "w"}),
+}
+
+
+@pytest.mark.parametrize("name", FOLLOWED)
+def test_parameters_of_a_field_are_followed_where_any_value_has_one_energy(name: str) -> None:
+    """Where only some have, they are the numbers that they are: of others it was not asked."""
+    laws, fixed = FOLLOWED[name]
+    m = microphone()
+    m.parameter(w=1)
+    m.elements["plates"] = hb.C({"e": laws}, q=[1e-6, 1e-3])
+    slots = Slots({"eA", "d", "w"})
+    flatten(m, {}, slots)
+    assert set(slots.fixed) == fixed
+
+
+def test_a_run_is_differentiated_by_what_a_condenser_is_made_of() -> None:
+    """Against two integrations of the equations as they are written on paper."""
+
+    def charge(ea: float) -> float:
+        def rates(t: float, y: np.ndarray) -> list[float]:
+            q, x, v, s = y
+            force = 1e-6 * np.sin(1000 * t) - q * q / (2 * ea) - s / COMPLIANCE
+            return [(100 - q * x / ea) / OHM, v, force / MASS, v]
+
+        start = [100 * ea / GAP, GAP, 0, 0]
+        return solve_ivp(rates, (0, 0.01), start, "LSODA", rtol=1e-12, atol=1e-24).y[0, -1]
+
+    slope = (charge(EA * (1 + 1e-4)) - charge(EA * (1 - 1e-4))) / (2e-4 * EA)
+    found = hb.sensitivities(microphone(), "10 ms", wrt=["eA"], rtol=1e-10)
+    assert found.final("plates.1.q", "eA") == pytest.approx(slope, rel=1e-5)

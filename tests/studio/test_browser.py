@@ -188,7 +188,6 @@ def test_by_keyboard_alone(desk: Any, serve: Callable[[str], str], tmp_path: Pat
     from selenium.webdriver.common.keys import Keys
 
     page = Page(desk, serve("keys.toml"))
-    desk.execute_script("document.querySelector('.canvas svg').focus()")
     for words in ("Se 10", "1 j", "I coil 0.5", "R r 2"):
         page.keys("a")
         page.until(lambda: page.one(".quick input"), "the box")

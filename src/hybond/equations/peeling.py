@@ -180,6 +180,8 @@ class Peeling(Generic[T]):
         for user in sorted(self._users.pop(pivot, ())):
             old = self._tears[user]
             assert old is not None
+            if pivot not in old:  # it has cancelled when another tear of that value closed
+                continue
             self._tears[user] = self._replaced(old, pivot, value)
             self._use(user)
         self._use(pivot)

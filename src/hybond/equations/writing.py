@@ -13,6 +13,7 @@ from hybond.model.expressions import Expr, Number
 from hybond.model.expressions import names as names_of
 from hybond.model.expressions import to_text as expr_text
 from hybond.model.graph import Mode
+from hybond.model.parametric import INVERSE
 from hybond.units import format_quantity
 
 Terms = dict[Cube, list[tuple[str, Any]]]
@@ -67,6 +68,10 @@ def _notes(eq: StateEquations[Any], mode: Mode | None) -> list[str]:
                 notes.append(f"... {len(eq.naming.booleans) - 20} more Booleans")
                 break
             notes.append(f"{eq.display.kappa(k)} = 1 when {about.path} is {states or 'never'}")
+    for node in graph.nodes if eq.symbolic else ():
+        letter = INVERSE.get(node.kind)
+        if letter and len(node.ends) > 1 and node.law is not None and node.law.matrix is not None:
+            notes.append(f"{node.path}.{letter} is the inverse of {node.path}.{node.kind}")
     zero = sorted(eq.display.name(name) for name in eq.ring.vanished)
     if zero:
         notes.append(f"zero in this model, and left out: {', '.join(zero)}")

@@ -5,18 +5,23 @@ another port's quantity is that of the other's along the first, everywhere (Maxw
 D. C. Karnopp, D. L. Margolis, R. C. Rosenberg, *System Dynamics*, on fields). A field of which that
 is not so makes energy in every cycle around. It is looked at where the field starts and around, at
 a handful of places that are always the same: a field that is wrong at all of these is refused.
+
+Where parameters are followed it is asked of other values as well. If it is so whatever they are, as
+of slopes of one formula, nothing depends on their values; if not, they are these numbers.
 """
 
 from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Final
 
 from hybond.errors import ExpressionError, HybondError, ModelError
-from hybond.model.expressions import compile_expression, differentiate
-from hybond.model.expressions.slots import plain
+from hybond.model.expressions import Expr, compile_expression, differentiate
+from hybond.model.expressions.algebra import Closure
+from hybond.model.expressions.slots import PREFIX, plain, slot_of
+from hybond.model.expressions.tree import names, transform, walk
 from hybond.model.graph import FlatGraph, Node
 from hybond.model.kinds import STORAGES
 from hybond.model.laws import Law
@@ -27,6 +32,7 @@ FROM_ZERO: Final = (1.0, -1e-3, 1e-6, -1e-9, 1e-2)
 """Where they are tried, in SI, if they start from zero."""
 APART: Final = 1e-6
 """Part of both slopes by which they must differ to be two: what rounding leaves is less."""
+ONLY_HERE: Final = "laws that are slopes of one energy at these values only"
 ROUNDING: Final = 1e-9
 """Part of the mean of the ports' own slopes that is rounding: slopes that cancel leave it."""
 
@@ -51,28 +57,67 @@ def check_energies(graph: FlatGraph) -> None:
 
 def _check_field(node: Node, law: Law, starts: Sequence[float]) -> None:
     places = _places(starts)
-    slot = {f"law:{node.about.energy}{k + 1}": k for k in range(len(starts))}
-    named = list(slot)
+    named = [f"law:{node.about.energy}{k + 1}" for k in range(len(starts))]
+    laws, values = _opened(law.expressions)
     for i, j in itertools.combinations(range(len(starts)), 2):
+        slot = {name: k for k, name in enumerate((*named, *values))}
         try:
             slopes = [
-                compile_expression(differentiate(law.expressions[a], named[b]), slot, pre_offset=0)
+                compile_expression(differentiate(laws[a], named[b]), slot, pre_offset=0)
                 for a, b in ((i, j), (j, i), (i, i), (j, j))
             ]
         except ExpressionError:
             continue  # it reads more than what is stored: only a run knows its slopes
-        found = []
-        for place in places:
-            try:
-                a, b, *own = (float(slope(place)) for slope in slopes)
-            except (HybondError, ArithmeticError, ValueError):
-                continue
-            if math.isfinite(a) and math.isfinite(b) and (a != 0.0 or b != 0.0):
-                found.append((place, a, b, ROUNDING * math.sqrt(abs(own[0] * own[1]))))
-        if found and all(
-            abs(a - b) > max(APART * (abs(a) + abs(b)), rounding) for _, a, b, rounding in found
-        ):
-            _refuse(node, i, j, *found[0][:3])
+        if two := _two_slopes(slopes, places, [*values.values()]):
+            _refuse(node, i, j, *two)
+        others = [_another(v, k) for k, v in enumerate(values.values())]
+        if values and _two_slopes(slopes, places, others):
+            for number in map(slot_of, _numbers(law.expressions[i], law.expressions[j])):
+                if number is not None:
+                    number.settle(ONLY_HERE)
+
+
+def _two_slopes(
+    slopes: Sequence[Closure], places: Sequence[Sequence[float]], values: Sequence[float]
+) -> tuple[Sequence[float], float, float] | None:
+    """Return the first place and both slopes there if they differ at every place."""
+    found = []
+    for place in places:
+        try:
+            a, b, *own = (float(slope((*place, *values))) for slope in slopes)
+        except (HybondError, ArithmeticError, ValueError):
+            continue
+        if math.isfinite(a) and math.isfinite(b) and (a != 0.0 or b != 0.0):
+            found.append((place, a, b, ROUNDING * math.sqrt(abs(own[0] * own[1]))))
+    if found and all(
+        abs(a - b) > max(APART * (abs(a) + abs(b)), rounding) for _, a, b, rounding in found
+    ):
+        return found[0][:3]
+    return None
+
+
+def _opened(laws: Sequence[Expr]) -> tuple[list[Expr], dict[str, float]]:
+    """Return laws with the parameters that are followed as names, and the values of these."""
+    values: dict[str, float] = {}
+
+    def opened(e: Expr) -> Expr:
+        slot = slot_of(e)
+        if slot is None:
+            return e
+        for name in names(slot.tree):
+            values[name] = slot.slots.parameters[name.removeprefix(PREFIX)].start
+        return slot.tree
+
+    return [transform(e, opened) for e in laws], values
+
+
+def _numbers(*laws: Expr) -> Iterator[object]:
+    return (node for e in laws for node, _ in walk(e))
+
+
+def _another(value: float, k: int) -> float:
+    """Return another value of the parameter of that number, for each by another part."""
+    return value * (1.0 + 0.07 * (k + 1)) if value != 0.0 else 1e-3 * (k + 1)
 
 
 def _places(starts: Sequence[float]) -> list[list[float]]:

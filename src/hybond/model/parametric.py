@@ -19,6 +19,9 @@ from hybond.model.resolve import Resolver
 from hybond.names import join
 from hybond.records import dataclass
 
+INVERSE = {"C": "K", "I": "W"}
+"""What the inverse of a storage's matrix is called, by its kind: rates are formulas of that."""
+
 
 @dataclass(frozen=True, slots=True)
 class Parametric:
@@ -119,7 +122,7 @@ class _Reading:
         law = self.node.law
         assert law is not None and law.matrix is not None
         storage = self.node.kind in STORAGES
-        letter = {"C": "K", "I": "W"}.get(self.node.kind, self.node.kind)
+        letter = INVERSE.get(self.node.kind, self.node.kind)
         rows = []
         for i, numbers in enumerate(law.matrix):
             row = []

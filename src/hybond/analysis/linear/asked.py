@@ -147,7 +147,7 @@ def _followed(
     for path in wanted:
         if path in slots.fixed:
             raise EquationError(
-                f"{path} cannot be varied: {slots.fixed[path]}",
+                f"{path} cannot be varied: it goes into {slots.fixed[path]}",
                 code="HB-A502",
                 where="inputs",
                 hint="vary another parameter, or compare two runs",

@@ -86,8 +86,9 @@ def slotted(opened: Opened, given: Mapping[str, Value]) -> Wanted:
     graph = flatten(model, values, slots)
     for name, path in zip(opened.names, paths):
         if path in slots.fixed or path not in slots.parameters:
+            into = slots.fixed.get(path)
             raise EquationError(
-                f"{name} cannot be varied: {slots.fixed.get(path, 'it is no number')}",
+                f"{name} cannot be varied: {f'it goes into {into}' if into else 'it is no number'}",
                 code="HB-A521",
                 where="wrt",
                 hint="vary another parameter, or compare two runs",

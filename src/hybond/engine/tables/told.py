@@ -15,7 +15,10 @@ if TYPE_CHECKING:
 
 
 def put_told(t: ModelTables, *, tells: bool) -> None:
-    """Put the tables there; without `tells` they are empty."""
+    """Put the tables there; without `tells` those of explanations are empty.
+
+    Which sources give is asked of every run: what a jump has stored is held against it.
+    """
     t.numbers["tells"] = int(tells)
     rules = [f.rule for own in rules_of(t.graph) for f in own] if tells else []
     place: dict[Expr, int] = {}
@@ -32,7 +35,7 @@ def put_told(t: ModelTables, *, tells: bool) -> None:
     t.ints["dynamic_pair"] = [_of_jumps(t, d, tells=tells) for d in rows]
     own, other, sign = [], [], []
     bonds = len(t.graph.bonds)
-    for node in t.graph.nodes if tells else ():
+    for node in t.graph.nodes:
         # what reads a priori values is an impact law, and no source; nor is friction, whose value
         # behind the jump is that of the branch that lasts, and not of the one that slid
         own_work = not node.implied and not reads_pre(node)

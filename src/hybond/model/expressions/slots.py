@@ -30,7 +30,7 @@ from hybond.units import Dimension
 
 PREFIX = "p:"
 """What the name of a parameter begins with in a tree, before its dotted path."""
-NUMBERS_ONLY = "what is computed there is computed with numbers"
+NUMBERS_ONLY = "what is computed with plain numbers while the model is read"
 _OPPOSITE = {"<": ">=", "<=": ">", ">": "<=", ">=": "<", "==": "!=", "!=": "=="}
 _PLAIN: Mapping[str, Callable[[float, float], Any]] = {
     "+": operator.add,

@@ -967,8 +967,8 @@ function qe(e, t, n) {
 	else if (e.key === "r" && !a && r.bonds.size) t.reverse();
 	else if (e.key === "a" && !a) t.set({ adding: !0 });
 	else if (e.key === "f" && !a) n.fit();
-	else if (e.key === "+" || e.key === "=") n.zoom(1.25);
-	else if (e.key === "-") n.zoom(.8);
+	else if ((e.key === "+" || e.key === "=") && !a) n.zoom(1.25);
+	else if (e.key === "-" && !a) n.zoom(.8);
 	else if (e.key === "a" && a) t.set({ nodes: new Set(i.map((e) => e.name)) });
 	else if (e.key === "d" && a) t.duplicate();
 	else if (e.key === "Delete" || e.key === "Backspace") t.remove();
@@ -7713,13 +7713,18 @@ var Yc = [
 		t.includes("elements") && (e.preventDefault(), this.props.store.paste(t));
 	};
 	key = (e) => {
-		let t = e.ctrlKey || e.metaKey, { store: n } = this.props;
+		let t = e.ctrlKey || e.metaKey, { store: n, whole: r } = this.props;
+		if (r && document.activeElement === document.body && e.key !== "Tab") {
+			let t = document.querySelector(".canvas svg");
+			t?.focus({ preventScroll: !0 }), t && !t.dispatchEvent(new KeyboardEvent(e.type, e)) && e.preventDefault();
+			return;
+		}
 		if (!t || !this.onCanvas()) return;
-		let r = e.key.toLowerCase();
-		if (r === "z" && !e.shiftKey) n.undo();
-		else if (r === "y" || r === "z" && e.shiftKey) n.redo();
-		else if (r !== "s") {
-			if (r === "enter") n.start();
+		let i = e.key.toLowerCase();
+		if (i === "z" && !e.shiftKey) n.undo();
+		else if (i === "y" || i === "z" && e.shiftKey) n.redo();
+		else if (i !== "s") {
+			if (i === "enter") n.start();
 			else return;
 		}
 		e.preventDefault();
