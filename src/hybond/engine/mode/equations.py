@@ -23,6 +23,7 @@ from hybond.engine.mode.taken_rows import (
     share_rows,
     take_free,
     take_free_rest,
+    take_free_rows,
     take_rows,
 )
 from hybond.engine.model import Model
@@ -220,10 +221,15 @@ def eliminate(e: Engine, mode: Mode) -> None:
     mode.power = mode.finite
     mode.power_free = mode.finite_free
     mode.power_frees = mode.finite_frees
+    mode.free_sparse = False
     if e.work.table.done > 0:
         mode.power_free = mode.own_power_free
         mode.power_frees = free_columns(power, e.work.columns)
-        take_free(power, mode.power_frees, e.work.columns, mode.own_power_free)
+        mode.free_sparse = mode.dynamics == 0
+        if mode.free_sparse:
+            take_free_rows(power, mode.power_frees, e.work.columns, mode.free_rows)
+        else:
+            take_free(power, mode.power_frees, e.work.columns, mode.own_power_free)
     if e.work.table.done > 0 and mode.structures > 0:
         # what knowns give there is read by dynamic rows of the power structure alone
         mode.power = mode.own_power
