@@ -28,6 +28,9 @@ class Work:
 
     power: Elimination
     finite: Elimination
+    settled: Elimination
+    """Rows of the mode that was built last: those of `power`, or of `finite`, with the derivatives
+    of constraints, where there are any."""
     table: Elimination
     weighed: bool
     steady_known: bool
@@ -219,6 +222,7 @@ def make_work(m: Model) -> Work:
     knowns = m.storages + 2 * m.most_sources
     w.power = make_elimination(n, n + knowns)
     w.finite = make_elimination(n, n + knowns)
+    w.settled = w.power
     w.table = make_elimination(m.storages, knowns)
     w.weighed = False
     w.plain = make_rows()

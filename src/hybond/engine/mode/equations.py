@@ -74,7 +74,7 @@ def look_at_digits(e: Engine, mode: Mode) -> None:
     are tied, whose constraints have those of a number.
     """
     w = e.warned
-    least = min(e.work.power.least, e.work.finite.least) if e.work.table.done > 0 else 1.0
+    least = min(e.work.power.least, e.work.settled.least) if e.work.table.done > 0 else 1.0
     if w.far_apart or mode.too_high or not least < CLEAR:
         return
     w.far_apart = True
@@ -128,7 +128,7 @@ def make_equations(e: Engine, mode: Mode, given: Ints) -> None:
 def loses_digits(e: Engine) -> bool:
     """Whether coefficients have come out as small differences of large ones."""
     power = e.work.power
-    finite = e.work.finite
+    finite = e.work.settled
     return min(power.least, finite.least) < CLEAR
 
 
@@ -200,7 +200,7 @@ def eliminate(e: Engine, mode: Mode) -> None:
     for k in range(m.priors):
         mode.prior_acts[k] = 1 if is_prior_active(m, mode, k) else 0
     power = e.work.power
-    finite = e.work.finite
+    finite = e.work.settled
     mode.doubted = power.doubted or finite.doubted
     for k in range(2 * m.bonds):
         mode.same[k] = power.same[k]
