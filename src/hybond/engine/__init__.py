@@ -23,6 +23,7 @@ subset. Rooms, and in them files, as data passes them::
         reached             unknowns that no given value reaches
         lu, lu_pair, qr, regular   square systems: real, complex, orthogonal, clearly regular
         lu_twofold          these with twice the digits
+        sparse_lu           square systems in which each equation has few unknowns
         svd, least_distance        singular values; the point next to zero that keeps inequalities
     mode/
         tableau, hidden_rows, elimination, elimination_of_another    rows of a mode, eliminated
@@ -52,6 +53,7 @@ subset. Rooms, and in them files, as data passes them::
         beginning           what is a priori where a run begins; states it cannot begin in
         entering, trial, jump    a mode entered: signals, and what is stored
         constraints, impulse_ways, own_ways    what a jump must fulfil, and what moves it there
+        sparse_ways         where much is tied together
         tied                motions that are nothing but what constraints lead along
         staying, passed_over    what is known of the last trial; modes without a solution
         in_force, indeterminate    rules that are asked; truths that depend on what is open

@@ -13,6 +13,7 @@ from hybond.engine.algebra.blocks import (
     make_rows,
 )
 from hybond.engine.algebra.separate import Separate, make_separate
+from hybond.engine.algebra.sparse_lu import Factoring, make_factoring
 from hybond.engine.algebra.svd import Svd, make_svd
 from hybond.engine.expressions.pairs import Stack, make_stack
 from hybond.engine.mode.elimination import Elimination, make_elimination
@@ -27,6 +28,9 @@ class Work:
 
     power: Elimination
     finite: Elimination
+    settled: Elimination
+    """Rows of the mode that was built last: those of `power`, or of `finite`, with the derivatives
+    of constraints, where there are any."""
     table: Elimination
     weighed: bool
     steady_known: bool
@@ -184,6 +188,13 @@ class Work:
     """How much each storage may hold."""
     column_size: Block
     separate: Separate
+    factoring: Factoring
+    sides: Block
+    """Of a sparse jump: what its equations come to, ..."""
+    found: Block
+    """... and its unknowns; ..."""
+    sent: Block
+    """... and of these the impulses that are free."""
     two_port: Block
     by_stored: Block
     seen_by: Block
@@ -213,6 +224,7 @@ def make_work(m: Model) -> Work:
     knowns = m.storages + 2 * m.most_sources
     w.power = make_elimination(n, n + knowns)
     w.finite = make_elimination(n, n + knowns)
+    w.settled = w.power
     w.table = make_elimination(m.storages, knowns)
     w.weighed = False
     w.plain = make_rows()
@@ -306,6 +318,10 @@ def make_work(m: Model) -> Work:
     w.extents = make_block(1)
     w.column_size = make_block(1)
     w.separate = make_separate()
+    w.factoring = make_factoring()
+    w.sides = make_block(1)
+    w.found = make_block(1)
+    w.sent = make_block(1)
     w.two_port = make_block(1)
     w.by_stored = make_block(1)
     w.seen_by = make_block(1)

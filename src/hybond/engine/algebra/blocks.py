@@ -126,3 +126,12 @@ def row_size(r: Rows, k: int, x: Floats) -> float:
     for i in range(r.first.at[k], r.first.at[k + 1]):
         total += r.size.at[i] * math.fabs(x[r.column.at[i]])
     return total
+
+
+def spread_rows(r: Rows, columns: int, a: Floats) -> None:
+    """Put sparse rows, of so many columns, into `a` row after row."""
+    for i in range(r.rows * columns):
+        a[i] = 0.0
+    for k in range(r.rows):
+        for i in range(r.first.at[k], r.first.at[k + 1]):
+            a[k * columns + r.column.at[i]] = r.value.at[i]

@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.engine.algebra.blocks import fit, fit_places
+from hybond.engine.algebra.blocks import fit, fit_places, spread_rows
 from hybond.engine.algebra.products import largest, times_matrix, times_orthonormal
 from hybond.engine.algebra.qr import complement
 from hybond.engine.algebra.svd import null_space, pseudo_inverse, rank_above, svd
 from hybond.engine.engine import Engine, svd_room
 from hybond.engine.instant.constraints import constraint_by_co_energy, residual
 from hybond.engine.instant.own_ways import give_own
+from hybond.engine.instant.sparse_ways import find_extents, find_sparse_ways, is_curved, may_hold
 from hybond.engine.mode.dynamic_rows import frozen_at
 from hybond.engine.mode.mode_records import Mode, Ways
 from hybond.engine.mode.storage import own_stiffness, stiff, with_stored
@@ -54,6 +55,9 @@ def impulse_directions(e: Engine, mode: Mode, v: Floats, ways: Ways) -> None:
     if rows == 0:
         ways.many = frees
         fit(ways.directions, n * frees)
+        if mode.free_sparse:
+            spread_rows(mode.free_rows, frees, ways.directions.at)
+            return
         for i in range(n * frees):
             ways.directions.at[i] = mode.power_free.at[i]
         return
@@ -70,8 +74,9 @@ def find_ways(e: Engine, mode: Mode, v: Floats, x: Floats) -> None:
     w = e.work
     n = 2 * m.bonds
     ways = mode.ways
-    if ways.known:
+    if ways.known or find_sparse_ways(e, mode, x):
         return
+    ways.sparse = False
     impulse_directions(e, mode, v, ways)
     many = ways.many
     fit(w.rate_part, m.storages * many)
@@ -91,10 +96,7 @@ def find_ways(e: Engine, mode: Mode, v: Floats, x: Floats) -> None:
     fit(ways.d, m.storages * ways.areas)
     times_matrix(m.storages, many, ways.areas, w.rate_part.at, ways.moving.at, ways.d.at)
     find_shares(e, ways, n)
-    fit(w.extents, m.storages)
-    for k in range(m.storages):
-        size = may_hold(e, x, k)
-        w.extents.at[k] = size if size > 0.0 and math.isfinite(size) else 1.0
+    find_extents(e, x)
     give_own(e, ways, w.extents.at)
     list_moves(m.storages, ways)
     fit(w.nu, ways.areas)
@@ -114,13 +116,18 @@ def list_moves(storages: int, ways: Ways) -> None:
     """List which areas move each storage: few, where there are many of both."""
     areas = ways.areas
     fit_places(ways.moves_first, storages + 1)
-    fit_places(ways.moves, storages * areas)
+    many = 0
+    for i in range(storages * areas):
+        many += 1 if ways.d.at[i] != 0.0 else 0
+    fit_places(ways.moves, many)
+    fit(ways.moves_by, many)
     many = 0
     for k in range(storages):
         ways.moves_first.at[k] = many
         for a in range(areas):
             if ways.d.at[k * areas + a] != 0.0:
                 ways.moves.at[many] = a
+                ways.moves_by.at[many] = ways.d.at[k * areas + a]
                 many += 1
     ways.moves_first.at[storages] = many
 
@@ -241,25 +248,6 @@ def slope_of(e: Engine, mode: Mode, v: Floats, x: Floats, ways: Ways) -> None:
             ways.slope.at[i * areas + a] = total + by_sources(e, mode, i, ways, a)
 
 
-def is_curved(e: Engine, mode: Mode) -> bool:
-    """Whether a source that constraints may read is no linear function of what is stored."""
-    m = e.model
-    for k in range(mode.sources):
-        s = mode.source[k]
-        if s >= 0 and m.source_value[s] >= 0 and m.source_timed[s] == 0:
-            if m.reasons == 0 or m.source_bent[s] != 0 or m.groups > 0:
-                return True  # without forms slopes are difference quotients
-            if e.work.lefts > 0 and mode.structures > 0:
-                return True
-    for i in range(mode.structures if e.work.lefts > 0 else 0):
-        d = mode.dynamic[mode.structure[i]]
-        if d >= 0 and m.dynamic_follows[d] != 0:
-            return True
-        if m.dynamic_source[d] != 0 and m.dynamic_affine[d] == 0:
-            return True
-    return False
-
-
 def by_sources(e: Engine, mode: Mode, i: int, ways: Ways, a: int) -> float:
     """Return what sources add to the derivative of residual i by an area, by their forms."""
     m = e.model
@@ -376,10 +364,3 @@ def extent(e: Engine, x: Floats, k: int) -> float:
     if own > 0.0 and math.isfinite(own):
         size = max(size, e.work.seen_by.at[k] / own)
     return size if size > 0.0 and math.isfinite(size) else 1e-6
-
-
-def may_hold(e: Engine, x: Floats, k: int) -> float:
-    """Return how much storage k holds, and would with the energy of its part."""
-    own = math.fabs(own_stiffness(e.model, k, with_stored(e, x)))
-    size = math.fabs(x[k])
-    return size + e.work.reach[k] / own if own > 0.0 and math.isfinite(own) else size

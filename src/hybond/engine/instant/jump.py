@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.engine.algebra.blocks import fit
+from hybond.engine.algebra.blocks import fit, row_times
 from hybond.engine.algebra.products import are_equal
 from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.algebra.separate import least_squares_separate
@@ -32,6 +32,7 @@ from hybond.engine.instant.impulse_ways import (
     size_by_entries,
     slope_of,
 )
+from hybond.engine.instant.sparse_ways import sparse_step
 from hybond.engine.mode.agreement import check_agreement
 from hybond.engine.mode.leakage import least_leakage, project
 from hybond.engine.mode.mode_records import Mode, Ways
@@ -130,8 +131,7 @@ def sharpen(e: Engine, mode: Mode, v: Floats, ways: Ways, after: Floats) -> None
         for k in range(m.storages):
             change = 0.0
             for i in range(ways.moves_first.at[k], ways.moves_first.at[k + 1]):
-                a = ways.moves.at[i]
-                change += ways.d.at[k * ways.areas + a] * w.step.at[a]
+                change += ways.moves_by.at[i] * w.step.at[ways.moves.at[i]]
             # what the jump has brought to zero is there
             after[k] -= change if after[k] != 0.0 else 0.0
     restore_bonds(e, mode, v)
@@ -179,6 +179,10 @@ def put_impulses(e: Engine, mode: Mode, ways: Ways) -> None:
     """Send the areas through the junction structure; shares are chosen by least leakage."""
     n = 2 * e.model.bonds
     w = e.work
+    if ways.sparse:
+        for k in range(n):
+            e.impulses[k] = row_times(mode.free_rows, k, w.combined.at)
+        return
     for k in range(ways.many):
         total = 0.0
         for a in range(ways.areas):
@@ -200,8 +204,7 @@ def moved_by(n: int, x: Floats, ways: Ways, nu: Floats, after: Floats) -> None:
         total = x[k]
         size = math.fabs(x[k])
         for i in range(ways.moves_first.at[k], ways.moves_first.at[k + 1]):
-            a = ways.moves.at[i]
-            change = ways.d.at[k * ways.areas + a] * nu[a]
+            change = ways.moves_by.at[i] * nu[ways.moves.at[i]]
             total += change
             size += math.fabs(change)
         after[k] = 0.0 if math.fabs(total) <= CANCELLED * size else total
@@ -212,6 +215,9 @@ def jump_step(e: Engine, ways: Ways, count: int) -> int:
     w = e.work
     if not ways.known:
         return find_step(e, ways, count)
+    if ways.sparse:
+        sparse_step(e, ways, count)
+        return ways.rank
     for a in range(ways.areas):
         total = 0.0
         for i in range(count):
@@ -274,6 +280,8 @@ def newton_jump(e: Engine, mode: Mode, v: Floats, x: Floats, ways: Ways, measure
     best = math.inf
     for a in range(areas):
         w.nu.at[a] = 0.0
+    for j in range(ways.many if ways.sparse else 0):
+        w.combined.at[j] = 0.0
     fit(w.gap_first, count)
     for k in range(m.storages):
         w.reach_before[k] = w.reach[k]
@@ -313,6 +321,8 @@ def newton_jump(e: Engine, mode: Mode, v: Floats, x: Floats, ways: Ways, measure
         part = 1.0 if ways.known or worst <= CONSISTENT else nearer(e, mode, v, x, ways)
         for a in range(areas):
             w.nu.at[a] -= part * w.step.at[a]
+        for j in range(ways.many if ways.sparse else 0):
+            w.combined.at[j] -= w.sent.at[j]
     gap_at(e, mode, v, x, ways, 0.0)
     for i in range(count):
         if not math.fabs(w.gap.at[i]) <= 1e-9 * max(w.gap_first.at[i], w.gap_size.at[i]):
@@ -385,8 +395,7 @@ def count_moves(e: Engine, mode: Mode, ways: Ways, nu: Floats) -> None:
             break
         moved = 0.0
         for p in range(ways.moves_first.at[k], ways.moves_first.at[k + 1]):
-            a = ways.moves.at[p]
-            moved += math.fabs(ways.d.at[k * ways.areas + a] * nu[a])
+            moved += math.fabs(ways.moves_by.at[p] * nu[ways.moves.at[p]])
         if moved > 0.0:
             moved *= math.fabs(own_stiffness(m, k, e.work.values))
         e.work.reach[k] = max(e.work.reach_before[k], moved)
@@ -397,8 +406,7 @@ def put_here(n: int, x: Floats, ways: Ways, nu: Floats, here: Floats) -> None:
     for k in range(n):
         here[k] = x[k]
         for i in range(ways.moves_first.at[k], ways.moves_first.at[k + 1]):
-            a = ways.moves.at[i]
-            here[k] += ways.d.at[k * ways.areas + a] * nu[a]
+            here[k] += ways.moves_by.at[i] * nu[ways.moves.at[i]]
 
 
 def on_constraints(e: Engine, mode: Mode, v: Floats, y: Floats) -> int:

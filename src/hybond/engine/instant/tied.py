@@ -14,7 +14,8 @@ from hybond.engine.algebra.blocks import fit, fit_places
 from hybond.engine.engine import Engine
 from hybond.engine.inputs.interval import set_time
 from hybond.engine.instant.jump import CANCELLED, is_fixed
-from hybond.engine.mode.mode_records import FREE, NOT_KNOWN, TIED, Mode
+from hybond.engine.instant.sparse_ways import sparse_shares
+from hybond.engine.mode.mode_records import FREE, NOT_KNOWN, TIED, Mode, Ways
 from hybond.engine.mode.sources_of_time import value_of_source
 from hybond.engine.words import Floats
 
@@ -141,11 +142,10 @@ def take_factors(e: Engine, mode: Mode, k: int) -> None:
         w.here[s] = 1.0 if s == k else 0.0
         w.reach[s] = w.here[s]
     ties.given.at[k] = 1
+    if ways.sparse:
+        sparse_shares(e, ways, k, rows.rows)
     for i in range(rows.rows):
-        share = 0.0
-        for p in range(ways.moves_first.at[k], ways.moves_first.at[k + 1]):
-            a = ways.moves.at[p]
-            share += ways.d.at[k * ways.areas + a] * ways.inverse.at[a * rows.rows + i]
+        share = w.row_size.at[i] if ways.sparse else dense_share(ways, k, i, rows.rows)
         if share == 0.0:
             continue
         for p in range(rows.first.at[i], rows.first.at[i + 1]):
@@ -164,6 +164,14 @@ def take_factors(e: Engine, mode: Mode, k: int) -> None:
     for s in range(m.storages):
         if math.fabs(w.here[s]) > ALONG * w.reach[s]:
             ties.given.at[k] = 0
+
+
+def dense_share(ways: Ways, k: int, i: int, count: int) -> float:
+    """Return by how much a unit of gap i of `count` moves storage k."""
+    share = 0.0
+    for p in range(ways.moves_first.at[k], ways.moves_first.at[k + 1]):
+        share += ways.moves_by.at[p] * ways.inverse.at[ways.moves.at[p] * count + i]
+    return share
 
 
 def leads(e: Engine, mode: Mode, k: int) -> bool:

@@ -23,6 +23,7 @@ from hybond.engine.mode.taken_rows import (
     share_rows,
     take_free,
     take_free_rest,
+    take_free_rows,
     take_rows,
 )
 from hybond.engine.model import Model
@@ -73,7 +74,7 @@ def look_at_digits(e: Engine, mode: Mode) -> None:
     are tied, whose constraints have those of a number.
     """
     w = e.warned
-    least = min(e.work.power.least, e.work.finite.least) if e.work.table.done > 0 else 1.0
+    least = min(e.work.power.least, e.work.settled.least) if e.work.table.done > 0 else 1.0
     if w.far_apart or mode.too_high or not least < CLEAR:
         return
     w.far_apart = True
@@ -127,7 +128,7 @@ def make_equations(e: Engine, mode: Mode, given: Ints) -> None:
 def loses_digits(e: Engine) -> bool:
     """Whether coefficients have come out as small differences of large ones."""
     power = e.work.power
-    finite = e.work.finite
+    finite = e.work.settled
     return min(power.least, finite.least) < CLEAR
 
 
@@ -199,7 +200,7 @@ def eliminate(e: Engine, mode: Mode) -> None:
     for k in range(m.priors):
         mode.prior_acts[k] = 1 if is_prior_active(m, mode, k) else 0
     power = e.work.power
-    finite = e.work.finite
+    finite = e.work.settled
     mode.doubted = power.doubted or finite.doubted
     for k in range(2 * m.bonds):
         mode.same[k] = power.same[k]
@@ -220,10 +221,15 @@ def eliminate(e: Engine, mode: Mode) -> None:
     mode.power = mode.finite
     mode.power_free = mode.finite_free
     mode.power_frees = mode.finite_frees
+    mode.free_sparse = False
     if e.work.table.done > 0:
         mode.power_free = mode.own_power_free
         mode.power_frees = free_columns(power, e.work.columns)
-        take_free(power, mode.power_frees, e.work.columns, mode.own_power_free)
+        mode.free_sparse = mode.dynamics == 0
+        if mode.free_sparse:
+            take_free_rows(power, mode.power_frees, e.work.columns, mode.free_rows)
+        else:
+            take_free(power, mode.power_frees, e.work.columns, mode.own_power_free)
     if e.work.table.done > 0 and mode.structures > 0:
         # what knowns give there is read by dynamic rows of the power structure alone
         mode.power = mode.own_power

@@ -12,6 +12,7 @@ from hybond.engine.algebra.blocks import (
     make_places,
     make_rows,
 )
+from hybond.engine.algebra.sparse_lu import SparseLu, make_sparse_lu
 from hybond.engine.mode.standing_records import Stood, make_stood
 from hybond.engine.mode.sum_records import Sums, make_sums
 from hybond.engine.model import Model
@@ -45,8 +46,12 @@ class Ways:
 
     `directions` are bond variables by `many`; `moving`, many by areas; `d`,
     storages by areas, those of storage k that are not zero in the columns `moves` from
-    ``moves_first[k]`` on; `slope`, constraints by areas, its inverse and its rank. `part` is the
-    part of the graph that each bond is in, once it is `parted`.
+    ``moves_first[k]`` on, by `moves_by`; `slope`, constraints by areas, its inverse and its rank.
+    `part` is the part of the graph that each bond is in, once it is `parted`.
+
+    Where there are many they are `sparse`: each area is what one storage moves by, `moved`, and
+    these are solved for with the free impulses of the power structure, `areas` and `many` unknowns
+    in the system `solver`, measured by `extent`.
     """
 
     known: bool
@@ -57,6 +62,11 @@ class Ways:
     d: Block
     moves_first: Places
     moves: Places
+    moves_by: Block
+    sparse: bool
+    moved: Places
+    extent: Block
+    solver: SparseLu
     slope: Block
     inverse: Block
     rank: int
@@ -168,6 +178,10 @@ class Mode:
     """Of each free unknown: whether a bent law reads it; Newton moves others in its place."""
     own_power: Rows
     own_power_free: Block
+    free_rows: Rows
+    """What free unknowns give there to each bond variable, where nothing else asks for it: ..."""
+    free_sparse: bool
+    """... in place of `own_power_free`."""
     constraints: Rows
     constraint_hidden: Ints
     """Of each constraint: the dynamic row that is its derivative, or -1."""
@@ -274,6 +288,10 @@ def make_ways() -> Ways:
     w.d = make_block(1)
     w.moves_first = make_places(1)
     w.moves = make_places(1)
+    w.moves_by = make_block(1)
+    w.moved = make_places(1)
+    w.extent = make_block(1)
+    w.solver = make_sparse_lu()
     w.slope = make_block(1)
     w.inverse = make_block(1)
     w.share = make_block(1)
@@ -326,6 +344,7 @@ def make_mode(m: Model) -> Mode:
     mode.finite_free = make_block(1)
     mode.free_rest = make_block(1)
     mode.own_power_free = make_block(1)
+    mode.free_rows = make_rows()
     mode.free_column = ints(n)
     mode.reluctant = ints(n)
     mode.constraints = make_rows()

@@ -79,7 +79,7 @@ def part_of(m: Model, mode: Mode, element: int) -> int:
 
 
 def build(e: Engine, mode: Mode) -> int:
-    """Eliminate the rows of a configuration, into `e.work.power` and `e.work.finite`.
+    """Eliminate the rows of a configuration, into `e.work.power` and `e.work.settled`.
 
     ``mode.given[k]`` says which variable of junction k is given from outside: NOT_OPEN, COMMON or
     NET. Returns how many hidden rows determine nothing: differentiating once is not enough.
@@ -404,15 +404,27 @@ def add_hidden(e: Engine, mode: Mode, value0: int) -> int:
     gone.
     """
     m = e.model
-    finite = e.work.finite
-    table = e.work.table
+    w = e.work
+    finite = w.finite
+    table = w.table
+    w.settled = finite
     # sums of wide junctions are the last rows of the power structure, but behind the derivatives of
     # constraints in what is evaluated: it goes on from before them where there are any
-    copy_elimination(e.work.power, finite)
+    tied = table.done > 0
+    if tied:
+        copy_elimination(w.power, finite)
     wide = add_wide(e, mode)
-    if wide > 0 and table.done == 0:
-        copy_elimination(e.work.power, finite)
+    if table.done == 0:
+        w.settled = w.power
+        return 0
+    if not tied:
+        copy_elimination(w.power, finite)
         wide = 0
+    tell_pivots(e, mode)
+    # where much is tied all of it would stand in each row until then
+    early = table.done >= WIDE
+    if early:
+        put_in(finite, table, 2 * m.bonds, w.told)
     too_high = 0
     for c in range(table.done):
         pivot = table.order[c]
@@ -427,9 +439,18 @@ def add_hidden(e: Engine, mode: Mode, value0: int) -> int:
             mode.dynamics += 1
     for i in range(wide):
         # a row that is left with nothing to determine is one derivative too many
-        give_balance(m, finite, e.work.wide[i])
+        give_balance(m, finite, w.wide[i])
         if add_row(finite) != USED:
             too_high += 1
+    if not early:
+        put_in(finite, table, 2 * m.bonds, w.told)
+    return too_high
+
+
+def tell_pivots(e: Engine, mode: Mode) -> None:
+    """Tell the storages that constraints determine by others and by time alone."""
+    m = e.model
+    table = e.work.table
     told = e.work.told
     for k in range(m.storages):
         told[k] = 0
@@ -440,6 +461,3 @@ def add_hidden(e: Engine, mode: Mode, value0: int) -> int:
             k = table.column.at[i] - m.storages
             if k >= 0 and not is_source_timed(m, mode, k):
                 told[pivot] = 0
-    if table.done > 0:
-        put_in(finite, table, 2 * m.bonds, told)
-    return too_high

@@ -127,6 +127,36 @@ def take_free(x: Elimination, frees: int, column: Ints, block: Block) -> None:
         x.place[column[j]] = NOWHERE
 
 
+def take_free_rows(x: Elimination, frees: int, column: Ints, rows: Rows) -> None:
+    """Take the same as sparse rows."""
+    for j in range(frees):
+        x.place[column[j]] = j
+    entries = frees
+    for k in range(x.unknowns):
+        row = x.same[k]
+        entries += 1 if row != k and x.place[row] != NOWHERE else 0
+        for i in range(x.first[row], x.first[row] + x.count[row]):
+            entries += 1 if x.place[x.column.at[i]] != NOWHERE else 0
+    fit_rows(rows, x.unknowns, entries)
+    entries = 0
+    for k in range(x.unknowns):
+        rows.first.at[k] = entries
+        row = x.same[k]
+        if x.place[row] != NOWHERE:
+            rows.column.at[entries] = x.place[row]
+            rows.value.at[entries] = 1.0
+            entries += 1
+        for i in range(x.first[row], x.first[row] + x.count[row]):
+            j = x.place[x.column.at[i]]
+            if j != NOWHERE:
+                rows.column.at[entries] = j
+                rows.value.at[entries] = -x.entry.at[i]
+                entries += 1
+    rows.first.at[x.unknowns] = entries
+    for j in range(frees):
+        x.place[column[j]] = NOWHERE
+
+
 def take_free_rest(x: Elimination, mode: Mode) -> None:
     """Take by what these are more than they were rounded to."""
     frees = mode.finite_frees
