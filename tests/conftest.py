@@ -22,7 +22,7 @@ from part_sheets import SHARE_SHEETS
 WORKER = os.environ.get("PYTEST_XDIST_WORKER", "")
 """Which of several processes this is: gw0, gw1, ..."""
 ODD = tuple("13579")
-LARGE_GRID = 8
+LARGE_GRID = 4
 """Cases from which on some are enough each time."""
 
 settings.register_profile("same", derandomize=True, deadline=None, database=None)

