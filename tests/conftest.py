@@ -116,10 +116,16 @@ def sample(items: list[pytest.Item]) -> None:
             (many,) = mark.args
             kept = {k * len(found) // many for k in range(many)}
         else:
-            kept = balanced([len(m.args[1]) for m in found[0].iter_markers("parametrize")], found)
+            kept = balanced([*map(length, found[0].iter_markers("parametrize"))], found)
         for k, item in enumerate(found):
             if k not in kept:
                 item.add_marker(pytest.mark.slow)
+
+
+def length(parametrize: pytest.Mark) -> int:
+    """Return how many values there are; 0 where that is not told, which makes no grid."""
+    values = parametrize.args[1] if len(parametrize.args) > 1 else parametrize.kwargs["argvalues"]
+    return len(values) if hasattr(values, "__len__") else 0
 
 
 def balanced(lengths: list[int], found: list[pytest.Item]) -> set[int]:
