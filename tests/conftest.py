@@ -4,6 +4,8 @@ Tests that need what the machine lacks are skipped, and the end of a run counts 
 """
 
 import gc
+import itertools
+import math
 import os
 import signal
 from collections import Counter, defaultdict
@@ -20,6 +22,8 @@ from part_sheets import SHARE_SHEETS
 WORKER = os.environ.get("PYTEST_XDIST_WORKER", "")
 """Which of several processes this is: gw0, gw1, ..."""
 ODD = tuple("13579")
+LARGE_GRID = 4
+"""Cases from which on some are enough each time."""
 
 settings.register_profile("same", derandomize=True, deadline=None, database=None)
 settings.register_profile("new", deadline=None)
@@ -94,19 +98,61 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
 
 def sample(items: list[pytest.Item]) -> None:
-    """Of a test marked ``sampled(n)`` keep n cases, spread over all of them; the rest are slow."""
+    """Of a test with many cases keep some; the rest are slow.
+
+    Marked ``sampled(n)`` it keeps n, spread over all. Of a large grid, which several
+    ``parametrize`` make, it keeps a third, in which the values of each come about as often as each
+    other.
+    """
     cases: dict[str, list[pytest.Item]] = defaultdict(list)
     for item in items:
-        if item.get_closest_marker("sampled"):
+        if item.get_closest_marker("slow"):
+            continue
+        if next(item.iter_markers("parametrize"), None) or item.get_closest_marker("sampled"):
             cases[item.nodeid.partition("[")[0]].append(item)
     for found in cases.values():
         mark = found[0].get_closest_marker("sampled")
-        assert mark is not None
-        (many,) = mark.args
-        kept = {k * len(found) // many for k in range(many)}
+        if mark is not None:
+            (many,) = mark.args
+            kept = {k * len(found) // many for k in range(many)}
+        else:
+            kept = balanced([*map(length, found[0].iter_markers("parametrize"))], found)
         for k, item in enumerate(found):
             if k not in kept:
                 item.add_marker(pytest.mark.slow)
+
+
+def length(parametrize: pytest.Mark) -> int:
+    """Return how many values there are; 0 where that is not told, which makes no grid."""
+    values = parametrize.args[1] if len(parametrize.args) > 1 else parametrize.kwargs["argvalues"]
+    return len(values) if hasattr(values, "__len__") else 0
+
+
+def balanced(lengths: list[int], found: list[pytest.Item]) -> set[int]:
+    """Return which cases of a large grid to keep, and all of what is none.
+
+    The next is the one whose values, and then whose pairs of values, are there least so far.
+    """
+    if len(lengths) < 2 or len(found) < LARGE_GRID or len(found) != math.prod(lengths):
+        return {*range(len(found))}
+    cases = dict(enumerate(itertools.product(*map(range, lengths))))
+    many = max(-(-len(found) // 3), *lengths)
+    had = Counter[tuple[int, ...]]()
+    kept: list[int] = []
+
+    def parts(case: tuple[int, ...]) -> tuple[list[tuple[int, ...]], list[tuple[int, ...]]]:
+        alone = [*enumerate(case)]
+        return alone, [(*a, *b) for a, b in itertools.combinations(alone, 2)]
+
+    def times(k: int) -> tuple[int, int, int]:
+        alone, pairs = parts(cases[k])
+        return sum(map(had.__getitem__, alone)), sum(map(had.__getitem__, pairs)), k
+
+    while len(kept) < many:
+        kept.append(min(cases, key=times))
+        for part in parts(cases.pop(kept[-1])):
+            had.update(part)
+    return {*kept}
 
 
 def pytest_xdist_make_scheduler(config: pytest.Config, log: object) -> object:

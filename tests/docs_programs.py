@@ -10,16 +10,7 @@ from pathlib import Path
 
 LONGEST = 120.0
 """Seconds that a program may take."""
-PRELOADED = [
-    "hybond",
-    "hybond.simulation",
-    "hybond.result",
-    "matplotlib.pyplot",
-    "scipy.linalg",
-    "scipy.optimize",
-    "tomlkit",
-    "pandas",
-]
+PRELOADED = ["docs_preloaded"]
 
 
 def run_program(text: str, folder: Path) -> tuple[int | None, str, str]:

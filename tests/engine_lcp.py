@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -129,3 +130,22 @@ def on_disk(f0: ArrayLike, A: ArrayLike, limit: float, slope: ArrayLike = (0, 0)
     d = make_disk()
     d.f0[:], d.a[:], d.slope[:], d.limit = flat(f0), flat(A), flat(slope), limit
     return np.array([d.x, d.y]) if find_on_disk(d) else None
+
+
+def is_among(point: Array, points: Iterable[Array], tol: float = 1e-8) -> bool:
+    """Whether a point is one of some, but for rounding."""
+    return any(np.abs(point - other).max() <= tol * (1.0 + np.abs(other).max()) for other in points)
+
+
+def p_matrix(rng: np.random.Generator, n: int) -> Array:
+    """Strict row dominance with a positive diagonal: every principal minor is positive."""
+    M = rng.normal(size=(n, n))
+    np.fill_diagonal(M, np.abs(M).sum(axis=1) + 0.1)
+    return M
+
+
+def hybrid_matrix(rng: np.random.Generator, n: int) -> Array:
+    """A resistive network with some ports driven by efforts, others by flows; may be singular."""
+    G = rng.integers(-2, 3, (n, rng.integers(0, n + 1)))
+    K = rng.integers(-2, 3, (n, n))
+    return (G @ G.T + K - K.T).astype(float)

@@ -192,6 +192,7 @@ def test_a_pair_crosses_where_damping_changes_its_sign() -> None:
     assert sizes == pytest.approx(np.exp(-found.branches[0].values / 2 * T), rel=1e-8)
 
 
+@pytest.mark.slow
 def test_a_corner_of_the_branch_is_passed_whatever_the_range_is() -> None:
     """A buck converter whose load goes away: its current begins to end within the period."""
     L, C, RL, T, D = 100e-6, 10e-6, 0.1, 20e-6, 0.4

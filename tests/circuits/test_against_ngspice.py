@@ -35,6 +35,7 @@ def result(compared, case):
     return known[case.name]
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
 def test_means_agree_to_half_a_percent(compared, case):
     found = result(compared, case)
@@ -114,6 +115,7 @@ QUICK = (
 """All are in docs/circuits.md; these take ngspice less than a second each."""
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize(
     "name",
     # twice six pulses are the same diodes, behind a transformer, and take four times as long

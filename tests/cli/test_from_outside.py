@@ -159,7 +159,7 @@ def test_parameters_may_stand_in_any_order() -> None:
     graph = m.flatten()
     assert process_time() - begin < 3
     assert graph.parameters["p0"] == count + 1
-    m = block({}, parameters={f"p{k}": f"p{(k + 1) % count}" for k in range(count)})
+    m = block({}, parameters={f"p{k}": f"p{(k + 1) % 1000}" for k in range(1000)})
     with pytest.raises(hb.ModelError) as caught:
         m.flatten()
     assert caught.value.code == "HB-M108" and len(caught.value.why) < 200

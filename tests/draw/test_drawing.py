@@ -95,6 +95,7 @@ def test_stroke_is_near_the_node_that_receives_effort(build: Any, strokes: Any) 
         assert abs(x - letter.x) < 15 and abs(y - (letter.y - 7)) < 15
 
 
+@pytest.mark.sampled(2)
 def test_without_causality_there_are_no_strokes_and_no_legend(example: Any) -> None:
     drawing = draw(example)
     assert not marks(drawing, "stroke")

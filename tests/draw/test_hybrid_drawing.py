@@ -193,6 +193,7 @@ def test_single_pictures_of_modes_lie_on_each_other(model: FlatGraph) -> None:
     assert all(f == found[0] for f in found)
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize("picture", [draw_hybrid, draw_modes])
 def test_nothing_overlaps_and_everything_is_on_the_page(model: FlatGraph, picture: Any) -> None:
     drawing = picture(model, numbers=True)

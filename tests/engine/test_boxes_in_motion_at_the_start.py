@@ -57,6 +57,7 @@ def after_impact(v, angle, corner):
     return v + np.array([1.0, 1.0, 1.0 / INERTIA]) * (rows.T @ held)
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(
     ("corners", "lift", "angle", "vx", "w"),
     [

@@ -290,7 +290,7 @@ def test_a_block_without_a_value_stops_the_run(value: float) -> None:
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no timers")
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("after", np.linspace(1e-3, 6e-3, 12).tolist())
 def test_an_interrupt_between_two_calls_is_not_lost(
     after: float, capfd: pytest.CaptureFixture[str]

@@ -165,7 +165,7 @@ def test_pendulum(name: str) -> None:
 
 def test_stiff_van_der_pol_through_two_relaxations() -> None:
     run = by("liqss3", field(["x1", "100*(1 - x0^2)*x1 - x0"], [2.0, 0.0]), 200.0, 1e-4)
-    true = solve_ivp(van_der_pol, (0.0, 200.0), [2.0, 0.0], "Radau", rtol=1e-12, atol=1e-12)
+    true = solve_ivp(van_der_pol, (0.0, 200.0), [2.0, 0.0], "Radau", rtol=1e-8, atol=1e-8)
     end = [run.final["x0"], run.final["x1"]]
     assert np.abs(end - true.y[:, -1]).max() < 1e-3
     assert min(s.y[:, 0].min() for s in run.segments) < -1.9

@@ -140,6 +140,7 @@ def test_the_default_is_auto():
     assert hb.simulate(van_der_pol(), 1.0).solver == "auto"
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(("make", "until"), [(van_der_pol, 900.0), (lambda: ladder(2), 0.15)])
 def test_the_engine_as_python_goes_over_at_the_same_step(make, until):
     library, python = (

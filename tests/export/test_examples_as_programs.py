@@ -71,7 +71,7 @@ def test_an_example_as_a_c_program(name: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.clang
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("name", NAMES[::5])
 def test_clang_has_nothing_to_say(name: str, tmp_path: Path) -> None:
     """Not of a program, and not of a unit; but that declarations stand where they are needed."""

@@ -68,10 +68,15 @@ def test_a_unit_runs_as_the_model_does(
             assert got == pytest.approx(expected, abs=close * size), (kind, state)
 
 
+SLOW = {"clang", "gcc"} if needs.TCC else {"clang"}
+"""Compilers that are not asked each time: gcc makes the library, and a unit takes it eight seconds.
+"""
+
+
 @pytest.mark.parametrize(
     "made_by",
     [
-        pytest.param(c, marks=[getattr(pytest.mark, c), *[pytest.mark.slow] * (c == "clang")])
+        pytest.param(c, marks=[getattr(pytest.mark, c), *[pytest.mark.slow] * (c in SLOW)])
         for c in needs.COMPILERS
     ],
 )

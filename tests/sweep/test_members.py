@@ -43,7 +43,7 @@ def same(many: hb.Ensemble, k: int, run: hb.Result) -> None:
         np.testing.assert_array_equal(many.samples[name][k][there], values[name])
 
 
-@pytest.mark.sampled(8)
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize(("example", "path"), cases())
 def test_what_is_written_is_what_is_made_anew(example: str, path: str) -> None:
     model = hb.load(EXAMPLES / f"{example}.toml")
@@ -104,6 +104,7 @@ VALUES = {
 """Of each parameter: plain values, such as make other parts of the model, and wrong ones."""
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("path", VALUES)
 def test_a_value_that_changes_the_parts_makes_them_anew(path: str) -> None:
     model, values = circuit(), VALUES[path]

@@ -6,7 +6,15 @@ import itertools
 
 import numpy as np
 import pytest
-from engine_lcp import answers_by_engine, lemke, positive_semidefinite, violation
+from engine_lcp import (
+    answers_by_engine,
+    hybrid_matrix,
+    is_among,
+    lemke,
+    p_matrix,
+    positive_semidefinite,
+    violation,
+)
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from listed import listed
@@ -33,24 +41,6 @@ def every_solution(M, q):
         w = M @ z + q
         if min(z.min(), w.min()) >= -1e-9:
             yield z, w
-
-
-def is_among(point, points, tol=1e-8):
-    return any(np.abs(point - other).max() <= tol * (1.0 + np.abs(other).max()) for other in points)
-
-
-def p_matrix(rng, n):
-    """Strict row dominance with a positive diagonal: every principal minor is positive."""
-    M = rng.normal(size=(n, n))
-    np.fill_diagonal(M, np.abs(M).sum(axis=1) + 0.1)
-    return M
-
-
-def hybrid_matrix(rng, n):
-    """A resistive network with some ports driven by efforts, others by flows; may be singular."""
-    G = rng.integers(-2, 3, (n, rng.integers(0, n + 1)))
-    K = rng.integers(-2, 3, (n, n))
-    return (G @ G.T + K - K.T).astype(float)
 
 
 @listed("seed", range(60))

@@ -75,6 +75,7 @@ def test_no_more_is_lost_than_it_says(seed: int) -> None:
             assert e.loss.at[i] >= abs(e.entry.at[i])
 
 
+@pytest.mark.sampled(10)
 @pytest.mark.parametrize("seed", range(40))
 def test_entries_and_their_rests_have_twice_the_digits(seed: int) -> None:
     rows, n = ladder(seed)

@@ -49,6 +49,7 @@ def forget(e) -> None:
     e.work.xi[:] = [math.nan] * len(e.work.xi)
 
 
+@pytest.mark.sampled(3)
 def test_rates_need_no_more_than_is_evaluated(engine):
     e = engine
     begin_field(e, e.mode)
@@ -65,6 +66,7 @@ def test_rates_need_no_more_than_is_evaluated(engine):
         assert found[m.storages + k] == value(m, m.integral_rate[k], e.v)
 
 
+@pytest.mark.sampled(3)
 def test_guards_need_no_more_than_is_evaluated(engine):
     e = engine
     g = make_locator(e)
@@ -81,6 +83,7 @@ def test_guards_need_no_more_than_is_evaluated(engine):
     assert [lazily[k] for k in evaluated] == [e.v[k] for k in evaluated]
 
 
+@pytest.mark.sampled(3)
 def test_pairs_read_what_is_said_and_nothing_else(engine):
     e = engine
     m = e.model
@@ -123,6 +126,7 @@ def least_leakage_sizes(e, mode, rows):
     return sizes
 
 
+@pytest.mark.sampled(3)
 def test_sizes_are_those_of_the_terms(engine):
     e = engine
     n = 2 * e.model.bonds

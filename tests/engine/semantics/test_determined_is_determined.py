@@ -179,6 +179,7 @@ LAWS = {
 }
 
 
+@pytest.mark.sampled(10)
 @pytest.mark.parametrize("seed", range(30))
 def test_random_monotone_laws_in_parallel(seed: int) -> None:
     """A source of flow into laws side by side: the common effort is the root of their sum."""

@@ -33,6 +33,7 @@ def test_a_tank_runs_empty_in_finite_time(law: str, solver: str) -> None:
     assert run.audit().holds()
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("solver", SOLVERS)
 def test_the_engine_as_python_rests_there_too(solver: str) -> None:
     runs = [

@@ -321,6 +321,7 @@ def net(seed: int, *, turned: bool) -> tuple[hb.Model, list[str]]:
     return m, [d for d, _, _ in diodes]
 
 
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize("seed", range(24))
 def test_a_net_of_diodes_shares_alike_in_either_order(seed: int) -> None:
     shown = []

@@ -148,6 +148,7 @@ def test_two_pipes_in_series_are_one(solver: str) -> None:
     assert [run.final["a.e"], run.final["b.e"]] == pytest.approx([1.0, 1.0], rel=1e-14)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("solver", ["rk45", "radau"])
 def test_the_engine_as_python_comes_to_the_same_level(solver: str) -> None:
     runs = [
