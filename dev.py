@@ -169,7 +169,8 @@ def test():
         # than a thousand tests, and those that fail are asked again
         codes["pytest"] = run(PYTHON, "-m", "pytest", "--assert=plain", *options)
         if codes["pytest"] == 1:
-            run(PYTHON, "-m", "pytest", "-m", "", "--last-failed", "--last-failed-no-failures=none")
+            again = ("--last-failed", "--last-failed-no-failures=none", "--maxfail=20")
+            run(PYTHON, "-m", "pytest", "-m", "", *again, "-n", "auto", "--dist", "loadscope")
         codes["mypy"], said = types.result()
     print(said, end="")
     for name, code in codes.items():

@@ -9,7 +9,7 @@ import math
 import os
 import signal
 from collections import Counter, defaultdict
-from collections.abc import Generator, Iterable
+from collections.abc import Generator
 from pathlib import Path
 
 import needs
@@ -21,9 +21,9 @@ from part_sheets import SHARE_SHEETS
 
 WORKER = os.environ.get("PYTEST_XDIST_WORKER", "")
 """Which of several processes this is: gw0, gw1, ..."""
-ODD = tuple("13579")
-LARGE_GRID = 4
-"""Cases from which on some are enough each time."""
+LARGE_GRID = 9
+"""Cases from which on a grid is sampled: of two by two it would be one diagonal, on which neither
+axis is told from the other."""
 
 settings.register_profile("same", derandomize=True, deadline=None, database=None)
 settings.register_profile("new", deadline=None)
@@ -69,22 +69,6 @@ def pytest_collection_finish() -> None:
     gc.enable()
 
 
-class FromTheEnd(pytest.Dir):
-    """A folder that is collected from its last file to its first."""
-
-    def collect(self) -> Iterable[pytest.Item | pytest.Collector]:
-        return reversed(list(super().collect()))
-
-
-def pytest_collect_directory(path: Path, parent: pytest.Collector) -> pytest.Collector | None:
-    """Let every other worker begin at the end.
-
-    What takes longest in a fresh clone is that pytest rewrites the asserts of each file, which it
-    keeps for whoever comes next: two that begin at both ends do half of them each.
-    """
-    return FromTheEnd.from_parent(parent, path=path) if WORKER.endswith(ODD) else None
-
-
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     if WORKER:  # all have them in the same order
@@ -102,7 +86,7 @@ def sample(items: list[pytest.Item]) -> None:
 
     Marked ``sampled(n)`` it keeps n, spread over all. Of a large grid, which several
     ``parametrize`` make, it keeps a third, in which the values of each come about as often as each
-    other.
+    other. Of any grid it keeps at least as many as its longest axis has values.
     """
     cases: dict[str, list[pytest.Item]] = defaultdict(list)
     for item in items:
@@ -115,11 +99,25 @@ def sample(items: list[pytest.Item]) -> None:
         if mark is not None:
             (many,) = mark.args
             kept = {k * len(found) // many for k in range(many)}
+            if is_grid(lengths_of(found), found) and many < len(found):
+                kept = balanced(lengths_of(found), max(many, *lengths_of(found)))
+        elif is_grid(lengths_of(found), found) and len(found) >= LARGE_GRID:
+            kept = balanced(lengths_of(found), max(-(-len(found) // 3), *lengths_of(found)))
         else:
-            kept = balanced([*map(length, found[0].iter_markers("parametrize"))], found)
+            kept = {*range(len(found))}
         for k, item in enumerate(found):
             if k not in kept:
                 item.add_marker(pytest.mark.slow)
+
+
+def lengths_of(found: list[pytest.Item]) -> list[int]:
+    """Return how many values each ``parametrize`` of a test has."""
+    return [*map(length, found[0].iter_markers("parametrize"))]
+
+
+def is_grid(lengths: list[int], found: list[pytest.Item]) -> bool:
+    """Whether the cases are those of several ``parametrize``, each with each."""
+    return len(lengths) > 1 and len(found) == math.prod(lengths)
 
 
 def length(parametrize: pytest.Mark) -> int:
@@ -128,15 +126,13 @@ def length(parametrize: pytest.Mark) -> int:
     return len(values) if hasattr(values, "__len__") else 0
 
 
-def balanced(lengths: list[int], found: list[pytest.Item]) -> set[int]:
-    """Return which cases of a large grid to keep, and all of what is none.
+def balanced(lengths: list[int], many: int) -> set[int]:
+    """Return which cases of a grid to keep.
 
-    The next is the one whose values, and then whose pairs of values, are there least so far.
+    The first of all is one. The next is the one whose values, and then whose pairs of values, are
+    there least so far.
     """
-    if len(lengths) < 2 or len(found) < LARGE_GRID or len(found) != math.prod(lengths):
-        return {*range(len(found))}
     cases = dict(enumerate(itertools.product(*map(range, lengths))))
-    many = max(-(-len(found) // 3), *lengths)
     had = Counter[tuple[int, ...]]()
     kept: list[int] = []
 

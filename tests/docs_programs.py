@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import multiprocessing
+import multiprocessing.context
 import os
 import sys
 import traceback
@@ -18,7 +19,8 @@ def run_program(text: str, folder: Path) -> tuple[int | None, str, str]:
     os.environ.setdefault("MPLBACKEND", "Agg")
     method = "forkserver" if "forkserver" in multiprocessing.get_all_start_methods() else "spawn"
     context = multiprocessing.get_context(method)
-    context.set_forkserver_preload(PRELOADED)
+    if method == "forkserver":
+        begin_server(context)
     said = [folder / "program.out", folder / "program.err"]
     process = context.Process(target=_program, args=(text, folder, *said))
     process.start()
@@ -27,6 +29,25 @@ def run_program(text: str, folder: Path) -> tuple[int | None, str, str]:
         process.kill()
         process.join()
     return (process.exitcode, *(path.read_text(encoding="utf-8") for path in said))
+
+
+def begin_server(context: multiprocessing.context.BaseContext) -> None:
+    """Start the process that programs are forked from, which finds what is beside this file.
+
+    Before Python 3.13 it looks for what is imported ahead on its own path only.
+    """
+    from multiprocessing import forkserver  # not every system has one
+
+    context.set_forkserver_preload(PRELOADED)
+    path = os.environ.get("PYTHONPATH")
+    os.environ["PYTHONPATH"] = os.pathsep.join([str(Path(__file__).parent), *filter(None, [path])])
+    try:
+        forkserver.ensure_running()
+    finally:
+        if path is None:
+            del os.environ["PYTHONPATH"]
+        else:
+            os.environ["PYTHONPATH"] = path
 
 
 def _program(text: str, folder: Path, out: Path, err: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import multiprocessing
 import re
 import shlex
 import shutil
@@ -91,3 +92,10 @@ def test_the_readme_shows_what_its_script_prints(tmp_path: Path) -> None:
     parts = re.search(r"^```python\n(.*?)^```\n.*?^```text\n(.*?)^```$", text, re.M | re.S)
     assert parts is not None
     assert run_program(parts[1], tmp_path) == (0, parts[2], "")
+
+
+def test_programs_begin_where_hybond_is_imported(tmp_path: Path) -> None:
+    """Else each of them imports it: the pages take twice as long, and nothing else tells."""
+    code, _, errors = run_program("import sys\nassert 'docs_preloaded' in sys.modules\n", tmp_path)
+    forks = "forkserver" in multiprocessing.get_all_start_methods()
+    assert code == (0 if forks else 1), errors

@@ -16,15 +16,20 @@ from hybond.engine.words import Floats
 
 RATES: Final = 100.0
 """What rates times a step may be off by, in what states may be."""
-ROUNDING: Final = 256.0 * EPSILON
+FROM_ROUNDING: Final = 256.0 * EPSILON
 """Part of the terms of a rate up to which it is rounding, whatever the step: what the error of a
 step is found by multiplies that of the states by as much."""
 
 
-def rates_off(n: int, h: float, jacobian: Floats, y: Floats, error: Floats, scale: Floats) -> float:
-    """Return the largest error of the rates of n states, in what it may be over a step of `h`."""
+def rates_off(
+    n: int, many: int, h: float, jacobian: Floats, y: Floats, error: Floats, scale: Floats
+) -> float:
+    """Return the largest error of the rates of the first of n states, in what it may be over `h`.
+
+    Those are what is stored: its rates are efforts and flows, which a run tells.
+    """
     most = 0.0
-    for i in range(n):
+    for i in range(many):
         off = 0.0
         terms = 0.0
         for j in range(n):
@@ -36,13 +41,14 @@ def rates_off(n: int, h: float, jacobian: Floats, y: Floats, error: Floats, scal
 
 
 def rates_off_in_flow(
-    f: Flow, states: int, h: float, z: Floats, error: Floats, scale: Floats
+    f: Flow, states: int, many: int, h: float, z: Floats, error: Floats, scale: Floats
 ) -> float:
     """Return the same for what is propagated: sources are known, whatever the error."""
+    # where nothing is so much faster than the step, states within their tolerance leave less
     if not h * f.norm > RATES:
         return 0.0
     most = 0.0
-    for i in range(states):
+    for i in range(many):
         off = 0.0
         terms = 0.0
         for p in range(f.rows.first.at[i], f.rows.first.at[i + 1]):
@@ -57,7 +63,7 @@ def rates_off_in_flow(
 
 def part_of(h: float, off: float, terms: float, scale: float) -> float:
     """Return how far off a rate is, in what it may be; 0 if none is asked."""
-    may = max(RATES * scale, h * ROUNDING * terms)
+    may = max(RATES * scale, h * FROM_ROUNDING * terms)
     if not may > 0.0:
         return 0.0
     return h * math.fabs(off) / may

@@ -131,7 +131,7 @@ def know_settling(e: Engine, jacobian: Floats) -> None:
     """
     m = e.model
     n = e.states
-    steep = m.edges > 0 or m.begins > 0 or m.bends > 0.0
+    steep = is_steep(m)
     for k in range(m.storages):
         own = -jacobian[k * n + k]
         others = 0.0
@@ -139,6 +139,11 @@ def know_settling(e: Engine, jacobian: Floats) -> None:
             others += math.fabs(jacobian[k * n + j]) if j != k else 0.0
         known = own > ALONE * others and e.rate_noise[k] > 0.0 and not steep
         e.settled[k] = SEEN * e.rate_noise[k] / own if known else math.inf
+
+
+def is_steep(m: Model) -> bool:
+    """Whether there may be slopes without bound: at edges of laws, or where laws begin or end."""
+    return m.edges > 0 or m.begins > 0 or m.bends > 0.0
 
 
 def find_moved_terms(e: Engine, mode: Mode, soon: float) -> None:
@@ -182,8 +187,11 @@ def see_pushes(e: Engine, mode: Mode) -> None:
         most[i] = 0.0
     for k in range(m.storages):
         i = e.storage_part[k]
-        given = min(e.rounding[k], settling_time(m, mode, k) * e.rate_noise[k]) / ROUNDED
-        energy = 0.5 * math.fabs(own_stiffness(m, k, e.v)) * given * given
+        half = 0.5 * math.fabs(own_stiffness(m, k, e.v)) / (ROUNDED * ROUNDED)
+        energy = half * e.rounding[k] * e.rounding[k]
+        if energy > min(e.part_energy[i], e.pushed_energy[i]):
+            given = min(e.rounding[k], settling_time(m, mode, k) * e.rate_noise[k])
+            energy = half * given * given
         if math.isfinite(energy):
             most[i] = max(most[i], energy)
     for i in range(e.parts):
@@ -210,7 +218,7 @@ def settling_time(m: Model, mode: Mode, k: int) -> float:
                 back += slope
             else:
                 others += math.fabs(slope)
-    back = math.fabs(back)
+    back = -back * (float(m.storage_sign[k]) if m.storage_kind[k] == 0 else 1.0)
     return 1.0 / back if back > ALONE * others else math.inf
 
 

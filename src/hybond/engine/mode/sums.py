@@ -126,6 +126,8 @@ def take_row(
             for i in range(m.stiff_first[known], m.stiff_first[known + 1]):
                 other = m.stiff_other[i]
                 slope = stiff(m, i, e.v) if bent else m.stiff_constant[i]
+                if bent and slope == 0.0:
+                    return False  # it gives something as soon as that moves, but how much
                 if bent:
                     s.level.at[a] -= weight * slope * e.v[m.stored_slot + other]
                 add_entry(s, other, weight * slope, size * math.fabs(slope))
