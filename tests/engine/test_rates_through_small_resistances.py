@@ -41,47 +41,15 @@ def current(resistance: float, t: float) -> float:
     return OMEGA * 1e-3 * (going_on - dying) / (1.0 + late * late)
 
 
-@pytest.mark.parametrize("solver", ["auto", "radau"])
 @pytest.mark.parametrize("turned", [False, True])
 @pytest.mark.parametrize("resistance", [1e-2, 1e-6, 1e-9])
-def test_a_capacitor_behind_next_to_no_resistance(
-    resistance: float, turned: bool, solver: str
-) -> None:
-    run = hb.simulate(hb.loads(driven(resistance, turned)), until=UNTIL, solver=solver)
+def test_a_capacitor_behind_next_to_no_resistance(resistance: float, turned: bool) -> None:
+    run = hb.simulate(hb.loads(driven(resistance, turned)), until=UNTIL)
     flow = run.sample(TIMES, "C.f")["C.f"]
     right = np.array([current(resistance, t) for t in TIMES])
     assert flow == pytest.approx(right, abs=2e-4 * OMEGA * 1e-3)
     assert run.audit().holds()
-
-
-DIFFERENTIATOR = """
-hybond = 1
-domain = "electrical"
-[elements]
-gnd = { submodel = "electrical.ground" }
-V = { submodel = "electrical.voltage_source", inputs.u = "1 [V]*sin(100*pi*time/(1 [s]))" }
-C = { submodel = "electrical.capacitor", parameters.C = "1 uF" }
-R = { submodel = "electrical.resistor", parameters.R = "1 kohm" }
-A = { submodel = "electrical.op_amp_ideal" }
-earth = { junction = 0 }
-inp = { junction = 0 }
-n = { junction = 0 }
-out = { junction = 0 }
-[graph]
-bonds = [
-  "gnd.pin -> earth", "inp -> V.plus", "V.minus -> earth", "inp -> C.plus", "C.minus -> n",
-  "n -> R.plus", "R.minus -> out", "earth -> A.plus", "n -> A.minus", "A.out -> out",
-  "A.ground -> earth",
-]
-"""
-
-
-def test_an_amplifier_that_differentiates() -> None:
-    """A gain of a million: its input is a millionth of what it tells."""
-    run = hb.simulate(hb.loads(DIFFERENTIATOR), until=UNTIL)
-    right = np.array([-1e-3 * OMEGA * math.cos(OMEGA * t) for t in TIMES])
-    assert run.sample(TIMES, "out.e")["out.e"] == pytest.approx(right, abs=1e-5)
-    assert run.audit().holds()
+    assert run.stats["steps"] < 2000
 
 
 PULLED = """
@@ -107,36 +75,32 @@ def test_a_mass_pulled_along_by_a_stiff_damper() -> None:
     assert force == pytest.approx(right, abs=2e-4)
 
 
-RECTIFIER = """
+def behind_a_filter(small: float) -> str:
+    """A sine behind next to no resistance, a small capacitor, and a large one behind 1 ohm."""
+    return f"""
 hybond = 1
-domain = "electrical"
-[parameters]
-R_on = "1 ohm"
 [elements]
-gnd = { submodel = "electrical.ground" }
-V = { submodel = "electrical.voltage_source", inputs.u = "10 [V]*sin(100*pi*time/(1 [s]))" }
-D = { submodel = "electrical.diode", parameters.R_on = "R_on" }
-C = { submodel = "electrical.capacitor", parameters.C = "1 mF" }
-R = { submodel = "electrical.resistor", parameters.R = "100 ohm" }
-earth = { junction = 0 }
-inp = { junction = 0 }
-out = { junction = 0 }
+V = {{ Se = "sin({OMEGA!r}*time/(1 [s]))" }}
+a = {{ junction = 1 }}
+r = {{ R = {small!r} }}
+n = {{ junction = 0 }}
+c = {{ C = 1e-9 }}
+b = {{ junction = 1 }}
+R = {{ R = 1.0 }}
+C = {{ C = 3e-3 }}
 [graph]
-bonds = [
-  "gnd.pin -> earth", "inp -> V.plus", "V.minus -> earth", "inp -> D.plus", "D.minus -> out",
-  "out -> C.plus", "C.minus -> earth", "out -> R.plus", "R.minus -> earth",
-]
+bonds = ["V -> a", "a -> r", "a -> n", "n -> c", "n -> b", "b -> R", "b -> C"]
 """
 
 
-@pytest.mark.parametrize("solver", ["auto", "radau"])
-@pytest.mark.parametrize("r_on", [1e-6, 1e-9])
-def test_a_diode_of_next_to_no_resistance_ends_each_half_wave(r_on: float, solver: str) -> None:
-    """It took what the source would drive through it for stored energy, and blocked no more."""
-    run = hb.simulate(hb.loads(RECTIFIER), until=UNTIL, solver=solver, parameters={"R_on": r_on})
-    ends = [event.t for event in run.events if event.steps[-1].mode == (0,)]
-    first = (math.pi - math.atan(OMEGA * 0.1)) / OMEGA
-    # a current is zero to 1e-12 of what it is a difference of, 10 V through r_on, and it falls by
-    # so much a second; the rest is what the tolerance of charges lets it be off by
-    late = 2e-12 * 10.0 / r_on / (10.0 * 1e-3 * OMEGA**2) + 2e-7
-    assert ends == pytest.approx([first, first + 0.02, first + 0.04], abs=late)
+@pytest.mark.parametrize("small", [1e-9, 1e-6])
+def test_where_the_source_passes_zero_steps_are_no_shorter(small: float) -> None:
+    """There what a current is a difference of is zero, and its rounding is that of the sine."""
+    run = hb.simulate(hb.loads(behind_a_filter(small)), until=UNTIL)
+    assert run.stats["steps"] < 3000
+    late = OMEGA * 3e-3
+    times = [t for t in TIMES if t > 0.02]
+    going_on = [(late * math.sin(OMEGA * t) + math.cos(OMEGA * t)) * late for t in times]
+    dying = [late * math.exp(-t / 3e-3) for t in times]
+    right = (np.array(going_on) - np.array(dying)) / (1.0 + late**2)
+    assert run.sample(times, "C.f")["C.f"] == pytest.approx(right, abs=1e-5)

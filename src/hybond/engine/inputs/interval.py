@@ -239,19 +239,23 @@ def read_within(e: Engine, t: float, end: float) -> None:
     m = e.model
     e.late = -math.inf
     e.early = math.inf
-    if m.timed_jumps > 0 and jumps_beside(e, t, moment(m, t)):
+    if m.timed_jumps > 0 and jumps_beside(e, t, moment(m, t), m.timed_jumps):
         e.late = t + moment(m, t)
-    hold_before(e, end)
+    # at the end of a run nothing ticks: a guard that holds there but for rounding is to be found
+    hold_before(e, end, m.timed_jumps if end == e.next_break else m.timed_laws)
 
 
-def hold_before(e: Engine, t: float) -> None:
-    """Read time just before an instant at the latest, where what depends on time jumps there."""
+def hold_before(e: Engine, t: float, many: int) -> None:
+    """Read time just before an instant at the latest, where what depends on time jumps there.
+
+    Of that the first `many` are asked.
+    """
     m = e.model
-    if m.timed_jumps > 0 and t > e.late and t < math.inf and jumps_beside(e, t, -moment(m, t)):
+    if many > 0 and t > e.late and t < math.inf and jumps_beside(e, t, -moment(m, t), many):
         e.early = min(e.early, t - moment(m, t))
 
 
-def jumps_beside(e: Engine, t: float, way: float) -> bool:
+def jumps_beside(e: Engine, t: float, way: float, many: int) -> bool:
     """Whether what depends on time alone has another value next to an instant than there.
 
     By the present interval. The values in `e.v` are changed that it reads.
@@ -262,7 +266,7 @@ def jumps_beside(e: Engine, t: float, way: float) -> bool:
     e.late = -math.inf
     e.early = math.inf
     jumps = False
-    for k in range(m.timed_jumps):
+    for k in range(many):
         set_time(e, e.v, t)
         there = value(m, m.timed_jump[k], e.v)
         set_time(e, e.v, t + way)

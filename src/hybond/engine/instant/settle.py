@@ -133,7 +133,7 @@ def begin_to_settle(e: Engine, g: Settling, i: Instant) -> int:
     g.tries = 0
     g.turn = 1
     g.marked = False
-    hold_before(e, t)
+    hold_before(e, t, e.model.timed_jumps)
     known = a_priori(e, t, g.x, g.s, g.state) == OK
     begins = i.cause == START and m.laws > 0
     if not known and not (begins and stand_without_before(e, t, g.x, g.s, g.state, g.begin)):

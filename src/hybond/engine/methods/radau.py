@@ -42,10 +42,8 @@ from hybond.engine.methods.radau_stages import (
     rate_at,
     rests,
 )
-from hybond.engine.methods.rates_off import rates_off
 from hybond.engine.methods.scale import (
     CREEPS,
-    is_steep,
     measure_again,
     tolerance,
 )
@@ -63,8 +61,6 @@ ERROR_WEIGHT: Final = float_table(-10.0488093998274156, 1.3821427331607489, -0.3
 
 SWINGING: Final = 2.0
 """How much longer the step is at least after one that swings about rest within the tolerance."""
-NEARLY: Final = 0.01
-"""Error of rates from which on it tells how long the next step may be: some three times longer."""
 STEP_MADE: Final = 0
 STEP_REJECTED: Final = 1
 STEP_TOO_SMALL: Final = 2
@@ -197,8 +193,6 @@ def try_radau(e: Engine, r: Radau, rtol: float) -> int:
     for i in range(n):
         r.y1[i] = r.y[2 * n + i]
     if r.error <= 1.0:
-        if not is_steep(e.model):
-            hold_rates_too(r, e.model.storages)
         r.error = max(r.error, strayed(e, r.t0, r.y0, r.t1, r.y1))
         r.error = hidden_in_stages(e, r, r.error)
     if not r.error <= 1.0 and not is_one_kink(e, r.t0, r.y0, r.t1, r.y1):
@@ -210,13 +204,6 @@ def try_radau(e: Engine, r: Radau, rtol: float) -> int:
         r.shrink = RADAU_SHRINK
         return STEP_REJECTED
     return STEP_MADE
-
-
-def hold_rates_too(r: Radau, storages: int) -> None:
-    """Let what the error leaves in rates count where it nears what they may be off by."""
-    off = rates_off(r.n, storages, r.h, r.jacobian, r.y1, r.error_vector, r.other)
-    if off > NEARLY:
-        r.error = max(r.error, off)
 
 
 def goes_through(e: Engine, r: Radau, rtol: float) -> bool:

@@ -11,7 +11,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.rounding import EPSILON
-from hybond.engine.methods.flow_records import Flow
+from hybond.engine.methods.flow_records import Exact
 from hybond.engine.words import Floats
 
 RATES: Final = 100.0
@@ -21,32 +21,27 @@ FROM_ROUNDING: Final = 256.0 * EPSILON
 step is found by multiplies that of the states by as much."""
 
 
-def rates_off(
-    n: int, many: int, h: float, jacobian: Floats, y: Floats, error: Floats, scale: Floats
-) -> float:
-    """Return the largest error of the rates of the first of n states, in what it may be over `h`.
-
-    Those are what is stored: its rates are efforts and flows, which a run tells.
-    """
-    most = 0.0
-    for i in range(many):
-        off = 0.0
-        terms = 0.0
-        for j in range(n):
-            slope = jacobian[i * n + j]
-            off += slope * error[j]
-            terms += math.fabs(slope * y[j])
-        most = max(most, part_of(h, off, terms, scale[i]))
-    return most
-
-
 def rates_off_in_flow(
-    f: Flow, states: int, many: int, h: float, z: Floats, error: Floats, scale: Floats
+    x: Exact, many: int, h: float, error: Floats, scale: Floats, rtol: float
 ) -> float:
-    """Return the same for what is propagated: sources are known, whatever the error."""
+    """Return the largest error of the rates of what is stored, in what it may be over `h`.
+
+    Those are efforts and flows, which a run tells. Sources are known,
+    whatever the error. What rounding of a rate is measured by are the sizes that
+    states and sources lately had: where a sine passes zero it has that of its amplitude.
+    """
+    f = x.flow
     # where nothing is so much faster than the step, states within their tolerance leave less
     if not h * f.norm > RATES:
         return 0.0
+    size = x.b2.at
+    for j in range(f.n):
+        size[j] = math.fabs(x.parts.at[j])
+        if j < many:
+            size[j] = max(size[j], scale[j] / rtol)
+    for k in range(f.watches):
+        j = f.watched.at[k]
+        size[j] = max(size[j], x.amplitude.at[k])
     most = 0.0
     for i in range(many):
         off = 0.0
@@ -54,16 +49,10 @@ def rates_off_in_flow(
         for p in range(f.rows.first.at[i], f.rows.first.at[i + 1]):
             j = f.rows.column.at[p]
             slope = f.rows.value.at[p] * f.scale.at[i] / f.scale.at[j]
-            terms += math.fabs(slope * z[j])
-            if j < states:
+            terms += math.fabs(slope * size[j])
+            if j < many:
                 off += slope * error[j]
-        most = max(most, part_of(h, off, terms, scale[i]))
+        may = max(RATES * scale[i], h * FROM_ROUNDING * terms)
+        if may > 0.0:
+            most = max(most, h * math.fabs(off) / may)
     return most
-
-
-def part_of(h: float, off: float, terms: float, scale: float) -> float:
-    """Return how far off a rate is, in what it may be; 0 if none is asked."""
-    may = max(RATES * scale, h * FROM_ROUNDING * terms)
-    if not may > 0.0:
-        return 0.0
-    return h * math.fabs(off) / may

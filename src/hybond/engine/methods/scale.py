@@ -23,7 +23,6 @@ from hybond.engine.mode.sizes import size_of
 from hybond.engine.mode.solving import solve
 from hybond.engine.mode.storage import own_stiffness, with_stored
 from hybond.engine.mode.values import field, set_state
-from hybond.engine.model import Model
 from hybond.engine.words import Floats
 
 NEGLIGIBLE: Final = 1e-6
@@ -87,7 +86,7 @@ def start_scale(e: Engine, mode: Mode) -> None:
     find_moved_terms(e, mode, soon)
     begin_signals(e, mode, soon)
     if m.laws > 0:
-        see_pushes(e, mode)
+        see_pushes(e)
         for p in range(e.parts):
             pushed = e.work.part_here[p]
             e.energy = max(e.energy, pushed)
@@ -131,7 +130,7 @@ def know_settling(e: Engine, jacobian: Floats) -> None:
     """
     m = e.model
     n = e.states
-    steep = is_steep(m)
+    steep = m.edges > 0 or m.begins > 0 or m.bends > 0.0
     for k in range(m.storages):
         own = -jacobian[k * n + k]
         others = 0.0
@@ -139,11 +138,6 @@ def know_settling(e: Engine, jacobian: Floats) -> None:
             others += math.fabs(jacobian[k * n + j]) if j != k else 0.0
         known = own > ALONE * others and e.rate_noise[k] > 0.0 and not steep
         e.settled[k] = SEEN * e.rate_noise[k] / own if known else math.inf
-
-
-def is_steep(m: Model) -> bool:
-    """Whether there may be slopes without bound: at edges of laws, or where laws begin or end."""
-    return m.edges > 0 or m.begins > 0 or m.bends > 0.0
 
 
 def find_moved_terms(e: Engine, mode: Mode, soon: float) -> None:
@@ -173,13 +167,11 @@ def find_moved_terms(e: Engine, mode: Mode, soon: float) -> None:
     come_back(e, mode)
 
 
-def see_pushes(e: Engine, mode: Mode) -> None:
+def see_pushes(e: Engine) -> None:
     """Learn the energy that what pushes would give in a short part of the run, if it were alone.
 
-    Bodies at rest have none to measure rounding by, though great forces may hold them there. What a
-    state itself brings back gives no more than until it has: a capacitor behind a nano-ohm gets the
-    voltage behind that, not the current of a shorted source for a millionth of the run. That of
-    each part is then in `e.work.part_here`.
+    Bodies at rest have none to measure rounding by, though great forces may hold them there. That
+    of each part is then in `e.work.part_here`.
     """
     m = e.model
     most = e.work.part_here
@@ -187,39 +179,12 @@ def see_pushes(e: Engine, mode: Mode) -> None:
         most[i] = 0.0
     for k in range(m.storages):
         i = e.storage_part[k]
-        half = 0.5 * math.fabs(own_stiffness(m, k, e.v)) / (ROUNDED * ROUNDED)
-        energy = half * e.rounding[k] * e.rounding[k]
-        if energy > min(e.part_energy[i], e.pushed_energy[i]):
-            given = min(e.rounding[k], settling_time(m, mode, k) * e.rate_noise[k])
-            energy = half * given * given
+        given = e.rounding[k] / ROUNDED
+        energy = 0.5 * math.fabs(own_stiffness(m, k, e.v)) * given * given
         if math.isfinite(energy):
             most[i] = max(most[i], energy)
     for i in range(e.parts):
         e.pushed_energy[i] = max(e.pushed_energy[i], most[i])
-
-
-def settling_time(m: Model, mode: Mode, k: int) -> float:
-    """Return how soon the rate of a state brings it back by itself; infinity if it does not.
-
-    By the rows of the mode: what laws make of it is left out. What exchanges with another state
-    comes to rest with it, but not what both have.
-    """
-    rows = mode.finite
-    at = mode.same[m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 0 else 0)]
-    back = 0.0
-    others = 0.0
-    for i in range(rows.first.at[at], rows.first.at[at + 1]):
-        port = rows.column.at[i]
-        if port >= m.storages:
-            continue
-        for p in range(m.stiff_first[port], m.stiff_first[port + 1]):
-            slope = rows.value.at[i] * m.stiff_constant[p]
-            if m.stiff_other[p] == k:
-                back += slope
-            else:
-                others += math.fabs(slope)
-    back = -back * (float(m.storage_sign[k]) if m.storage_kind[k] == 0 else 1.0)
-    return 1.0 / back if back > ALONE * others else math.inf
 
 
 def found_terms(e: Engine, mode: Mode, t: float, y: Floats) -> bool:
@@ -316,7 +281,7 @@ def measure_ahead(e: Engine, mode: Mode, t: float) -> None:
     for k in range(e.model.storages):
         bounded = math.isfinite(e.rounding[k])
         e.rounding[k] = max(before[k], e.rounding[k] if bounded else 0.0)
-    see_pushes(e, mode)
+    see_pushes(e)
     e.refusal = refusal
 
 

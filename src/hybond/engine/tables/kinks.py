@@ -85,8 +85,10 @@ def put_kinks(t: ModelTables) -> None:
     t.ints["atom_value"] += [t.values.number(a) for a in found]
     t.ints["atom_size"] += [t.values.number(_terms(a)) for a in found]
     t.ints["atom_zero"] += [1] * len(found)
-    timed = [*(e for e, _ in _followed(t)), *_decided_by(t)]
-    jumps = dict.fromkeys(a for e in timed for a in jumping(e) if _is_timed(t, a))
+    jumps = dict.fromkeys(a for e, _ in _followed(t) for a in jumping(e) if _is_timed(t, a))
+    t.numbers["timed_laws"] = len(jumps)
+    decided = (a for e in _decided_by(t) for a in jumping(e) if _is_timed(t, a))
+    jumps |= dict.fromkeys(decided)
     t.ints["timed_jump"] = [t.values.number(a) for a in jumps]
     t.numbers["timed_jumps"] = len(jumps)
     edges = dict.fromkeys(
