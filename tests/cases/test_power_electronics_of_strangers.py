@@ -82,12 +82,18 @@ g = { Se = "0 V" }
 C = { C = "0.1 mF" }
 R = { R = "4 ohm" }
 [graph]
-bonds = ["I -> p", "p -> s1 -> a", "p -> s2 -> b", "a -> s4 -> q", "b -> s3 -> q", "q -> g", "a -> l -> b", "l -> z", "z -> C", "z -> R"]
+bonds = [
+  "I -> p", "p -> s1 -> a", "p -> s2 -> b", "a -> s4 -> q", "b -> s3 -> q",
+  "q -> g", "a -> l -> b", "l -> z", "z -> C", "z -> R",
+]
 [machines.bridge]
 states = { ahead = ["s1", "s3"], back = ["s2", "s4"] }
 start = "ahead"
-rules = ["ahead -> back when mod(time, 2 [ms]) >= 1 [ms]", "back -> ahead when mod(time, 2 [ms]) < 1 [ms]"]
-"""  # noqa: E501
+rules = [
+  "ahead -> back when mod(time, 2 [ms]) >= 1 [ms]",
+  "back -> ahead when mod(time, 2 [ms]) < 1 [ms]",
+]
+"""
 
 
 def fed() -> Circuit:
@@ -139,13 +145,13 @@ L = { I = "50 mH" }
 R = { R = "48 ohm" }
 [graph]
 bonds = ["V -> s -> n", "z -> d -> n", "n -> j -> L", "j -> R"]
-[inputs]
-c = { table = [[0, 0], [1e-3, 1], [1.4e-3, 0], [1.7e-3, 1], [1.85e-3, 0], [1.95e-3, 1], [10e-3, 0]] }
+[inputs.c]
+table = [[0, 0], [1e-3, 1], [1.4e-3, 0], [1.7e-3, 1], [1.85e-3, 0], [1.95e-3, 1], [10e-3, 0]]
 [machines.relay]
 states = { open = [], closed = ["s"] }
 start = "open"
 rules = ["open -> closed when c > 0.5", "closed -> open when c < 0.5"]
-"""  # noqa: E501
+"""
 
 
 def bouncing() -> Circuit:
@@ -210,12 +216,15 @@ cell = { junction = 1 }
 inside = { R = "50 mohm" }
 charge = { C = { e = "11 [V] + q/18000 [F]" }, q = "7200 C" }
 [graph]
-bonds = ["I -> t", "t -> bleed", "t -> amps -> n", "U -> volts -> n", "n -> cell", "cell -> inside", "cell -> charge"]
+bonds = [
+  "I -> t", "t -> bleed", "t -> amps -> n", "U -> volts -> n",
+  "n -> cell", "cell -> inside", "cell -> charge",
+]
 [machines.charger]
 states = { amperes = ["amps"], voltage = ["volts"], done = [] }
 start = "amperes"
 rules = ["amperes -> voltage when n.e >= 13.2 [V]", "voltage -> done when cell.f < 0.5 [A]"]
-"""  # noqa: E501
+"""
 
 
 def charger() -> Circuit:

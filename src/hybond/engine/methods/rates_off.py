@@ -26,9 +26,9 @@ def rates_off_in_flow(
 ) -> float:
     """Return the largest error of the rates of what is stored, in what it may be over `h`.
 
-    Those are efforts and flows, which a run tells. Sources are known,
-    whatever the error. What rounding of a rate is measured by are the sizes that
-    states and sources lately had: where a sine passes zero it has that of its amplitude.
+    Those are efforts and flows, which a run tells; `many` states are stored, and `error` is theirs.
+    Sources are known, whatever the error. Rounding of a rate is measured by the sizes that states
+    and sources lately had: where a sine passes zero it is that of its amplitude.
     """
     f = x.flow
     # where nothing is so much faster than the step, states within their tolerance leave less
