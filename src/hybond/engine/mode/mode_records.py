@@ -222,6 +222,8 @@ class Mode:
     part_energy: Floats
     """What rounding on each of them is measured by, J, as of `Engine.energies_seen`; ..."""
     part_reach: Floats
+    settling: Floats
+    any_settles: bool
     """... what `seen` is a factor of."""
     saw: bool
     seen: Floats
@@ -363,6 +365,8 @@ def make_mode(m: Model) -> Mode:
     mode.bond_part = ints(m.bonds)
     mode.part_energy = floats(m.storages + 1)
     mode.part_reach = floats(m.storages + 1)
+    mode.settling = floats(m.storages)
+    mode.any_settles = False
     mode.seen = floats(n)
     mode.sized_at = floats(n)
     mode.free_size = make_block(1)
