@@ -92,3 +92,47 @@ def test_a_diode_fed_beside_a_small_capacitor_carries_nothing_back(
     assert min(flows) > -1e-3 * amplitude
     assert max(flows) > 100.0 * amplitude
     assert len(run.events) == 4
+
+
+def reversals(until: float) -> list[float]:
+    """When 1 kg that 2*sin(3*t) pushes over dry friction of 0.5 begins to move, and turns round."""
+    begins = math.asin(0.25) / 3.0
+    found = [begins]
+    way = 1.0
+    while True:
+
+        def speed(t: float, since: float = found[-1], way: float = way) -> float:
+            pushed = 2.0 / 3.0 * (math.cos(3.0 * since) - math.cos(3.0 * t))
+            return way * pushed - 0.5 * (t - since)
+
+        low = found[-1] + 0.05
+        while speed(low) > 0.0:
+            low += 0.05
+        high, low = low, low - 0.05
+        for _ in range(60):
+            middle = 0.5 * (low + high)
+            low, high = (middle, high) if speed(middle) > 0.0 else (low, middle)
+        if low > until:
+            return found
+        assert abs(2.0 * math.sin(3.0 * low)) > 0.5  # it goes on at once
+        found.append(low)
+        way = -way
+
+
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize("light", [1e-12, 1e-6])
+@pytest.mark.parametrize("damper", [1e6, 1e9])
+def test_a_light_block_behind_a_stiff_damper_turns_round_with_what_pulls_it(
+    damper: float, light: float, turned: bool
+) -> None:
+    model = hb.Model("x", domain="translational")
+    model.add(F=hb.Se("2*sin(3*time)"), a=hb.One(), M=hb.I(1.0), z=hb.Zero(), o=hb.One())
+    model.add(b=hb.R(damper), l=hb.One(law="coulomb", limit=0.5), m=hb.I(light))
+    model.bond("F -> a", "a -> M", "a -> z -> l", "z -> o", "l -> m")
+    model.bond("b -> o" if turned else "o -> b")
+    run = hb.simulate(model, until=10.0)
+    times: list[float] = []
+    for event in run.events[1:]:
+        if not times or event.t > times[-1] + 1e-3:
+            times.append(event.t)
+    assert times == pytest.approx(reversals(10.0), abs=2e-6)
