@@ -19,8 +19,8 @@ from hybond.engine.mode.part_energies import (
     STORED,
     find_energies_at,
     part_of_bond,
-    settled_terms,
     see_energy,
+    settled_terms,
 )
 from hybond.engine.mode.sizes import measure_values, seen_of
 from hybond.engine.mode.tableau import COMMON

@@ -50,7 +50,9 @@ def see_pushes(e: Engine, mode: Mode, moment: float) -> None:
             if soon and settles_in(e, mode, k, moment):
                 energy = settled_energy(e, k)
             else:
-                energy = 0.5 * math.fabs(own_stiffness(m, k, e.v)) * e.push_alone[k] * e.push_alone[k]
+                energy = (
+                    0.5 * math.fabs(own_stiffness(m, k, e.v)) * e.push_alone[k] * e.push_alone[k]
+                )
             if math.isfinite(energy):
                 most[p] = max(most[p], energy)
     for p in range(e.parts):
