@@ -13,14 +13,10 @@ from hybond.engine.algebra.blocks import (
     make_rows,
 )
 from hybond.engine.algebra.separate import Separate, make_separate
-from hybond.engine.algebra.sparse_lu import (
-    Factoring,
-    SparseLu,
-    make_factoring,
-    make_sparse_lu,
-)
+from hybond.engine.algebra.sparse_lu import Factoring, make_factoring
 from hybond.engine.algebra.svd import Svd, make_svd
 from hybond.engine.expressions.pairs import Stack, make_stack
+from hybond.engine.mode.cluster_records import Cluster, make_cluster
 from hybond.engine.mode.elimination import Elimination, make_elimination
 from hybond.engine.mode.mode_records import Leakage, Ways, make_leakage, make_ways
 from hybond.engine.model import Model
@@ -194,7 +190,7 @@ class Work:
     column_size: Block
     separate: Separate
     factoring: Factoring
-    step_of_pushes: SparseLu
+    cluster: Cluster
     sides: Block
     """Of a sparse jump: what its equations come to, ..."""
     found: Block
@@ -325,7 +321,7 @@ def make_work(m: Model) -> Work:
     w.column_size = make_block(1)
     w.separate = make_separate()
     w.factoring = make_factoring()
-    w.step_of_pushes = make_sparse_lu()
+    w.cluster = make_cluster(m.storages)
     w.sides = make_block(1)
     w.found = make_block(1)
     w.sent = make_block(1)

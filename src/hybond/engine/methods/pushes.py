@@ -4,25 +4,23 @@ Bodies at rest have no energy to measure rounding by, though great forces may ho
 storages give to each other is no push: it is counted where it is stored, and as much of it comes
 back. Nor is more given than what is stored takes in that moment: a capacitor behind a nano-ohm is
 at the voltage of its source long before, and no further, while a current through it would be that
-of a short circuit. So each push acts for one implicit step of Euler's over the moment, in which all
-that settles faster has settled; what two capacitors have together that a nano-ohm joins does not.
+of a short circuit.
 """
 
 from __future__ import annotations
 
 import math
 
-from hybond.engine.algebra.sparse_lu import (
-    add_term,
-    begin_system,
-    end_equation,
-    factor_sparse,
-    solve_sparse,
-)
 from hybond.engine.engine import Engine
+from hybond.engine.mode.clusters import (
+    MOMENT,
+    SLOW,
+    find_settling,
+    open_cluster,
+    settle_unit,
+)
 from hybond.engine.mode.mode_records import Mode
-from hybond.engine.mode.sizes import rate_of
-from hybond.engine.mode.storage import own_stiffness, stiff
+from hybond.engine.mode.storage import own_stiffness
 
 
 def forget_pushes(e: Engine) -> None:
@@ -31,8 +29,8 @@ def forget_pushes(e: Engine) -> None:
         e.push_alone[k] = 0.0
 
 
-def see_pushes(e: Engine, mode: Mode, moment: float) -> None:
-    """Learn the energy that what pushes would give in such a time, each as if it were alone.
+def see_pushes(e: Engine, mode: Mode) -> None:
+    """Learn the energy that what pushes would give in a moment, each as if it were alone.
 
     That of each part is then in `e.work.part_here`.
     """
@@ -40,75 +38,42 @@ def see_pushes(e: Engine, mode: Mode, moment: float) -> None:
     most = e.work.part_here
     for p in range(e.parts):
         most[p] = 0.0
-    soon = False
+    find_settling(e, mode, e.v)
     for k in range(m.storages):
-        soon = soon or (e.push_alone[k] > 0.0 and settles_in(e, mode, k, moment))
-    soon = soon and factor_step(e, mode, moment)
-    for k in range(m.storages):
-        if e.push_alone[k] > 0.0:
-            p = e.storage_part[k]
-            if soon and settles_in(e, mode, k, moment):
-                energy = settled_energy(e, k)
-            else:
-                energy = (
-                    0.5 * math.fabs(own_stiffness(m, k, e.v)) * e.push_alone[k] * e.push_alone[k]
-                )
-            if math.isfinite(energy):
-                most[p] = max(most[p], energy)
+        if mode.settles_with[k] == k:
+            see_cluster(e, mode, k)
+        elif mode.settles_with[k] == SLOW:
+            see_push(e, k)
     for p in range(e.parts):
         e.pushed_energy[p] = max(e.pushed_energy[p], most[p])
 
 
-def settles_in(e: Engine, mode: Mode, k: int, moment: float) -> bool:
-    """Whether what a port stores brings itself back within that time."""
+def see_push(e: Engine, k: int) -> None:
+    """Learn of what one storage is given, which keeps it for longer."""
+    add_energy(e, k, e.push_alone[k])
+
+
+def add_energy(e: Engine, k: int, stored: float) -> None:
+    """Learn the energy of so much in storage k."""
+    p = e.storage_part[k]
+    energy = 0.5 * math.fabs(own_stiffness(e.model, k, e.v)) * stored * stored
+    if math.isfinite(energy):
+        e.work.part_here[p] = max(e.work.part_here[p], energy)
+
+
+def see_cluster(e: Engine, mode: Mode, first: int) -> None:
+    """Learn of what is given to storages that settle together within the moment."""
     m = e.model
-    rows = mode.finite
-    at = mode.same[rate_of(m, k)]
-    own = 0.0
-    for i in range(rows.first.at[at], rows.first.at[at + 1]):
-        if rows.column.at[i] == k:
-            own += math.fabs(rows.value.at[i] * own_stiffness(m, k, e.v))
-    return own * moment > 1.0 and math.isfinite(own)
-
-
-def factor_step(e: Engine, mode: Mode, moment: float) -> bool:
-    """Find the factors of that step; False if its slopes are no numbers, or rounding alone."""
-    m = e.model
-    f = e.work.step_of_pushes
-    rows = mode.finite
-    terms = m.storages
-    for k in range(m.storages):
-        at = mode.same[rate_of(m, k)]
-        for i in range(rows.first.at[at], rows.first.at[at + 1]):
-            j = rows.column.at[i]
-            terms += m.stiff_first[j + 1] - m.stiff_first[j] if j < m.storages else 0
-    begin_system(f, m.storages, terms)
-    for k in range(m.storages):
-        add_term(f, k, 1.0)
-        at = mode.same[rate_of(m, k)]
-        for i in range(rows.first.at[at], rows.first.at[at + 1]):
-            j = rows.column.at[i]
-            if j >= m.storages:
-                continue
-            for p in range(m.stiff_first[j], m.stiff_first[j + 1]):
-                slope = moment * rows.value.at[i] * stiff(m, p, e.v)
-                if not math.isfinite(slope):
-                    return False
-                add_term(f, m.stiff_other[p], -slope)
-        end_equation(f)
-    return factor_sparse(f, e.work.factoring)
-
-
-def settled_energy(e: Engine, k: int) -> float:
-    """Return the energy that the step makes of what is given to port k."""
-    m = e.model
-    push = e.work.here
-    taken = e.work.ahead
-    for j in range(m.storages):
-        push[j] = 0.0
-    push[k] = e.push_alone[k]
-    solve_sparse(e.work.step_of_pushes, e.work.factoring, push, taken)
-    total = 0.0
-    for j in range(m.storages):
-        total += 0.5 * math.fabs(own_stiffness(m, j, e.v)) * taken[j] * taken[j]
-    return total
+    c = e.work.cluster
+    known = open_cluster(e, mode, c, first, e.v)
+    for j in range(c.many):
+        k = c.member.at[j]
+        if e.push_alone[k] == 0.0:
+            continue
+        if not known or not settle_unit(c, j):
+            see_push(e, k)
+            continue
+        for i in range(c.many):
+            stiffness = math.fabs(own_stiffness(m, c.member.at[i], e.v))
+            effort = c.solved.at[i] * e.push_alone[k] / (MOMENT * e.span)
+            add_energy(e, c.member.at[i], effort / stiffness)

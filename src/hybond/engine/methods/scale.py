@@ -17,6 +17,7 @@ from hybond.engine.methods.signal_sizes import (
     measure_rates,
 )
 from hybond.engine.mode.closely import lasting_size
+from hybond.engine.mode.clusters import MOMENT
 from hybond.engine.mode.guess import give_back_guess, hold_guess
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.part_energies import see_part
@@ -41,7 +42,7 @@ has no energy. What grows from nothing by a power of time, or behind a steep law
 through all numbers that there are."""
 ROUNDED: Final = 10.0 * EPSILON
 """Part of its terms that the rate of a stored quantity may be off by."""
-SHORT: Final = 1e-6
+SHORT: Final = MOMENT
 """Part of the run in which what that adds up to is no error, nor is it in a step, if that is more:
 what is held at zero has a rate that is nothing else."""
 
@@ -88,7 +89,7 @@ def start_scale(e: Engine, mode: Mode) -> None:
     find_moved_terms(e, mode, soon)
     begin_signals(e, mode, soon)
     if m.laws > 0:
-        see_pushes(e, mode, SHORT * e.span)
+        see_pushes(e, mode)
         for p in range(e.parts):
             pushed = e.work.part_here[p]
             e.energy = max(e.energy, pushed)
@@ -265,7 +266,7 @@ def measure_ahead(e: Engine, mode: Mode, t: float) -> None:
     for k in range(e.model.storages):
         bounded = math.isfinite(e.rounding[k])
         e.rounding[k] = max(before[k], e.rounding[k] if bounded else 0.0)
-    see_pushes(e, mode, SHORT * e.span)
+    see_pushes(e, mode)
     e.refusal = refusal
 
 

@@ -249,7 +249,7 @@ def settled_terms(m: Model, mode: Mode, b: int, xi: Floats) -> float:
         at = mode.same[b]
         for i in range(rows.first.at[at], rows.first.at[at + 1]):
             k = rows.column.at[i]
-            if k < m.storages and mode.settling[k] > 1.0:
+            if k < m.storages and mode.settles_with[k] >= 0:
                 total += rows.size.at[i] * math.fabs(xi[k])
     return total
 

@@ -11,6 +11,7 @@ from typing import Final
 
 from hybond.engine.algebra.blocks import fit, row_size
 from hybond.engine.engine import Engine
+from hybond.engine.mode.clusters import bound_settling, find_settling
 from hybond.engine.mode.dynamic_rows import frozen_at
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.newton_system import by_free, row_terms
@@ -23,8 +24,6 @@ from hybond.engine.words import Floats
 
 TURNS: Final = 2
 """Times that constraints are gone through: each tells of what others have told."""
-MOMENT: Final = 1e-6
-"""Part of the run in which what settles has settled: no more than that is seen of it."""
 
 
 def size_of(e: Engine, mode: Mode, b: int, xi: Floats, v: Floats) -> float:
@@ -87,11 +86,6 @@ def sizes_of(e: Engine, mode: Mode, v: Floats) -> None:
         e.work.sizes[b] = size
 
 
-def rate_of(m: Model, k: int) -> int:
-    """Return the bond variable that is the rate of what port k stores."""
-    return m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 0 else 0)
-
-
 def measure(e: Engine, mode: Mode, pair: int, xi: Floats, v: Floats, terms: Floats) -> None:
     """Put what rounding of each signal that a pair reads is measured by into `terms`.
 
@@ -140,44 +134,6 @@ def bound_tied(mode: Mode, i: int, storages: int, reach: Floats) -> None:
         reach[k] = min(reach[k], others / math.fabs(rows.value.at[p]))
 
 
-def find_settling(e: Engine, mode: Mode, v: Floats) -> None:
-    """Find how many times over what each storage holds decays by itself in a moment."""
-    m = e.model
-    out = mode.settling
-    mode.any_settles = False
-    rows = mode.finite
-    for k in range(m.storages):
-        out[k] = 0.0
-        if m.stiff_first[k + 1] != m.stiff_first[k] + 1:
-            continue  # of a field: what its other ports hold has part in it
-        at = mode.same[rate_of(m, k)]
-        for i in range(rows.first.at[at], rows.first.at[at + 1]):
-            if rows.column.at[i] == k:
-                out[k] -= rows.value.at[i] * own_stiffness(m, k, v) * MOMENT * e.span
-        if not math.isfinite(out[k]):
-            out[k] = 0.0
-        mode.any_settles = mode.any_settles or out[k] > 1.0
-
-
-def bound_settling(e: Engine, mode: Mode, k: int, reach: Floats) -> None:
-    """Let a storage that settles within a moment be no more than what it settles to.
-
-    A picofarad behind a milliohm has the voltage that it is charged to, and the rounding of that,
-    however far the energy of all others would lift it.
-    """
-    rows = mode.finite
-    at = mode.same[rate_of(e.model, k)]
-    own = 0.0
-    others = 0.0
-    for i in range(rows.first.at[at], rows.first.at[at + 1]):
-        j = rows.column.at[i]
-        if j == k:
-            own += math.fabs(rows.value.at[i])
-        elif j < e.model.storages:
-            others += math.fabs(rows.value.at[i]) * reach[j]
-    reach[k] = min(reach[k], others / own + e.work.reach_before[k] / mode.settling[k])
-
-
 def seen_of(e: Engine, mode: Mode, values: Floats, x: Floats) -> None:
     """Put what each bond variable would be with a unit of energy in one storage into `mode.seen`.
 
@@ -199,14 +155,10 @@ def seen_of(e: Engine, mode: Mode, values: Floats, x: Floats) -> None:
         if not math.isfinite(w.reach[k]):
             w.reach[k] = 0.0
     find_settling(e, mode, v)
-    for k in range(m.storages):
-        w.reach_before[k] = w.reach[k]
     for _ in range(TURNS):
         for i in range(mode.constraints.rows):
             bound_tied(mode, i, m.storages, w.reach)
-        for k in range(m.storages):
-            if mode.settling[k] > 1.0:
-                bound_settling(e, mode, k, w.reach)
+        bound_settling(e, mode, w.reach, v)
     for k in range(2 * m.bonds):
         same = mode.same[k]
         if same < k:

@@ -130,7 +130,7 @@ def take_row(
                     return False  # it gives something as soon as that moves, but how much
                 if bent:
                     s.level.at[a] -= weight * slope * e.v[m.stored_slot + other]
-                more = STORED if mode.settling[known] > 1.0 and m.laws > 0 else 1.0
+                more = STORED if mode.settles_with[known] >= 0 and m.laws > 0 else 1.0
                 add_entry(s, other, weight * slope, more * size * math.fabs(slope))
         elif source >= mode.sources:
             if mode.rated[source - mode.sources] != 0 and not take_wave(e, s, source, weight):
