@@ -85,7 +85,18 @@ def is_unseen(e: Engine, g: Locator) -> bool:
     """Whether something is over in the step so soon that its polynomial may know nothing of it."""
     if g.tied or not knows_ends(e) or g.at >= e.step.t1 or g.at <= e.step.t0:
         return False
-    return e.exact.flow.norm * (e.step.t1 - e.step.t0) > RATES
+    if not e.exact.flow.norm * (e.step.t1 - e.step.t0) > RATES:
+        return False
+    # what holds where the step ends, too, has begun to hold
+    return not holds_any(e, g, e.step.t1)
+
+
+def holds_any(e: Engine, g: Locator, t: float) -> bool:
+    """Whether a guard holds at an instant of the step."""
+    for k in range(g.guards):
+        if holds_at(e, g, k, t):
+            return True
+    return False
 
 
 def end_there(e: Engine, g: Locator) -> int:
@@ -98,10 +109,8 @@ def end_there(e: Engine, g: Locator) -> int:
         return REFUSED
     g.looked = math.nan
     g.found_at = math.nan
-    for k in range(g.guards):
-        if holds_at(e, g, k, g.at):
-            return OK
-    g.at = math.inf
+    if not holds_any(e, g, g.at):
+        g.at = math.inf
     return OK
 
 
