@@ -136,3 +136,31 @@ def test_a_light_block_behind_a_stiff_damper_turns_round_with_what_pulls_it(
         if not times or event.t > times[-1] + 1e-3:
             times.append(event.t)
     assert times == pytest.approx(reversals(10.0), abs=2e-6)
+
+
+@pytest.mark.parametrize("solver", ["auto", "radau"])
+@pytest.mark.parametrize(
+    ("joined", "first", "second", "current", "resistance"),
+    [
+        (1e-9, 1e-6, 1e-6, 1e-6, 1e-3),
+        (1e-6, 1e-3, 1e-9, 1.0, 1e-9),
+        (1e-6, 1e-6, 1e-12, 1.0, 1e-9),
+        (1e-3, 1e-3, 1e-9, 1.0, 1e-9),
+    ],
+)
+def test_capacitors_that_next_to_nothing_joins_let_a_diode_go_together(
+    joined: float, first: float, second: float, current: float, resistance: float, solver: str
+) -> None:
+    whole = first + second
+    third = whole / current  # when a current has charged both to 1 V
+    m = hb.Model("n", domain="electrical")
+    m.add(a=hb.Zero(), b=hb.Zero(), c1=hb.C(first), c2=hb.C(second), k=hb.One(), r=hb.R(joined))
+    m.add(d=hb.One(law="diode"), rd=hb.R(resistance), E=hb.Se(1.0))
+    m.add(s=hb.Sf(f"if time < {2.0 * third!r} [s] then {current} [A] else {-current} [A]"))
+    m.bond("s -> a -> c1", "b -> c2", "b -> d -> E", "d -> rd", "a -> k -> b", "k -> r")
+    run = hb.simulate(m, until=3.0 * third, solver=solver)
+    times = [e.t / third for e in run.events[1:]]
+    assert times == pytest.approx([1.0, 2.0], abs=2e-3)
+    assert float(run["d.f"].at(1.5 * third)) == pytest.approx(current, rel=1e-4)
+    assert abs(float(run["d.f"].at(2.7 * third))) < 1e-6 * current
+    assert abs(float(run["c2.e"].at(3.0 * third))) < 2e-3
