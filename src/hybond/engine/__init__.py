@@ -44,6 +44,7 @@ subset. Rooms, and in them files, as data passes them::
         connected, part_energies    parts of the graph; how much energy there has been on each
         reading, sources_of_time    what a step reads; sources that time alone moves
         sizes, solved_sizes, lesser_sizes    what its rounding is measured by
+        clusters, cluster_records    what settles within a moment, and what holds it
         sums, straight_rates, sum_records    comparisons, and rates, that are sums of the state
         standing, standing_records    what stands at an equilibrium that nothing touches
     inputs/
@@ -97,6 +98,7 @@ subset. Rooms, and in them files, as data passes them::
         stepping            one step of the method asked for
         scale, signal_sizes, lately    tolerances of what is stored and what is integrated
         moment_later                   values kept while those of a moment later are looked at
+        pushes              the energy that what pushes at rest would give in a moment
         defects             what a step stores beyond what its rates bring
         rates_off           what errors leave in rates, where something exchanges fast
         failed_steps, one_instant    steps that cannot be; how long an

@@ -127,6 +127,8 @@ class Engine:
     """... the rates themselves, ..."""
     settled: Floats
     """... and what is left of that where they lead a state back to where it settles."""
+    push_alone: Floats
+    """What pushes of sources, and of what laws leave free, would store in a moment."""
     moved_rounding: Floats
     """What they may be wrong by in that time a moment after motion starts, of those that rates of
     zero say nothing of."""
@@ -297,6 +299,7 @@ def make_engine(m: Model) -> Engine:
     e.settled = floats(m.storages)
     for k in range(m.storages):
         e.settled[k] = math.inf
+    e.push_alone = floats(m.storages)
     e.moved_rounding = floats(m.storages)
     e.rate_rest = floats(e.states)
     e.rate_rounding = floats(m.integrals)

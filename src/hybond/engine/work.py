@@ -16,6 +16,7 @@ from hybond.engine.algebra.separate import Separate, make_separate
 from hybond.engine.algebra.sparse_lu import Factoring, make_factoring
 from hybond.engine.algebra.svd import Svd, make_svd
 from hybond.engine.expressions.pairs import Stack, make_stack
+from hybond.engine.mode.cluster_records import Cluster, make_cluster
 from hybond.engine.mode.elimination import Elimination, make_elimination
 from hybond.engine.mode.mode_records import Leakage, Ways, make_leakage, make_ways
 from hybond.engine.model import Model
@@ -189,6 +190,7 @@ class Work:
     column_size: Block
     separate: Separate
     factoring: Factoring
+    cluster: Cluster
     sides: Block
     """Of a sparse jump: what its equations come to, ..."""
     found: Block
@@ -319,6 +321,7 @@ def make_work(m: Model) -> Work:
     w.column_size = make_block(1)
     w.separate = make_separate()
     w.factoring = make_factoring()
+    w.cluster = make_cluster(m.storages)
     w.sides = make_block(1)
     w.found = make_block(1)
     w.sent = make_block(1)

@@ -20,6 +20,7 @@ from hybond.engine.mode.part_energies import (
     find_energies_at,
     part_of_bond,
     see_energy,
+    settled_terms,
 )
 from hybond.engine.mode.sizes import measure_values, seen_of
 from hybond.engine.mode.tableau import COMMON
@@ -173,7 +174,9 @@ def find_rounding(e: Engine, r: Laws) -> None:
         stored = 0.0
         for i in range(m.pair_first[row], m.pair_first[row + 1]):
             b = m.pair_column[i]
-            stored += math.fabs(m.pair_value[i]) * (root[part_of_bond(m, mode, b)] * mode.seen[b])
+            reach = root[part_of_bond(m, mode, b)] * mode.seen[b]
+            reach += settled_terms(m, mode, b, e.work.xi)
+            stored += math.fabs(m.pair_value[i]) * reach
         r.rounding[k] = r.response.size[k] + STORED * stored
 
 

@@ -100,5 +100,5 @@ def stands_clearly(e: Engine, r: Laws, k: int) -> bool:
     for i in range(m.pair_first[row], m.pair_first[row + 1]):
         b = m.pair_column[i]
         own = size_of(e, e.mode, b, e.trial.xi, e.v)
-        size += math.fabs(m.pair_value[i]) * max(own, reach_of_bond(e, e.mode, b))
+        size += math.fabs(m.pair_value[i]) * max(own, reach_of_bond(e, e.mode, b, e.trial.xi))
     return shown(m, k, on, e.v) > CLEARLY * size

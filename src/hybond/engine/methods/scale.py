@@ -9,6 +9,7 @@ from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.answers import value
 from hybond.engine.engine import OK, Engine
 from hybond.engine.methods.moment_later import come_back, look_later
+from hybond.engine.methods.pushes import forget_pushes, see_pushes
 from hybond.engine.methods.signal_sizes import (
     allowed_signal,
     begin_signals,
@@ -16,10 +17,11 @@ from hybond.engine.methods.signal_sizes import (
     measure_rates,
 )
 from hybond.engine.mode.closely import lasting_size
+from hybond.engine.mode.clusters import MOMENT
 from hybond.engine.mode.guess import give_back_guess, hold_guess
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.part_energies import see_part
-from hybond.engine.mode.sizes import size_of
+from hybond.engine.mode.sizes import given_size, size_of
 from hybond.engine.mode.solving import solve
 from hybond.engine.mode.storage import own_stiffness, with_stored
 from hybond.engine.mode.values import field, set_state
@@ -40,7 +42,7 @@ has no energy. What grows from nothing by a power of time, or behind a steep law
 through all numbers that there are."""
 ROUNDED: Final = 10.0 * EPSILON
 """Part of its terms that the rate of a stored quantity may be off by."""
-SHORT: Final = 1e-6
+SHORT: Final = MOMENT
 """Part of the run in which what that adds up to is no error, nor is it in a step, if that is more:
 what is held at zero has a rate that is nothing else."""
 
@@ -65,6 +67,7 @@ def start_scale(e: Engine, mode: Mode) -> None:
     for k in range(e.model.storages):
         e.rate_noise[k] = 0.0
     forget_settling(e)
+    forget_pushes(e)
     soon = SHORT * e.span
     if e.next_break < math.inf:
         soon = min(soon, 0.5 * (e.next_break - e.t))
@@ -86,7 +89,7 @@ def start_scale(e: Engine, mode: Mode) -> None:
     find_moved_terms(e, mode, soon)
     begin_signals(e, mode, soon)
     if m.laws > 0:
-        see_pushes(e)
+        see_pushes(e, mode)
         for p in range(e.parts):
             pushed = e.work.part_here[p]
             e.energy = max(e.energy, pushed)
@@ -167,26 +170,6 @@ def find_moved_terms(e: Engine, mode: Mode, soon: float) -> None:
     come_back(e, mode)
 
 
-def see_pushes(e: Engine) -> None:
-    """Learn the energy that what pushes would give in a short part of the run, if it were alone.
-
-    Bodies at rest have none to measure rounding by, though great forces may hold them there. That
-    of each part is then in `e.work.part_here`.
-    """
-    m = e.model
-    most = e.work.part_here
-    for i in range(e.parts):
-        most[i] = 0.0
-    for k in range(m.storages):
-        i = e.storage_part[k]
-        given = e.rounding[k] / ROUNDED
-        energy = 0.5 * math.fabs(own_stiffness(m, k, e.v)) * given * given
-        if math.isfinite(energy):
-            most[i] = max(most[i], energy)
-    for i in range(e.parts):
-        e.pushed_energy[i] = max(e.pushed_energy[i], most[i])
-
-
 def found_terms(e: Engine, mode: Mode, t: float, y: Floats) -> bool:
     """Put the rounding of what rates cancel from at `t` there; False if there is nothing.
 
@@ -224,6 +207,7 @@ def found_terms(e: Engine, mode: Mode, t: float, y: Floats) -> bool:
             first = soonest[e.storage_part[k]]
             own = first if y[k] == 0.0 else math.fabs(y[k] / e.work.w[at])
             acts = min(acts, max(own, math.fabs(e.t) * EPSILON / ROUNDED))
+        e.push_alone[k] = max(e.push_alone[k], acts * given_size(e, mode, at, e.work.xi))
         if mode.closely and e.slide.k == 0:
             e.rounding[k] = ROUNDED * lasting_size(e, mode, k, at, acts)
         else:
@@ -276,12 +260,13 @@ def measure_ahead(e: Engine, mode: Mode, t: float) -> None:
     for k in range(e.model.storages):
         before[k] = e.rounding[k]
     hold_guess(e, mode)
+    forget_pushes(e)
     found_terms(e, mode, t, e.y)
     give_back_guess(e, mode)
     for k in range(e.model.storages):
         bounded = math.isfinite(e.rounding[k])
         e.rounding[k] = max(before[k], e.rounding[k] if bounded else 0.0)
-    see_pushes(e)
+    see_pushes(e, mode)
     e.refusal = refusal
 
 

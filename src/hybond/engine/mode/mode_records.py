@@ -222,6 +222,9 @@ class Mode:
     part_energy: Floats
     """What rounding on each of them is measured by, J, as of `Engine.energies_seen`; ..."""
     part_reach: Floats
+    settles_with: Ints
+    """Of each storage that settles within a moment, the first one of those it settles with."""
+    any_settles: bool
     """... what `seen` is a factor of."""
     saw: bool
     seen: Floats
@@ -363,6 +366,10 @@ def make_mode(m: Model) -> Mode:
     mode.bond_part = ints(m.bonds)
     mode.part_energy = floats(m.storages + 1)
     mode.part_reach = floats(m.storages + 1)
+    mode.settles_with = ints(m.storages)
+    for k in range(m.storages):
+        mode.settles_with[k] = -1
+    mode.any_settles = False
     mode.seen = floats(n)
     mode.sized_at = floats(n)
     mode.free_size = make_block(1)

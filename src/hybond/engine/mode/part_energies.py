@@ -229,12 +229,29 @@ def find_energies_at(e: Engine, mode: Mode, x: Floats, out: Floats) -> None:
         out[p] = max(mode.part_energy[p], math.fabs(out[p]))
 
 
-def reach_of_bond(e: Engine, mode: Mode, b: int) -> float:
+def reach_of_bond(e: Engine, mode: Mode, b: int, xi: Floats) -> float:
     """Return how far bond variable `b` of a mode may reach, by what is stored on its part.
 
     `find_energies` is asked for before, once for all of them.
     """
-    return mode.part_reach[part_of_bond(e.model, mode, b)] * mode.seen[b]
+    reach = mode.part_reach[part_of_bond(e.model, mode, b)] * mode.seen[b]
+    return reach + STORED * settled_terms(e.model, mode, b, xi)
+
+
+def settled_terms(m: Model, mode: Mode, b: int, xi: Floats) -> float:
+    """Return the size of what storages give to a bond variable that settle within a moment.
+
+    `mode.seen` says nothing of where sources let them settle.
+    """
+    total = 0.0
+    if mode.any_settles:
+        rows = mode.finite
+        at = mode.same[b]
+        for i in range(rows.first.at[at], rows.first.at[at + 1]):
+            k = rows.column.at[i]
+            if k < m.storages and mode.settles_with[k] >= 0:
+                total += rows.size.at[i] * math.fabs(xi[k])
+    return total
 
 
 def reach_of_sum(mode: Mode, s: Sums, a: int) -> float:

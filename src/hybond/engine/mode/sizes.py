@@ -11,6 +11,7 @@ from typing import Final
 
 from hybond.engine.algebra.blocks import fit, row_size
 from hybond.engine.engine import Engine
+from hybond.engine.mode.clusters import bound_settling, find_settling
 from hybond.engine.mode.dynamic_rows import frozen_at
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.newton_system import by_free, row_terms
@@ -42,6 +43,23 @@ def size_of(e: Engine, mode: Mode, b: int, xi: Floats, v: Floats) -> float:
     if mode.dynamics == 0 and mode.leakage.stages > 0:
         size = max(size, row_size(mode.direct, mode.same[b], xi))
     return max(size, math.fabs(v[first + b]))
+
+
+def given_size(e: Engine, mode: Mode, b: int, xi: Floats) -> float:
+    """Return the size of those terms that no storage gives, after `size_of`."""
+    m = e.model
+    frees = mode.finite_frees
+    rows = mode.direct if mode.dynamics == 0 and mode.leakage.stages > 0 else mode.finite
+    at = mode.same[b]
+    total = 0.0
+    for i in range(rows.first.at[at], rows.first.at[at + 1]):
+        if rows.column.at[i] >= m.storages:
+            total += rows.size.at[i] * math.fabs(xi[rows.column.at[i]])
+    for j in range(frees):
+        share = mode.finite_free.at[b * frees + j]
+        if share != 0.0:
+            total += math.fabs(share) * mode.free_size.at[j]
+    return total
 
 
 def of_fields(m: Model, mode: Mode, b: int, v: Floats) -> float:
@@ -86,7 +104,7 @@ def measure(e: Engine, mode: Mode, pair: int, xi: Floats, v: Floats, terms: Floa
                 terms[slot] = max(terms[slot], e.sample_terms[slot - m.signal_slot])
         elif e.slide.k == 0:
             size = size_of(e, mode, b, xi, v)
-            terms[slot] = max(size, reach_of_bond(e, mode, b))
+            terms[slot] = max(size, reach_of_bond(e, mode, b, xi))
 
 
 def measure_values(m: Model, pair: int, v: Floats, terms: Floats) -> None:
@@ -136,9 +154,11 @@ def seen_of(e: Engine, mode: Mode, values: Floats, x: Floats) -> None:
         w.reach[k] *= math.fabs(own_stiffness(m, k, v)) / math.sqrt(energy)
         if not math.isfinite(w.reach[k]):
             w.reach[k] = 0.0
+    find_settling(e, mode, v)
     for _ in range(TURNS):
         for i in range(mode.constraints.rows):
             bound_tied(mode, i, m.storages, w.reach)
+        bound_settling(e, mode, w.reach, v)
     for k in range(2 * m.bonds):
         same = mode.same[k]
         if same < k:

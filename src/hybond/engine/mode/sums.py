@@ -14,7 +14,7 @@ from hybond.engine.inputs.calls import CALLED, FREE
 from hybond.engine.inputs.interval import take_line
 from hybond.engine.mode.connected import find_connected
 from hybond.engine.mode.mode_records import Mode
-from hybond.engine.mode.part_energies import part_of_bond
+from hybond.engine.mode.part_energies import STORED, part_of_bond
 from hybond.engine.mode.storage import co_energy_of, stiff
 from hybond.engine.mode.sum_records import (
     Sums,
@@ -130,7 +130,8 @@ def take_row(
                     return False  # it gives something as soon as that moves, but how much
                 if bent:
                     s.level.at[a] -= weight * slope * e.v[m.stored_slot + other]
-                add_entry(s, other, weight * slope, size * math.fabs(slope))
+                more = STORED if mode.settles_with[known] >= 0 and m.laws > 0 else 1.0
+                add_entry(s, other, weight * slope, more * size * math.fabs(slope))
         elif source >= mode.sources:
             if mode.rated[source - mode.sources] != 0 and not take_wave(e, s, source, weight):
                 return False

@@ -9,8 +9,10 @@ from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.methods.control import is_propagated
 from hybond.engine.methods.dopri import spacing
 from hybond.engine.methods.one_instant import LEAST, room_of_instant
+from hybond.engine.methods.rates_off import RATES
 from hybond.engine.methods.stepping import no_shorter, retry
 from hybond.engine.mode.mode_records import is_constrained
+from hybond.engine.run.guard_values import holds_at
 from hybond.engine.run.locate import locate
 from hybond.engine.run.locator import Locator
 from hybond.engine.run.together import (
@@ -74,7 +76,42 @@ def land(e: Engine, g: Locator, room: float, end: float, vain: int) -> int:
     if vain > 0 and vain <= FORWARD:
         g.at = min(g.at + LEAST * spacing(g.at) * math.pow(2.0, float(vain)), top)
     g.at = last_of_instant(e, g, g.at, top)
-    return REFUSED if g.failed else OK
+    if g.failed:
+        return REFUSED
+    return end_there(e, g) if is_unseen(e, g) else OK
+
+
+def is_unseen(e: Engine, g: Locator) -> bool:
+    """Whether something is over in the step so soon that its polynomial may know nothing of it."""
+    if g.tied or not knows_ends(e) or g.at >= e.step.t1 or g.at <= e.step.t0:
+        return False
+    if not e.exact.flow.norm * (e.step.t1 - e.step.t0) > RATES:
+        return False
+    # what holds where the step ends, too, has begun to hold
+    return not holds_any(e, g, e.step.t1)
+
+
+def holds_any(e: Engine, g: Locator, t: float) -> bool:
+    """Whether a guard holds at an instant of the step."""
+    for k in range(g.guards):
+        if holds_at(e, g, k, t):
+            return True
+    return False
+
+
+def end_there(e: Engine, g: Locator) -> int:
+    """End the step at the instant found, which is none if no guard holds in the motion itself.
+
+    While a picofarad settles behind a nano-ohm, a polynomial that satisfies the tolerance may have
+    its current negative for as long as next to no time.
+    """
+    if retry(e, g.at) != OK:
+        return REFUSED
+    g.looked = math.nan
+    g.found_at = math.nan
+    if not holds_any(e, g, g.at):
+        g.at = math.inf
+    return OK
 
 
 def shows_instants(e: Engine) -> bool:

@@ -79,7 +79,7 @@ def put_terms(e: Engine, mode: Mode, terms: Floats) -> None:
     for b in range(2 * m.bonds):
         terms[m.bond_slot + b] = e.work.sizes[b]
         if m.laws > 0:
-            terms[m.bond_slot + b] = max(e.work.sizes[b], reach_of_bond(e, mode, b))
+            terms[m.bond_slot + b] = max(e.work.sizes[b], reach_of_bond(e, mode, b, e.work.xi))
 
 
 def part_sizes(e: Engine, part: int, v: Floats, x: Floats, terms: Floats) -> None:

@@ -1,0 +1,157 @@
+"""What settles within a moment of the run: what a storage holds there is what others have it hold.
+
+A picofarad behind a milliohm has the voltage that it is charged to, and the rounding of that,
+however far the energy of a whole circuit would lift it; a gram behind a stiff damper has the speed
+of what pulls it. Several that are joined settle together: their difference at once, what they have
+in common when that has gone elsewhere. So all that hang together are solved for together, in one
+implicit step of Euler's over the moment,
+
+    (z - z0) / (moment*s) = C z,
+
+`z` being their efforts and flows, `s` the stiffness of each and `C` what rates have of them; with
+twice the digits, as their differences settle by many powers of ten faster.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from hybond.engine.algebra.blocks import fit, fit_places
+from hybond.engine.algebra.lu import REGULAR
+from hybond.engine.algebra.lu_twofold import lu_factor_twofold, lu_solve_twofold
+from hybond.engine.algebra.separate import first_of, unite
+from hybond.engine.algebra.twofold import add_part
+from hybond.engine.engine import Engine
+from hybond.engine.mode.cluster_records import Cluster
+from hybond.engine.mode.mode_records import Mode
+from hybond.engine.mode.storage import own_stiffness
+from hybond.engine.model import Model
+from hybond.engine.words import Floats
+
+MOMENT: Final = 1e-6
+"""Part of the run in which what settles has settled: no more than that is seen of it."""
+MOST: Final = 64
+"""Storages that are solved for together, at the most: more of them count as if none settled."""
+SLOW: Final = -1
+
+
+def rate_of(m: Model, k: int) -> int:
+    """Return the bond variable that is the rate of what port k stores."""
+    return m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 0 else 0)
+
+
+def find_settling(e: Engine, mode: Mode, v: Floats) -> None:
+    """Find which storages settle within a moment, and which of them hang together."""
+    m = e.model
+    rows = mode.finite
+    mode.any_settles = False
+    for k in range(m.storages):
+        times = 0.0
+        at = mode.same[rate_of(m, k)]
+        alone = m.stiff_first[k + 1] == m.stiff_first[k] + 1  # else other ports have part in it
+        for i in range(rows.first.at[at], rows.first.at[at + 1] if alone else 0):
+            if rows.column.at[i] == k:
+                times -= rows.value.at[i] * own_stiffness(m, k, v) * MOMENT * e.span
+        settles = times > 1.0 and math.isfinite(times)
+        mode.settles_with[k] = k if settles else SLOW
+        mode.any_settles = mode.any_settles or settles
+    for k in range(m.storages if mode.any_settles else 0):
+        at = mode.same[rate_of(m, k)]
+        for i in range(rows.first.at[at], rows.first.at[at + 1]):
+            j = rows.column.at[i]
+            if j < m.storages and mode.settles_with[k] != SLOW and mode.settles_with[j] != SLOW:
+                unite(mode.settles_with, k, j)
+    for k in range(m.storages if mode.any_settles else 0):
+        if mode.settles_with[k] != SLOW:
+            mode.settles_with[k] = first_of(mode.settles_with, k)
+
+
+def open_cluster(e: Engine, mode: Mode, c: Cluster, first: int, v: Floats) -> bool:
+    """Find the factors of those that settle with storage `first`; False if there are too many."""
+    m = e.model
+    c.many = 0
+    for k in range(m.storages):
+        if mode.settles_with[k] == first:
+            fit_places(c.member, c.many + 1)
+            c.member.at[c.many] = k
+            c.place.at[k] = c.many
+            c.many += 1
+    n = c.many
+    if n > MOST:
+        return False
+    fit(c.matrix, n * n)
+    fit(c.rest, n * n)
+    fit_places(c.row, n)
+    fit(c.solved, n)
+    fit(c.solved_rest, n)
+    fit(c.bound, n)
+    for i in range(n * n):
+        c.matrix.at[i] = 0.0
+        c.rest.at[i] = 0.0
+    for i in range(n):
+        add_part(c.matrix.at, c.rest.at, i * n + i, 1.0, slowness(e, c, i, v), 0.0)
+        put_row(mode, c, i, mode.same[rate_of(m, c.member.at[i])], m.storages)
+    return lu_factor_twofold(n, c.matrix.at, c.rest.at, c.row.at) == REGULAR
+
+
+def slowness(e: Engine, c: Cluster, i: int, v: Floats) -> float:
+    """Return what a change of the effort or flow of member i takes of its rate over the moment."""
+    return 1.0 / (MOMENT * e.span * math.fabs(own_stiffness(e.model, c.member.at[i], v)))
+
+
+def put_row(mode: Mode, c: Cluster, i: int, at: int, storages: int) -> None:
+    """Take what the rate of member i has of all members off its row."""
+    rows = mode.finite
+    n = c.many
+    for p in range(rows.first.at[at], rows.first.at[at + 1]):
+        k = rows.column.at[p]
+        if k < storages and mode.settles_with[k] == mode.settles_with[c.member.at[0]]:
+            to = i * n + c.place.at[k]
+            add_part(c.matrix.at, c.rest.at, to, -1.0, rows.value.at[p], rows.rest.at[p])
+
+
+def settle_unit(c: Cluster, j: int) -> bool:
+    """Put what a unit of rate at member j makes of all into `c.solved`; False if no numbers."""
+    for i in range(c.many):
+        c.solved.at[i] = 1.0 if i == j else 0.0
+        c.solved_rest.at[i] = 0.0
+    lu_solve_twofold(c.many, c.matrix.at, c.rest.at, c.row.at, c.solved.at, c.solved_rest.at)
+    finite = True
+    for i in range(c.many):
+        finite = finite and math.isfinite(c.solved.at[i])
+    return finite
+
+
+def bound_settling(e: Engine, mode: Mode, reach: Floats, v: Floats) -> None:
+    """Let what settles be no more than what it settles to.
+
+    `reach` has how large the effort or flow of each storage may be, in the same measure.
+    """
+    m = e.model
+    c = e.work.cluster
+    for first in range(m.storages if mode.any_settles else 0):
+        if mode.settles_with[first] != first or not open_cluster(e, mode, c, first, v):
+            continue
+        for i in range(c.many):
+            c.bound.at[i] = 0.0
+        finite = True
+        for j in range(c.many):
+            finite = finite and settle_unit(c, j)
+            given = slowness(e, c, j, v) * reach[c.member.at[j]] + from_slow(m, mode, c, j, reach)
+            for i in range(c.many):
+                c.bound.at[i] += math.fabs(c.solved.at[i]) * given
+        for i in range(c.many if finite else 0):
+            reach[c.member.at[i]] = min(reach[c.member.at[i]], c.bound.at[i])
+
+
+def from_slow(m: Model, mode: Mode, c: Cluster, j: int, reach: Floats) -> float:
+    """Return what the rate of member j has at the most of storages that do not settle."""
+    rows = mode.finite
+    at = mode.same[rate_of(m, c.member.at[j])]
+    total = 0.0
+    for p in range(rows.first.at[at], rows.first.at[at + 1]):
+        k = rows.column.at[p]
+        if k < m.storages and mode.settles_with[k] == SLOW:
+            total += math.fabs(rows.value.at[p]) * reach[k]
+    return total

@@ -1,0 +1,166 @@
+"""Diodes whose resistance is next to nothing block when their current ends, by their own rounding.
+
+What a source would drive through a nano-ohm in a moment, were nothing charged by it, is no energy
+that rounding is measured by; nor is what all energy of a circuit would make of a picofarad that a
+resistor keeps at the voltage of the others. Amperes were taken for rounding, and a diode carried
+hundreds of them backwards. Closed forms.
+"""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+import hybond as hb
+
+OMEGA = 100.0 * math.pi
+PEAK = 10.0
+STORED = {
+    "alone": ("C", "n -> C", "C = { C = 1e-3 }"),
+    "turned": ("C", "n -> C", "C = { C = 1e-3 }"),
+    "behind a transformer": ("C", "n -> T -> C", "T = { TF = 10 }\nC = { C = 0.1 }"),
+    "behind a gyrator": ("I", "n -> G -> I", "G = { GY = 100 }\nI = { I = 10 }"),
+}
+
+
+def rectifier(resistance: float, stored: str, amplitude: float) -> str:
+    """A sine, a diode and 1 mF beside 100 ohm."""
+    _, bond, lines = STORED[stored]
+    resistor = "R -> d" if stored == "turned" else "d -> R"
+    return f"""
+hybond = 1
+[elements]
+V = {{ Se = "{amplitude!r}*sin({OMEGA!r}*time/(1 [s]))" }}
+d = {{ junction = 1, law = "diode" }}
+R = {{ R = {resistance!r} }}
+n = {{ junction = 0 }}
+{lines}
+L = {{ R = 100.0 }}
+[graph]
+bonds = ["V -> d -> n", "{resistor}", "{bond}", "n -> L"]
+"""
+
+
+@pytest.mark.parametrize("amplitude", [PEAK, 1e-6])
+@pytest.mark.parametrize("stored", STORED)
+@pytest.mark.parametrize("resistance", [1e-6, 1e-9])
+def test_a_rectifier_blocks_once_a_period(resistance: float, stored: str, amplitude: float) -> None:
+    run = hb.simulate(hb.loads(rectifier(resistance, stored, amplitude)), until=0.05)
+    ends = (math.pi - math.atan(OMEGA * 0.1)) / OMEGA
+    blocked = [e.t for e in run.events if e.steps[-1].fired[-1].target == "blocks"]
+    # rounding of what two voltages differ by, times ten, drives that much
+    rounding = 2e-12 * amplitude / resistance
+    late = 2.0 * rounding / (1e-3 * amplitude * OMEGA**2)
+    assert len(blocked) == 3
+    assert blocked == pytest.approx([ends + k * 0.02 for k in range(3)], abs=1e-7 + late, rel=0)
+    assert run.audit().holds()
+
+
+def beside_a_small_one(resistance: float, small: float, before: float, amplitude: float) -> str:
+    """A half-wave rectifier of 1 mF and 1 ohm, a small capacitor where its diode is fed."""
+    return f"""
+hybond = 1
+[elements]
+V = {{ Se = "{325.0 * amplitude!r}*sin({OMEGA!r}*time/(1 [s]))" }}
+s = {{ junction = 1 }}
+B = {{ R = {before!r} }}
+a = {{ junction = 0 }}
+P = {{ C = {small!r} }}
+d = {{ junction = 1, law = "diode" }}
+R = {{ R = {resistance!r} }}
+n = {{ junction = 0 }}
+C = {{ C = 1e-3 }}
+L = {{ R = 1.0 }}
+[graph]
+bonds = ["V -> s -> a -> d -> n", "s -> B", "a -> P", "d -> R", "n -> C", "n -> L"]
+"""
+
+
+@pytest.mark.parametrize(
+    ("small", "before", "amplitude"),
+    [(1e-12, 0.1, 1.0), (1e-9, 0.0047, 1.0), (1e-9, 0.0047, 1e-7), (1e-4, 0.1, 1e6)],
+)
+@pytest.mark.parametrize("resistance", [1e-3, 1e-6, 1e-9])
+def test_a_diode_fed_beside_a_small_capacitor_carries_nothing_back(
+    resistance: float, small: float, before: float, amplitude: float
+) -> None:
+    model = hb.loads(beside_a_small_one(resistance, small, before, amplitude))
+    run = hb.simulate(model, until=0.04)
+    flows = run.sample([0.0005 + 0.00097 * k for k in range(40)], "d.f")["d.f"]
+    assert run.status == "ok"
+    assert min(flows) > -1e-3 * amplitude
+    assert max(flows) > 100.0 * amplitude
+    assert len(run.events) == 4
+
+
+def reversals(until: float) -> list[float]:
+    """When 1 kg that 2*sin(3*t) pushes over dry friction of 0.5 begins to move, and turns round."""
+    begins = math.asin(0.25) / 3.0
+    found = [begins]
+    way = 1.0
+    while True:
+
+        def speed(t: float, since: float = found[-1], way: float = way) -> float:
+            pushed = 2.0 / 3.0 * (math.cos(3.0 * since) - math.cos(3.0 * t))
+            return way * pushed - 0.5 * (t - since)
+
+        low = found[-1] + 0.05
+        while speed(low) > 0.0:
+            low += 0.05
+        high, low = low, low - 0.05
+        for _ in range(60):
+            middle = 0.5 * (low + high)
+            low, high = (middle, high) if speed(middle) > 0.0 else (low, middle)
+        if low > until:
+            return found
+        assert abs(2.0 * math.sin(3.0 * low)) > 0.5  # it goes on at once
+        found.append(low)
+        way = -way
+
+
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize("light", [1e-12, 1e-6])
+@pytest.mark.parametrize("damper", [1e6, 1e9])
+def test_a_light_block_behind_a_stiff_damper_turns_round_with_what_pulls_it(
+    damper: float, light: float, turned: bool
+) -> None:
+    model = hb.Model("x", domain="translational")
+    model.add(F=hb.Se("2*sin(3*time)"), a=hb.One(), M=hb.I(1.0), z=hb.Zero(), o=hb.One())
+    model.add(b=hb.R(damper), l=hb.One(law="coulomb", limit=0.5), m=hb.I(light))
+    model.bond("F -> a", "a -> M", "a -> z -> l", "z -> o", "l -> m")
+    model.bond("b -> o" if turned else "o -> b")
+    run = hb.simulate(model, until=10.0)
+    times: list[float] = []
+    for event in run.events[1:]:
+        if not times or event.t > times[-1] + 1e-3:
+            times.append(event.t)
+    assert times == pytest.approx(reversals(10.0), abs=2e-6)
+
+
+@pytest.mark.parametrize("solver", ["auto", "radau"])
+@pytest.mark.parametrize(
+    ("joined", "first", "second", "current", "resistance"),
+    [
+        (1e-9, 1e-6, 1e-6, 1e-6, 1e-3),
+        (1e-6, 1e-3, 1e-9, 1.0, 1e-9),
+        (1e-6, 1e-6, 1e-12, 1.0, 1e-9),
+        (1e-3, 1e-3, 1e-9, 1.0, 1e-9),
+    ],
+)
+def test_capacitors_that_next_to_nothing_joins_let_a_diode_go_together(
+    joined: float, first: float, second: float, current: float, resistance: float, solver: str
+) -> None:
+    whole = first + second
+    third = whole / current  # when a current has charged both to 1 V
+    m = hb.Model("n", domain="electrical")
+    m.add(a=hb.Zero(), b=hb.Zero(), c1=hb.C(first), c2=hb.C(second), k=hb.One(), r=hb.R(joined))
+    m.add(d=hb.One(law="diode"), rd=hb.R(resistance), E=hb.Se(1.0))
+    m.add(s=hb.Sf(f"if time < {2.0 * third!r} [s] then {current} [A] else {-current} [A]"))
+    m.bond("s -> a -> c1", "b -> c2", "b -> d -> E", "d -> rd", "a -> k -> b", "k -> r")
+    run = hb.simulate(m, until=3.0 * third, solver=solver)
+    times = [e.t / third for e in run.events[1:]]
+    assert times == pytest.approx([1.0, 2.0], abs=2e-3)
+    assert float(run["d.f"].at(1.5 * third)) == pytest.approx(current, rel=1e-4)
+    assert abs(float(run["d.f"].at(2.7 * third))) < 1e-6 * current
+    assert abs(float(run["c2.e"].at(3.0 * third))) < 2e-3
