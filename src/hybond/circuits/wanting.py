@@ -9,8 +9,7 @@ from hybond.circuits.deck import Deck
 from hybond.circuits.measured import Instant, Time, Wanted
 from hybond.circuits.measures import Crossing, Measure
 from hybond.circuits.opened import Opened, global_value
-from hybond.circuits.steps import Step
-from hybond.circuits.transient import NONE
+from hybond.circuits.transient import NONE, Step
 from hybond.circuits.woven import Woven
 from hybond.model.expressions import Expr
 

@@ -13,8 +13,8 @@ from hybond.cli.lists import check_experiment, run_until
 from hybond.cli.netlists import in_words_of, read_model
 from hybond.cli.outputs import TABLES
 from hybond.cli.record import VERSION, to_json
-from hybond.cli.run_words import options_given
 from hybond.cli.settings import changed_with
+from hybond.cli.shared_words import options_given
 from hybond.cli.streams import complain, say
 from hybond.errors import NumericsError, UsageError
 from hybond.names import in_columns

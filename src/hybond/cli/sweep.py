@@ -18,8 +18,8 @@ from hybond.cli.lists import check_experiment, check_signals, run_until, split
 from hybond.cli.netlists import aside_of, in_words_of, read_model
 from hybond.cli.record import VERSION, to_json
 from hybond.cli.refusal import refusal_of
-from hybond.cli.run_words import options_given
 from hybond.cli.settings import changed_with
+from hybond.cli.shared_words import options_given
 from hybond.cli.streams import complain, say
 from hybond.cli.targets import check_target
 from hybond.cli.vary import columns

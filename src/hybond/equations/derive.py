@@ -7,9 +7,9 @@ from typing import Any, TypeVar
 
 from hybond.calls import called
 from hybond.equations.booleans import Naming
+from hybond.equations.element_parts import parameter_values
 from hybond.equations.element_rows import laws_of
 from hybond.equations.mixed import MixedRow, cleared, closing_row, mixed_row
-from hybond.equations.parameters import parameter_values
 from hybond.equations.regions import Region, regions_of
 from hybond.equations.ring import Numbers, Ring, Row, Symbols
 from hybond.equations.state_form import StateEquations

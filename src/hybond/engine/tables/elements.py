@@ -14,8 +14,7 @@ from hybond.errors import ModelError
 from hybond.model.expressions import Bool, Expr, Number, names
 from hybond.model.graph import FlatGraph, Machine, Node
 from hybond.model.inputs import Constant, Pwm, Timetable
-from hybond.model.interval import discrete_names
-from hybond.model.kinds import STORAGES
+from hybond.model.kinds import RESISTORS, STORAGES, TWO_PORTS
 
 MANY = 1024
 """Ways in which what is constant in a mode may select what one element says."""
@@ -163,3 +162,22 @@ def levels_of(g: FlatGraph, k: int) -> list[float]:
         return [waveform.high, waveform.low]
     assert isinstance(waveform, Timetable)
     return list(dict.fromkeys(waveform.values))
+
+
+def discrete_names(graph: FlatGraph) -> tuple[str, ...]:
+    """Return the names of such inputs and comparisons of time that enter moduli or resistor laws.
+
+    They select a configuration: with them constant, so are those rows.
+    """
+    held = {
+        f"u:{i.index}"
+        for i in graph.inputs
+        if isinstance(i.waveform, Constant | Pwm)
+        or (isinstance(i.waveform, Timetable) and not i.waveform.linear)
+    }
+    found: set[str] = set()
+    for node in graph.nodes:
+        if node.law is not None and node.kind in TWO_PORTS + RESISTORS:
+            for e in node.law.expressions:
+                found |= {n for n in names(e) if n in held or n.startswith("at:")}
+    return tuple(sorted(found))
