@@ -19,7 +19,7 @@ from hybond.circuits.formulas import read_formula
 from hybond.circuits.measures import Measure, read_measure
 from hybond.circuits.notices import Line, Notices
 from hybond.circuits.reading import read_lines
-from hybond.circuits.transient import Step, Transient, read_step, read_transient
+from hybond.circuits.transient import StepLine, Transient, read_step, read_transient
 from hybond.errors import FileError
 from hybond.model.expressions import Expr
 from hybond.names import did_you_mean
@@ -121,7 +121,7 @@ class Deck:
     currents: list[tuple[str, Expr, Line]] = field(default_factory=list)
     """Of ``.ic``: coil, current."""
     measures: list[Measure] = field(default_factory=list)
-    steps: list[Step] = field(default_factory=list)
+    steps: list[StepLine] = field(default_factory=list)
     outputs: list[tuple[str, Line]] = field(default_factory=list)
     """Of ``.print`` and the like: one expression each, as written."""
 

@@ -77,7 +77,7 @@ def read_transient(rest: str, line: Line, notices: Notices) -> Transient:
 
 
 @dataclass(frozen=True, slots=True)
-class Step:
+class StepLine:
     """A ``.step`` line, its values as they are written."""
 
     name: str
@@ -90,7 +90,7 @@ class Step:
     """All of a list; else first, last, and distance or number."""
 
 
-def read_step(rest: str, line: Line) -> Step:
+def read_step(rest: str, line: Line) -> StepLine:
     """Return what a ``.step`` line says.
 
     Raises
@@ -121,4 +121,4 @@ def read_step(rest: str, line: Line) -> Step:
         raise line.refuse(
             "a range has three numbers", code="HB-F130", hint="first, last, distance (or number)"
         )
-    return Step(name, words[1], line, form, tuple(read_formula(w, line) for w in given))
+    return StepLine(name, words[1], line, form, tuple(read_formula(w, line) for w in given))

@@ -9,7 +9,7 @@ import numpy as np
 from hybond.draw.measure import shorten
 from hybond.draw.of_sweeps import NONE, Axis, OutcomeMap, Spread
 from hybond.draw.plots import new_figure, write_figure
-from hybond.draw.scales import axis_scale
+from hybond.draw.scales import axis_scale, plain_axes
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -137,11 +137,8 @@ def draw_family(table: Any, found: Spread, *, path: Any = None) -> Figure:
     ax.set_xlabel(f"time [{time_label}]", fontsize=9.5)
     named = f"{found.signal} [{found.unit}]" if found.unit else found.signal
     ax.set_ylabel(shorten(named, 9.5, 240.0), fontsize=9.5, parse_math=False)
-    ax.tick_params(labelsize=8)
-    ax.grid(visible=True, axis="y", color="#e6e6e6", linewidth=0.6)
+    plain_axes(ax)
     ax.set_axisbelow(True)
-    for side in ("top", "right"):
-        ax.spines[side].set_visible(False)
     ax.legend(loc="upper left", bbox_to_anchor=(1.01, 1.02), frameon=False, fontsize=8.5)
     title = shorten(str(table.title), 10.5, 480.0)
     figure.text(0.11, 0.93, title, fontsize=10.5, fontweight="bold", va="center", parse_math=False)

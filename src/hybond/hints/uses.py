@@ -50,10 +50,9 @@ def used_in(text: str) -> set[str]:
     return found
 
 
-def texts_of(model: Model, *, parameters: bool = True) -> Iterator[str]:
+def texts_of(model: Model) -> Iterator[str]:
     """Yield all texts of a model that are read as expressions, those for submodels too."""
-    if parameters:
-        yield from _texts(model.parameters)
+    yield from _texts(model.parameters)
     yield from index_texts(model)
     for part in model.elements.values():
         if isinstance(part, Part):

@@ -40,7 +40,7 @@ def put_elements(t: ModelTables) -> None:
     for node in g.nodes:
         if node.is_junction or node.kind in STORAGES:
             continue
-        read = _selecting(g, node, discrete)
+        read = _selecting(node, discrete)
         (open_ if read or node.controlled else steady).append(node)
     elements = steady + open_
     t.numbers.update(elements=len(elements), steady=len(steady))
@@ -80,7 +80,7 @@ def _said(part: Part) -> tuple[Any, ...]:
     return len(part.power), tuple(rows), tuple(dynamic), part.source, part.steady
 
 
-def _selecting(g: FlatGraph, node: Node, discrete: tuple[str, ...]) -> list[str]:
+def _selecting(node: Node, discrete: tuple[str, ...]) -> list[str]:
     """Return the names in an element's law that are constant in a configuration."""
     assert node.law is not None
     read: set[str] = set().union(*(names(e) for e in node.law.expressions))
@@ -96,7 +96,7 @@ def _variants(
 ) -> tuple[list[tuple[int, int, int]], list[Part]]:
     """Return what selects the part of an element, and its parts in that order."""
     g = t.graph
-    read = _selecting(g, node, discrete)
+    read = _selecting(node, discrete)
     machines = {int(n.split(":")[1]) for n in read if n.startswith("in:")}
     machines |= {owners[int(n.split(":")[1])].index for n in read if n.startswith("on:")}
     if node.controlled:
