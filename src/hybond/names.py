@@ -165,6 +165,26 @@ def in_columns(
     return ["  ".join(map(justified, row, widths)).rstrip() for row in table]
 
 
+def numbers_in_columns(rows: Iterable[Sequence[str]], *, words: Sequence[int]) -> list[str]:
+    """Return rows as indented lines: columns of `words` from the left, numbers to the right.
+
+    Examples
+    --------
+    >>> numbers_in_columns([("", "value"), ("v.f", "1"), ("m.p", "12.5")], words=[0])
+    ['       value', '  v.f      1', '  m.p   12.5']
+    """
+    table = list(rows)
+    widths = [max(map(len, column)) for column in zip(*table)]
+    return [
+        "  "
+        + "  ".join(
+            word.ljust(wide) if k in words else word.rjust(wide)
+            for k, (word, wide) in enumerate(zip(row, widths))
+        ).rstrip()
+        for row in table
+    ]
+
+
 def html_table(rows: Iterable[Sequence[str]], head: Sequence[str] = ()) -> str:
     """Return rows of words as a table of HTML, under a head if there is one.
 

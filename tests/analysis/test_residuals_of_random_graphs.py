@@ -19,7 +19,7 @@ from scipy.linalg import null_space
 
 import hybond as hb
 from hybond.analysis.residuals.residuals import Residuals, residuals
-from hybond.equations.parameters import parameter_values
+from hybond.equations.element_parts import parameter_values
 from hybond.model.expressions import Number, names, simplify, substitute
 from hybond.model.laws import Law
 

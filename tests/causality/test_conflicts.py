@@ -5,7 +5,7 @@ from mode_strokes import mode_dependent
 
 from hybond.causality.assign import assign
 from hybond.causality.explain import chain, conflict_error, describe_conflict
-from hybond.causality.modes import changed
+from hybond.causality.record import changed
 from hybond.errors import CausalityError
 
 

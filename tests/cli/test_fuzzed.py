@@ -21,7 +21,7 @@ from hybond.files.parse import parse
 from hybond.files.place import Source
 from hybond.fitting.data import read_data
 from hybond.names import did_you_mean
-from hybond.studio.phase import phase
+from hybond.studio.curves import phase
 from hybond.studio.session import Session
 from hybond.sweep.folder import Folder
 from hybond.sweep.part import Part

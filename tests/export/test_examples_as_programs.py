@@ -21,7 +21,7 @@ from export.programs import (
 )
 
 import hybond as hb
-from hybond.export.fmu.package import unit_of
+from hybond.export.fmu.package import functional_unit
 
 FEW = ["bouncing_rod", "buck", "cam_follower", "half_wave_rectifier"]
 """Examples that are compiled each time: between them they need most of the engine."""
@@ -80,7 +80,9 @@ def test_clang_has_nothing_to_say(name: str, tmp_path: Path) -> None:
     for kind, style in (("program", STYLE), ("unit", [*STYLE, "-Wno-missing-prototypes"])):
         source = tmp_path / f"{kind}.c"
         model = example(name)
-        text = hb.export(model, to="c") if kind == "program" else unit_of(model, fmi="3.0")[1]
+        text = (
+            hb.export(model, to="c") if kind == "program" else functional_unit(model, fmi="3.0")[1]
+        )
         source.write_text(text, encoding="utf-8")
         flags = ["-std=c99", "-fsyntax-only", "-Weverything", "-Werror", *style]
         subprocess.run([*clang, *flags, source], check=True)

@@ -40,13 +40,11 @@ class Grafted:
     inside: frozenset[int] = frozenset()
 
 
-def with_resistor(before: Grafted, place: Place, *, value: float = 1.0, side: int = -1) -> Grafted:
-    """Return the graph with a resistor at `place`.
+def with_resistor(before: Grafted, place: Place, *, side: int = -1) -> Grafted:
+    """Return the graph with a resistor of 1, SI, at `place`.
 
     Parameters
     ----------
-    value : float
-        Its resistance, SI.
     side : int
         When a bond is split: the node whose half of the bond counts as inside.
 
@@ -87,7 +85,7 @@ def with_resistor(before: Grafted, place: Place, *, value: float = 1.0, side: in
     resistor, last = len(nodes), len(bonds)
     path = _new_name(f"r{number}", graph.by_path)
     domain = nodes[at].domain
-    law = Law("e", (Binary("*", Number(value), Name("law:f")),), ((value,),))
+    law = Law("e", (Binary("*", Number(1.0), Name("law:f")),), ((1.0,),))
     nodes.append(Node(resistor, path, "R", (End(last, True, 0),), domain, law))
     bonds.append(Bond(last, at, resistor, f"{nodes[at].path} -> {path}", domain))
     junction = nodes[at]

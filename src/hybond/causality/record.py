@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Literal
 
+from hybond.model.graph import FlatGraph
 from hybond.model.kinds import Variable
 from hybond.records import dataclass
 
@@ -123,3 +124,8 @@ class Causality:
         while (bond := self.reasons[bond].parent) >= 0:
             found.append(bond)
         return tuple(reversed(found))
+
+
+def changed(graph: FlatGraph, a: Causality, b: Causality) -> tuple[int, ...]:
+    """Return the bonds of `graph` whose stroke differs between `a` and `b`."""
+    return tuple(k.index for k in graph.bonds if a.strokes[k.index] != b.strokes[k.index])

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True, slots=True)
-class Block:
+class BranchBlock:
     """Branches, by index, and the node through which they hang on the rest."""
 
     reference: int
@@ -21,7 +21,7 @@ class Block:
 
 def blocks(
     count: int, edges: Sequence[tuple[int, int]], ground: int
-) -> tuple[list[Block], set[int]]:
+) -> tuple[list[BranchBlock], set[int]]:
     """Return the blocks of a multigraph, and the nodes that ground does not reach.
 
     Parameters
@@ -33,7 +33,7 @@ def blocks(
 
     Returns
     -------
-    blocks : list of Block
+    blocks : list of BranchBlock
         By Hopcroft and Tarjan, with a stack of its own: a circuit may be a long ladder.
     apart : set of int
 
@@ -51,7 +51,7 @@ def blocks(
         at[b].append((a, k))
     order = [-1] * count
     low = [0] * count
-    found: list[Block] = []
+    found: list[BranchBlock] = []
     open_edges: list[int] = []
     pushed = [0] * len(edges)
     order[ground] = low[ground] = 0
@@ -68,7 +68,7 @@ def blocks(
             low[parent] = min(low[parent], low[node])
             if low[node] >= order[parent]:
                 cut = pushed[came]
-                found.append(Block(parent, tuple(sorted(open_edges[cut:]))))
+                found.append(BranchBlock(parent, tuple(sorted(open_edges[cut:]))))
                 del open_edges[cut:]
             continue
         other, edge = step

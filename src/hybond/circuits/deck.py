@@ -7,14 +7,19 @@ import re
 from dataclasses import dataclass, field
 
 from hybond.circuits.behaviour import plainly
-from hybond.circuits.cards import WITHOUT_MEANING, Card, options_of, read_card, words_of
+from hybond.circuits.cards import (
+    WITHOUT_MEANING,
+    Card,
+    options_of,
+    read_card,
+    with_parasitics,
+    words_of,
+)
 from hybond.circuits.formulas import read_formula
 from hybond.circuits.measures import Measure, read_measure
 from hybond.circuits.notices import Line, Notices
-from hybond.circuits.parasitics import with_parasitics
 from hybond.circuits.reading import read_lines
-from hybond.circuits.steps import Step, read_step
-from hybond.circuits.transient import Transient, read_transient
+from hybond.circuits.transient import StepLine, Transient, read_step, read_transient
 from hybond.errors import FileError
 from hybond.model.expressions import Expr
 from hybond.names import did_you_mean
@@ -116,7 +121,7 @@ class Deck:
     currents: list[tuple[str, Expr, Line]] = field(default_factory=list)
     """Of ``.ic``: coil, current."""
     measures: list[Measure] = field(default_factory=list)
-    steps: list[Step] = field(default_factory=list)
+    steps: list[StepLine] = field(default_factory=list)
     outputs: list[tuple[str, Line]] = field(default_factory=list)
     """Of ``.print`` and the like: one expression each, as written."""
 

@@ -1,13 +1,16 @@
-"""Expressions of netlists: read, evaluated and written as hybond writes them; never run as code."""
+"""Expressions of netlists: read, evaluated and written as hybond writes them; never run as code.
+
+`MADE` has the functions of other simulators that are made of ours.
+"""
 
 from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import pairwise
+from typing import Final
 
-from hybond.circuits.made_functions import MADE
 from hybond.circuits.notices import Line
 from hybond.circuits.numerals import NUMERAL, is_ambiguous, numeral, scaled
 from hybond.errors import FileError
@@ -59,12 +62,67 @@ _BINDS = {
 _ALIASES = {"ln": "log", "sgn": "sign", "arctan": "atan", "pow": "^", "ternary_fcn": "if"}
 _ALIASES |= {"arcsin": "asin", "arccos": "acos", "stp": "u", "nint": "round"}
 _ARGUMENTS = {name: least for name, (least, _) in FUNCTIONS.items() if name != "mod"}
-_ARGUMENTS |= {"^": 2, "if": 3, "u": 1, "uramp": 1, "limit": 3}
-_ARGUMENTS |= {name: many for name, (many, _) in MADE.items()}
 _PARTNERS = {"(": ")", "{": "}"}
 """Braces stand around the whole, or around parameters in an expression of voltages."""
 _LINES = ("table", "pwl")
 """Functions of an argument and points; ``pwl`` goes on with the slopes at its ends."""
+
+
+def _whole(x: Expr) -> Expr:
+    """Return a number without what is behind its point."""
+    return Binary("*", Call("sign", (x,)), Call("floor", (Call("abs", (x,)),)))
+
+
+def _rounded(x: Expr) -> Expr:
+    return Call("floor", (Binary("+", x, Number(0.5)),))
+
+
+def _signed_power(x: Expr, y: Expr) -> Expr:
+    """Return a power of the magnitude, with the sign."""
+    return Binary("*", Call("sign", (x,)), Binary("^", Call("abs", (x,)), y))
+
+
+def _is_true(x: Expr) -> Expr:
+    """Return 1 for what is above one half, as gates of LTspice see it."""
+    return If(Compare(">", x, Number(0.5)), Number(1.0), Number(0.0))
+
+
+def _is_false(x: Expr) -> Expr:
+    return If(Compare(">", x, Number(0.5)), Number(0.0), Number(1.0))
+
+
+def _asinh(x: Expr) -> Expr:
+    """Return the inverse of sinh, for large numbers of either sign alike."""
+    size = Call("abs", (x,))
+    root = Call("sqrt", (Binary("+", Binary("*", x, x), Number(1.0)),))
+    return Binary("*", Call("sign", (x,)), Call("log", (Binary("+", size, root),)))
+
+
+def _acosh(x: Expr) -> Expr:
+    root = Call("sqrt", (Binary("-", Binary("*", x, x), Number(1.0)),))
+    return Call("log", (Binary("+", x, root),))
+
+
+def _atanh(x: Expr) -> Expr:
+    parts = Binary("/", Binary("+", Number(1.0), x), Binary("-", Number(1.0), x))
+    return Binary("*", Number(0.5), Call("log", (parts,)))
+
+
+MADE: Final[Mapping[str, tuple[int, Callable[..., Expr]]]] = {
+    "int": (1, _whole),
+    "round": (1, _rounded),
+    "pwrs": (2, _signed_power),
+    "buf": (1, _is_true),
+    "inv": (1, _is_false),
+    "asinh": (1, _asinh),
+    "acosh": (1, _acosh),
+    "atanh": (1, _atanh),
+}
+"""Of how many arguments each is, and how it is written."""
+
+
+_ARGUMENTS |= {"^": 2, "if": 3, "u": 1, "uramp": 1, "limit": 3}
+_ARGUMENTS |= {name: many for name, (many, _) in MADE.items()}
 
 
 def read_formula(text: str, line: Line) -> Expr:

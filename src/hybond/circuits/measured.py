@@ -19,7 +19,7 @@ Time = float | Expr
 
 
 @dataclass(frozen=True, slots=True)
-class Instant:
+class Moment:
     """A time, or a crossing of zero of a signal."""
 
     signal: str
@@ -43,7 +43,7 @@ class Wanted:
         Of the model, without a unit; empty if none is measured.
     begin, end : float or Expr
         The stretch of time, s; infinite ends are those of the run.
-    when, until : Instant or None
+    when, until : Moment or None
     formula : Expr or None
         Of measurements before it and of `constants`.
     constants : tuple
@@ -55,8 +55,8 @@ class Wanted:
     signal: str = ""
     begin: Time = -math.inf
     end: Time = math.inf
-    when: Instant | None = None
-    until: Instant | None = None
+    when: Moment | None = None
+    until: Moment | None = None
     formula: Expr | None = None
     constants: tuple[tuple[str, str, float], ...] = ()
 
@@ -156,7 +156,7 @@ def _time(given: Time, known: Mapping[str, float]) -> float:
     return given if isinstance(given, float) else evaluate(given, known)
 
 
-def _instant(run: Result, instant: Instant, known: Mapping[str, float]) -> float | None:
+def _instant(run: Result, instant: Moment, known: Mapping[str, float]) -> float | None:
     """Return the time of an instant, None if the run has no such one."""
     if not instant.signal:
         return _time(instant.at, known)

@@ -10,8 +10,6 @@ from hybond.circuits.formulas import read_formula
 from hybond.circuits.notices import Line
 from hybond.model.expressions import Expr, Number
 
-OVER = ("avg", "rms", "min", "max", "pp", "integ", "max_at", "min_at")
-"""Kinds over a stretch of time."""
 _HEAD = re.compile(
     r"(?:tran\s+)?(\w+)\s+(avg|rms|min|max|pp|integ|integral|max_at|min_at|find|deriv|when|trig"
     r"|param)\b\s*=?\s*(.+)\Z",
@@ -47,7 +45,9 @@ class Measure:
     Parameters
     ----------
     kind : str
-        Of `OVER`, or ``"find"``, ``"deriv"``, ``"when"``, ``"trig"``, ``"param"``.
+        Over a stretch of time ``"avg"``, ``"rms"``, ``"min"``, ``"max"``, ``"pp"``, ``"integ"``,
+        ``"max_at"`` or ``"min_at"``; else ``"find"``, ``"deriv"``, ``"when"``, ``"trig"`` or
+        ``"param"``.
     law : Law or None
         The expression that is measured.
     begin, end : Expr or None

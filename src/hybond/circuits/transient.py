@@ -1,7 +1,8 @@
-"""``.tran``: how long a run lasts, where its output points are, and from where it starts."""
+"""``.tran``: how long a run lasts, where its output points are, from where it starts; ``.step``."""
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 
 from hybond.circuits.cards import words_of
@@ -73,3 +74,51 @@ def read_transient(rest: str, line: Line, notices: Notices) -> Transient:
         if len(times) == 4 and times[3] != Number(0.0):
             step = times[3]
     return Transient(line, step, stop, "uic" in flags, edge, "startup" in flags, start)
+
+
+@dataclass(frozen=True, slots=True)
+class StepLine:
+    """A ``.step`` line, its values as they are written."""
+
+    name: str
+    """In lower case."""
+    written: str
+    line: Line
+    form: str
+    """``"list"``, ``"lin"``, ``"dec"`` or ``"oct"``."""
+    values: tuple[Expr, ...]
+    """All of a list; else first, last, and distance or number."""
+
+
+def read_step(rest: str, line: Line) -> StepLine:
+    """Return what a ``.step`` line says.
+
+    Raises
+    ------
+    FileError
+        HB-F131, HB-F137 (what is stepped is no parameter).
+
+    Examples
+    --------
+    >>> line = Line("x.net", 1, "")
+    >>> read_step("param R list 10 20", line).form, read_step("dec param C 1n 1u 5", line).form
+    ('list', 'dec')
+    """
+    words = [w for w in words_of(rest, line) if w not in "()"]
+    form = "lin"
+    if words and words[0].lower() in ("lin", "dec", "oct"):
+        form = words.pop(0).lower()
+    if len(words) < 3 or words[0].lower() != "param" or not re.fullmatch(r"\w+", words[1]):
+        raise line.refuse(
+            "what is stepped is no parameter",
+            code="HB-F137",
+            hint=".step param R 10 100 10, and {R} where it is used",
+        )
+    name, given = words[1].lower(), words[2:]
+    if given[0].lower() in ("list", "lin", "dec", "oct"):
+        form = given.pop(0).lower()
+    if form != "list" and len(given) != 3:
+        raise line.refuse(
+            "a range has three numbers", code="HB-F130", hint="first, last, distance (or number)"
+        )
+    return StepLine(name, words[1], line, form, tuple(read_formula(w, line) for w in given))

@@ -6,11 +6,10 @@ import math
 from collections.abc import Mapping
 
 from hybond.circuits.deck import Deck
-from hybond.circuits.measured import Instant, Time, Wanted
+from hybond.circuits.measured import Moment, Time, Wanted
 from hybond.circuits.measures import Crossing, Measure
 from hybond.circuits.opened import Opened, global_value
-from hybond.circuits.steps import Step
-from hybond.circuits.transient import NONE
+from hybond.circuits.transient import NONE, StepLine
 from hybond.circuits.woven import Woven
 from hybond.model.expressions import Expr
 
@@ -53,13 +52,13 @@ def _wanted(
 
     since = time(kept, -math.inf)
 
-    def instant(crossing: Crossing | None) -> Instant | None:
+    def instant(crossing: Crossing | None) -> Moment | None:
         if crossing is None:
             return None
         signal = "" if crossing.law is None else woven.laws[crossing.law]
         after = time(crossing.after, 0.0)
         at = time(crossing.at, 0.0)
-        return Instant(signal, crossing.edge, crossing.count, after, at, since)
+        return Moment(signal, crossing.edge, crossing.count, after, at, since)
 
     return Wanted(
         one.name,
@@ -74,7 +73,7 @@ def _wanted(
     )
 
 
-def values_of(step: Step, opened: Opened) -> tuple[float, ...]:
+def values_of(step: StepLine, opened: Opened) -> tuple[float, ...]:
     """Return the values of a ``.step``.
 
     Raises
@@ -101,7 +100,7 @@ def values_of(step: Step, opened: Opened) -> tuple[float, ...]:
     return tuple(first * base ** (k / third) for k in range(math.floor(count + 1e-9) + 1))
 
 
-def _none(step: Step) -> Exception:
+def _none(step: StepLine) -> Exception:
     return step.line.refuse(
         "a range without values, or with too many", code="HB-F140", hint="first, last, distance"
     )

@@ -18,17 +18,29 @@ from collections.abc import Callable
 from typing import Any, NoReturn
 
 from hybond._version import __version__
-from hybond.cli.analysis_words import analyse_words, equations_words
-from hybond.cli.bifurcation_words import bifurcation_words
-from hybond.cli.fit_words import fit_words
-from hybond.cli.linear_words import linearise_words
-from hybond.cli.measure_words import measure_words
 from hybond.cli.misfits import in_words, unknown_option
-from hybond.cli.periodic_words import periodic_words
-from hybond.cli.plan_words import sweep_words
-from hybond.cli.run_words import limits_words, option_word, settings_words, solver_words
-from hybond.cli.shared_words import diode_word, file_word, input_word, json_word, picture_word
+from hybond.cli.shared_words import (
+    diode_word,
+    file_word,
+    input_word,
+    json_word,
+    limits_words,
+    option_word,
+    picture_word,
+    settings_words,
+    solver_words,
+)
 from hybond.cli.streams import say
+from hybond.cli.verb_words import (
+    analyse_words,
+    bifurcation_words,
+    equations_words,
+    fit_words,
+    linearise_words,
+    measure_words,
+    periodic_words,
+    sweep_words,
+)
 from hybond.errors import UsageError
 from hybond.names import did_you_mean
 from hybond.options import MADE

@@ -12,8 +12,8 @@ from hybond.cli.netlists import read_model
 from hybond.cli.outputs import PICTURES
 from hybond.cli.plans import factors_of
 from hybond.cli.record import VERSION, to_json
-from hybond.cli.run_words import options_given
 from hybond.cli.settings import changed_with
+from hybond.cli.shared_words import options_given
 from hybond.cli.streams import complain, say
 from hybond.cli.targets import check_target
 from hybond.errors import UsageError

@@ -1,4 +1,8 @@
-"""``hybond check``: what is wrong with a model, and what is worth knowing about it."""
+"""``hybond check``: what is wrong with a model, and what is worth knowing about it.
+
+With ``--cross`` the same answer twice; with ``--modes`` which modes can follow each other, and
+whether time always goes on.
+"""
 
 from __future__ import annotations
 
@@ -6,6 +10,7 @@ import itertools
 import math
 from argparse import Namespace
 from collections import Counter
+from typing import Any
 
 from hybond.causality.dynamics import causality_of
 from hybond.causality.explain import conflict_error
@@ -13,15 +18,17 @@ from hybond.causality.record import Causality
 from hybond.causality.reference import Reference, reference_mode
 from hybond.causality.report import ahead_lines
 from hybond.causality.report import causality as modes_report
-from hybond.cli.cross import VERSION, check_options, cross
+from hybond.cli.interrupt import Interruptible
 from hybond.cli.lists import check_experiment
 from hybond.cli.netlists import read_model
 from hybond.cli.record import to_json
 from hybond.cli.refusal import placed
+from hybond.cli.running import read_graph
 from hybond.cli.settings import flatten_with
 from hybond.cli.streams import complain, say
+from hybond.cli.targets import check_target
 from hybond.engine.outcome.apart import Apart
-from hybond.errors import CausalityError, HybondError
+from hybond.errors import CausalityError, HybondError, NumericsError, UsageError
 from hybond.hints.look import hints_of
 from hybond.model.builder import Model
 from hybond.model.checked import Checked, Hint
@@ -37,6 +44,18 @@ MODES = 64
 
 SHOWN = 4
 """Modes named of those of which the same is to be said."""
+VERSION = 1
+"""Version of the object of ``--json``."""
+OWNERS = {
+    "until": ("cross", "modes"),
+    "step": ("cross",),
+    "engines": ("cross",),
+    "out": ("modes",),
+    "where": ("modes",),
+    "limit": ("modes",),
+}
+"""The options of a check that belong to one kind of it."""
+ENDINGS = (".svg", ".png", ".pdf", ".tex")
 
 
 def check(given: Namespace) -> int:
@@ -45,8 +64,6 @@ def check(given: Namespace) -> int:
     if given.cross:
         return cross(given)
     if given.modes:
-        from hybond.cli.modes import modes
-
         return modes(given)
     model = read_model(given.file)[0]
     if given.json:
@@ -217,3 +234,94 @@ def _other_modes(graph: FlatGraph, reference: Reference) -> None:
 
 def _text(graph: FlatGraph, mode: Mode) -> str:
     return "(" + (", ".join(graph.mode_names(mode).values()) or "the only mode") + ")"
+
+
+def check_options(given: Namespace) -> None:
+    """Refuse options of a cross-check or of modes without one, and both at once.
+
+    Raises
+    ------
+    UsageError
+        HB-X101.
+    """
+    if given.cross and given.modes:
+        raise UsageError(
+            "--modes does not go with --cross",
+            code="HB-X101",
+            where="hybond check",
+            hint="one after the other",
+        )
+    for option, owners in OWNERS.items():
+        if getattr(given, option) and not any(getattr(given, owner) for owner in owners):
+            raise UsageError(
+                f"--{option} belongs to --{' and --'.join(owners)}",
+                code="HB-X101",
+                where="hybond check",
+                hint=f"hybond check --{owners[0]} --{option} ... {given.file}",
+            )
+
+
+def cross(given: Namespace) -> int:
+    """Run a model with two engines and compare; 3 if they differ and should not."""
+    from hybond.analysis.cross.check import cross_check
+
+    graph = read_graph(given.file, given.settings)
+    with Interruptible() as interruptible:
+
+        def progress(_: float, __: int) -> None:
+            interruptible.check()
+
+        found = cross_check(
+            graph,
+            given.until,
+            engines=None if given.engines is None else _names(given.engines),
+            step=given.step,
+            progress=progress,
+        )
+    failure = None
+    if not found.agrees:
+        failure = NumericsError(
+            f"{' and '.join(found.engines)} do not agree: {found.why}",
+            code="HB-A402",
+            where=graph.name,
+            hint="a shorter --step; another pair of --engines shows which of the two is off",
+        )
+    if given.json:
+        record: dict[str, Any] = {"hybond": VERSION, "file": given.file, **found.to_data()}
+        if failure is not None:
+            record["error"] = failure.to_dict()
+        say(to_json(record).rstrip("\n"))
+    else:
+        say(graph.title or graph.name)
+        say(found.text())
+    if failure is None:
+        return 0
+    complain(str(failure))
+    return failure.exit_code
+
+
+def _names(text: str) -> list[str]:
+    return [n.strip() for n in text.split(",") if n.strip()]
+
+
+"""Version of the object of ``--json``."""
+
+
+def modes(given: Namespace) -> int:
+    """Print the modes that can follow each other; draw them. 3 if time stops from some states."""
+    from hybond.analysis.modes.reachable import MODES, reachable
+
+    target = check_target(given.out, ENDINGS, "--out") if given.out else None
+    graph = read_graph(given.file, given.settings)
+    limit = MODES if given.limit is None else given.limit
+    found = reachable(graph, where=given.where, until=given.until, limit=limit)
+    if given.json:
+        record: dict[str, Any] = {"hybond": VERSION, "file": given.file, **found.to_data()}
+        say(to_json(record).rstrip("\n"))
+    else:
+        say(found.title)
+        say(str(found))
+    if target is not None:
+        found.draw(target)
+        complain(given.out) if given.json else say(given.out)
+    return 3 if found.time == "possible" else 0

@@ -7,8 +7,8 @@ from argparse import Namespace
 from pathlib import Path
 
 from hybond.cli.netlists import read_model
-from hybond.cli.run_words import options_given
 from hybond.cli.settings import model_with
+from hybond.cli.shared_words import options_given
 from hybond.cli.streams import complain, say
 from hybond.cli.targets import check_new, check_target
 from hybond.errors import UsageError

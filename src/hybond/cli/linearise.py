@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from hybond.cli.linear_words import PLOTS
 from hybond.cli.lists import mode_of, setting, split
 from hybond.cli.netlists import read_model
 from hybond.cli.record import to_json
@@ -15,6 +14,7 @@ from hybond.cli.running import simulate_with
 from hybond.cli.settings import flatten_with, model_with
 from hybond.cli.streams import complain, say
 from hybond.cli.targets import check_target
+from hybond.cli.verb_words import PLOTS
 from hybond.errors import UsageError
 from hybond.model.builder import Model
 from hybond.model.graph import FlatGraph

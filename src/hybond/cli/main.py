@@ -118,7 +118,7 @@ def verb(given: Namespace) -> int:
 
             return linearise(given)
         case "sweep":
-            from hybond.cli.plan_words import is_plan
+            from hybond.cli.verb_words import is_plan
 
             if is_plan(given):
                 from hybond.cli.plans import plan_sweep

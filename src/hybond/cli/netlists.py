@@ -60,6 +60,12 @@ def in_words_of(conversion: Conversion | None, texts: Sequence[str] | None) -> l
     return [conversion.signal(text) for text in texts]
 
 
+def steps_of(conversion: Conversion | None) -> list[str]:
+    """Return what a netlist says itself of what varies, as words behind ``--vary``."""
+    steps = () if conversion is None else conversion.steps
+    return [f"{k}={','.join(map(repr, values))}" for k, values in steps]
+
+
 def aside_of(conversion: Conversion | None) -> set[str]:
     """Return the signals that only ``.meas`` reads: no outputs of their own."""
     if conversion is None:

@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 
 from hybond.cli.lists import check_experiment, run_until
-from hybond.cli.netlists import in_words_of, read_model
+from hybond.cli.netlists import in_words_of, read_model, steps_of
 from hybond.cli.outputs import TABLES
 from hybond.cli.record import VERSION, to_json
-from hybond.cli.run_words import options_given
 from hybond.cli.settings import changed_with
+from hybond.cli.shared_words import options_given
 from hybond.cli.streams import complain, say
 from hybond.errors import NumericsError, UsageError
 from hybond.names import in_columns
@@ -31,9 +31,7 @@ def plan_sweep(given: Namespace) -> int:
     """Run a plan; print what came of it, or one JSON object."""
     _check(given)
     read, conversion = read_model(given.file)
-    vary = given.vary
-    if not vary and conversion is not None:  # the netlist says itself what varies
-        vary = [f"{k}={','.join(map(repr, values))}" for k, values in conversion.steps]
+    vary = given.vary or steps_of(conversion)
     model, fixed = changed_with(read, given.settings)
     graph = model.flatten(parameters=fixed)
     check_experiment(graph)

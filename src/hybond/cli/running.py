@@ -8,8 +8,8 @@ from collections.abc import Sequence
 from hybond.cli.interrupt import Interruptible
 from hybond.cli.lists import check_experiment
 from hybond.cli.netlists import read_model
-from hybond.cli.run_words import options_given
 from hybond.cli.settings import changed_with, flatten_with
+from hybond.cli.shared_words import options_given
 from hybond.errors import NumericsError, UsageError
 from hybond.model.builder import Model
 from hybond.model.graph import FlatGraph

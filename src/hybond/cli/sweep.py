@@ -15,11 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.cli.lists import check_experiment, check_signals, run_until, split
-from hybond.cli.netlists import aside_of, in_words_of, read_model
+from hybond.cli.netlists import aside_of, in_words_of, read_model, steps_of
 from hybond.cli.record import VERSION, to_json
 from hybond.cli.refusal import refusal_of
-from hybond.cli.run_words import options_given
 from hybond.cli.settings import changed_with
+from hybond.cli.shared_words import options_given
 from hybond.cli.streams import complain, say
 from hybond.cli.targets import check_target
 from hybond.cli.vary import columns
@@ -44,9 +44,7 @@ def sweep(given: Namespace) -> int:
     """Simulate all members; print a table, or one JSON object; write the file asked for."""
     target = check_target(given.out, TABLES, "--out")
     read, conversion = read_model(given.file)
-    vary = given.vary
-    if not vary and conversion is not None:  # the netlist says itself what varies
-        vary = [f"{k}={','.join(map(repr, values))}" for k, values in conversion.steps]
+    vary = given.vary or steps_of(conversion)
     varied = columns(vary, together=given.together)
     model, fixed = changed_with(read, given.settings)
     graph = model.flatten(parameters=fixed)

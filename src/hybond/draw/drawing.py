@@ -12,7 +12,6 @@ from hybond.calls import called
 from hybond.draw.arrange import Arrangement, arrange
 from hybond.draw.badges import Badge, badges
 from hybond.draw.compose import compose
-from hybond.draw.first_mode import first_mode
 from hybond.draw.legend import entries
 from hybond.draw.mpl import draw_on_axes, figure_bytes
 from hybond.draw.scene import Scene
@@ -21,15 +20,47 @@ from hybond.draw.sketch import Causality, Sketch, sketch
 from hybond.draw.svg import write_svg
 from hybond.draw.tikz import write_tikz
 from hybond.draw.words import with_words
-from hybond.errors import UsageError
+from hybond.errors import HybondError, UsageError
 from hybond.files.whole import write_whole
 from hybond.model.builder import graph_of
+from hybond.model.graph import FlatGraph, Mode
+from hybond.simulation import simulate
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from hybond.model.builder import Model
-    from hybond.model.graph import AnyMode, FlatGraph
+    from hybond.model.graph import AnyMode
+
+
+_INSTANT = 1e-12
+"""Seconds that are simulated: the start is settled before time goes on."""
+
+
+def first_mode(graph: FlatGraph) -> Mode:
+    """Return the mode that holds right after t = 0, when the start is settled.
+
+    The start states may be no mode that occurs: diodes that all block beside a coil that carries
+    current. Where a run cannot begin it is the start mode all the same.
+
+    Examples
+    --------
+    >>> import hybond as hb
+    >>> m = hb.Model("clamp", domain="electrical")
+    >>> m.add(V=hb.Se("5 V"), d=hb.One(law="diode"), r=hb.R("1 ohm"))
+    >>> m.bond("V -> d -> r")
+    >>> graph = m.flatten()
+    >>> graph.mode_names(graph.start_mode), graph.mode_names(first_mode(graph))
+    ({'d': 'blocks'}, {'d': 'conducts'})
+    """
+    if not graph.machines:
+        return graph.start_mode
+    try:
+        run = simulate(graph, until=_INSTANT)
+    except HybondError:
+        return graph.start_mode
+    segments = run.segments
+    return tuple(segments[0].mode) if len(segments) else graph.start_mode
 
 
 @dataclass(frozen=True, slots=True)

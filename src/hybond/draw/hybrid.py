@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from hybond.calls import called
 from hybond.causality.dynamics import causality_of, dynamics
-from hybond.causality.modes import changed
+from hybond.causality.record import changed
 from hybond.causality.reference import reference_mode
 from hybond.draw.badges import Badge, badges
 from hybond.draw.drawing import Drawing, finished, places_of

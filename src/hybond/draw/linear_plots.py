@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from hybond.draw.measure import shorten
 from hybond.draw.plots import COLOURS, new_figure, write_figure
-from hybond.draw.scales import axis_scale, printed, time_scale
+from hybond.draw.scales import axis_scale, plain_axes, printed, time_scale
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -88,7 +88,7 @@ def plot_bode(
         ax.set_xlim(low, high)
         _plain_frequencies(ax, low, high)
         ax.grid(visible=True, axis="x", which="both", color="#f0f0f0", linewidth=0.5)
-        _finish(ax)
+        plain_axes(ax)
     _degrees(lower)
     upper.tick_params(axis="x", labelbottom=False)
     lower.set_xlabel(f"frequency [{hertz}]", fontsize=9.5)
@@ -125,7 +125,7 @@ def plot_nyquist(
     ax.set_xlabel(f"real part of {curve.output} / {curve.input}{unit}", fontsize=9.5)
     ax.set_ylabel("imaginary part", fontsize=9.5)
     ax.grid(visible=True, axis="x", color="#e6e6e6", linewidth=0.6)
-    _finish(ax)
+    plain_axes(ax)
     if margins is not None:
         _say(ax, str(margins))
     return write_figure(figure, path)
@@ -148,7 +148,7 @@ def plot_step(step: Any, *, title: str, path: str | Path | None = None) -> Figur
         bracket = f" [{label}]" if label else ""
         ax.set_ylabel(shorten(step.outputs[i], 9.5, 95.0) + bracket, fontsize=9.5, parse_math=False)
         ax.set_xlim(0.0, step.t[-1] * factor)
-        _finish(ax)
+        plain_axes(ax)
         if i == 0 and lines:
             units = [f"{n}: 1 {printed(u)}".rstrip() for n, u in zip(step.inputs, step.input_units)]
             legend = ax.legend(
@@ -201,7 +201,7 @@ def plot_poles(
     ax.set_xlabel("real part of s [1/s]", fontsize=9.5)
     ax.set_ylabel("imaginary part of s [1/s]", fontsize=9.5)
     ax.grid(visible=True, axis="x", color="#e6e6e6", linewidth=0.6)
-    _finish(ax)
+    plain_axes(ax)
     ax.legend(
         loc="lower left", bbox_to_anchor=(0.0, 0.99), ncols=2, frameon=False, fontsize=8.5,
         borderaxespad=0.0, handlelength=1.4,
@@ -235,13 +235,6 @@ def _stack(
         parse_math=False,
     )
     return figure, panels
-
-
-def _finish(ax: Axes) -> None:
-    ax.tick_params(labelsize=8)
-    ax.grid(visible=True, axis="y", color="#e6e6e6", linewidth=0.6)
-    for side in ("top", "right"):
-        ax.spines[side].set_visible(False)
 
 
 def _of_what(curves: Sequence[Any]) -> str:

@@ -8,7 +8,7 @@ import numpy as np
 
 from hybond.draw.measure import shorten
 from hybond.draw.plots import COLOURS, new_figure, write_figure
-from hybond.draw.scales import axis_scale, time_scale
+from hybond.draw.scales import axis_scale, plain_axes, time_scale
 from hybond.measures.energy_curves import energy_curves
 from hybond.measures.window import window_of
 
@@ -75,11 +75,8 @@ def plot_losses(result: Any, *, path: Any = None, depth: int | None = None) -> F
     ax.set_xlim(t[0], t[-1])
     ax.set_xlabel(f"time [{time_label}]", fontsize=9.5)
     ax.set_ylabel(f"energy from the start [{unit}]", fontsize=9.5)
-    ax.tick_params(labelsize=8)
-    ax.grid(visible=True, axis="y", color="#e6e6e6", linewidth=0.6)
+    plain_axes(ax)
     ax.set_axisbelow(True)
-    for side in ("top", "right"):
-        ax.spines[side].set_visible(False)
     handles, _ = ax.get_legend_handles_labels()
     names = [*labels, "supplied", "stored since the start"]
     order = [len(labels), len(labels) + 1, *reversed(range(len(labels)))]

@@ -11,6 +11,9 @@ from hybond.draw.style import look
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+DPI = 192.0
+"""Of pictures in pixels."""
+
 
 def draw_on_axes(scene: Scene, ax: Axes) -> None:
     """Draw `scene` on `ax`, which loses its frame and is given an equal aspect.
@@ -99,7 +102,7 @@ def draw_on_axes(scene: Scene, ax: Axes) -> None:
                 )
 
 
-def figure_bytes(scene: Scene, *, form: str, dpi: float = 192.0) -> bytes:
+def figure_bytes(scene: Scene, *, form: str) -> bytes:
     """Return `scene` at its own size as ``"png"`` or ``"pdf"``."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
@@ -110,5 +113,5 @@ def figure_bytes(scene: Scene, *, form: str, dpi: float = 192.0) -> bytes:
     # No date and no version of a writer: the same picture is the same file.
     metadata = {"pdf": {"CreationDate": None, "Producer": "hybond", "Creator": "hybond"}}
     file = io.BytesIO()
-    figure.savefig(file, format=form, dpi=dpi, metadata=metadata.get(form, {"Software": "hybond"}))
+    figure.savefig(file, format=form, dpi=DPI, metadata=metadata.get(form, {"Software": "hybond"}))
     return file.getvalue()

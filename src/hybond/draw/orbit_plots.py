@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from hybond.draw.measure import shorten
 from hybond.draw.plots import COLOURS, new_figure, plot_run, write_figure
-from hybond.draw.scales import axis_scale
+from hybond.draw.scales import axis_scale, by_unit, plain_axes
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -24,7 +24,7 @@ Vector = NDArray[np.float64]
 
 _WIDE, _TALL, _CIRCLE = 7.4, 1.75, 2.55
 _LEFT, _RIGHT, _TOP, _BOTTOM, _GAP, _BESIDE = 0.95, 0.2, 0.62, 0.5, 0.3, 0.75
-_GREY, _SOFT = "#8c8c8c", "#555555"
+_GREY = "#8c8c8c"
 _MARKS = {
     "fold": ("o", COLOURS[1]),
     "branching": ("P", COLOURS[3]),
@@ -48,9 +48,7 @@ def plot_orbit(orbit: Any, names: Sequence[str], *, path: str | Path | None = No
         Write the figure there too, in the format of its ending.
     """
     run = orbit.run
-    groups: dict[str, list[str]] = {}
-    for name in dict.fromkeys(names):
-        groups.setdefault(run.unit(name) or "", []).append(name)
+    groups = by_unit(names, run.unit)
     high = max(len(groups) * _TALL + (len(groups) - 1) * _GAP, _CIRCLE)
     tall = (high - (len(groups) - 1) * _GAP) / len(groups)
     height, page = _TOP + high + _BOTTOM, _WIDE + _BESIDE + _CIRCLE
@@ -195,10 +193,7 @@ def plot_continuation(
     )
     named = shorten(f"{signal}, {WHAT[what]}", 9.5, 240.0)
     ax.set_ylabel(f"{named} [{unit}]" if unit else named, fontsize=9.5, parse_math=False)
-    ax.tick_params(labelsize=8)
-    ax.grid(visible=True, color="#e6e6e6", linewidth=0.6)
-    for side in ("top", "right"):
-        ax.spines[side].set_visible(False)
+    plain_axes(ax, "both")
     ax.legend(
         loc="lower left", bbox_to_anchor=(0.0, 0.99), ncols=4, frameon=False, fontsize=8.0,
         borderaxespad=0.0, handlelength=1.8, columnspacing=1.2,

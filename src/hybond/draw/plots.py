@@ -21,7 +21,7 @@ from hybond.draw.impulses import draw_impulses, impulses_of
 from hybond.draw.marks import draw_marks
 from hybond.draw.measure import abridged, shorten, width
 from hybond.draw.mode_strip import draw_strip, lanes, room_beside
-from hybond.draw.scales import axis_scale, printed, time_scale
+from hybond.draw.scales import axis_scale, by_unit, plain_axes, printed, time_scale
 from hybond.draw.traces import Trace, Vector, apart, thinned, trace_of
 from hybond.errors import UsageError
 from hybond.files.whole import write_whole
@@ -81,9 +81,7 @@ def plot_run(
     UsageError
         HB-D103 nothing to plot; HB-D104 signals of several units for one `ax`.
     """
-    groups: dict[str, list[str]] = {}
-    for name in dict.fromkeys(names):
-        groups.setdefault(result.unit(name) or "", []).append(name)
+    groups = by_unit(names, result.unit)
     if not groups:
         known = [f"{n.path}.e" for n in result.graph.nodes if not n.is_junction and not n.implied]
         raise UsageError(
@@ -312,11 +310,8 @@ def _signals(ax: Axes, result: Any, of: Mapping[str, Trace], unit: str, factor: 
     else:
         ax.set_ylabel(label, fontsize=9.5, parse_math=False)
         _legend(ax, lines, names)
-    ax.tick_params(labelsize=8)
     ax.ticklabel_format(axis="y", style="plain", useOffset=False)
-    ax.grid(visible=True, axis="y", color="#e6e6e6", linewidth=0.6)
-    for side in ("top", "right"):
-        ax.spines[side].set_visible(False)
+    plain_axes(ax)
 
 
 def _name(ax: Axes, name: str, bracket: str) -> None:

@@ -31,7 +31,6 @@ SOURCE_RIGHT, LOAD_LEFT, CONTROL_LEFT = 0.6, 0.06, 0.3
 
 Leg = tuple[int, int, int]
 """The middle of a leg, its upper and its lower rail."""
-ROLES = ("source", "control", "load", "diode", "switch", "plain", "coil")
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,7 +40,8 @@ class Branch:
     Parameters
     ----------
     role : str
-        One of `ROLES`. A control is a source that nothing else is wired to.
+        ``"source"``, ``"control"``, ``"load"``, ``"diode"``, ``"switch"``, ``"plain"`` or
+        ``"coil"``. A control is a source that nothing else is wired to.
     """
 
     plus: int

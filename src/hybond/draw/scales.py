@@ -1,9 +1,14 @@
-"""Engineering prefixes for the axes of a plot."""
+"""The axes of plots: engineering prefixes, which signals share them, how they look."""
 
 from __future__ import annotations
 
 import math
 import re
+from collections.abc import Callable, Iterable
+from typing import TYPE_CHECKING, Literal
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 _PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
 # A prefix goes before a plain symbol; before kg, a power or a number it would mislead.
@@ -84,3 +89,25 @@ def printed(unit: str) -> str:
     """
     raised = re.sub(r"\^(-?\d+)", lambda m: m[1].translate(_POWERS), unit)
     return raised.replace("*", "·")
+
+
+def by_unit(names: Iterable[str], unit_of: Callable[[str], str | None]) -> dict[str, list[str]]:
+    """Return signals, each once, by their unit: those of one unit share axes.
+
+    Examples
+    --------
+    >>> by_unit(["c.e", "l.f", "r.e", "c.e"], {"c.e": "V", "r.e": "V", "l.f": "A"}.get)
+    {'V': ['c.e', 'r.e'], 'A': ['l.f']}
+    """
+    found: dict[str, list[str]] = {}
+    for name in dict.fromkeys(names):
+        found.setdefault(unit_of(name) or "", []).append(name)
+    return found
+
+
+def plain_axes(ax: Axes, lines: Literal["x", "y", "both"] = "y") -> None:
+    """Give axes small numbers and faint lines across them, and no frame above and at the right."""
+    ax.tick_params(labelsize=8)
+    ax.grid(visible=True, axis=lines, color="#e6e6e6", linewidth=0.6)
+    for side in ("top", "right"):
+        ax.spines[side].set_visible(False)

@@ -103,7 +103,7 @@ def draw_schematic(
         )
     dots = {n for n in names if _is_dot(model, n, bonds)}
     ends = _named_nets(dots, bonds)
-    plan = _plan(model, dots, bonds, ends)
+    plan = _plan(model, dots, ends)
     places, at = _where(model, names, bonds, plan)
     nodes = {name: _node(model, name, at[name]) for name in names}
     toward = _toward(nodes, bonds) | (plan.toward if plan is not None else {})
@@ -165,9 +165,7 @@ def _places(
     return composed(found, *_feet(model))
 
 
-def _plan(
-    model: Model, dots: Collection[str], bonds: Sequence[tuple[str, str]], nets: Mapping[str, str]
-) -> Plan | None:
+def _plan(model: Model, dots: Collection[str], nets: Mapping[str, str]) -> Plan | None:
     """Return the plan of an electrical circuit of parts with two ends, None of other models.
 
     `nets` are the nets of ends, by their names or by that of a dot in them.

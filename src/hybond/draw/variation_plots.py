@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from hybond.draw.measure import shorten
 from hybond.draw.plots import COLOURS, event_lines, name_lines, new_figure, write_figure
-from hybond.draw.scales import axis_scale
+from hybond.draw.scales import axis_scale, plain_axes
 from hybond.model.unit_words import unit_of
 
 if TYPE_CHECKING:
@@ -174,10 +174,7 @@ def _legend(ax: Axes, lines: Sequence[Any], names: Sequence[str]) -> None:
 
 def _finish(ax: Axes, end: float) -> None:
     ax.set_xlim(-0.01 * end, 1.01 * end)
-    ax.tick_params(labelsize=8)
-    ax.grid(visible=True, axis="y", color="#e6e6e6", linewidth=0.6)
-    for side in ("top", "right"):
-        ax.spines[side].set_visible(False)
+    plain_axes(ax)
 
 
 def _say(figure: Figure, text: str) -> None:

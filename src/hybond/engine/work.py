@@ -29,7 +29,7 @@ class Work:
 
     power: Elimination
     finite: Elimination
-    settled: Elimination
+    built: Elimination
     """Rows of the mode that was built last: those of `power`, or of `finite`, with the derivatives
     of constraints, where there are any."""
     table: Elimination
@@ -91,12 +91,12 @@ class Work:
     residual_size: Block
     """The sizes of the terms of each residual, to first order."""
     w_size: Floats
+    """The sizes of the terms of each bond variable, by which residuals are measured."""
     kind_reach: Floats
     w_reach: Floats
     """The largest bond variable of its kind: what it is solved beside."""
     residual_reach: Block
     """The same of a row: what rounding of a solution is measured by."""
-    """The sizes of the terms of each bond variable, by which residuals are measured."""
     lost: float
     """The part of a law that rounding of what was eliminated hides, where it was put back last."""
     lost_at: Floats
@@ -226,7 +226,7 @@ def make_work(m: Model) -> Work:
     knowns = m.storages + 2 * m.most_sources
     w.power = make_elimination(n, n + knowns)
     w.finite = make_elimination(n, n + knowns)
-    w.settled = w.power
+    w.built = w.power
     w.table = make_elimination(m.storages, knowns)
     w.weighed = False
     w.plain = make_rows()

@@ -7,11 +7,11 @@ from typing import Any, TypeVar
 
 from hybond.calls import called
 from hybond.equations.booleans import Naming
+from hybond.equations.element_parts import parameter_values
 from hybond.equations.element_rows import laws_of
 from hybond.equations.mixed import MixedRow, cleared, closing_row, mixed_row
-from hybond.equations.parameters import parameter_values
 from hybond.equations.regions import Region, regions_of
-from hybond.equations.ring import Numbers, Ring, Row, Symbols
+from hybond.equations.ring import Numbers, Ring, Row, Symbols, substituted
 from hybond.equations.state_form import StateEquations
 from hybond.equations.switch_form import SwitchForm, switch_form
 from hybond.model.builder import Model, graph_of
@@ -107,11 +107,7 @@ def state_equations(
     stored = storage_rows(form, symbolic=symbolic)
 
     def in_x(row: Row[Any]) -> Row[Any]:
-        parts = [(c, stored[k]) for k, c in row.items() if k in stored]
-        if not parts:
-            return row
-        rest = {k: c for k, c in row.items() if k not in stored}
-        return ring.collect([(ring.one, rest), *parts])
+        return substituted(ring, row, stored)
 
     # what a nonlinear law reads counts, too: it is what its closing row is there for
     read = {k for row in (*rows, *results, *_arguments(form, region_at)) for k in row.columns()}

@@ -180,11 +180,7 @@ class Display:
         """Return a coefficient for LaTeX."""
         if isinstance(c, Rational):
             return to_latex(c, name=self.name, meaning=self.meaning, order=self.order)
-        text = f"{c:.6g}"
-        if "e" in text:
-            mantissa, _, power = text.partition("e")
-            return rf"{mantissa} \cdot 10^{{{int(power)}}}"
-        return text
+        return latex_number(c)
 
     def latex_times(self, c: Any, variable: str) -> str:
         """Return a coefficient times what is already LaTeX, within its fraction."""
@@ -264,3 +260,16 @@ def _outer(text: str) -> str:
 
 def _identifier(text: str) -> str:
     return re.sub(r"[^0-9A-Za-z_.=]", "_", text)
+
+
+def latex_number(value: float) -> str:
+    r"""Return a number for LaTeX, with six digits.
+
+    Examples
+    --------
+    >>> print(latex_number(0.25), latex_number(1.5e-7))
+    0.25 1.5 \cdot 10^{-7}
+    """
+    text = f"{value:.6g}"
+    mantissa, e, power = text.partition("e")
+    return rf"{mantissa} \cdot 10^{{{int(power)}}}" if e else text

@@ -270,3 +270,13 @@ def _resistor(node: Node, laws: list[Expr]) -> tuple[list[dict[str, float]], lis
             partner = (f"e:{end.bond}", 1.0) if flow else (f"f:{end.bond}", float(end.sign))
             dynamic.append(Dynamic("law", node.index, e, slopes, slopes, free, partner))
     return constant, dynamic
+
+
+def parameter_values(graph: FlatGraph) -> dict[str, float]:
+    """Return the values of all names ``p:...`` that formulas of `graph` use."""
+    found = {f"p:{path}": float(v) for path, v in graph.parameters.items()}
+    if graph.parametric is not None:
+        for node in graph.nodes:
+            if not node.is_junction and not node.hidden:
+                found.update(graph.parametric(node.index).own)
+    return found

@@ -23,9 +23,9 @@ from hybond.calls import called
 from hybond.causality.reference import reference_mode
 from hybond.equations.booleans import Cube, Naming
 from hybond.equations.display import Display
+from hybond.equations.element_parts import parameter_values
 from hybond.equations.matrix import BooleanMatrix
 from hybond.equations.mixed import MixedRow, closing_row, mixed_row
-from hybond.equations.parameters import parameter_values
 from hybond.equations.patterns import Space
 from hybond.equations.regions import Region, regions_of
 from hybond.equations.ring import Numbers, Ring, Symbols

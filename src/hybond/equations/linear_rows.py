@@ -19,7 +19,7 @@ from hybond.equations.element_parts import Parts, configure, settings
 from hybond.equations.peeling import Peeling
 from hybond.equations.ring import Numbers, Row
 from hybond.equations.slopes import ConstantSlopes, Slopes
-from hybond.equations.stored_laws import stored_names
+from hybond.equations.storage import stored_names
 from hybond.errors import EquationError
 from hybond.model.expressions import Expr, Number, Pre, names, substitute, uses_pre
 from hybond.model.expressions.slots import tree_of

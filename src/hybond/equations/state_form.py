@@ -27,7 +27,7 @@ from hybond.equations.mixed import MixedRow, mixed_row
 from hybond.equations.patterns import Space
 from hybond.equations.regions import Region
 from hybond.equations.ring import Numbers, Ring, Row, Symbols
-from hybond.equations.stored_laws import stored_names
+from hybond.equations.storage import stored_names
 from hybond.equations.switch_form import SwitchForm
 from hybond.errors import EquationError, NumericsError
 from hybond.model.expressions import Expr, Number, names, simplify, substitute

@@ -1,18 +1,26 @@
-"""Laws of storage in numbers: co-energy variables, stiffness, what is stored at the start."""
+"""Laws of storage, in names of a graph and in numbers: co-energy variables, stiffness, starts."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import cache
+from functools import cache, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hybond.equations.stored_laws import stiffness, stored_names
 from hybond.errors import ModelError
-from hybond.model.expressions import Binary, Expr, Name, Neg, Number, compile_expression, substitute
+from hybond.model.expressions import (
+    Binary,
+    Expr,
+    Name,
+    Neg,
+    Number,
+    compile_expression,
+    differentiate,
+    substitute,
+)
 from hybond.model.expressions.tree import fold
-from hybond.model.graph import FlatGraph, Storage
+from hybond.model.graph import FlatGraph, Node, Storage
 from hybond.records import dataclass
 
 Vector = NDArray[np.float64]
@@ -160,3 +168,40 @@ def polynomial_degree(e: Expr) -> int | None:
         return None
 
     return fold(e, of)
+
+
+def stiffness(
+    node: Node, port: int, other: int, graph: FlatGraph, own: Sequence[Storage] | None = None
+) -> Expr:
+    """Return the derivative of a storage's co-energy variable by a stored quantity.
+
+    `own` are the storage ports of the node, if they are known.
+    """
+    assert node.law is not None
+    if node.law.matrix is not None:
+        return Number(node.law.matrix[port][other])
+    energy = node.about.energy
+    suffix = str(other + 1) if len(node.ends) > 1 else ""
+    d = _slope(node.law.expressions[port], f"law:{energy}{suffix}")
+    return substitute(d, stored_names(node, graph, own))
+
+
+@lru_cache(maxsize=1024)
+def _slope(law: Expr, name: str) -> Expr:
+    """Return a derivative in local names, which are the same in many elements."""
+    return differentiate(law, name)
+
+
+def stored_names(
+    node: Node, graph: FlatGraph, own: Sequence[Storage] | None = None
+) -> dict[str, Expr]:
+    """Return what a storage's local stored quantities are called in the graph.
+
+    `own` are its ports, if they are known.
+    """
+    many = len(node.ends) > 1
+    return {
+        f"law:{node.about.energy}{s.port + 1 if many else ''}": Name(f"x:{s.index}")
+        for s in (graph.storages if own is None else own)
+        if s.node == node.index
+    }

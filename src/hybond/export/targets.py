@@ -25,8 +25,6 @@ class Target:
     or the bytes of a file that is not a text."""
     suffix: str
     """How names of such files end."""
-    says: str
-    """What it is, in a few words."""
     options: frozenset[str] = frozenset()
     """Options that the function takes."""
 
@@ -35,20 +33,17 @@ RUN = frozenset(("until", "points", "method", *MADE))
 """Options of a run that an exported program begins with."""
 
 TARGETS: Mapping[str, Target] = {
-    "c": Target("hybond.export.c", "to_c", ".c", "one file of C99 with a small main", RUN),
+    "c": Target("hybond.export.c", "to_c", ".c", RUN),
     "fmu": Target(
         "hybond.export.fmu.package",
         "to_fmu",
         ".fmu",
-        "a functional mock-up unit (FMI 3.0, 2.0)",
         RUN - {"points"} | {"fmi"},
     ),
-    "java": Target(
-        "hybond.export.java", "to_java", ".java", "one Java class", RUN | frozenset(["name"])
-    ),
-    "latex": Target("hybond.export.latex", "to_latex", ".tex", "a report with all of it"),
-    "modelica": Target("hybond.export.modelica", "to_modelica", ".mo", "one flat hybrid model"),
-    "python": Target("hybond.export.python", "to_python", ".py", "a script that builds the model"),
+    "java": Target("hybond.export.java", "to_java", ".java", RUN | frozenset(["name"])),
+    "latex": Target("hybond.export.latex", "to_latex", ".tex"),
+    "modelica": Target("hybond.export.modelica", "to_modelica", ".mo"),
+    "python": Target("hybond.export.python", "to_python", ".py"),
 }
 
 

@@ -28,7 +28,7 @@ from hybond.errors import NumericsError, UsageError
 from hybond.fitting.data import Data, read_data
 from hybond.fitting.record import Fit
 from hybond.fitting.starts import minima_of, starts_of
-from hybond.fitting.trials import Case, Trials
+from hybond.fitting.trials import FittedData, Trials
 from hybond.fitting.varied import Scale, scale_of
 from hybond.model.builder import Model
 from hybond.model.parts import Value
@@ -185,7 +185,7 @@ def _cases(
     names: Sequence[str],
     parameters: Mapping[str, Value],
     sigma: Mapping[str, float],
-) -> tuple[list[Case], Wanted]:
+) -> tuple[list[FittedData], Wanted]:
     """Return what is to be fitted, and the values at the start."""
     several = list(data) if isinstance(data, list | tuple) and not _is_pair(data) else [data]
     read: list[tuple[Data, Mapping[str, Value]]] = []
@@ -195,7 +195,7 @@ def _cases(
     if not read:
         raise UsageError("there are no data", code="HB-A530", where="data", hint="name a CSV file")
     sizes = _sizes([d for d, _ in read], sigma)
-    cases: list[Case] = []
+    cases: list[FittedData] = []
     first: Wanted | None = None
     for d, own in read:
         opened = opened_model(model, names, {**parameters, **own}, where="free")
@@ -204,7 +204,7 @@ def _cases(
         check_followed(found.graph)
         for name in d.columns:
             signal_of(found.plain, name)
-        cases.append(Case(d, opened, sizes, float(d.t[-1]) or 1e-12))
+        cases.append(FittedData(d, opened, sizes, float(d.t[-1]) or 1e-12))
     assert first is not None
     return cases, first
 

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from hybond.fitting.data import Data
 from hybond.fitting.varied import value_of
+from hybond.names import in_columns
 from hybond.result import Result
 
 if TYPE_CHECKING:
@@ -134,9 +135,7 @@ class Fit:
             interval = f"{self.low[k]:.6g} .. {self.high[k]:.6g}"
             unit = f" {self.units[k]}" if self.units[k] else ""
             rows.append([name, f"{self.values[k]:.6g}{unit}", interval, f"{self.start[k]:.6g}"])
-        widths = [max(len(row[k]) for row in rows) for k in range(4)]
-        for row in rows:
-            yield "  " + "  ".join(c.ljust(w) for c, w in zip(row, widths, strict=True)).rstrip()
+        yield from (f"  {line}" for line in in_columns(rows))
         for i in range(len(self.names)):
             for j in range(i):
                 if abs(self.correlation[i, j]) > 0.95:

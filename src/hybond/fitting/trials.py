@@ -22,7 +22,7 @@ Vector = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Case:
+class FittedData:
     """Data, and the model that they are of.
 
     Parameters
@@ -62,12 +62,12 @@ class Trials:
 
     Parameters
     ----------
-    cases : sequence of Case
+    cases : sequence of FittedData
     options : mapping
         Of `simulate`.
     """
 
-    cases: Sequence[Case]
+    cases: Sequence[FittedData]
     options: Mapping[str, Any]
     runs: int = 0
     missing: int = 0
@@ -114,7 +114,7 @@ class Trials:
             parts.append(self._rows(case, varied, found))
         return np.concatenate(parts)
 
-    def _rows(self, case: Case, varied: Varied, found: Wanted) -> Vector:
+    def _rows(self, case: FittedData, varied: Varied, found: Wanted) -> Vector:
         chain = varied.chain
         d = chain.forward()
         times = np.array([r.t for r in chain.readings])

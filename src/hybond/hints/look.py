@@ -8,7 +8,7 @@ from hybond.errors import HybondError
 from hybond.hints.graphs import graph_hints
 from hybond.hints.machines import machine_hints
 from hybond.hints.ports import port_hints
-from hybond.hints.unused import unused_hints
+from hybond.hints.uses import unused_hints
 from hybond.model.builder import Model
 from hybond.model.checked import Checked, Hint
 from hybond.model.graph import FlatGraph

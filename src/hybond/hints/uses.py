@@ -1,4 +1,4 @@
-"""What the texts of a model use: names in values, rules, signals."""
+"""What the texts of a model use: names in values, rules, signals; hints at what nothing uses."""
 
 from __future__ import annotations
 
@@ -7,14 +7,17 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from hybond.errors import HybondError
-from hybond.model.arrays import index_texts
+from hybond.model.arrays import base_of, index_texts
 from hybond.model.builder import Model
+from hybond.model.checked import Hint
 from hybond.model.expressions import names, parse
 from hybond.model.indices import INSIDE
 from hybond.model.parts import Integral, Part, Sampled, SubmodelPart
+from hybond.names import join
 from hybond.units import try_quantity
 
 _WORD = re.compile(r"[A-Za-z_]\w*(?:\.\w+)*")
+_NO_TEXTS = ("domain", "label", "law", "pair")
 
 
 def used_in(text: str) -> set[str]:
@@ -47,10 +50,9 @@ def used_in(text: str) -> set[str]:
     return found
 
 
-def texts_of(model: Model, *, parameters: bool = True) -> Iterator[str]:
+def texts_of(model: Model) -> Iterator[str]:
     """Yield all texts of a model that are read as expressions, those for submodels too."""
-    if parameters:
-        yield from _texts(model.parameters)
+    yield from _texts(model.parameters)
     yield from index_texts(model)
     for part in model.elements.values():
         if isinstance(part, Part):
@@ -78,9 +80,6 @@ def texts_of(model: Model, *, parameters: bool = True) -> Iterator[str]:
     yield from _texts([v for k, v in model.experiment.items() if k not in ("solver", "impact")])
 
 
-_NO_TEXTS = ("domain", "label", "law", "pair")
-
-
 def _texts(value: Any) -> Iterator[str]:
     if isinstance(value, str):
         yield value
@@ -90,3 +89,48 @@ def _texts(value: Any) -> Iterator[str]:
     elif isinstance(value, list | tuple):
         for inner in value:
             yield from _texts(inner)
+
+
+def unused_hints(model: Model) -> Iterator[Hint]:
+    """Yield what a model and the models within its file declare and do not use."""
+    yield from _of(model, "", outer=set())
+
+
+def _of(model: Model, prefix: str, outer: set[str]) -> Iterator[Hint]:
+    used = {name for text in texts_of(model) for name in used_in(text)}
+    for name in model.parameters:
+        if name not in used and not _read_outside(name, outer):
+            yield Hint(
+                "HB-H106",
+                _where("parameters", prefix, name),
+                f"nothing uses the parameter {name!r}",
+                "use it, or take it out",
+            )
+    for name in model.inputs:
+        if base_of(name) not in used and not _read_outside(name, outer):
+            yield Hint(
+                "HB-H108",
+                _where("inputs", prefix, name),
+                f"nobody reads the input {name!r}",
+                "use it in a law, a signal or a guard, or take it out",
+            )
+    listed = {str(n) for key in ("plot", "outputs") for n in model.experiment.get(key, ())}
+    for text in model.experiment.get("measure", ()):
+        listed |= set(re.findall(r"\w+(?:\.\w+)*", str(text)))
+    for name in model.signals if listed and not prefix else ():
+        if base_of(name) not in used:
+            yield Hint(
+                "HB-H108",
+                _where("signals", prefix, name),
+                f"nobody reads the signal {name!r}, and plot and outputs of the experiment do not "
+                "list it",
+                "list it in [experiment] outputs, or take it out",
+            )
+
+
+def _read_outside(name: str, outer: set[str]) -> bool:
+    return any(path.rpartition(".")[2] == name for path in outer)
+
+
+def _where(section: str, prefix: str, name: str) -> str:
+    return f"{section}.{join(prefix, name)}"

@@ -175,7 +175,7 @@ def period_of(
             hint='"rise" or "fall"',
         )
     if len(found) < 2:
-        raise too_few(name, level, found, 2)
+        raise too_few(name, level, found)
     length = (found[-1].t - found[0].t) / (len(found) - 1)
     how = f"{len(found) - 1} periods from t = {found[0].t:.9g} s to {found[-1].t:.9g} s"
     return Measurement(length, About("s", window.start, window.end, how=how))
@@ -214,10 +214,10 @@ def _bisected(low: Vector, high: Vector, is_there: Callable[[Vector], NDArray[np
     return high
 
 
-def too_few(name: str, level: float, found: Sequence[Crossing], wanted: int) -> UsageError:
-    """Return the refusal of what more crossings would tell."""
+def too_few(name: str, level: float, found: Sequence[Crossing]) -> UsageError:
+    """Return the refusal of a period where fewer than two crossings are found."""
     return UsageError(
-        f"{name} crosses {level:.6g} {len(found)} times in the window, {wanted} are wanted",
+        f"{name} crosses {level:.6g} {len(found)} times in the window, 2 are wanted",
         code="HB-R107",
         where=name,
         hint="give another level, or a longer window",

@@ -53,18 +53,10 @@ def halves(low: Vector, high: Vector) -> tuple[Vector, Vector]:
     return np.column_stack([low, middle]).ravel(), np.column_stack([middle, high]).ravel()
 
 
-@dataclass(frozen=True, slots=True)
-class Pieces:
-    """Stretches of time within segments of a run, in order.
+class Spans:
+    """Stretches of time, each with Chebyshev's points; `low` and `high` are their ends, s."""
 
-    Parameters
-    ----------
-    segment : array of int, shape (n,)
-    low, high : arrays, shape (n,)
-        Where each begins and ends, s.
-    """
-
-    segment: Whole
+    __slots__ = ()
     low: Vector
     high: Vector
 
@@ -79,6 +71,22 @@ class Pieces:
     def times(self) -> Vector:
         """Return Chebyshev's points of each, shape (n, 11)."""
         return times_between(self.low, self.high)
+
+
+@dataclass(frozen=True, slots=True)
+class Pieces(Spans):
+    """Stretches of time within segments of a run, in order.
+
+    Parameters
+    ----------
+    segment : array of int, shape (n,)
+    low, high : arrays, shape (n,)
+        Where each begins and ends, s.
+    """
+
+    segment: Whole
+    low: Vector
+    high: Vector
 
     def at(self, which: Whole, x: Vector) -> Vector:
         """Return the times of points between -1 and 1 in some of the pieces."""

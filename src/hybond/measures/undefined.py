@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.model.expressions import Binary, Call, Expr, Table
-from hybond.model.expressions.partial import is_partial, may_lack_value
+from hybond.model.expressions.kinks import is_partial, may_lack_value
 from hybond.model.expressions.tree import walk
 
 if TYPE_CHECKING:

@@ -18,8 +18,7 @@ from hybond.studio.curves import numbers
 from hybond.studio.planned import Planned
 from hybond.studio.plans import faults, offered, wanted_of
 from hybond.sweep.maps import map_of
-from hybond.sweep.spread import spread_of
-from hybond.sweep.views import refusal
+from hybond.sweep.views import refusal, spread_of
 
 if TYPE_CHECKING:
     from hybond.studio.session import Session

@@ -1,4 +1,4 @@
-"""What a page asks about runs: begin, cancel, plots, events, values at a time."""
+"""What a page asks about runs: begin, cancel, plots, events mode by mode, values at a time."""
 
 from __future__ import annotations
 
@@ -7,16 +7,19 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from hybond.errors import HybondError, UsageError
-from hybond.result import Side
-from hybond.studio.curves import at_cursor, curve, numbers, strip, units_of
-from hybond.studio.instants import events
-from hybond.studio.phase import phase
+from hybond.report import fired_text, joule
+from hybond.result import Result, Side
+from hybond.runs.trace import Event, Visit
+from hybond.studio.curves import at_cursor, curve, numbers, phase, strip, units_of
 from hybond.studio.strokes import Meaning, first_member, mode_of, strokes
 
 if TYPE_CHECKING:
     from hybond.studio.session import Session
 
+
 Message = dict[str, Any]
+PAGE = 500
+"""Events told at once."""
 
 
 def begin(session: Session, message: Mapping[str, Any]) -> Message:
@@ -160,3 +163,63 @@ def numbers_of(known: Meaning, path: str) -> dict[str, int]:
         if written.where.startswith(prefix):
             found.setdefault(f"{written.where[len(prefix) : -1]}.{written.arrow}", k)
     return found
+
+
+def events(run: Result, first: int, count: int) -> list[dict[str, Any]]:
+    """Return some events of a run, from the one with number `first` on.
+
+    Examples
+    --------
+    >>> import hybond as hb
+    >>> m = hb.Model("rc", domain="electrical")
+    >>> m.add(c=hb.C("1 mF", e="10 V"), r=hb.R("1 kohm"), node=hb.Zero())
+    >>> m.bond("node -> c", "node -> r")
+    >>> [e["cause"] for e in events(hb.simulate(m, until="1 s"), 0, 10)]
+    ['start']
+    """
+    count = max(0, min(count, PAGE))
+    last = min(first + count, len(run.events))
+    return [event(run, k) for k in range(max(first, 0), last)]
+
+
+def event(run: Result, number: int) -> dict[str, Any]:
+    """Return one event in full."""
+    found: Event = run.events[number]
+    return {
+        "event": number,
+        "t": found.t,
+        "t0": found.t0,
+        "cause": found.cause,
+        "landed": list(found.landed),
+        "steps": [_step(run, s) for s in found.steps],
+    }
+
+
+def _step(run: Result, step: Visit) -> dict[str, Any]:
+    told: dict[str, Any] = {
+        "kind": step.kind,
+        "mode": run.graph.mode_names(step.mode),
+        "fired": [
+            {
+                "machine": f.machine,
+                "source": f.source,
+                "target": f.target,
+                "guard": f.guard,
+                "why": fired_text(f),
+            }
+            for f in step.fired
+        ],
+        "impulses": {k: float(v) for k, v in step.impulses.items()},
+        "undetermined": list(step.undetermined),
+    }
+    energy = step.energy
+    if energy is not None and step.kind != "mythical":
+        told["energy"] = {
+            "before": joule(energy.before),
+            "after": joule(energy.after),
+            "source": joule(energy.source),
+            "lost": joule(energy.lost),
+        }
+    if step.exchanged:
+        told["exchanged"] = {k: float(v) for k, v in step.exchanged.items()}
+    return told

@@ -24,9 +24,9 @@ from hybond.measures.pieces import (
     NOISE,
     PARTS,
     ROUNDS,
+    Spans,
     check_tolerance,
     halves,
-    times_between,
     within,
 )
 from hybond.measures.window import INSTANT, TOLERANCE, duration_of, time_of
@@ -110,7 +110,7 @@ def _window(given: Mapping[str, Any], until: float) -> tuple[float, float]:
 
 
 @dataclass(frozen=True, slots=True)
-class Stretches:
+class Stretches(Spans):
     """Pieces of the steps of members, one member after the other, in order of time.
 
     Parameters
@@ -124,18 +124,6 @@ class Stretches:
     step: Whole
     low: Vector
     high: Vector
-
-    def __len__(self) -> int:
-        return len(self.low)
-
-    @property
-    def half(self) -> Vector:
-        """Half the length of each, s."""
-        return np.asarray(0.5 * (self.high - self.low))
-
-    def times(self) -> Vector:
-        """Return Chebyshev's points of each, shape (n, 11)."""
-        return times_between(self.low, self.high)
 
     def part(self, chosen: Mask | Whole) -> Stretches:
         """Return some of them."""

@@ -1,4 +1,7 @@
-"""What the table of a sweep is looked at as: the methods of `SweepTable` that count and draw."""
+"""What the table of a sweep is looked at as: the methods of `SweepTable` that count and draw.
+
+`spread_of` has a curve of many runs ready to be drawn: some of them, and bands of quantiles.
+"""
 
 from __future__ import annotations
 
@@ -7,22 +10,44 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from hybond.draw.of_sweeps import Spread
 from hybond.errors import UsageError
 from hybond.names import did_you_mean
 from hybond.sweep.indices import SobolIndices, sobol_indices
 from hybond.sweep.maps import map_of
-from hybond.sweep.spread import spread_of
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from hybond.sweep.table import SweepTable
 
+
+SHOWN = 40
+"""Members that are drawn."""
 Vector = NDArray[np.float64]
 BANDS = (0.05, 0.25, 0.5, 0.75, 0.95)
 """Quantiles that a family shows."""
 BLOCK = 20_000_000
 """Numbers of a curve that are looked at together."""
+
+
+def spread_of(table: SweepTable, curve: str) -> Spread:
+    """Return a curve, ``curve(x, 101)`` as it was collected, of members spread over all of them.
+
+    Raises
+    ------
+    UsageError
+        HB-P113 for what is no curve.
+    """
+    t, bands = table.quantiles(curve)
+    many = len(table)
+    shown = np.unique(np.linspace(0, max(many - 1, 0), min(SHOWN, many)).astype(np.intp))
+    rows = [np.zeros((0, len(t)))]
+    for part in table.parts():
+        own = shown[(shown >= part.first) & (shown < part.last)]
+        rows.append(part.columns[curve][own - part.first])
+    signal = next(c for c in table.collectors if c.text == curve)
+    return Spread(signal.signal, signal.unit, t, bands, shown, np.concatenate(rows))
 
 
 class Views:
@@ -38,7 +63,7 @@ class Views:
         UsageError
             HB-P109 for a column that there is not; HB-P113 for columns that are no numbers.
         """
-        from hybond.draw.sweep_maps import draw_map
+        from hybond.draw.sweep_plots import draw_map
 
         return draw_map(_table(self), map_of(_table(self), x, y, value), path=path)
 
@@ -67,7 +92,7 @@ class Views:
 
     def plot_family(self, curve: str, *, path: str | Path | None = None) -> Any:
         """Draw a family of curves, ``curve(x, 101)``: some members, and bands of quantiles."""
-        from hybond.draw.sweep_curves import draw_family
+        from hybond.draw.sweep_plots import draw_family
 
         return draw_family(_table(self), spread_of(_table(self), curve), path=path)
 
@@ -99,7 +124,7 @@ class Views:
 
     def plot_tornado(self, value: str, *, path: str | Path | None = None) -> Any:
         """Draw a tornado: how far each factor by itself moves an outcome."""
-        from hybond.draw.sweep_bars import draw_tornado
+        from hybond.draw.sweep_plots import draw_tornado
 
         return draw_tornado(_table(self), value, self.tornado(value), path=path)
 
@@ -121,7 +146,7 @@ class Views:
 
     def plot_sobol(self, value: str, *, path: str | Path | None = None) -> Any:
         """Draw Sobol indices as bars, first order and total."""
-        from hybond.draw.sweep_bars import draw_sobol
+        from hybond.draw.sweep_plots import draw_sobol
 
         return draw_sobol(_table(self), value, self.sobol(value), path=path)
 

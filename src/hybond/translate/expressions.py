@@ -84,7 +84,7 @@ OTHER_WORDS = frozenset(
     ]
 )
 
-_ARITHMETIC: Mapping[type[ast.operator], str] = {
+ARITHMETIC: Mapping[type[ast.operator], str] = {
     ast.Add: "+",
     ast.Sub: "-",
     ast.Mult: "*",
@@ -257,7 +257,7 @@ def _unary(node: ast.expr, scope: Scope) -> Expr:
 
 def _binary(node: ast.expr, scope: Scope) -> Expr:
     assert isinstance(node, ast.BinOp)
-    op = _ARITHMETIC.get(type(node.op))
+    op = ARITHMETIC.get(type(node.op))
     if op is None:
         hint = "math.pow, or a product" if isinstance(node.op, ast.Pow) else ""
         raise scope.refuse(node, f"{ast.unparse(node)!r} is not in the subset", hint)

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from hybond.translate.annotations import annotated_type
 from hybond.translate.comments import Comments
 from hybond.translate.expressions import (
+    ARITHMETIC,
     Scope,
     arithmetic,
     condition,
@@ -40,20 +41,6 @@ from hybond.translate.tree import (
     While,
     Word,
 )
-
-_AUGMENTED: Mapping[type[ast.operator], str] = {
-    ast.Add: "+",
-    ast.Sub: "-",
-    ast.Mult: "*",
-    ast.Div: "/",
-    ast.FloorDiv: "//",
-    ast.Mod: "%",
-    ast.BitAnd: "&",
-    ast.BitOr: "|",
-    ast.BitXor: "^",
-    ast.LShift: "<<",
-    ast.RShift: ">>",
-}
 
 
 @dataclass
@@ -164,7 +151,7 @@ def _annotated(body: Body, node: ast.stmt, notes: Notes) -> Statement:
 
 def _augmented(body: Body, node: ast.stmt, notes: Notes) -> Statement:
     assert isinstance(node, ast.AugAssign)
-    op = _AUGMENTED.get(type(node.op))
+    op = ARITHMETIC.get(type(node.op))
     if op is None:
         raise body.scope.refuse(node, "this operator is not in the subset")
     if isinstance(node.target, ast.Name):

@@ -32,8 +32,8 @@ from hybond.calls import called
 from hybond.causality.orientation import base_mode
 from hybond.equations.booleans import Naming
 from hybond.equations.display import Display
+from hybond.equations.element_parts import parameter_values
 from hybond.equations.matrix import BooleanMatrix
-from hybond.equations.parameters import parameter_values
 from hybond.equations.ring import Numbers, Ring, Symbols
 from hybond.equations.storage import stiffness_at
 from hybond.errors import EquationError

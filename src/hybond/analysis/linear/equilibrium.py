@@ -14,7 +14,7 @@ from typing import NoReturn
 import numpy as np
 from numpy.typing import NDArray
 
-from hybond.analysis.linear.point import Point, settled
+from hybond.analysis.linear.point import Point, entered
 from hybond.engine.outcome.apart import Apart
 from hybond.equations.calculus import rate_name
 from hybond.equations.linear_rows import linear_rows
@@ -90,7 +90,7 @@ class _Search:
         """Steps that made nothing smaller."""
 
     def found(self) -> tuple[Point, list[str]]:
-        point = settled(
+        point = entered(
             self.apart, self.graph, self.apart.start, self.mode, chosen=self.chosen, said=""
         )
         begin = point.state
@@ -235,7 +235,7 @@ class _Search:
         return last
 
     def _settled(self, state: Vector, mode: Mode) -> Point:
-        return settled(self.apart, self.graph, state, mode, chosen=False, said="")
+        return entered(self.apart, self.graph, state, mode, chosen=False, said="")
 
     def _check(self, point: Point) -> None:
         """Refuse a rest in which the mode is left at once."""

@@ -282,7 +282,7 @@ def frequency_response(
 
 def _said(graph: FlatGraph, period: float | str) -> float:
     """Return a period that is given, if the model may repeat with it."""
-    said = time_said(graph, period, "period")
+    said = time_said(graph, period)
     if not 0.0 < said < np.inf:
         raise UsageError(
             f"period = {said:g} s", code="HB-A511", where="period", hint="a positive time"

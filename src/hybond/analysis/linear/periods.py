@@ -93,8 +93,8 @@ def times_of(asked: float, own: float) -> int:
     return times if times >= 1 and abs(asked / own - times) <= WHOLE * times else 0
 
 
-def time_said(graph: FlatGraph, said: float | str, where: str) -> float:
-    """Return a time, s: a number, a quantity, or an expression of parameters.
+def time_said(graph: FlatGraph, said: float | str) -> float:
+    """Return a period, s: a number, a quantity, or an expression of parameters.
 
     Raises
     ------
@@ -105,25 +105,25 @@ def time_said(graph: FlatGraph, said: float | str, where: str) -> float:
     --------
     >>> import hybond as hb
     >>> m = hb.Model("clock", parameters={"f": "50 kHz"})
-    >>> round(time_said(m.flatten(), "2/f", "period"), 9), time_said(m.flatten(), "20 ms", "period")
+    >>> round(time_said(m.flatten(), "2/f"), 9), time_said(m.flatten(), "20 ms")
     (4e-05, 0.02)
     """
     if not isinstance(said, str) or try_quantity(said) is not None:
-        return seconds(said, where)
+        return seconds(said, "period")
     try:
         found = read_name(graph, said)
     except HybondError as error:
         raise UsageError(
             f"{said!r} is not a time: {error.why}",
             code="HB-S106",
-            where=where,
+            where="period",
             hint=error.hint or "0.2, '200 ms', or an expression of parameters such as 2*pi/w",
         ) from None
     if names(found):
         raise UsageError(
             f"{said!r} reads signals, not parameters alone",
             code="HB-S106",
-            where=where,
+            where="period",
             hint="0.2, '200 ms', or an expression of parameters such as 2*pi/w",
         )
     unit = unit_of(found, graph)
@@ -131,7 +131,7 @@ def time_said(graph: FlatGraph, said: float | str, where: str) -> float:
         raise UsageError(
             f"{said!r} is in {unit}, and no time",
             code="HB-S106",
-            where=where,
+            where="period",
             hint="0.2, '200 ms', or an expression of parameters such as 2*pi/w",
         )
     return float(compile_expression(found, {}, pre_offset=0)([]))

@@ -137,7 +137,7 @@ def of_start(graph: FlatGraph, mode: Mode, *, chosen: bool) -> Point:
 
     With `chosen` it is an error if that is another mode than the one that is asked for.
     """
-    return settled(Apart(graph), graph, Apart(graph).start, mode, chosen=chosen, said="the start")
+    return entered(Apart(graph), graph, Apart(graph).start, mode, chosen=chosen, said="the start")
 
 
 def of_states(
@@ -165,7 +165,7 @@ def of_states(
                 hint=did_you_mean(name, places) or ", ".join(places),
             )
         state[places[name]] = _number(graph, name, value)
-    found = settled(apart, graph, state, mode, chosen=chosen, said="the states that are given")
+    found = entered(apart, graph, state, mode, chosen=chosen, said="the states that are given")
     sizes = {"x": np.abs(state[: len(graph.storages)]), "s": np.abs(state)}
     for name in given:
         k = places[name]
@@ -181,7 +181,7 @@ def of_states(
     return found
 
 
-def settled(
+def entered(
     apart: Apart, graph: FlatGraph, state: Vector, mode: Mode, *, chosen: bool, said: str
 ) -> Point:
     """Return where a run would go on from a state and a mode.

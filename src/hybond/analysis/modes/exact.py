@@ -10,12 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.analysis.modes.asked import Asked, modes_of, without_repeats
-from hybond.analysis.modes.cell import Programs, Spent
+from hybond.analysis.modes.cell import Programs, Spent, conditions
 from hybond.analysis.modes.entry import Entries, read_by
 from hybond.analysis.modes.held import Held, guards_of, without_rules
 from hybond.analysis.modes.paths import Instants, Path, Space
 from hybond.analysis.modes.records import Gap, Known
-from hybond.analysis.modes.regions import conditions
 from hybond.analysis.modes.steps import Met, name_of
 from hybond.errors import DivergenceOfTime, HybondError
 from hybond.model.expressions import Name

@@ -17,10 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.analysis.sensitivity.chain import Chain
-from hybond.analysis.sensitivity.collocation import Jump, Step
+from hybond.analysis.sensitivity.collocation import Jump, VariationStep
 from hybond.analysis.sensitivity.exponential import grown
 from hybond.analysis.sensitivity.fields import Fields
-from hybond.analysis.sensitivity.flow import Flow
+from hybond.analysis.sensitivity.flow import MatrixStep
 from hybond.result import Result
 
 Vector = NDArray[np.float64]
@@ -53,10 +53,10 @@ def lost_directions(
         return np.asarray(M[np.ix_(place, place)] * unit / unit[:, None])
 
     maps: list[Vector | _Limit] = [_alike(scaled(chain.start[:, : len(sizes)]))]
-    motions: list[Step | Flow] = []
+    motions: list[VariationStep | MatrixStep] = []
     before: list[int] = []
     for link in chain.links:
-        if isinstance(link, Step | Flow):
+        if isinstance(link, VariationStep | MatrixStep):
             motions.append(link)
             before.append(len(maps))
             continue
@@ -91,13 +91,13 @@ class _Limit:
     before: int
 
 
-def _rates(run: Result, fields: Fields, motions: Sequence[Step | Flow]) -> Vector:
+def _rates(run: Result, fields: Fields, motions: Sequence[VariationStep | MatrixStep]) -> Vector:
     """Return the mean of the matrix of the variations over a motion."""
     n = fields.columns.time
     total, long = np.zeros((n, n)), 0.0
     for link in motions:
         h = link.t1 - link.t0
-        if isinstance(link, Step):
+        if isinstance(link, VariationStep):
             A = link.A.mean(axis=0)
         else:
             middle = 0.5 * (link.t0 + link.t1)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,7 +15,7 @@ from hybond.analysis.linear.words import unit_over
 from hybond.analysis.periodic.multipliers import CIRCLE, Multiplier, is_neutral, is_stable
 from hybond.errors import HybondError, UsageError
 from hybond.measures.signal import Signal
-from hybond.names import did_you_mean, html_lines, html_table
+from hybond.names import did_you_mean, html_lines, html_table, numbers_in_columns
 from hybond.result import Result
 from hybond.runs.states import State
 from hybond.units import format_quantity
@@ -238,12 +238,16 @@ class PeriodicOrbit:
 
     def _lines(self) -> Iterator[str]:
         yield from self._head()
-        yield from _table([["multiplier", "size", ""], *self._multiplier_rows()], left=(2,))
+        yield from numbers_in_columns(
+            [["multiplier", "size", ""], *self._multiplier_rows()], words=(0, 2)
+        )
         yield "at the beginning"
-        yield from _table(self._state_rows())
+        yield from numbers_in_columns(self._state_rows(), words=(0,))
         rows = self._signal_rows()
         if rows:
-            yield from _table([["over the period", "mean", "least", "largest"], *rows])
+            yield from numbers_in_columns(
+                [["over the period", "mean", "least", "largest"], *rows], words=(0,)
+            )
         yield from self._tail()
 
     def _head(self) -> Iterator[str]:
@@ -320,13 +324,3 @@ _WORDS = {
     "neutral": "nothing damps it",
     "fast": "too small to be told",
 }
-
-
-def _table(rows: Sequence[Sequence[str]], left: Sequence[int] = ()) -> Iterator[str]:
-    widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
-    for row in rows:
-        cells = [
-            c.ljust(w) if not k or k in left else c.rjust(w)
-            for k, (c, w) in enumerate(zip(row, widths))
-        ]
-        yield ("  " + "  ".join(cells)).rstrip()

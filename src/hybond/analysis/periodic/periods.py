@@ -63,7 +63,7 @@ def period_asked(shots: Shots, period: float | str | None, multiple: int) -> Per
         HB-A541 for a period that is none, or no whole number of the model's own; HB-A511 where it
         is not given and cannot be told.
     """
-    asked = None if period is None else time_said(shots.graph, period, "period")
+    asked = None if period is None else time_said(shots.graph, period)
     if asked is not None and not 0.0 < asked < np.inf:
         raise _no_period(f"a period of {asked:g} s is none", "a time above 0")
     if isinstance(multiple, bool) or not isinstance(multiple, int) or multiple < 1:

@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.analysis.sensitivity.chain import Chain
-from hybond.analysis.sensitivity.collocation import Jump, Step
+from hybond.analysis.sensitivity.collocation import Jump, VariationStep
 from hybond.analysis.sensitivity.fields import Field, Fields
-from hybond.analysis.sensitivity.flow import Flow
+from hybond.analysis.sensitivity.flow import MatrixStep
 from hybond.result import Result
 
 Vector = NDArray[np.float64]
@@ -36,9 +36,11 @@ def takes_nothing(run: Result, chain: Chain, fields: Fields, basis: Vector) -> b
     """
     n = len(basis)
     found = [d[:n, :n] @ basis for d in chain.forward()]
-    motions = [k for k, link in enumerate(chain.links) if isinstance(link, Step | Flow)]
+    motions = [
+        k for k, link in enumerate(chain.links) if isinstance(link, VariationStep | MatrixStep)
+    ]
     for k, link in enumerate(chain.links):
-        if isinstance(link, Step | Flow):
+        if isinstance(link, VariationStep | MatrixStep):
             continue
         moved = np.abs(found[k + 1] - found[k]).max(axis=1, initial=0.0)
         if (moved <= SAME * np.abs(found[k]).max(axis=1, initial=0.0)).all():
@@ -48,7 +50,7 @@ def takes_nothing(run: Result, chain: Chain, fields: Fields, basis: Vector) -> b
     moves = False
     for k in motions[:: max(1, len(motions) // INSTANTS)]:
         link = chain.links[k]
-        assert isinstance(link, Step | Flow)
+        assert isinstance(link, VariationStep | MatrixStep)
         segment = next((s for s in run.segments if s.t[0] <= link.t0 < s.t[-1]), None)
         if segment is None:
             return False

@@ -15,8 +15,8 @@ from dataclasses import dataclass, field, replace
 from typing import Literal
 
 from hybond.analysis.residuals.relations import evaluate, residue
+from hybond.equations.element_parts import parameter_values
 from hybond.equations.element_rows import Assembly, Column, laws_of
-from hybond.equations.parameters import parameter_values
 from hybond.equations.ring import Row, Symbols
 from hybond.equations.symbolic.rational import Rational
 from hybond.errors import EquationError, UsageError

@@ -18,8 +18,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from hybond.analysis.sensitivity.chain import Chain, Instant, Reading
-from hybond.analysis.sensitivity.collocation import STAGES, Jump, Step, radau
+from hybond.analysis.sensitivity.chain import Chain, Reading, RunSwitch
+from hybond.analysis.sensitivity.collocation import STAGES, Jump, VariationStep, radau
 from hybond.analysis.sensitivity.crossing import (
     LOCATED,
     NO_CAUSE,
@@ -207,7 +207,12 @@ class _Along:
         return bool((np.abs(moves - self.end) <= SAME * size).all())
 
     def _accepted(
-        self, segment: Segment, d: Vector, whole: Step, halves: list[Step], depth: int
+        self,
+        segment: Segment,
+        d: Vector,
+        whole: VariationStep,
+        halves: list[VariationStep],
+        depth: int,
     ) -> Vector:
         """Take a step by its halves, if these and the whole agree; else each half as a step."""
         coarse = whole.forward(d)
@@ -230,7 +235,9 @@ class _Along:
             d = self._accepted(segment, d, own, quarters, depth + 1)
         return d
 
-    def _steps(self, segment: Segment, a: Vector, b: Vector) -> Iterator[tuple[Step, list[Step]]]:
+    def _steps(
+        self, segment: Segment, a: Vector, b: Vector
+    ) -> Iterator[tuple[VariationStep, list[VariationStep]]]:
         """Yield each step and its halves."""
         c, _, _ = radau()
         middle = 0.5 * (a + b)
@@ -255,7 +262,8 @@ class _Along:
         B = B.reshape(len(a), 3, STAGES, size, self.more + many)
         for k in range(len(a)):
             made = [
-                Step(float(x[k]), float(y[k]), A[k, j], B[k, j]) for j, (x, y) in enumerate(spans)
+                VariationStep(float(x[k]), float(y[k]), A[k, j], B[k, j])
+                for j, (x, y) in enumerate(spans)
             ]
             yield made[0], made[1:]
 
@@ -293,7 +301,7 @@ class _Along:
         jump = self._wide(switched(self.fields, t, end, found, event, begin))
         moves = jump.moved(d)
         self._together(segment, moves)
-        self.chain.instants.append(Instant(len(self.chain.links), t, found.text, number))
+        self.chain.instants.append(RunSwitch(len(self.chain.links), t, found.text, number))
         self.chain.links.append(jump)
         d = jump.forward(d)
         self.largest = np.maximum(self.largest, np.abs(d))
@@ -341,7 +349,7 @@ class _Along:
         machine = records[0].machine
         made = landed(self.fields, event, flight, rest, self._impacts(machine), found, machine)
         self.chain.instants.append(
-            Instant(len(self.chain.links), t, "impacts come to rest", numbers[0])
+            RunSwitch(len(self.chain.links), t, "impacts come to rest", numbers[0])
         )
         self.chain.links.append(made)
         d = made.after(found)
@@ -383,7 +391,7 @@ class _Along:
         """Note where the derivative ends."""
         self.chain.ends, self.chain.why = self._now, why
         number = next(iter(self.events.get(self._now, [])), None)
-        self.chain.instants.append(Instant(None, self._now, why, number))
+        self.chain.instants.append(RunSwitch(None, self._now, why, number))
 
     # -- readings
 

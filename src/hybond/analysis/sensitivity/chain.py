@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from hybond.analysis.sensitivity.collocation import Jump, Step
-from hybond.analysis.sensitivity.flow import Flow
+from hybond.analysis.sensitivity.collocation import Jump, VariationStep
+from hybond.analysis.sensitivity.flow import MatrixStep
 from hybond.analysis.sensitivity.landing import Landing
 
 Vector = NDArray[np.float64]
@@ -36,7 +36,7 @@ class Reading:
 
 
 @dataclass(frozen=True, slots=True)
-class Instant:
+class RunSwitch:
     """A switch of the run.
 
     Parameters
@@ -62,9 +62,9 @@ class Chain:
 
     start: Vector
     """Shape (n, parameters); more columns, which come first, where the start varies by itself."""
-    links: list[Step | Flow | Jump | Landing] = field(default_factory=list)
+    links: list[VariationStep | MatrixStep | Jump | Landing] = field(default_factory=list)
     readings: list[Reading] = field(default_factory=list)
-    instants: list[Instant] = field(default_factory=list)
+    instants: list[RunSwitch] = field(default_factory=list)
     ends: float | None = None
     """Where the derivative ends before the run does, s."""
     why: str = ""

@@ -44,7 +44,7 @@ def radau() -> tuple[Vector, Vector, Vector]:
 
 
 @dataclass(frozen=True, slots=True)
-class Step:
+class VariationStep:
     """A step of the variations.
 
     Parameters

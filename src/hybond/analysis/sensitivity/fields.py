@@ -22,18 +22,19 @@ from hybond.analysis.sensitivity.gradients import Compiled, Gradients
 from hybond.analysis.sensitivity.last_kink import Kink, ends_at
 from hybond.analysis.sensitivity.mode_rows import ModeRows
 from hybond.analysis.sensitivity.solving import NO_SLOPE
-from hybond.analysis.sensitivity.state_functions import state_function
 from hybond.analysis.sensitivity.tangent import At, Columns, Read, Tangent, Undetermined
 from hybond.analysis.sensitivity.values import Values
+from hybond.analysis.sensitivity.wanted import followed, stored_law
 from hybond.engine.outcome.combinations import Combination
 from hybond.equations.calculus import partial_time
 from hybond.equations.surfaces import surfaces_of
-from hybond.model.expressions import Expr, names, turning
+from hybond.model.expressions import Expr, Neg, names, substitute, turning
 from hybond.model.graph import FlatGraph, Mode
 from hybond.model.inputs import Called, Timetable
 from hybond.runs.trace import Segment
 
 Vector = NDArray[np.float64]
+__all__ = ["Field", "Fields", "ModeField", "Undetermined", "partial_time"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -346,4 +347,33 @@ class ModeField:
         return Field(at, self._rates.at(at.values, at.points), slopes, bonds, self.tangent)
 
 
-__all__ = ["Field", "Fields", "ModeField", "Undetermined", "partial_time"]
+def state_function(graph: FlatGraph, g: Expr) -> Expr:
+    """Return an expression in which bond variables that storage sets are laws of what is stored.
+
+    Raises
+    ------
+    Undetermined
+        If it reads other bond variables.
+    """
+    laws = _set_by_storage(graph)
+    found = followed(substitute(g, {n: laws[n] for n in names(g) if n in laws}))
+    left = [n for n in names(found) if n.startswith(("e:", "f:"))]
+    if left:
+        raise Undetermined("the surface that is slid on reads more than what is stored")
+    return found
+
+
+def _set_by_storage(graph: FlatGraph) -> dict[str, Expr]:
+    """Return the bond variables that are the co-energy variable of a storage, as its law."""
+    found: dict[str, Expr] = {}
+    for s in graph.storages:
+        law = stored_law(graph, s)
+        kind = "e" if s.kind == "C" else "f"
+        own: Expr = Neg(law) if s.kind == "I" and s.sign < 0 else law
+        found[f"{kind}:{s.bond}"] = own
+        bond = graph.bonds[s.bond]
+        for at in (bond.tail, bond.head):
+            node = graph.nodes[at]
+            if node.kind == ("0" if s.kind == "C" else "1") and not node.controlled:
+                found.update({f"{kind}:{end.bond}": own for end in node.ends})
+    return found

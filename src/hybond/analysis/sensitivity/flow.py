@@ -32,7 +32,7 @@ AT_ONCE = 200_000
 
 
 @dataclass(frozen=True, slots=True)
-class Flow:
+class MatrixStep:
     """A step of the variations that is a matrix.
 
     Parameters
@@ -60,7 +60,7 @@ class Flow:
         return self.S.T @ adjoint, self.P.T @ adjoint
 
 
-def flows(fields: Fields, segment: Segment, mesh: Vector, field: Field) -> list[Flow] | None:
+def flows(fields: Fields, segment: Segment, mesh: Vector, field: Field) -> list[MatrixStep] | None:
     """Return the steps between points of a segment; None where its mode is not linear.
 
     Parameters
@@ -94,7 +94,7 @@ def flows(fields: Fields, segment: Segment, mesh: Vector, field: Field) -> list[
     y[:, :n], y[:, n + 1] = (states[:, :-1] - states[:, :1]).T @ back.T, mesh[:-1] - mesh[0]
     y /= unit
     T, back = _with_rest(T, size), _with_rest(back, size)
-    found: list[Flow] = []
+    found: list[MatrixStep] = []
     for first in range(0, len(h), max(1, AT_ONCE // whole.size)):
         part = h[first : first + max(1, AT_ONCE // whole.size)]
         E = grown((whole * part[:, None, None, None]).reshape(-1, *whole.shape[1:]))
@@ -104,7 +104,7 @@ def flows(fields: Fields, segment: Segment, mesh: Vector, field: Field) -> list[
             "kpij,kj,p->kip", E[:, :, :size, size:], y[first : first + len(part)], share
         )
         ends = zip(mesh[first:].tolist(), mesh[first + 1 :].tolist(), S, P)
-        found += [Flow(*of) for of in ends]
+        found += [MatrixStep(*of) for of in ends]
     return found
 
 

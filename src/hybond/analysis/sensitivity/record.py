@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from hybond.analysis.linear.words import unit_over
 from hybond.errors import NumericsError, UsageError
-from hybond.names import did_you_mean
+from hybond.names import did_you_mean, numbers_in_columns
 from hybond.result import Result
 
 if TYPE_CHECKING:
@@ -215,21 +215,14 @@ class Sensitivities:
                 rows.append([f"{e.t:.9g}", e.text, *(f"{v:.6g}" for v in e.by)])
         if len(rows) > 1:
             yield "instants of events"
-            yield from _table(rows)
+            yield from numbers_in_columns(rows, words=(0, 1))
         if len(self.t):
             yield f"{'at the end' if self.ends is None else 'before that'}, t = {end:.9g} s"
             rows = [["", "value", *(f"by {w}" for w in self.wrt)]]
             for i, name in enumerate(self.of):
                 row = [f"{v:.6g}" for v in self.derivatives[-1, i]]
                 rows.append([name, f"{self.y[-1, i]:.6g}", *row])
-            yield from _table(rows)
+            yield from numbers_in_columns(rows, words=(0, 1))
         if self.ends is not None:
             yield f"no derivatives from {self.ends:.9g} s on: {self.why}"
         yield from self.notes
-
-
-def _table(rows: Sequence[Sequence[str]]) -> Iterator[str]:
-    widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
-    for row in rows:
-        cells = [c.ljust(w) if k < 2 else c.rjust(w) for k, (c, w) in enumerate(zip(row, widths))]
-        yield ("  " + "  ".join(cells)).rstrip()

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.analysis.sensitivity.opened import Opened
-from hybond.equations.stored_laws import stored_names
+from hybond.equations.storage import stored_names
 from hybond.errors import EquationError
 from hybond.model.builder import Model
 from hybond.model.expressions import (

@@ -38,11 +38,11 @@ def solve_regular(
             for i in range(k + 1, n):
                 total -= room[k * n + i] * x[i * c + j]
             x[k * c + j] = total / room[k * n + k]
-    put_back(n, c, x, column)
+    unpermute(n, c, x, column)
     return True
 
 
-def put_back(n: int, c: int, x: Floats, column: Ints) -> None:
+def unpermute(n: int, c: int, x: Floats, column: Ints) -> None:
     """Put the rows of `x` where the columns that they belong to were."""
     for k in range(n):
         # each exchange puts one row where it belongs

@@ -59,5 +59,5 @@ def read_table(n: int, points: Floats, first: int, goes_on: bool, x: float) -> f
 
 
 def square(x: float) -> float:
-    """Return x times itself."""
+    """Return x times itself, as expressions of a model that are printed ask for it by its name."""
     return x * x

@@ -12,7 +12,7 @@ from hybond.engine.algebra.svd import null_space, pseudo_inverse, rank_above, sv
 from hybond.engine.engine import Engine, svd_room
 from hybond.engine.instant.constraints import constraint_by_co_energy, residual
 from hybond.engine.instant.own_ways import give_own
-from hybond.engine.instant.sparse_ways import find_extents, find_sparse_ways, is_curved, may_hold
+from hybond.engine.instant.sparse_ways import find_extents, find_sparse_ways, is_curved, size_held
 from hybond.engine.mode.dynamic_rows import frozen_at
 from hybond.engine.mode.mode_records import Mode, Ways
 from hybond.engine.mode.storage import own_stiffness, stiff, with_stored
@@ -360,7 +360,7 @@ def extent(e: Engine, x: Floats, k: int) -> float:
     It is no less than what constraints see of it.
     """
     own = math.fabs(own_stiffness(e.model, k, with_stored(e, x)))
-    size = may_hold(e, x, k)
+    size = size_held(e, x, k)
     if own > 0.0 and math.isfinite(own):
         size = max(size, e.work.seen_by.at[k] / own)
     return size if size > 0.0 and math.isfinite(size) else 1e-6

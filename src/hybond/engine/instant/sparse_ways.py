@@ -101,11 +101,11 @@ def find_extents(e: Engine, x: Floats) -> None:
     w = e.work
     fit(w.extents, m.storages)
     for k in range(m.storages):
-        size = may_hold(e, x, k)
+        size = size_held(e, x, k)
         w.extents.at[k] = size if size > 0.0 and math.isfinite(size) else 1.0
 
 
-def may_hold(e: Engine, x: Floats, k: int) -> float:
+def size_held(e: Engine, x: Floats, k: int) -> float:
     """Return how much storage k holds, and would with the energy of its part."""
     own = math.fabs(own_stiffness(e.model, k, with_stored(e, x)))
     size = math.fabs(x[k])

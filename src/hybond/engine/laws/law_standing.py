@@ -22,7 +22,6 @@ from hybond.engine.engine import OK, Engine
 from hybond.engine.instant.jump import enter_mode
 from hybond.engine.instant.trial import begin_trial, finish_trial
 from hybond.engine.laws.law_instant import NO_LAW_VALUE, is_on
-from hybond.engine.laws.law_records import Laws
 from hybond.engine.laws.ports import open_mode, ports_of
 from hybond.engine.mode.mode_records import is_constrained
 from hybond.engine.mode.part_energies import find_energies, reach_of_bond
@@ -64,7 +63,7 @@ def stands_as_it_was(e: Engine, t: float, x: Floats, s: Floats, state: Ints) -> 
     if enter_mode(e, mode, e.v, x, e.trial.x) != OK or finish_trial(e, t, x, s) != OK:
         return False
     for k in range(m.ports):
-        if not stands_clearly(e, r, k):
+        if not stands_clearly(e, k):
             return False
     return True
 
@@ -90,7 +89,7 @@ def shown(m: Model, k: int, on: bool, v: Floats) -> float:
     return total if on else -total
 
 
-def stands_clearly(e: Engine, r: Laws, k: int) -> bool:
+def stands_clearly(e: Engine, k: int) -> bool:
     """Whether that is positive in the trial by more than any part of its terms that counts."""
     m = e.model
     on = is_on(m, k, e.trial.state[m.port_machine[k]])

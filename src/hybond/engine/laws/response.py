@@ -136,7 +136,7 @@ def find_sizes(e: Engine, p: Ports, a: Response) -> None:
         a.size[k] = 0.0
         for i in range(m.pair_first[row], m.pair_first[row + 1]):
             b = m.pair_column[i]
-            a.size[k] += math.fabs(m.pair_value[i]) * terms_of(e, mode, b)
+            a.size[k] += math.fabs(m.pair_value[i]) * size_of_terms(e, mode, b)
 
 
 def couple(m: Model, p: Ports, a: Response) -> None:
@@ -236,21 +236,21 @@ def find_gains(e: Engine, r: Laws, p: Ports, v: Floats, gain: Floats) -> int:
         r.zero[b] = e.work.w[b]
         r.zero_terms[b] = size_of(e, mode, b, e.work.xi, v)
     for k in range(m.ports):
-        unit = unit_of(m, p, k, r.zero)
+        unit = probe_of(m, p, k, r.zero)
         r.l[k] = unit
         if solve_with(e, p, v, r.l) != OK:
             return REFUSED
         r.l[k] = 0.0
         for b in range(n):
             moved = e.work.w[b] - r.zero[b]
-            still = math.fabs(moved) <= DIGITS * max(r.zero_terms[b], terms_of(e, mode, b))
+            still = math.fabs(moved) <= DIGITS * max(r.zero_terms[b], size_of_terms(e, mode, b))
             gain[b * m.ports + k] = 0.0 if still else moved / unit
     for i in range(2 * m.slots):
         v[i] = r.kept[i]
     return OK
 
 
-def terms_of(e: Engine, mode: Mode, b: int) -> float:
+def size_of_terms(e: Engine, mode: Mode, b: int) -> float:
     """Return the size of the terms of a bond variable, after a solution.
 
     What Newton solves for, as the voltages of modulated gyrators, is among them.
@@ -263,7 +263,7 @@ def terms_of(e: Engine, mode: Mode, b: int) -> float:
     return size
 
 
-def unit_of(m: Model, p: Ports, k: int, w: Floats) -> float:
+def probe_of(m: Model, p: Ports, k: int, w: Floats) -> float:
     """Return what is given by port k to see what it does: 1, or more where its kind is large."""
     own = 2 * k + 1 if p.given[k] == NET else 2 * k
     if m.pair_first[own] == m.pair_first[own + 1]:

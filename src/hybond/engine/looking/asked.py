@@ -82,7 +82,7 @@ def prepare(e: Engine, a: Ask, corrects: bool) -> None:
             b = a.slot.at[i] % m.slots - m.bond_slot
             if b >= 0 and b < 2 * m.bonds:
                 read_bond(m, e.mode, a.reads, b)
-        find_sources(m, e.mode, a)
+        find_sources(e.mode, a)
         find_storages(m, e.mode, a)
     if a.sparse and not corrects and reads_time_only(m, e.mode, a):
         find_parts(m, a)
@@ -92,7 +92,7 @@ def prepare(e: Engine, a: Ask, corrects: bool) -> None:
         a.part[s] = s
 
 
-def find_sources(m: Model, mode: Mode, a: Ask) -> None:
+def find_sources(mode: Mode, a: Ask) -> None:
     """Find the sources whose values and rates are read."""
     a.sources = 0
     a.rateds = 0

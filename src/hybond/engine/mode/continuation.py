@@ -112,7 +112,7 @@ def weaken(e: Engine, mode: Mode, v: Floats, r: Floats, tolerance: float) -> boo
             return False
         work.aid = part * aid
         if damped(e, mode, v, r, tolerance):
-            rests = stays(frees, work.begun.at, r)
+            rests = moved_little(frees, work.begun.at, r)
             part = max(part * part, LEAST_PART)
         else:
             rests = False
@@ -125,7 +125,7 @@ def weaken(e: Engine, mode: Mode, v: Floats, r: Floats, tolerance: float) -> boo
     return False
 
 
-def stays(frees: int, before: Floats, after: Floats) -> bool:
+def moved_little(frees: int, before: Floats, after: Floats) -> bool:
     """Whether a weaker resistance has moved no unknown by much of the largest.
 
     A law that gives nothing has nothing beside which its resistance would be small: a valve that

@@ -74,7 +74,7 @@ def look_at_digits(e: Engine, mode: Mode) -> None:
     are tied, whose constraints have those of a number.
     """
     w = e.warned
-    least = min(e.work.power.least, e.work.settled.least) if e.work.table.done > 0 else 1.0
+    least = min(e.work.power.least, e.work.built.least) if e.work.table.done > 0 else 1.0
     if w.far_apart or mode.too_high or not least < CLEAR:
         return
     w.far_apart = True
@@ -128,8 +128,8 @@ def make_equations(e: Engine, mode: Mode, given: Ints) -> None:
 def loses_digits(e: Engine) -> bool:
     """Whether coefficients have come out as small differences of large ones."""
     power = e.work.power
-    finite = e.work.settled
-    return min(power.least, finite.least) < CLEAR
+    built = e.work.built
+    return min(power.least, built.least) < CLEAR
 
 
 def level_of(m: Model, mode: Mode, k: int) -> float:
@@ -200,23 +200,23 @@ def eliminate(e: Engine, mode: Mode) -> None:
     for k in range(m.priors):
         mode.prior_acts[k] = 1 if is_prior_active(m, mode, k) else 0
     power = e.work.power
-    finite = e.work.settled
-    mode.doubted = power.doubted or finite.doubted
+    built = e.work.built
+    mode.doubted = power.doubted or built.doubted
     for k in range(2 * m.bonds):
         mode.same[k] = power.same[k]
-    mode.finite_frees = free_columns(finite, mode.free_column)
+    mode.finite_frees = free_columns(built, mode.free_column)
     mode.bent = False
     for k in range(2 * m.bonds):
-        mode.bent = mode.bent or finite.read[k] != 0
+        mode.bent = mode.bent or built.read[k] != 0
     for i in range(mode.dynamics):
         mode.bent = mode.bent or mode.dynamic[i] < 0
     for j in range(mode.finite_frees):
-        mode.reluctant[j] = finite.read[mode.free_column[j]]
+        mode.reluctant[j] = built.read[mode.free_column[j]]
     if mode.finite_frees == 0 and mode.dynamics == 0:
-        share_rows(m, finite, mode)
-    take_rows(finite, mode.knowns, mode.same, mode.finite)
-    take_free(finite, mode.finite_frees, mode.free_column, mode.finite_free)
-    take_free_rest(finite, mode)
+        share_rows(m, built, mode)
+    take_rows(built, mode.knowns, mode.same, mode.finite)
+    take_free(built, mode.finite_frees, mode.free_column, mode.finite_free)
+    take_free_rest(built, mode)
     divide_rows(m, mode)
     mode.power = mode.finite
     mode.power_free = mode.finite_free

@@ -179,7 +179,7 @@ def full_steps(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
         if not all_finite(rows * frees, work.jacobian.at):
             return False
         mode.regular = newton_step(e, rows, frees)
-        if not mode.regular and stands_still(e, mode, rows, frees):
+        if not mode.regular and stands_still(e, rows, frees):
             # after a step that was next to nothing, what cannot be reached may be rounding
             return small and is_idle_reaction(e, mode, v, w)
         scale = largest_of(n, work.base) + largest_of(frees, r)
@@ -335,7 +335,7 @@ def keep_guess(mode: Mode, w: Floats) -> None:
     mode.guessed = True
 
 
-def stands_still(e: Engine, mode: Mode, rows: int, frees: int) -> bool:
+def stands_still(e: Engine, rows: int, frees: int) -> bool:
     """Whether a step leaves a part of the residual that the slopes here cannot reach.
 
     What one unknown has of the rounding of another is none: a flow that is zero beside an effort.

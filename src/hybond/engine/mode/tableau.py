@@ -79,7 +79,7 @@ def part_of(m: Model, mode: Mode, element: int) -> int:
 
 
 def build(e: Engine, mode: Mode) -> int:
-    """Eliminate the rows of a configuration, into `e.work.power` and `e.work.settled`.
+    """Eliminate the rows of a configuration, into `e.work.power` and `e.work.built`.
 
     ``mode.given[k]`` says which variable of junction k is given from outside: NOT_OPEN, COMMON or
     NET. Returns how many hidden rows determine nothing: differentiating once is not enough.
@@ -105,7 +105,7 @@ def build(e: Engine, mode: Mode) -> int:
             else:
                 add_nothing(e, j, -1)
     for element in range(m.steady, m.elements):
-        add_laws(e, mode, part_of(m, mode, element))
+        add_laws(e, part_of(m, mode, element))
     mode.knowns = m.storages + 2 * mode.sources
     return add_hidden(e, mode, 2 * m.bonds + m.storages)
 
@@ -159,7 +159,7 @@ def add_steady(e: Engine, mode: Mode) -> None:
         if m.junction_switch[j] < 0 and mode.given[j] == NOT_OPEN and not is_wide(m, j):
             add_balance(e, j, -1)
     for element in range(m.steady):
-        add_laws(e, mode, part_of(m, mode, element))
+        add_laws(e, part_of(m, mode, element))
     if is_steady(m, mode) and w.agreements == 0:
         repeat_elimination(power, w.steady)
         repeat_elimination(w.table, w.steady_table)
@@ -310,7 +310,7 @@ def list_dynamics(m: Model, mode: Mode, part: int) -> None:
         mode.dynamics += 1
 
 
-def add_laws(e: Engine, mode: Mode, part: int) -> None:
+def add_laws(e: Engine, part: int) -> None:
     """Add the laws of a part."""
     m = e.model
     for row in range(m.part_law[part], m.part_power[part + 1]):
@@ -407,7 +407,7 @@ def add_hidden(e: Engine, mode: Mode, value0: int) -> int:
     w = e.work
     finite = w.finite
     table = w.table
-    w.settled = finite
+    w.built = finite
     # sums of wide junctions are the last rows of the power structure, but behind the derivatives of
     # constraints in what is evaluated: it goes on from before them where there are any
     tied = table.done > 0
@@ -415,15 +415,15 @@ def add_hidden(e: Engine, mode: Mode, value0: int) -> int:
         copy_elimination(w.power, finite)
     wide = add_wide(e, mode)
     if table.done == 0:
-        w.settled = w.power
+        w.built = w.power
         return 0
     if not tied:
         copy_elimination(w.power, finite)
         wide = 0
     tell_pivots(e, mode)
     # where much is tied all of it would stand in each row until then
-    early = table.done >= WIDE
-    if early:
+    at_once = table.done >= WIDE
+    if at_once:
         put_in(finite, table, 2 * m.bonds, w.told)
     too_high = 0
     for c in range(table.done):
@@ -442,7 +442,7 @@ def add_hidden(e: Engine, mode: Mode, value0: int) -> int:
         give_balance(m, finite, w.wide[i])
         if add_row(finite) != USED:
             too_high += 1
-    if not early:
+    if not at_once:
         put_in(finite, table, 2 * m.bonds, w.told)
     return too_high
 

@@ -8,7 +8,7 @@ from hybond.engine.engine import OK, Engine
 from hybond.engine.instant.instant import GUARD, LAW
 from hybond.engine.methods.scale import is_unmoved, start_scale
 from hybond.engine.methods.stepping import start
-from hybond.engine.run.guard_at_kink import end_at_guard, some_guard_holds
+from hybond.engine.run.guard_at_kink import end_short_of_kink, some_guard_holds
 from hybond.engine.run.kinks_passed import count_kink, end_at_kink, stuck_at_kink
 from hybond.engine.run.log import report_step
 from hybond.engine.run.noted import note
@@ -33,7 +33,7 @@ def pass_kink(e: Engine, r: Run, at: float) -> int:
 def meet_kink(e: Engine, r: Run, at: float) -> int:
     """End the step at a guard and a kink: GUARD, or ANEW where only the kink made it hold."""
     g = r.locator
-    if end_at_guard(e, r, at) != OK:
+    if end_short_of_kink(e, r, at) != OK:
         stuck_at_kink(e, r)
         return -1
     if not some_guard_holds(e, g):

@@ -44,7 +44,7 @@ def goes_over(e: Engine, g: Locator, k: int, at: float) -> bool:
     return holds_at(e, g, k, at) or holds_at(e, g, k, e.step.t1)
 
 
-def end_at_guard(e: Engine, r: Run, at: float) -> int:
+def end_short_of_kink(e: Engine, r: Run, at: float) -> int:
     """End the step at a guard that holds at `at` before what is behind a kink shows.
 
     What holds there is in `r.locator.done`. Where it does not hold in what the step has become, it
@@ -63,7 +63,7 @@ def end_at_guard(e: Engine, r: Run, at: float) -> int:
     g.looked = math.nan
     if made != OK or apart or at <= before:
         return made
-    return carry_over(e, r, at, room)
+    return carry_to_guard(e, r, at, room)
 
 
 def is_root(m: Model, kink: int) -> bool:
@@ -95,7 +95,7 @@ def is_near_kink(e: Engine, g: Locator, at: float, t: float) -> bool:
     return False
 
 
-def carry_over(e: Engine, r: Run, at: float, room: float) -> int:
+def carry_to_guard(e: Engine, r: Run, at: float, room: float) -> int:
     """Carry the end of the step over to where all that is in `done` holds, within the instant."""
     g = r.locator
     begin = e.step.t1
@@ -109,12 +109,12 @@ def carry_over(e: Engine, r: Run, at: float, room: float) -> int:
             e.step.y1[i] = r.beside[i] + way * r.rate[i]
         reach(e, begin + way)
         g.looked = math.nan
-        if all_hold(e, g) or begin + 2.0 * way > at + room:
+        if noted_hold(e, g) or begin + 2.0 * way > at + room:
             return OK
         way = max(2.0 * way, LAST_PLACES * spacing(at))
 
 
-def all_hold(e: Engine, g: Locator) -> bool:
+def noted_hold(e: Engine, g: Locator) -> bool:
     """Whether all that is in `done` holds at the end of the step."""
     for k in range(g.guards):
         if g.done[k] != 0 and not holds_at(e, g, k, e.step.t1):

@@ -68,7 +68,7 @@ def find_ways(e: Engine) -> int:
 
 def is_way(e: Engine) -> bool:
     """Whether the sides in `trial_side` agree with the speeds that they lead to."""
-    return weigh(e) and wrong_at(e, 0) < 0
+    return weigh(e) and wrong_at(e) < 0
 
 
 def pivot(e: Engine) -> bool:
@@ -82,7 +82,7 @@ def pivot(e: Engine) -> bool:
     for _ in range(40 + 20 * s.k):
         if not weigh(e):
             return False
-        j = wrong_at(e, 0)
+        j = wrong_at(e)
         if j < 0:
             for p in range(s.k):
                 s.best[p] = s.trial_side[p]
@@ -112,7 +112,7 @@ def weigh(e: Engine) -> bool:
         column = 0
         for p in range(s.k):
             if s.trial_side[p] == SLIDES:
-                s.matrix[free * many + column] = added(e, j, p)
+                s.matrix[free * many + column] = speed_added(e, j, p)
                 column += 1
         free += 1
     if free == 0:
@@ -179,10 +179,10 @@ def put_residual(e: Engine, many: int) -> None:
         row += 1
 
 
-def wrong_at(e: Engine, first: int) -> int:
-    """Return the first surface, from `first` on, whose side does not fit the weights; -1: none."""
+def wrong_at(e: Engine) -> int:
+    """Return the first surface whose side does not fit the weights; -1: none."""
     s = e.slide
-    for j in range(first, s.k):
+    for j in range(s.k):
         speed = speed_of(e, j)
         if s.trial_side[j] == SLIDES:
             if s.weight[j] < 0.0 or s.weight[j] > 1.0:
@@ -203,7 +203,7 @@ def count_slides(e: Engine) -> int:
     return many
 
 
-def added(e: Engine, j: int, p: int) -> float:
+def speed_added(e: Engine, j: int, p: int) -> float:
     """Return what machine p being above adds to the speed of function j."""
     s = e.slide
     return s.part_speed[(p + 1) * s.k + j] - s.part_speed[j]
@@ -217,5 +217,5 @@ def speed_of(e: Engine, j: int) -> float:
         return speed_at(s, s.part_speed, s.tilted_coefficient, j)
     total = s.part_speed[j]
     for p in range(s.k):
-        total += added(e, j, p) * s.weight[p]
+        total += speed_added(e, j, p) * s.weight[p]
     return total

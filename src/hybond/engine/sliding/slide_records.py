@@ -114,6 +114,7 @@ class Slide:
     around: Ints
     """The mode whose neighbours are looked at."""
     settled: Ints
+    """The mode in which the instant has settled, before it is decided what slides."""
     mark: Ints
     chosen: Ints
     kept_met: Ints

@@ -14,8 +14,7 @@ from hybond.errors import ModelError
 from hybond.model.expressions import Bool, Expr, Number, names
 from hybond.model.graph import FlatGraph, Machine, Node
 from hybond.model.inputs import Constant, Pwm, Timetable
-from hybond.model.interval import discrete_names
-from hybond.model.kinds import STORAGES
+from hybond.model.kinds import RESISTORS, STORAGES, TWO_PORTS
 
 MANY = 1024
 """Ways in which what is constant in a mode may select what one element says."""
@@ -41,7 +40,7 @@ def put_elements(t: ModelTables) -> None:
     for node in g.nodes:
         if node.is_junction or node.kind in STORAGES:
             continue
-        read = _selecting(g, node, discrete)
+        read = _selecting(node, discrete)
         (open_ if read or node.controlled else steady).append(node)
     elements = steady + open_
     t.numbers.update(elements=len(elements), steady=len(steady))
@@ -81,7 +80,7 @@ def _said(part: Part) -> tuple[Any, ...]:
     return len(part.power), tuple(rows), tuple(dynamic), part.source, part.steady
 
 
-def _selecting(g: FlatGraph, node: Node, discrete: tuple[str, ...]) -> list[str]:
+def _selecting(node: Node, discrete: tuple[str, ...]) -> list[str]:
     """Return the names in an element's law that are constant in a configuration."""
     assert node.law is not None
     read: set[str] = set().union(*(names(e) for e in node.law.expressions))
@@ -97,7 +96,7 @@ def _variants(
 ) -> tuple[list[tuple[int, int, int]], list[Part]]:
     """Return what selects the part of an element, and its parts in that order."""
     g = t.graph
-    read = _selecting(g, node, discrete)
+    read = _selecting(node, discrete)
     machines = {int(n.split(":")[1]) for n in read if n.startswith("in:")}
     machines |= {owners[int(n.split(":")[1])].index for n in read if n.startswith("on:")}
     if node.controlled:
@@ -163,3 +162,22 @@ def levels_of(g: FlatGraph, k: int) -> list[float]:
         return [waveform.high, waveform.low]
     assert isinstance(waveform, Timetable)
     return list(dict.fromkeys(waveform.values))
+
+
+def discrete_names(graph: FlatGraph) -> tuple[str, ...]:
+    """Return the names of such inputs and comparisons of time that enter moduli or resistor laws.
+
+    They select a configuration: with them constant, so are those rows.
+    """
+    held = {
+        f"u:{i.index}"
+        for i in graph.inputs
+        if isinstance(i.waveform, Constant | Pwm)
+        or (isinstance(i.waveform, Timetable) and not i.waveform.linear)
+    }
+    found: set[str] = set()
+    for node in graph.nodes:
+        if node.law is not None and node.kind in TWO_PORTS + RESISTORS:
+            for e in node.law.expressions:
+                found |= {n for n in names(e) if n in held or n.startswith("at:")}
+    return tuple(sorted(found))

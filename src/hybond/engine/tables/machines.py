@@ -7,7 +7,7 @@ from hybond.engine.tables.contacts import rules_of
 from hybond.engine.tables.guards import magnitude, seen_in_motion
 from hybond.engine.tables.plain_guards import plain_guard
 from hybond.model.expressions import comparisons, names
-from hybond.model.expressions.partial import may_lack_value
+from hybond.model.expressions.kinks import may_lack_value
 from hybond.model.graph import FlatGraph, Machine
 
 _STILL = ("in:", "on:", "at:")

@@ -5,8 +5,7 @@ from __future__ import annotations
 from hybond.engine.tables.columns import FLOATS, INTS, ModelTables, put_rows
 from hybond.engine.tables.expressions import number_of
 from hybond.engine.tables.start import start_of
-from hybond.equations.storage import EXACT, gauss, polynomial_degree
-from hybond.equations.stored_laws import stiffness, stored_names
+from hybond.equations.storage import EXACT, gauss, polynomial_degree, stiffness, stored_names
 from hybond.model.expressions import Binary, Expr, Name, Neg, Number, substitute, turning
 from hybond.model.expressions.slots import is_slotted
 from hybond.model.graph import Storage

@@ -62,7 +62,7 @@ def to_fmu(model: Model, *, fmi: str = "3.0", **options: object) -> bytes:
     ModelError
         What the exported runtime does not have.
     """
-    own, source = unit_of(model, fmi=fmi, **options)
+    own, source = functional_unit(model, fmi=fmi, **options)
     archive = io.BytesIO()
     with zipfile.ZipFile(archive, "w", zipfile.ZIP_DEFLATED) as files:
 
@@ -79,7 +79,7 @@ def to_fmu(model: Model, *, fmi: str = "3.0", **options: object) -> bytes:
     return archive.getvalue()
 
 
-def unit_of(model: Model, *, fmi: str, **options: object) -> tuple[Interface, str]:
+def functional_unit(model: Model, *, fmi: str, **options: object) -> tuple[Interface, str]:
     """Return what the unit of a model shows, and its C; raises as `to_fmu` does."""
     if fmi not in VERSIONS:
         raise UsageError(

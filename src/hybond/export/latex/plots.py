@@ -8,9 +8,10 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from hybond.draw.scales import axis_scale, time_scale
+from hybond.draw.scales import axis_scale, by_unit, time_scale
 from hybond.draw.tex import escape
 from hybond.draw.traces import trace_of
+from hybond.equations.display import latex_number
 from hybond.result import Result
 
 Vector = NDArray[np.float64]
@@ -32,10 +33,7 @@ def colours() -> str:
 
 def plots(run: Result, names: Sequence[str]) -> Iterator[str]:
     """Yield a ``tikzpicture`` per unit; signals of one unit share axes."""
-    groups: dict[str, list[str]] = {}
-    for name in dict.fromkeys(names):
-        groups.setdefault(run.unit(name) or "", []).append(name)
-    for unit, signals in groups.items():
+    for unit, signals in by_unit(names, run.unit).items():
         yield "\n".join(_axes(run, signals, unit))
 
 
@@ -60,10 +58,10 @@ def _axes(run: Result, names: list[str], unit: str) -> Iterator[str]:
     for tick in ticks:
         y = _n(HEIGHT * (tick - bottom) / (top - bottom))
         yield rf"\draw[black!12] (0,{y}) -- ({WIDTH:g},{y});"
-        yield rf"\node[left] at (0,{y}) {{${_number(tick)}$}};"
+        yield rf"\node[left] at (0,{y}) {{${latex_number(tick)}$}};"
     for tick in nice(begin, end, inside=True):
         x = _n(WIDTH * (tick - begin) / max(end - begin, 1e-300))
-        yield rf"\draw ({x},0) -- ({x},-0.08) node[below] {{${_number(tick)}$}};"
+        yield rf"\draw ({x},0) -- ({x},-0.08) node[below] {{${latex_number(tick)}$}};"
     yield rf"\draw (0,0) rectangle ({WIDTH:g},{HEIGHT:g});"
     yield rf"\node[below] at ({WIDTH / 2:g},-0.4) {{{escape(seconds)}}};"
     for k, name in enumerate(names):
@@ -140,14 +138,6 @@ def nice(low: float, high: float, *, inside: bool = False) -> list[float]:
     else:
         first, last = math.floor(low / step + slack), math.ceil(high / step - slack)
     return [k * step for k in range(first, last + 1)]
-
-
-def _number(value: float) -> str:
-    text = f"{value:.6g}"
-    if "e" in text:
-        mantissa, _, power = text.partition("e")
-        return rf"{mantissa} \cdot 10^{{{int(power)}}}"
-    return text
 
 
 def _n(value: float) -> str:

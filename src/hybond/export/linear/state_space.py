@@ -1,4 +1,7 @@
-"""A linear mode as ``x' = A x + B u, y = C x + D u``, for SciPy and python-control."""
+"""A linear mode as ``x' = A x + B u, y = C x + D u``, for SciPy and python-control.
+
+`extended` has its rows, whose coefficients depend on no point, and its inputs.
+"""
 
 from __future__ import annotations
 
@@ -10,14 +13,58 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.calls import called
+from hybond.equations.linear_rows import LinearRows, linear_rows
 from hybond.errors import EquationError, UsageError
-from hybond.export.linear.linear_mode import Extended, extended
 from hybond.export.linear.proper import Proper, proper
 from hybond.model.builder import Model, graph_of
-from hybond.model.graph import AnyMode, FlatGraph
+from hybond.model.expressions import Expr, Number, names
+from hybond.model.graph import AnyMode, FlatGraph, Mode, Node
+from hybond.model.kinds import SOURCES
 from hybond.names import did_you_mean
 
 Matrix = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Extended:
+    """The rows of a mode and what drives them."""
+
+    rows: LinearRows
+    inputs: tuple[str, ...]
+    """Every input of the model and every source."""
+    default: tuple[int, ...]
+    """Those that come from outside."""
+
+
+def extended(graph: FlatGraph, mode: Mode, outputs: tuple[str, ...]) -> Extended:
+    """Return all equations of a mode.
+
+    Raises
+    ------
+    EquationError
+        HB-E671 for what is not linear, HB-Q103 for a nonlinear law, HB-Q105 if the mode leaves a
+        variable open.
+    """
+    sources = [n for n in graph.nodes if n.kind in SOURCES and _value(n) != Number(0.0)]
+    inputs = [f"u:{i.index}" for i in graph.inputs] + [f"source:{n.index}" for n in sources]
+    rows = linear_rows(
+        graph, mode, None, inputs=inputs, outputs={text: graph.signal(text) for text in outputs}
+    )
+    many = len(graph.inputs)
+    default = [k for k in range(many) if rows.B[:, k].any()]
+    default += [many + j for j, n in enumerate(sources) if _is_free(_value(n))]
+    paths = (*(i.path for i in graph.inputs), *(n.path for n in sources))
+    return Extended(rows, paths, tuple(default))
+
+
+def _value(node: Node) -> Expr:
+    assert node.law is not None
+    return node.law.expressions[0]
+
+
+def _is_free(value: Expr) -> bool:
+    """Whether a source reads nothing but the time."""
+    return all(name == "time" or name.startswith("at:") for name in names(value))
 
 
 @dataclass(frozen=True, slots=True)

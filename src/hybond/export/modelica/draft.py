@@ -8,7 +8,7 @@ from hybond.export.modelica.live import Live
 from hybond.export.modelica.refusals import refuse
 from hybond.export.modelica.rules import transitions
 from hybond.export.modelica.solve import Form, without_impulses
-from hybond.export.modelica.start import start_of
+from hybond.export.modelica.start import settled_start
 from hybond.model.builder import Model
 from hybond.model.expressions import uses_pre
 from hybond.model.graph import FlatGraph
@@ -60,7 +60,7 @@ class Draft:
         self.jumping = jumping_of(self.graph, self.sudden)
         for storage in sorted(self.jumping):
             self.new(storage)
-        self.start = start_of(self.graph)
+        self.start = settled_start(self.graph)
         laws = any(m.law is not None for m in self.graph.machines)
         self.careful = bool(self.jumping) or laws or self._reads_pre()
         self.quiet = 1 + (PATIENCE if laws else 0)

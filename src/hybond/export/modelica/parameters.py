@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from hybond.equations.parameters import parameter_values
+from hybond.equations.element_parts import parameter_values
 from hybond.errors import HybondError
 from hybond.export.modelica.draft import Draft
 from hybond.export.modelica.expressions import modelica, number

@@ -43,15 +43,11 @@ def transitions(graph: FlatGraph, machine: Machine, live: Live) -> list[Transiti
         return found  # an impact that leaves nothing is a closed contact
     approach = next(t for t in found if t.source == open_ and t.target == closed)
     # contacts that approached before: an impact next door is not felt before it is written
-    faster = Compare(">", _prior(law.net), Number(0.0))
+    faster = Compare(">", Pre(law.net), Number(0.0))
     near = [Compare("<=", law.gap, Number(0.0))] if law.gap is not None else []
     struck = Transition(machine.index, open_, impact, And((*near, faster)) if near else faster)
     # the impact has been written once the contact parts
-    parts = Compare("<=", _prior(law.net), Number(0.0))
+    parts = Compare("<=", Pre(law.net), Number(0.0))
     left = Transition(machine.index, impact, open_, parts)
     others = [t for t in found if t is not approach]
     return [struck, left, *others]
-
-
-def _prior(e: Expr) -> Expr:
-    return Pre(e)

@@ -22,7 +22,7 @@ class Start:
     """Stored quantities, then integrals."""
 
 
-def start_of(graph: FlatGraph) -> Start:
+def settled_start(graph: FlatGraph) -> Start:
     """Return where the start of a graph settles.
 
     Raises

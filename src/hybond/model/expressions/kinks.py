@@ -1,4 +1,4 @@
-"""Where an expression has a kink or a jump: what its derivative does not tell."""
+"""Where an expression has a kink or a jump, which its derivative does not tell, or no value."""
 
 from __future__ import annotations
 
@@ -28,6 +28,8 @@ from hybond.model.expressions.tree import (
 _SQUARE = Number(2.0)
 _STRAIGHT = 1e-14
 """Slopes that differ by no more than this part of them are those of one line."""
+PARTIAL = frozenset({"sqrt", "log", "log10", "asin", "acos", "mod", "exp", "sinh", "cosh"})
+"""Functions that have no finite value of some numbers."""
 
 
 def turning(e: Expr) -> list[Expr]:
@@ -240,3 +242,30 @@ def _corners(table: Table) -> list[float]:
 def _whole(e: Expr) -> Expr:
     """Return what changes its sign where an expression is a whole number."""
     return Call("sin", (Binary("*", Number(math.pi), e),))
+
+
+def may_lack_value(e: Expr) -> bool:
+    """Return whether an expression may lack a finite value of finite numbers, by its form.
+
+    Examples
+    --------
+    >>> from hybond.model.expressions import parse
+    >>> [may_lack_value(parse(text)) for text in ("p/q", "p/2", "q^2 + abs(p)", "sqrt(q)")]
+    [True, False, False, True]
+    """
+    return any(is_partial(part) for part, _ in walk(e))
+
+
+def is_partial(e: Expr) -> bool:
+    """Return whether an operation has no finite value of some finite numbers."""
+    match e:
+        case Call():
+            return e.function in PARTIAL
+        case Binary("/", _, right):
+            return not (isinstance(right, Number) and right.value != 0.0)
+        case Binary("^", _, right):
+            return not (isinstance(right, Number) and right.value in (1.0, 2.0, 3.0))
+        case Table():
+            return e.extrapolate == "error"
+        case _:
+            return False
