@@ -217,3 +217,33 @@ def test_a_run_by_time_stepping() -> None:
     lin = hb.linearise(run, inputs=["V"], outputs=["n.e"], at=0.5)
     assert lin.poles() == pytest.approx([-(1 / 2 + 1 / 8) / 0.5], rel=1e-12)
     assert lin.B[0, 0] == pytest.approx(0.5, rel=1e-12)
+
+
+@pytest.mark.parametrize("back", [False, True])
+@pytest.mark.parametrize("bulk", [1e6, 1e9, 2e10])
+def test_a_piston_on_fluid_that_is_hardly_compressible_is_determined(
+    bulk: float, back: bool
+) -> None:
+    """1e13 Pa/m^3 beside 1e-3 m^2: its closed chamber is a spring of ``area^2*bulk/V``."""
+    m = hb.Model("press", domain="hydraulic", parameters={"B": bulk, "D": 1e-5, "A": 1e-3})
+    laws = ["B*(q1 - q2 - D)/(D + q2)", "-B*(q1 - q2 - D)*(q1 + q2 + D)/(2*(D + q2)^2)"]
+    m.add(pump=hb.Sf("0 m^3/s"), a=hb.Zero(), fluid=hb.C({"e": laws}, q=[1.1e-4, 1e-4]))
+    m.add(p=hb.TF("1/A" if back else "A"), rod=hb.One(domain="translational"))
+    m.add(mass=hb.I("3 kg", domain="translational"), d=hb.R("100 N*s/m", domain="translational"))
+    if back:
+        m.bond("fluid.1 -> a", "a -> pump", "fluid.2 -> p -> rod", "mass -> rod", "d -> rod")
+    else:
+        m.bond("pump -> a -> fluid.1", "rod -> p -> fluid.2", "rod -> mass", "rod -> d")
+    lin = hb.linearise(m, inputs=["pump"], outputs=["a.e", "rod.f"])
+    poles = np.sort_complex([*np.roots([3.0, 100.0, 1e-6 * bulk / 1.1e-4]), 0.0])
+    assert np.sort_complex(lin.poles()) == pytest.approx(poles, rel=1e-6, abs=1e-9)
+
+
+def test_a_cylinder_of_the_library_is_determined() -> None:
+    m = hb.Model("cylinder", domain="hydraulic")
+    m.add(c=hb.Submodel("hydraulic.cylinder", x_0="0.1 m"), s=hb.Sf(0), t=hb.Sf(0))
+    m.add(rod=hb.Submodel("translational.mass", m="8 kg"))
+    m.bond("s -> c.a", "t -> c.b", "c.rod -> rod.flange")
+    lin = hb.linearise(m, outputs=["rod.speed"])
+    k = 1.4e9 * (1e-3**2 / (20e-6 + 1e-3 * 0.1) + 6e-4**2 / (20e-6 + 6e-4 * 0.2))
+    assert max(lin.poles().imag) == pytest.approx(np.sqrt(k / 8.0), rel=1e-6)
