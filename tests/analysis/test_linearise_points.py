@@ -177,6 +177,38 @@ def test_a_root_at_its_end_has_no_slope() -> None:
     assert '"n -> o".f - sqrt("n -> o".e) has no finite slope by "n -> o".e' in refused.value.why
 
 
+@pytest.mark.parametrize("back", [False, True])
+@pytest.mark.parametrize(
+    "law", ["2e-6*sqrt(e)", "(1 + y)*2e-6*sign(e)*sqrt(abs(e))", "3e-6*sign(e)*abs(e)^0.5"]
+)
+def test_an_orifice_behind_a_valve_that_is_shut_has_a_slope(law: str, back: bool) -> None:
+    """Nothing flows whatever the pressures do: the tank empties by its leak, the drop stays 0."""
+    if back:
+        law = f"-({law})".replace("(e)", "(-e)").replace("sign(e)*abs(e)", "sign(-e)*abs(-e)")
+    m = hb.Model("tap", domain="hydraulic")
+    m.add(tank=hb.C("1e-6 m^3/Pa", e="2 bar"), n=hb.Zero(), v=hb.One(), o=hb.R({"f": law}))
+    m.add(out=hb.Se("0 Pa"), leak=hb.R("1e9 Pa*s/m^3"))
+    m.bond("n -> tank", "n -> v -> out", "o -> v" if back else "v -> o", "n -> leak")
+    m.signal(y=hb.Integral("-y/(5 s)", start=1.0))
+    m.machine("tap", states={"shut": [], "open": ["v"]}, start="shut")
+    lin = hb.linearise(m, inputs=[], outputs=["n.e", "o.e", "o.f", "y"])
+    poles = [-1e-3, -0.2] if "y" in law else [-1e-3]
+    assert np.sort(lin.poles())[-1] == pytest.approx(-1e-3, rel=1e-12)
+    assert set(np.round(lin.poles(), 12)) >= set(poles)
+    # neither the tank nor the signal moves what is at the orifice
+    assert not lin.C[1:3].any()
+
+
+def test_an_orifice_that_a_junction_at_rest_feeds_is_refused() -> None:
+    """Its drop is zero but may move: there a root holds levels together, or has no value."""
+    m = hb.Model("level", domain="hydraulic")
+    m.add(a=hb.C("1e-6 m^3/Pa", e="2 bar"), b=hb.C("1e-6 m^3/Pa", e="2 bar"), j=hb.One())
+    m.add(na=hb.Zero(), nb=hb.Zero(), o=hb.R({"f": "2e-6*sign(e)*sqrt(abs(e))"}))
+    m.bond("na -> a", "na -> j -> nb -> b", "j -> o")
+    with pytest.raises(HybondError, match="HB-A506"):
+        hb.linearise(m)
+
+
 def ball() -> hb.Model:
     m = hb.Model("ball", domain="translational")
     m.add(weight=hb.Se("-10 N"), v=hb.One(), ball=hb.I("1 kg"), drag=hb.R("0.5 N*s/m"))
