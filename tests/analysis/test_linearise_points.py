@@ -177,6 +177,38 @@ def test_a_root_at_its_end_has_no_slope() -> None:
     assert '"n -> o".f - sqrt("n -> o".e) has no finite slope by "n -> o".e' in refused.value.why
 
 
+@pytest.mark.parametrize("back", [False, True])
+@pytest.mark.parametrize(
+    "law", ["2e-6*sqrt(e)", "(1 + y)*2e-6*sign(e)*sqrt(abs(e))", "3e-6*sign(e)*abs(e)^0.5"]
+)
+def test_an_orifice_behind_a_valve_that_is_shut_has_a_slope(law: str, back: bool) -> None:
+    """Nothing flows whatever the pressures do: the tank empties by its leak, the drop stays 0."""
+    if back:
+        law = f"-({law})".replace("(e)", "(-e)").replace("sign(e)*abs(e)", "sign(-e)*abs(-e)")
+    m = hb.Model("tap", domain="hydraulic")
+    m.add(tank=hb.C("1e-6 m^3/Pa", e="2 bar"), n=hb.Zero(), v=hb.One(), o=hb.R({"f": law}))
+    m.add(out=hb.Se("0 Pa"), leak=hb.R("1e9 Pa*s/m^3"))
+    m.bond("n -> tank", "n -> v -> out", "o -> v" if back else "v -> o", "n -> leak")
+    m.signal(y=hb.Integral("-y/(5 s)", start=1.0))
+    m.machine("tap", states={"shut": [], "open": ["v"]}, start="shut")
+    lin = hb.linearise(m, inputs=[], outputs=["n.e", "o.e", "o.f", "y"])
+    poles = [-1e-3, -0.2] if "y" in law else [-1e-3]
+    assert np.sort(lin.poles())[-1] == pytest.approx(-1e-3, rel=1e-12)
+    assert set(np.round(lin.poles(), 12)) >= set(poles)
+    # neither the tank nor the signal moves what is at the orifice
+    assert not lin.C[1:3].any()
+
+
+def test_an_orifice_that_a_junction_at_rest_feeds_is_refused() -> None:
+    """Its drop is zero but may move: there a root holds levels together, or has no value."""
+    m = hb.Model("level", domain="hydraulic")
+    m.add(a=hb.C("1e-6 m^3/Pa", e="2 bar"), b=hb.C("1e-6 m^3/Pa", e="2 bar"), j=hb.One())
+    m.add(na=hb.Zero(), nb=hb.Zero(), o=hb.R({"f": "2e-6*sign(e)*sqrt(abs(e))"}))
+    m.bond("na -> a", "na -> j -> nb -> b", "j -> o")
+    with pytest.raises(HybondError, match="HB-A506"):
+        hb.linearise(m)
+
+
 def ball() -> hb.Model:
     m = hb.Model("ball", domain="translational")
     m.add(weight=hb.Se("-10 N"), v=hb.One(), ball=hb.I("1 kg"), drag=hb.R("0.5 N*s/m"))
@@ -217,3 +249,33 @@ def test_a_run_by_time_stepping() -> None:
     lin = hb.linearise(run, inputs=["V"], outputs=["n.e"], at=0.5)
     assert lin.poles() == pytest.approx([-(1 / 2 + 1 / 8) / 0.5], rel=1e-12)
     assert lin.B[0, 0] == pytest.approx(0.5, rel=1e-12)
+
+
+@pytest.mark.parametrize("back", [False, True])
+@pytest.mark.parametrize("bulk", [1e6, 1e9, 2e10])
+def test_a_piston_on_fluid_that_is_hardly_compressible_is_determined(
+    bulk: float, back: bool
+) -> None:
+    """1e13 Pa/m^3 beside 1e-3 m^2: its closed chamber is a spring of ``area^2*bulk/V``."""
+    m = hb.Model("press", domain="hydraulic", parameters={"B": bulk, "D": 1e-5, "A": 1e-3})
+    laws = ["B*(q1 - q2 - D)/(D + q2)", "-B*(q1 - q2 - D)*(q1 + q2 + D)/(2*(D + q2)^2)"]
+    m.add(pump=hb.Sf("0 m^3/s"), a=hb.Zero(), fluid=hb.C({"e": laws}, q=[1.1e-4, 1e-4]))
+    m.add(p=hb.TF("1/A" if back else "A"), rod=hb.One(domain="translational"))
+    m.add(mass=hb.I("3 kg", domain="translational"), d=hb.R("100 N*s/m", domain="translational"))
+    if back:
+        m.bond("fluid.1 -> a", "a -> pump", "fluid.2 -> p -> rod", "mass -> rod", "d -> rod")
+    else:
+        m.bond("pump -> a -> fluid.1", "rod -> p -> fluid.2", "rod -> mass", "rod -> d")
+    lin = hb.linearise(m, inputs=["pump"], outputs=["a.e", "rod.f"])
+    poles = np.sort_complex([*np.roots([3.0, 100.0, 1e-6 * bulk / 1.1e-4]), 0.0])
+    assert np.sort_complex(lin.poles()) == pytest.approx(poles, rel=1e-6, abs=1e-9)
+
+
+def test_a_cylinder_of_the_library_is_determined() -> None:
+    m = hb.Model("cylinder", domain="hydraulic")
+    m.add(c=hb.Submodel("hydraulic.cylinder", x_0="0.1 m"), s=hb.Sf(0), t=hb.Sf(0))
+    m.add(rod=hb.Submodel("translational.mass", m="8 kg"))
+    m.bond("s -> c.a", "t -> c.b", "c.rod -> rod.flange")
+    lin = hb.linearise(m, outputs=["rod.speed"])
+    k = 1.4e9 * (1e-3**2 / (20e-6 + 1e-3 * 0.1) + 6e-4**2 / (20e-6 + 6e-4 * 0.2))
+    assert max(lin.poles().imag) == pytest.approx(np.sqrt(k / 8.0), rel=1e-6)

@@ -246,3 +246,42 @@ def test_a_run_that_goes_on_foresees_phases_as_one_that_was_not_interrupted(
     parts = hb.simulate(m, start=hb.simulate(m, until=cut, solver=solver), solver=solver)
     assert parts["w.f"].at(4.0) == whole["w.f"].at(4.0)
     assert parts["a"].at(4.0) == whole["a"].at(4.0)
+
+
+@pytest.mark.parametrize("back", [False, True])
+@pytest.mark.parametrize(
+    ("speed", "pull", "car"), [(60.0, 400.0, 11.0), (40.0, 100.0, 12.0), (20.0, 10.0, 12.0)]
+)
+def test_the_foot_of_a_pulse_that_is_no_number_any_more_makes_no_steps_short(
+    speed: float, pull: float, car: float, back: bool
+) -> None:
+    """A spinning rim slows down beside a car: what damps it at rest is 1e-320 N and less here."""
+    m = hb.Model("tread", domain="translational")
+    m.add(
+        F=hb.Se(pull if back else -pull), r=hb.One(), rim=hb.I("1 kg", f=-speed if back else speed)
+    )
+    m.add(c=hb.One(), car=hb.I("900 kg", f=car), patch=hb.Zero(), w=hb.One())
+    fades = "exp(-(max(abs(c.f), abs(r.f))/(0.5 [m/s]))^2 - (10*u)^2)"
+    m.add(damp=hb.R({"e": f"2000*{fades}*f"}))
+    m.bond("r -> F" if back else "F -> r", "rim -> r" if back else "r -> rim")
+    m.bond("r -> patch -> c -> car", "patch -> w -> damp")
+    m.signal(u=hb.Integral("(w.f - 10*u)*5", start=0))
+    run = hb.simulate(m, 3.0)
+    assert run["r.f"].at(3.0) == pytest.approx(speed - 3.0 * pull, rel=1e-12)
+    assert run["c.f"].at(3.0) == pytest.approx(car, rel=1e-12)
+    assert run.stats["steps"] < 200
+
+
+def test_a_wheel_with_a_damped_tread_slows_down_in_few_steps() -> None:
+    """As one of the library: its exact end is known where the road holds it, it rolls."""
+    m = hb.Model("wheel", domain="rotational")
+    m.add(t=hb.Submodel("rotational.torque", inputs={"torque": "-150"}))
+    m.add(J=hb.Submodel("rotational.inertia", J="1 kg*m^2", w=120.0))
+    m.add(tire=hb.Submodel("rotational.road_wheel", mu=0.2, damping="2 kN*s/m"))
+    m.add(car=hb.Submodel("translational.mass", m="900 kg", v=11.5))
+    m.bond("t.shaft -> J.shaft -> tire.shaft", "tire.hub -> car.flange")
+    run = hb.simulate(m, 3.0)
+    # momentum about the contact: the rim's over the radius, and the car's
+    kept = run.final["J.speed"] / 0.3 + 900.0 * run.final["car.speed"]
+    assert kept == pytest.approx(120.0 / 0.3 + 900.0 * 11.5 - 3.0 * 150.0 / 0.3, rel=1e-9)
+    assert run.stats["steps"] < 3000

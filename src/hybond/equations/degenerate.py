@@ -11,6 +11,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from hybond.equations.descriptor import Descriptor
+from hybond.equations.ranks import scaled
+
 Matrix = NDArray[np.float64]
 
 INDEPENDENT = 1e-10
@@ -47,6 +50,9 @@ def effective(
 ) -> tuple[list[int], list[int], Matrix] | None:
     """Return which rows and kept variables of a mode matter.
 
+    It is decided in scaled units: beside a stiffness of 1e13 Pa/m^3, two rows in SI that differ by
+    an area of 1e-3 m^2 are one.
+
     Parameters
     ----------
     E, A, B : array, shapes (r, n), (r, n), (r, p)
@@ -63,17 +69,20 @@ def effective(
         If no square system is left.
     """
     n = A.shape[1]
-    kept = independent(A[:, stored:])
+    none = np.zeros((0, n))
+    unit = scaled(Descriptor(E, A, B, none, np.zeros((0, B.shape[1])), none, (), (), (), stored))
+    kept = independent(unit.A[:, stored:])
     columns = [*range(stored), *(stored + k for k in kept)]
     inside = set(columns)
     lost = [k for k in range(stored, n) if k not in inside]
     free = np.zeros((n, len(lost)))
     if lost:
-        share = np.linalg.lstsq(A[:, columns[stored:]], A[:, lost], rcond=None)[0]
+        share = np.linalg.lstsq(unit.A[:, columns[stored:]], unit.A[:, lost], rcond=None)[0]
         free[lost, range(len(lost))] = 1.0
         free[columns[stored:], :] = -share
+        free *= unit.columns[:, None] / unit.columns[lost]
     # rows with rates first: a row that repeats others is then one without
     order = sorted(range(len(A)), key=lambda i: (not E[i].any(), i))
-    whole = np.hstack([E, A[:, columns], B])[order]
+    whole = np.hstack([unit.E, unit.A[:, columns], unit.B])[order]
     rows = sorted(order[k] for k in independent(whole.T))
     return (rows, columns, free) if len(rows) == len(columns) else None

@@ -166,6 +166,7 @@ class _Assembly:
             self.slopes = Slopes(graph, values, self.discrete)
         self.parts = Parts(graph)
         self.timed: dict[str, None] = {}
+        self.steep: list[tuple[int, Expr, EquationError]] = []
 
     def made(self) -> LinearRows:
         structure: list[Row[float]] = []
@@ -179,9 +180,28 @@ class _Assembly:
         for row in self._storage_rows():
             self._sort(row, structure, rows)
         peeled = Peeling(Numbers({}), structure, 2 * self.bonds)
+        for at, law, refusal in self.steep:
+            held = self._held(peeled, law)
+            if held < 0:
+                raise refusal
+            rows[at] = _Linear(bonds={held: 1.0})
         rows += [_Linear(bonds=row) for row in peeled.constraints]
         rows += self._rate_rows()
         return self._square(peeled, rows, peeled.free())
+
+    def _held(self, peeled: Peeling[float], law: Expr) -> int:
+        """Return the bond variable that a root at its end holds where nothing else moves, or -1.
+
+        Behind a valve that is shut nothing flows, and the drop of pressure at an orifice stays.
+        """
+        steep, slopes = self.slopes.steep(law, "")
+        if len(steep) != 1 or steep[0].partition(":")[0] not in ("e", "f"):
+            return -1
+        for name, slope in slopes.items():
+            bond = name.partition(":")[0] in ("e", "f")
+            if slope and not (bond and not peeled.reduce({self._column(name): 1.0})):
+                return -1
+        return self._column(steep[0])
 
     def _sort(self, row: _Linear, structure: list[Row[float]], rows: list[_Linear]) -> None:
         """Put a row that gives one bond variable, by what never turns, to the structure."""
@@ -227,7 +247,13 @@ class _Assembly:
                 row.law = None
             self._sort(row, structure, rows)
         for dynamic in part.dynamic:
-            row = self.linear(dynamic.expression, node.path, 1.0, given=node.kind in SOURCES)
+            try:
+                row = self.linear(dynamic.expression, node.path, 1.0, given=node.kind in SOURCES)
+            except EquationError as refusal:
+                if refusal.code != "HB-A506":
+                    raise
+                self.steep.append((len(rows), dynamic.expression, refusal))
+                row = _Linear()
             if node.kind in SOURCES and source is not None:
                 row.inputs[source] = row.inputs.get(source, 0.0) - 1.0
             rows.append(row)

@@ -135,6 +135,17 @@ class Slopes:
             )
         return value
 
+    def steep(self, e: Expr, where: str) -> tuple[list[str], dict[str, float]]:
+        """Return by which names an expression has no finite slope, and its slopes by others."""
+        fixed = transform(configure(e, self.discrete), _followed)
+        without, slopes = [], {}
+        for name in sorted(names(fixed) - {"time"}):
+            try:
+                slopes[name] = self.at(fixed, name, where)
+            except EquationError:
+                without.append(name)
+        return without, slopes
+
     def turning(self, e: Expr, factor: float) -> Bend:
         """Return how the slopes of an expression change along the motion."""
         fixed = transform(configure(e, self.discrete), _followed)

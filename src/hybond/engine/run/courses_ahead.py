@@ -18,7 +18,7 @@ from hybond.engine.expressions.course_parts import OTHER, SINES, find_kinds, ran
 from hybond.engine.expressions.course_ranges import farthest
 from hybond.engine.methods.fixed import EULER, RK4
 from hybond.engine.methods.one_instant import room_of_instant
-from hybond.engine.methods.scale import measure_ahead
+from hybond.engine.methods.scale import FAINT, measure_ahead
 from hybond.engine.mode.mode_records import Mode, Reads
 from hybond.engine.mode.values import set_motion
 from hybond.engine.reasons.warned import COURSE_UNSEEN, add_about, begin_warning
@@ -241,7 +241,7 @@ def find_hidden(e: Engine, a: float, b: float) -> int:
         size = size if math.isfinite(size) else 0.0
         least = max(c.size[m.course_group[k]], c.peak[k])
         way = farthest(r.low_rate[root], r.high_rate[root]) * (b - a)
-        if way <= FLAT * max(size, least):
+        if way <= max(FLAT * max(size, least), FAINT):
             continue
         steep = not math.isfinite(way)
         if steep and m.course_phase[k] != 0:
