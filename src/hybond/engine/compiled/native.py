@@ -192,7 +192,8 @@ class NativeModel:
         self._kept.append(whole)
         record = np.frombuffer(memoryview(self.record), dtype=np.uintp)
         record[[*at.values()]] = whole.ctypes.data + whole.itemsize * np.array(begins)
-        return dict(zip(at, np.split(whole, begins[1:])))
+        ends = [*begins[1:], len(whole)]
+        return {name: whole[a:b] for name, a, b in zip(at, begins, ends, strict=True)}
 
     def _put(self, name: str, column: NDArray[Any], kind: Any) -> None:
         self._kept.append(column)
