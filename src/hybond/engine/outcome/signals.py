@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from hybond.chronicle import Chronicle
 from hybond.engine.algebra.rounding import AT_KINK
-from hybond.engine.compiled.look import Motions
+from hybond.engine.compiled.look import Look, Motions
 from hybond.engine.compiled.points import Points, Within
 from hybond.engine.compiled.points import Steps as StepsToLook
 from hybond.engine.compiled.rows import MACHINES_OF_STEP
@@ -49,10 +49,18 @@ class Signals:
         self._slots = model.tables.slots
         self._trace = trace
         self._model = model
-        self._look = model.look()
+        self._looks: Look | None = None
         self._lock = threading.RLock()
         """Who asks has first to say into what: nobody else may come between."""
         self._into: object = None
+
+    @property
+    def _look(self) -> Look:
+        """What looks into the run, made when somebody does: it takes as much room as the run."""
+        with self._lock:
+            if self._looks is None:
+                self._looks = self._model.look()
+            return self._looks
 
     @property
     def tables(self) -> ModelTables:
