@@ -21,9 +21,9 @@ from numpy.typing import ArrayLike, DTypeLike, NDArray
 from hybond.blocks.runners import Runner
 from hybond.engine.compiled.answering import CALLBACK, Answering, Question
 from hybond.engine.compiled.fresh import HERE, NAME, WHY, is_of_these_sources
-from hybond.engine.compiled.kept_rows import KeptRows
+from hybond.engine.compiled.kept_rows import WIDE, KeptRows, SharedRows
 from hybond.engine.compiled.refusal import Refusal, refusal_of
-from hybond.engine.compiled.rows import COUNTS, STEPS, Rows, Seen, rows_of
+from hybond.engine.compiled.rows import COUNTS, STATES, STEPS, Rows, Seen, rows_of
 from hybond.engine.compiled.sliced import OK, PAUSED, RAISED, SPENT, SlicedRun, fitted
 from hybond.engine.tables import ModelTables
 from hybond.engine.tables.code import Code
@@ -327,8 +327,10 @@ class NativeRun(SlicedRun):
         self._library.hybond_forget(self._handle)
         return rows
 
-    def _column(self, name: str, kind: type, shape: tuple[int, ...]) -> NDArray[Any]:
+    def _column(self, name: str, kind: type, shape: tuple[int, ...]) -> Any:
         begin = getattr(self._seen, name)
+        if name in STATES and shape[-1] >= WIDE and all(shape):
+            return SharedRows.of(_shown(begin, kind, shape), self._kept, name)
         if name in STEPS and all(shape):
             return self._kept.added(name, _shown(begin, kind, shape))
         return copied(begin, kind, shape)

@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from hybond.engine.outcome.records import Block, Steps
+from hybond.engine.compiled.kept_rows import SharedRows
+from hybond.engine.compiled.points import Steps as StepsToLook
+from hybond.engine.outcome.logged_steps import Block, Steps
 from hybond.records import dataclass
 
 Vector = NDArray[np.float64]
@@ -70,3 +72,12 @@ class Along:
             many,
             resting,
         )
+
+    def to_look(self) -> tuple[StepsToLook, NDArray[np.intp]]:
+        """Return steps as the engine reads them, and in which of these each point lies."""
+        log, state = self.steps, self.steps.state
+        if not isinstance(state, SharedRows):
+            return StepsToLook.logged(log.time, state, log.dense), self.step
+        # only those that are asked for are written out
+        used, step = np.unique(self.step, return_inverse=True)
+        return StepsToLook.logged(log.time[used], state[used], log.dense[used]), step

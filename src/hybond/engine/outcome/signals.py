@@ -21,7 +21,7 @@ from hybond.engine.compiled.rows import MACHINES_OF_STEP
 from hybond.engine.outcome.along import Along, begins_of
 from hybond.engine.outcome.combinations import ALONE, Combination
 from hybond.engine.outcome.engines import Prepared
-from hybond.engine.outcome.records import Block, Interpolants
+from hybond.engine.outcome.logged_steps import Block, Interpolants
 from hybond.engine.tables import ModelTables
 from hybond.model.expressions import ARRAYS, Expr, Name, Number, compile_expression, names, uses_pre
 from hybond.model.graph import FlatGraph, Mode
@@ -190,8 +190,8 @@ class Signals:
             np.append(0, np.cumsum(along.many)).astype(np.intc),
             self._energy,
         )
-        steps = StepsToLook.logged(along.steps.time, along.steps.state, along.steps.dense)
-        within = Within(steps, t[along.points], along.step)
+        steps, step = along.to_look()
+        within = Within(steps, t[along.points], step)
         slots = self._read(expressions)
         with self._lock:
             self._into = None
