@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from itertools import accumulate, pairwise
+from itertools import accumulate
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -97,7 +97,7 @@ class SharedRows:
         many, each, numbers = states.shape
         flat = states.reshape(-1, numbers)
         bits = flat.view(np.int64)
-        new = np.array([True, *(not np.array_equal(a, b) for a, b in pairwise(bits))])
+        new = np.append(True, (bits[1:] != bits[:-1]).any(axis=1))
         # where the last slice ended the next one begins
         again = kept.ends_with(name, flat[0], int(new.sum()) - 1)
         new[0] = not again

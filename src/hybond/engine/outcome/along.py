@@ -73,11 +73,14 @@ class Along:
             resting,
         )
 
-    def to_look(self) -> tuple[StepsToLook, NDArray[np.intp]]:
-        """Return steps as the engine reads them, and in which of these each point lies."""
+    def to_look(self) -> StepsToLook:
+        """Return the steps as the engine reads them."""
         log, state = self.steps, self.steps.state
-        if not isinstance(state, SharedRows):
-            return StepsToLook.logged(log.time, state, log.dense), self.step
-        # only those that are asked for are written out
-        used, step = np.unique(self.step, return_inverse=True)
-        return StepsToLook.logged(log.time[used], state[used], log.dense[used]), step
+        if isinstance(state, SharedRows):
+            # only those that are asked for are written out, others are never read
+            used = np.unique(self.step)
+            written = np.empty(state.shape)
+            for k in range(written.shape[1]):
+                written[used, k] = state[used, k]
+            state = written
+        return StepsToLook.logged(log.time, state, log.dense)

@@ -190,8 +190,7 @@ class Signals:
             np.append(0, np.cumsum(along.many)).astype(np.intc),
             self._energy,
         )
-        steps, step = along.to_look()
-        within = Within(steps, t[along.points], step)
+        within = Within(along.to_look(), t[along.points], along.step)
         slots = self._read(expressions)
         with self._lock:
             self._into = None
