@@ -163,8 +163,11 @@ def test():
         # mypy takes what the tests leave: they often wait for browsers and other programs
         behind = ("nice", "-n", "10") if shutil.which("nice") else ()
         types = beside.submit(quiet, *behind, PYTHON, "-m", "mypy")
+        # once, before each of those that run tests would do it for itself
+        compiled = beside.submit(quiet, PYTHON, "-m", "compileall", "-q", "src", "tests")
         codes["ruff format"] = run(PYTHON, "-m", "ruff", "format", "--check")
         codes["ruff check"] = run(PYTHON, "-m", "ruff", "check")
+        compiled.result()
         # where nothing fails, nobody reads what asserts compared: to have them say it takes longer
         # than a thousand tests, and those that fail are asked again
         codes["pytest"] = run(PYTHON, "-m", "pytest", "--assert=plain", *options)

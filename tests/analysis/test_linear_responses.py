@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy import signal
+import scipy
 
 import hybond as hb
 from hybond.analysis.linear.linearisation import Linearisation
@@ -23,9 +23,9 @@ def filtered(drag: float = 0.3) -> Linearisation:
 
 def test_steps_as_scipy_has_them_bode_and_zeros_in_closed_form() -> None:
     lin = filtered()
-    system = signal.StateSpace(lin.A, lin.B, lin.C, lin.D)
+    system = scipy.signal.StateSpace(lin.A, lin.B, lin.C, lin.D)
     step = lin.step("2 ms", points=400)
-    _, y = signal.step(system, T=step.t)
+    _, y = scipy.signal.step(system, T=step.t)
     # an exponential from point to point, against the interpolation of SciPy: both exact
     np.testing.assert_allclose(step.y[:, :, 0], y, rtol=1e-8, atol=1e-9)
     bode = lin.bode(np.logspace(1, 6, 40), output="n.e")

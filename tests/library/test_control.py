@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 import pytest
+import scipy
 from library.alone import alone, guards
-from scipy import signal
 from scipy.optimize import brentq
 
 import hybond as hb
@@ -111,7 +111,7 @@ def test_a_rate_limiter_goes_straight_and_bends_in() -> None:
 
 def test_a_delay_is_the_rational_function_that_it_says() -> None:
     run = alone("control.delay", 2, u=1, T=0.5)
-    t, y = signal.step(([-0.5 / 3, 1], [0.25 / 6, 1 / 3, 1]), T=np.linspace(0, 2, 401))
+    t, y = scipy.signal.step(([-0.5 / 3, 1], [0.25 / 6, 1 / 3, 1]), T=np.linspace(0, 2, 401))
     assert run["p.out"].at(t) == pytest.approx(y, abs=1e-6)
     ramp = alone("control.delay", 5, u="time", T=0.5)
     assert ramp["p.out"].at(5) == pytest.approx(4.5, abs=1e-7)
@@ -119,7 +119,7 @@ def test_a_delay_is_the_rational_function_that_it_says() -> None:
 
 def test_the_phase_of_a_delay_is_right_to_two_degrees_up_to_the_frequency_it_says() -> None:
     w = 2 * math.pi * 0.25
-    _, _, phase = signal.bode(([-1 / 3, 1], [1 / 6, 2 / 3, 1]), [w])
+    _, _, phase = scipy.signal.bode(([-1 / 3, 1], [1 / 6, 2 / 3, 1]), [w])
     assert phase[0] == pytest.approx(-math.degrees(w), abs=2)
 
 

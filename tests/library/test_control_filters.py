@@ -5,8 +5,8 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+import scipy
 from library.alone import alone, guards
-from scipy import signal
 
 import hybond as hb
 
@@ -32,7 +32,7 @@ def test_a_second_order_filter_is_four_fractions(damping: float) -> None:
         "notch": [1, 0, w * w],
     }
     for name, top in above.items():
-        _, y = signal.step((top, below), T=t)
+        _, y = scipy.signal.step((top, below), T=t)
         assert run[f"p.{name}"].at(t) == pytest.approx(y, abs=2e-6), name
 
 
@@ -41,7 +41,7 @@ def test_a_notch_lets_its_depth_pass(depth: float, damping: float) -> None:
     w = 2 * math.pi * 50
     run = alone("control.notch", 0.06, u=1, frequency=50, depth=depth, damping=damping)
     fraction = ([1, 2 * depth * damping * w, w * w], [1, 2 * damping * w, w * w])
-    t, y = signal.step(fraction, T=np.linspace(0, 0.06, 61))
+    t, y = scipy.signal.step(fraction, T=np.linspace(0, 0.06, 61))
     assert run["p.out"].at(t) == pytest.approx(y, abs=1e-6)
     # what stays of a sine of the middle frequency
     run = alone("control.notch", 0.3, u="sin(100*pi*time)", damping=damping, depth=depth)
@@ -172,10 +172,10 @@ def test_crossings_of_zero_are_timed() -> None:
 
 
 def test_a_biquad_is_the_filter_of_its_coefficients() -> None:
-    b, a = signal.butter(2, 0.2)
+    b, a = scipy.signal.butter(2, 0.2)
     given = {"b0": b[0], "b1": b[1], "b2": b[2], "a1": a[1], "a2": a[2]}
     run = alone("control.sampled_biquad", 1, u="1 + sin(30*time)", every=0.025, **given)
-    expected = signal.lfilter(b, a, 1 + np.sin(30 * 0.025 * np.arange(40)))
+    expected = scipy.signal.lfilter(b, a, 1 + np.sin(30 * 0.025 * np.arange(40)))
     assert run["p.out"].at(0.025 * np.arange(40) + 0.01) == pytest.approx(expected, abs=1e-12)
 
 

@@ -154,11 +154,16 @@ def _split(weights: dict[int, float], lost: float, jump: Jump) -> dict[int, floa
 def _weight(node: Node, areas: Mapping[str, float], values: _Values, mode: Mode) -> float:
     """Return what impulses bring to a junction, or to a source less what it is said to give."""
     if node.is_junction:
+
+        def brought_by(area: float, other: str) -> float:
+            # most have no impulse of one kind: what is beside it need not be read
+            return area * values.mean(other) if area else 0.0
+
         return sum(
             end.sign
             * (
-                areas.get(f"e:{end.bond}", 0.0) * values.mean(f"f:{end.bond}")
-                + areas.get(f"f:{end.bond}", 0.0) * values.mean(f"e:{end.bond}")
+                brought_by(areas.get(f"e:{end.bond}", 0.0), f"f:{end.bond}")
+                + brought_by(areas.get(f"f:{end.bond}", 0.0), f"e:{end.bond}")
             )
             for end in node.ends
         )

@@ -35,7 +35,7 @@ from hybond.model.expressions import (
     transform,
 )
 from hybond.model.expressions.parse import MAX_NESTING
-from hybond.model.expressions.tree import extent, with_children
+from hybond.model.expressions.tree import any_kind, extent, with_children
 from hybond.model.graph import Bond, Node, Storage, Watch
 from hybond.model.hierarchy import Opened, Scope
 from hybond.model.indices import MAX_NODES, gathered, gathers, no_member, of_an_array, one
@@ -118,6 +118,8 @@ class Resolver:
         levels, nodes = extent(whole)
         if levels > MAX_LEVELS or nodes > MAX_NODES:
             raise _too_long(TOO_MANY, where)
+        if not any_kind(whole, Compare):
+            return whole
         return transform(transform(whole, _decided), self._watch)
 
     def _equality(self, e: Compare, scope: Scope, where: str) -> Expr:

@@ -21,9 +21,9 @@ from numpy.typing import ArrayLike, DTypeLike, NDArray
 from hybond.blocks.runners import Runner
 from hybond.engine.compiled.answering import CALLBACK, Answering, Question
 from hybond.engine.compiled.fresh import HERE, NAME, WHY, is_of_these_sources
-from hybond.engine.compiled.kept_rows import KeptRows
+from hybond.engine.compiled.kept_rows import WIDE, KeptRows, SharedRows
 from hybond.engine.compiled.refusal import Refusal, refusal_of
-from hybond.engine.compiled.rows import COUNTS, STEPS, Rows, Seen, rows_of
+from hybond.engine.compiled.rows import COUNTS, STATES, STEPS, Rows, Seen, rows_of
 from hybond.engine.compiled.sliced import OK, PAUSED, RAISED, SPENT, SlicedRun, fitted
 from hybond.engine.tables import ModelTables
 from hybond.engine.tables.code import Code
@@ -192,7 +192,8 @@ class NativeModel:
         self._kept.append(whole)
         record = np.frombuffer(memoryview(self.record), dtype=np.uintp)
         record[[*at.values()]] = whole.ctypes.data + whole.itemsize * np.array(begins)
-        return dict(zip(at, np.split(whole, begins[1:])))
+        ends = [*begins[1:], len(whole)]
+        return {name: whole[a:b] for name, a, b in zip(at, begins, ends, strict=True)}
 
     def _put(self, name: str, column: NDArray[Any], kind: Any) -> None:
         self._kept.append(column)
@@ -326,8 +327,10 @@ class NativeRun(SlicedRun):
         self._library.hybond_forget(self._handle)
         return rows
 
-    def _column(self, name: str, kind: type, shape: tuple[int, ...]) -> NDArray[Any]:
+    def _column(self, name: str, kind: type, shape: tuple[int, ...]) -> Any:
         begin = getattr(self._seen, name)
+        if name in STATES and shape[-1] >= WIDE and all(shape):
+            return SharedRows.of(_shown(begin, kind, shape), self._kept, name)
         if name in STEPS and all(shape):
             return self._kept.added(name, _shown(begin, kind, shape))
         return copied(begin, kind, shape)

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from hybond.engine.compiled.kept_rows import StateRows
 from hybond.records import dataclass
 
 MACHINES_OF_STEP = 2
@@ -29,6 +30,8 @@ INTS = (
 )
 STEPS = ("step_time", "step_until", "step_state", "step_dense", "step_place")
 """Columns with a row for each step."""
+STATES = ("step_state", "instant_state")
+"""Columns of which much may be the same."""
 _NUMBER, _NUMBERS = ctypes.c_int, ctypes.POINTER(ctypes.c_double)
 _INDEX = ctypes.POINTER(ctypes.c_int)
 
@@ -60,7 +63,7 @@ class Rows:
     """Shape (steps, 3). Begin and end of each step, and where it was ended, s."""
     step_until: NDArray[np.float64]
     """Shape (steps,). The next timed event, s."""
-    step_state: NDArray[np.float64]
+    step_state: StateRows
     """Shape (steps, 3, states). The state there."""
     step_dense: NDArray[np.float64]
     """Shape (steps, 4, states)."""
@@ -68,7 +71,7 @@ class Rows:
     """Shape (steps, 2 + 2 machines)."""
     instant_time: NDArray[np.float64]
     """Shape (instants, 2)."""
-    instant_state: NDArray[np.float64]
+    instant_state: StateRows
     """Shape (instants, 2, states). Before and after."""
     instant_place: NDArray[np.intc]
     """Shape (instants, 3 + 2 machines)."""
@@ -111,7 +114,7 @@ class Rows:
 
 def rows_of(
     many: Mapping[str, int],
-    copied: Callable[[str, type, tuple[int, ...]], NDArray[Any]],
+    copied: Callable[[str, type, tuple[int, ...]], Any],
     *,
     states: int,
     machines: int,

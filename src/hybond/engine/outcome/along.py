@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from hybond.engine.outcome.records import Block, Steps
+from hybond.engine.compiled.kept_rows import SharedRows
+from hybond.engine.compiled.points import Steps as StepsToLook
+from hybond.engine.outcome.logged_steps import Block, Steps
 from hybond.records import dataclass
 
 Vector = NDArray[np.float64]
@@ -70,3 +72,15 @@ class Along:
             many,
             resting,
         )
+
+    def to_look(self) -> StepsToLook:
+        """Return the steps as the engine reads them."""
+        log, state = self.steps, self.steps.state
+        if isinstance(state, SharedRows):
+            # only those that are asked for are written out, others are never read
+            used = np.unique(self.step)
+            written = np.empty(state.shape)
+            for k in range(written.shape[1]):
+                written[used, k] = state[used, k]
+            state = written
+        return StepsToLook.logged(log.time, state, log.dense)

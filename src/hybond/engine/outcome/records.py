@@ -7,15 +7,13 @@ what its modes leave open, is noted as the rows come in.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
-from typing import overload
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hybond.engine.compiled.kept_rows import joined_rows
 from hybond.engine.compiled.rows import MACHINES_OF_INSTANT, MACHINES_OF_STEP, Rows
 from hybond.engine.outcome.beginnings import Beginning
 from hybond.engine.outcome.combinations import (
@@ -27,12 +25,11 @@ from hybond.engine.outcome.combinations import (
     flipped,
 )
 from hybond.engine.outcome.explain import LANDS, Explaining
-from hybond.engine.outcome.polynomial import Polynomial
+from hybond.engine.outcome.logged_steps import Block, Interpolants, Points, Steps, begin_later
 from hybond.engine.outcome.warned import Warnings
 from hybond.engine.tables import ModelTables
 from hybond.engine.tables.start import start_of
 from hybond.model.graph import Mode
-from hybond.records import dataclass
 from hybond.runs.trace import Accumulation, Cause, Event, Segment, Sliding, Trace, Turn
 
 Vector = NDArray[np.float64]
@@ -51,121 +48,6 @@ CAUSES: dict[int, Cause] = {
 }
 BROKEN = 16
 """What the cause of an instant is more than it was, if it could not be settled."""
-
-
-@dataclass(frozen=True, slots=True)
-class Points:
-    """What time-stepping tells besides: bond variables where steps end, energies of the steps.
-
-    ``bonds[at[k]]`` are those at the end of step k, the row before those at its beginning.
-    """
-
-    bonds: Vector
-    at: NDArray[np.intc]
-    energy: Vector
-
-    def part(self, first: int, last: int) -> Points:
-        """Return those of the steps from `first` to `last` - 1."""
-        begin = int(self.at[first]) - 1
-        rows = self.bonds[begin : int(self.at[last - 1]) + 1]
-        return Points(rows, self.at[first:last] - begin, self.energy[first:last])
-
-    @staticmethod
-    def joined(parts: Sequence[Points]) -> Points | None:
-        """Return those of several slices as one."""
-        if not parts:
-            return None
-        before = np.cumsum([0, *(len(p.bonds) for p in parts[:-1])])
-        return Points(
-            np.concatenate([p.bonds for p in parts]),
-            np.concatenate([p.at + k for p, k in zip(parts, before.tolist(), strict=True)]),
-            np.concatenate([p.energy for p in parts]),
-        )
-
-
-@dataclass(frozen=True, slots=True)
-class Steps:
-    """Steps in order; the columns are those of `Rows`."""
-
-    time: Vector
-    until: Vector
-    state: Vector
-    dense: Vector
-    place: NDArray[np.intc]
-    points: Points | None = None
-    """Of time-stepping."""
-
-    def part(self, first: int, last: int) -> Steps:
-        """Return the steps from `first` to `last` - 1."""
-        k = slice(first, last)
-        points = None if self.points is None else self.points.part(first, last)
-        return Steps(
-            self.time[k], self.until[k], self.state[k], self.dense[k], self.place[k], points
-        )
-
-    @staticmethod
-    def joined(parts: Sequence[Steps]) -> Steps:
-        """Return steps of several slices as one."""
-        if len(parts) == 1:
-            return parts[0]
-        return Steps(
-            joined_rows([p.time for p in parts]),
-            joined_rows([p.until for p in parts]),
-            joined_rows([p.state for p in parts]),
-            joined_rows([p.dense for p in parts]),
-            joined_rows([p.place for p in parts]),
-            Points.joined([p.points for p in parts if p.points is not None]),
-        )
-
-
-@dataclass(frozen=True, slots=True)
-class Interpolants(Sequence[Callable[[float], Vector]]):
-    """The polynomials of the steps from `first` to `last` - 1, made when asked for."""
-
-    steps: Steps
-    first: int
-    last: int
-
-    def __len__(self) -> int:
-        return self.last - self.first
-
-    @overload
-    def __getitem__(self, k: int) -> Polynomial: ...
-
-    @overload
-    def __getitem__(self, k: slice) -> list[Polynomial]: ...
-
-    def __getitem__(self, k: int | slice) -> Polynomial | list[Polynomial]:
-        if isinstance(k, slice):
-            return [self[j] for j in range(*k.indices(len(self)))]
-        n = self.first + range(len(self))[k]
-        t0, t1 = self.steps.time[n, :2].tolist()
-        y0, y1, _ = self.steps.state[n]
-        return Polynomial(t0, t1, y0, y1, self.steps.dense[n])
-
-
-@dataclass(frozen=True, slots=True)
-class Block:
-    """Segments that are steps of one slice; made when asked for, by their number.
-
-    Parameters
-    ----------
-    steps : Steps
-    begins : array of int, shape (segments + 1,)
-        The step with which each begins, and where the last ends.
-    alone : array of bool, shape (segments,)
-        Whether its bond variables are those of its mode: nothing is slid on, time is not stepped.
-    make : callable
-    """
-
-    steps: Steps
-    begins: NDArray[np.intp]
-    alone: NDArray[np.bool_]
-    make: Callable[[int], Segment]
-
-    def __call__(self, k: int) -> Segment:
-        """Return segment k."""
-        return self.make(k)
 
 
 class Instants:
@@ -227,8 +109,10 @@ class Records:
         """Add the rows of a slice; return its instants, if there are any."""
         for t, combination in combinations(rows, len(self.graph.machines)):
             self._note_slide(t, combination.of(self.many))
-        found = Instants(rows, self.mode) if len(rows.instant_time) else None
-        if found is not None:
+        found = None
+        if len(rows.instant_time):
+            # rows of instants are kept as long as one of them may be asked for
+            found = Instants(replace(rows, step_state=rows.step_state[:0]), self.mode)
             self._add_instants(found)
         for text in self.warnings.texts(rows):
             self.trace.warn(text)
@@ -250,7 +134,7 @@ class Records:
                 points,
             )
             if self.begin is not None and float(new.time[0, 0]) < self.begin.t:
-                begin_later(new, self.begin.t)
+                new = begin_later(new, self.begin.t)
             self._add_steps(new)
         return found
 
@@ -470,22 +354,6 @@ class Records:
                     f"in mode ({self.graph.mode_text(mode)}) the equations leave "
                     f"{', '.join(names)} open; least leakage decides"
                 )
-
-
-def begin_later(steps: Steps, t: float) -> None:
-    """Let the first step begin at a time within it: its polynomial is that of what is left."""
-    t0, t1 = steps.time[0, :2].tolist()
-    first = (t - t0) / (t1 - t0)
-    left = 1.0 - first
-    c = np.vstack([steps.state[0, 0], steps.dense[0]])
-    powers = range(len(c))
-    moved = [
-        left**k * sum(math.comb(j, k) * first ** (j - k) * c[j] for j in powers if j >= k)
-        for k in powers
-    ]
-    steps.time[0, 0] = t
-    steps.state[0, 0] = moved[0]
-    steps.dense[0] = moved[1:]
 
 
 def _first(counts: NDArray[np.intc]) -> NDArray[np.intp]:

@@ -14,14 +14,14 @@ from numpy.typing import NDArray
 
 from hybond.chronicle import Chronicle
 from hybond.engine.algebra.rounding import AT_KINK
-from hybond.engine.compiled.look import Motions
+from hybond.engine.compiled.look import Look, Motions
 from hybond.engine.compiled.points import Points, Within
 from hybond.engine.compiled.points import Steps as StepsToLook
 from hybond.engine.compiled.rows import MACHINES_OF_STEP
 from hybond.engine.outcome.along import Along, begins_of
 from hybond.engine.outcome.combinations import ALONE, Combination
 from hybond.engine.outcome.engines import Prepared
-from hybond.engine.outcome.records import Block, Interpolants
+from hybond.engine.outcome.logged_steps import Block, Interpolants
 from hybond.engine.tables import ModelTables
 from hybond.model.expressions import ARRAYS, Expr, Name, Number, compile_expression, names, uses_pre
 from hybond.model.graph import FlatGraph, Mode
@@ -49,10 +49,18 @@ class Signals:
         self._slots = model.tables.slots
         self._trace = trace
         self._model = model
-        self._look = model.look()
+        self._looks: Look | None = None
         self._lock = threading.RLock()
         """Who asks has first to say into what: nobody else may come between."""
         self._into: object = None
+
+    @property
+    def _look(self) -> Look:
+        """What looks into the run, made when somebody does: it takes as much room as the run."""
+        with self._lock:
+            if self._looks is None:
+                self._looks = self._model.look()
+            return self._looks
 
     @property
     def tables(self) -> ModelTables:
@@ -182,8 +190,7 @@ class Signals:
             np.append(0, np.cumsum(along.many)).astype(np.intc),
             self._energy,
         )
-        steps = StepsToLook.logged(along.steps.time, along.steps.state, along.steps.dense)
-        within = Within(steps, t[along.points], along.step)
+        within = Within(along.to_look(), t[along.points], along.step)
         slots = self._read(expressions)
         with self._lock:
             self._into = None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import field
+from functools import partial
 
 from hybond.engine.expressions import code as c
 from hybond.engine.expressions.functions import (
@@ -128,7 +129,7 @@ class Code:
         ModelError
             HB-E636 for one that needs a deeper stack than there is.
         """
-        instructions, depth = fold(stable(e), lambda *node: self._node(*node, paired=paired))
+        instructions, depth = fold(stable(e), partial(self._node, paired=paired))
         if depth > c.DEEPEST:
             raise ModelError(
                 f"an expression needs {depth} intermediate values at once",
@@ -138,40 +139,40 @@ class Code:
                 "what is long first",
             )
         begin = len(self.instructions)
-        self.instructions += [*instructions, c.END]
+        self.instructions += instructions
+        self.instructions.append(c.END)
         return begin
 
     def _node(self, e: Expr, prior: bool, below: list[_Part], *, paired: bool) -> _Part:
         match e:
+            case Name(path):
+                what = c.PRIOR if prior and paired else c.SIGNAL
+                return [what, self.slot[path] + (self.size if prior and not paired else 0)], 1
             case Number(value) | Bool(value):
                 return [c.NUMBER, self._number(number_of(value))], 1
-            case Name(path) if paired:
-                return [c.PRIOR if prior else c.SIGNAL, self.slot[path]], 1
-            case Name(path):
-                return [c.SIGNAL, self.slot[path] + (self.size if prior else 0)], 1
-            case Pre():
-                return below[0]
+            case Binary(op, _, right):
+                if not paired and op == "^" and isinstance(right, Number) and right.value == 2.0:
+                    return _then(below[:1], c.SQUARE)
+                if not paired and op != "^" and isinstance(right, Number | Name):
+                    # one instruction for a number or a signal and the operator behind it
+                    (what, which), _ = below[1]
+                    first = c.ADD_NUMBER if what == c.NUMBER else c.ADD_SIGNAL
+                    return _then(below[:1], first + _ARITHMETIC[op] - c.ADD, which)
+                return _then(below, _ARITHMETIC[op])
             case Neg():
                 return _then(below, c.NEGATE)
-            case Not():
-                return _then(below, c.DENY)
-            case Binary(op="^", right=Number(value=2.0)) if not paired:
-                return _then(below[:1], c.SQUARE)
-            case Binary(op, right=Number() | Name()) if op != "^" and not paired:
-                # one instruction for a number or a signal and the operator behind it
-                (left, depth), ((what, which), _) = below
-                first = c.ADD_NUMBER if what == c.NUMBER else c.ADD_SIGNAL
-                return [*left, first + _ARITHMETIC[op] - c.ADD, which], depth
-            case Binary(op):
-                return _then(below, _ARITHMETIC[op])
             case Compare(op):
                 return _then(below, _COMPARISON[op])
+            case Call(function):
+                return self._call(function, below)
+            case Pre():
+                return below[0]
+            case Not():
+                return _then(below, c.DENY)
             case Table(_, x, y, extrapolate, slope):
                 at = len(self.numbers)
                 self.numbers += [float(len(x)), float(extrapolate == "linear"), *x, *y]
                 return _then(below, c.SLOPE if slope else c.READ, at)
-            case Call(function):
-                return self._call(function, below)
             case If():
                 (test, n), (then, i), (other, j) = below
                 chosen = [*test, c.SKIP_UNLESS, len(then) + 2, *then, c.SKIP, len(other), *other]
@@ -228,10 +229,14 @@ def check_depths(expressions: Sequence[Expr], slot: Mapping[str, int]) -> None:
 
 
 def _then(below: Sequence[_Part], *instruction: int) -> _Part:
-    """Return what is below, one after the other, then an instruction."""
-    code: list[int] = []
-    depth = 0
-    for k, (part, deep) in enumerate(below):
+    """Return what is below, one after the other, then an instruction.
+
+    The first part goes on: of a long sum it is all that stands before.
+    """
+    code, depth = below[0]
+    for k in range(1, len(below)):
+        part, deep = below[k]
         code += part
         depth = max(depth, deep + k)
-    return [*code, *instruction], depth
+    code += instruction
+    return code, depth

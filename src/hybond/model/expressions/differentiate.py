@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Mapping
 
 from hybond.model.expressions.algebra import FLOATS
 from hybond.model.expressions.compile import compile_expression
 from hybond.model.expressions.slots import is_slotted, plain, slot_of, slotted, tree_of
 from hybond.model.expressions.stable import beside_one
 from hybond.model.expressions.tree import (
+    LEVELS,
     And,
     Binary,
     Bool,
@@ -25,6 +27,7 @@ from hybond.model.expressions.tree import (
     Table,
     children,
     fold,
+    rebuilt,
     transform,
     with_children,
 )
@@ -47,7 +50,26 @@ def simplify(e: Expr) -> Expr:
     >>> print(simplify(parse("0*x + 1*(y + 2*3)^1")))
     y + 6
     """
-    return transform(e, _simpler)
+    return _simplified(e, LEVELS)
+
+
+def _simplified(e: Expr, levels: int) -> Expr:
+    """Simplify a tree by recursion; what is `levels` deep in it without.
+
+    Where it has been before there is nothing to do: a sum is made of sums that it has made.
+    """
+    kind = type(e)
+    if kind is Name or kind is Number or hasattr(e, "_simple"):
+        return e
+    below = children(e)
+    if not below:
+        return e
+    if levels == 0:
+        return transform(e, _simpler)
+    new = [_simplified(child, levels - 1) for child in below]
+    found = _simpler(rebuilt(e, new))
+    object.__setattr__(found, "_simple", True)
+    return found
 
 
 def differentiate(e: Expr, name: str) -> Expr:
@@ -84,7 +106,7 @@ def _plain(e: Expr, value: float) -> bool:
 
 def _neutral(e: Expr, value: float) -> bool:
     """Whether a term is a number that changes nothing; one that may be changed is kept."""
-    return not is_slotted(e) and _plain(e, value)
+    return isinstance(e, Number) and not is_slotted(e) and _plain(e, value)
 
 
 def _both(a: Expr, b: Expr) -> bool:
@@ -132,30 +154,22 @@ def _followed(e: Expr, below: tuple[Expr, ...]) -> Expr:
 def _simpler(e: Expr) -> Expr:
     """Simplify one node whose subexpressions are simple."""
     match e:
+        case Binary(op, left, right):
+            return _OPERATIONS[op](left, right, e)
+        case Compare() | Call() | Table() | Not():
+            return _folded(e)
         case Pre(Number() | Bool() as arg):
             return arg
         case Neg(Number(value, dimension)):
             return Number(-value, dimension)
         case Neg(Neg(arg)):
             return arg
-        case Binary("+", left, right):
-            return _add(left, right)
-        case Binary("-", left, right):
-            return _sub(left, right)
-        case Binary("*", left, right):
-            return _mul(left, right)
-        case Binary("/", left, right):
-            return _div(left, right)
-        case Binary("^", left, right):
-            return _pow(left, right)
         case If(Bool(value), then, orelse):
             return then if value else orelse
         case If(_, Number() | Name() as then, orelse) if then == orelse:
             return then
         case And(args) | Or(args):
             return _logic(e, args)
-        case Not() | Compare() | Call() | Table():
-            return _folded(e)
     return e
 
 
@@ -172,24 +186,25 @@ def _logic(e: Expr, args: tuple[Expr, ...]) -> Expr:
     return type(e)(kept) if isinstance(e, And | Or) else e
 
 
-def _add(a: Expr, b: Expr) -> Expr:
+def _add(a: Expr, b: Expr, whole: Expr | None = None) -> Expr:
+    """Return the simplified sum; `whole` is the sum as it stands, if it does."""
     if _neutral(a, 0.0):
         return b
     if _neutral(b, 0.0):
         return a
     if isinstance(b, Neg):
         return _sub(a, b.arg)
-    return _folded(Binary("+", a, b))
+    return _folded(whole or Binary("+", a, b))
 
 
-def _sub(a: Expr, b: Expr) -> Expr:
+def _sub(a: Expr, b: Expr, whole: Expr | None = None) -> Expr:
     if _neutral(b, 0.0):
         return a
     if _neutral(a, 0.0):
         return _neg(b)
     if isinstance(b, Neg):
         return _add(a, b.arg)
-    return _folded(Binary("-", a, b))
+    return _folded(whole or Binary("-", a, b))
 
 
 def _neg(a: Expr) -> Expr:
@@ -198,9 +213,9 @@ def _neg(a: Expr) -> Expr:
     return a.arg if isinstance(a, Neg) else Neg(a)
 
 
-def _mul(a: Expr, b: Expr) -> Expr:
-    if _both(a, b):
-        return _folded(Binary("*", a, b))
+def _mul(a: Expr, b: Expr, whole: Expr | None = None) -> Expr:
+    if not (isinstance(a, Number) or isinstance(b, Number)) or _both(a, b):
+        return _folded(whole or Binary("*", a, b))
     if _neutral(a, 0.0) or _neutral(b, 0.0):
         return ZERO
     if _plain(a, 0.0) or _plain(b, 0.0):
@@ -213,27 +228,36 @@ def _mul(a: Expr, b: Expr) -> Expr:
         return _neg(b)
     if _neutral(b, -1.0):
         return _neg(a)
-    return _folded(Binary("*", a, b))
+    return _folded(whole or Binary("*", a, b))
 
 
-def _div(a: Expr, b: Expr) -> Expr:
+def _div(a: Expr, b: Expr, whole: Expr | None = None) -> Expr:
     if _both(a, b):
-        return _folded(Binary("/", a, b))
+        return _folded(whole or Binary("/", a, b))
     if _neutral(b, 1.0):
         return a
     if _plain(a, 0.0) and not _plain(b, 0.0):
         return ZERO
-    return _folded(Binary("/", a, b))
+    return _folded(whole or Binary("/", a, b))
 
 
-def _pow(a: Expr, b: Expr) -> Expr:
+def _pow(a: Expr, b: Expr, whole: Expr | None = None) -> Expr:
     if _both(a, b):
-        return _folded(Binary("^", a, b))
+        return _folded(whole or Binary("^", a, b))
     if _neutral(b, 1.0):
         return a
     if _plain(b, 0.0):
         return ONE
-    return _folded(Binary("^", a, b))
+    return _folded(whole or Binary("^", a, b))
+
+
+_OPERATIONS: Mapping[str, Callable[[Expr, Expr, Expr | None], Expr]] = {
+    "+": _add,
+    "-": _sub,
+    "*": _mul,
+    "/": _div,
+    "^": _pow,
+}
 
 
 def _derivative(e: Expr, d: list[Expr], x: str) -> Expr:

@@ -29,9 +29,9 @@ from hybond.model.expressions.exponentials import (
     total,
 )
 from hybond.model.expressions.slots import is_slotted
-from hybond.model.expressions.tree import Binary, Call, Expr, Neg, Number, transform, walk
+from hybond.model.expressions.tree import Binary, Call, Expr, Neg, Number, calls, transform
 
-_MENDED = ("exp", "sinh", "cosh", "sqrt")
+_MENDED = frozenset(("exp", "sinh", "cosh", "sqrt"))
 """Functions without which there is nothing to be said in another way."""
 
 
@@ -48,10 +48,7 @@ def stable(e: Expr) -> Expr:
     >>> print(stable(parse("sqrt(x^2 + y^2) + log(k*exp(x))")))
     hypot(x, y) + (log(k) + x)
     """
-    for part, _ in walk(e):
-        if isinstance(part, Call) and part.function in _MENDED:
-            return transform(e, _stabler)
-    return e
+    return e if _MENDED.isdisjoint(calls(e)) else transform(e, _stabler)
 
 
 def familiar(e: Expr) -> Expr:

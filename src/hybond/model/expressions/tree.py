@@ -14,9 +14,14 @@ T = TypeVar("T")
 
 
 class Expr:
-    """Any node. Nodes are frozen, hashable and compared by structure."""
+    """Any node. Nodes are frozen, hashable and compared by structure.
 
-    __slots__ = ()
+    What has been found out of a node is noted there, as it never changes; it is no part of it.
+    """
+
+    __slots__ = ("_simple",)
+    _simple: bool
+    """There once `simplify` has had nothing to do, or has made the node."""
 
     def __str__(self) -> str:
         from hybond.model.expressions.text import to_text
@@ -182,6 +187,9 @@ _BELOW: dict[type[Expr], Callable[[Any], tuple[Expr, ...]]] = {
     If: lambda e: (e.cond, e.then, e.orelse),
 }
 """The subexpressions of each kind of node that has some."""
+LEVELS = 64
+"""Down to where walks are by recursion, which is quick: few trees are deeper, and Python has room
+for 1000 calls, those of walks within walks too."""
 
 
 def children(e: Expr) -> tuple[Expr, ...]:
@@ -194,10 +202,11 @@ def with_children(e: Expr, new: tuple[Expr, ...]) -> Expr:
     """Return `e` with its subexpressions replaced; the same object if none changed."""
     if len(new) != len(children(e)):
         raise ValueError(f"{len(new)} subexpressions for {e!r}")
-    return _rebuilt(e, new)
+    return rebuilt(e, new)
 
 
-def _rebuilt(e: Expr, below: Sequence[Expr]) -> Expr:
+def rebuilt(e: Expr, below: Sequence[Expr]) -> Expr:
+    """Return `e` with as many subexpressions as it has; the same object if all are its own."""
     if all(map(operator.is_, children(e), below)):
         return e
     new = tuple(below)
@@ -237,8 +246,10 @@ def names(e: Expr) -> set[str]:
         node = stack.pop()
         if type(node) is Name:
             found.add(node.path)
-        else:
-            stack.extend(children(node))
+            continue
+        below_of = _BELOW.get(type(node))
+        if below_of is not None:
+            stack += below_of(node)
     return found
 
 
@@ -254,13 +265,34 @@ def prior_names(e: Expr) -> set[str]:
 
 def uses_pre(e: Expr) -> bool:
     """Say whether `e` reads an a priori value."""
+    return any_kind(e, Pre)
+
+
+def any_kind(e: Expr, *kinds: type[Expr]) -> bool:
+    """Say whether a node of some kinds stands in `e`."""
     stack = [e]
     while stack:
         node = stack.pop()
-        if type(node) is Pre:
+        if type(node) in kinds:
             return True
-        stack.extend(children(node))
+        below_of = _BELOW.get(type(node))
+        if below_of is not None:
+            stack += below_of(node)
     return False
+
+
+def calls(e: Expr) -> set[str]:
+    """Return the functions that `e` calls."""
+    found: set[str] = set()
+    stack = [e]
+    while stack:
+        node = stack.pop()
+        if type(node) is Call:
+            found.add(node.function)
+        below_of = _BELOW.get(type(node))
+        if below_of is not None:
+            stack += below_of(node)
+    return found
 
 
 def comparisons(e: Expr) -> list[Compare]:
@@ -272,13 +304,34 @@ def fold(e: Expr, fn: Callable[[Expr, bool, list[T]], T]) -> T:
     """Return ``fn(node, prior, results)`` of the root, called bottom-up.
 
     `results` are those of the node's subexpressions, `prior` says whether the node stands inside
-    `Pre`. There is no recursion: the derivative of a long chain is deeper than Python's stack.
+    `Pre`. The derivative of a long chain is deeper than Python's stack.
     """
-    if not children(e):
-        return fn(e, False, [])
+    return _folded(e, fn, False, LEVELS)
+
+
+def _folded(e: Expr, fn: Callable[[Expr, bool, list[T]], T], prior: bool, levels: int) -> T:
+    """Fold a tree by recursion, which is quick; what is `levels` deep in it without."""
+    kind = type(e)
+    if kind is Name or kind is Number:
+        return fn(e, prior, [])
+    below_of = _BELOW.get(kind)
+    if below_of is None:
+        return fn(e, prior, [])
+    if levels == 0:
+        return _folded_deep(e, fn, prior)
+    levels -= 1
+    if kind is Binary:
+        left, right = below_of(e)
+        return fn(e, prior, [_folded(left, fn, prior, levels), _folded(right, fn, prior, levels)])
+    inside = prior or kind is Pre
+    return fn(e, prior, [_folded(child, fn, inside, levels) for child in below_of(e)])
+
+
+def _folded_deep(e: Expr, fn: Callable[[Expr, bool, list[T]], T], prior: bool) -> T:
+    """Fold a tree of any depth."""
     done: list[T] = []
     # a number of subexpressions that is below zero: they are not done yet
-    stack = [(e, False, -1)]
+    stack = [(e, prior, -1)]
     while stack:
         node, prior, count = stack.pop()
         if count > 0:
@@ -286,8 +339,7 @@ def fold(e: Expr, fn: Callable[[Expr, bool, list[T]], T]) -> T:
             del done[-count:]
             done.append(fn(node, prior, results))
             continue
-        below_of = _BELOW.get(type(node))
-        below = () if below_of is None else below_of(node)
+        below = children(node)
         if not below:
             done.append(fn(node, prior, []))
             continue
@@ -321,6 +373,8 @@ def extent(e: Expr) -> tuple[int, int]:
     >>> levels, nodes == 2**102 - 1
     (102, True)
     """
+    if not children(e):
+        return 1, 1
     found: dict[int, tuple[int, int]] = {}
     stack = [e]
     while stack:
@@ -346,7 +400,28 @@ def transform(e: Expr, fn: Callable[[Expr], Expr]) -> Expr:
     >>> str(transform(parse("a + 2*a"), lambda n: Name("b") if n == Name("a") else n))
     'b + 2*b'
     """
-    return fold(e, lambda node, _, below: fn(_rebuilt(node, below) if below else node))
+    return _transformed(e, fn, LEVELS)
+
+
+def _transformed(e: Expr, fn: Callable[[Expr], Expr], levels: int) -> Expr:
+    """Rebuild a tree by recursion, which is quick; what is `levels` deep in it without."""
+    kind = type(e)
+    if kind is Name or kind is Number:
+        return fn(e)
+    below_of = _BELOW.get(kind)
+    if below_of is None:
+        return fn(e)
+    if levels == 0:
+        return _folded_deep(e, lambda node, _, new: fn(rebuilt(node, new) if new else node), False)
+    levels -= 1
+    below = below_of(e)
+    if kind is Binary:
+        left, right = below
+        new = _transformed(left, fn, levels), _transformed(right, fn, levels)
+        if new[0] is left and new[1] is right:
+            return fn(e)
+        return fn(Binary(e.op, *new))  # type: ignore[attr-defined]
+    return fn(rebuilt(e, [_transformed(child, fn, levels) for child in below]))
 
 
 def substitute(e: Expr, mapping: Mapping[str, Expr]) -> Expr:
