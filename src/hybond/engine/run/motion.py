@@ -40,7 +40,7 @@ from hybond.engine.mode.straight_rates import take_rates
 from hybond.engine.mode.values import begin_field, field
 from hybond.engine.planar.stops import begin_slips
 from hybond.engine.run.carried import begin_again, cause_of_beginning, take_up, warm_up
-from hybond.engine.run.contradictions import contradict_behind, goes_over, meet_contradiction
+from hybond.engine.run.contradictions import contradict_behind, meet_contradiction
 from hybond.engine.run.courses_ahead import begin_courses, end_ahead
 from hybond.engine.run.edges import reach_edges, straight_on, time_at_once
 from hybond.engine.run.ends_at_guard import find_within, land, shows_instants
@@ -274,7 +274,7 @@ def flow(e: Engine, r: Run) -> int:
         if taken == ANEW:
             continue
         if taken != OK:
-            return LAW if goes_over(e, r) else -1
+            return -1
         # what is tied to sources is known there in closed form, on its constraints
         g.held = g.tied
         g.rough = not (g.tied or shows_instants(e))
