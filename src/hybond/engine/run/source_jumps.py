@@ -152,6 +152,7 @@ def put_before_kink(e: Engine, r: Run, t: float) -> int:
     At a kink where none jumps constraints are those of the time itself: a moment before, what
     passes through zero fast is a thousand times off what is left of it. What is read of the state
     that was put before a jump is read before it, too: `e.early`, until the caller gives it back.
+    From a jump at which the step has begun the motion comes, and never goes back.
     """
     m = e.model
     if r.locator.tied:
@@ -167,8 +168,9 @@ def put_before_kink(e: Engine, r: Run, t: float) -> int:
     refusal = e.refusal
     early = e.early
     e.early = math.inf
-    apart = jump_between(e, r, t, t - a_moment, t + a_moment)
-    e.early = min(early, t - a_moment) if apart else early
+    before = max(t - a_moment, min(e.step.t0, t))
+    apart = jump_between(e, r, t, before, t + a_moment)
+    e.early = min(early, before) if apart else early
     e.refusal = refusal
     return put_on_constraints(e, t, e.y)
 
