@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 
@@ -99,3 +101,31 @@ def test_a_jump_that_nobody_gets_off() -> None:
     with pytest.raises(hb.errors.HybondError) as caught:
         hb.simulate(m, until=1.0, solver="rk45")
     assert caught.value.code == "HB-N410"
+
+
+BUFFERS = {
+    "by its speed": "if v.f > 0 then k*x else k*x/3",
+    "by its momentum": "if m.p > 0 then k*x else k*x/3",
+    "by a sign": "k*x*(2 + sign(v.f))/3",
+}
+
+
+@pytest.mark.parametrize(
+    ("force", "turned"),
+    [("by its speed", False), ("by its momentum", True), ("by a sign", False), ("by a sign", True)],
+)
+def test_a_buffer_that_pushes_back_less_is_no_root_at_rest(force: str, turned: bool) -> None:
+    """A wagon of 80 t runs onto a buffer; stages that swing about where it turns are no rest."""
+    mass, k, speed = 80e3, 4e6, 2.0
+    m = hb.Model("buffer", parameters={"k": k})
+    text = f"if x > 0 then {BUFFERS[force]} else 0"
+    m.add(m=hb.I(mass, f=speed), v=hb.One(), F=hb.Se(text if turned else f"-({text})"))
+    m.bond("v -> F" if turned else "F -> v", "v -> m")
+    m.signal(x=hb.Integral("v.f", start=-1.0))
+    run = hb.simulate(m, until=1.0, solver="radau")
+    assert not run.warnings
+    rate = math.sqrt(k / mass)
+    turns = 0.5 + 0.5 * math.pi / rate
+    for t in (turns + 0.01, 0.8, 1.0):
+        back = speed / rate * math.cos(rate / math.sqrt(3.0) * (t - turns))
+        assert run["x"].at(t) == pytest.approx(back, rel=1e-7)

@@ -130,6 +130,7 @@ subset. Rooms, and in them files, as data passes them::
         limits_crossed      what has come to one, waits there, and is asked again
         rests_asked         what rests where time, or a crossing beside it, asks for it
         naps                kinks that end no steps for a while
+        contradictions      sources that do not agree behind one
         together, ends_at_guard    what is one instant with it; the step that ends there
         kinks_passed, held_by_kinks, source_jumps    kinks of laws and of sources
         guard_at_kink, ends_at_kink    a guard that holds at one; steps that end there

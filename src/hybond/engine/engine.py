@@ -69,6 +69,8 @@ class Trial:
     energy_before: float
     """What is stored before the jump and after it, J."""
     energy_after: float
+    energy_struck: float
+    """What is stored behind the impulses, before rounding of it is swept up."""
     jump: Floats
     """The impulse of each signal: zero unless it `jumps`."""
     terms: Floats

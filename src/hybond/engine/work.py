@@ -86,6 +86,10 @@ class Work:
     swung: Block
     """A root that full steps swing about, if `swings` is not 0."""
     swings: int
+    takes_rounding: bool
+    """Whether shorter steps may end where no part of one helps if all laws hold to rounding."""
+    met_rounding: bool
+    """Whether some have ended there, in vain if they may not."""
     residual: Block
     residual_before: Block
     residual_size: Block

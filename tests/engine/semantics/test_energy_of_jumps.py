@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 import hybond as hb
@@ -61,3 +62,34 @@ def test_what_a_source_supplies_in_a_jump_is_not_created() -> None:
     run = hb.simulate(m, until=2.0)
     assert run["c.q"].at(1.5) == pytest.approx(5.0)
     assert not created(run)
+
+
+@pytest.mark.parametrize(
+    ("source", "bridged"),
+    [("5*sin(w*4*time)", False), ("5*sin(w*4*time)", True), ("4*sin(w*3*time) + 2*time", False)],
+)
+@pytest.mark.parametrize("dual", [False, True])
+def test_what_a_jump_of_rounding_sweeps_up_is_not_created(
+    source: str, bridged: bool, dual: bool
+) -> None:
+    """Two emptied storages follow a source below zero through diodes, the second one by dust."""
+    m = hb.Model("emptied", parameters={"w": 1.0})
+    node, across, store, give = (
+        (hb.One, hb.Zero, hb.I, hb.Sf) if dual else (hb.Zero, hb.One, hb.C, hb.Se)
+    )
+    full = {"p": 0.7} if dual else {"q": 0.7}
+    m.add(a=node(), b=node(), m=node(), A=store(0.3), B=store(2.2, **full), S=give(source))
+    m.add(c=across(law="diode"), d=across(law="diode"))
+    m.bond("a -> A", "b -> B", "m -> S", "a -> c -> m", "b -> d -> m")
+    if bridged:
+        m.add(x=across(law="diode"))
+        m.bond("a -> x -> b")
+    run = hb.simulate(m, until=2.5)
+    t = np.linspace(0.0, 2.5, 100_001)
+    given = 5 * np.sin(4 * t) if "5" in source else 4 * np.sin(3 * t) + 2 * t
+    # each has what the source has had at its lowest, and no more than at the start
+    stored = "p" if dual else "q"
+    for name, size, start in (("A", 0.3, 0.0), ("B", 2.2, 0.7)):
+        least = min(start, size * float(given.min()))
+        assert run[f"{name}.{stored}"].at(2.5) == pytest.approx(least, rel=1e-6)
+    assert run.audit().holds()

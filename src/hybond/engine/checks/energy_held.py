@@ -235,13 +235,13 @@ def hold_rates(e: Engine) -> None:
 
 
 def hold_jump(e: Engine, x: Floats, given: float, may_create: bool) -> None:
-    """Hold what a jump from `x` to the state of the trial has stored against what sources gave.
+    """Hold what the impulses of a jump from `x` have stored against what sources gave by them.
 
     A law of impacts may give some, as declared: that is a warning in joules.
     """
     c = e.checks
     before = e.trial.energy_before
-    after = e.trial.energy_after
+    after = e.trial.energy_struck
     c.moved += math.fabs(after - before) + math.fabs(given)
     made = after - before - given
     size = max(max(math.fabs(before), math.fabs(after)), math.fabs(given))

@@ -158,6 +158,7 @@ def finish_trial(e: Engine, t: float, x: Floats, s: Floats) -> int:
     if e.moved != STAYS:
         trial.energy_after = energy_of(e, trial.x)
         see_energy_after(e, trial.x)
+    trial.energy_struck = trial.energy_after
     if trial.jumps:
         find_floor(e, x)
         for k in range(2 * m.bonds):

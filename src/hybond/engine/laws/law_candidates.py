@@ -23,6 +23,7 @@ from hybond.engine.laws.law_records import AGAIN, TURNED, Laws
 from hybond.engine.mode.agreement import check_agreement
 from hybond.engine.mode.mode_records import is_constrained
 from hybond.engine.mode.reach import reach_of
+from hybond.engine.mode.storage import energy_of
 from hybond.engine.model import Model
 from hybond.engine.planar.planar import put_headings
 from hybond.engine.reasons.facts import add_fact
@@ -87,6 +88,9 @@ def try_candidate(e: Engine, r: Laws, x: Floats, kept: bool) -> int:
     if finish_trial(e, r.t, x, signals) != OK:
         r.some_valueless = r.some_valueless or e.trial.valueless
         return NO_ENTRY if e.trial.valueless else STOPS
+    if r.struck and e.trial.jumps:
+        # what these branches sweep up is rounding, and no part of the jump of those that struck
+        e.trial.energy_struck = energy_of(e, r.landed)
     if r.leaps and e.trial.jumps and not carries_as_it_may(e, r):
         return NO_ENTRY
     if kept and e.trial.loose > 0:

@@ -17,6 +17,7 @@ from hybond.engine.inputs.interval import interval_after
 from hybond.engine.instant.jump import on_constraints
 from hybond.engine.looking.asked import Ask, ask_for_powers, make_ask, prepare, solve_asked
 from hybond.engine.looking.led_back import lead_back, ways_back
+from hybond.engine.mode.agreement import check_agreement
 from hybond.engine.mode.equations import mode_of
 from hybond.engine.mode.limits import put_limits
 from hybond.engine.mode.mode_records import Mode, is_constrained
@@ -284,7 +285,9 @@ def correct(e: Engine, l: Look, t: float) -> int:
             set_motion(e, e.shown, t, l.y)
         elif evaluate(e, mode, e.shown, t, l.y) != OK:
             return REFUSED
-        if on_constraints(e, mode, e.shown, l.y) != OK:
+        # a run ends at a contradiction, or an instant behind where sources begin to: none holds it
+        apart = mode.agreements.rows > 0 and check_agreement(e, mode, e.shown) != OK
+        if not apart and on_constraints(e, mode, e.shown, l.y) != OK:
             return REFUSED
     if e.slide.k > 0 and onto_surfaces(e, t, l.y) != OK:
         return REFUSED

@@ -8,8 +8,10 @@ from typing import Final
 from hybond.engine.answers import value
 from hybond.engine.engine import OK, Engine
 from hybond.engine.methods.dopri import spacing
+from hybond.engine.mode.guess import give_back_guess, hold_guess
 from hybond.engine.mode.solving import solve
 from hybond.engine.mode.values import set_motion
+from hybond.engine.model import Model
 from hybond.engine.words import Floats
 
 LEAST: Final = 8.0
@@ -56,6 +58,30 @@ def is_one_kink(e: Engine, t0: float, y0: Floats, t1: float, y1: Floats) -> bool
         reached = math.fabs(there) * (t1 - t0) <= LAST * spacing(t1) * way
         passed = passed or (s.kink[k] != there and (s.kink[k] * there <= 0.0 or reached))
     return passed
+
+
+def jump_lies_between(e: Engine, t: float, one: Floats, other: Floats) -> bool:
+    """Whether two states are on both sides of a kink that is no root: a law may jump there."""
+    m = e.model
+    s = e.step
+    refusal = e.refusal
+    hold_guess(e, e.mode)
+    known = m.kinks > 0 and e.slide.k == 0 and show_motion(e, t, one)
+    for k in range(m.kinks if known else 0):
+        s.kink[k] = value(m, m.atom_value[m.kink_atom + k], e.v)
+    known = known and show_motion(e, t, other)
+    found = False
+    for k in range(m.kinks if known else 0):
+        there = value(m, m.atom_value[m.kink_atom + k], e.v)
+        found = found or (not is_root(m, k) and s.kink[k] * there < 0.0)
+    give_back_guess(e, e.mode)
+    e.refusal = refusal
+    return found
+
+
+def is_root(m: Model, kink: int) -> bool:
+    """Whether a kink is that of a root, which has one value from both sides, however steep."""
+    return m.kink_meets[kink] != 0 or m.kink_rooted[kink] != 0
 
 
 def is_led(e: Engine, h: float, y0: Floats, y1: Floats) -> bool:

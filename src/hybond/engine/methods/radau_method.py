@@ -13,6 +13,7 @@ from hybond.engine.methods.dopri import (
     not_finite,
 )
 from hybond.engine.methods.failed_steps import no_rate, note_settling, step_too_small, worst_of
+from hybond.engine.methods.one_instant import jump_lies_between
 from hybond.engine.methods.radau import (
     STEP_MADE,
     begin_radau,
@@ -21,7 +22,7 @@ from hybond.engine.methods.radau import (
 )
 from hybond.engine.methods.radau_factors import BUTCHER_INVERSE
 from hybond.engine.methods.radau_room import ERROR_BLAMED, RADAU, STAGES_BLAMED, Radau
-from hybond.engine.methods.radau_stages import rate_at
+from hybond.engine.methods.radau_stages import rate_at, stage_time
 from hybond.engine.methods.scale import controlled, tolerance
 from hybond.engine.methods.stiffness import watch_implicit
 from hybond.engine.model import Model
@@ -156,8 +157,21 @@ def count_apart(e: Engine, r: Radau) -> None:
             for j in range(3):
                 moved += BUTCHER_INVERSE[6 + j] * r.z[j * n + k]
         apart_at_end(e, k, moved)
-    if r.swings and not e.warned.swings:
+    if r.swings and not e.warned.swings and not swings_about_jump(e, r):
         warn_of_swings(e)
+
+
+def swings_about_jump(e: Engine, r: Radau) -> bool:
+    """Whether stages have gone to and fro over a jump, or began at one: a step is to end there."""
+    n = r.n
+    found = False
+    for stage in range(3):
+        for i in range(n):
+            half = 0.5 * r.last[stage * n + i]
+            r.stage[i] = r.y[stage * n + i] + half
+            r.end[i] = r.y[stage * n + i] - half
+        found = found or jump_lies_between(e, stage_time(r, stage), r.stage, r.end)
+    return found or jump_lies_between(e, r.t1, r.y0, r.end)
 
 
 def warn_of_swings(e: Engine) -> None:

@@ -16,7 +16,7 @@ from hybond.engine.engine import Engine
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.newton_step import newton_step
 from hybond.engine.mode.newton_system import is_zero, largest_of, system, with_free
-from hybond.engine.mode.put_back import put_back
+from hybond.engine.mode.put_back import is_exact, put_back
 from hybond.engine.words import Floats
 
 DAMPED_STEPS: Final = 200
@@ -81,8 +81,22 @@ def damped(e: Engine, mode: Mode, v: Floats, r: Floats, tolerance: float) -> boo
             with_free(mode, n, work.base, r, work.w)
             return put_back(e, mode, v, work.w)
         if part == 0.0:
-            return False
+            met = is_rounding_of_all(e, mode, v, r)
+            work.met_rounding = work.met_rounding or met
+            return met and work.takes_rounding
     return False
+
+
+def is_rounding_of_all(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
+    """Whether what no part of a step makes smaller is the rounding of all laws.
+
+    Where every unknown passes through zero at once, as the effort and the flow of a root do, none
+    of them tells how small a step is. Of a law that is flat there it tells nothing: other ways to a
+    solution go before.
+    """
+    with_free(mode, 2 * e.model.bonds, e.work.base, r, e.work.w)
+    rows = system(e, mode, v, e.work.w)
+    return put_back(e, mode, v, e.work.w) and is_exact(e, mode, v, rows)
 
 
 def is_half(frees: int, step: Floats, before: Floats) -> bool:

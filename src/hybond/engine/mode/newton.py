@@ -94,8 +94,9 @@ def newton(e: Engine, mode: Mode, v: Floats) -> int:
     """Solve for the free unknowns, from where Newton ended last, or else from zero.
 
     With full steps, beside jumps of laws, then with shorter steps, then on the way from laws with a
-    resistance beside them; if laws have no values at zero, from what is known beside them. What is
-    found is put back into the laws.
+    resistance beside them; if laws have no values at zero, from what is known beside them. Only if
+    none of these leads to one, what is left may be rounding. What is found is put back into the
+    laws.
     """
     work = e.work
     frees = mode.finite_frees
@@ -108,6 +109,7 @@ def newton(e: Engine, mode: Mode, v: Floats) -> int:
     for j in range(frees):
         r[j] = mode.guess.at[j] if mode.guessed else 0.0
     work.swings = 0
+    work.met_rounding = False
     found = full_steps(e, mode, v, r)
     if work.swings > 0:
         found = from_swings(e, mode, v, r)
@@ -118,23 +120,33 @@ def newton(e: Engine, mode: Mode, v: Floats) -> int:
     if not found and mode.guessed and frees == 1:
         found = enclosed(e, mode, v, r, mode.guess.at[0])
     work.had_values = False
-    if not found:
-        with_free(mode, 2 * e.model.bonds, work.base, r, work.w)
-        for j in range(frees):
-            r[j] = 0.0
-        with_free(mode, 2 * e.model.bonds, work.base, r, work.w)
-        rows = system(e, mode, v, work.w)
-        if not all_finite(rows, work.residual.at):
-            found = from_neighbours(e, mode, v, r, TOLERANCE)
-        else:
-            found = damped(e, mode, v, r, TOLERANCE)
-            found = found or continued(e, mode, v, r, TOLERANCE)
-        found = found or led_up(e, mode, v, r, TOLERANCE)
-        found = found or enclosed(e, mode, v, r, 0.0)
+    found = found or from_nothing_known(e, mode, v, r)
+    if not found and work.met_rounding:
+        work.takes_rounding = True
+        found = mode.guessed and shorter_steps(e, mode, v, r, mode.guess.at)
+        found = found or from_nothing_known(e, mode, v, r)
+        work.takes_rounding = False
     if found:
         with_free(mode, 2 * e.model.bonds, work.base, r, work.w)
         return OK
     return no_solution(e, mode, v)
+
+
+def from_nothing_known(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
+    """Find a root from zero, or if laws have no values there from what is known beside them."""
+    n = 2 * e.model.bonds
+    with_free(mode, n, e.work.base, r, e.work.w)
+    for j in range(mode.finite_frees):
+        r[j] = 0.0
+    with_free(mode, n, e.work.base, r, e.work.w)
+    rows = system(e, mode, v, e.work.w)
+    if not all_finite(rows, e.work.residual.at):
+        found = from_neighbours(e, mode, v, r, TOLERANCE)
+    else:
+        found = damped(e, mode, v, r, TOLERANCE)
+        found = found or continued(e, mode, v, r, TOLERANCE)
+    found = found or led_up(e, mode, v, r, TOLERANCE)
+    return found or enclosed(e, mode, v, r, 0.0)
 
 
 def level_edges(e: Engine, mode: Mode, base: Floats) -> None:

@@ -150,14 +150,19 @@ def audit(graph: FlatGraph, trace: Trace, signals: Signals) -> Audit:
     largest = through = 0.0
     balances: list[Balance] = []
     looked = Looked(graph, signals, sizes_of(trace))
-    for segment in trace.segments:
+    # where a source has jumped, values at the end of a segment are of both sides of the jump
+    jumps = {event.t for event in trace.events if event.cause == "law"}
+    jumped = [k for k, s in enumerate(trace.segments) if jumps and s.t[-1] in jumps]
+    left = dict(zip(jumped, signals.left_ends(jumped).tolist(), strict=True))
+    for place, segment in enumerate(trace.segments):
         if segment.bonds is not None:
             powers.add_steps(segment.bonds.T)
             made, size_of = _created_by_steps(signals, segment)
             created += made
             largest = max(largest, size_of)
             continue
-        w = signals.bonds(segment)
+        end = left.get(place)
+        w = signals.bonds(segment) if end is None else signals.bonds(segment, end)
         flows, size = powers.add(w)
         # of a motion along a surface, the mode through which most passes
         flux = size.reshape(len(segment.t), -1).max(axis=1)

@@ -131,6 +131,10 @@ class Signals:
         behind = np.sign(read[:many])
         earlier = np.array(t, dtype=float)
         moment = MOMENTS * np.spacing(np.maximum(np.abs(t[ends]), starts[-1]))
+        # a signal alone is no sum of terms that it is small beside: it is what it is just before
+        near_t = np.maximum(t[ends] - moment, np.asarray(starts)[which[ends]])
+        just = np.array(self._of_points(segments, which[ends], near_t, atoms[:many]))
+        near |= (behind != 0.0) & (just * behind < 0.0)
         todo = np.asarray(near.any(axis=0))
         for _ in range(ROUNDS):
             here = ends[todo]
@@ -346,15 +350,22 @@ class Signals:
             self._enter(segment)
             return self._look.by_knowns(known.T).T
 
-    def bonds(self, segment: Segment) -> Vector:
+    def left_ends(self, places: Sequence[int]) -> Vector:
+        """Return when segments end, a moment earlier where that is at a kink: the left limits."""
+        segments, which = self._trace.segments, np.array(places, dtype=np.intp)
+        return self._left(segments, which, np.array([segments[k].t[-1] for k in places]))
+
+    def bonds(self, segment: Segment, end: float | None = None) -> Vector:
         """Return bond variables at the accepted points, shape (2 bonds, points times modes).
 
-        While machines slide each mode that is combined has its own.
+        While machines slide each mode that is combined has its own. The last point may be another:
+        that of a left limit.
         """
         if segment.bonds is not None:
             return segment.bonds.T
         first, last = self._slots.w.start, self._slots.w.stop
-        _, values = self._parts(segment, segment.t, np.arange(first, last))
+        t = segment.t if end is None else np.append(segment.t[:-1], end)
+        _, values = self._parts(segment, t, np.arange(first, last))
         return np.ascontiguousarray(values.reshape(-1, last - first).T)
 
     def parts(self, segment: Segment, names_: Sequence[str], t: Vector) -> tuple[Vector, Vector]:

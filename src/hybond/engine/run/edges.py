@@ -54,21 +54,26 @@ def reach_edges(e: Engine, r: Run) -> bool:
 
 def straight_on(e: Engine, r: Run) -> bool:
     """Let the last step be the way to the edges, a straight line; whether it takes any time."""
-    s = e.step
-    n = e.states
     t1 = e.t + r.edge_time
     if not (t1 > e.t and t1 < min(e.next_break, e.stop)):
         return False
+    step_straight(e, t1, r.edge_from, e.y)
+    return True
+
+
+def step_straight(e: Engine, t1: float, y0: Floats, y1: Floats) -> None:
+    """Let the last step be a straight line from now on."""
+    s = e.step
+    n = e.states
     s.t0 = e.t
     s.t1 = t1
     e.curved = True
     for k in range(n):
-        s.y0[k] = r.edge_from[k]
-        s.y1[k] = e.y[k]
-        s.dense[k] = e.y[k] - r.edge_from[k]
+        s.y0[k] = y0[k]
+        s.y1[k] = y1[k]
+        s.dense[k] = y1[k] - y0[k]
         for p in range(1, 4):
             s.dense[p * n + k] = 0.0
-    return True
 
 
 def time_at_once(e: Engine) -> float:

@@ -13,10 +13,9 @@ import math
 from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.expressions.pairs import ROUNDING
 from hybond.engine.methods.dopri import spacing
-from hybond.engine.methods.one_instant import room_of_instant
+from hybond.engine.methods.one_instant import is_root, room_of_instant
 from hybond.engine.methods.stepping import reach, retry
 from hybond.engine.mode.values import field
-from hybond.engine.model import Model
 from hybond.engine.run.guard_values import atom_at, holds_at, terms_here
 from hybond.engine.run.kinks_passed import out_of_sight
 from hybond.engine.run.locator import NO_KINK, Locator
@@ -64,11 +63,6 @@ def end_short_of_kink(e: Engine, r: Run, at: float) -> int:
     if made != OK or apart or at <= before:
         return made
     return carry_to_guard(e, r, at, room)
-
-
-def is_root(m: Model, kink: int) -> bool:
-    """Whether a kink is that of a root."""
-    return m.kink_meets[kink] != 0 or m.kink_rooted[kink] != 0
 
 
 def clear_of_kinks(e: Engine, g: Locator, at: float) -> float:

@@ -40,6 +40,7 @@ from hybond.engine.mode.straight_rates import take_rates
 from hybond.engine.mode.values import begin_field, field
 from hybond.engine.planar.stops import begin_slips
 from hybond.engine.run.carried import begin_again, cause_of_beginning, take_up, warm_up
+from hybond.engine.run.contradictions import contradict_behind, meet_contradiction
 from hybond.engine.run.courses_ahead import begin_courses, end_ahead
 from hybond.engine.run.edges import reach_edges, straight_on, time_at_once
 from hybond.engine.run.ends_at_guard import find_within, land, shows_instants
@@ -289,6 +290,11 @@ def flow(e: Engine, r: Run) -> int:
             if m.kinks > 0:
                 see_jump(e, r, at)
                 see_crowd(e, r, at)
+                if contradict_behind(e, r, at):
+                    passed = meet_contradiction(e, r, at)
+                    if passed == ANEW:
+                        continue
+                    return passed
             g.held = True
             if land(e, g, instant, end, times_in_vain(r, at, instant)) != OK:
                 if begin_at_edge(e, r) == OK:

@@ -110,30 +110,37 @@ def jump_between(e: Engine, r: Run, t: float, before: float, behind: float) -> b
     And nearly as far apart as over a time that is longer: what only moves fast is not.
     """
     many = e.states
-    apart = put_apart(e, r, before, behind) and differ(e, r)
+    apart = put_apart(e, r, t, before, behind) and differ(e, r)
     for i in range(many):
         there = i < e.model.storages and differs(e, r, i)
-        r.beside[2 * many + i] = math.fabs(e.y[i] - r.rate[i]) if there else 0.0
-        e.y[i] = r.beside[i]
+        r.beside[2 * many + i] = apart_by(e, r, i) if there else 0.0
+        e.y[i] = r.beside[3 * many + i]
     if not apart:
         return False
-    known = put_apart(e, r, t - LONGER * (t - before), t + LONGER * (behind - t))
+    known = put_apart(e, r, t, t - LONGER * (t - before), t + LONGER * (behind - t))
     jumps = False
     for i in range(many):
-        jumps = jumps or r.beside[2 * many + i] > JUMPS * math.fabs(e.y[i] - r.rate[i])
-        e.y[i] = r.beside[i]
+        jumps = jumps or r.beside[2 * many + i] > JUMPS * apart_by(e, r, i)
+        e.y[i] = r.beside[3 * many + i]
     return known and jumps
 
 
-def put_apart(e: Engine, r: Run, before: float, behind: float) -> bool:
-    """Put the present state on the constraints at two times, into `r.rate` and `e.y`.
+def put_apart(e: Engine, r: Run, t: float, before: float, behind: float) -> bool:
+    """Put the state at `t` on the constraints at two times, into `r.rate` and `e.y`.
 
-    As it was it is in the first two rows of `r.beside`; False where there are no such states.
+    It is led there by its rates: what jumps with a signal has one value at the signal's own. As it
+    was led it is in the first two rows of `r.beside`, as it was in the last one; False where there
+    are no such states.
     """
-    for i in range(e.states):
-        r.beside[i] = e.y[i]
-        r.beside[e.states + i] = e.y[i]
-        r.rate[i] = e.y[i]
+    many = e.states
+    led = field(e, e.mode, t, e.y, r.after) == OK
+    for i in range(many):
+        rate = r.after[i] if led else 0.0
+        r.beside[3 * many + i] = e.y[i]
+        r.beside[i] = e.y[i] + (before - t) * rate
+        r.beside[many + i] = e.y[i] + (behind - t) * rate
+        r.rate[i] = r.beside[i]
+        e.y[i] = r.beside[many + i]
     known = put_on_constraints(e, before, r.rate) == OK
     return known and put_on_constraints(e, behind, e.y) == OK
 
@@ -145,6 +152,7 @@ def put_before_kink(e: Engine, r: Run, t: float) -> int:
     At a kink where none jumps constraints are those of the time itself: a moment before, what
     passes through zero fast is a thousand times off what is left of it. What is read of the state
     that was put before a jump is read before it, too: `e.early`, until the caller gives it back.
+    From a jump at which the step has begun the motion comes, and never goes back.
     """
     m = e.model
     if r.locator.tied:
@@ -160,8 +168,9 @@ def put_before_kink(e: Engine, r: Run, t: float) -> int:
     refusal = e.refusal
     early = e.early
     e.early = math.inf
-    apart = jump_between(e, r, t, t - a_moment, t + a_moment)
-    e.early = min(early, t - a_moment) if apart else early
+    before = max(t - a_moment, min(e.step.t0, t))
+    apart = jump_between(e, r, t, before, t + a_moment)
+    e.early = min(early, before) if apart else early
     e.refusal = refusal
     return put_on_constraints(e, t, e.y)
 
