@@ -7,6 +7,8 @@ settle the two one after the other makes a mode of what is none, and its jump ta
 
 from __future__ import annotations
 
+from typing import Final
+
 from hybond.engine.answers import value
 from hybond.engine.checks.noting import APART, UNFIRED, note_violation
 from hybond.engine.checks.shown import show_at
@@ -15,10 +17,15 @@ from hybond.engine.expressions.paired import holds_from
 from hybond.engine.instant.in_force import is_asked
 from hybond.engine.instant.instant import Instant
 from hybond.engine.instant.kept_sides import keeps_sides
+from hybond.engine.instant.told import BY_LAW
 from hybond.engine.methods.stepping import between
 from hybond.engine.mode.equations import mode_of
 from hybond.engine.mode.sizes import measure
 from hybond.engine.sliding.combine import combine_here
+
+PASSED: Final = 2.0
+"""Times its rounding by which a guard must hold to count as passed over: what measures rounding, as
+the energy of a part, is not the same to the last digit where a step looks for it and behind it."""
 
 
 def look_at_guards(e: Engine) -> None:
@@ -34,18 +41,24 @@ def look_at_guards(e: Engine) -> None:
         for r in range(m.rule_first[k], m.rule_first[k + 1]):
             if m.rule_watched[r] == 0 or not is_asked(e, k, r, e.state[k]):
                 continue
-            if value(m, m.rule_value[r], v) != 0.0 and holds_clearly(e, r):
+            if value(m, m.rule_value[r], v) != 0.0 and holds_clearly(e, r, PASSED):
                 note_violation(e, e.mode, e.t, UNFIRED, r, 1.0, 1.0)
 
 
-def holds_clearly(e: Engine, r: int) -> bool:
-    """Whether the guard of a rule holds at the values in `e.checks.v` by more than rounding."""
+def holds_clearly(e: Engine, r: int, times: float) -> bool:
+    """Whether the guard of a rule holds at the values in `e.checks.v` by more than rounding.
+
+    By so many times as much.
+    """
     m = e.model
     v = e.checks.v
     stack = e.work.stack
     if e.rests.rule[r] != 0 or keeps_sides(e, r, v):
         return False
     measure(e, e.mode, r, e.work.xi, v, e.work.terms)
+    # while machines slide, terms of bond variables are not made anew
+    for p in range(m.read_first[r], m.read_first[r + 1] if e.slide.k == 0 else 0):
+        e.work.terms[m.read_slot[p]] *= times
     stack.now = v
     stack.was = v
     stack.was_first = 0
@@ -79,6 +92,18 @@ def foresee(e: Engine, top: float) -> None:
         c.ahead_state[k] = e.state[k]
 
 
+def keep_foreseen(e: Engine, i: Instant) -> None:
+    """Keep what was foreseen if a guard fired at the instant that was settled: else it was none.
+
+    One may be found and be rounding once the energy that the step has led to is known. It fires a
+    little later, and diodes that carry nothing may have changed in between.
+    """
+    for f in range(i.fired if e.checks.foreseen else 0):
+        if i.told.why.at[i.reason.at[f]] != BY_LAW:
+            return
+    e.checks.foreseen = False
+
+
 def find_foreseen(e: Engine) -> None:
     """Find the rules that the motion before the last instant makes hold by the end of that instant.
 
@@ -93,7 +118,7 @@ def find_foreseen(e: Engine) -> None:
         c.close = show_at(e, e.mode, c.at, c.since)
     for k in range(m.machines if c.close else 0):
         for r in range(m.rule_first[k], m.rule_first[k + 1]):
-            if leaves(e, k, r) and holds_clearly(e, r):
+            if leaves(e, k, r) and holds_clearly(e, r, 1.0):
                 c.close = c.close and c.held[r] != 0
                 c.held[r] = 0
     if mode_of(e, e.state) != OK or combine_here(e, e.state) != OK:
@@ -105,7 +130,7 @@ def note_held(e: Engine) -> None:
     m = e.model
     for k in range(m.machines):
         for r in range(m.rule_first[k], m.rule_first[k + 1]):
-            e.checks.held[r] = 1 if leaves(e, k, r) and holds_clearly(e, r) else 0
+            e.checks.held[r] = 1 if leaves(e, k, r) and holds_clearly(e, r, 1.0) else 0
 
 
 def leaves(e: Engine, machine: int, r: int) -> bool:

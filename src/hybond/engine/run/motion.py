@@ -15,7 +15,12 @@ from hybond.engine.checks.energy_held import (
     tell_balance,
     warn_of_steps,
 )
-from hybond.engine.checks.guards_held import foresee, hold_apart, look_at_guards
+from hybond.engine.checks.guards_held import (
+    foresee,
+    hold_apart,
+    keep_foreseen,
+    look_at_guards,
+)
 from hybond.engine.checks.laws_held import look_at_entry, look_at_laws
 from hybond.engine.contacts.impacts_seen import before_event, observe_event
 from hybond.engine.contacts.in_turn import NONE_RESTS, RESTED, land_in_turn
@@ -191,8 +196,7 @@ def settle_now(e: Engine, r: Run, cause: int) -> int:
     if settled:
         observe_event(e, i)
         hold_apart(e, i)
-    # where nothing changed there was no instant
-    e.checks.foreseen = e.checks.foreseen and settled
+    keep_foreseen(e, i)
     for k in range(e.states):
         r.before[k] = e.landings.before[k]
     if slide_after(e, i, r.before) != OK:

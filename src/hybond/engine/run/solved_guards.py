@@ -17,13 +17,21 @@ from typing import Final
 
 from hybond.engine.algebra.products import copy_floats
 from hybond.engine.engine import Engine
+from hybond.engine.expressions.pairs import ROUNDING
 from hybond.engine.methods.dopri import spacing
 from hybond.engine.methods.stepping import by_radau
 from hybond.engine.mode.mode_records import is_constrained
 from hybond.engine.run.bracket import around, bracket, halve
 from hybond.engine.run.candidates import keep, sort
 from hybond.engine.run.far_guards import NARROW, is_far, is_idle, sample_waves, see_drift
-from hybond.engine.run.guard_values import holds_at, keeps, level_in_motion, rests
+from hybond.engine.run.guard_values import (
+    atom_at,
+    holds_at,
+    keeps,
+    level_in_motion,
+    rests,
+    terms_here,
+)
 from hybond.engine.run.locator import NO_KINK, Locator
 from hybond.engine.run.quartic import (
     COEFFICIENTS,
@@ -259,7 +267,17 @@ def is_known(e: Engine, g: Locator, k: int, t: float) -> bool:
 
 
 def remember(e: Engine, g: Locator, k: int, t: float) -> None:
-    """Remember that a guard does not hold with the signs that its comparisons have."""
+    """Remember that a guard does not hold with the signs that its comparisons have.
+
+    Not where one of them counts as zero, which is measured by what energy makes of its terms: where
+    these have died away it may be clear of zero in the step, and is nothing all the same. A little
+    later the guard holds with that very sign.
+    """
     if rests(e, g, k) or keeps(e, g, k) or level_in_motion(e, g, k) != 0.0:
         return
+    for a in range(g.atom_first[k], g.atom_first[k + 1]):
+        here = atom_at(e, g, a, t)
+        size = terms_here(e, g, k, a)
+        if not math.fabs(here) > ROUNDING * size:
+            return
     g.denied[k] = g.denied[k] | signs_there(e, g, k, t)
