@@ -100,7 +100,7 @@ subset. Rooms, and in them files, as data passes them::
         moment_later                   values kept while those of a moment later are looked at
         pushes              the energy that what pushes at rest would give in a moment
         defects             what a step stores beyond what its rates bring
-        rates_off           what errors leave in rates, where something exchanges fast
+        rates_off, rates_in_stages    what errors leave in rates, where something exchanges fast
         failed_steps, one_instant    steps that cannot be; how long an
                             instant is
         onset               what has not moved yet, by what it will be

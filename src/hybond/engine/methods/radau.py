@@ -20,7 +20,7 @@ from hybond.engine.methods.from_edges import keep_within, widen
 from hybond.engine.methods.hidden_peaks import hidden_in_stages
 from hybond.engine.methods.one_instant import is_one_kink, room_of_instant
 from hybond.engine.methods.onset import foresee_onset
-from hybond.engine.methods.radau_dense import hold_dense, make_polynomial
+from hybond.engine.methods.radau_dense import hold_dense, make_polynomial, put_dense
 from hybond.engine.methods.radau_factors import factorise, solve_real
 from hybond.engine.methods.radau_room import (
     ERROR_BLAMED,
@@ -42,6 +42,7 @@ from hybond.engine.methods.radau_stages import (
     rate_at,
     rests,
 )
+from hybond.engine.methods.rates_in_stages import ask_rates_too
 from hybond.engine.methods.scale import (
     CREEPS,
     measure_again,
@@ -81,6 +82,8 @@ def begin_radau(r: Radau, jumped: bool) -> None:
     r.origin = 1.0
     r.h_before = 0.0
     r.error_before = 0.0
+    for k in range(r.beside.size):
+        r.beside.at[k] = 0.0
 
 
 def filtered_error(r: Radau, f: Floats, rest: Floats) -> float:
@@ -156,6 +159,7 @@ def try_radau(e: Engine, r: Radau, rtol: float) -> int:
         return STEP_REJECTED
     if r.twofold and not r.f0_closely:
         begin_closely(e, r)
+    ask_rates_too(e, r)
     # stages that go on from the last ones leave rest
     r.known = r.known and not e.step.on_edge
     fresh = r.matrix == FRESH_MATRIX
@@ -246,6 +250,7 @@ def advance_radau(e: Engine, r: Radau, rtol: float, t_end: float, h: float, long
     may_land = remaining <= longest * (1.0 + 1e-12)
     r.rejected = 0
     r.f0_closely = False
+    r.beside_known = False
     tolerance(e, r.y0, r.y0, r.tolerance)
     while True:
         r.trial = h
@@ -354,8 +359,7 @@ def add_piece(r: Radau) -> None:
     for i in range(n):
         r.piece_y0[k * n + i] = r.y0[i]
         r.piece_y1[k * n + i] = r.y1[i]
-    for i in range(3 * n):
-        r.piece_polynomial[3 * k * n + i] = r.coefficients[i]
+    put_dense(r, 4 * k * n)
     r.pieces = k + 1
 
 
@@ -428,7 +432,7 @@ def retry_radau(e: Engine, r: Radau, rtol: float, t_end: float, longest: float) 
 
 
 def radau_between(r: Radau, t: float, y: Floats) -> None:
-    """Put the state at a time of the last step into `y`: the collocation polynomial.
+    """Put the state at a time of the last step into `y`, by its dense output.
 
     At both ends it is the state there to the last bit.
     """
@@ -447,10 +451,12 @@ def radau_between(r: Radau, t: float, y: Floats) -> None:
     x = (t - r.piece_t0[k]) / (r.piece_t1[k] - r.piece_t0[k])
     square = x * x
     cube = square * x
-    at = 3 * k * n
+    fourth = square * square
+    at = 4 * k * n
     for i in range(n):
         y[i] = r.piece_y0[k * n + i] + (
             x * r.piece_polynomial[at + i]
             + square * r.piece_polynomial[at + n + i]
             + cube * r.piece_polynomial[at + 2 * n + i]
+            + fourth * r.piece_polynomial[at + 3 * n + i]
         )

@@ -91,8 +91,17 @@ class Radau:
     swung: Floats
     """The last correction of the stages, and the one before."""
     coefficients: Floats
+    bent: Floats
+    """How much of a quartic that is zero at the start and at all stages is in the dense output."""
     tolerance: Floats
     other: Floats
+    rates_asked: bool
+    """Whether something exchanges so much faster than the step lasts that rates are held too; what
+    those of each storage may be off by over the step; how large what is beside each bond variable
+    lately was, and whether that is known where the step begins. See `methods/rates_in_stages`."""
+    rate_may: Floats
+    beside: Block
+    beside_known: bool
     size: float
     rate: float
     now_left: float
@@ -182,8 +191,11 @@ def make_radau(n: int) -> Radau:
     r.last = floats(3 * n)
     r.swung = floats(3 * n)
     r.coefficients = floats(3 * n)
+    r.bent = floats(n)
     r.tolerance = floats(n)
     r.other = floats(n)
+    r.rate_may = floats(n)
+    r.beside = make_block(1)
     r.shifted = floats(n)
     r.end = floats(n)
     r.error_vector = floats(n)
@@ -206,5 +218,5 @@ def make_radau(n: int) -> Radau:
     r.piece_t1 = floats(PIECES)
     r.piece_y0 = floats(PIECES * n)
     r.piece_y1 = floats(PIECES * n)
-    r.piece_polynomial = floats(PIECES * 3 * n)
+    r.piece_polynomial = floats(PIECES * 4 * n)
     return r

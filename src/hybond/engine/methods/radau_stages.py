@@ -13,6 +13,7 @@ from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.engine import NOT_FINITE, OK, Engine
 from hybond.engine.methods.radau_factors import solve_stages
 from hybond.engine.methods.radau_room import Radau
+from hybond.engine.methods.rates_in_stages import rates_left
 from hybond.engine.methods.scale import tolerance
 from hybond.engine.methods.signal_sizes import allow_rounding
 from hybond.engine.mode.values import field
@@ -28,6 +29,8 @@ PAIR_OUT_IM: Final = float_table(0.0300291941051474245, -0.382942112757261938, 0
 
 STILL_SWINGS: Final = 0.5
 """A correction is more than this part of the one before where stages swing and do not settle."""
+OPEN: Final = 0.1
+"""Part of what rates may be off by that stages may leave open."""
 NO_MATRIX: Final = 0
 KEPT_MATRIX: Final = 1
 FRESH_MATRIX: Final = 2
@@ -181,6 +184,7 @@ def iterate_stages(e: Engine, r: Radau, rtol: float) -> int:
     r.now_left = 1.0 if r.sided else math.pow(max(r.left, 1e-16), 0.8)
     place_stages(r)
     other = False
+    found_all = False
     for count in range(1, ITERATIONS + 1):
         r.iterations = count
         found = stage_rates(e, r)
@@ -193,6 +197,7 @@ def iterate_stages(e: Engine, r: Radau, rtol: float) -> int:
             found = stage_rates(e, r)
         if found != OK:
             return STAGES_BEYOND
+        open_rates = rates_left(r)
         correct_stages(r)
         r.size = math.inf if other else mean_size(n, 3, r.last, r.tolerance)
         if r.size == math.inf:
@@ -208,13 +213,17 @@ def iterate_stages(e: Engine, r: Radau, rtol: float) -> int:
             r.rate = r.size / before if before > 0.0 else 0.0
             if swing_within(r, other):
                 return STAGES_CONVERGED
+            if found_all and not r.rate < STILL_SWINGS:
+                # what is left of rates is rounding
+                return STAGES_CONVERGED
             if not r.rate < 1.0:
                 return STAGES_FAILED
             r.now_left = r.rate / (1.0 - r.rate)
             ahead = math.pow(r.rate, float(ITERATIONS - count)) * r.now_left * r.size
-            if ahead > enough:
+            if ahead > enough and not found_all:
                 return STAGES_FAILED
-        if r.now_left * r.size <= enough:
+        found_all = found_all or r.now_left * r.size <= enough
+        if found_all and (count == ITERATIONS or r.now_left * open_rates <= OPEN):
             return STAGES_CONVERGED
         before = r.size
         copy_floats(3 * n, r.last, r.swung)

@@ -153,11 +153,11 @@ def reach(e: Engine, t: float) -> None:
         r = e.radau
         k = r.pieces - 1
         factor = stretched(r.piece_t0[k], r.piece_t1[k], t)
-        stretch(n, 3, factor, r.piece_polynomial, 3 * k * n)
+        stretch(n, 4, factor, r.piece_polynomial, 4 * k * n)
         if factor > FARTHER:
             for i in range(n):
                 r.piece_y1[k * n + i] = s.y1[i]
-                r.piece_polynomial[3 * k * n + i] = s.y1[i] - r.piece_y0[k * n + i]
+                r.piece_polynomial[4 * k * n + i] = s.y1[i] - r.piece_y0[k * n + i]
         r.piece_t1[k] = t
     else:
         factor = stretched(s.t0, s.t1, t)

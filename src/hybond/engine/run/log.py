@@ -291,9 +291,10 @@ def write_piece(e: Engine, r: Report, piece: int) -> None:
         r.step_state.at[3 * at + k] = a.piece_y0[piece * n + k]
         r.step_state.at[3 * at + n + k] = a.piece_y1[piece * n + k]
         r.step_state.at[3 * at + 2 * n + k] = a.piece_y1[piece * n + k]
-        for p in range(3):
-            r.step_dense.at[TERMS * at + p * n + k] = a.piece_polynomial[(3 * piece + p) * n + k]
-        r.step_dense.at[TERMS * at + 3 * n + k] = 0.0
+        for p in range(TERMS):
+            r.step_dense.at[TERMS * at + p * n + k] = a.piece_polynomial[
+                (TERMS * piece + p) * n + k
+            ]
     if last:
         write_end(e, r, e.y)
 

@@ -51,7 +51,7 @@ def solve_guards(e: Engine, g: Locator) -> bool:
     """Find the first instant at which any of these guards holds; whether others are left."""
     left = False
     cubic = by_radau(e) and not e.curved
-    shown = e.slide.k == 0 and (not cubic or put_cubic(e))
+    shown = e.slide.k == 0 and (not cubic or put_dense_of_stages(e))
     # what is put on constraints is no polynomial any more
     may = shown and not (g.held and is_constrained(e.mode))
     waves = g.sums.terms > 0
@@ -82,23 +82,21 @@ def never_holds(e: Engine, g: Locator, k: int, far: bool) -> bool:
     return is_idle(e, g, k) or (far and is_far(g, k) and is_quiet(e, g, k))
 
 
-def put_cubic(e: Engine) -> bool:
+def put_dense_of_stages(e: Engine) -> bool:
     """Put the dense output of Radau IIA where that of other methods is, if it is of one piece."""
     r = e.radau
     n = e.states
     if r.pieces > 1:
         return False
-    copy_floats(3 * n, r.piece_polynomial, e.step.dense)
-    for k in range(n):
-        e.step.dense[3 * n + k] = 0.0
+    copy_floats(4 * n, r.piece_polynomial, e.step.dense)
     return True
 
 
 def begins_clear(g: Locator, k: int) -> bool:
     """Whether all comparisons of a guard are clear of zero where the step begins.
 
-    The cubic of Radau IIA has the slope there but for rounding, with which what rises from zero may
-    dip below it.
+    The dense output of Radau IIA has the slope there but for rounding, with which what rises from
+    zero may dip below it.
     """
     for a in range(g.atom_first[k], g.atom_first[k + 1]):
         if g.sums.known.at[a] != 0 and not math.fabs(g.step[COEFFICIENTS * a]) > (
