@@ -103,6 +103,14 @@ def leave_still(d: Svd, rows: int, n: int, many: int, a: Floats, basis: Block, x
     free = null_space(d, kept, many, x.seen.at, SHARES_RANK, x.square.at)
     fit(x.onto, n * max(free, 1))
     times_matrix(n, many, free, basis.at, x.square.at, x.onto.at)
+    for k in range(n):
+        size = 0.0
+        for i in range(many):
+            size += math.fabs(basis.at[k * many + i])
+        for j in range(free):
+            # what is left of a value that stays would pass for a row of its own
+            if math.fabs(x.onto.at[k * free + j]) <= SHARES_RANK * size:
+                x.onto.at[k * free + j] = 0.0
     copy_floats(n * free, x.onto.at, basis.at)
     return free
 

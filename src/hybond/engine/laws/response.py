@@ -79,7 +79,7 @@ def respond(e: Engine, r: Laws, v: Floats, x: Floats, timed: bool) -> int:
     if not p.linear:
         if find_gains(e, r, p, v, a.gain) != OK:
             return REFUSED
-        couple(m, p, a)
+        couple(m, p, a.gain, a.d, a.e)
         mode = open_mode(e, p)
         hold_guess(e, mode)
         found = directional(e, r, v, x)
@@ -139,11 +139,11 @@ def find_sizes(e: Engine, p: Ports, a: Response) -> None:
             a.size[k] += math.fabs(m.pair_value[i]) * size_of_terms(e, mode, b)
 
 
-def couple(m: Model, p: Ports, a: Response) -> None:
+def couple(m: Model, p: Ports, gains: Floats, d: Floats, pushes: Floats) -> None:
     """Find D and E from the gains: what cancels is nothing."""
     n = m.ports
     for j in range(n):
-        rates_of_stored(m, a.gain, n, j, a.e)
+        rates_of_stored(m, gains, n, j, pushes)
     for k in range(n):
         row = partner_row(p, k)
         way = partner_way(p, k)
@@ -152,10 +152,10 @@ def couple(m: Model, p: Ports, a: Response) -> None:
             size = 0.0
             for i in range(m.pair_first[row], m.pair_first[row + 1]):
                 part = way * m.pair_value[i]
-                gain = a.gain[m.pair_column[i] * n + j]
+                gain = gains[m.pair_column[i] * n + j]
                 total += part * gain
                 size += math.fabs(part) * math.fabs(gain)
-            a.d[k * n + j] = 0.0 if math.fabs(total) <= CANCELS * size else total
+            d[k * n + j] = 0.0 if math.fabs(total) <= CANCELS * size else total
 
 
 def find_constant(e: Engine, r: Laws, v: Floats) -> int:
@@ -167,7 +167,7 @@ def find_constant(e: Engine, r: Laws, v: Floats) -> int:
     a = r.response
     if find_gains(e, r, p, v, a.gain) != OK:
         return REFUSED
-    couple(m, p, a)
+    couple(m, p, a.gain, a.d, a.e)
     for k in range(n):
         partner_by_knowns(e, r, p, k)
         for s in range(m.storages):

@@ -200,7 +200,8 @@ def find_slopes(e: Engine, s: Stepping, p: Ports, c: Coupled, y: Floats, l: Floa
         at = j if of_state else j - n
         here = y[at] if of_state else l[at]
         size = s.weight[at] if of_state else 1e3 * s.unit[at]
-        there = here + NEARBY * size
+        # units are of the beginning of the step, when nothing may have pushed
+        there = here + NEARBY * max(size, math.fabs(here))
         if of_state:
             y[at] = there
         else:

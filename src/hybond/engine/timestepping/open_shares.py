@@ -10,11 +10,19 @@ from hybond.engine.algebra.lu import SINGULAR, lu_invert
 from hybond.engine.algebra.products import column_norm
 from hybond.engine.algebra.scaling import balance
 from hybond.engine.algebra.svd import Svd, null_space
-from hybond.engine.complementarity.law_roles import CUT, ONE_SIDED, SHUT
-from hybond.engine.complementarity.least_shares import least_shares, leave_still
-from hybond.engine.engine import Engine, svd_room
+from hybond.engine.answers import value
+from hybond.engine.complementarity.law_roles import CUT, ONE_SIDED, SHUT, TWO_SIDED
+from hybond.engine.complementarity.least_shares import (
+    MOVES_PART,
+    SAME_SHARE,
+    cleared,
+    least_shares,
+    leave_still,
+)
+from hybond.engine.engine import OK, REFUSED, Engine, svd_room
 from hybond.engine.laws.law_records import Ports
-from hybond.engine.laws.ports import open_mode
+from hybond.engine.laws.ports import open_mode, solve_with
+from hybond.engine.laws.response import couple, find_gains
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.model import Model
 from hybond.engine.timestepping.step_records import Coupled, Stepping
@@ -31,7 +39,7 @@ def room_for(e: Engine) -> Svd:
     return svd_room(e, rows, 2 * m.ports)
 
 
-def find_still(e: Engine, s: Stepping, c: Coupled) -> None:
+def find_still(e: Engine, s: Stepping, p: Ports, c: Coupled) -> int:
     """Find the `l` that may differ between two solutions: columns of ``c.basis``, mostly none.
 
     Those that no power is spent on, for a passive graph; elsewhere those that change no `w`. They
@@ -40,22 +48,25 @@ def find_still(e: Engine, s: Stepping, c: Coupled) -> None:
     n = e.model.ports
     a = s.shares
     c.still = 0
+    c.moves = c.semidefinite > 0
     if n == 0:
-        return
+        return OK
     # units apart: efforts and flows are of very different sizes
     balance(n, c.m.at, s.scale, s.down)
     fit(a.seen, n * n)
     fit(a.square, n * n)
     fit(s.square, n * n)
-    for i in range(n):
-        for j in range(n):
-            own = c.m.at[i * n + j]
-            if c.semidefinite > 0:
-                own += c.m.at[j * n + i]
-            a.seen.at[i * n + j] = own * s.scale[i] * s.scale[j]
-            s.square.at[i * n + j] = a.seen.at[i * n + j]
+    put_power(n, c.m.at, c.semidefinite > 0, s)
     if is_regular(n, a.seen.at, s.square.at, s.row, a.square.at):
-        return
+        if c.straight or c.semidefinite == 0:
+            return OK
+        put_power(n, c.m.at, False, s)
+        if is_regular(n, a.seen.at, s.square.at, s.row, a.square.at):
+            return OK
+    if not c.straight:
+        if see_both_sides(e, s, p) != OK:
+            return REFUSED
+        put_power(n, a.flows.at, c.semidefinite > 0, s)
     fit(c.basis, n * n)
     room = room_for(e)
     many = null_space(room, n, n, a.seen.at, 1e-10, c.basis.at)
@@ -66,9 +77,75 @@ def find_still(e: Engine, s: Stepping, c: Coupled) -> None:
             most = max(most, math.fabs(c.basis.at[k * many + j]))
         for k in range(n):
             c.basis.at[k * many + j] /= most if most > 0.0 else 1.0
-    if many > 0:
+    if many > 0 and c.straight:
         many = leave_still(room, c.n, n, many, c.push.at, c.basis, a)
+    elif many > 0:
+        many = leave_still(room, e.states, n, many, a.rows.at, c.basis, a)
+        fit(a.seen, n * max(many, 1))
+        c.moves = c.moves and cleared(n, n, many, a.flows.at, c.basis.at, a.seen.at) > 0
     c.still = many
+    return OK
+
+
+def put_power(n: int, m: Floats, passive: bool, s: Stepping) -> None:
+    """Put there what a share makes nothing of: rows of ``m + m'`` if `passive`, else of `m`."""
+    for i in range(n):
+        for j in range(n):
+            own = m[i * n + j]
+            if passive:
+                own += m[j * n + i]
+            s.shares.seen.at[i * n + j] = own * s.scale[i] * s.scale[j]
+            s.square.at[i * n + j] = s.shares.seen.at[i * n + j]
+
+
+def see_both_sides(e: Engine, s: Stepping, p: Ports) -> int:
+    """Put how ports push what is stored into ``rows``, and each other beside it into ``flows``.
+
+    The matrix of a step is one after the other. A modulus that moves within the step sends forces
+    by what it is and gives back velocities by what it becomes, so that the matrix is not quite that
+    of a passive graph any more, but each side is what it was.
+    """
+    m = e.model
+    n = m.ports
+    a = s.shares
+    fit(a.kept, 2 * m.bonds * n)
+    fit(a.flows, n * n)
+    fit(a.rows, max(e.states, 1) * n)
+    if find_gains(e, e.laws, p, s.v1, a.kept.at) != OK:
+        return REFUSED
+    couple(m, p, a.kept.at, a.flows.at, a.rows.at)
+    return push_integrals(e, s, p)
+
+
+def push_integrals(e: Engine, s: Stepping, p: Ports) -> int:
+    """Put what ports add to rates of integrated signals into ``rows``, behind what is stored."""
+    m = e.model
+    n = m.ports
+    if m.integrals == 0:
+        return OK
+    kept = e.laws.kept
+    for i in range(2 * m.slots):
+        kept[i] = s.v1[i]
+    for k in range(n):
+        s.wl[k] = 0.0
+    if solve_with(e, p, s.v1, s.wl) != OK:
+        return REFUSED
+    for k in range(m.integrals):
+        s.rate_l[k] = value(m, m.integral_rate[k], s.v1)
+    for j in range(n):
+        s.wl[j] = s.unit[j]
+        if solve_with(e, p, s.v1, s.wl) != OK:
+            return REFUSED
+        s.wl[j] = 0.0
+        for k in range(m.integrals):
+            rate = value(m, m.integral_rate[k], s.v1)
+            pushed = rate - s.rate_l[k]
+            still = math.fabs(pushed) <= MOVES_PART * (math.fabs(rate) + math.fabs(s.rate_l[k]))
+            at = (m.storages + k) * n + j
+            s.shares.rows.at[at] = 0.0 if still else pushed / s.unit[j]
+    for i in range(2 * m.slots):
+        s.v1[i] = kept[i]
+    return OK
 
 
 def is_regular(n: int, a: Floats, factor: Floats, row: Ints, inverse: Floats) -> bool:
@@ -119,6 +196,9 @@ def share(e: Engine, s: Stepping, p: Ports, c: Coupled) -> None:
         s.l[k] = a.values.at[k]
         if q.role[k] == ONE_SIDED and (s.l[k] > 0.0 or a.values.at[n + k] > 0.0):
             s.branch[k] = 1 if (s.l[k] > 0.0) == (q.common[k] != 0) else 0
+        elif q.role[k] == TWO_SIDED and s.shared[k] != 0 and m.port_planar[k] == 0:
+            # a share of friction is what does not slide
+            s.branch[k] = 0
 
 
 def put_seen(e: Engine, s: Stepping, c: Coupled) -> int:
@@ -140,7 +220,7 @@ def put_seen(e: Engine, s: Stepping, c: Coupled) -> int:
                 sloped = sloped or q.slope[k * n + j] != 0.0
         if sloped:
             rows += 1
-    if c.semidefinite > 0:
+    if c.moves:
         for j in range(n):
             a.rows.at[rows * n + j] = q.moved[j]
         rows += 1
@@ -170,10 +250,16 @@ def put_bounds(e: Engine, s: Stepping, c: Coupled) -> None:
         if m.port_planar[k] != 0:
             continue
         is_common = q.common[k] != 0
+        sizes = math.fabs(q.moved[k])
+        for j in range(n):
+            sizes += math.fabs(c.m.at[k * n + j] * s.l[j])
         if q.role[k] == ONE_SIDED:
             active = (s.branch[k] == 1) == is_common
             # what does nothing stays as it was; another that may carry something carries it
-            if active or (c.idle[k] == 0 and (c.semidefinite > 0 or q.open[k] != 0)):
+            able = active or (c.idle[k] == 0 and (c.semidefinite > 0 or q.open[k] != 0))
+            # where no share moves a w, what stands open carries nothing
+            apart = not c.moves and a.values.at[n + k] > MOVES_PART * sizes
+            if able and not apart:
                 a.low.at[k] = 0.0
                 a.high.at[k] = math.inf
             a.low.at[n + k] = 0.0
@@ -184,13 +270,14 @@ def put_bounds(e: Engine, s: Stepping, c: Coupled) -> None:
         elif q.role[k] == CUT:
             a.low.at[n + k] = -math.inf
             a.high.at[n + k] = math.inf
-        elif s.branch[k] == 0 and not is_common:
-            sloped = False
+        elif (s.branch[k] == 0 or q.open[k] != 0) and not is_common:
+            # no share changes a limit that follows others: `put_seen`
+            limit = q.limit[k]
             for j in range(n):
-                sloped = sloped or q.slope[k * n + j] != 0.0
-            if not sloped and math.fabs(s.l[k]) <= q.limit[k]:
-                a.low.at[k] = -q.limit[k]
-                a.high.at[k] = q.limit[k]
+                limit += q.slope[k * n + j] * s.l[j]
+            if math.fabs(s.l[k]) <= limit * (1.0 + SAME_SHARE):
+                a.low.at[k] = -limit
+                a.high.at[k] = limit
 
 
 def put_leaks(e: Engine, s: Stepping, p: Ports, c: Coupled) -> int:

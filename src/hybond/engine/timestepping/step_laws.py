@@ -163,8 +163,8 @@ def solve_step_laws(
         s.branch[k] = r.problem.branch[k]
         s.l[k] = r.problem.l[k] if r.problem.role[k] != CUT else 0.0
     keep_idle_branches(e, s, c)
-    if c.still == NOT_LOOKED:
-        find_still(e, s, c)
+    if c.still == NOT_LOOKED and find_still(e, s, p, c) != OK:
+        return REFUSED
     for k in range(n):
         s.shared[k] = 0
     if c.still > 0:

@@ -24,7 +24,8 @@ class Coupled:
     `direct` are bond variables by these and by `l`, `gain` by `l` with what `l` makes of the state;
     `inverse` is that of one minus `h` times the rates by the states, `push` the state at the end by
     `l`, `m` the `w` of laws by `l`. Where all but the laws is linear, `straight`, they hold at
-    every point. `still` columns of `basis` are the `l` by which two solutions may differ.
+    every point. `still` columns of `basis` are the `l` by which two solutions may differ; where one
+    of them `moves` a `w`, what they spend together has to be nothing.
     """
 
     place: int
@@ -48,6 +49,7 @@ class Coupled:
     idle: Ints
     semidefinite: int
     still: int
+    moves: bool
     basis: Block
 
 

@@ -288,7 +288,8 @@ def newton_step_of(e: Engine, s: Stepping, p: Ports, c: Coupled) -> int:
     projected = False
     first = True
     for _ in range(NEWTON_ROUNDS):
-        if not c.known and find_slopes(e, s, p, c, s.y, s.l) != OK:
+        # what levers share depends on how they stand, and older slopes do not say that
+        if (not c.known or c.still > 0) and find_slopes(e, s, p, c, s.y, s.l) != OK:
             return REFUSED
         if implicit(e, s, p, s.y, s.l) != OK:
             return REFUSED
