@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.engine.compiled.kept_rows import SharedRows, StateRows, joined_rows, joined_states
+from hybond.engine.compiled.points import Steps as StepsToLook
 from hybond.engine.outcome.polynomial import Polynomial
 from hybond.records import dataclass
 from hybond.runs.trace import Segment
@@ -107,6 +108,20 @@ class Interpolants(Sequence[Callable[[float], Vector]]):
         t0, t1 = self.steps.time[n, :2].tolist()
         y0, y1, _ = self.steps.state[n]
         return Polynomial(t0, t1, y0, y1, self.steps.dense[n])
+
+
+def steps_around(segment: Segment, t: Vector) -> tuple[StepsToLook, Vector]:
+    """Return the steps in which times of a segment lie, and these."""
+    made = segment.interpolants
+    assert isinstance(made, Interpolants)
+    times = np.asarray(t, dtype=float)
+    first, last = 0, len(made)
+    if len(times):
+        # the first time is that of the state before the first step
+        low, high = np.searchsorted(segment.t[1:], [times.min(), times.max()])
+        first, last = int(low), min(int(high) + 1, last)
+    steps, k = made.steps, slice(made.first + first, made.first + last)
+    return StepsToLook.logged(steps.time[k], steps.state[k], steps.dense[k]), times
 
 
 @dataclass(frozen=True, slots=True)

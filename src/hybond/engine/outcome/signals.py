@@ -16,12 +16,11 @@ from hybond.chronicle import Chronicle
 from hybond.engine.algebra.rounding import AT_KINK
 from hybond.engine.compiled.look import Look, Motions
 from hybond.engine.compiled.points import Points, Within
-from hybond.engine.compiled.points import Steps as StepsToLook
 from hybond.engine.compiled.rows import MACHINES_OF_STEP
 from hybond.engine.outcome.along import Along, begins_of
 from hybond.engine.outcome.combinations import ALONE, Combination
 from hybond.engine.outcome.engines import Prepared
-from hybond.engine.outcome.logged_steps import Block, Interpolants
+from hybond.engine.outcome.logged_steps import Block, steps_around
 from hybond.engine.tables import ModelTables
 from hybond.model.expressions import ARRAYS, Expr, Name, Number, compile_expression, names, uses_pre
 from hybond.model.graph import FlatGraph, Mode
@@ -221,7 +220,7 @@ class Signals:
         is not asked.
         """
         assert segment.bonds is not None
-        steps, times = self._within(segment, t)
+        steps, times = steps_around(segment, t)
         self._enter(segment)
         slots = self._read(expressions)
         place, size = self._slots, self._slots.size
@@ -244,7 +243,7 @@ class Signals:
     def _of(self, segment: Segment, expressions: Sequence[Expr], t: Vector) -> list[Vector]:
         if segment.bonds is not None:
             return self._of_steps(segment, expressions, t)
-        steps, times = self._within(segment, t)
+        steps, times = steps_around(segment, t)
         self._enter(segment)
         slots = self._read(expressions)
         switched = [e for e in expressions if self._switched(segment, e)]
@@ -380,7 +379,7 @@ class Signals:
         return self._parts(segment, t, np.array([self._slots.index[n] for n in names_], np.intc))
 
     def _parts(self, segment: Segment, t: Vector, slots: NDArray[Any]) -> tuple[Vector, Vector]:
-        steps, times = self._within(segment, t)
+        steps, times = steps_around(segment, t)
         with self._lock:
             self._enter(segment)
             return self._look.parts(Within(steps, times), slots)
@@ -403,7 +402,7 @@ class Signals:
         """Return energy supplied and dissipated up to the accepted points, J, shape (points, 2)."""
         if segment.bonds is not None:
             return np.asarray(segment.y[:, -2:] - segment.y[0, -2:])
-        steps, _ = self._within(segment, segment.t)
+        steps, _ = steps_around(segment, segment.t)
         found = np.zeros((len(segment.t), 2))
         with self._lock:
             self._enter(segment)
@@ -414,7 +413,7 @@ class Signals:
         """Return the part of the time that a machine spends in a state at a time."""
         if t > segment.t[-1]:
             return float(self.rest(segment, t)[1][machine] == state)
-        steps, times = self._within(segment, np.array([t]))
+        steps, times = steps_around(segment, np.array([t]))
         with self._lock:
             self._enter(segment)
             shares, _ = self._look.parts(Within(steps, times), np.zeros(0, dtype=np.intc))
@@ -449,20 +448,6 @@ class Signals:
             energy=self._energy,
         )
         self._into = segment
-
-    @staticmethod
-    def _within(segment: Segment, t: Vector) -> tuple[StepsToLook, Vector]:
-        """Return the steps in which times of a segment lie."""
-        made = segment.interpolants
-        assert isinstance(made, Interpolants)
-        times = np.asarray(t, dtype=float)
-        first, last = 0, len(made)
-        if len(times):
-            # the first time is that of the state before the first step
-            low, high = np.searchsorted(segment.t[1:], [times.min(), times.max()])
-            first, last = int(low), min(int(high) + 1, last)
-        steps, k = made.steps, slice(made.first + first, made.first + last)
-        return StepsToLook.logged(steps.time[k], steps.state[k], steps.dense[k]), times
 
     # -- expressions
 
