@@ -17,7 +17,7 @@ from hybond.engine.mode.clusters import (
     SLOW,
     find_settling,
     open_cluster,
-    settle_unit,
+    settle_by_one,
 )
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.storage import own_stiffness
@@ -70,7 +70,7 @@ def see_cluster(e: Engine, mode: Mode, first: int) -> None:
         k = c.member.at[j]
         if e.push_alone[k] == 0.0:
             continue
-        if not known or not settle_unit(c, j):
+        if not known or not settle_by_one(c, j):
             see_push(e, k)
             continue
         for i in range(c.many):

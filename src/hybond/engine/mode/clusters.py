@@ -111,7 +111,7 @@ def put_row(mode: Mode, c: Cluster, i: int, at: int, storages: int) -> None:
             add_part(c.matrix.at, c.rest.at, to, -1.0, rows.value.at[p], rows.rest.at[p])
 
 
-def settle_unit(c: Cluster, j: int) -> bool:
+def settle_by_one(c: Cluster, j: int) -> bool:
     """Put what a unit of rate at member j makes of all into `c.solved`; False if no numbers."""
     for i in range(c.many):
         c.solved.at[i] = 1.0 if i == j else 0.0
@@ -137,7 +137,7 @@ def bound_settling(e: Engine, mode: Mode, reach: Floats, v: Floats) -> None:
             c.bound.at[i] = 0.0
         finite = True
         for j in range(c.many):
-            finite = finite and settle_unit(c, j)
+            finite = finite and settle_by_one(c, j)
             given = slowness(e, c, j, v) * reach[c.member.at[j]] + from_slow(m, mode, c, j, reach)
             for i in range(c.many):
                 c.bound.at[i] += math.fabs(c.solved.at[i]) * given
