@@ -10,7 +10,7 @@ from hybond.engine.methods.control import is_propagated
 from hybond.engine.methods.dopri import spacing
 from hybond.engine.methods.one_instant import LEAST, room_of_instant
 from hybond.engine.methods.rates_off import RATES
-from hybond.engine.methods.stepping import no_shorter, retry
+from hybond.engine.methods.stepping import by_radau, no_shorter, retry
 from hybond.engine.mode.mode_records import is_constrained
 from hybond.engine.run.guard_values import holds_at
 from hybond.engine.run.locate import locate
@@ -83,9 +83,11 @@ def land(e: Engine, g: Locator, room: float, end: float, vain: int) -> int:
 
 def is_unseen(e: Engine, g: Locator) -> bool:
     """Whether something is over in the step so soon that its polynomial may know nothing of it."""
-    if g.tied or not knows_ends(e) or g.at >= e.step.t1 or g.at <= e.step.t0:
+    if g.tied or e.model.kinks > 0 or g.at >= e.step.t1 or g.at <= e.step.t0:
         return False
-    if not e.exact.flow.norm * (e.step.t1 - e.step.t0) > RATES:
+    h = e.step.t1 - e.step.t0
+    fast = is_propagated(e) and e.exact.flow.norm * h > RATES
+    if not fast and (not by_radau(e) or e.curved):
         return False
     # what holds where the step ends, too, has begun to hold
     return not holds_any(e, g, e.step.t1)
