@@ -58,6 +58,9 @@ from hybond.engine.words import Floats, float_table, int_table
 
 SHORT_STEP: Final = 1e-6
 """The vanishing step, as a part of the shortest time that feedthrough and storage make."""
+RESOLVED: Final = 1e-10
+"""The shortest step that is seen at all, as a part of that time: where leaks are all that tells
+feedthroughs apart, storage has to, and is lost in their rounding if the step is shorter."""
 TRIES: Final = 8
 """Ways of asking for branches that last, the likeliest first; of each:"""
 NO_DUST: Final = 3
@@ -77,17 +80,23 @@ ADRIFT: Final = 1e-6
 
 def short_step(m: Model, a: Response, y: Floats) -> float:
     """Return a step so short that finite values outweigh rates, and feedthrough storage."""
+    first = math.inf
+    for k in range(m.ports):
+        if y[k] != 0.0 and math.fabs(a.rate[k]) > 0.0:
+            first = min(first, math.fabs(y[k]) / math.fabs(a.rate[k]))
+    return min(SHORT_STEP * least_time(m, a), 1e-3 * first)
+
+
+def least_time(m: Model, a: Response) -> float:
+    """Return the shortest time that feedthrough and storage make; a second at the most."""
     n = m.ports
     least = 1.0
-    first = math.inf
     for k in range(n):
         through = math.fabs(a.d[k * n + k])
         stored = math.fabs(a.ce[k * n + k])
         if through > 0.0 and stored > 0.0:
             least = min(least, through / stored)
-        if y[k] != 0.0 and math.fabs(a.rate[k]) > 0.0:
-            first = min(first, math.fabs(y[k]) / math.fabs(a.rate[k]))
-    return min(SHORT_STEP * least, 1e-3 * first)
+    return least
 
 
 def begin_lasting(e: Engine, r: Laws, x: Floats) -> int:
@@ -192,7 +201,11 @@ def next_lasting(e: Engine, r: Laws, ways: int) -> bool:
             if r.role[k] == ONE_SIDED and r.y[k] > 0.0 and is_stored(m, r, k):
                 r.apart[k] = 1
                 r.role[k] = CUT
-        h = TRY_FACTOR[r.attempt] * short_step(m, a, r.y)
+        seen = RESOLVED * least_time(m, a)
+        short = short_step(m, a, r.y)
+        h = TRY_FACTOR[r.attempt] * short
+        if r.attempt >= AS_IT_IS and short < seen:
+            h = seen
         for k in range(n):
             r.q[k] = r.y[k] + h * a.rate[k]
         r.attempt += 1
@@ -200,7 +213,7 @@ def next_lasting(e: Engine, r: Laws, ways: int) -> bool:
         if found and keep < 0:
             found = loosen(e, r, r.q, h)
         if not found:
-            if r.attempt == AS_IT_IS and r.proved and not r.solved:
+            if r.attempt == AS_IT_IS and r.proved and not r.solved and short >= seen:
                 return False
             continue
         for k in range(n):
