@@ -5,7 +5,9 @@ from __future__ import annotations
 import pytest
 
 from hybond.engine.compiled.sources import portable_paths
-from hybond.export.program import GIVEN, LOG_OR_REPORT
+from hybond.export.formulas import Formulas
+from hybond.export.program import DRIVEN, GIVEN, LOG_OR_REPORT, ROOTS, runtime
+from hybond.model.expressions import parse
 from hybond.translate import PortableError, load, load_texts
 from hybond.translate.effects import effects_of
 from hybond.translate.modules import text_of
@@ -23,6 +25,16 @@ def test_the_runtime_is_portable() -> None:
     calls = {"call_input", "call_input_rate", "call_block", "call_outside"}
     assert given - calls == GIVEN, "what the runtime asks of a model is what programs bring along"
     assert calls <= given, "and what only runs by hybond itself have is printed in no program"
+
+
+def test_what_is_asked_for_by_its_name_has_that_name_alone() -> None:
+    """What two modules call the same is printed with the names of the modules before it."""
+    formulas = Formulas({"x": "X"})
+    text = "if not (x > 1 and x != 2) or x >= 3 then max(x, 2)^3 - sin(x)/x else -sqrt(x)*x^2"
+    formulas.pairs(parse(text))
+    formulas.number(parse(f"{text} + mod((x + 1)^2, floor(x))"))
+    assert len(formulas.calls) > 15
+    assert {*ROOTS, *DRIVEN, *formulas.calls} <= runtime().functions.keys()
 
 
 HEAD = """

@@ -271,6 +271,8 @@ def make_work(m: Model) -> Work:
     w.trial = make_block(1)
     w.swung = make_block(1)
     w.swings = 0
+    w.takes_rounding = False
+    w.met_rounding = False
     w.slopes_there = make_block(1)
     w.residual = make_block(1)
     w.residual_before = make_block(1)

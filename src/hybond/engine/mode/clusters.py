@@ -41,6 +41,11 @@ def rate_of(m: Model, k: int) -> int:
     return m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 0 else 0)
 
 
+def way_of_rate(m: Model, k: int) -> float:
+    """Return 1, or -1 where what port k stores goes by the other sign of that bond variable."""
+    return float(m.storage_sign[k]) if m.storage_kind[k] == 0 else 1.0
+
+
 def find_settling(e: Engine, mode: Mode, v: Floats) -> None:
     """Find which storages settle within a moment, and which of them hang together."""
     m = e.model
@@ -52,7 +57,8 @@ def find_settling(e: Engine, mode: Mode, v: Floats) -> None:
         alone = m.stiff_first[k + 1] == m.stiff_first[k] + 1  # else other ports have part in it
         for i in range(rows.first.at[at], rows.first.at[at + 1] if alone else 0):
             if rows.column.at[i] == k:
-                times -= rows.value.at[i] * own_stiffness(m, k, v) * MOMENT * e.span
+                rate = way_of_rate(m, k) * rows.value.at[i]
+                times -= rate * own_stiffness(m, k, v) * MOMENT * e.span
         settles = times > 1.0 and math.isfinite(times)
         mode.settles_with[k] = k if settles else SLOW
         mode.any_settles = mode.any_settles or settles
@@ -91,7 +97,7 @@ def open_cluster(e: Engine, mode: Mode, c: Cluster, first: int, v: Floats) -> bo
         c.rest.at[i] = 0.0
     for i in range(n):
         add_part(c.matrix.at, c.rest.at, i * n + i, 1.0, slowness(e, c, i, v), 0.0)
-        put_row(mode, c, i, mode.same[rate_of(m, c.member.at[i])], m.storages)
+        put_row(m, mode, c, i)
     return lu_factor_twofold(n, c.matrix.at, c.rest.at, c.row.at) == REGULAR
 
 
@@ -100,15 +106,17 @@ def slowness(e: Engine, c: Cluster, i: int, v: Floats) -> float:
     return 1.0 / (MOMENT * e.span * math.fabs(own_stiffness(e.model, c.member.at[i], v)))
 
 
-def put_row(mode: Mode, c: Cluster, i: int, at: int, storages: int) -> None:
+def put_row(m: Model, mode: Mode, c: Cluster, i: int) -> None:
     """Take what the rate of member i has of all members off its row."""
     rows = mode.finite
     n = c.many
+    at = mode.same[rate_of(m, c.member.at[i])]
+    way = way_of_rate(m, c.member.at[i])
     for p in range(rows.first.at[at], rows.first.at[at + 1]):
         k = rows.column.at[p]
-        if k < storages and mode.settles_with[k] == mode.settles_with[c.member.at[0]]:
+        if k < m.storages and mode.settles_with[k] == mode.settles_with[c.member.at[0]]:
             to = i * n + c.place.at[k]
-            add_part(c.matrix.at, c.rest.at, to, -1.0, rows.value.at[p], rows.rest.at[p])
+            add_part(c.matrix.at, c.rest.at, to, -way, rows.value.at[p], rows.rest.at[p])
 
 
 def settle_by_one(c: Cluster, j: int) -> bool:

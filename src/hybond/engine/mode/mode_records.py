@@ -222,10 +222,11 @@ class Mode:
     part_energy: Floats
     """What rounding on each of them is measured by, J, as of `Engine.energies_seen`; ..."""
     part_reach: Floats
-    settles_with: Ints
-    """Of each storage that settles within a moment, the first one of those it settles with."""
-    any_settles: bool
     """... what `seen` is a factor of."""
+    settles_with: Ints
+    """Of each storage that settles within a moment, the first one of those it settles with, else
+    -1; see `mode/clusters`."""
+    any_settles: bool
     saw: bool
     seen: Floats
     sized: bool

@@ -55,7 +55,7 @@ def meet_contradiction(e: Engine, r: Run, at: float) -> int:
     moved = before > e.step.t0
     if moved and (retry_before(e, before) != OK or note(e, r, e.step.t1, e.step.t1) != OK):
         return -1
-    if goes_over(e, r):
+    if is_carried_over(e, r):
         return LAW
     return ANEW if moved and start(e, e.t, e.y, bound_of(e), True) == OK else -1
 
@@ -73,7 +73,7 @@ def retry_before(e: Engine, t: float) -> int:
     return made
 
 
-def goes_over(e: Engine, r: Run) -> bool:
+def is_carried_over(e: Engine, r: Run) -> bool:
     """Whether sources contradict each other within an instant: then the state is carried there."""
     if e.mode.agreements.rows == 0 or e.slide.k > 0 or e.stop <= e.t:
         return False
