@@ -18,6 +18,11 @@ LONG: Final = 32
 LOST: Final = 0.02
 """Units of rounding that elimination may lose, against those that a comparison lets pass: eight
 of 2.2e-16, against 1e-13 of the terms."""
+MOVED: Final = 16.0
+"""How far an entry moves with what is given, against how far it does along one of two directions
+that are drawn at random."""
+TWICE: Final = 2.0**-48
+"""Part of what is lost that is lost by rows with twice the digits as well."""
 
 
 def free_columns(x: Elimination, column: Ints) -> int:
@@ -66,8 +71,16 @@ def is_same_row(x: Elimination, one: int, other: int) -> bool:
 
 
 def row_term_size(x: Elimination, i: int) -> float:
-    """Return what rounding of an entry is measured by."""
-    return max(math.fabs(x.entry.at[i]), LOST * x.loss.at[i])
+    """Return what rounding of an entry is measured by.
+
+    Rows have twice the digits of a number: what an entry has lost on the way is what rounding of
+    the given numbers makes of it, and no more than that. A current that is found as a difference
+    of others a million times as large, by the order in which bonds are declared, has all its digits
+    if it is that of its own resistor.
+    """
+    lost = x.loss.at[i]
+    moved = MOVED * max(math.fabs(x.one_drift.at[i]), math.fabs(x.other_drift.at[i]))
+    return max(math.fabs(x.entry.at[i]), LOST * min(lost, moved + TWICE * lost))
 
 
 def take_rows(x: Elimination, knowns: int, same: Ints, rows: Rows) -> None:
