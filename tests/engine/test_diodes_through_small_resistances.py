@@ -180,3 +180,22 @@ def test_capacitors_that_next_to_nothing_joins_let_a_diode_go_together(
     assert float(run["d.f"].at(1.5 * third)) == pytest.approx(current, rel=1e-4)
     assert abs(float(run["d.f"].at(2.7 * third))) < 1e-6 * current
     assert abs(float(run["c2.e"].at(3.0 * third))) < 2e-3
+
+
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize("solver", ["auto", "radau"])
+def test_a_diode_fed_beside_a_small_field_carries_nothing_back(solver: str, turned: bool) -> None:
+    m = hb.Model("f", domain="electrical")
+    m.add(V=hb.Se("10*sin(314*time)"), s=hb.One(), B=hb.R(1e-4), a=hb.Zero())
+    m.add(P=hb.C([[1e-12, 2e-13], [2e-13, 1e-12]]), x=hb.Zero(), Rx=hb.R(1e-3))
+    m.add(d=hb.One(law="diode"), Rd=hb.R(1e-4), n=hb.Zero(), C=hb.C(1e-3), L=hb.R(100.0))
+    ports = ("P.1 -> a", "P.2 -> x") if turned else ("a -> P.1", "x -> P.2")
+    m.bond("V -> s -> a", "s -> B", *ports, "x -> Rx", "a -> d -> n", "d -> Rd", "n -> C", "n -> L")
+    run = hb.simulate(m, until=0.06, solver=solver)
+    late = 314.0 * 0.1  # of 100 ohm and 1 mF
+    ends = (math.pi - math.atan(late)) / 314.0
+    blocked = [e.t for e in run.events if e.steps[-1].fired[-1].target == "blocks"]
+    assert blocked == pytest.approx([ends + k * math.tau / 314.0 for k in range(3)], abs=2e-6)
+    at = ends + 2.0 * math.tau / 314.0 + 5e-3
+    decayed = 10.0 * math.sin(314.0 * ends) * math.exp(-5e-3 / 0.1)
+    assert float(run["C.e"].at(at)) == pytest.approx(decayed, rel=1e-4)

@@ -63,7 +63,6 @@ def add_energy(e: Engine, k: int, stored: float) -> None:
 
 def see_cluster(e: Engine, mode: Mode, first: int) -> None:
     """Learn of what is given to storages that settle together within the moment."""
-    m = e.model
     c = e.work.cluster
     known = open_cluster(e, mode, c, first, e.v)
     for j in range(c.many):
@@ -74,6 +73,5 @@ def see_cluster(e: Engine, mode: Mode, first: int) -> None:
             see_push(e, k)
             continue
         for i in range(c.many):
-            stiffness = math.fabs(own_stiffness(m, c.member.at[i], e.v))
-            effort = c.solved.at[i] * e.push_alone[k] / (MOMENT * e.span)
-            add_energy(e, c.member.at[i], effort / stiffness)
+            stored = c.solved.at[i] * e.push_alone[k] / (MOMENT * e.span)
+            add_energy(e, c.member.at[i], stored)

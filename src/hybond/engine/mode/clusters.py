@@ -6,9 +6,9 @@ of what pulls it. Several that are joined settle together: their difference at o
 in common when that has gone elsewhere. So all that hang together are solved for together, in one
 implicit step of Euler's over the moment,
 
-    (z - z0) / (moment*s) = C z,
+    (q - q0) / moment = C S q,
 
-`z` being their efforts and flows, `s` the stiffness of each and `C` what rates have of them; with
+`q` being what they store, `S` their stiffness and `C` what rates have of efforts and flows; with
 twice the digits, as their differences settle by many powers of ten faster.
 """
 
@@ -25,7 +25,7 @@ from hybond.engine.algebra.twofold import add_part
 from hybond.engine.engine import Engine
 from hybond.engine.mode.cluster_records import Cluster
 from hybond.engine.mode.mode_records import Mode
-from hybond.engine.mode.storage import own_stiffness
+from hybond.engine.mode.storage import own_stiffness, stiff
 from hybond.engine.model import Model
 from hybond.engine.words import Floats
 
@@ -54,23 +54,47 @@ def find_settling(e: Engine, mode: Mode, v: Floats) -> None:
     for k in range(m.storages):
         times = 0.0
         at = mode.same[rate_of(m, k)]
-        alone = m.stiff_first[k + 1] == m.stiff_first[k] + 1  # else other ports have part in it
-        for i in range(rows.first.at[at], rows.first.at[at + 1] if alone else 0):
+        for i in range(rows.first.at[at], rows.first.at[at + 1]):
             if rows.column.at[i] == k:
                 rate = way_of_rate(m, k) * rows.value.at[i]
                 times -= rate * own_stiffness(m, k, v) * MOMENT * e.span
         settles = times > 1.0 and math.isfinite(times)
         mode.settles_with[k] = k if settles else SLOW
         mode.any_settles = mode.any_settles or settles
-    for k in range(m.storages if mode.any_settles else 0):
+    if not mode.any_settles:
+        return
+    take_fields(m, mode)
+    for k in range(m.storages):
         at = mode.same[rate_of(m, k)]
         for i in range(rows.first.at[at], rows.first.at[at + 1]):
             j = rows.column.at[i]
             if j < m.storages and mode.settles_with[k] != SLOW and mode.settles_with[j] != SLOW:
                 unite(mode.settles_with, k, j)
-    for k in range(m.storages if mode.any_settles else 0):
+    for k in range(m.storages):
         if mode.settles_with[k] != SLOW:
             mode.settles_with[k] = first_of(mode.settles_with, k)
+
+
+def take_fields(m: Model, mode: Mode) -> None:
+    """Let all ports of a field hang together if one of them settles."""
+    more = True
+    while more:
+        more = False
+        for k in range(m.storages):
+            for i in range(m.stiff_first[k], m.stiff_first[k + 1]):
+                j = m.stiff_other[i]
+                if mode.settles_with[k] == SLOW and mode.settles_with[j] == SLOW:
+                    continue
+                more = more or mode.settles_with[k] == SLOW or mode.settles_with[j] == SLOW
+                join(mode, k)
+                join(mode, j)
+                unite(mode.settles_with, k, j)
+
+
+def join(mode: Mode, k: int) -> None:
+    """Let storage k be among those that settle."""
+    if mode.settles_with[k] == SLOW:
+        mode.settles_with[k] = k
 
 
 def open_cluster(e: Engine, mode: Mode, c: Cluster, first: int, v: Floats) -> bool:
@@ -96,31 +120,29 @@ def open_cluster(e: Engine, mode: Mode, c: Cluster, first: int, v: Floats) -> bo
         c.matrix.at[i] = 0.0
         c.rest.at[i] = 0.0
     for i in range(n):
-        add_part(c.matrix.at, c.rest.at, i * n + i, 1.0, slowness(e, c, i, v), 0.0)
-        put_row(m, mode, c, i)
+        add_part(c.matrix.at, c.rest.at, i * n + i, 1.0, 1.0 / (MOMENT * e.span), 0.0)
+        put_row(m, mode, c, i, v)
     return lu_factor_twofold(n, c.matrix.at, c.rest.at, c.row.at) == REGULAR
 
 
-def slowness(e: Engine, c: Cluster, i: int, v: Floats) -> float:
-    """Return what a change of the effort or flow of member i takes of its rate over the moment."""
-    return 1.0 / (MOMENT * e.span * math.fabs(own_stiffness(e.model, c.member.at[i], v)))
-
-
-def put_row(m: Model, mode: Mode, c: Cluster, i: int) -> None:
-    """Take what the rate of member i has of all members off its row."""
+def put_row(m: Model, mode: Mode, c: Cluster, i: int, v: Floats) -> None:
+    """Take what the rate of member i has of what all members store off its row."""
     rows = mode.finite
     n = c.many
     at = mode.same[rate_of(m, c.member.at[i])]
     way = way_of_rate(m, c.member.at[i])
     for p in range(rows.first.at[at], rows.first.at[at + 1]):
         k = rows.column.at[p]
-        if k < m.storages and mode.settles_with[k] == mode.settles_with[c.member.at[0]]:
-            to = i * n + c.place.at[k]
-            add_part(c.matrix.at, c.rest.at, to, -way, rows.value.at[p], rows.rest.at[p])
+        if k >= m.storages or mode.settles_with[k] != mode.settles_with[c.member.at[0]]:
+            continue
+        for q in range(m.stiff_first[k], m.stiff_first[k + 1]):
+            to = i * n + c.place.at[m.stiff_other[q]]
+            factor = -way * stiff(m, q, v)
+            add_part(c.matrix.at, c.rest.at, to, factor, rows.value.at[p], rows.rest.at[p])
 
 
 def settle_by_one(c: Cluster, j: int) -> bool:
-    """Put what a unit of rate at member j makes of all into `c.solved`; False if no numbers."""
+    """Put what a unit of rate at member j has all store into `c.solved`; False if no numbers."""
     for i in range(c.many):
         c.solved.at[i] = 1.0 if i == j else 0.0
         c.solved_rest.at[i] = 0.0
@@ -145,12 +167,25 @@ def bound_settling(e: Engine, mode: Mode, reach: Floats, v: Floats) -> None:
             c.bound.at[i] = 0.0
         finite = True
         for j in range(c.many):
-            finite = finite and settle_by_one(c, j)
-            given = slowness(e, c, j, v) * reach[c.member.at[j]] + from_slow(m, mode, c, j, reach)
+            k = c.member.at[j]
+            own = math.fabs(own_stiffness(m, k, v))
+            finite = finite and own > 0.0 and settle_by_one(c, j)
+            if not finite:
+                break
+            given = reach[k] / (own * MOMENT * e.span) + from_slow(m, mode, c, j, reach)
             for i in range(c.many):
-                c.bound.at[i] += math.fabs(c.solved.at[i]) * given
+                c.bound.at[i] += math.fabs(settled_effort(m, c, i, v)) * given
         for i in range(c.many if finite else 0):
             reach[c.member.at[i]] = min(reach[c.member.at[i]], c.bound.at[i])
+
+
+def settled_effort(m: Model, c: Cluster, i: int, v: Floats) -> float:
+    """Return the effort or flow of member i, of what is stored in `c.solved`."""
+    k = c.member.at[i]
+    total = 0.0
+    for q in range(m.stiff_first[k], m.stiff_first[k + 1]):
+        total += stiff(m, q, v) * c.solved.at[c.place.at[m.stiff_other[q]]]
+    return total
 
 
 def from_slow(m: Model, mode: Mode, c: Cluster, j: int, reach: Floats) -> float:
