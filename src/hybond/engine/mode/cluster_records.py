@@ -14,6 +14,9 @@ class Cluster:
     member: Places
     place: Places
     """Of each storage, where it is among them."""
+    after: Places
+    """Of each storage, the next one that settles with it, and of the first of them the last."""
+    last: Places
     matrix: Block
     rest: Block
     row: Places
@@ -28,6 +31,8 @@ def make_cluster(storages: int) -> Cluster:
     c.many = 0
     c.member = make_places(1)
     c.place = make_places(storages)
+    c.after = make_places(storages)
+    c.last = make_places(storages)
     c.matrix = make_block(1)
     c.rest = make_block(1)
     c.row = make_places(1)

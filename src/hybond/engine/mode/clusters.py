@@ -17,7 +17,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.engine.algebra.blocks import fit, fit_places
+from hybond.engine.algebra.blocks import fit, fit_places, grow_places
 from hybond.engine.algebra.lu import REGULAR
 from hybond.engine.algebra.lu_twofold import lu_factor_twofold, lu_solve_twofold
 from hybond.engine.algebra.separate import first_of, unite
@@ -70,9 +70,15 @@ def find_settling(e: Engine, mode: Mode, v: Floats) -> None:
             j = rows.column.at[i]
             if j < m.storages and mode.settles_with[k] != SLOW and mode.settles_with[j] != SLOW:
                 unite(mode.settles_with, k, j)
+    c = e.work.cluster
     for k in range(m.storages):
+        c.after.at[k] = SLOW
         if mode.settles_with[k] != SLOW:
-            mode.settles_with[k] = first_of(mode.settles_with, k)
+            first = first_of(mode.settles_with, k)
+            mode.settles_with[k] = first
+            if first != k:
+                c.after.at[c.last.at[first]] = k
+            c.last.at[first] = k
 
 
 def take_fields(m: Model, mode: Mode) -> None:
@@ -98,15 +104,19 @@ def join(mode: Mode, k: int) -> None:
 
 
 def open_cluster(e: Engine, mode: Mode, c: Cluster, first: int, v: Floats) -> bool:
-    """Find the factors of those that settle with storage `first`; False if there are too many."""
+    """Find the factors of those that settle with storage `first`; False if there are too many.
+
+    After `find_settling` in the same mode.
+    """
     m = e.model
     c.many = 0
-    for k in range(m.storages):
-        if mode.settles_with[k] == first:
-            fit_places(c.member, c.many + 1)
-            c.member.at[c.many] = k
-            c.place.at[k] = c.many
-            c.many += 1
+    k = first
+    while k != SLOW:
+        grow_places(c.member, c.many + 1)
+        c.member.at[c.many] = k
+        c.place.at[k] = c.many
+        c.many += 1
+        k = c.after.at[k]
     n = c.many
     if n > MOST:
         return False
