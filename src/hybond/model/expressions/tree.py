@@ -415,12 +415,12 @@ def _transformed(e: Expr, fn: Callable[[Expr], Expr], levels: int) -> Expr:
         return _folded_deep(e, lambda node, _, new: fn(rebuilt(node, new) if new else node), False)
     levels -= 1
     below = below_of(e)
-    if kind is Binary:
+    if isinstance(e, Binary):
         left, right = below
         new = _transformed(left, fn, levels), _transformed(right, fn, levels)
         if new[0] is left and new[1] is right:
             return fn(e)
-        return fn(Binary(e.op, *new))  # type: ignore[attr-defined]
+        return fn(Binary(e.op, *new))
     return fn(rebuilt(e, [_transformed(child, fn, levels) for child in below]))
 
 
