@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import pytest
 
@@ -34,6 +35,35 @@ def test_a_law_that_has_ended_in_its_limit_gives_no_more(
     assert run.error is not None and run.error.code in codes
     assert run.t_end == pytest.approx(1.0, abs=1e-9)
     assert run["r.f"].at(0.5) == pytest.approx(half, rel=1e-9)
+
+
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize("method", [hb.Auto(), hb.MoreauJean(step=0.5)], ids=["auto", "steps"])
+@pytest.mark.parametrize(
+    ("law", "part"),
+    [
+        ("2*x/(1 + x^2)", lambda x: 2 * x / (1 + x**2)),
+        ("4*x/3^0.75/(1 + x^4)", lambda x: 4 * x / 3**0.75 / (1 + x**4)),
+        ("3^1.5/2*x/(1 + x^2)^1.5", lambda x: 3**1.5 / 2 * x / (1 + x**2) ** 1.5),
+    ],
+)
+def test_a_law_that_falls_off_behind_its_top_gives_no_more(
+    law: str, part: Callable[[float], float], method: hb.Auto | hb.MoreauJean, turned: bool
+) -> None:
+    """Torque over slip: far behind the top its numbers are beyond all bounds, and no answer."""
+    way = "(-f/1e-3)" if turned else "(f/1e-3)"
+    own = f"{'-' if turned else ''}7*({law.replace('x', way)})"
+
+    def driven(push: float) -> hb.Model:
+        m = hb.Model("slip", domain="rotational")
+        m.add(push=hb.Se(7.0 * push), w=hb.One(), slip=hb.R({"e": own}))
+        m.bond("push -> w", "slip -> w" if turned else "w -> slip")
+        return m
+
+    with pytest.raises(hb.NumericsError, match="HB-N301"):
+        hb.simulate(driven(1.2), 1.0, method=method)
+    run = hb.simulate(driven(0.9), 1.0, method=method)
+    assert part(float(run["w.f"].at(0.5)) / 1e-3) == pytest.approx(0.9, rel=1e-9)
 
 
 def test_laws_of_sums_are_solved_from_far_away() -> None:

@@ -27,6 +27,8 @@ LONGEST: Final = 1000
 to hold."""
 BESIDE: Final = 1e-150
 """A way that is next to none, for the sign of a slope."""
+BESIDE_PART: Final = 2.0**-20
+"""Part of a variable that is as near beside it as a slope has to be known."""
 LAST_PLACES: Final = 2.0 * EPSILON
 """Part of its terms that is the rounding of a sum."""
 ISOLATED: Final = 1.0
@@ -211,9 +213,33 @@ def bound_slopes(e: Engine, mode: Mode, v: Floats) -> None:
         for k in range(n if not bounded else 0):
             if not math.isfinite(a[i * n + k]):
                 steep = chord(e, mode, i, k, v)
-                if steep == 0.0:
+                if steep == 0.0 and has_slope_beside(e, mode, i, k, v):
                     steep = STEEP * most if rises(e, mode, i, k, v) else -STEEP * most
-                a[i * n + k] = steep
+                if steep != 0.0:
+                    a[i * n + k] = steep
+
+
+def has_slope_beside(e: Engine, mode: Mode, i: int, k: int, v: Floats) -> bool:
+    """Whether row i has a slope by variable k beside here, on one side at least.
+
+    A root has one beside its end. Where a law has none there either, its numbers are beyond all
+    bounds, as those of ``f/(1 + f^2)`` far behind its top: no slope stands for that.
+    """
+    m = e.model
+    d = mode.dynamic[i]
+    if d < 0:
+        return True
+    at = m.bond_slot + k
+    kept = v[at]
+    way = max(BESIDE, BESIDE_PART * math.fabs(kept))
+    found = False
+    for p in range(m.slope_first[d], m.slope_first[d + 1]):
+        if m.slope_column[p] == k and m.slope_value[p] >= 0:
+            for side in range(2):
+                v[at] = kept + way if side == 0 else kept - way
+                found = found or math.isfinite(value(m, m.slope_value[p], v))
+    v[at] = kept
+    return found
 
 
 def rises(e: Engine, mode: Mode, i: int, k: int, v: Floats) -> bool:
