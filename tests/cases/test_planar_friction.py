@@ -233,6 +233,19 @@ def test_time_stepping_has_the_same_disk_along_every_direction() -> None:
         assert abs(run["mx.p"].at(1.0)) < 1e-14 and abs(run["my.p"].at(1.0)) < 1e-14
 
 
+@pytest.mark.parametrize("quarter", [1, 2, 3])
+def test_time_stepping_along_an_axis_but_for_rounding(quarter: int) -> None:
+    """Directions by cosines: across the way is 1e-16 of the speed (HB-J121 in one of twelve)."""
+    c, s = along(0.5 * math.pi * quarter)
+    for speed in (0.9162611604917494, 2.0, 3.610752111878013, 6.403467668806948):
+        m = block(velocity=(speed * c, speed * s), mass=(0.17, 0.17), limit=0.25 * 0.17 * 9.81)
+        run = hb.simulate(m, until=0.3, method=hb.MoreauJean(step=1e-3))
+        left = speed - 0.25 * 9.81 * 0.3
+        assert math.hypot(run["sx.f"].at(0.3), run["sy.f"].at(0.3)) == pytest.approx(
+            max(left, 0.0), abs=1e-9
+        )
+
+
 @pytest.mark.sampled(1)
 @pytest.mark.parametrize("solver", ["rk45", "moreau-jean"])
 def test_a_contact_bears_on_the_disk(solver: str) -> None:

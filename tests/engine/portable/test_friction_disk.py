@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+import pytest
 from engine_lcp import on_disk
 from hypothesis import given
 from hypothesis import strategies as st
@@ -57,3 +58,33 @@ def test_the_limit_may_follow_the_force() -> None:
 def test_what_the_disk_holds_has_no_direction() -> None:
     assert on_disk(np.array([0.5, 0.5]), np.eye(2), 1.0) is None
     assert on_disk(np.zeros(2), np.eye(2), 0.0) is None
+
+
+@pytest.mark.parametrize(
+    ("f0", "a", "limit"),
+    [
+        (
+            (-0.832876160491719, 1.0199791240323567e-16),
+            (0.00588235294110929, 0.005882352941176471),
+            0.41692500000000005,
+        ),
+        (
+            (-5.880832195690418, 7.201942324774972e-16),
+            (0.006370741241596657, 0.006370741241594717),
+            40.53677618898858,
+        ),
+        (
+            (-2.54328365713478, 3.114624190033883e-16),
+            (0.003998678589729572, 0.003998678589729041),
+            153.29277608467407,
+        ),
+        ((-1.0, 0.0), (0.006, 0.006), 0.4),
+    ],
+)
+def test_a_slip_along_an_axis_but_for_rounding_has_its_direction(
+    f0: tuple[float, float], a: tuple[float, float], limit: float
+) -> None:
+    """Beside pi angles are 4e-16 apart, and next to no slip across is left there."""
+    way = on_disk(np.array(f0), np.diag(a), limit)
+    assert way is not None
+    assert np.allclose(way, [-1.0, 0.0], rtol=0.0, atol=1e-15)

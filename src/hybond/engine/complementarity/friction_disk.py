@@ -100,7 +100,11 @@ def slip_towards(d: Disk, phi: float) -> None:
 
 
 def root_of_slip(d: Disk, low: float, high: float, at_low: float, at_high: float) -> float:
-    """Return a root of the slip across in a bracket (Illinois method)."""
+    """Return a root of the slip across in a bracket (Illinois method).
+
+    Beside pi angles are further apart than the slip across is from its root: an end from which a
+    straight line does not lead away is as near as an angle can be.
+    """
     if at_low == 0.0:
         return low
     side = 0
@@ -108,6 +112,8 @@ def root_of_slip(d: Disk, low: float, high: float, at_low: float, at_high: float
         if at_high == at_low:
             break
         middle = (low * at_high - high * at_low) / (at_high - at_low)
+        if middle == low or middle == high:
+            return middle
         slip_towards(d, middle)
         value = d.across
         if value == 0.0 or math.fabs(high - low) <= CLOSED_ANGLE:
