@@ -37,6 +37,17 @@ def test_a_ceiling_that_is_passed_has_a_derivative() -> None:
     assert s.events[0].by == pytest.approx([-0.4 / 6, 1 / 6], rel=1e-8)
 
 
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("law", ["k*sqrt(max(e, 0))", "k*sqrt(abs(e))"])
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_root_at_its_end_has_no_derivative_and_no_other_warning(law: str, turned: bool) -> None:
+    m = hb.Model("tank", domain="hydraulic", parameters={"k": 2e-6})
+    m.add(pump=hb.Sf(1e-4), tank=hb.C(4e-6), n=hb.Zero(), hole=hb.R({"f": law}))
+    m.bond("pump -> n -> tank", "hole -> n" if turned else "n -> hole")
+    s = hb.sensitivities(m, 10.0, wrt=["k"])
+    assert s.ends == 0.0 and "no finite slope" in s.why
+
+
 def two(first: float, second: float) -> hb.Model:
     """Two tanks that fill, each with a valve that opens at a level."""
     m = hb.Model("two", parameters={"a": 1.0, "b": 1.0})

@@ -146,7 +146,9 @@ class Tangent:
 
     def slopes(self, at: At) -> tuple[Vector, Vector]:
         """Return the slopes of the rows by open bond variables, and by all columns."""
-        return self._by_w.at(at.values, at.points) @ self.rows.spread, self._direct.at(at)
+        # a root at its end has no slope: who needs it is refused, and nobody is warned beside that
+        with np.errstate(invalid="ignore"):
+            return self._by_w.at(at.values, at.points) @ self.rows.spread, self._direct.at(at)
 
     def rank(self, at: At) -> int:
         """Return how many open bond variables the rows determine, at the first point."""
