@@ -90,3 +90,31 @@ def test_a_root_passes_zero_beside_an_orifice() -> None:
 )
 def test_it_does_so_in_units_of_any_size(name: str, size: float, turned: bool) -> None:
     np.testing.assert_allclose(network(name, size, turned), large(name), atol=1e-7)
+
+
+@pytest.mark.parametrize("bridge", [False, True])
+@pytest.mark.parametrize(
+    ("power", "size", "solver", "turned"),
+    [(0.5, 1e-6, "auto", False), (0.5, 1e-15, "auto", True), (0.6, 1e-9, "radau", False)],
+)
+def test_an_orifice_carries_nothing_beside_others_in_units_of_any_size(
+    power: float, size: float, solver: str, turned: bool, bridge: bool
+) -> None:
+    """Three alike meet in a node, or four are a bridge about one: one has no pressure over it."""
+    m = hb.Model("node")
+    m.add(V=hb.Se("sin(2*pi*time)"), G=hb.Se(0.0), n=hb.Zero())
+    for k in "abcd" if bridge else "abc":
+        m.add(**{k: hb.One(), f"r{k}": hb.R({"f": f"{size}*sign(e)*abs(e)^{power}"})})
+        m.bond(f"r{k} -> {k}" if turned else f"{k} -> r{k}")
+    if bridge:
+        m.add(v=hb.Zero(), g=hb.Zero(), q=hb.Zero(), x=hb.One(), rx=hb.R({"f": f"{size}*e"}))
+        m.bond("V -> v", "g -> G", "v -> a -> n", "n -> b -> g", "v -> c -> q", "q -> d -> g")
+        m.bond("n -> x -> q", "rx -> x" if turned else "x -> rx")
+    else:
+        m.add(H=hb.Se("0.5*sin(2*pi*time)"))
+        m.bond("V -> a -> n", "n -> b -> G", "n -> c -> H")
+    run = hb.simulate(m, 0.5, solver=solver)
+    times = 0.013 + 0.0251 * np.arange(19)
+    halves = 0.5 * np.sin(2.0 * math.pi * times)
+    np.testing.assert_allclose(run["n.e"].at(times), halves, atol=1e-12)
+    np.testing.assert_allclose(run["b.f"].at(times), size * halves**power, rtol=1e-9)

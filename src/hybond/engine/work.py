@@ -84,7 +84,7 @@ class Work:
     trial: Block
     slopes_there: Block
     swung: Block
-    """A root that full steps swing about, if `swings` is not 0."""
+    """Where full steps have ended: a root that they swing about, if `swings` is not 0."""
     swings: int
     takes_rounding: bool
     """Whether shorter steps may end where no part of one helps if all laws hold to rounding."""

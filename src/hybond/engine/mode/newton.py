@@ -94,9 +94,9 @@ def newton(e: Engine, mode: Mode, v: Floats) -> int:
     """Solve for the free unknowns, from where Newton ended last, or else from zero.
 
     With full steps, beside jumps of laws, then with shorter steps, then on the way from laws with a
-    resistance beside them; if laws have no values at zero, from what is known beside them. Only if
-    none of these leads to one, what is left may be rounding. What is found is put back into the
-    laws.
+    resistance beside them; if laws have no values at zero, from what is known beside them; then
+    from where full steps have ended. Only if none of these leads to one, what is left may be
+    rounding. What is found is put back into the laws.
     """
     work = e.work
     frees = mode.finite_frees
@@ -114,6 +114,7 @@ def newton(e: Engine, mode: Mode, v: Floats) -> int:
     if work.swings > 0:
         found = from_swings(e, mode, v, r)
     if not found:
+        keep_end(e, frees, r)
         found = from_beside_jumps(e, mode, v, r)
     if not found and mode.guessed:
         found = shorter_steps(e, mode, v, r, mode.guess.at)
@@ -121,6 +122,8 @@ def newton(e: Engine, mode: Mode, v: Floats) -> int:
         found = enclosed(e, mode, v, r, mode.guess.at[0])
     work.had_values = False
     found = found or from_nothing_known(e, mode, v, r)
+    # full steps come ever nearer to a flow that is zero beside others that are not
+    found = found or shorter_steps(e, mode, v, r, work.swung.at)
     if not found and work.met_rounding:
         work.takes_rounding = True
         found = mode.guessed and shorter_steps(e, mode, v, r, mode.guess.at)
@@ -297,6 +300,11 @@ def is_taken_back(before: Floats, step: Floats, frees: int, part: float) -> bool
 def keep_swing(e: Engine, frees: int, r: Floats) -> None:
     """Keep a root that steps swing about: all that rounding allows, or steep on both sides."""
     e.work.swings = 1
+    keep_end(e, frees, r)
+
+
+def keep_end(e: Engine, frees: int, r: Floats) -> None:
+    """Keep where full steps have ended."""
     fit(e.work.swung, frees)
     for j in range(frees):
         e.work.swung.at[j] = r[j]
