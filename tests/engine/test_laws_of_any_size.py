@@ -71,3 +71,32 @@ def test_gas_behind_a_check_valve_beside_a_momentum_that_is_far_larger():
     end = solve_ivp(rates, (0, 0.5), [4e-4, 0, 1], method="LSODA", max_step=1e-3, **tight).y[:, -1]
     assert run["stock.q"].at(0.5) == pytest.approx(end[0], rel=1e-6)
     assert run["body.f"].at(0.5) == pytest.approx(end[2], rel=1e-5, abs=1e-6)
+
+
+FRICTION_FROM_NOTHING = """
+hybond = 1
+[elements]
+rub = {{ junction = 1, law = "coulomb", limit = 0.0149 }}
+valve = {{ junction = 0, law = "diode" }}
+node = {{ junction = 0 }}
+near = {{ GY = "{near}" }}
+far = {{ GY = "{far}" }}
+top = {{ I = {{ f = "0.243*sinh(p/8.57)" }}, p = -0.0 }}
+stiff = {{ R = {{ e = "350.0*((f/47.7) + (f/47.7)^3)" }} }}
+soft = {{ R = {{ e = "0.101*((f/0.226) + (f/0.226)^3)" }} }}
+[graph]
+bonds = [
+  "node -> far.2", "near.1 -> rub", "valve -> rub", "valve -> far.1", "top -> node",
+  "valve -> near.2", "node -> soft", "stiff -> node",
+]
+"""
+
+
+@pytest.mark.parametrize(("near", "far"), [(2.43, 441.0), (24.3, 1e4), (0.243, 44.1)])
+def test_rates_below_the_smallest_number_are_no_violation(near, far):
+    """Nothing moves; a rate of 2.5e-323 was held against one of zero."""
+    run = hb.simulate(
+        hb.loads(FRICTION_FROM_NOTHING.format(near=near, far=far)), 0.0287, solver="radau"
+    )
+    assert run.status == "ok"
+    assert run["top.p"].at(0.02) == pytest.approx(0.0, abs=1e-300)

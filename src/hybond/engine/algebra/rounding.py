@@ -6,6 +6,8 @@ EPSILON: Final = 2.220446049250313e-16
 """From one to the next larger number."""
 SMALLEST: Final = 2.2250738585072014e-308
 """The smallest number that has all its digits."""
+UNDERFLOW: Final = SMALLEST / EPSILON
+"""What any law may be off by: numbers near the smallest ones have fewer digits."""
 CANCELS: Final = 1e-13
 """What is below this part of its terms is what rounding leaves of zero."""
 AT_KINK: Final = 1e-9

@@ -18,7 +18,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.engine.algebra.rounding import EPSILON
+from hybond.engine.algebra.rounding import EPSILON, UNDERFLOW
 from hybond.engine.checks.noting import BALANCE, CREATED, MOVES, note_in_state, note_violation
 from hybond.engine.engine import OK, Engine
 from hybond.engine.methods.defects import chord
@@ -224,7 +224,7 @@ def hold_rates(e: Engine) -> None:
         if m.storage_kind[k] == 0 and m.storage_sign[k] < 0:
             shown = -shown
         off = math.fabs(e.step.f[k] - shown)
-        may = PART * math.fabs(shown) + NEAR * c.largest[m.bond_class[at]]
+        may = PART * math.fabs(shown) + NEAR * c.largest[m.bond_class[at]] + UNDERFLOW
         if off <= may:
             continue
         # what was evaluated since then has left its own knowns there

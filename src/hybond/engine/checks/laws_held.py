@@ -16,7 +16,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.engine.algebra.rounding import EPSILON, SMALLEST
+from hybond.engine.algebra.rounding import UNDERFLOW
 from hybond.engine.answers import value
 from hybond.engine.checks.another import look_for_another
 from hybond.engine.checks.bounds_held import MOST
@@ -41,8 +41,6 @@ BLIND: Final = 1e-3
 solution, however it came about. Likewise of a variable, whose digits are known if less is lost."""
 LOST_DIGITS: Final = 1e-13
 """Likewise, of the terms that made a variable, as where a guard is asked."""
-UNDERFLOW: Final = SMALLEST / EPSILON
-"""What any law may be off by: numbers near the smallest ones have fewer digits."""
 SPARSE: Final = 512
 SOON: Final = 8
 """Evaluations from one look to the next at the least; then as many as there were."""

@@ -170,7 +170,7 @@ def error_of(
         from hybond.engine.outcome.remedies import beside_flat_laws
 
         hint += beside_flat_laws(graph)
-    elif code == "HB-N404" and fault.method not in (AUTO, RADAU, MOREAU):
+    elif code in ("HB-N404", "HB-N406") and fault.method not in (AUTO, RADAU, MOREAU):
         # at the edge of stability an explicit step leads to and fro across a guard
         hint += "; solver = 'auto' if the model is stiff"
     return kind(said.why, code=code, where=said.where, hint=hint)
