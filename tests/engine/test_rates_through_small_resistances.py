@@ -177,3 +177,44 @@ def test_what_a_great_force_holds_takes_no_shorter_steps(damping: float) -> None
     assert run.stats["steps"] < 1000
     held = run["v.f"].at(3.0) * damping * (2.0 + math.sin(9.0)) ** 2
     assert held == pytest.approx(-run["z.e"].at(3.0), rel=1e-6)
+
+
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize("mass", [False, True])
+def test_what_next_to_nothing_stores_takes_no_more_than_rounding(mass: bool, turned: bool) -> None:
+    """Milliamperes flowed to a picofarad: what a source would leave there in a moment is far more.
+
+    What flows is a difference of 1e8 A. Its rounding may be some of its last digits.
+    """
+    small = 1e-12
+    model = hb.Model("small")
+    wave = f"10*sin({OMEGA!r}*time)"
+    model.add(V=hb.Sf(wave) if mass else hb.Se(wave), R=hb.R(1e7 if mass else 1e-7))
+    model.add(j=hb.Zero() if mass else hb.One(), S=hb.I(small) if mass else hb.C(small))
+    model.bond("V -> j", "R -> j" if turned else "j -> R", "j -> S")
+    run = hb.simulate(model, until=UNTIL)
+    of = "S.e" if mass else "S.f"
+    right = [10.0 * OMEGA * small * math.cos(OMEGA * t) for t in TIMES]
+    assert run.sample(TIMES, of)[of] == pytest.approx(right, abs=256.0 * 2.0**-52 * 2e8)
+    assert run.stats["steps"] < 2000
+    if turned:
+        assert run.audit().holds()
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_clutch_with_next_to_no_inertia_before_it_pulls_one_way(turned: bool) -> None:
+    """A wheel that is let go by it runs down; between, 2 N m seemed to pull it back."""
+    model = hb.Model("clutch", domain="rotational")
+    model.add(V=hb.Sf(f"10*sin({OMEGA!r}*time)"), z=hb.Zero(), b=hb.R(1e7), o=hb.One())
+    model.add(l=hb.I(1e-12), k=hb.Zero(law="diode"), w=hb.One(), J=hb.I(1e-3), c=hb.R(0.01))
+    model.bond("V -> z -> o", "l -> o" if turned else "o -> l", "z -> b")
+    model.bond("o -> k -> w -> J", "w -> c")
+    run = hb.simulate(model, until=0.03)
+    # J w' = J w0 cos + c w0 sin while it is driven; it is let go where that is nothing
+    let_go = (math.pi - math.atan(0.1 * OMEGA)) / OMEGA
+    # 1e-4 N m, of which it is a difference 1e12 times as large, is sure to be backwards
+    assert run.events[1].t == pytest.approx(let_go, abs=2e-7)
+    later = np.linspace(run.events[1].t, run.events[2].t, 103)[1:-1]
+    wheel = 10.0 * math.sin(OMEGA * let_go) * np.exp(-10.0 * (later - let_go))
+    assert run.sample(later, "w.f")["w.f"] == pytest.approx(wheel, rel=1e-6)
+    assert run.sample(later, "b.e")["b.e"] == pytest.approx(0.0 * later, abs=1e-5)

@@ -22,13 +22,14 @@ step is found by multiplies that of the states by as much."""
 
 
 def rates_off_in_flow(
-    x: Exact, many: int, h: float, error: Floats, scale: Floats, rtol: float
+    x: Exact, many: int, h: float, error: Floats, scale: Floats, lately: Floats
 ) -> float:
     """Return the largest error of the rates of what is stored, in what it may be over `h`.
 
     Those are efforts and flows, which a run tells; `many` states are stored, and `error` is theirs.
     Sources are known, whatever the error. Rounding of a rate is measured by the sizes that states
-    and sources lately had: where a sine passes zero it is that of its amplitude.
+    and sources lately had: where a sine passes zero it is that of its amplitude. What a state may
+    be off by is no such size: of a picofarad it is what a source would leave there in a moment.
     """
     f = x.flow
     # where nothing is so much faster than the step, states within their tolerance leave less
@@ -38,7 +39,7 @@ def rates_off_in_flow(
     for j in range(f.n):
         size[j] = math.fabs(x.parts.at[j])
         if j < many:
-            size[j] = max(size[j], scale[j] / rtol)
+            size[j] = max(size[j], lately[j])
     for k in range(f.watches):
         j = f.watched.at[k]
         size[j] = max(size[j], x.amplitude.at[k])
