@@ -19,6 +19,13 @@ RATES: Final = 100.0
 FROM_ROUNDING: Final = 256.0 * EPSILON
 """Part of the terms of a rate up to which it is rounding, whatever the step: what the error of a
 step is found by multiplies that of the states by as much."""
+ALWAYS: Final = 16.0 * EPSILON
+"""The same in what is propagated: there it is the fifth difference of six values, times 0.15, each
+of which is off by some units. That is no reason for short steps, ..."""
+TWICE: Final = 1e-3
+"""... and no more of it is told than lets the next step be tried at twice the length. ..."""
+FOUND: Final = 8.0
+"""... So many times as much is let in: what is more is of the step, and would grow with it."""
 
 
 def rates_off_in_flow(
@@ -53,7 +60,10 @@ def rates_off_in_flow(
             terms += math.fabs(slope * size[j])
             if j < many:
                 off += slope * error[j]
-        may = max(RATES * scale[i], h * FROM_ROUNDING * terms)
+        may = max(RATES * scale[i], h * FOUND * ALWAYS * terms)
         if may > 0.0:
-            most = max(most, h * math.fabs(off) / may)
+            left = h * math.fabs(off) / may
+            if math.fabs(off) <= ALWAYS * terms:
+                left = min(left, TWICE)
+            most = max(most, left)
     return most
