@@ -411,3 +411,34 @@ def test_the_method_is_a_record_as_elsewhere_and_the_period_an_expression() -> N
     m = hb.Model("lag", parameters={"w": "20 rad/s"})
     m.signal(x=hb.Integral("(cos(w*time) - x)/(1 s)"))
     assert hb.periodic(m, "4*pi/w").period == pytest.approx(np.pi / 5, rel=1e-12)
+
+
+def stateless(kind: str) -> hb.Model:
+    """Resistors behind a source, through a switch of a kind; nothing is stored."""
+    m = hb.Model("stateless", domain="electrical", parameters={"r": 2.0})
+    m.add(V=hb.Se("sin(2*pi*50[1/s]*time)"), d=hb.One(law="diode"), R=hb.R("r"), n=hb.Zero())
+    if kind == "diode":
+        m.bond("V -> d -> n -> R")
+    elif kind == "turned":
+        m.bond("n -> d -> V", "R -> n")
+    else:
+        m.input(u=hb.Input(pwm={"period": "20 ms", "duty": 0.5}))
+        m.add(S=hb.Se("3 V*u"), g=hb.One())
+        m.bond("V -> d -> n -> R", "S -> g -> n", "g -> x")
+        m.add(x=hb.R(1.0))
+    return m
+
+
+@pytest.mark.parametrize("kind", ["diode", "turned", "pulses"])
+def test_what_stores_nothing_repeats_as_its_source_does(kind: str) -> None:
+    """It ended in a ValueError of NumPy: arrays without a state have no shape of their own."""
+    orbit = hb.periodic(stateless(kind))
+    assert orbit.period == pytest.approx(0.02) and orbit.stable and not orbit.multipliers
+
+
+def test_what_stores_nothing_has_gradients() -> None:
+    """Of what flows in half waves, through twice and a quarter of them."""
+    flow = hb.gradient(stateless("diode"), hb.Final("R.f"), "45 ms", wrt=["r"])
+    work = hb.gradient(stateless("diode"), hb.Total("R.f^2"), "45 ms", wrt=["r"])
+    assert (flow.value, flow["r"]) == pytest.approx((0.5, -0.25), rel=1e-9)
+    assert (work.value, work["r"]) == pytest.approx((0.003125, -0.003125), rel=1e-9)

@@ -17,6 +17,9 @@ import hybond as hb
 OMEGA = 100.0 * math.pi
 TIMES = [0.0003 + 0.0013 * k for k in range(38)]
 UNTIL = 0.05
+LET_IN = 256.0 * 2.0**-52
+"""Part of what a rate is a difference of that may be rounding: twice what is asked for at one part
+of a step."""
 
 
 def driven(resistance: float, turned: bool) -> str:
@@ -177,3 +180,121 @@ def test_what_a_great_force_holds_takes_no_shorter_steps(damping: float) -> None
     assert run.stats["steps"] < 1000
     held = run["v.f"].at(3.0) * damping * (2.0 + math.sin(9.0)) ** 2
     assert held == pytest.approx(-run["z.e"].at(3.0), rel=1e-6)
+
+
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize("mass", [False, True])
+def test_what_next_to_nothing_stores_takes_no_more_than_rounding(mass: bool, turned: bool) -> None:
+    """Milliamperes flowed to a picofarad: what a source would leave there in a moment is far more.
+
+    What flows is a difference of 1e8 A. Its rounding may be some of its last digits.
+    """
+    small = 1e-12
+    model = hb.Model("small")
+    wave = f"10*sin({OMEGA!r}*time)"
+    model.add(V=hb.Sf(wave) if mass else hb.Se(wave), R=hb.R(1e7 if mass else 1e-7))
+    model.add(j=hb.Zero() if mass else hb.One(), S=hb.I(small) if mass else hb.C(small))
+    model.bond("V -> j", "R -> j" if turned else "j -> R", "j -> S")
+    run = hb.simulate(model, until=UNTIL)
+    of = "S.e" if mass else "S.f"
+    right = [10.0 * OMEGA * small * math.cos(OMEGA * t) for t in TIMES]
+    assert run.sample(TIMES, of)[of] == pytest.approx(right, abs=LET_IN * 2e8)
+    assert run.stats["steps"] < 2000
+    if turned:
+        assert run.audit().holds()
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_clutch_with_next_to_no_inertia_before_it_pulls_one_way(turned: bool) -> None:
+    """A wheel that is let go by it runs down; between, 2 N m seemed to pull it back."""
+    model = hb.Model("clutch", domain="rotational")
+    model.add(V=hb.Sf(f"10*sin({OMEGA!r}*time)"), z=hb.Zero(), b=hb.R(1e7), o=hb.One())
+    model.add(l=hb.I(1e-12), k=hb.Zero(law="diode"), w=hb.One(), J=hb.I(1e-3), c=hb.R(0.01))
+    model.bond("V -> z -> o", "l -> o" if turned else "o -> l", "z -> b")
+    model.bond("o -> k -> w -> J", "w -> c")
+    run = hb.simulate(model, until=0.03)
+    # J w' = J w0 cos + c w0 sin while it is driven; it is let go where that is nothing
+    let_go = (math.pi - math.atan(0.1 * OMEGA)) / OMEGA
+    # 1e-4 N m, of which it is a difference 1e12 times as large, is sure to be backwards
+    assert run.events[1].t == pytest.approx(let_go, abs=2e-7)
+    begin, end = run.events[1].t, run.events[2].t
+    later = [begin + (end - begin) * k / 100.0 for k in range(1, 100)]
+    wheel = 10.0 * math.sin(OMEGA * let_go) * np.exp(-10.0 * (np.array(later) - let_go))
+    assert run.sample(later, "w.f")["w.f"] == pytest.approx(wheel, rel=1e-6)
+    assert run.sample(later, "b.e")["b.e"] == pytest.approx(0.0 * wheel, abs=2.0 * LET_IN * 2e8)
+
+
+TIES = ["two", "three", "two and a signal", "gears"]
+
+
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize("ratio", [3.0, 0.3, 7.1])
+@pytest.mark.parametrize("tie", TIES)
+def test_what_is_tied_behind_next_to_no_resistance_follows(
+    tie: str, ratio: float, turned: bool
+) -> None:
+    """What a tie keeps does not drift by rounding of what goes to and fro: 50,000 steps were made.
+
+    That was put right at each step, and each began with a transient.
+    """
+    model = hb.Model("tied")
+    gears = tie == "gears"
+    wave = f"10*sin({OMEGA!r}*time)"
+    store = hb.I if gears else hb.C
+    model.add(V=hb.Sf(wave) if gears else hb.Se(wave), s=hb.Zero() if gears else hb.One())
+    model.add(B=hb.R(1e4 if gears else 1e-4), P=store(1e-9), Q=store(1e-9))
+    model.add(
+        a=hb.One() if gears else hb.Zero(), b=hb.One() if gears else hb.Zero(), T=hb.TF(ratio)
+    )
+    model.bond("V -> s -> a", "s -> B", "a -> P", "b -> Q")
+    model.bond("b -> T -> a" if turned else "a -> T -> b")
+    if tie == "three":
+        model.add(U=hb.TF(ratio), c=hb.Zero(), X=hb.C(1e-9))
+        model.bond("b -> U -> c -> X")
+    if tie == "two and a signal":
+        model.signal(held=hb.Integral("Q.e"))
+    run = hb.simulate(model, until=0.02)
+    assert run.method.startswith("1 mode propagated exactly")
+    assert run.stats["steps"] < 1000
+    # of what there is in all at the source
+    at_b = (1.0 / ratio if turned else ratio) ** (2 if gears else -2)
+    there = 1e-9 * (1.0 + at_b * (1.0 + (ratio**-2 if tie == "three" else 0.0)))
+    times = [t for t in TIMES if t < 0.02]
+    of = "V.e" if gears else "V.f"
+    right = 10.0 * OMEGA * there * np.cos(OMEGA * np.array(times))
+    # a difference of 1e5 A, or N m, some last digits of which are rounding
+    assert run.sample(times, of)[of] == pytest.approx(right, abs=LET_IN * 2e5)
+
+
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize("masses", [False, True])
+def test_many_small_ones_beside_a_large_one_take_no_shorter_steps(
+    masses: bool, turned: bool
+) -> None:
+    """20,000 steps were too few: rounding of all shares was seen in each rate, and held steps.
+
+    What all hold empties through a resistor, and what flows to each is its part of that.
+    """
+    many = 40
+    model = hb.Model("many")
+    node, branch = (hb.One, hb.Zero) if masses else (hb.Zero, hb.One)
+    store = hb.I if masses else hb.C
+    model.add(z=node(), P=hb.I(1e-4, f=5.0) if masses else hb.C(1e-4, e=5.0))
+    model.add(L=hb.R(1e-2 if masses else 100.0))
+    model.bond("P -> z" if turned else "z -> P", "z -> L")
+    for k in range(many):
+        between = 1e-3 + 1e-5 * k
+        model.add(**{f"r{k}": hb.R(1.0 / between if masses else between), f"j{k}": branch()})
+        model.add(**{f"c{k}": store(1e-12)})
+        model.bond(f"c{k} -> j{k} -> z" if turned else f"z -> j{k} -> c{k}", f"j{k} -> r{k}")
+    run = hb.simulate(model, until=0.02, max_steps=2000)
+    assert run.stats["steps"] < 200
+    all_of_it = 1e-4 + many * 1e-12
+    times = [1e-3 * k for k in range(1, 21)]
+    level = 5e-4 / all_of_it * np.exp(-0.01 / all_of_it * np.array(times))
+    of, rate = ("P.f", "e") if masses else ("P.e", "f")
+    assert np.abs(run.sample(times, of)[of]) == pytest.approx(level, rel=1e-8)
+    # a current of 1e-12 of what it is a difference of is rounding in its last digits
+    for name in (f"c0.{rate}", f"c{many - 1}.{rate}"):
+        flow = np.abs(run.sample(times, name)[name])
+        assert flow == pytest.approx(1e-14 * level / all_of_it, abs=LET_IN * 5e3)

@@ -70,7 +70,7 @@ class VariationStep:
         """Return the variations at the end, shape (n, parameters)."""
         _, _, b = radau()
         right = self.A @ d + self.B
-        k = np.linalg.solve(self._matrix(), right.reshape(-1, d.shape[1]))
+        k = np.linalg.solve(self._matrix(), right.reshape(STAGES * d.shape[0], d.shape[1]))
         moved = np.tensordot(b, k.reshape(STAGES, *d.shape), axes=1)
         return np.asarray(d + (self.t1 - self.t0) * moved)
 
@@ -78,7 +78,8 @@ class VariationStep:
         """Return the adjoint at the beginning, and what parameters add."""
         _, _, b = radau()
         h = self.t1 - self.t0
-        mu = np.linalg.solve(self._matrix().T, h * np.kron(b, adjoint)).reshape(STAGES, -1)
+        mu = np.linalg.solve(self._matrix().T, h * np.kron(b, adjoint))
+        mu = mu.reshape(STAGES, len(adjoint))
         before = adjoint + np.einsum("ikl,ik->l", self.A, mu)
         return before, np.einsum("ikp,ik->p", self.B, mu)
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.engine.algebra.blocks import Rows, fit, fit_rows
+from hybond.engine.algebra.blocks import Places, Rows, fit, fit_rows
 from hybond.engine.methods.flow_records import Flow
 from hybond.engine.words import Floats
 
@@ -87,3 +87,57 @@ def take_unit(f: Flow) -> None:
             f.unit *= 0.5
         while f.unit * f.norm <= 0.5:
             f.unit *= 2.0
+
+
+def even_unread(f: Flow, a: Floats, storages: int, states: int, order: Places) -> None:
+    """Measure storages that nothing reads as what they read, in the balanced matrix there.
+
+    Balance says nothing of their units, nor of those that only such states read. In these the rate
+    of a storage is as fast as the others' that stand in it: a capacitor that another one is tied to
+    follows as fast as that one moves. `order` is room for as many places as there are states.
+    """
+    n = f.n
+    found = 0
+    more = True
+    for i in range(states):
+        order.at[i] = -1
+    while more:
+        more = False
+        for i in range(states):
+            if order.at[i] < 0 and is_unread(a, n, i, states, order):
+                order.at[i] = found
+                found += 1
+                more = True
+    # those that were found last are read by those before them
+    for step in range(found - 1, -1, -1):
+        for i in range(states):
+            if order.at[i] == step:
+                even_row(f, a, i, states, i < storages)
+    if found > 0:
+        put_rows(f.rows, n, a)
+
+
+def is_unread(a: Floats, n: int, j: int, states: int, order: Places) -> bool:
+    """Whether no rate reads a state, but those that were found to be such."""
+    for i in range(states):
+        if a[i * n + j] != 0.0 and order.at[i] < 0:
+            return False
+    return True
+
+
+def even_row(f: Flow, a: Floats, i: int, states: int, grows: bool) -> None:
+    """Measure state i so that its row is as large as the norm, or if not `grows` no larger."""
+    n = f.n
+    row = 0.0
+    reads = False
+    for j in range(n):
+        row += math.fabs(a[i * n + j])
+        reads = reads or (j < states and a[i * n + j] != 0.0)
+    if not reads or (row <= f.norm and not grows):
+        return
+    factor = math.pow(2.0, math.floor(math.log(f.norm / row) / math.log(2.0)))
+    for j in range(n):
+        a[i * n + j] *= factor
+    for k in range(states):
+        a[k * n + i] /= factor
+    f.scale.at[i] /= factor

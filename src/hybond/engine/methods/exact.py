@@ -221,7 +221,7 @@ def exact_attempt(e: Engine, t1: float) -> float:
             rounded += ROUNDED * x.shared.at[k] * f.scale.at[k]
         s.scale[k] = max(s.scale[k], rounded)
     error = max(error_norm_of(n, s.error, s.scale, s.controlled), unresolved(e, h))
-    return max(error, rates_off_in_flow(x, e.model.storages, h, s.error, s.scale, e.model.rtol))
+    return max(error, rates_off_in_flow(x, e.model.storages, h, s.error, s.scale, e.lately))
 
 
 def fitted(z: Floats, n: int, k: int, width: int, first: float, out: Floats) -> float:

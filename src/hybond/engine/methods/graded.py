@@ -17,7 +17,7 @@ from hybond.engine.algebra.blocks import fit, fit_places, grow_block, grow_place
 from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.algebra.twofold import add_product, product_rest
 from hybond.engine.engine import Engine
-from hybond.engine.methods.balance import put_rows, take_unit
+from hybond.engine.methods.balance import even_unread, put_rows, take_unit
 from hybond.engine.methods.flow_columns import put_column_twofold
 from hybond.engine.methods.flow_records import Exact, Flow
 from hybond.engine.mode.mode_records import Mode
@@ -71,7 +71,10 @@ def grade(e: Engine, mode: Mode, f: Flow) -> None:
     fit_places(f.standing, e.states)
     fit_places(f.pivoted, e.states)
     fast = max(fast_from(e.model.rtol, e.span), RANGE * f.norm)
-    if not (f.norm > fast and share_fast(f, e.states, fast)):
+    if not f.norm > fast:
+        return
+    even_unread(f, x.dense.at, e.model.storages, e.states, f.standing)
+    if not share_fast(f, e.states, fast):
         return
     fit(x.rest, n * n)
     fit(x.largest, n)

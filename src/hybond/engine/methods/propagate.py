@@ -14,6 +14,7 @@ from typing import Final
 
 from hybond.engine.algebra.blocks import Block, fit, make_block
 from hybond.engine.algebra.products import copy_floats, times_matrix, times_vector
+from hybond.engine.algebra.twofold import sum_rest
 from hybond.engine.methods.flow_records import LEVELS, PARTS, TERMS, Exact, Flow
 from hybond.engine.words import Floats, some
 
@@ -71,21 +72,42 @@ def first_level(x: Exact, f: Flow, out: Floats) -> None:
             out[i] += other[i]
 
 
-def to_own(f: Flow, b: Floats) -> None:
-    """Replace z, in balanced units, by the coordinates that the flow is propagated in."""
+def to_own(f: Flow, b: Floats, over: Floats) -> None:
+    """Replace z, in balanced units, by the coordinates that the flow is propagated in.
+
+    In `over`, room for as many, stands by what each is more than the sum that it was rounded to:
+    of a hundred small shares that one has the rounding would be seen in the rates of all.
+    """
+    for i in range(f.n):
+        over[i] = 0.0
     for p in range(f.shares):
-        b[f.other.at[p]] -= f.share.at[p] * b[f.row.at[p]]
+        other = f.other.at[p]
+        add_share(b, other, over, other, -f.share.at[p] * b[f.row.at[p]])
+    for i in range(f.n):
+        b[i] += over[i]
 
 
-def from_own(f: Flow, b: Floats, at: int, shared: Floats) -> None:
+def from_own(f: Flow, b: Floats, at: int, over: Floats, shared: Floats) -> None:
     """Replace such coordinates, from `at` on, by z; `shared` grows to the size of what is added.
 
     A state that is zero is a difference there of what others hold, and no more exact than these.
     """
+    for i in range(f.n):
+        over[i] = 0.0
     for p in range(f.shares - 1, -1, -1):
+        other = f.other.at[p]
         term = f.share.at[p] * b[at + f.row.at[p]]
-        b[at + f.other.at[p]] += term
-        shared[f.other.at[p]] = max(shared[f.other.at[p]], math.fabs(term))
+        add_share(b, at + other, over, other, term)
+        shared[other] = max(shared[other], math.fabs(term))
+    for i in range(f.n):
+        b[at + i] += over[i]
+
+
+def add_share(b: Floats, at: int, over: Floats, i: int, term: float) -> None:
+    """Add a term to component i, which stands at `at`; by what that is rounded goes there."""
+    before = b[at]
+    b[at] = before + term
+    over[i] += sum_rest(before, term, b[at])
 
 
 def series(x: Exact, f: Flow, b: Floats, h: float) -> int:
@@ -159,7 +181,7 @@ def pass_parts(x: Exact, f: Flow, h: float) -> bool:
         parts[i] /= f.scale.at[i]
     copy_floats(n, parts, x.b.at)
     if f.shares > 0:
-        to_own(f, x.b.at)
+        to_own(f, x.b.at, x.b2.at)
         fit(x.shared, n)
         for i in range(n):
             x.shared.at[i] = 0.0
@@ -184,7 +206,7 @@ def pass_parts(x: Exact, f: Flow, h: float) -> bool:
         for i in range(n):
             x.b.at[i] = parts[done * n + i]
     for part in range(1, PARTS + 1 if f.shares > 0 else 1):
-        from_own(f, parts, part * n, x.shared.at)
+        from_own(f, parts, part * n, x.b2.at, x.shared.at)
     for part in range(PARTS + 1):
         for i in range(n):
             parts[part * n + i] *= f.scale.at[i]

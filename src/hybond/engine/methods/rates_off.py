@@ -19,16 +19,24 @@ RATES: Final = 100.0
 FROM_ROUNDING: Final = 256.0 * EPSILON
 """Part of the terms of a rate up to which it is rounding, whatever the step: what the error of a
 step is found by multiplies that of the states by as much."""
+ALWAYS: Final = 16.0 * EPSILON
+"""The same in what is propagated: there it is the fifth difference of six values, times 0.15, each
+of which is off by some units. That is no reason for short steps, ..."""
+TWICE: Final = 1e-3
+"""... and no more of it is told than lets the next step be tried at twice the length. ..."""
+FOUND: Final = 8.0
+"""... So many times as much is let in: what is more is of the step, and would grow with it."""
 
 
 def rates_off_in_flow(
-    x: Exact, many: int, h: float, error: Floats, scale: Floats, rtol: float
+    x: Exact, many: int, h: float, error: Floats, scale: Floats, lately: Floats
 ) -> float:
     """Return the largest error of the rates of what is stored, in what it may be over `h`.
 
     Those are efforts and flows, which a run tells; `many` states are stored, and `error` is theirs.
     Sources are known, whatever the error. Rounding of a rate is measured by the sizes that states
-    and sources lately had: where a sine passes zero it is that of its amplitude.
+    and sources lately had: where a sine passes zero it is that of its amplitude. What a state may
+    be off by is no such size: of a picofarad it is what a source would leave there in a moment.
     """
     f = x.flow
     # where nothing is so much faster than the step, states within their tolerance leave less
@@ -38,7 +46,7 @@ def rates_off_in_flow(
     for j in range(f.n):
         size[j] = math.fabs(x.parts.at[j])
         if j < many:
-            size[j] = max(size[j], scale[j] / rtol)
+            size[j] = max(size[j], lately[j])
     for k in range(f.watches):
         j = f.watched.at[k]
         size[j] = max(size[j], x.amplitude.at[k])
@@ -52,7 +60,10 @@ def rates_off_in_flow(
             terms += math.fabs(slope * size[j])
             if j < many:
                 off += slope * error[j]
-        may = max(RATES * scale[i], h * FROM_ROUNDING * terms)
+        may = max(RATES * scale[i], h * FOUND * ALWAYS * terms)
         if may > 0.0:
-            most = max(most, h * math.fabs(off) / may)
+            left = h * math.fabs(off) / may
+            if math.fabs(off) <= ALWAYS * terms:
+                left = min(left, TWICE)
+            most = max(most, left)
     return most

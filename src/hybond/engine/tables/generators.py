@@ -33,7 +33,7 @@ from hybond.model.expressions import (
     Table,
     simplify,
 )
-from hybond.model.expressions.slots import is_slotted, plain, settled
+from hybond.model.expressions.slots import plain, settled
 from hybond.model.expressions.tree import fold, with_children
 from hybond.records import dataclass
 
@@ -113,7 +113,7 @@ def terms_of(e: Expr, known: Callable[[str], Found]) -> Found:
 
 
 def _is_finite(c: complex) -> bool:
-    return cmath.isfinite(plain(c) if is_slotted(c) else c)
+    return cmath.isfinite(complex(plain(c.real), plain(c.imag)))
 
 
 def _chosen(below: list[Found]) -> Found:

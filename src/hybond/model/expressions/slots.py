@@ -156,9 +156,9 @@ class Slotted:
         return format(self.value, spec)
 
     def _with(self, op: str, other: object, *, swapped: bool = False) -> Any:
-        if isinstance(other, complex):
-            own = float(self)
-            return _PLAIN[op](*((other, own) if swapped else (own, other)))
+        if isinstance(other, complex) and op in _COMPLEX:
+            own = SlottedComplex(self, 0.0)
+            return _COMPLEX[op](*((other, own) if swapped else (own, other)))
         if not isinstance(other, int | float | Slotted):
             return NotImplemented
         left, right = (tree_of(other), self.tree) if swapped else (self.tree, tree_of(other))
@@ -244,6 +244,53 @@ class Slotted:
     def __hash__(self) -> int:
         # not that of the number: a table of numbers must not take one for the other
         return hash((self.value, self.tree, id(self.slots)))
+
+
+class SlottedComplex:
+    """A complex number whose parts may follow from parameters: a factor of a wave.
+
+    Examples
+    --------
+    >>> a = Slots().follow("A", Number(3.0)).value
+    >>> turned = a * (1 - 2j) * 1j
+    >>> turned.real, turned.imag, str(turned.imag.tree)
+    (6.0, 3.0, 'p:A')
+    """
+
+    __slots__ = ("imag", "real")
+
+    def __init__(self, real: Any, imag: Any) -> None:
+        self.real = real
+        self.imag = imag
+
+    def __add__(self, other: Any) -> SlottedComplex:
+        return _sum(self, other)
+
+    def __radd__(self, other: Any) -> SlottedComplex:
+        return _sum(other, self)
+
+    def __mul__(self, other: Any) -> SlottedComplex:
+        return _product(self, other)
+
+    def __rmul__(self, other: Any) -> SlottedComplex:
+        return _product(other, self)
+
+    def __bool__(self) -> bool:
+        return bool(self.real) or bool(self.imag)
+
+
+def _sum(a: Any, b: Any) -> SlottedComplex:
+    return SlottedComplex(a.real + b.real, a.imag + b.imag)
+
+
+def _product(a: Any, b: Any) -> SlottedComplex:
+    return SlottedComplex(a.real * b.real - a.imag * b.imag, a.real * b.imag + a.imag * b.real)
+
+
+_COMPLEX: Mapping[str, Callable[[Any, Any], SlottedComplex]] = {
+    "+": _sum,
+    "*": _product,
+}
 
 
 def slotted(value: float, tree: Expr, slots: Slots) -> float:
