@@ -279,3 +279,31 @@ def test_a_shoe_that_locks_has_no_answer() -> None:
     # beyond mu = b/c no force holds the lever away from the drum
     with pytest.raises(hb.NumericsError, match="HB-J110"):
         hb.simulate(shoe(1.2 * B / C), 0.1)
+
+
+@pytest.mark.parametrize("symbolic", [True, False])
+@pytest.mark.parametrize(
+    ("law", "held"),
+    [
+        ("g", {"constant": "2 S"}),
+        ("exp(g/(1 [S]))*1 [S]", {"constant": np.log(2.0)}),
+        ("g", {"table": [[0, 2], [1, 3]]}),
+        ("if time < 1 [s] then 2*g else g", {"constant": 1}),
+    ],
+)
+def test_coefficients_that_read_inputs_have_the_numbers_of_the_start(
+    law: str, held: dict[str, object], symbolic: bool
+) -> None:
+    """A tap as an input, behind a diode, ended in a KeyError; one that time turns in HB-Q101."""
+    m = hb.Model("tap", domain="electrical")
+    m.add(I=hb.Sf("1 A"), a=hb.C("1 F"), n=hb.Zero(), d=hb.One(law="diode"), z=hb.Zero())
+    m.add(b=hb.C("4 F"), tap=hb.G(law))
+    m.bond("I -> n -> d -> z", "a -> n", "z -> b", "tap -> z" if symbolic else "z -> tap")
+    m.input(g=hb.Input(**held))
+    form = hb.complementarity(m, symbolic=symbolic)
+    at = form.states.index("b.q")
+    assert form.numbers()["A"][at, at] == pytest.approx(-2.0 / 4.0)
+    assert form.properties.passive
+    if symbolic:
+        said = "linearised at the start" if "if" in law else "# numbers are those with g = "
+        assert said in form.text()

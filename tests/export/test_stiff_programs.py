@@ -16,3 +16,33 @@ def test_an_exported_program_ends_at_the_same_state(make, tmp_path):
     said = read_events(ask(compile_quickly(text, tmp_path, "stiff"), "--events"))
     stored = {path: float(run.segments[-1].y[-1][k]) for k, path in enumerate(said.states)}
     assert said.states == pytest.approx(stored, rel=1e-13)
+
+
+SURGE = {
+    "coil": ("electrical", hb.I("10 mH"), hb.G({"f": "(e/200)^5"}), "V -> i -> L", "i -> law"),
+    "turned": (
+        "electrical",
+        hb.I("10 mH"),
+        hb.G({"f": "(e/200)^5"}),
+        "V -> i",
+        "L -> i",
+        "law -> i",
+    ),
+    "mass": ("translational", hb.I("10 g"), hb.G({"f": "(e/200)^5"}), "V -> i -> L", "i -> law"),
+    "pipe": ("hydraulic", hb.I(0.01), hb.G({"f": "(e/200)^5"}), "V -> i -> L", "i -> law"),
+}
+"""Laws that are steep without bound where the flow through a storage is zero."""
+
+
+@needs_c
+@pytest.mark.parametrize("name", SURGE)
+def test_a_program_goes_on_where_steps_swing_about_a_steep_law(name, tmp_path):
+    domain, storage, law, *bonds = SURGE[name]
+    model = hb.Model("surge", domain=domain)
+    model.add(V=hb.Se("325*sin(100*pi*time)"), i=hb.One(), L=storage, law=law)
+    model.bond(*bonds)
+    run = hb.simulate(model, 0.04)
+    assert any("swing" in warning for warning in run.warnings)
+    text = hb.export(model, to="c", until=0.04)
+    said = read_events(ask(compile_quickly(text, tmp_path, "surge"), "--events"))
+    assert said.states == pytest.approx({"L.p": float(run.final["L.p"])}, rel=1e-9)

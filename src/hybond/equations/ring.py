@@ -13,7 +13,14 @@ from typing import Any, Protocol, TypeVar
 from hybond.equations.symbolic.rational import Rational
 from hybond.equations.symbolic.read import Atoms
 from hybond.errors import EquationError, NumericsError
-from hybond.model.expressions import Expr, Number, names, simplify, substitute
+from hybond.model.expressions import (
+    Expr,
+    Number,
+    compile_expression,
+    names,
+    simplify,
+    substitute,
+)
 
 LONGEST = 2000
 """Terms of a formula at which symbols are given up: nobody reads it, and the next is longer."""
@@ -99,6 +106,8 @@ class Numbers:
         value = simplify(substitute(e, known))
         if not isinstance(value, Number):
             missing = ", ".join(sorted(names(value)))
+            if not missing:  # a choice by a comparison whose value is known
+                return float(compile_expression(value, {}, pre_offset=0)([]))
             raise NumericsError(
                 f"the coefficient {e} needs a value of {missing}",
                 code="HB-Q101",

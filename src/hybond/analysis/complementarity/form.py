@@ -241,7 +241,9 @@ def complementarity(
         found = derive_rows(graph, chosen, ports, ring, symbolic=symbolic)
         if found is not None:
             show = Display(graph, Naming(graph), ring.meaning)
-            return _from_rows(graph, chosen, ports, found, ring, show, symbolic=symbolic)
+            # between two timed events inputs are constants: numbers are those of the start
+            at_start = ring.known({k: x for k, x in known.items() if k.startswith(("u:", "at:"))})
+            return _from_rows(graph, chosen, ports, found, ring, show, at_start, symbolic=symbolic)
         nonlinear = ("what the graph leaves undetermined takes the value of least leakage",)
     x = np.array([known[f"x:{s.index}"] for s in graph.storages])
     rows = np.zeros((len(constraints), len(x)))
@@ -266,13 +268,13 @@ def _from_rows(
     found: Derived[Any],
     ring: Ring[Any],
     show: Display,
+    values: Mapping[str, float],
     *,
     symbolic: bool,
 ) -> ComplementarityForm:
     laws = law_ports(graph, ports, symbolic=symbolic)
     states = tuple(s.path for s in graph.storages)
     inputs = tuple(found.names[k] for k in found.inputs)
-    values = ring.known({})
     place = {
         "state": {k: j for j, k in enumerate(found.states)},
         "input": {k: j for j, k in enumerate(found.inputs)},

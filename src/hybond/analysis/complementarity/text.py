@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 from hybond.analysis.complementarity.ports import LawPort
 from hybond.equations.display import joined, signed, split
 from hybond.equations.notation import LatexNotation, Notation, in_latex, in_markdown
+from hybond.equations.symbolic.rational import Rational
 from hybond.model.expressions import Expr, Number
 from hybond.model.expressions import names as names_of
 from hybond.model.expressions import to_text as expr_text
@@ -119,7 +120,28 @@ def notes(form: ComplementarityForm) -> list[str]:
     zero = sorted(form.display.name(name) for name in form.vanished)
     if zero:
         found.append(f"zero in this model, and left out: {', '.join(zero)}")
+    read = _inputs_of_coefficients(form)
+    if read:
+        values = ", ".join(
+            f"{form.display.name(name)} = {form.A.values[name]:.6g}" for name in read
+        )
+        found.append(f"numbers are those with {values}, at the start")
     return found + form.properties.sentences(form.given, form.answers)
+
+
+def _inputs_of_coefficients(form: ComplementarityForm) -> list[str]:
+    """Return the inputs that coefficients read, whose formulas stand for atoms as well."""
+    atoms = {
+        atom
+        for matrix in (getattr(form, name) for name in "ABECDF")
+        for terms in matrix.entries.values()
+        for _, c in terms
+        if isinstance(c, Rational)
+        for atom in c.atoms()
+    }
+    meaning = form.display.meaning
+    read = {n for a in atoms for n in (names_of(meaning[a]) if a in meaning else (a,))}
+    return sorted(n for n in read if n.startswith("u:"))
 
 
 class _Writer:

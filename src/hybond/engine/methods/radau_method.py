@@ -157,7 +157,7 @@ def count_apart(e: Engine, r: Radau) -> None:
             for j in range(3):
                 moved += BUTCHER_INVERSE[6 + j] * r.z[j * n + k]
         apart_at_end(e, k, moved)
-    if r.swings and not e.warned.swings and not swings_about_jump(e, r):
+    if e.model.tells != 0 and r.swings and not e.warned.swings and not swings_about_jump(e, r):
         warn_of_swings(e)
 
 
@@ -192,8 +192,6 @@ def warn_of_swings(e: Engine) -> None:
     if which < 0:
         return
     e.warned.swings = True
-    if m.tells == 0:
-        return
     size = e.checks.largest[m.bond_class[m.storage_bond[which] + rate_kind(m, which)]]
     begin_warning(e.warned, SWINGS, s.t1)
     add_about(e.warned, float(which))

@@ -8,7 +8,11 @@ from hybond.engine.engine import OK, Engine
 from hybond.engine.instant.instant import GUARD, LAW
 from hybond.engine.methods.scale import is_unmoved, start_scale
 from hybond.engine.methods.stepping import start
-from hybond.engine.run.guard_at_kink import end_short_of_kink, some_guard_holds
+from hybond.engine.run.guard_at_kink import (
+    end_short_of_kink,
+    last_before_kink,
+    some_guard_holds,
+)
 from hybond.engine.run.kinks_passed import count_kink, end_at_kink, stuck_at_kink
 from hybond.engine.run.log import report_step
 from hybond.engine.run.noted import note
@@ -33,13 +37,26 @@ def pass_kink(e: Engine, r: Run, at: float) -> int:
 def meet_kink(e: Engine, r: Run, at: float) -> int:
     """End the step at a guard and a kink: GUARD, or ANEW where only the kink made it hold."""
     g = r.locator
+    kink = last_before_kink(e, g, at)
     if end_short_of_kink(e, r, at) != OK:
         stuck_at_kink(e, r)
         return -1
     if not some_guard_holds(e, g):
-        return go_behind(e, r)
+        return go_up_to(e, r, kink)
     g.at = e.step.t1
     return GUARD
+
+
+def go_up_to(e: Engine, r: Run, kink: float) -> int:
+    """Begin where a step has ended in which a kink made a guard hold: ANEW, -1 if the run stops.
+
+    The next step ends before that kink. As long as the last one, it would see the kink again, and
+    end a little later, at what it makes of the guard then.
+    """
+    found = go_behind(e, r)
+    if found == ANEW and kink > e.t:
+        e.step.h = min(e.step.h, kink - e.t)
+    return found
 
 
 def go_behind(e: Engine, r: Run) -> int:

@@ -9,6 +9,7 @@ nothing shows then, and goes the rest of the instant by the rates there.
 from __future__ import annotations
 
 import math
+from typing import Final
 
 from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.expressions.pairs import ROUNDING
@@ -21,6 +22,9 @@ from hybond.engine.run.kinks_passed import out_of_sight
 from hybond.engine.run.locator import NO_KINK, Locator
 from hybond.engine.run.run_records import Run
 from hybond.engine.run.together import LAST_PLACES
+
+HALVINGS: Final = 60
+"""Of a step: then its halves are no numbers between."""
 
 
 def is_over_kink(e: Engine, g: Locator, at: float) -> bool:
@@ -41,6 +45,22 @@ def goes_over(e: Engine, g: Locator, k: int, at: float) -> bool:
     if g.side[k] == NO_KINK or is_root(e.model, g.atom[g.atom_first[k]] - e.model.kink_atom):
         return False
     return holds_at(e, g, k, at) or holds_at(e, g, k, e.step.t1)
+
+
+def last_before_kink(e: Engine, g: Locator, at: float) -> float:
+    """Return how far the step goes from `at` before it passes a kink; not beyond its end."""
+    low = at
+    high = e.step.t1
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        passed = False
+        for k in range(g.guards):
+            passed = passed or (goes_over(e, g, k, at) and holds_at(e, g, k, middle))
+        if passed:
+            high = middle
+        else:
+            low = middle
+    return low
 
 
 def end_short_of_kink(e: Engine, r: Run, at: float) -> int:
