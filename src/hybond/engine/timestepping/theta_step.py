@@ -67,6 +67,9 @@ SLOW_UPDATE: Final = 0.2
 """An update that is not reduced to this part asks for new slopes."""
 UPDATED: Final = 1e-11
 """Newton ends when an update is below this part of what is updated."""
+NEAR_END: Final = 1e-6
+"""An update below this part of what is updated leaves slopes as they are, for what shares are to
+be and what is put back on its constraints: the error of what follows is that part of the update."""
 LAW_DUST_PART: Final = 1e-3
 """Part of the largest bond variable of its kind down to which the digits of `l` count."""
 GIVES_PART: Final = 1e-12
@@ -287,10 +290,14 @@ def newton_step_of(e: Engine, s: Stepping, p: Ports, c: Coupled) -> int:
     last = math.inf
     projected = False
     first = True
+    of_step = not c.known
     for _ in range(NEWTON_ROUNDS):
-        # what levers share depends on how they stand, and older slopes do not say that
-        if (not c.known or c.still > 0) and find_slopes(e, s, p, c, s.y, s.l) != OK:
-            return REFUSED
+        # what levers share depends on how they stand, and slopes of an earlier step do not say that
+        stands = c.still <= 0 or first or (of_step and last <= NEAR_END)
+        if not (c.known and stands):
+            if find_slopes(e, s, p, c, s.y, s.l) != OK:
+                return REFUSED
+            of_step = True
         if implicit(e, s, p, s.y, s.l) != OK:
             return REFUSED
         move(s, c)
@@ -320,13 +327,15 @@ def newton_step_of(e: Engine, s: Stepping, p: Ports, c: Coupled) -> int:
             if constrain(e, s, p) != OK:
                 return REFUSED
             moved = False
+            far = False
             for k in range(m.storages):
                 moved = moved or s.y[k] != s.move[k]
+                far = far or not math.fabs(s.y[k] - s.move[k]) <= NEAR_END * s.weight[k]
             if projected or not moved:
                 return implicit(e, s, p, s.y, s.l)
             # back on the constraints; the laws once more, from there
             projected = True
-            c.known = False
+            c.known = c.known and not far
             continue
         if not update <= SLOW_UPDATE * last:
             c.known = False
