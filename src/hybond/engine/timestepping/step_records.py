@@ -127,6 +127,8 @@ class Stepping:
     restitution: Floats
     free: Floats
     doubt: Floats
+    rounded: Floats
+    """What rounding of its `w` makes of each `l`."""
     l: Floats
     wl: Floats
     branch: Ints
@@ -208,6 +210,7 @@ def make_stepping(m: Model) -> Stepping:
     s.restitution = floats(n)
     s.free = floats(n)
     s.doubt = floats(n)
+    s.rounded = floats(n)
     s.l = floats(n)
     s.wl = floats(n)
     s.branch = ints(n)

@@ -58,7 +58,7 @@ from hybond.engine.timestepping.step_laws import (
     solve_step_laws,
 )
 from hybond.engine.timestepping.step_records import Coupled, Stepping
-from hybond.engine.timestepping.step_sizes import measure_step
+from hybond.engine.timestepping.step_sizes import measure_rounding, measure_step
 from hybond.engine.words import Floats, Ints
 
 NEWTON_ROUNDS: Final = 40
@@ -320,7 +320,7 @@ def newton_step_of(e: Engine, s: Stepping, p: Ports, c: Coupled) -> int:
             s.doubt[k] = 0.0
         if solve_step_laws(e, s, p, c, s.base, False) != OK:
             return REFUSED
-        update = advance_newton(e, s, c)
+        update = advance_newton(e, s, p, c)
         if projected or update <= UPDATED:
             for k in range(m.storages):
                 s.move[k] = s.y[k]
@@ -344,7 +344,7 @@ def newton_step_of(e: Engine, s: Stepping, p: Ports, c: Coupled) -> int:
     return no_convergence(e)
 
 
-def advance_newton(e: Engine, s: Stepping, c: Coupled) -> float:
+def advance_newton(e: Engine, s: Stepping, p: Ports, c: Coupled) -> float:
     """Go to the end that an iteration has found; return how far that was, in its own measure.
 
     `s.free` is `l` before it, `s.mean` the bond variables.
@@ -361,12 +361,14 @@ def advance_newton(e: Engine, s: Stepping, c: Coupled) -> float:
         if not math.isfinite(change):
             update = math.inf
     # where nothing acts on a bond but the rounding of other laws, that is all it has
+    measure_rounding(m, s, p, c)
     for b in range(2 * m.bonds):
         rest = 0.0
         scale = math.fabs(s.mean[b]) + math.fabs(s.base[b])
         for j in range(m.ports):
             gain = c.gain.at[b * m.ports + j]
-            rest += gain * (s.l[j] - s.free[j])
+            if math.fabs(s.l[j] - s.free[j]) > s.rounded[j]:
+                rest += gain * (s.l[j] - s.free[j])
             scale += math.fabs(gain) * (math.fabs(s.l[j]) + LAW_DUST_PART * s.unit[j])
         if scale > 0.0:
             update = max(update, 1e-2 * math.fabs(rest) / scale)
