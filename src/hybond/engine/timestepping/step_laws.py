@@ -276,11 +276,14 @@ def keeps_laws(e: Engine, s: Stepping, c: Coupled) -> bool:
     for k in range(n):
         w = p.moved[k] if p.role[k] == ONE_SIDED else p.q[k]
         size = math.fabs(w)
+        able = 0.0
         for j in range(n):
             w += c.m.at[k * n + j] * s.l[j]
             size += math.fabs(c.m.at[k * n + j]) * math.fabs(s.l[j])
+            able += math.fabs(c.m.at[k * n + j]) * limit_of(s, p, j)
         s.wl[k] = w
-        off = KEEPS * size
+        # beside friction that carries nothing there is rounding of what it could carry
+        off = max(KEEPS * size, ROUNDED_VALUE * able)
         own = math.fabs(c.m.at[k * n + k])
         if not math.isfinite(w):
             return False
@@ -293,6 +296,16 @@ def keeps_laws(e: Engine, s: Stepping, c: Coupled) -> bool:
         if p.role[k] == TWO_SIDED and m.port_planar[k] == 0 and not keeps_friction(s, p, k, off):
             return False
     return True
+
+
+def limit_of(s: Stepping, p: LawProblem, k: int) -> float:
+    """Return what friction may hold, with what is found; zero of other laws."""
+    if p.role[k] != TWO_SIDED:
+        return 0.0
+    limit = p.limit[k]
+    for j in range(p.n):
+        limit += p.slope[k * p.n + j] * s.l[j]
+    return math.fabs(limit)
 
 
 def keeps_friction(s: Stepping, p: LawProblem, k: int, off: float) -> bool:
