@@ -53,6 +53,7 @@ from hybond.engine.timestepping.matrices import (
     take_coupled,
 )
 from hybond.engine.timestepping.step_laws import (
+    AT_REST,
     close_half_way,
     read_step_laws,
     solve_step_laws,
@@ -74,8 +75,6 @@ LAW_DUST_PART: Final = 1e-3
 """Part of the largest bond variable of its kind down to which the digits of `l` count."""
 GIVES_PART: Final = 1e-12
 """Share of the largest energy of its part so far from which a law gives more than rounding."""
-AT_REST: Final = 1e-9
-"""Part of the largest approach so far below which a contact counts as at rest."""
 
 
 def write_state(e: Engine, v: Floats, state: Ints) -> None:
