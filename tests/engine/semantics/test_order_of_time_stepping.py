@@ -128,3 +128,25 @@ def test_a_block_at_rest_stays_at_rest_in_few_steps(case: tuple, options: dict) 
         assert run[name].at(0.1) == pytest.approx(0.0, abs=1e-12)
     assert run["c1.e"].at(0.05) == pytest.approx(G / 2.0, rel=1e-9)
     assert run["c2.e"].at(0.05) == pytest.approx(G / 2.0, rel=1e-9)
+
+
+@pytest.mark.parametrize("theta", [0.5, 1.0])
+@pytest.mark.parametrize("parts", [(0.5,), (0.15, 0.35)])
+@pytest.mark.parametrize("ratio", [3.0, -0.7, 1.0 / 3.0])
+def test_what_friction_holds_behind_gears_stands_still(
+    ratio: float, parts: tuple[float, ...], theta: float
+) -> None:
+    """Nothing has moved, to the last bit, and nothing is left that energy could be wrong by."""
+    m = hb.Model("held", domain="rotational")
+    m.add(T=hb.Se("5*sin(3*time)"), w=hb.One(), u=hb.One(), J=hb.I(0.2), gears=hb.TF(ratio))
+    m.add(r=hb.One(law="coulomb", limit=2.0 * abs(5.0 / ratio)))
+    m.bond("T -> w -> gears -> u -> r", "w -> J")
+    for k, part in enumerate(parts):
+        m.add(**{f"K{k}": hb.I(part)})
+        m.bond(f"u -> K{k}")
+    run = stepped(m, 1.0, 1e-3, theta)
+    assert run.final["J.p"] == 0.0
+    assert run.audit().holds()
+    # what a law gives is of the step, and torque at its middle if theta is 1/2
+    mean = 5.0 * np.sin(3.0 * (0.5 - 1e-3 * (1.0 - theta)))
+    assert run["r.e"].at(0.5) == pytest.approx(mean / ratio, rel=1e-5)

@@ -32,6 +32,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.products import all_finite
+from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.complementarity.law_roles import ONE_SIDED
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.inputs.interval import set_time
@@ -75,6 +76,8 @@ LAW_DUST_PART: Final = 1e-3
 """Part of the largest bond variable of its kind down to which the digits of `l` count."""
 GIVES_PART: Final = 1e-12
 """Share of the largest energy of its part so far from which a law gives more than rounding."""
+AT_END: Final = 4.0 * EPSILON
+"""Part of its terms that a few operations leave of a state that laws bring to zero."""
 
 
 def write_state(e: Engine, v: Floats, state: Ints) -> None:
@@ -228,9 +231,14 @@ def straight_step(e: Engine, s: Stepping, p: Ports, c: Coupled) -> int:
     if solve_step_laws(e, s, p, c, s.base, True) != OK:
         return REFUSED
     for k in range(n):
+        size = math.fabs(s.y[k])
         for j in range(m.ports):
             if s.l[j] != 0.0:
                 s.y[k] += c.push.at[k * m.ports + j] * s.l[j]
+                size += math.fabs(c.push.at[k * m.ports + j] * s.l[j])
+        # what laws bring to rest is at rest, and not at what rounding leaves of its terms
+        if math.fabs(s.y[k]) <= AT_END * size:
+            s.y[k] = 0.0
     for b in range(2 * m.bonds):
         s.without[b] = s.base[b]
     if (m.integrals > 0 or theta < 1.0) and rates_at(e, s, p, s.y, s.nothing, s.rate) != OK:
