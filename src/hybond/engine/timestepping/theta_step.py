@@ -164,6 +164,8 @@ def end_of_step(e: Engine, s: Stepping, t1: float, h: float) -> int:
         s.explicit[k] = e.y[k] + h * (1.0 - s.theta) * s.rate0[k]
     for k in range(m.ports):
         s.l[k] = 0.0
+    if c.straight and c.outgrown:
+        return no_convergence(e)
     found = straight_step(e, s, p, c) if c.straight else newton_step_of(e, s, p, c)
     if found != OK:
         return REFUSED
@@ -339,7 +341,10 @@ def newton_step_of(e: Engine, s: Stepping, p: Ports, c: Coupled) -> int:
                 moved = moved or s.y[k] != s.move[k]
                 far = far or not math.fabs(s.y[k] - s.move[k]) <= NEAR_END * s.weight[k]
             if projected or not moved:
-                return implicit(e, s, p, s.y, s.l)
+                # slopes may be those of a point on the way
+                if c.outgrown and find_slopes(e, s, p, c, s.y, s.l) != OK:
+                    return REFUSED
+                return no_convergence(e) if c.outgrown else implicit(e, s, p, s.y, s.l)
             # back on the constraints; the laws once more, from there
             projected = True
             c.known = c.known and not far
