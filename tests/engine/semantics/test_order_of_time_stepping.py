@@ -189,3 +189,4 @@ def test_what_grows_within_a_step_is_refused_and_not_made_to_decay(kind: str, th
     slower = stepped(growing(kind, 30.0), 0.02, 1e-4, theta)
     assert slower.status == "ok"
     assert slower.final["m.f"] == pytest.approx(np.exp(0.6), rel=2e-2)
+    assert slower.audit().holds()
