@@ -45,6 +45,33 @@ def test_friction_that_leans_on_a_stop_holds_up_to_its_breakaway(
     assert run.mode["v"] == "backward"
 
 
+@pytest.mark.parametrize("bounces", [0.0, 0.2])
+@pytest.mark.parametrize(("falls", "step"), [(12.0, 1e-3), (12.0, 7e-4), (10.0, 2e-3)])
+@pytest.mark.parametrize(("rubs", "holds"), [(0.3, 1.4), (0.2, 1.4), (0.3, 1.0)])
+@pytest.mark.parametrize("theta", [0.5, 1.0])
+def test_a_push_against_a_stop_passes_through_zero(
+    theta: float, rubs: float, holds: float, falls: float, step: float, bounces: float
+) -> None:
+    """2 kg on a floor that carries 20 N leave the stop when they are pulled by what friction holds.
+
+    Where the push is zero both friction and stop carry rounding of what friction could hold.
+    """
+    m = hb.Model("pressed")
+    m.add(F=hb.Se(f"if time < 1 then 15 else 15 - {falls}*(time - 1)"), mx=hb.I(2.0, f=0.2))
+    m.add(vx=hb.One(law="coulomb", limit=f"{rubs}*fl.e", breakaway=f"{rubs * holds}*fl.e"))
+    m.add(st=hb.Zero(law="unilateral", gap="0.02 - x", restitution=bounces), wl=hb.Sf(0.0))
+    m.add(W=hb.Se(-20.0), vy=hb.One(), my=hb.I(2.0), fl=hb.Zero(law="unilateral", gap="y"))
+    m.bond("W -> vy -> my", "fl -> vy", "F -> vx -> mx", "vx -> st -> wl")
+    m.signal(x=hb.Integral("vx.f"), y=hb.Integral("vy.f"))
+    leaves = 1.0 + (15.0 + 20.0 * rubs * holds) / falls
+    until = leaves + 0.3
+    run = hb.simulate(m, until, solver="moreau-jean", step=step, theta=theta)
+    net = 20.0 * rubs * (holds - 1.0)
+    speed = -(net * 0.3 + falls * 0.3**2 / 2.0) / 2.0
+    assert run.final["mx.f"] == pytest.approx(speed, abs=10.0 * step)
+    assert run.final["x"] < 0.02
+
+
 def block(push: str, speed: float, way: float, turned: bool) -> hb.Model:
     """0.4 kg on a table that holds 6 N and drags with 2 N; a swing that touches nothing beside."""
     m = hb.Model("block", domain="translational")

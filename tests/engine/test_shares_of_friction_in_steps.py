@@ -17,6 +17,7 @@ BESIDE = {
     "a belt": ("belt",),
     "limits that follow a floor": ("floor",),
     "limits that follow one that is far": ("far",),
+    "one that slides behind a lever": ("slider",),
 }
 
 
@@ -33,6 +34,10 @@ def held(lever: str, beside: tuple[str, ...], backwards: bool) -> hb.Model:
     if "belt" in beside:
         m.add(s=hb.Sf(-0.08), z=hb.Zero(), b=hb.One(law="coulomb", limit="0.6"))
         m.bond("s -> z -> v", "z -> b")
+    if "slider" in beside:
+        m.add(turns=hb.TF("1.2 + 0.5*sin(2*y)"), c=hb.One(), C=hb.I(1.1))
+        m.add(slips=hb.One(law="coulomb", limit="0.1"))
+        m.bond("u -> turns -> c -> C", "c -> slips")
     if {"floor", "far"} & set(beside):
         gap = "1 + h" if "far" in beside else "h"
         m.add(n=hb.Zero(law="unilateral", gap=gap), wall=hb.Sf(0.0), q=hb.One(), B=hb.I(1.0))

@@ -128,3 +128,65 @@ def test_a_block_at_rest_stays_at_rest_in_few_steps(case: tuple, options: dict) 
         assert run[name].at(0.1) == pytest.approx(0.0, abs=1e-12)
     assert run["c1.e"].at(0.05) == pytest.approx(G / 2.0, rel=1e-9)
     assert run["c2.e"].at(0.05) == pytest.approx(G / 2.0, rel=1e-9)
+
+
+@pytest.mark.parametrize("theta", [0.5, 1.0])
+@pytest.mark.parametrize("parts", [(0.5,), (0.15, 0.35)])
+@pytest.mark.parametrize("ratio", [3.0, -0.7, 1.0 / 3.0])
+def test_what_friction_holds_behind_gears_stands_still(
+    ratio: float, parts: tuple[float, ...], theta: float
+) -> None:
+    """Nothing has moved, to the last bit, and nothing is left that energy could be wrong by."""
+    m = hb.Model("held", domain="rotational")
+    m.add(T=hb.Se("5*sin(3*time)"), w=hb.One(), u=hb.One(), J=hb.I(0.2), gears=hb.TF(ratio))
+    m.add(r=hb.One(law="coulomb", limit=2.0 * abs(5.0 / ratio)))
+    m.bond("T -> w -> gears -> u -> r", "w -> J")
+    for k, part in enumerate(parts):
+        m.add(**{f"K{k}": hb.I(part)})
+        m.bond(f"u -> K{k}")
+    run = stepped(m, 1.0, 1e-3, theta)
+    assert run.final["J.p"] == 0.0
+    assert run.audit().holds()
+    # what a law gives is of the step, and torque at its middle if theta is 1/2
+    mean = 5.0 * np.sin(3.0 * (0.5 - 1e-3 * (1.0 - theta)))
+    assert run["r.e"].at(0.5) == pytest.approx(mean / ratio, rel=1e-5)
+
+
+def growing(kind: str, rate: float) -> hb.Model:
+    """Return something that grows by itself as ``exp(rate t)``, passive stiff things beside it."""
+    m = hb.Model("growing")
+    m.add(n=hb.Zero(), c=hb.C(1e-9, e=1.0), g=hb.R(1e-3), d=hb.One(law="diode"), o=hb.Se(0.0))
+    m.bond("n -> c", "n -> g", "n -> d", "o -> d")
+    m.add(v=hb.One(), m=hb.I(2.0, f=1.0))
+    m.bond("v -> m")
+    if kind == "damper":
+        m.add(r=hb.R(-2.0 * rate))
+        m.bond("v -> r")
+    if kind == "behind a lever":
+        m.add(r=hb.R(-2.0 * rate / 9.0), t=hb.TF(3.0), u=hb.One())
+        m.bond("v -> t -> u -> r")
+    if kind == "spring":
+        m.add(k=hb.Se(f"{2.0 * rate**2}*x"))
+        m.bond("k -> v")
+    if kind == "a force that reads":
+        m.add(k=hb.Se(f"{2.0 * rate}*v.f + 1e-9*sin(v.f)"))
+        m.bond("k -> v")
+    if kind == "turned over":
+        m.add(k=hb.Se(f"{2.0 * rate**2}*sin(x)"))
+        m.bond("k -> v")
+    m.signal(x=hb.Integral("v.f", start=1.0 / rate))
+    return m
+
+
+@pytest.mark.parametrize("theta", [0.5, 1.0])
+@pytest.mark.parametrize(
+    "kind", ["damper", "behind a lever", "spring", "a force that reads", "turned over"]
+)
+def test_what_grows_within_a_step_is_refused_and_not_made_to_decay(kind: str, theta: float) -> None:
+    """Backward Euler turns ``exp(3)`` in a step into -1/2, and nothing tells it from a decay."""
+    with pytest.raises(hb.HybondError, match="HB-N310"):
+        stepped(growing(kind, 3000.0), 0.1, 1e-3, theta)
+    slower = stepped(growing(kind, 30.0), 0.02, 1e-4, theta)
+    assert slower.status == "ok"
+    assert slower.final["m.f"] == pytest.approx(np.exp(0.6), rel=2e-2)
+    assert slower.audit().holds()

@@ -288,10 +288,12 @@ def _created_by_steps(signals: Signals, segment: Segment) -> tuple[float, float]
 
     A step loses energy in impacts, and by damping if theta is above 1/2. It should not have more at
     its end than what it began with and was supplied. It may, where a law lets go or takes hold
-    within it, the less the shorter it is.
+    within it, the less the shorter it is. What resistances give on balance is supplied, too: one
+    may be negative.
     """
     stored = signals.stored(segment.y)
     supplied, dissipated = segment.y[:, -2], segment.y[:, -1]
-    created = np.maximum(np.diff(stored - supplied), 0.0)
+    given = np.diff(supplied) - np.minimum(np.diff(dissipated), 0.0)
+    created = np.maximum(np.diff(stored) - given, 0.0)
     passed = float(np.abs(np.diff(supplied)).sum() + np.abs(np.diff(dissipated)).sum())
     return float(created.sum()), max(float(np.abs(stored).max()), passed)

@@ -39,10 +39,12 @@ from hybond.engine.timestepping.step_records import (
     Stepping,
     make_coupled,
 )
-from hybond.engine.words import Floats, some
+from hybond.engine.words import Floats, Ints, some
 
 IDLE_PART: Final = 1e-14
 """Part of the largest response below which a law does nothing."""
+DOUBTFUL_PIVOT: Final = 1e-8
+"""Part of the largest entry of its row below which a pivot may have lost its sign to rounding."""
 NEARBY: Final = 1e-7
 """Difference quotients: part of a variable's size."""
 
@@ -240,9 +242,14 @@ def invert_step(e: Engine, s: Stepping, p: Ports, c: Coupled) -> int:
         s.square.at[i] *= -c.h
     for k in range(n):
         s.square.at[k * n + k] += 1.0
+    for k in range(n):
+        s.change[k] = 0.0
+        for j in range(n):
+            s.change[k] = max(s.change[k], math.fabs(s.square.at[k * n + j]))
     if lu_invert(n, s.square.at, s.row, c.inverse.at) == SINGULAR:
         why = "a step of this length has no end: its equations are singular"
         return say_fault(e, "HB-N310", why, "")
+    c.outgrown = is_negative(n, s.square.at, s.row, s.change)
     for i in range(n * m.ports):
         s.square.at[n * n + i] = c.h * c.push.at[i]
     for i in range(n):
@@ -261,6 +268,28 @@ def invert_step(e: Engine, s: Stepping, p: Ports, c: Coupled) -> int:
     c.still = NOT_LOOKED
     c.known = True
     return OK
+
+
+def is_negative(n: int, factor: Floats, row: Ints, size: Floats) -> bool:
+    """Whether a determinant is negative beyond doubt; `size` are the largest entries of rows.
+
+    Where nothing grows it is one and more. What grows by itself faster than in the length of a step
+    makes it pass through zero: backward Euler would let that decay.
+    """
+    odd = False
+    for k in range(n):
+        p = row[k]
+        if p != k:
+            odd = not odd
+            kept = size[k]
+            size[k] = size[p]
+            size[p] = kept
+        pivot = factor[k * n + k]
+        if pivot < 0.0:
+            odd = not odd
+        if math.fabs(pivot) <= DOUBTFUL_PIVOT * size[k]:
+            return False
+    return odd
 
 
 def couple_laws(m: Model, p: Ports, c: Coupled) -> None:

@@ -30,6 +30,8 @@ from hybond.engine.words import Floats, Ints
 
 REGULAR_ENOUGH: Final = 1e9
 """Condition up to which a balanced matrix is clearly not singular."""
+NOTHING_PART: Final = 1e-10
+"""Part of a balanced matrix that counts as nothing."""
 
 
 def room_for(e: Engine) -> Svd:
@@ -69,7 +71,7 @@ def find_still(e: Engine, s: Stepping, p: Ports, c: Coupled) -> int:
         put_power(n, a.flows.at, c.semidefinite > 0, s)
     fit(c.basis, n * n)
     room = room_for(e)
-    many = null_space(room, n, n, a.seen.at, 1e-10, c.basis.at)
+    many = null_space(room, n, n, a.seen.at, NOTHING_PART, c.basis.at)
     for j in range(many):
         most = 0.0
         for k in range(n):
@@ -176,11 +178,18 @@ def share(e: Engine, s: Stepping, p: Ports, c: Coupled) -> None:
         for j in range(many):
             total = 0.0
             size = 0.0
+            noise = 0.0
             for i in range(n):
                 term = c.m.at[k * n + i] * a.basis.at[i * many + j]
                 total += term
                 size += math.fabs(term)
-            a.basis.at[(n + k) * many + j] = 0.0 if math.fabs(total) <= 1e-7 * size else total
+                # a difference quotient that should be zero is rounding of what the two laws do
+                both = math.sqrt(math.fabs(c.m.at[k * n + k] * c.m.at[i * n + i]))
+                noise += both * math.fabs(a.basis.at[i * many + j])
+            still = math.fabs(total) <= MOVES_PART * size
+            if not c.straight:
+                still = still or math.fabs(total) <= NOTHING_PART * noise
+            a.basis.at[(n + k) * many + j] = 0.0 if still else total
     others = put_leaks(e, s, p, c)
     room = room_for(e)
     if not least_shares(room, 2 * n, many, others, a):

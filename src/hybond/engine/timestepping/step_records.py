@@ -25,7 +25,8 @@ class Coupled:
     `inverse` is that of one minus `h` times the rates by the states, `push` the state at the end by
     `l`, `m` the `w` of laws by `l`. Where all but the laws is linear, `straight`, they hold at
     every point. `still` columns of `basis` are the `l` by which two solutions may differ; where one
-    of them `moves` a `w`, what they spend together has to be nothing.
+    of them `moves` a `w`, what they spend together has to be nothing. What grows by itself within
+    a step has `outgrown` it.
     """
 
     place: int
@@ -38,6 +39,7 @@ class Coupled:
     """Of these matrices among all that were made."""
     known: bool
     straight: bool
+    outgrown: bool
     n: int
     state: Block
     direct: Block
@@ -127,6 +129,8 @@ class Stepping:
     restitution: Floats
     free: Floats
     doubt: Floats
+    rounded: Floats
+    """What rounding of its `w` makes of each `l`."""
     l: Floats
     wl: Floats
     branch: Ints
@@ -208,6 +212,7 @@ def make_stepping(m: Model) -> Stepping:
     s.restitution = floats(n)
     s.free = floats(n)
     s.doubt = floats(n)
+    s.rounded = floats(n)
     s.l = floats(n)
     s.wl = floats(n)
     s.branch = ints(n)

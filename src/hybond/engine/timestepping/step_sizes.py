@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import math
+from typing import Final
 
 from hybond.engine.engine import OK, Engine
 from hybond.engine.laws.law_records import Ports
-from hybond.engine.laws.ports import open_mode
+from hybond.engine.laws.ports import open_mode, partner_row
 from hybond.engine.mode.reach import reach_of
 from hybond.engine.mode.tableau import COMMON
 from hybond.engine.model import Model
 from hybond.engine.timestepping.matrices import rates_at
-from hybond.engine.timestepping.step_records import Stepping
+from hybond.engine.timestepping.step_records import Coupled, Stepping
+
+ROUNDED_PART: Final = 1e-14
+"""Part of the terms of a law's `w` that rounding leaves of it in a few operations."""
 
 
 def measure_step(e: Engine, s: Stepping, p: Ports, h: float) -> None:
@@ -72,3 +76,23 @@ def island_of_port(m: Model, k: int) -> int:
     """Return the island of the junction of port k; of one without bonds the first."""
     at = m.end_first[m.port_junction[k]]
     return m.bond_island[m.end_bond[at]] if at < m.end_first[m.port_junction[k] + 1] else 0
+
+
+def measure_rounding(m: Model, s: Stepping, p: Ports, c: Coupled) -> None:
+    """Find what rounding of its `w` makes of each law's `l`.
+
+    It is all that friction has that carries nothing: what rolls freely is held together by forces
+    that are rounding of its speed, over the little by which a force changes that in a step.
+    """
+    n = m.ports
+    for k in range(n):
+        size = 0.0
+        row = partner_row(p, k)
+        for i in range(m.pair_first[row], m.pair_first[row + 1]):
+            b = m.pair_column[i]
+            terms = math.fabs(s.mean[b]) + math.fabs(s.base[b])
+            for z in range(c.n):
+                terms += math.fabs(c.state.at[b * c.n + z] * s.y[z])
+            size += math.fabs(m.pair_value[i]) * terms
+        own = math.fabs(c.m.at[k * n + k])
+        s.rounded[k] = ROUNDED_PART * size / own if own > 0.0 else 0.0

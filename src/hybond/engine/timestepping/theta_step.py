@@ -32,6 +32,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.products import all_finite
+from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.complementarity.law_roles import ONE_SIDED
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.inputs.interval import set_time
@@ -53,12 +54,13 @@ from hybond.engine.timestepping.matrices import (
     take_coupled,
 )
 from hybond.engine.timestepping.step_laws import (
+    AT_REST,
     close_half_way,
     read_step_laws,
     solve_step_laws,
 )
 from hybond.engine.timestepping.step_records import Coupled, Stepping
-from hybond.engine.timestepping.step_sizes import measure_step
+from hybond.engine.timestepping.step_sizes import measure_rounding, measure_step
 from hybond.engine.words import Floats, Ints
 
 NEWTON_ROUNDS: Final = 40
@@ -67,12 +69,15 @@ SLOW_UPDATE: Final = 0.2
 """An update that is not reduced to this part asks for new slopes."""
 UPDATED: Final = 1e-11
 """Newton ends when an update is below this part of what is updated."""
+NEAR_END: Final = 1e-6
+"""An update below this part of what is updated leaves slopes as they are, for what shares are to
+be and what is put back on its constraints: the error of what follows is that part of the update."""
 LAW_DUST_PART: Final = 1e-3
 """Part of the largest bond variable of its kind down to which the digits of `l` count."""
 GIVES_PART: Final = 1e-12
 """Share of the largest energy of its part so far from which a law gives more than rounding."""
-AT_REST: Final = 1e-9
-"""Part of the largest approach so far below which a contact counts as at rest."""
+AT_END: Final = 4.0 * EPSILON
+"""Part of its terms that a few operations leave of a state that laws bring to zero."""
 
 
 def write_state(e: Engine, v: Floats, state: Ints) -> None:
@@ -159,6 +164,8 @@ def end_of_step(e: Engine, s: Stepping, t1: float, h: float) -> int:
         s.explicit[k] = e.y[k] + h * (1.0 - s.theta) * s.rate0[k]
     for k in range(m.ports):
         s.l[k] = 0.0
+    if c.straight and c.outgrown:
+        return no_convergence(e)
     found = straight_step(e, s, p, c) if c.straight else newton_step_of(e, s, p, c)
     if found != OK:
         return REFUSED
@@ -226,9 +233,14 @@ def straight_step(e: Engine, s: Stepping, p: Ports, c: Coupled) -> int:
     if solve_step_laws(e, s, p, c, s.base, True) != OK:
         return REFUSED
     for k in range(n):
+        size = math.fabs(s.y[k])
         for j in range(m.ports):
             if s.l[j] != 0.0:
                 s.y[k] += c.push.at[k * m.ports + j] * s.l[j]
+                size += math.fabs(c.push.at[k * m.ports + j] * s.l[j])
+        # what laws bring to rest is at rest, and not at what rounding leaves of its terms
+        if math.fabs(s.y[k]) <= AT_END * size:
+            s.y[k] = 0.0
     for b in range(2 * m.bonds):
         s.without[b] = s.base[b]
     if (m.integrals > 0 or theta < 1.0) and rates_at(e, s, p, s.y, s.nothing, s.rate) != OK:
@@ -287,10 +299,14 @@ def newton_step_of(e: Engine, s: Stepping, p: Ports, c: Coupled) -> int:
     last = math.inf
     projected = False
     first = True
+    of_step = not c.known
     for _ in range(NEWTON_ROUNDS):
-        # what levers share depends on how they stand, and older slopes do not say that
-        if (not c.known or c.still > 0) and find_slopes(e, s, p, c, s.y, s.l) != OK:
-            return REFUSED
+        # what levers share depends on how they stand, and slopes of an earlier step do not say that
+        stands = c.still <= 0 or first or (of_step and last <= NEAR_END)
+        if not (c.known and stands):
+            if find_slopes(e, s, p, c, s.y, s.l) != OK:
+                return REFUSED
+            of_step = True
         if implicit(e, s, p, s.y, s.l) != OK:
             return REFUSED
         move(s, c)
@@ -313,20 +329,25 @@ def newton_step_of(e: Engine, s: Stepping, p: Ports, c: Coupled) -> int:
             s.doubt[k] = 0.0
         if solve_step_laws(e, s, p, c, s.base, False) != OK:
             return REFUSED
-        update = advance_newton(e, s, c)
+        update = advance_newton(e, s, p, c)
         if projected or update <= UPDATED:
             for k in range(m.storages):
                 s.move[k] = s.y[k]
             if constrain(e, s, p) != OK:
                 return REFUSED
             moved = False
+            far = False
             for k in range(m.storages):
                 moved = moved or s.y[k] != s.move[k]
+                far = far or not math.fabs(s.y[k] - s.move[k]) <= NEAR_END * s.weight[k]
             if projected or not moved:
-                return implicit(e, s, p, s.y, s.l)
+                # slopes may be those of a point on the way
+                if c.outgrown and find_slopes(e, s, p, c, s.y, s.l) != OK:
+                    return REFUSED
+                return no_convergence(e) if c.outgrown else implicit(e, s, p, s.y, s.l)
             # back on the constraints; the laws once more, from there
             projected = True
-            c.known = False
+            c.known = c.known and not far
             continue
         if not update <= SLOW_UPDATE * last:
             c.known = False
@@ -335,7 +356,7 @@ def newton_step_of(e: Engine, s: Stepping, p: Ports, c: Coupled) -> int:
     return no_convergence(e)
 
 
-def advance_newton(e: Engine, s: Stepping, c: Coupled) -> float:
+def advance_newton(e: Engine, s: Stepping, p: Ports, c: Coupled) -> float:
     """Go to the end that an iteration has found; return how far that was, in its own measure.
 
     `s.free` is `l` before it, `s.mean` the bond variables.
@@ -352,12 +373,14 @@ def advance_newton(e: Engine, s: Stepping, c: Coupled) -> float:
         if not math.isfinite(change):
             update = math.inf
     # where nothing acts on a bond but the rounding of other laws, that is all it has
+    measure_rounding(m, s, p, c)
     for b in range(2 * m.bonds):
         rest = 0.0
         scale = math.fabs(s.mean[b]) + math.fabs(s.base[b])
         for j in range(m.ports):
             gain = c.gain.at[b * m.ports + j]
-            rest += gain * (s.l[j] - s.free[j])
+            if math.fabs(s.l[j] - s.free[j]) > s.rounded[j]:
+                rest += gain * (s.l[j] - s.free[j])
             scale += math.fabs(gain) * (math.fabs(s.l[j]) + LAW_DUST_PART * s.unit[j])
         if scale > 0.0:
             update = max(update, 1e-2 * math.fabs(rest) / scale)

@@ -1,0 +1,72 @@
+"""Bodies that have met strike as one in fixed steps, wherever the step of the impact left them."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+import hybond as hb
+
+STEPS = (1e-3, 7e-4, 5e-4, 3.3e-4)
+
+
+def carts(masses: tuple[float, ...], pull: float, ratio: float) -> hb.Model:
+    """A row of carts, the last of which runs into the others; a wall before the first one."""
+    m = hb.Model("carts")
+    last = len(masses) - 1
+    m.add(wall=hb.Sf(0.0), buffer=hb.Zero(law="unilateral", gap="1 - x0", restitution=0.6))
+    m.bond("v0 -> buffer -> wall")
+    for k, mass in enumerate(masses):
+        m.add(**{f"v{k}": hb.One(), f"g{k}": hb.Se(pull * mass)})
+        # behind a lever the same cart is another mass that moves faster
+        m.add(**{f"l{k}": hb.TF(ratio), f"u{k}": hb.One()})
+        m.add(**{f"m{k}": hb.I(mass / ratio**2, f=ratio if k == last else 0.0)})
+        m.bond(f"g{k} -> v{k} -> l{k} -> u{k} -> m{k}")
+        m.signal(**{f"x{k}": hb.Integral(f"v{k}.f", start=-0.2 * k)})
+        if k:
+            m.add(**{f"c{k}": hb.Zero(law="unilateral", gap=f"x{k - 1} - x{k} - 0.1")})
+            m.bond(f"v{k} -> c{k}", f"c{k} -> v{k - 1}")
+    return m
+
+
+def met(masses: tuple[float, ...], pull: float, after: float) -> tuple[float, float]:
+    """Return a time after the wall is struck, and where the first cart is then.
+
+    What meets goes on together, the wall gives back 0.6.
+    """
+    total = masses[-1]
+    x, v, t = -0.2 * (len(masses) - 1), 1.0, 0.0
+    for k in range(len(masses) - 2, -1, -1):
+        # both are pulled alike, so that the distance closes at the relative speed alone
+        other = pull * t
+        wait = 0.1 / (v - other)
+        x += v * wait + pull * wait**2 / 2.0
+        v += pull * wait
+        other += pull * wait
+        t += wait
+        v = (total * v + masses[k] * other) / (total + masses[k])
+        total += masses[k]
+        x += 0.1
+    gap = 1.0 - x
+    wait = gap / v if pull == 0.0 else (math.sqrt(v**2 + 2.0 * pull * gap) - v) / pull
+    v = -0.6 * (v + pull * wait)
+    return t + wait + after, 1.0 + v * after + pull * after**2 / 2.0
+
+
+@pytest.mark.parametrize("theta", [0.5, 1.0])
+@pytest.mark.parametrize("pull", [0.0, 9.81])
+@pytest.mark.parametrize(
+    ("masses", "ratio"),
+    [((1.0, 1.5), 1.0), ((3.0, 0.7), 1.0), ((0.5, 1.0, 2.0), 1.0), ((1.0, 1.5), 0.3)],
+    ids=["two", "a light one behind", "three", "behind levers"],
+)
+def test_bodies_that_have_met_strike_as_one(
+    masses: tuple[float, ...], ratio: float, pull: float, theta: float
+) -> None:
+    model = carts(masses, pull, ratio)
+    until, right = met(masses, pull, after=0.3)
+    assert hb.simulate(model, until).final["x0"] == pytest.approx(right, abs=1e-7)
+    for step in STEPS:
+        run = hb.simulate(model, until, solver="moreau-jean", step=step, theta=theta)
+        assert run.final["x0"] == pytest.approx(right, abs=8.0 * step)
