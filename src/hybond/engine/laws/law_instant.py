@@ -36,6 +36,8 @@ LOCATED: Final = 0.02
 """Part of that zero from which on guards may be located."""
 CLOSED: Final = 1e-10
 """Part of the largest gap so far below which a gap is closed."""
+JUMPED: Final = 1e-9
+"""Part of the largest gap by which a gap opens at least that jumps."""
 NO_LAW_VALUE: Final = -2
 """What stands for an option that a law does not have; -1 is a constant."""
 
@@ -138,7 +140,8 @@ def find_able(e: Engine, r: Laws) -> int:
                     e.fault.t = r.v[0]
                     return REFUSED
             r.largest[k] = max(r.largest[k], math.fabs(gap))
-            r.able[k] = 1 if on or sign <= 0 or gap <= CLOSED * r.largest[k] else 0
+            stays = on and not is_left(r, k, gap, r.largest[k])
+            r.able[k] = 1 if stays or sign <= 0 or gap <= CLOSED * r.largest[k] else 0
         if m.port_gate[k] != NO_LAW_VALUE:
             gate = quantity(m, m.port_gate, m.port_gate_constant, k, r.v) != 0.0
             if m.port_gate_pair[k] >= 0:
@@ -152,6 +155,12 @@ def find_able(e: Engine, r: Laws) -> int:
                     return say_fault(e, "HB-J101", "a gate is not a number", place)
             r.able[k] = 1 if on or gate else 0
     return OK
+
+
+def is_left(r: Laws, k: int, gap: float, largest: float) -> bool:
+    """Whether contact k has been left by its gap, which was another just before the instant."""
+    least = JUMPED * largest
+    return r.gaps_noted and gap - r.gap_before[k] > least and gap > least
 
 
 def is_on(m: Model, k: int, state: int) -> bool:

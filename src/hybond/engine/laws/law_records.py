@@ -136,6 +136,9 @@ class Laws:
     rounding: Floats
     """What rounding of each `y` is measured by."""
     able: Ints
+    gaps_noted: bool
+    gap_before: Floats
+    """Gaps just before the instant that is settled, where they may jump."""
     comes: Ints
     """Machines of contacts that approach by what is stored: they strike in the next jump."""
     role: Ints
@@ -307,6 +310,7 @@ def make_laws(m: Model) -> Laws:
     r.q = floats(n)
     r.rounding = floats(n)
     r.able = ints(n)
+    r.gap_before = floats(n)
     r.comes = ints(m.machines)
     r.role = ints(n)
     r.start = ints(n)

@@ -6,8 +6,10 @@ from typing import Final
 
 from hybond.engine.engine import OK, Engine
 from hybond.engine.instant.instant import GUARD, LAW
+from hybond.engine.laws.gaps_left import forget_gaps, note_gaps, some_closed_move, some_is_left
+from hybond.engine.methods.dopri import spacing
 from hybond.engine.methods.scale import is_unmoved, start_scale
-from hybond.engine.methods.stepping import start
+from hybond.engine.methods.stepping import between, start
 from hybond.engine.run.guard_at_kink import (
     end_short_of_kink,
     last_before_kink,
@@ -19,7 +21,10 @@ from hybond.engine.run.noted import note
 from hybond.engine.run.roots_reached import rest_at_roots
 from hybond.engine.run.run_records import Run, bound_of
 from hybond.engine.run.source_jumps import jumps_onto_storage
+from hybond.engine.run.together import LAST_PLACES
 
+DOUBLED: Final = 16
+"""Times that the way back from a kink is doubled: it is found where it is past by rounding."""
 ANEW: Final = -2
 """A step has ended, and the next begins anew behind it."""
 
@@ -31,7 +36,26 @@ def pass_kink(e: Engine, r: Run, at: float) -> int:
     if jumps_onto_storage(e, r, at):
         report_step(e, r.report)
         return LAW if count_kink(e, r) == OK else -1
+    if leaves_contacts(e, r, at):
+        noted = note(e, r, e.step.t1, e.step.t1) == OK
+        return LAW if noted and count_kink(e, r) == OK else -1
     return go_behind(e, r)
+
+
+def leaves_contacts(e: Engine, r: Run, at: float) -> bool:
+    """Whether gaps of closed contacts jump open at the kink that has ended the step."""
+    if not some_closed_move(e) or e.slide.k > 0:
+        return False
+    reach = LAST_PLACES * spacing(at)
+    for _ in range(DOUBLED):
+        before = max(at - reach, e.step.t0)
+        between(e, before, r.rate)
+        note_gaps(e, before, r.rate)
+        if some_is_left(e, e.step.t1, e.step.y1):
+            return True
+        reach *= 2.0
+    forget_gaps(e)
+    return False
 
 
 def meet_kink(e: Engine, r: Run, at: float) -> int:

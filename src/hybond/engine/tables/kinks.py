@@ -54,6 +54,9 @@ def put_kinks(t: ModelTables) -> None:
             found.setdefault(a, node)
             said.setdefault(a, []).append(e)
             switches.setdefault(a, set()).add(_switch_of(t.graph, node))
+    for a, node in _left_at(t):
+        found.setdefault(a, node)
+        switches.setdefault(a, set()).add(-1)
     flat = _flat_at_zero(t)
     for read, _, node in flat:
         if simplify(Neg(read)) not in found:
@@ -110,6 +113,19 @@ def put_kinks(t: ModelTables) -> None:
     seen = sorted({t.slots.index[n] for a in levels for n in names(a)})
     t.ints["edge_bond"] = [k - bonds.start for k in seen if k in bonds]
     t.numbers["edge_bonds"] = len(t.ints["edge_bond"])
+
+
+def _left_at(t: ModelTables) -> list[tuple[Expr, int]]:
+    """Return where gaps of contacts jump, which a closed one sees at no guard of its own."""
+    if t.numbers["method"] not in FOLLOWED:
+        return []
+    return [
+        (a, node)
+        for k, node in zip(t.ints["port_gap"], t.ints["port_node"], strict=True)
+        if k >= 0 and any(moves(a) and not uses_pre(a) for a in jumping(t.values.all[k]))
+        for a in turning(t.values.all[k])
+        if moves(a) and not uses_pre(a)
+    ]
 
 
 def _decided_by(t: ModelTables) -> list[Expr]:

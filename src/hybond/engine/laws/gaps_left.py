@@ -1,0 +1,53 @@
+"""Contacts whose gap jumps away from them: the edge of a table, a hole that opens in a floor.
+
+A contact that is closed stays so for what it carries. Its gap is not asked, as it is zero but for
+what integration leaves of it. Where the gap has another value behind a kink than before it, with
+the same state, there is no contact any more: there it is asked as that of an open one.
+"""
+
+from __future__ import annotations
+
+import math
+
+from hybond.engine.answers import value
+from hybond.engine.engine import Engine
+from hybond.engine.laws.law_instant import is_left, is_on
+from hybond.engine.mode.values import set_state
+from hybond.engine.words import Floats
+
+
+def some_closed_move(e: Engine) -> bool:
+    """Whether there is a closed contact whose gap is not a constant."""
+    m = e.model
+    found = False
+    for k in range(m.ports):
+        found = found or (m.port_gap[k] >= 0 and is_on(m, k, e.state[m.port_machine[k]]))
+    return found
+
+
+def note_gaps(e: Engine, t: float, y: Floats) -> None:
+    """Note all gaps as they are before the instant that is to be settled."""
+    m = e.model
+    r = e.laws
+    set_state(e, e.mode, e.shown, t, y)
+    for k in range(m.ports):
+        r.gap_before[k] = value(m, m.port_gap[k], e.shown) if m.port_gap[k] >= 0 else math.inf
+    r.gaps_noted = True
+
+
+def some_is_left(e: Engine, t: float, y: Floats) -> bool:
+    """Whether a closed contact has been left by its gap since gaps were noted."""
+    m = e.model
+    r = e.laws
+    set_state(e, e.mode, e.shown, t, y)
+    found = False
+    for k in range(m.ports):
+        if m.port_gap[k] >= 0 and is_on(m, k, e.state[m.port_machine[k]]):
+            gap = value(m, m.port_gap[k], e.shown)
+            found = found or is_left(r, k, gap, max(r.largest[k], math.fabs(gap)))
+    return found
+
+
+def forget_gaps(e: Engine) -> None:
+    """Forget how gaps were: the instant is settled."""
+    e.laws.gaps_noted = False

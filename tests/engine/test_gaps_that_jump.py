@@ -1,0 +1,94 @@
+"""Contacts that are closed while their gap jumps: table edges, trapdoors, stairs.
+
+Right values are those of free fall: 10 m/s^2, from where the floor ends to where it goes on.
+"""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+import hybond as hb
+
+FALL = 10.0
+
+
+def block(gap, *, turned=False, restitution=None, rotational=False):
+    """A block of 2 kg at 3 m/s along a floor; the gap reads where it is."""
+    domain = "rotational" if rotational else "translational"
+    m = hb.Model("edge", domain=domain)
+    more = {} if restitution is None else {"restitution": restitution}
+    m.add(mx=hb.I(2.0, f=3.0), my=hb.I(2.0), vx=hb.One(), vy=hb.One(), w=hb.Se(-2.0 * FALL))
+    m.add(floor=hb.Zero(law="unilateral", gap=gap, **more))
+    if turned:
+        m.bond("floor -> vy", "mx -> vx", "my -> vy", "vy -> w")
+        m.signal(x=hb.Integral("vx.f"), y=hb.Integral("-my.f"))
+        return m
+    m.bond("w -> vy -> my", "floor -> vy", "vx -> mx")
+    m.signal(x=hb.Integral("vx.f"), y=hb.Integral("vy.f"))
+    return m
+
+
+def lands(drop, at):
+    """When a body lands that loses its floor at a time."""
+    return at + math.sqrt(2.0 * drop / FALL)
+
+
+@pytest.mark.parametrize("solver", ["auto", "rk45", "radau", "qss2"])
+@pytest.mark.parametrize(
+    "gap",
+    [
+        "if x < 1.5 then y else y + 0.8",
+        "y + 0.4*(1 + sign(x - 1.5))",
+        "if time < 0.5 then y else y + 0.8",
+    ],
+)
+def test_a_block_falls_off_the_edge_of_a_table(gap, solver):
+    """It slid on at the height of the table, status ok, audit holding."""
+    run = hb.simulate(block(gap), 1.2, solver=solver)
+    near = 1e-4 if solver == "qss2" else 1e-8
+    assert [e.t for e in run.events] == pytest.approx([0.0, 0.5, lands(0.8, 0.5)], abs=near)
+    assert run["y"].at(0.7) == pytest.approx(-0.5 * FALL * 0.2**2, abs=near)
+    assert run["y"].at(1.2) == pytest.approx(-0.8, abs=near)
+
+
+@pytest.mark.parametrize(
+    ("given", "drop"),
+    [({"rotational": True}, 0.8), ({"restitution": 0.0}, 0.8), ({}, 1e-7)],
+)
+def test_it_does_so_however_it_is_written(given, drop):
+    run = hb.simulate(block(f"if x < 1.5 then y else y + {drop}", **given), 1.2)
+    assert [e.t for e in run.events] == pytest.approx([0.0, 0.5, lands(drop, 0.5)], abs=1e-8)
+    assert run["y"].at(1.2) == pytest.approx(-drop, rel=1e-6)
+
+
+def test_stairs_are_gone_down_one_by_one():
+    run = hb.simulate(block("y + 0.05*floor(x/0.6)"), 1.05)
+    falls = [t for k in range(1, 6) for t in (0.2 * k, lands(0.05, 0.2 * k))]
+    expected = [0.0, *(t for t in falls if t < 1.05)]
+    assert [e.t for e in run.events] == pytest.approx(expected, abs=1e-8)
+
+
+def test_a_trapdoor_is_opened_by_a_machine():
+    m = block('if door.state == "shut" then y else y + 0.8')
+    m.add(lamp=hb.One(domain="electrical"), u=hb.Se(1.0, domain="electrical"))
+    m.add(r=hb.R(1.0, domain="electrical"))
+    m.bond("u -> lamp -> r")
+    m.machine(
+        "door",
+        states={"shut": ["lamp"], "ajar": []},
+        start="shut",
+        rules=["shut -> ajar when x > 1.5"],
+    )
+    run = hb.simulate(m, 1.2)
+    assert run["y"].at(0.7) == pytest.approx(-0.5 * FALL * 0.2**2, abs=1e-8)
+    assert run["y"].at(1.2) == pytest.approx(-0.8, abs=1e-8)
+
+
+@pytest.mark.parametrize("gap", ["if x < 1.5 then y else y + 0*x", "y + 0*abs(x - 1.5)"])
+def test_a_floor_that_goes_on_carries(gap):
+    run = hb.simulate(block(gap), 1.2)
+    assert len(run.events) == 1
+    assert run["y"].at(1.2) == pytest.approx(0.0, abs=1e-12)
+    assert run["floor.e"].at(1.0) == pytest.approx(2.0 * FALL, rel=1e-9)
