@@ -99,7 +99,7 @@ class Slide:
     first_met: Ints
     """Those met before any of them was left out."""
     twin: Ints
-    """Of each surface: one more than that met in its place if both machines move something, or 0."""
+    """Of each surface: 1 + that met in its place if the machines of both move something, or 0."""
     sides: Ints
     best: Ints
     best_product: bool
