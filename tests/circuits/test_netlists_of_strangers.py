@@ -188,3 +188,26 @@ def test_couplings_that_no_coils_have_are_told_their_remedy(read, couplings, rem
     coils = ("L1 a 0 1m", "L2 b 0 1m", "R2 b 0 1", "L3 c 0 1m", "R3 c 0 1")
     with pytest.raises(hb.FileError, match=f"HB-F141(.|\n)*of L1, L2, L3(.|\n)*{remedy}"):
         read("V1 a 0 SIN(0 1 1k)", *coils, *couplings, ".tran 0 1m")
+
+
+@pytest.mark.parametrize(
+    "rows",
+    [
+        ("Bh h 0 V={5-V(q)}", "S2 x 0 h 0 SW", "L1 x o 1m", "R1 o 0 5"),
+        ("Eh h 5 0 q 1", "V5 5 0 5", "S2 x 0 h 0 SW", "L1 x o 1m", "R1 o 0 5"),
+        ("Bh h 0 V={5-V(q)}", "S2 x 0 h 0 SW", "R1 x o 10", "C1 o 0 1u"),
+        ("S2 y 0 q 0 SW", "L2 in y 1m", "L1 x o 1m", "R1 o 0 5", "R2 x 0 100"),
+    ],
+    ids=["inverse", "inverse by E", "capacitor", "same gate"],
+)
+def test_switches_that_cross_at_one_gate_are_not_told_to_slide(read, rows):
+    found = read(
+        "V1 in 0 10", "Vt t 0 PULSE(0 5 0 1n 1n 40u 100u)", "Rt t tt 1k", "Ct tt 0 1n",
+        "Vcc cc 0 5", "Sc cc q tt 0 SX", "Rq q 0 1k", "S1 in x q 0 SW", *rows,
+        ".model SX SW(VT=2.5 VH=1 RON=1 ROFF=1g)", ".model SW SW(VT=2.5 VH=0 RON=10m ROFF=1g)",
+        ".tran 1u 0.5m",
+    )  # fmt: skip
+    run = hb.simulate(found.model)
+    assert len(run.events) > 8
+    assert not run.sliding
+    assert not run.warnings

@@ -41,12 +41,14 @@ LARGEST = 2000
 
 _TOKEN = re.compile(
     rf"\s*(?:(?P<number>{NUMERAL.pattern.replace('?P<scale>', '').replace('?P<unit>', '')})"
-    r"|(?P<name>read#[0-9]+|[A-Za-z_][A-Za-z0-9_.]*)|(?P<sign>\*\*|<=|>=|==|!=|&&|\|\||[-+*/^(){}?:,<>!]))",
+    r"|(?P<name>read#[0-9]+|[A-Za-z_][A-Za-z0-9_.]*)|(?P<sign>\*\*|<=|>=|==|!=|&&?|\|\|?|[-+*/^(){}?:,<>!]))",
     re.IGNORECASE,
 )
 _BINDS = {
     "||": 1,
+    "|": 1,
     "&&": 2,
+    "&": 2,
     "==": 3,
     "!=": 3,
     "<": 4,
@@ -361,13 +363,19 @@ def _as_condition(e: Expr) -> Expr:
     return Compare(">", Call("abs", (e,)), Number(0.0))
 
 
+def _as_gate(e: Expr) -> Expr:
+    """Return a number as the condition that it is above one half, as LTspice sees it."""
+    return _as_condition(e) if as_value(e) is not e else Compare(">", e, Number(0.5))
+
+
 def _chosen(condition: Expr, then: Expr, otherwise: Expr) -> Expr:
     return If(_as_condition(condition), as_value(then), as_value(otherwise))
 
 
 def _combined(word: str, left: Expr, right: Expr) -> Expr:
-    if word in ("&&", "||"):
-        return (And if word == "&&" else Or)((_as_condition(left), _as_condition(right)))
+    if word in ("&&", "||", "&", "|"):
+        truth = _as_condition if len(word) == 2 else _as_gate
+        return (And if word[0] == "&" else Or)((truth(left), truth(right)))
     a, b = as_value(left), as_value(right)
     if word in ("==", "!="):
         # numbers are not compared for being equal in a model

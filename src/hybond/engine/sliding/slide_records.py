@@ -98,6 +98,8 @@ class Slide:
     met_surface: Ints
     first_met: Ints
     """Those met before any of them was left out."""
+    twin: Ints
+    """Of each surface: 1 + that met in its place if the machines of both move something, or 0."""
     sides: Ints
     best: Ints
     best_product: bool
@@ -141,6 +143,7 @@ def make_slide(m: Model) -> Slide:
     s.of_state = ints(surfaces)
     s.met_surface = ints(surfaces)
     s.first_met = ints(surfaces)
+    s.twin = ints(surfaces)
     s.sides = ints(surfaces)
     s.best = ints(surfaces)
     s.trial_side = ints(surfaces)

@@ -7,7 +7,7 @@ from typing import Final
 
 from hybond.engine.engine import OK, Engine
 from hybond.engine.mode.equations import mode_of
-from hybond.engine.reasons.warned import OWN_JUMP, TWIN_SURFACES, add_about, begin_warning
+from hybond.engine.reasons.warned import OWN_JUMP
 from hybond.engine.sliding.additive import ACT_TOGETHER, NO_FIELD, how_switches_act
 from hybond.engine.sliding.around import find_field, take_met
 from hybond.engine.sliding.blend import blend, find_speeds
@@ -20,6 +20,7 @@ from hybond.engine.sliding.ways_told import (
     warn_of_no_way,
     warn_of_strokes,
     warn_of_surface,
+    warn_of_twins,
     warn_of_ways,
 )
 
@@ -39,6 +40,7 @@ def decide(e: Engine) -> int:
     of a product combination.
     """
     s = e.slide
+    met = s.met
     one_each(e)
     if leave_agreeing(e) != OK:
         return STOPS
@@ -66,8 +68,10 @@ def decide(e: Engine) -> int:
     slides = 0
     for j in range(s.k):
         slides += 1 if s.best[j] == SLIDES else 0
-    if s.common and slides > 0 and not s.product:
-        return push(e, slides)
+    if s.common and slides > 0 and not s.product and push(e, slides) != A_WAY:
+        return STOPS
+    if e.model.tells != 0:
+        warn_of_twins(e, met)
     if e.model.tells != 0 and s.common and slides == 0 and s.k == 1:
         warn_of_strokes(e)
     return A_WAY
@@ -126,6 +130,7 @@ def one_each(e: Engine) -> None:
     kept = 0
     for i in range(s.met):
         surface = s.met_surface[i]
+        s.twin[surface] = 0
         twin = -1
         for j in range(kept):
             if m.surface_twin[surface * m.surfaces + s.met_surface[j]] != 0:
@@ -136,9 +141,7 @@ def one_each(e: Engine) -> None:
         elif acts(e, surface) and not acts(e, s.met_surface[twin]):
             s.met_surface[twin] = surface
         elif m.tells != 0 and acts(e, surface):
-            begin_warning(e.warned, TWIN_SURFACES, e.t)
-            add_about(e.warned, float(s.met_surface[twin]))
-            add_about(e.warned, float(surface))
+            s.twin[surface] = 1 + s.met_surface[twin]
     s.met = kept
 
 

@@ -14,6 +14,7 @@ from hybond.engine.reasons.warned import (
     NO_WAY_ON,
     NOT_UNIQUE,
     THROWS_BACK,
+    TWIN_SURFACES,
     add_about,
     begin_warning,
 )
@@ -33,6 +34,21 @@ def warn_of_surface(e: Engine, kind: int, surface: int) -> None:
     """Warn of something about a surface."""
     begin_warning(e.warned, kind, e.t)
     add_about(e.warned, float(surface))
+
+
+def warn_of_twins(e: Engine, met: int) -> None:
+    """Warn of machines that switch on a surface slid on, and do not slide; `met` were met.
+
+    Complementary switches cross the surface of their common gate together: nothing slides there.
+    """
+    s = e.slide
+    for i in range(met):
+        surface = s.first_met[i]
+        for j in range(s.k):
+            if s.best[j] == SLIDES and s.twin[surface] == 1 + s.side[j]:
+                begin_warning(e.warned, TWIN_SURFACES, e.t)
+                add_about(e.warned, float(s.side[j]))
+                add_about(e.warned, float(surface))
 
 
 def warn_of_no_way(e: Engine) -> None:
