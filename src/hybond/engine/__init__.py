@@ -45,6 +45,7 @@ subset. Rooms, and in them files, as data passes them::
         reading, sources_of_time    what a step reads; sources that time alone moves
         sizes, solved_sizes, lesser_sizes    what its rounding is measured by
         clusters, cluster_records    what settles within a moment, and what holds it
+        fading              what rounding remembers
         sums, straight_rates, sum_records    comparisons, and rates, that are sums of the state
         standing, standing_records    what stands at an equilibrium that nothing touches
     inputs/

@@ -51,7 +51,7 @@ from hybond.engine.run.edges import reach_edges, straight_on, time_at_once
 from hybond.engine.run.ends_at_guard import find_within, land, shows_instants
 from hybond.engine.run.ends_at_kink import ANEW, meet_kink, pass_kink
 from hybond.engine.run.guard_at_kink import is_over_kink
-from hybond.engine.run.guard_values import doubt
+from hybond.engine.run.guard_values import doubt, see_where_it_begins
 from hybond.engine.run.kept_rests import begin_rests, let_hold, none_holds
 from hybond.engine.run.kinks_passed import (
     events_held,
@@ -418,6 +418,8 @@ def begin_flow(e: Engine, r: Run) -> int:
     if m.laws > 0 and m.tells != 0:
         warn_of_held(e)
     take_locator(e, r)
+    if m.laws > 0 and e.slide.k == 0:
+        see_where_it_begins(e)
     watch(e, r.locator, e.state)
     r.locator.tied = begin_tied(e, e.t, e.y)
     if limits_vary(m) and look_at_limits(e) != OK:
