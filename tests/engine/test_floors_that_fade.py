@@ -65,9 +65,7 @@ def test_diodes_beside_a_charged_capacitor_switch_once(way: str, solver: str) ->
 
 
 def test_times_do_not_depend_on_the_amplitude() -> None:
-    runs = [
-        hb.simulate(beside_a_charged_one(a, WAYS[0]), until=0.045) for a in (1e-6, 1.0, 1e6)
-    ]
+    runs = [hb.simulate(beside_a_charged_one(a, WAYS[0]), until=0.045) for a in (1e-6, 1.0, 1e6)]
     times = [[float(e.t) for e in run.events] for run in runs]
     assert len(times[0]) > 10
     assert times[1] == pytest.approx(times[0], abs=1e-9)

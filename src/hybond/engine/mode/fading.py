@@ -20,6 +20,7 @@ from hybond.engine.mode.newton import source_of
 from hybond.engine.mode.reach import reach_by
 from hybond.engine.mode.storage import is_alone, own_stiffness
 from hybond.engine.model import Model
+from hybond.engine.timestepping.step_records import MOREAU
 from hybond.engine.words import Floats
 
 TURNS: Final = 2
@@ -57,8 +58,9 @@ def find_fading(e: Engine, mode: Mode, v: Floats) -> None:
 
 
 def may_fade(m: Model, mode: Mode) -> bool:
-    """Whether it is asked what fades: not where laws of storages bend, or moduli lead."""
-    return m.groups == 0 and not (mode.structures > 0 and mode.finite_frees > 0)
+    """Whether it is asked what fades: not in fixed steps, nor where laws bend or moduli lead."""
+    led = mode.structures > 0 and mode.finite_frees > 0
+    return m.groups == 0 and m.method != MOREAU and not led
 
 
 def rate_of_fading(m: Model, mode: Mode, k: int, v: Floats) -> float:

@@ -360,8 +360,9 @@ def see_where_it_begins(e: Engine) -> None:
     """Find what rounding is measured by in the motion that begins, if that is not known."""
     if not may_fade(e.model, e.mode):
         return
-    set_state(e, e.mode, e.shown, e.t, e.y)
-    seen_of(e, e.mode, e.shown, e.y)
+    if e.mode.saw_at != e.instants:
+        set_state(e, e.mode, e.shown, e.t, e.y)
+        seen_of(e, e.mode, e.shown, e.y)
     if e.standing.goes_on:
         see_as_before(e, e.mode)
     else:

@@ -92,6 +92,7 @@ from hybond.engine.run.slips_followed import follow, lead_to_rest
 from hybond.engine.run.source_jumps import jumps_at_end, jumps_at_once
 from hybond.engine.run.stranded import in_vain
 from hybond.engine.run.together import is_kink_alone, is_of_time, last_of_instant
+from hybond.engine.run.unresolved import forget_carried, see_unresolved
 from hybond.engine.sliding.branches import know_around
 from hybond.engine.sliding.combine import combine_here
 from hybond.engine.sliding.sliding import slide_after
@@ -334,6 +335,7 @@ def flow(e: Engine, r: Run) -> int:
             if note(e, r, e.step.t1, shown) != OK:
                 return -1
             if e.step.t1 >= end:
+                see_unresolved(e, g, e.step.t1)
                 foresee(e, e.t)
                 if e.next_break <= end:
                     see_rests_at_end(e, g)
@@ -360,6 +362,7 @@ def flow(e: Engine, r: Run) -> int:
             if passed != GUARD:
                 return -1
             at = g.at
+        see_unresolved(e, g, at)
         let_hold(e, g, at)
         if note(e, r, at, at) != OK:
             return -1
@@ -431,6 +434,7 @@ def begin_flow(e: Engine, r: Run) -> int:
     if e.slide.k == 0:
         start_scale(e, e.mode)
     take_rates(e, e.mode)
+    forget_carried(e)
     see_standing(e)
     r.beyond = 0.0
     if m.courses > 0:
