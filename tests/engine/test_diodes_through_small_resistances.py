@@ -199,3 +199,35 @@ def test_a_diode_fed_beside_a_small_field_carries_nothing_back(solver: str, turn
     at = ends + 2.0 * math.tau / 314.0 + 5e-3
     decayed = 10.0 * math.sin(314.0 * ends) * math.exp(-5e-3 / 0.1)
     assert float(run["C.e"].at(at)) == pytest.approx(decayed, rel=1e-4)
+
+
+def warned(model: hb.Model) -> list[str]:
+    run = hb.simulate(model, until=0.025)
+    return [w for w in run.warnings if "HB-N414" in w]
+
+
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize("amplitude", [1e-3, 440.0])
+def test_a_diode_that_carries_hardly_more_than_rounding_is_warned_of(
+    amplitude: float, turned: bool
+) -> None:
+    # 1e-8 ohm, which carry a thousandth of an ampere for each volt
+    fed = hb.Model("fed", domain="electrical")
+    fed.add(V=hb.Se(f"{amplitude!r}*sin({OMEGA!r}*time)"), s=hb.One(), B=hb.R(60.0), a=hb.Zero())
+    fed.add(P=hb.C(4e-10), d=hb.One(law="diode"), R=hb.R(1e-8), n=hb.Zero(), C=hb.C(2e-6))
+    fed.add(L=hb.R(2e3))
+    fed.bond("V -> s -> a", "s -> B", "a -> P", "n -> C", "n -> L")
+    fed.bond("R -> d" if turned else "d -> R", "n -> d -> a" if turned else "a -> d -> n")
+    (text,) = warned(fed)
+    assert "'d.f < 0' of d is known to" in text
+    # what it names is what flows back, and no more than that is known
+    known = float(text.split("known to ")[1].split()[0])
+    run = hb.simulate(fed, until=0.025)
+    flows = run.sample([0.0001 * k for k in range(1, 250)], "d.f")["d.f"]
+    assert 1e-3 * max(flows) < -min(flows) < 2.0 * known < max(flows)
+
+
+@pytest.mark.parametrize("resistance", [1e-3, 1e-5])
+@pytest.mark.parametrize("stored", STORED)
+def test_what_is_resolved_is_not_warned_of(resistance: float, stored: str) -> None:
+    assert not warned(hb.loads(rectifier(resistance, stored, PEAK)))

@@ -45,6 +45,7 @@ subset. Rooms, and in them files, as data passes them::
         reading, sources_of_time    what a step reads; sources that time alone moves
         sizes, solved_sizes, lesser_sizes    what its rounding is measured by
         clusters, cluster_records    what settles within a moment, and what holds it
+        fading              what rounding remembers
         sums, straight_rates, sum_records    comparisons, and rates, that are sums of the state
         standing, standing_records    what stands at an equilibrium that nothing touches
     inputs/
@@ -125,6 +126,7 @@ subset. Rooms, and in them files, as data passes them::
         locate, locator     the first instant of a step at which a guard holds
         guard_values, guard_shape, candidates, bracket    by samples
         solved_guards, step_polynomials, quartic    by polynomials
+        unresolved          what laws carry, beside its rounding
         far_guards          those that do not come to hold, which is seen at once
         at_rest, rest_limits, rest_records    those that would hold where the motion comes to rest
         kept_rests, sides_seen    what is known of these from step to step, and of their sides

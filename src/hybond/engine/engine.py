@@ -176,8 +176,17 @@ class Engine:
     parts: int
     storage_part: Ints
     """Of each storage: the part of the graph that it hangs together with, as time last passed."""
+    remembered: Floats
+    """What each storage held that its rounding is still measured by; see `mode/fading`."""
+    remembered_before: Floats
+    """The same where the last step began."""
+    seen_before: Floats
+    fades_before: Floats
+    """What was `seen` in the mode of a run that goes on, and what it faded to."""
     part_energy: Floats
     """The largest energy of each part, J: what rounding there is measured by."""
+    instants: float
+    """How often states were to be settled."""
     energies_seen: float
     """How often these have become others."""
     courses: Courses
@@ -311,6 +320,10 @@ def make_engine(m: Model) -> Engine:
     e.lately = floats(5 * (e.states + m.storages + 1))
     e.scale_energy = floats(m.storages + 1)
     e.pushed_energy = floats(m.storages + 1)
+    e.remembered = floats(m.storages)
+    e.remembered_before = floats(m.storages)
+    e.seen_before = floats(2 * m.bonds)
+    e.fades_before = floats(m.storages)
     e.part_energy = floats(m.storages + 1)
     e.storage_part = ints(m.storages)
     e.parts = 1

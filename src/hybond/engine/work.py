@@ -167,6 +167,8 @@ class Work:
     part_tried: Floats
     part_root: Floats
     """Room for a number of each part of the graph, and for others; ..."""
+    fading_most: Floats
+    fading_here: Floats
     lately_energy: Floats
     """... what tolerances are measured by there, J; ..."""
     part_still: Ints
@@ -347,6 +349,8 @@ def make_work(m: Model) -> Work:
     w.part_here = floats(m.storages + 1)
     w.part_tried = floats(m.storages + 1)
     w.part_root = floats(m.storages + 1)
+    w.fading_most = floats(m.storages)
+    w.fading_here = floats(m.storages)
     w.lately_energy = floats(m.storages + 1)
     w.part_still = ints(m.storages + 1)
     w.part_number = ints(m.storages + 1)

@@ -61,6 +61,10 @@ class Checks:
     """Whether the present instant is within that one; `late` by so much, of its `room`."""
     late: float
     room: float
+    carried: Floats
+    """Of each rule: the most that what it compares has been since its machine came there; ..."""
+    unresolved: Ints
+    """... and whether it was said that this is hardly more than rounding."""
     held: Ints
     """Of each rule: whether that motion makes it begin to hold in that instant."""
     looked: float
@@ -116,6 +120,8 @@ def make_checks(m: Model) -> Checks:
     c.ahead = floats(m.storages + m.integrals)
     c.since = floats(m.storages + m.integrals)
     c.ahead_state = ints(m.machines)
+    c.carried = floats(rules)
+    c.unresolved = ints(rules)
     c.held = ints(rules)
     c.looked = -1.0
     c.unbounded = -1

@@ -51,6 +51,7 @@ from hybond.engine.instant.telling import supplied_by_jump
 from hybond.engine.instant.told import LANDS, add_read, say_why
 from hybond.engine.instant.trial import a_priori
 from hybond.engine.mode.equations import mode_of
+from hybond.engine.mode.fading import remember_jump
 from hybond.engine.mode.storage import energy_of
 from hybond.engine.mode.values import begin_field, evaluate, field
 from hybond.engine.run.guard_values import ask_in_motion, begin_sizes_in_motion, measure_in_motion
@@ -266,6 +267,8 @@ def lie_down(e: Engine, g: Landings, s: Settling, i: Instant) -> int:
         add_energy(i, before, energy_of(e, g.x), supplied_by_jump(e))
     if g.any_landed:
         find_moved(e, g.held)
+    if m.laws > 0:
+        remember_jump(e, g.x)
     for k in range(m.storages):
         e.y[k] = g.x[k]
     for k in range(m.integrals):

@@ -68,6 +68,7 @@ from hybond.engine.instant.trial import (
 )
 from hybond.engine.laws.law_standing import stands_as_it_was
 from hybond.engine.mode.equations import is_fieldless, mode_of
+from hybond.engine.mode.fading import remember_jump, remember_now
 from hybond.engine.mode.part_energies import join_parts
 from hybond.engine.reasons.facts import add_fact
 from hybond.engine.run.limits_crossed import level_of
@@ -124,6 +125,9 @@ def begin_to_settle(e: Engine, g: Settling, i: Instant) -> int:
     """Enter the mode of the run as it is at the instant: what is a priori, held and sampled."""
     m = e.model
     t = e.t
+    e.instants += 1.0
+    if m.laws > 0:
+        remember_now(e)
     for k in range(m.storages):
         g.x[k] = e.y[k]
     for k in range(m.integrals):
@@ -197,6 +201,8 @@ def fire_all(e: Engine, g: Settling, i: Instant, written: int) -> int:
 def write_back(e: Engine, g: Settling) -> None:
     """Let the run go on from what was found."""
     m = e.model
+    if m.laws > 0:
+        remember_jump(e, g.x)
     for k in range(m.storages):
         e.y[k] = g.x[k]
     for k in range(m.integrals):

@@ -31,6 +31,7 @@ from hybond.engine.laws.law_instant import NO_LAW_VALUE, make_consistent, quanti
 from hybond.engine.laws.law_jumping import find_breaking, find_jumping, sweep_dust
 from hybond.engine.laws.law_records import Laws
 from hybond.engine.laws.law_trials import by_trial
+from hybond.engine.mode.fading import remember
 from hybond.engine.mode.part_energies import see_energy, see_linear_energy
 from hybond.engine.mode.values import evaluate
 from hybond.engine.model import Model
@@ -224,6 +225,7 @@ def observe(e: Engine, v: Floats) -> None:
     for k in range(m.storages):
         r.moved[k] = v[m.stored_slot + k]
     see_linear_energy(e, r.moved)
+    remember(e, e.mode, v[0] - e.t, r.moved)
 
 
 def look_at_limits(e: Engine) -> int:

@@ -252,6 +252,9 @@ def eliminate(e: Engine, mode: Mode) -> None:
         mode.stood.members[k] = 0
     mode.connected = False
     mode.saw = False
+    mode.saw_at = -1.0
+    for k in range(m.storages):
+        mode.fades_by[k] = -1.0
     mode.sized = False
     mode.leakage.stages = 0
     mode.leakage.first = 0

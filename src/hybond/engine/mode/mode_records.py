@@ -227,6 +227,16 @@ class Mode:
     """Of each storage that settles within a moment, the first one of those it settles with, else
     -1; see `mode/clusters`."""
     any_settles: bool
+    fades_by: Floats
+    """How fast what each storage holds is brought back, 1/s, or -1; see `mode/fading`; ..."""
+    fades_with: Ints
+    """... the first of those it hangs together with, ..."""
+    fades_to: Floats
+    """... and what rounding of it then is measured by."""
+    reached: Floats
+    """What `seen` was found from, at the instant `saw_at`; whether sums were taken with it."""
+    saw_at: float
+    seen_taken: bool
     saw: bool
     seen: Floats
     sized: bool
@@ -371,6 +381,10 @@ def make_mode(m: Model) -> Mode:
     for k in range(m.storages):
         mode.settles_with[k] = -1
     mode.any_settles = False
+    mode.fades_by = floats(m.storages)
+    mode.fades_with = ints(m.storages)
+    mode.fades_to = floats(m.storages)
+    mode.reached = floats(m.storages)
     mode.seen = floats(n)
     mode.sized_at = floats(n)
     mode.free_size = make_block(1)

@@ -13,6 +13,7 @@ from hybond.engine.algebra.blocks import fit, row_size
 from hybond.engine.engine import Engine
 from hybond.engine.mode.clusters import bound_settling, find_settling
 from hybond.engine.mode.dynamic_rows import frozen_at
+from hybond.engine.mode.fading import bound_fading, find_fading, may_fade
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.newton_system import by_free, row_terms
 from hybond.engine.mode.part_energies import find_energies, reach_of_bond
@@ -143,7 +144,7 @@ def seen_of(e: Engine, mode: Mode, values: Floats, x: Floats) -> None:
     """
     m = e.model
     w = e.work
-    if mode.saw:
+    if mode.saw_at == e.instants:
         return
     v = with_stored(e, x)
     find_energies(e, mode)
@@ -155,10 +156,25 @@ def seen_of(e: Engine, mode: Mode, values: Floats, x: Floats) -> None:
         if not math.isfinite(w.reach[k]):
             w.reach[k] = 0.0
     find_settling(e, mode, v)
+    modulated = mode.structures > 0 and mode.finite_frees > 0
+    fades = may_fade(m, mode)
+    if fades:
+        find_fading(e, mode, v)
+        bound_fading(e, mode, x, w.reach, values)
     for _ in range(TURNS):
         for i in range(mode.constraints.rows):
             bound_tied(mode, i, m.storages, w.reach)
         bound_settling(e, mode, w.reach, v)
+    if fades:
+        bound_fading(e, mode, x, w.reach, values)
+        mode.saw_at = e.instants
+        changes = not mode.saw
+        for k in range(m.storages):
+            changes = changes or mode.reached[k] != w.reach[k]
+            mode.reached[k] = w.reach[k]
+        mode.saw = True
+        if not changes:
+            return
     for k in range(2 * m.bonds):
         same = mode.same[k]
         if same < k:
@@ -170,10 +186,9 @@ def seen_of(e: Engine, mode: Mode, values: Floats, x: Floats) -> None:
             if j < m.storages:
                 most = max(most, math.fabs(mode.finite.value.at[i]) * w.reach[j])
         mode.seen[k] = most
-    modulated = mode.structures > 0 and mode.finite_frees > 0
+    mode.seen_taken = False
     if modulated:
         seen_through(e, mode, values)
-    mode.saw = m.groups == 0 and not modulated
 
 
 def seen_through(e: Engine, mode: Mode, v: Floats) -> None:

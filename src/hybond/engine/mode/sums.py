@@ -91,6 +91,7 @@ def take_bond(e: Engine, s: Sums, a: int, b: int, factor: float) -> bool:
                 return False
     if e.model.laws > 0:
         find_connected(e, mode)
+        mode.seen_taken = True
         add_reach(s, a, part_of_bond(e.model, mode, b), math.fabs(factor) * mode.seen[b])
     k = mode.same[b]
     if mode.dynamics > 0 or mode.leakage.stages == 0:

@@ -22,7 +22,7 @@ NOT_UNIQUE, NO_WAY_ON, TWIN_SURFACES, OWN_JUMP, THROWS_BACK = 1, 2, 3, 4, 5
 SECOND_ANSWER, IMPULSIVE, LEFT_OPEN, FAR_APART, UNREST = 6, 7, 8, 9, 10
 WITHOUT_END, SHARES_OPEN, FIRES_ALWAYS, NEXT_DECIDES, UNSOUND, HELD_AT_REST = 11, 12, 13, 14, 15, 16
 MODULUS_JUMPS, IMPULSE_LEFT_OUT, COURSE_UNSEEN, MADE_BY_STEPS, SWINGS = 17, 18, 19, 20, 21
-GUARD_AT_REST = 22
+GUARD_AT_REST, UNRESOLVED = 22, 23
 """Kinds of warnings: as in `hybond.engine.reasons.warned`."""
 TIMELESS = (
     *(TWIN_SURFACES, OWN_JUMP, IMPULSIVE, LEFT_OPEN, FAR_APART, MODULUS_JUMPS),
@@ -235,6 +235,8 @@ class Warnings:
             return self._of_swings(now, numbers[0], *about[1:])
         if kind == GUARD_AT_REST:
             return self._of_rest(now, numbers[0], numbers[1] != 0, *about[2:])
+        if kind == UNRESOLVED:
+            return self._of_unresolved(now, numbers[0], *about[1:])
         if kind == FAR_APART:
             return self._far_apart(about[0], tuple(numbers[1:]))
         return self._of_surfaces(kind, now, numbers)
@@ -248,6 +250,16 @@ class Warnings:
             f"{found.path} stores is within the tolerance, but its {rate} is off by {off:.2g} "
             f"there (of {size:.2g} at most), and so is what that law says; a smaller rtol makes it "
             "less, a small C or I where it stands ends it"
+        )
+
+    def _of_unresolved(self, now: str, rule: int, carried: float, rounding: float) -> str:
+        """Say that rounding is not small beside what a law carries, or blocks."""
+        text, machine = self.explain.rule(rule).text, self.explain.machine_of(rule).path
+        return (
+            f"HB-N414: {now} the guard {text!r} of {machine} is known to {rounding:.2g} only, and "
+            f"what it compares has been no more than {carried:.2g} since it was asked last: it may "
+            "fire that much too late, or not at all, as this is a small difference of large terms; "
+            "a larger resistance in series with it, or none, is resolved"
         )
 
     def _of_rest(self, now: str, rule: int, fires: bool, distance: float, size: float) -> str:

@@ -70,6 +70,9 @@ GUARD_AT_REST: Final = 22
 """A threshold is where the motion comes to rest. Numbers: the rule; 0: it would hold by rounding
 and does not fire, then what its comparison has and the size of the terms of that; 1: it fires, but
 the run cannot tell when, then what it has in the limit and what the run can tell; said once."""
+UNRESOLVED: Final = 23
+"""Rounding of what a law carries, or blocks, is not small beside it. Numbers: the rule, how much
+that was at the most, and its rounding; said once."""
 
 
 @record

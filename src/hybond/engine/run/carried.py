@@ -159,6 +159,7 @@ def carry_memory(e: Engine, r: Run, c: Carrier) -> None:
     e.parts = carry_whole(c, e.parts)
     carry_ints(c, m.storages, e.storage_part)
     # all there may be: how many parts there are depends on where the run is
+    carry_rounding(e, c)
     carry_floats(c, m.storages + 1, e.part_energy)
     carry_floats(c, m.storages + 1, e.scale_energy)
     carry_floats(c, m.storages + 1, e.pushed_energy)
@@ -199,6 +200,16 @@ def carry_memory(e: Engine, r: Run, c: Carrier) -> None:
     carry_standing(e, c)
     g.events = carry_whole(c, g.events)
     carry_step(e, r, c)
+
+
+def carry_rounding(e: Engine, c: Carrier) -> None:
+    """Carry what rounding is measured by in the motion that goes on."""
+    m = e.model
+    carry_floats(c, m.storages, e.remembered)
+    carry_floats(c, m.storages, e.remembered_before)
+    if m.laws > 0:
+        carry_floats(c, 2 * m.bonds, e.seen_before)
+        carry_floats(c, m.storages, e.fades_before)
 
 
 def carry_standing(e: Engine, c: Carrier) -> None:
@@ -346,5 +357,6 @@ def warm_up(e: Engine, r: Run) -> None:
     e.step.grid_next = r.warm_next
     for k in range(e.model.storages):
         e.rounding[k] = r.warm_rounding[k]
+        e.remembered[k] = e.remembered_before[k]
     if e.model.courses > 0:
         give_back_courses(e.model, e.courses)

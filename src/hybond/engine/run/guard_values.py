@@ -15,9 +15,10 @@ from hybond.engine.instant.kept_sides import NOT_ASKED, ask_kept
 from hybond.engine.instant.tied import put_tied
 from hybond.engine.instant.trial import refuse_pair
 from hybond.engine.methods.stepping import between
+from hybond.engine.mode.fading import keep_seen, may_fade, see_as_before
 from hybond.engine.mode.mode_records import is_constrained
 from hybond.engine.mode.reading import put_knowns
-from hybond.engine.mode.sizes import measure
+from hybond.engine.mode.sizes import measure, seen_of
 from hybond.engine.mode.solving import solve_read
 from hybond.engine.mode.values import evaluate, set_motion, set_state
 from hybond.engine.reasons.facts import add_fact
@@ -353,3 +354,16 @@ def ask_in_motion(e: Engine) -> None:
     stack.jump = e.v
     stack.jumps = False
     stack.terms = e.work.terms
+
+
+def see_where_it_begins(e: Engine) -> None:
+    """Find what rounding is measured by in the motion that begins, if that is not known."""
+    if not may_fade(e.model, e.mode):
+        return
+    if e.mode.saw_at != e.instants:
+        set_state(e, e.mode, e.shown, e.t, e.y)
+        seen_of(e, e.mode, e.shown, e.y)
+    if e.standing.goes_on:
+        see_as_before(e, e.mode)
+    else:
+        keep_seen(e, e.mode)

@@ -397,7 +397,7 @@ def watch_again(e: Engine, g: Locator) -> None:
     """Take the guards that were taken in this mode before: only inputs may be others."""
     for k in range(g.guards):
         g.still[k] = 0
-    if e.model.inputs > 0:
+    if e.model.inputs > 0 or (e.model.laws > 0 and not e.mode.seen_taken):
         begin_sums(g.sums, g.atoms)
         for a in range(g.atoms):
             take_sum(e, g.sums, a, g.atom[a])

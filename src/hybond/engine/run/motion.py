@@ -52,7 +52,7 @@ from hybond.engine.run.edges import reach_edges, straight_on, time_at_once
 from hybond.engine.run.ends_at_guard import find_within, land, shows_instants
 from hybond.engine.run.ends_at_kink import ANEW, meet_kink, pass_kink
 from hybond.engine.run.guard_at_kink import is_over_kink
-from hybond.engine.run.guard_values import doubt
+from hybond.engine.run.guard_values import doubt, see_where_it_begins
 from hybond.engine.run.kept_rests import begin_rests, let_hold, none_holds
 from hybond.engine.run.kinks_passed import (
     events_held,
@@ -93,6 +93,7 @@ from hybond.engine.run.slips_followed import follow, lead_to_rest
 from hybond.engine.run.source_jumps import jumps_at_end, jumps_at_once
 from hybond.engine.run.stranded import in_vain
 from hybond.engine.run.together import is_kink_alone, is_of_time, last_of_instant
+from hybond.engine.run.unresolved import forget_carried, see_unresolved
 from hybond.engine.sliding.branches import know_around
 from hybond.engine.sliding.combine import combine_here
 from hybond.engine.sliding.sliding import slide_after
@@ -338,6 +339,7 @@ def flow(e: Engine, r: Run) -> int:
             if note(e, r, e.step.t1, shown) != OK:
                 return -1
             if e.step.t1 >= end:
+                see_unresolved(e, g, e.step.t1)
                 foresee(e, e.t)
                 if e.next_break <= end:
                     see_rests_at_end(e, g)
@@ -364,6 +366,7 @@ def flow(e: Engine, r: Run) -> int:
             if passed != GUARD:
                 return -1
             at = g.at
+        see_unresolved(e, g, at)
         let_hold(e, g, at)
         if note(e, r, at, at) != OK:
             return -1
@@ -422,6 +425,8 @@ def begin_flow(e: Engine, r: Run) -> int:
     if m.laws > 0 and m.tells != 0:
         warn_of_held(e)
     take_locator(e, r)
+    if m.laws > 0 and e.slide.k == 0:
+        see_where_it_begins(e)
     watch(e, r.locator, e.state)
     r.locator.tied = begin_tied(e, e.t, e.y)
     if limits_vary(m) and look_at_limits(e) != OK:
@@ -433,6 +438,7 @@ def begin_flow(e: Engine, r: Run) -> int:
     if e.slide.k == 0:
         start_scale(e, e.mode)
     take_rates(e, e.mode)
+    forget_carried(e)
     see_standing(e)
     r.beyond = 0.0
     if m.courses > 0:

@@ -42,6 +42,7 @@ from hybond.engine.run.quartic import (
     turns,
 )
 from hybond.engine.run.step_polynomials import take_step
+from hybond.engine.run.unresolved import see_carried
 
 FEW: Final = 4
 """Comparisons of a guard whose signs are remembered; there is a bit for all signs together."""
@@ -61,6 +62,8 @@ def solve_guards(e: Engine, g: Locator) -> bool:
         g.shown_to = e.step.t1
         if waves:
             sample_waves(e, g)
+        if e.model.laws > 0 and e.model.tells != 0:
+            see_carried(e, g)
     for k in range(g.guards):
         own = may and g.side[k] == NO_KINK and (not cubic or begins_clear(g, k))
         g.solved[k] = 1 if own and is_solved(g, k) else 0

@@ -1,0 +1,97 @@
+"""Laws that carry, or block, what is hardly more than rounding: their branch is not resolved.
+
+A diode of a nano-ohm beside hundreds of volts carries amperes by a voltage that is no more than
+rounding of these: it blocks as soon as that has turned for sure, which is late by as much. What
+cannot be told is said.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from hybond.engine.engine import Engine
+from hybond.engine.expressions.pairs import ROUNDING
+from hybond.engine.reasons.warned import UNRESOLVED, add_about, begin_warning
+from hybond.engine.run.guard_values import holds_at
+from hybond.engine.run.locator import ALL_PARTS, FRACTION, SAMPLES, Locator
+from hybond.engine.run.quartic import COEFFICIENTS, DEGREE, horner
+
+BESIDE: Final = 1e-3
+"""Part of what a law carries from which on rounding of it is not small."""
+SEEN: Final = 1e-2
+"""Part of its rounding below which what it carries may be nothing else, ..."""
+MATTERS: Final = 1e-6
+"""... and part of the largest variable of its kind below which nobody looks for it."""
+
+
+def see_carried(e: Engine, g: Locator) -> None:
+    """See how much laws carry, or block, at both ends of a step and in its middle."""
+    for k in range(g.guards):
+        r = g.rule[k]
+        if r < 0 or not is_one_sum(g, k):
+            continue
+        most = e.checks.carried[r]
+        for i in range(0, SAMPLES, 4):
+            most = max(most, math.fabs(value_at(g, g.atom_first[k], i)))
+        e.checks.carried[r] = most
+
+
+def value_at(g: Locator, a: int, i: int) -> float:
+    """Return what comparison a has at a sample of the step."""
+    s = g.sums
+    total = horner(g.step, COEFFICIENTS * a, DEGREE, FRACTION[i])
+    for p in range(s.wave_first.at[a], s.wave_first.at[a + 1] if s.waved.at[a] != 0 else 0):
+        total += s.wave_factor.at[p] * g.wave[s.wave_source.at[p] * SAMPLES + i]
+    return total
+
+
+def is_one_sum(g: Locator, k: int) -> bool:
+    """Whether a guard is one comparison that is a sum of the state."""
+    a = g.atom_first[k]
+    if g.part[k] != ALL_PARTS or g.atom_first[k + 1] != a + 1:
+        return False
+    return g.sums.known.at[a] != 0 or g.sums.waved.at[a] != 0
+
+
+def see_unresolved(e: Engine, g: Locator, at: float) -> None:
+    """Warn once of each law whose rounding is not small beside what it carried until `at`."""
+    if e.model.laws == 0 or e.model.tells == 0 or math.isnan(g.shown_to):
+        return
+    c = e.checks
+    for k in range(g.guards):
+        r = g.rule[k]
+        if r < 0 or not is_one_sum(g, k) or c.unresolved[r] != 0:
+            continue
+        carried = c.carried[r]
+        rounding = ROUNDING * g.extent[g.atom_first[k]]
+        if rounding <= BESIDE * carried or carried <= SEEN * rounding:
+            continue
+        if carried <= MATTERS * largest_beside(e, r):
+            continue
+        if carried > rounding and not holds_at(e, g, k, at):
+            continue
+        c.unresolved[r] = 1
+        begin_warning(e.warned, UNRESOLVED, at)
+        add_about(e.warned, float(r))
+        add_about(e.warned, carried)
+        add_about(e.warned, rounding)
+
+
+def largest_beside(e: Engine, r: int) -> float:
+    """Return the largest variable of the kind that a rule compares, infinity if it is another."""
+    m = e.model
+    for i in range(m.read_first[r], m.read_first[r + 1]):
+        b = m.read_slot[i] - m.bond_slot
+        if b >= 0 and b < 2 * m.bonds:
+            return e.checks.largest[m.bond_class[b]]
+    return math.inf
+
+
+def forget_carried(e: Engine) -> None:
+    """Begin anew with what laws carry that have changed their branch."""
+    m = e.model
+    for k in range(m.machines if m.laws > 0 else 0):
+        for r in range(m.rule_first[k], m.rule_first[k + 1]):
+            if m.rule_source[r] != e.state[k]:
+                e.checks.carried[r] = 0.0
