@@ -11,6 +11,7 @@ import math
 
 from hybond.engine.answers import value
 from hybond.engine.engine import Engine
+from hybond.engine.inputs.interval import moment
 from hybond.engine.laws.law_instant import is_left, is_on
 from hybond.engine.mode.values import set_state
 from hybond.engine.words import Floats
@@ -23,6 +24,12 @@ def some_closed_move(e: Engine) -> bool:
     for k in range(m.ports):
         found = found or (m.port_gap[k] >= 0 and is_on(m, k, e.state[m.port_machine[k]]))
     return found
+
+
+def note_closed(e: Engine) -> None:
+    """Note gaps before an instant is settled, where a contact is closed; not if they are noted."""
+    if not e.laws.gaps_noted and some_closed_move(e):
+        note_gaps(e, e.t - moment(e.model, e.t), e.y)
 
 
 def note_gaps(e: Engine, t: float, y: Floats) -> None:

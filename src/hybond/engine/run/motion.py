@@ -26,12 +26,12 @@ from hybond.engine.contacts.impacts_seen import before_event, observe_event
 from hybond.engine.contacts.in_turn import NONE_RESTS, RESTED, land_in_turn
 from hybond.engine.contacts.landing import land_contacts, stuck
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
-from hybond.engine.inputs.interval import interval_after, moment, read_within
+from hybond.engine.inputs.interval import interval_after, read_within
 from hybond.engine.instant.doubts import warn_of_held
 from hybond.engine.instant.instant import GUARD, LAW, START, TIME, begin_instant
 from hybond.engine.instant.settle import settle
 from hybond.engine.instant.tied import begin_tied
-from hybond.engine.laws.gaps_left import forget_gaps, note_gaps, some_closed_move
+from hybond.engine.laws.gaps_left import forget_gaps, note_closed
 from hybond.engine.laws.laws import limits_vary, look_at_limits
 from hybond.engine.methods.control import end_pace
 from hybond.engine.methods.off_kinks import lead_off_kinks
@@ -189,10 +189,9 @@ def settle_now(e: Engine, r: Run, cause: int) -> int:
     begin_instant(i, min(e.t, e.until), cause)
     if cause != START:
         keep_left(e, r.report)
+        note_closed(e)
     if e.model.laws > 0:
         e.laws.sweep = r.idle >= VAIN
-    if cause != START and not e.laws.gaps_noted and some_closed_move(e):
-        note_gaps(e, e.t - moment(e.model, e.t), e.y)
     before_event(e)
     if settle(e, r.settling, i) != OK:
         return REFUSED
