@@ -16,9 +16,10 @@ import pytest
 
 import hybond as hb
 from hybond.engine.checks import laws_held
+from hybond.engine.guards import ends_at_guard
 from hybond.engine.instant import impulse_ways, jump
 from hybond.engine.laws import laws
-from hybond.engine.run import ends_at_guard, motion
+from hybond.engine.run import motion
 from hybond.engine.tables import options
 
 

@@ -26,7 +26,7 @@ from hybond.engine.compiled.rows import Rows
 from hybond.engine.compiled.sliced import OK
 from hybond.engine.engine import make_engine
 from hybond.engine.looking import energies, look
-from hybond.engine.methods.radau_room import RADAU
+from hybond.engine.method_numbers import RADAU
 from hybond.engine.tables import answered
 
 SOME = 12

@@ -7,9 +7,10 @@ arrays of a model from its flat graph, `compiled` prints, builds and calls the l
 a run.
 
 `model.Model` is what a model brings along: tables, which `tables/` makes; `answers` has its
-expressions and names. `engine.Engine` is one run: the state, the modes known so far, and all room
-to work in (`work`, and files that end in `_records` or `_room`). `words` has the words of the
-subset. Rooms, and in them files, as data passes them::
+expressions and names, `method_numbers` the methods that a run may be asked for. `engine.Engine` is
+one run: the state, the modes known so far, and all room to work in (`work`, and files that end in
+`_records` or `_room`). `words` has the words of the subset. Rooms, and in them files, as data
+passes them::
 
     expressions/
         code, lookup, functions    laws as instructions; tables that they read; what has no value
@@ -41,6 +42,7 @@ subset. Rooms, and in them files, as data passes them::
         beside_jumps, put_back  solutions just beside a jump; whether one holds
         freedom, undetermined, leakage    what a system leaves free, and laws; least leakage
         storage, reach      co-energy, energy; what would have an energy
+        storage_bonds       which bond variables are the rates of what is stored
         connected, part_energies    parts of the graph; how much energy there has been on each
         reading, sources_of_time    what a step reads; sources that time alone moves
         sizes, solved_sizes, lesser_sizes    what its rounding is measured by
@@ -64,6 +66,7 @@ subset. Rooms, and in them files, as data passes them::
     laws/
         laws                modes with laws of junctions: first what jumps, then what lasts
         ports, response     the graph with its laws left open, and what it says of them
+        end_ports           which of their variables is the unknown of a time step
         law_branches, law_jumping, law_records    which branches are taken; which of an impulse
         law_instant, law_friction, law_rates    what laws may do; dry friction; how zeros move on
         law_answers         one question to them, answered
@@ -120,9 +123,7 @@ subset. Rooms, and in them files, as data passes them::
         fixed               forward Euler, the classical Runge-Kutta method
         qss, qss_start, qss_events, qss_band, qss_place, qss_room    quantised states
         qss_linear, qss_fit, qss_nodes    their rates: in linear modes, and in others
-    run/
-        motion              the executive: segment after segment
-        noted, slips_followed    the end of a step; steps that follow slip in the plane
+    guards/
         locate, locator     the first instant of a step at which a guard holds
         guard_values, guard_shape, candidates, bracket    by samples
         solved_guards, step_polynomials, quartic    by polynomials
@@ -133,9 +134,13 @@ subset. Rooms, and in them files, as data passes them::
         limits_crossed      what has come to one, waits there, and is asked again
         rests_asked         what rests where time, or a crossing beside it, asks for it
         naps                kinks that end no steps for a while
-        contradictions      sources that do not agree behind one
         together, ends_at_guard    what is one instant with it; the step that ends there
+    run/
+        motion              the executive: segment after segment
+        step_motion         that of time-stepping, which locates nothing
+        noted, slips_followed    the end of a step; steps that follow slip in the plane
         kinks_passed, held_by_kinks, source_jumps    kinks of laws and of sources
+        contradictions      sources that do not agree behind one
         guard_at_kink, ends_at_kink    a guard that holds at one; steps that end there
         courses_ahead       steps that see all of what time does
         phases              how phases of the plant go on, such as the angle of a flywheel
@@ -145,8 +150,8 @@ subset. Rooms, and in them files, as data passes them::
         log, run_records, carried, trying    what is written, handed on, tried
         report, run, unit   in a printed program: what is shown; the program; driven by others
     timestepping/
-        step_motion, theta_step, matrices    an executive that locates nothing; one step
-        step_sizes, step_laws, guessed, end_ports    what it is measured by; laws at its end
+        theta_step, matrices    one step
+        step_sizes, step_laws, guessed    what it is measured by; laws at its end
         open_shares         who carries what
         step_event, step_shown, step_records    what is written and shown
     checks/

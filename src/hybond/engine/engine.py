@@ -10,11 +10,13 @@ from hybond.engine.algebra.svd import Svd, make_svd
 from hybond.engine.checks.check_records import Checks, make_checks
 from hybond.engine.contacts.landing_records import Landings, make_landings
 from hybond.engine.expressions.course_records import Courses, make_courses
+from hybond.engine.guards.rest_records import Rests, make_rests
 from hybond.engine.inputs.calls import Calls, call_outside, make_calls
 from hybond.engine.laws.law_records import OPEN_KEPT, Laws, make_laws
-from hybond.engine.methods.flow_records import AUTO, EXACT, Exact, make_exact
-from hybond.engine.methods.qss_room import QSS1, Quantised, make_quantised
-from hybond.engine.methods.radau_room import RADAU, Radau, make_radau
+from hybond.engine.method_numbers import AUTO, EXACT, MOREAU, QSS1, RADAU
+from hybond.engine.methods.flow_records import Exact, make_exact
+from hybond.engine.methods.qss_room import Quantised, make_quantised
+from hybond.engine.methods.radau_room import Radau, make_radau
 from hybond.engine.methods.step_room import Step, make_step
 from hybond.engine.mode.mode_records import KEPT, Mode
 from hybond.engine.mode.standing_records import Standing, make_standing
@@ -22,9 +24,8 @@ from hybond.engine.mode.sum_records import Sums, make_sums
 from hybond.engine.model import Model
 from hybond.engine.planar.planar_records import Planar, make_planar
 from hybond.engine.reasons.warned import Warned, make_warned
-from hybond.engine.run.rest_records import Rests, make_rests
 from hybond.engine.sliding.slide_records import Slide, make_slide
-from hybond.engine.timestepping.step_records import MOREAU, Stepping, make_stepping
+from hybond.engine.timestepping.step_records import Stepping, make_stepping
 from hybond.engine.words import Floats, Ints, Records, Text, floats, ints, record, records
 from hybond.engine.work import Work, make_work
 

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 import hybond as hb
 from hybond.engine.engine import make_engine
-from hybond.engine.run.guard_shape import NEAR, floor_of, rest_below, rest_of, stays
-from hybond.engine.run.locator import FRACTION, GRID, SAMPLES, make_locator
+from hybond.engine.guards.guard_shape import NEAR, floor_of, rest_below, rest_of, stays
+from hybond.engine.guards.locator import FRACTION, GRID, SAMPLES, make_locator
 from hybond.engine.tables import answered, tables_of
 
 NUMBERS = st.lists(st.floats(-1.0, 1.0), min_size=SAMPLES, max_size=SAMPLES)

@@ -11,11 +11,11 @@ from portable_runs import portable
 import hybond as hb
 from hybond.engine.answers import value
 from hybond.engine.expressions.paired import holds
+from hybond.engine.guards.guard_values import atom_at, look
+from hybond.engine.guards.locator import make_locator, watch
 from hybond.engine.mode.sizes import size_of
 from hybond.engine.mode.solving import solve
 from hybond.engine.mode.values import begin_field, field, set_state
-from hybond.engine.run.guard_values import atom_at, look
-from hybond.engine.run.locator import make_locator, watch
 from hybond.engine.words import some
 
 RUNS = [

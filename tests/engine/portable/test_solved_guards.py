@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import hybond as hb
-from hybond.engine.run.quartic import make_quartic, solve_monotone, solve_quartic, turns
+from hybond.engine.guards.quartic import make_quartic, solve_monotone, solve_quartic, turns
 
 G = 9.81
 

@@ -16,6 +16,7 @@ from hybond.engine.mode.guess import give_back_guess, hold_guess
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.newton_system import measured_system
 from hybond.engine.mode.put_back import HOLDS, all_hold
+from hybond.engine.mode.storage_bonds import rate_bond
 from hybond.engine.mode.values import evaluate
 
 APART: Final = 1e-3
@@ -49,7 +50,7 @@ def look_for_another(e: Engine, mode: Mode) -> None:
     off = 0.0
     size = 0.0
     for k in range(m.storages):
-        b = m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 0 else 0)
+        b = rate_bond(m, k)
         apart = math.fabs(c.other[m.bond_slot + b] - c.v[m.bond_slot + b])
         if apart > APART * c.largest[m.bond_class[b]] and apart > off:
             off = apart

@@ -12,6 +12,7 @@ from typing import Final
 
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.mode.storage import co_energy_of
+from hybond.engine.mode.storage_bonds import co_energy_bond
 from hybond.engine.reasons.facts import add_fact
 
 MOST: Final = 1e150
@@ -35,7 +36,7 @@ def hold_bounds(e: Engine) -> int:
         shown = True
         level = co_energy_of(m, k, c.v)
         if not math.fabs(level) <= MOST:
-            at = m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 1 else 0)
+            at = co_energy_bond(m, k)
             return beyond(e, at, level)
     return OK
 

@@ -21,8 +21,8 @@ from typing import Final
 from hybond.engine.algebra.rounding import EPSILON, UNDERFLOW
 from hybond.engine.checks.noting import BALANCE, CREATED, MOVES, note_in_state, note_violation
 from hybond.engine.engine import OK, Engine
+from hybond.engine.method_numbers import EULER, MOREAU, RK4
 from hybond.engine.methods.defects import chord
-from hybond.engine.methods.fixed import EULER, RK4
 from hybond.engine.methods.scale import FAINT
 from hybond.engine.mode.equations import is_fieldless
 from hybond.engine.mode.guess import give_back_guess, hold_guess
@@ -30,9 +30,9 @@ from hybond.engine.mode.newton import knowns_of
 from hybond.engine.mode.put_back import NEAR
 from hybond.engine.mode.sizes import size_of
 from hybond.engine.mode.storage import co_energy, own_stiffness, with_stored
+from hybond.engine.mode.storage_bonds import rate_bond
 from hybond.engine.mode.values import field
 from hybond.engine.reasons.warned import MADE_BY_STEPS, add_about, begin_warning
-from hybond.engine.timestepping.step_records import MOREAU
 from hybond.engine.words import Floats
 
 PART: Final = 0.01
@@ -167,7 +167,7 @@ def nothing(e: Engine) -> float:
     c = e.checks
     total = FAINT * FAINT
     for k in range(m.storages):
-        rate = m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 0 else 0)
+        rate = rate_bond(m, k)
         way = INSTANT * e.span * c.largest[m.bond_class[rate]]
         own = math.fabs(chord(e, k))
         if way > 0.0 and math.isfinite(own) and m.storage_pseudo[k] == 0:
@@ -219,7 +219,7 @@ def hold_rates(e: Engine) -> None:
     if e.slide.k > 0 or c.shown_at != e.t or m.method >= MOREAU:
         return
     for k in range(m.storages):
-        at = m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 0 else 0)
+        at = rate_bond(m, k)
         shown = c.v[m.bond_slot + at]
         if m.storage_kind[k] == 0 and m.storage_sign[k] < 0:
             shown = -shown

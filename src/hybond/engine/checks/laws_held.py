@@ -23,12 +23,13 @@ from hybond.engine.checks.bounds_held import MOST
 from hybond.engine.checks.noting import ELEMENT, JUNCTION, STORAGE, note_violation
 from hybond.engine.checks.shown import clear_prior, show_at
 from hybond.engine.engine import Engine
+from hybond.engine.method_numbers import MOREAU
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.reach import reach_of
 from hybond.engine.mode.sizes import size_of
 from hybond.engine.mode.storage import co_energy_of, own_stiffness
+from hybond.engine.mode.storage_bonds import co_energy_bond
 from hybond.engine.mode.tableau import part_of
-from hybond.engine.timestepping.step_records import MOREAU
 
 PART: Final = 1e-9
 """What a law may be off by, as a part of its terms."""
@@ -238,7 +239,7 @@ def hold_storage(e: Engine, k: int) -> None:
     """Hold what a storage puts on its bond against what it stores."""
     m = e.model
     c = e.checks
-    at = m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 1 else 0)
+    at = co_energy_bond(m, k)
     own = co_energy_of(m, k, c.v)
     shown = c.v[m.bond_slot + at]
     if m.storage_kind[k] == 1:

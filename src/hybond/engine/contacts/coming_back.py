@@ -14,9 +14,13 @@ from hybond.engine.contacts.accumulation import SOONEST, room_of
 from hybond.engine.contacts.landing_records import Landings, in_force
 from hybond.engine.engine import OK, Engine
 from hybond.engine.expressions.paired import holds
+from hybond.engine.guards.guard_values import (
+    ask_in_motion,
+    begin_sizes_in_motion,
+    measure_in_motion,
+)
 from hybond.engine.mode.equations import mode_of
 from hybond.engine.mode.values import begin_field, evaluate, field
-from hybond.engine.run.guard_values import ask_in_motion, begin_sizes_in_motion, measure_in_motion
 from hybond.engine.sliding.combine import combine_here
 
 MOMENT: Final = 10.0

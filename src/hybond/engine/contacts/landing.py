@@ -35,6 +35,11 @@ from hybond.engine.contacts.unrest import (
 from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.expressions.paired import holds
 from hybond.engine.expressions.pairs import ROUNDING
+from hybond.engine.guards.guard_values import (
+    ask_in_motion,
+    begin_sizes_in_motion,
+    measure_in_motion,
+)
 from hybond.engine.instant.instant import (
     ACCUMULATION,
     CONTINUOUS,
@@ -54,7 +59,6 @@ from hybond.engine.mode.equations import mode_of
 from hybond.engine.mode.fading import remember_jump
 from hybond.engine.mode.storage import energy_of
 from hybond.engine.mode.values import begin_field, evaluate, field
-from hybond.engine.run.guard_values import ask_in_motion, begin_sizes_in_motion, measure_in_motion
 from hybond.engine.sliding.combine import combine_here
 from hybond.engine.words import Floats
 

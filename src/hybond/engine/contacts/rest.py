@@ -11,6 +11,7 @@ from hybond.engine.instant.jump import enter_mode
 from hybond.engine.mode.equations import mode_of
 from hybond.engine.mode.limits import put_limits
 from hybond.engine.mode.reach import reach_of
+from hybond.engine.mode.storage_bonds import rate_bond
 from hybond.engine.mode.values import set_values
 from hybond.engine.sliding.averages import freedom_here, sizes_here, solve_here
 from hybond.engine.sliding.combine import combine_here
@@ -29,7 +30,7 @@ def find_moved(e: Engine, held: Ints) -> None:
     ways = e.work.ways
     impulse_directions(e, e.mode, e.v, ways)
     for k in range(m.storages):
-        at = m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 0 else 0)
+        at = rate_bond(m, k)
         held[k] = 0
         for j in range(ways.many):
             if ways.directions.at[at * ways.many + j] != 0.0:

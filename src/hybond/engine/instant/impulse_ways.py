@@ -16,6 +16,7 @@ from hybond.engine.instant.sparse_ways import find_extents, find_sparse_ways, is
 from hybond.engine.mode.dynamic_rows import frozen_at
 from hybond.engine.mode.mode_records import Mode, Ways
 from hybond.engine.mode.storage import own_stiffness, stiff, with_stored
+from hybond.engine.mode.storage_bonds import rate_bond
 from hybond.engine.words import Floats
 
 SEEN: Final = 1e-3
@@ -81,7 +82,7 @@ def find_ways(e: Engine, mode: Mode, v: Floats, x: Floats) -> None:
     many = ways.many
     fit(w.rate_part, m.storages * many)
     for k in range(m.storages):
-        at = m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 0 else 0)
+        at = rate_bond(m, k)
         sign = float(m.storage_sign[k]) if m.storage_kind[k] == 0 else 1.0
         for j in range(many):
             w.rate_part.at[k * many + j] = sign * ways.directions.at[at * many + j]

@@ -14,8 +14,8 @@ from hybond.engine.answers import value
 from hybond.engine.engine import Engine
 from hybond.engine.expressions.paired import holds
 from hybond.engine.expressions.pairs import ROUNDING
+from hybond.engine.guards.rest_records import side_of
 from hybond.engine.reasons.warned import GUARD_AT_REST, add_about, begin_warning
-from hybond.engine.run.rest_records import side_of
 from hybond.engine.words import Floats
 
 NOT_ASKED: Final = -1

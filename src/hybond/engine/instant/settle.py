@@ -16,6 +16,7 @@ from hybond.engine.answers import rule_text
 from hybond.engine.checks.energy_held import hold_jump, jump_may_create
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.expressions.paired import holds_from
+from hybond.engine.guards.limits_crossed import level_of
 from hybond.engine.inputs.interval import hold_before, interval_after
 from hybond.engine.inputs.sampling import sample
 from hybond.engine.instant.beginning import begin_behind, stand_before, stand_without_before
@@ -71,7 +72,6 @@ from hybond.engine.mode.equations import is_fieldless, mode_of
 from hybond.engine.mode.fading import remember_jump, remember_now
 from hybond.engine.mode.part_energies import join_parts
 from hybond.engine.reasons.facts import add_fact
-from hybond.engine.run.limits_crossed import level_of
 from hybond.engine.sliding.branches import choose_at, know_around
 from hybond.engine.words import Ints
 

@@ -28,6 +28,7 @@ from hybond.engine.algebra.sparse_lu import (
 from hybond.engine.engine import Engine
 from hybond.engine.mode.mode_records import Mode, Ways
 from hybond.engine.mode.storage import own_stiffness, stiff, with_stored
+from hybond.engine.mode.storage_bonds import rate_bond
 from hybond.engine.words import Floats
 
 FEW: Final = 32
@@ -112,12 +113,6 @@ def size_held(e: Engine, x: Floats, k: int) -> float:
     return size + e.work.reach[k] / own if own > 0.0 and math.isfinite(own) else size
 
 
-def rate_row(e: Engine, k: int) -> int:
-    """Return the bond variable that is the rate of storage k, but for its sign."""
-    m = e.model
-    return m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 0 else 0)
-
-
 def list_moved(e: Engine, mode: Mode) -> None:
     """List the storages that impulses move: an area each."""
     m = e.model
@@ -130,7 +125,7 @@ def list_moved(e: Engine, mode: Mode) -> None:
     ways.areas = 0
     for k in range(m.storages):
         ways.moves_first.at[k] = ways.areas
-        row = rate_row(e, k)
+        row = rate_bond(e.model, k)
         if rows.first.at[row] < rows.first.at[row + 1]:
             ways.moved.at[ways.areas] = k
             ways.moves.at[ways.areas] = ways.areas
@@ -145,7 +140,7 @@ def fit_terms(e: Engine, mode: Mode) -> None:
     ways = mode.ways
     terms = ways.areas
     for a in range(ways.areas):
-        row = rate_row(e, ways.moved.at[a])
+        row = rate_bond(e.model, ways.moved.at[a])
         terms += mode.free_rows.first.at[row + 1] - mode.free_rows.first.at[row]
     for i in range(mode.constraints.first.at[mode.constraints.rows]):
         k = mode.constraints.column.at[i]
@@ -166,7 +161,7 @@ def give_impulses(e: Engine, mode: Mode) -> None:
     for a in range(ways.areas):
         k = ways.moved.at[a]
         ways.extent.at[a] = e.work.extents.at[k]
-        row = rate_row(e, k)
+        row = rate_bond(e.model, k)
         for i in range(rows.first.at[row], rows.first.at[row + 1]):
             own = ways.areas + rows.column.at[i]
             size = ways.extent.at[a] / math.fabs(rows.value.at[i])
@@ -176,7 +171,7 @@ def give_impulses(e: Engine, mode: Mode) -> None:
             ways.extent.at[ways.areas + j] = 1.0
     for a in range(ways.areas):
         k = ways.moved.at[a]
-        row = rate_row(e, k)
+        row = rate_bond(e.model, k)
         sign = float(m.storage_sign[k]) if m.storage_kind[k] == 0 else 1.0
         add_term(ways.solver, a, ways.extent.at[a])
         for i in range(rows.first.at[row], rows.first.at[row + 1]):

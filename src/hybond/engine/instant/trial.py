@@ -36,6 +36,7 @@ from hybond.engine.mode.part_energies import part_of_bond, see_energy, see_energ
 from hybond.engine.mode.reach import reach_of
 from hybond.engine.mode.sizes import measure
 from hybond.engine.mode.storage import energy_of
+from hybond.engine.mode.storage_bonds import co_energy_bond
 from hybond.engine.mode.values import set_values
 from hybond.engine.reasons.facts import add_fact
 from hybond.engine.sliding.averages import begin_sizes, freedom_here, solve_here
@@ -65,7 +66,7 @@ def show_stored(e: Engine) -> None:
     """Let storages show what they store, even if the state is not consistent yet."""
     m = e.model
     for k in range(m.storages):
-        at = m.storage_bond[k] + (0 if m.storage_kind[k] == 0 else m.bonds)
+        at = co_energy_bond(m, k)
         sign = 1.0 if m.storage_kind[k] == 0 else float(m.storage_sign[k])
         e.v[m.bond_slot + at] = sign * e.work.xi[k]
 

@@ -16,6 +16,7 @@ import math
 from hybond.engine.answers import node_name
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.inputs.interval import configuration
+from hybond.engine.laws.end_ports import choose_given, prefer_common
 from hybond.engine.laws.law_records import (
     NOT_ASKED,
     OPEN_KEPT,
@@ -23,14 +24,14 @@ from hybond.engine.laws.law_records import (
     Ports,
     make_ports,
 )
+from hybond.engine.method_numbers import MOREAU
 from hybond.engine.mode.equations import check_depth, make_equations
 from hybond.engine.mode.kept_modes import is_same
 from hybond.engine.mode.mode_records import Mode, make_mode
 from hybond.engine.mode.solving import solve
+from hybond.engine.mode.storage_bonds import rate_bond
 from hybond.engine.mode.tableau import COMMON, NET, NOT_OPEN
 from hybond.engine.model import Model
-from hybond.engine.timestepping.end_ports import choose_given, prefer_common
-from hybond.engine.timestepping.step_records import MOREAU
 from hybond.engine.words import Floats, Ints, some
 
 
@@ -210,6 +211,6 @@ def add_partner_terms(m: Model, p: Ports, w: Floats, terms: Floats) -> None:
 def rates_of_stored(m: Model, w: Floats, n: int, column: int, rates: Floats) -> None:
     """Put the rates that a column of bond variables, of n, makes there, in the same column."""
     for k in range(m.storages):
-        at = m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 0 else 0)
+        at = rate_bond(m, k)
         sign = float(m.storage_sign[k]) if m.storage_kind[k] == 0 else 1.0
         rates[k * n + column] = sign * w[at * n + column]

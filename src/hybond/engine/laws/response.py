@@ -32,6 +32,7 @@ from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.reach import reach_of
 from hybond.engine.mode.sizes import size_of
 from hybond.engine.mode.sources_of_time import rate_of_source
+from hybond.engine.mode.storage_bonds import rate_bond
 from hybond.engine.mode.tableau import NET
 from hybond.engine.mode.values import set_values
 from hybond.engine.model import Model
@@ -105,7 +106,7 @@ def rates_of_linear(
     mode = open_mode(e, p)
     rates_of_stored(m, bonds, 1, 0, r.field)
     for i in range(m.storages):
-        at = m.storage_bond[i] + (m.bonds if m.storage_kind[i] == 0 else 0)
+        at = rate_bond(m, i)
         r.field_size[i] = row_size(mode.finite, mode.same[at], e.work.xi) + math.fabs(bonds[at])
     for k in range(m.ports):
         total = 0.0

@@ -17,6 +17,7 @@ from hybond.engine.inputs.interval import interval_after
 from hybond.engine.instant.jump import on_constraints
 from hybond.engine.looking.asked import Ask, ask_for_powers, make_ask, prepare, solve_asked
 from hybond.engine.looking.led_back import lead_back, ways_back
+from hybond.engine.method_numbers import MOREAU
 from hybond.engine.mode.agreement import check_agreement
 from hybond.engine.mode.equations import mode_of
 from hybond.engine.mode.limits import put_limits
@@ -28,7 +29,6 @@ from hybond.engine.sliding.branch_table import add_branches
 from hybond.engine.sliding.combine import combine_here
 from hybond.engine.sliding.onto import onto_surfaces
 from hybond.engine.sliding.surface import part_mode
-from hybond.engine.timestepping.step_records import MOREAU
 from hybond.engine.words import Floats, Ints, floats, ints, record
 
 

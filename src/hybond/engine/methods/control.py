@@ -10,6 +10,7 @@ from typing import Final
 
 from hybond.engine.algebra.products import all_finite, copy_floats
 from hybond.engine.engine import NOT_FINITE, OK, Engine, say_fault
+from hybond.engine.method_numbers import AUTO, EXACT
 from hybond.engine.methods.dopri import (
     SMALLEST_ERROR,
     begin_step,
@@ -28,7 +29,7 @@ from hybond.engine.methods.exact import (
 )
 from hybond.engine.methods.failed_steps import no_rate, note_settling, step_too_small, worst_of
 from hybond.engine.methods.flow import take_flow
-from hybond.engine.methods.flow_records import AUTO, EXACT, LARGE
+from hybond.engine.methods.flow_records import LARGE
 from hybond.engine.methods.graded import exchanges_fast
 from hybond.engine.methods.hidden_peaks import hidden_at_end
 from hybond.engine.methods.one_instant import is_one_kink

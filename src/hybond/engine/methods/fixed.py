@@ -12,13 +12,12 @@ from typing import Final
 
 from hybond.engine.algebra.products import all_finite, copy_floats
 from hybond.engine.engine import NOT_FINITE, OK, Engine, say_fault
+from hybond.engine.method_numbers import EULER, RK4
 from hybond.engine.methods.defects import defect_of_fixed
 from hybond.engine.methods.dopri import begin_step, goes_elsewhere, not_finite
 from hybond.engine.mode.values import field
 from hybond.engine.words import Floats
 
-RK4: Final = 4
-EULER: Final = 5
 SLACK: Final = 1e-9
 """Part of a step within which a time counts as a point of the grid."""
 

@@ -14,6 +14,7 @@ from hybond.engine.methods.linear_rows import solve_rows
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.reading import read_by_knowns
 from hybond.engine.mode.storage import is_alone
+from hybond.engine.mode.storage_bonds import rate_bond
 from hybond.engine.model import Model
 
 
@@ -66,7 +67,7 @@ def put_column(e: Engine, mode: Mode, f: Flow, n: int, c: int) -> int:
         if not all_finite(2 * m.bonds, w):
             return NOT_FINITE
     for k in range(m.storages):
-        at = m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 0 else 0)
+        at = rate_bond(m, k)
         negative = m.storage_kind[k] == 0 and m.storage_sign[k] < 0
         x.dense.at[k * n + c] = -w[at] if negative else w[at]
     first = 2 * m.sources + m.dynamics
@@ -92,7 +93,7 @@ def put_column_twofold(e: Engine, mode: Mode, f: Flow, n: int, c: int) -> bool:
     if mode.dynamics > 0:
         solve_rows(e, mode, column)
     for k in range(m.storages):
-        at = m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 0 else 0)
+        at = rate_bond(m, k)
         negative = m.storage_kind[k] == 0 and m.storage_sign[k] < 0
         x.total = 0.0
         x.over = 0.0

@@ -15,10 +15,6 @@ from hybond.engine.algebra.blocks import (
 from hybond.engine.model import Model
 from hybond.engine.words import Floats, Ints, Records, floats, ints, record, records
 
-EXACT: Final = 2
-"""The method that propagates linear modes, and leaves others to ``rk45``."""
-AUTO: Final = 3
-"""The one that leaves others to ``rk45`` and, where that is bound by stability, ``radau``."""
 LARGE: Final = 400
 """States beyond which full matrices are too much for what chooses by itself."""
 NO_FLOW: Final = -1

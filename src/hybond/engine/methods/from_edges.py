@@ -23,7 +23,7 @@ from hybond.engine.algebra.lu import SINGULAR, lu_factor, lu_solve
 from hybond.engine.algebra.products import copy_floats
 from hybond.engine.answers import value
 from hybond.engine.engine import OK, Engine
-from hybond.engine.methods.flow_records import AUTO, EXACT
+from hybond.engine.method_numbers import AUTO, EXACT
 from hybond.engine.methods.one_instant import room_of_instant
 from hybond.engine.methods.radau_factors import BUTCHER_INVERSE
 from hybond.engine.methods.radau_room import Radau

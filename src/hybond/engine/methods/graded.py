@@ -21,6 +21,7 @@ from hybond.engine.methods.balance import even_unread, put_rows, take_unit
 from hybond.engine.methods.flow_columns import put_column_twofold
 from hybond.engine.methods.flow_records import Exact, Flow
 from hybond.engine.mode.mode_records import Mode
+from hybond.engine.mode.storage_bonds import rate_bond
 from hybond.engine.words import Floats
 
 ROUNDED_AWAY: Final = 0.1
@@ -47,7 +48,7 @@ def exchanges_fast(e: Engine, mode: Mode) -> bool:
     most = fast_from(m.rtol, e.span)
     rows = mode.finite
     for k in range(m.storages):
-        own = mode.same[m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 0 else 0)]
+        own = mode.same[rate_bond(m, k)]
         for i in range(rows.first.at[own], rows.first.at[own + 1]):
             port = rows.column.at[i]
             if port >= m.storages:

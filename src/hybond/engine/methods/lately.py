@@ -15,7 +15,7 @@ import math
 from typing import Final
 
 from hybond.engine.engine import Engine
-from hybond.engine.methods.flow_records import AUTO
+from hybond.engine.method_numbers import AUTO
 from hybond.engine.methods.scale import measure_anew
 from hybond.engine.mode.storage import own_stiffness
 

@@ -15,6 +15,7 @@ from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.newton import by_knowns
 from hybond.engine.mode.newton_step import newton_step
 from hybond.engine.mode.newton_system import by_free, with_free
+from hybond.engine.mode.storage_bonds import rate_bond
 from hybond.engine.model import Model
 from hybond.engine.words import Floats
 
@@ -104,7 +105,7 @@ def is_rate_open(e: Engine, mode: Mode) -> bool:
     """Whether the rate of a state depends on what stays open, but those integrated along."""
     m = e.model
     for k in range(m.storages):
-        if is_open(e, mode, m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 0 else 0)):
+        if is_open(e, mode, rate_bond(m, k)):
             return True
     first = 2 * m.sources + m.dynamics
     for k in range(m.integrals):
@@ -188,7 +189,7 @@ def take_row(e: Engine, mode: Mode, i: int, column: int) -> float:
             continue
         for j in range(m.stiff_first[k], m.stiff_first[k + 1]):
             s = m.stiff_other[j]
-            bond = m.storage_bond[s] + (m.bonds if m.storage_kind[s] == 0 else 0)
+            bond = rate_bond(m, s)
             way = float(m.storage_sign[s]) if m.storage_kind[s] == 0 else 1.0
             row[bond] += factor * m.stiff_constant[j] * way
     return total

@@ -10,6 +10,7 @@ from hybond.engine.engine import OK, Engine
 from hybond.engine.methods.dopri import spacing
 from hybond.engine.mode.guess import give_back_guess, hold_guess
 from hybond.engine.mode.solving import solve
+from hybond.engine.mode.storage_bonds import rate_bond
 from hybond.engine.mode.values import set_motion
 from hybond.engine.model import Model
 from hybond.engine.words import Floats
@@ -105,7 +106,7 @@ def is_led(e: Engine, h: float, y0: Floats, y1: Floats) -> bool:
 def shown_rate(e: Engine, k: int) -> float:
     """Return the rate of storage `k` in the motion that is shown."""
     m = e.model
-    at = m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 0 else 0)
+    at = rate_bond(m, k)
     rate = e.v[m.bond_slot + at]
     return -rate if m.storage_kind[k] == 0 and m.storage_sign[k] < 0 else rate
 

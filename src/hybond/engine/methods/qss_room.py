@@ -19,11 +19,10 @@ from hybond.engine.algebra.blocks import (
     make_places,
     make_rows,
 )
+from hybond.engine.method_numbers import LIQSS1, QSS1
 from hybond.engine.model import Model
 from hybond.engine.words import Floats, Ints, floats, ints, record
 
-QSS1: Final = 7
-LIQSS1: Final = 10
 X: Final = 4
 """Coefficients that there is room for of each state, ..."""
 Q: Final = 3

@@ -5,6 +5,7 @@ from typing import Final
 
 from hybond.engine.algebra.products import copy_floats
 from hybond.engine.engine import OK, Engine, say_fault
+from hybond.engine.method_numbers import RADAU
 from hybond.engine.methods.defects import apart_at_end, end_levels
 from hybond.engine.methods.dopri import (
     begin_step,
@@ -21,7 +22,7 @@ from hybond.engine.methods.radau import (
     step_radau,
 )
 from hybond.engine.methods.radau_factors import BUTCHER_INVERSE
-from hybond.engine.methods.radau_room import ERROR_BLAMED, RADAU, STAGES_BLAMED, Radau
+from hybond.engine.methods.radau_room import ERROR_BLAMED, STAGES_BLAMED, Radau
 from hybond.engine.methods.radau_stages import rate_at, stage_time
 from hybond.engine.methods.scale import controlled, tolerance
 from hybond.engine.methods.stiffness import watch_implicit

@@ -7,8 +7,6 @@ from hybond.engine.algebra.blocks import Block, Places, make_block, make_places
 from hybond.engine.algebra.lu_pair import Complex
 from hybond.engine.words import Floats, Ints, floats, ints, record
 
-RADAU: Final = 1
-"""The method."""
 PIECES: Final = 128
 """Steps that the repetition of one may fall apart into."""
 RATE_BLAMED: Final = 0

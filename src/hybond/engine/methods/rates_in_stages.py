@@ -18,6 +18,7 @@ from hybond.engine.methods.radau_room import Radau
 from hybond.engine.methods.rates_off import FROM_ROUNDING
 from hybond.engine.mode.guess import give_back_guess, hold_guess
 from hybond.engine.mode.solving import solve
+from hybond.engine.mode.storage_bonds import rate_bond
 from hybond.engine.mode.values import set_state
 
 IN_STAGES: Final = 25.0
@@ -62,7 +63,7 @@ def ask_rates_too(e: Engine, r: Radau) -> None:
         r.beside_known = True
     for i in range(m.storages):
         if r.rate_may[i] < math.inf:
-            at = m.storage_bond[i] + (m.bonds if m.storage_kind[i] == 0 else 0)
+            at = rate_bond(m, i)
             size = r.beside.at[e.mode.same[at]]
             r.rate_may[i] = max(r.rate_may[i], r.h * IN_STAGES * m.rtol * size)
 

@@ -24,6 +24,7 @@ from hybond.engine.mode.part_energies import see_part
 from hybond.engine.mode.sizes import given_size, size_of
 from hybond.engine.mode.solving import solve
 from hybond.engine.mode.storage import own_stiffness, with_stored
+from hybond.engine.mode.storage_bonds import rate_bond
 from hybond.engine.mode.values import field, set_state
 from hybond.engine.words import Floats
 
@@ -194,14 +195,14 @@ def found_terms(e: Engine, mode: Mode, t: float, y: Floats) -> bool:
         soonest[i] = SHORT * e.span
     for k in range(m.storages):
         i = e.storage_part[k]
-        at = m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 0 else 0)
+        at = rate_bond(m, k)
         e.rounding[k] = size_of(e, mode, at, e.work.xi, e.v)
         e.rate_noise[k] = max(e.rate_noise[k], ROUNDED * e.rounding[k])
         found = found or e.rounding[k] > 0.0
         if moves_clearly(e, at, e.rounding[k]) and y[k] != 0.0:
             soonest[i] = min(soonest[i], math.fabs(y[k] / e.work.w[at]))
     for k in range(m.storages):
-        at = m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 0 else 0)
+        at = rate_bond(m, k)
         acts = SHORT * e.span
         if moves_clearly(e, at, e.rounding[k]):
             first = soonest[e.storage_part[k]]

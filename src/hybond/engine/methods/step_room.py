@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import math
-from typing import Final
 
+from hybond.engine.mode.mode_records import PACES
 from hybond.engine.words import Floats, floats, record
-
-PACES: Final = 16
-"""Sizes of steps that are remembered: modes that share one mislead each other, not the run."""
 
 
 @record

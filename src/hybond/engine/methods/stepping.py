@@ -6,6 +6,7 @@ import math
 from typing import Final
 
 from hybond.engine.engine import OK, Engine, say_fault
+from hybond.engine.method_numbers import AUTO, EXACT, QSS1, RADAU, RK4
 from hybond.engine.methods.control import (
     controlled_retry,
     controlled_start,
@@ -13,12 +14,10 @@ from hybond.engine.methods.control import (
     is_propagated,
 )
 from hybond.engine.methods.failed_steps import step_too_small, worst_of
-from hybond.engine.methods.fixed import RK4, fixed_retry, fixed_start, fixed_step
-from hybond.engine.methods.flow_records import AUTO, EXACT
+from hybond.engine.methods.fixed import fixed_retry, fixed_start, fixed_step
 from hybond.engine.methods.from_edges import EXPLICIT, leaves_edge, may_turn, see_edges
 from hybond.engine.methods.lately import follow_sizes
 from hybond.engine.methods.qss import qss_retry, qss_step
-from hybond.engine.methods.qss_room import QSS1
 from hybond.engine.methods.qss_start import qss_start
 from hybond.engine.methods.radau import begin_radau, radau_between
 from hybond.engine.methods.radau_method import (
@@ -27,7 +26,6 @@ from hybond.engine.methods.radau_method import (
     radau_step,
     radau_too_small,
 )
-from hybond.engine.methods.radau_room import RADAU
 from hybond.engine.methods.signal_sizes import follow_rates
 from hybond.engine.methods.stiffness import turn
 from hybond.engine.words import Floats

@@ -24,7 +24,8 @@ import math
 from typing import Final
 
 from hybond.engine.engine import OK, Engine
-from hybond.engine.methods.flow_records import AUTO, LARGE
+from hybond.engine.method_numbers import AUTO
+from hybond.engine.methods.flow_records import LARGE
 from hybond.engine.methods.radau import begin_radau
 from hybond.engine.methods.radau_room import Radau, make_radau
 from hybond.engine.methods.scale import error_norm, forget_settling

@@ -26,6 +26,7 @@ from hybond.engine.engine import Engine
 from hybond.engine.mode.cluster_records import Cluster
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.storage import own_stiffness, stiff
+from hybond.engine.mode.storage_bonds import rate_bond, way_of_rate
 from hybond.engine.model import Model
 from hybond.engine.words import Floats
 
@@ -36,16 +37,6 @@ MOST: Final = 64
 SLOW: Final = -1
 
 
-def rate_of(m: Model, k: int) -> int:
-    """Return the bond variable that is the rate of what port k stores."""
-    return m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 0 else 0)
-
-
-def way_of_rate(m: Model, k: int) -> float:
-    """Return 1, or -1 where what port k stores goes by the other sign of that bond variable."""
-    return float(m.storage_sign[k]) if m.storage_kind[k] == 0 else 1.0
-
-
 def find_settling(e: Engine, mode: Mode, v: Floats) -> None:
     """Find which storages settle within a moment, and which of them hang together."""
     m = e.model
@@ -53,7 +44,7 @@ def find_settling(e: Engine, mode: Mode, v: Floats) -> None:
     mode.any_settles = False
     for k in range(m.storages):
         times = 0.0
-        at = mode.same[rate_of(m, k)]
+        at = mode.same[rate_bond(m, k)]
         for i in range(rows.first.at[at], rows.first.at[at + 1]):
             if rows.column.at[i] == k:
                 rate = way_of_rate(m, k) * rows.value.at[i]
@@ -65,7 +56,7 @@ def find_settling(e: Engine, mode: Mode, v: Floats) -> None:
         return
     take_fields(m, mode)
     for k in range(m.storages):
-        at = mode.same[rate_of(m, k)]
+        at = mode.same[rate_bond(m, k)]
         for i in range(rows.first.at[at], rows.first.at[at + 1]):
             j = rows.column.at[i]
             if j < m.storages and mode.settles_with[k] != SLOW and mode.settles_with[j] != SLOW:
@@ -139,7 +130,7 @@ def put_row(m: Model, mode: Mode, c: Cluster, i: int, v: Floats) -> None:
     """Take what the rate of member i has of what all members store off its row."""
     rows = mode.finite
     n = c.many
-    at = mode.same[rate_of(m, c.member.at[i])]
+    at = mode.same[rate_bond(m, c.member.at[i])]
     way = way_of_rate(m, c.member.at[i])
     for p in range(rows.first.at[at], rows.first.at[at + 1]):
         k = rows.column.at[p]
@@ -201,7 +192,7 @@ def settled_effort(m: Model, c: Cluster, i: int, v: Floats) -> float:
 def from_slow(m: Model, mode: Mode, c: Cluster, j: int, reach: Floats) -> float:
     """Return what the rate of member j has at the most of storages that do not settle."""
     rows = mode.finite
-    at = mode.same[rate_of(m, c.member.at[j])]
+    at = mode.same[rate_bond(m, c.member.at[j])]
     total = 0.0
     for p in range(rows.first.at[at], rows.first.at[at + 1]):
         k = rows.column.at[p]

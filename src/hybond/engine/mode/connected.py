@@ -9,10 +9,10 @@ from __future__ import annotations
 
 from hybond.engine.algebra.separate import first_of, unite
 from hybond.engine.engine import Engine
+from hybond.engine.method_numbers import MOREAU
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.tableau import NET
 from hybond.engine.model import Model
-from hybond.engine.timestepping.step_records import MOREAU
 from hybond.engine.words import Ints
 
 

@@ -10,6 +10,7 @@ from hybond.engine.answers import value
 from hybond.engine.engine import Engine
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.storage import stiff
+from hybond.engine.mode.storage_bonds import rate_bond
 from hybond.engine.words import Floats, Ints
 
 
@@ -99,6 +100,6 @@ def hidden_slopes(e: Engine, mode: Mode, c: int, v: Floats, at: int, a: Floats) 
             continue
         for j in range(m.stiff_first[k], m.stiff_first[k + 1]):
             s = m.stiff_other[j]
-            bond = m.storage_bond[s] + (m.bonds if m.storage_kind[s] == 0 else 0)
+            bond = rate_bond(m, s)
             way = float(m.storage_sign[s]) if m.storage_kind[s] == 0 else 1.0
             a[at + bond] += factor * stiff(m, j, v) * way

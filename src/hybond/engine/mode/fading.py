@@ -14,13 +14,13 @@ from typing import Final
 
 from hybond.engine.algebra.separate import first_of, unite
 from hybond.engine.engine import Engine
-from hybond.engine.mode.clusters import rate_of, way_of_rate
+from hybond.engine.method_numbers import MOREAU
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.newton import source_of
 from hybond.engine.mode.reach import reach_by
 from hybond.engine.mode.storage import is_alone, own_stiffness
+from hybond.engine.mode.storage_bonds import co_energy_bond, rate_bond, way_of_rate
 from hybond.engine.model import Model
-from hybond.engine.timestepping.step_records import MOREAU
 from hybond.engine.words import Floats
 
 TURNS: Final = 2
@@ -48,7 +48,7 @@ def find_fading(e: Engine, mode: Mode, v: Floats) -> None:
             if mode.constraints.column.at[p] < m.storages:
                 mode.fades_by[mode.constraints.column.at[p]] = FREE
     for k in range(m.storages):
-        at = mode.same[rate_of(m, k)]
+        at = mode.same[rate_bond(m, k)]
         for i in range(rows.first.at[at], rows.first.at[at + 1]):
             j = rows.column.at[i]
             if j < m.storages and mode.fades_by[k] > 0.0 and mode.fades_by[j] > 0.0:
@@ -72,7 +72,7 @@ def rate_of_fading(m: Model, mode: Mode, k: int, v: Floats) -> float:
     if not is_alone(m, k):
         return FREE
     rows = mode.finite
-    at = mode.same[rate_of(m, k)]
+    at = mode.same[rate_bond(m, k)]
     kind = m.bond_class[held_at(m, k)]
     back = 0.0
     pushed = 0.0
@@ -87,14 +87,14 @@ def rate_of_fading(m: Model, mode: Mode, k: int, v: Floats) -> float:
                 return FREE
             pushed += size
     for j in range(mode.finite_frees):
-        if mode.finite_free.at[rate_of(m, k) * mode.finite_frees + j] != 0.0:
+        if mode.finite_free.at[rate_bond(m, k) * mode.finite_frees + j] != 0.0:
             return FREE
     return back * own_stiffness(m, k, v) if pushed <= WITHIN * back else FREE
 
 
 def held_at(m: Model, k: int) -> int:
     """Return the bond variable that storage k holds."""
-    return m.storage_bond[k] + (0 if m.storage_kind[k] == 0 else m.bonds)
+    return co_energy_bond(m, k)
 
 
 def given_at(m: Model, mode: Mode, s: int) -> int:
@@ -153,7 +153,7 @@ def around(e: Engine, mode: Mode, k: int, x: Floats, reach: Floats, v: Floats) -
     rows = mode.finite
     root = root_of(mode, m.storage_bond[k])
     most = min(reach[k], kept_in(e, mode, k, x, v))
-    at = mode.same[rate_of(m, k)]
+    at = mode.same[rate_bond(m, k)]
     for i in range(rows.first.at[at], rows.first.at[at + 1]):
         j = rows.column.at[i]
         if rows.value.at[i] == 0.0 or root == 0.0:
@@ -182,7 +182,7 @@ def pushed_to(e: Engine, mode: Mode, k: int, reach: Floats, v: Floats) -> float:
     m = e.model
     rows = mode.finite
     root = root_of(mode, m.storage_bond[k])
-    at = mode.same[rate_of(m, k)]
+    at = mode.same[rate_bond(m, k)]
     back = 0.0
     most = 0.0
     for i in range(rows.first.at[at], rows.first.at[at + 1]):

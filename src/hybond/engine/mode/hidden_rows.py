@@ -5,6 +5,7 @@ from __future__ import annotations
 from hybond.engine.engine import Engine
 from hybond.engine.mode.elimination import give
 from hybond.engine.mode.mode_records import Mode
+from hybond.engine.mode.storage_bonds import rate_bond
 from hybond.engine.model import Model
 from hybond.engine.words import Floats
 
@@ -66,6 +67,6 @@ def add_rates(m: Model, row: Floats, k: int, c: float) -> None:
     """Add c times the rate of a co-energy variable, by bond variables."""
     for i in range(m.stiff_first[k], m.stiff_first[k + 1]):
         s = m.stiff_other[i]
-        at = m.storage_bond[s] + (m.bonds if m.storage_kind[s] == 0 else 0)
+        at = rate_bond(m, s)
         way = float(m.storage_sign[s]) if m.storage_kind[s] == 0 else 1.0
         row[at] += c * m.stiff_constant[i] * way

@@ -8,8 +8,7 @@ from __future__ import annotations
 from typing import Final
 
 from hybond.engine.engine import BUCKETS, NO_MODE, Engine
-from hybond.engine.methods.step_room import PACES
-from hybond.engine.mode.mode_records import KEPT, Mode, make_mode
+from hybond.engine.mode.mode_records import KEPT, PACES, Mode, make_mode
 from hybond.engine.mode.mode_sizes import numbers_of
 from hybond.engine.words import Ints, records, some
 

@@ -18,6 +18,8 @@ from hybond.engine.mode.sum_records import Sums, make_sums
 from hybond.engine.model import Model
 from hybond.engine.words import Floats, Ints, floats, ints, record
 
+PACES: Final = 16
+"""Sizes of steps that are remembered: modes that share one mislead each other, not the run."""
 KEPT: Final = 64
 """Modes kept at the most; the least recently used is made anew when it is entered again."""
 NOT_KNOWN: Final = 0

@@ -20,6 +20,7 @@ from hybond.engine.mode.dynamic_rows import dynamic_value, frozen_at, slopes_at
 from hybond.engine.mode.freedom import rank_here
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.storage import stiff
+from hybond.engine.mode.storage_bonds import rate_bond
 from hybond.engine.words import Floats
 
 LONGEST: Final = 1000
@@ -404,7 +405,7 @@ def hidden_row(e: Engine, mode: Mode, j: int, v: Floats, w: Floats, row: Floats)
             continue
         for i in range(m.stiff_first[k], m.stiff_first[k + 1]):
             s = m.stiff_other[i]
-            at = m.storage_bond[s] + (m.bonds if m.storage_kind[s] == 0 else 0)
+            at = rate_bond(m, s)
             way = float(m.storage_sign[s]) if m.storage_kind[s] == 0 else 1.0
             slope = factor * stiff(m, i, v) * way
             row[at] += slope

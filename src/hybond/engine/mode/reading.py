@@ -12,6 +12,7 @@ from hybond.engine.mode.closely import rate_by_row, row_twofold
 from hybond.engine.mode.mode_records import Mode, Reads
 from hybond.engine.mode.sources_of_time import rate_of_source, value_of_source
 from hybond.engine.mode.storage import co_energy_of, law_at
+from hybond.engine.mode.storage_bonds import rate_bond
 from hybond.engine.model import Model
 from hybond.engine.words import Floats
 
@@ -36,7 +37,7 @@ def read_rates(e: Engine, mode: Mode, r: Reads) -> None:
     read_nothing(m, r)
     read_nothing(m, mode.signals)
     for k in range(m.storages):
-        at = m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 0 else 0)
+        at = rate_bond(m, k)
         mode.rate_row[k] = mode.same[at]
         read_bond(m, mode, r, at)
     for k in range(m.integrals):

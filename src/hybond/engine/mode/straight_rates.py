@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from hybond.engine.engine import Engine
 from hybond.engine.mode.mode_records import Mode
+from hybond.engine.mode.storage_bonds import rate_bond
 from hybond.engine.mode.sum_records import Sums, begin_sum, begin_sums, end_sum
 from hybond.engine.mode.sums import take_bond, take_sum
 from hybond.engine.model import Model
@@ -48,7 +49,7 @@ def take_all(e: Engine, s: Sums) -> bool:
 
 def take_rate(e: Engine, m: Model, s: Sums, k: int) -> bool:
     """Take the rate of storage k; False if it is no sum."""
-    at = m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 0 else 0)
+    at = rate_bond(m, k)
     negative = m.storage_kind[k] == 0 and m.storage_sign[k] < 0
     begin_sum(s, k)
     known = take_bond(e, s, k, at, -1.0 if negative else 1.0)

@@ -31,6 +31,7 @@ from hybond.engine.mode.elimination_of_another import (
 from hybond.engine.mode.hidden_rows import give_hidden, is_constant, is_source_timed
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.storage import own_stiffness
+from hybond.engine.mode.storage_bonds import co_energy_bond
 from hybond.engine.model import Model
 from hybond.engine.words import Ints
 
@@ -149,7 +150,7 @@ def add_steady(e: Engine, mode: Mode) -> None:
     for k in range(unknowns):
         power.weight[k] = mode.weight[power.same[k]] if mode.weighed else 1.0
     for k in range(m.storages):
-        at = m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 1 else 0)
+        at = co_energy_bond(m, k)
         give(power, at, 1.0 if m.storage_kind[k] == 0 else float(m.storage_sign[k]))
         give(power, unknowns + k, -1.0)
         keep(e, add_row(power))

@@ -13,6 +13,7 @@ from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.reading import rates_by_knowns
 from hybond.engine.mode.solving import solve_in_step
 from hybond.engine.mode.standing import hold_standing
+from hybond.engine.mode.storage_bonds import rate_bond
 from hybond.engine.mode.straight_rates import put_rates
 from hybond.engine.sliding.averages import blended_field, solve_here
 from hybond.engine.words import Floats
@@ -92,7 +93,7 @@ def field(e: Engine, mode: Mode, t: float, y: Floats, rate: Floats) -> int:
     else:
         w = e.work.w
         for k in range(m.storages):
-            at = m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 0 else 0)
+            at = rate_bond(m, k)
             negative = m.storage_kind[k] == 0 and m.storage_sign[k] < 0
             total = w[at]
             if mode.closely:

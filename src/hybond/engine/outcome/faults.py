@@ -5,13 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 
 from hybond.engine.compiled.refusal import Refusal
-from hybond.engine.methods.flow_records import AUTO, LARGE
-from hybond.engine.methods.radau_room import RADAU
+from hybond.engine.method_numbers import AUTO, MOREAU, RADAU
+from hybond.engine.methods.flow_records import LARGE
 from hybond.engine.outcome.explain import Explaining
 from hybond.engine.outcome.records import Instants
 from hybond.engine.outcome.refusals import Said, said_of
 from hybond.engine.outcome.starts import storage_at_start
-from hybond.engine.timestepping.step_records import MOREAU
 from hybond.errors import (
     CausalityError,
     DivergenceOfTime,

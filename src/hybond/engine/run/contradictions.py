@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 
 from hybond.engine.engine import OK, Engine
+from hybond.engine.guards.together import LAST_PLACES, before_kink, is_kink_alone
 from hybond.engine.instant.instant import LAW
 from hybond.engine.methods.dopri import spacing
 from hybond.engine.methods.one_instant import room_of_instant
@@ -21,7 +22,6 @@ from hybond.engine.run.ends_at_kink import ANEW
 from hybond.engine.run.log import report_step
 from hybond.engine.run.noted import note
 from hybond.engine.run.run_records import Run, bound_of
-from hybond.engine.run.together import LAST_PLACES, before_kink, is_kink_alone
 from hybond.engine.words import Floats
 
 

@@ -16,7 +16,7 @@ from hybond.engine.answers import value
 from hybond.engine.engine import Engine
 from hybond.engine.expressions.course_parts import OTHER, SINES, find_kinds, range_parts
 from hybond.engine.expressions.course_ranges import farthest
-from hybond.engine.methods.fixed import EULER, RK4
+from hybond.engine.method_numbers import EULER, MOREAU, RK4
 from hybond.engine.methods.one_instant import room_of_instant
 from hybond.engine.methods.scale import FAINT, measure_ahead
 from hybond.engine.mode.mode_records import Mode, Reads
@@ -25,7 +25,6 @@ from hybond.engine.reasons.warned import COURSE_UNSEEN, add_about, begin_warning
 from hybond.engine.run.courses_kept import keep_courses
 from hybond.engine.run.phases import give_back_plant, hold_plant, put_now, put_signals, see_plant
 from hybond.engine.run.run_records import bound_of
-from hybond.engine.timestepping.step_records import MOREAU
 
 TURN: Final = 3.0
 """How far the fastest sine may turn in a step, rad."""

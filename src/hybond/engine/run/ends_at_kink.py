@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from hybond.engine.engine import OK, Engine
+from hybond.engine.guards.together import LAST_PLACES
 from hybond.engine.instant.instant import GUARD, LAW
 from hybond.engine.laws.gaps_left import forget_gaps, note_gaps, some_closed_move, some_is_left
 from hybond.engine.methods.dopri import spacing
@@ -21,7 +22,6 @@ from hybond.engine.run.noted import note
 from hybond.engine.run.roots_reached import rest_at_roots
 from hybond.engine.run.run_records import Run, bound_of
 from hybond.engine.run.source_jumps import jumps_onto_storage
-from hybond.engine.run.together import LAST_PLACES
 
 DOUBLED: Final = 16
 """Times that the way back from a kink is doubled: it is found where it is past by rounding."""

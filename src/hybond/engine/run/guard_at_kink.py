@@ -13,15 +13,15 @@ from typing import Final
 
 from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.expressions.pairs import ROUNDING
+from hybond.engine.guards.guard_values import atom_at, holds_at, terms_here
+from hybond.engine.guards.locator import NO_KINK, Locator
+from hybond.engine.guards.together import LAST_PLACES
 from hybond.engine.methods.dopri import spacing
 from hybond.engine.methods.one_instant import is_root, room_of_instant
 from hybond.engine.methods.stepping import reach, retry
 from hybond.engine.mode.values import field
-from hybond.engine.run.guard_values import atom_at, holds_at, terms_here
 from hybond.engine.run.kinks_passed import out_of_sight
-from hybond.engine.run.locator import NO_KINK, Locator
 from hybond.engine.run.run_records import Run
-from hybond.engine.run.together import LAST_PLACES
 
 HALVINGS: Final = 60
 """Of a step: then its halves are no numbers between."""

@@ -11,12 +11,12 @@ from typing import Final
 
 from hybond.engine.answers import value
 from hybond.engine.engine import OK, Engine
+from hybond.engine.guards.guard_values import show
+from hybond.engine.guards.locator import ALL_PARTS, NO_KINK, Locator
 from hybond.engine.methods.one_instant import room_of_instant
 from hybond.engine.methods.scale import tolerance
 from hybond.engine.mode.solving import solve_read
 from hybond.engine.mode.values import field, set_motion
-from hybond.engine.run.guard_values import show
-from hybond.engine.run.locator import ALL_PARTS, NO_KINK, Locator
 from hybond.engine.run.run_records import Run
 
 JUMPS: Final = 0.75

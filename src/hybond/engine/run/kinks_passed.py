@@ -10,18 +10,18 @@ from typing import Final
 
 from hybond.engine.answers import node_name, stored_name
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
+from hybond.engine.guards.guard_values import has_crossed, holds_at, show
+from hybond.engine.guards.locator import ALL_PARTS, NO_KINK, Locator
+from hybond.engine.guards.naps import LONGEST_NAP, pass_step
+from hybond.engine.guards.together import LAST_PLACES, before_kink, kink_there
 from hybond.engine.methods.dopri import spacing
 from hybond.engine.methods.one_instant import room_of_instant
 from hybond.engine.methods.stepping import between, reach, retry
 from hybond.engine.mode.solving import solve_read
 from hybond.engine.mode.values import field, set_motion
 from hybond.engine.reasons.facts import add_fact
-from hybond.engine.run.guard_values import has_crossed, holds_at, show
 from hybond.engine.run.held_by_kinks import JUMPS, SEEN, compared, dust_of_rate, is_held
-from hybond.engine.run.locator import ALL_PARTS, NO_KINK, Locator
-from hybond.engine.run.naps import LONGEST_NAP, pass_step
 from hybond.engine.run.run_records import IDLE, PATIENCE, Run
-from hybond.engine.run.together import LAST_PLACES, before_kink, kink_there
 
 BACK_AT_ONCE: Final = 1e-9
 """Part of the run in which so many kinks as instants that end it are one that leads nowhere."""

@@ -26,6 +26,14 @@ from hybond.engine.contacts.impacts_seen import before_event, observe_event
 from hybond.engine.contacts.in_turn import NONE_RESTS, RESTED, land_in_turn
 from hybond.engine.contacts.landing import land_contacts, stuck
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
+from hybond.engine.guards.ends_at_guard import find_within, land, shows_instants
+from hybond.engine.guards.guard_values import doubt, see_where_it_begins
+from hybond.engine.guards.kept_rests import begin_rests, let_hold, none_holds
+from hybond.engine.guards.locate import locate
+from hybond.engine.guards.locator import watch
+from hybond.engine.guards.rests_asked import see_rests_at_end
+from hybond.engine.guards.together import is_kink_alone, is_of_time, last_of_instant
+from hybond.engine.guards.unresolved import forget_carried, see_unresolved
 from hybond.engine.inputs.interval import interval_after, read_within
 from hybond.engine.instant.doubts import warn_of_held
 from hybond.engine.instant.instant import GUARD, LAW, START, TIME, begin_instant
@@ -33,6 +41,7 @@ from hybond.engine.instant.settle import settle
 from hybond.engine.instant.tied import begin_tied
 from hybond.engine.laws.gaps_left import forget_gaps, note_closed
 from hybond.engine.laws.laws import limits_vary, look_at_limits
+from hybond.engine.method_numbers import MOREAU
 from hybond.engine.methods.control import end_pace
 from hybond.engine.methods.off_kinks import lead_off_kinks
 from hybond.engine.methods.one_instant import room_of_instant
@@ -49,11 +58,8 @@ from hybond.engine.run.carried import begin_again, cause_of_beginning, take_up, 
 from hybond.engine.run.contradictions import contradict_behind, meet_contradiction
 from hybond.engine.run.courses_ahead import begin_courses, end_ahead
 from hybond.engine.run.edges import reach_edges, straight_on, time_at_once
-from hybond.engine.run.ends_at_guard import find_within, land, shows_instants
 from hybond.engine.run.ends_at_kink import ANEW, meet_kink, pass_kink
 from hybond.engine.run.guard_at_kink import is_over_kink
-from hybond.engine.run.guard_values import doubt, see_where_it_begins
-from hybond.engine.run.kept_rests import begin_rests, let_hold, none_holds
 from hybond.engine.run.kinks_passed import (
     events_held,
     see_crawl,
@@ -62,8 +68,6 @@ from hybond.engine.run.kinks_passed import (
     stuck_at_kink,
     switches_back,
 )
-from hybond.engine.run.locate import locate
-from hybond.engine.run.locator import watch
 from hybond.engine.run.log import (
     keep_left,
     report_end,
@@ -72,7 +76,6 @@ from hybond.engine.run.log import (
     report_step,
 )
 from hybond.engine.run.noted import go_on, note
-from hybond.engine.run.rests_asked import see_rests_at_end
 from hybond.engine.run.roots_reached import rest_at_roots
 from hybond.engine.run.run_records import (
     FRESH,
@@ -91,14 +94,11 @@ from hybond.engine.run.run_records import (
 )
 from hybond.engine.run.slips_followed import follow, lead_to_rest
 from hybond.engine.run.source_jumps import jumps_at_end, jumps_at_once
+from hybond.engine.run.step_motion import flow_in_steps, settle_in_steps
 from hybond.engine.run.stranded import in_vain
-from hybond.engine.run.together import is_kink_alone, is_of_time, last_of_instant
-from hybond.engine.run.unresolved import forget_carried, see_unresolved
 from hybond.engine.sliding.branches import know_around
 from hybond.engine.sliding.combine import combine_here
 from hybond.engine.sliding.sliding import slide_after
-from hybond.engine.timestepping.step_motion import flow_in_steps, settle_in_steps
-from hybond.engine.timestepping.step_records import MOREAU
 
 VAIN: Final = 3
 """Instants in a row without any change after which rounding is swept out of what is stored."""

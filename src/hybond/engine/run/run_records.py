@@ -6,11 +6,11 @@ import math
 from typing import Final
 
 from hybond.engine.engine import OK, Engine, say_fault
+from hybond.engine.guards.locator import Locator, another_locator, make_locator
 from hybond.engine.inputs.interval import is_due, is_timed
 from hybond.engine.instant.instant import INPUT, SAMPLE, TIME, Instant, make_instant
 from hybond.engine.instant.settling import Settling, make_settling
 from hybond.engine.reasons.facts import add_fact
-from hybond.engine.run.locator import Locator, another_locator, make_locator
 from hybond.engine.run.log import Report
 from hybond.engine.words import Floats, Ints, Records, floats, ints, record, records, some
 

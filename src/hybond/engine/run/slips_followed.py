@@ -6,6 +6,8 @@ import math
 from typing import Final
 
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
+from hybond.engine.guards.locate import locate
+from hybond.engine.guards.locator import watch
 from hybond.engine.methods.stepping import retry
 from hybond.engine.mode.values import begin_field
 from hybond.engine.planar.descent import (
@@ -17,8 +19,6 @@ from hybond.engine.planar.descent import (
     step_descent,
 )
 from hybond.engine.planar.stops import follows_slip
-from hybond.engine.run.locate import locate
-from hybond.engine.run.locator import watch
 from hybond.engine.run.noted import note
 from hybond.engine.run.run_records import Run
 from hybond.engine.run.stranded import no_slip

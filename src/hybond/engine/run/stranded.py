@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.expressions.paired import holds
+from hybond.engine.guards.guard_values import (
+    ask_in_motion,
+    begin_sizes_in_motion,
+    measure_in_motion,
+)
 from hybond.engine.instant.in_force import is_asked
 from hybond.engine.mode.equations import mode_of
 from hybond.engine.mode.values import evaluate
 from hybond.engine.planar.stops import slips_now
 from hybond.engine.reasons.facts import add_fact
-from hybond.engine.run.guard_values import (
-    ask_in_motion,
-    begin_sizes_in_motion,
-    measure_in_motion,
-)
 from hybond.engine.sliding.combine import combine_here
 from hybond.engine.words import Text
 

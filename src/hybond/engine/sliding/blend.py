@@ -16,6 +16,7 @@ from hybond.engine.answers import value
 from hybond.engine.engine import NOT_FINITE, OK, Engine, say_fault
 from hybond.engine.mode.newton_system import write_bonds
 from hybond.engine.mode.solving import solve
+from hybond.engine.mode.storage_bonds import rate_bond
 from hybond.engine.reasons.facts import add_fact
 from hybond.engine.sliding.common_space import keep_to_all
 from hybond.engine.sliding.corners import put_coefficients, put_slopes, speed_at
@@ -47,7 +48,7 @@ def solve_part(e: Engine, part: int, v: Floats, rates: Floats, at: int, kept: bo
     if solve(e, mode, v) != OK:
         return NOT_FINITE
     for k in range(m.storages):
-        bond = m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 0 else 0)
+        bond = rate_bond(m, k)
         negative = m.storage_kind[k] == 0 and m.storage_sign[k] < 0
         s.rates[k] = -e.work.w[bond] if negative else e.work.w[bond]
     if s.common and kept:

@@ -18,6 +18,7 @@ from hybond.engine.instant.impulse_ways import impulse_directions
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.newton import knowns_of
 from hybond.engine.mode.storage import stiff
+from hybond.engine.mode.storage_bonds import rate_bond
 from hybond.engine.sliding.surface import part_mode
 from hybond.engine.words import Floats, some
 
@@ -141,7 +142,7 @@ def put_moves(e: Engine, many: int, directions: Floats, moves: Floats) -> None:
     """Put what impulses do to stored quantities there."""
     m = e.model
     for k in range(m.storages):
-        at = m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 0 else 0)
+        at = rate_bond(m, k)
         sign = float(m.storage_sign[k]) if m.storage_kind[k] == 0 else 1.0
         for j in range(many):
             moves[k * many + j] = sign * directions[at * many + j]

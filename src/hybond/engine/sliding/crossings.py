@@ -18,6 +18,7 @@ from hybond.engine.mode.equations import is_fieldless
 from hybond.engine.mode.mode_records import is_constrained
 from hybond.engine.mode.reach import reach_of
 from hybond.engine.mode.storage import energy_of
+from hybond.engine.mode.storage_bonds import rate_bond
 from hybond.engine.mode.values import evaluate
 from hybond.engine.reasons.warned import WITHOUT_END, add_about, begin_warning
 from hybond.engine.sliding.around import find_field, take_met
@@ -96,7 +97,7 @@ def do_meet(e: Engine) -> bool:
             if solve_plain(e, part, s.v) != OK:
                 return False
             for k in range(m.storages):
-                at = m.storage_bond[k] + (m.bonds if m.storage_kind[k] == 0 else 0)
+                at = rate_bond(m, k)
                 negative = m.storage_kind[k] == 0 and m.storage_sign[k] < 0
                 s.rates[k] = -e.work.w[at] if negative else e.work.w[at]
             if not can_keep(e, s.v, s.rates):

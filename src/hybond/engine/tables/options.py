@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from hybond.engine.impacts.impact_records import LZB, NEWTON, NEWTON_SIMULTANEOUS, POISSON
+from hybond.engine.method_numbers import AUTO, EULER, EXACT, LIQSS1, MOREAU, QSS1, RADAU, RK4, RK45
 from hybond.engine.tables.bands import banded
 from hybond.errors import UsageError
 from hybond.model.expressions import Expr, Name
@@ -21,8 +22,10 @@ from hybond.runs.times import end_of, span_of
 POINTS = 500
 """Rows of the table beside those of events, unless the experiment says otherwise."""
 METHODS = {
-    **{"rk45": 0, "radau": 1, "exact": 2, "auto": 3, "rk4": 4, "euler": 5, "moreau-jean": 6},
-    **{"qss1": 7, "qss2": 8, "qss3": 9, "liqss1": 10, "liqss2": 11, "liqss3": 12},
+    **{"rk45": RK45, "radau": RADAU, "exact": EXACT, "auto": AUTO},
+    **{"rk4": RK4, "euler": EULER, "moreau-jean": MOREAU},
+    **{f"qss{order}": QSS1 + order - 1 for order in (1, 2, 3)},
+    **{f"liqss{order}": LIQSS1 + order - 1 for order in (1, 2, 3)},
 }
 IMPACTS = {
     "newton": NEWTON,

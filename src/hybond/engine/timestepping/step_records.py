@@ -9,8 +9,6 @@ from hybond.engine.complementarity.least_shares import Shares, make_shares
 from hybond.engine.model import Model
 from hybond.engine.words import Floats, Ints, Records, floats, ints, record, records
 
-MOREAU: Final = 6
-"""The method of a model that is run so."""
 COUPLED_KEPT: Final = 8
 """Configurations and lengths of steps whose matrices are kept."""
 NOT_LOOKED: Final = -1

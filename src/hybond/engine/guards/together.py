@@ -12,10 +12,8 @@ from typing import Final
 
 from hybond.engine.engine import Engine
 from hybond.engine.expressions.pairs import ROUNDING
-from hybond.engine.methods.dopri import spacing
-from hybond.engine.mode.mode_records import is_constrained
-from hybond.engine.run.bracket import bracket
-from hybond.engine.run.guard_values import (
+from hybond.engine.guards.bracket import bracket
+from hybond.engine.guards.guard_values import (
     atom_at,
     atom_here,
     holds_at,
@@ -26,9 +24,11 @@ from hybond.engine.run.guard_values import (
     terms_here,
     test_here,
 )
-from hybond.engine.run.locator import ALL_PARTS, NO_KINK, Locator
-from hybond.engine.run.quartic import COEFFICIENTS, DEGREE, horner
-from hybond.engine.run.solved_guards import is_known
+from hybond.engine.guards.locator import ALL_PARTS, NO_KINK, Locator
+from hybond.engine.guards.quartic import COEFFICIENTS, DEGREE, horner
+from hybond.engine.guards.solved_guards import is_known
+from hybond.engine.methods.dopri import spacing
+from hybond.engine.mode.mode_records import is_constrained
 
 LAST_PLACES: Final = 8.0
 """Units in the last place within which a jump and what is watched for it may differ."""

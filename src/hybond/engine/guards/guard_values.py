@@ -10,6 +10,8 @@ from hybond.engine.answers import rule_text, value
 from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.expressions.paired import holds_from
 from hybond.engine.expressions.pairs import ROUNDING
+from hybond.engine.guards.locator import ALL_PARTS, NO_KINK, Locator
+from hybond.engine.guards.naps import is_asleep
 from hybond.engine.instant.jump import on_constraints
 from hybond.engine.instant.kept_sides import NOT_ASKED, ask_kept
 from hybond.engine.instant.tied import put_tied
@@ -22,8 +24,6 @@ from hybond.engine.mode.sizes import measure, seen_of
 from hybond.engine.mode.solving import solve_read
 from hybond.engine.mode.values import evaluate, set_motion, set_state
 from hybond.engine.reasons.facts import add_fact
-from hybond.engine.run.locator import ALL_PARTS, NO_KINK, Locator
-from hybond.engine.run.naps import is_asleep
 from hybond.engine.sliding.averages import begin_sizes, part_sizes, show_part, solve_here
 from hybond.engine.words import Floats
 

@@ -15,13 +15,13 @@ from typing import Final
 
 from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.expressions.pairs import ROUNDING
-from hybond.engine.run.at_rest import see_rests
-from hybond.engine.run.bracket import bracket
-from hybond.engine.run.candidates import beside, between_roots, extrema, keep, sort
-from hybond.engine.run.guard_shape import find_shape, give_up_kinks, is_resolved, sample
-from hybond.engine.run.guard_values import atom_at, holds_at, show, terms_here
-from hybond.engine.run.kept_rests import forget_rests
-from hybond.engine.run.locator import (
+from hybond.engine.guards.at_rest import see_rests
+from hybond.engine.guards.bracket import bracket
+from hybond.engine.guards.candidates import beside, between_roots, extrema, keep, sort
+from hybond.engine.guards.guard_shape import find_shape, give_up_kinks, is_resolved, sample
+from hybond.engine.guards.guard_values import atom_at, holds_at, show, terms_here
+from hybond.engine.guards.kept_rests import forget_rests
+from hybond.engine.guards.locator import (
     ALL_PARTS,
     BLOCKS,
     DEEPEST,
@@ -34,9 +34,9 @@ from hybond.engine.run.locator import (
     begin_looks,
     has_failed,
 )
-from hybond.engine.run.rests_asked import see_rests_beside
-from hybond.engine.run.sides_seen import note_sides
-from hybond.engine.run.solved_guards import solve_guards
+from hybond.engine.guards.rests_asked import see_rests_beside
+from hybond.engine.guards.sides_seen import note_sides
+from hybond.engine.guards.solved_guards import solve_guards
 
 SOON: Final = 1e-3
 """Part of a step after which what begins at a kink is on one of its sides."""

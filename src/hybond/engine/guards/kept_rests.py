@@ -6,9 +6,9 @@ import math
 from typing import Final
 
 from hybond.engine.engine import Engine
-from hybond.engine.run.guard_values import holds_at, keeps
-from hybond.engine.run.limits_crossed import note_limits
-from hybond.engine.run.locator import Locator
+from hybond.engine.guards.guard_values import holds_at, keeps
+from hybond.engine.guards.limits_crossed import note_limits
+from hybond.engine.guards.locator import Locator
 
 SAME: Final = 1e-6
 """Part of a state that it jumps by at least."""

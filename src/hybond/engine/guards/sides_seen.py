@@ -13,13 +13,13 @@ from typing import Final
 
 from hybond.engine.engine import Engine
 from hybond.engine.expressions.pairs import ROUNDING
+from hybond.engine.guards.far_guards import NARROW
+from hybond.engine.guards.guard_values import atom_at, size_here
+from hybond.engine.guards.locator import NO_KINK, Locator
+from hybond.engine.guards.quartic import COEFFICIENTS
+from hybond.engine.guards.rest_records import SWINGS
 from hybond.engine.methods.control import is_propagated
 from hybond.engine.methods.stepping import by_radau
-from hybond.engine.run.far_guards import NARROW
-from hybond.engine.run.guard_values import atom_at, size_here
-from hybond.engine.run.locator import NO_KINK, Locator
-from hybond.engine.run.quartic import COEFFICIENTS
-from hybond.engine.run.rest_records import SWINGS
 
 TOLD: Final = 100.0
 """Times the tolerance of explicit steps from which on a comparison is clear of their error."""

@@ -14,9 +14,9 @@ from typing import Final
 from hybond.engine.answers import value
 from hybond.engine.engine import Engine
 from hybond.engine.expressions.pairs import ROUNDING
+from hybond.engine.guards.guard_values import atom_at, holds_at, terms_here
+from hybond.engine.guards.locator import ALL_PARTS, Locator
 from hybond.engine.methods.dopri import spacing
-from hybond.engine.run.guard_values import atom_at, holds_at, terms_here
-from hybond.engine.run.locator import ALL_PARTS, Locator
 
 WIDE: Final = 16.0
 """Last places of the time between which a guard is found to begin: four, and those around them."""

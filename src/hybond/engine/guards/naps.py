@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from hybond.engine.run.locator import NO_KINK, Locator
+from hybond.engine.guards.locator import NO_KINK, Locator
 
 LONGEST_NAP: Final = 4096
 """Steps for which a kink ends none, at the most."""

@@ -21,15 +21,15 @@ from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.answers import value
 from hybond.engine.engine import OK, Engine
 from hybond.engine.expressions.pairs import ROUNDING
+from hybond.engine.guards.guard_shape import NEAR, ROUNDED, SLACK, UNRESOLVED, rest_below
+from hybond.engine.guards.guard_values import holds_at, keep_sample, put_on_constraints
+from hybond.engine.guards.locator import FRACTION, SAMPLES, Locator
+from hybond.engine.guards.quartic import COEFFICIENTS
 from hybond.engine.inputs.interval import set_time
 from hybond.engine.instant.tied import put_tied
 from hybond.engine.methods.stepping import between
 from hybond.engine.mode.mode_records import is_constrained
 from hybond.engine.mode.part_energies import find_energies, reach_of_sum
-from hybond.engine.run.guard_shape import NEAR, ROUNDED, SLACK, UNRESOLVED, rest_below
-from hybond.engine.run.guard_values import holds_at, keep_sample, put_on_constraints
-from hybond.engine.run.locator import FRACTION, SAMPLES, Locator
-from hybond.engine.run.quartic import COEFFICIENTS
 
 NARROW: Final = 1e-9
 """Part of its terms from which on a comparison is clear of zero: no rounding has a say in it."""

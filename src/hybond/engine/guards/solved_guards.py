@@ -18,13 +18,10 @@ from typing import Final
 from hybond.engine.algebra.products import copy_floats
 from hybond.engine.engine import Engine
 from hybond.engine.expressions.pairs import ROUNDING
-from hybond.engine.methods.dopri import spacing
-from hybond.engine.methods.stepping import by_radau
-from hybond.engine.mode.mode_records import is_constrained
-from hybond.engine.run.bracket import around, bracket, halve
-from hybond.engine.run.candidates import keep, sort
-from hybond.engine.run.far_guards import NARROW, is_far, is_idle, sample_waves, see_drift
-from hybond.engine.run.guard_values import (
+from hybond.engine.guards.bracket import around, bracket, halve
+from hybond.engine.guards.candidates import keep, sort
+from hybond.engine.guards.far_guards import NARROW, is_far, is_idle, sample_waves, see_drift
+from hybond.engine.guards.guard_values import (
     atom_at,
     holds_at,
     keeps,
@@ -32,8 +29,8 @@ from hybond.engine.run.guard_values import (
     rests,
     terms_here,
 )
-from hybond.engine.run.locator import NO_KINK, Locator
-from hybond.engine.run.quartic import (
+from hybond.engine.guards.locator import NO_KINK, Locator
+from hybond.engine.guards.quartic import (
     COEFFICIENTS,
     DEGREE,
     horner,
@@ -41,8 +38,11 @@ from hybond.engine.run.quartic import (
     solve_quartic,
     turns,
 )
-from hybond.engine.run.step_polynomials import take_step
-from hybond.engine.run.unresolved import see_carried
+from hybond.engine.guards.step_polynomials import take_step
+from hybond.engine.guards.unresolved import see_carried
+from hybond.engine.methods.dopri import spacing
+from hybond.engine.methods.stepping import by_radau
+from hybond.engine.mode.mode_records import is_constrained
 
 FEW: Final = 4
 """Comparisons of a guard whose signs are remembered; there is a bit for all signs together."""

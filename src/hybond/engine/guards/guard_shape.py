@@ -6,7 +6,7 @@ import math
 from typing import Final
 
 from hybond.engine.engine import Engine
-from hybond.engine.run.guard_values import (
+from hybond.engine.guards.guard_values import (
     atom_here,
     look,
     look_at_sample,
@@ -15,8 +15,8 @@ from hybond.engine.run.guard_values import (
     terms_here,
     test_here,
 )
-from hybond.engine.run.locator import FRACTION, GRID, NO_KINK, SAMPLES, TERMS, Locator
-from hybond.engine.run.naps import is_asleep, let_sleep
+from hybond.engine.guards.locator import FRACTION, GRID, NO_KINK, SAMPLES, TERMS, Locator
+from hybond.engine.guards.naps import is_asleep, let_sleep
 from hybond.engine.words import Floats
 
 UNRESOLVED: Final = 0.02

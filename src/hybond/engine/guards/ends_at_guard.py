@@ -6,21 +6,21 @@ import math
 from typing import Final
 
 from hybond.engine.engine import OK, REFUSED, Engine
+from hybond.engine.guards.guard_values import holds_at
+from hybond.engine.guards.locate import locate
+from hybond.engine.guards.locator import Locator
+from hybond.engine.guards.together import (
+    ends_in_rounding,
+    is_kink_alone,
+    kink_there,
+    last_of_instant,
+)
 from hybond.engine.methods.control import is_propagated
 from hybond.engine.methods.dopri import spacing
 from hybond.engine.methods.one_instant import LEAST, room_of_instant
 from hybond.engine.methods.rates_off import RATES
 from hybond.engine.methods.stepping import by_radau, no_shorter, retry
 from hybond.engine.mode.mode_records import is_constrained
-from hybond.engine.run.guard_values import holds_at
-from hybond.engine.run.locate import locate
-from hybond.engine.run.locator import Locator
-from hybond.engine.run.together import (
-    ends_in_rounding,
-    is_kink_alone,
-    kink_there,
-    last_of_instant,
-)
 
 FORWARD: Final = 20
 """Times that the motion goes on beyond a guard that holds in vain; then that is refused."""

@@ -21,22 +21,22 @@ from hybond.engine.algebra.products import all_finite
 from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.engine import OK, Engine
 from hybond.engine.expressions.pairs import ROUNDING
-from hybond.engine.methods.control import is_propagated
-from hybond.engine.methods.stepping import between, by_radau
-from hybond.engine.mode.guess import give_back_guess, hold_guess
-from hybond.engine.mode.values import field
-from hybond.engine.reasons.warned import GUARD_AT_REST, add_about, begin_warning
-from hybond.engine.run.guard_values import (
+from hybond.engine.guards.guard_values import (
     atom_here,
     holds_here,
     look_at_state,
     terms_here,
 )
-from hybond.engine.run.locator import NO_KINK, Locator
-from hybond.engine.run.quartic import COEFFICIENTS
-from hybond.engine.run.rest_limits import find_limit, lead_to_rest, stays_near
-from hybond.engine.run.rest_records import make_room, side_of
-from hybond.engine.run.sides_seen import creeps_in
+from hybond.engine.guards.locator import NO_KINK, Locator
+from hybond.engine.guards.quartic import COEFFICIENTS
+from hybond.engine.guards.rest_limits import find_limit, lead_to_rest, stays_near
+from hybond.engine.guards.rest_records import make_room, side_of
+from hybond.engine.guards.sides_seen import creeps_in
+from hybond.engine.methods.control import is_propagated
+from hybond.engine.methods.stepping import between, by_radau
+from hybond.engine.mode.guess import give_back_guess, hold_guess
+from hybond.engine.mode.values import field
+from hybond.engine.reasons.warned import GUARD_AT_REST, add_about, begin_warning
 from hybond.engine.words import float_table
 
 MOVES: Final = 0

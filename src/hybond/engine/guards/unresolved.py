@@ -12,10 +12,10 @@ from typing import Final
 
 from hybond.engine.engine import Engine
 from hybond.engine.expressions.pairs import ROUNDING
+from hybond.engine.guards.guard_values import holds_at
+from hybond.engine.guards.locator import ALL_PARTS, FRACTION, SAMPLES, Locator
+from hybond.engine.guards.quartic import COEFFICIENTS, DEGREE, horner
 from hybond.engine.reasons.warned import UNRESOLVED, add_about, begin_warning
-from hybond.engine.run.guard_values import holds_at
-from hybond.engine.run.locator import ALL_PARTS, FRACTION, SAMPLES, Locator
-from hybond.engine.run.quartic import COEFFICIENTS, DEGREE, horner
 
 BESIDE: Final = 1e-3
 """Part of what a law carries from which on rounding of it is not small."""

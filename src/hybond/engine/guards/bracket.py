@@ -6,10 +6,10 @@ import math
 from typing import Final
 
 from hybond.engine.engine import Engine
+from hybond.engine.guards.guard_values import atom_at, holds_at
+from hybond.engine.guards.locator import SAMPLES, Locator
+from hybond.engine.guards.naps import is_asleep
 from hybond.engine.methods.dopri import spacing
-from hybond.engine.run.guard_values import atom_at, holds_at
-from hybond.engine.run.locator import SAMPLES, Locator
-from hybond.engine.run.naps import is_asleep
 
 SEARCH: Final = 40
 """Most iterations of one root or extremum search."""

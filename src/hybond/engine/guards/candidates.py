@@ -10,10 +10,10 @@ import math
 from typing import Final
 
 from hybond.engine.engine import Engine
-from hybond.engine.run.bracket import SEARCH, root
-from hybond.engine.run.guard_shape import NEAR, floor_of, rest_of
-from hybond.engine.run.guard_values import atom_at
-from hybond.engine.run.locator import FRACTION, GRID, SAMPLES, Instants, Locator
+from hybond.engine.guards.bracket import SEARCH, root
+from hybond.engine.guards.guard_shape import NEAR, floor_of, rest_of
+from hybond.engine.guards.guard_values import atom_at
+from hybond.engine.guards.locator import FRACTION, GRID, SAMPLES, Instants, Locator
 from hybond.engine.words import floats
 
 AROUND: Final = 6

@@ -8,9 +8,7 @@ from __future__ import annotations
 import math
 
 from hybond.engine.engine import Engine
-from hybond.engine.methods.stepping import between
-from hybond.engine.mode.guess import give_back_guess, hold_guess
-from hybond.engine.run.at_rest import (
+from hybond.engine.guards.at_rest import (
     MOST,
     ZERO,
     find_slopes,
@@ -18,10 +16,12 @@ from hybond.engine.run.at_rest import (
     is_slow,
     keep_side,
 )
-from hybond.engine.run.guard_values import look_at_state
-from hybond.engine.run.locator import NO_KINK, Locator
-from hybond.engine.run.rest_records import make_room
-from hybond.engine.run.sides_seen import is_near
+from hybond.engine.guards.guard_values import look_at_state
+from hybond.engine.guards.locator import NO_KINK, Locator
+from hybond.engine.guards.rest_records import make_room
+from hybond.engine.guards.sides_seen import is_near
+from hybond.engine.methods.stepping import between
+from hybond.engine.mode.guess import give_back_guess, hold_guess
 
 
 def see_rests_at_end(e: Engine, g: Locator) -> None:

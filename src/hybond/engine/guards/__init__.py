@@ -1,0 +1,1 @@
+"""The first instant of a step at which a guard holds."""
