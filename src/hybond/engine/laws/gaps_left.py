@@ -28,7 +28,7 @@ def some_closed_move(e: Engine) -> bool:
 
 def note_closed(e: Engine) -> None:
     """Note gaps before an instant is settled, where a contact is closed; not if they are noted."""
-    if not e.laws.gaps_noted and some_closed_move(e):
+    if e.model.laws > 0 and not e.laws.gaps_noted and some_closed_move(e):
         note_gaps(e, e.t - moment(e.model, e.t), e.y)
 
 
@@ -57,4 +57,5 @@ def some_is_left(e: Engine, t: float, y: Floats) -> bool:
 
 def forget_gaps(e: Engine) -> None:
     """Forget how gaps were: the instant is settled."""
-    e.laws.gaps_noted = False
+    if e.model.laws > 0:
+        e.laws.gaps_noted = False
