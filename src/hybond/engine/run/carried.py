@@ -141,6 +141,7 @@ def carry_memory(e: Engine, r: Run, c: Carrier) -> None:
     if m.laws > 0:
         carry_floats(c, m.ports, e.laws.largest)
         carry_floats(c, m.ports, e.laws.largest_limit)
+        carry_floats(c, m.ports, e.laws.gap_before)
     carry_floats(c, LAST_TIMES * many, g.times)
     carry_floats(c, LAST_TIMES * many, g.others)
     carry_floats(c, many, g.since)
