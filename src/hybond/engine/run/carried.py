@@ -211,6 +211,7 @@ def carry_rounding(e: Engine, c: Carrier) -> None:
     if m.laws > 0:
         carry_floats(c, 2 * m.bonds, e.seen_before)
         carry_floats(c, m.storages, e.fades_before)
+        carry_floats(c, m.rule_first[machines_carried(e)], e.checks.carried)
 
 
 def carry_standing(e: Engine, c: Carrier) -> None:
