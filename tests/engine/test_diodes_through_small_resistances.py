@@ -231,3 +231,15 @@ def test_a_diode_that_carries_hardly_more_than_rounding_is_warned_of(
 @pytest.mark.parametrize("stored", STORED)
 def test_what_is_resolved_is_not_warned_of(resistance: float, stored: str) -> None:
     assert not warned(hb.loads(rectifier(resistance, stored, PEAK)))
+
+
+@pytest.mark.parametrize("before", [1e-5, 1e-7])
+def test_a_run_that_goes_on_knows_what_a_diode_has_carried(before: float) -> None:
+    model = hb.loads(rectifier(1e-7, "alone", PEAK))
+    whole = hb.simulate(model, until=0.02)
+    at = whole.events[-1].t
+    run = hb.simulate(model, until=0.02, start=hb.simulate(model, until=at - before))
+    assert [e.t for e in run.events] == pytest.approx([at], abs=1e-9)
+    # what is left of the amperes that it had is hardly more than rounding
+    assert not whole.warnings
+    assert not run.warnings

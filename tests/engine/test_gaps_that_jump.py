@@ -92,3 +92,30 @@ def test_a_floor_that_goes_on_carries(gap):
     assert len(run.events) == 1
     assert run["y"].at(1.2) == pytest.approx(0.0, abs=1e-12)
     assert run["floor.e"].at(1.0) == pytest.approx(2.0 * FALL, rel=1e-9)
+
+
+@pytest.mark.parametrize("what", ["input", "parameter"])
+def test_a_step_of_a_script_takes_the_floor_away(what):
+    """Such a step begins before any mode is entered; it ended in a segmentation fault."""
+    m = block("y + u")
+    if what == "input":
+        m.input(u=0.0)
+    else:
+        m.parameter(u=0.0)
+    rests, falls = hb.Step(until="0.5 s"), hb.Step(until="1.2 s", set={"u": 0.8})
+    run = hb.run_script(m, [rests, falls])
+    assert run.status == "ok"
+    assert run["y"].at(0.7) == pytest.approx(-0.5 * FALL * 0.2**2, abs=1e-8)
+    assert run["y"].at(1.2) == pytest.approx(-0.8, abs=1e-8)
+
+
+@pytest.mark.parametrize("keeps", [0.0, 1.5])
+def test_a_step_that_changes_something_else_leaves_the_block_where_it_is(keeps):
+    m = block("y + u")
+    m.input(u=0.0)
+    m.parameter(k=0.0)
+    m.add(push=hb.Se("k"))
+    m.bond("push -> vx")
+    run = hb.run_script(m, [hb.Step(until="0.5 s"), hb.Step(until="1.2 s", set={"k": keeps})])
+    assert run["y"].at(1.2) == pytest.approx(0.0, abs=1e-12)
+    assert run["floor.e"].at(1.0) == pytest.approx(2.0 * FALL, rel=1e-9)

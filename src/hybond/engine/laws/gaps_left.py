@@ -10,9 +10,10 @@ from __future__ import annotations
 import math
 
 from hybond.engine.answers import value
-from hybond.engine.engine import Engine
+from hybond.engine.engine import OK, Engine
 from hybond.engine.inputs.interval import moment
 from hybond.engine.laws.law_instant import evaluate_gap, is_left, is_on
+from hybond.engine.mode.equations import mode_of
 from hybond.engine.mode.values import set_state
 from hybond.engine.words import Floats
 
@@ -28,8 +29,27 @@ def some_closed_move(e: Engine) -> bool:
 
 def note_closed(e: Engine) -> None:
     """Note gaps before an instant is settled, where a contact is closed; not if they are noted."""
-    if e.model.laws > 0 and not e.laws.gaps_noted and some_closed_move(e):
+    if e.model.laws == 0 or e.laws.gaps_noted or not some_closed_move(e):
+        return
+    # a run that begins with a change has no mode yet
+    if mode_of(e, e.state) == OK:
         note_gaps(e, e.t - moment(e.model, e.t), e.y)
+
+
+def keep_gaps(e: Engine) -> None:
+    """Keep gaps as they are at the end of a run, for one that goes on with a change."""
+    if e.model.laws > 0:
+        note_gaps(e, e.t, e.y)
+        e.laws.gaps_noted = False
+
+
+def take_up_gaps(e: Engine, known: bool) -> None:
+    """Let gaps before the first instant be those at the end of the run before, if these are known.
+
+    A change of what a gap is made of is none of what it was.
+    """
+    if e.model.laws > 0:
+        e.laws.gaps_noted = known
 
 
 def note_gaps(e: Engine, t: float, y: Floats) -> None:

@@ -141,6 +141,7 @@ def carry_memory(e: Engine, r: Run, c: Carrier) -> None:
     if m.laws > 0:
         carry_floats(c, m.ports, e.laws.largest)
         carry_floats(c, m.ports, e.laws.largest_limit)
+        carry_floats(c, m.ports, e.laws.gap_before)
     carry_floats(c, LAST_TIMES * many, g.times)
     carry_floats(c, LAST_TIMES * many, g.others)
     carry_floats(c, many, g.since)
@@ -210,6 +211,7 @@ def carry_rounding(e: Engine, c: Carrier) -> None:
     if m.laws > 0:
         carry_floats(c, 2 * m.bonds, e.seen_before)
         carry_floats(c, m.storages, e.fades_before)
+        carry_floats(c, m.rule_first[machines_carried(e)], e.checks.carried)
 
 
 def carry_standing(e: Engine, c: Carrier) -> None:

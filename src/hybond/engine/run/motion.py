@@ -39,7 +39,7 @@ from hybond.engine.instant.doubts import warn_of_held
 from hybond.engine.instant.instant import GUARD, LAW, START, TIME, begin_instant
 from hybond.engine.instant.settle import settle
 from hybond.engine.instant.tied import begin_tied
-from hybond.engine.laws.gaps_left import forget_gaps, note_closed
+from hybond.engine.laws.gaps_left import forget_gaps, keep_gaps, note_closed, take_up_gaps
 from hybond.engine.laws.laws import limits_vary, look_at_limits
 from hybond.engine.method_numbers import MOREAU
 from hybond.engine.methods.control import end_pace
@@ -135,6 +135,7 @@ def run_to_end(e: Engine, r: Run) -> int:
     if status != REFUSED:
         if mode_of(e, e.state) == OK and combine_here(e, e.state) == OK:
             look_at_laws(e)
+            keep_gaps(e)
             if r.cut:
                 hold_last_rates(e)
             status = status if hold_bounds(e) == OK else REFUSED
@@ -161,6 +162,7 @@ def begin_now(e: Engine, r: Run) -> int:
         report_slide(e, r.report)
         return OK
     r.warm = False
+    take_up_gaps(e, r.remembers and cause != START)
     status = settle_now(e, r, cause)
     return rest_now(e, r) if status == OK else status
 
