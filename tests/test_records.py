@@ -101,3 +101,16 @@ def test_fields_may_have_the_names_that_making_a_record_uses() -> None:
 
     held = Held(record=1, owner="me")
     assert (held.record, held.owner) == (1, "me")
+
+
+def test_threads_that_make_the_first_record_at_once_all_get_one() -> None:
+    """One of them looked a method up that another had just made: StopIteration."""
+
+    @dataclass(frozen=True, slots=True)
+    class Point:
+        x: float
+
+    later = vars(Point)["__eq__"]
+    assert Point(1.0) == Point(1.0)
+    # as a thread has it that looked it up before
+    assert later.__get__(Point(2.0), Point)(Point(2.0))

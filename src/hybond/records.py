@@ -114,7 +114,10 @@ class Later:
         self.fields: dict[str, Any] | None = None
 
     def __get__(self, record: Any, kind: type) -> Any:
-        owner = next(k for k in kind.__mro__ if vars(k).get(self.name) is self)
+        owner = next((k for k in kind.__mro__ if vars(k).get(self.name) is self), None)
+        if owner is None:
+            # another thread has made it since it was looked up here
+            return getattr(kind if record is None else record, self.name)
         if record is not None and self.name == "__init__" and self._by_hand(owner):
             return partial(self._fill, record, owner)
         with _LOCK:

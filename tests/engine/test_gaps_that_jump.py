@@ -119,3 +119,60 @@ def test_a_step_that_changes_something_else_leaves_the_block_where_it_is(keeps):
     run = hb.run_script(m, [hb.Step(until="0.5 s"), hb.Step(until="1.2 s", set={"k": keeps})])
     assert run["y"].at(1.2) == pytest.approx(0.0, abs=1e-12)
     assert run["floor.e"].at(1.0) == pytest.approx(2.0 * FALL, rel=1e-9)
+
+
+def vibrating(size, rate, phase):
+    """A block of 2 kg on a table that moves up and down; gap reads where time has the table be."""
+    m = hb.Model("table", domain="translational")
+    where = f"{size} [m]*(sin({rate}*time/(1 s) + {phase}) - sin({phase}))"
+    speed = f"{size * rate} [m/s]*cos({rate}*time/(1 s) + {phase})"
+    m.add(my=hb.I(2.0, f=size * rate * math.cos(phase)), vy=hb.One(), w=hb.Se(-2.0 * FALL))
+    m.add(table=hb.Sf(speed))
+    m.add(floor=hb.Zero(law="unilateral", gap=f"y - {where}", restitution=0.5))
+    m.bond("w -> vy -> my", "table -> floor -> vy")
+    m.signal(y=hb.Integral("vy.f"))
+    return m
+
+
+@pytest.mark.parametrize("solver", ["auto", "radau"])
+@pytest.mark.parametrize("table", [(0.01, 20, 1), (1e-6, 1000, 0.3)])
+def test_what_is_sampled_beside_a_table_that_vibrates_lets_nothing_go(table, solver):
+    """It opened and closed a few times: what time moves a gap by in a moment was a jump."""
+    m = vibrating(*table)
+    m.signal(u=hb.Sampled("y", every="0.01"))
+    assert len(hb.simulate(m, 1.0, solver=solver).events) == 1
+
+
+@pytest.mark.parametrize("solver", ["auto", "rk45", "radau"])
+@pytest.mark.parametrize("table", [(0.01, 20, 1), (0.01, 10, 0), (1e-6, 1000, 0.3)])
+def test_a_kink_beside_a_table_that_vibrates_lets_nothing_go(table, solver):
+    """It bounced fourteen times: what drifts between two points of a step was a jump."""
+    m = vibrating(*table)
+    m.add(M=hb.I(1.0), V=hb.One(), S=hb.Se("10 [N/m]*abs(x - 0.1 [m]) - x*1 [N/m] - x^3*1 [N/m^3]"))
+    m.bond("S -> V -> M")
+    m.signal(x=hb.Integral("V.f"))
+    assert len(hb.simulate(m, 1.0, solver=solver).events) == 1
+
+
+def test_a_run_goes_on_from_where_something_is_sampled():
+    """It ended with the process: gaps were noted in a mode that was not there yet."""
+    m = block("y + h")
+    m.signal(h=hb.Sampled("if x < 1.4 then 0 else 0.8", every="0.1"))
+    state = hb.simulate(m, 0.5).state(0.3)
+    run = hb.simulate(m, 1.2, start=state)
+    assert [e.t for e in run.events] == pytest.approx([0.5, lands(0.8, 0.5)], abs=1e-8)
+    assert run["y"].at(1.2) == pytest.approx(-0.8, abs=1e-8)
+
+
+@pytest.mark.parametrize("solver", ["auto", "rk45"])
+def test_a_machine_that_sees_the_edge_takes_no_floor_back(solver):
+    """The natural rule "it has left the table" fires at the very instant of the edge."""
+    m = block("if x < 1.5 then y else y + 0.8")
+    m.add(lamp=hb.One(domain="electrical"), u=hb.Se(1.0, domain="electrical"))
+    m.add(r=hb.R(1.0, domain="electrical"))
+    m.bond("u -> lamp -> r")
+    states = {"on_it": ["lamp"], "has_left": []}
+    m.machine("where", states=states, start="on_it", rules=["on_it -> has_left when x > 1.5"])
+    run = hb.simulate(m, 1.2, solver=solver)
+    assert run["y"].at(0.7) == pytest.approx(-0.5 * FALL * 0.2**2, abs=1e-8)
+    assert run["y"].at(1.2) == pytest.approx(-0.8, abs=1e-8)

@@ -63,8 +63,12 @@ class Checks:
     room: float
     carried: Floats
     """Of each rule: the most that what it compares has been since its machine came there; ..."""
-    unresolved: Ints
-    """... and whether it was said that this is hardly more than rounding."""
+    unresolved: Floats
+    """... and the most of it that was hardly more than rounding, ..."""
+    unresolved_at: Floats
+    """... at what time, ..."""
+    unresolved_by: Floats
+    """... and what rounding was there."""
     held: Ints
     """Of each rule: whether that motion makes it begin to hold in that instant."""
     looked: float
@@ -121,7 +125,9 @@ def make_checks(m: Model) -> Checks:
     c.since = floats(m.storages + m.integrals)
     c.ahead_state = ints(m.machines)
     c.carried = floats(rules)
-    c.unresolved = ints(rules)
+    c.unresolved = floats(rules)
+    c.unresolved_at = floats(rules)
+    c.unresolved_by = floats(rules)
     c.held = ints(rules)
     c.looked = -1.0
     c.unbounded = -1

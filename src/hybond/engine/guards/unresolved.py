@@ -55,27 +55,40 @@ def is_one_sum(g: Locator, k: int) -> bool:
 
 
 def see_unresolved(e: Engine, g: Locator, at: float) -> None:
-    """Warn once of each law whose rounding is not small beside what it carried until `at`."""
+    """See of each law whether its rounding is small beside what it carried until `at`.
+
+    Of what each has carried so the most is told where the run ends: only then it is known what is
+    large beside it.
+    """
     if e.model.laws == 0 or e.model.tells == 0 or math.isnan(g.shown_to):
         return
     c = e.checks
     for k in range(g.guards):
         r = g.rule[k]
-        if r < 0 or not is_one_sum(g, k) or c.unresolved[r] != 0:
+        if r < 0 or not is_one_sum(g, k) or c.carried[r] <= c.unresolved[r]:
             continue
         carried = c.carried[r]
         rounding = ROUNDING * g.extent[g.atom_first[k]]
         if rounding <= BESIDE * carried or carried <= SEEN * rounding:
             continue
-        if carried <= MATTERS * largest_beside(e, r):
-            continue
         if carried > rounding and not holds_at(e, g, k, at):
             continue
-        c.unresolved[r] = 1
-        begin_warning(e.warned, UNRESOLVED, at)
-        add_about(e.warned, float(r))
-        add_about(e.warned, carried)
-        add_about(e.warned, rounding)
+        c.unresolved[r] = carried
+        c.unresolved_at[r] = at
+        c.unresolved_by[r] = rounding
+
+
+def tell_unresolved(e: Engine) -> None:
+    """Warn of laws that have carried hardly more than rounding, and not next to nothing."""
+    m = e.model
+    c = e.checks
+    for r in range(m.rule_first[m.machines] if m.laws > 0 and m.tells != 0 else 0):
+        if c.unresolved[r] > MATTERS * largest_beside(e, r):
+            begin_warning(e.warned, UNRESOLVED, c.unresolved_at[r])
+            add_about(e.warned, float(r))
+            add_about(e.warned, c.unresolved[r])
+            add_about(e.warned, c.unresolved_by[r])
+            c.unresolved[r] = 0.0
 
 
 def largest_beside(e: Engine, r: int) -> float:

@@ -7,8 +7,6 @@ the same state, there is no contact any more: there it is asked as that of an op
 
 from __future__ import annotations
 
-import math
-
 from hybond.engine.answers import value
 from hybond.engine.engine import OK, Engine
 from hybond.engine.inputs.interval import moment
@@ -28,18 +26,18 @@ def some_closed_move(e: Engine) -> bool:
 
 
 def note_closed(e: Engine) -> None:
-    """Note gaps before an instant is settled, where a contact is closed; not if they are noted."""
-    if e.model.laws == 0 or e.laws.gaps_noted or not some_closed_move(e):
-        return
+    """Note gaps as they are with the present state just before an instant that is to be settled."""
     # a run that begins with a change has no mode yet
     if mode_of(e, e.state) == OK:
-        note_gaps(e, e.t - moment(e.model, e.t), e.y)
+        before = moment(e.model, e.t)
+        note_gaps(e, e.t - 2.0 * before, e.y, e.laws.gap_earlier)
+        note_gaps(e, e.t - before, e.y, e.laws.gap_before)
 
 
 def keep_gaps(e: Engine) -> None:
     """Keep gaps as they are at the end of a run, for one that goes on with a change."""
     if e.model.laws > 0:
-        note_gaps(e, e.t, e.y)
+        note_gaps(e, e.t, e.y, e.laws.gap_before)
         e.laws.gaps_noted = False
 
 
@@ -48,18 +46,20 @@ def take_up_gaps(e: Engine, known: bool) -> None:
 
     A change of what a gap is made of is none of what it was.
     """
-    if e.model.laws > 0:
-        e.laws.gaps_noted = known
+    if e.model.laws == 0:
+        return
+    e.laws.gaps_noted = known
+    for k in range(e.model.ports if known else 0):
+        e.laws.gap_earlier[k] = e.laws.gap_before[k]
 
 
-def note_gaps(e: Engine, t: float, y: Floats) -> None:
-    """Note all gaps as they are before the instant that is to be settled."""
+def note_gaps(e: Engine, t: float, y: Floats, gaps: Floats) -> None:
+    """Note all gaps as they are at a time before the instant that is to be settled."""
     m = e.model
-    r = e.laws
     set_state(e, e.mode, e.shown, t, y)
     for k in range(m.ports):
-        r.gap_before[k] = value(m, m.port_gap[k], e.shown) if m.port_gap[k] >= 0 else math.inf
-    r.gaps_noted = True
+        gaps[k] = value(m, m.port_gap[k], e.shown) if m.port_gap[k] >= 0 else 0.0
+    e.laws.gaps_noted = True
 
 
 def some_is_left(e: Engine, t: float, y: Floats) -> bool:

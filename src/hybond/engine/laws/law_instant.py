@@ -37,7 +37,9 @@ LOCATED: Final = 0.02
 CLOSED: Final = 1e-10
 """Part of the largest gap so far below which a gap is closed."""
 JUMPED: Final = 1e-9
-"""Part of the largest gap, and of its terms, by which a gap opens at least that jumps."""
+"""Part of the largest gap, and of its terms, by which a gap opens at least that jumps, ..."""
+STEEPER: Final = 16.0
+"""... and times as much as in an interval just before: what time does, or drift, is no jump."""
 NO_LAW_VALUE: Final = -2
 """What stands for an option that a law does not have; -1 is a constant."""
 
@@ -176,7 +178,8 @@ def is_left(e: Engine, r: Laws, k: int, gap: float) -> bool:
     if not r.gaps_noted or e.model.port_gap_pair[k] < 0:
         return False
     least = JUMPED * max(r.largest[k], e.work.stack.size[e.work.stack.top])
-    return gap - r.gap_before[k] > least and gap > least
+    steady = STEEPER * math.fabs(r.gap_before[k] - r.gap_earlier[k])
+    return gap - r.gap_before[k] > max(least, steady) and gap > least
 
 
 def is_on(m: Model, k: int, state: int) -> bool:

@@ -138,7 +138,9 @@ class Laws:
     able: Ints
     gaps_noted: bool
     gap_before: Floats
-    """Gaps just before the instant that is settled, where they may jump."""
+    """Gaps just before the instant that is settled, where they may jump, ..."""
+    gap_earlier: Floats
+    """... and as long before that as that is before the instant."""
     comes: Ints
     """Machines of contacts that approach by what is stored: they strike in the next jump."""
     role: Ints
@@ -311,6 +313,7 @@ def make_laws(m: Model) -> Laws:
     r.rounding = floats(n)
     r.able = ints(n)
     r.gap_before = floats(n)
+    r.gap_earlier = floats(n)
     r.comes = ints(m.machines)
     r.role = ints(n)
     r.start = ints(n)

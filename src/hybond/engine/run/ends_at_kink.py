@@ -7,7 +7,13 @@ from typing import Final
 from hybond.engine.engine import OK, Engine
 from hybond.engine.guards.together import LAST_PLACES
 from hybond.engine.instant.instant import GUARD, LAW
-from hybond.engine.laws.gaps_left import forget_gaps, note_gaps, some_closed_move, some_is_left
+from hybond.engine.laws.gaps_left import (
+    forget_gaps,
+    note_closed,
+    note_gaps,
+    some_closed_move,
+    some_is_left,
+)
 from hybond.engine.methods.dopri import spacing
 from hybond.engine.methods.scale import is_unmoved, start_scale
 from hybond.engine.methods.stepping import between, start
@@ -22,6 +28,7 @@ from hybond.engine.run.noted import note
 from hybond.engine.run.roots_reached import rest_at_roots
 from hybond.engine.run.run_records import Run, bound_of
 from hybond.engine.run.source_jumps import jumps_onto_storage
+from hybond.engine.words import Floats
 
 DOUBLED: Final = 16
 """Times that the way back from a kink is doubled: it is found where it is past by rounding."""
@@ -36,22 +43,37 @@ def pass_kink(e: Engine, r: Run, at: float) -> int:
     if jumps_onto_storage(e, r, at):
         report_step(e, r.report)
         return LAW if count_kink(e, r) == OK else -1
-    if leaves_contacts(e, r, at):
+    if some_closed_move(e) and leaves_contacts(e, r, at, e.step.t1, e.step.y1):
         noted = note(e, r, e.step.t1, e.step.t1) == OK
         return LAW if noted and count_kink(e, r) == OK else -1
     return go_behind(e, r)
 
 
-def leaves_contacts(e: Engine, r: Run, at: float) -> bool:
-    """Whether gaps of closed contacts jump open at the kink that has ended the step."""
-    if not some_closed_move(e) or e.slide.k > 0:
+def see_gaps(e: Engine, r: Run) -> None:
+    """See how gaps were before the instant that is to be settled, where a contact is closed.
+
+    That is by the step that has led there: a guard beside a kink is found a little behind it.
+    """
+    if e.model.laws == 0 or e.laws.gaps_noted or not some_closed_move(e):
+        return
+    led = e.step.t0 < e.t and e.t <= e.step.t1
+    if not (led and leaves_contacts(e, r, e.t, e.t, e.y)):
+        note_closed(e)
+
+
+def leaves_contacts(e: Engine, r: Run, at: float, behind: float, y: Floats) -> bool:
+    """Whether gaps of closed contacts jump open at a kink at `at`; `y` is the state behind it."""
+    if e.slide.k > 0:
         return False
     reach = LAST_PLACES * spacing(at)
     for _ in range(DOUBLED):
         before = max(at - reach, e.step.t0)
+        earlier = max(at - 2.0 * reach, e.step.t0)
+        between(e, earlier, r.rate)
+        note_gaps(e, earlier, r.rate, e.laws.gap_earlier)
         between(e, before, r.rate)
-        note_gaps(e, before, r.rate)
-        if some_is_left(e, e.step.t1, e.step.y1):
+        note_gaps(e, before, r.rate, e.laws.gap_before)
+        if some_is_left(e, behind, y):
             return True
         reach *= 2.0
     forget_gaps(e)

@@ -9,12 +9,7 @@ import math
 from typing import Final
 
 from hybond.engine.checks.bounds_held import hold_bounds
-from hybond.engine.checks.energy_held import (
-    hold_last_rates,
-    hold_rates,
-    tell_balance,
-    warn_of_steps,
-)
+from hybond.engine.checks.energy_held import hold_last_rates, hold_rates
 from hybond.engine.checks.guards_held import (
     foresee,
     hold_apart,
@@ -39,7 +34,7 @@ from hybond.engine.instant.doubts import warn_of_held
 from hybond.engine.instant.instant import GUARD, LAW, START, TIME, begin_instant
 from hybond.engine.instant.settle import settle
 from hybond.engine.instant.tied import begin_tied
-from hybond.engine.laws.gaps_left import forget_gaps, keep_gaps, note_closed, take_up_gaps
+from hybond.engine.laws.gaps_left import forget_gaps, keep_gaps, take_up_gaps
 from hybond.engine.laws.laws import limits_vary, look_at_limits
 from hybond.engine.method_numbers import MOREAU
 from hybond.engine.methods.control import end_pace
@@ -58,7 +53,7 @@ from hybond.engine.run.carried import begin_again, cause_of_beginning, take_up, 
 from hybond.engine.run.contradictions import contradict_behind, meet_contradiction
 from hybond.engine.run.courses_ahead import begin_courses, end_ahead
 from hybond.engine.run.edges import reach_edges, straight_on, time_at_once
-from hybond.engine.run.ends_at_kink import ANEW, meet_kink, pass_kink
+from hybond.engine.run.ends_at_kink import ANEW, meet_kink, pass_kink, see_gaps
 from hybond.engine.run.guard_at_kink import is_over_kink
 from hybond.engine.run.kinks_passed import (
     events_held,
@@ -75,7 +70,7 @@ from hybond.engine.run.log import (
     report_slide,
     report_step,
 )
-from hybond.engine.run.noted import go_on, note
+from hybond.engine.run.noted import go_on, note, tell_at_end
 from hybond.engine.run.roots_reached import rest_at_roots
 from hybond.engine.run.run_records import (
     FRESH,
@@ -139,8 +134,7 @@ def run_to_end(e: Engine, r: Run) -> int:
             if r.cut:
                 hold_last_rates(e)
             status = status if hold_bounds(e) == OK else REFUSED
-        tell_balance(e)
-        warn_of_steps(e)
+        tell_at_end(e)
         report_end(e, r.report)
     return status
 
@@ -191,7 +185,7 @@ def settle_now(e: Engine, r: Run, cause: int) -> int:
     begin_instant(i, min(e.t, e.until), cause)
     if cause != START:
         keep_left(e, r.report)
-        note_closed(e)
+        see_gaps(e, r)
     if e.model.laws > 0:
         e.laws.sweep = r.idle >= VAIN
     before_event(e)

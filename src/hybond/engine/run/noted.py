@@ -3,10 +3,16 @@
 from __future__ import annotations
 
 from hybond.engine.checks.bounds_held import hold_bounds
-from hybond.engine.checks.energy_held import hold_last_rates, hold_step
+from hybond.engine.checks.energy_held import (
+    hold_last_rates,
+    hold_step,
+    tell_balance,
+    warn_of_steps,
+)
 from hybond.engine.checks.laws_held import look_now_and_then
 from hybond.engine.contacts.landing import keep_still
 from hybond.engine.engine import OK, REFUSED, Engine
+from hybond.engine.guards.unresolved import tell_unresolved
 from hybond.engine.laws.laws import limits_vary, look_at_limits, observe
 from hybond.engine.methods.stepping import between, start
 from hybond.engine.mode.values import set_state
@@ -58,3 +64,10 @@ def go_on(e: Engine) -> int:
         if e.y[k] != e.step.y1[k]:
             return start(e, e.t, e.y, e.until, False)
     return OK
+
+
+def tell_at_end(e: Engine) -> None:
+    """Tell what is known of a run only where it ends."""
+    tell_balance(e)
+    warn_of_steps(e)
+    tell_unresolved(e)

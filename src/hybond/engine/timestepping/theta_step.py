@@ -164,15 +164,24 @@ def end_of_step(e: Engine, s: Stepping, t1: float, h: float) -> int:
         s.explicit[k] = e.y[k] + h * (1.0 - s.theta) * s.rate0[k]
     for k in range(m.ports):
         s.l[k] = 0.0
-    if c.straight and c.outgrown:
-        return no_convergence(e)
     found = straight_step(e, s, p, c) if c.straight else newton_step_of(e, s, p, c)
     if found != OK:
         return REFUSED
+    if c.outgrown and none_carries(m, s):
+        # what a law holds does not grow
+        return no_convergence(e)
     for b in range(2 * m.bonds):
         s.mean[b] = e.work.w[b] - (1.0 - s.theta) * (s.without[b] - s.w0[b])
     s.worked = work_of_laws(e, s, p, h)
     return OK
+
+
+def none_carries(m: Model, s: Stepping) -> bool:
+    """Whether no law carries anything in a step."""
+    nothing = True
+    for k in range(m.ports):
+        nothing = nothing and s.l[k] == 0.0
+    return nothing
 
 
 def work_of_laws(e: Engine, s: Stepping, p: Ports, h: float) -> float:
@@ -344,7 +353,7 @@ def newton_step_of(e: Engine, s: Stepping, p: Ports, c: Coupled) -> int:
                 # slopes may be those of a point on the way
                 if c.outgrown and find_slopes(e, s, p, c, s.y, s.l) != OK:
                     return REFUSED
-                return no_convergence(e) if c.outgrown else implicit(e, s, p, s.y, s.l)
+                return implicit(e, s, p, s.y, s.l)
             # back on the constraints; the laws once more, from there
             projected = True
             c.known = c.known and not far
