@@ -119,3 +119,28 @@ def test_a_step_that_changes_something_else_leaves_the_block_where_it_is(keeps):
     run = hb.run_script(m, [hb.Step(until="0.5 s"), hb.Step(until="1.2 s", set={"k": keeps})])
     assert run["y"].at(1.2) == pytest.approx(0.0, abs=1e-12)
     assert run["floor.e"].at(1.0) == pytest.approx(2.0 * FALL, rel=1e-9)
+
+
+@pytest.mark.parametrize("solver", ["auto", "rk45"])
+@pytest.mark.parametrize("edge", [0.9, 1.2, 1.5, 1.53, 1.8])
+def test_a_run_may_end_at_the_edge_and_go_on(edge, solver):
+    """It slid on there where the end of the first run had passed the edge by rounding."""
+    m = block(f"if x < {edge} then y else y + 0.5")
+    at = edge / 3.0
+    run = hb.simulate(m, 1.2, solver=solver, start=hb.simulate(m, at, solver=solver))
+    assert run.events[-1].t == pytest.approx(lands(0.5, at), abs=1e-8)
+    assert run["y"].at(1.2) == pytest.approx(-0.5, abs=1e-8)
+
+
+@pytest.mark.parametrize("solver", ["auto", "rk45", "radau"])
+@pytest.mark.parametrize("rule", ["x >= 1.5", "x > 1.5*(1 + 1e-15)", "time >= 0.5"])
+def test_a_machine_may_go_on_at_the_edge(rule, solver):
+    """It slid on where the guard of another machine held in the instant of the edge."""
+    m = block("if x < 1.5 then y else y + 0.5")
+    m.add(u=hb.Se(1.0), lamp=hb.One(), r=hb.R(1.0))
+    m.bond("u -> lamp -> r")
+    states = {"before": [], "behind": ["lamp"]}
+    m.machine("place", states=states, start="before", rules=[f"before -> behind when {rule}"])
+    run = hb.simulate(m, 1.2, solver=solver)
+    assert run.events[-1].t == pytest.approx(lands(0.5, 0.5), abs=1e-8)
+    assert run["y"].at(1.2) == pytest.approx(-0.5, abs=1e-8)

@@ -158,9 +158,13 @@ def find_able(e: Engine, r: Laws) -> int:
 
 
 def is_left(r: Laws, k: int, gap: float, largest: float) -> bool:
-    """Whether contact k has been left by its gap, which was another just before the instant."""
+    """Whether contact k has been left by its gap, which was another just before the instant.
+
+    Where no gap has ever been more than what integration leaves, that moves, but hardly jumps.
+    """
     least = JUMPED * largest
-    return r.gaps_noted and gap - r.gap_before[k] > least and gap > least
+    jumps = gap - r.gap_before[k] > max(least, 0.5 * gap)
+    return r.gaps_noted and jumps and gap > least
 
 
 def is_on(m: Model, k: int, state: int) -> bool:

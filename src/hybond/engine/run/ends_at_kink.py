@@ -36,6 +36,11 @@ def pass_kink(e: Engine, r: Run, at: float) -> int:
     if jumps_onto_storage(e, r, at):
         report_step(e, r.report)
         return LAW if count_kink(e, r) == OK else -1
+    return leave_or_go(e, r, at)
+
+
+def leave_or_go(e: Engine, r: Run, at: float) -> int:
+    """Begin behind a kink that has ended the step: ANEW, or LAW if a gap jumps; -1: it stops."""
     if leaves_contacts(e, r, at):
         noted = note(e, r, e.step.t1, e.step.t1) == OK
         return LAW if noted and count_kink(e, r) == OK else -1
@@ -43,15 +48,15 @@ def pass_kink(e: Engine, r: Run, at: float) -> int:
 
 
 def leaves_contacts(e: Engine, r: Run, at: float) -> bool:
-    """Whether gaps of closed contacts jump open at the kink that has ended the step."""
-    if not some_closed_move(e) or e.slide.k > 0:
+    """Whether gaps of closed contacts jump open at a kink where the step has ended."""
+    if e.model.kinks == 0 or e.slide.k > 0 or not some_closed_move(e):
         return False
     reach = LAST_PLACES * spacing(at)
     for _ in range(DOUBLED):
         before = max(at - reach, e.step.t0)
         between(e, before, r.rate)
         note_gaps(e, before, r.rate)
-        if some_is_left(e, e.step.t1, e.step.y1):
+        if some_is_left(e, at, e.y if at == e.t else e.step.y1):
             return True
         reach *= 2.0
     forget_gaps(e)
@@ -59,7 +64,10 @@ def leaves_contacts(e: Engine, r: Run, at: float) -> bool:
 
 
 def meet_kink(e: Engine, r: Run, at: float) -> int:
-    """End the step at a guard and a kink: GUARD, or ANEW where only the kink made it hold."""
+    """End the step at a guard and a kink: GUARD, or ANEW where only the kink made it hold.
+
+    LAW if a gap jumps there, -1 if the run stops.
+    """
     g = r.locator
     kink = last_before_kink(e, g, at)
     if end_short_of_kink(e, r, at) != OK:
@@ -72,12 +80,12 @@ def meet_kink(e: Engine, r: Run, at: float) -> int:
 
 
 def go_up_to(e: Engine, r: Run, kink: float) -> int:
-    """Begin where a step has ended in which a kink made a guard hold: ANEW, -1 if the run stops.
+    """Begin where a step has ended in which a kink made a guard hold, as `leave_or_go` says.
 
     The next step ends before that kink. As long as the last one, it would see the kink again, and
     end a little later, at what it makes of the guard then.
     """
-    found = go_behind(e, r)
+    found = leave_or_go(e, r, e.step.t1)
     if found == ANEW and kink > e.t:
         e.step.h = min(e.step.h, kink - e.t)
     return found
