@@ -12,7 +12,7 @@ import math
 from hybond.engine.answers import value
 from hybond.engine.engine import OK, Engine
 from hybond.engine.inputs.interval import moment
-from hybond.engine.laws.law_instant import is_left, is_on
+from hybond.engine.laws.law_instant import evaluate_gap, is_left, is_on
 from hybond.engine.mode.equations import mode_of
 from hybond.engine.mode.values import set_state
 from hybond.engine.words import Floats
@@ -69,9 +69,9 @@ def some_is_left(e: Engine, t: float, y: Floats) -> bool:
     set_state(e, e.mode, e.shown, t, y)
     found = False
     for k in range(m.ports):
-        if m.port_gap[k] >= 0 and is_on(m, k, e.state[m.port_machine[k]]):
-            gap = value(m, m.port_gap[k], e.shown)
-            found = found or is_left(r, k, gap, max(r.largest[k], math.fabs(gap)))
+        if m.port_gap_pair[k] >= 0 and is_on(m, k, e.state[m.port_machine[k]]):
+            evaluate_gap(e, r, k, e.shown)
+            found = found or is_left(e, r, k, e.work.stack.finite[e.work.stack.top])
     return found
 
 

@@ -37,7 +37,7 @@ LOCATED: Final = 0.02
 CLOSED: Final = 1e-10
 """Part of the largest gap so far below which a gap is closed."""
 JUMPED: Final = 1e-9
-"""Part of the largest gap by which a gap opens at least that jumps."""
+"""Part of the largest gap, and of its terms, by which a gap opens at least that jumps."""
 NO_LAW_VALUE: Final = -2
 """What stands for an option that a law does not have; -1 is a constant."""
 
@@ -125,9 +125,7 @@ def find_able(e: Engine, r: Laws) -> int:
             sign = 1 if gap > 0.0 else -1 if gap < 0.0 else 0
             if m.port_gap_pair[k] >= 0:
                 # rounding of a gap is that of its terms, as for the guards that watch it
-                measure_values(m, m.port_gap_pair[k], r.v, r.terms)
-                clear(stack)
-                evaluate_pair(m, m.port_gap_pair[k], stack)
+                evaluate_gap(e, r, k, r.v)
                 gap = stack.finite[stack.top]
                 sign = sign_at(stack, stack.top)
                 if stack.refused != 0:
@@ -140,7 +138,7 @@ def find_able(e: Engine, r: Laws) -> int:
                     e.fault.t = r.v[0]
                     return REFUSED
             r.largest[k] = max(r.largest[k], math.fabs(gap))
-            stays = on and not is_left(r, k, gap, r.largest[k])
+            stays = on and not is_left(e, r, k, gap)
             r.able[k] = 1 if stays or sign <= 0 or gap <= CLOSED * r.largest[k] else 0
         if m.port_gate[k] != NO_LAW_VALUE:
             gate = quantity(m, m.port_gate, m.port_gate_constant, k, r.v) != 0.0
@@ -157,14 +155,28 @@ def find_able(e: Engine, r: Laws) -> int:
     return OK
 
 
-def is_left(r: Laws, k: int, gap: float, largest: float) -> bool:
+def evaluate_gap(e: Engine, r: Laws, k: int, v: Floats) -> None:
+    """Put the gap of contact k, no constant, on ``e.work.stack`` with the size of its terms."""
+    stack = e.work.stack
+    stack.now = v
+    stack.was = v
+    stack.was_first = 0
+    stack.jumps = False
+    stack.terms = r.terms
+    measure_values(e.model, e.model.port_gap_pair[k], v, r.terms)
+    clear(stack)
+    evaluate_pair(e.model, e.model.port_gap_pair[k], stack)
+
+
+def is_left(e: Engine, r: Laws, k: int, gap: float) -> bool:
     """Whether contact k has been left by its gap, which was another just before the instant.
 
-    Where no gap has ever been more than what integration leaves, that moves, but hardly jumps.
+    The gap is on the stack.
     """
-    least = JUMPED * largest
-    jumps = gap - r.gap_before[k] > max(least, 0.5 * gap)
-    return r.gaps_noted and jumps and gap > least
+    if not r.gaps_noted or e.model.port_gap_pair[k] < 0:
+        return False
+    least = JUMPED * max(r.largest[k], e.work.stack.size[e.work.stack.top])
+    return gap - r.gap_before[k] > least and gap > least
 
 
 def is_on(m: Model, k: int, state: int) -> bool:

@@ -231,6 +231,10 @@ def _no_solution(c: Case) -> Said:
     mode, nodes = c.given_mode()
     # a two-port has two laws, of efforts and of flows
     elements = list(dict.fromkeys(int(k) for k in nodes))
+    if not elements:
+        why = "what is stored and what sources give have no common solution that was found "
+        hint = "look at sources that read what they prescribe, and at laws of storage that jump"
+        return Said(f"{why}(t = {c.refusal.t:.9g} s)", c.graph.mode_text(mode), hint)
     names = c.paths(elements)
     why = f"the laws of {names} have no common solution that was found (t = {c.refusal.t:.9g} s)"
     hint = against_no_solution([c.graph.nodes[k] for k in elements])

@@ -24,6 +24,11 @@ SAME = 1e-12
 INCOMMENSURATE = 0.5 * (1.0 + 5.0**0.5)
 """Then the step is compared with one longer by the ratio that no fraction comes close to."""
 
+NO_END = "HB-N310"
+"""What ends a run whose steps do not converge, as where something grows faster than in one."""
+MUCH_SHORTER = 10.0
+"""Times that a step is shorter which is advised where nothing was estimated."""
+
 
 class StepsRun:
     """One run by time-stepping; `trace` holds what it did.
@@ -64,6 +69,7 @@ class StepsRun:
         # what ends the run would end the other one elsewhere
         self._compares = lasts > 4.0 * self.step and not runners and graph.ends < 0
         self._until = until
+        self._refused = ""
 
     def run(self) -> str:
         """Run to the end, and once more with a longer step; return ``"ok"``.
@@ -92,6 +98,12 @@ class StepsRun:
         error = self._apart(2.0)
         if error is not None and max(error.end, error.mean) <= SAME:
             error = self._apart(INCOMMENSURATE) or error
+        if error is None and self._refused == NO_END:
+            self.trace.warn(
+                f"the error of step = {format_quantity(self.step, 's')} cannot be estimated: "
+                f"steps twice as long do not converge ({NO_END}); try step = "
+                f"{format_quantity(self.step / MUCH_SHORTER, 's')} or less"
+            )
         if error is not None:
             self.trace.stats["step_error"] = max(error.end, error.mean)
             self.trace.stats["step_advised"] = error.advised
@@ -110,7 +122,10 @@ class StepsRun:
         )
         try:
             coarse.run()
-        except (HybondError, KeyboardInterrupt):
+        except HybondError as refused:
+            self._refused = refused.code
+            return None
+        except KeyboardInterrupt:
             return None
         return compare(self.graph, self.step, self.trace, coarse.trace)
 

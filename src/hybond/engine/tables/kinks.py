@@ -122,8 +122,9 @@ def _left_at(t: ModelTables) -> list[tuple[Expr, int]]:
     return [
         (a, node)
         for k, node in zip(t.ints["port_gap"], t.ints["port_node"], strict=True)
-        if k >= 0 and any(moves(a) and not uses_pre(a) for a in jumping(t.values.all[k]))
-        for a in turning(t.values.all[k])
+        if k >= 0
+        for jump in jumping(t.values.all[k])
+        for a in turning(jump)
         if moves(a) and not uses_pre(a)
     ]
 
