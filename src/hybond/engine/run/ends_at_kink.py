@@ -81,7 +81,10 @@ def leaves_contacts(e: Engine, r: Run, at: float, behind: float, y: Floats) -> b
 
 
 def meet_kink(e: Engine, r: Run, at: float) -> int:
-    """End the step at a guard and a kink: GUARD, or ANEW where only the kink made it hold."""
+    """End the step at a guard and a kink: GUARD, or ANEW where only the kink made it hold.
+
+    LAW if a gap jumps there, -1 if the run stops.
+    """
     g = r.locator
     kink = last_before_kink(e, g, at)
     if end_short_of_kink(e, r, at) != OK:
@@ -94,12 +97,12 @@ def meet_kink(e: Engine, r: Run, at: float) -> int:
 
 
 def go_up_to(e: Engine, r: Run, kink: float) -> int:
-    """Begin where a step has ended in which a kink made a guard hold: ANEW, -1 if the run stops.
+    """Begin where a step has ended in which a kink made a guard hold, as `leave_or_go` says.
 
     The next step ends before that kink. As long as the last one, it would see the kink again, and
     end a little later, at what it makes of the guard then.
     """
-    found = go_behind(e, r)
+    found = leave_or_go(e, r, e.step.t1)
     if found == ANEW and kink > e.t:
         e.step.h = min(e.step.h, kink - e.t)
     return found

@@ -336,10 +336,12 @@ def flow(e: Engine, r: Run) -> int:
             if e.step.t1 >= end:
                 see_unresolved(e, g, e.step.t1)
                 foresee(e, e.t)
+                # a kink that is just there is none within the step, nor within the next one
+                left = leaves_contacts(e, r, e.step.t1)
                 if e.next_break <= end:
                     see_rests_at_end(e, g)
                     return timed_cause(e)
-                if not near and jumps_at_end(e, r):
+                if not near and (left or jumps_at_end(e, r)):
                     return LAW
                 r.cut = not near
                 return GUARD if near else STOPPED
@@ -359,7 +361,7 @@ def flow(e: Engine, r: Run) -> int:
             if passed == ANEW:
                 continue
             if passed != GUARD:
-                return -1
+                return passed
             at = g.at
         see_unresolved(e, g, at)
         let_hold(e, g, at)
@@ -370,6 +372,8 @@ def flow(e: Engine, r: Run) -> int:
         end_pace(e, at)
         timed = e.t >= end and e.next_break <= end
         foresee(e, min(at + instant, end))
+        # gaps may jump where a guard holds
+        leaves_contacts(e, r, e.t)
         return timed_cause(e) if timed else GUARD
 
 
