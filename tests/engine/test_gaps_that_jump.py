@@ -165,14 +165,25 @@ def test_a_run_goes_on_from_where_something_is_sampled():
 
 
 @pytest.mark.parametrize("solver", ["auto", "rk45"])
-def test_a_machine_that_sees_the_edge_takes_no_floor_back(solver):
-    """The natural rule "it has left the table" fires at the very instant of the edge."""
-    m = block("if x < 1.5 then y else y + 0.8")
-    m.add(lamp=hb.One(domain="electrical"), u=hb.Se(1.0, domain="electrical"))
-    m.add(r=hb.R(1.0, domain="electrical"))
+@pytest.mark.parametrize("edge", [0.9, 1.2, 1.5, 1.53, 1.8])
+def test_a_run_may_end_at_the_edge_and_go_on(edge, solver):
+    """It slid on there where the end of the first run had passed the edge by rounding."""
+    m = block(f"if x < {edge} then y else y + 0.5")
+    at = edge / 3.0
+    run = hb.simulate(m, 1.2, solver=solver, start=hb.simulate(m, at, solver=solver))
+    assert run.events[-1].t == pytest.approx(lands(0.5, at), abs=1e-8)
+    assert run["y"].at(1.2) == pytest.approx(-0.5, abs=1e-8)
+
+
+@pytest.mark.parametrize("solver", ["auto", "rk45", "radau"])
+@pytest.mark.parametrize("rule", ["x >= 1.5", "x > 1.5*(1 + 1e-15)", "time >= 0.5"])
+def test_a_machine_may_go_on_at_the_edge(rule, solver):
+    """It slid on where the guard of another machine held in the instant of the edge."""
+    m = block("if x < 1.5 then y else y + 0.5")
+    m.add(u=hb.Se(1.0), lamp=hb.One(), r=hb.R(1.0))
     m.bond("u -> lamp -> r")
-    states = {"on_it": ["lamp"], "has_left": []}
-    m.machine("where", states=states, start="on_it", rules=["on_it -> has_left when x > 1.5"])
+    states = {"before": [], "behind": ["lamp"]}
+    m.machine("place", states=states, start="before", rules=[f"before -> behind when {rule}"])
     run = hb.simulate(m, 1.2, solver=solver)
-    assert run["y"].at(0.7) == pytest.approx(-0.5 * FALL * 0.2**2, abs=1e-8)
-    assert run["y"].at(1.2) == pytest.approx(-0.8, abs=1e-8)
+    assert run.events[-1].t == pytest.approx(lands(0.5, 0.5), abs=1e-8)
+    assert run["y"].at(1.2) == pytest.approx(-0.5, abs=1e-8)

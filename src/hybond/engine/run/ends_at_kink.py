@@ -43,6 +43,11 @@ def pass_kink(e: Engine, r: Run, at: float) -> int:
     if jumps_onto_storage(e, r, at):
         report_step(e, r.report)
         return LAW if count_kink(e, r) == OK else -1
+    return leave_or_go(e, r, at)
+
+
+def leave_or_go(e: Engine, r: Run, at: float) -> int:
+    """Begin behind a kink that has ended the step: ANEW, or LAW if a gap jumps; -1: it stops."""
     if some_closed_move(e) and leaves_contacts(e, r, at, e.step.t1, e.step.y1):
         noted = note(e, r, e.step.t1, e.step.t1) == OK
         return LAW if noted and count_kink(e, r) == OK else -1
@@ -61,9 +66,14 @@ def see_gaps(e: Engine, r: Run) -> None:
         note_closed(e)
 
 
+def left_at_end(e: Engine, r: Run) -> bool:
+    """Whether a gap jumps where a step has ended: a kink just there is in no step."""
+    return some_closed_move(e) and leaves_contacts(e, r, e.t, e.t, e.y)
+
+
 def leaves_contacts(e: Engine, r: Run, at: float, behind: float, y: Floats) -> bool:
     """Whether gaps of closed contacts jump open at a kink at `at`; `y` is the state behind it."""
-    if e.slide.k > 0:
+    if e.model.kinks == 0 or e.slide.k > 0:
         return False
     reach = LAST_PLACES * spacing(at)
     for _ in range(DOUBLED):

@@ -53,7 +53,7 @@ from hybond.engine.run.carried import begin_again, cause_of_beginning, take_up, 
 from hybond.engine.run.contradictions import contradict_behind, meet_contradiction
 from hybond.engine.run.courses_ahead import begin_courses, end_ahead
 from hybond.engine.run.edges import reach_edges, straight_on, time_at_once
-from hybond.engine.run.ends_at_kink import ANEW, meet_kink, pass_kink, see_gaps
+from hybond.engine.run.ends_at_kink import ANEW, left_at_end, meet_kink, pass_kink, see_gaps
 from hybond.engine.run.guard_at_kink import is_over_kink
 from hybond.engine.run.kinks_passed import (
     events_held,
@@ -337,7 +337,7 @@ def flow(e: Engine, r: Run) -> int:
                 see_unresolved(e, g, e.step.t1)
                 foresee(e, e.t)
                 # a kink that is just there is none within the step, nor within the next one
-                left = leaves_contacts(e, r, e.step.t1)
+                left = left_at_end(e, r)
                 if e.next_break <= end:
                     see_rests_at_end(e, g)
                     return timed_cause(e)
@@ -372,8 +372,6 @@ def flow(e: Engine, r: Run) -> int:
         end_pace(e, at)
         timed = e.t >= end and e.next_break <= end
         foresee(e, min(at + instant, end))
-        # gaps may jump where a guard holds
-        leaves_contacts(e, r, e.t)
         return timed_cause(e) if timed else GUARD
 
 
