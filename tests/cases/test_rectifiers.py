@@ -335,3 +335,22 @@ def _bridge_by_phases(rate: float, until: float) -> float:
             flow = solve_ivp(conducts, (t, until), [0.0, v], args=(way,), events=ends, **options)
             t, v = float(flow.t[-1]), float(flow.y[1, -1])
     return v
+
+
+@pytest.mark.parametrize("many", [1, 2, 3])
+def test_a_coil_whose_thyristors_are_not_fired_loses_its_current(many):
+    """With more than one beside each other it was refused (HB-J111): one has what others leave.
+
+    The flux goes by an impulse of -L i; from 1 ms on the highest source feeds the coil.
+    """
+    m = hb.Model("half", domain="electrical")
+    m.add(p=hb.Zero(), i=hb.One(), L=hb.I("1 mH", f="2 A"), R=hb.R("1 ohm"))
+    m.bond("p -> i -> L", "i -> R")
+    for k in range(many):
+        m.add(**{f"V{k}": hb.Se(10.0 - 20.0 * k)})
+        m.add(**{f"t{k}": hb.One(law="thyristor", gate="time > 1 [ms]")})
+        m.bond(f"V{k} -> t{k} -> p")
+    run = hb.simulate(m, "3 ms")
+    assert run.events[0].steps[0].impulses["L.e"] == pytest.approx(-2e-3)
+    assert run["L.f"].at(5e-4) == 0.0
+    assert run["L.f"].at(3e-3) == pytest.approx(10.0 * (1.0 - math.exp(-2.0)), rel=1e-7)

@@ -28,8 +28,6 @@ SURGE = {
         "L -> i",
         "law -> i",
     ),
-    "mass": ("translational", hb.I("10 g"), hb.G({"f": "(e/200)^5"}), "V -> i -> L", "i -> law"),
-    "pipe": ("hydraulic", hb.I(0.01), hb.G({"f": "(e/200)^5"}), "V -> i -> L", "i -> law"),
 }
 """Laws that are steep without bound where the flow through a storage is zero."""
 

@@ -236,3 +236,16 @@ def is_stored(m: Model, r: Laws, k: int) -> bool:
         if r.response.d[k * n + j] != 0.0:
             return False
     return True
+
+
+def is_left_by_others(m: Model, r: Laws, k: int) -> bool:
+    """Whether `w` of a port follows from what is stored, as laws beside it may carry nothing.
+
+    Of thyristors without a gate that feed one coil the last has all of its current.
+    """
+    n = m.ports
+    for j in range(n):
+        cut = m.port_two_sided[j] == 0 and r.able[j] == 0 and r.now.given[j] == COMMON
+        if r.response.d[k * n + j] != 0.0 and not cut:
+            return False
+    return True

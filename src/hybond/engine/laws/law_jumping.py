@@ -34,6 +34,7 @@ from hybond.engine.laws.law_instant import (
     find_rounding,
     find_start,
     hold_restitution,
+    is_left_by_others,
     is_stored,
     make_consistent,
     passive_role,
@@ -111,7 +112,10 @@ def find_jumping(e: Engine, r: Laws, x: Floats) -> int:
         # asked where it decides anything: that looks at what all others give
         decides = r.y[k] < 0.0 if r.able[k] != 0 else not common
         decides = (one_sided and decides) or (m.port_restitution[k] != NO_LAW_VALUE and common)
-        stored = decides and is_stored(m, r, k)
+        if r.able[k] != 0:
+            stored = decides and is_stored(m, r, k)
+        else:
+            stored = decides and is_left_by_others(m, r, k)
         r.rebound[k] = 0.0
         # what is stored has no speed to rebound with where it is the common variable, nor where
         # what other laws give is part of it
