@@ -19,13 +19,14 @@ def block(gap, *, turned=False, restitution=None, rotational=False):
     domain = "rotational" if rotational else "translational"
     m = hb.Model("edge", domain=domain)
     more = {} if restitution is None else {"restitution": restitution}
-    m.add(mx=hb.I(2.0, f=3.0), my=hb.I(2.0), vx=hb.One(), vy=hb.One(), w=hb.Se(-2.0 * FALL))
+    way = -1.0 if turned else 1.0
+    m.add(mx=hb.I(2.0, f=3.0 * way), my=hb.I(2.0), vx=hb.One(), vy=hb.One())
+    m.add(w=hb.Se(-2.0 * FALL * way))
     m.add(floor=hb.Zero(law="unilateral", gap=gap, **more))
     if turned:
         m.bond("floor -> vy", "mx -> vx", "my -> vy", "vy -> w")
-        m.signal(x=hb.Integral("vx.f"), y=hb.Integral("-my.f"))
-        return m
-    m.bond("w -> vy -> my", "floor -> vy", "vx -> mx")
+    else:
+        m.bond("w -> vy -> my", "floor -> vy", "vx -> mx")
     m.signal(x=hb.Integral("vx.f"), y=hb.Integral("vy.f"))
     return m
 
@@ -55,12 +56,20 @@ def test_a_block_falls_off_the_edge_of_a_table(gap, solver):
 
 @pytest.mark.parametrize(
     ("given", "drop"),
-    [({"rotational": True}, 0.8), ({"restitution": 0.0}, 0.8), ({}, 1e-7)],
+    [({"rotational": True}, 0.8), ({"turned": True}, 0.8), ({"restitution": 0.0}, 0.8), ({}, 1e-7)],
 )
 def test_it_does_so_however_it_is_written(given, drop):
     run = hb.simulate(block(f"if x < 1.5 then y else y + {drop}", **given), 1.2)
     assert [e.t for e in run.events] == pytest.approx([0.0, 0.5, lands(drop, 0.5)], abs=1e-8)
     assert run["y"].at(1.2) == pytest.approx(-drop, rel=1e-6)
+
+
+def test_what_is_not_connected_beside_it_changes_nothing():
+    m = block("if x < 1.5 then y else y + 0.8")
+    m.add(far=hb.C(1e6, q=1e9), none=hb.Zero(), g=hb.R(1e3))
+    m.bond("far -> none", "none -> g")
+    run = hb.simulate(m, 1.2)
+    assert [e.t for e in run.events] == pytest.approx([0.0, 0.5, lands(0.8, 0.5)], abs=1e-8)
 
 
 def test_stairs_are_gone_down_one_by_one():
