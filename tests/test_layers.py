@@ -36,6 +36,28 @@ LAYERS = [
 ]
 LAYER = {room: index for index, rooms in enumerate(LAYERS) for room in rooms}
 
+ENGINE = [
+    ["algebra", "complementarity", "expressions"],
+    ["reasons"],
+    ["inputs"],
+    ["mode"],
+    ["constraints"],
+    ["impacts", "surfaces"],
+    ["jumps"],
+    ["methods"],
+    ["guards", "planar"],
+    ["laws"],
+    ["instant"],
+    ["checks", "contacts", "sliding", "timestepping"],
+    ["looking", "run"],
+    ["tables"],
+    ["compiled"],
+    ["interpreted"],
+    ["outcome"],
+]
+"""The rooms of the engine, leftmost first. What a run is made of may be read by all of them."""
+ENGINE_LAYER = {room: index for index, rooms in enumerate(ENGINE) for room in rooms}
+
 # Display methods that import rightwards when they are called: the function, the rooms it may use.
 # and the one place where a model asks for a ready part by its name, which is a file to read.
 DISPLAY: dict[str, set[str]] = {
@@ -119,6 +141,63 @@ def test_imports_go_left() -> None:
     used = {(scope, room) for _, scope, _, room in found}
     listed = {(scope, room) for scope, rooms in DISPLAY.items() for room in rooms}
     assert listed <= used, f"listed for nothing: {sorted(listed - used)}"
+
+
+def engine_imports() -> dict[str, set[str]]:
+    """Return what each module of the engine reads of the engine: `room.module`, or a module."""
+    texts = {module_name(p): text for p, text in TEXTS.items()}
+    start = "hybond.engine."
+    own = {name.removeprefix(start) for name in texts if name.startswith(start)}
+    found: dict[str, set[str]] = {}
+    for module in own - ENGINE_LAYER.keys():
+        names = imports(ast.parse(texts[start + module]), f"{start}{module}".rpartition(".")[0])
+        read = [name.removeprefix(start) for _, _, name in names if name.startswith(start)]
+        found[module] = {n if n in own else n.rpartition(".")[0] for n in read}
+    return found
+
+
+def made_of(read: dict[str, set[str]]) -> set[str]:
+    """Return the modules that a run is made of: records of `engine.Engine`, and theirs."""
+    found, waiting = {"answers"}, ["engine"]
+    while waiting:
+        module = waiting.pop()
+        if module not in found:
+            found.add(module)
+            waiting += sorted(read[module])
+    return found
+
+
+def upward(read: dict[str, set[str]]) -> list[str]:
+    """List the imports among rooms of the engine that do not go left, records left out."""
+    records = made_of(read)
+    found = []
+    for module, others in read.items():
+        own = ENGINE_LAYER.get(module.partition(".")[0], 0)
+        for other in others - records:
+            room = other.partition(".")[0]
+            same = room == module.partition(".")[0]
+            if not same and ENGINE_LAYER.get(room, len(ENGINE)) >= own:
+                found.append(f"{module} reads {other}")
+    return sorted(found)
+
+
+def test_rooms_of_the_engine_read_leftwards() -> None:
+    read = engine_imports()
+    assert {m.partition(".")[0] for m in read if "." in m} == ENGINE_LAYER.keys()
+    wrong = upward(read)
+    assert not wrong, "\n".join(wrong)
+    # what a run is made of are records, and what these are made of, left of all equations
+    for module in made_of(read):
+        room, _, name = module.rpartition(".")
+        below = ENGINE_LAYER.get(room, -1) < ENGINE_LAYER["mode"]
+        assert below or name.endswith(("_records", "_room")), module
+
+
+def test_the_test_of_the_engine_sees() -> None:
+    read = engine_imports()
+    for module, other in (("mode.newton", "surfaces.values"), ("guards.locate", "instant.settle")):
+        more = {**read, module: read[module] | {other}}
+        assert upward(more) == [f"{module} reads {other}"]
 
 
 def files(*, mapped: bool) -> set[str]:

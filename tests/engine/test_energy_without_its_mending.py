@@ -13,9 +13,9 @@ from typing import Any
 import pytest
 
 import hybond as hb
-from hybond.engine.instant import jump
+from hybond.engine.jumps import jump
 from hybond.engine.methods import control, dopri
-from hybond.engine.mode import values
+from hybond.engine.surfaces import values
 from hybond.testing import random_recipe
 
 

@@ -16,8 +16,9 @@ import pytest
 
 import hybond as hb
 from hybond.engine.checks import laws_held
+from hybond.engine.constraints import impulse_ways
 from hybond.engine.guards import ends_at_guard
-from hybond.engine.instant import impulse_ways, jump
+from hybond.engine.jumps import jump
 from hybond.engine.laws import laws
 from hybond.engine.run import motion
 from hybond.engine.tables import options

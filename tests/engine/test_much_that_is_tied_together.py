@@ -20,7 +20,7 @@ from hybond.engine.algebra.sparse_lu import (
     solve_sparse,
     solve_transposed,
 )
-from hybond.engine.instant.sparse_ways import FEW
+from hybond.engine.constraints.sparse_ways import FEW
 
 N = FEW + 8
 BEFORE = {

@@ -9,14 +9,9 @@ a run.
 `model.Model` is what a model brings along: tables, which `tables/` makes; `answers` has its
 expressions and names, `method_numbers` the methods that a run may be asked for. `engine.Engine` is
 one run: the state, the modes known so far, and all room to work in (`work`, and files that end in
-`_records` or `_room`). `words` has the words of the subset. Rooms, and in them files, as data
-passes them::
+`_records` or `_room`): every room may read these. `words` has the words of the subset. Else a room
+reads itself and those above it alone, `run` all of them. Rooms, and in them files::
 
-    expressions/
-        code, lookup, functions    laws as instructions; tables that they read; what has no value
-        course_parts, course_ranges, course_records    what time alone does: its range over an
-                            interval
-        pairs, paired       what jumps: a finite part and an impulse; guards and rates on these
     algebra/
         blocks, products    arrays that grow, sparse rows; products of matrices
         twofold             sums and products with twice the digits
@@ -26,12 +21,29 @@ passes them::
         lu_twofold          these with twice the digits
         sparse_lu           square systems in which each equation has few unknowns
         svd, least_distance        singular values; the point next to zero that keeps inequalities
+    complementarity/
+        law_problem, law_roles    the question as a complementarity problem
+        one_sided, lcp, lcp_forms, lemke, pivoting    without friction; its solution
+        all_branches, one_choice, choice, branch_records    few laws in doubt, by all their branches
+        friction_disk, semidefinite    Coulomb's disk; whether there is one answer
+        least_shares        which of many answers is of least leakage
+    expressions/
+        code, lookup, functions    laws as instructions; tables that they read; what has no value
+        course_parts, course_ranges, course_records    what time alone does: its range over an
+                            interval
+        pairs, paired       what jumps: a finite part and an impulse; guards and rates on these
+    reasons/
+        facts, warned       why a run ended, what it warns of, in numbers
+        noting              what was found not to hold
+    inputs/
+        interval, sampling, calls    pieces of inputs; signals set at instants; who is asked
     mode/
-        tableau, hidden_rows, elimination, elimination_of_another    rows of a mode, eliminated
+        tableau, hidden_rows, elimination, elimination_records    rows of a mode, eliminated
+        elimination_of_another    those of a mode that differs in some
         drift               whether a small coefficient is rounding of what is given
         equations, taken_rows    those made ready: what is kept of them
         kept_modes, mode_records, mode_sizes    modes kept, and what room they take
-        solving, limits, values    bond variables at an instant; what expressions read
+        solving, limits     bond variables at an instant; limits of what has landed
         closely, agreement  with all digits, where sums cancel; whether sources agree
         newton, newton_system, newton_step, dynamic_rows    Newton's method: what it makes zero, its
                             step, by which laws
@@ -50,55 +62,24 @@ passes them::
         fading              what rounding remembers
         sums, straight_rates, sum_records    comparisons, and rates, that are sums of the state
         standing, standing_records    what stands at an equilibrium that nothing touches
-    inputs/
-        interval, sampling, calls    pieces of inputs; signals set at instants; who is asked
-    instant/
-        settle, settling    trying modes at an instant until none is left; what a cycle is told by
-        beginning           what is a priori where a run begins; states it cannot begin in
-        entering, trial, jump    a mode entered: signals, and what is stored
-        constraints, impulse_ways, own_ways    what a jump must fulfil, and what moves it there
+    constraints/
+        constraints         what a jump must fulfil
+        impulse_ways, own_ways    the impulses that move what is stored there
         sparse_ways         where much is tied together
-        tied                motions that are nothing but what constraints lead along
-        staying, passed_over    what is known of the last trial; modes without a solution
-        in_force, indeterminate    rules that are asked; truths that depend on what is open
-        kept_sides          guards of what is rounding: it is what it was
-        doubts, left_out, telling, told, instant    what is warned of, told and written down
-    laws/
-        laws                modes with laws of junctions: first what jumps, then what lasts
-        ports, response     the graph with its laws left open, and what it says of them
-        end_ports           which of their variables is the unknown of a time step
-        law_branches, law_jumping, law_records    which branches are taken; which of an impulse
-        law_instant, law_friction, law_rates    what laws may do; dry friction; how zeros move on
-        law_answers         one question to them, answered
-        law_parallel, law_shares    idle laws beside those that carry; friction that shares a load
-        law_candidates, law_trials    whether a mode stands up to its laws; all that can be tried
-        law_seconds, law_standing    more than one answer; the one that stands already
-        gaps, gaps_left     whether the gap of a contact is the distance that its bonds close, and
-                            whether it jumps away from it
-    complementarity/
-        law_problem, law_roles    the question as a complementarity problem
-        one_sided, lcp, lcp_forms, lemke, pivoting    without friction; its solution
-        all_branches, one_choice, choice, branch_records    few laws in doubt, by all their branches
-        friction_disk, semidefinite    Coulomb's disk; whether there is one answer
-        least_shares        which of many answers is of least leakage
     impacts/
-        strike              impacts by a law that sees all closed contacts at once
         impact_laws, shares, impact_records    Newton's for all, Poisson's; dependent contacts
         compliant, spring_steps    contacts as stiff springs
-    planar/
-        planar              friction in the plane: whether it holds
-        stops, descent, planar_records    where slip ends and begins; its last part
-    contacts/
-        impacts_seen, accumulation, landing, landing_records    impacts that come to rest
-        rest, unrest        the state at rest; why there is none
-        coming_back         whether what was put together stays there
-        in_turn             contacts without a rebound that open each other, ever faster
-    sliding/
-        sliding, what_happened, met    after an event: which machines slide from there
-        ways_on, filippov, crossings, additive, ways_told    how the state goes on
-        around, combine, corners, branches, branch_table    the modes around surfaces
-        blend, averages, common_space, outputs    their combination, asked as a mode is
-        surface, onto, going_on, slide_records    surfaces; back onto them; what is written
+    surfaces/
+        surface, corners    surfaces; the modes around them, corner by corner
+        combine, blend, common_space    their combination, and what it is held to
+        branch_table, slide_records    branches of laws in them; what is written
+        outputs, averages   it is asked as a mode is
+        values              what expressions read and how the state moves, in either
+        onto                back onto surfaces
+    jumps/
+        jump, trial         what is stored on entering a mode; every signal that follows
+        untouched           what a jump does not reach stays as it was
+        tied                motions that are nothing but what constraints lead along
     methods/
         stepping            one step of the method asked for
         scale, signal_sizes, lately    tolerances of what is stored and what is integrated
@@ -123,7 +104,28 @@ passes them::
         fixed               forward Euler, the classical Runge-Kutta method
         qss, qss_start, qss_events, qss_band, qss_place, qss_room    quantised states
         qss_linear, qss_fit, qss_nodes    their rates: in linear modes, and in others
+    planar/
+        planar              friction in the plane: whether it holds
+        stops, descent, planar_records    where slip ends and begins; its last part
+    laws/
+        entering            a mode entered, with laws of junctions or without
+        laws                modes with laws of junctions: first what jumps, then what lasts
+        ports, response     the graph with its laws left open, and what it says of them
+        end_ports           which of their variables is the unknown of a time step
+        law_branches, law_jumping, law_records    which branches are taken; which of an impulse
+        law_instant, law_friction, law_rates    what laws may do; dry friction; how zeros move on
+        law_answers         one question to them, answered
+        law_parallel, law_shares    idle laws beside those that carry; friction that shares a load
+        law_candidates, law_trials    whether a mode stands up to its laws; all that can be tried
+        law_seconds, law_standing    more than one answer; the one that stands already
+        gaps, gaps_left     whether the gap of a contact is the distance that its bonds close, and
+                            whether it jumps away from it
+        strike              impacts by a law that sees all closed contacts at once
+        impacts_held        the law of impacts put back into itself
+        branches            branches in each of the modes around a surface
     guards/
+        in_force            rules that are asked
+        kept_sides          guards of what is rounding: it is what it was
         locate, locator     the first instant of a step at which a guard holds
         guard_values, guard_shape, candidates, bracket    by samples
         solved_guards, step_polynomials, quartic    by polynomials
@@ -135,6 +137,34 @@ passes them::
         rests_asked         what rests where time, or a crossing beside it, asks for it
         naps                kinks that end no steps for a while
         together, ends_at_guard    what is one instant with it; the step that ends there
+    instant/
+        settle, settling    trying modes at an instant until none is left; what a cycle is told by
+        beginning           what is a priori where a run begins; states it cannot begin in
+        staying, passed_over    what is known of the last trial; modes without a solution
+        indeterminate       truths that depend on what is open
+        jump_balance        energy of a jump that comes from nowhere
+        doubts, left_out, telling, told, instant    what is warned of, told and written down
+    sliding/
+        sliding, what_happened, met    after an event: which machines slide from there
+        ways_on, filippov, crossings, additive, ways_told    how the state goes on
+        around, going_on    modes on both sides, tried; what goes on sliding, or leaves
+    contacts/
+        impacts_seen, accumulation, landing, landing_records    impacts that come to rest
+        rest, unrest        the state at rest; why there is none
+        coming_back         whether what was put together stays there
+        in_turn             contacts without a rebound that open each other, ever faster
+    timestepping/
+        theta_step, matrices    one step
+        step_sizes, step_laws, guessed    what it is measured by; laws at its end
+        open_shares         who carries what
+        step_event, step_shown, step_records    what is written and shown
+    checks/
+        laws_held, another, guards_held    put back into themselves
+        bounds_held, energy_held    values that outgrow all bounds; energy that comes from nowhere
+        shown, check_records    as read from outside; what was found
+    looking/
+        look, asked, known, energies    values and powers at points of a known motion
+        led_back            points that a cubic leads beyond where a law ends
     run/
         motion              the executive: segment after segment
         step_motion         that of time-stepping, which locates nothing
@@ -149,20 +179,6 @@ passes them::
         stranded            motion that gets nowhere
         log, run_records, carried, trying    what is written, handed on, tried
         report, run, unit   in a printed program: what is shown; the program; driven by others
-    timestepping/
-        theta_step, matrices    one step
-        step_sizes, step_laws, guessed    what it is measured by; laws at its end
-        open_shares         who carries what
-        step_event, step_shown, step_records    what is written and shown
-    checks/
-        laws_held, another, guards_held, impacts_held, untouched    put back into themselves
-        bounds_held, energy_held    values that outgrow all bounds; energy that comes from nowhere
-        shown, noting, check_records    as read from outside; what was found
-    looking/
-        look, asked, known, energies    values and powers at points of a known motion
-        led_back            points that a cubic leads beyond where a law ends
-    reasons/
-        facts, warned       why a run ended, what it warns of, in numbers
 
 What junction laws and implicit steps ask of it, and give to it:
 

@@ -24,7 +24,7 @@ from hybond.engine.mode.sum_records import Sums, make_sums
 from hybond.engine.model import Model
 from hybond.engine.planar.planar_records import Planar, make_planar
 from hybond.engine.reasons.warned import Warned, make_warned
-from hybond.engine.sliding.slide_records import Slide, make_slide
+from hybond.engine.surfaces.slide_records import Slide, make_slide
 from hybond.engine.timestepping.step_records import Stepping, make_stepping
 from hybond.engine.words import Floats, Ints, Records, Text, floats, ints, record, records
 from hybond.engine.work import Work, make_work

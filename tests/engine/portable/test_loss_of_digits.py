@@ -7,7 +7,8 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from hybond.engine.mode.elimination import Elimination, add_row, give, make_elimination
+from hybond.engine.mode.elimination import add_row, give
+from hybond.engine.mode.elimination_records import Elimination, make_elimination
 
 KNOWN = 2
 Matrix = list[list[Fraction]]

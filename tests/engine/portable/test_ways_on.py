@@ -12,7 +12,7 @@ from engine.ways_by_hand import switching, ways_by_hand
 from hypothesis import HealthCheck, given, settings
 
 from hybond.engine.sliding.filippov import SLIDES, find_ways, pivot
-from hybond.engine.sliding.slide_records import Slide, fit_slide, make_slide
+from hybond.engine.surfaces.slide_records import Slide, fit_slide, make_slide
 from hybond.engine.tables import answered, tables_of
 
 MOST = 5

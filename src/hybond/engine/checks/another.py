@@ -10,14 +10,14 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.engine.checks.noting import MANY, note_violation
 from hybond.engine.engine import OK, Engine
 from hybond.engine.mode.guess import give_back_guess, hold_guess
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.newton_system import measured_system
 from hybond.engine.mode.put_back import HOLDS, all_hold
 from hybond.engine.mode.storage_bonds import rate_bond
-from hybond.engine.mode.values import evaluate
+from hybond.engine.reasons.noting import MANY, note_violation
+from hybond.engine.surfaces.values import evaluate
 
 APART: Final = 1e-3
 """How far apart two solutions are, as a part of the largest variable of the kind: less may be what

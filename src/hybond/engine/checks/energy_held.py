@@ -19,25 +19,21 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.rounding import EPSILON, UNDERFLOW
-from hybond.engine.checks.noting import BALANCE, CREATED, MOVES, note_in_state, note_violation
 from hybond.engine.engine import OK, Engine
+from hybond.engine.instant.jump_balance import PART
 from hybond.engine.method_numbers import EULER, MOREAU, RK4
 from hybond.engine.methods.defects import chord
 from hybond.engine.methods.scale import FAINT
-from hybond.engine.mode.equations import is_fieldless
 from hybond.engine.mode.guess import give_back_guess, hold_guess
 from hybond.engine.mode.newton import knowns_of
 from hybond.engine.mode.put_back import NEAR
 from hybond.engine.mode.sizes import size_of
-from hybond.engine.mode.storage import co_energy, own_stiffness, with_stored
+from hybond.engine.mode.storage import own_stiffness, with_stored
 from hybond.engine.mode.storage_bonds import rate_bond
-from hybond.engine.mode.values import field
+from hybond.engine.reasons.noting import BALANCE, MOVES, note_in_state, note_violation
 from hybond.engine.reasons.warned import MADE_BY_STEPS, add_about, begin_warning
-from hybond.engine.words import Floats
+from hybond.engine.surfaces.values import field
 
-PART: Final = 0.01
-"""Part of the energy that moved by which a run may be off: a hundred thousand steps of the usual
-tolerance add up to a tenth of that, and what is wrong is off by as much as moves."""
 TIMES: Final = 10.0
 """How many times what tolerances allow it may be off: as in the audit."""
 MADE: Final = 0.1
@@ -234,38 +230,6 @@ def hold_rates(e: Engine) -> None:
             note_violation(e, e.mode, e.t, MOVES, k, off, math.fabs(shown))
 
 
-def hold_jump(e: Engine, x: Floats, given: float, may_create: bool) -> None:
-    """Hold what the impulses of a jump from `x` have stored against what sources gave by them.
-
-    A law of impacts may give some, as declared: that is a warning in joules.
-    """
-    c = e.checks
-    before = e.trial.energy_before
-    after = e.trial.energy_struck
-    c.moved += math.fabs(after - before) + math.fabs(given)
-    made = after - before - given
-    size = max(max(math.fabs(before), math.fabs(after)), math.fabs(given))
-    if may_create or made <= PART * size:
-        return
-    c.unbalanced += made
-    k = most_by_jump(e, x)
-    note_violation(e, e.mode, e.t, CREATED, k, made, size)
-
-
-def most_by_jump(e: Engine, x: Floats) -> int:
-    """Return the storage into which the jump has brought most energy."""
-    m = e.model
-    co_energy(m, with_stored(e, e.trial.x), e.checks.rate)
-    most = -math.inf
-    found = 0
-    for k in range(m.storages):
-        moved = e.checks.rate[k] * (e.trial.x[k] - x[k])
-        if m.storage_pseudo[k] == 0 and moved > most:
-            most = moved
-            found = k
-    return found
-
-
 def warn_of_steps(e: Engine) -> None:
     """Say what steps of a fixed length have made of nothing, or lost, if that is much.
 
@@ -280,15 +244,3 @@ def warn_of_steps(e: Engine) -> None:
     begin_warning(e.warned, MADE_BY_STEPS, e.t)
     add_about(e.warned, c.unbalanced)
     add_about(e.warned, c.moved)
-
-
-def jump_may_create(e: Engine) -> bool:
-    """Whether a law that is declared for impacts may create energy in the jump of the trial.
-
-    One that reads ``pre()``, friction of an impact, restitution.
-    """
-    m = e.model
-    may = e.trial.factors > 0 or is_fieldless(e, e.mode)
-    for k in range(m.ports):
-        may = may or m.port_restitution[k] >= 0 or m.port_limit[k] >= 0
-    return may

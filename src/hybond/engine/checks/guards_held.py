@@ -10,18 +10,18 @@ from __future__ import annotations
 from typing import Final
 
 from hybond.engine.answers import value
-from hybond.engine.checks.noting import APART, UNFIRED, note_violation
 from hybond.engine.checks.shown import show_at
 from hybond.engine.engine import OK, Engine
 from hybond.engine.expressions.paired import holds_from
-from hybond.engine.instant.in_force import is_asked
+from hybond.engine.guards.in_force import is_asked
+from hybond.engine.guards.kept_sides import keeps_sides
 from hybond.engine.instant.instant import Instant
-from hybond.engine.instant.kept_sides import keeps_sides
 from hybond.engine.instant.told import BY_LAW
 from hybond.engine.methods.stepping import between
 from hybond.engine.mode.equations import mode_of
 from hybond.engine.mode.sizes import measure
-from hybond.engine.sliding.combine import combine_here
+from hybond.engine.reasons.noting import APART, UNFIRED, note_violation
+from hybond.engine.surfaces.combine import combine_here
 
 PASSED: Final = 2.0
 """Times its rounding by which a guard must hold to count as passed over: what measures rounding, as

@@ -20,7 +20,6 @@ from hybond.engine.algebra.rounding import UNDERFLOW
 from hybond.engine.answers import value
 from hybond.engine.checks.another import look_for_another
 from hybond.engine.checks.bounds_held import MOST
-from hybond.engine.checks.noting import ELEMENT, JUNCTION, STORAGE, note_violation
 from hybond.engine.checks.shown import clear_prior, show_at
 from hybond.engine.engine import Engine
 from hybond.engine.method_numbers import MOREAU
@@ -30,6 +29,7 @@ from hybond.engine.mode.sizes import size_of
 from hybond.engine.mode.storage import co_energy_of, own_stiffness
 from hybond.engine.mode.storage_bonds import co_energy_bond
 from hybond.engine.mode.tableau import part_of
+from hybond.engine.reasons.noting import ELEMENT, JUNCTION, STORAGE, note_violation
 
 PART: Final = 1e-9
 """What a law may be off by, as a part of its terms."""

@@ -20,8 +20,8 @@ from hybond.engine.guards.guard_values import (
     measure_in_motion,
 )
 from hybond.engine.mode.equations import mode_of
-from hybond.engine.mode.values import begin_field, evaluate, field
-from hybond.engine.sliding.combine import combine_here
+from hybond.engine.surfaces.combine import combine_here
+from hybond.engine.surfaces.values import begin_field, evaluate, field
 
 MOMENT: Final = 10.0
 """How long the motion is followed, in the time in which impacts may end."""

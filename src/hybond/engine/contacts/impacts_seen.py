@@ -6,14 +6,14 @@ from hybond.engine.answers import value
 from hybond.engine.contacts.accumulation import note_impact, push_time, restart
 from hybond.engine.contacts.landing_records import CROWD, Landings
 from hybond.engine.engine import OK, Engine
-from hybond.engine.instant.entering import enter
 from hybond.engine.instant.instant import PINNACLE, Instant
-from hybond.engine.instant.trial import a_priori
+from hybond.engine.jumps.trial import a_priori
+from hybond.engine.laws.entering import enter
 from hybond.engine.mode.equations import mode_of
 from hybond.engine.mode.limits import put_limit
-from hybond.engine.mode.values import evaluate
 from hybond.engine.model import Model
-from hybond.engine.sliding.combine import combine_here
+from hybond.engine.surfaces.combine import combine_here
+from hybond.engine.surfaces.values import evaluate
 from hybond.engine.words import Floats
 
 

@@ -16,7 +16,7 @@ from hybond.engine.engine import OK, Engine
 from hybond.engine.expressions.pairs import ROUNDING
 from hybond.engine.instant.instant import ACCUMULATION, Instant, begin_instant, note_fired
 from hybond.engine.instant.settling import Settling
-from hybond.engine.instant.trial import a_priori
+from hybond.engine.jumps.trial import a_priori
 from hybond.engine.laws.law_instant import NO_LAW_VALUE, is_on
 
 TURN: Final = 10.0

@@ -54,12 +54,12 @@ from hybond.engine.instant.settle import settle
 from hybond.engine.instant.settling import Settling
 from hybond.engine.instant.telling import supplied_by_jump
 from hybond.engine.instant.told import LANDS, add_read, say_why
-from hybond.engine.instant.trial import a_priori
+from hybond.engine.jumps.trial import a_priori
 from hybond.engine.mode.equations import mode_of
 from hybond.engine.mode.fading import remember_jump
 from hybond.engine.mode.storage import energy_of
-from hybond.engine.mode.values import begin_field, evaluate, field
-from hybond.engine.sliding.combine import combine_here
+from hybond.engine.surfaces.combine import combine_here
+from hybond.engine.surfaces.values import begin_field, evaluate, field
 from hybond.engine.words import Floats
 
 FEW_EVENTS: Final = 1e-13

@@ -35,8 +35,8 @@ from hybond.engine.guards.sides_seen import creeps_in
 from hybond.engine.methods.control import is_propagated
 from hybond.engine.methods.stepping import between, by_radau
 from hybond.engine.mode.guess import give_back_guess, hold_guess
-from hybond.engine.mode.values import field
 from hybond.engine.reasons.warned import GUARD_AT_REST, add_about, begin_warning
+from hybond.engine.surfaces.values import field
 from hybond.engine.words import float_table
 
 MOVES: Final = 0

@@ -26,7 +26,7 @@ from hybond.engine.guards.guard_values import holds_at, keep_sample, put_on_cons
 from hybond.engine.guards.locator import FRACTION, SAMPLES, Locator
 from hybond.engine.guards.quartic import COEFFICIENTS
 from hybond.engine.inputs.interval import set_time
-from hybond.engine.instant.tied import put_tied
+from hybond.engine.jumps.tied import put_tied
 from hybond.engine.methods.stepping import between
 from hybond.engine.mode.mode_records import is_constrained
 from hybond.engine.mode.part_energies import find_energies, reach_of_sum

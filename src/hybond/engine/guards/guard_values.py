@@ -10,21 +10,21 @@ from hybond.engine.answers import rule_text, value
 from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.expressions.paired import holds_from
 from hybond.engine.expressions.pairs import ROUNDING
+from hybond.engine.guards.kept_sides import NOT_ASKED, ask_kept
 from hybond.engine.guards.locator import ALL_PARTS, NO_KINK, Locator
 from hybond.engine.guards.naps import is_asleep
-from hybond.engine.instant.jump import on_constraints
-from hybond.engine.instant.kept_sides import NOT_ASKED, ask_kept
-from hybond.engine.instant.tied import put_tied
-from hybond.engine.instant.trial import refuse_pair
+from hybond.engine.jumps.jump import on_constraints
+from hybond.engine.jumps.tied import put_tied
+from hybond.engine.jumps.trial import refuse_pair
 from hybond.engine.methods.stepping import between
 from hybond.engine.mode.fading import keep_seen, may_fade, see_as_before
 from hybond.engine.mode.mode_records import is_constrained
 from hybond.engine.mode.reading import put_knowns
 from hybond.engine.mode.sizes import measure, seen_of
 from hybond.engine.mode.solving import solve_read
-from hybond.engine.mode.values import evaluate, set_motion, set_state
 from hybond.engine.reasons.facts import add_fact
-from hybond.engine.sliding.averages import begin_sizes, part_sizes, show_part, solve_here
+from hybond.engine.surfaces.averages import begin_sizes, part_sizes, show_part, solve_here
+from hybond.engine.surfaces.values import evaluate, set_motion, set_state
 from hybond.engine.words import Floats
 
 FEW: Final = 16

@@ -11,14 +11,14 @@ from typing import Final
 from hybond.engine.algebra.products import times_matrix
 from hybond.engine.algebra.svd import make_svd, null_space, pseudo_inverse
 from hybond.engine.engine import Engine
+from hybond.engine.guards.in_force import is_asked
 from hybond.engine.guards.quartic import COEFFICIENTS, Quartic, make_quartic
-from hybond.engine.instant.in_force import is_asked
 from hybond.engine.mode.mode_records import Reads, make_reads
 from hybond.engine.mode.reading import read_guard, read_nothing
 from hybond.engine.mode.sum_records import Sums, begin_as_large, begin_sums, make_sums
 from hybond.engine.mode.sums import take_sum
 from hybond.engine.model import Model
-from hybond.engine.sliding.surface import part_mode
+from hybond.engine.surfaces.surface import part_mode
 from hybond.engine.words import Floats, Ints, float_table, floats, ints, record
 
 SAMPLES: Final = 9
@@ -195,7 +195,7 @@ class Locator:
     held: bool
     """Whether states are on their constraints where guards are asked: an event begins there, and
     what integration drifts off would say something else of it."""
-    tied: bool  # whether the motion is tied to its sources, see instant/tied
+    tied: bool  # whether the motion is tied to its sources, see jumps/tied
     at: float
     bracket_low: float
     bracket_high: float

@@ -14,7 +14,7 @@ from typing import Final
 from hybond.engine.algebra.products import all_finite, copy_floats, times_matrix
 from hybond.engine.engine import OK, Engine
 from hybond.engine.guards.rest_records import Rests
-from hybond.engine.mode.values import field
+from hybond.engine.surfaces.values import field
 
 UNSOLVED: Final = 1e-2
 """Part of the rates that slopes may leave to go on for good where all is rounding, ..."""

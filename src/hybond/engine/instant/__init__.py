@@ -1,1 +1,1 @@
-"""What happens at an instant: trying modes, jumps, what is told of it."""
+"""What happens at an instant: modes tried until none is left, what is told of it."""

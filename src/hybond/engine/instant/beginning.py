@@ -11,14 +11,14 @@ import math
 
 from hybond.engine.engine import OK, Engine
 from hybond.engine.inputs.sampling import sample
-from hybond.engine.instant.entering import enter
 from hybond.engine.instant.indeterminate import keep_as_before, keep_open_before
 from hybond.engine.instant.instant import Instant
 from hybond.engine.instant.passed_over import MOST, leave
-from hybond.engine.instant.trial import a_priori, show_stored
+from hybond.engine.jumps.trial import a_priori, show_stored
+from hybond.engine.laws.branches import know_around
+from hybond.engine.laws.entering import enter
 from hybond.engine.laws.law_instant import make_consistent, take_instant
-from hybond.engine.mode.values import set_values
-from hybond.engine.sliding.branches import know_around
+from hybond.engine.surfaces.values import set_values
 from hybond.engine.words import Floats, Ints
 
 

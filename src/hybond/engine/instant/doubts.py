@@ -12,7 +12,6 @@ from hybond.engine.laws.law_instant import quantity
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.reasons.warned import (
     HELD_AT_REST,
-    IMPULSIVE,
     MODULUS_JUMPS,
     add_about,
     begin_warning,
@@ -53,15 +52,6 @@ def modulus_jumps(e: Engine, d: int) -> bool:
             if math.fabs(behind - before) > SAME * (math.fabs(before) + math.fabs(behind)):
                 return True
     return False
-
-
-def warn_of_impulsive(e: Engine, mode: Mode) -> None:
-    """Warn of laws declared impulsive, which a jump has taken into its equations."""
-    m = e.model
-    begin_warning(e.warned, IMPULSIVE, e.t)
-    for i in range(mode.dynamics):
-        if mode.dynamic[i] >= 0 and m.dynamic_impulsive[mode.dynamic[i]] != 0:
-            add_about(e.warned, float(m.dynamic_node[mode.dynamic[i]]))
 
 
 def warn_of_held(e: Engine) -> None:

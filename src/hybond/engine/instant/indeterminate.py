@@ -12,11 +12,11 @@ from typing import Final
 from hybond.engine.algebra.blocks import fit
 from hybond.engine.engine import Engine
 from hybond.engine.expressions.paired import holds
-from hybond.engine.instant.trial import measure_trial, show_trial
+from hybond.engine.jumps.trial import measure_trial, show_trial
 from hybond.engine.mode.leakage import is_undetermined
 from hybond.engine.reasons.facts import add_fact
 from hybond.engine.reasons.warned import LEFT_OPEN, add_about, begin_warning
-from hybond.engine.sliding.averages import freedom_here
+from hybond.engine.surfaces.averages import freedom_here
 from hybond.engine.words import Floats
 
 DECIDED: Final = 0

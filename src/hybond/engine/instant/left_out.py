@@ -13,7 +13,7 @@ from typing import Final
 from hybond.engine.engine import Engine
 from hybond.engine.expressions.paired import evaluate_pair
 from hybond.engine.expressions.pairs import NOT_A_NUMBER, clear
-from hybond.engine.instant.trial import measure_trial, show_trial
+from hybond.engine.jumps.trial import measure_trial, show_trial
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.reasons.warned import IMPULSE_LEFT_OUT, add_about, begin_warning
 

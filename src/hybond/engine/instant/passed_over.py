@@ -12,11 +12,11 @@ from typing import Final
 
 from hybond.engine.engine import OK, Engine
 from hybond.engine.expressions.paired import holds
-from hybond.engine.instant.entering import enter
-from hybond.engine.instant.in_force import is_asked
+from hybond.engine.guards.in_force import is_asked
 from hybond.engine.instant.instant import MYTHICAL, Instant, drop_fired, note_fired, note_step
 from hybond.engine.instant.telling import tell_fired
-from hybond.engine.instant.trial import forget_jump, show_trial, write_entry
+from hybond.engine.jumps.trial import forget_jump, show_trial, write_entry
+from hybond.engine.laws.entering import enter
 from hybond.engine.mode.equations import mode_of
 from hybond.engine.mode.sizes import measure_values
 from hybond.engine.words import Floats, Ints

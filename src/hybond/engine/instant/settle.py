@@ -13,16 +13,15 @@ from typing import Final
 
 from hybond.engine.algebra.products import copy_part
 from hybond.engine.answers import rule_text
-from hybond.engine.checks.energy_held import hold_jump, jump_may_create
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.expressions.paired import holds_from
+from hybond.engine.guards.in_force import is_asked
+from hybond.engine.guards.kept_sides import NOT_ASKED, holds_on_sides, warn_of_kept
 from hybond.engine.guards.limits_crossed import level_of
 from hybond.engine.inputs.interval import hold_before, interval_after
 from hybond.engine.inputs.sampling import sample
 from hybond.engine.instant.beginning import begin_behind, stand_before, stand_without_before
 from hybond.engine.instant.doubts import warn_of_moduli
-from hybond.engine.instant.entering import enter
-from hybond.engine.instant.in_force import is_asked
 from hybond.engine.instant.indeterminate import (
     DECIDED,
     is_indeterminate,
@@ -43,8 +42,7 @@ from hybond.engine.instant.instant import (
     note_hit,
     note_step,
 )
-from hybond.engine.instant.jump import SWEPT
-from hybond.engine.instant.kept_sides import NOT_ASKED, holds_on_sides, warn_of_kept
+from hybond.engine.instant.jump_balance import hold_jump, jump_may_create
 from hybond.engine.instant.left_out import warn_of_left_out
 from hybond.engine.instant.passed_over import enter_or_pass
 from hybond.engine.instant.settling import Settling, look_for_cycle
@@ -61,18 +59,20 @@ from hybond.engine.instant.telling import (
     tell_kept,
     tell_trial,
 )
-from hybond.engine.instant.trial import (
+from hybond.engine.jumps.jump import SWEPT
+from hybond.engine.jumps.trial import (
     a_priori,
     measure_trial,
     refuse_pair,
     show_trial,
 )
+from hybond.engine.laws.branches import choose_at, know_around
+from hybond.engine.laws.entering import enter
 from hybond.engine.laws.law_standing import stands_as_it_was
 from hybond.engine.mode.equations import is_fieldless, mode_of
 from hybond.engine.mode.fading import remember_jump, remember_now
 from hybond.engine.mode.part_energies import join_parts
 from hybond.engine.reasons.facts import add_fact
-from hybond.engine.sliding.branches import choose_at, know_around
 from hybond.engine.words import Ints
 
 OWN_ROUNDING: Final = 1e-14

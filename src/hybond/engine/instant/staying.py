@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from hybond.engine.algebra.products import copy_part
 from hybond.engine.engine import Engine
-from hybond.engine.instant.jump import STAYS
-from hybond.engine.instant.trial import forget_jump
+from hybond.engine.jumps.jump import STAYS
+from hybond.engine.jumps.trial import forget_jump
 from hybond.engine.laws.law_standing import is_simple
 
 

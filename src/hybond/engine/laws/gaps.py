@@ -13,7 +13,7 @@ from typing import Final
 
 from hybond.engine.answers import node_name, value
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
-from hybond.engine.instant.jump import enter_mode
+from hybond.engine.jumps.jump import enter_mode
 from hybond.engine.laws.law_records import Laws
 from hybond.engine.laws.ports import open_mode, solve_with
 from hybond.engine.mode.mode_records import Mode

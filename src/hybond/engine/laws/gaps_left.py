@@ -12,7 +12,7 @@ from hybond.engine.engine import OK, Engine
 from hybond.engine.inputs.interval import moment
 from hybond.engine.laws.law_instant import evaluate_gap, is_left, is_on
 from hybond.engine.mode.equations import mode_of
-from hybond.engine.mode.values import set_state
+from hybond.engine.surfaces.values import set_state
 from hybond.engine.words import Floats
 
 

@@ -7,8 +7,8 @@ from hybond.engine.algebra.blocks import grow_places
 from hybond.engine.answers import machine_name
 from hybond.engine.engine import OK, Engine, say_fault
 from hybond.engine.expressions.paired import holds
-from hybond.engine.instant.jump import JUMPS, STAYS
-from hybond.engine.instant.trial import (
+from hybond.engine.jumps.jump import JUMPS, STAYS
+from hybond.engine.jumps.trial import (
     begin_trial,
     finish_trial,
     jump_into,

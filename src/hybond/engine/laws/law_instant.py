@@ -11,7 +11,7 @@ from hybond.engine.complementarity.law_roles import CUT, SHUT
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.expressions.paired import evaluate_pair, holds
 from hybond.engine.expressions.pairs import clear, sign_at
-from hybond.engine.instant.jump import enter_mode
+from hybond.engine.jumps.jump import enter_mode
 from hybond.engine.laws.gaps import check_gaps
 from hybond.engine.laws.law_records import Laws, Ports
 from hybond.engine.laws.ports import open_mode, partner_row, ports_of
@@ -24,9 +24,9 @@ from hybond.engine.mode.part_energies import (
 )
 from hybond.engine.mode.sizes import measure_values, seen_of
 from hybond.engine.mode.tableau import COMMON
-from hybond.engine.mode.values import set_values
 from hybond.engine.model import Model
 from hybond.engine.reasons.facts import add_fact
+from hybond.engine.surfaces.values import set_values
 from hybond.engine.words import Floats, Ints
 
 LAW_ZERO: Final = 1e-12

@@ -8,7 +8,6 @@ from typing import Final
 from hybond.engine.algebra.svd import least_squares
 from hybond.engine.complementarity.law_roles import ONE_SIDED, TWO_SIDED
 from hybond.engine.engine import OK, REFUSED, Engine
-from hybond.engine.impacts.strike import close_gaps
 from hybond.engine.laws.law_answers import LAW_DUST, put_mode, slide
 from hybond.engine.laws.law_branches import (
     TRIES,
@@ -43,6 +42,7 @@ from hybond.engine.laws.law_instant import (
 from hybond.engine.laws.law_parallel import find_shares
 from hybond.engine.laws.law_records import Laws
 from hybond.engine.laws.response import respond
+from hybond.engine.laws.strike import close_gaps
 from hybond.engine.mode.tableau import COMMON, NET
 from hybond.engine.model import Model
 from hybond.engine.reasons.facts import tell_ports

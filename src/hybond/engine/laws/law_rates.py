@@ -31,8 +31,8 @@ from hybond.engine.mode.guess import give_back_guess, hold_guess
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.newton import source_of
 from hybond.engine.mode.sizes import size_of
-from hybond.engine.mode.values import set_values
-from hybond.engine.sliding.averages import solve_here
+from hybond.engine.surfaces.averages import solve_here
+from hybond.engine.surfaces.values import set_values
 from hybond.engine.words import Floats
 
 AHEAD: Final = 1e-9

@@ -19,8 +19,8 @@ import math
 from typing import Final
 
 from hybond.engine.engine import OK, Engine
-from hybond.engine.instant.jump import enter_mode
-from hybond.engine.instant.trial import begin_trial, finish_trial
+from hybond.engine.jumps.jump import enter_mode
+from hybond.engine.jumps.trial import begin_trial, finish_trial
 from hybond.engine.laws.law_instant import NO_LAW_VALUE, is_on
 from hybond.engine.laws.ports import open_mode, ports_of
 from hybond.engine.mode.mode_records import is_constrained

@@ -4,16 +4,15 @@ import math
 from typing import Final
 
 from hybond.engine.answers import machine_name, node_name
-from hybond.engine.checks.impacts_held import hold_impact
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.impacts.impact_records import NEWTON, NEWTON_SIMULTANEOUS
-from hybond.engine.impacts.strike import NOTHING_STRIKES, REFUSES, strike_at_once
-from hybond.engine.instant.jump import JUMPS
-from hybond.engine.instant.trial import (
+from hybond.engine.jumps.jump import JUMPS
+from hybond.engine.jumps.trial import (
     begin_trial,
     jump_into,
     take_factors,
 )
+from hybond.engine.laws.impacts_held import hold_impact
 from hybond.engine.laws.law_branches import (
     NO_DUST,
     TRIES,
@@ -31,11 +30,12 @@ from hybond.engine.laws.law_instant import NO_LAW_VALUE, make_consistent, quanti
 from hybond.engine.laws.law_jumping import find_breaking, find_jumping, sweep_dust
 from hybond.engine.laws.law_records import Laws
 from hybond.engine.laws.law_trials import by_trial
+from hybond.engine.laws.strike import NOTHING_STRIKES, REFUSES, strike_at_once
 from hybond.engine.mode.fading import remember
 from hybond.engine.mode.part_energies import see_energy, see_linear_energy
-from hybond.engine.mode.values import evaluate
 from hybond.engine.model import Model
 from hybond.engine.reasons.facts import add_fact, tell_ports
+from hybond.engine.surfaces.values import evaluate
 from hybond.engine.words import Floats, Ints
 
 LIMIT_ROUNDING: Final = 1e-6

@@ -34,8 +34,8 @@ from hybond.engine.mode.sizes import size_of
 from hybond.engine.mode.sources_of_time import rate_of_source
 from hybond.engine.mode.storage_bonds import rate_bond
 from hybond.engine.mode.tableau import NET
-from hybond.engine.mode.values import set_values
 from hybond.engine.model import Model
+from hybond.engine.surfaces.values import set_values
 from hybond.engine.words import Floats
 
 DIGITS: Final = 8.0 * EPSILON

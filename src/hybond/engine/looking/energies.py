@@ -13,7 +13,7 @@ from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.looking.asked import prepare
 from hybond.engine.looking.look import Look, take_point
 from hybond.engine.mode.storage import GAUSS, KRONROD, NODE, energy_of
-from hybond.engine.sliding.blend import ROUNDING
+from hybond.engine.surfaces.blend import ROUNDING
 from hybond.engine.words import Floats, floats, record
 
 ENOUGH: Final = 1e-11

@@ -14,7 +14,7 @@ from hybond.engine.contacts.landing import keep_still
 from hybond.engine.contacts.rest import find_moved
 from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.inputs.interval import interval_after
-from hybond.engine.instant.jump import on_constraints
+from hybond.engine.jumps.jump import on_constraints
 from hybond.engine.looking.asked import Ask, ask_for_powers, make_ask, prepare, solve_asked
 from hybond.engine.looking.led_back import lead_back, ways_back
 from hybond.engine.method_numbers import MOREAU
@@ -22,13 +22,13 @@ from hybond.engine.mode.agreement import check_agreement
 from hybond.engine.mode.equations import mode_of
 from hybond.engine.mode.limits import put_limits
 from hybond.engine.mode.mode_records import Mode, is_constrained
-from hybond.engine.mode.values import evaluate, set_motion
 from hybond.engine.model import Model
-from hybond.engine.sliding.averages import solve_here
-from hybond.engine.sliding.branch_table import add_branches
-from hybond.engine.sliding.combine import combine_here
-from hybond.engine.sliding.onto import onto_surfaces
-from hybond.engine.sliding.surface import part_mode
+from hybond.engine.surfaces.averages import solve_here
+from hybond.engine.surfaces.branch_table import add_branches
+from hybond.engine.surfaces.combine import combine_here
+from hybond.engine.surfaces.onto import onto_surfaces
+from hybond.engine.surfaces.surface import part_mode
+from hybond.engine.surfaces.values import evaluate, set_motion
 from hybond.engine.words import Floats, Ints, floats, ints, record
 
 

@@ -27,7 +27,7 @@ from hybond.engine.methods.radau_stages import (
     rate_at,
     stage_rates,
 )
-from hybond.engine.mode.values import evaluate
+from hybond.engine.surfaces.values import evaluate
 
 LESSENS: Final = 0.5
 """Part of what was left of the equations that a correction may leave of them."""

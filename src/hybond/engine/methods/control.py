@@ -45,7 +45,7 @@ from hybond.engine.methods.scale import (
 from hybond.engine.methods.signal_sizes import ask_rates
 from hybond.engine.methods.stiffness import watch_explicit
 from hybond.engine.methods.strayed import strayed
-from hybond.engine.mode.values import field
+from hybond.engine.surfaces.values import field
 from hybond.engine.words import Floats
 
 BETA: Final = 0.04

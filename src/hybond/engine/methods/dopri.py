@@ -15,7 +15,7 @@ from hybond.engine.engine import NOT_FINITE, OK, Engine, say_fault
 from hybond.engine.methods.defects import begin_levels, defect_of_stages
 from hybond.engine.methods.scale import error_norm, tolerance
 from hybond.engine.methods.step_room import Step
-from hybond.engine.mode.values import field
+from hybond.engine.surfaces.values import field
 from hybond.engine.words import Floats, float_table
 
 SMALLEST_ERROR: Final = 1e-4

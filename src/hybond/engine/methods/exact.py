@@ -23,7 +23,7 @@ from hybond.engine.methods.rates_off import rates_off_in_flow
 from hybond.engine.methods.scale import ROUNDED, error_norm, tolerance
 from hybond.engine.mode.standing import begin_standing, find_among, hold_standing
 from hybond.engine.mode.sum_records import add_entry, begin_sum, begin_sums, end_sum, make_room
-from hybond.engine.mode.values import field, set_motion
+from hybond.engine.surfaces.values import field, set_motion
 from hybond.engine.words import Floats, float_table
 
 ASKED: Final = 3

@@ -15,7 +15,7 @@ from hybond.engine.engine import NOT_FINITE, OK, Engine, say_fault
 from hybond.engine.method_numbers import EULER, RK4
 from hybond.engine.methods.defects import defect_of_fixed
 from hybond.engine.methods.dopri import begin_step, goes_elsewhere, not_finite
-from hybond.engine.mode.values import field
+from hybond.engine.surfaces.values import field
 from hybond.engine.words import Floats
 
 SLACK: Final = 1e-9

@@ -42,7 +42,7 @@ from hybond.engine.methods.radau_stages import (
 from hybond.engine.methods.scale import tolerance
 from hybond.engine.mode.newton_system import is_given
 from hybond.engine.mode.sizes import sizes_of
-from hybond.engine.mode.values import evaluate
+from hybond.engine.surfaces.values import evaluate
 from hybond.engine.words import Floats
 
 EXPLICIT: Final = 0

@@ -23,7 +23,7 @@ from hybond.engine.methods.radau_factors import solve_real
 from hybond.engine.methods.radau_room import Radau
 from hybond.engine.methods.scale import tolerance
 from hybond.engine.mode.guess import give_back_guess, hold_guess
-from hybond.engine.mode.values import field
+from hybond.engine.surfaces.values import field
 from hybond.engine.words import Floats
 
 KNOWS: Final = 0.1

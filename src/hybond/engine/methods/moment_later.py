@@ -7,7 +7,7 @@ from hybond.engine.engine import Engine
 from hybond.engine.mode.guess import give_back_guess, hold_guess
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.solving import solve
-from hybond.engine.mode.values import set_state
+from hybond.engine.surfaces.values import set_state
 
 
 def look_later(e: Engine, mode: Mode) -> None:

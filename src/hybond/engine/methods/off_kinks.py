@@ -20,7 +20,7 @@ from hybond.engine.methods.control import is_propagated
 from hybond.engine.methods.one_instant import room_of_instant, show_motion
 from hybond.engine.methods.stepping import by_radau
 from hybond.engine.mode.guess import give_back_guess, hold_guess
-from hybond.engine.mode.values import field
+from hybond.engine.surfaces.values import field
 
 SOONEST: Final = 1.0 / 1024.0
 """Part of an instant that a moment is, or else four times as long, until a side is clear."""

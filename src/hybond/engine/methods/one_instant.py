@@ -11,8 +11,8 @@ from hybond.engine.methods.dopri import spacing
 from hybond.engine.mode.guess import give_back_guess, hold_guess
 from hybond.engine.mode.solving import solve
 from hybond.engine.mode.storage_bonds import rate_bond
-from hybond.engine.mode.values import set_motion
 from hybond.engine.model import Model
+from hybond.engine.surfaces.values import set_motion
 from hybond.engine.words import Floats
 
 LEAST: Final = 8.0

@@ -21,7 +21,7 @@ from hybond.engine.engine import OK, Engine
 from hybond.engine.methods.scale import SHORT, tolerance
 from hybond.engine.mode.guess import give_back_guess, hold_guess
 from hybond.engine.mode.mode_records import Mode
-from hybond.engine.mode.values import field
+from hybond.engine.surfaces.values import field
 from hybond.engine.words import Floats
 
 WAYS: Final = 3

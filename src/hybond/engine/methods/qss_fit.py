@@ -15,7 +15,7 @@ from hybond.engine.methods.dopri import not_finite, spacing
 from hybond.engine.methods.failed_steps import no_rate
 from hybond.engine.methods.qss_nodes import node_at, through_nodes
 from hybond.engine.methods.qss_room import Quantised, X, see_quantised, time_ahead
-from hybond.engine.mode.values import field
+from hybond.engine.surfaces.values import field
 
 FITTED: Final = 0.1
 """Part of a quantum that the error of a fit at the end of a step, if it lasted, may make."""

@@ -16,7 +16,7 @@ from hybond.engine.engine import Engine
 from hybond.engine.methods.flow_records import Flow
 from hybond.engine.methods.qss_nodes import node_at, through_nodes
 from hybond.engine.methods.qss_room import Q, Quantised, X, take_size, time_ahead
-from hybond.engine.mode.values import set_motion
+from hybond.engine.surfaces.values import set_motion
 from hybond.engine.words import Floats, float_table
 
 REFRESH: Final = 64

@@ -15,7 +15,7 @@ from hybond.engine.methods.qss_fit import ask_ahead, ask_aside, rate_not_finite
 from hybond.engine.methods.qss_linear import read_generators, take_columns
 from hybond.engine.methods.qss_room import Quantised, take_size, time_ahead
 from hybond.engine.methods.scale import tolerance
-from hybond.engine.mode.values import field
+from hybond.engine.surfaces.values import field
 from hybond.engine.words import Floats
 
 NUDGE: Final = 0.1

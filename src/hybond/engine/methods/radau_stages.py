@@ -16,7 +16,7 @@ from hybond.engine.methods.radau_room import Radau
 from hybond.engine.methods.rates_in_stages import rates_left
 from hybond.engine.methods.scale import tolerance
 from hybond.engine.methods.signal_sizes import allow_rounding
-from hybond.engine.mode.values import field
+from hybond.engine.surfaces.values import field
 from hybond.engine.words import Floats, float_table
 
 ITERATIONS: Final = 7

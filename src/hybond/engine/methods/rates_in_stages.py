@@ -19,7 +19,7 @@ from hybond.engine.methods.rates_off import FROM_ROUNDING
 from hybond.engine.mode.guess import give_back_guess, hold_guess
 from hybond.engine.mode.solving import solve
 from hybond.engine.mode.storage_bonds import rate_bond
-from hybond.engine.mode.values import set_state
+from hybond.engine.surfaces.values import set_state
 
 IN_STAGES: Final = 25.0
 """What rates times a step may be off by, in what states may be: over a step that led through the

@@ -25,7 +25,7 @@ from hybond.engine.mode.sizes import given_size, size_of
 from hybond.engine.mode.solving import solve
 from hybond.engine.mode.storage import own_stiffness, with_stored
 from hybond.engine.mode.storage_bonds import rate_bond
-from hybond.engine.mode.values import field, set_state
+from hybond.engine.surfaces.values import field, set_state
 from hybond.engine.words import Floats
 
 NEGLIGIBLE: Final = 1e-6

@@ -21,7 +21,7 @@ from hybond.engine.mode.guess import give_back_guess, hold_guess
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.sizes import measure
 from hybond.engine.mode.solving import solve
-from hybond.engine.mode.values import field, set_state
+from hybond.engine.surfaces.values import field, set_state
 from hybond.engine.words import Floats
 
 UNITS: Final = 10.0 * EPSILON

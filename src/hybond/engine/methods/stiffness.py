@@ -30,7 +30,7 @@ from hybond.engine.methods.radau import begin_radau
 from hybond.engine.methods.radau_room import Radau, make_radau
 from hybond.engine.methods.scale import error_norm, forget_settling
 from hybond.engine.mode.guess import give_back_guess, hold_guess
-from hybond.engine.mode.values import field
+from hybond.engine.surfaces.values import field
 from hybond.engine.words import Floats
 
 RIM: Final = 3.25

@@ -12,11 +12,11 @@ import math
 from typing import Final
 
 from hybond.engine.engine import OK, Engine
-from hybond.engine.instant.jump import on_constraints
+from hybond.engine.jumps.jump import on_constraints
 from hybond.engine.methods.scale import tolerance
 from hybond.engine.mode.guess import give_back_guess, hold_guess
 from hybond.engine.mode.mode_records import Mode
-from hybond.engine.mode.values import evaluate
+from hybond.engine.surfaces.values import evaluate
 from hybond.engine.words import Floats
 
 ASTRAY: Final = 100.0

@@ -6,16 +6,14 @@ import math
 
 from hybond.engine.algebra.blocks import grow_block, grow_places
 from hybond.engine.mode.elimination import (
-    NOWHERE,
-    Elimination,
     append_entry,
-    begin_elimination,
     drop_zeros,
     make_room,
     meet,
     meet_product,
     note_user,
 )
+from hybond.engine.mode.elimination_records import NOWHERE, Elimination, begin_elimination
 from hybond.engine.words import Ints
 
 

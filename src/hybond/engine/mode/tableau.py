@@ -14,20 +14,13 @@ import math
 from typing import Final
 
 from hybond.engine.engine import Engine
-from hybond.engine.mode.elimination import (
-    USED,
-    Elimination,
-    add_row,
-    begin_elimination,
-    give,
-    make_equal,
-    settle_equal,
-)
+from hybond.engine.mode.elimination import USED, add_row, give, make_equal, settle_equal
 from hybond.engine.mode.elimination_of_another import (
     copy_elimination,
     put_in,
     repeat_elimination,
 )
+from hybond.engine.mode.elimination_records import Elimination, begin_elimination
 from hybond.engine.mode.hidden_rows import give_hidden, is_constant, is_source_timed
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.storage import own_stiffness

@@ -7,7 +7,8 @@ from typing import Final
 
 from hybond.engine.algebra.blocks import Block, Rows, fit, fit_rows
 from hybond.engine.algebra.separate import first_of, unite
-from hybond.engine.mode.elimination import NOWHERE, Elimination, is_free
+from hybond.engine.mode.elimination import is_free
+from hybond.engine.mode.elimination_records import NOWHERE, Elimination
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.tableau import NOT_OPEN
 from hybond.engine.model import Model

@@ -12,7 +12,7 @@ from hybond.runs.trace import CREATES, ONE_SOLUTION, UNBALANCED, Violation
 ELEMENT, STORAGE, JUNCTION, UNTOUCHED, UNFIRED, APART, IMPACT, MANY, BALANCE, RATE, CREATED = range(
     11
 )
-"""What does not hold: as in `hybond.engine.checks.noting`."""
+"""What does not hold: as in `hybond.engine.reasons.noting`."""
 SUMS = {
     "0": "one effort, and flows that add up to zero",
     "1": "one flow, and efforts that add up to zero",

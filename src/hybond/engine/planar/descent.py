@@ -13,10 +13,10 @@ from hybond.engine.algebra.products import copy_floats
 from hybond.engine.algebra.rounding import SMALLEST
 from hybond.engine.answers import machine_name
 from hybond.engine.engine import NOT_FINITE, OK, REFUSED, Engine, say_fault
-from hybond.engine.mode.values import evaluate, field
 from hybond.engine.model import Model
 from hybond.engine.planar.planar_records import Planar
 from hybond.engine.reasons.facts import add_fact
+from hybond.engine.surfaces.values import evaluate, field
 from hybond.engine.words import Floats
 
 DESCENT_PART: Final = 0.2

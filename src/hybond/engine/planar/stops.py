@@ -9,9 +9,9 @@ from typing import Final
 
 from hybond.engine.engine import OK, Engine
 from hybond.engine.methods.stepping import between
-from hybond.engine.mode.values import evaluate, field
 from hybond.engine.planar.descent import SLIP_CLOSE, freeze, slip_velocity, slow_place
 from hybond.engine.planar.planar import NO_SLIP
+from hybond.engine.surfaces.values import evaluate, field
 from hybond.engine.words import Floats
 
 SLIP_LOW: Final = 1e-4

@@ -24,7 +24,8 @@ from hybond.engine.engine import OK, Engine
 from hybond.engine.expressions.course_records import many_kept
 from hybond.engine.inputs.interval import is_due
 from hybond.engine.instant.instant import CHANGE, SAMPLE, START, TIME
-from hybond.engine.instant.trial import a_priori
+from hybond.engine.jumps.trial import a_priori
+from hybond.engine.laws.branches import choose_anew
 from hybond.engine.method_numbers import MOREAU
 from hybond.engine.methods.from_edges import may_turn
 from hybond.engine.methods.stepping import by_radau
@@ -32,7 +33,6 @@ from hybond.engine.methods.stiffness import turn
 from hybond.engine.mode.mode_records import PACES
 from hybond.engine.run.courses_kept import give_back_courses
 from hybond.engine.run.run_records import FRESH, GIVEN, GOES_ON, Run
-from hybond.engine.sliding.branches import choose_anew
 from hybond.engine.sliding.what_happened import is_held
 from hybond.engine.words import Floats, Ints, record
 

@@ -16,12 +16,12 @@ from hybond.engine.methods.dopri import spacing
 from hybond.engine.methods.one_instant import room_of_instant
 from hybond.engine.methods.stepping import between, retry, start
 from hybond.engine.mode.agreement import check_agreement
-from hybond.engine.mode.values import field, set_state
 from hybond.engine.run.edges import step_straight
 from hybond.engine.run.ends_at_kink import ANEW
 from hybond.engine.run.log import report_step
 from hybond.engine.run.noted import note
 from hybond.engine.run.run_records import Run, bound_of
+from hybond.engine.surfaces.values import field, set_state
 from hybond.engine.words import Floats
 
 

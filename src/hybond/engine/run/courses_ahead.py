@@ -20,11 +20,11 @@ from hybond.engine.method_numbers import EULER, MOREAU, RK4
 from hybond.engine.methods.one_instant import room_of_instant
 from hybond.engine.methods.scale import FAINT, measure_ahead
 from hybond.engine.mode.mode_records import Mode, Reads
-from hybond.engine.mode.values import set_motion
 from hybond.engine.reasons.warned import COURSE_UNSEEN, add_about, begin_warning
 from hybond.engine.run.courses_kept import keep_courses
 from hybond.engine.run.phases import give_back_plant, hold_plant, put_now, put_signals, see_plant
 from hybond.engine.run.run_records import bound_of
+from hybond.engine.surfaces.values import set_motion
 
 TURN: Final = 3.0
 """How far the fastest sine may turn in a step, rad."""

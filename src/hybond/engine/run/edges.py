@@ -14,8 +14,8 @@ from hybond.engine.answers import value
 from hybond.engine.engine import OK, Engine
 from hybond.engine.methods.one_instant import room_of_instant
 from hybond.engine.mode.sizes import sizes_of
-from hybond.engine.mode.values import evaluate, field
 from hybond.engine.run.run_records import Run
+from hybond.engine.surfaces.values import evaluate, field
 from hybond.engine.words import Floats
 
 NEARLY: Final = 1.0 - 1e-10

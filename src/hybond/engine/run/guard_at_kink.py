@@ -19,9 +19,9 @@ from hybond.engine.guards.together import LAST_PLACES
 from hybond.engine.methods.dopri import spacing
 from hybond.engine.methods.one_instant import is_root, room_of_instant
 from hybond.engine.methods.stepping import reach, retry
-from hybond.engine.mode.values import field
 from hybond.engine.run.kinks_passed import out_of_sight
 from hybond.engine.run.run_records import Run
+from hybond.engine.surfaces.values import field
 
 HALVINGS: Final = 60
 """Of a step: then its halves are no numbers between."""

@@ -16,8 +16,8 @@ from hybond.engine.guards.locator import ALL_PARTS, NO_KINK, Locator
 from hybond.engine.methods.one_instant import room_of_instant
 from hybond.engine.methods.scale import tolerance
 from hybond.engine.mode.solving import solve_read
-from hybond.engine.mode.values import field, set_motion
 from hybond.engine.run.run_records import Run
+from hybond.engine.surfaces.values import field, set_motion
 
 JUMPS: Final = 0.75
 """A jump is as large from a quarter of a way; what is bent is a half or less, like a root."""

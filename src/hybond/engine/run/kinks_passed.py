@@ -18,10 +18,10 @@ from hybond.engine.methods.dopri import spacing
 from hybond.engine.methods.one_instant import room_of_instant
 from hybond.engine.methods.stepping import between, reach, retry
 from hybond.engine.mode.solving import solve_read
-from hybond.engine.mode.values import field, set_motion
 from hybond.engine.reasons.facts import add_fact
 from hybond.engine.run.held_by_kinks import JUMPS, SEEN, compared, dust_of_rate, is_held
 from hybond.engine.run.run_records import IDLE, PATIENCE, Run
+from hybond.engine.surfaces.values import field, set_motion
 
 BACK_AT_ONCE: Final = 1e-9
 """Part of the run in which so many kinks as instants that end it are one that leads nowhere."""

@@ -25,7 +25,7 @@ from hybond.engine.methods.control import is_propagated
 from hybond.engine.methods.from_edges import may_turn
 from hybond.engine.methods.stepping import by_radau
 from hybond.engine.reasons.warned import Warned, forget_warned, make_warned
-from hybond.engine.sliding.surface import part_mode
+from hybond.engine.surfaces.surface import part_mode
 from hybond.engine.words import Floats, floats, record
 
 BROKEN: Final = 16

@@ -33,7 +33,8 @@ from hybond.engine.inputs.interval import interval_after, read_within
 from hybond.engine.instant.doubts import warn_of_held
 from hybond.engine.instant.instant import GUARD, LAW, START, TIME, begin_instant
 from hybond.engine.instant.settle import settle
-from hybond.engine.instant.tied import begin_tied
+from hybond.engine.jumps.tied import begin_tied
+from hybond.engine.laws.branches import know_around
 from hybond.engine.laws.gaps_left import forget_gaps, keep_gaps, take_up_gaps
 from hybond.engine.laws.laws import limits_vary, look_at_limits
 from hybond.engine.method_numbers import MOREAU
@@ -47,7 +48,6 @@ from hybond.engine.mode.guess import give_back_guess, hold_guess
 from hybond.engine.mode.part_energies import join_parts
 from hybond.engine.mode.standing import any_stands, find_standing
 from hybond.engine.mode.straight_rates import take_rates
-from hybond.engine.mode.values import begin_field, field
 from hybond.engine.planar.stops import begin_slips
 from hybond.engine.run.carried import begin_again, cause_of_beginning, take_up, warm_up
 from hybond.engine.run.contradictions import contradict_behind, meet_contradiction
@@ -91,9 +91,9 @@ from hybond.engine.run.slips_followed import follow, lead_to_rest
 from hybond.engine.run.source_jumps import jumps_at_end, jumps_at_once
 from hybond.engine.run.step_motion import flow_in_steps, settle_in_steps
 from hybond.engine.run.stranded import in_vain
-from hybond.engine.sliding.branches import know_around
-from hybond.engine.sliding.combine import combine_here
 from hybond.engine.sliding.sliding import slide_after
+from hybond.engine.surfaces.combine import combine_here
+from hybond.engine.surfaces.values import begin_field, field
 
 VAIN: Final = 3
 """Instants in a row without any change after which rounding is swept out of what is stored."""

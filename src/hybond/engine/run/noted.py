@@ -15,12 +15,12 @@ from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.guards.unresolved import tell_unresolved
 from hybond.engine.laws.laws import limits_vary, look_at_limits, observe
 from hybond.engine.methods.stepping import between, start
-from hybond.engine.mode.values import set_state
 from hybond.engine.planar.stops import arm_slips
 from hybond.engine.run.log import report_step
 from hybond.engine.run.run_records import Run
 from hybond.engine.run.source_jumps import put_before_kink
-from hybond.engine.sliding.onto import onto_surfaces
+from hybond.engine.surfaces.onto import onto_surfaces
+from hybond.engine.surfaces.values import set_state
 
 
 def note(e: Engine, r: Run, t: float, shown: float) -> int:

@@ -14,7 +14,7 @@ from hybond.engine.answers import value
 from hybond.engine.engine import OK, Engine
 from hybond.engine.inputs.interval import set_time
 from hybond.engine.mode.guess import give_back_guess, hold_guess
-from hybond.engine.mode.values import evaluate, field, set_motion
+from hybond.engine.surfaces.values import evaluate, field, set_motion
 
 AHEAD: Final = 1e-8
 """Part of the time left over which a rate is measured at the start: digits enough of both."""

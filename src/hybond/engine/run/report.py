@@ -12,18 +12,6 @@ from hybond.engine.answers import (
     stored_name,
     value,
 )
-from hybond.engine.checks.noting import (
-    APART,
-    BALANCE,
-    CREATED,
-    ELEMENT,
-    IMPACT,
-    MANY,
-    MOVES,
-    STORAGE,
-    UNFIRED,
-    UNTOUCHED,
-)
 from hybond.engine.engine import Engine
 from hybond.engine.instant.instant import (
     ACCUMULATION,
@@ -39,6 +27,18 @@ from hybond.engine.instant.instant import (
 )
 from hybond.engine.methods.stepping import between
 from hybond.engine.model import Model
+from hybond.engine.reasons.noting import (
+    APART,
+    BALANCE,
+    CREATED,
+    ELEMENT,
+    IMPACT,
+    MANY,
+    MOVES,
+    STORAGE,
+    UNFIRED,
+    UNTOUCHED,
+)
 from hybond.engine.timestepping.step_event import STEP
 from hybond.engine.timestepping.step_shown import show_point
 from hybond.engine.words import (

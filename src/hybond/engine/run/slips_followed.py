@@ -9,7 +9,6 @@ from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.guards.locate import locate
 from hybond.engine.guards.locator import watch
 from hybond.engine.methods.stepping import retry
-from hybond.engine.mode.values import begin_field
 from hybond.engine.planar.descent import (
     ENDLESS,
     IS_DOWN,
@@ -22,6 +21,7 @@ from hybond.engine.planar.stops import follows_slip
 from hybond.engine.run.noted import note
 from hybond.engine.run.run_records import Run
 from hybond.engine.run.stranded import no_slip
+from hybond.engine.surfaces.values import begin_field
 
 SHORTER: Final = 30
 """Times that a step is repeated, each time a quarter as long, if it does not follow slip."""

@@ -18,13 +18,13 @@ from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.guards.guard_values import put_on_constraints
 from hybond.engine.guards.together import before_kink
 from hybond.engine.inputs.interval import moment
-from hybond.engine.instant.jump import on_constraints
-from hybond.engine.instant.tied import put_tied
+from hybond.engine.jumps.jump import on_constraints
+from hybond.engine.jumps.tied import put_tied
 from hybond.engine.methods.stepping import between, step
 from hybond.engine.mode.mode_records import is_constrained
 from hybond.engine.mode.reach import reach_of
-from hybond.engine.mode.values import evaluate, field
 from hybond.engine.run.run_records import Run
+from hybond.engine.surfaces.values import evaluate, field
 
 JUMPED: Final = 1e-9
 """Part of what a storage may hold by which constraints on both sides of a kink differ at least."""

@@ -33,14 +33,13 @@ from hybond.engine.instant.instant import (
     note_fired,
     note_step,
 )
-from hybond.engine.instant.jump import on_constraints
 from hybond.engine.instant.settle import settle
 from hybond.engine.instant.told import STEP_ENDS, say_why
+from hybond.engine.jumps.jump import on_constraints
 from hybond.engine.laws.laws import check_limits, limits_vary
 from hybond.engine.methods.fixed import SLACK
 from hybond.engine.mode.equations import mode_of
 from hybond.engine.mode.mode_records import is_constrained
-from hybond.engine.mode.values import evaluate
 from hybond.engine.reasons.warned import (
     FIRES_ALWAYS,
     NEXT_DECIDES,
@@ -58,6 +57,7 @@ from hybond.engine.run.run_records import (
     count_step,
     timed_cause,
 )
+from hybond.engine.surfaces.values import evaluate
 from hybond.engine.timestepping.step_event import note_event
 from hybond.engine.timestepping.step_records import Stepping
 from hybond.engine.timestepping.theta_step import steady_bonds, theta_step, write_point

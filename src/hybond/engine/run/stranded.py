@@ -9,12 +9,12 @@ from hybond.engine.guards.guard_values import (
     begin_sizes_in_motion,
     measure_in_motion,
 )
-from hybond.engine.instant.in_force import is_asked
+from hybond.engine.guards.in_force import is_asked
 from hybond.engine.mode.equations import mode_of
-from hybond.engine.mode.values import evaluate
 from hybond.engine.planar.stops import slips_now
 from hybond.engine.reasons.facts import add_fact
-from hybond.engine.sliding.combine import combine_here
+from hybond.engine.surfaces.combine import combine_here
+from hybond.engine.surfaces.values import evaluate
 from hybond.engine.words import Text
 
 

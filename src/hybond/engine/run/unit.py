@@ -12,15 +12,15 @@ from typing import Final
 
 from hybond.engine.answers import value
 from hybond.engine.engine import OK, REFUSED, Engine
+from hybond.engine.guards.in_force import is_asked
 from hybond.engine.inputs.interval import interval_after
-from hybond.engine.instant.in_force import is_asked
 from hybond.engine.instant.instant import GUARD, INPUT, START
 from hybond.engine.method_numbers import MOREAU
 from hybond.engine.mode.equations import mode_of
 from hybond.engine.mode.storage import own_stiffness, with_stored
-from hybond.engine.mode.values import begin_field, evaluate, field
 from hybond.engine.run.motion import flow, rest_now, settle_now
 from hybond.engine.run.run_records import STOPPED, Run, begin, timed_cause
+from hybond.engine.surfaces.values import begin_field, evaluate, field
 from hybond.engine.timestepping.step_shown import show_point
 from hybond.engine.words import Floats
 

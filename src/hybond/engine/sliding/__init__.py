@@ -1,1 +1,1 @@
-"""Motion along switching surfaces."""
+"""Where machines slide after an event, and how motion along surfaces goes on."""

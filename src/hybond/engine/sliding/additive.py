@@ -6,10 +6,10 @@ import math
 from typing import Final
 
 from hybond.engine.engine import OK, Engine
+from hybond.engine.laws.branches import choose_own
 from hybond.engine.mode.equations import mode_of
-from hybond.engine.sliding.blend import solve_part
-from hybond.engine.sliding.branches import choose_own
-from hybond.engine.sliding.outputs import show_state
+from hybond.engine.surfaces.blend import solve_part
+from hybond.engine.surfaces.outputs import show_state
 from hybond.engine.words import Floats
 
 ADDITIVE: Final = 1e-9

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from hybond.engine.engine import OK, Engine
+from hybond.engine.laws.branches import know_branches
 from hybond.engine.mode.limits import put_limits
 from hybond.engine.mode.solving import solve
-from hybond.engine.mode.values import field
-from hybond.engine.sliding.branches import know_branches
-from hybond.engine.sliding.combine import take_parts
+from hybond.engine.surfaces.combine import take_parts
+from hybond.engine.surfaces.values import field
 from hybond.engine.words import Floats
 
 

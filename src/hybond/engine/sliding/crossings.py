@@ -13,16 +13,15 @@ from typing import Final
 
 from hybond.engine.algebra.blocks import fit
 from hybond.engine.engine import OK, Engine
-from hybond.engine.instant.jump import enter_mode
+from hybond.engine.jumps.jump import enter_mode
 from hybond.engine.mode.equations import is_fieldless
 from hybond.engine.mode.mode_records import is_constrained
 from hybond.engine.mode.reach import reach_of
 from hybond.engine.mode.storage import energy_of
 from hybond.engine.mode.storage_bonds import rate_bond
-from hybond.engine.mode.values import evaluate
 from hybond.engine.reasons.warned import WITHOUT_END, add_about, begin_warning
 from hybond.engine.sliding.around import find_field, take_met
-from hybond.engine.sliding.common_space import (
+from hybond.engine.surfaces.common_space import (
     ALONE,
     NEVER,
     TOGETHER,
@@ -30,8 +29,9 @@ from hybond.engine.sliding.common_space import (
     find_common,
     find_correction,
 )
-from hybond.engine.sliding.outputs import show_state, solve_plain
-from hybond.engine.sliding.surface import part_mode, put_read, surface_rate
+from hybond.engine.surfaces.outputs import show_state, solve_plain
+from hybond.engine.surfaces.surface import part_mode, put_read, surface_rate
+from hybond.engine.surfaces.values import evaluate
 from hybond.engine.words import Floats
 
 VANISHED: Final = 1e-9

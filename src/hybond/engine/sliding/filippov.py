@@ -12,7 +12,7 @@ from typing import Final
 from hybond.engine.algebra.lu import SINGULAR, lu_factor, lu_solve
 from hybond.engine.algebra.products import all_finite
 from hybond.engine.engine import Engine
-from hybond.engine.sliding.corners import put_coefficients, speed_at
+from hybond.engine.surfaces.corners import put_coefficients, speed_at
 
 FEW: Final = 6
 """Most surfaces for which all choices are tried."""

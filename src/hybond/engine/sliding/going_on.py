@@ -25,12 +25,12 @@ from hybond.engine.instant.told import (
     add_read,
     say_why,
 )
+from hybond.engine.laws.branches import choose_anew, know_around
 from hybond.engine.mode.equations import mode_of
-from hybond.engine.sliding.branches import choose_anew, know_around
-from hybond.engine.sliding.combine import combine_here
 from hybond.engine.sliding.filippov import SLIDES
-from hybond.engine.sliding.onto import onto_surfaces
 from hybond.engine.sliding.what_happened import is_held
+from hybond.engine.surfaces.combine import combine_here
+from hybond.engine.surfaces.onto import onto_surfaces
 
 SLIDING: Final = -1
 """The state of a machine that slides, in what is written down."""

@@ -9,12 +9,12 @@ from hybond.engine.answers import value
 from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.instant.instant import GUARD, Instant
 from hybond.engine.mode.equations import mode_of
-from hybond.engine.mode.values import evaluate
 from hybond.engine.sliding.around import find_field, take_met
-from hybond.engine.sliding.combine import combine_here
 from hybond.engine.sliding.crossings import vanishes
-from hybond.engine.sliding.surface import put_read, surface_rate
 from hybond.engine.sliding.what_happened import fired_once, is_between, is_held, went_and_came
+from hybond.engine.surfaces.combine import combine_here
+from hybond.engine.surfaces.surface import put_read, surface_rate
+from hybond.engine.surfaces.values import evaluate
 from hybond.engine.words import Floats
 
 AT_ONCE: Final = 1e-11

@@ -17,8 +17,8 @@ from typing import Final
 
 from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.instant.instant import GUARD, Instant
+from hybond.engine.laws.branches import choose_anew, choose_own, know_around
 from hybond.engine.mode.equations import mode_of
-from hybond.engine.sliding.branches import choose_anew, choose_own, know_around
 from hybond.engine.sliding.crossings import collapse, take_back
 from hybond.engine.sliding.filippov import ABOVE, SLIDES
 from hybond.engine.sliding.going_on import go_on_sliding

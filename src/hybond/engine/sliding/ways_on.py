@@ -6,16 +6,13 @@ import math
 from typing import Final
 
 from hybond.engine.engine import OK, Engine
+from hybond.engine.laws.branches import choose_own
 from hybond.engine.mode.equations import mode_of
 from hybond.engine.reasons.warned import OWN_JUMP
 from hybond.engine.sliding.additive import ACT_TOGETHER, NO_FIELD, how_switches_act
 from hybond.engine.sliding.around import find_field, take_met
-from hybond.engine.sliding.blend import blend, find_speeds
-from hybond.engine.sliding.branches import choose_own
-from hybond.engine.sliding.common_space import find_common
 from hybond.engine.sliding.crossings import do_meet
 from hybond.engine.sliding.filippov import ABOVE, BELOW, SLIDES, find_ways
-from hybond.engine.sliding.outputs import find_agreeing, show_state
 from hybond.engine.sliding.ways_told import (
     warn_of_no_way,
     warn_of_strokes,
@@ -23,6 +20,9 @@ from hybond.engine.sliding.ways_told import (
     warn_of_twins,
     warn_of_ways,
 )
+from hybond.engine.surfaces.blend import blend, find_speeds
+from hybond.engine.surfaces.common_space import find_common
+from hybond.engine.surfaces.outputs import find_agreeing, show_state
 
 MOVES_ALIKE: Final = 1e-12
 """Two states of a machine move what is stored alike if their rates differ by less: rounding."""

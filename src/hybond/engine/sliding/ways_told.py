@@ -18,9 +18,9 @@ from hybond.engine.reasons.warned import (
     add_about,
     begin_warning,
 )
-from hybond.engine.sliding.blend import blend
 from hybond.engine.sliding.filippov import FEW, SLIDES, is_way, speed_of
-from hybond.engine.sliding.outputs import show_state
+from hybond.engine.surfaces.blend import blend
+from hybond.engine.surfaces.outputs import show_state
 
 PUSHED: Final = 1e-9
 """A side leads to a surface if more than this part of both sides' speed does: less is rounding."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from hybond.engine.engine import OK, Engine
 from hybond.engine.method_numbers import MOREAU
-from hybond.engine.mode.values import evaluate
+from hybond.engine.surfaces.values import evaluate
 from hybond.engine.timestepping.theta_step import write_point
 from hybond.engine.words import Floats
 

@@ -36,7 +36,7 @@ from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.complementarity.law_roles import ONE_SIDED
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.inputs.interval import set_time
-from hybond.engine.instant.jump import enter_mode
+from hybond.engine.jumps.jump import enter_mode
 from hybond.engine.laws.law_instant import take_instant
 from hybond.engine.laws.law_records import Ports
 from hybond.engine.laws.ports import open_mode, ports_of, solve_with, times_partner

@@ -18,10 +18,10 @@ from hybond.engine.mode.newton_system import write_bonds
 from hybond.engine.mode.solving import solve
 from hybond.engine.mode.storage_bonds import rate_bond
 from hybond.engine.reasons.facts import add_fact
-from hybond.engine.sliding.common_space import keep_to_all
-from hybond.engine.sliding.corners import put_coefficients, put_slopes, speed_at
-from hybond.engine.sliding.outputs import output_rate
-from hybond.engine.sliding.surface import part_mode, put_read, surface_rate
+from hybond.engine.surfaces.common_space import keep_to_all
+from hybond.engine.surfaces.corners import put_coefficients, put_slopes, speed_at
+from hybond.engine.surfaces.outputs import output_rate
+from hybond.engine.surfaces.surface import part_mode, put_read, surface_rate
 from hybond.engine.words import Floats
 
 ROUNDING: Final = 1e-14

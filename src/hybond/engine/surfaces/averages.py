@@ -16,9 +16,9 @@ from hybond.engine.mode.part_energies import find_energies, reach_of_bond
 from hybond.engine.mode.sizes import seen_of, sizes_of
 from hybond.engine.mode.solving import solve
 from hybond.engine.mode.undetermined import freedom_at
-from hybond.engine.sliding.blend import blend
-from hybond.engine.sliding.outputs import solve_plain
-from hybond.engine.sliding.surface import part_mode
+from hybond.engine.surfaces.blend import blend
+from hybond.engine.surfaces.outputs import solve_plain
+from hybond.engine.surfaces.surface import part_mode
 from hybond.engine.words import Floats
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from hybond.engine.engine import Engine
-from hybond.engine.instant.trial import try_mode
+from hybond.engine.jumps.trial import try_mode
 from hybond.engine.laws.laws import enter_with_laws
 from hybond.engine.words import Floats, Ints
 

@@ -7,7 +7,7 @@ above (*additive*), or all corners of the cube of weights (*product*).
 from __future__ import annotations
 
 from hybond.engine.model import Model
-from hybond.engine.sliding.slide_records import Slide
+from hybond.engine.surfaces.slide_records import Slide
 from hybond.engine.words import Floats, Ints
 
 

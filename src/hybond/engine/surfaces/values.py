@@ -15,7 +15,7 @@ from hybond.engine.mode.solving import solve_in_step
 from hybond.engine.mode.standing import hold_standing
 from hybond.engine.mode.storage_bonds import rate_bond
 from hybond.engine.mode.straight_rates import put_rates
-from hybond.engine.sliding.averages import blended_field, solve_here
+from hybond.engine.surfaces.averages import blended_field, solve_here
 from hybond.engine.words import Floats
 
 

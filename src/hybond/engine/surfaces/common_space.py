@@ -13,13 +13,13 @@ from hybond.engine.algebra.blocks import fit, row_size, row_times
 from hybond.engine.algebra.products import times_matrix
 from hybond.engine.algebra.svd import pseudo_inverse, rank_above, svd
 from hybond.engine.answers import value
+from hybond.engine.constraints.impulse_ways import impulse_directions
 from hybond.engine.engine import Engine, svd_room
-from hybond.engine.instant.impulse_ways import impulse_directions
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.newton import knowns_of
 from hybond.engine.mode.storage import stiff
 from hybond.engine.mode.storage_bonds import rate_bond
-from hybond.engine.sliding.surface import part_mode
+from hybond.engine.surfaces.surface import part_mode
 from hybond.engine.words import Floats, some
 
 REPEATS: Final = 1e-10

@@ -9,10 +9,15 @@ from hybond.engine.algebra.blocks import fit, fit_places, spread_rows
 from hybond.engine.algebra.products import largest, times_matrix, times_orthonormal
 from hybond.engine.algebra.qr import complement
 from hybond.engine.algebra.svd import null_space, pseudo_inverse, rank_above, svd
+from hybond.engine.constraints.constraints import constraint_by_co_energy, residual
+from hybond.engine.constraints.own_ways import give_own
+from hybond.engine.constraints.sparse_ways import (
+    find_extents,
+    find_sparse_ways,
+    is_curved,
+    size_held,
+)
 from hybond.engine.engine import Engine, svd_room
-from hybond.engine.instant.constraints import constraint_by_co_energy, residual
-from hybond.engine.instant.own_ways import give_own
-from hybond.engine.instant.sparse_ways import find_extents, find_sparse_ways, is_curved, size_held
 from hybond.engine.mode.dynamic_rows import frozen_at
 from hybond.engine.mode.mode_records import Mode, Ways
 from hybond.engine.mode.storage import own_stiffness, stiff, with_stored

@@ -12,10 +12,10 @@ from __future__ import annotations
 
 from hybond.engine.algebra.blocks import fit_places
 from hybond.engine.algebra.separate import first_of, unite
-from hybond.engine.checks.noting import UNTOUCHED, note_violation
 from hybond.engine.engine import Engine
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.tableau import part_of
+from hybond.engine.reasons.noting import UNTOUCHED, note_violation
 from hybond.engine.words import Floats, Ints
 
 

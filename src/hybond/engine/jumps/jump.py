@@ -17,22 +17,22 @@ from hybond.engine.algebra.products import are_equal
 from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.algebra.separate import least_squares_separate
 from hybond.engine.algebra.svd import least_squares
-from hybond.engine.checks.untouched import hold_untouched, note_reached
-from hybond.engine.engine import OK, REFUSED, Engine, say_fault, svd_room
-from hybond.engine.instant.constraints import (
+from hybond.engine.constraints.constraints import (
     begin_constraints,
     gaps,
     residual,
     restore_bonds,
 )
-from hybond.engine.instant.impulse_ways import (
+from hybond.engine.constraints.impulse_ways import (
     find_ways,
     rank_of,
     scale_slope,
     size_by_entries,
     slope_of,
 )
-from hybond.engine.instant.sparse_ways import sparse_step
+from hybond.engine.constraints.sparse_ways import sparse_step
+from hybond.engine.engine import OK, REFUSED, Engine, say_fault, svd_room
+from hybond.engine.jumps.untouched import hold_untouched, note_reached
 from hybond.engine.mode.agreement import check_agreement
 from hybond.engine.mode.leakage import least_leakage, project
 from hybond.engine.mode.mode_records import Mode, Ways

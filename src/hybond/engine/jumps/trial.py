@@ -26,8 +26,7 @@ from hybond.engine.expressions.pairs import (
     clear,
     is_impulsive,
 )
-from hybond.engine.instant.doubts import warn_of_impulsive
-from hybond.engine.instant.jump import JUMPS, STAYS, enter_mode
+from hybond.engine.jumps.jump import JUMPS, STAYS, enter_mode
 from hybond.engine.mode.dynamic_rows import frozen_at
 from hybond.engine.mode.equations import is_fieldless, mode_of
 from hybond.engine.mode.limits import put_limits
@@ -37,10 +36,11 @@ from hybond.engine.mode.reach import reach_of
 from hybond.engine.mode.sizes import measure
 from hybond.engine.mode.storage import energy_of
 from hybond.engine.mode.storage_bonds import co_energy_bond
-from hybond.engine.mode.values import set_values
 from hybond.engine.reasons.facts import add_fact
-from hybond.engine.sliding.averages import begin_sizes, freedom_here, solve_here
-from hybond.engine.sliding.combine import combine_here
+from hybond.engine.reasons.warned import IMPULSIVE, add_about, begin_warning
+from hybond.engine.surfaces.averages import begin_sizes, freedom_here, solve_here
+from hybond.engine.surfaces.combine import combine_here
+from hybond.engine.surfaces.values import set_values
 from hybond.engine.words import Floats, Ints, Text
 
 
@@ -351,3 +351,12 @@ def check_factors(e: Engine, t: float) -> int:
     if m.tells != 0:
         warn_of_impulsive(e, e.mode)
     return OK
+
+
+def warn_of_impulsive(e: Engine, mode: Mode) -> None:
+    """Warn of laws declared impulsive, which a jump has taken into its equations."""
+    m = e.model
+    begin_warning(e.warned, IMPULSIVE, e.t)
+    for i in range(mode.dynamics):
+        if mode.dynamic[i] >= 0 and m.dynamic_impulsive[mode.dynamic[i]] != 0:
+            add_about(e.warned, float(m.dynamic_node[mode.dynamic[i]]))

@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import Final
 
 from hybond.engine.engine import NOT_FINITE, OK, Engine
-from hybond.engine.sliding.blend import blend, solve_weights
-from hybond.engine.sliding.common_space import onto_all
-from hybond.engine.sliding.corners import put_slopes
-from hybond.engine.sliding.outputs import output_value, show_state
-from hybond.engine.sliding.surface import surface_value
+from hybond.engine.surfaces.blend import blend, solve_weights
+from hybond.engine.surfaces.common_space import onto_all
+from hybond.engine.surfaces.corners import put_slopes
+from hybond.engine.surfaces.outputs import output_value, show_state
+from hybond.engine.surfaces.surface import surface_value
 from hybond.engine.words import Floats
 
 OFTEN: Final = 3

@@ -18,7 +18,7 @@ from hybond.engine.impacts.impact_records import (
     EXCHANGED,
     Impact,
 )
-from hybond.engine.instant.jump import JUMPS
+from hybond.engine.jumps.jump import JUMPS
 from hybond.engine.laws.law_instant import (
     CLOSED,
     NO_LAW_VALUE,

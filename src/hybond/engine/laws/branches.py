@@ -8,10 +8,10 @@ are kept, by the states of all other machines, until they are chosen anew.
 from __future__ import annotations
 
 from hybond.engine.engine import OK, Engine
-from hybond.engine.instant.entering import enter
-from hybond.engine.instant.trial import a_priori
-from hybond.engine.sliding.branch_table import add_branches, find_branches, take_branches
-from hybond.engine.sliding.corners import count_corners, put_corner
+from hybond.engine.jumps.trial import a_priori
+from hybond.engine.laws.entering import enter
+from hybond.engine.surfaces.branch_table import add_branches, find_branches, take_branches
+from hybond.engine.surfaces.corners import count_corners, put_corner
 from hybond.engine.words import Floats, Ints
 
 

@@ -18,7 +18,6 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.rounding import EPSILON
-from hybond.engine.checks.noting import IMPACT, note_violation
 from hybond.engine.engine import OK, Engine
 from hybond.engine.impacts.impact_records import NEWTON, NEWTON_SIMULTANEOUS
 from hybond.engine.laws.law_instant import NO_LAW_VALUE, is_stored, quantity
@@ -28,6 +27,7 @@ from hybond.engine.method_numbers import MOREAU
 from hybond.engine.mode.guess import give_back_guess, hold_guess
 from hybond.engine.mode.part_energies import find_energies_at, part_of_bond
 from hybond.engine.mode.tableau import COMMON
+from hybond.engine.reasons.noting import IMPACT, note_violation
 from hybond.engine.words import Floats
 
 MISSED: Final = 1e-6

@@ -6,7 +6,7 @@ from typing import Final
 
 from hybond.engine.algebra.blocks import grow_places
 from hybond.engine.model import Model
-from hybond.engine.sliding.slide_records import Slide
+from hybond.engine.surfaces.slide_records import Slide
 from hybond.engine.words import Ints
 
 UNKNOWN: Final = -1

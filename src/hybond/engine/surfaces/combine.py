@@ -5,11 +5,11 @@ from __future__ import annotations
 from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.mode.equations import mode_of
 from hybond.engine.mode.kept_modes import keep_together
-from hybond.engine.sliding.branch_table import take_branches
-from hybond.engine.sliding.common_space import find_common
-from hybond.engine.sliding.corners import count_corners, put_corner
-from hybond.engine.sliding.slide_records import fit_slide
-from hybond.engine.sliding.surface import is_of_state
+from hybond.engine.surfaces.branch_table import take_branches
+from hybond.engine.surfaces.common_space import find_common
+from hybond.engine.surfaces.corners import count_corners, put_corner
+from hybond.engine.surfaces.slide_records import fit_slide
+from hybond.engine.surfaces.surface import is_of_state
 from hybond.engine.words import Ints
 
 

@@ -11,10 +11,10 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import fit, fit_places
+from hybond.engine.constraints.sparse_ways import sparse_shares
 from hybond.engine.engine import Engine
 from hybond.engine.inputs.interval import set_time
-from hybond.engine.instant.jump import CANCELLED, is_fixed
-from hybond.engine.instant.sparse_ways import sparse_shares
+from hybond.engine.jumps.jump import CANCELLED, is_fixed
 from hybond.engine.mode.mode_records import FREE, NOT_KNOWN, TIED, Mode, Ways
 from hybond.engine.mode.sources_of_time import value_of_source
 from hybond.engine.words import Floats

@@ -1,0 +1,1 @@
+"""What a mode holds stored quantities to, and the impulses that move them there."""

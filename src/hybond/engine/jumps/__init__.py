@@ -1,0 +1,1 @@
+"""A mode entered: what is stored jumps, and every signal follows."""
