@@ -1,6 +1,8 @@
 """The rooms of the package import leftwards only; no text is ever run as code; import is light."""
 
 import ast
+import functools
+import graphlib
 import os
 import re
 import subprocess
@@ -105,13 +107,19 @@ def imports(tree: ast.Module, package: str) -> Iterator[tuple[str, int, str]]:
     yield from visit(tree, "")
 
 
+@functools.cache
+def imports_in(source: str, package: str) -> list[tuple[str, int, str]]:
+    """List the imports of a file."""
+    return list(imports(ast.parse(source), package))
+
+
 def rightward(source: str, path: Path) -> list[tuple[str, int, str]]:
     """List the (scope, line, room) of imports in a file that do not go leftwards."""
     module = module_name(path)
     package = module if path.name == "__init__.py" else module.rpartition(".")[0]
     own = LAYER[module.split(".")[1]]
     found = []
-    for scope, line, name in imports(ast.parse(source), package):
+    for scope, line, name in imports_in(source, package):
         top, _, rest = name.partition(".")
         room = rest.partition(".")[0]
         # `import hybond` itself, or a public name of it, is an import from the far right.
@@ -150,7 +158,7 @@ def engine_imports() -> dict[str, set[str]]:
     own = {name.removeprefix(start) for name in texts if name.startswith(start)}
     found: dict[str, set[str]] = {}
     for module in own - ENGINE_LAYER.keys():
-        names = imports(ast.parse(texts[start + module]), f"{start}{module}".rpartition(".")[0])
+        names = imports_in(texts[start + module], f"{start}{module}".rpartition(".")[0])
         read = [name.removeprefix(start) for _, _, name in names if name.startswith(start)]
         found[module] = {n if n in own else n.rpartition(".")[0] for n in read}
     return found
@@ -198,6 +206,25 @@ def test_the_test_of_the_engine_sees() -> None:
     for module, other in (("mode.newton", "surfaces.values"), ("guards.locate", "instant.settle")):
         more = {**read, module: read[module] | {other}}
         assert upward(more) == [f"{module} reads {other}"]
+
+
+def test_folders_of_a_room_read_one_way() -> None:
+    """The engine's are held to an order, by the tests before."""
+    read: dict[str, set[str]] = {}
+    for path, text in TEXTS.items():
+        package = module_name(path if path.name == "__init__.py" else path.parent / "__init__.py")
+        room = package.split(".")[1] if "." in package else "engine"
+        for _, _, name in imports_in(text, package) if room != "engine" else ():
+            parts = name.split(".")
+            while not (SOURCE.joinpath(*parts)).is_dir() and len(parts) > 1:
+                parts.pop()
+            other = ".".join(parts)
+            if other != package and other.startswith(f"hybond.{room}"):
+                read.setdefault(package, set()).add(other)
+    graphlib.TopologicalSorter(read).prepare()  # raises where they go round
+    read["hybond.analysis.linear"] = {"hybond.analysis.periodic"}
+    with pytest.raises(graphlib.CycleError):
+        graphlib.TopologicalSorter(read).prepare()
 
 
 def files(*, mapped: bool) -> set[str]:
