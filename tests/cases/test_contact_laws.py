@@ -234,3 +234,44 @@ def test_end_stops(simulate):
     assert len(hits) > 15
     assert [e.t for e in run.events[1:]] == pytest.approx(hits, rel=1e-6)
     assert run["spring.q"].at(5.0) == pytest.approx(part.y[0, -1], rel=1e-5)
+
+
+# -- a bumper
+
+
+@pytest.mark.parametrize("eps", [1.2, "1.2"])
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize("options", [{}, {"solver": "moreau-jean", "step": 0.01}])
+def test_a_restitution_above_one_gives_what_it_says_with_a_warning(eps, turned, options):
+    masses = "b0 -> v0", "b1 -> v1"
+    if not turned:
+        masses = "v0 -> b0", "v1 -> b1"
+    run = hb.simulate(
+        hb.loads(f"""
+hybond = 1
+domain = "translational"
+[elements]
+b0 = {{ I = 1.0, f = {-1.0 if turned else 1.0} }}
+b1 = {{ I = 2.0 }}
+v0 = {{ junction = 1 }}
+v1 = {{ junction = 1 }}
+bumper = {{ junction = 0, law = "unilateral", gap = "x1 - x0 - 1.0", restitution = {eps!r} }}
+[graph]
+bonds = ["{masses[0]}", "{masses[1]}", "v0 -> bumper -> v1"]
+[signals]
+x0 = {{ integral = "v0.f", start = 0.5 }}
+x1 = {{ integral = "v1.f", start = 2.0 }}
+"""),
+        until=1.0,
+        **options,
+    )
+    # momentum 1, and a velocity of parting of 1.2
+    assert run["v0.f"].at(0.9) == pytest.approx((1.0 - 2.0 * 1.2) / 3.0, rel=1e-12)
+    assert run["v1.f"].at(0.9) == pytest.approx(2.2 / 3.0, rel=1e-12)
+    assert run.status == "ok"
+    made = (1.4**2 + 2.0 * 2.2**2) / 18.0 - 0.5
+    assert run.audit().created == pytest.approx(made / (0.5 + made), rel=1e-6)
+    if not options:
+        assert any(f"creates {made:.6g} J" in w for w in run.warnings)
+    elif isinstance(eps, float):
+        assert any("creates energy at each impact" in w for w in run.warnings)

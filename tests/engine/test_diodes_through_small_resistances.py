@@ -243,3 +243,29 @@ def test_a_run_that_goes_on_knows_what_a_diode_has_carried(before: float) -> Non
     # what is left of the amperes that it had is hardly more than rounding
     assert not whole.warnings
     assert not run.warnings
+
+
+def beside_many(many: int, turned: bool) -> str:
+    """Diodes from one sine to one load, each fed through a milliohm beside a picofarad."""
+    parts = [f'V = {{ Se = "10*sin({OMEGA!r}*time/(1 [s]))" }}', "s = { junction = 0 }"]
+    parts += ["n = { junction = 0 }", "L = { R = 10.0 }"]
+    bonds = ["V -> s", "n -> L"]
+    for k in range(many):
+        parts.append(f"b{k} = {{ junction = 1 }}\nB{k} = {{ R = 1e-3 }}")
+        parts.append(f"a{k} = {{ junction = 0 }}\nP{k} = {{ C = 1e-12 }}")
+        parts.append(f'd{k} = {{ junction = 1, law = "diode" }}\nR{k} = {{ R = 1e-3 }}')
+        small = f"P{k} -> a{k}" if turned else f"a{k} -> P{k}"
+        bonds += [f"s -> b{k} -> a{k} -> d{k} -> n", f"b{k} -> B{k}", small, f"d{k} -> R{k}"]
+    listed = ", ".join(f'"{b}"' for b in bonds)
+    return "hybond = 1\n[elements]\n" + "\n".join(parts) + f"\n[graph]\nbonds = [{listed}]\n"
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_eighty_that_settle_together_block_once_a_period(turned: bool) -> None:
+    run = hb.simulate(hb.loads(beside_many(80, turned)), until=0.04)
+    flows = run.sample([0.0105 + 0.0003 * k for k in range(30)], ["d7.f", "n.e"])
+    late = [e.t for e in run.events if any(f.target == "blocks" for s in e.steps for f in s.fired)]
+    assert late == pytest.approx([0.01, 0.03], abs=1e-9)
+    assert min(flows["d7.f"]) == max(flows["d7.f"]) == 0.0
+    assert max(abs(flows["n.e"])) == 0.0
+    assert not run.warnings

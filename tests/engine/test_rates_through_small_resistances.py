@@ -298,3 +298,36 @@ def test_many_small_ones_beside_a_large_one_take_no_shorter_steps(
     for name in (f"c0.{rate}", f"c{many - 1}.{rate}"):
         flow = np.abs(run.sample(times, name)[name])
         assert flow == pytest.approx(1e-14 * level / all_of_it, abs=LET_IN * 5e3)
+
+
+def chain(many: int, capacitance: float, turned: bool) -> str:
+    """A sine behind 1 ohm, and capacitors behind a milliohm each."""
+    parts = ["V = { Se = " + f'"10*sin({OMEGA!r}*time/(1 [s]))"' + " }", "s = { junction = 1 }"]
+    parts.append("B = { R = 1.0 }")
+    bonds = ["V -> s -> n0", "s -> B"]
+    for k in range(many):
+        parts.append(f"n{k} = {{ junction = 0 }}")
+        parts.append(f"C{k} = {{ C = {capacitance!r} }}")
+        bonds.append(f"C{k} -> n{k}" if turned else f"n{k} -> C{k}")
+        if k > 0:
+            parts.append(f"j{k} = {{ junction = 1 }}")
+            parts.append(f"R{k} = {{ R = 1e-3 }}")
+            bonds += [f"n{k - 1} -> j{k} -> n{k}", f"j{k} -> R{k}"]
+    listed = ", ".join(f'"{b}"' for b in bonds)
+    return "hybond = 1\n[elements]\n" + "\n".join(parts) + f"\n[graph]\nbonds = [{listed}]\n"
+
+
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize("capacitance", [1e-12, 1e-9])
+def test_a_long_chain_of_small_capacitors_does_not_creep(capacitance: float, turned: bool) -> None:
+    many = 60
+    run = hb.simulate(hb.loads(chain(many, capacitance, turned)), until=0.04, max_steps=3000)
+    asked = {k: f"R{k}.f" for k in (1, 30, 59)}
+    flows = run.sample(TIMES[1:30], list(asked.values()))
+    slope = np.array([10.0 * OMEGA * math.cos(OMEGA * t) for t in TIMES[1:30]])
+    if capacitance > 1e-12:  # else rounding of ten kiloamperes tells beside what picofarads store
+        assert run.audit().holds()
+    for k, name in asked.items():
+        # behind 60 nF and 1 ohm the slope is late by 20 microradians
+        right = (many - k) * capacitance * slope
+        assert flows[name] == pytest.approx(right, abs=1e-12 * 10.0 / 1e-3 + 3e-5 * max(right))

@@ -113,6 +113,25 @@ def test_another_exception_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
     assert (check.outcome, check.findings[0].kind) == ("ZeroDivisionError", "traceback")
 
 
+def test_a_switched_element_has_a_bond_that_is_not_in_the_text() -> None:
+    m = hb.loads("""
+hybond = 1
+[elements]
+s = { Se = 1.0 }
+v = { junction = 1 }
+c = { C = 1.0 }
+r = { R = 1.0 }
+[machines.shutter]
+states = { open = ["r"], shut = [] }
+start = "open"
+rules = ["open -> shut when time > 0.5 s"]
+[graph]
+bonds = ["s -> v -> c", "v -> r"]
+""")
+    assert any(n.hidden for n in m.flatten().nodes)
+    assert check_model(m, 1.0).findings == ()
+
+
 def test_without_hypothesis_only_the_strategy_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "hypothesis", None)
     assert random_recipe(3).parts

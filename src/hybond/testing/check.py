@@ -256,7 +256,10 @@ def _by_itself(first: Outcome, model: Model, until: float, patience: float) -> l
     if first.run is None or first.word != "ok":
         return []
     run = first.run
-    bonds = [f'"{b.name}".{letter}' for b in run.graph.bonds for letter in "ef"]
+    # the switch of a controlled junction or element is not in the text: its bond has no name there
+    unnamed = {end.bond for node in run.graph.nodes if node.hidden for end in node.ends}
+    named = [b.name for b in run.graph.bonds if b.index not in unnamed]
+    bonds = [f'"{name}".{letter}' for name in named for letter in "ef"]
     times = np.linspace(0.0, run.t_end, POINTS).tolist()
     try:
         values = run.sample(times, [*run.names, *bonds])

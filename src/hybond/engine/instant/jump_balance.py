@@ -51,10 +51,11 @@ def most_by_jump(e: Engine, x: Floats) -> int:
 def jump_may_create(e: Engine) -> bool:
     """Whether a law that is declared for impacts may create energy in the jump of the trial.
 
-    One that reads ``pre()``, friction of an impact, restitution.
+    One that reads ``pre()``, friction of an impact, restitution that varies or is above one.
     """
     m = e.model
     may = e.trial.factors > 0 or is_fieldless(e, e.mode)
     for k in range(m.ports):
-        may = may or m.port_restitution[k] >= 0 or m.port_limit[k] >= 0
+        varies = m.port_restitution[k] >= 0 or m.port_limit[k] >= 0
+        may = may or varies or m.port_restitution_constant[k] > 1.0
     return may

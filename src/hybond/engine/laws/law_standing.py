@@ -39,7 +39,11 @@ def is_simple(m: Model, k: int) -> bool:
         return False
     if m.port_gap[k] != NO_LAW_VALUE or m.port_gate[k] != NO_LAW_VALUE:
         return False
-    return m.port_restitution[k] < 0 and m.port_limit[k] < 0 and m.port_breakaway[k] < 0
+    return (
+        m.port_restitution[k] == NO_LAW_VALUE
+        and m.port_limit[k] == NO_LAW_VALUE
+        and m.port_breakaway[k] == NO_LAW_VALUE
+    )
 
 
 def stands_as_it_was(e: Engine, t: float, x: Floats, s: Floats, state: Ints) -> bool:

@@ -47,6 +47,9 @@ def rates_off_in_flow(
         size[j] = math.fabs(x.parts.at[j])
         if j < many:
             size[j] = max(size[j], lately[j])
+        if f.shares > 0:
+            # a difference of what others hold is no more exact than these
+            size[j] = max(size[j], x.shared.at[j] * f.scale.at[j])
     for k in range(f.watches):
         j = f.watched.at[k]
         size[j] = max(size[j], x.amplitude.at[k])

@@ -32,7 +32,7 @@ from hybond.engine.words import Floats
 
 MOMENT: Final = 1e-6
 """Part of the run in which what settles has settled: no more than that is seen of it."""
-MOST: Final = 64
+MOST: Final = 256
 """Storages that are solved for together, at the most: more of them count as if none settled."""
 SLOW: Final = -1
 

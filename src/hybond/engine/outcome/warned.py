@@ -124,7 +124,9 @@ class Warnings:
         visits = int(found.visit[many])
         rows = found.rows
         before, after, given = rows.visit_energy[:visits].T
-        made = after - before - given
+        # energy beyond all numbers is not made of nothing: laws are held elsewhere
+        with np.errstate(invalid="ignore"):
+            made = after - before - given
         size = np.maximum.reduce([np.full(visits, largest), np.abs(after), np.abs(given)])
         told = (rows.visit[:visits, 4] != 0) & (rows.visit[:visits, 0] != MYTHICAL)
         # what a step of fixed length creates is counted with the steps
