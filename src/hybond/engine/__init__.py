@@ -99,6 +99,7 @@ passes them::
         around, combine, corners, branches, branch_table    the modes around surfaces
         blend, averages, common_space, outputs    their combination, asked as a mode is
         surface, onto, going_on, slide_records    surfaces; back onto them; what is written
+        followers           machines that read the states of those that slide
     methods/
         stepping            one step of the method asked for
         scale, signal_sizes, lately    tolerances of what is stored and what is integrated

@@ -9,6 +9,7 @@ from hybond.engine.engine import OK, Engine
 from hybond.engine.mode.equations import mode_of
 from hybond.engine.sliding.blend import solve_part
 from hybond.engine.sliding.branches import choose_own
+from hybond.engine.sliding.followers import let_follow
 from hybond.engine.sliding.outputs import show_state
 from hybond.engine.words import Floats
 
@@ -38,6 +39,7 @@ def how_switches_act(e: Engine) -> int:
             s.target[m.surface_machine[surface]] = (
                 m.surface_above[surface] if up else m.surface_below[surface]
             )
+        let_follow(e, s.target)
         choose_own(e, s.target)
         if mode_of(e, s.target) != OK:
             return NO_FIELD

@@ -85,6 +85,8 @@ class Slide:
     v: Floats
     ahead: Floats
     """Values near those of the combination."""
+    led: Floats
+    """Values of which only the states of machines are put, for machines that follow them."""
     state: Ints
     corner: Ints
     target: Ints
@@ -171,6 +173,7 @@ def make_slide(m: Model) -> Slide:
     s.rate = floats(n)
     s.v = floats(2 * m.slots)
     s.ahead = floats(2 * m.slots)
+    s.led = floats(2 * m.slots if m.followers > 0 else 0)
     s.state = ints(m.machines)
     s.corner = ints(m.machines)
     s.target = ints(m.machines)

@@ -21,6 +21,7 @@ from hybond.engine.mode.equations import mode_of
 from hybond.engine.sliding.branches import choose_anew, choose_own, know_around
 from hybond.engine.sliding.crossings import collapse, take_back
 from hybond.engine.sliding.filippov import ABOVE, SLIDES
+from hybond.engine.sliding.followers import let_follow
 from hybond.engine.sliding.going_on import go_on_sliding
 from hybond.engine.sliding.met import drop, find_met, onto
 from hybond.engine.sliding.ways_on import A_WAY, NO_WAY, STOPS, decide
@@ -84,6 +85,7 @@ def slide_after(e: Engine, i: Instant, before: Floats) -> int:
             known = known or s.met_surface[p] == surface
         if not known and (now == m.surface_below[surface] or now == m.surface_above[surface]):
             drop(e, surface)
+    let_follow(e, s.target)
     if held > 0 or slid > 0:
         # what is shown, and what goes on alone, has the branches of its own laws
         choose_own(e, s.target)

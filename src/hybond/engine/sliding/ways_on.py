@@ -15,6 +15,7 @@ from hybond.engine.sliding.branches import choose_own
 from hybond.engine.sliding.common_space import find_common
 from hybond.engine.sliding.crossings import do_meet
 from hybond.engine.sliding.filippov import ABOVE, BELOW, SLIDES, find_ways
+from hybond.engine.sliding.followers import let_follow
 from hybond.engine.sliding.outputs import find_agreeing, show_state
 from hybond.engine.sliding.ways_told import (
     warn_of_no_way,
@@ -158,6 +159,7 @@ def acts(e: Engine, surface: int) -> bool:
         s.target[m.surface_machine[surface]] = (
             m.surface_above[surface] if side == 1 else m.surface_below[surface]
         )
+        let_follow(e, s.target)
         choose_own(e, s.target)
         if mode_of(e, s.target) != OK or not find_field(e, s.rates if side == 0 else s.rate):
             s.k = k
