@@ -382,7 +382,7 @@ class Model:
     surface_down: Ints
     """The rules that lead there."""
     surface_value: Ints
-    surface_twin: Ints  # of each pair of surfaces, row after row: whether they coincide
+    surface_twin: Ints  # of each pair: 1 if they are one surface, -1 if turned round
     surface_first: Ints  # of each surface: the slopes of its function
     surface_kind: Ints
     """0: by a stored quantity, 1 a signal, 2 time, 3 an input, 4 a bond variable, 5 a Boolean."""

@@ -327,11 +327,14 @@ def _generic(count: int) -> tuple[list[float], ...]:
     )
 
 
-def coincide(one: Surface, other: Surface) -> bool:
-    """Whether two machines switch on the same surface, whichever side each calls above."""
+def way_beside(one: Surface, other: Surface) -> int:
+    """Return 1 if two machines switch on the same surface, -1 if each calls above what the other
+    calls below, and 0 if their surfaces differ."""
     if names(one.g) != names(other.g):
-        return False
-    return _opposite(one.g, other.g) or _opposite(one.g, Binary("-", Number(0.0), other.g))
+        return 0
+    if _opposite(one.g, other.g):
+        return -1
+    return int(_opposite(one.g, Binary("-", Number(0.0), other.g)))
 
 
 def with_hysteresis(surfaces: Sequence[Surface], band: float) -> dict[Rule, Expr]:

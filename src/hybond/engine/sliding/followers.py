@@ -11,6 +11,7 @@ from typing import Final
 from hybond.engine.answers import value
 from hybond.engine.engine import Engine
 from hybond.engine.model import Model
+from hybond.engine.sliding.corners import cross_as_one
 from hybond.engine.sliding.slide_records import Slide
 from hybond.engine.words import Ints
 
@@ -52,6 +53,17 @@ def first_holding(e: Engine, machine: int, state: int) -> int:
         if m.rule_source[rule] == state and value(m, m.rule_value[rule], e.slide.led) != 0.0:
             return rule
     return NONE
+
+
+def goes_along(m: Model, s: Slide, machine: int) -> bool:
+    """Whether a machine follows one that slides, or crosses its surface together with it."""
+    for other in range(m.surfaces):
+        if m.surface_machine[other] != machine:
+            continue
+        for i in range(s.many):
+            if cross_as_one(m, s.surface[i], other):
+                return True
+    return is_led(m, s, machine)
 
 
 def is_led(m: Model, s: Slide, machine: int) -> bool:

@@ -31,7 +31,7 @@ from hybond.engine.sliding.branches import choose_anew, know_around
 from hybond.engine.sliding.combine import combine_here
 from hybond.engine.sliding.filippov import SLIDES
 from hybond.engine.sliding.onto import onto_surfaces
-from hybond.engine.sliding.followers import is_led
+from hybond.engine.sliding.followers import goes_along
 from hybond.engine.sliding.what_happened import is_held
 
 SLIDING: Final = -1
@@ -146,5 +146,5 @@ def note_transitions(e: Engine, i: Instant, slid: int) -> int:
             note_fired(i, machine, s.settled[machine], s.mark[machine])
             if m.is_law[machine] == 0:
                 why = PUSHED_BACK if s.many + slid > 0 else THROWN_BACK
-                say_why(i.told, FOLLOWS if is_led(m, s, machine) else why)
+                say_why(i.told, FOLLOWS if goes_along(m, s, machine) else why)
     return i.waiting

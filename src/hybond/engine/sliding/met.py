@@ -12,6 +12,7 @@ from hybond.engine.mode.equations import mode_of
 from hybond.engine.mode.values import evaluate
 from hybond.engine.sliding.around import find_field, take_met
 from hybond.engine.sliding.combine import combine_here
+from hybond.engine.sliding.corners import put_side
 from hybond.engine.sliding.crossings import vanishes
 from hybond.engine.sliding.surface import put_read, surface_rate
 from hybond.engine.sliding.what_happened import fired_once, is_between, is_held, went_and_came
@@ -153,7 +154,6 @@ def drop(e: Engine, surface: int) -> None:
     """Give a machine that slides no more the side that its rules, or its function, ask for."""
     m = e.model
     s = e.slide
-    machine = m.surface_machine[surface]
     if mode_of(e, s.settled) != OK or combine_here(e, s.settled) != OK:
         return
     if evaluate(e, e.mode, e.shown, e.t, e.y) != OK:
@@ -166,8 +166,6 @@ def drop(e: Engine, surface: int) -> None:
         down = down and value(m, m.rest_value[i], e.shown) != 0.0
     g = value(m, m.surface_value[surface], e.shown)
     if up != down:
-        s.target[machine] = m.surface_above[surface] if up else m.surface_below[surface]
-    elif g > 0.0:
-        s.target[machine] = m.surface_above[surface]
-    elif g < 0.0:
-        s.target[machine] = m.surface_below[surface]
+        put_side(m, surface, up, s.target)
+    elif g != 0.0:
+        put_side(m, surface, g > 0.0, s.target)

@@ -77,6 +77,8 @@ class Slide:
     """Of each part, a row: how fast each function moves."""
     change: Floats
     """How the weights, columns, move the functions, rows."""
+    gone: Ints
+    """Of each surface: 1 if all parts move its function up alike, -1 if down, 0 if they differ."""
     margin: Floats
     """How far each surface is from being left, below, then above."""
     tilted: Floats
@@ -210,6 +212,7 @@ def fit_slide(m: Model, s: Slide, k: int, parts: int) -> None:
     s.tilted = floats(s.room)
     s.right = floats(s.room)
     s.pivot = ints(s.room)
+    s.gone = ints(s.room)
     s.matrix = floats(s.room * s.room)
     s.change = floats(s.room * s.room)
     s.margin = floats(2 * s.room)

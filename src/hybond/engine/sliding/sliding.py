@@ -19,6 +19,7 @@ from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.instant.instant import GUARD, Instant
 from hybond.engine.mode.equations import mode_of
 from hybond.engine.sliding.branches import choose_anew, choose_own, know_around
+from hybond.engine.sliding.corners import put_side
 from hybond.engine.sliding.crossings import collapse, take_back
 from hybond.engine.sliding.filippov import ABOVE, SLIDES
 from hybond.engine.sliding.followers import let_follow
@@ -136,7 +137,7 @@ def take_sides(e: Engine, i: Instant, moved: bool) -> int:
                 if onto(e, surface) != OK:
                     return -1
         elif joint and (fired or is_held(e, surface)):
-            s.target[machine] = here
+            put_side(m, surface, s.best[j] == ABOVE, s.target)
     return slid
 
 

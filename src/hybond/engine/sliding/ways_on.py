@@ -13,6 +13,7 @@ from hybond.engine.sliding.around import find_field, take_met
 from hybond.engine.sliding.blend import blend, find_speeds
 from hybond.engine.sliding.branches import choose_own
 from hybond.engine.sliding.common_space import find_common
+from hybond.engine.sliding.corners import cross_as_one
 from hybond.engine.sliding.crossings import do_meet
 from hybond.engine.sliding.filippov import ABOVE, BELOW, SLIDES, find_ways
 from hybond.engine.sliding.followers import let_follow
@@ -125,7 +126,10 @@ def push(e: Engine, slides: int) -> int:
 
 
 def one_each(e: Engine) -> None:
-    """Keep one surface of those that coincide: that whose machine moves something."""
+    """Keep one surface of those that coincide: that whose machine moves something alone.
+
+    It takes the others along, if nothing else is asked of any.
+    """
     m = e.model
     s = e.slide
     kept = 0
@@ -141,8 +145,9 @@ def one_each(e: Engine) -> None:
             kept += 1
         elif acts(e, surface) and not acts(e, s.met_surface[twin]):
             s.met_surface[twin] = surface
-        elif m.tells != 0 and acts(e, surface):
-            s.twin[surface] = 1 + s.met_surface[twin]
+        elif m.tells != 0 and not cross_as_one(m, surface, s.met_surface[twin]):
+            if acts(e, surface):
+                s.twin[surface] = 1 + s.met_surface[twin]
     s.met = kept
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from hybond.engine.tables.columns import first_of
 from hybond.engine.tables.contacts import rules_of
 from hybond.engine.tables.guards import magnitude, seen_in_motion
-from hybond.equations.surfaces import Surface, coincide, moves, surfaces_of
+from hybond.equations.surfaces import Surface, moves, surfaces_of, way_beside
 from hybond.model.expressions import Expr, Not, differentiate, names, simplify
 from hybond.model.graph import Rule
 
@@ -35,9 +35,7 @@ def put_surfaces(t: ModelTables) -> None:
     t.ints["surface_up"] = [rules[s.machine, s.up] for s in surfaces]
     t.ints["surface_down"] = [rules[s.machine, s.down] for s in surfaces]
     t.ints["surface_value"] = [t.values.number(s.g, s.text) for s in surfaces]
-    t.ints["surface_twin"] = [
-        int(a is not b and coincide(a, b)) for a in surfaces for b in surfaces
-    ]
+    t.ints["surface_twin"] = [0 if a is b else way_beside(a, b) for a in surfaces for b in surfaces]
     slopes = [_slopes(t, s) for s in surfaces]
     t.ints["surface_first"] = first_of(slopes)
     t.ints["surface_kind"] = [k for row in slopes for k, _, _ in row]
