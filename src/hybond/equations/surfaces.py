@@ -328,8 +328,7 @@ def _generic(count: int) -> tuple[list[float], ...]:
 
 
 def way_beside(one: Surface, other: Surface) -> int:
-    """Return 1 if two machines switch on the same surface, -1 if each calls above what the other
-    calls below, and 0 if their surfaces differ."""
+    """Return 1 if two machines switch on one surface, -1 if with sides exchanged, else 0."""
     if names(one.g) != names(other.g):
         return 0
     if _opposite(one.g, other.g):

@@ -30,8 +30,8 @@ from hybond.engine.mode.equations import mode_of
 from hybond.engine.sliding.branches import choose_anew, know_around
 from hybond.engine.sliding.combine import combine_here
 from hybond.engine.sliding.filippov import SLIDES
-from hybond.engine.sliding.onto import onto_surfaces
 from hybond.engine.sliding.followers import goes_along
+from hybond.engine.sliding.onto import onto_surfaces
 from hybond.engine.sliding.what_happened import is_held
 
 SLIDING: Final = -1

@@ -11,8 +11,8 @@ from hybond.engine.tables.columns import FLOATS, INTS, ModelTables, put_rows
 from hybond.engine.tables.contacts import limit_at_rest, put_contacts
 from hybond.engine.tables.courses import put_courses
 from hybond.engine.tables.elements import put_elements
-from hybond.engine.tables.islands import put_islands
 from hybond.engine.tables.followers import put_followers
+from hybond.engine.tables.islands import put_islands
 from hybond.engine.tables.kinks import put_kinks
 from hybond.engine.tables.laws import put_laws
 from hybond.engine.tables.machines import put_machines
