@@ -100,6 +100,7 @@ passes them::
         blend, averages, common_space, outputs    their combination, asked as a mode is
         surface, onto, going_on, slide_records    surfaces; back onto them; what is written
         followers           machines that read the states of those that slide
+        second_kind         where a switching function and its rate come to rest
     methods/
         stepping            one step of the method asked for
         scale, signal_sizes, lately    tolerances of what is stored and what is integrated

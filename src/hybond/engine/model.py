@@ -376,8 +376,8 @@ class Model:
     surfaces: int
     surface_machine: Ints
     surface_below: Ints
-    surface_above: Ints
-    """The states in which the machine is where the function is negative, and positive."""
+    surface_above: Ints  # the states where the function is negative, and positive
+    surface_rate_of: Ints  # the surface of whose function this is the rate; -1: of none
     surface_up: Ints
     surface_down: Ints
     """The rules that lead there."""

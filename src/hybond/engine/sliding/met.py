@@ -14,6 +14,7 @@ from hybond.engine.sliding.around import find_field, take_met
 from hybond.engine.sliding.combine import combine_here
 from hybond.engine.sliding.corners import put_side
 from hybond.engine.sliding.crossings import vanishes
+from hybond.engine.sliding.second_kind import comes_to_rest, counts
 from hybond.engine.sliding.surface import put_read, surface_rate
 from hybond.engine.sliding.what_happened import fired_once, is_between, is_held, went_and_came
 from hybond.engine.words import Floats
@@ -48,6 +49,8 @@ def find_met(e: Engine, i: Instant, before: Floats, moved: bool) -> int:
         f = fired_once(i, machine)
         crossed = f >= 0 and is_between(m, surface, i.source.at[f], i.target.at[f])
         held = is_held(e, surface)
+        if not counts(e, surface):
+            continue
         if known or not (crossed or held or anew):
             continue
         if not shown:
@@ -66,7 +69,7 @@ def find_met(e: Engine, i: Instant, before: Floats, moved: bool) -> int:
             # there and back by a pinnacle: towards the surface, if its jumps have vanished
             sure = True
         if sure or is_on(e, surface):
-            s.met_surface[s.met] = surface
+            s.met_surface[s.met] = comes_to_rest(e, surface) if crossed and sure else surface
             s.met += 1
     return OK
 
