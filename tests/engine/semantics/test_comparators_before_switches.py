@@ -107,3 +107,47 @@ def test_a_comparator_takes_its_switch_along_where_a_load_ends_its_sliding(tmp_p
     assert run.mode["S1_state"] == "closed"
     loads = 1.0 / R + 1.0 / 5.05
     assert float(run["out.e"].at(6e-3)) == pytest.approx(V / RS / (1.0 / RS + loads), rel=1e-6)
+
+
+def filtered(tau: float, turned: bool, direct: bool) -> hb.Model:
+    """Return the charger with a filter before its comparator, which is the switch if `direct`."""
+    m = hb.Model("filtered", domain="electrical")
+    m.add(V=hb.Se(V), s=hb.One(), R=hb.R(RS), n=hb.Zero(), c=hb.C(C), load=hb.R(R))
+    m.add(f=hb.One(), Rf=hb.R(1e3), cf=hb.C(tau / 1e3))
+    m.bond("V -> s -> n -> c", "s -> R", "n -> load", "n -> f -> Rf")
+    m.bond("cf -> f" if turned else "f -> cf")
+    # turned round, the effort of the filter is against the flow of its junction
+    sign = "-" if turned else ""
+    low, high = f"{sign}cf.e < {VS}", f"{sign}cf.e > {VS}"
+    on, off = {"no": [], "yes": []}, {"no": [], "yes": ["s"]}
+    rules = [f"no -> yes when {low}", f"yes -> no when {high}"]
+    m.machine("k", states=off if direct else on, start="no", rules=rules)
+    if not direct:
+        rules = ['no -> yes when k.state == "yes"', 'yes -> no when k.state == "no"']
+        m.machine("S", states=off, start="no", rules=rules)
+    return m
+
+
+@pytest.mark.parametrize(
+    ("tau", "turned", "direct"), [(1e-6, False, False), (5e-7, True, False), (2e-6, True, True)]
+)
+def test_a_comparator_behind_a_filter_comes_to_rest(tau: float, turned: bool, direct: bool) -> None:
+    run = hb.simulate(filtered(tau, turned, direct), "3 ms", max_events=10_000)
+    assert run.status == "ok"
+    assert float(run["n.e"].at(3e-3)) == pytest.approx(VS, rel=1e-9)
+    assert run.weight("k" if direct else "S", "yes", 3e-3) == pytest.approx(PART, rel=1e-7)
+    assert run.audit().holds()
+
+
+def test_a_surface_that_turns_into_one_that_no_switch_moves_is_left() -> None:
+    m = hb.Model("turns")
+    m.add(x1=hb.C(1.0, q=-1.0), s1=hb.Sf('if r.state == "up" then 1 else -1'), n1=hb.Zero())
+    m.add(x2=hb.C(1.0, q=-1.0), s2=hb.Sf(0.5), n2=hb.Zero())
+    m.bond("s1 -> n1 -> x1", "s2 -> n2 -> x2")
+    rules = ["up -> down when max(x1.q, x2.q) > 0", "down -> up when max(x1.q, x2.q) < 0"]
+    m.machine("r", states={"up": [], "down": []}, start="up", rules=rules)
+    run = hb.simulate(m, "3 s")
+    # x1 is held at 0 from 1 s on, until x2 arrives there at 2 s
+    assert (run.status, len(run.events)) == ("ok", 3)
+    assert run.events[2].t == pytest.approx(2.0, abs=1e-7)
+    assert float(run["x1.q"].at(3.0)) == pytest.approx(-1.0, abs=1e-7)
