@@ -1,8 +1,8 @@
 """Where a switching function and its rate come to rest together.
 
 Behind a filter the rate is the same on both sides of a surface, and pushed back from both: the
-switch acts ever faster, with ever smaller swings. When these are next to nothing, the machine goes on
-along the surface of the rate, on which its function stays at zero.
+switch acts ever faster, with ever smaller swings. When these are next to nothing, the machine goes
+on along the surface of the rate, on which its function stays at zero.
 """
 
 from __future__ import annotations
