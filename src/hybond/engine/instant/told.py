@@ -27,7 +27,7 @@ PUSHED_BACK: Final = -5
 THROWN_BACK: Final = -6
 """Its own jump does."""
 FOLLOWS: Final = -9
-"""A machine that it reads, or that crossed the same surface, slid and has ceased to."""
+"""It goes along with a machine that slides, or did."""
 OVER_A_STEP: Final = -7
 """Complementarity over a step. Read are common and net variable of each junction of the law."""
 STEP_ENDS: Final = -8

@@ -1,7 +1,8 @@
 """Machines that follow others: a switch behind a comparator, a gate behind gates.
 
-Their rules read the states of machines alone. Where a machine that they read slides, each of the
-modes that are combined has them as they are there, and their rules rest.
+Their rules read the states of machines, beside time and inputs alone. Where a machine that they
+read slides, each of the modes that are combined has them as they are there, and their rules rest;
+what these ask for in each mode is watched.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ from typing import Final
 
 from hybond.engine.answers import value
 from hybond.engine.engine import Engine
+from hybond.engine.inputs.interval import set_time
 from hybond.engine.model import Model
 from hybond.engine.sliding.corners import cross_as_one
 from hybond.engine.sliding.slide_records import Slide
@@ -25,6 +27,8 @@ def let_follow(e: Engine, state: Ints) -> None:
     """
     m = e.model
     moved = m.followers > 0
+    if moved:
+        set_time(e, e.slide.led, e.t)
     for _ in range(m.followers):
         if not moved:
             return
@@ -50,7 +54,9 @@ def first_holding(e: Engine, machine: int, state: int) -> int:
     """Return the first rule that leads a machine away from a state, NONE if there is none."""
     m = e.model
     for rule in range(m.rule_first[machine], m.rule_first[machine + 1]):
-        if m.rule_source[rule] == state and value(m, m.rule_value[rule], e.slide.led) != 0.0:
+        # not those by which a machine leaves where it has landed
+        asked = m.rule_source[rule] == state and m.rule_landed[rule] == 0
+        if asked and value(m, m.rule_value[rule], e.slide.led) != 0.0:
             return rule
     return NONE
 

@@ -25,6 +25,10 @@ from hybond.engine.words import Floats
 SWING: Final = 1e-8
 """A swing of a function below this part of what it is made of is over: guards hold a little beyond
 their surface, by rounding, and below some 1e-9 that keeps swings up for ever."""
+KEPT_UP: Final = 1e-5
+"""So is one below this part that does not fade: beside large energies rounding is more."""
+FADES: Final = 1e-3
+"""It does if a swing begins at a speed that is less by this part than the one before."""
 
 
 def counts(e: Engine, surface: int) -> bool:
@@ -84,7 +88,11 @@ def is_pushed_back(e: Engine, surface: int) -> bool:
         return False
     show_state(e, e.t, e.y, s.v)
     speed = side_value(e, 0, s.v)
-    return speed * speed <= 2.0 * push * SWING * size_of(e, surface, s.v)
+    at = 2 * surface + (1 if speed > 0.0 else 0)
+    change = math.fabs(speed - s.swing[at])
+    s.swing[at] = speed
+    small = SWING if change > FADES * math.fabs(speed) else KEPT_UP
+    return speed * speed <= 2.0 * push * small * size_of(e, surface, s.v)
 
 
 def size_of(e: Engine, surface: int, v: Floats) -> float:

@@ -9,6 +9,8 @@ from hybond.model.graph import FlatGraph, Machine
 
 STATE = "in:"
 """What the name of a state of a machine begins with; its number and that of the state follow."""
+KNOWN = (STATE, "u:", "at:", "time")
+"""What the names that they read begin with: nothing that a mode would have to be solved for."""
 
 
 def put_followers(t: ModelTables) -> None:
@@ -21,11 +23,11 @@ def put_followers(t: ModelTables) -> None:
 
 
 def followers_of(g: FlatGraph) -> dict[int, list[int]]:
-    """Return the machines of two states whose rules read states of others alone, and which.
+    """Return the machines of two states that follow others, and which.
 
     Those read are followed as well. What feeds itself, as gates that make a latch, is none.
     """
-    reads = {m.index: _read(m) for m in g.machines if _reads_states(m)}
+    reads = {m.index: _read(m) for m in g.machines if _may_follow(m)}
     followed: dict[int, list[int]] = {}
     for k in reads:
         seen: set[int] = set()
@@ -40,13 +42,13 @@ def followers_of(g: FlatGraph) -> dict[int, list[int]]:
     return followed
 
 
-def _reads_states(m: Machine) -> bool:
-    """Whether a machine has two states, and rules that read states of machines alone."""
+def _may_follow(m: Machine) -> bool:
+    """Whether a machine has two states, and rules that read nothing that has to be solved for."""
     return (
         is_by_hand(m)
         and len(m.states) == 2
         and all(
-            not prior_names(r.guard) and all(n.startswith(STATE) for n in names(r.guard))
+            not prior_names(r.guard) and all(n.startswith(KNOWN) for n in names(r.guard))
             for r in m.rules
         )
     )
@@ -54,4 +56,5 @@ def _reads_states(m: Machine) -> bool:
 
 def _read(m: Machine) -> list[int]:
     """Return the machines whose states the rules of a machine read."""
-    return sorted({int(n.split(":")[1]) for r in m.rules for n in names(r.guard)})
+    read = {n for r in m.rules for n in names(r.guard) if n.startswith(STATE)}
+    return sorted({int(n.split(":")[1]) for n in read})
