@@ -151,3 +151,28 @@ def test_a_surface_that_turns_into_one_that_no_switch_moves_is_left() -> None:
     assert (run.status, len(run.events)) == ("ok", 3)
     assert run.events[2].t == pytest.approx(2.0, abs=1e-7)
     assert float(run["x1.q"].at(3.0)) == pytest.approx(-1.0, abs=1e-7)
+
+
+def test_a_comparator_beside_a_sensed_current_comes_to_rest_beside_large_energies(
+    tmp_path: Path,
+) -> None:
+    cards = ("V1 in 0 12", "S1 in sw g 0 SWI", "S2 0 sw h 0 SWI", "L1 sw o 100u", "Rs o x 0.05")
+    cards += ("R1 x 0 2", "Rf o f 1k", "Cf f x 100p", "Bg g 0 V=if(v(f,x)<0.1,5,0)")
+    cards += ("Bh h 0 V=5-v(g)", ".tran 0.1u 1m uic")
+    run = hb.simulate(deck(tmp_path, *cards), max_events=10_000)
+    assert run.status == "ok"
+    assert float(run["L1.f"].at(8e-4)) == pytest.approx(2.0, rel=1e-4)
+    assert run.weight("S1_state", "closed", 8e-4) == pytest.approx(4.2 / 12.0, rel=1e-3)
+
+
+def test_a_clock_cuts_a_comparator_off_again_and_again(tmp_path: Path) -> None:
+    cards = (f"V1 in 0 {V}", "S1 in a g 0 SWI", f"R0 a out {RS - 0.05}", f"C1 out 0 {C}")
+    cards += (f"R1 out 0 {R}", "Vc c 0 PULSE(0 5 1m 10n 10n 0.5m 1m)")
+    cards += ("Bg g 0 V=if(v(out)<5,1,0)*v(c)", ".tran 0.1u 3.2m uic")
+    run = hb.simulate(deck(tmp_path, *cards))
+    assert run.status == "ok"
+    # held at 5 V while the clock is up, from 2 to 2.5 ms, then it falls through the load
+    assert run.weight("S1_state", "closed", 2.45e-3) == pytest.approx(PART, rel=1e-9)
+    fallen = VS * 2.718281828459045 ** (-(0.3e-3 - 15e-9) / (R * C))
+    assert float(run["out.e"].at(2.8e-3)) == pytest.approx(fallen, rel=1e-7)
+    assert run.weight("S1_state", "closed", 2.8e-3) == 0.0
