@@ -12,10 +12,10 @@ from dataclasses import replace
 from hybond.equations.calculus import rate_name
 from hybond.equations.storage import stiffness
 from hybond.equations.surfaces import Surface, surfaces_of
-from hybond.model.expressions import Binary, Expr, Neg, Number, differentiate, names, simplify
+from hybond.model.expressions import Binary, Expr, Name, Neg, Number, differentiate, names, simplify
 from hybond.model.graph import FlatGraph, Storage
 
-READ = ("x:", "s:", "e:", "f:")
+READ = ("x:", "s:", "e:", "f:", "u:", "time")
 """What a function may read that has a rate here."""
 
 
@@ -52,6 +52,10 @@ class _Behind:
     def rate(self, name: str) -> Expr | None:
         """Return how fast a stored quantity, a signal or a bond variable moves."""
         kind, _, index = name.partition(":")
+        if kind == "time":
+            return Number(1.0)
+        if kind == "u":
+            return Name(f"du:{index}")
         if kind == "s":
             return self.graph.integrals[int(index)].rate
         if kind == "x":

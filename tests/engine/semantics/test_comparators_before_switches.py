@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from itertools import product
 from pathlib import Path
 
@@ -176,3 +177,18 @@ def test_a_clock_cuts_a_comparator_off_again_and_again(tmp_path: Path) -> None:
     fallen = VS * 2.718281828459045 ** (-(0.3e-3 - 15e-9) / (R * C))
     assert float(run["out.e"].at(2.8e-3)) == pytest.approx(fallen, rel=1e-7)
     assert run.weight("S1_state", "closed", 2.8e-3) == 0.0
+
+
+@pytest.mark.parametrize(
+    ("reference", "at"),
+    [("SIN(5 0.5 100)", 5.0 + 0.5 * math.sin(0.6 * math.pi)), ("PWL(0 5 2m 5 4m 4.5)", 4.75)],
+)
+def test_a_filtered_quantity_follows_a_reference_that_moves(
+    tmp_path: Path, reference: str, at: float
+) -> None:
+    cards = (f"V1 in 0 {V}", "S1 in a g 0 SWI", f"R0 a out {RS - 0.05}", f"C1 out 0 {C}")
+    cards += (f"R1 out 0 {R}", "Rf out f 1k", "Cf f 0 1n", f"Vr r 0 {reference}")
+    cards += ("Bg g 0 V=if(v(f)<v(r),5,0)", ".tran 1u 4m uic")
+    run = hb.simulate(deck(tmp_path, *cards), max_events=10_000)
+    assert run.status == "ok"
+    assert float(run["Cf.e"].at(3e-3)) == pytest.approx(at, rel=1e-7)
