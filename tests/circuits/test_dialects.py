@@ -231,6 +231,18 @@ def test_diodes_are_read_in_one_go_however_many(tmp_path, monkeypatch):
     assert sum(read) == 2 * for_all
 
 
+@pytest.mark.parametrize("leak", ["1k", "1meg"])
+def test_a_clamp_that_carries_one_surge_early_in_the_run_is_taken_there(tmp_path, leak):
+    """10 A for 50 ns of 200: ``v = N Vt ln(1 + i/IS) + RS i`` above the rail, and a little after."""
+    path = tmp_path / "esd.cir"
+    cards = "I1 0 x PULSE(0 10 10n 1n 1n 50n 1)", "D1 x r DI", "V1 r 0 3.3", "V2 q 0 3.5"
+    rest = f"R1 q x {leak}", ".model DI D(IS=1e-14 N=0.5 RS=10m)", ".tran 1n 200n"
+    path.write_text("\n".join(["esd", *cards, *rest, ".end", ""]))
+    run = hb.simulate(hb.read_circuit(path, diode_current="auto").model)
+    drop = 0.5 * 0.025864186 * math.log(1e15) + 0.1
+    assert float(run["x.e"].at(4e-8)) == pytest.approx(3.3 + drop, abs=1e-3)
+
+
 SCHEMATIC = """Version 4
 SHEET 1 0 0
 FLAG 0 0 in

@@ -77,7 +77,9 @@ def two_futures() -> hb.Model:
 def twins() -> hb.Model:
     m = system([f"-{signum('a')} - 0.5*{signum('b')}"], [-1.0])
     relay(m, "a", "x1.q")
-    relay(m, "b", "x1.q")
+    # asks for more: it need not cross together with the other
+    rules = ["above -> below when x1.q < 0 and x1.q < 7", "below -> above when x1.q > 0"]
+    m.machine("b", states={"above": [], "below": []}, start="below", rules=rules)
     return m
 
 

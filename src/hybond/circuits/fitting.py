@@ -7,11 +7,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hybond.measures.chebyshev import WEIGHTS, coefficients, tails
 from hybond.measures.pieces import Pieces, steps_of
 from hybond.measures.window import Window
 from hybond.result import Result
+
+Vector = NDArray[np.float64]
 
 OFF = 1.5
 """A current that is off by less is not told."""
@@ -19,6 +22,9 @@ TOLD = 1e-3
 """Nor is a drop that is off by less, V."""
 CLOSE = 1e-3
 """To this part of its mean a current is read."""
+LITTLE = 0.01
+"""Where the last half of a run has less than this part of a diode's charge, all of it counts: a
+surge, or what charges only once."""
 NOTHING = 1e-9
 """Nor is it read closer than to this part of the largest of all: what is smaller is rounding."""
 STEPS = 8
@@ -56,7 +62,8 @@ class Fit:
     Parameters
     ----------
     carried : float
-        The mean of its current weighted with the charge, in the last half of the run, A.
+        The mean of its current weighted with the charge, in the last half of the run, or in all of
+        it if nearly all the charge came before, A.
     apart : float
         The drop of the line less that of the curve at this current, V; never negative.
     """
@@ -112,15 +119,42 @@ def fits(run: Result, tangents: Sequence[Tangent]) -> list[Fit]:
 
 
 def _powers(run: Result, tangents: Sequence[Tangent]) -> list[list[float]]:
-    """Return the integrals of currents and of their squares, shape (tangents, 2).
+    """Return the integrals of currents and of their squares, shape (tangents, 2)."""
+    middle = 0.5 * (run.t_begin + run.t_end)
+    last = _integrals(run, tangents, Window(middle, run.t_end))
+    begin = Window(run.t_begin, middle)
+    if not tangents or not _had_more(run, tangents, begin, last[:, 0]).any():
+        found: list[list[float]] = last.tolist()
+        return found
+    first = _integrals(run, tangents, begin)
+    early = last[:, 0] < LITTLE * (first[:, 0] + last[:, 0])
+    sums: list[list[float]] = np.where(early[:, None], first + last, last).tolist()
+    return sums
+
+
+def _had_more(
+    run: Result, tangents: Sequence[Tangent], begin: Window, charge: Vector
+) -> NDArray[np.bool_]:
+    """Whether a diode seems to have carried far more charge in the first half than later on."""
+    if begin.length <= 0.0:
+        return np.zeros(len(tangents), bool)
+    steps = together(steps_of(run, begin), STEPS)
+    names = [f"{tangent.name}.f" for tangent in tangents]
+    flat = run._of(names, steps.segment, 0.5 * (steps.low + steps.high))
+    about = np.reshape(flat, (len(names), -1)) @ (steps.high - steps.low)
+    had: NDArray[np.bool_] = LITTLE * about > 0.1 * charge
+    return had
+
+
+def _integrals(run: Result, tangents: Sequence[Tangent], half: Window) -> Vector:
+    """Return those of a part of the run.
 
     All diodes are read in one go: to solve the circuit at a point costs more than to read it.
     """
-    half = Window(0.5 * (run.t_begin + run.t_end), run.t_end)
     names = [f"{tangent.name}.f" for tangent in tangents]
     sums = np.zeros((len(names), 2))
     if not names or half.length <= 0.0:
-        return sums.tolist()
+        return sums
     todo = together(steps_of(run, half), STEPS)
     count = 0
     while len(todo):
@@ -134,7 +168,7 @@ def _powers(run: Result, tangents: Sequence[Tangent]) -> list[list[float]]:
         ok = (tails(coefficients(read)) <= allowed[:, None]).all(axis=0) | (count > PIECES)
         sums += np.column_stack([charge[:, ok].sum(axis=1), square[:, ok].sum(axis=1)])
         todo = todo.part(~ok).halved()
-    return sums.tolist()
+    return sums
 
 
 def together(pieces: Pieces, many: int) -> Pieces:

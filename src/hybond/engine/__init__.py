@@ -76,6 +76,7 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
         outputs, averages   it is asked as a mode is
         values              what expressions read and how the state moves, in either
         onto                back onto surfaces
+        followers           machines that read the states of those that slide
     jumps/
         jump, trial         what is stored on entering a mode; every signal that follows
         untouched           what a jump does not reach stays as it was
@@ -145,6 +146,7 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
         jump_balance        energy of a jump that comes from nowhere
         doubts, left_out, telling, told, instant    what is warned of, told and written down
     sliding/
+        second_kind         where a switching function and its rate come to rest
         sliding, what_happened, met    after an event: which machines slide from there
         ways_on, filippov, crossings, additive, ways_told    how the state goes on
         around, going_on    modes on both sides, tried; what goes on sliding, or leaves

@@ -367,10 +367,8 @@ class Model:
     """Sign of the impact law's value in what must vanish at rest."""
     reaction_law: Ints
     reaction_law_constant: Floats
-    reaction_prior: Ints
-    """Of each: its law among those that read ``pre()``, or -1."""
-    prescribed_first: Ints
-    """Of each reaction: bond variables whose sum must vanish at rest."""
+    reaction_prior: Ints  # of each: its law among those that read ``pre()``, or -1
+    prescribed_first: Ints  # of each reaction: bond variables whose sum must vanish at rest
     prescribed_column: Ints
     prescribed_sign: Floats
 
@@ -378,16 +376,14 @@ class Model:
     surfaces: int
     surface_machine: Ints
     surface_below: Ints
-    surface_above: Ints
-    """The states in which the machine is where the function is negative, and positive."""
+    surface_above: Ints  # the states where the function is negative, and positive
+    surface_rate_of: Ints  # the surface of whose function this is the rate; -1: of none
     surface_up: Ints
     surface_down: Ints
     """The rules that lead there."""
     surface_value: Ints
-    surface_twin: Ints
-    """Of each pair of surfaces, row after row: whether they coincide."""
-    surface_first: Ints
-    """Of each surface: the slopes of its function."""
+    surface_twin: Ints  # of each pair: 1 if they are one surface, -1 if turned round
+    surface_first: Ints  # of each surface: the slopes of its function
     surface_kind: Ints
     """0: by a stored quantity, 1 a signal, 2 time, 3 an input, 4 a bond variable, 5 a Boolean."""
     surface_index: Ints
@@ -396,13 +392,17 @@ class Model:
     surface_rest: Ints
     """Of each surface: what else the rule asks for that leads up, then that which leads down."""
     rest_value: Ints
-    rest_moves: Ints
-    """Whether that changes while time passes."""
+    rest_moves: Ints  # whether that changes while time passes
     rest_pair: Ints
     """If it does: the pair, and the expression while time passes, that it does not hold."""
     rest_test: Ints
     rest_atom: Ints
     """The differences of its comparisons, behind those of rules; then the next one's."""
+    followers: int  # machines that read states of machines alone: sliding/followers.py
+    follower: Ints
+    follower_first: Ints
+    """Of each follower: the machines that it reads, and those that these follow."""
+    follower_reads: Ints
     kinks: int
     """What changes its sign where a law, a source or a rate has a kink: a step ends there."""
     kink_atom: int

@@ -61,6 +61,8 @@ class Surface:
     up_rest: tuple[Expr, ...]
     down_rest: tuple[Expr, ...]
     """`up_rest` and `down_rest`: what else each of them asks for."""
+    rate_of: int = -1
+    """The surface of whose function this is the rate, by its number; -1: of none."""
 
 
 def surfaces_of(graph: FlatGraph) -> tuple[Surface, ...]:
@@ -327,11 +329,13 @@ def _generic(count: int) -> tuple[list[float], ...]:
     )
 
 
-def coincide(one: Surface, other: Surface) -> bool:
-    """Whether two machines switch on the same surface, whichever side each calls above."""
+def way_beside(one: Surface, other: Surface) -> int:
+    """Return 1 if two machines switch on one surface, -1 if with sides exchanged, else 0."""
     if names(one.g) != names(other.g):
-        return False
-    return _opposite(one.g, other.g) or _opposite(one.g, Binary("-", Number(0.0), other.g))
+        return 0
+    if _opposite(one.g, other.g):
+        return -1
+    return int(_opposite(one.g, Binary("-", Number(0.0), other.g)))
 
 
 def with_hysteresis(surfaces: Sequence[Surface], band: float) -> dict[Rule, Expr]:

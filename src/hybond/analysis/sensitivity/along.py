@@ -293,11 +293,17 @@ class _Along:
             raise Undetermined(ENDS[event.cause])
         end = self.fields.ending(segment, None if event is None else np.asarray(event.before))
         begin = self._begin(following, event)
-        found = crossing(self.fields, segment, end, event)
-        if found.text == NO_CAUSE:
-            size = np.abs(end.f[0]) + np.abs(begin.f[0])
-            if (np.abs(end.f[0] - begin.f[0]) > UNSEEN * size).any():
-                raise Undetermined("the motion changes, and what became zero was not found")
+        same = not _differs(end, begin)
+        try:
+            found = crossing(self.fields, segment, end, event)
+        except Undetermined:
+            # a diode that begins to conduct where no current may flow: its instant does nothing
+            if not same or event is None or not np.array_equal(event.before, event.after):
+                raise
+            many = len(self.fields.columns.parameters)
+            found = Crossing(np.zeros(self.fields.size + many), NO_CAUSE)
+        if found.text == NO_CAUSE and not same:
+            raise Undetermined("the motion changes, and what became zero was not found")
         jump = self._wide(switched(self.fields, t, end, found, event, begin))
         moves = jump.moved(d)
         self._together(segment, moves)
@@ -420,6 +426,12 @@ class _Along:
             if made[1].is_open(field.at):
                 raise Undetermined("the mode leaves open how what is read is shared")
         return made[0].at(field.at.values, field.at.points), made[1].at(field.at, field.bonds)
+
+
+def _differs(end: Field, begin: Field) -> bool:
+    """Whether a motion goes on at other rates than those it came with."""
+    size = np.abs(end.f[0]) + np.abs(begin.f[0])
+    return bool((np.abs(end.f[0] - begin.f[0]) > UNSEEN * size).any())
 
 
 def _slices(many: int) -> Iterator[slice]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from hybond.engine.contacts.landing_records import in_force
 from hybond.engine.engine import Engine
+from hybond.engine.surfaces.followers import is_led
 
 
 def is_asked(e: Engine, machine: int, rule: int, state: int) -> bool:
@@ -18,7 +19,7 @@ def is_asked_beside(e: Engine, machine: int, rule: int, state: int) -> bool:
     """Whether it may while surfaces are slid on.
 
     The rules between the two states of a surface that is slid on rest, those from either to a third
-    hold in both; machines that switch on the same surface rest as well.
+    hold in both; machines that switch on the same surface rest as well, and those that follow.
     """
     m = e.model
     s = e.slide
@@ -32,6 +33,8 @@ def is_asked_beside(e: Engine, machine: int, rule: int, state: int) -> bool:
         above = m.surface_above[surface]
         if m.surface_machine[surface] == machine and (source == below or source == above):
             return target != below and target != above and (state == below or state == above)
+    if is_led(m, s, machine):
+        return False
     for other in range(m.surfaces):
         if rule != m.surface_up[other] and rule != m.surface_down[other]:
             continue

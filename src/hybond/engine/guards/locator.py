@@ -18,6 +18,7 @@ from hybond.engine.mode.reading import read_guard, read_nothing
 from hybond.engine.mode.sum_records import Sums, begin_as_large, begin_sums, make_sums
 from hybond.engine.mode.sums import take_sum
 from hybond.engine.model import Model
+from hybond.engine.surfaces.followers import is_led
 from hybond.engine.surfaces.surface import part_mode
 from hybond.engine.words import Floats, Ints, float_table, floats, ints, record
 
@@ -364,7 +365,7 @@ def watch(e: Engine, g: Locator, state: Ints) -> None:
     g.kept = own
     rules = m.rule_first[m.machines]
     rests = m.surface_rest[2 * m.surfaces]
-    several = s.parts + 1 if s.k > 0 and m.laws > 0 else 1
+    several = s.parts + 1 if s.k > 0 and (m.laws > 0 or m.followers > 0) else 1
     atoms = several * m.atom_first[rules] + m.rest_atom[rests] - m.atom_first[rules]
     if not same or m.watches > 0 or s.k > 0:
         forget_denied(g)
@@ -376,9 +377,8 @@ def watch(e: Engine, g: Locator, state: Ints) -> None:
     read_nothing(m, g.reads)
     for k in range(m.machines):
         for r in range(m.rule_first[k], m.rule_first[k + 1]):
-            if m.rule_watched[r] == 0 or not is_asked(e, k, r, state[k]):
-                continue
-            if e.planar.leading and m.law_planar[k] != 0:
+            leads = e.planar.leading and m.law_planar[k] != 0
+            if leads or m.rule_watched[r] == 0 or not is_asked(e, k, r, state[k]):
                 continue
             watch_rule(e, g, r, ALL_PARTS)
             read_guard(m, e.mode, g.reads, r)
@@ -429,15 +429,15 @@ def watch_slide(e: Engine, g: Locator) -> None:
                 g.test[g.guards] = m.rest_test[p]
                 end_guard(g, m.rest_atom[p], m.rest_atom[p + 1])
     for margin in range(2 * s.k):
-        # where a weight leaves 0 ... 1, a machine leaves its surface
         begin_guard(g, NONE, ALL_PARTS)
         g.margin[g.guards] = margin
         end_guard(g, NONE - margin, NONE - margin + 1)
-    for part in range(s.parts if m.laws > 0 else 0):
-        own = part_mode(e, part)
+    for part in range(s.parts if m.laws > 0 or m.followers > 0 else 0):
         for k in range(m.machines):
-            for r in range(m.rule_first[k], m.rule_first[k + 1] if m.is_law[k] != 0 else 0):
-                if m.rule_watched[r] != 0 and m.rule_source[r] == own.state[k]:
+            there = m.is_law[k] != 0 or is_led(m, s, k)
+            for r in range(m.rule_first[k], m.rule_first[k + 1] if there else 0):
+                asked = m.rule_source[r] == part_mode(e, part).state[k] and m.rule_landed[r] == 0
+                if asked and m.rule_watched[r] != 0:
                     watch_rule(e, g, r, part)
 
 

@@ -26,6 +26,8 @@ PUSHED_BACK: Final = -5
 """The other surfaces push the machine back."""
 THROWN_BACK: Final = -6
 """Its own jump does."""
+FOLLOWS: Final = -9
+"""It goes along with a machine that slides, or did."""
 OVER_A_STEP: Final = -7
 """Complementarity over a step. Read are common and net variable of each junction of the law."""
 STEP_ENDS: Final = -8

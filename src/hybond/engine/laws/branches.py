@@ -12,6 +12,7 @@ from hybond.engine.jumps.trial import a_priori
 from hybond.engine.laws.entering import enter
 from hybond.engine.surfaces.branch_table import add_branches, find_branches, take_branches
 from hybond.engine.surfaces.corners import count_corners, put_corner
+from hybond.engine.surfaces.followers import let_follow
 from hybond.engine.words import Floats, Ints
 
 
@@ -44,6 +45,7 @@ def know_branches(e: Engine, state: Ints, k: int, product: bool, side: Ints) -> 
         return
     for part in range(count_corners(k, product)):
         put_corner(e.model, state, part, k, product, side, s.state)
+        let_follow(e, s.state)
         choose(e, s.state)
 
 

@@ -55,6 +55,8 @@ def choose_given(e: Engine, r: Laws, p: Ports, mode: Mode) -> None:
         for k in range(m.ports):
             bound = mode.constraints.rows + mode.agreements.rows
             frees = mode.finite_frees
+            if bound == 0 and frees == 0:
+                return
             before = p.given[k]
             p.given[k] = NET if before == COMMON else COMMON
             make_again(e, r, p, mode)

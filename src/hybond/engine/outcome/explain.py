@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from hybond.engine.tables import ModelTables
 from hybond.engine.tables.contacts import rules_of
-from hybond.equations.surfaces import surfaces_of
+from hybond.equations.surface_rates import all_surfaces
 from hybond.model.expressions import names
 from hybond.model.graph import FlatGraph, Machine, Mode, Rule
 from hybond.model.kinds import TWO_PORTS
@@ -32,6 +32,7 @@ WHY = {
     -6: "its jump throws it back",
     OVER_A_STEP: "complementarity over the step",
     -8: "holds where the step ends",
+    -9: "follows the machines that it reads",
 }
 """Why a transition fired if no rule did: as in `hybond.engine.instant.told`."""
 OPEN_BEFORE = 2
@@ -112,7 +113,7 @@ class Explaining:
         ]
         self._rules = [rule for _, rule in ruled]
         self._ruled = [machine for machine, _ in ruled]
-        self.surfaces = surfaces_of(graph)
+        self.surfaces = all_surfaces(graph)
         self._bonds = tables.bonds
         rows = named_rows(graph)
         self._names = rows.names

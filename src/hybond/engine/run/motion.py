@@ -345,7 +345,7 @@ def flow(e: Engine, r: Run) -> int:
                     return LAW
                 r.cut = not near
                 return GUARD if near else STOPPED
-            if e.checks.looked == e.t:
+            if e.checks.looked == e.t and e.checks.shown_at == e.t:
                 look_at_guards(e)
             rest_at_roots(e, r)
             if see_crawl(e, r) != OK or go_on(e) != OK:

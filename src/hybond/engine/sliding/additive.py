@@ -9,6 +9,8 @@ from hybond.engine.engine import OK, Engine
 from hybond.engine.laws.branches import choose_own
 from hybond.engine.mode.equations import mode_of
 from hybond.engine.surfaces.blend import solve_part
+from hybond.engine.surfaces.corners import put_side
+from hybond.engine.surfaces.followers import let_follow
 from hybond.engine.surfaces.outputs import show_state
 from hybond.engine.words import Floats
 
@@ -34,10 +36,8 @@ def how_switches_act(e: Engine) -> int:
         for j in range(s.k):
             up = check == 0 or j % 2 == (1 if check == 1 else 0)
             s.trial_side[j] = 1 if up else 0
-            surface = s.side[j]
-            s.target[m.surface_machine[surface]] = (
-                m.surface_above[surface] if up else m.surface_below[surface]
-            )
+            put_side(m, s.side[j], up, s.target)
+        let_follow(e, s.target)
         choose_own(e, s.target)
         if mode_of(e, s.target) != OK:
             return NO_FIELD

@@ -18,6 +18,7 @@ from hybond.engine.instant.instant import (
     note_step,
 )
 from hybond.engine.instant.told import (
+    FOLLOWS,
     PUSHED_BACK,
     SLIDES_OFF,
     SLIDES_ON,
@@ -30,6 +31,7 @@ from hybond.engine.mode.equations import mode_of
 from hybond.engine.sliding.filippov import SLIDES
 from hybond.engine.sliding.what_happened import is_held
 from hybond.engine.surfaces.combine import combine_here
+from hybond.engine.surfaces.followers import goes_along
 from hybond.engine.surfaces.onto import onto_surfaces
 
 SLIDING: Final = -1
@@ -143,5 +145,6 @@ def note_transitions(e: Engine, i: Instant, slid: int) -> int:
         if not known:
             note_fired(i, machine, s.settled[machine], s.mark[machine])
             if m.is_law[machine] == 0:
-                say_why(i.told, PUSHED_BACK if s.many + slid > 0 else THROWN_BACK)
+                why = PUSHED_BACK if s.many + slid > 0 else THROWN_BACK
+                say_why(i.told, FOLLOWS if goes_along(m, s, machine) else why)
     return i.waiting

@@ -11,8 +11,10 @@ from hybond.engine.instant.instant import GUARD, Instant
 from hybond.engine.mode.equations import mode_of
 from hybond.engine.sliding.around import find_field, take_met
 from hybond.engine.sliding.crossings import vanishes
+from hybond.engine.sliding.second_kind import comes_to_rest, counts
 from hybond.engine.sliding.what_happened import fired_once, is_between, is_held, went_and_came
 from hybond.engine.surfaces.combine import combine_here
+from hybond.engine.surfaces.corners import put_side
 from hybond.engine.surfaces.surface import put_read, surface_rate
 from hybond.engine.surfaces.values import evaluate
 from hybond.engine.words import Floats
@@ -47,6 +49,8 @@ def find_met(e: Engine, i: Instant, before: Floats, moved: bool) -> int:
         f = fired_once(i, machine)
         crossed = f >= 0 and is_between(m, surface, i.source.at[f], i.target.at[f])
         held = is_held(e, surface)
+        if not counts(e, surface):
+            continue
         if known or not (crossed or held or anew):
             continue
         if not shown:
@@ -65,7 +69,7 @@ def find_met(e: Engine, i: Instant, before: Floats, moved: bool) -> int:
             # there and back by a pinnacle: towards the surface, if its jumps have vanished
             sure = True
         if sure or is_on(e, surface):
-            s.met_surface[s.met] = surface
+            s.met_surface[s.met] = comes_to_rest(e, surface) if crossed and sure else surface
             s.met += 1
     return OK
 
@@ -153,7 +157,6 @@ def drop(e: Engine, surface: int) -> None:
     """Give a machine that slides no more the side that its rules, or its function, ask for."""
     m = e.model
     s = e.slide
-    machine = m.surface_machine[surface]
     if mode_of(e, s.settled) != OK or combine_here(e, s.settled) != OK:
         return
     if evaluate(e, e.mode, e.shown, e.t, e.y) != OK:
@@ -166,8 +169,6 @@ def drop(e: Engine, surface: int) -> None:
         down = down and value(m, m.rest_value[i], e.shown) != 0.0
     g = value(m, m.surface_value[surface], e.shown)
     if up != down:
-        s.target[machine] = m.surface_above[surface] if up else m.surface_below[surface]
-    elif g > 0.0:
-        s.target[machine] = m.surface_above[surface]
-    elif g < 0.0:
-        s.target[machine] = m.surface_below[surface]
+        put_side(m, surface, up, s.target)
+    elif g != 0.0:
+        put_side(m, surface, g > 0.0, s.target)

@@ -25,6 +25,8 @@ from hybond.engine.sliding.going_on import go_on_sliding
 from hybond.engine.sliding.met import drop, find_met, onto
 from hybond.engine.sliding.ways_on import A_WAY, NO_WAY, STOPS, decide
 from hybond.engine.sliding.what_happened import fired_once, has_moved, is_held
+from hybond.engine.surfaces.corners import put_side
+from hybond.engine.surfaces.followers import let_follow
 from hybond.engine.words import Floats
 
 COLLAPSES: Final = 3
@@ -84,6 +86,7 @@ def slide_after(e: Engine, i: Instant, before: Floats) -> int:
             known = known or s.met_surface[p] == surface
         if not known and (now == m.surface_below[surface] or now == m.surface_above[surface]):
             drop(e, surface)
+    let_follow(e, s.target)
     if held > 0 or slid > 0:
         # what is shown, and what goes on alone, has the branches of its own laws
         choose_own(e, s.target)
@@ -134,7 +137,7 @@ def take_sides(e: Engine, i: Instant, moved: bool) -> int:
                 if onto(e, surface) != OK:
                     return -1
         elif joint and (fired or is_held(e, surface)):
-            s.target[machine] = here
+            put_side(m, surface, s.best[j] == ABOVE, s.target)
     return slid
 
 

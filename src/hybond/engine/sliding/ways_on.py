@@ -22,6 +22,8 @@ from hybond.engine.sliding.ways_told import (
 )
 from hybond.engine.surfaces.blend import blend, find_speeds
 from hybond.engine.surfaces.common_space import find_common
+from hybond.engine.surfaces.corners import cross_as_one
+from hybond.engine.surfaces.followers import let_follow
 from hybond.engine.surfaces.outputs import find_agreeing, show_state
 
 MOVES_ALIKE: Final = 1e-12
@@ -124,7 +126,10 @@ def push(e: Engine, slides: int) -> int:
 
 
 def one_each(e: Engine) -> None:
-    """Keep one surface of those that coincide: that whose machine moves something."""
+    """Keep one surface of those that coincide: that whose machine moves something alone.
+
+    It takes the others along, if nothing else is asked of any.
+    """
     m = e.model
     s = e.slide
     kept = 0
@@ -140,8 +145,9 @@ def one_each(e: Engine) -> None:
             kept += 1
         elif acts(e, surface) and not acts(e, s.met_surface[twin]):
             s.met_surface[twin] = surface
-        elif m.tells != 0 and acts(e, surface):
-            s.twin[surface] = 1 + s.met_surface[twin]
+        elif m.tells != 0 and not cross_as_one(m, surface, s.met_surface[twin]):
+            if acts(e, surface):
+                s.twin[surface] = 1 + s.met_surface[twin]
     s.met = kept
 
 
@@ -158,6 +164,7 @@ def acts(e: Engine, surface: int) -> bool:
         s.target[m.surface_machine[surface]] = (
             m.surface_above[surface] if side == 1 else m.surface_below[surface]
         )
+        let_follow(e, s.target)
         choose_own(e, s.target)
         if mode_of(e, s.target) != OK or not find_field(e, s.rates if side == 0 else s.rate):
             s.k = k

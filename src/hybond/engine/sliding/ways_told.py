@@ -39,7 +39,7 @@ def warn_of_surface(e: Engine, kind: int, surface: int) -> None:
 def warn_of_twins(e: Engine, met: int) -> None:
     """Warn of machines that switch on a surface slid on, and do not slide; `met` were met.
 
-    Complementary switches cross the surface of their common gate together: nothing slides there.
+    Complementary switches that ask for nothing else cross it together, and slide together.
     """
     s = e.slide
     for i in range(met):

@@ -106,7 +106,11 @@ def show_part(e: Engine, part: int, v: Floats) -> None:
     for b in range(2 * m.bonds):
         at = part * 2 * m.bonds + b
         v[m.bond_slot + b] = (
-            s.w[b] if part < 0 else s.plain_solution[at] if s.common else s.solution[at]
+            s.w[b]
+            if part < 0
+            else s.plain_solution[at]
+            if s.common and m.laws > 0
+            else s.solution[at]
         )
 
 

@@ -131,14 +131,36 @@ def is_here(e: Engine, v: Floats) -> bool:
 def find_weights(e: Engine) -> int:
     """Find the weights with which no switching function moves."""
     s = e.slide
-    if s.product:
+    for j in range(s.k):
+        s.gone[j] = 0
+    if s.product and s.k > 1:
         return find_product(e)
     for j in range(s.k):
         for p in range(s.k):
             s.change[j * s.k + p] = s.part_speed[(p + 1) * s.k + j] - s.part_speed[j]
             s.matrix[j * s.k + p] = s.change[j * s.k + p]
         s.weight[j] = -s.part_speed[j]
+        leave_alone(e, j)
     return solve_weights(e, s.weight)
+
+
+def leave_alone(e: Engine, j: int) -> None:
+    """Ask for the side that function j moves to, if no switch changes how fast it moves.
+
+    Then there is nothing to slide on any more: an event, or a kink, has made the parts alike.
+    """
+    s = e.slide
+    for p in range(s.k):
+        size = math.fabs(s.part_speed[(p + 1) * s.k + j]) + math.fabs(s.part_speed[j])
+        if not math.fabs(s.change[j * s.k + p]) <= ROUNDING * size:
+            return
+    up = s.part_speed[j] > 0.0
+    if s.part_speed[j] == 0.0:
+        up = e.mode.state[e.model.surface_machine[s.side[j]]] == e.model.surface_above[s.side[j]]
+    s.gone[j] = 1 if up else -1
+    for p in range(s.k):
+        s.matrix[j * s.k + p] = 1.0 if p == j else 0.0
+    s.weight[j] = 1.0 if up else 0.0
 
 
 def find_product(e: Engine) -> int:
@@ -240,6 +262,9 @@ def find_margins(e: Engine) -> None:
     for j in range(s.k):
         s.margin[2 * j] = s.weight[j]
         s.margin[2 * j + 1] = 1.0 - s.weight[j]
+        if s.gone[j] != 0:
+            s.margin[2 * j + (1 if s.gone[j] > 0 else 0)] = -1.0
+            continue
         if not s.common:
             continue
         low = side_speed(e, j, 0.0)

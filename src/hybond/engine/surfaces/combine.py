@@ -8,6 +8,7 @@ from hybond.engine.mode.kept_modes import keep_together
 from hybond.engine.surfaces.branch_table import take_branches
 from hybond.engine.surfaces.common_space import find_common
 from hybond.engine.surfaces.corners import count_corners, put_corner
+from hybond.engine.surfaces.followers import let_follow
 from hybond.engine.surfaces.slide_records import fit_slide
 from hybond.engine.surfaces.surface import is_of_state
 from hybond.engine.words import Ints
@@ -28,6 +29,7 @@ def take_parts(e: Engine, state: Ints) -> int:
     keep_together(e, 2 * s.parts)
     for part in range(s.parts):
         put_corner(m, state, part, s.k, s.product, s.side, s.corner)
+        let_follow(e, s.corner)
         take_branches(m, s, s.corner)
         if mode_of(e, s.corner) != OK:
             return REFUSED

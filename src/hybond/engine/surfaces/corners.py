@@ -30,11 +30,32 @@ def put_corner(
     for machine in range(m.machines):
         out[machine] = base[machine]
     for j in range(k):
-        surface = side[j]
-        above = is_above(k, product, part, j)
-        out[m.surface_machine[surface]] = (
-            m.surface_above[surface] if above else m.surface_below[surface]
-        )
+        put_side(m, side[j], is_above(k, product, part, j), out)
+
+
+def put_side(m: Model, surface: int, above: bool, out: Ints) -> None:
+    """Put the machine of a surface on one side, and those that always cross it together."""
+    out[m.surface_machine[surface]] = (
+        m.surface_above[surface] if above else m.surface_below[surface]
+    )
+    for other in range(m.surfaces):
+        if not cross_as_one(m, surface, other):
+            continue
+        now = out[m.surface_machine[other]]
+        if now == m.surface_below[other] or now == m.surface_above[other]:
+            same = m.surface_twin[surface * m.surfaces + other] > 0
+            out[m.surface_machine[other]] = (
+                m.surface_above[other] if above == same else m.surface_below[other]
+            )
+
+
+def cross_as_one(m: Model, surface: int, other: int) -> bool:
+    """Whether the machines of two surfaces cross what is one surface together, whatever holds."""
+    return (
+        m.surface_twin[surface * m.surfaces + other] != 0
+        and m.surface_rest[2 * surface] == m.surface_rest[2 * surface + 2]
+        and m.surface_rest[2 * other] == m.surface_rest[2 * other + 2]
+    )
 
 
 def put_coefficients(s: Slide, weight: Floats, out: Floats) -> None:

@@ -34,6 +34,8 @@ def onto_surfaces(e: Engine, t: float, y: Floats) -> int:
             return OK
         if blend(e, v) != OK:
             return NOT_FINITE
+        if is_left(e):
+            return OK
         for i in range(s.k * s.k):
             s.matrix[i] = s.change[i]
         if solve_weights(e, s.right) != OK:
@@ -51,6 +53,15 @@ def onto_surfaces(e: Engine, t: float, y: Floats) -> int:
             return OK
         s.known = False
     return OK
+
+
+def is_left(e: Engine) -> bool:
+    """Whether a surface is left here: no switch holds its function."""
+    s = e.slide
+    for j in range(s.k):
+        if s.gone[j] != 0:
+            return True
+    return False
 
 
 def side_value(e: Engine, j: int, v: Floats) -> float:

@@ -77,6 +77,8 @@ class Slide:
     """Of each part, a row: how fast each function moves."""
     change: Floats
     """How the weights, columns, move the functions, rows."""
+    gone: Ints
+    """Of each surface: 1 if all parts move its function up alike, -1 if down, 0 if they differ."""
     margin: Floats
     """How far each surface is from being left, below, then above."""
     tilted: Floats
@@ -85,6 +87,8 @@ class Slide:
     v: Floats
     ahead: Floats
     """Values near those of the combination."""
+    led: Floats
+    """Values of which only time, inputs and states of machines are put, for those that follow."""
     state: Ints
     corner: Ints
     target: Ints
@@ -129,6 +133,8 @@ class Slide:
     energy_after: float
     endless: Ints
     """Of each surface: whether it was said that jumps back and forth over it have no end."""
+    swing: Floats
+    """Of each surface, crossed downwards and upwards: how fast its function last was there."""
     ways: Block
     """Weights of the ways on."""
 
@@ -150,6 +156,7 @@ def make_slide(m: Model) -> Slide:
     s.agrees = ints(surfaces)
     s.chosen = ints(surfaces)
     s.endless = ints(surfaces)
+    s.swing = floats(2 * surfaces)
     s.kept_met = ints(surfaces)
     s.parts = 1
     s.directions = make_block(1)
@@ -171,6 +178,7 @@ def make_slide(m: Model) -> Slide:
     s.rate = floats(n)
     s.v = floats(2 * m.slots)
     s.ahead = floats(2 * m.slots)
+    s.led = floats(2 * m.slots if m.followers > 0 else 0)
     s.state = ints(m.machines)
     s.corner = ints(m.machines)
     s.target = ints(m.machines)
@@ -207,6 +215,7 @@ def fit_slide(m: Model, s: Slide, k: int, parts: int) -> None:
     s.tilted = floats(s.room)
     s.right = floats(s.room)
     s.pivot = ints(s.room)
+    s.gone = ints(s.room)
     s.matrix = floats(s.room * s.room)
     s.change = floats(s.room * s.room)
     s.margin = floats(2 * s.room)

@@ -20,9 +20,10 @@ if TYPE_CHECKING:
 
 NONE = -2
 """What stands for an option that a law does not have."""
-CONFIGURATIONS = 4096
+CONFIGURATIONS = 128
 """Ways to set what machines switch beside the laws up to which the tables say for each which
-variable of each law is given; beyond, the engine finds it from the equations of what it enters."""
+variable of each law is given, at some 2 ms each; beyond, the engine finds it from the equations of
+what it enters."""
 OPTIONS = ("limit", "breakaway", "gap", "gate", "restitution", "stiffness")
 
 

@@ -11,6 +11,7 @@ from hybond.engine.tables.columns import FLOATS, INTS, ModelTables, put_rows
 from hybond.engine.tables.contacts import limit_at_rest, put_contacts
 from hybond.engine.tables.courses import put_courses
 from hybond.engine.tables.elements import put_elements
+from hybond.engine.tables.followers import put_followers
 from hybond.engine.tables.islands import put_islands
 from hybond.engine.tables.kinks import put_kinks
 from hybond.engine.tables.laws import put_laws
@@ -72,6 +73,7 @@ def tables_of(
     put_laws(t)
     put_acting(t)
     put_surfaces(t)
+    put_followers(t)
     put_kinks(t)
     put_courses(t)
     put_arguments(t)

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 from hybond.engine.tables.columns import first_of
 from hybond.engine.tables.contacts import rules_of
 from hybond.engine.tables.guards import magnitude, seen_in_motion
-from hybond.equations.surfaces import Surface, coincide, moves, surfaces_of
+from hybond.equations.surface_rates import all_surfaces
+from hybond.equations.surfaces import Surface, moves, way_beside
 from hybond.model.expressions import Expr, Not, differentiate, names, simplify
 from hybond.model.graph import Rule
 
@@ -22,7 +23,7 @@ what is ON or the state of a machine."""
 def put_surfaces(t: ModelTables) -> None:
     """Put the switching surfaces of all machines into the tables."""
     g = t.graph
-    surfaces = surfaces_of(g)
+    surfaces = all_surfaces(g)
     # what was found of a surface is kept from model to model: its rules are equal, not the same
     listed = [(m, f.rule) for m, own in enumerate(rules_of(g)) for f in own]
     rules: dict[tuple[int, Rule], int] = {}
@@ -32,12 +33,11 @@ def put_surfaces(t: ModelTables) -> None:
     t.ints["surface_machine"] = [s.machine for s in surfaces]
     t.ints["surface_below"] = [s.below for s in surfaces]
     t.ints["surface_above"] = [s.above for s in surfaces]
+    t.ints["surface_rate_of"] = [s.rate_of for s in surfaces]
     t.ints["surface_up"] = [rules[s.machine, s.up] for s in surfaces]
     t.ints["surface_down"] = [rules[s.machine, s.down] for s in surfaces]
     t.ints["surface_value"] = [t.values.number(s.g, s.text) for s in surfaces]
-    t.ints["surface_twin"] = [
-        int(a is not b and coincide(a, b)) for a in surfaces for b in surfaces
-    ]
+    t.ints["surface_twin"] = [0 if a is b else way_beside(a, b) for a in surfaces for b in surfaces]
     slopes = [_slopes(t, s) for s in surfaces]
     t.ints["surface_first"] = first_of(slopes)
     t.ints["surface_kind"] = [k for row in slopes for k, _, _ in row]
