@@ -8,6 +8,10 @@ it is asked as well.
 
 Comparisons that are nowhere near zero in the step keep their signs too, whatever else stands in
 them (`far_guards`).
+
+What begins at zero, and has no slope there, leaves it by a power of time: near its beginning the
+polynomial is what the step is off by. There it has no sign; it has one from where it has grown
+beyond that.
 """
 
 from __future__ import annotations
@@ -38,7 +42,7 @@ from hybond.engine.guards.quartic import (
     solve_quartic,
     turns,
 )
-from hybond.engine.guards.step_polynomials import take_step
+from hybond.engine.guards.step_polynomials import MOVES, take_step
 from hybond.engine.guards.unresolved import see_carried
 from hybond.engine.methods.dopri import spacing
 from hybond.engine.methods.stepping import by_radau
@@ -46,6 +50,10 @@ from hybond.engine.mode.mode_records import is_constrained
 
 FEW: Final = 4
 """Comparisons of a guard whose signs are remembered; there is a bit for all signs together."""
+OFF: Final = 4.0
+"""How many times its error a dense output may be off between the places where that is known, ..."""
+COEFFICIENT: Final = 2.0**-42
+"""... and what rounding leaves of its coefficients, as a part of the terms of a comparison."""
 
 
 def solve_guards(e: Engine, g: Locator) -> bool:
@@ -172,7 +180,8 @@ def of_polynomials(e: Engine, g: Locator, k: int, before: float) -> float:
         middle = 0.5 * (low + high)
         if low >= min(before, end) or g.failed:
             break
-        if middle > low and middle < high and middle < end and not is_known(e, g, k, middle):
+        told = middle > low and middle < high and middle < end and has_begun(e, g, k, middle)
+        if told and not is_known(e, g, k, middle):
             if holds_at(e, g, k, middle):
                 if i == 0:
                     return bracket(e, g, k, low, middle)
@@ -183,10 +192,42 @@ def of_polynomials(e: Engine, g: Locator, k: int, before: float) -> float:
         asked = touches or unclear > (0 if last else 1)
         # a root in the last place of the step has nothing behind it but the end
         asked = asked or (last and high > e.step.t0 and not (low < middle and middle < high))
-        if high < end and asked and holds_at(e, g, k, high):
+        if high < end and asked and has_begun(e, g, k, high) and holds_at(e, g, k, high):
             return begin_near(e, g, k, quiet, high, high)
         low = high
     return math.inf
+
+
+def has_begun(e: Engine, g: Locator, k: int, t: float) -> bool:
+    """Whether what a guard compares, where it begins at zero, has grown beyond what steps are off.
+
+    Up to a place where it has not, its sign is that of the error.
+    """
+    x = (t - e.step.t0) / (e.step.t1 - e.step.t0)
+    for a in range(g.atom_first[k], g.atom_first[k + 1]):
+        if g.sign[a] != 0 or x >= 1.0:
+            continue
+        off = error_of(e, g, a)
+        at = COEFFICIENTS * a
+        grown = math.fabs(g.step[at])
+        power = x
+        for i in range(1, COEFFICIENTS):
+            grown += math.fabs(g.step[at + i]) * power
+            power *= x
+        if grown <= off:
+            return False
+    return True
+
+
+def error_of(e: Engine, g: Locator, a: int) -> float:
+    """Return how far the polynomial of a comparison may be off within the step."""
+    s = g.sums
+    off = 0.0
+    for p in range(s.first.at[a], s.first.at[a + 1]):
+        k = s.column.at[p]
+        if g.motion[k] == MOVES:
+            off += math.fabs(s.factor.at[p] * e.step.error[k])
+    return max(OFF * off, COEFFICIENT * g.extent[a])
 
 
 def begin_near(e: Engine, g: Locator, k: int, low: float, here: float, high: float) -> float:
