@@ -72,6 +72,19 @@ def test_what_is_not_connected_beside_it_changes_nothing():
     assert [e.t for e in run.events] == pytest.approx([0.0, 0.5, lands(0.8, 0.5)], abs=1e-8)
 
 
+@pytest.mark.parametrize("solver", ["euler", "rk4"])
+@pytest.mark.parametrize("step", ["1 ms", "7 ms"])
+@pytest.mark.parametrize("gap", ["if x < 1.5 then y else y + 0.8", "y + 0.4*(1 + sign(x - 1.5))"])
+def test_fixed_steps_see_the_edge_wherever_it_is_in_a_step(gap, step, solver):
+    """They slid on in the air; an edge at the end of a step, but for rounding, is in no step."""
+    run = hb.simulate(block(gap), 1.2, solver=solver, step=step)
+    near = 1e-2 if solver == "euler" else 1e-8
+    assert run.events.t[1] == pytest.approx(0.5, abs=1e-8)
+    assert [e.t for e in run.events] == pytest.approx([0.0, 0.5, lands(0.8, 0.5)], abs=near)
+    assert run["y"].at(0.7) == pytest.approx(-0.5 * FALL * 0.2**2, abs=near)
+    assert run["y"].at(1.2) == pytest.approx(-0.8, abs=1e-8)
+
+
 def test_stairs_are_gone_down_one_by_one():
     run = hb.simulate(block("y + 0.05*floor(x/0.6)"), 1.05)
     falls = [t for k in range(1, 6) for t in (0.2 * k, lands(0.05, 0.2 * k))]

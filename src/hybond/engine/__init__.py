@@ -148,7 +148,8 @@ passes them::
         edges, roots_reached    where laws end; roots that come to rest
         stranded            motion that gets nowhere
         log, run_records, carried, trying    what is written, handed on, tried
-        report, run, unit   in a printed program: what is shown; the program; driven by others
+        report, run, unit, unit_gaps    in a printed program: what is shown; the program; driven
+                            by others, who do not know how they have come to where a gap jumps
     timestepping/
         theta_step, matrices    one step
         step_sizes, step_laws, guessed    what it is measured by; laws at its end

@@ -413,6 +413,8 @@ class Model:
     kink_rooted: Ints  # whether a law takes the root of it, or of what it is a multiple of
     kink_meets: Ints  # whether all that is said of it has one value there as well
     kink_node: Ints  # the element that says it; -1: the rate of a signal
+    jumping_gaps: int
+    jumping_gap: Ints  # kinks at which the gap of a contact jumps
     timed_laws: int  # those of laws and sources, which come first
     timed_jumps: int
     timed_jump: Ints  # what depends on time and known inputs, and jumps by one at least
