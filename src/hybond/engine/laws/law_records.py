@@ -136,6 +136,8 @@ class Laws:
     rounding: Floats
     """What rounding of each `y` is measured by."""
     able: Ints
+    gaps_given: bool
+    """Whether the state is one that was given, whose contacts may be said to be closed."""
     gaps_noted: bool
     gap_before: Floats
     """Gaps just before the instant that is settled, where they may jump, ..."""
