@@ -73,8 +73,8 @@ passes them::
         law_parallel, law_shares    idle laws beside those that carry; friction that shares a load
         law_candidates, law_trials    whether a mode stands up to its laws; all that can be tried
         law_seconds, law_standing    more than one answer; the one that stands already
-        gaps, gaps_left     whether the gap of a contact is the distance that its bonds close, and
-                            whether it jumps away from it
+        gaps, gaps_held, gaps_left    whether the gap of a contact is the distance that its bonds
+                            close, and goes on to be; whether it jumps away from it
     complementarity/
         law_problem, law_roles    the question as a complementarity problem
         one_sided, lcp, lcp_forms, lemke, pivoting    without friction; its solution

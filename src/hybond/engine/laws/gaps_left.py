@@ -44,7 +44,8 @@ def keep_gaps(e: Engine) -> None:
 def take_up_gaps(e: Engine, known: bool, given: bool) -> None:
     """Let gaps before the first instant be those at the end of the run before, if these are known.
 
-    Where a state is `given`, nothing is known, and what it has closed may be apart. A change of what a gap is made of is none of what it was.
+    Where a state is `given`, nothing is known, and what it has closed may be apart. A change of
+    what a gap is made of is none of what it was.
     """
     if e.model.laws == 0:
         return

@@ -136,6 +136,7 @@ class Laws:
     rounding: Floats
     """What rounding of each `y` is measured by."""
     able: Ints
+    kept_state: Floats
     gaps_given: bool
     """Whether the state is one that was given, whose contacts may be said to be closed."""
     gaps_noted: bool
@@ -239,6 +240,8 @@ class Laws:
     answered: bool
     """Whether the graph has answered at the state `answered_x`, and nothing was asked since."""
     answered_x: Floats
+    furthest: float
+    """How far a closed contact has been apart when gaps were held against their bonds last."""
     gaps_known: bool
     """Whether gaps were held against what their bonds close."""
     sweep: bool
@@ -314,6 +317,7 @@ def make_laws(m: Model) -> Laws:
     r.q = floats(n)
     r.rounding = floats(n)
     r.able = ints(n)
+    r.kept_state = floats(m.storages)
     r.gap_before = floats(n)
     r.gap_earlier = floats(n)
     r.comes = ints(m.machines)

@@ -36,6 +36,7 @@ from hybond.engine.instant.instant import (
 from hybond.engine.instant.jump import on_constraints
 from hybond.engine.instant.settle import settle
 from hybond.engine.instant.told import STEP_ENDS, say_why
+from hybond.engine.laws.gaps_held import hold_gaps
 from hybond.engine.laws.laws import check_limits, limits_vary
 from hybond.engine.methods.fixed import SLACK
 from hybond.engine.mode.equations import mode_of
@@ -129,6 +130,8 @@ def make_step(e: Engine, r: Run, t1: float, h: float) -> int:
     if vary and check_limits(e, e.t, e.shown) != OK:
         return REFUSED
     warn_of_shares(e, s)
+    if m.laws > 0 and hold_gaps(e, e.shown) != OK:
+        return REFUSED
     if note_event(e, s, r.instant, h):
         r.events += 1
         report_event(e, r.report, r.instant)
