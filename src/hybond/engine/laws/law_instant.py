@@ -124,6 +124,9 @@ def find_able(e: Engine, r: Laws) -> int:
     stack.was_first = 0
     stack.jumps = False
     stack.terms = r.terms
+    for k in range(m.ports if r.reach_t != r.t else 0):
+        r.reach[k] = 0.0
+    r.reach_t = r.t
     for k in range(m.ports):
         on = is_on(m, k, r.state[m.port_machine[k]])
         r.able[k] = 1
@@ -146,7 +149,9 @@ def find_able(e: Engine, r: Laws) -> int:
                     return REFUSED
             r.largest[k] = max(r.largest[k], math.fabs(gap))
             stays = on and not is_left(e, r, k, gap)
-            r.able[k] = 1 if stays or sign <= 0 or gap <= CLOSED * r.largest[k] else 0
+            touches = sign <= 0 or gap <= CLOSED * r.largest[k] or gap <= r.reach[k]
+            r.able[k] = 1 if stays or touches else 0
+            r.gap_now[k] = gap
         if m.port_gate[k] != NO_LAW_VALUE:
             gate = quantity(m, m.port_gate, m.port_gate_constant, k, r.v) != 0.0
             if m.port_gate_pair[k] >= 0:

@@ -43,6 +43,7 @@ from hybond.engine.laws.law_instant import (
 from hybond.engine.laws.law_parallel import find_shares
 from hybond.engine.laws.law_records import Laws
 from hybond.engine.laws.response import respond
+from hybond.engine.methods.one_instant import room_of_instant
 from hybond.engine.mode.tableau import COMMON, NET
 from hybond.engine.model import Model
 from hybond.engine.reasons.facts import tell_ports
@@ -99,6 +100,7 @@ def find_jumping(e: Engine, r: Laws, x: Floats) -> int:
     clean(m, r, r.y)
     if find_able(e, r) != OK:
         return -1
+    reach_gaps(e, r)
     if r.at_once:
         close_gaps(m, r)
     wrong = False
@@ -173,6 +175,17 @@ def find_jumping(e: Engine, r: Laws, x: Floats) -> int:
     if m.tells != 0:
         tell_ports(e, r, True)
     return -1
+
+
+def reach_gaps(e: Engine, r: Laws) -> None:
+    """Let contacts touch that what is stored closes within the instant: rounding orders nothing."""
+    m = e.model
+    room = room_of_instant(e, r.t)
+    for k in range(m.ports):
+        apart = m.port_gap_pair[k] >= 0 and r.able[k] == 0 and r.now.given[k] == COMMON
+        if apart and r.gap_now[k] <= -r.y[k] * room:
+            r.able[k] = 1
+            r.reach[k] = r.gap_now[k]
 
 
 def note_edges(m: Model, r: Laws) -> None:

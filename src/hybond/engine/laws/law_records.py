@@ -1,5 +1,6 @@
 """What the laws of junctions need in a run: ports, their response, what is being tried."""
 
+import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import Block, Places, make_block, make_places
@@ -137,6 +138,10 @@ class Laws:
     """What rounding of each `y` is measured by."""
     able: Ints
     kept_state: Floats
+    gap_now: Floats
+    reach: Floats
+    """Gaps that are closed within the instant at `reach_t`."""
+    reach_t: float
     gaps_given: bool
     """Whether the state is one that was given, whose contacts may be said to be closed."""
     gaps_noted: bool
@@ -318,6 +323,9 @@ def make_laws(m: Model) -> Laws:
     r.rounding = floats(n)
     r.able = ints(n)
     r.kept_state = floats(m.storages)
+    r.gap_now = floats(n)
+    r.reach = floats(n)
+    r.reach_t = math.nan
     r.gap_before = floats(n)
     r.gap_earlier = floats(n)
     r.comes = ints(m.machines)

@@ -25,6 +25,7 @@ from typing import Final
 from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.answers import value
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
+from hybond.engine.instant.in_force import is_asked
 from hybond.engine.instant.instant import (
     CONTINUOUS,
     GUARD,
@@ -181,7 +182,7 @@ def guard_fires(e: Engine, s: Stepping) -> bool:
             continue
         own = False
         for rule in range(m.rule_first[k], m.rule_first[k + 1]):
-            if m.rule_source[rule] == e.state[k]:
+            if is_asked(e, k, rule, e.state[k]):
                 own = own or value(m, m.rule_value[rule], e.shown) != 0.0
         if not own:
             continue
