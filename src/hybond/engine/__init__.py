@@ -151,7 +151,7 @@ passes them::
         report, run, unit, unit_gaps    in a printed program: what is shown; the program; driven
                             by others, who do not know how they have come to where a gap jumps
     timestepping/
-        theta_step, matrices    one step
+        theta_step, matrices, law_work    one step
         step_sizes, step_laws, guessed    what it is measured by; laws at its end
         open_shares         who carries what
         step_event, step_shown, step_records    what is written and shown
