@@ -394,7 +394,10 @@ def finish_step(e: Engine, s: Stepping, p: Ports, t1: float, h: float) -> None:
     balance_step(e, s)
     for k in range(m.ports):
         s.most[k] = max(s.most[k], math.fabs(s.before[k]))
-        hit = e.laws.role[k] == ONE_SIDED and s.l[k] > 0.0 and s.before[k] < -AT_REST * s.most[k]
+        # what the law of a body at rest gives it within a step is far more than rounding
+        moved = math.fabs(s.now.m.at[k * m.ports + k] * s.l[k])
+        approach = s.before[k] < -AT_REST * max(s.most[k], moved)
+        hit = e.laws.role[k] == ONE_SIDED and s.l[k] > 0.0 and approach
         s.struck[k] = 1 if hit else 0
     times_partner(m, p, s.w, s.wl)
     for k in range(m.ports):
