@@ -103,3 +103,31 @@ def test_a_machine_that_fires_twice_is_not_told_of_at_every_step() -> None:
     assert run.events.t[1:] == pytest.approx([0.35667494, 0.35667494 + 40.0 / 70.0], abs=2e-3)
     again = hb.simulate(m, 2.0, solver="moreau-jean", step="1 ms", start=run.state(0.6))
     assert again.final["c.e"] == pytest.approx(run.final["c.e"], rel=1e-12)
+
+
+@pytest.mark.parametrize("gives", [0.3, 0.8, 1.0])
+@pytest.mark.parametrize("soft", [None, 0.0])
+@pytest.mark.parametrize("given", [{}, {"turned": True}, {"rotational": True}])
+def test_a_wall_that_is_left_is_struck_after_the_impact_and_not_with_it(
+    given: dict[str, bool], soft: float | None, gives: float
+) -> None:
+    """Held together with it, 0.56 J were made of 12.56 J (HB-N411): Newton's law makes none.
+
+    A ball leaves a wall as it strikes another one: it is thrown back, and stops at the wall.
+    """
+    m = hb.Model("left", domain="rotational" if given.get("rotational") else "translational")
+    way = -1.0 if given.get("turned") else 1.0
+    m.add(a=hb.I(1.0, f=2.0 * way), b=hb.I(2.0), va=hb.One(), vb=hb.One())
+    wall = {} if soft is None else {"restitution": soft}
+    m.add(wall=hb.Zero(law="unilateral", gap="xa", **wall))
+    m.add(c=hb.Zero(law="unilateral", gap="xb - xa", restitution=gives))
+    m.bond(
+        "a -> va" if given.get("turned") else "va -> a", "vb -> b", "wall -> va", "va -> c -> vb"
+    )
+    m.signal(xa=hb.Integral("va.f"), xb=hb.Integral("vb.f"))
+    run = hb.simulate(m, 0.1)
+    given_to_b = (1.0 + gives) * 2.0 / (1.0 + 1.0 / 2.0)
+    assert run["vb.f"].at(0.1) == pytest.approx(given_to_b / 2.0, rel=1e-12)
+    assert run["va.f"].at(0.1) == pytest.approx(max(2.0 - given_to_b, 0.0), abs=1e-12)
+    assert run.warnings == ()
+    assert run.audit().created == pytest.approx(0.0, abs=1e-12)

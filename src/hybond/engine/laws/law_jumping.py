@@ -150,6 +150,8 @@ def find_jumping(e: Engine, r: Laws, x: Floats) -> int:
                 dust = dust and past <= LAW_DUST * r.rounding[k]
             doubtful = doubtful or past_with_others(m, r, k) > LAW_ZERO * r.rounding[k]
         r.rebound[k] *= r.y[k]
+    if not r.at_once:
+        leave_parting(m, r)
     if not wrong and not doubtful:
         keep_answered(e, r, x)
         return 0
@@ -175,6 +177,22 @@ def find_jumping(e: Engine, r: Laws, x: Floats) -> int:
     if m.tells != 0:
         tell_ports(e, r, True)
     return -1
+
+
+def leave_parting(m: Model, r: Laws) -> None:
+    """Leave contacts that go apart out of an impact that rebounds: they may be struck after it.
+
+    Held together with it they would make energy, ``P (w + w+) / 2``.
+    """
+    rebounds = False
+    for k in range(m.ports):
+        r.goes_apart[k] = 0
+        rebounds = rebounds or r.rebound[k] < 0.0
+    for k in range(m.ports if rebounds else 0):
+        contact = m.port_gap[k] != NO_LAW_VALUE or m.port_restitution[k] != NO_LAW_VALUE
+        if contact and r.role[k] == ONE_SIDED and r.y[k] > 0.0 and r.now.given[k] == COMMON:
+            r.role[k] = passive_role(r.now, k)
+            r.goes_apart[k] = 1
 
 
 def reach_gaps(e: Engine, r: Laws) -> None:

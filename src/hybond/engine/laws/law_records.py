@@ -138,6 +138,8 @@ class Laws:
     """What rounding of each `y` is measured by."""
     able: Ints
     kept_state: Floats
+    goes_apart: Ints
+    """Contacts that were left out of an impact that rebounds, as they go apart."""
     gap_now: Floats
     reach: Floats
     """Gaps that are closed within the instant at `reach_t`."""
@@ -323,6 +325,7 @@ def make_laws(m: Model) -> Laws:
     r.rounding = floats(n)
     r.able = ints(n)
     r.kept_state = floats(m.storages)
+    r.goes_apart = ints(n)
     r.gap_now = floats(n)
     r.reach = floats(n)
     r.reach_t = math.nan
