@@ -403,10 +403,8 @@ class Model:
     rest_test: Ints
     rest_atom: Ints
     """The differences of its comparisons, behind those of rules; then the next one's."""
-    kinks: int
-    """What changes its sign where a law, a source or a rate has a kink: a step ends there."""
-    kink_atom: int
-    """The first of them among comparisons, in order, behind all others."""
+    kinks: int  # what changes its sign where a law, source or rate has a kink: a step ends there
+    kink_atom: int  # the first of them among comparisons, in order, behind all others
     kink_pair: Ints  # what each reads stands with the pairs
     kink_switch: Ints  # what is to be ON for anything to feel it, -1: nothing
     kink_rest: Ints  # what is at rest where it is zero, the root of which is here; -1: nothing
