@@ -72,6 +72,19 @@ def test_what_is_not_connected_beside_it_changes_nothing():
     assert [e.t for e in run.events] == pytest.approx([0.0, 0.5, lands(0.8, 0.5)], abs=1e-8)
 
 
+@pytest.mark.parametrize("solver", ["euler", "rk4"])
+@pytest.mark.parametrize("step", ["1 ms", "7 ms"])
+@pytest.mark.parametrize("gap", ["if x < 1.5 then y else y + 0.8", "y + 0.4*(1 + sign(x - 1.5))"])
+def test_fixed_steps_see_the_edge_wherever_it_is_in_a_step(gap, step, solver):
+    """They slid on in the air; an edge at the end of a step, but for rounding, is in no step."""
+    run = hb.simulate(block(gap), 1.2, solver=solver, step=step)
+    near = 1e-2 if solver == "euler" else 1e-8
+    assert run.events.t[1] == pytest.approx(0.5, abs=1e-8)
+    assert [e.t for e in run.events] == pytest.approx([0.0, 0.5, lands(0.8, 0.5)], abs=near)
+    assert run["y"].at(0.7) == pytest.approx(-0.5 * FALL * 0.2**2, abs=near)
+    assert run["y"].at(1.2) == pytest.approx(-0.8, abs=1e-8)
+
+
 def test_stairs_are_gone_down_one_by_one():
     run = hb.simulate(block("y + 0.05*floor(x/0.6)"), 1.05)
     falls = [t for k in range(1, 6) for t in (0.2 * k, lands(0.05, 0.2 * k))]
@@ -196,3 +209,48 @@ def test_a_machine_may_go_on_at_the_edge(rule, solver):
     run = hb.simulate(m, 1.2, solver=solver)
     assert run.events[-1].t == pytest.approx(lands(0.5, 0.5), abs=1e-8)
     assert run["y"].at(1.2) == pytest.approx(-0.5, abs=1e-8)
+
+
+@pytest.mark.parametrize("solver", ["auto", "rk4", "moreau-jean"])
+@pytest.mark.parametrize("restitution", [None, 0.0])
+@pytest.mark.parametrize("turned", [False, True])
+def test_what_a_start_says_is_closed_falls_where_the_floor_is_elsewhere(
+    turned, restitution, solver
+):
+    """The floor carried the block 0.8 m above it: a closed contact was not asked for its gap."""
+    m = block("y + h", turned=turned, restitution=restitution)
+    m.parameter(h=0.0)
+    fixed = {} if solver == "auto" else {"solver": solver, "step": "1 ms"}
+    state = hb.simulate(m, 0.5, **fixed).state(0.5)
+    run = hb.simulate(m, 1.2, start=state, parameters={"h": 0.8}, **fixed)
+    near = 1e-8 if solver != "moreau-jean" else 3e-3
+    assert run.events.t[-1] == pytest.approx(lands(0.8, 0.5), abs=near)
+    assert run["y"].at(1.2) == pytest.approx(-0.8, abs=near)
+
+
+def test_a_start_that_is_closed_but_for_the_error_of_a_run_stays_so():
+    start = {"y": 1.0 + 1e-8, "floor": "closed"}
+    run = hb.simulate(block("y - 1", restitution=0.0), 0.2, start=start)
+    assert run["floor.e"].at(0.0) == pytest.approx(2.0 * FALL)
+    assert run["y"].at(0.2) == 1.0 + 1e-8
+
+
+@pytest.mark.parametrize("solver", ["auto", "euler", "moreau-jean"])
+@pytest.mark.parametrize(
+    "gap", ["if x < 1.5 then y else y - 0.3", "if time < 0.5 then y else y - 0.3", "y - u"]
+)
+def test_a_floor_that_jumps_up_into_a_block_is_told_of(gap, solver):
+    """It was held 0.3 m below the floor without a word."""
+    m = block(gap)
+    m.input(u=hb.Input(table=[(0.0, 0.0), (0.5, 0.3)]))
+    fixed = {} if solver == "auto" else {"solver": solver, "step": "1 ms"}
+    told = hb.simulate(m, 1.2, **fixed).warnings
+    assert len(told) == 1
+    assert told[0].startswith("the gap of 'floor' jumps to -0.3 at t = 0.5")
+
+
+@pytest.mark.parametrize("solver", ["auto", "moreau-jean"])
+def test_what_bounces_down_a_stair_is_not_told_of(solver):
+    fixed = {} if solver == "auto" else {"solver": solver, "step": "1 ms"}
+    run = hb.simulate(block("y + 0.05*floor(x/0.6)", restitution=0.5), 1.05, **fixed)
+    assert not any("overlaps" in w for w in run.warnings)

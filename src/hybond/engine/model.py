@@ -398,21 +398,20 @@ class Model:
     rest_test: Ints
     rest_atom: Ints
     """The differences of its comparisons, behind those of rules; then the next one's."""
-    followers: int  # machines that read states of machines alone: sliding/followers.py
+    followers: int  # machines that read states of machines alone: surfaces/followers.py
     follower: Ints
-    follower_first: Ints
-    """Of each follower: the machines that it reads, and those that these follow."""
+    follower_first: Ints  # of each: the machines that it reads, and those that these follow
     follower_reads: Ints
-    kinks: int
-    """What changes its sign where a law, a source or a rate has a kink: a step ends there."""
-    kink_atom: int
-    """The first of them among comparisons, in order, behind all others."""
+    kinks: int  # what changes its sign where a law, source or rate has a kink: a step ends there
+    kink_atom: int  # the first of them among comparisons, in order, behind all others
     kink_pair: Ints  # what each reads stands with the pairs
     kink_switch: Ints  # what is to be ON for anything to feel it, -1: nothing
     kink_rest: Ints  # what is at rest where it is zero, the root of which is here; -1: nothing
     kink_rooted: Ints  # whether a law takes the root of it, or of what it is a multiple of
     kink_meets: Ints  # whether all that is said of it has one value there as well
     kink_node: Ints  # the element that says it; -1: the rate of a signal
+    jumping_gaps: int
+    jumping_gap: Ints  # kinks at which the gap of a contact jumps
     timed_laws: int  # those of laws and sources, which come first
     timed_jumps: int
     timed_jump: Ints  # what depends on time and known inputs, and jumps by one at least

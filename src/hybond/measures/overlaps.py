@@ -1,7 +1,8 @@
-"""Which contacts of a run begin closed with a gap below zero: a start that is seldom meant.
+"""Which contacts of a run close with a gap below zero: from the start on, or by a jump.
 
-A contact is closed where its gap is not positive, and then holds: bodies that overlap at the start
-stay so, as if the floor were where they are. A height with a lost sign looks like that.
+A contact is closed where its gap is not positive, and then holds: bodies that overlap stay so, as
+if the floor were where they are. A height with a lost sign looks like that, and so does a block
+that runs against a stair.
 """
 
 from __future__ import annotations
@@ -10,18 +11,25 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from hybond.model.expressions import Name, Number
+from hybond.model.expressions import Expr, Name, Number, jumping, names
 from hybond.model.expressions.tree import walk
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from hybond.result import Result
+
+    Indices = NDArray[np.intp]
+    Vector = NDArray[np.float64]
 
 ROUNDING = 1e-9
 """Part of what a gap is made of below which it counts as zero."""
+APART, STEEPER = 1e-6, 16.0
+"""The same within a run, and times as much as from the step before: what falls is no jump."""
 
 
 def told_of_overlaps(run: Result) -> tuple[str, ...]:
-    """Return a warning for each contact whose gap is below zero where a run begins.
+    """Return a warning for each contact whose gap is below zero where a run begins, or jumps there.
 
     Parameters
     ----------
@@ -46,15 +54,41 @@ def told_of_overlaps(run: Result) -> tuple[str, ...]:
     if not contacts or not len(run.segments):
         return ()
     begin = np.array([float(run.segments[0].t[0])])
+    sampled = {f"s:{k}" for sample in run.graph.samples for k in sample.signals}
     found = []
     for machine in contacts:
         assert machine.law is not None and machine.law.gap is not None
-        parts = [machine.law.gap]
-        parts += [e for e, _ in walk(machine.law.gap) if isinstance(e, Name | Number)]
-        values = [float(y[0]) for y in run._of(parts, [0], begin)]
-        if values[0] < -ROUNDING * sum(map(abs, values[1:])):
+        gap = machine.law.gap
+        value, terms = (float(y[0]) for y in _seen(run, gap, np.zeros(1, dtype=int), begin))
+        if value < -ROUNDING * terms:
             found.append(
-                f"the gap of {machine.path!r} is {values[0]:.4g} where the run begins: what "
+                f"the gap of {machine.path!r} is {value:.4g} where the run begins: what "
                 "overlaps then stays so, and the contact holds it; look at the sign of its start"
             )
+        elif jumping(gap) or any(n[:2] in ("u:", "in", "at") or n in sampled for n in names(gap)):
+            found += _jumped_into(run, machine.path, gap)
     return tuple(found)
+
+
+def _seen(run: Result, gap: Expr, which: Indices, t: Vector) -> tuple[Vector, Vector]:
+    """Return a gap, and the size of what it is made of, at points of segments."""
+    parts = [gap, *(e for e, _ in walk(gap) if isinstance(e, Name | Number))]
+    value, *made_of = run._of(parts, which, t)
+    return value, np.sum(np.abs(made_of), axis=0)
+
+
+def _jumped_into(run: Result, path: str, gap: Expr) -> list[str]:
+    """Return a warning of a gap that falls below zero from one step to the next, if one does."""
+    many = [len(s.t) for s in run.segments]
+    t = np.concatenate([s.t for s in run.segments])
+    last = np.diff(t, append=np.inf) > 0.0
+    t, which = t[last], np.repeat(np.arange(len(many)), many)[last]
+    value, terms = _seen(run, gap, which, t)
+    change = np.abs(np.diff(value, prepend=value[0]))
+    before = np.concatenate([[0.0], change[:-1]])
+    fell = (value < -APART * terms) & (value < -STEEPER * before) & (change > APART * terms)
+    return [
+        f"the gap of {path!r} jumps to {value[k]:.4g} at t = {t[k]:.6g} s: what overlaps then "
+        "stays so, and the contact holds it; a step in a floor is a wall, with a contact of its own"
+        for k in np.flatnonzero(fell)[:1]
+    ]

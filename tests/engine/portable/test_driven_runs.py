@@ -128,6 +128,34 @@ def test_a_guard_acts_where_an_importer_finds_it(excess: float) -> None:
     assert e.t == pytest.approx(1.0, abs=1e-8)
 
 
+@pytest.mark.parametrize("excess", [0.0, 1e-16, 1e-13, 1e-9, 1e-3])
+@pytest.mark.parametrize("shape", ["if x < 1.5 then y else y + 1", "if x <= 1.5 then y else y + 1"])
+def test_a_closed_contact_lets_go_where_an_importer_finds_its_gap_jump(shape, excess) -> None:
+    """A block at 3 m/s leaves a table; no guard of it is about to hold, and no step is known."""
+    m = hb.Model("edge", domain="translational")
+    m.add(vx=hb.One(), mx=hb.I(1.0, f=3.0), vy=hb.One(), my=hb.I(1.0), w=hb.Se(-10.0))
+    m.add(floor=hb.Zero(law="unilateral", gap=shape))
+    m.bond("vx -> mx", "w -> vy -> my", "floor -> vy")
+    m.signal(x=hb.Integral("vx.f"), y=hb.Integral("vy.f"))
+    e, r = begun(m, 2.0)
+    rate = [0.0] * e.states
+    assert unit.rates_now(e, rate) == OK
+    indicators = [0.0] * unit.indicators_of(e)
+    sides = []
+    for at in (0.3, 0.5 + excess):
+        for k, speed in enumerate(rate):
+            e.y[k] += speed * (at - e.t)
+        e.t = at
+        assert unit.indicators_now(e, indicators) == OK
+        sides.append([z > 0.0 for z in indicators])
+    assert sides[0] != sides[1]
+    held = list(e.state)
+    assert unit.settle_unit(e, r) == OK
+    assert list(e.state) != held
+    assert unit.rates_now(e, rate) == OK
+    assert sorted(rate) == pytest.approx([-10.0, 0.0, 0.0, 3.0], abs=1e-8)
+
+
 def test_states_are_measured_by_what_they_store() -> None:
     m = hb.Model("small")
     m.add(V=hb.Se(1), i=hb.One(), R=hb.R(1), C=hb.C("2 uF"), L=hb.I("3 mH"), M=hb.I("7 H"))

@@ -107,3 +107,41 @@ def test_a_gap_behind_a_modulated_two_port_between_inertias_is_no_wrong_gap():
 def test_a_wrong_gap_behind_a_modulated_two_port(gap, ratio, bond):
     with pytest.raises(hb.ModelError, match="HB-M205"):
         hb.simulate(crank(gap, ratio, bond), until=0.5)
+
+
+def slides(gap: str, *, turned: bool = False, ratio: str = "") -> hb.Model:
+    """A block of 2 kg at 3 m/s on a floor, which may push it back by the slope it has."""
+    m = hb.Model("hill", domain="translational")
+    m.add(mx=hb.I(2.0, f=-3.0 if turned else 3.0), my=hb.I(2.0), vx=hb.One(), vy=hb.One())
+    m.add(w=hb.Se(-20.0), floor=hb.Zero(law="unilateral", gap=gap))
+    m.bond("w -> vy -> my", "floor -> vy", "mx -> vx" if turned else "vx -> mx")
+    if ratio:
+        m.add(tf=hb.TF(ratio))
+        m.bond("vx -> tf -> floor")
+    m.signal(x=hb.Integral("vx.f"), y=hb.Integral("vy.f"))
+    return m
+
+
+@pytest.mark.parametrize("solver", ["auto", "radau", "rk4", "moreau-jean"])
+@pytest.mark.parametrize(
+    "gap",
+    [
+        "if x < 1.5 then y else y + 0.5*(x - 1.5)",
+        "y - max(0, 0.2*(x - 1.5))",
+        "if time < 0.5 then y else y + 0.5*(time - 0.5)",
+    ],
+)
+def test_a_floor_that_begins_to_slope_under_a_closed_contact_is_refused(gap, solver):
+    """The block slid on in the air, or in the hill: what it is made of was asked only at first."""
+    fixed = {"step": "1 ms"} if solver in ("rk4", "moreau-jean") else {}
+    with pytest.raises(hb.ModelError, match="HB-M205") as caught:
+        hb.simulate(slides(gap, turned=solver == "radau"), until=1.2, solver=solver, **fixed)
+    assert caught.value.where == "elements.floor.gap"
+
+
+def test_a_hill_with_its_bonds_is_run_up():
+    """Against 0.5 all but 2.4 of 3 m/s is left, and 4 m/s^2 of weight acts."""
+    m = slides("y - max(0, 0.5*(x - 1.5))", ratio="if x < 1.5 then 0 else 0.5")
+    run = hb.simulate(m, until=1.0)
+    assert run["x"].at(1.0) == pytest.approx(1.5 + 2.4 * 0.5 - 0.5 * 4.0 * 0.5**2, abs=1e-9)
+    assert run["y"].at(1.0) == pytest.approx(0.5 * (run["x"].at(1.0) - 1.5), abs=1e-9)

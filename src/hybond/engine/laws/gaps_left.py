@@ -41,14 +41,16 @@ def keep_gaps(e: Engine) -> None:
         e.laws.gaps_noted = False
 
 
-def take_up_gaps(e: Engine, known: bool) -> None:
+def take_up_gaps(e: Engine, known: bool, given: bool) -> None:
     """Let gaps before the first instant be those at the end of the run before, if these are known.
 
-    A change of what a gap is made of is none of what it was.
+    Where a state is `given`, nothing is known, and what it has closed may be apart. A change of
+    what a gap is made of is none of what it was.
     """
     if e.model.laws == 0:
         return
     e.laws.gaps_noted = known
+    e.laws.gaps_given = given
     for k in range(e.model.ports if known else 0):
         e.laws.gap_earlier[k] = e.laws.gap_before[k]
 

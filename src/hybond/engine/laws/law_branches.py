@@ -150,7 +150,8 @@ def lasting_role(m: Model, r: Laws, k: int) -> int:
         return TWO_SIDED
     # a contact that still approaches is for the next jump; where its motion follows from what other
     # laws give, whether it approaches is what is asked, and where its effort is stored none strikes
-    rebounds = r.now.given[k] == COMMON and m.port_restitution[k] != NO_LAW_VALUE
+    strikes = m.port_restitution[k] != NO_LAW_VALUE or r.goes_apart[k] != 0
+    rebounds = r.now.given[k] == COMMON and strikes
     comes = rebounds and r.y[k] < 0.0 and is_stored(m, r, k)
     r.comes[m.port_machine[k]] = 1 if comes else 0
     return ONE_SIDED if r.able[k] != 0 and not comes else passive_role(r.now, k)

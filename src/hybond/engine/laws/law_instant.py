@@ -15,6 +15,7 @@ from hybond.engine.jumps.jump import enter_mode
 from hybond.engine.laws.gaps import check_gaps
 from hybond.engine.laws.law_records import Laws, Ports
 from hybond.engine.laws.ports import open_mode, partner_row, ports_of
+from hybond.engine.method_numbers import MOREAU
 from hybond.engine.mode.part_energies import (
     STORED,
     find_energies_at,
@@ -40,6 +41,10 @@ JUMPED: Final = 1e-9
 """Part of the largest gap, and of its terms, by which a gap opens at least that jumps, ..."""
 STEEPER: Final = 16.0
 """... and times as much as in an interval just before: what time does, or drift, is no jump."""
+GIVEN_APART: Final = 1e-6
+"""Part of a gap's terms by which a contact that is given as closed may be apart, ..."""
+GIVEN_IN_STEPS: Final = 1e-2
+"""... and in time-stepping, which closes it at up to half a step's motion."""
 NO_LAW_VALUE: Final = -2
 """What stands for an option that a law does not have; -1 is a constant."""
 
@@ -119,6 +124,9 @@ def find_able(e: Engine, r: Laws) -> int:
     stack.was_first = 0
     stack.jumps = False
     stack.terms = r.terms
+    for k in range(m.ports if r.reach_t != r.t else 0):
+        r.reach[k] = 0.0
+    r.reach_t = r.t
     for k in range(m.ports):
         on = is_on(m, k, r.state[m.port_machine[k]])
         r.able[k] = 1
@@ -141,7 +149,9 @@ def find_able(e: Engine, r: Laws) -> int:
                     return REFUSED
             r.largest[k] = max(r.largest[k], math.fabs(gap))
             stays = on and not is_left(e, r, k, gap)
-            r.able[k] = 1 if stays or sign <= 0 or gap <= CLOSED * r.largest[k] else 0
+            touches = sign <= 0 or gap <= CLOSED * r.largest[k] or gap <= r.reach[k]
+            r.able[k] = 1 if stays or touches else 0
+            r.gap_now[k] = gap
         if m.port_gate[k] != NO_LAW_VALUE:
             gate = quantity(m, m.port_gate, m.port_gate_constant, k, r.v) != 0.0
             if m.port_gate_pair[k] >= 0:
@@ -173,11 +183,15 @@ def evaluate_gap(e: Engine, r: Laws, k: int, v: Floats) -> None:
 def is_left(e: Engine, r: Laws, k: int, gap: float) -> bool:
     """Whether contact k has been left by its gap, which was another just before the instant.
 
-    The gap is on the stack.
+    So is what was given as closed where it is not. The gap is on the stack.
     """
+    size = max(r.largest[k], e.work.stack.size[e.work.stack.top])
+    given = GIVEN_IN_STEPS if e.model.method == MOREAU else GIVEN_APART
+    if r.gaps_given and gap > given * size:
+        return True
     if not r.gaps_noted or e.model.port_gap_pair[k] < 0:
         return False
-    least = JUMPED * max(r.largest[k], e.work.stack.size[e.work.stack.top])
+    least = JUMPED * size
     steady = STEEPER * math.fabs(r.gap_before[k] - r.gap_earlier[k])
     return gap - r.gap_before[k] > max(least, steady) and gap > least
 

@@ -43,6 +43,7 @@ from hybond.engine.laws.law_parallel import find_shares
 from hybond.engine.laws.law_records import Laws
 from hybond.engine.laws.response import respond
 from hybond.engine.laws.strike import close_gaps
+from hybond.engine.methods.one_instant import room_of_instant
 from hybond.engine.mode.tableau import COMMON, NET
 from hybond.engine.model import Model
 from hybond.engine.reasons.facts import tell_ports
@@ -99,6 +100,7 @@ def find_jumping(e: Engine, r: Laws, x: Floats) -> int:
     clean(m, r, r.y)
     if find_able(e, r) != OK:
         return -1
+    reach_gaps(e, r)
     if r.at_once:
         close_gaps(m, r)
     wrong = False
@@ -148,6 +150,8 @@ def find_jumping(e: Engine, r: Laws, x: Floats) -> int:
                 dust = dust and past <= LAW_DUST * r.rounding[k]
             doubtful = doubtful or past_with_others(m, r, k) > LAW_ZERO * r.rounding[k]
         r.rebound[k] *= r.y[k]
+    if not r.at_once:
+        leave_parting(m, r)
     if not wrong and not doubtful:
         keep_answered(e, r, x)
         return 0
@@ -173,6 +177,33 @@ def find_jumping(e: Engine, r: Laws, x: Floats) -> int:
     if m.tells != 0:
         tell_ports(e, r, True)
     return -1
+
+
+def leave_parting(m: Model, r: Laws) -> None:
+    """Leave contacts that go apart out of an impact that rebounds: they may be struck after it.
+
+    Held together with it they would make energy, ``P (w + w+) / 2``.
+    """
+    rebounds = False
+    for k in range(m.ports):
+        r.goes_apart[k] = 0
+        rebounds = rebounds or r.rebound[k] < 0.0
+    for k in range(m.ports if rebounds else 0):
+        contact = m.port_gap[k] != NO_LAW_VALUE or m.port_restitution[k] != NO_LAW_VALUE
+        if contact and r.role[k] == ONE_SIDED and r.y[k] > 0.0 and r.now.given[k] == COMMON:
+            r.role[k] = passive_role(r.now, k)
+            r.goes_apart[k] = 1
+
+
+def reach_gaps(e: Engine, r: Laws) -> None:
+    """Let contacts touch that what is stored closes within the instant: rounding orders nothing."""
+    m = e.model
+    room = room_of_instant(e, r.t)
+    for k in range(m.ports):
+        apart = m.port_gap_pair[k] >= 0 and r.able[k] == 0 and r.now.given[k] == COMMON
+        if apart and r.gap_now[k] <= -r.y[k] * room:
+            r.able[k] = 1
+            r.reach[k] = r.gap_now[k]
 
 
 def note_edges(m: Model, r: Laws) -> None:

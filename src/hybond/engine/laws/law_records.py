@@ -1,5 +1,6 @@
 """What the laws of junctions need in a run: ports, their response, what is being tried."""
 
+import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import Block, Places, make_block, make_places
@@ -136,6 +137,15 @@ class Laws:
     rounding: Floats
     """What rounding of each `y` is measured by."""
     able: Ints
+    kept_state: Floats
+    goes_apart: Ints
+    """Contacts that were left out of an impact that rebounds, as they go apart."""
+    gap_now: Floats
+    reach: Floats
+    """Gaps that are closed within the instant at `reach_t`."""
+    reach_t: float
+    gaps_given: bool
+    """Whether the state is one that was given, whose contacts may be said to be closed."""
     gaps_noted: bool
     gap_before: Floats
     """Gaps just before the instant that is settled, where they may jump, ..."""
@@ -237,6 +247,8 @@ class Laws:
     answered: bool
     """Whether the graph has answered at the state `answered_x`, and nothing was asked since."""
     answered_x: Floats
+    furthest: float
+    """How far a closed contact has been apart when gaps were held against their bonds last."""
     gaps_known: bool
     """Whether gaps were held against what their bonds close."""
     sweep: bool
@@ -312,6 +324,11 @@ def make_laws(m: Model) -> Laws:
     r.q = floats(n)
     r.rounding = floats(n)
     r.able = ints(n)
+    r.kept_state = floats(m.storages)
+    r.goes_apart = ints(n)
+    r.gap_now = floats(n)
+    r.reach = floats(n)
+    r.reach_t = math.nan
     r.gap_before = floats(n)
     r.gap_earlier = floats(n)
     r.comes = ints(m.machines)

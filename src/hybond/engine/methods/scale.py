@@ -19,7 +19,7 @@ from hybond.engine.methods.signal_sizes import (
 from hybond.engine.mode.closely import lasting_size
 from hybond.engine.mode.clusters import MOMENT
 from hybond.engine.mode.guess import give_back_guess, hold_guess
-from hybond.engine.mode.mode_records import Mode
+from hybond.engine.mode.mode_records import Mode, is_constrained
 from hybond.engine.mode.part_energies import see_part
 from hybond.engine.mode.sizes import given_size, size_of
 from hybond.engine.mode.solving import solve
@@ -328,13 +328,16 @@ def allow(e: Engine, y0: Floats, y1: Floats, energy: Floats, out: Floats) -> Non
         here[i] = max(max(energy[i], e.pushed_energy[i]), 0.5 * max(here[i], tried[i]))
     moments = max(e.step.tried / (SHORT * e.span), 1.0) if e.step.tried > 0.0 else 1.0
     begins = e.step.t < e.step.onset_end
+    # what a modulus ties may be rounding of the modulus, which no rate shows
+    turns = e.mode.dynamics > 0 and is_constrained(e.mode)
     for k in range(m.storages):
         moved = out[k] > 0.0
         most = here[e.storage_part[k]]
         floor = 0.0
         if own[k] > 0.0 and math.isfinite(own[k]) and math.isfinite(most):
             floor = NEGLIGIBLE * math.sqrt(2.0 * most / own[k])
-            if e.rounding[k] > 0.0 and out[k] > CLEAR * e.rounding[k] / SHORT:
+            clear = e.rounding[k] > 0.0 and out[k] > CLEAR * e.rounding[k] / SHORT
+            if clear and not turns:
                 floor = min(floor, BESIDE * out[k])
         out[k] = m.rtol * max(out[k], floor if math.isfinite(floor) else 0.0)
         if begins and e.step.onset[k] > 0.0:

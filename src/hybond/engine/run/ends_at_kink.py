@@ -77,17 +77,29 @@ def leaves_contacts(e: Engine, r: Run, at: float, behind: float, y: Floats) -> b
         return False
     reach = LAST_PLACES * spacing(at)
     for _ in range(DOUBLED):
-        before = max(at - reach, e.step.t0)
-        earlier = max(at - 2.0 * reach, e.step.t0)
-        between(e, earlier, r.rate)
-        note_gaps(e, earlier, r.rate, e.laws.gap_earlier)
-        between(e, before, r.rate)
-        note_gaps(e, before, r.rate, e.laws.gap_before)
+        led_back(e, at - 2.0 * reach, r.rate)
+        note_gaps(e, at - 2.0 * reach, r.rate, e.laws.gap_earlier)
+        led_back(e, at - reach, r.rate)
+        note_gaps(e, at - reach, r.rate, e.laws.gap_before)
         if some_is_left(e, behind, y):
             return True
         reach *= 2.0
     forget_gaps(e)
     return False
+
+
+def led_back(e: Engine, t: float, y: Floats) -> None:
+    """Put the state at a time of the last step into `y`; just before it, where its way leads from.
+
+    A step may begin at a kink but for rounding, and is behind it already.
+    """
+    s = e.step
+    if t >= s.t0:
+        between(e, t, y)
+        return
+    between(e, min(2.0 * s.t0 - t, s.t1), y)
+    for k in range(e.states):
+        y[k] = 2.0 * s.y0[k] - y[k]
 
 
 def meet_kink(e: Engine, r: Run, at: float) -> int:

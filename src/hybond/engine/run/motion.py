@@ -156,8 +156,10 @@ def begin_now(e: Engine, r: Run) -> int:
         report_slide(e, r.report)
         return OK
     r.warm = False
-    take_up_gaps(e, r.remembers and cause != START)
+    take_up_gaps(e, r.remembers and cause != START, cause == START)
     status = settle_now(e, r, cause)
+    if e.model.laws > 0:
+        e.laws.gaps_given = False
     return rest_now(e, r) if status == OK else status
 
 

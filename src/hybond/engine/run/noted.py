@@ -13,6 +13,7 @@ from hybond.engine.checks.laws_held import look_now_and_then
 from hybond.engine.contacts.landing import keep_still
 from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.guards.unresolved import tell_unresolved
+from hybond.engine.laws.gaps_held import hold_gaps
 from hybond.engine.laws.laws import limits_vary, look_at_limits, observe
 from hybond.engine.methods.stepping import between, start
 from hybond.engine.planar.stops import arm_slips
@@ -42,6 +43,8 @@ def note(e: Engine, r: Run, t: float, shown: float) -> int:
     if m.laws > 0:
         set_state(e, e.mode, e.shown, t, e.y)
         observe(e, e.shown)
+        if e.slide.k == 0 and hold_gaps(e, e.shown) != OK:
+            return REFUSED
     if m.disks > 0:
         arm_slips(e, t, e.y)
     e.t = t

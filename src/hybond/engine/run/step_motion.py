@@ -25,6 +25,7 @@ from typing import Final
 from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.answers import value
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
+from hybond.engine.guards.in_force import is_asked
 from hybond.engine.instant.instant import (
     CONTINUOUS,
     GUARD,
@@ -36,6 +37,7 @@ from hybond.engine.instant.instant import (
 from hybond.engine.instant.settle import settle
 from hybond.engine.instant.told import STEP_ENDS, say_why
 from hybond.engine.jumps.jump import on_constraints
+from hybond.engine.laws.gaps_held import hold_gaps
 from hybond.engine.laws.laws import check_limits, limits_vary
 from hybond.engine.methods.fixed import SLACK
 from hybond.engine.mode.equations import mode_of
@@ -129,6 +131,8 @@ def make_step(e: Engine, r: Run, t1: float, h: float) -> int:
     if vary and check_limits(e, e.t, e.shown) != OK:
         return REFUSED
     warn_of_shares(e, s)
+    if m.laws > 0 and hold_gaps(e, e.shown) != OK:
+        return REFUSED
     if note_event(e, s, r.instant, h):
         r.events += 1
         report_event(e, r.report, r.instant)
@@ -178,7 +182,7 @@ def guard_fires(e: Engine, s: Stepping) -> bool:
             continue
         own = False
         for rule in range(m.rule_first[k], m.rule_first[k + 1]):
-            if m.rule_source[rule] == e.state[k]:
+            if is_asked(e, k, rule, e.state[k]):
                 own = own or value(m, m.rule_value[rule], e.shown) != 0.0
         if not own:
             continue

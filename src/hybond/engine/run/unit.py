@@ -20,6 +20,7 @@ from hybond.engine.mode.equations import mode_of
 from hybond.engine.mode.storage import own_stiffness, with_stored
 from hybond.engine.run.motion import flow, rest_now, settle_now
 from hybond.engine.run.run_records import STOPPED, Run, begin, timed_cause
+from hybond.engine.run.unit_gaps import is_at_jump, sees_left
 from hybond.engine.surfaces.values import begin_field, evaluate, field
 from hybond.engine.timestepping.step_shown import show_point
 from hybond.engine.words import Floats
@@ -100,11 +101,17 @@ def rates_now(e: Engine, rate: Floats) -> int:
 def indicators_now(e: Engine, out: Floats) -> int:
     """Put what guards compare into `out`: differences, 1 for guards of other states.
 
+    Behind them are those at whose zeros gaps of contacts jump.
     None is zero: the root that an importer finds lies where ``a > b`` holds, not where a is b.
     """
     m = e.model
     if mode_of(e, e.state) != OK or evaluate(e, e.mode, e.shown, e.t, e.y) != OK:
         return REFUSED
+    at = first_jumping_gap(e)
+    for k in range(m.jumping_gaps):
+        out[at + k] = value(m, m.atom_value[m.kink_atom + m.jumping_gap[k]], e.shown)
+        if out[at + k] == 0.0:
+            out[at + k] = TINY
     for machine in range(m.machines):
         for rule in range(m.rule_first[machine], m.rule_first[machine + 1]):
             here = m.rule_source[rule] == e.state[machine] and m.rule_watched[rule] != 0
@@ -115,9 +122,14 @@ def indicators_now(e: Engine, out: Floats) -> int:
     return OK
 
 
-def indicators_of(e: Engine) -> int:
+def first_jumping_gap(e: Engine) -> int:
     """Return how many differences guards compare."""
     return e.model.atom_first[e.model.rule_first[e.model.machines]]
+
+
+def indicators_of(e: Engine) -> int:
+    """Return how many differences an importer watches."""
+    return first_jumping_gap(e) + e.model.jumping_gaps
 
 
 def settle_unit(e: Engine, r: Run) -> int:
@@ -137,11 +149,15 @@ def settle_guard(e: Engine, r: Run) -> int:
     What exceeds its bound by no more than rounding does not switch. A run of the unit would meet
     the guard again at once, an importer never: so the unit runs on until it acts.
     """
+    since = r.instant.t
+    sees_left(e, r, since)
     if settled(e, r, GUARD) != OK:
         return REFUSED
     part = INSTANT
-    while part <= LATE and guard_holds(e):
+    while part <= LATE and (guard_holds(e) or is_at_jump(e)):
         if advance(e, r, e.t + part * max(e.span, math.fabs(e.t))) != OK:
+            return REFUSED
+        if sees_left(e, r, since) and settled(e, r, GUARD) != OK:
             return REFUSED
         part *= 10.0
     return OK

@@ -54,7 +54,8 @@ def put_kinks(t: ModelTables) -> None:
             found.setdefault(a, node)
             said.setdefault(a, []).append(e)
             switches.setdefault(a, set()).add(_switch_of(t.graph, node))
-    for a, node in _left_at(t):
+    left = _left_at(t)
+    for a, node in left:
         found.setdefault(a, node)
         switches.setdefault(a, set()).add(-1)
     flat = _flat_at_zero(t)
@@ -63,6 +64,8 @@ def put_kinks(t: ModelTables) -> None:
             found.setdefault(read, node)
             switches.setdefault(read, set()).add(_switch_of(t.graph, node))
     t.numbers["kinks"] = len(found)
+    t.ints["jumping_gap"] = sorted({list(found).index(a) for a, _ in left})
+    t.numbers["jumping_gaps"] = len(t.ints["jumping_gap"])
     led_on = [abs(at) for m in t.graph.machines for at in m.led_on]
     t.numbers["bends"] = min(led_on, default=0.0)
     t.numbers["kink_atom"] = len(t.ints["atom_value"])
@@ -117,7 +120,7 @@ def put_kinks(t: ModelTables) -> None:
 
 def _left_at(t: ModelTables) -> list[tuple[Expr, int]]:
     """Return where gaps of contacts jump, which a closed one sees at no guard of its own."""
-    if t.numbers["method"] not in FOLLOWED:
+    if t.numbers["method"] == METHODS["moreau-jean"]:
         return []
     return [
         (a, node)

@@ -17,6 +17,7 @@ from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.laws.gaps import has_gaps
 from hybond.engine.laws.law_answers import is_held_by_others, put_problem, solve_problem
 from hybond.engine.laws.law_instant import (
+    CLOSED,
     NO_LAW_VALUE,
     find_able,
     find_start,
@@ -103,8 +104,9 @@ def close_half_way(e: Engine, s: Stepping, p: Ports, h: float, bonds: Floats) ->
             motion = max(motion, h * math.fabs(s.free[k]))
     for k in range(m.ports):
         near = s.gap[k] + 0.5 * h * s.gap_rate[k]
-        touching = r.able[k] != 0 and not is_on(m, k, e.state[m.port_machine[k]])
-        if not near > 0.0 or touching:
+        # what overlaps by the step in which it struck, and goes apart, does not touch
+        touching = r.able[k] != 0 and s.gap[k] >= -CLOSED * r.largest[k]
+        if not near > 0.0 or (touching and not is_on(m, k, e.state[m.port_machine[k]])):
             continue
         if is_on(m, k, e.state[m.port_machine[k]]) and p.given[k] == COMMON:
             touches = s.gap[k] + 0.5 * h * min(s.free[k], 0.0) <= 0.0

@@ -42,10 +42,11 @@ from hybond.engine.laws.law_records import Ports
 from hybond.engine.laws.ports import open_mode, ports_of, solve_with, times_partner
 from hybond.engine.laws.response import find_sizes
 from hybond.engine.mode.mode_records import is_constrained
-from hybond.engine.mode.part_energies import find_energies, join_parts, see_energy
+from hybond.engine.mode.part_energies import join_parts, see_energy
 from hybond.engine.mode.storage import co_energy, energy_of
 from hybond.engine.mode.tableau import COMMON
 from hybond.engine.model import Model
+from hybond.engine.timestepping.law_work import laws_give, none_carries, work_of_laws
 from hybond.engine.timestepping.matrices import (
     find_slopes,
     find_straight,
@@ -74,8 +75,6 @@ NEAR_END: Final = 1e-6
 be and what is put back on its constraints: the error of what follows is that part of the update."""
 LAW_DUST_PART: Final = 1e-3
 """Part of the largest bond variable of its kind down to which the digits of `l` count."""
-GIVES_PART: Final = 1e-12
-"""Share of the largest energy of its part so far from which a law gives more than rounding."""
 AT_END: Final = 4.0 * EPSILON
 """Part of its terms that a few operations leave of a state that laws bring to zero."""
 
@@ -174,42 +173,6 @@ def end_of_step(e: Engine, s: Stepping, t1: float, h: float) -> int:
         s.mean[b] = e.work.w[b] - (1.0 - s.theta) * (s.without[b] - s.w0[b])
     s.worked = work_of_laws(e, s, p, h)
     return OK
-
-
-def none_carries(m: Model, s: Stepping) -> bool:
-    """Whether no law carries anything in a step."""
-    nothing = True
-    for k in range(m.ports):
-        nothing = nothing and s.l[k] == 0.0
-    return nothing
-
-
-def work_of_laws(e: Engine, s: Stepping, p: Ports, h: float) -> float:
-    """Return what laws give in a step, J: ``h l`` times the mean of their `w`."""
-    m = e.model
-    times_partner(m, p, s.mean, s.wl)
-    worked = 0.0
-    for k in range(m.ports):
-        if m.port_pseudo[k] == 0:
-            worked += h * s.l[k] * s.wl[k]
-    return worked
-
-
-def laws_give(e: Engine, s: Stepping) -> bool:
-    """Whether any law gave energy in a step, but one that rebounds, whose velocity is averaged."""
-    m = e.model
-    h = s.now.h
-    mode = open_mode(e, e.laws.now)
-    find_energies(e, mode)
-    for k in range(m.ports):
-        if m.port_pseudo[k] == 0 and s.restitution[k] == 0.0:
-            first = m.end_first[m.port_junction[k]]
-            here = e.energy
-            if first < m.end_first[m.port_junction[k] + 1]:
-                here = mode.part_energy[mode.bond_part[m.end_bond[first]]]
-            if h * s.l[k] * s.wl[k] > GIVES_PART * here:
-                return True
-    return False
 
 
 def straight_step(e: Engine, s: Stepping, p: Ports, c: Coupled) -> int:
@@ -337,7 +300,11 @@ def newton_step_of(e: Engine, s: Stepping, p: Ports, c: Coupled) -> int:
             s.free[k] = s.l[k]
             s.doubt[k] = 0.0
         if solve_step_laws(e, s, p, c, s.base, False) != OK:
-            return REFUSED
+            if of_step:
+                return REFUSED
+            begin_anew(e, s, c)
+            last = math.inf
+            continue
         update = advance_newton(e, s, p, c)
         if projected or update <= UPDATED:
             for k in range(m.storages):
@@ -360,9 +327,25 @@ def newton_step_of(e: Engine, s: Stepping, p: Ports, c: Coupled) -> int:
             continue
         if not update <= SLOW_UPDATE * last:
             c.known = False
+            if not of_step:
+                begin_anew(e, s, c)
+                update = math.inf
         last = update
     c.known = False
     return no_convergence(e)
+
+
+def begin_anew(e: Engine, s: Stepping, c: Coupled) -> None:
+    """Begin the iterations of a step again, with slopes of its own.
+
+    Those of an earlier step hold while nothing acts: a lever that has turned by then gives a law
+    another mass, and what that would give leads anywhere.
+    """
+    c.known = False
+    for k in range(e.states):
+        s.y[k] = e.y[k]
+    for k in range(e.model.ports):
+        s.l[k] = 0.0
 
 
 def advance_newton(e: Engine, s: Stepping, p: Ports, c: Coupled) -> float:
@@ -411,7 +394,10 @@ def finish_step(e: Engine, s: Stepping, p: Ports, t1: float, h: float) -> None:
     balance_step(e, s)
     for k in range(m.ports):
         s.most[k] = max(s.most[k], math.fabs(s.before[k]))
-        hit = e.laws.role[k] == ONE_SIDED and s.l[k] > 0.0 and s.before[k] < -AT_REST * s.most[k]
+        # what the law of a body at rest gives it within a step is far more than rounding
+        moved = math.fabs(s.now.m.at[k * m.ports + k] * s.l[k])
+        approach = s.before[k] < -AT_REST * max(s.most[k], moved)
+        hit = e.laws.role[k] == ONE_SIDED and s.l[k] > 0.0 and approach
         s.struck[k] = 1 if hit else 0
     times_partner(m, p, s.w, s.wl)
     for k in range(m.ports):

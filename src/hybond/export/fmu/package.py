@@ -96,7 +96,7 @@ def functional_unit(model: Model, *, fmi: str, **options: object) -> tuple[Inter
             for s in found.parameters.settable
         ],
         text=repr((tables.numbers, tables.ints, tables.floats, tables.values.text, fmi)),
-        indicators=tables.ints["atom_first"][rules],
+        indicators=tables.ints["atom_first"][rules] + int(tables.numbers["jumping_gaps"]),
         until=float(tables.numbers["until"]),
         rtol=float(tables.numbers["rtol"]),
     )
