@@ -16,9 +16,11 @@ from hybond.engine.expressions.functions import (
     COS,
     COSH,
     EXP,
+    EXP_LESS_ONE,
     FLOOR,
     LOG,
     LOG10,
+    LOG_BESIDE_ONE,
     LOG_COSH,
     MOD,
     SIN,
@@ -69,7 +71,12 @@ ONE = {
     "ceil": CEIL,
 }
 """Functions of one number by the codes of `portable.functions`."""
-_FORMS = {"softplus": SOFTPLUS, "log_cosh": LOG_COSH}
+_FORMS = {
+    "softplus": SOFTPLUS,
+    "log_cosh": LOG_COSH,
+    "expm1": EXP_LESS_ONE,
+    "log1p": LOG_BESIDE_ONE,
+}
 """What stands for a form of several."""
 TWO = {"atan2": ATAN2, "mod": MOD}
 _ARITHMETIC = {"+": c.ADD, "-": c.SUBTRACT, "*": c.MULTIPLY, "/": c.DIVIDE, "^": c.RAISE}
