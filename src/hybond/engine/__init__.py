@@ -78,6 +78,7 @@ passes them::
     complementarity/
         law_problem, law_roles    the question as a complementarity problem
         one_sided, lcp, lcp_forms, lemke, pivoting    without friction; its solution
+        decided_closely     the same with twice the digits, where a leak tells laws apart
         all_branches, one_choice, choice, branch_records    few laws in doubt, by all their branches
         friction_disk, semidefinite    Coulomb's disk; whether there is one answer
         least_shares        which of many answers is of least leakage
