@@ -26,8 +26,8 @@ ATAN2: Final = 15
 MOD: Final = 16
 SOFTPLUS: Final = 17
 LOG_COSH: Final = 18
-EXP_LESS_ONE: Final = 19
-LOG_BESIDE_ONE: Final = 20
+EXPM1: Final = 19
+LOG1P: Final = 20
 MOST: Final = 709.782712893384
 """The logarithm of the largest number: exp() of more is infinite."""
 MOST_HALVED: Final = 710.4758600739439
@@ -154,9 +154,9 @@ def function_of(which: int, a: float, b: float) -> float:
         return softplus(a)
     if which == LOG_COSH:
         return log_cosh(a)
-    if which == EXP_LESS_ONE:
+    if which == EXPM1:
         return exp_less_one(a)
-    if which == LOG_BESIDE_ONE:
+    if which == LOG1P:
         return log_beside_one(a)
     if which == ATAN2:
         return math.atan2(a, b)

@@ -16,11 +16,11 @@ from hybond.engine.expressions.functions import (
     COS,
     COSH,
     EXP,
-    EXP_LESS_ONE,
+    EXPM1,
     FLOOR,
     LOG,
+    LOG1P,
     LOG10,
-    LOG_BESIDE_ONE,
     LOG_COSH,
     MOD,
     SIN,
@@ -74,8 +74,8 @@ ONE = {
 _FORMS = {
     "softplus": SOFTPLUS,
     "log_cosh": LOG_COSH,
-    "expm1": EXP_LESS_ONE,
-    "log1p": LOG_BESIDE_ONE,
+    "expm1": EXPM1,
+    "log1p": LOG1P,
 }
 """What stands for a form of several."""
 TWO = {"atan2": ATAN2, "mod": MOD}
