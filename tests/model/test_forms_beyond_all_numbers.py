@@ -118,3 +118,40 @@ def test_what_is_beyond_all_numbers_is_more_than_one_that_is_not() -> None:
         clear(s)
         run_pair_code(code.instructions, code.add(parse(text), paired=True), code.numbers, s)
         assert (s.finite[s.top] != 0.0) is holds, text
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        *("exp(x) - 1", "1 - exp(-x)", "-1 + exp(2*x)", "3*exp(x/2) - 3", "0.5 - exp(x)*0.5"),
+        *("log(1 + x)", "log(3*x + 1)", "log(1 - x)", "(exp(x) - 1)/(exp(x) + 1)"),
+        *(
+            "exp(x)/(exp(2*x) - 1)",
+            "(1 - exp(-x))/cosh(x)",
+            "x/(exp(x) - 1)",
+            "log(1 + x^2)",
+            "log10(1 - x)",
+        ),
+    ],
+)
+def test_what_is_left_of_a_1_has_its_own_digits(text: str) -> None:
+    """The law of a diode at rest is worth more than the rounding of its 1."""
+    e = parse(text)
+    of_one = compile_expression(e, {"x": 0}, pre_offset=1)
+    on_arrays = compile_expression(e, {"x": 0}, ARRAYS, pre_offset=1)
+    code = Code({"x": 0}, 1)
+    plain = code.add(e, paired=False)
+    for x in (1e-14, -1e-13, 3e-9, -2e-5, 0.1, -0.3):
+        as_numbers = run_code(code.instructions, plain, code.numbers, [x, x], [0.0] * DEEPEST)
+        for found in (of_one([x]), on_arrays([np.array([x])])[0], as_numbers):
+            assert float(found) == pytest.approx(meant(text, x), rel=4e-15, abs=0.0), x
+
+
+def test_what_has_no_logarithm_beside_1_has_none() -> None:
+    of_one = compile_expression(parse("log(1 + x)"), {"x": 0}, pre_offset=1)
+    code = Code({"x": 0}, 1)
+    plain = code.add(parse("log(1 + x)"), paired=False)
+    for x, value in ((-1.0, -np.inf), (-2.0, np.nan), (np.inf, np.inf)):
+        as_numbers = run_code(code.instructions, plain, code.numbers, [x, x], [0.0] * DEEPEST)
+        assert of_one([x]) == pytest.approx(value, nan_ok=True)
+        assert as_numbers == pytest.approx(value, nan_ok=True)

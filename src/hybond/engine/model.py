@@ -198,8 +198,8 @@ class Model:
     most_parts: int  # of these that store anything
     storage_base: Ints  # numbered as storages stand
     co_energy: Ints  # the law of each stored quantity, -1: the row of `stiff_constant` is
-    stiff_first: Ints
-    """Of each stored quantity: derivatives of its co-energy variable, by those of its storage."""
+    co_rounding: Ints  # the law of what its rounding is measured by, -1: its value
+    stiff_first: Ints  # of each: derivatives of its co-energy variable, by those of its storage
     stiff_other: Ints
     stiff_value: Ints
     stiff_constant: Floats

@@ -1,6 +1,6 @@
 """What rounding of a law is measured by: how much of it the last digits of its terms make.
 
-``exp(e/U) - 1`` is worth as little as its 1 near rest, ``f + f*abs(f)/1 A`` as little as its first
+``cosh(e/U) - 1`` is worth as little as its 1 near rest, ``f + f*abs(f)/1 A`` as little as its first
 term where both cancel. Errors are followed from the leaves to the root, to first order.
 
 Source: N. J. Higham, *Accuracy and Stability of Numerical Algorithms*, 2002, chapter 3.3 (running
@@ -41,7 +41,7 @@ def rounding(e: Expr) -> Expr:
     >>> print(rounding(parse("a - 2*b")))
     abs(a) + 2*abs(b)
     >>> print(rounding(parse("exp(a) - 1")))
-    abs(exp(a))*abs(a) + abs(exp(a))
+    abs(exp(a))*abs(a) + abs(exp(a) - 1)
     """
     return simplify(familiar(fold(stable(simplify(e)), _bound)))
 

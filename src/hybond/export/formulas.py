@@ -58,6 +58,8 @@ _CALLED = {
     "max": "greatest_of",
     "softplus": "softplus",
     "log_cosh": "log_cosh",
+    "expm1": "exp_less_one",
+    "log1p": "log_beside_one",
 }
 _PAIRED = {
     "+": "add",

@@ -51,10 +51,10 @@ Statements: an expression's value to a name, an element or a field; ``+=`` and i
 Expressions: ``+ - *`` of numbers, ``/`` of which one side is a float, ``//`` and ``%`` of whole
 numbers (not negative), comparisons of two, ``is None``, ``and``, ``or``, ``not`` of bools,
 ``a if c else b``, ``& | ^ << >>`` of whole numbers, ``float(i)``, ``int(x)``, ``abs``, ``min``,
-``max`` of two; of `math` the functions sqrt exp log log1p log10 sin cos tan asin acos atan atan2
-sinh cosh tanh hypot fabs floor ceil pow fmod copysign isfinite isnan (floor and ceil are floats
-here) and the constants inf, nan and pi. ``quotient(a, b)`` divides where b may be zero; ``/`` does
-not.
+``max`` of two; of `math` the functions sqrt exp expm1 log log1p log10 sin cos tan asin acos atan
+atan2 sinh cosh tanh hypot fabs floor ceil pow fmod copysign isfinite isnan (floor and ceil are
+floats here) and the constants inf, nan and pi. ``quotient(a, b)`` divides where b may be zero;
+``/`` does not.
 
 A call that changes something stands where no other part of the statement can see whether it came
 first: alone on the right side, as the statement, as what is returned or compared.

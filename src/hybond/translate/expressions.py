@@ -37,6 +37,7 @@ ONE_FLOAT = frozenset(
     [
         "sqrt",
         "exp",
+        "expm1",
         "log",
         "log10",
         "log1p",

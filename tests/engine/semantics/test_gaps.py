@@ -145,3 +145,18 @@ def test_a_hill_with_its_bonds_is_run_up():
     run = hb.simulate(m, until=1.0)
     assert run["x"].at(1.0) == pytest.approx(1.5 + 2.4 * 0.5 - 0.5 * 4.0 * 0.5**2, abs=1e-9)
     assert run["y"].at(1.0) == pytest.approx(0.5 * (run["x"].at(1.0) - 1.5), abs=1e-9)
+
+
+@pytest.mark.parametrize("gap", ["hypot(cos(th), sin(th)) - 0.5", "(sin(th) + 2) - (2 + sin(th))"])
+@pytest.mark.parametrize("turned", [False, True])
+def test_two_points_of_one_body_have_no_speed_apart(gap: str, turned: bool) -> None:
+    """Levers leave 1e-21 m/s of it, and the gap none: that is rounding, and no other distance."""
+    m = hb.Model("lever")
+    m.add(J=hb.I(1.0, f=1.0), w=hb.One(), p=hb.One(), q=hb.One(), s=hb.One())
+    m.add(A=hb.TF("0.1*cos(th)"), B=hb.TF(3), C=hb.TF("0.3*cos(th)"))
+    m.add(c=hb.Zero(law="unilateral", gap=gap))
+    m.signal(th=hb.Integral("w.f", start=0.3))
+    m.bond("w -> J", "w -> A -> p -> B -> q", "w -> C -> s")
+    m.bond(*(["q -> c -> s"] if turned else ["s -> c -> q"]))
+    run = hb.simulate(m, until=1.0)
+    assert run["w.f"].at(1.0) == 1.0

@@ -26,6 +26,8 @@ ATAN2: Final = 15
 MOD: Final = 16
 SOFTPLUS: Final = 17
 LOG_COSH: Final = 18
+EXPM1: Final = 19
+LOG1P: Final = 20
 MOST: Final = 709.782712893384
 """The logarithm of the largest number: exp() of more is infinite."""
 MOST_HALVED: Final = 710.4758600739439
@@ -106,6 +108,16 @@ def log_cosh(a: float) -> float:
     return size + (math.log1p(math.exp(-2.0 * size)) - LOG_OF_TWO)
 
 
+def exp_less_one(a: float) -> float:
+    """Return ``exp(a) - 1``."""
+    return math.inf if a > MOST else math.expm1(a)
+
+
+def log_beside_one(a: float) -> float:
+    """Return ``log(1 + a)``."""
+    return math.log1p(a) if a > -1.0 else logarithm(1.0 + a)
+
+
 def function_of(which: int, a: float, b: float) -> float:
     """Return one of the functions above; `b` is read by those of two numbers."""
     if which == SIN:
@@ -142,6 +154,10 @@ def function_of(which: int, a: float, b: float) -> float:
         return softplus(a)
     if which == LOG_COSH:
         return log_cosh(a)
+    if which == EXPM1:
+        return exp_less_one(a)
+    if which == LOG1P:
+        return log_beside_one(a)
     if which == ATAN2:
         return math.atan2(a, b)
     if which == MOD:

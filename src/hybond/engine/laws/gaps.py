@@ -16,6 +16,7 @@ from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.jumps.jump import enter_mode
 from hybond.engine.laws.law_records import Laws
 from hybond.engine.laws.ports import open_mode, solve_with
+from hybond.engine.laws.response import size_of_terms
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.model import Model
 from hybond.engine.reasons.facts import add_fact
@@ -25,6 +26,8 @@ PROBES: Final = 3
 """Velocities at which the two speeds are compared."""
 GAP_APART: Final = 1e-6
 """Part of the larger of them by which they may differ."""
+GAP_ROUNDED: Final = 1e-12
+"""Part of the terms of a speed that is rounding of it."""
 NO_GAP: Final = -2
 """What stands for a gap that is none, or that is constant: its sides touch at all times."""
 LEHMER: Final = 16807.0
@@ -60,7 +63,7 @@ def check_gaps(e: Engine, r: Laws, x: Floats) -> int:
             break
         # where laws have no value there is nothing to compare
         if allow(e, r, mode) == OK and solve_with(e, r.now, r.later, r.l) == OK:
-            found = compare_gaps(e, e.work.w, r.later)
+            found = compare_gaps(e, mode, e.work.w, r.later)
     mode.guessed = False
     return found
 
@@ -92,8 +95,11 @@ def has_gaps(m: Model) -> bool:
     return found
 
 
-def compare_gaps(e: Engine, w: Floats, v: Floats) -> int:
-    """Compare how fast gaps open with how fast their contacts close, at values `v`."""
+def compare_gaps(e: Engine, mode: Mode, w: Floats, v: Floats) -> int:
+    """Compare how fast gaps open with how fast their contacts close, at values `v`.
+
+    Two points of one body have no speed apart but what rounding leaves of it.
+    """
     m = e.model
     for k in range(m.ports):
         if m.port_gap_rate[k] == NO_GAP:
@@ -101,10 +107,13 @@ def compare_gaps(e: Engine, w: Floats, v: Floats) -> int:
         law = m.port_gap_rate[k]
         opening = m.port_gap_rate_constant[k] if law < 0 else value(m, law, v)
         closing = 0.0
+        terms = 0.0
         for i in range(m.pair_first[2 * k + 1], m.pair_first[2 * k + 2]):
             closing += m.pair_value[i] * w[m.pair_column[i]]
+            terms += math.fabs(m.pair_value[i]) * size_of_terms(e, mode, m.pair_column[i])
         most = max(math.fabs(opening), math.fabs(closing))
-        if math.isfinite(most) and math.fabs(opening + closing) > GAP_APART * most:
+        apart = math.fabs(opening + closing)
+        if math.isfinite(most) and apart > GAP_APART * most and apart > GAP_ROUNDED * terms:
             why = "the gap of a contact is not the distance that its bonds close"
             say_fault(e, "HB-M205", why, node_name(m, m.port_node[k]))
             if m.tells != 0:

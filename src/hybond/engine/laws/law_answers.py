@@ -11,7 +11,14 @@ from typing import Final
 
 from hybond.engine.answers import value
 from hybond.engine.complementarity.all_branches import answer_laws
-from hybond.engine.complementarity.law_roles import BACKWARD, FORWARD, TWO_SIDED
+from hybond.engine.complementarity.decided_closely import decide_closely, put_entry, put_known
+from hybond.engine.complementarity.law_roles import (
+    BACKWARD,
+    CUT,
+    FORWARD,
+    ONE_SIDED,
+    TWO_SIDED,
+)
 from hybond.engine.engine import Engine, count_work
 from hybond.engine.laws.law_friction import may_rest, rests_now, slides_through, turns_round
 from hybond.engine.laws.law_instant import (
@@ -77,7 +84,46 @@ def solve_branches(e: Engine, r: Laws, q: Floats, h: float, shifted: bool) -> bo
             r.later[m.bond_slot + b] = r.response.bonds[b]
     count_work(e, (m.ports + 8) * (m.ports + 8) * (m.ports + 8))
     rests = put_problem(e, r, q, h, shifted)
-    return solve_problem(e, r, rests and not shifted)
+    found = solve_problem(e, r, rests and not shifted)
+    return (r.closely and answer_closely(e, r, h, found)) or found
+
+
+def answer_closely(e: Engine, r: Laws, h: float, found: bool) -> bool:
+    """Decide `r.problem` with twice the digits, if all its laws are one-sided or cut.
+
+    `q` is what is known, ``r.y``, and its rate over the step `h`. What was found is where the
+    search begins.
+    """
+    n = e.model.ports
+    p = r.problem
+    c = r.closer
+    many = 0
+    for k in range(n):
+        if p.role[k] == ONE_SIDED:
+            p.who[many] = k
+            many += 1
+        elif p.role[k] != CUT:
+            return False
+    c.n = many
+    for i in range(many):
+        one = p.who[i]
+        for j in range(many):
+            at = one * n + p.who[j]
+            put_entry(c, i * many + j, r.response.d[at], h, r.response.ce[at])
+        put_known(c, i, r.y[one], h, r.response.rate[one])
+        branch = p.branch[one] if found else r.start[one]
+        c.active[i] = 1 if (branch == 1) == (p.common[one] != 0) else 0
+    count_work(e, 20 * many * many * many)
+    if not decide_closely(c):
+        return False
+    p.doubtful = False
+    for i in range(many):
+        one = p.who[i]
+        p.doubtful = p.doubtful or c.zero[i] != 0
+        p.l[one] = c.l[i]
+        p.branch[one] = 1 if (c.active[i] != 0) == (p.common[one] != 0) else 0
+        p.open[one] = c.zero[i]
+    return True
 
 
 def asks_friction(e: Engine, r: Laws) -> bool:

@@ -209,8 +209,11 @@ def next_lasting(e: Engine, r: Laws, ways: int) -> bool:
             h = seen
         for k in range(n):
             r.q[k] = r.y[k] + h * a.rate[k]
+        # storage is lost in the rounding of what acts at once, unless the digits of both are kept
+        r.closely = TRY_CLEAN[r.attempt] != 0 and r.now.linear and r.now.monotone and h < seen
         r.attempt += 1
         found = slide(e, r, r.q, h, False)
+        r.closely = False
         if found and keep < 0:
             found = loosen(e, r, r.q, h)
         if not found:

@@ -11,7 +11,7 @@ from typing import Final
 from hybond.engine.algebra.blocks import Rows, fit, row_size, row_times
 from hybond.engine.algebra.products import all_finite
 from hybond.engine.algebra.rounding import EPSILON
-from hybond.engine.answers import node_name
+from hybond.engine.answers import node_name, value
 from hybond.engine.engine import NOT_FINITE, OK, Engine, say_fault
 from hybond.engine.mode.beside_jumps import from_beside_jumps
 from hybond.engine.mode.continuation import continued
@@ -101,7 +101,7 @@ def newton(e: Engine, mode: Mode, v: Floats) -> int:
     work = e.work
     frees = mode.finite_frees
     by_knowns(e, mode, mode.finite, work.base)
-    level_edges(e, mode, work.base)
+    level_edges(e, mode, v, work.base)
     fit(work.step, frees + mode.dynamics + 1)
     fit(work.guess, frees + 1)
     take_rank(e, mode, v)
@@ -152,17 +152,25 @@ def from_nothing_known(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
     return found or enclosed(e, mode, v, r, 0.0)
 
 
-def level_edges(e: Engine, mode: Mode, base: Floats) -> None:
+def level_edges(e: Engine, mode: Mode, v: Floats, base: Floats) -> None:
     """Let what a root is taken of be zero where what is known leaves only rounding of it.
 
     The root of rounding is large beside it, and below zero there is none: two tanks that are level
-    would send a last digit to and fro without end.
+    would send a last digit to and fro without end. A law of storage that is a difference has the
+    rounding of its terms.
     """
     m = e.model
     for i in range(m.edge_bonds):
         first = mode.same[m.edge_bond[i]]
         size = row_size(mode.finite, first, e.work.xi)
-        if base[first] == 0.0 or math.fabs(base[first]) > ROUNDED * size:
+        if base[first] == 0.0:
+            continue
+        for p in range(mode.finite.first.at[first], mode.finite.first.at[first + 1]):
+            known = mode.finite.column.at[p]
+            if known < m.storages and m.co_rounding[known] >= 0:
+                terms = mode.finite.size.at[p] * value(m, m.co_rounding[known], v)
+                size += terms if math.isfinite(terms) else 0.0
+        if math.fabs(base[first]) > ROUNDED * size:
             continue
         for k in range(first, 2 * m.bonds):
             if mode.same[k] == first:

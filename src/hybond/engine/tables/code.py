@@ -16,8 +16,10 @@ from hybond.engine.expressions.functions import (
     COS,
     COSH,
     EXP,
+    EXPM1,
     FLOOR,
     LOG,
+    LOG1P,
     LOG10,
     LOG_COSH,
     MOD,
@@ -69,7 +71,12 @@ ONE = {
     "ceil": CEIL,
 }
 """Functions of one number by the codes of `portable.functions`."""
-_FORMS = {"softplus": SOFTPLUS, "log_cosh": LOG_COSH}
+_FORMS = {
+    "softplus": SOFTPLUS,
+    "log_cosh": LOG_COSH,
+    "expm1": EXPM1,
+    "log1p": LOG1P,
+}
 """What stands for a form of several."""
 TWO = {"atan2": ATAN2, "mod": MOD}
 _ARITHMETIC = {"+": c.ADD, "-": c.SUBTRACT, "*": c.MULTIPLY, "/": c.DIVIDE, "^": c.RAISE}

@@ -43,6 +43,10 @@ def _in_parts(e: Expr) -> Expr:
         case Call("log_cosh", (u,)):
             twice = _in_parts(Call("softplus", (Binary("*", TWO, u),)))
             return Binary("-", twice, Binary("+", u, Number(math.log(2.0))))
+        case Call("expm1", (u,)):
+            return Binary("-", Call("exp", (u,)), ONE)
+        case Call("log1p", (u,)):
+            return Call("log", (Binary("+", ONE, u),))
         case Binary("-", u, Call("max", (Number(0.0), same))) if u == same:
             return Call("min", (u, NONE))
         case Binary("-", u, Binary("*", Number(2.0), Call("max", (Number(0.0), same)))) if (

@@ -5,9 +5,11 @@ from __future__ import annotations
 from hybond.engine.tables.columns import FLOATS, INTS, ModelTables, put_rows
 from hybond.engine.tables.expressions import number_of
 from hybond.engine.tables.start import start_of
+from hybond.equations.rounding import rounding
 from hybond.equations.storage import EXACT, gauss, polynomial_degree, stiffness, stored_names
 from hybond.model.expressions import Binary, Expr, Name, Neg, Number, substitute, turning
 from hybond.model.expressions.slots import is_slotted
+from hybond.model.expressions.tree import walk
 from hybond.model.graph import Storage
 
 
@@ -54,6 +56,7 @@ def put_storages(t: ModelTables) -> None:
         degree, before = polynomial_degree(law), degrees.get(s.node, 0)
         degrees[s.node] = None if degree is None or before is None else max(degree, before)
     t.ints["co_energy"] = laws
+    t.ints["co_rounding"] = [_rounding(t, law) for law in laws]
     put_powers(t, rows)
     put_rows(t, "stiff_first", rows, stiff_other=INTS, stiff_value=INTS, stiff_constant=FLOATS)
     t.numbers["groups"] = len(groups)
@@ -65,6 +68,18 @@ def put_storages(t: ModelTables) -> None:
         points.append(list(zip(*gauss((degree or 0) // 2 + 1), strict=True)) if exact else [])
     put_rows(t, "point_first", points, point_at=FLOATS, point_weight=FLOATS)
     put_rows(t, "bend_first", [kinks[node] for node in groups], bend_value=INTS)
+
+
+def _rounding(t: ModelTables, law: int) -> int:
+    """Return the law of what rounding of a law is measured by, -1 where that is what it gives.
+
+    A gauge pressure is a difference of pressures, and has their last digits.
+    """
+    if law < 0 or not any(
+        isinstance(p, Binary) and p.op in "+-" for p, _ in walk(t.values.all[law])
+    ):
+        return -1
+    return t.values.number(rounding(t.values.all[law]))
 
 
 def put_powers(t: ModelTables, stiff: list[list[tuple[int, int, float]]]) -> None:

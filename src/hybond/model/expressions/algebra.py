@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 import operator
+import sys
 from bisect import bisect_right
 from collections.abc import Callable, Mapping
 from typing import Any, cast
@@ -192,6 +193,9 @@ _UFUNC: dict[str, Callable[..., Any]] = {
 }
 
 
+_MOST = math.log(sys.float_info.max)
+
+
 # the engine has the same functions, to the last bit, in the language that it is translated from
 def _softplus(a: float) -> float:
     return max(a, 0.0) + math.log1p(math.exp(-abs(a)))
@@ -203,6 +207,14 @@ def _log_cosh(a: float) -> float:
         half = math.sinh(0.5 * size)
         return math.log1p(2.0 * half * half)
     return size + (math.log1p(math.exp(-2.0 * size)) - math.log(2.0))
+
+
+def _exp_less_one(a: float) -> float:
+    return math.inf if a > _MOST else math.expm1(a)
+
+
+def _log_beside_one(a: float) -> float:
+    return math.log1p(a) if a > -1.0 else -math.inf if a == -1.0 else math.nan
 
 
 def _softplus_arrays(a: Any) -> Any:
@@ -265,6 +277,8 @@ FLOATS = Algebra(
         "max": _most,
         "softplus": _softplus,
         "log_cosh": _log_cosh,
+        "expm1": _exp_less_one,
+        "log1p": _log_beside_one,
     },
     const=same,
     table=_table,
@@ -291,6 +305,8 @@ ARRAYS = Algebra(
         "max": _fold(np.maximum),
         "softplus": _softplus_arrays,
         "log_cosh": _log_cosh_arrays,
+        "expm1": _real(np.expm1),
+        "log1p": _real(np.log1p),
     },
     const=cast("Callable[[float], Any]", np.asarray),
     table=_table_arrays,

@@ -408,6 +408,10 @@ def _outer(function: str, u: Expr) -> Expr:
             return _div(ONE, _add(ONE, Call("exp", (_neg(u),))))
         case "log_cosh":
             return call("tanh")
+        case "expm1":
+            return call("exp")
+        case "log1p":
+            return _div(ONE, _add(ONE, u))
         case "abs":
             return call("sign")
     return ZERO

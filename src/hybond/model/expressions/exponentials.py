@@ -36,6 +36,8 @@ def terms_of(e: Expr) -> list[Term]:
             return [(_ONE, u)]
         case Call("cosh", (u,)):
             return [(_HALF, u), (_HALF, minus(u))]
+        case Call("expm1", (u,)):
+            return [(_ONE, u), (minus(_ONE), _ZERO)]
         case Call("sinh", (u,)):
             # by its ratio to the other: no digit of a small one cancels
             half = times(_HALF, Call("tanh", (u,)))
@@ -110,6 +112,12 @@ def scaled(terms: list[Term], by: Expr) -> Expr:
     >>> print(largest(terms), "|", scaled(terms, largest(terms)))
     max(x, 0) | k*exp(x - max(x, 0)) + 3*exp(-max(x, 0))
     """
+    if len(terms) == 2 and terms[1] == (minus(terms[0][0]), _ZERO):
+        # exp(u) - 1 is small where u is, whichever of both is the larger one
+        (factor, u), _ = terms
+        near = Call("expm1", (minus(Call("abs", (u,))),))
+        rest = scaled([(factor, largest(terms))], by)
+        return times(rest, minus(Binary("*", Call("sign", (u,)), near)))
     parts = []
     for a, u in terms:
         exponent = difference(u, by)

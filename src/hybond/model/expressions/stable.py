@@ -2,9 +2,10 @@
 
 ``log(1 + exp(x))`` is x where the exponential has no number any more, and the exponential itself
 where beside 1 nothing is left of it; a quotient of sums of exponentials has a value where both
-have none, and the length of what is 1e200 both ways is no more than 1.5e200. ``softplus`` and
-``log_cosh`` are no functions of the language: they stand where an expression is evaluated, and in
-no text.
+have none, and the length of what is 1e200 both ways is no more than 1.5e200. Of ``exp(x) - 1`` and
+``log(1 + x)`` near x = 0 nothing is left beside the 1 but its rounding: the law of a diode at rest.
+``softplus``, ``log_cosh``, ``expm1`` and ``log1p`` are no functions of the language: they stand
+where an expression is evaluated, and in no text.
 
 Source: W. Kahan, "Branch cuts for complex elementary functions", 1987, on ``log(1 + x)``.
 """
@@ -31,7 +32,7 @@ from hybond.model.expressions.exponentials import (
 from hybond.model.expressions.slots import is_slotted
 from hybond.model.expressions.tree import Binary, Call, Expr, Neg, Number, calls, transform
 
-_MENDED = frozenset(("exp", "sinh", "cosh", "sqrt"))
+_MENDED = frozenset(("exp", "sinh", "cosh", "sqrt", "log", "log10"))
 """Functions without which there is nothing to be said in another way."""
 
 
@@ -47,6 +48,8 @@ def stable(e: Expr) -> Expr:
     1/(1 + exp(-x)) - tanh(x)
     >>> print(stable(parse("sqrt(x^2 + y^2) + log(k*exp(x))")))
     hypot(x, y) + (log(k) + x)
+    >>> print(stable(parse("k*(exp(x/w) - 1) + w*log(y/k + 1)")))
+    k*expm1(x/w) + w*log1p(y/k)
     """
     return e if _MENDED.isdisjoint(calls(e)) else transform(e, _stabler)
 
@@ -69,6 +72,10 @@ def _more_familiar(e: Expr) -> Expr:
             return Call("log", (Binary("+", Number(1.0), Call("exp", (u,))),))
         case Call("log_cosh", (u,)):
             return Call("log", (Call("cosh", (u,)),))
+        case Call("expm1", (u,)):
+            return Binary("-", Call("exp", (u,)), Number(1.0))
+        case Call("log1p", (u,)):
+            return Call("log", (Binary("+", Number(1.0), u),))
     return e
 
 
@@ -83,6 +90,10 @@ def _stabler(e: Expr) -> Expr:
             return _root(under) or e
         case Binary("^", base, Number() as power) if is_number(power) and power.value < 1.0:
             return _root_of_sum(base, power.value) or e
+        case Binary("-", a, b):
+            return _less_one(a, b) or e
+        case Binary("+", a, b):
+            return _less_one(b, minus(a)) or _less_one(a, minus(b)) or e
         case Binary("/", above, below):
             return _quotient(above, below) or e
         case Binary("*", Call("exp", (u,)), Call("exp", (v,))):
@@ -92,8 +103,31 @@ def _stabler(e: Expr) -> Expr:
     return e
 
 
+def _less_one(a: Expr, b: Expr) -> Expr | None:
+    """Return the difference of an exponential and 1, both times the same; None of another one."""
+    for first, second in ((a, b), (b, a)):
+        factor, u = _times_exponential(first)
+        if u is not None and second == factor:
+            found = times(factor, Call("expm1", (u,)))
+            return found if first is a else minus(found)
+    return None
+
+
+def _times_exponential(e: Expr) -> tuple[Expr, Expr | None]:
+    """Return factor and exponent of an exponential, no exponent if it is none."""
+    match e:
+        case Call("exp", (u,)):
+            return Number(1.0), u
+        case Binary("*", factor, Call("exp", (u,))) | Binary("*", Call("exp", (u,)), factor):
+            return factor, u
+    return e, None
+
+
 def _logarithm(e: Expr) -> Expr | None:
-    """Return the logarithm of a sum of exponentials, or of a number over one; None of others."""
+    """Return the logarithm of a sum of exponentials, or of a number over one; None of others.
+
+    That of what is beside 1 as well.
+    """
     beside = beside_one(e)
     if beside is not None:
         return Call("softplus", (beside,))
@@ -106,7 +140,7 @@ def _logarithm(e: Expr) -> Expr | None:
                 return minus(found) if is_number(above, 1.0) else Binary("-", _log(above), found)
     terms = terms_of(e)
     if not steep(terms):
-        return None
+        return _beside_a_number(e)
     if len(terms) == 1:
         ((a, u),) = terms
         return u if is_number(a, 1.0) else total(_log(a), u)
@@ -115,6 +149,18 @@ def _logarithm(e: Expr) -> Expr | None:
         return _of_two(*terms)
     most = largest(terms)
     return total(most, Call("log", (scaled(terms, most),)))
+
+
+def _beside_a_number(e: Expr) -> Expr | None:
+    """Return the logarithm of 1 and something beside it; None of anything else."""
+    match e:
+        case Binary("+", one, u) if is_number(one, 1.0):
+            return Call("log1p", (u,))
+        case Binary("+", u, one) if is_number(one, 1.0):
+            return Call("log1p", (u,))
+        case Binary("-", one, u) if is_number(one, 1.0):
+            return Call("log1p", (minus(u),))
+    return None
 
 
 def _of_two(first: Term, second: Term) -> Expr:
