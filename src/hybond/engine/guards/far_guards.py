@@ -86,17 +86,18 @@ def is_within(e: Engine, g: Locator, a: int, room: float) -> bool:
     if not (room > 0.0 and math.isfinite(g.astray[a])):
         return False
     s = g.sums
+    for i in range(KEPT):
+        g.d[i] = 0.0
+    for p in range(s.first.at[a], s.first.at[a + 1]):
+        k = s.column.at[p]
+        if g.drift[k] != 0.0:
+            factor = s.factor.at[p]
+            for i in range(KEPT):
+                g.d[i] += factor * g.moved[i * e.states + k]
     most = 0.0
     for i in range(KEPT):
-        row = i * e.states
-        total = 0.0
-        size = 0.0
-        for p in range(s.first.at[a], s.first.at[a + 1]):
-            term = s.factor.at[p] * g.moved[row + s.column.at[p]]
-            total += term
-            size += math.fabs(term)
-        most = max(most, math.fabs(total) + EVALUATED * size)
-    g.astray[a] = min(g.astray[a], DRIFTS * most)
+        most = max(most, math.fabs(g.d[i]))
+    g.astray[a] = min(g.astray[a], DRIFTS * most + EVALUATED * g.astray[a])
     return g.astray[a] <= room
 
 
