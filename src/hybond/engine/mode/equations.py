@@ -255,6 +255,8 @@ def eliminate(e: Engine, mode: Mode) -> None:
     mode.saw_at = -1.0
     for k in range(m.storages):
         mode.fades_by[k] = -1.0
+    mode.fading_known = False
+    mode.never_settles = False
     mode.sized = False
     mode.leakage.stages = 0
     mode.leakage.first = 0

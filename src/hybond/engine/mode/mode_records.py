@@ -229,6 +229,9 @@ class Mode:
     """Of each storage that settles within a moment, the first one of those it settles with, else
     -1; see `mode/clusters`."""
     any_settles: bool
+    never_settles: bool
+    """Whether it is known that none does, whatever is stored: as storages are linear."""
+    fading_known: bool
     fades_by: Floats
     """How fast what each storage holds is brought back, 1/s, or -1; see `mode/fading`; ..."""
     fades_with: Ints

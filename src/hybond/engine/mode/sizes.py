@@ -159,7 +159,8 @@ def seen_of(e: Engine, mode: Mode, values: Floats, x: Floats) -> None:
     modulated = mode.structures > 0 and mode.finite_frees > 0
     fades = may_fade(m, mode)
     if fades:
-        find_fading(e, mode, v)
+        if not mode.fading_known:
+            find_fading(e, mode, v)
         bound_fading(e, mode, x, w.reach, values)
     for _ in range(TURNS):
         for i in range(mode.constraints.rows):
