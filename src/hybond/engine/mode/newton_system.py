@@ -21,6 +21,7 @@ from hybond.engine.mode.freedom import rank_here
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.storage import stiff
 from hybond.engine.mode.storage_bonds import rate_bond
+from hybond.engine.model import Model
 from hybond.engine.words import Floats
 
 LONGEST: Final = 1000
@@ -162,10 +163,28 @@ def put_row(e: Engine, mode: Mode, a: Floats, first: int, at: int) -> None:
 
     The sizes of its terms are summed as well.
     """
+    # all three in one pass: most slopes of a long row are zero
     work = e.work
-    work.residual_size.at[at] = row_terms(2 * e.model.bonds, a, first, work.w_size)
-    work.residual_reach.at[at] = row_terms(2 * e.model.bonds, a, first, work.w_reach)
-    by_free(mode, 2 * e.model.bonds, a, first, at * mode.finite_frees, work.jacobian.at)
+    frees = mode.finite_frees
+    begin = at * frees
+    row = work.jacobian.at
+    for j in range(frees):
+        row[begin + j] = 0.0
+    size = 0.0
+    reach = 0.0
+    for k in range(2 * e.model.bonds):
+        slope = a[first + k]
+        if slope == 0.0:
+            continue
+        if math.isfinite(slope):
+            size += math.fabs(slope) * work.w_size[k]
+            reach += math.fabs(slope) * work.w_reach[k]
+        for j in range(frees):
+            share = mode.finite_free.at[k * frees + j]
+            if share != 0.0:
+                row[begin + j] += slope * share
+    work.residual_size.at[at] = size
+    work.residual_reach.at[at] = reach
 
 
 def row_terms(n: int, a: Floats, first: int, size: Floats) -> float:
@@ -204,6 +223,8 @@ def bound_slopes(e: Engine, mode: Mode, v: Floats) -> None:
     n = 2 * e.model.bonds
     a = e.work.slopes.at
     for i in range(mode.dynamics):
+        if is_bounded(e.model, mode, i, a):
+            continue
         most = 1.0
         bounded = True
         for k in range(n):
@@ -218,6 +239,17 @@ def bound_slopes(e: Engine, mode: Mode, v: Floats) -> None:
                     steep = STEEP * most if rises(e, mode, i, k, v) else -STEEP * most
                 if steep != 0.0:
                     a[i * n + k] = steep
+
+
+def is_bounded(m: Model, mode: Mode, i: int, a: Floats) -> bool:
+    """Whether it is seen at once that all slopes of row i have bounds: none is but those listed."""
+    d = mode.dynamic[i]
+    if d < 0:
+        return False
+    for p in range(m.slope_first[d], m.slope_first[d + 1]):
+        if not math.isfinite(a[i * 2 * m.bonds + m.slope_column[p]]):
+            return False
+    return True
 
 
 def has_slope_beside(e: Engine, mode: Mode, i: int, k: int, v: Floats) -> bool:
