@@ -169,6 +169,10 @@ class Mode:
     """Room for them if least leakage takes anything off."""
     power_free: Block
     finite_free: Block
+    share_first: Places
+    """Where there are free unknowns: the first of those, in `share_of`, that have part in each bond
+    variable, in order; few have in most."""
+    share_of: Places
     free_rest: Block
     """By what each of these is more than it was rounded to."""
     power_frees: int
@@ -361,6 +365,8 @@ def make_mode(m: Model) -> Mode:
     mode.shared = make_rows()
     mode.own_power = make_rows()
     mode.finite_free = make_block(1)
+    mode.share_first = make_places(1)
+    mode.share_of = make_places(1)
     mode.free_rest = make_block(1)
     mode.own_power_free = make_block(1)
     mode.free_rows = make_rows()
