@@ -12,6 +12,8 @@ from collections.abc import Callable
 import pytest
 
 import hybond as hb
+from hybond.engine.engine import Engine
+from hybond.engine.inputs import interval
 
 MASS = 2.0
 METHODS = ("auto", "rk45", "radau", "exact", "qss2", "rk4")
@@ -252,3 +254,35 @@ def test_laws_hold_before_a_jump_by_which_a_source_lets_go_what_it_drives(
     assert run.audit().holds() and run.events.t[1:] == pytest.approx([begins + falls], abs=1e-9)
     found = run["n.f" if kind == "Sf" else "n.e"].at([begins + falls / 2, begins + falls + 0.1])
     assert found == pytest.approx([2.0, 2.0 * math.exp(-0.2)], rel=1e-8)
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_jumps_of_time_are_looked_for_once_at_each_end_of_an_interval(
+    turned: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked = []
+    look = interval.jumps_beside
+
+    def noted(e: Engine, t: float, way: float, many: int) -> bool:
+        asked.append((t, way, many))
+        return look(e, t, way, many)
+
+    monkeypatch.setattr(interval, "jumps_beside", noted)
+    m = hb.Model("chopper", domain="electrical")
+    m.input(gate=hb.Input(pwm={"period": "1 ms", "duty": 0.4}))
+    m.add(V=hb.Se("10 V"), s=hb.One(), r=hb.R("1 kohm"), n=hb.Zero())
+    m.add(C=hb.C("1 uF"), load=hb.R("1 kohm"))
+    m.bond("V -> s", "n -> s" if turned else "s -> n", "s -> r", "n -> C", "n -> load")
+    rules = ["off -> on when gate > 0.5", "on -> off when gate < 0.5"]
+    m.machine("S", states={"off": [], "on": ["s"]}, start="off", rules=rules)
+    run = hb.simulate(m, until="5.5 ms", engine="python")
+    assert len(run.events) == 12
+    # but for the first interval, which is entered twice, and for the end of the run
+    assert len(asked) <= len(set(asked)) + 3
+    # towards half of the source through both resistors, and to nothing through one
+    volt = 0.0
+    for pause in (0.6, 0.6, 0.6, 0.6, 0.6, 0.1):
+        volt = 5.0 + (volt - 5.0) * math.exp(-0.8)
+        volt *= math.exp(-pause)
+    way = -1.0 if turned else 1.0
+    assert run.final["C.e"] == pytest.approx(way * volt, rel=1e-8)

@@ -47,6 +47,7 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
         closely, agreement  with all digits, where sums cancel; whether sources agree
         newton, newton_system, newton_step, dynamic_rows    Newton's method: what it makes zero, its
                             step, by which laws
+        slopes_bounded      what stands for slopes without bound
         guess, neighbours   where it begins
         damped, continuation    with shorter steps; on the way from laws with a resistance beside
         led_up              from nothing known to all that is

@@ -198,6 +198,13 @@ class Engine:
     """Time is not read before it, nor behind the next: where what depends on time alone jumps at an
     end of the interval."""
     early: float
+    within_from: float
+    """The interval for which these were found last, in whose pieces of inputs time still is; how
+    many jumps were asked for at its end; what was found."""
+    within_to: float
+    within_many: int
+    within_late: float
+    within_early: float
     piece: Ints
     line_piece: Ints
     """Of each input: the piece whose line is known: its value, its rate, and where it begins."""
@@ -356,6 +363,8 @@ def make_engine(m: Model) -> Engine:
     e.next_break = math.inf
     e.late = -math.inf
     e.early = math.inf
+    e.within_from = math.nan
+    e.within_to = math.nan
     e.open_modes = records(Mode, OPEN_KEPT)
     if m.laws > 0 or m.method == MOREAU:
         e.laws = make_laws(m)

@@ -23,7 +23,7 @@ from hybond.engine.engine import OK, Engine
 from hybond.engine.expressions.pairs import ROUNDING
 from hybond.engine.guards.guard_shape import NEAR, ROUNDED, SLACK, UNRESOLVED, rest_below
 from hybond.engine.guards.guard_values import holds_at, keep_sample, put_on_constraints
-from hybond.engine.guards.locator import FRACTION, SAMPLES, Locator
+from hybond.engine.guards.locator import FRACTION, KEPT, SAMPLES, Locator
 from hybond.engine.guards.quartic import COEFFICIENTS
 from hybond.engine.inputs.interval import set_time
 from hybond.engine.jumps.tied import put_tied
@@ -52,10 +52,11 @@ def see_drift(e: Engine, g: Locator) -> None:
     if not held:
         return
     for i in range(0, SAMPLES, 2):
+        row = i // 2 * e.states
         t = sampled_time(e, i)
         between(e, t, g.y)
         for k in range(e.states):
-            g.before[k] = g.y[k]
+            g.moved[row + k] = g.y[k]
         found = True
         if g.tied:
             put_tied(e, t, g.y)
@@ -64,7 +65,8 @@ def see_drift(e: Engine, g: Locator) -> None:
         if found:
             keep_sample(e, g, t)
         for k in range(e.states):
-            off = DRIFTS * math.fabs(g.y[k] - g.before[k])
+            g.moved[row + k] = g.y[k] - g.moved[row + k]
+            off = DRIFTS * math.fabs(g.moved[row + k])
             g.drift[k] = max(g.drift[k], off) if found and math.isfinite(off) else math.inf
 
 
@@ -72,6 +74,31 @@ def sampled_time(e: Engine, i: int) -> float:
     """Return the instant of a sample in the step."""
     within = e.step.t0 + (e.step.t1 - e.step.t0) * FRACTION[i]
     return e.step.t1 if i == SAMPLES - 1 else within
+
+
+def is_within(e: Engine, g: Locator, a: int, room: float) -> bool:
+    """Whether a comparison is off by no more than that, its states being moved together.
+
+    What moves both sides of it by the same, as all that hangs on a capacitor, it sees nothing of.
+    """
+    if g.astray[a] <= room:
+        return True
+    if not (room > 0.0 and math.isfinite(g.astray[a])):
+        return False
+    s = g.sums
+    for i in range(KEPT):
+        g.d[i] = 0.0
+    for p in range(s.first.at[a], s.first.at[a + 1]):
+        k = s.column.at[p]
+        if g.drift[k] != 0.0:
+            factor = s.factor.at[p]
+            for i in range(KEPT):
+                g.d[i] += factor * g.moved[i * e.states + k]
+    most = 0.0
+    for i in range(KEPT):
+        most = max(most, math.fabs(g.d[i]))
+    g.astray[a] = min(g.astray[a], DRIFTS * most + EVALUATED * g.astray[a])
+    return g.astray[a] <= room
 
 
 def is_still(g: Locator, a: int) -> bool:
@@ -93,7 +120,7 @@ def is_nothing(e: Engine, g: Locator, a: int) -> bool:
     top = EVALUATED * max(g.extent[a] - largest, 0.0)
     for i in range(COEFFICIENTS):
         top += math.fabs(g.step[at + i])
-    return top + g.astray[a] <= NOTHING * ROUNDING * largest
+    return is_within(e, g, a, NOTHING * ROUNDING * largest - top)
 
 
 def is_idle(e: Engine, g: Locator, k: int) -> bool:
@@ -162,17 +189,17 @@ def bound_wave(g: Locator, w: int) -> None:
     g.wave_high[w] = middle + away
 
 
-def is_far(g: Locator, k: int) -> bool:
+def is_far(e: Engine, g: Locator, k: int) -> bool:
     """Whether all comparisons of a guard are clear of zero all over the step; notes their signs."""
     for a in range(g.atom_first[k], g.atom_first[k + 1]):
         if g.sums.known.at[a] == 0 and g.sums.waved.at[a] == 0:
             return False
-        if not find_far_sign(g, a):
+        if not find_far_sign(e, g, a):
             return False
     return True
 
 
-def find_far_sign(g: Locator, a: int) -> bool:
+def find_far_sign(e: Engine, g: Locator, a: int) -> bool:
     """Note the sign that a comparison keeps, far from zero; False if it may come near."""
     s = g.sums
     at = COEFFICIENTS * a
@@ -197,6 +224,9 @@ def find_far_sign(g: Locator, a: int) -> bool:
         low += min(one, other)
         high += max(one, other)
         extent += max(math.fabs(one), math.fabs(other))
-    near = NARROW * extent + g.astray[a]
-    g.sign[a] = 1 if low > near else -1 if high < -near else 0
+    away = max(low, -high)
+    near = NARROW * extent
+    g.sign[a] = 0
+    if away > near and is_within(e, g, a, away - near):
+        g.sign[a] = 1 if low > 0.0 else -1
     return g.sign[a] != 0 and math.isfinite(high - low)

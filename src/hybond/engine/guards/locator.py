@@ -120,10 +120,10 @@ class Locator:
     """Of each state: whether the step moves it or it is anything; its coefficients, its size."""
     drift: Floats
     """Of each state: how far it is moved in the step where it is put on constraints; whether any
-    may be; of each comparison: how far it may be off for that."""
+    may be; of each comparison: how far it may be off for that; by what, at each sample kept."""
     drifted: bool
     astray: Floats
-    before: Floats
+    moved: Floats
     kept_at: Floats
     """Instants of the step at which states on their constraints are known, the first so many."""
     kept_y: Floats
@@ -249,7 +249,7 @@ def begin_locator(e: Engine) -> Locator:
     g.motion = ints(e.states)
     g.course = floats(COURSE * e.states)
     g.drift = floats(e.states)
-    g.before = floats(e.states)
+    g.moved = floats(KEPT * e.states)
     g.kept_at = floats(KEPT)
     g.kept_y = floats(KEPT * e.states)
     g.row_seen = ints(2 * m.bonds)

@@ -90,7 +90,7 @@ def solve_guards(e: Engine, g: Locator) -> bool:
 
 def never_holds(e: Engine, g: Locator, k: int, far: bool) -> bool:
     """Whether it is seen at once that a guard does not come to hold in the step."""
-    return is_idle(e, g, k) or (far and is_far(g, k) and is_quiet(e, g, k))
+    return is_idle(e, g, k) or (far and is_far(e, g, k) and is_quiet(e, g, k))
 
 
 def put_dense_of_stages(e: Engine) -> bool:

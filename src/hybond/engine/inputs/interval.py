@@ -223,6 +223,8 @@ def interval_after(e: Engine, t: float) -> None:
     """Enter the interval that begins at t or contains it."""
     m = e.model
     e.straight = False
+    e.within_from = math.nan
+    e.within_to = math.nan
     for i in range(m.inputs):
         e.piece[i] = piece_of(m, i, t)
         e.level[i] = e.asked[i]
@@ -237,21 +239,36 @@ def interval_after(e: Engine, t: float) -> None:
 def read_within(e: Engine, t: float, end: float) -> None:
     """Read time between two instants just within them, where what depends on time jumps there."""
     m = e.model
+    if t == e.within_from and end == e.within_to and m.called == 0:
+        e.late = e.within_late
+        e.early = e.within_early
+        return
+    e.within_to = math.nan
     e.late = -math.inf
     e.early = math.inf
     if m.timed_jumps > 0 and jumps_beside(e, t, moment(m, t), m.timed_jumps):
         e.late = t + moment(m, t)
     # at the end of a run nothing ticks: a guard that holds there but for rounding is to be found
-    hold_before(e, end, m.timed_jumps if end == e.next_break else m.timed_laws)
+    many = m.timed_jumps if end == e.next_break else m.timed_laws
+    hold_before(e, end, many)
+    e.within_from = t
+    e.within_to = end
+    e.within_many = many
+    e.within_late = e.late
+    e.within_early = e.early
 
 
 def hold_before(e: Engine, t: float, many: int) -> None:
     """Read time just before an instant at the latest, where what depends on time jumps there.
 
-    Of that the first `many` are asked.
+    Of that the first `many` are asked, unless they were where the interval began that ends there.
     """
     m = e.model
-    if many > 0 and t > e.late and t < math.inf and jumps_beside(e, t, -moment(m, t), many):
+    if many == 0 or not (t > e.late and t < math.inf):
+        return
+    if t == e.within_to and many == e.within_many and m.called == 0:
+        e.early = min(e.early, e.within_early)
+    elif jumps_beside(e, t, -moment(m, t), many):
         e.early = min(e.early, t - moment(m, t))
 
 

@@ -372,6 +372,8 @@ def find_enabled(e: Engine, g: Settling, t: float) -> int:
         chosen = False
         for r in range(m.rule_first[k], m.rule_first[k + 1]):
             g.held[r] = 0
+            if e.slide.many == 0 and m.rule_source[r] != e.trial.state[k]:
+                continue  # most of them
             if not is_asked(e, k, r, e.trial.state[k]):
                 continue
             true = rule_holds(e, t, k, r)

@@ -170,10 +170,11 @@ def size_here(e: Engine, mode: Mode, k: int, w: Floats) -> float:
     size = 0.0
     for i in range(rows.first.at[k], rows.first.at[k + 1]):
         size += math.fabs(rows.value.at[i] * e.work.xi[rows.column.at[i]])
-    for j in range(frees):
-        share = mode.finite_free.at[k * frees + j]
-        if share != 0.0:
-            size += math.fabs(share * w[mode.free_column[j]])
+    for p in range(
+        mode.share_first.at[k] if frees > 0 else 0, mode.share_first.at[k + 1] if frees > 0 else 0
+    ):
+        j = mode.share_of.at[p]
+        size += math.fabs(mode.finite_free.at[k * frees + j] * w[mode.free_column[j]])
     return size
 
 

@@ -25,7 +25,7 @@ from hybond.engine.algebra.twofold import add_part
 from hybond.engine.engine import Engine
 from hybond.engine.mode.cluster_records import Cluster
 from hybond.engine.mode.mode_records import Mode
-from hybond.engine.mode.storage import own_stiffness, stiff
+from hybond.engine.mode.storage import is_alone, own_stiffness, stiff
 from hybond.engine.mode.storage_bonds import rate_bond, way_of_rate
 from hybond.engine.model import Model
 from hybond.engine.words import Floats
@@ -41,7 +41,10 @@ def find_settling(e: Engine, mode: Mode, v: Floats) -> None:
     """Find which storages settle within a moment, and which of them hang together."""
     m = e.model
     rows = mode.finite
+    if mode.never_settles:
+        return
     mode.any_settles = False
+    linear = True
     for k in range(m.storages):
         times = 0.0
         at = mode.same[rate_bond(m, k)]
@@ -52,7 +55,9 @@ def find_settling(e: Engine, mode: Mode, v: Floats) -> None:
         settles = times > 1.0 and math.isfinite(times)
         mode.settles_with[k] = k if settles else SLOW
         mode.any_settles = mode.any_settles or settles
+        linear = linear and is_alone(m, k)
     if not mode.any_settles:
+        mode.never_settles = linear
         return
     take_fields(m, mode)
     for k in range(m.storages):

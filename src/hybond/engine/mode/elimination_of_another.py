@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Final
 
 from hybond.engine.algebra.blocks import grow_block, grow_places
 from hybond.engine.mode.elimination import (
@@ -15,6 +16,10 @@ from hybond.engine.mode.elimination import (
 )
 from hybond.engine.mode.elimination_records import NOWHERE, Elimination, begin_elimination
 from hybond.engine.words import Ints
+
+FEW: Final = 16
+"""Known columns of a row up to which they are put in order one by one; else all are gone through.
+"""
 
 
 def copy_elimination(source: Elimination, e: Elimination) -> None:
@@ -98,6 +103,8 @@ def put_in(e: Elimination, known: Elimination, shift: int, told: Ints) -> None:
         for i in range(first, first + e.count[user]):
             if is_told(known, shift, told, e.column.at[i]):
                 e.place[e.column.at[i]] = i
+                if met < FEW:
+                    put_in_order(e, met, e.column.at[i])
                 met += 1
         if met == 0:
             continue
@@ -110,7 +117,8 @@ def put_in(e: Elimination, known: Elimination, shift: int, told: Ints) -> None:
                 e.one_off[column] += e.one_drift.at[i]
                 e.other_off[column] += e.other_drift.at[i]
         # in the order of what is told: sums follow it
-        for k in range(known.unknowns):
+        for q in range(met if met <= FEW else known.unknowns):
+            k = e.given_column[q] - shift if met <= FEW else q
             at = e.place[shift + k]
             if at == NOWHERE:
                 continue
@@ -134,6 +142,15 @@ def put_in(e: Elimination, known: Elimination, shift: int, told: Ints) -> None:
             e.loss.at[at] = e.lost[k]
             e.one_drift.at[at] = e.one_off[k]
             e.other_drift.at[at] = e.other_off[k]
+
+
+def put_in_order(e: Elimination, many: int, column: int) -> None:
+    """Put a column among the first `many`, in their order, where no row is given yet."""
+    at = many
+    while at > 0 and e.given_column[at - 1] > column:
+        e.given_column[at] = e.given_column[at - 1]
+        at -= 1
+    e.given_column[at] = column
 
 
 def is_told(known: Elimination, shift: int, told: Ints, column: int) -> bool:

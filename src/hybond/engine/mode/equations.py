@@ -20,6 +20,7 @@ from hybond.engine.mode.storage import is_alone
 from hybond.engine.mode.tableau import build, part_of, switch_on
 from hybond.engine.mode.taken_rows import (
     free_columns,
+    list_shares,
     share_rows,
     take_free,
     take_free_rest,
@@ -216,6 +217,7 @@ def eliminate(e: Engine, mode: Mode) -> None:
         share_rows(m, built, mode)
     take_rows(built, mode.knowns, mode.same, mode.finite)
     take_free(built, mode.finite_frees, mode.free_column, mode.finite_free)
+    list_shares(mode, 2 * m.bonds)
     take_free_rest(built, mode)
     divide_rows(m, mode)
     mode.power = mode.finite
@@ -255,6 +257,8 @@ def eliminate(e: Engine, mode: Mode) -> None:
     mode.saw_at = -1.0
     for k in range(m.storages):
         mode.fades_by[k] = -1.0
+    mode.fading_known = False
+    mode.never_settles = False
     mode.sized = False
     mode.leakage.stages = 0
     mode.leakage.first = 0

@@ -55,6 +55,7 @@ def find_fading(e: Engine, mode: Mode, v: Floats) -> None:
                 unite(mode.fades_with, k, j)
     for k in range(m.storages):
         mode.fades_with[k] = first_of(mode.fades_with, k)
+    mode.fading_known = True  # stiffnesses are constant of all that are brought back
 
 
 def may_fade(m: Model, mode: Mode) -> bool:

@@ -169,6 +169,10 @@ class Mode:
     """Room for them if least leakage takes anything off."""
     power_free: Block
     finite_free: Block
+    share_first: Places
+    """Where there are free unknowns: the first of those, in `share_of`, that have part in each bond
+    variable, in order; few have in most."""
+    share_of: Places
     free_rest: Block
     """By what each of these is more than it was rounded to."""
     power_frees: int
@@ -229,6 +233,9 @@ class Mode:
     """Of each storage that settles within a moment, the first one of those it settles with, else
     -1; see `mode/clusters`."""
     any_settles: bool
+    never_settles: bool
+    """Whether it is known that none does, whatever is stored: as storages are linear."""
+    fading_known: bool
     fades_by: Floats
     """How fast what each storage holds is brought back, 1/s, or -1; see `mode/fading`; ..."""
     fades_with: Ints
@@ -358,6 +365,8 @@ def make_mode(m: Model) -> Mode:
     mode.shared = make_rows()
     mode.own_power = make_rows()
     mode.finite_free = make_block(1)
+    mode.share_first = make_places(1)
+    mode.share_of = make_places(1)
     mode.free_rest = make_block(1)
     mode.own_power_free = make_block(1)
     mode.free_rows = make_rows()

@@ -19,23 +19,15 @@ from hybond.engine.engine import Engine, count_work, svd_room
 from hybond.engine.mode.dynamic_rows import dynamic_value, frozen_at, slopes_at
 from hybond.engine.mode.freedom import rank_here
 from hybond.engine.mode.mode_records import Mode
+from hybond.engine.mode.slopes_bounded import bound_slopes
 from hybond.engine.mode.storage import stiff
 from hybond.engine.mode.storage_bonds import rate_bond
 from hybond.engine.words import Floats
 
-LONGEST: Final = 1000
-"""The power of two up to which, and down to whose inverse, a way is looked for on which a law comes
-to hold."""
-BESIDE: Final = 1e-150
-"""A way that is next to none, for the sign of a slope."""
-BESIDE_PART: Final = 2.0**-20
-"""Part of a variable that is as near beside it as a slope has to be known."""
 LAST_PLACES: Final = 2.0 * EPSILON
 """Part of its terms that is the rounding of a sum."""
 ISOLATED: Final = 1.0
 """What stands for a slope that is zero at one point: that of the variable which a row gives."""
-STEEP: Final = 1e8
-"""What stands for a slope without bound, as a multiple of the others in its row."""
 
 
 def write_bonds(e: Engine, v: Floats, w: Floats) -> None:
@@ -59,15 +51,17 @@ def measured_system(e: Engine, mode: Mode, v: Floats, w: Floats) -> int:
 def measure_terms(e: Engine, mode: Mode, w: Floats) -> None:
     """Put the sizes of the terms of bond variables there: of what is known, of what is free."""
     frees = mode.finite_frees
+    shares = mode.share_of.at
+    stop = 0
     for k in range(2 * e.model.bonds):
         known = w[k]
         size = 0.0
-        for j in range(frees):
-            share = mode.finite_free.at[k * frees + j]
-            if share != 0.0:
-                term = share * w[mode.free_column[j]]
-                known -= term
-                size += math.fabs(term)
+        begin = stop
+        stop = mode.share_first.at[k + 1] if frees > 0 else 0
+        for p in range(begin, stop):
+            term = mode.finite_free.at[k * frees + shares[p]] * w[mode.free_column[shares[p]]]
+            known -= term
+            size += math.fabs(term)
         e.work.w_size[k] = size + math.fabs(known)
     reach_of_kinds(e, mode, w)
 
@@ -94,10 +88,7 @@ def reach_of_kinds(e: Engine, mode: Mode, w: Floats) -> None:
 
 def is_given(mode: Mode, k: int) -> bool:
     """Whether no unknown has part in a bond variable."""
-    for j in range(mode.finite_frees):
-        if mode.finite_free.at[k * mode.finite_frees + j] != 0.0:
-            return False
-    return True
+    return mode.finite_frees == 0 or mode.share_first.at[k] == mode.share_first.at[k + 1]
 
 
 def rows_of_system(e: Engine, mode: Mode, v: Floats, w: Floats) -> int:
@@ -126,7 +117,7 @@ def rows_of_system(e: Engine, mode: Mode, v: Floats, w: Floats) -> int:
         # the power structure leaves nothing hidden: its rows stand as they are
         for i in range(rows):
             work.residual.at[i] = work.f[i]
-            put_row(e, mode, work.slopes.at, i * n, i)
+            put_law(e, mode, i, i)
         return rows
     split(e, mode, v)
     many = mode.structures
@@ -147,7 +138,7 @@ def rows_of_system(e: Engine, mode: Mode, v: Floats, w: Floats) -> int:
         at += 1
     for i in range(rows - many):
         work.residual.at[at] = work.f[mode.other[i]]
-        put_row(e, mode, work.slopes.at, mode.other[i] * n, at)
+        put_law(e, mode, mode.other[i], at)
         at += 1
     known_by_left(e, mode)
     for j in range(many - mode.rank):
@@ -162,10 +153,50 @@ def put_row(e: Engine, mode: Mode, a: Floats, first: int, at: int) -> None:
 
     The sizes of its terms are summed as well.
     """
+    # all three in one pass: most slopes of a long row are zero
     work = e.work
-    work.residual_size.at[at] = row_terms(2 * e.model.bonds, a, first, work.w_size)
-    work.residual_reach.at[at] = row_terms(2 * e.model.bonds, a, first, work.w_reach)
-    by_free(mode, 2 * e.model.bonds, a, first, at * mode.finite_frees, work.jacobian.at)
+    frees = mode.finite_frees
+    begin = at * frees
+    work.residual_size.at[at] = 0.0
+    work.residual_reach.at[at] = 0.0
+    for j in range(frees):
+        work.jacobian.at[begin + j] = 0.0
+    for k in range(2 * e.model.bonds):
+        if a[first + k] != 0.0:
+            put_slope(e, mode, a[first + k], k, at)
+
+
+def put_law(e: Engine, mode: Mode, i: int, at: int) -> None:
+    """Do the same for the slopes of row i as they are, of which the table lists the columns."""
+    m = e.model
+    work = e.work
+    first = i * 2 * m.bonds
+    d = mode.dynamic[i]
+    if d < 0 or work.aid > 0.0:
+        put_row(e, mode, work.slopes.at, first, at)
+        return
+    work.residual_size.at[at] = 0.0
+    work.residual_reach.at[at] = 0.0
+    for j in range(mode.finite_frees):
+        work.jacobian.at[at * mode.finite_frees + j] = 0.0
+    for p in range(m.slope_first[d], m.slope_first[d + 1]):
+        k = m.slope_column[p]
+        if work.slopes.at[first + k] != 0.0:
+            put_slope(e, mode, work.slopes.at[first + k], k, at)
+
+
+def put_slope(e: Engine, mode: Mode, slope: float, k: int, at: int) -> None:
+    """Add the slope by bond variable k to a row of the Jacobian and to the sizes of its terms."""
+    work = e.work
+    frees = mode.finite_frees
+    if math.isfinite(slope):
+        work.residual_size.at[at] += math.fabs(slope) * work.w_size[k]
+        work.residual_reach.at[at] += math.fabs(slope) * work.w_reach[k]
+    for p in range(
+        mode.share_first.at[k] if frees > 0 else 0, mode.share_first.at[k + 1] if frees > 0 else 0
+    ):
+        j = mode.share_of.at[p]
+        work.jacobian.at[at * frees + j] += slope * mode.finite_free.at[k * frees + j]
 
 
 def row_terms(n: int, a: Floats, first: int, size: Floats) -> float:
@@ -192,94 +223,6 @@ def by_free(mode: Mode, n: int, a: Floats, first: int, at: int, row: Floats) -> 
                 share = mode.finite_free.at[k * frees + j]
                 if share != 0.0:
                     row[at + j] += slope * share
-
-
-def bound_slopes(e: Engine, mode: Mode, v: Floats) -> None:
-    """Let slopes without bound, of a root at zero, be those of chords to where the law holds.
-
-    A steep slope that stands for them would lead too far by powers of ten: a root that gives little
-    is reached by the square of that. Where the law holds already, steep ones lead away from there.
-    Rows say what an element gives less its law, which grows.
-    """
-    n = 2 * e.model.bonds
-    a = e.work.slopes.at
-    for i in range(mode.dynamics):
-        most = 1.0
-        bounded = True
-        for k in range(n):
-            if math.isfinite(a[i * n + k]):
-                most = max(most, math.fabs(a[i * n + k]))
-            else:
-                bounded = False
-        for k in range(n if not bounded else 0):
-            if not math.isfinite(a[i * n + k]):
-                steep = chord(e, mode, i, k, v)
-                if steep == 0.0 and has_slope_beside(e, mode, i, k, v):
-                    steep = STEEP * most if rises(e, mode, i, k, v) else -STEEP * most
-                if steep != 0.0:
-                    a[i * n + k] = steep
-
-
-def has_slope_beside(e: Engine, mode: Mode, i: int, k: int, v: Floats) -> bool:
-    """Whether row i has a slope by variable k beside here, on one side at least.
-
-    A root has one beside its end. Where a law has none there either, its numbers are beyond all
-    bounds, as those of ``f/(1 + f^2)`` far behind its top: no slope stands for that.
-    """
-    m = e.model
-    d = mode.dynamic[i]
-    if d < 0:
-        return True
-    at = m.bond_slot + k
-    kept = v[at]
-    way = max(BESIDE, BESIDE_PART * math.fabs(kept))
-    found = False
-    for p in range(m.slope_first[d], m.slope_first[d + 1]):
-        if m.slope_column[p] == k and m.slope_value[p] >= 0:
-            for side in range(2):
-                v[at] = kept + way if side == 0 else kept - way
-                found = found or math.isfinite(value(m, m.slope_value[p], v))
-    v[at] = kept
-    return found
-
-
-def rises(e: Engine, mode: Mode, i: int, k: int, v: Floats) -> bool:
-    """Whether row i becomes more as variable k does, beside where it has no slope."""
-    at = e.model.bond_slot + k
-    kept = v[at]
-    v[at] = kept + BESIDE
-    there = dynamic_value(e, mode, i, v)
-    v[at] = kept
-    return there > e.work.f[i]
-
-
-def chord(e: Engine, mode: Mode, i: int, k: int, v: Floats) -> float:
-    """Return the slope of row i from here to where variable k alone would make it zero.
-
-    To a factor of two; 0 where it is zero here, or where there is none on either side.
-    """
-    here = e.work.f[i]
-    if here == 0.0 or not math.isfinite(here):
-        return 0.0
-    at = e.model.bond_slot + k
-    kept = v[at]
-    slope = 0.0
-    for side in range(2):
-        way = 1.0 if side == 0 else -1.0
-        low = -LONGEST
-        high = LONGEST
-        while slope == 0.0 and high - low > 1:
-            middle = low + (high - low) // 2
-            v[at] = kept + way * math.pow(2.0, float(middle))
-            there = dynamic_value(e, mode, i, v)
-            if math.isfinite(there) and there * here > 0.0:
-                low = middle
-            else:
-                high = middle
-        if slope == 0.0 and high < LONGEST and low > -LONGEST:
-            slope = -here / (way * math.pow(2.0, float(high)))
-    v[at] = kept
-    return slope
 
 
 def add_aid(e: Engine, mode: Mode, w: Floats) -> None:
@@ -354,14 +297,17 @@ def count_isolated(e: Engine, mode: Mode) -> None:
 
 def by_power(e: Engine, mode: Mode) -> None:
     """Put the rows in ``e.work.frozen`` by what the power structure leaves free there."""
+    m = e.model
     work = e.work
-    n = 2 * e.model.bonds
+    n = 2 * m.bonds
     frees = mode.power_frees
     fit(work.c, mode.structures * max(frees, 1))
     for i in range(mode.structures):
+        d = mode.dynamic[mode.structure[i]]
         for j in range(frees):
             work.c.at[i * frees + j] = 0.0
-        for k in range(n):
+        for p in range(m.frozen_first[d], m.frozen_first[d + 1]):
+            k = m.frozen_column[p]
             entry = work.frozen.at[mode.structure[i] * n + k]
             if entry != 0.0:
                 for j in range(frees):
@@ -433,11 +379,21 @@ def with_free(mode: Mode, n: int, base: Floats, r: Floats, w: Floats) -> None:
     """
     most = LAST_PLACES if mode.bent else 0.0
     frees = mode.finite_frees
+    # what is beyond all bounds leaves nothing with a value
+    finite = all_finite(frees, r)
+    stop = 0
     for k in range(n):
         total = base[k]
         size = math.fabs(base[k])
-        for j in range(frees):
-            term = mode.finite_free.at[k * frees + j] * r[j]
+        begin = stop
+        stop = mode.share_first.at[k + 1] if frees > 0 else 0
+        for p in range(begin, stop):
+            term = mode.finite_free.at[k * frees + mode.share_of.at[p]] * r[mode.share_of.at[p]]
+            total += term
+            size += math.fabs(term)
+        for j in range(0 if finite else frees):
+            share = mode.finite_free.at[k * frees + j]
+            term = share * r[j] if share == 0.0 else 0.0
             total += term
             size += math.fabs(term)
         rounded = math.fabs(total) <= most * size and size < math.inf

@@ -38,9 +38,12 @@ def size_of(e: Engine, mode: Mode, b: int, xi: Floats, v: Floats) -> float:
         solved_sizes(e, mode, xi, v)
     size = row_size(mode.finite, mode.same[b], xi) + of_fields(e.model, mode, mode.same[b], v)
     at = b * mode.finite_frees
-    for j in range(mode.finite_frees):
-        if mode.finite_free.at[at + j] != 0.0:
-            size += math.fabs(mode.finite_free.at[at + j]) * mode.free_size.at[j]
+    listed = mode.finite_frees > 0
+    for p in range(
+        mode.share_first.at[b] if listed else 0, mode.share_first.at[b + 1] if listed else 0
+    ):
+        j = mode.share_of.at[p]
+        size += math.fabs(mode.finite_free.at[at + j]) * mode.free_size.at[j]
     if mode.dynamics == 0 and mode.leakage.stages > 0:
         size = max(size, row_size(mode.direct, mode.same[b], xi))
     return max(size, math.fabs(v[first + b]))
@@ -159,7 +162,8 @@ def seen_of(e: Engine, mode: Mode, values: Floats, x: Floats) -> None:
     modulated = mode.structures > 0 and mode.finite_frees > 0
     fades = may_fade(m, mode)
     if fades:
-        find_fading(e, mode, v)
+        if not mode.fading_known:
+            find_fading(e, mode, v)
         bound_fading(e, mode, x, w.reach, values)
     for _ in range(TURNS):
         for i in range(mode.constraints.rows):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.engine.algebra.blocks import Block, Rows, fit, fit_rows
+from hybond.engine.algebra.blocks import Block, Rows, fit, fit_places, fit_rows
 from hybond.engine.algebra.separate import first_of, unite
 from hybond.engine.mode.elimination import is_free
 from hybond.engine.mode.elimination_records import NOWHERE, Elimination
@@ -139,6 +139,26 @@ def take_free(x: Elimination, frees: int, column: Ints, block: Block) -> None:
             block.at[at + x.place[row]] = 1.0
     for j in range(frees):
         x.place[column[j]] = NOWHERE
+
+
+def list_shares(mode: Mode, n: int) -> None:
+    """List which free unknowns have part in each of n bond variables."""
+    frees = mode.finite_frees
+    if frees == 0:
+        return
+    many = 0
+    for i in range(n * frees):
+        many += 1 if mode.finite_free.at[i] != 0.0 else 0
+    fit_places(mode.share_first, n + 1)
+    fit_places(mode.share_of, many)
+    many = 0
+    for k in range(n):
+        mode.share_first.at[k] = many
+        for j in range(frees):
+            if mode.finite_free.at[k * frees + j] != 0.0:
+                mode.share_of.at[many] = j
+                many += 1
+    mode.share_first.at[n] = many
 
 
 def take_free_rows(x: Elimination, frees: int, column: Ints, rows: Rows) -> None:

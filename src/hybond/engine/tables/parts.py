@@ -191,7 +191,7 @@ def _dynamics(t: ModelTables, rows: list[Dynamic]) -> None:
     free = [[(t.slots.index[n] - first,) for n in d.impulse_free] for d in rows]
     put_rows(t, "dynamic_free", free, free_column=INTS)
     for name in ("slope", "frozen"):
-        own = [_slopes(t, d.slopes if name == "slope" else d.frozen) for d in rows]
+        own = [sorted(_slopes(t, d.slopes if name == "slope" else d.frozen)) for d in rows]
         columns: dict[str, list[Any]] = {
             f"{name}_column": INTS,
             f"{name}_value": INTS,
@@ -201,7 +201,7 @@ def _dynamics(t: ModelTables, rows: list[Dynamic]) -> None:
     t.ints["frozen_isolated"] = [
         int(g.nodes[d.node].kind in SOURCES and reads_bonds(e) and isolated(e))
         for d in rows
-        for e in d.frozen.values()
+        for _, e in sorted(d.frozen.items(), key=lambda item: t.slots.index[item[0]])
     ]
     drifts = [partial_time(d.expression, g) if d.kind == "structure" else Number(0.0) for d in rows]
     t.ints["drift_value"] = [-1 if e == Number(0.0) else t.values.number(e) for e in drifts]
