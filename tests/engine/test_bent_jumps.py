@@ -114,3 +114,39 @@ bonds = [
 """
     )
     assert hb.simulate(m, until=1.84).audit().power <= 1e-12
+
+
+@pytest.mark.parametrize("turn", [False, True])
+@pytest.mark.parametrize("kind", ["I", "C"])
+@pytest.mark.parametrize(("height", "width"), [(0.00133, 0.00224), (0.1, 0.01), (2.0, 0.3)])
+def test_a_jump_leads_over_the_hump_of_a_source_that_reads_what_it_prescribes(
+    turn: bool, kind: str, height: float, width: float
+) -> None:
+    # Newton's first step goes away from the only root, and the next beyond all numbers
+    begin, level = -0.5 * width, 1400.0 * height
+
+    def left(x: float) -> float:
+        return height * math.sinh(x / width) + level * (1 - 0.5 * math.tanh(x / (0.5 * width)))
+
+    sign = -1.0 if turn else 1.0
+    what, law, start = ("I", "f", "p") if kind == "I" else ("C", "e", "q")
+    m = hb.Model("hump")
+    m.add(j=hb.One() if kind == "I" else hb.Zero())
+    text = f"{height}*sinh({start}/{width})"
+    m.add(store=getattr(hb, what)({law: text}, **{start: sign * begin}))
+    source = f"({-sign * level})*(1 - 0.5*tanh({sign}*store.{start}/{0.5 * width}))"
+    m.add(s=(hb.Sf if kind == "I" else hb.Se)(source))
+    m.bond("j -> store", "j -> s" if turn else "s -> j")
+    x = brentq(left, -20 * width, 0.0, xtol=1e-18)
+    run = hb.simulate(m, until=0.1)
+    assert run[f"store.{start}"].at(0.0) == pytest.approx(sign * x, rel=1e-9)
+
+
+def test_a_jump_beyond_all_numbers_is_no_solution() -> None:
+    # the law of the coil never comes to what the source asks for
+    m = hb.Model("never")
+    m.add(j=hb.One(), i=hb.I({"f": "tanh(p)"}, p=0.1), s=hb.Sf("1.5 + 0.1*sin(i.p)"))
+    m.bond("s -> j", "j -> i")
+    with pytest.raises(hb.HybondError) as caught:
+        hb.simulate(m, until=0.1)
+    assert caught.value.code in ("HB-N303", "HB-N304")

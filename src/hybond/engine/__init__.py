@@ -56,6 +56,7 @@ passes them::
         settle, settling    trying modes at an instant until none is left; what a cycle is told by
         beginning           what is a priori where a run begins; states it cannot begin in
         entering, trial, jump    a mode entered: signals, and what is stored
+        jump_steps, led_jump    the areas of a jump: Newton's steps, and where these lead nowhere
         constraints, impulse_ways, own_ways    what a jump must fulfil, and what moves it there
         sparse_ways         where much is tied together
         tied                motions that are nothing but what constraints lead along

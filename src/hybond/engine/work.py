@@ -184,6 +184,8 @@ class Work:
     gap_size: Block
     gap_first: Block
     gap_before: Block
+    gap_led: Block
+    nu_led: Block
     tried: Block
     base_gap: Block
     scaled: Block
@@ -319,6 +321,8 @@ def make_work(m: Model) -> Work:
     w.gap_size = make_block(1)
     w.gap_first = make_block(1)
     w.gap_before = make_block(1)
+    w.gap_led = make_block(1)
+    w.nu_led = make_block(1)
     w.tried = make_block(1)
     w.base_gap = make_block(1)
     w.scaled = make_block(1)

@@ -373,8 +373,11 @@ def _sizes(run: Result, names: Sequence[str]) -> list[float]:
     values = run.sample(times, [s.path for s in storages])
     x = np.array([values[s.path] for s in storages])
     steepest = stiffness_along(run.graph, x.T).diagonal(axis1=1, axis2=2).max(axis=0)
+    # of a motion from rest no instant has seen the energy
+    moving = (float(np.abs(run.signals.stored(s.y)).max()) for s in run.segments if len(s.y))
+    energy = max(run.trace.energy, *moving)
     sizes = {}
     for s, slope in zip(storages, steepest.tolist(), strict=True):
-        most = (2.0 * run.trace.energy / slope) ** 0.5 if slope > 0.0 else 0.0
+        most = (2.0 * energy / slope) ** 0.5 if slope > 0.0 else 0.0
         sizes[s.path] = max(most, abs(s.start))
     return [sizes[name] for name in names]
