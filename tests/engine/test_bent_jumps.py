@@ -118,12 +118,15 @@ bonds = [
 
 @pytest.mark.parametrize("turn", [False, True])
 @pytest.mark.parametrize("kind", ["I", "C"])
-@pytest.mark.parametrize(("height", "width"), [(0.00133, 0.00224), (0.1, 0.01), (2.0, 0.3)])
+@pytest.mark.parametrize(
+    ("height", "width", "steep"),
+    [(0.00133, 0.00224, 1361.0), (0.1, 0.01, 600.0), (2.0, 0.3, 2500.0)],
+)
 def test_a_jump_leads_over_the_hump_of_a_source_that_reads_what_it_prescribes(
-    turn: bool, kind: str, height: float, width: float
+    turn: bool, kind: str, height: float, width: float, steep: float
 ) -> None:
     # Newton's first step goes away from the only root, and the next beyond all numbers
-    begin, level = -0.5 * width, 1400.0 * height
+    begin, level = -0.5 * width, steep * height
 
     def left(x: float) -> float:
         return height * math.sinh(x / width) + level * (1 - 0.5 * math.tanh(x / (0.5 * width)))

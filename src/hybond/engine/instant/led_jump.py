@@ -93,6 +93,8 @@ def reaches(e: Engine, mode: Mode, v: Floats, x: Floats, ways: Ways, left: float
     """Go on from `e.work.nu` to where so much is left of what was missing at first."""
     w = e.work
     before = math.inf
+    # steps that went too far leave nothing of what is measured there
+    gap_at(e, mode, v, x, ways, 0.0)
     for turn in range(TURNS):
         put_here(e.model.storages, x, ways, w.nu.at, w.here)
         slope_of(e, mode, v, w.here, ways)
@@ -120,7 +122,8 @@ def enclosed_area(e: Engine, mode: Mode, v: Floats, x: Floats, ways: Ways) -> bo
     w = e.work
     if w.constraints != 1 or ways.areas != 1:
         return False
-    put_here(e.model.storages, x, ways, w.nu.at, w.here)
+    # what is measured there is that of no area, not of where steps went
+    here = gap_of(e, mode, v, x, ways, 0.0)
     slope_of(e, mode, v, x, ways)
     here = gap_of(e, mode, v, x, ways, 0.0)
     if here != here or here == 0.0:
