@@ -153,3 +153,29 @@ def test_a_jump_beyond_all_numbers_is_no_solution() -> None:
     with pytest.raises(hb.HybondError) as caught:
         hb.simulate(m, until=0.1)
     assert caught.value.code in ("HB-N303", "HB-N304")
+
+
+@pytest.mark.parametrize("turn", [False, True])
+@pytest.mark.parametrize("rubs", [True, False])
+@pytest.mark.parametrize("start", [0.181, 0.12])
+def test_a_jump_goes_the_way_that_it_is_pushed_though_its_source_gives_way_faster(
+    turn: bool, rubs: bool, start: float
+) -> None:
+    # with a little resistance in the loop p grows while the source outweighs the rest: to the root
+    # above; there is another one below, where friction would be pushed by what it is to brake
+    modulus, inertia = 0.637, 0.62174
+
+    def net(p: float) -> float:
+        return 1.03 * (1 + 0.5 * math.tanh(p / 0.181)) - 0.91 - modulus * p / inertia
+
+    assert net(start) > 0.0
+    above = brentq(net, start, 3.0, xtol=1e-15)
+    m = hb.Model("pushed")
+    m.add(j=hb.One(law="coulomb", limit=0.91) if rubs else hb.One(), t=hb.GY(modulus))
+    m.add(i=hb.I(inertia, p=start), k=hb.One())
+    text = f"1.03*(1 + 0.5*tanh(i.p/0.181)) - {0.0 if rubs else 0.91}"
+    m.add(s=hb.Se(f"-({text})" if turn else text))
+    m.bond("j -> s" if turn else "s -> j", "j -> t.1", "t.2 -> k", "k -> i")
+    run = hb.simulate(m, until=0.1)
+    assert run["i.p"].at(0.0) == pytest.approx(above, rel=1e-9)
+    assert run.audit().holds()

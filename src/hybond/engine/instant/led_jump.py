@@ -12,7 +12,8 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import fit
-from hybond.engine.engine import Engine, say_fault
+from hybond.engine.engine import OK, Engine, say_fault
+from hybond.engine.instant.constraints import constraint_by_co_energy
 from hybond.engine.instant.impulse_ways import slope_of
 from hybond.engine.instant.jump_steps import (
     FAR,
@@ -23,6 +24,7 @@ from hybond.engine.instant.jump_steps import (
 )
 from hybond.engine.mode.enclosed import FARTHER, FARTHEST, FIRST, HALVES, is_alike, middle_of
 from hybond.engine.mode.mode_records import Mode, Ways
+from hybond.engine.mode.storage import stiff, with_stored
 from hybond.engine.reasons.facts import refuse_jump
 from hybond.engine.words import Floats
 
@@ -44,12 +46,14 @@ def find_areas(e: Engine, mode: Mode, v: Floats, x: Floats, ways: Ways, measured
     Where they are `measured`, the residuals at `x` are in `e.work`.
     """
     status = newton_steps(e, mode, v, x, ways, measured, False)
+    if status == OK and not ways.known and not ways.sparse:
+        return lead_forth(e, mode, v, x, ways)
     if status != FAR:
         return status
     if not ways.known and not ways.sparse:
         if led(e, mode, v, x, ways):
             status = newton_steps(e, mode, v, x, ways, False, True)
-        if status == FAR and enclosed_area(e, mode, v, x, ways):
+        if status == FAR and enclosed_area(e, mode, v, x, ways, 0.0):
             status = newton_steps(e, mode, v, x, ways, False, True)
     if status != FAR:
         return status
@@ -117,8 +121,48 @@ def reaches(e: Engine, mode: Mode, v: Floats, x: Floats, ways: Ways, left: float
     return False
 
 
-def enclosed_area(e: Engine, mode: Mode, v: Floats, x: Floats, ways: Ways) -> bool:
-    """Find one area, into `e.work.nu`, between two at which its constraint differs in sign."""
+def lead_forth(e: Engine, mode: Mode, v: Floats, x: Floats, ways: Ways) -> int:
+    """Let one area go the way that what is missing drives it, if there is a solution that way.
+
+    A source that reads what it prescribes may give way faster than what it drives: then Newton's
+    first step leads back. What is left out between them, however small, would be driven forth.
+    """
+    w = e.work
+    if w.constraints != 1 or ways.areas != 1 or w.nu.at[0] == 0.0:
+        return OK
+    n = 2 * e.model.bonds
+    found = w.nu.at[0]
+    here = gap_of(e, mode, v, x, ways, 0.0)
+    way = -here * power_slope(e, mode, x, ways, n)
+    if way * found < 0.0 and enclosed_area(e, mode, v, x, ways, way):
+        if newton_steps(e, mode, v, x, ways, False, True) == OK and way * w.nu.at[0] > 0.0:
+            return OK
+    w.nu.at[0] = found
+    gap_at(e, mode, v, x, ways, 0.0)
+    return OK
+
+
+def power_slope(e: Engine, mode: Mode, x: Floats, ways: Ways, n: int) -> float:
+    """Return the derivative of one constraint by one area that what is stored makes alone."""
+    m = e.model
+    w = e.work
+    values = with_stored(e, x)
+    fit(w.by_stored, m.storages)
+    constraint_by_co_energy(e, mode, 0, n)
+    total = 0.0
+    for k in range(m.storages):
+        for p in range(m.stiff_first[k], m.stiff_first[k + 1]):
+            factor = w.by_stored.at[k]
+            if factor != 0.0:
+                total += factor * stiff(m, p, values) * ways.d.at[m.stiff_other[p]]
+    return total
+
+
+def enclosed_area(e: Engine, mode: Mode, v: Floats, x: Floats, ways: Ways, way: float) -> bool:
+    """Find one area, into `e.work.nu`, between two at which its constraint differs in sign.
+
+    On the side of zero that `way` has, or on both.
+    """
     w = e.work
     if w.constraints != 1 or ways.areas != 1:
         return False
@@ -135,10 +179,10 @@ def enclosed_area(e: Engine, mode: Mode, v: Floats, x: Floats, ways: Ways) -> bo
     near = 0.0
     other = 0.0
     while step < FARTHEST:
-        if not is_alike(gap_of(e, mode, v, x, ways, step), here):
+        if way >= 0.0 and not is_alike(gap_of(e, mode, v, x, ways, step), here):
             halve(e, mode, v, x, ways, near, step, here)
             return True
-        if not is_alike(gap_of(e, mode, v, x, ways, -step), here):
+        if way <= 0.0 and not is_alike(gap_of(e, mode, v, x, ways, -step), here):
             halve(e, mode, v, x, ways, other, -step, here)
             return True
         near = step
