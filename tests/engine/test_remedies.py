@@ -172,3 +172,15 @@ def test_no_law_is_named_where_sources_and_storages_have_no_solution() -> None:
     error = refusal(m, "HB-N301")
     assert "the laws of  have" not in str(error)
     assert "what sources give" in str(error)
+
+
+@pytest.mark.parametrize("law", ["1.13*sign(e)*sqrt(abs(e)/0.629)", "0.2*sign(e)*abs(e)^2"])
+def test_a_law_whose_sign_makes_no_jump_is_no_dry_friction(law: str) -> None:
+    m = hb.Model("clipped")
+    m.add(j=hb.Zero(), s=hb.Se(-1.29), r=hb.R({"e": "0.911*tanh(f/0.863)"}), g=hb.R({"f": law}))
+    m.bond("s -> j", "j -> r", "g -> j")
+    with pytest.raises(hb.HybondError) as caught:
+        hb.simulate(m, until=0.1)
+    assert caught.value.code == "HB-N301"
+    assert "sign()" not in caught.value.hint
+    assert "in series with r" in caught.value.hint

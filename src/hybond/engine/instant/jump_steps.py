@@ -82,6 +82,8 @@ def newton_steps(
             # what overflows is no solution, though its size does as well
             worst = max(worst, off) if math.isfinite(off) else math.inf
             most = max(most, size)
+        if turn == 0 and not begun:
+            w.missing = worst
         # where the slopes are wrong by a corner of a law it comes nearer by a part of the way only
         stays = worst >= (0.5 if own else CREEPS) * best
         met = (own and worst <= BEST) or (worst <= CONSISTENT and stays)
