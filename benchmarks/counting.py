@@ -42,13 +42,18 @@ class Line:
         return json.dumps(asdict(self)) + "\n"
 
 
-def ways_of(seed: int, count: int) -> list[str]:
+def ways_of(seed: int, count: int, of: Sequence[str] = WAYS) -> list[str]:
     """Return so many ways to run a seed once more; the next seed begins with the next."""
-    return [WAYS[(seed + k) % len(WAYS)] for k in range(count)]
+    return [of[(seed + k) % len(of)] for k in range(min(count, len(of)))]
 
 
 def count(
-    seeds: Iterable[int], path: Path, *, ways: int = len(WAYS), controlled: bool = False
+    seeds: Iterable[int],
+    path: Path,
+    *,
+    ways: int = len(WAYS),
+    controlled: bool = False,
+    of: Sequence[str] = WAYS,
 ) -> None:
     """Check the seeds of which the file has no line yet, and write one for each."""
     known = {line.seed for line in read(path)}
@@ -59,7 +64,7 @@ def count(
             file.write("\n")
     while left:
         child = multiprocessing.get_context("spawn").Process(
-            target=_go_on, args=(left, path, ways, controlled)
+            target=_go_on, args=(left, path, ways, controlled, of)
         )
         child.start()
         child.join()
@@ -72,21 +77,25 @@ def count(
                 file.write(Line(left.pop(0), word).text)
 
 
-def _go_on(seeds: Sequence[int], path: Path, ways: int, controlled: bool) -> None:
+def _go_on(
+    seeds: Sequence[int], path: Path, ways: int, controlled: bool, of: Sequence[str]
+) -> None:
     signal.signal(signal.SIGVTALRM, signal.SIG_DFL)
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
     with path.open("a") as file:
         for seed in seeds:
             signal.setitimer(signal.ITIMER_VIRTUAL, HANG)
-            file.write(checked(seed, ways, controlled).text)
+            file.write(checked(seed, ways, controlled, of).text)
             file.flush()
 
 
-def checked(seed: int, ways: int = len(WAYS), controlled: bool = False) -> Line:
+def checked(
+    seed: int, ways: int = len(WAYS), controlled: bool = False, of: Sequence[str] = WAYS
+) -> Line:
     """Check one seed in so many further ways."""
     begun = time.process_time()
     recipe = random_recipe(seed, controlled=controlled)
-    check = check_recipe(recipe, seed=seed, patience=SLOW, ways=ways_of(seed, ways))
+    check = check_recipe(recipe, seed=seed, patience=SLOW, ways=ways_of(seed, ways, of))
     return Line(seed, check.outcome, round(time.process_time() - begun, 4), check.findings)
 
 

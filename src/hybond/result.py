@@ -296,6 +296,8 @@ class Result(Measuring, Tabled):
 
     def _of_all(self, names: Iterable[str], times: Sequence[Vector]) -> list[list[Vector]]:
         """Return signals by name at times of each segment."""
+        if not times:
+            return []
         many = [len(t) for t in times]
         which = np.repeat(np.arange(len(times)), many)
         found = self._of(names, which, np.concatenate(times) if times else np.zeros(0))
@@ -333,6 +335,9 @@ class Result(Measuring, Tabled):
             return found
         outside = ~((begin <= at) & (at <= end)) | (cut & (at == begin))
         if len(at) and (outside.any() or not starts):
+            if not starts and begin == end:
+                why = f"the run was refused at {begin:.9g} s, before it had values"
+                raise UsageError(why, code="HB-S110", where="t", hint="see why it was refused")
             raise UsageError(
                 f"the run goes from {begin:.9g} to {end:.9g} s, not to {at[outside.argmax()]:g} s",
                 code="HB-S110",

@@ -114,3 +114,90 @@ bonds = [
 """
     )
     assert hb.simulate(m, until=1.84).audit().power <= 1e-12
+
+
+@pytest.mark.parametrize("turn", [False, True])
+@pytest.mark.parametrize("kind", ["I", "C"])
+@pytest.mark.parametrize(
+    ("height", "width", "steep"),
+    [(0.00133, 0.00224, 1361.0), (0.1, 0.01, 600.0), (2.0, 0.3, 2500.0)],
+)
+def test_a_jump_leads_over_the_hump_of_a_source_that_reads_what_it_prescribes(
+    turn: bool, kind: str, height: float, width: float, steep: float
+) -> None:
+    # Newton's first step goes away from the only root, and the next beyond all numbers
+    begin, level = -0.5 * width, steep * height
+
+    def left(x: float) -> float:
+        return height * math.sinh(x / width) + level * (1 - 0.5 * math.tanh(x / (0.5 * width)))
+
+    sign = -1.0 if turn else 1.0
+    what, law, start = ("I", "f", "p") if kind == "I" else ("C", "e", "q")
+    m = hb.Model("hump")
+    m.add(j=hb.One() if kind == "I" else hb.Zero())
+    text = f"{height}*sinh({start}/{width})"
+    m.add(store=getattr(hb, what)({law: text}, **{start: sign * begin}))
+    source = f"({-sign * level})*(1 - 0.5*tanh({sign}*store.{start}/{0.5 * width}))"
+    m.add(s=(hb.Sf if kind == "I" else hb.Se)(source))
+    m.bond("j -> store", "j -> s" if turn else "s -> j")
+    x = brentq(left, -20 * width, 0.0, xtol=1e-18)
+    run = hb.simulate(m, until=0.1)
+    assert run[f"store.{start}"].at(0.0) == pytest.approx(sign * x, rel=1e-9)
+
+
+def test_a_jump_beyond_all_numbers_is_no_solution() -> None:
+    # the law of the coil never comes to what the source asks for
+    m = hb.Model("never")
+    m.add(j=hb.One(), i=hb.I({"f": "tanh(p)"}, p=0.1), s=hb.Sf("1.5 + 0.1*sin(i.p)"))
+    m.bond("s -> j", "j -> i")
+    with pytest.raises(hb.HybondError) as caught:
+        hb.simulate(m, until=0.1)
+    assert caught.value.code in ("HB-N303", "HB-N304")
+
+
+@pytest.mark.parametrize("turn", [False, True])
+@pytest.mark.parametrize("rubs", [True, False])
+@pytest.mark.parametrize("start", [0.181, 0.12])
+def test_a_jump_goes_the_way_that_it_is_pushed_though_its_source_gives_way_faster(
+    turn: bool, rubs: bool, start: float
+) -> None:
+    # with a little resistance in the loop p grows while the source outweighs the rest: to the root
+    # above; there is another one below, where friction would be pushed by what it is to brake
+    modulus, inertia = 0.637, 0.62174
+
+    def net(p: float) -> float:
+        return 1.03 * (1 + 0.5 * math.tanh(p / 0.181)) - 0.91 - modulus * p / inertia
+
+    assert net(start) > 0.0
+    above = brentq(net, start, 3.0, xtol=1e-15)
+    m = hb.Model("pushed")
+    m.add(j=hb.One(law="coulomb", limit=0.91) if rubs else hb.One(), t=hb.GY(modulus))
+    m.add(i=hb.I(inertia, p=start), k=hb.One())
+    text = f"1.03*(1 + 0.5*tanh(i.p/0.181)) - {0.0 if rubs else 0.91}"
+    m.add(s=hb.Se(f"-({text})" if turn else text))
+    m.bond("j -> s" if turn else "s -> j", "j -> t.1", "t.2 -> k", "k -> i")
+    run = hb.simulate(m, until=0.1)
+    assert run["i.p"].at(0.0) == pytest.approx(above, rel=1e-9)
+    assert run.audit().holds()
+
+
+@pytest.mark.parametrize("turn", [False, True])
+@pytest.mark.parametrize(("level", "width", "start"), [(765.0, 29.8, -29.8), (80.0, 0.7, -0.3)])
+def test_a_jump_of_two_areas_leads_over_a_hump(
+    turn: bool, level: float, width: float, start: float
+) -> None:
+    # what the source prescribes falls faster than the flow of the coil that it reads: away from
+    # the only solution
+    def left(p: float) -> float:
+        return p / 37.9 + level * (1 - 0.5 * math.tanh(p / width))
+
+    assert left(start) > 0.0
+    p = brentq(left, -100 * level, 0.0, xtol=1e-12)
+    m = hb.Model("hump")
+    m.add(j=hb.One(), i=hb.I(37.9, p=start), bent=hb.I({"f": "1.06*sinh(p/0.207)"}, p=0.2))
+    m.add(s=hb.Sf(f"-{level}*(1 - 0.5*tanh(i.p/{width}))"))
+    m.bond("j -> i", "j -> bent", "j -> s" if turn else "s -> j")
+    run = hb.simulate(m, until=0.1)
+    assert run["i.p"].at(0.0) == pytest.approx(p, rel=1e-9)
+    bent = 0.207 * math.asinh(p / 37.9 / 1.06)
+    assert run["bent.p"].at(0.0) == pytest.approx(bent, rel=1e-9)

@@ -161,14 +161,23 @@ def test_samples_without_an_event_are_steps_to_remember(how: dict[str, Any]) -> 
 
 
 def test_no_law_is_named_where_sources_and_storages_have_no_solution() -> None:
-    """A source prescribes the flow of a bent inertia that it reads: "the laws of  have ..."."""
+    """A source asks an inertia for all that it has, and then for more: "the laws of  have ..."."""
     m = hb.Model("tied")
-    m.add(top=hb.One(law="coulomb", limit=21.6, breakaway=32.4), low=hb.Zero())
-    m.add(end=hb.One(law="coulomb", limit=2.15), t=hb.TF(72.0))
-    m.add(g=hb.G(0.2477272727272727), r=hb.R(0.5281862745098038))
-    m.add(i=hb.I({"f": "0.00133*sinh(p/0.00224)"}, p=-0.00118))
-    m.add(s=hb.Sf("1.81*(1 - 0.5*tanh(i.p/0.00118))"))
-    m.bond("low -> end", "r -> end", "top -> s", "t.2 -> low", "t.1 -> top", "i -> top", "g -> end")
+    m.add(top=hb.One(law="coulomb", limit=21.6), i=hb.I({"f": "p"}, p=0.5))
+    m.add(s=hb.Sf("i.p^2 + 0.25 + time"))
+    m.bond("s -> top", "top -> i")
     error = refusal(m, "HB-N301")
     assert "the laws of  have" not in str(error)
     assert "what sources give" in str(error)
+
+
+@pytest.mark.parametrize("law", ["1.13*sign(e)*sqrt(abs(e)/0.629)", "0.2*sign(e)*abs(e)^2"])
+def test_a_law_whose_sign_makes_no_jump_is_no_dry_friction(law: str) -> None:
+    m = hb.Model("clipped")
+    m.add(j=hb.Zero(), s=hb.Se(-1.29), r=hb.R({"e": "0.911*tanh(f/0.863)"}), g=hb.R({"f": law}))
+    m.bond("s -> j", "j -> r", "g -> j")
+    with pytest.raises(hb.HybondError) as caught:
+        hb.simulate(m, until=0.1)
+    assert caught.value.code == "HB-N301"
+    assert "sign()" not in caught.value.hint
+    assert "in series with r" in caught.value.hint

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import sys
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -25,9 +26,11 @@ from hybond.testing import (
 )
 from hybond.testing import check as checking
 from hybond.testing.check import (
+    FURTHER_WAYS,
     POINTS,
     SAME,
     Finding,
+    Outcome,
     _by_tolerance,
     _differ,
     _moves,
@@ -280,3 +283,44 @@ def test_models_with_controllers_run_alike_in_every_way(first: int) -> None:
         for s in CONTROLLED[first : first + 10]
     }
     assert {s: c.findings for s, c in checks.items() if c.findings} == {}
+
+
+def test_what_rests_is_measured_by_the_energy_that_a_run_comes_to() -> None:
+    # nothing is stored at the instants of the run, and 36 J while it goes on: p stays rounding
+    m = hb.Model("filled")
+    m.add(j=hb.One(), i=hb.I(2.0), a=hb.Se(12.0), c=hb.C(0.5), r=hb.R(1e-3))
+    m.bond("a -> j", "j -> i", "j -> c", "j -> r")
+    run = hb.simulate(m, until=20.0, rtol=1e-9)
+    assert run.trace.energy == 0.0
+    # at a quarter of its period as much as the source has given less what the condenser holds
+    most = max(
+        0.25 * run["i.p"].at(t) ** 2 + run["c.q"].at(t) ** 2 for t in np.linspace(0, 20, 400)
+    )
+    sizes = _sizes(run, ["i.p", "c.q"])
+    assert sizes == pytest.approx([2.0 * most**0.5, most**0.5], rel=0.02)
+
+
+@pytest.mark.parametrize("controlled", [False, True])
+def test_nothing_is_found_in_further_ways(controlled: bool) -> None:
+    for seed in range(4):
+        recipe = random_recipe(seed, controlled=controlled)
+        assert check_recipe(recipe, seed=seed, ways=FURTHER_WAYS).holds
+
+
+def test_a_run_that_goes_on_from_elsewhere_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    def elsewhere(model: hb.Model, until: float, patience: float, **options: Any) -> Outcome:
+        if "start" in options:
+            options["start"] = {"c.q": 0.5}
+        return _outcome(model, until, patience, **options)
+
+    recipe = Recipe(
+        (
+            Part("c", "C", Curve("linear", 1.0, 1.0), (1.0,)),
+            Part("r", "R", Curve("linear", 1.0, 1.0)),
+        )
+        + (Part("j", "0"),),
+        (Bond("j", "c"), Bond("j", "r")),
+    )
+    assert check_recipe(recipe, ways=["halves"]).holds
+    monkeypatch.setattr(checking, "_outcome", elsewhere)
+    assert [f.kind for f in check_recipe(recipe, ways=["halves"]).findings] == ["halves"]

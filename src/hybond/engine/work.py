@@ -184,6 +184,12 @@ class Work:
     gap_size: Block
     gap_first: Block
     gap_before: Block
+    missing: float
+    """What the constraints of a jump lacked at first, as a part of their terms."""
+    nu_found: Block
+    nu_led: Block
+    pushed: Block
+    slope_alone: Block
     tried: Block
     base_gap: Block
     scaled: Block
@@ -319,6 +325,10 @@ def make_work(m: Model) -> Work:
     w.gap_size = make_block(1)
     w.gap_first = make_block(1)
     w.gap_before = make_block(1)
+    w.nu_found = make_block(1)
+    w.nu_led = make_block(1)
+    w.pushed = make_block(1)
+    w.slope_alone = make_block(1)
     w.tried = make_block(1)
     w.base_gap = make_block(1)
     w.scaled = make_block(1)

@@ -44,6 +44,11 @@ UNFINISHED = ("slow", "HB-N409")
 """Outcomes that only say that a run took more time, or more steps, than it is given here."""
 WAYS = ("names", "order", "turned", *METHODS)
 """Ways to run a model of a recipe once more."""
+FURTHER_METHODS: dict[str, dict[str, Any]] = {"exact": {"solver": "exact"}, "last": {"keep": 3}}
+FURTHER_WAYS = (*FURTHER_METHODS, "halves")
+"""More of them: linear modes propagated, the last segments kept, interrupted and gone on with."""
+INTERRUPTED = 0.41
+"""The part of a run after which it is interrupted."""
 
 
 class _OutOfTime(Exception):
@@ -152,7 +157,7 @@ def check_recipe(
     patience : float
         Seconds of processor time that a run may take.
     ways : sequence of str
-        Of :data:`WAYS`, those in which it is run once more.
+        Of :data:`WAYS` and :data:`FURTHER_WAYS`, those in which it is run once more.
     """
     model = recipe.model()
     first = _outcome(model, recipe.until, patience)
@@ -312,12 +317,25 @@ def _methods(
         return []
     same = {name: (name, 1.0) for name in _stored(first.run)}
     found = []
-    for kind in (way for way in ways if way in METHODS):
-        other = _outcome(model, until, patience, **METHODS[kind])
+    methods = METHODS | FURTHER_METHODS
+    for kind in (way for way in ways if way in methods):
+        other = _outcome(model, until, patience, **methods[kind])
         if other.word == "HB-N404" and "solver = 'auto'" in other.said:
             continue  # what is stiff led it to and fro across a guard: it says who follows that
         found += _differ(kind, first, other, same, SOLVED)
+    if "halves" in ways:
+        half = _outcome(model, INTERRUPTED * until, patience)
+        if half.word not in ("ok", *UNFINISHED):
+            found += _differ("halves", first, half, same, SOLVED)
+        elif half.word == "ok":
+            other = _outcome(model, until, patience, start=half.run)
+            found += _differ("halves", first, other, same, SOLVED)
     return found
+
+
+def _begin(run: Result) -> float:
+    """Return the first time of which there are values."""
+    return float(run.segments[0].t[0]) if run.segments else run.t_begin
 
 
 def _stored(run: Result) -> list[str]:
@@ -340,7 +358,8 @@ def _differ(
     # irrational parts of the run, so that no point is an instant that a model is likely to name
     times = np.sort(np.mod(np.arange(1, POINTS + 1) * 0.6180339887498949, 1.0)) * until
     near = np.abs(times[:, None] - events[None, :]).min(axis=1, initial=np.inf)
-    times = times[near > NEAR * until]
+    begin = max(_begin(one.run), _begin(two.run))
+    times = times[(near > NEAR * until) & (times > begin)]
     if not len(times):
         return []
     names = list(same)
@@ -372,12 +391,15 @@ def _sizes(run: Result, names: Sequence[str]) -> list[float]:
     least what it starts from: where that is lost at once, its rounding is left.
     """
     storages = run.graph.storages
-    times = np.linspace(0.0, run.t_end, POINTS).tolist()
+    times = np.linspace(_begin(run), run.t_end, POINTS).tolist()
     values = run.sample(times, [s.path for s in storages])
     x = np.array([values[s.path] for s in storages])
     steepest = stiffness_along(run.graph, x.T).diagonal(axis1=1, axis2=2).max(axis=0)
+    # of a motion from rest no instant has seen the energy
+    moving = (float(np.abs(run.signals.stored(s.y)).max()) for s in run.segments if len(s.y))
+    energy = max(run.trace.energy, *moving)
     sizes = {}
     for s, slope in zip(storages, steepest.tolist(), strict=True):
-        most = (2.0 * run.trace.energy / slope) ** 0.5 if slope > 0.0 else 0.0
+        most = (2.0 * energy / slope) ** 0.5 if slope > 0.0 else 0.0
         sizes[s.path] = max(most, abs(s.start))
     return [sizes[name] for name in names]

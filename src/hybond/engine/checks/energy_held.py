@@ -26,8 +26,9 @@ from hybond.engine.methods.defects import chord
 from hybond.engine.methods.scale import FAINT
 from hybond.engine.mode.guess import give_back_guess, hold_guess
 from hybond.engine.mode.newton import knowns_of
+from hybond.engine.mode.part_energies import part_of_bond
 from hybond.engine.mode.put_back import NEAR
-from hybond.engine.mode.sizes import size_of
+from hybond.engine.mode.sizes import seen_of, size_of
 from hybond.engine.mode.storage import own_stiffness, with_stored
 from hybond.engine.mode.storage_bonds import rate_bond
 from hybond.engine.reasons.noting import BALANCE, MOVES, note_in_state, note_violation
@@ -226,8 +227,18 @@ def hold_rates(e: Engine) -> None:
         # what was evaluated since then has left its own knowns there
         knowns_of(e, e.mode, c.v, False)
         may += LOST_DIGITS * size_of(e, e.mode, at, e.work.xi, c.v)
-        if not off <= may:
+        if not off <= may + LOST_DIGITS * left_of(e, at):
             note_violation(e, e.mode, e.t, MOVES, k, off, math.fabs(shown))
+
+
+def left_of(e: Engine, b: int) -> float:
+    """Return what bond variable `b` might be by the most energy that its part has held.
+
+    Where nothing moves any more after a jump, what is left has the rounding of what moved before.
+    """
+    seen_of(e, e.mode, e.checks.v, e.y)
+    part = part_of_bond(e.model, e.mode, b)
+    return math.sqrt(e.mode.part_energy[part]) * e.mode.seen[b]
 
 
 def warn_of_steps(e: Engine) -> None:

@@ -18,7 +18,7 @@ from hybond.engine.jumps.trial import (
 )
 from hybond.engine.laws.law_instant import NO_LAW_VALUE
 from hybond.engine.laws.law_parallel import add_left
-from hybond.engine.laws.law_rates import turns_at_once
+from hybond.engine.laws.law_rates import is_at_an_end, turns_at_once
 from hybond.engine.laws.law_records import AGAIN, TURNED, Laws
 from hybond.engine.mode.agreement import check_agreement
 from hybond.engine.mode.mode_records import is_constrained
@@ -96,8 +96,8 @@ def try_candidate(e: Engine, r: Laws, x: Floats, kept: bool) -> int:
     if kept and e.trial.loose > 0:
         return BROKEN  # two that share a current at will: let one of them have it
     found = find_broken(e, r)
-    looks = r.problem.doubtful and r.looks_ahead and not r.parting
-    if found == STANDS and looks and turns_at_once(e, r, r.t):
+    looks = found == STANDS and r.looks_ahead and not r.parting
+    if looks and is_in_doubt(e, r) and turns_at_once(e, r, r.t):
         r.saw_ahead = True
         found = BROKEN
     if found != BROKEN:
@@ -112,6 +112,15 @@ def try_candidate(e: Engine, r: Laws, x: Floats, kept: bool) -> int:
     note_state(m, r)
     note_turned(m, r)
     return BROKEN
+
+
+def is_in_doubt(e: Engine, r: Laws) -> bool:
+    """Whether it is for the motion to say which branches last, since values are zero.
+
+    Where the graph is linear its answer has told. Where laws bend it has told of a slope, and the
+    branches found by that are at their ends, or not, by what holds in them.
+    """
+    return r.problem.doubtful or (not r.now.linear and is_at_an_end(e))
 
 
 def sweep_candidate(e: Engine, r: Laws) -> int:

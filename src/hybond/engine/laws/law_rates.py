@@ -272,18 +272,41 @@ def turns_at_once(e: Engine, r: Laws, t: float) -> bool:
     return r.broken > 0
 
 
+def is_at_an_end(e: Engine) -> bool:
+    """Whether a law of the trial has come to an end of its branch: to rounding of what it reads."""
+    m = e.model
+    for k in range(m.machines):
+        if m.is_law[k] == 0:
+            continue
+        for rule in range(m.rule_first[k], m.rule_first[k + 1]):
+            if m.rule_source[rule] != e.trial.state[k]:
+                continue
+            zero = LAW_ZERO * size_of_rule(e, rule, e.v)
+            for a in range(m.atom_first[rule], m.atom_first[rule + 1]):
+                if math.fabs(value(m, m.atom_value[a], e.v)) <= zero:
+                    return True
+    return False
+
+
+def size_of_rule(e: Engine, rule: int, v: Floats) -> float:
+    """Return the sizes of the terms of all bond variables that a rule reads."""
+    m = e.model
+    size = 0.0
+    for i in range(m.read_first[rule], m.read_first[rule + 1]):
+        b = m.read_slot[i] - m.bond_slot
+        if 0 <= b and b < 2 * m.bonds:
+            own = size_of(e, e.mode, b, e.work.xi, v)
+            size += own
+    return size
+
+
 def turn_ahead(e: Engine, r: Laws, k: int) -> None:
     """Note the rule of a law that does not hold yet, but does so a moment later."""
     m = e.model
     for rule in range(m.rule_first[k], m.rule_first[k + 1]):
         if m.rule_source[rule] != e.trial.state[k] or value(m, m.rule_test[rule], r.later) == 0.0:
             continue
-        noise = 0.0
-        for i in range(m.read_first[rule], m.read_first[rule + 1]):
-            b = m.read_slot[i] - m.bond_slot
-            if 0 <= b and b < 2 * m.bonds:
-                size = size_of(e, e.mode, b, e.work.xi, r.later)
-                noise += ROUNDED * size
+        noise = ROUNDED * size_of_rule(e, rule, r.later)
         turned = True
         for a in range(m.atom_first[rule], m.atom_first[rule + 1]):
             moved = value(m, m.atom_value[a], r.later) - r.atom[a]

@@ -5,7 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from hybond.causality.assign import assign
-from hybond.model.expressions import Call, Expr, compile_expression, uses_pre
+from hybond.model.expressions import (
+    Call,
+    Expr,
+    compile_expression,
+    meets,
+    simplify,
+    uses_pre,
+)
 from hybond.model.expressions.tree import names, walk
 from hybond.model.graph import FlatGraph, Mode, Node
 from hybond.model.joined import Joined
@@ -141,8 +148,12 @@ def is_flat(node: Node) -> bool:
 
 
 def _steps(e: Expr) -> bool:
-    """Whether an expression has a function that jumps."""
-    return any(isinstance(part, Call) and part.function in STEPS for part, _ in walk(e))
+    """Whether an expression jumps where a function in it does; ``sign(q)*abs(q)^2`` does not."""
+    for part, _ in walk(e):
+        if isinstance(part, Call) and part.function in STEPS:
+            if part.function != "sign" or not meets(e, simplify(part.args[0])):
+                return True
+    return False
 
 
 def _opposing(graph: FlatGraph, mode: Mode) -> list[Node]:

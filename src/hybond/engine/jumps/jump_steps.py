@@ -1,0 +1,262 @@
+"""Newton's method for a jump: areas of impulses at which the constraints of a mode hold.
+
+Steps are shortened until they bring the constraints nearer. Where that leads nowhere, as over the
+hump of a law or far up an exponential, the way there is gone part by part (`led_jump`).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from hybond.engine.algebra.blocks import fit
+from hybond.engine.algebra.separate import least_squares_separate
+from hybond.engine.algebra.svd import least_squares
+from hybond.engine.constraints.constraints import residual
+from hybond.engine.constraints.impulse_ways import (
+    rank_of,
+    scale_slope,
+    size_by_entries,
+    slope_of,
+)
+from hybond.engine.constraints.sparse_ways import sparse_step
+from hybond.engine.engine import OK, Engine, say_fault, svd_room
+from hybond.engine.mode.mode_records import Mode, Ways
+from hybond.engine.mode.storage import own_stiffness
+from hybond.engine.reasons.facts import refuse_jump
+from hybond.engine.words import Floats
+
+CONSISTENT: Final = 1e-12
+"""A constraint is met if its residual is below this part of its terms."""
+BEST: Final = 1e-14
+CREEPS: Final = 0.95
+"""Part of what was left before that is left at least where Newton's method comes no nearer."""
+STEPS: Final = 60
+HALVES: Final = 40
+NO_SIZE: Final = 1e-280
+"""What is zero has about 1e-296 times what multiplies it, so as never to be divided by."""
+
+FAR: Final = -2
+"""What Newton's method says where its steps lead nowhere."""
+
+
+def newton_steps(
+    e: Engine, mode: Mode, v: Floats, x: Floats, ways: Ways, measured: bool, begun: bool
+) -> int:
+    """Find the areas at which the constraints hold, into `e.work.nu`; OK, FAR, or a refusal.
+
+    From nothing, or from what is there where it has `begun`. Where they are `measured`, the
+    residuals at `x` are in `e.work`.
+    """
+    m = e.model
+    w = e.work
+    count = w.constraints
+    areas = ways.areas
+    best = math.inf
+    for a in range(areas if not begun else 0):
+        w.nu.at[a] = 0.0
+    for j in range(ways.many if ways.sparse else 0):
+        w.combined.at[j] = 0.0
+    fit(w.gap_first, count)
+    for k in range(m.storages if not begun else 0):
+        w.reach_before[k] = w.reach[k]
+    for turn in range(STEPS):
+        if not ways.known:
+            put_here(m.storages, x, ways, w.nu.at, w.here)
+            slope_of(e, mode, v, w.here, ways)
+        if turn > 0 or not measured:
+            gap_at(e, mode, v, x, ways, 0.0)
+        for i in range(count):
+            # what ends at zero has no size of its own: its rounding is that of what it was; what
+            # was large on the way there only is none
+            if turn == 0 and not begun:
+                w.gap_first.at[i] = w.gap_size.at[i]
+            w.gap_size.at[i] = max(w.gap_first.at[i], w.gap_size.at[i])
+        own = meets_own_terms(e, mode, BEST)
+        rank = jump_step(e, ways, count)
+        worst = 0.0
+        most = 0.0
+        for i in range(count):
+            size = w.gap_size.at[i]
+            off = math.fabs(w.gap.at[i]) / (size if size > 0.0 else 1.0)
+            # what overflows is no solution, though its size does as well
+            worst = max(worst, off) if math.isfinite(off) else math.inf
+            most = max(most, size)
+        if turn == 0 and not begun:
+            w.missing = worst
+        # where the slopes are wrong by a corner of a law it comes nearer by a part of the way only
+        stays = worst >= (0.5 if own else CREEPS) * best
+        met = (own and worst <= BEST) or (worst <= CONSISTENT and stays)
+        if met and best < math.inf:
+            return OK
+        if rank < count and unreached(count, areas, w.gap.at, ways.slope.at, w.step.at) > (
+            1e-9 * most
+        ):
+            why = "no redistribution of what is stored meets the constraints of this mode"
+            if m.tells != 0:
+                return refuse_jump(e, mode, "HB-N303", why)
+            return say_fault(e, "HB-N303", why, "")
+        best = min(best, worst)
+        part = 1.0 if ways.known or worst <= CONSISTENT else nearer(e, mode, v, x, ways)
+        for a in range(areas):
+            w.nu.at[a] -= part * w.step.at[a]
+        for j in range(ways.many if ways.sparse else 0):
+            w.combined.at[j] -= w.sent.at[j]
+    gap_at(e, mode, v, x, ways, 0.0)
+    for i in range(count):
+        off = math.fabs(w.gap.at[i])
+        if not (off <= 1e-9 * max(w.gap_first.at[i], w.gap_size.at[i]) and off < math.inf):
+            return FAR
+    return OK
+
+
+def nearer(e: Engine, mode: Mode, v: Floats, x: Floats, ways: Ways) -> float:
+    """Return the part of Newton's step that brings the constraints nearer; 1 if none is found.
+
+    Sizes are those of the terms before the step: what was zero at first has none of its own, and
+    the rounding of one that has grown since would outweigh all that the step mends.
+    """
+    w = e.work
+    fit(w.gap_before, w.constraints)
+    for i in range(w.constraints):
+        w.gap_before.at[i] = w.gap_size.at[i]
+    before = furthest(e)
+    part = 1.0
+    for _ in range(HALVES):
+        gap_at(e, mode, v, x, ways, part)
+        if furthest(e) < before:
+            return part
+        part *= 0.5
+    return 1.0
+
+
+def furthest(e: Engine) -> float:
+    """Return the largest residual, each a part of the size that its terms had before the step."""
+    w = e.work
+    most = 0.0
+    for i in range(w.constraints):
+        size = w.gap_before.at[i]
+        part = math.fabs(w.gap.at[i]) / (size if size > 0.0 else 1.0)
+        most = max(most, part) if math.isfinite(part) else math.inf
+    return most
+
+
+def unreached(count: int, areas: int, gap: Floats, slope: Floats, step: Floats) -> float:
+    """Return the largest residual that a step leaves."""
+    most = 0.0
+    for i in range(count):
+        total = gap[i]
+        for a in range(areas):
+            total -= slope[i * areas + a] * step[a]
+        most = max(most, math.fabs(total))
+    return most
+
+
+def jump_step(e: Engine, ways: Ways, count: int) -> int:
+    """Put Newton's step into `e.work.step`, by the inverse if it is known; return the rank."""
+    w = e.work
+    if not ways.known:
+        return find_step(e, ways, count)
+    if ways.sparse:
+        sparse_step(e, ways, count)
+        return ways.rank
+    for a in range(ways.areas):
+        total = 0.0
+        for i in range(count):
+            total += ways.inverse.at[a * count + i] * w.gap.at[i]
+        w.step.at[a] = total
+    return ways.rank
+
+
+def find_step(e: Engine, ways: Ways, count: int) -> int:
+    """Put Newton's step into `e.work.step`; return the rank of the slope."""
+    w = e.work
+    areas = ways.areas
+    d = svd_room(e, max(count, areas), max(count, areas))
+    size_rows(e, ways, count)
+    rank = scale_slope(e, ways, count, w.row_size.at)
+    if areas == 0:
+        return rank
+    if rank < areas:
+        rank = rank_of(e, count, areas, ways.slope.at)
+        least_squares(d, count, areas, ways.slope.at, 1e-12, 1, w.gap.at, w.step.at)
+        return rank
+    for i in range(count):
+        size = w.row_size.at[i]
+        w.row_size.at[i] = w.gap.at[i] / (size if size > 0.0 else 1.0)
+    least_squares_separate(
+        w.separate, d, count, areas, w.scaled.at, 1e-12, w.row_size.at, w.step.at
+    )
+    for a in range(areas):
+        w.step.at[a] = w.step.at[a] / w.column_size.at[a]
+    return rank
+
+
+def size_rows(e: Engine, ways: Ways, count: int) -> None:
+    """Put what rows of the slope are measured by into `e.work.row_size`: the sizes of their terms.
+
+    Where all terms of one are zero, as far from a first switch of a circuit at rest, it has no
+    size, and all are measured by their largest entries.
+    """
+    w = e.work
+    fit(w.row_size, count)
+    least = math.inf
+    for i in range(count):
+        w.row_size.at[i] = w.gap_size.at[i]
+        least = min(least, w.gap_size.at[i])
+    if least > NO_SIZE:
+        return
+    for i in range(count):
+        size_by_entries(w.row_size.at, ways, i)
+
+
+def gap_at(e: Engine, mode: Mode, v: Floats, x: Floats, ways: Ways, part: float) -> None:
+    """Put the residuals after `part` of the step, and the sizes of their terms, into `e.work`."""
+    w = e.work
+    m = e.model
+    fit(w.tried, ways.areas)
+    for a in range(ways.areas):
+        w.tried.at[a] = w.nu.at[a] - (part * w.step.at[a] if part > 0.0 else 0.0)
+    put_here(m.storages, x, ways, w.tried.at, w.here)
+    count_moves(e, mode, ways, w.tried.at)
+    residual(e, mode, v, w.here)
+
+
+def count_moves(e: Engine, mode: Mode, ways: Ways, nu: Floats) -> None:
+    """Count what moves what is stored among the terms: of those that cancel rounding is left."""
+    m = e.model
+    for i in range(mode.bounds):
+        k = mode.bound[i]
+        if k >= m.storages:
+            break
+        moved = 0.0
+        for p in range(ways.moves_first.at[k], ways.moves_first.at[k + 1]):
+            moved += math.fabs(ways.moves_by.at[p] * nu[ways.moves.at[p]])
+        if moved > 0.0:
+            moved *= math.fabs(own_stiffness(m, k, e.work.values))
+        e.work.reach[k] = max(e.work.reach_before[k], moved)
+
+
+def put_here(n: int, x: Floats, ways: Ways, nu: Floats, here: Floats) -> None:
+    """Put ``x + d nu`` into `here`."""
+    for k in range(n):
+        here[k] = x[k]
+        for i in range(ways.moves_first.at[k], ways.moves_first.at[k + 1]):
+            here[k] += ways.moves_by.at[i] * nu[ways.moves.at[i]]
+
+
+def meets_own_terms(e: Engine, mode: Mode, part: float) -> bool:
+    """Whether every constraint holds to a part of its terms as they are.
+
+    Not as large as the energy of their part could make them: a storage that is small beside the
+    others would be far off before that shows.
+    """
+    w = e.work
+    constraints = mode.constraints
+    for i in range(constraints.rows):
+        own = 0.0
+        for p in range(constraints.first.at[i], constraints.first.at[i + 1]):
+            own += math.fabs(constraints.value.at[p] * w.xi[constraints.column.at[p]])
+        if not math.fabs(w.gap.at[i]) <= part * own:
+            return False
+    return True
