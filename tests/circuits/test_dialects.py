@@ -233,7 +233,7 @@ def test_diodes_are_read_in_one_go_however_many(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize("leak", ["1k", "1meg"])
 def test_a_clamp_that_carries_one_surge_early_in_the_run_is_taken_there(tmp_path, leak):
-    """10 A for 50 ns of 200: ``v = N Vt ln(1 + i/IS) + RS i`` above the rail, and a little after."""
+    """10 A for 50 ns of 200: ``N Vt ln(1 + i/IS) + RS i`` above the rail, and a little after."""
     path = tmp_path / "esd.cir"
     cards = "I1 0 x PULSE(0 10 10n 1n 1n 50n 1)", "D1 x r DI", "V1 r 0 3.3", "V2 q 0 3.5"
     rest = f"R1 q x {leak}", ".model DI D(IS=1e-14 N=0.5 RS=10m)", ".tran 1n 200n"

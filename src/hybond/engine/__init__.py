@@ -24,6 +24,7 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
     complementarity/
         law_problem, law_roles    the question as a complementarity problem
         one_sided, lcp, lcp_forms, lemke, pivoting    without friction; its solution
+        decided_closely     the same with twice the digits, where a leak tells laws apart
         all_branches, one_choice, choice, branch_records    few laws in doubt, by all their branches
         friction_disk, semidefinite    Coulomb's disk; whether there is one answer
         least_shares        which of many answers is of least leakage
@@ -80,6 +81,8 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
         followers           machines that read the states of those that slide
     jumps/
         jump, trial         what is stored on entering a mode; every signal that follows
+        jump_steps, led_jump, left_over    the areas of a jump: Newton's steps, and where these
+                            lead nowhere; what is left that is rounding
         untouched           what a jump does not reach stays as it was
         tied                motions that are nothing but what constraints lead along
     methods/
@@ -120,8 +123,8 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
         law_parallel, law_shares    idle laws beside those that carry; friction that shares a load
         law_candidates, law_trials    whether a mode stands up to its laws; all that can be tried
         law_seconds, law_standing    more than one answer; the one that stands already
-        gaps, gaps_left     whether the gap of a contact is the distance that its bonds close, and
-                            whether it jumps away from it
+        gaps, gaps_held, gaps_left    whether the gap of a contact is the distance that its bonds
+                            close, and goes on to be; whether it jumps away from it
         strike              impacts by a law that sees all closed contacts at once
         impacts_held        the law of impacts put back into itself
         branches            branches in each of the modes around a surface
@@ -157,7 +160,7 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
         coming_back         whether what was put together stays there
         in_turn             contacts without a rebound that open each other, ever faster
     timestepping/
-        theta_step, matrices    one step
+        theta_step, matrices, law_work    one step
         step_sizes, step_laws, guessed    what it is measured by; laws at its end
         open_shares         who carries what
         step_event, step_shown, step_records    what is written and shown
@@ -181,7 +184,8 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
         edges, roots_reached    where laws end; roots that come to rest
         stranded            motion that gets nowhere
         log, run_records, carried, trying    what is written, handed on, tried
-        report, run, unit   in a printed program: what is shown; the program; driven by others
+        report, run, unit, unit_gaps    in a printed program: what is shown; the program; driven
+                            by others, who do not know how they have come to where a gap jumps
 
 What junction laws and implicit steps ask of it, and give to it:
 

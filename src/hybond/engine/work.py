@@ -194,6 +194,8 @@ class Work:
     base_gap: Block
     scaled: Block
     row_size: Block
+    left_gap: Block
+    left_area: Block
     free_seen: Block
     co_energy: Block
     """What laws of storages give before a difference is taken."""
@@ -333,6 +335,8 @@ def make_work(m: Model) -> Work:
     w.base_gap = make_block(1)
     w.scaled = make_block(1)
     w.row_size = make_block(1)
+    w.left_gap = make_block(1)
+    w.left_area = make_block(1)
     w.free_seen = make_block(1)
     w.co_energy = make_block(1)
     w.extents = make_block(1)

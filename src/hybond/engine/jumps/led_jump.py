@@ -26,6 +26,7 @@ from hybond.engine.jumps.jump_steps import (
     newton_steps,
     put_here,
 )
+from hybond.engine.jumps.left_over import is_rounding
 from hybond.engine.mode.mode_records import Mode, Ways
 from hybond.engine.mode.storage import stiff, with_stored
 from hybond.engine.reasons.facts import refuse_jump
@@ -50,6 +51,8 @@ def find_areas(e: Engine, mode: Mode, v: Floats, x: Floats, ways: Ways, measured
     Where they are `measured`, the residuals at `x` are in `e.work`.
     """
     status = newton_steps(e, mode, v, x, ways, measured, False)
+    if status == FAR and is_rounding(e, ways):
+        return OK
     if ways.known or ways.sparse or e.work.constraints != ways.areas:
         return tell_far(e, mode) if status == FAR else status
     if status == OK and (e.work.missing <= NEARLY or is_driven(e, mode, v, x, ways)):
