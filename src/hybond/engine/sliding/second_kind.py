@@ -19,7 +19,7 @@ from hybond.engine.surfaces.combine import combine_here
 from hybond.engine.surfaces.common_space import find_common
 from hybond.engine.surfaces.onto import side_value
 from hybond.engine.surfaces.outputs import find_agreeing, show_state
-from hybond.engine.surfaces.surface import put_read, surface_slope
+from hybond.engine.surfaces.surface import put_read, surface_slope, surface_value
 from hybond.engine.words import Floats
 
 SWING: Final = 1e-8
@@ -88,11 +88,14 @@ def is_pushed_back(e: Engine, surface: int) -> bool:
         return False
     show_state(e, e.t, e.y, s.v)
     speed = side_value(e, 0, s.v)
+    here = surface_value(e, surface, s.v)
     at = 2 * surface + (1 if speed > 0.0 else 0)
     change = math.fabs(speed - s.swing[at])
     s.swing[at] = speed
     small = SWING if change > FADES * math.fabs(speed) else KEPT_UP
-    return speed * speed <= 2.0 * push * small * size_of(e, surface, s.v)
+    most = small * size_of(e, surface, s.v)
+    # one that an input has taken over its surface is far from it, though its rate may be zero
+    return speed * speed <= 2.0 * push * most and math.fabs(here) <= most
 
 
 def size_of(e: Engine, surface: int, v: Floats) -> float:
