@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import hybond as hb
+from hybond.engine.timestepping import theta_step
 
 sys.path.insert(0, str(Path(__file__).parents[3] / "benchmarks"))
 
@@ -68,6 +69,20 @@ def test_snubbers_do_not_let_a_current_grow_without_a_bound(case: tuple) -> None
             assert np.abs(found).max() < 4.0 * np.abs(right).max()
             if theta == 1.0:
                 assert np.abs(found - right).mean() < 0.03 * np.abs(right).max()
+
+
+def test_a_current_that_grows_all_the_same_is_told_by_the_audit(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """However far a step is off by its own account, it has made more than there was."""
+    *parts, step = SNUBBED[0]
+    options = {"solver": "moreau-jean", "step": 0.5 * step, "theta": 0.5, "engine": "python"}
+    right = hb.simulate(snubbed(*parts), 2e-3, **options)
+    assert right.audit().holds()
+    monkeypatch.setattr(theta_step, "laws_give", lambda _e, _s: False)
+    grown = hb.simulate(snubbed(*parts), 2e-3, **options)
+    assert abs(grown.final["Ls.f"]) > 1e6 * abs(right.final["Ls.f"])
+    assert grown.status != "ok" or not grown.audit().holds()
 
 
 @pytest.mark.parametrize("theta", [0.5, 0.75])

@@ -33,6 +33,8 @@ sources supply adds up to nothing, but the energy that passes from one to anothe
 """
 
 
+COARSE = 0.1
+"""Part of all energy that steps of a fixed length may be off by at the most, however coarse."""
 USUAL = 1e-8
 """Tolerance that a run is judged by if its own is tighter: where a law bends, integrating powers
 is no better."""
@@ -82,7 +84,7 @@ class Audit:
         states come back to what they should be. So a run may be off by more than ten times its
         tolerance, if no more than that is what its steps had no right to. A step of fixed length
         has the accuracy of its step: a law that lets go within one does so at its end, and what
-        that creates goes to zero with the step.
+        that creates goes to zero with the step. A tenth of all energy it may not create.
 
         Parameters
         ----------
@@ -105,7 +107,7 @@ class Audit:
             and is_balanced(
                 self.energy, self.beyond, made=self.rtol, asked=rtol, accuracy=self.accuracy
             )
-            and self.created <= max(1e-9, 10.0 * self.accuracy)
+            and self.created <= max(1e-9, min(10.0 * self.accuracy, COARSE))
         )
 
 
@@ -131,7 +133,7 @@ def is_balanced(
     """
     held_to = max(made, USUAL) if asked is None else asked
     wrong = energy if held_to < made else min(energy, beyond)
-    return wrong <= 10.0 * max(held_to, accuracy)
+    return wrong <= max(10.0 * held_to, min(10.0 * accuracy, COARSE))
 
 
 @np.errstate(over="ignore", invalid="ignore")
