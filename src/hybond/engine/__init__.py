@@ -150,7 +150,6 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
         jump_balance        energy of a jump that comes from nowhere
         doubts, left_out, telling, told, instant    what is warned of, told and written down
     sliding/
-        second_kind         where a switching function and its rate come to rest
         sliding, what_happened, met    after an event: which machines slide from there
         ways_on, filippov, crossings, additive, ways_told    how the state goes on
         around, going_on    modes on both sides, tried; what goes on sliding, or leaves

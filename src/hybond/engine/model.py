@@ -377,7 +377,6 @@ class Model:
     surface_machine: Ints
     surface_below: Ints
     surface_above: Ints  # the states where the function is negative, and positive
-    surface_rate_of: Ints  # the surface of whose function this is the rate; -1: of none
     surface_up: Ints
     surface_down: Ints
     """The rules that lead there."""

@@ -61,8 +61,6 @@ class Surface:
     up_rest: tuple[Expr, ...]
     down_rest: tuple[Expr, ...]
     """`up_rest` and `down_rest`: what else each of them asks for."""
-    rate_of: int = -1
-    """The surface of whose function this is the rate, by its number; -1: of none."""
 
 
 def surfaces_of(graph: FlatGraph) -> tuple[Surface, ...]:

@@ -129,6 +129,8 @@ def slides(gap: str, *, turned: bool = False, ratio: str = "") -> hb.Model:
         "if x < 1.5 then y else y + 0.5*(x - 1.5)",
         "y - max(0, 0.2*(x - 1.5))",
         "if time < 0.5 then y else y + 0.5*(time - 0.5)",
+        "y + 0.1*max(0, time - 0.5)",
+        "y + 0.1*time^2",
     ],
 )
 def test_a_floor_that_begins_to_slope_under_a_closed_contact_is_refused(gap, solver):

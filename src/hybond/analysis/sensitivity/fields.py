@@ -27,7 +27,7 @@ from hybond.analysis.sensitivity.values import Values
 from hybond.analysis.sensitivity.wanted import followed, stored_law
 from hybond.engine.outcome.combinations import Combination
 from hybond.equations.calculus import partial_time
-from hybond.equations.surface_rates import all_surfaces
+from hybond.equations.surfaces import surfaces_of
 from hybond.model.expressions import Expr, Neg, names, substitute, turning
 from hybond.model.graph import FlatGraph, Mode
 from hybond.model.inputs import Called, Timetable
@@ -209,9 +209,7 @@ class Fields:
         """Return the switching functions that are slid on, of states, time and parameters only."""
         made = segment.combined
         assert isinstance(made, Combination)
-        every = all_surfaces(self.graph)
-        if any(every[k].rate_of >= 0 for k in made.surfaces):
-            raise Undetermined("a motion rests where a switching function and its rate are zero")
+        every = surfaces_of(self.graph)
         return [state_function(self.graph, every[k].g) for k in made.surfaces]
 
     def rate_of(self, field: Field, g: Expr) -> tuple[Vector, Vector]:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from hybond.engine.tables import ModelTables
 from hybond.engine.tables.contacts import rules_of
-from hybond.equations.surface_rates import all_surfaces
+from hybond.equations.surfaces import surfaces_of
 from hybond.model.expressions import names
 from hybond.model.graph import FlatGraph, Machine, Mode, Rule
 from hybond.model.kinds import TWO_PORTS
@@ -113,7 +113,7 @@ class Explaining:
         ]
         self._rules = [rule for _, rule in ruled]
         self._ruled = [machine for machine, _ in ruled]
-        self.surfaces = all_surfaces(graph)
+        self.surfaces = surfaces_of(graph)
         self._bonds = tables.bonds
         rows = named_rows(graph)
         self._names = rows.names

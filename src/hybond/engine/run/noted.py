@@ -43,11 +43,11 @@ def note(e: Engine, r: Run, t: float, shown: float) -> int:
     if m.laws > 0:
         set_state(e, e.mode, e.shown, t, e.y)
         observe(e, e.shown)
-        if e.slide.k == 0 and hold_gaps(e, e.shown) != OK:
-            return REFUSED
     if m.disks > 0:
         arm_slips(e, t, e.y)
     e.t = t
+    if m.laws > 0 and e.slide.k == 0 and hold_gaps(e, e.shown) != OK:
+        return REFUSED
     if t > r.resumed:
         report_step(e, r.report)
     hold_step(e)

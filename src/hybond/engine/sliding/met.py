@@ -11,7 +11,6 @@ from hybond.engine.instant.instant import GUARD, Instant
 from hybond.engine.mode.equations import mode_of
 from hybond.engine.sliding.around import find_field, take_met
 from hybond.engine.sliding.crossings import vanishes
-from hybond.engine.sliding.second_kind import comes_to_rest, counts
 from hybond.engine.sliding.what_happened import fired_once, is_between, is_held, went_and_came
 from hybond.engine.surfaces.combine import combine_here
 from hybond.engine.surfaces.corners import put_side
@@ -49,8 +48,6 @@ def find_met(e: Engine, i: Instant, before: Floats, moved: bool) -> int:
         f = fired_once(i, machine)
         crossed = f >= 0 and is_between(m, surface, i.source.at[f], i.target.at[f])
         held = is_held(e, surface)
-        if not counts(e, surface):
-            continue
         if known or not (crossed or held or anew):
             continue
         if not shown:
@@ -69,7 +66,7 @@ def find_met(e: Engine, i: Instant, before: Floats, moved: bool) -> int:
             # there and back by a pinnacle: towards the surface, if its jumps have vanished
             sure = True
         if sure or is_on(e, surface):
-            s.met_surface[s.met] = comes_to_rest(e, surface) if crossed and sure else surface
+            s.met_surface[s.met] = surface
             s.met += 1
     return OK
 

@@ -133,8 +133,6 @@ class Slide:
     energy_after: float
     endless: Ints
     """Of each surface: whether it was said that jumps back and forth over it have no end."""
-    swing: Floats
-    """Of each surface, crossed downwards and upwards: how fast its function last was there."""
     ways: Block
     """Weights of the ways on."""
 
@@ -156,7 +154,6 @@ def make_slide(m: Model) -> Slide:
     s.agrees = ints(surfaces)
     s.chosen = ints(surfaces)
     s.endless = ints(surfaces)
-    s.swing = floats(2 * surfaces)
     s.kept_met = ints(surfaces)
     s.parts = 1
     s.directions = make_block(1)

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 from hybond.engine.tables.columns import first_of
 from hybond.engine.tables.contacts import rules_of
 from hybond.engine.tables.guards import magnitude, seen_in_motion
-from hybond.equations.surface_rates import all_surfaces
-from hybond.equations.surfaces import Surface, moves, way_beside
+from hybond.equations.surfaces import Surface, moves, surfaces_of, way_beside
 from hybond.model.expressions import Expr, Not, differentiate, names, simplify
 from hybond.model.graph import Rule
 
@@ -23,7 +22,7 @@ what is ON or the state of a machine."""
 def put_surfaces(t: ModelTables) -> None:
     """Put the switching surfaces of all machines into the tables."""
     g = t.graph
-    surfaces = all_surfaces(g)
+    surfaces = surfaces_of(g)
     # what was found of a surface is kept from model to model: its rules are equal, not the same
     listed = [(m, f.rule) for m, own in enumerate(rules_of(g)) for f in own]
     rules: dict[tuple[int, Rule], int] = {}
@@ -33,7 +32,6 @@ def put_surfaces(t: ModelTables) -> None:
     t.ints["surface_machine"] = [s.machine for s in surfaces]
     t.ints["surface_below"] = [s.below for s in surfaces]
     t.ints["surface_above"] = [s.above for s in surfaces]
-    t.ints["surface_rate_of"] = [s.rate_of for s in surfaces]
     t.ints["surface_up"] = [rules[s.machine, s.up] for s in surfaces]
     t.ints["surface_down"] = [rules[s.machine, s.down] for s in surfaces]
     t.ints["surface_value"] = [t.values.number(s.g, s.text) for s in surfaces]
