@@ -302,7 +302,7 @@ class _Making:
                 raise transient.line.refuse(
                     "a time that is not positive", code="HB-F140", hint=".tran step stop"
                 )
-        windings = couple(opened, self.texts, notices) | ideal_transformers(opened, self.texts)
+        windings = couple(opened, self.texts) | ideal_transformers(opened, self.texts)
         startup = transient is not None and transient.startup
         clock = Clock(edge, self.stop, startup)
         found = leaves_of(opened, windings, self.texts, clock, notices, current=current)

@@ -8,18 +8,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from hybond.circuits.notices import Line, Notices
+from hybond.circuits.notices import Line
 from hybond.circuits.opened import Branch, Coupling, Opened, Value
 from hybond.circuits.texts import Texts
-from hybond.model.expressions import Number
 from hybond.names import did_you_mean
 
 SINGULAR = 1e-12
 """Smallest eigenvalue of the couplings, 1 being none, of coils that are not tied rigidly."""
-NEARLY = 5e-7
-"""What couplings may lack to 1 and be taken as 1, where all on a core are so: as large a part of
-the inductance leaks, less than any wire has, and its currents are gone before anything else moves.
-"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,7 +54,7 @@ class Winding:
 Pairs = dict[tuple[str, str], Coupling]
 
 
-def couple(opened: Opened, texts: Texts, notices: Notices) -> dict[str, Winding]:
+def couple(opened: Opened, texts: Texts) -> dict[str, Winding]:
     """Return the coils that are coupled, by key.
 
     Raises
@@ -85,31 +80,8 @@ def couple(opened: Opened, texts: Texts, notices: Notices) -> dict[str, Winding]
         if first in found or not any(first in pair for pair in pairs):
             continue
         group = _group(first, pairs, coils)
-        pairs = _rigid(group, pairs, coils, notices)
         found.update(_windings(group, pairs, coils, texts))
     return found
-
-
-def _rigid(
-    group: tuple[str, ...], pairs: Pairs, coils: Mapping[str, Branch], notices: Notices
-) -> Pairs:
-    """Return the couplings with those of a core that are all next to 1 taken as 1."""
-    own = {pair: card for pair, card in pairs.items() if pair[0] in group}
-    every = len(own) == len(group) * (len(group) - 1) // 2
-    lacks = [1.0 - abs(card.value.number) for card in own.values()]
-    starts = any(coils[key].start is not None for key in group)
-    parametric = any(card.value.parametric for card in own.values())
-    if parametric or starts or not every or max(lacks) > NEARLY or not any(lacks):
-        return pairs
-    rigid = dict(pairs)
-    for card in dict.fromkeys(own.values()):
-        one = math.copysign(1.0, card.value.number)
-        if card.value.number != one:
-            what = f"{card.name}: a coupling of {card.value.number!r} is taken as {one:g}"
-            notices.add(card.line, f"{what}: next to nothing leaks")
-        for pair in (pair for pair, c in own.items() if c is card):
-            rigid[pair] = replace(card, value=Value(Number(one), one))
-    return rigid
 
 
 def _windings(

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 ROUNDING = 1e-9
 """Part of what a gap is made of below which it counts as zero."""
 APART, STEEPER = 1e-6, 16.0
-"""The same within a run, and times as much as from the step before: what falls is no jump."""
+"""The same within a run, and times as fast as in the step before: what falls is no jump."""
 
 
 def told_of_overlaps(run: Result) -> tuple[str, ...]:
@@ -85,7 +85,9 @@ def _jumped_into(run: Result, path: str, gap: Expr) -> list[str]:
     t, which = t[last], np.repeat(np.arange(len(many)), many)[last]
     value, terms = _seen(run, gap, which, t)
     change = np.abs(np.diff(value, prepend=value[0]))
-    before = np.concatenate([[0.0], change[:-1]])
+    length = np.diff(t, prepend=t[0] - 1.0)
+    # as much as at the speed of the step before, whatever its length
+    before = np.concatenate([[0.0], change[:-1] / length[:-1]]) * length
     fell = (value < -APART * terms) & (value < -STEEPER * before) & (change > APART * terms)
     return [
         f"the gap of {path!r} jumps to {value[k]:.4g} at t = {t[k]:.6g} s: what overlaps then "

@@ -141,6 +141,29 @@ def test_a_floor_that_begins_to_slope_under_a_closed_contact_is_refused(gap, sol
     assert caught.value.where == "elements.floor.gap"
 
 
+def test_one_contact_that_overlaps_from_its_start_hides_no_other():
+    m = slides("if x < 1.5 then y else y + 0.5*(x - 1.5)")
+    m.add(mz=hb.I(1.0), vz=hb.One(), g=hb.Se(-10.0), low=hb.Zero(law="unilateral", gap="z"))
+    m.bond("g -> vz -> mz", "low -> vz")
+    m.signal(z=hb.Integral("vz.f", start=-10.0))
+    rules = ["a -> b when time > 0.2"]
+    m.machine("clock", states={"a": [], "b": []}, start="a", rules=rules)
+    with pytest.raises(hb.ModelError, match="HB-M205"):
+        hb.simulate(m, until=1.2)
+
+
+def test_a_fall_after_a_short_step_is_no_jump():
+    """An input's corner just before the landing makes a step of 0.3 microseconds."""
+    m = hb.Model("ball", domain="translational")
+    m.add(ball=hb.I(1.0), v=hb.One(), w=hb.Se(-10.0))
+    m.add(floor=hb.Zero(law="unilateral", gap="y - u", restitution=0.5))
+    m.bond("w -> v -> ball", "floor -> v")
+    m.signal(y=hb.Integral("v.f", start=1.0))
+    m.input(u=hb.Input(table=[(0, 0), (0.4470003, 0), (2, 0)]))
+    run = hb.simulate(m, until=1.0, solver="moreau-jean", step=1e-3)
+    assert not [w for w in run.warnings if "jumps" in w]
+
+
 def test_a_hill_with_its_bonds_is_run_up():
     """Against 0.5 all but 2.4 of 3 m/s is left, and 4 m/s^2 of weight acts."""
     m = slides("y - max(0, 0.5*(x - 1.5))", ratio="if x < 1.5 then 0 else 0.5")

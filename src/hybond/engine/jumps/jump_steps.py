@@ -1,7 +1,7 @@
 """Newton's method for a jump: areas of impulses at which the constraints of a mode hold.
 
 Steps are shortened until they bring the constraints nearer. Where that leads nowhere, as over the
-hump of a law or far up an exponential, the way there is gone part by part (`led_jump`).
+hump of a law or far up an exponential, `led_jump` goes the way that what is missing drives.
 """
 
 from __future__ import annotations

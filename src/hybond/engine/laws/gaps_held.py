@@ -29,21 +29,21 @@ def hold_gaps(e: Engine, v: Floats) -> int:
     """
     m = e.model
     r = e.laws
-    apart = r.furthest
+    farther = False
     for k in range(m.ports):
         if m.port_gap_rate[k] == NO_GAP or m.port_gap_pair[k] < 0:
             continue
         if not is_on(m, k, e.state[m.port_machine[k]]):
             continue
         gap = math.fabs(value(m, m.port_gap[k], v))
-        if gap > apart:
+        if gap > r.furthest[k] and gap < math.inf:
             evaluate_gap(e, r, k, v)
             if gap > APART * max(r.largest[k], e.work.stack.size[e.work.stack.top]):
-                apart = gap
-    if not apart > r.furthest or apart == math.inf:
+                # what is apart by error is asked for a few times, as that grows
+                r.furthest[k] = 2.0 * gap
+                farther = True
+    if not farther:
         return OK
-    # what is apart by error is asked for a few times, as that grows
-    r.furthest = 2.0 * apart
     found = ask(e)
     if found != OK:
         e.fault.t = e.t

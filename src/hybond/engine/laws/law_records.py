@@ -251,8 +251,8 @@ class Laws:
     answered: bool
     """Whether the graph has answered at the state `answered_x`, and nothing was asked since."""
     answered_x: Floats
-    furthest: float
-    """How far a closed contact has been apart when gaps were held against their bonds last."""
+    furthest: Floats
+    """How far each closed contact has been apart when gaps were held against their bonds last."""
     gaps_known: bool
     """Whether gaps were held against what their bonds close."""
     sweep: bool
@@ -366,6 +366,7 @@ def make_laws(m: Model) -> Laws:
     r.here_moved = floats(n)
     r.kept_energy = floats(m.storages + 1)
     r.largest = floats(n)
+    r.furthest = floats(n)
     r.largest_limit = floats(n)
     r.branch = ints(n)
     r.answer = ints(n)

@@ -32,7 +32,7 @@ WHY = {
     -6: "its jump throws it back",
     OVER_A_STEP: "complementarity over the step",
     -8: "holds where the step ends",
-    -9: "follows the machines that it reads",
+    -9: "goes along with what slides, or slid",
 }
 """Why a transition fired if no rule did: as in `hybond.engine.instant.told`."""
 OPEN_BEFORE = 2
