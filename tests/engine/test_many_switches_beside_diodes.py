@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 from itertools import pairwise
 
 import pytest
@@ -64,10 +65,10 @@ def test_twelve_switches_beside_diodes_begin_at_once(monkeypatch: pytest.MonkeyP
     asked = 0
     plain = orientation.orientation
 
-    def counted(*args: object) -> object:
+    def counted(*args: Any) -> Any:
         nonlocal asked
         asked += 1
-        return plain(*args)  # type: ignore[arg-type]
+        return plain(*args)
 
     monkeypatch.setattr(orientation, "orientation", counted)
     run = hb.simulate(inverter(3), "30 ms")

@@ -120,22 +120,22 @@ def nearer(e: Engine, mode: Mode, v: Floats, x: Floats, ways: Ways) -> float:
     fit(w.gap_before, w.constraints)
     for i in range(w.constraints):
         w.gap_before.at[i] = w.gap_size.at[i]
-    before = furthest(e)
+    before = furthest(e, w.gap_before.at)
     part = 1.0
     for _ in range(HALVES):
         gap_at(e, mode, v, x, ways, part)
-        if furthest(e) < before:
+        if furthest(e, w.gap_before.at) < before:
             return part
         part *= 0.5
     return 1.0
 
 
-def furthest(e: Engine) -> float:
-    """Return the largest residual, each a part of the size that its terms had before the step."""
+def furthest(e: Engine, sizes: Floats) -> float:
+    """Return the largest residual, each a part of such a size of its terms."""
     w = e.work
     most = 0.0
     for i in range(w.constraints):
-        size = w.gap_before.at[i]
+        size = sizes[i]
         part = math.fabs(w.gap.at[i]) / (size if size > 0.0 else 1.0)
         most = max(most, part) if math.isfinite(part) else math.inf
     return most

@@ -22,6 +22,7 @@ from hybond.engine.engine import OK, Engine, say_fault
 from hybond.engine.jumps.jump_steps import (
     FAR,
     find_step,
+    furthest,
     gap_at,
     newton_steps,
     put_here,
@@ -137,7 +138,7 @@ def driven(e: Engine, mode: Mode, v: Floats, x: Floats, ways: Ways) -> bool:
     for a in range(areas):
         w.nu.at[a] = 0.0
     gap_at(e, mode, v, x, ways, 0.0)
-    missing = most_missing(e)
+    missing = furthest(e, e.work.gap_first.at)
     time = FIRST_TIME
     for _ in range(STEPS):
         if missing <= NEARLY:
@@ -165,7 +166,7 @@ def driven(e: Engine, mode: Mode, v: Floats, x: Floats, ways: Ways) -> bool:
         forth = energy_of_both(e, w.here, ways, w.step.at, w.pushed.at)
         most = energy_of_both(e, w.here, ways, w.pushed.at, w.pushed.at)
         gap_at(e, mode, v, x, ways, 0.0)
-        left = most_missing(e)
+        left = furthest(e, e.work.gap_first.at)
         if left <= GROWS * missing and forth > 0.0 and forth <= FASTER * most:
             missing = left
             time *= 2.0
@@ -178,17 +179,6 @@ def driven(e: Engine, mode: Mode, v: Floats, x: Floats, ways: Ways) -> bool:
         if time < LEAST_TIME:
             return False
     return False
-
-
-def most_missing(e: Engine) -> float:
-    """Return the largest residual, each a part of the size that its terms had at first."""
-    w = e.work
-    most = 0.0
-    for i in range(w.constraints):
-        size = w.gap_first.at[i]
-        off = math.fabs(w.gap.at[i]) / (size if size > 0.0 else 1.0)
-        most = max(most, off) if math.isfinite(off) else math.inf
-    return most
 
 
 def slope_of_storages(e: Engine, mode: Mode, x: Floats, ways: Ways, slope: Floats) -> None:
