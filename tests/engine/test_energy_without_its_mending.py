@@ -13,6 +13,7 @@ from typing import Any
 import pytest
 
 import hybond as hb
+from hybond.engine.instant import settle
 from hybond.engine.jumps import jump
 from hybond.engine.methods import control, dopri
 from hybond.engine.surfaces import values
@@ -41,6 +42,15 @@ def coupled() -> hb.Model:
     m.machine(
         "g", states={"off": [], "on": ["grip"]}, start="off", rules=["off -> on when time >= 0.5"]
     )
+    return m
+
+
+def beside_a_ball(m: hb.Model) -> hb.Model:
+    """Put beside a model a ball that gains by its impacts, as declared, and strikes at 0.9 s."""
+    m.add(ball=hb.I(1.0, p=-1.0), u=hb.One(), wall=hb.Sf(0.0))
+    m.add(hit=hb.Zero(law="unilateral", gap="height", restitution=1.2))
+    m.bond("u -> ball", "wall -> hit -> u")
+    m.signal(height=hb.Integral("u.f", 0.9))
     return m
 
 
@@ -84,6 +94,20 @@ def test_a_jump_of_the_wrong_sign_creates_energy(monkeypatch: pytest.MonkeyPatch
     assert run.status == "unsound" and "a jump creates no energy" in laws
     # -2 N s on 2 kg, 5 N s on 1 kg: 13.5 J of 4.5 J
     assert laws["a jump creates no energy"].off == pytest.approx(9.0, rel=1e-9)
+
+
+def test_who_may_create_energy_excuses_no_others(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The ball makes 0.22 J of 0.5 J at 0.9 s as declared; the grip at 0.5 s loses 3 J of 4.5 J.
+
+    A source that would have taken 9 J at 0.5 s is told, whatever the ball may do elsewhere.
+    """
+    m = beside_a_ball(coupled())
+    assert ended(m, 1.0).status == "ok"
+    monkeypatch.setattr(settle, "supplied_by_jump", lambda e: -9.0 if e.t < 0.7 else 0.0)
+    run = ended(m, 1.0)
+    found = [said for said in run.trace.unsound if said.law == "a jump creates no energy"]
+    assert [said.t for said in found] == [0.5]
+    assert found[0].off == pytest.approx(6.0, rel=1e-9)
 
 
 def test_a_loss_that_is_missing_from_the_rates(monkeypatch: pytest.MonkeyPatch) -> None:

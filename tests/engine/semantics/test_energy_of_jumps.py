@@ -39,7 +39,8 @@ def test_energy_created_in_an_impact_is_warned_of() -> None:
     # the free body leaves at 1.35 m/s: 1.35^2/2 J of 1/2 J + 1/4 J
     assert text == (
         "at t = 0.666666667 s the jump into mode (collide, locked) creates 0.16125 J "
-        "that no source supplies, a law that reads pre() being none (the first that does)"
+        "that no source supplies: an impact law says so, by pre() or by its coefficients (the "
+        "first that does)"
     )
 
 

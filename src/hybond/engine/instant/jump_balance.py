@@ -51,11 +51,22 @@ def most_by_jump(e: Engine, x: Floats) -> int:
 def jump_may_create(e: Engine) -> bool:
     """Whether a law that is declared for impacts may create energy in the jump of the trial.
 
-    One that reads ``pre()``, friction of an impact, restitution that varies or is above one.
+    One that reads ``pre()``; of the contacts that are struck, friction of an impact, restitution
+    that varies or is above one.
     """
     m = e.model
     may = e.trial.factors > 0 or is_fieldless(e, e.mode)
     for k in range(m.ports):
         varies = m.port_restitution[k] >= 0 or m.port_limit[k] >= 0
-        may = may or varies or m.port_restitution_constant[k] > 1.0
+        declared = varies or m.port_restitution_constant[k] > 1.0
+        may = may or (declared and carries_impulse(e, k))
     return may
+
+
+def carries_impulse(e: Engine, k: int) -> bool:
+    """Whether an impulse goes through the junction of law `k` in the jump of the trial."""
+    m = e.model
+    for i in range(m.pair_first[2 * k], m.pair_first[2 * k + 1]):
+        if e.trial.jump[m.bond_slot + m.pair_column[i]] != 0.0:
+            return True
+    return False

@@ -141,7 +141,8 @@ class Warnings:
             yield (
                 f"at t = {rows.instant_time[k, 0]:.9g} s the jump into mode "
                 f"({self.graph.mode_text(mode)}) creates {made[v]:.6g} J that no source "
-                "supplies, a law that reads pre() being none (the first that does)"
+                "supplies: an impact law says so, by pre() or by its coefficients (the first that "
+                "does)"
             )
 
     def of_unwritten(self, found: Instants, many: int) -> Iterator[str]:
