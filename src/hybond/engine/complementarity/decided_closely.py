@@ -29,7 +29,7 @@ from hybond.engine.words import Floats, Ints, floats, ints, record
 CLEAR: Final = 1e-11
 """Part of a diagonal entry that elimination has to leave of it to be more than its rounding."""
 MOST: Final = 24
-"""Laws up to which they are decided so."""
+"""Laws up to which they are decided so, and for which there is room."""
 ZERO: Final = 2.0**-80
 """Part of its terms below which a value that is found with twice the digits is zero."""
 TURNS: Final = 8
@@ -109,7 +109,7 @@ def decide_closely(p: Closer) -> bool:
     `zero` are then the pairs of which both are.
     """
     n = p.n
-    if n > MOST or not is_clearly_singular(p):
+    if not is_clearly_singular(p):
         return False
     for _ in range(TURNS * n + TURNS):
         many = 0

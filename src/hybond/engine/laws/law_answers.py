@@ -11,7 +11,12 @@ from typing import Final
 
 from hybond.engine.answers import value
 from hybond.engine.complementarity.all_branches import answer_laws
-from hybond.engine.complementarity.decided_closely import decide_closely, put_entry, put_known
+from hybond.engine.complementarity.decided_closely import (
+    MOST,
+    decide_closely,
+    put_entry,
+    put_known,
+)
 from hybond.engine.complementarity.law_roles import (
     BACKWARD,
     CUT,
@@ -104,6 +109,8 @@ def answer_closely(e: Engine, r: Laws, h: float, found: bool) -> bool:
             many += 1
         elif p.role[k] != CUT:
             return False
+    if many > MOST:
+        return False
     c.n = many
     for i in range(many):
         one = p.who[i]

@@ -5,7 +5,7 @@ from typing import Final
 
 from hybond.engine.algebra.blocks import Block, Places, make_block, make_places
 from hybond.engine.algebra.svd import Svd, make_svd
-from hybond.engine.complementarity.decided_closely import Closer, make_closer
+from hybond.engine.complementarity.decided_closely import MOST, Closer, make_closer
 from hybond.engine.complementarity.law_roles import LawProblem, make_law_problem
 from hybond.engine.complementarity.least_shares import Shares, make_shares
 from hybond.engine.impacts.impact_records import NEWTON, Impact, make_impact
@@ -344,7 +344,7 @@ def make_laws(m: Model) -> Laws:
     r.tilt = floats(n)
     r.held_said = ints(n)
     r.problem = make_law_problem(n)
-    r.closer = make_closer(n)
+    r.closer = make_closer(n if n < MOST else MOST)
     for k in range(n):
         r.problem.rank[k] = m.port_rank[k]
     r.svd = make_svd(2 * n, n)
