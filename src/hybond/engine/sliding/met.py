@@ -14,6 +14,7 @@ from hybond.engine.sliding.crossings import vanishes
 from hybond.engine.sliding.what_happened import fired_once, is_between, is_held, went_and_came
 from hybond.engine.surfaces.combine import combine_here
 from hybond.engine.surfaces.corners import put_side
+from hybond.engine.surfaces.parted import find_parted
 from hybond.engine.surfaces.surface import put_read, surface_rate
 from hybond.engine.surfaces.values import evaluate
 from hybond.engine.words import Floats
@@ -32,6 +33,8 @@ def find_met(e: Engine, i: Instant, before: Floats, moved: bool) -> int:
     s.met = 0
     anew = i.cause != GUARD or moved
     turns = False
+    if find_left(e, anew and not moved) != OK:
+        return REFUSED
     if moved:
         for k in range(m.storages):
             s.x[k] = e.y[k] - before[k]
@@ -60,14 +63,28 @@ def find_met(e: Engine, i: Instant, before: Floats, moved: bool) -> int:
             continue
         # at a timed event a rule may have fired because an input jumped over the surface, and one
         # that asks for more because that has come true
-        sure = held or (crossed and not anew and is_alone(e, surface, i.target.at[f]))
-        sure = sure and not moved
+        sure = crossed and not anew and is_alone(e, surface, i.target.at[f])
+        sure = (sure or (held and s.parted[surface] == 0)) and not moved
         if turns and i.steps > 0 and went_and_came(i, machine):
             # there and back by a pinnacle: towards the surface, if its jumps have vanished
             sure = True
         if sure or is_on(e, surface):
             s.met_surface[s.met] = surface
             s.met += 1
+    return OK
+
+
+def find_left(e: Engine, anew: bool) -> int:
+    """Find which surfaces slid on have jumped away from the state, where any may have."""
+    s = e.slide
+    for j in range(s.many):
+        s.parted[s.surface[j]] = 0
+    if s.many == 0 or not (anew or s.parts_now):
+        return OK
+    if mode_of(e, e.state) != OK or combine_here(e, e.state) != OK:
+        return REFUSED
+    find_parted(e, e.t, e.y)
+    s.parts_now = False
     return OK
 
 
