@@ -77,7 +77,7 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
         branch_table, slide_records    branches of laws in them; what is written
         outputs, averages   it is asked as a mode is
         values              what expressions read and how the state moves, in either
-        onto, parted        back onto surfaces; surfaces that have jumped away
+        onto, parted, jumps_near    back onto surfaces; some that have jumped away, or just do
         followers           machines that read the states of those that slide
     jumps/
         jump, trial         what is stored on entering a mode; every signal that follows

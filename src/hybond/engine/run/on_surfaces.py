@@ -7,14 +7,12 @@ the instant is settled, and what slides is where the state is.
 
 from __future__ import annotations
 
-import math
 from typing import Final
 
-from hybond.engine.algebra.rounding import AT_KINK
-from hybond.engine.answers import value
 from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.inputs.interval import moment
 from hybond.engine.methods.stepping import between
+from hybond.engine.surfaces.jumps_near import none_has_jumped, note_jumps
 from hybond.engine.surfaces.onto import onto_surfaces
 from hybond.engine.surfaces.parted import find_parted, is_far
 from hybond.engine.surfaces.values import evaluate
@@ -31,7 +29,7 @@ def hold_to_surfaces(e: Engine, t: float) -> int:
     s = e.slide
     n = e.states
     s.parts_now = False
-    jumps = note_jumps(e, t)
+    jumps = note_jumps(e, t, e.y)
     before = t
     for k in range(n):
         s.y[k] = e.y[k]
@@ -64,36 +62,3 @@ def before_jump(e: Engine, t: float) -> float:
             return before
         reach *= 2.0
     return before
-
-
-def note_jumps(e: Engine, t: float) -> bool:
-    """Note where surfaces just jump, into ``jump_near``; whether any does."""
-    m = e.model
-    s = e.slide
-    may = False
-    for j in range(s.k):
-        may = may or m.surface_jump_first[s.side[j]] < m.surface_jump_first[s.side[j] + 1]
-    if not may or evaluate(e, e.mode, e.shown, t, e.y) != OK:
-        return False
-    some = False
-    for j in range(s.k):
-        for p in range(m.surface_jump_first[s.side[j]], m.surface_jump_first[s.side[j] + 1]):
-            atom = m.kink_atom + m.surface_jump[p]
-            s.jump_at[p] = value(m, m.atom_value[atom], e.shown)
-            size = math.fabs(value(m, m.atom_size[atom], e.shown))
-            s.jump_near[p] = 1 if math.fabs(s.jump_at[p]) <= AT_KINK * size else 0
-            some = some or s.jump_near[p] != 0
-    return some
-
-
-def none_has_jumped(e: Engine) -> bool:
-    """Whether all that was noted is on its other side at the values shown."""
-    m = e.model
-    s = e.slide
-    for j in range(s.k):
-        for p in range(m.surface_jump_first[s.side[j]], m.surface_jump_first[s.side[j] + 1]):
-            there = value(m, m.atom_value[m.kink_atom + m.surface_jump[p]], e.shown)
-            other = s.jump_at[p] * there < 0.0 or (s.jump_at[p] == 0.0 and there != 0.0)
-            if s.jump_near[p] != 0 and not other:
-                return False
-    return True

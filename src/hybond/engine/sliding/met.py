@@ -33,7 +33,7 @@ def find_met(e: Engine, i: Instant, before: Floats, moved: bool) -> int:
     s.met = 0
     anew = i.cause != GUARD or moved
     turns = False
-    if find_left(e, anew and not moved) != OK:
+    if find_left(e, (anew or i.steps > 0) and not moved) != OK:
         return REFUSED
     if moved:
         for k in range(m.storages):

@@ -35,7 +35,10 @@ def find_parted(e: Engine, t: float, y: Floats) -> bool:
     Where the modes around have no combination any more, that is for who decides how to go on.
     """
     s = e.slide
+    m = e.model
     some = False
+    for k in range(m.switches + m.state_first[m.machines]):
+        e.shown[m.on_slot + k] = e.mode.flags[k]
     show_state(e, t, y, e.shown)
     for j in range(s.k):
         s.gap[j] = side_value(e, j, e.shown)
