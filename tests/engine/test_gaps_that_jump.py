@@ -249,6 +249,26 @@ def test_a_floor_that_jumps_up_into_a_block_is_told_of(gap, solver):
     assert told[0].startswith("the gap of 'floor' jumps to -0.3 at t = 0.5")
 
 
+@pytest.mark.parametrize(
+    ("solver", "step"),
+    [
+        ("auto", None),
+        ("radau", None),
+        ("rk4", "70 ms"),
+        ("euler", "7 ms"),
+        ("moreau-jean", "20 ms"),
+    ],
+)
+def test_a_floor_that_jumps_up_into_what_falls_is_told_of_in_steps_of_any_length(solver, step):
+    """By long steps it was not: a block falls farther in one than the floor jumps."""
+    m = block("y + 1.35 - u")
+    m.input(u=hb.Input(table=[(0.0, 0.0), (0.5, 0.3)]))
+    told = hb.simulate(m, 0.6, solver=solver, **({"step": step} if step else {})).warnings
+    assert len(told) == 1
+    assert told[0].startswith("the gap of 'floor' jumps to -0.")
+    assert "at t = 0.5 s" in told[0]
+
+
 @pytest.mark.parametrize("solver", ["auto", "moreau-jean"])
 def test_what_bounces_down_a_stair_is_not_told_of(solver):
     fixed = {} if solver == "auto" else {"solver": solver, "step": "1 ms"}
