@@ -127,6 +127,44 @@ def test_of_two_surfaces_the_one_that_stays_is_slid_on() -> None:
     assert run["L2.f"].at(1.2e-3) == pytest.approx(1.0, abs=1e-12)
 
 
+@pytest.mark.parametrize("level", ["3*sign(0.1 - ramp)", '(if o.state == "a" then 3 else -3)'])
+def test_a_level_that_jumps_over_the_current_is_not_slid_on_yet(level: str) -> None:
+    # on the way to 3 A: the machine switches, and both sides push to where the level is now
+    m = leg(level)
+    m.signal(ramp=hb.Integral("1000 [1/s]"))
+    m.machine("o", states={"a": [], "b": []}, start="a", rules=["a -> b when ramp > 0.1"])
+    run = hb.simulate(m, until=UNTIL)
+    for k in range(1, 100):
+        t = k * 1e-5 + 1.3e-8
+        assert run["L.f"].at(t) == pytest.approx(led_to([3, -3], [1e-4], t), abs=1e-6)
+    assert left(run) == []
+
+
+def test_a_level_that_jumps_to_and_fro_before_it_is_reached_is_chased() -> None:
+    turns = [k * math.pi / 40000 for k in range(1, 13)]
+    run = hb.simulate(leg("3*sign(sin(40000*time))"), until=1e-3)
+    for k in range(1, 200):
+        t = k * 5e-6 + 1.3e-8
+        led = led_to([3, -3] * 6 + [3], turns, t)
+        assert run["L.f"].at(t) == pytest.approx(led, abs=1e-6)
+
+
+def test_fixed_steps_round_a_corner_are_put_back_however_long_they_are() -> None:
+    # a relative: where a surface bends, steps of fixed length drift off by far more than an error
+    m = hb.Model("circle")
+    side = '(if k.state == "out" then 2 else -2)'
+    m.add(x=hb.C(1.0, q=1.0), y=hb.C(1.0), nx=hb.Zero(), ny=hb.Zero())
+    m.add(u=hb.Sf(f"-30*y.e - {side}*x.e"), v=hb.Sf(f"30*x.e - {side}*y.e"))
+    m.bond("u -> nx -> x", "v -> ny -> y")
+    square = "x.e^2 + y.e^2"
+    rules = [f"in -> out when {square} > 1.5", f"out -> in when {square} < 1.5"]
+    m.machine("k", states={"in": [], "out": []}, start="in", rules=rules)
+    for solver in ("rk4", "euler"):
+        run = hb.simulate(m, until=1.0, solver=solver, step="20 ms")
+        assert left(run) == []
+        assert run["x.e"].at(0.98) ** 2 + run["y.e"].at(0.98) ** 2 == pytest.approx(1.5)
+
+
 def test_small_steps_of_a_level_are_no_way_to_be_carried_along() -> None:
     # 10 steps of 1 mA: each takes L*1e-3/24 seconds, in which the leg gives what is stored
     run = hb.simulate(leg("floor(1e6*time)/1000"), until=1.05e-5)

@@ -14,7 +14,7 @@ from hybond.engine.inputs.interval import moment
 from hybond.engine.methods.stepping import between
 from hybond.engine.surfaces.jumps_near import none_has_jumped, note_jumps
 from hybond.engine.surfaces.onto import onto_surfaces
-from hybond.engine.surfaces.parted import find_parted, is_far
+from hybond.engine.surfaces.parted import APART, find_parted, is_far
 from hybond.engine.surfaces.values import evaluate
 
 DOUBLED: Final = 16
@@ -45,7 +45,7 @@ def hold_to_surfaces(e: Engine, t: float) -> int:
         e.y[k] = s.y[k] + (0.0 if far else e.y[k] - s.put_from[k])
     s.parts_now = far
     if jumps and not far:
-        s.parts_now = find_parted(e, t, e.y)
+        s.parts_now = find_parted(e, t, e.y, APART)
     s.known = False
     return OK
 

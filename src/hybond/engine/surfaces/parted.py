@@ -15,10 +15,12 @@ from hybond.engine.algebra.lu import SINGULAR, lu_factor, lu_solve
 from hybond.engine.engine import OK, Engine
 from hybond.engine.method_numbers import EULER, RK4
 from hybond.engine.mode.reach import reach_of
+from hybond.engine.model import Model
 from hybond.engine.surfaces.blend import blend
 from hybond.engine.surfaces.corners import put_slopes
 from hybond.engine.surfaces.onto import direction, side_value
 from hybond.engine.surfaces.outputs import show_state
+from hybond.engine.surfaces.slide_records import Slide
 from hybond.engine.words import Floats
 
 APART: Final = 1e-9
@@ -29,10 +31,11 @@ TOLERATED: Final = 100.0
 """... or so many times the tolerance."""
 
 
-def find_parted(e: Engine, t: float, y: Floats) -> bool:
-    """Find which surfaces are not where the state is, into ``parted``; whether any is.
+def find_parted(e: Engine, t: float, y: Floats, part: float) -> bool:
+    """Find which surfaces are farther from the state than a part of it, into ``parted``.
 
-    Where the modes around have no combination any more, that is for who decides how to go on.
+    Whether any is. Where the modes around have no combination any more, that is for who decides how
+    to go on.
     """
     s = e.slide
     m = e.model
@@ -54,15 +57,15 @@ def find_parted(e: Engine, t: float, y: Floats) -> bool:
     sizes_stored(e, y)
     some = False
     for j in range(s.k):
-        if s.gap[j] != 0.0 and is_parted(e, y, j):
+        if s.gap[j] != 0.0 and is_parted(e, y, j, part):
             s.parted[s.side[j]] = 1
             some = True
     s.known = False
     return some
 
 
-def is_parted(e: Engine, y: Floats, j: int) -> bool:
-    """Whether it takes a jump to put the state on a surface, and on no other one than before."""
+def is_parted(e: Engine, y: Floats, j: int, part: float) -> bool:
+    """Whether it takes such a jump to put the state on a surface, and on no other than before."""
     s = e.slide
     for i in range(s.k * s.k):
         s.matrix[i] = s.change[i]
@@ -75,7 +78,7 @@ def is_parted(e: Engine, y: Floats, j: int) -> bool:
         way = 0.0
         for p in range(s.k):
             way += s.right[p] * direction(e, p, k)
-        if not math.fabs(way) <= APART * max(math.fabs(y[k]), s.size[k]):
+        if not math.fabs(way) <= part * max(math.fabs(y[k]), s.size[k]):
             return True
     return False
 
@@ -88,17 +91,26 @@ def is_far(e: Engine, before: Floats, y: Floats) -> bool:
     m = e.model
     s = e.slide
     sizes_stored(e, y)
-    part = max(ERROR, TOLERATED * m.rtol)
-    fixed = m.method == RK4 or m.method == EULER
+    part = error_of(m)
+    if m.method == RK4 or m.method == EULER:
+        for k in range(e.states):
+            part = max(part, part_of(s, e.step.y0, e.step.y1, k))
+    given = TOLERATED * m.atol if m.atol == m.atol else 0.0
     for k in range(e.states):
-        allowed = part * max(math.fabs(y[k]), s.size[k])
-        if fixed:
-            allowed += math.fabs(e.step.y1[k] - e.step.y0[k])
-        elif m.atol == m.atol:
-            allowed += TOLERATED * m.atol
-        if not math.fabs(y[k] - before[k]) <= allowed:
+        if not math.fabs(y[k] - before[k]) <= given and not part_of(s, before, y, k) <= part:
             return True
     return False
+
+
+def error_of(m: Model) -> float:
+    """Return by what part of what is stored steps may be off."""
+    return max(ERROR, TOLERATED * m.rtol)
+
+
+def part_of(s: Slide, before: Floats, y: Floats, k: int) -> float:
+    """Return by what part of its size a state differs; 0 of what has none."""
+    size = max(math.fabs(y[k]), s.size[k])
+    return math.fabs(y[k] - before[k]) / size if size > 0.0 else 0.0
 
 
 def sizes_stored(e: Engine, y: Floats) -> None:
