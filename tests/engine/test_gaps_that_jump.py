@@ -249,8 +249,59 @@ def test_a_floor_that_jumps_up_into_a_block_is_told_of(gap, solver):
     assert told[0].startswith("the gap of 'floor' jumps to -0.3 at t = 0.5")
 
 
+@pytest.mark.parametrize(
+    ("solver", "step"),
+    [
+        ("auto", None),
+        ("radau", None),
+        ("rk4", "70 ms"),
+        ("euler", "7 ms"),
+        ("moreau-jean", "20 ms"),
+    ],
+)
+def test_a_floor_that_jumps_up_into_what_falls_is_told_of_in_steps_of_any_length(solver, step):
+    """By long steps it was not: a block falls farther in one than the floor jumps."""
+    m = block("y + 1.35 - u")
+    m.input(u=hb.Input(table=[(0.0, 0.0), (0.5, 0.3)]))
+    told = hb.simulate(m, 0.6, solver=solver, **({"step": step} if step else {})).warnings
+    assert len(told) == 1
+    assert told[0].startswith("the gap of 'floor' jumps to -0.")
+    assert "at t = 0.5 s" in told[0]
+
+
 @pytest.mark.parametrize("solver", ["auto", "moreau-jean"])
 def test_what_bounces_down_a_stair_is_not_told_of(solver):
     fixed = {} if solver == "auto" else {"solver": solver, "step": "1 ms"}
     run = hb.simulate(block("y + 0.05*floor(x/0.6)", restitution=0.5), 1.05, **fixed)
     assert not any("overlaps" in w for w in run.warnings)
+
+
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize("solver", ["auto", "radau", "rk4"])
+@pytest.mark.parametrize(
+    "floor",
+    [
+        "0.4*(1 + tanh((x - 1.5)/1e-4))",
+        "-0.4*(1 + tanh((x - 1.5)/1e-4))",
+        "0.8/(1 + exp((1.5 - x)*1e3))",
+    ],
+)
+def test_a_floor_that_slopes_within_a_step_is_refused_and_not_flown_over(floor, solver, turned):
+    """At the end of the step it is level again: the block slid on in the air, status ok."""
+    step = {"step": "7 ms"} if solver == "rk4" else {}
+    with pytest.raises(hb.HybondError) as caught:
+        hb.simulate(block(f"y + {floor}", turned=turned), 1.2, solver=solver, **step)
+    assert caught.value.code == "HB-M205"
+    assert caught.value.partial.t_end < 0.51
+
+
+def test_a_floor_whose_slope_the_bonds_know_is_followed_within_a_step():
+    # a relative: a cam as steep lifts what rests on it, and throws it off where it levels
+    m = hb.Model("cam")
+    m.add(W=hb.Se(-FALL), v=hb.One(), b=hb.I(1.0), vx=hb.One(), bx=hb.I(1e9, f=1.0))
+    m.add(cam=hb.TF("5/cosh((x - 0.5)/1e-4)^2"))
+    m.add(c=hb.Zero(law="unilateral", gap="h - 5e-4*(1 + tanh((x - 0.5)/1e-4))", restitution=0))
+    m.bond("W -> v -> b", "c -> v", "vx -> bx", "vx -> cam -> c")
+    m.signal(h=hb.Integral("v.f"), x=hb.Integral("vx.f"))
+    run = hb.simulate(m, 0.9)
+    assert run["h"].at(0.9) == pytest.approx(5e-4 + 5.0 * 0.4 - 0.5 * FALL * 0.4**2, rel=1e-6)

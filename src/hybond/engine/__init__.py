@@ -77,7 +77,7 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
         branch_table, slide_records    branches of laws in them; what is written
         outputs, averages   it is asked as a mode is
         values              what expressions read and how the state moves, in either
-        onto                back onto surfaces
+        onto, parted, jumps_near    back onto surfaces; some that have jumped away, or just do
         followers           machines that read the states of those that slide
     jumps/
         jump, trial         what is stored on entering a mode; every signal that follows
@@ -132,6 +132,7 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
         in_force            rules that are asked
         kept_sides          guards of what is rounding: it is what it was
         locate, locator     the first instant of a step at which a guard holds
+        watching            which are looked for in a mode
         guard_values, guard_shape, candidates, bracket    by samples
         solved_guards, step_polynomials, quartic    by polynomials
         unresolved          what laws carry, beside its rounding
@@ -180,7 +181,9 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
         courses_ahead       steps that see all of what time does
         phases              how phases of the plant go on, such as the angle of a flywheel
         courses_kept        what is known of both, for a run that goes on
-        edges, roots_reached    where laws end; roots that come to rest
+        edges, edges_met, roots_reached    where laws end, and how it goes on; roots that come to
+                            rest
+        on_surfaces         a step along surfaces ends: the state is put back, unless they jump
         stranded            motion that gets nowhere
         log, run_records, carried, trying    what is written, handed on, tried
         report, run, unit, unit_gaps    in a printed program: what is shown; the program; driven

@@ -378,8 +378,7 @@ class Model:
     surface_below: Ints
     surface_above: Ints  # the states where the function is negative, and positive
     surface_up: Ints
-    surface_down: Ints
-    """The rules that lead there."""
+    surface_down: Ints  # the rules that lead there
     surface_value: Ints
     surface_twin: Ints  # of each pair: 1 if they are one surface, -1 if turned round
     surface_first: Ints  # of each surface: the slopes of its function
@@ -388,8 +387,9 @@ class Model:
     surface_index: Ints
     surface_slope: Ints
     surface_constant: Floats
-    surface_rest: Ints
-    """Of each surface: what else the rule asks for that leads up, then that which leads down."""
+    surface_jump_first: Ints
+    surface_jump: Ints  # of each surface: kinks, or those behind them, at which it may jump
+    surface_rest: Ints  # of each: what else the rule asks for that leads up, then the other's
     rest_value: Ints
     rest_moves: Ints  # whether that changes while time passes
     rest_pair: Ints
@@ -402,6 +402,7 @@ class Model:
     follower_first: Ints  # of each: the machines that it reads, and those that these follow
     follower_reads: Ints
     kinks: int  # what changes its sign where a law, source or rate has a kink: a step ends there
+    slide_kinks: int  # those behind them at which nothing but surfaces jump
     kink_atom: int  # the first of them among comparisons, in order, behind all others
     kink_pair: Ints  # what each reads stands with the pairs
     kink_switch: Ints  # what is to be ON for anything to feel it, -1: nothing

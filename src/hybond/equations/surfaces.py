@@ -10,6 +10,7 @@ surface is that of the whole: ``max(a, b) = 0``.
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterable, Sequence
 from functools import lru_cache
 from typing import Any
@@ -160,11 +161,13 @@ def _negated(one: Expr, other: Expr) -> bool:
 
 def _text(rule: Rule, atom: Compare, count: int) -> str:
     """Return the surface as the modeller would write it."""
-    if count == 1:
-        for op in ("<=", ">=", "<", ">"):
-            if rule.text.count(op) == 1 and "not" not in rule.text:
-                left, right = rule.text.split(op)
-                return f"{left.strip()} = {right.strip()}"
+    outside, before = rule.text, ""
+    while outside != before:
+        before, outside = outside, re.sub(r"\([^()]*\)", lambda m: "_" * len(m[0]), outside)
+    found = [m.span() for m in re.finditer("[<>]=?", outside)]
+    if count == 1 and len(found) == 1 and "not" not in rule.text:
+        left, right = rule.text[: found[0][0]], rule.text[found[0][1] :]
+        return f"{left.strip()} = {right.strip()}"
     return f"{_written(rule, atom.left)} = {_written(rule, atom.right)}"
 
 

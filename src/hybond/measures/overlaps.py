@@ -24,8 +24,11 @@ if TYPE_CHECKING:
 
 ROUNDING = 1e-9
 """Part of what a gap is made of below which it counts as zero."""
-APART, STEEPER = 1e-6, 16.0
-"""The same within a run, and times as fast as in the step before: what falls is no jump."""
+APART, AT_ONCE, WIDER = 1e-6, 0.5, 10
+"""The same within a run; part of a fall that a jump is at once, of that in a time so many halvings
+longer."""
+HALVINGS = 60
+"""Of the time between two steps in which a jump is looked for."""
 
 
 def told_of_overlaps(run: Result) -> tuple[str, ...]:
@@ -78,19 +81,37 @@ def _seen(run: Result, gap: Expr, which: Indices, t: Vector) -> tuple[Vector, Ve
 
 
 def _jumped_into(run: Result, path: str, gap: Expr) -> list[str]:
-    """Return a warning of a gap that falls below zero from one step to the next, if one does."""
+    """Return a warning of a gap that jumps to below zero between two steps, if one does."""
     many = [len(s.t) for s in run.segments]
     t = np.concatenate([s.t for s in run.segments])
     last = np.diff(t, append=np.inf) > 0.0
     t, which = t[last], np.repeat(np.arange(len(many)), many)[last]
     value, terms = _seen(run, gap, which, t)
-    change = np.abs(np.diff(value, prepend=value[0]))
-    length = np.diff(t, prepend=t[0] - 1.0)
-    # as much as at the speed of the step before, whatever its length
-    before = np.concatenate([[0.0], change[:-1] / length[:-1]]) * length
-    fell = (value < -APART * terms) & (value < -STEEPER * before) & (change > APART * terms)
+    least = APART * terms
+    fell = np.flatnonzero((value < -least) & (-np.diff(value, prepend=value[0]) > least))
+    jumped = fell[_fall_at_once(run, gap, which, t, value, fell) > least[fell]]
     return [
         f"the gap of {path!r} jumps to {value[k]:.4g} at t = {t[k]:.6g} s: what overlaps then "
         "stays so, and the contact holds it; a step in a floor is a wall, with a contact of its own"
-        for k in np.flatnonzero(fell)[:1]
+        for k in jumped[:1]
     ]
+
+
+def _fall_at_once(
+    run: Result, gap: Expr, which: Indices, t: Vector, value: Vector, at: Indices
+) -> Vector:
+    """Return by how much a gap falls in no time before points of a run; 0: it does so in some.
+
+    The time since the point before is halved, again and again, to where the gap falls most: what
+    jumps does so in the last of these as in longer ones, however long the steps were.
+    """
+    low, high, above, below = t[at - 1], t[at], value[at - 1], value[at]
+    falls = [above - below]
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        there = _seen(run, gap, which[at - 1], middle)[0]
+        early = above - there >= there - below
+        low, above = np.where(early, low, middle), np.where(early, above, there)
+        high, below = np.where(early, middle, high), np.where(early, there, below)
+        falls.append(above - below)
+    return np.where(falls[-1] > AT_ONCE * falls[-1 - WIDER], falls[-1], 0.0)

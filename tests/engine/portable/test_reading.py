@@ -12,7 +12,8 @@ import hybond as hb
 from hybond.engine.answers import value
 from hybond.engine.expressions.paired import holds
 from hybond.engine.guards.guard_values import atom_at, look
-from hybond.engine.guards.locator import make_locator, watch
+from hybond.engine.guards.locator import make_locator
+from hybond.engine.guards.watching import watch
 from hybond.engine.mode.sizes import size_of
 from hybond.engine.mode.solving import solve
 from hybond.engine.surfaces.values import begin_field, field, set_state

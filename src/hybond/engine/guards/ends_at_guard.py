@@ -83,7 +83,7 @@ def land(e: Engine, g: Locator, room: float, end: float, vain: int) -> int:
 
 def is_unseen(e: Engine, g: Locator) -> bool:
     """Whether something is over in the step so soon that its polynomial may know nothing of it."""
-    if g.tied or e.model.kinks > 0 or g.at >= e.step.t1 or g.at <= e.step.t0:
+    if g.tied or e.model.kinks + e.model.slide_kinks > 0 or g.at >= e.step.t1 or g.at <= e.step.t0:
         return False
     h = e.step.t1 - e.step.t0
     fast = is_propagated(e) and e.exact.flow.norm * h > RATES
@@ -149,7 +149,7 @@ def land_first(e: Engine, g: Locator, room: float) -> int:
         if end >= longest or end - e.step.t0 <= 1e-9 * h:
             break
         g.at = at  # a first try that did not find it again has left none
-        if e.model.kinks == 0 or kink_there(e, g) < 0:
+        if e.model.kinks + e.model.slide_kinks == 0 or kink_there(e, g) < 0:
             made = retry(e, end)
             if e.step.off > 1.0:
                 return shorten(e, g)

@@ -68,7 +68,7 @@ def search(e: Engine, g: Locator) -> int:
     begin_looks(e.model, g)
     if g.guards == 0:
         return OK
-    if e.model.kinks > 0:
+    if e.model.kinks + e.model.slide_kinks > 0:
         take_sides_of_kinks(e, g)
     left = 1 if solve_guards(e, g) else 0
     if has_failed(g):

@@ -11,15 +11,10 @@ from typing import Final
 from hybond.engine.algebra.products import times_matrix
 from hybond.engine.algebra.svd import make_svd, null_space, pseudo_inverse
 from hybond.engine.engine import Engine
-from hybond.engine.guards.in_force import is_asked
 from hybond.engine.guards.quartic import COEFFICIENTS, Quartic, make_quartic
 from hybond.engine.mode.mode_records import Reads, make_reads
-from hybond.engine.mode.reading import read_guard, read_nothing
-from hybond.engine.mode.sum_records import Sums, begin_as_large, begin_sums, make_sums
-from hybond.engine.mode.sums import take_sum
+from hybond.engine.mode.sum_records import Sums, begin_as_large, make_sums
 from hybond.engine.model import Model
-from hybond.engine.surfaces.followers import is_led
-from hybond.engine.surfaces.surface import part_mode
 from hybond.engine.words import Floats, Ints, float_table, floats, ints, record
 
 SAMPLES: Final = 9
@@ -349,137 +344,6 @@ def put_powers(n: int, a: Floats, sampled: bool) -> None:
         for j in range(TERMS):
             a[i * TERMS + TERMS - 1 - j] = power
             power *= x
-
-
-def watch(e: Engine, g: Locator, state: Ints) -> None:
-    """Take the guards that leave a mode."""
-    m = e.model
-    s = e.slide
-    same = e.mode_at == g.watched and e.mode.made == g.watched_made
-    own = s.k == 0 and s.many == 0 and not e.landings.any_landed
-    if m.watches > 0 or m.kinks > 0 or m.disks > 0 or (m.laws > 0 and m.groups > 0):
-        own = False  # how far laws that bend may reach is of the state that they are at
-    if same and g.kept and own:
-        watch_again(e, g)
-        return
-    g.kept = own
-    rules = m.rule_first[m.machines]
-    rests = m.surface_rest[2 * m.surfaces]
-    several = s.parts + 1 if s.k > 0 and (m.laws > 0 or m.followers > 0) else 1
-    atoms = several * m.atom_first[rules] + m.rest_atom[rests] - m.atom_first[rules]
-    if not same or m.watches > 0 or s.k > 0:
-        forget_denied(g)
-    g.watched = e.mode_at
-    g.watched_made = e.mode.made
-    fit_locator(g, several * rules + rests + 2 * s.k + m.kinks, atoms + 2 * s.k + m.kinks)
-    g.guards = 0
-    g.atoms = 0
-    read_nothing(m, g.reads)
-    for k in range(m.machines):
-        for r in range(m.rule_first[k], m.rule_first[k + 1]):
-            leads = e.planar.leading and m.law_planar[k] != 0
-            if leads or m.rule_watched[r] == 0 or not is_asked(e, k, r, state[k]):
-                continue
-            watch_rule(e, g, r, ALL_PARTS)
-            read_guard(m, e.mode, g.reads, r)
-    g.rounded = s.k == 0
-    if s.k > 0:
-        watch_slide(e, g)
-    elif not e.planar.leading:
-        watch_kinks(e, g)
-    g.atom_first[g.guards] = g.atoms
-    begin_sums(g.sums, g.atoms)
-    for a in range(g.atoms if s.k == 0 else 0):
-        take_sum(e, g.sums, a, g.atom[a])
-
-
-def watch_again(e: Engine, g: Locator) -> None:
-    """Take the guards that were taken in this mode before: only inputs may be others."""
-    for k in range(g.guards):
-        g.still[k] = 0
-    if e.model.inputs > 0 or (e.model.laws > 0 and not e.mode.seen_taken):
-        begin_sums(g.sums, g.atoms)
-        for a in range(g.atoms):
-            take_sum(e, g.sums, a, g.atom[a])
-
-
-def watch_kinks(e: Engine, g: Locator) -> None:
-    """Take the kinks of laws, sources and rates."""
-    m = e.model
-    for k in range(m.kinks):
-        switch = m.kink_switch[k]
-        if switch >= 0 and e.mode.on[switch] == 0:
-            continue  # nothing feels it
-        begin_guard(g, NONE, ALL_PARTS)
-        g.side[g.guards] = 0
-        g.pair[g.guards] = m.kink_pair[k]
-        end_guard(g, m.kink_atom + k, m.kink_atom + k + 1)
-        read_guard(m, e.mode, g.reads, m.kink_pair[k])
-
-
-def watch_slide(e: Engine, g: Locator) -> None:
-    """Take what ends sliding: what allows it, weights, and branches in the modes combined."""
-    m = e.model
-    s = e.slide
-    for j in range(s.k):
-        for p in range(m.surface_rest[2 * s.side[j]], m.surface_rest[2 * s.side[j] + 2]):
-            if m.rest_moves[p] != 0:
-                begin_guard(g, m.surface_up[s.side[j]], ALL_PARTS)
-                g.pair[g.guards] = m.rest_pair[p]
-                g.test[g.guards] = m.rest_test[p]
-                end_guard(g, m.rest_atom[p], m.rest_atom[p + 1])
-    for margin in range(2 * s.k):
-        begin_guard(g, NONE, ALL_PARTS)
-        g.margin[g.guards] = margin
-        end_guard(g, NONE - margin, NONE - margin + 1)
-    for part in range(s.parts if m.laws > 0 or m.followers > 0 else 0):
-        for k in range(m.machines):
-            there = m.is_law[k] != 0 or is_led(m, s, k)
-            for r in range(m.rule_first[k], m.rule_first[k + 1] if there else 0):
-                asked = m.rule_source[r] == part_mode(e, part).state[k] and m.rule_landed[r] == 0
-                if asked and m.rule_watched[r] != 0:
-                    watch_rule(e, g, r, part)
-
-
-def watch_rule(e: Engine, g: Locator, r: int, part: int) -> None:
-    """Take the guard of a rule, asked of one of the modes combined or of the motion as it is."""
-    m = e.model
-    begin_guard(g, r, part)
-    g.pair[g.guards] = r
-    g.test[g.guards] = m.rule_test[r]
-    end_guard(g, m.atom_first[r], m.atom_first[r + 1])
-
-
-def begin_guard(g: Locator, rule: int, part: int) -> None:
-    """Begin one more guard."""
-    if g.rule[g.guards] != rule:
-        g.denied[g.guards] = 0
-    g.rule[g.guards] = rule
-    g.pair[g.guards] = NONE
-    g.test[g.guards] = NONE
-    g.margin[g.guards] = NONE
-    g.part[g.guards] = part
-    g.side[g.guards] = NO_KINK
-    g.sleep[g.guards] = 0
-    g.nap[g.guards] = 1
-    g.still[g.guards] = 0
-    g.atom_first[g.guards] = g.atoms
-
-
-def end_guard(g: Locator, first: int, stop: int) -> None:
-    """End it with its comparisons: those of the model, or a negative one for a margin."""
-    for a in range(first, stop):
-        g.atom[g.atoms] = a
-        g.atom_part[g.atoms] = g.part[g.guards]
-        g.atom_guard[g.atoms] = g.guards
-        g.atoms += 1
-    g.guards += 1
-
-
-def forget_denied(g: Locator) -> None:
-    """Forget with which signs guards are false: the Booleans that they read may be others now."""
-    for k in range(g.room):
-        g.denied[k] = 0
 
 
 def begin_looks(m: Model, g: Locator) -> None:

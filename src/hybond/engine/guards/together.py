@@ -147,7 +147,7 @@ def ends_in_rounding(e: Engine, g: Locator) -> bool:
 
 def is_kink_alone(e: Engine, g: Locator) -> bool:
     """Whether nothing but kinks has ended the step at the instant found."""
-    alone = e.model.kinks > 0
+    alone = e.model.kinks + e.model.slide_kinks > 0
     for k in range(g.guards):
         alone = alone and (g.side[k] != NO_KINK or not holds_at(e, g, k, g.at))
     show(e, g, ALL_PARTS)

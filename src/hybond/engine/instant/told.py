@@ -28,6 +28,8 @@ THROWN_BACK: Final = -6
 """Its own jump does."""
 FOLLOWS: Final = -9
 """It goes along with a machine that slides, or did."""
+PARTS: Final = -10
+"""A surface has jumped away from what slid on it; its number is read."""
 OVER_A_STEP: Final = -7
 """Complementarity over a step. Read are common and net variable of each junction of the law."""
 STEP_ENDS: Final = -8

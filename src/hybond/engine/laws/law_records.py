@@ -328,7 +328,7 @@ def make_laws(m: Model) -> Laws:
     r.q = floats(n)
     r.rounding = floats(n)
     r.able = ints(n)
-    r.kept_state = floats(m.storages)
+    r.kept_state = floats(m.storages + m.integrals)
     r.goes_apart = ints(n)
     r.gap_now = floats(n)
     r.reach = floats(n)

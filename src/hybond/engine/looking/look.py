@@ -26,6 +26,7 @@ from hybond.engine.model import Model
 from hybond.engine.surfaces.averages import solve_here
 from hybond.engine.surfaces.branch_table import add_branches
 from hybond.engine.surfaces.combine import combine_here
+from hybond.engine.surfaces.jumps_near import note_jumps
 from hybond.engine.surfaces.onto import onto_surfaces
 from hybond.engine.surfaces.surface import part_mode
 from hybond.engine.surfaces.values import evaluate, set_motion
@@ -289,7 +290,8 @@ def correct(e: Engine, l: Look, t: float) -> int:
         apart = mode.agreements.rows > 0 and check_agreement(e, mode, e.shown) != OK
         if not apart and on_constraints(e, mode, e.shown, l.y) != OK:
             return REFUSED
-    if e.slide.k > 0 and onto_surfaces(e, t, l.y) != OK:
+    # where a surface just jumps, the motion was still where it was led
+    if e.slide.k > 0 and not note_jumps(e, t, l.y) and onto_surfaces(e, t, l.y) != OK:
         return REFUSED
     if e.landings.any_landed:
         if not l.held_known:

@@ -39,7 +39,7 @@ def take_all(e: Engine, s: Sums) -> bool:
     for k in range(m.storages):
         if not take_rate(e, m, s, k):
             return False
-    first = m.kink_atom + m.kinks
+    first = m.kink_atom + m.kinks + m.slide_kinks
     for k in range(m.integrals):
         take_sum(e, s, m.storages + k, first + k)
         if s.known.at[m.storages + k] == 0:

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 Vector = NDArray[np.float64]
 KINDS: tuple[VisitKind, ...] = ("mythical", "pinnacle", "continuous")
-LANDS, SLIDES_ON, SLIDES_OFF = -2, -3, -4
+LANDS, SLIDES_ON, SLIDES_OFF, PARTS = -2, -3, -4, -10
 OVER_A_STEP = -7
 WHY = {
     -1: "complementarity",
@@ -35,6 +35,11 @@ WHY = {
     -9: "goes along with what slides, or slid",
 }
 """Why a transition fired if no rule did: as in `hybond.engine.instant.told`."""
+SURFACES = {
+    SLIDES_ON: "pushed into from both sides",
+    SLIDES_OFF: "no longer pushed into from both sides",
+    PARTS: "it has jumped away",
+}
 OPEN_BEFORE = 2
 """When what a guard reads was open: as in `hybond.engine.instant.indeterminate`."""
 SLIDING = -1
@@ -229,10 +234,8 @@ class Explaining:
             over = tuple(
                 self._rules[r].text for r in rows.over[found.over[f] : found.over[f + 1]].tolist()
             )
-        elif why in (SLIDES_ON, SLIDES_OFF):
-            text = self.surfaces[int(reads[0][0])].text
-            longer = "" if why == SLIDES_ON else "no longer "
-            guard = f"{text}: {longer}pushed into from both sides"
+        elif why in SURFACES:
+            guard = f"{self.surfaces[int(reads[0][0])].text}: {SURFACES[why]}"
         else:
             guard = WHY[why]
             if why == LANDS:

@@ -111,7 +111,8 @@ class Signals:
         A source that jumps there has the value behind the kink at the very time.
         """
         tables = self._model.tables
-        many, starts = int(tables.numbers["kinks"]), segments.times
+        many = int(tables.numbers["kinks"]) + int(tables.numbers["slide_kinks"])
+        starts = segments.times
         if not many or not len(t) or not len(starts):
             return t
         last = self._trace.events.times[-1:]

@@ -131,11 +131,13 @@ def go_up_to(e: Engine, r: Run, kink: float) -> int:
 
 
 def go_behind(e: Engine, r: Run) -> int:
-    """Begin where a kink has ended the step: ANEW, -1 if the run stops."""
+    """Begin where a kink has ended the step: ANEW; LAW if a surface jumps, -1 if the run stops."""
     if note(e, r, e.step.t1, e.step.t1) != OK:
         return -1
     if count_kink(e, r) != OK:
         return -1
+    if e.slide.parts_now:
+        return LAW
     rest_at_roots(e, r)
     if is_unmoved(e):
         start_scale(e, e.mode)  # nothing has moved yet, but may do from here

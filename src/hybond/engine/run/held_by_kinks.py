@@ -15,8 +15,8 @@ from hybond.engine.guards.guard_values import show
 from hybond.engine.guards.locator import ALL_PARTS, NO_KINK, Locator
 from hybond.engine.methods.one_instant import room_of_instant
 from hybond.engine.methods.scale import tolerance
-from hybond.engine.mode.solving import solve_read
 from hybond.engine.run.run_records import Run
+from hybond.engine.surfaces.averages import solve_read_here
 from hybond.engine.surfaces.values import field, set_motion
 
 JUMPS: Final = 0.75
@@ -142,7 +142,7 @@ def compared(e: Engine, g: Locator, atom: int, t: float) -> float:
     show(e, g, ALL_PARTS)
     g.looked = math.nan
     set_motion(e, e.v, t, g.y)
-    if solve_read(e, e.mode, g.reads, e.v) != OK:
+    if solve_read_here(e, e.mode, g.reads, e.v) != OK:
         return math.nan
     return value(e.model, atom, e.v)
 

@@ -17,10 +17,10 @@ from hybond.engine.guards.together import LAST_PLACES, before_kink, kink_there
 from hybond.engine.methods.dopri import spacing
 from hybond.engine.methods.one_instant import room_of_instant
 from hybond.engine.methods.stepping import between, reach, retry
-from hybond.engine.mode.solving import solve_read
 from hybond.engine.reasons.facts import add_fact
 from hybond.engine.run.held_by_kinks import JUMPS, SEEN, compared, dust_of_rate, is_held
 from hybond.engine.run.run_records import IDLE, PATIENCE, Run
+from hybond.engine.surfaces.averages import solve_read_here
 from hybond.engine.surfaces.values import field, set_motion
 
 BACK_AT_ONCE: Final = 1e-9
@@ -100,7 +100,7 @@ def carry_over_kink(e: Engine, r: Run, h: float) -> None:
             g.y[i] = e.step.y1[i] + h * r.rate[i]
         show(e, g, ALL_PARTS)
         set_motion(e, e.v, e.step.t1 + h, g.y)
-        known = solve_read(e, e.mode, g.reads, e.v) == OK
+        known = solve_read_here(e, e.mode, g.reads, e.v) == OK
         passed = known and has_passed(e, g)
     for i in range(e.states if known else 0):
         e.step.y1[i] = g.y[i]

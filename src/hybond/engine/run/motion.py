@@ -25,10 +25,10 @@ from hybond.engine.guards.ends_at_guard import find_within, land, shows_instants
 from hybond.engine.guards.guard_values import doubt, see_where_it_begins
 from hybond.engine.guards.kept_rests import begin_rests, let_hold, none_holds
 from hybond.engine.guards.locate import locate
-from hybond.engine.guards.locator import watch
 from hybond.engine.guards.rests_asked import see_rests_at_end
 from hybond.engine.guards.together import is_kink_alone, is_of_time, last_of_instant
 from hybond.engine.guards.unresolved import forget_carried, see_unresolved
+from hybond.engine.guards.watching import watch
 from hybond.engine.inputs.interval import interval_after, read_within
 from hybond.engine.instant.doubts import warn_of_held
 from hybond.engine.instant.instant import GUARD, LAW, START, TIME, begin_instant
@@ -52,7 +52,8 @@ from hybond.engine.planar.stops import begin_slips
 from hybond.engine.run.carried import begin_again, cause_of_beginning, take_up, warm_up
 from hybond.engine.run.contradictions import contradict_behind, meet_contradiction
 from hybond.engine.run.courses_ahead import begin_courses, end_ahead
-from hybond.engine.run.edges import reach_edges, straight_on, time_at_once
+from hybond.engine.run.edges import reach_edges
+from hybond.engine.run.edges_met import begin_at_edge, go_from_edge, is_at_edge
 from hybond.engine.run.ends_at_kink import ANEW, left_at_end, meet_kink, pass_kink, see_gaps
 from hybond.engine.run.guard_at_kink import is_over_kink
 from hybond.engine.run.kinks_passed import (
@@ -102,8 +103,6 @@ MOMENT: Final = 1e-13
 BEYOND: Final = 50.0
 """Steps that may touch a place where a law has no value before the law is blamed: one in ten, and
 this many at once."""
-EDGES: Final = 100
-"""Edges in a row with next to no time between them that are reached."""
 ACCUMULATES: Final = 3
 
 
@@ -293,7 +292,7 @@ def flow(e: Engine, r: Run) -> int:
         at = g.at
         near = at < math.inf
         if at < math.inf:
-            if m.kinks > 0:
+            if m.kinks + m.slide_kinks > 0:
                 see_jump(e, r, at)
                 see_crowd(e, r, at)
                 if contradict_behind(e, r, at):
@@ -343,13 +342,15 @@ def flow(e: Engine, r: Run) -> int:
                 if e.next_break <= end:
                     see_rests_at_end(e, g)
                     return timed_cause(e)
-                if not near and (left or jumps_at_end(e, r)):
+                if not near and (left or e.slide.parts_now or jumps_at_end(e, r)):
                     return LAW
                 r.cut = not near
                 return GUARD if near else STOPPED
             if e.checks.looked == e.t and e.checks.shown_at == e.t:
                 look_at_guards(e)
             rest_at_roots(e, r)
+            if e.slide.parts_now:
+                return LAW
             if see_crawl(e, r) != OK or go_on(e) != OK:
                 return -1
             continue
@@ -466,35 +467,3 @@ def see_standing(e: Engine) -> None:
     give_back_guess(e, e.mode)
     e.refusal = refused
     e.evaluations = asked
-
-
-def is_at_edge(e: Engine, r: Run) -> bool:
-    """Whether an edge has made a step as short as what is no time away from it; once at a time."""
-    s = e.step
-    short = s.t1 - s.t0 < time_at_once(e)
-    near = e.model.edges > 0 and e.refusal and short and r.edge_at != e.t
-    return near and not is_driven_on(e, r)
-
-
-def begin_at_edge(e: Engine, r: Run) -> int:
-    """Begin anew where a root in a law comes to nothing, if that is now."""
-    if is_driven_on(e, r) or not reach_edges(e, r):
-        return REFUSED
-    return go_from_edge(e, r)
-
-
-def is_driven_on(e: Engine, r: Run) -> bool:
-    """Whether edges follow each other at once: what is led beyond where laws have values."""
-    return r.edges > EDGES and e.t - r.edge_t <= time_at_once(e)
-
-
-def go_from_edge(e: Engine, r: Run) -> int:
-    """Note the way to the edges that was gone, in the time that it takes, and begin there."""
-    if count_step(e, r) != OK:
-        return REFUSED
-    r.edges = r.edges + 1 if e.t - r.edge_t <= time_at_once(e) else 0
-    r.edge_t = e.t
-    if straight_on(e, r) and note(e, r, e.step.t1, e.step.t1) != OK:
-        return REFUSED
-    r.edge_at = e.t
-    return start(e, e.t, e.y, bound_of(e), True)

@@ -18,9 +18,9 @@ from hybond.engine.laws.laws import limits_vary, look_at_limits, observe
 from hybond.engine.methods.stepping import between, start
 from hybond.engine.planar.stops import arm_slips
 from hybond.engine.run.log import report_step
+from hybond.engine.run.on_surfaces import hold_to_surfaces
 from hybond.engine.run.run_records import Run
 from hybond.engine.run.source_jumps import put_before_kink
-from hybond.engine.surfaces.onto import onto_surfaces
 from hybond.engine.surfaces.values import set_state
 
 
@@ -37,7 +37,7 @@ def note(e: Engine, r: Run, t: float, shown: float) -> int:
         between(e, shown, e.y)
     if put_before_kink(e, r, t) != OK:
         return REFUSED
-    if e.slide.k > 0 and onto_surfaces(e, t, e.y) != OK:
+    if e.slide.k > 0 and hold_to_surfaces(e, t) != OK:
         return REFUSED
     keep_still(e, e.y)
     if m.laws > 0:

@@ -7,7 +7,7 @@ from typing import Final
 
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.guards.locate import locate
-from hybond.engine.guards.locator import watch
+from hybond.engine.guards.watching import watch
 from hybond.engine.methods.stepping import retry
 from hybond.engine.planar.descent import (
     ENDLESS,

@@ -19,6 +19,7 @@ from hybond.engine.instant.instant import (
 )
 from hybond.engine.instant.told import (
     FOLLOWS,
+    PARTS,
     PUSHED_BACK,
     SLIDES_OFF,
     SLIDES_ON,
@@ -30,9 +31,11 @@ from hybond.engine.laws.branches import choose_anew, know_around
 from hybond.engine.mode.equations import mode_of
 from hybond.engine.sliding.filippov import SLIDES
 from hybond.engine.sliding.what_happened import is_held
+from hybond.engine.surfaces.blend import no_combination
 from hybond.engine.surfaces.combine import combine_here
 from hybond.engine.surfaces.followers import goes_along
 from hybond.engine.surfaces.onto import onto_surfaces
+from hybond.engine.surfaces.parted import is_far
 
 SLIDING: Final = -1
 """The state of a machine that slides, in what is written down."""
@@ -68,11 +71,25 @@ def go_on_sliding(e: Engine, i: Instant, slid: int, collapsed: bool) -> int:
             s.last[at] = s.best_weight[j]
             at += 1
     s.has_last = at > 0 and at == s.k
-    if s.k > 0 and onto_surfaces(e, e.t, e.y) != OK:
+    if s.k > 0 and put_on(e) != OK:
         return REFUSED
     s.known = False
     if waiting > 0:
         write_transitions(e, i, collapsed)
+    return OK
+
+
+def put_on(e: Engine) -> int:
+    """Put the state on the surfaces that it is to slide on; it is there but for rounding."""
+    s = e.slide
+    for k in range(e.states):
+        s.put_from[k] = e.y[k]
+    if onto_surfaces(e, e.t, e.y) != OK:
+        return REFUSED
+    if is_far(e, s.put_from, e.y):
+        for k in range(e.states):
+            e.y[k] = s.put_from[k]
+        return no_combination(e)
     return OK
 
 
@@ -133,7 +150,7 @@ def note_transitions(e: Engine, i: Instant, slid: int) -> int:
             add_read(i.told, float(surface), 0.0, False)
         elif now == m.surface_below[surface] or now == m.surface_above[surface]:
             note_fired(i, machine, SLIDING, now)
-            say_why(i.told, SLIDES_OFF)
+            say_why(i.told, PARTS if s.parted[surface] != 0 else SLIDES_OFF)
             add_read(i.told, float(surface), 0.0, False)
     for machine in range(m.machines):
         if s.settled[machine] == s.mark[machine]:

@@ -9,11 +9,13 @@ from hybond.engine.answers import value
 from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.instant.instant import GUARD, Instant
 from hybond.engine.mode.equations import mode_of
+from hybond.engine.model import Model
 from hybond.engine.sliding.around import find_field, take_met
 from hybond.engine.sliding.crossings import vanishes
 from hybond.engine.sliding.what_happened import fired_once, is_between, is_held, went_and_came
 from hybond.engine.surfaces.combine import combine_here
 from hybond.engine.surfaces.corners import put_side
+from hybond.engine.surfaces.parted import APART, error_of, find_parted
 from hybond.engine.surfaces.surface import put_read, surface_rate
 from hybond.engine.surfaces.values import evaluate
 from hybond.engine.words import Floats
@@ -32,6 +34,8 @@ def find_met(e: Engine, i: Instant, before: Floats, moved: bool) -> int:
     s.met = 0
     anew = i.cause != GUARD or moved
     turns = False
+    if find_left(e, (anew or i.steps > 0) and not moved) != OK:
+        return REFUSED
     if moved:
         for k in range(m.storages):
             s.x[k] = e.y[k] - before[k]
@@ -60,8 +64,12 @@ def find_met(e: Engine, i: Instant, before: Floats, moved: bool) -> int:
             continue
         # at a timed event a rule may have fired because an input jumped over the surface, and one
         # that asks for more because that has come true
-        sure = held or (crossed and not anew and is_alone(e, surface, i.target.at[f]))
-        sure = sure and not moved
+        sure = crossed and not anew and is_alone(e, surface, i.target.at[f])
+        if sure and not held and may_jump_over(m, surface):
+            shown = False
+            if jumps_over(e, surface):
+                continue
+        sure = (sure or (held and s.parted[surface] == 0)) and not moved
         if turns and i.steps > 0 and went_and_came(i, machine):
             # there and back by a pinnacle: towards the surface, if its jumps have vanished
             sure = True
@@ -69,6 +77,43 @@ def find_met(e: Engine, i: Instant, before: Floats, moved: bool) -> int:
             s.met_surface[s.met] = surface
             s.met += 1
     return OK
+
+
+def find_left(e: Engine, anew: bool) -> int:
+    """Find which surfaces slid on have jumped away from the state, where any may have."""
+    s = e.slide
+    for j in range(s.many):
+        s.parted[s.surface[j]] = 0
+    if s.many == 0 or not (anew or s.parts_now):
+        return OK
+    if mode_of(e, e.state) != OK or combine_here(e, e.state) != OK:
+        return REFUSED
+    find_parted(e, e.t, e.y, APART)
+    s.parts_now = False
+    return OK
+
+
+def jumps_over(e: Engine, surface: int) -> bool:
+    """Whether a surface that was crossed has jumped over the state, which is not on it."""
+    s = e.slide
+    kept = s.met
+    for j in range(kept):
+        s.kept_met[j] = s.met_surface[j]
+    s.met_surface[0] = surface
+    known = take_met(e, 0, 1, False) == OK
+    jumped = known and find_parted(e, e.t, e.y, error_of(e.model))
+    for j in range(kept):
+        s.met_surface[j] = s.kept_met[j]
+    s.parted[surface] = 0
+    return jumped or mode_of(e, e.state) != OK or combine_here(e, e.state) != OK
+
+
+def may_jump_over(m: Model, surface: int) -> bool:
+    """Whether a surface may jump between timed events, where nothing that is stored does."""
+    may = m.surface_jump_first[surface] < m.surface_jump_first[surface + 1] or m.called > 0
+    for i in range(m.surface_first[surface], m.surface_first[surface + 1]):
+        may = may or m.surface_kind[i] == 5
+    return may
 
 
 def is_alone(e: Engine, surface: int, target: int) -> bool:

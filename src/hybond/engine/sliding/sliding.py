@@ -55,6 +55,7 @@ def slide_after(e: Engine, i: Instant, before: Floats) -> int:
         return REFUSED
     if s.met == 0 and s.many == 0:
         return show_again(e)
+    part_from(e)
     met = s.met
     for j in range(met):
         s.first_met[j] = s.met_surface[j]
@@ -79,18 +80,40 @@ def slide_after(e: Engine, i: Instant, before: Floats) -> int:
             return REFUSED
     held = s.many
     for j in range(held):
-        surface = s.surface[j]
-        now = s.settled[m.surface_machine[surface]]
-        known = False
-        for p in range(s.met):
-            known = known or s.met_surface[p] == surface
-        if not known and (now == m.surface_below[surface] or now == m.surface_above[surface]):
-            drop(e, surface)
+        if is_done_with(e, s.surface[j]):
+            drop(e, s.surface[j])
     let_follow(e, s.target)
     if held > 0 or slid > 0:
         # what is shown, and what goes on alone, has the branches of its own laws
         choose_own(e, s.target)
     return go_on_sliding(e, i, slid, decided == COLLAPSES)
+
+
+def part_from(e: Engine) -> None:
+    """Put the machines of surfaces that have jumped away on their sides: the fields are those."""
+    s = e.slide
+    some = False
+    for k in range(e.model.machines):
+        s.target[k] = s.settled[k]
+    for j in range(s.many):
+        if s.parted[s.surface[j]] != 0 and is_done_with(e, s.surface[j]):
+            drop(e, s.surface[j])
+            some = True
+    if some:
+        let_follow(e, s.target)
+        for k in range(e.model.machines):
+            s.around[k] = s.target[k]
+
+
+def is_done_with(e: Engine, surface: int) -> bool:
+    """Whether a surface that was slid on is none of those met, and its machine still beside it."""
+    m = e.model
+    s = e.slide
+    for p in range(s.met):
+        if s.met_surface[p] == surface:
+            return False
+    now = s.settled[m.surface_machine[surface]]
+    return now == m.surface_below[surface] or now == m.surface_above[surface]
 
 
 def decide_collapsed(e: Engine) -> int:

@@ -10,11 +10,11 @@ import math
 from hybond.engine.algebra.blocks import fit, grow_block
 from hybond.engine.engine import NOT_FINITE, OK, Engine
 from hybond.engine.inputs.interval import set_time
-from hybond.engine.mode.mode_records import Mode
+from hybond.engine.mode.mode_records import Mode, Reads
 from hybond.engine.mode.newton_system import write_bonds
 from hybond.engine.mode.part_energies import find_energies, reach_of_bond
 from hybond.engine.mode.sizes import seen_of, sizes_of
-from hybond.engine.mode.solving import solve
+from hybond.engine.mode.solving import solve, solve_read
 from hybond.engine.mode.undetermined import freedom_at
 from hybond.engine.surfaces.blend import blend
 from hybond.engine.surfaces.outputs import solve_plain
@@ -32,6 +32,11 @@ def solve_here(e: Engine, mode: Mode, v: Floats) -> int:
         e.work.w[k] = e.slide.w[k]
     write_bonds(e, v, e.slide.w)
     return OK
+
+
+def solve_read_here(e: Engine, mode: Mode, reads: Reads, v: Floats) -> int:
+    """Put those there that are read; of a combination all of them."""
+    return solve_read(e, mode, reads, v) if e.slide.k == 0 else solve_here(e, mode, v)
 
 
 def sizes_here(e: Engine, mode: Mode, v: Floats) -> None:

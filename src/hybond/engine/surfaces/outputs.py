@@ -22,8 +22,12 @@ AGREES: Final = 1e-9
 POINTS: Final = 3
 STENCIL: Final = float_table(0.75, -0.15, 1.0 / 60.0)
 """Central difference of order six: factors of what lies 1, 2, 3 steps ahead."""
+BESIDE: Final = float_table(-2.45, 6.0, -7.5, 20.0 / 3.0, -3.75, 1.2, -1.0 / 6.0)
+"""The same to one side: factors of what lies 0 to 6 steps ahead."""
 STEP: Final = 1e-3
 """The step, as a part of the state."""
+HALVED: Final = 30
+"""Times that it is halved to lie between two jumps."""
 
 
 def show_state(e: Engine, t: float, y: Floats, v: Floats) -> None:
@@ -61,7 +65,6 @@ def output_rate(e: Engine, surface: int, v: Floats, rate: Floats, at: int) -> fl
     Bond variables of the first part stand for those of all.
     """
     m = e.model
-    s = e.slide
     n = e.states
     speed = 0.0
     size = 0.0
@@ -72,19 +75,64 @@ def output_rate(e: Engine, surface: int, v: Floats, rate: Floats, at: int) -> fl
     h = STEP
     if speed > 0.0:
         h = STEP * (math.sqrt(size) if size > 0.0 else 1.0) / math.sqrt(speed)
+    if m.surface_jump_first[surface] < m.surface_jump_first[surface + 1]:
+        return rate_beside_jumps(e, surface, v, rate, at, h)
     total = 0.0
     for p in range(2 * POINTS):
         way = 1.0 if p < POINTS else -1.0
-        ahead = way * h * float(p % POINTS + 1)
-        for k in range(2 * m.slots):
-            s.ahead[k] = v[k]
-        set_time(e, s.ahead, v[0] + ahead)
-        for k in range(n):
-            slot = m.stored_slot + k if k < m.storages else m.signal_slot + k - m.storages
-            s.ahead[slot] = v[slot] + ahead * rate[at + k]
-        g = output_value(e, surface, 0, s.ahead)
+        g = led_value(e, surface, v, rate, at, way * h * float(p % POINTS + 1))
         total += way * STENCIL[p % POINTS] * g
     return total / h
+
+
+def led_value(e: Engine, surface: int, v: Floats, rate: Floats, at: int, ahead: float) -> float:
+    """Return a switching function a time ahead at such rates of the state, values in ``ahead``."""
+    m = e.model
+    s = e.slide
+    for k in range(2 * m.slots):
+        s.ahead[k] = v[k]
+    set_time(e, s.ahead, v[0] + ahead)
+    for k in range(e.states):
+        slot = m.stored_slot + k if k < m.storages else m.signal_slot + k - m.storages
+        s.ahead[slot] = v[slot] + ahead * rate[at + k]
+    return output_value(e, surface, 0, s.ahead)
+
+
+def rate_beside_jumps(e: Engine, surface: int, v: Floats, rate: Floats, at: int, h: float) -> float:
+    """Return how fast a function moves that may jump next to there, by what is on this side of it.
+
+    By differences to one side where there is room, with shorter steps if there is on none.
+    """
+    m = e.model
+    s = e.slide
+    first = m.surface_jump_first[surface]
+    here = led_value(e, surface, v, rate, at, 0.0)
+    for p in range(first, m.surface_jump_first[surface + 1]):
+        s.jump_at[p] = value(m, m.atom_value[m.kink_atom + m.surface_jump[p]], s.ahead)
+    for _ in range(HALVED):
+        for side in range(2):
+            way = h if side == 0 else -h
+            total = BESIDE[0] * here
+            same = True
+            for p in range(1, 2 * POINTS + 1):
+                g = led_value(e, surface, v, rate, at, way * float(p))
+                total += BESIDE[p] * g
+                same = same and is_on_side(e, surface)
+            if same:
+                return total / way
+        h *= 0.5
+    return math.nan
+
+
+def is_on_side(e: Engine, surface: int) -> bool:
+    """Whether nothing at which a function may jump has another sign at the values in ``ahead``."""
+    m = e.model
+    s = e.slide
+    for p in range(m.surface_jump_first[surface], m.surface_jump_first[surface + 1]):
+        there = value(m, m.atom_value[m.kink_atom + m.surface_jump[p]], s.ahead)
+        if s.jump_at[p] * there < 0.0:
+            return False
+    return True
 
 
 def find_agreeing(e: Engine) -> int:

@@ -81,6 +81,15 @@ class Slide:
     """Of each surface: 1 if all parts move its function up alike, -1 if down, 0 if they differ."""
     margin: Floats
     """How far each surface is from being left, below, then above."""
+    gap: Floats
+    """Of each side: its function."""
+    parted: Ints
+    """Of each surface: whether it has jumped away from the state that slides on it: parted.py."""
+    jump_at: Floats
+    jump_near: Ints
+    """Of each place at which surfaces jump: what changes its sign there, whether that is now."""
+    parts_now: bool
+    """Whether the state that was just noted is not where its surfaces are."""
     tilted: Floats
     """Weights to try, and their coefficients."""
     tilted_coefficient: Floats
@@ -126,6 +135,9 @@ class Slide:
     kept_met: Ints
     keep: Floats
     y: Floats
+    put_from: Floats
+    """A state as it is before it is put on its surfaces, and the sizes that states may have."""
+    size: Floats
     # infinitely many jumps of one instant, added up: crossings.py
     before: Floats
     impulses: Floats
@@ -152,6 +164,7 @@ def make_slide(m: Model) -> Slide:
     s.best = ints(surfaces)
     s.trial_side = ints(surfaces)
     s.agrees = ints(surfaces)
+    s.parted = ints(surfaces)
     s.chosen = ints(surfaces)
     s.endless = ints(surfaces)
     s.kept_met = ints(surfaces)
@@ -189,6 +202,11 @@ def make_slide(m: Model) -> Slide:
     s.mark = ints(m.machines)
     s.keep = floats(m.storages)
     s.y = floats(n)
+    jumps = m.surface_jump_first[m.surfaces]
+    s.jump_at = floats(jumps)
+    s.jump_near = ints(jumps)
+    s.put_from = floats(n)
+    s.size = floats(n)
     s.before = floats(n)
     s.impulses = floats(2 * m.bonds)
     fit_slide(m, s, 1, 2)
@@ -216,6 +234,7 @@ def fit_slide(m: Model, s: Slide, k: int, parts: int) -> None:
     s.matrix = floats(s.room * s.room)
     s.change = floats(s.room * s.room)
     s.margin = floats(2 * s.room)
+    s.gap = floats(s.room)
     s.part = ints(s.room_parts)
     s.holder = ints(s.room_parts)
     s.coefficient = floats(s.room_parts)

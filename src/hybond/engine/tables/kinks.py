@@ -10,10 +10,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from hybond.engine.inputs.calls import CALLED, FREE
+from hybond.engine.tables.columns import INTS, put_rows
 from hybond.engine.tables.guards import magnitude
 from hybond.engine.tables.options import METHODS
 from hybond.engine.tables.parts import is_flat_at_zero
-from hybond.equations.surfaces import moves
+from hybond.equations.surfaces import moves, surfaces_of
 from hybond.model.expressions import (
     Binary,
     Call,
@@ -63,6 +64,7 @@ def put_kinks(t: ModelTables) -> None:
         if simplify(Neg(read)) not in found:
             found.setdefault(read, node)
             switches.setdefault(read, set()).add(_switch_of(t.graph, node))
+    more = _put_surface_jumps(t, found)
     t.numbers["kinks"] = len(found)
     t.ints["jumping_gap"] = sorted({list(found).index(a) for a, _ in left})
     t.numbers["jumping_gaps"] = len(t.ints["jumping_gap"])
@@ -86,11 +88,14 @@ def put_kinks(t: ModelTables) -> None:
         int(_unscaled(a) in rests and all(meets(e, _unscaled(a)) for e in said.get(a, ())))
         for a in found
     ]
-    t.ints["kink_pair"] = [len(t.pairs) + k for k in range(len(found))]
-    t.pairs += found
-    t.ints["atom_value"] += [t.values.number(a) for a in found]
-    t.ints["atom_size"] += [t.values.number(_terms(a)) for a in found]
-    t.ints["atom_zero"] += [1] * len(found)
+    watched = [*found, *more]
+    for name, nothing in (("node", -1), ("rest", -1), ("meets", 0), ("rooted", 0)):
+        t.ints[f"kink_{name}"] += [nothing] * len(more)
+    t.ints["kink_pair"] = [len(t.pairs) + k for k in range(len(watched))]
+    t.pairs += watched
+    t.ints["atom_value"] += [t.values.number(a) for a in watched]
+    t.ints["atom_size"] += [t.values.number(_terms(a)) for a in watched]
+    t.ints["atom_zero"] += [1] * len(watched)
     jumps = dict.fromkeys(a for e, _ in _followed(t) for a in jumping(e) if _is_timed(t, a))
     t.numbers["timed_laws"] = len(jumps)
     decided = (a for e in _decided_by(t) for a in jumping(e) if _is_timed(t, a))
@@ -116,6 +121,23 @@ def put_kinks(t: ModelTables) -> None:
     seen = sorted({t.slots.index[n] for a in levels for n in names(a)})
     t.ints["edge_bond"] = [k - bonds.start for k in seen if k in bonds]
     t.numbers["edge_bonds"] = len(t.ints["edge_bond"])
+
+
+def _put_surface_jumps(t: ModelTables, found: dict[Expr, int]) -> list[Expr]:
+    """Put at which kinks the function of each surface may jump; return those that no law has.
+
+    What slides there is left behind: the surface is somewhere else from one instant to the next.
+    """
+    rows = [
+        [a for jump in jumping(s.g) for a in turning(jump) if moves(a) and not uses_pre(a)]
+        for s in surfaces_of(t.graph)
+    ]
+    more = [a for a in dict.fromkeys(a for row in rows for a in row) if a not in found]
+    place = {a: k for k, a in enumerate((*found, *more))}
+    places = [[(place[a],) for a in dict.fromkeys(row)] for row in rows]
+    put_rows(t, "surface_jump_first", places, surface_jump=INTS)
+    t.numbers["slide_kinks"] = len(more)
+    return more
 
 
 def _left_at(t: ModelTables) -> list[tuple[Expr, int]]:
