@@ -78,7 +78,7 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
         outputs, averages   it is asked as a mode is
         values              what expressions read and how the state moves, in either
         onto                back onto surfaces
-        followers           machines that read the states of those that slide
+        followers, follower_guards    machines that read the states of those that slide
     jumps/
         jump, trial         what is stored on entering a mode; every signal that follows
         jump_steps, led_jump, left_over    the areas of a jump: Newton's steps, and where these
@@ -152,6 +152,7 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
     sliding/
         sliding, what_happened, met    after an event: which machines slide from there
         ways_on, filippov, crossings, additive, ways_told    how the state goes on
+        chatter             where fast switching leads what follows
         around, going_on    modes on both sides, tried; what goes on sliding, or leaves
     contacts/
         impacts_seen, accumulation, landing, landing_records    impacts that come to rest

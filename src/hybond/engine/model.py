@@ -397,10 +397,12 @@ class Model:
     rest_test: Ints
     rest_atom: Ints
     """The differences of its comparisons, behind those of rules; then the next one's."""
-    followers: int  # machines that read states of machines alone: surfaces/followers.py
+    followers: int  # machines that read states of others, which may slide: surfaces/followers.py
     follower: Ints
-    follower_first: Ints  # of each: the machines that it reads, and those that these follow
-    follower_reads: Ints
+    follower_asks: Ints  # 0: reads states, time, inputs alone, 1: what is stored, 2: bonds, too
+    machine_follows: Ints  # of each machine, if there are any: 1 + its place among them, or 0
+    reader_first: Ints  # of each machine, if there are any: those that read it, by their place
+    reader: Ints
     kinks: int  # what changes its sign where a law, source or rate has a kink: a step ends there
     kink_atom: int  # the first of them among comparisons, in order, behind all others
     kink_pair: Ints  # what each reads stands with the pairs

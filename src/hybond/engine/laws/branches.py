@@ -45,7 +45,7 @@ def know_branches(e: Engine, state: Ints, k: int, product: bool, side: Ints) -> 
         return
     for part in range(count_corners(k, product)):
         put_corner(e.model, state, part, k, product, side, s.state)
-        let_follow(e, s.state)
+        let_follow(e, state, s.state)
         choose(e, s.state)
 
 

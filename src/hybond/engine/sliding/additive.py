@@ -37,7 +37,7 @@ def how_switches_act(e: Engine) -> int:
             up = check == 0 or j % 2 == (1 if check == 1 else 0)
             s.trial_side[j] = 1 if up else 0
             put_side(m, s.side[j], up, s.target)
-        let_follow(e, s.target)
+        let_follow(e, s.around, s.target)
         choose_own(e, s.target)
         if mode_of(e, s.target) != OK:
             return NO_FIELD

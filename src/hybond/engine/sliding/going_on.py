@@ -31,7 +31,7 @@ from hybond.engine.mode.equations import mode_of
 from hybond.engine.sliding.filippov import SLIDES
 from hybond.engine.sliding.what_happened import is_held
 from hybond.engine.surfaces.combine import combine_here
-from hybond.engine.surfaces.followers import goes_along
+from hybond.engine.surfaces.corners import cross_as_one
 from hybond.engine.surfaces.onto import onto_surfaces
 
 SLIDING: Final = -1
@@ -59,6 +59,7 @@ def go_on_sliding(e: Engine, i: Instant, slid: int, collapsed: bool) -> int:
     choose_anew(e)
     know_around(e, e.state)
     found = s.met if slid > 0 else 0
+    s.met = 0
     if mode_of(e, e.state) != OK or combine_here(e, e.state) != OK:
         return REFUSED
     s.has_last = False
@@ -146,5 +147,19 @@ def note_transitions(e: Engine, i: Instant, slid: int) -> int:
             note_fired(i, machine, s.settled[machine], s.mark[machine])
             if m.is_law[machine] == 0:
                 why = PUSHED_BACK if s.many + slid > 0 else THROWN_BACK
-                say_why(i.told, FOLLOWS if goes_along(m, s, machine) else why)
+                say_why(i.told, FOLLOWS if goes_along(e, slid, machine) else why)
     return i.waiting
+
+
+def goes_along(e: Engine, slid: int, machine: int) -> bool:
+    """Whether a machine follows others, or crosses its surface together with one that slides."""
+    m = e.model
+    s = e.slide
+    if m.followers > 0 and m.machine_follows[machine] != 0:
+        return True
+    for other in range(m.surfaces):
+        for i in range(s.many + slid if m.surface_machine[other] == machine else 0):
+            surface = s.surface[i] if i < s.many else s.chosen[i - s.many]
+            if cross_as_one(m, surface, other):
+                return True
+    return False

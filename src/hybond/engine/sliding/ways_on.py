@@ -164,7 +164,7 @@ def acts(e: Engine, surface: int) -> bool:
         s.target[m.surface_machine[surface]] = (
             m.surface_above[surface] if side == 1 else m.surface_below[surface]
         )
-        let_follow(e, s.target)
+        let_follow(e, s.around, s.target)
         choose_own(e, s.target)
         if mode_of(e, s.target) != OK or not find_field(e, s.rates if side == 0 else s.rate):
             s.k = k

@@ -87,8 +87,34 @@ class Slide:
     v: Floats
     ahead: Floats
     """Values near those of the combination."""
+    # machines that follow others: followers.py
+    given: bool
+    """Whether the modes combined are those of `branch`, and nobody has to be asked."""
     led: Floats
-    """Values of which only time, inputs and states of machines are put, for those that follow."""
+    """Values that those read which follow; what rounding of them is measured by."""
+    led_terms: Floats
+    led_mode: Ints
+    """The mode of a moment in which they change."""
+    led_known: bool
+    """Whether that mode has a solution, which is put into `led`."""
+    asked: Ints
+    """Those to be asked, by their place, and of each of them whether it is among these."""
+    is_asked_now: Ints
+    fires: Ints
+    """Those that fire, by their place, and by which rules."""
+    firing: Ints
+    base: Ints
+    """The mode in which switching begins, those that it goes from, and one that has come before."""
+    origin: Ints
+    turned: Ints
+    restless: int
+    """A machine whose followers find no end, or -1."""
+    apart: Ints
+    """Of each machine: whether it has a surface that is slid on, or met."""
+    led_many: int
+    led_surface: Ints
+    """The surfaces for which it is known who follows: of each machine, `is_led_now`."""
+    is_led_now: Ints
     state: Ints
     corner: Ints
     target: Ints
@@ -175,7 +201,22 @@ def make_slide(m: Model) -> Slide:
     s.rate = floats(n)
     s.v = floats(2 * m.slots)
     s.ahead = floats(2 * m.slots)
-    s.led = floats(2 * m.slots if m.followers > 0 else 0)
+    follows = m.followers > 0
+    s.led = floats(2 * m.slots if follows else 0)
+    s.led_terms = floats(m.slots if follows else 0)
+    s.led_mode = ints(m.machines)
+    s.asked = ints(m.followers)
+    s.fires = ints(m.followers)
+    s.firing = ints(m.followers)
+    s.is_asked_now = ints(m.followers)
+    s.base = ints(m.machines)
+    s.origin = ints(m.machines)
+    s.turned = ints(m.machines)
+    s.restless = -1
+    s.apart = ints(m.machines)
+    s.led_many = -1
+    s.led_surface = ints(surfaces)
+    s.is_led_now = ints(m.machines)
     s.state = ints(m.machines)
     s.corner = ints(m.machines)
     s.target = ints(m.machines)
