@@ -78,7 +78,7 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
         outputs, averages   it is asked as a mode is
         values              what expressions read and how the state moves, in either
         onto                back onto surfaces
-        followers, follower_guards    machines that read the states of those that slide
+        followers, follower_guards, led_by_bonds    machines that follow those that slide
     jumps/
         jump, trial         what is stored on entering a mode; every signal that follows
         jump_steps, led_jump, left_over    the areas of a jump: Newton's steps, and where these

@@ -93,6 +93,7 @@ from hybond.engine.run.step_motion import flow_in_steps, settle_in_steps
 from hybond.engine.run.stranded import in_vain
 from hybond.engine.sliding.sliding import slide_after
 from hybond.engine.surfaces.combine import combine_here
+from hybond.engine.surfaces.led_by_bonds import find_led
 from hybond.engine.surfaces.values import begin_field, field
 
 VAIN: Final = 3
@@ -416,6 +417,8 @@ def begin_flow(e: Engine, r: Run) -> int:
     if mode_of(e, e.state) != OK or combine_here(e, e.state) != OK:
         return REFUSED
     join_parts(e, e.mode)
+    if e.slide.k > 0 and m.followers > 0 and find_led(e) != OK:
+        return REFUSED
     report_slide(e, r.report)
     e.checks.shown_at = -math.inf
     look_at_entry(e)

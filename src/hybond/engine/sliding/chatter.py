@@ -11,11 +11,11 @@ from __future__ import annotations
 from typing import Final
 
 from hybond.engine.engine import Engine, say_fault
+from hybond.engine.laws.branches import follow
 from hybond.engine.reasons.facts import add_fact
 from hybond.engine.sliding.filippov import ABOVE, SLIDES
 from hybond.engine.sliding.ways_on import A_WAY, STOPS, decide
 from hybond.engine.surfaces.corners import count_corners, put_corner, put_side
-from hybond.engine.surfaces.followers import let_follow
 from hybond.engine.words import Ints
 
 MOST: Final = 4096
@@ -35,7 +35,7 @@ def decide_led(e: Engine) -> int:
     if m.followers == 0:
         return decide(e)
     s.restless = -1
-    let_follow(e, e.state, s.around)
+    follow(e, e.state, s.around)
     for turn in range(MOST):
         decided = decide(e)
         if s.restless >= 0:
@@ -93,11 +93,11 @@ def other_after_turns(e: Engine) -> int:
             put_side(m, s.side[j], s.best[j] == ABOVE, s.base)
     if k == 0:
         return RETURNS
-    let_follow(e, s.around, s.base)
+    follow(e, s.around, s.base)
     for part in range(count_corners(k, s.best_product)):
         for j in range(k):
             put_corner(m, s.base, part, k, s.best_product, s.chosen, s.origin)
-            let_follow(e, s.base, s.origin)
+            follow(e, s.base, s.origin)
             turn_over(e, s.chosen[j], s.origin, s.corner)
             if s.best_product or count_above(e, k, s.corner) < 2:
                 take_as_combined(e, k, s.corner, s.origin)
@@ -120,7 +120,7 @@ def turn_over(e: Engine, surface: int, origin: Ints, out: Ints) -> None:
     for machine in range(m.machines):
         out[machine] = origin[machine]
     put_side(m, surface, not above, out)
-    let_follow(e, origin, out)
+    follow(e, origin, out)
 
 
 def count_above(e: Engine, k: int, state: Ints) -> int:
@@ -142,7 +142,7 @@ def take_as_combined(e: Engine, k: int, state: Ints, out: Ints) -> None:
     for j in range(k):
         above = state[m.surface_machine[s.chosen[j]]] == m.surface_above[s.chosen[j]]
         put_side(m, s.chosen[j], above, out)
-    let_follow(e, s.base, out)
+    follow(e, s.base, out)
 
 
 def first_other(e: Engine, one: Ints, other: Ints) -> int:

@@ -17,7 +17,7 @@ from typing import Final
 
 from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.instant.instant import GUARD, Instant
-from hybond.engine.laws.branches import choose_anew, choose_own, know_around
+from hybond.engine.laws.branches import choose_anew, choose_own, follow, know_around
 from hybond.engine.mode.equations import mode_of
 from hybond.engine.sliding.chatter import decide_led
 from hybond.engine.sliding.crossings import collapse, take_back
@@ -27,7 +27,6 @@ from hybond.engine.sliding.met import drop, find_met, onto
 from hybond.engine.sliding.ways_on import A_WAY, NO_WAY, STOPS, decide
 from hybond.engine.sliding.what_happened import fired_once, has_moved, is_held
 from hybond.engine.surfaces.corners import put_side
-from hybond.engine.surfaces.followers import let_follow
 from hybond.engine.words import Floats
 
 COLLAPSES: Final = 3
@@ -89,7 +88,7 @@ def slide_after(e: Engine, i: Instant, before: Floats) -> int:
             known = known or s.met_surface[p] == surface
         if not known and (now == m.surface_below[surface] or now == m.surface_above[surface]):
             drop(e, surface)
-    let_follow(e, s.around, s.target)
+    follow(e, s.around, s.target)
     if held > 0 or slid > 0 or led:
         # what is shown, and what goes on alone, has the branches of its own laws
         choose_own(e, s.target)

@@ -18,7 +18,7 @@ from hybond.engine.mode.part_energies import find_energies, reach_of_bond
 from hybond.engine.mode.sizes import size_of
 from hybond.engine.mode.solving import solve
 from hybond.engine.model import Model
-from hybond.engine.surfaces.branch_table import take_branches
+from hybond.engine.surfaces.branch_table import UNKNOWN, find_branches, take_branches
 from hybond.engine.surfaces.slide_records import Slide
 from hybond.engine.words import Ints
 
@@ -61,6 +61,10 @@ def solve_led(e: Engine, state: Ints) -> None:
     s = e.slide
     for k in range(m.machines):
         s.led_mode[k] = state[k]
+    if m.laws > 0 and not s.wants and find_branches(m, s, s.led_mode) == UNKNOWN:
+        s.wants = True
+        for k in range(m.machines):
+            s.wanted[k] = s.led_mode[k]
     take_branches(m, s, s.led_mode)
     if mode_of(e, s.led_mode) != OK:
         return

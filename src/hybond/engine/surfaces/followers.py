@@ -40,10 +40,10 @@ def let_follow(e: Engine, before: Ints, state: Ints) -> None:
     s = e.slide
     if m.followers == 0:
         return
+    find_apart(m, s)
     if s.given:
         take_given(m, s, state)
         return
-    find_apart(m, s)
     set_time(e, s.led, e.t)
     for k in range(m.storages):
         s.led[m.stored_slot + k] = e.y[k]
@@ -116,11 +116,11 @@ def take_given(m: Model, s: Slide, state: Ints) -> None:
     for row in range(s.branches):
         same = True
         for k in range(m.machines):
-            led = m.is_law[k] != 0 or m.machine_follows[k] != 0
+            led = m.is_law[k] != 0 or (m.machine_follows[k] != 0 and s.apart[k] == 0)
             same = same and (led or s.branch.at[row * m.machines + k] == state[k])
         if same:
             for k in range(m.machines):
-                if m.machine_follows[k] != 0:
+                if m.machine_follows[k] != 0 and s.apart[k] == 0:
                     state[k] = s.branch.at[row * m.machines + k]
             return
 
@@ -160,6 +160,25 @@ def know_led(m: Model, s: Slide) -> None:
         for other in range(m.surfaces):
             if other == s.surface[i] or cross_as_one(m, s.surface[i], other):
                 many = ask_led(m, s, many, m.surface_machine[other])
+    lead(m, s, many)
+    for i in range(s.many):
+        for other in range(m.surfaces):
+            if other == s.surface[i] or m.surface_twin[s.surface[i] * m.surfaces + other] != 0:
+                s.is_led_now[m.surface_machine[other]] = 0
+
+
+def forget_led(s: Slide) -> None:
+    """Let it be found anew who follows."""
+    s.led_many = -1
+
+
+def lead_also(m: Model, s: Slide, j: int) -> None:
+    """Note that a follower follows, and what reads it."""
+    lead(m, s, ask(s, 0, j))
+
+
+def lead(m: Model, s: Slide, many: int) -> None:
+    """Note that those follow that are asked, so many, and what reads them."""
     at = 0
     while at < many:
         machine = m.follower[s.asked[at]]
@@ -167,10 +186,6 @@ def know_led(m: Model, s: Slide) -> None:
         at += 1
         s.is_led_now[machine] = 1
         many = ask_led(m, s, many, machine)
-    for i in range(s.many):
-        for other in range(m.surfaces):
-            if other == s.surface[i] or m.surface_twin[s.surface[i] * m.surfaces + other] != 0:
-                s.is_led_now[m.surface_machine[other]] = 0
 
 
 def ask_led(m: Model, s: Slide, many: int, machine: int) -> int:

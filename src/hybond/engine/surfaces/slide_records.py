@@ -97,6 +97,10 @@ class Slide:
     """The mode of a moment in which they change."""
     led_known: bool
     """Whether that mode has a solution, which is put into `led`."""
+    wants: bool
+    """Whether the branches of laws in a mode passed through are not known: ``wanted``."""
+    wanted: Ints
+    begun: Ints
     asked: Ints
     """Those to be asked, by their place, and of each of them whether it is among these."""
     is_asked_now: Ints
@@ -115,6 +119,8 @@ class Slide:
     led_surface: Ints
     """The surfaces for which it is known who follows: of each machine, `is_led_now`."""
     is_led_now: Ints
+    led_atom: Floats
+    """Of each comparison: its value in the first of the modes combined."""
     state: Ints
     corner: Ints
     target: Ints
@@ -140,6 +146,7 @@ class Slide:
     pivot: Ints
     agrees: Ints
     """Of each side: whether all parts give its function one value."""
+    own_jump: Ints
     number: Ints
     """Of storages: what has been visited; of bonds, on the way from a bond to a storage."""
     seen: Ints
@@ -149,7 +156,6 @@ class Slide:
     """The mode in which the instant has settled, before it is decided what slides."""
     mark: Ints
     chosen: Ints
-    kept_met: Ints
     keep: Floats
     y: Floats
     # infinitely many jumps of one instant, added up: crossings.py
@@ -171,16 +177,16 @@ def make_slide(m: Model) -> Slide:
     s.surface = ints(surfaces)
     s.side = ints(surfaces)
     s.of_state = ints(surfaces)
-    s.met_surface = ints(surfaces)
+    s.met_surface = ints(surfaces + 1)
     s.first_met = ints(surfaces)
     s.twin = ints(surfaces)
     s.sides = ints(surfaces)
     s.best = ints(surfaces)
     s.trial_side = ints(surfaces)
     s.agrees = ints(surfaces)
+    s.own_jump = ints(surfaces)
     s.chosen = ints(surfaces)
     s.endless = ints(surfaces)
-    s.kept_met = ints(surfaces)
     s.parts = 1
     s.directions = make_block(1)
     s.moves = make_block(1)
@@ -205,6 +211,9 @@ def make_slide(m: Model) -> Slide:
     s.led = floats(2 * m.slots if follows else 0)
     s.led_terms = floats(m.slots if follows else 0)
     s.led_mode = ints(m.machines)
+    s.wanted = ints(m.machines)
+    s.begun = ints(m.machines)
+    s.led_atom = floats(m.atom_first[m.rule_first[m.machines]] if follows else 0)
     s.asked = ints(m.followers)
     s.fires = ints(m.followers)
     s.firing = ints(m.followers)

@@ -41,16 +41,18 @@ def put_followers(t: ModelTables) -> None:
 def followers_of(g: FlatGraph, switching: set[int]) -> dict[int, list[int]]:
     """Return the machines that follow some of those given, and those that each of them reads.
 
-    What follows a follower is one as well, and so is what feeds itself, as gates that make a latch.
+    What follows a follower is one as well, and so is what feeds itself, as gates that make a latch,
+    and what reads bond variables, which may be others in another mode.
     """
     owners = owners_of(g)
+    held = _held_by_storage(g)
     reads = {m.index: _read(m, owners) for m in g.machines if switching and _may_follow(m)}
     readers: dict[int, list[int]] = {}
     for k, read in reads.items():
         for other in read:
             readers.setdefault(other, []).append(k)
-    led: set[int] = set()
-    todo = list(switching)
+    led = {k for k in reads if any(n not in held for n in _read_of_bonds(g.machines[k]))}
+    todo = [*switching, *led]
     while todo:
         for k in readers.get(todo.pop(), ()):
             if k not in led:
@@ -76,6 +78,30 @@ def _read(m: Machine, owners: dict[int, Machine]) -> list[int]:
         elif kind + ":" == SWITCHED and int(rest) in owners:
             found.add(owners[int(rest)].index)
     return sorted(found)
+
+
+def _read_of_bonds(m: Machine) -> set[str]:
+    """Return the bond variables that the rules of a machine read."""
+    return {n for r in m.rules for n in names(r.guard) if n.startswith(("e:", "f:"))}
+
+
+def _held_by_storage(g: FlatGraph) -> set[str]:
+    """Return the bond variables that are a storage's in every mode: no switch makes them jump."""
+    found = set()
+    for storage in g.storages:
+        effort = storage.kind == "C"
+        todo = [storage.bond]
+        while todo:
+            b = todo.pop()
+            name = f"{'e' if effort else 'f'}:{b}"
+            if name in found:
+                continue
+            found.add(name)
+            for end in (g.bonds[b].tail, g.bonds[b].head):
+                node = g.nodes[end]
+                if node.kind == ("0" if effort else "1") and not node.controlled:
+                    todo += [e.bond for e in node.ends]
+    return found
 
 
 def _asks(m: Machine) -> int:
