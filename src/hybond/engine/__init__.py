@@ -83,6 +83,7 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
         jump, trial         what is stored on entering a mode; every signal that follows
         jump_steps, led_jump, left_over    the areas of a jump: Newton's steps, and where these
                             lead nowhere; what is left that is rounding
+        off_flat            where laws of storage have no slope
         untouched           what a jump does not reach stays as it was
         tied                motions that are nothing but what constraints lead along
     methods/

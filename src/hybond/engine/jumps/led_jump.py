@@ -102,6 +102,8 @@ def is_driven(e: Engine, mode: Mode, v: Floats, x: Floats, ways: Ways) -> bool:
     forth = -energy_of_both(e, x, ways, w.nu_found.at, w.step.at)
     for a in range(areas):
         w.nu.at[a] = w.nu_found.at[a]
+    put_here(e.model.storages, x, ways, w.nu.at, w.here)
+    slope_of(e, mode, v, w.here, ways)
     gap_at(e, mode, v, x, ways, 0.0)
     return rank < areas or not forth < 0.0
 
