@@ -20,11 +20,10 @@ from hybond.engine.constraints.impulse_ways import (
     slope_of,
 )
 from hybond.engine.constraints.sparse_ways import sparse_step
-from hybond.engine.engine import OK, Engine, say_fault, svd_room
+from hybond.engine.engine import OK, Engine, svd_room
 from hybond.engine.jumps.off_flat import off_flat
 from hybond.engine.mode.mode_records import Mode, Ways
 from hybond.engine.mode.storage import own_stiffness
-from hybond.engine.reasons.facts import refuse_jump
 from hybond.engine.words import Floats
 
 CONSISTENT: Final = 1e-12
@@ -45,13 +44,15 @@ NO_SIZE: Final = 1e-280
 """What is zero has about 1e-296 times what multiplies it, so as never to be divided by."""
 
 FAR: Final = -2
-"""What Newton's method says where its steps lead nowhere."""
+LOCKED: Final = -3
+"""What Newton's method says where its steps lead nowhere; where nothing that moves what is stored
+changes what is missing."""
 
 
 def newton_steps(
     e: Engine, mode: Mode, v: Floats, x: Floats, ways: Ways, measured: bool, begun: bool
 ) -> int:
-    """Find the areas at which the constraints hold, into `e.work.nu`; OK, FAR, or a refusal.
+    """Find the areas at which the constraints hold, into `e.work.nu`; OK, FAR or LOCKED.
 
     From nothing, or from what is there where it has `begun`. Where they are `measured`, the
     residuals at `x` are in `e.work`.
@@ -111,10 +112,7 @@ def newton_steps(
                     w.nu.at[a] -= w.step.at[a]
                 last_length = 0.0
                 continue
-            why = "no redistribution of what is stored meets the constraints of this mode"
-            if m.tells != 0:
-                return refuse_jump(e, mode, "HB-N303", why)
-            return say_fault(e, "HB-N303", why, "")
+            return LOCKED
         best = min(best, worst)
         part = 1.0 if ways.known or worst <= CONSISTENT else nearer(e, mode, v, x, ways)
         length = 0.0
