@@ -172,3 +172,19 @@ def test_what_trips_at_the_peak_of_a_chopped_flow_does_not_wait_for_the_average(
     m.add(g=hb.Se(f"if {ON} then 2*w else 0"), R=hb.R(1.0), v=hb.One())
     m.bond("g -> v -> R")
     assert value_of(m) == pytest.approx(UNTIL - 2.0, abs=1e-7)
+
+
+def test_what_is_led_elsewhere_by_the_mode_that_an_event_comes_in_has_no_limit() -> None:
+    """At 2 s it waits for OFF, from where ON takes it away for good, or is there at once."""
+    rules = [f"r -> s when {ON} and time > 2", f"r -> t when {OFF} and time > 2"]
+    m = comparator("r s t", *rules, y=IN_S)
+    with pytest.raises(hb.HybondError) as caught:
+        hb.simulate(m, UNTIL)
+    assert caught.value.code == "HB-N415"
+
+
+def test_what_reads_itself_as_it_was_is_asked_again_once_that_is_settled() -> None:
+    rules = [f"r -> s when pre({ON}) and {ON}", f"s -> r when {OFF} and w > 2"]
+    m = comparator("r s", *rules, y=IN_S)
+    m.signal(w=hb.Integral("1", start=0.0))
+    assert value_of(m) == pytest.approx(2.0 - FIRST + 3.0 * PART, abs=1e-9)

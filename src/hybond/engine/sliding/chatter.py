@@ -15,6 +15,7 @@ from hybond.engine.laws.branches import follow
 from hybond.engine.reasons.facts import add_fact
 from hybond.engine.sliding.filippov import ABOVE, SLIDES
 from hybond.engine.sliding.ways_on import A_WAY, STOPS, decide
+from hybond.engine.sliding.what_happened import is_held
 from hybond.engine.surfaces.corners import count_corners, put_corner, put_side
 from hybond.engine.words import Ints
 
@@ -49,7 +50,9 @@ def decide_led(e: Engine) -> int:
         if s.restless >= 0:
             return stop_at(e, s.restless)
         if other == RETURNS:
-            return A_WAY
+            other = other_by_phase(e)
+            other = s.restless if s.restless >= 0 else other
+            return A_WAY if other == RETURNS else stop_at(e, other)
         # a state that comes again does so for ever: it is held against that of 1, 2, 4, ... turns
         same = turn > 0
         for k in range(m.machines):
@@ -157,12 +160,66 @@ def lead_on(e: Engine, k: int) -> None:
     """Lead those that follow from the mode in ``corner`` to that which switching has begun with."""
     m = e.model
     s = e.slide
+    lead_back(e, k)
+    for machine in range(m.machines):
+        if m.machine_follows[machine] != 0 and s.apart[machine] == 0:
+            s.around[machine] = s.corner[machine]
+
+
+def other_by_phase(e: Engine) -> int:
+    """Return a machine that is led elsewhere if an event comes in another mode, or RETURNS.
+
+    What has slid before and goes on is in any of the modes combined when an event comes.
+    """
+    m = e.model
+    s = e.slide
+    if s.phases == 0 or s.k != s.many:
+        return RETURNS
+    for j in range(s.k):
+        if s.best[j] != SLIDES or not is_held(e, s.side[j]):
+            return RETURNS
+    for part in range(s.phases):
+        for machine in range(m.machines):
+            s.origin[machine] = s.phase.at[part * m.machines + machine]
+            s.corner[machine] = s.origin[machine]
+            follows = m.is_law[machine] != 0 or m.machine_follows[machine] != 0
+            if not follows and s.apart[machine] == 0 and s.corner[machine] != s.base[machine]:
+                return RETURNS  # another one has crossed meanwhile
+        follow(e, s.origin, s.corner)
+        lead_round(e)
+        for machine in range(m.machines):
+            followed = m.machine_follows[machine] != 0 and s.apart[machine] == 0
+            if followed and s.corner[machine] != s.around[machine]:
+                return machine
+    return RETURNS
+
+
+def lead_round(e: Engine) -> None:
+    """Let those that slide switch from the mode in ``corner`` until turns change nothing.
+
+    It ends on the sides on which switching has begun.
+    """
+    m = e.model
+    s = e.slide
+    for _ in range(MOST):
+        for machine in range(m.machines):
+            s.origin[machine] = s.corner[machine]
+        for j in range(2 * s.k):
+            for machine in range(m.machines):
+                s.state[machine] = s.corner[machine]
+            turn_over(e, s.chosen[j // 2], s.state, s.corner)
+        if first_other(e, s.origin, s.corner) == RETURNS:
+            break
+    lead_back(e, s.k)
+
+
+def lead_back(e: Engine, k: int) -> None:
+    """Let those that slide cross from the mode in ``corner`` to the sides of that in ``base``."""
+    m = e.model
+    s = e.slide
     for j in range(k):
         machine = m.surface_machine[s.chosen[j]]
         if s.corner[machine] != s.base[machine]:
             for other in range(m.machines):
                 s.state[other] = s.corner[other]
             turn_over(e, s.chosen[j], s.state, s.corner)
-    for machine in range(m.machines):
-        if m.machine_follows[machine] != 0 and s.apart[machine] == 0:
-            s.around[machine] = s.corner[machine]

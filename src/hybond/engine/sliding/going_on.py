@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.engine.algebra.blocks import grow_places
 from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.instant.instant import (
     CONTINUOUS,
@@ -33,6 +34,7 @@ from hybond.engine.sliding.what_happened import is_held
 from hybond.engine.surfaces.combine import combine_here
 from hybond.engine.surfaces.corners import cross_as_one
 from hybond.engine.surfaces.onto import onto_surfaces
+from hybond.engine.surfaces.surface import part_mode
 
 SLIDING: Final = -1
 """The state of a machine that slides, in what is written down."""
@@ -69,6 +71,7 @@ def go_on_sliding(e: Engine, i: Instant, slid: int, collapsed: bool) -> int:
             s.last[at] = s.best_weight[j]
             at += 1
     s.has_last = at > 0 and at == s.k
+    keep_phases(e)
     if s.k > 0 and onto_surfaces(e, e.t, e.y) != OK:
         return REFUSED
     s.known = False
@@ -149,6 +152,17 @@ def note_transitions(e: Engine, i: Instant, slid: int) -> int:
                 why = PUSHED_BACK if s.many + slid > 0 else THROWN_BACK
                 say_why(i.told, FOLLOWS if goes_along(e, slid, machine) else why)
     return i.waiting
+
+
+def keep_phases(e: Engine) -> None:
+    """Keep the modes combined from here on: an event comes in any of them."""
+    m = e.model
+    s = e.slide
+    s.phases = s.parts if s.k > 0 and m.followers > 0 else 0
+    grow_places(s.phase, s.phases * m.machines)
+    for part in range(s.phases):
+        for k in range(m.machines):
+            s.phase.at[part * m.machines + k] = part_mode(e, part).state[k]
 
 
 def goes_along(e: Engine, slid: int, machine: int) -> bool:

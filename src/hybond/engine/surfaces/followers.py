@@ -52,11 +52,13 @@ def let_follow(e: Engine, before: Ints, state: Ints) -> None:
     put_states(m, s, before, m.slots)
     put_states(m, s, state, 0)
     left = 2 * m.state_first[m.machines] + ROUNDS
+    again = m.prior_followers > 0
     while True:
         rounds = settle_followers(e, state, left)
-        if rounds == 0:
+        if rounds == 0 and not again:
             return
         left -= rounds
+        again = False
         # what is settled now is what the next reads as it was before
         put_states(m, s, state, m.slots)
 

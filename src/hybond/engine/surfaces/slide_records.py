@@ -111,6 +111,9 @@ class Slide:
     """The mode in which switching begins, those that it goes from, and one that has come before."""
     origin: Ints
     turned: Ints
+    phases: int
+    """The modes combined since the last decision, with what followed in each: rows of states."""
+    phase: Places
     restless: int
     """A machine whose followers find no end, or -1."""
     apart: Ints
@@ -221,6 +224,7 @@ def make_slide(m: Model) -> Slide:
     s.base = ints(m.machines)
     s.origin = ints(m.machines)
     s.turned = ints(m.machines)
+    s.phase = make_places(1)
     s.restless = -1
     s.apart = ints(m.machines)
     s.led_many = -1

@@ -30,6 +30,9 @@ def put_followers(t: ModelTables) -> None:
         for other in read:
             readers[other].append(place[k])
     t.numbers["followers"] = len(found)
+    t.numbers["prior_followers"] = sum(
+        any(prior_names(r.guard) for r in machines[k].rules) for k in found
+    )
     t.ints["follower"] = list(found)
     t.ints["follower_asks"] = [_asks(machines[k]) for k in found]
     follows = [1 + place[k] if k in place else 0 for k in range(len(machines))]
