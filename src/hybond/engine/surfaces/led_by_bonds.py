@@ -12,12 +12,21 @@ from typing import Final
 from hybond.engine.answers import value
 from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.surfaces.averages import show_part
+from hybond.engine.surfaces.combine import combine_here
 from hybond.engine.surfaces.follower_guards import BY_BONDS
 from hybond.engine.surfaces.followers import forget_led, know_led, lead_also
 from hybond.engine.surfaces.values import evaluate
+from hybond.engine.words import Ints
 
 DIFFERS: Final = 1e-9
 """Comparisons are others in another mode if more than this part of their terms is."""
+
+
+def combine_led(e: Engine, state: Ints) -> int:
+    """Take what a mode is combined of while some machines slide, and which others follow these."""
+    if combine_here(e, state) != OK:
+        return REFUSED
+    return find_led(e) if e.slide.k > 0 and e.model.followers > 0 else OK
 
 
 def find_led(e: Engine) -> int:
