@@ -78,11 +78,12 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
         outputs, averages   it is asked as a mode is
         values              what expressions read and how the state moves, in either
         onto, parted, jumps_near    back onto surfaces; some that have jumped away, or just do
-        followers           machines that read the states of those that slide
+        followers, follower_guards, led_by_bonds    machines that follow those that slide
     jumps/
         jump, trial         what is stored on entering a mode; every signal that follows
         jump_steps, led_jump, left_over    the areas of a jump: Newton's steps, and where these
                             lead nowhere; what is left that is rounding
+        off_flat            where laws of storage have no slope
         untouched           what a jump does not reach stays as it was
         tied                motions that are nothing but what constraints lead along
     methods/
@@ -153,6 +154,7 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
     sliding/
         sliding, what_happened, met    after an event: which machines slide from there
         ways_on, filippov, crossings, additive, ways_told    how the state goes on
+        chatter             where fast switching leads what follows
         around, going_on    modes on both sides, tried; what goes on sliding, or leaves
     contacts/
         impacts_seen, accumulation, landing, landing_records    impacts that come to rest

@@ -371,7 +371,6 @@ class Model:
     prescribed_first: Ints  # of each reaction: bond variables whose sum must vanish at rest
     prescribed_column: Ints
     prescribed_sign: Floats
-
     # switching surfaces: where two rules of a machine, forth and back, share one function
     surfaces: int
     surface_machine: Ints
@@ -397,10 +396,13 @@ class Model:
     rest_test: Ints
     rest_atom: Ints
     """The differences of its comparisons, behind those of rules; then the next one's."""
-    followers: int  # machines that read states of machines alone: surfaces/followers.py
+    followers: int  # machines that read states of others, which may slide: surfaces/followers.py
+    prior_followers: int  # how many of them read what states were before
     follower: Ints
-    follower_first: Ints  # of each: the machines that it reads, and those that these follow
-    follower_reads: Ints
+    follower_asks: Ints  # 0: reads states, time, inputs alone, 1: what is stored, 2: bonds, too
+    machine_follows: Ints  # of each machine, if there are any: 1 + its place among them, or 0
+    reader_first: Ints  # of each machine, if there are any: those that read it, by their place
+    reader: Ints
     kinks: int  # what changes its sign where a law, source or rate has a kink: a step ends there
     slide_kinks: int  # those behind them at which nothing but surfaces jump
     kink_atom: int  # the first of them among comparisons, in order, behind all others

@@ -224,6 +224,7 @@ class Work:
     here: Floats
     ahead: Floats
     landed: Floats
+    beside: Floats
     leakage: Leakage
     ways: Ways
     """Impulses that contacts at rest allow."""
@@ -374,6 +375,7 @@ def make_work(m: Model) -> Work:
     w.here = floats(m.storages)
     w.ahead = floats(m.storages)
     w.landed = floats(m.storages)
+    w.beside = floats(m.storages)
     w.leakage = make_leakage()
     w.ways = make_ways()
     w.generic = floats(2 * m.slots)

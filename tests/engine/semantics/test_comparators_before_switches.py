@@ -134,3 +134,29 @@ def test_a_clock_cuts_a_comparator_off_again_and_again(tmp_path: Path) -> None:
     fallen = VS * 2.718281828459045 ** (-(0.3e-3 - 15e-9) / (R * C))
     assert float(run["out.e"].at(2.8e-3)) == pytest.approx(fallen, rel=1e-7)
     assert run.weight("S1_state", "closed", 2.8e-3) == 0.0
+
+
+@pytest.mark.parametrize(
+    "cards",
+    [
+        ("S1 in a h 0 SW1", "Bg g 0 V=if(v(out)<5,5,0)", "Ra g h 1k", "Rb h 0 1k"),
+        ("S1 in a k 0 SW1", "Bg g 0 V=if(v(out)<5,5,0)", "Ra g h 1k", "Rb h 0 1k")
+        + ("E1 j 0 h 0 2", "Rc j k 1k", "Rd k 0 1k"),
+        ("S1 in a h 0 SWI", "V5 p 0 5", "Rp p h 1k", "S2 h 0 g 0 SWI", "Bg g 0 V=if(v(out)>5,5,0)"),
+    ],
+    ids=["a divider", "two dividers", "a pull-up"],
+)
+def test_a_switch_behind_a_resistor_behind_a_comparator_slides_with_it(
+    tmp_path: Path, cards: tuple[str, ...]
+) -> None:
+    """What drives the switch is a voltage, 2.5 V or nothing, and never the average of them."""
+    own = (f"V1 in 0 {V}", f"R0 a out {RS - 0.05}", f"C1 out 0 {C}", f"R1 out 0 {R}")
+    run = hb.simulate(
+        deck(
+            tmp_path, *own, *cards, ".model SW1 SW(VT=1.25 RON=0.05 ROFF=1e9)", ".tran 0.1u 4m uic"
+        )
+    )
+    assert (run.status, len(run.events), run.warnings) == ("ok", 2, ())
+    assert float(run["out.e"].at(3e-3)) == pytest.approx(VS, abs=1e-9)
+    assert run.weight("S1_state", "closed", 3e-3) == pytest.approx(PART, rel=1e-8)
+    assert run.audit().holds()

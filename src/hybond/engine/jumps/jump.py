@@ -115,8 +115,8 @@ def sharpen(e: Engine, mode: Mode, v: Floats, ways: Ways, after: Floats) -> None
             change = 0.0
             for i in range(ways.moves_first.at[k], ways.moves_first.at[k + 1]):
                 change += ways.moves_by.at[i] * w.step.at[ways.moves.at[i]]
-            # what the jump has brought to zero is there
-            after[k] -= change if after[k] != 0.0 else 0.0
+            # what a jump between straight laws has brought to zero is there
+            after[k] -= change if after[k] != 0.0 or not ways.known else 0.0
     restore_bonds(e, mode, v)
 
 

@@ -20,10 +20,10 @@ from hybond.engine.constraints.impulse_ways import (
     slope_of,
 )
 from hybond.engine.constraints.sparse_ways import sparse_step
-from hybond.engine.engine import OK, Engine, say_fault, svd_room
+from hybond.engine.engine import OK, Engine, svd_room
+from hybond.engine.jumps.off_flat import off_flat
 from hybond.engine.mode.mode_records import Mode, Ways
 from hybond.engine.mode.storage import own_stiffness
-from hybond.engine.reasons.facts import refuse_jump
 from hybond.engine.words import Floats
 
 CONSISTENT: Final = 1e-12
@@ -32,18 +32,27 @@ BEST: Final = 1e-14
 CREEPS: Final = 0.95
 """Part of what was left before that is left at least where Newton's method comes no nearer."""
 STEPS: Final = 60
+FLAT: Final = 3
+"""Times that Newton's method is led off a place at which a law has no slope."""
+LEAST_FACTOR: Final = 0.45
+MOST_FACTOR: Final = 0.95
+"""Factors of Newton's steps towards a root of multiplicity 2 to 20."""
+STEADY: Final = 0.02
+"""Part by which two of these factors may differ."""
 HALVES: Final = 40
 NO_SIZE: Final = 1e-280
 """What is zero has about 1e-296 times what multiplies it, so as never to be divided by."""
 
 FAR: Final = -2
-"""What Newton's method says where its steps lead nowhere."""
+LOCKED: Final = -3
+"""What Newton's method says where its steps lead nowhere; where nothing that moves what is stored
+changes what is missing."""
 
 
 def newton_steps(
     e: Engine, mode: Mode, v: Floats, x: Floats, ways: Ways, measured: bool, begun: bool
 ) -> int:
-    """Find the areas at which the constraints hold, into `e.work.nu`; OK, FAR, or a refusal.
+    """Find the areas at which the constraints hold, into `e.work.nu`; OK, FAR or LOCKED.
 
     From nothing, or from what is there where it has `begun`. Where they are `measured`, the
     residuals at `x` are in `e.work`.
@@ -53,6 +62,9 @@ def newton_steps(
     count = w.constraints
     areas = ways.areas
     best = math.inf
+    last_length = 0.0
+    last_ratio = 0.0
+    turns_off_flat = 0
     for a in range(areas if not begun else 0):
         w.nu.at[a] = 0.0
     for j in range(ways.many if ways.sparse else 0):
@@ -92,12 +104,25 @@ def newton_steps(
         if rank < count and unreached(count, areas, w.gap.at, ways.slope.at, w.step.at) > (
             1e-9 * most
         ):
-            why = "no redistribution of what is stored meets the constraints of this mode"
-            if m.tells != 0:
-                return refuse_jump(e, mode, "HB-N303", why)
-            return say_fault(e, "HB-N303", why, "")
+            if turns_off_flat < FLAT and off_flat(e, mode, v, ways):
+                # Newton's method goes on from beside the place without a slope
+                turns_off_flat += 1
+                find_step(e, ways, count)
+                for a in range(areas):
+                    w.nu.at[a] -= w.step.at[a]
+                last_length = 0.0
+                continue
+            return LOCKED
         best = min(best, worst)
         part = 1.0 if ways.known or worst <= CONSISTENT else nearer(e, mode, v, x, ways)
+        length = 0.0
+        for a in range(areas):
+            length = max(length, math.fabs(w.step.at[a]))
+        ratio = length / last_length if part == 1.0 and last_length > 0.0 else 0.0
+        if not ways.known and is_steady(ratio, last_ratio):
+            part = over_flat_root(e, mode, v, x, ways, ratio)
+        last_ratio = ratio
+        last_length = length if part == 1.0 else 0.0
         for a in range(areas):
             w.nu.at[a] -= part * w.step.at[a]
         for j in range(ways.many if ways.sparse else 0):
@@ -128,6 +153,28 @@ def nearer(e: Engine, mode: Mode, v: Floats, x: Floats, ways: Ways) -> float:
             return part
         part *= 0.5
     return 1.0
+
+
+def is_steady(ratio: float, before: float) -> bool:
+    """Whether Newton's steps become shorter by one factor, as towards a root without a slope."""
+    return (
+        before >= LEAST_FACTOR
+        and ratio <= MOST_FACTOR
+        and math.fabs(ratio - before) <= STEADY * ratio
+    )
+
+
+def over_flat_root(e: Engine, mode: Mode, v: Floats, x: Floats, ways: Ways, ratio: float) -> float:
+    """Return how many of Newton's steps to take at once: all that would follow, if that is nearer.
+
+    Where a law has no slope at the root, as ``q^3`` at zero, each is the same part of what is left.
+    """
+    w = e.work
+    gap_at(e, mode, v, x, ways, 1.0)
+    left = furthest(e, w.gap_first.at)
+    all_of_them = 1.0 / (1.0 - ratio)
+    gap_at(e, mode, v, x, ways, all_of_them)
+    return all_of_them if furthest(e, w.gap_first.at) < left else 1.0
 
 
 def furthest(e: Engine, sizes: Floats) -> float:

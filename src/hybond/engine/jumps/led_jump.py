@@ -21,6 +21,7 @@ from hybond.engine.constraints.impulse_ways import slope_of
 from hybond.engine.engine import OK, Engine, say_fault
 from hybond.engine.jumps.jump_steps import (
     FAR,
+    LOCKED,
     find_step,
     furthest,
     gap_at,
@@ -29,7 +30,8 @@ from hybond.engine.jumps.jump_steps import (
 )
 from hybond.engine.jumps.left_over import is_rounding
 from hybond.engine.mode.mode_records import Mode, Ways
-from hybond.engine.mode.storage import stiff, with_stored
+from hybond.engine.mode.storage import own_stiffness, stiff, with_stored
+from hybond.engine.model import Model
 from hybond.engine.reasons.facts import refuse_jump
 from hybond.engine.words import Floats
 
@@ -44,6 +46,8 @@ GROWS: Final = 1.5
 FASTER: Final = 2.0
 """A step may be as many times as long as what is missing drives it at first."""
 STEPS: Final = 400
+POINTS: Final = 32
+"""At which a law is looked at between what is stored before and after."""
 
 
 def find_areas(e: Engine, mode: Mode, v: Floats, x: Floats, ways: Ways, measured: bool) -> int:
@@ -55,11 +59,9 @@ def find_areas(e: Engine, mode: Mode, v: Floats, x: Floats, ways: Ways, measured
     if status == FAR and is_rounding(e, ways):
         return OK
     if ways.known or ways.sparse or e.work.constraints != ways.areas:
-        return tell_far(e, mode) if status == FAR else status
+        return OK if status == OK else tell_none(e, mode, status)
     if status == OK and (e.work.missing <= NEARLY or is_driven(e, mode, v, x, ways)):
         return OK
-    if status != OK and status != FAR:
-        return status
     w = e.work
     areas = ways.areas
     fit(w.nu_found, areas)
@@ -67,8 +69,8 @@ def find_areas(e: Engine, mode: Mode, v: Floats, x: Floats, ways: Ways, measured
         w.nu_found.at[a] = w.nu.at[a]
     if driven(e, mode, v, x, ways) and newton_steps(e, mode, v, x, ways, False, True) == OK:
         return OK
-    if status == FAR:
-        return tell_far(e, mode)
+    if status != OK:
+        return tell_none(e, mode, status)
     # nothing else was found
     for a in range(areas):
         w.nu.at[a] = w.nu_found.at[a]
@@ -76,17 +78,27 @@ def find_areas(e: Engine, mode: Mode, v: Floats, x: Floats, ways: Ways, measured
     return OK
 
 
-def tell_far(e: Engine, mode: Mode) -> int:
+def tell_none(e: Engine, mode: Mode, status: int) -> int:
     """Refuse a jump for which nothing was found."""
+    if status == LOCKED:
+        why = "no redistribution of what is stored meets the constraints of this mode"
+        if e.model.tells != 0:
+            return refuse_jump(e, mode, "HB-N303", why)
+        return say_fault(e, "HB-N303", why, "")
     if e.model.tells != 0:
         return refuse_jump(e, mode, "HB-N304", "the jump into this mode does not converge")
     return say_fault(e, "HB-N304", "the jump into this mode does not converge", "")
 
 
 def is_driven(e: Engine, mode: Mode, v: Floats, x: Floats, ways: Ways) -> bool:
-    """Whether the areas found are such as what is missing drives at first."""
+    """Whether the areas found are such as what is missing drives at first.
+
+    On the way a law that falls may have been another solution, which has been passed over.
+    """
     w = e.work
     areas = ways.areas
+    if falls_between(e, x, ways):
+        return False
     fit(w.nu_found, areas)
     fit(w.nu_led, areas)
     none = True
@@ -102,8 +114,40 @@ def is_driven(e: Engine, mode: Mode, v: Floats, x: Floats, ways: Ways) -> bool:
     forth = -energy_of_both(e, x, ways, w.nu_found.at, w.step.at)
     for a in range(areas):
         w.nu.at[a] = w.nu_found.at[a]
+    put_here(e.model.storages, x, ways, w.nu.at, w.here)
+    slope_of(e, mode, v, w.here, ways)
     gap_at(e, mode, v, x, ways, 0.0)
     return rank < areas or not forth < 0.0
+
+
+def falls_between(e: Engine, x: Floats, ways: Ways) -> bool:
+    """Whether a law of storage falls between no areas and those found."""
+    m = e.model
+    w = e.work
+    bends = False
+    for k in range(m.storages):
+        bends = bends or m.co_energy[k] >= 0
+    if not bends:
+        return False
+    fit(w.nu_led, ways.areas)
+    for part in range(POINTS + 1):
+        for a in range(ways.areas):
+            w.nu_led.at[a] = w.nu.at[a] * float(part) / float(POINTS)
+        put_here(m.storages, x, ways, w.nu_led.at, w.here)
+        values = with_stored(e, w.here)
+        for k in range(m.storages):
+            if m.co_energy[k] >= 0 and w.here[k] != x[k] and own_stiffness(m, k, values) < 0.0:
+                return True
+    return False
+
+
+def rising(m: Model, k: int, p: int, v: Floats) -> float:
+    """Return entry p of the stiffness, of storage k, as if its law were rising.
+
+    A resistance drives what is stored on to where it is missing also where its law falls.
+    """
+    own = m.stiff_other[p] == k
+    return math.fabs(stiff(m, p, v)) if own else stiff(m, p, v)
 
 
 def energy_of_both(e: Engine, x: Floats, ways: Ways, one: Floats, other: Floats) -> float:
@@ -119,7 +163,7 @@ def energy_of_both(e: Engine, x: Floats, ways: Ways, one: Floats, other: Floats)
             for a in range(areas):
                 moved += ways.d.at[m.stiff_other[p] * areas + a] * one[a]
             if moved != 0.0:
-                level += stiff(m, p, values) * moved
+                level += rising(m, k, p, values) * moved
         moved = 0.0
         for a in range(areas):
             moved += ways.d.at[k * areas + a] * other[a]
@@ -197,5 +241,5 @@ def slope_of_storages(e: Engine, mode: Mode, x: Floats, ways: Ways, slope: Float
                 for p in range(m.stiff_first[k], m.stiff_first[k + 1]):
                     if factor != 0.0:
                         way = ways.d.at[m.stiff_other[p] * areas + a]
-                        total += factor * stiff(m, p, values) * way
+                        total += factor * rising(m, k, p, values) * way
             slope[i * areas + a] = total

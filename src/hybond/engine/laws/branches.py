@@ -7,6 +7,8 @@ are kept, by the states of all other machines, until they are chosen anew.
 
 from __future__ import annotations
 
+from typing import Final
+
 from hybond.engine.engine import OK, Engine
 from hybond.engine.jumps.trial import a_priori
 from hybond.engine.laws.entering import enter
@@ -14,6 +16,9 @@ from hybond.engine.surfaces.branch_table import add_branches, find_branches, tak
 from hybond.engine.surfaces.corners import count_corners, put_corner
 from hybond.engine.surfaces.followers import let_follow
 from hybond.engine.words import Floats, Ints
+
+MOST: Final = 64
+"""Modes passed through one after another, at the most, whose branches are chosen."""
 
 
 def choose_at(e: Engine, x: Floats, signals: Floats) -> None:
@@ -45,8 +50,27 @@ def know_branches(e: Engine, state: Ints, k: int, product: bool, side: Ints) -> 
         return
     for part in range(count_corners(k, product)):
         put_corner(e.model, state, part, k, product, side, s.state)
-        let_follow(e, s.state)
+        follow(e, state, s.state)
         choose(e, s.state)
+
+
+def follow(e: Engine, before: Ints, state: Ints) -> None:
+    """Do what `let_follow` does, with the branches chosen of each mode passed through."""
+    m = e.model
+    s = e.slide
+    if m.followers == 0:
+        return
+    for k in range(m.machines):
+        s.begun[k] = state[k]
+    for _ in range(MOST):
+        s.wants = False
+        let_follow(e, before, state)
+        if not s.wants:
+            return
+        choose(e, s.wanted)
+        for k in range(m.machines):
+            state[k] = s.begun[k]
+    let_follow(e, before, state)
 
 
 def know_around(e: Engine, state: Ints) -> None:

@@ -137,7 +137,8 @@ def look_into(
     for j in range(surfaces):
         e.slide.surface[j] = surface[j]
     e.slide.branches = 0
-    for row in range(rows if m.laws > 0 else 0):
+    e.slide.given = rows > 0
+    for row in range(rows if m.laws > 0 or m.followers > 0 else 0):
         for k in range(m.machines):
             e.slide.target[k] = branch[row * m.machines + k]
         add_branches(m, e.slide, e.slide.target)

@@ -69,6 +69,8 @@ HINTS = {
     "there, or keep values that differ by many orders of magnitude apart",
     "HB-N407": "a size that is never below zero, and a breakaway of at least the limit",
     "HB-N408": "tighten rtol, or take solver = 'rk45'",
+    "HB-N415": "give the comparator that switches it a band, y > 0.01 and y < -0.01, or run with "
+    'sliding = "hysteresis" and its half width, hysteresis = 0.01',
     "HB-N409": "leave out what is so fast, or raise max_steps",
 }
 SMALL_STEPS = ("HB-N201", "HB-N409")

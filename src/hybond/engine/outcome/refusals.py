@@ -342,6 +342,17 @@ def _restitution(c: Case) -> Said:
     )
 
 
+def _restless(c: Case) -> Said:
+    machine, *surfaces = c.numbers
+    path = c.graph.machines[machine].path
+    texts = ", ".join(c.explain.surfaces[k].text for k in surfaces)
+    return Said(
+        f"the motion slides along {texts} {c.now}, and {path!r}, which follows, is in another "
+        "state after each turn of that fast switching: it has no limit",
+        f"machines.{path}",
+    )
+
+
 def _gap(c: Case) -> Said:
     port, opening, closing = c.refusal.about
     laws = [law for m in c.graph.machines if m.law is not None for law in m.law.junctions]
@@ -435,6 +446,7 @@ WORDS: Mapping[str, Callable[[Case], Said]] = {
     "HB-N408": _slides_on,
     "HB-N410": _rate_jumps,
     "HB-N412": _restitution,
+    "HB-N415": _restless,
 }
 NO_NUMBERS = (
     "HB-C103",

@@ -23,6 +23,7 @@ HB-N408    1 if no end of a slip is found, 0 if no step follows it; the machines
 HB-N409    the mean step, s; how many steps lead nowhere, if that is why
 HB-N410    the integrated signal whose rate jumps; nothing if it is another that does
 HB-N412    the machine; the restitution
+HB-N415    the machine; the surfaces slid on
 """
 
 from __future__ import annotations

@@ -93,7 +93,7 @@ from hybond.engine.run.source_jumps import jumps_at_end, jumps_at_once
 from hybond.engine.run.step_motion import flow_in_steps, settle_in_steps
 from hybond.engine.run.stranded import in_vain
 from hybond.engine.sliding.sliding import slide_after
-from hybond.engine.surfaces.combine import combine_here
+from hybond.engine.surfaces.led_by_bonds import combine_led
 from hybond.engine.surfaces.values import begin_field, field
 
 VAIN: Final = 3
@@ -127,7 +127,7 @@ def run_to_end(e: Engine, r: Run) -> int:
             status = rest_in_turn(e, r)
         r.slice = r.slice - 1 if r.slice > 0 else r.slice
     if status != REFUSED:
-        if mode_of(e, e.state) == OK and combine_here(e, e.state) == OK:
+        if mode_of(e, e.state) == OK and combine_led(e, e.state) == OK:
             look_at_laws(e)
             keep_gaps(e)
             if r.cut:
@@ -414,7 +414,7 @@ def take_step(e: Engine, r: Run, end: float) -> int:
 def begin_flow(e: Engine, r: Run) -> int:
     """Make ready for time to pass in the mode."""
     m = e.model
-    if mode_of(e, e.state) != OK or combine_here(e, e.state) != OK:
+    if mode_of(e, e.state) != OK or combine_led(e, e.state) != OK:
         return REFUSED
     join_parts(e, e.mode)
     report_slide(e, r.report)

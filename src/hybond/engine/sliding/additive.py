@@ -6,11 +6,10 @@ import math
 from typing import Final
 
 from hybond.engine.engine import OK, Engine
-from hybond.engine.laws.branches import choose_own
+from hybond.engine.laws.branches import choose_own, follow
 from hybond.engine.mode.equations import mode_of
 from hybond.engine.surfaces.blend import solve_part
 from hybond.engine.surfaces.corners import put_side
-from hybond.engine.surfaces.followers import let_follow
 from hybond.engine.surfaces.outputs import show_state
 from hybond.engine.words import Floats
 
@@ -37,7 +36,7 @@ def how_switches_act(e: Engine) -> int:
             up = check == 0 or j % 2 == (1 if check == 1 else 0)
             s.trial_side[j] = 1 if up else 0
             put_side(m, s.side[j], up, s.target)
-        let_follow(e, s.target)
+        follow(e, s.around, s.target)
         choose_own(e, s.target)
         if mode_of(e, s.target) != OK:
             return NO_FIELD

@@ -209,6 +209,7 @@ def no_time(e: Engine, surface: int) -> bool:
     """Whether the modes on both sides, entered from here, push back into the surface."""
     m = e.model
     s = e.slide
+    s.met = 1
     s.met_surface[0] = surface
     if take_met(e, 0, 1, False) != OK or s.of_state[0] == 0:
         return False

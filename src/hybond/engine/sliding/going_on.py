@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.engine.algebra.blocks import grow_places
 from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.instant.instant import (
     CONTINUOUS,
@@ -33,9 +34,10 @@ from hybond.engine.sliding.filippov import SLIDES
 from hybond.engine.sliding.what_happened import is_held
 from hybond.engine.surfaces.blend import no_combination
 from hybond.engine.surfaces.combine import combine_here
-from hybond.engine.surfaces.followers import goes_along
+from hybond.engine.surfaces.corners import cross_as_one
 from hybond.engine.surfaces.onto import onto_surfaces
 from hybond.engine.surfaces.parted import is_far
+from hybond.engine.surfaces.surface import part_mode
 
 SLIDING: Final = -1
 """The state of a machine that slides, in what is written down."""
@@ -62,6 +64,7 @@ def go_on_sliding(e: Engine, i: Instant, slid: int, collapsed: bool) -> int:
     choose_anew(e)
     know_around(e, e.state)
     found = s.met if slid > 0 else 0
+    s.met = 0
     if mode_of(e, e.state) != OK or combine_here(e, e.state) != OK:
         return REFUSED
     s.has_last = False
@@ -71,6 +74,7 @@ def go_on_sliding(e: Engine, i: Instant, slid: int, collapsed: bool) -> int:
             s.last[at] = s.best_weight[j]
             at += 1
     s.has_last = at > 0 and at == s.k
+    keep_phases(e)
     if s.k > 0 and put_on(e) != OK:
         return REFUSED
     s.known = False
@@ -163,5 +167,30 @@ def note_transitions(e: Engine, i: Instant, slid: int) -> int:
             note_fired(i, machine, s.settled[machine], s.mark[machine])
             if m.is_law[machine] == 0:
                 why = PUSHED_BACK if s.many + slid > 0 else THROWN_BACK
-                say_why(i.told, FOLLOWS if goes_along(m, s, machine) else why)
+                say_why(i.told, FOLLOWS if goes_along(e, slid, machine) else why)
     return i.waiting
+
+
+def keep_phases(e: Engine) -> None:
+    """Keep the modes combined from here on: an event comes in any of them."""
+    m = e.model
+    s = e.slide
+    s.phases = s.parts if s.k > 0 and m.followers > 0 else 0
+    grow_places(s.phase, s.phases * m.machines)
+    for part in range(s.phases):
+        for k in range(m.machines):
+            s.phase.at[part * m.machines + k] = part_mode(e, part).state[k]
+
+
+def goes_along(e: Engine, slid: int, machine: int) -> bool:
+    """Whether a machine follows others, or crosses its surface together with one that slides."""
+    m = e.model
+    s = e.slide
+    if m.followers > 0 and m.machine_follows[machine] != 0:
+        return True
+    for other in range(m.surfaces):
+        for i in range(s.many + slid if m.surface_machine[other] == machine else 0):
+            surface = s.surface[i] if i < s.many else s.chosen[i - s.many]
+            if cross_as_one(m, surface, other):
+                return True
+    return False

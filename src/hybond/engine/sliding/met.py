@@ -149,14 +149,12 @@ def speed_here(e: Engine, surface: int) -> float:
     """
     m = e.model
     s = e.slide
-    for j in range(s.met):
-        s.kept_met[j] = s.met_surface[j]
-    kept = s.met
-    s.met_surface[0] = surface
-    status = take_met(e, 0, 1, False)
+    # behind those met, whose machines follow none
+    s.met_surface[s.met] = surface
+    s.met += 1
+    status = take_met(e, s.met - 1, 1, False)
     known = status == OK and s.of_state[0] != 0
-    for j in range(kept):
-        s.met_surface[j] = s.kept_met[j]
+    s.met -= 1
     speed = math.nan
     if known:
         s.k = 0

@@ -17,8 +17,9 @@ from typing import Final
 
 from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.instant.instant import GUARD, Instant
-from hybond.engine.laws.branches import choose_anew, choose_own, know_around
+from hybond.engine.laws.branches import choose_anew, choose_own, follow, know_around
 from hybond.engine.mode.equations import mode_of
+from hybond.engine.sliding.chatter import decide_led
 from hybond.engine.sliding.crossings import collapse, take_back
 from hybond.engine.sliding.filippov import ABOVE, SLIDES
 from hybond.engine.sliding.going_on import go_on_sliding
@@ -26,7 +27,6 @@ from hybond.engine.sliding.met import drop, find_met, onto
 from hybond.engine.sliding.ways_on import A_WAY, NO_WAY, STOPS, decide
 from hybond.engine.sliding.what_happened import fired_once, has_moved, is_held
 from hybond.engine.surfaces.corners import put_side
-from hybond.engine.surfaces.followers import let_follow
 from hybond.engine.words import Floats
 
 COLLAPSES: Final = 3
@@ -61,7 +61,7 @@ def slide_after(e: Engine, i: Instant, before: Floats) -> int:
         s.first_met[j] = s.met_surface[j]
     decided = NO_WAY
     if met > 0:
-        decided = decide(e)
+        decided = decide_led(e)
     if decided == NO_WAY and met == 1 and moved and s.many == 0:
         decided = decide_collapsed(e)
     if decided == STOPS:
@@ -71,8 +71,10 @@ def slide_after(e: Engine, i: Instant, before: Floats) -> int:
         s.met = met
         for j in range(met):
             s.met_surface[j] = s.first_met[j]
+    led = False
     for k in range(m.machines):
-        s.target[k] = s.settled[k]
+        s.target[k] = s.around[k]
+        led = led or s.around[k] != s.settled[k]
     slid = 0
     if decided != NO_WAY:
         slid = take_sides(e, i, moved)
@@ -82,8 +84,8 @@ def slide_after(e: Engine, i: Instant, before: Floats) -> int:
     for j in range(held):
         if is_done_with(e, s.surface[j]):
             drop(e, s.surface[j])
-    let_follow(e, s.target)
-    if held > 0 or slid > 0:
+    follow(e, s.around, s.target)
+    if held > 0 or slid > 0 or led:
         # what is shown, and what goes on alone, has the branches of its own laws
         choose_own(e, s.target)
     return go_on_sliding(e, i, slid, decided == COLLAPSES)
@@ -100,7 +102,7 @@ def part_from(e: Engine) -> None:
             drop(e, s.surface[j])
             some = True
     if some:
-        let_follow(e, s.target)
+        follow(e, s.settled, s.target)
         for k in range(e.model.machines):
             s.around[k] = s.target[k]
 

@@ -6,7 +6,7 @@ import math
 from typing import Final
 
 from hybond.engine.engine import OK, Engine
-from hybond.engine.laws.branches import choose_own
+from hybond.engine.laws.branches import choose_own, follow
 from hybond.engine.mode.equations import mode_of
 from hybond.engine.reasons.warned import OWN_JUMP
 from hybond.engine.sliding.additive import ACT_TOGETHER, NO_FIELD, how_switches_act
@@ -23,7 +23,6 @@ from hybond.engine.sliding.ways_told import (
 from hybond.engine.surfaces.blend import blend, find_speeds
 from hybond.engine.surfaces.common_space import find_common
 from hybond.engine.surfaces.corners import cross_as_one
-from hybond.engine.surfaces.followers import let_follow
 from hybond.engine.surfaces.outputs import find_agreeing, show_state
 
 MOVES_ALIKE: Final = 1e-12
@@ -164,7 +163,7 @@ def acts(e: Engine, surface: int) -> bool:
         s.target[m.surface_machine[surface]] = (
             m.surface_above[surface] if side == 1 else m.surface_below[surface]
         )
-        let_follow(e, s.target)
+        follow(e, s.around, s.target)
         choose_own(e, s.target)
         if mode_of(e, s.target) != OK or not find_field(e, s.rates if side == 0 else s.rate):
             s.k = k
@@ -203,7 +202,13 @@ def leave_agreeing(e: Engine) -> int:
         if s.agrees[i] != 0:
             s.met_surface[kept] = s.met_surface[i]
             kept += 1
-        elif e.model.tells != 0:
+        elif e.model.tells != 0 and (s.own_jump[i] != 0 or not follows(e, s.met_surface[i])):
             warn_of_surface(e, OWN_JUMP, s.met_surface[i])
     s.met = kept
     return OK
+
+
+def follows(e: Engine, surface: int) -> bool:
+    """Whether the machine of a surface may follow others: what they make jump, it reads."""
+    m = e.model
+    return m.followers > 0 and m.machine_follows[m.surface_machine[surface]] != 0

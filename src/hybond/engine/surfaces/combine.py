@@ -29,7 +29,7 @@ def take_parts(e: Engine, state: Ints) -> int:
     keep_together(e, 2 * s.parts)
     for part in range(s.parts):
         put_corner(m, state, part, s.k, s.product, s.side, s.corner)
-        let_follow(e, s.corner)
+        let_follow(e, state, s.corner)
         take_branches(m, s, s.corner)
         if mode_of(e, s.corner) != OK:
             return REFUSED

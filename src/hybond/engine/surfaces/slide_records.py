@@ -96,8 +96,43 @@ class Slide:
     v: Floats
     ahead: Floats
     """Values near those of the combination."""
+    # machines that follow others: followers.py
+    given: bool
+    """Whether the modes combined are those of `branch`, and nobody has to be asked."""
     led: Floats
-    """Values of which only time, inputs and states of machines are put, for those that follow."""
+    """Values that those read which follow; what rounding of them is measured by."""
+    led_terms: Floats
+    led_mode: Ints
+    """The mode of a moment in which they change."""
+    led_known: bool
+    """Whether that mode has a solution, which is put into `led`."""
+    wants: bool
+    """Whether the branches of laws in a mode passed through are not known: ``wanted``."""
+    wanted: Ints
+    begun: Ints
+    asked: Ints
+    """Those to be asked, by their place, and of each of them whether it is among these."""
+    is_asked_now: Ints
+    fires: Ints
+    """Those that fire, by their place, and by which rules."""
+    firing: Ints
+    base: Ints
+    """The mode in which switching begins, those that it goes from, and one that has come before."""
+    origin: Ints
+    turned: Ints
+    phases: int
+    """The modes combined since the last decision, with what followed in each: rows of states."""
+    phase: Places
+    restless: int
+    """A machine whose followers find no end, or -1."""
+    apart: Ints
+    """Of each machine: whether it has a surface that is slid on, or met."""
+    led_many: int
+    led_surface: Ints
+    """The surfaces for which it is known who follows: of each machine, `is_led_now`."""
+    is_led_now: Ints
+    led_atom: Floats
+    """Of each comparison: its value in the first of the modes combined."""
     state: Ints
     corner: Ints
     target: Ints
@@ -123,6 +158,7 @@ class Slide:
     pivot: Ints
     agrees: Ints
     """Of each side: whether all parts give its function one value."""
+    own_jump: Ints
     number: Ints
     """Of storages: what has been visited; of bonds, on the way from a bond to a storage."""
     seen: Ints
@@ -132,7 +168,6 @@ class Slide:
     """The mode in which the instant has settled, before it is decided what slides."""
     mark: Ints
     chosen: Ints
-    kept_met: Ints
     keep: Floats
     y: Floats
     put_from: Floats
@@ -157,7 +192,7 @@ def make_slide(m: Model) -> Slide:
     s.surface = ints(surfaces)
     s.side = ints(surfaces)
     s.of_state = ints(surfaces)
-    s.met_surface = ints(surfaces)
+    s.met_surface = ints(surfaces + 1)
     s.first_met = ints(surfaces)
     s.twin = ints(surfaces)
     s.sides = ints(surfaces)
@@ -165,9 +200,9 @@ def make_slide(m: Model) -> Slide:
     s.trial_side = ints(surfaces)
     s.agrees = ints(surfaces)
     s.parted = ints(surfaces)
+    s.own_jump = ints(surfaces)
     s.chosen = ints(surfaces)
     s.endless = ints(surfaces)
-    s.kept_met = ints(surfaces)
     s.parts = 1
     s.directions = make_block(1)
     s.moves = make_block(1)
@@ -188,7 +223,26 @@ def make_slide(m: Model) -> Slide:
     s.rate = floats(n)
     s.v = floats(2 * m.slots)
     s.ahead = floats(2 * m.slots)
-    s.led = floats(2 * m.slots if m.followers > 0 else 0)
+    follows = m.followers > 0
+    s.led = floats(2 * m.slots if follows else 0)
+    s.led_terms = floats(m.slots if follows else 0)
+    s.led_mode = ints(m.machines)
+    s.wanted = ints(m.machines)
+    s.begun = ints(m.machines)
+    s.led_atom = floats(m.atom_first[m.rule_first[m.machines]] if follows else 0)
+    s.asked = ints(m.followers)
+    s.fires = ints(m.followers)
+    s.firing = ints(m.followers)
+    s.is_asked_now = ints(m.followers)
+    s.base = ints(m.machines)
+    s.origin = ints(m.machines)
+    s.turned = ints(m.machines)
+    s.phase = make_places(1)
+    s.restless = -1
+    s.apart = ints(m.machines)
+    s.led_many = -1
+    s.led_surface = ints(surfaces)
+    s.is_led_now = ints(m.machines)
     s.state = ints(m.machines)
     s.corner = ints(m.machines)
     s.target = ints(m.machines)

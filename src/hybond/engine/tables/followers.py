@@ -3,58 +3,113 @@
 from __future__ import annotations
 
 from hybond.engine.tables.columns import ModelTables, first_of
-from hybond.engine.tables.machines import is_by_hand
+from hybond.engine.tables.machines import is_by_hand, owners_of
 from hybond.model.expressions import names, prior_names
 from hybond.model.graph import FlatGraph, Machine
 
 STATE = "in:"
 """What the name of a state of a machine begins with; its number and that of the state follow."""
-KNOWN = (STATE, "u:", "at:", "time")
-"""What the names that they read begin with: nothing that a mode would have to be solved for."""
+SWITCHED = "on:"
+"""What that of something controlled begins with, which is ON or not; its element follows."""
+KNOWN = (STATE, SWITCHED, "u:", "at:", "time")
+"""What the names begin with of what is known without the state of the model."""
+STORED = ("x:", "s:")
+"""What those begin with of what is known of a state without a solution in its mode."""
+BY_STATES, BY_STORED, BY_BONDS = range(3)
+"""What the guards of a follower read: states of machines, time and inputs alone; what is stored and
+signals, too; bond variables, for which a mode has to be solved."""
 
 
 def put_followers(t: ModelTables) -> None:
-    """Put the machines that follow others, where some of those have a switching surface."""
-    found = followers_of(t.graph) if t.numbers["surfaces"] else {}
+    """Put the machines that follow others with a switching surface."""
+    machines = t.graph.machines
+    found = followers_of(t.graph, set(t.ints["surface_machine"]))
+    place = {k: j for j, k in enumerate(found)}
+    readers: list[list[int]] = [[] for _ in machines] if found else []
+    for k, read in found.items():
+        for other in read:
+            readers[other].append(place[k])
     t.numbers["followers"] = len(found)
+    t.numbers["prior_followers"] = sum(
+        any(prior_names(r.guard) for r in machines[k].rules) for k in found
+    )
     t.ints["follower"] = list(found)
-    t.ints["follower_first"] = first_of([list(read) for read in found.values()])
-    t.ints["follower_reads"] = [k for read in found.values() for k in read]
+    t.ints["follower_asks"] = [_asks(machines[k]) for k in found]
+    follows = [1 + place[k] if k in place else 0 for k in range(len(machines))]
+    t.ints["machine_follows"] = follows if found else []
+    t.ints["reader_first"] = first_of(readers)
+    t.ints["reader"] = [j for row in readers for j in row]
 
 
-def followers_of(g: FlatGraph) -> dict[int, list[int]]:
-    """Return the machines of two states that follow others, and which.
+def followers_of(g: FlatGraph, switching: set[int]) -> dict[int, list[int]]:
+    """Return the machines that follow some of those given, and those that each of them reads.
 
-    Those read are followed as well. What feeds itself, as gates that make a latch, is none.
+    What follows a follower is one as well, and so is what feeds itself, as gates that make a latch,
+    and what reads bond variables, which may be others in another mode.
     """
-    reads = {m.index: _read(m) for m in g.machines if _may_follow(m)}
-    followed: dict[int, list[int]] = {}
-    for k in reads:
-        seen: set[int] = set()
-        todo = list(reads[k])
-        while todo:
-            other = todo.pop()
-            if other not in seen:
-                seen.add(other)
-                todo += reads.get(other, ())
-        if seen and k not in seen:
-            followed[k] = sorted(seen)
-    return followed
+    owners = owners_of(g)
+    held = _held_by_storage(g)
+    reads = {m.index: _read(m, owners) for m in g.machines if switching and _may_follow(m)}
+    readers: dict[int, list[int]] = {}
+    for k, read in reads.items():
+        for other in read:
+            readers.setdefault(other, []).append(k)
+    led = {k for k in reads if any(n not in held for n in _read_of_bonds(g.machines[k]))}
+    todo = [*switching, *led]
+    while todo:
+        for k in readers.get(todo.pop(), ()):
+            if k not in led:
+                led.add(k)
+                todo.append(k)
+    return {k: reads[k] for k in sorted(led)}
 
 
 def _may_follow(m: Machine) -> bool:
-    """Whether a machine has two states, and rules that read nothing that has to be solved for."""
-    return (
-        is_by_hand(m)
-        and len(m.states) == 2
-        and all(
-            not prior_names(r.guard) and all(n.startswith(KNOWN) for n in names(r.guard))
-            for r in m.rules
-        )
+    """Whether what the rules of a machine ask for is that of one mode, or a state before it."""
+    return is_by_hand(m) and all(
+        n.startswith((STATE, SWITCHED)) for r in m.rules for n in prior_names(r.guard)
     )
 
 
-def _read(m: Machine) -> list[int]:
-    """Return the machines whose states the rules of a machine read."""
-    read = {n for r in m.rules for n in names(r.guard) if n.startswith(STATE)}
-    return sorted({int(n.split(":")[1]) for n in read})
+def _read(m: Machine, owners: dict[int, Machine]) -> list[int]:
+    """Return the machines whose states, or what these switch, the rules of a machine read."""
+    found = set()
+    for name in {n for r in m.rules for n in names(r.guard)}:
+        kind, _, rest = name.partition(":")
+        if kind + ":" == STATE:
+            found.add(int(rest.split(":")[0]))
+        elif kind + ":" == SWITCHED and int(rest) in owners:
+            found.add(owners[int(rest)].index)
+    return sorted(found)
+
+
+def _read_of_bonds(m: Machine) -> set[str]:
+    """Return the bond variables that the rules of a machine read."""
+    return {n for r in m.rules for n in names(r.guard) if n.startswith(("e:", "f:"))}
+
+
+def _held_by_storage(g: FlatGraph) -> set[str]:
+    """Return the bond variables that are a storage's in every mode: no switch makes them jump."""
+    found = set()
+    for storage in g.storages:
+        effort = storage.kind == "C"
+        todo = [storage.bond]
+        while todo:
+            b = todo.pop()
+            name = f"{'e' if effort else 'f'}:{b}"
+            if name in found:
+                continue
+            found.add(name)
+            for end in (g.bonds[b].tail, g.bonds[b].head):
+                node = g.nodes[end]
+                if node.kind == ("0" if effort else "1") and not node.controlled:
+                    todo += [e.bond for e in node.ends]
+    return found
+
+
+def _asks(m: Machine) -> int:
+    """Return what the guards of a machine read."""
+    read = {n for r in m.rules for n in names(r.guard) if not n.startswith(KNOWN)}
+    if not read:
+        return BY_STATES
+    return BY_STORED if all(n.startswith(STORED) for n in read) else BY_BONDS

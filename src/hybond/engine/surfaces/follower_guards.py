@@ -1,0 +1,117 @@
+"""Guards of machines that follow others, asked in a mode of one moment.
+
+Most read the states of machines alone, beside time and inputs. What is stored is that of the
+present; for bond variables the mode is solved. Rounding counts as zero, as in an instant.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from hybond.engine.answers import value
+from hybond.engine.engine import OK, Engine
+from hybond.engine.expressions.paired import holds
+from hybond.engine.mode.equations import mode_of
+from hybond.engine.mode.limits import put_limits
+from hybond.engine.mode.part_energies import find_energies, reach_of_bond
+from hybond.engine.mode.sizes import size_of
+from hybond.engine.mode.solving import solve
+from hybond.engine.model import Model
+from hybond.engine.surfaces.branch_table import UNKNOWN, find_branches, take_branches
+from hybond.engine.surfaces.slide_records import Slide
+from hybond.engine.words import Ints
+
+NONE: Final = -1
+BY_STATES: Final = 0
+BY_BONDS: Final = 2
+"""What a follower reads: as in `hybond.engine.tables.followers`."""
+
+
+def put_states(m: Model, s: Slide, state: Ints, at: int) -> None:
+    """Write the states of machines and what they switch, from slot `at` on."""
+    for k in range(m.switches + m.state_first[m.machines]):
+        s.led[at + m.on_slot + k] = 0.0
+    for k in range(m.machines):
+        row = m.state_first[k] + state[k]
+        s.led[at + m.on_slot + m.switches + row] = 1.0
+        for i in range(m.on_first[row], m.on_first[row + 1]):
+            s.led[at + m.on_slot + m.on_switch[i]] = 1.0
+
+
+def put_state(m: Model, s: Slide, machine: int, state: int, here: bool) -> None:
+    """Write whether a machine is in a state, and that what this switches is ON."""
+    row = m.state_first[machine] + state
+    s.led[m.on_slot + m.switches + row] = 1.0 if here else 0.0
+    for i in range(m.on_first[row], m.on_first[row + 1]):
+        s.led[m.on_slot + m.on_switch[i]] = 1.0 if here else 0.0
+
+
+def is_solved_for(m: Model, s: Slide, many: int) -> bool:
+    """Whether any of those that are asked reads bond variables."""
+    for i in range(many):
+        if m.follower_asks[s.asked[i]] == BY_BONDS:
+            return True
+    return False
+
+
+def solve_led(e: Engine, state: Ints) -> None:
+    """Write the bond variables of a mode, if it has a solution."""
+    m = e.model
+    s = e.slide
+    for k in range(m.machines):
+        s.led_mode[k] = state[k]
+    if m.laws > 0 and not s.wants and find_branches(m, s, s.led_mode) == UNKNOWN:
+        s.wants = True
+        for k in range(m.machines):
+            s.wanted[k] = s.led_mode[k]
+    take_branches(m, s, s.led_mode)
+    if mode_of(e, s.led_mode) != OK:
+        return
+    for k in range(m.switches + m.state_first[m.machines]):
+        s.led[m.on_slot + k] = e.mode.flags[k]
+    put_limits(e, e.mode, s.led)
+    s.led_known = solve(e, e.mode, s.led) == OK
+    if s.led_known:
+        find_energies(e, e.mode)
+
+
+def first_holding(e: Engine, j: int, state: int) -> int:
+    """Return the first rule that leads a follower away from a state, NONE if there is none."""
+    m = e.model
+    machine = m.follower[j]
+    for rule in range(m.rule_first[machine], m.rule_first[machine + 1]):
+        # not those by which a machine leaves where it has landed
+        asked = m.rule_source[rule] == state and m.rule_landed[rule] == 0
+        if asked and holds_led(e, j, rule):
+            return rule
+    return NONE
+
+
+def holds_led(e: Engine, j: int, rule: int) -> bool:
+    """Whether a rule of a follower holds."""
+    m = e.model
+    s = e.slide
+    if m.follower_asks[j] == BY_STATES:
+        return value(m, m.rule_value[rule], s.led) != 0.0
+    for p in range(m.read_first[rule], m.read_first[rule + 1]):
+        slot = m.read_slot[p]
+        b = slot - m.bond_slot
+        if b < 0 or b >= 2 * m.bonds:
+            s.led_terms[slot] = math.fabs(s.led[slot])
+            if m.samples > 0 and slot >= m.signal_slot and slot < m.stored_slot:
+                terms = e.sample_terms[slot - m.signal_slot]
+                s.led_terms[slot] = max(s.led_terms[slot], terms)
+        elif s.led_known:
+            size = size_of(e, e.mode, b, e.work.xi, s.led)
+            s.led_terms[slot] = max(size, reach_of_bond(e, e.mode, b, e.work.xi))
+        else:
+            return False
+    stack = e.work.stack
+    stack.now = s.led
+    stack.was = s.led
+    stack.was_first = m.slots
+    stack.jump = s.led
+    stack.jumps = False
+    stack.terms = s.led_terms
+    return holds(m, rule, stack) and stack.refused == 0
