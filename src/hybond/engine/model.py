@@ -107,8 +107,7 @@ class Model:
     row_first: Ints
     row_column: Ints
     row_value: Floats
-    discrete: int
-    """What beside machines selects equations: comparisons of time, levels of inputs."""
+    discrete: int  # what beside machines selects equations: comparisons of time, levels of inputs
     discrete_kind: Ints
     discrete_index: Ints
 
@@ -231,8 +230,7 @@ class Model:
     """Pair ``rules + k`` is the same on pairs."""
     integral_size: Ints  # what its rounding is measured by
     integral_start: Floats
-    signals_act: int
-    """Whether any of these rates reads an integrated signal."""
+    signals_act: int  # whether any of these rates reads an integrated signal
     signal_acts: Ints
     """Of each integrated signal: whether any rate, a law's or one of these, reads it."""
     input_kind: Ints
@@ -258,8 +256,7 @@ class Model:
     blocks: int
     sample_block: Ints
     """Of each sample: the block that is called, with -1 for its signal and value; or -1."""
-    most_called: int
-    """Values that a block reads or sets, at the most."""
+    most_called: int  # values that a block reads or sets, at the most
     block_first: Ints
     """Of each block: the expressions that it reads."""
     block_value: Ints
@@ -273,8 +270,7 @@ class Model:
     watch_time: Floats
 
     # states that hold at an instant only
-    priors: int
-    """Sources whose law reads ``pre()``."""
+    priors: int  # sources whose law reads ``pre()``
     prior_first: Ints
     """Of each: the switches that must be ON for it to act."""
     prior_switch: Ints
@@ -335,8 +331,7 @@ class Model:
     limit_column: Ints
     limit_slope: Ints
     limit_slope_constant: Floats
-    disks: int
-    """Friction in the plane: two junctions that share a disk."""
+    disks: int  # friction in the plane: two junctions that share a disk
     disk_machine: Ints
     disk_port: Ints  # the two ports of each disk
     disk_heading: Ints
@@ -418,8 +413,7 @@ class Model:
     timed_jumps: int
     timed_jump: Ints  # what depends on time and known inputs, and jumps by one at least
     edges: int  # what is nowhere negative: beyond, a root in a law has no value
-    begins: int
-    """These, and behind them what roots are taken of on both sides."""
+    begins: int  # these, and behind them what roots are taken of on both sides
     rooted: int
     """So many of these by roots that are written; the others are powers, roots if turned round."""
     begin_bond: Ints  # the bond variable that each of these is; -1: none
@@ -459,8 +453,7 @@ class Model:
     form_value: Floats
     form_why: Ints
     """The number of the reason why there is none, or -1."""
-    forms_why: int
-    """That of why no mode can be propagated, or -1."""
+    forms_why: int  # that of why no mode can be propagated, or -1
     reasons: int
     generators: int  # functions of time; row k is the rate of the k-th by all of them
     generator_one: int  # the one that is 1
@@ -474,10 +467,8 @@ class Model:
     outputs: int
     output_value: Ints
     until: float
-    span: float
-    """What thresholds of time are parts of, s."""
-    ends: int
-    """The machine whose first transition ends the run, or -1."""
+    span: float  # what thresholds of time are parts of, s
+    ends: int  # the machine whose first transition ends the run, or -1
     points: int
     rtol: float
     atol: float  # nan: none is given
@@ -486,16 +477,12 @@ class Model:
     max_writes: int
     max_events: int
     max_steps: int  # between two events
-    method: int
-    """By the numbers of `tables.options.METHODS`."""
+    method: int  # by the numbers of `tables.options.METHODS`
     step: float  # of rk4, euler and moreau-jean
     theta: float  # of moreau-jean: how much the end of a step weighs in its smooth part
-    slides: int
-    """1: time goes on along surfaces into which both sides push; 0: refused."""
+    slides: int  # 1: time goes on along surfaces into which both sides push; 0: refused
     impact: int
     """The law of impacts at several contacts: NEWTON and the others of impacts/impact_records."""
-    impact_exponent: float
-    """Of springs that contacts are: 1 linear, 1.5 Hertz."""
-    decided: int
-    """1: least leakage decides what a guard reads and the equations leave open."""
+    impact_exponent: float  # of springs that contacts are: 1 linear, 1.5 Hertz
+    decided: int  # 1: least leakage decides what a guard reads and the equations leave open
     answers: Outside

@@ -96,14 +96,12 @@ def find_left(e: Engine, anew: bool) -> int:
 def jumps_over(e: Engine, surface: int) -> bool:
     """Whether a surface that was crossed has jumped over the state, which is not on it."""
     s = e.slide
-    kept = s.met
-    for j in range(kept):
-        s.kept_met[j] = s.met_surface[j]
-    s.met_surface[0] = surface
-    known = take_met(e, 0, 1, False) == OK
+    # behind those met, whose machines follow none
+    s.met_surface[s.met] = surface
+    s.met += 1
+    known = take_met(e, s.met - 1, 1, False) == OK
     jumped = known and find_parted(e, e.t, e.y, error_of(e.model))
-    for j in range(kept):
-        s.met_surface[j] = s.kept_met[j]
+    s.met -= 1
     s.parted[surface] = 0
     return jumped or mode_of(e, e.state) != OK or combine_here(e, e.state) != OK
 
