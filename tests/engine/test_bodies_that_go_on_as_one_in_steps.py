@@ -70,3 +70,26 @@ def test_bodies_that_have_met_strike_as_one(
     for step in STEPS:
         run = hb.simulate(model, until, solver="moreau-jean", step=step, theta=theta)
         assert run.final["x0"] == pytest.approx(right, abs=8.0 * step)
+
+
+@pytest.mark.parametrize("theta", [0.5, 1.0])
+@pytest.mark.parametrize("masses", [(0.25, 0.29, 2.6), (1.0, 3.0)])
+@pytest.mark.parametrize("turned", [False, True])
+def test_blocks_that_lie_on_each_other_are_struck_by_nothing(
+    masses: tuple[float, ...], turned: bool, theta: float
+) -> None:
+    """The speeds that rounding leaves of theirs were approaches: an impact at every step."""
+    m = hb.Model("stack")
+    m.add(bed=hb.C(1e-4))
+    m.bond("bed -> v0" if turned else "v0 -> bed")
+    for k, mass in enumerate(masses):
+        gap = f"x{k} - x{k - 1}" if k else "x0"
+        m.add(**{f"v{k}": hb.One(), f"m{k}": hb.I(mass)})
+        m.add(**{f"g{k}": hb.Se(9.81 * mass if turned else -9.81 * mass)})
+        m.add(**{f"c{k}": hb.Zero(law="unilateral", gap=gap, restitution=0.8)})
+        m.bond(f"v{k} -> g{k}" if turned else f"g{k} -> v{k}", f"v{k} -> m{k}")
+        m.bond(f"v{k - 1} -> c{k} -> v{k}" if k else "c0 -> v0")
+        m.signal(**{f"x{k}": hb.Integral(f"v{k}.f")})
+    run = hb.simulate(m, 0.1, solver="moreau-jean", step=1 / 300, theta=theta)
+    assert [e.cause for e in run.events] == ["start"]
+    assert run["c1.e"].at(0.05) == pytest.approx(9.81 * sum(masses[1:]), rel=1e-9)

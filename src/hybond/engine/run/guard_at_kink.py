@@ -18,7 +18,7 @@ from hybond.engine.guards.locator import NO_KINK, Locator
 from hybond.engine.guards.together import LAST_PLACES
 from hybond.engine.methods.dopri import spacing
 from hybond.engine.methods.one_instant import is_root, room_of_instant
-from hybond.engine.methods.stepping import reach, retry
+from hybond.engine.methods.stepping import between, by_radau, last_from, reach, retry
 from hybond.engine.run.kinks_passed import out_of_sight
 from hybond.engine.run.run_records import Run
 from hybond.engine.surfaces.values import field
@@ -80,9 +80,33 @@ def end_short_of_kink(e: Engine, r: Run, at: float) -> int:
         before = out_of_sight(e, before, at, room)
         made = retry(e, before)
     g.looked = math.nan
-    if made != OK or apart or at <= before:
-        return made
-    return carry_to_guard(e, r, at, room)
+    if made == OK and noted_hold(e, g):
+        back_to_guard(e, g)
+    elif made == OK and not apart and at > before:
+        made = carry_to_guard(e, r, at, room)
+    return made
+
+
+def back_to_guard(e: Engine, g: Locator) -> None:
+    """Let the step end where all that is in `done`, and holds at its end, begins to hold.
+
+    The step has become another one than that in which the instant was found, and may go past it by
+    what its error control lets pass: what slides to rest would slide back.
+    """
+    low = last_from(e)
+    high = e.step.t1
+    if all_hold_at(e, g, low):
+        return
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        if all_hold_at(e, g, middle):
+            high = middle
+        else:
+            low = middle
+    if high < e.step.t1:
+        between(e, high, e.step.y1)
+        reach(e, high)
+        g.looked = math.nan
 
 
 def clear_of_kinks(e: Engine, g: Locator, at: float) -> float:
@@ -123,15 +147,34 @@ def carry_to_guard(e: Engine, r: Run, at: float, room: float) -> int:
             e.step.y1[i] = r.beside[i] + way * r.rate[i]
         reach(e, begin + way)
         g.looked = math.nan
-        if noted_hold(e, g) or begin + 2.0 * way > at + room:
+        arrived = noted_hold(e, g) and not (by_radau(e) and is_on_kink(e, g))
+        if arrived or begin + 2.0 * way > at + room:
             return OK
         way = max(2.0 * way, LAST_PLACES * spacing(at))
 
 
+def is_on_kink(e: Engine, g: Locator) -> bool:
+    """Whether a kink is where the step ends, but for rounding.
+
+    An implicit step that begins there has slopes of one side and stages on the other.
+    """
+    for k in range(g.guards):
+        if g.side[k] != NO_KINK:
+            here = atom_at(e, g, g.atom_first[k], e.step.t1)
+            if math.fabs(here) <= ROUNDING * terms_here(e, g, k, g.atom_first[k]):
+                return True
+    return False
+
+
 def noted_hold(e: Engine, g: Locator) -> bool:
     """Whether all that is in `done` holds at the end of the step."""
+    return all_hold_at(e, g, e.step.t1)
+
+
+def all_hold_at(e: Engine, g: Locator, t: float) -> bool:
+    """Whether all that is in `done` holds at a time within the step."""
     for k in range(g.guards):
-        if g.done[k] != 0 and not holds_at(e, g, k, e.step.t1):
+        if g.done[k] != 0 and not holds_at(e, g, k, t):
             return False
     return True
 

@@ -62,6 +62,7 @@ from hybond.engine.timestepping.step_laws import (
 )
 from hybond.engine.timestepping.step_records import Coupled, Stepping
 from hybond.engine.timestepping.step_sizes import measure_rounding, measure_step
+from hybond.engine.timestepping.touching_held import hold_touching
 from hybond.engine.words import Floats, Ints
 
 NEWTON_ROUNDS: Final = 40
@@ -390,6 +391,8 @@ def finish_step(e: Engine, s: Stepping, p: Ports, t1: float, h: float) -> None:
     w = e.work.w
     for b in range(2 * m.bonds):
         s.w[b] = w[b]
+    if m.ports > 0:
+        hold_touching(e, s, p, h)
     meter_step(m, s, h)
     balance_step(e, s)
     for k in range(m.ports):
