@@ -374,7 +374,7 @@ def advance_newton(e: Engine, s: Stepping, p: Ports, c: Coupled) -> float:
             gain = c.gain.at[b * m.ports + j]
             if math.fabs(s.l[j] - s.free[j]) > s.rounded[j]:
                 rest += gain * (s.l[j] - s.free[j])
-            scale += math.fabs(gain) * (math.fabs(s.l[j]) + LAW_DUST_PART * s.unit[j])
+            scale += math.fabs(gain) * (math.fabs(s.l[j]) + LAW_DUST_PART * s.able[j])
         if scale > 0.0:
             update = max(update, 1e-2 * math.fabs(rest) / scale)
     return update
