@@ -152,9 +152,9 @@ def reach(e: Engine, t: float) -> None:
         k = r.pieces - 1
         factor = stretched(r.piece_t0[k], r.piece_t1[k], t)
         stretch(n, 4, factor, r.piece_polynomial, 4 * k * n)
-        for i in range(n):
-            r.piece_y1[k * n + i] = s.y1[i]
-            if factor > FARTHER:
+        if factor > FARTHER:
+            for i in range(n):
+                r.piece_y1[k * n + i] = s.y1[i]
                 r.piece_polynomial[4 * k * n + i] = s.y1[i] - r.piece_y0[k * n + i]
         r.piece_t1[k] = t
     else:
@@ -164,13 +164,6 @@ def reach(e: Engine, t: float) -> None:
             for i in range(n):
                 s.dense[i] = s.y1[i] - s.y0[i]
     s.t1 = t
-
-
-def last_from(e: Engine) -> float:
-    """Return where the last piece of the last step begins, which `reach` may shorten."""
-    r = e.radau
-    in_pieces = by_radau(e) and not e.curved
-    return r.piece_t0[r.pieces - 1] if in_pieces else e.step.t0
 
 
 def stretched(t0: float, t1: float, t: float) -> float:

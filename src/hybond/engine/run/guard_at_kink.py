@@ -18,7 +18,7 @@ from hybond.engine.guards.locator import NO_KINK, Locator
 from hybond.engine.guards.together import LAST_PLACES
 from hybond.engine.methods.dopri import spacing
 from hybond.engine.methods.one_instant import is_root, room_of_instant
-from hybond.engine.methods.stepping import between, by_radau, last_from, reach, retry
+from hybond.engine.methods.stepping import between, by_radau, reach, retry
 from hybond.engine.run.kinks_passed import out_of_sight
 from hybond.engine.run.run_records import Run
 from hybond.engine.surfaces.values import field
@@ -80,7 +80,7 @@ def end_short_of_kink(e: Engine, r: Run, at: float) -> int:
         before = out_of_sight(e, before, at, room)
         made = retry(e, before)
     g.looked = math.nan
-    if made == OK and noted_hold(e, g):
+    if made == OK and not by_radau(e) and noted_hold(e, g):
         back_to_guard(e, g)
     elif made == OK and not apart and at > before:
         made = carry_to_guard(e, r, at, room)
@@ -93,7 +93,7 @@ def back_to_guard(e: Engine, g: Locator) -> None:
     The step has become another one than that in which the instant was found, and may go past it by
     what its error control lets pass: what slides to rest would slide back.
     """
-    low = last_from(e)
+    low = e.step.t0
     high = e.step.t1
     if all_hold_at(e, g, low):
         return
@@ -147,23 +147,9 @@ def carry_to_guard(e: Engine, r: Run, at: float, room: float) -> int:
             e.step.y1[i] = r.beside[i] + way * r.rate[i]
         reach(e, begin + way)
         g.looked = math.nan
-        arrived = noted_hold(e, g) and not (by_radau(e) and is_on_kink(e, g))
-        if arrived or begin + 2.0 * way > at + room:
+        if noted_hold(e, g) or begin + 2.0 * way > at + room:
             return OK
         way = max(2.0 * way, LAST_PLACES * spacing(at))
-
-
-def is_on_kink(e: Engine, g: Locator) -> bool:
-    """Whether a kink is where the step ends, but for rounding.
-
-    An implicit step that begins there has slopes of one side and stages on the other.
-    """
-    for k in range(g.guards):
-        if g.side[k] != NO_KINK:
-            here = atom_at(e, g, g.atom_first[k], e.step.t1)
-            if math.fabs(here) <= ROUNDING * terms_here(e, g, k, g.atom_first[k]):
-                return True
-    return False
 
 
 def noted_hold(e: Engine, g: Locator) -> bool:
