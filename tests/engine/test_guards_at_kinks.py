@@ -168,3 +168,34 @@ def test_a_clock_that_draws_anew_from_what_has_come_to_rest(
     assert low == pytest.approx(0.5 * (both + apart), rel=1e-8)
     assert high == pytest.approx(0.5 * (both - apart), rel=1e-8)
     assert run.audit().holds()
+
+
+def on_belt(limit: str, turned: bool = False) -> hb.Model:
+    """Let a belt drag a mass on a spring, by a friction that falls with the slip."""
+    m = hb.Model("belt")
+    m.add(belt=hb.Sf("-0.1" if turned else "0.1"), u=hb.One(), v=hb.One(), n=hb.Zero())
+    m.add(s=hb.One(law="coulomb", limit=limit), M=hb.I(1.0), K=hb.C(0.01), D=hb.R(0.2))
+    m.bond("v -> n -> u" if turned else "u -> n -> v", "n -> s", "belt -> u", "v -> M")
+    m.bond("K -> v" if turned else "v -> K", "v -> D")
+    return m
+
+
+@pytest.mark.parametrize("solver", ["auto", "rk45"])
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize("limit", ["3 + 2*exp(-abs(s.f)/0.05)", "5 - 2*min(1, 9*abs(s.f))"])
+def test_friction_that_bends_where_it_comes_to_rest_does_not_slide_back(
+    limit: str, turned: bool, solver: str
+) -> None:
+    """It sticks until the spring has 5 N less those of the damper, as often as that comes round.
+
+    The step to the instant was made anew, went 1e-8 m/s past it, and that was a slip backward.
+    """
+    run = hb.simulate(on_belt(limit, turned), until=4.0, solver=solver)
+    rests, slips = "sticks", "forward"
+    fired = [(e.t, e.steps[-1].fired[0].target) for e in run.events[1:]]
+    assert [to for _, to in fired] == [rests, slips] * (len(fired) // 2) + [rests] * (
+        len(fired) % 2
+    )
+    for t in (t for t, to in fired if to == slips):
+        assert abs(run["K.e"].at(t)) == pytest.approx(5.0 - 0.2 * 0.1, rel=1e-8)
+    assert len(fired) > 8 and run.audit().holds()

@@ -59,3 +59,31 @@ def test_a_parameter_that_is_varied_moves_the_table() -> None:
     for speed in (0.25, -0.4):
         run = hb.simulate(ball(0.3), "4 s", parameters={"u": f"{speed} m/s"})
         assert float(run["v.f"].at(3.9)) == pytest.approx(speed, abs=1e-12)
+
+
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize(("mu", "rebound"), [(0.2, 0.5), (0.1, 0.7)])
+def test_a_ball_that_comes_to_rest_on_a_belt_creates_nothing(
+    mu: float, rebound: float, turned: bool
+) -> None:
+    """All impulses of the floor carry the weight, and friction has its part of them: ``mu g t``.
+
+    What rest takes back of the last rebound is pulled, and so was friction: it drove the belt.
+    """
+    m = hb.Model("belt")
+    m.add(belt=hb.Sf(-5.0 if turned else 5.0), u=hb.One(), n=hb.Zero(), mx=hb.I(1.0), my=hb.I(1.0))
+    m.add(vx=hb.One(), vy=hb.One(), weight=hb.Se(-9.81))
+    m.add(floor=hb.Zero(law="unilateral", gap="height", restitution=rebound))
+    m.add(slip=hb.One(law="coulomb", limit=f"{mu}*floor.e", impulsive=True))
+    m.bond("vx -> n -> u" if turned else "u -> n -> vx", "belt -> u", "n -> slip")
+    m.bond("vx -> mx", "weight -> vy -> my", "floor -> vy")
+    m.signal(height=hb.Integral("vy.f", start=0.3))
+    fall = (0.6 / 9.81) ** 0.5
+    rest = fall * (1.0 + rebound) / (1.0 - rebound)
+    run = hb.simulate(m, rest + 0.2)
+    way = -1.0 if turned else 1.0
+    assert way * run["vx.f"].at(rest + 0.2) == pytest.approx(mu * 9.81 * (rest + 0.2), rel=1e-8)
+    assert not run.warnings and run.audit().created < 1e-12 and run.audit().holds()
+    (rested,) = [e for e in run.events if e.cause == "accumulation"]
+    assert rested.t == pytest.approx(rest, rel=1e-8)
+    assert rested.steps[0].energy.lost > 0.0

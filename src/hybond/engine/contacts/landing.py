@@ -52,7 +52,7 @@ from hybond.engine.instant.instant import (
 )
 from hybond.engine.instant.settle import settle
 from hybond.engine.instant.settling import Settling
-from hybond.engine.instant.telling import supplied_by_jump
+from hybond.engine.instant.telling import supplied_by_jump, supplied_now
 from hybond.engine.instant.told import LANDS, add_read, say_why
 from hybond.engine.jumps.trial import a_priori
 from hybond.engine.mode.equations import mode_of
@@ -264,11 +264,16 @@ def lie_down(e: Engine, g: Landings, s: Settling, i: Instant) -> int:
     """
     m = e.model
     note_step(i, CONTINUOUS)
+    before = 0.0
+    given = 0.0
+    power = 0.0
+    began = e.t
     if m.tells != 0:
         before = energy_of(e, e.y)
         for b in range(2 * e.model.bonds):
             e.impulses[b] = g.area[b]
-        add_energy(i, before, energy_of(e, g.x), supplied_by_jump(e))
+        given = supplied_by_jump(e)
+        power = supplied_now(e)
     if g.any_landed:
         find_moved(e, g.held)
     if m.laws > 0:
@@ -281,6 +286,10 @@ def lie_down(e: Engine, g: Landings, s: Settling, i: Instant) -> int:
         e.state[k] = g.state[k]
     if carry_over(e, g) != OK:
         return -1
+    if m.tells != 0:
+        # the impacts that are left out are the jump and what holds the contact up to their limit:
+        # alone it takes back the last rebound, and friction that goes with it
+        add_energy(i, before, energy_of(e, e.y), given + power * (e.t - began))
     i.t = e.t
     for k in range(m.machines):
         g.before_state[k] = e.state[k]

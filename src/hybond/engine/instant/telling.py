@@ -155,3 +155,13 @@ def supplied_by_jump(e: Engine) -> float:
         if area != 0.0:
             total -= m.giver_sign[k] * e.v[m.bond_slot + m.giver_other[k]] * area
     return total
+
+
+def supplied_now(e: Engine) -> float:
+    """Return the power that sources give by the values at present."""
+    m = e.model
+    total = 0.0
+    for k in range(m.givers):
+        own = e.v[m.bond_slot + m.giver_own[k]]
+        total -= m.giver_sign[k] * own * e.v[m.bond_slot + m.giver_other[k]]
+    return total

@@ -18,7 +18,7 @@ from hybond.engine.guards.locator import NO_KINK, Locator
 from hybond.engine.guards.together import LAST_PLACES
 from hybond.engine.methods.dopri import spacing
 from hybond.engine.methods.one_instant import is_root, room_of_instant
-from hybond.engine.methods.stepping import reach, retry
+from hybond.engine.methods.stepping import between, by_radau, reach, retry
 from hybond.engine.run.kinks_passed import out_of_sight
 from hybond.engine.run.run_records import Run
 from hybond.engine.surfaces.values import field
@@ -80,9 +80,33 @@ def end_short_of_kink(e: Engine, r: Run, at: float) -> int:
         before = out_of_sight(e, before, at, room)
         made = retry(e, before)
     g.looked = math.nan
-    if made != OK or apart or at <= before:
-        return made
-    return carry_to_guard(e, r, at, room)
+    if made == OK and not by_radau(e) and noted_hold(e, g):
+        back_to_guard(e, g)
+    elif made == OK and not apart and at > before:
+        made = carry_to_guard(e, r, at, room)
+    return made
+
+
+def back_to_guard(e: Engine, g: Locator) -> None:
+    """Let the step end where all that is in `done`, and holds at its end, begins to hold.
+
+    The step has become another one than that in which the instant was found, and may go past it by
+    what its error control lets pass: what slides to rest would slide back.
+    """
+    low = e.step.t0
+    high = e.step.t1
+    if all_hold_at(e, g, low):
+        return
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        if all_hold_at(e, g, middle):
+            high = middle
+        else:
+            low = middle
+    if high < e.step.t1:
+        between(e, high, e.step.y1)
+        reach(e, high)
+        g.looked = math.nan
 
 
 def clear_of_kinks(e: Engine, g: Locator, at: float) -> float:
@@ -130,8 +154,13 @@ def carry_to_guard(e: Engine, r: Run, at: float, room: float) -> int:
 
 def noted_hold(e: Engine, g: Locator) -> bool:
     """Whether all that is in `done` holds at the end of the step."""
+    return all_hold_at(e, g, e.step.t1)
+
+
+def all_hold_at(e: Engine, g: Locator, t: float) -> bool:
+    """Whether all that is in `done` holds at a time within the step."""
     for k in range(g.guards):
-        if g.done[k] != 0 and not holds_at(e, g, k, e.step.t1):
+        if g.done[k] != 0 and not holds_at(e, g, k, t):
             return False
     return True
 

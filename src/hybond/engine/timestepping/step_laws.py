@@ -10,6 +10,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import fit
+from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.answers import node_name
 from hybond.engine.complementarity.law_roles import CUT, ONE_SIDED, SHUT, TWO_SIDED, LawProblem
 from hybond.engine.complementarity.semidefinite import is_indefinite
@@ -19,6 +20,7 @@ from hybond.engine.laws.law_answers import is_held_by_others, put_problem, solve
 from hybond.engine.laws.law_instant import (
     CLOSED,
     NO_LAW_VALUE,
+    evaluate_gap,
     find_able,
     find_start,
     hold_restitution,
@@ -42,6 +44,8 @@ CANCELLED_VALUE: Final = 1e-14
 """A sum below this part of its terms is rounding: a law does not change its branch for it."""
 TOUCHING: Final = 1e-9
 """Part of the motion in a step within which a contact that was closed is still closed."""
+ROUNDED_GAP: Final = 64.0 * EPSILON
+"""Part of the terms of a gap that is rounding of it."""
 AT_REST: Final = 1e-9
 """Part of the largest approach so far below which a contact counts as at rest."""
 KEEPS: Final = 1e-7
@@ -113,8 +117,19 @@ def close_half_way(e: Engine, s: Stepping, p: Ports, h: float, bonds: Floats) ->
             moves = h * max(math.fabs(s.free[k]), math.fabs(s.gap_rate[k]))
             if touches or near <= TOUCHING * motion or moves <= TOUCHING * motion:
                 continue
+            if is_rounding(e, s, k):
+                # what friction does is not in the motion without laws that leads apart
+                continue
         r.role[k] = passive_role(p, k)
         s.restitution[k] = 0.0
+
+
+def is_rounding(e: Engine, s: Stepping, k: int) -> bool:
+    """Whether the gap of port k, where a step begins, is rounding of its terms."""
+    if e.model.port_gap_pair[k] < 0:
+        return False
+    evaluate_gap(e, e.laws, k, s.v0)
+    return math.fabs(s.gap[k]) <= ROUNDED_GAP * e.work.stack.size[e.work.stack.top]
 
 
 def solve_step_laws(

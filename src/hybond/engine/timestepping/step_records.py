@@ -114,6 +114,8 @@ class Stepping:
     most_flow: Floats
     """Of each island: the largest effort and flow on it."""
     unit: Floats
+    able: Floats
+    """What a law's `l` is measured by: what is there, and what friction is able to hold."""
     reach: Floats
     nothing: Floats
     nothing_stored: Floats
@@ -200,6 +202,7 @@ def make_stepping(m: Model) -> Stepping:
     s.most_effort = floats(m.islands)
     s.most_flow = floats(m.islands)
     s.unit = floats(n)
+    s.able = floats(n)
     s.reach = floats(m.storages)
     s.nothing = floats(n)
     s.nothing_stored = floats(m.integrals)

@@ -6,6 +6,7 @@ import math
 from typing import Final
 
 from hybond.engine.engine import OK, Engine
+from hybond.engine.laws.law_instant import NO_LAW_VALUE, quantity
 from hybond.engine.laws.law_records import Ports
 from hybond.engine.laws.ports import open_mode, partner_row
 from hybond.engine.mode.reach import reach_of
@@ -54,7 +55,11 @@ def measure_step(e: Engine, s: Stepping, p: Ports, h: float) -> None:
 
 
 def measure_laws(e: Engine, s: Stepping, p: Ports) -> None:
-    """Find what that which a law gives is measured by: the largest effort or flow on its island."""
+    """Find what that which a law gives is measured by: the largest effort or flow on its island.
+
+    Friction is able to hold its limit. Where everything is at rest what it gives is rounding of
+    that, and all else there is no more.
+    """
     m = e.model
     effort = s.most_effort
     flow = s.most_flow
@@ -70,6 +75,10 @@ def measure_laws(e: Engine, s: Stepping, p: Ports) -> None:
         is_effort = (m.junction_kind[m.port_junction[k]] == 0) == (p.given[k] == COMMON)
         size = effort[i] if is_effort else flow[i]
         s.unit[k] = size if size > 0.0 else 1.0
+        s.able[k] = s.unit[k]
+        if m.port_limit[k] != NO_LAW_VALUE and p.given[k] != COMMON:
+            limit = math.fabs(quantity(m, m.port_limit, m.port_limit_constant, k, s.v0))
+            s.able[k] = max(s.able[k], limit if math.isfinite(limit) else 0.0)
 
 
 def island_of_port(m: Model, k: int) -> int:

@@ -62,6 +62,7 @@ from hybond.engine.timestepping.step_laws import (
 )
 from hybond.engine.timestepping.step_records import Coupled, Stepping
 from hybond.engine.timestepping.step_sizes import measure_rounding, measure_step
+from hybond.engine.timestepping.touching_held import hold_touching
 from hybond.engine.words import Floats, Ints
 
 NEWTON_ROUNDS: Final = 40
@@ -373,7 +374,7 @@ def advance_newton(e: Engine, s: Stepping, p: Ports, c: Coupled) -> float:
             gain = c.gain.at[b * m.ports + j]
             if math.fabs(s.l[j] - s.free[j]) > s.rounded[j]:
                 rest += gain * (s.l[j] - s.free[j])
-            scale += math.fabs(gain) * (math.fabs(s.l[j]) + LAW_DUST_PART * s.unit[j])
+            scale += math.fabs(gain) * (math.fabs(s.l[j]) + LAW_DUST_PART * s.able[j])
         if scale > 0.0:
             update = max(update, 1e-2 * math.fabs(rest) / scale)
     return update
@@ -390,6 +391,8 @@ def finish_step(e: Engine, s: Stepping, p: Ports, t1: float, h: float) -> None:
     w = e.work.w
     for b in range(2 * m.bonds):
         s.w[b] = w[b]
+    if m.ports > 0:
+        hold_touching(e, s, p, h)
     meter_step(m, s, h)
     balance_step(e, s)
     for k in range(m.ports):
