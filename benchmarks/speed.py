@@ -1,6 +1,6 @@
 """How far hybond and others are from hand-written C.
 
-    python benchmarks/speed.py [P1 P3 ...] [--full] [--write table.md] [--plot bars.svg]
+    python benchmarks/speed.py [P1 P3 ...] [--full] [--write table.md] [--plot bars.svg] [--renew]
 
 Each problem is a model beside a C program that does the same job (`benchmarks/limit/`): the same
 equations, Dormand and Prince at the same relative tolerance or a better method, the same guards on
@@ -8,7 +8,7 @@ the dense output, every event stored with its time, mode and state, 1,000 output
 tools do it as their users write it; those that are not installed are left out.
 
 A time is marginal: the slope between two lengths of run, tools taking turns, the median of the
-turns. Beside it are what a run costs apart from its length (nothing where its first part is the
+turns. `--renew` on an idle machine puts all of it into the page. Beside it are what a run costs apart from its length (nothing where its first part is the
 cheaper one, so that there is no such number), and how far the end is from a closed form, or from a
 run of the C program with a far smaller tolerance (that of P5 has none, being exact).
 """
@@ -21,9 +21,11 @@ from pathlib import Path
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # the matrices are small
 
-from measuring.report import bars, growth, markdown, plain
+from measuring.report import bars, growth, markdown, plain, renewed
 from measuring.slopes import TURNS, measured
 from problems import ASKED, PROBLEMS
+
+PAGE = Path(__file__).parents[1] / "docs" / "speed.md"
 
 
 def main() -> None:
@@ -37,6 +39,9 @@ def main() -> None:
     parser.add_argument("--tools", nargs="+", help="these only; ratios need C among them")
     parser.add_argument("--write", type=Path, metavar="FILE.md", help="the table in Markdown")
     parser.add_argument("--plot", type=Path, metavar="FILE.svg", help="ratios as bars")
+    parser.add_argument(
+        "--renew", action="store_true", help="write the table and the bars of docs/speed.md"
+    )
     options = parser.parse_args()
     known = PROBLEMS | ASKED
     if unknown := set(options.problems) - set(known):
@@ -53,6 +58,9 @@ def main() -> None:
         options.write.write_text(markdown(groups), encoding="utf-8")
     if options.plot:
         bars(groups, options.plot)
+    if options.renew:
+        PAGE.write_text(renewed(PAGE.read_text(encoding="utf-8"), groups), encoding="utf-8")
+        bars(groups, PAGE.parent / "img" / "speed.svg")
 
 
 if __name__ == "__main__":

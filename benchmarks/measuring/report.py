@@ -90,6 +90,13 @@ def markdown(groups: list[list[Cost]]) -> str:
     return "\n".join([*lines, "", *(f"- {n}" for n in [*notes, *growth(groups)]), ""])
 
 
+def renewed(page: str, groups: list[list[Cost]]) -> str:
+    """Return a page whose table, with what stands below it up to the picture, is a new one."""
+    begin = page.index("| problem |")
+    end = page.index("![", begin)
+    return f"{page[:begin]}{markdown(groups)}\n{page[end:]}"
+
+
 def bars(groups: list[list[Cost]], path: Path) -> None:
     """Draw the ratios to C, one group of bars a problem, on a logarithmic scale."""
     import matplotlib

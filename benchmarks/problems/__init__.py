@@ -6,8 +6,8 @@ from collections.abc import Callable
 
 from measuring.problem import Problem
 
-from problems import ball, buck, cold, contacts, cradle, ensemble, friction
-from problems import ladder, rectifier, stiff, stop
+from problems import ball, buck, cells, cold, contacts, cradle, ensemble, friction
+from problems import ladder, netlist, rectifier, stiff, stop
 
 DIODES, MORE_DIODES = (4, 20, 50, 200), (4, 20, 50, 100, 200)
 
@@ -24,6 +24,8 @@ PROBLEMS: dict[str, Callable[[bool], list[Problem]]] = {
     "P10": lambda full: [friction.located(full)],
     "P11": lambda full: [friction.stepped(full)],
     "P12": lambda full: [cradle.problem(full)],
+    "P13": netlist.problems,
+    "P14": lambda full: [cells.problem(full)],
 }
 """By key; some come in several sizes."""
 ASKED: dict[str, Callable[[bool], list[Problem]]] = {
