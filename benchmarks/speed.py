@@ -8,9 +8,11 @@ the dense output, every event stored with its time, mode and state, 1,000 output
 tools do it as their users write it; those that are not installed are left out.
 
 A time is marginal: the slope between two lengths of run, tools taking turns, the median of the
-turns. `--renew` on an idle machine puts all of it into the page. Beside it are what a run costs apart from its length (nothing where its first part is the
+turns. Beside it are what a run costs apart from its length (nothing where its first part is the
 cheaper one, so that there is no such number), and how far the end is from a closed form, or from a
-run of the C program with a far smaller tolerance (that of P5 has none, being exact).
+run of the C program with a far smaller tolerance (those of P5 and P11 have none: one is exact, the
+other takes the same steps). Netlists (P13) are measured by what ngspice takes for the same deck.
+`--renew`, on an idle machine, puts the table and its bars into docs/speed.md.
 """
 
 from __future__ import annotations
@@ -43,6 +45,8 @@ def main() -> None:
         "--renew", action="store_true", help="write the table and the bars of docs/speed.md"
     )
     options = parser.parse_args()
+    if options.renew and (options.problems or options.tools):
+        parser.error("--renew is of all problems and tools: the page has one table")
     known = PROBLEMS | ASKED
     if unknown := set(options.problems) - set(known):
         parser.error(f"no problem {', '.join(sorted(unknown))}; there are {', '.join(known)}")

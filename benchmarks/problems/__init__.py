@@ -6,8 +6,21 @@ from collections.abc import Callable
 
 from measuring.problem import Problem
 
-from problems import ball, buck, cells, cold, contacts, cradle, ensemble, friction
-from problems import ladder, netlist, rectifier, stiff, stop
+from problems import (
+    ball,
+    buck,
+    cells,
+    cold,
+    contacts,
+    cradle,
+    ensemble,
+    friction,
+    ladder,
+    netlist,
+    rectifier,
+    stiff,
+    stop,
+)
 
 DIODES, MORE_DIODES = (4, 20, 50, 200), (4, 20, 50, 100, 200)
 

@@ -24,6 +24,8 @@ D1 bin aout DI
 D2 aout bout DI
 .ends
 .model DI D(IS=1e-14 N=0.01 RS=1)
+.tran 0.5u 5m 0 0.1u uic
+.end
 """
 
 
@@ -36,7 +38,7 @@ def ladder(stages: int) -> str:
     """Return a Cockcroft-Walton multiplier of so many stages, two diodes each."""
     cells = [f"X{k} a{k - 1} b{k - 1} a{k} b{k} stage" for k in range(1, stages + 1)]
     top = f"R1 b{stages} 0 1meg\nVb b0 0 0\nV1 a0 0 SIN(0 100 10k)\n"
-    return "multiplier\n" + top + "\n".join(cells) + "\n" + STAGE + ".tran 0.5u 5m 0 0.1u uic\n.end\n"
+    return "multiplier\n" + top + "\n".join(cells) + "\n" + STAGE
 
 
 @cache
