@@ -90,6 +90,13 @@ def markdown(groups: list[list[Cost]]) -> str:
     return "\n".join([*lines, "", *(f"- {n}" for n in [*notes, *growth(groups)]), ""])
 
 
+def renewed(page: str, groups: list[list[Cost]]) -> str:
+    """Return a page whose table, with what stands below it up to the picture, is a new one."""
+    begin = page.index("| problem |")
+    end = page.index("![", begin)
+    return f"{page[:begin]}{markdown(groups)}\n{page[end:]}"
+
+
 def bars(groups: list[list[Cost]], path: Path) -> None:
     """Draw the ratios to C, one group of bars a problem, on a logarithmic scale."""
     import matplotlib
@@ -122,7 +129,7 @@ def bars(groups: list[list[Cost]], path: Path) -> None:
     axes.set_xlim(min(low, 1.0), high * 10.0)  # room for the text beside the longest bar
     axes.set_yticks(ticks, names, fontsize=8)
     axes.set_xlabel(
-        "marginal time, as a multiple of that of hand-written C (P8: of an empty Python)"
+        "marginal time, as a multiple of that of hand-written C (P8: empty Python, P13: ngspice)"
     )
     axes.axvline(1.0, color="black", linewidth=0.8)
     for side in ("top", "right"):

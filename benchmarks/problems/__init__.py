@@ -6,9 +6,23 @@ from collections.abc import Callable
 
 from measuring.problem import Problem
 
-from problems import ball, buck, cold, contacts, ensemble, ladder, rectifier, stiff, stop
+from problems import (
+    ball,
+    buck,
+    cells,
+    cold,
+    contacts,
+    cradle,
+    ensemble,
+    friction,
+    ladder,
+    netlist,
+    rectifier,
+    stiff,
+    stop,
+)
 
-DIODES, MORE_DIODES = (4, 20, 50), (4, 20, 50, 100, 200)
+DIODES, MORE_DIODES = (4, 20, 50, 200), (4, 20, 50, 100, 200)
 
 PROBLEMS: dict[str, Callable[[bool], list[Problem]]] = {
     "P1": lambda full: [ball.problem(full)],
@@ -20,6 +34,11 @@ PROBLEMS: dict[str, Callable[[bool], list[Problem]]] = {
     "P7": lambda full: [ensemble.problem(full)],
     "P8": lambda full: [cold.problem(full)],
     "P9": lambda full: [contacts.problem(n, full) for n in (100, 1000)],
+    "P10": lambda full: [friction.located(full)],
+    "P11": lambda full: [friction.stepped(full)],
+    "P12": lambda full: [cradle.problem(full)],
+    "P13": netlist.problems,
+    "P14": lambda full: [cells.problem(full)],
 }
 """By key; some come in several sizes."""
 ASKED: dict[str, Callable[[bool], list[Problem]]] = {

@@ -1,6 +1,7 @@
 """Elimination knows how many digits it lost, and what is rounding: held against fractions."""
 
 import math
+import operator
 import sys
 from fractions import Fraction
 
@@ -8,7 +9,12 @@ import numpy as np
 import pytest
 
 from hybond.engine.mode.elimination import add_row, give
-from hybond.engine.mode.elimination_records import Elimination, make_elimination
+from hybond.engine.mode.elimination_of_another import repeat_elimination
+from hybond.engine.mode.elimination_records import (
+    Elimination,
+    begin_elimination,
+    make_elimination,
+)
 
 KNOWN = 2
 Matrix = list[list[Fraction]]
@@ -16,6 +22,7 @@ Matrix = list[list[Fraction]]
 
 def eliminated(rows: Matrix, n: int) -> Elimination:
     e = make_elimination(n, n + KNOWN)
+    begin_elimination(e)
     for row in rows:
         for k, c in enumerate(row):
             if c:
@@ -166,8 +173,43 @@ def test_gears_that_undo_each_other_but_for_rounding(
 ) -> None:
     # x = there y, y = back x: any x does if the two undo each other, else none but zero
     e = make_elimination(2, 2 + KNOWN)
+    begin_elimination(e)
     for row in ((1.0, -float(there)), (-float(back), 1.0)):
         for k, c in enumerate(row):
             give(e, k, c)
         add_row(e)
     assert (e.solved[0] + e.solved[1] == 1) is closes
+
+
+def test_one_that_only_keeps_another_gives_it_back_and_takes_no_room_to_add_rows() -> None:
+    def added(e: Elimination, coefficients: list[float]) -> None:
+        for k, c in enumerate(coefficients):
+            give(e, k, c)
+        add_row(e)
+
+    def rows(e: Elimination) -> list[dict[int, float]]:
+        places = [range(a, a + n) for a, n in zip(e.first, e.count, strict=True)]
+        return [{e.column.at[i]: e.entry.at[i] for i in own} for own in places]
+
+    first, second = [1.0, 3.0, 0.5, 0.0, 2.0], [0.7, -1.0, 4.0, 1.0, 0.0]
+    kept = make_elimination(3, 3 + KNOWN)
+    e = make_elimination(3, 3 + KNOWN)
+    begin_elimination(e)
+    added(e, first)
+    repeat_elimination(e, kept)
+    assert not kept.furnished
+    added(e, second)
+    once = rows(e)
+    begin_elimination(e)
+    added(e, second)
+    repeat_elimination(kept, e)
+    added(e, second)
+    assert rows(e) == once
+    # what is free and known at will: both rows hold
+    values = [0.3, -1.7, 2.9, 0.6, -0.8]
+    solved = [k for k in range(3) if e.solved[k]]
+    for k in solved:
+        values[k] = -sum(c * values[j] for j, c in once[k].items())
+    assert len(solved) == 2
+    for row in (first, second):
+        assert sum(map(operator.mul, row, values)) == pytest.approx(0.0, abs=1e-14)

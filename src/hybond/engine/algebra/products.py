@@ -3,7 +3,7 @@
 import math
 
 from hybond.engine.algebra.rounding import CANCELS
-from hybond.engine.words import Floats
+from hybond.engine.words import Floats, Ints
 
 
 def times_vector(m: int, n: int, a: Floats, x: Floats, y: Floats) -> None:
@@ -89,6 +89,12 @@ def copy_floats(n: int, a: Floats, b: Floats) -> None:
 
 def copy_part(n: int, a: Floats, first: int, b: Floats, at: int) -> None:
     """Copy n numbers of `a`, from `first` on, into `b`, from `at` on."""
+    for k in range(n):
+        b[at + k] = a[first + k]
+
+
+def copy_places(n: int, a: Ints, first: int, b: Ints, at: int) -> None:
+    """Do the same with whole numbers."""
     for k in range(n):
         b[at + k] = a[first + k]
 

@@ -151,10 +151,7 @@ class NativeModel:
                 number = tables.numbers[name]
                 setattr(self.record, name, int(number) if kind == "int" else float(number))
             elif kind == "Texts":
-                texts = [t.encode() for t in getattr(tables, _NAMES[name])] or [b""]
-                row = (ctypes.c_char_p * len(texts))(*texts)
-                self._kept.append(row)
-                setattr(self.record, name, ctypes.cast(row, ctypes.POINTER(ctypes.c_char_p)))
+                self._put_texts(name, [t.encode() for t in getattr(tables, _NAMES[name])] or [b""])
         self._put_all("Ints", ints, np.intc)
         numbers = {name: [*map(plain, floats[name])] for name in places("Floats")}
         self.floats = self._put_all("Floats", numbers, np.float64)
@@ -194,6 +191,16 @@ class NativeModel:
         record[[*at.values()]] = whole.ctypes.data + whole.itemsize * np.array(begins)
         ends = [*begins[1:], len(whole)]
         return {name: whole[a:b] for name, a, b in zip(at, begins, ends, strict=True)}
+
+    def _put_texts(self, name: str, texts: Sequence[bytes]) -> None:
+        """Put texts one behind the other in one piece of memory, and where each begins."""
+        whole = np.frombuffer(b"\0".join(texts) + b"\0", dtype=np.uint8)
+        begins = np.zeros(len(texts), dtype=np.uintp)
+        np.cumsum([len(t) + 1 for t in texts[:-1]], out=begins[1:])
+        begins += whole.ctypes.data
+        self._kept += [whole, begins]
+        pointer = ctypes.POINTER(ctypes.c_char_p)
+        setattr(self.record, name, ctypes.cast(begins.ctypes.data, pointer))
 
     def _put(self, name: str, column: NDArray[Any], kind: Any) -> None:
         self._kept.append(column)

@@ -108,6 +108,10 @@ def rates_of_linear(
     for i in range(m.storages):
         at = rate_bond(m, i)
         r.field_size[i] = row_size(mode.finite, mode.same[at], e.work.xi) + math.fabs(bonds[at])
+    # the last ones are ports, of which there may be many
+    sources = mode.sources
+    while sources > 0 and mode.source[sources - 1] < 0:
+        sources -= 1
     for k in range(m.ports):
         total = 0.0
         size = 0.0
@@ -116,7 +120,7 @@ def rates_of_linear(
             total += seen * r.field[i]
             size += math.fabs(seen) * r.field_size[i]
         push = 0.0
-        for s in range(mode.sources):
+        for s in range(sources):
             source = mode.source[s]
             if source >= 0 and m.source_rate[source] >= 0:
                 through = p.through[k * m.most_sources + s]

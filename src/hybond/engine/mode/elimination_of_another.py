@@ -6,6 +6,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import grow_block, grow_places
+from hybond.engine.algebra.products import copy_part, copy_places
 from hybond.engine.mode.elimination import (
     append_entry,
     drop_zeros,
@@ -35,19 +36,25 @@ def copy_elimination(source: Elimination, e: Elimination) -> None:
         e.weight[k] = source.weight[k]
         e.solved[k] = source.solved[k]
         e.order[k] = source.order[k]
-        if source.count[k] > 0:
-            make_room(e, k, source.count[k])
-        for i in range(source.count[k]):
-            column = source.column.at[source.first[k] + i]
-            e.column.at[e.first[k] + i] = column
-            e.entry.at[e.first[k] + i] = source.entry.at[source.first[k] + i]
-            e.rest.at[e.first[k] + i] = source.rest.at[source.first[k] + i]
-            e.loss.at[e.first[k] + i] = source.loss.at[source.first[k] + i]
-            e.one_drift.at[e.first[k] + i] = source.one_drift.at[source.first[k] + i]
-            e.other_drift.at[e.first[k] + i] = source.other_drift.at[source.first[k] + i]
+        many = source.count[k]
+        if many > 0:
+            make_room(e, k, many)
+            copy_entries(source, source.first[k], e, e.first[k], many)
+        for i in range(many):
+            column = e.column.at[e.first[k] + i]
             if column < e.unknowns:
                 note_user(e, column, k)
-        e.count[k] = source.count[k]
+        e.count[k] = many
+
+
+def copy_entries(source: Elimination, at: int, e: Elimination, to: int, many: int) -> None:
+    """Copy so many entries from a place in another elimination to one in this, array by array."""
+    copy_places(many, source.column.at, at, e.column.at, to)
+    copy_part(many, source.entry.at, at, e.entry.at, to)
+    copy_part(many, source.rest.at, at, e.rest.at, to)
+    copy_part(many, source.loss.at, at, e.loss.at, to)
+    copy_part(many, source.one_drift.at, at, e.one_drift.at, to)
+    copy_part(many, source.other_drift.at, at, e.other_drift.at, to)
 
 
 def repeat_elimination(source: Elimination, e: Elimination) -> None:
@@ -76,18 +83,11 @@ def repeat_elimination(source: Elimination, e: Elimination) -> None:
     grow_block(e.loss, e.end)
     grow_block(e.one_drift, e.end)
     grow_block(e.other_drift, e.end)
-    for i in range(e.end):
-        e.column.at[i] = source.column.at[i]
-        e.entry.at[i] = source.entry.at[i]
-        e.rest.at[i] = source.rest.at[i]
-        e.loss.at[i] = source.loss.at[i]
-        e.one_drift.at[i] = source.one_drift.at[i]
-        e.other_drift.at[i] = source.other_drift.at[i]
+    copy_entries(source, 0, e, 0, e.end)
     grow_places(e.cell_row, e.cells)
     grow_places(e.cell_next, e.cells)
-    for i in range(e.cells):
-        e.cell_row.at[i] = source.cell_row.at[i]
-        e.cell_next.at[i] = source.cell_next.at[i]
+    copy_places(e.cells, source.cell_row.at, 0, e.cell_row.at, 0)
+    copy_places(e.cells, source.cell_next.at, 0, e.cell_next.at, 0)
 
 
 def put_in(e: Elimination, known: Elimination, shift: int, told: Ints) -> None:

@@ -23,6 +23,10 @@ class Elimination:
     """
 
     unknowns: int
+    columns: int
+    """How many there are, unknowns and knowns."""
+    furnished: bool
+    """Whether there is room for rows: what only repeats others, or is never asked, has none."""
     same: Ints
     """The first of the unknowns that each one is equal to."""
     solved: Ints
@@ -85,21 +89,23 @@ class Elimination:
 
 
 def make_elimination(unknowns: int, columns: int) -> Elimination:
-    """Return room for an elimination of so many unknowns and columns."""
+    """Return an elimination of so many unknowns and columns; room for rows is made at need."""
     e = Elimination()
     e.unknowns = unknowns
+    e.columns = columns
+    e.furnished = False
     e.same = ints(unknowns)
     e.solved = ints(unknowns)
     e.order = ints(unknowns)
     e.first = ints(unknowns)
     e.count = ints(unknowns)
     e.room = ints(unknowns)
-    e.column = make_places(SMALLEST * unknowns)
-    e.entry = make_block(SMALLEST * unknowns)
-    e.rest = make_block(SMALLEST * unknowns)
-    e.loss = make_block(SMALLEST * unknowns)
-    e.one_drift = make_block(SMALLEST * unknowns)
-    e.other_drift = make_block(SMALLEST * unknowns)
+    e.column = make_places(1)
+    e.entry = make_block(1)
+    e.rest = make_block(1)
+    e.loss = make_block(1)
+    e.one_drift = make_block(1)
+    e.other_drift = make_block(1)
     e.read = ints(unknowns)
     e.last = ints(unknowns)
     e.weight = floats(unknowns)
@@ -107,27 +113,48 @@ def make_elimination(unknowns: int, columns: int) -> Elimination:
         e.weight[k] = 1.0
     e.used = ints(unknowns)
     e.user = ints(unknowns)
-    e.cell_row = make_places(SMALLEST * unknowns)
-    e.cell_next = make_places(SMALLEST * unknowns)
-    e.total = floats(columns)
-    e.over = floats(columns)
-    e.size = floats(columns)
-    e.lost = floats(columns)
-    e.one_off = floats(columns)
-    e.other_off = floats(columns)
-    e.met = ints(columns)
-    e.mark = ints(columns)
-    e.place = ints(columns)
-    for k in range(columns):
-        e.place[k] = NOWHERE
-    e.given_column = ints(columns)
-    e.given_value = floats(columns)
-    begin_elimination(e)
+    e.cell_row = make_places(1)
+    e.cell_next = make_places(1)
+    forget_rows_of(e)
     return e
+
+
+def furnish(e: Elimination) -> None:
+    """Make the room that adding rows takes."""
+    e.furnished = True
+    many = SMALLEST * e.unknowns
+    e.column = make_places(many)
+    e.entry = make_block(many)
+    e.rest = make_block(many)
+    e.loss = make_block(many)
+    e.one_drift = make_block(many)
+    e.other_drift = make_block(many)
+    e.cell_row = make_places(many)
+    e.cell_next = make_places(many)
+    e.total = floats(e.columns)
+    e.over = floats(e.columns)
+    e.size = floats(e.columns)
+    e.lost = floats(e.columns)
+    e.one_off = floats(e.columns)
+    e.other_off = floats(e.columns)
+    e.met = ints(e.columns)
+    e.mark = ints(e.columns)
+    e.place = ints(e.columns)
+    for k in range(e.columns):
+        e.place[k] = NOWHERE
+    e.given_column = ints(e.columns)
+    e.given_value = floats(e.columns)
 
 
 def begin_elimination(e: Elimination) -> None:
     """Forget all rows, and which unknowns are equal."""
+    if not e.furnished:
+        furnish(e)
+    forget_rows_of(e)
+
+
+def forget_rows_of(e: Elimination) -> None:
+    """Be as if no row had been added."""
     e.done = 0
     e.least = 1.0
     e.doubted = False

@@ -154,7 +154,8 @@ def add_steady(e: Engine, mode: Mode) -> None:
             add_balance(e, j, -1)
     for element in range(m.steady):
         add_laws(e, part_of(m, mode, element))
-    if is_steady(m, mode) and w.agreements == 0:
+    # where there is one mode nobody asks for them again
+    if m.machines + m.discrete > 0 and is_steady(m, mode) and w.agreements == 0:
         repeat_elimination(power, w.steady)
         repeat_elimination(w.table, w.steady_table)
         w.steady_known = True

@@ -5,7 +5,15 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.engine.algebra.blocks import Block, Rows, fit, fit_places, fit_rows
+from hybond.engine.algebra.blocks import (
+    Block,
+    Rows,
+    fit,
+    fit_places,
+    fit_rows,
+    grow_block,
+    grow_places,
+)
 from hybond.engine.algebra.separate import first_of, unite
 from hybond.engine.mode.elimination import is_free
 from hybond.engine.mode.elimination_records import NOWHERE, Elimination
@@ -84,17 +92,24 @@ def row_term_size(x: Elimination, i: int) -> float:
     return max(math.fabs(x.entry.at[i]), LOST * min(lost, moved + TWICE * lost))
 
 
+def known_entries(x: Elimination, same: Ints) -> int:
+    """Return how many entries there are in known columns, where equal unknowns share a row."""
+    entries = 0
+    free = False
+    for k in range(x.unknowns):
+        free = free or is_free(x, k)
+        if same[k] == k:
+            entries += x.count[k]
+    for k in range(x.unknowns if free else 0):
+        for i in range(x.first[k], x.first[k] + (x.count[k] if same[k] == k else 0)):
+            entries -= 1 if x.column.at[i] < x.unknowns else 0
+    return entries
+
+
 def take_rows(x: Elimination, knowns: int, same: Ints, rows: Rows) -> None:
     """Take what knowns give to each bond variable; equal ones share the row of the first."""
     n = x.unknowns
-    entries = 0
-    for k in range(n):
-        if same[k] != k:
-            continue
-        for i in range(x.first[k], x.first[k] + x.count[k]):
-            if x.column.at[i] >= n:
-                entries += 1
-    fit_rows(rows, n, entries)
+    fit_rows(rows, n, known_entries(x, same))
     entries = 0
     for k in range(n):
         rows.first.at[k] = entries
@@ -165,30 +180,30 @@ def take_free_rows(x: Elimination, frees: int, column: Ints, rows: Rows) -> None
     """Take the same as sparse rows."""
     for j in range(frees):
         x.place[column[j]] = j
-    entries = frees
-    for k in range(x.unknowns):
-        row = x.same[k]
-        entries += 1 if row != k and x.place[row] != NOWHERE else 0
-        for i in range(x.first[row], x.first[row] + x.count[row]):
-            entries += 1 if x.place[x.column.at[i]] != NOWHERE else 0
-    fit_rows(rows, x.unknowns, entries)
+    fit_rows(rows, x.unknowns, 0)
     entries = 0
     for k in range(x.unknowns):
         rows.first.at[k] = entries
         row = x.same[k]
         if x.place[row] != NOWHERE:
-            rows.column.at[entries] = x.place[row]
-            rows.value.at[entries] = 1.0
+            put_entry(rows, entries, x.place[row], 1.0)
             entries += 1
         for i in range(x.first[row], x.first[row] + x.count[row]):
             j = x.place[x.column.at[i]]
             if j != NOWHERE:
-                rows.column.at[entries] = j
-                rows.value.at[entries] = -x.entry.at[i]
+                put_entry(rows, entries, j, -x.entry.at[i])
                 entries += 1
     rows.first.at[x.unknowns] = entries
     for j in range(frees):
         x.place[column[j]] = NOWHERE
+
+
+def put_entry(rows: Rows, at: int, column: int, value: float) -> None:
+    """Put an entry behind all others; what it is measured by, nobody asks."""
+    grow_places(rows.column, at + 1)
+    grow_block(rows.value, at + 1)
+    rows.column.at[at] = column
+    rows.value.at[at] = value
 
 
 def take_free_rest(x: Elimination, mode: Mode) -> None:

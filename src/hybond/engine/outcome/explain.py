@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -120,16 +121,29 @@ class Explaining:
         self._ruled = [machine for machine, _ in ruled]
         self.surfaces = surfaces_of(graph)
         self._bonds = tables.bonds
-        rows = named_rows(graph)
-        self._names = rows.names
-        terms = np.bincount(rows.name, minlength=len(rows.names)).tolist()
-        self._terms: list[int] = terms
-        self._of_bond: dict[int, list[tuple[int, float]]] = {}
+
+    # what only impulses ask for is made when there is one: it has a row for each bond
+    @cached_property
+    def _named(self) -> NamedRows:
+        return named_rows(self.graph)
+
+    @cached_property
+    def _terms(self) -> list[int]:
+        """How many bond variables each name is a sum of."""
+        rows = self._named
+        found: list[int] = np.bincount(rows.name, minlength=len(rows.names)).tolist()
+        return found
+
+    @cached_property
+    def _of_bond(self) -> dict[int, list[tuple[int, float]]]:
+        """The names that each bond variable is in, and its sign there."""
+        rows = self._named
+        found: dict[int, list[tuple[int, float]]] = {}
         for name, variable, sign in zip(
             rows.name.tolist(), rows.variable.tolist(), rows.sign.tolist(), strict=True
         ):
-            self._of_bond.setdefault(variable, []).append((name, sign))
-        self._passing = self._passages()
+            found.setdefault(variable, []).append((name, sign))
+        return found
 
     def steps(self, found: Instants, k: int) -> tuple[Visit, ...]:
         """Return the modes visited at instant k."""
@@ -267,10 +281,12 @@ class Explaining:
                 totals[name] = totals.get(name, 0.0) + sign * area
                 # all terms of a sum are of one kind, and so is what counts as none
                 limits[name] = self._terms[name] * floor
-        return {self._names[n]: a for n, a in sorted(totals.items()) if abs(a) > limits[n]}
+        called = self._named.names
+        return {called[n]: a for n, a in sorted(totals.items()) if abs(a) > limits[n]}
 
-    def _passages(self) -> dict[int, list[tuple[int, int | None, str]]]:
-        """Return of bond variables what passes there: place, the node that must be OFF, name."""
+    @cached_property
+    def _passing(self) -> dict[int, list[tuple[int, int | None, str]]]:
+        """Of bond variables what passes there: place, the node that must be OFF, name."""
         bonds = len(self.graph.bonds)
         found: dict[int, list[tuple[int, int | None, str]]] = {}
         place = 0

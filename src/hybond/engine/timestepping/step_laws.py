@@ -298,13 +298,15 @@ def keeps_laws(e: Engine, s: Stepping, c: Coupled) -> bool:
     p = e.laws.problem
     n = p.n
     for k in range(n):
+        s.holding[k] = limit_of(s, p, k)
+    for k in range(n):
         w = p.moved[k] if p.role[k] == ONE_SIDED else p.q[k]
         size = math.fabs(w)
         able = 0.0
         for j in range(n):
             w += c.m.at[k * n + j] * s.l[j]
             size += math.fabs(c.m.at[k * n + j]) * math.fabs(s.l[j])
-            able += math.fabs(c.m.at[k * n + j]) * limit_of(s, p, j)
+            able += math.fabs(c.m.at[k * n + j]) * s.holding[j]
         s.wl[k] = w
         # beside friction that carries nothing there is rounding of what it could carry
         off = max(KEEPS * size, ROUNDED_VALUE * able)

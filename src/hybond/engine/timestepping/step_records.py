@@ -131,6 +131,8 @@ class Stepping:
     doubt: Floats
     rounded: Floats
     """What rounding of its `w` makes of each `l`."""
+    holding: Floats
+    """What the friction of each law may hold at most, with the `l` that were found."""
     l: Floats
     wl: Floats
     branch: Ints
@@ -214,6 +216,7 @@ def make_stepping(m: Model) -> Stepping:
     s.free = floats(n)
     s.doubt = floats(n)
     s.rounded = floats(n)
+    s.holding = floats(n)
     s.l = floats(n)
     s.wl = floats(n)
     s.branch = ints(n)
