@@ -96,7 +96,6 @@ def rlcd(*, turned: bool = False) -> hb.Model:
     return m
 
 
-@pytest.mark.slow
 def test_the_diode_circuit_has_the_published_digits_and_converges() -> None:
     run = step_run(rlcd(), 0.005, 1e-5)
     assert float(run["c.e"].at(4.98e-3)) == pytest.approx(2.5143, abs=5e-5)
@@ -138,7 +137,6 @@ def bridge() -> hb.Model:
     return m
 
 
-@pytest.mark.slow
 def test_the_rectifier_bridge_has_the_published_digits() -> None:
     run = step_run(bridge(), 0.005, 1e-6)
     for t, v in (

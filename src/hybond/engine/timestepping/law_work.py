@@ -11,8 +11,9 @@ from hybond.engine.mode.part_energies import find_energies
 from hybond.engine.model import Model
 from hybond.engine.timestepping.step_records import Stepping
 
-GIVES_PART: Final = 1e-12
-"""Share of the largest energy of its part so far from which a law gives more than rounding."""
+GIVES_PART: Final = 0.05
+"""Share of the largest energy of its part so far that a law may give in a step. What conducts more
+and more gives what the resistor beside it takes: of second order in the step."""
 
 
 def none_carries(m: Model, s: Stepping) -> bool:
@@ -35,7 +36,7 @@ def work_of_laws(e: Engine, s: Stepping, p: Ports, h: float) -> float:
 
 
 def laws_give(e: Engine, s: Stepping) -> bool:
-    """Whether any law gave energy in a step, but one that rebounds, whose velocity is averaged."""
+    """Whether any law gave much in a step, but one that rebounds, whose velocity is averaged."""
     m = e.model
     h = s.now.h
     mode = open_mode(e, e.laws.now)
