@@ -86,6 +86,8 @@ class Work:
     swung: Block
     """Where full steps have ended: a root that they swing about, if `swings` is not 0."""
     swings: int
+    flat_sides: bool
+    """Whether slopes of laws at a corner are those of the side where they are flat."""
     takes_rounding: bool
     """Whether shorter steps may end where no part of one helps if all laws hold to rounding."""
     met_rounding: bool
@@ -281,6 +283,7 @@ def make_work(m: Model) -> Work:
     w.trial = make_block(1)
     w.swung = make_block(1)
     w.swings = 0
+    w.flat_sides = False
     w.takes_rounding = False
     w.met_rounding = False
     w.slopes_there = make_block(1)

@@ -13,6 +13,7 @@ from typing import Final
 from hybond.engine.algebra.blocks import fit
 from hybond.engine.algebra.products import all_finite, times_cancelling
 from hybond.engine.engine import Engine
+from hybond.engine.mode.flat_sides import is_at_flat_side
 from hybond.engine.mode.freedom import directions_left
 from hybond.engine.mode.leakage import least_leakage, project
 from hybond.engine.mode.mode_records import Mode
@@ -38,7 +39,7 @@ def least_of_free(e: Engine, mode: Mode, v: Floats, w: Floats) -> None:
     """
     work = e.work
     n = 2 * e.model.bonds
-    if mode.regular:
+    if mode.regular and not may_end(e, mode, v, w):
         mode.loose = 0
         mode.leakage.stages = 0
         return
@@ -61,6 +62,14 @@ def least_of_free(e: Engine, mode: Mode, v: Floats, w: Floats) -> None:
         w[k] = work.moved.at[k]
         if part < 1.0:
             w[k] = work.begun.at[k] + part * (work.moved.at[k] - work.begun.at[k])
+
+
+def may_end(e: Engine, mode: Mode, v: Floats, w: Floats) -> bool:
+    """Whether a law is at a corner beside which it is flat."""
+    if e.model.flats == 0:
+        return False
+    write_bonds(e, v, w)
+    return is_at_flat_side(e, mode, v, w)
 
 
 def end_of_way(e: Engine, mode: Mode, v: Floats, w: Floats, most: float) -> float:
@@ -123,7 +132,9 @@ def find_free(e: Engine, mode: Mode, v: Floats, w: Floats) -> None:
     work = e.work
     n = 2 * e.model.bonds
     frees = mode.finite_frees
+    work.flat_sides = e.model.flats > 0
     rows = system(e, mode, v, w)
+    work.flat_sides = False
     mode.loose = 0
     mode.leakage.stages = 0
     if not all_finite(rows * frees, work.jacobian.at):
