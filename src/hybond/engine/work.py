@@ -88,6 +88,8 @@ class Work:
     swings: int
     flat_sides: bool
     """Whether slopes of laws at a corner are those of the side where they are flat."""
+    kept_at_corner: Places
+    """Of each row: whether it is kept at a corner, so that its slope is that of the other side."""
     takes_rounding: bool
     """Whether shorter steps may end where no part of one helps if all laws hold to rounding."""
     met_rounding: bool
@@ -284,6 +286,7 @@ def make_work(m: Model) -> Work:
     w.swung = make_block(1)
     w.swings = 0
     w.flat_sides = False
+    w.kept_at_corner = make_places(1)
     w.takes_rounding = False
     w.met_rounding = False
     w.slopes_there = make_block(1)

@@ -74,7 +74,9 @@ def _nearby(y: tuple[float, ...]) -> tuple[float, ...]:
 def _of_binary(e: Binary, below: list[Expr]) -> Expr:
     a, b = e.left, e.right
     if e.op in "+-":
-        return _sum(below[0], below[1])
+        bound = _sum(below[0], below[1])
+        # beside a number, which adds nothing itself, a sum is rounded to what it is
+        return _sum(bound, _size(e)) if _ZERO in below and bound != _ZERO else bound
     if e.op == "*":
         return _sum(_times(_size(b), below[0]), _times(_size(a), below[1]))
     if e.op == "/":
