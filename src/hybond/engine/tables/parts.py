@@ -12,7 +12,7 @@ from hybond.engine.tables.timestepping import put_steps
 from hybond.equations.calculus import bent, gradient, partial_time, reads_bonds
 from hybond.equations.element_parts import Dynamic, Part, Source
 from hybond.equations.isolated import isolated
-from hybond.equations.rounding import rounding
+from hybond.equations.rounding import rounding, rounding_of_law
 from hybond.equations.surfaces import moves
 from hybond.model.expressions import (
     Binary,
@@ -198,7 +198,7 @@ def _dynamics(t: ModelTables, rows: list[Dynamic]) -> None:
     t.ints["dynamic_affine"] = [int(not _bent(d)) for d in rows]
     t.ints["dynamic_jumps"] = [_turns_on_dust(d) for d in rows]
     t.ints["dynamic_rounding"] = [
-        t.values.number(rounding(d.expression), f"law of {g.nodes[d.node].path}, its terms")
+        t.values.number(rounding_of_law(d.expression), f"law of {g.nodes[d.node].path}, its terms")
         for d in rows
     ]
     partners = [d.partner for d in rows]
