@@ -49,12 +49,8 @@ def keep_as_before(e: Engine, many: int, freedom: Floats) -> None:
         e.trial.was_freedom.at[i] = freedom[i]
 
 
-def is_indeterminate(e: Engine, rule: int, known: int) -> int:
-    """Return whether the truth of a guard is open in the trial: DECIDED, OPEN_NOW, OPEN_BEFORE.
-
-    `known` is what else is known of it, 2 if it fires: where it has been located it may do so
-    within rounding.
-    """
+def is_indeterminate(e: Engine, rule: int) -> int:
+    """Return whether the truth of a guard is open in the trial: DECIDED, OPEN_NOW, OPEN_BEFORE."""
     m = e.model
     trial = e.trial
     if m.decided != 0 and m.tells == 0:
@@ -62,12 +58,12 @@ def is_indeterminate(e: Engine, rule: int, known: int) -> int:
     if trial.loose == 0 and trial.was_loose == 0:
         return DECIDED
     show_trial(e, e.work.stack)
-    if turns(e, rule, known, e.v, 1.0, trial.loose, trial.freedom.at, ends_here(e)):
+    if turns(e, rule, e.v, 1.0, trial.loose, trial.freedom.at, ends_here(e)):
         return OPEN_NOW
-    if trial.jumps and turns(e, rule, 0, trial.jump, 0.0, trial.loose, trial.freedom.at, False):
+    if trial.jumps and turns(e, rule, trial.jump, 0.0, trial.loose, trial.freedom.at, False):
         # what is free at an instant is what impulses may share without moving anything
         return OPEN_NOW
-    if turns(e, rule, 0, e.pre, 1.0, trial.was_loose, trial.was_freedom.at, False):
+    if turns(e, rule, e.pre, 1.0, trial.was_loose, trial.was_freedom.at, False):
         return OPEN_BEFORE
     return DECIDED
 
@@ -81,7 +77,6 @@ def ends_here(e: Engine) -> bool:
 def turns(
     e: Engine,
     rule: int,
-    known: int,
     values: Floats,
     least: float,
     many: int,
@@ -90,8 +85,9 @@ def turns(
 ) -> bool:
     """Whether a guard, shown the trial, has another truth if `values` move as they are free to.
 
-    They move far beyond the largest of them, and beyond `least`; if that `ends`, as far as laws
-    hold: a relief valve through which nothing flows leaves the pressure open up to where it opens.
+    They move far beyond the largest of them, and beyond `least`; if that `ends` on neither side at
+    once, as far as laws hold: a relief valve through which nothing flows leaves the pressure open
+    up to where it opens.
     """
     m = e.model
     n = 2 * m.bonds
@@ -111,8 +107,11 @@ def turns(
         up = FAR * most
         down = -up
         if ends:
-            up = far_held(e, e.mode, kept, values, freedom, up)
-            down = far_held(e, e.mode, kept, values, freedom, down)
+            held_up = far_held(e, e.mode, kept, values, freedom, up)
+            held_down = far_held(e, e.mode, kept, values, freedom, down)
+            if held_up != 0.0 and held_down != 0.0:
+                up = held_up
+                down = held_down
         for k in range(n):
             # what is moved is known no better than how far it is moved
             size = 0.0
@@ -120,7 +119,7 @@ def turns(
                 for i in range(many):
                     size += math.fabs(freedom[k * many + i])
             terms[first + k] = kept[n + k] + max(up, -down) * size
-        truths = known
+        truths = 0
         for side in range(3):
             far = up * float(side // 2) + down * float((2 - side) // 2)
             for k in range(n):

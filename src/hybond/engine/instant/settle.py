@@ -390,8 +390,18 @@ def find_enabled(e: Engine, g: Settling, t: float) -> int:
 def rule_holds(e: Engine, t: float, k: int, r: int) -> int:
     """Return whether rule r of machine k holds in the trial, 1 or 0; -1 if it has no truth."""
     m = e.model
-    if not has_truth(e, r, 0):
-        return -1
+    open_at = is_indeterminate(e, r)
+    if open_at != DECIDED:
+        # how diodes in a row share what they block is nobody's choice
+        shared = m.rule_piece[r] != 0
+        if m.tells != 0 and (m.decided != 0 or shared):
+            warn_of_open(e, r, open_at)
+        elif not shared:
+            why = "a guard reads what the equations leave open"
+            say_fault(e, "HB-J102", why, rule_text(m, r))
+            if m.tells != 0:
+                tell_open_rule(e, r, open_at)
+            return -1
     stack = e.work.stack
     measure_trial(e, r)
     true = holds_from(m, r, stack, level_of(e, k, r))
@@ -402,28 +412,7 @@ def rule_holds(e: Engine, t: float, k: int, r: int) -> int:
         return -1
     kept = holds_on_sides(e, r)
     if kept == NOT_ASKED:
-        kept = 1 if true else 0
-    elif true and kept == 0:
+        return 1 if true else 0
+    if true and kept == 0:
         warn_of_kept(e, r, t)
-    if kept != 0 and e.trial.loose == 1 and not has_truth(e, r, 2):
-        return -1
     return kept
-
-
-def has_truth(e: Engine, r: int, known: int) -> bool:
-    """Whether the truth of rule r does not hang on what is open, or may be decided; else refuse."""
-    m = e.model
-    open_at = is_indeterminate(e, r, known)
-    if open_at == DECIDED:
-        return True
-    # how diodes in a row share what they block is nobody's choice
-    shared = m.rule_piece[r] != 0
-    if m.tells != 0 and (m.decided != 0 or shared):
-        warn_of_open(e, r, open_at)
-    elif not shared:
-        why = "a guard reads what the equations leave open"
-        say_fault(e, "HB-J102", why, rule_text(m, r))
-        if m.tells != 0:
-            tell_open_rule(e, r, open_at)
-        return False
-    return True
