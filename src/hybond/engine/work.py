@@ -88,6 +88,12 @@ class Work:
     swings: int
     flat_sides: bool
     """Whether slopes of laws at a corner are those of the side where they are flat."""
+    in_step: bool
+    """Whether nothing is shown or decided by what is solved for but rates."""
+    flat_about: bool
+    """Whether a slope that was looked at is zero there, or just beside."""
+    kind_beside: Floats
+    """By kinds of bond variables: how far one is moved to be beside a corner."""
     kept_at_corner: Places
     """Of each row: whether it is kept at a corner, so that its slope is that of the other side."""
     takes_rounding: bool
@@ -286,6 +292,9 @@ def make_work(m: Model) -> Work:
     w.swung = make_block(1)
     w.swings = 0
     w.flat_sides = False
+    w.flat_about = False
+    w.kind_beside = floats(max(m.classes, 1))
+    w.in_step = False
     w.kept_at_corner = make_places(1)
     w.takes_rounding = False
     w.met_rounding = False

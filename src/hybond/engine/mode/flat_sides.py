@@ -25,10 +25,22 @@ def is_any_at_corner(e: Engine, mode: Mode, v: Floats, w: Floats) -> bool:
 
     The last step of Newton, which ends there, has had the slopes of where it began.
     """
-    found = False
+    measure_kinds(e, w)
     for i in range(mode.dynamics):
-        found = found or is_at_corner(e, mode, i, v, w)
-    return found
+        if is_at_corner(e, mode, i, v, w):
+            return True
+    return False
+
+
+def measure_kinds(e: Engine, w: Floats) -> None:
+    """Put how far a variable is moved to be beside a corner into `e.work.kind_beside`, by kinds."""
+    m = e.model
+    near = e.work.kind_beside
+    for c in range(m.classes):
+        near[c] = LEAST
+    for k in range(2 * m.bonds):
+        c = m.bond_class[k]
+        near[c] = max(near[c], BESIDE * math.fabs(w[k]))
 
 
 def take_flat_sides(e: Engine, mode: Mode, v: Floats, w: Floats) -> None:
@@ -38,63 +50,46 @@ def take_flat_sides(e: Engine, mode: Mode, v: Floats, w: Floats) -> None:
     """
     m = e.model
     n = 2 * m.bonds
+    measure_kinds(e, w)
     for i in range(mode.dynamics):
         d = mode.dynamic[i]
         if d >= 0:
             for p in range(m.slope_first[d], m.slope_first[d + 1]):
                 if m.slope_flat[p] != 0:
-                    at = i * n + m.slope_column[p]
-                    if e.work.kept_at_corner.at[i] != 0:
-                        e.work.slopes.at[at] = steepest_beside(e, p, v, w)
-                    elif ends_beside(e, p, v, w):
-                        e.work.slopes.at[at] = 0.0
+                    most = steepest_about(e, p, v, w)
+                    if e.work.flat_about:
+                        kept = e.work.kept_at_corner.at[i] != 0
+                        e.work.slopes.at[i * n + m.slope_column[p]] = most if kept else 0.0
 
 
 def is_at_corner(e: Engine, mode: Mode, i: int, v: Floats, w: Floats) -> bool:
-    """Whether row i is a law at such a corner."""
+    """Whether row i is a law at such a corner, after `measure_kinds`."""
     m = e.model
     d = mode.dynamic[i]
     if d < 0:
         return False
     for p in range(m.slope_first[d], m.slope_first[d + 1]):
-        if m.slope_flat[p] != 0 and is_flat_beside(e, p, v, w):
-            return steepest_beside(e, p, v, w) != 0.0
+        if m.slope_flat[p] != 0 and steepest_about(e, p, v, w) != 0.0 and e.work.flat_about:
+            return True
     return False
 
 
-def ends_beside(e: Engine, p: int, v: Floats, w: Floats) -> bool:
-    """Whether slope p, which is not zero, is so just beside the bond variable that it is by."""
-    return value(e.model, e.model.slope_value[p], v) != 0.0 and is_flat_beside(e, p, v, w)
+def steepest_about(e: Engine, p: int, v: Floats, w: Floats) -> float:
+    """Return slope p here or just beside, where there is most of it.
 
-
-def is_flat_beside(e: Engine, p: int, v: Floats, w: Floats) -> bool:
-    """Whether slope p is zero on either side."""
-    ends = False
-    for side in range(2):
-        ends = ends or slope_beside(e, p, side, v, w) == 0.0
-    return ends
-
-
-def steepest_beside(e: Engine, p: int, v: Floats, w: Floats) -> float:
-    """Return slope p on the side where there is more of it."""
-    most = value(e.model, e.model.slope_value[p], v)
-    for side in range(2):
-        slope = slope_beside(e, p, side, v, w)
-        if math.fabs(slope) > math.fabs(most):
-            most = slope
-    return most
-
-
-def slope_beside(e: Engine, p: int, side: int, v: Floats, w: Floats) -> float:
-    """Return slope p on one side of the bond variable that it is by."""
+    Whether it is zero in another of these places is in `e.work.flat_about`.
+    """
     m = e.model
     k = m.slope_column[p]
-    most = 0.0
-    for j in range(2 * m.bonds):
-        if m.bond_class[j] == m.bond_class[k]:
-            most = max(most, math.fabs(w[j]))
-    near = max(BESIDE * most, LEAST)
-    v[m.bond_slot + k] = w[k] + near if side == 0 else w[k] - near
-    slope = value(m, m.slope_value[p], v)
+    most = value(m, m.slope_value[p], v)
+    e.work.flat_about = most == 0.0
+    near = e.work.kind_beside[m.bond_class[k]]
+    for side in range(2):
+        v[m.bond_slot + k] = w[k] + near if side == 0 else w[k] - near
+        slope = value(m, m.slope_value[p], v)
+        if slope == 0.0:
+            e.work.flat_about = True
+        if math.fabs(slope) > math.fabs(most):
+            most = slope
     v[m.bond_slot + k] = w[k]
-    return slope
+    return most

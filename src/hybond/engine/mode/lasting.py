@@ -21,7 +21,7 @@ def is_free_at_corners(e: Engine, mode: Mode, v: Floats, w: Floats) -> bool:
     work = e.work
     n = 2 * e.model.bonds
     frees = mode.finite_frees
-    if e.model.flats == 0 or mode.rank != mode.structures:
+    if e.model.flats == 0 or work.in_step or mode.rank != mode.structures:
         return False
     write_bonds(e, v, w)
     if not is_any_at_corner(e, mode, v, w):
