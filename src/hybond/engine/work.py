@@ -91,7 +91,7 @@ class Work:
     in_step: bool
     """Whether nothing is shown or decided by what is solved for but rates."""
     flat_about: bool
-    """Whether a slope that was looked at is zero there, or just beside."""
+    """Whether a slope that was looked at is zero just beside, on one side."""
     kind_beside: Floats
     """By kinds of bond variables: how far one is moved to be beside a corner."""
     kept_at_corner: Places

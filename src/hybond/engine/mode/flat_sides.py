@@ -77,12 +77,13 @@ def is_at_corner(e: Engine, mode: Mode, i: int, v: Floats, w: Floats) -> bool:
 def steepest_about(e: Engine, p: int, v: Floats, w: Floats) -> float:
     """Return slope p here or just beside, where there is most of it.
 
-    Whether it is zero in another of these places is in `e.work.flat_about`.
+    Whether it is zero on one side is in `e.work.flat_about`: one that is zero here alone, as of a
+    square at rest, is no flat side.
     """
     m = e.model
     k = m.slope_column[p]
     most = value(m, m.slope_value[p], v)
-    e.work.flat_about = most == 0.0
+    e.work.flat_about = False
     near = e.work.kind_beside[m.bond_class[k]]
     for side in range(2):
         v[m.bond_slot + k] = w[k] + near if side == 0 else w[k] - near
