@@ -55,6 +55,7 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
         enclosed            one law alone, between two signs
         beside_jumps, put_back  solutions just beside a jump; whether one holds
         freedom, undetermined, leakage    what a system leaves free, and laws; least leakage
+        flat_sides, lasting    laws at a corner beside which they are flat; what that leaves free
         storage, reach      co-energy, energy; what would have an energy
         storage_bonds       which bond variables are the rates of what is stored
         connected, part_energies    parts of the graph; how much energy there has been on each

@@ -135,6 +135,8 @@ class Model:
     slope_column: Ints
     slope_value: Ints
     slope_constant: Floats
+    slope_flat: Ints  # of a law that gives one variable of a bond: whether it is zero on a stretch
+    flats: int  # how many are
     frozen_first: Ints
     """Slopes with moduli held: what the structure is at an instant."""
     frozen_column: Ints

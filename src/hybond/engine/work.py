@@ -86,6 +86,16 @@ class Work:
     swung: Block
     """Where full steps have ended: a root that they swing about, if `swings` is not 0."""
     swings: int
+    flat_sides: bool
+    """Whether slopes of laws at a corner are those of the side where they are flat."""
+    in_step: bool
+    """Whether nothing is shown or decided by what is solved for but rates."""
+    flat_about: bool
+    """Whether a slope that was looked at is zero just beside, on one side."""
+    kind_beside: Floats
+    """By kinds of bond variables: how far one is moved to be beside a corner."""
+    kept_at_corner: Places
+    """Of each row: whether it is kept at a corner, so that its slope is that of the other side."""
     takes_rounding: bool
     """Whether shorter steps may end where no part of one helps if all laws hold to rounding."""
     met_rounding: bool
@@ -282,6 +292,11 @@ def make_work(m: Model) -> Work:
     w.trial = make_block(1)
     w.swung = make_block(1)
     w.swings = 0
+    w.flat_sides = False
+    w.flat_about = False
+    w.kind_beside = floats(max(m.classes, 1))
+    w.in_step = False
+    w.kept_at_corner = make_places(1)
     w.takes_rounding = False
     w.met_rounding = False
     w.slopes_there = make_block(1)

@@ -46,6 +46,27 @@ def rounding(e: Expr) -> Expr:
     return simplify(familiar(fold(stable(simplify(e)), _bound)))
 
 
+def rounding_of_law(e: Expr) -> Expr:
+    """Return the same of a law that is zero at a solution, sums with numbers counted.
+
+    ``(2*x - abs(x + 1) + abs(x - 1))/2`` is flat about zero, where what is left of it is the
+    rounding of 1: beside a number, which is exact, a sum is rounded to what it is.
+
+    Examples
+    --------
+    >>> from hybond.model.expressions import parse
+    >>> print(rounding_of_law(parse("a + 1")))
+    abs(a) + abs(a + 1)
+    """
+    return simplify(familiar(fold(stable(simplify(e)), _bound_of_law)))
+
+
+def _bound_of_law(e: Expr, prior: bool, below: list[Expr]) -> Expr:
+    bound = _bound(e, prior, below)
+    beside = isinstance(e, Binary) and e.op in "+-" and _ZERO in below and bound != _ZERO
+    return _sum(bound, _size(e)) if beside else bound
+
+
 def _bound(e: Expr, prior: bool, below: list[Expr]) -> Expr:
     """Return the bound of a node, given those of its subexpressions."""
     match e:

@@ -338,10 +338,22 @@ class _Reader:
                 where=self.where,
                 hint="{ table = [[-1, 0, 1], [-2, 0, 2]] }",
             )
-        x, y = (
-            tuple(constant(v, self.scope.parameters, self.where).value for v in row) for row in rows
-        )
+        argument = self.dimensions[f"law:{self._argument()}"]
+        x = self._row(rows[0], argument)
+        y = self._row(rows[1], self.effort if self.output == "e" else self.flow)
         return Table(self.locals[self._argument()], x, y, given.get("extrapolate", "error"))
+
+    def _row(self, values: Sequence[Any], expected: Dimension | None) -> tuple[float, ...]:
+        """Return a row of a table in SI, whose values with a unit are all of one kind."""
+        found = []
+        for value in values:
+            number = constant(value, self.scope.parameters, self.where)
+            given = number.dimension
+            if given is not None and expected is not None and given != expected:
+                raise self._wrong_unit(value, given, expected)
+            expected = expected or given
+            found.append(number.value)
+        return tuple(found)
 
     def _linear(self, expressions: tuple[Expr, ...]) -> tuple[tuple[float, ...], ...] | None:
         """Return the matrix if the law is linear, without offset, and constant."""

@@ -11,8 +11,10 @@ from hybond.model.hierarchy import Opened, Scope, constant
 from hybond.model.inputs import Called, Constant, Input, Pwm, Timetable, Waveform
 from hybond.model.parts import InputPart, Value
 from hybond.model.resolve import Resolver
-from hybond.units import Dimension
+from hybond.units import Dimension, parse_unit
 
+_TIME = parse_unit("s")[1]
+_PLAIN = Dimension()
 _ROUNDED = 1e-12
 """Part of a period that two sums of times may differ by and still be the same instant."""
 
@@ -54,6 +56,12 @@ def _input(index: int, path: str, scope: Scope, part: InputPart) -> Input:
             where=where,
             hint="leave it out; a pwm has its period within",
         )
+
+    def timed(value: Value, what: str) -> float:
+        found = number(value, what)
+        _fits(found.dimension, _TIME, f"{where}.{what}")
+        return found.value
+
     waveform: Waveform
     if part.constant is not None:
         level = number(part.constant, "constant")
@@ -71,6 +79,9 @@ def _input(index: int, path: str, scope: Scope, part: InputPart) -> Input:
                 hint="period, duty, high, low, phase",
             )
         values = {k: number(v, f"pwm.{k}") for k, v in part.pwm.items()}
+        for key, wanted in (("period", _TIME), ("phase", _TIME), ("duty", _PLAIN)):
+            if key in values:
+                _fits(values[key].dimension, wanted, f"{where}.pwm.{key}")
         waveform = Pwm(**{k: v.value for k, v in values.items()})
         if waveform.period <= 0 or not 0.0 <= waveform.duty <= 1.0:
             raise ModelError(
@@ -79,29 +90,48 @@ def _input(index: int, path: str, scope: Scope, part: InputPart) -> Input:
                 where=where,
                 hint="a positive period and a duty from 0 to 1",
             )
-        high = values.get("high")
-        return Input(index, path, waveform, high.dimension if high else None)
+        ends = [(values[k], f"pwm.{k}") for k in ("high", "low") if k in values]
+        return Input(index, path, waveform, _kind(ends, where))
     rows = list(part.table or ())
     if not rows or any(not isinstance(r, list | tuple) or len(r) != 2 for r in rows):
         raise ModelError(
             "a table is rows of [time, value]", code="HB-M150", where=where, hint="[[0, 1], [2, 5]]"
         )
-    times = [number(r[0], f"table[{k}][0]") for k, r in enumerate(rows)]
+    instants = [timed(r[0], f"table[{k}][0]") for k, r in enumerate(rows)]
     levels = [number(r[1], f"table[{k}][1]") for k, r in enumerate(rows)]
-    if any(b.value < a.value for a, b in pairwise(times)):
+    if any(b < a for a, b in pairwise(instants)):
         raise ModelError(
             "the times of a table must not decrease", code="HB-M150", where=where, hint="sort it"
         )
-    instants = [n.value for n in times]
     period = 0.0
     if part.period is not None:
-        period = number(part.period, "period").value
+        period = timed(part.period, "period")
         instants[-1] = _closing(instants, period, where)
     waveform = Timetable(
         tuple(instants), tuple(n.value for n in levels), linear=part.linear, period=period
     )
-    dimension = next((n.dimension for n in levels if n.dimension is not None), None)
-    return Input(index, path, waveform, dimension)
+    named = [(n, f"table[{k}][1]") for k, n in enumerate(levels)]
+    return Input(index, path, waveform, _kind(named, where))
+
+
+def _kind(levels: list[tuple[Number, str]], where: str) -> Dimension | None:
+    """Return what kind of quantity an input is: that of its values with a unit, which is one."""
+    kind = None
+    for level, what in levels:
+        _fits(level.dimension, kind, f"{where}.{what}")
+        kind = kind or level.dimension
+    return kind
+
+
+def _fits(given: Dimension | None, wanted: Dimension | None, where: str) -> None:
+    if given is not None and wanted is not None and given != wanted:
+        plain = wanted == _PLAIN
+        raise UnitError(
+            f"it is in {given}; this place wants {'a plain number' if plain else wanted}",
+            code="HB-U103",
+            where=where,
+            hint="give a number without a unit" if plain else f"give it in {wanted}",
+        )
 
 
 def _closing(times: list[float], period: float, where: str) -> float:

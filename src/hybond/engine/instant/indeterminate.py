@@ -14,6 +14,7 @@ from hybond.engine.engine import Engine
 from hybond.engine.expressions.paired import holds
 from hybond.engine.jumps.trial import measure_trial, show_trial
 from hybond.engine.mode.leakage import is_undetermined
+from hybond.engine.mode.undetermined import far_held
 from hybond.engine.reasons.facts import add_fact
 from hybond.engine.reasons.warned import LEFT_OPEN, add_about, begin_warning
 from hybond.engine.surfaces.averages import freedom_here
@@ -57,20 +58,36 @@ def is_indeterminate(e: Engine, rule: int) -> int:
     if trial.loose == 0 and trial.was_loose == 0:
         return DECIDED
     show_trial(e, e.work.stack)
-    if turns(e, rule, e.v, 1.0, trial.loose, trial.freedom.at):
+    if turns(e, rule, e.v, 1.0, trial.loose, trial.freedom.at, ends_here(e)):
         return OPEN_NOW
-    if trial.jumps and turns(e, rule, trial.jump, 0.0, trial.loose, trial.freedom.at):
+    if trial.jumps and turns(e, rule, trial.jump, 0.0, trial.loose, trial.freedom.at, False):
         # what is free at an instant is what impulses may share without moving anything
         return OPEN_NOW
-    if turns(e, rule, e.pre, 1.0, trial.was_loose, trial.was_freedom.at):
+    if turns(e, rule, e.pre, 1.0, trial.was_loose, trial.was_freedom.at, False):
         return OPEN_BEFORE
     return DECIDED
 
 
-def turns(e: Engine, rule: int, values: Floats, least: float, many: int, freedom: Floats) -> bool:
+def ends_here(e: Engine) -> bool:
+    """Whether laws that bend may end the one direction in which values are free."""
+    mode = e.mode
+    return e.trial.loose == 1 and e.slide.k == 0 and mode.finite_frees > 0 and not mode.affine
+
+
+def turns(
+    e: Engine,
+    rule: int,
+    values: Floats,
+    least: float,
+    many: int,
+    freedom: Floats,
+    ends: bool,
+) -> bool:
     """Whether a guard, shown the trial, has another truth if `values` move as they are free to.
 
-    They move far beyond the largest of them, and beyond `least`.
+    They move far beyond the largest of them, and beyond `least`; if that `ends` on neither side at
+    once, as far as laws hold: a relief valve through which nothing flows leaves the pressure open
+    up to where it opens.
     """
     m = e.model
     n = 2 * m.bonds
@@ -87,16 +104,24 @@ def turns(e: Engine, rule: int, values: Floats, least: float, many: int, freedom
     for j in range(many):
         if turned or not reads_along(e, rule, many, freedom, j):
             continue
+        up = FAR * most
+        down = -up
+        if ends:
+            held_up = far_held(e, e.mode, kept, values, freedom, up)
+            held_down = far_held(e, e.mode, kept, values, freedom, down)
+            if held_up != 0.0 and held_down != 0.0:
+                up = held_up
+                down = held_down
         for k in range(n):
             # what is moved is known no better than how far it is moved
             size = 0.0
             if freedom[k * many + j] != 0.0:
                 for i in range(many):
                     size += math.fabs(freedom[k * many + i])
-            terms[first + k] = kept[n + k] + FAR * most * size
+            terms[first + k] = kept[n + k] + max(up, -down) * size
         truths = 0
         for side in range(3):
-            far = FAR * most * float(side - 1)
+            far = up * float(side // 2) + down * float((2 - side) // 2)
             for k in range(n):
                 values[first + k] = kept[k] + far * freedom[k * many + j]
             truths = truths | truths_of(e, rule)

@@ -26,11 +26,12 @@ from hybond.engine.mode.newton_system import (
     by_free,
     is_zero,
     largest_of,
+    measured_system,
     system,
     take_rank,
     with_free,
 )
-from hybond.engine.mode.put_back import put_back
+from hybond.engine.mode.put_back import is_exact, put_back
 from hybond.engine.mode.sources_of_time import rate_of_source, value_of_source
 from hybond.engine.mode.storage import co_energy, co_energy_of
 from hybond.engine.reasons.facts import NO_ELEMENT, OVERFLOW, tell_law, tell_laws
@@ -204,7 +205,7 @@ def full_steps(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
         mode.regular = newton_step(e, rows, frees)
         if not mode.regular and stands_still(e, rows, frees):
             # after a step that was next to nothing, what cannot be reached may be rounding
-            return small and is_idle_reaction(e, mode, v, w)
+            return is_left_by_laws(e, mode, v, w) or (small and is_idle_reaction(e, mode, v, w))
         scale = largest_of(n, work.base) + largest_of(frees, r)
         previous = update
         update = largest_of(frees, work.step.at)
@@ -238,6 +239,14 @@ def full_steps(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
                 return False
     with_free(mode, n, work.base, r, w)
     return small and is_idle_reaction(e, mode, v, w)
+
+
+def is_left_by_laws(e: Engine, mode: Mode, v: Floats, w: Floats) -> bool:
+    """Whether what no slope can reach is rounding of the laws: where they are flat of their terms.
+
+    ``(2*e - abs(e + 1) + abs(e - 1))/2`` is zero between -1 and 1, but for the last digit of 1.
+    """
+    return is_exact(e, mode, v, measured_system(e, mode, v, w))
 
 
 def is_idle_reaction(e: Engine, mode: Mode, v: Floats, w: Floats) -> bool:

@@ -17,6 +17,7 @@ from hybond.engine.algebra.svd import svd_of_transpose
 from hybond.engine.answers import value
 from hybond.engine.engine import Engine, count_work, svd_room
 from hybond.engine.mode.dynamic_rows import dynamic_value, frozen_at, slopes_at
+from hybond.engine.mode.flat_sides import take_flat_sides
 from hybond.engine.mode.freedom import rank_here
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.slopes_bounded import bound_slopes
@@ -111,6 +112,8 @@ def rows_of_system(e: Engine, mode: Mode, v: Floats, w: Floats) -> int:
         work.f[i] = dynamic_value(e, mode, i, v)
     slopes_at(e, mode, v, work.slopes)
     bound_slopes(e, mode, v)
+    if work.flat_sides:
+        take_flat_sides(e, mode, v, w)
     if work.aid > 0.0:
         add_aid(e, mode, w)
     if mode.rank == mode.structures:

@@ -51,7 +51,10 @@ def solve(e: Engine, mode: Mode, v: Floats) -> int:
 
 def solve_in_step(e: Engine, mode: Mode, v: Floats) -> int:
     """Do the same where nothing is shown or decided by them but rates."""
-    if by_newton(e, mode, v) != OK:
+    e.work.in_step = True
+    found = by_newton(e, mode, v)
+    e.work.in_step = False
+    if found != OK:
         return NOT_FINITE
     write_bonds(e, v, e.work.w)
     return OK

@@ -10,10 +10,13 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.engine.algebra.blocks import fit
+from hybond.engine.algebra.blocks import fit, fit_places
 from hybond.engine.algebra.products import all_finite, times_cancelling
+from hybond.engine.answers import value
 from hybond.engine.engine import Engine
+from hybond.engine.mode.flat_sides import is_at_corner
 from hybond.engine.mode.freedom import directions_left
+from hybond.engine.mode.lasting import is_free_at_corners
 from hybond.engine.mode.leakage import least_leakage, project
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.newton_step import newton_step
@@ -30,21 +33,48 @@ ALONG: Final = 1e-12
 """Part of its terms by which a law may be off that ends the way to least leakage, as where a valve
 begins to open: all the way, none is what it would be solved to."""
 
+FARTHER: Final = 1e-6
+"""Part of the rest of a way by which one looks beyond its end for the law that ends it."""
+BACK: Final = 1e-9
+"""Part of the way to where laws no longer hold that is left."""
+
 
 def least_of_free(e: Engine, mode: Mode, v: Floats, w: Floats) -> None:
     """Replace what laws leave free in the solution `w` of Newton by what has least leakage.
 
-    Where the laws do not hold all the way, as far as they do.
+    Where the laws do not hold all the way, as far as they do, and on along the corners of those
+    that end it.
     """
-    work = e.work
-    n = 2 * e.model.bonds
-    if mode.regular:
+    let_go(e, mode)
+    if mode.regular and not is_free_at_corners(e, mode, v, w):
         mode.loose = 0
         mode.leakage.stages = 0
         return
     find_free(e, mode, v, w)
-    if mode.loose == 0:
-        return
+    turns = 0
+    while mode.loose > 0 and turns <= e.model.flats:
+        turns += 1
+        part = to_least(e, mode, v, w)
+        if part == 1.0 or mode.loose == 1 or not keep_at_corner(e, mode, v, w, part):
+            break
+        find_free(e, mode, v, w)
+    if turns > 1:
+        # what is left free there is so whichever corners the way has met
+        let_go(e, mode)
+        find_free(e, mode, v, w)
+
+
+def let_go(e: Engine, mode: Mode) -> None:
+    """Keep no law at its corner."""
+    fit_places(e.work.kept_at_corner, mode.dynamics)
+    for i in range(mode.dynamics):
+        e.work.kept_at_corner.at[i] = 0
+
+
+def to_least(e: Engine, mode: Mode, v: Floats, w: Floats) -> float:
+    """Move `w` to what has least leakage, or as far as laws hold; return that part of the way."""
+    work = e.work
+    n = 2 * e.model.bonds
     fit(work.begun, n)
     fit(work.moved, n)
     for k in range(n):
@@ -61,6 +91,35 @@ def least_of_free(e: Engine, mode: Mode, v: Floats, w: Floats) -> None:
         w[k] = work.moved.at[k]
         if part < 1.0:
             w[k] = work.begun.at[k] + part * (work.moved.at[k] - work.begun.at[k])
+    return part
+
+
+def keep_at_corner(e: Engine, mode: Mode, v: Floats, w: Floats, part: float) -> bool:
+    """Keep the law that has ended a way at its corner, if it is at one; whether it is another one.
+
+    The way goes on along the corner then: of three dead zones in series one is full, and two share
+    what is left.
+    """
+    work = e.work
+    n = 2 * e.model.bonds
+    if mode.rank != mode.structures:
+        return False
+    beyond = part + FARTHER * (1.0 - part)
+    for k in range(n):
+        work.moved.at[k] = work.begun.at[k] + beyond * (work.moved.at[k] - work.begun.at[k])
+    rows = laws_measured(e, mode, v, work.moved.at)
+    worst = -1
+    most = 0.0
+    for i in range(rows):
+        off = excess(e, i, ALONG)
+        if off > most:
+            most = off
+            worst = i
+    write_bonds(e, v, w)
+    if worst < 0 or work.kept_at_corner.at[worst] != 0 or not is_at_corner(e, mode, worst, v, w):
+        return False
+    work.kept_at_corner.at[worst] = 1
+    return True
 
 
 def end_of_way(e: Engine, mode: Mode, v: Floats, w: Floats, most: float) -> float:
@@ -97,6 +156,32 @@ def end_of_way(e: Engine, mode: Mode, v: Floats, w: Floats, most: float) -> floa
     return low
 
 
+def far_held(
+    e: Engine, mode: Mode, begin: Floats, v: Floats, direction: Floats, far: float
+) -> float:
+    """Return how far along a direction, up to `far`, bond variables may go from where they `begin`.
+
+    That is as far as all laws hold, less a part of it by which they are off there.
+    """
+    work = e.work
+    n = 2 * e.model.bonds
+    fit(work.moved, n)
+    low = 0.0
+    high = 1.0
+    part = 1.0
+    for _ in range(HALVINGS):
+        for k in range(n):
+            work.moved.at[k] = begin[k] + part * far * direction[k]
+        if holds_at(e, mode, v, work.moved.at, ALONG):
+            low = part
+        else:
+            high = part
+        if low == 1.0:
+            return far
+        part = 0.5 * (low + high)
+    return (1.0 - BACK) * low * far
+
+
 def freedom_at(e: Engine, mode: Mode, v: Floats) -> int:
     """Return in how many directions bond variables are free at this point, into `e.work.freedom`.
 
@@ -108,6 +193,7 @@ def freedom_at(e: Engine, mode: Mode, v: Floats) -> int:
     if mode.dynamics > 0 and mode.finite_frees > 0:
         for k in range(n):
             work.w[k] = v[m.bond_slot + k]
+        let_go(e, mode)
         find_free(e, mode, v, work.w)
     fit(work.freedom, n * max(mode.loose, 1))
     for i in range(n * mode.loose):
@@ -123,7 +209,10 @@ def find_free(e: Engine, mode: Mode, v: Floats, w: Floats) -> None:
     work = e.work
     n = 2 * e.model.bonds
     frees = mode.finite_frees
+    corners = is_free_at_corners(e, mode, v, w)
+    work.flat_sides = corners
     rows = system(e, mode, v, w)
+    work.flat_sides = False
     mode.loose = 0
     mode.leakage.stages = 0
     if not all_finite(rows * frees, work.jacobian.at):
@@ -139,7 +228,8 @@ def find_free(e: Engine, mode: Mode, v: Floats, w: Floats) -> None:
     fit(mode.freedom, n * many)
     fit(work.moved, n)
     for j in range(many):
-        if mode.affine or may_move(e, mode, v, w, many, j):
+        moves = mode.affine or may_move(e, mode, v, w, many, j)
+        if moves or (corners and moves_corner(e, mode, v, w, many, j)):
             mode.loose += 1
         else:
             for k in range(n):
@@ -186,9 +276,25 @@ def may_move(e: Engine, mode: Mode, v: Floats, w: Floats, many: int, j: int) -> 
     return False
 
 
+def moves_corner(e: Engine, mode: Mode, v: Floats, w: Floats, many: int, j: int) -> bool:
+    """Whether direction j of ``e.work.b`` moves what a law at a corner reads.
+
+    It may leave the corner only together with others: how far, the way to least leakage finds out.
+    """
+    m = e.model
+    write_bonds(e, v, w)
+    for i in range(mode.dynamics):
+        d = mode.dynamic[i]
+        if d >= 0 and is_at_corner(e, mode, i, v, w):
+            for p in range(m.slope_first[d], m.slope_first[d + 1]):
+                if m.slope_flat[p] != 0 and e.work.b.at[m.slope_column[p] * many + j] != 0.0:
+                    return True
+    return False
+
+
 def excess_at(e: Engine, mode: Mode, v: Floats, w: Floats, part: float) -> float:
     """Return what laws are off by beyond what `all_hold` allows, added up."""
-    rows = measured_system(e, mode, v, w)
+    rows = laws_measured(e, mode, v, w)
     total = 0.0
     for i in range(rows):
         off = excess(e, i, part)
@@ -199,4 +305,20 @@ def excess_at(e: Engine, mode: Mode, v: Floats, w: Floats, part: float) -> float
 
 def holds_at(e: Engine, mode: Mode, v: Floats, w: Floats, part: float) -> bool:
     """Whether all laws hold at the bond variables `w`, to such a part of their terms."""
-    return all_hold(e, measured_system(e, mode, v, w), part)
+    return all_hold(e, laws_measured(e, mode, v, w), part)
+
+
+def laws_measured(e: Engine, mode: Mode, v: Floats, w: Floats) -> int:
+    """Put the residuals of laws at `w` there, measured by what rounding inside of each may be too.
+
+    Returns how many there are.
+    """
+    m = e.model
+    rows = measured_system(e, mode, v, w)
+    for i in range(rows if mode.rank == mode.structures else 0):
+        d = mode.dynamic[i]
+        if d >= 0:
+            inside = value(m, m.dynamic_rounding[d], v)
+            if inside < math.inf:
+                e.work.residual_reach.at[i] = max(e.work.residual_reach.at[i], inside)
+    return rows

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from typing import Any
 
 from hybond.engine.tables.columns import FLOATS, INTS, ModelTables, put_rows
@@ -11,13 +12,16 @@ from hybond.engine.tables.timestepping import put_steps
 from hybond.equations.calculus import bent, gradient, partial_time, reads_bonds
 from hybond.equations.element_parts import Dynamic, Part, Source
 from hybond.equations.isolated import isolated
-from hybond.equations.rounding import rounding
+from hybond.equations.rounding import rounding, rounding_of_law
 from hybond.equations.surfaces import moves
 from hybond.model.expressions import (
     Binary,
+    Call,
     Expr,
+    If,
     Name,
     Number,
+    Table,
     differentiate,
     jumping,
     meets,
@@ -158,6 +162,18 @@ def is_flat_at_zero(law: Expr, read: str) -> bool:
     return simplify(slope) == Number(0.0)
 
 
+def is_flat_on_a_stretch(slope: Expr) -> bool:
+    """Whether a slope, as far as it is seen from its parts, is zero on one side of a corner."""
+    for part, _ in walk(slope):
+        if isinstance(part, If) and Number(0.0) in (part.then, part.orelse):
+            return True
+        if isinstance(part, Call) and part.function == "sign":
+            return True
+        if isinstance(part, Table) and part.slope:
+            return any(a == b for a, b in itertools.pairwise(part.y))
+    return False
+
+
 def _dynamics(t: ModelTables, rows: list[Dynamic]) -> None:
     g = t.graph
     first = t.slots.w.start
@@ -182,7 +198,7 @@ def _dynamics(t: ModelTables, rows: list[Dynamic]) -> None:
     t.ints["dynamic_affine"] = [int(not _bent(d)) for d in rows]
     t.ints["dynamic_jumps"] = [_turns_on_dust(d) for d in rows]
     t.ints["dynamic_rounding"] = [
-        t.values.number(rounding(d.expression), f"law of {g.nodes[d.node].path}, its terms")
+        t.values.number(rounding_of_law(d.expression), f"law of {g.nodes[d.node].path}, its terms")
         for d in rows
     ]
     partners = [d.partner for d in rows]
@@ -198,6 +214,12 @@ def _dynamics(t: ModelTables, rows: list[Dynamic]) -> None:
             f"{name}_constant": FLOATS,
         }
         put_rows(t, f"{name}_first", own, **columns)
+    t.ints["slope_flat"] = [
+        int(d.partner is not None and is_flat_on_a_stretch(e))
+        for d in rows
+        for _, e in sorted(d.slopes.items(), key=lambda item: t.slots.index[item[0]])
+    ]
+    t.numbers["flats"] = sum(t.ints["slope_flat"])
     t.ints["frozen_isolated"] = [
         int(g.nodes[d.node].kind in SOURCES and reads_bonds(e) and isolated(e))
         for d in rows
