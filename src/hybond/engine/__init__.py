@@ -53,7 +53,8 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
         damped, continuation    with shorter steps; on the way from laws with a resistance beside
         led_up              from nothing known to all that is
         enclosed            one law alone, between two signs
-        beside_jumps, put_back  solutions just beside a jump; whether one holds
+        beside_jumps, level  solutions just beside a jump; what is rounding of what is known
+        put_back            whether a solution holds
         freedom, undetermined, leakage    what a system leaves free, and laws; least leakage
         flat_sides, lasting    laws at a corner beside which they are flat; what that leaves free
         storage, reach      co-energy, energy; what would have an energy
@@ -104,6 +105,7 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
                             propagated
         graded              slow motions of these beside fast ones
         radau, radau_stages, radau_slopes, radau_dense, radau_method, radau_room    implicit steps
+        nearer_slopes       these over shorter differences
         radau_factors       what they solve for
         stiffness           when ``auto`` goes over to them, and back
         beside_kinks        slopes of the side of a kink on which a step is

@@ -80,6 +80,7 @@ class Model:
     giver_own: Ints
     giver_other: Ints
     giver_sign: Floats
+    giver_follows: Ints  # whether its value reads what is stored, or bond variables
 
     # what each pair reads: guards in all their forms, then rates of integrated signals, gaps
     read_first: Ints

@@ -94,3 +94,19 @@ def test_what_a_jump_of_rounding_sweeps_up_is_not_created(
         least = min(start, size * float(given.min()))
         assert run[f"{name}.{stored}"].at(2.5) == pytest.approx(least, rel=1e-6)
     assert run.audit().holds()
+
+
+@pytest.mark.parametrize("bond", ["w -> o", "o -> w"])
+@pytest.mark.parametrize("slope", [10.0, 2.0, -0.5])
+def test_a_source_that_follows_what_an_impact_moves_gives_on_the_way(
+    slope: float, bond: str
+) -> None:
+    """A wall whose speed reads the momentum of what it strikes; the run was called unsound."""
+    m = hb.Model("follows")
+    m.add(a=hb.I(1.0, p=-0.5), n=hb.One(), c=hb.Zero(law="unilateral", restitution=0.5))
+    m.add(w=hb.Sf(f"30 - {slope}*a.p"), o=hb.One())
+    m.bond("n -> a", bond, "o -> c", "c -> n")
+    run = hb.simulate(m, 1.0)
+    # w(p) - p after it is -1/2 times that before
+    after = (30.0 + 0.5 * (30.0 + 0.5 * slope + 0.5)) / (1.0 + slope)
+    assert run["a.p"].at(0.5) == pytest.approx(after, rel=1e-12)

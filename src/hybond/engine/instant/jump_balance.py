@@ -25,13 +25,30 @@ def hold_jump(e: Engine, x: Floats, given: float, may_create: bool) -> None:
     before = e.trial.energy_before
     after = e.trial.energy_struck
     c.moved += math.fabs(after - before) + math.fabs(given)
-    made = after - before - given
+    made = after - before - given - between(e)
     size = max(max(math.fabs(before), math.fabs(after)), math.fabs(given))
     if may_create or made <= PART * size:
         return
     c.unbalanced += made
     k = most_by_jump(e, x)
     note_violation(e, e.mode, e.t, CREATED, k, made, size)
+
+
+def between(e: Engine) -> float:
+    """Return the energy that sources may have given beside what they give by their last values.
+
+    One that follows what the jump moves has had all values from the one before, while its impulse
+    lasted.
+    """
+    m = e.model
+    total = 0.0
+    for k in range(m.givers):
+        if m.giver_follows[k] == 0:
+            continue
+        own = m.bond_slot + m.giver_own[k]
+        moved = math.fabs(e.impulses[m.giver_other[k]] * (e.v[own] - e.pre[own]))
+        total += moved if math.isfinite(moved) else 0.0
+    return total
 
 
 def most_by_jump(e: Engine, x: Floats) -> int:

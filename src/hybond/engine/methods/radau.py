@@ -18,6 +18,7 @@ from hybond.engine.methods.beside_kinks import leads_beyond
 from hybond.engine.methods.dopri import spacing
 from hybond.engine.methods.from_edges import keep_within, widen
 from hybond.engine.methods.hidden_peaks import hidden_in_stages
+from hybond.engine.methods.nearer_slopes import takes_nearer_slopes
 from hybond.engine.methods.one_instant import is_one_kink, room_of_instant
 from hybond.engine.methods.onset import foresee_onset
 from hybond.engine.methods.radau_dense import hold_dense, make_polynomial, put_dense
@@ -74,6 +75,8 @@ def begin_radau(r: Radau, jumped: bool) -> None:
     if not jumped:
         return
     r.matrix = NO_MATRIX
+    r.nearer = 1.0
+    r.doubted_at = math.nan
     r.slow = False
     r.served = 0.0
     r.left = 1.0
@@ -171,6 +174,9 @@ def try_radau(e: Engine, r: Radau, rtol: float) -> int:
         # one matrix does not serve stages before and behind where a current has all but ended
         if own_stages(e, r, rtol, 0.0) and factorise(r) != SINGULAR:
             found = STAGES_CONVERGED
+    if found == STAGES_FAILED and fresh and takes_nearer_slopes(e, r, rtol):
+        if factorise(r) != SINGULAR:
+            found = iterate_beside_edge(e, r, rtol)
     through = found == STAGES_FAILED and fresh and r.sided and goes_through(e, r, rtol)
     if through:
         found = STAGES_CONVERGED

@@ -139,6 +139,10 @@ class Radau:
     kept_from: float
     made: int
     """Jacobians made so far."""
+    nearer: float
+    """What differences for the Jacobian are of the usual ones; when that was last in doubt."""
+    doubted_at: float
+    slopes_before: Block
     sided: bool
     """Whether the last one would have been another, had it not stayed on its side of a kink."""
     beyond: bool
@@ -211,6 +215,9 @@ def make_radau(n: int) -> Radau:
     r.start_f = floats(n)
     r.again_polynomial = floats(3 * n)
     r.kept_jacobian = floats(n * n)
+    r.nearer = 1.0
+    r.doubted_at = math.nan
+    r.slopes_before = make_block(1)
     r.kept_rest = make_block(1)
     r.piece_t0 = floats(PIECES)
     r.piece_t1 = floats(PIECES)

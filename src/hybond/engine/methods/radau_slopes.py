@@ -130,7 +130,7 @@ def make_slopes(e: Engine, r: Radau, rtol: float, across: bool) -> None:
             continue
         if size == 0.0:
             size = 1.0
-        delta = math.sqrt(EPSILON) * math.copysign(size, r.f0[j])
+        delta = r.nearer * math.sqrt(EPSILON) * math.copysign(size, r.f0[j])
         found = nearest(e, r, j, delta) if e.model.bends > 0.0 else NOT_FINITE
         for _ in range(NEARER if e.model.edges > 0 else 1):
             if found == OK:

@@ -3,7 +3,10 @@
 What a spring brings to rest against ``sign(f)`` approaches the edge of what the sign gives, and
 comes to it within the last digits of the spring: whether a flow is left that the law has a value
 for is a matter of rounding then. So the flow is next to nothing, on either side, and the law gives
-what it gives there; if it holds to rounding of its terms, that is the solution.
+what it gives there; if it holds to rounding of its terms, that is the solution. What else is free
+is looked for from where it was last, and from zero: what a `tanh` reads may have been far away.
+What is known of what the sign reads may be the rounding of a sum that has come to zero, as where a
+stop is met at that instant: then the flow is zero as well.
 
 A law that jumps and one that is flat see the same unknown sum of what each is asked for. What one
 of them is to take, slopes do not tell: at zero the one that jumps leaves all of it to the other.
@@ -16,6 +19,7 @@ from typing import Final
 
 from hybond.engine.algebra.products import all_finite
 from hybond.engine.engine import Engine
+from hybond.engine.mode.level import is_level, put_level
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.newton_step import newton_step
 from hybond.engine.mode.newton_system import largest_of, measured_system, system, with_free
@@ -39,14 +43,20 @@ def from_beside_jumps(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
         d = mode.dynamic[i]
         if d < 0 or m.dynamic_jumps[d] != 1 or m.dynamic_partner[d] < 0:
             continue
-        j = free_alone(mode, mode.same[m.dynamic_partner[d]], e.work.base)
-        if j == NO_FREE:
-            continue
+        k = mode.same[m.dynamic_partner[d]]
+        known = e.work.base[k]
+        if is_level(e, mode, v, e.work.base, k):
+            put_level(e, mode, e.work.base, k)
+        j = free_alone(mode, k, e.work.base)
         # above the jump, below it, at the jump itself
-        if holds_beside(e, mode, v, r, i, j, 1.0) or holds_beside(e, mode, v, r, i, j, -1.0):
-            return True
-        if holds_beside(e, mode, v, r, i, j, 0.0):
-            return True
+        for turn in range(0 if j == NO_FREE else 6 if mode.guessed else 3):
+            way = 1.0 if turn % 3 == 0 else -1.0 if turn % 3 == 1 else 0.0
+            from_guess = mode.guessed and turn < 3
+            if holds_beside(e, mode, v, r, i, j, way, from_guess):
+                return True
+        for b in range(k, 2 * m.bonds):
+            if mode.same[b] == k:
+                e.work.base[b] = known
     return False
 
 
@@ -66,7 +76,9 @@ def free_alone(mode: Mode, k: int, base: Floats) -> int:
     return found
 
 
-def holds_beside(e: Engine, mode: Mode, v: Floats, r: Floats, i: int, j: int, way: float) -> bool:
+def holds_beside(
+    e: Engine, mode: Mode, v: Floats, r: Floats, i: int, j: int, way: float, from_guess: bool
+) -> bool:
     """Whether all laws hold where unknown j, which law i jumps with, is next to nothing, or zero.
 
     What else is free follows from the other laws.
@@ -74,7 +86,7 @@ def holds_beside(e: Engine, mode: Mode, v: Floats, r: Floats, i: int, j: int, wa
     work = e.work
     frees = mode.finite_frees
     for k in range(frees):
-        r[k] = mode.guess.at[k] if mode.guessed else 0.0
+        r[k] = mode.guess.at[k] if from_guess else 0.0
     r[j] = way * NEXT_TO_NOTHING
     found = False
     for _ in range(TURNS):

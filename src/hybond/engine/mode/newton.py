@@ -8,10 +8,9 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.engine.algebra.blocks import Rows, fit, row_size, row_times
+from hybond.engine.algebra.blocks import Rows, fit, row_times
 from hybond.engine.algebra.products import all_finite
-from hybond.engine.algebra.rounding import EPSILON
-from hybond.engine.answers import node_name, value
+from hybond.engine.answers import node_name
 from hybond.engine.engine import NOT_FINITE, OK, Engine, say_fault
 from hybond.engine.mode.beside_jumps import from_beside_jumps
 from hybond.engine.mode.continuation import continued
@@ -19,6 +18,7 @@ from hybond.engine.mode.damped import SETTLED, damped
 from hybond.engine.mode.dynamic_rows import dynamic_value, slopes_at
 from hybond.engine.mode.enclosed import enclosed
 from hybond.engine.mode.led_up import led_up
+from hybond.engine.mode.level import ROUNDED, is_level, put_level
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.neighbours import from_neighbours
 from hybond.engine.mode.newton_step import newton_step
@@ -46,8 +46,6 @@ SWINGS: Final = 0.1
 """Likewise, for steps over a root that is steep on both sides: from f to nearly -f."""
 TO_AND_FRO: Final = 3
 """So many in a row lead nowhere."""
-ROUNDED: Final = 2.0 * EPSILON
-"""What stored quantities leave in a difference of them, as a part of its terms."""
 LEFT: Final = 1e-13
 """A residual below this part of its terms is rounding."""
 REACHED: Final = 1e-10
@@ -163,19 +161,8 @@ def level_edges(e: Engine, mode: Mode, v: Floats, base: Floats) -> None:
     m = e.model
     for i in range(m.edge_bonds):
         first = mode.same[m.edge_bond[i]]
-        size = row_size(mode.finite, first, e.work.xi)
-        if base[first] == 0.0:
-            continue
-        for p in range(mode.finite.first.at[first], mode.finite.first.at[first + 1]):
-            known = mode.finite.column.at[p]
-            if known < m.storages and m.co_rounding[known] >= 0:
-                terms = mode.finite.size.at[p] * value(m, m.co_rounding[known], v)
-                size += terms if math.isfinite(terms) else 0.0
-        if math.fabs(base[first]) > ROUNDED * size:
-            continue
-        for k in range(first, 2 * m.bonds):
-            if mode.same[k] == first:
-                base[k] = 0.0
+        if is_level(e, mode, v, base, first):
+            put_level(e, mode, base, first)
 
 
 def full_steps(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:

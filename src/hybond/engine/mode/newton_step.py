@@ -8,12 +8,15 @@ from typing import Final
 from hybond.engine.algebra.blocks import fit, fit_places
 from hybond.engine.algebra.lu import SINGULAR, lu_factor, lu_solve
 from hybond.engine.algebra.products import all_finite
+from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.engine import Engine
 from hybond.engine.mode.freedom import step_of_singular
 from hybond.engine.words import Floats
 
 CLEAR_PIVOT: Final = 1e-6
 """A pivot above this part of the largest entry of its column is no cancellation."""
+NO_PIVOT: Final = 16.0 * EPSILON
+"""One below that is the rounding of what cancels: a step by it leads beyond all that is known."""
 
 
 def newton_step(e: Engine, rows: int, frees: int) -> bool:
@@ -31,8 +34,9 @@ def newton_step(e: Engine, rows: int, frees: int) -> bool:
             work.step.at[i] = work.residual.at[i]
         if lu_factor(rows, work.jacobian2.at, work.pivots.at) != SINGULAR:
             lu_solve(rows, work.jacobian2.at, work.pivots.at, 1, work.step.at)
-            if all_finite(rows, work.step.at):
-                clear = is_clear(rows, work.jacobian.at, work.jacobian2.at)
+            least = least_pivot(rows, work.jacobian.at, work.jacobian2.at)
+            if all_finite(rows, work.step.at) and least >= NO_PIVOT:
+                clear = least >= CLEAR_PIVOT
                 if not clear and work.bends:
                     refine_step(e, rows)
                 take_single(e, rows)
@@ -90,12 +94,12 @@ def take_single(e: Engine, n: int) -> None:
                 more = more or found == 0.0
 
 
-def is_clear(n: int, a: Floats, factors: Floats) -> bool:
-    """Whether each pivot is a fair part of the largest entry in its column."""
+def least_pivot(n: int, a: Floats, factors: Floats) -> float:
+    """Return the least part of the largest entry in its column that a pivot is."""
+    least = math.inf
     for k in range(n):
         most = 0.0
         for i in range(n):
             most = max(most, math.fabs(a[i * n + k]))
-        if math.fabs(factors[k * n + k]) < CLEAR_PIVOT * most:
-            return False
-    return True
+        least = min(least, math.fabs(factors[k * n + k]) / most)
+    return least

@@ -16,7 +16,7 @@ from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.answers import value
 from hybond.engine.engine import Engine
 from hybond.engine.mode.mode_records import Mode
-from hybond.engine.mode.newton_step import is_clear
+from hybond.engine.mode.newton_step import CLEAR_PIVOT, least_pivot
 from hybond.engine.mode.newton_system import rows_of_system, write_bonds
 from hybond.engine.words import Floats
 
@@ -96,7 +96,7 @@ def invert(e: Engine, rows: int) -> bool:
         work.inverse.at[i] = 0.0
     if lu_factor(rows, work.jacobian2.at, work.pivots.at) == SINGULAR:
         return False
-    if not is_clear(rows, work.jacobian.at, work.jacobian2.at):
+    if not least_pivot(rows, work.jacobian.at, work.jacobian2.at) >= CLEAR_PIVOT:
         return False
     for i in range(rows):
         work.inverse.at[i * rows + i] = 1.0

@@ -19,13 +19,17 @@ from hybond.engine.mode.freedom import directions_left
 from hybond.engine.mode.lasting import is_free_at_corners
 from hybond.engine.mode.leakage import least_leakage, project
 from hybond.engine.mode.mode_records import Mode
+from hybond.engine.mode.newton import keep_residuals
 from hybond.engine.mode.newton_step import newton_step
 from hybond.engine.mode.newton_system import measured_system, system, write_bonds
-from hybond.engine.mode.put_back import HOLDS, all_hold, excess
+from hybond.engine.mode.put_back import HOLDS, ROUNDINGS, UNIT, all_hold, excess
 from hybond.engine.words import Floats
 
 ASIDE: Final = 1e-4
 """The part of the values by which they are moved to see whether laws still hold."""
+FLAT: Final = 1e-13
+"""Part of its terms by which a law may change on that way: what its slopes, known to 1e-10, hide of
+it, and rounding. A square changes by more, however small it is beside large terms that cancel."""
 HALVINGS: Final = 60
 LAST: Final = 2.0**-52
 """Part of the way that is its rounding."""
@@ -265,13 +269,14 @@ def may_move(e: Engine, mode: Mode, v: Floats, w: Floats, many: int, j: int) -> 
             most = max(most, math.fabs(w[k]))
     if size == 0.0:
         return False
+    keep_residuals(e, measured_system(e, mode, v, w))
     tries = 1 if most > 0.0 else 3
     for turn in range(2 * tries):
         far = math.pow(ASIDE, float(1 + turn // 2)) * (most if most > 0.0 else 1.0) / size
         for k in range(n):
             way = far if turn % 2 == 0 else -far
             work.moved.at[k] = w[k] + way * work.b.at[k * many + j]
-        if holds_at(e, mode, v, work.moved.at, HOLDS):
+        if holds_at(e, mode, v, work.moved.at, HOLDS) and is_flat(e, mode.dynamics):
             return True
     return False
 
@@ -290,6 +295,17 @@ def moves_corner(e: Engine, mode: Mode, v: Floats, w: Floats, many: int, j: int)
                 if m.slope_flat[p] != 0 and e.work.b.at[m.slope_column[p] * many + j] != 0.0:
                     return True
     return False
+
+
+def is_flat(e: Engine, rows: int) -> bool:
+    """Whether residuals are those of before, but for what slopes hide and rounding."""
+    work = e.work
+    for i in range(rows):
+        moved = math.fabs(work.residual.at[i] - work.residual_before.at[i])
+        most = FLAT * work.residual_size.at[i] + ROUNDINGS * UNIT * work.residual_reach.at[i]
+        if moved > most:
+            return False
+    return True
 
 
 def excess_at(e: Engine, mode: Mode, v: Floats, w: Floats, part: float) -> float:

@@ -6,7 +6,7 @@ from itertools import accumulate
 from typing import TYPE_CHECKING
 
 from hybond.engine.tables.contacts import rules_of
-from hybond.model.expressions import Expr
+from hybond.model.expressions import Expr, posterior_names
 from hybond.model.fieldless import reads_pre
 from hybond.model.kinds import SOURCES
 
@@ -33,7 +33,7 @@ def put_told(t: ModelTables, *, tells: bool) -> None:
     t.ints["told_pair"] = shown
     rows = range(len(t.ints["dynamic_node"]))
     t.ints["dynamic_pair"] = [_of_jumps(t, d, tells=tells) for d in rows]
-    own, other, sign = [], [], []
+    own, other, sign, follows = [], [], [], []
     bonds = len(t.graph.bonds)
     for node in t.graph.nodes:
         # what reads a priori values is an impact law, and no source; nor is friction, whose value
@@ -45,8 +45,11 @@ def put_told(t: ModelTables, *, tells: bool) -> None:
             own.append(first + end.bond)
             other.append(bonds - first + end.bond)
             sign.append(float(end.sign))
+            laws = node.law.expressions if node.law is not None else ()
+            read = {name for law in laws for name in posterior_names(law)}
+            follows.append(int(any(name.startswith(("x:", "e:", "f:")) for name in read)))
     t.numbers["givers"] = len(own)
-    t.ints.update(giver_own=own, giver_other=other)
+    t.ints.update(giver_own=own, giver_other=other, giver_follows=follows)
     t.floats["giver_sign"] = sign
 
 
