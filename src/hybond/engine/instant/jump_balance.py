@@ -14,6 +14,8 @@ from hybond.engine.words import Floats
 PART: Final = 0.01
 """Part of the energy that moved by which a run may be off: a hundred thousand steps of the usual
 tolerance add up to a tenth of that, and what is wrong is off by as much as moves."""
+ROUNDED: Final = 1e-9
+"""Part of the impulses at a junction down to which their sum is none."""
 
 
 def hold_jump(e: Engine, x: Floats, given: float, may_create: bool) -> None:
@@ -81,9 +83,19 @@ def jump_may_create(e: Engine) -> bool:
 
 
 def carries_impulse(e: Engine, k: int) -> bool:
-    """Whether an impulse goes through the junction of law `k` in the jump of the trial."""
+    """Whether law `k` has an impulse in the jump of the trial: what it carries, or what it takes.
+
+    A body that is struck elsewhere hands impulses on through its junction, and friction there may
+    have none.
+    """
     m = e.model
-    for i in range(m.pair_first[2 * k], m.pair_first[2 * k + 1]):
-        if e.trial.jump[m.bond_slot + m.pair_column[i]] != 0.0:
+    for part in range(2):
+        total = 0.0
+        size = 0.0
+        for i in range(m.pair_first[2 * k + part], m.pair_first[2 * k + part + 1]):
+            own = m.pair_value[i] * e.trial.jump[m.bond_slot + m.pair_column[i]]
+            total += own
+            size += math.fabs(own)
+        if math.fabs(total) > ROUNDED * size:
             return True
     return False
