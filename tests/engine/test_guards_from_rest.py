@@ -107,47 +107,6 @@ def test_one_that_opens_when_it_is_pulled_does_so_at_once(cars: int, begins: flo
     assert fired == pytest.approx([begins], abs=1e-2)
 
 
-def pushed(cars: int, guard: str, last: float, turned: bool) -> hb.Model:
-    """Cars at rest with springs between them; the first is pushed by 1 N, the last weighs so."""
-    m = hb.Model("row")
-    for k in range(cars):
-        m.add(**{f"v{k}": hb.One(), f"a{k}": hb.I(last if k == cars - 1 else 1.0)})
-        m.bond(f"a{k} -> v{k}" if turned else f"v{k} -> a{k}")
-    for k in range(1, cars):
-        m.add(**{f"n{k}": hb.Zero(), f"s{k}": hb.C(1.0)})
-        m.bond(f"v{k - 1} -> n{k} -> v{k}", f"n{k} -> s{k}")
-    m.add(push=hb.Se(-1.0 if turned else 1.0))
-    m.bond("v0 -> push" if turned else "push -> v0")
-    m.machine("m", states={"q": [], "p": []}, start="q", rules=[f"q -> p when {guard}"])
-    return m
-
-
-@pytest.mark.parametrize("turned", [False, True])
-@pytest.mark.parametrize("solver", ["auto", "rk45"])
-@pytest.mark.parametrize(
-    ("cars", "signal", "last"),
-    [(4, "v3.f", 1.0), (5, "n4.e", 1.0), (5, "v4.f", 3.0), (7, "v6.f", 1.0)],
-)
-def test_the_far_end_of_a_row_that_is_pushed_does_not_move_backward_first(
-    cars: int, signal: str, last: float, turned: bool, solver: Solver
-) -> None:
-    """It did by 1e-49: each step is ten times as long as the one before, and ``t^9`` no quartic."""
-    model = pushed(cars, f"{signal} < 0", last, turned)
-    run = hb.simulate(model, until=4.0, solver=solver)
-    assert run.status == "ok" and len(run.events) == 1
-    n = 2 * cars - 1
-    a = np.zeros((n + 1, n + 1))
-    masses = [1.0] * (cars - 1) + [last]
-    for k in range(cars - 1):
-        a[cars + k, k], a[cars + k, k + 1] = 1.0, -1.0
-        a[k, cars + k], a[k + 1, cars + k] = -1.0 / masses[k], 1.0 / masses[k + 1]
-    a[0, n] = 1.0
-    place = cars + int(signal[1]) - 1 if signal[0] == "n" else int(signal[1])
-    ways = [float(expm(a * t)[place, n]) for t in np.linspace(0.2, 4.0, 20)]
-    assert min(ways) > 0.0
-    assert run[signal].at(4.0) == pytest.approx(ways[-1], rel=1e-4)
-
-
 @pytest.mark.parametrize("solver", ["auto", "rk45", "radau"])
 def test_a_ladder_that_is_charged_has_nothing_below_zero(solver: Solver) -> None:
     m = hb.Model("ladder", domain="electrical")

@@ -11,7 +11,7 @@ them (`far_guards`).
 
 What begins at zero, and has no slope there, leaves it by a power of time: near its beginning the
 polynomial is what the step is off by, and has the sign of that. It is asked from where it has one
-of its own. By a high power that may take some steps, each many times as long as the one before.
+of its own.
 """
 
 from __future__ import annotations
@@ -57,11 +57,6 @@ OFF: Final = 300.0
 five is left, that has 0.0058 at three fifths of the step, and 1.5 in the cube, ..."""
 ROUNDED: Final = 2.0**-42
 """... and part of the terms of a comparison that rounding leaves there."""
-GROWS: Final = 8.0
-"""How many times as much a step may make of what is leaving zero, and a polynomial of degree four
-is all that it does; beyond that it may do so by a power of any height, ..."""
-GROWN: Final = 300.0
-"""... in which the coefficients are as much worse."""
 TERMS: Final = 16.0
 """How many times its terms are rounded a sum of rates may be."""
 
@@ -83,7 +78,6 @@ def solve_guards(e: Engine, g: Locator) -> bool:
         if e.model.laws > 0 and e.model.tells != 0:
             see_carried(e, g)
     for k in range(g.guards):
-        see_leaving(g, k)
         own = may and g.side[k] == NO_KINK and (not cubic or begins_clear(g, k))
         g.solved[k] = 1 if own and is_solved(g, k) else 0
         if g.solved[k] == 0:
@@ -126,16 +120,6 @@ def begins_clear(g: Locator, k: int) -> bool:
         ):
             return False
     return True
-
-
-def see_leaving(g: Locator, k: int) -> None:
-    """Find which comparisons of a guard are still leaving zero, where they were at some step."""
-    for a in range(g.atom_first[k], g.atom_first[k + 1]):
-        at = COEFFICIENTS * a
-        if g.step[at] == 0.0:
-            g.sums.leaves.at[a] = g.sums.known.at[a]
-        elif g.sums.leaves.at[a] != 0:
-            g.sums.leaves.at[a] = 1 if grows(g, at, 0.0) else 0
 
 
 def is_solved(g: Locator, k: int) -> bool:
@@ -226,39 +210,28 @@ def has_begun(e: Engine, g: Locator, k: int, t: float) -> bool:
     """Whether what a guard compares has left zero, where it begins there, by a part that is known.
 
     A coefficient that is no more than what the step is off by is taken for zero. The lowest one
-    that is more tells the sign, from where the others could not outweigh it any more.
+    that is more tells the sign, from where those before it could not outweigh it any more.
     """
     x = (t - e.step.t0) / (e.step.t1 - e.step.t0)
     for a in range(g.atom_first[k], g.atom_first[k + 1]):
-        if g.sign[a] != 0 or g.sums.leaves.at[a] == 0:
+        if g.sign[a] != 0 or g.step[COEFFICIENTS * a] != 0.0:
             continue
-        at = COEFFICIENTS * a
+        off = error_of(e, g, a)
         sloped = slope_rounding(e, g, a)
-        off = error_of(e, g, a) * (GROWN if grows(g, at, sloped) else 1.0)
-        if g.step[at] != 0.0:
-            sloped = off
+        at = COEFFICIENTS * a
         hidden = 0.0
-        known = 0.0
-        power = 1.0
-        for i in range(COEFFICIENTS):
+        power = x
+        begun = False
+        for i in range(1, COEFFICIENTS):
             size = math.fabs(g.step[at + i])
-            if not size > (sloped if i == 1 else off):
-                hidden += size * power
-            elif known == 0.0:
-                known = size * power
+            if size > (sloped if i == 1 else off):
+                begun = size * power > 2.0 * hidden
+                break
+            hidden += size * power
             power *= x
-        if not known > 2.0 * hidden:
+        if not begun:
             return False
     return True
-
-
-def grows(g: Locator, at: int, sloped: float) -> bool:
-    """Whether a comparison becomes many times what it was, or what its slope makes of it."""
-    begins = math.fabs(g.step[at])
-    slope = math.fabs(g.step[at + 1])
-    if begins == 0.0 and slope > sloped:
-        begins = slope
-    return begins > 0.0 and math.fabs(horner(g.step, at, DEGREE, 1.0)) > GROWS * begins
 
 
 def error_of(e: Engine, g: Locator, a: int) -> float:

@@ -39,9 +39,6 @@ class Sums:
     factor: Block
     size: Block
     """What rounding of each factor is measured by."""
-    leaves: Places
-    """Whether each was zero where a step began, and has left that by so little since that its sign
-    is not known."""
     bent: bool
     """Whether what bent storages give is taken as it is for what they hold now, by its slope."""
     waving: bool
@@ -67,7 +64,6 @@ def make_sums() -> Sums:
     s.column = make_places(1)
     s.factor = make_block(1)
     s.size = make_block(1)
-    s.leaves = make_places(1)
     s.waved = make_places(1)
     s.wave_first = make_places(2)
     s.wave_source = make_places(1)
@@ -80,7 +76,6 @@ def begin_sums(s: Sums, many: int) -> None:
     fit_places(s.known, many)
     fit(s.level, many)
     fit(s.drift, many)
-    fit_places(s.leaves, many)
     fit_places(s.first, many + 1)
     fit_places(s.waved, many)
     fit_places(s.wave_first, many + 1)
@@ -103,7 +98,6 @@ def begin_sum(s: Sums, a: int) -> None:
     s.wave_first.at[a] = s.terms
     s.level.at[a] = 0.0
     s.drift.at[a] = 0.0
-    s.leaves.at[a] = 0
     s.reach_first.at[a] = s.reaches
 
 
