@@ -63,11 +63,12 @@ def parts_looked_at(e: Engine, t0: float, h: float, error: float) -> int:
     """Return into how many parts a step is to be cut and looked at; 0: it is not.
 
     Within one that has hidden something shorter ones are looked at whatever their error: it may be
-    that of a stage at the foot of a peak.
+    that of a stage at the foot of a peak. Friction in the plane is led along by the step itself, and
+    a look elsewhere would turn its directions.
     """
     m = e.model
     mode = e.mode
-    if e.slide.k > 0 or h < SHORTEST * e.span:
+    if e.slide.k > 0 or m.disks > 0 or h < SHORTEST * e.span:
         return 0
     timed = m.courses > 0 and (math.isfinite(e.longest) or mode.moves)
     bent = timed and mode.dynamics > 0 and not mode.affine
