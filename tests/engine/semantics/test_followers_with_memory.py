@@ -188,3 +188,17 @@ def test_what_reads_itself_as_it_was_is_asked_again_once_that_is_settled() -> No
     m = comparator("r s", *rules, y=IN_S)
     m.signal(w=hb.Integral("1", start=0.0))
     assert value_of(m) == pytest.approx(2.0 - FIRST + 3.0 * PART, abs=1e-9)
+
+
+@pytest.mark.parametrize("when", ['k.state == "off" and time > 1', 'k.state == "on"'])
+def test_a_latch_that_moves_the_surface_of_another_comparator_is_refused(when: str) -> None:
+    """It was passed over, and the second one slid on beside its level, or the run had no end."""
+    m = comparator("r s", f"r -> s when {when}", y="time > 0")
+    m.add(d=hb.C(1.0, q=-0.3), w=hb.Sf('(if k2.state == "on" then -1 else 1) + 0.3'), o=hb.Zero())
+    m.bond("w -> o -> d")
+    level = '(if L.state == "s" then -0.58 else 0)'
+    rules = [f"off -> on when d.q > {level}", f"on -> off when d.q < {level}"]
+    m.machine("k2", states={"on": [], "off": []}, start="off", rules=rules)
+    with pytest.raises(hb.NumericsError, match="HB-N415") as refused:
+        hb.simulate(m, UNTIL)
+    assert refused.value.where == "machines.L"

@@ -63,8 +63,8 @@ def parts_looked_at(e: Engine, t0: float, h: float, error: float) -> int:
     """Return into how many parts a step is to be cut and looked at; 0: it is not.
 
     Within one that has hidden something shorter ones are looked at whatever their error: it may be
-    that of a stage at the foot of a peak. Friction in the plane is led along by the step itself, and
-    a look elsewhere would turn its directions.
+    that of a stage at the foot of a peak. Friction in the plane is led along by the step itself: a
+    look elsewhere would turn its directions.
     """
     m = e.model
     mode = e.mode

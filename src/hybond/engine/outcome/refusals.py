@@ -348,7 +348,7 @@ def _restless(c: Case) -> Said:
     texts = ", ".join(c.explain.surfaces[k].text for k in surfaces)
     return Said(
         f"the motion slides along {texts} {c.now}, and {path!r}, which follows, is in another "
-        "state after each turn of that fast switching: it has no limit",
+        "state after each turn of that fast switching, or moves what another compares: no limit",
         f"machines.{path}",
     )
 

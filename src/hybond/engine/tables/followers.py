@@ -37,6 +37,10 @@ def put_followers(t: ModelTables) -> None:
     t.ints["follower_asks"] = [_asks(machines[k]) for k in found]
     follows = [1 + place[k] if k in place else 0 for k in range(len(machines))]
     t.ints["machine_follows"] = follows if found else []
+    sways = swaying(t.graph, set(t.ints["surface_machine"]))
+    swayed = [min((k for k in sways if j in sways[k]), default=-1) for j in range(len(machines))]
+    t.ints["machine_sways"] = swayed if sways else []
+    t.numbers["sways"] = len(sways)
     t.ints["reader_first"] = first_of(readers)
     t.ints["reader"] = [j for row in readers for j in row]
 
@@ -45,7 +49,8 @@ def followers_of(g: FlatGraph, switching: set[int]) -> dict[int, list[int]]:
     """Return the machines that follow some of those given, and those that each of them reads.
 
     What follows a follower is one as well, and so is what feeds itself, as gates that make a latch,
-    and what reads bond variables, which may be others in another mode.
+    and what reads bond variables, which may be others in another mode. What `swaying`
+    finds is none.
     """
     owners = owners_of(g)
     held = _held_by_storage(g)
@@ -61,7 +66,23 @@ def followers_of(g: FlatGraph, switching: set[int]) -> dict[int, list[int]]:
             if k not in led:
                 led.add(k)
                 todo.append(k)
-    return {k: reads[k] for k in sorted(led)}
+    return {k: reads[k] for k in sorted(led - set(swaying(g, switching)))}
+
+
+def swaying(g: FlatGraph, switching: set[int]) -> dict[int, set[int]]:
+    """Return machines that make the surfaces of some jump while they read others that may slide.
+
+    And those others. They follow none: where these slide, no mode of theirs says where the surface
+    is. One that makes the surface jump of the very machine that it reads is followed.
+    """
+    owners = owners_of(g)
+    found: dict[int, set[int]] = {}
+    for k in switching:
+        for other in _read(g.machines[k], owners):
+            sliding = set(_read(g.machines[other], owners)) & switching
+            if sliding - {k}:
+                found.setdefault(other, set()).update(sliding)
+    return found
 
 
 def _may_follow(m: Machine) -> bool:
