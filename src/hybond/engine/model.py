@@ -369,6 +369,7 @@ class Model:
     prescribed_first: Ints  # of each reaction: bond variables whose sum must vanish at rest
     prescribed_column: Ints
     prescribed_sign: Floats
+
     # switching surfaces: where two rules of a machine, forth and back, share one function
     surfaces: int
     surface_machine: Ints
@@ -399,8 +400,8 @@ class Model:
     follower: Ints
     follower_asks: Ints  # 0: reads states, time, inputs alone, 1: what is stored, 2: bonds, too
     machine_follows: Ints  # of each machine, if there are any: 1 + its place among them, or 0
-    sways: int  # machines that make surfaces jump, and read others that may slide
-    machine_sways: Ints  # of each machine, if there are any: one of these that reads it, or -1
+    swayers: int  # those that make the surface of another jump, and read some that may slide
+    swaying: Ints
     reader_first: Ints  # of each machine, if there are any: those that read it, by their place
     reader: Ints
     kinks: int  # what changes its sign where a law, source or rate has a kink: a step ends there

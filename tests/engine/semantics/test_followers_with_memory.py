@@ -190,15 +190,47 @@ def test_what_reads_itself_as_it_was_is_asked_again_once_that_is_settled() -> No
     assert value_of(m) == pytest.approx(2.0 - FIRST + 3.0 * PART, abs=1e-9)
 
 
-@pytest.mark.parametrize("when", ['k.state == "off" and time > 1', 'k.state == "on"'])
-def test_a_latch_that_moves_the_surface_of_another_comparator_is_refused(when: str) -> None:
-    """It was passed over, and the second one slid on beside its level, or the run had no end."""
+def beside_another(when: str) -> hb.Model:
+    """Return a comparator, and a latch that moves the level of a second one that slides at zero."""
     m = comparator("r s", f"r -> s when {when}", y="time > 0")
     m.add(d=hb.C(1.0, q=-0.3), w=hb.Sf('(if k2.state == "on" then -1 else 1) + 0.3'), o=hb.Zero())
     m.bond("w -> o -> d")
-    level = '(if L.state == "s" then -0.58 else 0)'
+    level = f"(if {IN_S} then -0.58 else 0)"
     rules = [f"off -> on when d.q > {level}", f"on -> off when d.q < {level}"]
     m.machine("k2", states={"on": [], "off": []}, start="off", rules=rules)
+    return m
+
+
+@pytest.mark.parametrize("when", [f"{OFF} and time > 1", f"{ON} and time > 1"])
+def test_a_latch_that_moves_what_another_slides_on_while_it_is_led_is_refused(when: str) -> None:
+    """It was passed over, and the second one slid on beside its level, or the run had no end."""
+    with pytest.raises(hb.NumericsError, match="HB-N415") as refused:
+        hb.simulate(beside_another(when), UNTIL)
+    assert refused.value.where == "machines.L"
+    assert "moves what another machine compares" in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("when", "level"),
+    [
+        (f"{OFF} and time > 99", 0.0),
+        (f"{OFF} and d.q > 5", 0.0),
+        (ON, -0.58),
+        (f"{OFF} and c.q > -0.5", -0.58),
+        ("time > 2", -0.58),
+    ],
+)
+def test_a_latch_that_may_move_what_another_slides_on_and_does_not_is_none(when, level) -> None:
+    """It was refused for what it might do; what an event sets moves the level at that event."""
+    run = hb.simulate(beside_another(when), UNTIL)
+    assert float(run["d.q"].at(UNTIL)) == pytest.approx(level, abs=1e-9)
+
+
+def test_a_counter_of_too_many_turns_is_named() -> None:
+    n = 2100
+    states = " ".join(f"l{j} h{j}" for j in range(n)) + f" l{n}"
+    m = comparator("a b", f"a -> b when {ON}", y="time > 0")
+    m.machine("count", states={s: [] for s in states.split()}, start="l0", rules=counting(n))
     with pytest.raises(hb.NumericsError, match="HB-N415") as refused:
         hb.simulate(m, UNTIL)
-    assert refused.value.where == "machines.L"
+    assert refused.value.where == "machines.count"

@@ -70,7 +70,8 @@ def follow(e: Engine, before: Ints, state: Ints) -> None:
         choose(e, s.wanted)
         for k in range(m.machines):
             state[k] = s.begun[k]
-    let_follow(e, before, state)
+    # laws and followers send each other on, mode after mode
+    s.restless = m.follower[0]
 
 
 def know_around(e: Engine, state: Ints) -> None:

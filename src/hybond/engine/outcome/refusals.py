@@ -294,6 +294,9 @@ def _no_sample(c: Case) -> Said:
 
 def _nowhere(c: Case) -> Said:
     texts = ", ".join(c.explain.surfaces[k].text for k in c.numbers)
+    if c.refusal.why.startswith("the state"):
+        why = f"it would take a jump of what is stored to slide along {texts} {c.now}"
+        return Said(why, c.here, "what makes it jump without an event: give inputs their `breaks`")
     why = f"no combination of the modes stays on {texts} {c.now}"
     if len(c.numbers) > 1:
         return Said(why, c.here)
@@ -346,9 +349,12 @@ def _restless(c: Case) -> Said:
     machine, *surfaces = c.numbers
     path = c.graph.machines[machine].path
     texts = ", ".join(c.explain.surfaces[k].text for k in surfaces)
+    why = "is in another state after each turn of that fast switching: it has no limit"
+    if c.refusal.why.endswith("surface"):
+        why = "moves what another machine compares: no mode of the combination says on which side"
+        why += " of that the motion is"
     return Said(
-        f"the motion slides along {texts} {c.now}, and {path!r}, which follows, is in another "
-        "state after each turn of that fast switching, or moves what another compares: no limit",
+        f"the motion slides along {texts} {c.now}, and {path!r}, which follows, {why}",
         f"machines.{path}",
     )
 

@@ -35,11 +35,12 @@ def decide_led(e: Engine) -> int:
     met = s.met
     if m.followers == 0:
         return decide(e)
-    s.restless = -1
+    s.restless = RETURNS
     follow(e, e.state, s.around)
+    other = RETURNS
     for turn in range(MOST):
         decided = decide(e)
-        if s.restless >= 0:
+        if s.restless != RETURNS:
             return stop_at(e, s.restless)
         if decided != A_WAY:
             if decided != STOPS:
@@ -47,12 +48,10 @@ def decide_led(e: Engine) -> int:
                     s.around[k] = s.settled[k]
             return decided
         other = other_after_turns(e)
-        if s.restless >= 0:
+        if s.restless != RETURNS:
             return stop_at(e, s.restless)
         if other == RETURNS:
-            other = other_by_phase(e)
-            other = s.restless if s.restless >= 0 else other
-            return A_WAY if other == RETURNS else stop_at(e, other)
+            return go_where_led(e)
         # a state that comes again does so for ever: it is held against that of 1, 2, 4, ... turns
         same = turn > 0
         for k in range(m.machines):
@@ -65,12 +64,51 @@ def decide_led(e: Engine) -> int:
         s.met = met
         for j in range(met):
             s.met_surface[j] = s.first_met[j]
-    return stop_at(e, m.follower[0])
+    return stop_at(e, other)
+
+
+def go_where_led(e: Engine) -> int:
+    """Return A_WAY where turns change nothing any more, and an event in any mode leads there."""
+    swaying = moves_surface(e)
+    if swaying != RETURNS:
+        say_fault(e, "HB-N415", "what follows a switch that slides moves another surface", "")
+        return tell_of_surfaces(e, swaying)
+    other = other_by_phase(e)
+    if e.slide.restless != RETURNS:
+        return stop_at(e, e.slide.restless)
+    return A_WAY if other == RETURNS else stop_at(e, other)
+
+
+def moves_surface(e: Engine) -> int:
+    """Return a machine that switching leads elsewhere, and the surface of another by that.
+
+    Or RETURNS. In which of the modes combined that surface is crossed is for none of them to say.
+    """
+    m = e.model
+    s = e.slide
+    k = 0
+    for j in range(s.k if m.swayers > 0 else 0):
+        if s.best[j] == SLIDES:
+            s.chosen[k] = s.side[j]
+            k += 1
+    for part in range(count_corners(k, s.best_product) if k > 0 else 0):
+        put_corner(m, s.base, part, k, s.best_product, s.chosen, s.origin)
+        follow(e, s.base, s.origin)
+        for i in range(m.swayers):
+            machine = m.swaying[i]
+            if s.apart[machine] == 0 and s.origin[machine] != s.settled[machine]:
+                return machine
+    return RETURNS
 
 
 def stop_at(e: Engine, machine: int) -> int:
     """Refuse a machine that is another after each turn."""
     say_fault(e, "HB-N415", "what follows a switch that slides has no limit", "")
+    return tell_of_surfaces(e, machine)
+
+
+def tell_of_surfaces(e: Engine, machine: int) -> int:
+    """Add to a refusal the machine that it is about, and the surfaces slid on."""
     if e.model.tells != 0:
         add_fact(e.fault, float(machine))
         for j in range(e.slide.k):
@@ -209,8 +247,9 @@ def lead_round(e: Engine) -> None:
                 s.state[machine] = s.corner[machine]
             turn_over(e, s.chosen[j // 2], s.state, s.corner)
         if first_other(e, s.origin, s.corner) == RETURNS:
-            break
-    lead_back(e, s.k)
+            lead_back(e, s.k)
+            return
+    s.restless = first_other(e, s.origin, s.corner)
 
 
 def lead_back(e: Engine, k: int) -> None:

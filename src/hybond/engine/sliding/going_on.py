@@ -6,7 +6,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import grow_places
-from hybond.engine.engine import OK, REFUSED, Engine
+from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.instant.instant import (
     CONTINUOUS,
     PINNACLE,
@@ -30,9 +30,9 @@ from hybond.engine.instant.told import (
 )
 from hybond.engine.laws.branches import choose_anew, know_around
 from hybond.engine.mode.equations import mode_of
+from hybond.engine.reasons.facts import add_fact
 from hybond.engine.sliding.filippov import SLIDES
 from hybond.engine.sliding.what_happened import is_held
-from hybond.engine.surfaces.blend import no_combination
 from hybond.engine.surfaces.combine import combine_here
 from hybond.engine.surfaces.corners import cross_as_one
 from hybond.engine.surfaces.onto import onto_surfaces
@@ -93,7 +93,10 @@ def put_on(e: Engine) -> int:
     if is_far(e, s.put_from, e.y):
         for k in range(e.states):
             e.y[k] = s.put_from[k]
-        return no_combination(e)
+        say_fault(e, "HB-N405", "the state is not on the surfaces", "")
+        for j in range(s.k if e.model.tells != 0 else 0):
+            add_fact(e.fault, float(s.side[j]))
+        return REFUSED
     return OK
 
 

@@ -19,7 +19,7 @@ from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.instant.instant import GUARD, Instant
 from hybond.engine.laws.branches import choose_anew, choose_own, follow, know_around
 from hybond.engine.mode.equations import mode_of
-from hybond.engine.sliding.chatter import decide_led, stop_at
+from hybond.engine.sliding.chatter import decide_led
 from hybond.engine.sliding.crossings import collapse, take_back
 from hybond.engine.sliding.filippov import ABOVE, SLIDES
 from hybond.engine.sliding.going_on import go_on_sliding
@@ -78,7 +78,7 @@ def slide_after(e: Engine, i: Instant, before: Floats) -> int:
     slid = 0
     if decided != NO_WAY:
         slid = take_sides(e, i, moved)
-        if slid < 0 or sways_others(e, slid):
+        if slid < 0:
             return REFUSED
     held = s.many
     for j in range(held):
@@ -89,23 +89,6 @@ def slide_after(e: Engine, i: Instant, before: Floats) -> int:
         # what is shown, and what goes on alone, has the branches of its own laws
         choose_own(e, s.target)
     return go_on_sliding(e, i, slid, decided == COLLAPSES)
-
-
-def sways_others(e: Engine, slid: int) -> bool:
-    """Refuse a machine that slides from now on where another reads it and moves a surface by that.
-
-    On which side of its own surface it is then is for no mode of the combination to say.
-    """
-    m = e.model
-    s = e.slide
-    for j in range(slid if m.sways > 0 else 0):
-        machine = m.machine_sways[m.surface_machine[s.chosen[j]]]
-        if machine >= 0:
-            s.k = 1
-            s.side[0] = s.chosen[j]
-            stop_at(e, machine)
-            return True
-    return False
 
 
 def part_from(e: Engine) -> None:

@@ -38,9 +38,8 @@ def put_followers(t: ModelTables) -> None:
     follows = [1 + place[k] if k in place else 0 for k in range(len(machines))]
     t.ints["machine_follows"] = follows if found else []
     sways = swaying(t.graph, set(t.ints["surface_machine"]))
-    swayed = [min((k for k in sways if j in sways[k]), default=-1) for j in range(len(machines))]
-    t.ints["machine_sways"] = swayed if sways else []
-    t.numbers["sways"] = len(sways)
+    t.ints["swaying"] = sorted(sways & set(found))
+    t.numbers["swayers"] = len(t.ints["swaying"])
     t.ints["reader_first"] = first_of(readers)
     t.ints["reader"] = [j for row in readers for j in row]
 
@@ -49,8 +48,7 @@ def followers_of(g: FlatGraph, switching: set[int]) -> dict[int, list[int]]:
     """Return the machines that follow some of those given, and those that each of them reads.
 
     What follows a follower is one as well, and so is what feeds itself, as gates that make a latch,
-    and what reads bond variables, which may be others in another mode. What `swaying`
-    finds is none.
+    and what reads bond variables, which may be others in another mode.
     """
     owners = owners_of(g)
     held = _held_by_storage(g)
@@ -60,29 +58,37 @@ def followers_of(g: FlatGraph, switching: set[int]) -> dict[int, list[int]]:
         for other in read:
             readers.setdefault(other, []).append(k)
     led = {k for k in reads if any(n not in held for n in _read_of_bonds(g.machines[k]))}
+    sways = swaying(g, switching)
     todo = [*switching, *led]
     while todo:
-        for k in readers.get(todo.pop(), ()):
-            if k not in led:
+        other = todo.pop()
+        for k in readers.get(other, ()):
+            # the level that is moved by what follows is one level for all modes, or none
+            if k not in led and not (other in sways and k in switching):
                 led.add(k)
                 todo.append(k)
-    return {k: reads[k] for k in sorted(led - set(swaying(g, switching)))}
+    return {k: reads[k] for k in sorted(led)}
 
 
-def swaying(g: FlatGraph, switching: set[int]) -> dict[int, set[int]]:
-    """Return machines that make the surfaces of some jump while they read others that may slide.
+def swaying(g: FlatGraph, switching: set[int]) -> set[int]:
+    """Return machines that make surfaces jump, and follow machines that may slide.
 
-    And those others. They follow none: where these slide, no mode of theirs says where the surface
-    is. One that makes the surface jump of the very machine that it reads is followed.
+    Where these slide, no mode of the combination says on which side of such a surface it is.
     """
     owners = owners_of(g)
-    found: dict[int, set[int]] = {}
-    for k in switching:
-        for other in _read(g.machines[k], owners):
-            sliding = set(_read(g.machines[other], owners)) & switching
-            if sliding - {k}:
-                found.setdefault(other, set()).update(sliding)
-    return found
+    read = {other for k in switching for other in _read(g.machines[k], owners)}
+    return {k for k in read if _is_led(g, k, switching, owners)}
+
+
+def _is_led(g: FlatGraph, machine: int, switching: set[int], owners: dict[int, Machine]) -> bool:
+    """Whether a machine reads one with a surface, itself or by others that it reads."""
+    seen: set[int] = set()
+    todo = [machine]
+    while todo:
+        new = set(_read(g.machines[todo.pop()], owners)) - seen
+        seen |= new
+        todo += new
+    return bool(seen & switching)
 
 
 def _may_follow(m: Machine) -> bool:
