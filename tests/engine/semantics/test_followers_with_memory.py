@@ -226,8 +226,9 @@ def test_a_latch_that_may_move_what_another_slides_on_and_does_not_is_none(when,
     assert float(run["d.q"].at(UNTIL)) == pytest.approx(level, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_a_counter_of_too_many_turns_is_named() -> None:
-    n = 2100
+    n = 4100
     states = " ".join(f"l{j} h{j}" for j in range(n)) + f" l{n}"
     m = comparator("a b", f"a -> b when {ON}", y="time > 0")
     m.machine("count", states={s: [] for s in states.split()}, start="l0", rules=counting(n))
