@@ -381,7 +381,7 @@ class Model:
     surface_twin: Ints  # of each pair: 1 if they are one surface, -1 if turned round
     surface_first: Ints  # of each surface: the slopes of its function
     surface_kind: Ints
-    """0: by a stored quantity, 1 a signal, 2 time, 3 an input, 4 a bond variable, 5 a Boolean."""
+    """What it is a slope by: `READS_` of surfaces/surface.py."""
     surface_index: Ints
     surface_slope: Ints
     surface_constant: Floats
@@ -399,7 +399,7 @@ class Model:
     prior_followers: int  # how many of them read what states were before
     follower: Ints
     follower_asks: Ints  # 0: reads states, time, inputs alone, 1: what is stored, 2: bonds, too
-    machine_follows: Ints  # of each machine, if there are any: 1 + its place among them, or 0
+    machine_follows: Ints  # of each machine, if there are any: whether it is one of them
     swayers: int  # those that make the surface of another jump, and read some that may slide
     swaying: Ints
     reader_first: Ints  # of each machine, if there are any: those that read it, by their place

@@ -6,6 +6,7 @@ import math
 from typing import Final
 
 from hybond.engine.engine import Engine
+from hybond.engine.laws.law_candidates import impulse_of
 from hybond.engine.mode.equations import is_fieldless
 from hybond.engine.mode.storage import co_energy, with_stored
 from hybond.engine.reasons.noting import CREATED, note_violation
@@ -88,14 +89,4 @@ def carries_impulse(e: Engine, k: int) -> bool:
     A body that is struck elsewhere hands impulses on through its junction, and friction there may
     have none.
     """
-    m = e.model
-    for part in range(2):
-        total = 0.0
-        size = 0.0
-        for i in range(m.pair_first[2 * k + part], m.pair_first[2 * k + part + 1]):
-            own = m.pair_value[i] * e.trial.jump[m.bond_slot + m.pair_column[i]]
-            total += own
-            size += math.fabs(own)
-        if math.fabs(total) > ROUNDED * size:
-            return True
-    return False
+    return impulse_of(e, k, 0, ROUNDED) != 0.0 or impulse_of(e, k, 1, ROUNDED) != 0.0

@@ -19,7 +19,7 @@ from hybond.engine.words import Floats
 
 DOUBLED: Final = 200
 """Times that a distance is doubled, or halved."""
-FAR: Final = 2.0**199
+FAR: Final = 2.0 ** (DOUBLED - 1)
 """As far as that."""
 
 

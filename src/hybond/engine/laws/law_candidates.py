@@ -162,13 +162,8 @@ def carries_as_it_may(e: Engine, r: Laws) -> bool:
     m = e.model
     for k in range(m.ports):
         for part in range(2):
-            total = 0.0
-            size = 0.0
-            for i in range(m.pair_first[2 * k + part], m.pair_first[2 * k + part + 1]):
-                own = m.pair_value[i] * e.trial.jump[m.bond_slot + m.pair_column[i]]
-                total += own
-                size += math.fabs(own)
-            if math.fabs(total) <= CARRIES * size:
+            total = impulse_of(e, k, part, CARRIES)
+            if total == 0.0:
                 continue
             if part == 0 and (m.port_restitution[k] != NO_LAW_VALUE or total < 0.0):
                 if m.port_two_sided[k] == 0:
@@ -176,6 +171,18 @@ def carries_as_it_may(e: Engine, r: Laws) -> bool:
             if part == 1 and (m.port_two_sided[k] != 0 or (total > 0.0 and r.able[k] != 0)):
                 return False
     return True
+
+
+def impulse_of(e: Engine, port: int, part: int, rounding: float) -> float:
+    """Return what a law carries (`part` 0) or takes in the jump of the trial; zero for rounding."""
+    m = e.model
+    total = 0.0
+    size = 0.0
+    for i in range(m.pair_first[2 * port + part], m.pair_first[2 * port + part + 1]):
+        own = m.pair_value[i] * e.trial.jump[m.bond_slot + m.pair_column[i]]
+        total += own
+        size += math.fabs(own)
+    return 0.0 if math.fabs(total) <= rounding * size else total
 
 
 def find_broken(e: Engine, r: Laws) -> int:

@@ -16,7 +16,7 @@ from hybond.engine.sliding.what_happened import fired_once, is_between, is_held,
 from hybond.engine.surfaces.combine import combine_here
 from hybond.engine.surfaces.corners import put_side
 from hybond.engine.surfaces.parted import APART, error_of, find_parted
-from hybond.engine.surfaces.surface import put_read, surface_rate
+from hybond.engine.surfaces.surface import READS_SWITCH, put_read, surface_rate
 from hybond.engine.surfaces.values import evaluate
 from hybond.engine.words import Floats
 
@@ -96,12 +96,8 @@ def find_left(e: Engine, anew: bool) -> int:
 def jumps_over(e: Engine, surface: int) -> bool:
     """Whether a surface that was crossed has jumped over the state, which is not on it."""
     s = e.slide
-    # behind those met, whose machines follow none
-    s.met_surface[s.met] = surface
-    s.met += 1
-    known = take_met(e, s.met - 1, 1, False) == OK
+    known = take_one(e, surface) == OK
     jumped = known and find_parted(e, e.t, e.y, error_of(e.model))
-    s.met -= 1
     s.parted[surface] = 0
     return jumped or mode_of(e, e.state) != OK or combine_here(e, e.state) != OK
 
@@ -110,7 +106,7 @@ def may_jump_over(m: Model, surface: int) -> bool:
     """Whether a surface may jump between timed events, where nothing that is stored does."""
     may = m.surface_jump_first[surface] < m.surface_jump_first[surface + 1] or m.called > 0
     for i in range(m.surface_first[surface], m.surface_first[surface + 1]):
-        may = may or m.surface_kind[i] == 5
+        may = may or m.surface_kind[i] == READS_SWITCH
     return may
 
 
@@ -140,6 +136,16 @@ def is_on(e: Engine, surface: int) -> bool:
     return speed == speed and math.fabs(g) <= AT_ONCE * math.fabs(e.t) * math.fabs(speed)
 
 
+def take_one(e: Engine, surface: int) -> int:
+    """Combine the two modes at one surface, behind those met, whose machines follow none."""
+    s = e.slide
+    s.met_surface[s.met] = surface
+    s.met += 1
+    status = take_met(e, s.met - 1, 1, False)
+    s.met -= 1
+    return status
+
+
 def speed_here(e: Engine, surface: int) -> float:
     """Return how fast a function moves in the mode looked at; nan if it reads what can jump.
 
@@ -147,12 +153,7 @@ def speed_here(e: Engine, surface: int) -> float:
     """
     m = e.model
     s = e.slide
-    # behind those met, whose machines follow none
-    s.met_surface[s.met] = surface
-    s.met += 1
-    status = take_met(e, s.met - 1, 1, False)
-    known = status == OK and s.of_state[0] != 0
-    s.met -= 1
+    known = take_one(e, surface) == OK and s.of_state[0] != 0
     speed = math.nan
     if known:
         s.k = 0

@@ -24,8 +24,10 @@ from hybond.engine.words import Ints
 
 NONE: Final = -1
 BY_STATES: Final = 0
+BY_STORED: Final = 1
 BY_BONDS: Final = 2
-"""What a follower reads: as in `hybond.engine.tables.followers`."""
+"""What the guards of a follower read: states of machines, time and inputs alone; what is stored and
+signals, too; bond variables, for which a mode has to be solved."""
 
 
 def put_states(m: Model, s: Slide, state: Ints, at: int) -> None:

@@ -14,7 +14,7 @@ from hybond.engine.engine import NOT_FINITE, OK, Engine
 from hybond.engine.inputs.interval import set_time
 from hybond.engine.mode.limits import put_limits
 from hybond.engine.mode.solving import solve
-from hybond.engine.surfaces.surface import part_mode
+from hybond.engine.surfaces.surface import READS_BOND, part_mode
 from hybond.engine.words import Floats, float_table
 
 AGREES: Final = 1e-9
@@ -167,7 +167,7 @@ def find_agreeing(e: Engine) -> int:
             most = max(most, g)
             largest = max(largest, math.fabs(g))
             for i in range(m.surface_first[surface], m.surface_first[surface + 1]):
-                if m.surface_kind[i] == 4:
+                if m.surface_kind[i] == READS_BOND:
                     size = max(size, math.fabs(s.ahead[m.bond_slot + m.surface_index[i]]))
         s.agrees[j] = 1 if most - least <= AGREES * (size + largest) else 0
     return OK

@@ -16,6 +16,13 @@ from hybond.engine.model import Model
 from hybond.engine.words import Floats, some
 
 NO_STORAGE: Final = -1
+READS_STORED: Final = 0
+READS_SIGNAL: Final = 1
+READS_TIME: Final = 2
+READS_INPUT: Final = 3
+READS_BOND: Final = 4
+READS_SWITCH: Final = 5
+"""What a switching function reads, `surface_kind`: the last is what is ON, or a state."""
 
 
 def part_mode(e: Engine, k: int) -> Mode:
@@ -70,11 +77,12 @@ def is_of_state(e: Engine, surface: int) -> bool:
     m = e.model
     for i in range(m.surface_first[surface], m.surface_first[surface + 1]):
         index = m.surface_index[i]
-        if m.surface_kind[i] == 4 and storage_behind(e, index) == NO_STORAGE:
+        if m.surface_kind[i] == READS_BOND and storage_behind(e, index) == NO_STORAGE:
             return False
         for part in range(1, e.slide.parts):
             here = part_mode(e, part)
-            if m.surface_kind[i] == 5 and here.flags[index] != part_mode(e, 0).flags[index]:
+            differs = here.flags[index] != part_mode(e, 0).flags[index]
+            if m.surface_kind[i] == READS_SWITCH and differs:
                 return False
     return True
 
@@ -85,7 +93,7 @@ def put_read(e: Engine, surface: int, v: Floats) -> None:
     z = e.work.here
     co_energy(m, v, z)
     for i in range(m.surface_first[surface], m.surface_first[surface + 1]):
-        if m.surface_kind[i] == 4:
+        if m.surface_kind[i] == READS_BOND:
             k = storage_behind(e, m.surface_index[i])
             if k != NO_STORAGE:
                 way = float(m.storage_sign[k]) if m.storage_kind[k] == 1 else 1.0
@@ -114,15 +122,15 @@ def surface_rate(e: Engine, surface: int, v: Floats, rate: Floats, at: int, time
         slope = surface_slope(m, i, v)
         index = m.surface_index[i]
         kind = m.surface_kind[i]
-        if kind == 0:
+        if kind == READS_STORED:
             total += slope * rate[at + index]
-        elif kind == 1:
+        elif kind == READS_SIGNAL:
             total += slope * rate[at + m.storages + index]
-        elif kind == 2:
+        elif kind == READS_TIME:
             total += slope if timed else 0.0
-        elif kind == 3:
+        elif kind == READS_INPUT:
             total += slope * v[m.input_rate_slot + index] if timed else 0.0
-        elif kind == 4:
+        elif kind == READS_BOND:
             k = storage_behind(e, index)
             way = float(m.storage_sign[k]) if m.storage_kind[k] == 1 else 1.0
             for p in range(m.stiff_first[k], m.stiff_first[k + 1]):

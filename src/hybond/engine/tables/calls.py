@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from hybond.engine.surfaces.surface import READS_INPUT
 from hybond.engine.tables.guards import magnitude
 from hybond.errors import ModelError
 from hybond.model.expressions import names
@@ -12,9 +13,6 @@ from hybond.model.inputs import Called
 
 if TYPE_CHECKING:
     from hybond.engine.tables.columns import ModelTables
-
-BY_INPUT = 3
-"""A switching surface has a slope by an input: `surface_kind`."""
 
 
 def blocks_of(g: FlatGraph) -> list[Sample]:
@@ -86,6 +84,6 @@ def put_rated(t: ModelTables) -> None:
     inputs = t.graph.inputs
     read = {n for e in (*t.values.all, *t.pairs) for n in names(e) if n.startswith("du:")}
     kinds = zip(t.ints["surface_kind"], t.ints["surface_index"], strict=True)
-    read |= {f"du:{k}" for kind, k in kinds if kind == BY_INPUT}
+    read |= {f"du:{k}" for kind, k in kinds if kind == READS_INPUT}
     t.numbers["called"] = sum(isinstance(i.waveform, Called) for i in inputs)
     t.ints["input_rated"] = [int(f"du:{i.index}" in read) for i in inputs]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from hybond.engine.surfaces.follower_guards import BY_BONDS, BY_STATES, BY_STORED
 from hybond.engine.tables.columns import ModelTables, first_of
 from hybond.engine.tables.machines import is_by_hand, owners_of
 from hybond.model.expressions import names, prior_names
@@ -15,9 +16,6 @@ KNOWN = (STATE, SWITCHED, "u:", "at:", "time")
 """What the names begin with of what is known without the state of the model."""
 STORED = ("x:", "s:")
 """What those begin with of what is known of a state without a solution in its mode."""
-BY_STATES, BY_STORED, BY_BONDS = range(3)
-"""What the guards of a follower read: states of machines, time and inputs alone; what is stored and
-signals, too; bond variables, for which a mode has to be solved."""
 
 
 def put_followers(t: ModelTables) -> None:
@@ -35,8 +33,7 @@ def put_followers(t: ModelTables) -> None:
     )
     t.ints["follower"] = list(found)
     t.ints["follower_asks"] = [_asks(machines[k]) for k in found]
-    follows = [1 + place[k] if k in place else 0 for k in range(len(machines))]
-    t.ints["machine_follows"] = follows if found else []
+    t.ints["machine_follows"] = [int(k in place) for k in range(len(machines))] if found else []
     sways = swaying(t.graph, set(t.ints["surface_machine"]))
     t.ints["swaying"] = sorted(sways & set(found))
     t.numbers["swayers"] = len(t.ints["swaying"])

@@ -4,6 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from hybond.engine.surfaces.surface import (
+    READS_BOND,
+    READS_INPUT,
+    READS_SIGNAL,
+    READS_STORED,
+    READS_SWITCH,
+    READS_TIME,
+)
 from hybond.engine.tables.columns import first_of
 from hybond.engine.tables.contacts import rules_of
 from hybond.engine.tables.guards import magnitude, seen_in_motion
@@ -14,7 +22,16 @@ from hybond.model.graph import Rule
 if TYPE_CHECKING:
     from hybond.engine.tables.columns import ModelTables
 
-KINDS = {"x": 0, "s": 1, "time": 2, "u": 3, "e": 4, "f": 4, "on": 5, "in": 5}
+KINDS = {
+    "x": READS_STORED,
+    "s": READS_SIGNAL,
+    "time": READS_TIME,
+    "u": READS_INPUT,
+    "e": READS_BOND,
+    "f": READS_BOND,
+    "on": READS_SWITCH,
+    "in": READS_SWITCH,
+}
 """What a switching function reads: stored quantities, signals, time, inputs, bond variables, and
 what is ON or the state of a machine."""
 
@@ -77,8 +94,8 @@ def _slopes(t: ModelTables, s: Surface) -> list[tuple[int, int, tuple[int, float
         kind, _, index = name.partition(":")
         if kind not in KINDS:
             continue
-        if KINDS[kind] == 5:
-            found.append((5, t.slots.index[name] - t.slots.on.start, (-1, 0.0)))
+        if KINDS[kind] == READS_SWITCH:
+            found.append((READS_SWITCH, t.slots.index[name] - t.slots.on.start, (-1, 0.0)))
             continue
         slope: Expr = simplify(differentiate(s.g, name))
         place = int(index) if index else 0
