@@ -74,7 +74,7 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
         impact_laws, shares, impact_records    Newton's for all, Poisson's; dependent contacts
         compliant, spring_steps    contacts as stiff springs
     surfaces/
-        surface, corners    surfaces; the modes around them, corner by corner
+        surface, reads, corners    surfaces, what they read; the modes around, corner by corner
         combine, blend, common_space    their combination, and what it is held to
         branch_table, slide_records    branches of laws in them; what is written
         outputs, averages   it is asked as a mode is

@@ -381,7 +381,7 @@ class Model:
     surface_twin: Ints  # of each pair: 1 if they are one surface, -1 if turned round
     surface_first: Ints  # of each surface: the slopes of its function
     surface_kind: Ints
-    """What it is a slope by: `READS_` of surfaces/surface.py."""
+    """What it is a slope by: `READS_` of surfaces/reads.py."""
     surface_index: Ints
     surface_slope: Ints
     surface_constant: Floats

@@ -16,7 +16,8 @@ from hybond.engine.sliding.what_happened import fired_once, is_between, is_held,
 from hybond.engine.surfaces.combine import combine_here
 from hybond.engine.surfaces.corners import put_side
 from hybond.engine.surfaces.parted import APART, error_of, find_parted
-from hybond.engine.surfaces.surface import READS_SWITCH, put_read, surface_rate
+from hybond.engine.surfaces.reads import READS_SWITCH
+from hybond.engine.surfaces.surface import put_read, surface_rate
 from hybond.engine.surfaces.values import evaluate
 from hybond.engine.words import Floats
 

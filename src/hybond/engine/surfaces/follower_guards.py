@@ -19,15 +19,11 @@ from hybond.engine.mode.sizes import size_of
 from hybond.engine.mode.solving import solve
 from hybond.engine.model import Model
 from hybond.engine.surfaces.branch_table import UNKNOWN, find_branches, take_branches
+from hybond.engine.surfaces.reads import BY_BONDS, BY_STATES
 from hybond.engine.surfaces.slide_records import Slide
 from hybond.engine.words import Ints
 
 NONE: Final = -1
-BY_STATES: Final = 0
-BY_STORED: Final = 1
-BY_BONDS: Final = 2
-"""What the guards of a follower read: states of machines, time and inputs alone; what is stored and
-signals, too; bond variables, for which a mode has to be solved."""
 
 
 def put_states(m: Model, s: Slide, state: Ints, at: int) -> None:

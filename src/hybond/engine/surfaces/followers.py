@@ -15,7 +15,6 @@ from hybond.engine.inputs.interval import set_time
 from hybond.engine.model import Model
 from hybond.engine.surfaces.corners import cross_as_one
 from hybond.engine.surfaces.follower_guards import (
-    BY_BONDS,
     NONE,
     first_holding,
     is_solved_for,
@@ -23,6 +22,7 @@ from hybond.engine.surfaces.follower_guards import (
     put_states,
     solve_led,
 )
+from hybond.engine.surfaces.reads import BY_BONDS
 from hybond.engine.surfaces.slide_records import Slide
 from hybond.engine.words import Ints
 

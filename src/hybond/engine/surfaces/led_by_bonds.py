@@ -13,8 +13,8 @@ from hybond.engine.answers import value
 from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.surfaces.averages import show_part
 from hybond.engine.surfaces.combine import combine_here
-from hybond.engine.surfaces.follower_guards import BY_BONDS
 from hybond.engine.surfaces.followers import forget_led, know_led, lead_also
+from hybond.engine.surfaces.reads import BY_BONDS
 from hybond.engine.surfaces.values import evaluate
 from hybond.engine.words import Ints
 

@@ -14,7 +14,8 @@ from hybond.engine.engine import NOT_FINITE, OK, Engine
 from hybond.engine.inputs.interval import set_time
 from hybond.engine.mode.limits import put_limits
 from hybond.engine.mode.solving import solve
-from hybond.engine.surfaces.surface import READS_BOND, part_mode
+from hybond.engine.surfaces.reads import READS_BOND
+from hybond.engine.surfaces.surface import part_mode
 from hybond.engine.words import Floats, float_table
 
 AGREES: Final = 1e-9

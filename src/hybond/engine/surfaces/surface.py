@@ -13,16 +13,17 @@ from hybond.engine.engine import Engine
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.storage import co_energy, stiff
 from hybond.engine.model import Model
+from hybond.engine.surfaces.reads import (
+    READS_BOND,
+    READS_INPUT,
+    READS_SIGNAL,
+    READS_STORED,
+    READS_SWITCH,
+    READS_TIME,
+)
 from hybond.engine.words import Floats, some
 
 NO_STORAGE: Final = -1
-READS_STORED: Final = 0
-READS_SIGNAL: Final = 1
-READS_TIME: Final = 2
-READS_INPUT: Final = 3
-READS_BOND: Final = 4
-READS_SWITCH: Final = 5
-"""What a switching function reads, `surface_kind`: the last is what is ON, or a state."""
 
 
 def part_mode(e: Engine, k: int) -> Mode:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from hybond.engine.surfaces.surface import READS_INPUT
+from hybond.engine.surfaces.reads import READS_INPUT
 from hybond.engine.tables.guards import magnitude
 from hybond.errors import ModelError
 from hybond.model.expressions import names

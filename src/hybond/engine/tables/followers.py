@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from hybond.engine.surfaces.follower_guards import BY_BONDS, BY_STATES, BY_STORED
+from hybond.engine.surfaces.reads import BY_BONDS, BY_STATES, BY_STORED
 from hybond.engine.tables.columns import ModelTables, first_of
 from hybond.engine.tables.machines import is_by_hand, owners_of
 from hybond.model.expressions import names, prior_names

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from hybond.engine.surfaces.surface import (
+from hybond.engine.surfaces.reads import (
     READS_BOND,
     READS_INPUT,
     READS_SIGNAL,
