@@ -9,6 +9,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+import hybond as hb
 from hybond.errors import ExpressionError, UnitError
 from hybond.model.dimensions import infer_dimension
 from hybond.model.expressions import (
@@ -137,7 +138,7 @@ def test_grammar(text, tree):
     ("text", "code", "says"),
     [
         ("", "HB-E101", "empty"),
-        ("__import__('os')", "HB-E101", "column 12"),
+        ("__import__('os')", "HB-E103", "__import__"),
         ("x [0]", "HB-E101", "'['"),
         ("lambda x: x", "HB-E101", "':'"),
         ("x = y", "HB-E101", "'='"),
@@ -530,3 +531,23 @@ def test_dimension_refusals(text, code, says):
         dimension(text)
     assert (caught.value.code, caught.value.where) == (code, "ball.law")
     assert says in caught.value.why
+
+
+@pytest.mark.parametrize("text", ["m.state == 'on'", "'a -> b'.e + 2*'b 3'.f", "not 'a -> b'.on"])
+def test_names_stand_in_quotes_of_either_kind(text: str) -> None:
+    assert parse(text) == parse(text.replace("'", '"'))
+
+
+@pytest.mark.parametrize("text", ["m.state == 'on", "m.state == 'on\"", "'x'y'", "'a -> b"])
+def test_a_quote_that_is_left_open_is_told(text: str) -> None:
+    with pytest.raises(ExpressionError, match="close the quotes"):
+        parse(text)
+
+
+def test_who_asks_for_the_time_in_a_state_is_told_of_timers() -> None:
+    m = hb.Model("lamp")
+    m.machine(
+        "lamp", states={"on": [], "off": []}, start="on", rules=["on -> off when elapsed > 2"]
+    )
+    with pytest.raises(hb.ModelError, match=r"HB-M120(.|\n)*control\.timer"):
+        hb.simulate(m, 3.0)

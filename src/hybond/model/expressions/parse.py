@@ -48,8 +48,8 @@ KEYWORDS = frozenset({"if", "then", "else", "and", "or", "not", "true", "false"}
 _TOKEN = re.compile(
     r"""\s*(?:
       (?P<number>(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)(?:\s*(?P<unit>\[[^\[\]]*\]))?
-    | (?P<name>(?:"[^"\n]*"(?=\.\w)|[^\W\d]\w*(?:\[[^\[\]]*\])?)(?:\.\w+(?:\[[^\[\]]*\])?)*)
-    | "(?P<string>[^"\n]*)"
+    | (?P<name>(?:(?:"[^"\n]*"|'[^'\n]*')(?=\.\w)|[^\W\d]\w*(?:\[[^\[\]]*\])?)(?:\.\w+(?:\[[^\[\]]*\])?)*)
+    | (?P<string>"[^"\n]*"|'[^'\n]*')
     | (?P<brackets>\[[^\[\]]*\])
     | (?P<mark>\*\*|<=|>=|==|!=|[-+*/^()<>,%°])
     )""",
@@ -119,6 +119,7 @@ def parse(text: str, *, where: str = "") -> Expr:
     (``9.81 [m/s^2]``), parentheses by a unit in brackets. Without brackets ``5 m/s`` is 5 metres
     divided by the name ``s``. A name may have an index, ``cell[3].q``, with no space before it;
     ``sum``, ``any``, ``all``, ``min`` and ``max`` take ranges of them, ``sum(cell[1..9].q)``.
+    Names of states and bonds stand in quotes of either kind, ``floor.state == 'open'``.
 
     Examples
     --------
@@ -171,7 +172,11 @@ class _Parser:
                 self.strange(match.start(kind))
             if kind == "mark" and word == "**":
                 word = "^"
-            start = match.start(kind) - (kind == "string")
+            start = match.start(kind)
+            if kind == "string":
+                word = word[1:-1]
+            elif word.startswith("'"):  # a text in a file may stand in double quotes itself
+                word = word.replace("'", '"', 2)
             if word in KEYWORDS and kind == "name":
                 kind = "mark"
             tokens.append(_Token(kind, word, start, match["unit"]))
@@ -182,7 +187,7 @@ class _Parser:
         found = self.text[at]
         hint = {
             "=": "compare with <, <=, > or >=; an expression cannot assign",
-            '"': 'close the quotes: "contact->v".e',
+            **dict.fromkeys("\"'", 'close the quotes: "contact->v".e'),
             "&": "write and between conditions",
             "|": "write or between conditions",
             "!": "write not before a condition",
