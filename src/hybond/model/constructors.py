@@ -81,7 +81,7 @@ def _element(
     return decorate
 
 
-@_element('hb.C("1 mF", e="10 V")', starts=("q", "e"))
+@_element('hb.C("1 mF", e="10 V") or hb.C({"e": "k*q^3"}, q=1)', starts=("q", "e"))
 def C(
     value: LawValue,
     *,
@@ -114,7 +114,7 @@ def C(
     return _part("C", value, q=q, e=e, domain=domain, label=label)
 
 
-@_element('hb.I("2 kg", f="1 m/s")', starts=("p", "f"))
+@_element('hb.I("2 kg", f="1 m/s") or hb.I({"f": "k*p^3"}, p=1)', starts=("p", "f"))
 def I(
     value: LawValue,
     *,
@@ -144,7 +144,7 @@ def I(
     return _part("I", value, p=p, f=f, domain=domain, label=label)
 
 
-@_element('hb.R("10 ohm")')
+@_element('hb.R("10 ohm") or hb.R({"e": "r*f*abs(f)"})')
 def R(
     value: LawValue,
     *,
@@ -171,7 +171,7 @@ def R(
     return _part("R", value, impulsive=impulsive, domain=domain, label=label)
 
 
-@_element('hb.G("10 m/(N*s)")')
+@_element('hb.G("10 m/(N*s)") or hb.G({"f": "k*e^3"})')
 def G(
     value: LawValue,
     *,
