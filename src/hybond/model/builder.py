@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from numbers import Real
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from hybond.calls import called, fits
 from hybond.errors import HybondError, ModelError
@@ -29,6 +29,8 @@ from hybond.units import DOMAINS
 if TYPE_CHECKING:
     from hybond.model.checked import Checked
     from hybond.model.graph import FlatGraph
+
+T = TypeVar("T")
 
 _NAME = re.compile(r"([A-Za-z_][A-Za-z0-9_]*)(\[[^\[\]]+\])?\Z")
 _END = re.compile(r"\s*[\w.\[\]]+\s*")
@@ -101,6 +103,7 @@ class Model(Asked):
         self.indeterminate = "error"
         """``"error"`` or ``"least leakage"``: what a guard on an undetermined signal means."""
 
+    @called('m.add(c=hb.C("1 mF"), n=hb.Zero())')
     def add(
         self,
         arrays: Mapping[str, Part | SubmodelPart] | None = None,
@@ -129,14 +132,7 @@ class Model(Asked):
         >>> [s.path for s in m.flatten().storages]
         ['m[1].p', 'm[2].p', 'm[3].p', 's[1].q', 's[2].q']
         """
-        if not isinstance(arrays, Mapping | None):
-            raise ModelError(
-                f"{arrays!r} has no name",
-                code="HB-M102",
-                where="elements",
-                hint='write the name before it: m.add(c=hb.C("1 mF"))',
-            )
-        for name, part in {**(arrays or {}), **elements}.items():
+        for name, part in _named(arrays, elements, "elements", 'm.add(c=hb.C("1 mF"))'):
             self._new_name(name, array=True)
             if not isinstance(part, Part | SubmodelPart):
                 raise _no_element(part, name)
@@ -162,10 +158,12 @@ class Model(Asked):
                 )
         self.bonds.extend(chains)
 
+    @called('m.parameter(R="10 ohm")')
     def parameter(self, **parameters: Value) -> None:
         """Add or change parameters."""
         self.parameters.update(parameters)
 
+    @called('m.signal(power="v.f*F.e")')
     def signal(
         self,
         arrays: Mapping[str, str | Integral | Sampled] | None = None,
@@ -173,7 +171,7 @@ class Model(Asked):
         **signals: str | Integral | Sampled,
     ) -> None:
         """Add signals: an expression, an `Integral`, or what is `Sampled`; arrays in a mapping."""
-        for name, signal in {**(arrays or {}), **signals}.items():
+        for name, signal in _named(arrays, signals, "signals", 'm.signal(power="v.f*F.e")'):
             self._new_name(name, array=True)
             number = isinstance(signal, Real) and not isinstance(signal, bool)
             if not number and not isinstance(signal, str | Integral | Sampled):
@@ -185,11 +183,13 @@ class Model(Asked):
                 )
             self.signals[name] = signal
 
+    @called('m.input(u="5 V")')
     def input(
         self, arrays: Mapping[str, InputPart | Value] | None = None, /, **inputs: InputPart | Value
     ) -> None:
         """Add inputs; a plain number, quantity or callable is allowed; arrays in a mapping."""
-        for name, given in {**(arrays or {}), **inputs}.items():
+        pwm = 'm.input(gate=hb.Input(pwm={"period": "10 us", "duty": 0.4}))'
+        for name, given in _named(arrays, inputs, "inputs", pwm):
             self._new_name(name, array=True)
             if isinstance(given, InputPart):
                 self.inputs[name] = given
@@ -423,6 +423,20 @@ def _plainly(name: Any) -> str:
     """Return a name made of one with dashes, dots or spaces in it, empty where none is found."""
     tried = re.sub(r"[-. ]+", "_", name.strip()) if isinstance(name, str) else ""
     return tried if tried != name and _NAME.match(tried) and tried not in RESERVED else ""
+
+
+def _named(
+    arrays: Mapping[str, T] | None, named: Mapping[str, T], where: str, example: str
+) -> Iterable[tuple[str, T]]:
+    """Return names and what they are of both; what stands alone has none."""
+    if not isinstance(arrays, Mapping | None):
+        raise ModelError(
+            f"{arrays!r} has no name",
+            code="HB-M102",
+            where=where,
+            hint=f"write the name before it: {example}",
+        )
+    return {**(arrays or {}), **named}.items()
 
 
 def _no_element(part: Any, name: str) -> ModelError:
