@@ -276,3 +276,21 @@ def test_a_program_ends_with_the_same_event(guard: str, tmp_path: Path) -> None:
     said = read_events(ask(compile_quickly(text, tmp_path, "ending"), "--events"))
     assert [w[1:4] for w in said.transitions[-1:]] == [("m", "a", "b")]
     assert said.times[-1] == pytest.approx(0.3, abs=1e-12)
+
+
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize("order", [(0, 1, 2), (2, 1, 0)])
+def test_an_instant_lasts_from_the_first_that_is_one_with_it(order, turned) -> None:
+    """The third was held to be one with the second, which is one with the first: HB-N411."""
+    m = hb.Model("three")
+    late = (0.0, 0.6e-11, 1.3e-11)  # of an instant of 1e-11 s
+    for k in order:
+        m.add({f"c{k}": hb.C(1.0, q=-1.0 - late[k]), f"z{k}": hb.Zero()})
+        m.add({f"s{k}": hb.Sf(-1.0 if turned else 1.0)})
+        m.bond(f"z{k} -> s{k}" if turned else f"s{k} -> z{k}", f"z{k} -> c{k}")
+        rules = [f"a -> b when c{k}.q > 0"]
+        m.machine(f"M{k}", states={"a": [], "b": []}, start="a", rules=rules)
+    run = hb.simulate(m, 10.0)
+    assert run.status == "ok"
+    fired = [sorted(f.machine for f in e.steps[0].fired) for e in run.events[1:]]
+    assert fired == [["M0", "M1"], ["M2"]]

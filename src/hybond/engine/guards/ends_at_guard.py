@@ -75,6 +75,7 @@ def land(e: Engine, g: Locator, room: float, end: float, vain: int) -> int:
     g.looked = math.nan
     if vain > 0 and vain <= FORWARD:
         g.at = min(g.at + LEAST * spacing(g.at) * math.pow(2.0, float(vain)), top)
+    g.began = g.at
     g.at = last_of_instant(e, g, g.at, top)
     if g.failed:
         return REFUSED

@@ -192,6 +192,8 @@ class Locator:
     """Whether states are on their constraints where guards are asked: an event begins there, and
     what integration drifts off would say something else of it."""
     tied: bool  # whether the motion is tied to its sources, see jumps/tied
+    began: float
+    """The first instant at which a guard holds; `at` is the last that is one with it."""
     at: float
     bracket_low: float
     bracket_high: float

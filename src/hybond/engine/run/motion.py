@@ -374,7 +374,7 @@ def flow(e: Engine, r: Run) -> int:
             return -1
         end_pace(e, at)
         timed = e.t >= end and e.next_break <= end
-        foresee(e, min(at + instant, end))
+        foresee(e, min((g.began if at - g.began <= instant else at) + instant, end))
         return timed_cause(e) if timed else GUARD
 
 
