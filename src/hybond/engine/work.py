@@ -83,6 +83,8 @@ class Work:
     """Of Newton's shorter steps: the last one."""
     trial: Block
     slopes_there: Block
+    rounded: Block
+    """Of a whole step: what rounding it may be."""
     swung: Block
     """Where full steps have ended: a root that they swing about, if `swings` is not 0."""
     swings: int
@@ -300,6 +302,7 @@ def make_work(m: Model) -> Work:
     w.takes_rounding = False
     w.met_rounding = False
     w.slopes_there = make_block(1)
+    w.rounded = make_block(1)
     w.residual = make_block(1)
     w.residual_before = make_block(1)
     w.residual_size = make_block(1)

@@ -10,12 +10,19 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.engine.algebra.blocks import fit
+from hybond.engine.algebra.blocks import fit, fit_places
+from hybond.engine.algebra.lu import SINGULAR, lu_factor, lu_solve
 from hybond.engine.algebra.products import all_finite
 from hybond.engine.engine import Engine
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.newton_step import newton_step
-from hybond.engine.mode.newton_system import is_zero, largest_of, system, with_free
+from hybond.engine.mode.newton_system import (
+    LAST_PLACES,
+    is_zero,
+    largest_of,
+    system,
+    with_free,
+)
 from hybond.engine.mode.put_back import is_exact, put_back
 from hybond.engine.words import Floats
 
@@ -26,6 +33,8 @@ HALVES: Final = 0.02
 """Part of the largest step by which steps may differ from half of those before."""
 TWICE: Final = 0.1
 """What is left of a step after twice it, if that was one towards the root of a square."""
+UNSEEN: Final = 1e-6
+"""Part of a weight that rounding of a zero is: as much as leaves nothing of an unknown."""
 SHORTEST: Final = 2.0**-30
 """The smallest part of a step that is tried."""
 
@@ -72,6 +81,8 @@ def damped(e: Engine, mode: Mode, v: Floats, r: Floats, tolerance: float) -> boo
             part = 2.0 if halves and helps(e, mode, v, r, rows, 2.0) else 0.0
             if part == 0.0:
                 part = helpful_part(e, mode, v, r, rows)
+            if part == 0.0 and rounding_weighs(e, rows, frees):
+                part = helpful_part(e, mode, v, r, rows)
             # what no part of a step makes smaller is rounding if it is small beside the others
             last = part == 0.0 and small
         for j in range(frees):
@@ -106,6 +117,44 @@ def is_half(frees: int, step: Floats, before: Floats) -> bool:
     for j in range(frees):
         half = half and math.fabs(step[j] - 0.5 * before[j]) <= HALVES * most
     return half
+
+
+def rounding_weighs(e: Engine, rows: int, frees: int) -> bool:
+    """Give unknowns that the others leave nothing but rounding a weight beside it; False: none.
+
+    What is zero has no size of its own: whatever part of a step is taken, the next one changes it
+    by as much again, and says nothing of those that are not zero.
+    """
+    work = e.work
+    if rows != frees:
+        return False
+    fit(work.rounded, frees)
+    fit(work.trial, frees)
+    fit(work.jacobian2, rows * frees)
+    fit_places(work.pivots, rows)
+    for i in range(rows * frees):
+        work.jacobian2.at[i] = work.slopes_there.at[i]
+    if lu_factor(rows, work.jacobian2.at, work.pivots.at) == SINGULAR:
+        return False
+    for j in range(frees):
+        work.rounded.at[j] = 0.0
+    for i in range(rows):
+        size = work.residual_size.at[i]
+        for j in range(frees):
+            size += math.fabs(work.slopes_there.at[i * frees + j] * work.whole.at[j])
+        for j in range(frees):
+            work.trial.at[j] = 0.0
+        work.trial.at[i] = LAST_PLACES * size
+        lu_solve(rows, work.jacobian2.at, work.pivots.at, 1, work.trial.at)
+        for j in range(frees):
+            work.rounded.at[j] += math.fabs(work.trial.at[j])
+    found = False
+    for j in range(frees):
+        rounded = work.rounded.at[j]
+        if math.fabs(work.whole.at[j]) <= rounded and work.weight.at[j] * UNSEEN < rounded:
+            work.weight.at[j] = rounded / UNSEEN
+            found = True
+    return found
 
 
 def helpful_part(e: Engine, mode: Mode, v: Floats, r: Floats, rows: int) -> float:
