@@ -87,3 +87,24 @@ def test_slopes_reach_over_no_bend_of_a_law_that_takes_next_to_nothing() -> None
         times = np.linspace(0.1, 0.9, 5) * recipe.until
         one, two = (np.asarray(r.sample(times, [name])[name]) for r in (run, near))
         assert np.abs(one - two).max() <= 1e-5 * np.abs(one).max() + 1e-12
+
+
+@pytest.mark.parametrize("way", ["as drawn", "turned", "reordered"])
+@pytest.mark.parametrize(
+    ("seed", "valve", "scale", "factor"),
+    [(18064769, "g5", 0.646, 0.612), (19053787, "g3", 5.22, 0.00154)],
+)
+def test_a_square_behind_a_given_flow_is_solved_beside_efforts_that_are_zero(
+    seed: int, valve: str, scale: float, factor: float, way: str
+) -> None:
+    """No shorter step seemed to help: rounding of the zeros was as large in the next one."""
+    recipe = random_recipe(seed)
+    if way != "as drawn":
+        recipe = (turned if way == "turned" else reordered)(recipe, seed).recipe
+    for t in (0.0, 0.05 * recipe.until):
+        # the first values that are read of a run are found from nothing
+        run = hb.simulate(recipe.model(), 0.1 * recipe.until)
+        read = run.sample([t], [f"{valve}.e", f"{valve}.f"])
+        flow = abs(float(read[f"{valve}.f"][0]))
+        assert flow > 0.01
+        assert abs(float(read[f"{valve}.e"][0])) == pytest.approx(scale * (flow / factor) ** 0.5)
