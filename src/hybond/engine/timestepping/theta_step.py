@@ -48,7 +48,7 @@ from hybond.engine.mode.part_energies import join_parts, see_energy
 from hybond.engine.mode.storage import co_energy, energy_of
 from hybond.engine.mode.tableau import COMMON
 from hybond.engine.model import Model
-from hybond.engine.timestepping.law_work import laws_give, none_carries, work_of_laws
+from hybond.engine.timestepping.law_work import none_carries, work_of_laws
 from hybond.engine.timestepping.matrices import (
     find_slopes,
     find_straight,
@@ -64,6 +64,7 @@ from hybond.engine.timestepping.step_laws import (
 )
 from hybond.engine.timestepping.step_records import Coupled, Stepping
 from hybond.engine.timestepping.step_sizes import measure_rounding, measure_step
+from hybond.engine.timestepping.steps_damped import is_barred, is_damped, state_of
 from hybond.engine.timestepping.touching_held import hold_touching
 from hybond.engine.words import Floats, Ints
 
@@ -118,12 +119,12 @@ def theta_step(e: Engine, s: Stepping, t1: float, h: float) -> int:
     once for each. HB-J120 if the laws have no solution, HB-N310 if Newton does not converge.
     """
     s.theta = e.model.theta
-    if end_of_step(e, s, t1, h) != OK:
-        return REFUSED
-    if s.theta < 1.0 and laws_give(e, s):
+    found = end_of_step(e, s, t1, h)
+    if s.theta < 1.0 and (is_barred(s) or (found == OK and is_damped(e, s))):
         s.theta = 1.0
-        if end_of_step(e, s, t1, h) != OK:
-            return REFUSED
+        found = end_of_step(e, s, t1, h)
+    if found != OK:
+        return REFUSED
     if not all_finite(e.states, s.y) or not math.isfinite(energy_of(e, s.y)):
         return no_convergence(e)
     finish_step(e, s, e.laws.now, t1, h)
@@ -131,7 +132,10 @@ def theta_step(e: Engine, s: Stepping, t1: float, h: float) -> int:
 
 
 def end_of_step(e: Engine, s: Stepping, t1: float, h: float) -> int:
-    """Find the end of a step with ``s.theta``: the state in `s.y`, bond variables in `e.work.w`."""
+    """Find the end of a step with ``s.theta``: the state in `s.y`, bond variables in `e.work.w`.
+
+    Nothing is found where the matrices say beforehand that it is to be made with ``theta = 1``.
+    """
     m = e.model
     r = e.laws
     take_instant(e, r, e.t, s.nothing_stored, e.state)
@@ -147,6 +151,8 @@ def end_of_step(e: Engine, s: Stepping, t1: float, h: float) -> int:
     s.now = c
     if c.straight and not c.known and find_straight(e, s, p, c) != OK:
         return REFUSED
+    if c.straight and is_barred(s):
+        return OK
     # nothing but what is solved for now: laws that read pre() have none in a step
     for k in range(m.slots):
         s.v0[m.slots + k] = 0.0
@@ -414,15 +420,15 @@ def finish_step(e: Engine, s: Stepping, p: Ports, t1: float, h: float) -> None:
     e.t = t1
     for k in range(e.states):
         e.y[k] = s.y[k]
+    s.since += 1
     for k in range(m.machines):
         s.before_state[k] = e.state[k]
         s.after_state[k] = e.state[k]
     for k in range(m.ports):
         machine = m.port_machine[k]
-        if m.port_two_sided[k] != 0 and m.port_planar[k] == 0:
-            s.after_state[machine] = 2 if s.branch[k] < 0 else s.branch[k]
-        else:
-            s.after_state[machine] = 1 if s.branch[k] != 0 else 0
+        s.after_state[machine] = state_of(m, s, k)
+        if s.struck[k] != 0 or s.after_state[machine] != s.before_state[machine]:
+            s.since = 0
     see_energy(e, e.y)
     e.evaluations += 1
 
