@@ -101,6 +101,7 @@ def test_a_law_that_takes_hold_in_a_step_gives_next_to_no_energy(theta: float) -
             L * run["l.f"].at(t) ** 2 + C * run["c.e"].at(t) ** 2 for t in np.arange(0, 12, h)
         ]
         assert (np.diff(energy) <= 0.01 * energy[0]).all()
+        assert max(energy) <= 1.01 * energy[0] and energy[-1] < energy[0]
 
 
 def block(mu: float, half: float, high: float, J: float) -> hb.Model:
