@@ -170,6 +170,7 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
         step_sizes, step_laws, guessed    what it is measured by; laws at its end
         open_shares         who carries what
         touching_held       contacts that touch, held against the speeds at its end
+        step_account        what sources gave, resistors took
         step_event, step_shown, step_records    what is written and shown
     checks/
         laws_held, another, guards_held    put back into themselves

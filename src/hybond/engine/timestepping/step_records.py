@@ -114,6 +114,9 @@ class Stepping:
     explicit: Floats
     move: Floats
     change: Floats
+    went: Floats
+    went_l: Floats
+    """How far the last iteration of Newton's method wanted to go, with the state and with `l`."""
     weight: Floats
     most_effort: Floats
     most_flow: Floats
@@ -207,6 +210,8 @@ def make_stepping(m: Model) -> Stepping:
     s.explicit = floats(states)
     s.move = floats(states)
     s.change = floats(states)
+    s.went = floats(states)
+    s.went_l = floats(n)
     s.weight = floats(states)
     s.most_effort = floats(m.islands)
     s.most_flow = floats(m.islands)

@@ -45,7 +45,7 @@ from hybond.engine.laws.ports import open_mode, ports_of, solve_with, times_part
 from hybond.engine.laws.response import find_sizes
 from hybond.engine.mode.mode_records import is_constrained
 from hybond.engine.mode.part_energies import join_parts, see_energy
-from hybond.engine.mode.storage import co_energy, energy_of
+from hybond.engine.mode.storage import energy_of
 from hybond.engine.mode.tableau import COMMON
 from hybond.engine.model import Model
 from hybond.engine.timestepping.law_work import none_carries, work_of_laws
@@ -56,6 +56,7 @@ from hybond.engine.timestepping.matrices import (
     rates_at,
     take_coupled,
 )
+from hybond.engine.timestepping.step_account import balance_step, meter_step
 from hybond.engine.timestepping.step_laws import (
     AT_REST,
     close_half_way,
@@ -72,6 +73,10 @@ NEWTON_ROUNDS: Final = 40
 """Iterations of one step."""
 SLOW_UPDATE: Final = 0.2
 """An update that is not reduced to this part asks for new slopes."""
+GOES_BACK: Final = 0.5
+"""An update against the last one that is not reduced to this part goes to and fro."""
+PART_BACK: Final = 0.4
+"""Part of such an update that is gone: less than half, or what it leads to would go as far."""
 UPDATED: Final = 1e-11
 """Newton ends when an update is below this part of what is updated."""
 NEAR_END: Final = 1e-6
@@ -278,6 +283,10 @@ def newton_step_of(e: Engine, s: Stepping, p: Ports, c: Coupled) -> int:
     n = c.n
     measure_step(e, s, p, c.h)
     last = math.inf
+    for k in range(n):
+        s.went[k] = 0.0
+    for k in range(m.ports):
+        s.went_l[k] = 0.0
     projected = False
     first = True
     of_step = not c.known
@@ -314,7 +323,8 @@ def newton_step_of(e: Engine, s: Stepping, p: Ports, c: Coupled) -> int:
             begin_anew(e, s, c)
             last = math.inf
             continue
-        update = advance_newton(e, s, p, c)
+        before = last if of_step and not projected else math.inf
+        update = advance_newton(e, s, p, c, before)
         if projected or update <= UPDATED:
             for k in range(m.storages):
                 s.move[k] = s.y[k]
@@ -353,23 +363,29 @@ def begin_anew(e: Engine, s: Stepping, c: Coupled) -> None:
     c.known = False
     for k in range(e.states):
         s.y[k] = e.y[k]
+        s.went[k] = 0.0
     for k in range(e.model.ports):
         s.l[k] = 0.0
+        s.went_l[k] = 0.0
 
 
-def advance_newton(e: Engine, s: Stepping, p: Ports, c: Coupled) -> float:
+def advance_newton(e: Engine, s: Stepping, p: Ports, c: Coupled, last: float) -> float:
     """Go to the end that an iteration has found; return how far that was, in its own measure.
 
-    `s.free` is `l` before it, `s.mean` the bond variables.
+    `s.free` is `l` before it, `s.mean` the bond variables. What goes back most of the way that it
+    came, by `last`, goes on but a part of it: at an orifice, which takes a root of the pressure,
+    Newton's method goes to and fro without an end.
     """
     m = e.model
     n = c.n
     update = 0.0
+    back = 0.0
     for k in range(n):
         change = s.move[k]
         for j in range(m.ports):
             change += c.push.at[k * m.ports + j] * (s.l[j] - s.free[j])
-        s.y[k] += change
+        back += (change / s.weight[k]) * (s.went[k] / s.weight[k])
+        s.went[k] = change
         update = max(update, math.fabs(change) / s.weight[k])
         if not math.isfinite(change):
             update = math.inf
@@ -385,6 +401,15 @@ def advance_newton(e: Engine, s: Stepping, p: Ports, c: Coupled) -> float:
             scale += math.fabs(gain) * (math.fabs(s.l[j]) + LAW_DUST_PART * s.able[j])
         if scale > 0.0:
             update = max(update, 1e-2 * math.fabs(rest) / scale)
+    for j in range(m.ports):
+        change = s.l[j] - s.free[j]
+        back += (change / s.able[j]) * (s.went_l[j] / s.able[j])
+        s.went_l[j] = change
+    part = PART_BACK if back < 0.0 and update >= GOES_BACK * last and update > UPDATED else 1.0
+    for k in range(n):
+        s.y[k] += part * s.went[k]
+    for j in range(m.ports if part < 1.0 else 0):
+        s.l[j] = s.free[j] + part * s.went_l[j]
     return update
 
 
@@ -431,42 +456,6 @@ def finish_step(e: Engine, s: Stepping, p: Ports, t1: float, h: float) -> None:
             s.since = 0
     see_energy(e, e.y)
     e.evaluations += 1
-
-
-def meter_step(m: Model, s: Stepping, h: float) -> None:
-    """Find what sources gave, impulses at their values in the end, and resistors took in a step."""
-    s.supplied = 0.0
-    s.dissipated = 0.0
-    for k in range(m.suppliers):
-        b = m.supplier_bond[k]
-        given = h * s.mean[b] * s.mean[m.bonds + b]
-        given += s.thrust[b] * s.w[m.bonds + b] + s.thrust[m.bonds + b] * s.w[b]
-        s.supplied += float(m.supplier_sign[k]) * given
-    for k in range(m.dissipators):
-        b = m.dissipator_bond[k]
-        s.dissipated += h * float(m.dissipator_sign[k]) * s.mean[b] * s.mean[m.bonds + b]
-
-
-def balance_step(e: Engine, s: Stepping) -> None:
-    """Find what a step has stored beyond what sources, resistors and laws gave it, J.
-
-    The mean bond variables of a step obey the junction structure, so that with the co-energy
-    variables at the same mean, ``theta z(x+) + (1 - theta) z(x)``, the scheme balances exactly:
-    what was stored by them is what sources gave and resistors took by them, and the laws' work
-    ``h l w``. (The energy itself moves by that less ``(theta - 1/2) dx' K dx``, the damping of the
-    scheme, for linear storage.) What constraints on storage take away is a loss.
-    """
-    m = e.model
-    stored = 0.0
-    for end in range(2):
-        part = s.theta if end == 1 else 1.0 - s.theta
-        for k in range(m.storages):
-            s.v0[m.stored_slot + k] = s.y[k] if end == 1 else e.y[k]
-        co_energy(m, s.v0, s.x)
-        for k in range(m.storages):
-            if m.storage_pseudo[k] == 0:
-                stored += part * s.x[k] * (s.y[k] - e.y[k])
-    s.unbalanced = stored - (s.supplied - s.dissipated) - s.worked
 
 
 def put_law_source(m: Model, s: Stepping, p: Ports, k: int) -> None:
