@@ -73,6 +73,8 @@ NEWTON_ROUNDS: Final = 40
 """Iterations of one step."""
 SLOW_UPDATE: Final = 0.2
 """An update that is not reduced to this part asks for new slopes."""
+PATIENT_ROUNDS: Final = 8
+"""Iterations in which updates may go to and fro."""
 GOES_BACK: Final = 0.5
 """An update against the last one that is not reduced to this part goes to and fro."""
 PART_BACK: Final = 0.4
@@ -290,7 +292,7 @@ def newton_step_of(e: Engine, s: Stepping, p: Ports, c: Coupled) -> int:
     projected = False
     first = True
     of_step = not c.known
-    for _ in range(NEWTON_ROUNDS):
+    for turn in range(NEWTON_ROUNDS):
         # what levers share depends on how they stand, and slopes of an earlier step do not say that
         stands = c.still <= 0 or first or (of_step and last <= NEAR_END)
         if not (c.known and stands):
@@ -323,7 +325,7 @@ def newton_step_of(e: Engine, s: Stepping, p: Ports, c: Coupled) -> int:
             begin_anew(e, s, c)
             last = math.inf
             continue
-        before = last if of_step and not projected else math.inf
+        before = last if of_step and not projected and turn >= PATIENT_ROUNDS else math.inf
         update = advance_newton(e, s, p, c, before)
         if projected or update <= UPDATED:
             for k in range(m.storages):
