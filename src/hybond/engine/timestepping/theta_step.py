@@ -7,12 +7,10 @@ The graph seen from its junction laws (`laws/ports`) is ``x' = f(x) + E l, w = y
     w+ = y(x+) + D l,     0 <= l  |  w+ + eps w >= 0
 
 `theta` averages the smooth part only; what the laws ask for holds at the *end* of the step, so that
-a capacitor that is charged through a diode never overshoots. With ``theta < 1`` a law that takes
-hold in a step may then give energy, ``h l`` times its mean `w`: of second order in the step, and in
-a stiff circuit whose diodes commutate step after step so much that it grows without a bound. A step
-in which a law gives more than a twentieth of the energy of its part, or anything at all where the
-step is long enough for something in it to ring, is made again with ``theta = 1``, where ``l w+`` is
-never positive. ``h l`` is the percussion of the step:
+a capacitor that is charged through a diode never overshoots. Where that is the worse formula, after
+breaks and where laws give energy or lag, a step is made with ``theta = 1`` (`steps_damped`), where
+``l w+`` is never positive.
+``h l`` is the percussion of the step:
 a force that acts during it, an impulse, or both, which the scheme does not tell apart. That is why
 it needs no event location and passes through accumulation points. `eps` is Newton's restitution; a
 contact takes part only if it would close in the first half of the step, ``gap + h/2 gap' <= 0``.
