@@ -136,6 +136,26 @@ def test_engines_agree_as_the_step_is_halved(seed: int, sources: bool) -> None:
     assert not {"several solutions", "simultaneous impacts"} & {r.name for r in found.reasons}
 
 
+@pytest.mark.parametrize(
+    ("seed", "sources"), [(119, False), (14, True), (98, False), (115, True), (125, True)]
+)
+def test_laws_of_a_passive_circuit_have_one_answer_in_long_steps(seed: int, sources: bool) -> None:
+    """With ``theta = 1/2`` they had three, or none at all, where something relaxed in a step."""
+    model = network(seed, sources=sources)
+    run = steps(model, 0.2, 0.5)
+    assert not any("answers" in said for said in run.warnings)
+    assert violation(run) < 1e-9
+    names = [s.path for s in run.graph.storages]
+    right = hb.simulate(model, END)
+    times = np.linspace(0.0, END, 11)
+
+    def off(found: hb.Result) -> float:
+        x, y = ([r.sample(times, names)[n] for n in names] for r in (found, right))
+        return max(np.abs(a - b).mean() for a, b in zip(x, y, strict=True))
+
+    assert off(run) < 1.1 * off(steps(model, 0.2, 1.0)) < 0.5
+
+
 def no_two_at_once(run: hb.Result, apart: float) -> bool:
     times = np.array([e.t for e in run.events])
     return bool((np.diff(times) > apart).all()) and not run.accumulations

@@ -166,9 +166,11 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
         in_turn             contacts without a rebound that open each other, ever faster
     timestepping/
         theta_step, matrices, law_work    one step
+        ringing, steps_damped             whether it rings, or laws lag; what is made with theta = 1
         step_sizes, step_laws, guessed    what it is measured by; laws at its end
         open_shares         who carries what
         touching_held       contacts that touch, held against the speeds at its end
+        step_account        what sources gave, resistors took
         step_event, step_shown, step_records    what is written and shown
     checks/
         laws_held, another, guards_held    put back into themselves

@@ -233,6 +233,7 @@ def settle_in_steps(e: Engine, r: Run, cause: int) -> int:
     s = e.stepping
     i = r.instant
     begin_instant(i, e.t, cause)
+    s.since = 0
     if cause == GUARD:
         i.since = s.t0
     else:

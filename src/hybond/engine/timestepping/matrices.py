@@ -32,6 +32,7 @@ from hybond.engine.laws.response import find_gains
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.newton import by_knowns
 from hybond.engine.model import Model
+from hybond.engine.timestepping.ringing import IDLE_PART, loses_laws, turns_back
 from hybond.engine.timestepping.step_records import (
     COUPLED_KEPT,
     NOT_LOOKED,
@@ -41,8 +42,6 @@ from hybond.engine.timestepping.step_records import (
 )
 from hybond.engine.words import Floats, Ints, some
 
-IDLE_PART: Final = 1e-14
-"""Part of the largest response below which a law does nothing."""
 DOUBTFUL_PIVOT: Final = 1e-8
 """Part of the largest entry of its row below which a pivot may have lost its sign to rounding."""
 NEARBY: Final = 1e-7
@@ -250,6 +249,7 @@ def invert_step(e: Engine, s: Stepping, p: Ports, c: Coupled) -> int:
         why = "a step of this length has no end: its equations are singular"
         return say_fault(e, "HB-N310", why, "")
     c.outgrown = is_negative(n, s.square.at, s.row, s.change)
+    c.rings = turns_back(n, c.inverse.at, 1.0 - c.theta, s.square.at)
     for i in range(n * m.ports):
         s.square.at[n * n + i] = c.h * c.push.at[i]
     for i in range(n):
@@ -262,6 +262,8 @@ def invert_step(e: Engine, s: Stepping, p: Ports, c: Coupled) -> int:
     for i in range(bonds * m.ports):
         c.gain.at[i] += c.direct.at[i]
     couple_laws(m, p, c)
+    fit(s.square, m.ports * m.ports)
+    c.lost = loses_laws(m, s, p, c)
     s.numbers += 1
     c.number = s.numbers
     c.semidefinite = NOT_LOOKED

@@ -228,7 +228,7 @@ def ask_laws(e: Engine, s: Stepping, c: Coupled, bounces: bool) -> bool:
                 broken = True
         if broken:
             continue
-        if not guessed and p.answers > 1 and not s.second_said:
+        if not guessed and p.answers > 1 and not c.lost and not s.second_said:
             r.t = s.v1[0]
             warn_of_several(e, r)
             s.second_said = True

@@ -24,7 +24,8 @@ class Coupled:
     `l`, `m` the `w` of laws by `l`. Where all but the laws is linear, `straight`, they hold at
     every point. `still` columns of `basis` are the `l` by which two solutions may differ; where one
     of them `moves` a `w`, what they spend together has to be nothing. What grows by itself within
-    a step has `outgrown` it.
+    a step has `outgrown` it; what relaxes or swings within one `rings` from step to step. In
+    such steps laws may have `lost` what makes their answers the only ones.
     """
 
     place: int
@@ -38,6 +39,8 @@ class Coupled:
     known: bool
     straight: bool
     outgrown: bool
+    rings: bool
+    lost: bool
     n: int
     state: Block
     direct: Block
@@ -93,6 +96,8 @@ class Stepping:
     theta: float
     begins: bool
     """Whether the point is no end of a step that the log knows."""
+    since: int
+    """Steps since the last break: where an instant was settled, a law turned or was struck."""
     t0: float
     v0: Floats
     v1: Floats
@@ -109,6 +114,9 @@ class Stepping:
     explicit: Floats
     move: Floats
     change: Floats
+    went: Floats
+    went_l: Floats
+    """How far the last iteration of Newton's method wanted to go, with the state and with `l`."""
     weight: Floats
     most_effort: Floats
     most_flow: Floats
@@ -156,6 +164,8 @@ class Stepping:
     scale: Floats
     down: Floats
     square: Block
+    at_once: Floats
+    feel: Floats
     row: Ints
 
     # the outcome
@@ -200,6 +210,8 @@ def make_stepping(m: Model) -> Stepping:
     s.explicit = floats(states)
     s.move = floats(states)
     s.change = floats(states)
+    s.went = floats(states)
+    s.went_l = floats(n)
     s.weight = floats(states)
     s.most_effort = floats(m.islands)
     s.most_flow = floats(m.islands)
@@ -226,11 +238,14 @@ def make_stepping(m: Model) -> Stepping:
     s.shared_said = ints(n)
     s.turned = ints(n)
     s.couples = records(Coupled, COUPLED_KEPT)
+    s.now = make_coupled(n)
     s.guess = make_guess(n)
     s.shares = make_shares()
     s.scale = floats(n)
     s.down = floats(n)
     s.square = make_block(1)
+    s.at_once = floats(n * n)
+    s.feel = floats(n * n)
     s.row = ints(max(n, states))
     s.before_state = ints(m.machines)
     s.after_state = ints(m.machines)

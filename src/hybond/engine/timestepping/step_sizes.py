@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.engine import OK, Engine
 from hybond.engine.laws.law_instant import NO_LAW_VALUE, quantity
 from hybond.engine.laws.law_records import Ports
@@ -12,11 +13,15 @@ from hybond.engine.laws.ports import open_mode, partner_row
 from hybond.engine.mode.reach import reach_of
 from hybond.engine.mode.tableau import COMMON
 from hybond.engine.model import Model
-from hybond.engine.timestepping.matrices import rates_at
+from hybond.engine.timestepping.matrices import NEARBY, rates_at
 from hybond.engine.timestepping.step_records import Coupled, Stepping
+from hybond.engine.words import Floats
 
 ROUNDED_PART: Final = 1e-14
 """Part of the terms of a law's `w` that rounding leaves of it in a few operations."""
+
+OF_QUOTIENTS: Final = EPSILON / NEARBY
+"""Part of what is there that quotients of differences leave of a slope that is none."""
 
 
 def measure_step(e: Engine, s: Stepping, p: Ports, h: float) -> None:
@@ -54,6 +59,24 @@ def measure_step(e: Engine, s: Stepping, p: Ports, h: float) -> None:
     measure_laws(e, s, p)
 
 
+def measure_bonds(m: Model, s: Stepping, one: Floats, other: Floats) -> None:
+    """Find the largest effort and flow on each island, of two sets of bond variables."""
+    for i in range(m.islands):
+        s.most_effort[i] = 0.0
+        s.most_flow[i] = 0.0
+    for b in range(m.bonds):
+        i = m.bond_island[b]
+        effort = max(math.fabs(one[b]), math.fabs(other[b]))
+        flow = max(math.fabs(one[m.bonds + b]), math.fabs(other[m.bonds + b]))
+        s.most_effort[i] = max(s.most_effort[i], effort)
+        s.most_flow[i] = max(s.most_flow[i], flow)
+
+
+def gives_effort(m: Model, p: Ports, k: int) -> bool:
+    """Whether what the law of port k gives is an effort."""
+    return (m.junction_kind[m.port_junction[k]] == 0) == (p.given[k] == COMMON)
+
+
 def measure_laws(e: Engine, s: Stepping, p: Ports) -> None:
     """Find what that which a law gives is measured by: the largest effort or flow on its island.
 
@@ -61,19 +84,10 @@ def measure_laws(e: Engine, s: Stepping, p: Ports) -> None:
     that, and all else there is no more.
     """
     m = e.model
-    effort = s.most_effort
-    flow = s.most_flow
-    for i in range(m.islands):
-        effort[i] = 0.0
-        flow[i] = 0.0
-    for b in range(m.bonds):
-        i = m.bond_island[b]
-        effort[i] = max(effort[i], math.fabs(s.w[b]))
-        flow[i] = max(flow[i], math.fabs(s.w[m.bonds + b]))
+    measure_bonds(m, s, s.w, s.w)
     for k in range(m.ports):
         i = island_of_port(m, k)
-        is_effort = (m.junction_kind[m.port_junction[k]] == 0) == (p.given[k] == COMMON)
-        size = effort[i] if is_effort else flow[i]
+        size = s.most_effort[i] if gives_effort(m, p, k) else s.most_flow[i]
         s.unit[k] = size if size > 0.0 else 1.0
         s.able[k] = s.unit[k]
         if m.port_limit[k] != NO_LAW_VALUE and p.given[k] != COMMON:
@@ -105,3 +119,7 @@ def measure_rounding(m: Model, s: Stepping, p: Ports, c: Coupled) -> None:
             size += math.fabs(m.pair_value[i]) * terms
         own = math.fabs(c.m.at[k * n + k])
         s.rounded[k] = ROUNDED_PART * size / own if own > 0.0 else 0.0
+        i = island_of_port(m, k)
+        there = s.most_flow[i] if gives_effort(m, p, k) else s.most_effort[i]
+        if own * s.able[k] <= OF_QUOTIENTS * there:
+            s.rounded[k] = math.inf

@@ -7,12 +7,10 @@ The graph seen from its junction laws (`laws/ports`) is ``x' = f(x) + E l, w = y
     w+ = y(x+) + D l,     0 <= l  |  w+ + eps w >= 0
 
 `theta` averages the smooth part only; what the laws ask for holds at the *end* of the step, so that
-a capacitor that is charged through a diode never overshoots. With ``theta < 1`` a law that takes
-hold in a step may then give energy, ``h l`` times its mean `w`: of second order in the step, and in
-a stiff circuit whose diodes commutate step after step so much that it grows without a bound. A step
-in which a law gives more than a twentieth of the energy of its part, or anything at all where the
-step is long enough for something in it to ring, is made again with ``theta = 1``, where ``l w+`` is
-never positive. ``h l`` is the percussion of the step:
+a capacitor that is charged through a diode never overshoots. Where that is the worse formula, after
+breaks and where laws give energy or lag, a step is made with ``theta = 1`` (`steps_damped`), where
+``l w+`` is never positive.
+``h l`` is the percussion of the step:
 a force that acts during it, an impulse, or both, which the scheme does not tell apart. That is why
 it needs no event location and passes through accumulation points. `eps` is Newton's restitution; a
 contact takes part only if it would close in the first half of the step, ``gap + h/2 gap' <= 0``.
@@ -45,10 +43,10 @@ from hybond.engine.laws.ports import open_mode, ports_of, solve_with, times_part
 from hybond.engine.laws.response import find_sizes
 from hybond.engine.mode.mode_records import is_constrained
 from hybond.engine.mode.part_energies import join_parts, see_energy
-from hybond.engine.mode.storage import co_energy, energy_of
+from hybond.engine.mode.storage import energy_of
 from hybond.engine.mode.tableau import COMMON
 from hybond.engine.model import Model
-from hybond.engine.timestepping.law_work import laws_give, none_carries, work_of_laws
+from hybond.engine.timestepping.law_work import none_carries, work_of_laws
 from hybond.engine.timestepping.matrices import (
     find_slopes,
     find_straight,
@@ -56,6 +54,7 @@ from hybond.engine.timestepping.matrices import (
     rates_at,
     take_coupled,
 )
+from hybond.engine.timestepping.step_account import balance_step, meter_step
 from hybond.engine.timestepping.step_laws import (
     AT_REST,
     close_half_way,
@@ -64,6 +63,7 @@ from hybond.engine.timestepping.step_laws import (
 )
 from hybond.engine.timestepping.step_records import Coupled, Stepping
 from hybond.engine.timestepping.step_sizes import measure_rounding, measure_step
+from hybond.engine.timestepping.steps_damped import is_barred, is_damped, state_of
 from hybond.engine.timestepping.touching_held import hold_touching
 from hybond.engine.words import Floats, Ints
 
@@ -71,6 +71,12 @@ NEWTON_ROUNDS: Final = 40
 """Iterations of one step."""
 SLOW_UPDATE: Final = 0.2
 """An update that is not reduced to this part asks for new slopes."""
+PATIENT_ROUNDS: Final = 8
+"""Iterations in which updates may go to and fro."""
+GOES_BACK: Final = 0.5
+"""An update against the last one that is not reduced to this part goes to and fro."""
+PART_BACK: Final = 0.4
+"""Part of such an update that is gone: less than half, or what it leads to would go as far."""
 UPDATED: Final = 1e-11
 """Newton ends when an update is below this part of what is updated."""
 NEAR_END: Final = 1e-6
@@ -118,12 +124,12 @@ def theta_step(e: Engine, s: Stepping, t1: float, h: float) -> int:
     once for each. HB-J120 if the laws have no solution, HB-N310 if Newton does not converge.
     """
     s.theta = e.model.theta
-    if end_of_step(e, s, t1, h) != OK:
-        return REFUSED
-    if s.theta < 1.0 and laws_give(e, s):
+    found = end_of_step(e, s, t1, h)
+    if s.theta < 1.0 and (is_barred(s) or (found == OK and is_damped(e, s))):
         s.theta = 1.0
-        if end_of_step(e, s, t1, h) != OK:
-            return REFUSED
+        found = end_of_step(e, s, t1, h)
+    if found != OK:
+        return REFUSED
     if not all_finite(e.states, s.y) or not math.isfinite(energy_of(e, s.y)):
         return no_convergence(e)
     finish_step(e, s, e.laws.now, t1, h)
@@ -131,7 +137,10 @@ def theta_step(e: Engine, s: Stepping, t1: float, h: float) -> int:
 
 
 def end_of_step(e: Engine, s: Stepping, t1: float, h: float) -> int:
-    """Find the end of a step with ``s.theta``: the state in `s.y`, bond variables in `e.work.w`."""
+    """Find the end of a step with ``s.theta``: the state in `s.y`, bond variables in `e.work.w`.
+
+    Nothing is found where the matrices say beforehand that it is to be made with ``theta = 1``.
+    """
     m = e.model
     r = e.laws
     take_instant(e, r, e.t, s.nothing_stored, e.state)
@@ -147,6 +156,8 @@ def end_of_step(e: Engine, s: Stepping, t1: float, h: float) -> int:
     s.now = c
     if c.straight and not c.known and find_straight(e, s, p, c) != OK:
         return REFUSED
+    if c.straight and is_barred(s):
+        return OK
     # nothing but what is solved for now: laws that read pre() have none in a step
     for k in range(m.slots):
         s.v0[m.slots + k] = 0.0
@@ -272,10 +283,14 @@ def newton_step_of(e: Engine, s: Stepping, p: Ports, c: Coupled) -> int:
     n = c.n
     measure_step(e, s, p, c.h)
     last = math.inf
+    for k in range(n):
+        s.went[k] = 0.0
+    for k in range(m.ports):
+        s.went_l[k] = 0.0
     projected = False
     first = True
     of_step = not c.known
-    for _ in range(NEWTON_ROUNDS):
+    for turn in range(NEWTON_ROUNDS):
         # what levers share depends on how they stand, and slopes of an earlier step do not say that
         stands = c.still <= 0 or first or (of_step and last <= NEAR_END)
         if not (c.known and stands):
@@ -308,7 +323,8 @@ def newton_step_of(e: Engine, s: Stepping, p: Ports, c: Coupled) -> int:
             begin_anew(e, s, c)
             last = math.inf
             continue
-        update = advance_newton(e, s, p, c)
+        before = last if of_step and not projected and turn >= PATIENT_ROUNDS else math.inf
+        update = advance_newton(e, s, p, c, before)
         if projected or update <= UPDATED:
             for k in range(m.storages):
                 s.move[k] = s.y[k]
@@ -347,23 +363,29 @@ def begin_anew(e: Engine, s: Stepping, c: Coupled) -> None:
     c.known = False
     for k in range(e.states):
         s.y[k] = e.y[k]
+        s.went[k] = 0.0
     for k in range(e.model.ports):
         s.l[k] = 0.0
+        s.went_l[k] = 0.0
 
 
-def advance_newton(e: Engine, s: Stepping, p: Ports, c: Coupled) -> float:
+def advance_newton(e: Engine, s: Stepping, p: Ports, c: Coupled, last: float) -> float:
     """Go to the end that an iteration has found; return how far that was, in its own measure.
 
-    `s.free` is `l` before it, `s.mean` the bond variables.
+    `s.free` is `l` before it, `s.mean` the bond variables. What goes back most of the way that it
+    came, by `last`, goes on but a part of it: at an orifice, which takes a root of the pressure,
+    Newton's method goes to and fro without an end.
     """
     m = e.model
     n = c.n
     update = 0.0
+    back = 0.0
     for k in range(n):
         change = s.move[k]
         for j in range(m.ports):
             change += c.push.at[k * m.ports + j] * (s.l[j] - s.free[j])
-        s.y[k] += change
+        back += (change / s.weight[k]) * (s.went[k] / s.weight[k])
+        s.went[k] = change
         update = max(update, math.fabs(change) / s.weight[k])
         if not math.isfinite(change):
             update = math.inf
@@ -379,6 +401,15 @@ def advance_newton(e: Engine, s: Stepping, p: Ports, c: Coupled) -> float:
             scale += math.fabs(gain) * (math.fabs(s.l[j]) + LAW_DUST_PART * s.able[j])
         if scale > 0.0:
             update = max(update, 1e-2 * math.fabs(rest) / scale)
+    for j in range(m.ports):
+        change = s.l[j] - s.free[j]
+        back += (change / s.able[j]) * (s.went_l[j] / s.able[j])
+        s.went_l[j] = change
+    part = PART_BACK if back < 0.0 and update >= GOES_BACK * last and update > UPDATED else 1.0
+    for k in range(n):
+        s.y[k] += part * s.went[k]
+    for j in range(m.ports if part < 1.0 else 0):
+        s.l[j] = s.free[j] + part * s.went_l[j]
     return update
 
 
@@ -414,53 +445,17 @@ def finish_step(e: Engine, s: Stepping, p: Ports, t1: float, h: float) -> None:
     e.t = t1
     for k in range(e.states):
         e.y[k] = s.y[k]
+    s.since += 1
     for k in range(m.machines):
         s.before_state[k] = e.state[k]
         s.after_state[k] = e.state[k]
     for k in range(m.ports):
         machine = m.port_machine[k]
-        if m.port_two_sided[k] != 0 and m.port_planar[k] == 0:
-            s.after_state[machine] = 2 if s.branch[k] < 0 else s.branch[k]
-        else:
-            s.after_state[machine] = 1 if s.branch[k] != 0 else 0
+        s.after_state[machine] = state_of(m, s, k)
+        if s.struck[k] != 0 or s.after_state[machine] != s.before_state[machine]:
+            s.since = 0
     see_energy(e, e.y)
     e.evaluations += 1
-
-
-def meter_step(m: Model, s: Stepping, h: float) -> None:
-    """Find what sources gave, impulses at their values in the end, and resistors took in a step."""
-    s.supplied = 0.0
-    s.dissipated = 0.0
-    for k in range(m.suppliers):
-        b = m.supplier_bond[k]
-        given = h * s.mean[b] * s.mean[m.bonds + b]
-        given += s.thrust[b] * s.w[m.bonds + b] + s.thrust[m.bonds + b] * s.w[b]
-        s.supplied += float(m.supplier_sign[k]) * given
-    for k in range(m.dissipators):
-        b = m.dissipator_bond[k]
-        s.dissipated += h * float(m.dissipator_sign[k]) * s.mean[b] * s.mean[m.bonds + b]
-
-
-def balance_step(e: Engine, s: Stepping) -> None:
-    """Find what a step has stored beyond what sources, resistors and laws gave it, J.
-
-    The mean bond variables of a step obey the junction structure, so that with the co-energy
-    variables at the same mean, ``theta z(x+) + (1 - theta) z(x)``, the scheme balances exactly:
-    what was stored by them is what sources gave and resistors took by them, and the laws' work
-    ``h l w``. (The energy itself moves by that less ``(theta - 1/2) dx' K dx``, the damping of the
-    scheme, for linear storage.) What constraints on storage take away is a loss.
-    """
-    m = e.model
-    stored = 0.0
-    for end in range(2):
-        part = s.theta if end == 1 else 1.0 - s.theta
-        for k in range(m.storages):
-            s.v0[m.stored_slot + k] = s.y[k] if end == 1 else e.y[k]
-        co_energy(m, s.v0, s.x)
-        for k in range(m.storages):
-            if m.storage_pseudo[k] == 0:
-                stored += part * s.x[k] * (s.y[k] - e.y[k])
-    s.unbalanced = stored - (s.supplied - s.dissipated) - s.worked
 
 
 def put_law_source(m: Model, s: Stepping, p: Ports, k: int) -> None:

@@ -11,18 +11,15 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.complementarity.law_roles import CUT
 from hybond.engine.engine import Engine
-from hybond.engine.laws.law_instant import evaluate_gap
 from hybond.engine.laws.law_records import Ports
 from hybond.engine.laws.ports import times_partner
 from hybond.engine.mode.tableau import COMMON
 from hybond.engine.reasons.noting import IMPACT, note_in_state
+from hybond.engine.timestepping.step_laws import is_rounding
 from hybond.engine.timestepping.step_records import Stepping
 
-TOUCHES: Final = 64.0 * EPSILON
-"""Part of the terms of a gap that is rounding of it."""
 MISSED: Final = 1e-6
 """Part of the fastest speed of any contact below which one does not approach."""
 
@@ -60,5 +57,4 @@ def is_left_out(e: Engine, s: Stepping, p: Ports, k: int, h: float) -> bool:
         return False
     if gap > MISSED * h * math.fabs(s.wl[k]):
         return False
-    evaluate_gap(e, e.laws, k, s.v0)
-    return gap <= TOUCHES * e.work.stack.size[e.work.stack.top]
+    return is_rounding(e, s, k)
