@@ -3,9 +3,11 @@
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import hybond as hb
+from hybond.engine.outcome.apart import Apart
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
@@ -74,3 +76,14 @@ def test_a_run_that_slides_adds_no_mode_that_is_left_at_once():
     assert found.exact and found.time == "proved"
     assert {k for n in found.nodes for k in n.kinds} == {"start", "continuous"}
     assert all(e.fires for e in found.edges)
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_state_is_put_where_charge_is_shared(turned):
+    m = hb.Model("joined")
+    m.add(a=hb.C(1.0), b=hb.C(3.0), n=hb.Zero(), s=hb.One(), k=hb.Zero())
+    m.bond("n -> a", "n -> s -> k", "b -> k" if turned else "k -> b")
+    m.machine("S", states={"open": [], "closed": ["s"]}, start="open", rules=[])
+    at = Apart(m.flatten())
+    assert at.after(np.array([4.0, 0.0]), (1,)) == pytest.approx([1.0, 3.0], rel=1e-12)
+    assert at.after(np.array([4.0, 0.0]), (0,)) == pytest.approx([4.0, 0.0], abs=0.0)

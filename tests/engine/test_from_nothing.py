@@ -61,3 +61,22 @@ def test_a_power_of_time_with_an_atol_of_nothing() -> None:
     # t**40 at the first step is far below the smallest number that has digits
     run = hb.simulate(free("1 N*(time/(1 s))^40"), "1 s")
     assert float(run["a.p"].at(1.0)) == pytest.approx(1.0 / 41.0, rel=1e-6)
+
+
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize(("drive", "power"), [("1", 1), ("time", 2)])
+@pytest.mark.parametrize("many", [4, 6])
+def test_radau_integrates_what_one_storage_has_again_and_again(
+    many: int, drive: str, power: int, turned: bool
+) -> None:
+    """Each integral leaves rest an iteration after the one before it: no step was short enough."""
+    m = hb.Model("integrals")
+    m.add(s=hb.Sf(drive), c=hb.C(1.0), n=hb.Zero())
+    m.bond("s -> n", "c -> n" if turned else "n -> c")
+    before = "n.e"
+    for k in range(2, many + 1):
+        m.signal(**{f"x{k}": hb.Integral(before)})
+        before = f"x{k}"
+    run = hb.simulate(m, until=2.0, solver="radau")
+    n = many + power - 1
+    assert run[before].at(2.0) == pytest.approx(2.0**n / math.factorial(n), rel=1e-6)

@@ -6,6 +6,7 @@ guards fired at 1e-24 s. Closed forms, and the exponential of the chain.
 
 from __future__ import annotations
 
+import math
 from typing import Literal
 
 import numpy as np
@@ -120,3 +121,53 @@ def test_a_ladder_that_is_charged_has_nothing_below_zero(solver: Solver) -> None
     run = hb.simulate(m, until=3.0, solver=solver)
     assert run.status == "ok"
     assert len(run.events) == 1
+
+
+def masses_in_a_row(many: int, force: float, turned: bool) -> hb.Model:
+    """Return masses with springs between them; the last moves as ``t^(2*many - 1)`` at first."""
+    m = hb.Model("row")
+    m.add(F=hb.Se(force))
+    for k in range(many):
+        m.add(**{f"v{k}": hb.One(), f"m{k}": hb.I(1.0)})
+        m.bond(f"m{k} -> v{k}" if turned else f"v{k} -> m{k}")
+        if k > 0:
+            m.add(**{f"n{k}": hb.Zero(), f"k{k}": hb.C(1.0)})
+            m.bond(f"v{k - 1} -> n{k} -> v{k}", f"k{k} -> n{k}" if turned else f"n{k} -> k{k}")
+    m.bond("F -> v0")
+    return m
+
+
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize("force", [1.0, -1.0, 1e-6, 1e6])
+@pytest.mark.parametrize("many", [4, 5, 7])
+def test_the_last_of_a_row_of_masses_does_not_move_back_first(
+    many: int, force: float, turned: bool
+) -> None:
+    """A polynomial of degree four that leaves zero by a high power of time dips below it."""
+    m = masses_in_a_row(many, force, turned)
+    back = "<" if force > 0.0 else ">"
+    there = ">" if force > 0.0 else "<"
+    last = f"v{many - 1}.f"
+    m.machine("B", states={"a": [], "b": []}, start="a", rules=[f"a -> b when {last} {back} 0"])
+    m.machine("T", states={"a": [], "b": []}, start="a", rules=[f"a -> b when {last} {there} 0"])
+    run = hb.simulate(m, until=2.0, solver="rk45")
+    assert [e.steps[-1].mode for e in run.events[1:]] == [(0, 1)]
+    assert run.events[-1].t < 1e-5
+
+
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize("lag", [1e-3, 1e-2])
+@pytest.mark.parametrize("least", [1e-3, 1e-6, 1e-9, 1e-11])
+def test_the_tail_of_a_coil_ends_where_its_current_is_zero(
+    least: float, lag: float, turned: bool
+) -> None:
+    """It begins at zero as well, and is next to nothing there."""
+    m = hb.Model("tail")
+    m.add(E=hb.Se(f"1 if time < 0.02 else {-least}"), L=hb.I(lag), R=hb.R(1.0), D=hb.One())
+    m.bond("E -> D", "L -> D" if turned else "D -> L", "R -> D" if turned else "D -> R")
+    m.machine("S", states={"on": ["D"], "off": []}, start="on", rules=["on -> off when E.f < 0"])
+    run = hb.simulate(m, until=1.0)
+    begins = 1.0 - math.exp(-0.02 / lag)
+    ends = 0.02 + lag * math.log(1.0 + begins / least)
+    assert len(run.events) == 2
+    assert run.events[-1].t == pytest.approx(ends, rel=1e-8)

@@ -69,3 +69,23 @@ def test_heat_begins_from_nothing_in_any_unit(torque: float, solver: str) -> Non
     assert run["clutch.heat"].at(1.25) == pytest.approx(0.25 * ramp, rel=1e-8)
     assert run["clutch.heat"].at(3.0) == pytest.approx(ramp + flat, rel=1e-8)
     assert run.stats["steps"] < 300
+
+
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize("solver", ["auto", "rk45", "radau"])
+@pytest.mark.parametrize("width", [1e-2, 1e-4, 1e-6])
+@pytest.mark.parametrize("size", [1.0, 1e6])
+def test_a_storage_behind_one_that_a_difference_fills(
+    size: float, width: float, solver: str, turned: bool
+) -> None:
+    """Before the pulse ``1 - tanh^2`` is steps of its last place, and what is behind is of them."""
+    m = hb.Model("two")
+    m.add(F=hb.Sf(f"{size}*(1 - tanh((time - 0.5)/{width})^2)"), a=hb.C("1 uF"), b=hb.C("3 uF"))
+    m.add(n=hb.Zero(), k=hb.Zero(), v=hb.One(), R=hb.R("1 kohm"))
+    m.bond(
+        "F -> n", "a -> n" if turned else "n -> a", "n -> v -> k", "b -> k" if turned else "k -> b"
+    )
+    m.bond("R -> v" if turned else "v -> R")
+    run = hb.simulate(m, until=1.0, solver=solver)
+    assert float(run["a.q"].at(1.0)) == pytest.approx(size * width / 2.0, rel=1e-6)
+    assert float(run["b.q"].at(1.0)) == pytest.approx(1.5 * size * width, rel=1e-6)

@@ -57,6 +57,13 @@ class Asked:
         except HybondError as error:
             return error
 
+    def after(self, y: Vector, mode: Mode) -> Vector | None:
+        """Return the state to which an instant is settled; None if it is refused."""
+        try:
+            return self.apart.after(np.asarray(y, dtype=float), mode)
+        except HybondError:
+            return None
+
     def stops(self, y: Vector, mode: Mode, code: str = "") -> bool:
         """Whether a run from a state stops where it begins, with this code."""
         graph = self.apart.begun(y, mode)

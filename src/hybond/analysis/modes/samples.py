@@ -92,9 +92,9 @@ class Samples:
             # some of them as they were, some at rest: few conditions hold far from both
             keep = rng.uniform(size=len(self.scale))
             y = np.where(keep < 0.3, base, np.where(keep > 0.85, 0.0, moved))
-            put = self.project.settled(np.append(y, np.zeros(self._terms)), mode)
-            if not isinstance(put, HybondError):
-                yield np.asarray(put.after[: len(y)])
+            put = self.project.after(np.append(y, np.zeros(self._terms)), mode)
+            if put is not None:
+                yield put[: len(y)]
 
     @property
     def _terms(self) -> int:

@@ -11,7 +11,7 @@ them (`far_guards`).
 
 What begins at zero, and has no slope there, leaves it by a power of time: near its beginning the
 polynomial is what the step is off by, and has the sign of that. It is asked from where it has one
-of its own.
+of its own. So it is a few steps later, where each makes so many times as much of it.
 """
 
 from __future__ import annotations
@@ -57,6 +57,8 @@ OFF: Final = 300.0
 five is left, that has 0.0058 at three fifths of the step, and 1.5 in the cube, ..."""
 ROUNDED: Final = 2.0**-42
 """... and part of the terms of a comparison that rounding leaves there."""
+GROWS: Final = 8.0
+"""How many times what a step begins with it ends with at the least, where it still leaves zero."""
 TERMS: Final = 16.0
 """How many times its terms are rounded a sum of rates may be."""
 
@@ -185,7 +187,8 @@ def of_polynomials(e: Engine, g: Locator, k: int, before: float) -> float:
         middle = 0.5 * (low + high)
         if low >= min(before, end) or g.failed:
             break
-        told = has_begun(e, g, k, middle)
+        hidden = is_hidden(e, g, k, middle)
+        told = not hidden and has_begun(e, g, k, middle)
         within = middle > low and middle < high and middle < end
         if within and told and not is_known(e, g, k, middle):
             if holds_at(e, g, k, middle):
@@ -195,12 +198,14 @@ def of_polynomials(e: Engine, g: Locator, k: int, before: float) -> float:
                     return max(bracket(e, g, k, low, middle), min(soon, middle))
                 return begin_near(e, g, k, quiet, low, middle)
             remember(e, g, k, middle)
-        quiet = max(quiet, middle) if middle < high else quiet
+        quiet = max(quiet, middle) if middle < high and not hidden else quiet
         unclear = count_unclear(e, g, k, high)
         asked = touches or unclear > (0 if last else 1) or not told
         # a root in the last place of the step has nothing behind it but the end
         asked = asked or (last and high > e.step.t0 and not (low < middle and middle < high))
-        if high < end and asked and (last or has_begun(e, g, k, high)) and holds_at(e, g, k, high):
+        if not last and asked:
+            asked = has_begun(e, g, k, high) and not is_hidden(e, g, k, high)
+        if high < end and asked and holds_at(e, g, k, high):
             return begin_near(e, g, k, quiet, high, high)
         low = high
     return math.inf
@@ -209,8 +214,9 @@ def of_polynomials(e: Engine, g: Locator, k: int, before: float) -> float:
 def has_begun(e: Engine, g: Locator, k: int, t: float) -> bool:
     """Whether what a guard compares has left zero, where it begins there, by a part that is known.
 
-    A coefficient that is no more than what the step is off by is taken for zero. The lowest one
-    that is more tells the sign, from where those before it could not outweigh it any more.
+    A coefficient that is no more than what the step is off by is not known. The lowest one that is
+    tells the sign, from where those that are not could not outweigh it any more, and before they
+    do again.
     """
     x = (t - e.step.t0) / (e.step.t1 - e.step.t0)
     for a in range(g.atom_first[k], g.atom_first[k + 1]):
@@ -220,18 +226,53 @@ def has_begun(e: Engine, g: Locator, k: int, t: float) -> bool:
         sloped = slope_rounding(e, g, a)
         at = COEFFICIENTS * a
         hidden = 0.0
+        known = 0.0
         power = x
-        begun = False
+        for i in range(1, COEFFICIENTS):
+            size = math.fabs(g.step[at + i])
+            if not size > (sloped if i == 1 else off):
+                hidden += size * power
+            elif known == 0.0:
+                known = size * power
+            power *= x
+        if not known > 2.0 * hidden:
+            return False
+    return True
+
+
+def is_hidden(e: Engine, g: Locator, k: int, t: float) -> bool:
+    """Whether a guard compares something that the step makes many times what it begins with.
+
+    If that is less than the step may be off by, it has no sign of its own where what is known of it
+    is outweighed by what is not. Where the step ends it has that of the state, and if that is
+    another than where it begins, there is a root between.
+    """
+    x = (t - e.step.t0) / (e.step.t1 - e.step.t0)
+    for a in range(g.atom_first[k], g.atom_first[k + 1]):
+        at = COEFFICIENTS * a
+        begins = g.step[at]
+        ends = horner(g.step, at, DEGREE, 1.0)
+        if g.sign[a] != 0 or begins == 0.0 or (begins > 0.0) != (ends > 0.0):
+            continue
+        if not math.fabs(ends) > GROWS * math.fabs(begins):
+            continue
+        off = error_of(e, g, a)
+        if math.fabs(begins) > off:
+            continue
+        sloped = slope_rounding(e, g, a)
+        hidden = 0.0
+        known = begins
+        power = x
         for i in range(1, COEFFICIENTS):
             size = math.fabs(g.step[at + i])
             if size > (sloped if i == 1 else off):
-                begun = size * power > 2.0 * hidden
-                break
-            hidden += size * power
+                known += g.step[at + i] * power
+            else:
+                hidden += size * power
             power *= x
-        if not begun:
-            return False
-    return True
+        if not math.fabs(known) > 2.0 * hidden:
+            return True
+    return False
 
 
 def error_of(e: Engine, g: Locator, a: int) -> float:

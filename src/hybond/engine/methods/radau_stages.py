@@ -131,6 +131,18 @@ def rests(r: Radau, i: int) -> bool:
     return still and r.f[i] == 0.0 and r.f[n + i] == 0.0 and r.f[2 * n + i] == 0.0
 
 
+def many_rest(r: Radau) -> int:
+    """Return how many states stay nothing in the stages as they are.
+
+    What stands behind others that leave rest within the step does so one iteration after the other.
+    """
+    many = 0
+    for i in range(r.n):
+        if rests(r, i):
+            many += 1
+    return many
+
+
 def mean_size(n: int, rows: int, x: Floats, unit: Floats) -> float:
     """Return the root mean square of rows in units of the tolerance; nothing in nothing is 0."""
     total = 0.0
@@ -185,7 +197,10 @@ def iterate_stages(e: Engine, r: Radau, rtol: float) -> int:
     place_stages(r)
     other = False
     found_all = False
-    for count in range(1, ITERATIONS + 1):
+    resting = n + 1
+    count = 0
+    while count < ITERATIONS:
+        count += 1
         r.iterations = count
         found = stage_rates(e, r)
         if found != OK and count == 1 and r.known:
@@ -197,6 +212,15 @@ def iterate_stages(e: Engine, r: Radau, rtol: float) -> int:
             found = stage_rates(e, r)
         if found != OK:
             return STAGES_BEYOND
+        still = many_rest(r)
+        if still < resting and resting <= n:
+            # what moves something was found only now: nothing is known of what it moves
+            count = 1
+            r.iterations = 1
+            r.now_left = 1.0
+            other = False
+            found_all = False
+        resting = min(resting, still)
         open_rates = rates_left(r)
         correct_stages(r)
         r.size = math.inf if other else mean_size(n, 3, r.last, r.tolerance)

@@ -234,6 +234,61 @@ def measure_again(e: Engine, mode: Mode) -> None:
     measure_anew(e, mode)
     for k in range(e.model.storages):
         e.rounding[k] = max(before[k], e.rounding[k])
+    measure_behind(e, mode)
+
+
+def measure_behind(e: Engine, mode: Mode) -> None:
+    """Learn how well states are known that nothing moves yet but the rounding of others.
+
+    A pulse may begin as rounding of what it is the difference of: a capacitor behind another then
+    has what that leaves of the first one in a moment, or for as long as it takes to settle there.
+    """
+    m = e.model
+    y = e.step.trial
+    here = e.work.ahead
+    soon = e.work.part_tried
+    refusal = e.refusal
+    hold_guess(e, mode)
+    left = m.storages
+    while left > 0:
+        left -= 1
+        none = False
+        for k in range(m.storages):
+            none = none or (e.rounding[k] == 0.0 and e.moved_rounding[k] == 0.0)
+        if not none or field(e, mode, e.step.t, e.step.y, e.step.rate) != OK:
+            break
+        for k in range(m.storages):
+            here[k] = e.step.rate[k]
+        for k in range(e.states):
+            y[k] = e.step.y[k]
+        for k in range(m.storages):
+            y[k] += known_to(e, k)
+        if field(e, mode, e.step.t, y, e.step.rate) != OK:
+            break
+        for i in range(e.parts):
+            soon[i] = SHORT * e.span
+        for k in range(m.storages):
+            here[k] = math.fabs(e.step.rate[k] - here[k])
+            i = e.storage_part[k]
+            if known_to(e, k) < here[k] * soon[i]:
+                soon[i] = known_to(e, k) / here[k] if known_to(e, k) > 0.0 else soon[i]
+        found = False
+        for k in range(m.storages):
+            off = soon[e.storage_part[k]] * here[k]
+            if known_to(e, k) == 0.0 and off > 0.0 and math.isfinite(off):
+                e.rounding[k] = off
+                e.rate_noise[k] = max(e.rate_noise[k], here[k])
+                found = True
+        if not found:
+            break
+    give_back_guess(e, mode)
+    e.refusal = refusal
+
+
+def known_to(e: Engine, k: int) -> float:
+    """Return how well a stored quantity is known."""
+    off = max(e.rounding[k], e.moved_rounding[k])
+    return off if math.isfinite(off) else 0.0
 
 
 def sum_closely_on(e: Engine, mode: Mode) -> None:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from hybond.engine.outcome.beginnings import beginning_at
 from hybond.engine.outcome.engine_run import EngineRun
 from hybond.engine.outcome.engines import Prepared, choose_engine, prepared
+from hybond.engine.outcome.explain import Explaining
 from hybond.engine.outcome.signals import Signals
 from hybond.engine.tables.options import settings_of
 from hybond.model.graph import FlatGraph, Mode
@@ -49,6 +50,10 @@ class Apart:
         settings, _ = settings_of(own, 1.0, solver="rk45", sliding="refuse", limits=limits)
         return prepared(self.graph, settings, choose_engine())
 
+    @cached_property
+    def _words(self) -> Explaining:
+        return Explaining(self._prepared.tables)
+
     @property
     def start(self) -> Vector:
         """What is stored and integrated at the start of a run, before it is settled."""
@@ -71,6 +76,16 @@ class Apart:
         run = self._run(y, mode)
         run.begin()
         return run.trace.events[0]
+
+    def after(self, y: Vector, mode: Mode) -> Vector:
+        """Return the state that it is settled to.
+
+        Raises
+        ------
+        HybondError
+            As a run that begins there.
+        """
+        return np.array(self._run(y, mode).begun())
 
     def leaving(self, y: Vector, mode: Mode, tried: Mode) -> dict[str, list[str]]:
         """Return the rules that leave a mode at once if it is entered, by machine.
@@ -112,7 +127,9 @@ class Apart:
     def _run(self, y: Vector, mode: Mode) -> EngineRun:
         """Return a run that begins there; what was prepared is the same for all."""
         return EngineRun(
-            self._prepared, begin=beginning_at(0.0, y.tolist(), mode, self._prepared.tables)
+            self._prepared,
+            begin=beginning_at(0.0, y.tolist(), mode, self._prepared.tables),
+            explain=self._words,
         )
 
     def _started(self, y: Vector, mode: Mode) -> EngineRun:

@@ -19,8 +19,9 @@ from hybond.engine.compiled.rows import Rows
 from hybond.engine.compiled.sliced import ACCUMULATES, REFUSED
 from hybond.engine.outcome.beginnings import Beginning, not_of_this_model
 from hybond.engine.outcome.engines import Prepared
+from hybond.engine.outcome.explain import Explaining
 from hybond.engine.outcome.journal import EventFile
-from hybond.engine.outcome.records import CAUSES, Instants, Records
+from hybond.engine.outcome.records import BROKEN, CAUSES, Instants, Records
 from hybond.engine.outcome.signals import Signals
 from hybond.errors import HybondError
 from hybond.runs.trace import Accumulation, Trace, Turn
@@ -63,6 +64,8 @@ class EngineRun:
         When it ends, s, if before the time that its tables have.
     shown : Prepared
         The model without the machine that ends the run.
+    explain : Explaining
+        The words of the model, for who makes many runs of it.
     """
 
     def __init__(
@@ -76,12 +79,13 @@ class EngineRun:
         begin: Beginning | None = None,
         until: float | None = None,
         shown: Prepared | None = None,
+        explain: Explaining | None = None,
     ) -> None:
         self.tables = model.tables
         self.trace = Trace()
         if begin is not None:
             self.trace.begin = begin.t
-        self.records = Records(model.tables, self.trace, begin)
+        self.records = Records(model.tables, self.trace, begin, explain)
         self.progress = progress
         self.keep = keep
         self.journal = journal
@@ -150,6 +154,21 @@ class EngineRun:
         self.records.close()
         if not self.trace.events:
             raise self._error()
+
+    def begun(self) -> NDArray[np.float64]:
+        """Return the state that the start is settled to, as `begin` would, and tell nothing of it.
+
+        Raises
+        ------
+        HybondError
+            What stopped it there.
+        """
+        rows = next(self._run.slices(steps=1))
+        if not len(rows.instant_time) or rows.instant_place[0, 0] >= BROKEN:
+            self.records.add(rows)
+            raise self._error()
+        after: NDArray[np.float64] = rows.instant_state[0, 1]
+        return after
 
     def tried(self, mode: Sequence[int]) -> NDArray[np.intc]:
         """Enter a mode at the start of a run that has not begun: of each rule whether it leaves it.

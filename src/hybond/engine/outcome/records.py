@@ -80,14 +80,20 @@ class Instants:
 class Records:
     """Turns the rows of one run into its trace."""
 
-    def __init__(self, tables: ModelTables, trace: Trace, begin: Beginning | None = None) -> None:
+    def __init__(
+        self,
+        tables: ModelTables,
+        trace: Trace,
+        begin: Beginning | None = None,
+        explain: Explaining | None = None,
+    ) -> None:
         self.graph = tables.graph
         ends = self.graph.ends
         self.many = ends if ends >= 0 else len(self.graph.machines)
         """Machines that are shown: not the one that is there to end the run."""
         self.begin = begin
         self.trace = trace
-        self.explain = Explaining(tables)
+        self.explain = Explaining(tables) if explain is None else explain
         self.warnings = Warnings(self.graph, self.explain, tables.ints["element_node"])
         self.trace.unsound = self.warnings.unsound
         self._open: list[frozenset[str]] = []
