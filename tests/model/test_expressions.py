@@ -188,13 +188,27 @@ def test_refusals(text, code, says):
 
 @pytest.mark.parametrize(
     ("text", "try_"),
-    [("np.float64(2.5)*x", "float(x)"), ("ln(x)", "log(x)"), ("round(x)", "floor(x + 0.5)")],
+    [
+        ("np.float64(2.5)*x", "float(x)"),
+        ("ln(x)", "log(x)"),
+        ("round(x)", "floor(x + 0.5)"),
+        ("der(x)", "flow of its C"),
+        ("1 + delay(x, 0.1)", "control.sampled_delay"),
+        ("Timer(x)", "control.timer"),
+    ],
 )
 def test_what_other_languages_write_is_told_how_it_is_written_here(text, try_):
     with pytest.raises(ExpressionError) as caught:
         parse(text, where="ball.law")
     assert caught.value.code == "HB-E103"
     assert try_ in caught.value.hint
+
+
+def test_a_choice_as_in_c_is_told_how_it_is_written_here():
+    with pytest.raises(ExpressionError) as caught:
+        parse("abs(x) > 1 ? 1 : 0", where="ball.law")
+    assert caught.value.code == "HB-E101"
+    assert caught.value.hint == "write if condition then a else b"
 
 
 def test_caret_stands_under_the_culprit():

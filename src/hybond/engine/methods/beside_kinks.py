@@ -6,6 +6,10 @@ of the shut valve. Where that is steeper, each correction of the stages is next 
 much is left of their equations, and looks as if they had converged; where it is less steep they do
 not. A step that goes through a kink ends there, and the next one begins behind it: the slopes of
 the side on which a step begins are those of all of it.
+
+A step that ended at a kink ends there but for rounding, and may still have the rates of the side
+that it left, where those that its differences are taken to are of the side to which it goes. What
+jumps between them is no slope. So slopes are made a moment later then, all of them on one side.
 """
 
 from __future__ import annotations
@@ -48,6 +52,42 @@ def see_sides(e: Engine, r: Radau) -> bool:
         if m.kink_rooted[k] == 0:
             s.kink_side[k] = value(m, m.atom_value[m.kink_atom + k], e.v)
     return True
+
+
+def go_behind(e: Engine, r: Radau) -> bool:
+    """Let slopes be made a moment later, if the step begins at a kink that is then behind.
+
+    Where the moment later is has just been seen, in `r.stage`. Where laws have no values there,
+    they are made where the step begins.
+    """
+    m = e.model
+    n = r.n
+    if not show_motion(e, r.t0, r.y0):
+        return False
+    at_kink = False
+    for k in range(m.kinks):
+        here = value(m, m.atom_value[m.kink_atom + k], e.v)
+        there = e.step.kink_side[k]
+        at_kink = at_kink or (here >= 0.0 and there < 0.0) or (here <= 0.0 and there > 0.0)
+    if not at_kink or rate_at(e, n, r.t0, r.stage, r.end) != OK:
+        return False
+    closely = e.mode.closely and e.slide.k == 0
+    for i in range(n):
+        r.begin[i] = r.y0[i]
+        r.begin_rate[i] = r.f0[i]
+        r.begin_rest[i] = r.f0_rest[i]
+        r.y0[i] = r.stage[i]
+        r.f0[i] = r.end[i]
+        r.f0_rest[i] = e.rate_rest[i] if closely else 0.0
+    return True
+
+
+def come_back(r: Radau) -> None:
+    """Let the step begin where it does, once slopes are made a moment later."""
+    for i in range(r.n):
+        r.y0[i] = r.begin[i]
+        r.f0[i] = r.begin_rate[i]
+        r.f0_rest[i] = r.begin_rest[i]
 
 
 def is_beyond(e: Engine, r: Radau) -> bool:

@@ -106,6 +106,11 @@ class Radau:
     iterations: int
     shifted: Floats
     end: Floats
+    begin: Floats
+    """Where the step begins, while slopes are made a moment later, ..."""
+    begin_rate: Floats
+    begin_rest: Floats
+    """... and its rates there, with what they were rounded by."""
     error_vector: Floats
     stage: Floats
     x_real: Floats
@@ -200,6 +205,9 @@ def make_radau(n: int) -> Radau:
     r.beside = make_block(1)
     r.shifted = floats(n)
     r.end = floats(n)
+    r.begin = floats(n)
+    r.begin_rate = floats(n)
+    r.begin_rest = floats(n)
     r.error_vector = floats(n)
     r.stage = floats(n)
     r.x_real = floats(n)

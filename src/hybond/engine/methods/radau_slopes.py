@@ -15,7 +15,13 @@ from hybond.engine.algebra.blocks import fit
 from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.algebra.twofold import product_rest, sum_rest
 from hybond.engine.engine import NOT_FINITE, OK, Engine
-from hybond.engine.methods.beside_kinks import is_beyond, see_sides, stay_on_side
+from hybond.engine.methods.beside_kinks import (
+    come_back,
+    go_behind,
+    is_beyond,
+    see_sides,
+    stay_on_side,
+)
 from hybond.engine.methods.graded import fast_from
 from hybond.engine.methods.radau_room import Radau
 from hybond.engine.methods.radau_stages import FRESH_MATRIX, rate_at
@@ -112,6 +118,7 @@ def make_slopes(e: Engine, r: Radau, rtol: float, across: bool) -> None:
     closely = e.mode.closely and e.slide.k == 0
     fit(r.jacobian_rest, n * n if closely else 1)
     one_side = not across and see_sides(e, r)
+    behind = one_side and go_behind(e, r)
     for i in range(n):
         r.shifted[i] = r.y0[i]
     for j in range(n):
@@ -149,6 +156,8 @@ def make_slopes(e: Engine, r: Radau, rtol: float, across: bool) -> None:
                 rest = sum_rest(r.end[i], -r.f0[i], change) + (e.rate_rest[i] - r.f0_rest[i])
             put_slope(r, i * n + j, change, rest, width, closely)
         r.shifted[j] = r.y0[j]
+    if behind:
+        come_back(r)
     know_settling(e, r.jacobian)
     e.refusal = refusal
     r.matrix = FRESH_MATRIX

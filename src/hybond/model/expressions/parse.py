@@ -95,6 +95,15 @@ _WRITTEN = {
         "a number of NumPy is put into a text by float(x), or without !r",
     ),
     **dict.fromkeys(("integral", "int", "integrate"), "an integral is a signal of its own kind"),
+    **dict.fromkeys(
+        ("der", "deriv", "derivative", "ddt", "diff"),
+        "what is stored changes at the rate of the flow of its C, of the effort of its I",
+    ),
+    **dict.fromkeys(
+        ("delay", "delayed"),
+        "a delay is a part: control.sampled_delay of samples, control.delay approximately",
+    ),
+    "timer": "the time spent in a state is counted by a part, control.timer",
 }
 """How functions of other languages are written here."""
 
@@ -194,6 +203,7 @@ class _Parser:
             "&": "write and between conditions",
             "|": "write or between conditions",
             "!": "write not before a condition",
+            "?": "write if condition then a else b",
             "[": "brackets hold a unit, 9.8 [m/s] or (x) [m], or, with no space, an index, c[3].q",
         }.get(found, "write arithmetic, comparisons, and, or, not, if, functions and pre(...)")
         self.fail(f"found {found!r}, which is not part of an expression,", at, hint=hint)
