@@ -373,7 +373,7 @@ def test_no_solver_and_no_tolerance_lets_friction_push(solver: str, rtol: float)
     assert speed == pytest.approx(want, abs=max(0.1 * rtol, 2e-6))
 
 
-@pytest.mark.slow
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("rtol", [1e-4, 1e-6])
 @pytest.mark.parametrize("angle", [0.6, 2.0])
 def test_a_slanted_swing_comes_to_rest_at_loose_tolerances(angle: float, rtol: float) -> None:

@@ -92,6 +92,13 @@ def test_an_example_runs_as_by_the_library(name: str) -> None:
 
 
 @pytest.mark.usefixtures("native")
+@pytest.mark.parametrize("name", ["sliding_clutch", "two_body_collision"])
+def test_what_a_sliding_function_reads_is_no_switch_of_that_number(name: str) -> None:
+    # bonds have larger numbers than switches: Python said so, C read what stands behind them
+    assert_alike(*both_of(name))
+
+
+@pytest.mark.usefixtures("native")
 @pytest.mark.sampled(2)
 @pytest.mark.parametrize("seed", range(6))
 @pytest.mark.parametrize("kind", [converter, striking])

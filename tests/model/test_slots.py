@@ -10,6 +10,7 @@ import pytest
 import hybond as hb
 from hybond.engine.tables import tables_of, written_tables
 from hybond.model.expressions import (
+    Name,
     Number,
     compile_expression,
     differentiate,
@@ -153,6 +154,22 @@ def test_tables_of_a_part_follow_each_of_its_parameters(name: str) -> None:
             # expressions that are one by chance are merged; numbers have columns of their own
             if len(found.floats[column]) == len(numbers) and found.ints == plain.ints:
                 assert found.floats[column] == numbers, (path, column)
+
+
+@pytest.mark.parametrize("text", ["log(a/b + 1)", "exp(b) - 1", "sqrt(a^2 + b^2)", "log(cosh(b))"])
+def test_what_is_written_into_a_slot_is_what_the_file_with_that_number_gives(text: str) -> None:
+    """To the last bit, in numbers and in arrays: log1p and hypot are other numbers."""
+    model = hb.Model("m")
+    model.parameter(a=1e3, b=0.1, c=text)
+    model.add(s=hb.Se("c"), r=hb.R(1))
+    model.bond("s -> r")
+    slots = Slots()
+    flatten(model, {}, slots)
+    given = np.linspace(1e-3, 1.1, 200)
+    fits, found = Writing(slots, [Name("p:c")]).of({"b": given}, len(given))
+    assert fits.all()
+    for b, value in zip(given.tolist(), found[:, 0].tolist(), strict=True):
+        assert value == flatten(model, {"b": b}).parameters["c"]
 
 
 def test_a_plain_number_is_never_made_unseen() -> None:

@@ -21,6 +21,9 @@ from hybrid_models import Atom, Guard, Happening, Hybrid, Outcome, Visit
 from scipy.linalg import expm
 from scipy.optimize import brentq
 
+UNSOLVED = ("none", "sources")
+"""Why a mode has no solution."""
+
 
 def compare(op: str, margin: float, impulse: float, located: bool) -> bool:
     """Return the truth of ``a op b`` from a - b, impulse first."""
@@ -31,6 +34,11 @@ def compare(op: str, margin: float, impulse: float, located: bool) -> bool:
         if size > EQUAL:
             raise Stop("close")
     return op in (">=", "<=")
+
+
+def passed(states: tuple[str, ...], fired: tuple, x: np.ndarray) -> Visit:
+    """Return the visit of a mode without a solution, of which nothing is known."""
+    return Visit(states, "mythical", fired, 0.0 * x, np.zeros(0), 0.0, 0.0, 0.0)
 
 
 class Run:
@@ -167,13 +175,23 @@ class Run:
                 initial = False
                 fired = True
                 fired_now = taken
-                for name, _, target in taken:
-                    k = names.index(name)
-                    states = (*states[:k], target, *states[k + 1 :])
-                if states in inner:
-                    raise Stop("cycle")
-                inner.append(states)
-                entered = entry(self, x, states, branches, t, prior)
+                entered = None
+                while entered is None:
+                    for name, _, target in taken:
+                        k = names.index(name)
+                        states = (*states[:k], target, *states[k + 1 :])
+                    if states in inner:
+                        raise Stop("cycle")
+                    inner.append(states)
+                    try:
+                        entered = entry(self, x, states, branches, t, prior)
+                    except (Contradiction, Stop) as refused:
+                        taken = self.leave(states, t, prior)
+                        other = isinstance(refused, Stop) and str(refused) not in UNSOLVED
+                        if other or not taken:
+                            raise
+                        visits.append(passed(states, fired_now, x))
+                        fired_now = taken
             if not fired and not jumps:
                 if visits:
                     visits[-1].kind = "continuous"
@@ -204,6 +222,22 @@ class Run:
                 raise Stop("undetermined")
             if True in holds:
                 taken.append((m.name, s, rules[holds.index(True)].target))
+        return tuple(taken)
+
+    def leave(self, states, t: float, prior: Signals) -> tuple:
+        """Return what machines do in a mode without a solution: rules that ask for no value of it.
+
+        A machine that would have to ask one that does, before one that holds, stays.
+        """
+        taken = []
+        for m, s in zip(self.h.machines, states, strict=True):
+            for r in (r for r in m.rules if r.source == s):
+                terms = [term for a in r.guard.atoms() for term in a.terms]
+                if not all(name == "time" or is_prior for _, name, is_prior in terms):
+                    break
+                if self.truth(r.guard, t, prior, prior):
+                    taken.append((m.name, s, r.target))
+                    break
         return tuple(taken)
 
     def run(self) -> Outcome:

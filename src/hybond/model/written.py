@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from hybond.model.expressions import (
     ARRAYS,
     FLOATS,
+    FUNCTIONS,
     Binary,
     Call,
     Expr,
@@ -26,6 +27,12 @@ from hybond.model.expressions.tree import walk
 from hybond.records import dataclass
 
 Vector = NDArray[np.float64]
+AS_MADE = tuple(
+    replace(a, call={f: call for f, call in a.call.items() if f in FUNCTIONS})
+    for a in (FLOATS, ARRAYS)
+)
+"""Numbers and arrays as numbers of a model are folded: function by function, each as it is written.
+Forms of `stable`, log1p(x) for log(x + 1), differ from them in the last bit."""
 ROUNDED = ("abs", "sign", "min", "max", "sqrt", "floor", "ceil")
 """Functions that give the same bits wherever they are computed, as sums and products do."""
 
@@ -90,7 +97,7 @@ class Writing:
 
     def _column(self, e: Expr, columns: list[Vector], many: int) -> Vector:
         if _is_rounded(e):
-            value = compile_expression(e, self._place, ARRAYS, pre_offset=0)(columns)
+            value = compile_expression(e, self._place, AS_MADE[1], pre_offset=0)(columns)
             return np.broadcast_to(np.asarray(value, dtype=float), (many,))
         # as the model is made: functions of arrays may differ in the last bit
         scalar = self._scalar(e)
@@ -121,7 +128,7 @@ class Writing:
     def _scalar(self, e: Expr) -> Callable[[Sequence[float]], Any]:
         found = self._scalars.get(e)
         if found is None:
-            found = self._scalars[e] = compile_expression(e, self._place, FLOATS, pre_offset=0)
+            found = self._scalars[e] = compile_expression(e, self._place, AS_MADE[0], pre_offset=0)
         return found
 
 

@@ -419,6 +419,10 @@ def begin_flow(e: Engine, r: Run) -> int:
     join_parts(e, e.mode)
     report_slide(e, r.report)
     e.checks.shown_at = -math.inf
+    if m.disks > 0:
+        # what is looked at is what moves on: slip that begins has the direction of its heading
+        begin_field(e, e.mode)
+        begin_slips(e, e.t, e.y)
     look_at_entry(e)
     if hold_bounds(e) != OK:
         return REFUSED
@@ -432,9 +436,6 @@ def begin_flow(e: Engine, r: Run) -> int:
     if limits_vary(m) and look_at_limits(e) != OK:
         return REFUSED
     begin_field(e, e.mode)
-    if m.disks > 0:
-        begin_slips(e, e.t, e.y)
-        begin_field(e, e.mode)
     if e.slide.k == 0:
         start_scale(e, e.mode)
     take_rates(e, e.mode)

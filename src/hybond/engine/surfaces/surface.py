@@ -80,10 +80,11 @@ def is_of_state(e: Engine, surface: int) -> bool:
         index = m.surface_index[i]
         if m.surface_kind[i] == READS_BOND and storage_behind(e, index) == NO_STORAGE:
             return False
+        if m.surface_kind[i] != READS_SWITCH:
+            continue
         for part in range(1, e.slide.parts):
             here = part_mode(e, part)
-            differs = here.flags[index] != part_mode(e, 0).flags[index]
-            if m.surface_kind[i] == READS_SWITCH and differs:
+            if here.flags[index] != part_mode(e, 0).flags[index]:
                 return False
     return True
 
