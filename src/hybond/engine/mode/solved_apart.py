@@ -17,7 +17,7 @@ from hybond.engine.algebra.products import all_finite
 from hybond.engine.answers import value
 from hybond.engine.engine import Engine, count_work
 from hybond.engine.mode.dynamic_rows import dynamic_value
-from hybond.engine.mode.enclosed import is_alike, middle_of
+from hybond.engine.mode.enclosed import APART, is_alike, middle_of
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.newton_step import newton_step
 from hybond.engine.mode.newton_system import is_zero, largest_of, with_free, with_free_one
@@ -39,7 +39,7 @@ TWICE: Final = 0.1
 """... twice the step is taken if it leaves less than this part of the law."""
 LEAST: Final = 1e-300
 LEAST_PART: Final = 2.0**-50
-FARTHER: Final = 16.0
+FARTHER: Final = 2.0**40
 FARTHEST: Final = 1e150
 """How a change of sign is looked for: from the least way on, by longer and longer ones; from a
 number that is not zero from this part of it on."""
@@ -92,8 +92,18 @@ def group_steps(
         if not all_finite(many * many, work.jacobian.at):
             return False
         if many == 1 and work.jacobian.at[0] == 0.0:
-            return is_determined(e, mode, g) and from_flat(e, mode, v, r, g)
-        if not newton_step(e, many, many):
+            if not is_determined(e, mode, g) or not leaves_flat(e, mode, v, r, g):
+                return False
+            update = math.inf
+            share = math.inf
+            before = math.inf
+            work.trial.at[0] = 0.0
+            continue
+        if many == 1:
+            work.step.at[0] = work.residual.at[0] / work.jacobian.at[0]
+            if not math.isfinite(work.step.at[0]):
+                return False
+        elif not newton_step(e, many, many):
             return False
         left = largest_of(many, work.residual.at)
         previous = update
@@ -241,26 +251,33 @@ def law_at(e: Engine, mode: Mode, v: Floats, r: Floats, g: int, x: float) -> flo
     return e.work.residual.at[0]
 
 
-def from_flat(e: Engine, mode: Mode, v: Floats, r: Floats, g: int) -> bool:
-    """Find a root from where the slope of a law is zero, on the side to which the law leads.
+def leaves_flat(e: Engine, mode: Mode, v: Floats, r: Floats, g: int) -> bool:
+    """Go on from where the slope of a law is zero, to the side on which it changes its sign.
 
-    Where it leads to both, as a square does, other ways to a solution decide.
+    Up to a few times as far as it does so. Where it does so on both sides, as a square does, other
+    ways to a solution decide.
     """
     j = mode.apart.unknown.at[mode.apart.begins.at[g]]
     begin = r[j]
     here = e.work.residual.at[0]
     way = LEAST if begin == 0.0 else math.fabs(begin) * LEAST_PART
+    near = 0.0
     while way < FARTHEST:
         above = is_alike(law_at(e, mode, v, r, g, begin + way), here)
         below = is_alike(law_at(e, mode, v, r, g, begin - way), here)
         if not above and not below:
             return False
         if not above or not below:
-            side = way if below else -way
-            far = begin + side
-            near = begin + side / FARTHER
-            r[j] = far
-            return enclose(e, mode, v, r, g, near)
+            side = 1.0 if below else -1.0
+            while way > APART * max(near, LEAST):
+                middle = middle_of(near, way)
+                if is_alike(law_at(e, mode, v, r, g, begin + side * middle), here):
+                    near = middle
+                else:
+                    way = middle
+            r[j] = begin + side * way
+            return True
+        near = way
         way *= FARTHER
     return False
 
