@@ -57,6 +57,7 @@ def test_a_saturated_law_that_is_projected_away(monkeypatch: pytest.MonkeyPatch,
         least(e, mode, v, w)
 
     monkeypatch.setattr(undetermined, "system", elsewhere)
+    monkeypatch.setattr(undetermined, "all_determined", lambda *_: False)
     monkeypatch.setattr(undetermined, "may_move", lambda *_: True)
     monkeypatch.setattr(undetermined, "holds_at", lambda *_: True)
     monkeypatch.setattr(solving, "least_of_free", always)

@@ -46,6 +46,7 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
         kept_modes, mode_records, mode_sizes    modes kept, and what room they take
         solving, limits     bond variables at an instant; limits of what has landed
         closely, agreement  with all digits, where sums cancel; whether sources agree
+        apart, solved_apart, apart_records    laws that do not know of each other, one by one
         newton, newton_system, newton_step, dynamic_rows    Newton's method: what it makes zero, its
                             step, by which laws
         slopes_bounded      what stands for slopes without bound

@@ -132,12 +132,18 @@ class Model:
     dynamic_free: Ints
     """The first of the bond variables that it forbids to carry an impulse; then the next row's."""
     free_column: Ints
+    law_reads: Ints  # of each row: the first of the bond variables that it reads, ...
+    law_column: Ints
+    """... whether it has a slope by them or not."""
     slope_first: Ints
     slope_column: Ints
     slope_value: Ints
     slope_constant: Floats
     slope_flat: Ints  # of a law that gives one variable of a bond: whether it is zero on a stretch
     flats: int  # how many are
+    slope_isolated: (
+        Ints  # by the one variable that it reads: whether one that is zero is so at points
+    )
     frozen_first: Ints
     """Slopes with moduli held: what the structure is at an instant."""
     frozen_column: Ints

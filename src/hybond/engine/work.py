@@ -61,6 +61,8 @@ class Work:
     sizes: Floats
     base_size: Floats
     guess: Block
+    found_apart: Block
+    """Of a solution, its free unknowns: where it is looked what laws leave free there."""
     kept_guess: Block
     had_guess: bool
     kept_bonds: Floats
@@ -278,6 +280,7 @@ def make_work(m: Model) -> Work:
     w.sizes = floats(n)
     w.base_size = floats(n)
     w.guess = make_block(1)
+    w.found_apart = make_block(1)
     w.kept_guess = make_block(1)
     w.kept_bonds = floats(n)
     w.freedom = make_block(1)

@@ -8,6 +8,7 @@ from typing import Final
 from hybond.engine.algebra.blocks import fit, fit_rows
 from hybond.engine.engine import NO_MODE, OK, Engine, say_fault
 from hybond.engine.inputs.interval import configuration
+from hybond.engine.mode.apart import find_groups
 from hybond.engine.mode.elimination import CLEAR
 from hybond.engine.mode.kept_modes import find_kept, keep_mode
 from hybond.engine.mode.leakage import fold, least_leakage
@@ -220,6 +221,7 @@ def eliminate(e: Engine, mode: Mode) -> None:
     list_shares(mode, 2 * m.bonds)
     take_free_rest(built, mode)
     divide_rows(m, mode)
+    find_groups(m, mode)
     mode.power = mode.finite
     mode.power_free = mode.finite_free
     mode.power_frees = mode.finite_frees

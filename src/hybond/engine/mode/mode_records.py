@@ -13,6 +13,7 @@ from hybond.engine.algebra.blocks import (
     make_rows,
 )
 from hybond.engine.algebra.sparse_lu import SparseLu, make_sparse_lu
+from hybond.engine.mode.apart_records import Apart, make_apart
 from hybond.engine.mode.standing_records import Stood, make_stood
 from hybond.engine.mode.sum_records import Sums, make_sums
 from hybond.engine.model import Model
@@ -209,6 +210,7 @@ class Mode:
     Newton is exact."""
     regular: bool
     """Whether the last step of Newton shows that nothing is free."""
+    apart: Apart
     leakage: Leakage
     loose: int
     freedom: Block
@@ -380,6 +382,7 @@ def make_mode(m: Model) -> Mode:
     mode.dynamic = ints(m.most_dynamic + m.storages)
     mode.structure = ints(m.most_dynamic + m.storages)
     mode.other = ints(m.most_dynamic + m.storages)
+    mode.apart = make_apart()
     mode.leakage = make_leakage()
     mode.freedom = make_block(1)
     mode.guess = make_block(1)

@@ -26,6 +26,8 @@ def numbers_of(m: Model, mode: Mode) -> float:
     total += float(mode.finite_free.size + mode.free_rest.size + mode.own_power_free.size)
     total += float(mode.freedom.size + mode.free_size.size)
     total += 0.5 * float(mode.share_first.size + mode.share_of.size)
+    a = mode.apart
+    total += 0.5 * float(3 * a.begins.size + a.row.size + a.unknown.size + a.read.size)
     p = mode.leakage
     total += float(p.basis.size + p.taken.size + p.basis2.size + p.taken2.size)
     ways = mode.ways

@@ -32,6 +32,7 @@ from hybond.engine.mode.newton_system import (
     with_free,
 )
 from hybond.engine.mode.put_back import is_exact, put_back
+from hybond.engine.mode.solved_apart import solved_apart
 from hybond.engine.mode.sources_of_time import rate_of_source, value_of_source
 from hybond.engine.mode.storage import co_energy, co_energy_of
 from hybond.engine.reasons.facts import NO_ELEMENT, OVERFLOW, tell_law, tell_laws
@@ -92,10 +93,11 @@ def by_knowns(e: Engine, mode: Mode, rows: Rows, w: Floats) -> None:
 def newton(e: Engine, mode: Mode, v: Floats) -> int:
     """Solve for the free unknowns, from where Newton ended last, or else from zero.
 
-    With full steps, beside jumps of laws, then with shorter steps, then on the way from laws with a
-    resistance beside them; if laws have no values at zero, from what is known beside them; then
-    from where full steps have ended. Only if none of these leads to one, what is left may be
-    rounding. What is found is put back into the laws.
+    Laws that do not know of each other one by one; else with full steps, beside jumps of laws, then
+    with shorter steps, then on the way from laws with a resistance beside them; if laws have no
+    values at zero, from what is known beside them; then from where full steps have ended. Only if
+    none of these leads to one, what is left may be rounding. What is found is put back into the
+    laws.
     """
     work = e.work
     frees = mode.finite_frees
@@ -109,7 +111,11 @@ def newton(e: Engine, mode: Mode, v: Floats) -> int:
         r[j] = mode.guess.at[j] if mode.guessed else 0.0
     work.swings = 0
     work.met_rounding = False
-    found = full_steps(e, mode, v, r)
+    found = solved_apart(e, mode, v, r)
+    if not found:
+        for j in range(frees):
+            r[j] = mode.guess.at[j] if mode.guessed else 0.0
+        found = full_steps(e, mode, v, r)
     if work.swings > 0:
         found = from_swings(e, mode, v, r)
     if not found:

@@ -384,23 +384,34 @@ def with_free(mode: Mode, n: int, base: Floats, r: Floats, w: Floats) -> None:
     frees = mode.finite_frees
     # what is beyond all bounds leaves nothing with a value
     finite = all_finite(frees, r)
-    stop = 0
     for k in range(n):
+        if finite:
+            w[k] = with_free_one(mode, base, r, k)
+            continue
         total = base[k]
         size = math.fabs(base[k])
-        begin = stop
-        stop = mode.share_first.at[k + 1] if frees > 0 else 0
-        for p in range(begin, stop):
-            term = mode.finite_free.at[k * frees + mode.share_of.at[p]] * r[mode.share_of.at[p]]
-            total += term
-            size += math.fabs(term)
-        for j in range(0 if finite else frees):
-            share = mode.finite_free.at[k * frees + j]
-            term = share * r[j] if share == 0.0 else 0.0
+        for j in range(frees):
+            term = mode.finite_free.at[k * frees + j] * r[j]
             total += term
             size += math.fabs(term)
         rounded = math.fabs(total) <= most * size and size < math.inf
         w[k] = 0.0 if rounded else total
+
+
+def with_free_one(mode: Mode, base: Floats, r: Floats, k: int) -> float:
+    """Return bond variable k likewise, where all free unknowns that have part in it are finite."""
+    frees = mode.finite_frees
+    total = base[k]
+    size = math.fabs(base[k])
+    for p in range(
+        mode.share_first.at[k] if frees > 0 else 0, mode.share_first.at[k + 1] if frees > 0 else 0
+    ):
+        term = mode.finite_free.at[k * frees + mode.share_of.at[p]] * r[mode.share_of.at[p]]
+        total += term
+        size += math.fabs(term)
+    most = LAST_PLACES if mode.bent else 0.0
+    rounded = math.fabs(total) <= most * size and size < math.inf
+    return 0.0 if rounded else total
 
 
 def is_zero(n: int, a: Floats) -> bool:

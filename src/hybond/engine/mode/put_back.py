@@ -14,7 +14,6 @@ from hybond.engine.mode.newton_step import newton_step
 from hybond.engine.mode.newton_system import (
     measure_terms,
     measured_system,
-    row_terms,
     system,
     write_bonds,
 )
@@ -54,10 +53,10 @@ def put_back(e: Engine, mode: Mode, v: Floats, w: Floats) -> bool:
             if work.aid > 0.0 and d >= 0 and e.model.dynamic_partner[d] >= 0:
                 f -= work.aid * e.model.dynamic_way[d] * w[e.model.dynamic_partner[d]]
             work.residual.at[i] = f
-            work.residual_size.at[i] = row_terms(n, work.slopes.at, i * n, work.w_size)
-            work.residual_reach.at[i] = row_terms(n, work.slopes.at, i * n, work.w_reach)
+            work.residual_size.at[i] = terms_of(e, d, i * n, work.w_size)
+            work.residual_reach.at[i] = terms_of(e, d, i * n, work.w_reach)
             if d >= 0 and e.model.dynamic_kind[d] != 0:
-                work.lost = max(work.lost, hidden_part(e, i * n, w))
+                work.lost = max(work.lost, hidden_part(e, d, i * n, w))
             if d >= 0 and not math.fabs(f) <= HOLDS * work.residual_size.at[i]:
                 moved = moved_by_rounding(e, mode, i, v, w) / (ROUNDINGS * UNIT)
                 work.residual_reach.at[i] = min(work.residual_reach.at[i], moved)
@@ -69,8 +68,38 @@ def put_back(e: Engine, mode: Mode, v: Floats, w: Floats) -> bool:
     return mode.rank == mode.structures and is_rounding(e, mode, v, w)
 
 
-def hidden_part(e: Engine, first: int, w: Floats) -> float:
-    """Return what part of a row of slopes rounding of its variables hides.
+def slopes_of(e: Engine, d: int) -> int:
+    """Return how many slopes a row may have that are not zero: those that the table lists, ...
+
+    ... or where it may have others, all.
+    """
+    m = e.model
+    return 2 * m.bonds if has_others(e, d) else m.slope_first[d + 1] - m.slope_first[d]
+
+
+def has_others(e: Engine, d: int) -> bool:
+    """Whether a row has slopes that the table does not list: of a constraint, or with an aid."""
+    return d < 0 or e.work.aid > 0.0
+
+
+def column_of(e: Engine, d: int, p: int) -> int:
+    """Return by which bond variable slope p of these is."""
+    return p if has_others(e, d) else e.model.slope_column[e.model.slope_first[d] + p]
+
+
+def terms_of(e: Engine, d: int, first: int, size: Floats) -> float:
+    """Return the sum of the sizes of the terms of a row of slopes, of those that are finite."""
+    total = 0.0
+    for p in range(slopes_of(e, d)):
+        k = column_of(e, d, p)
+        slope = math.fabs(e.work.slopes.at[first + k])
+        if slope != 0.0 and math.isfinite(slope):
+            total += slope * size[k]
+    return total
+
+
+def hidden_part(e: Engine, d: int, first: int, w: Floats) -> float:
+    """Return what part of a law, by its row of slopes, rounding of its variables hides.
 
     As a part of those terms whose digits are known, since where there are none nothing tells that
     the others are more than rounding. What is next to nothing beside others of its kind may be
@@ -79,7 +108,8 @@ def hidden_part(e: Engine, first: int, w: Floats) -> float:
     work = e.work
     known = 0.0
     hidden = 0.0
-    for k in range(2 * e.model.bonds):
+    for p in range(slopes_of(e, d)):
+        k = column_of(e, d, p)
         slope = math.fabs(work.slopes.at[first + k])
         if slope != 0.0 and math.isfinite(slope):
             lost = UNIT * work.w_size[k]
@@ -102,11 +132,13 @@ def moved_by_rounding(e: Engine, mode: Mode, i: int, v: Floats, w: Floats) -> fl
     m = e.model
     work = e.work
     n = 2 * m.bonds
+    d = mode.dynamic[i]
     here = dynamic_value(e, mode, i, v)
     most = 0.0
     for side in range(2):
         way = ROUNDINGS * UNIT if side == 0 else -ROUNDINGS * UNIT
-        for k in range(n):
+        for p in range(slopes_of(e, d)):
+            k = column_of(e, d, p)
             slope = work.slopes.at[i * n + k]
             if slope != 0.0:
                 v[m.bond_slot + k] = w[k] + math.copysign(way, way * slope) * work.w_reach[k]

@@ -30,25 +30,29 @@ def bound_slopes(e: Engine, mode: Mode, v: Floats) -> None:
     is reached by the square of that. Where the law holds already, steep ones lead away from there.
     Rows say what an element gives less its law, which grows.
     """
+    for i in range(mode.dynamics):
+        if not is_bounded(e.model, mode, i, e.work.slopes.at):
+            bound_row(e, mode, i, v)
+
+
+def bound_row(e: Engine, mode: Mode, i: int, v: Floats) -> None:
+    """Do so in row i."""
     n = 2 * e.model.bonds
     a = e.work.slopes.at
-    for i in range(mode.dynamics):
-        if is_bounded(e.model, mode, i, a):
-            continue
-        most = 1.0
-        bounded = True
-        for k in range(n):
-            if math.isfinite(a[i * n + k]):
-                most = max(most, math.fabs(a[i * n + k]))
-            else:
-                bounded = False
-        for k in range(n if not bounded else 0):
-            if not math.isfinite(a[i * n + k]):
-                steep = chord(e, mode, i, k, v)
-                if steep == 0.0 and has_slope_beside(e, mode, i, k, v):
-                    steep = STEEP * most if rises(e, mode, i, k, v) else -STEEP * most
-                if steep != 0.0:
-                    a[i * n + k] = steep
+    most = 1.0
+    bounded = True
+    for k in range(n):
+        if math.isfinite(a[i * n + k]):
+            most = max(most, math.fabs(a[i * n + k]))
+        else:
+            bounded = False
+    for k in range(n if not bounded else 0):
+        if not math.isfinite(a[i * n + k]):
+            steep = chord(e, mode, i, k, v)
+            if steep == 0.0 and has_slope_beside(e, mode, i, k, v):
+                steep = STEEP * most if rises(e, mode, i, k, v) else -STEEP * most
+            if steep != 0.0:
+                a[i * n + k] = steep
 
 
 def is_bounded(m: Model, mode: Mode, i: int, a: Floats) -> bool:

@@ -23,6 +23,7 @@ from hybond.engine.mode.newton import keep_residuals
 from hybond.engine.mode.newton_step import newton_step
 from hybond.engine.mode.newton_system import measured_system, system, write_bonds
 from hybond.engine.mode.put_back import HOLDS, ROUNDINGS, UNIT, all_hold, excess
+from hybond.engine.mode.solved_apart import all_determined
 from hybond.engine.words import Floats
 
 ASIDE: Final = 1e-4
@@ -50,6 +51,7 @@ def least_of_free(e: Engine, mode: Mode, v: Floats, w: Floats) -> None:
     that end it.
     """
     let_go(e, mode)
+    mode.regular = mode.regular or all_determined(e, mode, v, w)
     if mode.regular and not is_free_at_corners(e, mode, v, w):
         mode.loose = 0
         mode.leakage.stages = 0
@@ -214,6 +216,10 @@ def find_free(e: Engine, mode: Mode, v: Floats, w: Floats) -> None:
     n = 2 * e.model.bonds
     frees = mode.finite_frees
     corners = is_free_at_corners(e, mode, v, w)
+    if not corners and all_determined(e, mode, v, w):
+        mode.loose = 0
+        mode.leakage.stages = 0
+        return
     work.flat_sides = corners
     rows = system(e, mode, v, w)
     work.flat_sides = False

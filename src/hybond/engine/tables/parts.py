@@ -132,6 +132,13 @@ def _bonds_read(t: ModelTables, e: Expr) -> list[tuple[int]]:
     return [(bond,) for bond in sorted(found)]
 
 
+def _variables_read(t: ModelTables, d: Dynamic) -> list[tuple[int]]:
+    """Return the bond variables that a row reads, those inside of signs and conditions too."""
+    first = t.slots.w.start
+    read = {name for name in names(d.expression) if name.partition(":")[0] in ("e", "f")}
+    return sorted((t.slots.index[name] - first,) for name in read | set(d.slopes))
+
+
 def _slopes(t: ModelTables, slopes: Any) -> list[tuple[int, int, float]]:
     """Return derivatives by bond variables as entries: column, expression, constant."""
     first = t.slots.w.start
@@ -206,6 +213,7 @@ def _dynamics(t: ModelTables, rows: list[Dynamic]) -> None:
     t.floats["dynamic_way"] = [0.0 if p is None else p[1] for p in partners]
     free = [[(t.slots.index[n] - first,) for n in d.impulse_free] for d in rows]
     put_rows(t, "dynamic_free", free, free_column=INTS)
+    put_rows(t, "law_reads", [_variables_read(t, d) for d in rows], law_column=INTS)
     for name in ("slope", "frozen"):
         own = [sorted(_slopes(t, d.slopes if name == "slope" else d.frozen)) for d in rows]
         columns: dict[str, list[Any]] = {
@@ -220,6 +228,11 @@ def _dynamics(t: ModelTables, rows: list[Dynamic]) -> None:
         for _, e in sorted(d.slopes.items(), key=lambda item: t.slots.index[item[0]])
     ]
     t.numbers["flats"] = sum(t.ints["slope_flat"])
+    t.ints["slope_isolated"] = [
+        int(names(e) == {name} and isolated(e))
+        for d in rows
+        for name, e in sorted(d.slopes.items(), key=lambda item: t.slots.index[item[0]])
+    ]
     t.ints["frozen_isolated"] = [
         int(g.nodes[d.node].kind in SOURCES and reads_bonds(e) and isolated(e))
         for d in rows
