@@ -14,8 +14,10 @@ jumps between them is no slope. So slopes are made a moment later then, all of t
 
 from __future__ import annotations
 
+import math
 from typing import Final
 
+from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.answers import value
 from hybond.engine.engine import OK, Engine
 from hybond.engine.methods.one_instant import room_of_instant, show_motion
@@ -54,14 +56,19 @@ def see_sides(e: Engine, r: Radau) -> bool:
     return True
 
 
-def go_behind(e: Engine, r: Radau) -> bool:
+def go_behind(e: Engine, r: Radau, rtol: float) -> bool:
     """Let slopes be made a moment later, if the step begins at a kink that is then behind.
 
-    Where the moment later is has just been seen, in `r.stage`. Where laws have no values there,
-    they are made where the step begins.
+    Where the moment later is has just been seen, in `r.stage`. Where laws have no values there, or
+    what settles within the moment would be led farther than differences reach, they are made where
+    the step begins. Tolerances there are in `r.other`.
     """
     m = e.model
     n = r.n
+    for i in range(n):
+        size = max(math.fabs(r.y0[i]), r.other[i] / rtol)
+        if math.fabs(r.stage[i] - r.y0[i]) > math.sqrt(EPSILON) * size:
+            return False
     if not show_motion(e, r.t0, r.y0):
         return False
     at_kink = False

@@ -118,7 +118,7 @@ def make_slopes(e: Engine, r: Radau, rtol: float, across: bool) -> None:
     closely = e.mode.closely and e.slide.k == 0
     fit(r.jacobian_rest, n * n if closely else 1)
     one_side = not across and see_sides(e, r)
-    behind = one_side and go_behind(e, r)
+    behind = one_side and go_behind(e, r, rtol)
     for i in range(n):
         r.shifted[i] = r.y0[i]
     for j in range(n):
