@@ -7,6 +7,7 @@ from collections.abc import Callable
 from fractions import Fraction
 
 from hybond.errors import UnitError
+from hybond.model.expressions.parse import TIMERS
 from hybond.model.expressions.slots import plain, settled
 from hybond.model.expressions.text import to_text
 from hybond.model.expressions.tree import (
@@ -156,9 +157,6 @@ def _same(args: tuple[Expr, ...], below: list[_Found], verb: str, where: str) ->
     return result
 
 
-_TIME_IN_A_STATE = {"after", "dwell", "elapsed", "timer"}
-
-
 def instead_of(name: str, known: list[str]) -> str:
     """Return a remedy for a name that is not known, which may be a unit or the time.
 
@@ -169,8 +167,8 @@ def instead_of(name: str, known: list[str]) -> str:
     """
     if name == "t" and "time" in known:
         return "the time is named time"
-    if name in _TIME_IN_A_STATE:
-        return "control.timer of the library counts the time in a state, and is 1 once that is over"
+    if name in TIMERS:
+        return TIMERS[name]
     hint = did_you_mean(name, known)
     try:
         parse_unit(name)

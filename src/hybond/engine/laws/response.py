@@ -146,9 +146,14 @@ def find_sizes(e: Engine, p: Ports, a: Response) -> None:
 
 def couple(m: Model, p: Ports, gains: Floats, d: Floats, pushes: Floats) -> None:
     """Find D and E from the gains: what cancels is nothing."""
+    for j in range(m.ports):
+        rates_of_stored(m, gains, m.ports, j, pushes)
+    feel_at_once(m, p, gains, d)
+
+
+def feel_at_once(m: Model, p: Ports, gains: Floats, d: Floats) -> None:
+    """Find how laws feel each other by no storage, from what bonds have by them; no rounding."""
     n = m.ports
-    for j in range(n):
-        rates_of_stored(m, gains, n, j, pushes)
     for k in range(n):
         row = partner_row(p, k)
         way = partner_way(p, k)

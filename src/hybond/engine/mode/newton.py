@@ -21,7 +21,7 @@ from hybond.engine.mode.led_up import led_up
 from hybond.engine.mode.level import ROUNDED, is_level, put_level
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.neighbours import from_neighbours
-from hybond.engine.mode.newton_step import newton_step
+from hybond.engine.mode.newton_step import SWINGS, TOLERANCE, newton_step
 from hybond.engine.mode.newton_system import (
     by_free,
     is_zero,
@@ -39,12 +39,8 @@ from hybond.engine.reasons.facts import NO_ELEMENT, OVERFLOW, tell_law, tell_law
 from hybond.engine.words import Floats, Text
 
 STEPS: Final = 40
-TOLERANCE: Final = 1e-13
-"""Newton ends when an update is below this part of the bond variables' size."""
 BACK: Final = 1e-9
 """Two steps that cancel to within this part of them lead back."""
-SWINGS: Final = 0.1
-"""Likewise, for steps over a root that is steep on both sides: from f to nearly -f."""
 TO_AND_FRO: Final = 3
 """So many in a row lead nowhere."""
 LEFT: Final = 1e-13

@@ -13,6 +13,11 @@ from hybond.engine.engine import Engine
 from hybond.engine.mode.freedom import step_of_singular
 from hybond.engine.words import Floats
 
+TOLERANCE: Final = 1e-13
+"""Newton ends when an update is below this part of the bond variables' size."""
+SWINGS: Final = 0.1
+"""Two steps that cancel to within this part of them lead over a root that is steep on both sides:
+from f to nearly -f."""
 CLEAR_PIVOT: Final = 1e-6
 """A pivot above this part of the largest entry of its column is no cancellation."""
 NO_PIVOT: Final = 16.0 * EPSILON

@@ -16,34 +16,27 @@ from hybond.engine.algebra.blocks import fit
 from hybond.engine.algebra.products import all_finite
 from hybond.engine.answers import value
 from hybond.engine.engine import Engine, count_work
+from hybond.engine.mode.damped import HALVES, SETTLED
 from hybond.engine.mode.dynamic_rows import dynamic_value
 from hybond.engine.mode.enclosed import APART, is_alike, middle_of
 from hybond.engine.mode.mode_records import Mode
-from hybond.engine.mode.newton_step import newton_step
+from hybond.engine.mode.newton_step import SWINGS, TOLERANCE, newton_step
 from hybond.engine.mode.newton_system import is_zero, largest_of, with_free, with_free_one
 from hybond.engine.mode.put_back import HOLDS, put_back
 from hybond.engine.mode.slopes_bounded import bound_row, is_bounded
 from hybond.engine.words import Floats
 
 STEPS: Final = 60
-SMALL: Final = 1e-13
-"""Part of what is known, and of its unknowns, below which a step of a group is its last, ..."""
-SETTLED: Final = 1e-6
-"""... if it is below this part of each of its unknowns."""
-SWINGS: Final = 0.1
-"""Two steps that cancel to within this part of them lead over a root that is steep."""
-HALF: Final = 0.02
-"""Part of a step by which it may differ from half of the one before, as towards a root of a square:
-"""
 TWICE: Final = 0.1
-"""... twice the step is taken if it leaves less than this part of the law."""
+"""Where steps halve, as towards a root of a square, twice the step is taken if it leaves less than
+this part of the law."""
 LEAST: Final = 1e-300
 LEAST_PART: Final = 2.0**-50
 FARTHER: Final = 2.0**40
 FARTHEST: Final = 1e150
 """How a change of sign is looked for: from the least way on, by longer and longer ones; from a
 number that is not zero from this part of it on."""
-HALVES: Final = 200
+MIDDLES: Final = 200
 
 
 def solved_apart(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
@@ -122,7 +115,7 @@ def group_steps(
             swings = swings and math.fabs(work.trial.at[q] + work.step.at[q]) <= SWINGS * update
         for q in range(many):
             r[mode.apart.unknown.at[begin + q]] -= work.step.at[q]
-        small = update <= SMALL * scale
+        small = update <= TOLERANCE * scale
         if small and share <= SETTLED:
             return True
         step_taken = work.step.at[0]
@@ -133,7 +126,7 @@ def group_steps(
         if not shrinks and left >= 0.5 * before and holds(e, mode, v, r, g):
             return True
         halves = many == 1 and step > 0
-        halves = halves and math.fabs(2.0 * step_taken - work.trial.at[0]) <= HALF * update
+        halves = halves and math.fabs(2.0 * step_taken - work.trial.at[0]) <= HALVES * update
         for q in range(many):
             work.trial.at[q] = work.step.at[q]
         if halves and takes_twice(e, mode, v, r, g, step_taken, left):
@@ -297,7 +290,7 @@ def enclose(e: Engine, mode: Mode, v: Floats, r: Floats, g: int, near: float) ->
     j = mode.apart.unknown.at[mode.apart.begins.at[g]]
     far = r[j]
     here = law_at(e, mode, v, r, g, near)
-    for _ in range(HALVES):
+    for _ in range(MIDDLES):
         middle = middle_of(near, far)
         if middle == near or middle == far:
             break

@@ -5,10 +5,9 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.engine.algebra.rounding import CANCELS
 from hybond.engine.complementarity.semidefinite import is_indefinite
 from hybond.engine.laws.law_records import Ports
-from hybond.engine.laws.ports import partner_row, partner_way
+from hybond.engine.laws.response import feel_at_once
 from hybond.engine.model import Model
 from hybond.engine.timestepping.step_records import Coupled, Stepping
 from hybond.engine.words import Floats
@@ -58,7 +57,8 @@ def loses_laws(m: Model, s: Stepping, p: Ports, c: Coupled) -> bool:
     kept = 1.0 - c.theta
     if kept <= 0.0:
         return False
-    at_once = find_at_once(m, s, p, c)
+    feel_at_once(m, p, c.direct.at, s.at_once)
+    at_once = s.at_once
     most = 0.0
     for i in range(n * n):
         most = max(most, max(math.fabs(c.m.at[i]), math.fabs(at_once[i])))
@@ -77,20 +77,3 @@ def loses_laws(m: Model, s: Stepping, p: Ports, c: Coupled) -> bool:
     return is_indefinite(n, s.feel, s.scale, s.down, s.square.at) and not is_indefinite(
         n, at_once, s.scale, s.down, s.square.at
     )
-
-
-def find_at_once(m: Model, s: Stepping, p: Ports, c: Coupled) -> Floats:
-    """Find how laws feel each other at once, by no storage."""
-    n = m.ports
-    for k in range(n):
-        row = partner_row(p, k)
-        way = partner_way(p, k)
-        for j in range(n):
-            total = 0.0
-            size = 0.0
-            for i in range(m.pair_first[row], m.pair_first[row + 1]):
-                term = m.pair_value[i] * c.direct.at[m.pair_column[i] * n + j]
-                total += term
-                size += math.fabs(term)
-            s.at_once[k * n + j] = 0.0 if math.fabs(total) <= CANCELS * size else way * total
-    return s.at_once

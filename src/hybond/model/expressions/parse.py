@@ -84,6 +84,11 @@ def _is_unit(text: str) -> bool:
     return True
 
 
+TIMERS = dict.fromkeys(
+    ("after", "dwell", "elapsed", "timer"),
+    "a part, control.timer, counts the time spent in a state, and is 1 once that is over",
+)
+"""How the time spent in a state is asked for, as a name or as a function."""
 _WRITTEN = {
     "ln": "the natural logarithm is log(x)",
     **dict.fromkeys(("pow", "power"), "a power is a^b"),
@@ -103,7 +108,7 @@ _WRITTEN = {
         ("delay", "delayed"),
         "a delay is a part: control.sampled_delay of samples, control.delay approximately",
     ),
-    "timer": "the time spent in a state is counted by a part, control.timer",
+    **TIMERS,
 }
 """How functions of other languages are written here."""
 
