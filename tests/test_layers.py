@@ -42,10 +42,20 @@ ENGINE = [
     ["algebra", "complementarity", "expressions"],
     ["reasons"],
     ["inputs"],
+    ["mode.rows"],
+    ["mode.nonlinear"],
+    ["mode.left_free"],
+    ["mode.digits"],
+    ["mode.comparisons"],
     ["mode"],
     ["constraints"],
     ["impacts", "surfaces"],
     ["jumps"],
+    ["methods.tolerances"],
+    ["methods.explicit"],
+    ["methods.linear"],
+    ["methods.implicit"],
+    ["methods.quantised"],
     ["methods"],
     ["guards", "planar"],
     ["laws"],
@@ -180,10 +190,10 @@ def upward(read: dict[str, set[str]]) -> list[str]:
     records = made_of(read)
     found = []
     for module, others in read.items():
-        own = ENGINE_LAYER.get(module.partition(".")[0], 0)
+        own = ENGINE_LAYER.get(module.rpartition(".")[0], 0)
         for other in others - records:
-            room = other.partition(".")[0]
-            same = room == module.partition(".")[0]
+            room = other if other in ENGINE_LAYER else other.rpartition(".")[0]
+            same = room == module.rpartition(".")[0]
             if not same and ENGINE_LAYER.get(room, len(ENGINE)) >= own:
                 found.append(f"{module} reads {other}")
     return sorted(found)
@@ -191,19 +201,23 @@ def upward(read: dict[str, set[str]]) -> list[str]:
 
 def test_rooms_of_the_engine_read_leftwards() -> None:
     read = engine_imports()
-    assert {m.partition(".")[0] for m in read if "." in m} == ENGINE_LAYER.keys()
+    assert {m.rpartition(".")[0] for m in read if "." in m} == ENGINE_LAYER.keys()
     wrong = upward(read)
     assert not wrong, "\n".join(wrong)
     # what a run is made of are records, and what these are made of, left of all equations
     for module in made_of(read):
         room, _, name = module.rpartition(".")
-        below = ENGINE_LAYER.get(room, -1) < ENGINE_LAYER["mode"]
+        below = ENGINE_LAYER.get(room, -1) < ENGINE_LAYER["mode.rows"]
         assert below or name.endswith(("_records", "_room")), module
 
 
 def test_the_test_of_the_engine_sees() -> None:
     read = engine_imports()
-    for module, other in (("mode.newton", "surfaces.values"), ("guards.locate", "instant.settle")):
+    for module, other in (
+        ("mode.nonlinear.newton", "surfaces.values"),
+        ("mode.nonlinear.newton", "mode.digits.sizes"),
+        ("guards.locate", "instant.settle"),
+    ):
         more = {**read, module: read[module] | {other}}
         assert upward(more) == [f"{module} reads {other}"]
 
@@ -241,7 +255,9 @@ def test_the_map_of_the_engine_names_every_file_in_its_room() -> None:
     for line in TEXTS[SOURCE / "hybond" / "engine" / "__init__.py"].splitlines():
         if head := re.fullmatch(r" {4}(\w+)/", line):
             room = head[1]
-        elif row := re.match(r" {8}(\w+(?:, \w+)*) {2}", line):
+        elif head := re.fullmatch(r" {8}(\w+)/", line):
+            room = f"{room.partition('/')[0]}/{head[1]}"
+        elif row := re.match(r" {8}(?: {4})?(\w+(?:, \w+)*) {2}", line):
             named |= {f"engine/{room}/{name}" for name in row[1].split(", ")}
     whole = {
         "engine",

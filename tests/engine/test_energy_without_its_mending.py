@@ -15,7 +15,8 @@ import pytest
 import hybond as hb
 from hybond.engine.instant import settle
 from hybond.engine.jumps import jump
-from hybond.engine.methods import control, dopri
+from hybond.engine.methods import control
+from hybond.engine.methods.explicit import dopri
 from hybond.engine.surfaces import values
 from hybond.testing import random_recipe
 

@@ -13,7 +13,7 @@ from scipy.linalg import expm
 import hybond as hb
 from hybond.engine.engine import OK, make_engine
 from hybond.engine.mode.equations import mode_of
-from hybond.engine.mode.tableau import WIDE
+from hybond.engine.mode.rows.tableau import WIDE
 from hybond.engine.tables import answered, tables_of
 
 N = WIDE + 4

@@ -14,7 +14,9 @@ import pytest
 
 import hybond as hb
 from hybond.engine.laws import law_jumping
-from hybond.engine.mode import newton, solving, undetermined
+from hybond.engine.mode import solving
+from hybond.engine.mode.left_free import undetermined
+from hybond.engine.mode.nonlinear import newton
 from hybond.engine.outcome import warned
 from hybond.model import flatten as flattening
 

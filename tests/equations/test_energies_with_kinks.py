@@ -8,7 +8,7 @@ import pytest
 
 import hybond as hb
 from hybond.engine.engine import make_engine
-from hybond.engine.mode.storage import energy_of
+from hybond.engine.mode.rows.storage import energy_of
 from hybond.engine.tables import answered, tables_of
 
 LAWS = {

@@ -39,34 +39,43 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
     inputs/
         interval, sampling, calls    pieces of inputs; signals set at instants; who is asked
     mode/
-        tableau, hidden_rows, elimination, elimination_records    rows of a mode, eliminated
-        elimination_of_another    those of a mode that differs in some
-        drift               whether a small coefficient is rounding of what is given
-        equations, taken_rows    those made ready: what is kept of them
-        kept_modes, mode_records, mode_sizes    modes kept, and what room they take
+        equations, kept_modes           made ready: what is kept of them
+        mode_records, mode_sizes        a mode, and what room it takes
         solving, limits     bond variables at an instant; limits of what has landed
-        closely, agreement  with all digits, where sums cancel; whether sources agree
-        apart, solved_apart, apart_records    laws that do not know of each other, one by one
-        newton, newton_system, newton_step, dynamic_rows    Newton's method: what it makes zero, its
-                            step, by which laws
-        slopes_bounded      what stands for slopes without bound
-        guess, neighbours   where it begins
-        damped, continuation    with shorter steps; on the way from laws with a resistance beside
-        led_up              from nothing known to all that is
-        enclosed            one law alone, between two signs
-        beside_jumps, level  solutions just beside a jump; what is rounding of what is known
-        put_back            whether a solution holds
-        freedom, undetermined, leakage    what a system leaves free, and laws; least leakage
-        flat_sides, lasting    laws at a corner beside which they are flat; what that leaves free
-        storage, reach      co-energy, energy; what would have an energy
-        storage_bonds       which bond variables are the rates of what is stored
-        connected, part_energies    parts of the graph; how much energy there has been on each
-        reading, sources_of_time    what a step reads; sources that time alone moves
-        sizes, solved_sizes, lesser_sizes    what its rounding is measured by
-        clusters, cluster_records    what settles within a moment, and what holds it
-        fading              what rounding remembers
-        sums, straight_rates, sum_records    comparisons, and rates, that are sums of the state
-        standing, standing_records    what stands at an equilibrium that nothing touches
+        reading             what a step reads
+        rows/
+            storage, storage_bonds      co-energy, energy; which bond variables are their rates
+            tableau, hidden_rows, elimination, elimination_records, taken_rows    eliminated
+            elimination_of_another      those of a mode that differs in some
+            drift           whether a small coefficient is rounding of what is given
+            sources_of_time             sources that time alone moves
+        nonlinear/
+            newton, newton_system, newton_step, dynamic_rows    Newton's method: what it makes zero,
+                            its step, by which laws
+            apart, solved_apart, apart_records    laws that do not know of each other, one by one
+            slopes_bounded  what stands for slopes without bound
+            guess, neighbours    where it begins
+            damped, continuation    with shorter steps; on the way from laws with a resistance
+                            beside
+            led_up          from nothing known to all that is
+            enclosed        one law alone, between two signs
+            beside_jumps, level    solutions just beside a jump; what is rounding of what is known
+            put_back, agreement    whether a solution holds; whether sources agree
+            freedom, flat_sides    what a system leaves free; laws at a corner beside which they are
+                            flat
+        left_free/
+            undetermined, leakage, lasting    what is free of a mode, and of laws, and what of it
+                            lasts; least leakage
+        digits/
+            sizes, solved_sizes, lesser_sizes    what its rounding is measured by
+            connected, part_energies, reach    parts of the graph; how much energy there has been
+                            on each; what would have an energy
+            clusters, cluster_records    what settles within a moment, and what holds it
+            fading          what rounding remembers
+            closely         with all digits, where sums cancel
+        comparisons/
+            sums, straight_rates, sum_records    comparisons, and rates, that are sums of the state
+            standing, standing_records    what stands at an equilibrium that nothing touches
     constraints/
         constraints         what a jump must fulfil
         impulse_ways, own_ways    the impulses that move what is stored there
@@ -91,29 +100,34 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
         tied                motions that are nothing but what constraints lead along
     methods/
         stepping            one step of the method asked for
-        scale, signal_sizes, lately    tolerances of what is stored and what is integrated
-        moment_later                   values kept while those of a moment later are looked at
-        pushes              the energy that what pushes at rest would give in a moment
-        defects             what a step stores beyond what its rates bring
-        rates_off, rates_in_stages    what errors leave in rates, where something exchanges fast
-        failed_steps, one_instant    steps that cannot be; how long an
-                            instant is
-        onset               what has not moved yet, by what it will be
-        off_kinks           rates where a motion begins on a kink
-        control, dopri, strayed, step_room    steps that the error controls: Dormand and Prince
-        hidden_peaks        what laws that bend do within a step, and nowhere it has looked
-        exact, flow, flow_columns, linear_rows, balance, propagate, flow_records    linear modes,
-                            propagated
-        graded              slow motions of these beside fast ones
-        radau, radau_stages, radau_slopes, radau_dense, radau_method, radau_room    implicit steps
-        nearer_slopes       these over shorter differences
-        radau_factors       what they solve for
-        stiffness           when ``auto`` goes over to them, and back
-        beside_kinks        slopes of the side of a kink on which a step is
-        from_edges, beside_edges    stages where laws begin, and beside that
-        fixed               forward Euler, the classical Runge-Kutta method
-        qss, qss_start, qss_events, qss_band, qss_place, qss_room    quantised states
-        qss_linear, qss_fit, qss_nodes    their rates: in linear modes, and in others
+        control, off_kinks  steps that the error controls; those that begin on a kink
+        tolerances/
+            scale, signal_sizes, lately    of what is stored and what is integrated
+            moment_later    values kept while those of a moment later are looked at
+            pushes          the energy that what pushes at rest would give in a moment
+            defects         what a step stores beyond what its rates bring
+            onset, strayed  what has not moved yet, by what it will be; what has gone astray
+        explicit/
+            dopri, step_room    Dormand and Prince
+            fixed           forward Euler, the classical Runge-Kutta method
+            failed_steps, one_instant    steps that cannot be; how long an instant is
+        linear/
+            exact, flow, flow_columns, linear_rows, balance, propagate, flow_records    linear
+                            modes, propagated
+            graded          slow motions of these beside fast ones
+            rates_off       what errors leave in rates, where something exchanges fast
+        implicit/
+            radau, radau_stages, radau_slopes, radau_dense, radau_method, radau_room    implicit
+                            steps
+            nearer_slopes, radau_factors    slopes over shorter differences; what is solved for
+            rates_in_stages    what errors leave in rates at their stages
+            hidden_peaks    what laws that bend do within a step, and nowhere it has looked
+            stiffness       when ``auto`` goes over to them, and back
+            beside_kinks    slopes of the side of a kink on which a step is
+            from_edges, beside_edges    stages where laws begin, and beside that
+        quantised/
+            qss, qss_start, qss_events, qss_band, qss_place, qss_room    quantised states
+            qss_linear, qss_fit, qss_nodes    their rates: in linear modes, and in others
     planar/
         planar              friction in the plane: whether it holds
         stops, descent, planar_records    where slip ends and begins; its last part

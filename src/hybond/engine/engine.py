@@ -14,13 +14,13 @@ from hybond.engine.guards.rest_records import Rests, make_rests
 from hybond.engine.inputs.calls import Calls, call_outside, make_calls
 from hybond.engine.laws.law_records import OPEN_KEPT, Laws, make_laws
 from hybond.engine.method_numbers import AUTO, EXACT, MOREAU, QSS1, RADAU
-from hybond.engine.methods.flow_records import Exact, make_exact
-from hybond.engine.methods.qss_room import Quantised, make_quantised
-from hybond.engine.methods.radau_room import Radau, make_radau
-from hybond.engine.methods.step_room import Step, make_step
+from hybond.engine.methods.explicit.step_room import Step, make_step
+from hybond.engine.methods.implicit.radau_room import Radau, make_radau
+from hybond.engine.methods.linear.flow_records import Exact, make_exact
+from hybond.engine.methods.quantised.qss_room import Quantised, make_quantised
+from hybond.engine.mode.comparisons.standing_records import Standing, make_standing
+from hybond.engine.mode.comparisons.sum_records import Sums, make_sums
 from hybond.engine.mode.mode_records import KEPT, Mode
-from hybond.engine.mode.standing_records import Standing, make_standing
-from hybond.engine.mode.sum_records import Sums, make_sums
 from hybond.engine.model import Model
 from hybond.engine.planar.planar_records import Planar, make_planar
 from hybond.engine.reasons.warned import Warned, make_warned
@@ -151,7 +151,7 @@ class Engine:
     pushed_energy: Floats
     lately: Floats
     """The size that each state has lately had, the roots of energies of parts behind them; what
-    it comes from, `methods/lately`."""
+    it comes from, `methods/tolerances/lately`."""
     state: Ints
     """Of each machine, now."""
     t: float
@@ -178,7 +178,7 @@ class Engine:
     storage_part: Ints
     """Of each storage: the part of the graph that it hangs together with, as time last passed."""
     remembered: Floats
-    """What each storage held that its rounding is still measured by; see `mode/fading`."""
+    """What each storage held that its rounding is still measured by; see `mode/digits/fading`."""
     remembered_before: Floats
     """The same where the last step began."""
     seen_before: Floats

@@ -16,9 +16,9 @@ from hybond.engine.algebra.separate import Separate, make_separate
 from hybond.engine.algebra.sparse_lu import Factoring, make_factoring
 from hybond.engine.algebra.svd import Svd, make_svd
 from hybond.engine.expressions.pairs import Stack, make_stack
-from hybond.engine.mode.cluster_records import Cluster, make_cluster
-from hybond.engine.mode.elimination_records import Elimination, make_elimination
+from hybond.engine.mode.digits.cluster_records import Cluster, make_cluster
 from hybond.engine.mode.mode_records import Leakage, Ways, make_leakage, make_ways
+from hybond.engine.mode.rows.elimination_records import Elimination, make_elimination
 from hybond.engine.model import Model
 from hybond.engine.words import Floats, Ints, floats, ints, record
 

@@ -5,9 +5,9 @@ import pytest
 from scipy.integrate import RK45
 from scipy.integrate._ivp.radau import MU_COMPLEX, MU_REAL
 
-from hybond.engine.methods import radau_factors as f
-from hybond.engine.methods import radau_stages as r
-from hybond.engine.methods.dopri import STAGE_AT, TABLE
+from hybond.engine.methods.explicit.dopri import STAGE_AT, TABLE
+from hybond.engine.methods.implicit import radau_factors as f
+from hybond.engine.methods.implicit import radau_stages as r
 
 DOPRI = np.reshape(TABLE, (-1, 7))
 C = np.array([r.STAGE_1, r.STAGE_2, 1.0])

@@ -8,7 +8,7 @@ from portable_runs import portable
 
 import hybond as hb
 from hybond.engine.algebra.blocks import row_times
-from hybond.engine.mode.leakage import project
+from hybond.engine.mode.left_free.leakage import project
 from hybond.engine.words import some
 
 

@@ -8,9 +8,9 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from hybond.engine.mode.elimination import add_row, give
-from hybond.engine.mode.elimination_of_another import repeat_elimination
-from hybond.engine.mode.elimination_records import (
+from hybond.engine.mode.rows.elimination import add_row, give
+from hybond.engine.mode.rows.elimination_of_another import repeat_elimination
+from hybond.engine.mode.rows.elimination_records import (
     Elimination,
     begin_elimination,
     make_elimination,

@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hybond.engine.methods.qss_band import leaves_band
-from hybond.engine.methods.qss_nodes import node_at, through_nodes
-from hybond.engine.methods.qss_place import place_ahead
+from hybond.engine.methods.quantised.qss_band import leaves_band
+from hybond.engine.methods.quantised.qss_nodes import node_at, through_nodes
+from hybond.engine.methods.quantised.qss_place import place_ahead
 
 coefficient = st.floats(-10, 10, allow_nan=False).map(lambda a: 0.0 if abs(a) < 1e-3 else a)
 

@@ -14,7 +14,7 @@ from hybond.engine.expressions.paired import holds
 from hybond.engine.guards.guard_values import atom_at, look
 from hybond.engine.guards.locator import make_locator
 from hybond.engine.guards.watching import watch
-from hybond.engine.mode.sizes import size_of
+from hybond.engine.mode.digits.sizes import size_of
 from hybond.engine.mode.solving import solve
 from hybond.engine.surfaces.values import begin_field, field, set_state
 from hybond.engine.words import some

@@ -11,11 +11,11 @@ import math
 from typing import Final
 
 from hybond.engine.engine import OK, Engine
-from hybond.engine.mode.guess import give_back_guess, hold_guess
 from hybond.engine.mode.mode_records import Mode
-from hybond.engine.mode.newton_system import measured_system
-from hybond.engine.mode.put_back import HOLDS, all_hold
-from hybond.engine.mode.storage_bonds import rate_bond
+from hybond.engine.mode.nonlinear.guess import give_back_guess, hold_guess
+from hybond.engine.mode.nonlinear.newton_system import measured_system
+from hybond.engine.mode.nonlinear.put_back import HOLDS, all_hold
+from hybond.engine.mode.rows.storage_bonds import rate_bond
 from hybond.engine.reasons.noting import MANY, note_violation
 from hybond.engine.surfaces.values import evaluate
 

@@ -11,8 +11,8 @@ import math
 from typing import Final
 
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
-from hybond.engine.mode.storage import co_energy_of
-from hybond.engine.mode.storage_bonds import co_energy_bond
+from hybond.engine.mode.rows.storage import co_energy_of
+from hybond.engine.mode.rows.storage_bonds import co_energy_bond
 from hybond.engine.reasons.facts import add_fact
 
 MOST: Final = 1e150

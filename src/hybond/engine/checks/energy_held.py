@@ -2,7 +2,7 @@
 
 No power is lost in the junction structure, which is looked at where laws are: what sources give
 less what resistors take is what flows into storage, `z x'`. So the balance of a run is kept by
-what is stored: of each step that of its rates at its stages (`methods/defects`), or, where it is
+what is stored: of each step that of its rates at its stages (`defects`), or, where it is
 implicit, that it ends by the rates that are there; where laws are looked at that these are the
 rates that are shown; and of each jump that nothing comes from nowhere.
 
@@ -22,15 +22,15 @@ from hybond.engine.algebra.rounding import EPSILON, UNDERFLOW
 from hybond.engine.engine import OK, Engine
 from hybond.engine.instant.jump_balance import PART
 from hybond.engine.method_numbers import EULER, MOREAU, RK4
-from hybond.engine.methods.defects import chord
-from hybond.engine.methods.scale import FAINT
-from hybond.engine.mode.guess import give_back_guess, hold_guess
-from hybond.engine.mode.newton import knowns_of
-from hybond.engine.mode.part_energies import part_of_bond
-from hybond.engine.mode.put_back import NEAR
-from hybond.engine.mode.sizes import seen_of, size_of
-from hybond.engine.mode.storage import own_stiffness, with_stored
-from hybond.engine.mode.storage_bonds import rate_bond
+from hybond.engine.methods.tolerances.defects import chord
+from hybond.engine.methods.tolerances.scale import FAINT
+from hybond.engine.mode.digits.part_energies import part_of_bond
+from hybond.engine.mode.digits.sizes import seen_of, size_of
+from hybond.engine.mode.nonlinear.guess import give_back_guess, hold_guess
+from hybond.engine.mode.nonlinear.newton import knowns_of
+from hybond.engine.mode.nonlinear.put_back import NEAR
+from hybond.engine.mode.rows.storage import own_stiffness, with_stored
+from hybond.engine.mode.rows.storage_bonds import rate_bond
 from hybond.engine.reasons.noting import BALANCE, MOVES, note_in_state, note_violation
 from hybond.engine.reasons.warned import MADE_BY_STEPS, add_about, begin_warning
 from hybond.engine.surfaces.values import field

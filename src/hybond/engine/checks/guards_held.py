@@ -18,8 +18,8 @@ from hybond.engine.guards.kept_sides import keeps_sides
 from hybond.engine.instant.instant import Instant
 from hybond.engine.instant.told import BY_LAW
 from hybond.engine.methods.stepping import between
+from hybond.engine.mode.digits.sizes import measure
 from hybond.engine.mode.equations import mode_of
-from hybond.engine.mode.sizes import measure
 from hybond.engine.reasons.noting import APART, UNFIRED, note_violation
 from hybond.engine.surfaces.combine import combine_here
 

@@ -23,12 +23,12 @@ from hybond.engine.checks.bounds_held import MOST
 from hybond.engine.checks.shown import clear_prior, show_at
 from hybond.engine.engine import Engine
 from hybond.engine.method_numbers import MOREAU
+from hybond.engine.mode.digits.reach import reach_of
+from hybond.engine.mode.digits.sizes import size_of
 from hybond.engine.mode.mode_records import Mode
-from hybond.engine.mode.reach import reach_of
-from hybond.engine.mode.sizes import size_of
-from hybond.engine.mode.storage import co_energy_of, own_stiffness
-from hybond.engine.mode.storage_bonds import co_energy_bond
-from hybond.engine.mode.tableau import part_of
+from hybond.engine.mode.rows.storage import co_energy_of, own_stiffness
+from hybond.engine.mode.rows.storage_bonds import co_energy_bond
+from hybond.engine.mode.rows.tableau import part_of
 from hybond.engine.reasons.noting import ELEMENT, JUNCTION, STORAGE, note_violation
 
 PART: Final = 1e-9

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from hybond.engine.engine import OK, Engine
-from hybond.engine.mode.guess import give_back_guess, hold_guess
 from hybond.engine.mode.limits import put_limits
 from hybond.engine.mode.mode_records import Mode
+from hybond.engine.mode.nonlinear.guess import give_back_guess, hold_guess
 from hybond.engine.surfaces.values import evaluate
 from hybond.engine.words import Floats
 

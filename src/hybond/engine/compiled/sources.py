@@ -24,8 +24,8 @@ def portable_paths() -> list[Path]:
     >>> portable_paths()[0].name
     'blocks.py'
     """
-    found = [*ENGINE.glob("*.py"), *ENGINE.glob("*/*.py")]
-    return sorted(p for p in found if p.stem != "__init__" and p.parent.name not in ORDINARY)
+    found = [p for p in ENGINE.rglob("*.py") if p.relative_to(ENGINE).parts[0] not in ORDINARY]
+    return sorted(p for p in found if p.stem != "__init__")
 
 
 @lru_cache(maxsize=1)

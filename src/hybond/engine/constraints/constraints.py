@@ -11,13 +11,13 @@ from hybond.engine.algebra.rounding import SMALLEST
 from hybond.engine.algebra.svd import svd_of_transpose
 from hybond.engine.answers import value
 from hybond.engine.engine import Engine, svd_room
-from hybond.engine.mode.dynamic_rows import frozen_at
+from hybond.engine.mode.digits.part_energies import find_energies
+from hybond.engine.mode.digits.reach import reach_at
 from hybond.engine.mode.mode_records import Mode
-from hybond.engine.mode.newton import known_of
-from hybond.engine.mode.newton_system import by_power, split, take_rank
-from hybond.engine.mode.part_energies import find_energies
-from hybond.engine.mode.reach import reach_at
-from hybond.engine.mode.storage import coupled, own_stiffness, with_stored
+from hybond.engine.mode.nonlinear.dynamic_rows import frozen_at
+from hybond.engine.mode.nonlinear.newton import known_of
+from hybond.engine.mode.nonlinear.newton_system import by_power, split, take_rank
+from hybond.engine.mode.rows.storage import coupled, own_stiffness, with_stored
 from hybond.engine.model import Model
 from hybond.engine.words import Floats
 

@@ -18,10 +18,10 @@ from hybond.engine.constraints.sparse_ways import (
     size_held,
 )
 from hybond.engine.engine import Engine, svd_room
-from hybond.engine.mode.dynamic_rows import frozen_at
 from hybond.engine.mode.mode_records import Mode, Ways
-from hybond.engine.mode.storage import own_stiffness, stiff, with_stored
-from hybond.engine.mode.storage_bonds import rate_bond
+from hybond.engine.mode.nonlinear.dynamic_rows import frozen_at
+from hybond.engine.mode.rows.storage import own_stiffness, stiff, with_stored
+from hybond.engine.mode.rows.storage_bonds import rate_bond
 from hybond.engine.words import Floats
 
 SEEN: Final = 1e-3

@@ -27,8 +27,8 @@ from hybond.engine.algebra.sparse_lu import (
 )
 from hybond.engine.engine import Engine
 from hybond.engine.mode.mode_records import Mode, Ways
-from hybond.engine.mode.storage import own_stiffness, stiff, with_stored
-from hybond.engine.mode.storage_bonds import rate_bond
+from hybond.engine.mode.rows.storage import own_stiffness, stiff, with_stored
+from hybond.engine.mode.rows.storage_bonds import rate_bond
 from hybond.engine.words import Floats
 
 FEW: Final = 32

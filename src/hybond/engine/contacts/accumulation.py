@@ -9,7 +9,7 @@ from typing import Final
 
 from hybond.engine.contacts.landing_records import LAST_TIMES, Landings
 from hybond.engine.expressions.functions import power
-from hybond.engine.methods.dopri import spacing
+from hybond.engine.methods.explicit.dopri import spacing
 from hybond.engine.words import Floats
 
 REMAINING: Final = 1e-7

@@ -55,9 +55,9 @@ from hybond.engine.instant.settling import Settling
 from hybond.engine.instant.telling import supplied_by_jump, supplied_now
 from hybond.engine.instant.told import LANDS, add_read, say_why
 from hybond.engine.jumps.trial import a_priori
+from hybond.engine.mode.digits.fading import remember_jump
 from hybond.engine.mode.equations import mode_of
-from hybond.engine.mode.fading import remember_jump
-from hybond.engine.mode.storage import energy_of
+from hybond.engine.mode.rows.storage import energy_of
 from hybond.engine.surfaces.combine import combine_here
 from hybond.engine.surfaces.values import begin_field, evaluate, field
 from hybond.engine.words import Floats

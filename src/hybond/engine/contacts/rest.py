@@ -8,10 +8,10 @@ from hybond.engine.constraints.impulse_ways import impulse_directions
 from hybond.engine.contacts.landing_records import Landings
 from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.jumps.jump import enter_mode
+from hybond.engine.mode.digits.reach import reach_of
 from hybond.engine.mode.equations import mode_of
 from hybond.engine.mode.limits import put_limits
-from hybond.engine.mode.reach import reach_of
-from hybond.engine.mode.storage_bonds import rate_bond
+from hybond.engine.mode.rows.storage_bonds import rate_bond
 from hybond.engine.surfaces.averages import freedom_here, sizes_here, solve_here
 from hybond.engine.surfaces.combine import combine_here
 from hybond.engine.surfaces.values import set_values

@@ -34,7 +34,7 @@ from hybond.engine.guards.rest_records import make_room, side_of
 from hybond.engine.guards.sides_seen import creeps_in
 from hybond.engine.methods.control import is_propagated
 from hybond.engine.methods.stepping import between, by_radau
-from hybond.engine.mode.guess import give_back_guess, hold_guess
+from hybond.engine.mode.nonlinear.guess import give_back_guess, hold_guess
 from hybond.engine.reasons.warned import GUARD_AT_REST, add_about, begin_warning
 from hybond.engine.surfaces.values import field
 from hybond.engine.words import float_table

@@ -9,7 +9,7 @@ from hybond.engine.engine import Engine
 from hybond.engine.guards.guard_values import atom_at, holds_at
 from hybond.engine.guards.locator import SAMPLES, Locator
 from hybond.engine.guards.naps import is_asleep
-from hybond.engine.methods.dopri import spacing
+from hybond.engine.methods.explicit.dopri import spacing
 
 SEARCH: Final = 40
 """Most iterations of one root or extremum search."""

@@ -16,9 +16,9 @@ from hybond.engine.guards.together import (
     last_of_instant,
 )
 from hybond.engine.methods.control import is_propagated
-from hybond.engine.methods.dopri import spacing
-from hybond.engine.methods.one_instant import LEAST, room_of_instant
-from hybond.engine.methods.rates_off import RATES
+from hybond.engine.methods.explicit.dopri import spacing
+from hybond.engine.methods.explicit.one_instant import LEAST, room_of_instant
+from hybond.engine.methods.linear.rates_off import RATES
 from hybond.engine.methods.stepping import by_radau, no_shorter, retry
 from hybond.engine.mode.mode_records import is_constrained
 

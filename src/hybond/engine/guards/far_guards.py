@@ -28,8 +28,8 @@ from hybond.engine.guards.quartic import COEFFICIENTS
 from hybond.engine.inputs.interval import set_time
 from hybond.engine.jumps.tied import put_tied
 from hybond.engine.methods.stepping import between
+from hybond.engine.mode.digits.part_energies import find_energies, reach_of_sum
 from hybond.engine.mode.mode_records import is_constrained
-from hybond.engine.mode.part_energies import find_energies, reach_of_sum
 
 NARROW: Final = 1e-9
 """Part of its terms from which on a comparison is clear of zero: no rounding has a say in it."""

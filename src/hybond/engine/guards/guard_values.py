@@ -17,10 +17,10 @@ from hybond.engine.jumps.jump import on_constraints
 from hybond.engine.jumps.tied import put_tied
 from hybond.engine.jumps.trial import refuse_pair
 from hybond.engine.methods.stepping import between
-from hybond.engine.mode.fading import keep_seen, may_fade, see_as_before
+from hybond.engine.mode.digits.fading import keep_seen, may_fade, see_as_before
+from hybond.engine.mode.digits.sizes import measure, seen_of
 from hybond.engine.mode.mode_records import is_constrained
 from hybond.engine.mode.reading import put_knowns
-from hybond.engine.mode.sizes import measure, seen_of
 from hybond.engine.mode.solving import solve_read
 from hybond.engine.reasons.facts import add_fact
 from hybond.engine.surfaces.averages import begin_sizes, part_sizes, show_part, solve_here

@@ -16,7 +16,7 @@ from hybond.engine.engine import Engine
 from hybond.engine.expressions.pairs import ROUNDING
 from hybond.engine.guards.guard_values import atom_at, holds_at, terms_here
 from hybond.engine.guards.locator import ALL_PARTS, Locator
-from hybond.engine.methods.dopri import spacing
+from hybond.engine.methods.explicit.dopri import spacing
 
 WIDE: Final = 16.0
 """Last places of the time between which a guard is found to begin: four, and those around them."""

@@ -12,8 +12,8 @@ from hybond.engine.algebra.products import times_matrix
 from hybond.engine.algebra.svd import make_svd, null_space, pseudo_inverse
 from hybond.engine.engine import Engine
 from hybond.engine.guards.quartic import COEFFICIENTS, Quartic, make_quartic
+from hybond.engine.mode.comparisons.sum_records import Sums, begin_as_large, make_sums
 from hybond.engine.mode.mode_records import Reads, make_reads
-from hybond.engine.mode.sum_records import Sums, begin_as_large, make_sums
 from hybond.engine.model import Model
 from hybond.engine.words import Floats, Ints, float_table, floats, ints, record
 

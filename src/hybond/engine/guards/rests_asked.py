@@ -21,7 +21,7 @@ from hybond.engine.guards.locator import NO_KINK, Locator
 from hybond.engine.guards.rest_records import make_room
 from hybond.engine.guards.sides_seen import is_near
 from hybond.engine.methods.stepping import between
-from hybond.engine.mode.guess import give_back_guess, hold_guess
+from hybond.engine.mode.nonlinear.guess import give_back_guess, hold_guess
 
 
 def see_rests_at_end(e: Engine, g: Locator) -> None:

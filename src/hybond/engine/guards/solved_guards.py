@@ -46,7 +46,7 @@ from hybond.engine.guards.quartic import (
 from hybond.engine.guards.step_polynomials import MOVES, take_step
 from hybond.engine.guards.unresolved import see_carried
 from hybond.engine.method_numbers import RK4
-from hybond.engine.methods.dopri import spacing
+from hybond.engine.methods.explicit.dopri import spacing
 from hybond.engine.methods.stepping import by_radau
 from hybond.engine.mode.mode_records import is_constrained
 

@@ -8,7 +8,7 @@ from typing import Final
 from hybond.engine.engine import Engine
 from hybond.engine.guards.locator import COURSE, Locator
 from hybond.engine.guards.quartic import COEFFICIENTS, DEGREE
-from hybond.engine.mode.part_energies import find_energies, reach_of_sum
+from hybond.engine.mode.digits.part_energies import find_energies, reach_of_sum
 
 MOVES: Final = 2
 """What a state does in a step: it moves, ..."""

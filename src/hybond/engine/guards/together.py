@@ -27,7 +27,7 @@ from hybond.engine.guards.guard_values import (
 from hybond.engine.guards.locator import ALL_PARTS, NO_KINK, Locator
 from hybond.engine.guards.quartic import COEFFICIENTS, DEGREE, horner
 from hybond.engine.guards.solved_guards import is_known
-from hybond.engine.methods.dopri import spacing
+from hybond.engine.methods.explicit.dopri import spacing
 from hybond.engine.mode.mode_records import is_constrained
 
 LAST_PLACES: Final = 8.0

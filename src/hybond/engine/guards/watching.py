@@ -5,9 +5,9 @@ from __future__ import annotations
 from hybond.engine.engine import Engine
 from hybond.engine.guards.in_force import is_asked
 from hybond.engine.guards.locator import ALL_PARTS, NO_KINK, NONE, Locator, fit_locator
+from hybond.engine.mode.comparisons.sum_records import begin_sums
+from hybond.engine.mode.comparisons.sums import take_sum
 from hybond.engine.mode.reading import read_guard, read_nothing
-from hybond.engine.mode.sum_records import begin_sums
-from hybond.engine.mode.sums import take_sum
 from hybond.engine.surfaces.followers import is_led
 from hybond.engine.surfaces.surface import part_mode
 from hybond.engine.words import Ints

@@ -13,8 +13,8 @@ from hybond.engine.algebra.blocks import fit
 from hybond.engine.engine import Engine
 from hybond.engine.expressions.paired import holds
 from hybond.engine.jumps.trial import measure_trial, show_trial
-from hybond.engine.mode.leakage import is_undetermined
-from hybond.engine.mode.undetermined import far_held
+from hybond.engine.mode.left_free.leakage import is_undetermined
+from hybond.engine.mode.left_free.undetermined import far_held
 from hybond.engine.reasons.facts import add_fact
 from hybond.engine.reasons.warned import LEFT_OPEN, add_about, begin_warning
 from hybond.engine.surfaces.averages import freedom_here

@@ -8,7 +8,7 @@ from typing import Final
 from hybond.engine.engine import Engine
 from hybond.engine.laws.law_candidates import impulse_of
 from hybond.engine.mode.equations import is_fieldless
-from hybond.engine.mode.storage import co_energy, with_stored
+from hybond.engine.mode.rows.storage import co_energy, with_stored
 from hybond.engine.reasons.noting import CREATED, note_violation
 from hybond.engine.words import Floats
 

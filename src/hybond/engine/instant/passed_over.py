@@ -17,8 +17,8 @@ from hybond.engine.instant.instant import MYTHICAL, Instant, drop_fired, note_fi
 from hybond.engine.instant.telling import tell_fired
 from hybond.engine.jumps.trial import forget_jump, show_trial, write_entry
 from hybond.engine.laws.entering import enter
+from hybond.engine.mode.digits.sizes import measure_values
 from hybond.engine.mode.equations import mode_of
-from hybond.engine.mode.sizes import measure_values
 from hybond.engine.words import Floats, Ints
 
 MOST: Final = 64

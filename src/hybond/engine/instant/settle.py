@@ -69,9 +69,9 @@ from hybond.engine.jumps.trial import (
 from hybond.engine.laws.branches import choose_at, know_around
 from hybond.engine.laws.entering import enter
 from hybond.engine.laws.law_standing import stands_as_it_was
+from hybond.engine.mode.digits.fading import remember_jump, remember_now
+from hybond.engine.mode.digits.part_energies import join_parts
 from hybond.engine.mode.equations import is_fieldless, mode_of
-from hybond.engine.mode.fading import remember_jump, remember_now
-from hybond.engine.mode.part_energies import join_parts
 from hybond.engine.reasons.facts import add_fact
 from hybond.engine.words import Ints
 

@@ -14,8 +14,8 @@ from hybond.engine.guards.in_force import is_asked
 from hybond.engine.instant.instant import Instant, add_energy, add_open
 from hybond.engine.instant.told import add_over, add_read, say_why
 from hybond.engine.jumps.trial import measure_trial, show_trial
-from hybond.engine.mode.leakage import MOVED
-from hybond.engine.mode.storage import energy_of
+from hybond.engine.mode.left_free.leakage import MOVED
+from hybond.engine.mode.rows.storage import energy_of
 from hybond.engine.words import Floats, Ints
 
 

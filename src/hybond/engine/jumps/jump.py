@@ -26,12 +26,12 @@ from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.jumps.jump_steps import BEST, CONSISTENT, jump_step, meets_own_terms
 from hybond.engine.jumps.led_jump import find_areas
 from hybond.engine.jumps.untouched import hold_untouched, note_reached
-from hybond.engine.mode.agreement import check_agreement
-from hybond.engine.mode.leakage import least_leakage, project
+from hybond.engine.mode.digits.part_energies import find_energies
+from hybond.engine.mode.digits.reach import reach_at
+from hybond.engine.mode.left_free.leakage import least_leakage, project
 from hybond.engine.mode.mode_records import Mode, Ways
-from hybond.engine.mode.part_energies import find_energies
-from hybond.engine.mode.reach import reach_at
-from hybond.engine.mode.storage import is_alone
+from hybond.engine.mode.nonlinear.agreement import check_agreement
+from hybond.engine.mode.rows.storage import is_alone
 from hybond.engine.words import Floats
 
 CANCELLED: Final = 1e-15

@@ -23,7 +23,7 @@ from hybond.engine.constraints.sparse_ways import sparse_step
 from hybond.engine.engine import OK, Engine, svd_room
 from hybond.engine.jumps.off_flat import off_flat
 from hybond.engine.mode.mode_records import Mode, Ways
-from hybond.engine.mode.storage import own_stiffness
+from hybond.engine.mode.rows.storage import own_stiffness
 from hybond.engine.words import Floats
 
 CONSISTENT: Final = 1e-12

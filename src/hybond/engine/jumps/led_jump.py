@@ -30,7 +30,7 @@ from hybond.engine.jumps.jump_steps import (
 )
 from hybond.engine.jumps.left_over import is_rounding
 from hybond.engine.mode.mode_records import Mode, Ways
-from hybond.engine.mode.storage import own_stiffness, stiff, with_stored
+from hybond.engine.mode.rows.storage import own_stiffness, stiff, with_stored
 from hybond.engine.model import Model
 from hybond.engine.reasons.facts import refuse_jump
 from hybond.engine.words import Floats

@@ -14,7 +14,7 @@ from hybond.engine.constraints.constraints import constraint_by_co_energy
 from hybond.engine.constraints.impulse_ways import slope_of
 from hybond.engine.engine import Engine
 from hybond.engine.mode.mode_records import Mode, Ways
-from hybond.engine.mode.storage import co_energy_of, own_stiffness, with_stored
+from hybond.engine.mode.rows.storage import co_energy_of, own_stiffness, with_stored
 from hybond.engine.words import Floats
 
 DOUBLED: Final = 200

@@ -16,7 +16,7 @@ from hybond.engine.engine import Engine
 from hybond.engine.inputs.interval import set_time
 from hybond.engine.jumps.jump import CANCELLED, is_fixed
 from hybond.engine.mode.mode_records import FREE, NOT_KNOWN, TIED, Mode, Ways
-from hybond.engine.mode.sources_of_time import value_of_source
+from hybond.engine.mode.rows.sources_of_time import value_of_source
 from hybond.engine.words import Floats
 
 ALONG: Final = 1e-13

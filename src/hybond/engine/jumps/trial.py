@@ -27,15 +27,15 @@ from hybond.engine.expressions.pairs import (
     is_impulsive,
 )
 from hybond.engine.jumps.jump import JUMPS, STAYS, enter_mode
-from hybond.engine.mode.dynamic_rows import frozen_at
+from hybond.engine.mode.digits.part_energies import part_of_bond, see_energy, see_energy_after
+from hybond.engine.mode.digits.reach import reach_of
+from hybond.engine.mode.digits.sizes import measure
 from hybond.engine.mode.equations import is_fieldless, mode_of
 from hybond.engine.mode.limits import put_limits
 from hybond.engine.mode.mode_records import Mode
-from hybond.engine.mode.part_energies import part_of_bond, see_energy, see_energy_after
-from hybond.engine.mode.reach import reach_of
-from hybond.engine.mode.sizes import measure
-from hybond.engine.mode.storage import energy_of
-from hybond.engine.mode.storage_bonds import co_energy_bond
+from hybond.engine.mode.nonlinear.dynamic_rows import frozen_at
+from hybond.engine.mode.rows.storage import energy_of
+from hybond.engine.mode.rows.storage_bonds import co_energy_bond
 from hybond.engine.reasons.facts import add_fact
 from hybond.engine.reasons.warned import IMPULSIVE, add_about, begin_warning
 from hybond.engine.surfaces.averages import begin_sizes, freedom_here, solve_here

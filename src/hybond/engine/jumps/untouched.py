@@ -14,7 +14,7 @@ from hybond.engine.algebra.blocks import fit_places
 from hybond.engine.algebra.separate import first_of, unite
 from hybond.engine.engine import Engine
 from hybond.engine.mode.mode_records import Mode
-from hybond.engine.mode.tableau import part_of
+from hybond.engine.mode.rows.tableau import part_of
 from hybond.engine.reasons.noting import UNTOUCHED, note_violation
 from hybond.engine.words import Floats, Ints
 

@@ -13,7 +13,7 @@ from hybond.engine.engine import Engine
 from hybond.engine.laws.law_records import Laws, Ports
 from hybond.engine.mode.equations import make_equations
 from hybond.engine.mode.mode_records import Mode
-from hybond.engine.mode.tableau import COMMON, NET, NOT_OPEN
+from hybond.engine.mode.rows.tableau import COMMON, NET, NOT_OPEN
 
 
 def prefer_common(e: Engine, r: Laws, p: Ports, mode: Mode) -> None:

@@ -24,9 +24,9 @@ from hybond.engine.laws.law_instant import NO_LAW_VALUE, is_stored, quantity
 from hybond.engine.laws.law_records import Laws
 from hybond.engine.laws.ports import open_mode, partner_row, solve_with, times_partner
 from hybond.engine.method_numbers import MOREAU
-from hybond.engine.mode.guess import give_back_guess, hold_guess
-from hybond.engine.mode.part_energies import find_energies_at, part_of_bond
-from hybond.engine.mode.tableau import COMMON
+from hybond.engine.mode.digits.part_energies import find_energies_at, part_of_bond
+from hybond.engine.mode.nonlinear.guess import give_back_guess, hold_guess
+from hybond.engine.mode.rows.tableau import COMMON
 from hybond.engine.reasons.noting import IMPACT, note_violation
 from hybond.engine.words import Floats
 

@@ -37,7 +37,7 @@ from hybond.engine.laws.law_records import Laws
 from hybond.engine.laws.law_seconds import warn_of_several
 from hybond.engine.laws.law_shares import bears_less
 from hybond.engine.laws.ports import base_mode
-from hybond.engine.mode.tableau import COMMON, NET
+from hybond.engine.mode.rows.tableau import COMMON, NET
 from hybond.engine.model import Model
 from hybond.engine.planar.planar import answer_rests, put_on_the_way
 from hybond.engine.words import Floats, Ints

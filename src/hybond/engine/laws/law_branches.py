@@ -51,7 +51,7 @@ from hybond.engine.laws.law_parallel import find_shares, keep_left
 from hybond.engine.laws.law_rates import take_later_rates
 from hybond.engine.laws.law_records import Laws, Response
 from hybond.engine.laws.response import respond
-from hybond.engine.mode.tableau import COMMON, NET
+from hybond.engine.mode.rows.tableau import COMMON, NET
 from hybond.engine.model import Model
 from hybond.engine.planar.planar import find_disks
 from hybond.engine.words import Floats, float_table, int_table

@@ -20,10 +20,10 @@ from hybond.engine.laws.law_instant import NO_LAW_VALUE
 from hybond.engine.laws.law_parallel import add_left
 from hybond.engine.laws.law_rates import is_at_an_end, turns_at_once
 from hybond.engine.laws.law_records import AGAIN, TURNED, Laws
-from hybond.engine.mode.agreement import check_agreement
+from hybond.engine.mode.digits.reach import reach_of
 from hybond.engine.mode.mode_records import is_constrained
-from hybond.engine.mode.reach import reach_of
-from hybond.engine.mode.storage import energy_of
+from hybond.engine.mode.nonlinear.agreement import check_agreement
+from hybond.engine.mode.rows.storage import energy_of
 from hybond.engine.model import Model
 from hybond.engine.planar.planar import put_headings
 from hybond.engine.reasons.facts import add_fact

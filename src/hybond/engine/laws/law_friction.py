@@ -8,7 +8,7 @@ from hybond.engine.complementarity.law_roles import CUT, SHUT, TWO_SIDED
 from hybond.engine.jumps.jump import JUMPS
 from hybond.engine.laws.law_instant import NO_LAW_VALUE, is_stored, quantity
 from hybond.engine.laws.law_records import Laws
-from hybond.engine.mode.tableau import COMMON, NET
+from hybond.engine.mode.rows.tableau import COMMON, NET
 from hybond.engine.model import Model
 
 

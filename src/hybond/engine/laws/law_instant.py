@@ -16,15 +16,15 @@ from hybond.engine.laws.gaps import check_gaps
 from hybond.engine.laws.law_records import Laws, Ports
 from hybond.engine.laws.ports import open_mode, partner_row, ports_of
 from hybond.engine.method_numbers import MOREAU
-from hybond.engine.mode.part_energies import (
+from hybond.engine.mode.digits.part_energies import (
     STORED,
     find_energies_at,
     part_of_bond,
     see_energy,
     settled_terms,
 )
-from hybond.engine.mode.sizes import measure_values, seen_of
-from hybond.engine.mode.tableau import COMMON
+from hybond.engine.mode.digits.sizes import measure_values, seen_of
+from hybond.engine.mode.rows.tableau import COMMON
 from hybond.engine.model import Model
 from hybond.engine.reasons.facts import add_fact
 from hybond.engine.surfaces.values import set_values

@@ -43,8 +43,8 @@ from hybond.engine.laws.law_parallel import find_shares
 from hybond.engine.laws.law_records import Laws
 from hybond.engine.laws.response import respond
 from hybond.engine.laws.strike import close_gaps
-from hybond.engine.methods.one_instant import room_of_instant
-from hybond.engine.mode.tableau import COMMON, NET
+from hybond.engine.methods.explicit.one_instant import room_of_instant
+from hybond.engine.mode.rows.tableau import COMMON, NET
 from hybond.engine.model import Model
 from hybond.engine.reasons.facts import tell_ports
 from hybond.engine.words import Floats

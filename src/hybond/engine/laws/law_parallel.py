@@ -28,8 +28,8 @@ from hybond.engine.complementarity.least_shares import least_shares
 from hybond.engine.engine import Engine, svd_room
 from hybond.engine.laws.law_records import BY_OTHERS, BY_STORAGE, NOT_ASKED, Laws
 from hybond.engine.laws.law_shares import is_at_rest
-from hybond.engine.mode.freedom import directions_left
-from hybond.engine.mode.tableau import COMMON
+from hybond.engine.mode.nonlinear.freedom import directions_left
+from hybond.engine.mode.rows.tableau import COMMON
 from hybond.engine.model import Model
 from hybond.engine.words import Floats
 

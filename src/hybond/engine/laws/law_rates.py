@@ -26,11 +26,11 @@ from hybond.engine.laws.law_instant import LAW_ZERO
 from hybond.engine.laws.law_records import Laws
 from hybond.engine.laws.ports import open_mode, rates_of_stored, solve_with, times_partner
 from hybond.engine.laws.response import SHORT_WHILE, rates_of_linear
-from hybond.engine.mode.agreement import AGREE
-from hybond.engine.mode.guess import give_back_guess, hold_guess
+from hybond.engine.mode.digits.sizes import size_of
 from hybond.engine.mode.mode_records import Mode
-from hybond.engine.mode.newton import source_of
-from hybond.engine.mode.sizes import size_of
+from hybond.engine.mode.nonlinear.agreement import AGREE
+from hybond.engine.mode.nonlinear.guess import give_back_guess, hold_guess
+from hybond.engine.mode.nonlinear.newton import source_of
 from hybond.engine.surfaces.averages import solve_here
 from hybond.engine.surfaces.values import set_values
 from hybond.engine.words import Floats

@@ -23,9 +23,9 @@ from hybond.engine.jumps.jump import enter_mode
 from hybond.engine.jumps.trial import begin_trial, finish_trial
 from hybond.engine.laws.law_instant import NO_LAW_VALUE, is_on
 from hybond.engine.laws.ports import open_mode, ports_of
+from hybond.engine.mode.digits.part_energies import find_energies, reach_of_bond
+from hybond.engine.mode.digits.sizes import size_of
 from hybond.engine.mode.mode_records import is_constrained
-from hybond.engine.mode.part_energies import find_energies, reach_of_bond
-from hybond.engine.mode.sizes import size_of
 from hybond.engine.model import Model
 from hybond.engine.words import Floats, Ints
 

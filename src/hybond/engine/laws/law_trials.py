@@ -14,7 +14,7 @@ from hybond.engine.laws.law_candidates import STANDS, STOPS, try_candidate
 from hybond.engine.laws.law_instant import find_able, is_on, make_consistent
 from hybond.engine.laws.law_records import AGAIN, Laws
 from hybond.engine.laws.ports import open_mode
-from hybond.engine.mode.newton import no_values
+from hybond.engine.mode.nonlinear.newton import no_values
 from hybond.engine.model import Model
 from hybond.engine.words import Floats
 

@@ -31,8 +31,8 @@ from hybond.engine.laws.law_jumping import find_breaking, find_jumping, sweep_du
 from hybond.engine.laws.law_records import Laws
 from hybond.engine.laws.law_trials import by_trial
 from hybond.engine.laws.strike import NOTHING_STRIKES, REFUSES, strike_at_once
-from hybond.engine.mode.fading import remember
-from hybond.engine.mode.part_energies import see_energy, see_linear_energy
+from hybond.engine.mode.digits.fading import remember
+from hybond.engine.mode.digits.part_energies import see_energy, see_linear_energy
 from hybond.engine.model import Model
 from hybond.engine.reasons.facts import add_fact, tell_ports
 from hybond.engine.surfaces.values import evaluate

@@ -28,9 +28,9 @@ from hybond.engine.method_numbers import MOREAU
 from hybond.engine.mode.equations import check_depth, make_equations
 from hybond.engine.mode.kept_modes import is_same
 from hybond.engine.mode.mode_records import Mode, make_mode
+from hybond.engine.mode.rows.storage_bonds import rate_bond
+from hybond.engine.mode.rows.tableau import COMMON, NET, NOT_OPEN
 from hybond.engine.mode.solving import solve
-from hybond.engine.mode.storage_bonds import rate_bond
-from hybond.engine.mode.tableau import COMMON, NET, NOT_OPEN
 from hybond.engine.model import Model
 from hybond.engine.words import Floats, Ints, some
 

@@ -27,13 +27,13 @@ from hybond.engine.laws.ports import (
     solve_with,
     times_partner,
 )
-from hybond.engine.mode.guess import give_back_guess, hold_guess
+from hybond.engine.mode.digits.reach import reach_of
+from hybond.engine.mode.digits.sizes import size_of
 from hybond.engine.mode.mode_records import Mode
-from hybond.engine.mode.reach import reach_of
-from hybond.engine.mode.sizes import size_of
-from hybond.engine.mode.sources_of_time import rate_of_source
-from hybond.engine.mode.storage_bonds import rate_bond
-from hybond.engine.mode.tableau import NET
+from hybond.engine.mode.nonlinear.guess import give_back_guess, hold_guess
+from hybond.engine.mode.rows.sources_of_time import rate_of_source
+from hybond.engine.mode.rows.storage_bonds import rate_bond
+from hybond.engine.mode.rows.tableau import NET
 from hybond.engine.model import Model
 from hybond.engine.surfaces.values import set_values
 from hybond.engine.words import Floats

@@ -13,7 +13,7 @@ from hybond.engine.engine import Engine
 from hybond.engine.inputs.interval import set_time
 from hybond.engine.mode.mode_records import Mode, Reads, make_reads
 from hybond.engine.mode.reading import read_bond, read_nothing
-from hybond.engine.mode.storage import co_energy_of
+from hybond.engine.mode.rows.storage import co_energy_of
 from hybond.engine.model import Model
 from hybond.engine.words import Floats, Ints, ints, record
 

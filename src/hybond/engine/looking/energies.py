@@ -12,7 +12,7 @@ from typing import Final
 from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.looking.asked import prepare
 from hybond.engine.looking.look import Look, take_point
-from hybond.engine.mode.storage import GAUSS, KRONROD, NODE, energy_of
+from hybond.engine.mode.rows.storage import GAUSS, KRONROD, NODE, energy_of
 from hybond.engine.surfaces.blend import ROUNDING
 from hybond.engine.words import Floats, floats, record
 

@@ -10,8 +10,8 @@ from typing import Final
 
 from hybond.engine.engine import OK, Engine
 from hybond.engine.looking.look import Look
-from hybond.engine.mode.closely import closely
-from hybond.engine.mode.storage import energy_of
+from hybond.engine.mode.digits.closely import closely
+from hybond.engine.mode.rows.storage import energy_of
 from hybond.engine.words import Floats, Ints
 
 NOT_LINEAR: Final = -1

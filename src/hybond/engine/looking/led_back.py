@@ -12,8 +12,8 @@ import math
 from typing import Final
 
 from hybond.engine.engine import Engine
-from hybond.engine.methods.scale import NEGLIGIBLE
-from hybond.engine.mode.storage import own_stiffness, with_stored
+from hybond.engine.methods.tolerances.scale import NEGLIGIBLE
+from hybond.engine.mode.rows.storage import own_stiffness, with_stored
 from hybond.engine.words import Floats
 
 FEW: Final = 64

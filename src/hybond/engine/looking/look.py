@@ -18,10 +18,10 @@ from hybond.engine.jumps.jump import on_constraints
 from hybond.engine.looking.asked import Ask, ask_for_powers, make_ask, prepare, solve_asked
 from hybond.engine.looking.led_back import lead_back, ways_back
 from hybond.engine.method_numbers import MOREAU
-from hybond.engine.mode.agreement import check_agreement
 from hybond.engine.mode.equations import mode_of
 from hybond.engine.mode.limits import put_limits
 from hybond.engine.mode.mode_records import Mode, is_constrained
+from hybond.engine.mode.nonlinear.agreement import check_agreement
 from hybond.engine.model import Model
 from hybond.engine.surfaces.averages import solve_here
 from hybond.engine.surfaces.branch_table import add_branches

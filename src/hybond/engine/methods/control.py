@@ -11,7 +11,7 @@ from typing import Final
 from hybond.engine.algebra.products import all_finite, copy_floats
 from hybond.engine.engine import NOT_FINITE, OK, Engine, say_fault
 from hybond.engine.method_numbers import AUTO, EXACT
-from hybond.engine.methods.dopri import (
+from hybond.engine.methods.explicit.dopri import (
     SMALLEST_ERROR,
     begin_step,
     dopri_accept,
@@ -21,30 +21,35 @@ from hybond.engine.methods.dopri import (
     not_finite,
     spacing,
 )
-from hybond.engine.methods.exact import (
+from hybond.engine.methods.explicit.failed_steps import (
+    no_rate,
+    note_settling,
+    step_too_small,
+    worst_of,
+)
+from hybond.engine.methods.explicit.one_instant import is_one_kink
+from hybond.engine.methods.implicit.hidden_peaks import hidden_at_end
+from hybond.engine.methods.implicit.stiffness import watch_explicit
+from hybond.engine.methods.linear.exact import (
     begin_exact,
     exact_accept,
     exact_attempt,
     first_exact,
 )
-from hybond.engine.methods.failed_steps import no_rate, note_settling, step_too_small, worst_of
-from hybond.engine.methods.flow import take_flow
-from hybond.engine.methods.flow_records import LARGE
-from hybond.engine.methods.graded import exchanges_fast
-from hybond.engine.methods.hidden_peaks import hidden_at_end
-from hybond.engine.methods.one_instant import is_one_kink
-from hybond.engine.methods.onset import foresee_onset
-from hybond.engine.methods.propagate import even_length
-from hybond.engine.methods.scale import (
+from hybond.engine.methods.linear.flow import take_flow
+from hybond.engine.methods.linear.flow_records import LARGE
+from hybond.engine.methods.linear.graded import exchanges_fast
+from hybond.engine.methods.linear.propagate import even_length
+from hybond.engine.methods.tolerances.onset import foresee_onset
+from hybond.engine.methods.tolerances.scale import (
     CREEPS,
     controlled,
     measure_again,
     sum_closely_on,
     tolerance,
 )
-from hybond.engine.methods.signal_sizes import ask_rates
-from hybond.engine.methods.stiffness import watch_explicit
-from hybond.engine.methods.strayed import strayed
+from hybond.engine.methods.tolerances.signal_sizes import ask_rates
+from hybond.engine.methods.tolerances.strayed import strayed
 from hybond.engine.surfaces.values import field
 from hybond.engine.words import Floats
 

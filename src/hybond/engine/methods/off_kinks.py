@@ -17,9 +17,9 @@ from hybond.engine.engine import OK, Engine
 from hybond.engine.expressions.pairs import ROUNDING
 from hybond.engine.method_numbers import QSS1
 from hybond.engine.methods.control import is_propagated
-from hybond.engine.methods.one_instant import room_of_instant, show_motion
+from hybond.engine.methods.explicit.one_instant import room_of_instant, show_motion
 from hybond.engine.methods.stepping import by_radau
-from hybond.engine.mode.guess import give_back_guess, hold_guess
+from hybond.engine.mode.nonlinear.guess import give_back_guess, hold_guess
 from hybond.engine.surfaces.values import field
 
 SOONEST: Final = 1.0 / 1024.0

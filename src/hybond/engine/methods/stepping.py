@@ -13,21 +13,21 @@ from hybond.engine.methods.control import (
     controlled_step,
     is_propagated,
 )
-from hybond.engine.methods.failed_steps import step_too_small, worst_of
-from hybond.engine.methods.fixed import fixed_retry, fixed_start, fixed_step
-from hybond.engine.methods.from_edges import EXPLICIT, leaves_edge, may_turn, see_edges
-from hybond.engine.methods.lately import follow_sizes
-from hybond.engine.methods.qss import qss_retry, qss_step
-from hybond.engine.methods.qss_start import qss_start
-from hybond.engine.methods.radau import begin_radau, radau_between
-from hybond.engine.methods.radau_method import (
+from hybond.engine.methods.explicit.failed_steps import step_too_small, worst_of
+from hybond.engine.methods.explicit.fixed import fixed_retry, fixed_start, fixed_step
+from hybond.engine.methods.implicit.from_edges import EXPLICIT, leaves_edge, may_turn, see_edges
+from hybond.engine.methods.implicit.radau import begin_radau, radau_between
+from hybond.engine.methods.implicit.radau_method import (
     radau_retry,
     radau_start,
     radau_step,
     radau_too_small,
 )
-from hybond.engine.methods.signal_sizes import follow_rates
-from hybond.engine.methods.stiffness import turn
+from hybond.engine.methods.implicit.stiffness import turn
+from hybond.engine.methods.quantised.qss import qss_retry, qss_step
+from hybond.engine.methods.quantised.qss_start import qss_start
+from hybond.engine.methods.tolerances.lately import follow_sizes
+from hybond.engine.methods.tolerances.signal_sizes import follow_rates
 from hybond.engine.words import Floats
 
 FARTHER: Final = 2.0

@@ -8,18 +8,18 @@ from typing import Final
 from hybond.engine.algebra.blocks import fit, fit_rows
 from hybond.engine.engine import NO_MODE, OK, Engine, say_fault
 from hybond.engine.inputs.interval import configuration
-from hybond.engine.mode.apart import find_groups
-from hybond.engine.mode.elimination import CLEAR
+from hybond.engine.mode.digits.lesser_sizes import keep_sizes, take_lesser
 from hybond.engine.mode.kept_modes import find_kept, keep_mode
-from hybond.engine.mode.leakage import fold, least_leakage
-from hybond.engine.mode.lesser_sizes import keep_sizes, take_lesser
+from hybond.engine.mode.left_free.leakage import fold, least_leakage
 from hybond.engine.mode.mode_records import NOT_KNOWN, Mode
-from hybond.engine.mode.newton import by_knowns
-from hybond.engine.mode.newton_system import take_rank
+from hybond.engine.mode.nonlinear.apart import find_groups
+from hybond.engine.mode.nonlinear.newton import by_knowns
+from hybond.engine.mode.nonlinear.newton_system import take_rank
 from hybond.engine.mode.reading import read_rates
-from hybond.engine.mode.storage import is_alone
-from hybond.engine.mode.tableau import build, part_of, switch_on
-from hybond.engine.mode.taken_rows import (
+from hybond.engine.mode.rows.elimination import CLEAR
+from hybond.engine.mode.rows.storage import is_alone
+from hybond.engine.mode.rows.tableau import build, part_of, switch_on
+from hybond.engine.mode.rows.taken_rows import (
     free_columns,
     list_shares,
     share_rows,

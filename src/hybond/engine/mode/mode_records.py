@@ -13,9 +13,9 @@ from hybond.engine.algebra.blocks import (
     make_rows,
 )
 from hybond.engine.algebra.sparse_lu import SparseLu, make_sparse_lu
-from hybond.engine.mode.apart_records import Apart, make_apart
-from hybond.engine.mode.standing_records import Stood, make_stood
-from hybond.engine.mode.sum_records import Sums, make_sums
+from hybond.engine.mode.comparisons.standing_records import Stood, make_stood
+from hybond.engine.mode.comparisons.sum_records import Sums, make_sums
+from hybond.engine.mode.nonlinear.apart_records import Apart, make_apart
 from hybond.engine.model import Model
 from hybond.engine.words import Floats, Ints, floats, ints, record
 
@@ -233,13 +233,13 @@ class Mode:
     """... what `seen` is a factor of."""
     settles_with: Ints
     """Of each storage that settles within a moment, the first one of those it settles with, else
-    -1; see `mode/clusters`."""
+    -1; see `mode/digits/clusters`."""
     any_settles: bool
     never_settles: bool
     """Whether it is known that none does, whatever is stored: as storages are linear."""
     fading_known: bool
     fades_by: Floats
-    """How fast what each storage holds is brought back, 1/s, or -1; see `mode/fading`; ..."""
+    """How fast what each storage holds is brought back, 1/s, or -1; see `digits/fading`; ..."""
     fades_with: Ints
     """... the first of those it hangs together with, ..."""
     fades_to: Floats

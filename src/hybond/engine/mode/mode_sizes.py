@@ -6,8 +6,8 @@ from typing import Final
 
 from hybond.engine.algebra.blocks import Rows
 from hybond.engine.algebra.sparse_lu import SparseLu
+from hybond.engine.mode.comparisons.sum_records import Sums
 from hybond.engine.mode.mode_records import Mode
-from hybond.engine.mode.sum_records import Sums
 from hybond.engine.model import Model
 
 PER_BOND: Final = 18

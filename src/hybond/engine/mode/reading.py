@@ -8,11 +8,11 @@ from __future__ import annotations
 
 from hybond.engine.algebra.blocks import Rows, row_times
 from hybond.engine.engine import Engine
-from hybond.engine.mode.closely import rate_by_row, row_twofold
+from hybond.engine.mode.digits.closely import rate_by_row, row_twofold
 from hybond.engine.mode.mode_records import Mode, Reads
-from hybond.engine.mode.sources_of_time import rate_of_source, value_of_source
-from hybond.engine.mode.storage import co_energy_of, law_at
-from hybond.engine.mode.storage_bonds import rate_bond
+from hybond.engine.mode.rows.sources_of_time import rate_of_source, value_of_source
+from hybond.engine.mode.rows.storage import co_energy_of, law_at
+from hybond.engine.mode.rows.storage_bonds import rate_bond
 from hybond.engine.model import Model
 from hybond.engine.words import Floats
 

@@ -12,15 +12,15 @@ import math
 from typing import Final
 
 from hybond.engine.engine import NOT_FINITE, OK, Engine, count_work
-from hybond.engine.mode.closely import closely, sum_closely
+from hybond.engine.mode.digits.closely import closely, sum_closely
 from hybond.engine.mode.equations import eliminate_by, level_of
+from hybond.engine.mode.left_free.undetermined import least_of_free
 from hybond.engine.mode.mode_records import Mode, Reads
-from hybond.engine.mode.newton import by_knowns, keep_guess, knowns_of, newton
-from hybond.engine.mode.newton_system import measure_terms, write_bonds
-from hybond.engine.mode.put_back import HIDDEN, UNIT, is_known
+from hybond.engine.mode.nonlinear.newton import by_knowns, keep_guess, knowns_of, newton
+from hybond.engine.mode.nonlinear.newton_system import measure_terms, write_bonds
+from hybond.engine.mode.nonlinear.put_back import HIDDEN, UNIT, is_known
 from hybond.engine.mode.reading import put_knowns, show_read
-from hybond.engine.mode.tableau import NOT_OPEN, part_of
-from hybond.engine.mode.undetermined import least_of_free
+from hybond.engine.mode.rows.tableau import NOT_OPEN, part_of
 from hybond.engine.words import Floats
 
 ROUNDS: Final = 4

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from hybond.engine.compiled.refusal import Refusal
 from hybond.engine.method_numbers import AUTO, MOREAU, RADAU
-from hybond.engine.methods.flow_records import LARGE
+from hybond.engine.methods.linear.flow_records import LARGE
 from hybond.engine.outcome.explain import Explaining
 from hybond.engine.outcome.records import Instants
 from hybond.engine.outcome.refusals import Said, said_of

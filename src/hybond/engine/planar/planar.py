@@ -20,7 +20,7 @@ from hybond.engine.complementarity.law_problem import solve_laws
 from hybond.engine.complementarity.law_roles import FORWARD, SHUT, LawProblem
 from hybond.engine.engine import OK, Engine, say_fault
 from hybond.engine.laws.law_records import Laws
-from hybond.engine.mode.tableau import NET
+from hybond.engine.mode.rows.tableau import NET
 from hybond.engine.model import Model
 from hybond.engine.planar.planar_records import Planar
 from hybond.engine.words import Floats, Ints

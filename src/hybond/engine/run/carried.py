@@ -27,9 +27,9 @@ from hybond.engine.instant.instant import CHANGE, SAMPLE, START, TIME
 from hybond.engine.jumps.trial import a_priori
 from hybond.engine.laws.branches import choose_anew
 from hybond.engine.method_numbers import MOREAU
-from hybond.engine.methods.from_edges import may_turn
+from hybond.engine.methods.implicit.from_edges import may_turn
+from hybond.engine.methods.implicit.stiffness import turn
 from hybond.engine.methods.stepping import by_radau
-from hybond.engine.methods.stiffness import turn
 from hybond.engine.mode.mode_records import PACES
 from hybond.engine.run.courses_kept import give_back_courses
 from hybond.engine.run.run_records import FRESH, GIVEN, GOES_ON, Run

@@ -12,10 +12,10 @@ import math
 from hybond.engine.engine import OK, Engine
 from hybond.engine.guards.together import LAST_PLACES, before_kink, is_kink_alone
 from hybond.engine.instant.instant import LAW
-from hybond.engine.methods.dopri import spacing
-from hybond.engine.methods.one_instant import room_of_instant
+from hybond.engine.methods.explicit.dopri import spacing
+from hybond.engine.methods.explicit.one_instant import room_of_instant
 from hybond.engine.methods.stepping import between, retry, start
-from hybond.engine.mode.agreement import check_agreement
+from hybond.engine.mode.nonlinear.agreement import check_agreement
 from hybond.engine.run.edges import step_straight
 from hybond.engine.run.ends_at_kink import ANEW
 from hybond.engine.run.log import report_step

@@ -17,8 +17,8 @@ from hybond.engine.engine import Engine
 from hybond.engine.expressions.course_parts import OTHER, SINES, find_kinds, range_parts
 from hybond.engine.expressions.course_ranges import farthest
 from hybond.engine.method_numbers import EULER, MOREAU, RK4
-from hybond.engine.methods.one_instant import room_of_instant
-from hybond.engine.methods.scale import FAINT, measure_ahead
+from hybond.engine.methods.explicit.one_instant import room_of_instant
+from hybond.engine.methods.tolerances.scale import FAINT, measure_ahead
 from hybond.engine.mode.mode_records import Mode, Reads
 from hybond.engine.reasons.warned import COURSE_UNSEEN, add_about, begin_warning
 from hybond.engine.run.courses_kept import keep_courses

@@ -12,8 +12,8 @@ from typing import Final
 from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.answers import value
 from hybond.engine.engine import OK, Engine
-from hybond.engine.methods.one_instant import room_of_instant
-from hybond.engine.mode.sizes import sizes_of
+from hybond.engine.methods.explicit.one_instant import room_of_instant
+from hybond.engine.mode.digits.sizes import sizes_of
 from hybond.engine.run.run_records import Run
 from hybond.engine.surfaces.values import evaluate, field
 from hybond.engine.words import Floats

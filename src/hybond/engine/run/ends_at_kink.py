@@ -14,9 +14,9 @@ from hybond.engine.laws.gaps_left import (
     some_closed_move,
     some_is_left,
 )
-from hybond.engine.methods.dopri import spacing
-from hybond.engine.methods.scale import is_unmoved, start_scale
+from hybond.engine.methods.explicit.dopri import spacing
 from hybond.engine.methods.stepping import between, start
+from hybond.engine.methods.tolerances.scale import is_unmoved, start_scale
 from hybond.engine.run.guard_at_kink import (
     end_short_of_kink,
     last_before_kink,

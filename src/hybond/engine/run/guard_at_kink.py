@@ -16,8 +16,8 @@ from hybond.engine.expressions.pairs import ROUNDING
 from hybond.engine.guards.guard_values import atom_at, holds_at, terms_here
 from hybond.engine.guards.locator import NO_KINK, Locator
 from hybond.engine.guards.together import LAST_PLACES
-from hybond.engine.methods.dopri import spacing
-from hybond.engine.methods.one_instant import is_root, room_of_instant
+from hybond.engine.methods.explicit.dopri import spacing
+from hybond.engine.methods.explicit.one_instant import is_root, room_of_instant
 from hybond.engine.methods.stepping import between, by_radau, reach, retry
 from hybond.engine.run.kinks_passed import out_of_sight
 from hybond.engine.run.run_records import Run

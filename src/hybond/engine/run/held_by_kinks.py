@@ -13,8 +13,8 @@ from hybond.engine.answers import value
 from hybond.engine.engine import OK, Engine
 from hybond.engine.guards.guard_values import show
 from hybond.engine.guards.locator import ALL_PARTS, NO_KINK, Locator
-from hybond.engine.methods.one_instant import room_of_instant
-from hybond.engine.methods.scale import tolerance
+from hybond.engine.methods.explicit.one_instant import room_of_instant
+from hybond.engine.methods.tolerances.scale import tolerance
 from hybond.engine.run.run_records import Run
 from hybond.engine.surfaces.averages import solve_read_here
 from hybond.engine.surfaces.values import field, set_motion

@@ -14,8 +14,8 @@ from hybond.engine.guards.guard_values import has_crossed, holds_at, show
 from hybond.engine.guards.locator import ALL_PARTS, NO_KINK, Locator
 from hybond.engine.guards.naps import LONGEST_NAP, pass_step
 from hybond.engine.guards.together import LAST_PLACES, before_kink, kink_there
-from hybond.engine.methods.dopri import spacing
-from hybond.engine.methods.one_instant import room_of_instant
+from hybond.engine.methods.explicit.dopri import spacing
+from hybond.engine.methods.explicit.one_instant import room_of_instant
 from hybond.engine.methods.stepping import between, reach, retry
 from hybond.engine.reasons.facts import add_fact
 from hybond.engine.run.held_by_kinks import JUMPS, SEEN, compared, dust_of_rate, is_held

@@ -22,7 +22,7 @@ from hybond.engine.engine import Engine
 from hybond.engine.instant.instant import MYTHICAL, START, Instant, note_step
 from hybond.engine.method_numbers import MOREAU
 from hybond.engine.methods.control import is_propagated
-from hybond.engine.methods.from_edges import may_turn
+from hybond.engine.methods.implicit.from_edges import may_turn
 from hybond.engine.methods.stepping import by_radau
 from hybond.engine.reasons.warned import Warned, forget_warned, make_warned
 from hybond.engine.surfaces.surface import part_mode

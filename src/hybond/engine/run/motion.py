@@ -39,15 +39,15 @@ from hybond.engine.laws.gaps_left import forget_gaps, keep_gaps, take_up_gaps
 from hybond.engine.laws.laws import limits_vary, look_at_limits
 from hybond.engine.method_numbers import MOREAU
 from hybond.engine.methods.control import end_pace
+from hybond.engine.methods.explicit.one_instant import room_of_instant
 from hybond.engine.methods.off_kinks import lead_off_kinks
-from hybond.engine.methods.one_instant import room_of_instant
-from hybond.engine.methods.scale import start_scale
 from hybond.engine.methods.stepping import retry, start, step
+from hybond.engine.methods.tolerances.scale import start_scale
+from hybond.engine.mode.comparisons.standing import any_stands, find_standing
+from hybond.engine.mode.comparisons.straight_rates import take_rates
+from hybond.engine.mode.digits.part_energies import join_parts
 from hybond.engine.mode.equations import mode_of
-from hybond.engine.mode.guess import give_back_guess, hold_guess
-from hybond.engine.mode.part_energies import join_parts
-from hybond.engine.mode.standing import any_stands, find_standing
-from hybond.engine.mode.straight_rates import take_rates
+from hybond.engine.mode.nonlinear.guess import give_back_guess, hold_guess
 from hybond.engine.planar.stops import begin_slips
 from hybond.engine.run.carried import begin_again, cause_of_beginning, take_up, warm_up
 from hybond.engine.run.contradictions import contradict_behind, meet_contradiction

@@ -13,7 +13,7 @@ from typing import Final
 from hybond.engine.answers import value
 from hybond.engine.engine import OK, Engine
 from hybond.engine.inputs.interval import set_time
-from hybond.engine.mode.guess import give_back_guess, hold_guess
+from hybond.engine.mode.nonlinear.guess import give_back_guess, hold_guess
 from hybond.engine.surfaces.values import evaluate, field, set_motion
 
 AHEAD: Final = 1e-8

@@ -13,9 +13,9 @@ from typing import Final
 
 from hybond.engine.engine import OK, Engine
 from hybond.engine.guards.locator import NO_KINK
-from hybond.engine.methods.scale import widest_tolerance
 from hybond.engine.methods.stepping import by_radau
-from hybond.engine.mode.guess import give_back_guess, hold_guess
+from hybond.engine.methods.tolerances.scale import widest_tolerance
+from hybond.engine.mode.nonlinear.guess import give_back_guess, hold_guess
 from hybond.engine.run.held_by_kinks import compared
 from hybond.engine.run.run_records import Run
 from hybond.engine.surfaces.values import field

@@ -21,8 +21,8 @@ from hybond.engine.inputs.interval import moment
 from hybond.engine.jumps.jump import on_constraints
 from hybond.engine.jumps.tied import put_tied
 from hybond.engine.methods.stepping import between, step
+from hybond.engine.mode.digits.reach import reach_of
 from hybond.engine.mode.mode_records import is_constrained
-from hybond.engine.mode.reach import reach_of
 from hybond.engine.run.run_records import Run
 from hybond.engine.surfaces.values import evaluate, field
 

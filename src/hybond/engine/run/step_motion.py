@@ -39,7 +39,7 @@ from hybond.engine.instant.told import STEP_ENDS, say_why
 from hybond.engine.jumps.jump import on_constraints
 from hybond.engine.laws.gaps_held import hold_gaps
 from hybond.engine.laws.laws import check_limits, limits_vary
-from hybond.engine.methods.fixed import SLACK
+from hybond.engine.methods.explicit.fixed import SLACK
 from hybond.engine.mode.equations import mode_of
 from hybond.engine.mode.mode_records import is_constrained
 from hybond.engine.reasons.warned import (

@@ -17,7 +17,7 @@ from hybond.engine.inputs.interval import interval_after
 from hybond.engine.instant.instant import GUARD, INPUT, START
 from hybond.engine.method_numbers import MOREAU
 from hybond.engine.mode.equations import mode_of
-from hybond.engine.mode.storage import own_stiffness, with_stored
+from hybond.engine.mode.rows.storage import own_stiffness, with_stored
 from hybond.engine.run.motion import flow, rest_now, settle_now
 from hybond.engine.run.run_records import STOPPED, Run, begin, timed_cause
 from hybond.engine.run.unit_gaps import is_at_jump, sees_left

@@ -9,7 +9,7 @@ from hybond.engine.engine import OK, Engine
 from hybond.engine.expressions.pairs import ROUNDING
 from hybond.engine.guards.together import LAST_PLACES
 from hybond.engine.laws.gaps_left import forget_gaps, note_gaps, some_closed_move, some_is_left
-from hybond.engine.methods.dopri import spacing
+from hybond.engine.methods.explicit.dopri import spacing
 from hybond.engine.mode.equations import mode_of
 from hybond.engine.run.run_records import Run
 from hybond.engine.surfaces.values import begin_field, evaluate, field

@@ -14,11 +14,11 @@ from typing import Final
 from hybond.engine.algebra.blocks import fit
 from hybond.engine.engine import OK, Engine
 from hybond.engine.jumps.jump import enter_mode
+from hybond.engine.mode.digits.reach import reach_of
 from hybond.engine.mode.equations import is_fieldless
 from hybond.engine.mode.mode_records import is_constrained
-from hybond.engine.mode.reach import reach_of
-from hybond.engine.mode.storage import energy_of
-from hybond.engine.mode.storage_bonds import rate_bond
+from hybond.engine.mode.rows.storage import energy_of
+from hybond.engine.mode.rows.storage_bonds import rate_bond
 from hybond.engine.reasons.warned import WITHOUT_END, add_about, begin_warning
 from hybond.engine.sliding.around import find_field, take_met
 from hybond.engine.surfaces.common_space import (

@@ -10,12 +10,12 @@ import math
 from hybond.engine.algebra.blocks import fit, grow_block
 from hybond.engine.engine import NOT_FINITE, OK, Engine
 from hybond.engine.inputs.interval import set_time
+from hybond.engine.mode.digits.part_energies import find_energies, reach_of_bond
+from hybond.engine.mode.digits.sizes import seen_of, sizes_of
+from hybond.engine.mode.left_free.undetermined import freedom_at
 from hybond.engine.mode.mode_records import Mode, Reads
-from hybond.engine.mode.newton_system import write_bonds
-from hybond.engine.mode.part_energies import find_energies, reach_of_bond
-from hybond.engine.mode.sizes import seen_of, sizes_of
+from hybond.engine.mode.nonlinear.newton_system import write_bonds
 from hybond.engine.mode.solving import solve, solve_read
-from hybond.engine.mode.undetermined import freedom_at
 from hybond.engine.surfaces.blend import blend
 from hybond.engine.surfaces.outputs import solve_plain
 from hybond.engine.surfaces.surface import part_mode

@@ -14,9 +14,9 @@ from typing import Final
 from hybond.engine.algebra.lu import SINGULAR, lu_factor, lu_solve
 from hybond.engine.answers import value
 from hybond.engine.engine import NOT_FINITE, OK, Engine, say_fault
-from hybond.engine.mode.newton_system import write_bonds
+from hybond.engine.mode.nonlinear.newton_system import write_bonds
+from hybond.engine.mode.rows.storage_bonds import rate_bond
 from hybond.engine.mode.solving import solve
-from hybond.engine.mode.storage_bonds import rate_bond
 from hybond.engine.reasons.facts import add_fact
 from hybond.engine.surfaces.common_space import keep_to_all
 from hybond.engine.surfaces.corners import put_coefficients, put_slopes, speed_at

@@ -16,9 +16,9 @@ from hybond.engine.answers import value
 from hybond.engine.constraints.impulse_ways import impulse_directions
 from hybond.engine.engine import Engine, svd_room
 from hybond.engine.mode.mode_records import Mode
-from hybond.engine.mode.newton import knowns_of
-from hybond.engine.mode.storage import stiff
-from hybond.engine.mode.storage_bonds import rate_bond
+from hybond.engine.mode.nonlinear.newton import knowns_of
+from hybond.engine.mode.rows.storage import stiff
+from hybond.engine.mode.rows.storage_bonds import rate_bond
 from hybond.engine.surfaces.surface import part_mode
 from hybond.engine.words import Floats, some
 

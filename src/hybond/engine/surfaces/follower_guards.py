@@ -12,10 +12,10 @@ from typing import Final
 from hybond.engine.answers import value
 from hybond.engine.engine import OK, Engine
 from hybond.engine.expressions.paired import holds
+from hybond.engine.mode.digits.part_energies import find_energies, reach_of_bond
+from hybond.engine.mode.digits.sizes import size_of
 from hybond.engine.mode.equations import mode_of
 from hybond.engine.mode.limits import put_limits
-from hybond.engine.mode.part_energies import find_energies, reach_of_bond
-from hybond.engine.mode.sizes import size_of
 from hybond.engine.mode.solving import solve
 from hybond.engine.model import Model
 from hybond.engine.surfaces.branch_table import UNKNOWN, find_branches, take_branches

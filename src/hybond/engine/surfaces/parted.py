@@ -14,7 +14,7 @@ from typing import Final
 from hybond.engine.algebra.lu import SINGULAR, lu_factor, lu_solve
 from hybond.engine.engine import OK, Engine
 from hybond.engine.method_numbers import EULER, RK4
-from hybond.engine.mode.reach import reach_of
+from hybond.engine.mode.digits.reach import reach_of
 from hybond.engine.model import Model
 from hybond.engine.surfaces.blend import blend
 from hybond.engine.surfaces.corners import put_slopes

@@ -11,7 +11,7 @@ from typing import Final
 from hybond.engine.answers import value
 from hybond.engine.engine import Engine
 from hybond.engine.mode.mode_records import Mode
-from hybond.engine.mode.storage import co_energy, stiff
+from hybond.engine.mode.rows.storage import co_energy, stiff
 from hybond.engine.model import Model
 from hybond.engine.surfaces.reads import (
     READS_BOND,

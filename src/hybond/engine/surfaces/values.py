@@ -6,15 +6,15 @@ from hybond.engine.algebra.products import copy_part
 from hybond.engine.answers import value
 from hybond.engine.engine import NOT_FINITE, OK, Engine
 from hybond.engine.inputs.interval import set_time
-from hybond.engine.mode.agreement import check_agreement
-from hybond.engine.mode.closely import rate_closely, rate_twofold
+from hybond.engine.mode.comparisons.standing import hold_standing
+from hybond.engine.mode.comparisons.straight_rates import put_rates
+from hybond.engine.mode.digits.closely import rate_closely, rate_twofold
 from hybond.engine.mode.limits import put_limits
 from hybond.engine.mode.mode_records import Mode
+from hybond.engine.mode.nonlinear.agreement import check_agreement
 from hybond.engine.mode.reading import rates_by_knowns
+from hybond.engine.mode.rows.storage_bonds import rate_bond
 from hybond.engine.mode.solving import solve_in_step
-from hybond.engine.mode.standing import hold_standing
-from hybond.engine.mode.storage_bonds import rate_bond
-from hybond.engine.mode.straight_rates import put_rates
 from hybond.engine.surfaces.averages import blended_field, solve_here
 from hybond.engine.words import Floats
 

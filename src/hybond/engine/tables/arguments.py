@@ -1,8 +1,8 @@
 """Tables of arguments: what functions that turn in next to no time read in laws and sources.
 
 Such a function does something where its argument is largest or smallest and nothing elsewhere: a
-step looks there (`engine.methods.hidden_peaks`). Of a law those that are one effort or flow are not
-among them, as its slopes say that it reads it, and what time alone does is foreseen.
+step looks there (`engine.methods.implicit.hidden_peaks`). Of a law those that are one effort or
+flow are not among them, as its slopes say that it reads it, and what time alone does is foreseen.
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
 
 Nothing that one of them stores, and no rounding of it, is ever in another: what is small there is
 measured by what is there. What a mode joins lies between them and the parts that remain one with
-all controlled junctions OFF: `engine/mode/connected`.
+all controlled junctions OFF: `engine/mode/digits/connected`.
 """
 
 from __future__ import annotations

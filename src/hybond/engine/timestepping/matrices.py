@@ -30,7 +30,7 @@ from hybond.engine.laws.ports import (
 )
 from hybond.engine.laws.response import find_gains
 from hybond.engine.mode.mode_records import Mode
-from hybond.engine.mode.newton import by_knowns
+from hybond.engine.mode.nonlinear.newton import by_knowns
 from hybond.engine.model import Model
 from hybond.engine.timestepping.ringing import IDLE_PART, loses_laws, turns_back
 from hybond.engine.timestepping.step_records import (

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from hybond.engine.engine import Engine
-from hybond.engine.mode.storage import co_energy
+from hybond.engine.mode.rows.storage import co_energy
 from hybond.engine.model import Model
 from hybond.engine.timestepping.step_records import Stepping
 

@@ -18,8 +18,8 @@ from hybond.engine.instant.instant import (
 )
 from hybond.engine.instant.told import OVER_A_STEP, add_read, say_why
 from hybond.engine.laws.ports import times_partner
-from hybond.engine.mode.storage import energy_of
-from hybond.engine.mode.tableau import COMMON
+from hybond.engine.mode.rows.storage import energy_of
+from hybond.engine.mode.rows.tableau import COMMON
 from hybond.engine.timestepping.step_records import Stepping
 from hybond.engine.words import Ints
 

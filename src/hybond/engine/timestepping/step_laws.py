@@ -31,7 +31,7 @@ from hybond.engine.laws.law_instant import (
 from hybond.engine.laws.law_records import Ports
 from hybond.engine.laws.law_seconds import warn_of_several
 from hybond.engine.laws.ports import times_partner
-from hybond.engine.mode.tableau import COMMON
+from hybond.engine.mode.rows.tableau import COMMON
 from hybond.engine.reasons.facts import add_fact
 from hybond.engine.timestepping.guessed import answer_guessed
 from hybond.engine.timestepping.open_shares import find_still, share

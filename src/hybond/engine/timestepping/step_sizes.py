@@ -10,8 +10,8 @@ from hybond.engine.engine import OK, Engine
 from hybond.engine.laws.law_instant import NO_LAW_VALUE, quantity
 from hybond.engine.laws.law_records import Ports
 from hybond.engine.laws.ports import open_mode, partner_row
-from hybond.engine.mode.reach import reach_of
-from hybond.engine.mode.tableau import COMMON
+from hybond.engine.mode.digits.reach import reach_of
+from hybond.engine.mode.rows.tableau import COMMON
 from hybond.engine.model import Model
 from hybond.engine.timestepping.matrices import NEARBY, rates_at
 from hybond.engine.timestepping.step_records import Coupled, Stepping

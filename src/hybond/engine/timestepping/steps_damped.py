@@ -18,9 +18,9 @@ from typing import Final
 
 from hybond.engine.engine import Engine
 from hybond.engine.laws.ports import open_mode, times_partner
+from hybond.engine.mode.digits.part_energies import find_energies
 from hybond.engine.mode.mode_records import Mode
-from hybond.engine.mode.part_energies import find_energies
-from hybond.engine.mode.storage import co_energy
+from hybond.engine.mode.rows.storage import co_energy
 from hybond.engine.model import Model
 from hybond.engine.timestepping.step_records import Stepping
 

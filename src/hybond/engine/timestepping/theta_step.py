@@ -41,10 +41,10 @@ from hybond.engine.laws.law_instant import take_instant
 from hybond.engine.laws.law_records import Ports
 from hybond.engine.laws.ports import open_mode, ports_of, solve_with, times_partner
 from hybond.engine.laws.response import find_sizes
+from hybond.engine.mode.digits.part_energies import join_parts, see_energy
 from hybond.engine.mode.mode_records import is_constrained
-from hybond.engine.mode.part_energies import join_parts, see_energy
-from hybond.engine.mode.storage import energy_of
-from hybond.engine.mode.tableau import COMMON
+from hybond.engine.mode.rows.storage import energy_of
+from hybond.engine.mode.rows.tableau import COMMON
 from hybond.engine.model import Model
 from hybond.engine.timestepping.law_work import none_carries, work_of_laws
 from hybond.engine.timestepping.matrices import (

@@ -15,7 +15,7 @@ from hybond.engine.complementarity.law_roles import CUT
 from hybond.engine.engine import Engine
 from hybond.engine.laws.law_records import Ports
 from hybond.engine.laws.ports import times_partner
-from hybond.engine.mode.tableau import COMMON
+from hybond.engine.mode.rows.tableau import COMMON
 from hybond.engine.reasons.noting import IMPACT, note_in_state
 from hybond.engine.timestepping.step_laws import is_rounding
 from hybond.engine.timestepping.step_records import Stepping

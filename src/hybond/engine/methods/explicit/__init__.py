@@ -1,0 +1,1 @@
+"""Steps by rates alone: Dormand and Prince, Runge and Kutta, Euler."""

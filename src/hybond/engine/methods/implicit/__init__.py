@@ -1,0 +1,1 @@
+"""Implicit steps: Radau IIA, its slopes, and when it is taken."""

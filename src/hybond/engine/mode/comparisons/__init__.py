@@ -1,0 +1,1 @@
+"""Comparisons and rates that are sums of the state; what stands at an equilibrium."""

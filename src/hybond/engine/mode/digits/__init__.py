@@ -1,0 +1,1 @@
+"""What rounding is measured by, and sums with all their digits."""

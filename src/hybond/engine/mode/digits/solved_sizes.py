@@ -1,0 +1,146 @@
+"""What rounding of the unknowns that Newton finds is measured by: the terms they were solved from.
+
+A current that laws make zero is a difference of others: its own value is but their rounding. To
+first order an unknown moves by the inverse of the Jacobian times what rounding leaves in each
+residual, which is a part of the sizes of its terms.
+"""
+
+from __future__ import annotations
+
+import math
+
+from hybond.engine.algebra.blocks import fit, fit_places, row_size
+from hybond.engine.algebra.lu import SINGULAR, lu_factor, lu_solve
+from hybond.engine.algebra.products import all_finite
+from hybond.engine.algebra.rounding import EPSILON
+from hybond.engine.answers import value
+from hybond.engine.engine import Engine
+from hybond.engine.mode.mode_records import Mode
+from hybond.engine.mode.nonlinear.newton_step import CLEAR_PIVOT, least_pivot
+from hybond.engine.mode.nonlinear.newton_system import rows_of_system, write_bonds
+from hybond.engine.words import Floats
+
+
+def solved_sizes(e: Engine, mode: Mode, xi: Floats, v: Floats) -> None:
+    """Put the sizes of the free unknowns into `mode.free_size`, once for the same bond variables.
+
+    At least their own values: those alone where the slopes are singular.
+    """
+    if is_measured(e, mode, v):
+        return
+    frees = mode.finite_frees
+    fit(mode.free_size, frees)
+    first = e.model.bond_slot
+    for j in range(frees):
+        mode.free_size.at[j] = math.fabs(v[first + mode.free_column[j]])
+    if mode.dynamics > 0 and frees > 0:
+        by_residuals(e, mode, xi, v)
+
+
+def is_measured(e: Engine, mode: Mode, v: Floats) -> bool:
+    """Whether the sizes of a mode are known at these bond variables; they are kept as such."""
+    first = e.model.bond_slot
+    same = mode.sized
+    for b in range(2 * e.model.bonds):
+        same = same and mode.sized_at[b] == v[first + b]
+        mode.sized_at[b] = v[first + b]
+    mode.sized = True
+    return same
+
+
+def by_residuals(e: Engine, mode: Mode, xi: Floats, v: Floats) -> None:
+    """Let unknowns be as large as the terms of the residuals would make them."""
+    m = e.model
+    work = e.work
+    n = 2 * m.bonds
+    frees = mode.finite_frees
+    for k in range(n):
+        size = row_size(mode.finite, mode.same[k], xi)
+        for j in range(frees):
+            size += math.fabs(mode.finite_free.at[k * frees + j]) * mode.free_size.at[j]
+        work.w_size[k] = max(size, math.fabs(mode.sized_at[k]))
+        work.w_reach[k] = 0.0
+    rows = rows_of_system(e, mode, v, mode.sized_at)
+    if rows != frees or not all_finite(rows * frees, work.jacobian.at):
+        return
+    for i in range(rows):
+        d = mode.dynamic[i] if mode.rank == mode.structures else -1
+        if d >= 0:
+            inside = value(m, m.dynamic_rounding[d], v)
+            if inside > work.residual_size.at[i]:
+                work.residual_size.at[i] = inside
+    fit(work.row_size, rows)
+    for i in range(rows):
+        work.row_size.at[i] = work.residual_size.at[i]
+    if not invert(e, rows):
+        return
+    vague = False
+    for j in range(frees):
+        size = unknown_size(e, rows, j)
+        if math.isfinite(size):
+            own = mode.free_size.at[j]
+            mode.free_size.at[j] = max(own, size)
+            vague = vague or EPSILON * size > own
+    if vague:
+        where_it_bends(e, mode, v)
+
+
+def invert(e: Engine, rows: int) -> bool:
+    """Invert the Jacobian of as many unknowns; False if it is singular."""
+    work = e.work
+    fit(work.jacobian2, rows * rows)
+    fit(work.inverse, rows * rows)
+    fit_places(work.pivots, rows)
+    for i in range(rows * rows):
+        work.jacobian2.at[i] = work.jacobian.at[i]
+        work.inverse.at[i] = 0.0
+    if lu_factor(rows, work.jacobian2.at, work.pivots.at) == SINGULAR:
+        return False
+    if not least_pivot(rows, work.jacobian.at, work.jacobian2.at) >= CLEAR_PIVOT:
+        return False
+    for i in range(rows):
+        work.inverse.at[i * rows + i] = 1.0
+    lu_solve(rows, work.jacobian2.at, work.pivots.at, rows, work.inverse.at)
+    return True
+
+
+def unknown_size(e: Engine, rows: int, j: int) -> float:
+    """Return the size that the terms of all residuals give to unknown j, to first order."""
+    size = 0.0
+    for i in range(rows):
+        size += math.fabs(e.work.inverse.at[j * rows + i]) * e.work.row_size.at[i]
+    return size
+
+
+def where_it_bends(e: Engine, mode: Mode, v: Floats) -> None:
+    """Lessen the sizes of unknowns that are nothing but rounding where their laws are flat.
+
+    A law like ``f*abs(f)`` has no slope at zero, and to first order rounding would move the flow
+    beyond all bounds. It does so as far as the slopes there let it: for a power of the unknown the
+    mean of what slopes say here and as far away as they say, by their logarithms.
+    """
+    m = e.model
+    work = e.work
+    frees = mode.finite_frees
+    n = 2 * m.bonds
+    fit(work.tried, n)
+    for k in range(n):
+        work.tried.at[k] = mode.sized_at[k]
+        for j in range(frees):
+            own = math.fabs(mode.sized_at[mode.free_column[j]])
+            way = EPSILON * mode.free_size.at[j]
+            if way > own:
+                work.tried.at[k] += mode.finite_free.at[k * frees + j] * way
+    found = all_finite(n, work.tried.at)
+    if found:
+        rows = rows_of_system(e, mode, v, work.tried.at)
+        found = all_finite(rows * frees, work.jacobian.at) and invert(e, rows)
+    for j in range(frees):
+        own = math.fabs(mode.sized_at[mode.free_column[j]])
+        if EPSILON * mode.free_size.at[j] <= own:
+            continue
+        there = unknown_size(e, frees, j) if found else mode.free_size.at[j]
+        if there < mode.free_size.at[j]:
+            mean = math.sqrt(there) * math.sqrt(mode.free_size.at[j])
+            mode.free_size.at[j] = max(mean, own)
+    write_bonds(e, v, mode.sized_at)

@@ -1,0 +1,1 @@
+"""What a system leaves free, and least leakage."""

@@ -1,0 +1,1 @@
+"""Laws that are not linear: Newton's method, and where it begins."""

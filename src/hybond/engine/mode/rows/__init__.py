@@ -1,0 +1,1 @@
+"""Rows of a mode, with the laws of storage in them, eliminated."""
