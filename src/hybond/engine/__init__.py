@@ -206,7 +206,8 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
         courses_kept        what is known of both, for a run that goes on
         edges, edges_met, roots_reached    where laws end, and how it goes on; roots that come to
                             rest
-        on_surfaces         a step along surfaces ends: the state is put back, unless they jump
+        on_surfaces, level_jumps    a step along surfaces ends: the state is put back, unless they
+                            jump; where a function in Python makes them
         stranded            motion that gets nowhere
         log, run_records, carried, trying    what is written, handed on, tried
         report, run, unit, unit_gaps    in a printed program: what is shown; the program; driven

@@ -13,8 +13,12 @@ from collections.abc import Callable
 from dataclasses import field
 from typing import Protocol
 
+from hybond.model.rate_of_function import rate_of
 from hybond.records import dataclass
 from hybond.units import Dimension
+
+INSTANT = 1e-9
+"""Part of the time of a run within which its last instant ends: nothing is asked beyond it."""
 
 
 class Waveform(Protocol):
@@ -167,6 +171,8 @@ class Called:
 
     function: Callable[[float], float]
     breaks: tuple[float, ...] = ()
+    end: float = math.inf
+    """The end of the run that asks, s, where one does."""
 
     def piece(self, t: float) -> int:
         """Return how many breaks are at or before `t`."""
@@ -174,16 +180,32 @@ class Called:
 
     def value(self, t: float, piece: int) -> float:
         """Call the function, from inside the piece."""
-        low = self.breaks[piece - 1] if piece else -math.inf
-        high = self.breaks[piece] if piece < len(self.breaks) else math.inf
-        if t >= high:
-            t = math.nextafter(high, -math.inf)
-        return float(self.function(max(t, low)))
+        return float(self.function(self._inside(t, piece)))
 
     def rate(self, t: float, piece: int) -> float:
-        """Return a central difference: a callable has no derivative of its own."""
-        h = 1e-6 * math.sqrt(max(1.0, abs(t)))
-        return (self.value(t + h, piece) - self.value(t - h, piece)) / (2 * h)
+        """Return the rate by differences: a callable has no derivative of its own.
+
+        It is asked within the piece, never before t = 0, and not beyond the end of the run.
+        """
+        low, high = self._ends(piece)
+        t = self._inside(t, piece)
+        end = self.end if t <= self.end else math.inf
+        first = max(low, 0.0) if t >= 0.0 else low
+        span = max(1.0, abs(t)) if math.isinf(self.end) else self.end
+        return rate_of(self._number, t, first, min(high, end), span)
+
+    def _number(self, t: float) -> float:
+        return float(self.function(t))
+
+    def _ends(self, piece: int) -> tuple[float, float]:
+        low = self.breaks[piece - 1] if piece else -math.inf
+        return low, self.breaks[piece] if piece < len(self.breaks) else math.inf
+
+    def _inside(self, t: float, piece: int) -> float:
+        low, high = self._ends(piece)
+        if self.end < t <= self.end * (1.0 + INSTANT):
+            t = self.end
+        return max(math.nextafter(high, -math.inf) if t >= high else t, low)
 
 
 @dataclass(frozen=True, slots=True)

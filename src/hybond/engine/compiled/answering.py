@@ -8,11 +8,13 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Callable, Generator, Mapping
+from dataclasses import replace
 from typing import Any
 
 from hybond.blocks.runners import Runner, runners_of
 from hybond.engine.tables import ModelTables
 from hybond.engine.tables.calls import blocks_of
+from hybond.model.inputs import Called
 
 VALUE, RATE, BLOCK, OUTSIDE = range(4)
 """What is asked."""
@@ -72,7 +74,9 @@ class Calls:
         looking: bool = False,
     ) -> None:
         graph = tables.graph
-        self._waveforms = [i.waveform for i in graph.inputs]
+        end = float(tables.numbers["until"])
+        waves = [i.waveform for i in graph.inputs]
+        self._waveforms = [replace(w, end=end) if isinstance(w, Called) else w for w in waves]
         blocks = [] if looking else blocks_of(graph)
         own: Mapping[str, Runner] = runners_of(graph, fmus=fmus) if runners is None else runners
         self._runners = [own[s.path] for s in blocks]

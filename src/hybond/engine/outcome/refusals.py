@@ -13,6 +13,7 @@ from hybond.equations.element_parts import sends_impulses
 from hybond.model.expressions import Call, Expr, jumping
 from hybond.model.expressions.tree import walk
 from hybond.model.graph import FlatGraph, Mode
+from hybond.model.inputs import Called
 from hybond.model.kinds import RESISTORS, SOURCES
 from hybond.records import dataclass
 
@@ -205,6 +206,11 @@ def _too_small(c: Case) -> Said:
     path = c.component(int(k)) if k >= 0 else ""
     blame = f"; {path} dominates the error" if path else ""
     why = f"step size underflow {c.now}: h = {h:.3g} s is still too large{blame}"
+    called = [i.path for i in c.graph.inputs if isinstance(i.waveform, Called)]
+    if not settles and called:
+        hint = "look for a state that grows without bound or a law with a jump inside; give "
+        hint += f"`breaks` to {', '.join(called)}, of which only values are known, where it jumps"
+        return Said(why, path or c.here, hint)
     if not settles:
         return Said(why, path or c.here)
     # a step is no shorter than ten last places of the time

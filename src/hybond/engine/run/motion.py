@@ -64,6 +64,7 @@ from hybond.engine.run.kinks_passed import (
     stuck_at_kink,
     switches_back,
 )
+from hybond.engine.run.level_jumps import end_where_levels_jump
 from hybond.engine.run.log import (
     keep_left,
     report_end,
@@ -403,6 +404,8 @@ def take_step(e: Engine, r: Run, end: float) -> int:
     if is_at_edge(e, r) and reach_edges(e, r):
         return ANEW if go_from_edge(e, r) == OK else -1
     if m.disks > 0 and follow(e) != OK:
+        return -1
+    if end_where_levels_jump(e) != OK:
         return -1
     if count_step(e, r) != OK:
         return -1
