@@ -129,7 +129,8 @@ def bars(groups: list[list[Cost]], path: Path) -> None:
     axes.set_xlim(min(low, 1.0), high * 10.0)  # room for the text beside the longest bar
     axes.set_yticks(ticks, names, fontsize=8)
     axes.set_xlabel(
-        "marginal time, as a multiple of that of hand-written C (P8: empty Python, P13: ngspice)"
+        "marginal time, as a multiple of that of hand-written C\n"
+        "(P8: of empty Python, P13: of ngspice)"
     )
     axes.axvline(1.0, color="black", linewidth=0.8)
     for side in ("top", "right"):

@@ -67,6 +67,8 @@ def balance_sides(
             down[j] = 0.0
         for i in range(m):
             for j in range(n):
+                if w[i * n + j] == 0.0:
+                    continue
                 now = math.fabs(w[i * n + j]) * rows[i] * columns[j]
                 across[i] = max(across[i], now)
                 down[j] = max(down[j], now)
