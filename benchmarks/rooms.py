@@ -14,6 +14,7 @@ import argparse
 import collections
 import os
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -26,6 +27,7 @@ from measuring.problem import Tool
 from problems import ASKED, PROBLEMS
 
 ENGINE = Path(__file__).parents[1] / "src" / "hybond" / "engine"
+USUAL = ("P1", "P3", "P5")
 SAMPLES = 2000
 """A second."""
 SHOWN, LARGEST = 9, 3
@@ -39,7 +41,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("problems", nargs="+", metavar="P")
+    parser.add_argument("problems", nargs="*", metavar="P", help=f"by default {' '.join(USUAL)}")
     parser.add_argument("--tool", default="hybond")
     parser.add_argument("--seconds", type=float, default=3.0, help="of a run, about")
     parser.add_argument("--write", type=Path, metavar="FILE.md")
@@ -51,9 +53,12 @@ def main() -> None:
         for _ in range(int(times)):
             tool(length)
         return
+    if shutil.which("perf") is None:
+        print("where time goes is not looked at: there is no perf")
+        return
     rooms = rooms_of_functions()
     rows = ["| problem | rooms, % | functions, % |", "| --- | --- | --- |"]
-    for key in options.problems:
+    for key in options.problems or USUAL:
         for number, problem in enumerate((PROBLEMS | ASKED)[key](False)):
             if options.tool in problem.tools:
                 times = often_enough(problem.tools[options.tool], problem.lengths, options.seconds)

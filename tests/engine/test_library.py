@@ -13,8 +13,9 @@ import pytest
 
 import hybond
 from hybond.engine.compiled.build import compile_into
-from hybond.engine.compiled.fresh import NAME
+from hybond.engine.compiled.fresh import NAME, stamps
 from hybond.engine.compiled.native import columns, library
+from hybond.engine.compiled.sources import portable_paths
 
 pytestmark = pytest.mark.usefixtures("native")
 
@@ -80,6 +81,12 @@ def test_the_columns_of_a_model_are_those_of_its_tables() -> None:
     assert len(found) > 200
     assert found["until"] == "float" and found["code"] == "Ints" and found["row_value"] == "Floats"
     assert library().hybond_model_size() > 8 * 150
+
+
+def test_every_file_that_is_printed_is_looked_at() -> None:
+    """In rooms within rooms, too."""
+    seen = {line.rsplit(" ", 2)[0] for line in stamps().splitlines()}
+    assert {str(path) for path in portable_paths()} <= seen
 
 
 def test_sources_that_were_changed_are_seen(tmp_path: Path) -> None:

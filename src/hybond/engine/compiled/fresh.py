@@ -49,10 +49,11 @@ def stamps() -> str:
     """
     engine = os.path.dirname(HERE)
     folders = [engine, os.path.join(os.path.dirname(engine), "translate")]
-    folders += [f.path for f in _listed(engine) if f.is_dir() and f.name != "__pycache__"]
     rows = []
-    for folder in folders:
+    for folder in folders:  # grows by the rooms within
         for file in _listed(folder):
+            if file.is_dir() and file.name != "__pycache__":
+                folders.append(file.path)
             if file.name.endswith((".py", ".c")):
                 found = file.stat()
                 rows.append(f"{folder}/{file.name} {found.st_size} {found.st_mtime_ns}")
