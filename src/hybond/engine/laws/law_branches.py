@@ -88,15 +88,15 @@ def short_step(m: Model, a: Response, y: Floats) -> float:
 
 
 def least_time(m: Model, a: Response) -> float:
-    """Return the shortest time that feedthrough and storage make; a second at the most."""
+    """Return the shortest time that feedthrough and storage make; any will do where none does."""
     n = m.ports
-    least = 1.0
+    least = math.inf
     for k in range(n):
         through = math.fabs(a.d[k * n + k])
         stored = math.fabs(a.ce[k * n + k])
         if through > 0.0 and stored > 0.0:
             least = min(least, through / stored)
-    return least
+    return least if least < math.inf else 1.0
 
 
 def begin_lasting(e: Engine, r: Laws, x: Floats) -> int:
