@@ -286,3 +286,33 @@ def test_jumps_of_time_are_looked_for_once_at_each_end_of_an_interval(
         volt *= math.exp(-pause)
     way = -1.0 if turned else 1.0
     assert run.final["C.e"] == pytest.approx(way * volt, rel=1e-8)
+
+
+@pytest.mark.parametrize(("before", "after", "own"), [(-1, 1, 0), (-1, 1, 0.5), (0.5, 1, 0.8)])
+@pytest.mark.parametrize("kind", ["0", "1"])
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_piston_that_jumps_onto_what_it_has_left_does_not_draw_it_in(
+    before: float, after: float, own: float, kind: str, turned: bool
+) -> None:
+    """Before it jumps it goes away from the body: there is no approach to be reversed.
+
+    As by a ramp that is ever steeper the body is taken along. It was thrown at the piston by the
+    speed at which they had parted, and from there rebounded.
+    """
+
+    def pushed(speed: str) -> hb.Result:
+        m = hb.Model("piston")
+        speed = f"-({speed})" if turned else speed
+        junction, source = (hb.Zero, hb.Sf) if kind == "0" else (hb.One, hb.Se)
+        m.add(c=junction(law="unilateral", restitution=0.5), s=source(speed))
+        m.add(body=hb.I(1.0, p=own) if kind == "0" else hb.C(1.0, q=own))
+        m.bond("c -> s" if turned else "s -> c", "c -> body")
+        return hb.simulate(m, until=2.0)
+
+    name = "body.p" if kind == "0" else "body.q"
+    jump = pushed(f"if time >= 1 then {after} else {before}")
+    ramp = pushed(f"{before} + ({after} - ({before}))*min(1, max(0, (time - 1)*1e4))")
+    assert ramp[name].at(1.5) == pytest.approx(after, rel=1e-6)
+    assert jump[name].at(1.5) == pytest.approx(after, rel=1e-9)
+    lost = sum(step.energy.lost for step in jump.events[-1].steps)
+    assert lost == pytest.approx(0.5 * (after - own) ** 2, rel=1e-9)

@@ -234,8 +234,10 @@ def _parts(kind: str, name: str, part: Part) -> tuple[MachinePart, tuple[str, st
     if "restitution" not in options:
         return MachinePart(states, off, rules), None
     states["impact"] = (name,)
+    # a contact that a source closes with a jump had no approach before it: nothing is reversed
     value = (
-        f'if {name}.state == "impact" then ({_text(options["restitution"])})*pre({y}) else 0*{y}'
+        f'if {name}.state == "impact" then ({_text(options["restitution"])})*max(0, pre({y})) '
+        f"else 0*{y}"
     )
     return MachinePart(states, off, rules), ("rebound", value)
 

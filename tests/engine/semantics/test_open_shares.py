@@ -217,3 +217,24 @@ def test_what_least_leakage_leaves_is_zero_and_not_rounding_of_what_it_takes(law
     # p' = -p/(1.3/0.889)/0.82 along the middle pieces of the mass's law
     rate = 0.889 / 1.3 / 0.82
     assert run["mass.p"].at(1.0) == pytest.approx(-0.231 * math.exp(-rate), rel=1e-6)
+
+
+@pytest.mark.parametrize("law", ["8.47*max(-1, min(1, f/1.55))", "2*f*abs(f)", "3*tanh(f)"])
+@pytest.mark.parametrize("turned", [False, True])
+def test_what_is_left_of_a_blocked_effort_does_not_open_a_diode(law: str, turned: bool) -> None:
+    """A diode beside friction that holds all there is: its effort is the rounding of what is taken.
+
+    Its own value is all that it was measured by, and it seemed to conduct (HB-N411).
+    """
+    m = hb.Model("held twice")
+    m.add(a=hb.Zero(law="relay", limit=0.105), b=hb.One(law="coulomb", limit=1.07), end=hb.One())
+    m.add(d=hb.One(law="diode"), f=hb.One(law="coulomb", limit=0.143), r=hb.R({"e": law}))
+    m.add(u=hb.One(law="unilateral"), t=hb.TF(-1.74), lever=hb.TF(-1.09), gy=hb.GY(-3.93))
+    m.add(c=hb.C(2.1, q=-0.0351), s=hb.Se("-0.42*sin(25.3*time)"))
+    m.bond("a -> c", "gy.1 -> a", "a -> lever.1", "lever.2 -> end", "t.1 -> f", "u -> t.2")
+    m.bond("u -> s", "f -> b", "b -> gy.2", "b -> d", "b -> r" if turned else "r -> b")
+    run = hb.simulate(m, until=0.592)
+    assert run.status == "ok" and run.audit().holds()
+    for t in (0.0, 0.06, 0.18, 0.3, 0.592):
+        assert abs(run["d.e"].at(t)) < 1e-12
+        assert run["d.f"].at(t) == 0.0 and run["r.f"].at(t) == 0.0

@@ -42,7 +42,8 @@ CARRIES: Final = 1e-9
 def hold_impact(e: Engine, r: Laws, by_branches: bool) -> None:
     """Hold the jump from `r.x` to `r.landed` against the law of impacts that the run asks for.
 
-    Where branches of laws carry it, restitution is of what ``pre()`` reads.
+    Where branches of laws carry it, restitution is of the approach that ``pre()`` reads: of none
+    where a contact went apart before a source has jumped.
     """
     m = e.model
     c = e.checks
@@ -69,6 +70,8 @@ def hold_impact(e: Engine, r: Laws, by_branches: bool) -> None:
     if not strikes(e, r, MISSED * fastest):
         return
     for k in range(m.ports):
+        if by_branches:
+            c.before[k] = min(c.before[k], 0.0)
         if is_contact(e, r, k):
             hold_contact(e, r, k, closed == 1, MISSED * fastest, CARRIES * strongest)
 

@@ -17,7 +17,7 @@ from hybond.engine.mode.equations import eliminate_by, level_of
 from hybond.engine.mode.left_free.undetermined import least_of_free
 from hybond.engine.mode.mode_records import Mode, Reads
 from hybond.engine.mode.nonlinear.newton import by_knowns, keep_guess, knowns_of, newton
-from hybond.engine.mode.nonlinear.newton_system import measure_terms, write_bonds
+from hybond.engine.mode.nonlinear.newton_system import largest_of, measure_terms, write_bonds
 from hybond.engine.mode.nonlinear.put_back import HIDDEN, UNIT, is_known
 from hybond.engine.mode.reading import put_knowns, show_read
 from hybond.engine.mode.rows.tableau import NOT_OPEN, part_of
@@ -26,6 +26,11 @@ from hybond.engine.words import Floats
 ROUNDS: Final = 4
 """Times that rows are eliminated anew at one instant: what was nothing but rounding is known better
 each time."""
+RETURNS: Final = 24
+"""Times that Newton begins anew with what was left free taken off: all numbers are within 1e616
+of each other, and each time takes 16 digits off, or nearly."""
+AFAR: Final = 1e6
+"""Times the largest bond variable that an unknown was, so that the others have lost digits."""
 BETTER: Final = 10.0
 """How many times more of a law is hidden than the last time before it is done again."""
 
@@ -69,7 +74,24 @@ def by_newton(e: Engine, mode: Mode, v: Floats) -> int:
     if mode.finite_frees > 0:
         least_of_free(e, mode, v, e.work.w)
         keep_guess(mode, e.work.w)
+        for _ in range(RETURNS):
+            if mode.loose == 0 or not has_come_from_afar(e, mode):
+                break
+            knowns_of(e, mode, v, True)
+            if newton_with_digits(e, mode, v) != OK:
+                return NOT_FINITE
+            least_of_free(e, mode, v, e.work.w)
+            keep_guess(mode, e.work.w)
     return OK
+
+
+def has_come_from_afar(e: Engine, mode: Mode) -> bool:
+    """Whether Newton has ended where what is left free is all that its digits tell.
+
+    It leaves that as it began, and so it is as large as in some state that was only looked at.
+    """
+    frees = mode.finite_frees
+    return largest_of(frees, e.work.guess.at) > AFAR * largest_of(2 * e.model.bonds, e.work.w)
 
 
 def newton_with_digits(e: Engine, mode: Mode, v: Floats) -> int:

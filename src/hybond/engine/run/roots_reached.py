@@ -42,7 +42,11 @@ def rest_at_roots(e: Engine, r: Run) -> None:
         if g.side[k] == NO_KINK or m.kink_rest[kink] < 0:
             continue
         refusal = e.refusal
-        if goes_to_rest(e, r, m.kink_rest[kink], m.atom_value[m.kink_atom + kink]):
+        # the straight way leads far beyond where a storage bends: nothing of that is to be kept
+        hold_guess(e, e.mode)
+        if not goes_to_rest(e, r, m.kink_rest[kink], m.atom_value[m.kink_atom + kink]):
+            give_back_guess(e, e.mode)
+        else:
             for i in range(e.states):
                 e.y[i] = r.after[i]
             if by_radau(e):
@@ -75,14 +79,10 @@ def goes_to_rest(e: Engine, r: Run, atom: int, kink: int) -> bool:
             return False
     stands = STANDS if atom == kink else STILL
     # a law that is flat at rest has many roots there but for rounding, beside it the last one
-    hold_guess(e, e.mode)
     e.mode.guessed = False
     rests = field(e, e.mode, e.t, r.after, r.rate) == OK
     left = at_state(e, r, atom, r.after)
-    rests = rests and math.fabs(speed_of(e, r, atom, r.after, left)) <= stands * math.fabs(beside)
-    if not rests:
-        give_back_guess(e, e.mode)
-    return rests
+    return rests and math.fabs(speed_of(e, r, atom, r.after, left)) <= stands * math.fabs(beside)
 
 
 def leads_to_rest(e: Engine, r: Run, atom: int, away: float) -> float:

@@ -35,6 +35,8 @@ def solved_sizes(e: Engine, mode: Mode, xi: Floats, v: Floats) -> None:
         mode.free_size.at[j] = math.fabs(v[first + mode.free_column[j]])
     if mode.dynamics > 0 and frees > 0:
         by_residuals(e, mode, xi, v)
+        if mode.leakage.stages > 0:
+            by_leakage(e, mode, xi)
 
 
 def is_measured(e: Engine, mode: Mode, v: Floats) -> bool:
@@ -83,6 +85,34 @@ def by_residuals(e: Engine, mode: Mode, xi: Floats, v: Floats) -> None:
             vague = vague or EPSILON * size > own
     if vague:
         where_it_bends(e, mode, v)
+
+
+def by_leakage(e: Engine, mode: Mode, xi: Floats) -> None:
+    """Let unknowns that laws leave open be as large as what least leakage took off them.
+
+    That is a sum of many bond variables, of which nothing is left where least leakage is zero.
+    """
+    p = mode.leakage
+    size = e.work.w_size
+    for k in range(2 * e.model.bonds):
+        size[k] = max(row_size(mode.finite, mode.same[k], xi), math.fabs(mode.sized_at[k]))
+    for stage in range(2):
+        many = p.first if stage == 0 else p.second
+        basis = p.basis.at if stage == 0 else p.basis2.at
+        taken = p.taken.at if stage == 0 else p.taken2.at
+        let_taken(e, mode, many, basis, taken)
+
+
+def let_taken(e: Engine, mode: Mode, many: int, basis: Floats, taken: Floats) -> None:
+    """Let unknowns be as large as the terms of ``basis taken w``, of `many` columns."""
+    n = 2 * e.model.bonds
+    for i in range(many):
+        amount = 0.0
+        for k in range(n):
+            amount += math.fabs(taken[i * n + k]) * e.work.w_size[k]
+        for j in range(mode.finite_frees):
+            share = math.fabs(basis[mode.free_column[j] * many + i])
+            mode.free_size.at[j] = max(mode.free_size.at[j], share * amount)
 
 
 def invert(e: Engine, rows: int) -> bool:

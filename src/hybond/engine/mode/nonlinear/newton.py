@@ -45,6 +45,8 @@ TO_AND_FRO: Final = 3
 """So many in a row lead nowhere."""
 LEFT: Final = 1e-13
 """A residual below this part of its terms is rounding."""
+LATE: Final = 8
+"""Steps after which what does not settle may be rounding."""
 REACHED: Final = 1e-10
 """A step reaches a residual of which it leaves less than this part of its terms."""
 
@@ -216,6 +218,8 @@ def full_steps(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
         falls = step > 0 and residuals_fall(e, rows)
         shrinks = shrinks or (falls and not swings)
         keep_residuals(e, rows)
+        if small and not ends and step >= LATE:
+            ends = leaves_rounding_of_sums(e, mode, v, r)
         if exact or ends or not shrinks:
             with_free(mode, n, work.base, r, w)
             if put_back(e, mode, v, w):
@@ -228,6 +232,30 @@ def full_steps(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
                 return False
     with_free(mode, n, work.base, r, w)
     return small and is_idle_reaction(e, mode, v, w)
+
+
+def leaves_rounding_of_sums(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
+    """Whether all that does not settle is rounding of what constraints' derivatives are sums of.
+
+    Two storages at one potential exchange next to nothing where they come to rest. A flow that is
+    the difference of large ones has only steps of their last digit, and an unknown beside it, which
+    has all its digits, would go after these for ever. A derivative is linear in rates: what is left
+    of it after a step is nothing but that.
+    """
+    work = e.work
+    if mode.rank != mode.structures:
+        return False
+    with_free(mode, 2 * e.model.bonds, work.base, r, work.w)
+    rows = measured_system(e, mode, v, work.w)
+    if not all_finite(rows * mode.finite_frees, work.jacobian.at):
+        return False
+    for i in range(rows):
+        if (
+            mode.dynamic[i] < 0
+            and math.fabs(work.residual.at[i]) <= LEFT * work.residual_size.at[i]
+        ):
+            work.residual.at[i] = 0.0
+    return newton_step(e, rows, mode.finite_frees) and is_settled(e, mode.finite_frees, r)
 
 
 def is_left_by_laws(e: Engine, mode: Mode, v: Floats, w: Floats) -> bool:
