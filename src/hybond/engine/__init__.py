@@ -160,7 +160,7 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
         kept_rests, sides_seen    what is known of these from step to step, and of their sides
         limits_crossed      what has come to one, waits there, and is asked again
         rests_asked         what rests where time, or a crossing beside it, asks for it
-        naps                kinks that end no steps for a while
+        naps, blurred       kinks that end no steps for a while; roots that a step does not tell
         together, ends_at_guard    what is one instant with it; the step that ends there
     instant/
         settle, settling    trying modes at an instant until none is left; what a cycle is told by

@@ -428,6 +428,7 @@ class Model:
     begins: int  # these, and behind them what roots are taken of on both sides
     rooted: int
     """So many of these by roots that are written; the others are powers, roots if turned round."""
+    edge_met: Ints  # whether one of these is where a kink is a root from both sides
     begin_bond: Ints  # the bond variable that each of these is; -1: none
     edge_value: Ints
     edge_size: Ints  # what the magnitudes of its terms add up to

@@ -16,6 +16,7 @@ from typing import Final
 from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.expressions.pairs import ROUNDING
 from hybond.engine.guards.at_rest import see_rests
+from hybond.engine.guards.blurred import forget_blurred, let_blurred_pass
 from hybond.engine.guards.bracket import bracket
 from hybond.engine.guards.candidates import beside, between_roots, extrema, keep, sort
 from hybond.engine.guards.guard_shape import find_shape, give_up_kinks, is_resolved, sample
@@ -45,7 +46,10 @@ SOON: Final = 1e-3
 def locate(e: Engine, g: Locator) -> int:
     """Find the first instant of the last step at which a guard holds, or infinity, into `g.at`."""
     forget_rests(e)
+    forget_blurred(e, g)
     status = search(e, g)
+    while status == OK and g.at < math.inf and let_blurred_pass(e, g):
+        status = search(e, g)
     if status == OK:
         if note_sides(e, g):
             status = search(e, g)

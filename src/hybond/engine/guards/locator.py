@@ -175,6 +175,16 @@ class Locator:
     """Of each kink: likewise, as it was rounding that changed its sign, all over a step."""
     nap: Ints
     """Of each kink: for how many it will be the next time."""
+    blurred: Ints
+    """Of each kink: whether it ends no step from `blurred_from`, as its tolerance does not tell it
+    from zero there; whether there are any. Of all kinks of the model, and edges behind them: how
+    far what is compared may be off, what it is, and what it is with one state shifted."""
+    blurred_from: float
+    blurs: bool
+    blur: Floats
+    unblurred: Floats
+    beside_here: Floats
+    shifted_y: Floats
     looks: int
     """Instants that were looked at; the last of them at which the bond variables of each guard
     were evaluated, and each row of them, if that is done as guards are asked, `singly`."""
@@ -251,6 +261,10 @@ def begin_locator(e: Engine) -> Locator:
     g.kept_y = floats(KEPT * e.states)
     g.row_seen = ints(2 * m.bonds)
     g.y = floats(e.states)
+    g.shifted_y = floats(e.states)
+    g.blur = floats(m.kinks + m.edges)
+    g.unblurred = floats(m.kinks + m.edges)
+    g.beside_here = floats(m.kinks + m.edges)
     g.d = floats(SAMPLES)
     g.polynomial = floats(GRID)
     g.candidate = make_instants(INSTANTS)
@@ -274,6 +288,7 @@ def fit_locator(g: Locator, guards: int, atoms: int) -> None:
     g.side = ints(g.room)
     g.sleep = ints(g.room)
     g.nap = ints(g.room)
+    g.blurred = ints(g.room)
     g.atom_first = ints(g.room + 1)
     g.truth = ints(g.room * SAMPLES)
     g.calm = ints(g.room)

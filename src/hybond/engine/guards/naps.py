@@ -16,7 +16,7 @@ LONGEST_NAP: Final = 4096
 
 def is_asleep(g: Locator, k: int) -> bool:
     """Whether guard k is a kink that ends no step just now."""
-    return g.side[k] != NO_KINK and (g.asleep > 0 or g.sleep[k] > 0)
+    return g.side[k] != NO_KINK and (g.asleep > 0 or g.sleep[k] > 0 or g.blurred[k] != 0)
 
 
 def let_sleep(g: Locator, k: int) -> None:

@@ -135,6 +135,7 @@ def begin_guard(g: Locator, rule: int, part: int) -> None:
     g.side[g.guards] = NO_KINK
     g.sleep[g.guards] = 0
     g.nap[g.guards] = 1
+    g.blurred[g.guards] = 0
     g.still[g.guards] = 0
     g.atom_first[g.guards] = g.atoms
 
