@@ -157,3 +157,36 @@ def test_peaks_are_met_by_a_run_that_goes_on(cuts: tuple[float, ...], solver: st
     charge = 2.0 * (100.0 * sqrt(pi) * math.erf(x) - 100.0 * x) * width
     assert run["q"].at(1.0) == pytest.approx(charge, rel=1e-7)
     assert run["all"].at(1.0) == pytest.approx(2.0 * sqrt(pi), rel=1e-7)
+
+
+FALLS = {
+    "cube": ("-x*abs(x)^2", lambda t: 1.0 / sqrt(1.0 + 2.0 * t)),
+    "fifth power": ("-x*abs(x)^4", lambda t: (1.0 + 4.0 * t) ** -0.25),
+}
+
+
+@pytest.mark.parametrize("solver", ["auto", "radau"])
+@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize("until", [1e8, 1e11, 1e12])
+@pytest.mark.parametrize("law", ["cube", "fifth power"])
+def test_what_falls_in_a_second_of_a_long_run_has_its_digits(
+    law: str, until: float, sign: int, solver: str
+) -> None:
+    """Its rates of the start, kept up for a part of the run, would lead to any number."""
+    rate, told = FALLS[law]
+    m = hb.Model("falls")
+    m.signal(x=hb.Integral(rate, start=float(sign)))
+    run = hb.simulate(m, until, solver=solver)
+    for t in (0.1, 1.0, 1e3, 1e-3 * until):
+        assert sign * run["x"].at(t) == pytest.approx(told(t), abs=3e-8)
+    assert sign * run["x"].at(until) == pytest.approx(told(until), rel=1e-6)
+
+
+@pytest.mark.parametrize("solver", ["auto", "radau"])
+@pytest.mark.parametrize("until", [1e3, 1e10])
+def test_what_fills_from_nothing_in_a_second_of_a_long_run(until: float, solver: str) -> None:
+    m = hb.Model("fills")
+    m.signal(x=hb.Integral("1 - x^2"))
+    run = hb.simulate(m, until, solver=solver)
+    for t in (0.1, 1.0, 5.0):
+        assert run["x"].at(t) == pytest.approx(math.tanh(t), rel=1e-7)
