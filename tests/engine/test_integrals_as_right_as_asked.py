@@ -190,3 +190,19 @@ def test_what_fills_from_nothing_in_a_second_of_a_long_run(until: float, solver:
     run = hb.simulate(m, until, solver=solver)
     for t in (0.1, 1.0, 5.0):
         assert run["x"].at(t) == pytest.approx(math.tanh(t), rel=1e-7)
+
+
+@pytest.mark.parametrize("solver", ["auto", "radau"])
+@pytest.mark.parametrize("until", [4e10, 4e11])
+def test_robertson_up_to_his_last_times(until: float, solver: str) -> None:
+    """The example of LSODE and IDA, with digits of Radau of SciPy at a tolerance of 1e-10."""
+    m = hb.Model("kinetics")
+    m.signal(
+        a=hb.Integral("-0.04*a + 1e4*b*c", start=1.0),
+        b=hb.Integral("0.04*a - 1e4*b*c - 3e7*b^2"),
+        c=hb.Integral("3e7*b^2"),
+    )
+    run = hb.simulate(m, until, solver=solver)
+    told = {0.4: 0.985172113861, 4e3: 0.183202257778, 4e7: 5.20307184408e-5, 4e10: 5.20834517683e-8}
+    for t, a in told.items():
+        assert run["a"].at(t) == pytest.approx(a, rel=2e-6)
