@@ -157,3 +157,52 @@ def test_peaks_are_met_by_a_run_that_goes_on(cuts: tuple[float, ...], solver: st
     charge = 2.0 * (100.0 * sqrt(pi) * math.erf(x) - 100.0 * x) * width
     assert run["q"].at(1.0) == pytest.approx(charge, rel=1e-7)
     assert run["all"].at(1.0) == pytest.approx(2.0 * sqrt(pi), rel=1e-7)
+
+
+FALLS = {
+    "cube": ("-x*abs(x)^2", lambda t: 1.0 / sqrt(1.0 + 2.0 * t)),
+    "fifth power": ("-x*abs(x)^4", lambda t: (1.0 + 4.0 * t) ** -0.25),
+}
+
+
+@pytest.mark.parametrize("solver", ["auto", "radau"])
+@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize("until", [1e8, 1e11, 1e12])
+@pytest.mark.parametrize("law", ["cube", "fifth power"])
+def test_what_falls_in_a_second_of_a_long_run_has_its_digits(
+    law: str, until: float, sign: int, solver: str
+) -> None:
+    """Its rates of the start, kept up for a part of the run, would lead to any number."""
+    rate, told = FALLS[law]
+    m = hb.Model("falls")
+    m.signal(x=hb.Integral(rate, start=float(sign)))
+    run = hb.simulate(m, until, solver=solver)
+    for t in (0.1, 1.0, 1e3, 1e-3 * until):
+        assert sign * run["x"].at(t) == pytest.approx(told(t), abs=3e-8)
+    assert sign * run["x"].at(until) == pytest.approx(told(until), rel=1e-6)
+
+
+@pytest.mark.parametrize("solver", ["auto", "radau"])
+@pytest.mark.parametrize("until", [1e3, 1e10])
+def test_what_fills_from_nothing_in_a_second_of_a_long_run(until: float, solver: str) -> None:
+    m = hb.Model("fills")
+    m.signal(x=hb.Integral("1 - x^2"))
+    run = hb.simulate(m, until, solver=solver)
+    for t in (0.1, 1.0, 5.0):
+        assert run["x"].at(t) == pytest.approx(math.tanh(t), rel=1e-7)
+
+
+@pytest.mark.parametrize("solver", ["auto", "radau"])
+@pytest.mark.parametrize("until", [4e10, 4e11])
+def test_robertson_up_to_his_last_times(until: float, solver: str) -> None:
+    """The example of LSODE and IDA to the five digits that these print, by Radau of SciPy."""
+    m = hb.Model("kinetics")
+    m.signal(
+        a=hb.Integral("-0.04*a + 1e4*b*c", start=1.0),
+        b=hb.Integral("0.04*a - 1e4*b*c - 3e7*b^2"),
+        c=hb.Integral("3e7*b^2"),
+    )
+    run = hb.simulate(m, until, solver=solver)
+    told = {0.4: 0.985172113861, 4e3: 0.183202257778, 4e7: 5.20307184408e-5, 4e10: 5.20834517683e-8}
+    for t, a in told.items():
+        assert run["a"].at(t) == pytest.approx(a, rel=2e-5)

@@ -197,6 +197,7 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
     run/
         motion              the executive: segment after segment
         step_motion         that of time-stepping, which locates nothing
+        slid_at_limit       crossings that accumulate where surfaces meet, and slide from there
         noted, slips_followed    the end of a step; steps that follow slip in the plane
         kinks_passed, held_by_kinks, source_jumps    kinks of laws and of sources
         contradictions      sources that do not agree behind one

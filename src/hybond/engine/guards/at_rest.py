@@ -29,7 +29,7 @@ from hybond.engine.guards.guard_values import (
 )
 from hybond.engine.guards.locator import NO_KINK, Locator
 from hybond.engine.guards.quartic import COEFFICIENTS
-from hybond.engine.guards.rest_limits import find_limit, lead_to_rest, stays_near
+from hybond.engine.guards.rest_limits import find_limit, lead_to_rest, moves_on, stays_near
 from hybond.engine.guards.rest_records import make_room, side_of
 from hybond.engine.guards.sides_seen import creeps_in
 from hybond.engine.methods.control import is_propagated
@@ -284,6 +284,8 @@ def how_it_rests(e: Engine, g: Locator, k: int, a: int, t: float) -> int:
     for i in range(LOOKS + 1):
         later = t if i == 0 else t + LATER[i - 1] * (end - t)
         if not lead_to_rest(e, many, later) or (i == 0 and not stays_near(e, a, many)):
+            return MOVES
+        if i == 0 and moves_on(e, many, t, end):
             return MOVES
         look_at_state(e, g, later, q.shifted)
         there = atom_here(e, g, which)

@@ -13,6 +13,7 @@ from typing import Final
 
 from hybond.engine.algebra.products import all_finite, copy_floats, times_matrix
 from hybond.engine.engine import OK, Engine
+from hybond.engine.expressions.pairs import ROUNDING
 from hybond.engine.guards.rest_records import Rests
 from hybond.engine.surfaces.values import field
 
@@ -26,6 +27,8 @@ FAR: Final = 1e6
 """... times what can be told that it goes at the most."""
 PART: Final = 0.25
 """Of the time of the fastest motion: for so long its exponential is a few terms of a series."""
+STILL: Final = 0.5
+"""Part of a slow motion that is left when it has moved what can be told: it then rests near by."""
 TERMS: Final = 8
 DOUBLINGS: Final = 40
 SETTLED: Final = 1e-6
@@ -179,3 +182,50 @@ def stays_near(e: Engine, a: int, many: int) -> bool:
     copy_floats(many * many, q.kept_inverse, q.inverse)
     copy_floats(many * many, q.kept_flow, q.flow)
     return near
+
+
+def moves_on(e: Engine, many: int, t: float, end: float) -> bool:
+    """Whether what slopes leave as it is goes on from `shifted` until it can be told from that.
+
+    Beside a motion that is by far faster a slow one looks as if nothing moved it. If it is as fast
+    where it has moved what can be told, it does not rest.
+    """
+    q = e.rests
+    n = e.states
+    if many == 0 or field(e, e.mode, t, q.shifted, q.rate) != OK:
+        return False
+    most = 0.0
+    for i in range(many):
+        q.left[i] = 0.0
+        dust = 0.0
+        for j in range(many):
+            q.left[i] += q.flow[i * many + j] * q.rate[q.place[j]] / q.tell[q.place[j]]
+            own = 0.0
+            for k in range(many):
+                size = size_in_tells(e, q.place[k])
+                own += math.fabs(q.matrix[j * many + k]) * size
+            dust += math.fabs(q.flow[i * many + j]) * own
+        if math.fabs(q.left[i]) <= ROUNDING * dust:
+            q.left[i] = 0.0
+        most = max(most, math.fabs(q.left[i]))
+    if not most * (end - t) > 1.0:
+        return False
+    for i in range(n):
+        q.beyond[i] = q.shifted[i]
+    for i in range(many):
+        q.beyond[q.place[i]] += q.left[i] / most * q.tell[q.place[i]]
+    if field(e, e.mode, t, q.beyond, q.rate) != OK or not all_finite(n, q.rate):
+        return False
+    for i in range(many):
+        there = 0.0
+        for j in range(many):
+            there += q.flow[i * many + j] * q.rate[q.place[j]] / q.tell[q.place[j]]
+        if math.fabs(q.left[i]) == most and there / q.left[i] > STILL:
+            return True
+    return False
+
+
+def size_in_tells(e: Engine, j: int) -> float:
+    """Return the size of a state in units of what can be told of it."""
+    q = e.rests
+    return max(math.fabs(q.y[j]), e.largest_state[j]) / q.tell[j]

@@ -75,6 +75,8 @@ class Rests:
     """The state that is asked, ..."""
     rest: Floats
     """... with what comes to rest where it does so, ..."""
+    beyond: Floats
+    """... and a little farther, where something slow may go on from there, ..."""
     shifted: Floats
     rate: Floats
     other: Floats
@@ -174,6 +176,7 @@ def make_room(q: Rests, n: int, rules: int, atoms: int) -> None:
         q.y = floats(n)
         q.rest = floats(n)
         q.shifted = floats(n)
+        q.beyond = floats(n)
         q.rate = floats(n)
         q.other = floats(n)
         q.tell = floats(n)

@@ -74,10 +74,25 @@ def holds_motion(e: Engine, r: Run, k: int) -> bool:
     if not passed:
         return False
     at = r.crossing
-    wide = max(far, WIDE * room_of_instant(e, e.t))
+    least = WIDE * room_of_instant(e, e.t)
+    wide = max(far, least)
+    # a line that another law follows as far as that is none from nearer by
+    if not jumps_within(e, r, atom, at, wide):
+        return False
+    if wide > least and not jumps_within(e, r, atom, at, least):
+        return False
+    r.kink = g.atom[g.atom_first[k]] - e.model.kink_atom
+    return True
+
+
+def jumps_within(e: Engine, r: Run, atom: int, at: float, wide: float) -> bool:
+    """Whether a rate jumps at the crossing and leads back to it, seen from that way on either side.
+
+    The state whose rate jumps most is `r.jumping`, -1 if none does.
+    """
+    r.jumping = -1
     if not rates_beside(e, r, at, wide) or not both_lead_to(e, r, atom, at, 0.25 * wide):
         return False
-    r.jumping = -1
     most = 0.0
     tolerance(e, e.y, e.y, r.after)
     for i in range(e.states):
@@ -90,10 +105,7 @@ def holds_motion(e: Engine, r: Run, k: int) -> bool:
         if real and near > JUMPS * apart and near > SEEN * size and near > most:
             most = near
             r.jumping = i
-    if r.jumping < 0:
-        return False
-    r.kink = g.atom[g.atom_first[k]] - e.model.kink_atom
-    return True
+    return r.jumping >= 0
 
 
 def dust_of_rate(e: Engine, i: int) -> float:

@@ -89,6 +89,7 @@ from hybond.engine.run.run_records import (
     timed_cause,
     times_in_vain,
 )
+from hybond.engine.run.slid_at_limit import NONE_SLIDES, slide_at_limit
 from hybond.engine.run.slips_followed import follow, lead_to_rest
 from hybond.engine.run.source_jumps import jumps_at_end, jumps_at_once
 from hybond.engine.run.step_motion import flow_in_steps, settle_in_steps
@@ -243,14 +244,19 @@ def rest_now(e: Engine, r: Run) -> int:
 
 
 def rest_in_turn(e: Engine, r: Run) -> int:
-    """Put contacts to rest that strike in turn; ACCUMULATES if the events are no such."""
+    """Put contacts to rest that strike in turn, or slide; ACCUMULATES if the events are no such."""
     landed = land_in_turn(e, r.settling, r.instant)
     if landed < 0:
         return REFUSED
-    if landed == NONE_RESTS:
-        return ACCUMULATES
     if landed == RESTED:
         return OK
+    if landed == NONE_RESTS:
+        slid = slide_at_limit(e, r.instant)
+        if slid < 0:
+            return REFUSED
+        if slid == NONE_SLIDES:
+            return ACCUMULATES
+        report_slide(e, r.report)
     r.cut = False
     r.events += 1
     report_event(e, r.report, r.instant)

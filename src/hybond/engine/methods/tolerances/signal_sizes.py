@@ -34,6 +34,12 @@ FAINT: Final = 1e-150
 """A signal is measured against no less, in SI, as what is stored is."""
 
 
+SHORTER: Final = 32
+"""Quarters of a time that is too long for what moves."""
+FARTHER: Final = 4.0
+"""Times its size, and what it moves by, that other rates there may move a state by."""
+
+
 def forget_rounding(e: Engine) -> None:
     """Know nothing of the rounding of these rates."""
     for k in range(e.model.integrals):
@@ -91,12 +97,43 @@ def begin_signals(e: Engine, mode: Mode, soon: float) -> None:
     refusal = e.refusal
     asked = e.evaluations
     if field(e, mode, e.t, e.y, e.step.rate) == OK:
-        for k in range(e.states):
-            e.step.trial[k] = e.y[k] + soon * e.step.rate[k]
+        lead_on(e, soon)
+        for _ in range(SHORTER):
+            if goes_so_far(e, mode, soon):
+                break
+            soon *= 0.25
+            lead_on(e, soon)
         measure_rates_at(e, mode, e.t + soon, e.step.trial)
     e.evaluations = asked
     e.refusal = refusal
     come_back(e, mode)
+
+
+def lead_on(e: Engine, h: float) -> None:
+    """Put the state there that the rates of the start lead to in a time."""
+    for k in range(e.states):
+        e.step.trial[k] = e.y[k] + h * e.step.rate[k]
+
+
+def goes_so_far(e: Engine, mode: Mode, h: float) -> bool:
+    """Whether rates of the start lead where a motion gets in a time, and not far beyond.
+
+    What comes to rest long before is no longer moved by what is left of its rate; of a bent rate
+    such a state would make any number. What has not begun is moved by what others come to.
+    """
+    x = e.step.allowed
+    if field(e, mode, e.t + h, e.y, x) != OK:
+        return True
+    for k in range(e.states):
+        e.step.k[k] = x[k]
+    if field(e, mode, e.t + h, e.step.trial, x) != OK:
+        return False
+    for k in range(e.states):
+        moved = math.fabs(h * e.step.rate[k])
+        size = math.fabs(e.y[k]) + moved
+        if moved > 0.0 and h * math.fabs(x[k] - e.step.k[k]) > FARTHER * size:
+            return False
+    return True
 
 
 def follow_rates(e: Engine) -> None:
