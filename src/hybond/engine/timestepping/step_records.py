@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import Block, make_block
@@ -132,6 +133,9 @@ class Stepping:
     # the laws of the step
     gap: Floats
     gap_rate: Floats
+    closed_gap: Floats
+    """The gap with which the step before began, of a contact that was closed then; minus infinity
+    of one that was open, infinity where there was no step."""
     before: Floats
     """`w` at the beginning."""
     restitution: Floats
@@ -223,6 +227,9 @@ def make_stepping(m: Model) -> Stepping:
     s.x = floats(m.storages)
     s.gap = floats(n)
     s.gap_rate = floats(n)
+    s.closed_gap = floats(n)
+    for k in range(n):
+        s.closed_gap[k] = math.inf
     s.before = floats(n)
     s.restitution = floats(n)
     s.free = floats(n)

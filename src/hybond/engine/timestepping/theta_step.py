@@ -58,6 +58,7 @@ from hybond.engine.timestepping.step_account import balance_step, meter_step
 from hybond.engine.timestepping.step_laws import (
     AT_REST,
     close_half_way,
+    note_closed_gaps,
     read_step_laws,
     solve_step_laws,
 )
@@ -446,6 +447,7 @@ def finish_step(e: Engine, s: Stepping, p: Ports, t1: float, h: float) -> None:
     for k in range(e.states):
         e.y[k] = s.y[k]
     s.since += 1
+    note_closed_gaps(e, s)
     for k in range(m.machines):
         s.before_state[k] = e.state[k]
         s.after_state[k] = e.state[k]
