@@ -48,6 +48,7 @@ from hybond.engine.mode.rows.tableau import COMMON
 from hybond.engine.model import Model
 from hybond.engine.timestepping.law_work import none_carries, work_of_laws
 from hybond.engine.timestepping.matrices import (
+    NEARBY,
     find_slopes,
     find_straight,
     implicit,
@@ -78,6 +79,10 @@ GOES_BACK: Final = 0.5
 """An update against the last one that is not reduced to this part goes to and fro."""
 PART_BACK: Final = 0.4
 """Part of such an update that is gone: less than half, or what it leads to would go as far."""
+LOOKED_PART: Final = 1e-2
+"""Part of the last update over which slopes are found where updates go to and fro."""
+LEAST_NEARBY: Final = 1e-13
+"""Part of a state's size over which a slope is found at least."""
 UPDATED: Final = 1e-11
 """Newton ends when an update is below this part of what is updated."""
 NEAR_END: Final = 1e-6
@@ -295,7 +300,13 @@ def newton_step_of(e: Engine, s: Stepping, p: Ports, c: Coupled) -> int:
         # what levers share depends on how they stand, and slopes of an earlier step do not say that
         stands = c.still <= 0 or first or (of_step and last <= NEAR_END)
         if not (c.known and stands):
-            if find_slopes(e, s, p, c, s.y, s.l) != OK:
+            # at the foot of a root slopes are those of a distance that is still to go
+            near = (
+                min(NEARBY, max(LOOKED_PART * last, LEAST_NEARBY))
+                if turn >= PATIENT_ROUNDS
+                else NEARBY
+            )
+            if find_slopes(e, s, p, c, s.y, s.l, near) != OK:
                 return REFUSED
             of_step = True
         if implicit(e, s, p, s.y, s.l) != OK:
@@ -338,7 +349,7 @@ def newton_step_of(e: Engine, s: Stepping, p: Ports, c: Coupled) -> int:
                 far = far or not math.fabs(s.y[k] - s.move[k]) <= NEAR_END * s.weight[k]
             if projected or not moved:
                 # slopes may be those of a point on the way
-                if c.outgrown and find_slopes(e, s, p, c, s.y, s.l) != OK:
+                if c.outgrown and find_slopes(e, s, p, c, s.y, s.l, NEARBY) != OK:
                     return REFUSED
                 return implicit(e, s, p, s.y, s.l)
             # back on the constraints; the laws once more, from there
