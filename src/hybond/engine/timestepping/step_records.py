@@ -122,6 +122,9 @@ class Stepping:
     most_effort: Floats
     most_flow: Floats
     """Of each island: the largest effort and flow on it."""
+    ever_effort: Floats
+    ever_flow: Floats
+    """The same, of all steps so far."""
     unit: Floats
     able: Floats
     """What a law's `l` is measured by: what is there, and what friction is able to hold."""
@@ -219,6 +222,8 @@ def make_stepping(m: Model) -> Stepping:
     s.weight = floats(states)
     s.most_effort = floats(m.islands)
     s.most_flow = floats(m.islands)
+    s.ever_effort = floats(m.islands)
+    s.ever_flow = floats(m.islands)
     s.unit = floats(n)
     s.able = floats(n)
     s.reach = floats(m.storages)
