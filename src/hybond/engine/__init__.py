@@ -180,7 +180,7 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
         coming_back         whether what was put together stays there
         in_turn             contacts without a rebound that open each other, ever faster
     timestepping/
-        theta_step, matrices, law_work    one step
+        theta_step, step_newton, matrices, law_work    one step
         ringing, steps_damped             whether it rings, or laws lag; what is made with theta = 1
         step_sizes, step_laws, guessed    what it is measured by; laws at its end
         open_shares         who carries what

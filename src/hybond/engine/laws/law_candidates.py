@@ -18,7 +18,7 @@ from hybond.engine.jumps.trial import (
 )
 from hybond.engine.laws.law_instant import NO_LAW_VALUE
 from hybond.engine.laws.law_parallel import add_left
-from hybond.engine.laws.law_rates import is_at_an_end, turns_at_once
+from hybond.engine.laws.law_rates import is_at_an_end, strikes_next, turns_at_once
 from hybond.engine.laws.law_records import AGAIN, TURNED, Laws
 from hybond.engine.mode.digits.reach import reach_of
 from hybond.engine.mode.mode_records import is_constrained
@@ -202,8 +202,8 @@ def find_broken(e: Engine, r: Laws) -> int:
         if m.is_law[k] == 0:
             continue
         state = e.trial.state[k]
-        if state == 0 and r.comes[k] != 0 and not r.unanswered and not r.leaps:
-            continue  # what still approaches strikes in the next jump of this instant
+        if strikes_next(e, r, k):
+            continue
         for rule in range(m.rule_first[k], m.rule_first[k + 1]):
             if m.rule_source[rule] != state:
                 continue

@@ -267,9 +267,15 @@ def turns_at_once(e: Engine, r: Laws, t: float) -> bool:
     if found != OK:
         return False
     for k in range(m.machines if m.laws > 0 else 0):
-        if m.is_law[k] != 0:
+        if m.is_law[k] != 0 and not strikes_next(e, r, k):
             turn_ahead(e, r, k)
     return r.broken > 0
+
+
+def strikes_next(e: Engine, r: Laws, k: int) -> bool:
+    """Whether what machine k is the law of still approaches, to strike in the next jump."""
+    comes = r.comes[k] != 0 and e.trial.state[k] == 0
+    return comes and not r.unanswered and not r.leaps
 
 
 def is_at_an_end(e: Engine) -> bool:

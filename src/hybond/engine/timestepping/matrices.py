@@ -181,8 +181,13 @@ def implicit(e: Engine, s: Stepping, p: Ports, y: Floats, l: Floats) -> int:
     return OK
 
 
-def find_slopes(e: Engine, s: Stepping, p: Ports, c: Coupled, y: Floats, l: Floats) -> int:
-    """Find the slopes of a nonlinear graph at a point, as difference quotients."""
+def find_slopes(
+    e: Engine, s: Stepping, p: Ports, c: Coupled, y: Floats, l: Floats, nearby: float
+) -> int:
+    """Find the slopes of a nonlinear graph at a point, as difference quotients.
+
+    They are taken over `nearby` as part of a state's size, and no less than `NEARBY` of itself.
+    """
     m = e.model
     n = c.n
     bonds = 2 * m.bonds
@@ -202,7 +207,8 @@ def find_slopes(e: Engine, s: Stepping, p: Ports, c: Coupled, y: Floats, l: Floa
         here = y[at] if of_state else l[at]
         size = s.weight[at] if of_state else 1e3 * s.unit[at]
         # units are of the beginning of the step, when nothing may have pushed
-        there = here + NEARBY * max(size, math.fabs(here))
+        part = nearby if of_state else NEARBY
+        there = here + max(part * size, NEARBY * math.fabs(here))
         if of_state:
             y[at] = there
         else:

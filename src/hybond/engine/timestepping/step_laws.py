@@ -97,14 +97,15 @@ def close_half_way(e: Engine, s: Stepping, p: Ports, h: float, bonds: Floats) ->
     would fall again within the step is not let go of because its distance is positive by rounding;
     nor is the leg of a table that the load on the other legs would lift if it were not for them.
     What was closed and neither comes nearer nor goes apart is closed, whatever distance the step
-    left in which it closed: two bodies that fall as one meet the floor as one.
+    left in which it closed: two bodies that fall as one meet the floor as one. So is what a spring
+    in the contact presses, until the spring says that it is open.
     """
     m = e.model
     r = e.laws
     times_partner(m, p, bonds, s.free)
     motion = 0.0
     for k in range(m.ports):
-        if s.gap[k] > -math.inf:
+        if s.gap[k] > -math.inf and p.given[k] == COMMON:
             motion = max(motion, h * math.fabs(s.free[k]))
     for k in range(m.ports):
         near = s.gap[k] + 0.5 * h * s.gap_rate[k]
@@ -120,8 +121,38 @@ def close_half_way(e: Engine, s: Stepping, p: Ports, h: float, bonds: Floats) ->
             if is_rounding(e, s, k):
                 # what friction does is not in the motion without laws that leads apart
                 continue
+        elif is_on(m, k, e.state[m.port_machine[k]]) and keeps_its_gap(e, s, k, h):
+            continue
         r.role[k] = passive_role(p, k)
         s.restitution[k] = 0.0
+
+
+def keeps_its_gap(e: Engine, s: Stepping, k: int, h: float) -> bool:
+    """Whether the gap of port k, which was closed, is what a step left in which it closed.
+
+    A spring in the contact says what it carries, and no speed; its gap stays as it is while it is
+    closed, but for rounding. A gap that jumps, as at the edge of a table, lets go.
+    """
+    m = e.model
+    was = s.closed_gap[k]
+    if was == math.inf or m.port_gap_pair[k] < 0:
+        return True
+    motion = 0.0
+    for i in range(m.pair_first[2 * k + 1], m.pair_first[2 * k + 2]):
+        motion += h * math.fabs(m.pair_value[i] * s.w[m.pair_column[i]])
+    if was == -math.inf:
+        return s.gap[k] <= motion
+    evaluate_gap(e, e.laws, k, s.v0)
+    terms = e.work.stack.size[e.work.stack.top]
+    return math.fabs(s.gap[k] - was) <= TOUCHING * motion + ROUNDED_GAP * terms
+
+
+def note_closed_gaps(e: Engine, s: Stepping) -> None:
+    """Note the gaps with which the step just made began, of contacts that were closed then."""
+    m = e.model
+    for k in range(m.ports):
+        closed = s.gap[k] > -math.inf and is_on(m, k, e.state[m.port_machine[k]])
+        s.closed_gap[k] = s.gap[k] if closed else -math.inf
 
 
 def is_rounding(e: Engine, s: Stepping, k: int) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import Block, make_block
@@ -121,6 +122,9 @@ class Stepping:
     most_effort: Floats
     most_flow: Floats
     """Of each island: the largest effort and flow on it."""
+    ever_effort: Floats
+    ever_flow: Floats
+    """The same, of all steps so far."""
     unit: Floats
     able: Floats
     """What a law's `l` is measured by: what is there, and what friction is able to hold."""
@@ -132,6 +136,9 @@ class Stepping:
     # the laws of the step
     gap: Floats
     gap_rate: Floats
+    closed_gap: Floats
+    """The gap with which the step before began, of a contact that was closed then; minus infinity
+    of one that was open, infinity where there was no step."""
     before: Floats
     """`w` at the beginning."""
     restitution: Floats
@@ -215,6 +222,8 @@ def make_stepping(m: Model) -> Stepping:
     s.weight = floats(states)
     s.most_effort = floats(m.islands)
     s.most_flow = floats(m.islands)
+    s.ever_effort = floats(m.islands)
+    s.ever_flow = floats(m.islands)
     s.unit = floats(n)
     s.able = floats(n)
     s.reach = floats(m.storages)
@@ -223,6 +232,9 @@ def make_stepping(m: Model) -> Stepping:
     s.x = floats(m.storages)
     s.gap = floats(n)
     s.gap_rate = floats(n)
+    s.closed_gap = floats(n)
+    for k in range(n):
+        s.closed_gap[k] = math.inf
     s.before = floats(n)
     s.restitution = floats(n)
     s.free = floats(n)

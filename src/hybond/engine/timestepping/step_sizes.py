@@ -85,6 +85,9 @@ def measure_laws(e: Engine, s: Stepping, p: Ports) -> None:
     """
     m = e.model
     measure_bonds(m, s, s.w, s.w)
+    for i in range(m.islands):
+        s.ever_effort[i] = max(s.ever_effort[i], s.most_effort[i])
+        s.ever_flow[i] = max(s.ever_flow[i], s.most_flow[i])
     for k in range(m.ports):
         i = island_of_port(m, k)
         size = s.most_effort[i] if gives_effort(m, p, k) else s.most_flow[i]

@@ -34,56 +34,37 @@ from typing import Final
 from hybond.engine.algebra.products import all_finite
 from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.complementarity.law_roles import ONE_SIDED
-from hybond.engine.engine import OK, REFUSED, Engine, say_fault
+from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.inputs.interval import set_time
-from hybond.engine.jumps.jump import enter_mode
 from hybond.engine.laws.law_instant import take_instant
 from hybond.engine.laws.law_records import Ports
 from hybond.engine.laws.ports import open_mode, ports_of, solve_with, times_partner
 from hybond.engine.laws.response import find_sizes
 from hybond.engine.mode.digits.part_energies import join_parts, see_energy
-from hybond.engine.mode.mode_records import is_constrained
 from hybond.engine.mode.rows.storage import energy_of
 from hybond.engine.mode.rows.tableau import COMMON
 from hybond.engine.model import Model
 from hybond.engine.timestepping.law_work import none_carries, work_of_laws
-from hybond.engine.timestepping.matrices import (
-    find_slopes,
-    find_straight,
-    implicit,
-    rates_at,
-    take_coupled,
-)
+from hybond.engine.timestepping.matrices import find_straight, implicit, rates_at, take_coupled
 from hybond.engine.timestepping.step_account import balance_step, meter_step
 from hybond.engine.timestepping.step_laws import (
     AT_REST,
     close_half_way,
+    note_closed_gaps,
     read_step_laws,
     solve_step_laws,
 )
+from hybond.engine.timestepping.step_newton import (
+    constrain,
+    move,
+    newton_step_of,
+    no_convergence,
+)
 from hybond.engine.timestepping.step_records import Coupled, Stepping
-from hybond.engine.timestepping.step_sizes import measure_rounding, measure_step
 from hybond.engine.timestepping.steps_damped import is_barred, is_damped, state_of
 from hybond.engine.timestepping.touching_held import hold_touching
 from hybond.engine.words import Floats, Ints
 
-NEWTON_ROUNDS: Final = 40
-"""Iterations of one step."""
-SLOW_UPDATE: Final = 0.2
-"""An update that is not reduced to this part asks for new slopes."""
-PATIENT_ROUNDS: Final = 8
-"""Iterations in which updates may go to and fro."""
-GOES_BACK: Final = 0.5
-"""An update against the last one that is not reduced to this part goes to and fro."""
-PART_BACK: Final = 0.4
-"""Part of such an update that is gone: less than half, or what it leads to would go as far."""
-UPDATED: Final = 1e-11
-"""Newton ends when an update is below this part of what is updated."""
-NEAR_END: Final = 1e-6
-"""An update below this part of what is updated leaves slopes as they are, for what shares are to
-be and what is put back on its constraints: the error of what follows is that part of the update."""
-LAW_DUST_PART: Final = 1e-3
-"""Part of the largest bond variable of its kind down to which the digits of `l` count."""
 AT_END: Final = 4.0 * EPSILON
 """Part of its terms that a few operations leave of a state that laws bring to zero."""
 
@@ -242,182 +223,6 @@ def straight_step(e: Engine, s: Stepping, p: Ports, c: Coupled) -> int:
     return OK
 
 
-def move(s: Stepping, c: Coupled) -> None:
-    """Put what is left to the end of the step there, as far as the slopes tell: `l` stays."""
-    n = c.n
-    for k in range(n):
-        s.change[k] = s.explicit[k] + c.h * s.rate[k] - s.y[k]
-    for i in range(n):
-        total = 0.0
-        for k in range(n):
-            total += c.inverse.at[i * n + k] * s.change[k]
-        s.move[i] = total
-
-
-def constrain(e: Engine, s: Stepping, p: Ports) -> int:
-    """Put the end of the step on the constraints that hold whatever the laws do."""
-    m = e.model
-    mode = open_mode(e, p)
-    if not is_constrained(mode):
-        return OK
-    for k in range(m.storages):
-        s.v1[m.stored_slot + k] = s.y[k]
-    if mode.structures > 0 and solve_with(e, p, s.v1, s.nothing) != OK:
-        return REFUSED
-    if enter_mode(e, mode, s.v1, s.y, s.x) != OK:
-        return REFUSED
-    for b in range(2 * m.bonds):
-        s.thrust[b] += e.impulses[b]
-    for k in range(m.storages):
-        s.y[k] = s.x[k]
-    return OK
-
-
-def newton_step_of(e: Engine, s: Stepping, p: Ports, c: Coupled) -> int:
-    """Make a step in which something is nonlinear: Newton's method with the laws inside.
-
-    Written for laws that need not be affine in `l` (a diode in series with a nonlinear resistor).
-    Each iteration solves the laws for the whole new `l`.
-    """
-    m = e.model
-    n = c.n
-    measure_step(e, s, p, c.h)
-    last = math.inf
-    for k in range(n):
-        s.went[k] = 0.0
-    for k in range(m.ports):
-        s.went_l[k] = 0.0
-    projected = False
-    first = True
-    of_step = not c.known
-    for turn in range(NEWTON_ROUNDS):
-        # what levers share depends on how they stand, and slopes of an earlier step do not say that
-        stands = c.still <= 0 or first or (of_step and last <= NEAR_END)
-        if not (c.known and stands):
-            if find_slopes(e, s, p, c, s.y, s.l) != OK:
-                return REFUSED
-            of_step = True
-        if implicit(e, s, p, s.y, s.l) != OK:
-            return REFUSED
-        move(s, c)
-        for k in range(n):
-            s.move[k] = 0.0 if projected else s.move[k]
-        for b in range(2 * m.bonds):
-            total = e.work.w[b]
-            for k in range(n):
-                total += c.state.at[b * n + k] * s.move[k]
-            for j in range(m.ports):
-                if s.l[j] != 0.0:
-                    total -= c.gain.at[b * m.ports + j] * s.l[j]
-            s.base[b] = total
-            s.mean[b] = e.work.w[b]
-        if first:
-            close_half_way(e, s, p, c.h, s.base)
-        first = False
-        for k in range(m.ports):
-            s.free[k] = s.l[k]
-            s.doubt[k] = 0.0
-        if solve_step_laws(e, s, p, c, s.base, False) != OK:
-            if of_step:
-                return REFUSED
-            begin_anew(e, s, c)
-            last = math.inf
-            continue
-        before = last if of_step and not projected and turn >= PATIENT_ROUNDS else math.inf
-        update = advance_newton(e, s, p, c, before)
-        if projected or update <= UPDATED:
-            for k in range(m.storages):
-                s.move[k] = s.y[k]
-            if constrain(e, s, p) != OK:
-                return REFUSED
-            moved = False
-            far = False
-            for k in range(m.storages):
-                moved = moved or s.y[k] != s.move[k]
-                far = far or not math.fabs(s.y[k] - s.move[k]) <= NEAR_END * s.weight[k]
-            if projected or not moved:
-                # slopes may be those of a point on the way
-                if c.outgrown and find_slopes(e, s, p, c, s.y, s.l) != OK:
-                    return REFUSED
-                return implicit(e, s, p, s.y, s.l)
-            # back on the constraints; the laws once more, from there
-            projected = True
-            c.known = c.known and not far
-            continue
-        if not update <= SLOW_UPDATE * last:
-            c.known = False
-            if not of_step:
-                begin_anew(e, s, c)
-                update = math.inf
-        last = update
-    c.known = False
-    return no_convergence(e)
-
-
-def begin_anew(e: Engine, s: Stepping, c: Coupled) -> None:
-    """Begin the iterations of a step again, with slopes of its own.
-
-    Those of an earlier step hold while nothing acts: a lever that has turned by then gives a law
-    another mass, and what that would give leads anywhere.
-    """
-    c.known = False
-    for k in range(e.states):
-        s.y[k] = e.y[k]
-        s.went[k] = 0.0
-    for k in range(e.model.ports):
-        s.l[k] = 0.0
-        s.went_l[k] = 0.0
-
-
-def advance_newton(e: Engine, s: Stepping, p: Ports, c: Coupled, last: float) -> float:
-    """Go to the end that an iteration has found; return how far that was, in its own measure.
-
-    `s.free` is `l` before it, `s.mean` the bond variables. What goes back most of the way that it
-    came, by `last`, goes on but a part of it: at an orifice, which takes a root of the pressure,
-    Newton's method goes to and fro without an end.
-    """
-    m = e.model
-    n = c.n
-    update = 0.0
-    back = 0.0
-    for k in range(n):
-        change = s.move[k]
-        for j in range(m.ports):
-            change += c.push.at[k * m.ports + j] * (s.l[j] - s.free[j])
-        back += (change / s.weight[k]) * (s.went[k] / s.weight[k])
-        s.went[k] = change
-        update = max(update, math.fabs(change) / s.weight[k])
-        if not math.isfinite(change):
-            update = math.inf
-    # where nothing acts on a bond but the rounding of other laws, that is all it has
-    measure_rounding(m, s, p, c)
-    for b in range(2 * m.bonds):
-        rest = 0.0
-        scale = math.fabs(s.mean[b]) + math.fabs(s.base[b])
-        for j in range(m.ports):
-            gain = c.gain.at[b * m.ports + j]
-            if math.fabs(s.l[j] - s.free[j]) > s.rounded[j]:
-                rest += gain * (s.l[j] - s.free[j])
-            scale += math.fabs(gain) * (math.fabs(s.l[j]) + LAW_DUST_PART * s.able[j])
-        if scale > 0.0:
-            update = max(update, 1e-2 * math.fabs(rest) / scale)
-    for j in range(m.ports):
-        change = s.l[j] - s.free[j]
-        back += (change / s.able[j]) * (s.went_l[j] / s.able[j])
-        s.went_l[j] = change
-    part = PART_BACK if back < 0.0 and update >= GOES_BACK * last and update > UPDATED else 1.0
-    for k in range(n):
-        s.y[k] += part * s.went[k]
-    for j in range(m.ports if part < 1.0 else 0):
-        s.l[j] = s.free[j] + part * s.went_l[j]
-    return update
-
-
-def no_convergence(e: Engine) -> int:
-    """Refuse a step that Newton does not solve."""
-    return say_fault(e, "HB-N310", "a step does not converge", "")
-
-
 def finish_step(e: Engine, s: Stepping, p: Ports, t1: float, h: float) -> None:
     """Make the end of a step the present point, and find what it did."""
     m = e.model
@@ -446,6 +251,7 @@ def finish_step(e: Engine, s: Stepping, p: Ports, t1: float, h: float) -> None:
     for k in range(e.states):
         e.y[k] = s.y[k]
     s.since += 1
+    note_closed_gaps(e, s)
     for k in range(m.machines):
         s.before_state[k] = e.state[k]
         s.after_state[k] = e.state[k]
