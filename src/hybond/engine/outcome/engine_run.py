@@ -307,7 +307,10 @@ class EngineRun:
         numbers = self.tables.numbers
         limits = {name: numbers[name] for name in ("max_writes", "max_events", "max_steps")}
         fault = Fault(refusal, self._run.mode, limits, int(numbers["method"]))
-        return error_of(fault, self.tables.graph, self.records.explain, self.records.broken)
+        records = self.records
+        return error_of(
+            fault, self.tables.graph, records.explain, records.broken, self.trace.events
+        )
 
 
 def _method(left: list[tuple[str, int]], many: int, turns: Sequence[Turn]) -> str:

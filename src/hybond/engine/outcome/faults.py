@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from hybond.chronicle import Chronicle
 from hybond.engine.compiled.refusal import Refusal
 from hybond.engine.method_numbers import AUTO, MOREAU, RADAU
 from hybond.engine.methods.linear.flow_records import LARGE
+from hybond.engine.outcome.ever_faster import said_of_many
 from hybond.engine.outcome.explain import Explaining
 from hybond.engine.outcome.records import Instants
 from hybond.engine.outcome.refusals import Said, said_of
@@ -20,7 +22,7 @@ from hybond.errors import (
 )
 from hybond.model.graph import FlatGraph, Mode
 from hybond.records import dataclass
-from hybond.runs.trace import Fired
+from hybond.runs.trace import Event, Fired
 
 HINTS = {
     "HB-C101": "put a resistor in series with a source of effort, beside one of flow",
@@ -115,7 +117,11 @@ class Fault:
 
 
 def error_of(
-    fault: Fault, graph: FlatGraph, explain: Explaining, broken: tuple[Instants, int] | None
+    fault: Fault,
+    graph: FlatGraph,
+    explain: Explaining,
+    broken: tuple[Instants, int] | None,
+    events: Chronicle[Event],
 ) -> HybondError:
     """Return a fault as a refusal; `broken` is the instant that could not be settled."""
     refusal = fault.refusal
@@ -154,7 +160,7 @@ def error_of(
             )
         case "HB-N404":
             most = int(fault.limits["max_events"])
-            said = Said(f"more than {most} events by t = {refusal.t:.9g} s", here)
+            said = said_of_many(events, f"more than {most} events by t = {refusal.t:.9g} s", here)
         case "HB-N409":
             most = int(fault.limits["max_steps"])
             mean = f", of {refusal.about[0]:.3g} s in the mean" if refusal.about else ""

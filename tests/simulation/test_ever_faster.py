@@ -1,0 +1,49 @@
+"""Events without end: a relay whose signal feels it only through two integrators, with damping.
+
+Between two events of ``x'' = -sign(x) - k x'`` the speed falls by ``2/3 k v^2``, and they are
+``2 v`` apart: after n events that is ``3 / (k n)``, for ever.
+"""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+import hybond as hb
+
+MANY = 400
+
+
+def relay(k: float, *, turned: bool = False, band: float = 0.0) -> hb.Model:
+    sign = "-" if turned else ""
+    m = hb.Model("relay")
+    m.add(x=hb.C(1.0, q=0.1), v=hb.C(1.0, q=1.0), n1=hb.Zero(), n2=hb.Zero())
+    m.add(sx=hb.Sf(f"{sign}v.q"), sv=hb.Sf(f"{sign}(u - {k}*v.q)"))
+    m.bond("n1 -> sx" if turned else "sx -> n1", "n2 -> sv" if turned else "sv -> n2")
+    m.bond("n1 -> x", "n2 -> v")
+    m.signal(u='if relay.state == "minus" then -1 else 1')
+    rules = [f"minus -> plus when x.q < {-band}", f"plus -> minus when x.q > {band}"]
+    m.machine("relay", states={"plus": [], "minus": []}, start="minus", rules=rules)
+    return m
+
+
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize("k", [0.5, 2.0])
+def test_a_relay_behind_two_lags_switches_ever_faster_and_is_told_to_take_a_band(
+    k: float, turned: bool
+) -> None:
+    run = hb.simulate(relay(k, turned=turned), 100, max_events=MANY, on_error="return")
+    assert run.error is not None and run.error.code == "HB-N404"
+    told = re.search(r"relay switches ever faster, (\S+) s apart at last", str(run.error))
+    assert told, run.error
+    assert float(told[1]) == pytest.approx(3.0 / (k * MANY), rel=0.05)
+    assert "give it a band" in run.error.hint
+
+
+def test_a_relay_with_a_band_ends_in_a_cycle_that_does_not_shrink() -> None:
+    run = hb.simulate(relay(2.0, band=0.05), 1000, max_events=MANY, on_error="return")
+    assert run.error is not None and run.error.code == "HB-N404"
+    assert re.search(r"relay switches every \S+ s at last", str(run.error))
+    times = [event.t for event in run.events]
+    assert times[-1] - times[-2] == pytest.approx(times[-3] - times[-4], rel=1e-3)
