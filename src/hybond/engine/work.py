@@ -221,6 +221,7 @@ class Work:
     newton_factors: SparseLu
     newton_order: bool
     """Whether an order is known in which Newton's slopes can be factored."""
+    newton_moved: bool
     cluster: Cluster
     sides: Block
     """Of a sparse jump: what its equations come to, ..."""

@@ -55,8 +55,9 @@ def factor_slopes(e: Engine, n: int) -> bool:
         terms += 1 if a[i] != 0.0 else 0
     if float(terms) > FULL * float(n) * float(n):
         return False
-    if work.newton_order and put_same_terms(e, n, terms) and factor_again(f, work.factoring):
-        return is_clear(e, n)
+    if work.newton_order and put_same_terms(e, n, terms):
+        if not work.newton_moved or factor_again(f, work.factoring):
+            return is_clear(e, n)
     begin_system(f, n, terms)
     for i in range(n):
         for j in range(n):
@@ -68,9 +69,13 @@ def factor_slopes(e: Engine, n: int) -> bool:
 
 
 def put_same_terms(e: Engine, n: int, terms: int) -> bool:
-    """Whether slopes that are not zero are where they were when factors were found last."""
+    """Whether slopes that are not zero are where they were when factors were found last.
+
+    Whether any of them is another one is in `e.work.newton_moved`.
+    """
     f = e.work.newton_factors
     a = e.work.jacobian.at
+    e.work.newton_moved = False
     if f.unknowns != n or f.begins.at[n] != terms:
         return False
     for i in range(n):
@@ -78,7 +83,9 @@ def put_same_terms(e: Engine, n: int, terms: int) -> bool:
             slope = a[i * n + f.term_of.at[p]]
             if slope == 0.0:
                 return False
-            f.term.at[p] = slope
+            if slope != f.term.at[p]:
+                f.term.at[p] = slope
+                e.work.newton_moved = True
     return True
 
 
