@@ -13,7 +13,7 @@ from hybond.engine.algebra.blocks import (
     make_rows,
 )
 from hybond.engine.algebra.separate import Separate, make_separate
-from hybond.engine.algebra.sparse_lu import Factoring, make_factoring
+from hybond.engine.algebra.sparse_lu import Factoring, SparseLu, make_factoring, make_sparse_lu
 from hybond.engine.algebra.svd import Svd, make_svd
 from hybond.engine.expressions.pairs import Stack, make_stack
 from hybond.engine.mode.digits.cluster_records import Cluster, make_cluster
@@ -218,6 +218,10 @@ class Work:
     column_size: Block
     separate: Separate
     factoring: Factoring
+    newton_factors: SparseLu
+    newton_order: bool
+    """Whether an order is known in which Newton's slopes can be factored."""
+    newton_moved: bool
     cluster: Cluster
     sides: Block
     """Of a sparse jump: what its equations come to, ..."""
@@ -365,6 +369,7 @@ def make_work(m: Model) -> Work:
     w.column_size = make_block(1)
     w.separate = make_separate()
     w.factoring = make_factoring()
+    w.newton_factors = make_sparse_lu()
     w.cluster = make_cluster(m.storages)
     w.sides = make_block(1)
     w.found = make_block(1)

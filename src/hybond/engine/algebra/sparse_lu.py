@@ -22,6 +22,7 @@ from hybond.engine.algebra.blocks import (
     make_block,
     make_places,
 )
+from hybond.engine.algebra.rounding import CANCELS
 from hybond.engine.words import Floats, record
 
 SHARE: Final = 0.1
@@ -51,6 +52,8 @@ class SparseLu:
     solved_at: Places
     """The step at which each unknown is solved for."""
     diagonal: Block
+    made_of: Block
+    """... and the size of the terms that this is the sum of."""
     lower_begins: Places
     lower_step: Places
     lower: Block
@@ -88,6 +91,7 @@ def make_sparse_lu() -> SparseLu:
     f.pivot = make_places(1)
     f.solved_at = make_places(1)
     f.diagonal = make_block(1)
+    f.made_of = make_block(1)
     f.lower_begins = make_places(1)
     f.lower_step = make_places(1)
     f.lower = make_block(1)
@@ -152,6 +156,84 @@ def factor_sparse(f: SparseLu, r: Factoring) -> bool:
     return True
 
 
+def factor_again(f: SparseLu, r: Factoring) -> bool:
+    """Find the factors with other values of the same terms, in the order found before.
+
+    False if it does not fit any more: where a pivot has become a small part of its equation, or
+    where there is a term now that was zero then. The factors are lost then.
+    """
+    n = f.unknowns
+    for k in range(n):
+        r.marked.at[k] = 0
+    for k in range(n):
+        put_again(f, r, k)
+        if not take_off_again(f, r, k) or not settle_again(f, r, k):
+            return False
+    return True
+
+
+def put_again(f: SparseLu, r: Factoring, k: int) -> None:
+    """Begin with nothing of what the equation of step k has had terms of, marked by that step."""
+    r.width = 0
+    for p in range(f.lower_begins.at[k], f.lower_begins.at[k + 1]):
+        meet_again(r, f.pivot.at[f.lower_step.at[p]], k)
+    meet_again(r, f.pivot.at[k], k)
+    for p in range(f.upper_begins.at[k], f.upper_begins.at[k + 1]):
+        meet_again(r, f.upper_of.at[p], k)
+
+
+def meet_again(r: Factoring, unknown: int, k: int) -> None:
+    """Begin with nothing of one unknown."""
+    r.marked.at[unknown] = k + 1
+    r.total.at[unknown] = 0.0
+    r.size.at[unknown] = 0.0
+    r.met.at[r.width] = unknown
+    r.width += 1
+
+
+def take_off_again(f: SparseLu, r: Factoring, k: int) -> bool:
+    """Sum the terms of the equation of step k and take off it the same steps as before."""
+    i = f.taken.at[k]
+    known = r.width
+    for p in range(f.begins.at[i], f.begins.at[i + 1]):
+        add_again(r, f.term_of.at[p], f.term.at[p], k)
+    for p in range(f.lower_begins.at[k], f.lower_begins.at[k + 1]):
+        step = f.lower_step.at[p]
+        share = r.total.at[f.pivot.at[step]] / f.diagonal.at[step]
+        f.lower.at[p] = share
+        for q in range(f.upper_begins.at[step], f.upper_begins.at[step + 1]):
+            add_again(r, f.upper_of.at[q], -share * f.upper.at[q], k)
+    # what had cancelled cancels
+    for c in range(known, r.width):
+        unknown = r.met.at[c]
+        if math.fabs(r.total.at[unknown]) > CANCELS * r.size.at[unknown]:
+            return False
+    return True
+
+
+def add_again(r: Factoring, unknown: int, part: float, k: int) -> None:
+    """Add to what the equation of step k has of an unknown."""
+    if r.marked.at[unknown] != k + 1:
+        meet_again(r, unknown, k)
+    r.total.at[unknown] += part
+    r.size.at[unknown] += math.fabs(part)
+
+
+def settle_again(f: SparseLu, r: Factoring, k: int) -> bool:
+    """Solve the equation for the same unknown; False if that is a small part of it now."""
+    pivot = f.pivot.at[k]
+    biggest = math.fabs(r.total.at[pivot])
+    whole = 0.0
+    for i in range(r.width):
+        whole = max(whole, r.size.at[r.met.at[i]])
+    for p in range(f.upper_begins.at[k], f.upper_begins.at[k + 1]):
+        f.upper.at[p] = r.total.at[f.upper_of.at[p]]
+        biggest = max(biggest, math.fabs(f.upper.at[p]))
+    f.diagonal.at[k] = r.total.at[pivot]
+    f.made_of.at[k] = r.size.at[pivot]
+    return math.fabs(f.diagonal.at[k]) >= SHARE * biggest and biggest > NO_TERM * whole
+
+
 def begin_factors(f: SparseLu, r: Factoring) -> None:
     """Put the equations in order, those with few terms first, and make room."""
     n = f.unknowns
@@ -159,6 +241,7 @@ def begin_factors(f: SparseLu, r: Factoring) -> None:
     fit_places(f.pivot, n)
     fit_places(f.solved_at, n)
     fit(f.diagonal, n)
+    fit(f.made_of, n)
     fit_places(f.lower_begins, n + 1)
     fit_places(f.upper_begins, n + 1)
     fit(r.total, n)
@@ -290,6 +373,7 @@ def settle_pivot(f: SparseLu, r: Factoring, k: int) -> bool:
     f.pivot.at[k] = pivot
     f.solved_at.at[pivot] = k
     f.diagonal.at[k] = r.total.at[pivot]
+    f.made_of.at[k] = r.size.at[pivot]
     kept = f.upper_begins.at[k]
     for i in range(kept, at):
         if f.upper_of.at[i] != pivot:
@@ -325,10 +409,14 @@ def solve_transposed(f: SparseLu, r: Factoring, b: Floats, x: Floats) -> None:
     for k in range(n):
         share = b[f.pivot.at[k]] / f.diagonal.at[k]
         r.side.at[k] = share
+        if share == 0.0:
+            continue
         for p in range(f.upper_begins.at[k], f.upper_begins.at[k + 1]):
             b[f.upper_of.at[p]] -= f.upper.at[p] * share
     for back in range(n):
         k = n - 1 - back
         x[f.taken.at[k]] = r.side.at[k]
+        if r.side.at[k] == 0.0:
+            continue
         for p in range(f.lower_begins.at[k], f.lower_begins.at[k + 1]):
             r.side.at[f.lower_step.at[p]] -= f.lower.at[p] * r.side.at[k]

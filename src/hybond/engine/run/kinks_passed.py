@@ -10,13 +10,15 @@ from typing import Final
 
 from hybond.engine.answers import node_name, stored_name
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
-from hybond.engine.guards.guard_values import has_crossed, holds_at, show
+from hybond.engine.expressions.pairs import ROUNDING
+from hybond.engine.guards.guard_values import atom_at, has_crossed, holds_at, show, terms_here
 from hybond.engine.guards.locator import ALL_PARTS, NO_KINK, Locator
 from hybond.engine.guards.naps import LONGEST_NAP, pass_step
 from hybond.engine.guards.together import LAST_PLACES, before_kink, kink_there
 from hybond.engine.methods.explicit.dopri import spacing
 from hybond.engine.methods.explicit.one_instant import room_of_instant
 from hybond.engine.methods.stepping import between, reach, retry
+from hybond.engine.mode.nonlinear.guess import give_back_guess, hold_guess
 from hybond.engine.reasons.facts import add_fact
 from hybond.engine.run.held_by_kinks import JUMPS, SEEN, compared, dust_of_rate, is_held
 from hybond.engine.run.run_records import IDLE, PATIENCE, Run
@@ -234,6 +236,7 @@ def see_jump(e: Engine, r: Run, at: float) -> None:
             r.beside[k * e.states + i] = r.rate[i]
     r.locator.looked = math.nan
     e.refusal = refusal
+    jumped = r.jumps
     r.jumps = False
     for i in range(e.states if known else 0):
         if math.fabs(r.beside[2 * e.states + i]) <= dust_of_rate(e, i):
@@ -243,7 +246,34 @@ def see_jump(e: Engine, r: Run, at: float) -> None:
         near = math.fabs(r.beside[2 * e.states + i] - r.beside[3 * e.states + i])
         size = math.fabs(r.beside[2 * e.states + i]) + math.fabs(r.beside[3 * e.states + i])
         r.jumps = r.jumps or (near > JUMPS * wide and near > SEEN * size)
+    if r.jumps and is_lost_in_rounding(e, r, kink, at, reach):
+        r.told = False
+        r.jumps = jumped
+        return
     r.leads_back = r.jumps and leads_back(e, r, at, reach)
+
+
+def is_lost_in_rounding(e: Engine, r: Run, kink: int, at: float, reach: float) -> bool:
+    """Whether what is compared at a kink moves by no more than its rounding from side to side.
+
+    Then rates differ by rounding as well: of levels that are the same but for their last places,
+    what flows between them has few digits.
+    """
+    g = r.locator
+    refusal = e.refusal
+    hold_guess(e, e.mode)
+    moved = math.inf
+    rounding = 0.0
+    for k in range(g.guards):
+        a = g.atom_first[k]
+        if g.side[k] != NO_KINK and g.atom[a] - e.model.kink_atom == kink:
+            moved = atom_at(e, g, a, at + reach)
+            moved = math.fabs(moved - atom_at(e, g, a, at - reach))
+            rounding = ROUNDING * terms_here(e, g, k, a)
+    give_back_guess(e, e.mode)
+    e.refusal = refusal
+    g.looked = math.nan
+    return moved <= rounding
 
 
 def leads_back(e: Engine, r: Run, at: float, reach: float) -> bool:

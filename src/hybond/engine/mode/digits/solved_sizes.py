@@ -18,6 +18,7 @@ from hybond.engine.engine import Engine
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.nonlinear.newton_step import CLEAR_PIVOT, least_pivot
 from hybond.engine.mode.nonlinear.newton_system import rows_of_system, write_bonds
+from hybond.engine.mode.nonlinear.sparse_step import factor_slopes, put_inverse_row
 from hybond.engine.words import Floats
 
 
@@ -58,7 +59,8 @@ def by_residuals(e: Engine, mode: Mode, xi: Floats, v: Floats) -> None:
     frees = mode.finite_frees
     for k in range(n):
         size = row_size(mode.finite, mode.same[k], xi)
-        for j in range(frees):
+        for p in range(mode.share_first.at[k], mode.share_first.at[k + 1]):
+            j = mode.share_of.at[p]
             size += math.fabs(mode.finite_free.at[k * frees + j]) * mode.free_size.at[j]
         work.w_size[k] = max(size, math.fabs(mode.sized_at[k]))
         work.w_reach[k] = 0.0
@@ -118,8 +120,12 @@ def let_taken(e: Engine, mode: Mode, many: int, basis: Floats, taken: Floats) ->
 def invert(e: Engine, rows: int) -> bool:
     """Invert the Jacobian of as many unknowns; False if it is singular."""
     work = e.work
-    fit(work.jacobian2, rows * rows)
     fit(work.inverse, rows * rows)
+    if factor_slopes(e, rows):
+        for j in range(rows):
+            put_inverse_row(e, rows, j)
+        return True
+    fit(work.jacobian2, rows * rows)
     fit_places(work.pivots, rows)
     for i in range(rows * rows):
         work.jacobian2.at[i] = work.jacobian.at[i]

@@ -104,6 +104,8 @@ def newton(e: Engine, mode: Mode, v: Floats) -> int:
     fit(work.step, frees + mode.dynamics + 1)
     fit(work.guess, frees + 1)
     take_rank(e, mode, v)
+    # what is begun anew does not hang on what was solved before
+    work.newton_order = work.newton_order and mode.guessed
     r = work.guess.at
     for j in range(frees):
         r[j] = mode.guess.at[j] if mode.guessed else 0.0

@@ -11,6 +11,7 @@ from hybond.engine.algebra.products import all_finite
 from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.engine import Engine
 from hybond.engine.mode.nonlinear.freedom import step_of_singular
+from hybond.engine.mode.nonlinear.sparse_step import sparse_step
 from hybond.engine.words import Floats
 
 TOLERANCE: Final = 1e-13
@@ -30,6 +31,8 @@ def newton_step(e: Engine, rows: int, frees: int) -> bool:
     Whether it is regular beyond doubt: no pivot is a small part of its column.
     """
     work = e.work
+    if rows == frees and sparse_step(e, rows):
+        return True
     if rows == frees:
         fit(work.jacobian2, rows * frees)
         fit_places(work.pivots, rows)

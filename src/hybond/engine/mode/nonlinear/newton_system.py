@@ -175,17 +175,25 @@ def put_law(e: Engine, mode: Mode, i: int, at: int) -> None:
     work = e.work
     first = i * 2 * m.bonds
     d = mode.dynamic[i]
-    if d < 0 or work.aid > 0.0:
+    if d < 0:
         put_row(e, mode, work.slopes.at, first, at)
         return
+    # a resistance beside the law has its slope by one variable more, in the order of variables
+    beside = m.dynamic_partner[d] if work.aid > 0.0 else -1
     work.residual_size.at[at] = 0.0
     work.residual_reach.at[at] = 0.0
     for j in range(mode.finite_frees):
         work.jacobian.at[at * mode.finite_frees + j] = 0.0
     for p in range(m.slope_first[d], m.slope_first[d + 1]):
         k = m.slope_column[p]
+        if beside >= 0 and beside <= k:
+            if beside < k and work.slopes.at[first + beside] != 0.0:
+                put_slope(e, mode, work.slopes.at[first + beside], beside, at)
+            beside = -1
         if work.slopes.at[first + k] != 0.0:
             put_slope(e, mode, work.slopes.at[first + k], k, at)
+    if beside >= 0 and work.slopes.at[first + beside] != 0.0:
+        put_slope(e, mode, work.slopes.at[first + beside], beside, at)
 
 
 def put_slope(e: Engine, mode: Mode, slope: float, k: int, at: int) -> None:
