@@ -37,8 +37,7 @@ class Model:
     at_slot: int
     most_sources: int
     """Sources that the equations of a mode may have, ports of junction laws counted."""
-    most_dynamic: int
-    """Rows that are evaluated anew each time, at the most; hidden ones not counted."""
+    most_dynamic: int  # rows that are evaluated anew each time, at the most; hidden ones left out
 
     # machines: those of the model, then those that stand for laws of junctions, as in the model
     state_first: Ints
