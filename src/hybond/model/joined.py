@@ -37,9 +37,10 @@ class Joined(Generic[K]):
         return item
 
     def join(self, items: Iterable[K]) -> None:
-        """Make one group of the groups of items; that of the first stands for it."""
-        first, *others = items
-        for item in others:
+        """Make one group of the groups of items; that of the first stands for it. Of none, none."""
+        first = None
+        for item in items:
+            first = item if first is None else first
             self._above[self.root(item)] = self.root(first)
 
     def groups(self) -> list[list[K]]:

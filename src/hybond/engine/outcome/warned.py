@@ -249,10 +249,10 @@ class Warnings:
         found = self.graph.storages[storage]
         rate = "flow" if found.kind == "C" else "effort"
         return (
-            f"from {now[3:]} on, steps swing about a law that is steep without bound at zero: what "
-            f"{found.path} stores is within the tolerance, but its {rate} is off by {off:.2g} "
-            f"there (of {size:.2g} at most), and so is what that law says; a smaller rtol makes it "
-            "less, a small C or I where it stands ends it"
+            f"from {now[3:]} on, steps swing about a law that is steeper there than the tolerance "
+            f"of what it reads: what {found.path} stores is within that, but its {rate} is off by "
+            f"{off:.2g} (of {size:.2g} at most), and so is what the law says; a smaller rtol makes "
+            "it less, a larger C or I beside that law ends it"
         )
 
     def _of_unresolved(self, now: str, rule: int, carried: float, rounding: float) -> str:
