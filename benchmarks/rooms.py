@@ -57,7 +57,7 @@ def main() -> None:
         print("where time goes is not looked at: there is no perf")
         return
     rooms = rooms_of_functions()
-    rows = ["| problem | rooms, % | functions, % |", "| --- | --- | --- |"]
+    rows = ["| row | rooms, % | functions, % |", "| --- | --- | --- |"]
     for key in options.problems or USUAL:
         for number, problem in enumerate((PROBLEMS | ASKED)[key](False)):
             if options.tool in problem.tools:

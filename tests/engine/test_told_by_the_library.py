@@ -357,10 +357,12 @@ def test_guards_that_ask_in_vain_are_named(monkeypatch: pytest.MonkeyPatch) -> N
         fault.code, fault.why, fault.place, fault.t, tuple(fault.about.at[: fault.many])
     )
     fault_seen = Fault(refusal, tuple(engine.state), LIMITS, METHODS["auto"])
-    error = error_of(fault_seen, graph, Explaining(tables), None)
+    error = error_of(fault_seen, graph, Explaining(tables), None, ())
     assert error.code == "HB-N406"
     assert "a guard holds 100 times in a row" in error.why
     assert "c.f > 0" in (error.where or "")
     assert "solver = 'auto'" not in (error.hint or "")
-    other = error_of(replace(fault_seen, method=METHODS["rk45"]), graph, Explaining(tables), None)
+    other = error_of(
+        replace(fault_seen, method=METHODS["rk45"]), graph, Explaining(tables), None, ()
+    )
     assert "solver = 'auto' if the model is stiff" in (other.hint or "")

@@ -190,7 +190,7 @@ def test_an_impact_has_the_equation_of_a_rebound_written_by_hand() -> None:
     # a row without a rate: 0 = i.p/M - ..., of either sign
     np.testing.assert_allclose([a.E, np.abs(a.A)], [b.E, np.abs(b.A)])
     assert a.E[0, 0] == 0.0 and a.A[0, 0] == 0.5
-    assert "eps*pre(-v.f)" in law.text({"c": "impact"})
+    assert "eps*max(0, pre(-v.f))" in law.text({"c": "impact"})
     # and closed is no impact
     np.testing.assert_allclose(np.abs(law.at({"c": "closed"}).A), [[0.5]])
     assert "pre" not in law.text({"c": "closed"})

@@ -4,8 +4,9 @@ A pressure runs through a row of vessels: what flows from one to the next is the
 difference, and far ahead of it that is next to nothing, of either sign by the error of the steps.
 Each change of sign would end a step, and the next one would begin as near a kink as this. A root
 has the same value from both sides, so nothing is passed over: what a step makes of it is as right
-beyond as it is before. So where a step begins no farther from such a kink than its tolerance may
-be off, the kink ends it only if it leads there from farther away.
+beyond as it is before. So in a row of many roots, where such kinks have ended one step after the
+other and a step begins no farther from one than its tolerance may be off, that ends it only if it
+leads there from farther away. What comes to rest at one of a few is located.
 """
 
 from __future__ import annotations
@@ -20,14 +21,21 @@ from hybond.engine.guards.locator import NO_KINK, Locator
 from hybond.engine.methods.explicit.one_instant import show_motion
 from hybond.engine.methods.tolerances.scale import tolerance
 from hybond.engine.mode.nonlinear.guess import give_back_guess, hold_guess
+from hybond.engine.model import Model
 from hybond.engine.words import Floats
 
+MANY: Final = 5
+"""Roots that make a row, ..."""
+IN_A_ROW: Final = 32
+"""... and steps that their kinks have ended, one after the other."""
 LOOKS: Final = 4
 """Parts of the way to a kink at whose ends it is seen whether what is compared leaves zero."""
 
 
 def forget_blurred(e: Engine, g: Locator) -> None:
     """Know of no kink that it is blurred, where another step begins."""
+    if not g.at < math.inf:
+        g.in_a_row = 0
     if g.blurs and g.blurred_from != e.step.t0:
         g.blurs = False
         for k in range(g.guards):
@@ -36,7 +44,12 @@ def forget_blurred(e: Engine, g: Locator) -> None:
 
 def let_blurred_pass(e: Engine, g: Locator) -> bool:
     """Whether kinks that have ended the step are blurred: they end it no more."""
-    if e.model.kinks == 0 or e.slide.k > 0 or not is_root_there(e, g):
+    if e.model.kinks < MANY or e.slide.k > 0 or not is_root_there(e, g):
+        return False
+    if not is_row(e.model):
+        return False
+    g.in_a_row += 1
+    if g.in_a_row < IN_A_ROW:
         return False
     refusal = e.refusal
     hold_guess(e, e.mode)
@@ -46,6 +59,14 @@ def let_blurred_pass(e: Engine, g: Locator) -> bool:
     g.looked = math.nan
     e.refusal = refusal
     return found and not g.failed
+
+
+def is_row(m: Model) -> bool:
+    """Whether there are many roots."""
+    roots = 0
+    for k in range(m.kinks):
+        roots += 1 if m.kink_meets[k] != 0 else 0
+    return roots >= MANY
 
 
 def is_root_there(e: Engine, g: Locator) -> bool:

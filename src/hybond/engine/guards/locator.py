@@ -181,6 +181,7 @@ class Locator:
     far what is compared may be off, what it is, and what it is with one state shifted."""
     blurred_from: float
     blurs: bool
+    in_a_row: int
     blur: Floats
     unblurred: Floats
     beside_here: Floats
