@@ -111,6 +111,28 @@ def test_a_stroke_and_a_release_at_once_approach_the_sliding_motion_and_end_in_i
     assert run.audit().created <= 1e-12
 
 
+@pytest.mark.parametrize("share", [0.5, 0.375, 0.9])
+@pytest.mark.parametrize("turned", [False, True])
+def test_strokes_too_soft_for_an_impulse_still_end_in_the_sliding_motion(share, turned) -> None:
+    """Two drums on a differential turn as one, and could hold more than it at the same energy.
+
+    So a stroke is no impulse beside that before it is nothing beside what the shaft holds.
+    """
+    whole = hb.simulate(clutch("5", drum=0.0, leave="pre(v.f) < 1"), until=2.0, rtol=1e-10)
+    m = clutch("5", drum=0.0, leave="pre(v.f) < 1")
+    del m.elements["drum"]
+    m.bonds[:] = [chain.replace("w -> drum", "w -> n") for chain in m.bonds]
+    m.add(a=hb.I(2.0 / share), b=hb.I(2.0 / (1.0 - share)), n=hb.Zero())
+    m.bond("a -> n" if turned else "n -> a", "n -> b")
+    run = hb.simulate(m, until=2.0, rtol=1e-10)
+    (sliding,) = run.sliding
+    (expected,) = whole.sliding
+    assert sliding.t0 == pytest.approx(expected.t0, abs=1e-8)
+    assert run.weight("k", "on", 1.5) == pytest.approx(engaged(5.0), abs=1e-12)
+    assert run["w.f"].at(1.5) == pytest.approx(1.0, abs=1e-12)
+    assert run.audit().holds(1e-9)
+
+
 def test_the_governor_example() -> None:
     run = hb.simulate(hb.load(EXAMPLES / "sliding_clutch.toml"))
     (sliding,) = run.sliding

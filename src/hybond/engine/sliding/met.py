@@ -37,9 +37,12 @@ def find_met(e: Engine, i: Instant, before: Floats, moved: bool) -> int:
     turns = False
     if find_left(e, (anew or i.steps > 0) and not moved) != OK:
         return REFUSED
-    if moved:
-        for k in range(m.storages):
-            s.x[k] = e.y[k] - before[k]
+    # too little for an impulse may still be a jump: of what is stored, some may count for less
+    jumped = moved
+    for k in range(m.storages if i.steps > 0 else 0):
+        s.x[k] = e.y[k] - before[k]
+        jumped = jumped or s.x[k] != 0.0
+    if jumped:
         turns = vanishes(e, s.x, e.y)
     shown = False
     for surface in range(m.surfaces):
@@ -53,7 +56,9 @@ def find_met(e: Engine, i: Instant, before: Floats, moved: bool) -> int:
         f = fired_once(i, machine)
         crossed = f >= 0 and is_between(m, surface, i.source.at[f], i.target.at[f])
         held = is_held(e, surface)
-        if known or not (crossed or held or anew):
+        # there and back by a pinnacle: towards the surface, if its jumps have vanished
+        back = turns and went_and_came(i, machine)
+        if known or not (crossed or held or anew or back):
             continue
         if not shown:
             if mode_of(e, e.state) != OK or combine_here(e, e.state) != OK:
@@ -71,10 +76,7 @@ def find_met(e: Engine, i: Instant, before: Floats, moved: bool) -> int:
             if jumps_over(e, surface):
                 continue
         sure = (sure or (held and s.parted[surface] == 0)) and not moved
-        if turns and i.steps > 0 and went_and_came(i, machine):
-            # there and back by a pinnacle: towards the surface, if its jumps have vanished
-            sure = True
-        if sure or is_on(e, surface):
+        if sure or back or is_on(e, surface):
             s.met_surface[s.met] = surface
             s.met += 1
     return OK
