@@ -16,6 +16,8 @@ from hybond.engine.laws.gaps import check_gaps
 from hybond.engine.laws.law_records import Laws, Ports
 from hybond.engine.laws.ports import open_mode, partner_row, ports_of
 from hybond.engine.method_numbers import MOREAU
+from hybond.engine.methods.explicit.dopri import spacing
+from hybond.engine.methods.explicit.one_instant import LEAST
 from hybond.engine.mode.digits.part_energies import (
     STORED,
     find_energies_at,
@@ -220,6 +222,24 @@ def find_rounding(e: Engine, r: Laws) -> None:
             reach += settled_terms(m, mode, b, e.work.xi)
             stored += math.fabs(m.pair_value[i]) * reach
         r.rounding[k] = r.response.size[k] + STORED * stored
+    add_moved_within(e, r)
+
+
+def add_moved_within(e: Engine, r: Laws) -> None:
+    """Add what friction that slides moves of each `y` in the last places of the time.
+
+    No instant says more of it. What is stored counts for more than that, unless all of it settles
+    within a moment.
+    """
+    m = e.model
+    n = m.ports
+    places = LEAST * spacing(r.t)
+    for j in range(n):
+        if m.port_two_sided[j] == 0 or r.state[m.port_machine[j]] == 0:
+            continue
+        limit = math.fabs(quantity(m, m.port_limit, m.port_limit_constant, j, r.v))
+        for k in range(n):
+            r.rounding[k] += math.fabs(r.response.ce[k * n + j]) * limit * places / LAW_ZERO
 
 
 def clean(m: Model, r: Laws, y: Floats) -> None:
