@@ -52,3 +52,25 @@ def test_a_capacitor_that_friction_empties_at_once_stays_empty_for_the_rest_of_t
     (fired,) = rests.steps[-1].fired
     assert fired.target == "sticks"
     assert abs(run["c.q"].at(until)) <= 1e-15 * abs(q) * scale
+
+
+@pytest.mark.parametrize("tau", [1e-9, 1e-6, 1e-3])
+@pytest.mark.parametrize("dual", [False, True])
+@pytest.mark.parametrize("turned", [False, True])
+def test_friction_stops_a_fast_part_late_in_a_run(tau: float, dual: bool, turned: bool) -> None:
+    """A pulse of a microsecond at 0.3 s: a last place of the time is more than rounding of it."""
+    pulse = f"if time > 0.3 and time < 0.3 + {tau} then 3 else 0"
+    m = hb.Model("late")
+    if dual:
+        m.add(rub=hb.One(law="coulomb", limit=0.5), x=hb.I(tau), r=hb.R(2.0), s=hb.Se(pulse))
+    else:
+        m.add(rub=hb.Zero(law="coulomb", limit=0.5), x=hb.C(tau), r=hb.G(2.0), s=hb.Sf(pulse))
+    m.bond("s -> rub", "x -> rub" if turned else "rub -> x", "rub -> r")
+    run = hb.simulate(m, 1.0)
+    _, begun, rests = run.events
+    assert begun.t == 0.3
+    most = 1.25 * -math.expm1(-2.0)  # tau y' = 2.5 - 2 y, then -0.5 - 2 y
+    expected = tau * (1.0 + 0.5 * math.log1p(4.0 * most))
+    assert rests.t - 0.3 == pytest.approx(expected, rel=1e-9, abs=4e-16)
+    (fired,) = rests.steps[-1].fired
+    assert fired.target == "sticks"

@@ -16,7 +16,7 @@ from hybond.engine.jumps.trial import (
     take_factors,
     write_entry,
 )
-from hybond.engine.laws.law_instant import NO_LAW_VALUE
+from hybond.engine.laws.law_instant import NO_LAW_VALUE, slides_within
 from hybond.engine.laws.law_parallel import add_left
 from hybond.engine.laws.law_rates import is_at_an_end, strikes_next, turns_at_once
 from hybond.engine.laws.law_records import AGAIN, TURNED, Laws
@@ -142,7 +142,10 @@ def sweep_candidate(e: Engine, r: Laws) -> int:
     reach_of(e, e.mode, r.here, e.work.reach)
     for k in range(m.storages):
         change = math.fabs(r.swept[k] - r.here[k])
-        if not change <= DUST_OF_STATE * (math.fabs(r.here[k]) + e.work.reach[k]):
+        dust = DUST_OF_STATE * (math.fabs(r.here[k]) + e.work.reach[k])
+        for j in range(m.ports):
+            dust += math.fabs(r.response.e[k * m.ports + j]) * slides_within(e, r, j)
+        if not change <= dust:
             return NO_ENTRY
     return STANDS
 

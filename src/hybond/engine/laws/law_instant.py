@@ -233,13 +233,19 @@ def add_moved_within(e: Engine, r: Laws) -> None:
     """
     m = e.model
     n = m.ports
-    places = LEAST * spacing(r.t)
     for j in range(n):
-        if m.port_two_sided[j] == 0 or r.state[m.port_machine[j]] == 0:
-            continue
-        limit = math.fabs(quantity(m, m.port_limit, m.port_limit_constant, j, r.v))
-        for k in range(n):
-            r.rounding[k] += math.fabs(r.response.ce[k * n + j]) * limit * places / LAW_ZERO
+        most = slides_within(e, r, j) / LAW_ZERO
+        for k in range(n if most > 0.0 else 0):
+            r.rounding[k] += math.fabs(r.response.ce[k * n + j]) * most
+
+
+def slides_within(e: Engine, r: Laws, j: int) -> float:
+    """Return what friction that slides gives in the last places of the time; 0 of other laws."""
+    m = e.model
+    if m.port_two_sided[j] == 0 or r.state[m.port_machine[j]] == 0:
+        return 0.0
+    limit = math.fabs(quantity(m, m.port_limit, m.port_limit_constant, j, r.v))
+    return limit * LEAST * spacing(r.t)
 
 
 def clean(m: Model, r: Laws, y: Floats) -> None:
