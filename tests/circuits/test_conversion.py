@@ -281,6 +281,42 @@ class TestSwitches:
         closes = [e.t for e in run.events[1:]]
         assert closes[-1] == pytest.approx(2 + 2.5 / 3.5)
 
+    @pytest.mark.parametrize("ends", ["a b", "b a"])
+    @pytest.mark.parametrize("state", ["", "ON", "OFF"])
+    def test_a_switch_with_ron_above_roff_opens_where_others_close(self, simulate, ends, state):
+        run = simulate(
+            "V1 a 0 10", f"S1 {ends} c 0 SX {state}", "R1 b 0 9",
+            "Vc c 0 PWL(0 2 1 2 2 0.5 3 4)", ".model SX SW(VT=2 VH=1 RON=1e9 ROFF=1)",
+            ".print tran v(b)", ".tran 1m 4 uic",
+        )  # fmt: skip
+        # within the hysteresis it is as it began, and ON is RON
+        assert printed(run).at(0.5) == pytest.approx(0.0 if state == "ON" else 9.0)
+        assert printed(run).at(1.9) == pytest.approx(9.0)
+        assert printed(run).at(3.5) == pytest.approx(0.0)
+        assert run.events[-1].t == pytest.approx(2 + 2.5 / 3.5)
+
+    def test_an_inverted_switch_keeps_the_resistance_beside_it(self, simulate):
+        run = simulate(
+            "V1 a 0 10", "S1 a b c 0 SX", "R1 b 0 1k", "Vc c 0 PULSE(0 1 1 1m 1m 5)",
+            ".model SX SW(VT=0.5 RON=9k ROFF=1k)", ".print tran v(b)", ".tran 1m 2 uic",
+        )  # fmt: skip
+        assert printed(run).at(0.5) == pytest.approx(5.0)
+        assert printed(run).at(1.5) == pytest.approx(1.0)
+
+    def test_an_inverted_switch_follows_a_current(self, simulate):
+        run = simulate("V1 a 0 PWL(0 0 1 1)", "Vm a m 0", "R1 m 0 1", "V2 p 0 5", "W1 p q Vm WX",
+                       "R2 q 0 4", ".model WX CSW(IT=0.25 RON=1e12 ROFF=1)", ".print tran v(q)",
+                       ".tran 1m 1 uic")  # fmt: skip
+        assert [e.t for e in run.events[1:]] == pytest.approx([0.25])
+        assert printed(run).at(0.1) == pytest.approx(4.0)
+        assert printed(run).at(0.9) == pytest.approx(0.0)
+
+    @pytest.mark.parametrize("values", ["RON=2 ROFF=2", "RON=1k ROFF=-1", "RON=-1 ROFF=1k"])
+    def test_resistances_that_cannot_be_those_of_a_switch_are_refused(self, convert, values):
+        with pytest.raises(hb.FileError) as caught:
+            convert("V1 a 0 10", "S1 a b a 0 SX", "R1 b 0 9", f".model SX SW({values})")
+        assert caught.value.code == "HB-F140"
+
     def test_a_resistance_beside_a_switch_that_is_not_large_stays(self, simulate):
         run = simulate(
             "V1 a 0 10", "S1 a b c 0 SX", "R1 b 0 1k", "Vc c 0 PULSE(0 1 1 1m 1m 5)",

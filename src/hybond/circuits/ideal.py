@@ -161,7 +161,11 @@ class IdealSwitch:
     on: float
     off: float
     resistance: Value | None
+    """The smaller one, which is in series."""
     beside: float
+    """The larger one."""
+    inverted: bool
+    """Whether the larger one is that above `on`: there it opens."""
 
 
 def ideal_switch(branch: Branch, notices: Notices) -> IdealSwitch:
@@ -219,18 +223,25 @@ def ideal_switch(branch: Branch, notices: Notices) -> IdealSwitch:
             hint="a hysteresis that is not negative; swap the nodes of a switch that opens",
         )
     resistance = given.get("ron", Value(Number(1.0), 1.0))
-    beside = given["roff"].number if "roff" in given else 1e12
-    if resistance.number < 0.0 or beside <= resistance.number:
+    larger = given.get("roff", Value(Number(1e12), 1e12))
+    inverted = resistance.number > larger.number
+    if inverted:
+        resistance, larger = larger, resistance
+    beside = larger.number
+    if resistance.number < 0.0 or beside == resistance.number:
+        low, high = ("ROFF", "RON") if inverted else ("RON", "ROFF")
         raise branch.line.refuse(
-            f"RON = {resistance.number:g} ohm, ROFF = {beside:g} ohm",
+            f"{low} = {resistance.number:g} ohm, {high} = {beside:g} ohm",
             code="HB-F140",
-            hint="RON is not negative, ROFF is larger",
+            hint="neither is negative, and one is larger",
         )
+    if inverted:
+        notices.add(model.line, f"{model.name}: RON is larger than ROFF, so it opens above {on:g}")
     if beside >= OPEN:
         notices.add(
             model.line,
-            f"{model.name}: ideal switch with {resistance.number:g} ohm; ROFF = {beside:g} ohm "
-            "is taken as none",
+            f"{model.name}: ideal switch with {resistance.number:g} ohm; "
+            f"{'RON' if inverted else 'ROFF'} = {beside:g} ohm is taken as none",
         )
         beside = math.inf
     if not window:
@@ -243,6 +254,7 @@ def ideal_switch(branch: Branch, notices: Notices) -> IdealSwitch:
         off,
         resistance if resistance.number or resistance.parametric else None,
         beside,
+        inverted,
     )
 
 

@@ -138,10 +138,11 @@ class Assembly:
             if not ideal.threshold.parametric and not ideal.other.parametric:
                 on, off = f"{ideal.on!r} {unit}", f"{ideal.off!r} {unit}"
         name = self.woven.names.take(f"{junction}_state")
+        above, below = ("open", "closed") if ideal.inverted else ("closed", "open")
         self.model.machines[name] = MachinePart(
             {"open": (), "closed": (junction,)},
-            "closed" if branch.state == "on" else "open",
-            (f"open -> closed when {sensed} > {on}", f"closed -> open when {sensed} < {off}"),
+            above if branch.state == "on" else below,
+            (f"{below} -> {above} when {sensed} > {on}", f"{above} -> {below} when {sensed} < {off}"),
         )
 
     def idle(self, k: int) -> Terms | None:

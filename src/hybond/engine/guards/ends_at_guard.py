@@ -45,13 +45,14 @@ def find_within(e: Engine, g: Locator) -> int:
     return REFUSED
 
 
-def land(e: Engine, g: Locator, room: float, end: float, vain: int) -> int:
+def land(e: Engine, g: Locator, room: float, end: float, last: float, tries: int) -> int:
     """Repeat the step so that it ends just past the instant found; find all that is one with it.
 
     Not beyond `end`. A motion that is tied is known at any instant, whatever the step is. Where a
-    guard held in the motion and not when it was settled, so many times in `vain`, they differ by a
-    last place, and a motion slower than that would never get past: it goes on by a few last places
-    of the time, each time by twice as many, a few times.
+    guard held in the motion and not when it was settled, so many `tries` up to the `last`, they
+    differ by a last place, and a motion slower than that would never get past: it goes on by a few
+    last places of the time, each time by twice as many, a few times. Where the guard holds is known
+    of the step that ends there: a longer one may have it later by more than an instant.
     """
     far = e.step.t1 - e.step.t0 > FAR * (g.at - e.step.t0)
     if not g.tied and (far or not shows_instants(e)) and land_first(e, g, room) != OK:
@@ -76,8 +77,8 @@ def land(e: Engine, g: Locator, room: float, end: float, vain: int) -> int:
         if made != OK:
             return REFUSED
     g.looked = math.nan
-    if vain > 0 and vain <= FORWARD:
-        g.at = min(g.at + LEAST * spacing(g.at) * math.pow(2.0, float(vain)), top)
+    if tries > 0 and tries <= FORWARD and g.at - last <= room:
+        g.at = min(g.at + LEAST * spacing(g.at) * math.pow(2.0, float(tries)), top)
     g.began = g.at
     g.at = last_of_instant(e, g, g.at, top)
     if g.failed:

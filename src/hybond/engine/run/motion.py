@@ -85,6 +85,7 @@ from hybond.engine.run.run_records import (
     bound_of,
     count_step,
     is_over,
+    last_in_vain,
     take_locator,
     timed_cause,
     times_in_vain,
@@ -308,7 +309,8 @@ def flow(e: Engine, r: Run) -> int:
                         continue
                     return passed
             g.held = True
-            if land(e, g, instant, end, times_in_vain(r, at, instant)) != OK:
+            tries = times_in_vain(r, instant)
+            if land(e, g, instant, end, last_in_vain(r), tries) != OK:
                 if begin_at_edge(e, r) == OK:
                     continue
                 stuck_at_kink(e, r)

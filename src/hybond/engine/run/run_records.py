@@ -246,8 +246,17 @@ def timed_cause(e: Engine) -> int:
     return INPUT
 
 
-def times_in_vain(r: Run, at: float, instant: float) -> int:
-    """Return how often a guard held at this instant already, and nothing changed."""
-    if r.idle == 0 or at - r.idle_at[(r.idle - 1) % (IDLE + 1)] > instant:
-        return 0
-    return r.idle
+def last_in_vain(r: Run) -> float:
+    """Return when a guard held last of which nothing came, if one did."""
+    return r.idle_at[(r.idle - 1) % (IDLE + 1)] if r.idle > 0 else -math.inf
+
+
+def times_in_vain(r: Run, instant: float) -> int:
+    """Return how often a guard held up to there, each time within an instant of the one before."""
+    times = min(r.idle, 1)
+    while times < r.idle and times < IDLE:
+        later = r.idle_at[(r.idle - times) % (IDLE + 1)]
+        if later - r.idle_at[(r.idle - times - 1) % (IDLE + 1)] > instant:
+            return times
+        times += 1
+    return times
