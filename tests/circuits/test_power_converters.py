@@ -4,6 +4,7 @@ import math
 from dataclasses import dataclass
 
 import pytest
+from scipy.integrate import solve_ivp
 
 import hybond as hb
 from hybond.circuits.measured import measure
@@ -52,8 +53,68 @@ Id p n 20
     return Deck(rows, {"vd": mean, "u": (angle(19.999) - angle(1e-3)) / (100 * PI)}, 1e-5)
 
 
+def leaking(angle: float, load: str) -> Deck:
+    """A bridge with 10 ohm and no choke: two diodes carry, then three, and again after 60 degrees.
+
+    Beside 50 A its nodes are held by 10 Mohm: the diodes without current have next to no digits.
+    """
+    w, line, coil, load_ohm, ohm, drop = (
+        100 * PI,
+        325 * math.sqrt(3),
+        1e-3,
+        10.0,
+        258.65e-6,
+        8.0792e-3,
+    )
+
+    def now(t: float) -> float:
+        return line * math.cos(w * t)
+
+    def later(t: float) -> float:
+        return line * math.cos(w * t - PI / 3)
+
+    def two(t, y):
+        return [(now(t) - 2 * drop - (load_ohm + 2 * ohm) * y[0]) / (2 * coil), load_ohm * y[0]]
+
+    def three(t, y):
+        mean = (now(t) + later(t)) / 2 - 2 * drop
+        rate = (mean - (load_ohm + 1.5 * ohm) * y[0]) / (1.5 * coil)
+        return [rate, load_ohm * y[0], (later(t) - now(t) - ohm * y[2]) / coil]
+
+    def begins(t, y):
+        return later(t) - now(t) + coil * two(t, y)[0] + ohm * y[0]
+
+    def ends(t, y):
+        return y[0] - y[2]
+
+    begins.terminal = ends.terminal = True
+    begins.direction, ends.direction = 1, -1
+    t, y, mean = 0.0, 50.0, 0.0
+    for _ in range(4):
+        a = solve_ivp(two, (t, t + 0.01), [y, 0.0], events=begins, rtol=1e-10, atol=1e-10)
+        start, (y, area) = a.t[-1], a.y[:, -1]
+        b = solve_ivp(
+            three, (start, start + 0.01), [y, area, -y], events=ends, rtol=1e-10, atol=1e-10
+        )
+        mean = b.y[1, -1] / (b.t[-1] - t)
+        t, y = b.t[-1] - 1 / 300, b.y[0, -1]
+    rows = ""
+    for k, n in enumerate("abc"):
+        rows += f"V{n} s{n} 0 SIN(0 325 50 0 0 {angle - 120 * k})\nL{n} s{n} {n} 1m\n"
+        rows += f"Rl{n} {n} 0 10meg\nD{n}1 {n} p DX\nD{n}2 m {n} DX\n"
+    rows += f"""Ro {load} 10
+.model DX D(N=0.01)
+.tran 10u 60m uic
+.meas tran vd AVG v(p,m) from=40m to=60m"""
+    return Deck(rows, {"vd": float(mean)}, 1e-7)
+
+
 DECKS = {
     "overlap of a bridge of six diodes": overlap(),
+    "a bridge of six diodes at leaking nodes": leaking(17.3, "p m"),
+    "the same, its load turned": leaking(17.3, "m p"),
+    "the same at another instant": leaking(3.1, "p m"),
+    "the same at a third one": leaking(41, "p m"),
     "a hysteresis that reads a current": Deck(
         # between the limits the output is a source of 7.5 V
         """V1 in 0 24

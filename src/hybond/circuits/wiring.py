@@ -142,7 +142,10 @@ class Assembly:
         self.model.machines[name] = MachinePart(
             {"open": (), "closed": (junction,)},
             above if branch.state == "on" else below,
-            (f"{below} -> {above} when {sensed} > {on}", f"{above} -> {below} when {sensed} < {off}"),
+            (
+                f"{below} -> {above} when {sensed} > {on}",
+                f"{above} -> {below} when {sensed} < {off}",
+            ),
         )
 
     def idle(self, k: int) -> Terms | None:
