@@ -49,9 +49,6 @@ def rc(tmp_path: Path) -> str:
         ("settling_time(c.e, final=0, band=0.1)", math.log(10)),
         ("overshoot(c.e, final=5)", (5 - 10 * math.exp(-3)) / 5),
         ("max(c.e, impulses=leave out)", 10.0),
-        ("at(c.e, 500 ms)", 10 * math.exp(-0.5)),
-        ("at(c.e, t=2)", 10 * math.exp(-2)),
-        ("final(c.e)", 10 * math.exp(-3)),
         ('max("node -> c".e)', 10.0),
     ],
 )
@@ -82,7 +79,6 @@ def test_waves_as_text(waves: hb.Result) -> None:
     ("text", "code", "hint"),
     [
         ("mean", "HB-R120", "mean(L.f)"),
-        ("at(c.e)", "HB-R120", "at(c.e, 5 ms)"),
         ("mean()", "HB-R120", "mean"),
         ("mean(c.e", "HB-R120", ""),
         ("mean(max(c.e, 1)", "HB-R120", ""),

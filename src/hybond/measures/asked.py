@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 from hybond.errors import HybondError, ModelError, UsageError
 from hybond.measures.naming import read_name
 from hybond.measures.value import About, Measurement
-from hybond.measures.window import time_of, window_of
+from hybond.measures.window import window_of
 from hybond.model.graph import FlatGraph
 from hybond.names import did_you_mean
 from hybond.records import dataclass
@@ -50,23 +50,6 @@ def _time_of(name: str) -> Make:
         return Measurement(found.t, About("s", found.start, found.end, how=found.how))
 
     return make
-
-
-def _at(signal: Signal, options: dict[str, Any]) -> Measurement:
-    """Return the value at a time; behind what happens there."""
-    if "t" not in options:
-        raise UsageError(
-            f"at({signal.name}) does not say when",
-            code="HB-R120",
-            where=f"at({signal.name})",
-            hint=f"at({signal.name}, 5 ms), or final({signal.name})",
-        )
-    t = time_of(options["t"], "t")
-    return Measurement(float(signal.at(t)), About(signal.run.unit(signal.name), t, t, t=t))
-
-
-def _final(signal: Signal, options: dict[str, Any]) -> Measurement:
-    return _at(signal, {**options, "t": signal.run.t_end})
 
 
 def _step(name: str) -> Make:
@@ -111,8 +94,6 @@ FUNCTIONS: Mapping[str, tuple[Make, tuple[str, ...], str]] = {
     "min_at": (_time_of("min"), (*_PERIODS, "impulses"), "when the minimum is taken first"),
     "peak_to_peak": (_method("peak_to_peak"), (*_PERIODS, "impulses"), "maximum less minimum"),
     "integral": (_method("integral"), _PERIODS, "the integral over time, impulses included"),
-    "at": (_at, ("t",), "the value at a time"),
-    "final": (_final, (), "the value at the end of the run"),
     "ripple": (_ripple("peak_to_peak"), _PERIODS, "peak to peak, as a part of the mean"),
     "ripple_rms": (_ripple("rms"), _PERIODS, "rms without the mean, as a part of the mean"),
     "thd": (_method("thd"), _HARMONICS, "distortion, as a part of the fundamental f"),
@@ -125,7 +106,7 @@ FUNCTIONS: Mapping[str, tuple[Make, tuple[str, ...], str]] = {
 }
 """Each with what makes it, the arguments it takes, and a line that says what it is."""
 
-SECOND = {"at": "t", "thd": "f", "frequency": "level", "period": "level", "duty": "level"}
+SECOND = {"thd": "f", "frequency": "level", "period": "level", "duty": "level"}
 """Arguments that may come second without a name."""
 
 _CALL = re.compile(r"\s*(\w+)\s*\((.*)\)\s*\Z", re.DOTALL)
