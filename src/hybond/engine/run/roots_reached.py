@@ -34,7 +34,7 @@ NOTHING: Final = 1e-6
 PASSES: Final = 4
 """Times that the straight way to rest is gone."""
 HALVINGS: Final = 200
-"""Of the way to rest, to what stands short of it: it may be next to nothing of what is left."""
+"""Of the way to rest, to find what stands short of it: it may be next to nothing of what is left."""
 
 
 def rest_at_roots(e: Engine, r: Run) -> None:
