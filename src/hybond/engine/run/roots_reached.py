@@ -3,9 +3,7 @@
 An orifice lets a level difference run out by its root, whichever way it goes. The rate at rest is
 zero, and beside it the slope is without bound: steps that pass rest are thrown back, and would go
 to and fro as far as the error allows, without end. So what is no more than the error of a step away
-from rest, is led there, and would not move there, is put there. What is pushed back at rest stands
-a little short of it: a coil behind a varistor, whose current all but ends, where the source holds
-the voltage. There it is put.
+from rest, is led there, and would not move there, is put there.
 """
 
 from __future__ import annotations
@@ -33,8 +31,6 @@ NOTHING: Final = 1e-6
 """Part of what was stored beside rest that is nothing there."""
 PASSES: Final = 4
 """Times that the straight way to rest is gone."""
-HALVINGS: Final = 200
-"""Of the way to rest, to find what stands short of it: it may be next to nothing of what is left."""
 
 
 def rest_at_roots(e: Engine, r: Run) -> None:
@@ -86,37 +82,7 @@ def goes_to_rest(e: Engine, r: Run, atom: int, kink: int) -> bool:
     e.mode.guessed = False
     rests = field(e, e.mode, e.t, r.after, r.rate) == OK
     left = at_state(e, r, atom, r.after)
-    speed = speed_of(e, r, atom, r.after, left)
-    if rests and atom != kink and speed * away > 0.0:
-        return stands_short(e, r, atom, away, beside)
-    return rests and math.fabs(speed) <= stands * math.fabs(beside)
-
-
-def stands_short(e: Engine, r: Run, atom: int, away: float, beside: float) -> bool:
-    """Put into `r.after` what stands between rest, which is there, and the state; whether it does.
-
-    At rest it is pushed back. Where the rate jumps on the way, nothing stands.
-    """
-    n = e.states
-    for i in range(n):
-        r.beside[i] = r.after[i]
-    low = 0.0
-    high = 1.0
-    speed = beside
-    for _ in range(HALVINGS):
-        middle = 0.5 * (low + high)
-        if middle <= low or middle >= high:
-            break
-        for i in range(n):
-            r.after[i] = r.beside[i] + middle * (e.y[i] - r.beside[i])
-        if field(e, e.mode, e.t, r.after, r.rate) != OK:
-            return False
-        speed = speed_of(e, r, atom, r.after, at_state(e, r, atom, r.after))
-        if speed * away < 0.0:
-            high = middle
-        else:
-            low = middle
-    return math.fabs(speed) <= STILL * math.fabs(beside)
+    return rests and math.fabs(speed_of(e, r, atom, r.after, left)) <= stands * math.fabs(beside)
 
 
 def leads_to_rest(e: Engine, r: Run, atom: int, away: float) -> float:
