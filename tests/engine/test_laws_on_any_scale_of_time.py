@@ -31,29 +31,6 @@ def test_what_holds_its_limit_does_so_however_slow_all_is(
     assert run["i.p"].at(0.6 * scale) == pytest.approx(0.0615 * scale, rel=1e-12)
 
 
-@pytest.mark.parametrize(
-    ("scale", "until", "q"),
-    [(1.0, 0.566, 2.49e-10), (1e3, 0.566, -1e-10), (1.0, 0.566, 1e-8), (1.0, 1e-9, 2.49e-10)],
-)
-@pytest.mark.parametrize("turned", [False, True])
-def test_a_capacitor_that_friction_empties_at_once_stays_empty_for_the_rest_of_the_run(
-    scale, until, q, turned
-) -> None:
-    """All that is stored has gone within a moment of the run, and gives rounding no size."""
-    c, g, limit = 1e-9 * scale, 2.26 * scale, 0.503 * scale
-    m = hb.Model("emptied")
-    m.add(rub=hb.Zero(law="coulomb", limit=limit), c=hb.C(c, q=q * scale), g=hb.G(g))
-    m.bond("c -> rub" if turned else "rub -> c", "rub -> g")
-    run = hb.simulate(m, until)
-    begun, rests = run.events
-    assert begun.t == 0.0
-    # c e' = -g e - limit, down to zero
-    assert rests.t == pytest.approx(c / g * math.log1p(g * abs(q) * scale / c / limit), rel=1e-12)
-    (fired,) = rests.steps[-1].fired
-    assert fired.target == "sticks"
-    assert abs(run["c.q"].at(until)) <= 1e-15 * abs(q) * scale
-
-
 @pytest.mark.parametrize("tau", [1e-9, 1e-6, 1e-3])
 @pytest.mark.parametrize("dual", [False, True])
 @pytest.mark.parametrize("turned", [False, True])

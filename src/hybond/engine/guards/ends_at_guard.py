@@ -60,19 +60,16 @@ def land(e: Engine, g: Locator, room: float, end: float, last: float, tries: int
     if g.at == math.inf:
         return OK
     top = min(g.at + room, end)
-    landed = math.inf
     # guards are asked within the step, never where its polynomial is extended
     if top > e.step.t1:
         if is_kink_alone(e, g):
             return OK  # no step goes far beyond a kink
         longest = e.step.t1
-        landed = longest
         g.found_at = math.nan
         made = retry(e, top)
         if e.step.off > 1.0:
             # what decays within the instant is followed as far as a step can
             top = longest
-            landed = math.inf
             made = retry(e, top)
         if made != OK:
             return REFUSED
@@ -83,13 +80,6 @@ def land(e: Engine, g: Locator, room: float, end: float, last: float, tries: int
     g.at = last_of_instant(e, g, g.at, top)
     if g.failed:
         return REFUSED
-    if g.at < landed and landed < top and knows_ends(e):
-        # nothing more is one with it: of a motion that lasts a few instants, the step that ends
-        # just past this one has more digits than the one that goes on for another
-        if retry(e, landed) != OK:
-            return REFUSED
-        g.looked = math.nan
-        g.found_at = math.nan
     return end_there(e, g) if is_unseen(e, g) else OK
 
 
