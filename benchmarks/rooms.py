@@ -107,7 +107,7 @@ def rooms_of_functions() -> dict[str, str]:
     """Return the room of each function of the engine, as it is named in C."""
     found: dict[str, str] = {}
     for path in ENGINE.rglob("*.py"):
-        room = path.parent.relative_to(ENGINE).as_posix()
+        room = path.parent.relative_to(ENGINE).as_posix().replace(".", "engine")
         for name in re.findall(r"^def (\w+)\(", path.read_text(encoding="utf-8"), re.MULTILINE):
             found[f"{path.stem}_{name}"] = room
             found.setdefault(name, room)

@@ -53,7 +53,8 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
             newton, newton_system, newton_step, dynamic_rows    Newton's method: what it makes zero,
                             its step, by which laws
             apart, solved_apart, apart_records    laws that do not know of each other, one by one
-            sparse_step     its step where there are many
+            sparse_step, single_terms    its step where there are many; what a row says of one
+                            unknown alone
             slopes_bounded  what stands for slopes without bound
             guess, neighbours    where it begins
             damped, continuation    with shorter steps; on the way from laws with a resistance

@@ -5,6 +5,9 @@ Differences over a span `h` on both sides are those of a polynomial of the sixth
 the fourth degree, and what is between them is what is there, so that no pulse stands between. Then
 what is left out is some 1e-13 of the rate, wherever the function is smooth on its own scale of
 time. Next to a place where it is not, all points stand on one side.
+
+Source of the weights: B. Fornberg, *Generation of finite difference formulas on arbitrarily spaced
+grids*, Mathematics of Computation 51 (1988), tables 1 and 3.
 """
 
 from __future__ import annotations

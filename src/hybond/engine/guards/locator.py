@@ -177,8 +177,9 @@ class Locator:
     """Of each kink: for how many it will be the next time."""
     blurred: Ints
     """Of each kink: whether it ends no step from `blurred_from`, as its tolerance does not tell it
-    from zero there; whether there are any. Of all kinks of the model, and edges behind them: how
-    far what is compared may be off, what it is, and what it is with one state shifted."""
+    from zero there; whether there are any; how many steps such kinks have ended in a row. Of all
+    kinks of the model, and edges behind them: how far what is compared may be off, what it is, and
+    what it is with one state shifted."""
     blurred_from: float
     blurs: bool
     in_a_row: int

@@ -15,7 +15,7 @@ from hybond.engine.surfaces.parted import is_far
 
 
 def end_where_levels_jump(e: Engine) -> int:
-    """Let the last step end where a function moves its surfaces by a jump; whether one can be."""
+    """Let the last step end where a function moves its surfaces by a jump: OK, or REFUSED."""
     if e.model.called == 0 or e.slide.k == 0 or not is_off(e, e.step.t1):
         return OK
     instant = room_of_instant(e, e.step.t1)

@@ -11,6 +11,7 @@ from hybond.engine.algebra.products import all_finite
 from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.engine import Engine
 from hybond.engine.mode.nonlinear.freedom import step_of_singular
+from hybond.engine.mode.nonlinear.single_terms import take_single
 from hybond.engine.mode.nonlinear.sparse_step import sparse_step
 from hybond.engine.words import Floats
 
@@ -71,35 +72,6 @@ def refine_step(e: Engine, n: int) -> None:
     for j in range(n):
         if math.isfinite(work.left_over.at[j]):
             work.step.at[j] += work.left_over.at[j]
-
-
-def take_single(e: Engine, n: int) -> None:
-    """Let what a row says of one unknown alone be that, beside others that are exactly zero.
-
-    Factors add rows to it that say more, and leave it their rounding: of what is zero, however
-    large the others are.
-    """
-    work = e.work
-    a = work.jacobian.at
-    fit_places(work.single, n)
-    for j in range(n):
-        work.single.at[j] = 0
-    more = True
-    while more:
-        more = False
-        for i in range(n):
-            alone = -1
-            for j in range(n):
-                zero = work.single.at[j] == 1 and work.step.at[j] == 0.0
-                if a[i * n + j] != 0.0 and not zero:
-                    alone = j if alone == -1 else n
-            if alone < 0 or alone == n or work.single.at[alone] == 1:
-                continue
-            found = work.residual.at[i] / a[i * n + alone]
-            if math.isfinite(found):
-                work.step.at[alone] = found
-                work.single.at[alone] = 1
-                more = more or found == 0.0
 
 
 def least_pivot(n: int, a: Floats, factors: Floats) -> float:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.engine.algebra.blocks import fit, fit_places
+from hybond.engine.algebra.blocks import fit
 from hybond.engine.algebra.products import all_finite
 from hybond.engine.algebra.sparse_lu import (
     add_term,
@@ -21,6 +21,7 @@ from hybond.engine.algebra.sparse_lu import (
     solve_transposed,
 )
 from hybond.engine.engine import Engine
+from hybond.engine.mode.nonlinear.single_terms import take_single_terms
 
 MANY: Final = 32
 """Unknowns from which on factors are sparse: of fewer, dense ones are as quick."""
@@ -108,33 +109,6 @@ def is_clear(e: Engine, n: int) -> bool:
         if not math.fabs(f.diagonal.at[k]) >= CLEAR * most:
             return False
     return True
-
-
-def take_single_terms(e: Engine, n: int) -> None:
-    """Let what a row says of one unknown alone be that, as `take_single` does."""
-    work = e.work
-    f = work.newton_factors
-    fit_places(work.single, n)
-    for j in range(n):
-        work.single.at[j] = 0
-    more = True
-    while more:
-        more = False
-        for i in range(n):
-            alone = -1
-            slope = 1.0
-            for p in range(f.begins.at[i], f.begins.at[i + 1]):
-                j = f.term_of.at[p]
-                if work.single.at[j] == 0 or work.step.at[j] != 0.0:
-                    alone = j if alone == -1 else n
-                    slope = f.term.at[p]
-            if alone < 0 or alone == n or work.single.at[alone] == 1:
-                continue
-            found = work.residual.at[i] / slope
-            if math.isfinite(found):
-                work.step.at[alone] = found
-                work.single.at[alone] = 1
-                more = more or found == 0.0
 
 
 def put_inverse_row(e: Engine, n: int, j: int) -> None:

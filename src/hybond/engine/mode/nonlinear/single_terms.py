@@ -1,0 +1,75 @@
+"""What a row of Newton's step says of one unknown alone, beside others that are exactly zero.
+
+Factors add rows to it that say more, and leave it their rounding: of what is zero, however large
+the others are.
+"""
+
+from __future__ import annotations
+
+import math
+
+from hybond.engine.algebra.blocks import fit_places
+from hybond.engine.engine import Engine
+
+
+def take_single(e: Engine, n: int) -> None:
+    """Let it be that, of n rows of the Jacobian as it stands."""
+    work = e.work
+    a = work.jacobian.at
+    know_none(e, n)
+    more = True
+    while more:
+        more = False
+        for i in range(n):
+            alone = -1
+            slope = 1.0
+            for j in range(n):
+                if a[i * n + j] != 0.0 and not is_nothing(e, j):
+                    alone = j if alone == -1 else n
+                    slope = a[i * n + j]
+            more = let_alone(e, n, i, alone, slope) or more
+
+
+def take_single_terms(e: Engine, n: int) -> None:
+    """Do the same by the terms of sparse factors."""
+    f = e.work.newton_factors
+    know_none(e, n)
+    more = True
+    while more:
+        more = False
+        for i in range(n):
+            alone = -1
+            slope = 1.0
+            for p in range(f.begins.at[i], f.begins.at[i + 1]):
+                if not is_nothing(e, f.term_of.at[p]):
+                    alone = f.term_of.at[p] if alone == -1 else n
+                    slope = f.term.at[p]
+            more = let_alone(e, n, i, alone, slope) or more
+
+
+def know_none(e: Engine, n: int) -> None:
+    """Begin with no unknown that a row alone has told."""
+    fit_places(e.work.single, n)
+    for j in range(n):
+        e.work.single.at[j] = 0
+
+
+def is_nothing(e: Engine, j: int) -> bool:
+    """Whether a row alone has told that unknown j is exactly zero."""
+    return e.work.single.at[j] == 1 and e.work.step.at[j] == 0.0
+
+
+def let_alone(e: Engine, n: int, i: int, alone: int, slope: float) -> bool:
+    """Let row i tell the one unknown that it has, if it has one; whether that is exactly zero.
+
+    `alone` is -1 where it has none, and n where it has several.
+    """
+    work = e.work
+    if alone < 0 or alone == n or work.single.at[alone] == 1:
+        return False
+    found = work.residual.at[i] / slope
+    if not math.isfinite(found):
+        return False
+    work.step.at[alone] = found
+    work.single.at[alone] = 1
+    return found == 0.0
