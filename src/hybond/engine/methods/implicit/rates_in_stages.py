@@ -51,8 +51,10 @@ def ask_rates_too(e: Engine, r: Radau) -> None:
         terms = 0.0
         for j in range(n):
             slope = math.fabs(r.jacobian[i * n + j])
+            # what follows a source is no better known than the time that it is asked at
+            late = math.fabs(r.t0 * r.f0[j])
             off += slope * r.tolerance[j]
-            terms += slope * max(math.fabs(r.y0[j]), e.lately[j])
+            terms += slope * max(max(math.fabs(r.y0[j]), e.lately[j]), late)
         if r.h * off > IN_STAGES * r.tolerance[i]:
             r.rate_may[i] = max(IN_STAGES * r.tolerance[i], r.h * FROM_ROUNDING * terms)
             r.rates_asked = True
