@@ -258,3 +258,27 @@ def test_the_node_at_which_a_part_hangs_loose_is_named(tmp_path):
     assert str(warning).endswith(
         "R2 is left out: no current can pass it, nothing else is joined to lost"
     )
+
+
+@pytest.mark.parametrize(
+    ("parts", "named", "pair"),
+    [
+        ("R1 a b 1\nL1 b 0 1m\nL2 b 0 3m\n", "L1, L2", ("L1.f", "L2.f", 3.0)),
+        ("L1 b 0 1m\nR1 a b 1\nL2 0 b 3m\n", "L1, L2", ("L1.f", "L2.f", 3.0)),
+        ("C1 a b 1u\nC2 b 0 3u\n", "C1, C2", ("C1.e", "C2.e", 3.0)),
+    ],
+)
+def test_what_is_to_be_written_for_a_start_is_said_and_serves(tmp_path, parts, named, pair):
+    """From nothing they share by their sizes: the remedy is the line as it has to be."""
+    path = tmp_path / "x.cir"
+    path.write_text(f"Title\nV1 a 0 1\n{parts}.tran 1u 1m\n.end\n")
+    with pytest.raises(hb.FileError) as caught:
+        hb.read_circuit(path)
+    line = 3 + parts.count("\n")
+    assert f".tran 1u 1m uic in line {line}," in caught.value.hint
+    assert f"IC= behind those of {named} that" in caught.value.hint
+    path.write_text(path.read_text().replace(".tran 1u 1m", ".tran 1u 1m uic"))
+    run = hb.simulate(hb.read_circuit(path).model)
+    first, second, ratio = pair
+    assert run[first].at(1e-3) == pytest.approx(ratio * run[second].at(1e-3), rel=1e-9)
+    assert run[first].at(1e-3) != 0.0

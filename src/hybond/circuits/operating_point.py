@@ -23,11 +23,14 @@ from hybond.circuits.weaving import ends_of, weave
 from hybond.circuits.wiring import Assembly
 from hybond.circuits.woven import written
 from hybond.errors import FileError, HybondError
+from hybond.files.place import shortened
 from hybond.model.builder import Model
 from hybond.model.expressions import Number
 
 LARGEST = 1000
 """Elements of a circuit whose rest is computed: all at once, with dense matrices."""
+FEW = 4
+"""Elements that a remedy names."""
 Forced = Sequence[tuple[str, Value, Line]]
 
 
@@ -64,7 +67,8 @@ def operating_point(
     if not stores or (not driven and not forced):
         return cleared  # nothing drives it: it is at rest with nothing stored
     if len(leaves) > LARGEST:
-        raise _none(place, f"the rest of more than {LARGEST} elements is not computed")
+        why = f"the rest of more than {LARGEST} elements is not computed"
+        raise _none(place, why, _remedy(deck, leaves, stores))
     still = [_at_rest(leaf) for leaf in cleared]
     still += [_holding(key, value, line) for key, value, line in forced if key != GROUND]
     try:
@@ -72,7 +76,8 @@ def operating_point(
     except FileError:
         raise
     except HybondError as error:
-        raise _none(place, f"the circuit has no rest: {error.why}") from None
+        why = f"with coils as wires and capacitors open the circuit has no rest: {error.why}"
+        raise _none(place, why, _remedy(deck, leaves, stores)) from None
     found = list(cleared)
     for k, value in values.items():
         if value:
@@ -80,13 +85,19 @@ def operating_point(
     return found
 
 
-def _none(place: str, why: str) -> FileError:
-    return FileError(
-        why,
-        code="HB-F143",
-        where=place,
-        hint="write uic in .tran, and IC= at the elements that do not start from zero",
-    )
+def _none(place: str, why: str, hint: str) -> FileError:
+    return FileError(why, code="HB-F143", where=place, hint=hint)
+
+
+def _remedy(deck: Deck, leaves: Sequence[Leaf], stores: Sequence[int]) -> str:
+    """Return what to write: the line of the analysis as it is to be, and where starts may stand."""
+    line = ".tran ... uic"
+    if deck.transient is not None:
+        asked = deck.transient.line
+        line = f"{shortened(asked.text)} uic in line {asked.number}"
+    names = [leaves[k].branch.name for k in stores[:FEW]]
+    named = ", ".join(names) + (", ..." if len(stores) > FEW else "")
+    return f"write {line}, and IC= behind those of {named} that do not start from zero"
 
 
 def _is_coil(leaf: Leaf) -> bool:
@@ -156,7 +167,7 @@ def _solve(
                 f"at rest, {still[k].branch.name} may hold anything: the circuit does not say what "
                 "it starts from",
                 code="HB-F143",
-                hint="write uic in .tran, and IC= at the elements that do not start from zero",
+                hint=_remedy(deck, still, stores),
             )
     return {k: _clean(float(run[name].at(0.0))) for k, name in wanted.items()}
 
