@@ -112,3 +112,23 @@ def test_a_varistor_behind_a_coil_needs_nothing_beside_it(
     assert run.audit().holds()
     clamped = run[conversion.signal("v(a)")].max()
     assert float(clamped) == pytest.approx(77.99569, rel=1e-4)  # ngspice 39, without the capacitor
+
+
+@pytest.mark.parametrize(
+    ("law", "said"),
+    [
+        ("v(a)^3", "a power 3 is so, too"),
+        ("v(a)**n", "a power 3 is so, too"),
+        ("pow(2*v(a) - 1, 0.5)", "a power 0.5 has no value"),
+        ("abs(v(a))^3 + v(a)^2 + (v(a)*v(a) + 1)^0.5 + exp(v(a))^n + n^n + time^n", ""),
+    ],
+)
+def test_a_power_of_what_may_be_below_zero_is_said_to_be_another_elsewhere(
+    tmp_path: Path, law: str, said: str
+) -> None:
+    """ngspice 39 makes 8 of (-2)^3; nothing told that it is -8 here."""
+    path = tmp_path / "power.cir"
+    rows = ["power", ".param n=3", "V1 a 0 2", f"B1 o 0 V={law}", "R1 o 0 1", "R2 a 0 1"]
+    path.write_text("\n".join([*rows, ".tran 1u 1m uic", ".end"]) + "\n")
+    found = [str(w) for w in hb.read_circuit(path).warnings if "to ngspice" in str(w)]
+    assert [f"power.cir:4: of what is below zero {said}" in w for w in found] == [True] * bool(said)

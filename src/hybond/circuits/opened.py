@@ -10,6 +10,7 @@ from hybond.circuits.cards import Card
 from hybond.circuits.deck import Deck, ModelCard, Scope
 from hybond.circuits.formulas import evaluate, names_in, read_formula, size
 from hybond.circuits.notices import Line, Notices
+from hybond.circuits.powers import powers_below_zero
 from hybond.files import limits
 from hybond.model.expressions import Expr, Name, Number, substitute
 from hybond.names import did_you_mean
@@ -318,6 +319,7 @@ class _Opening:
         for name in names_in(whole):
             if name not in known and not name.startswith(PLACE):
                 self.number(Name(name), card.line)
+        self.powers(whole, card)
         reads = tuple(
             Read("v", node(r.first), node(r.second))
             if r.kind == "v"
@@ -325,6 +327,16 @@ class _Opening:
             for r in card.law.reads
         )
         return Law(card.law.imposes, whole, reads)
+
+    def powers(self, whole: Expr, card: Card) -> None:
+        """Say which powers of what is below zero are others elsewhere."""
+        for exponent in powers_below_zero(whole, self.result.values):
+            said = "is so, too" if exponent.lstrip("-").isdigit() else "has no value"
+            self.notices.add(
+                card.line,
+                f"of what is below zero a power {exponent} {said}; to "
+                f"ngspice it is that of the magnitude: abs(x)^{exponent} means the same to both",
+            )
 
     def wave(self, card: Card, env: Environment) -> tuple[str, tuple[Value, ...]] | None:
         if card.wave is None:

@@ -191,6 +191,7 @@ def controlled_step(e: Engine, t_end: float) -> int:
     h = max(min(s.h, most), smallest)
     may_land = remaining <= most * (1.0 + 1e-12)
     s.rejected = 0
+    s.past_rim = False
     trial = h
     error = 0.0
     t1 = t_end

@@ -40,6 +40,7 @@ from hybond.engine.laws.laws import limits_vary, look_at_limits
 from hybond.engine.method_numbers import MOREAU
 from hybond.engine.methods.control import end_pace
 from hybond.engine.methods.explicit.one_instant import room_of_instant
+from hybond.engine.methods.implicit.stiffness import watch_cut
 from hybond.engine.methods.off_kinks import lead_off_kinks
 from hybond.engine.methods.stepping import retry, start, step
 from hybond.engine.methods.tolerances.scale import start_scale
@@ -382,6 +383,7 @@ def flow(e: Engine, r: Run) -> int:
         if m.disks > 0 and lead_to_rest(e, r, end) != OK:
             return -1
         end_pace(e, at)
+        watch_cut(e)
         timed = e.t >= end and e.next_break <= end
         foresee(e, min((g.began if at - g.began <= instant else at) + instant, end))
         return timed_cause(e) if timed else GUARD

@@ -71,6 +71,8 @@ class Step:
     long_bound: int
     """Likewise of steps beyond a bound that a motion which is followed may keep to as well."""
     long_free: int
+    past_rim: bool
+    """Whether the step is beyond the rim of stability, and no guard has been found in it yet."""
     looked: int
     """Steps since it was seen how far they have led from `looked_at`."""
     looked_at: Floats

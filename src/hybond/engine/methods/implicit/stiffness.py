@@ -11,6 +11,11 @@ Where steps lead a motion nowhere, though, nobody can tell from two stages what 
 that saturates between these looks far less steep than it is, and what is level to the last digit
 does not move at all. There the rates themselves are asked, beside where the motion is.
 
+A step beyond the rim is within its tolerance where what decays has died out to far below that. The
+current of a diode that charges a small capacitor is all that is left of it, and changes its sign
+with such a step: the diode would block and conduct in turn. So steps in which a guard came to hold
+count for more.
+
 What was counted outlives events: a motion that switches every few steps is stiff all the same.
 
 Sources: E. Hairer, G. Wanner, *Solving Ordinary Differential Equations II*, IV.2 (DOPRI5); L.
@@ -39,6 +44,8 @@ ROW: Final = 15
 """... and how many such steps in a row make a motion stiff, ..."""
 FORGOTTEN: Final = 6
 """... unless so many in between were not."""
+CUT: Final = 5
+"""For how many of them one more counts, in which a guard came to hold."""
 LONG_RIM: Final = 1.0
 LONG_ROW: Final = 1000
 EASY: Final = 2.0
@@ -67,6 +74,7 @@ def watch_explicit(e: Engine, h: float, grown: float) -> None:
     if e.states > LARGE:
         return
     size = h * fastest(e)
+    s.past_rim = size > RIM
     if size > RIM:
         s.bound += 1
         s.free = 0
@@ -84,6 +92,15 @@ def watch_explicit(e: Engine, h: float, grown: float) -> None:
     s.turns = s.bound >= ROW or s.long_bound >= LONG_ROW
     if leads_nowhere(e) and h * fastest_here(e) > EASY:
         s.turns = True
+
+
+def watch_cut(e: Engine) -> None:
+    """Learn from a step of ``rk45`` that ends where a guard came to hold in it."""
+    s = e.step
+    if s.past_rim:
+        s.bound += CUT
+        s.turns = s.turns or s.bound >= ROW
+    s.past_rim = False
 
 
 def leads_nowhere(e: Engine) -> bool:
