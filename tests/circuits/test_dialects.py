@@ -285,3 +285,43 @@ def test_a_symbol_that_is_not_known(tmp_path):
     path.write_text("Version 4\nSYMBOL nmos 0 0 R0\nSYMATTR InstName M1\n")
     with pytest.raises(hb.FileError, match=r"HB-F136(.|\n)*nmos"):
         hb.read_circuit(path)
+
+
+def test_parts_beside_each_other_are_counted_by_m(tmp_path):
+    """The option m was not understood; counted or written one by one they are the same."""
+    path = tmp_path / "m.cir"
+    rows = ["m", ".param k=3", "V1 a 0 10", "R1 a b 1k {m}", "C1 b 0 1u IC=2 {n}", "L1 b c 1 {m}"]
+    rows += ["R2 c 0 1k", "D1 c 0 DM {m}", ".model DM D(RON=10 VFWD=1)", ".tran 1u 5m uic", ".end"]
+    path.write_text("\n".join(rows).format(m="m={k-1}", n="m=k") + "\n")
+    counted = hb.simulate(hb.read_circuit(path).model)
+    beside = [rows[3], rows[3].replace("R1", "R9"), *(f"C{i}{rows[4][2:]}" for i in range(3))]
+    beside += [rows[5], rows[5].replace("L1", "L9"), *rows[6:8], "D9 c 0 DM", *rows[8:]]
+    path.write_text("\n".join([*rows[:3], *beside]).format(m="", n="") + "\n")
+    single = hb.read_circuit(path)
+    run = hb.simulate(single.model)
+    for name in ("v(b)", "v(c)"):
+        for t in (1e-4, 1e-3, 4e-3):
+            one = run[single.signal(name)].at(t)
+            assert counted[single.signal(name)].at(t) == pytest.approx(one, rel=1e-6)
+
+
+@pytest.mark.parametrize("row", ["L1 a 0 1m IC=1 m=2", "C1 a 0 1u Rser=1 m=2"])
+def test_parts_that_m_does_not_just_multiply_are_refused(tmp_path, row):
+    path = tmp_path / "m.cir"
+    path.write_text(f"m\nV1 a 0 10\n{row}\n.tran 1u 5m uic\n.end\n")
+    with pytest.raises(hb.FileError, match="HB-F130"):
+        hb.read_circuit(path)
+
+
+def test_a_resistance_that_reads_a_voltage_is_told_the_source_that_stands_for_it(tmp_path):
+    path = tmp_path / "r.cir"
+    rows = ["r", "V1 a 0 10", "R1 a b R='1k*(1+V(b)/10)'", "C1 b 0 1u", ".tran 1u 5m uic", ".end"]
+    path.write_text("\n".join(rows) + "\n")
+    with pytest.raises(hb.FileError, match="HB-F136") as caught:
+        hb.read_circuit(path)
+    rows[2] = caught.value.hint.removeprefix("write ")
+    path.write_text("\n".join(rows) + "\n")
+    found = hb.read_circuit(path)
+    v = hb.simulate(found.model)[found.signal("v(b)")].at(5e-3)
+    # dv/dt = (10 - v)/(1 + v/10) in ms: 20 ln(10/(10 - v)) - v = 10 t
+    assert 20.0 * math.log(10.0 / (10.0 - v)) - v == pytest.approx(50.0, rel=1e-5)

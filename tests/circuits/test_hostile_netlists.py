@@ -42,7 +42,7 @@ WRONG = {
     "an open bracket": ("V1 a 0 SIN(0 1 50\nR1 a 0 1\n", "HB-F130", 2),
     "a lone continuation": ("+ 1\n" + GOOD, "HB-F130", 2),
     "a strange letter": (GOOD + "?1 a 0 1\n", "HB-F130", 4),
-    "an unknown option": (GOOD + "R2 a 0 1 m=2\n", "HB-F130", 4),
+    "an unknown option": (GOOD + "R2 a 0 1 w=2\n", "HB-F130", 4),
     "PWL without pairs": ("V1 a 0 PWL(0 1 2)\nR1 a 0 1\n", "HB-F130", 2),
     "nothing but a title": ("", "HB-F130", 0),
     "ends without subckt": (GOOD + ".ends\n", "HB-F130", 4),

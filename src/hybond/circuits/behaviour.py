@@ -12,9 +12,7 @@ from hybond.model.expressions import Expr
 
 PLACE = "read#"
 """Before the number of something read; no name in a netlist has such a sign."""
-_READ = re.compile(
-    r"(?<![\w.])([vi])\s*\(\s*([^(),\s]+)\s*(?:,\s*([^(),\s]+)\s*)?\)", re.IGNORECASE
-)
+READ = re.compile(r"(?<![\w.])([vi])\s*\(\s*([^(),\s]+)\s*(?:,\s*([^(),\s]+)\s*)?\)", re.IGNORECASE)
 _BRANCH = re.compile(
     r"(?<![\w.@#])([a-z][\w.]*)#branch\b|@([a-z][\w.]*)\[(?:i|id|current)\]", re.IGNORECASE
 )
@@ -83,7 +81,7 @@ def read_law(text: str, line: Line, imposes: str = "v") -> Law:
         read = Read(match[1].lower(), match[2], match[3] or "0")
         return f" {PLACE}{reads.setdefault(read, len(reads))} "
 
-    formula = read_formula(_READ.sub(placed, plainly(text)), line)
+    formula = read_formula(READ.sub(placed, plainly(text)), line)
     return Law(imposes, formula, tuple(reads))
 
 

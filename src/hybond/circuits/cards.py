@@ -6,11 +6,11 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
-from hybond.circuits.behaviour import Law, behaviour_of
+from hybond.circuits.behaviour import READ, Law, behaviour_of
 from hybond.circuits.formulas import read_formula
 from hybond.circuits.notices import Line, Notices
 from hybond.circuits.numerals import LETTERED, numeral
-from hybond.model.expressions import Expr, Number
+from hybond.model.expressions import Binary, Expr, Number
 
 _WORD = re.compile(r"\{[^{}]*\}|'[^']*'|\"[^\"]*\"|[()=]|[^\s(){}=,'\"]+|(\S)")
 
@@ -50,8 +50,9 @@ PARASITICS = {"c": ("rser", "lser", "rpar", "cpar"), "l": ("rser", "rpar", "cpar
 PARASITICS |= {"v": ("rser", "cpar")}
 """What LTspice writes on the card of a part and means as parts of their own."""
 _SHAPE = ("td", "r")
-_OPTIONS = {"r": {"r"}, "c": {"c", "ic"}, "l": {"l", "ic"}, "d": {"area", "ic"}, "v": {*_SHAPE}}
-_OPTIONS |= {"i": {*_SHAPE}, "e": set(), "f": set(), "g": set(), "h": set(), "s": set(), "w": set()}
+_OPTIONS = {"r": {"r", "m"}, "c": {"c", "ic", "m"}, "l": {"l", "ic", "m"}, "v": {*_SHAPE}}
+_OPTIONS |= {"d": {"area", "ic", "m"}, "i": {*_SHAPE}, "e": set(), "f": set(), "g": set()}
+_OPTIONS |= {"h": set(), "s": set(), "w": set()}
 _SPECIAL = frozenset(
     {"poly", "value", "table", "laplace", "freq", "cur", "vol", "chebyshev", "delay"}
 )
@@ -256,10 +257,31 @@ def _passive(
             hint=f"write {name} {nodes[0]} {nodes[1]} value; models of {kind.upper()} "
             "are not known",
         )
+    if kind == "r" and (read := READ.search(values[0])):
+        law = values[0].strip("{}'\"")
+        raise line.refuse(
+            f"a resistance that reads {read[0]}",
+            code="HB-F136",
+            hint=f"write B{name} {nodes[0]} {nodes[1]} I=V({nodes[0]},{nodes[1]})/({law})",
+        )
     value = read_formula(values[0], line)
+    if "m" in options:
+        value = _several(kind, value, options, line)
     if LETTERED.fullmatch(values[0]) and isinstance(value, Number):
         notices.add(line, f"{values[0]} is {value.value:g}: the letter stands for the point")
     return Card(name, line, nodes, value, start)
+
+
+def _several(kind: str, value: Expr, options: Mapping[str, str], line: Line) -> Expr:
+    """Return the value of so many parts beside each other as ``m=`` says."""
+    own = {*PARASITICS.get(kind, ()), *(("ic",) if kind == "l" else ())}
+    if own & set(options):
+        raise line.refuse(
+            "m= of a part that has a current at the start, or resistances of its own",
+            code="HB-F130",
+            hint="write the parts one by one, or one that stands for all",
+        )
+    return Binary("*" if kind in "cd" else "/", value, read_formula(options["m"], line))
 
 
 def _source(
@@ -372,6 +394,8 @@ def _diode(
         raise line.refuse(f"{name} needs a model", code="HB-F130", hint=f"{name} anode cathode DX")
     area = words[1] if len(words) == 2 else options.get("area")
     value = read_formula(area, line) if area is not None else None
+    if "m" in options:
+        value = _several("d", value or Number(1.0), options, line)
     return Card(name, line, nodes, value, refers=(words[0],))
 
 

@@ -122,8 +122,13 @@ def _breakdown(
 def _straight(branch: Branch, given: dict[str, float], notices: Notices) -> IdealDiode:
     model = branch.model
     assert model is not None
-    resistance, drop = given.get("ron", 1.0), given.get("vfwd", 0.0)
-    beside = given.get("roff", math.inf)
+    area = 1.0 if branch.value is None else branch.value.number
+    if area <= 0.0:
+        raise branch.line.refuse(
+            f"the area is {area:g}", code="HB-F140", hint="it is positive, and 1 if left out"
+        )
+    resistance, drop = given.get("ron", 1.0) / area, given.get("vfwd", 0.0)
+    beside = given.get("roff", math.inf) / area
     if resistance < 0.0 or beside <= resistance:
         raise branch.line.refuse(
             f"Ron = {resistance:g} ohm, Roff = {beside:g} ohm",
@@ -140,7 +145,7 @@ def _straight(branch: Branch, given: dict[str, float], notices: Notices) -> Idea
         beside = math.inf
     line = None
     if "vrev" in given:
-        line = IdealDiode(given["vrev"], given.get("rrev", resistance))
+        line = IdealDiode(given["vrev"], given.get("rrev", resistance * area) / area)
         if line.drop < 0.0 or line.resistance < 0.0:
             raise branch.line.refuse(
                 f"Vrev = {line.drop:g} V, Rrev = {line.resistance:g} ohm",
