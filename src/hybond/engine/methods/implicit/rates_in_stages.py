@@ -12,6 +12,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import fit
+from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.engine import OK, Engine
 from hybond.engine.methods.implicit.radau_factors import BUTCHER_INVERSE
 from hybond.engine.methods.implicit.radau_room import Radau
@@ -25,6 +26,8 @@ IN_STAGES: Final = 25.0
 """What rates times a step may be off by, in what states may be: over a step that led through the
 motion once between its stages the rates that are read bring another sum than the step itself, and
 the energy that this makes of a run is to be as right as its states."""
+OF_TIME: Final = 4.0 * EPSILON
+"""Part of the time that it is rounded by where a source is asked: what follows that moves on."""
 LEFT: Final = 0.5
 """Part of what was beside a rate that is left of it a step later: where all pass zero together they
 are measured by what they were, and what was let in at first is forgotten soon."""
@@ -49,14 +52,15 @@ def ask_rates_too(e: Engine, r: Radau) -> None:
             continue
         off = 0.0
         terms = 0.0
+        moved = 0.0
         for j in range(n):
             slope = math.fabs(r.jacobian[i * n + j])
-            # what follows a source is no better known than the time that it is asked at
-            late = math.fabs(r.t0 * r.f0[j])
             off += slope * r.tolerance[j]
-            terms += slope * max(max(math.fabs(r.y0[j]), e.lately[j]), late)
+            terms += slope * max(math.fabs(r.y0[j]), e.lately[j])
+            moved += slope * math.fabs(r.f0[j])
         if r.h * off > IN_STAGES * r.tolerance[i]:
-            r.rate_may[i] = max(IN_STAGES * r.tolerance[i], r.h * FROM_ROUNDING * terms)
+            rounding = max(FROM_ROUNDING * terms, OF_TIME * math.fabs(r.t0) * moved)
+            r.rate_may[i] = max(IN_STAGES * r.tolerance[i], r.h * rounding)
             r.rates_asked = True
     if not r.rates_asked:
         return
