@@ -150,8 +150,8 @@ def _element(part: Any, path: Path, models: _Models) -> dict[str, Any]:
     return {part.kind: part.value, **part.options}
 
 
-def _signal(signal: str | Integral | Sampled) -> Any:
-    if isinstance(signal, str):
+def _signal(signal: str | float | Integral | Sampled) -> Any:
+    if not isinstance(signal, Integral | Sampled):
         return signal
     start = {} if repr(signal.start) == "0.0" else {"start": signal.start}
     if isinstance(signal, Integral):
