@@ -16,11 +16,10 @@ from hybond.cli.settings import flatten_with
 from hybond.cli.streams import complain, say
 from hybond.cli.targets import check_target
 from hybond.errors import HybondError, UsageError
-from hybond.measures.asked import FUNCTIONS, Asked, asked_of_experiment, read_measure
+from hybond.measures.asked import Asked, asked_of_experiment, read_measure
 from hybond.measures.losses import Losses
 from hybond.measures.naming import read_name
 from hybond.model.graph import FlatGraph
-from hybond.names import in_columns
 from hybond.result import Result
 
 _OF_LOSSES = ("power", "depth", "start", "end", "period", "periods", "plot", "sankey")
@@ -28,9 +27,6 @@ _OF_LOSSES = ("power", "depth", "start", "end", "period", "periods", "plot", "sa
 
 def measure(given: Namespace) -> int:
     """Simulate; print measurements and losses, or one JSON object."""
-    if given.list:
-        say("\n".join(in_columns((name, line) for name, (_, _, line) in FUNCTIONS.items())))
-        return 0
     _check(given)
     plot = check_target(given.plot, PICTURES, "--plot")
     sankey = check_target(given.sankey, PICTURES, "--sankey")

@@ -166,7 +166,7 @@ def _input(given: InputPart, path: Path) -> dict[str, Any]:
             "a Python function cannot be written to a model file",
             path,
             "HB-F110",
-            "give the input as a table: InputPart(table=[(0, 0), (1, 5)], linear=True)",
+            "give the input as a table: hb.Input(table=[(0, 0), (1, 5)], linear=True)",
         )
     data: dict[str, Any] = {}
     if given.constant is not None:
