@@ -36,6 +36,8 @@ export interface State {
   plotted: string[];
   span: [number, number];
   adding: boolean;
+  /** How often the graph was laid out anew. */
+  arranged: number;
   bottom: boolean;
   panel: "" | "palette" | "side";
   dark: boolean | null;
@@ -74,6 +76,7 @@ const BEGIN: State = {
   plotted: [],
   span: [0, 1],
   adding: false,
+  arranged: 0,
   bottom: false,
   panel: "",
   dark: null,
@@ -82,6 +85,8 @@ const BEGIN: State = {
   schematic: false,
   room: { side: 340, low: 0 },
 };
+
+const ONE_PORTS = ["C", "I", "R", "G", "Se", "Sf"];
 
 export class Store {
   state: State = BEGIN;
@@ -224,24 +229,38 @@ export class Store {
   undo = () => this.ask("undo");
   redo = () => this.ask("redo");
 
+  /** Lay out anew, and show all of it; selected elements stay where they are. */
+  async arrange(): Promise<void> {
+    if (await this.ask("arrange", { keep: [...this.state.nodes] })) this.set({ arranged: this.state.arranged + 1 });
+  }
+
   async add(element: object, stem: string, at?: [number, number]): Promise<void> {
     const before = new Set(this.state.look?.view.nodes.map((n) => n.name));
-    const place = at ?? this.freePlace();
+    const place = at ?? this.freePlace(element);
     const look = await this.edit({ do: "add", element, stem, at: place });
     const made = look?.view.nodes.find((n) => !before.has(n.name));
     if (made) this.set({ nodes: new Set([made.name]), bonds: new Set(), tab: "item" });
   }
 
-  /** A place beside what is selected, or beside the last node, where nothing stands. */
-  freePlace(): [number, number] {
+  /**
+   * A place where nothing stands, as a layout has it: inner nodes go on to the right of what is selected, or of
+   * the last node; one-ports hang above and below an inner node, sources stand at its left.
+   */
+  freePlace(element: object): [number, number] {
     const nodes = this.state.look?.view.nodes ?? [];
     if (!nodes.length) return [0, 0];
-    const chosen = nodes.find((n) => this.state.nodes.has(n.name)) ?? nodes[nodes.length - 1];
+    const kind = ONE_PORTS.find((k) => k in element);
+    const last = nodes.findIndex((n) => this.state.nodes.has(n.name));
+    const begun = nodes.slice(0, last < 0 ? nodes.length : last + 1);
+    const inner = begun.filter((n) => !ONE_PORTS.includes(n.kind));
+    const chosen = inner[inner.length - 1] ?? begun[begun.length - 1];
     const taken = (x: number, y: number) =>
       nodes.some((n) => Math.abs(n.x - x) < 0.6 && Math.abs(n.y - y) < 0.6);
     const x0 = Math.round(chosen.x);
     const y0 = Math.round(chosen.y);
-    const near: [number, number][] = [[1, 0], [0, -1], [0, 1], [-1, 0], [1, -1], [1, 1], [2, 0]];
+    const west: [number, number][] = kind?.startsWith("S") ? [[-1, 0]] : [];
+    const hung: [number, number][] = kind && inner.length ? [...west, [0, -1], [0, 1]] : [];
+    const near: [number, number][] = [...hung, [1, 0], [0, -1], [0, 1], [-1, 0], [1, -1], [1, 1], [2, 0]];
     for (const [dx, dy] of near) if (!taken(x0 + dx, y0 + dy)) return [x0 + dx, y0 + dy];
     for (let x = 3; ; x++) if (!taken(x0 + x, y0)) return [x0 + x, y0];
   }
