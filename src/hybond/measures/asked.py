@@ -181,8 +181,9 @@ def read_measure(text: str, *, where: str = "measure") -> Asked:
     """
     match = _CALL.match(text) if isinstance(text, str) else None
     if match is None:
+        is_open = isinstance(text, str) and text.count("(") > text.count(")")
         raise UsageError(
-            f"{text!r} is no measurement",
+            f"a parenthesis in {text!r} is left open" if is_open else f"{text!r} is no measurement",
             code="HB-R120",
             where=where,
             hint="such as mean(L.f) or rms(out.e, period=20 us, periods=5)",
