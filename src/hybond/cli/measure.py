@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from argparse import Namespace
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 from hybond.cli.lists import check_experiment, run_until
@@ -34,6 +35,8 @@ def measure(given: Namespace) -> int:
     graph = flatten_with(model, given.settings)
     check_experiment(graph)
     asked = wanted(graph, in_words_of(conversion, given.measures))
+    if given.measures:  # told as it was asked for
+        asked = [replace(a, text=t.strip()) for a, t in zip(asked, given.measures, strict=True)]
     if not asked and not given.losses:
         raise UsageError(
             "nothing is to be measured",
