@@ -1,5 +1,6 @@
 /** All that the page knows, and what can be done with it. No drawing here. */
-import type { Choice, Cursor, Instant, Look, Place, Problem, RunSummary, Member, PlanForm, PlanNow, SoFar, Stock, Swept } from "./messages";
+import type { Choice, Cursor, GraphNode, Instant, Look, Place, Problem, RunSummary, Member, PlanForm, PlanNow, SoFar, Stock, Swept } from "./messages";
+import { CELL, partFrame } from "./shapes";
 import { shared } from "./sharing";
 import { Refused, type Transport } from "./transport";
 
@@ -87,6 +88,15 @@ const BEGIN: State = {
 };
 
 const ONE_PORTS = ["C", "I", "R", "G", "Se", "Sf"];
+
+/** Half the width of a part that is not yet there, in cells. */
+const PART = 0.9;
+
+/** Half the width of a node, in cells. */
+function broad(node: GraphNode): number {
+  const ports = node.ports ?? [];
+  return ports.length ? partFrame(node, ports.map((_, k) => "we"[k % 2]).join("")).half / CELL[0] : 0.3;
+}
 
 export class Store {
   state: State = BEGIN;
@@ -254,13 +264,15 @@ export class Store {
     const begun = nodes.slice(0, last < 0 ? nodes.length : last + 1);
     const inner = begun.filter((n) => !ONE_PORTS.includes(n.kind));
     const chosen = inner[inner.length - 1] ?? begun[begun.length - 1];
+    const part = "submodel" in element;
     const taken = (x: number, y: number) =>
-      nodes.some((n) => Math.abs(n.x - x) < 0.6 && Math.abs(n.y - y) < 0.6);
+      nodes.some((n) => Math.abs(n.x - x) < broad(n) + (part ? PART : 0.3) && Math.abs(n.y - y) < (n.ports?.length || part ? 0.9 : 0.6));
     const x0 = Math.round(chosen.x);
     const y0 = Math.round(chosen.y);
     const west: [number, number][] = kind?.startsWith("S") ? [[-1, 0]] : [];
     const hung: [number, number][] = kind && inner.length ? [...west, [0, -1], [0, 1]] : [];
-    const near: [number, number][] = [...hung, [1, 0], [0, -1], [0, 1], [-1, 0], [1, -1], [1, 1], [2, 0]];
+    const along: [number, number][] = part || broad(chosen) > 0.3 ? [[1, 0], [2, 0], [3, 0], [4, 0]] : [];
+    const near: [number, number][] = [...hung, ...along, [1, 0], [0, -1], [0, 1], [-1, 0], [1, -1], [1, 1], [2, 0]];
     for (const [dx, dy] of near) if (!taken(x0 + dx, y0 + dy)) return [x0 + dx, y0 + dy];
     for (let x = 3; ; x++) if (!taken(x0 + x, y0)) return [x0 + x, y0];
   }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import math
 import re
@@ -222,6 +223,31 @@ def test_by_keyboard_alone(desk: Any, serve: Callable[[str], str], tmp_path: Pat
     assert data["elements"]["coil"] == {"I": "0.5"}
     # one-ports hang above and below the junction, not in one row that bonds would run through
     assert data["layout"] == {"Se": [0, 0], "j": [1, 0], "coil": [1, -1], "r": [1, 1]}
+
+
+def test_a_part_is_found_by_its_name_on_the_shelf_in_use_and_given_one(
+    desk: Any, serve: Callable[[str], str], tmp_path: Path
+) -> None:
+    from selenium.webdriver.common.keys import Keys
+
+    page = Page(desk, serve("parts.toml"))
+    for words in ("inertia flywheel", "damper", "frame"):
+        page.keys("a")
+        page.until(lambda: page.one(".quick input"), "the box")
+        page.keys(words)
+        page.until(lambda: page.all(".quick li"), "what is offered")
+        page.keys(Keys.ENTER)
+        page.until(lambda: not page.all(".quick"), words)
+    data = tomllib.loads((tmp_path / "parts.toml").read_text())
+    assert data["elements"] == {
+        "flywheel": {"submodel": "rotational.inertia"},
+        "damper": {"submodel": "rotational.damper"},
+        "frame": {"submodel": "rotational.frame"},
+    }
+    boxes = [frame.rect for frame in page.all("[data-node] rect.frame")]
+    edges = sorted((box["x"], box["x"] + box["width"]) for box in boxes)
+    assert len(edges) == 3
+    assert all(one[1] < other[0] for one, other in itertools.pairwise(edges)), "no part on another"
 
 
 def test_what_is_laid_out_anew_is_shown_as_a_whole(

@@ -3244,23 +3244,35 @@ function Sn({ store: e, state: t }) {
 		]
 	});
 }
-function Cn({ store: e, state: t }) {
-	let [n, r] = V(""), { kinds: i, parts: a } = xn(t), o = [...i, ...[...a.values()].flat()], [s, ...c] = n.trim().split(/\s+/), l = i.find((e) => e.key === s), u = n.includes("->") ? [] : l ? [l, ...o.filter((e) => e !== l && e.key.includes(s))] : o.filter((e) => `${e.key} ${e.about}`.toLowerCase().includes(n.trim().toLowerCase())), d = () => {
+var Cn = /^[A-Za-z_]\w*$/, wn = 8, Tn = 5;
+function En(e, t) {
+	let n = e.letters.replaceAll("_", " ").toLowerCase(), r = t.replaceAll("_", " ");
+	return n === r || e.key === t ? 0 : n.startsWith(r) ? 1 : ` ${n}`.includes(` ${r}`) ? 2 : `${e.key} ${n}`.includes(r) ? 3 : e.about.toLowerCase().includes(r) ? 4 : Tn;
+}
+function Dn(e) {
+	let t = (e.look?.view.nodes ?? []).filter((e) => String(e.entry.submodel ?? "").includes(".")), n = t.find((t) => e.nodes.has(t.name)) ?? t[t.length - 1];
+	return n ? String(n.entry.submodel).split(".")[0] : e.look?.view.domain ?? "";
+}
+function On({ store: e, state: t }) {
+	let [n, r] = V(""), [i, a] = V(0), { kinds: o, parts: s } = xn(t), c = [...o, ...[...s.values()].flat()], [l, ...u] = n.trim().split(/\s+/), d = o.find((e) => e.key === l), f = !d && u.length === 1 && Cn.test(u[0]) && c.some((e) => e.letters === l), p = (f ? l : n.trim()).toLowerCase(), m = Dn(t), h = n.includes("->") ? [] : d ? [d, ...c.filter((e) => e !== d && e.key.includes(l))] : c.map((e) => ({
+		o: e,
+		rank: 2 * En(e, p) - Number(e.key.startsWith(`${m}.`))
+	})).filter(({ rank: e }) => e < 9).sort((e, t) => e.rank - t.rank).map(({ o: e }) => e), g = () => {
 		document.querySelector(".canvas svg")?.focus(), e.set({ adding: !1 });
-	}, f = async () => {
+	}, _ = async () => {
 		if (n.includes("->")) return await e.edit({
 			do: "write bond",
 			text: n.trim()
-		}), d();
-		let t = u[0];
+		}), g();
+		let t = h[Math.min(i, h.length - 1)];
 		if (!t) return;
-		let r = t.element, i = "";
-		if (t === l && c.length) {
-			/^[A-Za-z_]\w*$/.test(c[0]) && (i = c.shift());
-			let e = c.join(" ");
+		let r = t.element, a = "";
+		if (t === d && u.length) {
+			Cn.test(u[0]) && (a = u.shift());
+			let e = u.join(" ");
 			e && !("junction" in r) && (r = { [t.key]: e });
-		}
-		await e.add(r, i || t.stem), d();
+		} else f && (a = u[0]);
+		await e.add(r, a || t.stem), g();
 	};
 	return /* @__PURE__ */ z("div", {
 		class: "quick",
@@ -3271,25 +3283,32 @@ function Cn({ store: e, state: t }) {
 			value: n,
 			"aria-label": "What to add",
 			placeholder: "R load 10 ohm · diode · a -> b",
-			onInput: (e) => r(e.currentTarget.value),
+			onInput: (e) => {
+				r(e.currentTarget.value), a(0);
+			},
 			onKeyDown: (e) => {
-				e.key === "Enter" && f(), e.key === "Escape" && d(), e.stopPropagation();
+				let t = {
+					ArrowDown: 1,
+					ArrowUp: -1
+				}[e.key];
+				t && (a(Math.max(0, Math.min(i + t, h.length - 1, 7))), e.preventDefault()), e.key === "Enter" && _(), e.key === "Escape" && g(), e.stopPropagation();
 			}
-		}), /* @__PURE__ */ z("ul", { children: u.slice(0, 8).map((e, t) => /* @__PURE__ */ z("li", {
-			class: t === 0 ? "chosen" : "",
+		}), /* @__PURE__ */ z("ul", { children: h.slice(0, wn).map((e, t) => /* @__PURE__ */ z("li", {
+			class: t === i ? "chosen" : "",
 			children: [
 				/* @__PURE__ */ z("b", { children: e.letters }),
 				" ",
-				e.about
+				e.about,
+				e.key.includes(".") && /* @__PURE__ */ z("small", { children: [" ", e.key.split(".")[0]] })
 			]
 		})) })]
 	});
 }
 // src/axes.ts
-function wn(e) {
+function kn(e) {
 	return /^([^:,()]+\.\.[^:,()]+?)(:11)?$/.exec(e.trim())?.[1] ?? null;
 }
-function Tn(e, t, n, r = 5) {
+function An(e, t, n, r = 5) {
 	if (!(t - e > 1e-9 * Math.max(Math.abs(e), Math.abs(t)))) {
 		let r = Math.abs(e) * .1 || 1;
 		[e, t] = n ? [e * .9, e * 1.1] : [e - r, t + r];
@@ -3300,7 +3319,7 @@ function Tn(e, t, n, r = 5) {
 		log: n,
 		part: (n) => (n - e) / (t - e),
 		value: (n) => e + n * (t - e),
-		ticks: On(e, t, r)
+		ticks: Nn(e, t, r)
 	};
 	let [i, a] = [Math.log(e), Math.log(t)];
 	return {
@@ -3309,22 +3328,22 @@ function Tn(e, t, n, r = 5) {
 		log: n,
 		part: (e) => (Math.log(e) - i) / (a - i),
 		value: (e) => Math.exp(i + e * (a - i)),
-		ticks: kn(e, t, r)
+		ticks: Pn(e, t, r)
 	};
 }
-function En(e, t, n) {
-	if (e.edges) return Tn(e.edges[0], e.edges[e.edges.length - 1], e.log, n);
-	let [r, i] = Dn(t.filter((e) => e !== null));
-	if (e.log) return Tn(r / (i / r) ** .04, i * (i / r) ** .04, !0, n);
+function jn(e, t, n) {
+	if (e.edges) return An(e.edges[0], e.edges[e.edges.length - 1], e.log, n);
+	let [r, i] = Mn(t.filter((e) => e !== null));
+	if (e.log) return An(r / (i / r) ** .04, i * (i / r) ** .04, !0, n);
 	let a = .05 * (i - r);
-	return Tn(r - a, i + a, !1, n);
+	return An(r - a, i + a, !1, n);
 }
-function Dn(e) {
+function Mn(e) {
 	let [t, n] = [Infinity, -Infinity];
 	for (let r of e) r < t && (t = r), r > n && (n = r);
 	return t <= n ? [t, n] : [0, 1];
 }
-function On(e, t, n) {
+function Nn(e, t, n) {
 	let r = (t - e) / n, i = 10 ** Math.floor(Math.log10(r)), a = [
 		1,
 		2,
@@ -3334,7 +3353,7 @@ function On(e, t, n) {
 	for (let n = Math.ceil(e / a - 1e-9); n * a <= t * (1 + 1e-12) + 1e-9 * a; n++) o.push(+(n * a).toPrecision(12));
 	return o;
 }
-function kn(e, t, n) {
+function Pn(e, t, n) {
 	let r = [];
 	for (let i of [
 		[1],
@@ -3351,13 +3370,13 @@ function kn(e, t, n) {
 	}
 	return r.length > 1 ? r : [e, t];
 }
-function An(e, t) {
+function Fn(e, t) {
 	return t ? `${e} [${I(t)}]` : e;
 }
 function q(e) {
 	return e === null ? "none" : Se(e, 5).replace(/\.?0+e/, "e");
 }
-var jn = [
+var In = [
 	"440154",
 	"482878",
 	"3e4989",
@@ -3369,28 +3388,28 @@ var jn = [
 	"b5de2b",
 	"fde725"
 ];
-function Mn(e) {
-	let t = Math.min(Math.max(e, 0), 1) * (jn.length - 1), n = Math.min(Math.floor(t), jn.length - 2);
+function Ln(e) {
+	let t = Math.min(Math.max(e, 0), 1) * (In.length - 1), n = Math.min(Math.floor(t), In.length - 2);
 	return `rgb(${[
 		0,
 		2,
 		4
 	].map((e) => {
-		let [r, i] = [jn[n], jn[n + 1]].map((t) => parseInt(t.slice(e, e + 2), 16));
+		let [r, i] = [In[n], In[n + 1]].map((t) => parseInt(t.slice(e, e + 2), 16));
 		return Math.round(r + (t - n) * (i - r));
 	}).join(",")})`;
 }
-var Nn = jn.map((e) => `#${e}`).join(", "), Pn = 120, Fn = "HB-W103", In = [
+var Rn = In.map((e) => `#${e}`).join(", "), zn = 120, Bn = "HB-W103", Vn = [
 	"grid",
 	"together",
 	"ends"
-], Ln = ["grid", "together"];
-function Rn({ store: e, state: t }) {
+], Hn = ["grid", "together"];
+function Un({ store: e, state: t }) {
 	let [n, r] = V(null), [i, a] = V(null), [o, s] = V(null), c = t.look.revision, l = t.asking;
 	if (yt(() => {
 		let t = !1;
 		return e.transport.ask("plan words").then((n) => {
-			t || (r(n), a(null), e.state.asking || e.set({ asking: Vn(n) }));
+			t || (r(n), a(null), e.state.asking || e.set({ asking: Kn(n) }));
 		}).catch((e) => !t && a(e.problem ?? null)), () => {
 			t = !0;
 		};
@@ -3398,7 +3417,7 @@ function Rn({ store: e, state: t }) {
 		if (!l) return;
 		let t = !1, n = setTimeout(() => {
 			e.transport.ask("plan look", l).then((e) => !t && s(e)).catch((e) => !t && a(e.problem ?? null));
-		}, Pn);
+		}, zn);
 		return () => {
 			t = !0, clearTimeout(n);
 		};
@@ -3422,23 +3441,23 @@ function Rn({ store: e, state: t }) {
 		...n,
 		...t
 	} : n), h = (e, t) => {
-		let r = t.trim(), i = n.values[r], a = l.factors[e], o = i && (!a.values || a.values === Hn(n.values[a.path] ?? "", l.way));
+		let r = t.trim(), i = n.values[r], a = l.factors[e], o = i && (!a.values || a.values === qn(n.values[a.path] ?? "", l.way));
 		return m(e, {
 			path: r,
-			...o ? { values: Hn(i, l.way) } : {}
+			...o ? { values: qn(i, l.way) } : {}
 		});
 	}, g = (e) => u({
 		way: e,
 		count: l.count || "128",
 		factors: l.factors.map((t) => ({
 			...t,
-			values: Hn(t.values, e)
+			values: qn(t.values, e)
 		}))
 	}), _ = () => {
 		let e = n.paths.find((e) => e in n.values && !l.factors.some((t) => t.path === e)) ?? "";
 		u({ factors: [...l.factors, {
 			path: e,
-			values: Hn(n.values[e] ?? "", l.way)
+			values: qn(n.values[e] ?? "", l.way)
 		}] });
 	}, v = o?.members ?? 0;
 	return /* @__PURE__ */ z("section", {
@@ -3515,24 +3534,24 @@ function Rn({ store: e, state: t }) {
 				onChange: (e) => g(e.currentTarget.value),
 				children: Object.keys(n.ways).map((e) => /* @__PURE__ */ z("option", {
 					value: e,
-					children: zn[e] ?? e
+					children: Wn[e] ?? e
 				}))
 			})] }),
 			/* @__PURE__ */ z("p", {
 				class: "hint",
 				children: n.ways[l.way]
 			}),
-			!In.includes(l.way) && /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "number" }), /* @__PURE__ */ z(Rt, {
+			!Vn.includes(l.way) && /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "number" }), /* @__PURE__ */ z(Rt, {
 				label: "Number",
 				value: l.count,
 				onWrite: (e) => u({ count: e.trim() })
 			})] }),
-			!Ln.includes(l.way) && l.way !== "ends" && /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "seed" }), /* @__PURE__ */ z(Rt, {
+			!Hn.includes(l.way) && l.way !== "ends" && /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "seed" }), /* @__PURE__ */ z(Rt, {
 				label: "Seed",
 				value: l.seed,
 				onWrite: (e) => u({ seed: e.trim() || "0" })
 			})] }),
-			/* @__PURE__ */ z(Bn, { problem: f.seed ?? f.way }),
+			/* @__PURE__ */ z(Gn, { problem: f.seed ?? f.way }),
 			/* @__PURE__ */ z("h2", { children: "What is collected" }),
 			/* @__PURE__ */ z(nn, {
 				label: "Collect",
@@ -3564,7 +3583,7 @@ function Rn({ store: e, state: t }) {
 				placeholder: String(t.look.panels.experiment.until ?? "1 s"),
 				onWrite: (e) => u({ until: e.trim() })
 			})] }),
-			/* @__PURE__ */ z(Bn, { problem: f.until }),
+			/* @__PURE__ */ z(Gn, { problem: f.until }),
 			/* @__PURE__ */ z("div", {
 				class: "row begin",
 				children: [p ? /* @__PURE__ */ z("button", {
@@ -3585,7 +3604,7 @@ function Rn({ store: e, state: t }) {
 					children: "Show the last"
 				})]
 			}),
-			o && Object.values(f).every((e) => e.code === Fn) && /* @__PURE__ */ z(x, { children: [/* @__PURE__ */ z("h2", { children: "The same in a terminal" }), /* @__PURE__ */ z("div", {
+			o && Object.values(f).every((e) => e.code === Bn) && /* @__PURE__ */ z(x, { children: [/* @__PURE__ */ z("h2", { children: "The same in a terminal" }), /* @__PURE__ */ z("div", {
 				class: "command",
 				children: [/* @__PURE__ */ z("code", {
 					tabindex: 0,
@@ -3598,7 +3617,7 @@ function Rn({ store: e, state: t }) {
 		]
 	});
 }
-var zn = {
+var Wn = {
 	grid: "all combinations",
 	together: "side by side",
 	random: "at random",
@@ -3607,7 +3626,7 @@ var zn = {
 	saltelli: "for Sobol indices",
 	ends: "for a tornado"
 };
-function Bn({ problem: e }) {
+function Gn({ problem: e }) {
 	return e ? /* @__PURE__ */ z("small", {
 		class: "wrong",
 		role: "status",
@@ -3618,7 +3637,7 @@ function Bn({ problem: e }) {
 		]
 	}) : null;
 }
-function Vn(e) {
+function Kn(e) {
 	let t = e.paths.find((t) => t in e.values) ?? e.paths[0] ?? "";
 	return {
 		factors: [{
@@ -3632,24 +3651,24 @@ function Vn(e) {
 		collect: e.collect
 	};
 }
-function Hn(e, t) {
-	let n = wn(e);
-	return n ? Ln.includes(t) ? `${n}:11` : n : e;
+function qn(e, t) {
+	let n = kn(e);
+	return n ? Hn.includes(t) ? `${n}:11` : n : e;
 }
 // src/bands.tsx
-var [Un, Wn, Gn, Kn] = [
+var [Jn, Yn, Xn, Zn] = [
 	66,
 	14,
 	10,
 	38
 ];
-function qn({ found: e, wide: t, high: n, chosen: r, choose: i, open: a }) {
+function Qn({ found: e, wide: t, high: n, chosen: r, choose: i, open: a }) {
 	let { t: o, bands: s, curves: c } = e, l = [...s, ...c].flat().filter((e) => e !== null);
 	if (!l.length) return /* @__PURE__ */ z("p", {
 		class: "hint",
 		children: "No run has come so far that it has values."
 	});
-	let u = t > 620, d = Math.max(t - (u ? 230 : 0), 160), [f, p] = [d - Un - Wn, n - Gn - Kn], [m, h] = Dn(l), g = .05 * (h - m), _ = Tn(o[0], o[o.length - 1], !1, Math.max(2, Math.round(f / 90))), v = Tn(m - g, h + g, !1, Math.max(2, Math.round(p / 45))), y = (e) => Un + _.part(e) * f, b = (e) => Gn + (1 - v.part(e)) * p, x = (e) => {
+	let u = t > 620, d = Math.max(t - (u ? 230 : 0), 160), [f, p] = [d - Jn - Yn, n - Xn - Zn], [m, h] = Mn(l), g = .05 * (h - m), _ = An(o[0], o[o.length - 1], !1, Math.max(2, Math.round(f / 90))), v = An(m - g, h + g, !1, Math.max(2, Math.round(p / 45))), y = (e) => Jn + _.part(e) * f, b = (e) => Xn + (1 - v.part(e)) * p, x = (e) => {
 		let [t, n] = ["", "M"];
 		return e.forEach((e, r) => {
 			e === null ? n = "M" : [t, n] = [`${t}${n}${y(o[r]).toFixed(1)},${b(e).toFixed(1)}`, "L"];
@@ -3695,8 +3714,8 @@ function qn({ found: e, wide: t, high: n, chosen: r, choose: i, open: a }) {
 				children: [
 					/* @__PURE__ */ z("rect", {
 						class: "box",
-						x: Un,
-						y: Gn,
+						x: Jn,
+						y: Xn,
 						width: f,
 						height: p
 					}),
@@ -3727,43 +3746,43 @@ function qn({ found: e, wide: t, high: n, chosen: r, choose: i, open: a }) {
 						class: "tick",
 						x1: y(e),
 						x2: y(e),
-						y1: Gn + p,
-						y2: Gn + p + 4
+						y1: Xn + p,
+						y2: Xn + p + 4
 					}), /* @__PURE__ */ z("text", {
 						x: y(e),
-						y: Gn + p + 15,
+						y: Xn + p + 15,
 						"text-anchor": "middle",
 						children: R(e, "s")
 					})] })),
 					v.ticks.map((e) => /* @__PURE__ */ z("g", { children: [/* @__PURE__ */ z("line", {
 						class: "tick",
-						x1: Un - 4,
-						x2: Un,
+						x1: Jn - 4,
+						x2: Jn,
 						y1: b(e),
 						y2: b(e)
 					}), /* @__PURE__ */ z("text", {
-						x: Un - 7,
+						x: Jn - 7,
 						y: b(e) + 3.5,
 						"text-anchor": "end",
 						children: q(e)
 					})] })),
 					/* @__PURE__ */ z("text", {
 						class: "what",
-						x: Un + f / 2,
+						x: Jn + f / 2,
 						y: n - 6,
 						"text-anchor": "middle",
 						children: "time"
 					}),
 					/* @__PURE__ */ z("text", {
 						class: "what",
-						transform: `translate(12,${Gn + p / 2}) rotate(-90)`,
+						transform: `translate(12,${Xn + p / 2}) rotate(-90)`,
 						"text-anchor": "middle",
-						children: An(e.signal, e.unit)
+						children: Fn(e.signal, e.unit)
 					})
 				]
 			})
 		}), /* @__PURE__ */ z("figcaption", { children: [
-			/* @__PURE__ */ z("b", { children: An(e.signal, e.unit) }),
+			/* @__PURE__ */ z("b", { children: Fn(e.signal, e.unit) }),
 			/* @__PURE__ */ z("span", {
 				class: "key",
 				children: [/* @__PURE__ */ z("i", { class: "line median" }), " median"]
@@ -3797,21 +3816,21 @@ function qn({ found: e, wide: t, high: n, chosen: r, choose: i, open: a }) {
 	});
 }
 // src/bars.tsx
-var [Jn, J, Yn] = [
+var [$n, er, tr] = [
 	22,
 	40,
 	34
 ];
-function Xn(e, t) {
+function nr(e, t) {
 	return Math.min(24 + 7 * Math.max(...e.map((e) => e.length)), t * .35);
 }
-function Zn({ found: e, wide: t, open: n }) {
+function rr({ found: e, wide: t, open: n }) {
 	let r = e.middle;
 	if (r === null) return /* @__PURE__ */ z("p", {
 		class: "hint",
 		children: "The run in the middle has no value."
 	});
-	let i = Math.min(t, 820), a = Xn(e.rows.map((e) => An(e.path, e.unit)), i), [o, s] = [44, Jn + Yn * e.rows.length + J], [c, l] = Dn([r, ...e.rows.flatMap((e) => e.outcomes).filter((e) => e !== null)]), u = .14 * (l - c), d = Tn(c - u, l + u, !1, Math.max(2, Math.round((i - a - o) / 100))), f = (e) => a + d.part(e) * (i - a - o);
+	let i = Math.min(t, 820), a = nr(e.rows.map((e) => Fn(e.path, e.unit)), i), [o, s] = [44, $n + tr * e.rows.length + er], [c, l] = Mn([r, ...e.rows.flatMap((e) => e.outcomes).filter((e) => e !== null)]), u = .14 * (l - c), d = An(c - u, l + u, !1, Math.max(2, Math.round((i - a - o) / 100))), f = (e) => a + d.part(e) * (i - a - o);
 	return /* @__PURE__ */ z("figure", {
 		class: "bars",
 		"data-view": "tornado",
@@ -3825,27 +3844,27 @@ function Zn({ found: e, wide: t, open: n }) {
 					class: "grid",
 					x1: f(e),
 					x2: f(e),
-					y1: Jn,
-					y2: s - J
+					y1: $n,
+					y2: s - er
 				}), /* @__PURE__ */ z("text", {
 					x: f(e),
-					y: s - J + 15,
+					y: s - er + 15,
 					"text-anchor": "middle",
 					children: q(e)
 				})] })),
 				e.rows.map((t, i) => /* @__PURE__ */ z("g", {
-					transform: `translate(0,${Jn + i * Yn})`,
+					transform: `translate(0,${$n + i * tr})`,
 					"data-factor": t.path,
 					children: [/* @__PURE__ */ z("text", {
 						class: "what",
 						x: a - 8,
-						y: Yn / 2 + 4,
+						y: tr / 2 + 4,
 						"text-anchor": "end",
-						children: An(t.path, t.unit)
+						children: Fn(t.path, t.unit)
 					}), t.outcomes.map((i, a) => {
 						if (i === null) return /* @__PURE__ */ z("text", {
 							x: f(r) + 4,
-							y: Yn / 2 + 4,
+							y: tr / 2 + 4,
 							children: "no value"
 						});
 						let o = i > r || i === r && a === 1, s = `${t.path} = ${q(t.ends[a])}: ${e.value} = ${q(i)}`, c = () => n(t.members[a]);
@@ -3860,12 +3879,12 @@ function Zn({ found: e, wide: t, open: n }) {
 								x: Math.min(f(i), f(r)),
 								y: 5,
 								width: Math.max(Math.abs(f(i) - f(r)), 1),
-								height: Yn - 10,
+								height: tr - 10,
 								"data-outcome": i,
 								children: /* @__PURE__ */ z("title", { children: s })
 							}), /* @__PURE__ */ z("text", {
 								x: f(i) + (o ? 4 : -4),
-								y: Yn / 2 + 4,
+								y: tr / 2 + 4,
 								"text-anchor": o ? "start" : "end",
 								children: q(t.ends[a])
 							})]
@@ -3876,12 +3895,12 @@ function Zn({ found: e, wide: t, open: n }) {
 					class: "middle",
 					x1: f(r),
 					x2: f(r),
-					y1: Jn - 4,
-					y2: s - J
+					y1: $n - 4,
+					y2: s - er
 				}),
 				/* @__PURE__ */ z("text", {
 					x: f(r),
-					y: Jn - 9,
+					y: $n - 9,
 					"text-anchor": "middle",
 					children: q(r)
 				}),
@@ -3890,7 +3909,7 @@ function Zn({ found: e, wide: t, open: n }) {
 					x: (a + i - o) / 2,
 					y: s - 6,
 					"text-anchor": "middle",
-					children: An(e.value, e.unit)
+					children: Fn(e.value, e.unit)
 				})
 			]
 		}), /* @__PURE__ */ z("figcaption", { children: [/* @__PURE__ */ z("span", {
@@ -3902,13 +3921,13 @@ function Zn({ found: e, wide: t, open: n }) {
 		})] })]
 	});
 }
-function Qn({ found: e, wide: t }) {
-	let n = Math.min(t, 820), r = Xn(e.rows.map((e) => e.path), n), [i, a] = [64, Jn + Yn * e.rows.length + J], o = e.rows.flatMap((e) => [e.first, e.total].flatMap(([e, t]) => e === null ? [] : [e - (t ?? 0), e + (t ?? 0)]));
+function ir({ found: e, wide: t }) {
+	let n = Math.min(t, 820), r = nr(e.rows.map((e) => e.path), n), [i, a] = [64, $n + tr * e.rows.length + er], o = e.rows.flatMap((e) => [e.first, e.total].flatMap(([e, t]) => e === null ? [] : [e - (t ?? 0), e + (t ?? 0)]));
 	if (!o.length) return /* @__PURE__ */ z("p", {
 		class: "hint",
 		children: "The outcome does not vary."
 	});
-	let [s, c] = Dn([0, ...o]), l = Tn(s, Math.max(c, .1) * 1.02, !1, Math.max(2, Math.round((n - r - i) / 90))), u = (e) => r + l.part(e) * (n - r - i);
+	let [s, c] = Mn([0, ...o]), l = An(s, Math.max(c, .1) * 1.02, !1, Math.max(2, Math.round((n - r - i) / 90))), u = (e) => r + l.part(e) * (n - r - i);
 	return /* @__PURE__ */ z("figure", {
 		class: "bars",
 		"data-view": "sobol",
@@ -3922,21 +3941,21 @@ function Qn({ found: e, wide: t }) {
 					class: "grid",
 					x1: u(e),
 					x2: u(e),
-					y1: Jn,
-					y2: a - J
+					y1: $n,
+					y2: a - er
 				}), /* @__PURE__ */ z("text", {
 					x: u(e),
-					y: a - J + 15,
+					y: a - er + 15,
 					"text-anchor": "middle",
 					children: q(e)
 				})] })),
 				e.rows.map((e, t) => /* @__PURE__ */ z("g", {
-					transform: `translate(0,${Jn + t * Yn})`,
+					transform: `translate(0,${$n + t * tr})`,
 					"data-factor": e.path,
 					children: [/* @__PURE__ */ z("text", {
 						class: "what",
 						x: r - 8,
-						y: Yn / 2 + 4,
+						y: tr / 2 + 4,
 						"text-anchor": "end",
 						children: e.path
 					}), [e.first, e.total].map(([e, t], n) => {
@@ -3969,8 +3988,8 @@ function Qn({ found: e, wide: t }) {
 					class: "middle",
 					x1: u(0),
 					x2: u(0),
-					y1: Jn - 4,
-					y2: a - J
+					y1: $n - 4,
+					y2: a - er
 				}),
 				/* @__PURE__ */ z("text", {
 					class: "what",
@@ -3998,17 +4017,17 @@ function Qn({ found: e, wide: t }) {
 	});
 }
 // src/outcomes.tsx
-var [$n, er, tr, nr] = [
+var [ar, or, sr, cr] = [
 	66,
 	12,
 	10,
 	38
-], rr = 14;
-function ir({ found: e, wide: t, high: n, dark: r, chosen: i, choose: a, open: o }) {
-	let s = bt(null), [c, l] = V(null), u = t > 620, [d, f] = [Math.max(t - (u ? 230 : 0), 160), n], [p, m] = [d - $n - er, f - tr - nr], h = En(e.x, e.across, Math.max(2, Math.round(p / 90))), g = En(e.y, e.up, Math.max(2, Math.round(m / 50))), _ = e.across.length, v = e.x.edges && e.y.edges ? {
+], lr = 14;
+function ur({ found: e, wide: t, high: n, dark: r, chosen: i, choose: a, open: o }) {
+	let s = bt(null), [c, l] = V(null), u = t > 620, [d, f] = [Math.max(t - (u ? 230 : 0), 160), n], [p, m] = [d - ar - or, f - sr - cr], h = jn(e.x, e.across, Math.max(2, Math.round(p / 90))), g = jn(e.y, e.up, Math.max(2, Math.round(m / 50))), _ = e.across.length, v = e.x.edges && e.y.edges ? {
 		x: e.x.edges,
 		y: e.y.edges
-	} : null, y = (e) => h.part(e) * p, b = (e) => (1 - g.part(e)) * m, x = (t) => v ? [e.across[t % _], e.up[Math.floor(t / _)]] : [e.across[t], e.up[t]], S = e.number.filter((e) => e !== null), [C, w] = Dn(S), T = (t) => t === null ? e.none : e.names.length ? e.inks[t] : Mn(w > C ? (t - C) / (w - C) : .5), E = (t) => e.number[t] === null ? "no value" : e.names.length ? e.names[e.number[t]] : q(e.number[t]);
+	} : null, y = (e) => h.part(e) * p, b = (e) => (1 - g.part(e)) * m, x = (t) => v ? [e.across[t % _], e.up[Math.floor(t / _)]] : [e.across[t], e.up[t]], S = e.number.filter((e) => e !== null), [C, w] = Mn(S), T = (t) => t === null ? e.none : e.names.length ? e.inks[t] : Ln(w > C ? (t - C) / (w - C) : .5), E = (t) => e.number[t] === null ? "no value" : e.names.length ? e.names[e.number[t]] : q(e.number[t]);
 	yt(() => {
 		let t = s.current, n = t?.getContext("2d");
 		if (!t || !n) return;
@@ -4037,7 +4056,7 @@ function ir({ found: e, wide: t, high: n, dark: r, chosen: i, choose: a, open: o
 			let [t, n] = [v.x.findIndex((e) => y(e) > r) - 1, v.y.findIndex((e) => b(e) < i) - 1], a = n * _ + t;
 			return t >= 0 && n >= 0 && e.members[a] >= 0 ? a : null;
 		}
-		let [a, o] = [-1, rr ** 2];
+		let [a, o] = [-1, lr ** 2];
 		return e.members.forEach((e, t) => {
 			let [n, s] = x(t), c = n === null || s === null ? Infinity : (y(n) - r) ** 2 + (b(s) - i) ** 2;
 			c < o && ([a, o] = [t, c]);
@@ -4070,7 +4089,7 @@ function ir({ found: e, wide: t, high: n, dark: r, chosen: i, choose: a, open: o
 			onKeyDown: k,
 			children: [/* @__PURE__ */ z("canvas", {
 				ref: s,
-				style: `left: ${$n}px; top: ${tr}px; width: ${p}px; height: ${m}px`,
+				style: `left: ${ar}px; top: ${sr}px; width: ${p}px; height: ${m}px`,
 				"data-span": JSON.stringify([
 					h.low,
 					h.high,
@@ -4091,58 +4110,58 @@ function ir({ found: e, wide: t, high: n, dark: r, chosen: i, choose: a, open: o
 				children: [
 					/* @__PURE__ */ z("rect", {
 						class: "box",
-						x: $n,
-						y: tr,
+						x: ar,
+						y: sr,
 						width: p,
 						height: m
 					}),
 					h.ticks.map((e) => /* @__PURE__ */ z("g", { children: [/* @__PURE__ */ z("line", {
 						class: "tick",
-						x1: $n + y(e),
-						x2: $n + y(e),
-						y1: tr + m,
-						y2: tr + m + 4
+						x1: ar + y(e),
+						x2: ar + y(e),
+						y1: sr + m,
+						y2: sr + m + 4
 					}), /* @__PURE__ */ z("text", {
-						x: $n + y(e),
-						y: tr + m + 15,
+						x: ar + y(e),
+						y: sr + m + 15,
 						"text-anchor": "middle",
 						children: q(e)
 					})] })),
 					g.ticks.map((e) => /* @__PURE__ */ z("g", { children: [/* @__PURE__ */ z("line", {
 						class: "tick",
-						x1: $n - 4,
-						x2: $n,
-						y1: tr + b(e),
-						y2: tr + b(e)
+						x1: ar - 4,
+						x2: ar,
+						y1: sr + b(e),
+						y2: sr + b(e)
 					}), /* @__PURE__ */ z("text", {
-						x: $n - 7,
-						y: tr + b(e) + 3.5,
+						x: ar - 7,
+						y: sr + b(e) + 3.5,
 						"text-anchor": "end",
 						children: q(e)
 					})] })),
 					/* @__PURE__ */ z("text", {
 						class: "what",
-						x: $n + p / 2,
+						x: ar + p / 2,
 						y: f - 6,
 						"text-anchor": "middle",
-						children: An(e.x.name, e.x.unit)
+						children: Fn(e.x.name, e.x.unit)
 					}),
 					/* @__PURE__ */ z("text", {
 						class: "what",
-						transform: `translate(12,${tr + m / 2}) rotate(-90)`,
+						transform: `translate(12,${sr + m / 2}) rotate(-90)`,
 						"text-anchor": "middle",
-						children: An(e.y.name, e.y.unit)
+						children: Fn(e.y.name, e.y.unit)
 					}),
 					te !== null && ne !== null && /* @__PURE__ */ z("circle", {
 						class: "chosen",
-						cx: $n + y(te),
-						cy: tr + b(ne),
+						cx: ar + y(te),
+						cy: sr + b(ne),
 						r: 7
 					})
 				]
 			})]
 		}), /* @__PURE__ */ z("figcaption", { children: [
-			/* @__PURE__ */ z("b", { children: An(e.value, e.unit) }),
+			/* @__PURE__ */ z("b", { children: Fn(e.value, e.unit) }),
 			e.names.map((t, n) => /* @__PURE__ */ z("span", {
 				class: "key",
 				children: [
@@ -4154,7 +4173,7 @@ function ir({ found: e, wide: t, high: n, dark: r, chosen: i, choose: a, open: o
 			!e.names.length && S.length > 0 && /* @__PURE__ */ z("span", {
 				class: "bar",
 				children: [
-					/* @__PURE__ */ z("i", { style: `background: linear-gradient(to right, ${Nn})` }),
+					/* @__PURE__ */ z("i", { style: `background: linear-gradient(to right, ${Rn})` }),
 					/* @__PURE__ */ z("span", { children: q(C) }),
 					/* @__PURE__ */ z("span", { children: q(w) })
 				]
@@ -4175,23 +4194,23 @@ function ir({ found: e, wide: t, high: n, dark: r, chosen: i, choose: a, open: o
 	});
 }
 // src/planned.tsx
-var ar = [
+var dr = [
 	["map", "Map"],
 	["scatter", "Scatter"],
 	["family", "Curves"],
 	["tornado", "Tornado"],
 	["sobol", "Sobol indices"],
 	["table", "Table"]
-], or = 92, sr = "(max-width: 760px)", cr = 500, lr = 4;
-function ur({ store: e, state: t, plan: n }) {
+], fr = 92, pr = "(max-width: 760px)", mr = 500, hr = 4;
+function gr({ store: e, state: t, plan: n }) {
 	let { choice: r, chosen: i } = t.looked?.plan === n.plan ? t.looked : {
-		choice: vr(n),
+		choice: wr(n),
 		chosen: null
 	}, [[a, o], s] = V([700, 340]), c = bt(null);
 	yt(() => {
 		let e = c.current;
 		if (!e) return;
-		let t = new ResizeObserver(() => s([Math.max(260, e.clientWidth - 24), matchMedia(sr).matches ? 0 : e.clientHeight]));
+		let t = new ResizeObserver(() => s([Math.max(260, e.clientWidth - 24), matchMedia(pr).matches ? 0 : e.clientHeight]));
 		return t.observe(e), () => t.disconnect();
 	}, []);
 	let l = (t) => e.set({ looked: {
@@ -4210,7 +4229,7 @@ function ur({ store: e, state: t, plan: n }) {
 		value: r[t],
 		onChange: (e) => l({ [t]: e.currentTarget.value }),
 		children: n.map((e) => /* @__PURE__ */ z("option", { children: e }))
-	})] }), m = (t) => void e.openMember(t), h = o ? Math.max(o - or, 190) : Math.round(Math.min(.8 * a, 340)), g = n.factors.map((e) => e.path), _ = n.way === "grid" && r.view === "map" ? n.factors.filter((e) => e.levels.length > 1 && e.path !== r.x && e.path !== r.y) : [], v = _.length > 0 && g.includes(r.x) && g.includes(r.y), y = v ? Object.fromEntries(_.map((e) => [e.path, r.at[e.path] ?? 0])) : {}, [b, S] = yr(e, n, {
+	})] }), m = (t) => void e.openMember(t), h = o ? Math.max(o - fr, 190) : Math.round(Math.min(.8 * a, 340)), g = n.factors.map((e) => e.path), _ = n.way === "grid" && r.view === "map" ? n.factors.filter((e) => e.levels.length > 1 && e.path !== r.x && e.path !== r.y) : [], v = _.length > 0 && g.includes(r.x) && g.includes(r.y), y = v ? Object.fromEntries(_.map((e) => [e.path, r.at[e.path] ?? 0])) : {}, [b, S] = Tr(e, n, {
 		...r,
 		at: y
 	});
@@ -4222,11 +4241,11 @@ function ur({ store: e, state: t, plan: n }) {
 			/* @__PURE__ */ z("div", {
 				class: "plotbar",
 				children: [
-					/* @__PURE__ */ z(fr, {
+					/* @__PURE__ */ z(vr, {
 						store: e,
 						plan: n
 					}),
-					/* @__PURE__ */ z(pr, {
+					/* @__PURE__ */ z(yr, {
 						store: e,
 						plan: n,
 						chosen: i,
@@ -4234,7 +4253,7 @@ function ur({ store: e, state: t, plan: n }) {
 						open: m
 					}),
 					/* @__PURE__ */ z("button", {
-						onClick: () => void br(e, n),
+						onClick: () => void Er(e, n),
 						disabled: !n.kept,
 						children: "Table as CSV"
 					}),
@@ -4251,11 +4270,11 @@ function ur({ store: e, state: t, plan: n }) {
 						class: "choices",
 						role: "group",
 						"aria-label": "Views",
-						children: ar.map(([e, t]) => /* @__PURE__ */ z("button", {
+						children: dr.map(([e, t]) => /* @__PURE__ */ z("button", {
 							"aria-pressed": r.view === e,
 							onClick: () => l({
 								view: e,
-								..._r(n, e)
+								...Cr(n, e)
 							}),
 							children: t
 						}))
@@ -4302,27 +4321,27 @@ function ur({ store: e, state: t, plan: n }) {
 				children: [
 					S.why,
 					". ",
-					dr(n, r.view) || S.try
+					_r(n, r.view) || S.try
 				]
-			}) : b ? b.view === "table" ? /* @__PURE__ */ z(mr, {
+			}) : b ? b.view === "table" ? /* @__PURE__ */ z(br, {
 				found: b,
 				open: m,
 				turn: (e) => l({ first: e })
-			}) : b.view === "family" ? /* @__PURE__ */ z(qn, {
+			}) : b.view === "family" ? /* @__PURE__ */ z(Qn, {
 				found: b,
 				wide: Math.min(a, 4 * h),
 				high: h,
 				chosen: i,
 				choose: u,
 				open: m
-			}) : b.view === "tornado" ? /* @__PURE__ */ z(Zn, {
+			}) : b.view === "tornado" ? /* @__PURE__ */ z(rr, {
 				found: b,
 				wide: a,
 				open: m
-			}) : b.view === "sobol" ? /* @__PURE__ */ z(Qn, {
+			}) : b.view === "sobol" ? /* @__PURE__ */ z(ir, {
 				found: b,
 				wide: a
-			}) : /* @__PURE__ */ z(ir, {
+			}) : /* @__PURE__ */ z(ur, {
 				found: b,
 				wide: Math.min(a, 4 * h),
 				high: h,
@@ -4337,11 +4356,11 @@ function ur({ store: e, state: t, plan: n }) {
 		]
 	});
 }
-function dr(e, t) {
+function _r(e, t) {
 	let n = e.way.split(":")[0];
 	return t === "tornado" && n !== "ends" ? "Draw members ‘for a tornado’." : t === "sobol" && n !== "saltelli" ? "Draw members ‘for Sobol indices’." : t === "family" && !e.columns.some((e) => e.kind === "curve") ? "Collect a curve: curve(height, 101)." : "";
 }
-function fr({ store: e, plan: t }) {
+function vr({ store: e, plan: t }) {
 	let n = t.left === null ? "" : t.left < 1 ? ", under 1 s to go" : t.left < 120 ? `, ${Math.round(t.left)} s to go` : t.left < 7200 ? `, ${Math.round(t.left / 60)} min to go` : `, ${(t.left / 3600).toFixed(1)} h to go`, r = t.factors.map((e) => e.path).join(", ");
 	return t.state === "running" ? /* @__PURE__ */ z(x, { children: [
 		/* @__PURE__ */ z("progress", {
@@ -4369,7 +4388,7 @@ function fr({ store: e, plan: t }) {
 		]
 	});
 }
-function pr({ store: e, plan: t, chosen: n, choose: r, open: i }) {
+function yr({ store: e, plan: t, chosen: n, choose: r, open: i }) {
 	let [a, o] = V(null);
 	yt(() => {
 		if (o(null), n === null) return;
@@ -4409,8 +4428,8 @@ function pr({ store: e, plan: t, chosen: n, choose: r, open: i }) {
 			}
 		})] }), n !== null && /* @__PURE__ */ z(x, { children: [
 			/* @__PURE__ */ z("output", { children: [
-				s.map(([e, t]) => `${e} = ${gr(t)}`).join(", "),
-				a?.row && t.columns.filter((e) => e.kind !== "curve").map((e) => `; ${e.name} = ${hr(a.row[e.name])}`).join(""),
+				s.map(([e, t]) => `${e} = ${Sr(t)}`).join(", "),
+				a?.row && t.columns.filter((e) => e.kind !== "curve").map((e) => `; ${e.name} = ${xr(a.row[e.name])}`).join(""),
 				a?.row?.code && `; ${a.row.status}: ${a.row.code} ${a.row.message}`
 			] }),
 			/* @__PURE__ */ z("button", {
@@ -4424,7 +4443,7 @@ function pr({ store: e, plan: t, chosen: n, choose: r, open: i }) {
 		] })]
 	});
 }
-function mr({ found: e, open: t, turn: n }) {
+function br({ found: e, open: t, turn: n }) {
 	let r = e.columns.map((e, t) => t).filter((t) => t === 0 || ![
 		"code",
 		"message",
@@ -4447,7 +4466,7 @@ function mr({ found: e, open: t, turn: n }) {
 					class: "link",
 					onClick: () => t(Number(e[0])),
 					children: e[0]
-				}) : hr(e[n])
+				}) : xr(e[n])
 			})) })) })] })
 		}), /* @__PURE__ */ z("div", {
 			class: "plotbar",
@@ -4473,14 +4492,14 @@ function mr({ found: e, open: t, turn: n }) {
 		})]
 	});
 }
-function hr(e) {
+function xr(e) {
 	return typeof e == "number" ? q(e) : e ?? "none";
 }
-function gr(e) {
+function Sr(e) {
 	let [t, ...n] = String(e).split(" ");
 	return Number.isFinite(Number(t)) ? [q(Number(t)), ...n].join(" ") : String(e);
 }
-function _r(e, t) {
+function Cr(e, t) {
 	let n = e.factors.filter((e) => e.number).map((e) => e.path), r = e.columns.filter((e) => e.kind === "number" || e.kind === "whole").map((e) => e.name), i = e.columns.filter((e) => e.kind === "text").map((e) => e.name), [a = "", o = n[0] ?? ""] = n;
 	switch (t) {
 		case "map": return {
@@ -4497,7 +4516,7 @@ function _r(e, t) {
 		default: return { value: r[0] ?? "" };
 	}
 }
-function vr(e) {
+function wr(e) {
 	let t = e.way.split(":")[0], n = e.columns.find((e) => e.kind === "curve"), r = e.factors.filter((e) => e.number).length, i = t === "ends" ? "tornado" : t === "saltelli" ? "sobol" : n && (r < 2 || e.columns.length === 1) ? "family" : r < 2 ? "scatter" : "map";
 	return {
 		view: i,
@@ -4507,10 +4526,10 @@ function vr(e) {
 		curve: "",
 		at: {},
 		first: 0,
-		..._r(e, i)
+		...Cr(e, i)
 	};
 }
-function yr(e, t, n) {
+function Tr(e, t, n) {
 	let [r, i] = V({
 		key: "",
 		seen: null,
@@ -4545,7 +4564,7 @@ function yr(e, t, n) {
 					refused: t
 				});
 			}
-			let c = n.key === o.current.key, l = Math.max(cr, lr * (performance.now() - s));
+			let c = n.key === o.current.key, l = Math.max(mr, hr * (performance.now() - s));
 			c && !o.current.ended && await new Promise((e) => setTimeout(e, l));
 		}
 		s.current = !1;
@@ -4564,7 +4583,7 @@ function yr(e, t, n) {
 		t.state
 	]), [r.seen && JSON.parse(r.key || "[]")[0] === t.plan && r.seen.view === n.view ? r.seen : null, r.key === a ? r.refused : null];
 }
-async function br(e, t) {
+async function Er(e, t) {
 	try {
 		let { text: n, name: r } = await e.transport.ask("plan csv", { plan: t.plan }), i = document.createElement("a");
 		i.href = URL.createObjectURL(new Blob([n], { type: "text/csv" })), i.download = r, i.click(), URL.revokeObjectURL(i.href);
@@ -4573,65 +4592,65 @@ async function br(e, t) {
 	}
 }
 // node_modules/uplot/dist/uPlot.esm.js
-var xr = !0, Sr = "uplot", Cr = "u-hz", wr = "u-vt", Tr = "u-title", Er = "u-wrap", Dr = "u-under", Or = "u-over", kr = "u-axis", Ar = "u-off", jr = "u-select", Mr = "u-cursor-x", Nr = "u-cursor-y", Pr = "u-cursor-pt", Fr = "u-legend", Ir = "u-live", Lr = "u-inline", Rr = "u-series", zr = "u-marker", Br = "u-label", Vr = "u-value", Hr = "width", Ur = "height", Wr = "top", Gr = "bottom", Kr = "left", qr = "right", Jr = "#000", Yr = "#0000", Xr = "mousemove", Zr = "mousedown", Qr = "mouseup", $r = "mouseenter", ei = "mouseleave", ti = "dblclick", ni = "resize", ri = "scroll", ii = "change", ai = "dppxchange", oi = "--", si = typeof window < "u", ci = si ? document : null, li = si ? window : null, ui = si ? navigator : null, Y, di;
-function fi() {
+var Dr = !0, Or = "uplot", kr = "u-hz", Ar = "u-vt", jr = "u-title", Mr = "u-wrap", Nr = "u-under", Pr = "u-over", Fr = "u-axis", Ir = "u-off", Lr = "u-select", Rr = "u-cursor-x", zr = "u-cursor-y", Br = "u-cursor-pt", Vr = "u-legend", Hr = "u-live", Ur = "u-inline", Wr = "u-series", Gr = "u-marker", Kr = "u-label", qr = "u-value", Jr = "width", Yr = "height", Xr = "top", Zr = "bottom", Qr = "left", $r = "right", ei = "#000", ti = "#0000", ni = "mousemove", ri = "mousedown", ii = "mouseup", ai = "mouseenter", oi = "mouseleave", si = "dblclick", ci = "resize", li = "scroll", ui = "change", di = "dppxchange", fi = "--", pi = typeof window < "u", mi = pi ? document : null, hi = pi ? window : null, gi = pi ? navigator : null, J, _i;
+function vi() {
 	let e = devicePixelRatio;
-	Y != e && (Y = e, di && Di(ii, di, fi), di = matchMedia(`(min-resolution: ${Y - .001}dppx) and (max-resolution: ${Y + .001}dppx)`), Ei(ii, di, fi), li.dispatchEvent(new CustomEvent(ai)));
+	J != e && (J = e, _i && Ni(ui, _i, vi), _i = matchMedia(`(min-resolution: ${J - .001}dppx) and (max-resolution: ${J + .001}dppx)`), Mi(ui, _i, vi), hi.dispatchEvent(new CustomEvent(di)));
 }
-function pi(e, t) {
+function yi(e, t) {
 	if (t != null) {
 		let n = e.classList;
 		!n.contains(t) && n.add(t);
 	}
 }
-function mi(e, t) {
+function bi(e, t) {
 	let n = e.classList;
 	n.contains(t) && n.remove(t);
 }
-function hi(e, t, n) {
+function xi(e, t, n) {
 	e.style[t] = n + "px";
 }
-function gi(e, t, n, r) {
-	let i = ci.createElement(e);
-	return t != null && pi(i, t), n?.insertBefore(i, r), i;
+function Si(e, t, n, r) {
+	let i = mi.createElement(e);
+	return t != null && yi(i, t), n?.insertBefore(i, r), i;
 }
-function _i(e, t) {
-	return gi("div", e, t);
+function Ci(e, t) {
+	return Si("div", e, t);
 }
-var vi = /* @__PURE__ */ new WeakMap();
-function yi(e, t, n, r, i) {
+var wi = /* @__PURE__ */ new WeakMap();
+function Ti(e, t, n, r, i) {
 	let a = "translate(" + t + "px," + n + "px)";
-	a != vi.get(e) && (e.style.transform = a, vi.set(e, a), t < 0 || n < 0 || t > r || n > i ? pi(e, Ar) : mi(e, Ar));
+	a != wi.get(e) && (e.style.transform = a, wi.set(e, a), t < 0 || n < 0 || t > r || n > i ? yi(e, Ir) : bi(e, Ir));
 }
-var bi = /* @__PURE__ */ new WeakMap();
-function xi(e, t, n) {
+var Ei = /* @__PURE__ */ new WeakMap();
+function Di(e, t, n) {
 	let r = t + n;
-	r != bi.get(e) && (bi.set(e, r), e.style.background = t, e.style.borderColor = n);
+	r != Ei.get(e) && (Ei.set(e, r), e.style.background = t, e.style.borderColor = n);
 }
-var Si = /* @__PURE__ */ new WeakMap();
-function Ci(e, t, n, r) {
+var Oi = /* @__PURE__ */ new WeakMap();
+function ki(e, t, n, r) {
 	let i = t + "" + n;
-	i != Si.get(e) && (Si.set(e, i), e.style.height = n + "px", e.style.width = t + "px", e.style.marginLeft = r ? -t / 2 + "px" : 0, e.style.marginTop = r ? -n / 2 + "px" : 0);
+	i != Oi.get(e) && (Oi.set(e, i), e.style.height = n + "px", e.style.width = t + "px", e.style.marginLeft = r ? -t / 2 + "px" : 0, e.style.marginTop = r ? -n / 2 + "px" : 0);
 }
-var wi = { passive: !0 }, Ti = {
-	...wi,
+var Ai = { passive: !0 }, ji = {
+	...Ai,
 	capture: !0
 };
-function Ei(e, t, n, r) {
-	t.addEventListener(e, n, r ? Ti : wi);
+function Mi(e, t, n, r) {
+	t.addEventListener(e, n, r ? ji : Ai);
 }
-function Di(e, t, n, r) {
-	t.removeEventListener(e, n, wi);
+function Ni(e, t, n, r) {
+	t.removeEventListener(e, n, Ai);
 }
-si && fi();
-function Oi(e, t, n, r) {
+pi && vi();
+function Pi(e, t, n, r) {
 	let i;
 	n ||= 0, r ||= t.length - 1;
 	let a = r <= 2147483647;
-	for (; r - n > 1;) i = a ? n + r >> 1 : Yi((n + r) / 2), t[i] < e ? n = i : r = i;
+	for (; r - n > 1;) i = a ? n + r >> 1 : ta((n + r) / 2), t[i] < e ? n = i : r = i;
 	return e - t[n] <= t[r] - e ? n : r;
 }
-function ki(e) {
+function Fi(e) {
 	return (t, n, r) => {
 		let i = -1, a = -1;
 		for (let a = n; a <= r; a++) if (e(t[a])) {
@@ -4645,9 +4664,9 @@ function ki(e) {
 		return [i, a];
 	};
 }
-var Ai = (e) => e != null, ji = (e) => e != null && e > 0, Mi = ki(Ai), Ni = ki(ji);
-function Pi(e, t, n, r = 0, i = !1) {
-	let a = i ? Ni : Mi, o = i ? ji : Ai;
+var Ii = (e) => e != null, Li = (e) => e != null && e > 0, Ri = Fi(Ii), zi = Fi(Li);
+function Bi(e, t, n, r = 0, i = !1) {
+	let a = i ? zi : Ri, o = i ? Li : Ii;
 	[t, n] = a(e, t, n);
 	let s = e[t], c = e[t];
 	if (t > -1) {
@@ -4658,106 +4677,106 @@ function Pi(e, t, n, r = 0, i = !1) {
 			o(t) && (t < s ? s = t : t > c && (c = t));
 		}
 	}
-	return [s ?? oa, c ?? -oa];
+	return [s ?? fa, c ?? -fa];
 }
-function Fi(e, t, n, r) {
-	let i = ta(e), a = ta(t);
+function Vi(e, t, n, r) {
+	let i = sa(e), a = sa(t);
 	e == t && (i == -1 ? (e *= n, t /= n) : (e /= n, t *= n));
-	let o = n == 10 ? na : ra, s = i == 1 ? Yi : Zi, c = a == 1 ? Zi : Yi, l = s(o(Ji(e))), u = c(o(Ji(t))), d = ea(n, l), f = ea(n, u);
-	return n == 10 && (l < 0 && (d = Q(d, -l)), u < 0 && (f = Q(f, -u))), r || n == 2 ? (e = d * i, t = f * a) : (e = ba(e, d), t = ya(t, f)), [e, t];
+	let o = n == 10 ? ca : la, s = i == 1 ? ta : ra, c = a == 1 ? ra : ta, l = s(o(ea(e))), u = c(o(ea(t))), d = oa(n, l), f = oa(n, u);
+	return n == 10 && (l < 0 && (d = Z(d, -l)), u < 0 && (f = Z(f, -u))), r || n == 2 ? (e = d * i, t = f * a) : (e = Ea(e, d), t = Ta(t, f)), [e, t];
 }
-function Ii(e, t, n, r) {
-	let i = Fi(e, t, n, r);
+function Hi(e, t, n, r) {
+	let i = Vi(e, t, n, r);
 	return e == 0 && (i[0] = 0), t == 0 && (i[1] = 0), i;
 }
-var Li = .1, Ri = {
+var Ui = .1, Wi = {
 	mode: 3,
-	pad: Li
-}, zi = {
+	pad: Ui
+}, Gi = {
 	pad: 0,
 	soft: null,
 	mode: 0
-}, Bi = {
-	min: zi,
-	max: zi
+}, Ki = {
+	min: Gi,
+	max: Gi
 };
-function Vi(e, t, n, r) {
-	return ja(n) ? Ui(e, t, n) : (zi.pad = n, zi.soft = r ? 0 : null, zi.mode = r ? 3 : 0, Ui(e, t, Bi));
+function qi(e, t, n, r) {
+	return La(n) ? Yi(e, t, n) : (Gi.pad = n, Gi.soft = r ? 0 : null, Gi.mode = r ? 3 : 0, Yi(e, t, Ki));
 }
-function X(e, t) {
+function Y(e, t) {
 	return e ?? t;
 }
-function Hi(e, t, n) {
-	for (t = X(t, 0), n = X(n, e.length - 1); t <= n;) {
+function Ji(e, t, n) {
+	for (t = Y(t, 0), n = Y(n, e.length - 1); t <= n;) {
 		if (e[t] != null) return !0;
 		t++;
 	}
 	return !1;
 }
-function Ui(e, t, n) {
-	let r = n.min, i = n.max, a = X(r.pad, 0), o = X(i.pad, 0), s = X(r.hard, -oa), c = X(i.hard, oa), l = X(r.soft, oa), u = X(i.soft, -oa), d = X(r.mode, 0), f = X(i.mode, 0), p = t - e, m = na(p), h = $i(Ji(e), Ji(t)), g = Ji(na(h) - m);
-	(p < 1e-24 || g > 10) && (p = 0, (e == 0 || t == 0) && (p = 1e-24, d == 2 && l != oa && (a = 0), f == 2 && u != -oa && (o = 0)));
-	let _ = p || h || 1e3, v = ea(10, Yi(na(_))), y = Q(ba(e - _ * (p == 0 ? e == 0 ? .1 : 1 : a), v / 10), 24), b = e >= l && (d == 1 || d == 3 && y <= l || d == 2 && y >= l) ? l : oa, x = $i(s, y < b && e >= b ? b : Qi(b, y)), S = Q(ya(t + _ * (p == 0 ? t == 0 ? .1 : 1 : o), v / 10), 24), C = t <= u && (f == 1 || f == 3 && S >= u || f == 2 && S <= u) ? u : -oa, w = Qi(c, S > C && t <= C ? C : $i(C, S));
+function Yi(e, t, n) {
+	let r = n.min, i = n.max, a = Y(r.pad, 0), o = Y(i.pad, 0), s = Y(r.hard, -fa), c = Y(i.hard, fa), l = Y(r.soft, fa), u = Y(i.soft, -fa), d = Y(r.mode, 0), f = Y(i.mode, 0), p = t - e, m = ca(p), h = aa(ea(e), ea(t)), g = ea(ca(h) - m);
+	(p < 1e-24 || g > 10) && (p = 0, (e == 0 || t == 0) && (p = 1e-24, d == 2 && l != fa && (a = 0), f == 2 && u != -fa && (o = 0)));
+	let _ = p || h || 1e3, v = oa(10, ta(ca(_))), y = Z(Ea(e - _ * (p == 0 ? e == 0 ? .1 : 1 : a), v / 10), 24), b = e >= l && (d == 1 || d == 3 && y <= l || d == 2 && y >= l) ? l : fa, x = aa(s, y < b && e >= b ? b : ia(b, y)), S = Z(Ta(t + _ * (p == 0 ? t == 0 ? .1 : 1 : o), v / 10), 24), C = t <= u && (f == 1 || f == 3 && S >= u || f == 2 && S <= u) ? u : -fa, w = ia(c, S > C && t <= C ? C : aa(C, S));
 	return x == w && x == 0 && (w = 100), [x, w];
 }
-var Wi = new Intl.NumberFormat(si ? ui.language : "en-US"), Gi = (e) => Wi.format(e), Ki = Math, qi = Ki.PI, Ji = Ki.abs, Yi = Ki.floor, Xi = Ki.round, Zi = Ki.ceil, Qi = Ki.min, $i = Ki.max, ea = Ki.pow, ta = Ki.sign, na = Ki.log10, ra = Ki.log2, ia = (e, t = 1) => Ki.sinh(e) * t, aa = (e, t = 1) => Ki.asinh(e / t), oa = Infinity;
-function sa(e) {
-	return (na((e ^ e >> 31) - (e >> 31)) | 0) + 1;
+var Xi = new Intl.NumberFormat(pi ? gi.language : "en-US"), Zi = (e) => Xi.format(e), Qi = Math, $i = Qi.PI, ea = Qi.abs, ta = Qi.floor, na = Qi.round, ra = Qi.ceil, ia = Qi.min, aa = Qi.max, oa = Qi.pow, sa = Qi.sign, ca = Qi.log10, la = Qi.log2, ua = (e, t = 1) => Qi.sinh(e) * t, da = (e, t = 1) => Qi.asinh(e / t), fa = Infinity;
+function pa(e) {
+	return (ca((e ^ e >> 31) - (e >> 31)) | 0) + 1;
 }
-function ca(e, t, n) {
-	return Qi($i(e, t), n);
+function ma(e, t, n) {
+	return ia(aa(e, t), n);
 }
-function la(e) {
+function ha(e) {
 	return typeof e == "function";
 }
-function Z(e) {
-	return la(e) ? e : () => e;
+function X(e) {
+	return ha(e) ? e : () => e;
 }
-var ua = () => {}, da = (e) => e, fa = (e, t) => t, pa = (e) => null, ma = (e) => !0, ha = (e, t) => e == t, ga = /\.\d*?(?=9{6,}|0{6,})/gm, _a = (e) => {
-	if (Oa(e) || xa.has(e)) return e;
-	let t = `${e}`, n = t.match(ga);
+var ga = () => {}, _a = (e) => e, va = (e, t) => t, ya = (e) => null, ba = (e) => !0, xa = (e, t) => e == t, Sa = /\.\d*?(?=9{6,}|0{6,})/gm, Ca = (e) => {
+	if (Pa(e) || Da.has(e)) return e;
+	let t = `${e}`, n = t.match(Sa);
 	if (n == null) return e;
 	let r = n[0].length - 1;
 	if (t.indexOf("e-") != -1) {
 		let [e, n] = t.split("e");
-		return +`${_a(e)}e${n}`;
+		return +`${Ca(e)}e${n}`;
 	}
-	return Q(e, r);
+	return Z(e, r);
 };
-function va(e, t) {
-	return _a(Q(_a(e / t)) * t);
+function wa(e, t) {
+	return Ca(Z(Ca(e / t)) * t);
 }
-function ya(e, t) {
-	return _a(Zi(_a(e / t)) * t);
+function Ta(e, t) {
+	return Ca(ra(Ca(e / t)) * t);
 }
-function ba(e, t) {
-	return _a(Yi(_a(e / t)) * t);
+function Ea(e, t) {
+	return Ca(ta(Ca(e / t)) * t);
 }
-function Q(e, t = 0) {
-	if (Oa(e)) return e;
+function Z(e, t = 0) {
+	if (Pa(e)) return e;
 	let n = 10 ** t;
-	return Xi(e * n * (1 + 2 ** -52)) / n;
+	return na(e * n * (1 + 2 ** -52)) / n;
 }
-var xa = /* @__PURE__ */ new Map();
-function Sa(e) {
+var Da = /* @__PURE__ */ new Map();
+function Oa(e) {
 	return (("" + e).split(".")[1] || "").length;
 }
-function Ca(e, t, n, r) {
-	let i = [], a = r.map(Sa);
+function ka(e, t, n, r) {
+	let i = [], a = r.map(Oa);
 	for (let o = t; o < n; o++) {
-		let t = Ji(o), n = Q(ea(e, o), t);
+		let t = ea(o), n = Z(oa(e, o), t);
 		for (let s = 0; s < r.length; s++) {
-			let c = e == 10 ? +`${r[s]}e${o}` : r[s] * n, l = (o >= 0 ? 0 : t) + (o >= a[s] ? 0 : a[s]), u = e == 10 ? c : Q(c, l);
-			i.push(u), xa.set(u, l);
+			let c = e == 10 ? +`${r[s]}e${o}` : r[s] * n, l = (o >= 0 ? 0 : t) + (o >= a[s] ? 0 : a[s]), u = e == 10 ? c : Z(c, l);
+			i.push(u), Da.set(u, l);
 		}
 	}
 	return i;
 }
-var wa = {}, Ta = [], Ea = [null, null], Da = Array.isArray, Oa = Number.isInteger, ka = (e) => e === void 0;
-function Aa(e) {
+var Aa = {}, ja = [], Ma = [null, null], Na = Array.isArray, Pa = Number.isInteger, Fa = (e) => e === void 0;
+function Ia(e) {
 	return typeof e == "string";
 }
-function ja(e) {
+function La(e) {
 	let t = !1;
 	if (e != null) {
 		let n = e.constructor;
@@ -4765,35 +4784,35 @@ function ja(e) {
 	}
 	return t;
 }
-function Ma(e) {
+function Ra(e) {
 	return typeof e == "object" && !!e;
 }
-var Na = Object.getPrototypeOf(Uint8Array), Pa = "__proto__";
-function Fa(e, t = ja) {
+var za = Object.getPrototypeOf(Uint8Array), Ba = "__proto__";
+function Va(e, t = La) {
 	let n;
-	if (Da(e)) {
+	if (Na(e)) {
 		let r = e.find((e) => e != null);
-		if (Da(r) || t(r)) {
+		if (Na(r) || t(r)) {
 			n = Array(e.length);
-			for (let r = 0; r < e.length; r++) n[r] = Fa(e[r], t);
+			for (let r = 0; r < e.length; r++) n[r] = Va(e[r], t);
 		} else n = e.slice();
-	} else if (e instanceof Na) n = e.slice();
+	} else if (e instanceof za) n = e.slice();
 	else if (t(e)) {
 		n = {};
-		for (let r in e) r != Pa && (n[r] = Fa(e[r], t));
+		for (let r in e) r != Ba && (n[r] = Va(e[r], t));
 	} else n = e;
 	return n;
 }
-function Ia(e) {
+function Ha(e) {
 	let t = arguments;
 	for (let n = 1; n < t.length; n++) {
 		let r = t[n];
-		for (let t in r) t != Pa && (ja(e[t]) ? Ia(e[t], Fa(r[t])) : e[t] = Fa(r[t]));
+		for (let t in r) t != Ba && (La(e[t]) ? Ha(e[t], Va(r[t])) : e[t] = Va(r[t]));
 	}
 	return e;
 }
-var La = 0, Ra = 1, za = 2;
-function Ba(e, t, n) {
+var Ua = 0, Wa = 1, Ga = 2;
+function Ka(e, t, n) {
 	for (let r = 0, i, a = -1; r < t.length; r++) {
 		let o = t[r];
 		if (o > a) {
@@ -4802,11 +4821,11 @@ function Ba(e, t, n) {
 		}
 	}
 }
-function Va(e, t) {
-	if (Wa(e)) {
+function qa(e, t) {
+	if (Xa(e)) {
 		let t = e[0].slice();
 		for (let n = 1; n < e.length; n++) t.push(...e[n].slice(1));
-		return Ga(t[0]) || (t = Ua(t)), t;
+		return Za(t[0]) || (t = Ya(t)), t;
 	}
 	let n = /* @__PURE__ */ new Set();
 	for (let t = 0; t < e.length; t++) {
@@ -4818,18 +4837,18 @@ function Va(e, t) {
 	for (let n = 0; n < e.length; n++) {
 		let o = e[n], s = o[0];
 		for (let e = 1; e < o.length; e++) {
-			let c = o[e], l = Array(i).fill(void 0), u = t ? t[n][e] : Ra, d = [];
+			let c = o[e], l = Array(i).fill(void 0), u = t ? t[n][e] : Wa, d = [];
 			for (let e = 0; e < c.length; e++) {
 				let t = c[e], n = a.get(s[e]);
-				t === null ? u != La && (l[n] = t, u == za && d.push(n)) : l[n] = t;
+				t === null ? u != Ua && (l[n] = t, u == Ga && d.push(n)) : l[n] = t;
 			}
-			Ba(l, d, i), r.push(l);
+			Ka(l, d, i), r.push(l);
 		}
 	}
 	return r;
 }
-var Ha = typeof queueMicrotask > "u" ? (e) => Promise.resolve().then(e) : queueMicrotask;
-function Ua(e) {
+var Ja = typeof queueMicrotask > "u" ? (e) => Promise.resolve().then(e) : queueMicrotask;
+function Ya(e) {
 	let t = e[0], n = t.length, r = Array(n);
 	for (let e = 0; e < r.length; e++) r[e] = e;
 	r.sort((e, n) => t[e] - t[n]);
@@ -4841,7 +4860,7 @@ function Ua(e) {
 	}
 	return i;
 }
-function Wa(e) {
+function Xa(e) {
 	let t = e[0][0], n = t.length;
 	for (let r = 1; r < e.length; r++) {
 		let i = e[r][0];
@@ -4852,14 +4871,14 @@ function Wa(e) {
 	}
 	return !0;
 }
-function Ga(e, t = 100) {
+function Za(e, t = 100) {
 	let n = e.length;
 	if (n <= 1) return !0;
 	let r = 0, i = n - 1;
 	for (; r <= i && e[r] == null;) r++;
 	for (; i >= r && e[i] == null;) i--;
 	if (i <= r) return !0;
-	let a = $i(1, Yi((i - r + 1) / t));
+	let a = aa(1, ta((i - r + 1) / t));
 	for (let t = e[r], n = r + a; n <= i; n += a) {
 		let r = e[n];
 		if (r != null) {
@@ -4869,7 +4888,7 @@ function Ga(e, t = 100) {
 	}
 	return !0;
 }
-var Ka = [
+var Qa = [
 	"January",
 	"February",
 	"March",
@@ -4882,7 +4901,7 @@ var Ka = [
 	"October",
 	"November",
 	"December"
-], qa = [
+], $a = [
 	"Sunday",
 	"Monday",
 	"Tuesday",
@@ -4891,33 +4910,33 @@ var Ka = [
 	"Friday",
 	"Saturday"
 ];
-function Ja(e) {
+function eo(e) {
 	return e.slice(0, 3);
 }
-var Ya = qa.map(Ja), Xa = {
-	MMMM: Ka,
-	MMM: Ka.map(Ja),
-	WWWW: qa,
-	WWW: Ya
+var to = $a.map(eo), no = {
+	MMMM: Qa,
+	MMM: Qa.map(eo),
+	WWWW: $a,
+	WWW: to
 };
-function Za(e) {
+function ro(e) {
 	return (e < 10 ? "0" : "") + e;
 }
-function Qa(e) {
+function io(e) {
 	return (e < 10 ? "00" : e < 100 ? "0" : "") + e;
 }
-var $a = {
+var ao = {
 	YYYY: (e) => e.getFullYear(),
 	YY: (e) => (e.getFullYear() + "").slice(2),
 	MMMM: (e, t) => t.MMMM[e.getMonth()],
 	MMM: (e, t) => t.MMM[e.getMonth()],
-	MM: (e) => Za(e.getMonth() + 1),
+	MM: (e) => ro(e.getMonth() + 1),
 	M: (e) => e.getMonth() + 1,
-	DD: (e) => Za(e.getDate()),
+	DD: (e) => ro(e.getDate()),
 	D: (e) => e.getDate(),
 	WWWW: (e, t) => t.WWWW[e.getDay()],
 	WWW: (e, t) => t.WWW[e.getDay()],
-	HH: (e) => Za(e.getHours()),
+	HH: (e) => ro(e.getHours()),
 	H: (e) => e.getHours(),
 	h: (e) => {
 		let t = e.getHours();
@@ -4926,35 +4945,35 @@ var $a = {
 	AA: (e) => e.getHours() >= 12 ? "PM" : "AM",
 	aa: (e) => e.getHours() >= 12 ? "pm" : "am",
 	a: (e) => e.getHours() >= 12 ? "p" : "a",
-	mm: (e) => Za(e.getMinutes()),
+	mm: (e) => ro(e.getMinutes()),
 	m: (e) => e.getMinutes(),
-	ss: (e) => Za(e.getSeconds()),
+	ss: (e) => ro(e.getSeconds()),
 	s: (e) => e.getSeconds(),
-	fff: (e) => Qa(e.getMilliseconds())
+	fff: (e) => io(e.getMilliseconds())
 };
-function eo(e, t) {
-	t ||= Xa;
+function oo(e, t) {
+	t ||= no;
 	let n = [], r = /\{([a-z]+)\}|[^{]+/gi, i;
-	for (; i = r.exec(e);) n.push(i[0][0] == "{" ? $a[i[1]] : i[0]);
+	for (; i = r.exec(e);) n.push(i[0][0] == "{" ? ao[i[1]] : i[0]);
 	return (e) => {
 		let r = "";
 		for (let i = 0; i < n.length; i++) r += typeof n[i] == "string" ? n[i] : n[i](e, t);
 		return r;
 	};
 }
-var to = new Intl.DateTimeFormat().resolvedOptions().timeZone;
-function no(e, t) {
+var so = new Intl.DateTimeFormat().resolvedOptions().timeZone;
+function co(e, t) {
 	let n;
-	return t == "UTC" || t == "Etc/UTC" ? n = /* @__PURE__ */ new Date(+e + e.getTimezoneOffset() * 6e4) : t == to ? n = e : (n = new Date(e.toLocaleString("en-US", { timeZone: t })), n.setMilliseconds(e.getMilliseconds())), n;
+	return t == "UTC" || t == "Etc/UTC" ? n = /* @__PURE__ */ new Date(+e + e.getTimezoneOffset() * 6e4) : t == so ? n = e : (n = new Date(e.toLocaleString("en-US", { timeZone: t })), n.setMilliseconds(e.getMilliseconds())), n;
 }
-var ro = (e) => e % 1 == 0, io = [
+var lo = (e) => e % 1 == 0, uo = [
 	1,
 	2,
 	2.5,
 	5
-], ao = Ca(10, -32, 0, io), oo = Ca(10, 0, 32, io), so = oo.filter(ro), co = ao.concat(oo), lo = "\n", uo = "{YYYY}", fo = lo + uo, po = "{M}/{D}", mo = lo + po, ho = mo + "/{YY}", go = "{aa}", _o = "{h}:{mm}" + go, vo = lo + _o, yo = ":{ss}", $ = null;
-function bo(e) {
-	let t = e * 1e3, n = t * 60, r = n * 60, i = r * 24, a = i * 30, o = i * 365, s = (e == 1 ? Ca(10, 0, 3, io).filter(ro) : Ca(10, -3, 0, io)).concat([
+], fo = ka(10, -32, 0, uo), po = ka(10, 0, 32, uo), mo = po.filter(lo), ho = fo.concat(po), go = "\n", _o = "{YYYY}", vo = go + _o, yo = "{M}/{D}", bo = go + yo, xo = bo + "/{YY}", So = "{aa}", Co = "{h}:{mm}" + So, wo = go + Co, To = ":{ss}", Q = null;
+function Eo(e) {
+	let t = e * 1e3, n = t * 60, r = n * 60, i = r * 24, a = i * 30, o = i * 365, s = (e == 1 ? ka(10, 0, 3, uo).filter(lo) : ka(10, -3, 0, uo)).concat([
 		t,
 		t * 5,
 		t * 10,
@@ -4998,100 +5017,100 @@ function bo(e) {
 	]), c = [
 		[
 			o,
-			uo,
-			$,
-			$,
-			$,
-			$,
-			$,
-			$,
+			_o,
+			Q,
+			Q,
+			Q,
+			Q,
+			Q,
+			Q,
 			1
 		],
 		[
 			i * 28,
 			"{MMM}",
-			fo,
-			$,
-			$,
-			$,
-			$,
-			$,
+			vo,
+			Q,
+			Q,
+			Q,
+			Q,
+			Q,
 			1
 		],
 		[
 			i,
-			po,
-			fo,
-			$,
-			$,
-			$,
-			$,
-			$,
+			yo,
+			vo,
+			Q,
+			Q,
+			Q,
+			Q,
+			Q,
 			1
 		],
 		[
 			r,
-			"{h}" + go,
-			ho,
-			$,
-			mo,
-			$,
-			$,
-			$,
+			"{h}" + So,
+			xo,
+			Q,
+			bo,
+			Q,
+			Q,
+			Q,
 			1
 		],
 		[
 			n,
-			_o,
-			ho,
-			$,
-			mo,
-			$,
-			$,
-			$,
+			Co,
+			xo,
+			Q,
+			bo,
+			Q,
+			Q,
+			Q,
 			1
 		],
 		[
 			t,
-			yo,
-			ho + " " + _o,
-			$,
-			mo + " " + _o,
-			$,
-			vo,
-			$,
+			To,
+			xo + " " + Co,
+			Q,
+			bo + " " + Co,
+			Q,
+			wo,
+			Q,
 			1
 		],
 		[
 			e,
-			yo + ".{fff}",
-			ho + " " + _o,
-			$,
-			mo + " " + _o,
-			$,
-			vo,
-			$,
+			To + ".{fff}",
+			xo + " " + Co,
+			Q,
+			bo + " " + Co,
+			Q,
+			wo,
+			Q,
 			1
 		]
 	];
 	function l(t) {
 		return (s, c, l, u, d, f) => {
-			let p = [], m = d >= o, h = d >= a && d < o, g = t(l), _ = Q(g * e, 3), v = Ao(g.getFullYear(), m ? 0 : g.getMonth(), h || m ? 1 : g.getDate()), y = Q(v * e, 3);
+			let p = [], m = d >= o, h = d >= a && d < o, g = t(l), _ = Z(g * e, 3), v = Io(g.getFullYear(), m ? 0 : g.getMonth(), h || m ? 1 : g.getDate()), y = Z(v * e, 3);
 			if (h || m) {
-				let n = h ? d / a : 0, r = m ? d / o : 0, i = _ == y ? _ : Q(Ao(v.getFullYear() + r, v.getMonth() + n, 1) * e, 3), s = new Date(Xi(i / e)), c = s.getFullYear(), l = s.getMonth();
+				let n = h ? d / a : 0, r = m ? d / o : 0, i = _ == y ? _ : Z(Io(v.getFullYear() + r, v.getMonth() + n, 1) * e, 3), s = new Date(na(i / e)), c = s.getFullYear(), l = s.getMonth();
 				for (let a = 0; i <= u; a++) {
-					let o = Ao(c + r * a, l + n * a, 1), s = o - t(Q(o * e, 3));
-					i = Q((+o + s) * e, 3), i <= u && p.push(i);
+					let o = Io(c + r * a, l + n * a, 1), s = o - t(Z(o * e, 3));
+					i = Z((+o + s) * e, 3), i <= u && p.push(i);
 				}
 			} else {
-				let a = d >= i ? i : d, o = y + (Yi(l) - Yi(_)) + ya(_ - y, a);
+				let a = d >= i ? i : d, o = y + (ta(l) - ta(_)) + Ta(_ - y, a);
 				p.push(o);
 				let m = t(o), h = m.getHours() + m.getMinutes() / n + m.getSeconds() / r, g = d / r, v = f / s.axes[c]._space;
-				for (; o = Q(o + d, e == 1 ? 0 : 3), !(o > u);) if (g > 1) {
-					let e = Yi(Q(h + g, 6)) % 24, n = t(o).getHours() - e;
+				for (; o = Z(o + d, e == 1 ? 0 : 3), !(o > u);) if (g > 1) {
+					let e = ta(Z(h + g, 6)) % 24, n = t(o).getHours() - e;
 					n > 1 && (n = -1), o -= n * r, h = (h + g) % 24;
 					let i = p[p.length - 1];
-					Q((o - i) / d, 3) * v >= .7 && p.push(o);
+					Z((o - i) / d, 3) * v >= .7 && p.push(o);
 				} else p.push(o);
 			}
 			return p;
@@ -5103,12 +5122,12 @@ function bo(e) {
 		l
 	];
 }
-var [xo, So, Co] = bo(1), [wo, To, Eo] = bo(.001);
-Ca(2, -53, 53, [1]);
-function Do(e, t) {
+var [Do, Oo, ko] = Eo(1), [Ao, jo, Mo] = Eo(.001);
+ka(2, -53, 53, [1]);
+function No(e, t) {
 	return e.map((e) => e.map((n, r) => r == 0 || r == 8 || n == null ? n : t(r == 1 || e[8] == 0 ? n : e[1] + n)));
 }
-function Oo(e, t) {
+function Po(e, t) {
 	return (n, r, i, a, o) => {
 		let s = t.find((e) => o >= e[0]) || t[t.length - 1], c, l, u, d, f, p;
 		return r.map((t) => {
@@ -5117,98 +5136,98 @@ function Oo(e, t) {
 		});
 	};
 }
-function ko(e, t) {
-	let n = eo(t);
+function Fo(e, t) {
+	let n = oo(t);
 	return (t, r, i, a, o) => r.map((t) => n(e(t)));
 }
-function Ao(e, t, n) {
+function Io(e, t, n) {
 	return new Date(e, t, n);
 }
-function jo(e, t) {
+function Lo(e, t) {
 	return t(e);
 }
-var Mo = "{YYYY}-{MM}-{DD} {h}:{mm}{aa}";
-function No(e, t) {
-	return (n, r, i, a) => a == null ? oi : t(e(r));
+var Ro = "{YYYY}-{MM}-{DD} {h}:{mm}{aa}";
+function zo(e, t) {
+	return (n, r, i, a) => a == null ? fi : t(e(r));
 }
-function Po(e, t) {
+function Bo(e, t) {
 	let n = e.series[t];
 	return n.width ? n.stroke(e, t) : n.points.width ? n.points.stroke(e, t) : null;
 }
-function Fo(e, t) {
+function Vo(e, t) {
 	return e.series[t].fill(e, t);
 }
-var Io = {
+var Ho = {
 	show: !0,
 	live: !0,
 	isolate: !1,
-	mount: ua,
+	mount: ga,
 	markers: {
 		show: !0,
 		width: 2,
-		stroke: Po,
-		fill: Fo,
+		stroke: Bo,
+		fill: Vo,
 		dash: "solid"
 	},
 	idx: null,
 	idxs: null,
 	values: []
 };
-function Lo(e, t) {
-	let n = e.cursor.points, r = _i(), i = n.size(e, t);
-	hi(r, Hr, i), hi(r, Ur, i);
+function Uo(e, t) {
+	let n = e.cursor.points, r = Ci(), i = n.size(e, t);
+	xi(r, Jr, i), xi(r, Yr, i);
 	let a = i / -2;
-	hi(r, "marginLeft", a), hi(r, "marginTop", a);
+	xi(r, "marginLeft", a), xi(r, "marginTop", a);
 	let o = n.width(e, t, i);
-	return o && hi(r, "borderWidth", o), r;
+	return o && xi(r, "borderWidth", o), r;
 }
-function Ro(e, t) {
+function Wo(e, t) {
 	let n = e.series[t].points;
 	return n._fill || n._stroke;
 }
-function zo(e, t) {
+function Go(e, t) {
 	let n = e.series[t].points;
 	return n._stroke || n._fill;
 }
-function Bo(e, t) {
+function Ko(e, t) {
 	return e.series[t].points.size;
 }
-var Vo = [0, 0];
-function Ho(e, t, n) {
-	return Vo[0] = t, Vo[1] = n, Vo;
+var qo = [0, 0];
+function Jo(e, t, n) {
+	return qo[0] = t, qo[1] = n, qo;
 }
-function Uo(e, t, n, r = !0) {
+function Yo(e, t, n, r = !0) {
 	return (e) => {
 		e.button != 0 || r && e.target != t || n(e);
 	};
 }
-function Wo(e, t, n, r = !0) {
+function Xo(e, t, n, r = !0) {
 	return (e) => {
 		r && e.target != t || n(e);
 	};
 }
-var Go = {
+var Zo = {
 	show: !0,
 	x: !0,
 	y: !0,
 	lock: !1,
-	move: Ho,
+	move: Jo,
 	points: {
 		one: !1,
-		show: Lo,
-		size: Bo,
+		show: Uo,
+		size: Ko,
 		width: 0,
-		stroke: zo,
-		fill: Ro
+		stroke: Go,
+		fill: Wo
 	},
 	bind: {
-		mousedown: Uo,
-		mouseup: Uo,
-		click: Uo,
-		dblclick: Uo,
-		mousemove: Wo,
-		mouseleave: Wo,
-		mouseenter: Wo
+		mousedown: Yo,
+		mouseup: Yo,
+		click: Yo,
+		dblclick: Yo,
+		mousemove: Xo,
+		mouseleave: Xo,
+		mouseenter: Xo
 	},
 	drag: {
 		setScale: !0,
@@ -5238,139 +5257,139 @@ var Go = {
 	dataIdx: null,
 	idxs: null,
 	event: null
-}, Ko = {
+}, Qo = {
 	show: !0,
 	stroke: "rgba(0,0,0,0.07)",
 	width: 2
-}, qo = Ia({}, Ko, { filter: fa }), Jo = Ia({}, qo, { size: 10 }), Yo = Ia({}, Ko, { show: !1 }), Xo = "12px system-ui, -apple-system, \"Segoe UI\", Roboto, \"Helvetica Neue\", Arial, \"Noto Sans\", sans-serif, \"Apple Color Emoji\", \"Segoe UI Emoji\", \"Segoe UI Symbol\", \"Noto Color Emoji\"", Zo = "bold " + Xo, Qo = 1.5, $o = {
+}, $o = Ha({}, Qo, { filter: va }), es = Ha({}, $o, { size: 10 }), ts = Ha({}, Qo, { show: !1 }), ns = "12px system-ui, -apple-system, \"Segoe UI\", Roboto, \"Helvetica Neue\", Arial, \"Noto Sans\", sans-serif, \"Apple Color Emoji\", \"Segoe UI Emoji\", \"Segoe UI Symbol\", \"Noto Color Emoji\"", rs = "bold " + ns, is = 1.5, as = {
 	show: !0,
 	scale: "x",
-	stroke: Jr,
+	stroke: ei,
 	space: 50,
 	gap: 5,
 	alignTo: 1,
 	size: 50,
 	labelGap: 0,
 	labelSize: 30,
-	labelFont: Zo,
+	labelFont: rs,
 	side: 2,
-	grid: qo,
-	ticks: Jo,
-	border: Yo,
-	font: Xo,
-	lineGap: Qo,
+	grid: $o,
+	ticks: es,
+	border: ts,
+	font: ns,
+	lineGap: is,
 	rotate: 0
-}, es = "Value", ts = "Time", ns = {
+}, os = "Value", ss = "Time", cs = {
 	show: !0,
 	scale: "x",
 	auto: !1,
 	sorted: 1,
-	min: oa,
+	min: fa,
 	max: -Infinity,
 	idxs: []
 };
-function rs(e, t, n, r, i) {
-	return t.map((e) => e == null ? "" : Gi(e));
+function ls(e, t, n, r, i) {
+	return t.map((e) => e == null ? "" : Zi(e));
 }
-function is(e, t, n, r, i, a, o) {
-	let s = [], c = xa.get(i) || 0;
-	n = o ? n : Q(ya(n, i), c);
-	for (let e = n; e <= r; e = Q(e + i, c)) s.push(Object.is(e, -0) ? 0 : e);
+function us(e, t, n, r, i, a, o) {
+	let s = [], c = Da.get(i) || 0;
+	n = o ? n : Z(Ta(n, i), c);
+	for (let e = n; e <= r; e = Z(e + i, c)) s.push(Object.is(e, -0) ? 0 : e);
 	return s;
 }
-function as(e, t, n, r, i, a, o) {
+function ds(e, t, n, r, i, a, o) {
 	let s = [], c = e.scales[e.axes[t].scale].log;
-	i = ea(c, Yi((c == 10 ? na : ra)(n))), c == 10 && (i = co[Oi(i, co)]);
+	i = oa(c, ta((c == 10 ? ca : la)(n))), c == 10 && (i = ho[Pi(i, ho)]);
 	let l = n, u = i * c;
-	c == 10 && (u = co[Oi(u, co)]);
+	c == 10 && (u = ho[Pi(u, ho)]);
 	do
-		s.push(l), l += i, c == 10 && !xa.has(l) && (l = Q(l, xa.get(i))), l >= u && (i = l, u = i * c, c == 10 && (u = co[Oi(u, co)]));
+		s.push(l), l += i, c == 10 && !Da.has(l) && (l = Z(l, Da.get(i))), l >= u && (i = l, u = i * c, c == 10 && (u = ho[Pi(u, ho)]));
 	while (l <= r);
 	return s;
 }
-function os(e, t, n, r, i, a, o) {
-	let s = e.scales[e.axes[t].scale].asinh, c = r > s ? as(e, t, $i(s, n), r, i) : [s], l = r >= 0 && n <= 0 ? [0] : [];
-	return (n < -s ? as(e, t, $i(s, -r), -n, i) : [s]).reverse().map((e) => -e).concat(l, c);
+function fs(e, t, n, r, i, a, o) {
+	let s = e.scales[e.axes[t].scale].asinh, c = r > s ? ds(e, t, aa(s, n), r, i) : [s], l = r >= 0 && n <= 0 ? [0] : [];
+	return (n < -s ? ds(e, t, aa(s, -r), -n, i) : [s]).reverse().map((e) => -e).concat(l, c);
 }
-var ss = /./, cs = /[12357]/, ls = /[125]/, us = /1/, ds = (e, t, n, r) => e.map((e, i) => t == 4 && e == 0 || i % r == 0 && n.test(e.toExponential()[+(e < 0)]) ? e : null);
-function fs(e, t, n, r, i) {
-	let a = e.axes[n], o = a.scale, s = e.scales[o], c = e.valToPos, l = a._space, u = c(10, o), d = c(9, o) - u >= l ? ss : c(7, o) - u >= l ? cs : c(5, o) - u >= l ? ls : us;
-	if (d == us) {
-		let e = Ji(c(1, o) - u);
-		if (e < l) return ds(t.slice().reverse(), s.distr, d, Zi(l / e)).reverse();
+var ps = /./, ms = /[12357]/, hs = /[125]/, gs = /1/, _s = (e, t, n, r) => e.map((e, i) => t == 4 && e == 0 || i % r == 0 && n.test(e.toExponential()[+(e < 0)]) ? e : null);
+function vs(e, t, n, r, i) {
+	let a = e.axes[n], o = a.scale, s = e.scales[o], c = e.valToPos, l = a._space, u = c(10, o), d = c(9, o) - u >= l ? ps : c(7, o) - u >= l ? ms : c(5, o) - u >= l ? hs : gs;
+	if (d == gs) {
+		let e = ea(c(1, o) - u);
+		if (e < l) return _s(t.slice().reverse(), s.distr, d, ra(l / e)).reverse();
 	}
-	return ds(t, s.distr, d, 1);
+	return _s(t, s.distr, d, 1);
 }
-function ps(e, t, n, r, i) {
-	let a = e.axes[n], o = a.scale, s = a._space, c = e.valToPos, l = Ji(c(1, o) - c(2, o));
-	return l < s ? ds(t.slice().reverse(), 3, ss, Zi(s / l)).reverse() : t;
+function ys(e, t, n, r, i) {
+	let a = e.axes[n], o = a.scale, s = a._space, c = e.valToPos, l = ea(c(1, o) - c(2, o));
+	return l < s ? _s(t.slice().reverse(), 3, ps, ra(s / l)).reverse() : t;
 }
-function ms(e, t, n, r) {
-	return r == null ? oi : t == null ? "" : Gi(t);
+function bs(e, t, n, r) {
+	return r == null ? fi : t == null ? "" : Zi(t);
 }
-var hs = {
+var xs = {
 	show: !0,
 	scale: "y",
-	stroke: Jr,
+	stroke: ei,
 	space: 30,
 	gap: 5,
 	alignTo: 1,
 	size: 50,
 	labelGap: 0,
 	labelSize: 30,
-	labelFont: Zo,
+	labelFont: rs,
 	side: 3,
-	grid: qo,
-	ticks: Jo,
-	border: Yo,
-	font: Xo,
-	lineGap: Qo,
+	grid: $o,
+	ticks: es,
+	border: ts,
+	font: ns,
+	lineGap: is,
 	rotate: 0
 };
-function gs(e, t) {
-	return Q((3 + (e || 1) * 2) * t, 3);
+function Ss(e, t) {
+	return Z((3 + (e || 1) * 2) * t, 3);
 }
-function _s(e, t) {
-	let { scale: n, idxs: r } = e.series[0], i = e._data[0], a = e.valToPos(i[r[0]], n, !0), o = Ji(e.valToPos(i[r[1]], n, !0) - a) / (e.series[t].points.space * Y);
+function Cs(e, t) {
+	let { scale: n, idxs: r } = e.series[0], i = e._data[0], a = e.valToPos(i[r[0]], n, !0), o = ea(e.valToPos(i[r[1]], n, !0) - a) / (e.series[t].points.space * J);
 	return r[1] - r[0] <= o;
 }
-var vs = {
+var ws = {
 	scale: null,
 	auto: !0,
 	sorted: 0,
-	min: oa,
+	min: fa,
 	max: -Infinity
-}, ys = (e, t, n, r, i) => i, bs = {
+}, Ts = (e, t, n, r, i) => i, Es = {
 	show: !0,
 	auto: !0,
 	sorted: 0,
-	gaps: ys,
+	gaps: Ts,
 	alpha: 1,
-	facets: [Ia({}, vs, { scale: "x" }), Ia({}, vs, { scale: "y" })]
-}, xs = {
+	facets: [Ha({}, ws, { scale: "x" }), Ha({}, ws, { scale: "y" })]
+}, Ds = {
 	scale: "y",
 	auto: !0,
 	sorted: 0,
 	show: !0,
 	spanGaps: !1,
-	gaps: ys,
+	gaps: Ts,
 	alpha: 1,
 	points: {
-		show: _s,
+		show: Cs,
 		filter: null
 	},
 	values: null,
-	min: oa,
+	min: fa,
 	max: -Infinity,
 	idxs: [],
 	path: null,
 	clip: null
 };
-function Ss(e, t, n, r, i) {
+function Os(e, t, n, r, i) {
 	return n / 10;
 }
-var Cs = {
-	time: xr,
+var ks = {
+	time: Dr,
 	auto: !0,
 	distr: 1,
 	log: 10,
@@ -5379,12 +5398,12 @@ var Cs = {
 	max: null,
 	dir: 1,
 	ori: 0
-}, ws = Ia({}, Cs, {
+}, As = Ha({}, ks, {
 	time: !1,
 	ori: 1
-}), Ts = {};
-function Es(e, t) {
-	let n = Ts[e];
+}), js = {};
+function Ms(e, t) {
+	let n = js[e];
 	return n || (n = {
 		key: e,
 		plots: [],
@@ -5397,38 +5416,38 @@ function Es(e, t) {
 		pub(e, t, r, i, a, o, s) {
 			for (let c = 0; c < n.plots.length; c++) n.plots[c] != t && n.plots[c].pub(e, t, r, i, a, o, s);
 		}
-	}, e != null && (Ts[e] = n)), n;
+	}, e != null && (js[e] = n)), n;
 }
-var Ds = 1, Os = 2;
-function ks(e, t, n) {
+var Ns = 1, Ps = 2;
+function Fs(e, t, n) {
 	let r = e.mode, i = e.series[t], a = r == 2 ? e._data[t] : e._data, o = e.scales, s = e.bbox, c = a[0], l = r == 2 ? a[1] : a[t], u = r == 2 ? o[i.facets[0].scale] : o[e.series[0].scale], d = r == 2 ? o[i.facets[1].scale] : o[i.scale], f = s.left, p = s.top, m = s.width, h = s.height, g = e.valToPosH, _ = e.valToPosV;
-	return u.ori == 0 ? n(i, c, l, u, d, g, _, f, p, m, h, Rs, Bs, Hs, Ws, Ks) : n(i, c, l, u, d, _, g, p, f, h, m, zs, Vs, Us, Gs, qs);
+	return u.ori == 0 ? n(i, c, l, u, d, g, _, f, p, m, h, Ws, Ks, Js, Xs, Qs) : n(i, c, l, u, d, _, g, p, f, h, m, Gs, qs, Ys, Zs, $s);
 }
-function As(e, t) {
-	let n = 0, r = 0, i = X(e.bands, Ta);
+function Is(e, t) {
+	let n = 0, r = 0, i = Y(e.bands, ja);
 	for (let e = 0; e < i.length; e++) {
 		let a = i[e];
 		a.series[0] == t ? n = a.dir : a.series[1] == t && (a.dir == 1 ? r |= 1 : r |= 2);
 	}
 	return [n, r == 1 ? -1 : r == 2 ? 1 : r == 3 ? 2 : 0];
 }
-function js(e, t, n, r, i) {
+function Ls(e, t, n, r, i) {
 	let a = e.mode, o = e.series[t], s = a == 2 ? o.facets[1].scale : o.scale, c = e.scales[s];
 	return i == -1 ? c.min : i == 1 ? c.max : c.distr == 3 ? c.dir == 1 ? c.min : c.max : 0;
 }
-function Ms(e, t, n, r, i, a) {
-	return ks(e, t, (e, t, o, s, c, l, u, d, f, p, m) => {
-		let h = e.pxRound, g = s.dir * (s.ori == 0 ? 1 : -1), _ = s.ori == 0 ? Bs : Vs, v, y;
+function Rs(e, t, n, r, i, a) {
+	return Fs(e, t, (e, t, o, s, c, l, u, d, f, p, m) => {
+		let h = e.pxRound, g = s.dir * (s.ori == 0 ? 1 : -1), _ = s.ori == 0 ? Ks : qs, v, y;
 		g == 1 ? (v = n, y = r) : (v = r, y = n);
 		let b = h(l(t[v], s, p, d)), x = h(u(o[v], c, m, f)), S = h(l(t[y], s, p, d)), C = h(u(a == 1 ? c.max : c.min, c, m, f)), w = new Path2D(i);
 		return _(w, S, C), _(w, b, C), _(w, b, x), w;
 	});
 }
-function Ns(e, t, n, r, i, a) {
+function zs(e, t, n, r, i, a) {
 	let o = null;
 	if (e.length > 0) {
 		o = new Path2D();
-		let s = t == 0 ? Hs : Us, c = n;
+		let s = t == 0 ? Js : Ys, c = n;
 		for (let t = 0; t < e.length; t++) {
 			let n = e[t];
 			if (n[1] > n[0]) {
@@ -5441,11 +5460,11 @@ function Ns(e, t, n, r, i, a) {
 	}
 	return o;
 }
-function Ps(e, t, n) {
+function Bs(e, t, n) {
 	let r = e[e.length - 1];
 	r && r[0] == t ? r[1] = n : e.push([t, n]);
 }
-function Fs(e, t, n, r, i, a, o) {
+function Vs(e, t, n, r, i, a, o) {
 	let s = [], c = e.length;
 	for (let l = i == 1 ? n : r; l >= n && l <= r; l += i) if (t[l] === null) {
 		let u = l, d = l;
@@ -5458,11 +5477,11 @@ function Fs(e, t, n, r, i, a, o) {
 	}
 	return s;
 }
-function Is(e) {
-	return e == 0 ? da : e == 1 ? Xi : (t) => va(t, e);
+function Hs(e) {
+	return e == 0 ? _a : e == 1 ? na : (t) => wa(t, e);
 }
-function Ls(e) {
-	let t = e == 0 ? Rs : zs, n = e == 0 ? (e, t, n, r, i, a) => {
+function Us(e) {
+	let t = e == 0 ? Ws : Gs, n = e == 0 ? (e, t, n, r, i, a) => {
 		e.arcTo(t, n, r, i, a);
 	} : (e, t, n, r, i, a) => {
 		e.arcTo(n, t, i, r, a);
@@ -5472,36 +5491,36 @@ function Ls(e) {
 		e.rect(n, t, i, r);
 	};
 	return (e, i, a, o, s, c = 0, l = 0) => {
-		c == 0 && l == 0 ? r(e, i, a, o, s) : (c = Qi(c, o / 2, s / 2), l = Qi(l, o / 2, s / 2), t(e, i + c, a), n(e, i + o, a, i + o, a + s, c), n(e, i + o, a + s, i, a + s, l), n(e, i, a + s, i, a, l), n(e, i, a, i + o, a, c), e.closePath());
+		c == 0 && l == 0 ? r(e, i, a, o, s) : (c = ia(c, o / 2, s / 2), l = ia(l, o / 2, s / 2), t(e, i + c, a), n(e, i + o, a, i + o, a + s, c), n(e, i + o, a + s, i, a + s, l), n(e, i, a + s, i, a, l), n(e, i, a, i + o, a, c), e.closePath());
 	};
 }
-var Rs = (e, t, n) => {
+var Ws = (e, t, n) => {
 	e.moveTo(t, n);
-}, zs = (e, t, n) => {
+}, Gs = (e, t, n) => {
 	e.moveTo(n, t);
-}, Bs = (e, t, n) => {
+}, Ks = (e, t, n) => {
 	e.lineTo(t, n);
-}, Vs = (e, t, n) => {
+}, qs = (e, t, n) => {
 	e.lineTo(n, t);
-}, Hs = Ls(0), Us = Ls(1), Ws = (e, t, n, r, i, a) => {
+}, Js = Us(0), Ys = Us(1), Xs = (e, t, n, r, i, a) => {
 	e.arc(t, n, r, i, a);
-}, Gs = (e, t, n, r, i, a) => {
+}, Zs = (e, t, n, r, i, a) => {
 	e.arc(n, t, r, i, a);
-}, Ks = (e, t, n, r, i, a, o) => {
+}, Qs = (e, t, n, r, i, a, o) => {
 	e.bezierCurveTo(t, n, r, i, a, o);
-}, qs = (e, t, n, r, i, a, o) => {
+}, $s = (e, t, n, r, i, a, o) => {
 	e.bezierCurveTo(n, t, i, r, o, a);
 };
-function Js(e) {
-	return (e, t, n, r, i) => ks(e, t, (t, a, o, s, c, l, u, d, f, p, m) => {
+function ec(e) {
+	return (e, t, n, r, i) => Fs(e, t, (t, a, o, s, c, l, u, d, f, p, m) => {
 		let { pxRound: h, points: g } = t, _, v;
-		s.ori == 0 ? (_ = Rs, v = Ws) : (_ = zs, v = Gs);
-		let y = Q(g.width * Y, 3), b = (g.size - g.width) / 2 * Y, x = Q(b * 2, 3), S = new Path2D(), C = new Path2D(), { left: w, top: T, width: E, height: D } = e.bbox;
-		Hs(C, w - x, T - x, E + x * 2, D + x * 2);
+		s.ori == 0 ? (_ = Ws, v = Xs) : (_ = Gs, v = Zs);
+		let y = Z(g.width * J, 3), b = (g.size - g.width) / 2 * J, x = Z(b * 2, 3), S = new Path2D(), C = new Path2D(), { left: w, top: T, width: E, height: D } = e.bbox;
+		Js(C, w - x, T - x, E + x * 2, D + x * 2);
 		let O = (e) => {
 			if (o[e] != null) {
 				let t = h(l(a[e], s, p, d)), n = h(u(o[e], c, m, f));
-				_(S, t + b, n), v(S, t, n, b, 0, qi * 2);
+				_(S, t + b, n), v(S, t, n, b, 0, $i * 2);
 			}
 		};
 		if (i) i.forEach(O);
@@ -5514,25 +5533,25 @@ function Js(e) {
 		};
 	});
 }
-function Ys(e) {
+function tc(e) {
 	return (t, n, r, i, a, o) => {
 		r != i && (a != r && o != r && e(t, n, r), a != i && o != i && e(t, n, i), e(t, n, o));
 	};
 }
-var Xs = Ys(Bs), Zs = Ys(Vs);
-function Qs(e) {
-	let t = X(e?.alignGaps, 0);
-	return (e, n, r, i) => ks(e, n, (a, o, s, c, l, u, d, f, p, m, h) => {
-		[r, i] = Mi(s, r, i);
+var nc = tc(Ks), rc = tc(qs);
+function ic(e) {
+	let t = Y(e?.alignGaps, 0);
+	return (e, n, r, i) => Fs(e, n, (a, o, s, c, l, u, d, f, p, m, h) => {
+		[r, i] = Ri(s, r, i);
 		let g = a.pxRound, _ = (e) => g(u(e, c, m, f)), v = (e) => g(d(e, l, h, p)), y, b;
-		c.ori == 0 ? (y = Bs, b = Xs) : (y = Vs, b = Zs);
+		c.ori == 0 ? (y = Ks, b = nc) : (y = qs, b = rc);
 		let x = c.dir * (c.ori == 0 ? 1 : -1), S = {
 			stroke: new Path2D(),
 			fill: null,
 			clip: null,
 			band: null,
 			gaps: null,
-			flags: Ds
+			flags: Ns
 		}, C = S.stroke, w = !1;
 		if (i - r >= m * 4) {
 			let t = (t) => e.posToVal(t, c.key, !0), n = null, a = null, l, u, d, f = _(o[x == 1 ? r : i]), p = _(o[r]), m = _(o[i]), h = t(x == 1 ? p + 1 : m - 1);
@@ -5545,29 +5564,29 @@ function Qs(e) {
 			let t = s[e];
 			t === null ? w = !0 : t != null && y(C, _(o[e]), v(t));
 		}
-		let [T, E] = As(e, n);
+		let [T, E] = Is(e, n);
 		if (a.fill != null || T != 0) {
 			let t = S.fill = new Path2D(C), s = v(a.fillTo(e, n, a.min, a.max, T)), c = _(o[r]), l = _(o[i]);
 			x == -1 && ([l, c] = [c, l]), y(t, l, s), y(t, c, s);
 		}
 		if (!a.spanGaps) {
 			let l = [];
-			w && l.push(...Fs(o, s, r, i, x, _, t)), S.gaps = l = a.gaps(e, n, r, i, l), S.clip = Ns(l, c.ori, f, p, m, h);
+			w && l.push(...Vs(o, s, r, i, x, _, t)), S.gaps = l = a.gaps(e, n, r, i, l), S.clip = zs(l, c.ori, f, p, m, h);
 		}
-		return E != 0 && (S.band = E == 2 ? [Ms(e, n, r, i, C, -1), Ms(e, n, r, i, C, 1)] : Ms(e, n, r, i, C, E)), S;
+		return E != 0 && (S.band = E == 2 ? [Rs(e, n, r, i, C, -1), Rs(e, n, r, i, C, 1)] : Rs(e, n, r, i, C, E)), S;
 	});
 }
-function $s(e) {
-	let t = X(e.align, 1), n = X(e.ascDesc, !1), r = X(e.alignGaps, 0), i = X(e.extend, !1);
-	return (e, a, o, s) => ks(e, a, (c, l, u, d, f, p, m, h, g, _, v) => {
-		[o, s] = Mi(u, o, s);
-		let y = c.pxRound, { left: b, width: x } = e.bbox, S = (e) => y(p(e, d, _, h)), C = (e) => y(m(e, f, v, g)), w = d.ori == 0 ? Bs : Vs, T = {
+function ac(e) {
+	let t = Y(e.align, 1), n = Y(e.ascDesc, !1), r = Y(e.alignGaps, 0), i = Y(e.extend, !1);
+	return (e, a, o, s) => Fs(e, a, (c, l, u, d, f, p, m, h, g, _, v) => {
+		[o, s] = Ri(u, o, s);
+		let y = c.pxRound, { left: b, width: x } = e.bbox, S = (e) => y(p(e, d, _, h)), C = (e) => y(m(e, f, v, g)), w = d.ori == 0 ? Ks : qs, T = {
 			stroke: new Path2D(),
 			fill: null,
 			clip: null,
 			band: null,
 			gaps: null,
-			flags: Ds
+			flags: Ns
 		}, E = T.stroke, D = d.dir * (d.ori == 0 ? 1 : -1), O = C(u[D == 1 ? o : s]), k = S(l[D == 1 ? o : s]), A = k, j = k;
 		i && t == -1 && (j = b, w(E, j, O)), w(E, k, O);
 		for (let e = D == 1 ? o : s; e >= o && e <= s; e += D) {
@@ -5578,50 +5597,50 @@ function $s(e) {
 		}
 		let ee = A;
 		i && t == 1 && (ee = b + x, w(E, ee, O));
-		let [te, ne] = As(e, a);
+		let [te, ne] = Is(e, a);
 		if (c.fill != null || te != 0) {
 			let t = T.fill = new Path2D(E), n = C(c.fillTo(e, a, c.min, c.max, te));
 			w(t, ee, n), w(t, j, n);
 		}
 		if (!c.spanGaps) {
 			let i = [];
-			i.push(...Fs(l, u, o, s, D, S, r));
-			let f = c.width * Y / 2, p = n || t == 1 ? f : -f, m = n || t == -1 ? -f : f;
+			i.push(...Vs(l, u, o, s, D, S, r));
+			let f = c.width * J / 2, p = n || t == 1 ? f : -f, m = n || t == -1 ? -f : f;
 			i.forEach((e) => {
 				e[0] += p, e[1] += m;
-			}), T.gaps = i = c.gaps(e, a, o, s, i), T.clip = Ns(i, d.ori, h, g, _, v);
+			}), T.gaps = i = c.gaps(e, a, o, s, i), T.clip = zs(i, d.ori, h, g, _, v);
 		}
-		return ne != 0 && (T.band = ne == 2 ? [Ms(e, a, o, s, E, -1), Ms(e, a, o, s, E, 1)] : Ms(e, a, o, s, E, ne)), T;
+		return ne != 0 && (T.band = ne == 2 ? [Rs(e, a, o, s, E, -1), Rs(e, a, o, s, E, 1)] : Rs(e, a, o, s, E, ne)), T;
 	});
 }
-function ec(e, t, n, r, i, a, o = oa) {
+function oc(e, t, n, r, i, a, o = fa) {
 	if (e.length > 1) {
 		let s = null;
 		for (let c = 0, l = Infinity; c < e.length; c++) if (t[c] !== void 0) {
 			if (s != null) {
-				let t = Ji(e[c] - e[s]);
-				t < l && (l = t, o = Ji(n(e[c], r, i, a) - n(e[s], r, i, a)));
+				let t = ea(e[c] - e[s]);
+				t < l && (l = t, o = ea(n(e[c], r, i, a) - n(e[s], r, i, a)));
 			}
 			s = c;
 		}
 	}
 	return o;
 }
-function tc(e) {
-	e ||= wa;
-	let t = X(e.size, [
+function sc(e) {
+	e ||= Aa;
+	let t = Y(e.size, [
 		.6,
-		oa,
+		fa,
 		1
 	]), n = e.align || 0, r = e.gap || 0, i = e.radius;
 	i = i == null ? [0, 0] : typeof i == "number" ? [i, 0] : i;
-	let a = Z(i), o = 1 - t[0], s = X(t[1], oa), c = X(t[2], 1), l = X(e.disp, wa), u = X(e.each, (e) => {}), { fill: d, stroke: f } = l;
-	return (e, t, i, p) => ks(e, t, (m, h, g, _, v, y, b, x, S, C, w) => {
-		let T = m.pxRound, E = n, D = r * Y, O = s * Y, k = c * Y, A, j;
+	let a = X(i), o = 1 - t[0], s = Y(t[1], fa), c = Y(t[2], 1), l = Y(e.disp, Aa), u = Y(e.each, (e) => {}), { fill: d, stroke: f } = l;
+	return (e, t, i, p) => Fs(e, t, (m, h, g, _, v, y, b, x, S, C, w) => {
+		let T = m.pxRound, E = n, D = r * J, O = s * J, k = c * J, A, j;
 		_.ori == 0 ? [A, j] = a(e, t) : [j, A] = a(e, t);
-		let ee = _.dir * (_.ori == 0 ? 1 : -1), te = _.ori == 0 ? Hs : Us, ne = _.ori == 0 ? u : (e, t, n, r, i, a, o) => {
+		let ee = _.dir * (_.ori == 0 ? 1 : -1), te = _.ori == 0 ? Js : Ys, ne = _.ori == 0 ? u : (e, t, n, r, i, a, o) => {
 			u(e, t, n, i, r, o, a);
-		}, re = X(e.bands, Ta).find((e) => e.series[0] == t), ie = re == null ? 0 : re.dir, ae = m.fillTo(e, t, m.min, m.max, ie), M = T(b(ae, v, w, S)), N, P, oe, se = C, F = T(m.width * Y), ce = !1, le = null, ue = null, de = null, fe = null;
+		}, re = Y(e.bands, ja).find((e) => e.series[0] == t), ie = re == null ? 0 : re.dir, ae = m.fillTo(e, t, m.min, m.max, ie), M = T(b(ae, v, w, S)), N, P, oe, se = C, F = T(m.width * J), ce = !1, le = null, ue = null, de = null, fe = null;
 		d != null && (F == 0 || f != null) && (ce = !0, le = d.values(e, t, i, p), ue = /* @__PURE__ */ new Map(), new Set(le).forEach((e) => {
 			e != null && ue.set(e, new Path2D());
 		}), F > 0 && (de = f.values(e, t, i, p), fe = /* @__PURE__ */ new Map(), new Set(de).forEach((e) => {
@@ -5631,11 +5650,11 @@ function tc(e) {
 		if (pe != null && me != null) {
 			E = 1, h = pe.values(e, t, i, p), pe.unit == 2 && (h = h.map((t) => e.posToVal(x + t * C, _.key, !0)));
 			let n = me.values(e, t, i, p);
-			P = me.unit == 2 ? n[0] * C : y(n[0], _, C, x) - y(0, _, C, x), se = ec(h, g, y, _, C, x, se), oe = se - P + D;
-		} else se = ec(h, g, y, _, C, x, se), oe = se * o + D, P = se - oe;
-		oe < 1 && (oe = 0), F >= P / 2 && (F = 0), oe < 5 && (T = da);
+			P = me.unit == 2 ? n[0] * C : y(n[0], _, C, x) - y(0, _, C, x), se = oc(h, g, y, _, C, x, se), oe = se - P + D;
+		} else se = oc(h, g, y, _, C, x, se), oe = se * o + D, P = se - oe;
+		oe < 1 && (oe = 0), F >= P / 2 && (F = 0), oe < 5 && (T = _a);
 		let he = oe > 0, ge = se - oe - (he ? F : 0);
-		P = T(ca(ge, k, O)), N = (E == 0 ? P / 2 : E == ee ? 0 : P) - E * ee * ((E == 0 ? D / 2 : 0) + (he ? F / 2 : 0));
+		P = T(ma(ge, k, O)), N = (E == 0 ? P / 2 : E == ee ? 0 : P) - E * ee * ((E == 0 ? D / 2 : 0) + (he ? F / 2 : 0));
 		let _e = {
 			stroke: null,
 			fill: null,
@@ -5658,21 +5677,21 @@ function tc(e) {
 				if (r - e == 0) continue;
 				M = b(e, v, w, S);
 			}
-			let i = y(_.distr != 2 || l != null ? h[n] : n, _, C, x), a = b(X(r, ae), v, w, S), o = T(i - N), s = T($i(a, M)), c = T(Qi(a, M)), u = s - c;
+			let i = y(_.distr != 2 || l != null ? h[n] : n, _, C, x), a = b(Y(r, ae), v, w, S), o = T(i - N), s = T(aa(a, M)), c = T(ia(a, M)), u = s - c;
 			if (r != null) {
 				let i = r < 0 ? xe : be, a = r < 0 ? be : xe;
-				ce ? (F > 0 && de[n] != null && te(fe.get(de[n]), o, c + Yi(F / 2), P, $i(0, u - F), i, a), le[n] != null && te(ue.get(le[n]), o, c + Yi(F / 2), P, $i(0, u - F), i, a)) : te(ve, o, c + Yi(F / 2), P, $i(0, u - F), i, a), ne(e, t, n, o - F / 2, c, P + F, u);
+				ce ? (F > 0 && de[n] != null && te(fe.get(de[n]), o, c + ta(F / 2), P, aa(0, u - F), i, a), le[n] != null && te(ue.get(le[n]), o, c + ta(F / 2), P, aa(0, u - F), i, a)) : te(ve, o, c + ta(F / 2), P, aa(0, u - F), i, a), ne(e, t, n, o - F / 2, c, P + F, u);
 			}
 		}
 		return F > 0 ? _e.stroke = ce ? fe : ve : ce || (_e._fill = m.width == 0 ? m._fill : m._stroke ?? m._fill, _e.width = 0), _e.fill = ce ? ue : ve, _e;
 	});
 }
-function nc(e, t) {
-	let n = X(t?.alignGaps, 0);
-	return (t, r, i, a) => ks(t, r, (o, s, c, l, u, d, f, p, m, h, g) => {
-		[i, a] = Mi(c, i, a);
+function cc(e, t) {
+	let n = Y(t?.alignGaps, 0);
+	return (t, r, i, a) => Fs(t, r, (o, s, c, l, u, d, f, p, m, h, g) => {
+		[i, a] = Ri(c, i, a);
 		let _ = o.pxRound, v = (e) => _(d(e, l, h, p)), y = (e) => _(f(e, u, g, m)), b, x, S;
-		l.ori == 0 ? (b = Rs, S = Bs, x = Ks) : (b = zs, S = Vs, x = qs);
+		l.ori == 0 ? (b = Ws, S = Ks, x = Qs) : (b = Gs, S = qs, x = $s);
 		let C = l.dir * (l.ori == 0 ? 1 : -1), w = v(s[C == 1 ? i : a]), T = w, E = [], D = [];
 		for (let e = C == 1 ? i : a; e >= i && e <= a; e += C) if (c[e] != null) {
 			let t = s[e], n = v(t);
@@ -5684,23 +5703,23 @@ function nc(e, t) {
 			clip: null,
 			band: null,
 			gaps: null,
-			flags: Ds
-		}, k = O.stroke, [A, j] = As(t, r);
+			flags: Ns
+		}, k = O.stroke, [A, j] = Is(t, r);
 		if (o.fill != null || A != 0) {
 			let e = O.fill = new Path2D(k), n = y(o.fillTo(t, r, o.min, o.max, A));
 			S(e, T, n), S(e, w, n);
 		}
 		if (!o.spanGaps) {
 			let e = [];
-			e.push(...Fs(s, c, i, a, C, v, n)), O.gaps = e = o.gaps(t, r, i, a, e), O.clip = Ns(e, l.ori, p, m, h, g);
+			e.push(...Vs(s, c, i, a, C, v, n)), O.gaps = e = o.gaps(t, r, i, a, e), O.clip = zs(e, l.ori, p, m, h, g);
 		}
-		return j != 0 && (O.band = j == 2 ? [Ms(t, r, i, a, k, -1), Ms(t, r, i, a, k, 1)] : Ms(t, r, i, a, k, j)), O;
+		return j != 0 && (O.band = j == 2 ? [Rs(t, r, i, a, k, -1), Rs(t, r, i, a, k, 1)] : Rs(t, r, i, a, k, j)), O;
 	});
 }
-function rc(e) {
-	return nc(ic, e);
+function lc(e) {
+	return cc(uc, e);
 }
-function ic(e, t, n, r, i, a) {
+function uc(e, t, n, r, i, a) {
 	let o = e.length;
 	if (o < 2) return null;
 	let s = new Path2D();
@@ -5715,62 +5734,62 @@ function ic(e, t, n, r, i, a) {
 	}
 	return s;
 }
-var ac = /* @__PURE__ */ new Set();
-function oc() {
-	for (let e of ac) e.syncRect(!0);
+var dc = /* @__PURE__ */ new Set();
+function fc() {
+	for (let e of dc) e.syncRect(!0);
 }
-si && (Ei(ni, li, oc), Ei(ri, li, oc, !0), Ei(ai, li, () => {
-	Sc.pxRatio = Y;
+pi && (Mi(ci, hi, fc), Mi(li, hi, fc, !0), Mi(di, hi, () => {
+	Oc.pxRatio = J;
 }));
-var sc = Qs(), cc = Js();
-function lc(e, t, n, r) {
-	return (r ? [e[0], e[1]].concat(e.slice(2)) : [e[0]].concat(e.slice(1))).map((e, r) => dc(e, r, t, n));
-}
-function uc(e, t) {
-	return e.map((e, n) => n == 0 ? {} : Ia({}, t, e));
-}
-function dc(e, t, n, r) {
-	return Ia({}, t == 0 ? n : r, e);
-}
-function fc(e, t, n) {
-	return t == null ? Ea : [t, n];
-}
-var pc = fc;
-function mc(e, t, n) {
-	return t == null ? Ea : Vi(t, n, Li, !0);
-}
+var pc = ic(), mc = ec();
 function hc(e, t, n, r) {
-	return t == null ? Ea : Fi(t, n, e.scales[r].log, !1);
+	return (r ? [e[0], e[1]].concat(e.slice(2)) : [e[0]].concat(e.slice(1))).map((e, r) => _c(e, r, t, n));
 }
-var gc = hc;
+function gc(e, t) {
+	return e.map((e, n) => n == 0 ? {} : Ha({}, t, e));
+}
 function _c(e, t, n, r) {
-	return t == null ? Ea : Ii(t, n, e.scales[r].log, !1);
+	return Ha({}, t == 0 ? n : r, e);
 }
-var vc = _c;
-function yc(e, t, n, r, i) {
-	let a = $i(sa(e), sa(t)), o = t - e, s = Oi(i / r * o, n);
+function vc(e, t, n) {
+	return t == null ? Ma : [t, n];
+}
+var yc = vc;
+function bc(e, t, n) {
+	return t == null ? Ma : qi(t, n, Ui, !0);
+}
+function xc(e, t, n, r) {
+	return t == null ? Ma : Vi(t, n, e.scales[r].log, !1);
+}
+var Sc = xc;
+function Cc(e, t, n, r) {
+	return t == null ? Ma : Hi(t, n, e.scales[r].log, !1);
+}
+var wc = Cc;
+function Tc(e, t, n, r, i) {
+	let a = aa(pa(e), pa(t)), o = t - e, s = Pi(i / r * o, n);
 	do {
 		let e = n[s], t = r * e / o;
-		if (t >= i && a + (e < 5 ? xa.get(e) : 0) <= 17) return [e, t];
+		if (t >= i && a + (e < 5 ? Da.get(e) : 0) <= 17) return [e, t];
 	} while (++s < n.length);
 	return [0, 0];
 }
-function bc(e) {
+function Ec(e) {
 	let t, n;
-	return e = e.replace(/(\d+)px/, (e, r) => (t = Xi((n = +r) * Y)) + "px"), [
+	return e = e.replace(/(\d+)px/, (e, r) => (t = na((n = +r) * J)) + "px"), [
 		e,
 		t,
 		n
 	];
 }
-function xc(e) {
+function Dc(e) {
 	e.show && [e.font, e.labelFont].forEach((e) => {
-		let t = Q(e[2] * Y, 1);
+		let t = Z(e[2] * J, 1);
 		e[0] = e[0].replace(/[0-9.]+px/, t + "px"), e[1] = t;
 	});
 }
-function Sc(e, t, n) {
-	let r = { mode: X(e.mode, 1) }, i = r.mode;
+function Oc(e, t, n) {
+	let r = { mode: Y(e.mode, 1) }, i = r.mode;
 	function a(e, t, n, r) {
 		let i = t.valToPct(e);
 		return r + n * (t.dir == -1 ? 1 - i : i);
@@ -5785,33 +5804,33 @@ function Sc(e, t, n) {
 	r.valToPosH = a, r.valToPosV = o;
 	let c = !1;
 	r.status = 0;
-	let l = r.root = _i(Sr);
-	if (e.id != null && (l.id = e.id), pi(l, e.class), e.title) {
-		let t = _i(Tr, l);
+	let l = r.root = Ci(Or);
+	if (e.id != null && (l.id = e.id), yi(l, e.class), e.title) {
+		let t = Ci(jr, l);
 		t.textContent = e.title;
 	}
-	let u = gi("canvas"), d = r.ctx = u.getContext("2d"), f = _i(Er, l);
-	Ei("click", f, (e) => {
+	let u = Si("canvas"), d = r.ctx = u.getContext("2d"), f = Ci(Mr, l);
+	Mi("click", f, (e) => {
 		e.target === m && (H != nn || U != rn) && W.click(r, e);
 	}, !0);
-	let p = r.under = _i(Dr, f);
+	let p = r.under = Ci(Nr, f);
 	f.appendChild(u);
-	let m = r.over = _i(Or, f);
-	e = Fa(e);
-	let h = +X(e.pxAlign, 1), g = Is(h);
+	let m = r.over = Ci(Pr, f);
+	e = Va(e);
+	let h = +Y(e.pxAlign, 1), g = Hs(h);
 	(e.plugins || []).forEach((t) => {
 		t.opts && (e = t.opts(r, e) || e);
 	});
-	let _ = e.ms || .001, v = r.series = i == 1 ? lc(e.series || [], ns, xs, !1) : uc(e.series || [null], bs), y = r.axes = lc(e.axes || [], $o, hs, !0), b = r.scales = {}, x = r.bands = e.bands || [];
+	let _ = e.ms || .001, v = r.series = i == 1 ? hc(e.series || [], cs, Ds, !1) : gc(e.series || [null], Es), y = r.axes = hc(e.axes || [], as, xs, !0), b = r.scales = {}, x = r.bands = e.bands || [];
 	x.forEach((e) => {
-		e.fill = Z(e.fill || null), e.dir = X(e.dir, -1);
+		e.fill = X(e.fill || null), e.dir = Y(e.dir, -1);
 	});
 	let S = i == 2 ? v[1].facets[0].scale : v[0].scale, C = {
 		axes: Bt,
 		series: kt
 	}, w = (e.drawOrder || ["axes", "series"]).map((e) => C[e]);
 	function T(e) {
-		let t = e.distr == 3 ? (t) => na(t > 0 ? t : e.clamp(r, t, e.min, e.max, e.key)) : e.distr == 4 ? (t) => aa(t, e.asinh) : e.distr == 100 ? (t) => e.fwd(t) : (e) => e;
+		let t = e.distr == 3 ? (t) => ca(t > 0 ? t : e.clamp(r, t, e.min, e.max, e.key)) : e.distr == 4 ? (t) => da(t, e.asinh) : e.distr == 100 ? (t) => e.fwd(t) : (e) => e;
 		return (n) => {
 			let r = t(n), { _min: i, _max: a } = e, o = a - i;
 			return (r - i) / o;
@@ -5820,30 +5839,30 @@ function Sc(e, t, n) {
 	function E(t) {
 		let n = b[t];
 		if (n == null) {
-			let r = (e.scales || wa)[t] || wa;
+			let r = (e.scales || Aa)[t] || Aa;
 			if (r.from != null) {
 				E(r.from);
-				let e = Ia({}, b[r.from], r, { key: t });
+				let e = Ha({}, b[r.from], r, { key: t });
 				e.valToPct = T(e), b[t] = e;
 			} else {
-				n = b[t] = Ia({}, t == S ? Cs : ws, r), n.key = t;
-				let e = n.time, a = n.range, o = Da(a);
+				n = b[t] = Ha({}, t == S ? ks : As, r), n.key = t;
+				let e = n.time, a = n.range, o = Na(a);
 				if ((t != S || i == 2 && !e) && (o && (a[0] == null || a[1] == null) && (a = {
-					min: a[0] == null ? Ri : {
+					min: a[0] == null ? Wi : {
 						mode: 1,
 						hard: a[0],
 						soft: a[0]
 					},
-					max: a[1] == null ? Ri : {
+					max: a[1] == null ? Wi : {
 						mode: 1,
 						hard: a[1],
 						soft: a[1]
 					}
-				}, o = !1), !o && ja(a))) {
+				}, o = !1), !o && La(a))) {
 					let e = a;
-					a = (t, n, r) => n == null ? Ea : Vi(n, r, e);
+					a = (t, n, r) => n == null ? Ma : qi(n, r, e);
 				}
-				n.range = Z(a || (e ? pc : t == S ? n.distr == 3 ? gc : n.distr == 4 ? vc : fc : n.distr == 3 ? hc : n.distr == 4 ? _c : mc)), n.auto = Z(!o && n.auto), n.clamp = Z(n.clamp || Ss), n._min = n._max = null, n.valToPct = T(n);
+				n.range = X(a || (e ? yc : t == S ? n.distr == 3 ? Sc : n.distr == 4 ? wc : vc : n.distr == 3 ? xc : n.distr == 4 ? Cc : bc)), n.auto = X(!o && n.auto), n.clamp = X(n.clamp || Os), n._min = n._max = null, n.valToPct = T(n);
 			}
 		}
 	}
@@ -5854,7 +5873,7 @@ function Sc(e, t, n) {
 	});
 	for (let t in e.scales) E(t);
 	let D = b[S], O = D.distr, k, A;
-	D.ori == 0 ? (pi(l, Cr), k = a, A = o) : (pi(l, wr), k = o, A = a);
+	D.ori == 0 ? (yi(l, kr), k = a, A = o) : (yi(l, Ar), k = o, A = a);
 	let j = {};
 	for (let e in b) {
 		let t = b[e];
@@ -5863,35 +5882,35 @@ function Sc(e, t, n) {
 			max: t.max
 		}, t.min = t.max = null);
 	}
-	let ee = e.tzDate || ((e) => new Date(Xi(e / _))), te = e.fmtDate || eo, ne = _ == 1 ? Co(ee) : Eo(ee), re = Oo(ee, Do(_ == 1 ? So : To, te)), ie = No(ee, jo(Mo, te)), ae = [], M = r.legend = Ia({}, Io, e.legend), N = r.cursor = Ia({}, Go, { drag: { y: i == 2 } }, e.cursor), P = M.show, oe = N.show, se = M.markers;
-	M.idxs = ae, se.width = Z(se.width), se.dash = Z(se.dash), se.stroke = Z(se.stroke), se.fill = Z(se.fill);
+	let ee = e.tzDate || ((e) => new Date(na(e / _))), te = e.fmtDate || oo, ne = _ == 1 ? ko(ee) : Mo(ee), re = Po(ee, No(_ == 1 ? Oo : jo, te)), ie = zo(ee, Lo(Ro, te)), ae = [], M = r.legend = Ha({}, Ho, e.legend), N = r.cursor = Ha({}, Zo, { drag: { y: i == 2 } }, e.cursor), P = M.show, oe = N.show, se = M.markers;
+	M.idxs = ae, se.width = X(se.width), se.dash = X(se.dash), se.stroke = X(se.stroke), se.fill = X(se.fill);
 	let F, ce, le, ue = [], de = [], fe, pe = !1, me = {};
 	if (M.live) {
 		let e = v[1] ? v[1].values : null;
 		pe = e != null, fe = pe ? e(r, 1, 0) : { _: 0 };
-		for (let e in fe) me[e] = oi;
+		for (let e in fe) me[e] = fi;
 	}
 	if (P) {
-		if (F = gi("table", Fr, l), le = gi("tbody", null, F), M.mount(r, F), pe) {
-			ce = gi("thead", null, F, le);
-			let e = gi("tr", null, ce);
-			for (var he in gi("th", null, e), fe) gi("th", Br, e).textContent = he;
-		} else pi(F, Lr), M.live && pi(F, Ir);
+		if (F = Si("table", Vr, l), le = Si("tbody", null, F), M.mount(r, F), pe) {
+			ce = Si("thead", null, F, le);
+			let e = Si("tr", null, ce);
+			for (var he in Si("th", null, e), fe) Si("th", Kr, e).textContent = he;
+		} else yi(F, Ur), M.live && yi(F, Hr);
 	}
 	let ge = { show: !0 }, _e = { show: !1 };
 	function ve(e, t) {
-		if (t == 0 && (pe || !M.live || i == 2)) return Ea;
-		let n = [], a = gi("tr", Rr, le, le.childNodes[t]);
-		pi(a, e.class), e.show || pi(a, Ar);
-		let o = gi("th", null, a);
+		if (t == 0 && (pe || !M.live || i == 2)) return Ma;
+		let n = [], a = Si("tr", Wr, le, le.childNodes[t]);
+		yi(a, e.class), e.show || yi(a, Ir);
+		let o = Si("th", null, a);
 		if (se.show) {
-			let e = _i(zr, o);
+			let e = Ci(Gr, o);
 			if (t > 0) {
 				let n = se.width(r, t);
 				n && (e.style.border = n + "px " + se.dash(r, t) + " " + se.stroke(r, t)), e.style.background = se.fill(r, t);
 			}
 		}
-		let s = _i(Br, o);
+		let s = Ci(Kr, o);
 		for (var c in e.label instanceof HTMLElement ? s.appendChild(e.label) : s.textContent = e.label, t > 0 && (se.show || (s.style.color = e.width > 0 ? se.stroke(r, t) : se.fill(r, t)), be("click", o, (t) => {
 			if (N._lock) return;
 			We(t);
@@ -5899,13 +5918,13 @@ function Sc(e, t, n) {
 			if ((t.ctrlKey || t.metaKey) != M.isolate) {
 				let e = v.some((e, t) => t > 0 && t != n && e.show);
 				v.forEach((t, r) => {
-					r > 0 && pn(r, e ? r == n ? ge : _e : ge, !0, Xn.setSeries);
+					r > 0 && pn(r, e ? r == n ? ge : _e : ge, !0, Zn.setSeries);
 				});
-			} else pn(n, { show: !e.show }, !0, Xn.setSeries);
-		}, !1), qe && be($r, o, (t) => {
-			N._lock || (We(t), pn(v.indexOf(e), xn, !0, Xn.setSeries));
+			} else pn(n, { show: !e.show }, !0, Zn.setSeries);
+		}, !1), qe && be(ai, o, (t) => {
+			N._lock || (We(t), pn(v.indexOf(e), xn, !0, Zn.setSeries));
 		}, !1)), fe) {
-			let e = gi("td", Vr, a);
+			let e = Si("td", qr, a);
 			e.textContent = "--", n.push(e);
 		}
 		return [a, n];
@@ -5913,11 +5932,11 @@ function Sc(e, t, n) {
 	let ye = /* @__PURE__ */ new Map();
 	function be(e, t, n, i = !0) {
 		let a = ye.get(t) || {}, o = N.bind[e](r, t, n, i);
-		o && (Ei(e, t, a[e] = o), ye.set(t, a));
+		o && (Mi(e, t, a[e] = o), ye.set(t, a));
 	}
 	function xe(e, t, n) {
 		let r = ye.get(t) || {};
-		for (let n in r) (e == null || n == e) && (Di(n, t, r[n]), delete r[n]);
+		for (let n in r) (e == null || n == e) && (Ni(n, t, r[n]), delete r[n]);
 		e ?? ye.delete(t);
 	}
 	let Se = 0, Ce = 0, I = 0, L = 0, R = 0, we = 0, Te = R, z = we, Ee = I, De = L, Oe = 0, ke = 0, Ae = 0, je = 0;
@@ -5929,7 +5948,7 @@ function Sc(e, t, n) {
 	function ze(e, t) {
 		r.width = Se = I = e, r.height = Ce = L = t, R = we = 0, He(), Ue();
 		let n = r.bbox;
-		Oe = n.left = va(R * Y, .5), ke = n.top = va(we * Y, .5), Ae = n.width = va(I * Y, .5), je = n.height = va(L * Y, .5);
+		Oe = n.left = wa(R * J, .5), ke = n.top = wa(we * J, .5), Ae = n.width = wa(I * J, .5), je = n.height = wa(L * J, .5);
 	}
 	function Be() {
 		let e = !1, t = 0;
@@ -5972,10 +5991,10 @@ function Sc(e, t, n) {
 	if (N.dataIdx == null) {
 		let e = N.hover, n = e.skip = new Set(e.skip ?? []);
 		n.add(void 0);
-		let r = e.prox = Z(e.prox), i = e.bias ??= 0;
+		let r = e.prox = X(e.prox), i = e.bias ??= 0;
 		N.dataIdx = (e, a, o, s) => {
 			if (a == 0) return o;
-			let c = o, l = r(e, a, o, s) ?? oa, u = l >= 0 && l < oa, d = D.ori == 0 ? I : L, f = N.left, p = t[0], m = t[a];
+			let c = o, l = r(e, a, o, s) ?? fa, u = l >= 0 && l < fa, d = D.ori == 0 ? I : L, f = N.left, p = t[0], m = t[a];
 			if (n.has(m[o])) {
 				c = null;
 				let e = null, t = null, r;
@@ -5987,7 +6006,7 @@ function Sc(e, t, n) {
 						i <= a ? i <= l && (c = e) : a <= l && (c = t);
 					} else c = t == null ? e : e == null ? t : o - e <= t - o ? e : t;
 				}
-			} else u && Ji(f - k(p[o], D, d, 0)) > l && (c = null);
+			} else u && ea(f - k(p[o], D, d, 0)) > l && (c = null);
 			return c;
 		};
 	}
@@ -5996,29 +6015,29 @@ function Sc(e, t, n) {
 	};
 	N.idxs = ae, N._lock = !1;
 	let Ge = N.points;
-	Ge.show = Z(Ge.show), Ge.size = Z(Ge.size), Ge.stroke = Z(Ge.stroke), Ge.width = Z(Ge.width), Ge.fill = Z(Ge.fill);
-	let Ke = r.focus = Ia({}, e.focus || { alpha: .3 }, N.focus), qe = Ke.prox >= 0, Je = qe && Ge.one, Ye = [], Xe = [], Ze = [];
+	Ge.show = X(Ge.show), Ge.size = X(Ge.size), Ge.stroke = X(Ge.stroke), Ge.width = X(Ge.width), Ge.fill = X(Ge.fill);
+	let Ke = r.focus = Ha({}, e.focus || { alpha: .3 }, N.focus), qe = Ke.prox >= 0, Je = qe && Ge.one, Ye = [], Xe = [], Ze = [];
 	function Qe(e, t) {
 		let n = Ge.show(r, t);
-		if (n instanceof HTMLElement) return pi(n, Pr), pi(n, e.class), yi(n, -10, -10, I, L), m.insertBefore(n, Ye[t]), n;
+		if (n instanceof HTMLElement) return yi(n, Br), yi(n, e.class), Ti(n, -10, -10, I, L), m.insertBefore(n, Ye[t]), n;
 	}
 	function $e(e, t) {
 		if (i == 1 || t > 0) {
 			let t = i == 1 && b[e.scale].time, n = e.value;
-			e.value = t ? Aa(n) ? No(ee, jo(n, te)) : n || ie : n || ms, e.label = e.label || (t ? ts : es);
+			e.value = t ? Ia(n) ? zo(ee, Lo(n, te)) : n || ie : n || bs, e.label = e.label || (t ? ss : os);
 		}
 		if (Je || t > 0) {
-			e.width = e.width == null ? 1 : e.width, e.paths = e.paths || sc || pa, e.fillTo = Z(e.fillTo || js), e.pxAlign = +X(e.pxAlign, h), e.pxRound = Is(e.pxAlign), e.stroke = Z(e.stroke || null), e.fill = Z(e.fill || null), e._stroke = e._fill = e._paths = e._focus = null;
-			let t = gs($i(1, e.width), 1), n = e.points = Ia({}, {
+			e.width = e.width == null ? 1 : e.width, e.paths = e.paths || pc || ya, e.fillTo = X(e.fillTo || Ls), e.pxAlign = +Y(e.pxAlign, h), e.pxRound = Hs(e.pxAlign), e.stroke = X(e.stroke || null), e.fill = X(e.fill || null), e._stroke = e._fill = e._paths = e._focus = null;
+			let t = Ss(aa(1, e.width), 1), n = e.points = Ha({}, {
 				size: t,
-				width: $i(1, t * .2),
+				width: aa(1, t * .2),
 				stroke: e.stroke,
 				space: t * 2,
-				paths: cc,
+				paths: mc,
 				_stroke: null,
 				_fill: null
 			}, e.points);
-			n.show = Z(n.show), n.filter = Z(n.filter), n.fill = Z(n.fill), n.stroke = Z(n.stroke), n.paths = Z(n.paths), n.pxAlign = e.pxAlign;
+			n.show = X(n.show), n.filter = X(n.filter), n.fill = X(n.fill), n.stroke = X(n.stroke), n.paths = X(n.paths), n.pxAlign = e.pxAlign;
 		}
 		if (P) {
 			let n = ve(e, t);
@@ -6029,10 +6048,10 @@ function Sc(e, t, n) {
 			let n = null;
 			Je ? t == 0 && (n = Qe(e, t)) : t > 0 && (n = Qe(e, t)), Ye.splice(t, 0, n), Xe.splice(t, 0, 0), Ze.splice(t, 0, 0);
 		}
-		J("addSeries", t);
+		Yn("addSeries", t);
 	}
 	function et(e, t) {
-		t ??= v.length, e = i == 1 ? dc(e, t, ns, xs) : dc(e, t, {}, bs), v.splice(t, 0, e), $e(v[t], t);
+		t ??= v.length, e = i == 1 ? _c(e, t, cs, Ds) : _c(e, t, {}, Es), v.splice(t, 0, e), $e(v[t], t);
 	}
 	r.addSeries = et;
 	function tt(e) {
@@ -6041,7 +6060,7 @@ function Sc(e, t, n) {
 			let t = ue.splice(e, 1)[0];
 			xe(null, t.firstChild), t.remove();
 		}
-		oe && (ae.splice(e, 1), Ye.splice(e, 1)[0].remove(), Xe.splice(e, 1), Ze.splice(e, 1)), J("delSeries", e);
+		oe && (ae.splice(e, 1), Ye.splice(e, 1)[0].remove(), Xe.splice(e, 1), Ze.splice(e, 1)), Yn("delSeries", e);
 	}
 	r.delSeries = tt;
 	let nt = [
@@ -6055,23 +6074,23 @@ function Sc(e, t, n) {
 			let n = e.side % 2, i = b[e.scale];
 			i ??= (e.scale = n ? v[1].scale : S, b[e.scale]);
 			let a = i.time;
-			e.size = Z(e.size), e.space = Z(e.space), e.rotate = Z(e.rotate), Da(e.incrs) && e.incrs.forEach((e) => {
-				!xa.has(e) && xa.set(e, Sa(e));
-			}), e.incrs = Z(e.incrs || (i.distr == 2 ? so : a ? _ == 1 ? xo : wo : co)), e.splits = Z(e.splits || (a && i.distr == 1 ? ne : i.distr == 3 ? as : i.distr == 4 ? os : is)), e.stroke = Z(e.stroke), e.grid.stroke = Z(e.grid.stroke), e.ticks.stroke = Z(e.ticks.stroke), e.border.stroke = Z(e.border.stroke);
+			e.size = X(e.size), e.space = X(e.space), e.rotate = X(e.rotate), Na(e.incrs) && e.incrs.forEach((e) => {
+				!Da.has(e) && Da.set(e, Oa(e));
+			}), e.incrs = X(e.incrs || (i.distr == 2 ? mo : a ? _ == 1 ? Do : Ao : ho)), e.splits = X(e.splits || (a && i.distr == 1 ? ne : i.distr == 3 ? ds : i.distr == 4 ? fs : us)), e.stroke = X(e.stroke), e.grid.stroke = X(e.grid.stroke), e.ticks.stroke = X(e.ticks.stroke), e.border.stroke = X(e.border.stroke);
 			let o = e.values;
-			e.values = Da(o) && !Da(o[0]) ? Z(o) : a ? Da(o) ? Oo(ee, Do(o, te)) : Aa(o) ? ko(ee, o) : o || re : o || rs, e.filter = Z(e.filter || (i.distr >= 3 && i.log == 10 ? fs : i.distr == 3 && i.log == 2 ? ps : fa)), e.font = bc(e.font), e.labelFont = bc(e.labelFont), e._size = e.size(r, null, t, 0), e._space = e._rotate = e._incrs = e._found = e._splits = e._values = null, e._size > 0 && (nt[t] = !0, e._el = _i(kr, f));
+			e.values = Na(o) && !Na(o[0]) ? X(o) : a ? Na(o) ? Po(ee, No(o, te)) : Ia(o) ? Fo(ee, o) : o || re : o || ls, e.filter = X(e.filter || (i.distr >= 3 && i.log == 10 ? vs : i.distr == 3 && i.log == 2 ? ys : va)), e.font = Ec(e.font), e.labelFont = Ec(e.labelFont), e._size = e.size(r, null, t, 0), e._space = e._rotate = e._incrs = e._found = e._splits = e._values = null, e._size > 0 && (nt[t] = !0, e._el = Ci(Fr, f));
 		}
 	}
 	function it(e, t, n, r) {
 		let [i, a, o, s] = n, c = t % 2, l = 0;
-		return c == 0 && (s || a) && (l = t == 0 && !i || t == 2 && !o ? Xi($o.size / 3) : 0), c == 1 && (i || o) && (l = t == 1 && !a || t == 3 && !s ? Xi(hs.size / 2) : 0), l;
+		return c == 0 && (s || a) && (l = t == 0 && !i || t == 2 && !o ? na(as.size / 3) : 0), c == 1 && (i || o) && (l = t == 1 && !a || t == 3 && !s ? na(xs.size / 2) : 0), l;
 	}
 	let at = r.padding = (e.padding || [
 		it,
 		it,
 		it,
 		it
-	]).map((e) => Z(X(e, it))), ot = r._padding = at.map((e, t) => e(r, t, nt, 0)), st, ct = null, lt = null, ut = i == 1 ? v[0].idxs : null, B = null, dt = !1;
+	]).map((e) => X(Y(e, it))), ot = r._padding = at.map((e, t) => e(r, t, nt, 0)), st, ct = null, lt = null, ut = i == 1 ? v[0].idxs : null, B = null, dt = !1;
 	function ft(e, n) {
 		if (t = e ?? [], r.data = r._data = t, i == 2) {
 			st = 0;
@@ -6086,7 +6105,7 @@ function Sc(e, t, n) {
 			}
 			r._data = t = e;
 		}
-		if (Vt(!0), J("setData"), O == 2 && (Pe = !0), n !== !1) {
+		if (Vt(!0), Yn("setData"), O == 2 && (Pe = !0), n !== !1) {
 			let e = D;
 			e.auto(r, dt) ? pt() : fn(S, e.min, e.max), Fe ||= N.left >= 0, Le = !0, Kt();
 		}
@@ -6095,19 +6114,19 @@ function Sc(e, t, n) {
 	function pt() {
 		dt = !0;
 		let e, n;
-		i == 1 && (st > 0 ? (ct = ut[0] = 0, lt = ut[1] = st - 1, e = t[0][ct], n = t[0][lt], O == 2 ? (e = ct, n = lt) : e == n && (O == 3 ? [e, n] = Fi(e, e, D.log, !1) : O == 4 ? [e, n] = Ii(e, e, D.log, !1) : D.time ? n = e + Xi(86400 / _) : [e, n] = Vi(e, n, Li, !0))) : (ct = ut[0] = e = null, lt = ut[1] = n = null)), fn(S, e, n);
+		i == 1 && (st > 0 ? (ct = ut[0] = 0, lt = ut[1] = st - 1, e = t[0][ct], n = t[0][lt], O == 2 ? (e = ct, n = lt) : e == n && (O == 3 ? [e, n] = Vi(e, e, D.log, !1) : O == 4 ? [e, n] = Hi(e, e, D.log, !1) : D.time ? n = e + na(86400 / _) : [e, n] = qi(e, n, Ui, !0))) : (ct = ut[0] = e = null, lt = ut[1] = n = null)), fn(S, e, n);
 	}
 	let mt, ht, gt, _t, V, vt, yt, bt, xt, St;
 	function Ct(e, t, n, r, i, a) {
-		e ??= Yr, n ??= Ta, r ??= "butt", i ??= Yr, a ??= "round", e != mt && (d.strokeStyle = mt = e), i != ht && (d.fillStyle = ht = i), t != gt && (d.lineWidth = gt = t), a != V && (d.lineJoin = V = a), r != vt && (d.lineCap = vt = r), n != _t && d.setLineDash(_t = n);
+		e ??= ti, n ??= ja, r ??= "butt", i ??= ti, a ??= "round", e != mt && (d.strokeStyle = mt = e), i != ht && (d.fillStyle = ht = i), t != gt && (d.lineWidth = gt = t), a != V && (d.lineJoin = V = a), r != vt && (d.lineCap = vt = r), n != _t && d.setLineDash(_t = n);
 	}
 	function wt(e, t, n, r) {
 		t != ht && (d.fillStyle = ht = t), e != yt && (d.font = yt = e), n != bt && (d.textAlign = bt = n), r != xt && (d.textBaseline = xt = r);
 	}
 	function Tt(e, t, n, i, a = 0) {
 		if (i.length > 0 && e.auto(r, dt) && (t == null || t.min == null)) {
-			let t = X(ct, 0), r = X(lt, i.length - 1), o = n.min == null ? Pi(i, t, r, a, e.distr == 3) : [n.min, n.max];
-			e.min = Qi(e.min, n.min = o[0]), e.max = $i(e.max, n.max = o[1]);
+			let t = Y(ct, 0), r = Y(lt, i.length - 1), o = n.min == null ? Bi(i, t, r, a, e.distr == 3) : [n.min, n.max];
+			e.min = ia(e.min, n.min = o[0]), e.max = aa(e.max, n.max = o[1]);
 		}
 	}
 	let Et = {
@@ -6128,13 +6147,13 @@ function Sc(e, t, n) {
 		for (let t in j) {
 			let n = j[t];
 			if (n != null) {
-				let a = e[t] = Fa(b[t], Ma);
-				if (n.min != null) Ia(a, n);
+				let a = e[t] = Va(b[t], Ra);
+				if (n.min != null) Ha(a, n);
 				else if (t != S || i == 2) {
 					if (st == 0 && a.from == null) {
 						let e = a.range(r, null, null, t);
 						a.min = e[0], a.max = e[1];
-					} else a.min = oa, a.max = -Infinity;
+					} else a.min = fa, a.max = -Infinity;
 				}
 			}
 		}
@@ -6146,7 +6165,7 @@ function Sc(e, t, n) {
 					let s = e[i];
 					if (a == 0) {
 						let e = s.range(r, s.min, s.max, i);
-						s.min = e[0], s.max = e[1], ct = Oi(s.min, t[0]), lt = Oi(s.max, t[0]), lt - ct > 1 && (t[0][ct] < s.min && ct++, t[0][lt] > s.max && lt--), n.min = B[ct], n.max = B[lt];
+						s.min = e[0], s.max = e[1], ct = Pi(s.min, t[0]), lt = Pi(s.max, t[0]), lt - ct > 1 && (t[0][ct] < s.min && ct++, t[0][lt] > s.max && lt--), n.min = B[ct], n.max = B[lt];
 					} else n.show && n.auto && Tt(s, o, n, t[a], n.sorted);
 					n.idxs[0] = ct, n.idxs[1] = lt;
 				} else if (a > 0 && n.show && n.auto) {
@@ -6157,7 +6176,7 @@ function Sc(e, t, n) {
 			for (let t in e) {
 				let n = e[t], i = j[t];
 				if (n.from == null && (i == null || i.min == null)) {
-					let e = n.range(r, n.min == oa ? null : n.min, n.max == -Infinity ? null : n.max, t);
+					let e = n.range(r, n.min == fa ? null : n.min, n.max == -Infinity ? null : n.max, t);
 					n.min = e[0], n.max = e[1];
 				}
 			}
@@ -6179,20 +6198,20 @@ function Sc(e, t, n) {
 			if (i.min != r.min || i.max != r.max) {
 				i.min = r.min, i.max = r.max;
 				let e = i.distr;
-				i._min = e == 3 ? na(i.min) : e == 4 ? aa(i.min, i.asinh) : e == 100 ? i.fwd(i.min) : i.min, i._max = e == 3 ? na(i.max) : e == 4 ? aa(i.max, i.asinh) : e == 100 ? i.fwd(i.max) : i.max, n[t] = a = !0;
+				i._min = e == 3 ? ca(i.min) : e == 4 ? da(i.min, i.asinh) : e == 100 ? i.fwd(i.min) : i.min, i._max = e == 3 ? ca(i.max) : e == 4 ? da(i.max, i.asinh) : e == 100 ? i.fwd(i.max) : i.max, n[t] = a = !0;
 			}
 		}
 		if (a) {
 			v.forEach((e, t) => {
 				i == 2 ? t > 0 && n.y && (e._paths = null) : n[e.scale] && (e._paths = null);
 			});
-			for (let e in n) Pe = !0, J("setScale", e);
+			for (let e in n) Pe = !0, Yn("setScale", e);
 			oe && N.left >= 0 && (Fe = Le = !0);
 		}
 		for (let e in j) j[e] = null;
 	}
 	function Ot(e) {
-		let t = ca(ct - 1, 0, st - 1), n = ca(lt + 1, 0, st - 1);
+		let t = ma(ct - 1, 0, st - 1), n = ma(lt + 1, 0, st - 1);
 		for (; e[t] == null && t > 0;) t--;
 		for (; e[n] == null && n < st - 1;) n++;
 		return [t, n];
@@ -6215,7 +6234,7 @@ function Sc(e, t, n) {
 						let n = e._paths == null ? null : e._paths.gaps, i = e.points.show(r, t, ct, lt, n), a = e.points.filter(r, t, i, n);
 						(i || a) && (e.points._paths = e.points.paths(r, t, ct, lt, a), jt(t, !0));
 					}
-					St != n && (d.globalAlpha = St = n), J("drawSeries", t);
+					St != n && (d.globalAlpha = St = n), Yn("drawSeries", t);
 				}
 			}), e && (d.globalAlpha = St = 1);
 		}
@@ -6226,7 +6245,7 @@ function Sc(e, t, n) {
 	}
 	function jt(e, t) {
 		let n = t ? v[e].points : v[e], { stroke: r, fill: i, clip: a, flags: o, _stroke: s = n._stroke, _fill: c = n._fill, _width: l = n.width } = n._paths;
-		l = Q(l * Y, 3);
+		l = Z(l * J, 3);
 		let u = null, f = l % 2 / 2;
 		t && c == null && (c = l > 0 ? "#fff" : s);
 		let p = n.pxAlign == 1 && f > 0;
@@ -6240,15 +6259,15 @@ function Sc(e, t, n) {
 		let p = !1;
 		u != 0 && x.forEach((m, h) => {
 			if (m.series[0] == e) {
-				let e = v[m.series[1]], g = t[m.series[1]], _ = (e._paths || wa).band;
-				Da(_) && (_ = m.dir == 1 ? _[0] : _[1]);
+				let e = v[m.series[1]], g = t[m.series[1]], _ = (e._paths || Aa).band;
+				Na(_) && (_ = m.dir == 1 ? _[0] : _[1]);
 				let y, b = null;
-				e.show && _ && Hi(g, ct, lt) ? (b = m.fill(r, h) || s, y = e._paths.clip) : _ = null, Nt(n, i, a, o, b, c, l, u, d, f, y, _), p = !0;
+				e.show && _ && Ji(g, ct, lt) ? (b = m.fill(r, h) || s, y = e._paths.clip) : _ = null, Nt(n, i, a, o, b, c, l, u, d, f, y, _), p = !0;
 			}
 		}), p || Nt(n, i, a, o, s, c, l, u, d, f);
 	}
 	function Nt(e, t, n, r, i, a, o, s, c, l, u, f) {
-		Ct(e, t, n, r, i), (c || l || f) && (d.save(), c && d.clip(c), l && d.clip(l)), f ? (s & 3) == 3 ? (d.clip(f), u && d.clip(u), Ft(i, o), Pt(e, a, t)) : s & Os ? (Ft(i, o), d.clip(f), Pt(e, a, t)) : s & Ds && (d.save(), d.clip(f), u && d.clip(u), Ft(i, o), d.restore(), Pt(e, a, t)) : (Ft(i, o), Pt(e, a, t)), (c || l || f) && d.restore();
+		Ct(e, t, n, r, i), (c || l || f) && (d.save(), c && d.clip(c), l && d.clip(l)), f ? (s & 3) == 3 ? (d.clip(f), u && d.clip(u), Ft(i, o), Pt(e, a, t)) : s & Ps ? (Ft(i, o), d.clip(f), Pt(e, a, t)) : s & Ns && (d.save(), d.clip(f), u && d.clip(u), Ft(i, o), d.restore(), Pt(e, a, t)) : (Ft(i, o), Pt(e, a, t)), (c || l || f) && d.restore();
 	}
 	function Pt(e, t, n) {
 		n > 0 && (t instanceof Map ? t.forEach((e, t) => {
@@ -6265,7 +6284,7 @@ function Sc(e, t, n) {
 		if (i <= 0) o = [0, 0];
 		else {
 			let s = a._space = a.space(r, e, t, n, i);
-			o = yc(t, n, a._incrs = a.incrs(r, e, t, n, i, s), i, s);
+			o = Tc(t, n, a._incrs = a.incrs(r, e, t, n, i, s), i, s);
 		}
 		return a._found = o;
 	}
@@ -6292,7 +6311,7 @@ function Sc(e, t, n) {
 			let f = a.distr == 2, p = n._splits = n.splits(r, i, c, l, u, d, f), m = a.distr == 2 ? p.map((e) => B[e]) : p, h = a.distr == 2 ? B[p[1]] - B[p[0]] : u, g = n._values = n.values(r, n.filter(r, m, i, d, h), i, d, h);
 			n._rotate = o == 2 ? n.rotate(r, g, i, d) : 0;
 			let _ = n._size;
-			n._size = Zi(n.size(r, g, i, e)), _ != null && n._size != _ && (t = !1);
+			n._size = ra(n.size(r, g, i, e)), _ != null && n._size != _ && (t = !1);
 		}), t;
 	}
 	function zt(e) {
@@ -6308,16 +6327,16 @@ function Sc(e, t, n) {
 			if (!t.show || !t._show) continue;
 			let n = t.side, i = n % 2, a, o, c = t.stroke(r, e), l = n == 0 || n == 3 ? -1 : 1, [u, f] = t._found;
 			if (t.label != null) {
-				let s = t.labelGap * l, p = Xi((t._lpos + s) * Y);
-				wt(t.labelFont[0], c, "center", n == 2 ? Wr : Gr), d.save(), i == 1 ? (a = o = 0, d.translate(p, Xi(ke + je / 2)), d.rotate((n == 3 ? -qi : qi) / 2)) : (a = Xi(Oe + Ae / 2), o = p);
-				let m = la(t.label) ? t.label(r, e, u, f) : t.label;
+				let s = t.labelGap * l, p = na((t._lpos + s) * J);
+				wt(t.labelFont[0], c, "center", n == 2 ? Xr : Zr), d.save(), i == 1 ? (a = o = 0, d.translate(p, na(ke + je / 2)), d.rotate((n == 3 ? -$i : $i) / 2)) : (a = na(Oe + Ae / 2), o = p);
+				let m = ha(t.label) ? t.label(r, e, u, f) : t.label;
 				d.fillText(m, a, o), d.restore();
 			}
 			if (f == 0) continue;
-			let p = b[t.scale], m = i == 0 ? Ae : je, h = i == 0 ? Oe : ke, _ = t._splits, v = p.distr == 2 ? _.map((e) => B[e]) : _, x = p.distr == 2 ? B[_[1]] - B[_[0]] : u, S = t.ticks, C = t.border, w = S.show ? S.size : 0, T = Xi(w * Y), E = Xi((t.alignTo == 2 ? t._size - w - t.gap : t.gap) * Y), D = t._rotate * -qi / 180, O = g(t._pos * Y), k = O + (T + E) * l;
+			let p = b[t.scale], m = i == 0 ? Ae : je, h = i == 0 ? Oe : ke, _ = t._splits, v = p.distr == 2 ? _.map((e) => B[e]) : _, x = p.distr == 2 ? B[_[1]] - B[_[0]] : u, S = t.ticks, C = t.border, w = S.show ? S.size : 0, T = na(w * J), E = na((t.alignTo == 2 ? t._size - w - t.gap : t.gap) * J), D = t._rotate * -$i / 180, O = g(t._pos * J), k = O + (T + E) * l;
 			o = i == 0 ? k : 0, a = i == 1 ? k : 0;
 			let A = t.font[0];
-			wt(A, c, t.align == 1 ? Kr : t.align == 2 ? qr : D > 0 ? Kr : D < 0 ? qr : i == 0 ? "center" : n == 3 ? qr : Kr, D || i == 1 ? "middle" : n == 2 ? Wr : Gr);
+			wt(A, c, t.align == 1 ? Qr : t.align == 2 ? $r : D > 0 ? Qr : D < 0 ? $r : i == 0 ? "center" : n == 3 ? $r : Qr, D || i == 1 ? "middle" : n == 2 ? Xr : Zr);
 			let j = t.font[1] * t.lineGap, ee = _.map((e) => g(s(e, p, m, h))), te = t._values;
 			for (let e = 0; e < te.length; e++) {
 				let t = te[e];
@@ -6330,11 +6349,11 @@ function Sc(e, t, n) {
 					}
 				}
 			}
-			S.show && Lt(ee, S.filter(r, v, e, f, x), i, n, O, T, Q(S.width * Y, 3), S.stroke(r, e), S.dash, S.cap);
+			S.show && Lt(ee, S.filter(r, v, e, f, x), i, n, O, T, Z(S.width * J, 3), S.stroke(r, e), S.dash, S.cap);
 			let ne = t.grid;
-			ne.show && Lt(ee, ne.filter(r, v, e, f, x), i, i == 0 ? 2 : 1, i == 0 ? ke : Oe, i == 0 ? je : Ae, Q(ne.width * Y, 3), ne.stroke(r, e), ne.dash, ne.cap), C.show && Lt([O], [1], +(i == 0), i == 0 ? 1 : 2, i == 1 ? ke : Oe, i == 1 ? je : Ae, Q(C.width * Y, 3), C.stroke(r, e), C.dash, C.cap);
+			ne.show && Lt(ee, ne.filter(r, v, e, f, x), i, i == 0 ? 2 : 1, i == 0 ? ke : Oe, i == 0 ? je : Ae, Z(ne.width * J, 3), ne.stroke(r, e), ne.dash, ne.cap), C.show && Lt([O], [1], +(i == 0), i == 0 ? 1 : 2, i == 1 ? ke : Oe, i == 1 ? je : Ae, Z(C.width * J, 3), C.stroke(r, e), C.dash, C.cap);
 		}
-		J("drawAxes");
+		Yn("drawAxes");
 	}
 	function Vt(e) {
 		v.forEach((t, n) => {
@@ -6346,11 +6365,11 @@ function Sc(e, t, n) {
 	let Ht = !1, Ut = !1, Wt = [];
 	function Gt() {
 		Ut = !1;
-		for (let e = 0; e < Wt.length; e++) J(...Wt[e]);
+		for (let e = 0; e < Wt.length; e++) Yn(...Wt[e]);
 		Wt.length = 0;
 	}
 	function Kt() {
-		Ht ||= (Ha(Jt), !0);
+		Ht ||= (Ja(Jt), !0);
 	}
 	function qt(e, t = !1) {
 		Ht = !0, Ut = t, e(r), Jt(), t && Wt.length > 0 && queueMicrotask(Gt);
@@ -6358,32 +6377,32 @@ function Sc(e, t, n) {
 	r.batch = qt;
 	function Jt() {
 		if (Me &&= (Dt(), !1), Pe &&= (Be(), !1), Ne) {
-			if (hi(p, Kr, R), hi(p, Wr, we), hi(p, Hr, I), hi(p, Ur, L), hi(m, Kr, R), hi(m, Wr, we), hi(m, Hr, I), hi(m, Ur, L), hi(f, Hr, Se), hi(f, Ur, Ce), u.width = Xi(Se * Y), u.height = Xi(Ce * Y), y.forEach(({ _el: e, _show: t, _size: n, _pos: r, side: i }) => {
+			if (xi(p, Qr, R), xi(p, Xr, we), xi(p, Jr, I), xi(p, Yr, L), xi(m, Qr, R), xi(m, Xr, we), xi(m, Jr, I), xi(m, Yr, L), xi(f, Jr, Se), xi(f, Yr, Ce), u.width = na(Se * J), u.height = na(Ce * J), y.forEach(({ _el: e, _show: t, _size: n, _pos: r, side: i }) => {
 				if (e != null) {
 					if (t) {
 						let t = i === 3 || i === 0 ? n : 0, a = i % 2 == 1;
-						hi(e, a ? "left" : "top", r - t), hi(e, a ? "width" : "height", n), hi(e, a ? "top" : "left", a ? we : R), hi(e, a ? "height" : "width", a ? L : I), mi(e, Ar);
-					} else pi(e, Ar);
+						xi(e, a ? "left" : "top", r - t), xi(e, a ? "width" : "height", n), xi(e, a ? "top" : "left", a ? we : R), xi(e, a ? "height" : "width", a ? L : I), bi(e, Ir);
+					} else yi(e, Ir);
 				}
-			}), mt = ht = gt = V = vt = yt = bt = xt = _t = null, St = 1, Nn(!0), R != Te || we != z || I != Ee || L != De) {
+			}), mt = ht = gt = V = vt = yt = bt = xt = _t = null, St = 1, Pn(!0), R != Te || we != z || I != Ee || L != De) {
 				Vt(!1);
 				let e = I / Ee, t = L / De;
 				if (oe && !Fe && N.left >= 0) {
-					N.left *= e, N.top *= t, Qt && yi(Qt, Xi(N.left), 0, I, L), $t && yi($t, 0, Xi(N.top), I, L);
+					N.left *= e, N.top *= t, Qt && Ti(Qt, na(N.left), 0, I, L), $t && Ti($t, 0, na(N.top), I, L);
 					for (let n = 0; n < Ye.length; n++) {
 						let r = Ye[n];
-						r != null && (Xe[n] *= e, Ze[n] *= t, yi(r, Zi(Xe[n]), Zi(Ze[n]), I, L));
+						r != null && (Xe[n] *= e, Ze[n] *= t, Ti(r, ra(Xe[n]), ra(Ze[n]), I, L));
 					}
 				}
 				if (K.show && !Ie && K.left >= 0 && K.width > 0) {
 					K.left *= e, K.width *= e, K.top *= t, K.height *= t;
-					for (let e in In) hi(ln, e, K[e]);
+					for (let e in In) xi(ln, e, K[e]);
 				}
 				Te = R, z = we, Ee = I, De = L;
 			}
-			J("setSize"), Ne = !1;
+			Yn("setSize"), Ne = !1;
 		}
-		Se > 0 && Ce > 0 && (d.clearRect(0, 0, u.width, u.height), J("drawClear"), w.forEach((e) => e()), J("draw")), K.show && Ie && (un(K), Ie = !1), oe && Fe && (jn(null, !0, !1), Fe = !1), M.show && M.live && Le && (An(), Le = !1), c || (c = !0, r.status = 1, J("ready")), dt = !1, Ht = !1;
+		Se > 0 && Ce > 0 && (d.clearRect(0, 0, u.width, u.height), Yn("drawClear"), w.forEach((e) => e()), Yn("draw")), K.show && Ie && (un(K), Ie = !1), oe && Fe && (Mn(null, !0, !1), Fe = !1), M.show && M.live && Le && (An(), Le = !1), c || (c = !0, r.status = 1, Yn("ready")), dt = !1, Ht = !1;
 	}
 	r.redraw = (e, t) => {
 		Pe = t || !1, e === !1 ? Kt() : fn(S, D.min, D.max);
@@ -6400,32 +6419,32 @@ function Sc(e, t, n) {
 				n.min = n.max, n.max = e;
 			}
 			if (st > 1 && n.min != null && n.max != null && n.max - n.min < 1e-16) return;
-			e == S && i.distr == 2 && st > 0 && (n.min = Oi(n.min, t[0]), n.max = Oi(n.max, t[0]), n.min == n.max && n.max++), j[e] = n, Me = !0, Kt();
+			e == S && i.distr == 2 && st > 0 && (n.min = Pi(n.min, t[0]), n.max = Pi(n.max, t[0]), n.min == n.max && n.max++), j[e] = n, Me = !0, Kt();
 		}
 	}
 	r.setScale = Yt;
 	let Xt, Zt, Qt, $t, en, tn, nn, rn, an, on, H, U, sn = !1, W = N.drag, G = W.x, cn = W.y;
-	oe && (N.x && (Xt = _i(Mr, m)), N.y && (Zt = _i(Nr, m)), D.ori == 0 ? (Qt = Xt, $t = Zt) : (Qt = Zt, $t = Xt), H = N.left, U = N.top);
-	let K = r.select = Ia({
+	oe && (N.x && (Xt = Ci(Rr, m)), N.y && (Zt = Ci(zr, m)), D.ori == 0 ? (Qt = Xt, $t = Zt) : (Qt = Zt, $t = Xt), H = N.left, U = N.top);
+	let K = r.select = Ha({
 		show: !0,
 		over: !0,
 		left: 0,
 		width: 0,
 		top: 0,
 		height: 0
-	}, e.select), ln = K.show ? _i(jr, K.over ? m : p) : null;
+	}, e.select), ln = K.show ? Ci(Lr, K.over ? m : p) : null;
 	function un(e, t) {
 		if (K.show) {
-			for (let t in e) K[t] = e[t], t in In && hi(ln, t, e[t]);
-			t !== !1 && J("setSelect");
+			for (let t in e) K[t] = e[t], t in In && xi(ln, t, e[t]);
+			t !== !1 && Yn("setSelect");
 		}
 	}
 	r.setSelect = un;
 	function dn(e) {
-		if (v[e].show) P && mi(ue[e], Ar);
-		else if (P && pi(ue[e], Ar), oe) {
+		if (v[e].show) P && bi(ue[e], Ir);
+		else if (P && yi(ue[e], Ir), oe) {
 			let t = Je ? Ye[0] : Ye[e];
-			t != null && yi(t, -10, -10, I, L);
+			t != null && Ti(t, -10, -10, I, L);
 		}
 	}
 	function fn(e, t, n) {
@@ -6437,14 +6456,14 @@ function Sc(e, t, n) {
 	function pn(e, t, n, a) {
 		t.focus != null && Sn(e), t.show != null && v.forEach((n, r) => {
 			r > 0 && (e == r || e == null) && (n.show = t.show, dn(r), i == 2 ? (fn(n.facets[0].scale, null, null), fn(n.facets[1].scale, null, null)) : fn(n.scale, null, null), Kt());
-		}), n !== !1 && J("setSeries", e, t), a && $n("setSeries", r, e, t);
+		}), n !== !1 && Yn("setSeries", e, t), a && er("setSeries", r, e, t);
 	}
 	r.setSeries = pn;
 	function mn(e, t) {
-		Ia(x[e], t);
+		Ha(x[e], t);
 	}
 	function hn(e, t) {
-		e.fill = Z(e.fill || null), e.dir = X(e.dir, -1), t ??= x.length, x.splice(t, 0, e);
+		e.fill = X(e.fill || null), e.dir = Y(e.dir, -1), t ??= x.length, x.splice(t, 0, e);
 	}
 	function gn(e) {
 		e == null ? x.length = 0 : x.splice(e, 1);
@@ -6465,28 +6484,28 @@ function Sc(e, t, n) {
 			}), bn = e, n && Kt();
 		}
 	}
-	P && qe && be(ei, F, (e) => {
-		N._lock || (We(e), bn != null && pn(null, xn, !0, Xn.setSeries));
+	P && qe && be(oi, F, (e) => {
+		N._lock || (We(e), bn != null && pn(null, xn, !0, Zn.setSeries));
 	});
 	function Cn(e, t, n) {
 		let r = b[t];
-		n && (e = e / Y - (r.ori == 1 ? we : R));
+		n && (e = e / J - (r.ori == 1 ? we : R));
 		let i = I;
 		r.ori == 1 && (i = L, e = i - e), r.dir == -1 && (e = i - e);
 		let a = r._min, o = r._max, s = e / i, c = a + (o - a) * s, l = r.distr;
-		return l == 3 ? ea(10, c) : l == 4 ? ia(c, r.asinh) : l == 100 ? r.bwd(c) : c;
+		return l == 3 ? oa(10, c) : l == 4 ? ua(c, r.asinh) : l == 100 ? r.bwd(c) : c;
 	}
 	function wn(e, n) {
-		return Oi(Cn(e, S, n), t[0], ct, lt);
+		return Pi(Cn(e, S, n), t[0], ct, lt);
 	}
-	r.valToIdx = (e) => Oi(e, t[0]), r.posToIdx = wn, r.posToVal = Cn, r.valToPos = (e, t, n) => b[t].ori == 0 ? a(e, b[t], n ? Ae : I, n ? Oe : 0) : o(e, b[t], n ? je : L, n ? ke : 0), r.setCursor = (e, t, n) => {
-		H = e.left, U = e.top, jn(null, t, n);
+	r.valToIdx = (e) => Pi(e, t[0]), r.posToIdx = wn, r.posToVal = Cn, r.valToPos = (e, t, n) => b[t].ori == 0 ? a(e, b[t], n ? Ae : I, n ? Oe : 0) : o(e, b[t], n ? je : L, n ? ke : 0), r.setCursor = (e, t, n) => {
+		H = e.left, U = e.top, Mn(null, t, n);
 	};
 	function Tn(e, t) {
-		hi(ln, Kr, K.left = e), hi(ln, Hr, K.width = t);
+		xi(ln, Qr, K.left = e), xi(ln, Jr, K.width = t);
 	}
 	function En(e, t) {
-		hi(ln, Wr, K.top = e), hi(ln, Ur, K.height = t);
+		xi(ln, Xr, K.top = e), xi(ln, Yr, K.height = t);
 	}
 	let Dn = D.ori == 0 ? Tn : En, On = D.ori == 1 ? Tn : En;
 	function kn() {
@@ -6499,39 +6518,39 @@ function Sc(e, t, n) {
 	function An(e, t) {
 		if (e != null && (e.idxs ? e.idxs.forEach((e, t) => {
 			ae[t] = e;
-		}) : ka(e.idx) || ae.fill(e.idx), M.idx = ae[0]), P && M.live) {
-			for (let e = 0; e < v.length; e++) (e > 0 || i == 1 && !pe) && q(e, ae[e]);
+		}) : Fa(e.idx) || ae.fill(e.idx), M.idx = ae[0]), P && M.live) {
+			for (let e = 0; e < v.length; e++) (e > 0 || i == 1 && !pe) && jn(e, ae[e]);
 			kn();
 		}
-		Le = !1, t !== !1 && J("setLegend");
+		Le = !1, t !== !1 && Yn("setLegend");
 	}
 	r.setLegend = An;
-	function q(e, n) {
+	function jn(e, n) {
 		let i = v[e], a = e == 0 && O == 2 ? B : t[e], o;
 		pe ? o = i.values(r, e, n) ?? me : (o = i.value(r, n == null ? null : a[n], e, n), o = o == null ? me : { _: o }), M.values[e] = o;
 	}
-	function jn(e, n, a) {
-		an = H, on = U, [H, U] = N.move(r, H, U), N.left = H, N.top = U, oe && (Qt && yi(Qt, Xi(H), 0, I, L), $t && yi($t, 0, Xi(U), I, L));
+	function Mn(e, n, a) {
+		an = H, on = U, [H, U] = N.move(r, H, U), N.left = H, N.top = U, oe && (Qt && Ti(Qt, na(H), 0, I, L), $t && Ti($t, 0, na(U), I, L));
 		let o, s = ct > lt;
-		vn = oa, yn = null;
+		vn = fa, yn = null;
 		let c = D.ori == 0 ? I : L, l = D.ori == 1 ? I : L;
 		if (H < 0 || st == 0 || s) {
 			o = N.idx = null;
 			for (let e = 0; e < v.length; e++) {
 				let t = Ye[e];
-				t != null && yi(t, -10, -10, I, L);
+				t != null && Ti(t, -10, -10, I, L);
 			}
-			qe && pn(null, xn, !0, e == null && Xn.setSeries), M.live && (ae.fill(o), Le = !0);
+			qe && pn(null, xn, !0, e == null && Zn.setSeries), M.live && (ae.fill(o), Le = !0);
 		} else {
 			let e, n, a;
-			i == 1 && (e = D.ori == 0 ? H : U, n = Cn(e, S), o = N.idx = Oi(n, t[0], ct, lt), a = k(t[0][o], D, c, 0));
+			i == 1 && (e = D.ori == 0 ? H : U, n = Cn(e, S), o = N.idx = Pi(n, t[0], ct, lt), a = k(t[0][o], D, c, 0));
 			let s = -10, u = -10, d = 0, f = 0, p = !0, m = "", h = "";
 			for (let e = +(i == 2); e < v.length; e++) {
 				let g = v[e], _ = ae[e], y = _ == null ? null : i == 1 ? t[e][_] : t[e][1][_], x = N.dataIdx(r, e, o, n), S = x == null ? null : i == 1 ? t[e][x] : t[e][1][x];
 				if (Le = Le || S != y || x != _, ae[e] = x, e > 0 && g.show) {
 					let n = x == null ? -10 : x == o ? a : k(i == 1 ? t[0][x] : t[e][0][x], D, c, 0), _ = S == null ? -10 : A(S, i == 1 ? b[g.scale] : b[g.facets[1].scale], l, 0);
 					if (qe && S != null) {
-						let t = D.ori == 1 ? H : U, n = Ji(Ke.dist(r, e, x, _, t));
+						let t = D.ori == 1 ? H : U, n = ea(Ke.dist(r, e, x, _, t));
 						if (n < vn) {
 							let r = Ke.bias;
 							if (r != 0) {
@@ -6552,7 +6571,7 @@ function Sc(e, t, n) {
 						if (v = Ge.fill(r, e), g = Ge.stroke(r, e), Je) e == yn && vn <= Ke.prox && (s = c, u = l, d = a, f = o, p = y, m = v, h = g);
 						else {
 							let t = Ye[e];
-							t != null && (Xe[e] = c, Ze[e] = l, Ci(t, a, o, y), xi(t, v, g), yi(t, Zi(c), Zi(l), I, L));
+							t != null && (Xe[e] = c, Ze[e] = l, ki(t, a, o, y), Di(t, v, g), Ti(t, ra(c), ra(l), I, L));
 						}
 					}
 				}
@@ -6561,19 +6580,19 @@ function Sc(e, t, n) {
 				let e = Ke.prox;
 				if (Le || (bn == null ? vn <= e : vn > e || yn != bn)) {
 					let e = Ye[0];
-					e != null && (Xe[0] = s, Ze[0] = u, Ci(e, d, f, p), xi(e, m, h), yi(e, Zi(s), Zi(u), I, L));
+					e != null && (Xe[0] = s, Ze[0] = u, ki(e, d, f, p), Di(e, m, h), Ti(e, ra(s), ra(u), I, L));
 				}
 			}
 		}
 		if (K.show && sn) {
 			if (e != null) {
-				let [t, n] = Xn.scales, [r, i] = Xn.match, [a, o] = e.cursor.sync.scales, s = e.cursor.drag;
+				let [t, n] = Zn.scales, [r, i] = Zn.match, [a, o] = e.cursor.sync.scales, s = e.cursor.drag;
 				if (G = s._x, cn = s._y, G || cn) {
 					let { left: s, top: u, width: d, height: f } = e.select, p = e.scales[a].ori, m = e.posToVal, h, g, _, v, y, x = t != null && r(t, a), S = n != null && i(n, o);
-					x && G ? (p == 0 ? (h = s, g = d) : (h = u, g = f), _ = b[t], v = k(m(h, a), _, c, 0), y = k(m(h + g, a), _, c, 0), Dn(Qi(v, y), Ji(y - v))) : Dn(0, c), S && cn ? (p == 1 ? (h = s, g = d) : (h = u, g = f), _ = b[n], v = A(m(h, o), _, l, 0), y = A(m(h + g, o), _, l, 0), On(Qi(v, y), Ji(y - v))) : On(0, l);
+					x && G ? (p == 0 ? (h = s, g = d) : (h = u, g = f), _ = b[t], v = k(m(h, a), _, c, 0), y = k(m(h + g, a), _, c, 0), Dn(ia(v, y), ea(y - v))) : Dn(0, c), S && cn ? (p == 1 ? (h = s, g = d) : (h = u, g = f), _ = b[n], v = A(m(h, o), _, l, 0), y = A(m(h + g, o), _, l, 0), On(ia(v, y), ea(y - v))) : On(0, l);
 				} else Ln();
 			} else {
-				let e = Ji(an - en), t = Ji(on - tn);
+				let e = ea(an - en), t = ea(on - tn);
 				if (D.ori == 1) {
 					let n = e;
 					e = t, t = n;
@@ -6582,48 +6601,48 @@ function Sc(e, t, n) {
 				let n = W.uni;
 				n == null ? W.x && W.y && (G || cn) && (G = cn = !0) : G && cn && (G = e >= n, cn = t >= n, !G && !cn && (t > e ? cn = !0 : G = !0));
 				let r, i;
-				G && (D.ori == 0 ? (r = nn, i = H) : (r = rn, i = U), Dn(Qi(r, i), Ji(i - r)), cn || On(0, l)), cn && (D.ori == 1 ? (r = nn, i = H) : (r = rn, i = U), On(Qi(r, i), Ji(i - r)), G || Dn(0, c)), !G && !cn && (Dn(0, 0), On(0, 0));
+				G && (D.ori == 0 ? (r = nn, i = H) : (r = rn, i = U), Dn(ia(r, i), ea(i - r)), cn || On(0, l)), cn && (D.ori == 1 ? (r = nn, i = H) : (r = rn, i = U), On(ia(r, i), ea(i - r)), G || Dn(0, c)), !G && !cn && (Dn(0, 0), On(0, 0));
 			}
 		}
 		if (W._x = G, W._y = cn, e == null) {
 			if (a) {
-				if (Zn != null) {
-					let [e, t] = Xn.scales;
-					Xn.values[0] = e == null ? null : Cn(D.ori == 0 ? H : U, e), Xn.values[1] = t == null ? null : Cn(D.ori == 1 ? H : U, t);
+				if (Qn != null) {
+					let [e, t] = Zn.scales;
+					Zn.values[0] = e == null ? null : Cn(D.ori == 0 ? H : U, e), Zn.values[1] = t == null ? null : Cn(D.ori == 1 ? H : U, t);
 				}
-				$n(Xr, r, H, U, I, L, o);
+				er(ni, r, H, U, I, L, o);
 			}
 			if (qe) {
-				let e = a && Xn.setSeries, t = Ke.prox;
+				let e = a && Zn.setSeries, t = Ke.prox;
 				bn == null ? vn <= t && pn(yn, xn, !0, e) : vn > t ? pn(null, xn, !0, e) : yn != bn && pn(yn, xn, !0, e);
 			}
 		}
-		Le && (M.idx = o, An()), n !== !1 && J("setCursor");
+		Le && (M.idx = o, An()), n !== !1 && Yn("setCursor");
 	}
-	let Mn = null;
+	let Nn = null;
 	Object.defineProperty(r, "rect", { get() {
-		return Mn ?? Nn(!1), Mn;
+		return Nn ?? Pn(!1), Nn;
 	} });
-	function Nn(e = !1) {
-		e ? Mn = null : (Mn = m.getBoundingClientRect(), J("syncRect", Mn));
+	function Pn(e = !1) {
+		e ? Nn = null : (Nn = m.getBoundingClientRect(), Yn("syncRect", Nn));
 	}
-	function Pn(e, t, n, r, i, a, o) {
-		N._lock || sn && e != null && e.movementX == 0 && e.movementY == 0 || (Fn(e, t, n, r, i, a, o, !1, e != null), e == null ? jn(t, !0, !1) : jn(null, !0, !0));
+	function Fn(e, t, n, r, i, a, o) {
+		N._lock || sn && e != null && e.movementX == 0 && e.movementY == 0 || (q(e, t, n, r, i, a, o, !1, e != null), e == null ? Mn(t, !0, !1) : Mn(null, !0, !0));
 	}
-	function Fn(e, t, n, i, a, o, c, l, u) {
-		if (Mn ?? Nn(!1), We(e), e != null) n = e.clientX - Mn.left, i = e.clientY - Mn.top;
+	function q(e, t, n, i, a, o, c, l, u) {
+		if (Nn ?? Pn(!1), We(e), e != null) n = e.clientX - Nn.left, i = e.clientY - Nn.top;
 		else {
 			if (n < 0 || i < 0) {
 				H = -10, U = -10;
 				return;
 			}
-			let [e, r] = Xn.scales, c = t.cursor.sync, [l, u] = c.values, [d, f] = c.scales, [p, m] = Xn.match, h = t.axes[0].side % 2 == 1, g = D.ori == 0 ? I : L, _ = D.ori == 1 ? I : L, v = h ? o : a, y = h ? a : o, x = h ? i : n, S = h ? n : i;
+			let [e, r] = Zn.scales, c = t.cursor.sync, [l, u] = c.values, [d, f] = c.scales, [p, m] = Zn.match, h = t.axes[0].side % 2 == 1, g = D.ori == 0 ? I : L, _ = D.ori == 1 ? I : L, v = h ? o : a, y = h ? a : o, x = h ? i : n, S = h ? n : i;
 			if (n = d == null ? x / v * g : p(e, d) ? s(l, b[e], g, 0) : -10, i = f == null ? S / y * _ : m(r, f) ? s(u, b[r], _, 0) : -10, D.ori == 1) {
 				let e = n;
 				n = i, i = e;
 			}
 		}
-		u && (t == null || t.cursor.event.type == Xr) && ((n <= 1 || n >= I - 1) && (n = va(n, I)), (i <= 1 || i >= L - 1) && (i = va(i, L))), l ? (en = n, tn = i, [nn, rn] = N.move(r, n, i)) : (H = n, U = i);
+		u && (t == null || t.cursor.event.type == ni) && ((n <= 1 || n >= I - 1) && (n = wa(n, I)), (i <= 1 || i >= L - 1) && (i = wa(i, L))), l ? (en = n, tn = i, [nn, rn] = N.move(r, n, i)) : (H = n, U = i);
 	}
 	let In = {
 		width: 0,
@@ -6636,22 +6655,22 @@ function Sc(e, t, n) {
 	}
 	let Rn, zn, Bn, Vn;
 	function Hn(e, t, n, i, a, o, s) {
-		sn = !0, G = cn = W._x = W._y = !1, Fn(e, t, n, i, a, o, s, !0, !1), e != null && (be(Qr, ci, Un, !1), $n(Zr, r, nn, rn, I, L, null));
+		sn = !0, G = cn = W._x = W._y = !1, q(e, t, n, i, a, o, s, !0, !1), e != null && (be(ii, mi, Un, !1), er(ri, r, nn, rn, I, L, null));
 		let { left: c, top: l, width: u, height: d } = K;
 		Rn = c, zn = l, Bn = u, Vn = d;
 	}
 	function Un(e, t, n, i, a, o, s) {
-		sn = W._x = W._y = !1, Fn(e, t, n, i, a, o, s, !1, !0);
+		sn = W._x = W._y = !1, q(e, t, n, i, a, o, s, !1, !0);
 		let { left: c, top: l, width: u, height: d } = K, f = u > 0 || d > 0, p = Rn != c || zn != l || Bn != u || Vn != d;
 		if (f && p && un(K), W.setScale && f && p) {
 			let e = c, t = u, n = l, r = d;
 			if (D.ori == 1 && (e = l, t = d, n = c, r = u), G && fn(S, Cn(e, S), Cn(e + t, S)), cn) for (let e in b) {
 				let t = b[e];
-				e != S && t.from == null && t.min != oa && fn(e, Cn(n + r, e), Cn(n, e));
+				e != S && t.from == null && t.min != fa && fn(e, Cn(n + r, e), Cn(n, e));
 			}
 			Ln();
-		} else N.lock && (N._lock = !N._lock, jn(t, !0, e != null));
-		e != null && (xe(Qr, ci), $n(Qr, r, H, U, I, L, null));
+		} else N.lock && (N._lock = !N._lock, Mn(t, !0, e != null));
+		e != null && (xe(ii, mi), er(ii, r, H, U, I, L, null));
 	}
 	function Wn(e, t, n, r, i, a, o) {
 		if (N._lock) return;
@@ -6659,26 +6678,26 @@ function Sc(e, t, n) {
 		let s = sn;
 		if (sn) {
 			let e = !0, t = !0, n, r;
-			D.ori == 0 ? (n = G, r = cn) : (n = cn, r = G), n && r && (e = H <= 10 || H >= I - 10, t = U <= 10 || U >= L - 10), n && e && (H = H < nn ? 0 : I), r && t && (U = U < rn ? 0 : L), jn(null, !0, !0), sn = !1;
+			D.ori == 0 ? (n = G, r = cn) : (n = cn, r = G), n && r && (e = H <= 10 || H >= I - 10, t = U <= 10 || U >= L - 10), n && e && (H = H < nn ? 0 : I), r && t && (U = U < rn ? 0 : L), Mn(null, !0, !0), sn = !1;
 		}
-		H = -10, U = -10, ae.fill(null), jn(null, !0, !0), s && (sn = s);
+		H = -10, U = -10, ae.fill(null), Mn(null, !0, !0), s && (sn = s);
 	}
 	function Gn(e, t, n, i, a, o, s) {
-		N._lock || (We(e), pt(), Ln(), e != null && $n(ti, r, H, U, I, L, null));
+		N._lock || (We(e), pt(), Ln(), e != null && er(si, r, H, U, I, L, null));
 	}
 	function Kn() {
-		y.forEach(xc), Re(r.width, r.height, !0);
+		y.forEach(Dc), Re(r.width, r.height, !0);
 	}
-	Ei(ai, li, Kn);
+	Mi(di, hi, Kn);
 	let qn = {};
-	qn.mousedown = Hn, qn.mousemove = Pn, qn.mouseup = Un, qn.dblclick = Gn, qn.setSeries = (e, t, n, i) => {
-		let a = Xn.match[2];
+	qn.mousedown = Hn, qn.mousemove = Fn, qn.mouseup = Un, qn.dblclick = Gn, qn.setSeries = (e, t, n, i) => {
+		let a = Zn.match[2];
 		n = a(r, t, n), n != -1 && pn(n, i, !0, !1);
-	}, oe && (be(Zr, m, Hn), be(Xr, m, Pn), be($r, m, (e) => {
-		We(e), Nn(!1);
-	}), be(ei, m, Wn), be(ti, m, Gn), ac.add(r), r.syncRect = Nn);
+	}, oe && (be(ri, m, Hn), be(ni, m, Fn), be(ai, m, (e) => {
+		We(e), Pn(!1);
+	}), be(oi, m, Wn), be(si, m, Gn), dc.add(r), r.syncRect = Pn);
 	let Jn = r.hooks = e.hooks || {};
-	function J(e, t, n) {
+	function Yn(e, t, n) {
 		Ut ? Wt.push([
 			e,
 			t,
@@ -6690,54 +6709,54 @@ function Sc(e, t, n) {
 	(e.plugins || []).forEach((e) => {
 		for (let t in e.hooks) Jn[t] = (Jn[t] || []).concat(e.hooks[t]);
 	});
-	let Yn = (e, t, n) => n, Xn = Ia({
+	let Xn = (e, t, n) => n, Zn = Ha({
 		key: null,
 		setSeries: !1,
 		filters: {
-			pub: ma,
-			sub: ma
+			pub: ba,
+			sub: ba
 		},
 		scales: [S, v[1] ? v[1].scale : null],
 		match: [
-			ha,
-			ha,
-			Yn
+			xa,
+			xa,
+			Xn
 		],
 		values: [null, null]
 	}, N.sync);
-	Xn.match.length == 2 && Xn.match.push(Yn), N.sync = Xn;
-	let Zn = Xn.key, Qn = Es(Zn);
-	function $n(e, t, n, r, i, a, o) {
-		Xn.filters.pub(e, t, n, r, i, a, o) && Qn.pub(e, t, n, r, i, a, o);
-	}
-	Qn.sub(r);
+	Zn.match.length == 2 && Zn.match.push(Xn), N.sync = Zn;
+	let Qn = Zn.key, $n = Ms(Qn);
 	function er(e, t, n, r, i, a, o) {
-		Xn.filters.sub(e, t, n, r, i, a, o) && qn[e](null, t, n, r, i, a, o);
+		Zn.filters.pub(e, t, n, r, i, a, o) && $n.pub(e, t, n, r, i, a, o);
 	}
-	r.pub = er;
-	function tr() {
-		Qn.unsub(r), ac.delete(r), ye.clear(), Di(ai, li, Kn), l.remove(), F?.remove(), J("destroy");
+	$n.sub(r);
+	function tr(e, t, n, r, i, a, o) {
+		Zn.filters.sub(e, t, n, r, i, a, o) && qn[e](null, t, n, r, i, a, o);
 	}
-	r.destroy = tr;
+	r.pub = tr;
 	function nr() {
-		J("init", e, t), ft(t || e.data, !1), j[S] ? Yt(S, j[S]) : pt(), Ie = K.show && (K.width > 0 || K.height > 0), Fe = Le = !0, Re(e.width, e.height);
+		$n.unsub(r), dc.delete(r), ye.clear(), Ni(di, hi, Kn), l.remove(), F?.remove(), Yn("destroy");
 	}
-	return v.forEach($e), y.forEach(rt), n ? n instanceof HTMLElement ? (n.appendChild(l), nr()) : n(r, nr) : nr(), r;
+	r.destroy = nr;
+	function rr() {
+		Yn("init", e, t), ft(t || e.data, !1), j[S] ? Yt(S, j[S]) : pt(), Ie = K.show && (K.width > 0 || K.height > 0), Fe = Le = !0, Re(e.width, e.height);
+	}
+	return v.forEach($e), y.forEach(rt), n ? n instanceof HTMLElement ? (n.appendChild(l), rr()) : n(r, rr) : rr(), r;
 }
-Sc.assign = Ia, Sc.fmtNum = Gi, Sc.rangeNum = Vi, Sc.rangeLog = Fi, Sc.rangeAsinh = Ii, Sc.orient = ks, Sc.pxRatio = Y, Sc.join = Va, Sc.fmtDate = eo, Sc.tzDate = no, Sc.sync = Es;
+Oc.assign = Ha, Oc.fmtNum = Zi, Oc.rangeNum = qi, Oc.rangeLog = Vi, Oc.rangeAsinh = Hi, Oc.orient = Fs, Oc.pxRatio = J, Oc.join = qa, Oc.fmtDate = oo, Oc.tzDate = co, Oc.sync = Ms;
 {
-	Sc.addGap = Ps, Sc.clipGaps = Ns;
-	let e = Sc.paths = { points: Js };
-	e.linear = Qs, e.stepped = $s, e.bars = tc, e.spline = rc;
+	Oc.addGap = Bs, Oc.clipGaps = zs;
+	let e = Oc.paths = { points: ec };
+	e.linear = ic, e.stepped = ac, e.bars = sc, e.spline = lc;
 }
 // src/phase.tsx
-var [Cc, wc] = [420, 300], Tc = {
+var [kc, Ac] = [420, 300], $ = {
 	left: 64,
 	right: 12,
 	top: 10,
 	bottom: 34
 };
-function Ec({ store: e, state: t }) {
+function jc({ store: e, state: t }) {
 	let [n, r] = V(null), [i, a] = t.plotted, o = t.run, [s, c] = t.span;
 	if (yt(() => {
 		if (!i || !a) return;
@@ -6761,7 +6780,7 @@ function Ec({ store: e, state: t }) {
 		children: "Plot two signals: the second is drawn over the first."
 	});
 	if (!n) return null;
-	let [l, u, d, f] = n.box, [p, m] = [u - l || 1, f - d || 1], h = (e) => Tc.left + (e - l) / p * (Cc - Tc.left - Tc.right), g = (e) => wc - Tc.bottom - (e - d) / m * (wc - Tc.top - Tc.bottom), _ = (e, t, n) => `${h(e[n]).toFixed(1)},${g(t[n]).toFixed(1)}`, v = (e) => e[e.length - 1], y = n.pieces.slice(1).map(([e, t], r) => {
+	let [l, u, d, f] = n.box, [p, m] = [u - l || 1, f - d || 1], h = (e) => $.left + (e - l) / p * (kc - $.left - $.right), g = (e) => Ac - $.bottom - (e - d) / m * (Ac - $.top - $.bottom), _ = (e, t, n) => `${h(e[n]).toFixed(1)},${g(t[n]).toFixed(1)}`, v = (e) => e[e.length - 1], y = n.pieces.slice(1).map(([e, t], r) => {
 		let [i, a] = n.pieces[r];
 		return {
 			x1: h(v(i)),
@@ -6774,28 +6793,28 @@ function Ec({ store: e, state: t }) {
 		class: "phase",
 		"aria-label": `${a} over ${i}`,
 		children: /* @__PURE__ */ z("svg", {
-			viewBox: `0 0 ${Cc} ${wc}`,
+			viewBox: `0 0 ${kc} ${Ac}`,
 			role: "img",
 			"aria-label": `${a} over ${i}, from ${Se(l)} to ${Se(u)} ${n.units[0]} and from ${Se(d)} to ${Se(f)} ${n.units[1]}`,
 			children: [
 				/* @__PURE__ */ z("rect", {
 					class: "box",
-					x: Tc.left,
-					y: Tc.top,
-					width: Cc - Tc.left - Tc.right,
-					height: wc - Tc.top - Tc.bottom
+					x: $.left,
+					y: $.top,
+					width: kc - $.left - $.right,
+					height: Ac - $.top - $.bottom
 				}),
 				l < 0 && u > 0 && /* @__PURE__ */ z("line", {
 					class: "axis",
 					x1: h(0),
 					x2: h(0),
-					y1: Tc.top,
-					y2: wc - Tc.bottom
+					y1: $.top,
+					y2: Ac - $.bottom
 				}),
 				d < 0 && f > 0 && /* @__PURE__ */ z("line", {
 					class: "axis",
-					x1: Tc.left,
-					x2: Cc - Tc.right,
+					x1: $.left,
+					x2: kc - $.right,
 					y1: g(0),
 					y2: g(0)
 				}),
@@ -6814,37 +6833,37 @@ function Ec({ store: e, state: t }) {
 					r: 4.5
 				}),
 				/* @__PURE__ */ z("text", {
-					x: Tc.left,
-					y: wc - Tc.bottom + 14,
+					x: $.left,
+					y: Ac - $.bottom + 14,
 					children: R(l, n.units[0])
 				}),
 				/* @__PURE__ */ z("text", {
-					x: Cc - Tc.right,
-					y: wc - Tc.bottom + 14,
+					x: kc - $.right,
+					y: Ac - $.bottom + 14,
 					"text-anchor": "end",
 					children: R(u, n.units[0])
 				}),
 				/* @__PURE__ */ z("text", {
-					x: (Cc + Tc.left) / 2,
-					y: wc - 6,
+					x: (kc + $.left) / 2,
+					y: Ac - 6,
 					"text-anchor": "middle",
 					class: "what",
 					children: i
 				}),
 				/* @__PURE__ */ z("text", {
-					x: Tc.left - 5,
-					y: wc - Tc.bottom,
+					x: $.left - 5,
+					y: Ac - $.bottom,
 					"text-anchor": "end",
 					children: R(d, n.units[1])
 				}),
 				/* @__PURE__ */ z("text", {
-					x: Tc.left - 5,
-					y: Tc.top + 10,
+					x: $.left - 5,
+					y: $.top + 10,
 					"text-anchor": "end",
 					children: R(f, n.units[1])
 				}),
 				/* @__PURE__ */ z("text", {
-					transform: `translate(12,${(wc - Tc.bottom) / 2}) rotate(-90)`,
+					transform: `translate(12,${(Ac - $.bottom) / 2}) rotate(-90)`,
 					"text-anchor": "middle",
 					class: "what",
 					children: a
@@ -6854,7 +6873,7 @@ function Ec({ store: e, state: t }) {
 	});
 }
 // src/plots.tsx
-var Dc = [
+var Mc = [
 	"--c1",
 	"--c2",
 	"--c3",
@@ -6862,7 +6881,7 @@ var Dc = [
 	"--c5",
 	"--c6"
 ];
-function Oc({ store: e, state: t }) {
+function Nc({ store: e, state: t }) {
 	let [n, r] = V(null), [i, a] = V(!1), [o, s] = V(800), c = bt(null), l = t.run, [u, d] = t.span;
 	yt(() => {
 		let e = c.current;
@@ -6898,7 +6917,7 @@ function Oc({ store: e, state: t }) {
 		o,
 		i,
 		t.runs.length
-	]), t.running && t.soFar) return /* @__PURE__ */ z(kc, {
+	]), t.running && t.soFar) return /* @__PURE__ */ z(Pc, {
 		state: t,
 		soFar: t.soFar
 	});
@@ -6929,7 +6948,7 @@ function Oc({ store: e, state: t }) {
 						class: "own",
 						children: l.title
 					}),
-					/* @__PURE__ */ z(Ac, {
+					/* @__PURE__ */ z(Fc, {
 						store: e,
 						state: t,
 						run: l
@@ -6978,9 +6997,9 @@ function Oc({ store: e, state: t }) {
 					}), " power along bonds"] })
 				]
 			}),
-			t.plotted.map((r, i) => /* @__PURE__ */ z(jc, {
+			t.plotted.map((r, i) => /* @__PURE__ */ z(Ic, {
 				name: r,
-				ink: Dc[i % Dc.length],
+				ink: Mc[i % Mc.length],
 				curves: (n?.runs ?? []).flatMap((e) => e.curves.filter((e) => e.name === r)),
 				span: t.span,
 				cursor: p,
@@ -6993,11 +7012,11 @@ function Oc({ store: e, state: t }) {
 					e.set({ instant: null }), e.moveCursor(t);
 				}
 			}, r)),
-			t.phase && /* @__PURE__ */ z(Ec, {
+			t.phase && /* @__PURE__ */ z(jc, {
 				store: e,
 				state: t
 			}),
-			/* @__PURE__ */ z(Fc, {
+			/* @__PURE__ */ z(Bc, {
 				lanes: n?.strip ?? [],
 				span: t.span,
 				cursor: p,
@@ -7006,14 +7025,14 @@ function Oc({ store: e, state: t }) {
 		]
 	});
 }
-function kc({ state: e, soFar: t }) {
+function Pc({ state: e, soFar: t }) {
 	let n = bt(null), r = [t.tBegin, t.tEnd];
 	return /* @__PURE__ */ z("div", {
 		class: "plots",
 		ref: n,
-		children: [t.curves.map((i, a) => /* @__PURE__ */ z(jc, {
+		children: [t.curves.map((i, a) => /* @__PURE__ */ z(Ic, {
 			name: i.name,
-			ink: Dc[a % Dc.length],
+			ink: Mc[a % Mc.length],
 			curves: [i],
 			span: r,
 			cursor: null,
@@ -7023,7 +7042,7 @@ function kc({ state: e, soFar: t }) {
 			last: a === t.curves.length - 1,
 			onSpan: () => {},
 			onTime: () => {}
-		}, i.name)), /* @__PURE__ */ z(Fc, {
+		}, i.name)), /* @__PURE__ */ z(Bc, {
 			lanes: t.strip,
 			span: r,
 			cursor: null,
@@ -7031,7 +7050,7 @@ function kc({ state: e, soFar: t }) {
 		})]
 	});
 }
-function Ac({ store: e, state: t, run: n }) {
+function Fc({ store: e, state: t, run: n }) {
 	let r = (t.look?.view.nodes ?? []).flatMap((e) => e.kind === "part" ? [] : [`${e.name}.e`, `${e.name}.f`]), i = [.../* @__PURE__ */ new Set([...n.names, ...r])].filter((e) => !t.plotted.includes(e));
 	return /* @__PURE__ */ z("span", {
 		class: "chooser",
@@ -7059,7 +7078,7 @@ function Ac({ store: e, state: t, run: n }) {
 		]
 	});
 }
-var jc = class extends S {
+var Ic = class extends S {
 	box = b();
 	plot = null;
 	componentDidMount() {
@@ -7078,8 +7097,8 @@ var jc = class extends S {
 		a.replaceChildren();
 		let o = e.filter((e) => !e.error);
 		if (!o.length) return;
-		let s = getComputedStyle(a), c = s.getPropertyValue("--ink"), l = s.getPropertyValue("--line"), u = o.map((e, t) => s.getPropertyValue(t === o.length - 1 ? this.props.ink : Dc[(t + 3) % Dc.length])), d = o.map((e) => [e.t, e.y]), f = d.length === 1 ? d[0] : Sc.join(d), p = o[o.length - 1].unit, m = o.flatMap((e) => e.impulses);
-		this.plot = new Sc({
+		let s = getComputedStyle(a), c = s.getPropertyValue("--ink"), l = s.getPropertyValue("--line"), u = o.map((e, t) => s.getPropertyValue(t === o.length - 1 ? this.props.ink : Mc[(t + 3) % Mc.length])), d = o.map((e) => [e.t, e.y]), f = d.length === 1 ? d[0] : Oc.join(d), p = o[o.length - 1].unit, m = o.flatMap((e) => e.impulses);
+		this.plot = new Oc({
 			width: Math.max(n - 4, 200),
 			height: r ? 132 : 112,
 			padding: [
@@ -7101,7 +7120,7 @@ var jc = class extends S {
 					time: !1,
 					range: () => t
 				},
-				y: { range: (e, t, n) => Mc(t, n, m.length > 0) }
+				y: { range: (e, t, n) => Lc(t, n, m.length > 0) }
 			},
 			axes: [{
 				show: r,
@@ -7112,7 +7131,7 @@ var jc = class extends S {
 				},
 				ticks: { stroke: l },
 				size: 26,
-				values: (e, t) => Nc(t, "s")
+				values: (e, t) => Rc(t, "s")
 			}, {
 				stroke: c,
 				grid: {
@@ -7125,7 +7144,7 @@ var jc = class extends S {
 				labelSize: 18,
 				labelFont: "11px sans-serif",
 				font: "10px sans-serif",
-				values: (e, t) => Nc(t, p)
+				values: (e, t) => Rc(t, p)
 			}],
 			series: [{}, ...o.map((e, t) => ({
 				stroke: u[t],
@@ -7192,13 +7211,13 @@ var jc = class extends S {
 		});
 	}
 };
-function Mc(e, t, n) {
+function Lc(e, t, n) {
 	let [r, i] = [e ?? 0, t ?? 1];
 	n && ([r, i] = [Math.min(r, 0), Math.max(i, 0)]);
 	let a = .08 * (i - r) || .1 * Math.abs(r) || 1;
 	return [r - a, i + a];
 }
-function Nc(e, t) {
+function Rc(e, t) {
 	let n = Math.max(...e.map(Math.abs)), r = [
 		1e9,
 		1e6,
@@ -7219,7 +7238,7 @@ function Nc(e, t) {
 	}[r] ?? "", a = /^[A-Za-zΩ]+$/.test(t) && t !== "kg";
 	return e.map((e) => a ? `${+(e / r).toPrecision(5)} ${i}${t}` : `${+e.toPrecision(5)} ${I(t)}`);
 }
-var Pc = [
+var zc = [
 	"var(--s0)",
 	"var(--s1)",
 	"var(--s2)",
@@ -7229,7 +7248,7 @@ var Pc = [
 	"var(--s6)",
 	"var(--s7)"
 ];
-function Fc({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
+function Bc({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
 	if (!e.length) return null;
 	let a = (e) => 1e3 * (e - t) / (n - t || 1);
 	return /* @__PURE__ */ z("div", {
@@ -7260,14 +7279,14 @@ function Fc({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
 						width: Math.max(.7, a(Math.min(i, n)) - a(Math.max(r, t))),
 						y: 1,
 						height: 16,
-						fill: Pc[o % Pc.length],
+						fill: zc[o % zc.length],
 						children: /* @__PURE__ */ z("title", { children: e.states[o] })
 					})), e.shares?.map((e, t) => e.map((n, r) => n > 0 ? /* @__PURE__ */ z("rect", {
 						x: 1e3 * r / e.length,
 						width: 1e3 / e.length,
 						y: 1,
 						height: 16,
-						fill: Pc[t % Pc.length],
+						fill: zc[t % zc.length],
 						opacity: n
 					}) : null))]
 				})), r !== null && r >= t && r <= n && /* @__PURE__ */ z("line", {
@@ -7293,20 +7312,20 @@ function Fc({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
 	});
 }
 // src/power.tsx
-var Ic = {
+var Vc = {
 	C: ["gives back", "stores"],
 	I: ["gives back", "stores"],
 	R: ["gives", "dissipates"],
 	G: ["gives", "dissipates"],
 	Se: ["supplies", "absorbs"],
 	Sf: ["supplies", "absorbs"]
-}, Lc = 150, [Rc, zc, Bc, Vc] = [
+}, Hc = 150, [Uc, Wc, Gc, Kc] = [
 	310,
 	17,
 	7,
 	10
 ];
-function Hc(e) {
+function qc(e) {
 	let t = e.cursor?.values ?? {}, { nodes: n, bonds: r } = e.look.view, i = /* @__PURE__ */ new Map();
 	for (let e of r) {
 		let n = t[e.key];
@@ -7326,26 +7345,26 @@ function Hc(e) {
 		unknown: a.filter((e) => i.get(e.name) === null).map((e) => e.name)
 	};
 }
-function Uc({ gives: e, takes: t }) {
-	let n = (e) => e.reduce((e, t) => e + t.size, 0), r = Math.max(n(e), n(t)) || 1, i = Math.max(1, e.length, t.length), a = i * (zc + Bc) + 120, o = (a - i * Bc - 8) / r, s = (e, t) => {
+function Jc({ gives: e, takes: t }) {
+	let n = (e) => e.reduce((e, t) => e + t.size, 0), r = Math.max(n(e), n(t)) || 1, i = Math.max(1, e.length, t.length), a = i * (Wc + Gc) + 120, o = (a - i * Gc - 8) / r, s = (e, t) => {
 		let n = 4, r = 4;
 		return e.map((e) => {
 			let i = e.size * o, [a, s] = [n, r];
-			n += Math.max(i, 1) + Bc, r += i;
-			let [c, l] = t ? [Vc, Rc / 2 - Vc / 2] : [Rc - Vc, Rc / 2 + Vc / 2], u = (c + l) / 2;
+			n += Math.max(i, 1) + Gc, r += i;
+			let [c, l] = t ? [Kc, Uc / 2 - Kc / 2] : [Uc - Kc, Uc / 2 + Kc / 2], u = (c + l) / 2;
 			return /* @__PURE__ */ z("g", {
 				class: "flow " + (t ? "gives" : "takes"),
 				onClick: e.select,
 				children: [
 					/* @__PURE__ */ z("path", { d: `M${c},${a}C${u},${a} ${u},${s} ${l},${s}V${s + i}C${u},${s + i} ${u},${a + i} ${c},${a + i}Z` }),
 					/* @__PURE__ */ z("rect", {
-						x: t ? 0 : Rc - Vc,
+						x: t ? 0 : Uc - Kc,
 						y: a,
-						width: Vc,
+						width: Kc,
 						height: Math.max(i, 1)
 					}),
 					/* @__PURE__ */ z("text", {
-						x: t ? Vc + 4 : Rc - Vc - 4,
+						x: t ? Kc + 4 : Uc - Kc - 4,
 						y: a + Math.max(i, 1) / 2 + 4,
 						"text-anchor": t ? "start" : "end",
 						children: e.name
@@ -7356,7 +7375,7 @@ function Uc({ gives: e, takes: t }) {
 	};
 	return /* @__PURE__ */ z("svg", {
 		class: "sankey",
-		viewBox: `0 0 ${Rc} ${a}`,
+		viewBox: `0 0 ${Uc} ${a}`,
 		role: "img",
 		"aria-label": `Sankey diagram: ${e.map((e) => e.name).join(", ")} give, ${t.map((e) => e.name).join(", ")} take`,
 		children: [
@@ -7364,15 +7383,15 @@ function Uc({ gives: e, takes: t }) {
 			s(t, !1),
 			/* @__PURE__ */ z("rect", {
 				class: "middle-bar",
-				x: Rc / 2 - Vc / 2,
+				x: Uc / 2 - Kc / 2,
 				y: 4,
-				width: Vc,
+				width: Kc,
 				height: r * o
 			})
 		]
 	});
 }
-function Wc({ store: e, state: t }) {
+function Yc({ store: e, state: t }) {
 	let [n, r] = V(!1);
 	return t.cursor ? /* @__PURE__ */ z("section", {
 		class: "power-panel",
@@ -7389,7 +7408,7 @@ function Wc({ store: e, state: t }) {
 				onClick: () => r(!0),
 				children: "Energy up to it"
 			})]
-		}), z(n ? Gc : Kc, {
+		}), z(n ? Xc : Zc, {
 			store: e,
 			state: t
 		})]
@@ -7398,7 +7417,7 @@ function Wc({ store: e, state: t }) {
 		children: "Run the model and choose a time in its plots."
 	});
 }
-function Gc({ store: e, state: t }) {
+function Xc({ store: e, state: t }) {
 	let [n, r] = V(null), i = t.cursor.t, a = t.run?.run;
 	if (yt(() => {
 		let t = !1, n = setTimeout(() => {
@@ -7406,7 +7425,7 @@ function Gc({ store: e, state: t }) {
 				run: a,
 				t: i
 			}).then((e) => !t && r(e)).catch((t) => e.refused(t));
-		}, Lc);
+		}, Hc);
 		return () => {
 			t = !0, clearTimeout(n);
 		};
@@ -7429,7 +7448,7 @@ function Gc({ store: e, state: t }) {
 			" to ",
 			R(n.end, "s")
 		] }),
-		n.gives.length + n.takes.length > 0 ? /* @__PURE__ */ z(Uc, {
+		n.gives.length + n.takes.length > 0 ? /* @__PURE__ */ z(Jc, {
 			gives: n.gives.map(s),
 			takes: n.takes.map(s)
 		}) : /* @__PURE__ */ z("p", {
@@ -7468,8 +7487,8 @@ function Gc({ store: e, state: t }) {
 		})
 	] });
 }
-function Kc({ store: e, state: t }) {
-	let { found: n, unknown: r } = Hc(t), i = Math.max(0, ...n.map((e) => Math.abs(e.power))), a = n.filter((e) => Math.abs(e.power) > 1e-6 * i).sort((e, t) => Math.abs(t.power) - Math.abs(e.power)), o = a.filter((e) => e.power < 0), s = a.filter((e) => e.power > 0), c = (e) => e.reduce((e, t) => e + Math.abs(t.power), 0), l = (t) => e.set({
+function Zc({ store: e, state: t }) {
+	let { found: n, unknown: r } = qc(t), i = Math.max(0, ...n.map((e) => Math.abs(e.power))), a = n.filter((e) => Math.abs(e.power) > 1e-6 * i).sort((e, t) => Math.abs(t.power) - Math.abs(e.power)), o = a.filter((e) => e.power < 0), s = a.filter((e) => e.power > 0), c = (e) => e.reduce((e, t) => e + Math.abs(t.power), 0), l = (t) => e.set({
 		nodes: /* @__PURE__ */ new Set([t.name]),
 		bonds: /* @__PURE__ */ new Set()
 	}), u = (e) => ({
@@ -7479,7 +7498,7 @@ function Kc({ store: e, state: t }) {
 	});
 	return /* @__PURE__ */ z(x, { children: [
 		/* @__PURE__ */ z("h2", { children: ["Power at t = ", R(t.cursor.t, "s")] }),
-		a.length > 0 ? /* @__PURE__ */ z(Uc, {
+		a.length > 0 ? /* @__PURE__ */ z(Jc, {
 			gives: o.map(u),
 			takes: s.map(u)
 		}) : /* @__PURE__ */ z("p", {
@@ -7507,7 +7526,7 @@ function Kc({ store: e, state: t }) {
 					onClick: () => l(e.node),
 					children: e.node.name
 				}) }),
-				/* @__PURE__ */ z("td", { children: (Ic[e.node.kind] ?? ["gives", "takes"])[+(e.power > 0)] }),
+				/* @__PURE__ */ z("td", { children: (Vc[e.node.kind] ?? ["gives", "takes"])[+(e.power > 0)] }),
 				/* @__PURE__ */ z("td", {
 					class: "figure",
 					children: R(Math.abs(e.power), "W")
@@ -7530,7 +7549,7 @@ function Kc({ store: e, state: t }) {
 	] });
 }
 // src/splitter.tsx
-function qc(e) {
+function Qc(e) {
 	let t = (t) => e.onChange(Math.round(Math.max(e.least, Math.min(e.most, t))));
 	return /* @__PURE__ */ z("div", {
 		class: "splitter " + (e.upright ? "upright" : "level"),
@@ -7561,12 +7580,12 @@ function qc(e) {
 	});
 }
 // src/transport.ts
-var Jc = class extends Error {
+var $c = class extends Error {
 	problem;
 	constructor(e) {
 		super(e.why), this.problem = e;
 	}
-}, Yc = class {
+}, el = class {
 	count = 0;
 	waiting = /* @__PURE__ */ new Map();
 	held = [];
@@ -7602,19 +7621,19 @@ var Jc = class extends Error {
 		if (typeof e.id == "number") {
 			let t = this.waiting.get(e.id);
 			if (this.waiting.delete(e.id), !t) return;
-			e.error ? t.failed(new Jc(e.error)) : t.done(e);
+			e.error ? t.failed(new $c(e.error)) : t.done(e);
 		} else this.onTold(e);
 	}
 };
 // src/schematic.tsx
-function Xc({ store: e, state: t }) {
+function tl({ store: e, state: t }) {
 	let [n, r] = V(null), [i, a] = V(""), o = t.look, s = o.view.nodes.map((e) => `${e.x},${e.y}`).join(" ");
 	yt(() => {
 		let t = !1;
 		return e.transport.ask("schematic", { level: o.view.path }).then((e) => {
 			t || (r(e), a(""));
 		}).catch((e) => {
-			t || (r(null), a(e instanceof Jc ? `${e.problem.why}. ${e.problem.try ?? ""}` : String(e)));
+			t || (r(null), a(e instanceof $c ? `${e.problem.why}. ${e.problem.try ?? ""}` : String(e)));
 		}), () => {
 			t = !0;
 		};
@@ -7679,7 +7698,7 @@ function Xc({ store: e, state: t }) {
 	});
 }
 // src/app.tsx
-var Zc = [
+var nl = [
 	["item", "Properties"],
 	["machines", "Machines"],
 	["model", "Model"],
@@ -7689,7 +7708,7 @@ var Zc = [
 	["equations", "Equations"],
 	["power", "Power"],
 	["plan", "Sweep"]
-], Qc = class extends S {
+], rl = class extends S {
 	state = this.props.store.state;
 	stop = () => {};
 	componentDidMount() {
@@ -7747,7 +7766,7 @@ var Zc = [
 			class: "studio" + r + (t.bottom ? " withbottom" : ""),
 			style: `--side: ${t.room.side}px; --low: ${t.room.low ? `${t.room.low}px` : "44%"}`,
 			children: [
-				/* @__PURE__ */ z(el, {
+				/* @__PURE__ */ z(al, {
 					store: e,
 					state: t,
 					errors: i
@@ -7764,12 +7783,12 @@ var Zc = [
 							children: [/* @__PURE__ */ z(tt, {
 								store: e,
 								state: t
-							}), t.schematic && /* @__PURE__ */ z(Xc, {
+							}), t.schematic && /* @__PURE__ */ z(tl, {
 								store: e,
 								state: t
 							})]
 						}),
-						/* @__PURE__ */ z(qc, {
+						/* @__PURE__ */ z(Qc, {
 							upright: !0,
 							label: "Width of the panels",
 							value: t.room.side,
@@ -7788,7 +7807,7 @@ var Zc = [
 								class: "tabs",
 								role: "tablist",
 								"aria-label": "Panels",
-								children: Zc.map(([r, a]) => /* @__PURE__ */ z("button", {
+								children: nl.map(([r, a]) => /* @__PURE__ */ z("button", {
 									role: "tab",
 									id: `tab-${r}`,
 									"aria-controls": "panel",
@@ -7834,11 +7853,11 @@ var Zc = [
 										store: e,
 										state: t
 									}),
-									t.tab === "power" && /* @__PURE__ */ z(Wc, {
+									t.tab === "power" && /* @__PURE__ */ z(Yc, {
 										store: e,
 										state: t
 									}),
-									t.tab === "plan" && /* @__PURE__ */ z(Rn, {
+									t.tab === "plan" && /* @__PURE__ */ z(Un, {
 										store: e,
 										state: t
 									})
@@ -7849,7 +7868,7 @@ var Zc = [
 				}),
 				t.bottom && /* @__PURE__ */ z("div", {
 					class: "bottom",
-					children: [/* @__PURE__ */ z(qc, {
+					children: [/* @__PURE__ */ z(Qc, {
 						upright: !1,
 						label: "Height of the plots",
 						value: t.room.low || 320,
@@ -7860,14 +7879,14 @@ var Zc = [
 							...t.room,
 							low: n
 						} })
-					}), t.planShown && t.plan ? /* @__PURE__ */ z(ur, {
+					}), t.planShown && t.plan ? /* @__PURE__ */ z(gr, {
 						store: e,
 						state: t,
 						plan: t.plan
 					}) : /* @__PURE__ */ z(x, { children: [t.sweep ? /* @__PURE__ */ z(un, {
 						store: e,
 						state: t
-					}) : /* @__PURE__ */ z(Oc, {
+					}) : /* @__PURE__ */ z(Nc, {
 						store: e,
 						state: t
 					}), /* @__PURE__ */ z(jt, {
@@ -7882,7 +7901,7 @@ var Zc = [
 						"aria-live": "polite",
 						children: o || (n.whole ? "" : "strokes of what is joined so far")
 					}),
-					/* @__PURE__ */ z($c, {
+					/* @__PURE__ */ z(il, {
 						store: e,
 						state: t
 					}),
@@ -7901,7 +7920,7 @@ var Zc = [
 						children: "plots"
 					})
 				] }),
-				t.adding && n.view.editable && /* @__PURE__ */ z(Cn, {
+				t.adding && n.view.editable && /* @__PURE__ */ z(On, {
 					store: e,
 					state: t
 				}),
@@ -7930,7 +7949,7 @@ var Zc = [
 		});
 	}
 };
-function $c({ store: e, state: t }) {
+function il({ store: e, state: t }) {
 	let n = t.look.machines, r = t.cursor?.mode;
 	return n.length ? /* @__PURE__ */ z("span", {
 		class: "modes",
@@ -7950,10 +7969,10 @@ function $c({ store: e, state: t }) {
 		]
 	}) : null;
 }
-function el({ store: e, state: t, errors: n }) {
+function al({ store: e, state: t, errors: n }) {
 	let r = t.look, i = t.running, a = Number(r.panels.experiment.until) || t.run?.until || 1;
 	return /* @__PURE__ */ z("header", { children: [
-		/* @__PURE__ */ z(tl, {
+		/* @__PURE__ */ z(ol, {
 			store: e,
 			state: t
 		}),
@@ -8033,7 +8052,7 @@ function el({ store: e, state: t, errors: n }) {
 		})
 	] });
 }
-function tl({ store: e, state: t }) {
+function ol({ store: e, state: t }) {
 	let n = (e) => e.currentTarget.closest("details").removeAttribute("open"), r = (t) => {
 		e.set({
 			level: "",
@@ -8136,17 +8155,17 @@ function tl({ store: e, state: t }) {
 	});
 }
 // src/sharing.ts
-function nl(e, t) {
+function sl(e, t) {
 	if (e === t || typeof t != "object" || !t || typeof e != "object" || !e || Array.isArray(e) !== Array.isArray(t)) return t;
 	let [n, r] = [e, t], i = Object.keys(r), a = i.length === Object.keys(n).length;
 	for (let e of i) {
-		let t = nl(n[e], r[e]);
+		let t = sl(n[e], r[e]);
 		r[e] = t, a &&= t === n[e] && e in n;
 	}
 	return a ? e : t;
 }
 // src/store.ts
-var rl = {
+var cl = {
 	connected: !1,
 	look: null,
 	stock: null,
@@ -8183,16 +8202,21 @@ var rl = {
 		side: 340,
 		low: 0
 	}
-}, il = [
+}, ll = [
 	"C",
 	"I",
 	"R",
 	"G",
 	"Se",
 	"Sf"
-], al = class {
+], ul = .9;
+function dl(e) {
+	let t = e.ports ?? [];
+	return t.length ? Ae(e, t.map((e, t) => "we"[t % 2]).join("")).half / Ee[0] : .3;
+}
+var fl = class {
 	transport;
-	state = rl;
+	state = cl;
 	listeners = /* @__PURE__ */ new Set();
 	queue = Promise.resolve();
 	constructor(e) {
@@ -8235,7 +8259,7 @@ var rl = {
 		}
 	}
 	refused(e) {
-		e instanceof Jc ? this.set({ notice: e.problem }) : this.state.connected && this.set({ notice: {
+		e instanceof $c ? this.set({ notice: e.problem }) : this.state.connected && this.set({ notice: {
 			code: "",
 			where: "",
 			why: String(e),
@@ -8243,7 +8267,7 @@ var rl = {
 		} });
 	}
 	take(e) {
-		let t = nl(this.state.look, e), n = new Set(t.view.nodes.map((e) => e.name)), r = new Set(t.view.bonds.map((e) => e.key));
+		let t = sl(this.state.look, e), n = new Set(t.view.nodes.map((e) => e.name)), r = new Set(t.view.bonds.map((e) => e.key));
 		this.set({
 			look: t,
 			level: t.view.path,
@@ -8344,12 +8368,18 @@ var rl = {
 	freePlace(e) {
 		let t = this.state.look?.view.nodes ?? [];
 		if (!t.length) return [0, 0];
-		let n = il.find((t) => t in e), r = t.findIndex((e) => this.state.nodes.has(e.name)), i = t.slice(0, r < 0 ? t.length : r + 1), a = i.filter((e) => !il.includes(e.kind)), o = a[a.length - 1] ?? i[i.length - 1], s = (e, n) => t.some((t) => Math.abs(t.x - e) < .6 && Math.abs(t.y - n) < .6), c = Math.round(o.x), l = Math.round(o.y), u = n?.startsWith("S") ? [[-1, 0]] : [], d = [
-			...n && a.length ? [
-				...u,
-				[0, -1],
-				[0, 1]
-			] : [],
+		let n = ll.find((t) => t in e), r = t.findIndex((e) => this.state.nodes.has(e.name)), i = t.slice(0, r < 0 ? t.length : r + 1), a = i.filter((e) => !ll.includes(e.kind)), o = a[a.length - 1] ?? i[i.length - 1], s = "submodel" in e, c = (e, n) => t.some((t) => Math.abs(t.x - e) < dl(t) + (s ? ul : .3) && Math.abs(t.y - n) < (t.ports?.length || s ? .9 : .6)), l = Math.round(o.x), u = Math.round(o.y), d = n?.startsWith("S") ? [[-1, 0]] : [], f = n && a.length ? [
+			...d,
+			[0, -1],
+			[0, 1]
+		] : [], p = s || dl(o) > .3 ? [
+			[1, 0],
+			[2, 0],
+			[3, 0],
+			[4, 0]
+		] : [], m = [
+			...f,
+			...p,
 			[1, 0],
 			[0, -1],
 			[0, 1],
@@ -8358,8 +8388,8 @@ var rl = {
 			[1, 1],
 			[2, 0]
 		];
-		for (let [e, t] of d) if (!s(c + e, l + t)) return [c + e, l + t];
-		for (let e = 3;; e++) if (!s(c + e, l)) return [c + e, l];
+		for (let [e, t] of m) if (!c(l + e, u + t)) return [l + e, u + t];
+		for (let e = 3;; e++) if (!c(l + e, u)) return [l + e, u];
 	}
 	async bond(e, t) {
 		let n = new Set(this.state.look?.view.bonds.map((e) => e.key)), r = (await this.edit({
@@ -8516,7 +8546,7 @@ var rl = {
 				mode: n ?? null,
 				level: this.state.level,
 				names: this.state.plotted
-			}), o = nl(this.state.cursor?.strokes ?? this.state.look?.strokes, a.strokes);
+			}), o = sl(this.state.cursor?.strokes ?? this.state.look?.strokes, a.strokes);
 			i === this.cursorCount && this.set({ cursor: {
 				...a,
 				strokes: o
@@ -8533,11 +8563,11 @@ var rl = {
 	}
 };
 // src/widget.tsx
-function ol({ model: e, el: t }) {
-	let n = new Yc(), r = new al(n), i = (e) => n.received(e);
-	return e.on("msg:custom", i), n.connected({ send: (t) => e.send(t) }), t.style.height = `${e.get("height")}px`, t.classList.add("hybond-widget"), F(/* @__PURE__ */ z(Qc, { store: r }), t), r.begin(), () => {
+function pl({ model: e, el: t }) {
+	let n = new el(), r = new fl(n), i = (e) => n.received(e);
+	return e.on("msg:custom", i), n.connected({ send: (t) => e.send(t) }), t.style.height = `${e.get("height")}px`, t.classList.add("hybond-widget"), F(/* @__PURE__ */ z(rl, { store: r }), t), r.begin(), () => {
 		e.off("msg:custom", i), F(null, t);
 	};
 }
-var sl = { render: ol };
-export { sl as default, ol as render };
+var ml = { render: pl };
+export { ml as default, pl as render };
