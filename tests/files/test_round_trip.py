@@ -225,7 +225,7 @@ def test_numbers_stay_what_they_are(value: Any) -> None:
 @pytest.mark.parametrize("number", [1, 2.5, -1e-3])
 @pytest.mark.parametrize("form", ["toml", "json"])
 def test_a_signal_may_be_a_plain_number(number: float, form: str) -> None:
-    text = f'hybond = 1\n[elements]\nS = {{ Se = "2*cap" }}\nr = {{ R = 1 }}\n'
+    text = 'hybond = 1\n[elements]\nS = { Se = "2*cap" }\nr = { R = 1 }\n'
     text += f'[graph]\nbonds = ["S -> r"]\n[signals]\ncap = {number}\n'
     read = hb.loads(text)
     made = hb.Model("made")
@@ -236,3 +236,6 @@ def test_a_signal_may_be_a_plain_number(number: float, form: str) -> None:
         again = hb.loads(hb.dumps(model, format=form), format=form)
         assert again.signals == {"cap": number}
         assert hb.simulate(again, until=1.0)["r.f"].at(0.5) == 2 * number
+        assert f"cap={number!r}" in hb.export(again, to="python")
+        for to in ("modelica", "latex"):
+            assert "cap" in hb.export(again, to=to)
